@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Kind "extract": from the printed slices of a transistor to its
+   performance. */
+#ifndef OPCFLOW_EXTRACT_H
+#define OPCFLOW_EXTRACT_H
+
+#include <opcflow/gates.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The slices of `count` gates, `slices` each: slice s of gate i is
+   [i * slices + s]. Lengths in nm. A slice of a gate that did not print has
+   the length 0. */
+typedef struct opc_slices {
+  size_t size;               /* sizeof(opc_slices) */
+  size_t count, slices;
+  const uint8_t *type;       /* of each gate: OPC_NMOS, OPC_PMOS */
+  const double *width;       /* of each slice */
+  const double *length;
+  const double *edge;        /* distance of its middle from the nearer active
+                                edge */
+} opc_slices;
+
+typedef struct opc_extract {
+  size_t size;               /* sizeof(opc_extract) */
+
+  /* Once: read the devices. [main] */
+  int (*prepare)(void *self, opc_error *error);
+
+  /* Where to slice: the places across the width, as fractions of it in
+     increasing order, and the widths, as fractions that sum to 1. Belongs to
+     the instance. */
+  size_t (*slicing)(const void *self, const double **place,
+                    const double **width);
+
+  /* The performance of all gates in `in`, into the arrays of `out`, which has
+     room for in->count. [any] */
+  int (*extract)(const void *self, const opc_slices *in, opc_performance *out,
+                 opc_error *error);
+} opc_extract;
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Kinds "mask" and "drc": what drives the correction loop, and what holds it
+   within bounds. */
+#ifndef OPCFLOW_MASK_H
+#define OPCFLOW_MASK_H
+
+#include <opcflow/gates.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What the regulator (kind "drc") forbids a gate; flags. */
+enum {
+  OPC_VETO_LONGER = 1 << 0,   /* a larger L: go back, and go on with W */
+  OPC_VETO_SHORTER = 1 << 1,
+  OPC_VETO_WIDER = 1 << 2,
+  OPC_VETO_NARROWER = 1 << 3
+};
+
+/* The measurements of one iteration. Arrays of gates->count, valid during the
+   call. */
+typedef struct opc_feedback {
+  size_t size;               /* sizeof(opc_feedback) */
+  uint32_t iteration;        /* 0: the mask as drawn */
+  const opc_gates *gates;
+  const opc_performance *design, *printed;
+  const uint32_t *flags;     /* OPC_PRINT_* */
+  const uint32_t *vetoes;    /* OPC_VETO_* */
+} opc_feedback;
+
+/* The biases of each gate's mask, in grid steps against the drawn one: `l` of
+   its length (both sides of the poly together), `w` of its width (both sides
+   of the active together). They hold what was measured; the synthesizer
+   writes what to try next. An odd bias moves the HIGH side by one more. */
+typedef struct opc_moves {
+  size_t size;               /* sizeof(opc_moves) */
+  int32_t *l, *w;
+} opc_moves;
+
+typedef struct opc_synthesizer {
+  size_t size;               /* sizeof(opc_synthesizer) */
+
+  /* Before the first iteration, with feedback->printed NULL; allocate here
+     what the loop needs. A later begin starts anew. [main] */
+  int (*begin)(void *self, const opc_feedback *feedback, opc_error *error);
+
+  /* The next moves. *done = 1 to end the loop: `moves` is then the result, and
+     the loop prints it once more if it differs from what was measured. NaN in
+     the moves cannot be; a gate to leave alone keeps its biases. [main] */
+  int (*update)(void *self, const opc_feedback *feedback, opc_moves *moves,
+                int *done, opc_error *error);
+
+  /* Why gate i was left with the deviation it has, for the table: one word or
+     few ("within limit", "grid", "bridging"); NULL for nothing. [main] */
+  const char *(*verdict)(const void *self, size_t gate);
+} opc_synthesizer;
+
+/* A rule that the print does not keep. */
+typedef struct opc_violation {
+  const char *rule;          /* constant: "bridging", "extension", ... */
+  int32_t gate;
+  double x, y;               /* nm */
+  double value, limit;       /* nm, or a count */
+} opc_violation;
+
+/* What the regulator sees. */
+typedef struct opc_printed {
+  size_t size;               /* sizeof(opc_printed) */
+  uint32_t iteration;
+  const opc_gates *gates;
+  const uint32_t *flags;     /* OPC_PRINT_* */
+  const int32_t *l, *w;      /* biases of the mask that printed so */
+  /* How far the printed poly goes past the printed active, nm, [2 * i + side];
+     negative where it ends before it; INFINITY where it goes on. */
+  const double *extension;
+} opc_printed;
+
+/* What it answers. `vetoes` comes zeroed, `end` with the present biases of the
+   line ends, in grid steps, outwards positive, [2 * i + side]. */
+typedef struct opc_ruling {
+  size_t size;               /* sizeof(opc_ruling) */
+  uint32_t *vetoes;
+  int32_t *end;
+  size_t transistors;        /* how many print as one of their own */
+} opc_ruling;
+
+typedef struct opc_regulator {
+  size_t size;               /* sizeof(opc_regulator) */
+
+  /* Judge a print, set vetoes and fixes. [main] */
+  int (*rule)(void *self, const opc_printed *printed, opc_ruling *ruling,
+              opc_error *error);
+
+  /* The violations of a print, at most `room`; *count is how many there are in
+     all. [main] */
+  int (*violations)(void *self, const opc_printed *printed,
+                    opc_violation *violations, size_t room, size_t *count,
+                    opc_error *error);
+} opc_regulator;
+
+#ifdef __cplusplus
+}
+#endif
+#endif
