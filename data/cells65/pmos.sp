@@ -1,0 +1,5 @@
+* pmos: single p transistor, W 1000 nm
+* made by draw.py; w and l in metres, $ the centre of the drawn gate
+.subckt pmos D G S B
+M1 D G S B pmos w=1000e-9 l=65e-9 $ x=32.5 y=500 nm centre
+.ends pmos
