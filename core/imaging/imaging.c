@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "core/imaging/imaging.h"
+#include "core/imaging/spline.h"
+#include "core/plugin/host.h"
+
+static void sample(const opc_field *field, const double *x, const double *y,
+                   size_t n, double *out) {
+  double dx = field->frame.width / field->nx;
+  double dy = field->frame.height / field->ny;
+  for (size_t i = 0; i < n; i++) {
+    double wx[OPC_SPLINE_TAPS], wy[OPC_SPLINE_TAPS], sum = 0;
+    int a = opc_spline_weights((x[i] - field->frame.x0) / dx, wx);
+    int b = opc_spline_weights((y[i] - field->frame.y0) / dy, wy);
+    for (int j = 0; j < OPC_SPLINE_TAPS; j++) {
+      int row = (b + j) % field->ny;
+      row += row < 0 ? field->ny : 0;
+      const float *c = field->coefficients + (size_t)row * field->nx;
+      double line = 0;
+      for (int k = 0; k < OPC_SPLINE_TAPS; k++) {
+        int column = (a + k) % field->nx;
+        line += wx[k] * c[column < 0 ? column + field->nx : column];
+      }
+      sum += wy[j] * line;
+    }
+    out[i] = sum;
+  }
+}
+
+static void release_spectrum(const opc_host *host, opc_spectrum *spectrum) {
+  host->free(host, spectrum->data);
+  *spectrum = (opc_spectrum){0};
+}
+
+static void release_field(const opc_host *host, opc_field *field) {
+  host->free(host, field->coefficients);
+  *field = (opc_field){0};
+}
+
+const opc_imaging_service opc_imaging_functions = {
+    .size = sizeof(opc_imaging_service),
+    .mask_spectrum = opc_mask_spectrum,
+    .coherent_sum = opc_coherent_sum,
+    .sample = sample,
+    .contours = opc_contours,
+    .release_spectrum = release_spectrum,
+    .release_field = release_field,
+};

@@ -1,0 +1,273 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Spectra against the Fourier integrals of rectangles, images against sums of
+   plane waves, contours against closed forms. */
+#include "core/imaging/imaging.h"
+#include "core/imaging/spline.h"
+#include "core/plugin/host.h"
+
+#include <complex.h>
+#include <glib.h>
+#include <math.h>
+#include <string.h>
+
+static opc_host *host;
+
+/* ---- spectra ---- */
+
+/* The Fourier coefficient of a rectangle's coverage. */
+static double complex rectangle(opc_box b, double grid, opc_frame f, int k,
+                                int l) {
+  double complex side[2];
+  double low[2] = {b.x0 * grid - f.x0, b.y0 * grid - f.y0};
+  double high[2] = {b.x1 * grid - f.x0, b.y1 * grid - f.y0};
+  double period[2] = {f.width, f.height};
+  int order[2] = {k, l};
+  for (int a = 0; a < 2; a++) {
+    double complex w = -2 * M_PI * I * order[a] / period[a];
+    side[a] = order[a] ? (cexp(w * high[a]) - cexp(w * low[a])) / w
+                       : high[a] - low[a];
+    side[a] /= period[a];
+  }
+  return side[0] * side[1];
+}
+
+static double worst_coefficient(const opc_shapes *shapes, const opc_box *boxes,
+                                const double *sign, size_t n, double grid,
+                                opc_frame f, double band) {
+  opc_spectrum s;
+  opc_error error;
+  g_assert_cmpint(
+      opc_mask_spectrum(host, shapes, grid, f, band, &s, &error), ==, OPC_OK);
+  double worst = 0;
+  int half = (s.rows - 1) / 2;
+  const float complex *a = (const float complex *)s.data;
+  for (int l = -half; l <= half; l++)
+    for (int k = 0; k < s.columns; k++) {
+      double complex want = k || l ? 0 : 1;
+      for (size_t i = 0; i < n; i++)
+        want -= sign[i] * rectangle(boxes[i], grid, f, k, l);
+      if (hypot(k / f.width, l / f.height) > band) want = 0;
+      double complex got =
+          a[(size_t)((l + s.rows) % s.rows) * s.columns + k];
+      worst = fmax(worst, cabs(got - want));
+    }
+  opc_imaging_functions.release_spectrum(host, &s);
+  return worst;
+}
+
+static void test_spectrum(void) {
+  /* An L, a rectangle with a hole, and one that leaves the frame. */
+  opc_point points[] = {{100, 100},  {700, 100},  {700, 300},  {300, 300},
+                        {300, 900},  {100, 900},  {900, 500},  {1500, 500},
+                        {1500, 1100}, {900, 1100}, {1000, 600}, {1000, 900},
+                        {1300, 900}, {1300, 600}, {1900, 1200}, {2300, 1200},
+                        {2300, 1900}, {1900, 1900}};
+  uint32_t start[] = {0, 6, 10, 14, 18};
+  uint8_t hole[] = {0, 0, 1, 0};
+  opc_shapes shapes = {4, start, points, hole};
+  opc_box boxes[] = {{100, 100, 700, 300},   {100, 300, 300, 900},
+                     {900, 500, 1500, 1100}, {1000, 600, 1300, 900},
+                     {1900, 1200, 2300, 1900}};
+  double sign[] = {1, 1, 1, -1, 1};
+  opc_frame f = {13, -20, 2000, 1700};
+  double worst = worst_coefficient(&shapes, boxes, sign, 5, 1, f, 0.0068);
+  g_test_message("largest error of a coefficient: %.2g", worst);
+  g_assert_cmpfloat(worst, <, 1e-5);
+  /* The same in other units and moved by whole periods. */
+  opc_point moved[18];
+  for (int i = 0; i < 18; i++)
+    moved[i] = (opc_point){2 * (points[i].x + 4000), 2 * (points[i].y - 1700)};
+  shapes.points = moved;
+  for (int i = 0; i < 5; i++)
+    boxes[i] = (opc_box){2 * (boxes[i].x0 + 4000), 2 * (boxes[i].y0 - 1700),
+                         2 * (boxes[i].x1 + 4000), 2 * (boxes[i].y1 - 1700)};
+  worst = worst_coefficient(&shapes, boxes, sign, 5, 0.5,
+                            (opc_frame){6.5, -10, 1000, 850}, 0.0068);
+  g_assert_cmpfloat(worst, <, 1e-5);
+}
+
+static void test_bad_frame(void) {
+  opc_shapes none = {0};
+  opc_spectrum s;
+  opc_error error;
+  int code = opc_mask_spectrum(host, &none, 1, (opc_frame){0, 0, 0, 100}, 0.007,
+                               &s, &error);
+  g_assert_cmpint(code, ==, OPC_INVALID);
+  code = opc_mask_spectrum(host, &none, 1, (opc_frame){0, 0, 1e9, 1e9}, 0.007,
+                           &s, &error);
+  g_assert_cmpint(code, ==, OPC_INVALID);
+  g_assert_nonnull(strstr(error.message, "too large"));
+}
+
+/* ---- images ---- */
+
+/* A pupil of radius 0.004 / nm, shifted by 0.001 * s along x. */
+static void shifted_pupil(const void *self, size_t s, const double *fx,
+                          double fy, size_t n, float *out) {
+  (void)self;
+  for (size_t i = 0; i < n; i++) {
+    double x = fx[i] + 0.001 * (double)s;
+    out[2 * i] = x * x + fy * fy <= 0.004 * 0.004 ? 1 : 0;
+    out[2 * i + 1] = 0;
+  }
+}
+
+static const double three_weights[] = {0.5, 0.3, 0.2};
+static const opc_systems three = {.size = sizeof three,
+                                  .count = 3,
+                                  .weight = three_weights,
+                                  .band = 0.006,
+                                  .intensity_band = 0.008,
+                                  .transfer = shifted_pupil};
+
+/* The intensity by the definition, in double precision. */
+static double direct(opc_box b, opc_frame f, double x, double y) {
+  double intensity = 0;
+  int kmax = (int)(0.007 * f.width), lmax = (int)(0.005 * f.height);
+  for (int s = 0; s < 3; s++) {
+    double complex field = 0;
+    for (int l = -lmax; l <= lmax; l++)
+      for (int k = -kmax; k <= kmax; k++) {
+        double shifted = k / f.width + 0.001 * s, fy = l / f.height;
+        if (shifted * shifted + fy * fy > 0.004 * 0.004) continue;
+        double complex a = (k || l ? 0 : 1) - rectangle(b, 1, f, k, l);
+        field += a * cexp(2 * M_PI * I * (k * (x - f.x0) / f.width + fy * (y - f.y0)));
+      }
+    double absolute = cabs(field);
+    intensity += three_weights[s] * absolute * absolute;
+  }
+  return intensity;
+}
+
+static void image_of(opc_box b, opc_frame f, opc_field *field) {
+  opc_point points[] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
+  uint32_t start[] = {0, 4};
+  opc_shapes shape = {1, start, points, NULL};
+  opc_spectrum s;
+  opc_error error;
+  g_assert_cmpint(opc_mask_spectrum(host, &shape, 1, f, 0.0065, &s, &error), ==,
+                  OPC_OK);
+  g_assert_cmpint(opc_coherent_sum(host, &s, &three, 0, field, &error), ==,
+                  OPC_OK);
+  opc_imaging_functions.release_spectrum(host, &s);
+}
+
+static void test_image(void) {
+  opc_box b = {-150, -400, 90, 333};
+  opc_frame f = {-803, -1000, 1700, 1900};
+  opc_field field;
+  image_of(b, f, &field);
+  GRand *random = g_rand_new_with_seed(7);
+  double worst = 0;
+  for (int i = 0; i < 300; i++) {
+    double x = g_rand_double_range(random, -400, 400);
+    double y = g_rand_double_range(random, -2600, 600), got;
+    opc_imaging_functions.sample(&field, &x, &y, 1, &got);
+    worst = fmax(worst, fabs(got - direct(b, f, x, y)));
+  }
+  g_test_message("largest error of intensity: %.2g", worst);
+  g_assert_cmpfloat(worst, <, 3e-5);
+  /* Lines through the field give what its samples give. */
+  double room[200], value;
+  for (int axis = 0; axis < 2; axis++) {
+    double at = axis ? 61.5 : -213.25, from = -700, to = 300;
+    g_assert_cmpint(opc_line_room(&field, axis, from, to), <=, 200);
+    opc_line line = {.coefficient = room};
+    opc_line_cut(&field, axis, at, from, to, &line);
+    for (double p = from; p <= to; p += 12.5) {
+      double x = axis ? at : p, y = axis ? p : at;
+      opc_imaging_functions.sample(&field, &x, &y, 1, &value);
+      g_assert_cmpfloat(fabs(opc_line_value(&line, p) - value), <, 1e-12);
+    }
+  }
+  g_rand_free(random);
+  opc_imaging_functions.release_field(host, &field);
+}
+
+static void test_threads(void) {
+  opc_box b = {-150, -400, 90, 333};
+  opc_frame f = {-1000, -1000, 2100, 2200};
+  opc_field one, other;
+  opc_set_threads(1);
+  image_of(b, f, &one);
+  for (unsigned threads = 2; threads <= 4; threads++) {
+    opc_set_threads(threads);
+    image_of(b, f, &other);
+    g_assert_cmpmem(one.coefficients, sizeof(float) * one.nx * one.ny,
+                    other.coefficients, sizeof(float) * other.nx * other.ny);
+    opc_imaging_functions.release_field(host, &other);
+  }
+  opc_imaging_functions.release_field(host, &one);
+}
+
+/* ---- contours ---- */
+
+/* The spline through f(x, y) = cos + cos + level over one period each way. */
+static opc_field waves(double level) {
+  opc_field field = {.frame = {0, 0, 1000, 1000}, .nx = 40, .ny = 40};
+  field.coefficients = host->alloc(host, 1600, sizeof(float));
+  double scale = opc_spline_sampled(1.0 / 40);
+  for (int j = 0; j < 40; j++)
+    for (int i = 0; i < 40; i++)
+      field.coefficients[40 * j + i] = (float)(
+          level + (cos(M_PI * i / 20) + cos(M_PI * j / 20)) / scale);
+  return field;
+}
+
+static double area_of(const double *p, size_t n) {
+  double sum = 0;
+  for (size_t i = 0; i < n; i++) {
+    const double *a = p + 2 * i, *b = p + 2 * ((i + 1) % n);
+    sum += a[0] * b[1] - a[1] * b[0];
+  }
+  return sum / 2;
+}
+
+static void test_contours(void) {
+  /* Around the middle the function is lowest: a hole, walked clockwise. */
+  opc_field field = waves(1.9);
+  double *points;
+  uint32_t *start;
+  size_t count;
+  opc_error error;
+  opc_frame window = {250, 250, 500, 500};
+  g_assert_cmpint(opc_contours(host, &field, window, 5, &points, &start,
+                               &count, &error), ==, OPC_OK);
+  g_assert_cmpuint(count, ==, 2);   /* the border of the window and the hole */
+  double border = area_of(points, start[1]);
+  const double *hole = points + 2 * start[1];
+  size_t n = start[2] - start[1];
+  if (border < 0) {
+    border = area_of(hole, n);
+    hole = points;
+    n = start[1];
+  }
+  g_assert_cmpfloat(fabs(border - 250000), <, 1e-6);
+  double want = 0;   /* the area where cos a + cos b < -1.9, by its integral */
+  for (int i = 0; i < 20000; i++) {
+    double x = 250 + (i + 0.5) / 40, c = -1.9 - cos(M_PI * x / 500);
+    if (c > -1) want += 2 * (500 - acos(c) * 500 / M_PI) / 40;
+  }
+  g_test_message("area of the hole %.3f, integral %.3f", -area_of(hole, n), want);
+  g_assert_cmpfloat(fabs(-area_of(hole, n) / want - 1), <, 0.003);
+  for (size_t i = 0; i < n; i++) {
+    double v = cos(M_PI * hole[2 * i] / 500) + cos(M_PI * hole[2 * i + 1] / 500);
+    g_assert_cmpfloat(fabs(v + 1.9), <, 2e-5);
+  }
+  host->free(host, points);
+  host->free(host, start);
+  host->free(host, field.coefficients);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  host = opc_host_new(NULL);
+  g_test_add_func("/imaging/spectrum", test_spectrum);
+  g_test_add_func("/imaging/bad-frame", test_bad_frame);
+  g_test_add_func("/imaging/image", test_image);
+  g_test_add_func("/imaging/threads", test_threads);
+  g_test_add_func("/imaging/contours", test_contours);
+  int code = g_test_run();
+  opc_host_free(host);
+  return code;
+}

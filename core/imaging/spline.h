@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Centred uniform B-splines, the local basis of masks and fields (Unser,
+   Aldroubi, Eden, "B-spline signal processing", IEEE Trans. SP 41, 1993). */
+#ifndef OPCFLOW_CORE_SPLINE_H
+#define OPCFLOW_CORE_SPLINE_H
+
+#include <opcflow/imaging.h>
+
+enum { OPC_SPLINE_TAPS = 6, OPC_STEP_TAPS = 7 };
+
+/* The values at x of the quintic B-splines centred on first .. first + 5, and
+   that first. They sum to 1. */
+int opc_spline_weights(double x, double weight[OPC_SPLINE_TAPS]);
+
+/* The steps, at samples first .. first + 6, of a unit step at x that is
+   smoothed by a quintic B-spline: their running sum is its value at the
+   samples, 0 before them and 1 after. These are B-splines of degree 6. */
+int opc_spline_step(double x, double weight[OPC_STEP_TAPS]);
+
+/* sinc(f)^6, the Fourier transform of the quintic B-spline; f in cycles per
+   sample. */
+double opc_spline_transform(double f);
+
+/* sum over j of b(j) cos(2 pi f j): what the samples of a function have at
+   frequency f, over what its coefficients have. */
+double opc_spline_sampled(double f);
+
+/* The function along a line parallel to an axis, as a spline in one variable.
+   axis OPC_X (0): along x at y = at. Fills line[i], 0 <= i < n, with the
+   coefficients number first + i (periodic); n as opc_line_room says. */
+typedef struct opc_line {
+  double origin, step;   /* coefficient i sits at origin + i * step */
+  int first, n;
+  double *coefficient;   /* room of the caller */
+} opc_line;
+
+/* Room for a line that is evaluated from `from` to `to`. */
+int opc_line_room(const opc_field *field, int axis, double from, double to);
+void opc_line_cut(const opc_field *field, int axis, double at, double from,
+                  double to, opc_line *line);
+/* The value at a place between from and to. */
+double opc_line_value(const opc_line *line, double place);
+
+#endif
