@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "disks.h"
+
+#include <math.h>
+
+typedef struct disk {
+  double x, y, r;
+} disk;
+
+enum { APART = -1, CUT = 0, WHOLE = 1, NOWHERE = 2 };
+
+/* Which part of the circle of a lies within b: around `middle` by `half`. When
+   the two are the same circle, only the first of them has a border. */
+static int within(disk a, disk b, int first, double *middle, double *half) {
+  double dx = b.x - a.x, dy = b.y - a.y, d = sqrt(dx * dx + dy * dy);
+  if (d >= a.r + b.r) return APART;
+  if (d < 1e-14 && fabs(a.r - b.r) < 1e-14) return first ? WHOLE : NOWHERE;
+  if (d <= b.r - a.r) return WHOLE;
+  if (d <= a.r - b.r) return NOWHERE;
+  *middle = atan2(dy, dx);
+  *half = acos((d * d + a.r * a.r - b.r * b.r) / (2 * d * a.r));
+  return CUT;
+}
+
+/* Half the integral of x dy - y dx along an arc. */
+static double arc(disk a, double from, double to) {
+  return 0.5 * a.r *
+         (a.r * (to - from) + a.x * (sin(to) - sin(from)) -
+          a.y * (cos(to) - cos(from)));
+}
+
+double opc_common_area(double sigma, double r1, double r2, double angle) {
+  const disk d[3] = {{0, 0, sigma},
+                     {r1, 0, 1},
+                     {r2 * cos(angle), r2 * sin(angle), 1}};
+  double area = 0;
+  for (int i = 0; i < 3; i++) {
+    double middle[2], half[2];
+    int cuts = 0, none = 0;
+    for (int j = 0; j < 3; j++) {
+      if (j == i) continue;
+      int part = within(d[i], d[j], i < j, &middle[cuts], &half[cuts]);
+      if (part == APART) return 0;
+      none |= part == NOWHERE;
+      cuts += part == CUT;
+    }
+    if (none) continue;
+    if (cuts == 0) {
+      area += arc(d[i], 0, 2 * M_PI);
+    } else if (cuts == 1) {
+      area += arc(d[i], middle[0] - half[0], middle[0] + half[0]);
+    } else {
+      for (int turn = -1; turn <= 1; turn++) {
+        double shifted = middle[1] + 2 * M_PI * turn;
+        double from = fmax(middle[0] - half[0], shifted - half[1]);
+        double to = fmin(middle[0] + half[0], shifted + half[1]);
+        if (to > from) area += arc(d[i], from, to);
+      }
+    }
+  }
+  return area;
+}
