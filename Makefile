@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# make demo    install what is missing, build, correct our NAND2
+# make test    the same, then run every test
+# make bench   the benchmarks; results in build/bench/NAME.json
+# make sanitize  every test under AddressSanitizer and UBSan
+# make lint    clang-tidy over all code
+# make install PREFIX=...
+
+BUILD ?= build
+PREFIX ?= /usr/local
+MESON_FLAGS ?=
+export MESONFLAGS =
+
+.PHONY: demo test bench sanitize lint install build clean
+
+demo: build
+	$(BUILD)/opcflow run flows/demo.yaml
+
+build: $(BUILD)/build.ninja
+	@ninja -C $(BUILD) --quiet
+
+$(BUILD)/build.ninja:
+	@tools/install-packages
+	@meson setup $(BUILD) --prefix $(PREFIX) $(MESON_FLAGS) >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
+	@rm -f $(BUILD).log
+
+test: build
+	@tools/run-tests $(BUILD)
+
+bench: build
+	ninja -C $(BUILD) bench
+
+# Leaks are looked for as well; libraries that keep memory for their whole life
+# are listed in tools/leaks.
+sanitize:
+	@$(MAKE) --no-print-directory test BUILD=build-sanitize \
+	  MESON_FLAGS="--buildtype debugoptimized -Db_sanitize=address,undefined -Db_lundef=false"
+
+lint: build
+	@tools/install-packages clang-tidy
+	@tools/lint $(BUILD)
+
+install: build
+	meson install -C $(BUILD)
+
+clean:
+	rm -rf build build-sanitize
