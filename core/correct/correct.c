@@ -133,13 +133,13 @@ static int iterate(loop *l, opc_error *error) {
   const opc_synthesizer *s = l->synthesizer->plugin->operations;
   opc_feedback f = feedback(l);
   f.printed = NULL;
-  int code = s->begin(l->synthesizer->self, &f, error), done = 0;
+  int code = s->begin(l->synthesizer->self, &f, error), done = 0, prints = 0;
   if (!code) code = print_next(l, 1, error);
+  if (!code)
+    for (int k = 0; k < 6; k++)
+      memcpy((&l->before.ion)[k], (&l->measured.performance.ion)[k],
+             l->gates->count * sizeof(double));
   for (; !code; code = print_next(l, 0, error)) {
-    if (l->iterations == 0)
-      for (int k = 0; k < 6; k++)
-        memcpy((&l->before.ion)[k], (&l->measured.performance.ion)[k],
-               l->gates->count * sizeof(double));
     opc_progress progress = {.size = sizeof progress, .done = l->iterations,
                              .total = l->max_iterations,
                              .worst = worst_deviation(l), .worst_unit = "%"};
@@ -149,6 +149,10 @@ static int iterate(loop *l, opc_error *error) {
     if ((code = judge(l, error))) return code;
     int ends_moved = changed(l, OPC_POLY);
     if (done && !ends_moved) return OPC_OK;
+    /* Line ends first, so that their effect is not taken for that of the
+       first moves. */
+    if (l->iterations == 0 && ends_moved && prints++ < l->max_iterations)
+      continue;
     if ((int)l->iterations == l->max_iterations) {
       memcpy(l->next.end, l->now.end, 2 * l->gates->count * sizeof(int32_t));
       l->host->log(l->host, OPC_LOG_WARNING,

@@ -19,11 +19,12 @@ static const char *const verdicts[VERDICTS] = {
     "within limit", "grid", "bridging", "bias limit", "not done"};
 
 typedef struct transistor {
-  double error;       /* |PDE| of the last measurement, % */
-  double settled;     /* |PDE| when it settled */
+  double pde;         /* of the last measurement, % */
+  double by_l;        /* what the last step of L changed it by; 0: none yet */
   uint8_t phase;
   uint8_t verdict;
   int8_t l, w;        /* its last step */
+  uint8_t barred;     /* steps of L that the regulator took back, as vetoes */
   uint8_t reopened;   /* how often its neighbours moved it from its minimum */
 } transistor;
 
@@ -51,10 +52,9 @@ static int begin(void *self, const opc_feedback *f, opc_error *error) {
   return d->host->fail(d->host, error, OPC_FAILED, NULL, "out of memory");
 }
 
-static void settle(transistor *t, double error, int verdict) {
+static void settle(transistor *t, int verdict) {
   t->phase = SETTLED;
   t->verdict = (uint8_t)verdict;
-  t->settled = error;
   t->l = t->w = 0;
 }
 
@@ -65,26 +65,34 @@ static int longer(double pde) { return pde > 0 ? 1 : -1; }
 static void jump(const dpb *d, transistor *t, double pde, double grid,
                  int32_t *l) {
   int steps = (int)lround(d->init_adjust / grid);
-  t->phase = COARSE;
+  t->verdict = MOVING;
   t->l = (int8_t)longer(pde);
   *l += longer(pde) * (steps > 0 ? steps : 1);
 }
 
-/* One step of L. Returns 0 if L is at its minimum, and W is to be taken. */
-static int step_length(transistor *t, double error, double pde, uint32_t veto,
-                       int32_t limit, int32_t *l) {
-  int bad = (t->l > 0 && veto & OPC_VETO_LONGER) ||
-            (t->l < 0 && veto & OPC_VETO_SHORTER);
-  if (t->l && (bad || error > t->error)) {   /* back, and on with W */
-    *l -= t->l;
+/* Did the last step go past the minimum? Every step goes the way that lowers
+   |PDE|; an error that rises with the same sign is the neighbours' doing. */
+static int passed(const transistor *t, double pde) {
+  return (pde > 0) != (t->pde > 0);
+}
+
+/* One step of L. Returns 0 if L stays as it is, and W is to be taken. */
+static int step_length(transistor *t, double pde, uint32_t veto, int32_t limit,
+                       int32_t *l) {
+  uint32_t last = t->l > 0 ? OPC_VETO_LONGER : OPC_VETO_SHORTER;
+  int bad = t->l && veto & last;
+  if (bad) t->barred |= (uint8_t)last;
+  if (t->l) t->by_l = fabs(pde - t->pde);
+  if (t->l && (bad || passed(t, pde))) {
+    int back = bad || fabs(pde) > fabs(t->pde);
+    if (back) *l -= t->l;
     t->l = 0;
     t->phase = FINE;
-    if (bad) t->verdict = BRIDGING;
-    return 1;
+    return back;
   }
-  int step = t->l ? t->l : longer(pde);
+  int step = longer(pde);
   uint32_t forbidden = step > 0 ? OPC_VETO_LONGER : OPC_VETO_SHORTER;
-  if (veto & forbidden || abs(*l + step) > limit) {
+  if ((veto | t->barred) & forbidden || abs(*l + step) > limit) {
     t->l = 0;
     t->phase = FINE;
     return 0;
@@ -94,31 +102,56 @@ static int step_length(transistor *t, double error, double pde, uint32_t veto,
   return 1;
 }
 
-static void step_width(transistor *t, double error, double pde, uint32_t veto,
-                       int32_t limit, int32_t *w) {
-  if (t->w && error > t->error) {   /* back: the minimum */
-    *w -= t->w;
-    settle(t, t->error, GRID);
+static void step_width(transistor *t, double pde, uint32_t veto, int32_t limit,
+                       int32_t *w) {
+  if (t->w && passed(t, pde)) {   /* the minimum: here or one step back */
+    if (fabs(pde) > fabs(t->pde)) *w -= t->w;
+    settle(t, GRID);
     return;
   }
-  int step = t->w ? t->w : -longer(pde);
+  int step = -longer(pde);
   uint32_t forbidden = step > 0 ? OPC_VETO_WIDER : OPC_VETO_NARROWER;
   if (veto & forbidden || abs(*w + step) > limit) {
-    settle(t, error, veto & forbidden ? BRIDGING : BIAS);
+    settle(t, veto & forbidden ? BRIDGING : BIAS);
     return;
   }
   t->w = (int8_t)step;
   *w += step;
 }
 
-/* A settled transistor is at its local minimum, unless its neighbours have
-   changed since: then it goes on with W. */
-static void reconsider(const dpb *d, transistor *t, double error) {
-  if (error > d->max_pde && t->reopened < REOPENINGS &&
-      fabs(error - t->settled) > d->max_pde / 4) {
-    t->phase = FINE;
-    t->reopened++;
+/* Past its minimum of L or of both, a transistor is there no more when its
+   neighbours have changed: it goes back to where a step would still help. A
+   step of W changes Ion by its part of W (Ion is proportional to it), one of L
+   by what it did last. */
+static void reconsider(transistor *t, double pde, double by_w, uint32_t veto) {
+  if (t->reopened >= REOPENINGS) return;
+  uint32_t forbidden = pde > 0 ? OPC_VETO_LONGER : OPC_VETO_SHORTER;
+  int phase = t->phase;
+  if (t->by_l > 0 && fabs(pde) > 0.55 * t->by_l && !((veto | t->barred) & forbidden))
+    phase = COARSE;
+  else if (t->phase == SETTLED && fabs(pde) > 0.75 * by_w)
+    phase = FINE;
+  if (phase == t->phase) return;
+  t->phase = (uint8_t)phase;
+  t->l = t->w = 0;
+  t->reopened++;
+}
+
+/* Figure 3.3 for one transistor: the next l and w. */
+static void correct(const dpb *d, transistor *t, double pde, double width,
+                    double grid, uint32_t veto, int32_t *l, int32_t *w) {
+  int32_t limit = (int32_t)(d->max_bias / grid);
+  int32_t half = (int32_t)(width / grid / 2);
+  if (fabs(pde) <= d->max_pde && !(veto & OPC_VETO_LONGER && t->l > 0)) {
+    t->verdict = WITHIN;
+    t->l = t->w = 0;
+    return;
   }
+  if (t->phase != COARSE) reconsider(t, pde, 100 * grid / width, veto);
+  if (t->phase == SETTLED) return;
+  t->verdict = MOVING;
+  if (t->phase == COARSE && step_length(t, pde, veto, limit, l)) return;
+  step_width(t, pde, veto, limit < half ? limit : half, w);
 }
 
 static int update(void *self, const opc_feedback *f, opc_moves *moves,
@@ -127,29 +160,17 @@ static int update(void *self, const opc_feedback *f, opc_moves *moves,
   (void)error;
   *done = 1;
   double grid = f->gates->grid;
-  int32_t limit = (int32_t)(d->max_bias / grid);
   for (size_t i = 0; i < d->count; i++) {
     transistor *t = &d->state[i];
     double design = f->design->ion[i];
     double pde = 100 * (f->printed->ion[i] - design) / design;   /* eq. 3.1 */
-    double now = fabs(pde);
     int32_t l = moves->l[i], w = moves->w[i];
-    int32_t half = (int32_t)(f->gates->width[i] / grid / 2);
-    if (t->phase == SETTLED) reconsider(d, t, now);
-    if (now <= d->max_pde && !(f->vetoes[i] & OPC_VETO_LONGER && t->l > 0)) {
-      t->verdict = WITHIN;
-      t->l = t->w = 0;
-    } else if (t->phase != SETTLED) {
-      t->verdict = MOVING;
-      if (f->iteration == 0) {
-        jump(d, t, pde, grid, &moves->l[i]);
-      } else if (t->phase == FINE ||
-                 !step_length(t, now, pde, f->vetoes[i], limit, &moves->l[i])) {
-        step_width(t, now, pde, f->vetoes[i], limit < half ? limit : half,
-                   &moves->w[i]);
-      }
-    }
-    t->error = now;
+    if (f->iteration == 0 && fabs(pde) > d->max_pde)
+      jump(d, t, pde, grid, &moves->l[i]);
+    else
+      correct(d, t, pde, f->gates->width[i], grid, f->vetoes[i], &moves->l[i],
+              &moves->w[i]);
+    t->pde = pde;
     if (l != moves->l[i] || w != moves->w[i]) *done = 0;
   }
   return OPC_OK;
@@ -175,7 +196,7 @@ static const opc_parameter parameters[PARAMETERS] = {
                      .summary = "size of the first correction of L, towards the "
                                 "smaller error; at least one grid step"},
     [MAX_BIAS] = {.name = "max_bias", .type = OPC_REAL, .flags = OPC_ABOVE,
-                  .unit = "nm", .preset = "40 nm",
+                  .unit = "nm", .preset = "80 nm",
                   .summary = "largest correction of L or of W, and no more than "
                              "half of W"},
 };

@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Moved edges against polygons drawn by hand, measurements against contours
+   that are known in closed form. */
+#include "core/correct/loop.h"
+#include "core/imaging/spline.h"
+#include "core/plugin/host.h"
+
+#include <glib.h>
+#include <math.h>
+
+static opc_host *host;
+
+/* ---- edges ---- */
+
+/* A poly line with one transistor in its upper part, on an odd-shaped
+   polygon:        3_______2'
+                    |     |        fragments: the gate owns both flanks from
+                    |     |        y = 100 up, and the line end at y = 300.
+                   5|     |1
+                    |_____|
+   x 0..60, y 0..300. */
+static const opc_fragment line[] = {
+    {{0, 0}, -1, OPC_FIXED, {0}},      {{60, 0}, -1, OPC_FIXED, {0}},
+    {{60, 100}, 0, OPC_L_HIGH, {0}},   {{60, 300}, 0, OPC_END_HIGH, {0}},
+    {{0, 300}, 0, OPC_L_LOW, {0}},     {{0, 100}, -1, OPC_FIXED, {0}},
+};
+
+static char *moved(int32_t l, int32_t low_end, int32_t high_end) {
+  uint32_t start[] = {0, 6};
+  opc_gates gates = {.size = sizeof gates, .grid = 1, .count = 1};
+  gates.edges[OPC_POLY] = (opc_edges){1, start, (opc_fragment *)line};
+  int32_t w = 0, end[2] = {low_end, high_end};
+  opc_biases biases = {&l, &w, end};
+  opc_shapes out;
+  g_assert_true(opc_edges_room(host, &gates.edges[OPC_POLY], &out));
+  opc_edges_move(&gates, OPC_POLY, &biases, &out);
+  g_assert_cmpuint(out.count, ==, 1);
+  GString *text = g_string_new(NULL);
+  for (uint32_t i = 0; i < out.start[1]; i++)
+    g_string_append_printf(text, "%d,%d ", out.points[i].x, out.points[i].y);
+  host->free(host, out.start);
+  host->free(host, out.points);
+  return g_string_free(text, FALSE);
+}
+
+static void test_edges(void) {
+  const struct {
+    int32_t l, low, high;
+    const char *want;
+  } cases[] = {
+      {0, 0, 0, "0,0 60,0 60,300 0,300 "},
+      {4, 0, 0, "0,0 60,0 60,100 62,100 62,300 -2,300 -2,100 0,100 "},
+      {-3, 0, 0, "0,0 60,0 60,100 59,100 59,300 2,300 2,100 0,100 "},
+      {1, 7, 12, "0,0 60,0 60,100 61,100 61,312 0,312 "},
+  };
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_autofree char *got = moved(cases[i].l, cases[i].low, cases[i].high);
+    g_assert_cmpstr(got, ==, cases[i].want);
+  }
+}
+
+/* ---- measurements ---- */
+
+static const double period = 1000;
+
+/* The level a + b cos(kx) + c cos(ky), k = 2 pi / period, centred on (0, 0). */
+static opc_field level(double a, double b, double c) {
+  opc_field f = {.frame = {0, 0, period, period}, .nx = 40, .ny = 40};
+  f.coefficients = host->alloc(host, 1600, sizeof(float));
+  double scale = opc_spline_sampled(1.0 / 40);
+  for (int j = 0; j < 40; j++)
+    for (int i = 0; i < 40; i++)
+      f.coefficients[40 * j + i] = (float)(
+          a + (b * cos(M_PI * i / 20) + c * cos(M_PI * j / 20)) / scale);
+  return f;
+}
+
+static double wave(double x) { return cos(2 * M_PI * x / period); }
+
+/* An extractor that keeps what it is shown. */
+enum { SLICES = 5 };
+static const double place[SLICES] = {0.05, 0.25, 0.5, 0.8, 1};
+static const double share[SLICES] = {0.1, 0.3, 0.2, 0.3, 0.1};
+static double seen_length[SLICES], seen_width[SLICES], seen_edge[SLICES];
+
+static size_t slicing(const void *self, const double **p, const double **s) {
+  (void)self;
+  *p = place;
+  *s = share;
+  return SLICES;
+}
+
+static int keep(const void *self, const opc_slices *in, opc_performance *out,
+                opc_error *error) {
+  (void)self;
+  (void)error;
+  for (int i = 0; i < SLICES; i++) {
+    seen_length[i] = in->length[i];
+    seen_width[i] = in->width[i];
+    seen_edge[i] = in->edge[i];
+  }
+  out->ion[0] = 1;
+  return OPC_OK;
+}
+
+static const opc_extract keeper = {.size = sizeof keeper, .slicing = slicing,
+                                   .extract = keep};
+static const opc_plugin keeper_plugin = {.kind = OPC_KIND_EXTRACT,
+                                         .operations = &keeper};
+
+typedef struct result {
+  uint32_t flags;
+  double extension[2];
+} result;
+
+/* Measure a gate of L 60 and W 300 around (0, 0), vertical or horizontal. */
+static result measure(opc_field poly, opc_field active, uint8_t axis,
+                      double room, double extension) {
+  opc_box box = axis == OPC_X ? (opc_box){-30, -150, 30, 150}
+                              : (opc_box){-150, -30, 150, 30};
+  uint8_t type = OPC_NMOS;
+  double both_rooms[2] = {room, room}, both[2] = {extension, INFINITY};
+  double figure[6];
+  opc_gates gates = {.size = sizeof gates, .grid = 1, .count = 1, .box = &box,
+                     .type = &type, .axis = &axis, .room = both_rooms,
+                     .extension = both};
+  opc_field print[OPC_MASKS] = {poly, active};
+  opc_module module = {&keeper_plugin, NULL};
+  result r;
+  opc_measurement out = {&r.flags, r.extension,
+                         {1, &figure[0], &figure[1], &figure[2], &figure[3],
+                          &figure[4], &figure[5]}};
+  opc_error error;
+  g_assert_cmpint(opc_measure(host, &gates, print, &module, 0, 1, &out, &error),
+                  ==, OPC_OK);
+  for (int layer = 0; layer < OPC_MASKS; layer++)
+    host->free(host, print[layer].coefficients);
+  return r;
+}
+
+/* Poly whose length depends on the place along W, active of 290 nm; both
+   orientations see the same. */
+static void test_slices(void) {
+  const double a = -0.97, taper = 0.01, half = 145;
+  for (uint8_t axis = OPC_X; axis <= OPC_Y; axis++) {
+    int across = axis == OPC_Y;
+    opc_field poly = level(a, across ? taper : 1, across ? 1 : taper);
+    opc_field active = level(-wave(half), across, !across);
+    result r = measure(poly, active, axis, 400, INFINITY);
+    g_assert_cmpuint(r.flags, ==, 0);
+    for (int i = 0; i < SLICES; i++) {
+      double y = half * (2 * place[i] - 1);
+      double want = period / M_PI * acos(-a - taper * wave(y));
+      g_assert_cmpfloat(fabs(seen_length[i] - want), <, 1e-3);
+      g_assert_cmpfloat(fabs(seen_width[i] - 2 * half * share[i]), <, 1e-3);
+      g_assert_cmpfloat(
+          fabs(seen_edge[i] - 2 * half * fmin(place[i], 1 - place[i])), <, 1e-3);
+    }
+    g_assert_true(isinf(r.extension[0]) && isinf(r.extension[1]));
+  }
+}
+
+/* A poly that ends at y = -199 (level in y only in that direction). */
+static void test_extension(void) {
+  opc_field poly = level(-wave(199), 0, 1), active = level(-wave(145), 0, 1);
+  result r = measure(poly, active, OPC_X, 400, 84);
+  g_assert_cmpfloat(fabs(r.extension[0] - 54), <, 1e-3);
+  g_assert_true(isinf(r.extension[1]));
+  g_assert_true(r.flags & OPC_PRINT_MERGED);   /* no edge along x at all */
+  /* The poly stops 20 nm inside the active. */
+  r = measure(level(-wave(125), 0, 1), level(-wave(145), 0, 1), OPC_X, 400, 84);
+  g_assert_cmpfloat(fabs(r.extension[0] + 20), <, 1e-3);
+  g_assert_true(r.flags & OPC_PRINT_SHORT);
+  g_assert_true(r.flags & OPC_PRINT_OPEN);     /* its outer slices */
+}
+
+static void test_trouble(void) {
+  /* Nothing prints in the middle. */
+  result r = measure(level(-2, 1, 0), level(-wave(145), 0, 1), OPC_X, 400, 84);
+  g_assert_true(r.flags & OPC_PRINT_OPEN);
+  r = measure(level(-wave(30), 1, 0), level(-2, 0, 1), OPC_X, 400, 84);
+  g_assert_true(r.flags & OPC_PRINT_NO_ACTIVE);
+  /* Wider than half the room: 30 + 50 is less than 81, more than 79. */
+  r = measure(level(-wave(81), 1, 0), level(-wave(145), 0, 1), OPC_X, 100, 84);
+  g_assert_true(r.flags & OPC_PRINT_MERGED);
+  r = measure(level(-wave(79), 1, 0), level(-wave(145), 0, 1), OPC_X, 100, 84);
+  g_assert_false(r.flags & OPC_PRINT_MERGED);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  host = opc_host_new(NULL);
+  g_test_add_func("/correct/edges", test_edges);
+  g_test_add_func("/correct/slices", test_slices);
+  g_test_add_func("/correct/extension", test_extension);
+  g_test_add_func("/correct/trouble", test_trouble);
+  int code = g_test_run();
+  opc_host_free(host);
+  return code;
+}
