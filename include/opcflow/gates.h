@@ -72,13 +72,14 @@ typedef struct opc_gates {
   uint8_t *type;             /* OPC_NMOS, OPC_PMOS */
   uint8_t *axis;             /* OPC_X, OPC_Y */
   double *length, *width;    /* nm */
-  /* The free room, nm, on the LOW and HIGH side along L: to the next gate over
-     the same active, at most 2 * the distance where poly ends; [2 * i + side].
-     A print that reaches further than half of it has merged. */
+  /* The free room, nm, on the LOW and HIGH side along L, seen from the middle
+     of W: to the next poly edge, but at most twice the distance to the end of
+     the active there, or 2 L if that is more; [2 * i + side]. A print that
+     reaches further than half of it has merged. */
   double *room;
   /* How far the drawn poly goes past the active on the LOW and HIGH side along
-     W, nm: to the line end, or INFINITY where the poly turns or goes on; as
-     [2 * i + side]. */
+     W, nm: to the transistor's own line end, which has a fragment END_LOW or
+     END_HIGH; INFINITY where the poly turns or goes on; as [2 * i + side]. */
   double *extension;
   const char **instance;     /* the path of its instance, "" at the top */
   const char **cell;         /* the cell that draws it */

@@ -15,7 +15,9 @@ extern "C" {
 typedef struct opc_port {
   const char *name;
   const char *kind;
-  void (*release)(void *object);   /* frees what run put there; [main] */
+  /* Frees what run put there, before the instance that did is destroyed.
+     [main] */
+  void (*release)(void *object);
 } opc_port;
 
 typedef struct opc_step {

@@ -133,7 +133,7 @@ static const opc_parameter parameters[PARAMETERS] = {
                     .summary = "how far a line end of the mask may be moved"},
     [MIN_SPACE] = {.name = "min_space", .type = OPC_REAL,
                    .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
-                   .preset = "60 nm", .max = 10000,
+                   .preset = "40 nm", .max = 10000,
                    .summary = "space that moved edges leave on the mask"},
 };
 

@@ -1,0 +1,230 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Cut the edges of poly and active into fragments (thesis figures 2.4 and
+   3.2). A gate owns a span of the poly edge on each side, and of the active
+   edge at each end; spans on one edge are parted before any fragment is
+   made. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "segment.h"
+
+/* A span of an edge, along it: at first what the gate itself covers, then also
+   what it owns beyond. */
+typedef struct span {
+  uint32_t point; /* of the edge */
+  uint32_t gate;
+  int32_t low, high;
+  uint8_t role;
+} span;
+
+typedef struct cutter {
+  segment *s;
+  int layer;
+  const edge **edges; /* the edge that begins at each point */
+  span *spans;        /* by edge, then low */
+  size_t count;
+} cutter;
+
+static int by_edge(const void *a, const void *b) {
+  const span *p = a, *q = b;
+  if (p->point != q->point) return p->point < q->point ? -1 : 1;
+  return (p->low > q->low) - (p->low < q->low);
+}
+
+/* ---- who owns what ---- */
+
+/* The edge below the side of gate i; recognise.c has made sure of it. */
+static const edge *side_of(const segment *s, int layer, size_t i, int d,
+                           int side) {
+  const opc_box *b = &s->gates->box[i];
+  return segment_edge(&s->index[layer], d, side, box_side(b, d, side),
+                      box_side(b, !d, LOW), box_side(b, !d, HIGH));
+}
+
+static void add_sides(cutter *c) {
+  const opc_gates *g = c->s->gates;
+  for (size_t i = 0; i < g->count; i++) {
+    int d = c->layer == OPC_POLY ? g->axis[i] : !g->axis[i];
+    int role = c->layer == OPC_POLY ? OPC_L_LOW : OPC_W_LOW;
+    for (int side = 0; side < 2; side++)
+      c->spans[c->count++] =
+          (span){side_of(c->s, c->layer, i, d, side)->point, (uint32_t)i,
+                 box_side(&g->box[i], !d, LOW), box_side(&g->box[i], !d, HIGH),
+                 (uint8_t)(role + side)};
+  }
+  qsort(c->spans, c->count, sizeof *c->spans, by_edge);
+}
+
+/* The first span of the edge that begins at `point` from `low` on, or of a
+   later edge. */
+static size_t find_span(const span *spans, size_t count, uint32_t point,
+                        int32_t low) {
+  const span key = {.point = point, .low = low};
+  size_t from = 0, to = count;
+  while (from < to) {
+    size_t middle = from + (to - from) / 2;
+    if (by_edge(&spans[middle], &key) < 0)
+      from = middle + 1;
+    else
+      to = middle;
+  }
+  return from;
+}
+
+static uint32_t next_point(const opc_shapes *shapes, const edge *e) {
+  uint32_t next = e->point + 1;
+  return next < shapes->start[e->polygon + 1] ? next
+                                              : shapes->start[e->polygon];
+}
+
+/* The edge that closes the poly of gate i on a side of its W: both of its long
+   sides end there. NULL if the poly turns or goes on. */
+static const edge *closing_edge(const cutter *c, size_t i, int side) {
+  const opc_gates *g = c->s->gates;
+  int d = g->axis[i];
+  const edge *low = side_of(c->s, OPC_POLY, i, d, LOW);
+  const edge *high = side_of(c->s, OPC_POLY, i, d, HIGH);
+  /* Counter-clockwise, the low side of x comes before the lower end, the low
+     side of y after the left one. */
+  int forward = (d == OPC_X) == (side == LOW);
+  const edge *from = forward ? low : high, *to = forward ? high : low;
+  const opc_shapes *drawn = &g->drawn[OPC_POLY];
+  const edge *end = c->edges[next_point(drawn, from)];
+  return next_point(drawn, end) == to->point ? end : NULL;
+}
+
+/* Poly beyond the gate belongs to another one. */
+static int shares_end(const cutter *c, size_t sides, size_t i, int side) {
+  const edge *e = side_of(c->s, OPC_POLY, i, c->s->gates->axis[i], LOW);
+  size_t k = find_span(c->spans, sides, e->point,
+                       box_side(&c->s->gates->box[i], !e->across, LOW));
+  if (side == LOW) return k > 0 && c->spans[k - 1].point == e->point;
+  return k + 1 < sides && c->spans[k + 1].point == e->point;
+}
+
+/* The line ends, and how far they are. Such an edge is not the side of another
+   gate as well: that one would lie over the same active as this. */
+static void add_ends(cutter *c) {
+  const segment *s = c->s;
+  size_t sides = c->count;
+  for (size_t i = 0; i < s->gates->count; i++)
+    for (int side = 0; side < 2; side++) {
+      s->gates->extension[2 * i + side] = INFINITY;
+      const edge *e = closing_edge(c, i, side);
+      if (!e || shares_end(c, sides, i, side)) continue;
+      int64_t from = box_side(&s->gates->box[i], !s->gates->axis[i], side);
+      int64_t reach = side ? e->at - from : from - e->at;
+      if (reach > s->line_end) continue;
+      s->gates->extension[2 * i + side] = s->grid * (double)reach;
+      c->spans[c->count++] = (span){e->point, (uint32_t)i, e->low, e->high,
+                                    (uint8_t)(OPC_END_LOW + side)};
+    }
+  qsort(c->spans, c->count, sizeof *c->spans, by_edge);
+}
+
+/* ---- parting an edge ---- */
+
+/* How far a span may go past its gate: all the way, or by the overhang, or to
+   the corner if that is not further than a line end. */
+static int32_t grow(const cutter *c, int64_t distance) {
+  const segment *s = c->s;
+  if (c->layer == OPC_ACTIVE || distance <= s->overhang ||
+      distance <= s->line_end)
+    return (int32_t)distance;
+  return s->overhang;
+}
+
+/* Two neighbours share what is between them. */
+static void part(const cutter *c, span *a, span *b) {
+  int64_t gap = (int64_t)b->low - a->high;
+  if (c->layer == OPC_ACTIVE || gap < 2 * (int64_t)c->s->overhang) {
+    a->high += (int32_t)(gap / 2);
+    b->low = a->high;
+  } else {
+    a->high += c->s->overhang;
+    b->low -= c->s->overhang;
+  }
+}
+
+static void part_edge(const cutter *c, const edge *e, span *spans, size_t n) {
+  if (spans->role >= OPC_END_LOW) return;
+  spans[0].low -= grow(c, (int64_t)spans[0].low - e->low);
+  for (size_t k = 0; k + 1 < n; k++) part(c, &spans[k], &spans[k + 1]);
+  spans[n - 1].high += grow(c, (int64_t)e->high - spans[n - 1].high);
+}
+
+/* ---- fragments ---- */
+
+static void put(opc_edges *out, uint32_t *n, const edge *e, int32_t at,
+                const span *owner) {
+  opc_fragment *f = &out->fragments[(*n)++];
+  f->from =
+      e->across == OPC_X ? (opc_point){e->at, at} : (opc_point){at, e->at};
+  f->gate = owner ? (int32_t)owner->gate : -1;
+  f->role = owner ? owner->role : OPC_FIXED;
+}
+
+/* The fragments of one edge in the direction in which it runs. */
+static void put_edge(opc_edges *out, uint32_t *n, const edge *e,
+                     const span *spans, size_t count) {
+  /* Down on the low side of x, up on its high side; the other way for y. */
+  int rising = (e->across == OPC_X) == (e->side == HIGH);
+  int32_t at = rising ? e->low : e->high;
+  for (size_t k = 0; k < count; k++) {
+    const span *o = &spans[rising ? k : count - 1 - k];
+    int32_t from = rising ? o->low : o->high;
+    if (from != at) put(out, n, e, at, NULL);
+    put(out, n, e, from, o);
+    at = rising ? o->high : o->low;
+  }
+  if (at != (rising ? e->high : e->low)) put(out, n, e, at, NULL);
+}
+
+static int put_all(cutter *c) {
+  const opc_host *host = c->s->host;
+  const opc_shapes *drawn = &c->s->gates->drawn[c->layer];
+  opc_edges *out = &c->s->gates->edges[c->layer];
+  size_t points = c->s->index[c->layer].count;
+  out->start = host->alloc(host, drawn->count + 1, sizeof *out->start);
+  out->fragments =
+      host->alloc(host, points + 2 * c->count, sizeof *out->fragments);
+  if (!out->start || !out->fragments) return segment_no_memory(c->s);
+  out->polygons = drawn->count;
+  uint32_t n = 0;
+  size_t k = 0;
+  for (size_t p = 0; p < drawn->count; p++) {
+    for (uint32_t i = drawn->start[p]; i < drawn->start[p + 1]; i++) {
+      size_t first = k;
+      while (k < c->count && c->spans[k].point == i) k++;
+      if (k > first) part_edge(c, c->edges[i], &c->spans[first], k - first);
+      put_edge(out, &n, c->edges[i], &c->spans[first], k - first);
+    }
+    out->start[p + 1] = n;
+  }
+  return OPC_OK;
+}
+
+static int cut_layer(segment *s, int layer) {
+  const edge_index *x = &s->index[layer];
+  cutter c = {.s = s, .layer = layer};
+  c.edges = s->host->alloc(s->host, x->count, sizeof(const edge *));
+  c.spans = s->host->alloc(s->host, s->gates->count, 4 * sizeof *c.spans);
+  int code = OPC_OK;
+  if (!c.edges || !c.spans) {
+    code = segment_no_memory(s);
+  } else {
+    for (size_t i = 0; i < x->count; i++)
+      c.edges[x->edges[i].point] = &x->edges[i];
+    add_sides(&c);
+    if (layer == OPC_POLY) add_ends(&c);
+    code = put_all(&c);
+  }
+  s->host->free(s->host, c.edges);
+  s->host->free(s->host, c.spans);
+  return code;
+}
+
+int segment_cut(segment *s) {
+  int code = cut_layer(s, OPC_POLY);
+  return code ? code : cut_layer(s, OPC_ACTIVE);
+}
