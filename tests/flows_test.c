@@ -154,11 +154,22 @@ static void expect(int want, const char *say, const char *set) {
 }
 
 static void test_bad_input(void) {
-  expect(2, "nowhere.cif", "layout.file=nowhere.cif");
+  expect(5, "nowhere.cif", "layout.file=nowhere.cif");
   expect(2, "XY", "layout.layers.poly=XY");
   expect(2, "did you mean 'max_pde'", "mask.synthesizer.max_ped=0.5 %");
-  expect(2, "no transistor", "layout.layers={ poly: CC, active: CA, nwell: CW }");
   expect(3, "litho.hopkin", "mask.litho.use=litho.hopkin");
+}
+
+/* Poly and active that never meet. */
+static void test_no_transistor(void) {
+  g_autofree char *cif = place("apart.cif");
+  g_assert_true(g_file_set_contents(
+      cif,
+      "L CP; B 10 100 0 0; L CA; B 50 20 500 0; L CC; B 8 8 500 0; "
+      "L CW; B 200 200 500 0; E\n",
+      -1, NULL));
+  g_autofree char *set = g_strdup_printf("layout.file=%s", cif);
+  expect(2, "no transistor", set);
 }
 
 static void test_truncated(void) {
@@ -206,6 +217,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/flows/orientation", test_orientation);
   g_test_add_func("/flows/nangate", test_nangate);
   g_test_add_func("/flows/bad-input", test_bad_input);
+  g_test_add_func("/flows/no-transistor", test_no_transistor);
   g_test_add_func("/flows/truncated", test_truncated);
   g_test_add_func("/flows/typo", test_typo);
   int code = g_test_run();

@@ -186,6 +186,19 @@ static int summary_table(const opc_host *host, const groups *g,
                      G_N_ELEMENTS(columns), error);
 }
 
+static int effort_table(const opc_host *host, const opc_mask *mask,
+                        double failed, opc_error *error) {
+  int64_t iterations = mask->iterations, simulations = mask->simulations;
+  int64_t unsound = (int64_t)failed;
+  opc_column columns[] = {
+      {"iterations", NULL, OPC_INT, 0, &iterations},
+      {"litho_simulations", NULL, OPC_INT, 0, &simulations},
+      {"failed_transistors", NULL, OPC_INT, 0, &unsound},
+  };
+  return host->table(host, "effort", OPC_TABLE_PRINT, 1, columns,
+                     G_N_ELEMENTS(columns), error);
+}
+
 int opc_correct_report(const opc_host *host, const opc_mask *mask,
                        const opc_biases *biases, const double *extension,
                        const char *(*verdict)(const void *, size_t),
@@ -195,6 +208,7 @@ int opc_correct_report(const opc_host *host, const opc_mask *mask,
   int code = gate_table(host, mask, biases, extension, verdict, synthesizer,
                         error);
   if (!code) code = summary_table(host, &g, error);
+  if (!code) code = effort_table(host, mask, g.failed, error);
   const struct {
     const char *name;
     double value;

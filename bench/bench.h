@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* For benchmarks: figures, each with the one to reach. One program, one
+   thread. */
+#ifndef OPCFLOW_BENCH_H
+#define OPCFLOW_BENCH_H
+
+#include <stddef.h>
+
+enum { BENCH_LOWER, BENCH_HIGHER }; /* which is better */
+
+/* Keep a figure for bench_write. Names are "circuit.figure". */
+void bench_report(const char *name, double value, const char *unit,
+                  double reach, int better);
+
+/* Show all figures as a table and write them to NAME.json in the folder that
+   OPCFLOW_BENCH names (default: the current one), as a list of
+   { name, value, unit, reach, better }. Returns the exit code of the program:
+   figures that fall short of their reach are shown, but are no failure. */
+int bench_write(const char *name);
+
+/* Sorts the values. */
+double bench_median(double *values, size_t n);
+
+#endif

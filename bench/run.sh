@@ -1,0 +1,8 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# Run benchmark programs one after another; fails if one of them does.
+code=0
+for program in "$@"; do
+  "$program" || code=1
+done
+exit $code

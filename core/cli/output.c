@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "core/cli/cli.h"
+#include "core/flow/run.h"
+
+int cli_exit_code(int code) {
+  switch (code) {
+    case OPC_OK:
+      return CLI_GOOD;
+    case OPC_INVALID:
+      return CLI_USAGE;
+    case OPC_NO_PLUGIN:
+      return CLI_PLUGIN;
+    case OPC_IO:
+      return CLI_IO;
+    case OPC_LIMIT:
+      return CLI_LIMIT;
+    default:
+      return CLI_STEP;
+  }
+}
+
+gboolean cli_is_terminal(void) {
+  const char *terminal = g_getenv("TERM");
+  return isatty(STDERR_FILENO) && g_strcmp0(terminal, "dumb");
+}
+
+gboolean cli_has_colour(void) {
+  const char *none = g_getenv("NO_COLOR");
+  return cli_is_terminal() && !(none && *none);
+}
+
+void cli_message(const char *kind, const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  g_autofree char *text = g_strdup_vprintf(format, args);
+  va_end(args);
+  const char *colour = strcmp(kind, "error") ? "\033[33m" : "\033[31m";
+  gboolean coloured = cli_has_colour();
+  fprintf(stderr, "%s%s:%s %s\n", coloured ? colour : "", kind,
+          coloured ? "\033[0m" : "", text);
+}
+
+int cli_problems(opc_problems *problems) {
+  int code = opc_problems_code(problems);
+  opc_problems_sort(problems);
+  for (guint i = 0; i < problems->list->len; i++) {
+    const opc_problem *problem = problems->list->pdata[i];
+    g_autofree char *text = opc_problem_text(problem);
+    if (problem->file)
+      fprintf(stderr, "%s\n", text);
+    else
+      cli_message("error", "%s", text);
+  }
+  return cli_exit_code(code);
+}
+
+void cli_print(const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  vprintf(format, args);
+  va_end(args);
+}
+
+void cli_print_json(JsonNode *node) {
+  g_autofree char *text = opc_json_text(node);
+  fputs(text, stdout);
+}
+
+int cli_finish(int code) {
+  if (!fflush(stdout) && !ferror(stdout)) return code;
+  cli_message("error", "standard output: %s", g_strerror(errno));
+  return code ? code : CLI_IO;
+}

@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "core/cli/progress.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "core/cli/cli.h"
+
+/* At most ten lines a second. */
+enum { PAUSE = 100000 };
+
+void cli_progress_start(cli_progress *p, gboolean quiet) {
+  memset(p, 0, sizeof *p);
+  g_mutex_init(&p->lock);
+  p->quiet = quiet;
+  p->shown = !quiet && cli_is_terminal();
+}
+
+static void wipe(const cli_progress *p) {
+  if (p->shown) fputs("\r\033[K", stderr);
+}
+
+void cli_progress_end(cli_progress *p) {
+  wipe(p);
+  fflush(stderr);
+  g_free(p->step);
+  g_mutex_clear(&p->lock);
+}
+
+void cli_progress_log(void *data, const char *path, int level,
+                      const char *message) {
+  cli_progress *p = data;
+  if (level < OPC_LOG_INFO || (p->quiet && level < OPC_LOG_WARNING)) return;
+  g_mutex_lock(&p->lock);
+  wipe(p);
+  if (level >= OPC_LOG_WARNING)
+    cli_message("warning", "%s: %s", path, message);
+  else
+    fprintf(stderr, "%s: %s\n", path, message);
+  g_mutex_unlock(&p->lock);
+}
+
+void cli_progress_step(void *data, const char *name, size_t number,
+                       size_t count) {
+  cli_progress *p = data;
+  g_mutex_lock(&p->lock);
+  g_free(p->step);
+  p->step = g_strdup(name);
+  p->number = number;
+  p->count = count;
+  p->began = g_get_monotonic_time();
+  p->last = 0;
+  if (p->shown) {
+    wipe(p);
+    fprintf(stderr, "[%zu/%zu] %s", number, count, name);
+    fflush(stderr);
+  }
+  g_mutex_unlock(&p->lock);
+}
+
+static void append_time_left(GString *line, const cli_progress *p,
+                             const opc_progress *at, gint64 now) {
+  if (!(at->done > 0) || !(at->total >= at->done)) return;
+  double past = (double)(now - p->began) * 1e-6;
+  double left = past * (at->total - at->done) / at->done;
+  if (left > 1e6) return;
+  long seconds = lround(left);
+  g_string_append_printf(line, "  %ld:%02ld left", seconds / 60, seconds % 60);
+}
+
+void cli_progress_show(void *data, const char *path, const opc_progress *at) {
+  cli_progress *p = data;
+  (void)path;
+  if (!p->shown) return;
+  g_mutex_lock(&p->lock);
+  gint64 now = g_get_monotonic_time();
+  if (now - p->last >= PAUSE) {
+    p->last = now;
+    g_autoptr(GString) line = g_string_new(NULL);
+    g_string_printf(line, "[%zu/%zu] %s", p->number, p->count, p->step);
+    if (isfinite(at->done)) g_string_append_printf(line, "  %g", at->done);
+    if (isfinite(at->done) && isfinite(at->total))
+      g_string_append_printf(line, "/%g", at->total);
+    if (isfinite(at->worst))
+      g_string_append_printf(line, "  worst %.3g%s%s", at->worst,
+                             at->worst_unit ? " " : "",
+                             at->worst_unit ? at->worst_unit : "");
+    append_time_left(line, p, at, now);
+    wipe(p);
+    fputs(line->str, stderr);
+    fflush(stderr);
+  }
+  g_mutex_unlock(&p->lock);
+}

@@ -1,0 +1,293 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "core/flow/binding.h"
+
+#include <string.h>
+
+#include "core/flow/value.h"
+#include "core/plugin/declaration.h"
+#include "core/plugin/suggest.h"
+
+/* Slots in slots; a plugin whose default is itself would go on for ever. */
+enum { DEEPEST_SLOT = 16 };
+
+/* What all of one bind() needs. */
+typedef struct binder {
+  opc_registry *registry;
+  opc_binding *binding;
+  unsigned flags, depth;
+  opc_problems *problems;
+} binder;
+
+static opc_binding *bind_use(opc_registry *registry, const opc_node *map,
+                             uint32_t kind, const char *path,
+                             const opc_place *at, unsigned flags,
+                             unsigned depth, opc_problems *problems);
+
+/* ---- one value ---- */
+
+static void bind_slot(const binder *b, size_t i, const opc_node *node,
+                      const opc_place *at) {
+  opc_binding *binding = b->binding;
+  const opc_parameter *p = opc_parameter_at(binding->plugin, i);
+  if (node->type != OPC_NODE_MAP) {
+    g_autofree char *noun = opc_value_noun(p);
+    opc_problem_add(b->problems, OPC_INVALID, &node->at, "'%s' needs %s",
+                    p->name, noun);
+    return;
+  }
+  if (b->depth == DEEPEST_SLOT) {
+    opc_problem_add(b->problems, OPC_INVALID, at, "slots deeper than %d",
+                    DEEPEST_SLOT);
+    return;
+  }
+  g_autofree char *path = g_strdup_printf("%s.%s", binding->path, p->name);
+  binding->values[i].type = OPC_SLOT;
+  binding->slots[i] = bind_use(b->registry, node, opc_kind_find(p->choices),
+                               path, at, b->flags, b->depth + 1, b->problems);
+  if (binding->slots[i]) binding->values[i].object = &binding->slots[i]->module;
+}
+
+static void bind_value(const binder *b, size_t i, const opc_node *node,
+                       const opc_place *at) {
+  opc_binding *binding = b->binding;
+  const opc_parameter *p = opc_parameter_at(binding->plugin, i);
+  if (p->type == OPC_SLOT)
+    bind_slot(b, i, node, at);
+  else
+    opc_value_convert(p, node, TRUE, binding->owned, b->problems,
+                      &binding->values[i]);
+}
+
+static void bind_default(const binder *b, size_t i) {
+  opc_binding *binding = b->binding;
+  const opc_parameter *p = opc_parameter_at(binding->plugin, i);
+  static const opc_source source = {(char *)"default", NULL};
+  if (p->preset) {
+    opc_node *node = opc_preset_parse(p, &source, b->problems);
+    if (!node) return;
+    g_ptr_array_add(binding->presets, node);
+    bind_value(b, i, node, &binding->at);
+  } else if (p->flags & OPC_REQUIRED) {
+    if (p->type == OPC_INPUT && b->flags & OPC_BIND_NO_INPUTS)
+      binding->values[i].type = OPC_INPUT;
+    else
+      opc_problem_add(b->problems, OPC_INVALID, &binding->at,
+                      "missing parameter '%s' of '%s'", p->name,
+                      binding->plugin->id);
+  }
+}
+
+/* ---- the map ---- */
+
+/* What may stand at this level: the next words of all parameters that begin
+   with `prefix`. */
+static GPtrArray *level_names(const opc_plugin *plugin, const char *prefix) {
+  GPtrArray *names = g_ptr_array_new_with_free_func(g_free);
+  for (size_t i = 0; i < plugin->n_parameters; i++) {
+    const char *name = opc_parameter_at(plugin, i)->name;
+    if (!g_str_has_prefix(name, prefix)) continue;
+    name += strlen(prefix);
+    g_ptr_array_add(names, g_strndup(name, strcspn(name, ".")));
+  }
+  return names;
+}
+
+static gboolean is_group(const opc_plugin *plugin, const char *name) {
+  g_autofree char *prefix = g_strconcat(name, ".", NULL);
+  for (size_t i = 0; i < plugin->n_parameters; i++)
+    if (g_str_has_prefix(opc_parameter_at(plugin, i)->name, prefix))
+      return TRUE;
+  return FALSE;
+}
+
+static void unknown_parameter(const binder *b, const opc_node *key,
+                              const char *prefix, const char *name) {
+  g_autoptr(GPtrArray) names = level_names(b->binding->plugin, prefix);
+  if (!*prefix) g_ptr_array_add(names, g_strdup("use"));
+  const char *nearest = opc_nearest(key->text, names);
+  g_autofree char *suggestion =
+      nearest ? g_strdup_printf(", did you mean '%s%s'?", prefix, nearest)
+              : g_strdup("");
+  opc_problem_add(b->problems, OPC_INVALID, &key->at,
+                  "unknown parameter '%s' of '%s'%s", name,
+                  b->binding->plugin->id, suggestion);
+}
+
+/* As deep as parameter names have dots. */
+static void bind_map(const binder *b, const opc_node *map, const char *prefix) {
+  opc_binding *binding = b->binding;
+  for (guint k = 0; k < map->keys->len; k++) {
+    const opc_node *key = map->keys->pdata[k], *node = map->items->pdata[k];
+    if (!*prefix && !strcmp(key->text, "use")) continue;
+    g_autofree char *name = g_strconcat(prefix, key->text, NULL);
+    int i =
+        strchr(key->text, '.') ? -1 : opc_parameter_find(binding->plugin, name);
+    if (i >= 0) {
+      binding->origin[i] = node;
+      binding->values[i].given = 1;
+      bind_value(b, (size_t)i, node, &key->at);
+    } else if (strchr(key->text, '.') || !is_group(binding->plugin, name)) {
+      unknown_parameter(b, key, prefix, name);
+    } else if (node->type != OPC_NODE_MAP) {
+      opc_problem_add(b->problems, OPC_INVALID, &node->at,
+                      "'%s' is a group, as '%s: { ... }'", name, key->text);
+    } else {
+      g_autofree char *deeper = g_strconcat(name, ".", NULL);
+      bind_map(b, node, deeper);
+    }
+  }
+}
+
+static opc_binding *bind_plugin(opc_registry *registry,
+                                const opc_plugin *plugin, const opc_node *map,
+                                const char *path, const opc_place *at,
+                                unsigned flags, unsigned depth,
+                                opc_problems *problems) {
+  opc_binding *binding = g_new0(opc_binding, 1);
+  size_t n = MAX(plugin->n_parameters, 1);
+  binding->plugin = plugin;
+  binding->path = g_strdup(path);
+  binding->at = *at;
+  binding->values = g_new0(opc_value, n);
+  binding->origin = g_new0(const opc_node *, n);
+  binding->slots = g_new0(opc_binding *, n);
+  binding->owned = g_ptr_array_new_with_free_func(g_free);
+  binding->presets =
+      g_ptr_array_new_with_free_func((GDestroyNotify)opc_node_free);
+  binder b = {registry, binding, flags, depth, problems};
+  bind_map(&b, map, "");
+  for (size_t i = 0; i < plugin->n_parameters; i++)
+    if (!binding->values[i].given) bind_default(&b, i);
+  return binding;
+}
+
+/* ---- finding the plugin ---- */
+
+static gboolean check_kind(const opc_plugin *plugin, uint32_t kind,
+                           const opc_place *at, opc_problems *problems) {
+  if (plugin->kind == kind) return TRUE;
+  opc_problem_add(problems, OPC_INVALID, at,
+                  "'%s' is a plugin of the kind '%s', not '%s'", plugin->id,
+                  opc_kind_name(plugin->kind), opc_kind_name(kind));
+  return FALSE;
+}
+
+static opc_binding *bind_use(opc_registry *registry, const opc_node *map,
+                             uint32_t kind, const char *path,
+                             const opc_place *at, unsigned flags,
+                             unsigned depth, opc_problems *problems) {
+  const opc_node *use = opc_node_get(map, "use");
+  if (!use) {
+    opc_problem_add(problems, OPC_INVALID, at,
+                    "missing 'use', the plugin of '%s'", path);
+    return NULL;
+  }
+  if (use->type != OPC_NODE_TEXT || !*use->text) {
+    opc_problem_add(problems, OPC_INVALID, &use->at,
+                    "'use' needs the id of a plugin");
+    return NULL;
+  }
+  opc_error error = {0};
+  const opc_plugin *plugin = opc_registry_find(registry, use->text, &error);
+  if (!plugin) {
+    opc_problem_add(problems, error.code, &use->at, "%s", error.message);
+    return NULL;
+  }
+  if (!check_kind(plugin, kind, &use->at, problems)) return NULL;
+  return bind_plugin(registry, plugin, map, path, at, flags, depth, problems);
+}
+
+opc_binding *opc_bind(opc_registry *registry, const opc_node *map,
+                      uint32_t kind, const char *path, const opc_place *at,
+                      unsigned flags, opc_problems *problems) {
+  return bind_use(registry, map, kind, path, at, flags, 0, problems);
+}
+
+opc_binding *opc_bind_plugin(opc_registry *registry, const opc_plugin *plugin,
+                             const opc_node *map, const char *path,
+                             const opc_place *at, unsigned flags,
+                             opc_problems *problems) {
+  return bind_plugin(registry, plugin, map, path, at, flags, 0, problems);
+}
+
+/* ---- instances ---- */
+
+char *opc_binding_label(const opc_binding *b) {
+  return g_strdup_printf("%s'%s' (%s)", strchr(b->path, '.') ? "" : "step ",
+                         b->path, b->plugin->id);
+}
+
+static gboolean create_one(opc_binding *b, opc_problems *problems) {
+  opc_error error = {0};
+  b->sink.data = b;
+  b->host = opc_host_new(&b->sink);
+  b->module.plugin = b->plugin;
+  b->module.self = b->plugin->create(b->host, b->values, &error);
+  if (b->module.self) return TRUE;
+  error.message[sizeof error.message - 1] = 0;
+  error.parameter[sizeof error.parameter - 1] = 0;
+  g_autofree char *label = opc_binding_label(b);
+  opc_problem_add(problems, error.code ? error.code : OPC_FAILED,
+                  opc_binding_place(b, error.parameter), "%s: %s", label,
+                  *error.message ? error.message : "gave no reason");
+  return FALSE;
+}
+
+gboolean opc_binding_create(opc_binding *b, const opc_sink *sink,
+                            void *listener, opc_problems *problems) {
+  gboolean good = TRUE;
+  for (size_t i = 0; i < b->plugin->n_parameters; i++)
+    if (b->slots[i])
+      good &= opc_binding_create(b->slots[i], sink, listener, problems);
+  if (!good) return FALSE;
+  b->sink = *sink;
+  b->listener = listener;
+  return create_one(b, problems);
+}
+
+void opc_binding_free(opc_binding *b) {
+  if (!b) return;
+  if (b->module.self) b->plugin->destroy(b->module.self);
+  for (size_t i = 0; i < b->plugin->n_parameters; i++)
+    opc_binding_free(b->slots[i]);
+  if (b->host) opc_host_free(b->host);
+  g_free(b->path);
+  g_free(b->values);
+  g_free(b->origin);
+  g_free(b->slots);
+  g_ptr_array_free(b->owned, TRUE);
+  g_ptr_array_free(b->presets, TRUE);
+  g_free(b);
+}
+
+/* ---- finding one's way back ---- */
+
+static const opc_place *parameter_place(const opc_binding *b,
+                                        const char *name) {
+  int i = opc_parameter_find(b->plugin, name);
+  if (i >= 0) return b->origin[i] ? &b->origin[i]->at : &b->at;
+  for (size_t s = 0; s < b->plugin->n_parameters; s++) {
+    if (!b->slots[s]) continue;
+    const char *slot = opc_parameter_at(b->plugin, s)->name;
+    const char *rest = g_str_has_prefix(name, slot) ? name + strlen(slot) : "";
+    const opc_place *place =
+        *rest == '.' ? parameter_place(b->slots[s], rest + 1) : NULL;
+    if (!place) place = parameter_place(b->slots[s], name);
+    if (place) return place;
+  }
+  return NULL;
+}
+
+const opc_place *opc_binding_place(const opc_binding *b,
+                                   const char *parameter) {
+  const opc_place *place = *parameter ? parameter_place(b, parameter) : NULL;
+  return place ? place : &b->at;
+}
+
+void opc_binding_visit(opc_binding *b,
+                       void (*visit)(opc_binding *binding, void *data),
+                       void *data) {
+  for (size_t i = 0; i < b->plugin->n_parameters; i++)
+    if (b->slots[i]) opc_binding_visit(b->slots[i], visit, data);
+  visit(b, data);
+}

@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A plugin with its parameters: from a map in a flow to checked values, and on
+   to an instance, with the plugins in its slots. */
+#ifndef OPCFLOW_CORE_BINDING_H
+#define OPCFLOW_CORE_BINDING_H
+
+#include "core/flow/node.h"
+#include "core/plugin/host.h"
+#include "core/plugin/registry.h"
+
+typedef struct opc_binding opc_binding;
+struct opc_binding {
+  const opc_plugin *plugin;
+  char *path;              /* "mask", "mask.litho": step and slots */
+  opc_place at;            /* of its name in the flow */
+  opc_value *values;       /* of each parameter */
+  const opc_node **origin; /* of each: where it was given; NULL: default */
+  opc_binding **slots;     /* of each: the plugin in the slot, or NULL */
+  GPtrArray *owned;        /* what values point to */
+  GPtrArray *presets;      /* opc_node * */
+  opc_host *host;          /* from create on */
+  opc_sink sink;
+  void *listener;    /* for the functions of the sink, whose `data` is
+                        the binding */
+  opc_module module; /* self is NULL before create */
+};
+
+enum {
+  OPC_BIND_NO_INPUTS = 1 << 0 /* a required OPC_INPUT may be missing */
+};
+
+/* Find the plugin that the map names with `use` and check all parameters.
+   `kind` is what its place needs, `path` its name, `at` its place. NULL if
+   there is no plugin to go on with; otherwise a binding that is good if no
+   problem was added. `map` outlives it. */
+opc_binding *opc_bind(opc_registry *registry, const opc_node *map,
+                      uint32_t kind, const char *path, const opc_place *at,
+                      unsigned flags, opc_problems *problems);
+
+/* The same for a map without `use`. */
+opc_binding *opc_bind_plugin(opc_registry *registry, const opc_plugin *plugin,
+                             const opc_node *map, const char *path,
+                             const opc_place *at, unsigned flags,
+                             opc_problems *problems);
+
+/* Make the instances, those in slots first. The functions of `sink` are called
+   with the binding as their data. FALSE and a problem if one refuses. */
+gboolean opc_binding_create(opc_binding *binding, const opc_sink *sink,
+                            void *listener, opc_problems *problems);
+
+/* "step 'mask' (correct)", "'mask.litho' (litho.hopkins)" */
+char *opc_binding_label(const opc_binding *binding);
+
+/* Destroy the instances, then all. */
+void opc_binding_free(opc_binding *binding);
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_binding, opc_binding_free)
+
+/* The place in the flow that an error of this instance is about: that of the
+   parameter, which may be one of a slot, by its name or as "slot.name"; else
+   of the binding. */
+const opc_place *opc_binding_place(const opc_binding *binding,
+                                   const char *parameter);
+
+/* Call `visit` for a binding and all in its slots, slots first. */
+void opc_binding_visit(opc_binding *binding,
+                       void (*visit)(opc_binding *binding, void *data),
+                       void *data);
+
+#endif

@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* From references to an order of running. */
+#include <string.h>
+
+#include "core/flow/flow.h"
+#include "core/plugin/declaration.h"
+#include "core/plugin/suggest.h"
+
+/* What a visit of the bindings of one step needs. */
+typedef struct connector {
+  opc_flow *flow;
+  opc_flow_step *step;
+  opc_problems *problems;
+} connector;
+
+/* ---- references ---- */
+
+static opc_flow_step *find_step(const opc_flow *flow, const char *name) {
+  for (guint i = 0; i < flow->steps->len; i++) {
+    opc_flow_step *step = flow->steps->pdata[i];
+    if (!strcmp(step->name, name)) return step;
+  }
+  return NULL;
+}
+
+static void unknown_step(const connector *c, const opc_node *node,
+                         const char *name) {
+  g_autoptr(GPtrArray) names = g_ptr_array_new();
+  for (guint i = 0; i < c->flow->steps->len; i++) {
+    const opc_flow_step *step = c->flow->steps->pdata[i];
+    if (step != c->step) g_ptr_array_add(names, (char *)step->name);
+  }
+  g_autofree char *suggestion = opc_suggestion(name, names);
+  opc_problem_add(c->problems, OPC_INVALID, &node->at,
+                  "unknown step '%s' in '%s'%s", name, node->text, suggestion);
+}
+
+/* The number of the output that is meant; -1 and a problem. */
+static int find_port(const connector *c, const opc_node *node,
+                     const opc_flow_step *from, const char *name) {
+  const opc_plugin *plugin = from->binding->plugin;
+  size_t n = opc_port_count(plugin);
+  if (!n) {
+    opc_problem_add(c->problems, OPC_INVALID, &node->at,
+                    "step '%s' (%s) has no output", from->name, plugin->id);
+    return -1;
+  }
+  if (!name) return 0;
+  g_autoptr(GPtrArray) names = g_ptr_array_new();
+  for (size_t i = 0; i < n; i++) {
+    if (!strcmp(opc_port_at(plugin, i)->name, name)) return (int)i;
+    g_ptr_array_add(names, (char *)opc_port_at(plugin, i)->name);
+  }
+  g_autofree char *suggestion = opc_suggestion(name, names);
+  opc_problem_add(c->problems, OPC_INVALID, &node->at,
+                  "step '%s' (%s) has no output '%s'%s", from->name, plugin->id,
+                  name, suggestion);
+  return -1;
+}
+
+static void connect_input(const connector *c, opc_binding *binding,
+                          size_t parameter) {
+  const opc_parameter *p = opc_parameter_at(binding->plugin, parameter);
+  const opc_node *node = binding->origin[parameter];
+  g_auto(GStrv) parts = g_strsplit(binding->values[parameter].text, ".", 2);
+  const opc_flow_step *from = find_step(c->flow, parts[0]);
+  if (!from) {
+    unknown_step(c, node, parts[0]);
+    return;
+  }
+  opc_flow_input input = {binding, parameter, from, 0};
+  if (from->binding) {
+    int port = find_port(c, node, from, parts[1]);
+    if (port < 0) return;
+    input.port = (size_t)port;
+    const char *kind = opc_port_at(from->binding->plugin, input.port)->kind;
+    g_auto(GStrv) wanted = opc_choice_list(p->choices);
+    if (!g_strv_contains((const char *const *)wanted, kind)) {
+      opc_problem_add(c->problems, OPC_INVALID, &node->at,
+                      "'%s' needs data of the kind '%s', '%s' is '%s'", p->name,
+                      p->choices, node->text, kind);
+      return;
+    }
+  }
+  g_array_append_val(c->step->inputs, input);
+}
+
+static void connect_binding(opc_binding *binding, void *data) {
+  for (size_t i = 0; i < binding->plugin->n_parameters; i++)
+    if (binding->values[i].type == OPC_INPUT && binding->values[i].text)
+      connect_input(data, binding, i);
+}
+
+/* ---- order ---- */
+
+static gboolean is_ready(const opc_flow_step *step, const gboolean *placed) {
+  for (guint i = 0; i < step->inputs->len; i++)
+    if (!placed[g_array_index(step->inputs, opc_flow_input, i).from->number])
+      return FALSE;
+  return TRUE;
+}
+
+/* A circle among the steps that have no place: go from step to input until one
+   comes again. */
+static void report_circle(const opc_flow *flow, const gboolean *placed,
+                          opc_problems *problems) {
+  guint n = flow->steps->len;
+  const opc_flow_step *step = NULL;
+  for (guint i = n; i-- > 0;)
+    if (!placed[i]) step = flow->steps->pdata[i];
+  g_autofree const opc_flow_step **trail = g_new0(const opc_flow_step *, n + 1);
+  g_autofree gboolean *visited = g_new0(gboolean, n);
+  guint length = 0;
+  while (!visited[step->number]) {
+    visited[step->number] = TRUE;
+    trail[length++] = step;
+    for (guint i = 0; i < step->inputs->len; i++) {
+      const opc_flow_step *from =
+          g_array_index(step->inputs, opc_flow_input, i).from;
+      if (placed[from->number]) continue;
+      step = from;
+      break;
+    }
+  }
+  guint first = 0;
+  while (trail[first] != step) first++;
+  GString *text = g_string_new(NULL);
+  for (guint i = first; i < length; i++)
+    g_string_append_printf(text, "%s -> ", trail[i]->name);
+  opc_problem_add(problems, OPC_INVALID, &step->key->at,
+                  "steps that need each other: %s%s", text->str, step->name);
+  g_string_free(text, TRUE);
+}
+
+/* Always the first of the file that can run. */
+static void find_order(opc_flow *flow, opc_problems *problems) {
+  guint n = flow->steps->len;
+  g_autofree gboolean *placed = g_new0(gboolean, MAX(n, 1));
+  while (flow->order->len < n) {
+    opc_flow_step *next = NULL;
+    for (guint i = 0; i < n && !next; i++)
+      if (!placed[i] && is_ready(flow->steps->pdata[i], placed))
+        next = flow->steps->pdata[i];
+    if (!next) {
+      report_circle(flow, placed, problems);
+      return;
+    }
+    placed[next->number] = TRUE;
+    g_ptr_array_add(flow->order, next);
+  }
+}
+
+void opc_flow_connect(opc_flow *flow, opc_problems *problems) {
+  for (guint i = 0; i < flow->steps->len; i++) {
+    connector c = {flow, flow->steps->pdata[i], problems};
+    if (c.step->binding)
+      opc_binding_visit(c.step->binding, connect_binding, &c);
+  }
+  find_order(flow, problems);
+}

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* YAML as a tree in which everything knows its place. Only what a flow file
+   needs: one document of maps, lists and texts. Duplicate keys, anchors,
+   aliases and tags are refused, and what is nested too deep or too large. */
+#ifndef OPCFLOW_CORE_NODE_H
+#define OPCFLOW_CORE_NODE_H
+
+#include "core/flow/problem.h"
+
+/* Where nodes came from. */
+typedef struct opc_source {
+  char *name;   /* for messages: "flow.yaml", "--set mask.max_pde" */
+  char *folder; /* relative file names start here */
+} opc_source;
+
+typedef enum { OPC_NODE_TEXT, OPC_NODE_LIST, OPC_NODE_MAP } opc_node_type;
+
+typedef struct opc_node {
+  opc_node_type type;
+  const opc_source *source; /* outlives the node */
+  opc_place at;
+  char *text;       /* of a text */
+  gboolean plain;   /* a text without quotes */
+  GPtrArray *keys;  /* of a map: opc_node *, texts */
+  GPtrArray *items; /* of a list or map: opc_node * */
+} opc_node;
+
+opc_source *opc_source_new(const char *name, const char *folder);
+void opc_source_free(opc_source *source);
+
+/* The tree of a text, whose first line is `line`; NULL and problems if it is
+   not good. ${name} may stand in { } and [ ] without quotes. */
+opc_node *opc_node_parse(const opc_source *source, const char *text,
+                         size_t length, opc_problems *problems);
+
+/* The tree of a file; its problems carry the name of `source`. */
+opc_node *opc_node_read(const opc_source *source, const char *path,
+                        opc_problems *problems);
+
+opc_node *opc_node_text_new(const opc_source *source, const char *text);
+opc_node *opc_node_map_new(const opc_source *source, const opc_place *at);
+void opc_node_free(opc_node *node);
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_node, opc_node_free)
+
+/* The number of a key in a map, -1 if it is not there. */
+int opc_node_find(const opc_node *map, const char *key);
+
+/* The value of a key, NULL if it is not there (or `map` is no map). */
+opc_node *opc_node_get(const opc_node *map, const char *key);
+
+/* Put a value in place of the present one, or at the end. Takes both. */
+void opc_node_set(opc_node *map, opc_node *key, opc_node *value);
+
+/* "a map", "a list", "a text" */
+const char *opc_node_noun(const opc_node *node);
+
+/* Whether it is `key:` with nothing behind. */
+gboolean opc_node_is_empty(const opc_node *node);
+
+#endif

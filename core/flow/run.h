@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Running a flow into a run folder; docs/flow.md tells what it holds. */
+#ifndef OPCFLOW_CORE_RUN_H
+#define OPCFLOW_CORE_RUN_H
+
+#include <json-glib/json-glib.h>
+
+#include "core/flow/flow.h"
+#include "core/flow/table.h"
+
+/* Who looks on. log, progress and cancelled may come from any thread. `path`
+   is that of the instance ("mask.litho"). Functions may be NULL. */
+typedef struct opc_watch {
+  void *data;
+  void (*log)(void *data, const char *path, int level, const char *message);
+  void (*step)(void *data, const char *name, size_t number, size_t count);
+  void (*progress)(void *data, const char *path, const opc_progress *progress);
+  int (*cancelled)(void *data);
+} opc_watch;
+
+typedef struct opc_run_options {
+  const char *output; /* NULL: runs/NAME, or the first free NAME-2 ... */
+  gboolean force;     /* an earlier run may be replaced */
+  const char *const *command; /* for the manifest; may be NULL */
+} opc_run_options;
+
+typedef struct opc_run_table {
+  char *step, *file;
+  opc_table *table;
+} opc_run_table;
+
+typedef struct opc_run_metric {
+  const opc_binding *binding;
+  const opc_metric *metric;
+  double value;
+} opc_run_metric;
+
+/* A run, and what came of it. */
+typedef struct opc_run {
+  opc_flow *flow;
+  const opc_registry *registry;
+  const opc_watch *watch;
+  const opc_run_options *options;
+  char *folder;        /* where the result is; NULL: nothing was kept */
+  char *work;          /* its name until it is done */
+  GPtrArray *tables;   /* opc_run_table * */
+  GArray *metrics;     /* opc_run_metric */
+  GHashTable *claims;  /* file in the run folder -> path of who has it */
+  GPtrArray *paths;    /* that were given out */
+  GPtrArray *inputs;   /* files read: path, SHA-256, path ... */
+  GHashTable *seconds; /* step -> double * */
+  void ***objects;     /* of each step, of each output */
+  opc_error refusal;   /* of something that a step published */
+  const char *failed;  /* the step that failed */
+  char *failure;       /* and why */
+  GDateTime *started;
+  double total; /* seconds */
+} opc_run;
+
+/* Run a flow that has no problem. Never NULL; it failed if a problem was
+   added, and `folder` then holds what was finished, if anything. */
+opc_run *opc_run_flow(opc_flow *flow, const opc_registry *registry,
+                      const opc_run_options *options, const opc_watch *watch,
+                      opc_problems *problems);
+void opc_run_free(opc_run *run);
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_run, opc_run_free)
+
+/* The functions that instances of a run call back with their bindings, whose
+   listeners are the opc_run. */
+extern const opc_sink opc_run_sink;
+
+/* ---- report.c: JSON ---- */
+
+JsonNode *opc_run_metrics_json(const opc_run *run);
+JsonNode *opc_run_manifest_json(const opc_run *run);
+JsonNode *opc_table_json(const opc_table *table);
+
+/* Readable, with a last newline (g_free). Takes the node. */
+char *opc_json_text(JsonNode *node);
+
+#endif

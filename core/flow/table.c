@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "core/flow/table.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+#include "core/flow/value.h"
+#include "core/plugin/host.h"
+
+enum { MOST_DECIMALS = 20 };
+
+/* ---- keeping ---- */
+
+static gboolean check_columns(const char *name, size_t rows,
+                              const opc_column *columns, size_t n,
+                              opc_error *error) {
+  for (size_t i = 0; i < n; i++) {
+    const opc_column *c = &columns[i];
+    if (!c->name || (rows && !c->data) ||
+        (c->type != OPC_TEXT && c->type != OPC_REAL && c->type != OPC_INT)) {
+      opc_fail(error, OPC_FAILED, NULL, "table '%s': column %zu is not sound",
+               name, i + 1);
+      return FALSE;
+    }
+  }
+  return TRUE;
+}
+
+static const void *copy_data(const opc_column *c, size_t rows) {
+  if (c->type != OPC_TEXT) return g_memdup2(c->data, rows * 8);
+  const char *const *from = c->data;
+  char **to = g_new0(char *, rows + 1);
+  for (size_t i = 0; i < rows; i++) to[i] = g_strdup(from[i] ? from[i] : "");
+  return to;
+}
+
+opc_table *opc_table_new(const char *name, uint32_t flags, size_t rows,
+                         const opc_column *columns, size_t n_columns,
+                         opc_error *error) {
+  if (!check_columns(name, rows, columns, n_columns, error)) return NULL;
+  opc_table *table = g_new0(opc_table, 1);
+  table->name = g_strdup(name);
+  table->flags = flags;
+  table->rows = rows;
+  table->n_columns = n_columns;
+  table->columns = g_new0(opc_column, MAX(n_columns, 1));
+  for (size_t i = 0; i < n_columns; i++) {
+    opc_column *c = &table->columns[i];
+    *c = columns[i];
+    c->name = g_strdup(columns[i].name);
+    c->unit = g_strdup(columns[i].unit);
+    c->data = copy_data(&columns[i], rows);
+  }
+  return table;
+}
+
+void opc_table_free(opc_table *table) {
+  if (!table) return;
+  for (size_t i = 0; i < table->n_columns; i++) {
+    opc_column *c = &table->columns[i];
+    g_free((char *)c->name);
+    g_free((char *)c->unit);
+    if (c->type == OPC_TEXT)
+      g_strfreev((char **)c->data);
+    else
+      g_free((void *)c->data);
+  }
+  g_free(table->columns);
+  g_free(table->name);
+  g_free(table);
+}
+
+const opc_column *opc_table_column(const opc_table *table, const char *name) {
+  for (size_t i = 0; i < table->n_columns; i++)
+    if (!strcmp(table->columns[i].name, name)) return &table->columns[i];
+  return NULL;
+}
+
+/* ---- cells ---- */
+
+static char *real_text(double value, int decimals) {
+  if (isnan(value)) return g_strdup("");
+  if (isinf(value)) return g_strdup(value < 0 ? "-inf" : "inf");
+  if (decimals < 0) return opc_number_text(value);
+  char format[16], buffer[400];
+  g_snprintf(format, sizeof format, "%%.%df", MIN(decimals, MOST_DECIMALS));
+  g_ascii_formatd(buffer, sizeof buffer, format, value);
+  /* Nothing but zeros has no sign. */
+  gboolean zero = *buffer == '-' && strspn(buffer, "-0.") == strlen(buffer);
+  return g_strdup(buffer + zero);
+}
+
+char *opc_table_cell(const opc_column *c, size_t row) {
+  switch (c->type) {
+    case OPC_TEXT:
+      return g_strdup(((const char *const *)c->data)[row]);
+    case OPC_INT:
+      return g_strdup_printf("%" PRId64, ((const int64_t *)c->data)[row]);
+    default:
+      return real_text(((const double *)c->data)[row], c->decimals);
+  }
+}
+
+static char *heading(const opc_column *c) {
+  return c->unit && *c->unit ? g_strdup_printf("%s (%s)", c->name, c->unit)
+                             : g_strdup(c->name);
+}
+
+/* ---- CSV ---- */
+
+static void append_field(GString *out, const char *text) {
+  if (!strpbrk(text, ",\"\r\n")) {
+    g_string_append(out, text);
+    return;
+  }
+  g_string_append_c(out, '"');
+  for (; *text; text++) {
+    if (*text == '"') g_string_append_c(out, '"');
+    g_string_append_c(out, *text);
+  }
+  g_string_append_c(out, '"');
+}
+
+char *opc_table_csv(const opc_table *table) {
+  GString *out = g_string_new(NULL);
+  for (size_t row = 0; row <= table->rows; row++) {
+    for (size_t i = 0; i < table->n_columns; i++) {
+      const opc_column *c = &table->columns[i];
+      g_autofree char *text = row ? opc_table_cell(c, row - 1) : heading(c);
+      if (i) g_string_append_c(out, ',');
+      append_field(out, text);
+    }
+    g_string_append(out, "\r\n");
+  }
+  return g_string_free(out, FALSE);
+}
+
+/* ---- aligned text ---- */
+
+static size_t width_of(const char *text) {
+  return g_utf8_validate(text, -1, NULL) ? (size_t)g_utf8_strlen(text, -1)
+                                         : strlen(text);
+}
+
+char *opc_table_text(const opc_table *table) {
+  size_t n = table->n_columns;
+  g_autofree size_t *widths = g_new0(size_t, MAX(n, 1));
+  g_autoptr(GPtrArray) cells = g_ptr_array_new_with_free_func(g_free);
+  for (size_t row = 0; row <= table->rows; row++) {
+    for (size_t i = 0; i < n; i++) {
+      const opc_column *c = &table->columns[i];
+      char *text = row ? opc_table_cell(c, row - 1) : heading(c);
+      g_strdelimit(text, "\r\n\t", ' ');
+      widths[i] = MAX(widths[i], width_of(text));
+      g_ptr_array_add(cells, text);
+    }
+  }
+  GString *out = g_string_new(NULL);
+  for (size_t row = 0; row <= table->rows; row++) {
+    for (size_t i = 0; i < n; i++) {
+      const char *text = cells->pdata[row * n + i];
+      gboolean left = table->columns[i].type == OPC_TEXT;
+      int pad = (int)(widths[i] - width_of(text));
+      if (i) g_string_append(out, "  ");
+      if (!left) g_string_append_printf(out, "%*s", pad, "");
+      g_string_append(out, text);
+      if (left && i + 1 < n) g_string_append_printf(out, "%*s", pad, "");
+    }
+    g_string_append_c(out, '\n');
+  }
+  return g_string_free(out, FALSE);
+}

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Tables that plugins publish: kept, written as CSV, shown. */
+#ifndef OPCFLOW_CORE_TABLE_H
+#define OPCFLOW_CORE_TABLE_H
+
+#include <glib.h>
+#include <opcflow/plugin.h>
+
+typedef struct opc_table {
+  char *name;
+  uint32_t flags; /* OPC_TABLE_PRINT */
+  size_t rows, n_columns;
+  opc_column *columns; /* copies: names, units and data are its own */
+} opc_table;
+
+/* A copy of what a plugin gave; NULL and *error if it is not sound. */
+opc_table *opc_table_new(const char *name, uint32_t flags, size_t rows,
+                         const opc_column *columns, size_t n_columns,
+                         opc_error *error);
+void opc_table_free(opc_table *table);
+
+/* The column of that name, NULL if there is none. */
+const opc_column *opc_table_column(const opc_table *table, const char *name);
+
+/* The text of a cell (g_free); "" for NAN. */
+char *opc_table_cell(const opc_column *column, size_t row);
+
+/* RFC 4180, lines ended by CR LF, the first with "name (unit)". */
+char *opc_table_csv(const opc_table *table);
+
+/* Aligned columns, numbers to the right, the first line with "name (unit)". */
+char *opc_table_text(const opc_table *table);
+
+#endif

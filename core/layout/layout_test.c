@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include <glib.h>
+#include <math.h>
+#include <string.h>
+
+#include "core/plugin/host.h"
+
+static const opc_layout_service *l = &opc_layout_functions;
+
+static opc_layout *new_layout(void) {
+  opc_error e;
+  opc_layout *layout = l->create(NULL, 1, &e);
+  g_assert_nonnull(layout);
+  return layout;
+}
+
+static void place(opc_layout *layout, const char *in, const char *child) {
+  opc_error e;
+  opc_placement p = {.magnification = 1, .columns = 1, .rows = 1};
+  int32_t a = l->cell(layout, in, &e), b = l->cell(layout, child, &e);
+  g_assert_cmpint(l->add_instance(layout, a, b, &p, NULL, &e), ==, 0);
+}
+
+static void test_names(void) {
+  opc_error e;
+  opc_layout *layout = new_layout();
+  g_assert_cmpint(l->cell(layout, "A", &e), ==, 0);
+  g_assert_cmpint(l->cell(layout, "B", &e), ==, 1);
+  g_assert_cmpint(l->cell(layout, "A", &e), ==, 0);
+  g_assert_cmpint(l->layer(layout, "poly", &e), ==, 0);
+  g_assert_cmpint(l->layer(layout, "9/0", &e), ==, 1);
+  g_assert_cmpint(l->find_cell(layout, "B"), ==, 1);
+  g_assert_cmpint(l->find_cell(layout, "C"), ==, -1);
+  g_assert_cmpint(l->find_layer(layout, "9/0"), ==, 1);
+  g_assert_cmpstr(l->cell_name(layout, 1), ==, "B");
+  g_assert_cmpstr(l->layer_name(layout, 0), ==, "poly");
+  g_assert_cmpuint(l->cells(layout), ==, 2);
+  g_assert_cmpuint(l->layers(layout), ==, 2);
+  l->destroy(layout);
+}
+
+static void assert_polygon(const opc_layout *layout, int32_t cell, size_t i,
+                           int32_t layer, const opc_point *points, size_t n) {
+  size_t count;
+  int32_t on;
+  const opc_point *p = l->polygon(layout, cell, i, &count, &on);
+  g_assert_cmpint(on, ==, layer);
+  g_assert_cmpmem(p, count * sizeof *p, points, n * sizeof *p);
+}
+
+/* Boxes come before the other polygons of their layer, as four points. */
+static void test_shapes(void) {
+  opc_error e;
+  opc_layout *layout = new_layout();
+  int32_t a = l->cell(layout, "A", &e);
+  int32_t one = l->layer(layout, "1", &e), two = l->layer(layout, "2", &e);
+  const opc_point corner[] = {{0, 0}, {5, 0}, {5, 2}, {2, 2}, {2, 7}, {0, 7}};
+  const opc_point kite[] = {{0, 0}, {5, 1}, {6, 6}, {1, 5}};
+  const opc_point turned[] = {{3, 9}, {3, 4}, {8, 4}, {8, 9}};
+  const opc_point box[] = {{3, 4}, {8, 4}, {8, 9}, {3, 9}};
+  g_assert_cmpint(l->add_polygon(layout, a, two, corner, 6, &e), ==, 0);
+  g_assert_cmpint(l->add_polygon(layout, a, one, kite, 4, &e), ==, 0);
+  g_assert_cmpint(l->add_polygon(layout, a, two, kite, 4, &e), ==, 0);
+  g_assert_cmpint(l->add_polygon(layout, a, two, turned, 4, &e), ==, 0);
+  g_assert_cmpint(l->add_box(layout, a, one, (opc_box){3, 4, 8, 9}, &e), ==, 0);
+  g_assert_cmpuint(l->polygons(layout, a), ==, 5);
+  assert_polygon(layout, a, 0, two, box, 4);
+  assert_polygon(layout, a, 1, two, corner, 6);
+  assert_polygon(layout, a, 2, two, kite, 4);
+  assert_polygon(layout, a, 3, one, box, 4);
+  assert_polygon(layout, a, 4, one, kite, 4);
+  g_assert_cmpint(l->add_text(layout, a, two, (opc_point){1, 2}, "VDD", &e), ==,
+                  0);
+  opc_point at;
+  int32_t layer;
+  g_assert_cmpuint(l->texts(layout, a), ==, 1);
+  g_assert_cmpstr(l->text(layout, a, 0, &at, &layer), ==, "VDD");
+  g_assert_true(at.x == 1 && at.y == 2 && layer == two);
+  l->destroy(layout);
+}
+
+static void test_instances(void) {
+  opc_error e;
+  opc_layout *layout = new_layout();
+  int32_t a = l->cell(layout, "A", &e), b = l->cell(layout, "B", &e);
+  opc_placement p = {{3, 4}, 2, 90, 1, 5, 6, {7, 8}, {9, 10}}, got;
+  g_assert_cmpint(l->add_instance(layout, a, b, &p, "X1", &e), ==, 0);
+  p.origin.x = -3;
+  g_assert_cmpint(l->add_instance(layout, a, b, &p, NULL, &e), ==, 0);
+  int32_t child;
+  g_assert_cmpuint(l->instances(layout, a), ==, 2);
+  g_assert_cmpstr(l->instance(layout, a, 0, &child, &got), ==, "X1");
+  g_assert_cmpint(child, ==, b);
+  g_assert_null(l->instance(layout, a, 1, &child, &got));
+  g_assert_true(got.origin.x == -3 && got.origin.y == 4 && got.mirror == 1 &&
+                got.magnification == 2 && got.angle == 90 && got.columns == 5 &&
+                got.rows == 6 && got.column_step.y == 8 && got.row_step.x == 9);
+  l->destroy(layout);
+}
+
+/* Very many layers in one cell find their sheets by another way. */
+static void test_many_layers(void) {
+  opc_error e;
+  opc_layout *layout = new_layout();
+  int32_t a = l->cell(layout, "A", &e);
+  for (int round = 0; round < 2; round++)
+    for (int i = 0; i < 100; i++) {
+      char name[16];
+      g_snprintf(name, sizeof name, "%d", i);
+      int32_t layer = l->layer(layout, name, &e);
+      opc_box box = {i, round, 200, 200};
+      g_assert_cmpint(l->add_box(layout, a, layer, box, &e), ==, 0);
+    }
+  g_assert_cmpuint(l->polygons(layout, a), ==, 200);
+  for (int i = 0; i < 200; i++) {
+    opc_point box[] = {{i / 2, i % 2}, {200, i % 2}, {200, 200}, {i / 2, 200}};
+    assert_polygon(layout, a, (size_t)i, i / 2, box, 4);
+  }
+  l->destroy(layout);
+}
+
+static void test_refusals(void) {
+  opc_error e;
+  g_assert_null(l->create(NULL, 0, &e));
+  g_assert_null(l->create(NULL, NAN, &e));
+  opc_layout *layout = new_layout();
+  int32_t a = l->cell(layout, "A", &e), one = l->layer(layout, "1", &e);
+  const opc_point two[2] = {{0, 0}, {1, 1}};
+  opc_placement p = {.magnification = 0, .columns = 1, .rows = 1};
+  g_assert_cmpint(l->add_polygon(layout, a, one, two, 2, &e), ==, OPC_INVALID);
+  g_assert_cmpint(l->add_box(layout, a, one, (opc_box){1, 0, 0, 1}, &e), ==,
+                  OPC_INVALID);
+  g_assert_cmpint(l->add_box(layout, a + 1, one, (opc_box){0, 0, 1, 1}, &e), ==,
+                  OPC_INVALID);
+  g_assert_cmpint(l->add_box(layout, a, -1, (opc_box){0, 0, 1, 1}, &e), ==,
+                  OPC_INVALID);
+  g_assert_cmpint(l->add_instance(layout, a, a, &p, NULL, &e), ==, OPC_INVALID);
+  p.magnification = 1;
+  p.rows = 0;
+  g_assert_cmpint(l->add_instance(layout, a, a, &p, NULL, &e), ==, OPC_INVALID);
+  g_assert_cmpint(l->add_instance(layout, a, 7, &p, NULL, &e), ==, OPC_INVALID);
+  g_assert_cmpuint(l->polygons(layout, a), ==, 0);
+  g_assert_cmpuint(l->instances(layout, a), ==, 0);
+  l->destroy(layout);
+}
+
+static void test_top(void) {
+  opc_error e;
+  opc_layout *layout = new_layout();
+  g_assert_cmpint(l->top(layout, &e), ==, -1);
+  place(layout, "TOP", "A");
+  place(layout, "A", "B");
+  g_assert_cmpint(l->top(layout, &e), ==, 0);
+  place(layout, "OTHER", "B");
+  g_assert_cmpint(l->top(layout, &e), ==, -1);
+  g_assert_nonnull(strstr(e.message, "'TOP', 'OTHER'"));
+  place(layout, "TOP", "OTHER");
+  g_assert_cmpint(l->top(layout, &e), ==, 0);
+  place(layout, "C", "D");
+  place(layout, "D", "C");
+  g_assert_cmpint(l->top(layout, &e), ==, -1);
+  g_assert_nonnull(strstr(e.message, "circle: 'C', 'D'"));
+  l->destroy(layout);
+}
+
+static void test_keep(void) {
+  opc_error e;
+  opc_layout *layout = new_layout();
+  place(layout, "X", "B");
+  place(layout, "TOP", "A");
+  place(layout, "A", "B");
+  int32_t one = l->layer(layout, "1", &e), b = l->find_cell(layout, "B");
+  g_assert_cmpint(l->add_box(layout, b, one, (opc_box){0, 0, 1, 1}, &e), ==, 0);
+  g_assert_cmpint(l->keep(layout, l->find_cell(layout, "A"), &e), ==, 0);
+  g_assert_cmpuint(l->cells(layout), ==, 2);
+  g_assert_cmpint(l->find_cell(layout, "TOP"), ==, -1);
+  g_assert_cmpint(l->find_cell(layout, "B"), ==, 0);
+  g_assert_cmpint(l->top(layout, &e), ==, 1);
+  int32_t child;
+  opc_placement p;
+  l->instance(layout, 1, 0, &child, &p);
+  g_assert_cmpint(child, ==, 0);
+  g_assert_cmpuint(l->polygons(layout, 0), ==, 1);
+  g_assert_cmpint(l->cell(layout, "TOP", &e), ==, 2);
+  l->destroy(layout);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/layout/names", test_names);
+  g_test_add_func("/layout/shapes", test_shapes);
+  g_test_add_func("/layout/instances", test_instances);
+  g_test_add_func("/layout/many-layers", test_many_layers);
+  g_test_add_func("/layout/refusals", test_refusals);
+  g_test_add_func("/layout/top", test_top);
+  g_test_add_func("/layout/keep", test_keep);
+  return g_test_run();
+}

@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "core/plugin/registry.h"
+
+#include <dlfcn.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "core/plugin/declaration.h"
+#include "core/plugin/host.h"
+#include "core/plugin/suggest.h"
+
+/* What is built in. */
+extern const opc_plugin opc_correct_plugin; /* core/correct */
+static const opc_plugin *const built_in[] = {&opc_correct_plugin};
+
+/* What was found out about an id that somebody asked for. */
+typedef struct loaded {
+  const opc_plugin *plugin;
+  char *path, *reason;
+} loaded;
+
+struct opc_registry {
+  GPtrArray *folders; /* char * */
+  GHashTable *seen;   /* id -> loaded */
+};
+
+/* ---- folders ---- */
+
+static gboolean same_folder(const char *a, const char *b) {
+  struct stat s, t;
+  if (!strcmp(a, b)) return TRUE;
+  return !stat(a, &s) && !stat(b, &t) && s.st_dev == t.st_dev &&
+         s.st_ino == t.st_ino;
+}
+
+/* Takes the name. */
+static void add_folder(opc_registry *registry, char *folder) {
+  gboolean known = !*folder;
+  for (guint i = 0; !known && i < registry->folders->len; i++)
+    known = same_folder(registry->folders->pdata[i], folder);
+  if (known)
+    g_free(folder);
+  else
+    g_ptr_array_add(registry->folders, folder);
+}
+
+/* The installed folder of plugins, found from the folder of the executable, so
+   that an installation can be moved; NULL if that is not a bindir. */
+static char *installed_folder(const char *executable_folder) {
+  if (g_path_is_absolute(OPC_LIBDIR) || g_path_is_absolute(OPC_BINDIR))
+    return g_build_filename(OPC_LIBDIR, "opcflow", "plugins", NULL);
+  if (!g_str_has_suffix(executable_folder, "/" OPC_BINDIR)) return NULL;
+  g_autofree char *prefix = g_strndup(
+      executable_folder, strlen(executable_folder) - strlen("/" OPC_BINDIR));
+  return g_build_filename(*prefix ? prefix : "/", OPC_LIBDIR, "opcflow",
+                          "plugins", NULL);
+}
+
+static void add_standard_folders(opc_registry *registry) {
+  gboolean system = !g_getenv("OPCFLOW_NO_SYSTEM_PLUGINS");
+  g_autofree char *executable = g_file_read_link("/proc/self/exe", NULL);
+  g_autofree char *folder = executable ? g_path_get_dirname(executable) : NULL;
+  if (folder) add_folder(registry, g_build_filename(folder, "plugins", NULL));
+  if (!system) return;
+  add_folder(registry, g_build_filename(g_get_user_data_dir(), "opcflow",
+                                        "plugins", NULL));
+  char *installed = folder ? installed_folder(folder) : NULL;
+  if (installed) add_folder(registry, installed);
+}
+
+static void loaded_free(gpointer item) {
+  loaded *l = item;
+  g_free(l->path);
+  g_free(l->reason);
+  g_free(l);
+}
+
+opc_registry *opc_registry_new(const char *const *folders) {
+  opc_registry *registry = g_new0(opc_registry, 1);
+  registry->folders = g_ptr_array_new_with_free_func(g_free);
+  registry->seen =
+      g_hash_table_new_full(g_str_hash, g_str_equal, g_free, loaded_free);
+  for (; folders && *folders; folders++)
+    add_folder(registry, g_strdup(*folders));
+  const char *list = g_getenv("OPCFLOW_PLUGIN_PATH");
+  g_auto(GStrv) parts = g_strsplit(list ? list : "", ":", -1);
+  for (guint i = 0; parts[i]; i++) add_folder(registry, g_strdup(parts[i]));
+  add_standard_folders(registry);
+  return registry;
+}
+
+void opc_registry_free(opc_registry *registry) {
+  if (!registry) return;
+  g_ptr_array_free(registry->folders, TRUE);
+  g_hash_table_destroy(registry->seen);
+  g_free(registry);
+}
+
+const GPtrArray *opc_registry_folders(const opc_registry *registry) {
+  return registry->folders;
+}
+
+/* ---- loading ---- */
+
+const opc_plugin *opc_plugin_load(const char *path, const char *id,
+                                  char **reason) {
+  *reason = NULL;
+  g_autofree char *whole = g_canonicalize_filename(path, NULL);
+  void *object = dlopen(whole, RTLD_NOW | RTLD_LOCAL);
+  if (!object) {
+    *reason = g_strdup(dlerror());
+    return NULL;
+  }
+  opc_plugin_entry entry;
+  void *symbol = dlsym(object, OPC_ENTRY_NAME);
+  if (!symbol) {
+    *reason = g_strdup("it has no function " OPC_ENTRY_NAME "()");
+    dlclose(object);
+    return NULL;
+  }
+  memcpy(&entry, &symbol, sizeof entry);
+  const opc_plugin *plugin = entry();
+  *reason = opc_plugin_fault(plugin, id);
+  if (!*reason) return plugin;
+  dlclose(object);
+  return NULL;
+}
+
+static const opc_plugin *find_built_in(const char *id) {
+  for (size_t i = 0; i < G_N_ELEMENTS(built_in); i++)
+    if (!strcmp(built_in[i]->id, id)) return built_in[i];
+  return NULL;
+}
+
+static loaded *look_for(opc_registry *registry, const char *id) {
+  loaded *l = g_new0(loaded, 1);
+  l->plugin = find_built_in(id);
+  if (l->plugin || !opc_is_id(id)) {
+    if (l->plugin) l->reason = opc_plugin_fault(l->plugin, id);
+    return l;
+  }
+  g_autofree char *file = g_strconcat(id, ".so", NULL);
+  for (guint i = 0; i < registry->folders->len && !l->path; i++) {
+    l->path = g_build_filename(registry->folders->pdata[i], file, NULL);
+    if (!g_file_test(l->path, G_FILE_TEST_EXISTS))
+      g_clear_pointer(&l->path, g_free);
+  }
+  if (l->path) l->plugin = opc_plugin_load(l->path, id, &l->reason);
+  return l;
+}
+
+/* ---- what there is ---- */
+
+static void candidate_free(gpointer item) {
+  opc_candidate *c = item;
+  g_free(c->id);
+  g_free(c->path);
+  g_free(c->reason);
+  g_free(c->version);
+  g_free(c->licence);
+  g_free(c->summary);
+  g_free(c);
+}
+
+static gint compare_ids(gconstpointer a, gconstpointer b) {
+  return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+/* The stems of the .so files of a folder, sorted. */
+static GPtrArray *folder_ids(const char *folder) {
+  GPtrArray *ids = g_ptr_array_new_with_free_func(g_free);
+  GDir *dir = g_dir_open(folder, 0, NULL);
+  const char *name;
+  while (dir && (name = g_dir_read_name(dir)))
+    if (g_str_has_suffix(name, ".so") && *name != '.')
+      g_ptr_array_add(ids, g_strndup(name, strlen(name) - 3));
+  if (dir) g_dir_close(dir);
+  g_ptr_array_sort(ids, compare_ids);
+  return ids;
+}
+
+static gint compare_candidates(gconstpointer a, gconstpointer b) {
+  return strcmp((*(opc_candidate *const *)a)->id,
+                (*(opc_candidate *const *)b)->id);
+}
+
+/* All candidates, not yet tried. */
+static GPtrArray *list_candidates(const opc_registry *registry) {
+  GPtrArray *list = g_ptr_array_new_with_free_func(candidate_free);
+  for (size_t i = 0; i < G_N_ELEMENTS(built_in); i++) {
+    opc_candidate *c = g_new0(opc_candidate, 1);
+    c->id = g_strdup(built_in[i]->id);
+    g_ptr_array_add(list, c);
+  }
+  for (guint i = 0; i < registry->folders->len; i++) {
+    const char *folder = registry->folders->pdata[i];
+    g_autoptr(GPtrArray) ids = folder_ids(folder);
+    for (guint j = 0; j < ids->len; j++) {
+      opc_candidate *c = g_new0(opc_candidate, 1);
+      c->id = g_strdup(ids->pdata[j]);
+      g_autofree char *file = g_strconcat(c->id, ".so", NULL);
+      c->path = g_build_filename(folder, file, NULL);
+      g_ptr_array_add(list, c);
+    }
+  }
+  g_ptr_array_sort(list, compare_candidates); /* stable */
+  for (guint i = 1; i < list->len; i++) {
+    opc_candidate *c = list->pdata[i], *last = list->pdata[i - 1];
+    if (!strcmp(c->id, last->id))
+      c->hidden_by = last->hidden_by ? last->hidden_by
+                     : last->path    ? last->path
+                                     : "the built-in one";
+  }
+  return list;
+}
+
+GPtrArray *opc_registry_scan(opc_registry *registry, double seconds) {
+  GPtrArray *list = list_candidates(registry);
+  for (guint i = 0; i < list->len; i++) {
+    opc_candidate *c = list->pdata[i];
+    if (c->path) {
+      opc_candidate_try(c, seconds);
+      continue;
+    }
+    const opc_plugin *plugin = find_built_in(c->id);
+    c->reason = opc_plugin_fault(plugin, c->id);
+    c->kind = plugin->kind;
+    c->version = g_strdup(plugin->version);
+    c->licence = g_strdup(plugin->licence);
+    c->summary = g_strdup(plugin->summary);
+  }
+  return list;
+}
+
+/* ---- asking for one ---- */
+
+static void explain_missing(opc_registry *registry, const char *id,
+                            opc_error *error) {
+  g_autoptr(GPtrArray) list = list_candidates(registry);
+  g_autoptr(GPtrArray) ids = g_ptr_array_new();
+  for (guint i = 0; i < list->len; i++)
+    g_ptr_array_add(ids, ((opc_candidate *)list->pdata[i])->id);
+  g_autofree char *suggestion = opc_suggestion(id, ids);
+  opc_fail(error, OPC_NO_PLUGIN, NULL, "unknown plugin '%s'%s", id, suggestion);
+}
+
+const opc_plugin *opc_registry_find(opc_registry *registry, const char *id,
+                                    opc_error *error) {
+  loaded *l = g_hash_table_lookup(registry->seen, id);
+  if (!l) {
+    l = look_for(registry, id);
+    g_hash_table_insert(registry->seen, g_strdup(id), l);
+  }
+  if (l->plugin && !l->reason) return l->plugin;
+  if (l->path)
+    opc_fail(error, OPC_NO_PLUGIN, NULL, "'%s': cannot use '%s': %s", id,
+             l->path, l->reason);
+  else if (l->reason)
+    opc_fail(error, OPC_NO_PLUGIN, NULL, "'%s': cannot be used: %s", id,
+             l->reason);
+  else
+    explain_missing(registry, id, error);
+  return NULL;
+}
+
+const char *opc_registry_path(const opc_registry *registry,
+                              const opc_plugin *plugin) {
+  const loaded *l = g_hash_table_lookup(registry->seen, plugin->id);
+  return l ? l->path : NULL;
+}

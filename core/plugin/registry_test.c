@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "core/plugin/registry.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "core/plugin/declaration.h"
+#include "core/plugin/suggest.h"
+
+/* The plugins that are made for tests are beside the test programs. */
+static char *plugin_folder(void) {
+  return g_build_filename(g_getenv("OPCFLOW_BUILD"), "tests", NULL);
+}
+
+static opc_registry *test_registry(void) {
+  g_autofree char *folder = plugin_folder();
+  const char *folders[] = {folder, NULL};
+  return opc_registry_new(folders);
+}
+
+/* What is wrong with each of tests/badplugins; %zu stands for the size of the
+   descriptor. */
+static const struct {
+  const char *id, *reason;
+} faults[] = {
+    {"bad.crash", "crashed while loading"},
+    {"bad.default",
+     "default of parameter 'size': 'size' must be at most 65 nm,"
+     " not '66 nm'"},
+    {"bad.entry", "it has no function opcflow_plugin()"},
+    {"bad.exit", "it ended while loading"},
+    {"bad.function", "function 2 of its operations is missing"},
+    {"bad.hang", "did not load within 0.5 s"},
+    {"bad.kind", "its kind 99 is unknown"},
+    {"bad.major", "built for plugin interface 2, this is 1"},
+    {"bad.name", "its id is 'bad.other', its file is called 'bad.name'"},
+    {"bad.null", "opcflow_plugin() returned nothing"},
+    {"bad.operations", "its operations have 8 bytes, 24 are needed"},
+    {"bad.size", "its descriptor has"},
+    {"bad.twice", "parameter 'size' is there twice"},
+    {"bad.unit", "parameter 'size' has the unknown unit 'parsec'"},
+};
+
+static const opc_candidate *find(const GPtrArray *list, const char *id) {
+  for (guint i = 0; i < list->len; i++) {
+    const opc_candidate *c = list->pdata[i];
+    if (!strcmp(c->id, id)) return c;
+  }
+  return NULL;
+}
+
+static void test_scan(void) {
+  g_autoptr(opc_registry) registry = test_registry();
+  g_autoptr(GPtrArray) list = opc_registry_scan(registry, 0.5);
+  for (size_t i = 0; i < G_N_ELEMENTS(faults); i++) {
+    const opc_candidate *c = find(list, faults[i].id);
+    g_assert_nonnull(c);
+    g_assert_nonnull(c->reason);
+    if (!strstr(c->reason, faults[i].reason))
+      g_assert_cmpstr(c->reason, ==, faults[i].reason);
+  }
+  const opc_candidate *good = find(list, "bad.none");
+  g_assert_cmpstr(good->reason, ==, NULL);
+  g_assert_cmpuint(good->kind, ==, OPC_KIND_DRC);
+  g_assert_cmpstr(good->summary, ==, "Not what it seems");
+  /* Built in. */
+  good = find(list, "correct");
+  g_assert_cmpstr(good->reason, ==, NULL);
+  g_assert_cmpstr(good->path, ==, NULL);
+}
+
+static void test_find(void) {
+  g_autoptr(opc_registry) registry = test_registry();
+  opc_error error;
+  const opc_plugin *plugin =
+      opc_registry_find(registry, "test.numbers", &error);
+  g_assert_nonnull(plugin);
+  g_assert_true(plugin == opc_registry_find(registry, "test.numbers", &error));
+  g_assert_true(g_str_has_suffix(opc_registry_path(registry, plugin),
+                                 "tests/test.numbers.so"));
+  g_assert_cmpint(opc_parameter_find(plugin, "anchor.pitch"), ==, 12);
+  g_assert_cmpint(opc_parameter_find(plugin, "anchor"), ==, -1);
+  g_assert_nonnull(opc_registry_find(registry, "correct", &error));
+}
+
+static void test_refused(void) {
+  g_autoptr(opc_registry) registry = test_registry();
+  g_autofree char *folder = plugin_folder();
+  g_autofree char *text = g_strdup_printf(
+      "'bad.major': cannot use '%s/bad.major.so': built for "
+      "plugin interface 2, this is 1",
+      folder);
+  opc_error error;
+  for (int i = 0; i < 2; i++) {
+    memset(&error, 0, sizeof error);
+    g_assert_null(opc_registry_find(registry, "bad.major", &error));
+    g_assert_cmpint(error.code, ==, OPC_NO_PLUGIN);
+    g_assert_cmpstr(error.message, ==, text);
+  }
+  g_assert_null(opc_registry_find(registry, "test.nubmers", &error));
+  g_assert_cmpstr(
+      error.message, ==,
+      "unknown plugin 'test.nubmers', did you mean 'test.numbers'?");
+  g_assert_null(opc_registry_find(registry, "../evil", &error));
+  g_assert_cmpstr(error.message, ==, "unknown plugin '../evil'");
+}
+
+/* The first of two files wins, and the second one is told of. */
+static void test_duplicate(void) {
+  g_autofree char *folder = plugin_folder();
+  g_autofree char *copy = g_dir_make_tmp("opcflow-XXXXXX", NULL);
+  g_autofree char *from = g_build_filename(folder, "test.numbers.so", NULL);
+  g_autofree char *to = g_build_filename(copy, "test.numbers.so", NULL);
+  g_autofree char *bytes = NULL;
+  gsize length;
+  g_assert_true(g_file_get_contents(from, &bytes, &length, NULL));
+  g_assert_true(g_file_set_contents(to, bytes, (gssize)length, NULL));
+  /* The same folder twice is one. */
+  const char *folders[] = {copy, folder, copy, NULL};
+  g_autoptr(opc_registry) registry = opc_registry_new(folders);
+  g_autoptr(GPtrArray) list = opc_registry_scan(registry, 0.5);
+  guint n = 0;
+  for (guint i = 0; i < list->len; i++) {
+    const opc_candidate *c = list->pdata[i];
+    if (strcmp(c->id, "test.numbers")) continue;
+    g_assert_cmpstr(c->path, ==, n ? from : to);
+    g_assert_cmpstr(c->hidden_by, ==, n ? to : NULL);
+    n++;
+  }
+  g_assert_cmpuint(n, ==, 2);
+  remove(to);
+  remove(copy);
+}
+
+static void test_folders(void) {
+  g_setenv("OPCFLOW_PLUGIN_PATH", "/nowhere/b::/nowhere/c", TRUE);
+  const char *given[] = {"/nowhere/a", NULL};
+  g_autoptr(opc_registry) registry = opc_registry_new(given);
+  const GPtrArray *folders = opc_registry_folders(registry);
+  g_assert_cmpstr(folders->pdata[0], ==, "/nowhere/a");
+  g_assert_cmpstr(folders->pdata[1], ==, "/nowhere/b");
+  g_assert_cmpstr(folders->pdata[2], ==, "/nowhere/c");
+  /* What the system has is out, as the tests are run so. */
+  g_assert_cmpuint(folders->len, ==, 4);
+}
+
+/* Distances known from the definition. */
+static void test_distance(void) {
+  g_assert_cmpuint(opc_edit_distance("", ""), ==, 0);
+  g_assert_cmpuint(opc_edit_distance("", "abc"), ==, 3);
+  g_assert_cmpuint(opc_edit_distance("kitten", "sitting"), ==, 3);
+  g_assert_cmpuint(opc_edit_distance("sigma_otu", "sigma_out"), ==, 1);
+  g_assert_cmpuint(opc_edit_distance("ca", "abc"), ==, 3);
+}
+
+static void test_ids(void) {
+  g_assert_true(opc_is_id("mask.dpb"));
+  g_assert_true(opc_is_id("a.b_2.c"));
+  g_assert_false(opc_is_id(""));
+  g_assert_false(opc_is_id("."));
+  g_assert_false(opc_is_id("a."));
+  g_assert_false(opc_is_id("a..b"));
+  g_assert_false(opc_is_id("Mask"));
+  g_assert_false(opc_is_id("../x"));
+  g_assert_false(opc_is_id("2d"));
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/registry/scan", test_scan);
+  g_test_add_func("/registry/find", test_find);
+  g_test_add_func("/registry/refused", test_refused);
+  g_test_add_func("/registry/duplicate", test_duplicate);
+  g_test_add_func("/registry/folders", test_folders);
+  g_test_add_func("/registry/distance", test_distance);
+  g_test_add_func("/registry/ids", test_ids);
+  return g_test_run();
+}

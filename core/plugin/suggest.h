@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* "Did you mean": the known word that is nearest to a mistyped one. */
+#ifndef OPCFLOW_CORE_SUGGEST_H
+#define OPCFLOW_CORE_SUGGEST_H
+
+#include <glib.h>
+
+/* The edits from one word to the other: insert, remove, replace a byte, swap
+   two neighbours (Damerau-Levenshtein, restricted). Words are cut at 64. */
+unsigned opc_edit_distance(const char *a, const char *b);
+
+/* The nearest of `words` (const char *), NULL if none is near: at most a third
+   of the word's letters may be wrong, and one where it is that short. The first
+   of equals. */
+const char *opc_nearest(const char *word, const GPtrArray *words);
+
+/* ", did you mean 'x'?" or "". */
+char *opc_suggestion(const char *word, const GPtrArray *words);
+
+#endif

@@ -1,0 +1,428 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A mask made by hand, its picture read back: colours at known places. */
+#include <cairo.h>
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "core/imaging/spline.h"
+#include "core/plugin/host.h"
+#include "core/plugin/testing.h"
+
+/* ---- the mask ---- */
+
+enum { SIDE = 1000, NODES = 40, GATES = 2 };
+
+typedef struct rectangles {
+  uint32_t start[2];
+  opc_point points[4];
+  opc_shapes shapes;
+} rectangles;
+
+/* Everything that an opc_mask points to. */
+typedef struct drawing {
+  rectangles drawn[OPC_MASKS], corrected[OPC_MASKS];
+  opc_box box[GATES];
+  double design[GATES], before[GATES], after[GATES];
+  uint32_t flags[GATES];
+  opc_gates gates;
+  opc_mask mask;
+} drawing;
+
+static void rectangle(rectangles *r, int32_t x0, int32_t y0, int32_t x1,
+                      int32_t y1) {
+  *r = (rectangles){{0, 4}, {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}, {0}};
+  r->shapes = (opc_shapes){1, r->start, r->points, NULL};
+}
+
+/* level - cos - cos over one period each way: positive around the middle,
+   along its axes out to where a cosine is level - 1. */
+static opc_field island(double level) {
+  opc_field f = {.frame = {0, 0, SIDE, SIDE}, .nx = NODES, .ny = NODES};
+  f.coefficients = g_new(float, NODES *NODES);
+  double scale = opc_spline_sampled(1.0 / NODES);
+  for (int j = 0; j < NODES; j++)
+    for (int i = 0; i < NODES; i++)
+      f.coefficients[NODES * j + i] =
+          (float)(level -
+                  (cos(2 * M_PI * i / NODES) + cos(2 * M_PI * j / NODES)) /
+                      scale);
+  return f;
+}
+
+/* A cross of two bars, its middle two transistors. The print of the poly
+   passes (333 1/3, 500), where the cosine is -1/2. */
+static void make(drawing *d) {
+  memset(d, 0, sizeof *d);
+  rectangle(&d->drawn[OPC_POLY], 450, 100, 550, 900);
+  rectangle(&d->drawn[OPC_ACTIVE], 100, 300, 900, 700);
+  rectangle(&d->corrected[OPC_POLY], 430, 80, 570, 920);
+  rectangle(&d->corrected[OPC_ACTIVE], 120, 280, 880, 720);
+  d->box[0] = (opc_box){450, 300, 550, 500};
+  d->box[1] = (opc_box){450, 500, 550, 700};
+  d->design[0] = d->design[1] = 1e-3;
+  d->before[0] = d->before[1] = 0.8e-3;
+  d->after[0] = 1.02e-3;
+  d->after[1] = 0.99e-3;
+  d->gates = (opc_gates){.size = sizeof d->gates,
+                         .name = "ISLAND",
+                         .grid = 1,
+                         .extent = {100, 100, 900, 900},
+                         .count = GATES,
+                         .box = d->box};
+  d->mask = (opc_mask){.size = sizeof d->mask,
+                       .gates = &d->gates,
+                       .design = {.count = GATES, .ion = d->design},
+                       .before = {.count = GATES, .ion = d->before},
+                       .after = {.count = GATES, .ion = d->after},
+                       .flags = d->flags,
+                       .iterations = 7};
+  for (int layer = 0; layer < OPC_MASKS; layer++) {
+    d->gates.drawn[layer] = d->drawn[layer].shapes;
+    d->mask.shapes[layer] = d->corrected[layer].shapes;
+  }
+  d->mask.print[OPC_POLY] = island(-1.5);
+}
+
+static void clear(drawing *d) { g_free(d->mask.print[OPC_POLY].coefficients); }
+
+static int draw(drawing *d, const char *mapping, opc_error *error) {
+  void *no_outputs[1];
+  g_autoptr(opc_module) m = opc_test_module("draw.mask", mapping, error);
+  if (!m) g_error("%s", error->message);
+  opc_test_input(m, "mask", &d->mask);
+  return opc_test_run(m, no_outputs, error);
+}
+
+/* ---- the picture ---- */
+
+typedef struct image {
+  cairo_surface_t *surface;
+  int width, height;
+  int left, top, right, bottom; /* of the window: its first, its last pixel */
+} image;
+
+static uint32_t pixel(const image *m, int x, int y) {
+  const unsigned char *data = cairo_image_surface_get_data(m->surface);
+  size_t stride = (size_t)cairo_image_surface_get_stride(m->surface);
+  g_assert_true(x >= 0 && y >= 0 && x < m->width && y < m->height);
+  uint32_t value;
+  memcpy(&value, data + (size_t)y * stride + 4 * (size_t)x, 4);
+  return value & 0xffffff;
+}
+
+/* The window has a border of one colour, and nothing beside it. */
+static image load(const char *name) {
+  g_autofree char *path = g_build_filename(opc_test_folder(), name, NULL);
+  image m = {.surface = cairo_image_surface_create_from_png(path)};
+  g_assert_cmpint(cairo_surface_status(m.surface), ==, CAIRO_STATUS_SUCCESS);
+  m.width = cairo_image_surface_get_width(m.surface);
+  m.height = cairo_image_surface_get_height(m.surface);
+  int x = 0, y = m.height / 2;
+  while (pixel(&m, x, y) == 0xffffff) x++;
+  m.left = x + 1;
+  uint32_t border = pixel(&m, x, y);
+  for (m.top = y; pixel(&m, x, m.top - 1) == border;) m.top--;
+  for (m.bottom = y; pixel(&m, x, m.bottom + 1) == border;) m.bottom++;
+  m.top++;
+  m.bottom--;
+  for (m.right = m.width - 1; pixel(&m, m.right, y) == 0xffffff;) m.right--;
+  m.right--;
+  return m;
+}
+
+static double pixels_per_nm(const image *m, double nm) {
+  return (m->right - m->left + 1) / nm;
+}
+
+/* The pixel at a place of a window that begins at (0, 0). */
+static uint32_t at(const image *m, double window, double x, double y) {
+  double scale = pixels_per_nm(m, window);
+  return pixel(m, m->left + (int)floor(x * scale),
+               m->bottom - (int)floor(y * scale));
+}
+
+static double brightness(uint32_t c) {
+  return ((c >> 16 & 255) + (c >> 8 & 255) + (c & 255)) / 3.0;
+}
+
+#define WINDOW "window: [0 nm, 0 nm, 1000 nm, 1000 nm]"
+
+/* ---- tests ---- */
+
+static void check_fills(const image *m) {
+  g_assert_cmphex(at(m, SIDE, 20, 20), ==, 0xffffff);
+  g_assert_cmphex(at(m, SIDE, 980, 500), ==, 0xffffff);
+  uint32_t poly = at(m, SIDE, 500, 200), active = at(m, SIDE, 200, 600);
+  g_assert_cmphex(poly, !=, active);
+  g_assert_cmpfloat(brightness(poly), >, 200);
+  g_assert_cmpfloat(brightness(active), >, 200);
+  g_assert_cmphex(at(m, SIDE, 500, 800), ==, poly);
+  g_assert_cmphex(at(m, SIDE, 800, 400), ==, active);
+  /* Transistors, at the end and in the middle of the lower half of a scale of
+     2 %: Brewer's colours. */
+  g_assert_cmphex(at(m, SIDE, 480, 400), ==, 0xb2182b);
+  g_assert_cmphex(at(m, SIDE, 520, 600), ==, 0x92c5de);
+}
+
+/* The darkest pixel near a place, on a line along x. */
+static double darkest_near(const image *m, double x, double y, int reach,
+                           int *where) {
+  double scale = pixels_per_nm(m, SIDE), least = 256;
+  int centre = m->left + (int)floor(x * scale);
+  int row = m->bottom - (int)floor(y * scale);
+  for (int i = -reach; i <= reach; i++) {
+    double b = brightness(pixel(m, centre + i, row));
+    if (b >= least) continue;
+    least = b;
+    *where = i;
+  }
+  return least;
+}
+
+static void check_lines(const image *m) {
+  int where;
+  /* The poly mask's left edge and the active mask's: thin, of two hues. */
+  g_assert_cmpfloat(darkest_near(m, 430, 870, 3, &where), <, 160);
+  g_assert_cmpint(ABS(where), <=, 1);
+  g_assert_cmpfloat(darkest_near(m, 120, 650, 3, &where), <, 160);
+  g_assert_cmpint(ABS(where), <=, 1);
+  uint32_t poly = at(m, SIDE, 430, 870), active = at(m, SIDE, 120, 650);
+  g_assert_cmpuint(poly >> 16, >, poly & 255);     /* orange */
+  g_assert_cmpuint(active >> 16, <, active & 255); /* green */
+  /* The print: darker than both, where the cosine is -1/2. */
+  g_assert_cmpfloat(darkest_near(m, 1000.0 / 3, 500, 8, &where), <, 100);
+  g_assert_cmpint(ABS(where), <=, 1);
+  g_assert_cmpfloat(darkest_near(m, 2000.0 / 3, 500, 8, &where), <, 100);
+  g_assert_cmpint(ABS(where), <=, 1);
+}
+
+/* The longest dark run below the window is the scale bar, a sixth of the
+   window rounded down to 1, 2 or 5. */
+static void check_bar(const image *m, double window, double nm) {
+  int longest = 0;
+  for (int y = m->bottom + 2; y < m->height; y++)
+    for (int x = 0, run = 0; x < m->width; x++) {
+      run = brightness(pixel(m, x, y)) < 60 ? run + 1 : 0;
+      longest = MAX(longest, run);
+    }
+  double want = nm * pixels_per_nm(m, window);
+  g_assert_cmpfloat(fabs(longest - want), <=, 3);
+}
+
+static void test_png(void) {
+  static const int widths[] = {1600, 600};
+  for (size_t i = 0; i < G_N_ELEMENTS(widths); i++) {
+    drawing d;
+    opc_error error;
+    make(&d);
+    g_autofree char *mapping = g_strdup_printf(
+        "{ " WINDOW ", width: %d, file: island.png }", widths[i]);
+    g_assert_cmpint(draw(&d, mapping, &error), ==, OPC_OK);
+    image m = load("island.png");
+    g_assert_cmpint(m.width, ==, widths[i]);
+    g_assert_cmpint(m.bottom - m.top, ==, m.right - m.left); /* a square */
+    g_assert_cmpint(m.right - m.left, >, 9 * widths[i] / 10);
+    check_fills(&m);
+    check_lines(&m);
+    check_bar(&m, SIDE, 100);
+    cairo_surface_destroy(m.surface);
+    clear(&d);
+  }
+}
+
+/* A window shows what lies in it, as large as it gets. */
+static void test_window(void) {
+  drawing d;
+  opc_error error;
+  make(&d);
+  g_assert_cmpint(draw(&d,
+                       "{ window: [0 nm, 0 nm, 500 nm, 250 nm], width: 800, "
+                       "file: part.png }",
+                       &error),
+                  ==, OPC_OK);
+  image m = load("part.png");
+  g_assert_cmpint(abs(m.right - m.left - 2 * (m.bottom - m.top)), <=, 2);
+  g_assert_cmphex(at(&m, 500, 400, 200), ==, 0xffffff);
+  g_assert_cmphex(at(&m, 500, 480, 150), !=, 0xffffff);
+  g_assert_cmphex(at(&m, 500, 480, 90), ==, 0xffffff);
+  check_bar(&m, 500, 50);
+  cairo_surface_destroy(m.surface);
+  /* A millionth of it, deep inside a bar: one colour. */
+  g_assert_cmpint(draw(&d,
+                       "{ window: [200 nm, 600 nm, 201 nm, 601 nm], "
+                       "width: 1000, file: deep.png }",
+                       &error),
+                  ==, OPC_OK);
+  m = load("deep.png");
+  for (int i = 0; i < 15; i++)
+    g_assert_cmphex(at(&m, 1, 0.01 + 0.07 * i, 0.01 + 0.07 * i), ==,
+                    at(&m, 1, 0.5, 0.5));
+  g_assert_cmphex(at(&m, 1, 0.5, 0.5), !=, 0xffffff);
+  cairo_surface_destroy(m.surface);
+  clear(&d);
+}
+
+/* Without a window: everything, with room around it. */
+static void test_all(void) {
+  drawing d;
+  opc_error error;
+  make(&d);
+  g_assert_cmpint(draw(&d, "{}", &error), ==, OPC_OK);
+  image m = load("mask.png");
+  g_assert_cmpint(m.width, ==, 1600);
+  check_fills(&m); /* 100 nm around 100 .. 900: as if a window had been given */
+  cairo_surface_destroy(m.surface);
+  clear(&d);
+}
+
+/* Transistors that fail, have no current, or lie beyond the scale. */
+static void test_failing(void) {
+  drawing d;
+  opc_error error;
+  make(&d);
+  d.after[0] = 0;
+  d.flags[0] = OPC_PRINT_OPEN;
+  d.design[1] = 0;
+  g_assert_cmpint(draw(&d, "{ " WINDOW ", file: failing.png }", &error), ==,
+                  OPC_OK);
+  image m = load("failing.png");
+  g_assert_cmphex(at(&m, SIDE, 480, 400), ==, 0x2166ac);
+  g_assert_cmpfloat(brightness(at(&m, SIDE, 500, 400)), <, 60); /* the cross */
+  uint32_t unknown = at(&m, SIDE, 500, 600);
+  g_assert_cmphex(unknown >> 16, ==, unknown & 255); /* grey */
+  cairo_surface_destroy(m.surface);
+  clear(&d);
+}
+
+static void test_formats(void) {
+  static const struct {
+    const char *file, *begin;
+  } formats[] = {{"a.png", "\x89PNG"},
+                 {"a.svg", "<?xml"},
+                 {"a.PDF", "%PDF-"},
+                 {"sub/a.svg", "<?xml"}};
+  drawing d;
+  opc_error error;
+  make(&d);
+  for (size_t i = 0; i < G_N_ELEMENTS(formats); i++) {
+    g_autofree char *path =
+        g_build_filename(opc_test_folder(), formats[i].file, NULL);
+    g_autofree char *mapping = g_strdup_printf("{ file: %s }", formats[i].file);
+    char *content[2];
+    size_t size[2];
+    for (int k = 0; k < 2; k++) { /* the same bytes each time */
+      g_assert_cmpint(draw(&d, mapping, &error), ==, OPC_OK);
+      g_assert_true(g_file_get_contents(path, &content[k], &size[k], NULL));
+      g_assert_true(g_str_has_prefix(content[k], formats[i].begin));
+    }
+    g_assert_cmpmem(content[0], size[0], content[1], size[1]);
+    g_free(content[0]);
+    g_free(content[1]);
+  }
+  clear(&d);
+}
+
+/* A name from a hostile file, a picture too narrow for it. */
+static void test_names(void) {
+  drawing d;
+  opc_error error;
+  make(&d);
+  g_autofree char *name = g_strnfill(5000, 'W');
+  name[3] = (char)0xff;
+  d.gates.name = name;
+  g_assert_cmpint(draw(&d, "{ width: 200, file: name.png }", &error), ==,
+                  OPC_OK);
+  image m = load("name.png");
+  for (int y = 0; y < m.height; y++)
+    g_assert_cmphex(pixel(&m, m.width - 1, y), ==, 0xffffff);
+  cairo_surface_destroy(m.surface);
+  clear(&d);
+}
+
+/* ---- refusals ---- */
+
+static void refused(const char *mapping, const char *parameter,
+                    const char *reason) {
+  opc_error error;
+  g_autoptr(opc_module) m = opc_test_module("draw.mask", mapping, &error);
+  g_assert_null(m);
+  g_assert_cmpint(error.code, ==, OPC_INVALID);
+  if (!strstr(error.message, parameter) || !strstr(error.message, reason))
+    g_error("'%s' names neither '%s' nor '%s'", error.message, parameter,
+            reason);
+}
+
+static void test_refused(void) {
+  refused("{ file: mask.jpg }", "'mask.jpg'", ".png, .svg or .pdf");
+  refused("{ file: png }", "'png'", ".png, .svg or .pdf");
+  refused("{ window: [0 nm, 0 nm, 1 um] }", "window", "needs 4 lengths");
+  refused("{ window: [0 nm, 1 um, 1 um, 1 um] }", "window", "at least 1 nm");
+  refused("{ window: [1 um, 0 nm, 0 nm, 1 um] }", "window", "at least 1 nm");
+  refused("{ window: [-1e30 nm, 0 nm, 0 nm, 1 um] }", "window", "too far");
+  refused("{ width: 100 }", "width", "200");
+}
+
+static void test_nothing_there(void) {
+  drawing d;
+  opc_error error;
+  make(&d);
+  g_assert_cmpint(draw(&d, "{ window: [2 um, 0 nm, 3 um, 1 um] }", &error), ==,
+                  OPC_INVALID);
+  g_assert_cmpstr(error.parameter, ==, "window");
+  g_assert_nonnull(strstr(error.message, "(100, 100) to (900, 900) nm"));
+  d.gates.extent = (opc_box){1, 1, 0, 0};
+  g_assert_cmpint(draw(&d, "{}", &error), ==, OPC_INVALID);
+  g_assert_nonnull(strstr(error.message, "nothing to draw"));
+  clear(&d);
+}
+
+/* Where the file cannot be written. */
+static void test_unwritable(void) {
+  drawing d;
+  opc_error error;
+  make(&d);
+  g_autofree char *path = g_build_filename(opc_test_folder(), "dir.png", NULL);
+  g_assert_cmpint(g_mkdir_with_parents(path, 0777), ==, 0);
+  g_assert_cmpint(draw(&d, "{ file: dir.png }", &error), ==, OPC_IO);
+  g_assert_nonnull(strstr(error.message, "dir.png': Is a directory"));
+  /* A full disk, in every format. */
+  static const char *const full[] = {"full.png", "full.svg", "full.pdf"};
+  for (size_t i = 0; i < G_N_ELEMENTS(full); i++) {
+    g_autofree char *link = g_build_filename(opc_test_folder(), full[i], NULL);
+    if (symlink("/dev/full", link)) g_error("no link '%s'", link);
+    g_autofree char *mapping = g_strdup_printf("{ file: %s }", full[i]);
+    g_assert_cmpint(draw(&d, mapping, &error), ==, OPC_IO);
+    g_assert_nonnull(strstr(error.message, "No space left on device"));
+  }
+  clear(&d);
+}
+
+/* Stopped half way, nothing is left. */
+static void test_cancelled(void) {
+  drawing d;
+  opc_error error;
+  make(&d);
+  opc_test_cancel(TRUE);
+  g_assert_cmpint(draw(&d, "{ file: never.svg }", &error), ==, OPC_CANCELLED);
+  opc_test_cancel(FALSE);
+  g_autofree char *path =
+      g_build_filename(opc_test_folder(), "never.svg", NULL);
+  g_assert_false(g_file_test(path, G_FILE_TEST_EXISTS));
+  clear(&d);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/mask/png", test_png);
+  g_test_add_func("/mask/window", test_window);
+  g_test_add_func("/mask/all", test_all);
+  g_test_add_func("/mask/failing", test_failing);
+  g_test_add_func("/mask/formats", test_formats);
+  g_test_add_func("/mask/names", test_names);
+  g_test_add_func("/mask/refused", test_refused);
+  g_test_add_func("/mask/nothing-there", test_nothing_there);
+  g_test_add_func("/mask/unwritable", test_unwritable);
+  g_test_add_func("/mask/cancelled", test_cancelled);
+  return g_test_run();
+}

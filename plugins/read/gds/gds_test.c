@@ -1,0 +1,661 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include <glib/gstdio.h>
+#include <json-glib/json-glib.h>
+#include <math.h>
+#include <string.h>
+
+#include "core/plugin/host.h"
+#include "core/plugin/testing.h"
+#include "records.h"
+
+static const opc_layout_service *l = &opc_layout_functions;
+
+/* ---- reading ---- */
+
+static char *data_path(const char *name) {
+  const char *data = g_getenv("OPCFLOW_TEST_DATA");
+  if (data) return g_build_filename(data, name, NULL);
+  return g_build_filename(g_getenv("OPCFLOW_SOURCE"), "..", "shared", "data",
+                          name, NULL);
+}
+
+/* A layout of a file, or NULL and *error; `more` parameters. */
+static opc_layout *read_more(const char *path, const char *more,
+                             opc_error *error) {
+  g_autofree char *mapping = g_strdup_printf("{ file: '%s'%s }", path, more);
+  g_autoptr(opc_module) module = opc_test_module("read.gds", mapping, error);
+  if (!module) return NULL;
+  void *output = NULL;
+  if (opc_test_run(module, &output, error)) return NULL;
+  return output;
+}
+
+static opc_layout *read_good(const char *path, const char *more) {
+  opc_error e = {0};
+  opc_layout *layout = read_more(path, more, &e);
+  if (!layout) g_error("%s: %s", path, e.message);
+  return layout;
+}
+
+/* ---- files made here ---- */
+
+static void put(GByteArray *file, uint32_t type, uint32_t kind,
+                const void *data, size_t n) {
+  uint8_t head[4];
+  gds_put_u16(head, (uint32_t)n + 4);
+  head[2] = (uint8_t)type;
+  head[3] = (uint8_t)kind;
+  g_byte_array_append(file, head, 4);
+  if (n) g_byte_array_append(file, data, (guint)n);
+}
+
+static void put_text(GByteArray *file, uint32_t type, const char *text) {
+  size_t n = strlen(text);
+  char padded[256] = "";
+  memcpy(padded, text, n);
+  put(file, type, GDS_ASCII, padded, n + n % 2);
+}
+
+static void put_u16s(GByteArray *file, uint32_t type, size_t n,
+                     const uint32_t *v) {
+  uint8_t data[64];
+  for (size_t i = 0; i < n; i++) gds_put_u16(data + 2 * i, v[i]);
+  put(file, type, GDS_INT2, data, 2 * n);
+}
+
+static void put_u16(GByteArray *file, uint32_t type, uint32_t v) {
+  put_u16s(file, type, 1, &v);
+}
+
+static void put_i32s(GByteArray *file, uint32_t type, size_t n,
+                     const int32_t *v) {
+  uint8_t data[128];
+  for (size_t i = 0; i < n; i++) gds_put_i32(data + 4 * i, v[i]);
+  put(file, type, GDS_INT4, data, 4 * n);
+}
+
+static void put_cell(GByteArray *file, const char *name) {
+  uint32_t date[12] = {0};
+  put_u16s(file, GDS_BGNSTR, 12, date);
+  put_text(file, GDS_STRNAME, name);
+}
+
+static void put_empty(GByteArray *file, uint32_t type) {
+  put(file, type, GDS_NOTHING, NULL, 0);
+}
+
+static GByteArray *new_file(void) {
+  GByteArray *file = g_byte_array_new();
+  uint32_t date[12] = {0};
+  uint8_t units[16];
+  put_u16(file, GDS_HEADER, 600);
+  put_u16s(file, GDS_BGNLIB, 12, date);
+  put_text(file, GDS_LIBNAME, "TEST");
+  gds_put_real(units, 1e-3);
+  gds_put_real(units + 8, 1e-9);
+  put(file, GDS_UNITS, GDS_REAL8, units, 16);
+  return file;
+}
+
+static void put_box(GByteArray *file, uint32_t layer, uint32_t datatype) {
+  put_empty(file, GDS_BOUNDARY);
+  put_u16(file, GDS_LAYER, layer);
+  put_u16(file, GDS_DATATYPE, datatype);
+  put_i32s(file, GDS_XY, 10, (int32_t[]){0, 0, 10, 0, 10, 20, 0, 20, 0, 0});
+  put_empty(file, GDS_ENDEL);
+}
+
+static void put_leaf(GByteArray *file) {
+  put_cell(file, "LEAF");
+  put_box(file, 9, 0);
+  put_empty(file, GDS_ENDSTR);
+}
+
+static char *save(GByteArray *file) {
+  char *path = g_build_filename(opc_test_folder(), "made.gds", NULL);
+  g_assert_true(g_file_set_contents(path, (const char *)file->data,
+                                    (gssize)file->len, NULL));
+  return path;
+}
+
+static char *finish(GByteArray *file) {
+  put_empty(file, GDS_ENDSTR);
+  put_empty(file, GDS_ENDLIB);
+  char *path = save(file);
+  g_byte_array_free(file, TRUE);
+  return path;
+}
+
+/* ---- against KLayout ---- */
+
+/* Paths without width cover nothing and are not kept. */
+static gboolean without_width(const char *file, const char *layer) {
+  static const char *const list[] = {
+      "libgdsii_bend-flux.gds 3/0", "libgdsii_bend-flux.gds 4/0",
+      "libgdsii_bend-flux.gds 5/0", "libgdsii_bend-flux.gds 6/0",
+      "own_elements_a.gds 4/6",     "own_elements_a.gds 4/7",
+  };
+  g_autofree char *key = g_strdup_printf("%s %s", file, layer);
+  for (size_t i = 0; i < G_N_ELEMENTS(list); i++)
+    if (!strcmp(list[i], key)) return TRUE;
+  return FALSE;
+}
+
+static int64_t count(JsonObject *object, const char *name) {
+  return json_object_get_int_member_with_default(object, name, 0);
+}
+
+static void check_cells(const opc_layout *layout, JsonObject *cells) {
+  g_assert_cmpuint(l->cells(layout), ==, json_object_get_size(cells));
+  for (size_t i = 0; i < l->cells(layout); i++) {
+    const char *name = l->cell_name(layout, (int32_t)i);
+    if (!json_object_has_member(cells, name)) g_error("cell '%s'", name);
+    int64_t single = 0, arrays = 0, placed = 0;
+    for (size_t k = 0; k < l->instances(layout, (int32_t)i); k++) {
+      int32_t child;
+      opc_placement p;
+      l->instance(layout, (int32_t)i, k, &child, &p);
+      int64_t members = (int64_t)p.columns * p.rows;
+      single += members == 1;
+      arrays += members > 1;
+      placed += members;
+    }
+    JsonObject *want = json_object_get_object_member(cells, name);
+    g_assert_cmpint(single, ==, count(want, "single"));
+    g_assert_cmpint(arrays, ==, count(want, "arrays"));
+    g_assert_cmpint(placed, ==, count(want, "placed"));
+  }
+}
+
+static void check_layers(const char *file, const opc_layout *layout,
+                         JsonObject *layers) {
+  g_autofree int64_t *shapes = g_new0(int64_t, l->layers(layout) + 1);
+  g_autofree int64_t *texts = g_new0(int64_t, l->layers(layout) + 1);
+  for (size_t c = 0; c < l->cells(layout); c++) {
+    int32_t cell = (int32_t)c, layer;
+    size_t n;
+    opc_point at;
+    for (size_t i = 0; i < l->polygons(layout, cell); i++) {
+      l->polygon(layout, cell, i, &n, &layer);
+      shapes[layer]++;
+    }
+    for (size_t i = 0; i < l->texts(layout, cell); i++) {
+      l->text(layout, cell, i, &at, &layer);
+      texts[layer]++;
+    }
+  }
+  g_assert_cmpuint(l->layers(layout), ==, json_object_get_size(layers));
+  for (size_t i = 0; i < l->layers(layout); i++) {
+    const char *name = l->layer_name(layout, (int32_t)i);
+    JsonObject *want = json_object_get_object_member(layers, name);
+    int64_t paths = without_width(file, name) ? 0 : count(want, "path");
+    g_assert_cmpint(shapes[i], ==,
+                    count(want, "polygon") + count(want, "box") + paths);
+    g_assert_cmpint(texts[i], ==, count(want, "text"));
+  }
+}
+
+/* The merged flat area of rectilinear layers; how many were. */
+static int check_areas(const opc_layout *layout, JsonObject *tops) {
+  int checked = 0;
+  const opc_host *host = opc_test_host();
+  double unit = l->unit(layout);
+  g_autoptr(GList) names = json_object_get_members(tops);
+  for (GList *n = names; n; n = n->next) {
+    JsonObject *areas = json_object_get_object_member(tops, n->data);
+    g_autoptr(GList) layers = json_object_get_members(areas);
+    for (GList *k = layers; k; k = k->next) {
+      JsonObject *want = json_object_get_object_member(areas, k->data);
+      opc_error e;
+      opc_flat flat;
+      opc_shapes merged;
+      if (l->flatten(host, layout, l->find_cell(layout, n->data),
+                     l->find_layer(layout, k->data), unit, &flat, &e))
+        g_error("%s", e.message);
+      g_assert_cmpuint(flat.moved, ==, 0);
+      if (!host->geometry->boolean(host, OPC_OR, &flat.shapes, NULL, &merged,
+                                   &e)) {
+        double area = 0.5 * (double)host->geometry->area2(&merged);
+        g_assert_cmpfloat_with_epsilon(
+            area * unit * unit * 1e-6,
+            json_object_get_double_member(want, "area_um2"), 1e-7);
+        host->geometry->release(&merged);
+        checked++;
+      }
+      l->release(&flat);
+    }
+  }
+  return checked;
+}
+
+/* Twice the area that all cells draw on a layer, as KLayout 0.30 has it. Its
+   corners of slanted paths are up to one unit off the nearest. */
+static const struct {
+  const char *file, *layer;
+  double twice, tolerance;
+} drawn[] = {
+    {"gdstk_proof_lib.gds", "0/0", 478025293090704, 0},
+    {"gdstk_proof_lib.gds", "1/0", 163585591815634, 0},
+    {"gdstk_proof_lib.gds", "2/0", 23335592398374, 0},
+    {"gdstk_proof_lib.gds", "3/0", 128649629267711, 0},
+    {"gdstk_proof_lib.gds", "4/0", 298416636669322, 0},
+    {"gdstk_proof_lib.gds", "5/0", 7335592418316, 0},
+    {"klayout_basic_instances.gds", "1/0", 46781708, 0},
+    {"klayout_t10.gds", "6/0", 6451200, 0},
+    {"klayout_t10.gds", "3/0", 4495200, 0},
+    {"own_elements_a.gds", "4/0", 72000, 0},
+    {"own_elements_a.gds", "4/2", 75200, 0},
+    {"own_elements_a.gds", "4/4", 75600, 0},
+    {"own_elements_a.gds", "4/5", 40000, 0},
+    {"own_elements_a.gds", "4/8", 36736, 0},
+    {"openram_testLayoutA.gds", "51/0", 65250000, 0},
+    {"openram_testLayoutA.gds", "49/0", 71550000, 0},
+    {"pythongdsii_test1.gds", "44/0", 6609952000, 300000},
+};
+
+static double drawn_twice(const opc_layout *layout, const char *name) {
+  double sum = 0;
+  int32_t wanted = l->find_layer(layout, name), layer;
+  for (size_t c = 0; c < l->cells(layout); c++)
+    for (size_t i = 0; i < l->polygons(layout, (int32_t)c); i++) {
+      size_t n;
+      const opc_point *p = l->polygon(layout, (int32_t)c, i, &n, &layer);
+      if (layer != wanted) continue;
+      double twice = 0;
+      for (size_t k = 0; k < n; k++) {
+        opc_point a = p[k], b = p[(k + 1) % n];
+        twice += (double)a.x * b.y - (double)b.x * a.y;
+      }
+      sum += fabs(twice);
+    }
+  return sum;
+}
+
+static void test_corpus(void) {
+  static const struct {
+    const char *file;
+    int rectilinear; /* layers of top cells */
+  } files[] = {
+      {"gdstk_proof_lib.gds", 1},
+      {"klayout_arefs.gds", 1},
+      {"klayout_basic_instances.gds", 0},
+      {"klayout_t10.gds", 8},
+      {"klayout_t11.gds", 2},
+      {"libgdsii_bend-flux.gds", 7},
+      {"openram_freepdk45_cell_1rw.gds", 12},
+      {"openram_testLayoutA.gds", 9},
+      {"own_elements_a.gds", 9},
+      {"pythongdsii_test1.gds", 1},
+  };
+  g_autofree char *folder = data_path("gds-corpus");
+  g_autofree char *json = g_build_filename(folder, "expected.json", NULL);
+  g_autoptr(JsonParser) parser = json_parser_new();
+  if (!json_parser_load_from_file(parser, json, NULL)) {
+    g_test_skip("no test data");
+    return;
+  }
+  JsonObject *all = json_node_get_object(json_parser_get_root(parser));
+  for (size_t i = 0; i < G_N_ELEMENTS(files); i++) {
+    JsonObject *want = json_object_get_object_member(all, files[i].file);
+    g_autofree char *path = g_build_filename(folder, files[i].file, NULL);
+    g_test_message("%s", files[i].file);
+    opc_layout *layout = read_good(path, "");
+    g_assert_cmpfloat_with_epsilon(
+        l->unit(layout) / json_object_get_double_member(want, "dbu_um"), 1000,
+        1e-9);
+    check_cells(layout, json_object_get_object_member(want, "cells"));
+    check_layers(files[i].file, layout,
+                 json_object_get_object_member(want, "layers"));
+    g_assert_cmpint(
+        check_areas(layout, json_object_get_object_member(want, "top_cells")),
+        ==, files[i].rectilinear);
+    for (size_t k = 0; k < G_N_ELEMENTS(drawn); k++)
+      if (!strcmp(drawn[k].file, files[i].file))
+        g_assert_cmpfloat_with_epsilon(drawn_twice(layout, drawn[k].layer),
+                                       drawn[k].twice,
+                                       drawn[k].tolerance + 0.5);
+    l->destroy(layout);
+  }
+}
+
+/* ---- what files may contain ---- */
+
+static void test_reals(void) {
+  const struct {
+    uint8_t bytes[8];
+    double value;
+  } cases[] = {
+      {{0}, 0},
+      {{0x41, 0x10}, 1},
+      {{0xc1, 0x20}, -2},
+      {{0x42, 0x5a}, 90},
+      {{0x43, 0x10, 0xe0}, 270},
+      {{0x40, 0x80}, 0.5},
+      {{0x3e, 0x41, 0x89, 0x37, 0x4b, 0xc6, 0xa7, 0xf0}, 0.001},
+      {{0x39, 0x44, 0xb8, 0x2f, 0xa0, 0x9b, 0x5a, 0x54}, 1e-9},
+  };
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++)
+    g_assert_cmpfloat_with_epsilon(gds_real(cases[i].bytes), cases[i].value,
+                                   1e-15 * fabs(cases[i].value) + 1e-300);
+  GRand *rand = g_rand_new_with_seed(3);
+  for (int i = 0; i < 10000; i++) {
+    uint8_t bytes[8];
+    double v =
+        ldexp(g_rand_double(rand) - 0.5, g_rand_int_range(rand, -200, 200));
+    gds_put_real(bytes, v);
+    g_assert_cmpfloat(gds_real(bytes), ==, v);
+  }
+  g_rand_free(rand);
+}
+
+/* Roles, datatypes without one, the factor on the unit. */
+static void test_layers(void) {
+  GByteArray *file = new_file();
+  put_cell(file, "TOP");
+  put_box(file, 9, 0);
+  put_box(file, 9, 5);
+  put_box(file, 10, 1);
+  put_box(file, 10, 2);
+  put_box(file, 40000, 60000);
+  g_autofree char *path = finish(file);
+  opc_layout *layout =
+      read_good(path, ", layers: { poly: 9/0, contact: '10' }, scale: 1.3");
+  g_assert_cmpuint(l->layers(layout), ==, 4);
+  g_assert_cmpfloat_with_epsilon(l->unit(layout), 1.3, 1e-15);
+  size_t n;
+  int32_t layer;
+  const char *const want[] = {"poly", "9/5", "contact", "contact",
+                              "40000/60000"};
+  g_assert_cmpuint(l->polygons(layout, 0), ==, 5);
+  for (size_t i = 0; i < 5; i++) {
+    l->polygon(layout, 0, i, &n, &layer);
+    g_assert_cmpstr(l->layer_name(layout, layer), ==, want[i]);
+  }
+  l->destroy(layout);
+}
+
+static void refuse(const char *path, const char *more, int code,
+                   const char *why) {
+  opc_error e = {0};
+  g_assert_null(read_more(path, more, &e));
+  if (!strstr(e.message, why)) g_error("%s", e.message);
+  g_assert_cmpint(e.code, ==, code);
+}
+
+static void test_parameters(void) {
+  GByteArray *file = new_file();
+  put_leaf(file);
+  put_cell(file, "TOP");
+  put_empty(file, GDS_SREF);
+  put_text(file, GDS_SNAME, "LEAF");
+  put_i32s(file, GDS_XY, 2, (int32_t[]){1, 2});
+  put_empty(file, GDS_ENDEL);
+  put_empty(file, GDS_ENDSTR);
+  put_cell(file, "OTHER");
+  put_box(file, 1, 0);
+  g_autofree char *path = finish(file);
+  refuse(path, ", layers: { poly: 9/0, active: 2/0 }", OPC_INVALID,
+         "there is no layer 2/0 for 'active'; there are 1/0, 9/0");
+  refuse(path, ", layers: { poly: nine }", OPC_INVALID, "'nine': a layer is");
+  refuse(path, ", layers: { poly: 9/0, gate: 9/0 }", OPC_INVALID,
+         "layer 9/0 is 'poly' already");
+  refuse(path, ", layers: { '3/0': 9/0 }", OPC_INVALID, "not a name");
+  refuse(path, ", top: NONE", OPC_INVALID, "there is no cell 'NONE'");
+  opc_error e;
+  opc_layout *layout = read_good(path, "");
+  g_assert_cmpint(l->top(layout, &e), ==, -1);
+  l->destroy(layout);
+  layout = read_good(path, ", top: TOP");
+  g_assert_cmpuint(l->cells(layout), ==, 2);
+  g_assert_cmpstr(l->cell_name(layout, l->top(layout, &e)), ==, "TOP");
+  l->destroy(layout);
+}
+
+/* Names of instances, from property 61 or the first one; an array off the
+   unit; counts of 0; names that are no plain text. */
+static void test_placements(void) {
+  GByteArray *file = new_file();
+  put_leaf(file);
+  put_cell(file, "T\xe4\n");
+  static const char *const names[][2] = {
+      {NULL, NULL}, {"A", NULL}, {"A", "B"}, {NULL, "B"}};
+  for (size_t i = 0; i < 4; i++) {
+    put_empty(file, GDS_SREF);
+    put_text(file, GDS_SNAME, "LEAF");
+    put_u16(file, GDS_STRANS, 0x8000);
+    put_i32s(file, GDS_XY, 2, (int32_t[]){1, 2});
+    for (uint32_t k = 0; k < 2; k++) {
+      if (!names[i][k]) continue;
+      put_u16(file, GDS_PROPATTR, k ? 61 : 7);
+      put_text(file, GDS_PROPVALUE, names[i][k]);
+    }
+    put_empty(file, GDS_ENDEL);
+  }
+  put_empty(file, GDS_AREF);
+  put_text(file, GDS_SNAME, "LEAF");
+  put_u16s(file, GDS_COLROW, 2, (uint32_t[]){3, 2});
+  put_i32s(file, GDS_XY, 6, (int32_t[]){0, 0, -61, 0, 0, 40});
+  put_empty(file, GDS_ENDEL);
+  put_empty(file, GDS_AREF);
+  put_text(file, GDS_SNAME, "LEAF");
+  put_u16s(file, GDS_COLROW, 2, (uint32_t[]){3, 0});
+  put_i32s(file, GDS_XY, 6, (int32_t[]){0, 0, -60, 3, 0, 40});
+  put_empty(file, GDS_ENDEL);
+  g_autofree char *path = finish(file);
+  opc_layout *layout = read_good(path, "");
+  int32_t top = l->find_cell(layout, "T\\xE4\\x0A"), child;
+  g_assert_cmpint(top, >=, 0);
+  opc_placement p;
+  g_assert_cmpuint(l->instances(layout, top), ==, 8);
+  static const char *const want[] = {NULL, "A", "B", "B"};
+  for (size_t i = 0; i < 4; i++) {
+    g_assert_cmpstr(l->instance(layout, top, i, &child, &p), ==, want[i]);
+    g_assert_true(p.mirror == 1 && p.columns == 1);
+  }
+  /* -61 / 3 is -20.33, twice that -40.67 */
+  static const int32_t x[] = {0, -20, -41};
+  for (size_t i = 0; i < 3; i++) {
+    l->instance(layout, top, 4 + i, &child, &p);
+    g_assert_true(p.origin.x == x[i] && p.columns == 1 && p.rows == 2 &&
+                  p.row_step.y == 20);
+  }
+  l->instance(layout, top, 7, &child, &p);
+  g_assert_true(p.columns == 3 && p.rows == 1 && p.column_step.x == -20 &&
+                p.column_step.y == 1);
+  l->destroy(layout);
+}
+
+/* XY over several records; records that say nothing of the layout; a cell
+   that is placed and not there. */
+static void test_odd_records(void) {
+  GByteArray *file = new_file();
+  put_text(file, GDS_REFLIBS, "A");
+  put_text(file, GDS_REFLIBS, "B");
+  put_u16(file, GDS_GENERATIONS, 3);
+  put_cell(file, "$$$CONTEXT_INFO$$$");
+  put_box(file, 99, 0);
+  put_empty(file, GDS_ENDSTR);
+  put_cell(file, "TOP");
+  put_empty(file, GDS_BOUNDARY);
+  put_u16(file, GDS_ELFLAGS, 1);
+  put_i32s(file, GDS_PLEX, 1, (int32_t[]){5});
+  put_u16(file, GDS_LAYER, 1);
+  put_u16(file, GDS_DATATYPE, 0);
+  put_i32s(file, GDS_XY, 6, (int32_t[]){0, 0, 9, 0, 9, 9});
+  put_i32s(file, GDS_XY, 6, (int32_t[]){5, 9, 0, 5, 0, 0});
+  put_empty(file, GDS_ENDEL);
+  put_empty(file, GDS_SREF);
+  put_text(file, GDS_SNAME, "GONE");
+  put_i32s(file, GDS_XY, 2, (int32_t[]){1, 2});
+  put_empty(file, GDS_ENDEL);
+  g_autofree char *path = finish(file);
+  opc_test_forget();
+  opc_layout *layout = read_good(path, "");
+  g_assert_nonnull(strstr(opc_test_log(), "1 placed cells are not there"));
+  g_assert_cmpuint(l->layers(layout), ==, 1);
+  size_t n;
+  int32_t layer;
+  g_assert_cmpuint(l->polygons(layout, l->find_cell(layout, "TOP")), ==, 1);
+  l->polygon(layout, l->find_cell(layout, "TOP"), 0, &n, &layer);
+  g_assert_cmpuint(n, ==, 5);
+  l->destroy(layout);
+}
+
+/* ---- broken files ---- */
+
+static void test_refusals(void) {
+  GByteArray *file = new_file();
+  g_autofree char *path = save(file);
+  refuse(path, "", OPC_IO, "ends before ENDLIB, at byte 62");
+  put_cell(file, "A");
+  put_empty(file, GDS_ENDSTR);
+  guint second = file->len + 28;
+  put_cell(file, "A");
+  g_free(save(file));
+  g_autofree char *twice =
+      g_strdup_printf("'%s': cell 'A' a second time at byte %u", path, second);
+  refuse(path, "", OPC_IO, twice);
+  g_byte_array_set_size(file, 62);
+  g_byte_array_append(file, (const uint8_t[]){0, 5, 5, 2, 0}, 5);
+  g_free(save(file));
+  refuse(path, "", OPC_IO, "impossible record length at byte 62");
+  g_byte_array_set_size(file, 62);
+  g_byte_array_append(file, (const uint8_t[]){0, 28, 5, 2, 0}, 5);
+  g_free(save(file));
+  refuse(path, "", OPC_IO, "truncated record at byte 62");
+  g_byte_array_set_size(file, 62);
+  put_empty(file, GDS_ENDEL);
+  g_free(save(file));
+  refuse(path, "", OPC_IO, "record out of place at byte 62");
+  g_byte_array_free(file, TRUE);
+  g_assert_true(g_file_set_contents(path, "hello, world", -1, NULL));
+  refuse(path, "", OPC_IO, "impossible record length at byte 0");
+}
+
+/* Read what may be anything: it is a layout or an error, in bounded time, and
+   a layout can be walked and flattened. */
+static void survive(const char *path) {
+  opc_error e = {0};
+  opc_layout *layout = read_more(path, "", &e);
+  if (!layout) {
+    g_assert_cmpint(e.code, !=, 0);
+    g_assert_nonnull(strstr(e.message, path));
+    return;
+  }
+  int32_t top = l->top(layout, &e);
+  for (size_t i = 0; i < l->layers(layout) && top >= 0; i++) {
+    opc_flat flat;
+    if (!l->flatten(opc_test_host(), layout, top, (int32_t)i, l->unit(layout),
+                    &flat, &e))
+      l->release(&flat);
+  }
+  l->destroy(layout);
+}
+
+static void write_bytes(const char *path, const char *bytes, size_t n) {
+  FILE *f = fopen(path, "wb");
+  g_assert_nonnull(f);
+  g_assert_cmpuint(fwrite(bytes, 1, n, f), ==, n);
+  fclose(f);
+}
+
+static char *corpus_file(const char *name, size_t *n) {
+  g_autofree char *folder = data_path("gds-corpus");
+  g_autofree char *path = g_build_filename(folder, name, NULL);
+  char *bytes = NULL;
+  if (!g_file_get_contents(path, &bytes, n, NULL)) g_test_skip("no test data");
+  return bytes;
+}
+
+static void test_truncated(void) {
+  size_t n;
+  g_autofree char *bytes = corpus_file("own_elements_a.gds", &n);
+  if (!bytes) return;
+  g_autofree char *path = g_build_filename(opc_test_folder(), "cut.gds", NULL);
+  for (size_t at = 0;;) {
+    opc_error e = {0};
+    const uint8_t *record = (const uint8_t *)bytes + at;
+    for (size_t more = 0; more < 4; more++) {
+      write_bytes(path, bytes, at + more);
+      g_assert_null(read_more(path, "", &e));
+      g_autofree char *where = g_strdup_printf("at byte %zu", at);
+      if (!g_str_has_suffix(e.message, where)) g_error("%s", e.message);
+    }
+    if (record[2] == GDS_ENDLIB) break;
+    at += gds_u16(record);
+    g_assert_cmpuint(at, <, n);
+  }
+}
+
+/* OPCFLOW_FUZZ asks for more rounds than a test should take. */
+static void test_flipped(void) {
+  static const char *const files[] = {"own_elements_a.gds", "klayout_t10.gds",
+                                      "klayout_t11.gds", "klayout_arefs.gds"};
+  const char *more = g_getenv("OPCFLOW_FUZZ");
+  int rounds = more ? atoi(more) : 800;
+  g_autofree char *path = g_build_filename(opc_test_folder(), "flip.gds", NULL);
+  for (size_t i = 0; i < G_N_ELEMENTS(files); i++) {
+    size_t n;
+    g_autofree char *bytes = corpus_file(files[i], &n);
+    if (!bytes) return;
+    GRand *rand = g_rand_new_with_seed((guint32)i);
+    for (int round = 0; round < rounds; round++) {
+      g_autofree char *copy = g_memdup2(bytes, n);
+      int flips = g_rand_int_range(rand, 1, 6);
+      for (int k = 0; k < flips; k++) {
+        int at = g_rand_int_range(rand, 0, (gint32)n);
+        copy[at] = (char)(copy[at] ^ 1 << g_rand_int_range(rand, 0, 8));
+      }
+      write_bytes(path, copy, n);
+      survive(path);
+    }
+    g_rand_free(rand);
+  }
+}
+
+/* A chain of cells that place each other; an array of very many. */
+static void test_hostile(void) {
+  GByteArray *file = new_file();
+  put_leaf(file);
+  for (int i = 0; i < 300; i++) {
+    char name[16], child[16];
+    g_snprintf(name, sizeof name, "C%d", i);
+    g_snprintf(child, sizeof child, "C%d", i - 1);
+    put_cell(file, name);
+    put_empty(file, GDS_AREF);
+    put_text(file, GDS_SNAME, i ? child : "LEAF");
+    put_u16s(file, GDS_COLROW, 2, (uint32_t[]){65535, 65535});
+    put_i32s(file, GDS_XY, 6, (int32_t[]){0, 0, 65535, 0, 0, 65535});
+    put_empty(file, GDS_ENDEL);
+    put_empty(file, GDS_ENDSTR);
+  }
+  put_cell(file, "TOP");
+  put_box(file, 1, 1);
+  g_autofree char *path = finish(file);
+  survive(path);
+  file = new_file();
+  put_leaf(file);
+  put_cell(file, "TOP");
+  put_empty(file, GDS_AREF);
+  put_text(file, GDS_SNAME, "LEAF");
+  put_u16s(file, GDS_COLROW, 2, (uint32_t[]){65535, 65535});
+  put_i32s(file, GDS_XY, 6, (int32_t[]){0, 0, 65534, 0, 0, 65534});
+  put_empty(file, GDS_ENDEL);
+  g_free(finish(file));
+  refuse(path, "", OPC_IO, "too many arrays");
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/read-gds/corpus", test_corpus);
+  g_test_add_func("/read-gds/reals", test_reals);
+  g_test_add_func("/read-gds/layers", test_layers);
+  g_test_add_func("/read-gds/parameters", test_parameters);
+  g_test_add_func("/read-gds/placements", test_placements);
+  g_test_add_func("/read-gds/odd-records", test_odd_records);
+  g_test_add_func("/read-gds/refusals", test_refusals);
+  g_test_add_func("/read-gds/truncated", test_truncated);
+  g_test_add_func("/read-gds/flipped", test_flipped);
+  g_test_add_func("/read-gds/hostile", test_hostile);
+  return g_test_run();
+}

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "stream.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <string.h>
+
+enum { BUFFER = 1 << 20 }; /* some records; a record has at most 2^16 bytes */
+
+int gds_open(gds_stream *s, const opc_host *host, const char *path,
+             opc_error *error) {
+  *s = (gds_stream){.host = host, .path = path, .total = NAN};
+  s->buffer = host->alloc(host, BUFFER, 1);
+  if (!s->buffer)
+    return host->fail(host, error, OPC_FAILED, NULL, "'%s': out of memory",
+                      path);
+  s->file = fopen(path, "rb");
+  if (!s->file)
+    return host->fail(host, error, OPC_IO, NULL, "'%s': %s", path,
+                      strerror(errno));
+  setvbuf(s->file, NULL, _IONBF, 0);
+  if (!fseek(s->file, 0, SEEK_END)) {
+    long end = ftell(s->file);
+    if (end >= 0) s->total = (double)end;
+    rewind(s->file);
+  }
+  return OPC_OK;
+}
+
+void gds_close(gds_stream *s) {
+  if (s->file) fclose(s->file);
+  if (s->buffer) s->host->free(s->host, s->buffer);
+  s->file = NULL;
+  s->buffer = NULL;
+}
+
+int gds_refuse(const gds_stream *s, opc_error *error, const char *what) {
+  return s->host->fail(s->host, error, OPC_IO, NULL,
+                       "'%s': %s at byte %" PRIu64, s->path, what, s->at);
+}
+
+int gds_need(const gds_stream *s, size_t bytes, opc_error *error) {
+  if (s->n >= bytes) return OPC_OK;
+  return gds_refuse(s, error, "record too short for its kind");
+}
+
+/* Read on until `wanted` bytes are there, or the file ends. */
+static int fill(gds_stream *s, size_t wanted, opc_error *error) {
+  const opc_host *host = s->host;
+  if (host->cancelled(host))
+    return host->fail(host, error, OPC_CANCELLED, NULL, "cancelled");
+  memmove(s->buffer, s->buffer + s->begin, s->end - s->begin);
+  s->base += s->begin;
+  s->end -= s->begin;
+  s->begin = 0;
+  while (s->end < wanted) {
+    size_t got = fread(s->buffer + s->end, 1, BUFFER - s->end, s->file);
+    s->end += got;
+    if (got) continue;
+    if (ferror(s->file))
+      return host->fail(host, error, OPC_IO, NULL, "'%s': %s", s->path,
+                        strerror(errno));
+    break;
+  }
+  opc_progress progress = {sizeof progress, (double)(s->base + s->end),
+                           s->total, NAN, NULL};
+  host->progress(host, &progress);
+  return OPC_OK;
+}
+
+int gds_next(gds_stream *s, opc_error *error) {
+  s->at = s->base + s->begin;
+  if (s->end - s->begin < 4) {
+    if (fill(s, 4, error)) return error->code;
+    if (s->end == 0) return gds_refuse(s, error, "ends before ENDLIB,");
+    if (s->end < 4) return gds_refuse(s, error, "truncated record");
+  }
+  const uint8_t *p = s->buffer + s->begin;
+  size_t length = gds_u16(p);
+  if (length < 4 || length % 2)
+    return gds_refuse(s, error, "impossible record length");
+  if (s->end - s->begin < length) {
+    if (fill(s, length, error)) return error->code;
+    if (s->end < length) return gds_refuse(s, error, "truncated record");
+    p = s->buffer;
+  }
+  s->type = p[2];
+  s->data = p + 4;
+  s->n = length - 4;
+  s->begin += length;
+  return OPC_OK;
+}

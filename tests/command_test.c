@@ -1,0 +1,328 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The opcflow command from outside: exit codes, output, run folders. */
+#include <gio/gio.h>
+#include <glib/gstdio.h>
+#include <json-glib/json-glib.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/wait.h>
+
+#include "core/flow/files.h"
+
+/* ---- help ---- */
+
+static char *folder, *command;
+
+/* What a command gave. */
+static char *out, *err;
+
+/* Run opcflow with words that have no spaces but where '~' stands for one;
+   gives the exit code. */
+static int call(const char *line) {
+  g_auto(GStrv) words = g_strsplit(line, " ", -1);
+  g_autoptr(GPtrArray) argv = g_ptr_array_new();
+  g_ptr_array_add(argv, command);
+  for (guint i = 0; words[i]; i++)
+    g_ptr_array_add(argv, g_strdelimit(words[i], "~", ' '));
+  g_ptr_array_add(argv, NULL);
+  g_clear_pointer(&out, g_free);
+  g_clear_pointer(&err, g_free);
+  int status;
+  g_assert_true(g_spawn_sync(NULL, (char **)argv->pdata, NULL, G_SPAWN_DEFAULT,
+                             NULL, NULL, &out, &err, &status, NULL));
+  g_assert_true(WIFEXITED(status));
+  return WEXITSTATUS(status);
+}
+
+static void write_flow(const char *name, const char *text) {
+  g_assert_true(g_file_set_contents(name, text, -1, NULL));
+}
+
+static char *read_text(const char *name) {
+  char *text = NULL;
+  g_assert_true(g_file_get_contents(name, &text, NULL, NULL));
+  return text;
+}
+
+static gboolean is_there(const char *name) {
+  return g_file_test(name, G_FILE_TEST_EXISTS);
+}
+
+/* How many entries, hidden ones too, a folder has. */
+static guint entries(const char *name) {
+  guint n = 0;
+  GDir *dir = g_dir_open(name, 0, NULL);
+  while (dir && g_dir_read_name(dir)) n++;
+  if (dir) g_dir_close(dir);
+  return n;
+}
+
+static void set_up(void) {
+  folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
+  g_assert_cmpint(g_chdir(folder), ==, 0);
+  command = g_build_filename(g_getenv("OPCFLOW_BUILD"), "opcflow", NULL);
+  g_autofree char *plugins =
+      g_build_filename(g_getenv("OPCFLOW_BUILD"), "tests", NULL);
+  g_setenv("OPCFLOW_PLUGIN_PATH", plugins, TRUE);
+  write_flow("in.txt", "some input\n");
+  write_flow("two.yaml",
+             "opcflow: 1\nname: two\nsteps:\n"
+             "  b: { use: test.numbers, size: 2 nm, add: ${a} }\n"
+             "  a: { use: test.numbers, size: 0.065 um, input: in.txt, output: "
+             "deep/er/out.txt }\n");
+}
+
+/* ---- verbs that only tell ---- */
+
+static void test_usage(void) {
+  g_assert_cmpint(call("rnu"), ==, 2);
+  g_assert_cmpstr(err, ==, "error: unknown verb 'rnu', did you mean 'run'?\n");
+  g_assert_cmpint(call("run"), ==, 2);
+  g_assert_cmpstr(err, ==, "error: 'run' needs FLOW, see 'opcflow help run'\n");
+  g_assert_cmpint(call("run two.yaml --jsno"), ==, 2);
+  g_assert_cmpstr(
+      err, ==,
+      "error: unknown option '--jsno' of 'run', did you mean '--json'?\n");
+  g_assert_cmpint(call("run two.yaml --threads=many"), ==, 2);
+  g_assert_cmpint(call("run two.yaml --set"), ==, 2);
+  g_assert_cmpint(call("check two.yaml three.yaml"), ==, 2);
+  g_assert_cmpstr(out, ==, "");
+  g_assert_cmpint(call("help"), ==, 0);
+  g_assert_cmpint(call("help run"), ==, 0);
+  g_assert_nonnull(strstr(out, "--threads N"));
+  g_assert_cmpint(call("--version"), ==, 0);
+  g_assert_cmpstr(out, ==, "opcflow " OPC_VERSION " (plugin interface 1.0)\n");
+}
+
+static void test_tell(void) {
+  g_assert_cmpint(call("version --json"), ==, 0);
+  g_autoptr(JsonNode) version = json_from_string(out, NULL);
+  g_assert_cmpstr(
+      json_object_get_string_member(json_node_get_object(version), "opcflow"),
+      ==, OPC_VERSION);
+  g_assert_cmpint(call("inspect test.numbers --json"), ==, 0);
+  g_autoptr(JsonNode) about = json_from_string(out, NULL);
+  g_assert_cmpuint(json_array_get_length(json_object_get_array_member(
+                       json_node_get_object(about), "parameters")),
+                   ==, 16);
+  g_assert_cmpint(call("inspect test.number"), ==, 3);
+  g_assert_cmpstr(err, ==,
+                  "error: unknown plugin 'test.number', did you mean "
+                  "'test.numbers'?\n");
+  g_assert_cmpint(call("inspect bad.major"), ==, 3);
+  g_assert_nonnull(strstr(err, "built for plugin interface 2, this is 1"));
+}
+
+/* What inspect gives to paste is a flow but for the values. */
+static void test_stanza(void) {
+  g_assert_cmpint(call("inspect test.numbers"), ==, 0);
+  const char *stanza = strstr(out, "\nnumbers:\n");
+  g_assert_nonnull(stanza);
+  g_assert_nonnull(strstr(stanza, "  size: ... nm\n"));
+  g_assert_nonnull(strstr(stanza,
+                          "  # anchor:\n  #   line: 65 nm\n"
+                          "  #   pitch: 250 nm\n"));
+}
+
+static void test_check(void) {
+  g_assert_cmpint(call("check two.yaml"), ==, 0);
+  g_assert_cmpstr(out, ==, "");
+  g_assert_cmpstr(err, ==, "");
+  g_assert_cmpint(call("check two.yaml --set a.size=3"), ==, 2);
+  g_assert_cmpstr(err, ==,
+                  "--set a.size: 'size' needs a length with its unit, e.g. "
+                  "'3 nm'\n");
+  g_assert_cmpint(call("check two.yaml --set a.plain=13"), ==, 2);
+  g_assert_cmpstr(err, ==,
+                  "--set a.plain: step 'a' (test.numbers): 13 is not "
+                  "welcome\n");
+  g_assert_cmpint(call("check two.yaml --set a.use=test.none"), ==, 3);
+  g_assert_cmpint(call("check two.yaml --set a.use=bad.size"), ==, 3);
+  g_assert_cmpint(call("check two.yaml --set a.input=none"), ==, 5);
+  g_assert_cmpint(call("check none.yaml"), ==, 5);
+  g_assert_cmpstr(err, ==, "error: 'none.yaml': no such file\n");
+}
+
+/* ---- runs ---- */
+
+static void test_run(void) {
+  g_assert_cmpint(call("run two.yaml --output one --threads 3"), ==, 0);
+  g_assert_cmpstr(err, ==, "");
+  g_assert_true(g_str_has_prefix(out,
+                                 "a.numbers\n"
+                                 "name           size (nm)  count\n"
+                                 "plain              69.00      1\n"));
+  const char *last = strstr(out, "\none: ");
+  g_assert_nonnull(last);
+  g_autofree char *csv = read_text("one/numbers.csv");
+  g_assert_cmpstr(csv, ==,
+                  "name,size (nm),count\r\nplain,69.00,1\r\n"
+                  "\"with, comma\",0.00,-2\r\n\"with \"\"quotes\"\"\",,3\r\n");
+  g_assert_true(is_there("one/b.numbers.csv"));
+  g_assert_true(is_there("one/deep/er/out.txt"));
+  g_assert_cmpuint(entries("one"), ==, 6);
+}
+
+/* The sum is that of the file, and everything is told of. */
+static void test_manifest(void) {
+  g_assert_cmpint(call("run two.yaml --output told"), ==, 0);
+  g_autofree char *text = read_text("told/manifest.json");
+  g_autoptr(JsonNode) node = json_from_string(text, NULL);
+  JsonObject *manifest = json_node_get_object(node);
+  JsonArray *inputs = json_object_get_array_member(manifest, "inputs");
+  g_assert_cmpuint(json_array_get_length(inputs), ==, 2);
+  g_autofree char *sum =
+      g_compute_checksum_for_string(G_CHECKSUM_SHA256, "some input\n", -1);
+  g_assert_cmpstr(json_object_get_string_member(
+                      json_array_get_object_element(inputs, 1), "sha256"),
+                  ==, sum);
+  JsonArray *plugins = json_object_get_array_member(manifest, "plugins");
+  g_assert_cmpuint(json_array_get_length(plugins), ==, 1);
+  JsonArray *words = json_object_get_array_member(manifest, "command");
+  g_assert_cmpstr(json_array_get_string_element(words, 2), ==, "two.yaml");
+  g_autofree char *metrics = read_text("told/metrics.json");
+  g_autoptr(JsonNode) root = json_from_string(metrics, NULL);
+  JsonObject *sum_of_b = json_object_get_object_member(
+      json_object_get_object_member(json_node_get_object(root), "b"), "sum");
+  g_assert_true(json_object_get_double_member(sum_of_b, "value") == 75);
+  g_assert_cmpstr(json_object_get_string_member(sum_of_b, "better"), ==,
+                  "lower");
+}
+
+/* The resolved flow gives the same again, also from elsewhere. */
+static void test_again(void) {
+  g_assert_cmpint(call("run two.yaml --output first --set b.size=4~nm"), ==, 0);
+  g_assert_cmpint(call("run first/flow.yaml --output second"), ==, 0);
+  g_autofree char *one = read_text("first/b.numbers.csv");
+  g_autofree char *two = read_text("second/b.numbers.csv");
+  g_assert_cmpstr(one, ==, two);
+  g_assert_nonnull(strstr(one, "plain,77.00,1\r\n"));
+}
+
+static void test_json(void) {
+  g_assert_cmpint(call("run two.yaml --json --output json"), ==, 0);
+  g_autoptr(JsonNode) node = json_from_string(out, NULL);
+  JsonObject *result = json_node_get_object(node);
+  g_assert_cmpstr(json_object_get_string_member(result, "folder"), ==, "json");
+  g_assert_cmpuint(
+      json_array_get_length(json_object_get_array_member(result, "tables")), ==,
+      2);
+  g_assert_cmpint(call("run two.yaml --quiet --output quiet"), ==, 0);
+  g_assert_cmpstr(out, ==, "");
+}
+
+static void test_folders(void) {
+  g_assert_cmpint(call("run two.yaml"), ==, 0);
+  g_assert_cmpint(call("run two.yaml"), ==, 0);
+  g_assert_cmpint(call("run two.yaml"), ==, 0);
+  g_assert_true(is_there("runs/two/flow.yaml"));
+  g_assert_true(is_there("runs/two-2/flow.yaml"));
+  g_assert_true(is_there("runs/two-3/flow.yaml"));
+  g_assert_cmpint(call("run two.yaml --output runs/two"), ==, 5);
+  g_assert_cmpstr(err, ==,
+                  "error: 'runs/two': already exists, --force replaces it\n");
+  write_flow("runs/two/mine.txt", "");
+  g_assert_cmpint(call("run two.yaml --output runs/two/ --force"), ==, 0);
+  g_assert_false(is_there("runs/two/mine.txt"));
+  /* Only runs are replaced. */
+  g_assert_cmpint(g_mkdir("precious", 0777), ==, 0);
+  write_flow("precious/mine.txt", "");
+  g_assert_cmpint(call("run two.yaml --output precious --force"), ==, 5);
+  g_assert_cmpstr(err, ==,
+                  "error: 'precious': is not the folder of a run, and is not "
+                  "replaced\n");
+  g_assert_true(is_there("precious/mine.txt"));
+  g_assert_cmpuint(entries("runs"), ==, 3);
+}
+
+static void test_failures(void) {
+  g_assert_cmpint(call("run two.yaml --output f/x --set b.behave=fail"), ==, 4);
+  g_assert_cmpstr(err, ==,
+                  "two.yaml:4:33: step 'b' (test.numbers): 2 nm is not "
+                  "possible\n"
+                  "note: what was written so far is in 'f/x.failed'\n");
+  g_assert_true(is_there("f/x.failed/numbers.csv"));
+  g_assert_cmpint(call("run two.yaml --output f/x --set b.behave=nan"), ==, 4);
+  g_assert_nonnull(strstr(err, "the metric 'sum' of 'test.numbers' is nan"));
+  g_assert_true(is_there("f/x.failed-2/numbers.csv"));
+  g_assert_cmpint(call("run two.yaml --output f/x --set b.behave=limit"), ==,
+                  1);
+  g_assert_cmpint(call("run two.yaml --output f/x --set b.behave=leave"), ==,
+                  2);
+  g_assert_nonnull(strstr(err, "'../out' leaves the run folder"));
+  g_assert_cmpuint(entries("f"), ==, 4);
+  /* Nothing was written: nothing is kept. */
+  write_flow("bare.yaml",
+             "opcflow: 1\nsteps:\n  a: { use: test.numbers, size: 1 nm, "
+             "behave: fail }\n");
+  g_assert_cmpint(call("run bare.yaml --output f/bare"), ==, 4);
+  g_assert_cmpuint(entries("f"), ==, 4);
+}
+
+/* Two steps must not write the same file. */
+static void test_taken(void) {
+  g_assert_cmpint(
+      call("run two.yaml --output taken --set b.output=deep/er/out.txt"), ==,
+      2);
+  g_assert_nonnull(strstr(err, "'deep/er/out.txt' is already written by 'a'"));
+  g_assert_cmpint(call("run two.yaml --output taken --set b.output=flow.yaml"),
+                  ==, 2);
+}
+
+static void test_interrupt(void) {
+  const char *argv[] = {command, "run",   "two.yaml",      "--output",
+                        "i/x",   "--set", "b.behave=wait", NULL};
+  g_autoptr(GError) fault = NULL;
+  g_autoptr(GSubprocess) process =
+      g_subprocess_newv(argv, G_SUBPROCESS_FLAGS_STDERR_SILENCE, &fault);
+  g_assert_no_error(fault);
+  /* Once the first step has written its table, the second one waits. */
+  for (int i = 0; i < 500 && !entries("i"); i++) g_usleep(10000);
+  g_assert_cmpuint(entries("i"), ==, 1);
+  g_usleep(100000);
+  g_subprocess_send_signal(process, SIGINT);
+  g_assert_true(g_subprocess_wait(process, NULL, &fault));
+  g_assert_true(g_subprocess_get_if_exited(process));
+  g_assert_cmpint(g_subprocess_get_exit_status(process), ==, 130);
+  g_assert_cmpuint(entries("i"), ==, 0);
+}
+
+static void test_full(void) {
+  if (!is_there("/dev/full")) {
+    g_test_skip("there is no /dev/full");
+    return;
+  }
+  g_autofree char *line = g_strdup_printf("%s help > /dev/full", command);
+  const char *argv[] = {"/bin/sh", "-c", line, NULL};
+  int status;
+  g_assert_true(g_spawn_sync(NULL, (char **)argv, NULL,
+                             G_SPAWN_STDERR_TO_DEV_NULL, NULL, NULL, NULL, NULL,
+                             &status, NULL));
+  g_assert_cmpint(WEXITSTATUS(status), ==, 5);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  set_up();
+  g_test_add_func("/command/usage", test_usage);
+  g_test_add_func("/command/tell", test_tell);
+  g_test_add_func("/command/stanza", test_stanza);
+  g_test_add_func("/command/check", test_check);
+  g_test_add_func("/command/run", test_run);
+  g_test_add_func("/command/manifest", test_manifest);
+  g_test_add_func("/command/again", test_again);
+  g_test_add_func("/command/json", test_json);
+  g_test_add_func("/command/folders", test_folders);
+  g_test_add_func("/command/failures", test_failures);
+  g_test_add_func("/command/taken", test_taken);
+  g_test_add_func("/command/interrupt", test_interrupt);
+  g_test_add_func("/command/full", test_full);
+  int failed = g_test_run();
+  g_assert_cmpint(g_chdir("/"), ==, 0);
+  opc_remove_tree(folder);
+  g_free(folder);
+  g_free(command);
+  g_free(out);
+  g_free(err);
+  return failed;
+}
