@@ -13,7 +13,7 @@ int opc_printer_print(opc_printer *p, int layer, const opc_shapes *mask,
                                     error);
   if (code) return code;
   p->simulations++;
-  code = litho->image(p->litho->self, &spectrum, &p->print[layer], error);
+  code = litho->image(p->litho->self, layer, &spectrum, &p->print[layer], error);
   imaging->release_spectrum(p->host, &spectrum);
   if (!code)
     code = resist->print(p->resist->self, layer, &p->print[layer], error);

@@ -235,6 +235,8 @@ int opc_correct_report_violations(const opc_host *host,
                                   size_t total, opc_error *error) {
   int code = host->metric(host, "violations", (double)total, error);
   if (code || !n) return code;
+  host->log(host, OPC_LOG_WARNING, "%zu rule%s not kept: see violations.csv",
+            total, total == 1 ? " is" : "s are");
   const char **rule = g_new(const char *, n), **name = g_new(const char *, n);
   double *figure[4];
   for (int k = 0; k < 4; k++) figure[k] = g_new(double, n);

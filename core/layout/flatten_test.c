@@ -177,6 +177,26 @@ static void test_halves(void) {
   tear_down(&f);
 }
 
+/* Units of hundredths of nm, in integers; as doubles some of these halves come
+   out a little below and some above. */
+static void test_hundredths(void) {
+  static const int units[] = {7, 13, 14, 29, 35, 57, 58, 115};
+  for (size_t k = 0; k < G_N_ELEMENTS(units); k++) {
+    fixture f;
+    set_up(&f, units[k] / 100.0);
+    for (int x = -5000; x < 5000; x++)
+      draw(&f, "A", (opc_box){x, x, x + 1, x + 1});
+    opc_flat out = flat(&f, "A", 1);
+    for (int x = -5000; x < 5000; x++) {
+      int twice = 2 * units[k] * x + 100; /* of x + 1/2, in 1/200 */
+      int want = twice >= 0 ? twice / 200 : -((199 - twice) / 200);
+      g_assert_cmpint(out.shapes.points[4 * (x + 5000)].x, ==, want);
+    }
+    l->release(&out);
+    tear_down(&f);
+  }
+}
+
 /* What flatten and path must give, the simple way. */
 typedef struct reference {
   GPtrArray *paths;
@@ -380,6 +400,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/flatten/array", test_array);
   g_test_add_func("/flatten/any-angle", test_any_angle);
   g_test_add_func("/flatten/halves", test_halves);
+  g_test_add_func("/flatten/hundredths", test_hundredths);
   g_test_add_func("/flatten/against-recursion", test_against_recursion);
   g_test_add_func("/flatten/path", test_path);
   g_test_add_func("/flatten/hostile", test_hostile);

@@ -18,9 +18,10 @@ typedef struct opc_litho {
   /* Up to which frequency (1/nm) the mask matters; after prepare. [any] */
   double (*band)(const void *self);
 
-  /* The intensity that a mask gives. The host releases *out. [any] */
-  int (*image)(const void *self, const opc_spectrum *mask, opc_field *out,
-               opc_error *error);
+  /* The intensity that the mask of a layer (OPC_POLY, ...) gives. The host
+     releases *out. [any] */
+  int (*image)(const void *self, int layer, const opc_spectrum *mask,
+               opc_field *out, opc_error *error);
 } opc_litho;
 
 typedef struct opc_resist {

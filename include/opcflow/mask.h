@@ -56,7 +56,7 @@ typedef struct opc_synthesizer {
   const char *(*verdict)(const void *self, size_t gate);
 } opc_synthesizer;
 
-/* A rule that the print does not keep. */
+/* A rule that the print does not keep. Frozen. */
 typedef struct opc_violation {
   const char *rule;          /* constant: "bridging", "extension", ... */
   int32_t gate;

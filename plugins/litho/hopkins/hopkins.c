@@ -241,9 +241,10 @@ static void transfer(const void *self, size_t s, const double *fx, double fy,
   }
 }
 
-static int image(const void *self, const opc_spectrum *mask, opc_field *out,
-                 opc_error *error) {
+static int image(const void *self, int layer, const opc_spectrum *mask,
+                 opc_field *out, opc_error *error) {
   const hopkins *h = self;
+  (void)layer;   /* all are exposed alike */
   opc_systems systems = {.size = sizeof systems,
                          .count = h->count,
                          .weight = h->weights,

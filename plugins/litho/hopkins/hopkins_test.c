@@ -81,7 +81,7 @@ static void image(const char *parameters, const opc_shapes *shapes,
   g_assert_cmpint(host->imaging->mask_spectrum(host, shapes, 1, f,
                                                litho->band(m->self), &mask,
                                                &error), ==, OPC_OK);
-  g_assert_cmpint(litho->image(m->self, &mask, field, &error), ==, OPC_OK);
+  g_assert_cmpint(litho->image(m->self, 0, &mask, field, &error), ==, OPC_OK);
   host->imaging->release_spectrum(host, &mask);
 }
 

@@ -35,10 +35,11 @@ static int32_t units(double nm) { return (int32_t)lround(nm / unit); }
 
 /* The image of the anchor: a vertical line in the middle of the frame, whole
    height, x = 0 its middle. */
-static int image_anchor(const resist *r, const anchor *a,
+static int image_anchor(const resist *r, int layer,
                         const opc_module *litho, opc_field *field,
                         opc_error *error) {
   const opc_litho *model = litho->plugin->operations;
+  const anchor *a = &r->anchor[layer];
   double period = a->pitch > 0 ? a->pitch : a->line + isolation;
   opc_frame frame = {-period / 2, 0, period, period};
   int32_t x = units(a->line / 2), top = units(period);
@@ -50,7 +51,7 @@ static int image_anchor(const resist *r, const anchor *a,
                                              model->band(litho->self), &mask,
                                              error);
   if (code) return code;
-  code = model->image(litho->self, &mask, field, error);
+  code = model->image(litho->self, layer, &mask, field, error);
   r->host->imaging->release_spectrum(r->host, &mask);
   return code;
 }
@@ -63,7 +64,7 @@ static int calibrate(resist *r, int layer, const opc_module *litho,
     return OPC_OK;
   }
   opc_field field;
-  int code = image_anchor(r, a, litho, &field, error);
+  int code = image_anchor(r, layer, litho, &field, error);
   if (code) return code;
   double x[3] = {a->cd / 2, 0, field.frame.width / 2}, y[3] = {0}, value[3];
   r->host->imaging->sample(&field, x, y, 3, value);

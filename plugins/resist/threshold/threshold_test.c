@@ -24,7 +24,7 @@ static opc_field print_line(opc_module *litho, opc_module *resist, int layer,
   g_assert_cmpint(host->imaging->mask_spectrum(host, &line, 1e-3, f,
                                                model->band(litho->self), &mask,
                                                &error), ==, OPC_OK);
-  g_assert_cmpint(model->image(litho->self, &mask, &field, &error), ==, OPC_OK);
+  g_assert_cmpint(model->image(litho->self, layer, &mask, &field, &error), ==, OPC_OK);
   host->imaging->release_spectrum(host, &mask);
   g_assert_cmpint(develop->print(resist->self, layer, &field, &error), ==, OPC_OK);
   return field;

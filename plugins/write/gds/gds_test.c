@@ -230,6 +230,10 @@ static void test_large_polygons(void) {
   g_assert_cmpfloat(-sum, ==, 60.0 * TEETH + 100.0 * TEETH);
   g_assert_cmpuint(parts, >=, 10);
   g_assert_cmpuint(parts, <=, 20);
+  for (size_t i = 0; i < n; i++) /* it lies on its side: cut the other way */
+    p[i] = (opc_point){p[i].y, p[i].x};
+  sum = written_area(p, n, &parts);
+  g_assert_cmpfloat(sum, ==, 60.0 * TEETH + 100.0 * TEETH);
   n = 0;
   for (int i = 0; i < TEETH; i++) { /* a star */
     double r = i % 2 ? 5e7 : 1e8, angle = 2 * G_PI * i / TEETH;
