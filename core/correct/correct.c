@@ -341,8 +341,10 @@ static int run(void *self, void **outputs, opc_error *error) {
   const opc_extract *extract = l.extract->plugin->operations;
   opc_mask *mask = host->alloc(host, 1, sizeof *mask);
   int code = OPC_OK;
-  if (!mask || !make_loop(&l))
-    code = host->fail(host, error, OPC_FAILED, NULL, "out of memory");
+  if (!mask || !make_loop(&l)) {
+    code = OPC_FAILED;
+    host->fail(host, error, code, NULL, "out of memory");
+  }
   if (!code) code = litho->prepare(l.printer.litho->self, error);
   if (!code)
     code = resist->prepare(l.printer.resist->self, l.printer.litho, error);

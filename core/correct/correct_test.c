@@ -142,8 +142,8 @@ static result measure(opc_field poly, opc_field active, uint8_t axis,
    orientations see the same. */
 static void test_slices(void) {
   const double a = -0.97, taper = 0.01, half = 145;
-  for (uint8_t axis = OPC_X; axis <= OPC_Y; axis++) {
-    int across = axis == OPC_Y;
+  for (int across = 0; across < 2; across++) {
+    uint8_t axis = across ? OPC_Y : OPC_X;
     opc_field poly = level(a, across ? taper : 1, across ? 1 : taper);
     opc_field active = level(-wave(half), across, !across);
     result r = measure(poly, active, axis, 400, INFINITY);

@@ -174,7 +174,8 @@ static void test_image(void) {
     g_assert_cmpint(opc_line_room(&field, axis, from, to), <=, 200);
     opc_line line = {.coefficient = room};
     opc_line_cut(&field, axis, at, from, to, &line);
-    for (double p = from; p <= to; p += 12.5) {
+    for (int i = 0; i <= 80; i++) {
+      double p = from + 12.5 * i;
       double x = axis ? at : p, y = axis ? p : at;
       opc_imaging_functions.sample(&field, &x, &y, 1, &value);
       g_assert_cmpfloat(fabs(opc_line_value(&line, p) - value), <, 1e-12);

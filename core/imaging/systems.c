@@ -93,8 +93,8 @@ static int to_spline(const job *j, double step, opc_field *out,
   int fine_x = opc_fft_size(f->width / step);
   int fine_y = opc_fft_size(f->height / step);
   /* The finer grid holds at least the band. */
-  while (fine_x / 2 <= f->width * band) fine_x = opc_fft_size(fine_x + 2);
-  while (fine_y / 2 <= f->height * band) fine_y = opc_fft_size(fine_y + 2);
+  while (fine_x <= 2 * f->width * band) fine_x = opc_fft_size(fine_x + 2);
+  while (fine_y <= 2 * f->height * band) fine_y = opc_fft_size(fine_y + 2);
   int width = j->nx / 2 + 1, fine_width = fine_x / 2 + 1, code = OPC_OK;
   float complex *coarse = opc_fft_alloc(sizeof *coarse * (size_t)width * j->ny);
   float complex *fine =

@@ -41,8 +41,7 @@ static int look_around(regulator *r, const opc_gates *g, opc_error *error) {
 
 /* How far a line end may go: half of what is free before it, as another line
    end may come from there. */
-static int32_t room(const regulator *r, size_t end) {
-  double grid = r->gates->grid;
+static int32_t room(const regulator *r, double grid, size_t end) {
   double half = (r->clearance[end] * grid - r->min_space) / 2;
   return (int32_t)floor(fmax(0, fmin(r->max_growth, half)) / grid);
 }
@@ -74,7 +73,7 @@ static int rule(void *self, const opc_printed *p, opc_ruling *ruling,
       double missing = r->min_extension - p->extension[end];
       if (!(missing > 0)) continue;
       int32_t step = (int32_t)ceil(fmin(missing, largest_step) / grid);
-      int32_t to = ruling->end[end] + step, most = room(r, end);
+      int32_t to = ruling->end[end] + step, most = room(r, grid, end);
       if (to > most) to = most;
       if (to > ruling->end[end]) ruling->end[end] = to;
     }

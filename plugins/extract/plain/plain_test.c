@@ -87,8 +87,8 @@ static double short_one(double t) { return t < 2 ? 20 : 0; }
 static void test_rectangle(void) {
   g_autofree char *file = write_table("rectangle.yaml", 1);
   g_autoptr(opc_module) m = make(file, "", OPC_OK);
-  for (uint8_t type = OPC_NMOS; type <= OPC_PMOS; type++) {
-    figures f = of_gate(m, type, 350, straight);
+  for (int type = OPC_NMOS; type <= OPC_PMOS; type++) {
+    figures f = of_gate(m, (uint8_t)type, 350, straight);
     near(f.ion, 350 * current(type, 0, 71.3), 1e-8);
     near(f.ioff, 350 * current(type, 1, 71.3), 1e-8);
     near(f.leq_ion, 71.3, 1e-9);
