@@ -4,7 +4,9 @@
    edges moved by a synthesizer, within what a regulator allows, until the
    synthesizer is done. All boxes of the figures are plugins; the loop only
    hands arrays from one to the next. */
+#include "core/correct/check.h"
 #include "core/correct/loop.h"
+#include "core/plugin/guard.h"
 #include "core/plugin/host.h"
 
 #include <math.h>
@@ -50,7 +52,7 @@ static void measure_block(void *data, size_t block) {
   loop *l = data;
   size_t first = block * BLOCK, last = first + BLOCK;
   if (last > l->gates->count) last = l->gates->count;
-  l->failures[block].code = OPC_OK;
+  l->failures[block] = (opc_error){0};
   opc_measure(l->host, l->gates, l->printer.print, l->extract, first, last,
               &l->measured, &l->failures[block]);
 }
@@ -106,7 +108,11 @@ static int judge(loop *l, opc_error *error) {
   opc_printed p = printed(l);
   opc_ruling ruling = {.size = sizeof ruling, .vetoes = l->vetoes,
                        .end = l->next.end};
-  return r->rule(l->regulator->self, &p, &ruling, error);
+  const char *before = opc_call(l->regulator, error);
+  int code = r->rule(l->regulator->self, &p, &ruling, error);
+  opc_leave(before);
+  if (!code) code = opc_check_ruling(&ruling, l->gates->count, error);
+  return opc_blame(error, code, "regulator");
 }
 
 static opc_feedback feedback(const loop *l) {
@@ -129,11 +135,30 @@ static double worst_deviation(const loop *l) {
 
 /* ---- work: the loop ---- */
 
-static int iterate(loop *l, opc_error *error) {
+static int begin(const loop *l, opc_error *error) {
   const opc_synthesizer *s = l->synthesizer->plugin->operations;
   opc_feedback f = feedback(l);
   f.printed = NULL;
-  int code = s->begin(l->synthesizer->self, &f, error), done = 0, prints = 0;
+  const char *before = opc_call(l->synthesizer, error);
+  int code = s->begin(l->synthesizer->self, &f, error);
+  opc_leave(before);
+  return opc_blame(error, code, "synthesizer");
+}
+
+/* Let the synthesizer write what to try next. */
+static int update(loop *l, int *done, opc_error *error) {
+  const opc_synthesizer *s = l->synthesizer->plugin->operations;
+  opc_feedback f = feedback(l);
+  opc_moves moves = {.size = sizeof moves, .l = l->next.l, .w = l->next.w};
+  const char *before = opc_call(l->synthesizer, error);
+  int code = s->update(l->synthesizer->self, &f, &moves, done, error);
+  opc_leave(before);
+  if (!code) code = opc_check_moves(&moves, l->gates->count, error);
+  return opc_blame(error, code, "synthesizer");
+}
+
+static int iterate(loop *l, opc_error *error) {
+  int code = begin(l, error), done = 0, prints = 0;
   if (!code) code = print_next(l, 1, error);
   if (!code)
     for (int k = 0; k < 6; k++)
@@ -160,11 +185,8 @@ static int iterate(loop *l, opc_error *error) {
                    l->max_iterations, worst_deviation(l));
       return OPC_OK;
     }
-    f = feedback(l);
-    opc_moves moves = {.size = sizeof moves, .l = l->next.l, .w = l->next.w};
     done = 0;
-    code = s->update(l->synthesizer->self, &f, &moves, &done, error);
-    if (code) return code;
+    if ((code = update(l, &done, error))) return code;
     l->iterations++;
     if (done && !changed(l, OPC_POLY) && !changed(l, OPC_ACTIVE)) return OPC_OK;
   }
@@ -195,9 +217,8 @@ static int finish(loop *l, opc_mask *out, opc_error *error) {
 }
 
 static int report(const loop *l, const opc_mask *mask, opc_error *error) {
-  const opc_synthesizer *s = l->synthesizer->plugin->operations;
   int code = opc_correct_report(l->host, mask, &l->now, l->measured.extension,
-                                s->verdict, l->synthesizer->self, error);
+                                l->synthesizer, error);
   if (code || !l->regulator) return code;
   const opc_regulator *r = l->regulator->plugin->operations;
   opc_violation *v =
@@ -206,12 +227,15 @@ static int report(const loop *l, const opc_mask *mask, opc_error *error) {
     return l->host->fail(l->host, error, OPC_FAILED, NULL, "out of memory");
   opc_printed p = printed(l);
   size_t total = 0;
+  const char *before = opc_call(l->regulator, error);
   code = r->violations(l->regulator->self, &p, v, ROOM_FOR_VIOLATIONS, &total,
                        error);
+  opc_leave(before);
+  size_t n = total < ROOM_FOR_VIOLATIONS ? total : ROOM_FOR_VIOLATIONS;
+  if (!code) code = opc_check_violations(v, n, l->gates->count, error);
+  code = opc_blame(error, code, "regulator");
   if (!code)
-    code = opc_correct_report_violations(
-        l->host, l->gates, v,
-        total < ROOM_FOR_VIOLATIONS ? total : ROOM_FOR_VIOLATIONS, total, error);
+    code = opc_correct_report_violations(l->host, l->gates, v, n, total, error);
   l->host->free(l->host, v);
   return code;
 }
@@ -322,6 +346,14 @@ static void release_mask(void *object) {
   opc_host_free(host);
 }
 
+static int prepare_extract(const opc_module *extract, opc_error *error) {
+  const opc_extract *model = extract->plugin->operations;
+  const char *before = opc_call(extract, error);
+  int code = model->prepare(extract->self, error);
+  opc_leave(before);
+  return opc_blame(error, code, "extract");
+}
+
 static int run(void *self, void **outputs, opc_error *error) {
   const correct *c = self;
   const opc_value *v = c->values;
@@ -332,25 +364,19 @@ static int run(void *self, void **outputs, opc_error *error) {
             .synthesizer = v[SYNTHESIZER].object,
             .regulator = v[REGULATOR].object,
             .max_iterations = (int)v[MAX_ITERATIONS].integer};
-  l.printer = (opc_printer){.host = host, .litho = v[LITHO].object,
-                            .resist = v[RESIST].object,
+  l.printer = (opc_printer){.host = host, .resist = v[RESIST].object,
                             .frame = frame_around(l.gates, v[MARGIN].real),
                             .grid = l.gates->grid};
-  const opc_litho *litho = l.printer.litho->plugin->operations;
-  const opc_resist *resist = l.printer.resist->plugin->operations;
-  const opc_extract *extract = l.extract->plugin->operations;
+  opc_model_make(&l.printer.litho, v[LITHO].object);
   opc_mask *mask = host->alloc(host, 1, sizeof *mask);
   int code = OPC_OK;
   if (!mask || !make_loop(&l)) {
     code = OPC_FAILED;
     host->fail(host, error, code, NULL, "out of memory");
   }
-  if (!code) code = litho->prepare(l.printer.litho->self, error);
-  if (!code)
-    code = resist->prepare(l.printer.resist->self, l.printer.litho, error);
-  if (!code) code = extract->prepare(l.extract->self, error);
-  if (!code)
-    code = opc_measure_drawn(host, l.gates, l.extract, &l.design, error);
+  if (!code) code = opc_printer_prepare(&l.printer, error);
+  if (!code) code = prepare_extract(l.extract, error);
+  if (!code) code = opc_measure_drawn(l.gates, l.extract, &l.design, error);
   if (!code) code = iterate(&l, error);
   if (!code) code = finish(&l, mask, error);
   if (!code) {

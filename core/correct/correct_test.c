@@ -99,7 +99,7 @@ static int keep(const void *self, const opc_slices *in, opc_performance *out,
     seen_width[i] = in->width[i];
     seen_edge[i] = in->edge[i];
   }
-  out->ion[0] = 1;
+  for (int k = 0; k < 6; k++) (&out->ion)[k][0] = 1;
   return OPC_OK;
 }
 

@@ -25,16 +25,36 @@ int opc_edges_room(const opc_host *host, const opc_edges *edges,
 void opc_edges_move(const opc_gates *gates, int layer,
                     const opc_biases *biases, opc_shapes *out);
 
+/* ---- model.c ---- */
+
+/* A litho model whose calls are checked. `fault` is its first failure, with
+   the code OPC_OK if there was none. */
+typedef struct opc_model {
+  opc_module module;             /* to be called in place of `litho` */
+  opc_plugin plugin;
+  opc_litho operations;
+  const opc_module *litho;
+  opc_error fault;
+  int failed;
+} opc_model;
+
+/* Stays where it is made: the module points into it. */
+void opc_model_make(opc_model *model, const opc_module *litho);
+
 /* ---- printer.c ---- */
 
 typedef struct opc_printer {
   const opc_host *host;
-  const opc_module *litho, *resist;
+  opc_model litho;
+  const opc_module *resist;
   opc_frame frame;
   double grid;
   opc_field print[OPC_MASKS];    /* level sets, positive where it prints */
   uint32_t simulations;
 } opc_printer;
+
+/* Prepare both models. */
+int opc_printer_prepare(opc_printer *printer, opc_error *error);
 
 /* Print a layer's mask into printer->print[layer], replacing what is there. */
 int opc_printer_print(opc_printer *printer, int layer,
@@ -58,18 +78,15 @@ int opc_measure(const opc_host *host, const opc_gates *gates,
                 opc_error *error);
 
 /* The performance of the gates as drawn. */
-int opc_measure_drawn(const opc_host *host, const opc_gates *gates,
-                      const opc_module *extract, opc_performance *out,
-                      opc_error *error);
+int opc_measure_drawn(const opc_gates *gates, const opc_module *extract,
+                      opc_performance *out, opc_error *error);
 
 /* ---- report.c ---- */
 
-/* The tables and metrics of a finished correction. `verdict` may be NULL for
-   each gate. */
+/* The tables and metrics of a finished correction. */
 int opc_correct_report(const opc_host *host, const opc_mask *mask,
                        const opc_biases *biases, const double *extension,
-                       const char *(*verdict)(const void *, size_t),
-                       const void *synthesizer, opc_error *error);
+                       const opc_module *synthesizer, opc_error *error);
 int opc_correct_report_violations(const opc_host *host,
                                   const opc_gates *gates,
                                   const opc_violation *violations, size_t n,

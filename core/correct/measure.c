@@ -2,8 +2,11 @@
 /* Cut lines through the printed poly and active of each transistor: how wide
    the active prints, how long the poly prints at each slice, and how far it
    goes past the active. */
+#include "core/correct/check.h"
 #include "core/correct/loop.h"
 #include "core/imaging/spline.h"
+#include "core/plugin/guard.h"
+#include "core/plugin/host.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -162,13 +165,19 @@ typedef struct slices {
   double *width, *length, *edge;
 } slices;
 
-static int slices_make(slices *s, const opc_module *extract, size_t gates) {
+static int slices_make(slices *s, const opc_module *extract, size_t gates,
+                       opc_error *error) {
   const opc_extract *model = extract->plugin->operations;
+  const char *before = opc_call(extract, error);
   s->n = model->slicing(extract->self, &s->place, &s->share);
+  opc_leave(before);
+  int code = opc_check_slicing(s->n, s->place, s->share, error);
+  if (code) return opc_blame(error, code, "extract");
   s->width = calloc(3 * s->n * gates + 1, sizeof *s->width);
   s->length = s->width + s->n * gates;
   s->edge = s->length + s->n * gates;
-  return s->width != NULL;
+  return s->width ? OPC_OK
+                  : opc_fail(error, OPC_FAILED, NULL, "out of memory");
 }
 
 static void slices_set(slices *s, size_t k, size_t i, double width) {
@@ -177,14 +186,21 @@ static void slices_set(slices *s, size_t k, size_t i, double width) {
   s->edge[k * s->n + i] = width * (t < 0.5 ? t : 1 - t);
 }
 
+/* The performance of the gates from `first` on; `flags` of each as in
+   opc_check_performance. */
 static int slices_extract(const slices *s, const opc_module *extract,
-                          const uint8_t *type, size_t gates,
-                          opc_performance *out, opc_error *error) {
+                          const opc_gates *gates, size_t first,
+                          const uint32_t *flags, opc_performance *out,
+                          opc_error *error) {
   const opc_extract *model = extract->plugin->operations;
-  opc_slices in = {.size = sizeof in, .count = gates, .slices = s->n,
-                   .type = type, .width = s->width, .length = s->length,
-                   .edge = s->edge};
-  return model->extract(extract->self, &in, out, error);
+  opc_slices in = {.size = sizeof in, .count = out->count, .slices = s->n,
+                   .type = gates->type + first, .width = s->width,
+                   .length = s->length, .edge = s->edge};
+  const char *before = opc_call(extract, error);
+  int code = model->extract(extract->self, &in, out, error);
+  opc_leave(before);
+  if (!code) code = opc_check_performance(gates, first, flags, out, error);
+  return opc_blame(error, code, "extract");
 }
 
 int opc_measure(const opc_host *host, const opc_gates *gates,
@@ -193,7 +209,8 @@ int opc_measure(const opc_host *host, const opc_gates *gates,
                 opc_error *error) {
   slices s;
   cut c = {0};
-  int ok = slices_make(&s, extract, last - first), code = OPC_OK;
+  int code = slices_make(&s, extract, last - first, error), ok = 1;
+  if (code) return code;
   for (size_t i = first; i < last && ok; i++) {
     frame f = frame_of(gates, i);
     double from, to;
@@ -212,7 +229,7 @@ int opc_measure(const opc_host *host, const opc_gates *gates,
   }
   if (ok) {
     opc_performance p = part(&out->performance, first, last - first);
-    code = slices_extract(&s, extract, gates->type + first, last - first, &p,
+    code = slices_extract(&s, extract, gates, first, out->flags + first, &p,
                           error);
   } else {
     code = host->fail(host, error, OPC_FAILED, NULL, "out of memory");
@@ -222,18 +239,17 @@ int opc_measure(const opc_host *host, const opc_gates *gates,
   return code;
 }
 
-int opc_measure_drawn(const opc_host *host, const opc_gates *gates,
-                      const opc_module *extract, opc_performance *out,
-                      opc_error *error) {
+int opc_measure_drawn(const opc_gates *gates, const opc_module *extract,
+                      opc_performance *out, opc_error *error) {
   slices s;
-  if (!slices_make(&s, extract, gates->count))
-    return host->fail(host, error, OPC_FAILED, NULL, "out of memory");
+  int code = slices_make(&s, extract, gates->count, error);
+  if (code) return code;
   for (size_t i = 0; i < gates->count; i++)
     for (size_t k = 0; k < s.n; k++) {
       slices_set(&s, i, k, gates->width[i]);
       s.length[i * s.n + k] = gates->length[i];
     }
-  int code = slices_extract(&s, extract, gates->type, gates->count, out, error);
+  code = slices_extract(&s, extract, gates, 0, NULL, out, error);
   free(s.width);
   return code;
 }

@@ -2,6 +2,7 @@
 /* What a correction tells: a table of its transistors, one of their
    statistics (thesis eq. 3.3 to 3.7), and metrics. */
 #include "core/correct/loop.h"
+#include "core/plugin/guard.h"
 
 #include <glib.h>
 #include <math.h>
@@ -76,8 +77,8 @@ static const int shown[] = {NAME, TYPE, L, W, ION_DRAWN, ION, IOFF, AREA,
 
 static int gate_table(const opc_host *host, const opc_mask *m,
                       const opc_biases *b, const double *extension,
-                      const char *(*verdict)(const void *, size_t),
-                      const void *synthesizer, opc_error *error) {
+                      const opc_module *synthesizer, opc_error *error) {
+  const opc_synthesizer *s = synthesizer->plugin->operations;
   const opc_gates *g = m->gates;
   size_t n = g->count;
   opc_column columns[COLUMNS];
@@ -93,7 +94,9 @@ static int gate_table(const opc_host *host, const opc_mask *m,
     text[CELL][i] = g->cell[i];
     text[TYPE][i] = g->type[i] == OPC_PMOS ? "p" : "n";
     text[PRINT][i] = trouble(m->flags[i]);
-    const char *why = verdict ? verdict(synthesizer, i) : NULL;
+    const char *before = opc_enter(synthesizer->plugin->id);
+    const char *why = s->verdict(synthesizer->self, i);
+    opc_leave(before);
     text[VERDICT][i] = why ? why : "";
     real[L][i] = g->length[i];
     real[W][i] = g->width[i];
@@ -201,12 +204,10 @@ static int effort_table(const opc_host *host, const opc_mask *mask,
 
 int opc_correct_report(const opc_host *host, const opc_mask *mask,
                        const opc_biases *biases, const double *extension,
-                       const char *(*verdict)(const void *, size_t),
-                       const void *synthesizer, opc_error *error) {
+                       const opc_module *synthesizer, opc_error *error) {
   groups g;
   gather(mask, &g);
-  int code = gate_table(host, mask, biases, extension, verdict, synthesizer,
-                        error);
+  int code = gate_table(host, mask, biases, extension, synthesizer, error);
   if (!code) code = summary_table(host, &g, error);
   if (!code) code = effort_table(host, mask, g.failed, error);
   const struct {

@@ -4,16 +4,13 @@
 #include <fftw3.h>
 #include <glib.h>
 
-enum { BACKWARD, FORWARD_REAL, BACKWARD_REAL };
-
-/* Plans by what they do and to what size; the key is (what, nx, ny). */
-typedef struct plan {
-  int what, nx, ny;
+struct opc_fft {
+  int what, n, lines;
   fftwf_plan plan;
-} plan;
+};
 
 static GMutex lock;   /* FFTW plans in one thread at a time */
-static GArray *plans;
+static GPtrArray *plans;
 
 int opc_fft_size(double minimum) {
   for (int n = minimum <= 16 ? 16 : ((int)(minimum + 1) & ~1);; n += 2) {
@@ -28,47 +25,55 @@ int opc_fft_size(double minimum) {
 void *opc_fft_alloc(size_t n) { return fftwf_malloc(n); }
 void opc_fft_free(void *memory) { fftwf_free(memory); }
 
-static fftwf_plan make(int what, int nx, int ny, void *in, void *out) {
-  /* Estimated plans do not touch the arrays. */
+static fftwf_plan make(int what, int n, int lines) {
+  /* Estimated plans do not touch the arrays, but want their alignment. */
   unsigned flags = FFTW_ESTIMATE | FFTW_DESTROY_INPUT;
+  int half = n / 2 + 1;
+  size_t size = (size_t)lines * (size_t)(n + 2) * sizeof(fftwf_complex);
+  void *a = fftwf_malloc(size), *b = fftwf_malloc(size);
+  fftwf_plan plan = NULL;
   switch (what) {
-    case BACKWARD:
-      return fftwf_plan_dft_2d(ny, nx, in, out, FFTW_BACKWARD, flags);
-    case FORWARD_REAL:
-      return fftwf_plan_dft_r2c_2d(ny, nx, in, out, flags);
+    case OPC_FFT_BACKWARD:
+    case OPC_FFT_FORWARD:
+      plan = fftwf_plan_many_dft(
+          1, &n, lines, a, NULL, 1, n, a, NULL, 1, n,
+          what == OPC_FFT_FORWARD ? FFTW_FORWARD : FFTW_BACKWARD, flags);
+      break;
+    case OPC_FFT_REAL_FORWARD:
+      plan = fftwf_plan_many_dft_r2c(1, &n, lines, a, NULL, 1, n, b, NULL, 1,
+                                     half, flags);
+      break;
     default:
-      return fftwf_plan_dft_c2r_2d(ny, nx, in, out, flags);
+      plan = fftwf_plan_many_dft_c2r(1, &n, lines, a, NULL, 1, half, b, NULL, 1,
+                                     n, flags);
   }
+  fftwf_free(a);
+  fftwf_free(b);
+  return plan;
 }
 
-static fftwf_plan find(int what, int nx, int ny, void *in, void *out) {
-  fftwf_plan found = NULL;
+const opc_fft *opc_fft_plan(int what, int n, int lines) {
+  opc_fft *found = NULL;
   g_mutex_lock(&lock);
-  if (!plans) plans = g_array_new(FALSE, FALSE, sizeof(plan));
+  if (!plans) plans = g_ptr_array_new();
   for (guint i = 0; i < plans->len && !found; i++) {
-    plan *p = &g_array_index(plans, plan, i);
-    if (p->what == what && p->nx == nx && p->ny == ny) found = p->plan;
+    opc_fft *p = plans->pdata[i];
+    if (p->what == what && p->n == n && p->lines == lines) found = p;
   }
   if (!found) {
-    found = make(what, nx, ny, in, out);
-    plan p = {what, nx, ny, found};
-    g_array_append_val(plans, p);
+    found = g_new(opc_fft, 1);
+    *found = (opc_fft){what, n, lines, make(what, n, lines)};
+    g_ptr_array_add(plans, found);
   }
   g_mutex_unlock(&lock);
   return found;
 }
 
-void opc_fft_backward(int nx, int ny, float complex *data) {
-  fftwf_execute_dft(find(BACKWARD, nx, ny, data, data), (fftwf_complex *)data,
-                    (fftwf_complex *)data);
-}
-
-void opc_fft_forward_real(int nx, int ny, float *in, float complex *out) {
-  fftwf_execute_dft_r2c(find(FORWARD_REAL, nx, ny, in, out), in,
-                        (fftwf_complex *)out);
-}
-
-void opc_fft_backward_real(int nx, int ny, float complex *in, float *out) {
-  fftwf_execute_dft_c2r(find(BACKWARD_REAL, nx, ny, in, out),
-                        (fftwf_complex *)in, out);
+void opc_fft_run(const opc_fft *p, void *in, void *out) {
+  switch (p->what) {
+    case OPC_FFT_BACKWARD:
+    case OPC_FFT_FORWARD: fftwf_execute_dft(p->plan, in, in); break;
+    case OPC_FFT_REAL_FORWARD: fftwf_execute_dft_r2c(p->plan, in, out); break;
+    default: fftwf_execute_dft_c2r(p->plan, in, out);
+  }
 }

@@ -1,13 +1,31 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Two-dimensional Fourier transforms, by FFTW in single precision. Plans are
-   made by estimate, so that they are the same in every run, and kept. All
-   functions may be called from any thread. Arrays are row by row, x fastest,
-   from opc_fft_alloc. */
+/* Fourier transforms of many lines, by FFTW in single precision: what
+   two-dimensional transforms are made of here, line by line in the cache, so
+   that lines of zeros need not be transformed nor whole planes be written.
+   Plans are made by estimate, so that they are the same in every run, and
+   kept. */
 #ifndef OPCFLOW_CORE_FFT_H
 #define OPCFLOW_CORE_FFT_H
 
 #include <complex.h>
 #include <stddef.h>
+
+enum {
+  OPC_FFT_BACKWARD,       /* sum a[k] exp(+2 pi i k x / n), in place */
+  OPC_FFT_FORWARD,        /* sum a[x] exp(-2 pi i k x / n), in place */
+  OPC_FFT_REAL_FORWARD,   /* n reals to n / 2 + 1 numbers */
+  OPC_FFT_REAL_BACKWARD   /* its inverse; the input is lost */
+};
+
+/* A plan for `lines` transforms of n (even) numbers, one after another: n
+   apart on the real and complex side, n / 2 + 1 apart on the half-complex one.
+   Not normalised. Any thread; lives as long as the program. */
+typedef struct opc_fft opc_fft;
+const opc_fft *opc_fft_plan(int what, int n, int lines);
+
+/* Arrays from opc_fft_alloc, or an even number of complex numbers into one.
+   In-place transforms ignore `out`. Any thread. */
+void opc_fft_run(const opc_fft *plan, void *in, void *out);
 
 /* The smallest even number >= minimum (and >= 16) that has no prime factor
    above 7. */
@@ -16,13 +34,5 @@ int opc_fft_size(double minimum);
 /* n bytes, aligned for the transforms; NULL if there is none. */
 void *opc_fft_alloc(size_t n);
 void opc_fft_free(void *memory);
-
-/* sum a[k] exp(+2 pi i k x), in place, not normalised. */
-void opc_fft_backward(int nx, int ny, float complex *data);
-/* sum a[x] exp(-2 pi i k x), ny * nx reals to ny * (nx / 2 + 1) numbers; the
-   input is lost. */
-void opc_fft_forward_real(int nx, int ny, float *in, float complex *out);
-/* Its inverse, not normalised; the input is lost. */
-void opc_fft_backward_real(int nx, int ny, float complex *in, float *out);
 
 #endif

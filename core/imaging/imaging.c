@@ -44,4 +44,9 @@ const opc_imaging_service opc_imaging_functions = {
     .contours = opc_contours,
     .release_spectrum = release_spectrum,
     .release_field = release_field,
+    .gradient = opc_field_gradient,
+    .diffuse = opc_field_diffuse,
+    .resample = opc_field_resample,
+    .samples = opc_field_samples,
+    .from_samples = opc_field_from_samples,
 };

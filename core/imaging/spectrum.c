@@ -1,128 +1,89 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Mask spectra. The mask, smoothed by a quintic B-spline, is sampled exactly:
-   each vertex of a rectilinear polygon is a step in x times a step in y, and
-   smoothed steps are laid down as their differences (7 x 7 numbers a vertex)
-   and summed up once at the end. The B-spline is then divided out of the
-   spectrum. Its sixth-order zeros at the multiples of the sampling frequency
-   keep what folds down below 1.4e-3 of what folds, that is 1e-5 of the
-   clear field in all. */
+/* Mask spectra: the mask on its raster, transformed along x and, where the
+   band reaches, along y; then the raster's smoothing is divided out. What
+   folds down from beyond the sampling frequency is kept below 1e-6 of the
+   clear field by the tenth-order zeros of the smoothing. */
 #include "core/imaging/fft.h"
 #include "core/imaging/imaging.h"
-#include "core/imaging/spline.h"
+#include "core/imaging/raster.h"
 #include "core/plugin/host.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Samples per shortest period of the band. */
-static const double oversampling = 4;
+static const double oversampling = 3.1;
 
-enum { MARGIN = 4, MAX_SAMPLES = 1 << 28 };
+enum { MAX_SAMPLES = 1 << 28, LINES = 16 };
 
-typedef struct raster {
-  double x0, y0, dx, dy;   /* sample (0, 0) and the steps, nm */
-  int nx, ny;              /* the period */
-  int columns, rows;       /* with what reaches beyond it on both sides */
-  double *step;            /* rows * columns; sample (0, 0) is [MARGIN, MARGIN] */
-} raster;
+typedef struct job {
+  opc_spectrum *out;
+  int nx, ny;
+  float *samples;             /* [y][x] */
+  float complex *by_column;   /* [y][k], 0 <= k < columns */
+  int failed;                 /* atomic */
+} job;
 
-static void deposit(raster *r, double x, double y, double sign) {
-  double wx[OPC_STEP_TAPS], wy[OPC_STEP_TAPS];
-  int i = opc_spline_step(x, wx) + MARGIN, j = opc_spline_step(y, wy) + MARGIN;
-  for (int b = 0; b < OPC_STEP_TAPS; b++) {
-    double *row = r->step + (size_t)(j + b) * r->columns + i;
-    double w = sign * wy[b];
-    for (int a = 0; a < OPC_STEP_TAPS; a++) row[a] += w * wx[a];
+static void forth_along_x(void *data, size_t block) {
+  job *j = data;
+  int y = (int)block * LINES, lines = j->ny - y < LINES ? j->ny - y : LINES;
+  int width = j->nx / 2 + 1, columns = j->out->columns;
+  float complex *half =
+      opc_fft_alloc((size_t)lines * (size_t)width * sizeof *half);
+  if (!half) {
+    __atomic_store_n(&j->failed, 1, __ATOMIC_RELAXED);
+    return;
   }
+  opc_fft_run(opc_fft_plan(OPC_FFT_REAL_FORWARD, j->nx, lines),
+              j->samples + (size_t)y * j->nx, half);
+  for (int l = 0; l < lines; l++)
+    memcpy(j->by_column + (size_t)(y + l) * columns, half + (size_t)l * width,
+           sizeof *half * (size_t)columns);
+  opc_fft_free(half);
 }
 
-/* How many periods to move a polygon by, so that its lower left corner lies in
-   the frame. */
-static double periods(int32_t low, double grid, double origin, double period) {
-  return floor((low * grid - origin) / period);
-}
-
-static void polygon(raster *r, const opc_shapes *s, size_t p, double grid,
-                    opc_frame f) {
-  size_t n = s->start[p + 1] - s->start[p];
-  const opc_point *v = s->points + s->start[p];
-  int32_t x0 = INT32_MAX, y0 = INT32_MAX;
-  for (size_t i = 0; i < n; i++) {
-    x0 = v[i].x < x0 ? v[i].x : x0;
-    y0 = v[i].y < y0 ? v[i].y : y0;
+/* Some columns along y; keep the band, without the smoothing. */
+static void forth_along_y(void *data, size_t block) {
+  job *j = data;
+  opc_spectrum *s = j->out;
+  int k = (int)block * LINES, lines = s->columns - k < LINES ? s->columns - k : LINES;
+  float complex *column = opc_fft_alloc((size_t)lines * j->ny * sizeof *column);
+  if (!column) {
+    __atomic_store_n(&j->failed, 1, __ATOMIC_RELAXED);
+    return;
   }
-  double ox = f.x0 + f.width * periods(x0, grid, f.x0, f.width);
-  double oy = f.y0 + f.height * periods(y0, grid, f.y0, f.height);
-  for (size_t i = 0; i < n; i++) {
-    opc_point a = v[i], b = v[i + 1 < n ? i + 1 : 0];
-    if (a.x != b.x || a.y == b.y) continue;
-    /* The inside is on the left: an edge upwards ends it, one downwards
-       begins it, from its end to its beginning. */
-    double x = (a.x * grid - ox) / r->dx;
-    deposit(r, x, (b.y * grid - oy) / r->dy, 1);
-    deposit(r, x, (a.y * grid - oy) / r->dy, -1);
-  }
-}
-
-/* The samples the polygons need beyond the period, the largest over all. */
-static void measure(raster *r, const opc_shapes *s, double grid, opc_frame f) {
-  double w = f.width, h = f.height;
-  for (size_t p = 0; p < s->count; p++) {
-    opc_box b = {INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
-    for (uint32_t i = s->start[p]; i < s->start[p + 1]; i++) {
-      opc_point v = s->points[i];
-      b.x0 = v.x < b.x0 ? v.x : b.x0;
-      b.y0 = v.y < b.y0 ? v.y : b.y0;
-      b.x1 = v.x > b.x1 ? v.x : b.x1;
-      b.y1 = v.y > b.y1 ? v.y : b.y1;
-    }
-    double x = b.x1 * grid - f.x0 - f.width * periods(b.x0, grid, f.x0, f.width);
-    double y =
-        b.y1 * grid - f.y0 - f.height * periods(b.y0, grid, f.y0, f.height);
-    w = x > w ? x : w;
-    h = y > h ? y : h;
-  }
-  r->columns = (int)ceil(w / r->dx) + 2 * MARGIN + OPC_STEP_TAPS;
-  r->rows = (int)ceil(h / r->dy) + 2 * MARGIN + OPC_STEP_TAPS;
-}
-
-/* Sum the steps up in both directions and fold what lies beyond the period
-   back into it. */
-static void sum_up(const raster *r, float *out) {
-  memset(out, 0, sizeof(float) * (size_t)r->nx * r->ny);
-  for (int j = 0; j < r->rows; j++) {
-    double *row = r->step + (size_t)j * r->columns;
-    if (j)
-      for (int i = 0; i < r->columns; i++) row[i] += row[i - r->columns];
-    float *to = out + (size_t)((j - MARGIN + r->ny) % r->ny) * r->nx;
-    double sum = 0;
-    for (int i = 0, k = (r->nx - MARGIN) % r->nx; i < r->columns; i++) {
-      sum += row[i];
-      to[k] += (float)sum;
-      if (++k == r->nx) k = 0;
+  for (int y = 0; y < j->ny; y++)
+    for (int c = 0; c < lines; c++)
+      column[(size_t)c * j->ny + y] = j->by_column[(size_t)y * s->columns + k + c];
+  opc_fft_run(opc_fft_plan(OPC_FFT_FORWARD, j->ny, lines), column, NULL);
+  int half = (s->rows - 1) / 2;
+  float complex *a = (float complex *)s->data;
+  for (int c = 0; c < lines; c++) {
+    double fx = (k + c) / s->frame.width;
+    double scale = -1.0 / ((double)j->nx * j->ny) /
+                   opc_raster_transform((double)(k + c) / j->nx);
+    for (int l = -half; l <= half; l++) {
+      double fy = l / s->frame.height;
+      if (fx * fx + fy * fy > s->band * s->band) continue;
+      a[(size_t)((l + s->rows) % s->rows) * s->columns + k + c] =
+          column[(size_t)c * j->ny + (l < 0 ? l + j->ny : l)] *
+          (float)(scale / opc_raster_transform((double)l / j->ny));
     }
   }
+  opc_fft_free(column);
 }
 
-/* Keep the band of the raster's transform, without the B-spline. */
-static void keep_band(const raster *r, const float complex *transform,
-                      opc_spectrum *out) {
-  int half = (out->rows - 1) / 2, width = r->nx / 2 + 1;
-  double scale = -1.0 / ((double)r->nx * r->ny);
-  float complex *a = (float complex *)out->data;
-  for (int l = -half; l <= half; l++) {
-    double fy = l / out->frame.height;
-    double sy = scale / opc_spline_transform((double)l / r->ny);
-    const float complex *from = transform + (size_t)((l + r->ny) % r->ny) * width;
-    float complex *to = a + (size_t)((l + out->rows) % out->rows) * out->columns;
-    for (int k = 0; k < out->columns; k++) {
-      double fx = k / out->frame.width;
-      if (fx * fx + fy * fy > out->band * out->band) continue;
-      to[k] = from[k] * (float)(sy / opc_spline_transform((double)k / r->nx));
-    }
-  }
-  a[0] += 1;   /* the clear field */
+static int transform(const opc_host *host, job *j) {
+  opc_spectrum *s = j->out;
+  j->by_column =
+      opc_fft_alloc((size_t)j->ny * (size_t)s->columns * sizeof *j->by_column);
+  if (!j->by_column) return 0;
+  host->parallel(host, (size_t)(j->ny + LINES - 1) / LINES, forth_along_x, j);
+  host->parallel(host, (size_t)(s->columns + LINES - 1) / LINES, forth_along_y,
+                 j);
+  opc_fft_free(j->by_column);
+  ((float complex *)s->data)[0] += 1;   /* the clear field */
+  return !j->failed;
 }
 
 int opc_mask_spectrum(const opc_host *host, const opc_shapes *shapes,
@@ -139,37 +100,24 @@ int opc_mask_spectrum(const opc_host *host, const opc_shapes *shapes,
     return opc_fail(error, OPC_INVALID, NULL,
                     "a frame of %g x %g um is too large for one field",
                     frame.width / 1e3, frame.height / 1e3);
-  raster r = {.x0 = frame.x0, .y0 = frame.y0};
-  r.nx = opc_fft_size(frame.width * band * oversampling);
-  r.ny = opc_fft_size(frame.height * band * oversampling);
-  r.dx = frame.width / r.nx;
-  r.dy = frame.height / r.ny;
-  measure(&r, shapes, grid, frame);
-
-  int code = OPC_OK;
-  size_t n = (size_t)r.nx * r.ny;
-  float *samples = opc_fft_alloc(n * sizeof *samples);
-  float complex *transform =
-      opc_fft_alloc((size_t)r.ny * (r.nx / 2 + 1) * sizeof *transform);
-  r.step = calloc((size_t)r.rows * r.columns, sizeof *r.step);
+  job j = {.out = out,
+           .nx = opc_fft_size(frame.width * band * oversampling),
+           .ny = opc_fft_size(frame.height * band * oversampling)};
   *out = (opc_spectrum){.frame = frame, .band = band};
   out->columns = (int)floor(frame.width * band) + 1;
   out->rows = 2 * (int)floor(frame.height * band) + 1;
   out->data = host->alloc(host, (size_t)out->columns * out->rows,
                           sizeof(float complex));
-  if (!samples || !transform || !r.step || !out->data) {
-    host->free(host, out->data);
-    out->data = NULL;
-    code = opc_fail(error, OPC_FAILED, NULL, "out of memory");
-    goto done;
-  }
-  for (size_t p = 0; p < shapes->count; p++) polygon(&r, shapes, p, grid, frame);
-  sum_up(&r, samples);
-  opc_fft_forward_real(r.nx, r.ny, samples, transform);
-  keep_band(&r, transform, out);
-done:
-  free(r.step);
-  opc_fft_free(samples);
-  opc_fft_free(transform);
-  return code;
+  j.samples = opc_fft_alloc((size_t)j.nx * j.ny * sizeof *j.samples);
+  opc_raster raster = {0};
+  int ok = out->data && j.samples &&
+           opc_raster_lay(host, shapes, grid, frame, j.nx, j.ny, &raster);
+  if (ok) opc_raster_sum(host, &raster, j.samples);
+  opc_raster_clear(&raster);
+  ok = ok && transform(host, &j);
+  opc_fft_free(j.samples);
+  if (ok) return OPC_OK;
+  host->free(host, out->data);
+  memset(out, 0, sizeof *out);
+  return opc_fail(error, OPC_FAILED, NULL, "out of memory");
 }

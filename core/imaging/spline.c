@@ -23,17 +23,26 @@ int opc_spline_weights(double x, double weight[OPC_SPLINE_TAPS]) {
   return (int)cell - 2;
 }
 
-int opc_spline_step(double x, double weight[OPC_STEP_TAPS]) {
-  double cell = floor(x);
-  recurrence(6, x - cell, weight);
-  return (int)cell - 2;
+/* The derivative of a B-spline is the difference of two of a degree less. */
+void opc_spline_slopes(double x, double slope[OPC_SPLINE_TAPS]) {
+  double below[OPC_SPLINE_TAPS - 1];
+  recurrence(4, x - floor(x), below);
+  slope[0] = -below[0];
+  for (int i = 1; i < OPC_SPLINE_TAPS - 1; i++)
+    slope[i] = below[i - 1] - below[i];
+  slope[OPC_SPLINE_TAPS - 1] = below[OPC_SPLINE_TAPS - 2];
 }
 
-double opc_spline_transform(double f) {
-  double x = M_PI * f;
-  if (fabs(x) < 1e-8) return 1;
-  double s = sin(x) / x;
-  return s * s * s * s * s * s;
+int opc_spline_step(double x, double weight[OPC_STEP_TAPS]) {
+  double cell = floor(x);
+  recurrence(OPC_RASTER_DEGREE + 1, x - cell, weight);
+  return (int)cell - OPC_RASTER_DEGREE / 2;
+}
+
+int opc_spline_smoothing(double x, double weight[OPC_STEP_TAPS - 1]) {
+  double cell = floor(x);
+  recurrence(OPC_RASTER_DEGREE, x - cell, weight);
+  return (int)cell - OPC_RASTER_DEGREE / 2;
 }
 
 double opc_spline_sampled(double f) {

@@ -6,20 +6,27 @@
 
 #include <opcflow/imaging.h>
 
-enum { OPC_SPLINE_TAPS = 6, OPC_STEP_TAPS = 7 };
+enum {
+  OPC_SPLINE_TAPS = 6,       /* fields: quintic */
+  OPC_RASTER_DEGREE = 9,     /* masks; their steps are of the degree above */
+  OPC_STEP_TAPS = OPC_RASTER_DEGREE + 2
+};
 
 /* The values at x of the quintic B-splines centred on first .. first + 5, and
    that first. They sum to 1. */
 int opc_spline_weights(double x, double weight[OPC_SPLINE_TAPS]);
 
-/* The steps, at samples first .. first + 6, of a unit step at x that is
-   smoothed by a quintic B-spline: their running sum is its value at the
-   samples, 0 before them and 1 after. These are B-splines of degree 6. */
+/* Their derivatives there. They sum to 0. */
+void opc_spline_slopes(double x, double slope[OPC_SPLINE_TAPS]);
+
+/* The steps, at samples first .. first + OPC_STEP_TAPS - 1, of a unit step at x
+   that is smoothed by a B-spline of OPC_RASTER_DEGREE: their running sum is its
+   value at the samples, 0 before them and 1 after. */
 int opc_spline_step(double x, double weight[OPC_STEP_TAPS]);
 
-/* sinc(f)^6, the Fourier transform of the quintic B-spline; f in cycles per
-   sample. */
-double opc_spline_transform(double f);
+/* The values at x of the B-splines of OPC_RASTER_DEGREE that are centred on
+   samples first .. first + OPC_STEP_TAPS - 2. */
+int opc_spline_smoothing(double x, double weight[OPC_STEP_TAPS - 1]);
 
 /* sum over j of b(j) cos(2 pi f j): what the samples of a function have at
    frequency f, over what its coefficients have. */

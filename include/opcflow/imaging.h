@@ -54,6 +54,14 @@ typedef struct opc_systems {
   void (*transfer)(const void *self, size_t s, const double *fx, double fy,
                    size_t n, float *out);
   const void *self;
+  /* The transmission of the mask is offset + scale * (its spectrum), complex;
+     1 for scale and 0 for offset where it is as given. */
+  double offset[2], scale[2];
+  /* If residual is not NULL, one more system, number `count`, is squared by
+     itself and filtered before it is added: its spectrum at (fx[i], fy) is
+     multiplied by out[i]. What is left of a sum that was cut off. [any] */
+  void (*residual)(const void *self, const double *fx, double fy, size_t n,
+                   float *out);
 } opc_systems;
 
 /* All [any]. */
@@ -63,7 +71,8 @@ struct opc_imaging_service {
   /* The spectrum of a mask: clear, dark in `shapes` (merged, in units of
      `grid` nm; those that leave the frame come in again on the other side).
      Exact but for single precision: the shapes are laid on a raster through
-     the antiderivative of a B-spline, which is divided out again. */
+     the antiderivative of a B-spline, which is divided out again. Edges may
+     have any angle. */
   int (*mask_spectrum)(const opc_host *host, const opc_shapes *shapes,
                        double grid, opc_frame frame, double band,
                        opc_spectrum *out, opc_error *error);
@@ -90,6 +99,32 @@ struct opc_imaging_service {
   /* host->free of the array in it; the struct is cleared. */
   void (*release_spectrum)(const opc_host *host, opc_spectrum *spectrum);
   void (*release_field)(const opc_host *host, opc_field *field);
+
+  /* The values of a field and of its derivatives along x and y (1/nm) at n
+     points; each array but x and y may be NULL. */
+  void (*gradient)(const opc_field *field, const double *x, const double *y,
+                   size_t n, double *value, double *dx, double *dy);
+
+  /* All below work in place. On failure the field is lost but still there to
+     be released.
+
+     Convolve a field with a Gaussian of standard deviation `sigma` (nm, 0: as
+     it is) in both directions, around the period. */
+  int (*diffuse)(const opc_host *host, opc_field *field, double sigma,
+                 opc_error *error);
+
+  /* The same function on a grid of at most `step` nm, which may be finer or
+     coarser. What has no period longer than two of either grid's steps is
+     cut off. */
+  int (*resample)(const opc_host *host, opc_field *field, double step,
+                  opc_error *error);
+
+  /* From coefficients to the values at the nodes (x0 + i dx, y0 + j dy), in
+     their place, and from such values to the coefficients of the field that
+     goes through them. */
+  int (*samples)(const opc_host *host, opc_field *field, opc_error *error);
+  int (*from_samples)(const opc_host *host, opc_field *field,
+                      opc_error *error);
 };
 
 #ifdef __cplusplus

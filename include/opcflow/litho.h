@@ -22,6 +22,11 @@ typedef struct opc_litho {
      releases *out. [any] */
   int (*image)(const void *self, int layer, const opc_spectrum *mask,
                opc_field *out, opc_error *error);
+
+  /* The same away from the focus that the parameters say, by `defocus` nm.
+     May be NULL: the model has one focus. [any] */
+  int (*image_at)(const void *self, int layer, const opc_spectrum *mask,
+                  double defocus, opc_field *out, opc_error *error);
 } opc_litho;
 
 typedef struct opc_resist {
@@ -32,7 +37,7 @@ typedef struct opc_resist {
   int (*prepare)(void *self, const opc_module *litho, opc_error *error);
 
   /* Turn the intensity of a layer into its level set, in place: positive where
-     the feature prints. [any] */
+     the feature prints. The field may get another grid. [any] */
   int (*print)(const void *self, int layer, opc_field *field,
                opc_error *error);
 } opc_resist;

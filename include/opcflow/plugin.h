@@ -127,7 +127,8 @@ typedef struct opc_pair {
    owns everything it points to, for the life of the instance. */
 typedef struct opc_value {
   uint32_t type;         /* OPC_ABSENT or the parameter's type */
-  uint32_t given;        /* 1: by the flow or command line, 0: the default */
+  uint32_t given;        /* 1: by the flow or command line, 0: the default, also
+                            where the flow writes it out */
   int64_t integer;
   double real;
   const char *text;
@@ -277,6 +278,26 @@ typedef struct opc_plugin {
      not know. May itself be NULL. [any] */
   const void *(*get_extension)(const char *id);
 } opc_plugin;
+
+/* ---- extensions ------------------------------------------------------- */
+
+/* get_extension(OPC_RENAMED_PARAMETERS) gives an opc_renames: parameters that
+   had another name in an earlier version of the plugin. A flow that writes the
+   old name works, and is told the new one. */
+#define OPC_RENAMED_PARAMETERS "opcflow.renamed-parameters/1"
+
+typedef struct opc_rename {
+  const char *from;      /* whole names: "anchor.line" */
+  const char *to;        /* a declared parameter */
+  const char *since;     /* the version that renamed it */
+  const char *note;      /* what else has changed; NULL */
+} opc_rename;
+
+typedef struct opc_renames {
+  size_t size;           /* sizeof(opc_renames) */
+  uint32_t count, rename_size;   /* sizeof(opc_rename) */
+  const opc_rename *renames;
+} opc_renames;
 
 typedef const opc_plugin *(*opc_plugin_entry)(void);
 #define OPC_ENTRY_NAME "opcflow_plugin"

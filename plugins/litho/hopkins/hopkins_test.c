@@ -102,11 +102,11 @@ static void test_definition(void) {
   const struct {
     const char *parameters;
     double reach;
-  } cases[] = {{"{ kernels: 6 }", 2e-2},
-               {"{ kernels: 13 }", 8e-3},
-               {"{}", 5e-3},
-               {"{ kernels: 94 }", 1.3e-3},
-               {"{ kernels: 530 }", 5e-4}};
+  } cases[] = {{"{ kernels: 4 }", 1e-2},
+               {"{ error: 3e-3 }", 3e-3},
+               {"{}", 1.5e-3},
+               {"{ error: 5e-4 }", 5e-4},
+               {"{ error: 1e-4 }", 1e-4}};
   double before = 1;
   for (size_t c = 0; c < G_N_ELEMENTS(cases); c++) {
     opc_field field;
@@ -130,7 +130,7 @@ static void test_definition(void) {
 static void test_clear(void) {
   opc_shapes none = {0};
   opc_field field;
-  image("{ kernels: 530 }", &none, frame, &field);
+  image("{ error: 1e-4 }", &none, frame, &field);
   double x = 12, y = 34, value;
   opc_test_host()->imaging->sample(&field, &x, &y, 1, &value);
   opc_test_host()->imaging->release_field(opc_test_host(), &field);
@@ -144,7 +144,7 @@ static void test_too_fine(void) {
   uint32_t start[] = {0, 4};
   opc_shapes line = {1, start, points, NULL};
   opc_field field;
-  image("{ kernels: 530 }", &line, (opc_frame){0, 0, 50, 400}, &field);
+  image("{ error: 1e-4 }", &line, (opc_frame){0, 0, 50, 400}, &field);
   double x[] = {0, 10, 33}, y[] = {0, 100, 321}, value[3];
   opc_test_host()->imaging->sample(&field, x, y, 3, value);
   opc_test_host()->imaging->release_field(opc_test_host(), &field);

@@ -1,127 +1,73 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The calibrated threshold prints its anchor to size; thresholds and line
    widths against an independent simulation of the same optics. */
-#include "core/plugin/testing.h"
+#include "../lines_test.h"
 
-#include <math.h>
 #include <string.h>
 
-static const opc_host *host;
-
-/* The level set of a vertical line of `width` at x = 0 in a grating. */
-static opc_field print_line(opc_module *litho, opc_module *resist, int layer,
-                            double width, double pitch) {
-  const opc_litho *model = litho->plugin->operations;
-  const opc_resist *develop = resist->plugin->operations;
-  opc_frame f = {-pitch / 2, 0, pitch, pitch};
-  int32_t x = (int32_t)lround(width * 500), top = (int32_t)lround(pitch * 1000);
-  opc_point points[] = {{-x, 0}, {x, 0}, {x, top}, {-x, top}};
-  uint32_t start[] = {0, 4};
-  opc_shapes line = {1, start, points, NULL};
-  opc_spectrum mask;
-  opc_field field;
-  opc_error error;
-  g_assert_cmpint(host->imaging->mask_spectrum(host, &line, 1e-3, f,
-                                               model->band(litho->self), &mask,
-                                               &error), ==, OPC_OK);
-  g_assert_cmpint(model->image(litho->self, layer, &mask, &field, &error), ==, OPC_OK);
-  host->imaging->release_spectrum(host, &mask);
-  g_assert_cmpint(develop->print(resist->self, layer, &field, &error), ==, OPC_OK);
-  return field;
-}
-
-static double value_at(const opc_field *f, double x) {
-  double y = 10, v;
-  host->imaging->sample(f, &x, &y, 1, &v);
-  return v;
-}
-
-/* The printed width of the line at x = 0. */
-static double width_of(const opc_field *f) {
-  double low = 0, high = f->frame.width / 2;
-  for (int i = 0; i < 50; i++) {
-    double middle = (low + high) / 2;
-    if (value_at(f, middle) > 0) low = middle;
-    else high = middle;
-  }
-  return 2 * low;
-}
-
-static opc_module *prepared(const char *parameters, opc_module *litho) {
-  opc_error error;
-  opc_module *m = opc_test_module("resist.threshold", parameters, &error);
-  g_assert_nonnull(m);
-  const opc_resist *resist = m->plugin->operations;
-  g_assert_cmpint(resist->prepare(m->self, litho, &error), ==, OPC_OK);
-  return m;
-}
-
-static opc_module *hopkins(void) {
-  opc_error error;
-  opc_module *m = opc_test_module("litho.hopkins", "{ kernels: 94 }", &error);
-  g_assert_nonnull(m);
-  const opc_litho *litho = m->plugin->operations;
-  g_assert_cmpint(litho->prepare(m->self, &error), ==, OPC_OK);
-  return m;
-}
+#define prepared(parameters, litho) \
+  lines_resist("resist.threshold", parameters, litho)
 
 static void test_anchor(void) {
-  g_autoptr(opc_module) litho = hopkins();
+  g_autoptr(opc_module) litho = lines_hopkins();
   g_autoptr(opc_module) drawn = prepared("{}", litho);
-  opc_field f = print_line(litho, drawn, OPC_POLY, 65, 250);
-  g_assert_cmpfloat(fabs(width_of(&f) - 65), <, 0.002);
-  host->imaging->release_field(host, &f);
+  opc_field f = lines_print(litho, drawn, OPC_POLY, 65, 250);
+  g_assert_cmpfloat(fabs(lines_width(&f) - 65), <, 0.002);
+  opc_test_host()->imaging->release_field(opc_test_host(), &f);
   g_autoptr(opc_module) wider = prepared("{ anchor: { cd: 71 nm } }", litho);
-  f = print_line(litho, wider, OPC_POLY, 65, 250);
-  g_assert_cmpfloat(fabs(width_of(&f) - 71), <, 0.002);
-  host->imaging->release_field(host, &f);
+  f = lines_print(litho, wider, OPC_POLY, 65, 250);
+  g_assert_cmpfloat(fabs(lines_width(&f) - 71), <, 0.002);
+  opc_test_host()->imaging->release_field(opc_test_host(), &f);
 }
 
 /* Thresholds and widths through pitch as a prototype with other code (tile
    sums of the exact cross coefficient) gave them. */
 static void test_through_pitch(void) {
-  g_autoptr(opc_module) litho = hopkins();
+  g_autoptr(opc_module) litho = lines_hopkins();
   g_autoptr(opc_module) resist = prepared("{}", litho);
   /* Far from the line the level is the threshold less the clear field. */
-  opc_field f = print_line(litho, resist, OPC_POLY, 65, 4000);
-  double threshold = 1 + value_at(&f, 2000);
+  opc_field f = lines_print(litho, resist, OPC_POLY, 65, 4000);
+  double threshold = 1 + lines_value(&f, 2000);
   g_test_message("dense anchor: threshold %.4f", threshold);
   g_assert_cmpfloat(fabs(threshold - 0.404), <, 0.003);
-  host->imaging->release_field(host, &f);
+  opc_test_host()->imaging->release_field(opc_test_host(), &f);
   const double pitch[] = {220, 320, 500, 1500}, cd[] = {62.9, 67.1, 70.7, 73.7};
   for (int i = 0; i < 4; i++) {
-    f = print_line(litho, resist, OPC_POLY, 65, pitch[i]);
-    g_test_message("pitch %g: %.2f nm, expected %.1f", pitch[i], width_of(&f), cd[i]);
-    g_assert_cmpfloat(fabs(width_of(&f) - cd[i]), <, 0.3);
-    host->imaging->release_field(host, &f);
+    f = lines_print(litho, resist, OPC_POLY, 65, pitch[i]);
+    g_test_message("pitch %g: %.2f nm, expected %.1f", pitch[i],
+                   lines_width(&f), cd[i]);
+    g_assert_cmpfloat(fabs(lines_width(&f) - cd[i]), <, 0.3);
+    opc_test_host()->imaging->release_field(opc_test_host(), &f);
   }
-  f = print_line(litho, resist, OPC_ACTIVE, 1000, 5000);
-  double active = 1 + value_at(&f, 2500);
+  f = lines_print(litho, resist, OPC_ACTIVE, 1000, 5000);
+  double active = 1 + lines_value(&f, 2500);
   g_test_message("edge of a wide active: threshold %.4f", active);
   g_assert_cmpfloat(fabs(active - 0.265), <, 0.01);
-  g_assert_cmpfloat(fabs(width_of(&f) - 1000), <, 0.002);
-  host->imaging->release_field(host, &f);
+  g_assert_cmpfloat(fabs(lines_width(&f) - 1000), <, 0.002);
+  opc_test_host()->imaging->release_field(opc_test_host(), &f);
 }
 
 static void test_given(void) {
-  g_autoptr(opc_module) litho = hopkins();
+  g_autoptr(opc_module) litho = lines_hopkins();
   g_autoptr(opc_module) resist =
       prepared("{ threshold: 0.3, active_threshold: 0.2 }", litho);
   for (int layer = 0; layer < OPC_MASKS; layer++) {
     opc_field f = {.frame = {0, 0, 100, 100}, .nx = 16, .ny = 16};
-    f.coefficients = host->alloc(host, 256, sizeof(float));
+    f.coefficients =
+        opc_test_host()->alloc(opc_test_host(), 256, sizeof(float));
     opc_error error;
     const opc_resist *develop = resist->plugin->operations;
-    g_assert_cmpint(develop->print(resist->self, layer, &f, &error), ==, OPC_OK);
-    g_assert_cmpfloat(fabs(value_at(&f, 3) - (layer == OPC_POLY ? 0.3 : 0.2)), <,
-                      1e-6);
-    host->imaging->release_field(host, &f);
+    g_assert_cmpint(develop->print(resist->self, layer, &f, &error), ==,
+                    OPC_OK);
+    g_assert_cmpfloat(
+        fabs(lines_value(&f, 3) - (layer == OPC_POLY ? 0.3 : 0.2)), <, 1e-6);
+    opc_test_host()->imaging->release_field(opc_test_host(), &f);
   }
 }
 
 /* An anchor that the optics cannot resolve, and one without space. */
 static void test_refused(void) {
-  g_autoptr(opc_module) litho = hopkins();
+  g_autoptr(opc_module) litho = lines_hopkins();
   opc_error error;
   g_autoptr(opc_module) fine = opc_test_module(
       "resist.threshold", "{ anchor: { line: 50 nm, pitch: 100 nm } }", &error);
@@ -130,17 +76,164 @@ static void test_refused(void) {
   g_assert_cmpint(resist->prepare(fine->self, litho, &error), ==, OPC_INVALID);
   g_assert_cmpstr(error.parameter, ==, "anchor");
   g_assert_nonnull(strstr(error.message, "cannot be printed"));
-  g_assert_null(opc_test_module(
-      "resist.threshold", "{ anchor: { line: 250 nm, pitch: 250 nm } }", &error));
+  g_assert_null(opc_test_module("resist.threshold",
+                                "{ anchor: { line: 250 nm, pitch: 250 nm } }",
+                                &error));
   g_assert_nonnull(strstr(error.message, "no space between its lines"));
+}
+
+/* Diffusion takes from a wave what the Gaussian's transform says, before the
+   threshold does. */
+static void test_diffusion(void) {
+  g_autoptr(opc_module) litho = lines_hopkins();
+  g_autoptr(opc_module) resist = prepared(
+      "{ threshold: 0.4, active_threshold: 0.2, diffusion: 25 nm }", litho);
+  const opc_host *host = opc_test_host();
+  const opc_resist *develop = resist->plugin->operations;
+  opc_error error;
+  opc_field f = {.frame = {0, 0, 600, 600}, .nx = 24, .ny = 24};
+  f.coefficients = host->alloc(host, 576, sizeof(float));
+  for (int i = 0; i < 576; i++)
+    f.coefficients[i] = (float)(0.5 + 0.3 * cos(M_PI * (i % 24) / 6));
+  g_assert_cmpint(host->imaging->from_samples(host, &f, &error), ==, OPC_OK);
+  g_assert_cmpint(develop->print(resist->self, OPC_POLY, &f, &error), ==,
+                  OPC_OK);
+  double left = 0.3 * exp(-2 * pow(M_PI * 25 / 300, 2));
+  for (double x = 0; x < 600; x += 17) {
+    double want = 0.4 - 0.5 - left * cos(M_PI * x / 150);
+    g_assert_cmpfloat(fabs(lines_value(&f, x) - want), <, 2e-5);
+  }
+  host->imaging->release_field(host, &f);
+  /* The anchor is diffused too. */
+  g_autoptr(opc_module) anchored = prepared("{ diffusion: 25 nm }", litho);
+  f = lines_print(litho, anchored, OPC_POLY, 65, 250);
+  g_assert_cmpfloat(fabs(lines_width(&f) - 65), <, 0.002);
+  host->imaging->release_field(host, &f);
+}
+
+static const double pitches[] = {220, 250, 400, 1000},
+                    wanted[] = {64, 65.5, 68, 70};
+
+static double squares(opc_module *litho, opc_module *resist) {
+  double sum = 0;
+  for (int i = 0; i < 4; i++) {
+    opc_field f = lines_print(litho, resist, OPC_POLY, 65, pitches[i]);
+    sum += pow(lines_width(&f) - wanted[i], 2);
+    opc_test_host()->imaging->release_field(opc_test_host(), &f);
+  }
+  return sum;
+}
+
+/* What a resist makes of no light. */
+static double threshold_of(opc_module *resist) {
+  const opc_resist *develop = resist->plugin->operations;
+  opc_error error;
+  opc_field f = {.frame = {0, 0, 100, 100}, .nx = 16, .ny = 16};
+  f.coefficients = opc_test_host()->alloc(opc_test_host(), 256, sizeof(float));
+  g_assert_cmpint(develop->print(resist->self, OPC_POLY, &f, &error), ==,
+                  OPC_OK);
+  double value = lines_value(&f, 0);
+  opc_test_host()->imaging->release_field(opc_test_host(), &f);
+  return value;
+}
+
+/* A table gives the threshold with the least squares: those beside it are
+   worse, and equally so. From a file it gives the same. */
+static void test_table(void) {
+  g_autoptr(opc_module) litho = lines_hopkins();
+  opc_test_forget();
+  g_autoptr(opc_module) fitted = prepared(
+      "{ table: [220 nm, 64 nm, 250 nm, 65.5 nm, 400 nm, 68 nm, 1000 nm, 70 "
+      "nm] }",
+      litho);
+  g_test_message("%s", opc_test_log());
+  g_assert_nonnull(
+      strstr(opc_test_log(), "poly, line 65 nm, pitch 250 nm: prints "));
+  double threshold = threshold_of(fitted), least = squares(litho, fitted);
+  double beside[2], h = 0.0005;
+  for (int side = 0; side < 2; side++) {
+    g_autofree char *mapping =
+        g_strdup_printf("{ threshold: %.9f }", threshold + (side ? h : -h));
+    g_autoptr(opc_module) other = prepared(mapping, litho);
+    beside[side] = squares(litho, other);
+    g_assert_cmpfloat(beside[side], >, least);
+  }
+  g_test_message("threshold %.5f: %.4f nm^2, beside it %.4f and %.4f nm^2",
+                 threshold, least, beside[0], beside[1]);
+  g_assert_cmpfloat(fabs(beside[1] - beside[0]), <,
+                    0.1 * (beside[0] + beside[1] - 2 * least));
+  g_autofree char *path = g_build_filename(opc_test_folder(), "t.csv", NULL);
+  g_assert_true(g_file_set_contents(
+      path, "pitch,cd\n220,64\n250,65.5\n400,68\n1000,70", -1, NULL));
+  g_autofree char *mapping = g_strdup_printf("{ table_file: %s }", path);
+  g_autoptr(opc_module) same = prepared(mapping, litho);
+  g_assert_cmpfloat(squares(litho, same), ==, least);
+}
+
+/* A bright line of a dark field: what prints is where there is light. */
+static void test_bright(void) {
+  g_autoptr(opc_module) litho =
+      lines_litho("{ kernels: 94, poly: { tone: dark } }");
+  g_autoptr(opc_module) resist = prepared(
+      "{ tone: bright, anchor: { line: 120 nm, pitch: 300 nm, cd: 118 nm }, "
+      "active_threshold: 0.2 }",
+      litho);
+  opc_field f = lines_print(litho, resist, OPC_POLY, 120, 300);
+  g_assert_cmpfloat(lines_value(&f, 0), >, 0);
+  g_assert_cmpfloat(lines_value(&f, 150), <, 0);
+  g_assert_cmpfloat(fabs(lines_width(&f) - 118), <, 0.002);
+  opc_test_host()->imaging->release_field(opc_test_host(), &f);
+  lines_refused("resist.threshold", "{ tone: dark, active_threshold: 0.2 }",
+                litho, "cannot be printed");
+}
+
+static void test_bad_tables(void) {
+  static const struct {
+    const char *text, *why;
+  } files[] = {{"", "':1:1: the table is empty"},
+               {"# only this\n", "the table is empty"},
+               {"pitch,cd\n", "the table has no rows"},
+               {"pitch,width\n", "':1:7: a column is none of"},
+               {"pitch,cd,cd\n", "a column comes twice"},
+               {"cd\n1\n", "'pitch' and 'cd' are needed"},
+               {"pitch,cd\n250,65\n\n250;65\n", "':4:1: not a number"},
+               {"pitch,cd\n250,65,3\n", "':2:1: a row has not as many"},
+               {"pitch,cd\n250\n", "a row has not as many"},
+               {"pitch,cd\n250,nan\n", "widths must be above 0"},
+               {"pitch,cd\n-250,65\n", "a pitch must be"},
+               {"pitch,cd\n60,65\n", "no space between"},
+               {"line,pitch,cd\n65,250,65\n,250,65\n", "':3:1: not a number"}};
+  g_autoptr(opc_module) litho = lines_litho("{}");
+  g_autofree char *path = g_build_filename(opc_test_folder(), "bad.csv", NULL);
+  g_autofree char *mapping = g_strdup_printf("{ table_file: %s }", path);
+  for (size_t i = 0; i < G_N_ELEMENTS(files); i++) {
+    g_assert_true(g_file_set_contents(path, files[i].text, -1, NULL));
+    lines_refused("resist.threshold", mapping, litho, files[i].why);
+  }
+  g_assert_true(g_file_set_contents(path, "pitch,cd\0\n", 10, NULL));
+  lines_refused("resist.threshold", mapping, litho, "not a table of text");
+  lines_refused("resist.threshold", "{ table: [250 nm] }", litho,
+                "pairs of a pitch");
+  lines_refused("resist.threshold", "{ table: [60 nm, 65 nm] }", litho,
+                "no space between");
+  lines_refused("resist.threshold",
+                "{ threshold: 0.3, table: [250 nm, 65 nm] }", litho, "no use");
+  lines_refused("resist.threshold", "{ table: [130 nm, 65 nm] }", litho,
+                "line 65 nm, pitch 130 nm cannot be printed");
+  g_autofree char *both =
+      g_strdup_printf("{ table_file: %s, table: [250 nm, 65 nm] }", path);
+  lines_refused("resist.threshold", both, litho, "exclude each other");
 }
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  host = opc_test_host();
   g_test_add_func("/threshold/anchor", test_anchor);
   g_test_add_func("/threshold/through-pitch", test_through_pitch);
   g_test_add_func("/threshold/given", test_given);
   g_test_add_func("/threshold/refused", test_refused);
+  g_test_add_func("/threshold/diffusion", test_diffusion);
+  g_test_add_func("/threshold/table", test_table);
+  g_test_add_func("/threshold/bright", test_bright);
+  g_test_add_func("/threshold/bad-tables", test_bad_tables);
   return g_test_run();
 }

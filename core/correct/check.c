@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What plugins hand back, before it is used: sound, or an error that names
+   what is wrong with it. Whose error it is, opc_blame says. */
+#include "core/correct/check.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "core/plugin/guard.h"
+#include "core/plugin/host.h"
+
+enum { MOST_SLICES = 1 << 16, FURTHEST = 1 << 20, ALL_VETOES = 15 };
+
+const char *opc_call(const opc_module *module, opc_error *error) {
+  error->code = OPC_OK;
+  *error->parameter = *error->message = 0;
+  return opc_enter(module->plugin->id);
+}
+
+int opc_blame(opc_error *error, int code, const char *slot) {
+  if (code == OPC_OK) return OPC_OK;
+  char parameter[sizeof error->parameter], message[sizeof error->message];
+  error->parameter[sizeof error->parameter - 1] = 0;
+  error->message[sizeof error->message - 1] = 0;
+  snprintf(parameter, sizeof parameter, "%s%s%.40s", slot,
+           *error->parameter ? "." : "", error->parameter);
+  memcpy(message, error->message, sizeof message);
+  if (code < OPC_INVALID || code > OPC_CANCELLED) code = OPC_FAILED;
+  return opc_fail(error, code, parameter, "%s",
+                  *message ? message : "gave no reason");
+}
+
+/* ---- fields ---- */
+
+/* Whether any of n numbers is not finite: of all bits of the exponent. */
+static int has_wild(const float *x, size_t n) {
+  uint32_t wild = 0;
+  for (size_t i = 0; i < n; i++) {
+    uint32_t bits;
+    memcpy(&bits, x + i, sizeof bits);
+    wild |= (bits & 0x7F800000u) == 0x7F800000u;
+  }
+  return wild != 0;
+}
+
+static int wild_field(const opc_field *f, const char *what, opc_error *error) {
+  size_t i = 0;
+  while (isfinite(f->coefficients[i])) i++;
+  size_t nx = (size_t)f->nx;
+  double x = f->frame.x0 + f->frame.width / f->nx * (double)(i % nx);
+  double y = f->frame.y0 + f->frame.height / f->ny * (double)(i / nx);
+  return opc_fail(error, OPC_FAILED, NULL, "%s is %s at (%.1f, %.1f) nm", what,
+                  isnan(f->coefficients[i]) ? "not a number" : "infinite", x,
+                  y);
+}
+
+int opc_check_field(const opc_field *f, const opc_frame *frame,
+                    const char *what, opc_error *error) {
+  if (!f->coefficients || f->nx < 1 || f->ny < 1)
+    return opc_fail(error, OPC_FAILED, NULL,
+                    "%s is a field of %d x %d without values", what, f->nx,
+                    f->ny);
+  const opc_frame *g = &f->frame;
+  if (g->x0 != frame->x0 || g->y0 != frame->y0 || g->width != frame->width ||
+      g->height != frame->height)
+    return opc_fail(error, OPC_FAILED, NULL,
+                    "%s has the frame (%g, %g) %g x %g nm, its mask (%g, %g) "
+                    "%g x %g nm",
+                    what, g->x0, g->y0, g->width, g->height, frame->x0,
+                    frame->y0, frame->width, frame->height);
+  if (!has_wild(f->coefficients, (size_t)f->nx * (size_t)f->ny)) return OPC_OK;
+  return wild_field(f, what, error);
+}
+
+/* ---- performance ---- */
+
+int opc_check_slicing(size_t n, const double *place, const double *width,
+                      opc_error *error) {
+  if (n < 1 || n > MOST_SLICES || !place || !width)
+    return opc_fail(error, OPC_FAILED, NULL, "cuts a gate into %zu slices", n);
+  double sum = 0;
+  for (size_t i = 0; i < n; i++) {
+    double least = i ? place[i - 1] : 0;
+    if (!(place[i] >= least && place[i] <= 1))
+      return opc_fail(error, OPC_FAILED, NULL,
+                      "slice %zu is at %g of the width, not within %g to 1",
+                      i + 1, place[i], least);
+    if (!(width[i] >= 0))
+      return opc_fail(error, OPC_FAILED, NULL, "slice %zu is %g wide", i + 1,
+                      width[i]);
+    sum += width[i];
+  }
+  if (fabs(sum - 1) < 1e-9) return OPC_OK;
+  return opc_fail(error, OPC_FAILED, NULL,
+                  "the slices have %.9g of the width of a gate, not all of it",
+                  sum);
+}
+
+int opc_check_performance(const opc_gates *gates, size_t first,
+                          const uint32_t *flags, const opc_performance *p,
+                          opc_error *error) {
+  static const char *const names[] = {"ion",      "ioff", "leq_ion",
+                                      "leq_ioff", "weq",  "area"};
+  const double *const figures[] = {p->ion,      p->ioff, p->leq_ion,
+                                   p->leq_ioff, p->weq,  p->area};
+  for (size_t i = 0; i < p->count; i++)
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+      double x = figures[k][i];
+      if (isfinite(x) && (x > 0 || (flags && flags[i] && x == 0))) continue;
+      const char *instance = gates->instance[first + i];
+      return opc_fail(error, OPC_FAILED, NULL,
+                      "%s of transistor '%s:%u' is %g", names[k],
+                      *instance ? instance : gates->cell[first + i],
+                      gates->number[first + i], x);
+    }
+  return OPC_OK;
+}
+
+/* ---- moves ---- */
+
+static int far_move(const char *what, size_t gate, int32_t steps,
+                    opc_error *error) {
+  return opc_fail(error, OPC_FAILED, NULL,
+                  "moves the %s of transistor %zu by %d steps, at most %d are "
+                  "possible",
+                  what, gate + 1, (int)steps, FURTHEST);
+}
+
+static int is_far(int32_t steps) {
+  return steps > FURTHEST || steps < -FURTHEST;
+}
+
+int opc_check_moves(const opc_moves *moves, size_t gates, opc_error *error) {
+  for (size_t i = 0; i < gates; i++) {
+    if (is_far(moves->l[i])) return far_move("length", i, moves->l[i], error);
+    if (is_far(moves->w[i])) return far_move("width", i, moves->w[i], error);
+  }
+  return OPC_OK;
+}
+
+int opc_check_ruling(const opc_ruling *r, size_t gates, opc_error *error) {
+  for (size_t i = 0; i < gates; i++) {
+    if (r->vetoes[i] & ~(uint32_t)ALL_VETOES)
+      return opc_fail(error, OPC_FAILED, NULL,
+                      "the veto %#x of transistor %zu is unknown",
+                      (unsigned)r->vetoes[i], i + 1);
+    for (size_t side = 0; side < 2; side++)
+      if (is_far(r->end[2 * i + side]))
+        return far_move("line end", i, r->end[2 * i + side], error);
+  }
+  return OPC_OK;
+}
+
+int opc_check_violations(const opc_violation *v, size_t n, size_t gates,
+                         opc_error *error) {
+  for (size_t i = 0; i < n; i++) {
+    if (!v[i].rule)
+      return opc_fail(error, OPC_FAILED, NULL, "violation %zu has no rule",
+                      i + 1);
+    if (v[i].gate < -1 || (v[i].gate >= 0 && (size_t)v[i].gate >= gates))
+      return opc_fail(error, OPC_FAILED, NULL,
+                      "violation %zu is of transistor %d, there are %zu", i + 1,
+                      (int)v[i].gate + 1, gates);
+  }
+  return OPC_OK;
+}
+
+/* ---- data of steps ---- */
+
+static int check_shapes(const opc_shapes *s, const char *what,
+                        opc_error *error) {
+  if (!s->count) return OPC_OK;
+  int sound = s->start && s->points && s->start[0] == 0;
+  for (size_t i = 0; sound && i < s->count; i++)
+    sound = s->start[i + 1] >= s->start[i];
+  if (sound) return OPC_OK;
+  return opc_fail(error, OPC_FAILED, NULL, "%s are not sound", what);
+}
+
+static int check_edges(const opc_gates *g, int layer, opc_error *error) {
+  const opc_edges *e = &g->edges[layer];
+  if (!e->polygons) return OPC_OK;
+  if (!e->start || !e->fragments || e->start[0])
+    return opc_fail(error, OPC_FAILED, NULL, "edges are missing");
+  for (size_t i = 0; i < e->polygons; i++)
+    if (e->start[i + 1] < e->start[i])
+      return opc_fail(error, OPC_FAILED, NULL,
+                      "the edges of polygon %zu end before they begin", i + 1);
+  for (uint32_t i = 0; i < e->start[e->polygons]; i++) {
+    const opc_fragment *f = &e->fragments[i];
+    int owned = f->gate >= 0 && (size_t)f->gate < g->count;
+    if (f->role > OPC_END_HIGH || (f->role != OPC_FIXED && !owned))
+      return opc_fail(error, OPC_FAILED, NULL,
+                      "edge fragment %u of role %u is of transistor %d, there "
+                      "are %zu",
+                      i + 1, f->role, (int)f->gate + 1, g->count);
+  }
+  return OPC_OK;
+}
+
+static int check_gate(const opc_gates *g, size_t i, opc_error *error) {
+  opc_box b = g->box[i];
+  if (b.x0 < b.x1 && b.y0 < b.y1 && g->type[i] <= OPC_PMOS &&
+      g->axis[i] <= OPC_Y && g->length[i] > 0 && isfinite(g->length[i]) &&
+      g->width[i] > 0 && isfinite(g->width[i]) && g->instance[i] &&
+      g->cell[i] && g->room[2 * i] >= 0 && g->room[2 * i + 1] >= 0 &&
+      !isnan(g->extension[2 * i]) && !isnan(g->extension[2 * i + 1]))
+    return OPC_OK;
+  return opc_fail(error, OPC_FAILED, NULL, "transistor %zu is not sound",
+                  i + 1);
+}
+
+int opc_check_gates(const opc_gates *g, opc_error *error) {
+  if (g->size < sizeof *g)
+    return opc_fail(error, OPC_FAILED, NULL,
+                    "gates have %zu bytes, %zu are needed", g->size, sizeof *g);
+  if (!(g->grid > 0) || !isfinite(g->grid))
+    return opc_fail(error, OPC_FAILED, NULL, "gates have a grid of %g nm",
+                    g->grid);
+  if (g->count && !(g->box && g->type && g->axis && g->length && g->width &&
+                    g->room && g->extension && g->instance && g->cell &&
+                    g->number))
+    return opc_fail(error, OPC_FAILED, NULL, "an array of the gates is missing");
+  int code = OPC_OK;
+  for (size_t i = 0; i < g->count && !code; i++) code = check_gate(g, i, error);
+  for (int layer = 0; layer < OPC_LAYERS && !code; layer++)
+    code = check_shapes(&g->drawn[layer], "drawn shapes", error);
+  for (int layer = 0; layer < OPC_MASKS && !code; layer++)
+    code = check_edges(g, layer, error);
+  return code;
+}
+
+int opc_check_mask(const opc_mask *m, opc_error *error) {
+  if (m->size < sizeof *m)
+    return opc_fail(error, OPC_FAILED, NULL,
+                    "a mask has %zu bytes, %zu are needed", m->size, sizeof *m);
+  if (!m->gates)
+    return opc_fail(error, OPC_FAILED, NULL, "a mask has no gates");
+  const opc_performance *const all[] = {&m->design, &m->before, &m->after};
+  for (size_t i = 0; i < 3; i++)
+    if (all[i]->count != m->gates->count ||
+        (all[i]->count &&
+         !(all[i]->ion && all[i]->ioff && all[i]->leq_ion && all[i]->leq_ioff &&
+           all[i]->weq && all[i]->area && m->flags)))
+      return opc_fail(error, OPC_FAILED, NULL,
+                      "a mask has not the performance of its transistors");
+  int code = OPC_OK;
+  for (int layer = 0; layer < OPC_MASKS && !code; layer++) {
+    const opc_field *print = &m->print[layer];
+    code = check_shapes(&m->shapes[layer], "mask shapes", error);
+    if (!code) code = opc_check_field(print, &print->frame, "print", error);
+  }
+  return code;
+}

@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Each vertex of a rectilinear polygon is a step in x times a step in y. Steps
+   smoothed by a B-spline are laid down as their differences, 11 x 11 numbers a
+   vertex, and summed up once at the end. The frame is cut into bands of rows,
+   each of which takes from every polygon what falls into it. */
+#include "core/imaging/raster.h"
+#include "core/imaging/simd.h"
+#include "core/imaging/spline.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { BANDS = 16, COLUMNS = 64 };
+
+/* A polygon moved by whole periods, so that its lower left corner lies in the
+   frame: its origin, and the rows that it touches. */
+typedef struct place {
+  double x, y;
+  int low, high;
+} place;
+
+typedef struct laying {
+  opc_raster *raster;
+  const opc_shapes *shapes;
+  double grid;
+  opc_frame frame;
+  place *places;
+} laying;
+
+double opc_raster_transform(double f) {
+  double x = M_PI * f;
+  if (fabs(x) < 1e-8) return 1;
+  double s = sin(x) / x;
+  return pow(s, OPC_RASTER_DEGREE + 1);
+}
+
+/* ---- laying down ---- */
+
+/* Only rows low .. high - 1 of the array. */
+static void deposit(const opc_raster *r, double x, double y, double sign,
+                    int low, int high) {
+  double wx[OPC_STEP_TAPS], wy[OPC_STEP_TAPS];
+  int j = opc_spline_step(y, wy) + OPC_RASTER_MARGIN;
+  if (j >= high || j + OPC_STEP_TAPS <= low) return;
+  int i = opc_spline_step(x, wx) + OPC_RASTER_MARGIN;
+  int from = j < low ? low - j : 0;
+  int to = j + OPC_STEP_TAPS > high ? high - j : OPC_STEP_TAPS;
+  for (int b = from; b < to; b++) {
+    double *row = r->step + (size_t)(j + b) * r->columns + i;
+    double w = sign * wy[b];
+    for (int a = 0; a < OPC_STEP_TAPS; a++) row[a] += w * wx[a];
+  }
+}
+
+static void lay_polygon(const laying *l, size_t p, int low, int high) {
+  const opc_raster *r = l->raster;
+  const opc_shapes *s = l->shapes;
+  const place *o = &l->places[p];
+  size_t n = s->start[p + 1] - s->start[p];
+  const opc_point *v = s->points + s->start[p];
+  for (size_t i = 0; i < n; i++) {
+    opc_point a = v[i], b = v[i + 1 < n ? i + 1 : 0];
+    if (a.y == b.y) continue;
+    if (a.x != b.x) {
+      opc_raster_slanted(r, (a.x * l->grid - o->x) / r->dx,
+                         (a.y * l->grid - o->y) / r->dy,
+                         (b.x * l->grid - o->x) / r->dx,
+                         (b.y * l->grid - o->y) / r->dy, low, high);
+      continue;
+    }
+    /* The inside is on the left: an edge upwards ends it, one downwards
+       begins it, from its end to its beginning. */
+    double x = (a.x * l->grid - o->x) / r->dx;
+    deposit(r, x, (b.y * l->grid - o->y) / r->dy, 1, low, high);
+    deposit(r, x, (a.y * l->grid - o->y) / r->dy, -1, low, high);
+  }
+}
+
+static void lay_band(void *data, size_t band) {
+  const laying *l = data;
+  int rows = l->raster->rows;
+  int low = (int)((int64_t)rows * (int64_t)band / BANDS);
+  int high = (int)((int64_t)rows * (int64_t)(band + 1) / BANDS);
+  for (size_t p = 0; p < l->shapes->count; p++)
+    if (l->places[p].low < high && l->places[p].high > low)
+      lay_polygon(l, p, low, high);
+}
+
+/* Place all polygons; the array holds what they need beyond the period. */
+static void place_polygons(laying *l) {
+  opc_raster *r = l->raster;
+  const opc_shapes *s = l->shapes;
+  opc_frame f = l->frame;
+  double w = f.width, h = f.height;
+  for (size_t p = 0; p < s->count; p++) {
+    opc_box b = {INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
+    for (uint32_t i = s->start[p]; i < s->start[p + 1]; i++) {
+      opc_point v = s->points[i];
+      b.x0 = v.x < b.x0 ? v.x : b.x0;
+      b.y0 = v.y < b.y0 ? v.y : b.y0;
+      b.x1 = v.x > b.x1 ? v.x : b.x1;
+      b.y1 = v.y > b.y1 ? v.y : b.y1;
+    }
+    place *o = &l->places[p];
+    o->x = f.x0 + f.width * floor((b.x0 * l->grid - f.x0) / f.width);
+    o->y = f.y0 + f.height * floor((b.y0 * l->grid - f.y0) / f.height);
+    o->low = (int)floor((b.y0 * l->grid - o->y) / r->dy);
+    o->high = (int)ceil((b.y1 * l->grid - o->y) / r->dy) + 2 * OPC_RASTER_MARGIN;
+    w = fmax(w, b.x1 * l->grid - o->x);
+    h = fmax(h, b.y1 * l->grid - o->y);
+  }
+  r->columns = (int)ceil(w / r->dx) + 2 * OPC_RASTER_MARGIN + OPC_STEP_TAPS;
+  r->rows = (int)ceil(h / r->dy) + 2 * OPC_RASTER_MARGIN + OPC_STEP_TAPS;
+}
+
+int opc_raster_lay(const opc_host *host, const opc_shapes *shapes, double grid,
+                   opc_frame frame, int nx, int ny, opc_raster *out) {
+  *out = (opc_raster){.dx = frame.width / nx, .dy = frame.height / ny,
+                      .nx = nx, .ny = ny};
+  laying l = {out, shapes, grid, frame,
+              malloc((shapes->count + 1) * sizeof *l.places)};
+  if (l.places) {
+    place_polygons(&l);
+    out->step = calloc((size_t)out->rows * out->columns, sizeof *out->step);
+  }
+  if (out->step) host->parallel(host, BANDS, lay_band, &l);
+  free(l.places);
+  return out->step != NULL;
+}
+
+/* ---- summing up ---- */
+
+typedef struct summing {
+  opc_raster *raster;
+  float *out;
+} summing;
+
+OPC_WIDE static void add(double *restrict to, const double *restrict from,
+                         int n) {
+  for (int i = 0; i < n; i++) to[i] += from[i];
+}
+
+OPC_WIDE static void add_to_floats(float *restrict to,
+                                   const double *restrict from, int n) {
+  for (int i = 0; i < n; i++) to[i] += (float)from[i];
+}
+
+/* Some columns, from the first row to the last. */
+static void sum_columns(void *data, size_t block) {
+  const opc_raster *r = ((summing *)data)->raster;
+  int x = (int)block * COLUMNS;
+  int n = r->columns - x < COLUMNS ? r->columns - x : COLUMNS;
+  for (int j = 1; j < r->rows; j++) {
+    double *row = r->step + (size_t)j * r->columns + x;
+    add(row, row - r->columns, n);
+  }
+}
+
+/* One row of the period: of all rows that fall on it, along x, and what lies
+   beyond the period folded back into it. */
+static void sum_row(void *data, size_t y) {
+  const summing *s = data;
+  const opc_raster *r = s->raster;
+  float *to = s->out + y * (size_t)r->nx;
+  memset(to, 0, sizeof *to * (size_t)r->nx);
+  int first = ((int)y + OPC_RASTER_MARGIN) % r->ny;
+  for (int j = first; j < r->rows; j += r->ny) {
+    double *row = r->step + (size_t)j * r->columns;
+    for (int i = 1; i < r->columns; i++) row[i] += row[i - 1];
+    int x = (r->nx - OPC_RASTER_MARGIN % r->nx) % r->nx;
+    for (int i = 0; i < r->columns;) {
+      int n = r->nx - x < r->columns - i ? r->nx - x : r->columns - i;
+      add_to_floats(to + x, row + i, n);
+      i += n;
+      x = 0;
+    }
+  }
+}
+
+void opc_raster_sum(const opc_host *host, opc_raster *raster, float *out) {
+  summing s = {raster, out};
+  host->parallel(host, (size_t)(raster->columns + COLUMNS - 1) / COLUMNS,
+                 sum_columns, &s);
+  host->parallel(host, (size_t)raster->ny, sum_row, &s);
+}
+
+void opc_raster_clear(opc_raster *raster) {
+  free(raster->step);
+  *raster = (opc_raster){0};
+}

@@ -1,0 +1,422 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Images against closed forms: gratings of few orders through points and
+   disks, the coherent edge, aberrations whose effect is known; and against
+   litho.hopkins, which shares nothing but the pupil. */
+#include "core/plugin/testing.h"
+
+#include <complex.h>
+#include <math.h>
+#include <string.h>
+
+static const opc_host *host;
+static const double cutoff = 0.75 / 193;
+
+static opc_module *prepared(const char *id, const char *parameters) {
+  opc_error error;
+  opc_module *m = opc_test_module(id, parameters, &error);
+  if (!m) g_error("%s", error.message);
+  const opc_litho *litho = m->plugin->operations;
+  g_assert_cmpint(litho->prepare(m->self, &error), ==, OPC_OK);
+  return m;
+}
+
+/* The image of boxes on a grid of 0.1 nm. */
+static opc_field image_of(opc_module *m, int layer, double defocus,
+                          const opc_box *boxes, size_t n, opc_frame f) {
+  const opc_litho *litho = m->plugin->operations;
+  opc_point points[16];
+  uint32_t start[5];
+  g_assert_cmpuint(n, <=, 4);
+  for (size_t i = 0; i < n; i++) {
+    opc_box b = boxes[i];
+    opc_point corners[] = {
+        {b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
+    memcpy(points + 4 * i, corners, sizeof corners);
+  }
+  for (size_t i = 0; i <= n; i++) start[i] = (uint32_t)(4 * i);
+  opc_shapes shapes = {n, start, points, NULL};
+  opc_spectrum mask;
+  opc_field field;
+  opc_error error;
+  g_assert_cmpint(
+      host->imaging->mask_spectrum(host, &shapes, 0.1, f, litho->band(m->self),
+                                   &mask, &error),
+      ==, OPC_OK);
+  int code = defocus != 0 ? litho->image_at(m->self, layer, &mask, defocus,
+                                            &field, &error)
+                          : litho->image(m->self, layer, &mask, &field, &error);
+  g_assert_cmpint(code, ==, OPC_OK);
+  host->imaging->release_spectrum(host, &mask);
+  return field;
+}
+
+static double value_at(const opc_field *f, double x, double y) {
+  double v;
+  host->imaging->sample(f, &x, &y, 1, &v);
+  return v;
+}
+
+/* A vertical line of `width` at x = 0 in a grating of `pitch`. */
+static opc_field grating(const char *parameters, double defocus, double width,
+                         double pitch) {
+  g_autoptr(opc_module) m = prepared("litho.abbe", parameters);
+  int32_t x = (int32_t)lround(width * 5), y = (int32_t)lround(pitch * 10);
+  opc_box line = {-x, 0, x, y};
+  return image_of(m, OPC_POLY, defocus, &line, 1,
+                  (opc_frame){-pitch / 2, 0, pitch, pitch});
+}
+
+/* The amplitude of order n of that grating. */
+static double order(int n, double width, double pitch) {
+  return n ? -sin(M_PI * n * width / pitch) / (M_PI * n) : 1 - width / pitch;
+}
+
+/* The intensity that the orders `from` .. `to` give, each through a phase of
+   its own in waves. */
+static double beams(int from, int to, const double *waves, double x,
+                    double width, double pitch) {
+  double complex e = 0;
+  for (int n = from; n <= to; n++)
+    e += order(n, width, pitch) *
+         cexp(2 * M_PI * I * (n * x / pitch + (waves ? waves[n - from] : 0)));
+  return creal(e * conj(e));
+}
+
+static void assert_beams(const opc_field *f, int from, int to,
+                         const double *waves, double width, double pitch) {
+  for (double x = -pitch / 2; x < pitch / 2; x += pitch / 17)
+    g_assert_cmpfloat(
+        fabs(value_at(f, x, 31) - beams(from, to, waves, x, width, pitch)), <,
+        3e-5);
+}
+
+/* ---- points ---- */
+
+static void test_three_beams(void) {
+  opc_field f = grating("{ source: points, points: [0, 0, 1] }", 0, 110, 300);
+  assert_beams(&f, -1, 1, NULL, 110, 300);
+  host->imaging->release_field(host, &f);
+}
+
+/* Oblique light lets only the orders 0 and -1 pass; out of focus their phases
+   differ as their angles to the axis do. */
+static void test_two_beams(void) {
+  const char *p = "{ source: points, points: [0.6, 0, 3] }";
+  opc_field f = grating(p, 0, 110, 300);
+  assert_beams(&f, -1, 0, NULL, 110, 300);
+  host->imaging->release_field(host, &f);
+  double sine[] = {(0.6 - 1 / (300 * cutoff)) * 0.75, 0.6 * 0.75};
+  double waves[2];
+  for (int i = 0; i < 2; i++)
+    waves[i] = 120 / 193.0 * (sqrt(1 - sine[i] * sine[i]) - 1);
+  f = grating(p, 120, 110, 300);
+  assert_beams(&f, -1, 0, waves, 110, 300);
+  host->imaging->release_field(host, &f);
+}
+
+/* Defocus in water, in part from the parameter and in part from the call. */
+static void test_immersion(void) {
+  double waves[] = {0, 0, 0}, s = 1.2 / 1.44 / (200 * 1.2 / 193);
+  waves[0] = waves[2] = 1.44 * 90 / 193.0 * (sqrt(1 - s * s) - 1);
+  opc_field f = grating(
+      "{ na: 1.2, index: 1.44, defocus: 50 nm, "
+      "source: points, points: [0, 0, 1] }",
+      40, 90, 200);
+  assert_beams(&f, -1, 1, waves, 90, 200);
+  host->imaging->release_field(host, &f);
+}
+
+/* Tilt moves the image, coma gives the orders +-1 opposite phases, spherical
+   aberration equal ones. */
+static void test_aberrations(void) {
+  double r = 1 / (300 * cutoff), coma = 3 * pow(r, 3) - 2 * r;
+  double spherical = 6 * pow(r, 4) - 6 * r * r + 1;
+  const struct {
+    const char *zernike;
+    double waves[3];
+  } cases[] = {
+      {"0, 0.1", {-0.1 * r, 0, 0.1 * r}},
+      {"0, 0, 0.1", {0, 0, 0}},
+      {"0, 0, 0, 0.1", {0.1 * (2 * r * r - 1), -0.1, 0.1 * (2 * r * r - 1)}},
+      {"0, 0, 0, 0, 0.1", {0.1 * r * r, 0, 0.1 * r * r}},
+      {"0, 0, 0, 0, 0, 0, 0.1", {-0.1 * coma, 0, 0.1 * coma}},
+      {"0, 0, 0, 0, 0, 0, 0, 0, 0.1", {0.1 * spherical, 0.1, 0.1 * spherical}},
+  };
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_autofree char *p =
+        g_strdup_printf("{ source: points, points: [0, 0, 1], zernike: [%s] }",
+                        cases[i].zernike);
+    opc_field f = grating(p, 0, 110, 300);
+    assert_beams(&f, -1, 1, cases[i].waves, 110, 300);
+    host->imaging->release_field(host, &f);
+  }
+}
+
+/* Intensities of points add up by their weights. */
+static void test_points_add(void) {
+  opc_field f = grating(
+      "{ source: points, points: "
+      "[0.6, 0, 1, -0.6, 0, 2, 0.05, 0.3, 5] }",
+      0, 110, 300);
+  for (double x = -150; x < 150; x += 13)
+    g_assert_cmpfloat(
+        fabs(value_at(&f, x, 7) - (beams(-1, 0, NULL, x, 110, 300) +
+                                   2 * beams(0, 1, NULL, x, 110, 300) +
+                                   5 * beams(-1, 1, NULL, x, 110, 300)) /
+                                      8),
+        <, 3e-5);
+  host->imaging->release_field(host, &f);
+}
+
+/* ---- disks ---- */
+
+/* The area common to two disks at a distance d. */
+static double lens(double r1, double r2, double d) {
+  if (d >= r1 + r2) return 0;
+  double a = acos((d * d + r1 * r1 - r2 * r2) / (2 * d * r1));
+  double b = acos((d * d + r2 * r2 - r1 * r1) / (2 * d * r2));
+  return r1 * r1 * (a - sin(2 * a) / 2) + r2 * r2 * (b - sin(2 * b) / 2);
+}
+
+/* A pitch at which the order +1 passes for one part of the source, -1 for
+   another, none for the rest. With sigma 1 the contrast is that of incoherent
+   light. */
+static void check_lens(double sigma, const char *parameters, double reach) {
+  double d = 1 / (200 * cutoff);
+  double part = lens(sigma, 1, d) / (M_PI * sigma * sigma);
+  double c0 = order(0, 80, 200), c1 = order(1, 80, 200);
+  if (sigma == 1) /* the transfer function of incoherent light, Goodman 6.4 */
+    g_assert_cmpfloat(
+        fabs(part - 2 / M_PI * (acos(d / 2) - d / 2 * sqrt(1 - d * d / 4))), <,
+        1e-12);
+  opc_field f = grating(parameters, 0, 80, 200);
+  double worst = 0;
+  for (double x = -100; x < 100; x += 9)
+    worst = fmax(worst, fabs(value_at(&f, x, 77) -
+                             (c0 * c0 + 2 * part * c1 * c1 +
+                              4 * part * c0 * c1 * cos(2 * M_PI * x / 200))));
+  host->imaging->release_field(host, &f);
+  g_test_message("sigma %g: %.2g off", sigma, worst);
+  g_assert_cmpfloat(worst, <, reach);
+}
+
+static void test_disk(void) {
+  check_lens(0.75, "{}", 3e-3);
+  check_lens(0.75, "{ points_across: 200 }", 5e-4);
+  check_lens(1, "{ sigma: 1, points_across: 200 }", 5e-4);
+}
+
+/* An edge in coherent light: the sine integral, whose overshoot is 18 %. */
+static void test_edge(void) {
+  g_autoptr(opc_module) m =
+      prepared("litho.abbe", "{ source: points, points: [0, 0, 1] }");
+  /* The next odd orders are as far below the cutoff as above it. */
+  double length = 2 * round(120000 * cutoff) / cutoff, height = 300;
+  opc_box half = {0, 0, (int32_t)lround(length * 5), 3000};
+  opc_field f = image_of(m, OPC_POLY, 0, &half, 1,
+                         (opc_frame){-length / 2, 0, length, height});
+  double si = 0, before = 0;
+  enum { STEPS = 20 }; /* of the integral, a nanometre */
+  for (int x = 0; x <= 600; x++) {
+    double e = 0.5 + si / M_PI, dark = 0.5 - si / M_PI;
+    g_assert_cmpfloat(fabs(value_at(&f, -x, 100) - e * e), <, 5e-4);
+    g_assert_cmpfloat(fabs(value_at(&f, x, 100) - dark * dark), <, 5e-4);
+    before = fmax(before, e);
+    for (int i = 0; i < STEPS; i++) {
+      double t = 2 * M_PI * cutoff * (x + (i + 0.5) / STEPS);
+      si += sin(t) / t * 2 * M_PI * cutoff / STEPS;
+    }
+  }
+  g_assert_cmpfloat(fabs(before - 1.08949), <, 1e-4);
+  host->imaging->release_field(host, &f);
+}
+
+/* ---- masks ---- */
+
+static void test_clear(void) {
+  static const char *const sources[] = {
+      "{}", "{ sigma: 1, defocus: 150 nm }",
+      "{ source: annular, sigma_in: 0.5, zernike: [0.3, 0, 0, 0, 0.2] }",
+      "{ source: dipole, sigma: 0.9, sigma_in: 0.6, rotation: 45 deg }",
+      "{ source: quasar, sigma: 0.9, sigma_in: 0.6, rotation: 45 deg }"};
+  for (size_t i = 0; i < G_N_ELEMENTS(sources); i++) {
+    g_autoptr(opc_module) m = prepared("litho.abbe", sources[i]);
+    opc_field f =
+        image_of(m, OPC_POLY, 0, NULL, 0, (opc_frame){0, 0, 400, 300});
+    g_assert_cmpfloat(fabs(value_at(&f, 12, 34) - 1), <, 1e-5);
+    host->imaging->release_field(host, &f);
+  }
+}
+
+/* The amplitudes of a mask and of its complement add up to 1. */
+static void test_complement(void) {
+  const char *p =
+      "{ source: points, points: [0, 0, 1], active: { tone: dark } }";
+  g_autoptr(opc_module) m = prepared("litho.abbe", p);
+  opc_box line = {-550, 0, 550, 3000};
+  opc_frame frame = {-150, 0, 300, 300};
+  opc_field f = image_of(m, OPC_ACTIVE, 0, &line, 1, frame);
+  double c0 = order(0, 110, 300), c1 = order(1, 110, 300);
+  for (double x = -150; x < 150; x += 11) {
+    double e = c0 + 2 * c1 * cos(2 * M_PI * x / 300);
+    g_assert_cmpfloat(fabs(value_at(&f, x, 3) - (1 - e) * (1 - e)), <, 3e-5);
+  }
+  host->imaging->release_field(host, &f);
+}
+
+/* What is drawn lets 6 % pass, at some phase. */
+static void test_attenuated(void) {
+  double complex t = sqrt(0.06);
+  for (int i = 0; i < 2; i++) {
+    double phase = i ? 180 : 130;
+    g_autofree char *p = g_strdup_printf(
+        "{ source: points, points: [0, 0, 1], poly: { transmission: 6 %%, "
+        "phase: %g deg } }",
+        phase);
+    double complex a = t * cexp(I * M_PI * phase / 180);
+    opc_field f = grating(p, 0, 110, 300);
+    for (double x = -150; x < 150; x += 11) {
+      double complex e =
+          order(0, 110, 300) + 2 * order(1, 110, 300) * cos(2 * M_PI * x / 300);
+      e = a + (1 - a) * e;
+      g_assert_cmpfloat(fabs(value_at(&f, x, 3) - creal(e * conj(e))), <, 3e-5);
+    }
+    host->imaging->release_field(host, &f);
+  }
+}
+
+/* ---- symmetries ---- */
+
+static const opc_box two[] = {{-1300, -1700, 900, -300},
+                              {100, 300, 1500, 2300}};
+static const opc_frame frame = {-350, -400, 700, 800};
+
+static void test_shift(void) {
+  g_autoptr(opc_module) m = prepared("litho.abbe",
+                                     "{ points_across: 12, defocus: 60 nm, "
+                                     "zernike: [0, 0, 0, 0, 0, 0, 0.05] }");
+  opc_box moved[2];
+  for (int i = 0; i < 2; i++)
+    moved[i] = (opc_box){two[i].x0 + 137, two[i].y0 - 211, two[i].x1 + 137,
+                         two[i].y1 - 211};
+  opc_field a = image_of(m, OPC_POLY, 0, two, 2, frame);
+  opc_field b = image_of(m, OPC_POLY, 0, moved, 2, frame);
+  for (int i = 0; i < 60; i++) {
+    double x = 11.3 * i - 340, y = 390 - 12.7 * i;
+    g_assert_cmpfloat(
+        fabs(value_at(&a, x, y) - value_at(&b, x + 13.7, y - 21.1)), <, 3e-5);
+  }
+  host->imaging->release_field(host, &a);
+  host->imaging->release_field(host, &b);
+}
+
+static void test_defocus(void) {
+  g_autoptr(opc_module) m = prepared("litho.abbe", "{ points_across: 12 }");
+  g_autoptr(opc_module) given =
+      prepared("litho.abbe", "{ points_across: 12, defocus: -100 nm }");
+  opc_field focus = image_of(m, OPC_POLY, 0, two, 2, frame);
+  opc_field above = image_of(m, OPC_POLY, 100, two, 2, frame);
+  opc_field below = image_of(given, OPC_POLY, 0, two, 2, frame);
+  double change = 0;
+  for (int i = 0; i < 60; i++) {
+    double x = 11.3 * i - 340, y = 390 - 12.7 * i;
+    g_assert_cmpfloat(fabs(value_at(&above, x, y) - value_at(&below, x, y)), <,
+                      3e-5);
+    change =
+        fmax(change, fabs(value_at(&focus, x, y) - value_at(&above, x, y)));
+  }
+  g_assert_cmpfloat(change, >, 0.02);
+  host->imaging->release_field(host, &focus);
+  host->imaging->release_field(host, &above);
+  host->imaging->release_field(host, &below);
+}
+
+/* ---- Hopkins ---- */
+
+/* The largest difference of two images. */
+static double difference(const opc_field *a, const opc_field *b) {
+  double worst = 0;
+  for (int i = 0; i < 400; i++) {
+    double x = 350 - fmod(1.7 * 211.3 * i, 700), y = 2 * i - 400;
+    worst = fmax(worst, fabs(value_at(a, x, y) - value_at(b, x, y)));
+  }
+  return worst;
+}
+
+static void test_hopkins(void) {
+  g_autoptr(opc_module) hopkins = prepared("litho.hopkins", "{ kernels: 530 }");
+  opc_field want = image_of(hopkins, OPC_POLY, 0, two, 2, frame);
+  double first = 0, last = 0;
+  for (int across = 9; across <= 144; across *= 2) {
+    g_autofree char *p = g_strdup_printf("{ points_across: %d }", across);
+    g_autoptr(opc_module) abbe = prepared("litho.abbe", p);
+    opc_field got = image_of(abbe, OPC_POLY, 0, two, 2, frame);
+    last = difference(&want, &got);
+    if (across == 9) first = last;
+    g_test_message("%3d points across: %.2g off litho.hopkins", across, last);
+    g_assert_cmpfloat(last, <, 0.25 / across + 3e-4);
+    host->imaging->release_field(host, &got);
+  }
+  g_assert_cmpfloat(last, <, 5e-4);
+  g_assert_cmpfloat(last, <, first / 5);
+  host->imaging->release_field(host, &want);
+}
+
+static void test_refused(void) {
+  static const struct {
+    const char *parameters, *at;
+  } cases[] = {
+      {"{ na: 1.1 }", "na"},
+      {"{ na: 1.35, index: 1.3 }", "na"},
+      {"{ source: annular }", "sigma_in"},
+      {"{ source: annular, sigma_in: 0.75 }", "sigma_in"},
+      {"{ sigma_in: 0.2 }", "sigma_in"},
+      {"{ source: annular, sigma_in: 0.2, opening: 20 deg }", "opening"},
+      {"{ rotation: 20 deg }", "rotation"},
+      {"{ source: points }", "points"},
+      {"{ source: points, points: [] }", "points"},
+      {"{ source: points, points: [0, 0] }", "points"},
+      {"{ source: points, points: [0, 0, -1] }", "points"},
+      {"{ source: points, points: [0, 0, 0] }", "points"},
+      {"{ source: points, points: [0.8, 0.7, 1] }", "points"},
+      {"{ source: points, points: [0, 0, 1], sigma: 0.5 }", "sigma"},
+      {"{ source: points, points: [0, 0, 1], points_across: 5 }",
+       "points_across"},
+      {"{ points: [0, 0, 1] }", "points"},
+      {"{ zernike: [] }", "zernike"},
+      {"{ zernike: [0,0,0,0,0,0,0,0,0,0, 0,0,0,0,0,0,0,0,0,0, "
+       "0,0,0,0,0,0,0,0,0,0, 0,0,0,0,0,0,0,0] }",
+       "zernike"},
+      {"{ sigma: 1.1 }", "sigma"},
+      {"{ sigma: 0 }", "sigma"},
+      {"{ index: 0.9 }", "index"},
+      {"{ poly: { transmission: 120 % } }", "poly.transmission"},
+  };
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    opc_error error = {0};
+    g_assert_null(opc_test_module("litho.abbe", cases[i].parameters, &error));
+    g_test_message("%s", error.message);
+    g_autofree char *at = g_strdup_printf("'%s'", cases[i].at);
+    g_assert_nonnull(strstr(error.message, at));
+  }
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  host = opc_test_host();
+  g_test_add_func("/abbe/three-beams", test_three_beams);
+  g_test_add_func("/abbe/two-beams", test_two_beams);
+  g_test_add_func("/abbe/immersion", test_immersion);
+  g_test_add_func("/abbe/aberrations", test_aberrations);
+  g_test_add_func("/abbe/points-add", test_points_add);
+  g_test_add_func("/abbe/disk", test_disk);
+  g_test_add_func("/abbe/edge", test_edge);
+  g_test_add_func("/abbe/clear-field", test_clear);
+  g_test_add_func("/abbe/complement", test_complement);
+  g_test_add_func("/abbe/attenuated", test_attenuated);
+  g_test_add_func("/abbe/shift", test_shift);
+  g_test_add_func("/abbe/defocus", test_defocus);
+  g_test_add_func("/abbe/hopkins", test_hopkins);
+  g_test_add_func("/abbe/refused", test_refused);
+  return g_test_run();
+}

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Kernels of the transmission cross coefficient T(f1, f2), whichever way they
+   are found: radial functions for a circular or annular source in focus, tables
+   over the plane for everything else. */
+#ifndef OPCFLOW_HOPKINS_KERNELS_H
+#define OPCFLOW_HOPKINS_KERNELS_H
+
+#include "../optics/optics.h"
+
+typedef struct kernels kernels;
+struct kernels {
+  const opc_host *host;
+  double cutoff;             /* 1/nm */
+  double radius;             /* T is zero beyond it, in units of the cutoff */
+  size_t available;          /* systems there are, strongest first */
+  size_t count;              /* of which these are used; by keep */
+  const double *weight;      /* of each used one */
+  int has_residual;          /* the rest is there as one incoherent system */
+
+  /* Use n systems; 0 if there is no memory. [main] */
+  int (*keep)(kernels *self, size_t n);
+  /* As opc_systems has them, `self` being the kernels. [any] */
+  void (*transfer)(const void *self, size_t s, const double *fx, double fy,
+                   size_t n, float *out);
+  void (*residual)(const void *self, const double *fx, double fy, size_t n,
+                   float *out);
+  void (*free)(kernels *self);
+};
+
+/* A real pupil and a source between the radii sigma_in (0 for a disk) and
+   sigma. NULL if there is no memory. */
+kernels *radial_kernels(const opc_host *host, double cutoff, double sigma,
+                        double sigma_in);
+
+/* Any source and pupil, `defocus` nm further out of focus than the optics
+   say. NULL and *error on failure. */
+kernels *plane_kernels(const opc_host *host, const optics *o, double defocus,
+                       opc_error *error);
+
+/* Compiled for wide vectors too, and the best taken at run time. */
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__)
+#define WIDE __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define WIDE
+#endif
+
+#endif

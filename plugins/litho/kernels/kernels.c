@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* litho.kernels: imaging by kernels that are given, as those of the ICCAD 2013
+   contest (S. Banerjee, Z. Li, S. R. Nassif, ICCAD 2013, 271): the intensity
+   is the sum of weight |mask * kernel|^2. The kernels are known at the
+   multiples of 1 / period, that is, within a square of one period about the
+   origin; between these frequencies they are what that square has. */
+#include "files.h"
+
+#include <opcflow/litho.h>
+
+#include <math.h>
+#include <stdlib.h>
+
+/* ---- state ---- */
+
+enum { FOCUS, DEFOCUS, SETS };
+
+typedef struct model {
+  const opc_host *host;
+  const char *path[SETS]; /* the second may be NULL */
+  size_t wanted;          /* kernels of each; 0: all */
+  double period, dose;    /* nm, 1 */
+  int dark_field;
+  kernel_set set[SETS];
+} model;
+
+static const double coarsest = 32; /* grid of an image, nm */
+
+/* ---- work: between the frequencies ---- */
+
+/* What the values at first .. last make at a place: those weights times the
+   values. */
+typedef struct reach {
+  int first, last;
+  double weight[KERNEL_MOST];
+} reach;
+
+/* A function that is zero outside of a period, at `place` (in steps of
+   1 / period) from its transform's values at -half .. half: their sum with
+   sin(pi (place - k)) / (pi (place - k)). */
+static void spread(double place, int half, reach *r) {
+  static const double same = 1e-6;
+  double nearest = round(place);
+  r->first = 0;
+  r->last = 2 * half;
+  if (fabs(place - nearest) < same) {
+    if (fabs(nearest) > half) {
+      r->last = -1;
+      return;
+    }
+    r->first = r->last = (int)nearest + half;
+    r->weight[r->first] = 1;
+    return;
+  }
+  double wave = sin(M_PI * place) / M_PI;
+  for (int k = -half; k <= half; k++)
+    r->weight[k + half] = (k % 2 ? -wave : wave) / (place - k);
+}
+
+/* A set, and the frequencies it is asked for in steps of 1 / period. */
+typedef struct view {
+  const kernel_set *set;
+  double period;
+} view;
+
+static void transfer(const void *self, size_t s, const double *fx, double fy,
+                     size_t n, float *out) {
+  const view *v = self;
+  const kernel_set *set = v->set;
+  int size = set->size;
+  const float *data = set->data + 2 * s * (size_t)size * (size_t)size;
+  double row[2 * KERNEL_MOST] = {0};
+  reach r = {.last = -1};
+  spread(fy * v->period, set->half, &r);
+  for (int l = r.first; l <= r.last; l++)
+    for (int i = 0; i < 2 * size; i++)
+      row[i] += r.weight[l] * (double)data[2 * l * size + i];
+  for (size_t i = 0; i < n; i++) {
+    double re = 0, im = 0;
+    spread(fx[i] * v->period, set->half, &r);
+    for (int k = r.first; k <= r.last; k++) {
+      re += r.weight[k] * row[2 * k];
+      im += r.weight[k] * row[2 * k + 1];
+    }
+    out[2 * i] = (float)re;
+    out[2 * i + 1] = (float)im;
+  }
+}
+
+/* ---- work: images ---- */
+
+static int prepare(void *self, opc_error *error) {
+  model *m = self;
+  for (int i = 0; i < SETS; i++) {
+    kernel_set_clear(&m->set[i]);
+    if (!m->path[i]) continue;
+    kernel_set *set = &m->set[i];
+    int code = kernel_set_read(m->host, m->path[i], m->wanted, set, error);
+    if (code) return code;
+    /* The whole set is one factor brighter or darker. */
+    double clear = 0;
+    size_t size = (size_t)set->size, middle = size * size / 2;
+    for (size_t s = 0; s < set->count; s++) {
+      const float *h = set->data + 2 * (s * size * size + middle);
+      set->weight[s] *= m->dose;
+      clear += set->weight[s] * (double)(h[0] * h[0] + h[1] * h[1]);
+    }
+    m->host->log(m->host, OPC_LOG_INFO,
+                 "litho.kernels: %zu kernels %s, clear field %.4f", set->count,
+                 i == FOCUS ? "in focus" : "out of focus", clear);
+  }
+  return OPC_OK;
+}
+
+static double set_band(const model *m, const kernel_set *set) {
+  /* To the zeros around what is not zero. */
+  return (set->radius + 1) / m->period;
+}
+
+static double band(const void *self) {
+  const model *m = self;
+  return fmax(set_band(m, &m->set[FOCUS]), set_band(m, &m->set[DEFOCUS]));
+}
+
+static int image_of(const model *m, const kernel_set *set,
+                    const opc_spectrum *mask, opc_field *out,
+                    opc_error *error) {
+  view v = {set, m->period};
+  double sign = m->dark_field ? -1 : 1;
+  opc_systems systems = {.size = sizeof systems,
+                         .count = set->count,
+                         .weight = set->weight,
+                         .band = set_band(m, set),
+                         .intensity_band = 2 * set_band(m, set),
+                         .transfer = transfer,
+                         .self = &v,
+                         .offset = {m->dark_field, 0},
+                         .scale = {sign, 0}};
+  /* Four samples to the finest period there can be. */
+  double step = fmin(coarsest, 0.25 / systems.intensity_band);
+  return m->host->imaging->coherent_sum(m->host, mask, &systems, step, out,
+                                        error);
+}
+
+static int image(const void *self, int layer, const opc_spectrum *mask,
+                 opc_field *out, opc_error *error) {
+  const model *m = self;
+  (void)layer; /* all are exposed alike */
+  return image_of(m, &m->set[FOCUS], mask, out, error);
+}
+
+static int image_at(const void *self, int layer, const opc_spectrum *mask,
+                    double defocus, opc_field *out, opc_error *error) {
+  const model *m = self;
+  if (defocus == 0) return image(self, layer, mask, out, error);
+  if (!m->path[DEFOCUS])
+    return m->host->fail(m->host, error, OPC_INVALID, "defocus",
+                         "'defocus' kernels are needed for an image out of "
+                         "focus");
+  return image_of(m, &m->set[DEFOCUS], mask, out, error);
+}
+
+/* ---- parameters ---- */
+
+enum { P_FOCUS, P_DEFOCUS, PERIOD, KERNELS, DOSE, TONE, PARAMETERS };
+
+static const opc_parameter parameters[PARAMETERS] = {
+    [P_FOCUS] = {.name = "focus",
+                 .type = OPC_FILE,
+                 .flags = OPC_REQUIRED,
+                 .summary =
+                     "text of the weights of the kernels in focus; fh0.bin "
+                     "... are beside it"},
+    [P_DEFOCUS] = {.name = "defocus",
+                   .type = OPC_FILE,
+                   .summary = "the same for images at any other focus"},
+    [PERIOD] = {.name = "period",
+                .type = OPC_REAL,
+                .flags = OPC_ABOVE,
+                .unit = "nm",
+                .preset = "2048 nm",
+                .summary = "one over the distance of the kernels' frequencies"},
+    [KERNELS] = {.name = "kernels",
+                 .type = OPC_INT,
+                 .flags = OPC_AT_LEAST,
+                 .min = 1,
+                 .summary =
+                     "how many of them, the first ones; all if not given"},
+    [DOSE] = {.name = "dose",
+              .type = OPC_REAL,
+              .flags = OPC_ABOVE,
+              .preset = "1",
+              .summary = "a factor on the intensity"},
+    [TONE] = {.name = "tone",
+              .type = OPC_CHOICE,
+              .preset = "dark",
+              .choices = "clear|dark",
+              .summary = "field of the mask: clear with dark features, or dark "
+                         "with clear ones"},
+};
+
+static void destroy(void *self) {
+  model *m = self;
+  for (int i = 0; i < SETS; i++) kernel_set_clear(&m->set[i]);
+  free(m);
+}
+
+static void *create(const opc_host *host, const opc_value *values,
+                    opc_error *error) {
+  model *m = calloc(1, sizeof *m);
+  if (!m) {
+    host->fail(host, error, OPC_FAILED, NULL, "out of memory");
+    return NULL;
+  }
+  m->host = host;
+  m->path[FOCUS] = values[P_FOCUS].text;
+  if (values[P_DEFOCUS].type != OPC_ABSENT)
+    m->path[DEFOCUS] = values[P_DEFOCUS].text;
+  if (values[KERNELS].type != OPC_ABSENT)
+    m->wanted = (size_t)values[KERNELS].integer;
+  m->period = values[PERIOD].real;
+  m->dose = values[DOSE].real;
+  m->dark_field = values[TONE].integer == 1;
+  return m;
+}
+
+/* ---- entry ---- */
+
+static const opc_litho operations = {.size = sizeof operations,
+                                     .prepare = prepare,
+                                     .band = band,
+                                     .image = image,
+                                     .image_at = image_at};
+
+OPC_EXPORT const opc_plugin *opcflow_plugin(void);
+const opc_plugin *opcflow_plugin(void) {
+  static const opc_plugin plugin = {
+      .size = sizeof plugin,
+      .abi_major = OPC_ABI_MAJOR,
+      .abi_minor = OPC_ABI_MINOR,
+      .id = "litho.kernels",
+      .version = "0.1.0",
+      .licence = "BSD-3-Clause",
+      .summary = "imaging by kernels from files, as the ICCAD 2013 contest has",
+      .kind = OPC_KIND_LITHO,
+      .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+      OPC_PARAMETERS(parameters),
+      .create = create,
+      .destroy = destroy,
+      .operations = &operations,
+  };
+  return &plugin;
+}

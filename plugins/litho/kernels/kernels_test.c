@@ -1,0 +1,450 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Images by kernels made up here against closed forms; those of the ICCAD 2013
+   contest against the double sum over the exact Fourier coefficients of a
+   clip, and what that clip prints as drawn against another program. */
+#include "core/plugin/testing.h"
+
+#include <complex.h>
+#include <math.h>
+#include <string.h>
+
+static const opc_host *host;
+
+/* ---- kernels made up ---- */
+
+static void append32(GByteArray *b, uint32_t v) {
+  uint8_t bytes[] = {(uint8_t)(v >> 24), (uint8_t)(v >> 16), (uint8_t)(v >> 8),
+                     (uint8_t)v};
+  g_byte_array_append(b, bytes, 4);
+}
+
+static char *set_path(void) {
+  return g_build_filename(opc_test_folder(), "scales.txt", NULL);
+}
+
+/* One set: `weights` as text, each kernel 5 x 5 (`size`) of which kernel s has
+   value[s](k, l). */
+static void write_set(const char *weights, int kernels, uint32_t size,
+                      float complex (*value)(int s, int k, int l)) {
+  g_autofree char *path = set_path();
+  g_assert_true(g_file_set_contents(path, weights, -1, NULL));
+  for (int s = 0; s < kernels; s++) {
+    GByteArray *b = g_byte_array_new();
+    for (int i = 0; i < 6; i++) append32(b, i < 2 ? size : 2);
+    int half = (int)size / 2;
+    for (int l = -half; l <= half; l++)
+      for (int k = -half; k <= half; k++) {
+        float complex v = value(s, k, l);
+        float part[2] = {crealf(v), cimagf(v)};
+        uint32_t bits[2];
+        memcpy(bits, part, 8);
+        append32(b, bits[0]);
+        append32(b, bits[1]);
+      }
+    g_autofree char *name = g_strdup_printf("fh%d.bin", s);
+    g_autofree char *file = g_build_filename(opc_test_folder(), name, NULL);
+    g_assert_true(g_file_set_contents(file, (char *)b->data, b->len, NULL));
+    g_byte_array_unref(b);
+  }
+}
+
+static opc_module *model(const char *focus, const char *more) {
+  opc_error error;
+  g_autofree char *p = g_strdup_printf("{ focus: '%s'%s }", focus, more);
+  opc_module *m = opc_test_module("litho.kernels", p, &error);
+  if (!m) g_error("%s", error.message);
+  return m;
+}
+
+static opc_module *prepared(const char *focus, const char *more) {
+  opc_error error;
+  opc_module *m = model(focus, more);
+  const opc_litho *litho = m->plugin->operations;
+  if (litho->prepare(m->self, &error)) g_error("%s", error.message);
+  return m;
+}
+
+static opc_field image_of(opc_module *m, const opc_shapes *shapes, opc_frame f,
+                          double defocus) {
+  const opc_litho *litho = m->plugin->operations;
+  opc_spectrum mask;
+  opc_field field;
+  opc_error error;
+  g_assert_cmpint(host->imaging->mask_spectrum(
+                      host, shapes, 1, f, litho->band(m->self), &mask, &error),
+                  ==, OPC_OK);
+  if (litho->image_at(m->self, 0, &mask, defocus, &field, &error))
+    g_error("%s", error.message);
+  host->imaging->release_spectrum(host, &mask);
+  return field;
+}
+
+static double value_at(const opc_field *f, double x, double y) {
+  double v;
+  host->imaging->sample(f, &x, &y, 1, &v);
+  return v;
+}
+
+static opc_shapes box_shapes(opc_box b, opc_point points[4],
+                             uint32_t start[2]) {
+  const opc_point corners[] = {
+      {b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
+  memcpy(points, corners, sizeof corners);
+  start[0] = 0;
+  start[1] = 4;
+  return (opc_shapes){1, start, points, NULL};
+}
+
+/* Two systems: the orders -1, 0, 1 of x with phases of their own; and only the
+   order (0, 0). */
+static float complex two_systems(int s, int k, int l) {
+  if (s == 1) return k == 0 && l == 0 ? 0.5f : 0;
+  if (l != 0 || k < -1 || k > 1) return l == 1 && k == 0 ? 0.3f * I : 0;
+  return k == 0 ? 1 : k == 1 ? 0.8f * I : 0.6f;
+}
+
+/* A clear box of 300 x 1000 nm at the origin of a period of 1000 nm square: in
+   y there is no order but 0; the sum by hand. A frame off the period tests
+   that order 1 is that of the frequency 1 / period. */
+static void test_orders(void) {
+  write_set("2\n2.5\n4\n", 2, 5, two_systems);
+  g_autofree char *path = set_path();
+  opc_point points[4];
+  uint32_t start[2];
+  opc_shapes line = box_shapes((opc_box){-150, -500, 150, 500}, points, start);
+  for (int dark = 0; dark < 2; dark++) {
+    g_autoptr(opc_module) m =
+        prepared(path, dark ? ", period: 1000 nm, dose: 1.2"
+                            : ", period: 1000 nm, dose: 1.2, tone: clear");
+    opc_field f = image_of(m, &line, (opc_frame){-500, -500, 1000, 1000}, 0);
+    for (double x = -500; x < 500; x += 37) {
+      double a0 = 0.3, a1 = sin(0.3 * M_PI) / M_PI;
+      if (!dark) {
+        a0 = 1 - a0;
+        a1 = -a1;
+      }
+      double complex wave = cexp(2 * M_PI * I * x / 1000);
+      double complex e = a0 + a1 * (0.8 * I * wave + 0.6 / wave);
+      double want = 1.2 * (2.5 * creal(e * conj(e)) + 4 * 0.25 * a0 * a0);
+      g_assert_cmpfloat(fabs(value_at(&f, x, 77) - want), <, 3e-5);
+    }
+    host->imaging->release_field(host, &f);
+  }
+}
+
+static float complex wide(int s, int k, int l) {
+  double r2 = k * k + l * l, edge = r2 < 25 ? 1 - r2 / 25 : 0;
+  (void)s;
+  return (float)(edge * edge) * cexpf(0.02f * I * (float)r2);
+}
+
+/* What a small opening does is known within half a period of it, whatever the
+   frame; it is the same in a frame that is none of the period's multiples. */
+static void test_frames(void) {
+  write_set("1 1", 1, 11, wide);
+  g_autofree char *path = set_path();
+  g_autoptr(opc_module) m = prepared(path, ", period: 2000 nm");
+  opc_point points[4];
+  uint32_t start[2];
+  opc_shapes box = box_shapes((opc_box){-60, -100, 140, 110}, points, start);
+  opc_field own = image_of(m, &box, (opc_frame){-1000, -1000, 2000, 2000}, 0);
+  opc_field other = image_of(m, &box, (opc_frame){-1700, -2000, 3371, 4219}, 0);
+  double top = value_at(&own, 40, 5), worst = 0;
+  for (double x = -700; x <= 700; x += 50)
+    for (double y = -700; y <= 700; y += 50)
+      worst = fmax(worst, fabs(value_at(&own, x, y) - value_at(&other, x, y)));
+  g_test_message("%.2g of %.3g", worst, top);
+  g_assert_cmpfloat(worst, <, 1e-3 * top);
+  /* A frame of two periods with the box in each is the same field again. */
+  opc_point pair[8];
+  for (int i = 0; i < 8; i++)
+    pair[i] =
+        (opc_point){points[i % 4].x + (i < 4 ? 0 : 2000), points[i % 4].y};
+  uint32_t starts[] = {0, 4, 8};
+  opc_shapes both = {2, starts, pair, NULL};
+  opc_field twice =
+      image_of(m, &both, (opc_frame){-1000, -1000, 4000, 2000}, 0);
+  for (double x = -1000; x <= 3000; x += 130)
+    g_assert_cmpfloat(fabs(value_at(&own, x > 1000 ? x - 2000 : x, 0.3 * x) -
+                           value_at(&twice, x, 0.3 * x)),
+                      <, 1e-5);
+  host->imaging->release_field(host, &own);
+  host->imaging->release_field(host, &other);
+  host->imaging->release_field(host, &twice);
+}
+
+static void test_first_kernels(void) {
+  write_set("2 2.5 4", 2, 5, two_systems);
+  g_autofree char *path = set_path();
+  g_autoptr(opc_module) one = prepared(path, ", kernels: 1, tone: clear");
+  opc_shapes none = {0};
+  opc_field f = image_of(one, &none, (opc_frame){0, 0, 900, 800}, 0);
+  g_assert_cmpfloat(fabs(value_at(&f, 3, 4) - 2.5), <, 1e-5);
+  host->imaging->release_field(host, &f);
+  g_autoptr(opc_module) three = model(path, ", kernels: 3");
+  opc_error error;
+  const opc_litho *litho = three->plugin->operations;
+  g_assert_cmpint(litho->prepare(three->self, &error), ==, OPC_INVALID);
+  g_assert_cmpstr(error.parameter, ==, "kernels");
+  g_assert_cmpint(litho->image_at(one->self, 0, NULL, 50, &f, &error), ==,
+                  OPC_INVALID);
+  g_assert_cmpstr(error.parameter, ==, "defocus");
+}
+
+/* ---- files with something wrong ---- */
+
+static void expect(const char *words) {
+  g_autofree char *path = set_path();
+  g_autoptr(opc_module) m = model(path, "");
+  const opc_litho *litho = m->plugin->operations;
+  opc_error error = {0};
+  g_assert_cmpint(litho->prepare(m->self, &error), ==, OPC_IO);
+  g_test_message("%s", error.message);
+  g_assert_nonnull(strstr(error.message, words));
+}
+
+static void change(const char *name, size_t at, const void *bytes, gssize n) {
+  g_autofree char *file = g_build_filename(opc_test_folder(), name, NULL);
+  char *text;
+  gsize size;
+  g_assert_true(g_file_get_contents(file, &text, &size, NULL));
+  if (n < 0)
+    size = at;
+  else
+    memcpy(text + at, bytes, (size_t)n);
+  g_assert_true(g_file_set_contents(file, text, (gssize)size, NULL));
+  g_free(text);
+}
+
+static float complex nothing(int s, int k, int l) {
+  return s == 0 && k == 0 && l == 0;
+}
+
+static void test_refused(void) {
+  write_set("", 0, 5, two_systems);
+  expect("scales.txt:1: not a number of kernels");
+  write_set("0", 0, 5, two_systems);
+  expect("not a number of kernels");
+  write_set("5000", 0, 5, two_systems);
+  expect("not a number of kernels");
+  write_set("2\n1.5\n", 2, 5, two_systems);
+  expect("scales.txt:3: not a weight, of kernel 1");
+  write_set("2\n1.5\n-2", 2, 5, two_systems);
+  expect("scales.txt:3: not a weight");
+  write_set("3\n1 1 1", 2, 5, two_systems);
+  expect("fh2.bin': No such file");
+  write_set("2\n1 1", 2, 4, two_systems);
+  expect("fh0.bin': 4 x 4 frequencies at byte 0");
+  write_set("2\n1 1", 2, 5, two_systems);
+  change("fh1.bin", 24 + 8 * 25 - 1, NULL, -1);
+  expect("fh1.bin': ends at byte 223");
+  change("fh1.bin", 11, NULL, -1);
+  expect("fh1.bin': ends at byte 11");
+  write_set("2\n1 1", 2, 5, two_systems);
+  change("fh1.bin", 3, "\x03\0\0\0\x03", 5);
+  expect("the kernels before have 5");
+  change("fh0.bin", 24 + 8, "\x7f\xc0\0\0", 4);
+  expect("fh0.bin': a value that is no number at byte 32");
+  write_set("2\n1 1", 2, 5, two_systems);
+  change("fh0.bin", 0, "\xff\xff\xff\xff", 4);
+  expect("not an odd square");
+  write_set("1\n1", 1, 5, two_systems);
+  change("fh0.bin", 3, "\x03", 1);
+  change("fh0.bin", 7, "\x03", 1);
+  expect("more than 3 x 3 frequencies, at byte 96");
+  write_set("1\n1", 1, 5, nothing);
+  expect("nothing but the zero order");
+}
+
+/* ---- the contest's ---- */
+
+static char *contest(const char *folder, const char *name) {
+  const char *data = g_getenv("OPCFLOW_TEST_DATA");
+  g_autofree char *beside = g_build_filename(g_getenv("OPCFLOW_SOURCE"), "..",
+                                             "shared", "data", NULL);
+  char *path =
+      g_build_filename(data ? data : beside, "clips", folder, name, NULL);
+  if (g_file_test(path, G_FILE_TEST_EXISTS)) return path;
+  g_free(path);
+  g_test_skip("the data of the ICCAD 2013 contest are not there");
+  return NULL;
+}
+
+static opc_shapes read_clip(const char *path) {
+  g_autofree char *parameters = g_strdup_printf("{ file: '%s' }", path);
+  opc_error error;
+  g_autoptr(opc_module) m = opc_test_module("read.glp", parameters, &error);
+  void *out[1];
+  if (!m || opc_test_run(m, out, &error)) g_error("%s", error.message);
+  opc_flat flat;
+  opc_shapes merged;
+  int32_t top = host->layout->top(out[0], &error);
+  g_assert_cmpint(host->layout->flatten(host, out[0], top,
+                                        host->layout->find_layer(out[0], "M1"),
+                                        1, &flat, &error),
+                  ==, OPC_OK);
+  g_assert_cmpint(host->geometry->boolean(host, OPC_OR, &flat.shapes, NULL,
+                                          &merged, &error),
+                  ==, OPC_OK);
+  host->layout->release(&flat);
+  opc_test_release(m, out);
+  return merged;
+}
+
+enum { ACROSS = 35, HALF = 17, KERNELS = 24, PERIOD = 2048 };
+
+/* The integral of exp(-2 pi i (k x + l y) / PERIOD) over the shapes, over
+   PERIOD^2, by Green's theorem along the vertical edges. */
+static double complex coefficient(const opc_shapes *s, int k, int l) {
+  const double complex turn = -2 * M_PI * I / PERIOD;
+  double complex sum = 0;
+  for (size_t p = 0; p < s->count; p++)
+    for (uint32_t i = s->start[p]; i < s->start[p + 1]; i++) {
+      opc_point a = s->points[i];
+      opc_point b = s->points[i + 1 < s->start[p + 1] ? i + 1 : s->start[p]];
+      if (a.x != b.x) continue;
+      double complex x = k ? cexp(turn * k * a.x) / (turn * k) : a.x;
+      double complex y =
+          l ? (cexp(turn * l * b.y) - cexp(turn * l * a.y)) / (turn * l)
+            : b.y - a.y;
+      sum += x * y;
+    }
+  return sum / ((double)PERIOD * PERIOD);
+}
+
+static float float_at(const uint8_t *p) {
+  uint32_t bits =
+      (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
+  float value;
+  memcpy(&value, &bits, 4);
+  return value;
+}
+
+/* The intensities at n places, by the definition. */
+static void direct(const char *scales, const opc_shapes *clip, const double *x,
+                   const double *y, int n, double *out) {
+  g_autofree char *text = NULL;
+  g_autofree char *folder = g_path_get_dirname(scales);
+  g_assert_true(g_file_get_contents(scales, &text, NULL, NULL));
+  g_auto(GStrv) words = g_strsplit(g_strstrip(text), "\n", -1);
+  g_assert_cmpstr(g_strstrip(words[0]), ==, "24");
+  double complex mask[ACROSS][ACROSS];
+  for (int l = -HALF; l <= HALF; l++)
+    for (int k = -HALF; k <= HALF; k++)
+      mask[l + HALF][k + HALF] = coefficient(clip, k, l);
+  for (int i = 0; i < n; i++) out[i] = 0;
+  for (int s = 0; s < KERNELS; s++) {
+    g_autofree char *path = g_strdup_printf("%s/fh%d.bin", folder, s);
+    char *data;
+    gsize size;
+    g_assert_true(g_file_get_contents(path, &data, &size, NULL));
+    const uint8_t *at = (const uint8_t *)data + 24;
+    for (int i = 0; i < n; i++) {
+      double complex e = 0;
+      for (int l = 0; l < ACROSS; l++)
+        for (int k = 0; k < ACROSS; k++) {
+          const uint8_t *h = at + 8 * (ACROSS * l + k);
+          e += (float_at(h) + (double)float_at(h + 4) * I) * mask[l][k] *
+               cexp(2 * M_PI * I / PERIOD *
+                    ((k - HALF) * x[i] + (l - HALF) * y[i]));
+        }
+      out[i] += g_ascii_strtod(words[s + 1], NULL) * creal(e * conj(e));
+    }
+    g_free(data);
+  }
+}
+
+static const opc_frame tile = {-512, -512, PERIOD, PERIOD};
+
+static void test_contest(void) {
+  enum { PLACES = 40 };
+  g_autofree char *focus = contest("kernels/focus", "scales.txt");
+  g_autofree char *defocus = contest("kernels/defocus", "scales.txt");
+  g_autofree char *clip = contest("iccad2013", "M1_test1.glp");
+  if (!focus || !defocus || !clip) return;
+  opc_shapes shapes = read_clip(clip);
+  g_autofree char *more = g_strdup_printf(", defocus: '%s'", defocus);
+  g_autoptr(opc_module) m = prepared(focus, more);
+  double x[PLACES], y[PLACES], want[PLACES];
+  for (int i = 0; i < PLACES; i++) {
+    x[i] = 30 + fmod(251.7 * i, 800);
+    y[i] = 50 + 21.1 * i;
+  }
+  for (int out = 0; out < 2; out++) {
+    opc_field f = image_of(m, &shapes, tile, out ? 25 : 0);
+    direct(out ? defocus : focus, &shapes, x, y, PLACES, want);
+    double worst = 0, top = 0;
+    for (int i = 0; i < PLACES; i++) {
+      worst = fmax(worst, fabs(value_at(&f, x[i], y[i]) - want[i]));
+      top = fmax(top, want[i]);
+    }
+    g_test_message("%s: %.2g off the sum, up to %.3f",
+                   out ? "defocus" : "focus", worst, top);
+    g_assert_cmpfloat(worst, <, 3e-5);
+    g_assert_cmpfloat(top, >, 0.3);
+    host->imaging->release_field(host, &f);
+  }
+  host->geometry->release(&shapes);
+}
+
+/* The contest's corners: nominal; the mask's light 2 % more in focus and 2 %
+   less out of focus, which is 1.02^2 and 0.98^2 in intensity. The nanometres
+   that print differently from the clip, or between the corners, are those of a
+   program that rasters the clip and sums up frequency by frequency. */
+static void test_merit(void) {
+  enum { SIDE = 1300 };
+  const double threshold = 0.225;
+  g_autofree char *focus = contest("kernels/focus", "scales.txt");
+  g_autofree char *defocus = contest("kernels/defocus", "scales.txt");
+  g_autofree char *clip = contest("iccad2013", "M1_test1.glp");
+  if (!focus || !defocus || !clip) return;
+  opc_shapes shapes = read_clip(clip);
+  g_autofree char *more = g_strdup_printf(", defocus: '%s'", defocus);
+  g_autoptr(opc_module) m = prepared(focus, more);
+  gint64 begin = g_get_monotonic_time();
+  opc_field in = image_of(m, &shapes, tile, 0);
+  gint64 middle = g_get_monotonic_time();
+  opc_field out = image_of(m, &shapes, tile, 25);
+  g_test_message("%.2f ms for two images, %.2f ms for the second",
+                 (double)(g_get_monotonic_time() - begin) / 1e3,
+                 (double)(g_get_monotonic_time() - middle) / 1e3);
+  double *x = g_new(double, SIDE), *y = g_new(double, SIDE);
+  double *a = g_new(double, SIDE), *b = g_new(double, SIDE);
+  long printed = 0, band = 0;
+  for (int j = 0; j < SIDE; j++) {
+    for (int i = 0; i < SIDE; i++) {
+      x[i] = i - 112 + 0.5;
+      y[i] = j - 112 + 0.5;
+    }
+    host->imaging->sample(&in, x, y, SIDE, a);
+    host->imaging->sample(&out, x, y, SIDE, b);
+    for (int i = 0; i < SIDE; i++) {
+      printed += a[i] > threshold;
+      band +=
+          (a[i] * 1.02 * 1.02 > threshold) != (b[i] * 0.98 * 0.98 > threshold);
+    }
+  }
+  g_test_message("%ld nm^2 print, process variation band %ld nm^2", printed,
+                 band);
+  g_assert_cmpint(ABS(printed - 141995), <, 100);
+  g_assert_cmpint(ABS(band - 43707), <, 100);
+  g_free(x);
+  g_free(y);
+  g_free(a);
+  g_free(b);
+  host->imaging->release_field(host, &in);
+  host->imaging->release_field(host, &out);
+  host->geometry->release(&shapes);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  host = opc_test_host();
+  g_test_add_func("/kernels/orders", test_orders);
+  g_test_add_func("/kernels/frames", test_frames);
+  g_test_add_func("/kernels/first-kernels", test_first_kernels);
+  g_test_add_func("/kernels/refused", test_refused);
+  g_test_add_func("/kernels/contest", test_contest);
+  g_test_add_func("/kernels/merit", test_merit);
+  return g_test_run();
+}
