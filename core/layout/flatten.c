@@ -37,7 +37,7 @@ static uint64_t members(const instance *in) {
 static uint64_t drawn(const cell *c) {
   uint64_t n = 0;
   for (size_t i = 0; i < c->n_sheets; i++)
-    n += c->sheets[i].n_boxes + c->sheets[i].n_polygons;
+    n += sheet_boxes(&c->sheets[i]) + c->sheets[i].n_polygons;
   return n;
 }
 
@@ -280,8 +280,8 @@ static void put_cell(flattener *f, const frame *at) {
   const sheet *s = opc_layout_sheet(&f->layout->cells[at->cell], f->layer);
   if (!s) return;
   const transform *t = &at->at;
-  for (size_t i = 0; i < s->n_boxes; i++) {
-    opc_box b = s->boxes[i];
+  for (size_t i = 0; i < sheet_boxes(s); i++) {
+    opc_box b = sheet_box(s, i);
     put_point(f, t, b.x0, b.y0);
     put_point(f, t, b.x1, b.y0);
     put_point(f, t, b.x1, b.y1);
@@ -302,8 +302,8 @@ static void count(flattener *f) {
     int32_t number = f->layout->order[k];
     const cell *c = &f->layout->cells[number];
     const sheet *s = opc_layout_sheet(c, f->layer);
-    uint64_t shapes = s ? s->n_boxes + s->n_polygons : 0;
-    uint64_t points = s ? 4 * s->n_boxes + s->n_points : 0;
+    uint64_t shapes = s ? sheet_boxes(s) + s->n_polygons : 0;
+    uint64_t points = s ? 4 * sheet_boxes(s) + s->n_points : 0;
     f->first[number] = n_useful;
     for (size_t i = 0; i < c->n_instances; i++) {
       const instance *in = &c->instances[i];

@@ -46,6 +46,7 @@ static opc_layout *layout_create(const opc_host *host, double unit,
 
 static void cell_clear(cell *c) {
   for (size_t i = 0; i < c->n_sheets; i++) {
+    free(c->sheets[i].small);
     free(c->sheets[i].boxes);
     free(c->sheets[i].end);
     free(c->sheets[i].points);
@@ -188,15 +189,28 @@ static sheet *sheet_for(cell *c, int32_t layer) {
   return s;
 }
 
+static bool put_box(sheet *s, opc_box box) {
+  int64_t width = (int64_t)box.x1 - box.x0, height = (int64_t)box.y1 - box.y0;
+  if (width <= UINT16_MAX && height <= UINT16_MAX) {
+    if (!opc_grow(&s->small, &s->room_small, s->n_small + 1, sizeof *s->small))
+      return false;
+    s->small[s->n_small++] =
+        (small_box){box.x0, box.y0, (uint16_t)width, (uint16_t)height};
+    return true;
+  }
+  if (!opc_grow(&s->boxes, &s->room_boxes, s->n_boxes + 1, sizeof box))
+    return false;
+  s->boxes[s->n_boxes++] = box;
+  return true;
+}
+
 static int layout_add_box(opc_layout *layout, int32_t number, int32_t layer,
                           opc_box box, opc_error *error) {
   if (check(layout, number, layer, error)) return error->code;
   if (box.x0 > box.x1 || box.y0 > box.y1)
     return opc_fail(error, OPC_INVALID, NULL, "a box is empty");
   sheet *s = sheet_for(&layout->cells[number], layer);
-  if (!s || !opc_grow(&s->boxes, &s->room_boxes, s->n_boxes + 1, sizeof box))
-    return no_memory(error);
-  s->boxes[s->n_boxes++] = box;
+  if (!s || !put_box(s, box)) return no_memory(error);
   changed(layout);
   return OPC_OK;
 }
@@ -311,7 +325,7 @@ static void number_polygons(const opc_layout *layout) {
     c->polygons = 0;
     for (size_t j = 0; j < c->n_sheets; j++) {
       c->sheets[j].first = c->polygons;
-      c->polygons += c->sheets[j].n_boxes + c->sheets[j].n_polygons;
+      c->polygons += sheet_boxes(&c->sheets[j]) + c->sheets[j].n_polygons;
     }
   }
   g_atomic_int_set(&writable->numbered, 1);
@@ -339,8 +353,9 @@ static const opc_point *layout_polygon(const opc_layout *layout, int32_t number,
   const sheet *s = &c->sheets[low];
   i -= s->first;
   *layer = s->layer;
-  if (i < s->n_boxes) {
-    opc_box b = s->boxes[i];
+  size_t boxes = sheet_boxes(s);
+  if (i < boxes) {
+    opc_box b = sheet_box(s, i);
     corners[0] = (opc_point){b.x0, b.y0};
     corners[1] = (opc_point){b.x1, b.y0};
     corners[2] = (opc_point){b.x1, b.y1};
@@ -348,7 +363,7 @@ static const opc_point *layout_polygon(const opc_layout *layout, int32_t number,
     *n = 4;
     return corners;
   }
-  i -= s->n_boxes;
+  i -= boxes;
   size_t start = i ? s->end[i - 1] : 0;
   *n = s->end[i] - start;
   return s->points + start;

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* How a layout is stored; for the files of this folder only.
 
-   The shapes of a cell lie in sheets, one a layer: boxes as two corners (16
-   bytes each), other polygons with their points one after another. Nothing is
-   allocated for a single shape. */
+   The shapes of a cell lie in sheets, one a layer: small boxes as a corner and
+   a size (12 bytes each), other boxes as two corners (16 bytes), other polygons
+   with their points one after another. Nothing is allocated for a single
+   shape. */
 #ifndef OPCFLOW_CORE_LAYOUT_H
 #define OPCFLOW_CORE_LAYOUT_H
 
@@ -12,9 +13,17 @@
 
 #include "core/plugin/host.h"
 
-/* What one cell draws on one layer. */
+/* A box of at most UINT16_MAX each way: nearly all there are. */
+typedef struct small_box {
+  int32_t x, y;
+  uint16_t width, height;
+} small_box;
+
+/* What one cell draws on one layer, in this order. */
 typedef struct sheet {
   int32_t layer;
+  small_box *small;
+  size_t n_small, room_small;
   opc_box *boxes;
   size_t n_boxes, room_boxes;
   uint32_t *end; /* polygon i ends before points[end[i]] */
@@ -77,6 +86,17 @@ struct opc_layout {
 /* Room for `need` elements of `size` bytes in *array, which has *room; false if
    there is no memory. */
 bool opc_grow(void *array, size_t *room, size_t need, size_t size);
+
+/* All boxes of a sheet, small ones first. */
+static inline size_t sheet_boxes(const sheet *s) {
+  return s->n_small + s->n_boxes;
+}
+
+static inline opc_box sheet_box(const sheet *s, size_t i) {
+  if (i >= s->n_small) return s->boxes[i - s->n_small];
+  const small_box *b = &s->small[i];
+  return (opc_box){b->x, b->y, b->x + b->width, b->y + b->height};
+}
 
 /* Fill what `ordered` promises. [any] */
 int opc_layout_order(const opc_layout *layout, opc_error *error);

@@ -185,10 +185,42 @@ static void test_keep(void) {
   l->destroy(layout);
 }
 
+/* Boxes of every size keep their corners, whichever way they are stored. */
+static void test_box_sizes(void) {
+  static const opc_box boxes[] = {
+      {0, 0, 65535, 65535},
+      {0, 0, 65536, 1},
+      {5, 5, 6, 65541},
+      {-7, -9, -7, -9},
+      {INT32_MIN, 0, INT32_MAX, 1},
+      {INT32_MAX - 65535, INT32_MIN, INT32_MAX, INT32_MIN + 65535},
+  };
+  enum { N = G_N_ELEMENTS(boxes) };
+  opc_error e;
+  opc_layout *layout = new_layout();
+  int32_t cell = l->cell(layout, "A", &e), layer = l->layer(layout, "a", &e);
+  for (size_t i = 0; i < N; i++)
+    g_assert_cmpint(l->add_box(layout, cell, layer, boxes[i], &e), ==, 0);
+  g_assert_cmpuint(l->polygons(layout, cell), ==, N);
+  gboolean seen[N] = {FALSE};
+  for (size_t i = 0; i < N; i++) {
+    size_t n;
+    const opc_point *p = l->polygon(layout, cell, i, &n, &layer);
+    g_assert_cmpuint(n, ==, 4);
+    for (size_t k = 0; k < N; k++)
+      seen[k] |= p[0].x == boxes[k].x0 && p[0].y == boxes[k].y0 &&
+                 p[2].x == boxes[k].x1 && p[2].y == boxes[k].y1 &&
+                 p[1].x == p[2].x && p[3].y == p[2].y;
+  }
+  for (size_t k = 0; k < N; k++) g_assert_true(seen[k]);
+  l->destroy(layout);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/layout/names", test_names);
   g_test_add_func("/layout/shapes", test_shapes);
+  g_test_add_func("/layout/box-sizes", test_box_sizes);
   g_test_add_func("/layout/instances", test_instances);
   g_test_add_func("/layout/many-layers", test_many_layers);
   g_test_add_func("/layout/refusals", test_refusals);

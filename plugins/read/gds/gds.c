@@ -4,11 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "layers.h"
+#include "../cells.h"
+#include "../layers.h"
 #include "stream.h"
-
-/* KLayout's notes to itself: a cell that is no part of the layout. */
-#define CONTEXT_CELL "$$$CONTEXT_INFO$$$"
 
 /* Instances that arrays off the unit may be taken apart into, in one file. */
 enum { MAX_APART = 1 << 22 };
@@ -41,12 +39,11 @@ typedef struct element {
 typedef struct reader {
   const opc_host *host;
   const opc_value *values;
-  gds_layers layers;
+  layer_map layers;
   gds_stream stream;
   opc_layout *layout;
-  int32_t cell;     /* -1 in a cell that is left out */
-  uint8_t *defined; /* of each cell of the layout */
-  size_t n_defined;
+  int32_t cell; /* -1 in a cell that is left out */
+  cell_list cells;
   size_t apart;
   int absolute; /* a placement asked for absolute angle or magnification */
   element e;
@@ -74,25 +71,13 @@ static int grow(void *array, size_t *room, size_t need, size_t size) {
   return 1;
 }
 
-/* The record's string, without the zeros that fill it up; bytes that are not
-   printable ASCII as "\xE4", so that names stay different and harmless. */
+/* The record's string, without the zeros that fill it up. */
 static int take_string(reader *r, text *out, opc_error *error) {
-  static const char hex[] = "0123456789ABCDEF";
   const uint8_t *p = r->stream.data;
-  size_t n = r->stream.n, used = 0;
+  size_t n = r->stream.n;
   while (n && p[n - 1] == 0) n--;
   if (!grow(&out->s, &out->room, 4 * n + 1, 1)) return no_memory(r, error);
-  for (size_t i = 0; i < n; i++) {
-    if (p[i] >= 0x20 && p[i] < 0x7f) {
-      out->s[used++] = (char)p[i];
-      continue;
-    }
-    out->s[used++] = '\\';
-    out->s[used++] = 'x';
-    out->s[used++] = hex[p[i] >> 4];
-    out->s[used++] = hex[p[i] & 15];
-  }
-  out->s[used] = '\0';
+  cell_list_string(p, n, out->s);
   return OPC_OK;
 }
 
@@ -357,7 +342,7 @@ static int read_element(reader *r, opc_error *error) {
   if (!e->has_layer || !e->has_datatype)
     return refuse(r, error, "element without layer or datatype");
   int32_t layer =
-      gds_layers_find(&r->layers, r->layout, e->layer, e->datatype, error);
+      layer_map_find(&r->layers, r->layout, e->layer, e->datatype, error);
   if (layer < 0) return error->code;
   return add_shape(r, layer, error);
 }
@@ -369,19 +354,15 @@ static int begin_cell(reader *r, opc_error *error) {
   if (s->type != GDS_STRNAME)
     return gds_refuse(s, error, "BGNSTR without STRNAME");
   if (take_string(r, &r->e.name, error)) return error->code;
-  r->cell = -1;
-  if (!strcmp(r->e.name.s, CONTEXT_CELL)) return OPC_OK;
-  r->cell = layouts->cell(r->layout, r->e.name.s, error);
+  int left_out;
+  r->cell = cell_list_begin(&r->cells, r->host, r->layout, r->e.name.s,
+                            &left_out, error);
+  if (r->cell < 0 && error->code == OPC_INVALID) {
+    opc_error why = *error;
+    return gds_refuse(s, error, why.message);
+  }
   if (r->cell < 0) return error->code;
-  size_t n = r->n_defined;
-  if (!grow(&r->defined, &r->n_defined, (size_t)r->cell + 1, 1))
-    return no_memory(r, error);
-  memset(r->defined + n, 0, r->n_defined - n);
-  if (r->defined[r->cell])
-    return r->host->fail(r->host, error, OPC_IO, NULL,
-                         "'%s': cell '%.200s' a second time at byte %" PRIu64,
-                         s->path, r->e.name.s, s->at);
-  r->defined[r->cell] = 1;
+  if (left_out) r->cell = -1;
   return OPC_OK;
 }
 
@@ -463,30 +444,8 @@ static int read_library(reader *r, opc_error *error) {
 
 /* ---- work: what the parameters ask of the whole ---- */
 
-static int keep_top(reader *r, opc_error *error) {
-  const char *top = r->values[TOP].text;
-  if (r->values[TOP].type == OPC_ABSENT) return OPC_OK;
-  int32_t cell = layouts->find_cell(r->layout, top);
-  if (cell < 0 || (size_t)cell >= r->n_defined || !r->defined[cell])
-    return r->host->fail(r->host, error, OPC_INVALID, "top",
-                         "'%s': there is no cell '%s'", r->stream.path, top);
-  return layouts->keep(r->layout, cell, error);
-}
-
-/* Cells that are placed and not there stay empty, as in other readers. */
 static void warn(const reader *r) {
-  size_t missing = 0;
-  int32_t first = -1;
-  for (size_t i = layouts->cells(r->layout); i-- > 0;)
-    if (i >= r->n_defined || !r->defined[i]) {
-      missing++;
-      first = (int32_t)i;
-    }
-  if (missing)
-    r->host->log(r->host, OPC_LOG_WARNING,
-                 "'%s': %zu placed cells are not there and taken as empty, "
-                 "the first '%.200s'",
-                 r->stream.path, missing, layouts->cell_name(r->layout, first));
+  cell_list_warn(&r->cells, r->host, r->layout, r->stream.path);
   if (r->absolute)
     r->host->log(r->host, OPC_LOG_WARNING,
                  "'%s': absolute angles or magnifications are taken as "
@@ -498,10 +457,11 @@ static int run(void *self, void **outputs, opc_error *error) {
   reader *r = self;
   int code = gds_open(&r->stream, r->host, r->values[FILE_NAME].text, error);
   if (!code) code = read_library(r, error);
-  if (!code) code = gds_layers_check(&r->layers, r->stream.path, error);
+  if (!code) code = layer_map_check(&r->layers, r->stream.path, error);
   if (!code) {
     warn(r);
-    code = keep_top(r, error);
+    code = cell_list_keep(&r->cells, r->host, r->layout, &r->values[TOP],
+                          r->stream.path, error);
   }
   gds_close(&r->stream);
   if (!code) {
@@ -542,9 +502,9 @@ static const opc_port outputs[] = {{"layout", "layout", release_layout}};
 static void destroy(void *self) {
   reader *r = self;
   gds_close(&r->stream);
-  gds_layers_clear(&r->layers);
+  layer_map_clear(&r->layers);
   if (r->layout) layouts->destroy(r->layout);
-  free(r->defined);
+  cell_list_clear(&r->cells);
   free(r->e.points);
   free(r->e.name.s);
   free(r->e.string.s);
@@ -562,7 +522,7 @@ static void *create(const opc_host *host, const opc_value *values,
   }
   r->host = host;
   r->values = values;
-  if (gds_layers_init(&r->layers, host, &values[LAYERS], error)) {
+  if (layer_map_init(&r->layers, host, &values[LAYERS], UINT16_MAX, error)) {
     destroy(r);
     return NULL;
   }

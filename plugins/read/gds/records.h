@@ -118,26 +118,4 @@ static inline void gds_put_real(uint8_t *p, double v) {
   for (int i = 7; i > 0; i--, fraction >>= 8) p[i] = (uint8_t)fraction;
 }
 
-/* "9/0" or, where `any` is given, "9" for every datatype (*any = 1). 0 if it
-   is neither. */
-static inline int gds_parse_layer(const char *text, uint32_t *layer,
-                                  uint32_t *datatype, int *any) {
-  uint32_t value[2] = {0, 0};
-  int parts = 0;
-  while (parts < 2) {
-    const char *start = text;
-    while (*text >= '0' && *text <= '9' && text - start < 5)
-      value[parts] = value[parts] * 10 + (uint32_t)(*text++ - '0');
-    if (text == start || value[parts] > 0xffff) return 0;
-    parts++;
-    if (*text != '/') break;
-    text++;
-  }
-  if (*text || (parts == 1 && !any)) return 0;
-  *layer = value[0];
-  *datatype = value[1];
-  if (any) *any = parts == 1;
-  return 1;
-}
-
 #endif

@@ -5,15 +5,12 @@
 #include <inttypes.h>
 #include <string.h>
 
-enum { BUFFER = 1 << 20 }; /* some records; a record has at most 2^16 bytes */
+/* Some records; a record has less than 2^16 bytes. Small files take less. */
+enum { BUFFER = 1 << 20, LEAST = 1 << 16 };
 
 int gds_open(gds_stream *s, const opc_host *host, const char *path,
              opc_error *error) {
   *s = (gds_stream){.host = host, .path = path, .total = NAN};
-  s->buffer = host->alloc(host, BUFFER, 1);
-  if (!s->buffer)
-    return host->fail(host, error, OPC_FAILED, NULL, "'%s': out of memory",
-                      path);
   s->file = fopen(path, "rb");
   if (!s->file)
     return host->fail(host, error, OPC_IO, NULL, "'%s': %s", path,
@@ -24,6 +21,11 @@ int gds_open(gds_stream *s, const opc_host *host, const char *path,
     if (end >= 0) s->total = (double)end;
     rewind(s->file);
   }
+  s->room = s->total < BUFFER ? (size_t)s->total + LEAST : BUFFER;
+  s->buffer = host->alloc(host, s->room, 1);
+  if (!s->buffer)
+    return host->fail(host, error, OPC_FAILED, NULL, "'%s': out of memory",
+                      path);
   return OPC_OK;
 }
 
@@ -54,7 +56,7 @@ static int fill(gds_stream *s, size_t wanted, opc_error *error) {
   s->end -= s->begin;
   s->begin = 0;
   while (s->end < wanted) {
-    size_t got = fread(s->buffer + s->end, 1, BUFFER - s->end, s->file);
+    size_t got = fread(s->buffer + s->end, 1, s->room - s->end, s->file);
     s->end += got;
     if (got) continue;
     if (ferror(s->file))

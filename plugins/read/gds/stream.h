@@ -13,6 +13,7 @@ typedef struct gds_stream {
   FILE *file;
   double total; /* bytes of the file, NAN if unknown */
   uint8_t *buffer;
+  size_t room;       /* of it, at least one record */
   size_t begin, end; /* what is still to be read of it */
   uint64_t base;     /* place in the file of the buffer's start */
 

@@ -108,9 +108,9 @@ static int halve(const piece *p, piece *best[2]) {
   return good;
 }
 
-int gds_cut(const opc_host *host, const opc_point *points, size_t n,
-            const gds_taker *take, opc_error *error) {
-  if (n <= GDS_MAX_POINTS) return take->polygon(take->data, points, n, error);
+int polygon_cut(const opc_host *host, const opc_point *points, size_t n,
+                const polygon_taker *take, opc_error *error) {
+  if (n <= take->most) return take->polygon(take->data, points, n, error);
   piece *todo = piece_new(n);
   if (!todo) return host->fail(host, error, OPC_FAILED, NULL, "out of memory");
   memcpy(todo->points, points, n * sizeof *points);
@@ -119,7 +119,7 @@ int gds_cut(const opc_host *host, const opc_point *points, size_t n,
   while (todo) {
     piece *p = todo, *half[2] = {NULL, NULL};
     todo = p->next;
-    if (!code && p->n <= GDS_MAX_POINTS) {
+    if (!code && p->n <= take->most) {
       if (p->n > 2) code = take->polygon(take->data, p->points, p->n, error);
     } else if (!code) {
       int good = halve(p, half);
@@ -128,8 +128,8 @@ int gds_cut(const opc_host *host, const opc_point *points, size_t n,
       else if (!good)
         code = host->fail(host, error, OPC_FAILED, NULL,
                           "a polygon of %zu points at (%d, %d) cannot be cut "
-                          "into ones of %d",
-                          n, points[0].x, points[0].y, GDS_MAX_POINTS);
+                          "into ones of %zu",
+                          n, points[0].x, points[0].y, take->most);
       for (int i = 0; i < 2; i++)
         if (half[i]) {
           half[i]->next = todo;

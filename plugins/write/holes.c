@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* GDSII knows no holes: each hole is given to its outline, and outlines with
-   holes are cut into rectangles. */
+/* Layout files know no holes: each hole is given to its outline, and outlines
+   with holes are cut into rectangles. */
 #include <string.h>
 
 #include "polygons.h"
@@ -122,7 +122,7 @@ static int gather(const sorting *o, size_t i, uint32_t n_holes,
 }
 
 static int put_boxes(const sorting *o, size_t i, uint32_t n_holes,
-                     const gds_taker *take, opc_error *error) {
+                     const polygon_taker *take, opc_error *error) {
   const opc_host *host = o->host;
   opc_shapes one = {0};
   opc_box *boxes = NULL;
@@ -145,27 +145,28 @@ static int put_boxes(const sorting *o, size_t i, uint32_t n_holes,
   return code;
 }
 
-static int put_all(sorting *o, const gds_taker *take, opc_error *error) {
+static int put_all(sorting *o, const polygon_taker *take, opc_error *error) {
   const opc_shapes *s = o->shapes;
   if (sort_holes(o, error)) return error->code;
   for (size_t i = 0; i < s->count; i++) {
     if (s->hole[i]) continue;
     uint32_t n_holes = o->first[i + 1] - o->first[i];
-    int code = n_holes ? put_boxes(o, i, n_holes, take, error)
-                       : gds_cut(o->host, s->points + s->start[i],
+    int code = n_holes
+                   ? put_boxes(o, i, n_holes, take, error)
+                   : polygon_cut(o->host, s->points + s->start[i],
                                  s->start[i + 1] - s->start[i], take, error);
     if (code) return code;
   }
   return OPC_OK;
 }
 
-int gds_without_holes(const opc_host *host, const opc_shapes *shapes,
-                      const gds_taker *take, opc_error *error) {
+int polygons_without_holes(const opc_host *host, const opc_shapes *shapes,
+                           const polygon_taker *take, opc_error *error) {
   size_t n = shapes->count;
   if (!shapes->hole) {
     for (size_t i = 0; i < n; i++)
-      if (gds_cut(host, shapes->points + shapes->start[i],
-                  shapes->start[i + 1] - shapes->start[i], take, error))
+      if (polygon_cut(host, shapes->points + shapes->start[i],
+                      shapes->start[i + 1] - shapes->start[i], take, error))
         return error->code;
     return OPC_OK;
   }

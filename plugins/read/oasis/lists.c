@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Point lists and repetitions (SEMI P39, sections 7.6 and 7.7). */
+#include <stdlib.h>
+
+#include "oasis.h"
+
+int oasis_points_add(oasis_stream *s, oasis_points *points, oasis_vector p) {
+  if (points->n == points->room) {
+    size_t wanted = points->room + points->room / 2 + 16;
+    oasis_vector *memory = realloc(points->p, wanted * sizeof *memory);
+    if (!memory) {
+      oasis_no_memory(s);
+      return 0;
+    }
+    points->p = memory;
+    points->room = wanted;
+  }
+  points->p[points->n++] = p;
+  return 1;
+}
+
+static oasis_vector sum(oasis_stream *s, oasis_vector a, oasis_vector b) {
+  return (oasis_vector){oasis_length(s, a.x + b.x), oasis_length(s, a.y + b.y)};
+}
+
+/* ---- point lists ---- */
+
+void oasis_read_points(oasis_stream *s, oasis_points *points, int closed) {
+  uint64_t type = oasis_uint(s), n = oasis_uint(s);
+  if (type > 5) {
+    oasis_refuse(s, "an unknown kind of point list");
+    return;
+  }
+  oasis_vector at = {0, 0}, step = {0, 0};
+  points->n = 0;
+  if (!oasis_points_add(s, points, at)) return;
+  for (uint64_t i = 0; i < n && !s->failed; i++) {
+    oasis_vector d;
+    if (type <= 1)
+      d = oasis_delta1(s, (int)((i + type) % 2 == 0));
+    else if (type == 2)
+      d = oasis_delta2(s);
+    else if (type == 3)
+      d = oasis_delta3(s);
+    else
+      d = oasis_deltag(s);
+    if (type == 5) d = step = sum(s, step, d);
+    at = sum(s, at, d);
+    if (!s->failed) oasis_points_add(s, points, at);
+  }
+  /* The corner before the first point of a rectilinear polygon is implied. */
+  if (closed && type <= 1 && !s->failed) {
+    int horizontal = (int)((n + type) % 2 == 0);
+    at = horizontal ? (oasis_vector){0, at.y} : (oasis_vector){at.x, 0};
+    oasis_points_add(s, points, at);
+  }
+}
+
+/* ---- repetitions ---- */
+
+static uint64_t dimension(oasis_stream *s) {
+  uint64_t n = oasis_uint(s);
+  if (n < (uint64_t)1 << 62) return n + 2;
+  oasis_refuse(s, "a repetition of too many");
+  return 2;
+}
+
+static int64_t space(oasis_stream *s) {
+  uint64_t v = oasis_uint(s);
+  return oasis_length(s, v > INT64_MAX ? INT64_MAX : (int64_t)v);
+}
+
+/* v times the grid of a list. */
+static int64_t on_grid(oasis_stream *s, int64_t v, int64_t grid) {
+  int64_t product;
+  if (__builtin_mul_overflow(v, grid, &product)) product = INT64_MAX;
+  return oasis_length(s, product);
+}
+
+/* Types 4 to 7, along x or y, and 10 and 11. */
+static void read_offsets(oasis_stream *s, uint64_t type, oasis_points *out) {
+  uint64_t n = dimension(s);
+  int64_t grid = type & 1 ? space(s) : 1;
+  oasis_vector at = {0, 0};
+  out->n = 0;
+  if (!s->failed) oasis_points_add(s, out, at);
+  for (uint64_t i = 1; i < n && !s->failed; i++) {
+    oasis_vector d = {0, 0};
+    if (type >= 10)
+      d = oasis_deltag(s);
+    else if (type <= 5)
+      d.x = space(s);
+    else
+      d.y = space(s);
+    d.x = on_grid(s, d.x, grid);
+    d.y = on_grid(s, d.y, grid);
+    at = sum(s, at, d);
+    if (!s->failed) oasis_points_add(s, out, at);
+  }
+}
+
+/* Beyond all coordinates, and what is added to it does not overflow. */
+#define BEYOND ((int64_t)1 << 40)
+
+static void reach_out(oasis_repetition *r, int64_t x, int64_t y) {
+  if (x < r->low.x) r->low.x = x;
+  if (y < r->low.y) r->low.y = y;
+  if (x > r->high.x) r->high.x = x;
+  if (y > r->high.y) r->high.y = y;
+}
+
+/* (n - 1) * step, or BEYOND */
+static int64_t last(uint64_t n, int64_t step) {
+  int64_t product;
+  if (__builtin_mul_overflow((int64_t)n - 1, step, &product)) return BEYOND;
+  return product > BEYOND ? BEYOND : product < -BEYOND ? -BEYOND : product;
+}
+
+static void measure(oasis_repetition *r) {
+  r->low = r->high = (oasis_vector){0, 0};
+  for (size_t i = 0; !r->lattice && i < r->offsets.n; i++)
+    reach_out(r, r->offsets.p[i].x, r->offsets.p[i].y);
+  if (!r->lattice) return;
+  int64_t cx = last(r->columns, r->column.x),
+          cy = last(r->columns, r->column.y);
+  int64_t rx = last(r->rows, r->row.x), ry = last(r->rows, r->row.y);
+  reach_out(r, cx, cy);
+  reach_out(r, rx, ry);
+  reach_out(r, cx + rx, cy + ry);
+}
+
+void oasis_read_repetition(oasis *o) {
+  oasis_stream *s = &o->s;
+  oasis_repetition *r = &o->m.repetition;
+  uint64_t type = oasis_uint(s);
+  if (type > 11) oasis_refuse(s, "an unknown kind of repetition");
+  if (s->failed) return;
+  if (type == 0) {
+    oasis_need(o, HAS_REPETITION,
+               "a repetition like one before, but there is "
+               "none,");
+    return;
+  }
+  r->columns = r->rows = 1;
+  r->column = r->row = (oasis_vector){0, 0};
+  r->lattice = type <= 3 || type == 8 || type == 9;
+  if (type == 1 || type == 2 || type == 8 || type == 9)
+    r->columns = dimension(s);
+  if (type == 1 || type == 3 || type == 8) r->rows = dimension(s);
+  if (type == 1 || type == 2) r->column.x = space(s);
+  if (type == 1 || type == 3) r->row.y = space(s);
+  if (type == 8 || type == 9) r->column = oasis_deltag(s);
+  if (type == 8) r->row = oasis_deltag(s);
+  if (!r->lattice) read_offsets(s, type, &r->offsets);
+  if (s->failed) return;
+  measure(r);
+  o->m.has |= HAS_REPETITION;
+}
+
+uint64_t oasis_members(const oasis_repetition *r) {
+  uint64_t n;
+  if (!r->lattice) return r->offsets.n;
+  return __builtin_mul_overflow(r->columns, r->rows, &n) ? UINT64_MAX : n;
+}
+
+oasis_vector oasis_member(const oasis_repetition *r, uint64_t i) {
+  if (!r->lattice) return r->offsets.p[i];
+  int64_t c = (int64_t)(i % r->columns), k = (int64_t)(i / r->columns);
+  return (oasis_vector){c * r->column.x + k * r->row.x,
+                        c * r->column.y + k * r->row.y};
+}

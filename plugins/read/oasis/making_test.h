@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* OASIS files made by hand, for tests. */
+#ifndef OPCFLOW_OASIS_MAKING_TEST_H
+#define OPCFLOW_OASIS_MAKING_TEST_H
+
+#include <glib.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <zlib.h>
+
+#include "core/plugin/host.h"
+#include "core/plugin/testing.h"
+#include "records.h"
+
+static void put_uint(GByteArray *f, uint64_t v) {
+  for (; v >= 0x80; v >>= 7)
+    g_byte_array_append(f, (const uint8_t[]){(uint8_t)(v | 0x80)}, 1);
+  g_byte_array_append(f, (const uint8_t[]){(uint8_t)v}, 1);
+}
+
+/* u: an unsigned integer (unsigned long), s: a signed one (long), b: a byte
+   (int), r: a whole real (int), t: a string. */
+static void put(GByteArray *f, const char *format, ...) {
+  va_list list;
+  va_start(list, format);
+  for (const char *c = format; *c; c++) {
+    if (*c == 'u') {
+      put_uint(f, va_arg(list, unsigned long));
+    } else if (*c == 's') {
+      long v = va_arg(list, long);
+      put_uint(f, v < 0 ? (uint64_t)-v << 1 | 1 : (uint64_t)v << 1);
+    } else if (*c == 'b') {
+      uint8_t byte = (uint8_t)va_arg(list, int);
+      g_byte_array_append(f, &byte, 1);
+    } else if (*c == 'r') {
+      put_uint(f, 0);
+      put_uint(f, (uint64_t)va_arg(list, int));
+    } else {
+      const char *text = va_arg(list, const char *);
+      put_uint(f, strlen(text));
+      g_byte_array_append(f, (const uint8_t *)text, (guint)strlen(text));
+    }
+  }
+  va_end(list);
+}
+
+/* A file whose tables are told at its end, without cells. */
+static GByteArray *new_file(void) {
+  GByteArray *f = g_byte_array_new();
+  g_byte_array_append(f, (const uint8_t *)OASIS_MAGIC, 13);
+  put(f, "btrb", OASIS_START, "1.0", 1000, 1);
+  return f;
+}
+
+static GByteArray *new_cell(void) {
+  GByteArray *f = new_file();
+  put(f, "bt", OASIS_CELL, "TOP");
+  return f;
+}
+
+static char *save(const GByteArray *f) {
+  char *path = g_build_filename(opc_test_folder(), "made.oas", NULL);
+  remove(path);
+  FILE *file = fopen(path, "wb");
+  g_assert_nonnull(file);
+  g_assert_cmpuint(fwrite(f->data, 1, f->len, file), ==, f->len);
+  fclose(file);
+  return path;
+}
+
+/* END with a validation scheme; its sum is off by `wrong`. */
+static char *finish_sum(GByteArray *f, int scheme, uint32_t wrong) {
+  guint start = f->len;
+  put(f, "b", OASIS_END);
+  for (int i = 0; i < 12; i++) put(f, "b", 0);
+  guint length = 256 - 1 - 12 - 2 - 1 - (scheme ? 4 : 0);
+  put(f, "u", (unsigned long)length);
+  for (guint i = 0; i < length; i++) put(f, "b", 'x');
+  put(f, "b", scheme);
+  uint32_t sum = wrong;
+  if (scheme == OASIS_CRC32) sum += (uint32_t)crc32(0, f->data, f->len);
+  for (guint i = 0; i < f->len && scheme == OASIS_SUM32; i++) sum += f->data[i];
+  for (int i = 0; i < 4 && scheme; i++) put(f, "b", sum >> 8 * i & 0xff);
+  g_assert_cmpuint(f->len, ==, start + 256);
+  char *path = save(f);
+  g_byte_array_free(f, TRUE);
+  return path;
+}
+
+static char *finish(GByteArray *f) { return finish_sum(f, OASIS_NO_CHECK, 0); }
+
+static opc_layout *read_more(const char *path, const char *more,
+                             opc_error *error) {
+  g_autofree char *mapping = g_strdup_printf("{ file: '%s'%s }", path, more);
+  g_autoptr(opc_module) module = opc_test_module("read.oasis", mapping, error);
+  void *output = NULL;
+  if (!module || opc_test_run(module, &output, error)) return NULL;
+  return output;
+}
+
+/* Reads and frees the path. */
+static opc_layout *read_made(char *path) {
+  opc_error e = {0};
+  opc_layout *layout = read_more(path, "", &e);
+  if (!layout) g_error("%s", e.message);
+  g_free(path);
+  return layout;
+}
+
+/* Frees the path. */
+static void refuse(char *path, int code, const char *why) {
+  opc_error e = {0};
+  g_assert_null(read_more(path, "", &e));
+  if (!strstr(e.message, why) || e.code != code)
+    g_error("%d, %s; not %s", e.code, e.message, why);
+  g_free(path);
+}
+
+#endif

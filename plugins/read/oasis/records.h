@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* OASIS records (SEMI P39): their numbers. Shared by the plugins read.oasis
+   and write.oasis. */
+#ifndef OPCFLOW_OASIS_RECORDS_H
+#define OPCFLOW_OASIS_RECORDS_H
+
+#define OASIS_MAGIC "%SEMI-OASIS\r\n"
+
+enum {
+  OASIS_PAD = 0,
+  OASIS_START = 1,
+  OASIS_END = 2,
+  OASIS_CELLNAME = 3,
+  OASIS_CELLNAME_NUMBER = 4,
+  OASIS_TEXTSTRING = 5,
+  OASIS_TEXTSTRING_NUMBER = 6,
+  OASIS_PROPNAME = 7,
+  OASIS_PROPNAME_NUMBER = 8,
+  OASIS_PROPSTRING = 9,
+  OASIS_PROPSTRING_NUMBER = 10,
+  OASIS_LAYERNAME = 11,
+  OASIS_LAYERNAME_TEXT = 12,
+  OASIS_CELL_NUMBER = 13,
+  OASIS_CELL = 14,
+  OASIS_XYABSOLUTE = 15,
+  OASIS_XYRELATIVE = 16,
+  OASIS_PLACEMENT = 17,
+  OASIS_PLACEMENT_REAL = 18,
+  OASIS_TEXT = 19,
+  OASIS_RECTANGLE = 20,
+  OASIS_POLYGON = 21,
+  OASIS_PATH = 22,
+  OASIS_TRAPEZOID = 23,
+  OASIS_TRAPEZOID_A = 24,
+  OASIS_TRAPEZOID_B = 25,
+  OASIS_CTRAPEZOID = 26,
+  OASIS_CIRCLE = 27,
+  OASIS_PROPERTY = 28,
+  OASIS_PROPERTY_AGAIN = 29,
+  OASIS_XNAME = 30,
+  OASIS_XNAME_NUMBER = 31,
+  OASIS_XELEMENT = 32,
+  OASIS_XGEOMETRY = 33,
+  OASIS_CBLOCK = 34
+};
+
+/* Validation schemes. */
+enum { OASIS_NO_CHECK = 0, OASIS_CRC32 = 1, OASIS_SUM32 = 2 };
+
+/* The END record's length. */
+enum { OASIS_END_BYTES = 256 };
+
+/* The order of the name tables in START or END. */
+enum {
+  OASIS_CELLNAMES = 0,
+  OASIS_TEXTSTRINGS = 1,
+  OASIS_PROPNAMES = 2,
+  OASIS_PROPSTRINGS = 3,
+  OASIS_LAYERNAMES = 4,
+  OASIS_XNAMES = 5,
+  OASIS_TABLES = 6
+};
+
+/* The standard property that holds GDSII properties, and the number of the one
+   that names an instance. */
+#define OASIS_GDS_PROPERTY "S_GDS_PROPERTY"
+enum { OASIS_INSTANCE_NAME = 61 };
+
+#endif

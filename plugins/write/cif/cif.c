@@ -1,0 +1,289 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* write.cif: a layout or a corrected mask as a CIF 2.0 file. */
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../../read/layer_number.h"
+#include "../writer.h"
+
+/* ---- state ---- */
+
+typedef struct cif {
+  writer w;
+  char layer[64];
+  char written[64]; /* the layer that the file is at */
+  const opc_layout *layout;
+  int64_t a, b; /* units times a / b are centimicrons */
+  uint64_t calls;
+  size_t changed; /* texts that lost their blanks */
+} cif;
+
+/* Calls that arrays may become, in one file. */
+enum { MAX_CALLS = 1 << 24 };
+
+/* ---- work: names ---- */
+
+/* Whether read.cif, and others, will find the end of it. */
+static int is_word(const char *text) {
+  if (!*text) return 0;
+  for (; *text; text++)
+    if (*text <= ' ' || *text > '~' || strchr(";()", *text)) return 0;
+  return 1;
+}
+
+/* A layer of two numbers is called as KLayout does. */
+static int set_layer(writer *base, const char *layer) {
+  cif *w = (cif *)base;
+  layer_number number;
+  int n;
+  if (layer_number_parse(layer, UINT32_MAX, &number, NULL))
+    n = snprintf(w->layer, sizeof w->layer, "L%uD%u", (unsigned)number.layer,
+                 (unsigned)number.datatype);
+  else if (is_word(layer))
+    n = snprintf(w->layer, sizeof w->layer, "%s", layer);
+  else
+    return 0;
+  return n < (int)sizeof w->layer;
+}
+
+static void at_layer(cif *w) {
+  if (!strcmp(w->layer, w->written)) return;
+  memcpy(w->written, w->layer, sizeof w->written);
+  fprintf(w->w.file, "L %s;\n", w->layer);
+}
+
+/* ---- work: the scale ---- */
+
+/* v as a fraction of whole numbers, by continued fractions: the first that is
+   equal to what a double can tell. 0 if there is none. */
+static int as_fraction(double v, int64_t *a, int64_t *b) {
+  int64_t a0 = 1, b0 = 0, a1 = (int64_t)floor(v), b1 = 1;
+  double rest = v - floor(v);
+  for (int i = 0; i < 40; i++) {
+    if (a1 > 0 && fabs((double)a1 / (double)b1 - v) <= 1e-14 * v) {
+      *a = a1;
+      *b = b1;
+      return 1;
+    }
+    if (rest < 1e-15) return 0;
+    double inverse = 1 / rest;
+    int64_t k = (int64_t)floor(inverse);
+    rest = inverse - floor(inverse);
+    int64_t a2 = k * a1 + a0, b2 = k * b1 + b0;
+    if (k > INT32_MAX || a2 > INT32_MAX || b2 > INT32_MAX) return 0;
+    a0 = a1, b0 = b1;
+    a1 = a2, b1 = b2;
+  }
+  return 0;
+}
+
+static int begin(writer *base, const opc_layout *layout, double unit,
+                 opc_error *error) {
+  cif *w = (cif *)base;
+  w->layout = layout;
+  w->calls = 0;
+  w->changed = 0;
+  if (!(unit < 1e9) || !as_fraction(unit / 10, &w->a, &w->b))
+    return w->w.host->fail(w->w.host, error, OPC_FAILED, NULL,
+                           "a unit of %.17g nm cannot be said in CIF", unit);
+  return OPC_OK;
+}
+
+/* ---- work: cells ---- */
+
+static int begin_cell(writer *base, int32_t cell, const char *name,
+                      opc_error *error) {
+  cif *w = (cif *)base;
+  size_t n = strlen(name);
+  if (!n || name[0] == ' ' || name[n - 1] == ' ' || strchr(name, ';'))
+    return w->w.host->fail(w->w.host, error, OPC_FAILED, NULL,
+                           "'%.200s': CIF has no cells of such a name", name);
+  fprintf(w->w.file, "DS %d %" PRId64 " %" PRId64 ";\n9 %s;\n", cell + 1, w->a,
+          w->b, name);
+  w->written[0] = '\0';
+  return OPC_OK;
+}
+
+/* Whether p is a rectangle whose middle is on the grid. */
+static int is_box(const opc_point *p, size_t n) {
+  if (n != 4) return 0;
+  int first = p[0].y == p[1].y && p[1].x == p[2].x && p[2].y == p[3].y &&
+              p[3].x == p[0].x;
+  int other = p[0].x == p[1].x && p[1].y == p[2].y && p[2].x == p[3].x &&
+              p[3].y == p[0].y;
+  int64_t x = (int64_t)p[0].x + p[2].x, y = (int64_t)p[0].y + p[2].y;
+  int64_t l = (int64_t)p[0].x - p[2].x, h = (int64_t)p[0].y - p[2].y;
+  return (first || other) && x % 2 == 0 && y % 2 == 0 &&
+         llabs(l) <= INT32_MAX && llabs(h) <= INT32_MAX;
+}
+
+static int put_polygon(writer *base, const opc_point *p, size_t n,
+                       opc_error *error) {
+  cif *w = (cif *)base;
+  FILE *file = w->w.file;
+  (void)error;
+  at_layer(w);
+  if (is_box(p, n)) {
+    fprintf(file, "B %lld %lld %lld %lld;\n", llabs((long long)p[0].x - p[2].x),
+            llabs((long long)p[0].y - p[2].y), ((long long)p[0].x + p[2].x) / 2,
+            ((long long)p[0].y + p[2].y) / 2);
+    return OPC_OK;
+  }
+  fputc('P', file);
+  for (size_t i = 0; i < n; i++) fprintf(file, " %d %d", p[i].x, p[i].y);
+  fputs(";\n", file);
+  return OPC_OK;
+}
+
+/* A text is one word. */
+static int put_text(writer *base, opc_point at, const char *text,
+                    opc_error *error) {
+  cif *w = (cif *)base;
+  (void)error;
+  at_layer(w); /* not said with the text: readers differ in what follows */
+  fputs("94 ", w->w.file);
+  if (!*text) fputc('_', w->w.file);
+  if (!is_word(text)) w->changed++;
+  for (const char *c = text; *c; c++)
+    fputc(*c <= ' ' || *c > '~' || strchr(";()", *c) ? '_' : *c, w->w.file);
+  fprintf(w->w.file, " %d %d;\n", at.x, at.y);
+  return OPC_OK;
+}
+
+/* ---- work: placements ---- */
+
+static int refuse(cif *w, const char *child, opc_error *error,
+                  const char *what) {
+  return w->w.host->fail(w->w.host, error, OPC_FAILED, NULL,
+                         "'%.200s' in '%.200s': %s", child, w->w.cell, what);
+}
+
+static void put_call(cif *w, int32_t child, const opc_placement *p, int turns,
+                     opc_point at) {
+  static const char *const turn[] = {"", " R 0 1", " R -1 0", " R 0 -1"};
+  fprintf(w->w.file, "C %d%s%s", child + 1, p->mirror ? " M Y" : "",
+          turn[turns]);
+  if (at.x || at.y) fprintf(w->w.file, " T %d %d", at.x, at.y);
+  fputs(";\n", w->w.file);
+}
+
+/* An array becomes a call for each member. */
+static int put_placement(writer *base, int32_t child, const char *child_name,
+                         const opc_placement *p, const char *name,
+                         opc_error *error) {
+  cif *w = (cif *)base;
+  (void)name;
+  double turns = fmod(p->angle / 90, 4);
+  if (turns < 0) turns += 4;
+  if (p->magnification != 1)
+    return refuse(w, child_name, error, "CIF cannot magnify a cell");
+  if (turns != floor(turns))
+    return refuse(w, child_name, error,
+                  "a cell can only be turned by right angles here");
+  w->calls += (uint64_t)p->columns * p->rows;
+  if (w->calls > MAX_CALLS || (uint64_t)p->columns * p->rows > MAX_CALLS)
+    return refuse(w, child_name, error,
+                  "CIF knows no arrays, and their members are too many");
+  for (uint32_t r = 0; r < p->rows; r++)
+    for (uint32_t c = 0; c < p->columns; c++) {
+      opc_point row, at;
+      if (!writer_along(p->origin, r, p->row_step, &row) ||
+          !writer_along(row, c, p->column_step, &at))
+        return refuse(w, child_name, error,
+                      "the array leaves the range of coordinates");
+      put_call(w, child, p, (int)turns, at);
+    }
+  return OPC_OK;
+}
+
+static int end_cell(writer *base, opc_error *error) {
+  cif *w = (cif *)base;
+  (void)error;
+  fputs("DF;\n", w->w.file);
+  return OPC_OK;
+}
+
+/* ---- work: the end ---- */
+
+/* Call the cells that no other one places. */
+static int put_tops(cif *w, opc_error *error) {
+  const opc_layout_service *l = w->w.host->layout;
+  size_t n = w->layout ? l->cells(w->layout) : 0;
+  if (!w->layout) fputs("C 1;\n", w->w.file);
+  uint8_t *placed = calloc(n + 1, 1);
+  if (!placed) return writer_no_memory(&w->w, error);
+  for (size_t i = 0; i < n; i++)
+    for (size_t k = 0; k < l->instances(w->layout, (int32_t)i); k++) {
+      int32_t child;
+      opc_placement p;
+      l->instance(w->layout, (int32_t)i, k, &child, &p);
+      placed[child] = 1;
+    }
+  for (size_t i = 0; i < n; i++)
+    if (!placed[i]) fprintf(w->w.file, "C %zu;\n", i + 1);
+  free(placed);
+  return OPC_OK;
+}
+
+static int end(writer *base, opc_error *error) {
+  cif *w = (cif *)base;
+  if (put_tops(w, error)) return error->code;
+  fputs("E\n", w->w.file);
+  if (w->changed)
+    w->w.host->log(w->w.host, OPC_LOG_WARNING,
+                   "'%s': %zu texts have characters that CIF lacks, written "
+                   "as '_'",
+                   w->w.path, w->changed);
+  return OPC_OK;
+}
+
+/* ---- parameters ---- */
+
+static const opc_parameter parameters[] =
+    WRITE_PARAMETERS("mask.cif", "Names for layers: { poly: CP }");
+
+/* ---- entry ---- */
+
+static const write_format format = {
+    .size = sizeof(cif),
+    .name = "CIF",
+    .layer = "CP",
+    .most_points = SIZE_MAX,
+    .mask = {"CP", "CA", "CC", "XP", "XA"},
+    .set_layer = set_layer,
+    .begin = begin,
+    .begin_cell = begin_cell,
+    .polygon = put_polygon,
+    .text = put_text,
+    .placement = put_placement,
+    .end_cell = end_cell,
+    .end = end,
+};
+
+static void *create(const opc_host *host, const opc_value *values,
+                    opc_error *error) {
+  return writer_create(host, values, &format, error);
+}
+
+static const opc_step step = {.size = sizeof step, .run = writer_run};
+
+static const opc_plugin plugin = {
+    .size = sizeof plugin,
+    .abi_major = OPC_ABI_MAJOR,
+    .abi_minor = OPC_ABI_MINOR,
+    .id = "write.cif",
+    .version = "0.1.0",
+    .licence = "BSD-3-Clause",
+    .summary = "Write a layout or a mask as a CIF file",
+    .kind = OPC_KIND_STEP,
+    .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+    OPC_PARAMETERS(parameters),
+    .create = create,
+    .destroy = writer_destroy,
+    .operations = &step,
+};
+
+OPC_EXPORT const opc_plugin *opcflow_plugin(void);
+const opc_plugin *opcflow_plugin(void) { return &plugin; }

@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include <string.h>
+
+#include "core/plugin/host.h"
+#include "core/plugin/testing.h"
+
+static const opc_layout_service *l = &opc_layout_functions;
+
+/* What is written, or NULL and *error. */
+static char *write_more(opc_layout *layout, const char *more,
+                        opc_error *error) {
+  static int files;
+  g_autofree char *name = g_strdup_printf("%d.cif", files++);
+  g_autofree char *mapping = g_strdup_printf("{ file: %s%s }", name, more);
+  g_autoptr(opc_module) module = opc_test_module("write.cif", mapping, error);
+  if (!module) return NULL;
+  opc_test_input(module, "layout", layout);
+  void *none = NULL;
+  char *text = NULL;
+  if (opc_test_run(module, &none, error)) return NULL;
+  g_autofree char *path = g_build_filename(opc_test_folder(), name, NULL);
+  g_assert_true(g_file_get_contents(path, &text, NULL, NULL));
+  return text;
+}
+
+static opc_layout *new_layout(double unit) {
+  opc_error e;
+  return l->create(opc_test_host(), unit, &e);
+}
+
+/* All that CIF can say, as it stands in the file. */
+static void test_text(void) {
+  opc_error e = {0};
+  opc_layout *layout = new_layout(0.5);
+  int32_t top = l->cell(layout, "TOP", &e), leaf = l->cell(layout, "LEAF", &e);
+  int32_t poly = l->layer(layout, "poly", &e);
+  int32_t other = l->layer(layout, "65/7", &e);
+  const opc_point kite[] = {{0, 0}, {50, 10}, {60, 60}};
+  l->add_box(layout, leaf, poly, (opc_box){-5, -6, 7, 8}, &e);
+  l->add_box(layout, leaf, poly, (opc_box){0, 0, 7, 8}, &e);
+  l->add_polygon(layout, leaf, other, kite, 3, &e);
+  l->add_text(layout, leaf, poly, (opc_point){1, -2}, "a b;", &e);
+  const opc_placement placements[] = {
+      {{0, 0}, 1, 0, 0, 1, 1, {0, 0}, {0, 0}},
+      {{-1, 2}, 1, 90, 1, 1, 1, {0, 0}, {0, 0}},
+      {{3, 4}, 1, 180, 0, 2, 2, {10, 0}, {0, 20}},
+      {{3, 4}, 1, -90, 0, 1, 1, {0, 0}, {0, 0}},
+  };
+  for (size_t i = 0; i < G_N_ELEMENTS(placements); i++)
+    l->add_instance(layout, top, leaf, &placements[i], NULL, &e);
+  opc_test_forget();
+  g_autofree char *got = write_more(layout, ", layers: { poly: CP }", &e);
+  g_assert_cmpstr(got, ==,
+                  "DS 1 1 20;\n9 TOP;\n"
+                  "C 2;\nC 2 M Y R 0 1 T -1 2;\n"
+                  "C 2 R -1 0 T 3 4;\nC 2 R -1 0 T 13 4;\n"
+                  "C 2 R -1 0 T 3 24;\nC 2 R -1 0 T 13 24;\n"
+                  "C 2 R 0 -1 T 3 4;\nDF;\n"
+                  "DS 2 1 20;\n9 LEAF;\n"
+                  "L CP;\nB 12 14 1 1;\nP 0 0 7 0 7 8 0 8;\n"
+                  "L L65D7;\nP 0 0 50 10 60 60;\n"
+                  "L CP;\n94 a_b_ 1 -2;\nDF;\n"
+                  "C 1;\nE\n");
+  g_assert_nonnull(strstr(opc_test_log(), "1 texts have characters"));
+  l->destroy(layout);
+}
+
+static void refuse(const opc_placement *p, const char *name, const char *why) {
+  opc_error e = {0};
+  opc_layout *layout = new_layout(1);
+  int32_t top = l->cell(layout, "TOP", &e), leaf = l->cell(layout, name, &e);
+  l->add_instance(layout, top, leaf, p, NULL, &e);
+  g_assert_null(write_more(layout, "", &e));
+  if (!strstr(e.message, why)) g_error("%s", e.message);
+  l->destroy(layout);
+}
+
+static void test_refusals(void) {
+  opc_placement p = {{0, 0}, 1, 0, 0, 1, 1, {0, 0}, {0, 0}};
+  refuse(&p, "A;B", "'A;B': CIF has no cells of such a name");
+  p.magnification = 2;
+  refuse(&p, "LEAF", "'LEAF' in 'TOP': CIF cannot magnify a cell");
+  p.magnification = 1;
+  p.angle = 45;
+  refuse(&p, "LEAF", "'LEAF' in 'TOP': a cell can only be turned");
+  p.angle = 0;
+  p.columns = p.rows = 1u << 31;
+  refuse(&p, "LEAF", "'LEAF' in 'TOP': CIF knows no arrays");
+  opc_error e = {0};
+  opc_layout *layout = new_layout(1e-10);
+  l->cell(layout, "TOP", &e);
+  g_autofree char *text = write_more(layout, "", &e);
+  g_assert_null(text);
+  g_assert_nonnull(strstr(e.message, "cannot be said in CIF"));
+  g_assert_null(write_more(layout, ", layers: { poly: 'a b' }", &e));
+  g_assert_nonnull(strstr(e.message, "'a b': a layer is written CP"));
+  l->destroy(layout);
+}
+
+/* Units are kept to the last digit. */
+static void test_units(void) {
+  static const struct {
+    double unit;
+    const char *scale;
+  } cases[] = {{10, "DS 1 1 1;"},         {1, "DS 1 1 10;"},
+               {25, "DS 1 5 2;"},         {0.13, "DS 1 13 1000;"},
+               {1e-3, "DS 1 1 10000;"},   {10 / 3.0, "DS 1 1 3;"},
+               {65 * 0.7, "DS 1 91 20;"}, {1000, "DS 1 100 1;"}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    opc_error e = {0};
+    opc_layout *layout = new_layout(cases[i].unit);
+    l->cell(layout, "TOP", &e);
+    g_autofree char *text = write_more(layout, "", &e);
+    if (!text) g_error("%s", e.message);
+    if (!g_str_has_prefix(text, cases[i].scale)) g_error("%s", text);
+    l->destroy(layout);
+  }
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/write-cif/text", test_text);
+  g_test_add_func("/write-cif/refusals", test_refusals);
+  g_test_add_func("/write-cif/units", test_units);
+  return g_test_run();
+}
