@@ -2,6 +2,7 @@
 #include "bench/bench.h"
 
 #include <json-glib/json-glib.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -26,7 +27,7 @@ void bench_report(const char *name, double value, const char *unit,
   all.value[i] = value;
   all.reach[i] = reach;
   int good = better == BENCH_LOWER ? value <= reach : value >= reach;
-  all.reached[i] = good ? "yes" : "no";
+  all.reached[i] = !isfinite(reach) ? "" : good ? "yes" : "no";
 }
 
 static void show(const char *name) {
@@ -59,7 +60,10 @@ static JsonNode *figure_list(void) {
     json_builder_set_member_name(b, "unit");
     json_builder_add_string_value(b, all.unit[i]);
     json_builder_set_member_name(b, "reach");
-    json_builder_add_double_value(b, all.reach[i]);
+    if (isfinite(all.reach[i]))
+      json_builder_add_double_value(b, all.reach[i]);
+    else
+      json_builder_add_null_value(b);
     json_builder_set_member_name(b, "better");
     json_builder_add_string_value(b, all.better[i]);
     json_builder_end_object(b);

@@ -8,7 +8,8 @@
 
 enum { BENCH_LOWER, BENCH_HIGHER }; /* which is better */
 
-/* Keep a figure for bench_write. Names are "circuit.figure". */
+/* Keep a figure for bench_write. Names are "circuit.figure". `reach` is
+   INFINITY where there is nothing to reach (null in the file). */
 void bench_report(const char *name, double value, const char *unit,
                   double reach, int better);
 

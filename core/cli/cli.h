@@ -38,13 +38,27 @@ typedef struct cli_verb {
   const char *summary;
   /* The work. `argv` as main got it. */
   int (*run)(const struct cli_verb *verb, int argc, char **argv);
+  const char *words; /* what the first argument may be, with | between; NULL */
+  gboolean hidden;   /* for shells, not for people */
 } cli_verb;
 
-extern const cli_verb cli_run, cli_check, cli_plugins, cli_inspect, cli_version,
-    cli_help;
+extern const cli_verb cli_run, cli_check, cli_plugins, cli_inspect, cli_schema,
+    cli_new, cli_version, cli_help, cli_complete;
 
-/* All verbs, NULL-terminated. */
+/* All verbs, NULL-terminated; the hidden ones come last. */
 extern const cli_verb *const cli_verbs[];
+const cli_verb *cli_find_verb(const char *name);
+
+/* Tell what a verb takes: `options` and `common` are those of the verb and of
+   all, and end with an empty one. */
+typedef void (*cli_teller)(const cli_verb *verb, const cli_option *options,
+                           const cli_option *common, void *data);
+
+/* Have `tell` called with the options of a verb. */
+void cli_ask(const cli_verb *verb, cli_teller tell, void *data);
+
+/* Print the manual page of a verb, of the command itself for NULL; roff. */
+void cli_print_manual(const cli_verb *verb);
 
 /* Read options and at least `least`, at most `most` other arguments, which are
    put into `rest`. -1 to go on; otherwise the exit code, everything being said
@@ -57,13 +71,27 @@ int cli_parse(const cli_verb *verb, int argc, char **argv,
 /* The folders of --plugin-path so far, for opc_registry_new. */
 const char *const *cli_plugin_path(void);
 
+/* All plugins that can be used, by id: const opc_plugin *. */
+GPtrArray *cli_usable_plugins(opc_registry *registry);
+
+/* How long one plugin may take to load, s. */
+#define CLI_PATIENCE 10.0
+
 /* ---- messages on standard error ---- */
 
 /* "error: ...", "warning: ..." with colour on a terminal. */
 void cli_message(const char *kind, const char *format, ...) OPC_PRINTF(2, 3);
 
+/* What is no fault, but should be changed. */
+void cli_warnings(const opc_problems *problems);
+
 /* All problems; the exit code that they stand for. */
 int cli_problems(opc_problems *problems);
+
+/* Those problems as they are found in JSON documents: a list of { file, line,
+   column, message, exit }; file, line and column are left out where there is
+   none. */
+JsonNode *cli_problems_json(opc_problems *problems);
 
 /* Whether to move a cursor and to use colour. */
 gboolean cli_is_terminal(void);

@@ -262,4 +262,7 @@ static int run(const cli_verb *verb, int argc, char **argv) {
   return CLI_GOOD;
 }
 
-const cli_verb cli_inspect = {"inspect", "ID", "Tell all about a plugin", run};
+const cli_verb cli_inspect = {.name = "inspect",
+                              .arguments = "ID",
+                              .summary = "Tell all about a plugin",
+                              .run = run};

@@ -3,13 +3,14 @@
 #include <string.h>
 
 #include "core/cli/cli.h"
+#include "core/plugin/guard.h"
 #include "core/plugin/suggest.h"
 
-const cli_verb *const cli_verbs[] = {&cli_run,     &cli_check,   &cli_plugins,
-                                     &cli_inspect, &cli_version, &cli_help,
-                                     NULL};
+const cli_verb *const cli_verbs[] = {
+    &cli_run, &cli_check,   &cli_plugins, &cli_inspect,  &cli_schema,
+    &cli_new, &cli_version, &cli_help,    &cli_complete, NULL};
 
-static const cli_verb *find_verb(const char *name) {
+const cli_verb *cli_find_verb(const char *name) {
   for (size_t i = 0; cli_verbs[i]; i++)
     if (!strcmp(cli_verbs[i]->name, name)) return cli_verbs[i];
   return NULL;
@@ -17,7 +18,7 @@ static const cli_verb *find_verb(const char *name) {
 
 static int unknown_verb(const char *name) {
   g_autoptr(GPtrArray) names = g_ptr_array_new();
-  for (size_t i = 0; cli_verbs[i]; i++)
+  for (size_t i = 0; cli_verbs[i] && !cli_verbs[i]->hidden; i++)
     g_ptr_array_add(names, (char *)cli_verbs[i]->name);
   g_autofree char *suggestion = opc_suggestion(name, names);
   cli_message("error", "unknown verb '%s'%s", name,
@@ -29,6 +30,7 @@ static int unknown_verb(const char *name) {
    as if it stood behind. */
 int main(int argc, char **argv) {
   setlocale(LC_CTYPE, "");
+  opc_guard_install(cli_is_terminal() ? "\r\033[K" : NULL);
   int at = 1;
   while (at < argc && *argv[at] == '-') {
     gboolean path = !strcmp(argv[at], "--plugin-path");
@@ -43,7 +45,7 @@ int main(int argc, char **argv) {
     cli_message("error", "no verb given, see 'opcflow help'");
     return CLI_USAGE;
   }
-  const cli_verb *verb = find_verb(argv[at]);
+  const cli_verb *verb = cli_find_verb(argv[at]);
   if (!verb) return unknown_verb(argv[at]);
   g_autoptr(GPtrArray) words = g_ptr_array_new();
   for (int i = 1; i < argc; i++)

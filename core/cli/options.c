@@ -28,12 +28,25 @@ static void print_option(const cli_option *o) {
 }
 
 static void print_help(const cli_verb *verb, const cli_option *options,
-                       const cli_option *common) {
+                       const cli_option *common, void *data) {
+  (void)data;
   cli_print("usage: opcflow %s%s%s%s\n\n%s.\n\n", verb->name,
             *verb->arguments ? " " : "", verb->arguments,
             options && options->name ? " [OPTIONS]" : "", verb->summary);
   for (; options && options->name; options++) print_option(options);
   for (; common->name; common++) print_option(common);
+}
+
+/* Who is told the options of a verb that is asked for its help. */
+static cli_teller teller = print_help;
+static void *teller_data;
+
+void cli_ask(const cli_verb *verb, cli_teller tell, void *data) {
+  char *help[] = {(char *)"--help"};
+  teller = tell;
+  teller_data = data;
+  verb->run(verb, 1, help);
+  teller = print_help;
 }
 
 /* ---- reading ---- */
@@ -130,7 +143,7 @@ int cli_parse(const cli_verb *verb, int argc, char **argv,
     if (code >= 0) return code;
   }
   if (help) {
-    print_help(verb, options, common);
+    teller(verb, options, common, teller_data);
     return CLI_GOOD;
   }
   return check_rest(verb, least, most, rest);

@@ -45,6 +45,13 @@ void cli_message(const char *kind, const char *format, ...) {
           coloured ? "\033[0m" : "", text);
 }
 
+void cli_warnings(const opc_problems *problems) {
+  for (guint i = 0; i < problems->warnings->len; i++) {
+    g_autofree char *text = opc_problem_text(problems->warnings->pdata[i]);
+    cli_message("warning", "%s", text);
+  }
+}
+
 int cli_problems(opc_problems *problems) {
   int code = opc_problems_code(problems);
   opc_problems_sort(problems);
@@ -57,6 +64,26 @@ int cli_problems(opc_problems *problems) {
       cli_message("error", "%s", text);
   }
   return cli_exit_code(code);
+}
+
+JsonNode *cli_problems_json(opc_problems *problems) {
+  JsonArray *list = json_array_new();
+  opc_problems_sort(problems);
+  for (guint i = 0; i < problems->list->len; i++) {
+    const opc_problem *problem = problems->list->pdata[i];
+    JsonObject *o = json_object_new();
+    if (problem->file) json_object_set_string_member(o, "file", problem->file);
+    if (problem->file && problem->line) {
+      json_object_set_int_member(o, "line", problem->line);
+      json_object_set_int_member(o, "column", problem->column);
+    }
+    json_object_set_string_member(o, "message", problem->message);
+    json_object_set_int_member(o, "exit", cli_exit_code(problem->code));
+    json_array_add_object_element(list, o);
+  }
+  JsonNode *node = json_node_new(JSON_NODE_ARRAY);
+  json_node_take_array(node, list);
+  return node;
 }
 
 void cli_print(const char *format, ...) {

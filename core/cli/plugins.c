@@ -3,11 +3,21 @@
 #include "core/flow/table.h"
 #include "core/plugin/declaration.h"
 
-/* How long one plugin may take to load, s. */
-static const double patience = 10;
-
 static gboolean is_usable(const opc_candidate *c) {
   return !c->reason && !c->hidden_by;
+}
+
+GPtrArray *cli_usable_plugins(opc_registry *registry) {
+  GPtrArray *plugins = g_ptr_array_new();
+  g_autoptr(GPtrArray) list = opc_registry_scan(registry, CLI_PATIENCE);
+  for (guint i = 0; i < list->len; i++) {
+    const opc_candidate *c = list->pdata[i];
+    opc_error error;
+    const opc_plugin *plugin =
+        is_usable(c) ? opc_registry_find(registry, c->id, &error) : NULL;
+    if (plugin) g_ptr_array_add(plugins, (void *)plugin);
+  }
+  return plugins;
 }
 
 static char *why_not(const opc_candidate *c) {
@@ -105,7 +115,7 @@ static int run(const cli_verb *verb, int argc, char **argv) {
   int code = cli_parse(verb, argc, argv, options, 0, 0, rest);
   if (code >= 0) return code;
   g_autoptr(opc_registry) registry = opc_registry_new(cli_plugin_path());
-  g_autoptr(GPtrArray) list = opc_registry_scan(registry, patience);
+  g_autoptr(GPtrArray) list = opc_registry_scan(registry, CLI_PATIENCE);
   guint bad = count_failed(list);
   if (json)
     print_json(list, failed);
@@ -121,4 +131,7 @@ static int run(const cli_verb *verb, int argc, char **argv) {
   return CLI_GOOD;
 }
 
-const cli_verb cli_plugins = {"plugins", "", "List the plugins", run};
+const cli_verb cli_plugins = {.name = "plugins",
+                              .arguments = "",
+                              .summary = "List the plugins",
+                              .run = run};

@@ -41,6 +41,21 @@ void cli_progress_log(void *data, const char *path, int level,
   g_mutex_unlock(&p->lock);
 }
 
+void cli_progress_point(void *data, size_t number, size_t count) {
+  cli_progress *p = data;
+  g_mutex_lock(&p->lock);
+  p->point = number;
+  p->points = count;
+  g_mutex_unlock(&p->lock);
+}
+
+/* "point 3/12 [2/5] mask" */
+static void append_step(GString *line, const cli_progress *p) {
+  if (p->points)
+    g_string_append_printf(line, "point %zu/%zu ", p->point, p->points);
+  g_string_append_printf(line, "[%zu/%zu] %s", p->number, p->count, p->step);
+}
+
 void cli_progress_step(void *data, const char *name, size_t number,
                        size_t count) {
   cli_progress *p = data;
@@ -52,8 +67,10 @@ void cli_progress_step(void *data, const char *name, size_t number,
   p->began = g_get_monotonic_time();
   p->last = 0;
   if (p->shown) {
+    g_autoptr(GString) line = g_string_new(NULL);
+    append_step(line, p);
     wipe(p);
-    fprintf(stderr, "[%zu/%zu] %s", number, count, name);
+    fputs(line->str, stderr);
     fflush(stderr);
   }
   g_mutex_unlock(&p->lock);
@@ -78,7 +95,7 @@ void cli_progress_show(void *data, const char *path, const opc_progress *at) {
   if (now - p->last >= PAUSE) {
     p->last = now;
     g_autoptr(GString) line = g_string_new(NULL);
-    g_string_printf(line, "[%zu/%zu] %s", p->number, p->count, p->step);
+    append_step(line, p);
     if (isfinite(at->done)) g_string_append_printf(line, "  %g", at->done);
     if (isfinite(at->done) && isfinite(at->total))
       g_string_append_printf(line, "/%g", at->total);

@@ -11,7 +11,8 @@ typedef struct cli_progress {
   GMutex lock;
   char *step;
   size_t number, count;
-  gint64 began, last; /* of the step, of the last line; us */
+  size_t point, points; /* of a sweep; 0: none */
+  gint64 began, last;   /* of the step, of the last line; us */
 } cli_progress;
 
 /* `shown` is left FALSE where standard error is no terminal. */
@@ -23,6 +24,7 @@ void cli_progress_log(void *data, const char *path, int level,
                       const char *message);
 void cli_progress_step(void *data, const char *name, size_t number,
                        size_t count);
+void cli_progress_point(void *data, size_t number, size_t count);
 void cli_progress_show(void *data, const char *path,
                        const opc_progress *progress);
 

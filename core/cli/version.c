@@ -27,4 +27,7 @@ static int run(const cli_verb *verb, int argc, char **argv) {
   return CLI_GOOD;
 }
 
-const cli_verb cli_version = {"version", "", "Tell the version", run};
+const cli_verb cli_version = {.name = "version",
+                              .arguments = "",
+                              .summary = "Tell the version",
+                              .run = run};

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Flow files, checked against the declarations of the real plugins; no
+   instance is made, so that no file but plugins is opened. */
+#include "core/flow/flow.h"
+#include "fuzz/fuzz.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+  static opc_registry *registry;
+  if (!registry) registry = opc_registry_new(NULL);
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  g_autoptr(opc_flow) flow =
+      opc_flow_load(fuzz_file(data, size), NULL, registry, problems);
+  g_autofree char *text = opc_problems_text(problems);
+  if (flow && !*text) g_free(opc_flow_resolved(flow));
+  return 0;
+}

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Fuzzers: one program a parser. Each defines LLVMFuzzerTestOneInput, and is
+   linked with libFuzzer (meson -Dfuzz=true, clang) or with replay.c. */
+#ifndef OPCFLOW_FUZZ_H
+#define OPCFLOW_FUZZ_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+/* The path of a file in memory with this content; the same one each time. */
+const char *fuzz_file(const uint8_t *data, size_t size);
+
+#endif
