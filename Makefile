@@ -3,6 +3,7 @@
 # make test    the same, then run every test
 # make bench   the benchmarks; results in build/bench/NAME.json
 # make sanitize  every test under AddressSanitizer and UBSan
+# make fuzz [TARGET=gds] [RUNS=10000000]  libFuzzer on the parsers, with clang
 # make lint    clang-tidy over all code
 # make install PREFIX=...
 
@@ -11,7 +12,7 @@ PREFIX ?= /usr/local
 MESON_FLAGS ?=
 export MESONFLAGS =
 
-.PHONY: demo test bench sanitize lint install build clean
+.PHONY: demo test bench sanitize fuzz lint install build clean
 
 demo: build
 	$(BUILD)/opcflow run flows/demo.yaml
@@ -36,6 +37,12 @@ sanitize:
 	@$(MAKE) --no-print-directory test BUILD=build-sanitize \
 	  MESON_FLAGS="--buildtype debugoptimized -Db_sanitize=address,undefined -Db_lundef=false"
 
+TARGET ?= all
+RUNS ?= 10000000
+fuzz:
+	@tools/install-packages clang libclang-rt-14-dev
+	@tools/fuzz build-fuzz $(TARGET) $(RUNS)
+
 lint: build
 	@tools/install-packages clang-tidy
 	@tools/lint $(BUILD)
@@ -44,4 +51,4 @@ install: build
 	meson install -C $(BUILD)
 
 clean:
-	rm -rf build build-sanitize
+	rm -rf build build-sanitize build-fuzz

@@ -3,9 +3,11 @@
 #include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <json-glib/json-glib.h>
+#include <pty.h>
 #include <signal.h>
 #include <string.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include "core/flow/files.h"
 
@@ -269,12 +271,123 @@ static void test_taken(void) {
                   ==, 2);
 }
 
-static void test_interrupt(void) {
-  const char *argv[] = {command, "run",   "two.yaml",      "--output",
-                        "i/x",   "--set", "b.behave=wait", NULL};
+/* ---- variants and sweeps ---- */
+
+static void test_variants(void) {
+  write_flow("var.yaml",
+             "opcflow: 1\nextends: two.yaml\nvariants:\n"
+             "  big: { b.size: 20 nm }\n  bad: { b.behave: fail }\n"
+             "  less: { b.add: ~ }\n");
+  g_assert_cmpint(call("check var.yaml"), ==, 0);
+  g_assert_cmpint(call("run var.yaml --variant bgi"), ==, 2);
+  g_assert_cmpstr(err, ==,
+                  "var.yaml: unknown variant 'bgi', did you mean 'big'?\n");
+  g_assert_cmpint(call("run var.yaml --variant big"), ==, 0);
+  g_autofree char *big = read_text("runs/var-big/b.numbers.csv");
+  g_assert_nonnull(strstr(big, "plain,93.00,1\r\n"));
+  /* One that fails does not keep the others from running. */
+  g_assert_cmpint(call("run var.yaml --variant all --output v"), ==, 4);
+  g_assert_true(is_there("v/big/flow.yaml"));
+  g_assert_true(is_there("v/bad.failed/flow.yaml"));
+  g_assert_true(is_there("v/less/flow.yaml"));
+  g_autofree char *less = read_text("v/less/numbers.csv");
+  g_assert_nonnull(strstr(less, "plain,6.00,1\r\n"));
+  g_assert_cmpint(call("run v/big/flow.yaml --output v/again"), ==, 0);
+  g_autofree char *again = read_text("v/again/b.numbers.csv");
+  g_assert_cmpstr(big, ==, again);
+  g_assert_cmpint(call("run var.yaml --variant base --variant big --json"), ==,
+                  0);
+  g_autoptr(JsonNode) node = json_from_string(out, NULL);
+  g_assert_cmpuint(json_array_get_length(json_node_get_array(node)), ==, 2);
+  write_flow("wrong.yaml",
+             "opcflow: 1\nextends: two.yaml\nvariants: { x: { b.size: 1 V } "
+             "}\n");
+  g_assert_cmpint(call("check wrong.yaml"), ==, 2);
+  g_assert_cmpstr(err, ==,
+                  "wrong.yaml:3:26: 'size' needs a length, not '1 V' (variant "
+                  "'x')\n");
+  g_assert_cmpint(call("run wrong.yaml"), ==, 0);
+}
+
+/* b depends on a, which is not swept: a runs once. */
+static void test_sweep(void) {
+  write_flow("sweep.yaml",
+             "opcflow: 1\nextends: two.yaml\nsweep:\n"
+             "  b.size: [1 nm, 2 nm]\n"
+             "  b.whole: { from: 10, to: 30, step: 10 }\n");
+  g_assert_cmpint(call("check sweep.yaml"), ==, 0);
+  g_assert_cmpint(call("run sweep.yaml --output s"), ==, 0);
+  g_assert_cmpstr(err, ==, "");
+  g_autofree char *table = read_text("s/sweep.csv");
+  g_auto(GStrv) lines = g_strsplit(table, "\r\n", -1);
+  g_assert_cmpuint(g_strv_length(lines), ==, 8);
+  g_assert_cmpstr(
+      lines[0], ==,
+      "point,b.size (nm),b.whole,a.sum (nm),b.sum (nm),seconds,result");
+  g_assert_true(g_str_has_prefix(lines[1], "1,1,10,69,83,"));
+  g_assert_true(g_str_has_prefix(lines[3], "3,1,30,69,103,"));
+  g_assert_true(g_str_has_prefix(lines[6], "6,2,30,69,104,"));
+  g_assert_true(g_str_has_suffix(lines[6], ",good"));
+  /* a.sum does not change and is not shown. */
+  g_assert_nonnull(strstr(out, "point  b.size (nm)  b.whole  b.sum (nm)\n"));
+  /* What a wrote is there once; of the points only the table. */
+  g_assert_true(is_there("s/deep/er/out.txt"));
+  g_assert_true(is_there("s/numbers.csv"));
+  g_assert_cmpuint(entries("s"), ==, 6);
+  /* The resolved flow sweeps again. */
+  g_autofree char *resolved = read_text("s/flow.yaml");
+  g_assert_nonnull(strstr(resolved, "\nsweep:\n  b.size: [1 nm, 2 nm]"));
+  g_assert_cmpint(call("run s/flow.yaml --output s2 --keep"), ==, 0);
+  g_assert_cmpuint(entries("s2"), ==, 12);
+  g_autofree char *second = read_text("s2/sweep.csv");
+  g_auto(GStrv) others = g_strsplit(second, "\r\n", -1);
+  g_assert_cmpstr(others[0], ==, lines[0]);
+  g_assert_true(g_str_has_prefix(others[6], "6,2,30,69,104,"));
+  /* So does that of a point, alone. */
+  g_assert_cmpint(call("run s2/0006/flow.yaml --output s3"), ==, 0);
+  g_autofree char *csv = read_text("s3/b.numbers.csv");
+  g_assert_nonnull(strstr(csv, "plain,104.00,1\r\n"));
+  g_assert_cmpuint(entries("s3"), ==, 6);
+}
+
+/* A point that fails is told of, and the others run. */
+static void test_failing_points(void) {
+  g_assert_cmpint(call("run two.yaml --output p --sweep "
+                       "b.behave=[well,fail,well]"),
+                  ==, 4);
+  g_assert_cmpstr(err, ==, "error: 1 of 3 points failed\n");
+  g_autofree char *table = read_text("p/sweep.csv");
+  g_auto(GStrv) lines = g_strsplit(table, "\r\n", -1);
+  g_assert_true(g_str_has_prefix(lines[1], "1,well,69,"));
+  g_assert_true(g_str_has_prefix(lines[2], "2,fail,69,,"));
+  g_assert_nonnull(strstr(lines[2],
+                          "step 'b' (test.numbers): 2 nm is not "
+                          "possible"));
+  g_assert_true(g_str_has_suffix(lines[3], ",good"));
+  g_assert_cmpint(call("run two.yaml --output q --sweep "
+                       "b.behave=[well,limit]"),
+                  ==, 1);
+  /* One that all points need is as ever. */
+  g_assert_cmpint(call("run two.yaml --output p2 --set a.behave=fail --sweep "
+                       "b.whole=[1,2]"),
+                  ==, 4);
+  g_assert_false(is_there("p2"));
+  g_assert_cmpint(call("run two.yaml --output p3 --sweep b.whole=[1,x]"), ==,
+                  2);
+  g_assert_cmpstr(err, ==,
+                  "--sweep b.whole: 'whole' needs a whole number, not 'x'\n");
+  g_assert_false(is_there("p3"));
+}
+
+/* Stop a run, whose second step waits. */
+static void interrupt(const char *option, const char *value) {
+  const char *argv[] = {command, "run",  "two.yaml", "--output",
+                        "i/x",   option, value,      NULL};
   g_autoptr(GError) fault = NULL;
-  g_autoptr(GSubprocess) process =
-      g_subprocess_newv(argv, G_SUBPROCESS_FLAGS_STDERR_SILENCE, &fault);
+  g_autoptr(GSubprocess) process = g_subprocess_newv(
+      argv,
+      G_SUBPROCESS_FLAGS_STDOUT_SILENCE | G_SUBPROCESS_FLAGS_STDERR_SILENCE,
+      &fault);
   g_assert_no_error(fault);
   /* Once the first step has written its table, the second one waits. */
   for (int i = 0; i < 500 && !entries("i"); i++) g_usleep(10000);
@@ -285,6 +398,43 @@ static void test_interrupt(void) {
   g_assert_true(g_subprocess_get_if_exited(process));
   g_assert_cmpint(g_subprocess_get_exit_status(process), ==, 130);
   g_assert_cmpuint(entries("i"), ==, 0);
+}
+
+static void test_interrupt(void) {
+  interrupt("--set", "b.behave=wait");
+  interrupt("--sweep", "b.behave=[well,wait,well]");
+}
+
+/* What a command that fails says on a terminal. */
+static char *say_on_terminal(const char *no_colour) {
+  int terminal;
+  g_auto(GStrv) environment = g_get_environ();
+  environment = g_environ_setenv(environment, "TERM", "xterm", TRUE);
+  environment = g_environ_setenv(environment, "NO_COLOR", no_colour, TRUE);
+  pid_t pid = forkpty(&terminal, NULL, NULL, NULL);
+  g_assert_cmpint(pid, >=, 0);
+  if (!pid) {
+    execle(command, command, "run", "none.yaml", NULL, environment);
+    _exit(1);
+  }
+  GString *said = g_string_new(NULL);
+  char bytes[256];
+  ssize_t n;
+  while ((n = read(terminal, bytes, sizeof bytes)) > 0)
+    g_string_append_len(said, bytes, n);
+  close(terminal);
+  int status;
+  g_assert_cmpint(waitpid(pid, &status, 0), ==, pid);
+  g_assert_cmpint(WEXITSTATUS(status), ==, 5);
+  return g_string_free(said, FALSE);
+}
+
+static void test_colour(void) {
+  g_autofree char *coloured = say_on_terminal("");
+  g_autofree char *plain = say_on_terminal("1");
+  g_assert_nonnull(strstr(coloured, "\033[31merror:\033[0m 'none.yaml'"));
+  g_assert_cmpstr(plain, ==, "error: 'none.yaml': no such file\r\n");
+  g_assert_null(strchr(plain, '\033'));
 }
 
 static void test_full(void) {
@@ -315,7 +465,11 @@ int main(int argc, char **argv) {
   g_test_add_func("/command/folders", test_folders);
   g_test_add_func("/command/failures", test_failures);
   g_test_add_func("/command/taken", test_taken);
+  g_test_add_func("/command/variants", test_variants);
+  g_test_add_func("/command/sweep", test_sweep);
+  g_test_add_func("/command/failing-points", test_failing_points);
   g_test_add_func("/command/interrupt", test_interrupt);
+  g_test_add_func("/command/colour", test_colour);
   g_test_add_func("/command/full", test_full);
   int failed = g_test_run();
   g_assert_cmpint(g_chdir("/"), ==, 0);

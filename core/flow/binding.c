@@ -3,8 +3,10 @@
 
 #include <string.h>
 
+#include "core/flow/layers.h"
 #include "core/flow/value.h"
 #include "core/plugin/declaration.h"
+#include "core/plugin/guard.h"
 #include "core/plugin/suggest.h"
 
 /* Slots in slots; a plugin whose default is itself would go on for ever. */
@@ -25,6 +27,25 @@ static opc_binding *bind_use(opc_registry *registry, const opc_node *map,
 
 /* ---- one value ---- */
 
+static opc_node *parse_preset(const binder *b, const opc_parameter *p) {
+  static const opc_source source = {.name = (char *)"default"};
+  opc_node *node = opc_preset_parse(p, &source, b->problems);
+  if (!node) return NULL;
+  opc_node_forget_lines(node);
+  g_ptr_array_add(b->binding->presets, node);
+  return node;
+}
+
+/* Parameters of a slot without their plugin are those of the default one. */
+static const opc_node *over_default(const binder *b, const opc_parameter *p,
+                                    const opc_node *node) {
+  if (!p->preset || opc_node_get(node, "use")) return node;
+  opc_node *preset = parse_preset(b, p);
+  if (!preset || preset->type != OPC_NODE_MAP) return node;
+  opc_lay(preset, node, NULL, b->problems);
+  return preset;
+}
+
 static void bind_slot(const binder *b, size_t i, const opc_node *node,
                       const opc_place *at) {
   opc_binding *binding = b->binding;
@@ -41,6 +62,7 @@ static void bind_slot(const binder *b, size_t i, const opc_node *node,
     return;
   }
   g_autofree char *path = g_strdup_printf("%s.%s", binding->path, p->name);
+  node = over_default(b, p, node);
   binding->values[i].type = OPC_SLOT;
   binding->slots[i] = bind_use(b->registry, node, opc_kind_find(p->choices),
                                path, at, b->flags, b->depth + 1, b->problems);
@@ -61,12 +83,9 @@ static void bind_value(const binder *b, size_t i, const opc_node *node,
 static void bind_default(const binder *b, size_t i) {
   opc_binding *binding = b->binding;
   const opc_parameter *p = opc_parameter_at(binding->plugin, i);
-  static const opc_source source = {(char *)"default", NULL};
   if (p->preset) {
-    opc_node *node = opc_preset_parse(p, &source, b->problems);
-    if (!node) return;
-    g_ptr_array_add(binding->presets, node);
-    bind_value(b, i, node, &binding->at);
+    const opc_node *node = parse_preset(b, p);
+    if (node) bind_value(b, i, node, &binding->at);
   } else if (p->flags & OPC_REQUIRED) {
     if (p->type == OPC_INPUT && b->flags & OPC_BIND_NO_INPUTS)
       binding->values[i].type = OPC_INPUT;
@@ -92,12 +111,46 @@ static GPtrArray *level_names(const opc_plugin *plugin, const char *prefix) {
   return names;
 }
 
+/* Of parameters, or of such as were renamed. */
 static gboolean is_group(const opc_plugin *plugin, const char *name) {
   g_autofree char *prefix = g_strconcat(name, ".", NULL);
   for (size_t i = 0; i < plugin->n_parameters; i++)
     if (g_str_has_prefix(opc_parameter_at(plugin, i)->name, prefix))
       return TRUE;
+  for (size_t i = 0; i < opc_rename_count(plugin); i++)
+    if (g_str_has_prefix(opc_rename_at(plugin, i)->from, prefix)) return TRUE;
   return FALSE;
+}
+
+/* The parameter that `name` means, which may be its old name; -1 if it means
+   none. */
+static int find_meant(const binder *b, const opc_node *key, const char *name) {
+  const opc_plugin *plugin = b->binding->plugin;
+  if (strchr(key->text, '.')) return -1;
+  int i = opc_parameter_find(plugin, name);
+  const opc_rename *r = i < 0 ? opc_rename_find(plugin, name) : NULL;
+  if (!r) return i;
+  opc_warning_add(b->problems, &key->at, "'%s' of '%s' is now '%s'%s%s",
+                  r->from, plugin->id, r->to, r->note ? ": " : "",
+                  r->note ? r->note : "");
+  return opc_parameter_find(plugin, r->to);
+}
+
+/* A parameter may be given once, by its own name or by an old one. */
+static void bind_given(const binder *b, size_t i, const opc_node *key,
+                       const opc_node *node) {
+  opc_binding *binding = b->binding;
+  if (binding->values[i].given) {
+    opc_problem_add(b->problems, OPC_INVALID, &key->at,
+                    "'%s' of '%s' is given twice, by its own name and by an "
+                    "old one",
+                    opc_parameter_at(binding->plugin, i)->name,
+                    binding->plugin->id);
+    return;
+  }
+  binding->origin[i] = node;
+  binding->values[i].given = 1;
+  bind_value(b, i, node, &key->at);
 }
 
 static void unknown_parameter(const binder *b, const opc_node *key,
@@ -116,16 +169,14 @@ static void unknown_parameter(const binder *b, const opc_node *key,
 /* As deep as parameter names have dots. */
 static void bind_map(const binder *b, const opc_node *map, const char *prefix) {
   opc_binding *binding = b->binding;
-  for (guint k = 0; k < map->keys->len; k++) {
+  for (guint k = 0; k < map->keys->len && !opc_problems_full(b->problems);
+       k++) {
     const opc_node *key = map->keys->pdata[k], *node = map->items->pdata[k];
     if (!*prefix && !strcmp(key->text, "use")) continue;
     g_autofree char *name = g_strconcat(prefix, key->text, NULL);
-    int i =
-        strchr(key->text, '.') ? -1 : opc_parameter_find(binding->plugin, name);
+    int i = find_meant(b, key, name);
     if (i >= 0) {
-      binding->origin[i] = node;
-      binding->values[i].given = 1;
-      bind_value(b, (size_t)i, node, &key->at);
+      bind_given(b, (size_t)i, key, node);
     } else if (strchr(key->text, '.') || !is_group(binding->plugin, name)) {
       unknown_parameter(b, key, prefix, name);
     } else if (node->type != OPC_NODE_MAP) {
@@ -135,6 +186,29 @@ static void bind_map(const binder *b, const opc_node *map, const char *prefix) {
       g_autofree char *deeper = g_strconcat(name, ".", NULL);
       bind_map(b, node, deeper);
     }
+  }
+}
+
+static gboolean same(const opc_node *a, const opc_node *b) {
+  if (a->type != b->type || g_strcmp0(a->text, b->text)) return FALSE;
+  if (!a->items) return TRUE;
+  if (a->items->len != b->items->len) return FALSE;
+  for (guint i = 0; i < a->items->len; i++)
+    if ((a->keys && !same(a->keys->pdata[i], b->keys->pdata[i])) ||
+        !same(a->items->pdata[i], b->items->pdata[i]))
+      return FALSE;
+  return TRUE;
+}
+
+/* To write a default out is to give nothing: a resolved flow does it. */
+static void forget_defaults(const binder *b) {
+  opc_binding *binding = b->binding;
+  for (size_t i = 0; i < binding->plugin->n_parameters; i++) {
+    const opc_parameter *p = opc_parameter_at(binding->plugin, i);
+    if (!binding->origin[i] || !p->preset || p->type == OPC_SLOT) continue;
+    const opc_node *preset = parse_preset(b, p);
+    if (preset && same(preset, binding->origin[i]))
+      binding->values[i].given = 0;
   }
 }
 
@@ -158,6 +232,7 @@ static opc_binding *bind_plugin(opc_registry *registry,
   bind_map(&b, map, "");
   for (size_t i = 0; i < plugin->n_parameters; i++)
     if (!binding->values[i].given) bind_default(&b, i);
+  forget_defaults(&b);
   return binding;
 }
 
@@ -222,11 +297,18 @@ static gboolean create_one(opc_binding *b, opc_problems *problems) {
   b->sink.data = b;
   b->host = opc_host_new(&b->sink);
   b->module.plugin = b->plugin;
+  g_autofree char *label = opc_binding_label(b);
+  g_autofree char *where = opc_place_text(&b->at);
+  g_autofree char *guard =
+      g_strdup_printf("%s%s%s", where, *where ? ": " : "", label);
+  opc_guard_where(guard, OPC_CRASH_RUNNING);
+  const char *before = opc_enter(b->plugin->id);
   b->module.self = b->plugin->create(b->host, b->values, &error);
+  opc_leave(before);
+  opc_guard_where(NULL, 0);
   if (b->module.self) return TRUE;
   error.message[sizeof error.message - 1] = 0;
   error.parameter[sizeof error.parameter - 1] = 0;
-  g_autofree char *label = opc_binding_label(b);
   opc_problem_add(problems, error.code ? error.code : OPC_FAILED,
                   opc_binding_place(b, error.parameter), "%s: %s", label,
                   *error.message ? error.message : "gave no reason");
@@ -247,7 +329,11 @@ gboolean opc_binding_create(opc_binding *b, const opc_sink *sink,
 
 void opc_binding_free(opc_binding *b) {
   if (!b) return;
-  if (b->module.self) b->plugin->destroy(b->module.self);
+  if (b->module.self) {
+    const char *before = opc_enter(b->plugin->id);
+    b->plugin->destroy(b->module.self);
+    opc_leave(before);
+  }
   for (size_t i = 0; i < b->plugin->n_parameters; i++)
     opc_binding_free(b->slots[i]);
   if (b->host) opc_host_free(b->host);
@@ -262,25 +348,46 @@ void opc_binding_free(opc_binding *b) {
 
 /* ---- finding one's way back ---- */
 
-static const opc_place *parameter_place(const opc_binding *b,
-                                        const char *name) {
+/* The place of a parameter of this instance or of one in its slots. What is
+   found in a slot is added to `trail`. */
+static const opc_place *find_parameter(const opc_binding *b, const char *name,
+                                       GString *trail) {
   int i = opc_parameter_find(b->plugin, name);
-  if (i >= 0) return b->origin[i] ? &b->origin[i]->at : &b->at;
+  if (i >= 0) {
+    if (b->slots[i])
+      g_string_append_printf(trail, ", %s (%s)", name, b->slots[i]->plugin->id);
+    return b->origin[i] ? &b->origin[i]->at : &b->at;
+  }
   for (size_t s = 0; s < b->plugin->n_parameters; s++) {
     if (!b->slots[s]) continue;
     const char *slot = opc_parameter_at(b->plugin, s)->name;
     const char *rest = g_str_has_prefix(name, slot) ? name + strlen(slot) : "";
+    size_t length = trail->len;
+    g_string_append_printf(trail, ", %s (%s)", slot, b->slots[s]->plugin->id);
     const opc_place *place =
-        *rest == '.' ? parameter_place(b->slots[s], rest + 1) : NULL;
-    if (!place) place = parameter_place(b->slots[s], name);
+        *rest == '.' ? find_parameter(b->slots[s], rest + 1, trail) : NULL;
+    if (!place) place = find_parameter(b->slots[s], name, trail);
     if (place) return place;
+    /* Of that slot's plugin, which has no such parameter. */
+    if (*rest == '.') return b->origin[s] ? &b->origin[s]->at : &b->at;
+    g_string_truncate(trail, length);
   }
   return NULL;
 }
 
+char *opc_binding_culprit(const opc_binding *b, const char *parameter) {
+  GString *trail = g_string_new(NULL);
+  if (*parameter) find_parameter(b, parameter, trail);
+  g_autofree char *label = opc_binding_label(b);
+  g_string_prepend(trail, label);
+  return g_string_free(trail, FALSE);
+}
+
 const opc_place *opc_binding_place(const opc_binding *b,
                                    const char *parameter) {
-  const opc_place *place = *parameter ? parameter_place(b, parameter) : NULL;
+  g_autoptr(GString) trail = g_string_new(NULL);
+  const opc_place *place =
+      *parameter ? find_parameter(b, parameter, trail) : NULL;
   return place ? place : &b->at;
 }
 

@@ -51,6 +51,11 @@ gboolean opc_binding_create(opc_binding *binding, const opc_sink *sink,
 /* "step 'mask' (correct)", "'mask.litho' (litho.hopkins)" */
 char *opc_binding_label(const opc_binding *binding);
 
+/* The same, and after it the plugins in the slots that an error's parameter
+   leads to: "step 'mask' (correct), litho (litho.hopkins)" for "litho" and
+   "litho.sigma". */
+char *opc_binding_culprit(const opc_binding *binding, const char *parameter);
+
 /* Destroy the instances, then all. */
 void opc_binding_free(opc_binding *binding);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_binding, opc_binding_free)

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "core/flow/sha256.h"
 #include "core/plugin/host.h"
 
 static int remove_entry(const char *path, const struct stat *about, int type,
@@ -26,17 +27,17 @@ char *opc_file_sha256(const char *path, opc_error *error) {
     opc_fail(error, OPC_IO, NULL, "'%s': %s", path, g_strerror(errno));
     return NULL;
   }
-  GChecksum *sum = g_checksum_new(G_CHECKSUM_SHA256);
+  opc_sha256 sum;
+  opc_sha256_begin(&sum);
   guchar buffer[65536];
   size_t n;
   while ((n = fread(buffer, 1, sizeof buffer, file)) > 0)
-    g_checksum_update(sum, buffer, (gssize)n);
-  char *text = NULL;
-  if (ferror(file))
+    opc_sha256_add(&sum, buffer, n);
+  char *text = opc_sha256_end(&sum);
+  if (ferror(file)) {
     opc_fail(error, OPC_IO, NULL, "'%s': cannot be read", path);
-  else
-    text = g_strdup(g_checksum_get_string(sum));
-  g_checksum_free(sum);
+    g_clear_pointer(&text, g_free);
+  }
   fclose(file);
   return text;
 }

@@ -3,72 +3,10 @@
 
 #include <string.h>
 
-#include "core/flow/value.h"
-#include "core/plugin/declaration.h"
-#include "core/plugin/suggest.h"
+#include "core/flow/layers.h"
 
 #define WRONG(problems, node, ...) \
   opc_problem_add(problems, OPC_INVALID, &(node)->at, __VA_ARGS__)
-
-/* ---- the head of the file ---- */
-
-static void check_keys(const opc_node *root, opc_problems *problems) {
-  static const char *const known[] = {"opcflow", "name", "description", "steps",
-                                      NULL};
-  g_autoptr(GPtrArray) names = g_ptr_array_new();
-  for (guint i = 0; known[i]; i++) g_ptr_array_add(names, (char *)known[i]);
-  for (guint i = 0; i < root->keys->len; i++) {
-    const opc_node *key = root->keys->pdata[i];
-    if (g_strv_contains(known, key->text)) continue;
-    g_autofree char *suggestion = opc_suggestion(key->text, names);
-    WRONG(problems, key, "unknown key '%s'%s", key->text, suggestion);
-  }
-}
-
-static void check_version(const opc_node *root, opc_problems *problems) {
-  const opc_node *version = opc_node_get(root, "opcflow");
-  if (!version)
-    WRONG(problems, root, "missing 'opcflow: 1', the version of the format");
-  else if (version->type != OPC_NODE_TEXT || strcmp(version->text, "1"))
-    WRONG(problems, version, "'opcflow' must be 1, the version of the format");
-}
-
-/* Letters, digits, '_', '-' and, if `dots`, dots; not a dot first. */
-static gboolean is_name(const char *text, gboolean dots) {
-  if (!g_ascii_isalnum(*text) && *text != '_') return FALSE;
-  for (; *text; text++)
-    if (!g_ascii_isalnum(*text) && *text != '_' && *text != '-' &&
-        !(dots && *text == '.'))
-      return FALSE;
-  return TRUE;
-}
-
-/* The name that the file gives itself, or what it is called. */
-static char *flow_name(const opc_node *root, const char *path,
-                       opc_problems *problems) {
-  const opc_node *name = opc_node_get(root, "name");
-  if (name && name->type == OPC_NODE_TEXT && is_name(name->text, TRUE))
-    return g_strdup(name->text);
-  if (name)
-    WRONG(problems, name,
-          "'name' is made of letters, digits, '.', '_' and '-'");
-  char *base = g_path_get_basename(path);
-  char *dot = strrchr(base, '.');
-  if (dot && dot > base) *dot = 0;
-  for (char *c = base; *c; c++)
-    if (!g_ascii_isalnum(*c) && !strchr("._-", *c)) *c = '_';
-  if (*base == '.' || *base == '-') *base = '_';
-  return base;
-}
-
-static char *flow_description(const opc_node *root, opc_problems *problems) {
-  const opc_node *text = opc_node_get(root, "description");
-  if (!text) return NULL;
-  if (text->type == OPC_NODE_TEXT) return g_strdup(text->text);
-  WRONG(problems, text, "'description' needs a text, not %s",
-        opc_node_noun(text));
-  return NULL;
-}
 
 /* ---- steps ---- */
 
@@ -88,7 +26,7 @@ static void read_step(opc_flow *flow, const opc_node *key, const opc_node *node,
   step->inputs = g_array_new(FALSE, TRUE, sizeof(opc_flow_input));
   step->number = flow->steps->len;
   g_ptr_array_add(flow->steps, step);
-  if (!is_name(key->text, FALSE))
+  if (!opc_is_name(key->text, FALSE))
     WRONG(problems, key,
           "the step '%s' needs a name of letters, digits, '_' and '-'",
           key->text);
@@ -102,48 +40,68 @@ static void read_step(opc_flow *flow, const opc_node *key, const opc_node *node,
 
 static void read_steps(opc_flow *flow, opc_registry *registry,
                        opc_problems *problems) {
-  const opc_node *steps = opc_node_get(flow->root, "steps");
-  if (!steps || steps->type != OPC_NODE_MAP || !steps->items->len) {
-    WRONG(problems, steps ? steps : flow->root,
-          steps ? "'steps' needs a map of steps" : "missing 'steps'");
-    return;
-  }
-  for (guint i = 0; i < steps->items->len; i++)
+  const opc_node *steps = flow->nodes;
+  for (guint i = 0; i < steps->items->len && !opc_problems_full(problems); i++)
     read_step(flow, steps->keys->pdata[i], steps->items->pdata[i], registry,
               problems);
 }
 
 /* ---- the whole ---- */
 
-opc_flow *opc_flow_load(const char *path, const char *const *sets,
+static void lay_variant(opc_flow *flow, const opc_variant *variant,
+                        opc_problems *problems) {
+  g_autofree char *layer = g_strdup_printf("variant %s", variant->name);
+  for (guint p = 0; p < variant->parts->len; p++) {
+    const opc_node *part = variant->parts->pdata[p];
+    opc_source *source = opc_source_layer(part->source, layer);
+    g_ptr_array_add(flow->sources, source);
+    for (guint i = 0; i < part->keys->len; i++) {
+      const opc_node *key = part->keys->pdata[i];
+      opc_lay_at(flow->nodes, key->text, &key->at, part->items->pdata[i],
+                 source, problems);
+    }
+  }
+}
+
+static void lay_choice(opc_flow *flow, const opc_choice *choice,
+                       opc_problems *problems) {
+  if (choice->variant) lay_variant(flow, choice->variant, problems);
+  if (choice->sweep)
+    opc_sweep_lay(choice->sweep, choice->point, flow->nodes, problems);
+  for (const char *const *set = choice->sets; set && *set; set++)
+    opc_lay_set(flow->nodes, *set, flow->sources, problems);
+}
+
+opc_flow *opc_flow_make(const opc_recipe *recipe, const opc_choice *choice,
                         opc_registry *registry, opc_problems *problems) {
-  g_autofree char *folder = g_path_get_dirname(path);
+  const opc_variant *variant = choice ? choice->variant : NULL;
   opc_flow *flow = g_new0(opc_flow, 1);
-  flow->path = g_strdup(path);
+  flow->recipe = recipe;
+  flow->path = g_strdup(recipe->path);
+  flow->variant = variant ? g_strdup(variant->name) : NULL;
+  flow->name = variant ? g_strdup_printf("%s-%s", recipe->name, variant->name)
+                       : g_strdup(recipe->name);
+  flow->description = g_strdup(recipe->description);
   flow->sources =
       g_ptr_array_new_with_free_func((GDestroyNotify)opc_source_free);
   flow->steps = g_ptr_array_new_with_free_func(step_free);
   flow->order = g_ptr_array_new();
-  opc_source *source = opc_source_new(path, strcmp(folder, ".") ? folder : "");
-  g_ptr_array_add(flow->sources, source);
-  flow->root = opc_node_read(source, path, problems);
-  if (flow->root && flow->root->type != OPC_NODE_MAP) {
-    WRONG(problems, flow->root, "a flow is a map, not %s",
-          opc_node_noun(flow->root));
-    g_clear_pointer(&flow->root, opc_node_free);
-  }
-  if (!flow->root) {
-    opc_flow_free(flow);
-    return NULL;
-  }
-  check_keys(flow->root, problems);
-  check_version(flow->root, problems);
-  flow->name = flow_name(flow->root, path, problems);
-  flow->description = flow_description(flow->root, problems);
-  for (; sets && *sets; sets++)
-    opc_override(flow->root, *sets, flow->sources, problems);
+  if (!recipe->steps) return flow;
+  flow->nodes = opc_node_copy(recipe->steps, NULL);
+  if (choice) lay_choice(flow, choice, problems);
+  if (!flow->nodes->items->len) WRONG(problems, flow->nodes, "no step is left");
   read_steps(flow, registry, problems);
   opc_flow_connect(flow, problems);
+  return flow;
+}
+
+opc_flow *opc_flow_load(const char *path, const char *const *sets,
+                        opc_registry *registry, opc_problems *problems) {
+  opc_recipe *recipe = opc_recipe_read(path, problems);
+  if (!recipe) return NULL;
+  const opc_choice choice = {.sets = sets};
+  opc_flow *flow = opc_flow_make(recipe, &choice, registry, problems);
+  flow->owned = recipe;
   return flow;
 }
 
@@ -151,11 +109,13 @@ void opc_flow_free(opc_flow *flow) {
   if (!flow) return;
   g_ptr_array_free(flow->steps, TRUE);
   g_ptr_array_free(flow->order, TRUE);
-  opc_node_free(flow->root);
+  opc_node_free(flow->nodes);
   g_ptr_array_free(flow->sources, TRUE);
+  opc_recipe_free(flow->owned);
   g_free(flow->path);
   g_free(flow->name);
   g_free(flow->description);
+  g_free(flow->variant);
   g_free(flow);
 }
 

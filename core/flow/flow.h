@@ -5,6 +5,7 @@
 #define OPCFLOW_CORE_FLOW_H
 
 #include "core/flow/binding.h"
+#include "core/flow/sweep.h"
 
 typedef struct opc_flow_step opc_flow_step;
 
@@ -27,20 +28,43 @@ struct opc_flow_step {
 typedef struct opc_flow {
   char *path;               /* as given */
   char *name, *description; /* description may be NULL */
-  opc_node *root;
-  GPtrArray *sources; /* opc_source *: the file, the overrides */
+  char *variant;            /* NULL: none */
+  const opc_recipe *recipe;
+  opc_recipe *owned;  /* the same, if it is the flow's own */
+  opc_node *nodes;    /* the map of steps */
+  GPtrArray *sources; /* opc_source *: of the variant, of each --set */
   GPtrArray *steps;   /* opc_flow_step *, as in the file */
   GPtrArray *order;   /* the same, as they run */
 } opc_flow;
 
-/* Read a flow, put `sets` ("step.parameter=value", NULL-terminated, may be
-   NULL) over it, and check everything that can be checked without making an
-   instance. NULL if it cannot be read at all; otherwise it is good if no
-   problem was added. */
+/* What is laid over the steps of a recipe, in this order. */
+typedef struct opc_choice {
+  const opc_variant *variant; /* NULL: none */
+  const opc_sweep *sweep;     /* NULL: none */
+  size_t point;               /* of it */
+  const char *const *sets;    /* "step.parameter=value", NULL-terminated, may be
+                                 NULL */
+} opc_choice;
+
+/* Make the flow and check everything that can be checked without making an
+   instance. `choice` may be NULL. Never NULL; it is good if no problem was
+   added. Recipe and sweep outlive it. */
+opc_flow *opc_flow_make(const opc_recipe *recipe, const opc_choice *choice,
+                        opc_registry *registry, opc_problems *problems);
+
+/* Read a flow and make it, without a variant and a sweep. NULL if it cannot be
+   read at all. */
 opc_flow *opc_flow_load(const char *path, const char *const *sets,
                         opc_registry *registry, opc_problems *problems);
 void opc_flow_free(opc_flow *flow);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_flow, opc_flow_free)
+
+/* Add what is wrong with a flow at each value of what `choice` sweeps and was
+   not yet told; `sink`: also with its instances, for functions whose `data` is
+   the opc_binding; may be NULL. */
+void opc_flow_check(const opc_recipe *recipe, const opc_choice *choice,
+                    opc_registry *registry, const opc_sink *sink,
+                    opc_problems *problems);
 
 /* Make the instances of all steps, for functions whose `data` is the
    opc_binding. FALSE and all problems if one refuses. */
@@ -51,10 +75,11 @@ gboolean opc_flow_create(opc_flow *flow, const opc_sink *sink, void *listener,
    as a flow file that may lie in any folder. */
 char *opc_flow_resolved(const opc_flow *flow);
 
-/* Put "step.parameter=value" into the tree of a flow. The new source is added
-   to `sources`. */
-void opc_override(opc_node *root, const char *set, GPtrArray *sources,
-                  opc_problems *problems);
+/* The same with a sweep behind, whose first point the flow is. */
+char *opc_flow_resolved_sweep(const opc_flow *flow, const opc_sweep *sweep);
+
+/* A text, list or map of a flow, on one line. */
+char *opc_node_line(const opc_node *node);
 
 /* Find out what the steps of `flow` need of each other, and the order in which
    they run. */

@@ -9,6 +9,7 @@ enum {
   DEEPEST = 64,
   MOST_NODES = 200000,
   LARGEST_FILE = 16 << 20, /* bytes */
+  LONGEST_TEXT = 1 << 16,  /* bytes */
 };
 
 /* Stand for the braces of ${name} while libyaml reads: in { } they would end
@@ -23,8 +24,15 @@ opc_source *opc_source_new(const char *name, const char *folder) {
   return source;
 }
 
+opc_source *opc_source_layer(const opc_source *file, const char *layer) {
+  opc_source *source = opc_source_new(file->name, file->folder);
+  source->layer = g_strdup(layer);
+  return source;
+}
+
 void opc_source_free(opc_source *source) {
   if (!source) return;
+  g_free(source->layer);
   g_free(source->name);
   g_free(source->folder);
   g_free(source);
@@ -55,7 +63,30 @@ opc_node *opc_node_map_new(const opc_source *source, const opc_place *at) {
   return node_new(OPC_NODE_MAP, source, at);
 }
 
-/* As deep as the tree, which is at most DEEPEST. */
+/* These three go as deep as the tree: DEEPEST, and what is laid over it. */
+
+opc_node *opc_node_copy(const opc_node *node, const opc_source *source) {
+  opc_place at = node->at;
+  if (source) at.file = source->name;
+  opc_node *copy = node_new(node->type, source ? source : node->source, &at);
+  copy->text = g_strdup(node->text);
+  copy->plain = node->plain;
+  for (guint i = 0; node->items && i < node->items->len; i++) {
+    if (node->keys)
+      g_ptr_array_add(copy->keys, opc_node_copy(node->keys->pdata[i], source));
+    g_ptr_array_add(copy->items, opc_node_copy(node->items->pdata[i], source));
+  }
+  return copy;
+}
+
+void opc_node_forget_lines(opc_node *node) {
+  node->at.line = node->at.column = 0;
+  for (guint i = 0; node->keys && i < node->keys->len; i++)
+    opc_node_forget_lines(node->keys->pdata[i]);
+  for (guint i = 0; node->items && i < node->items->len; i++)
+    opc_node_forget_lines(node->items->pdata[i]);
+}
+
 void opc_node_free(opc_node *node) {
   if (!node) return;
   g_free(node->text);
@@ -76,17 +107,9 @@ opc_node *opc_node_get(const opc_node *map, const char *key) {
   return i < 0 ? NULL : map->items->pdata[i];
 }
 
-void opc_node_set(opc_node *map, opc_node *key, opc_node *value) {
-  int i = opc_node_find(map, key->text);
-  if (i < 0) {
-    g_ptr_array_add(map->keys, key);
-    g_ptr_array_add(map->items, value);
-    return;
-  }
-  opc_node_free(map->keys->pdata[i]);
-  opc_node_free(map->items->pdata[i]);
-  map->keys->pdata[i] = key;
-  map->items->pdata[i] = value;
+void opc_node_add(opc_node *map, opc_node *key, opc_node *value) {
+  g_ptr_array_add(map->keys, key);
+  g_ptr_array_add(map->items, value);
 }
 
 const char *opc_node_noun(const opc_node *node) {
@@ -102,6 +125,11 @@ const char *opc_node_noun(const opc_node *node) {
 
 gboolean opc_node_is_empty(const opc_node *node) {
   return node->type == OPC_NODE_TEXT && node->plain && !*node->text;
+}
+
+gboolean opc_node_is_null(const opc_node *node) {
+  return node->type == OPC_NODE_TEXT && node->plain &&
+         (!strcmp(node->text, "~") || !strcmp(node->text, "null"));
 }
 
 /* ---- references within { } ---- */
@@ -247,6 +275,10 @@ static void add_text(builder *b, const yaml_event_t *event,
     STOP(b, at, "a text with a NUL byte");
     return;
   }
+  if (length > LONGEST_TEXT) {
+    STOP(b, at, "a text of more than %d bytes", LONGEST_TEXT);
+    return;
+  }
   opc_node *node = node_new(OPC_NODE_TEXT, b->source, at);
   node->text = show_braces(value, length);
   node->plain = event->data.scalar.style == YAML_PLAIN_SCALAR_STYLE;
@@ -312,17 +344,21 @@ static opc_node *builder_finish(builder *b, guint problems_before) {
   return b->root;
 }
 
-/* Bytes that libyaml would refuse without telling the place. */
+/* What YAML takes, less the two that stand for braces here. */
+static gboolean is_yaml(gunichar c) {
+  if (c < 0x20) return c == '\t' || c == '\n' || c == '\r';
+  if (c < 0xA0) return c < 0x7F || c == 0x85;
+  return c != 0xE000 && c != 0xE001 && c != 0xFFFE && c != 0xFFFF;
+}
+
+/* libyaml would refuse such bytes without telling the place. */
 static gboolean check_bytes(const opc_source *source, const char *text,
                             size_t length, opc_problems *problems) {
   const char *end = text;
   gboolean good = g_utf8_validate_len(text, length, &end);
-  const char *taken = g_strstr_len(text, (gssize)length, "\xEE\x80\x80");
-  if (!taken) taken = g_strstr_len(text, (gssize)length, "\xEE\x80\x81");
-  if (good && !taken) return TRUE;
-  if (good) end = taken;
   opc_place at = {source->name, 1, 1};
-  for (const char *c = text; c < end; c = g_utf8_next_char(c)) {
+  const char *c = text;
+  for (; c < end && is_yaml(g_utf8_get_char(c)); c = g_utf8_next_char(c)) {
     if (*c == '\n') {
       at.line++;
       at.column = 1;
@@ -330,8 +366,14 @@ static gboolean check_bytes(const opc_source *source, const char *text,
       at.column++;
     }
   }
-  opc_problem_add(problems, OPC_INVALID, &at, "not YAML: not UTF-8 text");
-  return FALSE;
+  if (c < end)
+    opc_problem_add(problems, OPC_INVALID, &at,
+                    "not YAML: the character U+%04X", g_utf8_get_char(c));
+  else if (!good && !*c && (size_t)(c - text) < length)
+    opc_problem_add(problems, OPC_INVALID, &at, "not YAML: a NUL byte");
+  else if (!good)
+    opc_problem_add(problems, OPC_INVALID, &at, "not YAML: not UTF-8 text");
+  return good && c == end;
 }
 
 opc_node *opc_node_parse(const opc_source *source, const char *text,

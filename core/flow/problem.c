@@ -5,6 +5,11 @@
 
 #include "core/plugin/host.h"
 
+enum {
+  MOST_PROBLEMS = 1000,
+  LONGEST_MESSAGE = 1000 /* bytes */
+};
+
 static void problem_free(gpointer item) {
   opc_problem *problem = item;
   g_free(problem->file);
@@ -15,21 +20,36 @@ static void problem_free(gpointer item) {
 opc_problems *opc_problems_new(void) {
   opc_problems *problems = g_new0(opc_problems, 1);
   problems->list = g_ptr_array_new_with_free_func(problem_free);
+  problems->warnings = g_ptr_array_new_with_free_func(problem_free);
   return problems;
 }
 
 void opc_problems_free(opc_problems *problems) {
   if (!problems) return;
   g_ptr_array_free(problems->list, TRUE);
+  g_ptr_array_free(problems->warnings, TRUE);
   g_free(problems);
 }
 
 void opc_problems_clear(opc_problems *problems) {
   g_ptr_array_set_size(problems->list, 0);
+  g_ptr_array_set_size(problems->warnings, 0);
 }
 
-void opc_problem_add(opc_problems *problems, int code, const opc_place *place,
-                     const char *format, ...) {
+gboolean opc_problems_full(const opc_problems *problems) {
+  return problems->list->len >= MOST_PROBLEMS;
+}
+
+/* Cut between two characters. */
+static void cut(char *message) {
+  if (strlen(message) <= LONGEST_MESSAGE) return;
+  char *end = g_utf8_find_prev_char(message, message + LONGEST_MESSAGE - 3);
+  strcpy(end ? end : message, "...");
+}
+
+/* Takes the message. */
+static void add(GPtrArray *list, int code, const opc_place *place,
+                char *message) {
   opc_problem *problem = g_new0(opc_problem, 1);
   if (place) {
     problem->file = g_strdup(place->file);
@@ -37,11 +57,70 @@ void opc_problem_add(opc_problems *problems, int code, const opc_place *place,
     problem->column = place->column;
   }
   problem->code = code;
+  problem->message = message;
+  cut(message);
+  g_ptr_array_add(list, problem);
+}
+
+void opc_problem_add(opc_problems *problems, int code, const opc_place *place,
+                     const char *format, ...) {
+  if (opc_problems_full(problems)) return;
+  if (problems->list->len + 1 == MOST_PROBLEMS) {
+    add(problems->list, code, NULL, g_strdup("there is more that is wrong"));
+    return;
+  }
   va_list args;
   va_start(args, format);
-  problem->message = g_strdup_vprintf(format, args);
+  add(problems->list, code, place, g_strdup_vprintf(format, args));
   va_end(args);
-  g_ptr_array_add(problems->list, problem);
+}
+
+void opc_warning_add(opc_problems *problems, const opc_place *place,
+                     const char *format, ...) {
+  GPtrArray *list = problems->warnings;
+  va_list args;
+  va_start(args, format);
+  add(list, OPC_OK, place, g_strdup_vprintf(format, args));
+  va_end(args);
+  const opc_problem *last = list->pdata[list->len - 1];
+  gboolean known = list->len > MOST_PROBLEMS;
+  for (guint i = 0; i + 1 < list->len && !known; i++) {
+    const opc_problem *q = list->pdata[i];
+    known = last->line == q->line && last->column == q->column &&
+            !g_strcmp0(last->file, q->file) &&
+            !strcmp(last->message, q->message);
+  }
+  if (known) g_ptr_array_set_size(list, (gint)list->len - 1);
+}
+
+/* Whether a problem is known, with the note or without it. */
+static gboolean is_known(const opc_problems *problems, guint n,
+                         const opc_problem *p, const char *noted) {
+  for (guint i = 0; i < n; i++) {
+    const opc_problem *q = problems->list->pdata[i];
+    if (p->line == q->line && p->column == q->column &&
+        !g_strcmp0(p->file, q->file) &&
+        (!strcmp(p->message, q->message) || !strcmp(noted, q->message)))
+      return TRUE;
+  }
+  return FALSE;
+}
+
+void opc_problems_merge(opc_problems *problems, const opc_problems *from,
+                        const char *note) {
+  guint before = problems->list->len;
+  for (guint i = 0; i < from->list->len; i++) {
+    const opc_problem *p = from->list->pdata[i];
+    const opc_place at = {p->file, p->line, p->column};
+    g_autofree char *noted = g_strconcat(p->message, note, NULL);
+    if (!is_known(problems, before, p, noted))
+      opc_problem_add(problems, p->code, &at, "%s", noted);
+  }
+  for (guint i = 0; i < from->warnings->len; i++) {
+    const opc_problem *p = from->warnings->pdata[i];
+    const opc_place at = {p->file, p->line, p->column};
+    opc_warning_add(problems, &at, "%s", p->message);
+  }
 }
 
 char *opc_place_text(const opc_place *place) {

@@ -22,7 +22,8 @@ typedef struct opc_problem {
 } opc_problem;
 
 typedef struct opc_problems {
-  GPtrArray *list; /* opc_problem *, in the order they were found */
+  GPtrArray *list;     /* opc_problem *, in the order they were found */
+  GPtrArray *warnings; /* the same, of what is no fault */
 } opc_problems;
 
 opc_problems *opc_problems_new(void);
@@ -30,9 +31,22 @@ void opc_problems_free(opc_problems *problems);
 void opc_problems_clear(opc_problems *problems);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_problems, opc_problems_free)
 
-/* Copies all. A NULL place has no file. */
+/* Copies all. A NULL place has no file. Long messages are cut; of very many
+   problems only the first ones are kept. */
 void opc_problem_add(opc_problems *problems, int code, const opc_place *place,
                      const char *format, ...) OPC_PRINTF(4, 5);
+
+/* Something that works and should be changed; told once for a place. */
+void opc_warning_add(opc_problems *problems, const opc_place *place,
+                     const char *format, ...) OPC_PRINTF(3, 4);
+
+/* Whether no more are kept: no use looking on. */
+gboolean opc_problems_full(const opc_problems *problems);
+
+/* Add those of `from` that are not there yet, with `note` (NULL: nothing)
+   behind the message. */
+void opc_problems_merge(opc_problems *problems, const opc_problems *from,
+                        const char *note);
 
 /* "file:line:column", "file" where there is no line, "" where there is no
    file. */

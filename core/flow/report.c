@@ -171,13 +171,22 @@ static void add_times(JsonBuilder *b, const opc_run *run) {
   json_builder_end_object(b);
 }
 
+static void set_points(JsonBuilder *b, const opc_run *run) {
+  json_builder_set_member_name(b, "points");
+  json_builder_add_int_value(b, (gint64)run->sweep->points);
+  json_builder_set_member_name(b, "failed_points");
+  json_builder_add_int_value(b, (gint64)run->failed_points);
+}
+
 JsonNode *opc_run_manifest_json(const opc_run *run) {
   JsonBuilder *b = json_builder_new();
   json_builder_begin_object(b);
   set_text(b, "opcflow", OPC_VERSION);
   set_text(b, "flow", run->flow->path);
+  if (run->flow->variant) set_text(b, "variant", run->flow->variant);
   set_text(b, "result", run->failure ? "failed" : "complete");
   if (run->failure) set_text(b, "failure", run->failure);
+  if (run->sweep) set_points(b, run);
   json_builder_set_member_name(b, "command");
   json_builder_begin_array(b);
   const char *const *word = run->options->command;

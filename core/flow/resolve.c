@@ -76,7 +76,11 @@ static void end_line(GString *out, size_t line_start, const char *origin) {
 }
 
 static char *origin_text(const opc_node *node) {
-  return node ? opc_place_text(&node->at) : g_strdup("default");
+  if (!node) return g_strdup("default");
+  g_autofree char *place = opc_place_text(&node->at);
+  const char *layer = node->source->layer;
+  return layer ? g_strdup_printf("%s, %s", layer, place)
+               : g_steal_pointer(&place);
 }
 
 /* ---- parameters ---- */
@@ -101,7 +105,7 @@ static void append_value(GString *out, const opc_binding *b, size_t i,
   } else if (b->origin[i]) {
     append_node(out, b->origin[i]);
   } else {
-    opc_source source = {NULL, NULL};
+    opc_source source = {.name = NULL};
     g_autoptr(opc_problems) problems = opc_problems_new();
     g_autoptr(opc_node) preset = opc_preset_parse(p, &source, problems);
     append_node(out, preset);
@@ -140,6 +144,80 @@ static void append_binding(GString *out, const opc_binding *b, int indent) {
 
 /* ---- the flow ---- */
 
+char *opc_node_line(const opc_node *node) {
+  GString *out = g_string_new(NULL);
+  append_node(out, node);
+  return g_string_free(out, FALSE);
+}
+
+/* What a path means in a flow; NULL if it is no parameter that is there. */
+static const opc_parameter *find_parameter(const opc_flow *flow,
+                                           const char *path) {
+  const opc_binding *b = NULL;
+  size_t n = strcspn(path, ".");
+  for (guint i = 0; i < flow->steps->len; i++) {
+    const opc_flow_step *step = flow->steps->pdata[i];
+    if (strlen(step->name) == n && !strncmp(step->name, path, n))
+      b = step->binding;
+  }
+  const char *rest = path[n] ? path + n + 1 : "";
+  while (b) {
+    int found = opc_parameter_find(b->plugin, rest);
+    if (found >= 0) return opc_parameter_at(b->plugin, (size_t)found);
+    const opc_binding *next = NULL;
+    for (size_t i = 0; i < b->plugin->n_parameters && !next; i++) {
+      const char *slot = opc_parameter_at(b->plugin, i)->name;
+      size_t length = strlen(slot);
+      if (!b->slots[i] || strncmp(slot, rest, length) || rest[length] != '.')
+        continue;
+      next = b->slots[i];
+      rest += length + 1;
+    }
+    b = next;
+  }
+  return NULL;
+}
+
+static void append_swept(GString *out, const opc_parameter *p,
+                         const opc_node *node) {
+  if (!p || p->type != OPC_FILE || node->type != OPC_NODE_TEXT) {
+    append_node(out, node);
+    return;
+  }
+  const char *folder = node->source->folder;
+  g_autofree char *path =
+      g_build_filename(folder && *folder ? folder : ".", node->text, NULL);
+  g_autofree char *whole = g_canonicalize_filename(
+      g_path_is_absolute(node->text) ? node->text : path, NULL);
+  append_text(out, whole);
+}
+
+/* Lists of values, also for what was a range. */
+static void append_sweep(GString *out, const opc_flow *flow,
+                         const opc_sweep *sweep) {
+  g_string_append(out, "sweep:\n");
+  for (guint a = 0; a < sweep->axes->len; a++) {
+    const opc_axis *axis = sweep->axes->pdata[a];
+    const opc_parameter *p = find_parameter(flow, axis->path);
+    size_t start = out->len;
+    g_string_append_printf(out, "  %s: [", axis->path);
+    for (guint i = 0; i < axis->values->len; i++) {
+      if (i) g_string_append(out, ", ");
+      append_swept(out, p, axis->values->pdata[i]);
+    }
+    g_string_append_c(out, ']');
+    g_autofree char *origin = opc_place_text(&axis->at);
+    end_line(out, start, origin);
+  }
+}
+
+char *opc_flow_resolved_sweep(const opc_flow *flow, const opc_sweep *sweep) {
+  g_autofree char *text = opc_flow_resolved(flow);
+  GString *out = g_string_new(text);
+  append_sweep(out, flow, sweep);
+  return g_string_free(out, FALSE);
+}
+
 char *opc_flow_resolved(const opc_flow *flow) {
   GString *out = g_string_new(
       "# The flow as it ran: every parameter, and where its value came from.\n"
@@ -155,7 +233,7 @@ char *opc_flow_resolved(const opc_flow *flow) {
   for (guint i = 0; i < flow->steps->len; i++) {
     const opc_flow_step *step = flow->steps->pdata[i];
     size_t start = out->len;
-    g_autofree char *origin = opc_place_text(&step->key->at);
+    g_autofree char *origin = origin_text(step->key);
     g_string_append_printf(out, "  %s:", step->name);
     end_line(out, start, origin);
     append_binding(out, step->binding, 4);

@@ -4,9 +4,14 @@
 #include <errno.h>
 #include <string.h>
 
+#include "core/correct/check.h"
 #include "core/flow/files.h"
 #include "core/flow/folder.h"
 #include "core/plugin/declaration.h"
+#include "core/plugin/guard.h"
+
+/* Names in a run folder that steps cannot have. */
+enum { RESERVED = 4 };
 
 /* ---- state ---- */
 
@@ -18,9 +23,8 @@ static void table_free(gpointer item) {
   g_free(t);
 }
 
-static opc_run *run_new(opc_flow *flow, const opc_registry *registry,
-                        const opc_run_options *options,
-                        const opc_watch *watch) {
+opc_run *opc_run_new(opc_flow *flow, const opc_registry *registry,
+                     const opc_run_options *options, const opc_watch *watch) {
   opc_run *run = g_new0(opc_run, 1);
   run->flow = flow;
   run->registry = registry;
@@ -32,7 +36,9 @@ static opc_run *run_new(opc_flow *flow, const opc_registry *registry,
   run->paths = g_ptr_array_new_with_free_func(g_free);
   run->inputs = g_ptr_array_new_with_free_func(g_free);
   run->seconds = g_hash_table_new_full(g_str_hash, g_str_equal, NULL, g_free);
+  run->summed = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
   run->objects = g_new0(void **, MAX(flow->steps->len, 1));
+  run->left_out = g_new0(gboolean, MAX(flow->steps->len, 1));
   run->started = g_date_time_new_now_local();
   return run;
 }
@@ -48,7 +54,10 @@ void opc_run_free(opc_run *run) {
   g_ptr_array_free(run->paths, TRUE);
   g_ptr_array_free(run->inputs, TRUE);
   g_hash_table_destroy(run->seconds);
+  g_hash_table_destroy(run->summed);
   g_free(run->objects);
+  g_free(run->left_out);
+  opc_table_free(run->points);
   g_date_time_unref(run->started);
   g_free(run);
 }
@@ -58,13 +67,12 @@ void opc_run_free(opc_run *run) {
 /* What a visit of all bindings needs. */
 typedef struct summer {
   opc_run *run;
-  GHashTable *seen;
   opc_problems *problems;
 } summer;
 
 static void add_input(summer *s, const char *file, const opc_place *at) {
   g_autofree char *path = g_canonicalize_filename(file, NULL);
-  if (!g_hash_table_add(s->seen, g_strdup(path))) return;
+  if (!g_hash_table_add(s->run->summed, g_strdup(path))) return;
   opc_error error;
   char *sum = opc_file_sha256(path, &error);
   if (!sum) {
@@ -82,18 +90,18 @@ static void sum_files(opc_binding *b, void *data) {
                 b->origin[i] ? &b->origin[i]->at : &b->at);
 }
 
-/* The sums of all files, before any step may change one. */
-static gboolean sum_inputs(opc_run *run, opc_problems *problems) {
-  summer s = {run, g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL),
-              problems};
+gboolean opc_run_sum(opc_run *run, const opc_flow *flow,
+                     opc_problems *problems) {
+  summer s = {run, problems};
   guint before = problems->list->len;
   const opc_place at = {NULL, 0, 0};
-  add_input(&s, run->flow->path, &at);
-  for (guint i = 0; i < run->flow->order->len; i++) {
-    const opc_flow_step *step = run->flow->order->pdata[i];
+  const GPtrArray *files = flow->recipe->sources;
+  for (guint i = 0; i < files->len; i++)
+    add_input(&s, ((const opc_source *)files->pdata[i])->name, &at);
+  for (guint i = 0; i < flow->order->len; i++) {
+    const opc_flow_step *step = flow->order->pdata[i];
     opc_binding_visit(step->binding, sum_files, &s);
   }
-  g_hash_table_destroy(s.seen);
   return problems->list->len == before;
 }
 
@@ -112,26 +120,71 @@ static void set_inputs(const opc_run *run, const opc_flow_step *step,
 static void release_outputs(const opc_run *run, const opc_flow_step *step) {
   const opc_plugin *plugin = step->binding->plugin;
   void **objects = run->objects[step->number];
+  const char *before = opc_enter(plugin->id);
   for (size_t i = opc_port_count(plugin); objects && i-- > 0;)
     if (objects[i]) opc_port_at(plugin, i)->release(objects[i]);
+  opc_leave(before);
   g_free(objects);
   run->objects[step->number] = NULL;
 }
 
+gboolean opc_run_create(opc_run *run, opc_problems *problems) {
+  gboolean good = TRUE;
+  for (guint i = 0; i < run->flow->order->len; i++) {
+    const opc_flow_step *step = run->flow->order->pdata[i];
+    if (run->left_out[step->number]) continue;
+    good &= opc_binding_create(step->binding, &opc_run_sink, run, problems);
+  }
+  return good;
+}
+
 /* Later steps may point into the outputs of earlier ones. */
-static void release_all(const opc_run *run) {
-  for (guint i = run->flow->order->len; i-- > 0;)
-    release_outputs(run, run->flow->order->pdata[i]);
+void opc_run_release(const opc_run *run) {
+  for (guint i = run->flow->order->len; i-- > 0;) {
+    const opc_flow_step *step = run->flow->order->pdata[i];
+    if (!run->left_out[step->number]) release_outputs(run, step);
+  }
+}
+
+/* Objects of the kinds that the core knows are looked into. */
+static int check_output(const opc_port *port, const void *object,
+                        opc_error *error) {
+  if (!object)
+    return opc_fail(error, OPC_FAILED, NULL, "gave no output '%s'", port->name);
+  opc_error fault = {0};
+  if (!strcmp(port->kind, "gates"))
+    opc_check_gates(object, &fault);
+  else if (!strcmp(port->kind, "mask"))
+    opc_check_mask(object, &fault);
+  if (!fault.code) return OPC_OK;
+  return opc_fail(error, fault.code, NULL, "output '%s': %s", port->name,
+                  fault.message);
 }
 
 static int check_outputs(const opc_run *run, const opc_flow_step *step,
                          opc_error *error) {
   const opc_plugin *plugin = step->binding->plugin;
-  for (size_t i = 0; i < opc_port_count(plugin); i++)
-    if (!run->objects[step->number][i])
-      return opc_fail(error, OPC_FAILED, NULL, "gave no output '%s'",
-                      opc_port_at(plugin, i)->name);
-  return OPC_OK;
+  int code = OPC_OK;
+  for (size_t i = 0; i < opc_port_count(plugin) && !code; i++)
+    code = check_output(opc_port_at(plugin, i), run->objects[step->number][i],
+                        error);
+  return code;
+}
+
+/* The step's function, with what is said if it crashes. */
+static int call_run(const opc_flow_step *step, void **objects,
+                    opc_error *error) {
+  const opc_binding *b = step->binding;
+  const opc_step *operations = b->plugin->operations;
+  g_autofree char *label = opc_binding_label(b);
+  g_autofree char *place = opc_place_text(&b->at);
+  g_autofree char *where = g_strdup_printf("%s: %s", place, label);
+  opc_guard_where(where, OPC_CRASH_RUNNING);
+  const char *before = opc_enter(b->plugin->id);
+  int code = operations->run(b->module.self, objects, error);
+  opc_leave(before);
+  opc_guard_where(NULL, 0);
+  return code;
 }
 
 static int call_step(opc_run *run, const opc_flow_step *step,
@@ -140,8 +193,7 @@ static int call_step(opc_run *run, const opc_flow_step *step,
   run->objects[step->number] = g_new0(void *, operations->n_outputs + 1);
   set_inputs(run, step, TRUE);
   gint64 start = g_get_monotonic_time();
-  int code = operations->run(step->binding->module.self,
-                             run->objects[step->number], error);
+  int code = call_run(step, run->objects[step->number], error);
   double seconds = (double)(g_get_monotonic_time() - start) * 1e-6;
   set_inputs(run, step, FALSE);
   g_hash_table_insert(run->seconds, (char *)step->name,
@@ -153,6 +205,14 @@ static int call_step(opc_run *run, const opc_flow_step *step,
   return code ? code : check_outputs(run, step, error);
 }
 
+/* Only the user stops a run, and only known codes are passed on. */
+static int sound_code(const opc_run *run, int code) {
+  const opc_watch *watch = run->watch;
+  gboolean stopped = watch->cancelled && watch->cancelled(watch->data);
+  if (code < OPC_INVALID || code > OPC_CANCELLED) return OPC_FAILED;
+  return code == OPC_CANCELLED && !stopped ? OPC_FAILED : code;
+}
+
 static gboolean run_step(opc_run *run, const opc_flow_step *step,
                          opc_problems *problems) {
   opc_error error = {0};
@@ -160,35 +220,19 @@ static gboolean run_step(opc_run *run, const opc_flow_step *step,
   if (!code) return TRUE;
   error.message[sizeof error.message - 1] = 0;
   error.parameter[sizeof error.parameter - 1] = 0;
-  g_autofree char *label = opc_binding_label(step->binding);
+  g_autofree char *label = opc_binding_culprit(step->binding, error.parameter);
   run->failed = step->name;
   run->failure = g_strdup(*error.message ? error.message : "gave no reason");
-  opc_problem_add(problems, code,
+  opc_problem_add(problems, sound_code(run, code),
                   opc_binding_place(step->binding, error.parameter), "%s: %s",
                   label, run->failure);
   return FALSE;
 }
 
-static gboolean run_steps(opc_run *run, opc_problems *problems) {
-  const GPtrArray *order = run->flow->order;
-  const opc_watch *watch = run->watch;
-  for (guint i = 0; i < order->len; i++) {
-    const opc_flow_step *step = order->pdata[i];
-    if (watch->cancelled && watch->cancelled(watch->data)) {
-      opc_problem_add(problems, OPC_CANCELLED, &step->binding->at, "stopped");
-      run->failure = g_strdup("stopped");
-      return FALSE;
-    }
-    if (watch->step) watch->step(watch->data, step->name, i + 1, order->len);
-    if (!run_step(run, step, problems)) return FALSE;
-  }
-  return TRUE;
-}
-
 /* ---- the folder ---- */
 
-static gboolean write_into(const opc_run *run, const char *name, char *text,
-                           opc_problems *problems) {
+gboolean opc_run_write(const opc_run *run, const char *name, char *text,
+                       opc_problems *problems) {
   g_autofree char *path = g_build_filename(run->work, name, NULL);
   opc_error error;
   int code = opc_write_file(path, text, &error);
@@ -200,44 +244,76 @@ static gboolean write_into(const opc_run *run, const char *name, char *text,
 static gboolean write_reports(const opc_run *run, opc_problems *problems) {
   JsonNode *metrics = opc_run_metrics_json(run);
   JsonNode *manifest = opc_run_manifest_json(run);
-  gboolean good =
-      write_into(run, "flow.yaml", opc_flow_resolved(run->flow), problems);
-  good &= write_into(run, "metrics.json", opc_json_text(metrics), problems);
-  good &= write_into(run, "manifest.json", opc_json_text(manifest), problems);
+  char *flow = run->sweep ? opc_flow_resolved_sweep(run->flow, run->sweep)
+                          : opc_flow_resolved(run->flow);
+  gboolean good = opc_run_write(run, "flow.yaml", flow, problems);
+  good &= opc_run_write(run, "metrics.json", opc_json_text(metrics), problems);
+  good &=
+      opc_run_write(run, "manifest.json", opc_json_text(manifest), problems);
   return good;
 }
 
-/* Names that steps cannot have. */
-static void reserve_names(opc_run *run) {
-  static const char *const names[] = {"flow.yaml", "manifest.json",
-                                      "metrics.json"};
-  for (size_t i = 0; i < G_N_ELEMENTS(names); i++)
+void opc_run_reserve(opc_run *run) {
+  static const char *const names[RESERVED] = {"flow.yaml", "manifest.json",
+                                              "metrics.json", "sweep.csv"};
+  for (size_t i = 0; i < RESERVED; i++)
     g_hash_table_insert(run->claims, g_strdup(names[i]), g_strdup("opcflow"));
 }
 
-static gboolean open_folder(opc_run *run, const char *target,
-                            opc_problems *problems) {
+gboolean opc_run_open(opc_run *run, const char *target,
+                      opc_problems *problems) {
   opc_error error;
   int code = run->options->output
                  ? opc_folder_allowed(target, run->options->force, &error)
                  : OPC_OK;
   if (!code) run->work = opc_folder_open(target, &error);
   if (run->work) {
-    reserve_names(run);
+    g_autofree char *failed = g_strconcat(target, ".failed", NULL);
+    opc_guard_folder(run->work, failed);
+    run->guarded = TRUE;
+    opc_run_reserve(run);
     return TRUE;
   }
   opc_problem_add(problems, error.code, NULL, "%s", error.message);
   return FALSE;
 }
 
+/* Before a step that may crash: what the folder says if it does. An empty
+   folder stays so, as nothing is kept of it. */
+static void prepare_for_crash(opc_run *run, const opc_flow_step *step) {
+  if (!run->guarded || g_hash_table_size(run->claims) <= RESERVED) return;
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  run->failure = g_strdup_printf("ended while step '%s' ran", step->name);
+  write_reports(run, problems);
+  g_clear_pointer(&run->failure, g_free);
+}
+
+gboolean opc_run_steps(opc_run *run, opc_problems *problems) {
+  const GPtrArray *order = run->flow->order;
+  const opc_watch *watch = run->watch;
+  for (guint i = 0; i < order->len; i++) {
+    const opc_flow_step *step = order->pdata[i];
+    if (run->left_out[step->number]) continue;
+    if (watch->cancelled && watch->cancelled(watch->data)) {
+      opc_problem_add(problems, OPC_CANCELLED, &step->binding->at, "stopped");
+      run->failure = g_strdup("stopped");
+      return FALSE;
+    }
+    if (watch->step) watch->step(watch->data, step->name, i + 1, order->len);
+    prepare_for_crash(run, step);
+    if (!run_step(run, step, problems)) return FALSE;
+  }
+  return TRUE;
+}
+
 /* What a run that failed has written is kept as TARGET.failed; that is nothing
    if only the reserved names are claimed. What cannot get its name keeps the
    one it has. */
-static void close_folder(opc_run *run, const char *target,
-                         opc_problems *problems) {
+void opc_run_close(opc_run *run, const char *target, opc_problems *problems) {
+  opc_guard_folder(NULL, NULL);
   gboolean stopped = opc_problems_code(problems) == OPC_CANCELLED;
   gboolean failed = problems->list->len > 0;
-  if (stopped || (failed && g_hash_table_size(run->claims) <= 3)) {
+  if (stopped || (failed && g_hash_table_size(run->claims) <= RESERVED)) {
     opc_remove_tree(run->work);
     return;
   }
@@ -253,7 +329,7 @@ static void close_folder(opc_run *run, const char *target,
   run->folder = g_strdup(run->work);
 }
 
-static char *target_folder(const opc_run *run) {
+char *opc_run_target(const opc_run *run) {
   const char *output = run->options->output;
   if (!output) return g_build_filename("runs", run->flow->name, NULL);
   char *target = g_strdup(output);
@@ -265,15 +341,15 @@ static char *target_folder(const opc_run *run) {
 opc_run *opc_run_flow(opc_flow *flow, const opc_registry *registry,
                       const opc_run_options *options, const opc_watch *watch,
                       opc_problems *problems) {
-  opc_run *run = run_new(flow, registry, options, watch);
+  opc_run *run = opc_run_new(flow, registry, options, watch);
   gint64 start = g_get_monotonic_time();
-  g_autofree char *target = target_folder(run);
-  if (opc_flow_create(flow, &opc_run_sink, run, problems) &&
-      sum_inputs(run, problems) && open_folder(run, target, problems)) {
-    run_steps(run, problems);
-    release_all(run);
+  g_autofree char *target = opc_run_target(run);
+  if (opc_run_create(run, problems) && opc_run_sum(run, flow, problems) &&
+      opc_run_open(run, target, problems)) {
+    opc_run_steps(run, problems);
+    opc_run_release(run);
     run->total = (double)(g_get_monotonic_time() - start) * 1e-6;
-    close_folder(run, target, problems);
+    opc_run_close(run, target, problems);
   }
   return run;
 }

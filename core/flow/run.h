@@ -16,11 +16,14 @@ typedef struct opc_watch {
   void (*step)(void *data, const char *name, size_t number, size_t count);
   void (*progress)(void *data, const char *path, const opc_progress *progress);
   int (*cancelled)(void *data);
+  /* Of a sweep: the point that begins, from 1. */
+  void (*point)(void *data, size_t number, size_t count);
 } opc_watch;
 
 typedef struct opc_run_options {
   const char *output; /* NULL: runs/NAME, or the first free NAME-2 ... */
   gboolean force;     /* an earlier run may be replaced */
+  gboolean keep;      /* of a sweep: what each point writes stays */
   const char *const *command; /* for the manifest; may be NULL */
 } opc_run_options;
 
@@ -48,11 +51,19 @@ typedef struct opc_run {
   GHashTable *claims;  /* file in the run folder -> path of who has it */
   GPtrArray *paths;    /* that were given out */
   GPtrArray *inputs;   /* files read: path, SHA-256, path ... */
+  GHashTable *summed;  /* their paths */
   GHashTable *seconds; /* step -> double * */
   void ***objects;     /* of each step, of each output */
-  opc_error refusal;   /* of something that a step published */
-  const char *failed;  /* the step that failed */
-  char *failure;       /* and why */
+  gboolean *left_out;  /* of each step: not of this run, though its objects may
+                          be there */
+  const opc_sweep *sweep; /* NULL: none */
+  opc_table *points;      /* of a sweep: parameters and metrics of all points */
+  size_t failed_points;
+  int points_code;    /* OPC_LIMIT if they all failed so, OPC_FAILED */
+  gboolean guarded;   /* the folder is kept if a plugin crashes */
+  opc_error refusal;  /* of something that a step published */
+  const char *failed; /* the step that failed */
+  char *failure;      /* and why */
   GDateTime *started;
   double total; /* seconds */
 } opc_run;
@@ -64,6 +75,34 @@ opc_run *opc_run_flow(opc_flow *flow, const opc_registry *registry,
                       opc_problems *problems);
 void opc_run_free(opc_run *run);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_run, opc_run_free)
+
+/* The same for a sweep: `flow` is its first point. Steps that no swept
+   parameter touches, nor any step they depend on, run once, the others for
+   each point. A point that fails is only told of in the table. */
+opc_run *opc_run_sweep(opc_flow *flow, const opc_choice *choice,
+                       opc_registry *registry, const opc_run_options *options,
+                       const opc_watch *watch, opc_problems *problems);
+
+/* ---- run.c, for points.c ---- */
+
+opc_run *opc_run_new(opc_flow *flow, const opc_registry *registry,
+                     const opc_run_options *options, const opc_watch *watch);
+
+/* Make the instances of the steps that are not left out. */
+gboolean opc_run_create(opc_run *run, opc_problems *problems);
+/* Add the sums of all files that `flow` reads, before any step may change one.
+ */
+gboolean opc_run_sum(opc_run *run, const opc_flow *flow,
+                     opc_problems *problems);
+/* Make the folder, at `target`. */
+char *opc_run_target(const opc_run *run);
+gboolean opc_run_open(opc_run *run, const char *target, opc_problems *problems);
+void opc_run_reserve(opc_run *run);
+gboolean opc_run_steps(opc_run *run, opc_problems *problems);
+void opc_run_release(const opc_run *run);
+gboolean opc_run_write(const opc_run *run, const char *name, char *text,
+                       opc_problems *problems); /* takes the text */
+void opc_run_close(opc_run *run, const char *target, opc_problems *problems);
 
 /* The functions that instances of a run call back with their bindings, whose
    listeners are the opc_run. */

@@ -5,6 +5,7 @@
 
 #include "core/flow/unit.h"
 #include "core/flow/value.h"
+#include "core/plugin/guard.h"
 
 /* More than any plugin will have; a wild number is caught before its array is
    read. */
@@ -42,6 +43,32 @@ const opc_metric *opc_metric_find(const opc_plugin *plugin, const char *name) {
   for (size_t i = 0; i < plugin->n_metrics; i++)
     if (!strcmp(opc_metric_at(plugin, i)->name, name))
       return opc_metric_at(plugin, i);
+  return NULL;
+}
+
+static const opc_renames *renames_of(const opc_plugin *plugin) {
+  if (!plugin->get_extension) return NULL;
+  const char *before = opc_enter(plugin->id);
+  const opc_renames *renames = plugin->get_extension(OPC_RENAMED_PARAMETERS);
+  opc_leave(before);
+  return renames;
+}
+
+size_t opc_rename_count(const opc_plugin *plugin) {
+  const opc_renames *renames = renames_of(plugin);
+  return renames ? renames->count : 0;
+}
+
+const opc_rename *opc_rename_at(const opc_plugin *plugin, size_t i) {
+  const opc_renames *renames = renames_of(plugin);
+  return (const opc_rename *)((const char *)renames->renames +
+                              i * renames->rename_size);
+}
+
+const opc_rename *opc_rename_find(const opc_plugin *plugin, const char *from) {
+  for (size_t i = 0; i < opc_rename_count(plugin); i++)
+    if (!strcmp(opc_rename_at(plugin, i)->from, from))
+      return opc_rename_at(plugin, i);
   return NULL;
 }
 
@@ -118,7 +145,7 @@ static char *preset_fault(const opc_parameter *p) {
                            p->name);
   if (p->type == OPC_INPUT)
     return g_strdup_printf("parameter '%s': an input has no default", p->name);
-  opc_source source = {NULL, NULL};
+  opc_source source = {.name = NULL};
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_node) node = opc_preset_parse(p, &source, problems);
   if (node && p->type != OPC_SLOT) {
@@ -132,17 +159,21 @@ static char *preset_fault(const opc_parameter *p) {
                          first->message);
 }
 
+/* Whether one is the group that the other is in. */
+static gboolean are_nested(const char *a, const char *b) {
+  return (g_str_has_prefix(a, b) && a[strlen(b)] == '.') ||
+         (g_str_has_prefix(b, a) && b[strlen(a)] == '.');
+}
+
 static char *parameter_fault(const opc_plugin *plugin, size_t i) {
   const opc_parameter *p = opc_parameter_at(plugin, i);
   if (!p->name || !opc_is_id(p->name) || !strcmp(p->name, "use"))
     return g_strdup_printf("parameter %zu has no proper name", i + 1);
   for (size_t j = 0; j < i; j++) {
     const char *other = opc_parameter_at(plugin, j)->name;
-    size_t n = strlen(other);
     if (!strcmp(p->name, other))
       return g_strdup_printf("parameter '%s' is there twice", p->name);
-    if ((g_str_has_prefix(p->name, other) && p->name[n] == '.') ||
-        (g_str_has_prefix(other, p->name) && other[strlen(p->name)] == '.'))
+    if (are_nested(p->name, other))
       return g_strdup_printf("parameters '%s' and '%s' get in each other's way",
                              other, p->name);
   }
@@ -157,6 +188,40 @@ static char *parameter_fault(const opc_plugin *plugin, size_t i) {
   char *fault = choices_fault(p);
   if (!fault) fault = bounds_fault(p);
   if (!fault) fault = preset_fault(p);
+  return fault;
+}
+
+static char *rename_fault(const opc_plugin *plugin, size_t i) {
+  const opc_rename *r = opc_rename_at(plugin, i);
+  if (!r->from || !r->to || !opc_is_id(r->from) || !r->since)
+    return g_strdup_printf("renamed parameter %zu is not complete", i + 1);
+  if (opc_parameter_find(plugin, r->to) < 0)
+    return g_strdup_printf("'%s' was renamed to '%s', which is no parameter",
+                           r->from, r->to);
+  const char *other = NULL;
+  for (size_t j = 0; j < plugin->n_parameters && !other; j++) {
+    const char *name = opc_parameter_at(plugin, j)->name;
+    if (!strcmp(name, r->from) || are_nested(name, r->from)) other = name;
+  }
+  for (size_t j = 0; j < i && !other; j++) {
+    const char *name = opc_rename_at(plugin, j)->from;
+    if (!strcmp(name, r->from) || are_nested(name, r->from)) other = name;
+  }
+  if (!other) return NULL;
+  return g_strdup_printf("renamed parameter '%s' gets in the way of '%s'",
+                         r->from, other);
+}
+
+static char *renames_fault(const opc_plugin *plugin) {
+  const opc_renames *renames = renames_of(plugin);
+  if (!renames) return NULL;
+  if (renames->size < sizeof *renames || renames->count > MOST ||
+      (renames->count &&
+       (renames->rename_size < sizeof(opc_rename) || !renames->renames)))
+    return g_strdup("its renamed parameters are not an array of opc_rename");
+  char *fault = NULL;
+  for (size_t i = 0; !fault && i < renames->count; i++)
+    fault = rename_fault(plugin, i);
   return fault;
 }
 
@@ -233,6 +298,7 @@ static char *arrays_fault(const opc_plugin *plugin) {
   char *fault = NULL;
   for (size_t i = 0; !fault && i < plugin->n_parameters; i++)
     fault = parameter_fault(plugin, i);
+  if (!fault) fault = renames_fault(plugin);
   for (size_t i = 0; !fault && i < plugin->n_metrics; i++)
     fault = metric_fault(plugin, i);
   return fault;

@@ -17,6 +17,12 @@ const opc_port *opc_port_at(const opc_plugin *plugin, size_t i);
 int opc_parameter_find(const opc_plugin *plugin, const char *name);
 const opc_metric *opc_metric_find(const opc_plugin *plugin, const char *name);
 
+/* What an earlier version called its parameters (plugin.h). */
+size_t opc_rename_count(const opc_plugin *plugin);
+const opc_rename *opc_rename_at(const opc_plugin *plugin, size_t i);
+/* The rename of that old name, NULL if there is none. */
+const opc_rename *opc_rename_find(const opc_plugin *plugin, const char *from);
+
 /* "litho" ... ; NULL for a number that is no kind; 0 for a name that is none */
 const char *opc_kind_name(uint32_t kind);
 uint32_t opc_kind_find(const char *name);

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/plugin/guard.h"
+
 static unsigned wanted_threads;
 
 void opc_set_threads(unsigned n) { wanted_threads = n; }
@@ -85,6 +87,7 @@ static void host_free(const opc_host *host, void *memory) {
 typedef struct batch {
   void (*task)(void *, size_t);
   void *data;
+  const char *inside; /* the plugin that called */
   size_t n;
   size_t next;       /* atomic: the next index to take */
   size_t done;       /* under lock */
@@ -95,10 +98,12 @@ typedef struct batch {
 
 static void batch_work(batch *b) {
   size_t i, mine = 0;
+  const char *before = opc_enter(b->inside);
   while ((i = __atomic_fetch_add(&b->next, 1, __ATOMIC_RELAXED)) < b->n) {
     b->task(b->data, i);
     mine++;
   }
+  opc_leave(before);
   if (!mine) return;
   g_mutex_lock(&b->lock);
   b->done += mine;
@@ -141,6 +146,7 @@ static void host_parallel(const opc_host *host, size_t n,
   batch *b = g_new0(batch, 1);
   b->task = task;
   b->data = data;
+  b->inside = opc_inside();
   b->n = n;
   g_atomic_ref_count_init(&b->references);
   g_mutex_init(&b->lock);

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include "core/plugin/declaration.h"
+#include "core/plugin/guard.h"
 #include "core/plugin/host.h"
 #include "core/plugin/suggest.h"
 
@@ -102,11 +103,26 @@ const GPtrArray *opc_registry_folders(const opc_registry *registry) {
 
 /* ---- loading ---- */
 
+/* For the message of a crash. */
+static const char *start_loading(const char *path, const char *id) {
+  g_autofree char *where =
+      g_strdup_printf("error: '%s': cannot use '%s'", id, path);
+  opc_guard_where(where, OPC_CRASH_LOADING);
+  return opc_enter(id);
+}
+
+static void end_loading(const char *before) {
+  opc_leave(before);
+  opc_guard_where(NULL, 0);
+}
+
 const opc_plugin *opc_plugin_load(const char *path, const char *id,
                                   char **reason) {
   *reason = NULL;
   g_autofree char *whole = g_canonicalize_filename(path, NULL);
+  const char *before = start_loading(path, id);
   void *object = dlopen(whole, RTLD_NOW | RTLD_LOCAL);
+  end_loading(before);
   if (!object) {
     *reason = g_strdup(dlerror());
     return NULL;
@@ -119,8 +135,10 @@ const opc_plugin *opc_plugin_load(const char *path, const char *id,
     return NULL;
   }
   memcpy(&entry, &symbol, sizeof entry);
+  before = start_loading(path, id);
   const opc_plugin *plugin = entry();
   *reason = opc_plugin_fault(plugin, id);
+  end_loading(before);
   if (!*reason) return plugin;
   dlclose(object);
   return NULL;

@@ -36,6 +36,7 @@ static const struct {
     {"bad.name", "its id is 'bad.other', its file is called 'bad.name'"},
     {"bad.null", "opcflow_plugin() returned nothing"},
     {"bad.operations", "its operations have 8 bytes, 24 are needed"},
+    {"bad.rename", "'length' was renamed to 'width', which is no parameter"},
     {"bad.size", "its descriptor has"},
     {"bad.twice", "parameter 'size' is there twice"},
     {"bad.unit", "parameter 'size' has the unknown unit 'parsec'"},

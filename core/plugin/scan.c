@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "core/plugin/guard.h"
 #include "core/plugin/registry.h"
 
 enum { LONGEST_REPORT = 1 << 20 };
@@ -17,6 +18,7 @@ enum { LONGEST_REPORT = 1 << 20 };
    ended by NUL. */
 static void child(const opc_candidate *candidate, int out) {
   g_autofree char *reason = NULL;
+  opc_guard_remove(); /* the parent tells of a crash */
   const opc_plugin *plugin =
       opc_plugin_load(candidate->path, candidate->id, &reason);
   GString *report = g_string_new(NULL);

@@ -27,7 +27,8 @@ static struct {
   GHashTable *tables;  /* name -> opc_table * */
   GString *log;
   GPtrArray *paths;
-  gboolean cancel;
+  char *cell; /* the last text given out */
+  int cancel;
 } state;
 
 /* ---- where it all goes ---- */
@@ -37,6 +38,7 @@ static void clean_up(void) {
   opc_registry_free(state.registry);
   opc_source_free(state.source);
   g_free(state.folder);
+  g_free(state.cell);
   g_hash_table_destroy(state.metrics);
   g_hash_table_destroy(state.tables);
   g_string_free(state.log, TRUE);
@@ -168,16 +170,18 @@ void opc_test_module_free(opc_module *module) {
 void opc_test_input(opc_module *module, const char *name, void *object) {
   const tested *t = (tested *)module;
   int i = opc_parameter_find(module->plugin, name);
-  if (i < 0 || opc_parameter_at(module->plugin, (size_t)i)->type != OPC_INPUT)
-    g_error("'%s' has no input '%s'", module->plugin->id, name);
-  t->binding->values[i].type = OPC_INPUT;
+  uint32_t type =
+      i < 0 ? OPC_ABSENT : opc_parameter_at(module->plugin, (size_t)i)->type;
+  if (type != OPC_INPUT && type != OPC_SLOT)
+    g_error("'%s' has no input or slot '%s'", module->plugin->id, name);
+  t->binding->values[i].type = type;
   t->binding->values[i].given = 1;
   t->binding->values[i].object = object;
 }
 
 int opc_test_run(opc_module *module, void **outputs, opc_error *error) {
   const opc_step *step = module->plugin->operations;
-  memset(outputs, 0, step->n_outputs * sizeof *outputs);
+  if (step->n_outputs) memset(outputs, 0, step->n_outputs * sizeof *outputs);
   int code = step->run(module->self, outputs, error);
   if (code) opc_test_release(module, outputs);
   return code;
@@ -215,4 +219,29 @@ void opc_test_forget(void) {
   g_string_truncate(state.log, 0);
 }
 
-void opc_test_cancel(gboolean cancel) { state.cancel = cancel; }
+static const opc_column *find_column(const char *table, const char *column,
+                                     size_t row) {
+  const opc_table *t = opc_test_table(table);
+  return t && row < t->rows ? opc_table_column(t, column) : NULL;
+}
+
+size_t opc_test_rows(const char *table) {
+  const opc_table *t = opc_test_table(table);
+  return t ? t->rows : 0;
+}
+
+const char *opc_test_text(const char *table, const char *column, size_t row) {
+  const opc_column *c = find_column(table, column, row);
+  g_free(state.cell);
+  state.cell = c ? opc_table_cell(c, row) : NULL;
+  return state.cell ? state.cell : "";
+}
+
+double opc_test_number(const char *table, const char *column, size_t row) {
+  const opc_column *c = find_column(table, column, row);
+  if (c && c->type == OPC_REAL) return ((const double *)c->data)[row];
+  if (c && c->type == OPC_INT) return (double)((const int64_t *)c->data)[row];
+  return NAN;
+}
+
+void opc_test_cancel(int cancel) { state.cancel = cancel; }

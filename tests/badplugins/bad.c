@@ -3,6 +3,7 @@
    sound one. BAD_ID is its id. */
 #include <opcflow/opcflow.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 static const opc_parameter parameters[] = {
@@ -54,6 +55,14 @@ static const opc_regulator operations = {
 #endif
 };
 
+#ifdef BAD_RENAME
+static const void *get_extension(const char *id) {
+  static const opc_rename old = {"length", "width", "1.1.0", NULL};
+  static const opc_renames renames = {sizeof renames, 1, sizeof old, &old};
+  return strcmp(id, OPC_RENAMED_PARAMETERS) ? NULL : &renames;
+}
+#endif
+
 static const opc_plugin plugin = {
 #ifdef BAD_SIZE
     .size = sizeof plugin - 8,
@@ -80,6 +89,9 @@ static const opc_plugin plugin = {
     .create = create,
     .destroy = destroy,
     .operations = &operations,
+#ifdef BAD_RENAME
+    .get_extension = get_extension,
+#endif
 };
 
 #ifdef BAD_ENTRY

@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "core/flow/sweep.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "core/flow/layers.h"
+#include "core/flow/unit.h"
+#include "core/flow/value.h"
+#include "core/plugin/suggest.h"
+
+static const double most_points = 100000;
+
+#define WRONG(problems, node, ...) \
+  opc_problem_add(problems, OPC_INVALID, &(node)->at, __VA_ARGS__)
+
+/* ---- ranges ---- */
+
+/* A number with what stands behind it. */
+typedef struct quantity {
+  double number; /* in the unit of `from` */
+  const char *unit;
+} quantity;
+
+static gboolean check_range_keys(const opc_node *range,
+                                 opc_problems *problems) {
+  static const char *const known[] = {"from", "to", "step", NULL};
+  g_autoptr(GPtrArray) names = g_ptr_array_new();
+  gboolean good = TRUE;
+  for (guint i = 0; known[i]; i++) {
+    g_ptr_array_add(names, (char *)known[i]);
+    if (opc_node_get(range, known[i])) continue;
+    WRONG(problems, range, "a range needs '{ from: A, to: B, step: C }'");
+    good = FALSE;
+    break;
+  }
+  for (guint i = 0; i < range->keys->len && i < 100; i++) {
+    const opc_node *key = range->keys->pdata[i];
+    if (g_strv_contains(known, key->text)) continue;
+    g_autofree char *suggestion = opc_suggestion(key->text, names);
+    WRONG(problems, key, "unknown key '%s' of a range%s", key->text,
+          suggestion);
+    good = FALSE;
+  }
+  return good;
+}
+
+/* In the unit of `from`, which is NULL for itself. */
+static gboolean read_quantity(const opc_node *range, const char *key,
+                              const quantity *from, opc_problems *problems,
+                              quantity *out) {
+  const opc_node *node = opc_node_get(range, key);
+  const char *text = node->type == OPC_NODE_TEXT ? node->text : "";
+  size_t length = opc_number_length(text);
+  if (!length) {
+    WRONG(problems, node, "'%s' of a range needs a number", key);
+    return FALSE;
+  }
+  out->unit = text + length;
+  while (*out->unit == ' ') out->unit++;
+  const opc_unit *unit = opc_unit_find(out->unit);
+  if (*out->unit && !unit) {
+    g_autoptr(GPtrArray) names = opc_unit_names();
+    g_autofree char *suggestion = opc_suggestion(out->unit, names);
+    WRONG(problems, node, "unknown unit '%s' in '%s'%s", out->unit, text,
+          suggestion);
+    return FALSE;
+  }
+  const opc_unit *to = !from         ? unit
+                       : *from->unit ? opc_unit_find(from->unit)
+                                     : NULL;
+  if (!unit != !to || (unit && opc_unit_noun(unit) != opc_unit_noun(to))) {
+    WRONG(problems, node,
+          "'%s' must be of the same dimension as 'from', not "
+          "'%s'",
+          key, text);
+    return FALSE;
+  }
+  out->number = opc_number_in(text, length, unit, to);
+  if (isfinite(out->number)) return TRUE;
+  WRONG(problems, node, "'%s' of a range is too large: '%s'", key, text);
+  return FALSE;
+}
+
+/* How many values a range has; 0 and a problem. */
+static guint range_count(const opc_node *range, const quantity *from,
+                         const quantity *to, const quantity *step,
+                         opc_problems *problems) {
+  double steps = (to->number - from->number) / step->number;
+  /* A step that divides the range but for rounding reaches its end. */
+  double count = floor(steps * (1 + 1e-12) + 1e-9) + 1;
+  if (count >= 1 && count <= most_points) return (guint)count;
+  if (count > most_points && isfinite(count))
+    WRONG(problems, range, "a range of %.0f values; at most %.0f are possible",
+          count, most_points);
+  else
+    WRONG(problems, opc_node_get(range, "step"),
+          "'step' does not lead from '%s' to '%s'",
+          opc_node_get(range, "from")->text, opc_node_get(range, "to")->text);
+  return 0;
+}
+
+static void add_range(opc_axis *axis, const opc_node *range,
+                      opc_problems *problems) {
+  quantity from, to, step;
+  if (!check_range_keys(range, problems) ||
+      !read_quantity(range, "from", NULL, problems, &from) ||
+      !read_quantity(range, "to", &from, problems, &to) ||
+      !read_quantity(range, "step", &from, problems, &step))
+    return;
+  guint n = range_count(range, &from, &to, &step, problems);
+  for (guint i = 0; i < n; i++) {
+    /* 12 digits: 0.3, not 0.30000000000000004. */
+    char number[40];
+    g_ascii_formatd(number, sizeof number, "%.12g",
+                    from.number + i * step.number);
+    g_autofree char *text =
+        g_strdup_printf("%s%s%s", number, *from.unit ? " " : "", from.unit);
+    opc_node *node = opc_node_text_new(axis->source, text);
+    node->plain = TRUE;
+    node->at = range->at;
+    node->at.file = axis->source->name;
+    g_ptr_array_add(axis->values, node);
+  }
+}
+
+/* ---- axes ---- */
+
+static void axis_free(gpointer item) {
+  opc_axis *axis = item;
+  g_free(axis->path);
+  g_ptr_array_free(axis->values, TRUE);
+  opc_source_free(axis->source);
+  g_free(axis);
+}
+
+/* Takes the source. */
+static opc_axis *axis_new(const char *path, const opc_place *at,
+                          opc_source *source, const opc_node *values,
+                          opc_problems *problems) {
+  opc_axis *axis = g_new0(opc_axis, 1);
+  axis->path = g_strdup(path);
+  axis->source = source;
+  axis->at = *at;
+  axis->at.file = source->name;
+  axis->values = g_ptr_array_new_with_free_func((GDestroyNotify)opc_node_free);
+  if (!strchr(path, '.'))
+    opc_problem_add(problems, OPC_INVALID, at,
+                    "'%s' is a step; a sweep needs 'step.parameter'", path);
+  else if (values->type == OPC_NODE_MAP)
+    add_range(axis, values, problems);
+  else if (values->type == OPC_NODE_LIST && values->items->len)
+    for (guint i = 0; i < values->items->len; i++)
+      g_ptr_array_add(axis->values,
+                      opc_node_copy(values->items->pdata[i], source));
+  else
+    WRONG(problems, values,
+          "a sweep needs a list of values, or '{ from: A, to: B, step: C }'");
+  return axis;
+}
+
+static gboolean is_fixed(const char *path, const char *const *sets) {
+  size_t n = strlen(path);
+  for (; sets && *sets; sets++)
+    if (!strncmp(*sets, path, n) && (*sets)[n] == '=') return TRUE;
+  return FALSE;
+}
+
+/* Takes the axis, in place of one of the same path. */
+static void put_axis(opc_sweep *sweep, opc_axis *axis) {
+  for (guint i = 0; i < sweep->axes->len; i++) {
+    if (strcmp(((opc_axis *)sweep->axes->pdata[i])->path, axis->path)) continue;
+    axis_free(sweep->axes->pdata[i]);
+    sweep->axes->pdata[i] = axis;
+    return;
+  }
+  g_ptr_array_add(sweep->axes, axis);
+}
+
+static void add_argument(opc_sweep *sweep, const char *text,
+                         opc_problems *problems) {
+  g_autofree char *path = NULL;
+  opc_source *source;
+  g_autoptr(opc_node) values =
+      opc_argument_parse("--sweep", text, &path, &source, problems);
+  const opc_place at = {source->name, 0, 0};
+  if (values)
+    put_axis(sweep, axis_new(path, &at, source, values, problems));
+  else
+    opc_source_free(source);
+}
+
+static void count_points(opc_sweep *sweep, opc_problems *problems) {
+  double points = 1;
+  for (guint i = 0; i < sweep->axes->len; i++)
+    points *= ((opc_axis *)sweep->axes->pdata[i])->values->len;
+  sweep->points = points >= 1 && points <= most_points ? (size_t)points : 1;
+  if (points <= most_points) return;
+  const opc_axis *first = sweep->axes->pdata[0];
+  opc_problem_add(problems, OPC_INVALID, &first->at,
+                  "a sweep of %.0f points; at most %.0f are possible", points,
+                  most_points);
+}
+
+opc_sweep *opc_sweep_new(const opc_recipe *recipe, const char *const *sets,
+                         const char *const *sweeps, opc_problems *problems) {
+  opc_sweep *sweep = g_new0(opc_sweep, 1);
+  sweep->axes = g_ptr_array_new_with_free_func(axis_free);
+  for (guint i = 0; i < recipe->sweep->len; i++) {
+    const opc_entry *e = &g_array_index(recipe->sweep, opc_entry, i);
+    if (is_fixed(e->key->text, sets)) continue;
+    opc_source *source = opc_source_layer(e->key->source, "sweep");
+    put_axis(sweep,
+             axis_new(e->key->text, &e->key->at, source, e->value, problems));
+  }
+  for (; sweeps && *sweeps; sweeps++) add_argument(sweep, *sweeps, problems);
+  count_points(sweep, problems);
+  return sweep;
+}
+
+void opc_sweep_free(opc_sweep *sweep) {
+  if (!sweep) return;
+  g_ptr_array_free(sweep->axes, TRUE);
+  g_free(sweep);
+}
+
+/* ---- points ---- */
+
+const opc_node *opc_sweep_value(const opc_sweep *sweep, guint a, size_t point) {
+  for (guint i = sweep->axes->len; i-- > 0;) {
+    const GPtrArray *values = ((opc_axis *)sweep->axes->pdata[i])->values;
+    if (i == a) return values->pdata[point % values->len];
+    point /= values->len;
+  }
+  return NULL;
+}
+
+void opc_sweep_lay(const opc_sweep *sweep, size_t point, opc_node *steps,
+                   opc_problems *problems) {
+  for (guint i = 0; i < sweep->axes->len; i++) {
+    const opc_axis *axis = sweep->axes->pdata[i];
+    if (!axis->values->len) continue;
+    opc_lay_at(steps, axis->path, &axis->at, opc_sweep_value(sweep, i, point),
+               axis->source, problems);
+  }
+}
+
+size_t opc_sweep_point(const opc_sweep *sweep, guint a, guint value) {
+  size_t point = value;
+  for (guint i = a + 1; i < sweep->axes->len; i++)
+    point *= ((opc_axis *)sweep->axes->pdata[i])->values->len;
+  return point;
+}

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A litho model, a plain blur of the mask's amplitude, that goes wrong. */
+#include "bad.h"
+
+static const double blur = 25, band_limit = 0.02; /* nm, 1/nm */
+
+static int prepare(void *self, opc_error *error) {
+  (void)self, (void)error;
+  return OPC_OK;
+}
+
+static double band(const void *self) {
+  (void)self;
+  return does("band") ? NAN : band_limit;
+}
+
+static void transfer(const void *self, size_t s, const double *fx, double fy,
+                     size_t n, float *out) {
+  (void)self, (void)s;
+  for (size_t i = 0; i < n; i++) {
+    double f = M_PI * blur;
+    out[2 * i] = (float)exp(-2 * f * f * (fx[i] * fx[i] + fy * fy));
+    out[2 * i + 1] = 0;
+  }
+}
+
+static int image(const void *self, int layer, const opc_spectrum *mask,
+                 opc_field *out, opc_error *error) {
+  static const double one = 1;
+  (void)self, (void)layer;
+  int code = misbehave();
+  if (code) return code;
+  const opc_systems systems = {.size = sizeof systems,
+                               .count = 1,
+                               .weight = &one,
+                               .band = band_limit,
+                               .intensity_band = 2 * band_limit,
+                               .transfer = transfer,
+                               .scale = {1, 0}};
+  code = host->imaging->coherent_sum(host, mask, &systems, 0, out, error);
+  if (code) return code;
+  if (does("nan")) out->coefficients[out->nx + 2] = NAN;
+  if (does("infinite")) out->coefficients[0] = -INFINITY;
+  if (does("shape")) out->nx = 0;
+  if (does("frame")) out->frame.width *= 2;
+  if (does("empty")) host->imaging->release_field(host, out);
+  return OPC_OK;
+}
+
+static const opc_litho operations = {
+    .size = sizeof operations, .prepare = prepare, .band = band, .image = image};
+
+BAD_PLUGIN(OPC_KIND_LITHO, operations);

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A resist of a fixed threshold that goes wrong. */
+#include "bad.h"
+
+static int prepare(void *self, const opc_module *litho, opc_error *error) {
+  (void)self, (void)litho, (void)error;
+  return OPC_OK;
+}
+
+static int print(const void *self, int layer, opc_field *field,
+                 opc_error *error) {
+  (void)self, (void)layer, (void)error;
+  size_t n = (size_t)field->nx * (size_t)field->ny;
+  for (size_t i = 0; i < n; i++)
+    field->coefficients[i] = 0.3f - field->coefficients[i];
+  if (does("nan")) field->coefficients[n - 1] = NAN;
+  return misbehave();
+}
+
+static const opc_resist operations = {
+    .size = sizeof operations, .prepare = prepare, .print = print};
+
+BAD_PLUGIN(OPC_KIND_RESIST, operations);

@@ -1,0 +1,357 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the command says and keeps when a plugin goes wrong while a flow runs:
+   one plugin of tests/badplugins for each way. And what must go right: plugins
+   of a later minor, flows with old names of parameters. */
+#include <glib.h>
+#include <glib/gstdio.h>
+#include <opcflow/plugin.h>
+#include <string.h>
+#include <sys/wait.h>
+
+#include "core/flow/files.h"
+
+static char *folder, *command, *out, *err;
+
+/* ---- help ---- */
+
+/* Run opcflow with words between spaces; gives the exit code. */
+static int call(const char *line) {
+  g_auto(GStrv) words = g_strsplit(line, " ", -1);
+  g_autoptr(GPtrArray) argv = g_ptr_array_new();
+  g_ptr_array_add(argv, command);
+  for (guint i = 0; words[i]; i++) g_ptr_array_add(argv, words[i]);
+  g_ptr_array_add(argv, NULL);
+  g_clear_pointer(&out, g_free);
+  g_clear_pointer(&err, g_free);
+  int status;
+  g_assert_true(g_spawn_sync(NULL, (char **)argv->pdata, NULL, G_SPAWN_DEFAULT,
+                             NULL, NULL, &out, &err, &status, NULL));
+  g_assert_true(WIFEXITED(status));
+  return WEXITSTATUS(status);
+}
+
+static void write_flow(const char *name, const char *text) {
+  g_assert_true(g_file_set_contents(name, text, -1, NULL));
+}
+
+static gboolean is_there(const char *name) {
+  return g_file_test(name, G_FILE_TEST_EXISTS);
+}
+
+static gboolean has_text(const char *name, const char *text) {
+  g_autofree char *content = NULL;
+  g_assert_true(g_file_get_contents(name, &content, NULL, NULL));
+  return strstr(content, text) != NULL;
+}
+
+/* Of a message, '*' stands for anything. */
+static void expect_error(const char *want) {
+  if (!g_pattern_match_simple(want, err)) g_assert_cmpstr(err, ==, want);
+}
+
+static void set_up(void) {
+  folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
+  g_assert_cmpint(g_chdir(folder), ==, 0);
+  const char *build = g_getenv("OPCFLOW_BUILD");
+  command = g_build_filename(build, "opcflow", NULL);
+  g_autofree char *path = g_strdup_printf("%s/tests:%s/plugins", build, build);
+  g_setenv("OPCFLOW_PLUGIN_PATH", path, TRUE);
+}
+
+/* ---- the correction loop ---- */
+
+static const char *const slots[] = {"litho", "resist", "extract", "mask",
+                                    "drc"};
+
+/* A correction of which one plugin, bad.KIND_FAULT, goes wrong. */
+static void write_correction(const char *bad) {
+  g_autofree char *used[G_N_ELEMENTS(slots)] = {NULL};
+  for (size_t i = 0; i < G_N_ELEMENTS(slots); i++)
+    used[i] = g_str_has_prefix(bad, slots[i])
+                  ? g_strdup(bad)
+                  : g_strdup_printf("%s_none", slots[i]);
+  g_autofree char *text = g_strdup_printf(
+      "opcflow: 1\n"
+      "steps:\n"
+      "  layout:\n"
+      "    { use: read.cif, file: %s/data/cells65/nand2.cif,\n"
+      "      layers: { poly: CP, active: CA, contact: CC, nwell: CW } }\n"
+      "  gates: { use: segment.transistors, layout: ${layout}, grid: 1 nm }\n"
+      "  kept: { use: test.numbers, size: 1 nm }\n"
+      "  mask:\n"
+      "    use: correct\n"
+      "    gates: ${gates}\n"
+      "    litho: { use: bad.%s }\n"
+      "    resist: { use: bad.%s }\n"
+      "    extract: { use: bad.%s }\n"
+      "    synthesizer: { use: bad.%s }\n"
+      "    regulator: { use: bad.%s }\n"
+      "  after: { use: test.numbers, size: 1 nm, add: ${kept} }\n",
+      g_getenv("OPCFLOW_SOURCE"), used[0], used[1], used[2], used[3], used[4]);
+  write_flow("bad.yaml", text);
+}
+
+/* The place of a slot, and what it is called in `correct`. */
+static const struct {
+  const char *kind, *place, *slot;
+} places[] = {{"litho", "11:12", "litho"},
+              {"resist", "12:13", "resist"},
+              {"extract", "13:14", "extract"},
+              {"mask", "14:18", "synthesizer"},
+              {"drc", "15:16", "regulator"}};
+
+static const struct {
+  const char *plugin, *message;
+} failures[] = {
+    {"litho_silent", "gave no reason"},
+    {"litho_code", "gave no reason"},
+    {"litho_cancel", "gave no reason"},
+    {"litho_band", "its band is nan 1/nm"},
+    {"litho_nan", "intensity is not a number at (*) nm"},
+    {"litho_infinite", "intensity is infinite at (*) nm"},
+    {"litho_shape", "intensity is a field of 0 x * without values"},
+    {"litho_empty", "intensity is a field of 0 x 0 without values"},
+    {"litho_frame",
+     "intensity has the frame (*) * x * nm, its mask (*) * x * nm"},
+    {"resist_silent", "gave no reason"},
+    {"resist_nan", "level set is not a number at (*) nm"},
+    {"extract_silent", "gave no reason"},
+    {"extract_nan", "ioff of transistor 'nand2:2' is nan"},
+    {"extract_negative", "ion of transistor 'nand2:1' is -1"},
+    {"extract_slices", "cuts a gate into 0 slices"},
+    {"extract_order", "slice 2 is at 0.25 of the width, not within 0.75 to 1"},
+    {"extract_sum",
+     "the slices have 0.9 of the width of a gate, not all of it"},
+    {"mask_silent", "gave no reason"},
+    {"mask_moves",
+     "moves the width of transistor 2 by -2147483648 steps, at most 1048576 "
+     "are possible"},
+    {"drc_silent", "gave no reason"},
+    {"drc_ends",
+     "moves the line end of transistor 1 by 16777216 steps, at most 1048576 "
+     "are possible"},
+    {"drc_vetoes", "the veto 0x40 of transistor 3 is unknown"},
+    {"drc_count", "violation 1 has no rule"},
+    {"drc_gate", "violation 1 is of transistor 100, there are 4"},
+};
+
+/* What finished steps wrote is kept, with reports that say how it ended. */
+static void expect_kept(const char *reason) {
+  g_assert_true(is_there("x.failed/numbers.csv"));
+  g_assert_true(is_there("x.failed/flow.yaml"));
+  g_assert_true(is_there("x.failed/metrics.json"));
+  g_assert_true(has_text("x.failed/manifest.json", "\"result\" : \"failed\""));
+  g_assert_true(has_text("x.failed/manifest.json", reason));
+  g_assert_false(is_there("x.failed/after.numbers.csv"));
+  g_assert_false(is_there("x"));
+  g_assert_true(opc_remove_tree("x.failed"));
+}
+
+static void test_failures(void) {
+  for (size_t i = 0; i < G_N_ELEMENTS(failures); i++) {
+    const char *plugin = failures[i].plugin;
+    size_t k = 0;
+    while (!g_str_has_prefix(plugin, places[k].kind)) k++;
+    write_correction(plugin);
+    g_test_message("%s", plugin);
+    g_assert_cmpint(call("run bad.yaml --output x"), ==, 4);
+    g_autofree char *want = g_strdup_printf(
+        "bad.yaml:%s: step 'mask' (correct), %s (bad.%s): %s\n"
+        "note: what was written so far is in 'x.failed'\n",
+        places[k].place, places[k].slot, plugin, failures[i].message);
+    expect_error(want);
+    expect_kept("\"failure\"");
+  }
+}
+
+/* The code that a plugin gives is the command's. */
+static void test_code(void) {
+  write_correction("mask_begin");
+  g_assert_cmpint(call("run bad.yaml --output x"), ==, 2);
+  expect_error("bad.yaml:14:18: step 'mask' (correct), synthesizer "
+               "(bad.mask_begin): gave no reason\n*");
+  expect_kept("gave no reason");
+}
+
+/* Where nothing is wrong, nothing is said. */
+static void test_good(void) {
+  write_correction("none");
+  g_assert_cmpint(call("run bad.yaml --output good"), ==, 0);
+  g_assert_cmpstr(err, ==, "");
+  g_assert_true(is_there("good/gates.csv"));
+}
+
+/* ---- crashes ---- */
+
+static const struct {
+  const char *plugin, *what;
+} crashes[] = {
+    {"litho_segv", "segmentation fault"},
+    {"litho_thread", "segmentation fault"},
+    {"litho_stack", "segmentation fault"},
+    {"litho_bus", "bus error"},
+    {"litho_fpe", "arithmetic error"},
+    {"litho_ill", "illegal instruction"},
+    {"litho_abort", "aborted"},
+    {"extract_segv", "segmentation fault"},
+    {"mask_verdict", "segmentation fault"},
+};
+
+static void test_crashes(void) {
+  for (size_t i = 0; i < G_N_ELEMENTS(crashes); i++) {
+    write_correction(crashes[i].plugin);
+    g_test_message("%s", crashes[i].plugin);
+    g_assert_cmpint(call("run bad.yaml --output x --threads 3"), ==, 4);
+    g_autofree char *want = g_strdup_printf(
+        "bad.yaml:8:3: step 'mask' (correct): crashed in plugin 'bad.%s': %s\n"
+        "note: what was written so far is in 'x.failed'\n",
+        crashes[i].plugin, crashes[i].what);
+    g_assert_cmpstr(err, ==, want);
+    expect_kept("ended while step 'mask' ran");
+  }
+}
+
+/* The folder of an earlier failure is not touched. */
+static void test_numbered(void) {
+  g_assert_cmpint(g_mkdir("x.failed", 0777), ==, 0);
+  g_assert_cmpint(g_mkdir("x.failed-2", 0777), ==, 0);
+  write_correction("litho_segv");
+  g_assert_cmpint(call("run bad.yaml --output x"), ==, 4);
+  expect_error("*\nnote: what was written so far is in 'x.failed-3'\n");
+  g_assert_true(is_there("x.failed-3/numbers.csv"));
+  g_assert_cmpint(g_rmdir("x.failed"), ==, 0);
+  g_assert_cmpint(g_rmdir("x.failed-2"), ==, 0);
+  g_assert_true(opc_remove_tree("x.failed-3"));
+}
+
+/* ---- steps ---- */
+
+/* A flow of one step; nothing is kept, as nothing was written. */
+static int call_step(const char *verb, const char *fault) {
+  g_autofree char *text = g_strdup_printf(
+      "opcflow: 1\nsteps:\n  a: { use: bad.step_%s }\n", fault);
+  write_flow("step.yaml", text);
+  g_autofree char *line = g_strdup_printf("%s step.yaml", verb);
+  int code = call(line);
+  g_assert_false(is_there("runs/step"));
+  g_assert_false(is_there("runs/step.failed"));
+  return code;
+}
+
+static void test_steps(void) {
+  g_assert_cmpint(call_step("run", "segv"), ==, 4);
+  g_assert_cmpstr(err, ==,
+                  "step.yaml:3:3: step 'a' (bad.step_segv): crashed in plugin "
+                  "'bad.step_segv': segmentation fault\n");
+  g_assert_cmpint(call_step("run", "silent"), ==, 4);
+  g_assert_cmpstr(err, ==,
+                  "step.yaml:3:3: step 'a' (bad.step_silent): gave no "
+                  "reason\n");
+  g_assert_cmpint(call_step("run", "output"), ==, 4);
+  g_assert_cmpstr(err, ==,
+                  "step.yaml:3:3: step 'a' (bad.step_output): gave no output "
+                  "'gates'\n");
+  g_assert_cmpint(call_step("run", "grid"), ==, 4);
+  g_assert_cmpstr(err, ==,
+                  "step.yaml:3:3: step 'a' (bad.step_grid): output 'gates': "
+                  "gates have a grid of 0 nm\n");
+  g_assert_cmpint(call_step("run", "arrays"), ==, 4);
+  g_assert_cmpstr(err, ==,
+                  "step.yaml:3:3: step 'a' (bad.step_arrays): output 'gates': "
+                  "an array of the gates is missing\n");
+  g_assert_cmpint(call_step("run", "release"), ==, 4);
+  g_assert_cmpstr(err, ==,
+                  "error: crashed in plugin 'bad.step_release': segmentation "
+                  "fault\n");
+  const char *const verbs[] = {"run", "check"};
+  for (size_t i = 0; i < 2; i++) {
+    g_assert_cmpint(call_step(verbs[i], "create"), ==, 4);
+    g_assert_cmpstr(err, ==,
+                    "step.yaml:3:3: step 'a' (bad.step_create): crashed in "
+                    "plugin 'bad.step_create': segmentation fault\n");
+    g_assert_cmpint(call_step(verbs[i], "refuse"), ==, 4);
+    g_assert_cmpstr(err, ==,
+                    "step.yaml:3:3: step 'a' (bad.step_refuse): gave no "
+                    "reason\n");
+  }
+}
+
+/* One that crashes while it is loaded. */
+static void test_loading(void) {
+  write_flow("load.yaml", "opcflow: 1\nsteps:\n  a: { use: bad.crash }\n");
+  g_assert_cmpint(call("run load.yaml"), ==, 3);
+  expect_error("error: 'bad.crash': cannot use '*/tests/bad.crash.so': crashed "
+               "in plugin 'bad.crash': aborted\n");
+  g_assert_cmpint(call("inspect bad.crash"), ==, 3);
+}
+
+/* ---- what must go right ---- */
+
+static void test_newer(void) {
+  write_flow("newer.yaml",
+             "opcflow: 1\nsteps:\n"
+             "  a: { use: test.newer, part: { size: 2 nm } }\n");
+  g_assert_cmpint(call("run newer.yaml --output newer"), ==, 0);
+  g_assert_cmpstr(err, ==, "");
+  g_assert_true(has_text("newer/metrics.json", "\"value\" : 6.0"));
+  g_assert_true(has_text("newer/flow.yaml", "count: 3"));
+}
+
+static void test_renamed(void) {
+  write_flow("old.yaml",
+             "opcflow: 1\nsteps:\n"
+             "  a:\n    use: test.newer\n    length: 5 nm\n"
+             "    old: { number: 4 }\n");
+  g_assert_cmpint(call("run old.yaml --output old"), ==, 0);
+  g_assert_cmpstr(err, ==,
+                  "warning: old.yaml:5:5: 'length' of 'test.newer' is now "
+                  "'part.size'\n"
+                  "warning: old.yaml:6:12: 'old.number' of 'test.newer' is now "
+                  "'count': it is a whole number now\n");
+  g_assert_true(has_text("old/metrics.json", "\"value\" : 20.0"));
+  /* The resolved flow has the new names, and nothing to warn of. */
+  g_assert_true(has_text("old/flow.yaml", "    part:\n      size: 5 nm"));
+  g_assert_false(has_text("old/flow.yaml", "length"));
+  g_assert_cmpint(call("check old/flow.yaml"), ==, 0);
+  g_assert_cmpstr(err, ==, "");
+  g_assert_cmpint(call("check old.yaml"), ==, 0);
+  expect_error("warning: old.yaml:5:5: 'length' of 'test.newer' *");
+}
+
+static void test_renamed_twice(void) {
+  write_flow("both.yaml",
+             "opcflow: 1\nsteps:\n"
+             "  a:\n    use: test.newer\n    part: { size: 1 nm }\n"
+             "    length: 5 nm\n");
+  g_assert_cmpint(call("check both.yaml"), ==, 2);
+  expect_error("*\nboth.yaml:6:5: 'part.size' of 'test.newer' is given twice, "
+               "by its own name and by an old one\n");
+  /* An old name with a value that is not good is told at its place. */
+  write_flow("wrong.yaml",
+             "opcflow: 1\nsteps:\n  a: { use: test.newer, length: 5 V }\n");
+  g_assert_cmpint(call("check wrong.yaml"), ==, 2);
+  expect_error("*\nwrong.yaml:3:33: *");
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  set_up();
+  g_test_add_func("/contract/failures", test_failures);
+  g_test_add_func("/contract/code", test_code);
+  g_test_add_func("/contract/good", test_good);
+  g_test_add_func("/contract/crashes", test_crashes);
+  g_test_add_func("/contract/numbered", test_numbered);
+  g_test_add_func("/contract/steps", test_steps);
+  g_test_add_func("/contract/loading", test_loading);
+  g_test_add_func("/contract/newer", test_newer);
+  g_test_add_func("/contract/renamed", test_renamed);
+  g_test_add_func("/contract/renamed-twice", test_renamed_twice);
+  int failed = g_test_run();
+  g_assert_cmpint(g_chdir("/"), ==, 0);
+  opc_remove_tree(folder);
+  g_free(folder);
+  g_free(command);
+  g_free(out);
+  g_free(err);
+  return failed;
+}

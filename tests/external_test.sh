@@ -1,0 +1,63 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# Install this build into a folder of its own, move the installation, and build,
+# test and install the project tests/external against it, through pkg-config
+# alone; then run a flow with what that installed.
+# OPCFLOW_SOURCE, OPCFLOW_BUILD: the trees; $1: meson; $2: its value of
+# b_sanitize.
+set -eu
+meson=$1
+sanitize=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+unset LD_LIBRARY_PATH OPCFLOW_PLUGIN_PATH XDG_DATA_HOME DESTDIR PKG_CONFIG_LIBDIR || true
+# Nothing of an installed opcflow, and nothing of the user's.
+export HOME="$work/home" XDG_DATA_HOME="$work/home/data"
+
+fail() {
+  echo "$*" >&2
+  exit 1
+}
+
+# Run quietly; what it said is shown if it fails.
+try() {
+  "$@" >"$work/log" 2>&1 || { cat "$work/log" >&2; fail "failed: $*"; }
+}
+
+try "$meson" install -C "$OPCFLOW_BUILD" --no-rebuild --destdir "$work/staged"
+pc=$(find "$work/staged" -name opcflow.pc)
+[ -n "$pc" ] || fail "opcflow.pc is not installed"
+lib=$(dirname "$(dirname "$pc")")
+staged=$(dirname "$lib")
+[ -x "$staged/bin/opcflow" ] || staged=$(dirname "$staged")
+mv "$staged" "$work/moved"
+rm -rf "$work/staged"
+export PKG_CONFIG_PATH="$work/moved/${lib#"$staged"/}/pkgconfig"
+opcflow=$(pkg-config --variable=command opcflow)
+[ "$(realpath "$opcflow")" = "$(realpath "$work/moved/bin/opcflow")" ] ||
+  fail "pkg-config says that the command is $opcflow"
+
+# The moved command finds the plugins that moved with it.
+unset OPCFLOW_NO_SYSTEM_PLUGINS
+"$opcflow" inspect mask.dpb | grep -q "^$work/moved/" ||
+  fail "$opcflow does not find its own plugins"
+
+cp -r "$OPCFLOW_SOURCE/tests/external" "$work/project"
+try "$meson" setup "$work/build" "$work/project" --prefix "$work/private" \
+  -Dplugins="$work/private/plugins" -Db_sanitize="$sanitize" -Db_lundef=false
+try ninja -C "$work/build"
+try env OPCFLOW_NO_SYSTEM_PLUGINS=1 "$meson" test -C "$work/build" --no-rebuild
+[ "$(grep -c ' OK ' "$work/log")" = 3 ] || { cat "$work/log"; fail "not 3 tests"; }
+try "$meson" install -C "$work/build" --no-rebuild
+
+# From the private folder, without the build.
+mv "$work/build" "$work/gone"
+try "$opcflow" run --plugin-path "$work/private/plugins" --output "$work/run" \
+  "$work/project/flow.yaml"
+grep -q '"worst"' "$work/run/metrics.json" || fail "no metric of list.worst"
+grep -q "$work/private/plugins/mask.bisect.so" "$work/run/manifest.json" ||
+  fail "mask.bisect is not the installed one"
+worst=$(sed -n '2s/.*,//p' "$work/run/worst.csv" | tr -d '\r-')
+echo "worst deviation: $worst %"
+[ "$(echo "$worst" | awk '{ print ($1 > 0 && $1 < 1) }')" = 1 ] ||
+  fail "not corrected to 1 %"

@@ -1,0 +1,276 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Layouts keep their geometry from format to format: what a file holds, made
+   flat, is the same after it was written and read again. */
+#include <glib.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "core/plugin/host.h"
+#include "core/plugin/testing.h"
+
+static const opc_layout_service *l = &opc_layout_functions;
+
+static opc_layout *read_file(const char *path, opc_error *error) {
+  const char *id = g_str_has_suffix(path, ".oas")   ? "read.oasis"
+                   : g_str_has_suffix(path, ".cif") ? "read.cif"
+                                                    : "read.gds";
+  g_autofree char *mapping = g_strdup_printf("{ file: '%s' }", path);
+  g_autoptr(opc_module) module = opc_test_module(id, mapping, error);
+  void *output = NULL;
+  if (!module || opc_test_run(module, &output, error)) return NULL;
+  return output;
+}
+
+static opc_layout *read_good(const char *path) {
+  opc_error e = {0};
+  opc_layout *layout = read_file(path, &e);
+  if (!layout) g_error("%s", e.message);
+  return layout;
+}
+
+/* The path of `layout` written as `kind` ("gds", "oasis", "cif"), or NULL. */
+static char *write_file(opc_layout *layout, const char *kind,
+                        const char *layers, opc_error *error) {
+  static int files;
+  const char *suffix = strcmp(kind, "oasis") ? kind : "oas";
+  g_autofree char *name = g_strdup_printf("%d.%s", files++, suffix);
+  g_autofree char *id = g_strdup_printf("write.%s", kind);
+  g_autofree char *mapping =
+      g_strdup_printf("{ file: %s, layers: { %s } }", name, layers);
+  g_autoptr(opc_module) module = opc_test_module(id, mapping, error);
+  if (!module) return NULL;
+  opc_test_input(module, "layout", layout);
+  void *none = NULL;
+  if (opc_test_run(module, &none, error)) return NULL;
+  return g_build_filename(opc_test_folder(), name, NULL);
+}
+
+static opc_layout *through(opc_layout *layout, const char *kind,
+                           const char *layers) {
+  opc_error e = {0};
+  g_autofree char *path = write_file(layout, kind, layers, &e);
+  if (!path) g_error("%s", e.message);
+  return read_good(path);
+}
+
+/* ---- comparing ---- */
+
+static opc_point at(const opc_point *p, size_t n, size_t from, gboolean back,
+                    size_t k) {
+  return p[back ? (from + n - k) % n : (from + k) % n];
+}
+
+/* A polygon as text that does not depend on where it begins, nor on its
+   direction: the least of all ways to say it. */
+static char *say(const opc_point *p, size_t n) {
+  size_t best = 0;
+  gboolean best_back = FALSE;
+  for (size_t way = 1; way < 2 * n; way++) {
+    size_t from = way / 2, k = 0;
+    gboolean back = way % 2;
+    opc_point a, b;
+    do {
+      a = at(p, n, from, back, k);
+      b = at(p, n, best, best_back, k);
+    } while (a.x == b.x && a.y == b.y && ++k < n);
+    if (k == n || a.x > b.x || (a.x == b.x && a.y > b.y)) continue;
+    best = from;
+    best_back = back;
+  }
+  GString *s = g_string_new(NULL);
+  for (size_t k = 0; k < n; k++) {
+    opc_point a = at(p, n, best, best_back, k);
+    g_string_append_printf(s, "%d,%d ", a.x, a.y);
+  }
+  return g_string_free(s, FALSE);
+}
+
+static int by_text(const void *a, const void *b) {
+  return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+/* All polygons of a layer below a cell, on a grid, sorted. */
+static GPtrArray *flat(const opc_layout *layout, int32_t cell, int32_t layer,
+                       double grid) {
+  opc_error e;
+  opc_flat f;
+  GPtrArray *list = g_ptr_array_new_with_free_func(g_free);
+  if (layer < 0) return list;
+  if (l->flatten(opc_test_host(), layout, cell, layer, grid, &f, &e))
+    g_error("%s", e.message);
+  for (size_t i = 0; i < f.shapes.count; i++) {
+    uint32_t start = f.shapes.start[i];
+    g_ptr_array_add(
+        list, say(f.shapes.points + start, f.shapes.start[i + 1] - start));
+  }
+  l->release(&f);
+  g_ptr_array_sort(list, by_text);
+  return list;
+}
+
+static size_t total(const opc_layout *layout,
+                    size_t (*count)(const opc_layout *, int32_t)) {
+  size_t sum = 0;
+  for (size_t i = 0; i < l->cells(layout); i++)
+    sum += count(layout, (int32_t)i);
+  return sum;
+}
+
+/* "L9D0" of "9/0", for CIF. */
+static char *renamed(const char *layer, gboolean cif) {
+  unsigned a, b;
+  char end;
+  if (cif && sscanf(layer, "%u/%u%c", &a, &b, &end) == 2)
+    return g_strdup_printf("L%uD%u", a, b);
+  return g_strdup(layer);
+}
+
+/* All cells of `want` are in `got`, with the same shapes flat; how many. */
+static size_t assert_same(const opc_layout *got, const opc_layout *want,
+                          gboolean cif) {
+  size_t shapes = 0;
+  for (size_t c = 0; c < l->cells(want); c++) {
+    const char *name = l->cell_name(want, (int32_t)c);
+    int32_t cell = l->find_cell(got, name);
+    if (cell < 0) g_error("cell '%s' is lost", name);
+    for (size_t i = 0; i < l->layers(want); i++) {
+      g_autofree char *layer = renamed(l->layer_name(want, (int32_t)i), cif);
+      double grid = l->unit(want);
+      g_autoptr(GPtrArray) a = flat(want, (int32_t)c, (int32_t)i, grid);
+      g_autoptr(GPtrArray) b = flat(got, cell, l->find_layer(got, layer), grid);
+      g_assert_cmpuint(a->len, ==, b->len);
+      for (guint k = 0; k < a->len; k++)
+        g_assert_cmpstr(b->pdata[k], ==, a->pdata[k]);
+      shapes += a->len;
+    }
+  }
+  g_assert_cmpuint(total(got, l->texts), ==, total(want, l->texts));
+  return shapes;
+}
+
+static char *dump_instances(const opc_layout *layout, const char *cell) {
+  GString *s = g_string_new(NULL);
+  int32_t number = l->find_cell(layout, cell), child;
+  for (size_t i = 0; i < l->instances(layout, number); i++) {
+    opc_placement p;
+    const char *name = l->instance(layout, number, i, &child, &p);
+    g_string_append_printf(
+        s, "%s of %s %d,%d %.17g %.17g %u %ux%u %d,%d %d,%d\n",
+        name ? name : "-", l->cell_name(layout, child), p.origin.x, p.origin.y,
+        p.magnification, p.angle, p.mirror, p.columns, p.rows, p.column_step.x,
+        p.column_step.y, p.row_step.x, p.row_step.y);
+  }
+  return g_string_free(s, FALSE);
+}
+
+static void assert_instances(const opc_layout *got, const opc_layout *want) {
+  g_assert_cmpuint(l->cells(got), ==, l->cells(want));
+  for (size_t c = 0; c < l->cells(want); c++) {
+    const char *name = l->cell_name(want, (int32_t)c);
+    g_autofree char *a = dump_instances(want, name);
+    g_autofree char *b = dump_instances(got, name);
+    g_assert_cmpstr(b, ==, a);
+  }
+}
+
+/* ---- the round trips ---- */
+
+/* GDSII has short layer numbers; our own cells' have names. */
+static char *numbers(const opc_layout *layout) {
+  GString *s = g_string_new("");
+  for (size_t i = 0; i < l->layers(layout); i++) {
+    const char *name = l->layer_name(layout, (int32_t)i);
+    if (strchr(name, '/')) continue;
+    g_string_append_printf(s, "%s%s: %zu/0", s->len ? ", " : "", name, i + 1);
+  }
+  return g_string_free(s, FALSE);
+}
+
+static void trip(const char *path) {
+  opc_layout *first = read_good(path);
+  g_autofree char *map = numbers(first);
+  opc_layout *gds = through(first, "gds", map);
+  opc_layout *oasis = through(gds, "oasis", "");
+  opc_layout *again = through(oasis, "gds", "");
+  size_t n = assert_same(oasis, gds, FALSE);
+  if (!*map) g_assert_cmpuint(assert_same(gds, first, FALSE), ==, n);
+  g_assert_cmpuint(assert_same(again, gds, FALSE), ==, n);
+  assert_instances(oasis, gds);
+  assert_instances(again, gds);
+  g_test_message("%s: %zu polygons", path, n);
+  l->destroy(again);
+  l->destroy(oasis);
+  l->destroy(gds);
+  l->destroy(first);
+}
+
+/* As CIF, or what CIF cannot say is told by name. */
+static gboolean trip_cif(const char *path) {
+  opc_error e = {0};
+  opc_layout *first = read_good(path);
+  g_autofree char *file = write_file(first, "cif", "", &e);
+  if (file) {
+    opc_layout *cif = read_good(file);
+    assert_same(cif, first, TRUE);
+    l->destroy(cif);
+  } else {
+    g_test_message("%s: %s", path, e.message);
+    g_assert_nonnull(strstr(e.message, "' in '"));
+  }
+  l->destroy(first);
+  return file != NULL;
+}
+
+static char *corpus(void) {
+  const char *data = g_getenv("OPCFLOW_TEST_DATA");
+  if (data) return g_build_filename(data, "gds-corpus", NULL);
+  return g_build_filename(g_getenv("OPCFLOW_SOURCE"), "..", "shared", "data",
+                          "gds-corpus", NULL);
+}
+
+static void test_corpus(void) {
+  g_autofree char *folder = corpus();
+  g_autoptr(GDir) dir = g_dir_open(folder, 0, NULL);
+  const char *name;
+  int refused = 0, files = 0;
+  if (!dir) {
+    g_test_skip("no test data: set OPCFLOW_TEST_DATA");
+    return;
+  }
+  while ((name = g_dir_read_name(dir))) {
+    if (!g_str_has_suffix(name, ".gds") && !g_str_has_suffix(name, ".oas"))
+      continue;
+    g_autofree char *path = g_build_filename(folder, name, NULL);
+    trip(path);
+    refused += !trip_cif(path);
+    files++;
+  }
+  g_assert_cmpint(files, >, 0);
+  g_assert_cmpint(refused, >, 0); /* cells magnified, or turned by 22 degrees */
+  g_assert_cmpint(refused, <, files / 2);
+}
+
+static void test_cells(void) {
+  g_autofree char *folder =
+      g_build_filename(g_getenv("OPCFLOW_SOURCE"), "data", "cells65", NULL);
+  g_autoptr(GDir) dir = g_dir_open(folder, 0, NULL);
+  const char *name;
+  int files = 0;
+  g_assert_nonnull(dir);
+  while ((name = g_dir_read_name(dir))) {
+    if (!g_str_has_suffix(name, ".gds") && !g_str_has_suffix(name, ".cif"))
+      continue;
+    g_autofree char *path = g_build_filename(folder, name, NULL);
+    trip(path);
+    g_assert_true(trip_cif(path));
+    files++;
+  }
+  g_assert_cmpint(files, >=, 3);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/formats/cells", test_cells);
+  g_test_add_func("/formats/corpus", test_corpus);
+  return g_test_run();
+}

@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What shells and man see: completion through bash, manual pages through
+   groff. */
+#include <glib/gstdio.h>
+#include <string.h>
+#include <sys/wait.h>
+
+#include "core/flow/files.h"
+
+static char *folder, *command;
+
+/* Run a shell script in the folder; its standard output, and what it says on
+   standard error must be nothing. */
+static char *bash(const char *script) {
+  const char *const argv[] = {"bash", "-c", script, NULL};
+  char *out = NULL;
+  g_autofree char *err = NULL;
+  int status;
+  g_autoptr(GError) error = NULL;
+  g_spawn_sync(folder, (char **)argv, NULL, G_SPAWN_SEARCH_PATH, NULL, NULL,
+               &out, &err, &status, &error);
+  g_assert_no_error(error);
+  g_assert_cmpstr(err, ==, "");
+  g_assert_cmpint(status, ==, 0);
+  return out;
+}
+
+/* What bash offers at the end of a line, with spaces between. */
+static char *offered(const char *line) {
+  g_autofree char *script = g_strdup_printf(
+      "source '%s/data/completion/opcflow.bash'\n"
+      "COMP_LINE='%s'; COMP_POINT=${#COMP_LINE}\n"
+      "_opcflow '%s'\n"
+      "printf '%%s ' \"${COMPREPLY[@]}\"\n",
+      g_getenv("OPCFLOW_SOURCE"), line, command);
+  return bash(script);
+}
+
+static void test_completion(void) {
+  static const char *const cases[][2] = {
+      {"opcflow r", "run "},
+      {"opcflow run --qu", "--quiet "},
+      {"opcflow --plugin-path x ch", "check "},
+      {"opcflow inspect mask.d", "mask.dpb "},
+      {"opcflow new ", "flow plugin "},
+      {"opcflow new plugin --kind e", "extract "},
+      {"opcflow help ins", "inspect "},
+      {"opcflow run f", "first.yaml flows/ "},
+      {"opcflow run flows/", "flows/second.yaml "},
+      {"opcflow run first.yaml --set mask.litho.n", "mask.litho.na= "},
+      {"opcflow run first.yaml --set=mask.extract.ru", "mask.extract.rule= "},
+      {"opcflow run first.yaml --set mask.extract.rule=", "gauss equal "},
+      {"opcflow run first.yaml --output ", " "},
+  };
+  g_autofree char *second = g_build_filename(folder, "flows", NULL);
+  g_assert_cmpint(g_mkdir(second, 0777), ==, 0);
+  g_autofree char *make = g_strdup_printf(
+      "'%s' new flow first.yaml && rm ptm65.yaml && "
+      "touch flows/second.yaml flows/other",
+      command);
+  g_free(bash(make));
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_autofree char *found = offered(cases[i][0]);
+    g_test_message("%s", cases[i][0]);
+    g_assert_cmpstr(found, ==, cases[i][1]);
+  }
+}
+
+/* Every verb has a page that roff takes without a warning, made by the build
+   and with all its options. */
+static void test_pages(void) {
+  if (!g_find_program_in_path("groff")) {
+    g_test_skip("no groff");
+    return;
+  }
+  g_autofree char *list = g_strdup_printf(
+      "'%s' help | sed -n 's/^  \\([a-z]*\\) .*/\\1/p'", command);
+  g_autofree char *verbs = bash(list);
+  g_auto(GStrv) names = g_strsplit(g_strchomp(verbs), "\n", -1);
+  g_assert_cmpuint(g_strv_length(names), >=, 8);
+  for (guint i = 0; names[i]; i++) {
+    g_autofree char *script = g_strdup_printf(
+        "groff -man -Tutf8 -ww -P-c '%s/data/opcflow-%s.1' | col -b",
+        g_getenv("OPCFLOW_BUILD"), names[i]);
+    g_autofree char *page = bash(script);
+    g_assert_nonnull(strstr(page, "--plugin-path"));
+    g_assert_nonnull(strstr(page, "EXIT STATUS"));
+  }
+  g_autofree char *script =
+      g_strdup_printf("groff -man -Tutf8 -ww -P-c '%s/data/opcflow.1' | col -b",
+                      g_getenv("OPCFLOW_BUILD"));
+  g_autofree char *page = bash(script);
+  for (guint i = 0; names[i]; i++) {
+    g_autofree char *reference = g_strdup_printf("opcflow-%s(1)", names[i]);
+    if (!strstr(page, reference)) g_error("%s is not there", reference);
+  }
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
+  command = g_build_filename(g_getenv("OPCFLOW_BUILD"), "opcflow", NULL);
+  g_test_add_func("/shell/completion", test_completion);
+  g_test_add_func("/shell/pages", test_pages);
+  int code = g_test_run();
+  opc_remove_tree(folder);
+  return code;
+}
