@@ -15,7 +15,7 @@ static const opc_binding *parameters(const char *path) {
   static opc_binding *binding;
   static opc_problems *problems;
   static opc_source *source;
-  static opc_node *map;
+  static opc_node *volatile map;   /* volatile: leaves it where it can be seen */
   static const opc_place nowhere = {"fuzz", 0, 0};
   if (binding) return binding;
   problems = opc_problems_new();

@@ -12,10 +12,9 @@
 #include "core/plugin/declaration.h"
 #include "core/plugin/registry.h"
 
-static const char *const kept[] = {"compat.draw",    "compat.litho",
-                                   "compat.resist",  "compat.extract",
-                                   "compat.mask",    "compat.drc",
-                                   "compat.tell"};
+static const char *const kept[] = {
+    "compat.draw", "compat.litho", "compat.resist", "compat.extract",
+    "compat.mask", "compat.drc",   "compat.tell"};
 
 static char *source(const char *name) {
   return g_build_filename(g_getenv("OPCFLOW_SOURCE"), "tests", "compat", name,
@@ -84,8 +83,9 @@ static void test_run(void) {
   g_autofree char *plugins = source("x86_64"), *flow = source("flow.yaml");
   g_autofree char *command =
       g_build_filename(g_getenv("OPCFLOW_BUILD"), "opcflow", NULL);
-  const char *argv[] = {command,         "run",    flow, "--plugin-path",
-                        plugins,         "--json", "--output", run, NULL};
+  const char *argv[] = {command,         "run",   flow,
+                        "--plugin-path", plugins, "--json",
+                        "--output",      run,     NULL};
   g_autofree char *out = NULL, *err = NULL;
   int status;
   g_assert_true(g_spawn_sync(NULL, (char **)argv, NULL, G_SPAWN_DEFAULT, NULL,

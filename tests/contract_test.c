@@ -65,7 +65,7 @@ static const char *const slots[] = {"litho", "resist", "extract", "mask",
 
 /* A correction of which one plugin, bad.KIND_FAULT, goes wrong. */
 static void write_correction(const char *bad) {
-  g_autofree char *used[G_N_ELEMENTS(slots)] = {NULL};
+  char *used[G_N_ELEMENTS(slots)];
   for (size_t i = 0; i < G_N_ELEMENTS(slots); i++)
     used[i] = g_str_has_prefix(bad, slots[i])
                   ? g_strdup(bad)
@@ -89,6 +89,7 @@ static void write_correction(const char *bad) {
       "  after: { use: test.numbers, size: 1 nm, add: ${kept} }\n",
       g_getenv("OPCFLOW_SOURCE"), used[0], used[1], used[2], used[3], used[4]);
   write_flow("bad.yaml", text);
+  for (size_t i = 0; i < G_N_ELEMENTS(slots); i++) g_free(used[i]);
 }
 
 /* The place of a slot, and what it is called in `correct`. */
@@ -168,8 +169,9 @@ static void test_failures(void) {
 static void test_code(void) {
   write_correction("mask_begin");
   g_assert_cmpint(call("run bad.yaml --output x"), ==, 2);
-  expect_error("bad.yaml:14:18: step 'mask' (correct), synthesizer "
-               "(bad.mask_begin): gave no reason\n*");
+  expect_error(
+      "bad.yaml:14:18: step 'mask' (correct), synthesizer "
+      "(bad.mask_begin): gave no reason\n*");
   expect_kept("gave no reason");
 }
 
@@ -228,8 +230,8 @@ static void test_numbered(void) {
 
 /* A flow of one step; nothing is kept, as nothing was written. */
 static int call_step(const char *verb, const char *fault) {
-  g_autofree char *text = g_strdup_printf(
-      "opcflow: 1\nsteps:\n  a: { use: bad.step_%s }\n", fault);
+  g_autofree char *text =
+      g_strdup_printf("opcflow: 1\nsteps:\n  a: { use: bad.step_%s }\n", fault);
   write_flow("step.yaml", text);
   g_autofree char *line = g_strdup_printf("%s step.yaml", verb);
   int code = call(line);
@@ -280,8 +282,9 @@ static void test_steps(void) {
 static void test_loading(void) {
   write_flow("load.yaml", "opcflow: 1\nsteps:\n  a: { use: bad.crash }\n");
   g_assert_cmpint(call("run load.yaml"), ==, 3);
-  expect_error("error: 'bad.crash': cannot use '*/tests/bad.crash.so': crashed "
-               "in plugin 'bad.crash': aborted\n");
+  expect_error(
+      "error: 'bad.crash': cannot use '*/tests/bad.crash.so': crashed "
+      "in plugin 'bad.crash': aborted\n");
   g_assert_cmpint(call("inspect bad.crash"), ==, 3);
 }
 
@@ -324,8 +327,9 @@ static void test_renamed_twice(void) {
              "  a:\n    use: test.newer\n    part: { size: 1 nm }\n"
              "    length: 5 nm\n");
   g_assert_cmpint(call("check both.yaml"), ==, 2);
-  expect_error("*\nboth.yaml:6:5: 'part.size' of 'test.newer' is given twice, "
-               "by its own name and by an old one\n");
+  expect_error(
+      "*\nboth.yaml:6:5: 'part.size' of 'test.newer' is given twice, "
+      "by its own name and by an old one\n");
   /* An old name with a value that is not good is told at its place. */
   write_flow("wrong.yaml",
              "opcflow: 1\nsteps:\n  a: { use: test.newer, length: 5 V }\n");

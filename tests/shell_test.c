@@ -69,6 +69,11 @@ static void test_completion(void) {
 /* Every verb has a page that roff takes without a warning, made by the build
    and with all its options. */
 static void test_pages(void) {
+  g_autofree char *groff = g_find_program_in_path("groff");
+  if (!groff) {
+    g_test_skip("no groff");
+    return;
+  }
   if (!g_find_program_in_path("groff")) {
     g_test_skip("no groff");
     return;
@@ -104,5 +109,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/shell/pages", test_pages);
   int code = g_test_run();
   opc_remove_tree(folder);
+  g_free(folder);
+  g_free(command);
   return code;
 }

@@ -42,8 +42,8 @@ typedef struct cli_verb {
   gboolean hidden;   /* for shells, not for people */
 } cli_verb;
 
-extern const cli_verb cli_run, cli_check, cli_plugins, cli_inspect, cli_schema,
-    cli_new, cli_version, cli_help, cli_complete;
+extern const cli_verb cli_run, cli_check, cli_plugins, cli_inspect, cli_lint,
+    cli_schema, cli_new, cli_version, cli_help, cli_complete;
 
 /* All verbs, NULL-terminated; the hidden ones come last. */
 extern const cli_verb *const cli_verbs[];

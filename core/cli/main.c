@@ -7,7 +7,7 @@
 #include "core/plugin/suggest.h"
 
 const cli_verb *const cli_verbs[] = {
-    &cli_run, &cli_check,   &cli_plugins, &cli_inspect,  &cli_schema,
+    &cli_run, &cli_check,   &cli_plugins, &cli_inspect,  &cli_lint, &cli_schema,
     &cli_new, &cli_version, &cli_help,    &cli_complete, NULL};
 
 const cli_verb *cli_find_verb(const char *name) {

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "core/flow/run.h"
 
+#include <limits.h>
+#include <malloc.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -299,7 +301,16 @@ static int set_threads(const char *text) {
   return -1;
 }
 
+/* Fields come and go, each tens of megabytes and of the same sizes again: keep
+   their memory rather than have it mapped and cleared each time, which costs a
+   tenth of a correction. */
+static void keep_memory(void) {
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_TRIM_THRESHOLD, INT_MAX);
+}
+
 static int run(const cli_verb *verb, int argc, char **argv) {
+  keep_memory();
   request r = {0};
   const char *threads = NULL;
   g_autoptr(GPtrArray) sets = g_ptr_array_new();

@@ -109,9 +109,8 @@ int opc_check_performance(const opc_gates *gates, size_t first,
       double x = figures[k][i];
       if (isfinite(x) && (x > 0 || (flags && flags[i] && x == 0))) continue;
       const char *instance = gates->instance[first + i];
-      return opc_fail(error, OPC_FAILED, NULL,
-                      "%s of transistor '%s:%u' is %g", names[k],
-                      *instance ? instance : gates->cell[first + i],
+      return opc_fail(error, OPC_FAILED, NULL, "%s of transistor '%s:%u' is %g",
+                      names[k], *instance ? instance : gates->cell[first + i],
                       gates->number[first + i], x);
     }
   return OPC_OK;
@@ -218,10 +217,11 @@ int opc_check_gates(const opc_gates *g, opc_error *error) {
   if (!(g->grid > 0) || !isfinite(g->grid))
     return opc_fail(error, OPC_FAILED, NULL, "gates have a grid of %g nm",
                     g->grid);
-  if (g->count && !(g->box && g->type && g->axis && g->length && g->width &&
-                    g->room && g->extension && g->instance && g->cell &&
-                    g->number))
-    return opc_fail(error, OPC_FAILED, NULL, "an array of the gates is missing");
+  if (g->count &&
+      !(g->box && g->type && g->axis && g->length && g->width && g->room &&
+        g->extension && g->instance && g->cell && g->number))
+    return opc_fail(error, OPC_FAILED, NULL,
+                    "an array of the gates is missing");
   int code = OPC_OK;
   for (size_t i = 0; i < g->count && !code; i++) code = check_gate(g, i, error);
   for (int layer = 0; layer < OPC_LAYERS && !code; layer++)

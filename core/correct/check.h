@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Checks of what plugins hand back. Each gives OPC_OK, or OPC_FAILED and
-   *error. */
+ *error. */
 #ifndef OPCFLOW_CORE_CHECK_H
 #define OPCFLOW_CORE_CHECK_H
 
@@ -27,8 +27,7 @@ int opc_check_slicing(size_t n, const double *place, const double *width,
    none) says that the print is bad. */
 int opc_check_performance(const opc_gates *gates, size_t first,
                           const uint32_t *flags,
-                          const opc_performance *performance,
-                          opc_error *error);
+                          const opc_performance *performance, opc_error *error);
 
 int opc_check_moves(const opc_moves *moves, size_t gates, opc_error *error);
 int opc_check_ruling(const opc_ruling *ruling, size_t gates, opc_error *error);

@@ -54,8 +54,8 @@ static gboolean make_mask(opc_inspector *in, int layer, double band,
   opc_error error = {0};
   int code = host->imaging->mask_spectrum(host, &g->drawn[layer], g->grid,
                                           frame, band, mask, &error);
-  if (code) opc_find(in, "a mask of its band of %g 1/nm: %s", band,
-                     error.message);
+  if (code)
+    opc_find(in, "a mask of its band of %g 1/nm: %s", band, error.message);
   return !code;
 }
 
@@ -187,8 +187,13 @@ static void exercise_slices(opc_inspector *in, const opc_module *m, size_t n,
   double figure[12];
   static const double factors[] = {1, 0.8, 1.3, 0};
   for (size_t f = 0; f < G_N_ELEMENTS(factors); f++) {
-    const opc_slices input = {sizeof input, g->count, n, g->type, slice,
-                              slice + n * g->count, slice + 2 * n * g->count};
+    const opc_slices input = {sizeof input,
+                              g->count,
+                              n,
+                              g->type,
+                              slice,
+                              slice + n * g->count,
+                              slice + 2 * n * g->count};
     fill_slices(g, n, place, share, factors[f], slice, slice + n * g->count,
                 slice + 2 * n * g->count);
     for (size_t i = 0; i < G_N_ELEMENTS(figure); i++) figure[i] = NAN;

@@ -49,7 +49,8 @@ static void add_names(const image *file, const ElfW(Shdr) * table,
 static GPtrArray *read_names(const image *file) {
   const ElfW(Ehdr) *head = at(file, 0, 1, sizeof *head);
   if (!head || memcmp(head->e_ident, ELFMAG, SELFMAG) ||
-      head->e_ident[EI_CLASS] != (sizeof(void *) == 8 ? ELFCLASS64 : ELFCLASS32))
+      head->e_ident[EI_CLASS] !=
+          (sizeof(void *) == 8 ? ELFCLASS64 : ELFCLASS32))
     return NULL;
   const ElfW(Shdr) *sections =
       at(file, head->e_shoff, head->e_shnum, sizeof *sections);

@@ -67,8 +67,10 @@ static const struct {
   int number;
   const char *name;
 } signals[] = {
-    {SIGSEGV, "segmentation fault"}, {SIGBUS, "bus error"},
-    {SIGFPE, "arithmetic error"},    {SIGILL, "illegal instruction"},
+    {SIGSEGV, "segmentation fault"},
+    {SIGBUS, "bus error"},
+    {SIGFPE, "arithmetic error"},
+    {SIGILL, "illegal instruction"},
     {SIGABRT, "aborted"},
 };
 
@@ -118,9 +120,13 @@ static void crashed(int number) {
   const char *name = "";
   for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)
     if (signals[i].number == number) name = signals[i].name;
-  const char *const words[] = {wipe,   *where ? where : "error",
-                               ": crashed in plugin '", inside,
-                               "': ",  name, "\n"};
+  const char *const words[] = {wipe,
+                               *where ? where : "error",
+                               ": crashed in plugin '",
+                               inside,
+                               "': ",
+                               name,
+                               "\n"};
   for (size_t i = 0; i < sizeof words / sizeof *words; i++) say(words[i]);
   if (keep_folder()) {
     say("note: what was written so far is in '");

@@ -7,13 +7,13 @@
 #include "core/flow/binding.h"
 
 typedef struct opc_lint {
-  const char *path;    /* of the shared object, ID.so */
+  const char *path; /* of the shared object, ID.so */
   char *id;
   opc_registry *registry; /* for the plugins in its slots */
   const char *parameters; /* a map in flow syntax, over what is made up */
-  double seconds;      /* that one check may take */
-  GPtrArray *findings; /* char *: what is wrong */
-  GPtrArray *notes;    /* char *: what could not be checked, and why */
+  double seconds;         /* that one check may take */
+  GPtrArray *findings;    /* char *: what is wrong */
+  GPtrArray *notes;       /* char *: what could not be checked, and why */
 } opc_lint;
 
 opc_lint *opc_lint_new(const char *path, opc_registry *registry,
@@ -34,7 +34,7 @@ GPtrArray *opc_exports(const char *path, char **reason);
    what cannot be gone on from. */
 typedef struct opc_inspector {
   int out;
-  GChecksum *digest;   /* of all that the plugin gave */
+  GChecksum *digest; /* of all that the plugin gave */
 } opc_inspector;
 
 void opc_find(opc_inspector *inspector, const char *format, ...)

@@ -11,7 +11,7 @@ enum { LINE = 12, ACTIVE = 8 };
 static opc_point poly_points[] = {{0, 0}, {60, 0}, {60, 1000}, {0, 1000}};
 static uint32_t poly_start[] = {0, 4};
 
-static opc_point active_points[] = {{-200, 100}, {260, 100}, {260, 300},
+static opc_point active_points[] = {{-200, 100}, {260, 100},  {260, 300},
                                     {-200, 300}, {-200, 600}, {260, 600},
                                     {260, 900},  {-200, 900}};
 static uint32_t active_start[] = {0, 4, 8};
@@ -26,15 +26,12 @@ static opc_fragment poly_fragments[LINE] = {
 };
 static uint32_t poly_edges[] = {0, LINE};
 
-#define ACTIVE_FRAGMENTS(gate, low, high)                          \
-  {{-200, low}, -1, OPC_FIXED, {0}},                               \
-      {{0, low}, gate, OPC_W_LOW, {0}},                            \
-      {{60, low}, -1, OPC_FIXED, {0}},                             \
-      {{260, low}, -1, OPC_FIXED, {0}},                            \
-      {{260, high}, -1, OPC_FIXED, {0}},                           \
-      {{60, high}, gate, OPC_W_HIGH, {0}},                         \
-      {{0, high}, -1, OPC_FIXED, {0}}, {                           \
-    {-200, high}, -1, OPC_FIXED, { 0 }                             \
+#define ACTIVE_FRAGMENTS(gate, low, high)                                     \
+  {{-200, low}, -1, OPC_FIXED, {0}}, {{0, low}, gate, OPC_W_LOW, {0}},        \
+      {{60, low}, -1, OPC_FIXED, {0}}, {{260, low}, -1, OPC_FIXED, {0}},      \
+      {{260, high}, -1, OPC_FIXED, {0}}, {{60, high}, gate, OPC_W_HIGH, {0}}, \
+      {{0, high}, -1, OPC_FIXED, {0}}, {                                      \
+    {-200, high}, -1, OPC_FIXED, { 0 }                                        \
   }
 static opc_fragment active_fragments[2 * ACTIVE] = {
     ACTIVE_FRAGMENTS(0, 100, 300), ACTIVE_FRAGMENTS(1, 600, 900)};

@@ -52,22 +52,22 @@ static void *create(const opc_host *h, const opc_value *values,
 
 static void destroy(void *self) { host->free(host, self); }
 
-#define BAD_PLUGIN(KIND, OPERATIONS)                               \
-  static const opc_plugin plugin = {                               \
-      .size = sizeof plugin,                                       \
-      .abi_major = OPC_ABI_MAJOR,                                  \
-      .abi_minor = OPC_ABI_MINOR,                                  \
-      .id = BAD_ID,                                                \
-      .version = "1.0.0",                                          \
-      .licence = "BSD-3-Clause",                                   \
-      .summary = "Goes wrong while it runs",                       \
-      .kind = (KIND),                                              \
-      .create = create,                                            \
-      .destroy = destroy,                                          \
-      .operations = &(OPERATIONS),                                 \
-  };                                                               \
-  OPC_EXPORT const opc_plugin *opcflow_plugin(void);               \
-  const opc_plugin *opcflow_plugin(void) { return &plugin; }       \
+#define BAD_PLUGIN(KIND, OPERATIONS)                         \
+  static const opc_plugin plugin = {                         \
+      .size = sizeof plugin,                                 \
+      .abi_major = OPC_ABI_MAJOR,                            \
+      .abi_minor = OPC_ABI_MINOR,                            \
+      .id = BAD_ID,                                          \
+      .version = "1.0.0",                                    \
+      .licence = "BSD-3-Clause",                             \
+      .summary = "Goes wrong while it runs",                 \
+      .kind = (KIND),                                        \
+      .create = create,                                      \
+      .destroy = destroy,                                    \
+      .operations = &(OPERATIONS),                           \
+  };                                                         \
+  OPC_EXPORT const opc_plugin *opcflow_plugin(void);         \
+  const opc_plugin *opcflow_plugin(void) { return &plugin; } \
   struct bad_semicolon
 
 #endif

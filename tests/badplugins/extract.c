@@ -17,8 +17,8 @@ static size_t slicing(const void *self, const double **place,
   return does("slices") ? 0 : 2;
 }
 
-static int extract(const void *self, const opc_slices *in,
-                   opc_performance *out, opc_error *error) {
+static int extract(const void *self, const opc_slices *in, opc_performance *out,
+                   opc_error *error) {
   (void)self, (void)error;
   for (size_t i = 0; i < in->count; i++) {
     double w = in->width[2 * i] + in->width[2 * i + 1];

@@ -47,7 +47,9 @@ static int image(const void *self, int layer, const opc_spectrum *mask,
   return OPC_OK;
 }
 
-static const opc_litho operations = {
-    .size = sizeof operations, .prepare = prepare, .band = band, .image = image};
+static const opc_litho operations = {.size = sizeof operations,
+                                     .prepare = prepare,
+                                     .band = band,
+                                     .image = image};
 
 BAD_PLUGIN(OPC_KIND_LITHO, operations);

@@ -175,6 +175,48 @@ static void test_symmetry(void) {
     opc_test_host()->imaging->release_field(opc_test_host(), &fields[k]);
 }
 
+/* The general way against the radial one, in focus but for a picometre, for a
+   disk and a ring; and the same on both sides of the focus. */
+static void test_general(void) {
+  opc_point points[] = {{-130, -170}, {90, -170}, {90, 230}, {-130, 230}};
+  uint32_t start[] = {0, 4};
+  opc_shapes shapes = {1, start, points, NULL};
+  const char *sources[] = {"{ error: 2e-4 }",
+                           "{ error: 2e-4, source: annular, sigma_in: 0.4 }"};
+  const opc_host *host = opc_test_host();
+  for (size_t i = 0; i < G_N_ELEMENTS(sources); i++) {
+    opc_error error;
+    g_autoptr(opc_module) m = opc_test_module("litho.hopkins", sources[i], &error);
+    g_assert_nonnull(m);
+    const opc_litho *litho = m->plugin->operations;
+    g_assert_cmpint(litho->prepare(m->self, &error), ==, OPC_OK);
+    opc_spectrum mask;
+    opc_field field[4];
+    const double defocus[] = {0, 1e-3, 120, -120};
+    g_assert_cmpint(host->imaging->mask_spectrum(host, &shapes, 1, frame,
+                                                 litho->band(m->self), &mask,
+                                                 &error), ==, OPC_OK);
+    for (int k = 0; k < 4; k++)
+      g_assert_cmpint(litho->image_at(m->self, 0, &mask, defocus[k], &field[k],
+                                      &error), ==, OPC_OK);
+    double general = 0, sides = 0, blur = 0;
+    for (int k = 0; k < field[0].nx * field[0].ny; k++) {
+      double v[4];
+      for (int f = 0; f < 4; f++) v[f] = field[f].coefficients[k];
+      general = fmax(general, fabs(v[1] - v[0]));
+      sides = fmax(sides, fabs(v[2] - v[3]));
+      blur = fmax(blur, fabs(v[2] - v[0]));
+    }
+    g_test_message("general way: %.2g off; the two sides differ by %.2g",
+                   general, sides);
+    g_assert_cmpfloat(general, <, 2e-3);
+    g_assert_cmpfloat(sides, <, 1e-4);
+    g_assert_cmpfloat(blur, >, 0.02);
+    host->imaging->release_spectrum(host, &mask);
+    for (int k = 0; k < 4; k++) host->imaging->release_field(host, &field[k]);
+  }
+}
+
 static void test_refused(void) {
   opc_error error;
   g_assert_null(opc_test_module("litho.hopkins", "{ na: 1.2 }", &error));
@@ -188,6 +230,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/hopkins/clear-field", test_clear);
   g_test_add_func("/hopkins/too-fine", test_too_fine);
   g_test_add_func("/hopkins/symmetry", test_symmetry);
+  g_test_add_func("/hopkins/general", test_general);
   g_test_add_func("/hopkins/refused", test_refused);
   return g_test_run();
 }

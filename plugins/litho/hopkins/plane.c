@@ -12,7 +12,9 @@
 #include "kernels.h"
 
 #include <complex.h>
-#include <lapacke.h>
+#include <gsl/gsl_complex_math.h>
+#include <gsl/gsl_eigen.h>
+#include <gsl/gsl_errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,6 +24,7 @@
 enum {
   POINTS = 400,     /* about so many of the source */
   MOST = 120,       /* kernels */
+  SPARE = 20,       /* more vectors than kernels, to find them by */
   CELLS = 128,      /* of the tables, each way */
   SHIFTS = 64,      /* intervals of D's table, over shifts of 0 to 2 */
   THIN = 5          /* D is taken from every so manieth node each way */
@@ -105,45 +108,118 @@ static void gram_rows(void *data, size_t block) {
   }
 }
 
-/* The strongest eigenvectors; weights are the eigenvalues' part of the
-   trace. */
-static int solve(plane *p, opc_error *error) {
+/* The Gram matrix and some vectors, [vector][point]. */
+typedef struct block {
+  const gram *g;
+  const float complex *in;
+  float complex *out;
+} block;
+
+/* out = matrix * in, for one vector; the matrix is Hermitian. */
+static void multiply(void *data, size_t k) {
+  const block *b = data;
+  size_t n = b->g->p->n;
+  const float complex *x = b->in + k * n;
+  float complex *y = b->out + k * n;
+  memset(y, 0, n * sizeof *y);
+  for (size_t t = 0; t < n; t++)
+    add_product((float *)y, crealf(x[t]), cimagf(x[t]),
+                (const float *)(b->g->matrix + t * n), n);
+  for (size_t s = 0; s < n; s++) y[s] = conjf(y[s]);
+}
+
+static double complex dot(const float complex *a, const float complex *b,
+                          size_t n) {
+  double complex sum = 0;
+  for (size_t i = 0; i < n; i++) sum += conj((double complex)a[i]) * b[i];
+  return sum;
+}
+
+/* Gram and Schmidt, twice, which is enough. */
+static void orthonormalise(float complex *q, size_t count, size_t n) {
+  for (size_t k = 0; k < count; k++) {
+    float complex *v = q + k * n;
+    for (int pass = 0; pass < 2; pass++)
+      for (size_t i = 0; i < k; i++) {
+        float complex c = (float complex)dot(q + i * n, v, n);
+        for (size_t s = 0; s < n; s++) v[s] -= c * q[i * n + s];
+      }
+    double length = sqrt(creal(dot(v, v, n)));
+    float by = length > 0 ? (float)(1 / length) : 0;
+    for (size_t s = 0; s < n; s++) v[s] *= by;
+  }
+}
+
+/* The eigenvectors of the matrix within the span of q, strongest first, into
+   p->vectors. z holds matrix * q. */
+static int mix_span(plane *p, const float complex *q, const float complex *z,
+                    size_t count, size_t most) {
+  size_t n = p->n;
+  gsl_matrix_complex *a = gsl_matrix_complex_alloc(count, count);
+  gsl_matrix_complex *v = gsl_matrix_complex_alloc(count, count);
+  gsl_vector *value = gsl_vector_alloc(count);
+  gsl_eigen_hermv_workspace *work = gsl_eigen_hermv_alloc(count);
+  int ok = a && v && value && work;
+  for (size_t i = 0; i < count && ok; i++)
+    for (size_t j = 0; j <= i; j++) {
+      double complex c = dot(q + i * n, z + j * n, n);
+      gsl_matrix_complex_set(a, i, j, gsl_complex_rect(creal(c), cimag(c)));
+      gsl_matrix_complex_set(a, j, i, gsl_complex_rect(creal(c), -cimag(c)));
+    }
+  if (ok) {
+    gsl_eigen_hermv(a, value, v, work);
+    gsl_eigen_hermv_sort(value, v, GSL_EIGEN_SORT_VAL_DESC);
+    memset(p->vectors, 0, most * n * sizeof *p->vectors);
+    for (size_t k = 0; k < most; k++)
+      for (size_t i = 0; i < count; i++) {
+        gsl_complex c = gsl_matrix_complex_get(v, i, k);
+        float complex by = (float)GSL_REAL(c) + (float)GSL_IMAG(c) * I;
+        for (size_t s = 0; s < n; s++) p->vectors[k * n + s] += by * q[i * n + s];
+      }
+    double strongest = gsl_vector_get(value, 0);
+    while (p->base.available < most &&
+           gsl_vector_get(value, p->base.available) > 1e-6 * strongest)
+      p->base.available++;
+  }
+  if (work) gsl_eigen_hermv_free(work);
+  if (value) gsl_vector_free(value);
+  if (v) gsl_matrix_complex_free(v);
+  if (a) gsl_matrix_complex_free(a);
+  return ok;
+}
+
+/* The strongest eigenvectors of the Gram matrix, from the span of the matrix's
+   square times random vectors (Halko, Martinsson, Tropp, SIAM Review 53, 2011);
+   the same ones in every run. */
+static int solve(plane *p) {
   size_t n = p->n, most = n < MOST ? n : MOST;
+  size_t count = n < MOST + SPARE ? n : MOST + SPARE;
   gram g = {p, calloc(n * n, sizeof *g.matrix)};
-  float *value = malloc(n * sizeof *value);
-  float complex *z = malloc(n * most * sizeof *z);
-  lapack_int *support = malloc(2 * n * sizeof *support), found = 0;
-  int code = OPC_OK;
-  if (!g.matrix || !value || !z || !support) {
-    code = p->base.host->fail(p->base.host, error, OPC_FAILED, NULL,
-                              "out of memory");
-    goto done;
+  float complex *q = malloc(count * n * sizeof *q);
+  float complex *z = malloc(count * n * sizeof *z);
+  int ok = g.matrix && q && z;
+  if (ok) {
+    const opc_host *host = p->base.host;
+    host->parallel(host, (n + ROWS - 1) / ROWS, gram_rows, &g);
+    uint32_t state = 1;
+    for (size_t i = 0; i < count * n; i++) {
+      state = state * 1664525u + 1013904223u;
+      q[i] = (float)(state >> 8) / (1 << 23) - 1;
+    }
+    block forth = {&g, q, z}, back = {&g, z, q};
+    for (int power = 0; power < 2; power++) {
+      host->parallel(host, count, multiply, &forth);
+      orthonormalise(z, count, n);
+      host->parallel(host, count, multiply, &back);
+      orthonormalise(q, count, n);
+    }
+    host->parallel(host, count, multiply, &forth);
+    ok = mix_span(p, q, z, count, most);
   }
-  p->base.host->parallel(p->base.host, (n + ROWS - 1) / ROWS, gram_rows, &g);
-  /* Row s, column t of the matrix is conj(a_s) a_t; as LAPACK's columns, its
-     transpose: eigenvectors come conjugated. */
-  if (LAPACKE_cheevr(LAPACK_COL_MAJOR, 'V', 'I', 'U', (lapack_int)n, g.matrix,
-                     (lapack_int)n, 0, 0, (lapack_int)(n - most + 1),
-                     (lapack_int)n, 0, &found, value, z, (lapack_int)n,
-                     support) ||
-      found != (lapack_int)most) {
-    code = p->base.host->fail(p->base.host, error, OPC_FAILED, NULL,
-                              "no eigenvalues of the source's %zu points", n);
-    goto done;
-  }
-  for (size_t k = 0; k < most; k++)   /* from the strongest */
-    for (size_t s = 0; s < n; s++)
-      p->vectors[k * n + s] = conjf(z[(most - 1 - k) * n + s]);
-  p->base.available = 0;
-  while (p->base.available < most &&
-         value[most - 1 - p->base.available] > 1e-6F * value[most - 1])
-    p->base.available++;
-done:
   free(g.matrix);
-  free(value);
+  free(q);
   free(z);
-  free(support);
-  return code;
+  return ok;
 }
 
 /* A row of nodes of all tables: the kernels there. */
@@ -279,6 +355,7 @@ static int cut_source(plane *p) {
 
 kernels *plane_kernels(const opc_host *host, const optics *o, double defocus,
                        opc_error *error) {
+  gsl_set_error_handler_off();   /* its default aborts */
   plane *p = calloc(1, sizeof *p);
   if (!p) goto memory;
   p->base = (kernels){.host = host, .cutoff = o->cutoff,
@@ -305,10 +382,7 @@ kernels *plane_kernels(const opc_host *host, const optics *o, double defocus,
   for (size_t k = 0; k < most; k++) p->weights[k] = 1;
   p->base.weight = p->weights;
   host->parallel(host, (size_t)p->side, fill_node_row, p);
-  if (solve(p, error)) {
-    destroy(&p->base);
-    return NULL;
-  }
+  if (!solve(p)) goto memory;
   host->parallel(host, (size_t)p->side, mix_row, p);
   free(p->shifted);
   p->shifted = NULL;

@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* `opcflow lint`: what it finds in plugins that are made to be found, and that
+   it finds nothing in ours. */
+#include <glib.h>
+#include <string.h>
+#include <sys/wait.h>
+
+static char *out, *err;
+
+/* Lint a plugin of a folder of the build; the exit code. */
+static int lint(const char *folder, const char *id, const char *with) {
+  const char *build = g_getenv("OPCFLOW_BUILD");
+  g_autofree char *command = g_build_filename(build, "opcflow", NULL);
+  g_autofree char *file = g_strconcat(id, ".so", NULL);
+  g_autofree char *path = g_build_filename(build, folder, file, NULL);
+  const char *argv[] = {command, "lint", path, with ? "--with" : NULL,
+                        with,    NULL};
+  g_clear_pointer(&out, g_free);
+  g_clear_pointer(&err, g_free);
+  int status;
+  g_assert_true(g_spawn_sync(NULL, (char **)argv, NULL, G_SPAWN_DEFAULT, NULL,
+                             NULL, &out, &err, &status, NULL));
+  g_assert_true(WIFEXITED(status));
+  return WEXITSTATUS(status);
+}
+
+static const struct {
+  const char *id, *finding;
+} bad[] = {
+    {"bad.crash", "crashes (Aborted): loading"},
+    {"bad.exit", "ends the process: loading"},
+    {"bad.major", "built for plugin interface 2, this is 1"},
+    {"bad.step_create", "crashes (Segmentation fault): create"},
+    {"bad.step_refuse", "create fails without a message"},
+    {"bad.litho_segv", "crashes (Segmentation fault): work"},
+    {"bad.litho_nan", "image: intensity is not a number at ("},
+    {"bad.litho_frame", "image: intensity has the frame"},
+    {"bad.litho_silent", "image failed without a message"},
+    {"bad.litho_code", "image returned the unknown code 42"},
+    {"bad.litho_band", "its band is nan 1/nm"},
+    {"bad.resist_nan", "print: level set is not a number at ("},
+    {"bad.extract_sum", "slicing: the slices have 0.9 of the width"},
+    {"bad.extract_negative", "extract: ion of transistor 'sample:1' is -1"},
+    {"bad.mask_moves",
+     "update: moves the width of transistor 2 by -2147483648"},
+    {"bad.drc_ends", "rule: moves the line end of transistor 1 by 16777216"},
+};
+
+static void test_bad(void) {
+  for (size_t i = 0; i < G_N_ELEMENTS(bad); i++) {
+    g_test_message("%s", bad[i].id);
+    g_assert_cmpint(lint("tests", bad[i].id, NULL), ==, 1);
+    if (!strstr(out, bad[i].finding)) g_assert_cmpstr(out, ==, bad[i].finding);
+  }
+}
+
+static void test_untidy(void) {
+  g_assert_cmpint(lint("tests", "test.untidy", NULL), ==, 1);
+  static const char *const findings[] = {
+      "exports 'untidy_helper'; only opcflow_plugin is to be seen\n",
+      "the summary of size is not one line without a full stop\n",
+      "get_extension knows an extension that does not exist\n",
+      "create fails without a message for size\n",
+      "gives other bits the second time, for the same input\n",
+      "gives other bits on several threads than on one\n",
+  };
+  for (size_t i = 0; i < G_N_ELEMENTS(findings); i++)
+    if (!strstr(out, findings[i])) g_assert_cmpstr(out, ==, findings[i]);
+#ifndef __SANITIZE_ADDRESS__ /* it counts no memory */
+  const char *leak = strstr(out, "leaks 10");
+  g_assert_nonnull(leak);
+  g_assert_nonnull(strstr(leak, " bytes each time it is made and destroyed\n"));
+#endif
+}
+
+static void test_good(void) {
+  static const struct {
+    const char *folder, *id, *with;
+  } good[] = {
+      {"plugins", "mask.dpb", NULL},     {"plugins", "drc.regulator", NULL},
+      {"plugins", "read.gds", NULL},     {"plugins", "resist.threshold", NULL},
+      {"tests", "bad.litho_none", NULL}, {"tests", "test.numbers", NULL},
+  };
+  for (size_t i = 0; i < G_N_ELEMENTS(good); i++) {
+    int code = lint(good[i].folder, good[i].id, good[i].with);
+    g_assert_cmpstr(out, ==, "");
+    g_assert_cmpstr(err, ==, "");
+    g_assert_cmpint(code, ==, 0);
+  }
+}
+
+/* What is wanted can be given, and what cannot be checked is told. */
+static void test_with(void) {
+  g_assert_cmpint(lint("plugins", "extract.plain", NULL), ==, 0);
+  g_assert_nonnull(strstr(err, "note: not checked: prepare: "));
+  g_autofree char *with = g_strdup_printf(
+      "{ devices: %s/data/devices/ptm65.yaml }", g_getenv("OPCFLOW_SOURCE"));
+  g_assert_cmpint(lint("plugins", "extract.plain", with), ==, 0);
+  g_assert_cmpstr(err, ==, "");
+  g_assert_cmpint(lint("plugins", "none", NULL), ==, 5);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/lint/bad", test_bad);
+  g_test_add_func("/lint/untidy", test_untidy);
+  g_test_add_func("/lint/good", test_good);
+  g_test_add_func("/lint/with", test_with);
+  int failed = g_test_run();
+  g_free(out);
+  g_free(err);
+  return failed;
+}
