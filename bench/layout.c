@@ -155,7 +155,7 @@ static void write_oasis(FILE *file) {
   *p++ = 2;
   p += 12;
   size_t padding = sizeof head - (size_t)(p - head) - 3;
-  p = oasis_number(p, (uint32_t)padding);
+  oasis_number(p, (uint32_t)padding);
   fwrite(head, 1, sizeof head, file);
 }
 

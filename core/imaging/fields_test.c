@@ -143,7 +143,8 @@ static void test_samples(void) {
   g_assert_cmpint(host->imaging->samples(host, &samples, &error), ==, OPC_OK);
   for (size_t i = 0; i < n; i++) {
     double x = frame.x0 + frame.width * (double)(i % 71) / 71, v;
-    double y = frame.y0 + frame.height * (double)(i / 71) / 64;
+    int row = i / 71;
+    double y = frame.y0 + frame.height * row / 64;
     host->imaging->sample(&f, &x, &y, 1, &v);
     g_assert_cmpfloat(fabs(v - samples.coefficients[i]), <, 1e-6);
   }

@@ -253,7 +253,8 @@ static void find_shifts(plane *p) {
     for (size_t b = 0; b <= a; b++) {
       if (b % side % THIN || b / side % THIN || p->s_table[b] == 0) continue;
       double dx = (double)(a % side) - (double)(b % side);
-      double dy = (double)(a / side) - (double)(b / side);
+      size_t rows = a / side - b / side;   /* b comes first */
+      double dy = (double)rows;
       int bin = (int)(hypot(dx, dy) * p->step * SHIFTS / 2 + 0.5);
       if (bin > SHIFTS) continue;
       double rest = 0, product = (double)p->s_table[a] * p->s_table[b];

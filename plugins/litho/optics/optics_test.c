@@ -197,7 +197,8 @@ static void test_orthogonal(void) {
   static double value[OPTICS_TERMS][RINGS * SPOKES];
   for (int z = 0; z < OPTICS_TERMS; z++)
     for (int i = 0; i < RINGS * SPOKES; i++) {
-      double r = sqrt((i / SPOKES + 0.5) / RINGS);
+      int ring = i / SPOKES;
+      double r = sqrt((ring + 0.5) / RINGS);
       double a = 2 * M_PI * (i % SPOKES) / SPOKES;
       value[z][i] = term(z + 1, r * cos(a), r * sin(a));
     }

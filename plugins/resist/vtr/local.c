@@ -186,7 +186,8 @@ int local_field(const opc_host *host, const local_settings *settings,
   int ok = w.maximum && w.slope && out->coefficients &&
            means(host, &w, settings, a, out->coefficients);
   for (size_t i = 0; ok && i < n; i++) {
-    double m = sqrt(sqrt(sqrt(w.maximum[i]))), s = sqrt(w.slope[i]);
+    double m = sqrt(sqrt(sqrt((double)w.maximum[i])));
+    double s = sqrt((double)w.slope[i]);
     ok = !isnan(m);
     out->coefficients[i] = (float)(a[1] * m + a[2] * s + a[3] * m * s);
   }
