@@ -49,7 +49,8 @@ static int wild_field(const opc_field *f, const char *what, opc_error *error) {
   while (isfinite(f->coefficients[i])) i++;
   size_t nx = (size_t)f->nx;
   double x = f->frame.x0 + f->frame.width / f->nx * (double)(i % nx);
-  double y = f->frame.y0 + f->frame.height / f->ny * (double)(i / nx);
+  size_t row = i / nx;
+  double y = f->frame.y0 + f->frame.height / f->ny * (double)row;
   return opc_fail(error, OPC_FAILED, NULL, "%s is %s at (%.1f, %.1f) nm", what,
                   isnan(f->coefficients[i]) ? "not a number" : "infinite", x,
                   y);
