@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* read.cif: a CIF 2.0 file as a layout. */
 #include "cif.h"
+#include "../parameters.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -14,8 +15,6 @@ typedef struct reader {
   const opc_host *host;
   const opc_value *values;
 } reader;
-
-enum { FILE_NAME, LAYERS, SCALE, TOP };
 
 /* A port is released without its instance: the table that every host has. */
 static const opc_layout_service *layouts;
@@ -126,25 +125,8 @@ static int run(void *self, void **outputs, opc_error *error) {
 
 /* ---- parameters ---- */
 
-static const opc_parameter parameters[] = {
-    [FILE_NAME] = {.name = "file",
-                   .type = OPC_FILE,
-                   .flags = OPC_REQUIRED,
-                   .summary = "The CIF file"},
-    [LAYERS] = {.name = "layers",
-                .type = OPC_MAP,
-                .summary = "Names for layers: { poly: CP }; the others keep "
-                           "theirs"},
-    [SCALE] = {.name = "scale",
-               .type = OPC_REAL,
-               .flags = OPC_ABOVE,
-               .preset = "1",
-               .min = 0,
-               .summary = "A factor on the unit of the file"},
-    [TOP] = {.name = "top",
-             .type = OPC_TEXT,
-             .summary = "The top cell; those it does not lead to are dropped"},
-};
+static const opc_parameter parameters[] = {READ_PARAMETERS(
+    "The CIF file", "Names for layers: { poly: CP }; the others keep theirs")};
 
 static void release_layout(void *layout) { layouts->destroy(layout); }
 

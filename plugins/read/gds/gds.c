@@ -6,6 +6,7 @@
 
 #include "../cells.h"
 #include "../layers.h"
+#include "../parameters.h"
 #include "stream.h"
 
 /* Instances that arrays off the unit may be taken apart into, in one file. */
@@ -48,8 +49,6 @@ typedef struct reader {
   int absolute; /* a placement asked for absolute angle or magnification */
   element e;
 } reader;
-
-enum { FILE_NAME, LAYERS, SCALE, TOP };
 
 /* A port is released without its instance: the table that every host has. */
 static const opc_layout_service *layouts;
@@ -474,24 +473,9 @@ static int run(void *self, void **outputs, opc_error *error) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    [FILE_NAME] = {.name = "file",
-                   .type = OPC_FILE,
-                   .flags = OPC_REQUIRED,
-                   .summary = "The GDSII file"},
-    [LAYERS] = {.name = "layers",
-                .type = OPC_MAP,
-                .summary = "Names for layers: { poly: 9/0 }, or 9 for every "
-                           "datatype; the others are called 9/0"},
-    [SCALE] = {.name = "scale",
-               .type = OPC_REAL,
-               .flags = OPC_ABOVE,
-               .preset = "1",
-               .min = 0,
-               .summary = "A factor on the unit of the file"},
-    [TOP] = {.name = "top",
-             .type = OPC_TEXT,
-             .summary = "The top cell; those it does not lead to are dropped"},
-};
+    READ_PARAMETERS("The GDSII file",
+                    "Names for layers: { poly: 9/0 }, or 9 for every datatype; "
+                    "the others are called 9/0")};
 
 static void release_layout(void *layout) { layouts->destroy(layout); }
 

@@ -2,6 +2,8 @@
 /* read.glp: a GLP clip (the text format of the ICCAD 2013 contest) as a
    layout: a line for each record, RECT x y width height and PGON x1 y1 x2 y2
    ... within a CELL. */
+#include "../parameters.h"
+
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,8 +39,6 @@ typedef struct clip {
   opc_point *points;
   size_t room;
 } clip;
-
-enum { FILE_NAME, LAYERS, SCALE, TOP };
 
 /* A port is released without its instance: the table that every host has. */
 static const opc_layout_service *layouts;
@@ -306,24 +306,9 @@ static int run(void *self, void **outputs, opc_error *error) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    [FILE_NAME] = {.name = "file",
-                   .type = OPC_FILE,
-                   .flags = OPC_REQUIRED,
-                   .summary = "The GLP file"},
-    [LAYERS] = {.name = "layers",
-                .type = OPC_MAP,
-                .summary = "Names for layers: { metal: M1 }; the others keep "
-                           "theirs"},
-    [SCALE] = {.name = "scale",
-               .type = OPC_REAL,
-               .flags = OPC_ABOVE,
-               .preset = "1",
-               .min = 0,
-               .summary = "A factor on the unit of the file"},
-    [TOP] = {.name = "top",
-             .type = OPC_TEXT,
-             .summary = "The top cell; those it does not lead to are dropped"},
-};
+    READ_PARAMETERS("The GLP file",
+                    "Names for layers: { metal: M1 }; the others keep "
+                    "theirs")};
 
 static void release_layout(void *layout) { layouts->destroy(layout); }
 

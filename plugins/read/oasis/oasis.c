@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* read.oasis: an OASIS file as a layout. */
 #include "oasis.h"
+#include "../parameters.h"
 
 #include <stdlib.h>
 
@@ -10,8 +11,6 @@ typedef struct reader {
   const opc_host *host;
   const opc_value *values;
 } reader;
-
-enum { FILE_NAME, LAYERS, SCALE, TOP };
 
 /* A port is released without its instance: the table that every host has. */
 static const opc_layout_service *layouts;
@@ -62,24 +61,9 @@ static int run(void *self, void **outputs, opc_error *error) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    [FILE_NAME] = {.name = "file",
-                   .type = OPC_FILE,
-                   .flags = OPC_REQUIRED,
-                   .summary = "The OASIS file"},
-    [LAYERS] = {.name = "layers",
-                .type = OPC_MAP,
-                .summary = "Names for layers: { poly: 9/0 }, or 9 for every "
-                           "datatype; the others are called 9/0"},
-    [SCALE] = {.name = "scale",
-               .type = OPC_REAL,
-               .flags = OPC_ABOVE,
-               .preset = "1",
-               .min = 0,
-               .summary = "A factor on the unit of the file"},
-    [TOP] = {.name = "top",
-             .type = OPC_TEXT,
-             .summary = "The top cell; those it does not lead to are dropped"},
-};
+    READ_PARAMETERS("The OASIS file",
+                    "Names for layers: { poly: 9/0 }, or 9 for every datatype; "
+                    "the others are called 9/0")};
 
 static void release_layout(void *layout) { layouts->destroy(layout); }
 
