@@ -33,9 +33,9 @@ void bench_report(const char *name, double value, const char *unit,
 static void show(const char *name) {
   const opc_column columns[] = {
       {"name", NULL, OPC_TEXT, 0, all.name},
-      {"value", NULL, OPC_REAL, 3, all.value},
+      {"value", NULL, OPC_REAL, 5, all.value},
       {"unit", NULL, OPC_TEXT, 0, all.unit},
-      {"reach", NULL, OPC_REAL, 3, all.reach},
+      {"reach", NULL, OPC_REAL, 5, all.reach},
       {"better", NULL, OPC_TEXT, 0, all.better},
       {"reached", NULL, OPC_TEXT, 0, all.reached},
   };
