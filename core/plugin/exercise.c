@@ -252,7 +252,8 @@ static void exercise_mask(opc_inspector *in, const opc_module *m) {
   int32_t l[2] = {-5, 5}, w[2] = {0};
   print_sample(g, l, w, &design);
   l[0] = l[1] = 0;
-  opc_feedback f = {sizeof f, 0, g, &design, NULL, flags, vetoes};
+  opc_feedback f = {.size = sizeof f, .gates = g, .design = &design, .flags = flags,
+                    .vetoes = vetoes};
   opc_error error = {0};
   if (!went_well(in, "begin", o->begin(m->self, &f, &error), &error)) return;
   f.printed = &printed;
@@ -261,7 +262,7 @@ static void exercise_mask(opc_inspector *in, const opc_module *m) {
     print_sample(g, l, w, &printed);
     vetoes[0] = f.iteration == 2 ? OPC_VETO_LONGER : 0;
     flags[1] = f.iteration == 3 ? OPC_PRINT_OPEN : 0;
-    opc_moves moves = {sizeof moves, l, w};
+    opc_moves moves = {.size = sizeof moves, .l = l, .w = w};
     int code = o->update(m->self, &f, &moves, &done, &error);
     if (!went_well(in, "update", code, &error)) return;
     opc_check_moves(&moves, g->count, &error);
@@ -284,7 +285,9 @@ static void exercise_drc(opc_inspector *in, const opc_module *m) {
   uint32_t flags[2] = {0, OPC_PRINT_MERGED}, vetoes[2] = {0};
   int32_t l[2] = {3, -2}, w[2] = {0, 1}, end[4] = {0};
   const double extension[4] = {60, INFINITY, INFINITY, -5};
-  const opc_printed printed = {sizeof printed, 1, g, flags, l, w, extension};
+  const opc_printed printed = {.size = sizeof printed, .iteration = 1, .gates = g,
+                               .flags = flags, .l = l, .w = w,
+                               .extension = extension};
   opc_ruling ruling = {.size = sizeof ruling, .vetoes = vetoes, .end = end};
   opc_error error = {0};
   if (!went_well(in, "rule", o->rule(m->self, &printed, &ruling, &error),

@@ -23,6 +23,22 @@ typedef struct opc_slices {
                                 edge */
 } opc_slices;
 
+/* A printed gate that is about to be sliced. */
+typedef struct opc_printed_gate opc_printed_gate;
+struct opc_printed_gate {
+  size_t size;               /* sizeof(opc_printed_gate) */
+  uint8_t type;              /* OPC_NMOS, OPC_PMOS */
+  double design_length, design_width;   /* nm */
+  double width;              /* printed, nm */
+  /* How far the printed poly goes past the printed active, nm, on the LOW and
+     HIGH side along W; INFINITY where it goes on. */
+  double extension[2];
+  /* The printed length (nm) at a fraction of the width, 0 where nothing
+     prints. */
+  double (*length)(const opc_printed_gate *gate, double place);
+  const void *context;       /* the host's own */
+};
+
 typedef struct opc_extract {
   size_t size;               /* sizeof(opc_extract) */
 
@@ -39,6 +55,12 @@ typedef struct opc_extract {
      room for in->count. [any] */
   int (*extract)(const void *self, const opc_slices *in, opc_performance *out,
                  opc_error *error);
+
+  /* Since 1.1; NULL: every gate is sliced as `slicing` says. Where to slice
+     this gate: as many places and widths as `slicing` has, by its rules. A
+     slice may have the width 0. [any] */
+  void (*slice)(const void *self, const opc_printed_gate *gate, double *place,
+                double *width);
 } opc_extract;
 
 #ifdef __cplusplus

@@ -91,7 +91,14 @@ enum {
   OPC_PRINT_OPEN = 1 << 0,     /* the poly does not print all across */
   OPC_PRINT_NO_ACTIVE = 1 << 1,/* the active does not print */
   OPC_PRINT_MERGED = 1 << 2,   /* it reaches a neighbour */
-  OPC_PRINT_SHORT = 1 << 3     /* the line end stops before the active does */
+  OPC_PRINT_SHORT = 1 << 3,    /* the line end stops before the active does */
+  /* Since 1.1. The last three are worth a look, no failure. */
+  OPC_PRINT_ISLAND = 1 << 4,   /* poly or active prints in pieces there */
+  OPC_PRINT_NECK = 1 << 5,     /* a slice is far shorter than the drawn gate */
+  OPC_PRINT_WIDE = 1 << 6,     /* a slice is far longer than the drawn gate */
+  OPC_PRINT_BITE = 1 << 7,     /* the active's edge is not straight in the
+                                  channel */
+  OPC_PRINT_NOTES = 7 << 5     /* the flags that are no failure */
 };
 
 /* Performance of transistors, arrays of `count`. Currents A, lengths nm, area

@@ -125,6 +125,12 @@ struct opc_imaging_service {
   int (*samples)(const opc_host *host, opc_field *field, opc_error *error);
   int (*from_samples)(const opc_host *host, opc_field *field,
                       opc_error *error);
+
+  /* Since 1.1. The nearest sign change of a field on the line through (x, y)
+     along x (axis 0) or y (1): its distance from that point, nm, positive
+     towards larger coordinates, within +-reach; NAN if there is none. [any] */
+  double (*edge)(const opc_field *field, int axis, double x, double y,
+                 double reach);
 };
 
 #ifdef __cplusplus

@@ -27,6 +27,12 @@ typedef struct opc_feedback {
   const opc_performance *design, *printed;
   const uint32_t *flags;     /* OPC_PRINT_* */
   const uint32_t *vetoes;    /* OPC_VETO_* */
+
+  /* Since 1.1. Edge placement errors of the fragments that the synthesizer
+     asked for with `cut`, nm along the outward normal, positive where the print
+     is too large; NAN where there is no edge within 100 nm of the site. NULL
+     for a layer without such fragments. */
+  const double *epe[OPC_MASKS];
 } opc_feedback;
 
 /* The biases of each gate's mask, in grid steps against the drawn one: `l` of
@@ -36,7 +42,32 @@ typedef struct opc_feedback {
 typedef struct opc_moves {
   size_t size;               /* sizeof(opc_moves) */
   int32_t *l, *w;
+
+  /* Since 1.1. How much of each gate's width, in grid steps from the LOW edge
+     of its drawn box along W, has a length longer by one step more: the HIGH
+     side of the poly gets a jog there. 0: none; as large as the box or larger:
+     all of it, as with l + 1. */
+  int32_t *jog;
+  /* Since 1.1. How far each fragment of `cut` lies outwards of where it was
+     drawn, in grid steps; NULL for a layer without such fragments, whose edges
+     follow `l`, `w` and `jog`. */
+  int32_t *shift[OPC_MASKS];
 } opc_moves;
+
+/* Edge fragments of a synthesizer's own, since 1.1. Polygon p of the layer's
+   drawn shapes has the fragments start[p] .. start[p+1]-1. Fragment f goes from
+   from[f] to the from of the next one of its polygon; all corners of the
+   polygon are among them, in its order. `site` is where its edge placement
+   error is measured: a point of the fragment or elsewhere on the same drawn
+   edge. The arrays belong to the synthesizer and stay as they are until its
+   next `begin` or its end. */
+typedef struct opc_cuts {
+  size_t size;               /* sizeof(opc_cuts) */
+  size_t polygons;           /* 0: none, the gates' biases move this layer */
+  const uint32_t *start;
+  const opc_point *from;
+  const double *site;        /* x, y of each fragment, nm */
+} opc_cuts;
 
 typedef struct opc_synthesizer {
   size_t size;               /* sizeof(opc_synthesizer) */
@@ -54,6 +85,11 @@ typedef struct opc_synthesizer {
   /* Why gate i was left with the deviation it has, for the table: one word or
      few ("within limit", "grid", "bridging"); NULL for nothing. [main] */
   const char *(*verdict)(const void *self, size_t gate);
+
+  /* Since 1.1; NULL: it moves gates only. The fragments of a layer that it
+     moves one by one; called after `begin`, for each layer. [main] */
+  int (*cut)(void *self, const opc_gates *gates, int layer, opc_cuts *cuts,
+             opc_error *error);
 } opc_synthesizer;
 
 /* A rule that the print does not keep. Frozen. */
@@ -74,6 +110,9 @@ typedef struct opc_printed {
   /* How far the printed poly goes past the printed active, nm, [2 * i + side];
      negative where it ends before it; INFINITY where it goes on. */
   const double *extension;
+  /* Since 1.1: the mask that printed so, not merged, and its level sets. */
+  const opc_shapes *mask;    /* [OPC_MASKS], on the grid of the gates */
+  const opc_field *print;    /* [OPC_MASKS], positive where it prints */
 } opc_printed;
 
 /* What it answers. `vetoes` comes zeroed, `end` with the present biases of the
@@ -83,6 +122,12 @@ typedef struct opc_ruling {
   uint32_t *vetoes;
   int32_t *end;
   size_t transistors;        /* how many print as one of their own */
+  /* Since 1.1. Rectangles that are added to a layer's mask, on the grid of the
+     gates, as a larger enclosure of a contact: all of them, each time. They
+     belong to the regulator until its next call. NULL and 0 when it is asked:
+     none. */
+  const opc_box *patches[OPC_MASKS];
+  size_t patch_count[OPC_MASKS];
 } opc_ruling;
 
 typedef struct opc_regulator {

@@ -3,6 +3,7 @@
 #ifndef OPCFLOW_OPCFLOW_H
 #define OPCFLOW_OPCFLOW_H
 
+#include <opcflow/circuit.h>
 #include <opcflow/devices.h>
 #include <opcflow/extract.h>
 #include <opcflow/gates.h>

@@ -33,7 +33,14 @@ extern "C" {
 /* A plugin built for another major is refused; one built for a later minor
    loads, as everything of the earlier minors is still where it was. */
 #define OPC_ABI_MAJOR 1u
-#define OPC_ABI_MINOR 0u
+#define OPC_ABI_MINOR 1u
+
+/* Is the function `field` of a struct of functions there? It may be one of a
+   later minor than the struct. */
+#define OPC_HAS(operations, field)                                    \
+  ((operations)->size >= (size_t)((const char *)(&(operations)->field + 1) - \
+                                  (const char *)(operations)) &&      \
+   (operations)->field)
 
 #if defined(__GNUC__)
 #define OPC_EXPORT __attribute__((visibility("default")))

@@ -72,8 +72,10 @@ static const opc_parameter parameters[] = {
      7, NULL, "a length."},
 };
 
-static const opc_extract operations = {sizeof operations, prepare, slicing,
-                                       extract};
+static const opc_extract operations = {.size = sizeof operations,
+                                       .prepare = prepare,
+                                       .slicing = slicing,
+                                       .extract = extract};
 
 static const opc_plugin plugin = {
     .size = sizeof plugin,
