@@ -141,6 +141,35 @@ static void test_nangate(void) {
   g_assert_cmpfloat(metric("nangate", "mask", "ion_max"), <=, 0.5);
 }
 
+/* The mask again, by the models of its loop and by others. */
+static void test_verify(void) {
+  g_autofree char *flow = place("verify.yaml"), *out = place("verify");
+  g_autofree char *demo = source("flows/demo.yaml");
+  g_autofree char *devices = source("data/devices/ptm65.yaml");
+  g_autofree char *text = g_strdup_printf(
+      "opcflow: 1\nname: verify\nextends: %s\nsteps:\n"
+      "  same:\n    use: verify\n    mask: ${mask}\n"
+      "    litho: { use: litho.hopkins, wavelength: 193 nm, na: 0.75, sigma: 0.75 }\n"
+      "    resist: { use: resist.threshold, anchor: { line: 65 nm, pitch: 250 nm } }\n"
+      "    extract: { use: extract.plain, devices: %s }\n"
+      "  other:\n    use: verify\n    mask: ${same}\n"
+      "    litho: { use: litho.abbe, wavelength: 193 nm, na: 0.75, sigma: 0.75 }\n"
+      "    resist: { use: resist.threshold, anchor: { line: 65 nm, pitch: 250 nm } }\n"
+      "    extract: { use: extract.plain, devices: %s }\n",
+      demo, devices, devices);
+  g_assert_true(g_file_set_contents(flow, text, -1, NULL));
+  g_assert_cmpint(opcflow(NULL, "run", flow, "--output", out, NULL), ==, 0);
+  const char *figures[] = {"ion_mean", "ion_max", "ion_stdv", "area_mean",
+                           "area_max", "ioff_mean", "failed"};
+  for (size_t i = 0; i < G_N_ELEMENTS(figures); i++)   /* the same bits */
+    g_assert_true(metric("verify", "same", figures[i]) ==
+                  metric("verify", "mask", figures[i]));
+  g_assert_true(metric("verify", "same", "ion_change_max") == 0);
+  g_assert_cmpfloat(metric("verify", "other", "ion_change_mean"), >, 0);
+  g_assert_cmpfloat(metric("verify", "other", "ion_change_max"), <, 4);
+  g_assert_cmpfloat(metric("verify", "other", "failed"), ==, 0);
+}
+
 /* ---- bad input ---- */
 
 static void expect(int want, const char *say, const char *set) {
@@ -216,6 +245,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/flows/threads", test_threads);
   g_test_add_func("/flows/orientation", test_orientation);
   g_test_add_func("/flows/nangate", test_nangate);
+  g_test_add_func("/flows/verify", test_verify);
   g_test_add_func("/flows/bad-input", test_bad_input);
   g_test_add_func("/flows/no-transistor", test_no_transistor);
   g_test_add_func("/flows/truncated", test_truncated);

@@ -10,7 +10,15 @@
 #include "core/plugin/guard.h"
 #include "core/plugin/host.h"
 
-enum { MOST_SLICES = 1 << 16, FURTHEST = 1 << 20, ALL_VETOES = 15 };
+enum {
+  MOST_SLICES = 1 << 16,
+  MOST_PATCHES = 1 << 24,
+  FURTHEST = 1 << 20,      /* of a move, grid steps */
+  OUTERMOST = 1 << 30,     /* coordinate */
+  ALL_VETOES = 15
+};
+
+static const char *const mask_names[OPC_MASKS] = {"poly", "active"};
 
 const char *opc_call(const opc_module *module, opc_error *error) {
   error->code = OPC_OK;
@@ -108,7 +116,8 @@ int opc_check_performance(const opc_gates *gates, size_t first,
   for (size_t i = 0; i < p->count; i++)
     for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
       double x = figures[k][i];
-      if (isfinite(x) && (x > 0 || (flags && flags[i] && x == 0))) continue;
+      int bad = flags && flags[i] & ~(uint32_t)OPC_PRINT_NOTES;
+      if (isfinite(x) && (x > 0 || (bad && x == 0))) continue;
       const char *instance = gates->instance[first + i];
       return opc_fail(error, OPC_FAILED, NULL, "%s of transistor '%s:%u' is %g",
                       names[k], *instance ? instance : gates->cell[first + i],
@@ -131,10 +140,39 @@ static int is_far(int32_t steps) {
   return steps > FURTHEST || steps < -FURTHEST;
 }
 
-int opc_check_moves(const opc_moves *moves, size_t gates, opc_error *error) {
+int opc_check_moves(const opc_moves *moves, size_t gates,
+                    const size_t fragments[OPC_MASKS], opc_error *error) {
   for (size_t i = 0; i < gates; i++) {
     if (is_far(moves->l[i])) return far_move("length", i, moves->l[i], error);
     if (is_far(moves->w[i])) return far_move("width", i, moves->w[i], error);
+    if (is_far(moves->jog[i])) return far_move("jog", i, moves->jog[i], error);
+  }
+  for (int layer = 0; layer < OPC_MASKS; layer++)
+    for (size_t i = 0; i < fragments[layer]; i++)
+      if (is_far(moves->shift[layer][i]))
+        return opc_fail(error, OPC_FAILED, NULL,
+                        "moves fragment %zu of %s by %d steps, at most %d are "
+                        "possible",
+                        i + 1, mask_names[layer],
+                        (int)moves->shift[layer][i], FURTHEST);
+  return OPC_OK;
+}
+
+static int check_patches(const opc_ruling *r, int layer, opc_error *error) {
+  size_t n = r->patch_count[layer];
+  if (n > MOST_PATCHES || (n && !r->patches[layer]))
+    return opc_fail(error, OPC_FAILED, NULL, "gives %zu patches of %s%s", n,
+                    mask_names[layer],
+                    n > MOST_PATCHES ? "" : " without their boxes");
+  for (size_t i = 0; i < n; i++) {
+    opc_box b = r->patches[layer][i];
+    if (b.x0 < b.x1 && b.y0 < b.y1 && b.x0 >= -OUTERMOST &&
+        b.y0 >= -OUTERMOST && b.x1 <= OUTERMOST && b.y1 <= OUTERMOST)
+      continue;
+    return opc_fail(error, OPC_FAILED, NULL,
+                    "patch %zu of %s is no box: (%d, %d) to (%d, %d)", i + 1,
+                    mask_names[layer], (int)b.x0, (int)b.y0, (int)b.x1,
+                    (int)b.y1);
   }
   return OPC_OK;
 }
@@ -149,7 +187,10 @@ int opc_check_ruling(const opc_ruling *r, size_t gates, opc_error *error) {
       if (is_far(r->end[2 * i + side]))
         return far_move("line end", i, r->end[2 * i + side], error);
   }
-  return OPC_OK;
+  int code = OPC_OK;
+  for (int layer = 0; layer < OPC_MASKS && !code; layer++)
+    code = check_patches(r, layer, error);
+  return code;
 }
 
 int opc_check_violations(const opc_violation *v, size_t n, size_t gates,
@@ -164,6 +205,108 @@ int opc_check_violations(const opc_violation *v, size_t n, size_t gates,
                       (int)v[i].gate + 1, gates);
   }
   return OPC_OK;
+}
+
+/* ---- cuts ---- */
+
+/* A fragment and the drawn edge it should lie on. */
+typedef struct cut_place {
+  const opc_cuts *cuts;
+  const char *layer;
+  double grid;
+  uint32_t fragment;
+  opc_point a, b;
+} cut_place;
+
+static int misplaced(const cut_place *c, const char *what, double x, double y,
+                     opc_error *error) {
+  return opc_fail(error, OPC_FAILED, NULL,
+                  "cuts %s: %s of fragment %u, (%g, %g) nm, is not on the edge "
+                  "from (%g, %g) to (%g, %g) nm, or not in its order",
+                  c->layer, what, c->fragment + 1, x, y, c->a.x * c->grid,
+                  c->a.y * c->grid, c->b.x * c->grid, c->b.y * c->grid);
+}
+
+/* The place along the edge from a to b, if it is on it: from 0 to its length;
+   else NAN. */
+static double along(const cut_place *c, double x, double y) {
+  const double slack = 1e-3;   /* nm: rounding */
+  double ax = c->a.x * c->grid, ay = c->a.y * c->grid;
+  double bx = c->b.x * c->grid, by = c->b.y * c->grid;
+  double aside = c->a.x == c->b.x ? x - ax : y - ay;
+  double at = c->a.x == c->b.x ? y - ay : x - ax;
+  double to = c->a.x == c->b.x ? by - ay : bx - ax;
+  if (to < 0) at = -at, to = -to;
+  return fabs(aside) <= slack && at >= -slack && at <= to + slack ? at : NAN;
+}
+
+/* The fragment at `at` (of the edge) with its site, and where it ends. */
+static int check_cut(const cut_place *c, double at, opc_point next, double *end,
+                     opc_error *error) {
+  double x = next.x * c->grid, y = next.y * c->grid;
+  *end = along(c, x, y);
+  if (!(*end > at)) return misplaced(c, "the end", x, y, error);
+  const double *site = c->cuts->site + 2 * (size_t)c->fragment;
+  if (!isnan(along(c, site[0], site[1]))) return OPC_OK;
+  return misplaced(c, "the site", site[0], site[1], error);
+}
+
+/* All fragments of polygon p, along its edges. It may begin at any corner. */
+static int check_cut_polygon(cut_place c, const opc_shapes *drawn, size_t p,
+                             opc_error *error) {
+  const opc_point *corner = drawn->points + drawn->start[p];
+  uint32_t corners = drawn->start[p + 1] - drawn->start[p];
+  uint32_t start = c.cuts->start[p], n = c.cuts->start[p + 1] - start;
+  const opc_point *from = c.cuts->from + start;
+  uint32_t first = 0, used = 0;
+  while (first < n && (from[first].x != corner[0].x ||
+                       from[first].y != corner[0].y))
+    first++;
+  for (uint32_t k = 0; k < corners; k++) {
+    c.a = corner[k];
+    c.b = corner[(k + 1) % corners];
+    opc_point next;
+    double at = 0;
+    do {
+      if (used == n || first == n)
+        return opc_fail(error, OPC_FAILED, NULL,
+                        "cuts %s: no fragment begins at the corner (%g, %g) nm",
+                        c.layer, c.a.x * c.grid, c.a.y * c.grid);
+      c.fragment = start + (first + used) % n;
+      next = from[(first + ++used) % n];
+      int code = check_cut(&c, at, next, &at, error);
+      if (code) return code;
+    } while (next.x != c.b.x || next.y != c.b.y);
+  }
+  if (used == n) return OPC_OK;
+  return opc_fail(error, OPC_FAILED, NULL,
+                  "cuts %s: polygon %zu has %u fragments, %u go around it",
+                  c.layer, p + 1, n, used);
+}
+
+int opc_check_cuts(const opc_gates *gates, int layer, const opc_cuts *cuts,
+                   opc_error *error) {
+  const opc_shapes *drawn = &gates->drawn[layer];
+  const char *name = mask_names[layer];
+  if (!cuts->polygons) return OPC_OK;
+  if (cuts->polygons != drawn->count)
+    return opc_fail(error, OPC_FAILED, NULL,
+                    "cuts %zu polygons of %s, there are %zu", cuts->polygons,
+                    name, drawn->count);
+  if (!cuts->start || !cuts->from || !cuts->site || cuts->start[0])
+    return opc_fail(error, OPC_FAILED, NULL, "cuts %s: fragments are missing",
+                    name);
+  cut_place place = {.cuts = cuts, .layer = name, .grid = gates->grid};
+  int code = OPC_OK;
+  for (size_t p = 0; p < cuts->polygons && !code; p++)
+    if (cuts->start[p + 1] < cuts->start[p])
+      code = opc_fail(error, OPC_FAILED, NULL,
+                      "cuts %s: the fragments of polygon %zu end before they "
+                      "begin",
+                      name, p + 1);
+    else
+      code = check_cut_polygon(place, drawn, p, error);
+  return code;
 }
 
 /* ---- data of steps ---- */

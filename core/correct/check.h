@@ -29,7 +29,13 @@ int opc_check_performance(const opc_gates *gates, size_t first,
                           const uint32_t *flags,
                           const opc_performance *performance, opc_error *error);
 
-int opc_check_moves(const opc_moves *moves, size_t gates, opc_error *error);
+/* Of a synthesizer: what it cuts a layer into, and its moves, where it cut
+   layers into so many fragments (0: none). */
+int opc_check_cuts(const opc_gates *gates, int layer, const opc_cuts *cuts,
+                   opc_error *error);
+int opc_check_moves(const opc_moves *moves, size_t gates,
+                    const size_t fragments[OPC_MASKS], opc_error *error);
+
 int opc_check_ruling(const opc_ruling *ruling, size_t gates, opc_error *error);
 int opc_check_violations(const opc_violation *violations, size_t n,
                          size_t gates, opc_error *error);

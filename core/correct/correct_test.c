@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Moved edges against polygons drawn by hand, measurements against contours
-   that are known in closed form. */
+/* Measurements against contours that are known in closed form. */
 #include "core/correct/loop.h"
 #include "core/imaging/spline.h"
 #include "core/plugin/host.h"
@@ -9,55 +8,6 @@
 #include <math.h>
 
 static opc_host *host;
-
-/* ---- edges ---- */
-
-/* A poly line with one transistor in its upper part, on an odd-shaped
-   polygon:        3_______2'
-                    |     |        fragments: the gate owns both flanks from
-                    |     |        y = 100 up, and the line end at y = 300.
-                   5|     |1
-                    |_____|
-   x 0..60, y 0..300. */
-static const opc_fragment line[] = {
-    {{0, 0}, -1, OPC_FIXED, {0}},      {{60, 0}, -1, OPC_FIXED, {0}},
-    {{60, 100}, 0, OPC_L_HIGH, {0}},   {{60, 300}, 0, OPC_END_HIGH, {0}},
-    {{0, 300}, 0, OPC_L_LOW, {0}},     {{0, 100}, -1, OPC_FIXED, {0}},
-};
-
-static char *moved(int32_t l, int32_t low_end, int32_t high_end) {
-  uint32_t start[] = {0, 6};
-  opc_gates gates = {.size = sizeof gates, .grid = 1, .count = 1};
-  gates.edges[OPC_POLY] = (opc_edges){1, start, (opc_fragment *)line};
-  int32_t w = 0, end[2] = {low_end, high_end};
-  opc_biases biases = {&l, &w, end};
-  opc_shapes out;
-  g_assert_true(opc_edges_room(host, &gates.edges[OPC_POLY], &out));
-  opc_edges_move(&gates, OPC_POLY, &biases, &out);
-  g_assert_cmpuint(out.count, ==, 1);
-  GString *text = g_string_new(NULL);
-  for (uint32_t i = 0; i < out.start[1]; i++)
-    g_string_append_printf(text, "%d,%d ", out.points[i].x, out.points[i].y);
-  host->free(host, out.start);
-  host->free(host, out.points);
-  return g_string_free(text, FALSE);
-}
-
-static void test_edges(void) {
-  const struct {
-    int32_t l, low, high;
-    const char *want;
-  } cases[] = {
-      {0, 0, 0, "0,0 60,0 60,300 0,300 "},
-      {4, 0, 0, "0,0 60,0 60,100 62,100 62,300 -2,300 -2,100 0,100 "},
-      {-3, 0, 0, "0,0 60,0 60,100 59,100 59,300 2,300 2,100 0,100 "},
-      {1, 7, 12, "0,0 60,0 60,100 61,100 61,312 0,312 "},
-  };
-  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
-    g_autofree char *got = moved(cases[i].l, cases[i].low, cases[i].high);
-    g_assert_cmpstr(got, ==, cases[i].want);
-  }
-}
 
 /* ---- measurements ---- */
 
@@ -190,7 +140,6 @@ static void test_trouble(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   host = opc_host_new(NULL);
-  g_test_add_func("/correct/edges", test_edges);
   g_test_add_func("/correct/slices", test_slices);
   g_test_add_func("/correct/extension", test_extension);
   g_test_add_func("/correct/trouble", test_trouble);

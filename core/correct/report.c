@@ -9,6 +9,8 @@
 
 enum { SHORT_TABLE = 24 };   /* as many rows are shown rather than only filed */
 
+/* ---- statistics ---- */
+
 typedef struct statistics {
   double n, sum, absolute, square, max;
 } statistics;
@@ -29,13 +31,161 @@ static double stdv(const statistics *s) {
   return sqrt(fmax(0, s->square / s->n - mean * mean));
 }
 
-/* What was found wrong with a print. */
+/* Of gates: n, p and all. */
+typedef struct groups {
+  statistics ion[3], area[3], ioff[3];
+} groups;
+
+static groups gather(const opc_gates *g, const opc_performance *design,
+                     const opc_performance *printed) {
+  groups out = {0};
+  for (size_t i = 0; i < g->count; i++) {
+    double ion = opc_deviation(printed->ion[i], design->ion[i]);
+    double area = opc_deviation(printed->area[i], design->area[i]);
+    double ioff = opc_deviation(printed->ioff[i], design->ioff[i]);
+    for (int k = 0; k < 2; k++) {
+      int group = k ? 2 : g->type[i] == OPC_PMOS;
+      count(&out.ion[group], ion);
+      count(&out.area[group], area);
+      count(&out.ioff[group], ioff);
+    }
+  }
+  return out;
+}
+
+opc_summary opc_summarize(const opc_gates *gates,
+                          const opc_performance *design,
+                          const opc_performance *printed,
+                          const uint32_t *flags, const opc_sites *sites) {
+  groups g = gather(gates, design, printed);
+  statistics epe = {0};
+  opc_summary out = {.ion_mean = mean_of(&g.ion[2]),
+                     .ion_max = g.ion[2].max,
+                     .ion_stdv = stdv(&g.ion[2]),
+                     .area_mean = mean_of(&g.area[2]),
+                     .area_max = g.area[2].max,
+                     .ioff_mean = mean_of(&g.ioff[2]),
+                     .gates = gates->count};
+  for (size_t i = 0; i < gates->count; i++)
+    out.failed += (flags[i] & ~(uint32_t)OPC_PRINT_NOTES) != 0;
+  for (int layer = 0; sites && layer < OPC_MASKS; layer++) {
+    out.sites += sites[layer].count;
+    for (size_t i = 0; i < sites[layer].count; i++)
+      if (isnan(sites[layer].epe[i])) out.lost++;
+      else count(&epe, sites[layer].epe[i]);
+  }
+  out.epe_mean = mean_of(&epe);
+  out.epe_max = epe.max;
+  return out;
+}
+
+/* ---- history ---- */
+
+typedef struct line {
+  opc_summary print;
+  uint32_t iteration, simulations;
+} line;
+
+struct opc_history {
+  GArray *lines;
+};
+
+opc_history *opc_history_new(void) {
+  opc_history *h = g_new(opc_history, 1);
+  h->lines = g_array_new(FALSE, FALSE, sizeof(line));
+  return h;
+}
+
+void opc_history_free(opc_history *h) {
+  if (!h) return;
+  g_array_unref(h->lines);
+  g_free(h);
+}
+
+void opc_history_add(opc_history *h, const opc_summary *print,
+                     uint32_t iteration, uint32_t simulations) {
+  line l = {*print, iteration, simulations};
+  g_array_append_val(h->lines, l);
+}
+
+int opc_history_table(const opc_history *h, const opc_host *host,
+                      opc_error *error) {
+  enum { FIGURES = 7, COLUMNS = FIGURES + 2 };
+  static const struct {
+    const char *name, *unit;
+    size_t offset;
+  } figures[FIGURES] = {
+      {"ion_mean", "%", offsetof(opc_summary, ion_mean)},
+      {"ion_max", "%", offsetof(opc_summary, ion_max)},
+      {"ion_stdv", "%", offsetof(opc_summary, ion_stdv)},
+      {"area_mean", "%", offsetof(opc_summary, area_mean)},
+      {"area_max", "%", offsetof(opc_summary, area_max)},
+      {"epe_mean", "nm", offsetof(opc_summary, epe_mean)},
+      {"epe_max", "nm", offsetof(opc_summary, epe_max)},
+  };
+  size_t rows = h->lines->len, n = 0;
+  const line *lines = (const line *)(const void *)h->lines->data;
+  g_autofree int64_t *iteration = g_new(int64_t, rows + 1);
+  g_autofree int64_t *simulations = g_new(int64_t, rows + 1);
+  g_autofree double *figure = g_new(double, FIGURES * (rows + 1));
+  opc_column columns[COLUMNS];
+  columns[n++] = (opc_column){"iteration", NULL, OPC_INT, 0, iteration};
+  for (int k = 0; k < FIGURES; k++) {
+    int of_sites = *figures[k].unit == 'n';
+    if (!rows || !(of_sites ? lines[0].print.sites : lines[0].print.gates))
+      continue;
+    double *column = figure + (size_t)k * rows;
+    for (size_t i = 0; i < rows; i++)
+      column[i] = *(const double *)(const void *)((const char *)&lines[i].print +
+                                                  figures[k].offset);
+    columns[n++] = (opc_column){figures[k].name, figures[k].unit, OPC_REAL, 4,
+                                column};
+  }
+  columns[n++] = (opc_column){"simulations", NULL, OPC_INT, 0, simulations};
+  for (size_t i = 0; i < rows; i++) {
+    iteration[i] = lines[i].iteration;
+    simulations[i] = lines[i].simulations;
+  }
+  return host->table(host, "history", 0, rows, columns, n, error);
+}
+
+/* ---- tables ---- */
+
+/* What may be found of a print: the failures, the gravest first, then notes. */
+static const struct {
+  uint32_t flag;
+  const char *name;
+} findings[] = {
+    {OPC_PRINT_NO_ACTIVE, "no active"}, {OPC_PRINT_OPEN, "open"},
+    {OPC_PRINT_MERGED, "merged"},       {OPC_PRINT_ISLAND, "island"},
+    {OPC_PRINT_SHORT, "short line end"}, {OPC_PRINT_NECK, "neck"},
+    {OPC_PRINT_WIDE, "wide"},           {OPC_PRINT_BITE, "bite"}};
+
+/* The first of the findings. */
 static const char *trouble(uint32_t flags) {
-  if (flags & OPC_PRINT_NO_ACTIVE) return "no active";
-  if (flags & OPC_PRINT_OPEN) return "open";
-  if (flags & OPC_PRINT_MERGED) return "merged";
-  if (flags & OPC_PRINT_SHORT) return "short line end";
+  for (size_t k = 0; k < G_N_ELEMENTS(findings); k++)
+    if (flags & findings[k].flag) return findings[k].name;
   return "";
+}
+
+/* How many transistors have each of them; one may have several. */
+static int finding_table(const opc_host *host, const opc_mask *m,
+                         opc_error *error) {
+  const char *name[G_N_ELEMENTS(findings)];
+  int64_t number[G_N_ELEMENTS(findings)];
+  size_t rows = 0;
+  for (size_t k = 0; k < G_N_ELEMENTS(findings); k++) {
+    name[rows] = findings[k].name;
+    number[rows] = 0;
+    for (size_t i = 0; i < m->gates->count; i++)
+      number[rows] += (m->flags[i] & findings[k].flag) != 0;
+    rows += number[rows] > 0;
+  }
+  const opc_column columns[] = {{"print", NULL, OPC_TEXT, 0, name},
+                                {"transistors", NULL, OPC_INT, 0, number}};
+  return rows ? host->table(host, "prints", 0, rows, columns,
+                            G_N_ELEMENTS(columns), error)
+              : OPC_OK;
 }
 
 /* "XU1:3", or "NAND2:3" at the top. */
@@ -45,8 +195,8 @@ static char *gate_name(const opc_gates *g, size_t i) {
 }
 
 enum { NAME, CELL, TYPE, L, W, X, Y, ION_DRAWN, ION, IOFF, AREA, LEQ, WEQ,
-       MASK_L, MASK_W, END_LOW, END_HIGH, PAST_LOW, PAST_HIGH, PRINT, VERDICT,
-       COLUMNS };
+       CHANGE, MASK_L, MASK_W, MASK_JOG, END_LOW, END_HIGH, PAST_LOW, PAST_HIGH,
+       PRINT, VERDICT, COLUMNS };
 
 static const opc_column headers[COLUMNS] = {
     [NAME] = {"transistor", NULL, OPC_TEXT, 0, NULL},
@@ -62,8 +212,10 @@ static const opc_column headers[COLUMNS] = {
     [AREA] = {"area_after", "%", OPC_REAL, 2, NULL},
     [LEQ] = {"leq_ion", "nm", OPC_REAL, 3, NULL},
     [WEQ] = {"weq", "nm", OPC_REAL, 2, NULL},
+    [CHANGE] = {"ion_change", "%", OPC_REAL, 3, NULL},
     [MASK_L] = {"mask_l", "nm", OPC_REAL, 1, NULL},
     [MASK_W] = {"mask_w", "nm", OPC_REAL, 1, NULL},
+    [MASK_JOG] = {"mask_jog", "nm", OPC_REAL, 1, NULL},
     [END_LOW] = {"end_low", "nm", OPC_REAL, 1, NULL},
     [END_HIGH] = {"end_high", "nm", OPC_REAL, 1, NULL},
     [PAST_LOW] = {"extension_low", "nm", OPC_REAL, 2, NULL},
@@ -72,56 +224,92 @@ static const opc_column headers[COLUMNS] = {
     [VERDICT] = {"verdict", NULL, OPC_TEXT, 0, NULL},
 };
 
-static const int shown[] = {NAME, TYPE, L, W, ION_DRAWN, ION, IOFF, AREA,
-                            MASK_L, MASK_W, VERDICT};
+/* What is printed of few transistors. */
+static int is_shown(int column) {
+  return column == NAME || column == TYPE || column == L || column == W ||
+         (column >= ION_DRAWN && column <= AREA) || column == CHANGE ||
+         column == MASK_L || column == MASK_W || column == VERDICT;
+}
 
-static int gate_table(const opc_host *host, const opc_mask *m,
-                      const opc_biases *b, const double *extension,
-                      const opc_module *synthesizer, opc_error *error) {
+static int is_there(const opc_report *r, int column) {
+  if (column == ION_DRAWN) return !r->corrected;
+  if (column == CHANGE) return r->corrected != NULL;
+  if (column >= MASK_L && column <= END_HIGH) return r->biases != NULL;
+  if (column == VERDICT) return r->synthesizer != NULL;
+  return 1;
+}
+
+/* How far the deviation of a gate's Ion is from that in the loop. */
+static double change(const opc_report *r, size_t i) {
+  const opc_mask *m = r->mask, *c = r->corrected;
+  return opc_deviation(m->after.ion[i], m->design.ion[i]) -
+         opc_deviation(c->after.ion[i], c->design.ion[i]);
+}
+
+static const char *verdict_of(const opc_module *synthesizer, size_t gate) {
   const opc_synthesizer *s = synthesizer->plugin->operations;
+  const char *before = opc_enter(synthesizer->plugin->id);
+  const char *why = s->verdict(synthesizer->self, gate);
+  opc_leave(before);
+  return why ? why : "";
+}
+
+static void fill_texts(const opc_report *r, size_t i,
+                       const char **text[COLUMNS]) {
+  const opc_gates *g = r->mask->gates;
+  text[NAME][i] = gate_name(g, i);
+  text[CELL][i] = g->cell[i];
+  text[TYPE][i] = g->type[i] == OPC_PMOS ? "p" : "n";
+  text[PRINT][i] = trouble(r->mask->flags[i]);
+  if (r->synthesizer) text[VERDICT][i] = verdict_of(r->synthesizer, i);
+}
+
+static void fill_figures(const opc_report *r, size_t i, double *real[COLUMNS]) {
+  const opc_mask *m = r->mask;
   const opc_gates *g = m->gates;
-  size_t n = g->count;
-  opc_column columns[COLUMNS];
+  real[L][i] = g->length[i];
+  real[W][i] = g->width[i];
+  real[X][i] = ((double)g->box[i].x0 + g->box[i].x1) / 2 * g->grid;
+  real[Y][i] = ((double)g->box[i].y0 + g->box[i].y1) / 2 * g->grid;
+  real[ION_DRAWN][i] = opc_deviation(m->before.ion[i], m->design.ion[i]);
+  real[ION][i] = opc_deviation(m->after.ion[i], m->design.ion[i]);
+  real[IOFF][i] = opc_deviation(m->after.ioff[i], m->design.ioff[i]);
+  real[AREA][i] = opc_deviation(m->after.area[i], m->design.area[i]);
+  real[LEQ][i] = m->after.leq_ion[i];
+  real[WEQ][i] = m->after.weq[i];
+  if (r->corrected) real[CHANGE][i] = change(r, i);
+  for (size_t side = 0; side < 2; side++)
+    real[PAST_LOW + side][i] = r->extension[2 * i + side];
+  const opc_biases *b = r->biases;
+  if (!b) return;
+  real[MASK_L][i] = b->l[i] * g->grid;
+  real[MASK_W][i] = b->w[i] * g->grid;
+  real[MASK_JOG][i] = b->jog[i] * g->grid;
+  for (size_t side = 0; side < 2; side++)
+    real[END_LOW + side][i] = b->end[2 * i + side] * g->grid;
+}
+
+static int gate_table(const opc_host *host, const opc_report *r,
+                      opc_error *error) {
+  size_t n = r->mask->gates->count, filed = 0, shown = 0;
+  opc_column file[COLUMNS], show[COLUMNS];
   double *real[COLUMNS] = {0};
   const char **text[COLUMNS] = {0};
   for (int c = 0; c < COLUMNS; c++) {
-    columns[c] = headers[c];
-    if (headers[c].type == OPC_REAL) columns[c].data = real[c] = g_new0(double, n + 1);
-    else columns[c].data = text[c] = g_new0(const char *, n + 1);
+    opc_column column = headers[c];
+    if (headers[c].type == OPC_REAL) column.data = real[c] = g_new0(double, n + 1);
+    else column.data = text[c] = g_new0(const char *, n + 1);
+    if (is_there(r, c)) file[filed++] = column;
+    if (is_there(r, c) && is_shown(c)) show[shown++] = column;
   }
   for (size_t i = 0; i < n; i++) {
-    text[NAME][i] = gate_name(g, i);
-    text[CELL][i] = g->cell[i];
-    text[TYPE][i] = g->type[i] == OPC_PMOS ? "p" : "n";
-    text[PRINT][i] = trouble(m->flags[i]);
-    const char *before = opc_enter(synthesizer->plugin->id);
-    const char *why = s->verdict(synthesizer->self, i);
-    opc_leave(before);
-    text[VERDICT][i] = why ? why : "";
-    real[L][i] = g->length[i];
-    real[W][i] = g->width[i];
-    real[X][i] = ((double)g->box[i].x0 + g->box[i].x1) / 2 * g->grid;
-    real[Y][i] = ((double)g->box[i].y0 + g->box[i].y1) / 2 * g->grid;
-    real[ION_DRAWN][i] = opc_deviation(m->before.ion[i], m->design.ion[i]);
-    real[ION][i] = opc_deviation(m->after.ion[i], m->design.ion[i]);
-    real[IOFF][i] = opc_deviation(m->after.ioff[i], m->design.ioff[i]);
-    real[AREA][i] = opc_deviation(m->after.area[i], m->design.area[i]);
-    real[LEQ][i] = m->after.leq_ion[i];
-    real[WEQ][i] = m->after.weq[i];
-    real[MASK_L][i] = b->l[i] * g->grid;
-    real[MASK_W][i] = b->w[i] * g->grid;
-    for (int side = 0; side < 2; side++) {
-      real[END_LOW + side][i] = b->end[2 * i + side] * g->grid;
-      real[PAST_LOW + side][i] = extension[2 * i + side];
-    }
+    fill_texts(r, i, text);
+    fill_figures(r, i, real);
   }
-  int code = host->table(host, "gates", 0, n, columns, COLUMNS, error);
-  if (!code && n <= SHORT_TABLE) {
-    opc_column some[G_N_ELEMENTS(shown)];
-    for (size_t k = 0; k < G_N_ELEMENTS(shown); k++) some[k] = columns[shown[k]];
-    code = host->table(host, "transistors", OPC_TABLE_PRINT, n, some,
-                       G_N_ELEMENTS(shown), error);
-  }
+  int code = host->table(host, "gates", 0, n, file, filed, error);
+  if (!code && n && n <= SHORT_TABLE)
+    code = host->table(host, "transistors", OPC_TABLE_PRINT, n, show, shown,
+                       error);
   for (size_t i = 0; i < n; i++) g_free((char *)text[NAME][i]);
   for (int c = 0; c < COLUMNS; c++) {
     g_free(real[c]);
@@ -130,51 +318,28 @@ static int gate_table(const opc_host *host, const opc_mask *m,
   return code;
 }
 
-/* n, p and both, before and after. */
-typedef struct groups {
-  statistics ion[3][2], area[3][2];
-  double failed;
-} groups;
-
-static void gather(const opc_mask *m, groups *out) {
-  *out = (groups){0};
-  for (size_t i = 0; i < m->gates->count; i++) {
-    int type = m->gates->type[i] == OPC_PMOS;
-    for (int k = 0; k < 2; k++) {
-      const opc_performance *p = k ? &m->after : &m->before;
-      double ion = opc_deviation(p->ion[i], m->design.ion[i]);
-      double area = opc_deviation(p->area[i], m->design.area[i]);
-      count(&out->ion[type][k], ion);
-      count(&out->ion[2][k], ion);
-      count(&out->area[type][k], area);
-      count(&out->area[2][k], area);
-    }
-    out->failed += m->flags[i] != 0;
-  }
-}
-
-static int summary_table(const opc_host *host, const groups *g,
+static int summary_table(const opc_host *host, const opc_report *r,
                          opc_error *error) {
   static const char *const names[3] = {"n", "p", "all"};
-  enum { ROWS = 3, FIGURES = 9 };
+  enum { ROWS = 3, BEFORE = 3, FIGURES = 8 };
+  const opc_mask *m = r->mask;
+  const groups before = gather(m->gates, &m->design, &m->before);
+  const groups after = gather(m->gates, &m->design, &m->after);
   const char *name[ROWS];
   int64_t number[ROWS];
   double figure[FIGURES][ROWS];
   size_t rows = 0;
-  for (int t = 0; t < 3; t++) {
-    if (!g->ion[t][0].n) continue;
+  for (int t = 0; t < ROWS; t++) {
+    if (!after.ion[t].n) continue;
+    const double figures[FIGURES] = {
+        mean_of(&before.ion[t]), before.ion[t].max, mean_of(&before.area[t]),
+        mean_of(&after.ion[t]), after.ion[t].max, stdv(&after.ion[t]),
+        mean_of(&after.area[t]), after.area[t].max};
+    for (int k = 0; k < FIGURES; k++) figure[k][rows] = figures[k];
     name[rows] = names[t];
-    number[rows] = (int64_t)g->ion[t][0].n;
-    for (int k = 0; k < 2; k++) {
-      figure[3 * k][rows] = mean_of(&g->ion[t][k]);
-      figure[3 * k + 1][rows] = g->ion[t][k].max;
-      figure[3 * k + 2][rows] = stdv(&g->ion[t][k]);
-      figure[6 + k][rows] = mean_of(&g->area[t][k]);
-    }
-    figure[8][rows] = g->area[t][1].max;
-    rows++;
+    number[rows++] = (int64_t)after.ion[t].n;
   }
-  opc_column columns[] = {
+  const opc_column all[] = {
       {"type", NULL, OPC_TEXT, 0, name},
       {"transistors", NULL, OPC_INT, 0, number},
       {"ion_mean_before", "%", OPC_REAL, 3, figure[0]},
@@ -182,58 +347,94 @@ static int summary_table(const opc_host *host, const groups *g,
       {"ion_mean_after", "%", OPC_REAL, 3, figure[3]},
       {"ion_max_after", "%", OPC_REAL, 3, figure[4]},
       {"ion_stdv_after", "%", OPC_REAL, 3, figure[5]},
-      {"area_mean_before", "%", OPC_REAL, 2, figure[6]},
-      {"area_mean_after", "%", OPC_REAL, 2, figure[7]},
+      {"area_mean_before", "%", OPC_REAL, 2, figure[2]},
+      {"area_mean_after", "%", OPC_REAL, 2, figure[6]},
+      {"area_max_after", "%", OPC_REAL, 2, figure[7]},
   };
-  return host->table(host, "summary", OPC_TABLE_PRINT, rows, columns,
-                     G_N_ELEMENTS(columns), error);
+  opc_column columns[G_N_ELEMENTS(all)];
+  size_t n = 0;
+  for (size_t k = 0; k < G_N_ELEMENTS(all); k++)
+    if (!r->corrected || !g_str_has_suffix(all[k].name, "_before"))
+      columns[n++] = all[k];
+  return host->table(host, "summary", OPC_TABLE_PRINT, rows, columns, n, error);
 }
 
 static int effort_table(const opc_host *host, const opc_mask *mask,
-                        double failed, opc_error *error) {
+                        const opc_summary *s, opc_error *error) {
   int64_t iterations = mask->iterations, simulations = mask->simulations;
-  int64_t unsound = (int64_t)failed;
+  int64_t unsound = (int64_t)s->failed, fragments = (int64_t)s->sites;
   opc_column columns[] = {
       {"iterations", NULL, OPC_INT, 0, &iterations},
       {"litho_simulations", NULL, OPC_INT, 0, &simulations},
       {"failed_transistors", NULL, OPC_INT, 0, &unsound},
+      {"fragments", NULL, OPC_INT, 0, &fragments},
+      {"epe_mean", "nm", OPC_REAL, 3, &s->epe_mean},
+      {"epe_max", "nm", OPC_REAL, 3, &s->epe_max},
   };
   return host->table(host, "effort", OPC_TABLE_PRINT, 1, columns,
-                     G_N_ELEMENTS(columns), error);
+                     s->sites ? 6 : 3, error);
 }
 
-int opc_correct_report(const opc_host *host, const opc_mask *mask,
-                       const opc_biases *biases, const double *extension,
-                       const opc_module *synthesizer, opc_error *error) {
-  groups g;
-  gather(mask, &g);
-  int code = gate_table(host, mask, biases, extension, synthesizer, error);
-  if (!code) code = summary_table(host, &g, error);
-  if (!code) code = effort_table(host, mask, g.failed, error);
+/* ---- metrics ---- */
+
+static int metrics(const opc_host *host, const opc_report *r,
+                   const opc_summary *s, opc_error *error) {
+  const opc_mask *m = r->mask;
+  const opc_summary drawn =
+      opc_summarize(m->gates, &m->design, &m->before, m->flags, NULL);
+  statistics changes = {0};
+  for (size_t i = 0; r->corrected && i < m->gates->count; i++)
+    count(&changes, change(r, i));
+  int gates = m->gates->count > 0, corrects = !r->corrected;
+  int edges = s->sites > s->lost;
   const struct {
     const char *name;
     double value;
-  } metrics[] = {
-      {"transistors", (double)mask->gates->count},
-      {"ion_mean", mean_of(&g.ion[2][1])},
-      {"ion_max", g.ion[2][1].max},
-      {"ion_stdv", stdv(&g.ion[2][1])},
-      {"ion_mean_drawn", mean_of(&g.ion[2][0])},
-      {"ion_max_drawn", g.ion[2][0].max},
-      {"area_mean", mean_of(&g.area[2][1])},
-      {"iterations", mask->iterations},
-      {"simulations", mask->simulations},
-      {"failed", g.failed},
+    int is_there;
+  } all[] = {
+      {"transistors", (double)m->gates->count, corrects},
+      {"ion_mean", s->ion_mean, gates},
+      {"ion_max", s->ion_max, gates},
+      {"ion_stdv", s->ion_stdv, gates},
+      {"ion_mean_drawn", drawn.ion_mean, gates && corrects},
+      {"ion_max_drawn", drawn.ion_max, gates && corrects},
+      {"area_mean", s->area_mean, gates},
+      {"area_max", s->area_max, gates},
+      {"ioff_mean", s->ioff_mean, gates},
+      {"ion_change_mean", mean_of(&changes), gates && !corrects},
+      {"ion_change_max", changes.max, gates && !corrects},
+      {"epe_mean", s->epe_mean, edges},
+      {"epe_max", s->epe_max, edges},
+      {"epe_lost", (double)s->lost, s->sites > 0},
+      {"iterations", m->iterations, corrects},
+      {"simulations", m->simulations, corrects},
+      {"failed", (double)s->failed, 1},
   };
-  for (size_t i = 0; i < G_N_ELEMENTS(metrics) && !code; i++)
-    code = host->metric(host, metrics[i].name, metrics[i].value, error);
+  int code = OPC_OK;
+  for (size_t i = 0; i < G_N_ELEMENTS(all) && !code; i++)
+    if (all[i].is_there)
+      code = host->metric(host, all[i].name, all[i].value, error);
   return code;
 }
 
-int opc_correct_report_violations(const opc_host *host,
-                                  const opc_gates *gates,
-                                  const opc_violation *v, size_t n,
-                                  size_t total, opc_error *error) {
+/* ---- all of it ---- */
+
+int opc_report_mask(const opc_host *host, const opc_report *r,
+                    opc_error *error) {
+  const opc_mask *m = r->mask;
+  const opc_summary s =
+      opc_summarize(m->gates, &m->design, &m->after, m->flags, r->sites);
+  int code = gate_table(host, r, error);
+  if (!code) code = finding_table(host, m, error);
+  if (!code && m->gates->count) code = summary_table(host, r, error);
+  if (!code && !r->corrected) code = effort_table(host, m, &s, error);
+  if (!code) code = metrics(host, r, &s, error);
+  return code;
+}
+
+int opc_report_violations(const opc_host *host, const opc_gates *gates,
+                          const opc_violation *v, size_t n, size_t total,
+                          opc_error *error) {
   int code = host->metric(host, "violations", (double)total, error);
   if (code || !n) return code;
   host->log(host, OPC_LOG_WARNING, "%zu rule%s not kept: see violations.csv",

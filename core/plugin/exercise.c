@@ -215,6 +215,31 @@ static void exercise_slices(opc_inspector *in, const opc_module *m, size_t n,
             o->extract(m->self, &none, &nothing, &error), &error);
 }
 
+/* A print that is shorter towards the LOW side, and ends before HIGH. */
+static double printed_length(const opc_printed_gate *gate, double place) {
+  return place > 0.95 ? 0 : gate->design_length * (0.8 + 0.3 * place);
+}
+
+static void exercise_slice(opc_inspector *in, const opc_module *m, size_t n) {
+  const opc_extract *o = m->plugin->operations;
+  const opc_gates *g = opc_test_gates();
+  g_autofree double *room = g_new0(double, 2 * n);
+  for (size_t i = 0; i < g->count; i++) {
+    const opc_printed_gate gate = {.size = sizeof gate,
+                                   .type = g->type[i],
+                                   .design_length = g->length[i],
+                                   .design_width = g->width[i],
+                                   .width = 0.9 * g->width[i],
+                                   .extension = {30, INFINITY},
+                                   .length = printed_length};
+    opc_error error = {0};
+    o->slice(m->self, &gate, room, room + n);
+    opc_check_slicing(n, room, room + n, &error);
+    if (!is_sound(in, "slice", &error)) return;
+    add(in, room, 2 * n * sizeof *room);
+  }
+}
+
 static void exercise_extract(opc_inspector *in, const opc_module *m) {
   const opc_extract *o = m->plugin->operations;
   opc_error error = {0};
@@ -222,8 +247,9 @@ static void exercise_extract(opc_inspector *in, const opc_module *m) {
   const double *place = NULL, *share = NULL;
   size_t n = o->slicing(m->self, &place, &share);
   opc_check_slicing(n, place, share, &error);
-  if (is_sound(in, "slicing", &error) && n <= SLICES_MOST)
-    exercise_slices(in, m, n, place, share);
+  if (!is_sound(in, "slicing", &error) || n > SLICES_MOST) return;
+  if (OPC_HAS(o, slice)) exercise_slice(in, m, n);
+  exercise_slices(in, m, n, place, share);
 }
 
 /* ---- mask ---- */
@@ -242,33 +268,75 @@ static void print_sample(const opc_gates *g, const int32_t *l, const int32_t *w,
   }
 }
 
-static void exercise_mask(opc_inspector *in, const opc_module *m) {
+/* The fragments that a synthesizer cuts itself. */
+typedef struct fragments {
+  size_t count[OPC_MASKS];
+  int32_t *shift[OPC_MASKS];
+  double *epe[OPC_MASKS];
+} fragments;
+
+static gboolean cut_layers(opc_inspector *in, const opc_module *m,
+                           fragments *out) {
   const opc_synthesizer *o = m->plugin->operations;
   const opc_gates *g = opc_test_gates();
-  double a[12], b[12];
-  opc_performance design = {2, a, a + 2, a + 4, a + 6, a + 8, a + 10};
-  opc_performance printed = {2, b, b + 2, b + 4, b + 6, b + 8, b + 10};
+  for (int layer = 0; layer < OPC_MASKS && OPC_HAS(o, cut); layer++) {
+    opc_cuts cuts = {.size = sizeof cuts};
+    opc_error error = {0};
+    int code = o->cut(m->self, g, layer, &cuts, &error);
+    if (!went_well(in, "cut", code, &error)) return FALSE;
+    opc_check_cuts(g, layer, &cuts, &error);
+    if (!is_sound(in, "cut", &error)) return FALSE;
+    if (!cuts.polygons) continue;
+    size_t n = out->count[layer] = cuts.start[cuts.polygons];
+    out->shift[layer] = g_new0(int32_t, n);
+    out->epe[layer] = g_new0(double, n);
+    add(in, cuts.from, n * sizeof *cuts.from);
+    add(in, cuts.site, 2 * n * sizeof *cuts.site);
+  }
+  return TRUE;
+}
+
+/* Edges that print 6 nm too far out or in, and sometimes not at all. */
+static void print_fragments(const opc_gates *g, const fragments *f,
+                            uint32_t iteration) {
+  for (int layer = 0; layer < OPC_MASKS; layer++)
+    for (size_t i = 0; i < f->count[layer]; i++)
+      f->epe[layer][i] = iteration == 3 && i % 5 == 2
+                             ? NAN
+                             : f->shift[layer][i] * g->grid + (i % 3 ? 6 : -6);
+}
+
+static void exercise_moves(opc_inspector *in, const opc_module *m,
+                           opc_feedback f, opc_performance *printed,
+                           const fragments *own) {
+  const opc_synthesizer *o = m->plugin->operations;
+  const opc_gates *g = opc_test_gates();
   uint32_t flags[2] = {0}, vetoes[2] = {0};
-  int32_t l[2] = {-5, 5}, w[2] = {0};
-  print_sample(g, l, w, &design);
-  l[0] = l[1] = 0;
-  opc_feedback f = {.size = sizeof f, .gates = g, .design = &design, .flags = flags,
-                    .vetoes = vetoes};
+  int32_t l[2] = {0}, w[2] = {0}, jog[2] = {0};
   opc_error error = {0};
-  if (!went_well(in, "begin", o->begin(m->self, &f, &error), &error)) return;
-  f.printed = &printed;
   int done = 0;
+  f.printed = printed;
+  f.flags = flags;
+  f.vetoes = vetoes;
   for (; f.iteration < ROUNDS && !done; f.iteration++) {
-    print_sample(g, l, w, &printed);
+    print_sample(g, l, w, printed);
+    print_fragments(g, own, f.iteration);
     vetoes[0] = f.iteration == 2 ? OPC_VETO_LONGER : 0;
     flags[1] = f.iteration == 3 ? OPC_PRINT_OPEN : 0;
-    opc_moves moves = {.size = sizeof moves, .l = l, .w = w};
+    opc_moves moves = {.size = sizeof moves, .l = l, .w = w, .jog = jog};
+    for (int layer = 0; layer < OPC_MASKS; layer++) {
+      moves.shift[layer] = own->shift[layer];
+      f.epe[layer] = own->epe[layer];
+    }
     int code = o->update(m->self, &f, &moves, &done, &error);
     if (!went_well(in, "update", code, &error)) return;
-    opc_check_moves(&moves, g->count, &error);
+    opc_check_moves(&moves, g->count, own->count, &error);
     if (!is_sound(in, "update", &error)) return;
     add(in, l, sizeof l);
     add(in, w, sizeof w);
+    add(in, jog, sizeof jog);
+    for (int layer = 0; layer < OPC_MASKS; layer++)
+      add(in, own->shift[layer], own->count[layer] * sizeof(int32_t));
   }
   for (size_t i = 0; i < g->count; i++) {
     const char *why = o->verdict(m->self, i);
@@ -277,39 +345,92 @@ static void exercise_mask(opc_inspector *in, const opc_module *m) {
   }
 }
 
+static void exercise_mask(opc_inspector *in, const opc_module *m) {
+  const opc_synthesizer *o = m->plugin->operations;
+  const opc_gates *g = opc_test_gates();
+  double a[12], b[12];
+  opc_performance design = {2, a, a + 2, a + 4, a + 6, a + 8, a + 10};
+  opc_performance printed = {2, b, b + 2, b + 4, b + 6, b + 8, b + 10};
+  const uint32_t none[2] = {0};
+  const int32_t l[2] = {-5, 5}, w[2] = {0};
+  print_sample(g, l, w, &design);
+  opc_feedback f = {.size = sizeof f, .gates = g, .design = &design,
+                    .flags = none, .vetoes = none};
+  fragments own = {0};
+  opc_error error = {0};
+  if (went_well(in, "begin", o->begin(m->self, &f, &error), &error) &&
+      cut_layers(in, m, &own))
+    exercise_moves(in, m, f, &printed, &own);
+  for (int layer = 0; layer < OPC_MASKS; layer++) {
+    g_free(own.shift[layer]);
+    g_free(own.epe[layer]);
+  }
+}
+
 /* ---- drc ---- */
 
-static void exercise_drc(opc_inspector *in, const opc_module *m) {
+/* The drawn shapes as a mask, and what it prints through the model above. */
+static gboolean print_drawn(opc_inspector *in, opc_field print[OPC_MASKS]) {
+  for (int layer = 0; layer < OPC_MASKS; layer++) {
+    opc_spectrum mask;
+    opc_error error = {0};
+    opc_field *f = &print[layer];
+    if (!make_mask(in, layer, limit, &mask)) return FALSE;
+    int code = model_image(NULL, layer, &mask, f, &error);
+    opc_test_host()->imaging->release_spectrum(opc_test_host(), &mask);
+    if (code) return FALSE;
+    for (int i = 0; i < f->nx * f->ny; i++)
+      f->coefficients[i] = 0.3F - f->coefficients[i];
+  }
+  return TRUE;
+}
+
+static void exercise_rules(opc_inspector *in, const opc_module *m,
+                           const opc_printed *printed) {
   const opc_regulator *o = m->plugin->operations;
-  const opc_gates *g = opc_test_gates();
-  uint32_t flags[2] = {0, OPC_PRINT_MERGED}, vetoes[2] = {0};
-  int32_t l[2] = {3, -2}, w[2] = {0, 1}, end[4] = {0};
-  const double extension[4] = {60, INFINITY, INFINITY, -5};
-  const opc_printed printed = {.size = sizeof printed, .iteration = 1, .gates = g,
-                               .flags = flags, .l = l, .w = w,
-                               .extension = extension};
+  uint32_t vetoes[2] = {0};
+  int32_t end[4] = {0};
   opc_ruling ruling = {.size = sizeof ruling, .vetoes = vetoes, .end = end};
   opc_error error = {0};
-  if (!went_well(in, "rule", o->rule(m->self, &printed, &ruling, &error),
+  size_t gates = printed->gates->count;
+  if (!went_well(in, "rule", o->rule(m->self, printed, &ruling, &error),
                  &error))
     return;
-  opc_check_ruling(&ruling, g->count, &error);
+  opc_check_ruling(&ruling, gates, &error);
   if (!is_sound(in, "rule", &error)) return;
   add(in, vetoes, sizeof vetoes);
   add(in, end, sizeof end);
+  for (int layer = 0; layer < OPC_MASKS; layer++)
+    add(in, ruling.patches[layer],
+        ruling.patch_count[layer] * sizeof(opc_box));
   opc_violation list[64] = {{0}};
   size_t many = 0, none = 0;
   if (!went_well(in, "violations",
-                 o->violations(m->self, &printed, list, 64, &many, &error),
+                 o->violations(m->self, printed, list, 64, &many, &error),
                  &error) ||
       !went_well(in, "violations without room",
-                 o->violations(m->self, &printed, NULL, 0, &none, &error),
+                 o->violations(m->self, printed, NULL, 0, &none, &error),
                  &error))
     return;
-  opc_check_violations(list, MIN(many, 64), g->count, &error);
+  opc_check_violations(list, MIN(many, 64), gates, &error);
   is_sound(in, "violations", &error);
   if (many != none)
     opc_find(in, "violations counts %zu with room and %zu without", many, none);
+}
+
+static void exercise_drc(opc_inspector *in, const opc_module *m) {
+  const opc_gates *g = opc_test_gates();
+  const uint32_t flags[2] = {0, OPC_PRINT_MERGED};
+  const int32_t l[2] = {3, -2}, w[2] = {0, 1};
+  const double extension[4] = {60, INFINITY, INFINITY, -5};
+  opc_field print[OPC_MASKS] = {{{0}, 0, 0, NULL}};
+  const opc_printed printed = {.size = sizeof printed, .iteration = 1, .gates = g,
+                               .flags = flags, .l = l, .w = w,
+                               .extension = extension, .mask = g->drawn,
+                               .print = print};
+  if (print_drawn(in, print)) exercise_rules(in, m, &printed);
+  for (int layer = 0; layer < OPC_MASKS; layer++)
+    opc_test_host()->imaging->release_field(opc_test_host(), &print[layer]);
 }
 
 /* ---- entry ---- */

@@ -11,8 +11,10 @@
 #include "core/plugin/suggest.h"
 
 /* What is built in. */
-extern const opc_plugin opc_correct_plugin; /* core/correct */
-static const opc_plugin *const built_in[] = {&opc_correct_plugin};
+extern const opc_plugin opc_correct_plugin, opc_verify_plugin; /* core/correct */
+extern const opc_plugin opc_search_plugin;                     /* core/search */
+static const opc_plugin *const built_in[] = {
+    &opc_correct_plugin, &opc_search_plugin, &opc_verify_plugin};
 
 /* What was found out about an id that somebody asked for. */
 typedef struct loaded {
@@ -148,6 +150,10 @@ static const opc_plugin *find_built_in(const char *id) {
   for (size_t i = 0; i < G_N_ELEMENTS(built_in); i++)
     if (!strcmp(built_in[i]->id, id)) return built_in[i];
   return NULL;
+}
+
+gboolean opc_plugin_is_built_in(const opc_plugin *plugin) {
+  return find_built_in(plugin->id) == plugin;
 }
 
 static loaded *look_for(opc_registry *registry, const char *id) {

@@ -43,10 +43,11 @@ typedef struct opc_moves {
   size_t size;               /* sizeof(opc_moves) */
   int32_t *l, *w;
 
-  /* Since 1.1. How much of each gate's width, in grid steps from the LOW edge
-     of its drawn box along W, has a length longer by one step more: the HIGH
-     side of the poly gets a jog there. 0: none; as large as the box or larger:
-     all of it, as with l + 1. */
+  /* Since 1.1. A length longer by one step more over a part of the width: the
+     edge of the poly that l + 1 would move, the HIGH side if `l` is even, else
+     the LOW one, gets a jog. So much of its fragment (gates->edges), in grid
+     steps from its LOW end along W, lies one step further out. 0: none; as long
+     as the fragment or longer: the same as l + 1. */
   int32_t *jog;
   /* Since 1.1. How far each fragment of `cut` lies outwards of where it was
      drawn, in grid steps; NULL for a layer without such fragments, whose edges
@@ -69,6 +70,14 @@ typedef struct opc_cuts {
   const double *site;        /* x, y of each fragment, nm */
 } opc_cuts;
 
+/* What holds for a synthesizer, since 1.1; flags. */
+enum {
+  /* Line ends and patches of the regulator may come together with its first
+     moves. Otherwise they are settled before it is asked for any, as it would
+     take their effect for that of its moves. */
+  OPC_SYNTHESIZER_ENDS_ANYTIME = 1 << 0
+};
+
 typedef struct opc_synthesizer {
   size_t size;               /* sizeof(opc_synthesizer) */
 
@@ -90,6 +99,8 @@ typedef struct opc_synthesizer {
      moves one by one; called after `begin`, for each layer. [main] */
   int (*cut)(void *self, const opc_gates *gates, int layer, opc_cuts *cuts,
              opc_error *error);
+
+  uint32_t flags;            /* since 1.1: OPC_SYNTHESIZER_* */
 } opc_synthesizer;
 
 /* A rule that the print does not keep. Frozen. */
@@ -110,7 +121,7 @@ typedef struct opc_printed {
   /* How far the printed poly goes past the printed active, nm, [2 * i + side];
      negative where it ends before it; INFINITY where it goes on. */
   const double *extension;
-  /* Since 1.1: the mask that printed so, not merged, and its level sets. */
+  /* Since 1.1: the mask that printed so, merged, and its level sets. */
   const opc_shapes *mask;    /* [OPC_MASKS], on the grid of the gates */
   const opc_field *print;    /* [OPC_MASKS], positive where it prints */
 } opc_printed;

@@ -1,0 +1,184 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "core/correct/gate.h"
+
+#include <math.h>
+
+#include "core/imaging/edge.h"
+
+/* How far beyond the drawn gate a print is looked for, nm. */
+static const double reach = 300;
+
+/* Lengths that are worth a note, of the drawn length. Leakage doubles every two
+   to three nm, so that what is much shorter carries nearly all of it. */
+static const double neck = 0.75, wide = 2;
+
+/* Strips of the channel of different width are in series: together they carry
+   what their harmonic mean does, which is less than that of the mean width by
+   the variance of the width over its square. More than this is worth a note. */
+static const double bite = 1e-3;
+
+/* What prints around a place of a line: the distances of its edges towards
+   smaller and larger coordinates, all from that place. */
+typedef struct section {
+  double limit[2];           /* an edge is looked for so far away */
+  double drawn[2];           /* where it is drawn */
+  double distance[2];        /* the limit where there is none; 0, 0 where the
+                                place does not print */
+  int open;                  /* there is none, on a side */
+  int pieces;                /* more prints within the drawn edges */
+} section;
+
+/* Does the place print? */
+static int cut(const opc_field *field, int axis, double at, double place,
+               section *s) {
+  opc_line line;
+  opc_walk walk[2];
+  opc_line_make(field, axis, at, &line);
+  int prints = opc_line_start(&line, place, &walk[0], &walk[1]) > 0;
+  s->open = s->pieces = 0;
+  for (int side = 0; side < 2; side++) {
+    double d = opc_walk_to(&walk[side], prints ? s->limit[side]
+                                               : s->drawn[side]);
+    if (!prints) s->pieces |= !isnan(d);
+    else if (isnan(d)) s->open = 1;
+    else if (d < s->drawn[side])
+      s->pieces |= !isnan(opc_walk_to(&walk[side], s->drawn[side]));
+    s->distance[side] = !prints ? 0 : isnan(d) ? s->limit[side] : d;
+  }
+  return prints;
+}
+
+/* The printed active: its mean over the channel, by Gauss's rule. */
+static void measure_width(opc_gate *g) {
+  static const double place[3] = {-0.7745966692414834, 0, 0.7745966692414834};
+  static const double share[3] = {5 / 18.0, 8 / 18.0, 5 / 18.0};
+  double half[2] = {g->middle[0] - g->low[0], g->middle[1] - g->low[1]};
+  section s = {.limit = {half[1] + reach, half[1] + reach},
+               .drawn = {half[1], half[1]}};
+  double width = 0, square = 0;
+  g->from = g->to = g->middle[1];
+  for (int k = 0; k < 3; k++) {
+    int prints = cut(g->active, g->axis[1], g->middle[0] + half[0] * place[k],
+                     g->middle[1], &s);
+    if (!prints && k == 1) g->flags |= OPC_PRINT_NO_ACTIVE;
+    if (s.open) g->flags |= OPC_PRINT_MERGED;
+    if (s.pieces) g->flags |= OPC_PRINT_ISLAND;
+    double w = s.distance[0] + s.distance[1];
+    g->from -= share[k] * s.distance[0];
+    g->to += share[k] * s.distance[1];
+    width += share[k] * w;
+    square += share[k] * w * w;
+  }
+  if (g->flags & OPC_PRINT_NO_ACTIVE) g->from = g->to = g->middle[1];
+  if (square > (1 + bite) * width * width) g->flags |= OPC_PRINT_BITE;
+}
+
+/* The printed poly past the printed active, on `side`. */
+static double measure_extension(opc_gate *g, int side) {
+  double drawn = g->drawn_extension[side], out = side ? 1 : -1;
+  double edge = side ? g->to : g->from;
+  if (isinf(drawn)) return INFINITY;
+  opc_line line;
+  opc_walk walk[2];
+  opc_line_make(g->poly, g->axis[1], g->middle[0], &line);
+  if (opc_line_start(&line, edge, &walk[0], &walk[1]) > 0) {
+    double limit = (side ? g->high[1] : g->low[1]) + out * (drawn + reach);
+    double distance = opc_walk_to(&walk[side], out * (limit - edge));
+    return isnan(distance) ? INFINITY : distance;
+  }
+  g->flags |= OPC_PRINT_SHORT;
+  double distance = opc_walk_to(&walk[!side], fabs(edge - g->middle[1]));
+  return isnan(distance) ? -(g->high[1] - g->low[1]) / 2 : -distance;
+}
+
+static double measure_length(opc_gate *g, double at) {
+  double half = g->middle[0] - g->low[0];
+  section s = {.limit = {half + fmin(reach, g->room[0] / 2),
+                         half + fmin(reach, g->room[1] / 2)},
+               .drawn = {half, half}};
+  if (!cut(g->poly, g->axis[0], at, g->middle[0], &s))
+    g->flags |= OPC_PRINT_OPEN;
+  if (s.open) g->flags |= OPC_PRINT_MERGED;
+  if (s.pieces) g->flags |= OPC_PRINT_ISLAND;
+  double length = s.distance[0] + s.distance[1];
+  if (length < 2 * half * neck) g->flags |= OPC_PRINT_NECK;
+  if (length > 2 * half * wide) g->flags |= OPC_PRINT_WIDE;
+  return length;
+}
+
+double opc_gate_length(opc_gate *g, double place) {
+  if (!(place >= 0 && place <= 1)) return NAN;
+  for (size_t k = 0; k < g->known; k++)
+    if (g->place[k] == place) return g->length[k];
+  double length = measure_length(g, g->from + place * (g->to - g->from));
+  if (g->known < OPC_GATE_LENGTHS) {
+    g->place[g->known] = place;
+    g->length[g->known++] = length;
+  }
+  return length;
+}
+
+/* ---- what an extractor sees ---- */
+
+static double printed_length(const opc_printed_gate *shown, double place) {
+  return opc_gate_length((opc_gate *)shown->context, place);
+}
+
+static double drawn_length(const opc_printed_gate *shown, double place) {
+  return place >= 0 && place <= 1 ? shown->design_length : NAN;
+}
+
+/* All but what is measured. */
+static void begin(const opc_gates *gates, size_t i, opc_gate *g) {
+  opc_box b = gates->box[i];
+  const double x[2] = {b.x0 * gates->grid, b.x1 * gates->grid};
+  const double y[2] = {b.y0 * gates->grid, b.y1 * gates->grid};
+  int across = gates->axis[i] == OPC_Y;
+  g->axis[0] = across ? OPC_Y : OPC_X;
+  g->axis[1] = across ? OPC_X : OPC_Y;
+  for (int k = 0; k < 2; k++) {
+    const double *side = g->axis[k] == OPC_X ? x : y;
+    g->low[k] = side[0];
+    g->high[k] = side[1];
+    g->middle[k] = (side[0] + side[1]) / 2;
+  }
+  g->room = gates->room + 2 * i;
+  g->drawn_extension = gates->extension + 2 * i;
+  g->flags = 0;
+  g->known = 0;
+  g->shown = (opc_printed_gate){.size = sizeof g->shown,
+                                .type = gates->type[i],
+                                .design_length = g->high[0] - g->low[0],
+                                .design_width = g->high[1] - g->low[1],
+                                .context = g};
+}
+
+static void show(opc_gate *g, double (*length)(const opc_printed_gate *,
+                                               double)) {
+  g->shown.width = g->to - g->from;
+  g->shown.length = length;
+  for (int side = 0; side < 2; side++)
+    g->shown.extension[side] = g->extension[side];
+}
+
+void opc_gate_measure(const opc_gates *gates, size_t i,
+                      const opc_field print[OPC_MASKS], opc_gate *g) {
+  begin(gates, i, g);
+  g->poly = &print[OPC_POLY];
+  g->active = &print[OPC_ACTIVE];
+  measure_width(g);
+  for (int side = 0; side < 2; side++)
+    g->extension[side] = measure_extension(g, side);
+  show(g, printed_length);
+}
+
+void opc_gate_draw(const opc_gates *gates, size_t i, opc_gate *g) {
+  begin(gates, i, g);
+  g->shown.design_length = gates->length[i];
+  g->shown.design_width = gates->width[i];
+  g->from = 0;
+  g->to = gates->width[i];
+  for (int side = 0; side < 2; side++)
+    g->extension[side] = g->drawn_extension[side];
+  show(g, drawn_length);
+}
