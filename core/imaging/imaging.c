@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "core/imaging/imaging.h"
+#include "core/imaging/edge.h"
 #include "core/imaging/spline.h"
 #include "core/plugin/host.h"
 
@@ -49,4 +50,5 @@ const opc_imaging_service opc_imaging_functions = {
     .resample = opc_field_resample,
     .samples = opc_field_samples,
     .from_samples = opc_field_from_samples,
+    .edge = opc_field_edge,
 };

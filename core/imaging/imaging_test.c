@@ -2,12 +2,13 @@
 /* Spectra against the Fourier integrals of rectangles, images against sums of
    plane waves, contours against closed forms. */
 #include "core/imaging/imaging.h"
-#include "core/imaging/spline.h"
+#include "core/imaging/edge.h"
 #include "core/plugin/host.h"
 
 #include <complex.h>
 #include <glib.h>
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 static opc_host *host;
@@ -168,17 +169,17 @@ static void test_image(void) {
   g_test_message("largest error of intensity: %.2g", worst);
   g_assert_cmpfloat(worst, <, 3e-5);
   /* Lines through the field give what its samples give. */
-  double room[200], value;
   for (int axis = 0; axis < 2; axis++) {
-    double at = axis ? 61.5 : -213.25, from = -700, to = 300;
-    g_assert_cmpint(opc_line_room(&field, axis, from, to), <=, 200);
-    opc_line line = {.coefficient = room};
-    opc_line_cut(&field, axis, at, from, to, &line);
+    double at = axis ? 61.5 : -213.25, value;
+    opc_line line;
+    opc_walk down, up;
+    opc_line_make(&field, axis, at, &line);
     for (int i = 0; i <= 80; i++) {
-      double p = from + 12.5 * i;
+      double p = 12.5 * i - 700;
       double x = axis ? at : p, y = axis ? p : at;
       opc_imaging_functions.sample(&field, &x, &y, 1, &value);
-      g_assert_cmpfloat(fabs(opc_line_value(&line, p) - value), <, 1e-12);
+      g_assert_cmpfloat(fabs(opc_line_start(&line, p, &down, &up) - value), <,
+                        1e-12);
     }
   }
   g_rand_free(random);
@@ -199,6 +200,47 @@ static void test_threads(void) {
     opc_imaging_functions.release_field(host, &other);
   }
   opc_imaging_functions.release_field(host, &one);
+}
+
+/* A plugin's struct may be older or newer than ours. */
+static void test_sizes(void) {
+  opc_frame f = {-803, -1000, 1700, 1900};
+  opc_box b = {-150, -400, 90, 333};
+  struct {
+    opc_systems known;
+    char later[64];
+  } newer = {.known = three};
+  memset(newer.later, 0x5a, sizeof newer.later);
+  newer.known.size = sizeof newer;
+  /* What lies beyond its end is not read. */
+  opc_systems older = three;
+  older.size = offsetof(opc_systems, offset);
+  older.offset[0] = older.scale[0] = NAN;
+  older.residual = (void (*)(const void *, const double *, double, size_t,
+                             float *))(uintptr_t)8;
+  const opc_systems *all[] = {&three, &newer.known, &older};
+  opc_point points[] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
+  uint32_t start[] = {0, 4};
+  opc_shapes shape = {1, start, points, NULL};
+  opc_spectrum s;
+  opc_field field[3];
+  opc_error error;
+  g_assert_cmpint(opc_mask_spectrum(host, &shape, 1, f, 0.0065, &s, &error), ==,
+                  OPC_OK);
+  for (int i = 0; i < 3; i++) {
+    g_assert_cmpint(opc_coherent_sum(host, &s, all[i], 0, &field[i], &error), ==,
+                    OPC_OK);
+    size_t n = sizeof(float) * (size_t)field[0].nx * (size_t)field[0].ny;
+    g_assert_cmpmem(field[0].coefficients, n, field[i].coefficients, n);
+  }
+  older.size = 8;
+  opc_field none;
+  g_assert_cmpint(opc_coherent_sum(host, &s, &older, 0, &none, &error), ==,
+                  OPC_INVALID);
+  g_assert_nonnull(strstr(error.message, "'size' of opc_systems"));
+  for (int i = 0; i < 3; i++)
+    opc_imaging_functions.release_field(host, &field[i]);
+  opc_imaging_functions.release_spectrum(host, &s);
 }
 
 /* ---- contours ---- */
@@ -267,6 +309,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/imaging/bad-frame", test_bad_frame);
   g_test_add_func("/imaging/image", test_image);
   g_test_add_func("/imaging/threads", test_threads);
+  g_test_add_func("/imaging/sizes", test_sizes);
   g_test_add_func("/imaging/contours", test_contours);
   int code = g_test_run();
   opc_host_free(host);

@@ -17,10 +17,24 @@ static void recurrence(int degree, double t, double *weight) {
   }
 }
 
+/* What the recurrence gives for degree 5, multiplied out. */
 int opc_spline_weights(double x, double weight[OPC_SPLINE_TAPS]) {
-  double cell = floor(x);
-  recurrence(5, x - cell, weight);
-  return (int)cell - 2;
+  static const double p[OPC_SPLINE_TAPS][OPC_SPLINE_TAPS] = {
+      /* a row for each power of the fraction of the cell, t */
+      {1 / 120.0, 26 / 120.0, 66 / 120.0, 26 / 120.0, 1 / 120.0, 0},
+      {-5 / 120.0, -50 / 120.0, 0, 50 / 120.0, 5 / 120.0, 0},
+      {10 / 120.0, 20 / 120.0, -60 / 120.0, 20 / 120.0, 10 / 120.0, 0},
+      {-10 / 120.0, 20 / 120.0, 0, -20 / 120.0, 10 / 120.0, 0},
+      {5 / 120.0, -20 / 120.0, 30 / 120.0, -20 / 120.0, 5 / 120.0, 0},
+      {-1 / 120.0, 5 / 120.0, -10 / 120.0, 10 / 120.0, -5 / 120.0, 1 / 120.0}};
+  int cell = (int)x;
+  cell -= x < cell;
+  double t = x - cell;
+  for (int k = 0; k < OPC_SPLINE_TAPS; k++) weight[k] = p[5][k];
+  for (int d = 4; d >= 0; d--)
+    for (int k = 0; k < OPC_SPLINE_TAPS; k++)
+      weight[k] = p[d][k] + t * weight[k];
+  return cell - 2;
 }
 
 /* The derivative of a B-spline is the difference of two of a degree less. */
@@ -48,56 +62,4 @@ int opc_spline_smoothing(double x, double weight[OPC_STEP_TAPS - 1]) {
 double opc_spline_sampled(double f) {
   double c = 2 * M_PI * f;
   return (66 + 52 * cos(c) + 2 * cos(2 * c)) / 120;
-}
-
-static int wrap(int i, int n) {
-  i %= n;
-  return i < 0 ? i + n : i;
-}
-
-int opc_line_room(const opc_field *field, int axis, double from, double to) {
-  double step = axis ? field->frame.height / field->ny
-                     : field->frame.width / field->nx;
-  return (int)ceil((to - from) / step) + OPC_SPLINE_TAPS + 2;
-}
-
-void opc_line_cut(const opc_field *field, int axis, double at, double from,
-                  double to, opc_line *line) {
-  const opc_frame *f = &field->frame;
-  int along = axis ? field->ny : field->nx, across = axis ? field->nx : field->ny;
-  double step = (axis ? f->height : f->width) / along;
-  double step_across = (axis ? f->width : f->height) / across;
-  double origin = axis ? f->y0 : f->x0, origin_across = axis ? f->x0 : f->y0;
-  double weight[OPC_SPLINE_TAPS];
-  int row = opc_spline_weights((at - origin_across) / step_across, weight);
-
-  line->origin = origin;
-  line->step = step;
-  line->first = (int)floor((from - origin) / step) - 2;
-  line->n = (int)floor((to - origin) / step) + 3 - line->first + 1;
-  size_t stride = axis ? (size_t)field->nx : 1;
-  size_t stride_across = axis ? 1 : (size_t)field->nx;
-  const float *rows[OPC_SPLINE_TAPS];
-  for (int k = 0; k < OPC_SPLINE_TAPS; k++)
-    rows[k] = field->coefficients + stride_across * wrap(row + k, across);
-  int j = wrap(line->first, along);
-  for (int i = 0; i < line->n; i++) {
-    size_t offset = stride * j;
-    double sum = 0;
-    for (int k = 0; k < OPC_SPLINE_TAPS; k++)
-      sum += weight[k] * rows[k][offset];
-    line->coefficient[i] = sum;
-    if (++j == along) j = 0;
-  }
-}
-
-double opc_line_value(const opc_line *line, double place) {
-  double weight[OPC_SPLINE_TAPS];
-  int first =
-      opc_spline_weights((place - line->origin) / line->step, weight) -
-      line->first;
-  const double *c = line->coefficient + first;
-  double sum = 0;
-  for (int k = 0; k < OPC_SPLINE_TAPS; k++) sum += weight[k] * c[k];
-  return sum;
 }

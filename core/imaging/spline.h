@@ -32,20 +32,4 @@ int opc_spline_smoothing(double x, double weight[OPC_STEP_TAPS - 1]);
    frequency f, over what its coefficients have. */
 double opc_spline_sampled(double f);
 
-/* The function along a line parallel to an axis, as a spline in one variable.
-   axis OPC_X (0): along x at y = at. Fills line[i], 0 <= i < n, with the
-   coefficients number first + i (periodic); n as opc_line_room says. */
-typedef struct opc_line {
-  double origin, step;   /* coefficient i sits at origin + i * step */
-  int first, n;
-  double *coefficient;   /* room of the caller */
-} opc_line;
-
-/* Room for a line that is evaluated from `from` to `to`. */
-int opc_line_room(const opc_field *field, int axis, double from, double to);
-void opc_line_cut(const opc_field *field, int axis, double at, double from,
-                  double to, opc_line *line);
-/* The value at a place between from and to. */
-double opc_line_value(const opc_line *line, double place);
-
 #endif

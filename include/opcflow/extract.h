@@ -34,7 +34,8 @@ struct opc_printed_gate {
      HIGH side along W; INFINITY where it goes on. */
   double extension[2];
   /* The printed length (nm) at a fraction of the width, 0 where nothing
-     prints. */
+     prints. A place that was asked for costs nothing as the place of a
+     slice. */
   double (*length)(const opc_printed_gate *gate, double place);
   const void *context;       /* the host's own */
 };
@@ -58,7 +59,8 @@ typedef struct opc_extract {
 
   /* Since 1.1; NULL: every gate is sliced as `slicing` says. Where to slice
      this gate: as many places and widths as `slicing` has, by its rules. A
-     slice may have the width 0. [any] */
+     slice may have the width 0. Drawn gates, too, are sliced so: their length
+     is the same everywhere. [any] */
   void (*slice)(const void *self, const opc_printed_gate *gate, double *place,
                 double *width);
 } opc_extract;

@@ -1,0 +1,321 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Transistors from prints: the time for 14,000 of them, over that of a fixed
+   number of samples of the same fields, and where there are test data the error
+   of 12 slices against many, on masks as drawn. */
+#include <glib.h>
+#include <math.h>
+#include <string.h>
+#include <time.h>
+
+#include "bench/bench.h"
+#include "core/correct/loop.h"
+#include "core/plugin/host.h"
+#include "core/plugin/testing.h"
+
+enum { RUNS = 5, BLOCK = 64, SAMPLES = 60, FIGURES = 6 };
+
+static const opc_host *host;
+
+/* Of this process: others may be at work, too. */
+static double now(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void must(int code, const opc_error *error) {
+  if (code) g_error("%s", error->message);
+}
+
+static opc_module *make(const char *id, const char *parameters) {
+  opc_error error;
+  opc_module *m = opc_test_module(id, parameters, &error);
+  if (!m) g_error("%s", error.message);
+  return m;
+}
+
+static const char *setting(const char *name, const char *preset) {
+  const char *value = g_getenv(name);
+  return value ? value : preset;
+}
+
+/* ---- prints ---- */
+
+typedef struct models {
+  opc_module *litho, *resist;
+} models;
+
+static models models_make(void) {
+  models m = {
+      make("litho.hopkins", "{ wavelength: 193 nm, na: 0.75, sigma: 0.75 }"),
+      make("resist.threshold", "{ anchor: { line: 65 nm, pitch: 250 nm } }")};
+  const opc_litho *litho = m.litho->plugin->operations;
+  const opc_resist *resist = m.resist->plugin->operations;
+  opc_error error;
+  must(litho->prepare(m.litho->self, &error), &error);
+  must(resist->prepare(m.resist->self, m.litho, &error), &error);
+  return m;
+}
+
+/* A layout's transistors and their print, the mask as drawn. */
+typedef struct chip {
+  opc_module *segment;
+  const opc_gates *gates;
+  opc_field print[OPC_MASKS];
+} chip;
+
+static void print_layer(const models *m, const opc_gates *g, int layer,
+                        opc_field *out) {
+  const opc_litho *litho = m->litho->plugin->operations;
+  const opc_resist *resist = m->resist->plugin->operations;
+  const double margin = 1000;
+  opc_box b = g->extent;
+  opc_frame f = {b.x0 * g->grid - margin, b.y0 * g->grid - margin,
+                 (b.x1 - b.x0) * g->grid + 2 * margin,
+                 (b.y1 - b.y0) * g->grid + 2 * margin};
+  opc_spectrum mask;
+  opc_error error;
+  must(host->imaging->mask_spectrum(host, &g->drawn[layer], g->grid, f,
+                                    litho->band(m->litho->self), &mask, &error),
+       &error);
+  must(litho->image(m->litho->self, layer, &mask, out, &error), &error);
+  host->imaging->release_spectrum(host, &mask);
+  must(resist->print(m->resist->self, layer, out, &error), &error);
+}
+
+/* 0 if there is no transistor in that cell. */
+static int chip_make(const models *m, opc_layout *layout, const char *top,
+                     chip *c) {
+  g_autofree char *map = g_strdup_printf("{ top: '%s' }", top);
+  c->segment = make("segment.transistors", map);
+  opc_test_input(c->segment, "layout", layout);
+  opc_error error;
+  void *gates = NULL;
+  int code = opc_test_run(c->segment, &gates, &error);
+  if (code && strstr(error.message, "no transistor")) {
+    opc_test_module_free(c->segment);
+    return 0;
+  }
+  must(code, &error);
+  c->gates = gates;
+  for (int layer = 0; layer < OPC_MASKS; layer++)
+    print_layer(m, c->gates, layer, &c->print[layer]);
+  return 1;
+}
+
+static void chip_free(chip *c) {
+  void *gates = (void *)c->gates;
+  for (int layer = 0; layer < OPC_MASKS; layer++)
+    host->imaging->release_field(host, &c->print[layer]);
+  opc_test_release(c->segment, &gates);
+  opc_test_module_free(c->segment);
+}
+
+/* ---- measuring ---- */
+
+static opc_module *extractor(const char *more) {
+  g_autofree char *devices =
+      g_build_filename(setting("OPCFLOW_SOURCE", "."), "data", "devices",
+                       "ptm65.yaml", NULL);
+  g_autofree char *map = g_strdup_printf("{ devices: '%s'%s }", devices, more);
+  opc_module *m = make("extract.plain", map);
+  const opc_extract *e = m->plugin->operations;
+  opc_error error;
+  must(e->prepare(m->self, &error), &error);
+  return m;
+}
+
+/* All figures of a chip, FIGURES * count numbers: those of opc_performance. */
+static double *measure(const chip *c, const opc_module *extract,
+                       uint32_t *flags) {
+  size_t n = c->gates->count;
+  double *figures = g_new(double, FIGURES * n);
+  g_autofree double *extension = g_new(double, 2 * n);
+  opc_measurement out = {.flags = flags, .extension = extension,
+                         .performance = {.count = n}};
+  for (size_t k = 0; k < FIGURES; k++)
+    (&out.performance.ion)[k] = figures + k * n;
+  opc_error error;
+  for (size_t first = 0; first < n; first += BLOCK)
+    must(opc_measure(host, c->gates, c->print, extract, first,
+                     MIN(first + BLOCK, n), &out, &error),
+         &error);
+  return figures;
+}
+
+/* ---- time ---- */
+
+/* Rows of lines over two actives each, 14,000 transistors. */
+static opc_layout *rows_of_gates(void) {
+  enum { COLUMNS = 250, ROWS = 28 };
+  opc_error error;
+  opc_layout *l = host->layout->create(host, 1, &error);
+  int32_t cell = host->layout->cell(l, "ROWS", &error);
+  static const char *const names[] = {"poly", "active", "nwell"};
+  int32_t layer[3];
+  for (int k = 0; k < 3; k++)
+    layer[k] = host->layout->layer(l, names[k], &error);
+  for (int32_t j = 0; j < ROWS; j++) {
+    int32_t y = j * 1900, end = COLUMNS * 250;
+    opc_box n = {-100, y, end, y + 540}, p = {-100, y + 760, end, y + 1580};
+    opc_box well = {-200, y + 650, end + 100, y + 1750};
+    must(host->layout->add_box(l, cell, layer[1], n, &error), &error);
+    must(host->layout->add_box(l, cell, layer[1], p, &error), &error);
+    must(host->layout->add_box(l, cell, layer[2], well, &error), &error);
+    for (int32_t i = 0; i < COLUMNS; i++) {
+      opc_box line = {i * 250, y - 100 - i % 5 * 5, i * 250 + 65,
+                      y + 1680 + i % 7 * 5};
+      must(host->layout->add_box(l, cell, layer[0], line, &error), &error);
+    }
+  }
+  return l;
+}
+
+static double sample(const chip *c) {
+  double start = now(), sum = 0;
+  for (size_t i = 0; i < c->gates->count; i++) {
+    opc_box b = c->gates->box[i];
+    double x[SAMPLES], y[SAMPLES], value[SAMPLES];
+    for (int k = 0; k < SAMPLES; k++) {
+      x[k] = b.x0 + (b.x1 - b.x0) * k / 60.0;
+      y[k] = b.y0 + (b.y1 - b.y0) * k / 60.0;
+    }
+    host->imaging->sample(&c->print[OPC_POLY], x, y, SAMPLES, value);
+    for (int k = 0; k < SAMPLES; k++) sum += value[k];
+  }
+  if (!isfinite(sum)) g_error("samples are not finite");
+  return now() - start;
+}
+
+static void bench_time(const models *m) {
+  static const struct {
+    const char *name, *more;
+    double reach;
+  } rules[] = {{"contour", "", 0.10}, {"gauss", ", rule: gauss", 0.10}};
+  opc_layout *layout = rows_of_gates();
+  chip c;
+  if (!chip_make(m, layout, "ROWS", &c)) g_error("no transistors");
+  g_autofree uint32_t *flags = g_new(uint32_t, c.gates->count);
+  for (size_t r = 0; r < G_N_ELEMENTS(rules); r++) {
+    g_autoptr(opc_module) extract = extractor(rules[r].more);
+    double best = INFINITY, samples = INFINITY;
+    for (int i = 0; i < RUNS; i++) {
+      double start = now();
+      g_free(measure(&c, extract, flags));
+      best = fmin(best, now() - start);
+      samples = fmin(samples, sample(&c));
+    }
+    g_autofree char *time =
+        g_strdup_printf("devices.%s_%zu_gates", rules[r].name, c.gates->count);
+    g_autofree char *over =
+        g_strdup_printf("devices.%s_over_%d_samples", rules[r].name, SAMPLES);
+    bench_report(time, best, "s", rules[r].reach, BENCH_LOWER);
+    bench_report(over, best / samples, "", INFINITY, BENCH_LOWER);
+  }
+  chip_free(&c);
+  host->layout->destroy(layout);
+}
+
+/* ---- error ---- */
+
+enum { RULES = 3, CURRENTS = 2 };
+static const char *const rule_names[RULES] = {"contour", "gauss", "equal"};
+
+/* Of each rule with 12 slices: |error| of Ion and Ioff, %, of all gates. */
+typedef struct errors {
+  opc_module *extract[RULES], *many;
+  GArray *error[RULES][CURRENTS];
+} errors;
+
+static void errors_make(errors *e) {
+  for (int r = 0; r < RULES; r++) {
+    g_autofree char *more =
+        g_strdup_printf(", rule: %s, slices: 12", rule_names[r]);
+    e->extract[r] = extractor(more);
+    for (int k = 0; k < CURRENTS; k++)
+      e->error[r][k] = g_array_new(FALSE, FALSE, sizeof(double));
+  }
+  e->many = extractor(", rule: gauss, slices: 1000");
+}
+
+static void errors_add(errors *e, const chip *c) {
+  size_t n = c->gates->count;
+  g_autofree uint32_t *flags = g_new(uint32_t, n);
+  g_autofree double *want = measure(c, e->many, flags);
+  for (int r = 0; r < RULES; r++) {
+    g_autofree double *got = measure(c, e->extract[r], flags);
+    for (size_t i = 0; i < CURRENTS * n; i++) {
+      double error = 100 * fabs(got[i] / want[i] - 1);
+      g_array_append_val(e->error[r][i / n], error);
+    }
+  }
+}
+
+static void errors_report(errors *e, const char *name) {
+  static const char *const currents[CURRENTS] = {"ion", "ioff"};
+  for (int r = 0; r < RULES; r++)
+    for (int k = 0; k < CURRENTS; k++) {
+      double *x = (double *)(void *)e->error[r][k]->data, mean = 0;
+      size_t n = e->error[r][k]->len;
+      bench_median(x, n);   /* sorts */
+      for (size_t i = 0; i < n; i++) mean += x[i] / (double)n;
+      double reach = r || k ? INFINITY : 0.01;
+      const struct {
+        const char *what;
+        double value;
+      } figures[] = {{"mean", mean}, {"99", x[n * 99 / 100]}, {"max", x[n - 1]}};
+      for (int f = 0; f < 3; f++) {
+        g_autofree char *full =
+            g_strdup_printf("%s.%s_12_%s_%s", name, rule_names[r], currents[k],
+                            figures[f].what);
+        bench_report(full, figures[f].value, "%", reach, BENCH_LOWER);
+      }
+      g_array_free(e->error[r][k], TRUE);
+    }
+  for (int r = 0; r < RULES; r++) opc_test_module_free(e->extract[r]);
+  opc_test_module_free(e->many);
+}
+
+/* All cells of a file that have transistors, or its top cell. */
+static void bench_error(const models *m, const char *name, const char *file,
+                        const char *top) {
+  g_autofree char *beside = g_build_filename(setting("OPCFLOW_SOURCE", "."),
+                                             "..", "shared", "data", NULL);
+  g_autofree char *path =
+      g_build_filename(setting("OPCFLOW_TEST_DATA", beside), file, NULL);
+  if (!g_file_test(path, G_FILE_TEST_EXISTS)) {
+    g_printerr("%s: skipped, no '%s'\n", name, path);
+    return;
+  }
+  g_autofree char *map = g_strdup_printf(
+      "{ file: '%s', scale: 1.3, layers: { poly: 9/0, active: 1/0, "
+      "contact: 10/0, nwell: 3/0 } }",
+      path);
+  g_autoptr(opc_module) reader = make("read.gds", map);
+  opc_error error;
+  void *layout = NULL;
+  must(opc_test_run(reader, &layout, &error), &error);
+  errors e;
+  errors_make(&e);
+  for (size_t k = 0; k < host->layout->cells(layout); k++) {
+    const char *cell = host->layout->cell_name(layout, (int32_t)k);
+    chip c;
+    if ((top && strcmp(cell, top)) || !chip_make(m, layout, cell, &c)) continue;
+    errors_add(&e, &c);
+    chip_free(&c);
+  }
+  errors_report(&e, name);
+  opc_test_release(reader, &layout);
+}
+
+int main(void) {
+  host = opc_test_host();
+  opc_set_threads(1);
+  models m = models_make();
+  bench_time(&m);
+  bench_error(&m, "nangate45", "nangate45/NangateOpenCellLibrary.gds", NULL);
+  bench_error(&m, "c432", "iscas85/c432/c432.gds", "c432");
+  opc_test_module_free(m.litho);
+  opc_test_module_free(m.resist);
+  return bench_write("devices");
+}

@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Where a field changes its sign along a line. A quintic spline is a polynomial
+   in each cell of its grid. Its Bernstein coefficients there tell how often it
+   can change sign (at most as often as they do), so that no pair of changes is
+   missed, however close, and cells without one cost next to nothing. */
+#include "core/imaging/edge.h"
+
+#include <float.h>
+#include <math.h>
+
+enum { DEGREE = OPC_SPLINE_TAPS - 1, HALVINGS = 24 };
+
+/* ---- one cell ---- */
+
+static double node(const double *c) {
+  return (c[0] + c[4] + 26 * (c[1] + c[3]) + 66 * c[2]) * (1 / 120.0);
+}
+
+/* The Bernstein coefficients of a cell. Those of its ends are the same
+   expression in both cells that meet there, to the last bit. */
+static void bernstein(const double c[OPC_SPLINE_TAPS],
+                      double b[OPC_SPLINE_TAPS]) {
+  b[0] = node(c);
+  b[1] = (8 * c[1] + 33 * c[2] + 18 * c[3] + c[4]) * (1 / 60.0);
+  b[2] = (2 * c[1] + 15 * c[2] + 12 * c[3] + c[4]) * (1 / 30.0);
+  b[3] = (c[1] + 12 * c[2] + 15 * c[3] + 2 * c[4]) * (1 / 30.0);
+  b[4] = (c[1] + 18 * c[2] + 33 * c[3] + 8 * c[4]) * (1 / 60.0);
+  b[5] = node(c + 1);
+}
+
+/* The coefficients of the parts before and after t (de Casteljau). */
+static void split(const double b[OPC_SPLINE_TAPS], double t,
+                  double before[OPC_SPLINE_TAPS],
+                  double after[OPC_SPLINE_TAPS]) {
+  for (int i = 0; i <= DEGREE; i++) after[i] = b[i];
+  for (int level = 0; level <= DEGREE; level++) {
+    before[level] = after[0];
+    for (int i = 0; i < DEGREE - level; i++)
+      after[i] += t * (after[i + 1] - after[i]);
+  }
+}
+
+static int changes(const double b[OPC_SPLINE_TAPS]) {
+  int n = 0;
+  for (int i = 0; i < DEGREE; i++) n += (b[i] > 0) != (b[i + 1] > 0);
+  return n;
+}
+
+/* The only change of sign: Newton's method, kept between its bounds. */
+static double only_change(const double b[OPC_SPLINE_TAPS]) {
+  /* Powers of t, from the differences. */
+  double d1 = b[1] - b[0], d2 = b[2] - b[1], d3 = b[3] - b[2],
+         d4 = b[4] - b[3], d5 = b[5] - b[4];
+  double e1 = d2 - d1, e2 = d3 - d2, e3 = d4 - d3, e4 = d5 - d4;
+  double f1 = e2 - e1, f2 = e3 - e2, f3 = e4 - e3;
+  double g1 = f2 - f1, g2 = f3 - f2;
+  double a1 = 5 * d1, a2 = 10 * e1, a3 = 10 * f1, a4 = 5 * g1, a5 = g2 - g1;
+  double low = 0, high = 1, t = b[0] / (b[0] - b[5]);
+  for (int i = 0; i < 60; i++) {
+    double f = b[0] + t * (a1 + t * (a2 + t * (a3 + t * (a4 + t * a5))));
+    double slope =
+        a1 + t * (2 * a2 + t * (3 * a3 + t * (4 * a4 + t * 5 * a5)));
+    if ((f > 0) == (b[0] > 0)) low = t;
+    else high = t;
+    double next = t - f / slope;
+    if (!(next >= low && next <= high)) next = (low + high) / 2;
+    if (fabs(next - t) < 1e-5) return next; /* its error is the square */
+    t = next;
+  }
+  return t;
+}
+
+/* The first change of sign in a cell or a part of it, as a fraction; NAN. */
+static double first_change(const double b[OPC_SPLINE_TAPS], int halvings) {
+  double before[OPC_SPLINE_TAPS], after[OPC_SPLINE_TAPS];
+  int n = changes(b);
+  if (n == 0) return NAN;
+  if (n == 1) return only_change(b);
+  if (halvings == 0) return (b[0] > 0) != (b[DEGREE] > 0) ? 0.5 : NAN;
+  split(b, 0.5, before, after);
+  double t = first_change(before, halvings - 1);
+  if (isnan(t)) t = 1 + first_change(after, halvings - 1);
+  return t / 2;
+}
+
+/* ---- a line ---- */
+
+static int wrap(int i, int n) {
+  if (i >= 0 && i < n) return i;
+  i %= n;
+  return i < 0 ? i + n : i;
+}
+
+void opc_line_make(const opc_field *field, int axis, double at,
+                   opc_line *line) {
+  const opc_frame *f = &field->frame;
+  int across = axis ? field->nx : field->ny;
+  line->n = axis ? field->ny : field->nx;
+  line->step = (axis ? f->height : f->width) / line->n;
+  line->origin = axis ? f->y0 : f->x0;
+  double step = (axis ? f->width : f->height) / across;
+  size_t next = axis ? 1 : (size_t)field->nx;
+  line->stride = axis ? (size_t)field->nx : 1;
+  double place = (at - (axis ? f->x0 : f->y0)) / step;
+  if (!(place >= 0 && place < across))
+    place -= across * floor(place / across);
+  int row = opc_spline_weights(place, line->weight);
+  for (int k = 0; k < OPC_SPLINE_TAPS; k++)
+    line->row[k] = field->coefficients + next * (size_t)wrap(row + k, across);
+}
+
+static double coefficient(const opc_line *line, int i) {
+  size_t offset = line->stride * (size_t)wrap(i, line->n);
+  double sum = 0;
+  for (int k = 0; k < OPC_SPLINE_TAPS; k++)
+    sum += line->weight[k] * line->row[k][offset];
+  return sum;
+}
+
+/* A cell's coefficients: the same sums, in the order of memory where nothing
+   wraps. */
+static void cell_coefficients(const opc_line *line, int first,
+                              double c[OPC_SPLINE_TAPS]) {
+  const float *const *row = line->row;
+  int inner = first >= 0 && first + OPC_SPLINE_TAPS <= line->n;
+  size_t offset = line->stride * (size_t)first;
+  if (inner && line->stride == 1) {
+    for (int i = 0; i < OPC_SPLINE_TAPS; i++) c[i] = 0;
+    for (int k = 0; k < OPC_SPLINE_TAPS; k++)
+      for (int i = 0; i < OPC_SPLINE_TAPS; i++)
+        c[i] += line->weight[k] * row[k][offset + (size_t)i];
+  } else if (inner && row[OPC_SPLINE_TAPS - 1] - row[0] == OPC_SPLINE_TAPS - 1) {
+    for (int i = 0; i < OPC_SPLINE_TAPS; i++, offset += line->stride) {
+      double sum = 0;
+      for (int k = 0; k < OPC_SPLINE_TAPS; k++)
+        sum += line->weight[k] * row[0][offset + (size_t)k];
+      c[i] = sum;
+    }
+  } else {
+    for (int i = 0; i < OPC_SPLINE_TAPS; i++)
+      c[i] = coefficient(line, first + i);
+  }
+}
+
+double opc_line_start(const opc_line *line, double place, opc_walk *down,
+                      opc_walk *up) {
+  double x = (place - line->origin) / line->step;
+  if (!(x >= 0 && x < line->n)) x -= line->n * floor(x / line->n);
+  int cell = (int)x;
+  double t = x - cell, b[OPC_SPLINE_TAPS], reversed[OPC_SPLINE_TAPS];
+  *up = (opc_walk){.line = line, .out = 1, .next = cell + 4, .part = 1 - t,
+                   .found = NAN};
+  *down = (opc_walk){.line = line, .out = -1, .next = cell - 3, .part = t,
+                     .found = NAN};
+  cell_coefficients(line, cell - 2, up->c);
+  for (int k = 0; k < OPC_SPLINE_TAPS; k++) down->c[DEGREE - k] = up->c[k];
+  bernstein(up->c, b);
+  if (!changes(b)) {
+    /* Nothing in this cell: all that matters is the sign. */
+    double weight[OPC_SPLINE_TAPS], value = 0;
+    opc_spline_weights(t, weight);
+    for (int k = 0; k < OPC_SPLINE_TAPS; k++) value += weight[k] * up->c[k];
+    for (int k = 0; k < OPC_SPLINE_TAPS; k++) up->b[k] = down->b[k] = b[0];
+    return value;
+  }
+  split(b, t, reversed, up->b);
+  for (int k = 0; k < OPC_SPLINE_TAPS; k++) down->b[k] = reversed[DEGREE - k];
+  return up->b[0];
+}
+
+/* From a change of sign that was found on to what is beyond it. */
+static void pass(opc_walk *w) {
+  double before[OPC_SPLINE_TAPS], after[OPC_SPLINE_TAPS];
+  int was = w->b[0] > 0;
+  split(w->b, w->found, before, after);
+  after[0] = was ? -DBL_MIN : DBL_MIN;
+  for (int k = 0; k < OPC_SPLINE_TAPS; k++) w->b[k] = after[k];
+  w->done += w->found * w->part;
+  w->part *= 1 - w->found;
+  w->found = NAN;
+}
+
+double opc_walk_on(opc_walk *w) {
+  if (!isnan(w->found)) pass(w);
+  w->found = first_change(w->b, HALVINGS);
+  if (!isnan(w->found)) return (w->done + w->found * w->part) * w->line->step;
+  w->done += w->part;
+  w->part = 1;
+  for (int k = 0; k < DEGREE; k++) w->c[k] = w->c[k + 1];
+  w->c[DEGREE] = coefficient(w->line, w->next);
+  w->next += w->out;
+  bernstein(w->c, w->b);
+  return NAN;
+}
+
+double opc_walk_to(opc_walk *w, double limit) {
+  limit = fmin(limit, w->line->n * w->line->step);
+  double found = NAN;
+  while (isnan(found) && w->done * w->line->step <= limit)
+    found = opc_walk_on(w);
+  return found <= limit ? found : NAN;
+}
+
+double opc_field_edge(const opc_field *field, int axis, double x, double y,
+                      double reach) {
+  double at = axis ? x : y, place = axis ? y : x, found = NAN;
+  if (!isfinite(at) || !isfinite(place) || !(reach >= 0)) return NAN;
+  opc_line line;
+  opc_walk walk[2];
+  opc_line_make(field, axis, at, &line);
+  opc_line_start(&line, place, &walk[0], &walk[1]);
+  reach = fmin(reach, line.n * line.step);
+  /* Always on with that of the two that has got less far. */
+  for (;;) {
+    int up = walk[1].done <= walk[0].done;
+    if (walk[up].done * line.step > reach) break;
+    double distance = opc_walk_on(&walk[up]);
+    if (isnan(distance)) continue;
+    if (distance <= reach) {
+      reach = distance;
+      found = up ? distance : -distance;
+    }
+    walk[up].done = INFINITY;
+  }
+  return found;
+}

@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "fit.h"
+
+#include <gsl/gsl_fit.h>
+#include <gsl/gsl_min.h>
+#include <gsl/gsl_multifit.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* Decays are looked for from `least` to `most` nm. */
+static const double least = 1, most = 300;
+enum { TRIALS = 60, CLOSE = 16, DECAYS = 12 };
+
+static const char *const currents[CURRENTS] = {"Ion", "Ioff"};
+
+int sample_make(const opc_host *host, const reference *r, int type, int current,
+                sample *out, opc_error *error) {
+  *out = (sample){.reference = r, .type = type, .current = current};
+  out->transistor = calloc(r->count + 1, sizeof *out->transistor);
+  if (!out->transistor)
+    return host->fail(host, error, OPC_FAILED, NULL, "out of memory");
+  for (size_t i = 0; i < r->count; i++)
+    if (r->transistor[i].type == type && !isnan(r->transistor[i].current[current]))
+      out->transistor[out->count++] = &r->transistor[i];
+  return OPC_OK;
+}
+
+void sample_clear(sample *s) { free(s->transistor); }
+void fitted_clear(fitted *f) {
+  free(f->edge);
+  free(f->gamma);
+  *f = (fitted){0};
+}
+
+static int too_few(const opc_host *host, const sample *s, size_t need,
+                   opc_error *error) {
+  return host->fail(host, error, OPC_INVALID, "reference",
+                    "%zu %c-transistor%s with %s, at least %zu are needed",
+                    s->count, "np"[s->type], s->count == 1 ? "" : "s",
+                    currents[s->current], need);
+}
+
+static int make_points(const opc_host *host, size_t n, fitted *out,
+                       opc_error *error) {
+  out->points = n;
+  out->edge = calloc(n, sizeof *out->edge);
+  out->gamma = calloc(n, sizeof *out->gamma);
+  return out->edge && out->gamma
+             ? OPC_OK
+             : host->fail(host, error, OPC_FAILED, NULL, "out of memory");
+}
+
+/* ---- an edge term: for each decay the best amplitude is known ---- */
+
+typedef struct search {
+  const sample *sample;
+  double *x, *y;             /* of each transistor */
+  double amplitude;          /* the best for the last decay */
+} search;
+
+/* The sum of squares with the best amplitude. */
+static double cost(double log_decay, void *data) {
+  search *f = data;
+  double decay = exp(log_decay), covariance, squares;
+  for (size_t i = 0; i < f->sample->count; i++) {
+    const transistor *t = f->sample->transistor[i];
+    const double *part = t->part[f->sample->current];
+    double plain = 0, more = 0, want = t->current[f->sample->current];
+    for (int k = 0; k < REFERENCE_NODES; k++) {
+      plain += part[k];
+      more += part[k] * exp(-t->edge[k] / decay);
+    }
+    f->x[i] = more / want;
+    f->y[i] = 1 - plain / want;
+  }
+  gsl_fit_mul(f->x, 1, f->y, 1, f->sample->count, &f->amplitude, &covariance,
+              &squares);
+  return squares;
+}
+
+/* The decay with the least cost: the best of many trials, then Brent's
+   method around it. */
+static double best_decay(search *f) {
+  double step = log(most / least) / TRIALS, best = INFINITY, at = 0;
+  for (int i = 0; i <= TRIALS; i++) {
+    double c = cost(log(least) + i * step, f);
+    if (c < best) best = c, at = log(least) + i * step;
+  }
+  gsl_function function = {cost, f};
+  gsl_min_fminimizer *m = gsl_min_fminimizer_alloc(gsl_min_fminimizer_brent);
+  if (m && !gsl_min_fminimizer_set(m, &function, at, at - step, at + step))
+    for (int i = 0; i < 100; i++) {
+      if (gsl_min_fminimizer_iterate(m)) break;
+      at = gsl_min_fminimizer_x_minimum(m);
+      if (gsl_min_fminimizer_x_upper(m) - gsl_min_fminimizer_x_lower(m) < 1e-9)
+        break;
+    }
+  if (m) gsl_min_fminimizer_free(m);
+  cost(at, f);
+  return exp(at);
+}
+
+int fit_edge(const opc_host *host, const sample *s, fitted *out,
+             opc_error *error) {
+  if (s->count < 2) return too_few(host, s, 2, error);
+  search f = {.sample = s, .x = calloc(2 * s->count, sizeof *f.x)};
+  int code = make_points(host, CLOSE * DECAYS + 1, out, error);
+  if (!code && !f.x)
+    code = host->fail(host, error, OPC_FAILED, NULL, "out of memory");
+  if (!code) {
+    f.y = f.x + s->count;
+    out->decay = best_decay(&f);
+    out->amplitude = f.amplitude;
+    if (!(out->amplitude > -1))
+      code = host->fail(host, error, OPC_INVALID, "reference",
+                        "%s of %c-transistors would be negative at their edges",
+                        currents[s->current], "np"[s->type]);
+  }
+  for (size_t i = 0; i < out->points && !code; i++) {
+    double decays = (double)i / CLOSE;
+    out->edge[i] = decays * out->decay;
+    out->gamma[i] = 1 + out->amplitude * exp(-decays);
+  }
+  free(f.x);
+  return code;
+}
+
+/* ---- a table: linear ---- */
+
+/* What point j has in gamma at a distance from the edge. */
+static double hat(const double *edge, size_t n, size_t j, double x) {
+  if (x <= edge[0]) return j == 0;
+  if (x >= edge[n - 1]) return j == n - 1;
+  if (j > 0 && x <= edge[j] && x > edge[j - 1])
+    return (x - edge[j - 1]) / (edge[j] - edge[j - 1]);
+  if (j + 1 < n && x >= edge[j] && x < edge[j + 1])
+    return (edge[j + 1] - x) / (edge[j + 1] - edge[j]);
+  return 0;
+}
+
+static void fill(const sample *s, const double *edge, size_t edges,
+                 gsl_matrix *a, gsl_vector *y) {
+  for (size_t i = 0; i < s->count; i++) {
+    const transistor *t = s->transistor[i];
+    for (size_t j = 0; j < edges; j++) {
+      double sum = 0;
+      for (int k = 0; k < REFERENCE_NODES; k++)
+        sum += t->part[s->current][k] * hat(edge, edges, j, t->edge[k]);
+      gsl_matrix_set(a, i, j, sum / t->current[s->current]);
+    }
+    gsl_vector_set(y, i, 1);
+  }
+}
+
+int fit_table(const opc_host *host, const sample *s, const double *edge,
+              size_t edges, fitted *out, opc_error *error) {
+  if (s->count < edges) return too_few(host, s, edges, error);
+  int code = make_points(host, edges, out, error);
+  if (code) return code;
+  out->amplitude = out->decay = NAN;
+  gsl_matrix *a = gsl_matrix_alloc(s->count, edges);
+  gsl_matrix *covariance = gsl_matrix_alloc(edges, edges);
+  gsl_vector *y = gsl_vector_alloc(s->count), *x = gsl_vector_alloc(edges);
+  gsl_multifit_linear_workspace *work =
+      gsl_multifit_linear_alloc(s->count, edges);
+  size_t rank = 0;
+  double squares;
+  if (!a || !covariance || !y || !x || !work) {
+    code = host->fail(host, error, OPC_FAILED, NULL, "out of memory");
+  } else {
+    fill(s, edge, edges, a, y);
+    gsl_multifit_linear_tsvd(a, y, 1e-6, x, covariance, &squares, &rank, work);
+    if (rank < edges)
+      code = host->fail(host, error, OPC_INVALID, "edges",
+                        "%s of the %c-transistors tells gamma at %zu of %zu "
+                        "distances only",
+                        currents[s->current], "np"[s->type], rank, edges);
+  }
+  for (size_t j = 0; j < edges && !code; j++) {
+    out->edge[j] = edge[j];
+    out->gamma[j] = gsl_vector_get(x, j);
+    if (!(out->gamma[j] > 0))
+      code = host->fail(host, error, OPC_INVALID, "edges",
+                        "gamma of %s of the %c-transistors would be %g at %g nm",
+                        currents[s->current], "np"[s->type], out->gamma[j],
+                        edge[j]);
+  }
+  if (work) gsl_multifit_linear_free(work);
+  gsl_matrix_free(a);
+  gsl_matrix_free(covariance);
+  gsl_vector_free(y);
+  gsl_vector_free(x);
+  return code;
+}
+
+double fit_residual(const sample *s, size_t i, const fitted *f) {
+  const transistor *t = s->transistor[i];
+  double sum = 0;
+  for (int k = 0; k < REFERENCE_NODES; k++) {
+    double gamma = f ? 0 : 1;
+    for (size_t j = 0; f && j < f->points; j++)
+      gamma += f->gamma[j] * hat(f->edge, f->points, j, t->edge[k]);
+    sum += gamma * t->part[s->current][k];
+  }
+  return 100 * (sum / t->current[s->current] - 1);
+}

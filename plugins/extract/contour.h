@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Slices that follow the contour of a printed gate. */
+#ifndef EXTRACT_CONTOUR_H
+#define EXTRACT_CONTOUR_H
+
+#include <opcflow/extract.h>
+
+#include "curves.h"
+
+enum { CONTOUR_LEAST = 8, CONTOUR_MOST = 96 };   /* slices */
+
+/* What a slice at `edge` nm from the nearer active edge of a transistor of
+   `width` carries, over what a wide one of its length does (thesis eq. 3.2). */
+typedef double contour_weight(const void *self, int type, int current,
+                              double edge, double width);
+
+typedef struct contour contour;
+
+/* NULL if there is no memory. */
+contour *contour_new(void);
+void contour_free(contour *c);
+
+/* Where to slice a gate, and how wide, for n slices: 1; 0 if it is too broken
+   for that. `weight` may be NULL: 1. */
+int contour_slice(const contour *c, const curves *table,
+                  contour_weight *weight, const void *self,
+                  const opc_printed_gate *gate, size_t n, double *place,
+                  double *width);
+
+#endif
