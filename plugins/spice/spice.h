@@ -31,7 +31,13 @@ typedef struct opc_spice_result {
    process that has the ngspice shared library. A command that fails ends the
    run. Fails with OPC_FAILED and the simulator's own first words of trouble if
    it fails, crashes or takes longer than `limit` seconds; with OPC_NO_PLUGIN
-   if the library is not installed. Several may run at once. [any] */
+   if the library is not installed. Several may run at once. [any]
+
+   The child stands in an empty folder that is removed: names of files in a deck
+   are absolute. No start-up file of ngspice is read. `out` is to be released
+   also after a failure; it then has the plots of the commands before, and the
+   words. The environment variable OPCFLOW_NGSPICE names another library than
+   libngspice.so.0. */
 int opc_spice_run(const opc_host *host, const char *deck, const char *commands,
                   double limit, opc_spice_result *out, opc_error *error);
 

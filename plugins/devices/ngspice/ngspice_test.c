@@ -1,0 +1,380 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Cards with known answers, hand-written decks run by the plain simulator, and
+   what extract.plain makes of the table. */
+#include <glib/gstdio.h>
+#include <math.h>
+#include <string.h>
+
+#include <opcflow/extract.h>
+
+#include "core/plugin/host.h"
+#include "core/plugin/testing.h"
+#include "plugins/spice/spice.h"
+
+/* A BSIM4 card of few parameters, for what needs no process. */
+#define SMALL(l)                                                \
+  ".model n nmos level=54 version=4.5 toxe=2n vth0=0.4 lint=" l \
+  "\n"                                                          \
+  ".model p pmos level=54 version=4.5 toxe=2n vth0=-0.4 u0=0.01 lint=" l "\n"
+
+static int have_ngspice(void) {
+  static int known = -1;
+  static opc_error error;
+  opc_spice_result r;
+  if (known < 0) {
+    known = opc_spice_run(opc_test_host(), "t\nv1 a 0 1\n.end", "op", 20, &r,
+                          &error) != OPC_NO_PLUGIN;
+    opc_spice_release(&r);
+  }
+  if (!known) g_test_skip(error.message);
+  return known;
+}
+
+/* The path of a card with that text, or of a file of the project or of the
+   test data; NULL and a skip if it is not there. */
+static char *card_of(const char *text) {
+  static int n;
+  g_autofree char *name = g_strdup_printf("card%d.pm", n++);
+  char *path = g_build_filename(opc_test_folder(), name, NULL);
+  g_assert_true(g_file_set_contents(path, text, -1, NULL));
+  return path;
+}
+
+static char *of_project(const char *name) {
+  const char *source = g_getenv("OPCFLOW_SOURCE");
+  return g_build_filename(source ? source : ".", name, NULL);
+}
+
+static char *of_data(const char *name) {
+  const char *folder = g_getenv("OPCFLOW_TEST_DATA");
+  g_autofree char *preset = of_project("../shared/data");
+  char *path = g_build_filename(folder ? folder : preset, name, NULL);
+  if (g_file_test(path, G_FILE_TEST_EXISTS)) return path;
+  g_autofree char *why = g_strdup_printf("no '%s'", path);
+  g_test_skip(why);
+  g_free(path);
+  return NULL;
+}
+
+/* Run it; the table's path is `table` in the test's folder. */
+static int run_step(const char *card, const char *rest, const char *table,
+                    opc_error *error) {
+  void *no_outputs[1];
+  static int n;
+  opc_test_forget();
+  g_autofree char *mapping = g_strdup_printf(
+      "{ card: %s, file: %s, picture: p%d.png, %s }", card, table, n++, rest);
+  g_autoptr(opc_module) m = opc_test_module("devices.ngspice", mapping, error);
+  if (!m) return error->code;
+  return opc_test_run(m, no_outputs, error);
+}
+
+static opc_devices *load(const char *table) {
+  opc_error error;
+  const opc_host *host = opc_test_host();
+  g_autofree char *path = g_build_filename(opc_test_folder(), table, NULL);
+  opc_devices *d = host->devices->load(host, path, &error);
+  if (!d) g_error("%s", error.message);
+  return d;
+}
+
+/* ---- against the plain simulator ---- */
+
+/* The drain current of a deck of its own, by the command `ngspice`; NAN if it
+   is not there. */
+static double plain_current(const char *card, const char *model, double sign,
+                            int on, double width, double length) {
+  g_autofree char *program = g_find_program_in_path("ngspice");
+  if (!program) return NAN;
+  g_autofree char *deck = g_strdup_printf(
+      "by hand\n.include \"%s\"\n"
+      "m1 d g 0 0 %s w=%gn l=%gn\nvd d 0 %g\nvg g 0 %g\n"
+      ".options gmin=1e-15 reltol=1e-6 abstol=1e-15\n"
+      ".control\nset numdgt=12\nop\nprint i(vd)\n.endc\n.end\n",
+      card, model, width, length, sign, on ? sign : 0);
+  g_autofree char *path = g_build_filename(opc_test_folder(), "h.sp", NULL);
+  g_autofree char *out = NULL;
+  g_assert_true(g_file_set_contents(path, deck, -1, NULL));
+  const char *argv[] = {program, "-b", path, NULL};
+  g_assert_true(g_spawn_sync(opc_test_folder(), (char **)argv, NULL,
+                             G_SPAWN_STDERR_TO_DEV_NULL, NULL, NULL, &out, NULL,
+                             NULL, NULL));
+  const char *at = strstr(out, "i(vd) = ");
+  if (!at) g_error("%s", out);
+  return -sign * g_ascii_strtod(at + 8, NULL);
+}
+
+static void test_by_hand(void) {
+  static const char *const models[] = {"n", "p"};
+  opc_error error;
+  if (!have_ngspice()) return;
+  g_autofree char *card = card_of(SMALL("10n"));
+  if (run_step(card,
+               "nmos: n, pmos: p, supply: 1 V, length: { list: [50 nm, "
+               "61.5 nm, 80 nm, 200 nm] }",
+               "hand.yaml", &error))
+    g_error("%s", error.message);
+  g_assert_cmpstr(opc_test_log(), ==, "");
+  opc_devices *d = load("hand.yaml");
+  g_assert_cmpuint(d->count, ==, 4);
+  g_assert_cmpfloat(d->supply, ==, 1);
+  g_assert_cmpfloat(d->width, ==, 10000);
+  for (int t = 0; t < 2; t++)
+    for (size_t i = 0; i < d->count; i++)
+      for (int on = 0; on < 2; on++) {
+        double want =
+            plain_current(card, models[t], t ? -1 : 1, on, 10000, d->length[i]);
+        double got = (on ? d->ion : d->ioff)[t][i] * 10000;
+        if (isnan(want)) {
+          g_test_skip("no command 'ngspice'");
+          opc_test_host()->devices->release(d);
+          return;
+        }
+        g_assert_cmpfloat(fabs(got / want - 1), <, 2e-6);
+      }
+  opc_test_host()->devices->release(d);
+}
+
+/* ---- tables that are known ---- */
+
+/* Thesis 2.2.1: an n-transistor of L 65, W 1000 gives 1.152 mA. And the table
+   that we ship is the one that this makes. */
+static void test_thesis(void) {
+  opc_error error;
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_data("models/ptm/ptm_65nm_bulk.pm");
+  if (!card) return;
+  if (run_step(card,
+               "supply: 1.1 V, length: { from: 44 nm, to: 120 nm }, "
+               "overrides: { igbmod: 0 }, "
+               "reference: { length: 65 nm, width: 1 um }",
+               "ptm.yaml", &error))
+    g_error("%s", error.message);
+  double ion = opc_test_metric("ion_n");
+  g_test_message("%.5f mA, %+.3f %% from 1.152", 1e3 * ion,
+                 100 * (1e3 * ion / 1.152 - 1));
+  g_assert_cmpfloat(fabs(1e3 * ion - 1.152), <, 0.0005);
+  opc_devices *d = load("ptm.yaml");
+  g_autofree char *path = of_project("data/devices/ptm65.yaml");
+  const opc_host *host = opc_test_host();
+  opc_devices *shipped = host->devices->load(host, path, &error);
+  if (!shipped) g_error("%s", error.message);
+  g_assert_cmpuint(d->count, ==, shipped->count);
+  for (int t = 0; t < 2; t++)
+    for (size_t i = 0; i < d->count; i++) {
+      g_assert_cmpfloat(d->length[i], ==, shipped->length[i]);
+      g_assert_cmpfloat(fabs(d->ion[t][i] / shipped->ion[t][i] - 1), <, 1e-5);
+      g_assert_cmpfloat(fabs(d->ioff[t][i] / shipped->ioff[t][i] - 1), <, 1e-5);
+    }
+  host->devices->release(d);
+  host->devices->release(shipped);
+}
+
+/* Our own card against the table it was fitted to. */
+static void test_own_card(void) {
+  opc_error error;
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  if (run_step(card, "supply: 1.1 V, length: { from: 44 nm, to: 120 nm }",
+               "own.yaml", &error))
+    g_error("%s", error.message);
+  opc_devices *d = load("own.yaml");
+  g_autofree char *path = of_project("data/devices/ptm65.yaml");
+  const opc_host *host = opc_test_host();
+  opc_devices *want = host->devices->load(host, path, &error);
+  if (!want) g_error("%s", error.message);
+  for (int t = 0; t < 2; t++) {
+    double on = 0, off = 0;
+    size_t skip = want->count - d->count; /* both end at 120 nm */
+    for (size_t i = 0; i < d->count; i++) {
+      size_t k = i + skip;
+      g_assert_cmpfloat(d->length[i], ==, want->length[k]);
+      if (d->length[i] < 55 || d->length[i] > 80) continue;
+      on = fmax(on, fabs(d->ion[t][i] / want->ion[t][k] - 1));
+      off = fmax(off, fabs(d->ioff[t][i] / want->ioff[t][k] - 1));
+    }
+    g_test_message("%s: Ion within %.2f %%, Ioff within %.1f %%", t ? "p" : "n",
+                   100 * on, 100 * off);
+    g_assert_cmpfloat(on, <, 0.01);
+    g_assert_cmpfloat(off, <, 0.1);
+  }
+  g_assert_cmpfloat(d->length[0], <=, 52);
+  host->devices->release(d);
+  host->devices->release(want);
+}
+
+/* ---- where a card ends ---- */
+
+/* The channel of this card has no length at 60 nm. */
+static void test_clamped(void) {
+  opc_error error;
+  if (!have_ngspice()) return;
+  g_autofree char *card = card_of(SMALL("30n"));
+  if (run_step(card,
+               "nmos: n, pmos: p, supply: 1 V, "
+               "length: { from: 50 nm, to: 120 nm, step: 5 nm }",
+               "end.yaml", &error))
+    g_error("%s", error.message);
+  g_test_message("%s", opc_test_log());
+  if (!strstr(opc_test_log(), "channel length") &&
+      !strstr(opc_test_log(), "does not rise"))
+    g_error("nothing was said of why: '%s'", opc_test_log());
+  double shortest = opc_test_metric("shortest");
+  g_assert_cmpfloat(shortest, >, 60);
+  g_assert_cmpfloat(shortest, <=, 80);
+  opc_devices *d = load("end.yaml");
+  g_assert_cmpfloat(d->length[0], ==, shortest);
+  g_assert_cmpfloat(d->length[d->count - 1], ==, 120);
+  opc_test_host()->devices->release(d);
+  /* The same, with the simulator refusing at the next length. */
+  if (run_step(card,
+               "nmos: n, pmos: p, supply: 1 V, "
+               "length: { list: [60 nm, 90 nm, 100 nm, 120 nm] }",
+               "end2.yaml", &error))
+    g_error("%s", error.message);
+  if (!strstr(opc_test_log(), "good from 90 nm on") ||
+      !strstr(opc_test_log(), "Effective channel length"))
+    g_error("'%s'", opc_test_log());
+  /* Before the simulator refuses, a current falls again. */
+  g_autofree char *own = of_project("data/devices/opcflow65.pm");
+  if (run_step(own, "supply: 1.1 V, length: { from: 30 nm, to: 80 nm }",
+               "end4.yaml", &error))
+    g_error("%s", error.message);
+  if (!strstr(opc_test_log(), "it does not rise with decreasing length"))
+    g_error("'%s'", opc_test_log());
+  d = load("end4.yaml");
+  for (int t = 0; t < 2; t++)
+    for (size_t i = 1; i < d->count; i++) {
+      g_assert_cmpfloat(d->ion[t][i], <, d->ion[t][i - 1]);
+      g_assert_cmpfloat(d->ioff[t][i], <, d->ioff[t][i - 1]);
+    }
+  opc_test_host()->devices->release(d);
+  /* Nothing is left. */
+  g_assert_cmpint(run_step(card,
+                           "nmos: n, pmos: p, supply: 1 V, "
+                           "length: { from: 50 nm, to: 60 nm, step: 5 nm }",
+                           "end3.yaml", &error),
+                  ==, OPC_FAILED);
+  if (!strstr(error.message, "Effective channel length"))
+    g_error("%s", error.message);
+}
+
+/* ---- two lengths in one gate ---- */
+
+enum { SLICES = 2 };
+static const double slice_length[SLICES] = {60, 70};
+static const double slice_width[SLICES] = {400, 600};
+
+/* Ion and Ioff by extract.plain. */
+static void sum_slices(const char *table, double current[2]) {
+  opc_error error;
+  const uint8_t type = OPC_NMOS;
+  const double edge[SLICES] = {1000, 1000};
+  const opc_slices slices = {.size = sizeof slices,
+                             .count = 1,
+                             .slices = SLICES,
+                             .type = &type,
+                             .width = slice_width,
+                             .length = slice_length,
+                             .edge = edge};
+  double leq[2], weq, area;
+  opc_performance out = {1,       &current[0], &current[1], &leq[0],
+                         &leq[1], &weq,        &area};
+  g_autofree char *mapping =
+      g_strdup_printf("{ devices: %s/%s, slices: %d, rule: gauss }",
+                      opc_test_folder(), table, SLICES);
+  g_autoptr(opc_module) m = opc_test_module("extract.plain", mapping, &error);
+  if (!m) g_error("%s", error.message);
+  const opc_extract *extract = m->plugin->operations;
+  if (extract->prepare(m->self, &error) ||
+      extract->extract(m->self, &slices, &out, &error))
+    g_error("%s", error.message);
+}
+
+/* Transistors in parallel, simulated together, against the sum of slices from
+   the table. What is left is what the card takes from each W: nothing in ours,
+   10 nm in PTM's. */
+static void check_slices(const char *card, const char *table,
+                         const char *overrides, double within) {
+  opc_error error;
+  opc_spice_result r;
+  double got[2];
+  g_autofree char *rest = g_strdup_printf(
+      "supply: 1.1 V, length: { from: 50 nm, to: 100 nm }%s", overrides);
+  if (run_step(card, rest, table, &error)) g_error("%s", error.message);
+  sum_slices(table, got);
+  g_autofree char *deck = g_strdup_printf(
+      "two\n.include \"%s\"\n"
+      ".options gmin=1e-15 reltol=1e-6 abstol=1e-15\n"
+      "m1 d g 0 0 nmos w=%gn l=%gn\nm2 d g 0 0 nmos w=%gn l=%gn\n"
+      "vd d 0 1.1\nvg g 0 1.1\n.end\n",
+      card, slice_width[0], slice_length[0], slice_width[1], slice_length[1]);
+  if (opc_spice_run(opc_test_host(), deck, "op\nalter vg = 0\nop", 20, &r,
+                    &error))
+    g_error("%s", error.message);
+  static const char *const names[] = {"Ion", "Ioff"};
+  for (int i = 0; i < 2; i++) {
+    double want = -opc_spice_vector_find(&r.plot[i], "i(vd)")->value[0];
+    g_test_message("%s: %s of slices %.6g A, in parallel %.6g A, %+.3f %%",
+                   table, names[i], got[i], want, 100 * (got[i] / want - 1));
+    g_assert_cmpfloat(fabs(got[i] / want - 1), <, within);
+  }
+  opc_spice_release(&r);
+}
+
+static void test_slices(void) {
+  if (!have_ngspice()) return;
+  g_autofree char *own = of_project("data/devices/opcflow65.pm");
+  check_slices(own, "own_slices.yaml", "", 1e-5);
+  g_autofree char *ptm = of_data("models/ptm/ptm_65nm_bulk.pm");
+  if (ptm)
+    check_slices(ptm, "ptm_slices.yaml", ", overrides: { igbmod: 0 }", 0.03);
+}
+
+/* ---- refused ---- */
+
+static void refused(const char *card, const char *rest, const char *why) {
+  opc_error error;
+  int code = run_step(card, rest, "refused.yaml", &error);
+  if (!code || !strstr(error.message, why))
+    g_error("'%s' does not say '%s'", code ? error.message : "", why);
+}
+
+static void test_refused(void) {
+  g_autofree char *card = card_of(SMALL("10n")), *text = card_of("hello\n");
+  const char *range = "supply: 1 V, length: { from: 50 nm, to: 60 nm }";
+  refused(card, "supply: 1 V", "needs 'from' and 'to', or a 'list'");
+  refused(card, "supply: 1 V, length: { from: 50 nm, to: 51 nm }",
+          "3 to 2000 lengths, not 2");
+  refused(card, "supply: 1 V, length: { from: 50 nm, to: 60 nm, step: 1 pm }",
+          "not 2001");
+  refused(card, "supply: 1 V, length: { list: [50 nm, 50 nm, 60 nm] }",
+          "must increase");
+  refused(card,
+          "supply: 1 V, length: { from: 50 nm, list: [50 nm, 55 nm, 60 nm] }",
+          "are too");
+  g_autofree char *name = g_strdup_printf("nmos: 'a b', %s", range);
+  refused(card, name, "'a b' is not the name of a model");
+  g_autofree char *number = g_strdup_printf("overrides: { a: 1k }, %s", range);
+  refused(card, number, "'1k' is not a plain number");
+  if (!have_ngspice()) return;
+  refused(card, range, "could not find a valid modelname");
+  refused(text, range, "Error");
+  g_autofree char *unknown =
+      g_strdup_printf("nmos: n, pmos: p, overrides: { igbmd: 0 }, %s", range);
+  refused(card, unknown, "no such parameter igbmd");
+  g_setenv("OPCFLOW_NGSPICE", "/nowhere/libngspice.so", TRUE);
+  refused(card, range, "package 'libngspice0'");
+  g_unsetenv("OPCFLOW_NGSPICE");
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/devices/by-hand", test_by_hand);
+  g_test_add_func("/devices/thesis", test_thesis);
+  g_test_add_func("/devices/own-card", test_own_card);
+  g_test_add_func("/devices/clamped", test_clamped);
+  g_test_add_func("/devices/slices", test_slices);
+  g_test_add_func("/devices/refused", test_refused);
+  return g_test_run();
+}
