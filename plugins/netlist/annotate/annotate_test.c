@@ -1,0 +1,307 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The text by hand, and what ngspice makes of it: an inverter of the two gates
+   that every test has. */
+#include <glib/gstdio.h>
+#include <math.h>
+#include <opcflow/circuit.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "core/plugin/testing.h"
+
+/* ---- an inverter, and what it prints as ---- */
+
+static const uint32_t fingers[2] = {0, 1};
+static const char *nets[] = {"IN", "OUT", "XU1/VDD", "VSS"};
+static uint32_t ports[] = {0, 1, 2, 3};
+static uint8_t roles[] = {OPC_PORT_INPUT, OPC_PORT_OUTPUT, OPC_PORT_SUPPLY,
+                          OPC_PORT_GROUND};
+static opc_device devices[2] = {{.name = "MN",
+                                 .drain = 1,
+                                 .gate = 0,
+                                 .source = 3,
+                                 .bulk = 3,
+                                 .length = 60,
+                                 .width = 200,
+                                 .type = OPC_NMOS,
+                                 .fingers = 1,
+                                 .finger = &fingers[0]},
+                                {.name = "XU1/MP",
+                                 .drain = 1,
+                                 .gate = 0,
+                                 .source = 2,
+                                 .bulk = 2,
+                                 .length = 60,
+                                 .width = 300,
+                                 .type = OPC_PMOS,
+                                 .fingers = 1,
+                                 .finger = &fingers[1]}};
+static opc_circuit circuit = {.size = sizeof circuit,
+                              .name = "inv",
+                              .nets = 4,
+                              .net = nets,
+                              .ports = 4,
+                              .port = ports,
+                              .role = roles,
+                              .count = 2,
+                              .device = devices};
+
+/* The n transistor: current of 62 nm, area of 57 nm by 210 nm; the p transistor
+   as drawn. */
+static double leq[2] = {62, 60}, weq[2] = {210, 300},
+              area[2] = {57 * 210, 60 * 300};
+static uint32_t flags[2];
+static opc_mask mask = {.size = sizeof mask, .flags = flags};
+
+static const char card[] =
+    "* cards\n"
+    ".MODEL nmos nmos level=54 version=4.5 (toxe=1.8e-9\n"
+    "* a comment\n"
+    "+ xl=-1e-8 LINT = 5n vth0='0.3' cgso=1e-10 cgdo=1e-10 dvt0=0 eta0=0 "
+    "lpe0=0)\n"
+    ".model pmos pmos level=54 version=4.5 toxe=1.8e-9 dlc=7n lint=5n\n"
+    "+ vth0=-0.3 cgso=1e-10 cgdo=1e-10\n";
+
+static char *in_folder(const char *name, const char *text) {
+  char *path = g_build_filename(opc_test_folder(), name, NULL);
+  if (!text) return path;
+  g_unlink(path); /* what is new need not be flushed to the disk */
+  g_assert_true(g_file_set_contents(path, text, -1, NULL));
+  return path;
+}
+
+static void prepare(void) {
+  circuit.gates = mask.gates = opc_test_gates();
+  mask.after = mask.before =
+      (opc_performance){.count = 2, .leq_ion = leq, .weq = weq, .area = area};
+  leq[0] = 62;
+  flags[0] = 0;
+}
+
+/* The text; or the message, where `fails`. */
+static char *annotate(const char *map, int with_mask, int fails) {
+  static int number;
+  opc_error error;
+  g_autofree char *name = g_strdup_printf("out%d.sp", number++);
+  g_autofree char *whole = g_strdup_printf("{ file: %s%s }", name, map);
+  g_autoptr(opc_module) m = opc_test_module("netlist.annotate", whole, &error);
+  if (!m) g_error("%s", error.message);
+  void *none[1];
+  opc_test_input(m, "circuit", &circuit);
+  if (with_mask) opc_test_input(m, "mask", &mask);
+  int code = opc_test_run(m, none, &error);
+  g_assert_cmpint(code != OPC_OK, ==, fails);
+  if (fails) return g_strdup(error.message);
+  g_autofree char *path = in_folder(name, NULL);
+  char *text;
+  g_assert_true(g_file_get_contents(path, &text, NULL, NULL));
+  return text;
+}
+
+/* ---- the text ---- */
+
+static void test_text(void) {
+  prepare();
+  g_autofree char *drawn = annotate("", 0, 0);
+  g_assert_cmpstr(drawn, ==,
+                  "* inv: sizes as drawn\n"
+                  ".subckt inv IN OUT XU1.VDD VSS\n"
+                  "MN OUT IN VSS VSS nmos w=200e-9 l=60e-9\n"
+                  "M.XU1.MP OUT IN XU1.VDD XU1.VDD pmos w=300e-9 l=60e-9\n"
+                  ".ends\n");
+  g_autofree char *same = annotate(", state: drawn", 1, 0);
+  g_assert_cmpstr(same, ==, drawn);
+  g_autofree char *after = annotate(", nmos: n1, pmos: p1", 1, 0);
+  g_assert_cmpstr(after, ==,
+                  "* inv: sizes as printed after correction\n"
+                  ".subckt inv IN OUT XU1.VDD VSS\n"
+                  "MN OUT IN VSS VSS n1 w=210e-9 l=62e-9\n"
+                  "M.XU1.MP OUT IN XU1.VDD XU1.VDD p1 w=300e-9 l=60e-9\n"
+                  ".ends\n");
+}
+
+/* Equation 3.11: 5 nm + (62 nm - 57 nm) / 2, of the card's lint. */
+static void test_dlc(void) {
+  prepare();
+  g_autofree char *cards = in_folder("cards.sp", card);
+  g_autofree char *map = g_strdup_printf(", models: '%s'", cards);
+  g_autofree char *text = annotate(map, 1, 0);
+  g_assert_nonnull(strstr(text,
+                          ".model nmos_dlc250 nmos dlc=7.5e-9\n+ level=54 "
+                          "version=4.5 toxe=1.8e-9 xl=-1e-8 LINT=5n "
+                          "vth0=0.3\n"));
+  g_assert_nonnull(strstr(text, "MN OUT IN VSS VSS nmos_dlc250 w=210e-9 "));
+  g_assert_nonnull(strstr(text, " pmos w=300e-9 l=60e-9\n"));
+  g_assert_cmpfloat(opc_test_metric("models"), ==, 1);
+  g_assert_cmpfloat(opc_test_metric("transistors"), ==, 2);
+  /* A card's own dlc is what the correction is added to. */
+  area[1] = 61 * 300;
+  g_autofree char *both = annotate(map, 1, 0);
+  g_assert_nonnull(strstr(both, ".model pmos_dlcm50 pmos dlc=6.5e-9\n"));
+  g_assert_null(strstr(both, "dlc=7n"));
+  area[1] = 60 * 300;
+}
+
+/* Fingers are devices in parallel. */
+static void test_fingers(void) {
+  prepare();
+  opc_device both = devices[0], *before = circuit.device;
+  both.fingers = 2;
+  both.width = 1000;
+  both.length = 59;
+  circuit.device = &both;
+  circuit.count = 1;
+  g_autofree char *drawn = annotate("", 0, 0);
+  g_assert_cmpstr(strchr(drawn, 'M'), ==,
+                  "MN OUT IN VSS VSS nmos w=400e-9 l=59e-9\n"
+                  "MN_f2 OUT IN VSS VSS nmos w=600e-9 l=59e-9\n"
+                  ".ends\n");
+  circuit.device = before;
+  circuit.count = 2;
+}
+
+/* ---- what is refused ---- */
+
+static void refused(const char *map, int with_mask, const char *pattern) {
+  g_autofree char *message = annotate(map, with_mask, 1);
+  if (!g_pattern_match_simple(pattern, message))
+    g_error("'%s' is not '%s'", message, pattern);
+}
+
+static void refused_card(const char *text, const char *pattern) {
+  g_autofree char *path = in_folder("bad.sp", text);
+  g_autofree char *map = g_strdup_printf(", models: '%s'", path);
+  refused(map, 1, pattern);
+}
+
+static void test_refused(void) {
+  prepare();
+  refused(", state: after", 0, "a mask is needed for state 'after'");
+  leq[0] = NAN;
+  refused("", 1,
+          "netlist device 'MN' has no size: its gate '*' does not print");
+  leq[0] = 62;
+  flags[0] = OPC_PRINT_OPEN;
+  refused("", 1, "netlist device 'MN' *:1' does not print well");
+  flags[0] = OPC_PRINT_NECK;
+  g_autofree char *fine = annotate("", 1, 0);
+  flags[0] = 0;
+  opc_gates other = *circuit.gates;
+  mask.gates = &other;
+  refused("", 1, "the mask is of other gates than the circuit");
+  mask.gates = circuit.gates;
+  refused_card("*\n", "'*bad.sp' has no model 'nmos'");
+  refused_card("*\n.model nmos pmos level=54\n",
+               "*bad.sp:2:13: model 'nmos' is no nmos");
+  refused_card("*\n.model nmos nmos level=1\n",
+               "*bad.sp:2:24: a model of level 1 has no DLC*");
+  refused_card("*\n.model nmos nmos lint=1n\n",
+               "*:2:1: model 'nmos' has no level");
+  refused_card("*\n.model nmos nmos level=54 lint=x\n",
+               "*:2:32: 'x' is not a number");
+  refused_card("*\n.model nmos nmos level=54 lint\n",
+               "*:2:27: 'lint' is no NAME=VALUE");
+  refused_card("*\n.model nmos nmos level=54\n.model nmos nmos level=54\n",
+               "*:3:8: there is a 'nmos' already");
+}
+
+/* ---- the simulator ---- */
+
+/* What ngspice prints as NAME = NUMBER, in order. */
+static GArray *simulate(const char *deck) {
+  g_autofree char *program = g_find_program_in_path("ngspice");
+  if (!program) {
+    g_test_skip("no ngspice");
+    return NULL;
+  }
+  g_autofree char *path = in_folder("deck.sp", deck);
+  char *argv[] = {program, (char *)"-n", (char *)"-b", path, NULL};
+  g_autofree char *out = NULL, *err = NULL;
+  g_assert_true(
+      g_spawn_sync(NULL, argv, NULL, 0, NULL, NULL, &out, &err, NULL, NULL));
+  GArray *list = g_array_new(FALSE, FALSE, sizeof(double));
+  g_auto(GStrv) lines = g_strsplit(out, "\n", -1);
+  for (char **l = lines; *l; l++) {
+    char *equals = strstr(*l, " = ");
+    double v;
+    if (equals && (*l)[0] == 'q' && sscanf(equals + 3, "%lf", &v) == 1)
+      g_array_append_val(list, v);
+  }
+  if (!list->len) g_error("%s\n%s", out, err);
+  return list;
+}
+
+/* Current at full drive and gate capacitance of an n transistor. */
+static GArray *current_and_capacitance(const char *cards, const char *models,
+                                       const char *transistor) {
+  g_autofree char *deck = g_strdup_printf(
+      "* deck\n%s\n%s\nVD d 0 1.1\nVG g 0 1.1 ac 1\nVE e 0 0\nVH h 0 1.1 ac 1\n"
+      "M1 d g 0 0 %s\nM2 e h 0 0 %s\n.control\nop\nlet qi=-i(vd)\nprint qi\n"
+      "ac lin 1 1e6 1e6\nlet qc=abs(imag(i(vh)))*1e9/6.2831853\nprint "
+      "qc\n.endc\n.end\n",
+      cards, models, transistor, transistor);
+  return simulate(deck);
+}
+
+#define AT(array, i) g_array_index(array, double, i)
+
+/* Equation 3.13: the current is that of Leq, the capacitance that of a
+   transistor of the length area / Weq. */
+static void test_capacitance(void) {
+  prepare();
+  g_autofree char *cards = in_folder("cards.sp", card);
+  g_autofree char *map = g_strdup_printf(", models: '%s'", cards);
+  g_autofree char *text = annotate(map, 1, 0);
+  *strstr(text, ".subckt") = '\0';
+  g_autoptr(GArray) plain = current_and_capacitance(card + strlen("* cards\n"),
+                                                    "", "nmos w=210n l=62n");
+  if (!plain) return;
+  g_autoptr(GArray) with = current_and_capacitance(
+      card + strlen("* cards\n"), text, "nmos_dlc250 w=210n l=62n");
+  g_autoptr(GArray) mean = current_and_capacitance(card + strlen("* cards\n"),
+                                                   "", "nmos w=210n l=57n");
+  g_test_message("current %g %g %g A, capacitance %g %g %g fF", AT(plain, 0),
+                 AT(with, 0), AT(mean, 0), AT(plain, 1), AT(with, 1),
+                 AT(mean, 1));
+  g_assert_cmpfloat(fabs(AT(with, 0) / AT(plain, 0) - 1), <, 1e-5);
+  g_assert_cmpfloat(fabs(AT(with, 1) / AT(mean, 1) - 1), <, 2e-3);
+  g_assert_cmpfloat(fabs(AT(plain, 1) / AT(mean, 1) - 1), >, 0.02);
+}
+
+/* Drawn sizes give what the netlist that was read gives. */
+static void test_drawn(void) {
+  prepare();
+  static const char *const original =
+      ".subckt inv in out vdd vss\n"
+      "mn out in vss vss nmos w=0.2u l=0.06u\n"
+      "mp out in vdd vdd pmos w=0.3u l=0.06u\n.ends\n";
+  static const char *const rest =
+      "VDD s 0 1.1\nVI i 0 0.45\nX1 i o s 0 inv\nRL o 0 100k\n.control\nop\n"
+      "let qv=v(o)\nprint qv\nlet qi=i(vdd)\nprint qi\ntf v(o) vi\n"
+      "let qt=transfer_function\nprint qt\n.endc\n.end\n";
+  g_autofree char *text = annotate("", 0, 0);
+  g_autofree char *deck = g_strdup_printf("* deck\n%s%s%s", card, text, rest);
+  g_autofree char *deck0 =
+      g_strdup_printf("* deck\n%s%s%s", card, original, rest);
+  g_autoptr(GArray) got = simulate(deck);
+  if (!got) return;
+  g_autoptr(GArray) wanted = simulate(deck0);
+  g_assert_cmpuint(got->len, ==, wanted->len);
+  g_assert_cmpuint(got->len, >=, 2);
+  g_test_message("%g V %g A", AT(got, 0), AT(got, 1));
+  g_assert_cmpfloat(AT(got, 0), >, 0.05);
+  g_assert_cmpfloat(AT(got, 0), <, 1.05);
+  for (guint i = 0; i < got->len; i++)
+    g_assert_cmpfloat(fabs(AT(got, i) / AT(wanted, i) - 1), <, 1e-5);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/annotate/text", test_text);
+  g_test_add_func("/annotate/dlc", test_dlc);
+  g_test_add_func("/annotate/fingers", test_fingers);
+  g_test_add_func("/annotate/refused", test_refused);
+  g_test_add_func("/annotate/capacitance", test_capacitance);
+  g_test_add_func("/annotate/drawn", test_drawn);
+  return g_test_run();
+}

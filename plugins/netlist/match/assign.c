@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Which device of a bundle is drawn as which of its gates. All of them have the
+   same nets, so that sizes and places decide, and then the order. */
+#include <math.h>
+#include <stdio.h>
+
+#include "graph.h"
+
+static double slack(const job *j, double nominal) {
+  return fmax(j->tolerance * nominal, j->gates->grid) * (1 + 1e-9);
+}
+
+static int refuse_device(graph *g, const transistor *d, const char *fault) {
+  char where[256];
+  return g->j->host->fail(
+      g->j->host, g->j->error, OPC_INVALID, "file",
+      "netlist device '%.100s%s%.100s' (%s) %s", g->group->path,
+      *g->group->path ? "/" : "", d->name,
+      netlist_where(&g->j->netlist, d->from, where, sizeof where), fault);
+}
+
+/* ---- sizes ---- */
+
+static int check_length(graph *g, const transistor *d, uint32_t gate) {
+  const job *j = g->j;
+  double drawn = j->gates->length[gate];
+  char name[256], fault[400];
+  if (fabs(drawn - d->length) <= slack(j, d->length)) return OPC_OK;
+  snprintf(fault, sizeof fault, "has L %.6g nm, its gate '%s' %.6g nm",
+           d->length, match_gate_name(j, gate, name, sizeof name), drawn);
+  return refuse_device(g, d, fault);
+}
+
+static int check_width(graph *g, const transistor *d, const uint32_t *gates,
+                       uint32_t n) {
+  const job *j = g->j;
+  double drawn = 0;
+  for (uint32_t i = 0; i < n; i++) drawn += j->gates->width[gates[i]];
+  char name[256], fault[400];
+  if (fabs(drawn - d->width) <= fmax(slack(j, d->width), n * j->gates->grid))
+    return OPC_OK;
+  match_gate_name(j, gates[0], name, sizeof name);
+  if (n > 1)
+    snprintf(fault, sizeof fault,
+             "has W %.6g nm, its %u gates ('%s' ...) %.6g nm", d->width, n,
+             name, drawn);
+  else
+    snprintf(fault, sizeof fault, "has W %.6g nm, its gate '%s' %.6g nm",
+             d->width, name, drawn);
+  return refuse_device(g, d, fault);
+}
+
+/* ---- choices ---- */
+
+typedef struct choice {
+  graph *g;
+  const transistor *device;
+  const uint32_t *gate; /* of the bundle */
+  uint8_t *taken;
+  uint32_t gates, first_free, left;
+} choice;
+
+/* The gate that is nearest to the device's place and of its size; else the
+   first of its size; else the first. */
+static uint32_t best_gate(const choice *c, double width) {
+  const job *j = c->g->j;
+  const opc_gates *o = j->gates;
+  const transistor *d = c->device;
+  nm_point said = graph_place(c->g, d);
+  int placed = !isnan(said.x) && !isnan(said.y);
+  uint32_t best = UINT32_MAX;
+  double least = INFINITY;
+  for (uint32_t i = c->first_free; i < c->gates; i++) {
+    if (c->taken[i]) continue;
+    const opc_box *b = &o->box[c->gate[i]];
+    double misfit =
+        fabs(o->length[c->gate[i]] - d->length) > slack(j, d->length) ||
+        (width > 0 && fabs(o->width[c->gate[i]] - width) > slack(j, width));
+    double far = 0;
+    if (placed)
+      far = hypot(o->grid * ((double)b->x0 + b->x1) / 2 - said.x,
+                  o->grid * ((double)b->y0 + b->y1) / 2 - said.y);
+    double cost = misfit > 0 ? 1e30 + far : far;
+    if (cost < least) {
+      least = cost;
+      best = i;
+    }
+    if (!placed && least <= 0) break;
+  }
+  return best;
+}
+
+static void take(choice *c, uint32_t at) {
+  c->taken[at] = 1;
+  c->left--;
+  while (c->first_free < c->gates && c->taken[c->first_free]) c->first_free++;
+}
+
+/* The gates of one device. `alone`: it gets all of them. */
+static int take_gates(choice *c, uint32_t owner, int alone, int one_each) {
+  graph *g = c->g;
+  const transistor *d = c->device;
+  const opc_gates *o = g->j->gates;
+  uint32_t *mine = pool_alloc(&g->j->pool, c->left, sizeof *mine), n = 0;
+  if (!mine) return match_no_memory(g->j);
+  uint32_t said = d->fingers ? d->fingers : 1;
+  double width = one_each     ? d->width
+                 : d->fingers ? d->width / said
+                              : 0,
+         sum = 0;
+  while (c->left) {
+    if (one_each ? n == 1 : !alone && d->fingers ? n == said : 0) break;
+    if (!one_each && !alone && !d->fingers &&
+        sum >= d->width - slack(g->j, d->width))
+      break;
+    uint32_t at = best_gate(c, width);
+    take(c, at);
+    mine[n++] = c->gate[at];
+    sum += o->width[c->gate[at]];
+    g->j->owner[c->gate[at]] = owner;
+    if (check_length(g, d, c->gate[at])) return g->j->error->code;
+  }
+  if (!n) return refuse_device(g, d, "has no gate in the layout");
+  return check_width(g, d, mine, n);
+}
+
+int graph_assign(graph *g, const bundle *devices, const bundle *gates) {
+  job *j = g->j;
+  const side *n = &g->side[NETLIST], *l = &g->side[LAYOUT];
+  choice c = {.g = g,
+              .gate = l->member + gates->first,
+              .gates = gates->count,
+              .left = gates->count};
+  c.taken = pool_alloc(&j->pool, c.gates, 1);
+  if (!c.taken) return match_no_memory(j);
+  int one_each = devices->count == gates->count;
+  if (isnan(devices->x)) j->by_order += devices->count - 1;
+  for (uint32_t i = 0; i < devices->count; i++) {
+    uint32_t at = n->member[devices->first + i];
+    c.device = &g->flat.device[at];
+    uint32_t owner = (uint32_t)g->group->first_device + at;
+    if (take_gates(&c, owner, devices->count == 1, one_each))
+      return j->error->code;
+  }
+  if (!c.left) return OPC_OK;
+  char name[256];
+  return j->host->fail(
+      j->host, j->error, OPC_INVALID, "file",
+      "transistor '%s' is not in the netlist",
+      match_gate_name(j, c.gate[c.first_free], name, sizeof name));
+}

@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Why netlist and layout do not match. Bundles whose neighbourhood is equal are
+   taken for counterparts, from wide neighbourhoods to narrow ones; what is left
+   over is at fault. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "graph.h"
+
+enum { ROUNDS = 6, NAMES = 3 };
+
+typedef struct finder {
+  graph *g;
+  uint64_t *colour[ROUNDS]; /* of each node, after each round */
+  uint32_t *left[SIDES];    /* bundles that have no counterpart yet */
+  uint32_t n[SIDES];
+} finder;
+
+static int allocate(finder *f) {
+  pool *m = &f->g->j->pool;
+  for (int r = 0; r < ROUNDS; r++)
+    if (!(f->colour[r] = pool_alloc(m, f->g->nodes, sizeof(uint64_t))))
+      return match_no_memory(f->g->j);
+  for (int s = 0; s < SIDES; s++) {
+    uint32_t n = f->g->side[s].bundles;
+    if (!(f->left[s] = pool_alloc(m, n, sizeof(uint32_t))))
+      return match_no_memory(f->g->j);
+  }
+  return OPC_OK;
+}
+
+static void colour_nodes(finder *f) {
+  const graph *g = f->g;
+  for (uint32_t i = g->bundle0[NETLIST]; i < g->nodes; i++)
+    f->colour[0][i] = graph_bundle(g, i)->type;
+  for (int s = 0; s < SIDES; s++)
+    for (uint32_t i = 0; i < g->side[s].nets; i++) {
+      const side *of = &g->side[s];
+      f->colour[0][g->net0[s] + i] =
+          graph_hash(of->seed[i] ? of->seed[i] : of->name[i]);
+    }
+  for (int r = 1; r < ROUNDS; r++)
+    for (uint32_t i = 0; i < g->nodes; i++) {
+      uint64_t sum = 0;
+      for (uint32_t k = g->start[i]; k < g->start[i + 1]; k++)
+        sum += graph_mix(f->colour[r - 1][g->links[k].node], g->links[k].role);
+      f->colour[r][i] = graph_mix(f->colour[r - 1][i], sum);
+    }
+}
+
+static int by_colour(const void *a, const void *b, void *data) {
+  const uint64_t *colour = data;
+  uint32_t p = *(const uint32_t *)a, q = *(const uint32_t *)b;
+  if (colour[p] != colour[q]) return colour[p] < colour[q] ? -1 : 1;
+  return (p > q) - (p < q);
+}
+
+/* Strike out pairs of equal colour. */
+static void pair_up(finder *f, int round) {
+  uint32_t at[SIDES] = {0, 0}, kept[SIDES] = {0, 0};
+  uint64_t *colour = f->colour[round];
+  for (int s = 0; s < SIDES; s++)
+    qsort_r(f->left[s], f->n[s], sizeof(uint32_t), by_colour, colour);
+  while (at[0] < f->n[0] || at[1] < f->n[1]) {
+    int s;
+    if (at[0] == f->n[0] || at[1] == f->n[1]) {
+      s = at[0] == f->n[0];
+    } else {
+      uint64_t a = colour[f->left[0][at[0]]], b = colour[f->left[1][at[1]]];
+      if (a == b) {
+        at[0]++;
+        at[1]++;
+        continue;
+      }
+      s = a > b;
+    }
+    f->left[s][kept[s]++] = f->left[s][at[s]++];
+  }
+  f->n[0] = kept[0];
+  f->n[1] = kept[1];
+}
+
+/* What is left over down to that round. */
+static void find(finder *f, int last) {
+  for (int s = 0; s < SIDES; s++) {
+    f->n[s] = f->g->side[s].bundles;
+    for (uint32_t i = 0; i < f->n[s]; i++) f->left[s][i] = f->g->bundle0[s] + i;
+  }
+  for (int r = ROUNDS - 1; r >= last; r--) pair_up(f, r);
+}
+
+/* ---- words ---- */
+
+static int by_number(const void *a, const void *b) {
+  uint32_t p = *(const uint32_t *)a, q = *(const uint32_t *)b;
+  return (p > q) - (p < q);
+}
+
+/* The transistors of all bundles that are left over on a side, in order. */
+static uint32_t *members(finder *f, int s, uint32_t *n) {
+  const graph *g = f->g;
+  uint32_t *list = pool_alloc(
+      &g->j->pool,
+      f->g->side[s].bundles ? g->flat.devices + g->j->gates->count : 1,
+      sizeof *list);
+  *n = 0;
+  if (!list) return NULL;
+  for (uint32_t i = 0; i < f->n[s]; i++) {
+    const bundle *b = graph_bundle(g, f->left[s][i]);
+    for (uint32_t k = 0; k < b->count; k++)
+      list[(*n)++] = g->side[s].member[b->first + k];
+  }
+  qsort(list, *n, sizeof *list, by_number);
+  return list;
+}
+
+static size_t tell_devices(finder *f, char *text, size_t room) {
+  const graph *g = f->g;
+  uint32_t n;
+  uint32_t *list = members(f, NETLIST, &n);
+  size_t used = 0;
+  for (uint32_t i = 0; list && i < n && i < NAMES; i++) {
+    const transistor *d = &g->flat.device[list[i]];
+    char where[256];
+    used += (size_t)snprintf(
+        text + used, room - used, "%s'%.60s%s%.60s' (%.90s)",
+        i ? ", " : "netlist device ", g->group->path,
+        *g->group->path ? "/" : "", d->name,
+        netlist_where(&g->j->netlist, d->from, where, sizeof where));
+  }
+  if (n > NAMES)
+    used +=
+        (size_t)snprintf(text + used, room - used, " and %u more", n - NAMES);
+  if (n)
+    used += (size_t)snprintf(text + used, room - used,
+                             " ha%s no gate in the "
+                             "layout",
+                             n > 1 ? "ve" : "s");
+  return used;
+}
+
+static void tell_gates(finder *f, char *text, size_t room) {
+  uint32_t n;
+  uint32_t *list = members(f, LAYOUT, &n);
+  size_t used = 0;
+  for (uint32_t i = 0; list && i < n && i < NAMES; i++) {
+    char name[256];
+    used += (size_t)snprintf(
+        text + used, room - used, "%s'%.80s'", i ? ", " : "transistor ",
+        match_gate_name(f->g->j, list[i], name, sizeof name));
+  }
+  if (n > NAMES)
+    used +=
+        (size_t)snprintf(text + used, room - used, " and %u more", n - NAMES);
+  if (n)
+    snprintf(text + used, room - used, " %s not in the netlist",
+             n > 1 ? "are" : "is");
+}
+
+int graph_tell(graph *g) {
+  finder f = {.g = g};
+  job *j = g->j;
+  if (allocate(&f)) return j->error->code;
+  colour_nodes(&f);
+  for (int last = 1; last < ROUNDS; last++) {
+    find(&f, last);
+    if (f.n[0] + f.n[1]) break;
+  }
+  char text[840] =
+      "the nets of its transistors differ from those of the layout";
+  if (f.n[0] + f.n[1]) {
+    size_t used = tell_devices(&f, text, sizeof text);
+    if (used && f.n[LAYOUT])
+      used += (size_t)snprintf(text + used, sizeof text - used, "; ");
+    tell_gates(&f, text + used, sizeof text - used);
+    return j->host->fail(j->host, j->error, OPC_INVALID, "file", "%s", text);
+  }
+  return j->host->fail(j->host, j->error, OPC_INVALID, "file", "'%.100s': %s",
+                       g->group->scope->of->name, text);
+}

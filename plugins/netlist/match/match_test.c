@@ -1,0 +1,812 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Our own cells, whose netlists say where each gate lies; the NanGate library,
+   whose transistors KLayout has found; netlists with faults. */
+#include <glib/gstdio.h>
+#include <math.h>
+#include <opcflow/circuit.h>
+#include <opcflow/layout.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "core/plugin/testing.h"
+
+static const opc_host *host;
+
+/* ---- running ---- */
+
+typedef struct run {
+  opc_module *read, *segment, *match;
+  void *layout, *gates, *circuit;
+} run;
+
+static opc_module *module_of(const char *id, const char *map) {
+  opc_error error;
+  opc_module *m = opc_test_module(id, map, &error);
+  if (!m) g_error("%s: %s", id, error.message);
+  return m;
+}
+
+static run read_layout(const char *id, const char *path, const char *rest) {
+  opc_error error;
+  g_autofree char *map = g_strdup_printf("{ file: '%s', %s }", path, rest);
+  run r = {.read = module_of(id, map)};
+  if (opc_test_run(r.read, &r.layout, &error)) g_error("%s", error.message);
+  return r;
+}
+
+static void find_gates(run *r, const char *map) {
+  opc_error error;
+  r->segment = module_of("segment.transistors", map);
+  opc_test_input(r->segment, "layout", r->layout);
+  if (opc_test_run(r->segment, &r->gates, &error)) g_error("%s", error.message);
+}
+
+/* The circuit; or NULL and the message. */
+static const opc_circuit *match(run *r, const char *netlist, const char *rest,
+                                char **message) {
+  opc_error error;
+  g_autofree char *map = g_strdup_printf("{ file: '%s'%s }", netlist, rest);
+  r->match = module_of("netlist.match", map);
+  opc_test_input(r->match, "layout", r->layout);
+  opc_test_input(r->match, "gates", r->gates);
+  int code = opc_test_run(r->match, &r->circuit, &error);
+  if (message) *message = code ? g_strdup(error.message) : NULL;
+  if (code && !message) g_error("%s", error.message);
+  return code ? NULL : r->circuit;
+}
+
+static void drop_circuit(run *r) {
+  if (r->circuit) opc_test_release(r->match, &r->circuit);
+  if (r->match) opc_test_module_free(r->match);
+  r->circuit = r->match = NULL;
+}
+
+static void drop_gates(run *r) {
+  drop_circuit(r);
+  opc_test_release(r->segment, &r->gates);
+  opc_test_module_free(r->segment);
+}
+
+static void drop(run *r) {
+  drop_gates(r);
+  opc_test_release(r->read, &r->layout);
+  opc_test_module_free(r->read);
+}
+
+/* ---- material ---- */
+
+static char *source(const char *name) {
+  return g_build_filename(g_getenv("OPCFLOW_SOURCE"), name, NULL);
+}
+
+static char *test_data(const char *name) {
+  const char *root = g_getenv("OPCFLOW_TEST_DATA");
+  g_autofree char *usual = source("../shared/data");
+  char *path = g_build_filename(root ? root : usual, name, NULL);
+  if (g_file_test(path, G_FILE_TEST_EXISTS)) return path;
+  g_free(path);
+  g_test_skip("no test data: set OPCFLOW_TEST_DATA");
+  return NULL;
+}
+
+static char *text_of(const char *path) {
+  char *text;
+  g_assert_true(g_file_get_contents(path, &text, NULL, NULL));
+  return text;
+}
+
+static char *in_folder(const char *name, const char *text, gssize n) {
+  char *path = g_build_filename(opc_test_folder(), name, NULL);
+  if (!text) return path;
+  /* A new file, as the disk is waited for when an old one is replaced. */
+  g_unlink(path);
+  FILE *file = fopen(path, "wb");
+  size_t bytes = n < 0 ? strlen(text) : (size_t)n;
+  g_assert_nonnull(file);
+  g_assert_cmpuint(fwrite(text, 1, bytes, file), ==, bytes);
+  fclose(file);
+  return path;
+}
+
+static run read_cell(const char *cell) {
+  g_autofree char *name = g_strdup_printf("data/cells65/%s.cif", cell);
+  g_autofree char *path = source(name);
+  run r = read_layout("read.cif", path,
+                      strcmp(cell, "nmos") == 0
+                          ? "layers: { poly: CP, active: CA, nimplant: CSN }"
+                          : "layers: { poly: CP, active: CA, nwell: CW }");
+  find_gates(&r, "{ grid: 0.5 nm }");
+  return r;
+}
+
+static char *netlist_of(const char *cell) {
+  g_autofree char *name = g_strdup_printf("data/cells65/%s.sp", cell);
+  g_autofree char *path = source(name);
+  return text_of(path);
+}
+
+/* ---- our own cells ---- */
+
+static const char *const cells[] = {"nmos",  "pmos",          "inverter",
+                                    "nand2", "nor2",          "nand2h",
+                                    "sram4", "inverter_chain"};
+
+static const char *net(const opc_circuit *c, uint32_t n) { return c->net[n]; }
+
+/* Each line of the netlist says where its gate is. `by_name`: the device must
+   be that one; else one with the same nets. */
+static void check_places(const opc_circuit *c, const char *text, int by_name) {
+  g_auto(GStrv) lines = g_strsplit(text, "\n", -1);
+  g_autofree uint32_t *owner = g_new(uint32_t, c->gates->count);
+  size_t checked = 0;
+  for (uint32_t i = 0; i < c->count; i++) {
+    g_assert_cmpuint(c->device[i].fingers, ==, 1);
+    owner[c->device[i].finger[0]] = i;
+  }
+  for (char **l = lines; *l; l++) {
+    char name[32], d[32], g[32], s[32], b[32];
+    double x, y;
+    const char *at = strstr(*l, "$ x=");
+    if (!at) continue;
+    g_assert_cmpint(sscanf(*l, "%31s %31s %31s %31s %31s", name, d, g, s, b),
+                    ==, 5);
+    g_assert_cmpint(sscanf(at, "$ x=%lf y=%lf", &x, &y), ==, 2);
+    size_t gate = 0;
+    for (; gate < c->gates->count; gate++) {
+      const opc_box *box = &c->gates->box[gate];
+      if (fabs((box->x0 + box->x1) * 0.25 - x) < 0.6 &&
+          fabs((box->y0 + box->y1) * 0.25 - y) < 0.6)
+        break;
+    }
+    g_assert_cmpuint(gate, <, c->gates->count);
+    const opc_device *found = &c->device[owner[gate]];
+    if (by_name) g_assert_cmpstr(found->name, ==, name);
+    g_assert_cmpstr(net(c, found->drain), ==, d);
+    g_assert_cmpstr(net(c, found->gate), ==, g);
+    g_assert_cmpstr(net(c, found->source), ==, s);
+    g_assert_cmpstr(net(c, found->bulk), ==, b);
+    g_assert_cmpint(found->type, ==, c->gates->type[gate]);
+    checked++;
+  }
+  g_assert_cmpuint(checked, ==, c->count);
+  g_assert_cmpuint(checked, ==, c->gates->count);
+}
+
+/* Without the comments, the wires alone must tell. */
+static char *without_places(const char *text) {
+  GString *out = g_string_new("");
+  for (const char *s = text; *s; s++) {
+    if (*s == '$') s = strchr(s, '\n');
+    g_string_append_c(out, *s);
+  }
+  return g_string_free(out, FALSE);
+}
+
+static void test_cells(void) {
+  for (size_t i = 0; i < G_N_ELEMENTS(cells); i++) {
+    run r = read_cell(cells[i]);
+    g_autofree char *text = netlist_of(cells[i]);
+    g_autofree char *bare = without_places(text);
+    g_autofree char *path = in_folder("a.sp", text, -1);
+    check_places(match(&r, path, "", NULL), text, 1);
+    g_assert_cmpfloat(opc_test_metric("by_order"), ==, 0);
+    drop_circuit(&r);
+    g_autofree char *bare_path = in_folder("b.sp", bare, -1);
+    /* Only the chain has fingers that are each other's like. */
+    int chain = strcmp(cells[i], "inverter_chain") == 0;
+    check_places(match(&r, bare_path, "", NULL), text, !chain);
+    g_assert_cmpfloat(opc_test_metric("by_order"), ==, chain ? 108 : 0);
+    drop(&r);
+  }
+}
+
+/* Ports that have other names than the labels: the wires alone, once more. */
+static void test_no_labels(void) {
+  run r = read_cell("nand2");
+  g_autofree char *path =
+      in_folder("n.sp",
+                "* other names\n"
+                ".subckt nand2 P1 P2 P3 P4 P5\n"
+                "MN1 P5 P1 n1 P5 nmos w=0.4u l=0.065u\n"
+                "MN2 P3 P2 n1 P5 nmos w=0.4u l=0.065u\n"
+                "MP1 P3 P1 P4 P4 pmos w=0.45u l=0.065u\n"
+                "MP2 P3 P2 P4 P4 pmos w=0.45u l=0.065u\n.ends\n",
+                -1);
+  const opc_circuit *c = match(&r, path, "", NULL);
+  for (uint32_t i = 0; i < 4; i++)
+    g_assert_cmpuint(c->device[i].finger[0], ==, i);
+  drop(&r);
+}
+
+static void test_roles(void) {
+  run r = read_cell("nand2");
+  g_autofree char *text = netlist_of("nand2");
+  g_autofree char *path = in_folder("a.sp", text, -1);
+  const opc_circuit *c = match(&r, path, "", NULL);
+  static const uint8_t usual[] = {OPC_PORT_INPUT, OPC_PORT_INPUT,
+                                  OPC_PORT_OUTPUT, OPC_PORT_SUPPLY,
+                                  OPC_PORT_GROUND};
+  g_assert_cmpuint(c->ports, ==, 5);
+  g_assert_cmpmem(c->role, 5, usual, 5);
+  g_assert_cmpstr(c->name, ==, "nand2");
+  g_assert_cmpuint(c->nets, ==, 6);
+  drop_circuit(&r);
+  c = match(&r, path, ", supply: 'vcc a', ground: 'vdd'", NULL);
+  static const uint8_t odd[] = {OPC_PORT_SUPPLY, OPC_PORT_INPUT,
+                                OPC_PORT_OUTPUT, OPC_PORT_GROUND,
+                                OPC_PORT_OUTPUT};
+  g_assert_cmpmem(c->role, 5, odd, 5);
+  drop(&r);
+}
+
+/* ---- ways to write it ---- */
+
+/* Each stage of the chain as one device, with and without its fingers said;
+   parameters, expressions, subcircuits that the layout has not, an include. */
+static void test_fingers(void) {
+  static const uint32_t fingers[] = {1, 1, 1, 4, 12, 41};
+  run r = read_cell("inverter_chain");
+  double wn[6] = {0}, wp[6] = {0};
+  for (size_t i = 0; i < 120; i++) {
+    const opc_gates *g = r.gates;
+    /* Stages lie one after another, 250 nm a finger and 500 nm between. */
+    size_t stage = 0;
+    double x = g->box[i].x0 * 0.5, end = 217.5 - 125;
+    for (; stage < 6; stage++)
+      if ((end += 250.0 * fingers[stage] + 500) > x + 250) break;
+    (g->type[i] ? wp : wn)[stage] += g->width[i];
+  }
+  for (int said = 0; said < 2; said++) {
+    GString *s = g_string_new(
+        "* folded\n.include 'inv.sp'\n.param one=1\n"
+        ".subckt inverter_chain IN OUT VDD VSS\n");
+    for (int k = 0; k < 6; k++) {
+      g_autofree char *in = k ? g_strdup_printf("m%d", k) : g_strdup("in");
+      g_autofree char *out =
+          k < 5 ? g_strdup_printf("m%d", k + 1) : g_strdup("out");
+      g_autofree char *nf =
+          said ? g_strdup_printf("f=%u", fingers[k]) : g_strdup("");
+      g_string_append_printf(
+          s, "x%d %s %s vdd\n+ vss / %s wn=%gn wp='%g*1n*one' %s\n", k, in, out,
+          said ? "inv_f" : "inv", wn[k], wp[k], nf);
+    }
+    g_string_append(s, ".ends\n");
+    g_autofree char *inv =
+        in_folder("inv.sp",
+                  ".subckt inv a z p n wn=1 wp=1\nmn z a n n nmos l=65n w=wn\n"
+                  "mp z a p p pmos l={60n+5*1n} w=wp $ a comment\n.ends inv\n"
+                  ".subckt inv_f a z p n params: wn=1 wp=1 f=1\n"
+                  "mn z a n n nmos (l=65n w='wn/f' m=f)\n"
+                  "mp z a p p pmos l=65n w=wp nf='f'\n.ends\n",
+                  -1);
+    g_autofree char *path = in_folder("a.sp", s->str, -1);
+    const opc_circuit *c = match(&r, path, ", tolerance: 2 %", NULL);
+    g_assert_cmpuint(c->count, ==, 12);
+    for (uint32_t i = 0; i < 12; i++) {
+      g_assert_cmpuint(c->device[i].fingers, ==, fingers[i / 2]);
+      g_assert_cmpint(c->device[i].type, ==, i % 2 ? OPC_PMOS : OPC_NMOS);
+    }
+    g_assert_cmpstr(c->device[11].name, ==, "x5/mp");
+    g_string_free(s, TRUE);
+    drop_circuit(&r);
+  }
+  drop(&r);
+}
+
+/* Sizes in micrometres, a wrapped transistor, models by name, globals. */
+static void test_units(void) {
+  run r = read_cell("inverter");
+  g_autofree char *path = in_folder(
+      "u.sp",
+      "* units\n.option scale=1e-6 post\n.global VDD VSS\n"
+      ".model strange pmos level=54\nR1 a b 5\n"
+      ".subckt inverter a y\nC1 a y 1f\n"
+      "Xn y a vss vss some_nfet_01v8 w=0.15 l=0.0325\n"
+      "Mp y a vdd vdd strange w=0.225 l=0.0325\n.ends\n.end\nwhatever\n",
+      -1);
+  const opc_circuit *c = match(&r, path, ", scale: 2", NULL);
+  g_assert_cmpuint(c->ports, ==, 4);
+  g_assert_cmpstr(net(c, c->port[2]), ==, "VDD");
+  g_assert_cmpint(c->role[2], ==, OPC_PORT_SUPPLY);
+  g_assert_cmpint(c->role[3], ==, OPC_PORT_GROUND);
+  g_assert_cmpint(c->device[0].type, ==, OPC_NMOS);
+  g_assert_cmpfloat(fabs(c->device[1].width - 450), <, 1e-9);
+  drop(&r);
+}
+
+/* ---- faults ---- */
+
+static void refused(const char *cell, const char *netlist, const char *rest,
+                    const char *pattern) {
+  run r = read_cell(cell);
+  g_autofree char *path = in_folder("f.sp", netlist, -1), *message = NULL;
+  const opc_circuit *c = match(&r, path, rest, &message);
+  if (c || !g_pattern_match_simple(pattern, message))
+    g_error("'%s' is not '%s'", message, pattern);
+  drop(&r);
+}
+
+/* A NAND2 with one line replaced. */
+static void refused_line(int line, const char *instead, const char *pattern) {
+  g_autofree char *text = netlist_of("nand2");
+  g_auto(GStrv) lines = g_strsplit(text, "\n", -1);
+  g_free(lines[line - 1]);
+  lines[line - 1] = g_strdup(instead);
+  g_autofree char *changed = g_strjoinv("\n", lines);
+  refused("nand2", changed, "", pattern);
+}
+
+static void test_mismatch(void) {
+  refused_line(5, "", "transistor 'nand2:2' is not in the netlist");
+  refused_line(7, "*", "transistor 'nand2:4' is not in the netlist");
+  refused_line(8, "M9 Y A VSS VSS nmos w=1u l=1u\n.ends",
+               "netlist device 'M9' (*f.sp:8) has no gate in the layout");
+  /* A is next to the ground in the layout. */
+  refused_line(4, "MN1 VSS B X VSS nmos w=400e-9 l=65e-9",
+               "netlist device 'MN1' (*f.sp:4) has no gate in the layout; "
+               "transistor 'nand2:1' is not in the netlist");
+  refused_line(4, "MN1 VSS A X VSS pmos w=400e-9 l=65e-9",
+               "netlist device 'MN1' (*f.sp:4) has no gate in the layout; "
+               "transistor 'nand2:1' is not in the netlist");
+  refused_line(4, "MN1 VSS A X VSS nmos w=410e-9 l=65e-9",
+               "netlist device 'MN1' (*f.sp:4) has W 410 nm, its gate "
+               "'nand2:1' 400 nm");
+  refused_line(7, "MP2 Y B VDD VDD pmos w=450e-9 l=70e-9",
+               "netlist device 'MP2' (*f.sp:7) has L 70 nm, its gate "
+               "'nand2:4' 65 nm");
+  /* A second device where the layout has one gate. */
+  refused_line(7,
+               "MP2 Y B VDD VDD pmos w=450n l=65n\n"
+               "MP3 Y B VDD VDD pmos w=450n l=65n",
+               "netlist device 'MP3' (*f.sp:8) has no gate in the layout");
+  refused_line(3, ".subckt nand3 A B Y VDD VSS",
+               "*:8:7: .ends of 'nand2' in 'nand3'");
+  refused("nor2", "*\n.subckt other a\n.ends\n", "",
+          "'*f.sp' has no subcircuit 'nor2'; it has 'other'");
+  refused("nor2", "*\n", ", layers: { metal1: M1 }",
+          "the layout has no layer 'M1' for 'metal1'");
+}
+
+static void test_syntax(void) {
+  static const struct {
+    const char *text, *pattern;
+  } cases[] = {
+      {"M1 a b c d nmos", "*f.sp:3:1: 'M1' has no w"},
+      {"M1 a b c d nmos w=1u", "*f.sp:3:1: 'M1' has no l"},
+      {"M1 a b c nmos w=1u l=1u", "*:3:1: 'M1' should have four nodes, *"},
+      {"M1", "*:3:1: 'M1' should have four nodes, *"},
+      {"M1 a b c d nmos w= l=1u", "*:3:21: no name before '='"},
+      {"M1 a b c d nmos w=1u l", "*:3:22: 'l' is not followed by '='"},
+      {"M1 a b c d nmos w=x l=1u", "*:3:19: unknown parameter 'x'"},
+      {"M1 a b c d nmos w='1u*(2' l=1u",
+       "*:3:19: a bracket is not closed in '1u?(2'"},
+      {"M1 a b c d nmos w='1u*' l=1u", "*:3:19: a number is missing in *"},
+      {"M1 a b c d nmos w=-1u l=1u", "*:3:19: w of 'M1' is not above 0: '-1u'"},
+      {"M1 a b c d nmos w=1/0 l=1u",
+       "*:3:19: a number without bounds in '1/0'"},
+      {"M1 a b c d nmos w=1u l=1u m=1.5",
+       "*:3:1: m of 'M1' is no whole number: 1.5"},
+      {"M1 a b c d what w=1u l=1u",
+       "*:3:12: is model 'what' of n or of p type? *"},
+      {"M1 a b c d nmos w='1u l=1u", "*:3:19: ''' is not closed"},
+      {"M1 a b c d nmos w=1u l=1u\nm1 a b c d nmos w=1u l=1u",
+       "*:4:1: there is a 'm1' already, in line 3"},
+      {"X1 a b c", "*:3:8: no subcircuit 'c'"},
+      {"X1 a nand2", "*:3:6: subcircuit 'nand2' leads to itself"},
+      {"Xi a b sub\n.ends\n.subckt sub a",
+       "*:3:1: 'Xi' has 2 nodes, 'sub' 1 ports"},
+      {"R1 a b 5", "*:3:1: 'R1' is neither a transistor nor *"},
+      {".subckt b a", "*:3:1: .subckt inside of 'nand2'"},
+      {".what", "*:3:1: unknown card '.what'"},
+      {".include nowhere.sp", "*:3:10: '*nowhere.sp': *"},
+      {".include f.sp", "*f.sp:2:1: .subckt inside of 'nand2'"},
+      {".param a=b b=a\nM1 a b c d nmos w=a l=1u",
+       "*parameters go too deep or in a circle in *"},
+      {".ends\n.ends", "*:4:1: .ends without .subckt"},
+      {".ends\n.subckt NAND2 a",
+       "*:4:9: there is a 'NAND2' already, in line 2"},
+      {"X1 a b\n.ends\n.subckt b c C", "*:3:1: 'X1' has 1 nodes, 'b' 2 ports"},
+      {"X1 a a b\n.ends\n.subckt b c C",
+       "*:5:9: port 'C' of 'b' is there twice"},
+      {"M\x01 a b c d nmos w=1u l=1u", "*:3:1: byte 0x01 in a word"},
+  };
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_autofree char *text =
+        g_strdup_printf("* title\n.subckt nand2 a\n%s\n.ends\n", cases[i].text);
+    refused("nand2", text, "", cases[i].pattern);
+  }
+  refused("nand2", "* no end\n.subckt nand2 a", "",
+          "*:2:9: 'nand2' has no .ends");
+  refused("nand2", "* plus\n+ a", "", "*:2:1: '+' continues nothing");
+}
+
+/* Whatever is cut off or garbled is refused or matched, and nothing else. */
+static void test_garbage(void) {
+  run r = read_cell("nand2");
+  g_autofree char *text = netlist_of("nand2");
+  size_t n = strlen(text), good = 0;
+  GRand *random = g_rand_new_with_seed(1);
+  for (size_t i = 0; i < n + 1000; i++) {
+    g_autofree char *cut = g_strndup(text, i < n ? i : n), *message = NULL;
+    for (int k = 0; i >= n && k < 3; k++)
+      cut[g_rand_int_range(random, 0, (int)n)] =
+          "()='{}$*+./x9M \n\t\xff"[g_rand_int_range(random, 0, 18)];
+    g_autofree char *path = in_folder("g.sp", cut, (gssize)(i < n ? i : n));
+    good += match(&r, path, "", &message) != NULL;
+    drop_circuit(&r);
+  }
+  g_rand_free(random);
+  g_test_message("%zu matched", good);
+  g_assert_cmpuint(good, >, 100);
+  g_assert_cmpuint(good, <, 1000);
+  drop(&r);
+}
+
+/* ---- layouts by hand ---- */
+
+static void box(void *layout, int32_t cell, const char *layer, int32_t x0,
+                int32_t y0, int32_t x1, int32_t y1) {
+  opc_error error;
+  int32_t l = host->layout->layer(layout, layer, &error);
+  opc_box b = {x0, y0, x1, y1};
+  g_assert_cmpint(host->layout->add_box(layout, cell, l, b, &error), ==,
+                  OPC_OK);
+}
+
+/* Two transistors in a row; a strap of metal over all three diffusions. */
+static void *two_in_a_row(int32_t *cell) {
+  opc_error error;
+  void *layout = host->layout->create(host, 1, &error);
+  *cell = host->layout->cell(layout, "pair", &error);
+  box(layout, *cell, "active", 0, 0, 600, 200);
+  box(layout, *cell, "poly", 150, -100, 215, 300);
+  box(layout, *cell, "poly", 400, -100, 465, 300);
+  box(layout, *cell, "nimplant", -50, -50, 650, 250);
+  box(layout, *cell, "metal1", 0, 50, 600, 100);
+  return layout;
+}
+
+/* Contacts join what is below them with what is above, and nothing else. */
+static void test_contacts(void) {
+  static const char *const netlists[] = {
+      "* open\n.subckt pair g h a b c\nM1 a g b z nmos w=200n l=65n\n"
+      "M2 b h c z nmos w=200n l=65n\n.ends\n",
+      "* joined\n.subckt pair g h a b\nM1 a g b z nmos w=200n l=65n\n"
+      "M2 b h a z nmos w=200n l=65n\n.ends\n"};
+  for (int joined = 0; joined < 2; joined++) {
+    int32_t cell;
+    run r = {.layout = two_in_a_row(&cell)};
+    box(r.layout, cell, "contact", 20, 60, 40, 80);
+    /* One that only touches the metal's corner joins nothing. */
+    if (joined)
+      box(r.layout, cell, "contact", 500, 60, 520, 80);
+    else
+      box(r.layout, cell, "contact", 600, 100, 620, 120);
+    find_gates(&r, "{}");
+    for (int k = 0; k < 2; k++) {
+      g_autofree char *path = in_folder("c.sp", netlists[k], -1),
+                      *message = NULL;
+      const opc_circuit *c = match(&r, path, "", &message);
+      g_assert_true((c != NULL) == (k == joined));
+      drop_circuit(&r);
+    }
+    drop_gates(&r);
+    host->layout->destroy(r.layout);
+  }
+}
+
+static void text(void *layout, int32_t cell, const char *layer, int32_t x,
+                 int32_t y, const char *t) {
+  opc_error error;
+  int32_t l = host->layout->layer(layout, layer, &error);
+  opc_point at = {x, y};
+  g_assert_cmpint(host->layout->add_text(layout, cell, l, at, t, &error), ==,
+                  OPC_OK);
+}
+
+static const char ring[] =
+    "* both ends are one net\n.subckt pair g h a b\n"
+    "M1 a g b z nmos w=200n l=65n\nM2 b h a z nmos w=200n l=65n\n.ends\n";
+
+/* Nets with the same label are one; labels may have layers of their own. */
+static void test_same_label(void) {
+  for (int labelled = 0; labelled < 2; labelled++) {
+    int32_t cell;
+    run r = {.layout = two_in_a_row(&cell)};
+    text(r.layout, cell, "pins", 50, 150, "a");
+    text(r.layout, cell, "pins", 550, 150, labelled ? "A" : "c");
+    find_gates(&r, "{}");
+    g_autofree char *path = in_folder("l.sp", ring, -1), *message = NULL;
+    const opc_circuit *c =
+        match(&r, path, ", labels: { active: pins }", &message);
+    g_assert_true((c != NULL) == labelled);
+    drop_gates(&r);
+    host->layout->destroy(r.layout);
+  }
+}
+
+/* What the wires do not tell apart, sizes do, or labels of inner nets. */
+static void test_hints(void) {
+  opc_error error;
+  for (int by_name = 0; by_name < 2; by_name++) {
+    void *layout = host->layout->create(host, 1, &error);
+    int32_t cell = host->layout->cell(layout, "two", &error);
+    for (int k = 0; k < 2; k++) {
+      int32_t x = k * 2000, w = k && !by_name ? 300 : 200;
+      box(layout, cell, "active", x, 0, x + 400, w);
+      box(layout, cell, "poly", x + 150, -100, x + 215, w + 100);
+      if (by_name) text(layout, cell, "poly", x + 180, -50, k ? "q" : "p");
+    }
+    box(layout, cell, "nimplant", -50, -50, 3000, 500);
+    run r = {.layout = layout};
+    find_gates(&r, "{}");
+    g_autofree char *deck = g_strdup_printf(
+        "*\n.subckt two\nM1 a q b z nmos w=%dn l=65n\n"
+        "M2 c p d z nmos w=200n l=65n\n.ends\n",
+        by_name ? 200 : 300);
+    g_autofree char *path = in_folder("h.sp", deck, -1);
+    const opc_circuit *c = match(&r, path, "", NULL);
+    g_assert_cmpuint(c->device[0].finger[0], ==, 1);
+    g_assert_cmpuint(c->device[1].finger[0], ==, 0);
+    g_assert_cmpfloat(opc_test_metric("by_order"), ==, 0);
+    drop_gates(&r);
+    host->layout->destroy(layout);
+  }
+}
+
+/* Labels turn with their instances: an exchange of g and h is seen in each
+   orientation. */
+static void test_orientations(void) {
+  for (int k = 0; k < 8; k++) {
+    opc_error error;
+    int32_t cell;
+    run r = {.layout = two_in_a_row(&cell)};
+    text(r.layout, cell, "poly", 180, 290, "g");
+    text(r.layout, cell, "poly", 430, 290, "h");
+    text(r.layout, cell, "active", 50, 180, "a");
+    int32_t middle = host->layout->cell(r.layout, "middle", &error);
+    int32_t top = host->layout->cell(r.layout, "top", &error);
+    opc_placement p = {.origin = {1000 * k, -700},
+                       .magnification = 1,
+                       .angle = 90.0 * (k % 4),
+                       .mirror = k / 4,
+                       .columns = 1,
+                       .rows = 1};
+    host->layout->add_instance(r.layout, middle, cell, &p, "U1", &error);
+    p = (opc_placement){.origin = {0, 500},
+                        .magnification = 1,
+                        .angle = 90,
+                        .columns = 1,
+                        .rows = 1};
+    host->layout->add_instance(r.layout, top, middle, &p, "U0", &error);
+    find_gates(&r, "{}");
+    g_autofree char *path =
+        in_folder("o.sp",
+                  "*\n.subckt pair g h a b c\nM1 a g b z nmos w=200n l=65n\n"
+                  "M2 b h c z nmos w=200n l=65n\n.ends\n"
+                  ".subckt middle x y\nXU1 x x y y y pair\n.ends\n"
+                  ".subckt top\nXU0 1 2 middle\n.ends\n",
+                  -1);
+    const opc_circuit *c = match(&r, path, "", NULL);
+    g_assert_cmpstr(c->device[0].name, ==, "XU0/XU1/M1");
+    g_assert_cmpfloat(opc_test_metric("by_order"), ==, 0);
+    /* Where the placement puts the gate of M1, at (182.5, 100) of its cell. */
+    double x = 182.5, y = k / 4 ? -100 : 100,
+           turned[4][2] = {{x, y}, {-y, x}, {-x, -y}, {y, -x}};
+    const opc_box *b = &c->gates->box[c->device[0].finger[0]];
+    double ax = turned[k % 4][0] + 1000 * k, ay = turned[k % 4][1] - 700;
+    g_assert_cmpfloat(fabs((b->x0 + b->x1) / 2.0 + ay), <, 1);
+    g_assert_cmpfloat(fabs((b->y0 + b->y1) / 2.0 - ax - 500), <, 1);
+    drop_gates(&r);
+    host->layout->destroy(r.layout);
+  }
+}
+
+static void test_slanted(void) {
+  opc_error error;
+  int32_t cell;
+  run r = {.layout = two_in_a_row(&cell)};
+  opc_point p[] = {{0, 300}, {100, 300}, {0, 400}};
+  int32_t layer = host->layout->layer(r.layout, "metal1", &error);
+  host->layout->add_polygon(r.layout, cell, layer, p, 3, &error);
+  find_gates(&r, "{}");
+  g_autofree char *message = NULL;
+  g_autofree char *path =
+      in_folder("s.sp", "*\n.subckt pair\nM1 a b c d n w=1 l=1\n.ends\n", -1);
+  g_assert_null(match(&r, path, "", &message));
+  g_assert_cmpstr(message, ==,
+                  "layer 'metal1' has a slanted edge from (100, 300) to (0, "
+                  "400) nm; only edges along x and y can be followed");
+  drop_gates(&r);
+  host->layout->destroy(r.layout);
+}
+
+/* ---- NanGate ---- */
+
+typedef struct known_gate {
+  char cell[40], device[48], gate[48], left[48], right[48];
+  double x0, y0, x1, y1;
+} known_gate;
+
+static GArray *known_gates(void) {
+  g_autofree char *path = test_data("nangate45/devices.csv");
+  if (!path) return NULL;
+  g_autofree char *text = text_of(path);
+  g_auto(GStrv) lines = g_strsplit(text, "\n", -1);
+  GArray *all = g_array_new(FALSE, FALSE, sizeof(known_gate));
+  for (char **l = lines + 1; *l && **l; l++) {
+    known_gate k;
+    g_assert_cmpint(
+        sscanf(*l,
+               "%39[^,],%47[^,],%*[^,],%*[^,],%*[^,],%lf,%lf,%lf,%lf,%47[^,],"
+               "%47[^,],%47[^,\r]",
+               k.cell, k.device, &k.x0, &k.y0, &k.x1, &k.y1, k.gate, k.left,
+               k.right),
+        ==, 9);
+    g_array_append_val(all, k);
+  }
+  return all;
+}
+
+/* Nets of the one that are nets of the other. */
+static void same_net(GHashTable *there, GHashTable *back, const char *a,
+                     const char *b) {
+  const char *known = g_hash_table_lookup(there, a);
+  const char *other = g_hash_table_lookup(back, b);
+  if (known) g_assert_cmpstr(known, ==, b);
+  if (other) g_assert_cmpstr(other, ==, a);
+  g_hash_table_insert(there, (void *)a, (void *)b);
+  g_hash_table_insert(back, (void *)b, (void *)a);
+}
+
+/* The nets that KLayout found at each gate are those of its device, with inner
+   nets that are each other's like in either order. Returns how many gates have
+   the very device that KLayout chose. */
+static size_t check_cell(const opc_circuit *c, const known_gate *k, size_t n) {
+  g_autoptr(GHashTable) there = g_hash_table_new(g_str_hash, g_str_equal);
+  g_autoptr(GHashTable) back = g_hash_table_new(g_str_hash, g_str_equal);
+  size_t same = 0, found = 0;
+  g_assert_cmpuint(c->gates->count, ==, n);
+  for (size_t i = 0; i < c->ports; i++)
+    same_net(there, back, net(c, c->port[i]), net(c, c->port[i]));
+  /* First what has one end in common, then the rest. */
+  for (int pass = 0; pass < 8; pass++)
+    for (uint32_t i = 0; i < c->count; i++) {
+      const opc_device *d = &c->device[i];
+      for (uint32_t f = 0; f < d->fingers; f++) {
+        const opc_box *b = &c->gates->box[d->finger[f]];
+        size_t at = 0;
+        for (; at < n; at++)
+          if (fabs(b->x0 * 2.5e-3 - k[at].x0) < 1e-4 &&
+              fabs(b->y0 * 2.5e-3 - k[at].y0) < 1e-4)
+            break;
+        g_assert_cmpuint(at, <, n);
+        const char *s = net(c, d->source), *e = net(c, d->drain);
+        const char *left = k[at].left, *right = k[at].right;
+        const char *ts = g_hash_table_lookup(there, s);
+        const char *te = g_hash_table_lookup(there, e);
+        int straight = (ts && !strcmp(ts, left)) || (te && !strcmp(te, right));
+        int turned = (ts && !strcmp(ts, right)) || (te && !strcmp(te, left));
+        if (!straight && !turned && pass < 7) continue;
+        same_net(there, back, net(c, d->gate), k[at].gate);
+        same_net(there, back, s, straight ? left : right);
+        same_net(there, back, e, straight ? right : left);
+        if (pass < 7) continue;
+        found++;
+        same += !strcmp(d->name, k[at].device);
+      }
+    }
+  g_assert_cmpuint(found, ==, n);
+  return same;
+}
+
+static void test_nangate(void) {
+  g_autofree char *gds = test_data("nangate45/NangateOpenCellLibrary.gds");
+  if (!gds) return;
+  g_autofree char *cdl = test_data("nangate45/NangateOpenCellLibrary.cdl");
+  g_autoptr(GArray) known = known_gates();
+  const known_gate *k = (const known_gate *)(void *)known->data;
+  run r = read_layout("read.gds", gds,
+                      "layers: { poly: 9/0, active: 1/0, contact: 10/0, "
+                      "nwell: 3/0 }");
+  size_t cells_done = 0, same = 0;
+  for (size_t i = 0, e; i < known->len; i = e) {
+    for (e = i; e < known->len && !strcmp(k[e].cell, k[i].cell);) e++;
+    g_autofree char *map =
+        g_strdup_printf("{ top: %s, grid: 2.5 nm }", k[i].cell);
+    find_gates(&r, map);
+    same += check_cell(match(&r, cdl, "", NULL), k + i, e - i);
+    drop_gates(&r);
+    cells_done++;
+  }
+  g_test_message("%zu cells, %zu of %u gates have KLayout's device", cells_done,
+                 same, known->len);
+  g_assert_cmpuint(cells_done, ==, 127);
+  g_assert_cmpuint(known->len, ==, 2590);
+  opc_test_release(r.read, &r.layout);
+  opc_test_module_free(r.read);
+}
+
+/* ---- placed circuits: no wires between the cells ---- */
+
+static run read_c432(void) {
+  g_autofree char *gds = test_data("iscas85/c432/c432.gds");
+  if (!gds) return (run){0};
+  run r = read_layout("read.gds", gds,
+                      "scale: 1.3, layers: { poly: 9/0, active: 1/0, contact: "
+                      "10/0, nwell: 3/0, metal1: 11/0 }");
+  find_gates(&r, "{ grid: 1 nm }");
+  return r;
+}
+
+static void test_placed(void) {
+  run r = read_c432();
+  if (!r.layout) return;
+  g_autofree char *path = test_data("iscas85/c432/c432.sp");
+  gint64 begin = g_get_monotonic_time();
+  const opc_circuit *c = match(&r, path, ", scale: 1.3", NULL);
+  double seconds = (double)(g_get_monotonic_time() - begin) * 1e-6;
+  g_test_message("%.3f s", seconds);
+  g_assert_cmpfloat(seconds, <, 5);
+  g_assert_cmpuint(c->count, ==, 820);
+  g_assert_cmpuint(c->ports, ==, 36 + 7 + 2);
+  size_t roles[4] = {0};
+  for (size_t i = 0; i < c->ports; i++) roles[c->role[i]]++;
+  g_assert_cmpuint(roles[OPC_PORT_INPUT], ==, 36);
+  g_assert_cmpuint(roles[OPC_PORT_OUTPUT], ==, 7);
+  for (size_t i = 0; i < c->count; i++) {
+    const opc_device *d = &c->device[i];
+    g_assert_cmpuint(d->fingers, ==, 1);
+    g_autofree char *start =
+        g_strdup_printf("X%s/", c->gates->instance[d->finger[0]]);
+    g_assert_true(g_str_has_prefix(d->name, start));
+  }
+  drop(&r);
+}
+
+/* An instance that is missing, or another cell than the layout's. */
+static void test_placed_faults(void) {
+  run r = read_c432();
+  if (!r.layout) return;
+  g_autofree char *path = test_data("iscas85/c432/c432.sp");
+  g_autofree char *text = text_of(path);
+  static const struct {
+    const char *from, *to, *pattern;
+  } cases[] = {
+      {"\nXU7 ", "\n*XU7 ", "transistor 'U7:*' is not in the netlist"},
+      {"\nXU7 ", "\nXV7 ",
+       "netlist instance 'XV7' (*) is not in cell 'c432' of the layout"}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_auto(GStrv) parts = g_strsplit(text, cases[i].from, -1);
+    g_assert_cmpuint(g_strv_length(parts), ==, 2);
+    g_autofree char *changed = g_strjoinv(cases[i].to, parts), *message = NULL;
+    g_autofree char *bad = in_folder("c.sp", changed, -1);
+    g_assert_null(match(&r, bad, ", scale: 1.3", &message));
+    if (!g_pattern_match_simple(cases[i].pattern, message))
+      g_error("'%s' is not '%s'", message, cases[i].pattern);
+    drop_circuit(&r);
+  }
+  drop(&r);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  host = opc_test_host();
+  g_test_add_func("/match/cells", test_cells);
+  g_test_add_func("/match/no-labels", test_no_labels);
+  g_test_add_func("/match/roles", test_roles);
+  g_test_add_func("/match/fingers", test_fingers);
+  g_test_add_func("/match/units", test_units);
+  g_test_add_func("/match/mismatch", test_mismatch);
+  g_test_add_func("/match/syntax", test_syntax);
+  g_test_add_func("/match/garbage", test_garbage);
+  g_test_add_func("/match/contacts", test_contacts);
+  g_test_add_func("/match/same-label", test_same_label);
+  g_test_add_func("/match/hints", test_hints);
+  g_test_add_func("/match/orientations", test_orientations);
+  g_test_add_func("/match/slanted", test_slanted);
+  g_test_add_func("/match/nangate", test_nangate);
+  g_test_add_func("/match/placed", test_placed);
+  g_test_add_func("/match/placed-faults", test_placed_faults);
+  return g_test_run();
+}

@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Partition refinement: nodes of a class that have different neighbours are
+   told apart until none have. Both sides are refined together, so that a class
+   holds what may be each other's counterparts. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "graph.h"
+
+int partition_make(const graph *g, partition *p) {
+  pool *m = &g->j->pool;
+  size_t n = g->nodes;
+  *p = (partition){.g = g, .classes = 1};
+  p->class_of = pool_alloc(m, n, sizeof *p->class_of);
+  p->order = pool_alloc(m, n, sizeof *p->order);
+  p->begin = pool_alloc(m, n + 1, sizeof *p->begin);
+  p->end = pool_alloc(m, n + 1, sizeof *p->end);
+  p->parent = pool_alloc(m, n + 1, sizeof *p->parent);
+  p->touched = pool_alloc(m, n + 1, 1);
+  p->mark = pool_alloc(m, n, sizeof *p->mark);
+  p->list = pool_alloc(m, n + 1, sizeof *p->list);
+  p->changed = pool_alloc(m, n + 1, sizeof *p->changed);
+  p->spare = pool_alloc(m, n + 1, sizeof *p->spare);
+  if (!p->class_of || !p->order || !p->begin || !p->end || !p->parent ||
+      !p->touched || !p->mark || !p->list || !p->changed || !p->spare)
+    return match_no_memory(g->j);
+  for (uint32_t i = 0; i < n; i++) {
+    p->order[i] = i;
+    p->mark[i] = i < g->bundle0[NETLIST] ? 0 : 1 + graph_bundle(g, i)->type;
+  }
+  for (int s = 0; s < SIDES; s++)
+    for (uint32_t i = 0; i < g->side[s].nets; i++)
+      if (g->side[s].seed[i])
+        p->mark[g->net0[s] + i] = graph_hash(g->side[s].seed[i]);
+  p->end[0] = (uint32_t)n;
+  partition_split(p, 0);
+  /* At first all nodes are new. */
+  for (uint32_t i = 0; i < n; i++) p->changed[i] = i;
+  p->n_changed = (uint32_t)n;
+  return OPC_OK;
+}
+
+static int by_mark(const void *a, const void *b, void *data) {
+  const uint64_t *mark = data;
+  uint32_t p = *(const uint32_t *)a, q = *(const uint32_t *)b;
+  if (mark[p] != mark[q]) return mark[p] < mark[q] ? -1 : 1;
+  return (p > q) - (p < q);
+}
+
+static uint32_t run_end(const partition *p, const uint32_t *nodes, uint32_t i,
+                        uint32_t n) {
+  uint32_t k = i + 1;
+  while (k < n && p->mark[nodes[k]] == p->mark[nodes[i]]) k++;
+  return k;
+}
+
+static int balanced(const partition *p, const uint32_t *nodes, uint32_t n) {
+  uint32_t layout = 0;
+  for (uint32_t i = 0; i < n; i++)
+    layout += (uint32_t)graph_side(p->g, nodes[i]);
+  return 2 * layout == n;
+}
+
+int partition_fits(const partition *p, uint32_t class) {
+  uint32_t n = p->end[class] - p->begin[class];
+  uint32_t *nodes = p->spare;
+  memcpy(nodes, p->order + p->begin[class], n * sizeof *nodes);
+  qsort_r(nodes, n, sizeof *nodes, by_mark, p->mark);
+  for (uint32_t i = 0, k; i < n; i = k) {
+    k = run_end(p, nodes, i, n);
+    if (!balanced(p, nodes + i, k - i)) return 0;
+  }
+  return 1;
+}
+
+/* The last nodes of a class become a class of their own. */
+static void split_off(partition *p, uint32_t class, uint32_t from,
+                      uint32_t to) {
+  uint32_t made = p->classes++;
+  p->begin[made] = from;
+  p->end[made] = to;
+  p->parent[made] = class;
+  for (uint32_t i = from; i < to; i++) {
+    p->class_of[p->order[i]] = made;
+    p->changed[p->n_changed++] = p->order[i];
+  }
+  if (!balanced(p, p->order + from, to - from)) p->odd = 1;
+}
+
+void partition_split(partition *p, uint32_t class) {
+  uint32_t b = p->begin[class], n = p->end[class] - b;
+  uint32_t *nodes = p->order + b, big = 0, big_end = 0;
+  if (!n) return;
+  qsort_r(nodes, n, sizeof *nodes, by_mark, p->mark);
+  for (uint32_t i = 0, k; i < n; i = k) {
+    k = run_end(p, nodes, i, n);
+    if (k - i > big_end - big) {
+      big = i;
+      big_end = k;
+    }
+  }
+  uint32_t kept = big_end - big;
+  if (kept < n) {
+    /* The most stay, and come first: their neighbours see no change. */
+    memcpy(p->spare, nodes + big, kept * sizeof *nodes);
+    memmove(nodes + kept, nodes, big * sizeof *nodes);
+    memcpy(nodes, p->spare, kept * sizeof *nodes);
+    p->end[class] = b + kept;
+    for (uint32_t i = kept, k; i < n; i = k) {
+      k = run_end(p, nodes, i, n);
+      split_off(p, class, b + i, b + k);
+    }
+  }
+  if (!balanced(p, nodes, kept)) p->odd = 1;
+}
+
+static void mark_class(partition *p, uint32_t class) {
+  const graph *g = p->g;
+  for (uint32_t i = p->begin[class]; i < p->end[class]; i++) {
+    uint32_t node = p->order[i];
+    uint64_t sum = 0;
+    for (uint32_t k = g->start[node]; k < g->start[node + 1]; k++)
+      sum += graph_mix(p->class_of[g->links[k].node], g->links[k].role);
+    p->mark[node] = sum;
+  }
+}
+
+int partition_refine(partition *p) {
+  const graph *g = p->g;
+  while (p->n_changed && !p->odd) {
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < p->n_changed; i++) {
+      uint32_t node = p->changed[i];
+      for (uint32_t k = g->start[node]; k < g->start[node + 1]; k++) {
+        uint32_t class = p->class_of[g->links[k].node];
+        if (p->touched[class] || p->end[class] - p->begin[class] < 2) continue;
+        p->touched[class] = 1;
+        p->list[n++] = class;
+      }
+    }
+    p->n_changed = 0;
+    for (uint32_t i = 0; i < n; i++) {
+      p->touched[p->list[i]] = 0;
+      mark_class(p, p->list[i]);
+      partition_split(p, p->list[i]);
+    }
+  }
+  p->n_changed = 0;
+  return !p->odd;
+}
+
+void partition_pick(partition *p, uint32_t a, uint32_t b) {
+  uint32_t class = p->class_of[a], end = p->end[class];
+  uint32_t picked[2] = {a, b};
+  for (int k = 0; k < 2; k++) {
+    uint32_t at = p->begin[class];
+    while (p->order[at] != picked[k]) at++;
+    end--;
+    p->order[at] = p->order[end];
+    p->order[end] = picked[k];
+  }
+  p->end[class] = end;
+  split_off(p, class, end, end + 2);
+}
+
+void partition_undo(partition *p, uint32_t classes) {
+  while (p->classes > classes) {
+    uint32_t last = --p->classes, parent = p->parent[last];
+    for (uint32_t i = p->begin[last]; i < p->end[last]; i++)
+      p->class_of[p->order[i]] = parent;
+    if (p->end[parent] < p->end[last]) p->end[parent] = p->end[last];
+  }
+  p->odd = 0;
+  p->n_changed = 0;
+}

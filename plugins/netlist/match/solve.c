@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A group's devices and gates: told apart by what they are connected to, then
+   by size, by labels of inner nets, by place, and at last by their order. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "graph.h"
+
+/* ---- hints, each of which may be wrong and then is dropped ---- */
+
+typedef struct sized {
+  double value;
+  uint32_t node;
+} sized;
+
+static int by_value(const void *a, const void *b) {
+  const sized *p = a, *q = b;
+  if (p->value != q->value) return p->value < q->value ? -1 : 1;
+  return (p->node > q->node) - (p->node < q->node);
+}
+
+/* Mark the nodes of a class by length or width, equal within tolerance. */
+static void mark_sizes(partition *p, uint32_t class, int by_width,
+                       sized *list) {
+  const job *j = p->g->j;
+  uint32_t n = 0;
+  for (uint32_t i = p->begin[class]; i < p->end[class]; i++) {
+    const bundle *b = graph_bundle(p->g, p->order[i]);
+    list[n++] = (sized){by_width ? b->width : b->length, p->order[i]};
+  }
+  qsort(list, n, sizeof *list, by_value);
+  uint64_t mark = 0;
+  for (uint32_t i = 0; i < n; i++) {
+    if (i && list[i].value - list[i - 1].value >
+                 fmax(j->tolerance * list[i].value, j->gates->grid))
+      mark++;
+    p->mark[list[i].node] = mark;
+  }
+}
+
+static void mark_names(partition *p, uint32_t class) {
+  const graph *g = p->g;
+  for (uint32_t i = p->begin[class]; i < p->end[class]; i++) {
+    uint32_t node = p->order[i];
+    int s = graph_side(g, node);
+    p->mark[node] = graph_hash(g->side[s].name[node - g->net0[s]]);
+  }
+}
+
+static void try_marks(partition *p, uint32_t class) {
+  uint32_t before = p->classes;
+  if (!partition_fits(p, class)) return;
+  partition_split(p, class);
+  if (!partition_refine(p)) partition_undo(p, before);
+}
+
+static int take_hints(partition *p) {
+  const graph *g = p->g;
+  sized *list = pool_alloc(&g->j->pool, g->nodes, sizeof *list);
+  if (!list) return match_no_memory(g->j);
+  for (uint32_t class = 0; class < p->classes; class ++) {
+    int is_net = p->order[p->begin[class]] < g->bundle0[NETLIST];
+    for (int k = 0; k < 2; k++) {
+      if (p->end[class] - p->begin[class] <= 2) break;
+      if (is_net)
+        mark_names(p, class);
+      else
+        mark_sizes(p, class, k, list);
+      try_marks(p, class);
+    }
+  }
+  return OPC_OK;
+}
+
+/* ---- choices ---- */
+
+/* The gates that a bundle may be, the nearest first. */
+static uint32_t candidates(const partition *p, uint32_t node, sized *list) {
+  const graph *g = p->g;
+  const bundle *b = graph_bundle(g, node);
+  uint32_t class = p->class_of[node], n = 0;
+  for (uint32_t i = p->begin[class]; i < p->end[class]; i++) {
+    uint32_t at = p->order[i];
+    if (graph_side(g, at) != LAYOUT) continue;
+    const bundle *c = graph_bundle(g, at);
+    double far = hypot(c->x - b->x, c->y - b->y);
+    list[n++] = (sized){isnan(far) ? 0 : far, at};
+  }
+  qsort(list, n, sizeof *list, by_value);
+  return n;
+}
+
+/* Nodes of a class are alike in all that is connected to them, and so nearly
+   always the first choice is as good as any. */
+static int choose(partition *p, uint32_t node, sized *list) {
+  uint32_t n = candidates(p, node, list);
+  job *j = p->g->j;
+  j->by_order += isnan(graph_bundle(p->g, node)->x);
+  for (uint32_t i = 0; i < n; i++) {
+    uint32_t before = p->classes;
+    partition_pick(p, node, list[i].node);
+    if (partition_refine(p)) return 1;
+    partition_undo(p, before);
+  }
+  return 0;
+}
+
+/* 1: every bundle has one counterpart; 0: they differ; -1: failed. */
+static int solve(partition *p) {
+  const graph *g = p->g;
+  if (p->odd || !partition_refine(p)) return 0;
+  if (take_hints(p)) return -1;
+  sized *list = pool_alloc(&g->j->pool, g->nodes, sizeof *list);
+  if (!list) {
+    match_no_memory(g->j);
+    return -1;
+  }
+  for (uint32_t i = 0; i < g->side[NETLIST].bundles; i++) {
+    uint32_t node = g->bundle0[NETLIST] + i, class = p->class_of[node];
+    if (p->end[class] - p->begin[class] > 2 && !choose(p, node, list)) return 0;
+  }
+  return 1;
+}
+
+/* ---- all groups ---- */
+
+static uint32_t counterpart(const partition *p, uint32_t node) {
+  uint32_t class = p->class_of[node];
+  uint32_t a = p->order[p->begin[class]], b = p->order[p->begin[class] + 1];
+  return a == node ? b : a;
+}
+
+/* The last word: each net of a device is that of its gate. */
+static int holds(const partition *p, const bundle *a, const bundle *b) {
+  const graph *g = p->g;
+  const uint32_t *of = p->class_of;
+  uint32_t n = g->net0[NETLIST], l = g->net0[LAYOUT];
+  if (of[n + a->gate] != of[l + b->gate] || a->type != b->type) return 0;
+  return (of[n + a->a] == of[l + b->a] && of[n + a->b] == of[l + b->b]) ||
+         (of[n + a->a] == of[l + b->b] && of[n + a->b] == of[l + b->a]);
+}
+
+static int solve_group(job *j, uint32_t number, const uint32_t *gates,
+                       size_t n) {
+  graph g;
+  partition p;
+  if (graph_make(j, number, gates, n, &g) || partition_make(&g, &p))
+    return j->error->code;
+  int solved = solve(&p);
+  if (solved < 0) return j->error->code;
+  if (!solved) return graph_tell(&g);
+  for (uint32_t i = 0; i < g.side[NETLIST].bundles; i++) {
+    const bundle *a = &g.side[NETLIST].bundle[i];
+    const bundle *b = graph_bundle(&g, counterpart(&p, g.bundle0[NETLIST] + i));
+    if (!holds(&p, a, b)) return graph_tell(&g);
+    if (graph_assign(&g, a, b)) return j->error->code;
+  }
+  return OPC_OK;
+}
+
+int match_solve(job *j) {
+  size_t n = j->gates->count;
+  uint32_t *start = pool_alloc(&j->pool, j->groups + 2, sizeof *start);
+  uint32_t *list = pool_alloc(&j->pool, n, sizeof *list);
+  j->owner = pool_alloc(&j->pool, n, sizeof *j->owner);
+  j->known = pool_alloc(&j->pool, j->nets, sizeof *j->known);
+  if (!start || !list || !j->owner || !j->known) return match_no_memory(j);
+  for (size_t i = 0; i < j->nets; i++) j->known[i] = UINT32_MAX;
+  for (size_t i = 0; i < n; i++) {
+    j->owner[i] = UINT32_MAX;
+    if (j->of_group[i] != UINT32_MAX) start[j->of_group[i] + 2]++;
+  }
+  for (size_t k = 0; k < j->groups; k++) start[k + 2] += start[k + 1];
+  /* Group k begins at start[k + 1] while it is filled, then at start[k]. */
+  for (size_t i = 0; i < n; i++)
+    if (j->of_group[i] != UINT32_MAX)
+      list[start[j->of_group[i] + 1]++] = (uint32_t)i;
+  for (size_t k = 0; k < j->groups; k++) {
+    int code =
+        solve_group(j, (uint32_t)k, list + start[k], start[k + 1] - start[k]);
+    if (code) return code;
+    if (j->host->cancelled(j->host))
+      return j->host->fail(j->host, j->error, OPC_CANCELLED, NULL, "cancelled");
+  }
+  for (size_t i = 0; i < n; i++)
+    if (j->owner[i] == UINT32_MAX) {
+      char name[256];
+      return j->host->fail(j->host, j->error, OPC_INVALID, "file",
+                           "transistor '%s' is not in the netlist",
+                           match_gate_name(j, i, name, sizeof name));
+    }
+  return OPC_OK;
+}
