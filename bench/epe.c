@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* EPE-OPC of a metal layer of 30 x 30 um made here: 8 iterations with fragments
+   of 32 nm, on two cores. What mask.epe itself takes of it is measured apart. */
+#include <glib.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "bench/bench.h"
+#include "core/plugin/host.h"
+#include "core/plugin/testing.h"
+
+enum { SIDE = 30000, PITCH = 280, WIDTH = 130, ITERATIONS = 8, RUNS = 3 };
+
+static const opc_host *host;
+
+static void must(int code, const opc_error *error) {
+  if (code == OPC_OK) return;
+  fprintf(stderr, "error: %s\n", error->message);
+  exit(1);
+}
+
+static uint32_t draw(uint32_t *state, uint32_t below) {
+  *state = *state * 1664525u + 1013904223u;
+  return (*state >> 8) % below;
+}
+
+/* Tracks of wires of 0.3 to 3 um; one in five goes on in the next track. */
+static opc_layout *metal(void) {
+  opc_error error;
+  uint32_t state = 1;
+  opc_layout *l = host->layout->create(host, 1, &error);
+  int32_t cell = host->layout->cell(l, "METAL", &error);
+  int32_t layer = host->layout->layer(l, "M1", &error);
+  for (int32_t y = 0; y + WIDTH <= SIDE; y += PITCH)
+    for (int32_t x = (int32_t)draw(&state, 300); x < SIDE - 300;) {
+      int32_t end = x + 300 + (int32_t)draw(&state, 2700);
+      if (end > SIDE) end = SIDE;
+      opc_box wire = {x, y, end, y + WIDTH};
+      must(host->layout->add_box(l, cell, layer, wire, &error), &error);
+      if (!draw(&state, 5) && y + PITCH + WIDTH <= SIDE) {
+        opc_box link = {end - WIDTH, y, end, y + PITCH + WIDTH};
+        must(host->layout->add_box(l, cell, layer, link, &error), &error);
+      }
+      x = end + 150 + (int32_t)draw(&state, 200);
+    }
+  return l;
+}
+
+static opc_module *module(const char *id, const char *parameters) {
+  opc_error error;
+  opc_module *m = opc_test_module(id, parameters, &error);
+  if (!m) must(OPC_FAILED, &error);
+  return m;
+}
+
+/* The whole step. */
+static double correct(opc_gates *gates) {
+  g_autofree char *parameters = g_strdup_printf(
+      "{ litho: { use: litho.hopkins }, resist: { use: resist.threshold, "
+      "threshold: 0.4, active_threshold: 0.4 }, extract: { use: extract.plain, "
+      "devices: '%s/data/devices/ptm65.yaml' }, synthesizer: { use: mask.epe, "
+      "fragment: 32 nm, blur: 50 nm, iterations: %d } }",
+      g_getenv("OPCFLOW_SOURCE") ? g_getenv("OPCFLOW_SOURCE") : ".",
+      ITERATIONS);
+  g_autoptr(opc_module) m = module("correct", parameters);
+  opc_error error;
+  void *outputs[1];
+  opc_test_input(m, "gates", gates);
+  gint64 before = g_get_monotonic_time();
+  must(opc_test_run(m, outputs, &error), &error);
+  double seconds = (double)(g_get_monotonic_time() - before) / 1e6;
+  opc_test_release(m, outputs);
+  return seconds;
+}
+
+/* mask.epe alone, on errors made up. */
+static double alone(opc_gates *gates) {
+  g_autofree char *parameters = g_strdup_printf(
+      "{ fragment: 32 nm, blur: 50 nm, iterations: %d }", ITERATIONS);
+  g_autoptr(opc_module) m = module("mask.epe", parameters);
+  const opc_synthesizer *s = m->plugin->operations;
+  opc_cuts cuts = {.size = sizeof cuts};
+  opc_error error;
+  opc_feedback f = {.size = sizeof f, .gates = gates};
+  gint64 before = g_get_monotonic_time();
+  must(s->begin(m->self, &f, &error), &error);
+  must(s->cut(m->self, gates, OPC_POLY, &cuts, &error), &error);
+  size_t n = cuts.start[cuts.polygons];
+  g_autofree double *epe = g_new0(double, n);
+  g_autofree int32_t *shift = g_new0(int32_t, n);
+  opc_moves moves = {.size = sizeof moves, .shift = {shift, NULL}};
+  f.epe[OPC_POLY] = epe;
+  for (int done = 0; !done; f.iteration++) {
+    for (size_t i = 0; i < n; i++)
+      epe[i] = 8 * sin((double)i) + 1.3 * shift[i];
+    must(s->update(m->self, &f, &moves, &done, &error), &error);
+  }
+  double seconds = (double)(g_get_monotonic_time() - before) / 1e6;
+  bench_report("epe.metal.fragments", (double)n, "", INFINITY, BENCH_HIGHER);
+  return seconds;
+}
+
+int main(void) {
+  host = opc_test_host();
+  opc_layout *layout = metal();
+  g_autoptr(opc_module) segment = module("segment.edges", "{}");
+  opc_error error;
+  void *gates[1];
+  opc_test_input(segment, "layout", layout);
+  must(opc_test_run(segment, gates, &error), &error);
+  opc_set_threads(2);
+  double all[RUNS];
+  for (int i = 0; i < RUNS; i++) all[i] = correct(gates[0]);
+  bench_report("epe.metal_30um.two_cores", bench_median(all, RUNS), "s", 2,
+               BENCH_LOWER);
+  bench_report("epe.metal_30um.synthesizer", alone(gates[0]), "s", INFINITY,
+               BENCH_LOWER);
+  opc_test_release(segment, gates);
+  host->layout->destroy(layout);
+  return bench_write("epe");
+}

@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Fragments are shorter than what the optics resolve: a move of one changes the
+   print of all that are near, whatever their direction, as it adds light there
+   or takes it away. It is taken to spread as a Gaussian. */
+#include "epe.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Coupling is left out from so many standard deviations on. */
+static const double furthest = 2.5;
+
+static double length_of(const epe_piece *p) {
+  return abs(p->to.x - p->from.x) + abs(p->to.y - p->from.y);
+}
+
+/* What a unit move of fragment j does at a site at (x, y): the part of the
+   Gaussian along an infinite straight edge that lies on j. */
+static double weight_at(const epe_layer *l, double x, double y, uint32_t j) {
+  const epe_piece *p = &l->pieces[j];
+  double s = l->rules->blur;
+  double across = p->axis == OPC_X ? x - p->from.x : y - p->from.y;
+  double at = p->axis == OPC_X ? y : x;
+  double a = (epe_along(p, p->from) - at) / (s * M_SQRT2);
+  double b = (epe_along(p, p->to) - at) / (s * M_SQRT2);
+  return exp(-across * across / (2 * s * s)) * fabs(erf(b) - erf(a)) / 2;
+}
+
+typedef struct coupler {
+  epe_layer *layer;
+  epe_bins bins;           /* of the middles of the fragments */
+  double grid, longest;
+} coupler;
+
+/* Does fragment j reach into the square around (x, y)? */
+static int is_near(const epe_piece *p, double x, double y, double reach) {
+  return fmin(p->from.x, p->to.x) < x + reach &&
+         fmax(p->from.x, p->to.x) > x - reach &&
+         fmin(p->from.y, p->to.y) < y + reach &&
+         fmax(p->from.y, p->to.y) > y - reach;
+}
+
+/* The row of site i: count what is near, or (weight not NULL) put it down. */
+static void couple_site(const coupler *c, uint32_t i) {
+  epe_layer *l = c->layer;
+  epe_coupling *m = &l->coupling;
+  double x = l->site[2 * i] / c->grid, y = l->site[2 * i + 1] / c->grid;
+  double reach = furthest * l->rules->blur, far = reach + c->longest / 2;
+  const epe_bins *b = &c->bins;
+  int32_t c0 = epe_column(b, (int64_t)floor(x - far));
+  int32_t c1 = epe_column(b, (int64_t)ceil(x + far));
+  int32_t r0 = epe_row(b, (int64_t)floor(y - far));
+  int32_t r1 = epe_row(b, (int64_t)ceil(y + far));
+  uint32_t n = m->weight ? m->start[i] : 0;
+  for (int32_t r = r0; r <= r1; r++)
+    for (int32_t k = c0; k <= c1; k++) {
+      size_t at = (size_t)r * (size_t)b->columns + (size_t)k;
+      for (uint32_t q = b->start[at]; q < b->start[at + 1]; q++) {
+        uint32_t j = b->items[q];
+        if (!is_near(&l->pieces[j], x, y, reach)) continue;
+        if (m->weight) {
+          m->index[n] = j;
+          m->weight[n] = (float)weight_at(l, x, y, j);
+        }
+        n++;
+      }
+    }
+  if (!m->weight) m->start[i + 1] = n;
+}
+
+static void couple_block(void *data, size_t block) {
+  const coupler *c = data;
+  size_t end = epe_block_end(block, c->layer->count);
+  for (size_t i = block * EPE_BLOCK; i < end; i++) couple_site(c, (uint32_t)i);
+}
+
+/* Room for the rows whose lengths are in start[1] and on. */
+static int make_rows(epe_coupling *m, size_t n) {
+  for (size_t i = 0; i < n; i++) m->start[i + 1] += m->start[i];
+  size_t room = m->start[n] ? m->start[n] : 1;
+  m->index = calloc(room, sizeof *m->index);
+  m->weight = calloc(room, sizeof *m->weight);
+  return m->index && m->weight;
+}
+
+static int transpose(const epe_coupling *m, size_t n, epe_coupling *out) {
+  out->start = calloc(n + 2, sizeof *out->start);
+  if (!out->start) return 0;
+  for (uint32_t k = 0; k < m->start[n]; k++) out->start[m->index[k] + 1]++;
+  if (!make_rows(out, n)) return 0;
+  for (uint32_t i = 0; i < n; i++)
+    for (uint32_t k = m->start[i]; k < m->start[i + 1]; k++) {
+      uint32_t at = out->start[m->index[k]]++;
+      out->index[at] = i;
+      out->weight[at] = m->weight[k];
+    }
+  for (size_t i = n; i > 0; i--) out->start[i] = out->start[i - 1];
+  out->start[0] = 0;
+  return 1;
+}
+
+int epe_couple(epe_layer *l, double grid) {
+  coupler c = {.layer = l, .grid = grid};
+  opc_box *boxes = calloc(l->count ? l->count : 1, sizeof *boxes);
+  l->coupling.start = calloc(l->count + 1, sizeof *l->coupling.start);
+  for (size_t i = 0; boxes && i < l->count; i++) {
+    const epe_piece *p = &l->pieces[i];
+    int32_t x = p->from.x + (p->to.x - p->from.x) / 2;
+    int32_t y = p->from.y + (p->to.y - p->from.y) / 2;
+    boxes[i] = (opc_box){x, y, x, y};
+    c.longest = fmax(c.longest, length_of(p));
+  }
+  int ok = boxes && l->coupling.start &&
+           epe_bins_make(&c.bins, boxes, l->count,
+                         (int32_t)ceil(furthest * l->rules->blur));
+  size_t blocks = epe_blocks(l->count);
+  if (ok) l->host->parallel(l->host, blocks, couple_block, &c);
+  ok = ok && make_rows(&l->coupling, l->count);
+  if (ok) l->host->parallel(l->host, blocks, couple_block, &c);
+  ok = ok && transpose(&l->coupling, l->count, &l->transposed);
+  epe_bins_clear(&c.bins);
+  free(boxes);
+  return ok;
+}

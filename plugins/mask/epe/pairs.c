@@ -1,0 +1,320 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Width, space and edges of the mask: pairs of fragments that face each other, found
+   once, and kept apart at every move. Distances are Euclidean, as a mask shop
+   checks them; a pair that is drawn too near may not come nearer. */
+#include "epe.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* From fragment a to b, which lies on the side of the larger coordinate. */
+typedef struct gap {
+  double across;  /* along their axis */
+  double along;   /* between their ends; 0 or less if they overlap */
+} gap;
+
+static gap gap_of(const epe_piece *p, const int32_t *shift, uint32_t a,
+                  uint32_t b) {
+  int32_t a0 = epe_begin(p, shift, a), a1 = epe_end(p, shift, a);
+  int32_t b0 = epe_begin(p, shift, b), b1 = epe_end(p, shift, b);
+  int32_t low_a = a0 < a1 ? a0 : a1, high_a = a0 < a1 ? a1 : a0;
+  int32_t low_b = b0 < b1 ? b0 : b1, high_b = b0 < b1 ? b1 : b0;
+  return (gap){(double)epe_line(p, shift, b) - epe_line(p, shift, a),
+               fmax((double)low_b - high_a, (double)low_a - high_b)};
+}
+
+/* ---- finding them ---- */
+
+typedef struct finder {
+  epe_layer *layer;
+  epe_bins bins;
+  size_t room;
+} finder;
+
+static int add_pair(finder *f, epe_pair pair) {
+  epe_layer *l = f->layer;
+  if (l->pair_count == f->room) {
+    size_t room = f->room ? 2 * f->room : 256;
+    epe_pair *grown = realloc(l->pairs, room * sizeof *grown);
+    if (!grown) return 0;
+    l->pairs = grown;
+    f->room = room;
+  }
+  l->pairs[l->pair_count++] = pair;
+  return 1;
+}
+
+/* How far the ends of a fragment may come to move along its edge. */
+static double stretch(const epe_layer *l, uint32_t i) {
+  return l->pieces[i].corner ? l->rules->max_shift : 0;
+}
+
+/* Fragment i has its outside towards larger coordinates, j towards smaller
+   ones: across a space if j lies beyond i, else through the inside. */
+static int consider(finder *f, uint32_t i, uint32_t j) {
+  epe_layer *l = f->layer;
+  const epe_piece *p = l->pieces;
+  int32_t off = epe_line(p, NULL, j) - epe_line(p, NULL, i);
+  if (!off) return 1;
+  int inside = off < 0;
+  uint32_t a = inside ? j : i, b = inside ? i : j;
+  double limit = inside ? l->rules->min_width : l->rules->min_space;
+  gap g = gap_of(p, NULL, a, b);
+  if (g.across > limit + 2 * l->rules->max_shift ||
+      g.along > limit + stretch(l, a) + stretch(l, b))
+    return 1;
+  /* Corners of two polygons that look past each other have no inside between
+     them. */
+  if (inside && g.along >= 0 && p[i].polygon != p[j].polygon && !p[i].hole &&
+      !p[j].hole)
+    return 1;
+  double drawn = g.along > 0 ? hypot(g.across, g.along) : g.across;
+  return add_pair(f, (epe_pair){a, b, (uint16_t)inside, 0,
+                                (float)fmin(limit, drawn)});
+}
+
+static opc_box box_of(const epe_piece *p, int32_t grown) {
+  opc_box b = {p->from.x < p->to.x ? p->from.x : p->to.x,
+               p->from.y < p->to.y ? p->from.y : p->to.y,
+               p->from.x < p->to.x ? p->to.x : p->from.x,
+               p->from.y < p->to.y ? p->to.y : p->from.y};
+  return (opc_box){b.x0 - grown, b.y0 - grown, b.x1 + grown, b.y1 + grown};
+}
+
+/* A fragment may lie in several cells: it is met in the first one. */
+static int meets_here(const epe_bins *b, opc_box mine, opc_box other,
+                      int32_t column, int32_t row) {
+  int32_t c = epe_column(b, other.x0), c0 = epe_column(b, mine.x0);
+  int32_t r = epe_row(b, other.y0), r0 = epe_row(b, mine.y0);
+  return column == (c > c0 ? c : c0) && row == (r > r0 ? r : r0);
+}
+
+static int find_around(finder *f, uint32_t i, int32_t reach) {
+  const epe_bins *b = &f->bins;
+  const epe_piece *p = f->layer->pieces;
+  opc_box mine = box_of(&p[i], reach);
+  for (int32_t r = epe_row(b, mine.y0); r <= epe_row(b, mine.y1); r++)
+    for (int32_t c = epe_column(b, mine.x0); c <= epe_column(b, mine.x1); c++) {
+      size_t at = (size_t)r * (size_t)b->columns + (size_t)c;
+      for (uint32_t k = b->start[at]; k < b->start[at + 1]; k++) {
+        uint32_t j = b->items[k];
+        if (p[j].axis != p[i].axis || p[j].sign > 0) continue;
+        if (!meets_here(b, mine, box_of(&p[j], 0), c, r)) continue;
+        if (!consider(f, i, j)) return 0;
+      }
+    }
+  return 1;
+}
+
+/* How far fragment i begins (side 0) or ends (1) from the corner of its edge
+   there. */
+static int32_t off_corner(const epe_layer *l, uint32_t i, int side) {
+  const epe_piece *p = l->pieces;
+  uint32_t first = l->edge[p[i].edge], last = l->edge[p[i].edge + 1] - 1;
+  return side ? abs(epe_along(&p[i], p[last].to) - epe_along(&p[i], p[i].to))
+              : abs(epe_along(&p[i], p[first].from) -
+                    epe_along(&p[i], p[i].from));
+}
+
+/* Fragments before and after the corner at the end of fragment i, but not those
+   that meet in it: at a concave corner nubs of both come near to each other, at
+   a convex one notches. */
+static int find_at_corner(finder *f, uint32_t i) {
+  epe_layer *l = f->layer;
+  const epe_piece *p = l->pieces;
+  uint32_t j = p[i].next;
+  if (!(p[i].corner & EPE_TO)) return 1;
+  int inside = (p[i].sign * p[j].sign > 0) == (p[i].axis == OPC_X);
+  int32_t limit = inside ? l->rules->min_width : l->rules->min_space;
+  int32_t reach = limit + l->rules->max_shift;
+  for (uint32_t a = i; !(p[a].corner & EPE_FROM);) {
+    a = p[a].previous;
+    if (off_corner(l, a, 1) >= reach) break;
+    for (uint32_t b = j; !(p[b].corner & EPE_TO);) {
+      b = p[b].next;
+      if (off_corner(l, b, 0) >= reach) break;
+      double drawn = hypot(off_corner(l, a, 1), off_corner(l, b, 0));
+      epe_pair pair = {a, b, (uint16_t)inside, 1, (float)fmin(limit, drawn)};
+      if (!add_pair(f, pair)) return 0;
+    }
+  }
+  return 1;
+}
+
+int epe_find_pairs(epe_layer *l) {
+  const epe_rules *r = l->rules;
+  finder f = {.layer = l};
+  int32_t most = r->min_width > r->min_space ? r->min_width : r->min_space;
+  int32_t reach = most + 2 * r->max_shift;
+  if (!most) return 1;
+  opc_box *boxes = calloc(l->count ? l->count : 1, sizeof *boxes);
+  for (uint32_t i = 0; boxes && i < l->count; i++)
+    boxes[i] = box_of(&l->pieces[i], 0);
+  int ok = boxes && epe_bins_make(&f.bins, boxes, l->count, reach);
+  for (uint32_t i = 0; ok && i < l->count; i++)
+    ok = (l->pieces[i].sign < 0 || find_around(&f, i, reach)) &&
+         find_at_corner(&f, i);
+  epe_bins_clear(&f.bins);
+  free(boxes);
+  l->broken = calloc(l->pair_count ? l->pair_count : 1, 1);
+  return ok && l->broken;
+}
+
+/* ---- keeping them apart ---- */
+
+static void keep_below(epe_layer *l, uint32_t i, int32_t most) {
+  if (most < 0) most = 0;
+  if (l->high[i] <= most) return;
+  l->high[i] = most;
+  l->state[l->pieces[i].edge] |= EPE_NARROWED;
+}
+
+static void keep_above(epe_layer *l, uint32_t i, int32_t least) {
+  if (least > 0) least = 0;
+  if (l->low[i] >= least) return;
+  l->low[i] = least;
+  l->state[l->pieces[i].edge] |= EPE_NARROWED;
+}
+
+/* The neighbours around the corners of a fragment have made it longer: they go
+   back by a step. */
+static void draw_in(epe_layer *l, const int32_t *shift, uint32_t i) {
+  const epe_piece *p = &l->pieces[i];
+  uint32_t around[2] = {p->previous, p->next};
+  for (int k = 0; k < 2; k++) {
+    if (!(p->corner & (k ? EPE_TO : EPE_FROM))) continue;
+    uint32_t n = around[k];
+    if (shift[n] > 0) keep_below(l, n, shift[n] - 1);
+    if (shift[n] < 0) keep_above(l, n, shift[n] + 1);
+  }
+}
+
+static void leave_as_drawn(epe_layer *l, uint32_t i) {
+  const epe_piece *p = &l->pieces[i];
+  uint32_t all[3] = {i, p->previous, p->next};
+  for (int k = 0; k < 3; k++) {
+    l->low[all[k]] = l->high[all[k]] = 0;
+    l->state[l->pieces[all[k]].edge] |= EPE_WHOLE | EPE_NARROWED;
+  }
+}
+
+/* Both go back by their part of what is missing. */
+static void give_way(epe_layer *l, const int32_t *shift, const epe_pair *pair,
+                     double missing) {
+  int sign = pair->inside ? -1 : 1;   /* of the moves that close the gap */
+  uint32_t who[2] = {pair->a, pair->b};
+  double part[2], all = 0;
+  for (int k = 0; k < 2; k++) all += part[k] = fmax(0, sign * shift[who[k]]);
+  for (int k = 0; k < 2; k++) {
+    if (part[k] <= 0) continue;
+    int32_t back = (int32_t)ceil(missing * part[k] / all);
+    if (sign > 0) keep_below(l, who[k], shift[who[k]] - back);
+    else keep_above(l, who[k], shift[who[k]] + back);
+  }
+  if (all >= missing) return;
+  for (int k = 0; k < 2; k++) draw_in(l, shift, who[k]);
+}
+
+/* The grid's corners are exact; a float's last bit is none of theirs. */
+static const double slack = 1e-3;
+
+/* How near the jogs of two fragments around a corner are to each other; far,
+   if not both of them stand out. */
+static double around_corner(const epe_layer *l, const int32_t *shift,
+                            const epe_pair *pair) {
+  uint32_t a = pair->a, b = pair->b;
+  int sign = pair->inside ? -1 : 1;
+  int32_t by_a = sign * shift[a], by_b = sign * shift[b];
+  if (by_a <= sign * shift[l->pieces[a].next] ||
+      by_b <= sign * shift[l->pieces[b].previous])
+    return INFINITY;
+  return hypot(fmax(0, off_corner(l, b, 0) - by_a),
+               fmax(0, off_corner(l, a, 1) - by_b));
+}
+
+static int too_near(const epe_layer *l, const int32_t *shift,
+                    const epe_pair *pair) {
+  const epe_piece *p = l->pieces;
+  double limit = pair->limit - slack;
+  if (pair->corner) return around_corner(l, shift, pair) < limit;
+  if (epe_line(p, shift, pair->b) - epe_line(p, shift, pair->a) >= limit)
+    return 0;
+  gap g = gap_of(p, shift, pair->a, pair->b);
+  /* Past each other, the wall of one faces a jog or the wall of the other. */
+  return g.along <= 0 || hypot(fmax(g.across, 0), g.along) < limit;
+}
+
+typedef struct search {
+  epe_layer *layer;
+  const int32_t *shift;
+} search;
+
+static void search_block(void *data, size_t block) {
+  const search *s = data;
+  epe_layer *l = s->layer;
+  size_t end = epe_block_end(block, l->pair_count);
+  for (size_t k = block * EPE_BLOCK; k < end; k++)
+    l->broken[k] = (uint8_t)too_near(l, s->shift, &l->pairs[k]);
+}
+
+/* The fragment that moved a corner by `off`, the wrong way, goes back by its
+   part of what is missing. */
+static void yield(epe_layer *l, const int32_t *shift, uint32_t i, double off,
+                  double part) {
+  int32_t back = (int32_t)ceil(off * part);
+  if (shift[i] > 0) keep_below(l, i, shift[i] - back);
+  if (shift[i] < 0) keep_above(l, i, shift[i] + back);
+}
+
+/* An edge whose corners have come too near to each other, or have changed
+   places: the edges around it go back. No edge gets shorter than min_edge, or
+   than it was drawn if that is less. */
+static int lengthen(epe_layer *l, const int32_t *shift, size_t e, int hard) {
+  const epe_piece *p = l->pieces;
+  uint32_t first = l->edge[e], last = l->edge[e + 1] - 1;
+  int way = (p[first].axis == OPC_X) == (p[first].sign > 0) ? 1 : -1;
+  double begin = epe_begin(p, shift, first), end = epe_end(p, shift, last);
+  double drawn_begin = epe_begin(p, NULL, first);
+  double drawn_end = epe_end(p, NULL, last);
+  double least = fmin(way * (drawn_end - drawn_begin), l->rules->min_edge);
+  double missing = least - way * (end - begin);
+  if (missing <= 0) return 0;
+  if (hard) {
+    leave_as_drawn(l, first);
+    leave_as_drawn(l, last);
+    return 1;
+  }
+  double from = fmax(0, way * (begin - drawn_begin));
+  double to = fmax(0, way * (drawn_end - end));
+  yield(l, shift, p[first].previous, from, missing / (from + to));
+  yield(l, shift, p[last].next, to, missing / (from + to));
+  return 1;
+}
+
+size_t epe_part(epe_layer *l, const int32_t *shift, int hard) {
+  search s = {l, shift};
+  size_t found = 0;
+  l->host->parallel(l->host, epe_blocks(l->pair_count), search_block, &s);
+  for (size_t k = 0; k < l->pair_count; k++) {
+    if (!l->broken[k]) continue;
+    const epe_pair *pair = &l->pairs[k];
+    found++;
+    if (hard) {
+      leave_as_drawn(l, pair->a);
+      leave_as_drawn(l, pair->b);
+      continue;
+    }
+    if (pair->corner) {
+      give_way(l, shift, pair, pair->limit - around_corner(l, shift, pair));
+      continue;
+    }
+    gap g = gap_of(l->pieces, shift, pair->a, pair->b);
+    double limit = pair->limit;
+    double needed =
+        g.along > 0 ? sqrt(limit * limit - g.along * g.along) : limit;
+    give_way(l, shift, pair, fmax(needed - slack - g.across, slack));
+  }
+  for (size_t e = 0; e < l->edges; e++)
+    found += (size_t)lengthen(l, shift, e, hard);
+  return found;
+}

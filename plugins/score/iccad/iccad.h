@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the files of score.iccad share: pixels of 1 nm on a square tile that
+   repeats. */
+#ifndef OPCFLOW_ICCAD_H
+#define OPCFLOW_ICCAD_H
+
+#include <opcflow/opcflow.h>
+
+typedef struct iccad_tile {
+  int32_t x0, y0;   /* lower left corner, nm */
+  int32_t side;     /* nm, and pixels */
+} iccad_tile;
+
+/* A site of the target's boundary: the pixel inside of it, and the step of one
+   pixel outwards. */
+typedef struct iccad_site {
+  int32_t x, y;
+  int8_t dx, dy;
+} iccad_site;
+
+/* The pixels whose middle lies in the shapes are 1. */
+int iccad_fill(const opc_host *host, const opc_shapes *shapes, double grid,
+               const iccad_tile *tile, uint8_t *pixels, opc_error *error);
+
+/* The pixels where the print of a mask is positive, of the intensity times
+   `dose`, out of focus by `defocus`. */
+typedef struct iccad_print {
+  const opc_host *host;
+  const opc_module *litho, *resist;
+  const iccad_tile *tile;
+} iccad_print;
+int iccad_expose(const iccad_print *print, const opc_spectrum *mask,
+                 double dose, double defocus, uint8_t *pixels,
+                 opc_error *error);
+
+/* The sites along the edges of the target, `spacing` apart; *sites is freed
+   with host->free. */
+int iccad_sites(const opc_host *host, const opc_shapes *target, double grid,
+                int32_t spacing, iccad_site **sites, size_t *count,
+                opc_error *error);
+
+/* A pixel of the tile, which repeats. */
+static inline uint8_t iccad_at(const iccad_tile *t, const uint8_t *pixels,
+                               int64_t x, int64_t y) {
+  int64_t c = (x - t->x0) % t->side, r = (y - t->y0) % t->side;
+  if (c < 0) c += t->side;
+  if (r < 0) r += t->side;
+  return pixels[r * t->side + c];
+}
+
+#endif

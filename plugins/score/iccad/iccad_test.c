@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Figures of prints that are known: nothing, everything; and of the contest's
+   first clip as drawn, which another program has counted. */
+#include "core/plugin/testing.h"
+
+#include <math.h>
+#include <string.h>
+
+static const opc_host *host;
+
+/* The box 0 0 200 60, drawn and as mask, on a grid of 1 nm. */
+static opc_point points[] = {{0, 0}, {200, 0}, {200, 60}, {0, 60}};
+static uint32_t start[] = {0, 4};
+static const opc_gates gates = {
+    .size = sizeof gates, .grid = 1, .extent = {0, 0, 200, 60},
+    .drawn = {[OPC_POLY] = {1, start, points, NULL}}};
+
+static opc_module *score(const char *more) {
+  opc_error error;
+  g_autofree char *p = g_strdup_printf("{ %s }", more);
+  opc_module *m = opc_test_module("score.iccad", p, &error);
+  if (!m) g_error("%s", error.message);
+  return m;
+}
+
+static void expect(const char *column, double value) {
+  g_assert_cmpfloat(opc_test_number("iccad", column, 0), ==, value);
+}
+
+/* A kernel that passes little but the mean: no light to speak of, everywhere. */
+static char *write_kernel(void) {
+  /* 3 x 3: 1 in the middle, and 0.001 beside it. */
+  static const uint8_t kernel[24 + 72] = {
+      [3] = 3, [7] = 3, [11] = 2, [56] = 0x3f, 0x80, [64] = 0x3a, 0x83};
+  g_autofree char *file = g_build_filename(opc_test_folder(), "fh0.bin", NULL);
+  char *scales = g_build_filename(opc_test_folder(), "scales.txt", NULL);
+  g_assert_true(g_file_set_contents(file, (const char *)kernel, sizeof kernel,
+                                    NULL));
+  g_assert_true(g_file_set_contents(scales, "1\n1\n", -1, NULL));
+  return scales;
+}
+
+/* Bright features do not print in the dark, dark ones do everywhere. Sites
+   of an edge of 200: 40, 80 from both ends; of one of 60: its middle. */
+static void test_extremes(void) {
+  g_autofree char *kernel = write_kernel();
+  for (int all = 0; all < 2; all++) {
+    g_autofree char *p = g_strdup_printf(
+        "tile: 1024 nm, defocus: 0 nm, litho: { use: litho.kernels, period: "
+        "1024 nm, focus: '%s' }, resist: { use: resist.threshold, tone: %s, "
+        "threshold: 0.5, active_threshold: 0.5 }",
+        kernel, all ? "dark" : "bright");
+    g_autoptr(opc_module) m = score(p);
+    opc_mask mask = {.size = sizeof mask, .gates = &gates};
+    mask.shapes[OPC_POLY] = gates.drawn[OPC_POLY];
+    opc_error error;
+    opc_test_input(m, "mask", &mask);
+    if (opc_test_run(m, NULL, &error)) g_error("%s", error.message);
+    expect("sites", 10);
+    expect("epe_inner", all ? 0 : 10);
+    expect("epe_outer", all ? 10 : 0);
+    expect("l2", all ? 1024 * 1024 - 200 * 60 : 200 * 60);
+    expect("pvb", 0);
+    expect("shots", 1);
+    g_assert_cmpfloat(opc_test_metric("epe"), ==, 10);
+  }
+}
+
+static void test_refused(void) {
+  g_autoptr(opc_module) m = score(
+      "tile: 128 nm, litho: { use: litho.hopkins }, resist: { use: "
+      "resist.threshold, threshold: 0.4, active_threshold: 0.4 }");
+  opc_mask mask = {.size = sizeof mask, .gates = &gates};
+  opc_error error;
+  opc_test_input(m, "mask", &mask);
+  g_assert_cmpint(opc_test_run(m, NULL, &error), ==, OPC_INVALID);
+  g_assert_nonnull(strstr(error.message, "too large"));
+}
+
+/* As drawn, a program that rasters the clip and sums up frequency by frequency
+   has L2 114,711 and a band of 43,707 nm^2. */
+static void test_clip(void) {
+  const char *data = g_getenv("OPCFLOW_TEST_DATA");
+  g_autofree char *folder =
+      g_build_filename(data ? data : "../shared/data", "clips", NULL);
+  if (!g_file_test(folder, G_FILE_TEST_IS_DIR)) {
+    g_test_skip("no clips");
+    return;
+  }
+  opc_error error;
+  void *layout[1], *edges[1];
+  g_autofree char *file =
+      g_strdup_printf("{ file: '%s/iccad2013/M1_test1.glp' }", folder);
+  g_autoptr(opc_module) read = opc_test_module("read.glp", file, &error);
+  g_autoptr(opc_module) segment =
+      opc_test_module("segment.edges", "{ layer: M1 }", &error);
+  g_assert_cmpint(opc_test_run(read, layout, &error), ==, OPC_OK);
+  opc_test_input(segment, "layout", layout[0]);
+  g_assert_cmpint(opc_test_run(segment, edges, &error), ==, OPC_OK);
+  g_autofree char *p = g_strdup_printf(
+      "litho: { use: litho.kernels, focus: '%s/kernels/focus/scales.txt', "
+      "defocus: '%s/kernels/defocus/scales.txt' }, resist: { use: "
+      "resist.threshold, tone: bright, threshold: 0.225, active_threshold: "
+      "0.225 }",
+      folder, folder);
+  g_autoptr(opc_module) m = score(p);
+  const opc_gates *g = edges[0];
+  opc_mask mask = {.size = sizeof mask, .gates = g};
+  mask.shapes[OPC_POLY] = g->drawn[OPC_POLY];
+  opc_test_input(m, "mask", &mask);
+  if (opc_test_run(m, NULL, &error)) g_error("%s", error.message);
+  double l2 = opc_test_number("iccad", "l2", 0);
+  double pvb = opc_test_number("iccad", "pvb", 0);
+  g_assert_cmpfloat(fabs(pvb - 43707), <=, 60);
+  g_assert_cmpfloat(fabs(l2 - 114711), <=, 60);
+  opc_test_release(segment, edges);
+  opc_test_release(read, layout);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  host = opc_test_host();
+  g_test_add_func("/iccad/extremes", test_extremes);
+  g_test_add_func("/iccad/refused", test_refused);
+  g_test_add_func("/iccad/clip", test_clip);
+  return g_test_run();
+}
