@@ -2,188 +2,80 @@
 /* mask.dpb: device performance-based OPC (thesis 3.2.2 (2), figure 3.3). Each
    transistor on its own: a first jump of its length, then steps of one grid
    unit, on while the performance deviation error falls, back when it rises;
-   length first (coarse), then width (fine). */
-#include <opcflow/mask.h>
-
+   length first (coarse), then width (fine). control.c has the steps of one
+   transistor, descent.c those of all. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
+
+#include "descent.h"
+#include "table.h"
 
 /* ---- state ---- */
 
-enum { COARSE, FINE, SETTLED };
-
-/* Why a transistor stays where it is. */
-enum { WITHIN, GRID, BRIDGING, BIAS, MOVING, VERDICTS };
-static const char *const verdicts[VERDICTS] = {
-    "within limit", "grid", "bridging", "bias limit", "not done"};
-
-typedef struct transistor {
-  double pde;         /* of the last measurement, % */
-  double by_l;        /* what the last step of L changed it by; 0: none yet */
-  uint8_t phase;
-  uint8_t verdict;
-  int8_t l, w;        /* its last step */
-  uint8_t barred;     /* steps of L that the regulator took back, as vetoes */
-  uint8_t reopened;   /* how often its neighbours moved it from its minimum */
-} transistor;
-
 typedef struct dpb {
   const opc_host *host;
-  double max_pde;     /* % */
-  double init_adjust; /* nm */
-  double max_bias;    /* nm */
-  transistor *state;
-  size_t count;
+  double max_pde;           /* % */
+  double init_adjust;       /* nm; 0: one step towards the smaller error */
+  const char *table_path;   /* NULL: that for all */
+  first_table table;
+  double max_bias;          /* nm */
+  int proportional;
+  descent descent;
 } dpb;
-
-/* A settled transistor that its neighbours disturb is taken up again, this
-   often at most. */
-enum { REOPENINGS = 8 };
 
 /* ---- work ---- */
 
+/* PDE, eq. 3.1, with Ion as the performance. */
+static double pde(const void *self, const opc_feedback *f, size_t i) {
+  double design = f->design->ion[i];
+  (void)self;
+  return 100 * (f->printed->ion[i] - design) / design;
+}
+
+static int32_t first(const void *self, const opc_feedback *f, size_t i) {
+  const dpb *d = self;
+  const opc_gates *g = f->gates;
+  double nm = d->table_path
+                  ? first_table_look(&d->table, g->length[i], g->width[i])
+                  : d->init_adjust;
+  return (int32_t)lround(nm / g->grid);
+}
+
 static int begin(void *self, const opc_feedback *f, opc_error *error) {
   dpb *d = self;
-  free(d->state);
-  d->count = f->gates->count;
-  d->state = calloc(d->count ? d->count : 1, sizeof *d->state);
-  if (d->state) return OPC_OK;
-  return d->host->fail(d->host, error, OPC_FAILED, NULL, "out of memory");
-}
-
-static void settle(transistor *t, int verdict) {
-  t->phase = SETTLED;
-  t->verdict = (uint8_t)verdict;
-  t->l = t->w = 0;
-}
-
-/* Too much current: longer or narrower; too little: shorter or wider. */
-static int longer(double pde) { return pde > 0 ? 1 : -1; }
-
-/* The first correction: init_adjust towards the smaller error. */
-static void jump(const dpb *d, transistor *t, double pde, double grid,
-                 int32_t *l) {
-  int steps = (int)lround(d->init_adjust / grid);
-  t->verdict = MOVING;
-  t->l = (int8_t)longer(pde);
-  *l += longer(pde) * (steps > 0 ? steps : 1);
-}
-
-/* Did the last step go past the minimum? Every step goes the way that lowers
-   |PDE|; an error that rises with the same sign is the neighbours' doing. */
-static int passed(const transistor *t, double pde) {
-  return (pde > 0) != (t->pde > 0);
-}
-
-/* One step of L. Returns 0 if L stays as it is, and W is to be taken. */
-static int step_length(transistor *t, double pde, uint32_t veto, int32_t limit,
-                       int32_t *l) {
-  uint32_t last = t->l > 0 ? OPC_VETO_LONGER : OPC_VETO_SHORTER;
-  int bad = t->l && veto & last;
-  if (bad) t->barred |= (uint8_t)last;
-  if (t->l) t->by_l = fabs(pde - t->pde);
-  if (t->l && (bad || passed(t, pde))) {
-    int back = bad || fabs(pde) > fabs(t->pde);
-    if (back) *l -= t->l;
-    t->l = 0;
-    t->phase = FINE;
-    return back;
-  }
-  int step = longer(pde);
-  uint32_t forbidden = step > 0 ? OPC_VETO_LONGER : OPC_VETO_SHORTER;
-  if ((veto | t->barred) & forbidden || abs(*l + step) > limit) {
-    t->l = 0;
-    t->phase = FINE;
-    return 0;
-  }
-  t->l = (int8_t)step;
-  *l += step;
-  return 1;
-}
-
-static void step_width(transistor *t, double pde, uint32_t veto, int32_t limit,
-                       int32_t *w) {
-  if (t->w && passed(t, pde)) {   /* the minimum: here or one step back */
-    if (fabs(pde) > fabs(t->pde)) *w -= t->w;
-    settle(t, GRID);
-    return;
-  }
-  int step = -longer(pde);
-  uint32_t forbidden = step > 0 ? OPC_VETO_WIDER : OPC_VETO_NARROWER;
-  if (veto & forbidden || abs(*w + step) > limit) {
-    settle(t, veto & forbidden ? BRIDGING : BIAS);
-    return;
-  }
-  t->w = (int8_t)step;
-  *w += step;
-}
-
-/* Past its minimum of L or of both, a transistor is there no more when its
-   neighbours have changed: it goes back to where a step would still help. A
-   step of W changes Ion by its part of W (Ion is proportional to it), one of L
-   by what it did last. */
-static void reconsider(transistor *t, double pde, double by_w, uint32_t veto) {
-  if (t->reopened >= REOPENINGS) return;
-  uint32_t forbidden = pde > 0 ? OPC_VETO_LONGER : OPC_VETO_SHORTER;
-  int phase = t->phase;
-  if (t->by_l > 0 && fabs(pde) > 0.55 * t->by_l && !((veto | t->barred) & forbidden))
-    phase = COARSE;
-  else if (t->phase == SETTLED && fabs(pde) > 0.75 * by_w)
-    phase = FINE;
-  if (phase == t->phase) return;
-  t->phase = (uint8_t)phase;
-  t->l = t->w = 0;
-  t->reopened++;
-}
-
-/* Figure 3.3 for one transistor: the next l and w. */
-static void correct(const dpb *d, transistor *t, double pde, double width,
-                    double grid, uint32_t veto, int32_t *l, int32_t *w) {
-  int32_t limit = (int32_t)(d->max_bias / grid);
-  int32_t half = (int32_t)(width / grid / 2);
-  if (fabs(pde) <= d->max_pde && !(veto & OPC_VETO_LONGER && t->l > 0)) {
-    t->verdict = WITHIN;
-    t->l = t->w = 0;
-    return;
-  }
-  if (t->phase != COARSE) reconsider(t, pde, 100 * grid / width, veto);
-  if (t->phase == SETTLED) return;
-  t->verdict = MOVING;
-  if (t->phase == COARSE && step_length(t, pde, veto, limit, l)) return;
-  step_width(t, pde, veto, limit < half ? limit : half, w);
+  d->descent.rules = control_rules_make(d->max_pde, d->max_bias, f->gates->grid,
+                                        d->proportional);
+  d->descent.error = pde;
+  d->descent.first = first;
+  d->descent.self = d;
+  if (!descent_begin(&d->descent, f->gates->count))
+    return d->host->fail(d->host, error, OPC_FAILED, NULL, "out of memory");
+  first_table_clear(&d->table);
+  return d->table_path
+             ? first_table_read(d->host, d->table_path, &d->table, error)
+             : OPC_OK;
 }
 
 static int update(void *self, const opc_feedback *f, opc_moves *moves,
                   int *done, opc_error *error) {
   dpb *d = self;
   (void)error;
-  *done = 1;
-  double grid = f->gates->grid;
-  for (size_t i = 0; i < d->count; i++) {
-    transistor *t = &d->state[i];
-    double design = f->design->ion[i];
-    double pde = 100 * (f->printed->ion[i] - design) / design;   /* eq. 3.1 */
-    int32_t l = moves->l[i], w = moves->w[i];
-    if (f->iteration == 0 && fabs(pde) > d->max_pde)
-      jump(d, t, pde, grid, &moves->l[i]);
-    else
-      correct(d, t, pde, f->gates->width[i], grid, f->vetoes[i], &moves->l[i],
-              &moves->w[i]);
-    t->pde = pde;
-    if (l != moves->l[i] || w != moves->w[i]) *done = 0;
-  }
+  descent_moves m = descent_update(&d->descent, f, moves, 0);
+  d->host->log(d->host, OPC_LOG_DEBUG,
+               "iteration %u: %zu lengths and %zu widths move", f->iteration,
+               m.lengths, m.widths);
+  *done = !m.lengths && !m.widths && !m.changed;
   return OPC_OK;
 }
 
 static const char *verdict(const void *self, size_t gate) {
-  const dpb *d = self;
-  return gate < d->count ? verdicts[d->state[gate].verdict] : NULL;
+  const descent *d = &((const dpb *)self)->descent;
+  return gate < d->count ? control_verdict(&d->state[gate]) : NULL;
 }
 
 /* ---- parameters ---- */
 
-enum { MAX_PDE, INIT_ADJUST, MAX_BIAS, PARAMETERS };
+enum { MAX_PDE, INIT_ADJUST, INIT_ADJUST_TABLE, MAX_BIAS, W_STEP, PARAMETERS };
 
 static const opc_parameter parameters[PARAMETERS] = {
     [MAX_PDE] = {.name = "max_pde", .type = OPC_REAL, .flags = OPC_ABOVE,
@@ -192,13 +84,21 @@ static const opc_parameter parameters[PARAMETERS] = {
                             "is left alone"},
     [INIT_ADJUST] = {.name = "init_adjust", .type = OPC_REAL,
                      .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
-                     .preset = "1 nm", .min = 0, .max = 15,
-                     .summary = "size of the first correction of L, towards the "
-                                "smaller error; at least one grid step"},
-    [MAX_BIAS] = {.name = "max_bias", .type = OPC_REAL, .flags = OPC_ABOVE,
-                  .unit = "nm", .preset = "80 nm",
+                     .preset = "0 nm", .min = -100, .max = 100,
+                     .summary = "first correction of L, longer if positive; "
+                                "0 nm: one grid step towards the smaller error"},
+    [INIT_ADJUST_TABLE] = {.name = "init_adjust_table", .type = OPC_FILE,
+                           .summary = "first corrections by L and W, CSV: that "
+                                      "of the nearest L, then of the nearest W"},
+    [MAX_BIAS] = {.name = "max_bias", .type = OPC_REAL,
+                  .flags = OPC_ABOVE | OPC_AT_MOST, .unit = "nm",
+                  .preset = "80 nm", .max = 10000,
                   .summary = "largest correction of L or of W, and no more than "
                              "half of W"},
+    [W_STEP] = {.name = "w_step", .type = OPC_CHOICE, .preset = "unit",
+                .choices = "unit|proportional",
+                .summary = "steps of W: one grid unit, or as much as the error "
+                           "asks for, as Ion is proportional to W"},
 };
 
 static void *create(const opc_host *host, const opc_value *values,
@@ -210,14 +110,18 @@ static void *create(const opc_host *host, const opc_value *values,
   }
   d->host = host;
   d->max_pde = values[MAX_PDE].real;
+  d->proportional = (int)values[W_STEP].integer;
   d->init_adjust = values[INIT_ADJUST].real;
+  if (values[INIT_ADJUST_TABLE].type != OPC_ABSENT)
+    d->table_path = values[INIT_ADJUST_TABLE].text;
   d->max_bias = values[MAX_BIAS].real;
   return d;
 }
 
 static void destroy(void *self) {
   dpb *d = self;
-  free(d->state);
+  descent_clear(&d->descent);
+  first_table_clear(&d->table);
   free(d);
 }
 

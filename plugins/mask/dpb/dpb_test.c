@@ -21,10 +21,11 @@ typedef struct model {
 
 static void run(opc_module *m, model *t) {
   const opc_synthesizer *s = m->plugin->operations;
-  double design[MOST], ion[MOST], width[MOST];
+  double design[MOST], ion[MOST], width[MOST], length[MOST];
   uint32_t flags[MOST] = {0}, vetoes[MOST];
-  for (size_t i = 0; i < t->n; i++) design[i] = 1e-3, width[i] = 200;
-  opc_gates gates = {.size = sizeof gates, .grid = 1, .count = t->n, .width = width};
+  for (size_t i = 0; i < t->n; i++) design[i] = 1e-3, width[i] = 200, length[i] = 65;
+  opc_gates gates = {.size = sizeof gates, .grid = 1, .count = t->n,
+                     .length = length, .width = width};
   opc_performance drawn = {.count = t->n, .ion = design};
   opc_performance printed = {.count = t->n, .ion = ion};
   opc_feedback f = {.size = sizeof f, .gates = &gates, .design = &drawn,
@@ -38,7 +39,7 @@ static void run(opc_module *m, model *t) {
   t->trace = g_string_new(NULL);
   t->updates = 0;
   int done = 0;
-  while (!done && t->updates < 100) {
+  while (!done && t->updates < 200) {
     for (size_t i = 0; i < t->n; i++) {
       double pde = t->offset[i] + t->by_l[i] * t->l[i] + t->by_w[i] * t->w[i];
       ion[i] = design[i] * (1 + pde / 100);
@@ -63,23 +64,106 @@ static const char *verdict(opc_module *m, size_t i) {
   return s->verdict(m->self, i);
 }
 
-/* +7 %, 3 % a step of L, 0.8 % a step of W:
-   L 1: 4, L 2: 1, L 3: -2 rises, so back to L 2: 1; then W -1: 0.2, done. */
+/* Figure 3.3 on one transistor that stands alone, +7 %, 3 % a step of L, 0.8 %
+   a step of W. The iterations:
+   0  +7.0  beyond the limit: a first correction, of one step, longer
+   1  +4.0  falls: on
+   2  +1.0  falls: on
+   3  -2.0  rises: the step is taken back
+   4  +1.0  L is at its minimum: W, one step narrower
+   5  +0.2  within the limit: no correction
+   6  +0.2  nothing has changed since: done */
 static void test_by_hand(void) {
   g_autoptr(opc_module) m = make("{ max_pde: 0.5 % }");
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8}};
   run(m, &t);
-  g_assert_cmpstr(t.trace->str, ==, "1,0 2,0 3,0 2,0 2,-1 2,-1 ");
+  g_assert_cmpstr(t.trace->str, ==, "1,0 2,0 3,0 2,0 2,-1 2,-1 2,-1 ");
   g_assert_cmpstr(verdict(m, 0), ==, "within limit");
   g_string_free(t.trace, TRUE);
 }
 
-/* Too little current, and a first jump of 3: 3 steps at once. */
+/* The same with too little current: W grows by steps of one, -6.5 % from L -2;
+   -1, and L -3 would give +2. */
+static void test_by_hand_shorter(void) {
+  g_autoptr(opc_module) m = make("{ max_pde: 0.5 % }");
+  model t = {.n = 1, .offset = {-7}, .by_l = {-3}, .by_w = {0.2}};
+  run(m, &t);
+  g_assert_cmpstr(t.trace->str, ==,
+                  "-1,0 -2,0 -3,0 -2,0 -2,1 -2,2 -2,3 -2,3 -2,3 ");
+  g_string_free(t.trace, TRUE);
+}
+
+/* Signed, applied as it is: 3 steps shorter at once, and 2 longer where it
+   should have been shorter, which steps of one then undo. */
 static void test_init_adjust(void) {
-  g_autoptr(opc_module) m = make("{ max_pde: 0.5 %, init_adjust: 3 nm }");
+  g_autoptr(opc_module) m = make("{ max_pde: 0.5 %, init_adjust: -3 nm }");
   model t = {.n = 1, .offset = {-9.2}, .by_l = {-3}, .by_w = {0.8}};
   run(m, &t);
-  g_assert_cmpstr(t.trace->str, ==, "-3,0 -3,0 ");
+  g_assert_cmpstr(t.trace->str, ==, "-3,0 -3,0 -3,0 ");
+  g_string_free(t.trace, TRUE);
+  g_autoptr(opc_module) wrong = make("{ max_pde: 0.5 %, init_adjust: 2 nm }");
+  model u = {.n = 1, .offset = {-3.2}, .by_l = {-3}, .by_w = {0.8}};
+  run(wrong, &u);
+  g_assert_cmpstr(u.trace->str, ==, "2,0 1,0 0,0 -1,0 -1,0 -1,0 ");
+  g_string_free(u.trace, TRUE);
+}
+
+/* A first correction of several steps that goes past the minimum is followed by
+   single ones; it is not taken back whole. */
+static void test_init_adjust_too_far(void) {
+  g_autoptr(opc_module) m = make("{ max_pde: 0.5 %, init_adjust: 5 nm }");
+  model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8}};
+  run(m, &t);
+  g_assert_cmpstr(t.trace->str, ==, "5,0 4,0 3,0 2,0 2,-1 2,-1 2,-1 ");
+  g_string_free(t.trace, TRUE);
+}
+
+/* By how much the error asks for: -4 % of 200 is 8 steps. The response is half
+   of what is expected, so that it comes in a few steps, the last ones single;
+   and where it is twice as much, a change of sign halves the steps. */
+static void test_proportional(void) {
+  g_autoptr(opc_module) m = make("{ max_pde: 0.1 %, w_step: proportional }");
+  model t = {.n = 1, .offset = {-4}, .by_l = {-9}, .by_w = {0.25}};
+  run(m, &t);
+  /* L -1 gives +5, back to 0; W 8: -2, 12: -1, 14: -0.5, 15: -0.25, 16: 0. */
+  g_assert_cmpstr(t.trace->str, ==,
+                  "-1,0 0,0 0,8 0,12 0,14 0,15 0,16 0,16 0,16 ");
+  g_string_free(t.trace, TRUE);
+  g_autoptr(opc_module) n = make("{ max_pde: 0.1 %, w_step: proportional }");
+  model u = {.n = 1, .offset = {-4}, .by_l = {-9}, .by_w = {1}};
+  run(n, &u);
+  /* W 8: +4; 4: 0. */
+  g_assert_cmpstr(u.trace->str, ==, "-1,0 0,0 0,8 0,4 0,4 0,4 ");
+  g_string_free(u.trace, TRUE);
+}
+
+/* Where W can go no further, L takes one more step, and W comes back. */
+static void test_exchange(void) {
+  g_autoptr(opc_module) m =
+      make("{ max_pde: 0.3 %, w_step: proportional, max_bias: 10 nm }");
+  model t = {.n = 1, .offset = {-4.5}, .by_l = {-10}, .by_w = {0.4}};
+  run(m, &t);
+  g_assert_cmpint(t.l[0], ==, -1);
+  g_assert_cmpint(t.w[0], ==, -10);
+  g_assert_cmpstr(verdict(m, 0), ==, "bias limit");
+  g_string_free(t.trace, TRUE);
+  model u = {.n = 1, .offset = {-4.5}, .by_l = {-10}, .by_w = {0.43}};
+  u.offset[0] = -4.9;
+  u.by_l[0] = -9;
+  run(m, &u);   /* +4.1 at L -1: W -10 gives -0.2; W +10 at L 0 -0.6 */
+  g_assert_cmpint(u.l[0], ==, -1);
+  g_assert_cmpstr(verdict(m, 0), ==, "within limit");
+  g_string_free(u.trace, TRUE);
+}
+
+/* No width moves while any length does. */
+static void test_coarse_before_fine(void) {
+  g_autoptr(opc_module) m = make("{ max_pde: 0.5 % }");
+  model t = {.n = 2, .offset = {1, 15.2}, .by_l = {-3, -3}, .by_w = {0.6, 0.6}};
+  run(m, &t);
+  g_assert_cmpstr(t.trace->str, ==,
+                  "1,0 0,0 0,0 0,0 0,0 0,-1 0,-1 0,-1 ");
+  g_assert_cmpint(t.l[1], ==, 5);
   g_string_free(t.trace, TRUE);
 }
 
@@ -141,10 +225,69 @@ static void test_independent(void) {
   g_string_free(t.trace, TRUE);
 }
 
+/* ---- the table of first corrections ---- */
+
+/* Writes a table into the test's folder, and gives its path. */
+static char *write_table(const char *text) {
+  char *path = g_build_filename(opc_test_folder(), "table.csv", NULL);
+  g_assert_true(g_file_set_contents(path, text, -1, NULL));
+  return path;
+}
+
+/* Transistors of L 65 and W 200: the nearest length is 65, not 60, and of its
+   widths 150 is nearer than 300 by ratio (1.33 to 1.5). */
+static void test_table(void) {
+  g_autofree char *path =
+      write_table("l (nm),w (nm),init_adjust (nm),iterations\n"
+                  "60,200,9,1\n65,300,7,1\n65,150,2,1\n100,200,5,1\n");
+  g_autofree char *given =
+      g_strdup_printf("{ max_pde: 0.5 %%, init_adjust_table: %s }", path);
+  g_autoptr(opc_module) m = make(given);
+  model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8}};
+  run(m, &t);
+  g_assert_true(g_str_has_prefix(t.trace->str, "2,0 3,0 2,0 2,-1 "));
+  g_string_free(t.trace, TRUE);
+}
+
+static void test_table_refused(void) {
+  const struct {
+    const char *text, *want;
+  } cases[] = {
+      {"l,w\n", "table.csv:1:1: there is no column 'init_adjust'"},
+      {"l,w (um),init_adjust\n", "table.csv:1:3: the unit is nm, not 'w (um)'"},
+      {"l,w,init_adjust,l\n", "table.csv:1:17: a column twice: 'l'"},
+      {"l,w,init_adjust\n65,100,x\n", "table.csv:2:8: not a number: 'x'"},
+      {"l,w,init_adjust\n65,100,nan\n", "table.csv:2:8: not a number: 'nan'"},
+      {"l,w,init_adjust\n65,0,1\n", "table.csv:2:4: not above 0: '0'"},
+      {"l,w,init_adjust\n65,100,101\n", "table.csv:2:8: beyond +-100 nm: '101'"},
+      {"l,w,init_adjust\n65,100\n", "table.csv:2:8: missing 'init_adjust'"},
+      {"l,w,init_adjust\n65,1,1\n65,1,2\n", "table.csv:3:1: a second row"},
+      {"l,w,init_adjust\n", "has no rows"},
+  };
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_autofree char *path = write_table(cases[i].text);
+    g_autofree char *given = g_strdup_printf("{ init_adjust_table: %s }", path);
+    g_autoptr(opc_module) m = make(given);
+    const opc_synthesizer *s = m->plugin->operations;
+    opc_gates gates = {.size = sizeof gates, .grid = 1};
+    opc_feedback f = {.size = sizeof f, .gates = &gates};
+    opc_error error = {0};
+    g_assert_cmpint(s->begin(m->self, &f, &error), ==, OPC_INVALID);
+    g_assert_nonnull(strstr(error.message, cases[i].want));
+  }
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/dpb/by-hand", test_by_hand);
+  g_test_add_func("/dpb/by-hand-shorter", test_by_hand_shorter);
   g_test_add_func("/dpb/init-adjust", test_init_adjust);
+  g_test_add_func("/dpb/init-adjust-too-far", test_init_adjust_too_far);
+  g_test_add_func("/dpb/proportional", test_proportional);
+  g_test_add_func("/dpb/exchange", test_exchange);
+  g_test_add_func("/dpb/coarse-before-fine", test_coarse_before_fine);
+  g_test_add_func("/dpb/table", test_table);
+  g_test_add_func("/dpb/table-refused", test_table_refused);
   g_test_add_func("/dpb/within", test_within);
   g_test_add_func("/dpb/grid", test_grid);
   g_test_add_func("/dpb/veto", test_veto);

@@ -1,0 +1,276 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "row.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- the mask ---- */
+
+static int32_t steps(const row *r, double nm) {
+  return (int32_t)lround(nm / r->rules->grid);
+}
+
+/* From one transistor to the next: what both draw, and the margins. */
+static int32_t pitch(const row *r) {
+  return steps(r, r->length) + 2 * steps(r, r->rules->enclosure) +
+         2 * steps(r, r->rules->margin);
+}
+
+static opc_frame frame_of(const row *r) {
+  const row_rules *k = r->rules;
+  double past = fmax(k->extension, 0) + k->margin;
+  return (opc_frame){-k->enclosure - k->margin, -past,
+                     (double)r->count * pitch(r) * k->grid, r->width + 2 * past};
+}
+
+/* Transistor i of a layer: its gate's low corner is at (i * pitch, 0). As in
+   opc_moves, the high side takes the odd step. */
+static opc_box box_of(const row *r, int layer, size_t i) {
+  int32_t x = (int32_t)i * pitch(r), l = r->l[i], w = r->w[i];
+  int32_t length = steps(r, r->length), width = steps(r, r->width);
+  int32_t past = steps(r, r->rules->extension);
+  int32_t beside = steps(r, r->rules->enclosure);
+  if (layer == OPC_POLY)
+    return (opc_box){x - (l >> 1), -past, x + length + l - (l >> 1),
+                     width + past};
+  return (opc_box){x - beside, -(w >> 1), x + length + beside,
+                   width + w - (w >> 1)};
+}
+
+static int print_layer(row *r, int layer, opc_error *error) {
+  const opc_host *host = r->rules->host;
+  const opc_litho *litho = r->rules->litho->plugin->operations;
+  const opc_resist *resist = r->rules->resist->plugin->operations;
+  opc_shapes mask = {.count = r->count};
+  mask.start = host->alloc(host, r->count + 1, sizeof *mask.start);
+  mask.points = host->alloc(host, 4 * r->count, sizeof *mask.points);
+  opc_spectrum spectrum = {0};
+  int code = OPC_OK;
+  if (!mask.start || !mask.points)
+    code = host->fail(host, error, OPC_FAILED, NULL, "out of memory");
+  for (size_t i = 0; i < r->count && !code; i++) {
+    opc_box b = box_of(r, layer, i);
+    opc_point p[] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
+    memcpy(mask.points + 4 * i, p, sizeof p);
+    mask.start[i + 1] = 4 * (uint32_t)(i + 1);
+  }
+  host->imaging->release_field(host, &r->print[layer]);
+  if (!code)
+    code = host->imaging->mask_spectrum(
+        host, &mask, r->rules->grid, frame_of(r),
+        litho->band(r->rules->litho->self), &spectrum, error);
+  if (!code)
+    code = litho->image(r->rules->litho->self, layer, &spectrum,
+                        &r->print[layer], error);
+  if (!code)
+    code = resist->print(r->rules->resist->self, layer, &r->print[layer], error);
+  host->imaging->release_spectrum(host, &spectrum);
+  host->free(host, mask.start);
+  host->free(host, mask.points);
+  return code;
+}
+
+/* ---- measurement ---- */
+
+/* One printed transistor. */
+typedef struct printed {
+  const row *row;
+  double middle;             /* x */
+  double low, high;          /* y of the active's printed edges */
+} printed;
+
+static double value(const row *r, int layer, double x, double y) {
+  double v;
+  r->rules->host->imaging->sample(&r->print[layer], &x, &y, 1, &v);
+  return v;
+}
+
+/* Where the print of a layer changes nearest to (x, y), as a coordinate along
+   `axis`; NAN if there is nothing within the drawn size. */
+static double edge(const row *r, int layer, int axis, double x, double y) {
+  double reach = axis == OPC_X ? r->length : r->width;
+  return (axis == OPC_X ? x : y) +
+         r->rules->host->imaging->edge(&r->print[layer], axis, x, y, reach);
+}
+
+static double length_at(const printed *p, double y) {
+  const row *r = p->row;
+  if (!(value(r, OPC_POLY, p->middle, y) > 0)) return 0;
+  double low = edge(r, OPC_POLY, OPC_X, p->middle - r->length / 2, y);
+  double high = edge(r, OPC_POLY, OPC_X, p->middle + r->length / 2, y);
+  return high > low ? high - low : 0;   /* 0: NAN as well */
+}
+
+static double length_of_gate(const opc_printed_gate *gate, double place) {
+  const printed *p = gate->context;
+  return length_at(p, p->low + place * (p->high - p->low));
+}
+
+/* The active's printed edges, their means over the channel, as the loop takes
+   them. */
+static void measure_width(printed *p) {
+  static const double place[3] = {-0.7745966692414834, 0, 0.7745966692414834};
+  static const double share[3] = {5 / 18.0, 8 / 18.0, 5 / 18.0};
+  const row *r = p->row;
+  p->low = p->high = 0;
+  for (int k = 0; k < 3; k++) {
+    double x = p->middle + place[k] * r->length / 2;
+    p->low += share[k] * edge(r, OPC_ACTIVE, OPC_Y, x, 0);
+    p->high += share[k] * edge(r, OPC_ACTIVE, OPC_Y, x, r->width);
+  }
+  int prints = value(r, OPC_ACTIVE, p->middle, r->width / 2) > 0;
+  if (!prints || !(p->high > p->low)) p->low = p->high = r->width / 2;
+}
+
+/* How far the poly prints past the active. */
+static double extension(const printed *p, int side) {
+  const row *r = p->row;
+  double past = r->rules->extension;
+  double drawn = side ? r->width + past : -past;
+  double end = edge(r, OPC_POLY, OPC_Y, p->middle, drawn);
+  if (isnan(end)) return INFINITY;
+  return side ? end - p->high : p->low - end;
+}
+
+/* Its print must have values at all: two of them are looked at. */
+static int check_print(const row *r, double middle, opc_error *error) {
+  const opc_host *host = r->rules->host;
+  if (isfinite(value(r, OPC_POLY, middle, r->width / 2)) &&
+      isfinite(value(r, OPC_ACTIVE, middle, r->width / 2)))
+    return OPC_OK;
+  return host->fail(host, error, OPC_FAILED, "litho",
+                    "the print of L %g, W %g nm is not a number", r->length,
+                    r->width);
+}
+
+/* The slices of transistor i. */
+static int slice(row *r, size_t i, const double *place, const double *share,
+                 double *own, opc_error *error) {
+  const opc_extract *model = r->rules->extract->plugin->operations;
+  size_t n = r->slices, first = i * n, all = r->count * n;
+  printed p = {.row = r,
+               .middle = (double)i * pitch(r) * r->rules->grid + r->length / 2};
+  int code = check_print(r, p.middle, error);
+  if (code) return code;
+  measure_width(&p);
+  double width = p.high - p.low;
+  if (OPC_HAS(model, slice) && width > 0) {
+    opc_printed_gate gate = {.size = sizeof gate,
+                             .type = r->rules->type,
+                             .design_length = r->length,
+                             .design_width = r->width,
+                             .width = width,
+                             .extension = {extension(&p, 0), extension(&p, 1)},
+                             .length = length_of_gate,
+                             .context = &p};
+    model->slice(r->rules->extract->self, &gate, own, own + n);
+    place = own;
+    share = own + n;
+  }
+  for (size_t k = 0; k < n; k++) {
+    r->slice[first + k] = share[k] * width;
+    r->slice[all + first + k] =
+        width > 0 ? length_at(&p, p.low + place[k] * width) : 0;
+    r->slice[2 * all + first + k] =
+        width * (place[k] < 0.5 ? place[k] : 1 - place[k]);
+  }
+  return OPC_OK;
+}
+
+static int extract(row *r, opc_error *error) {
+  const opc_extract *model = r->rules->extract->plugin->operations;
+  size_t n = r->count, all = n * r->slices;
+  opc_slices in = {.size = sizeof in, .count = n, .slices = r->slices,
+                   .type = r->type, .width = r->slice,
+                   .length = r->slice + all, .edge = r->slice + 2 * all};
+  opc_performance out = {.count = n,
+                         .ion = r->ion,
+                         .ioff = r->other,
+                         .leq_ion = r->other + n,
+                         .leq_ioff = r->other + 2 * n,
+                         .weq = r->other + 3 * n,
+                         .area = r->other + 4 * n};
+  int code = model->extract(r->rules->extract->self, &in, &out, error);
+  /* A gate that is open in places is none, whatever its slices carry. */
+  for (size_t i = 0; i < n && !code; i++) {
+    for (size_t k = 0; k < r->slices; k++)
+      if (!(in.length[i * r->slices + k] > 0)) r->ion[i] = 0;
+    if (!(r->ion[i] >= 0) || !isfinite(r->ion[i]))
+      return r->rules->host->fail(r->rules->host, error, OPC_FAILED, "extract",
+                                  "Ion of %g A", r->ion[i]);
+  }
+  return code;
+}
+
+int row_print(row *r, const int layers[OPC_MASKS], opc_error *error) {
+  const opc_extract *model = r->rules->extract->plugin->operations;
+  const opc_host *host = r->rules->host;
+  const double *place, *share;
+  for (int layer = 0; layer < OPC_MASKS; layer++) {
+    int code = layers[layer] ? print_layer(r, layer, error) : OPC_OK;
+    if (code) return code;
+  }
+  model->slicing(r->rules->extract->self, &place, &share);
+  double *own = host->alloc(host, 2 * r->slices, sizeof *own);
+  if (!own) return host->fail(host, error, OPC_FAILED, NULL, "out of memory");
+  int code = OPC_OK;
+  for (size_t i = 0; i < r->count && !code; i++)
+    code = slice(r, i, place, share, own, error);
+  host->free(host, own);
+  return code ? code : extract(r, error);
+}
+
+/* ---- making one ---- */
+
+/* Ion as drawn: of the first transistor, before it is printed. */
+static int measure_drawn(row *r, opc_error *error) {
+  const opc_extract *model = r->rules->extract->plugin->operations;
+  const double *place, *share;
+  size_t n = r->slices, all = r->count * n;
+  model->slicing(r->rules->extract->self, &place, &share);
+  for (size_t i = 0; i < r->count; i++)
+    for (size_t k = 0; k < n; k++) {
+      r->slice[i * n + k] = share[k] * r->width;
+      r->slice[all + i * n + k] = r->length;
+      r->slice[2 * all + i * n + k] =
+          r->width * (place[k] < 0.5 ? place[k] : 1 - place[k]);
+    }
+  int code = extract(r, error);
+  r->design = r->ion[0];
+  if (!code && !(r->design > 0))
+    return r->rules->host->fail(r->rules->host, error, OPC_FAILED, "extract",
+                                "a transistor of L %g, W %g nm has no current",
+                                r->length, r->width);
+  return code;
+}
+
+int row_make(row *r, const row_rules *rules, double length, double width,
+             size_t count, opc_error *error) {
+  const opc_host *host = rules->host;
+  const opc_extract *model = rules->extract->plugin->operations;
+  const double *place, *share;
+  *r = (row){.rules = rules, .length = length, .width = width, .count = count};
+  r->slices = model->slicing(rules->extract->self, &place, &share);
+  r->l = host->alloc(host, count, sizeof *r->l);
+  r->w = host->alloc(host, count, sizeof *r->w);
+  r->ion = host->alloc(host, count, sizeof *r->ion);
+  r->type = host->alloc(host, count, sizeof *r->type);
+  r->other = host->alloc(host, 5 * count, sizeof *r->other);
+  r->slice = host->alloc(host, 3 * count * r->slices, sizeof *r->slice);
+  if (!r->l || !r->w || !r->ion || !r->type || !r->other || !r->slice)
+    return host->fail(host, error, OPC_FAILED, NULL, "out of memory");
+  memset(r->type, rules->type, count);
+  return measure_drawn(r, error);
+}
+
+void row_clear(row *r) {
+  const opc_host *host = r->rules->host;
+  for (int layer = 0; layer < OPC_MASKS; layer++)
+    host->imaging->release_field(host, &r->print[layer]);
+  host->free(host, r->l);
+  host->free(host, r->w);
+  host->free(host, r->ion);
+  host->free(host, r->type);
+  host->free(host, r->other);
+  host->free(host, r->slice);
+}
