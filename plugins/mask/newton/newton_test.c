@@ -1,0 +1,251 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Newton's steps on transistors whose print and current are formulas: printed
+   L and W linear in the mask's, with a little of the neighbour's, and currents
+   exponential in L. */
+#include "core/plugin/testing.h"
+
+#include <glib/gstdio.h>
+#include <math.h>
+#include <string.h>
+
+enum { MOST = 40, WIDTH = 400 };
+
+typedef struct model {
+  size_t n;
+  double gain_l, gain_w, coupling;
+  double off_l[MOST], off_w[MOST];   /* printed minus drawn of the drawn mask */
+  uint32_t veto[MOST];
+  int32_t l[MOST], w[MOST], jog[MOST];
+  double ion[MOST], area[MOST], ioff[MOST];   /* deviations at the end */
+  int prints;
+} model;
+
+static const double length = 65;
+
+/* The sides reach 60 nm past the gate; what a jog does grows along the gate and
+   35 nm beyond. */
+static double part(int32_t jog) {
+  return CLAMP((jog - 60 + 35) / (WIDTH + 70.0), 0, 1);
+}
+
+/* What transistor i prints, and its logarithmic errors. */
+static void print(model *t, opc_performance *p) {
+  for (size_t i = 0; i < t->n; i++) {
+    size_t next = (i + 1) % t->n;
+    double l = t->l[i] + part(t->jog[i]), beside = t->l[next] + part(t->jog[next]);
+    double printed = length + t->off_l[i] + t->gain_l * (l + t->coupling * beside);
+    double weq = WIDTH + t->off_w[i] + t->gain_w * t->w[i];
+    p->leq_ion[i] = p->leq_ioff[i] = printed;
+    p->weq[i] = weq;
+    p->area[i] = weq * printed;
+    p->ion[i] = 1e-6 * weq * exp(-0.022 * (printed - length));
+    p->ioff[i] = 1e-10 * weq * exp(-0.3 * (printed - length));
+    t->ion[i] = 100 * (p->ion[i] / (1e-6 * WIDTH) - 1);
+    t->ioff[i] = 100 * (p->ioff[i] / (1e-10 * WIDTH) - 1);
+    t->area[i] = 100 * (p->area[i] / (WIDTH * length) - 1);
+  }
+  t->prints++;
+}
+
+static void run(opc_module *m, model *t) {
+  const opc_synthesizer *s = m->plugin->operations;
+  double d[6][MOST], p[6][MOST], long_[MOST], wide[MOST];
+  opc_box box[MOST];
+  uint8_t type[MOST] = {0}, axis[MOST] = {0};
+  uint32_t flags[MOST] = {0}, number[MOST];
+  const char *name[MOST], *none[MOST];
+  for (size_t i = 0; i < t->n; i++) {
+    d[0][i] = 1e-6 * WIDTH, d[1][i] = 1e-10 * WIDTH;
+    d[2][i] = d[3][i] = long_[i] = length;
+    d[4][i] = wide[i] = WIDTH;
+    d[5][i] = WIDTH * length;
+    box[i] = (opc_box){0, 0, 65, WIDTH};
+    number[i] = (uint32_t)i + 1;
+    name[i] = "cell", none[i] = "";
+  }
+  opc_fragment sides[4 * MOST];
+  uint32_t start[MOST + 1];
+  for (size_t i = 0; i < t->n; i++) {
+    start[i] = (uint32_t)(4 * i);
+    opc_fragment *f = sides + 4 * i;
+    f[0] = (opc_fragment){{65, -60}, (int32_t)i, OPC_L_HIGH, {0}};
+    f[1] = (opc_fragment){{65, WIDTH + 60}, -1, OPC_FIXED, {0}};
+    f[2] = (opc_fragment){{0, WIDTH + 60}, (int32_t)i, OPC_L_LOW, {0}};
+    f[3] = (opc_fragment){{0, -60}, -1, OPC_FIXED, {0}};
+  }
+  start[t->n] = (uint32_t)(4 * t->n);
+  opc_gates gates = {.size = sizeof gates, .grid = 1, .count = t->n,
+                     .box = box, .type = type, .axis = axis, .length = long_,
+                     .width = wide, .instance = none, .cell = name,
+                     .number = number};
+  gates.edges[OPC_POLY] = (opc_edges){t->n, start, sides};
+  opc_performance drawn = {t->n, d[0], d[1], d[2], d[3], d[4], d[5]};
+  opc_performance printed = {t->n, p[0], p[1], p[2], p[3], p[4], p[5]};
+  opc_feedback f = {.size = sizeof f, .gates = &gates, .design = &drawn,
+                    .flags = flags, .vetoes = t->veto};
+  opc_moves moves = {.size = sizeof moves, .l = t->l, .w = t->w, .jog = t->jog};
+  opc_error error;
+  g_assert_cmpint(s->begin(m->self, &f, &error), ==, OPC_OK);
+  f.printed = &printed;
+  for (int done = 0; !done && f.iteration < 50; f.iteration++) {
+    print(t, &printed);
+    g_assert_cmpint(s->update(m->self, &f, &moves, &done, &error), ==, OPC_OK);
+  }
+  print(t, &printed);
+}
+
+static model made_up(size_t n) {
+  model t = {.n = n, .gain_l = 2.6, .gain_w = 1.05, .coupling = 0.02};
+  GRand *random = g_rand_new_with_seed(5);
+  for (size_t i = 0; i < n; i++) {
+    t.off_l[i] = g_rand_double_range(random, -8, 12);
+    t.off_w[i] = g_rand_double_range(random, -15, 5);
+  }
+  g_rand_free(random);
+  return t;
+}
+
+static double worst(const double *x, size_t n) {
+  double most = 0;
+  for (size_t i = 0; i < n; i++) most = fmax(most, fabs(x[i]));
+  return most;
+}
+
+static opc_module *make(const char *parameters) {
+  opc_error error;
+  opc_module *m = opc_test_module("mask.newton", parameters, &error);
+  g_assert_nonnull(m);
+  return m;
+}
+
+/* A wrong first guess of the gain, and still all are there after 4 moves. */
+static void test_ion(void) {
+  g_autoptr(opc_module) m = make("{ tolerance: 0.05 % }");
+  model t = made_up(MOST);
+  run(m, &t);
+  g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.05);
+  g_assert_cmpint(t.prints, <=, 6);
+  for (size_t i = 0; i < t.n; i++) g_assert_cmpint(t.w[i], ==, 0);
+}
+
+/* Without a jog, a step of L is 2.6 nm, 5.7 % of Ion: half of it is left. */
+static void test_quantum(void) {
+  g_autoptr(opc_module) m = make("{ fine: none }");
+  model t = made_up(MOST);
+  run(m, &t);
+  g_assert_cmpfloat(worst(t.ion, t.n), >, 1);
+  g_assert_cmpfloat(worst(t.ion, t.n), <, 3.2);
+  g_autoptr(opc_module) width = make("{ fine: width }");
+  t = made_up(MOST);
+  run(width, &t);
+  g_assert_cmpfloat(worst(t.ion, t.n), <, 0.15);   /* half of 1.05 / 400 */
+  for (size_t i = 0; i < t.n; i++) g_assert_cmpint(t.jog[i], ==, 0);
+}
+
+static void test_area(void) {
+  g_autoptr(opc_module) m = make("{ weight: { area: 1 } }");
+  model t = made_up(MOST);
+  run(m, &t);
+  g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.2);
+  g_assert_cmpfloat(worst(t.area, t.n), <=, 0.2);
+}
+
+static void test_ioff(void) {
+  g_autoptr(opc_module) m = make("{ weight: { ioff: 0.01 } }");
+  model t = made_up(MOST);
+  run(m, &t);
+  g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.2);
+  g_assert_cmpfloat(worst(t.ioff, t.n), <=, 2);
+}
+
+/* A jog keeps its distance from both ends of the gate. */
+static void test_jog(void) {
+  g_autoptr(opc_module) m = make("{ min_jog: 50 nm }");
+  model t = made_up(MOST);
+  run(m, &t);
+  int some = 0;
+  for (size_t i = 0; i < t.n; i++) {
+    some += t.jog[i] > 0;
+    g_assert_true(t.jog[i] == 0 || (t.jog[i] >= 50 && t.jog[i] <= WIDTH + 70));
+  }
+  g_assert_cmpint(some, >, MOST / 2);
+}
+
+/* A length that the regulator forbids is left to W. */
+static void test_veto(void) {
+  g_autoptr(opc_module) m = make("{}");
+  const opc_synthesizer *s = m->plugin->operations;
+  model t = {.n = 2, .gain_l = 2.6, .gain_w = 1.05, .off_l = {-4, -4}};
+  t.veto[0] = OPC_VETO_LONGER;
+  run(m, &t);
+  g_assert_cmpint(t.l[0], ==, 0);
+  g_assert_cmpint(t.w[0], <, -20);
+  g_assert_cmpfloat(fabs(t.ion[0]), <, 0.15);
+  g_assert_cmpint(t.l[1], >, 0);
+  g_assert_cmpint(t.w[1], ==, 0);
+  t.veto[0] = t.veto[1] = 15;
+  memset(t.l, 0, sizeof t.l);
+  memset(t.w, 0, sizeof t.w);
+  memset(t.jog, 0, sizeof t.jog);
+  run(m, &t);
+  g_assert_cmpstr(s->verdict(m->self, 0), ==, "bridging");
+}
+
+static opc_module *with_wishes(const char *text, char **path) {
+  g_autofree char *yaml = NULL;
+  g_file_set_contents(*path, text, -1, NULL);
+  yaml = g_strdup_printf("{ wishes: %s }", *path);
+  return make(yaml);
+}
+
+/* One wants 2 % more, one any error below 5 %, one nothing. */
+static void test_wishes(void) {
+  g_autofree char *path = g_build_filename(g_get_tmp_dir(), "newton-wishes.csv", NULL);
+  g_autoptr(opc_module) m = with_wishes(
+      "# slack\ntransistor, ion, weight\ncell:1,1.02,\ncell:2,,0.01\ncell:3,,0\n",
+      &path);
+  model t = {.n = 4, .gain_l = 2.6, .gain_w = 1.05, .off_l = {3, 2, 7, -4}};
+  run(m, &t);
+  g_assert_cmpfloat_with_epsilon(t.ion[0], 2, 0.06);
+  g_assert_cmpint(t.l[1], ==, 0);
+  g_assert_cmpint(t.jog[1], ==, 0);
+  g_assert_cmpint(t.l[2], ==, 0);
+  g_assert_cmpfloat(fabs(t.ion[3]), <, 0.05);
+
+  static const struct {
+    const char *text, *message;
+  } wrong[] = {
+      {"weight\n1\n", ":1: there is no column 'transistor'"},
+      {"transistor,slack\n", ":1: column 'slack' is not one of"},
+      {"transistor,weight\ncell:1,1\ncell:9,1\n", ":3: there is no transistor 'cell:9'"},
+      {"transistor,weight\ncell:1\n", ":2: 'weight' is missing"},
+      {"transistor,weight\ncell:1,-1\n", ":2: '-1' is no weight"},
+      {"transistor,ion\ncell:1,2 %\n", ":2: '2 %' is no multiple"},
+  };
+  opc_error error;
+  const char *cell[] = {"cell"}, *none[] = {""};
+  uint32_t number[] = {1};
+  opc_gates gates = {.size = sizeof gates, .grid = 1, .count = 1, .cell = cell,
+                     .instance = none, .number = number};
+  opc_feedback f = {.size = sizeof f, .gates = &gates};
+  for (size_t i = 0; i < G_N_ELEMENTS(wrong); i++) {
+    g_autoptr(opc_module) bad = with_wishes(wrong[i].text, &path);
+    const opc_synthesizer *s = bad->plugin->operations;
+    g_assert_cmpint(s->begin(bad->self, &f, &error), ==, OPC_INVALID);
+    g_assert_cmpstr(error.parameter, ==, "wishes");
+    g_assert_nonnull(strstr(error.message, wrong[i].message));
+  }
+  g_remove(path);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/newton/ion", test_ion);
+  g_test_add_func("/newton/quantum", test_quantum);
+  g_test_add_func("/newton/area", test_area);
+  g_test_add_func("/newton/ioff", test_ioff);
+  g_test_add_func("/newton/jog", test_jog);
+  g_test_add_func("/newton/veto", test_veto);
+  g_test_add_func("/newton/wishes", test_wishes);
+  return g_test_run();
+}

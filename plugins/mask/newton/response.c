@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "response.h"
+
+#include <math.h>
+#include <string.h>
+
+static int has_performance(const opc_performance *p, size_t i) {
+  return p->ion[i] > 0 && p->ioff[i] > 0 && p->weq[i] > 0 && p->area[i] > 0;
+}
+
+void curves_from(const opc_feedback *f, curve out[2]) {
+  const opc_gates *g = f->gates;
+  const opc_performance *d = f->design, *p = f->printed;
+  double xy[2][2] = {{0}}, xx[2][2] = {{0}}, length[2] = {0}, n[2] = {0};
+  for (size_t i = 0; i < g->count; i++) {
+    int t = g->type[i] == OPC_PMOS;
+    length[t] += g->length[i];
+    n[t]++;
+    if (!has_performance(p, i) || f->flags[i] & ~(uint32_t)OPC_PRINT_NOTES)
+      continue;
+    const double part = log(p->weq[i] / d->weq[i]);
+    const double x[2] = {p->leq_ion[i] - d->leq_ion[i],
+                         p->leq_ioff[i] - d->leq_ioff[i]};
+    const double y[2] = {log(p->ion[i] / d->ion[i]) - part,
+                         log(p->ioff[i] / d->ioff[i]) - part};
+    for (int k = 0; k < 2; k++) {
+      xy[t][k] += x[k] * y[k];
+      xx[t][k] += x[k] * x[k];
+    }
+  }
+  for (int t = 0; t < 2; t++) {
+    double l = n[t] > 0 ? length[t] / n[t] : 1;
+    for (int k = 0; k < 2; k++) {
+      double slope = xx[t][k] > 0 ? xy[t][k] / xx[t][k] : 0;
+      out[t].slope[k] = slope < 0 ? slope : (k == ION ? -1 : -15) / l;
+    }
+    out[t].slope[AREA] = 1 / l;
+  }
+}
+
+int errors_of(const opc_feedback *f, size_t i, const double target[ERRORS],
+              double out[ERRORS]) {
+  const opc_performance *d = f->design, *p = f->printed;
+  memset(out, 0, sizeof(double) * ERRORS);
+  if (!has_performance(p, i)) return 0;
+  out[ION] = log(p->ion[i] / d->ion[i] / target[ION]);
+  out[IOFF] = log(p->ioff[i] / d->ioff[i] / target[IOFF]);
+  out[AREA] = log(p->area[i] / d->area[i] / target[AREA]);
+  return 1;
+}
+
+response first_response(const opc_gates *g, size_t i, const curve *of_type,
+                        const double gain[MOVES]) {
+  response r;
+  for (int k = 0; k < ERRORS; k++) {
+    double slope = k == AREA ? 1 / g->length[i] : of_type->slope[k];
+    r.by[k][BY_L] = slope * gain[BY_L] * g->grid;
+    r.by[k][BY_W] = gain[BY_W] * g->grid / g->width[i];
+  }
+  return r;
+}
+
+static double within(double x, double first, double trust) {
+  double part = x / first;
+  return first * fmin(fmax(part, 1 / trust), trust);
+}
+
+void learn(response *r, const response *first, const double trust[MOVES],
+           const double dx[MOVES], const double de[ERRORS]) {
+  /* How well the first estimate of each response is known, as a part of it:
+     what a move did beyond the estimate is put down to the less known. */
+  static const double doubt[MOVES] = {0.5, 0.1};
+  for (int k = 0; k < ERRORS; k++) {
+    double rest = de[k], square = 0, part[MOVES];
+    for (int m = 0; m < MOVES; m++) {
+      double spread = doubt[m] * first->by[k][m];
+      part[m] = spread * spread * dx[m];
+      square += part[m] * dx[m];
+      rest -= r->by[k][m] * dx[m];
+    }
+    for (int m = 0; m < MOVES && square > 0; m++)
+      r->by[k][m] = within(r->by[k][m] + rest * part[m] / square,
+                           first->by[k][m], trust[m]);
+  }
+}
+
+void solve(const response *r, const double error[ERRORS],
+           const double weight[ERRORS], const int free[MOVES],
+           double dx[MOVES]) {
+  /* Normal equations of two unknowns; one that is not free is left out. */
+  double a[MOVES][MOVES] = {{0}}, b[MOVES] = {0};
+  for (int k = 0; k < ERRORS; k++)
+    for (int m = 0; m < MOVES; m++) {
+      if (!free[m]) continue;
+      b[m] -= weight[k] * r->by[k][m] * error[k];
+      for (int n = 0; n < MOVES; n++)
+        if (free[n]) a[m][n] += weight[k] * r->by[k][m] * r->by[k][n];
+    }
+  dx[BY_L] = dx[BY_W] = 0;
+  double det = a[0][0] * a[1][1] - a[0][1] * a[1][0];
+  if (free[0] && free[1] && det > 1e-6 * a[0][0] * a[1][1]) {
+    dx[0] = (b[0] * a[1][1] - b[1] * a[0][1]) / det;
+    dx[1] = (b[1] * a[0][0] - b[0] * a[1][0]) / det;
+  } else if (free[0] && a[0][0] > 0) {
+    dx[0] = b[0] / a[0][0];
+  } else if (free[1] && a[1][1] > 0) {
+    dx[1] = b[1] / a[1][1];
+  }
+}

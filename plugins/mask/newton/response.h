@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* How a transistor's errors answer to its mask, and the correction that
+   follows. */
+#ifndef OPCFLOW_MASK_NEWTON_RESPONSE_H
+#define OPCFLOW_MASK_NEWTON_RESPONSE_H
+
+#include <opcflow/mask.h>
+
+/* Errors: logarithms of printed over drawn. Moves: L (with a jog, a fraction of
+   a grid step) and W, in grid steps. */
+enum { ION, IOFF, AREA, ERRORS };
+enum { BY_L, BY_W, MOVES };
+
+typedef struct response {
+  double by[ERRORS][MOVES];
+} response;
+
+/* What wide transistors of a type do: d log(I / W) / dL, 1/nm, and d L / d mask
+   L as the first prints have it. */
+typedef struct curve {
+  double slope[ERRORS];
+} curve;
+
+/* The slopes of the device curves of both types, from the printed transistors'
+   equivalent lengths; without prints that tell, Ion ~ 1 / L. */
+void curves_from(const opc_feedback *f, curve out[2]);
+
+/* Log errors of gate i; 0 and no errors if its print has no performance. */
+int errors_of(const opc_feedback *f, size_t i, const double target[ERRORS],
+              double out[ERRORS]);
+
+/* The response of gate i before it was ever moved. `gain` is d printed / d mask
+   of each move. */
+response first_response(const opc_gates *gates, size_t i, const curve *of_type,
+                        const double gain[MOVES]);
+
+/* Broyden's update, weighted by how well each response is known: after a move
+   by dx the errors changed by de. The response stays within the factors `trust`
+   of `first`. */
+void learn(response *r, const response *first, const double trust[MOVES],
+           const double dx[MOVES], const double de[ERRORS]);
+
+/* The move that makes sum of weight[k] * error[k]^2 least for a linear
+   response; a move with free[m] = 0 is not used. */
+void solve(const response *r, const double error[ERRORS],
+           const double weight[ERRORS], const int free[MOVES],
+           double dx[MOVES]);
+
+#endif
