@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Masks whose rectangles can be counted by hand. */
+/* Masks that can be counted by hand, files of the writers, and the trapezoids
+   of KLayout. */
 #include <math.h>
 #include <string.h>
 
+#include "core/plugin/host.h"
 #include "core/plugin/testing.h"
 
 /* ---- masks by hand ---- */
@@ -57,11 +59,15 @@ static void comb(drawing *d) {
 
 static void *no_outputs[1];
 
-static int64_t integer(const char *column, size_t row) {
-  const opc_column *c = opc_table_column(opc_test_table("cost"), column);
+static int64_t integer_of(const char *table, const char *column, size_t row) {
+  const opc_column *c = opc_table_column(opc_test_table(table), column);
   g_assert_nonnull(c);
   g_assert_cmpuint(c->type, ==, OPC_INT);
   return ((const int64_t *)c->data)[row];
+}
+
+static int64_t integer(const char *column, size_t row) {
+  return integer_of("cost", column, row);
 }
 
 static double real(const char *column, size_t row) {
@@ -71,16 +77,19 @@ static double real(const char *column, size_t row) {
   return ((const double *)c->data)[row];
 }
 
-static void count(const drawing drawn[OPC_MASKS],
-                  const drawing corrected[OPC_MASKS], double grid) {
+static void count_as(const drawing drawn[OPC_MASKS],
+                     const drawing corrected[OPC_MASKS], double grid,
+                     opc_box extent, const char *parameters) {
   opc_error error;
-  opc_gates gates = {.size = sizeof gates, .name = "TOP", .grid = grid};
+  opc_gates gates = {
+      .size = sizeof gates, .name = "TOP", .grid = grid, .extent = extent};
   opc_mask mask = {.size = sizeof mask, .gates = &gates};
   for (int layer = 0; layer < OPC_MASKS; layer++) {
     gates.drawn[layer] = drawn[layer].shapes;
     mask.shapes[layer] = corrected[layer].shapes;
   }
-  g_autoptr(opc_module) m = opc_test_module("cost.fracture", "{}", &error);
+  g_autoptr(opc_module) m =
+      opc_test_module("cost.fracture", parameters, &error);
   g_assert_nonnull(m);
   opc_test_forget();
   opc_test_input(m, "mask", &mask);
@@ -89,6 +98,11 @@ static void count(const drawing drawn[OPC_MASKS],
   g_assert_nonnull(t);
   g_assert_cmpuint(t->rows, ==, OPC_MASKS);
   g_assert_cmpuint(t->flags, ==, OPC_TABLE_PRINT);
+}
+
+static void count(const drawing drawn[OPC_MASKS],
+                  const drawing corrected[OPC_MASKS], double grid) {
+  count_as(drawn, corrected, grid, (opc_box){0, 0, 700, 100}, "{}");
 }
 
 /* ---- tests ---- */
@@ -180,11 +194,309 @@ static void test_slanted(void) {
   g_assert_null(opc_test_table("cost"));
 }
 
+/* ---- shots ---- */
+
+/* The ell is two rectangles: 100 x 40 and 40 x 60 (of both ways of cutting,
+   the one of the fracture); the square is one. */
+static void test_shots(void) {
+  drawing none[OPC_MASKS] = {0}, mask[OPC_MASKS] = {0};
+  square(&mask[OPC_POLY]);
+  ell(&mask[OPC_ACTIVE]);
+  /* On the plate the square is 400 nm, the ell 400 x 160 and 160 x 240, or
+     160 x 400 and 240 x 160. */
+  opc_box extent = {0, 0, 300, 100};
+  count_as(none, mask, 1, extent, "{ max_shot: 400 nm, sliver: 160 nm }");
+  g_assert_cmpint(integer("shots", OPC_POLY), ==, 1);
+  g_assert_cmpint(integer("shots", OPC_ACTIVE), ==, 2);
+  g_assert_cmpint(integer("slivers", OPC_ACTIVE), ==, 0);
+  g_assert_cmpint(integer("shots_drawn", OPC_ACTIVE), ==, 0);
+  count_as(none, mask, 1, extent, "{ max_shot: 399 nm, sliver: 161 nm }");
+  g_assert_cmpint(integer("shots", OPC_POLY), ==, 4);
+  g_assert_cmpint(integer("shots", OPC_ACTIVE), ==, 3);
+  g_assert_cmpint(integer("slivers", OPC_ACTIVE), ==, 3);
+  g_assert_cmpint(integer("slivers", OPC_POLY), ==, 0);
+  g_assert_cmpfloat(opc_test_metric("shots"), ==, 7);
+  g_assert_cmpfloat(opc_test_metric("slivers"), ==, 3);
+  /* Shots of 133 nm come from cutting the square, not from its shape. */
+  count_as(none, mask, 1, extent, "{ max_shot: 150 nm, sliver: 140 nm }");
+  g_assert_cmpint(integer("shots", OPC_POLY), ==, 9);
+  g_assert_cmpint(integer("slivers", OPC_POLY), ==, 9);
+  count_as(none, mask, 1, extent, "{ magnification: 1, array: [30, 7] }");
+  g_assert_cmpint(integer("shots", OPC_POLY), ==, 210);
+  g_assert_cmpint(integer("vertices", OPC_ACTIVE), ==, 6 * 210);
+}
+
+/* ---- bytes ---- */
+
+enum { STRIPE = 1024, SEGMENT = 32768 };
+
+/* The records of the README's model, one after another: a segment, in it a
+   stripe, in it each rectangle of a row with all its copies. */
+static int64_t mebes(const opc_box *boxes, size_t n, opc_box e, int columns,
+                     int rows, int64_t px, int64_t py) {
+  int64_t width = (int64_t)e.x1 - e.x0 + (columns - 1) * px, bytes = 2;
+  int64_t height = (int64_t)e.y1 - e.y0 + (rows - 1) * py;
+  for (int64_t sx = 0; sx < width; sx += SEGMENT) {
+    bytes += 4;
+    for (int64_t sy = 0; sy < height; sy += STRIPE) {
+      bytes += 2;
+      for (size_t i = 0; i < n; i++)
+        for (int r = 0; r < rows; r++) {
+          int64_t y0 = boxes[i].y0 - e.y0 + r * py;
+          int64_t y1 = boxes[i].y1 - e.y0 + r * py;
+          int whole = 0;
+          if (y1 <= sy || y0 >= sy + STRIPE) continue;
+          for (int c = 0; c < columns; c++) {
+            int64_t x0 = boxes[i].x0 - e.x0 + c * px;
+            int64_t x1 = boxes[i].x1 - e.x0 + c * px;
+            if (x1 <= sx || x0 >= sx + SEGMENT) continue;
+            if (x0 >= sx && x1 <= sx + SEGMENT) whole++;
+            else bytes += 8;
+          }
+          bytes += whole > 1 ? 14 : 8 * whole;
+        }
+    }
+  }
+  return 2048 + (bytes + 2047) / 2048 * 2048;
+}
+
+static opc_box outline(int32_t x0, int32_t y0, int32_t x1, int32_t y1,
+                       drawing *d) {
+  const int32_t xy[][2] = {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
+  add(d, 0, xy, 4);
+  return (opc_box){x0, y0, x1, y1};
+}
+
+static void test_mebes(void) {
+  static const struct {
+    int columns, rows, space;
+  } cases[] = {{1, 1, 200}, {40, 30, 0}, {7, 250, 1500}, {300, 1, 31}};
+  drawing none[OPC_MASKS] = {0};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    drawing mask[OPC_MASKS] = {0};
+    opc_box boxes[2] = {outline(-300, -900, 140, 1500, &mask[OPC_POLY]),
+                        outline(200, 100, 1300, 124, &mask[OPC_POLY])};
+    opc_box extent = {-310, -950, 1310, 1600};
+    g_autofree char *text = g_strdup_printf(
+        "{ array: [%d, %d], array_space: %d nm }", cases[i].columns,
+        cases[i].rows, cases[i].space);
+    count_as(none, mask, 1, extent, text);
+    int64_t want = mebes(boxes, 2, extent, cases[i].columns, cases[i].rows,
+                         1620 + cases[i].space, 2550 + cases[i].space);
+    g_assert_cmpint(integer_of("cost_bytes", "mebes", OPC_POLY), ==, want);
+    g_assert_cmpint(want % 2048, ==, 0);
+  }
+  /* A chip that is wider than a segment, with a rectangle over its border. */
+  drawing mask[OPC_MASKS] = {0};
+  opc_box box = outline(0, 0, 70000, 3000, &mask[OPC_POLY]);
+  count_as(none, mask, 1, box, "{}");
+  g_assert_cmpint(integer_of("cost_bytes", "mebes", OPC_POLY), ==,
+                  mebes(&box, 1, box, 1, 1, 1, 1));
+  /* The head and one block hold some 250 rectangles. */
+  g_assert_cmpint(integer_of("cost_bytes", "mebes", OPC_POLY), ==, 4096);
+}
+
+/* What was met in a corrected mask: the chord under the bump serves two concave
+   corners, and is crossed by no better one. Cut by vertical or by horizontal
+   lines alone it is 6. */
+static void test_chord(void) {
+  drawing none[OPC_MASKS] = {0}, mask[OPC_MASKS] = {0};
+  ADD(&mask[OPC_POLY], 0, {256, 0}, {321, 0}, {321, 809}, {74, 809}, {74, 1774},
+      {9, 1774}, {9, 803}, {0, 803}, {0, 718}, {9, 718}, {9, 712}, {15, 712},
+      {15, 704}, {100, 704}, {100, 712}, {256, 712});
+  /* Shots of one grid step tell the area of all rectangles. */
+  count_as(none, mask, 1, (opc_box){0, 0, 321, 1774},
+           "{ max_shot: 10 nm, magnification: 10 }");
+  g_assert_cmpint(integer("rectangles", OPC_POLY), ==, 5);
+  g_assert_cmpint(integer("shots", OPC_POLY), ==,
+                  65 * 712 + 247 * 97 + 85 * 8 + 65 * 1062 + 9 * 85);
+}
+
+/* Copies that touch each other are no array of copies. */
+static void test_touching(void) {
+  opc_error error;
+  drawing d = {0};
+  outline(0, 0, 100, 100, &d);
+  opc_gates gates = {.size = sizeof gates, .name = "TOP", .grid = 1,
+                     .extent = {10, 0, 90, 90}};
+  opc_mask mask = {.size = sizeof mask, .gates = &gates};
+  mask.shapes[OPC_POLY] = d.shapes;
+  g_autoptr(opc_module) m = opc_test_module(
+      "cost.fracture", "{ array: [2, 1], array_space: 20 nm }", &error);
+  g_assert_nonnull(m);
+  opc_test_input(m, "mask", &mask);
+  g_assert_cmpint(opc_test_run(m, no_outputs, &error), ==, OPC_INVALID);
+  g_assert_cmpstr(error.parameter, ==, "array_space");
+  static const char *const bad[] = {"[2]", "[0, 1]", "[1.5, 1]", "[1, 2, 3]",
+                                    "[100001, 1]"};
+  for (size_t i = 0; i < G_N_ELEMENTS(bad); i++) {
+    g_autofree char *text = g_strdup_printf("{ array: %s }", bad[i]);
+    g_assert_null(opc_test_module("cost.fracture", text, &error));
+  }
+}
+
+/* ---- files of the writers ---- */
+
+static opc_gates gates_of(void) {
+  return (opc_gates){.size = sizeof(opc_gates), .name = "TOP", .grid = 1};
+}
+
+static char *write_mask(const char *writer, const opc_mask *mask,
+                        const char *name) {
+  opc_error error = {0};
+  g_autofree char *text = g_strdup_printf("{ file: %s }", name);
+  g_autoptr(opc_module) m = opc_test_module(writer, text, &error);
+  g_assert_nonnull(m);
+  opc_test_input(m, "mask", (void *)mask);
+  if (opc_test_run(m, no_outputs, &error)) g_error("%s", error.message);
+  return g_build_filename(opc_test_folder(), name, NULL);
+}
+
+static int64_t file_size(const char *writer, const opc_mask *mask,
+                         const char *name) {
+  g_autofree char *path = write_mask(writer, mask, name), *bytes = NULL;
+  gsize n = 0;
+  g_assert_true(g_file_get_contents(path, &bytes, &n, NULL));
+  return (int64_t)n;
+}
+
+/* A mask as an edge-based correction would leave it: bars with edges that jog
+   every few steps, some of them crossed by a wide one; merged. */
+static opc_shapes jagged(uint32_t seed, int bars) {
+  opc_error error;
+  g_autoptr(GRand) rand = g_rand_new_with_seed(seed);
+  GArray *points = g_array_new(FALSE, FALSE, sizeof(opc_point));
+  GArray *start = g_array_new(FALSE, TRUE, sizeof(uint32_t));
+  g_array_set_size(start, 1);
+  for (int i = 0; i < bars; i++) {
+    int32_t x0 = 400 * (i % 30), y0 = 2000 * (i / 30);
+    int pieces = g_rand_int_range(rand, 1, 12);
+    for (int k = 0; k < pieces; k++) {
+      opc_box b = {x0 - g_rand_int_range(rand, 0, 9), y0 + 80 * k,
+                   x0 + 65 + g_rand_int_range(rand, 0, 9), y0 + 80 * k + 80};
+      if (g_rand_int_range(rand, 0, 8) == 0) b.x1 = b.x0 + 500;
+      opc_point p[4] = {
+          {b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
+      g_array_append_vals(points, p, 4);
+      uint32_t end = points->len;
+      g_array_append_val(start, end);
+    }
+  }
+  opc_shapes in = {.count = start->len - 1,
+                   .start = (uint32_t *)(void *)start->data,
+                   .points = (opc_point *)(void *)points->data},
+             out;
+  const opc_host *host = opc_test_host();
+  int code = host->geometry->boolean(host, OPC_OR, &in, NULL, &out, &error);
+  g_assert_cmpint(code, ==, OPC_OK);
+  g_array_free(points, TRUE);
+  g_array_free(start, TRUE);
+  return out;
+}
+
+/* With shots of one grid step, whose number is the area of all rectangles. */
+static void run_on(const opc_mask *mask) {
+  opc_error error = {0};
+  g_autoptr(opc_module) m = opc_test_module(
+      "cost.fracture", "{ max_shot: 10 nm, magnification: 10 }", &error);
+  g_assert_nonnull(m);
+  opc_test_forget();
+  opc_test_input(m, "mask", (void *)mask);
+  if (opc_test_run(m, no_outputs, &error)) g_error("%s", error.message);
+}
+
+static void check_files(const opc_shapes *shapes, int layer) {
+  opc_gates gates = gates_of();
+  opc_mask mask = {.size = sizeof mask, .gates = &gates};
+  int64_t gds = file_size("write.gds", &mask, "none.gds");
+  int64_t oasis = file_size("write.oasis", &mask, "none.oas");
+  mask.shapes[layer] = *shapes;
+  gds = file_size("write.gds", &mask, "some.gds") - gds;
+  oasis = file_size("write.oasis", &mask, "some.oas") - oasis;
+  run_on(&mask);
+  g_assert_cmpint(integer_of("cost_bytes", "gdsii", (size_t)layer), ==, gds);
+  g_assert_cmpint(integer_of("cost_bytes", "oasis", (size_t)layer), ==, oasis);
+  g_assert_cmpint(integer_of("cost_bytes", "gdsii", 1 - (size_t)layer), ==, 0);
+  g_assert_cmpint(integer_of("cost_bytes", "oasis", 1 - (size_t)layer), ==, 0);
+  g_assert_cmpint(gds, >, 0);
+}
+
+static void test_files(void) {
+  for (int layer = 0; layer < OPC_MASKS; layer++) {
+    drawing d = {0};
+    square(&d);
+    ring(&d);
+    comb(&d);
+    check_files(&d.shapes, layer);
+    opc_shapes shapes = jagged(3, 2000);
+    check_files(&shapes, layer);
+    opc_test_host()->geometry->release(&shapes);
+  }
+}
+
+/* ---- KLayout ---- */
+
+/* Its figure counts of the three ways of cutting, and the area of each. */
+static const char script[] =
+    "import sys, klayout.db as k\n"
+    "layout = k.Layout()\n"
+    "layout.read(sys.argv[1])\n"
+    "cell = layout.top_cell()\n"
+    "region = k.Region(cell.begin_shapes_rec(layout.layer(9, 0))).merged()\n"
+    "for mode in (k.Polygon.TD_simple, k.Polygon.TD_htrapezoids,\n"
+    "             k.Polygon.TD_vtrapezoids):\n"
+    "  parts = region.decompose_trapezoids_to_region(mode)\n"
+    "  print(parts.count(), sum(p.area() for p in parts.each()))\n";
+
+static void test_klayout(void) {
+  const char *name = "jagged.gds";
+  for (uint32_t seed = 1; seed < 4; seed++) {
+    opc_gates gates = gates_of();
+    opc_mask mask = {.size = sizeof mask, .gates = &gates};
+    mask.shapes[OPC_POLY] = jagged(seed, 600);
+    g_autofree char *path = write_mask("write.gds", &mask, name);
+    char *argv[] = {"python3", "-c", (char *)script, path, NULL};
+    g_autofree char *out = NULL, *err = NULL;
+    int status = -1;
+    if (!g_spawn_sync(NULL, argv, NULL, G_SPAWN_SEARCH_PATH, NULL, NULL, &out,
+                      &err, &status, NULL) ||
+        status != 0) {
+      opc_test_host()->geometry->release(&mask.shapes[OPC_POLY]);
+      g_test_skip("no klayout module for python3");
+      return;
+    }
+    run_on(&mask);
+    int64_t ours = integer("rectangles", OPC_POLY);
+    g_auto(GStrv) lines = g_strsplit(out, "\n", 0);
+    for (int i = 0; i < 3; i++) {
+      g_auto(GStrv) words = g_strsplit(lines[i], " ", 2);
+      g_assert_nonnull(words[1]);
+      int64_t theirs = g_ascii_strtoll(words[0], NULL, 10);
+      g_test_message("rectangles: ours %" G_GINT64_FORMAT
+                     ", KLayout's %" G_GINT64_FORMAT, ours, theirs);
+      g_assert_cmpint(ours, <=, theirs);
+      g_assert_cmpfloat(fabs((double)integer("shots", OPC_POLY) * 1e-6 -
+                             real("area", OPC_POLY)),
+                        <, 1e-9);
+      g_assert_cmpfloat(fabs(g_ascii_strtod(words[1], NULL) * 1e-6 -
+                             real("area", OPC_POLY)),
+                        <, 1e-9);
+    }
+    opc_test_host()->geometry->release(&mask.shapes[OPC_POLY]);
+  }
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/fracture/shapes", test_shapes);
   g_test_add_func("/fracture/places", test_places);
   g_test_add_func("/fracture/same", test_same);
   g_test_add_func("/fracture/slanted", test_slanted);
+  g_test_add_func("/fracture/shots", test_shots);
+  g_test_add_func("/fracture/chord", test_chord);
+  g_test_add_func("/fracture/mebes", test_mebes);
+  g_test_add_func("/fracture/touching", test_touching);
+  g_test_add_func("/fracture/files", test_files);
+  g_test_add_func("/fracture/klayout", test_klayout);
   return g_test_run();
 }

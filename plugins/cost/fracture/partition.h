@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A polygon cut into as few rectangles as can be. */
+#ifndef OPCFLOW_COST_PARTITION_H
+#define OPCFLOW_COST_PARTITION_H
+
+#include <opcflow/opcflow.h>
+
+/* Merged shapes as rectangles that do not overlap: polygons without holes of at
+   most 512 points as few as can be, the others as the host's `fracture` does.
+   *boxes is freed with host->free. */
+int partition(const opc_host *host, const opc_shapes *shapes, opc_box **boxes,
+              size_t *count, opc_error *error);
+
+#endif
