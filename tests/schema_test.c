@@ -44,7 +44,7 @@ static void test_content(void) {
       {"$.definitions['extract.plain'].properties.slices.maximum", "10000.0"},
       {"$.definitions['litho.hopkins'].properties.na.default", "0.75"},
       {"$.definitions['extract.plain'].properties.rule.enum",
-       "[\"gauss\",\"equal\"]"},
+       "[\"contour\",\"gauss\",\"equal\"]"},
       {"$.definitions['extract.plain'].properties.slices.type", "\"integer\""},
       {"$.definitions['resist.threshold'].properties.anchor.properties.line"
        ".default",

@@ -49,7 +49,7 @@ static void test_completion(void) {
       {"opcflow run flows/", "flows/second.yaml "},
       {"opcflow run first.yaml --set mask.litho.n", "mask.litho.na= "},
       {"opcflow run first.yaml --set=mask.extract.ru", "mask.extract.rule= "},
-      {"opcflow run first.yaml --set mask.extract.rule=", "gauss equal "},
+      {"opcflow run first.yaml --set mask.extract.rule=", "contour gauss equal "},
       {"opcflow run first.yaml --output ", " "},
   };
   g_autofree char *second = g_build_filename(folder, "flows", NULL);

@@ -191,8 +191,10 @@ static char *output_folder(const session *s, const opc_variant *variant) {
 }
 
 static int run_one(const session *s, const opc_variant *variant) {
-  const opc_choice choice = {variant, s->sweep, 0,
-                             (const char *const *)s->request->sets->pdata};
+  const opc_choice choice = {
+      .variant = variant,
+      .sweep = s->sweep,
+      .sets = (const char *const *)s->request->sets->pdata};
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_flow) flow =
       opc_flow_make(s->recipe, &choice, s->registry, problems);
@@ -222,8 +224,10 @@ static int run_one(const session *s, const opc_variant *variant) {
 /* All are checked before the first one runs. */
 static gboolean check_all(const session *s, opc_problems *problems) {
   for (guint i = 0; i < s->chosen->len; i++) {
-    const opc_choice choice = {s->chosen->pdata[i], s->sweep, 0,
-                               (const char *const *)s->request->sets->pdata};
+    const opc_choice choice = {
+        .variant = s->chosen->pdata[i],
+        .sweep = s->sweep,
+        .sets = (const char *const *)s->request->sets->pdata};
     opc_flow_check(s->recipe, &choice, s->registry, NULL, problems);
   }
   return !problems->list->len;

@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#include "core/imaging/cuts.h"
 #include "core/imaging/edge.h"
 
 /* How far beyond the drawn gate a print is looked for, nm. */
@@ -48,6 +49,24 @@ static int cut(const opc_field *field, int axis, double at, double place,
   return prints;
 }
 
+/* At n places along the other axis, those from `found` on: the sections that are
+   as they should be are found together. */
+static void cut_all(const opc_field *field, int axis, double place, size_t n,
+                    const double *at, double (*found)[2], const section *s) {
+  opc_cut_many(field, axis, place, fmax(s->drawn[0], s->drawn[1]), n, at, found);
+  for (size_t j = 0; j < n; j++)
+    if (!(found[j][0] <= s->limit[0] && found[j][1] <= s->limit[1]))
+      found[j][0] = NAN;
+}
+
+/* Take a section that cut_all has found: 1; 0 if it has not. */
+static int take(const double found[2], section *s) {
+  if (isnan(found[0])) return 0;
+  s->open = s->pieces = 0;
+  for (int side = 0; side < 2; side++) s->distance[side] = found[side];
+  return 1;
+}
+
 /* The printed active: its mean over the channel, by Gauss's rule. */
 static void measure_width(opc_gate *g) {
   static const double place[3] = {-0.7745966692414834, 0, 0.7745966692414834};
@@ -55,11 +74,13 @@ static void measure_width(opc_gate *g) {
   double half[2] = {g->middle[0] - g->low[0], g->middle[1] - g->low[1]};
   section s = {.limit = {half[1] + reach, half[1] + reach},
                .drawn = {half[1], half[1]}};
-  double width = 0, square = 0;
+  double width = 0, square = 0, at[3], found[3][2];
+  for (int k = 0; k < 3; k++) at[k] = g->middle[0] + half[0] * place[k];
+  cut_all(g->active, g->axis[1], g->middle[1], 3, at, found, &s);
   g->from = g->to = g->middle[1];
   for (int k = 0; k < 3; k++) {
-    int prints = cut(g->active, g->axis[1], g->middle[0] + half[0] * place[k],
-                     g->middle[1], &s);
+    int prints = take(found[k], &s) ||
+                 cut(g->active, g->axis[1], at[k], g->middle[1], &s);
     if (!prints && k == 1) g->flags |= OPC_PRINT_NO_ACTIVE;
     if (s.open) g->flags |= OPC_PRINT_MERGED;
     if (s.pieces) g->flags |= OPC_PRINT_ISLAND;
@@ -91,41 +112,88 @@ static double measure_extension(opc_gate *g, int side) {
   return isnan(distance) ? -(g->high[1] - g->low[1]) / 2 : -distance;
 }
 
-static double measure_length(opc_gate *g, double at) {
+/* Measure at places that are not known yet. */
+static void measure_lengths(opc_gate *g, size_t n, const double *place,
+                            double *length) {
   double half = g->middle[0] - g->low[0];
+  double at[OPC_GATE_LENGTHS], found[OPC_GATE_LENGTHS][2];
   section s = {.limit = {half + fmin(reach, g->room[0] / 2),
                          half + fmin(reach, g->room[1] / 2)},
                .drawn = {half, half}};
-  if (!cut(g->poly, g->axis[0], at, g->middle[0], &s))
-    g->flags |= OPC_PRINT_OPEN;
-  if (s.open) g->flags |= OPC_PRINT_MERGED;
-  if (s.pieces) g->flags |= OPC_PRINT_ISLAND;
-  double length = s.distance[0] + s.distance[1];
-  if (length < 2 * half * neck) g->flags |= OPC_PRINT_NECK;
-  if (length > 2 * half * wide) g->flags |= OPC_PRINT_WIDE;
-  return length;
+  for (size_t j = 0; j < n; j++)
+    at[j] = g->from + place[j] * (g->to - g->from);
+  cut_all(g->poly, g->axis[0], g->middle[0], n, at, found, &s);
+  for (size_t j = 0; j < n; j++) {
+    if (!take(found[j], &s) &&
+        !cut(g->poly, g->axis[0], at[j], g->middle[0], &s))
+      g->flags |= OPC_PRINT_OPEN;
+    if (s.open) g->flags |= OPC_PRINT_MERGED;
+    if (s.pieces) g->flags |= OPC_PRINT_ISLAND;
+    length[j] = s.distance[0] + s.distance[1];
+    if (length[j] < 2 * half * neck) g->flags |= OPC_PRINT_NECK;
+    if (length[j] > 2 * half * wide) g->flags |= OPC_PRINT_WIDE;
+  }
 }
 
-double opc_gate_length(opc_gate *g, double place) {
-  if (!(place >= 0 && place <= 1)) return NAN;
-  for (size_t k = 0; k < g->known; k++)
-    if (g->place[k] == place) return g->length[k];
-  double length = measure_length(g, g->from + place * (g->to - g->from));
-  if (g->known < OPC_GATE_LENGTHS) {
-    g->place[g->known] = place;
-    g->length[g->known++] = length;
+/* Which of the known places this is; g->known if it is none. */
+static size_t find_known(const opc_gate *g, double place) {
+  size_t k = 0;
+  while (k < g->known && g->place[k] != place) k++;
+  return k;
+}
+
+/* At most OPC_GATE_LENGTHS. */
+static void some_lengths(opc_gate *g, size_t n, const double *place,
+                         double *length) {
+  size_t m = 0, which[OPC_GATE_LENGTHS];
+  double wanted[OPC_GATE_LENGTHS], found[OPC_GATE_LENGTHS];
+  for (size_t j = 0; j < n; j++) {
+    length[j] = NAN;
+    if (!(place[j] >= 0 && place[j] <= 1)) continue;
+    size_t k = find_known(g, place[j]);
+    if (k < g->known) {
+      length[j] = g->length[k];
+    } else {
+      which[m] = j;
+      wanted[m++] = place[j];
+    }
   }
-  return length;
+  if (m) measure_lengths(g, m, wanted, found);
+  for (size_t i = 0; i < m; i++) {
+    length[which[i]] = found[i];
+    if (g->known == OPC_GATE_LENGTHS) continue;
+    g->place[g->known] = wanted[i];
+    g->length[g->known++] = found[i];
+  }
+}
+
+void opc_gate_lengths(opc_gate *g, size_t n, const double *place,
+                      double *length) {
+  for (size_t j = 0; j < n; j += OPC_GATE_LENGTHS)
+    some_lengths(g, n - j < OPC_GATE_LENGTHS ? n - j : OPC_GATE_LENGTHS,
+                 place + j, length + j);
 }
 
 /* ---- what an extractor sees ---- */
 
 static double printed_length(const opc_printed_gate *shown, double place) {
-  return opc_gate_length((opc_gate *)shown->context, place);
+  double length;
+  opc_gate_lengths((opc_gate *)shown->context, 1, &place, &length);
+  return length;
+}
+
+static void printed_lengths(const opc_printed_gate *shown, size_t n,
+                            const double *place, double *length) {
+  opc_gate_lengths((opc_gate *)shown->context, n, place, length);
 }
 
 static double drawn_length(const opc_printed_gate *shown, double place) {
   return place >= 0 && place <= 1 ? shown->design_length : NAN;
+}
+
+static void drawn_lengths(const opc_printed_gate *shown, size_t n,
+                          const double *place, double *length) {
+  for (size_t j = 0; j < n; j++) length[j] = drawn_length(shown, place[j]);
 }
 
 /* All but what is measured. */
@@ -153,10 +221,10 @@ static void begin(const opc_gates *gates, size_t i, opc_gate *g) {
                                 .context = g};
 }
 
-static void show(opc_gate *g, double (*length)(const opc_printed_gate *,
-                                               double)) {
+static void show(opc_gate *g, int printed) {
   g->shown.width = g->to - g->from;
-  g->shown.length = length;
+  g->shown.length = printed ? printed_length : drawn_length;
+  g->shown.lengths = printed ? printed_lengths : drawn_lengths;
   for (int side = 0; side < 2; side++)
     g->shown.extension[side] = g->extension[side];
 }
@@ -169,7 +237,7 @@ void opc_gate_measure(const opc_gates *gates, size_t i,
   measure_width(g);
   for (int side = 0; side < 2; side++)
     g->extension[side] = measure_extension(g, side);
-  show(g, printed_length);
+  show(g, 1);
 }
 
 void opc_gate_draw(const opc_gates *gates, size_t i, opc_gate *g) {
@@ -180,5 +248,5 @@ void opc_gate_draw(const opc_gates *gates, size_t i, opc_gate *g) {
   g->to = gates->width[i];
   for (int side = 0; side < 2; side++)
     g->extension[side] = g->drawn_extension[side];
-  show(g, drawn_length);
+  show(g, 0);
 }

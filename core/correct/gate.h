@@ -29,8 +29,10 @@ void opc_gate_measure(const opc_gates *gates, size_t i,
 /* Gate i as drawn: a rectangle. */
 void opc_gate_draw(const opc_gates *gates, size_t i, opc_gate *gate);
 
-/* The length at a fraction of the width, 0 where nothing prints; the flags are
-   those of all lengths that were asked for. NAN for a place that is none. */
-double opc_gate_length(opc_gate *gate, double place);
+/* The lengths at fractions of the width, 0 where nothing prints; the flags are
+   those of all lengths that were asked for. NAN for a place that is none. Many
+   at once take much less time than one by one. */
+void opc_gate_lengths(opc_gate *gate, size_t n, const double *place,
+                      double *length);
 
 #endif

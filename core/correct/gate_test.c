@@ -49,9 +49,11 @@ static result look(level *poly, level *active, double room, int across) {
   opc_gate gate;
   result r;
   opc_gate_measure(&gates, 0, print, &gate);
-  for (int k = 0; k <= 40; k++) r.length[k] = opc_gate_length(&gate, k / 40.0);
-  g_assert_true(isnan(opc_gate_length(&gate, -0.1)));
-  g_assert_true(isnan(opc_gate_length(&gate, NAN)));
+  double place[41], none[2];
+  for (int k = 0; k <= 40; k++) place[k] = k / 40.0;
+  opc_gate_lengths(&gate, 41, place, r.length);
+  opc_gate_lengths(&gate, 2, (double[]){-0.1, NAN}, none);
+  g_assert_true(isnan(none[0]) && isnan(none[1]));
   g_assert_cmpfloat(gate.shown.length(&gate.shown, 0.5), ==, r.length[20]);
   r.flags = gate.flags;
   r.from = gate.from;

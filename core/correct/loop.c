@@ -194,7 +194,8 @@ static opc_feedback feedback(const opc_loop *l) {
                     .design = &l->design,
                     .printed = &l->measured.performance,
                     .flags = l->measured.flags,
-                    .vetoes = l->vetoes};
+                    .vetoes = l->vetoes,
+                    .end = l->now.biases.end};
   for (int layer = 0; layer < OPC_MASKS; layer++)
     f.epe[layer] = l->sites[layer].epe;
   return f;

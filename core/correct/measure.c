@@ -48,7 +48,6 @@ static int slices_make(slices *s, const opc_module *extract, size_t gates,
 /* Cut a gate, number k of the range. */
 static int slices_cut(const slices *s, const opc_module *extract, size_t k,
                       opc_gate *gate,
-                      double (*length)(opc_gate *gate, double place),
                       opc_error *error) {
   const opc_extract *model = extract->plugin->operations;
   const double *place = s->place, *share = s->share;
@@ -65,8 +64,8 @@ static int slices_cut(const slices *s, const opc_module *extract, size_t k,
     double t = place[i], width = gate->shown.width;
     s->width[k * s->n + i] = share[i] * width;
     s->edge[k * s->n + i] = width * (t < 0.5 ? t : 1 - t);
-    s->length[k * s->n + i] = length(gate, t);
   }
+  gate->shown.lengths(&gate->shown, s->n, place, s->length + k * s->n);
   return OPC_OK;
 }
 
@@ -98,7 +97,7 @@ int opc_measure(const opc_host *host, const opc_gates *gates,
   for (size_t i = first; i < last && !code; i++) {
     opc_gate gate;
     opc_gate_measure(gates, i, print, &gate);
-    code = slices_cut(&s, extract, i - first, &gate, opc_gate_length, error);
+    code = slices_cut(&s, extract, i - first, &gate, error);
     for (int side = 0; side < 2; side++)
       out->extension[2 * i + side] = gate.extension[side];
     out->flags[i] = gate.flags;
@@ -112,11 +111,6 @@ int opc_measure(const opc_host *host, const opc_gates *gates,
   return code;
 }
 
-static double drawn_length(opc_gate *gate, double place) {
-  (void)place;
-  return gate->shown.design_length;
-}
-
 int opc_measure_drawn(const opc_gates *gates, const opc_module *extract,
                       opc_performance *out, opc_error *error) {
   slices s;
@@ -125,7 +119,7 @@ int opc_measure_drawn(const opc_gates *gates, const opc_module *extract,
   for (size_t i = 0; i < gates->count && !code; i++) {
     opc_gate gate;
     opc_gate_draw(gates, i, &gate);
-    code = slices_cut(&s, extract, i, &gate, drawn_length, error);
+    code = slices_cut(&s, extract, i, &gate, error);
   }
   if (!code) code = slices_extract(&s, extract, gates, 0, NULL, out, error);
   free(s.width);

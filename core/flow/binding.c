@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "core/flow/inner.h"
 #include "core/flow/layers.h"
 #include "core/flow/value.h"
 #include "core/plugin/declaration.h"
@@ -228,11 +229,14 @@ static opc_binding *bind_plugin(opc_registry *registry,
   binding->owned = g_ptr_array_new_with_free_func(g_free);
   binding->presets =
       g_ptr_array_new_with_free_func((GDestroyNotify)opc_node_free);
+  guint before = problems->list->len;
   binder b = {registry, binding, flags, depth, problems};
   bind_map(&b, map, "");
   for (size_t i = 0; i < plugin->n_parameters; i++)
     if (!binding->values[i].given) bind_default(&b, i);
   forget_defaults(&b);
+  if (problems->list->len == before)
+    opc_inner_open(binding, registry, flags, problems);
   return binding;
 }
 
@@ -334,6 +338,7 @@ void opc_binding_free(opc_binding *b) {
     b->plugin->destroy(b->module.self);
     opc_leave(before);
   }
+  opc_inner_free(b->inner);
   for (size_t i = 0; i < b->plugin->n_parameters; i++)
     opc_binding_free(b->slots[i]);
   if (b->host) opc_host_free(b->host);

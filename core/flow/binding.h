@@ -8,6 +8,8 @@
 #include "core/plugin/host.h"
 #include "core/plugin/registry.h"
 
+typedef struct opc_inner opc_inner; /* inner.h */
+
 typedef struct opc_binding opc_binding;
 struct opc_binding {
   const opc_plugin *plugin;
@@ -23,10 +25,12 @@ struct opc_binding {
   void *listener;    /* for the functions of the sink, whose `data` is
                         the binding */
   opc_module module; /* self is NULL before create */
+  opc_inner *inner;  /* the flow that the step runs; NULL: none */
 };
 
 enum {
-  OPC_BIND_NO_INPUTS = 1 << 0 /* a required OPC_INPUT may be missing */
+  OPC_BIND_NO_INPUTS = 1 << 0, /* a required OPC_INPUT may be missing */
+  OPC_BIND_INNER = 1 << 1      /* of a flow that a step runs */
 };
 
 /* Find the plugin that the map names with `use` and check all parameters.

@@ -158,3 +158,12 @@ void opc_flow_connect(opc_flow *flow, opc_problems *problems) {
   }
   find_order(flow, problems);
 }
+
+void opc_flow_find_needed(const opc_flow *flow, gboolean *needed) {
+  for (guint i = flow->order->len; i-- > 0;) {
+    const opc_flow_step *step = flow->order->pdata[i];
+    for (guint k = 0; needed[step->number] && k < step->inputs->len; k++)
+      needed[g_array_index(step->inputs, opc_flow_input, k).from->number] =
+          TRUE;
+  }
+}

@@ -18,7 +18,8 @@ static void step_free(gpointer item) {
 }
 
 static void read_step(opc_flow *flow, const opc_node *key, const opc_node *node,
-                      opc_registry *registry, opc_problems *problems) {
+                      opc_registry *registry, unsigned flags,
+                      opc_problems *problems) {
   opc_flow_step *step = g_new0(opc_flow_step, 1);
   step->name = key->text;
   step->key = key;
@@ -35,15 +36,15 @@ static void read_step(opc_flow *flow, const opc_node *key, const opc_node *node,
           key->text);
   else
     step->binding = opc_bind(registry, node, OPC_KIND_STEP, step->name,
-                             &key->at, 0, problems);
+                             &key->at, flags, problems);
 }
 
-static void read_steps(opc_flow *flow, opc_registry *registry,
+static void read_steps(opc_flow *flow, opc_registry *registry, unsigned flags,
                        opc_problems *problems) {
   const opc_node *steps = flow->nodes;
   for (guint i = 0; i < steps->items->len && !opc_problems_full(problems); i++)
     read_step(flow, steps->keys->pdata[i], steps->items->pdata[i], registry,
-              problems);
+              flags, problems);
 }
 
 /* ---- the whole ---- */
@@ -70,6 +71,11 @@ static void lay_choice(opc_flow *flow, const opc_choice *choice,
     opc_sweep_lay(choice->sweep, choice->point, flow->nodes, problems);
   for (const char *const *set = choice->sets; set && *set; set++)
     opc_lay_set(flow->nodes, *set, flow->sources, problems);
+  for (guint i = 0; choice->over && i < choice->over->keys->len; i++) {
+    const opc_node *key = choice->over->keys->pdata[i];
+    opc_lay_at(flow->nodes, key->text, &key->at, choice->over->items->pdata[i],
+               NULL, problems);
+  }
 }
 
 opc_flow *opc_flow_make(const opc_recipe *recipe, const opc_choice *choice,
@@ -90,7 +96,7 @@ opc_flow *opc_flow_make(const opc_recipe *recipe, const opc_choice *choice,
   flow->nodes = opc_node_copy(recipe->steps, NULL);
   if (choice) lay_choice(flow, choice, problems);
   if (!flow->nodes->items->len) WRONG(problems, flow->nodes, "no step is left");
-  read_steps(flow, registry, problems);
+  read_steps(flow, registry, choice ? choice->bind : 0, problems);
   opc_flow_connect(flow, problems);
   return flow;
 }

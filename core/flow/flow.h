@@ -44,6 +44,8 @@ typedef struct opc_choice {
   size_t point;               /* of it */
   const char *const *sets;    /* "step.parameter=value", NULL-terminated, may be
                                  NULL */
+  const opc_node *over;       /* a map of paths and values; NULL: none */
+  unsigned bind;              /* OPC_BIND_* of its steps */
 } opc_choice;
 
 /* Make the flow and check everything that can be checked without making an
@@ -78,11 +80,19 @@ char *opc_flow_resolved(const opc_flow *flow);
 /* The same with a sweep behind, whose first point the flow is. */
 char *opc_flow_resolved_sweep(const opc_flow *flow, const opc_sweep *sweep);
 
+/* What "step.parameter" or a deeper path means; NULL if it is no parameter that
+   is there. */
+const opc_parameter *opc_flow_parameter(const opc_flow *flow,
+                                        const char *path);
+
 /* A text, list or map of a flow, on one line. */
 char *opc_node_line(const opc_node *node);
 
 /* Find out what the steps of `flow` need of each other, and the order in which
    they run. */
 void opc_flow_connect(opc_flow *flow, opc_problems *problems);
+
+/* Mark all steps that those which are marked need; by their numbers. */
+void opc_flow_find_needed(const opc_flow *flow, gboolean *needed);
 
 #endif

@@ -159,13 +159,14 @@ void opc_lay_at(opc_node *steps, const char *path, const opc_place *key,
                 const opc_node *value, const opc_source *source,
                 opc_problems *problems) {
   g_auto(GStrv) words = g_strsplit(path, ".", DEEPEST + 1);
+  const opc_source *whose = source ? source : value->source;
   opc_place at = *key;
-  at.file = source->name;
+  if (source) at.file = source->name;
   if (!check_path(words, path, &at, problems)) return;
   opc_node *tree = opc_node_copy(value, source);
   for (guint i = g_strv_length(words); i-- > 0;) {
-    opc_node *map = opc_node_map_new(source, &at);
-    opc_node *word = opc_node_text_new(source, words[i]);
+    opc_node *map = opc_node_map_new(whose, &at);
+    opc_node *word = opc_node_text_new(whose, words[i]);
     word->at = at;
     opc_node_add(map, word, tree);
     tree = map;

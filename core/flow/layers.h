@@ -18,7 +18,7 @@ void opc_lay_steps(opc_node *steps, const opc_node *over,
                    const opc_source *source, opc_problems *problems);
 
 /* The same for one value, at `path`: "step", "step.parameter" or deeper. `key`
-   is where the path was written. */
+   is where the path was written. `source` may be NULL, as in opc_lay. */
 void opc_lay_at(opc_node *steps, const char *path, const opc_place *key,
                 const opc_node *value, const opc_source *source,
                 opc_problems *problems);

@@ -44,7 +44,7 @@ static made make(const char *path, const char *variant, size_t point,
   g_autofree char *faults = opc_problems_text(problems);
   g_assert_cmpstr(faults, ==, "");
   m.sweep = opc_sweep_new(m.recipe, sets, NULL, problems);
-  opc_choice choice = {NULL, m.sweep, point, sets};
+  opc_choice choice = {.sweep = m.sweep, .point = point, .sets = sets};
   if (*variant)
     choice.variant = opc_recipe_variant(m.recipe, variant, problems);
   m.flow = opc_flow_make(m.recipe, &choice, registry(), problems);

@@ -7,7 +7,6 @@
 
 #include "core/flow/files.h"
 #include "core/flow/run.h"
-#include "core/flow/unit.h"
 
 /* ---- state ---- */
 
@@ -48,10 +47,8 @@ static gboolean is_swept(const opc_sweep *sweep, const opc_flow_step *step) {
   return FALSE;
 }
 
-/* Of each step: whether it, or one that it needs, is swept. The references of
-   a step that is not swept are the same at all points. */
-static void find_swept(const opc_flow *flow, const opc_sweep *sweep,
-                       gboolean *swept) {
+void opc_run_find_swept(const opc_flow *flow, const opc_sweep *sweep,
+                        gboolean *swept) {
   for (guint i = 0; i < flow->order->len; i++) {
     const opc_flow_step *step = flow->order->pdata[i];
     gboolean is = is_swept(sweep, step);
@@ -89,7 +86,7 @@ static void take_metrics(sweeper *s, const opc_run *run, size_t point) {
 
 /* ---- one point ---- */
 
-static void write_point(const opc_run *run, opc_problems *problems) {
+void opc_run_write_point(const opc_run *run, opc_problems *problems) {
   opc_run_write(run, "flow.yaml", opc_flow_resolved(run->flow), problems);
   opc_run_write(run, "metrics.json", opc_json_text(opc_run_metrics_json(run)),
                 problems);
@@ -107,16 +104,20 @@ static gboolean open_point(const sweeper *s, opc_run *run, size_t point,
   return FALSE;
 }
 
-/* The steps that are left over, with what the others gave. */
-static void run_point(sweeper *s, opc_flow *flow, size_t point,
-                      opc_problems *problems) {
-  const opc_run *trunk = s->trunk;
-  g_autoptr(opc_run) run =
-      opc_run_new(flow, s->registry, trunk->options, trunk->watch);
+opc_run *opc_run_branch(const opc_run *trunk, opc_flow *flow) {
+  opc_run *run =
+      opc_run_new(flow, trunk->registry, trunk->options, trunk->watch);
   for (guint i = 0; i < flow->steps->len; i++) {
     run->left_out[i] = !trunk->left_out[i];
     run->objects[i] = trunk->objects[i];
   }
+  return run;
+}
+
+static void run_point(sweeper *s, opc_flow *flow, size_t point,
+                      opc_problems *problems) {
+  const opc_run *trunk = s->trunk;
+  g_autoptr(opc_run) run = opc_run_branch(trunk, flow);
   if (opc_run_create(run, problems) && opc_run_sum(s->trunk, flow, problems) &&
       open_point(s, run, point, problems)) {
     opc_run_steps(run, problems);
@@ -124,7 +125,7 @@ static void run_point(sweeper *s, opc_flow *flow, size_t point,
     take_metrics(s, trunk, point);
     take_metrics(s, run, point);
     if (trunk->options->keep)
-      write_point(run, problems);
+      opc_run_write_point(run, problems);
     else
       opc_remove_tree(run->work);
   }
@@ -164,23 +165,9 @@ typedef struct axis_column {
   char **texts;
 } axis_column;
 
-/* Whether all values are numbers with the same unit, or none. */
-static gboolean is_numeric(const opc_axis *axis, const char **unit) {
-  for (guint i = 0; i < axis->values->len; i++) {
-    const opc_node *node = axis->values->pdata[i];
-    size_t n = node->type == OPC_NODE_TEXT ? opc_number_length(node->text) : 0;
-    if (!n) return FALSE;
-    const char *rest = node->text + n + strspn(node->text + n, " ");
-    if (i && strcmp(rest, *unit)) return FALSE;
-    *unit = rest;
-  }
-  return !**unit || opc_unit_find(*unit);
-}
-
 static void fill_axis(const sweeper *s, guint a, axis_column *column) {
   const opc_axis *axis = s->sweep->axes->pdata[a];
-  column->unit = "";
-  gboolean numeric = is_numeric(axis, &column->unit);
+  gboolean numeric = opc_axis_is_numeric(axis, &column->unit);
   if (!numeric || !*column->unit) column->unit = NULL;
   column->texts = g_new0(char *, s->done + 1);
   if (numeric) column->reals = g_new(double, MAX(s->done, 1));
@@ -257,7 +244,7 @@ opc_run *opc_run_sweep(opc_flow *flow, const opc_choice *choice,
                        const opc_watch *watch, opc_problems *problems) {
   opc_run *trunk = opc_run_new(flow, registry, options, watch);
   trunk->sweep = choice->sweep;
-  find_swept(flow, choice->sweep, trunk->left_out);
+  opc_run_find_swept(flow, choice->sweep, trunk->left_out);
   gint64 start = g_get_monotonic_time();
   g_autofree char *target = opc_run_target(trunk);
   if (opc_run_create(trunk, problems) && opc_run_sum(trunk, flow, problems) &&

@@ -5,6 +5,7 @@
 #include <sys/utsname.h>
 
 #include "core/flow/files.h"
+#include "core/flow/inner.h"
 #include "core/flow/run.h"
 #include "core/flow/unit.h"
 #include "core/flow/value.h"
@@ -104,8 +105,11 @@ typedef struct plugin_list {
   GHashTable *done; /* opc_plugin * */
 } plugin_list;
 
+static void add_flow(const opc_flow *flow, plugin_list *list);
+
 static void add_plugin(opc_binding *binding, void *data) {
   plugin_list *list = data;
+  if (binding->inner) add_flow(binding->inner->flow, list);
   if (!g_hash_table_add(list->done, (gpointer)binding->plugin)) return;
   const char *path = opc_registry_path(list->run->registry, binding->plugin);
   g_autofree char *whole = path ? g_canonicalize_filename(path, NULL) : NULL;
@@ -119,14 +123,18 @@ static void add_plugin(opc_binding *binding, void *data) {
   json_builder_end_object(list->builder);
 }
 
+static void add_flow(const opc_flow *flow, plugin_list *list) {
+  for (guint i = 0; i < flow->order->len; i++) {
+    const opc_flow_step *step = flow->order->pdata[i];
+    opc_binding_visit(step->binding, add_plugin, list);
+  }
+}
+
 static void add_plugins(JsonBuilder *b, const opc_run *run) {
   plugin_list list = {b, run, g_hash_table_new(NULL, NULL)};
   json_builder_set_member_name(b, "plugins");
   json_builder_begin_array(b);
-  for (guint i = 0; i < run->flow->order->len; i++) {
-    const opc_flow_step *step = run->flow->order->pdata[i];
-    opc_binding_visit(step->binding, add_plugin, &list);
-  }
+  add_flow(run->flow, &list);
   json_builder_end_array(b);
   g_hash_table_destroy(list.done);
 }

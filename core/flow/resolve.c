@@ -150,9 +150,8 @@ char *opc_node_line(const opc_node *node) {
   return g_string_free(out, FALSE);
 }
 
-/* What a path means in a flow; NULL if it is no parameter that is there. */
-static const opc_parameter *find_parameter(const opc_flow *flow,
-                                           const char *path) {
+const opc_parameter *opc_flow_parameter(const opc_flow *flow,
+                                        const char *path) {
   const opc_binding *b = NULL;
   size_t n = strcspn(path, ".");
   for (guint i = 0; i < flow->steps->len; i++) {
@@ -198,7 +197,7 @@ static void append_sweep(GString *out, const opc_flow *flow,
   g_string_append(out, "sweep:\n");
   for (guint a = 0; a < sweep->axes->len; a++) {
     const opc_axis *axis = sweep->axes->pdata[a];
-    const opc_parameter *p = find_parameter(flow, axis->path);
+    const opc_parameter *p = opc_flow_parameter(flow, axis->path);
     size_t start = out->len;
     g_string_append_printf(out, "  %s: [", axis->path);
     for (guint i = 0; i < axis->values->len; i++) {

@@ -7,6 +7,7 @@
 #include "core/correct/check.h"
 #include "core/flow/files.h"
 #include "core/flow/folder.h"
+#include "core/flow/inner.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/guard.h"
 
@@ -83,25 +84,32 @@ static void add_input(summer *s, const char *file, const opc_place *at) {
   g_ptr_array_add(s->run->inputs, sum);
 }
 
+static void sum_flow(const opc_flow *flow, summer *s);
+
 static void sum_files(opc_binding *b, void *data) {
   for (size_t i = 0; i < b->plugin->n_parameters; i++)
     if (b->values[i].type == OPC_FILE && b->values[i].text)
       add_input(data, b->values[i].text,
                 b->origin[i] ? &b->origin[i]->at : &b->at);
+  if (b->inner) sum_flow(b->inner->flow, data);
+}
+
+static void sum_flow(const opc_flow *flow, summer *s) {
+  const opc_place at = {NULL, 0, 0};
+  const GPtrArray *files = flow->recipe->sources;
+  for (guint i = 0; i < files->len; i++)
+    add_input(s, ((const opc_source *)files->pdata[i])->name, &at);
+  for (guint i = 0; i < flow->order->len; i++) {
+    const opc_flow_step *step = flow->order->pdata[i];
+    opc_binding_visit(step->binding, sum_files, s);
+  }
 }
 
 gboolean opc_run_sum(opc_run *run, const opc_flow *flow,
                      opc_problems *problems) {
   summer s = {run, problems};
   guint before = problems->list->len;
-  const opc_place at = {NULL, 0, 0};
-  const GPtrArray *files = flow->recipe->sources;
-  for (guint i = 0; i < files->len; i++)
-    add_input(&s, ((const opc_source *)files->pdata[i])->name, &at);
-  for (guint i = 0; i < flow->order->len; i++) {
-    const opc_flow_step *step = flow->order->pdata[i];
-    opc_binding_visit(step->binding, sum_files, &s);
-  }
+  sum_flow(flow, &s);
   return problems->list->len == before;
 }
 

@@ -108,6 +108,20 @@ void opc_run_close(opc_run *run, const char *target, opc_problems *problems);
    listeners are the opc_run. */
 extern const opc_sink opc_run_sink;
 
+/* ---- points.c, for core/search ---- */
+
+/* Of each step: whether it, or one that it needs, is swept. The references of
+   a step that is not swept are the same at all points. */
+void opc_run_find_swept(const opc_flow *flow, const opc_sweep *sweep,
+                        gboolean *swept);
+
+/* A run at a point of a sweep: of the steps that `trunk` left out, with what
+   its own gave. */
+opc_run *opc_run_branch(const opc_run *trunk, opc_flow *flow);
+
+/* The resolved flow and the metrics of a point, into its folder. */
+void opc_run_write_point(const opc_run *run, opc_problems *problems);
+
 /* ---- report.c: JSON ---- */
 
 JsonNode *opc_run_metrics_json(const opc_run *run);

@@ -168,7 +168,8 @@ static JsonObject *list_of_numbers(const opc_parameter *p) {
 
 static JsonObject *map_of_texts(const opc_parameter *p) {
   JsonObject *o = new_type("object");
-  json_object_set_object_member(o, "additionalProperties", any_text());
+  if (!(p->flags & OPC_MAP_OF_ANY))
+    json_object_set_object_member(o, "additionalProperties", any_text());
   if (p->choices)
     json_object_set_object_member(o, "propertyNames", one_of_words(p->choices));
   return o;

@@ -224,7 +224,43 @@ void opc_sweep_free(opc_sweep *sweep) {
   g_free(sweep);
 }
 
+/* A map that is no range is what stands behind the dots of its path. */
+static void lay_axes(opc_sweep *sweep, const char *prefix, const opc_node *map,
+                     opc_problems *problems) {
+  for (guint i = 0; i < map->items->len; i++) {
+    const opc_node *key = map->keys->pdata[i], *value = map->items->pdata[i];
+    g_autofree char *path = g_strconcat(prefix, key->text, NULL);
+    if (value->type == OPC_NODE_MAP && !opc_node_get(value, "from") &&
+        !opc_node_get(value, "to") && !opc_node_get(value, "step")) {
+      g_autofree char *deeper = g_strconcat(path, ".", NULL);
+      lay_axes(sweep, deeper, value, problems);
+      continue;
+    }
+    opc_source *source = opc_source_layer(value->source, "sweep");
+    put_axis(sweep, axis_new(path, &key->at, source, value, problems));
+  }
+}
+
+void opc_sweep_lay_over(opc_sweep *sweep, const opc_node *map,
+                        opc_problems *problems) {
+  lay_axes(sweep, "", map, problems);
+  count_points(sweep, problems);
+}
+
 /* ---- points ---- */
+
+gboolean opc_axis_is_numeric(const opc_axis *axis, const char **unit) {
+  *unit = "";
+  for (guint i = 0; i < axis->values->len; i++) {
+    const opc_node *node = axis->values->pdata[i];
+    size_t n = node->type == OPC_NODE_TEXT ? opc_number_length(node->text) : 0;
+    if (!n) return FALSE;
+    const char *rest = node->text + n + strspn(node->text + n, " ");
+    if (i && strcmp(rest, *unit)) return FALSE;
+    *unit = rest;
+  }
+  return !**unit || opc_unit_find(*unit);
+}
 
 const opc_node *opc_sweep_value(const opc_sweep *sweep, guint a, size_t point) {
   for (guint i = sweep->axes->len; i-- > 0;) {

@@ -24,6 +24,15 @@ typedef struct opc_sweep {
 opc_sweep *opc_sweep_new(const opc_recipe *recipe, const char *const *sets,
                          const char *const *sweeps, opc_problems *problems);
 void opc_sweep_free(opc_sweep *sweep);
+
+/* Lay what `map` sweeps over that: paths, which may be cut into maps, with
+   their values. */
+void opc_sweep_lay_over(opc_sweep *sweep, const opc_node *map,
+                        opc_problems *problems);
+
+/* Whether all values are numbers with the same unit, or none: *unit is "" or
+   the name of one. */
+gboolean opc_axis_is_numeric(const opc_axis *axis, const char **unit);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_sweep, opc_sweep_free)
 
 /* The value of axis `a` at a point; the last axis changes first. */

@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "core/flow/flow.h"
 #include "core/flow/unit.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/suggest.h"
@@ -253,12 +254,15 @@ static gboolean read_map(const conversion *c, const opc_node *node,
   for (guint i = 0; i < n; i++) {
     const opc_node *key = node->keys->pdata[i], *item = node->items->pdata[i];
     good &= check_key(c, key);
-    if (item->type != OPC_NODE_TEXT || opc_node_is_empty(item)) {
-      good = WRONG(c, item, "'%s' of '%s' needs a text", key->text, p->name);
+    gboolean any = (p->flags & OPC_MAP_OF_ANY) != 0;
+    if ((item->type != OPC_NODE_TEXT && !any) || opc_node_is_empty(item)) {
+      good = WRONG(c, item, "'%s' of '%s' needs a %s", key->text, p->name,
+                   any ? "value" : "text");
       continue;
     }
     pairs[i].key = own(c, g_strdup(key->text));
-    pairs[i].value = own(c, g_strdup(item->text));
+    pairs[i].value = own(c, item->type == OPC_NODE_TEXT ? g_strdup(item->text)
+                                                        : opc_node_line(item));
   }
   value->pairs = pairs;
   value->count = n;

@@ -5,6 +5,10 @@
 
 #include "core/flow/node.h"
 
+/* A flag of the core's own parameters: the values of an OPC_MAP may be lists and
+   maps; they are handed on as one line. */
+enum { OPC_MAP_OF_ANY = 1 << 30 };
+
 /* Convert `node` as `parameter` says into *value; what it points to is put
    into `owned` (freed with g_free). FALSE and problems if it does not fit. Of
    an OPC_INPUT the text is "step" or "step.port"; OPC_SLOT is not for here.

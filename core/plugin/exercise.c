@@ -312,12 +312,13 @@ static void exercise_moves(opc_inspector *in, const opc_module *m,
   const opc_synthesizer *o = m->plugin->operations;
   const opc_gates *g = opc_test_gates();
   uint32_t flags[2] = {0}, vetoes[2] = {0};
-  int32_t l[2] = {0}, w[2] = {0}, jog[2] = {0};
+  int32_t l[2] = {0}, w[2] = {0}, jog[2] = {0}, end[4] = {0};
   opc_error error = {0};
   int done = 0;
   f.printed = printed;
   f.flags = flags;
   f.vetoes = vetoes;
+  f.end = end;
   for (; f.iteration < ROUNDS && !done; f.iteration++) {
     print_sample(g, l, w, printed);
     print_fragments(g, own, f.iteration);

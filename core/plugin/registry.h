@@ -41,6 +41,9 @@ const opc_plugin *opc_registry_find(opc_registry *registry, const char *id,
 const char *opc_registry_path(const opc_registry *registry,
                               const opc_plugin *plugin);
 
+/* Whether it is one of the core's own. */
+gboolean opc_plugin_is_built_in(const opc_plugin *plugin);
+
 /* Look at all there is: opc_candidate *, by id, then in the order of search.
    Each is loaded in a process of its own, so that one that crashes or hangs
    (`seconds` are granted) is only reported. */

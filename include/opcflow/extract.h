@@ -38,6 +38,9 @@ struct opc_printed_gate {
      slice. */
   double (*length)(const opc_printed_gate *gate, double place);
   const void *context;       /* the host's own */
+  /* Since 1.1: the lengths at n places, which take less time together. */
+  void (*lengths)(const opc_printed_gate *gate, size_t n, const double *place,
+                  double *length);
 };
 
 typedef struct opc_extract {

@@ -33,6 +33,9 @@ typedef struct opc_feedback {
      is too large; NAN where there is no edge within 100 nm of the site. NULL
      for a layer without such fragments. */
   const double *epe[OPC_MASKS];
+  /* Since 1.1. The line ends of the mask that printed so, as the regulator has
+     them: opc_ruling.end. */
+  const int32_t *end;
 } opc_feedback;
 
 /* The biases of each gate's mask, in grid steps against the drawn one: `l` of

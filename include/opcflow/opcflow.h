@@ -13,6 +13,7 @@
 #include <opcflow/litho.h>
 #include <opcflow/mask.h>
 #include <opcflow/plugin.h>
+#include <opcflow/settings.h>
 #include <opcflow/step.h>
 
 #endif

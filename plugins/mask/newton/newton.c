@@ -27,6 +27,7 @@ typedef struct transistor {
   double x[MOVES], error[ERRORS];   /* of `now` */
   double size, best_size; /* of the errors, see size_of */
   response response, first;
+  int32_t end[2];         /* the line ends of `now` */
   int32_t from[2], to[2]; /* the poly's LOW and HIGH side, along W from the
                              gate's box, grid steps */
   uint8_t moved;          /* `now` is not the first */
@@ -56,6 +57,12 @@ static const double trust[MOVES] = {4, 1.5};
 
 /* The longest step of L and W at a time, nm: beyond, the response is another. */
 static const double longest[MOVES] = {20, 60};
+
+/* A line end that moved further, nm, spoils the lesson. */
+static const double still = 2;
+
+/* So many transistors of a type tell a common trend from their own. */
+static const double many = 16;
 
 /* How far beyond the active, nm, a poly edge still matters to the gate: some
    quarter of the resolution. */
@@ -137,18 +144,30 @@ static int32_t jog_of(const transistor *s, int side, double part,
   return (int32_t)lround(low + part * (high - low)) - s->from[side];
 }
 
+static double length_in_steps(const newton *t, const opc_feedback *f, size_t i,
+                              const opc_moves *m) {
+  return m->l[i] + part_of(&t->state[i], !(m->l[i] & 1), m->jog[i],
+                           box_width(f->gates, i), reach / f->gates->grid);
+}
+
 /* Take in the measurement of the moves that were made. */
 static void observe(const newton *t, transistor *s, const opc_feedback *f,
-                    size_t i, biases now) {
+                    size_t i, const opc_moves *moves) {
+  const biases now = {moves->l[i], moves->w[i], moves->jog[i]};
   double error[ERRORS], x[MOVES], dx[MOVES], de[ERRORS];
   const double target[ERRORS] = {t->wish[i].ion, 1, 1};
   int prints = errors_of(f, i, target, error);
-  x[BY_L] = now.l + part_of(s, !(now.l & 1), now.jog, box_width(f->gates, i),
-                            reach / f->gates->grid);
+  x[BY_L] = length_in_steps(t, f, i, moves);
   x[BY_W] = now.w;
   for (int m = 0; m < MOVES; m++) dx[m] = x[m] - s->x[m];
   for (int k = 0; k < ERRORS; k++) de[k] = error[k] - s->error[k];
-  if (s->moved && prints && hypot(dx[0], dx[1]) > least_lesson)
+  int disturbed = f->iteration < 2;
+  for (int side = 0; side < 2; side++) {
+    int32_t end = f->end[2 * i + (size_t)side];
+    disturbed |= abs(end - s->end[side]) * f->gates->grid > still;
+    s->end[side] = end;
+  }
+  if (s->moved && prints && !disturbed && hypot(dx[0], dx[1]) > least_lesson)
     learn(&s->response, &s->first, trust, dx, de);
   memcpy(s->x, x, sizeof x);
   memcpy(s->error, error, sizeof error);
@@ -273,21 +292,58 @@ static void start(newton *t, const opc_feedback *f) {
   }
 }
 
+/* What the first moves did to the currents of each type, against what was
+   foreseen: a common factor on the response to L. Each transistor by itself
+   would take for its own what line ends that grew in the same print did. */
+static void learn_together(newton *t, const opc_feedback *f,
+                           const opc_moves *moves) {
+  double xx[2] = {0}, xy[2] = {0}, x1[2] = {0}, y1[2] = {0}, n[2] = {0};
+  for (size_t i = 0; i < t->count; i++) {
+    const transistor *s = &t->state[i];
+    const double target[ERRORS] = {t->wish[i].ion, 1, 1};
+    double error[ERRORS];
+    if (!errors_of(f, i, target, error)) continue;
+    int type = f->gates->type[i] == OPC_PMOS;
+    double by_l = s->response.by[ION][BY_L] *
+                  (length_in_steps(t, f, i, moves) - s->x[BY_L]);
+    double by_w = s->response.by[ION][BY_W] * (moves->w[i] - s->x[BY_W]);
+    double did = error[ION] - s->error[ION] - by_w;
+    xx[type] += by_l * by_l, xy[type] += by_l * did;
+    x1[type] += by_l, y1[type] += did, n[type]++;
+  }
+  for (int type = 0; type < 2; type++) {
+    /* With many, what happened to all alike is left out of it. */
+    if (n[type] >= many) {
+      xx[type] -= x1[type] * x1[type] / n[type];
+      xy[type] -= x1[type] * y1[type] / n[type];
+    }
+    double factor = xx[type] > 0 ? xy[type] / xx[type] : 1;
+    factor = fmin(fmax(factor, 0.4), 2.5);
+    for (size_t i = 0; i < t->count; i++)
+      for (int k = 0; k < ERRORS; k++)
+        if ((f->gates->type[i] == OPC_PMOS) == type)
+          t->state[i].response.by[k][BY_L] *= factor;
+  }
+  for (size_t i = 0; i < t->count; i++) t->state[i].first = t->state[i].response;
+}
+
 static int update(void *self, const opc_feedback *f, opc_moves *moves,
                   int *done, opc_error *error) {
   newton *t = self;
   (void)error;
   if (f->iteration == 0) start(t, f);
+  if (f->iteration == 1) learn_together(t, f, moves);
   int last = f->iteration >= t->iterations;
   *done = 1;
   for (size_t i = 0; i < t->count; i++) {
     transistor *s = &t->state[i];
-    observe(t, s, f, i, (biases){moves->l[i], moves->w[i], moves->jog[i]});
+    observe(t, s, f, i, moves);
     biases next = propose(t, s, f, i);
     if (last) {
       /* A best state that is no better than a transistor needs is not worth a
          print more. */
-      next = s->verdict == WITHIN ? s->now : s->best;
+      int keep = s->verdict == WITHIN || f->iteration > t->iterations;
+      next = keep ? s->now : s->best;
     } else if (!same(next, s->now)) {
       *done = 0;
     }

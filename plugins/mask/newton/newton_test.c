@@ -51,6 +51,7 @@ static void run(opc_module *m, model *t) {
   const opc_synthesizer *s = m->plugin->operations;
   double d[6][MOST], p[6][MOST], long_[MOST], wide[MOST];
   opc_box box[MOST];
+  int32_t end[2 * MOST] = {0};
   uint8_t type[MOST] = {0}, axis[MOST] = {0};
   uint32_t flags[MOST] = {0}, number[MOST];
   const char *name[MOST], *none[MOST];
@@ -82,7 +83,7 @@ static void run(opc_module *m, model *t) {
   opc_performance drawn = {t->n, d[0], d[1], d[2], d[3], d[4], d[5]};
   opc_performance printed = {t->n, p[0], p[1], p[2], p[3], p[4], p[5]};
   opc_feedback f = {.size = sizeof f, .gates = &gates, .design = &drawn,
-                    .flags = flags, .vetoes = t->veto};
+                    .flags = flags, .vetoes = t->veto, .end = end};
   opc_moves moves = {.size = sizeof moves, .l = t->l, .w = t->w, .jog = t->jog};
   opc_error error;
   g_assert_cmpint(s->begin(m->self, &f, &error), ==, OPC_OK);
