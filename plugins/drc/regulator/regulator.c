@@ -23,6 +23,7 @@ typedef struct regulator {
   response *response;
   drawing drawing;
   sites sites;
+  uint64_t moves;           /* of the print before, as a sum */
   repairs repairs;
 } regulator;
 
@@ -139,10 +140,24 @@ static void draw_back(regulator *r, const opc_printed *p, const site *s,
   r->end[end] = ruling->end[end];
 }
 
+/* Whether the synthesizer rests: it moved no gate with the last print. */
+static int is_quiet(regulator *r, const opc_printed *p) {
+  uint64_t sum = 14695981039346656037u;   /* FNV-1a */
+  for (size_t i = 0; i < p->gates->count; i++) {
+    sum = (sum ^ (uint32_t)p->l[i]) * 1099511628211u;
+    sum = (sum ^ (uint32_t)p->w[i]) * 1099511628211u;
+  }
+  int quiet = sum == r->moves;
+  r->moves = sum;
+  return quiet;
+}
+
 static int judge_print(regulator *r, const opc_printed *p, opc_ruling *ruling,
                        opc_error *error) {
-  /* All before the synthesizer begins, then each within some iterations. */
-  int share = p->iteration ? (int)(p->iteration % REPAIRS_SHARES) : -1;
+  /* All while the first moves are made and when the synthesizer rests, otherwise
+     each within some iterations. */
+  int whole = is_quiet(r, p) || p->iteration < 3;
+  int share = whole ? -1 : (int)(p->iteration % REPAIRS_SHARES);
   if (repairs_look(r->host, p, &r->rules, &r->drawing, &r->sites, &r->repairs,
                    share, error) ||
       repairs_grow(r->host, p, &r->rules, &r->sites, &r->repairs, error))

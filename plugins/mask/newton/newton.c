@@ -31,6 +31,7 @@ typedef struct transistor {
   int32_t from[2], to[2]; /* the poly's LOW and HIGH side, along W from the
                              gate's box, grid steps */
   uint8_t moved;          /* `now` is not the first */
+  uint8_t disturbed;      /* its line ends have moved with the last print */
   uint8_t worse;          /* times in a row that a move was no better */
   uint8_t verdict;
 } transistor;
@@ -70,7 +71,7 @@ static const double reach = 30;
 
 /* A smaller move of the mask (grid steps) teaches more of the neighbours' than
    of its own. */
-static const double least_lesson = 0.15;
+static const double least_lesson = 0.02;
 
 /* ---- work ---- */
 
@@ -173,8 +174,9 @@ static void observe(const newton *t, transistor *s, const opc_feedback *f,
   memcpy(s->error, error, sizeof error);
   s->now = now;
   s->size = prints ? size_of(t, error) : INFINITY;
-  /* A state that was the best is so no more if neighbours have changed it. */
-  if (!s->moved || s->size < s->best_size || same(now, s->best)) {
+  /* A state that was the best is so no more if the line ends or neighbours
+     have changed it. */
+  if (disturbed || s->size < s->best_size || same(now, s->best)) {
     s->best_size = s->size;
     s->best = now;
     s->worse = 0;
@@ -182,6 +184,7 @@ static void observe(const newton *t, transistor *s, const opc_feedback *f,
     s->worse++;
   }
   s->moved = 1;
+  s->disturbed = (uint8_t)disturbed;
 }
 
 /* What of a step the regulator and the bounds leave; *why if it is less. */
@@ -333,17 +336,18 @@ static int update(void *self, const opc_feedback *f, opc_moves *moves,
   (void)error;
   if (f->iteration == 0) start(t, f);
   if (f->iteration == 1) learn_together(t, f, moves);
-  int last = f->iteration >= t->iterations;
   *done = 1;
   for (size_t i = 0; i < t->count; i++) {
     transistor *s = &t->state[i];
     observe(t, s, f, i, moves);
     biases next = propose(t, s, f, i);
-    if (last) {
+    if (f->iteration == t->iterations) {
       /* A best state that is no better than a transistor needs is not worth a
          print more. */
-      int keep = s->verdict == WITHIN || f->iteration > t->iterations;
-      next = keep ? s->now : s->best;
+      next = s->verdict == WITHIN ? s->now : s->best;
+    } else if (f->iteration > t->iterations) {
+      /* The regulator is not done: those that it moved follow. */
+      if (!s->disturbed || f->iteration > 2 * t->iterations) next = s->now;
     } else if (!same(next, s->now)) {
       *done = 0;
     }
