@@ -8,29 +8,56 @@
 #include <ctype.h>
 #include <errno.h>
 #include <string.h>
+#include <strings.h>
 
-/* Cairo ends the names of groups in an SVG file with how many surfaces the
-   process has made so far. The digits are left out; nothing refers to them. */
-static const char numbered[] = "id=\"surface";
+/* Cairo ends the names of groups and images in an SVG file with how many
+   surfaces the process has made so far. Nothing refers to groups: their digits
+   are left out. Images are counted from the first one of the file. */
+enum { GROUP, IMAGE, IMAGE_USE };
+static const char *const numbered[PAPER_NAMES] = {
+    [GROUP] = "id=\"surface", [IMAGE] = "id=\"image", [IMAGE_USE] = "#image"};
 
-static int is_number(paper *p, unsigned char c) {
-  if (p->matched == sizeof numbered - 1) {
-    if (isdigit(c)) return 1;
-    p->matched = 0;
+/* Whether the byte is part of such a number; *end is 1 at the first one that is
+   none any more. */
+static int is_number(paper *p, unsigned char c, int *end) {
+  *end = 0;
+  if (p->name) {
+    if (isdigit(c)) {
+      p->number = 10 * p->number + (c - '0');
+      return 1;
+    }
+    *end = p->name - 1 != GROUP;
+    p->name = 0;
   }
-  if (c == (unsigned char)numbered[p->matched])
-    p->matched++;
-  else
-    p->matched = c == (unsigned char)numbered[0];
+  for (int k = 0; k < PAPER_NAMES; k++) {
+    size_t *n = &p->matched[k];
+    if (c == (unsigned char)numbered[k][*n])
+      ++*n;
+    else
+      *n = c == (unsigned char)numbered[k][0];
+    if (numbered[k][*n]) continue;
+    *n = 0;
+    p->name = k + 1;
+  }
   return 0;
+}
+
+static int put_byte(paper *p, unsigned char c) {
+  int end = 0;
+  if (p->format == PAPER_SVG && is_number(p, c, &end)) return 1;
+  if (end) {
+    if (!p->first) p->first = p->number;
+    if (fprintf(p->file, "%ld", p->number - p->first + 1) < 0) return 0;
+  }
+  if (p->format == PAPER_SVG && p->name) p->number = 0;
+  return putc(c, p->file) != EOF;
 }
 
 static cairo_status_t put(void *closure, const unsigned char *data,
                           unsigned n) {
   paper *p = closure;
   for (unsigned i = 0; i < n; i++) {
-    if (p->format == PAPER_SVG && is_number(p, data[i])) continue;
-    if (putc(data[i], p->file) != EOF) continue;
+    if (put_byte(p, data[i])) continue;
     if (!p->reason) p->reason = errno;
     return CAIRO_STATUS_WRITE_ERROR;
   }
@@ -53,6 +80,15 @@ static cairo_surface_t *make_surface(paper *p, double width, double height) {
       return cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)width,
                                         (int)height);
   }
+}
+
+int paper_format(const char *file) {
+  static const char *const extensions[] = {
+      [PAPER_PNG] = ".png", [PAPER_SVG] = ".svg", [PAPER_PDF] = ".pdf"};
+  const char *dot = strrchr(file, '.');
+  for (int i = 0; dot && i < 3; i++)
+    if (!strcasecmp(dot, extensions[i])) return i;
+  return -1;
 }
 
 int paper_open(paper *p, const opc_host *host, int format, const char *path,

@@ -8,6 +8,8 @@
 
 enum { PAPER_PNG, PAPER_SVG, PAPER_PDF };
 
+enum { PAPER_NAMES = 3 }; /* that cairo numbers in an SVG file */
+
 typedef struct paper {
   cairo_t *cairo; /* draw here */
   cairo_surface_t *surface;
@@ -15,9 +17,15 @@ typedef struct paper {
   int format;
   const char *path;
   FILE *file;
-  int reason;     /* why it could not be written: an errno */
-  size_t matched; /* of what is_number looks for */
+  int reason; /* why it could not be written: an errno */
+  /* What is_number has read so far. */
+  size_t matched[PAPER_NAMES];
+  int name;           /* whose number comes next, from 1; 0: none */
+  long number, first; /* that number; the first image's */
 } paper;
+
+/* PAPER_PNG and so on, by the end of a file's name; -1 for none of them. */
+int paper_format(const char *file);
 
 /* If it fails there is nothing to close. */
 int paper_open(paper *p, const opc_host *host, int format, const char *path,

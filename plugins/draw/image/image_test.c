@@ -1,0 +1,537 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Images that have closed forms, and the distances of their contours; the same
+   with real optics; and the picture read back: colours at known places. */
+#include <cairo.h>
+#include <math.h>
+#include <string.h>
+
+#include "core/plugin/testing.h"
+
+/* ---- gates: four vertical lines, in a field of 1000 x 1000 nm ---- */
+
+enum { GATES = 4, SIDE = 1000 };
+static const double pitch = 250, drawn = 65;
+
+typedef struct lines {
+  opc_point points[4 * GATES];
+  uint32_t start[GATES + 1];
+  opc_box box[GATES];
+  uint8_t axis[GATES];
+  double length[GATES], width[GATES], room[2 * GATES];
+  opc_gates gates;
+} lines;
+
+static void make(lines *l) {
+  memset(l, 0, sizeof *l);
+  for (int i = 0; i < GATES; i++) {
+    int32_t x0 = (int32_t)(2 * (125 - drawn / 2 + pitch * i));
+    int32_t x1 = x0 + (int32_t)(2 * drawn);
+    opc_point p[] = {{x0, 0}, {x1, 0}, {x1, 2 * SIDE}, {x0, 2 * SIDE}};
+    memcpy(l->points + 4 * i, p, sizeof p);
+    l->start[i + 1] = 4 * (uint32_t)(i + 1);
+    l->box[i] = (opc_box){x0, 800, x1, 1200};
+    l->length[i] = drawn;
+    l->width[i] = 200;
+    l->room[2 * i] = l->room[2 * i + 1] = pitch - drawn;
+  }
+  l->gates = (opc_gates){.size = sizeof l->gates,
+                         .name = "LINES",
+                         .grid = 0.5,
+                         .extent = {0, 0, 2 * SIDE, 2 * SIDE},
+                         .count = GATES,
+                         .box = l->box,
+                         .axis = l->axis,
+                         .length = l->length,
+                         .width = l->width,
+                         .room = l->room};
+  l->gates.drawn[OPC_POLY] = (opc_shapes){GATES, l->start, l->points, NULL};
+}
+
+/* ---- images with closed forms ---- */
+
+/* 0.5 - deep cos(2 pi (x - 125) / pitch) + uneven cos(pi (x - 125) / pitch):
+   with `uneven`, every other line is less dark. `slope` turns it: whole periods
+   along y, in a field of SIDE. */
+typedef struct waves {
+  double deep, uneven;
+  int slope;
+  double fault; /* is added to one value */
+} waves;
+
+static double intensity(const waves *w, double x, double y) {
+  double phase = (x - 125) / pitch + w->slope * y / SIDE;
+  return 0.5 - w->deep * cos(2 * M_PI * phase) + w->uneven * cos(M_PI * phase);
+}
+
+static int no_preparation(void *self, opc_error *error) {
+  (void)self;
+  (void)error;
+  return OPC_OK;
+}
+
+static double some_band(const void *self) {
+  (void)self;
+  return 0.005;
+}
+
+static int image(const void *self, int layer, const opc_spectrum *mask,
+                 opc_field *out, opc_error *error) {
+  const waves *w = self;
+  (void)layer;
+  const opc_host *host = opc_test_host();
+  opc_frame f = mask->frame;
+  *out = (opc_field){.frame = f, .nx = 100, .ny = 100};
+  out->coefficients = host->alloc(host, 10000, sizeof(float));
+  for (size_t i = 0; i < 10000; i++)
+    out->coefficients[i] =
+        (float)intensity(w, f.x0 + f.width * (double)(i % 100) / 100,
+                         f.y0 + f.height * (double)(i / 100) / 100);
+  int code = host->imaging->from_samples(host, out, error);
+  out->coefficients[7] += (float)w->fault;
+  return code;
+}
+
+static const opc_litho waves_operations = {.size = sizeof waves_operations,
+                                           .prepare = no_preparation,
+                                           .band = some_band,
+                                           .image = image};
+static const opc_plugin waves_plugin = {.id = "litho.waves",
+                                        .operations = &waves_operations};
+
+#define PAIR(group, threshold)                             \
+  group                                                    \
+      ": { litho: { use: litho.hopkins }, resist: { use: " \
+      "resist.threshold, threshold: " #threshold ", active_threshold: 0.3 } }"
+
+/* Run with the waves, if there are any, for the optics of all n models. */
+static int draw(const char *mapping, const waves *w, int n, lines *l,
+                opc_error *error) {
+  static const char *const names[] = {"first.litho", "second.litho"};
+  void *none[1];
+  opc_module model = {&waves_plugin, (void *)w};
+  opc_test_forget();
+  g_autoptr(opc_module) m = opc_test_module("draw.image", mapping, error);
+  if (!m) return error->code;
+  for (int k = 0; w && k < n; k++) opc_test_input(m, names[k], &model);
+  opc_test_input(m, "gates", &l->gates);
+  return opc_test_run(m, none, error);
+}
+
+static void must_draw(const char *mapping, const waves *w, int n, lines *l) {
+  opc_error error;
+  if (draw(mapping, w, n, l, &error)) g_error("%s", error.message);
+}
+
+static double of(const char *column, size_t row) {
+  return opc_test_number("models", column, row);
+}
+
+static void close_to(double value, double want, double tolerance) {
+  if (!(fabs(value - want) <= tolerance))
+    g_error("%.9g is not within %g of %.9g", value, tolerance, want);
+}
+
+/* ---- distances ---- */
+
+/* Half of what prints of a line below a threshold. */
+static double half(const waves *w, double threshold) {
+  return pitch / (2 * M_PI) * acos((0.5 - threshold) / w->deep);
+}
+
+#define FRAME "margin: 0 nm, window: [20 nm, 100 nm, 980 nm, 900 nm]"
+
+static void test_same(void) {
+  lines l;
+  make(&l);
+  must_draw("{ " FRAME
+            ", width: 300, " PAIR("first", 0.4) ", " PAIR("second", 0.4) " }",
+            NULL, 0, &l);
+  g_assert_cmpuint(opc_test_rows("models"), ==, 2);
+  g_assert_cmpstr(opc_test_text("models", "model", 1), ==,
+                  "hopkins, threshold");
+  for (size_t k = 0; k < 2; k++) {
+    g_assert_cmpfloat(of("rms", k), ==, 0);
+    g_assert_cmpfloat(of("max", k), ==, 0);
+    g_assert_cmpfloat(of("mean", k), ==, 0);
+  }
+  g_assert_cmpfloat(of("cd", 0), ==, of("cd", 1));
+  g_assert_cmpfloat(opc_test_metric("max"), ==, 0);
+}
+
+/* Another threshold moves contours along the slope of the image. */
+static void test_shift(void) {
+  lines l;
+  make(&l);
+  waves w = {.deep = 0.45};
+  must_draw("{ " FRAME
+            ", width: 300, " PAIR("first", 0.4) ", " PAIR("second", 0.41) " }",
+            &w, 2, &l);
+  double first = half(&w, 0.4), second = half(&w, 0.41), away = second - first;
+  double slope = w.deep * 2 * M_PI / pitch * sin(2 * M_PI * first / pitch);
+  close_to(away, 0.01 / slope, 0.01 * away);
+  close_to(of("rms", 1), away, 1e-4);
+  close_to(of("max", 1), away, 2e-4);
+  close_to(of("mean", 1), away, 1e-4);
+  close_to(of("cd", 0), 2 * first, 1e-3);
+  close_to(of("cd", 1), 2 * second, 1e-3);
+  close_to(of("ils", 0), slope / 0.4, 1e-5);
+  close_to(of("nils", 0), drawn * slope / 0.4, 1e-3);
+  close_to(of("intensity_low", 1), 0.41, 1e-4);
+  close_to(of("intensity_high", 1), 0.41, 1e-4);
+  close_to(opc_test_metric("rms"), away, 1e-3);
+  /* The other way round, less is printed. */
+  must_draw("{ " FRAME
+            ", width: 300, " PAIR("first", 0.41) ", " PAIR("second", 0.4) " }",
+            &w, 2, &l);
+  close_to(of("mean", 1), -away, 1e-4);
+}
+
+/* At right angles to the contour, wherever that points. */
+static void test_slanted(void) {
+  lines l;
+  make(&l);
+  for (int slope = 1; slope <= 4; slope++) {
+    waves w = {.deep = 0.45, .slope = slope};
+    must_draw("{ " FRAME
+              ", width: 300, " PAIR("first", 0.4) ", " PAIR("second", 0.5) " }",
+              &w, 2, &l);
+    double turned = hypot(1 / pitch, (double)slope / SIDE) * pitch;
+    double away = (half(&w, 0.5) - half(&w, 0.4)) / turned;
+    g_assert_cmpfloat(away, >, 5);
+    close_to(of("rms", 1), away, 3e-4);
+    close_to(of("max", 1), away, 1e-3);
+  }
+}
+
+/* Where the image of uneven lines passes a level, between from and to. */
+static double crossing(const waves *w, double level, double from, double to) {
+  double sign = intensity(w, from, 0) < level ? 1 : -1;
+  for (int i = 0; i < 60; i++) {
+    double middle = (from + to) / 2;
+    if (sign * (intensity(w, middle, 0) - level) < 0)
+      from = middle;
+    else
+      to = middle;
+  }
+  return from;
+}
+
+/* Lines that only one of the models prints are as far from the other's contours
+   as these are away, whichever comes first; those that print nothing have no
+   distance. */
+static void test_missing(void) {
+  static const char *const both_ways[] = {
+      "{ " FRAME
+      ", width: 300, " PAIR("first", 0.15) ", " PAIR("second", 0.3) " }",
+      "{ " FRAME
+      ", width: 300, " PAIR("first", 0.3) ", " PAIR("second", 0.15) " }"};
+  lines l;
+  make(&l);
+  waves w = {.deep = 0.3, .uneven = 0.08}; /* lines of 0.28 and 0.12 */
+  /* The line about 375 prints in both, that about 125 at 0.3 only: from its
+     edge at the left there is nothing nearer than that line, in the field. */
+  double left = crossing(&w, 0.3, 125, 20);
+  double other = crossing(&w, 0.15, 375, 250);
+  for (int k = 0; k < 2; k++) {
+    must_draw(both_ways[k], &w, 2, &l);
+    close_to(of("max", 1), other - left, 0.01);
+    close_to(of("x", 1), left, 0.1);
+    g_assert_cmpint((int)of("failed", k), ==, 2);
+    g_assert_cmpint((int)of("failed", 1 - k), ==, 0);
+  }
+  must_draw("{ " FRAME
+            ", width: 300, " PAIR("first", 0.3) ", " PAIR("second", 0.05) " }",
+            &w, 2, &l);
+  g_assert_true(isnan(of("max", 1)) && isnan(of("cd", 1)));
+  g_assert_cmpint((int)of("failed", 1), ==, GATES);
+  g_assert_true(isnan(opc_test_metric("max")));
+}
+
+/* With real optics: lengths follow the slopes that the table has. */
+static void test_optics(void) {
+  lines l;
+  make(&l);
+  must_draw(
+      "{ margin: 0 nm, width: 300, window: [200 nm, 100 nm, 300 nm, "
+      "900 nm], " PAIR("first", 0.4) ", " PAIR("second", 0.404) " }",
+      NULL, 0, &l);
+  g_assert_true(isnan(of("cd", 0))); /* between gates */
+  must_draw("{ " FRAME
+            ", width: 300, " PAIR("first", 0.4) ", " PAIR("second", 0.404) " }",
+            NULL, 0, &l);
+  double away = 0.004 / (0.402 * (of("ils", 0) + of("ils", 1)) / 2);
+  g_test_message("moved by %.4f nm, slope says %.4f nm", of("rms", 1), away);
+  close_to(of("cd", 1) - of("cd", 0), 2 * away, 0.004);
+  close_to(of("rms", 1), away, 0.002);
+  g_assert_cmpfloat(opc_test_metric("systems"), >, 3);
+  g_assert_cmpfloat(opc_test_metric("error"), <, 0.01);
+}
+
+/* ---- the picture ---- */
+
+typedef struct picture {
+  cairo_surface_t *surface;
+  int width, height;
+  int left, top, right, bottom; /* of the window: its first, its last pixel */
+} picture;
+
+static uint32_t pixel(const picture *p, int x, int y) {
+  const unsigned char *data = cairo_image_surface_get_data(p->surface);
+  size_t stride = (size_t)cairo_image_surface_get_stride(p->surface);
+  g_assert_true(x >= 0 && y >= 0 && x < p->width && y < p->height);
+  uint32_t value;
+  memcpy(&value, data + (size_t)y * stride + 4 * (size_t)x, 4);
+  return value & 0xffffff;
+}
+
+/* The window has a border of one colour, and nothing beside it. */
+static picture load(const char *name) {
+  g_autofree char *path = g_build_filename(opc_test_folder(), name, NULL);
+  picture p = {.surface = cairo_image_surface_create_from_png(path)};
+  g_assert_cmpint(cairo_surface_status(p.surface), ==, CAIRO_STATUS_SUCCESS);
+  p.width = cairo_image_surface_get_width(p.surface);
+  p.height = cairo_image_surface_get_height(p.surface);
+  int x = 0, y = p.height / 4;
+  while (pixel(&p, x, y) == 0xffffff) x++;
+  p.left = x + 1;
+  uint32_t border = pixel(&p, x, y);
+  for (p.top = y; pixel(&p, x, p.top - 1) == border;) p.top--;
+  for (p.bottom = y; pixel(&p, x, p.bottom + 1) == border;) p.bottom++;
+  p.top++;
+  p.bottom--;
+  for (p.right = p.width - 1; pixel(&p, p.right, y) == 0xffffff;) p.right--;
+  p.right--;
+  return p;
+}
+
+/* The pixel at a place of a window of 500 nm that begins at (0, 250). */
+static int column(const picture *p, double x) {
+  return p->left + (int)floor(x * (p->right - p->left + 1) / 500);
+}
+
+static int row(const picture *p, double y) {
+  return p->bottom - (int)floor((y - 250) * (p->right - p->left + 1) / 500);
+}
+
+static int near_colour(uint32_t a, uint32_t b, int tolerance) {
+  for (int shift = 0; shift < 24; shift += 8)
+    if (ABS((int)(a >> shift & 255) - (int)(b >> shift & 255)) > tolerance)
+      return 0;
+  return 1;
+}
+
+/* How much of a vertical line at x has a colour within a pixel of it. */
+static double part_of(const picture *p, double x, uint32_t colour) {
+  int found = 0, n = 0;
+  for (int y = row(p, 700); y < row(p, 300); y++, n++) {
+    int there = 0;
+    for (int i = -1; i <= 1; i++)
+      there |= near_colour(pixel(p, column(p, x) + i, y), colour, 50);
+    found += there;
+  }
+  return (double)found / n;
+}
+
+#define PLACE "margin: 0 nm, window: [0 nm, 250 nm, 500 nm, 750 nm]"
+
+static void test_picture(void) {
+  static const int widths[] = {1600, 700};
+  lines l;
+  make(&l);
+  waves w = {.deep = 0.5}; /* dark to 0, bright to 1 */
+  for (size_t i = 0; i < G_N_ELEMENTS(widths); i++) {
+    g_autofree char *mapping = g_strdup_printf(
+        "{ " PLACE
+        ", width: %d, " PAIR("first", 0.3) ", " PAIR("second", 0.5) " }",
+        widths[i]);
+    must_draw(mapping, &w, 2, &l);
+    picture p = load("image.png");
+    g_assert_cmpint(p.width, ==, widths[i]);
+    g_assert_cmpint(p.bottom - p.top, ==, p.right - p.left);
+    /* The image: both ends of the scale and its middle, Brewer's YlGnBu. */
+    g_assert_true(
+        near_colour(pixel(&p, column(&p, 125), row(&p, 500)), 0x081d58, 3));
+    g_assert_true(
+        near_colour(pixel(&p, column(&p, 250), row(&p, 500)), 0xffffd9, 3));
+    double quarter = 125 + pitch / (2 * M_PI) * acos(-0.5); /* of 0.75 */
+    g_assert_true(
+        near_colour(pixel(&p, column(&p, quarter), row(&p, 500)), 0xc7e9b4, 6));
+    /* Contours: the first all along, half of the second in dashes. */
+    close_to(part_of(&p, 125 + half(&w, 0.3), 0xffffff), 1, 0.02);
+    close_to(part_of(&p, 125 - half(&w, 0.3), 0xffffff), 1, 0.02);
+    close_to(part_of(&p, 125 + half(&w, 0.5), 0xff9a1f), 0.5, 0.12);
+    close_to(part_of(&p, 125 + half(&w, 0.4), 0xff9a1f), 0, 0);
+    close_to(part_of(&p, 125 + half(&w, 0.4), 0xffffff), 0, 0);
+    /* The drawn edge. */
+    close_to(part_of(&p, 125 + drawn / 2, 0xa9b8d6), 1, 0.02);
+    cairo_surface_destroy(p.surface);
+  }
+}
+
+/* The image repeats beyond its frame, the picture of it does not. */
+static void test_beyond(void) {
+  lines l;
+  make(&l);
+  waves w = {.deep = 0.5};
+  must_draw(
+      "{ margin: 0 nm, window: [-500 nm, 250 nm, 0 nm, 750 nm], "
+      "width: 400, " PAIR("first", 0.3) " }",
+      &w, 1, &l);
+  picture p = load("image.png");
+  for (int x = p.left; x < p.right - 2; x++)
+    g_assert_cmphex(pixel(&p, x, row(&p, 500)), ==, 0xffffff);
+  cairo_surface_destroy(p.surface);
+}
+
+static int rows_with(const picture *p, uint32_t colour) {
+  int n = 0;
+  for (int y = p->bottom + 2; y < p->height; y++) {
+    int run = 0, longest = 0;
+    for (int x = 0; x < p->width; x++) {
+      run = near_colour(pixel(p, x, y), colour, 8) ? run + 1 : 0;
+      longest = MAX(longest, run);
+    }
+    n += longest > p->width / 5;
+  }
+  return n;
+}
+
+/* Below the window each model has a lens in its colour, unless it prints as the
+   first does. */
+static void test_lens(void) {
+  lines l;
+  make(&l);
+  waves w = {.deep = 0.5};
+  must_draw("{ " PLACE
+            ", width: 800, " PAIR("first", 0.3) ", " PAIR("second", 0.3) " }",
+            &w, 2, &l);
+  picture p = load("image.png");
+  int without = p.height;
+  g_assert_cmpint(rows_with(&p, 0xff9a1f), ==, 0);
+  cairo_surface_destroy(p.surface);
+  must_draw("{ " PLACE
+            ", width: 800, " PAIR("first", 0.3) ", " PAIR("second", 0.301) " }",
+            &w, 2, &l);
+  p = load("image.png");
+  g_assert_cmpint(p.height, >, without + 100);
+  g_assert_cmpint(rows_with(&p, 0xff9a1f), >=, 2); /* its frame */
+  cairo_surface_destroy(p.surface);
+}
+
+/* A corrected mask prints what it is, not what was drawn; its outline is black.
+   Active is cut along the width. */
+static void test_mask(void) {
+  lines l, wide;
+  opc_error error;
+  void *none[1];
+  make(&l);
+  make(&wide);
+  for (int i = 0; i < 4 * GATES; i++)
+    wide.points[i].x += i % 4 == 0 || i % 4 == 3 ? -40 : 40;
+  opc_mask mask = {.size = sizeof mask, .gates = &l.gates};
+  mask.shapes[OPC_POLY] = wide.gates.drawn[OPC_POLY];
+  mask.shapes[OPC_ACTIVE] = wide.gates.drawn[OPC_POLY];
+  must_draw("{ " PLACE ", " PAIR("first", 0.4) " }", NULL, 0, &l);
+  double narrow = of("cd", 0);
+  opc_test_forget();
+  g_autoptr(opc_module) m = opc_test_module(
+      "draw.image", "{ " PLACE ", " PAIR("first", 0.4) " }", &error);
+  g_assert_nonnull(m);
+  opc_test_input(m, "mask", &mask);
+  if (opc_test_run(m, none, &error)) g_error("%s", error.message);
+  double broad = of("cd", 0);
+  g_assert_cmpfloat(broad, >, narrow + 20);
+  picture p = load("image.png");
+  close_to(part_of(&p, 125 + drawn / 2 + 20, 0x101010), 1, 0.02);
+  close_to(part_of(&p, 125 + drawn / 2, 0x101010), 0, 0);
+  cairo_surface_destroy(p.surface);
+  opc_test_forget();
+  g_autoptr(opc_module) active = opc_test_module(
+      "draw.image", "{ " PLACE ", layer: active, " PAIR("first", 0.4) " }",
+      &error);
+  g_assert_nonnull(active);
+  for (int i = 0; i < GATES; i++) l.axis[i] = OPC_Y;
+  opc_test_input(active, "mask", &mask);
+  if (opc_test_run(active, none, &error)) g_error("%s", error.message);
+  g_assert_cmpfloat(of("cd", 0), >, narrow);
+  g_assert_cmpfloat(of("cd", 0), <, broad - 5); /* at 0.3 */
+}
+
+static void test_formats(void) {
+  static const char *const files[] = {"a.png", "a.svg", "a.pdf"};
+  lines l;
+  make(&l);
+  waves w = {.deep = 0.5};
+  for (size_t i = 0; i < G_N_ELEMENTS(files); i++) {
+    g_autofree char *path = g_build_filename(opc_test_folder(), files[i], NULL);
+    g_autofree char *mapping = g_strdup_printf(
+        "{ " PLACE ", width: 300, " PAIR("first", 0.3) ", " PAIR(
+            "second", 0.5) ", file: %s }",
+        files[i]);
+    char *content[2];
+    size_t size[2];
+    for (int k = 0; k < 2; k++) { /* the same bytes each time */
+      must_draw(mapping, &w, 2, &l);
+      g_assert_true(g_file_get_contents(path, &content[k], &size[k], NULL));
+    }
+    g_assert_cmpmem(content[0], size[0], content[1], size[1]);
+    g_free(content[0]);
+    g_free(content[1]);
+  }
+}
+
+/* ---- refusals ---- */
+
+static void refused(const char *mapping, const waves *w, lines *l, int code,
+                    const char *why) {
+  opc_error error;
+  g_assert_cmpint(draw(mapping, w, 1, l, &error), ==, code);
+  if (!strstr(error.message, why))
+    g_error("'%s' does not say '%s'", error.message, why);
+}
+
+static void test_refused(void) {
+  lines l;
+  make(&l);
+  waves w = {.deep = 0.5, .fault = NAN};
+  refused("{ " PAIR("first", 0.3) ", file: a.jpg }", &w, &l, OPC_INVALID,
+          ".png, .svg or .pdf");
+  refused("{ " PAIR("first", 0.3) ", window: [0 nm, 1 nm] }", &w, &l,
+          OPC_INVALID, "needs 4 lengths");
+  refused("{ " PAIR("first", 0.3) ", second: { litho: { use: litho.hopkins } } "
+          "}",
+          &w, &l, OPC_INVALID, "'second.litho' needs 'second.resist'");
+  refused("{ " PAIR("first", 0.3) ", third: { resist: { use: resist.threshold "
+          "} } }",
+          &w, &l, OPC_INVALID, "'third.resist' needs 'third.litho'");
+  refused("{ " PAIR("first", 0.3) ", fourth: { label: Mine } }", &w, &l,
+          OPC_INVALID, "'fourth.label' needs 'fourth.litho'");
+  refused("{ " PLACE ", " PAIR("first", 0.3) " }", &w, &l, OPC_FAILED,
+          "intensity of 'litho.waves' is not a field of numbers");
+  refused("{ " PAIR("first", 0.3) ", layer: active }", &w, &l, OPC_INVALID,
+          "there is no active");
+  refused("{ " PAIR("first", 0.3) ", window: [5 um, 0 nm, 6 um, 1 um] }", &w,
+          &l, OPC_INVALID, "lies beside the layout");
+  opc_error error;
+  void *none[1];
+  g_autoptr(opc_module) m =
+      opc_test_module("draw.image", "{ " PAIR("first", 0.3) " }", &error);
+  g_assert_cmpint(opc_test_run(m, none, &error), ==, OPC_INVALID);
+  g_assert_nonnull(strstr(error.message, "one of 'mask' and 'gates'"));
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/image/same", test_same);
+  g_test_add_func("/image/shift", test_shift);
+  g_test_add_func("/image/slanted", test_slanted);
+  g_test_add_func("/image/missing", test_missing);
+  g_test_add_func("/image/optics", test_optics);
+  g_test_add_func("/image/picture", test_picture);
+  g_test_add_func("/image/beyond", test_beyond);
+  g_test_add_func("/image/lens", test_lens);
+  g_test_add_func("/image/mask", test_mask);
+  g_test_add_func("/image/formats", test_formats);
+  g_test_add_func("/image/refused", test_refused);
+  return g_test_run();
+}

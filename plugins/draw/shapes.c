@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include <math.h>
+
+#include "view.h"
+
+/* Contours are exact where they cross the lines of their grid. Between them
+   they are chords, which leave an arc of radius r by step^2 / (8 r): the step
+   is such that this is a tenth of a pixel, but a grid has no more than
+   MAX_NODES. */
+enum { MAX_NODES = 4000000 };
+static const double least_radius = 40; /* nm, of a printed corner */
+static const double max_step = 20;     /* nm: lines are not stepped over */
+
+/* ---- places ---- */
+
+double view_x(const view *v, double x) {
+  return v->left + (x - v->x0) * v->scale;
+}
+
+double view_y(const view *v, double y) {
+  return v->top + (v->y1 - y) * v->scale;
+}
+
+double view_outline_width(const view *v) {
+  double line = fmin(0.075 * v->font, 5 * v->scale);
+  return v->raster && line >= 0.5 ? round(line) : fmax(line, 0.25);
+}
+
+double view_contour_width(const view *v) {
+  return fmax(fmin(fmax(0.11 * v->font, 1.5), 5 * v->scale), 0.25);
+}
+
+/* Lines of whole pixels are sharp if their edges are those of pixels. */
+static double sharp(const view *v, double place, double line) {
+  if (!v->raster || line != round(line)) return place;
+  double half = fmod(line, 2) / 2;
+  return floor(place + 0.5 - half) + half;
+}
+
+/* ---- shapes ---- */
+
+static int32_t clamped(double x) {
+  return (int32_t)fmax(-(1 << 30), fmin(1 << 30, x));
+}
+
+opc_box view_clip(const view *v) {
+  double grid = v->grid;
+  double x = (v->x1 - v->x0) / 8, y = (v->y1 - v->y0) / 8;
+  return (opc_box){clamped(floor((v->x0 - x) / grid) - 1),
+                   clamped(floor((v->y0 - y) / grid) - 1),
+                   clamped(ceil((v->x1 + x) / grid) + 1),
+                   clamped(ceil((v->y1 + y) / grid) + 1)};
+}
+
+static int cut(const view *v, const opc_shapes *shapes, opc_shapes *out,
+               opc_error *error) {
+  opc_box b = view_clip(v);
+  opc_point points[] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
+  uint32_t start[] = {0, 4};
+  opc_shapes window = {.count = 1, .start = start, .points = points};
+  return v->host->geometry->boolean(v->host, OPC_AND, shapes, &window, out,
+                                    error);
+}
+
+static void polygon_path(const view *v, const opc_shapes *s, size_t i,
+                         double line) {
+  cairo_new_sub_path(v->cairo);
+  for (uint32_t k = s->start[i]; k < s->start[i + 1]; k++)
+    cairo_line_to(v->cairo, sharp(v, view_x(v, s->points[k].x * v->grid), line),
+                  sharp(v, view_y(v, s->points[k].y * v->grid), line));
+  cairo_close_path(v->cairo);
+}
+
+int view_fill(const view *v, const opc_shapes *shapes, opc_error *error) {
+  opc_shapes s;
+  int code = cut(v, shapes, &s, error);
+  if (code) return code;
+  for (size_t i = 0; i < s.count; i++) polygon_path(v, &s, i, 0);
+  cairo_set_fill_rule(v->cairo, CAIRO_FILL_RULE_EVEN_ODD);
+  cairo_fill(v->cairo);
+  v->host->geometry->release(&s);
+  return OPC_OK;
+}
+
+int view_outline(const view *v, const opc_shapes *shapes, double line,
+                 opc_error *error) {
+  opc_shapes s;
+  int code = cut(v, shapes, &s, error);
+  if (code) return code;
+  cairo_set_line_width(v->cairo, line);
+  cairo_set_line_join(v->cairo, CAIRO_LINE_JOIN_MITER);
+  for (size_t i = 0; i < s.count; i++) {
+    polygon_path(v, &s, i, line);
+    cairo_stroke(v->cairo); /* one by one: cairo's time grows with a path's */
+  }
+  v->host->geometry->release(&s);
+  return OPC_OK;
+}
+
+/* ---- contours ---- */
+
+/* The part of the window that the print covers. */
+static opc_frame printed_window(const view *v, opc_frame f) {
+  double around = 4 / v->scale; /* the lines along its border are not seen */
+  double x0 = fmax(v->x0 - around, f.x0), y0 = fmax(v->y0 - around, f.y0);
+  return (opc_frame){x0, y0, fmin(v->x1 + around, f.x0 + f.width) - x0,
+                     fmin(v->y1 + around, f.y0 + f.height) - y0};
+}
+
+int view_find_contours(const view *v, const opc_field *print,
+                       view_contours *out, opc_error *error) {
+  *out = (view_contours){0};
+  if (!print->coefficients) return OPC_OK;
+  opc_frame w = printed_window(v, print->frame);
+  if (!(w.width > 0 && w.height > 0)) return OPC_OK;
+  double step = fmin(sqrt(0.8 * least_radius / v->scale), max_step);
+  step = fmax(step, sqrt(w.width * w.height / MAX_NODES));
+  return v->host->imaging->contours(v->host, print, w, step, &out->points,
+                                    &out->start, &out->count, error);
+}
+
+/* Points nearer to the last one than that, in pixels, are left out. */
+static const double too_near = 0.4;
+
+static void contour(const view *v, const double *points, size_t n) {
+  double x = 0, y = 0;
+  for (size_t i = 0; i < n; i++) {
+    double to_x = view_x(v, points[2 * i]);
+    double to_y = view_y(v, points[2 * i + 1]);
+    if (i && fabs(to_x - x) + fabs(to_y - y) < too_near) continue;
+    x = to_x;
+    y = to_y;
+    cairo_line_to(v->cairo, x, y);
+  }
+  cairo_close_path(v->cairo);
+  cairo_stroke(v->cairo);
+}
+
+void view_draw_contours(const view *v, const view_contours *contours) {
+  cairo_set_line_join(v->cairo, CAIRO_LINE_JOIN_ROUND);
+  for (size_t i = 0; i < contours->count; i++) {
+    uint32_t first = contours->start[i];
+    contour(v, contours->points + 2 * (size_t)first,
+            contours->start[i + 1] - first);
+  }
+}
+
+void view_release_contours(const view *v, view_contours *contours) {
+  v->host->free(v->host, contours->points);
+  v->host->free(v->host, contours->start);
+  *contours = (view_contours){0};
+}
