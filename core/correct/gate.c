@@ -135,22 +135,25 @@ static void measure_lengths(opc_gate *g, size_t n, const double *place,
   }
 }
 
-/* Which of the known places this is; g->known if it is none. */
-static size_t find_known(const opc_gate *g, double place) {
-  size_t k = 0;
-  while (k < g->known && g->place[k] != place) k++;
-  return k;
+/* Which of the known places this is, looked for from `from` on: they are asked
+   for in order. g->known if it is none. */
+static size_t find_known(const opc_gate *g, double place, size_t from) {
+  for (size_t k = from; k < g->known; k++)
+    if (g->place[k] == place) return k;
+  for (size_t k = 0; k < from; k++)
+    if (g->place[k] == place) return k;
+  return g->known;
 }
 
 /* At most OPC_GATE_LENGTHS. */
 static void some_lengths(opc_gate *g, size_t n, const double *place,
                          double *length) {
-  size_t m = 0, which[OPC_GATE_LENGTHS];
+  size_t m = 0, k = 0, which[OPC_GATE_LENGTHS];
   double wanted[OPC_GATE_LENGTHS], found[OPC_GATE_LENGTHS];
   for (size_t j = 0; j < n; j++) {
     length[j] = NAN;
     if (!(place[j] >= 0 && place[j] <= 1)) continue;
-    size_t k = find_known(g, place[j]);
+    k = find_known(g, place[j], k < g->known ? k : 0);
     if (k < g->known) {
       length[j] = g->length[k];
     } else {

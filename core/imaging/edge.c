@@ -12,22 +12,6 @@ enum { DEGREE = OPC_SPLINE_TAPS - 1, HALVINGS = 24 };
 
 /* ---- one cell ---- */
 
-static double node(const double *c) {
-  return (c[0] + c[4] + 26 * (c[1] + c[3]) + 66 * c[2]) * (1 / 120.0);
-}
-
-/* The Bernstein coefficients of a cell. Those of its ends are the same
-   expression in both cells that meet there, to the last bit. */
-static void bernstein(const double c[OPC_SPLINE_TAPS],
-                      double b[OPC_SPLINE_TAPS]) {
-  b[0] = node(c);
-  b[1] = (8 * c[1] + 33 * c[2] + 18 * c[3] + c[4]) * (1 / 60.0);
-  b[2] = (2 * c[1] + 15 * c[2] + 12 * c[3] + c[4]) * (1 / 30.0);
-  b[3] = (c[1] + 12 * c[2] + 15 * c[3] + 2 * c[4]) * (1 / 30.0);
-  b[4] = (c[1] + 18 * c[2] + 33 * c[3] + 8 * c[4]) * (1 / 60.0);
-  b[5] = node(c + 1);
-}
-
 /* The coefficients of the parts before and after t (de Casteljau). */
 static void split(const double b[OPC_SPLINE_TAPS], double t,
                   double before[OPC_SPLINE_TAPS],
@@ -104,6 +88,7 @@ void opc_line_make(const opc_field *field, int axis, double at,
   double place = (at - (axis ? f->x0 : f->y0)) / step;
   if (!(place >= 0 && place < across))
     place -= across * floor(place / across);
+  if (!(place >= 0 && place <= across)) place = 0;   /* too far away to tell */
   int row = opc_spline_weights(place, line->weight);
   for (int k = 0; k < OPC_SPLINE_TAPS; k++)
     line->row[k] = field->coefficients + next * (size_t)wrap(row + k, across);
@@ -146,6 +131,7 @@ double opc_line_start(const opc_line *line, double place, opc_walk *down,
                       opc_walk *up) {
   double x = (place - line->origin) / line->step;
   if (!(x >= 0 && x < line->n)) x -= line->n * floor(x / line->n);
+  if (!(x >= 0 && x <= line->n)) x = 0;   /* too far away to tell */
   int cell = (int)x;
   double t = x - cell, b[OPC_SPLINE_TAPS], reversed[OPC_SPLINE_TAPS];
   *up = (opc_walk){.line = line, .out = 1, .next = cell + 4, .part = 1 - t,
@@ -154,7 +140,7 @@ double opc_line_start(const opc_line *line, double place, opc_walk *down,
                      .found = NAN};
   cell_coefficients(line, cell - 2, up->c);
   for (int k = 0; k < OPC_SPLINE_TAPS; k++) down->c[DEGREE - k] = up->c[k];
-  bernstein(up->c, b);
+  opc_bernstein(up->c, b);
   if (!changes(b)) {
     /* Nothing in this cell: all that matters is the sign. */
     double weight[OPC_SPLINE_TAPS], value = 0;
@@ -189,15 +175,20 @@ double opc_walk_on(opc_walk *w) {
   for (int k = 0; k < DEGREE; k++) w->c[k] = w->c[k + 1];
   w->c[DEGREE] = coefficient(w->line, w->next);
   w->next += w->out;
-  bernstein(w->c, w->b);
+  opc_bernstein(w->c, w->b);
   return NAN;
+}
+
+/* Is there something left to look at up to `limit`, and within a period? Not if a
+   number is none. */
+static int is_within(const opc_walk *w, double limit) {
+  return w->done * w->line->step <= limit && w->done <= w->line->n;
 }
 
 double opc_walk_to(opc_walk *w, double limit) {
   limit = fmin(limit, w->line->n * w->line->step);
   double found = NAN;
-  while (isnan(found) && w->done * w->line->step <= limit)
-    found = opc_walk_on(w);
+  while (isnan(found) && is_within(w, limit)) found = opc_walk_on(w);
   return found <= limit ? found : NAN;
 }
 
@@ -213,7 +204,7 @@ double opc_field_edge(const opc_field *field, int axis, double x, double y,
   /* Always on with that of the two that has got less far. */
   for (;;) {
     int up = walk[1].done <= walk[0].done;
-    if (walk[up].done * line.step > reach) break;
+    if (!is_within(&walk[up], reach)) break;
     double distance = opc_walk_on(&walk[up]);
     if (isnan(distance)) continue;
     if (distance <= reach) {

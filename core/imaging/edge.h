@@ -26,6 +26,22 @@ typedef struct opc_walk {
   int out, next;                          /* +-1, the number of the next c */
 } opc_walk;
 
+static inline double opc_node(const double *c) {
+  return (c[0] + c[4] + 26 * (c[1] + c[3]) + 66 * c[2]) * (1 / 120.0);
+}
+
+/* The Bernstein coefficients of a cell. Those of its ends are the same
+   expression in both cells that meet there, to the last bit. */
+static inline void opc_bernstein(const double c[OPC_SPLINE_TAPS],
+                                 double b[OPC_SPLINE_TAPS]) {
+  b[0] = opc_node(c);
+  b[1] = (8 * c[1] + 33 * c[2] + 18 * c[3] + c[4]) * (1 / 60.0);
+  b[2] = (2 * c[1] + 15 * c[2] + 12 * c[3] + c[4]) * (1 / 30.0);
+  b[3] = (c[1] + 12 * c[2] + 15 * c[3] + 2 * c[4]) * (1 / 30.0);
+  b[4] = (c[1] + 18 * c[2] + 33 * c[3] + 8 * c[4]) * (1 / 60.0);
+  b[5] = opc_node(c + 1);
+}
+
 /* axis OPC_X (0): along x at y = at. */
 void opc_line_make(const opc_field *field, int axis, double at, opc_line *line);
 

@@ -170,6 +170,32 @@ static void test_nothing(void) {
   host->imaging->release_field(host, &f);
 }
 
+/* Values that are none, and frames without a size, end nowhere but in NAN or a
+   place within reach. */
+static void test_no_numbers(void) {
+  static const double bad[] = {NAN, INFINITY, 0, 1e300, 1e-300};
+  opc_field f = wave(0, 4, 0.1);
+  for (size_t k = 0; k < G_N_ELEMENTS(bad); k++)
+    for (int part = 0; part < 4; part++)
+      for (int axis = 0; axis < 2; axis++) {
+        opc_field odd = f;
+        (&odd.frame.x0)[part] = bad[k];
+        double d = edge(&odd, axis, 10, 20, INFINITY);
+        g_assert_true(isnan(d) || fabs(d) <= fmax(odd.frame.width, odd.frame.height));
+        opc_line line;
+        opc_walk walk[2];
+        opc_line_make(&odd, axis, 20, &line);
+        opc_line_start(&line, 10, &walk[0], &walk[1]);
+        for (int i = 0; i < 10; i++) opc_walk_to(&walk[i % 2], INFINITY);
+      }
+  for (int i = 0; i < NX * NY; i += 3) f.coefficients[i] = i % 2 ? NAN : INFINITY;
+  for (int i = 0; i < 200; i++) {
+    double d = edge(&f, i % 2, 5 * i, 7 * i, INFINITY);
+    g_assert_true(isnan(d) || fabs(d) <= 1250);
+  }
+  host->imaging->release_field(host, &f);
+}
+
 /* What a call costs, near an edge and 60 nm from it. */
 static void test_time(void) {
   opc_field f = wave(0, 4, 0);
@@ -196,6 +222,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/edge/close", test_close);
   g_test_add_func("/edge/walk", test_walk);
   g_test_add_func("/edge/nothing", test_nothing);
+  g_test_add_func("/edge/no-numbers", test_no_numbers);
   g_test_add_func("/edge/time", test_time);
   int code = g_test_run();
   opc_host_free(host);

@@ -3,6 +3,13 @@
 
 #include <fftw3.h>
 #include <glib.h>
+#include <stdlib.h>
+#include <sys/mman.h>
+
+enum {
+  ALIGNMENT = 64,          /* of the widest vectors */
+  HUGE_PAGE = 1 << 21
+};
 
 struct opc_fft {
   int what, n, lines;
@@ -22,15 +29,24 @@ int opc_fft_size(double minimum) {
   }
 }
 
-void *opc_fft_alloc(size_t n) { return fftwf_malloc(n); }
-void opc_fft_free(void *memory) { fftwf_free(memory); }
+/* Large arrays on large pages: with small ones, much of the time would go into
+   the first touch of each, and into finding them. */
+void *opc_fft_alloc(size_t n) {
+  size_t unit = n < 2 * HUGE_PAGE ? ALIGNMENT : HUGE_PAGE;
+  size_t size = (n + unit) & ~(unit - 1);
+  void *memory = aligned_alloc(unit, size);
+  if (memory && unit == HUGE_PAGE) madvise(memory, size, MADV_HUGEPAGE);
+  return memory;
+}
+
+void opc_fft_free(void *memory) { free(memory); }
 
 static fftwf_plan make(int what, int n, int lines) {
   /* Estimated plans do not touch the arrays, but want their alignment. */
   unsigned flags = FFTW_ESTIMATE | FFTW_DESTROY_INPUT;
   int half = n / 2 + 1;
   size_t size = (size_t)lines * (size_t)(n + 2) * sizeof(fftwf_complex);
-  void *a = fftwf_malloc(size), *b = fftwf_malloc(size);
+  void *a = opc_fft_alloc(size), *b = opc_fft_alloc(size);
   fftwf_plan plan = NULL;
   switch (what) {
     case OPC_FFT_BACKWARD:
@@ -47,8 +63,8 @@ static fftwf_plan make(int what, int n, int lines) {
       plan = fftwf_plan_many_dft_c2r(1, &n, lines, a, NULL, 1, half, b, NULL, 1,
                                      n, flags);
   }
-  fftwf_free(a);
-  fftwf_free(b);
+  opc_fft_free(a);
+  opc_fft_free(b);
   return plan;
 }
 

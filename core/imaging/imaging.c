@@ -4,25 +4,32 @@
 #include "core/imaging/spline.h"
 #include "core/plugin/host.h"
 
+static int wrap(int i, int n) {
+  if (i >= 0 && i < n) return i;
+  i %= n;
+  return i < 0 ? i + n : i;
+}
+
 static void sample(const opc_field *field, const double *x, const double *y,
                    size_t n, double *out) {
   double dx = field->frame.width / field->nx;
   double dy = field->frame.height / field->ny;
   for (size_t i = 0; i < n; i++) {
     double wx[OPC_SPLINE_TAPS], wy[OPC_SPLINE_TAPS], sum = 0;
+    double line[OPC_SPLINE_TAPS] = {0};
     int a = opc_spline_weights((x[i] - field->frame.x0) / dx, wx);
     int b = opc_spline_weights((y[i] - field->frame.y0) / dy, wy);
+    int inside = a >= 0 && a + OPC_SPLINE_TAPS <= field->nx;
     for (int j = 0; j < OPC_SPLINE_TAPS; j++) {
-      int row = (b + j) % field->ny;
-      row += row < 0 ? field->ny : 0;
-      const float *c = field->coefficients + (size_t)row * field->nx;
-      double line = 0;
-      for (int k = 0; k < OPC_SPLINE_TAPS; k++) {
-        int column = (a + k) % field->nx;
-        line += wx[k] * c[column < 0 ? column + field->nx : column];
-      }
-      sum += wy[j] * line;
+      const float *c = field->coefficients +
+                       (size_t)wrap(b + j, field->ny) * (size_t)field->nx;
+      if (inside)
+        for (int k = 0; k < OPC_SPLINE_TAPS; k++) line[k] += wy[j] * c[a + k];
+      else
+        for (int k = 0; k < OPC_SPLINE_TAPS; k++)
+          line[k] += wy[j] * c[wrap(a + k, field->nx)];
     }
+    for (int k = 0; k < OPC_SPLINE_TAPS; k++) sum += wx[k] * line[k];
     out[i] = sum;
   }
 }

@@ -186,6 +186,104 @@ static void test_image(void) {
   opc_imaging_functions.release_field(host, &field);
 }
 
+/* Frames so long that spectra are cut into strips. */
+static void test_strips(void) {
+  static const opc_frame frames[] = {{-803, -1000, 23000, 600},
+                                     {-803, -1000, 600, 23000}};
+  opc_box b = {-150, -700, -90, -633};
+  for (size_t i = 0; i < G_N_ELEMENTS(frames); i++) {
+    opc_field field;
+    image_of(b, frames[i], &field);
+    double worst = 0;
+    for (int p = 0; p < 100; p++) {
+      double x = -400 + 5.7 * p, y = -900 + 4.3 * p, got;
+      opc_imaging_functions.sample(&field, &x, &y, 1, &got);
+      worst = fmax(worst, fabs(got - direct(b, frames[i], x, y)));
+    }
+    g_test_message("largest error of intensity: %.2g", worst);
+    g_assert_cmpfloat(worst, <, 3e-5);
+    opc_imaging_functions.release_field(host, &field);
+  }
+}
+
+/* The pupil itself, off its axis by an eighth and out of focus: a complex field. */
+static void off_axis(const void *self, size_t s, const double *fx, double fy,
+                     size_t n, float *out) {
+  double band = *(const double *)self;
+  (void)s;
+  for (size_t i = 0; i < n; i++) {
+    double u = fx[i] / band, v = fy / band, r = (u - 0.125) * (u - 0.125) + v * v;
+    out[2 * i] = r < 0.75 ? (float)cos(3 * r) : 0;
+    out[2 * i + 1] = r < 0.75 ? (float)sin(3 * r) : 0;
+  }
+}
+
+/* The intensity of E, or of E + c times the field of the clear mask. */
+static opc_field coherent(const opc_shapes *s, opc_frame f, float complex c) {
+  static const double band = 0.0066, weight = 1;
+  opc_systems one = {.size = sizeof one, .count = 1, .weight = &weight,
+                     .band = band, .intensity_band = 2 * band,
+                     .transfer = off_axis, .self = &band,
+                     .offset = {crealf(c), cimagf(c)}, .scale = {1, 0}};
+  opc_spectrum mask;
+  opc_field field;
+  opc_error error;
+  g_assert_cmpint(opc_mask_spectrum(host, s, 1, f, band, &mask, &error), ==,
+                  OPC_OK);
+  g_assert_cmpint(opc_coherent_sum(host, &mask, &one, 0, &field, &error), ==,
+                  OPC_OK);
+  opc_imaging_functions.release_spectrum(host, &mask);
+  return field;
+}
+
+/* The field itself, from the intensities with three known ones added; q is that
+   of the clear mask, 1 there: |E|^2, |E + q|^2, |E + iq|^2. */
+static void find_field(const opc_shapes *s, opc_frame f, const double *x,
+                       const double *y, size_t n, double complex *out) {
+  static const float complex add[3] = {0, 1, I};
+  double *value[3];
+  for (int k = 0; k < 3; k++) {
+    opc_field field = coherent(s, f, add[k]);
+    value[k] = g_new(double, n);
+    opc_imaging_functions.sample(&field, x, y, n, value[k]);
+    opc_imaging_functions.release_field(host, &field);
+  }
+  for (size_t i = 0; i < n; i++) {
+    double re = (value[1][i] - value[0][i] - 1) / 2;
+    double im = (value[2][i] - value[0][i] - 1) / 2;
+    out[i] = re + I * im;   /* E q*, |q| = 1 */
+  }
+  for (int k = 0; k < 3; k++) g_free(value[k]);
+}
+
+/* Fields are linear: what two masks take away from the light adds up. */
+static void test_linear(void) {
+  enum { PLACES = 200 };
+  opc_point points[] = {{300, 100}, {420, 100}, {420, 800}, {300, 800},
+                                     {520, 250}, {900, 250}, {900, 420}, {520, 420}};
+  uint32_t start[] = {0, 4, 8};
+  opc_shapes none = {0}, both = {2, start, points, NULL};
+  opc_shapes first = {1, start, points, NULL}, second = {1, start, points + 4, NULL};
+  opc_frame f = {0, 0, 13000, 1100};
+  double x[PLACES], y[PLACES], worst = 0, most = 0;
+  for (int i = 0; i < PLACES; i++) {
+    x[i] = 100 + 5.3 * i;
+    y[i] = 50 + fmod(137.7 * i, 1000);
+  }
+  double complex clear[PLACES], a[PLACES], b[PLACES], all[PLACES];
+  find_field(&none, f, x, y, PLACES, clear);
+  find_field(&first, f, x, y, PLACES, a);
+  find_field(&second, f, x, y, PLACES, b);
+  find_field(&both, f, x, y, PLACES, all);
+  for (int i = 0; i < PLACES; i++) {
+    worst = fmax(worst, cabs(a[i] + b[i] - clear[i] - all[i]));
+    most = fmax(most, fabs(cimag(all[i])));
+  }
+  g_test_message("fields are %.2g off, their imaginary part up to %.2g", worst, most);
+  g_assert_cmpfloat(worst, <, 5e-5);
+  g_assert_cmpfloat(most, >, 0.05);
+}
+
 static void test_threads(void) {
   opc_box b = {-150, -400, 90, 333};
   opc_frame f = {-1000, -1000, 2100, 2200};
@@ -308,6 +406,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/imaging/spectrum", test_spectrum);
   g_test_add_func("/imaging/bad-frame", test_bad_frame);
   g_test_add_func("/imaging/image", test_image);
+  g_test_add_func("/imaging/strips", test_strips);
+  g_test_add_func("/imaging/linear", test_linear);
   g_test_add_func("/imaging/threads", test_threads);
   g_test_add_func("/imaging/sizes", test_sizes);
   g_test_add_func("/imaging/contours", test_contours);

@@ -4,6 +4,8 @@
    vertex, and summed up once at the end. The frame is cut into bands of rows,
    each of which takes from every polygon what falls into it. */
 #include "core/imaging/raster.h"
+
+#include "core/imaging/fft.h"
 #include "core/imaging/simd.h"
 #include "core/imaging/spline.h"
 
@@ -37,13 +39,14 @@ double opc_raster_transform(double f) {
 
 /* ---- laying down ---- */
 
-/* Only rows low .. high - 1 of the array. */
-static void deposit(const opc_raster *r, double x, double y, double sign,
-                    int low, int high) {
-  double wx[OPC_STEP_TAPS], wy[OPC_STEP_TAPS];
-  int j = opc_spline_step(y, wy) + OPC_RASTER_MARGIN;
+/* A corner on a vertical edge, whose step in x is wx from column i on: only rows
+   low .. high - 1 of the array. */
+static void deposit(const opc_raster *r, const double *wx, int i, double y,
+                    double sign, int low, int high) {
+  double wy[OPC_STEP_TAPS];
+  int j = (int)floor(y) - OPC_RASTER_DEGREE / 2 + OPC_RASTER_MARGIN;
   if (j >= high || j + OPC_STEP_TAPS <= low) return;
-  int i = opc_spline_step(x, wx) + OPC_RASTER_MARGIN;
+  opc_spline_step(y, wy);
   int from = j < low ? low - j : 0;
   int to = j + OPC_STEP_TAPS > high ? high - j : OPC_STEP_TAPS;
   for (int b = from; b < to; b++) {
@@ -71,9 +74,11 @@ static void lay_polygon(const laying *l, size_t p, int low, int high) {
     }
     /* The inside is on the left: an edge upwards ends it, one downwards
        begins it, from its end to its beginning. */
-    double x = (a.x * l->grid - o->x) / r->dx;
-    deposit(r, x, (b.y * l->grid - o->y) / r->dy, 1, low, high);
-    deposit(r, x, (a.y * l->grid - o->y) / r->dy, -1, low, high);
+    double wx[OPC_STEP_TAPS];
+    int x = opc_spline_step((a.x * l->grid - o->x) / r->dx, wx);
+    x += OPC_RASTER_MARGIN;
+    deposit(r, wx, x, (b.y * l->grid - o->y) / r->dy, 1, low, high);
+    deposit(r, wx, x, (a.y * l->grid - o->y) / r->dy, -1, low, high);
   }
 }
 
@@ -82,6 +87,9 @@ static void lay_band(void *data, size_t band) {
   int rows = l->raster->rows;
   int low = (int)((int64_t)rows * (int64_t)band / BANDS);
   int high = (int)((int64_t)rows * (int64_t)(band + 1) / BANDS);
+  size_t columns = (size_t)l->raster->columns;
+  memset(l->raster->step + (size_t)low * columns, 0,
+         (size_t)(high - low) * columns * sizeof *l->raster->step);
   for (size_t p = 0; p < l->shapes->count; p++)
     if (l->places[p].low < high && l->places[p].high > low)
       lay_polygon(l, p, low, high);
@@ -122,7 +130,8 @@ int opc_raster_lay(const opc_host *host, const opc_shapes *shapes, double grid,
               malloc((shapes->count + 1) * sizeof *l.places)};
   if (l.places) {
     place_polygons(&l);
-    out->step = calloc((size_t)out->rows * out->columns, sizeof *out->step);
+    out->step =
+        opc_fft_alloc((size_t)out->rows * out->columns * sizeof *out->step);
   }
   if (out->step) host->parallel(host, BANDS, lay_band, &l);
   free(l.places);
@@ -186,6 +195,6 @@ void opc_raster_sum(const opc_host *host, opc_raster *raster, float *out) {
 }
 
 void opc_raster_clear(opc_raster *raster) {
-  free(raster->step);
+  opc_fft_free(raster->step);
   *raster = (opc_raster){0};
 }

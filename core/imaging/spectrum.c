@@ -9,6 +9,7 @@
 #include "core/plugin/host.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Samples per shortest period of the band. */
@@ -21,6 +22,7 @@ typedef struct job {
   int nx, ny;
   float *samples;             /* [y][x] */
   float complex *by_column;   /* [y][k], 0 <= k < columns */
+  float *along;               /* 1 / transform of the smoothing along y: [l] */
   int failed;                 /* atomic */
 } job;
 
@@ -56,32 +58,40 @@ static void forth_along_y(void *data, size_t block) {
     for (int c = 0; c < lines; c++)
       column[(size_t)c * j->ny + y] = j->by_column[(size_t)y * s->columns + k + c];
   opc_fft_run(opc_fft_plan(OPC_FFT_FORWARD, j->ny, lines), column, NULL);
-  int half = (s->rows - 1) / 2;
-  float complex *a = (float complex *)s->data;
+  int half[LINES];            /* the rows of each column within the band */
+  float scale[LINES];
   for (int c = 0; c < lines; c++) {
     double fx = (k + c) / s->frame.width;
-    double scale = -1.0 / ((double)j->nx * j->ny) /
-                   opc_raster_transform((double)(k + c) / j->nx);
-    for (int l = -half; l <= half; l++) {
-      double fy = l / s->frame.height;
-      if (fx * fx + fy * fy > s->band * s->band) continue;
-      a[(size_t)((l + s->rows) % s->rows) * s->columns + k + c] =
-          column[(size_t)c * j->ny + (l < 0 ? l + j->ny : l)] *
-          (float)(scale / opc_raster_transform((double)l / j->ny));
-    }
+    half[c] = (int)(s->frame.height * sqrt(fmax(0, s->band * s->band - fx * fx)));
+    scale[c] = (float)(-1.0 / ((double)j->nx * j->ny) /
+                       opc_raster_transform((double)(k + c) / j->nx));
+  }
+  float complex *a = (float complex *)s->data;
+  for (int l = -half[0]; l <= half[0]; l++) {
+    float complex *row = a + (size_t)(l < 0 ? l + s->rows : l) * s->columns + k;
+    const float complex *from = column + (l < 0 ? l + j->ny : l);
+    for (int c = 0; c < lines && abs(l) <= half[c]; c++)
+      row[c] = from[(size_t)c * j->ny] * (scale[c] * j->along[abs(l)]);
   }
   opc_fft_free(column);
 }
 
 static int transform(const opc_host *host, job *j) {
   opc_spectrum *s = j->out;
+  int half = (s->rows - 1) / 2;
   j->by_column =
       opc_fft_alloc((size_t)j->ny * (size_t)s->columns * sizeof *j->by_column);
-  if (!j->by_column) return 0;
-  host->parallel(host, (size_t)(j->ny + LINES - 1) / LINES, forth_along_x, j);
-  host->parallel(host, (size_t)(s->columns + LINES - 1) / LINES, forth_along_y,
-                 j);
+  j->along = opc_fft_alloc(((size_t)half + 1) * sizeof *j->along);
+  for (int l = 0; l <= half && j->along; l++)
+    j->along[l] = (float)(1 / opc_raster_transform((double)l / j->ny));
+  if (!j->by_column || !j->along) j->failed = 1;
+  if (!j->failed)
+    host->parallel(host, (size_t)(j->ny + LINES - 1) / LINES, forth_along_x, j);
+  if (!j->failed)
+    host->parallel(host, (size_t)(s->columns + LINES - 1) / LINES,
+                   forth_along_y, j);
   opc_fft_free(j->by_column);
+  opc_fft_free(j->along);
   ((float complex *)s->data)[0] += 1;   /* the clear field */
   return !j->failed;
 }

@@ -7,33 +7,21 @@
    recurrence of Cox and de Boor; weight[0] belongs to the spline that ends
    first. */
 static void recurrence(int degree, double t, double *weight) {
-  weight[0] = 1;
+  double factorial = 1;
+  for (int d = 2; d <= degree; d++) factorial *= d;
+  weight[0] = 1 / factorial;
   for (int d = 1; d <= degree; d++) {
-    weight[d] = weight[d - 1] * t / d;
+    weight[d] = weight[d - 1] * t;
     for (int i = d - 1; i > 0; i--)
-      weight[i] =
-          (weight[i - 1] * (t + d - i) + weight[i] * (1 - t + i)) / d;
-    weight[0] *= (1 - t) / d;
+      weight[i] = weight[i - 1] * (t + d - i) + weight[i] * (1 - t + i);
+    weight[0] *= 1 - t;
   }
 }
 
-/* What the recurrence gives for degree 5, multiplied out. */
 int opc_spline_weights(double x, double weight[OPC_SPLINE_TAPS]) {
-  static const double p[OPC_SPLINE_TAPS][OPC_SPLINE_TAPS] = {
-      /* a row for each power of the fraction of the cell, t */
-      {1 / 120.0, 26 / 120.0, 66 / 120.0, 26 / 120.0, 1 / 120.0, 0},
-      {-5 / 120.0, -50 / 120.0, 0, 50 / 120.0, 5 / 120.0, 0},
-      {10 / 120.0, 20 / 120.0, -60 / 120.0, 20 / 120.0, 10 / 120.0, 0},
-      {-10 / 120.0, 20 / 120.0, 0, -20 / 120.0, 10 / 120.0, 0},
-      {5 / 120.0, -20 / 120.0, 30 / 120.0, -20 / 120.0, 5 / 120.0, 0},
-      {-1 / 120.0, 5 / 120.0, -10 / 120.0, 10 / 120.0, -5 / 120.0, 1 / 120.0}};
   int cell = (int)x;
   cell -= x < cell;
-  double t = x - cell;
-  for (int k = 0; k < OPC_SPLINE_TAPS; k++) weight[k] = p[5][k];
-  for (int d = 4; d >= 0; d--)
-    for (int k = 0; k < OPC_SPLINE_TAPS; k++)
-      weight[k] = p[d][k] + t * weight[k];
+  opc_spline_cell(x - cell, weight);
   return cell - 2;
 }
 

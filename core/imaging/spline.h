@@ -12,6 +12,22 @@ enum {
   OPC_STEP_TAPS = OPC_RASTER_DEGREE + 2
 };
 
+/* The values of the quintic B-splines in a cell, at the fraction t of it: a
+   polynomial each, here by the powers of t. */
+static inline void opc_spline_cell(double t, double weight[OPC_SPLINE_TAPS]) {
+  static const double p[OPC_SPLINE_TAPS][OPC_SPLINE_TAPS] = {
+      {1 / 120.0, 26 / 120.0, 66 / 120.0, 26 / 120.0, 1 / 120.0, 0},
+      {-5 / 120.0, -50 / 120.0, 0, 50 / 120.0, 5 / 120.0, 0},
+      {10 / 120.0, 20 / 120.0, -60 / 120.0, 20 / 120.0, 10 / 120.0, 0},
+      {-10 / 120.0, 20 / 120.0, 0, -20 / 120.0, 10 / 120.0, 0},
+      {5 / 120.0, -20 / 120.0, 30 / 120.0, -20 / 120.0, 5 / 120.0, 0},
+      {-1 / 120.0, 5 / 120.0, -10 / 120.0, 10 / 120.0, -5 / 120.0, 1 / 120.0}};
+  for (int k = 0; k < OPC_SPLINE_TAPS; k++) weight[k] = p[5][k];
+  for (int d = 4; d >= 0; d--)
+    for (int k = 0; k < OPC_SPLINE_TAPS; k++)
+      weight[k] = p[d][k] + t * weight[k];
+}
+
 /* The values at x of the quintic B-splines centred on first .. first + 5, and
    that first. They sum to 1. */
 int opc_spline_weights(double x, double weight[OPC_SPLINE_TAPS]);

@@ -1,50 +1,74 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Images as sums of coherent systems.
 
-   A field is transformed back along x, only in the rows that the band reaches,
-   and then along y, a few columns at a time in the cache, where its square is
-   added up at once: no field is ever written. The sum is taken on a grid fine
-   enough that nothing folds into the band of the intensity. Last, the sum goes
-   forth and, as coefficients of a B-spline, back on the grid of the result;
-   again only along lines that the band reaches. */
+   A field's spectrum is transformed back along y, a strip of frequencies k at a
+   time and only those that the band reaches, and then along x, OPC_LANES rows
+   at a time in the cache, where its square is added up at once: no field is
+   ever written. The sum is taken on a grid fine enough that nothing folds into
+   the band of the intensity. Last, the sum goes forth and, as coefficients of a
+   B-spline, back on the grid of the result; again only along lines that the
+   band reaches.
+
+   Systems follow one another, and each is cut into strips and rows: what is
+   added to a number, and in what order, does not depend on the threads. */
 #include "core/imaging/fft.h"
 #include "core/imaging/imaging.h"
+#include "core/imaging/lanes.h"
 #include "core/imaging/simd.h"
 #include "core/imaging/spline.h"
 #include "core/plugin/host.h"
 
+#include <complex.h>
+#include <glib.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum {
-  /* Systems are added up in this many sums, each in order, and the sums in
-     order: the result does not know how many threads there were. */
-  SUMS = 4,
-  LINES = 16           /* columns at a time: a cache line each way */
+  STRIP = 64,          /* columns of a field's spectrum at a time */
+  BLOCKS = STRIP / OPC_LANES
 };
 
 static const double default_step = 32;   /* nm */
 
+/* A plane of numbers, transformed along one direction: [block][i], a block
+   being OPC_LANES lines side by side. */
+typedef struct lines {
+  size_t n;
+  opc_lanes *at;
+} lines;
+
 typedef struct job {
   const opc_host *host;
   const opc_spectrum *mask;
-  const opc_systems *systems;
+  opc_systems systems;     /* as far as the caller knows them */
   float complex offset, scale;   /* of the mask's transmission */
   int nx, ny;              /* the grid of the fields */
-  int half;                /* rows l = -half .. half are not zero */
-  size_t sums;
-  float *sum[SUMS + 1];    /* [x][y]; the last one of the residual system */
-  int failed;              /* atomic */
+  int half, reach;         /* rows |l| <= half, columns |k| <= reach are not 0 */
+  size_t system;           /* the one that is added */
+  lines field;             /* rows y side by side; column k at k or, if it is
+                              negative, at left - k */
+  size_t left;
+  size_t rows, columns;    /* blocks of rows y, of columns k >= 0 of the sums */
+  opc_vector *sum[2];      /* [row block][x]; the second of the residual system */
 
-  int top;                 /* rows l = 0 .. top of the intensity are kept */
-  float complex *by_row[2];   /* sum and residual after y: [l][x], l >= 0 */
+  int top_x, top_y;        /* of the intensity, k <= top_x, |l| <= top_y count */
+  lines spectrum[2];       /* of the sums, columns k side by side, along y */
   int fine_x, fine_y;      /* the grid of the result */
-  float complex *fine;     /* the result before y: [l][x], l >= 0 */
+  float *by_x, *by_y;      /* from samples to coefficients: [k], [l] */
+  lines fine;              /* the result before x, rows side by side */
   float *out;
+
+  size_t room;             /* points of a scratch array */
+  GMutex lock;
+  GPtrArray *scratch;      /* those that nobody uses */
+  int failed;              /* atomic */
 } job;
 
-static int least(int a, int b) { return a < b ? a : b; }
+static size_t blocks(int n) {
+  return (size_t)(n + OPC_LANES - 1) / OPC_LANES;
+}
 
 static void *room(job *j, size_t count, size_t size) {
   void *memory = opc_fft_alloc(count * size);
@@ -52,264 +76,399 @@ static void *room(job *j, size_t count, size_t size) {
   return memory;
 }
 
+/* As many scratch arrays as there are tasks at one time. */
+static opc_lanes *borrow(job *j) {
+  g_mutex_lock(&j->lock);
+  opc_lanes *a = j->scratch->len
+                     ? g_ptr_array_steal_index_fast(j->scratch, j->scratch->len - 1)
+                     : NULL;
+  g_mutex_unlock(&j->lock);
+  return a ? a : room(j, j->room, sizeof *a);
+}
+
+static void give_back(job *j, opc_lanes *a) {
+  g_mutex_lock(&j->lock);
+  if (a) g_ptr_array_add(j->scratch, a);
+  g_mutex_unlock(&j->lock);
+}
+
 /* ---- a field ---- */
 
-/* to[k] = t[k] * a[k]; both as re, im. */
+/* A strip: the columns k = first .. first + n - 1, or their negatives. */
+typedef struct strip {
+  int negative, first, n;
+} strip;
+
+static size_t strips(int n) { return (size_t)(n + STRIP - 1) / STRIP; }
+
+static strip strip_of(const job *j, size_t index) {
+  size_t right = strips(j->reach + 1);
+  int negative = index >= right;
+  int first = (int)(negative ? index - right : index) * STRIP + negative;
+  return (strip){negative, first, MIN(STRIP, j->reach + 1 - first)};
+}
+
+/* re, im = transfer * mask, the mask conjugated if sign is -1. */
 OPC_WIDE static void multiply(const float *restrict t, const float *restrict a,
-                              float sign, int n, float *restrict to) {
-  for (int k = 0; k < n; k++) {
-    float x = a[2 * k], y = sign * a[2 * k + 1];
-    to[2 * k] = t[2 * k] * x - t[2 * k + 1] * y;
-    to[2 * k + 1] = t[2 * k] * y + t[2 * k + 1] * x;
+                              float sign, int n, float *restrict re,
+                              float *restrict im) {
+  for (int i = 0; i < n; i++) {
+    float x = a[2 * i], y = sign * a[2 * i + 1];
+    re[i] = t[2 * i] * x - t[2 * i + 1] * y;
+    im[i] = t[2 * i] * y + t[2 * i + 1] * x;
   }
 }
 
-/* Row l of the field's spectrum, in the order of the transform. `transfer` is
-   filled for k = 0 .. reach and then for k = -1 .. -reach. */
-static void fill_row(const job *j, size_t s, int l, double *fx,
-                     float *transfer, float complex *row) {
+/* Row l of a strip of the field's spectrum, into the points to[block * apart]. */
+static void fill_row(const job *j, const strip *s, int l, opc_lanes *to,
+                     size_t apart) {
   const opc_spectrum *m = j->mask;
-  double band = fmin(j->systems->band, m->band), fy = l / m->frame.height;
-  int reach = (int)floor(m->frame.width * sqrt(fmax(0, band * band - fy * fy)));
-  int n = 2 * reach + 1;
-  for (int k = 0; k <= reach; k++) fx[k] = k / m->frame.width;
-  for (int k = 1; k <= reach; k++) fx[reach + k] = -fx[k];
-  j->systems->transfer(j->systems->self, s, fx, fy, (size_t)n, transfer);
-
-  /* The mask's row, from the half that is stored: a[-k, l] is the conjugate of
-     a[k, -l]. */
-  const float complex *a = (const float complex *)m->data;
-  const float complex *right = a + (size_t)((l + m->rows) % m->rows) * m->columns;
-  const float complex *left =
-      a + (size_t)((m->rows - l) % m->rows) * m->columns;
-  memset(row, 0, sizeof *row * (size_t)j->nx);
-  multiply(transfer, (const float *)right, 1, reach + 1, (float *)row);
-  float complex *back = row + j->nx;
-  const float complex *t = (const float complex *)transfer + reach;
-  for (int k = 1; k <= reach; k++) back[-k] = t[k] * conjf(left[k]);
-  if (j->scale != 1)
-    for (int k = 0; k < j->nx; k++) row[k] *= j->scale;
-  if (l == 0) row[0] += j->offset * *(const float complex *)transfer;
+  const opc_systems *y = &j->systems;
+  double band = fmin(y->band, m->band), fy = l / m->frame.height;
+  double left = band * band - fy * fy;
+  int last = left < 0 ? -1 : (int)floor(m->frame.width * sqrt(left));
+  int n = MIN(s->n, last - s->first + 1);
+  union {
+    opc_vector vector[BLOCKS];
+    float number[STRIP];
+  } re = {0}, im = {0};
+  float t[2 * STRIP];
+  if (n > 0) {
+    double fx[STRIP], step = (s->negative ? -1 : 1) / m->frame.width;
+    for (int i = 0; i < n; i++) fx[i] = (s->first + i) * step;
+    y->transfer(y->self, j->system, fx, fy, (size_t)n, t);
+    if (j->scale != 1)
+      for (int i = 0; i < n; i++) {
+        float complex c = (t[2 * i] + t[2 * i + 1] * I) * j->scale;
+        t[2 * i] = crealf(c);
+        t[2 * i + 1] = cimagf(c);
+      }
+    /* From the half that is stored: a[-k, l] is the conjugate of a[k, -l]. */
+    int row = ((s->negative ? -l : l) + m->rows) % m->rows;
+    const float *a = m->data + 2 * ((size_t)row * (size_t)m->columns + (size_t)s->first);
+    ptrdiff_t next = (s->negative ? -2 : 2) * (ptrdiff_t)m->columns;
+    for (int i = 0; i < n && l != -1 && l < j->half; i += OPC_LANES / 2)
+      __builtin_prefetch(a + next + 2 * (ptrdiff_t)i);
+    multiply(t, a, s->negative ? -1 : 1, n, re.number, im.number);
+    if (l == 0 && !s->negative && s->first == 0) {
+      float complex c = (t[0] + t[1] * I) / j->scale * j->offset;
+      re.number[0] += crealf(c);
+      im.number[0] += cimagf(c);
+    }
+  }
+  for (int b = 0; b < BLOCKS; b++)
+    to[(size_t)b * apart] = (opc_lanes){re.vector[b], im.vector[b]};
 }
 
-OPC_WIDE static void add_square(const float *restrict field, float weight,
-                                size_t n, float *restrict sum) {
-  for (size_t i = 0; i < n; i++)
-    sum[i] += weight * (field[2 * i] * field[2 * i] +
-                        field[2 * i + 1] * field[2 * i + 1]);
-}
-
-/* From rows [l + half][x] to columns [x][l mod ny], with zeros between. */
-static void gather(const job *j, const float complex *rows, int x, int lines,
-                   float complex *columns) {
-  for (int c = 0; c < lines; c++)
-    memset(columns + (size_t)c * j->ny + j->half + 1, 0,
-           sizeof *columns * (size_t)(j->ny - 2 * j->half - 1));
-  for (int l = -j->half; l <= j->half; l++) {
-    const float complex *row = rows + (size_t)(l + j->half) * j->nx + x;
-    float complex *to = columns + (l < 0 ? l + j->ny : l);
-    for (int c = 0; c < lines; c++) to[(size_t)c * j->ny] = row[c];
+/* From n points of OPC_LANES columns to `column` of blocks of rows. Rows that
+   fill the last block are 0: they will share a transform with others. */
+static void turn_lines(opc_lanes *from, int n, lines *to, size_t column) {
+  memset(from + n, 0, sizeof *from * (blocks(n) * OPC_LANES - (size_t)n));
+  for (size_t b = 0; b < blocks(n); b++) {
+    const opc_lanes *tile = from + b * OPC_LANES;
+    opc_lanes *out = to->at + b * to->n + column;
+    opc_lanes_turn(&tile->re, 2, &out->re, 2);
+    opc_lanes_turn(&tile->im, 2, &out->im, 2);
   }
 }
 
-typedef struct buffers {
-  double *fx;
-  float *transfer;
-  float complex *rows, *columns;
-} buffers;
-
-static void add_system(const job *j, size_t s, float weight, const buffers *b,
-                       float *sum) {
-  const opc_fft *along_x = opc_fft_plan(OPC_FFT_BACKWARD, j->nx, 1);
-  for (int l = -j->half; l <= j->half; l++) {
-    float complex *row = b->rows + (size_t)(l + j->half) * j->nx;
-    fill_row(j, s, l, b->fx, b->transfer, row);
-    opc_fft_run(along_x, row, NULL);
-  }
-  for (int x = 0; x < j->nx; x += LINES) {
-    int lines = least(LINES, j->nx - x);
-    gather(j, b->rows, x, lines, b->columns);
-    opc_fft_run(opc_fft_plan(OPC_FFT_BACKWARD, j->ny, lines), b->columns, NULL);
-    add_square((const float *)b->columns, weight, (size_t)lines * j->ny,
-               sum + (size_t)x * j->ny);
-  }
-}
-
-/* Sum g: every SUMS-th system, or the residual one. */
-static void add_systems(void *data, size_t g) {
+static void field_along_y(void *data, size_t index) {
   job *j = data;
-  size_t n = (size_t)j->nx * j->ny;
-  buffers b = {.fx = room(j, (size_t)j->nx + 2, sizeof *b.fx),
-               .transfer = room(j, (size_t)j->nx + 2, sizeof(float complex)),
-               .rows = room(j, (size_t)(2 * j->half + 1) * j->nx, sizeof *b.rows),
-               .columns = room(j, (size_t)LINES * j->ny, sizeof *b.columns)};
-  j->sum[g] = room(j, n, sizeof(float));
-  if (b.fx && b.transfer && b.rows && b.columns && j->sum[g]) {
-    memset(j->sum[g], 0, n * sizeof(float));
-    size_t count = j->systems->count;
-    if (g == j->sums)
-      add_system(j, count, 1, &b, j->sum[g]);
-    else
-      for (size_t s = g; s < count; s += j->sums)
-        add_system(j, s, (float)j->systems->weight[s], &b, j->sum[g]);
+  strip s = strip_of(j, index);
+  size_t apart = j->rows * OPC_LANES;
+  opc_lanes *a = borrow(j), *work = a + BLOCKS * apart;
+  const opc_lanes_plan *plan = opc_lanes_plan_for(j->ny);
+  for (int l = -j->half; l <= j->half && a; l++)
+    fill_row(j, &s, l, a + (l < 0 ? l + j->ny : l), apart);
+  for (size_t b = 0; b < blocks(s.n) && a; b++) {
+    opc_lanes *column = a + b * apart;
+    memset(column + j->half + 1, 0,
+           sizeof *a * (size_t)(j->ny - 2 * j->half - 1));
+    opc_lanes_backward(plan, column, work);
+    turn_lines(column, j->ny, &j->field,
+               (s.negative ? j->left : 0) + (size_t)s.first + b * OPC_LANES);
   }
-  opc_fft_free(b.fx);
-  opc_fft_free(b.transfer);
-  opc_fft_free(b.rows);
-  opc_fft_free(b.columns);
+  give_back(j, a);
+}
+
+OPC_WIDE static void add_square(const opc_lanes *restrict field, float weight,
+                                int n, opc_vector *restrict sum) {
+  for (int i = 0; i < n; i++)
+    sum[i] += weight * (field[i].re * field[i].re + field[i].im * field[i].im);
+}
+
+static void square_along_x(void *data, size_t block) {
+  job *j = data;
+  opc_lanes *a = borrow(j);
+  if (!a) return;
+  const opc_lanes *row = j->field.at + block * j->field.n;
+  size_t reach = (size_t)j->reach, n = (size_t)j->nx;
+  memcpy(a, row, sizeof *a * (reach + 1));
+  memset(a + reach + 1, 0, sizeof *a * (n - 2 * reach - 1));
+  for (size_t k = 1; k <= reach; k++) a[n - k] = row[j->left + k];
+  opc_lanes_backward(opc_lanes_plan_for(j->nx), a, a + n);
+  int rest = j->system == j->systems.count;
+  add_square(a, rest ? 1 : (float)j->systems.weight[j->system], j->nx,
+             j->sum[rest] + block * n);
+  give_back(j, a);
+}
+
+static void add_systems(job *j) {
+  size_t n = j->rows * (size_t)j->nx;
+  size_t right = strips(j->reach + 1), left = strips(j->reach);
+  j->left = right * STRIP - 1;   /* the first of these columns is -1 */
+  j->field.n = (right + left) * STRIP;
+  j->field.at = room(j, j->rows * j->field.n, sizeof *j->field.at);
+  for (int i = 0; i <= (j->systems.residual != NULL); i++) {
+    j->sum[i] = room(j, n, sizeof *j->sum[i]);
+    if (j->sum[i]) memset(j->sum[i], 0, n * sizeof *j->sum[i]);
+  }
+  size_t count = j->systems.count + (j->systems.residual != NULL);
+  for (j->system = 0; j->system < count && !j->failed; j->system++) {
+    j->host->parallel(j->host, right + left, field_along_y, j);
+    if (!j->failed) j->host->parallel(j->host, j->rows, square_along_x, j);
+  }
+  opc_fft_free(j->field.at);
 }
 
 /* ---- from the sums to the result ---- */
 
-OPC_WIDE static void add(float *restrict to, const float *restrict from,
-                         size_t n) {
-  for (size_t i = 0; i < n; i++) to[i] += from[i];
+/* Number k of two blocks of real rows that are the parts of a complex one. A
+   transform is turned round by exchanging the parts before and after it: here
+   they are exchanged on both sides. */
+OPC_WIDE static void split(const opc_lanes *a, int n, int k, opc_lanes *first,
+                           opc_lanes *second) {
+  const opc_lanes *p = a + k, *q = a + (k ? n - k : 0);
+  first->re = 0.5f * (p->re - q->re);
+  first->im = 0.5f * (p->im + q->im);
+  second->re = 0.5f * (q->im - p->im);
+  second->im = 0.5f * (p->re + q->re);
 }
 
-/* Transform LINES columns of the sums along y; keep rows 0 .. top. */
-static void forth_along_y(void *data, size_t block) {
+/* Transform two blocks of rows of a sum along x; keep columns 0 .. top_x. */
+static void forth_along_x(void *data, size_t pair) {
   job *j = data;
-  int x = (int)block * LINES, lines = least(LINES, j->nx - x);
-  int width = j->ny / 2 + 1;
-  size_t at = (size_t)x * j->ny, n = (size_t)lines * j->ny;
-  const opc_fft *plan = opc_fft_plan(OPC_FFT_REAL_FORWARD, j->ny, lines);
-  float *in = room(j, n, sizeof *in);
-  float complex *half = room(j, (size_t)lines * width, sizeof *half);
-  for (int part = 0; part < 2 && in && half; part++) {
-    size_t first = part ? j->sums : 0;
-    if (!j->by_row[part]) continue;
-    memcpy(in, j->sum[first] + at, n * sizeof *in);
-    for (size_t g = 1; g < j->sums && !part; g++) add(in, j->sum[g] + at, n);
-    opc_fft_run(plan, in, half);
-    for (int l = 0; l <= j->top; l++)
-      for (int c = 0; c < lines; c++)
-        j->by_row[part][(size_t)l * j->nx + x + c] = half[(size_t)c * width + l];
-  }
-  opc_fft_free(in);
-  opc_fft_free(half);
-}
-
-/* Row l: forth along x, in the band only, less what the B-spline does to
-   samples, and back along x on the grid of the result. */
-static void row_to_fine(void *data, size_t row) {
-  job *j = data;
-  const opc_frame *f = &j->mask->frame;
-  double band = j->systems->intensity_band, fy = (double)row / f->height;
-  int l = (int)row, reach = (int)floor(f->width * sqrt(fmax(0, band * band - fy * fy)));
-  const opc_fft *forth = opc_fft_plan(OPC_FFT_FORWARD, j->nx, 1);
-  float complex *sum = j->by_row[0] + row * (size_t)j->nx;
-  opc_fft_run(forth, sum, NULL);
-  if (j->by_row[1]) {
-    float complex *rest = j->by_row[1] + row * (size_t)j->nx;
-    size_t n = (size_t)reach + 1;
-    double *fx = room(j, n, sizeof *fx);
-    float *filter = room(j, n, sizeof *filter);
-    opc_fft_run(forth, rest, NULL);
-    if (fx && filter) {
-      for (size_t k = 0; k < n; k++) fx[k] = (double)k / f->width;
-      /* A filter of a real system: the same at k and -k. */
-      j->systems->residual(j->systems->self, fx, fy, n, filter);
-      sum[0] += filter[0] * rest[0];
-      for (int k = 1; k <= reach; k++) {
-        sum[k] += filter[k] * rest[k];
-        sum[j->nx - k] += filter[k] * rest[j->nx - k];
+  opc_lanes *a = borrow(j), *tile = a + j->nx;
+  size_t n = (size_t)j->nx, one = 2 * pair, other = MIN(one + 1, j->rows - 1);
+  for (int part = 0; part < 2 && j->sum[part] && a; part++) {
+    const opc_vector *re = j->sum[part] + one * n, *im = j->sum[part] + other * n;
+    for (size_t x = 0; x < n; x++) a[x] = (opc_lanes){im[x], re[x]};
+    opc_lanes_backward(opc_lanes_plan_for(j->nx), a, a + n);
+    lines *to = &j->spectrum[part];
+    for (size_t b = 0; b < j->columns; b++) {
+      int first = (int)b * OPC_LANES, there = MIN(OPC_LANES, j->top_x + 1 - first);
+      memset(tile, 0, 2 * OPC_LANES * sizeof *tile);
+      for (int k = 0; k < there; k++)
+        split(a, j->nx, first + k, tile + k, tile + OPC_LANES + k);
+      for (size_t i = 0; i < 2; i++) {
+        const opc_lanes *from = tile + i * OPC_LANES;
+        opc_lanes *out = to->at + b * to->n + (i ? other : one) * OPC_LANES;
+        opc_lanes_turn(&from->re, 2, &out->re, 2);
+        opc_lanes_turn(&from->im, 2, &out->im, 2);
       }
     }
-    opc_fft_free(fx);
-    opc_fft_free(filter);
   }
-  float complex *to = j->fine + row * (size_t)j->fine_x;
-  double scale = 1.0 / ((double)j->nx * j->ny) /
-                 opc_spline_sampled((double)l / j->fine_y);
-  memset(to, 0, sizeof *to * (size_t)j->fine_x);
-  for (int k = 0; k <= reach; k++) {
-    float by = (float)(scale / opc_spline_sampled((double)k / j->fine_x));
-    to[k] = by * sum[k];
-    if (k) to[j->fine_x - k] = by * sum[j->nx - k];
-  }
-  opc_fft_run(opc_fft_plan(OPC_FFT_BACKWARD, j->fine_x, 1), to, NULL);
+  give_back(j, a);
 }
 
-/* LINES columns of the result, back along y. */
-static void back_along_y(void *data, size_t block) {
+/* Number l of columns k of the result: of the sum and the filtered rest, as
+   coefficients of the spline. `sum` and `rest` have their parts exchanged. */
+static void coefficient(const job *j, int first, int l, const opc_lanes *sum,
+                        const opc_lanes *rest, opc_lanes *to) {
+  const opc_frame *f = &j->mask->frame;
+  double band = j->systems.intensity_band, fy = l / f->height;
+  double left = band * band - fy * fy, fx[OPC_LANES];
+  int last = left < 0 ? -1 : (int)floor(f->width * sqrt(left));
+  int n = MIN(OPC_LANES, last - first + 1);
+  float by[OPC_LANES] = {0}, filter[OPC_LANES] = {0};
+  for (int i = 0; i < n; i++) {
+    fx[i] = (first + i) / f->width;
+    by[i] = j->by_x[first + i] * j->by_y[abs(l)];
+  }
+  if (rest && n > 0)
+    j->systems.residual(j->systems.self, fx, fy, (size_t)n, filter);
+  opc_vector b, r;
+  memcpy(&b, by, sizeof b);
+  memcpy(&r, filter, sizeof r);
+  to->re = b * (rest ? sum->im + r * rest->im : sum->im);
+  to->im = b * (rest ? sum->re + r * rest->re : sum->re);
+}
+
+/* A block of columns: forth along y, and back as the result's. */
+static void columns_to_fine(void *data, size_t block) {
   job *j = data;
-  int x = (int)block * LINES, lines = least(LINES, j->fine_x - x);
-  int width = j->fine_y / 2 + 1;
-  float complex *half = room(j, (size_t)lines * width, sizeof *half);
-  float *columns = room(j, (size_t)lines * j->fine_y, sizeof *columns);
-  if (half && columns) {
-    memset(half, 0, sizeof *half * (size_t)lines * width);
-    for (int l = 0; l <= j->top; l++)
-      for (int c = 0; c < lines; c++)
-        half[(size_t)c * width + l] = j->fine[(size_t)l * j->fine_x + x + c];
-    opc_fft_run(opc_fft_plan(OPC_FFT_REAL_BACKWARD, j->fine_y, lines), half,
-                columns);
-    for (int y = 0; y < j->fine_y; y++)
-      for (int c = 0; c < lines; c++)
-        j->out[(size_t)y * j->fine_x + x + c] = columns[(size_t)c * j->fine_y + y];
+  size_t n = (size_t)j->ny;
+  opc_lanes *fine = borrow(j);
+  if (!fine) return;
+  opc_lanes *sum = j->spectrum[0].at + block * j->spectrum[0].n, *rest = NULL;
+  opc_lanes *work = fine + blocks(j->fine_y) * OPC_LANES;
+  const opc_lanes_plan *plan = opc_lanes_plan_for(j->ny);
+  opc_lanes_backward(plan, sum, work);
+  if (j->spectrum[1].at) {
+    rest = j->spectrum[1].at + block * j->spectrum[1].n;
+    opc_lanes_backward(plan, rest, work);
   }
-  opc_fft_free(half);
-  opc_fft_free(columns);
+  memset(fine, 0, sizeof *fine * (size_t)j->fine_y);
+  for (int l = -j->top_y; l <= j->top_y; l++) {
+    size_t at = l < 0 ? n - (size_t)-l : (size_t)l;
+    coefficient(j, (int)block * OPC_LANES, l, sum + at, rest ? rest + at : NULL,
+                fine + (l < 0 ? l + j->fine_y : l));
+  }
+  opc_lanes_backward(opc_lanes_plan_for(j->fine_y), fine, work);
+  turn_lines(fine, j->fine_y, &j->fine, block * OPC_LANES);
+  give_back(j, fine);
 }
 
-static size_t blocks(int n) { return (size_t)(n + LINES - 1) / LINES; }
+/* The numbers k and -k of two blocks of real rows in one complex one. */
+OPC_WIDE static void join(const opc_lanes *first, const opc_lanes *second,
+                          int top, int n, opc_lanes *a) {
+  memset(a + top + 1, 0, sizeof *a * (size_t)(n - 2 * top - 1));
+  for (int k = top; k >= 0; k--) {
+    const opc_lanes *p = first + k, *q = second + k;
+    a[k ? n - k : 0] = (opc_lanes){p->re + q->im, q->re - p->im};
+    a[k] = (opc_lanes){p->re - q->im, p->im + q->re};
+  }
+}
+
+/* OPC_LANES rows of the result, from points [x] of rows. */
+static void write_rows(const job *j, const opc_vector *points, size_t block) {
+  size_t n = (size_t)j->fine_x, first = block * OPC_LANES;
+  size_t rows = MIN((size_t)OPC_LANES, (size_t)j->fine_y - first);
+  for (size_t x = 0; x < n; x += OPC_LANES) {
+    opc_vector tile[OPC_LANES];
+    size_t there = MIN((size_t)OPC_LANES, n - x);
+    opc_lanes_turn(points + 2 * x, 2, tile, 1);
+    for (size_t y = 0; y < rows; y++)
+      memcpy(j->out + (first + y) * n + x, &tile[y], there * sizeof(float));
+  }
+}
+
+static void back_along_x(void *data, size_t pair) {
+  job *j = data;
+  opc_lanes *a = borrow(j);
+  if (!a) return;
+  size_t all = blocks(j->fine_y), one = 2 * pair, other = MIN(one + 1, all - 1);
+  join(j->fine.at + one * j->fine.n, j->fine.at + other * j->fine.n, j->top_x,
+       j->fine_x, a);
+  opc_lanes_backward(opc_lanes_plan_for(j->fine_x), a,
+                     a + blocks(j->fine_x) * OPC_LANES);
+  write_rows(j, &a->re, one);
+  if (other != one) write_rows(j, &a->im, other);
+  give_back(j, a);
+}
+
+/* Of a spline's coefficients over its samples, at frequencies up to `top`. */
+static float *over_samples(job *j, int top, int n, double scale) {
+  float *a = room(j, (size_t)top + 1, sizeof *a);
+  for (int k = 0; k <= top && a; k++)
+    a[k] = (float)(scale / opc_spline_sampled((double)k / n));
+  return a;
+}
 
 /* Coefficients of the spline that goes through the band-limited samples. */
-static void to_spline(job *j, double step, opc_field *out) {
-  const opc_frame *f = &out->frame;
-  double band = j->systems->intensity_band;
-  /* The finer grid holds at least the band. */
-  out->nx = j->fine_x = opc_fft_size(fmax(f->width / step, 2 * f->width * band + 2));
-  out->ny = j->fine_y =
-      opc_fft_size(fmax(f->height / step, 2 * f->height * band + 2));
-  j->top = (int)floor(f->height * band);
-  size_t rows = (size_t)j->top + 1;
-  j->by_row[0] = room(j, rows * (size_t)j->nx, sizeof(float complex));
-  if (j->systems->residual)
-    j->by_row[1] = room(j, rows * (size_t)j->nx, sizeof(float complex));
-  j->fine = room(j, rows * (size_t)j->fine_x, sizeof(float complex));
-  out->coefficients = j->out = j->host->alloc(
-      j->host, (size_t)j->fine_x * j->fine_y, sizeof(float));
-  if (!j->out) j->failed = 1;
-  if (!j->failed) {
-    j->host->parallel(j->host, blocks(j->nx), forth_along_y, j);
-    j->host->parallel(j->host, rows, row_to_fine, j);
-    j->host->parallel(j->host, blocks(j->fine_x), back_along_y, j);
+static void to_spline(job *j) {
+  size_t fine = blocks(j->fine_y);
+  j->by_x = over_samples(j, j->top_x, j->fine_x, 1.0 / j->nx);
+  j->by_y = over_samples(j, j->top_y, j->fine_y, 1.0 / j->ny);
+  for (int i = 0; i < 2 && j->sum[i]; i++) {
+    lines *s = &j->spectrum[i];
+    s->n = j->rows * OPC_LANES;
+    s->at = room(j, j->columns * s->n, sizeof *s->at);
   }
-  opc_fft_free(j->by_row[0]);
-  opc_fft_free(j->by_row[1]);
-  opc_fft_free(j->fine);
+  j->fine.n = j->columns * OPC_LANES;
+  j->fine.at = room(j, fine * j->fine.n, sizeof *j->fine.at);
+  if (!j->failed)
+    j->host->parallel(j->host, (j->rows + 1) / 2, forth_along_x, j);
+  if (!j->failed)
+    j->host->parallel(j->host, j->columns, columns_to_fine, j);
+  if (!j->failed)
+    j->host->parallel(j->host, (fine + 1) / 2, back_along_x, j);
+  for (int i = 0; i < 2; i++) opc_fft_free(j->spectrum[i].at);
+  opc_fft_free(j->fine.at);
+  opc_fft_free(j->by_x);
+  opc_fft_free(j->by_y);
+}
+
+/* ---- grids ---- */
+
+/* Samples along a side for fields, and nodes for the result. */
+static int field_size(const opc_systems *s, double side) {
+  /* What a square has beyond the band of the intensity must not fold into it;
+     the outermost part of the square is so weak that folding it costs about 1e-5
+     of the clear field, and saves a quarter of the time. */
+  double samples = 0.85 * (2 * s->band + s->intensity_band);
+  double whole = 2 * fmax(s->intensity_band, s->band);   /* all is there */
+  return opc_lanes_size(fmax(side * samples, side * whole + 2));
+}
+
+static int fine_size(const opc_systems *s, double side, double step) {
+  return opc_lanes_size(fmax(side / step, 2 * side * s->intensity_band + 2));
+}
+
+static void choose_grids(job *j, double step) {
+  const opc_frame *f = &j->mask->frame;
+  const opc_systems *s = &j->systems;
+  double band = fmin(s->band, j->mask->band);
+  j->nx = field_size(s, f->width);
+  j->ny = field_size(s, f->height);
+  j->reach = (int)floor(f->width * band);
+  j->half = (int)floor(f->height * band);
+  j->rows = blocks(j->ny);
+  j->top_x = (int)floor(f->width * s->intensity_band);
+  j->top_y = (int)floor(f->height * s->intensity_band);
+  j->columns = blocks(j->top_x + 1);
+  j->fine_x = fine_size(s, f->width, step);
+  j->fine_y = fine_size(s, f->height, step);
+  size_t work = 0, n[4] = {(size_t)j->nx, (size_t)j->ny, (size_t)j->fine_x,
+                           (size_t)j->fine_y};
+  for (int i = 0; i < 4; i++)
+    work = MAX(work, MAX(n[i], opc_lanes_room(opc_lanes_plan_for((int)n[i]))));
+  j->room = work + BLOCKS * OPC_LANES * j->rows +
+            MAX(n[0], MAX(n[2], n[3]) + OPC_LANES) + 2 * OPC_LANES;
+}
+
+/* What the caller's struct has, which may be older or newer than ours. */
+static int read_systems(const opc_systems *given, opc_systems *out,
+                        opc_error *error) {
+  static const size_t least = offsetof(opc_systems, self) + sizeof given->self;
+  *out = (opc_systems){0};
+  if (given->size < least)
+    return opc_fail(error, OPC_INVALID, NULL,
+                    "'size' of opc_systems is %zu, less than %zu", given->size,
+                    least);
+  memcpy(out, given, MIN(given->size, sizeof *out));
+  if (!out->count || !(out->band > 0 && out->intensity_band > 0))
+    return opc_fail(error, OPC_INVALID, NULL, "an image needs a system");
+  return OPC_OK;
+}
+
+static float complex complex_of(const double a[2]) {
+  return (float)a[0] + (float)a[1] * I;
 }
 
 int opc_coherent_sum(const opc_host *host, const opc_spectrum *mask,
                      const opc_systems *systems, double step, opc_field *out,
                      opc_error *error) {
+  job j = {.host = host, .mask = mask};
   memset(out, 0, sizeof *out);
-  if (!systems->count || !(systems->band > 0 && systems->intensity_band > 0))
-    return opc_fail(error, OPC_INVALID, NULL, "an image needs a system");
-  /* What a square has beyond the band of the intensity must not fold into it;
-     the outermost part of the square is so weak that folding it costs less than
-     1e-5 of the clear field, and saves a quarter of the time. */
-  double samples = 0.85 * (2 * systems->band + systems->intensity_band);
-  double whole = 2 * systems->intensity_band; /* all of its band is there */
-  const double *scale = systems->scale, *offset = systems->offset;
-  job j = {.host = host, .mask = mask, .systems = systems,
-           .offset = (float)offset[0] + (float)offset[1] * I,
-           .scale = scale[0] == 0 && scale[1] == 0
-                        ? 1
-                        : (float)scale[0] + (float)scale[1] * I,
-           .nx = opc_fft_size(fmax(mask->frame.width * samples,
-                                   mask->frame.width * whole + 2)),
-           .ny = opc_fft_size(fmax(mask->frame.height * samples,
-                                   mask->frame.height * whole + 2)),
-           .half = (int)floor(mask->frame.height * fmin(systems->band, mask->band)),
-           .sums = systems->count < SUMS ? systems->count : SUMS};
-  out->frame = mask->frame;
-  host->parallel(host, j.sums + (systems->residual != NULL), add_systems, &j);
-  if (!j.failed) to_spline(&j, step > 0 ? step : default_step, out);
-  for (size_t g = 0; g <= SUMS; g++) opc_fft_free(j.sum[g]);
+  int code = read_systems(systems, &j.systems, error);
+  if (code) return code;
+  j.offset = complex_of(j.systems.offset);
+  j.scale = complex_of(j.systems.scale);
+  if (j.scale == 0) j.scale = 1;
+  choose_grids(&j, step > 0 ? step : default_step);
+  j.scratch = g_ptr_array_new_with_free_func(opc_fft_free);
+  g_mutex_init(&j.lock);
+  j.out = host->alloc(host, (size_t)j.fine_x * (size_t)j.fine_y, sizeof *j.out);
+  if (!j.out) j.failed = 1;
+  if (!j.failed) add_systems(&j);
+  if (!j.failed) to_spline(&j);
+  for (int i = 0; i < 2; i++) opc_fft_free(j.sum[i]);
+  g_ptr_array_free(j.scratch, TRUE);
+  g_mutex_clear(&j.lock);
+  *out = (opc_field){mask->frame, j.fine_x, j.fine_y, j.out};
   if (!j.failed) return OPC_OK;
-  host->free(host, out->coefficients);
+  host->free(host, j.out);
   memset(out, 0, sizeof *out);
   return opc_fail(error, OPC_FAILED, NULL, "out of memory");
 }

@@ -13,10 +13,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Compiled for wide vectors too, and the best taken at run time. */
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define WIDE __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define WIDE
+#endif
+
 enum {
   SIZES = 9, LARGEST = 128,
   NODES = 32,                /* of a piece of the integrals */
-  BLOCK = 4,                 /* of them at a time */
+  PIECES = 5,
+  LANES = 8,                 /* of them in a vector */
   MOMENTS = 4,               /* width, area and both currents */
   MORE = 2                   /* larger sizes, if they do not fit */
 };
@@ -89,21 +98,42 @@ static double place_of(const shape *h, double x) {
   return h->from + (h->to - h->from) * (x + 1) / 2;
 }
 
-/* The lengths at BLOCK places (Clenshaw's recurrence, all places together). */
-static void lengths_at(const shape *h, const double x[BLOCK],
-                       double out[BLOCK]) {
-  double b1[BLOCK] = {0}, b2[BLOCK] = {0}, twice[BLOCK];
-  for (int i = 0; i < BLOCK; i++) twice[i] = 2 * x[i];
-  for (int k = h->size - 1; k > 0; k--) {
-    double a = h->coefficient[k];
-    for (int i = 0; i < BLOCK; i++) {
-      double b = (a - b2[i]) + twice[i] * b1[i];
-      b2[i] = b1[i];
-      b1[i] = b;
-    }
+/* The coefficients from the lengths that were measured. */
+WIDE static void transform(const double *series, shape *h) {
+  size_t n = (size_t)h->size;
+  for (size_t k = 0; k < n; k++) h->coefficient[k] = 0;
+  for (size_t j = 0; j < n; j++) {
+    const double *row = series + j * n;
+    double square = h->length[j] * h->length[j];
+    for (size_t k = 0; k < n; k++) h->coefficient[k] += row[k] * square;
   }
-  for (int i = 0; i < BLOCK; i++)
-    out[i] = sqrt(fmax(0, h->coefficient[0] + x[i] * b1[i] - b2[i]));
+}
+
+typedef double lanes __attribute__((vector_size(LANES * sizeof(double))));
+
+/* The lengths at n places, a multiple of twice LANES (Clenshaw's recurrence, two
+   vectors at a time). */
+WIDE static void lengths_at(const shape *h, size_t n, const double *x,
+                            double *out) {
+  for (size_t i = 0; i < n; i += 2 * LANES) {
+    lanes x0, x1, b0 = {0}, b1 = {0}, before0 = {0}, before1 = {0};
+    memcpy(&x0, x + i, sizeof x0);
+    memcpy(&x1, x + i + LANES, sizeof x1);
+    for (int k = h->size - 1; k > 0; k--) {
+      double a = h->coefficient[k];
+      lanes next0 = (a - before0) + 2 * x0 * b0;
+      lanes next1 = (a - before1) + 2 * x1 * b1;
+      before0 = b0;
+      before1 = b1;
+      b0 = next0;
+      b1 = next1;
+    }
+    b0 = h->coefficient[0] - before0 + x0 * b0;
+    b1 = h->coefficient[0] - before1 + x1 * b1;
+    memcpy(out + i, &b0, sizeof b0);
+    memcpy(out + i + LANES, &b1, sizeof b1);
+  }
+  for (size_t i = 0; i < n; i++) out[i] = sqrt(out[i] > 0 ? out[i] : 0);
 }
 
 static double length_at(const shape *h, double x) {
@@ -116,21 +146,38 @@ static double length_at(const shape *h, double x) {
   return sqrt(fmax(0, h->coefficient[0] + x * b1 - b2));
 }
 
+/* That at -1 or 1, where all terms are the same but for their signs. */
+static double length_at_end(const shape *h, int high) {
+  double even = 0, odd = 0;
+  for (int k = 0; k < h->size; k += 2) {
+    even += h->coefficient[k];
+    odd += h->coefficient[k + 1];
+  }
+  return sqrt(fmax(0, high ? even + odd : even - odd));
+}
+
+static void lengths_of(const opc_printed_gate *gate, size_t n,
+                       const double *place, double *length) {
+  if (OPC_HAS(gate, lengths)) gate->lengths(gate, n, place, length);
+  else
+    for (size_t j = 0; j < n; j++) length[j] = gate->length(gate, place[j]);
+}
+
 /* Measure at the places of a size. Gives what its last terms still add to the
    length, nm, at most; NAN if a length is none. */
 static double measure(const contour *c, int s, shape *h) {
   double longest = 0;
   h->size = sizes[s];
   size_t n = (size_t)h->size;
-  for (size_t k = 0; k < n; k++) h->coefficient[k] = 0;
+  double place[LARGEST];
+  for (size_t j = 0; j < n; j++) place[j] = place_of(h, c->place[s][j]);
+  lengths_of(h->gate, n, place, h->length);
   for (size_t j = 0; j < n; j++) {
-    double l = h->gate->length(h->gate, place_of(h, c->place[s][j]));
+    double l = h->length[j];
     if (!isfinite(l)) return NAN;
-    const double *row = c->series[s] + j * n;
-    for (size_t k = 0; k < n; k++) h->coefficient[k] += row[k] * (l * l);
-    h->length[j] = l;
     longest = fmax(longest, l);
   }
+  transform(c->series[s], h);
   double last = fabs(h->coefficient[n - 1]) + fabs(h->coefficient[n - 2]);
   return longest > 0 ? last / (2 * longest) : NAN;
 }
@@ -141,7 +188,7 @@ static double measure(const contour *c, int s, shape *h) {
    within. Beyond, currents do not change any more. */
 static double comes_within(const contour *c, int s, const shape *h, int high) {
   double low = curves_shortest(h->table), top = curves_longest(h->table);
-  double x = high ? 1 : -1, at = length_at(h, x), limit, end = x;
+  double x = high ? 1 : -1, at = length_at_end(h, high), limit, end = x;
   if (at >= low && at <= top) return end;
   limit = at < low ? low : top;
   int j = high ? h->size - 1 : 0, step = high ? -1 : 1;
@@ -164,17 +211,34 @@ static double comes_within(const contour *c, int s, const shape *h, int high) {
   return x;
 }
 
-static void functions(const shape *h, double place, double length,
-                      double f[MOMENTS]) {
-  double edge = h->gate->width * fmin(place, 1 - place);
+static inline void functions(const shape *h, double place, double length,
+                             double f[MOMENTS]) {
   f[0] = 1;
   f[1] = length;
-  for (int k = 0; k < CURRENTS; k++) {
-    f[2 + k] = curves_quick(h->table, h->gate->type, k, length);
-    if (h->weight)
-      f[2 + k] *=
-          h->weight(h->self, h->gate->type, k, edge, h->gate->width);
+  curves_quick(h->table, h->gate->type, length, f + 2);
+  if (!h->weight) return;
+  double edge = h->gate->width * fmin(place, 1 - place);
+  for (int k = 0; k < CURRENTS; k++)
+    f[2 + k] *= h->weight(h->self, h->gate->type, k, edge, h->gate->width);
+}
+
+/* Add what the functions are at n places, times their share. */
+static void add_places(const shape *h, size_t n, const double *x,
+                       const double *length, const double *share,
+                       double sum[MOMENTS]) {
+  double width = 0, area = 0, ion = 0, ioff = 0;
+  for (size_t i = 0; i < n; i++) {
+    double f[MOMENTS];
+    functions(h, h->weight ? place_of(h, x[i]) : 0, length[i], f);
+    width += share[i] * f[0];
+    area += share[i] * f[1];
+    ion += share[i] * f[2];
+    ioff += share[i] * f[3];
   }
+  sum[0] += width;
+  sum[1] += area;
+  sum[2] += ion;
+  sum[3] += ioff;
 }
 
 /* The integrals of the functions over the width. */
@@ -184,20 +248,20 @@ static void integrate(const contour *c, int s, const shape *h,
   if (!(low < high)) low = -1, high = 1;
   double part = fmin((high - low) / 3,
                      2 * rounding / (h->gate->width * (h->to - h->from)));
-  const double border[] = {-1, low, low + part, high - part, high, 1};
-  for (int k = 0; k < MOMENTS; k++) sum[k] = 0;
-  for (int p = 0; p < 5; p++) {
-    double x[NODES], length[NODES], span = border[p + 1] - border[p];
+  const double border[PIECES + 1] = {-1, low, low + part, high - part, high, 1};
+  double x[PIECES * NODES], share[PIECES * NODES], length[PIECES * NODES];
+  size_t n = 0;
+  for (int p = 0; p < PIECES; p++) {
+    double span = border[p + 1] - border[p];
     if (!(span > 0)) continue;
-    for (int i = 0; i < NODES; i++) x[i] = border[p] + span * c->node[i];
-    for (int i = 0; i < NODES; i += BLOCK) lengths_at(h, x + i, length + i);
     for (int i = 0; i < NODES; i++) {
-      double f[MOMENTS];
-      functions(h, place_of(h, x[i]), length[i], f);
-      double share = c->share[i] * span / 2 * (h->to - h->from);
-      for (int k = 0; k < MOMENTS; k++) sum[k] += share * f[k];
+      x[n] = border[p] + span * c->node[i];
+      share[n++] = c->share[i] * span / 2 * (h->to - h->from);
     }
   }
+  lengths_at(h, n, x, length);
+  for (int k = 0; k < MOMENTS; k++) sum[k] = 0;
+  add_places(h, n, x, length, share, sum);
   /* Where the line has ended already. */
   const double gone[2] = {h->from, 1 - h->to};
   for (int side = 0; side < 2; side++) {

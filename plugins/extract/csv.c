@@ -19,18 +19,23 @@ static void trim(char **field) {
   for (; *field; field++) g_strchomp(*field);
 }
 
-/* Where field k begins, as far as there are so many. */
-static size_t begin_of(char *const *field, int k) {
-  size_t at = 0;
-  for (int i = 0; i < k && field[i]; i++) at += strlen(field[i]) + 1;
-  return at;
+/* Where field k of a line begins, past its blanks; the line's end if there are
+   fewer. */
+static size_t begin_of(const char *line, int k) {
+  const char *at = line;
+  for (int i = 0; i < k && *at; i++) {
+    at += strcspn(at, ",");
+    at += *at == ',';
+  }
+  while (g_ascii_isspace(*at)) at++;
+  return (size_t)(at - line);
 }
 
 static int header_field(csv *c, int line, char **field, int k,
                         opc_error *error) {
   g_autofree char *name = g_strstrip(g_strdup(field[k]));
   char *unit = strchr(name, '(');
-  size_t at = begin_of(field, k);
+  size_t at = begin_of(c->text[line - 1], k);
   if (unit) *unit++ = '\0';
   g_strchomp(name);
   for (int i = 0; i < c->columns; i++) {
@@ -80,12 +85,12 @@ static char **read_lines(const csv *c, opc_error *error) {
 }
 
 int csv_read(csv *c, int required, opc_error *error) {
-  g_auto(GStrv) lines = read_lines(c, error);
-  if (!lines) return error->code;
+  c->text = read_lines(c, error);
+  if (!c->text) return error->code;
   c->rows = g_ptr_array_new_with_free_func((GDestroyNotify)g_strfreev);
   c->lines = g_array_new(FALSE, FALSE, sizeof(int));
   int number = 0, headed = 0, code = OPC_OK;
-  for (char **line = lines; *line && !code; line++) {
+  for (char **line = c->text; *line && !code; line++) {
     number++;
     g_strchomp(*line);
     if (!**line || **line == '#') continue;
@@ -109,6 +114,8 @@ int csv_read(csv *c, int required, opc_error *error) {
 void csv_clear(csv *c) {
   if (c->rows) g_ptr_array_free(c->rows, TRUE);
   if (c->lines) g_array_free(c->lines, TRUE);
+  g_strfreev(c->text);
+  c->text = NULL;
   c->rows = NULL;
   c->lines = NULL;
 }
@@ -126,8 +133,8 @@ const char *csv_text(const csv *c, guint row, int column) {
 
 int csv_fail(const csv *c, guint row, int column, const char *what,
              opc_error *error) {
-  return fail_at(c, g_array_index(c->lines, int, row),
-                 begin_of(c->rows->pdata[row], c->field[column]), what,
+  int line = g_array_index(c->lines, int, row);
+  return fail_at(c, line, begin_of(c->text[line - 1], c->field[column]), what,
                  csv_text(c, row, column), error);
 }
 

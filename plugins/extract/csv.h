@@ -16,6 +16,7 @@ typedef struct csv {
   int columns;
   const char *const *names, *const *units;   /* NULL: has none */
   int field[CSV_COLUMNS];   /* of each column; -1: not there */
+  char **text;              /* the lines of the file */
   GPtrArray *rows;          /* char **: the fields */
   GArray *lines;            /* int: their numbers */
 } csv;

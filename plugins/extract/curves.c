@@ -14,11 +14,9 @@ static int make_curve(curves *c, int type, int k, const opc_host *host,
   const double *current = k == ION ? d->ion[type] : d->ioff[type];
   double *y = malloc(d->count * sizeof *y);
   gsl_interp *curve = gsl_interp_alloc(gsl_interp_steffen, d->count);
-  double *quick = malloc((c->steps + 1) * sizeof *quick);
   c->logarithm[type][k] = y;
   c->curve[type][k] = curve;
-  c->quick[type][k] = quick;
-  if (!y || !curve || !quick)
+  if (!y || !curve)
     return host->fail(host, error, OPC_FAILED, NULL, "out of memory");
   for (size_t i = 0; i < d->count; i++) {
     if (i && !(current[i] < current[i - 1]))
@@ -30,7 +28,8 @@ static int make_curve(curves *c, int type, int k, const opc_host *host,
   }
   gsl_interp_init(curve, d->length, y, d->count);
   for (size_t i = 0; i <= c->steps; i++)
-    quick[i] = exp(curves_at(c, type, k, d->length[0] + (double)i / c->per_nm));
+    c->quick[type][CURRENTS * i + (size_t)k] =
+        exp(curves_at(c, type, k, d->length[0] + (double)i / c->per_nm));
   return OPC_OK;
 }
 
@@ -48,21 +47,27 @@ int curves_load(curves *c, const opc_host *host, const char *path,
   double range = d->length[d->count - 1] - d->length[0];
   c->steps = (size_t)fmin(MOST_STEPS, ceil(range / finest));
   c->per_nm = (double)c->steps / range;
-  for (int type = 0; type < 2; type++)
+  for (int type = 0; type < 2; type++) {
+    /* One step more: of it the last one takes nothing. */
+    c->quick[type] = calloc(CURRENTS * (c->steps + 2), sizeof(double));
+    if (!c->quick[type])
+      return host->fail(host, error, OPC_FAILED, NULL, "out of memory");
     for (int k = 0; k < CURRENTS; k++) {
       int code = make_curve(c, type, k, host, path, error);
       if (code) return code;
     }
+  }
   return OPC_OK;
 }
 
 void curves_clear(curves *c, const opc_host *host) {
-  for (int type = 0; type < 2; type++)
+  for (int type = 0; type < 2; type++) {
+    free(c->quick[type]);
     for (int k = 0; k < CURRENTS; k++) {
       if (c->curve[type][k]) gsl_interp_free(c->curve[type][k]);
       free(c->logarithm[type][k]);
-      free(c->quick[type][k]);
     }
+  }
   if (c->devices) host->devices->release(c->devices);
 }
 

@@ -156,7 +156,8 @@ static void test_refused(void) {
       {"n,ion,0,0,1\n", "bad.csv:2:7: not above 0: '0'"},
       {"n,ion,1,-1,1\n", "bad.csv:2:9: not above"},
       {"n,ion,1,0,nan\n", "bad.csv:2:11: not a number: 'nan'"},
-      {"n,ion,1,0\n", "bad.csv:2:11: not a number: ''"},
+      {"n,ion,1,0\n", "bad.csv:2:10: not a number: ''"},
+      {"n , ion ,1\t,  0 , z \n", "bad.csv:2:19: not a number: 'z'"},
       {"n,ion,1,0,0\n", "bad.csv:2:11: not above 0: '0'"},
       {"n,ion,1,0,1\nn,ion,1,0,2\n", "bad.csv:3:9: a second row"},
       {"n,ion,1,0,1\nn,ion,1,5,1\nn,ion,2,0,1\n",
@@ -170,6 +171,7 @@ static void test_refused(void) {
   }
   refused("type,current,width,edge\n", "bad.csv:1:1: there is no column 'gamma'");
   refused("type,typ\n", "bad.csv:1:6: unknown column 'typ'");
+  refused("type , typ\n", "bad.csv:1:8: unknown column 'typ'");
   refused("type,width (um)\n", "bad.csv:1:6: a wrong unit: 'width (um)'");
   refused("type,type\n", "bad.csv:1:6: a column twice: 'type'");
   g_autofree char *path = write_text("both.csv", ones);

@@ -18,7 +18,9 @@ static int within(disk a, disk b, int first, double *middle, double *half) {
   if (d <= b.r - a.r) return WHOLE;
   if (d <= a.r - b.r) return NOWHERE;
   *middle = atan2(dy, dx);
-  *half = acos((d * d + a.r * a.r - b.r * b.r) / (2 * d * a.r));
+  /* Where circles touch, rounding may lead out of -1 .. 1. */
+  double c = (d * d + a.r * a.r - b.r * b.r) / (2 * d * a.r);
+  *half = acos(fmin(fmax(c, -1), 1));
   return CUT;
 }
 

@@ -12,25 +12,31 @@ struct kernels {
   const opc_host *host;
   double cutoff;             /* 1/nm */
   double radius;             /* T is zero beyond it, in units of the cutoff */
-  size_t available;          /* systems there are, strongest first */
-  size_t count;              /* of which these are used; by keep */
+  size_t count;              /* systems that are used; by keep */
+  int all;                   /* there are no more */
   const double *weight;      /* of each used one */
   int has_residual;          /* the rest is there as one incoherent system */
 
-  /* Use n systems; 0 if there is no memory. [main] */
+  /* Use at most n systems, the strongest; 0 if there is no memory. [main] */
   int (*keep)(kernels *self, size_t n);
   /* As opc_systems has them, `self` being the kernels. [any] */
   void (*transfer)(const void *self, size_t s, const double *fx, double fy,
                    size_t n, float *out);
   void (*residual)(const void *self, const double *fx, double fy, size_t n,
                    float *out);
+  /* T of frequencies in units of the cutoff, exact; NULL if it is not known
+     other than by its kernels. [any] */
+  double (*cross)(const kernels *self, double x1, double y1, double x2,
+                  double y2);
   void (*free)(kernels *self);
 };
 
-/* A real pupil and a source between the radii sigma_in (0 for a disk) and
-   sigma. NULL if there is no memory. */
-kernels *radial_kernels(const opc_host *host, double cutoff, double sigma,
-                        double sigma_in);
+/* A circular or annular source and a pupil that depends on the radius alone,
+   `defocus` nm further out of focus than the optics say. `real`: so are the
+   pupil and all masks. `error`: what is wanted, clear field 1; it takes longer if
+   it is small. NULL if there is no memory. */
+kernels *radial_kernels(const opc_host *host, const optics *o, double defocus,
+                        int real, double error);
 
 /* Any source and pupil, `defocus` nm further out of focus than the optics
    say. NULL and *error on failure. */

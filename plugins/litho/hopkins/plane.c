@@ -36,6 +36,7 @@ typedef struct plane {
   double defocus, spacing;
   double *points;          /* x, y, weight of each source point */
   size_t n;
+  size_t available;        /* kernels, strongest first */
   int side;                /* of the tables: nodes each way */
   double step, low;        /* their step and first node */
   float complex *shifted;  /* sqrt(w) P(f + s): [node][point] */
@@ -177,9 +178,9 @@ static int mix_span(plane *p, const float complex *q, const float complex *z,
         for (size_t s = 0; s < n; s++) p->vectors[k * n + s] += by * q[i * n + s];
       }
     double strongest = gsl_vector_get(value, 0);
-    while (p->base.available < most &&
-           gsl_vector_get(value, p->base.available) > 1e-6 * strongest)
-      p->base.available++;
+    while (p->available < most &&
+           gsl_vector_get(value, p->available) > 1e-6 * strongest)
+      p->available++;
   }
   if (work) gsl_eigen_hermv_free(work);
   if (value) gsl_vector_free(value);
@@ -228,7 +229,7 @@ static void mix_row(void *data, size_t j) {
   size_t nodes = (size_t)p->side * (size_t)p->side;
   for (size_t node = j * (size_t)p->side; node < (j + 1) * (size_t)p->side;
        node++)
-    for (size_t k = 0; k < p->base.available; k++) {
+    for (size_t k = 0; k < p->available; k++) {
       const float complex *a = p->shifted + node * p->n;
       const float complex *v = p->vectors + k * p->n;
       float re = 0, im = 0;
@@ -258,7 +259,7 @@ static void find_shifts(plane *p) {
       int bin = (int)(hypot(dx, dy) * p->step * SHIFTS / 2 + 0.5);
       if (bin > SHIFTS) continue;
       double rest = 0, product = (double)p->s_table[a] * p->s_table[b];
-      for (size_t k = p->base.count; k < p->base.available; k++)
+      for (size_t k = p->base.count; k < p->available; k++)
         rest += crealf(p->table[k * nodes + a] *
                        conjf(p->table[k * nodes + b]));
       above[bin] += rest * product;
@@ -274,7 +275,8 @@ static void find_shifts(plane *p) {
 static int keep(kernels *base, size_t n) {
   plane *p = (plane *)base;
   size_t nodes = nodes_of(p);
-  base->count = n < base->available ? n : base->available;
+  base->count = n < p->available ? n : p->available;
+  base->all = base->count == p->available;
   for (size_t i = 0; i < nodes; i++) {
     float rest = p->diagonal[i];
     for (size_t k = 0; k < base->count; k++) {

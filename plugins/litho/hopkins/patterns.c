@@ -1,0 +1,172 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "patterns.h"
+
+#include <complex.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Lengths are in units of a sixteenth of wavelength / NA.
+
+   Two rows of dense lines with staggered ends, an isolated line and a block. */
+enum { ACROSS = 64, ALONG = 128 };
+static const opc_box lines_and_block[] = {
+    {2, 4, 6, 55},     {18, 9, 22, 58},    {34, 2, 38, 52},  {2, 66, 6, 122},
+    {18, 70, 22, 118}, {34, 64, 38, 125},  {50, 6, 54, 90},  {46, 104, 60, 124}};
+
+/* Long rows of long lines with a wide space on both sides. Their spectrum is as
+   sharp as that of a large layout, and there kernels are at their worst. */
+enum { ROW = 480, HIGH = 4, SPACE = 48 };
+static const int pitches[PATTERNS - 1] = {13, 16, 20, 27};
+
+enum {
+  MOST = ROW / 13,                   /* boxes */
+  TOP = 2 * ROW / 16,                /* frequencies k below twice the cutoff; */
+  TOP_X = 2 * ACROSS / 16, TOP_Y = 2 * ALONG / 16,   /* of the first pattern */
+  ORDERS = (2 * TOP_X + 1) * (2 * TOP_Y + 1)
+};
+_Static_assert(ORDERS >= 2 * TOP + 1, "rows have fewer frequencies");
+
+static size_t boxes_of(int which, opc_box *out, opc_frame *frame) {
+  if (which == 0) {
+    *frame = (opc_frame){0, 0, ACROSS, ALONG};
+    memcpy(out, lines_and_block, sizeof lines_and_block);
+    return sizeof lines_and_block / sizeof *out;
+  }
+  *frame = (opc_frame){0, 0, ROW, HIGH};
+  size_t n = 0;
+  int pitch = pitches[which - 1], line = pitch * 5 / 16;
+  for (int x = SPACE; x + line <= ROW - SPACE; x += pitch)
+    out[n++] = (opc_box){x, 0, x + line, HIGH};
+  return n;
+}
+
+int pattern_spectrum(const kernels *k, int which, opc_spectrum *out,
+                     opc_error *error) {
+  opc_box boxes[MOST];
+  opc_frame f;
+  uint32_t n = (uint32_t)boxes_of(which, boxes, &f);
+  opc_point points[4 * MOST];
+  uint32_t start[MOST + 1] = {0};
+  for (uint32_t i = 0; i < n; i++) {
+    opc_box b = boxes[i];
+    opc_point p[4] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
+    memcpy(points + (size_t)4 * i, p, sizeof p);
+    start[i + 1] = 4 * (i + 1);
+  }
+  opc_shapes shapes = {n, start, points, NULL};
+  double unit = 1 / k->cutoff / 16;
+  opc_frame frame = {0, 0, f.width * unit, f.height * unit};
+  return k->host->imaging->mask_spectrum(k->host, &shapes, unit, frame,
+                                         k->radius * k->cutoff, out, error);
+}
+
+/* A frequency, in steps of 1 / frame and in units of the cutoff, and the mask
+   there. */
+typedef struct order {
+  int u, v;
+  double x, y;
+  double complex a;
+} order;
+
+/* In such an order that -f is as far from the end as f from the beginning. */
+static size_t find_orders(const kernels *k, const opc_spectrum *mask, order *out) {
+  size_t n = 0;
+  int rows = (mask->rows - 1) / 2;
+  for (int v = -rows; v <= rows; v++)
+    for (int u = 1 - mask->columns; u < mask->columns; u++) {
+      double x = u / mask->frame.width / k->cutoff;
+      double y = v / mask->frame.height / k->cutoff;
+      if (hypot(x, y) >= k->radius || n == ORDERS) continue;
+      int row = ((u < 0 ? -v : v) + mask->rows) % mask->rows;
+      size_t at = (size_t)row * (size_t)mask->columns + (size_t)abs(u);
+      const float *c = mask->data + 2 * at;
+      double complex a = (double)c[0] + (u < 0 ? -I : I) * (double)c[1];
+      out[n++] = (order){u, v, x, y, a};
+    }
+  return n;
+}
+
+/* Fourier coefficients of an intensity, |u| <= top_x, |v| <= top_y. */
+typedef struct coefficients {
+  int top_x, top_y, columns;
+  double complex at[ORDERS];   /* rows of u */
+} coefficients;
+
+static double complex *coefficient(coefficients *c, int u, int v) {
+  return &c->at[(v + c->top_y) * c->columns + u + c->top_x];
+}
+
+/* The sum of T(f1, f2) a(f1) a(f2)* over all pairs. T is real: so is what two
+   pairs of opposite frequencies add. */
+static void sum_pairs(const kernels *k, const opc_spectrum *mask, coefficients *out) {
+  order o[ORDERS];
+  size_t n = find_orders(k, mask, o);
+  for (size_t p = 0; p < n; p++)
+    for (size_t q = n - 1 - p; q <= p; q++) {
+      int u = o[p].u - o[q].u, v = o[p].v - o[q].v;
+      if (hypot(o[p].x - o[q].x, o[p].y - o[q].y) >= 2) continue;
+      double t = k->cross(k, o[p].x, o[p].y, o[q].x, o[q].y);
+      double complex c = t * o[p].a * conj(o[q].a) * (p + q == n - 1 ? 1 : 2);
+      *coefficient(out, u, v) += c;
+      if (p != q) *coefficient(out, -u, -v) += conj(c);
+    }
+}
+
+/* The sum of c[u] exp(2 pi i u x / n), |u| <= top, at all x; `root` holds
+   exp(2 pi i x / n). */
+static void wave(const double complex *c, int top, const double complex *root,
+                 int n, double complex *out) {
+  for (int x = 0; x < n; x++) {
+    double complex sum = c[top];
+    for (int u = 1; u <= top; u++) {
+      double complex turn = root[(size_t)u * (size_t)x % (size_t)n];
+      sum += turn * c[top + u] + conj(turn) * c[top - u];
+    }
+    out[x] = sum;
+  }
+}
+
+static void roots(double complex *root, int n) {
+  for (int x = 0; x < n; x++) root[x] = cexp(2 * M_PI * I * x / n);
+}
+
+/* The values of an intensity; `memory` has room for what is in between. */
+static void add_up(coefficients *c, double complex *memory, opc_field *out) {
+  double complex *root = memory, *line = root + out->nx + out->ny;
+  double complex *column = line + out->nx, *planes = column + out->ny;
+  roots(root, out->ny);
+  for (int u = 0; u < c->columns; u++) {
+    double complex along[2 * TOP_Y + 1];
+    for (int v = 0; v <= 2 * c->top_y; v++) along[v] = c->at[v * c->columns + u];
+    wave(along, c->top_y, root, out->ny, column);
+    for (int y = 0; y < out->ny; y++) planes[y * c->columns + u] = column[y];
+  }
+  roots(root, out->nx);
+  for (int y = 0; y < out->ny; y++) {
+    wave(planes + (size_t)y * (size_t)c->columns, c->top_x, root, out->nx, line);
+    for (int x = 0; x < out->nx; x++)
+      out->coefficients[y * out->nx + x] = (float)creal(line[x]);
+  }
+}
+
+int pattern_image(const kernels *k, const opc_spectrum *mask,
+                  const opc_field *like, opc_field *out, opc_error *error) {
+  const opc_host *host = k->host;
+  coefficients sum = {.top_x = (int)(2 * k->cutoff * mask->frame.width + 0.5),
+                      .top_y = (int)(2 * k->cutoff * mask->frame.height + 0.5)};
+  sum.columns = 2 * sum.top_x + 1;
+  size_t nx = (size_t)like->nx, ny = (size_t)like->ny;
+  double complex *memory =
+      malloc((2 * (nx + ny) + ny * (size_t)sum.columns) * sizeof *memory);
+  *out = *like;
+  out->coefficients = host->alloc(host, nx * ny, sizeof *out->coefficients);
+  if (!out->coefficients || !memory) {
+    free(memory);
+    return host->fail(host, error, OPC_FAILED, NULL, "out of memory");
+  }
+  sum_pairs(k, mask, &sum);
+  add_up(&sum, memory, out);
+  free(memory);
+  return host->imaging->from_samples(host, out, error);
+}

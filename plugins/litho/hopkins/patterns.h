@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Small patterns on which kernels are tried, and their true images. */
+#ifndef OPCFLOW_HOPKINS_PATTERNS_H
+#define OPCFLOW_HOPKINS_PATTERNS_H
+
+#include "kernels.h"
+
+enum { PATTERNS = 5 };
+
+/* The spectrum of a pattern, of a size that fits the kernels' cutoff. [any] */
+int pattern_spectrum(const kernels *k, int which, opc_spectrum *out,
+                     opc_error *error);
+
+/* The image of its mask by T itself (k->cross), on the grid of `like`: the sum
+   over all pairs of frequencies, which shares nothing with the kernels. [any] */
+int pattern_image(const kernels *k, const opc_spectrum *mask,
+                  const opc_field *like, opc_field *out, opc_error *error);
+
+#endif

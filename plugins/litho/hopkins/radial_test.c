@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The eigenvalues of the transmission cross coefficient T, from its kernels,
+   against two other ways to them. */
+#include "core/plugin/testing.h"
+#include "kernels.h"
+
+#include <glib.h>
+#include <math.h>
+#include <stdlib.h>
+
+enum { VALUES = 7, SPAN = 14 };
+
+static const double sigma = 0.75;
+
+/* A symmetric operator on vectors of n numbers. */
+typedef struct operator {
+  size_t n;
+  void (*apply)(const struct operator *self, const double *x, double *out);
+  double *data;
+  size_t count;
+} operator;
+
+static double dot(const double *a, const double *b, size_t n) {
+  double sum = 0;
+  for (size_t i = 0; i < n; i++) sum += a[i] * b[i];
+  return sum;
+}
+
+/* Gram and Schmidt; the lengths that vectors had are what is left of them. */
+static void orthonormalise(double *q, size_t n, double *length) {
+  for (size_t k = 0; k < SPAN; k++) {
+    double *v = q + k * n;
+    for (size_t i = 0; i < k; i++) {
+      double c = dot(q + i * n, v, n);
+      for (size_t s = 0; s < n; s++) v[s] -= c * q[i * n + s];
+    }
+    length[k] = sqrt(dot(v, v, n));
+    for (size_t s = 0; s < n; s++) v[s] /= length[k];
+  }
+}
+
+/* The largest eigenvalues, by powers of the operator on a span of vectors. */
+static void eigenvalues(const operator *o, double value[SPAN]) {
+  double *q = g_new(double, SPAN * o->n), *next = g_new(double, o->n);
+  GRand *random = g_rand_new_with_seed(7);
+  for (size_t i = 0; i < SPAN * o->n; i++) q[i] = g_rand_double(random) - 0.5;
+  g_rand_free(random);
+  orthonormalise(q, o->n, value);
+  for (int turn = 0; turn < 26; turn++) {
+    for (size_t k = 0; k < SPAN; k++) {
+      o->apply(o, q + k * o->n, next);
+      for (size_t i = 0; i < o->n; i++) q[k * o->n + i] = next[i];
+    }
+    orthonormalise(q, o->n, value);
+  }
+  g_free(q);
+  g_free(next);
+}
+
+/* ---- kernels ---- */
+
+/* T = the sum of w (re re' + im im') of all systems. */
+static void apply_kernels(const operator *o, const double *x, double *out) {
+  for (size_t i = 0; i < o->n; i++) out[i] = 0;
+  for (size_t k = 0; k < o->count; k++) {
+    const double *f = o->data + k * o->n;
+    double c = dot(f, x, o->n);
+    for (size_t i = 0; i < o->n; i++) out[i] += c * f[i];
+  }
+}
+
+/* The systems at the frequencies of a grid, times the root of its cells. */
+static operator kernels_operator(double error, size_t systems) {
+  enum { CELLS = 61 };
+  static const optics o = {.wavelength = 193, .na = 0.75, .index = 1,
+                           .cutoff = 0.75 / 193, .source = OPTICS_CIRCULAR,
+                           .sigma = 0.75};
+  kernels *k = radial_kernels(opc_test_host(), &o, 0, 1, error);
+  g_assert_nonnull(k);
+  g_assert_true(k->keep(k, systems));
+  g_assert_cmpuint(k->count, ==, systems);
+  operator p = {.n = (size_t)CELLS * CELLS, .apply = apply_kernels,
+                .count = 2 * systems};
+  p.data = g_new(double, p.count * p.n);
+  double step = 2 * k->radius / CELLS, fx[CELLS];
+  for (int i = 0; i < CELLS; i++)
+    fx[i] = (-k->radius + (i + 0.5) * step) * k->cutoff;
+  for (size_t s = 0; s < systems; s++)
+    for (int j = 0; j < CELLS; j++) {
+      float value[2 * CELLS];
+      k->transfer(k, s, fx, fx[j], CELLS, value);
+      for (int i = 0; i < CELLS; i++)
+        for (int part = 0; part < 2; part++) {
+          double f = hypot(fx[i], fx[j]) < k->radius * k->cutoff;
+          p.data[((2 * s + (size_t)part) * CELLS + (size_t)j) * CELLS + (size_t)i] =
+              f * sqrt(k->weight[s]) * step * (double)value[2 * i + part];
+        }
+    }
+  k->free(k);
+  return p;
+}
+
+/* ---- pupils ---- */
+
+static void apply_matrix(const operator *o, const double *x, double *out) {
+  for (size_t i = 0; i < o->n; i++) out[i] = dot(o->data + i * o->n, x, o->n);
+}
+
+/* T is a mixture of shifted pupils, so that the areas they have in common hold
+   the same eigenvalues: two unit disks, seen from places of the source. */
+static operator pupils_operator(void) {
+  enum { CELLS = 46 };
+  static double x[CELLS * CELLS], y[CELLS * CELLS];
+  operator o = {.apply = apply_matrix};
+  double step = 2 * sigma / CELLS;
+  for (int j = 0; j < CELLS; j++)
+    for (int i = 0; i < CELLS; i++) {
+      x[o.n] = -sigma + (i + 0.5) * step;
+      y[o.n] = -sigma + (j + 0.5) * step;
+      o.n += hypot(x[o.n], y[o.n]) < sigma;
+    }
+  o.data = g_new(double, o.n * o.n);
+  for (size_t i = 0; i < o.n; i++)
+    for (size_t j = 0; j < o.n; j++) {
+      double d = hypot(x[i] - x[j], y[i] - y[j]) / 2;
+      double area = 2 * acos(d) - 2 * d * sqrt(1 - d * d);
+      o.data[i * o.n + j] = area / (double)o.n;   /* o.n cells: the source, 1 */
+    }
+  return o;
+}
+
+static void test_pupils(void) {
+  double got[SPAN], want[SPAN];
+  const struct {
+    double error;
+    size_t systems;
+  } cases[] = {{1e-4, 40}, {1e-3, 40}};
+  operator pupils = pupils_operator();
+  eigenvalues(&pupils, want);
+  for (size_t c = 0; c < G_N_ELEMENTS(cases); c++) {
+    operator all = kernels_operator(cases[c].error, cases[c].systems);
+    eigenvalues(&all, got);
+    for (int i = 0; i < VALUES; i++) {
+      g_test_message("eigenvalue %d: %.5f, by pupils %.5f", i, got[i], want[i]);
+      g_assert_cmpfloat(fabs(got[i] / want[i] - 1), <, 0.005);
+    }
+    g_free(all.data);
+  }
+  g_free(pupils.data);
+}
+
+/* Ratios for the same optics by another program, which cuts the source into
+   pixels: that makes them 1 to 3 % less. */
+static void test_reference(void) {
+  static const double reference[VALUES] = {118.129, 22.6488, 22.6488, 4.54326,
+                                           4.51376, 3.43913, 1.63783};
+  double got[SPAN];
+  operator all = kernels_operator(1e-4, 40);
+  eigenvalues(&all, got);
+  for (int i = 1; i < VALUES; i++) {
+    double ratio = got[i] / got[0], want = reference[i] / reference[0];
+    g_test_message("ratio %d: %.5f, by pixels %.5f", i, ratio, want);
+    g_assert_cmpfloat(fabs(ratio / want - 1), <, 0.03);
+  }
+  g_free(all.data);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/radial/pupils", test_pupils);
+  g_test_add_func("/radial/reference", test_reference);
+  return g_test_run();
+}
