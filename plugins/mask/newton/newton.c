@@ -392,7 +392,7 @@ static const opc_parameter parameters[PARAMETERS] = {
                  .unit = "nm", .preset = "20 nm",
                  .summary = "a jog stays this far from both ends of its edge"},
     [ITERATIONS] = {.name = "iterations", .type = OPC_INT,
-                    .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "8",
+                    .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "6",
                     .min = 1, .max = 1000, .summary = "moves at most"},
     [MAX_BIAS] = {.name = "max_bias", .type = OPC_REAL, .flags = OPC_ABOVE,
                   .unit = "nm", .preset = "80 nm",
