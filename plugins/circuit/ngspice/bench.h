@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The pieces of circuit.ngspice. Times in s, voltages in V, currents in A. */
+#ifndef OPCFLOW_CIRCUIT_BENCH_H
+#define OPCFLOW_CIRCUIT_BENCH_H
+
+#include <opcflow/opcflow.h>
+#include <stdio.h>
+
+#include "../../netlist/annotate_text.h"
+#include "../../spice/spice.h"
+
+/* Sizes as drawn, printed before and after the correction: NETLIST_DRAWN and
+   so on. */
+enum { STATES = 3 };
+
+/* A circuit, and what it is simulated under. */
+typedef struct bench {
+  const opc_host *host;
+  pool pool;
+  const opc_circuit *circuit; /* as it came */
+  opc_circuit plain;          /* with the nets n0, n1 ... */
+  const opc_mask *mask;       /* NULL: as drawn only */
+  int has[STATES];            /* which sizes there are */
+  const char *cards[2];       /* whole paths; [1] NULL: the same */
+  const char *model[2];
+  netlist_model card[2];
+  int dlc; /* whether DLC is corrected */
+  double supply, temperature, load, slew, limit;
+  double low, high; /* where a slope begins and ends, of 1 */
+  size_t inputs, outputs;
+  uint32_t *input, *output; /* their nets */
+} bench;
+
+/* ---- bench.c ---- */
+
+/* Zeroed, until the end of the bench. */
+void *bench_alloc(bench *b, size_t count, size_t size, opc_error *error);
+int no_memory(const opc_host *host, opc_error *error);
+
+/* Find the ports; `inputs` are names with blanks between, NULL for those of
+   the circuit. */
+int bench_ports(bench *b, const char *inputs, opc_error *error);
+
+/* Which sizes are meant: those with the current of the on state, of the off
+   state, and the first with the capacitance of the printed area. */
+enum { SIZE_ON, SIZE_OFF, SIZE_TIMED };
+
+/* The circuit `c`, whose nets are n0, n1 ..., as a .subckt; to be freed with
+   host->free. NULL and *error on failure. [any] */
+char *bench_netlist(const bench *b, const opc_circuit *c, int state, int sizes,
+                    opc_error *error);
+
+/* Leave out the sizes before correction if they cannot be simulated, with a
+   warning; other failures stay what they are. */
+int bench_forgive(bench *b, int state, int code, const opc_error *error);
+
+/* The name of a net at the top: "n12", "0" for ground. */
+typedef char node_name[16];
+const char *bench_node(const bench *b, uint32_t net, node_name out);
+int bench_role(const opc_circuit *c, uint32_t net); /* OPC_PORT_*, -1 */
+
+/* Title, cards and options; then the circuit with its supplies, loads and
+   inputs, which are at 0 V. */
+void bench_begin(const bench *b, FILE *out, double reltol);
+void bench_circuit(const bench *b, FILE *out, const char *netlist);
+
+/* ---- patterns.c: what is applied ---- */
+
+typedef struct transition {
+  uint32_t from, to; /* patterns */
+} transition;
+
+typedef struct patterns {
+  size_t count;
+  uint8_t *bit; /* of pattern p, input i: [p * inputs + i] */
+  size_t transitions;
+  transition *transition;
+  int sampled; /* not all that there are */
+} patterns;
+
+/* All, or `most` transitions drawn by the seed; `several`: those of more than
+   one input, too. */
+int patterns_make(bench *b, int several, size_t most, uint64_t seed,
+                  patterns *out, opc_error *error);
+
+/* "A 0>1, B 1"; for a pattern alone, from and to are the same. */
+const char *patterns_say(bench *b, const patterns *p, transition t);
+
+/* ---- logic.c: operating points ---- */
+
+typedef struct logic {
+  int8_t *level; /* of pattern p, output o as drawn: 0, 1, -1 for neither */
+  double *current[STATES], *power[STATES]; /* of each pattern */
+} logic;
+
+int logic_find(bench *b, const patterns *p, logic *out, opc_error *error);
+
+/* ---- delays.c: transients ---- */
+
+/* An output that follows a transition. NAN: it did not get there. */
+typedef struct arrival {
+  uint32_t flip, output; /* numbers in the delays, in the bench */
+  int rises;
+  double delay[STATES], slope[STATES];
+} arrival;
+
+typedef struct delays {
+  size_t flips;    /* transitions that an output follows */
+  uint32_t *flip;  /* their numbers */
+  uint32_t *first; /* of each flip: its first arrival; flips + 1 */
+  size_t count;
+  arrival *arrival;
+  double *window; /* of each flip: how long it was simulated */
+} delays;
+
+int delays_find(bench *b, const patterns *p, const logic *l, delays *out,
+                opc_error *error);
+
+/* One transition again: the voltage of an output. */
+typedef struct wave {
+  size_t count;
+  double *time, *value;
+} wave;
+
+int delays_wave(bench *b, const patterns *p, const delays *d, size_t arrival,
+                int state, wave *out, opc_error *error);
+
+/* When the inputs begin to change. */
+double bench_start(const bench *b);
+
+/* ---- cells.c: memory ---- */
+
+enum { CELL_DEVICES = 16 };
+
+typedef struct cell {
+  uint32_t q, qb;   /* the first is that of the smaller number */
+  uint32_t devices; /* those with a channel on either */
+  uint32_t device[CELL_DEVICES];
+  uint32_t accesses; /* of them, at the end: those to bit lines */
+  int on_ports;      /* whether the bit lines are ports */
+} cell;
+
+/* Cross-coupled inverters. */
+int cells_find(bench *b, cell **out, size_t *count, opc_error *error);
+
+/* A net on the way around a loop; -1: there is none. */
+int feedback_find(bench *b, int64_t *loop, opc_error *error);
+
+/* ---- margin.c: static noise margins ---- */
+
+enum { SWEEP = 241 };
+
+/* Q over QB and QB over Q, at equal steps from 0 to the supply; the largest
+   squares between them. */
+typedef struct butterfly {
+  double right[SWEEP], up[SWEEP]; /* QB of Q, Q of QB */
+  double margin[2];               /* left, right; 0 if it is not bistable */
+  double corner[2][4];            /* x0, y0, x1, y1 of each square */
+} butterfly;
+
+/* [state][cell] */
+typedef struct margins {
+  butterfly *of[STATES];
+} margins;
+
+int margins_find(bench *b, const cell *cells, size_t count, int reads,
+                 margins *out, opc_error *error);
+void butterfly_squares(butterfly *f, double supply);
+
+/* ---- tables.c ---- */
+
+int tell_delays(bench *b, const patterns *p, const delays *d, opc_error *error);
+int tell_leakage(bench *b, const patterns *p, const logic *l, opc_error *error);
+int tell_margins(bench *b, const cell *cells, size_t count, const margins *m,
+                 opc_error *error);
+
+/* 100 (a - b) / b, thesis eq. 3.8 without the bars; NAN if b is not above 0. */
+double deviation(double a, double b);
+/* The arrival with the largest deviation of its delay, rising or falling; -1:
+   none. */
+int64_t worst_arrival(const delays *d, const bench *b, int rises);
+/* The cell with the largest deviation, or the smallest margin if there is
+   only the drawing. */
+size_t worst_cell(const bench *b, size_t count, const margins *m);
+
+/* ---- pictures.c ---- */
+
+int draw_delays(bench *b, const patterns *p, const delays *d, int format,
+                const char *path, opc_error *error);
+int draw_margins(bench *b, const cell *cells, size_t count, const margins *m,
+                 int format, const char *path, opc_error *error);
+
+#endif

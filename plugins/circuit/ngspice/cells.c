@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Memory cells in a netlist: pairs of inverters that drive each other, and what
+   else has its channel on them. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "bench.h"
+
+/* ---- halves of inverters ---- */
+
+/* A transistor from a net to ground (n) or to the supply (p). */
+typedef struct half {
+  uint32_t gate, out;
+  int type;
+} half;
+
+static int compare(const void *a, const void *b) {
+  const half *p = a, *q = b;
+  if (p->gate != q->gate) return p->gate < q->gate ? -1 : 1;
+  if (p->out != q->out) return p->out < q->out ? -1 : 1;
+  return p->type - q->type;
+}
+
+static int is_rail(const opc_circuit *c, uint32_t net, int type) {
+  return bench_role(c, net) ==
+         (type == OPC_NMOS ? OPC_PORT_GROUND : OPC_PORT_SUPPLY);
+}
+
+static half *list_halves(bench *b, size_t *count, opc_error *error) {
+  const opc_circuit *c = b->circuit;
+  half *list = bench_alloc(b, c->count, sizeof *list, error);
+  if (!list) return NULL;
+  for (size_t i = 0; i < c->count; i++) {
+    const opc_device *d = &c->device[i];
+    int drain = is_rail(c, d->drain, d->type);
+    int source = is_rail(c, d->source, d->type);
+    if (drain == source) continue;
+    list[(*count)++] = (half){d->gate, drain ? d->source : d->drain, d->type};
+  }
+  qsort(list, *count, sizeof *list, compare);
+  return list;
+}
+
+static int has(const half *list, size_t n, uint32_t gate, uint32_t out) {
+  half n_half = {gate, out, OPC_NMOS}, p_half = {gate, out, OPC_PMOS};
+  return bsearch(&n_half, list, n, sizeof *list, compare) &&
+         bsearch(&p_half, list, n, sizeof *list, compare);
+}
+
+/* ---- cells ---- */
+
+static int touches(const opc_device *d, uint32_t net) {
+  return d->drain == net || d->source == net;
+}
+
+/* Access transistors last. */
+static int list_devices(const bench *b, cell *m, opc_error *error) {
+  const opc_circuit *c = b->circuit;
+  m->on_ports = 1;
+  for (int access = 0; access < 2; access++)
+    for (size_t i = 0; i < c->count; i++) {
+      const opc_device *d = &c->device[i];
+      int at_q = touches(d, m->q), at_qb = touches(d, m->qb);
+      if (!at_q && !at_qb) continue;
+      uint32_t mine = at_q ? m->q : m->qb;
+      uint32_t other = d->drain == mine ? d->source : d->drain;
+      int role = bench_role(c, other);
+      int is_access = d->gate != m->q && d->gate != m->qb &&
+                      role != OPC_PORT_SUPPLY && role != OPC_PORT_GROUND &&
+                      !(at_q && at_qb);
+      if (is_access != access) continue;
+      if (m->devices == CELL_DEVICES)
+        return b->host->fail(b->host, error, OPC_FAILED, "circuit",
+                             "the cell of '%s' and '%s' has more than %d "
+                             "transistors",
+                             c->net[m->q], c->net[m->qb], CELL_DEVICES);
+      m->device[m->devices++] = (uint32_t)i;
+      m->accesses += access;
+      if (access && role < 0) m->on_ports = 0;
+    }
+  return OPC_OK;
+}
+
+int cells_find(bench *b, cell **out, size_t *count, opc_error *error) {
+  size_t n = 0;
+  half *list = list_halves(b, &n, error);
+  *count = 0;
+  *out = bench_alloc(b, n, sizeof **out, error);
+  if (!list || !*out) return error->code;
+  for (size_t i = 0; i < n; i++) {
+    const half *h = &list[i];
+    if (h->gate >= h->out ||
+        (i && h->gate == h[-1].gate && h->out == h[-1].out))
+      continue;
+    if (!has(list, n, h->gate, h->out) || !has(list, n, h->out, h->gate))
+      continue;
+    cell *m = &(*out)[(*count)++];
+    *m = (cell){.q = h->gate, .qb = h->out};
+    if (list_devices(b, m, error)) return error->code;
+  }
+  return OPC_OK;
+}
+
+/* ---- loops ---- */
+
+/* The nets that channels connect are one part; parts follow each other from
+   gates to channels. */
+static uint32_t part_of(uint32_t *part, uint32_t net) {
+  while (part[net] != net) net = part[net] = part[part[net]];
+  return net;
+}
+
+static int is_driven(const bench *b, uint32_t net) {
+  int role = bench_role(b->circuit, net);
+  if (role == OPC_PORT_SUPPLY || role == OPC_PORT_GROUND) return 1;
+  for (size_t i = 0; i < b->inputs; i++)
+    if (b->input[i] == net) return 1;
+  return 0;
+}
+
+/* How many gates of undriven nets are on each part. */
+static void count_gates(const bench *b, uint32_t *part, const uint8_t *driven,
+                        uint32_t *gates) {
+  const opc_circuit *c = b->circuit;
+  for (size_t i = 0; i < c->count; i++) {
+    const opc_device *d = &c->device[i];
+    uint32_t end = driven[d->drain] ? d->source : d->drain;
+    if (!driven[end] && !driven[d->gate]) gates[part_of(part, end)]++;
+  }
+}
+
+int feedback_find(bench *b, int64_t *loop, opc_error *error) {
+  const opc_circuit *c = b->circuit;
+  uint32_t *part = bench_alloc(b, c->nets, sizeof *part, error);
+  uint32_t *gates = bench_alloc(b, c->nets, sizeof *gates, error);
+  uint8_t *driven = bench_alloc(b, c->nets, 1, error);
+  uint8_t *done = bench_alloc(b, c->nets, 1, error);
+  *loop = -1;
+  if (!part || !gates || !driven || !done) return error->code;
+  for (uint32_t i = 0; i < c->nets; i++) {
+    part[i] = i;
+    driven[i] = (uint8_t)is_driven(b, i);
+  }
+  for (size_t i = 0; i < c->count; i++) {
+    const opc_device *d = &c->device[i];
+    if (!driven[d->drain] && !driven[d->source])
+      part[part_of(part, d->drain)] = part_of(part, d->source);
+  }
+  count_gates(b, part, driven, gates);
+  /* Take away parts that nothing is before, until only loops are left. */
+  for (int more = 1; more;) {
+    more = 0;
+    for (uint32_t net = 0; net < c->nets; net++) {
+      if (driven[net] || done[net] || part_of(part, net) != net || gates[net])
+        continue;
+      done[net] = 1;
+      more = 1;
+      for (size_t i = 0; i < c->count; i++) {
+        const opc_device *d = &c->device[i];
+        uint32_t end = driven[d->drain] ? d->source : d->drain;
+        if (!driven[end] && !driven[d->gate] && part_of(part, d->gate) == net)
+          gates[part_of(part, end)]--;
+      }
+    }
+  }
+  for (size_t i = c->count; i-- > 0;) {
+    uint32_t net = c->device[i].gate;
+    if (!driven[net] && !done[part_of(part, net)]) *loop = net;
+  }
+  return OPC_OK;
+}

@@ -1,0 +1,269 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Static noise margins (E. Seevinck, F. J. List, J. Lohstroh, IEEE J.
+   Solid-State Circuits 22, 1987): the largest squares between the two transfer
+   curves of a memory cell, found in axes turned by 45 degrees. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bench.h"
+
+enum { CHUNK = 8 }; /* cells of a process */
+
+/* ---- squares ---- */
+
+/* A curve in the turned axes: along the diagonal y = -x, across it. */
+typedef struct turned {
+  double along[SWEEP], across[SWEEP];
+} turned;
+
+static double across_at(const turned *c, double along) {
+  size_t low = 0, high = SWEEP - 1;
+  while (high - low > 1) {
+    size_t middle = (low + high) / 2;
+    if (c->along[middle] <= along)
+      low = middle;
+    else
+      high = middle;
+  }
+  double step = c->along[high] - c->along[low];
+  double f = step > 0 ? (along - c->along[low]) / step : 0;
+  return c->across[low] + f * (c->across[high] - c->across[low]);
+}
+
+/* Both curves against each other at all points of both: the places along, in
+   order, and how far the first is above the second. */
+typedef struct gap {
+  double along, above;
+} gap;
+
+static int by_place(const void *a, const void *b) {
+  double p = ((const gap *)a)->along, q = ((const gap *)b)->along;
+  return (p > q) - (p < q);
+}
+
+static size_t list_gaps(const turned *c, gap *list) {
+  double first = fmax(c[0].along[0], c[1].along[0]);
+  double last = fmin(c[0].along[SWEEP - 1], c[1].along[SWEEP - 1]);
+  size_t n = 0;
+  for (int k = 0; k < 2; k++)
+    for (int i = 0; i < SWEEP; i++)
+      if (c[k].along[i] >= first && c[k].along[i] <= last)
+        list[n++].along = c[k].along[i];
+  qsort(list, n, sizeof *list, by_place);
+  for (size_t i = 0; i < n; i++)
+    list[i].above =
+        across_at(&c[0], list[i].along) - across_at(&c[1], list[i].along);
+  return n;
+}
+
+static void keep_square(butterfly *f, int side, const turned *c, const gap *g) {
+  const double root = sqrt(0.5);
+  double at = g->along, a = across_at(&c[1], at), z = a + g->above;
+  if (a > z) {
+    double swap = a;
+    a = z;
+    z = swap;
+  }
+  f->margin[side] = (z - a) * root;
+  f->corner[side][0] = (a + at) * root;
+  f->corner[side][1] = (a - at) * root;
+  f->corner[side][2] = (z + at) * root;
+  f->corner[side][3] = (z - at) * root;
+}
+
+/* A cell that holds both values has a place where the first curve goes from
+   above the second to below it: the lobes are what lies on both sides, up to
+   the next crossings. */
+void butterfly_squares(butterfly *f, double supply) {
+  const double root = sqrt(0.5);
+  turned c[2];
+  gap list[2 * SWEEP];
+  double best = 0;
+  for (int i = 0; i < SWEEP; i++) {
+    double x = supply * i / (SWEEP - 1);
+    int back = SWEEP - 1 - i;
+    c[0].along[i] = (x - f->right[i]) * root;
+    c[0].across[i] = (x + f->right[i]) * root;
+    c[1].along[back] = (f->up[i] - x) * root;
+    c[1].across[back] = (f->up[i] + x) * root;
+  }
+  size_t n = list_gaps(c, list);
+  memset(f->margin, 0, sizeof f->margin);
+  memset(f->corner, 0, sizeof f->corner);
+  for (size_t i = 0; i + 1 < n; i++) {
+    if (!(list[i].above > 0 && list[i + 1].above <= 0)) continue;
+    size_t left = i, right = i + 1;
+    for (size_t k = i + 1; k-- > 0 && list[k].above > 0;)
+      if (list[k].above > list[left].above) left = k;
+    for (size_t k = i + 1; k < n && list[k].above <= 0; k++)
+      if (list[k].above < list[right].above) right = k;
+    double least = fmin(list[left].above, -list[right].above);
+    if (!(least > best)) continue;
+    best = least;
+    keep_square(f, 0, c, &list[left]);
+    keep_square(f, 1, c, &list[right]);
+  }
+}
+
+/* ---- decks ---- */
+
+typedef struct job {
+  const bench *b;
+  const cell *cells;
+  const margins *out;
+  int state, reads, code;
+  size_t from, to;
+  opc_error error;
+} job;
+
+static int is_port(const uint32_t *port, size_t n, uint32_t net) {
+  for (size_t i = 0; i < n; i++)
+    if (port[i] == net) return 1;
+  return 0;
+}
+
+/* What a net of a cell is tied to: the storage nodes apart, the rails to
+   themselves, bit lines to the supply, word lines to where the access
+   transistors conduct, or not. */
+static const char *tie(const bench *b, const cell *m, int reads, uint32_t net) {
+  const opc_circuit *c = b->circuit;
+  int role = bench_role(c, net);
+  if (role == OPC_PORT_GROUND) return "0";
+  if (role == OPC_PORT_SUPPLY) return "vdd";
+  for (uint32_t i = 0; i < m->devices; i++) {
+    const opc_device *d = &c->device[m->device[i]];
+    int is_access = i >= m->devices - m->accesses;
+    int is_n = d->type == OPC_NMOS;
+    if (is_access && d->gate == net) return is_n == reads ? "vdd" : "0";
+    if (is_access && (d->drain == net || d->source == net)) return "vdd";
+    if (d->bulk == net) return is_n ? "0" : "vdd";
+  }
+  return "0";
+}
+
+/* A cell as a subcircuit of its own, and two of it: one is driven at Q, one at
+   QB. */
+static int put_cell(const job *j, FILE *out, size_t k, opc_error *error) {
+  const bench *b = j->b;
+  const cell *m = &j->cells[k];
+  opc_device devices[CELL_DEVICES];
+  uint32_t port[4 * CELL_DEVICES];
+  char name[32];
+  opc_circuit own = b->plain;
+  own.name = name;
+  own.ports = 0;
+  own.port = port;
+  own.count = m->devices;
+  own.device = devices;
+  snprintf(name, sizeof name, "cell%zu", k);
+  for (uint32_t i = 0; i < m->devices; i++) {
+    const opc_device *d = &b->plain.device[m->device[i]];
+    const uint32_t net[4] = {d->drain, d->gate, d->source, d->bulk};
+    devices[i] = *d;
+    for (int t = 0; t < 4; t++)
+      if (!is_port(port, own.ports, net[t])) port[own.ports++] = net[t];
+  }
+  char *text = bench_netlist(b, &own, j->state, SIZE_ON, error);
+  if (!text) return error->code;
+  fputs(text, out);
+  b->host->free(b->host, text);
+  for (int side = 0; side < 2; side++) {
+    fprintf(out, "x%zu%c", k, "ab"[side]);
+    for (size_t i = 0; i < own.ports; i++) {
+      uint32_t net = port[i];
+      if (net == (side ? m->qb : m->q))
+        fputs(" in", out);
+      else if (net == (side ? m->q : m->qb))
+        fprintf(out, " %c%zu", "ab"[side], k);
+      else
+        fprintf(out, " %s", tie(b, m, j->reads, net));
+    }
+    fprintf(out, " %s\n.save v(%c%zu)\n", name, "ab"[side], k);
+  }
+  return OPC_OK;
+}
+
+static char *make_deck(job *j) {
+  char *text = NULL;
+  size_t size;
+  FILE *out = open_memstream(&text, &size);
+  if (!out) {
+    j->code = no_memory(j->b->host, &j->error);
+    return NULL;
+  }
+  bench_begin(j->b, out, 1e-5);
+  for (size_t k = j->from; k < j->to && !j->code; k++)
+    j->code = put_cell(j, out, k, &j->error);
+  fprintf(out, "vdd vdd 0 dc %.17g\nvin in 0 dc 0\n.end\n", j->b->supply);
+  if (fclose(out) && !j->code) j->code = no_memory(j->b->host, &j->error);
+  if (!j->code) return text;
+  free(text);
+  return NULL;
+}
+
+/* ---- all of a state ---- */
+
+static int keep_curve(const opc_spice_plot *plot, char side, size_t k,
+                      double *out) {
+  char name[32];
+  snprintf(name, sizeof name, "v(%c%zu)", side, k);
+  const opc_spice_vector *v = opc_spice_vector_find(plot, name);
+  if (!v || v->count < SWEEP) return 0;
+  for (int i = 0; i < SWEEP; i++) out[i] = v->value[i];
+  return 1;
+}
+
+static void run_job(void *data, size_t index) {
+  job *j = (job *)data + index;
+  const bench *b = j->b;
+  opc_spice_result r = {0};
+  char command[128];
+  double step = b->supply / (SWEEP - 1);
+  snprintf(command, sizeof command, "dc vin 0 %.17g %.17g",
+           b->supply + step / 100, step);
+  char *deck = make_deck(j);
+  if (!deck) return;
+  j->code = opc_spice_run(b->host, deck, command, b->limit, &r, &j->error);
+  for (size_t k = j->from; !j->code && k < j->to; k++) {
+    butterfly *f = &j->out->of[j->state][k];
+    if (!r.count || !keep_curve(&r.plot[0], 'a', k, f->right) ||
+        !keep_curve(&r.plot[0], 'b', k, f->up))
+      j->code = b->host->fail(b->host, &j->error, OPC_FAILED, NULL,
+                              "'ngspice' ended the sweep too early");
+    else
+      butterfly_squares(f, b->supply);
+  }
+  opc_spice_release(&r);
+  free(deck);
+}
+
+int margins_find(bench *b, const cell *cells, size_t count, int reads,
+                 margins *out, opc_error *error) {
+  size_t n = (count + CHUNK - 1) / CHUNK;
+  job *jobs = bench_alloc(b, n, sizeof *jobs, error);
+  *out = (margins){0};
+  if (!jobs) return error->code;
+  for (int state = 0; state < STATES; state++) {
+    out->of[state] = bench_alloc(b, count, sizeof(butterfly), error);
+    if (!out->of[state]) return error->code;
+    if (!b->has[state]) continue;
+    for (size_t i = 0; i < n; i++)
+      jobs[i] = (job){.b = b,
+                      .cells = cells,
+                      .out = out,
+                      .state = state,
+                      .reads = reads,
+                      .from = i * CHUNK,
+                      .to = i + 1 < n ? (i + 1) * CHUNK : count};
+    b->host->parallel(b->host, n, run_job, jobs);
+    for (size_t i = 0; i < n; i++)
+      if (jobs[i].code &&
+          bench_forgive(b, state, jobs[i].code, &jobs[i].error)) {
+        *error = jobs[i].error;
+        return error->code;
+      }
+  }
+  return OPC_OK;
+}

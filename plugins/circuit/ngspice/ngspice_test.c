@@ -1,0 +1,761 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Circuits with closed forms, and hand-written decks run by the plain
+   simulator. */
+#include <glib/gstdio.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/plugin/testing.h"
+#include "plugins/spice/spice.h"
+
+/* ---- circuits ---- */
+
+enum { MOST = 16 };
+
+/* A circuit, one gate for each transistor, and what it prints as. */
+typedef struct made {
+  opc_gates gates;
+  opc_circuit circuit;
+  opc_mask mask;
+  double width[MOST], length[MOST], leq[2][MOST], off[2][MOST], weq[2][MOST],
+      area[2][MOST];
+  uint32_t finger[MOST], number[MOST], flags[MOST], port[MOST];
+  uint8_t role[MOST];
+  const char *path[MOST], *cell[MOST], *net[MOST];
+  opc_device device[MOST];
+  GStringChunk *text;
+} made;
+
+static uint32_t net_of(made *m, const char *name) {
+  uint32_t i = 0;
+  while (i < m->circuit.nets && strcmp(m->net[i], name)) i++;
+  if (i == m->circuit.nets)
+    m->net[m->circuit.nets++] = g_string_chunk_insert(m->text, name);
+  return i;
+}
+
+static void set_printed(made *m) {
+  opc_performance *p[2] = {&m->mask.before, &m->mask.after};
+  for (int s = 0; s < 2; s++)
+    *p[s] = (opc_performance){.count = m->gates.count,
+                              .leq_ion = m->leq[s],
+                              .leq_ioff = m->off[s],
+                              .weq = m->weq[s],
+                              .area = m->area[s]};
+}
+
+static void add_device(made *m, const char *line) {
+  g_auto(GStrv) w = g_strsplit(line, " ", -1);
+  size_t i = m->circuit.count++;
+  g_assert_cmpuint(i, <, MOST);
+  g_assert_cmpuint(g_strv_length(w), ==, 8);
+  m->length[i] = atof(w[6]);
+  m->width[i] = atof(w[7]);
+  for (int s = 0; s < 2; s++) {
+    m->leq[s][i] = m->off[s][i] = m->length[i];
+    m->weq[s][i] = m->width[i];
+    m->area[s][i] = m->length[i] * m->width[i];
+  }
+  m->finger[i] = (uint32_t)i;
+  m->number[i] = (uint32_t)i + 1;
+  m->path[i] = "";
+  m->cell[i] = "made";
+  m->device[i] = (opc_device){.name = g_string_chunk_insert(m->text, w[0]),
+                              .drain = net_of(m, w[1]),
+                              .gate = net_of(m, w[2]),
+                              .source = net_of(m, w[3]),
+                              .bulk = net_of(m, w[4]),
+                              .length = m->length[i],
+                              .width = m->width[i],
+                              .type = *w[5] == 'p' ? OPC_PMOS : OPC_NMOS,
+                              .fingers = 1,
+                              .finger = &m->finger[i]};
+}
+
+/* Ports are "A:i Y:o VDD:s VSS:g", devices "MN1 drain gate source bulk n L W"
+   with commas between. */
+static made *make(const char *ports, const char *devices) {
+  static const char letters[] = {[OPC_PORT_INPUT] = 'i',
+                                 [OPC_PORT_OUTPUT] = 'o',
+                                 [OPC_PORT_SUPPLY] = 's',
+                                 [OPC_PORT_GROUND] = 'g'};
+  made *m = g_new0(made, 1);
+  m->text = g_string_chunk_new(256);
+  m->gates = (opc_gates){.size = sizeof m->gates,
+                         .width = m->width,
+                         .length = m->length,
+                         .instance = m->path,
+                         .cell = m->cell,
+                         .number = m->number};
+  m->circuit = (opc_circuit){.size = sizeof m->circuit,
+                             .name = "made",
+                             .gates = &m->gates,
+                             .net = m->net,
+                             .port = m->port,
+                             .role = m->role,
+                             .device = m->device};
+  m->mask =
+      (opc_mask){.size = sizeof m->mask, .gates = &m->gates, .flags = m->flags};
+  g_auto(GStrv) p = g_strsplit(ports, " ", -1);
+  g_auto(GStrv) d = g_strsplit(devices, ",", -1);
+  for (char **at = p; *at; at++) {
+    char *colon = strchr(*at, ':');
+    *colon = 0;
+    m->port[m->circuit.ports] = net_of(m, *at);
+    for (uint8_t role = 0; role < 4; role++)
+      if (letters[role] == colon[1]) m->role[m->circuit.ports] = role;
+    m->circuit.ports++;
+  }
+  for (char **at = d; *at; at++) add_device(m, *at);
+  m->gates.count = m->circuit.count;
+  set_printed(m);
+  return m;
+}
+
+static void made_free(made *m) {
+  g_string_chunk_free(m->text);
+  g_free(m);
+}
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(made, made_free)
+
+#define INVERTER "MN Y A VSS VSS n 65 300,MP Y A VDD VDD p 65 450"
+#define NAND                                         \
+  "MN1 VSS A X VSS n 65 400,MN2 Y B X VSS n 65 400," \
+  "MP1 Y A VDD VDD p 65 450,MP2 Y B VDD VDD p 65 450"
+/* Both halves are of different sizes, so that left is not right. */
+#define MEMORY                                            \
+  "MA1 Q WL BL VSS n 65 140,MD1 Q QB VSS VSS n 65 300,"   \
+  "ML1 Q QB VDD VDD p 65 105,MA2 QB WL BLB VSS n 65 140," \
+  "MD2 QB Q VSS VSS n 65 330,ML2 QB Q VDD VDD p 65 160"
+#define MEMORY_PORTS "WL:i BL:o BLB:o VDD:s VSS:g"
+
+/* ---- running ---- */
+
+static int have_ngspice(void) {
+  static int known = -1;
+  static opc_error error;
+  opc_spice_result r;
+  if (known < 0) {
+    known = opc_spice_run(opc_test_host(), "t\nv1 a 0 1\n.end", "op", 20, &r,
+                          &error) != OPC_NO_PLUGIN;
+    opc_spice_release(&r);
+  }
+  if (!known) g_test_skip(error.message);
+  return known;
+}
+
+static char *of_project(const char *name) {
+  const char *source = g_getenv("OPCFLOW_SOURCE");
+  g_autofree char *path = g_build_filename(source ? source : ".", name, NULL);
+  return realpath(path, NULL);
+}
+
+static char *test_data(const char *name) {
+  const char *folder = g_getenv("OPCFLOW_TEST_DATA");
+  g_autofree char *preset =
+      g_build_filename(g_getenv("OPCFLOW_SOURCE"), "../shared/data", NULL);
+  g_autofree char *path =
+      g_build_filename(folder ? folder : preset, name, NULL);
+  char *whole = realpath(path, NULL);
+  if (!whole) g_test_skip("no test data: set OPCFLOW_TEST_DATA");
+  return whole;
+}
+
+static char *in_folder(const char *name, const char *text) {
+  char *path = g_build_filename(opc_test_folder(), name, NULL);
+  g_assert_true(g_file_set_contents(path, text, -1, NULL));
+  return path;
+}
+
+static int run_on(opc_circuit *circuit, opc_mask *mask, const char *card,
+                  const char *rest, opc_error *error) {
+  static int n;
+  void *none[1];
+  opc_test_forget();
+  g_autofree char *map = g_strdup_printf(
+      "{ models: '%s', supply: 1.1 V, picture: p%d.png, %s }", card, n++, rest);
+  g_autoptr(opc_module) m = opc_test_module("circuit.ngspice", map, error);
+  if (!m) return error->code;
+  opc_test_input(m, "circuit", circuit);
+  if (mask) opc_test_input(m, "mask", mask);
+  return opc_test_run(m, none, error);
+}
+
+static void run(made *m, int with_mask, const char *card, const char *rest) {
+  opc_error error;
+  if (run_on(&m->circuit, with_mask ? &m->mask : NULL, card, rest, &error))
+    g_error("%s", error.message);
+}
+
+/* What the command `ngspice` prints of a deck; NULL and a skip without it. */
+static char *by_hand(const char *deck) {
+  g_autofree char *program = g_find_program_in_path("ngspice");
+  if (!program) {
+    g_test_skip("no command 'ngspice'");
+    return NULL;
+  }
+  g_autofree char *path = in_folder("hand.sp", deck);
+  char *argv[] = {program, (char *)"-n", (char *)"-b", path, NULL};
+  /* Its two threads otherwise wait for each other at full speed. */
+  g_auto(GStrv) environment =
+      g_environ_setenv(g_get_environ(), "OMP_WAIT_POLICY", "passive", TRUE);
+  char *out = NULL;
+  g_assert_true(g_spawn_sync(opc_test_folder(), argv, environment,
+                             G_SPAWN_STDERR_TO_DEV_NULL, NULL, NULL, &out, NULL,
+                             NULL, NULL));
+  return out;
+}
+
+/* "NAME = VALUE" of what it printed. */
+static double printed(const char *out, const char *name) {
+  g_autofree char *pattern = g_strdup_printf("(?m)^%s\\s*=\\s*(\\S+)", name);
+  g_autoptr(GRegex) regex = g_regex_new(pattern, 0, 0, NULL);
+  g_autoptr(GMatchInfo) match = NULL;
+  if (!g_regex_match(regex, out, 0, &match))
+    g_error("no '%s' in\n%s", name, out);
+  g_autofree char *value = g_match_info_fetch(match, 1);
+  return g_ascii_strtod(value, NULL);
+}
+
+static void near(const char *what, double got, double want, double share) {
+  g_test_message("%s: %.6g, by hand %.6g, %+.4f %%", what, got, want,
+                 100 * (got / want - 1));
+  if (!(fabs(got / want - 1) <= share)) g_error("%s", what);
+}
+
+/* ---- closed forms ---- */
+
+/* A square-law inverter at a step: out of saturation at V - VT, then down to
+   any level (J. P. Uyemura, CMOS Logic Circuit Design). */
+static double discharge(double c, double k, double v, double vt, double level) {
+  double over = v - vt;
+  double first = c * fmin(vt, v - level) / (k / 2 * over * over);
+  if (level >= over) return first;
+  return first + c / (k * over) * log((2 * over - level) / level);
+}
+
+static void test_closed_form(void) {
+  if (!have_ngspice()) return;
+  g_autofree char *card =
+      in_folder("square.pm",
+                "* cards\n.model nmos nmos level=1 vto=0.3 kp=1e-4\n"
+                ".model pmos pmos level=1 vto=-0.25 kp=4e-5\n");
+  g_autoptr(made) m = make("A:i Y:o VDD:s VSS:g",
+                           "MN Y A VSS VSS n 100 300,MP Y A VDD VDD p 100 450");
+  run(m, 0, card, "dlc: false, load: 1 pF, slew: 0.01 ps, edges: [20 %, 70 %]");
+  double v = 1.1, c = 1e-12, kn = 3e-4, kp = 1.8e-4;
+  near("tphl", opc_test_metric("tphl"), 1e12 * discharge(c, kn, v, 0.3, v / 2),
+       1e-3);
+  near("tplh", opc_test_metric("tplh"), 1e12 * discharge(c, kp, v, 0.25, v / 2),
+       1e-3);
+  near("tf", opc_test_metric("tf"),
+       1e12 * (discharge(c, kn, v, 0.3, 0.3 * v) -
+               discharge(c, kn, v, 0.3, 0.8 * v)),
+       1e-3);
+  near("tr", opc_test_metric("tr"),
+       1e12 * (discharge(c, kp, v, 0.25, 0.3 * v) -
+               discharge(c, kp, v, 0.25, 0.8 * v)),
+       1e-3);
+  /* Everything goes with 1 / K. */
+  for (int i = 0; i < 2; i++) {
+    m->leq[0][i] = 110;
+    m->leq[1][i] = i ? 98 : 101;
+  }
+  run(m, 1, card, "dlc: false, load: 1 pF, slew: 0.01 ps");
+  g_assert_cmpfloat(fabs(opc_test_metric("tp_worst_before") - 10), <, 0.02);
+  g_assert_cmpfloat(fabs(opc_test_metric("tp_worst") - 2), <, 0.02);
+  g_assert_cmpfloat(fabs(opc_test_metric("tplh_worst") - 2), <, 0.02);
+  g_assert_cmpfloat(fabs(opc_test_metric("tphl_worst") - 1), <, 0.02);
+  g_assert_cmpfloat(fabs(opc_test_metric("tr_worst") - 2), <, 0.02);
+  g_assert_cmpfloat(fabs(opc_test_number("performance", "worst after", 0) + 2),
+                    <, 0.02);
+}
+
+/* Through much capacitance, an inverter takes about C V / 2 Ion. */
+static void test_estimate(void) {
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  g_autoptr(made) m = make("A:i Y:o VDD:s VSS:g", INVERTER);
+  run(m, 0, card, "load: 100 fF, slew: 1 ps, measure: delays");
+  near("tphl", opc_test_metric("tphl"), 100e-3 * 0.55 / 347.7e-6, 0.2);
+  near("tplh", opc_test_metric("tplh"), 100e-3 * 0.55 / 241.2e-6, 0.2);
+}
+
+/* ---- delays by hand ---- */
+
+static const char *const drives[4][3] = {
+    /* inputs, A, B; 20 ps to 40 ps */
+    {"A 0>1, B 1", "pwl(0 0 20p 0 40p 1.1)", "1.1"},
+    {"A 1, B 0>1", "1.1", "pwl(0 0 20p 0 40p 1.1)"},
+    {"A 1>0, B 1", "pwl(0 1.1 20p 1.1 40p 0)", "1.1"},
+    {"A 1, B 1>0", "1.1", "pwl(0 1.1 20p 1.1 40p 0)"}};
+
+/* Four of a subcircuit `cell` with the ports A B Y VDD VSS. */
+static char *four_by_hand(const char *card, const char *cell) {
+  g_autoptr(GString) deck = g_string_new("by hand\n");
+  g_string_append_printf(deck, ".include \"%s\"\n%s\n", card, cell);
+  for (int i = 0; i < 4; i++)
+    g_string_append_printf(deck,
+                           "x%d a%d b%d y%d s 0 cell\nva%d a%d 0 %s\nvb%d b%d "
+                           "0 %s\nc%d y%d 0 4f\n",
+                           i, i, i, i, i, i, drives[i][1], i, i, drives[i][2],
+                           i, i);
+  g_string_append(deck,
+                  "vs s 0 1.1\n.options gmin=1e-15 reltol=1e-5 abstol=1e-15 "
+                  "chgtol=1e-20\n.control\nset numdgt=12\n"
+                  "tran 0.1p 120p 0 0.1p\n");
+  for (int i = 0; i < 4; i++) {
+    const char *way = i < 2 ? "fall" : "rise";
+    const char *input = *drives[i][1] == 'p' ? "a" : "b";
+    g_string_append_printf(deck,
+                           "meas tran d%d trig v(%s%d) val=0.55 cross=1 targ "
+                           "v(y%d) val=0.55 %s=1\n"
+                           "meas tran t%d trig v(y%d) val=%s %s=1 targ v(y%d) "
+                           "val=%s %s=1\n",
+                           i, input, i, i, way, i, i, i < 2 ? "0.99" : "0.11",
+                           way, i, i < 2 ? "0.11" : "0.99", way);
+  }
+  g_string_append(deck, ".endc\n.end\n");
+  return by_hand(deck->str);
+}
+
+static void compare_four(const char *hand, const char *state) {
+  g_autofree char *delay = g_strdup_printf("delay %s", state);
+  g_autofree char *slope = g_strdup_printf("slope %s", state);
+  g_assert_cmpuint(opc_test_rows("delays"), ==, 4);
+  for (size_t i = 0; i < 4; i++) {
+    g_autofree char *d = g_strdup_printf("d%zu", i);
+    g_autofree char *t = g_strdup_printf("t%zu", i);
+    near(drives[i][0], opc_test_number("delays", delay, i),
+         1e12 * printed(hand, d), 1e-3);
+    near(drives[i][0], opc_test_number("delays", slope, i),
+         1e12 * printed(hand, t), 1e-3);
+  }
+}
+
+static const char hand_nand[] =
+    ".subckt cell a b y vdd vss\n"
+    "m1 vss a x vss nmos w=0.4u l=%gn\nm2 y b x vss nmos w=0.4u l=65n\n"
+    "m3 y a vdd vdd pmos w=0.45u l=65n\nm4 y b vdd vdd pmos w=%gn l=65n\n"
+    ".ends\n";
+
+/* One wants compilers to see the format. */
+static char *nand_by_hand(const char *card, double length, double width) {
+  g_autoptr(GString) cell = g_string_new(NULL);
+  g_string_append_printf(cell, hand_nand, length, width);
+  return four_by_hand(card, cell->str);
+}
+
+static void test_delays(void) {
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  g_autoptr(made) m = make("A:i B:i Y:o VDD:s VSS:g", NAND);
+  m->leq[1][0] = 66.5;
+  m->weq[1][3] = 430;
+  m->area[1][0] = 66.5 * 400;
+  m->area[1][3] = 65 * 430;
+  run(m, 1, card, "slew: 20 ps, load: 4 fF, measure: delays");
+  g_assert_cmpstr(opc_test_log(), ==, "");
+  g_autofree char *drawn = nand_by_hand(card, 65, 450);
+  if (!drawn) return;
+  g_autofree char *after = nand_by_hand(card, 66.5, 430);
+  for (size_t i = 0; i < 4; i++)
+    g_assert_cmpstr(opc_test_text("delays", "inputs", i), ==, drives[i][0]);
+  compare_four(drawn, "drawn");
+  compare_four(drawn, "before");
+  compare_four(after, "after");
+  /* Equation 3.8. */
+  double worst = 0;
+  for (int i = 0; i < 4; i++) {
+    g_autofree char *name = g_strdup_printf("d%d", i);
+    worst = fmax(worst,
+                 100 * fabs(printed(after, name) / printed(drawn, name) - 1));
+  }
+  g_test_message("worst deviation %g %%", worst);
+  g_assert_cmpfloat(worst, >, 1);
+  g_assert_cmpfloat(fabs(opc_test_metric("tp_worst") - worst), <, 0.02);
+  g_assert_cmpfloat(opc_test_metric("tp_worst_before"), <, 0.005);
+  g_assert_cmpfloat(opc_test_metric("transitions"), ==, 4);
+}
+
+/* NAND2_X1 of the NanGate library, from its layout and its CDL. */
+static void test_nangate(void) {
+  g_autofree char *gds = test_data("nangate45/NangateOpenCellLibrary.gds");
+  g_autofree char *cdl = test_data("nangate45/NangateOpenCellLibrary.cdl");
+  g_autofree char *n_card = test_data("models/freepdk45/nom/NMOS_VTL.inc");
+  g_autofree char *p_card = test_data("models/freepdk45/nom/PMOS_VTL.inc");
+  if (!gds || !cdl || !n_card || !p_card || !have_ngspice()) return;
+  opc_error error;
+  void *object[3] = {NULL};
+  opc_module *m[3];
+  static const char *const ids[] = {"read.gds", "segment.transistors",
+                                    "netlist.match"};
+  g_autofree char *layout = g_strdup_printf(
+      "{ file: '%s', top: NAND2_X1, layers: { poly: 9/0, active: 1/0, contact: "
+      "10/0, nwell: 3/0 } }",
+      gds);
+  g_autofree char *netlist = g_strdup_printf("{ file: '%s' }", cdl);
+  const char *maps[] = {layout, "{ grid: 0.5 nm }", netlist};
+  for (int i = 0; i < 3; i++) {
+    m[i] = opc_test_module(ids[i], maps[i], &error);
+    if (!m[i]) g_error("%s", error.message);
+    if (i) opc_test_input(m[i], "layout", object[0]);
+    if (i == 2) opc_test_input(m[i], "gates", object[1]);
+    if (opc_test_run(m[i], &object[i], &error)) g_error("%s", error.message);
+  }
+  g_autofree char *rest = g_strdup_printf(
+      "pmos_models: '%s', nmos: NMOS_VTL, pmos: PMOS_VTL, slew: 20 ps, "
+      "load: 4 fF",
+      p_card);
+  if (run_on(object[2], NULL, n_card, rest, &error))
+    g_error("%s", error.message);
+  for (int i = 2; i >= 0; i--) {
+    opc_test_release(m[i], &object[i]);
+    opc_test_module_free(m[i]);
+  }
+  g_autofree char *text = NULL;
+  g_assert_true(g_file_get_contents(cdl, &text, NULL, NULL));
+  const char *from = strstr(text, ".SUBCKT NAND2_X1 ");
+  g_assert_nonnull(from);
+  g_autofree char *cell =
+      g_strdup_printf(".include \"%s\"\n.subckt cell %.*s.ends\n", p_card,
+                      (int)(strstr(from, ".ENDS") - from) - 17, from + 17);
+  g_autofree char *hand = four_by_hand(n_card, cell);
+  if (hand) compare_four(hand, "drawn");
+}
+
+/* The capacitance of the printed area, and nothing else, changes the delay. */
+static void test_capacitance(void) {
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  g_autoptr(made) m =
+      make("A:i Y:o VDD:s VSS:g",
+           "MN B A VSS VSS n 65 300,MP B A VDD VDD p 65 450,"
+           "MN2 Y B VSS VSS n 65 3000,MP2 Y B VDD VDD p 65 4500");
+  for (int i = 2; i < 4; i++) m->area[1][i] *= 1.2;
+  run(m, 1, card, "measure: delays, load: 0 F");
+  g_assert_cmpfloat(opc_test_metric("tp_worst"), >, 3);
+  run(m, 1, card, "measure: delays, load: 0 F, dlc: false");
+  g_assert_cmpfloat(opc_test_metric("tp_worst"), <, 1e-6);
+}
+
+/* ---- leakage by hand ---- */
+
+static void test_leakage(void) {
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  g_autoptr(made) m = make("A:i B:i Y:o VDD:s VSS:g", NAND);
+  m->off[1][0] = 62; /* not the length of the on current */
+  m->leq[1][0] = 80;
+  run(m, 1, card, "measure: leakage");
+  g_assert_cmpuint(opc_test_rows("leakage"), ==, 4);
+  g_autoptr(GString) deck = g_string_new("by hand\n");
+  g_string_append_printf(deck, ".include \"%s\"\n", card);
+  for (int after = 0; after < 2; after++) {
+    g_autofree char *cell = g_strdup_printf(".subckt cell%d", after);
+    g_autoptr(GString) text = g_string_new(NULL);
+    g_string_append_printf(text, hand_nand, after ? 62.0 : 65.0, 450.0);
+    g_string_append_printf(deck, "%s%s", cell,
+                           text->str + strlen(".subckt cell"));
+    for (int i = 0; i < 4; i++)
+      g_string_append_printf(
+          deck, "x%d%d a%d b%d y%d%d s%d%d 0 cell%d\nvs%d%d s%d%d 0 1.1\n",
+          after, i, i, i, after, i, after, i, after, after, i, after, i);
+  }
+  for (int i = 0; i < 4; i++)
+    g_string_append_printf(deck, "va%d a%d 0 %s\nvb%d b%d 0 %s\n", i, i,
+                           i & 2 ? "1.1" : "0", i, i, i & 1 ? "1.1" : "0");
+  g_string_append(deck,
+                  ".options gmin=1e-15 reltol=1e-6 abstol=1e-16\n"
+                  ".control\nset numdgt=12\nop\n");
+  for (int i = 0; i < 8; i++)
+    g_string_append_printf(deck, "let q%d%d=-i(vs%d%d)\nprint q%d%d\n", i / 4,
+                           i % 4, i / 4, i % 4, i / 4, i % 4);
+  g_string_append(deck, ".endc\n.end\n");
+  g_autofree char *hand = by_hand(deck->str);
+  if (!hand) return;
+  double sum = 0;
+  for (size_t i = 0; i < 4; i++)
+    for (int after = 0; after < 2; after++) {
+      g_autofree char *name = g_strdup_printf("q%d%zu", after, i);
+      double want = printed(hand, name);
+      near(opc_test_text("leakage", "inputs", i),
+           1e-9 * opc_test_number("leakage",
+                                  after ? "leakage after" : "leakage drawn", i),
+           want, 1e-4);
+      near("power",
+           1e-9 * opc_test_number("leakage",
+                                  after ? "power after" : "power drawn", i),
+           1.1 * want, 1e-4);
+      if (!after) sum += want;
+    }
+  near("mean", opc_test_metric("leakage"), sum / 4, 1e-4);
+}
+
+/* ---- noise margins by hand ---- */
+
+/* The largest square of a side: for each point of one curve, the square whose
+   other corner lies on the other one, by bisection. `f` falls with x, `g` with
+   y; both at n equal steps. */
+static double at(const double *curve, size_t n, double step, double x) {
+  double place = x / step;
+  size_t i = place < 0 ? 0 : (size_t)place;
+  if (i > n - 2) i = n - 2;
+  return curve[i] + (place - (double)i) * (curve[i + 1] - curve[i]);
+}
+
+/* Its lower left corner on x = g(y), its upper right one on y = f(x). */
+static double largest_square(const double *f, const double *g, size_t n,
+                             double step) {
+  double best = 0, most = step * (double)(n - 1);
+  for (size_t j = 0; j < n; j++) {
+    double y = step * (double)j, x = g[j], low = 0, high = most;
+    if (at(f, n, step, x) <= y) continue;
+    for (int i = 0; i < 50; i++) {
+      double side = (low + high) / 2;
+      if (x + side < most && at(f, n, step, x + side) > y + side)
+        low = side;
+      else
+        high = side;
+    }
+    best = fmax(best, low);
+  }
+  return best;
+}
+
+/* Curves as `wrdata` leaves them: x, then the value. */
+static double *read_curve(const char *name, size_t column, size_t *count) {
+  g_autofree char *path = g_build_filename(opc_test_folder(), name, NULL);
+  g_autofree char *text = NULL;
+  g_assert_true(g_file_get_contents(path, &text, NULL, NULL));
+  g_auto(GStrv) lines = g_strsplit(g_strchomp(text), "\n", -1);
+  *count = g_strv_length(lines);
+  double *out = g_new0(double, *count);
+  for (size_t i = 0; i < *count; i++) {
+    char *place = lines[i];
+    for (size_t k = 0; k < 2 * column + 2; k++)
+      out[i] = g_ascii_strtod(place, &place);
+  }
+  return out;
+}
+
+/* Both transfer curves, and the same loop with a noise source before either
+   inverter, raised until the state flips: the definition of the margin. */
+static char *memory_deck(const char *card, const char *word, const char *data,
+                         const double margin[2]) {
+  /* Raised by steps of 0.25 mV; from far below, as a sweep that begins beyond
+     the margin would find nothing. */
+  return g_strdup_printf(
+      "by hand\n.include \"%s\"\nvs s 0 1.1\nvin in 0 0\nvn n 0 0\nvm m 0 0\n"
+      ".subckt left in out s\nma out %s s 0 nmos w=140n l=65n\n"
+      "md out in 0 0 nmos w=300n l=65n\nml out in s s pmos w=105n "
+      "l=65n\n.ends\n"
+      ".subckt right in out s\nma out %s s 0 nmos w=140n l=65n\n"
+      "md out in 0 0 nmos w=330n l=65n\nml out in s s pmos w=160n "
+      "l=65n\n.ends\n"
+      /* Q of QB, QB of Q. */
+      "x1 in q0 s left\nx2 in qb0 s right\n"
+      /* Q high, noise against it; Q low, noise against it. */
+      "x3 g1 q1 s left\nx4 g2 qb1 s right\n"
+      "e1 g1 qb1 n 0 1\ne2 q1 g2 n 0 1\n.nodeset v(q1)=1.1 v(qb1)=0\n"
+      "x5 g3 q2 s left\nx6 g4 qb2 s right\n"
+      "e3 qb2 g3 m 0 1\ne4 g4 q2 m 0 1\n.nodeset v(q2)=0 v(qb2)=1.1\n"
+      ".options gmin=1e-15 reltol=1e-5 abstol=1e-15\n"
+      ".control\nset numdgt=12\ndc vin 0 1.101 0.002\nwrdata %s v(qb0) v(q0)\n"
+      /* One after the other: where one flips, the solver begins anew, and
+         all may. */
+      "dc vn %g %g 0.00025\n"
+      "meas dc right find v(n) when v(q1)=v(qb1)\ndc vm %g %g 0.00025\n"
+      "meas dc left find v(m) when v(q2)=v(qb2)\n.endc\n.end\n",
+      card, word, word, data, margin[1] - 0.03, margin[1] + 0.01,
+      margin[0] - 0.03, margin[0] + 0.01);
+}
+
+static void compare_margins(const char *card, const char *access,
+                            const char *word) {
+  static const char *const sides[] = {"left", "right"};
+  g_autoptr(made) m = make(MEMORY_PORTS, MEMORY);
+  g_autofree char *rest = g_strdup_printf("access: %s", access);
+  run(m, 1, card, rest);
+  g_assert_cmpstr(opc_test_log(), ==, "");
+  double margin[] = {opc_test_metric("snm_left") / 1000,
+                     opc_test_metric("snm_right") / 1000};
+  g_autofree char *deck = memory_deck(card, word, "curves.txt", margin);
+  g_autofree char *hand = by_hand(deck);
+  size_t n;
+  if (!hand) return;
+  g_autofree double *f = read_curve("curves.txt", 0, &n);
+  g_autofree double *g = read_curve("curves.txt", 1, &n);
+  double square[] = {largest_square(f, g, n, 0.002),
+                     largest_square(g, f, n, 0.002)};
+  g_assert_cmpfloat(fabs(square[0] / square[1] - 1), >, 0.01);
+  for (int i = 0; i < 2; i++) {
+    g_autofree char *metric = g_strdup_printf("snm_%s", sides[i]);
+    double got = opc_test_metric(metric);
+    double flip = 1000 * printed(hand, sides[i]);
+    g_test_message("%s, %s: %.3f mV, square %.3f mV, flips at %.3f mV", access,
+                   sides[i], got, 1000 * square[i], flip);
+    g_assert_cmpfloat(fabs(got - 1000 * square[i]), <, 0.1);
+    g_assert_cmpfloat(fabs(got - flip), <, 1.0);
+    g_autofree char *after = g_strdup_printf("snm_%s_worst", sides[i]);
+    g_assert_cmpfloat(opc_test_metric(after), <, 1e-6);
+  }
+}
+
+static void test_margins(void) {
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  compare_margins(card, "hold", "0");
+  compare_margins(card, "read", "s");
+}
+
+/* A cell that is turned is the other one's mirror image; one that does not
+   hold both values has no margin. */
+static void test_cells(void) {
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  g_autoptr(made) m = make(MEMORY_PORTS, MEMORY);
+  m->leq[1][1] = 70;
+  run(m, 1, card, "access: hold, cell: qb");
+  double left = opc_test_metric("snm_left"),
+         right = opc_test_metric("snm_right");
+  g_assert_cmpfloat(opc_test_metric("cells"), ==, 1);
+  g_assert_cmpfloat(opc_test_metric("snm_left_worst"), >, 0.1);
+  g_assert_cmpfloat(opc_test_metric("snm_left_worst_before"), <, 1e-6);
+  g_autoptr(made) turned =
+      make(MEMORY_PORTS,
+           "MA2 QB WL BLB VSS n 65 140,MA1 Q WL BL VSS n 65 140,"
+           "MD1 Q QB VSS VSS n 65 300,ML1 VDD QB Q VDD p 65 105,"
+           "MD2 VSS Q QB VSS n 65 330,ML2 QB Q VDD VDD p 65 160");
+  run(turned, 0, card, "access: hold");
+  near("left", opc_test_metric("snm_left"), right, 1e-6);
+  near("right", opc_test_metric("snm_right"), left, 1e-6);
+  g_autoptr(made) weak =
+      make(MEMORY_PORTS,
+           "MA1 Q WL BL VSS n 65 900,MD1 Q QB VSS VSS n 65 120,"
+           "ML1 Q QB VDD VDD p 65 105,MA2 QB WL BLB VSS n 65 900,"
+           "MD2 QB Q VSS VSS n 65 120,ML2 QB Q VDD VDD p 65 105");
+  run(weak, 0, card, "access: read");
+  g_assert_cmpfloat(opc_test_metric("snm_left"), ==, 0);
+  g_assert_nonnull(strstr(opc_test_log(), "1 of 1 cells do not hold both"));
+}
+
+/* ---- patterns ---- */
+
+static void test_patterns(void) {
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  g_autoptr(made) m = make("A:i B:i Y:o VDD:s VSS:g", NAND);
+  run(m, 0, card, "transitions: several, measure: delays");
+  g_assert_cmpfloat(opc_test_metric("transitions"), ==, 6);
+  double all = opc_test_metric("tp");
+  run(m, 0, card, "transitions: several, measure: delays, most: 12");
+  g_assert_true(opc_test_metric("tp") == all);
+  g_assert_cmpstr(opc_test_log(), ==, "");
+  run(m, 0, card, "most: 5, measure: delays");
+  g_assert_nonnull(strstr(opc_test_log(), "5 transitions"));
+  /* Too many to list: drawn one by one. */
+  run(m, 0, card, "most: 3");
+  g_assert_cmpuint(opc_test_rows("leakage"), ==, 6);
+  /* The other input is an output now, and never moves. */
+  run(m, 0, card, "inputs: B, measure: delays");
+  g_assert_nonnull(strstr(opc_test_log(), "output 'A' never changes"));
+}
+
+static void test_still(void) {
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  g_autoptr(made) m =
+      make("A:i Y:o Z:o VDD:s VSS:g",
+           INVERTER ",MN2 Z VDD VSS VSS n 65 300,MP2 Z VDD VDD VDD p 65 450");
+  run(m, 0, card, "measure: delays");
+  g_assert_nonnull(strstr(opc_test_log(), "output 'Z' never changes"));
+  g_assert_null(strstr(opc_test_log(), "'Y'"));
+  g_assert_cmpuint(opc_test_rows("delays"), ==, 2);
+}
+
+/* An inverter that can be switched off floats then: what leaks takes it to some
+   voltage in the end, but that is no logic. */
+static void test_floating(void) {
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  g_autoptr(made) m = make("A:i E:i Y:o VDD:s VSS:g",
+                           "MN1 Y A X VSS n 65 300,MN2 X E VSS VSS n 65 300,"
+                           "MP1 Y A Z VDD p 65 450,MP2 Z F VDD VDD p 65 450,"
+                           "MN3 F E VSS VSS n 65 300,MP3 F E VDD VDD p 65 450");
+  run(m, 0, card, "measure: delays");
+  g_assert_cmpstr(opc_test_log(), ==,
+                  "output 'Y' is at no logic level in 2 of 4 patterns\n");
+  g_assert_cmpfloat(opc_test_metric("transitions"), ==, 2);
+}
+
+/* ---- what is refused ---- */
+
+static void refused(made *m, int with_mask, const char *card, const char *rest,
+                    const char *pattern) {
+  opc_error error;
+  if (!run_on(&m->circuit, with_mask ? &m->mask : NULL, card, rest, &error))
+    g_error("'%s' works", rest);
+  g_test_message("%s", error.message);
+  if (!g_pattern_match_simple(pattern, error.message))
+    g_error("'%s' is not '%s'", error.message, pattern);
+}
+
+static void test_refused(void) {
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  g_autoptr(made) m = make("A:i Y:o VDD:s VSS:g", INVERTER);
+  refused(m, 0, card, "nmos: nfet", "*has no model 'nfet'");
+  refused(m, 0, card, "nmos: nfet, dlc: false", "'ngspice' failed*nfet*");
+  refused(m, 0, card, "limit: 1 ns", "'ngspice' was not done after*");
+  refused(m, 0, card, "inputs: A VSS", "'VSS' is no port of 'made'*");
+  refused(m, 0, card, "edges: [60 %, 90 %]", "*'edges' are one place above*");
+  refused(m, 0, card, "nmos: 'n m'", "*is not the name of a model*");
+  refused(m, 0, card, "measure: snm", "'made' has no inverters that drive*");
+  m->flags[0] = OPC_PRINT_OPEN;
+  refused(m, 1, card, "measure: auto", "netlist device 'MN' has no size*");
+  m->flags[0] = 0;
+  opc_gates other = m->gates;
+  m->mask.gates = &other;
+  refused(m, 1, card, "measure: auto", "the mask is of other gates*");
+  m->mask.gates = &m->gates;
+  m->role[2] = OPC_PORT_INPUT;
+  refused(m, 0, card, "measure: auto", "'made' has no supply among its ports");
+  g_autoptr(made) latch = make(MEMORY_PORTS, MEMORY);
+  refused(latch, 0, card, "measure: delays", "*keeps a state: its net 'QB'*");
+  refused(latch, 0, card, "cell: WL", "'WL' is no storage node of 'made'");
+}
+
+/* A mask that prints nothing before it is corrected is no fault. */
+static void test_before(void) {
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  g_autoptr(made) m = make("A:i Y:o VDD:s VSS:g", INVERTER);
+  m->leq[0][0] = NAN;
+  run(m, 1, card, "measure: auto");
+  g_assert_nonnull(strstr(opc_test_log(), "no figures of the circuit before"));
+  g_assert_true(isnan(opc_test_metric("tp_worst_before")));
+  g_assert_cmpfloat(opc_test_metric("tp_worst"), <, 1e-6);
+  m->leq[0][0] = 2; /* shorter than the simulator takes */
+  run(m, 1, card, "measure: auto");
+  g_assert_cmpfloat(opc_test_metric("tp_worst"), <, 1e-6);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/circuit/closed-form", test_closed_form);
+  g_test_add_func("/circuit/estimate", test_estimate);
+  g_test_add_func("/circuit/delays", test_delays);
+  g_test_add_func("/circuit/nangate", test_nangate);
+  g_test_add_func("/circuit/capacitance", test_capacitance);
+  g_test_add_func("/circuit/leakage", test_leakage);
+  g_test_add_func("/circuit/margins", test_margins);
+  g_test_add_func("/circuit/cells", test_cells);
+  g_test_add_func("/circuit/patterns", test_patterns);
+  g_test_add_func("/circuit/still", test_still);
+  g_test_add_func("/circuit/floating", test_floating);
+  g_test_add_func("/circuit/refused", test_refused);
+  g_test_add_func("/circuit/before", test_before);
+  return g_test_run();
+}

@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Input patterns, and the transitions between them. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bench.h"
+
+/* splitmix64 (Steele, Lea, Flood 2014). */
+static uint64_t draw(uint64_t *state) {
+  uint64_t z = (*state += 0x9e3779b97f4a7c15u);
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return z ^ (z >> 31);
+}
+
+/* From 0 to n - 1; n is far below 2^64. */
+static uint64_t draw_below(uint64_t *state, uint64_t n) {
+  return draw(state) % n;
+}
+
+/* ---- all of them ---- */
+
+/* The first input is the highest digit. */
+static void set_bits(uint8_t *bit, size_t inputs, uint64_t pattern) {
+  for (size_t i = 0; i < inputs; i++) bit[i] = pattern >> (inputs - 1 - i) & 1;
+}
+
+/* Each pair comes with the chance that leaves `most` in the end (Knuth 3.4.2,
+   algorithm S). */
+static void list_pairs(const bench *b, int several, size_t most, uint64_t seed,
+                       patterns *p) {
+  size_t others = several ? p->count - 1 : b->inputs;
+  uint64_t left = (uint64_t)p->count * others;
+  for (size_t from = 0; from < p->count; from++)
+    for (size_t k = 0; k < others; k++, left--) {
+      size_t to =
+          several ? k + (k >= from) : from ^ ((size_t)1 << (b->inputs - 1 - k));
+      size_t need = most - p->transitions;
+      if (left > need && draw_below(&seed, left) >= need) continue;
+      p->transition[p->transitions++] =
+          (transition){(uint32_t)from, (uint32_t)to};
+    }
+}
+
+/* ---- some of too many ---- */
+
+static void draw_pairs(const bench *b, int several, size_t most, uint64_t seed,
+                       patterns *p) {
+  for (size_t k = 0; k < most; k++) {
+    uint8_t *from = p->bit + 2 * k * b->inputs, *to = from + b->inputs;
+    for (size_t i = 0; i < b->inputs; i++) from[i] = draw(&seed) >> 63;
+    memcpy(to, from, b->inputs);
+    while (several && !memcmp(from, to, b->inputs))
+      for (size_t i = 0; i < b->inputs; i++) to[i] = draw(&seed) >> 63;
+    if (!several) to[draw_below(&seed, b->inputs)] ^= 1;
+    p->transition[k] = (transition){(uint32_t)(2 * k), (uint32_t)(2 * k + 1)};
+  }
+  p->transitions = most;
+}
+
+int patterns_make(bench *b, int several, size_t most, uint64_t seed,
+                  patterns *p, opc_error *error) {
+  const opc_host *host = b->host;
+  *p = (patterns){0};
+  if (!b->inputs || !b->outputs)
+    return host->fail(host, error, OPC_INVALID, "circuit",
+                      "'%s' has no %s among its ports", b->circuit->name,
+                      b->inputs ? "output" : "input");
+  int listed = b->inputs < 32 && (size_t)1 << b->inputs <= most;
+  p->count = listed ? (size_t)1 << b->inputs : 2 * most;
+  p->bit = bench_alloc(b, p->count * b->inputs, 1, error);
+  p->transition = bench_alloc(b, most, sizeof *p->transition, error);
+  if (!p->bit || !p->transition) return error->code;
+  if (!listed) {
+    p->sampled = 1;
+    draw_pairs(b, several, most, seed, p);
+    return OPC_OK;
+  }
+  for (size_t k = 0; k < p->count; k++)
+    set_bits(p->bit + k * b->inputs, b->inputs, k);
+  list_pairs(b, several, most, seed, p);
+  p->sampled = p->transitions < p->count * (several ? p->count - 1 : b->inputs);
+  return OPC_OK;
+}
+
+const char *patterns_say(bench *b, const patterns *p, transition t) {
+  const uint8_t *from = p->bit + t.from * b->inputs;
+  const uint8_t *to = p->bit + t.to * b->inputs;
+  char *text = NULL, *own = NULL;
+  size_t size;
+  FILE *out = open_memstream(&text, &size);
+  if (!out) return "";
+  for (size_t i = 0; i < b->inputs; i++) {
+    fprintf(out, "%s%s %d", i ? ", " : "", b->circuit->net[b->input[i]],
+            from[i]);
+    if (to[i] != from[i]) fprintf(out, ">%d", to[i]);
+  }
+  if (!fclose(out)) own = pool_text(&b->pool, text, size);
+  free(text);
+  return own ? own : "";
+}
