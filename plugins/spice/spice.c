@@ -545,6 +545,16 @@ int opc_spice_run(const opc_host *host, const char *deck, const char *commands,
   return code;
 }
 
+void opc_spice_parallel(const opc_host *host, size_t n,
+                        void (*task)(void *data, size_t i), void *data) {
+#ifdef __SANITIZE_ADDRESS__
+  (void)host;
+  for (size_t i = 0; i < n; i++) task(data, i);
+#else
+  host->parallel(host, n, task, data);
+#endif
+}
+
 void opc_spice_release(opc_spice_result *result) {
   for (size_t i = 0; i < result->count; i++) {
     opc_spice_plot *p = &result->plot[i];

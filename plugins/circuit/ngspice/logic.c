@@ -165,7 +165,7 @@ static int find_state(bench *b, const patterns *p, const logic *l, int state,
                     .state = state,
                     .from = i * CHUNK,
                     .to = i + 1 < n ? (i + 1) * CHUNK : p->count};
-  host->parallel(host, n, run_job, jobs);
+  opc_spice_parallel(host, n, run_job, jobs);
   host->free(host, netlist);
   for (size_t i = 0; i < n; i++)
     if (jobs[i].code) {

@@ -257,7 +257,7 @@ int margins_find(bench *b, const cell *cells, size_t count, int reads,
                       .reads = reads,
                       .from = i * CHUNK,
                       .to = i + 1 < n ? (i + 1) * CHUNK : count};
-    b->host->parallel(b->host, n, run_job, jobs);
+    opc_spice_parallel(b->host, n, run_job, jobs);
     for (size_t i = 0; i < n; i++)
       if (jobs[i].code &&
           bench_forgive(b, state, jobs[i].code, &jobs[i].error)) {

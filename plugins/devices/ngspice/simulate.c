@@ -167,7 +167,7 @@ int simulate(const opc_host *host, const plan *p, currents *out,
                     .out = out,
                     .type = i / CURRENTS,
                     .current = i % CURRENTS};
-  host->parallel(host, TYPES * CURRENTS, run_job, jobs);
+  opc_spice_parallel(host, TYPES * CURRENTS, run_job, jobs);
   out->first = 0;
   for (int i = 0; i < TYPES * CURRENTS; i++) {
     const job *j = &jobs[i];
