@@ -45,7 +45,8 @@ typedef struct newton {
   double gain[MOVES];
   double max_bias, min_jog;   /* nm */
   int64_t fine;
-  uint32_t iterations;
+  double limit;           /* the same */
+  uint32_t iterations, last;   /* last: of the run */
   const char *wishes_path;
   wish *wish;             /* of each transistor */
   transistor *state;
@@ -104,6 +105,7 @@ static int begin(void *self, const opc_feedback *f, opc_error *error) {
   if (!t->state || !t->wish)
     return t->host->fail(t->host, error, OPC_FAILED, NULL, "out of memory");
   for (size_t i = 0; i < t->count; i++) t->wish[i] = (wish){1, 1};
+  t->last = t->iterations;
   find_sides(t, f->gates);
   if (!t->wishes_path) return OPC_OK;
   return read_wishes(t->host, t->wishes_path, f->gates, t->wish, error);
@@ -336,16 +338,21 @@ static int update(void *self, const opc_feedback *f, opc_moves *moves,
   (void)error;
   if (f->iteration == 0) start(t, f);
   if (f->iteration == 1) learn_together(t, f, moves);
+  double worst = 0;
+  for (size_t i = 0; i < t->count; i++) {
+    observe(t, &t->state[i], f, i, moves);
+    worst = fmax(worst, t->state[i].size * fmin(t->wish[i].weight, 1));
+  }
+  if (worst <= t->limit && f->iteration < t->last) t->last = f->iteration;
   *done = 1;
   for (size_t i = 0; i < t->count; i++) {
     transistor *s = &t->state[i];
-    observe(t, s, f, i, moves);
     biases next = propose(t, s, f, i);
-    if (f->iteration == t->iterations) {
+    if (f->iteration == t->last) {
       /* A best state that is no better than a transistor needs is not worth a
          print more. */
       next = s->verdict == WITHIN ? s->now : s->best;
-    } else if (f->iteration > t->iterations) {
+    } else if (f->iteration > t->last) {
       /* The regulator is not done: those that it moved follow. */
       if (!s->disturbed || f->iteration > 2 * t->iterations) next = s->now;
     } else if (!same(next, s->now)) {
@@ -365,7 +372,7 @@ static const char *verdict(const void *self, size_t gate) {
 
 /* ---- parameters ---- */
 
-enum { WEIGHT_ION, WEIGHT_IOFF, WEIGHT_AREA, TOLERANCE, FINE, MIN_JOG,
+enum { WEIGHT_ION, WEIGHT_IOFF, WEIGHT_AREA, TOLERANCE, LIMIT, FINE, MIN_JOG,
        ITERATIONS, MAX_BIAS, GAIN_L, GAIN_W, WISHES, PARAMETERS };
 
 static const opc_parameter parameters[PARAMETERS] = {
@@ -384,6 +391,9 @@ static const opc_parameter parameters[PARAMETERS] = {
                    .unit = "%", .preset = "0.05 %",
                    .summary = "a transistor whose weighted deviations are at "
                               "most this is left alone"},
+    [LIMIT] = {.name = "limit", .type = OPC_REAL, .flags = OPC_AT_LEAST,
+               .unit = "%", .preset = "0.5 %",
+               .summary = "the end, once no transistor deviates by more"},
     [FINE] = {.name = "fine", .type = OPC_CHOICE, .preset = "jog",
               .choices = "jog|width|none",
               .summary = "what takes away the grid's quantum of L: a jog in the "
@@ -392,7 +402,7 @@ static const opc_parameter parameters[PARAMETERS] = {
                  .unit = "nm", .preset = "20 nm",
                  .summary = "a jog stays this far from both ends of its edge"},
     [ITERATIONS] = {.name = "iterations", .type = OPC_INT,
-                    .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "6",
+                    .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "10",
                     .min = 1, .max = 1000, .summary = "moves at most"},
     [MAX_BIAS] = {.name = "max_bias", .type = OPC_REAL, .flags = OPC_ABOVE,
                   .unit = "nm", .preset = "80 nm",
@@ -428,6 +438,7 @@ static void *create(const opc_host *host, const opc_value *values,
   t->weight[IOFF] = values[WEIGHT_IOFF].real;
   t->weight[AREA] = values[WEIGHT_AREA].real;
   t->tolerance = values[TOLERANCE].real / 100;
+  t->limit = values[LIMIT].real / 100;
   t->gain[BY_L] = values[GAIN_L].real;
   t->gain[BY_W] = values[GAIN_W].real;
   t->max_bias = values[MAX_BIAS].real;

@@ -121,12 +121,24 @@ static opc_module *make(const char *parameters) {
 
 /* A wrong first guess of the gain, and still all are there after 4 moves. */
 static void test_ion(void) {
-  g_autoptr(opc_module) m = make("{ tolerance: 0.05 % }");
+  g_autoptr(opc_module) m = make("{ tolerance: 0.05 %, limit: 0 % }");
   model t = made_up(MOST);
   run(m, &t);
   g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.05);
   g_assert_cmpint(t.prints, <=, 6);
   for (size_t i = 0; i < t.n; i++) g_assert_cmpint(t.w[i], ==, 0);
+}
+
+/* No print more than the limit needs. */
+static void test_limit(void) {
+  g_autoptr(opc_module) m = make("{ limit: 2 % }");
+  model t = made_up(MOST);
+  run(m, &t);
+  g_assert_cmpfloat(worst(t.ion, t.n), <=, 2);
+  g_autoptr(opc_module) all = make("{ limit: 0 % }");
+  model u = made_up(MOST);
+  run(all, &u);
+  g_assert_cmpint(t.prints, <, u.prints);
 }
 
 /* Without a jog, a step of L is 2.6 nm, 5.7 % of Ion: half of it is left. */
@@ -136,7 +148,7 @@ static void test_quantum(void) {
   run(m, &t);
   g_assert_cmpfloat(worst(t.ion, t.n), >, 1);
   g_assert_cmpfloat(worst(t.ion, t.n), <, 3.2);
-  g_autoptr(opc_module) width = make("{ fine: width }");
+  g_autoptr(opc_module) width = make("{ fine: width, limit: 0 % }");
   t = made_up(MOST);
   run(width, &t);
   g_assert_cmpfloat(worst(t.ion, t.n), <, 0.15);   /* half of 1.05 / 400 */
@@ -144,7 +156,7 @@ static void test_quantum(void) {
 }
 
 static void test_area(void) {
-  g_autoptr(opc_module) m = make("{ weight: { area: 1 } }");
+  g_autoptr(opc_module) m = make("{ weight: { area: 1 }, limit: 0 % }");
   model t = made_up(MOST);
   run(m, &t);
   g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.2);
@@ -152,7 +164,7 @@ static void test_area(void) {
 }
 
 static void test_ioff(void) {
-  g_autoptr(opc_module) m = make("{ weight: { ioff: 0.01 } }");
+  g_autoptr(opc_module) m = make("{ weight: { ioff: 0.01 }, limit: 0 % }");
   model t = made_up(MOST);
   run(m, &t);
   g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.2);
@@ -174,7 +186,7 @@ static void test_jog(void) {
 
 /* A length that the regulator forbids is left to W. */
 static void test_veto(void) {
-  g_autoptr(opc_module) m = make("{}");
+  g_autoptr(opc_module) m = make("{ limit: 0 % }");
   const opc_synthesizer *s = m->plugin->operations;
   model t = {.n = 2, .gain_l = 2.6, .gain_w = 1.05, .off_l = {-4, -4}};
   t.veto[0] = OPC_VETO_LONGER;
@@ -195,7 +207,7 @@ static void test_veto(void) {
 static opc_module *with_wishes(const char *text, char **path) {
   g_autofree char *yaml = NULL;
   g_file_set_contents(*path, text, -1, NULL);
-  yaml = g_strdup_printf("{ wishes: %s }", *path);
+  yaml = g_strdup_printf("{ limit: 0 %%, wishes: %s }", *path);
   return make(yaml);
 }
 
@@ -242,6 +254,7 @@ static void test_wishes(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/newton/ion", test_ion);
+  g_test_add_func("/newton/limit", test_limit);
   g_test_add_func("/newton/quantum", test_quantum);
   g_test_add_func("/newton/area", test_area);
   g_test_add_func("/newton/ioff", test_ioff);
