@@ -94,7 +94,7 @@ static void test_usage(void) {
   g_assert_cmpint(call("help run"), ==, 0);
   g_assert_nonnull(strstr(out, "--threads N"));
   g_assert_cmpint(call("--version"), ==, 0);
-  g_assert_cmpstr(out, ==, "opcflow " OPC_VERSION " (plugin interface 1.1)\n");
+  g_assert_cmpstr(out, ==, "opcflow " OPC_VERSION " (plugin interface 1.2)\n");
 }
 
 static void test_tell(void) {

@@ -133,7 +133,8 @@ static int cut(void *self, const opc_gates *g, int layer, opc_cuts *cuts,
     }
   }
   own.start[2] = n;
-  *cuts = (opc_cuts){sizeof *cuts, 2, own.start, own.from, own.site};
+  *cuts = (opc_cuts){.size = sizeof *cuts, .polygons = 2, .start = own.start,
+                     .from = own.from, .site = own.site};
   if (!own.spoil) return OPC_OK;
   if (!strcmp(own.spoil, "count")) cuts->polygons = 1;
   if (!strcmp(own.spoil, "corner")) own.from[3].x -= 1;
@@ -404,8 +405,11 @@ static void test_sites(void) {
       const double x[] = {500, 450, high, 500, 500, 550, low, 500};
       const double y[] = {500, low, 550, 500, 500, high, 450, 500};
       uint32_t start[] = {0, 4};
-      const opc_cuts cuts = {sizeof cuts, 1, start, axis == OPC_X ? box : turned,
-                             axis == OPC_X ? x : y};
+      const opc_cuts cuts = {.size = sizeof cuts,
+                             .polygons = 1,
+                             .start = start,
+                             .from = axis == OPC_X ? box : turned,
+                             .site = axis == OPC_X ? x : y};
       opc_sites s;
       g_assert_true(opc_sites_make(host, &cuts, &s));
       opc_sites_measure(host, &s, &f);

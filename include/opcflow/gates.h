@@ -84,6 +84,11 @@ typedef struct opc_gates {
   const char **instance;     /* the path of its instance, "" at the top */
   const char **cell;         /* the cell that draws it */
   uint32_t *number;          /* within that instance, from 1 */
+
+  /* Since 1.2. What the layout's designer wrote upon each gate: a text of the
+     layer of notes whose point lies in the gate's box, NULL where there is
+     none. NULL: the layout has no such layer. */
+  const char **note;
 } opc_gates;
 
 /* What the print of a transistor was found to be; flags, 0 is good. */

@@ -71,6 +71,12 @@ typedef struct opc_cuts {
   const uint32_t *start;
   const opc_point *from;
   const double *site;        /* x, y of each fragment, nm */
+
+  /* Since 1.2. Assist features: rectangles that the layer's mask has besides its
+     shapes, on the grid of the gates, clear of them, and that are not to print.
+     They stay as they are. NULL and 0 when it is asked: none. */
+  const opc_box *assists;
+  size_t assist_count;
 } opc_cuts;
 
 /* What holds for a synthesizer, since 1.1; flags. */

@@ -33,7 +33,7 @@ extern "C" {
 /* A plugin built for another major is refused; one built for a later minor
    loads, as everything of the earlier minors is still where it was. */
 #define OPC_ABI_MAJOR 1u
-#define OPC_ABI_MINOR 1u
+#define OPC_ABI_MINOR 2u
 
 /* Is the function `field` of a struct of functions there? It may be one of a
    later minor than the struct. */
