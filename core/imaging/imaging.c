@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "core/imaging/imaging.h"
 #include "core/imaging/edge.h"
+#include "core/imaging/simd.h"
 #include "core/imaging/spline.h"
 #include "core/plugin/host.h"
 
@@ -10,8 +11,8 @@ static int wrap(int i, int n) {
   return i < 0 ? i + n : i;
 }
 
-static void sample(const opc_field *field, const double *x, const double *y,
-                   size_t n, double *out) {
+OPC_WIDE static void sample_points(const opc_field *field, const double *x,
+                                   const double *y, size_t n, double *out) {
   double dx = field->frame.width / field->nx;
   double dy = field->frame.height / field->ny;
   for (size_t i = 0; i < n; i++) {
@@ -32,6 +33,11 @@ static void sample(const opc_field *field, const double *x, const double *y,
     for (int k = 0; k < OPC_SPLINE_TAPS; k++) sum += wx[k] * line[k];
     out[i] = sum;
   }
+}
+
+static void sample(const opc_field *field, const double *x, const double *y,
+                   size_t n, double *out) {
+  sample_points(field, x, y, n, out);
 }
 
 static void release_spectrum(const opc_host *host, opc_spectrum *spectrum) {

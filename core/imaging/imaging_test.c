@@ -284,6 +284,70 @@ static void test_linear(void) {
   g_assert_cmpfloat(most, >, 0.05);
 }
 
+/* Systems R(f) exp(i order angle): R of the first three is real, or the order 0;
+   the last two have the same complex R. */
+static const int orders[] = {0, 1, 2, 3, -3};
+static const double spiral_weights[] = {0.4, 0.2, 0.1, 0.2, 0.1};
+
+static void spiral(const void *self, size_t s, const double *fx, double fy,
+                   size_t n, float *out) {
+  const int *quarter = self;
+  for (size_t i = 0; i < n; i++) {
+    if (*quarter) g_assert_true(fx[i] >= 0 && fy >= 0);
+    double r = hypot(fx[i], fy) / 0.006, angle = orders[s] * atan2(fy, fx[i]);
+    double complex c = r <= 1 ? cexp(I * angle) * (1 - r * r / 2) : 0;
+    if (s == 0 || s > 2) c *= cexp(I * 2 * r);
+    if (orders[s] && r == 0) c = 0;
+    out[2 * i] = (float)creal(c);
+    out[2 * i + 1] = (float)cimag(c);
+  }
+}
+
+static opc_mirrored spiral_mirror(const void *self, size_t s) {
+  (void)self;
+  return (opc_mirrored){.system = s > 2 ? 7 - s : s,
+                        .conjugate = s == 1 || s == 2,
+                        .odd = orders[s] % 2 != 0};
+}
+
+/* A quarter of the transfer functions, mirrored, or all of them: the same. */
+static void test_mirrored(void) {
+  const struct {
+    double offset[2], scale[2];
+  } masks[] = {{{0, 0}, {1, 0}}, {{-0.1, 0.2}, {0.9, -0.3}}};
+  opc_point points[] = {{300, 100}, {420, 100}, {420, 800}, {300, 800},
+                        {520, 250}, {900, 250}, {900, 420}, {520, 420}};
+  uint32_t start[] = {0, 4, 8};
+  opc_shapes shapes = {2, start, points, NULL};
+  opc_spectrum mask;
+  opc_error error;
+  g_assert_cmpint(opc_mask_spectrum(host, &shapes, 1, (opc_frame){0, 0, 12100, 1900},
+                                    0.006, &mask, &error), ==, OPC_OK);
+  for (size_t k = 0; k < G_N_ELEMENTS(masks); k++) {
+    opc_field field[2];
+    for (int quarter = 0; quarter < 2; quarter++) {
+      opc_systems all = {.size = sizeof all, .count = G_N_ELEMENTS(orders),
+                         .weight = spiral_weights, .band = 0.006,
+                         .intensity_band = 0.012, .transfer = spiral,
+                         .self = &quarter,
+                         .mirror = quarter ? spiral_mirror : NULL};
+      memcpy(all.offset, masks[k].offset, sizeof all.offset);
+      memcpy(all.scale, masks[k].scale, sizeof all.scale);
+      g_assert_cmpint(opc_coherent_sum(host, &mask, &all, 0, &field[quarter],
+                                       &error), ==, OPC_OK);
+    }
+    double worst = 0;
+    for (int i = 0; i < field[0].nx * field[0].ny; i++)
+      worst = fmax(worst, fabs((double)field[0].coefficients[i] -
+                               (double)field[1].coefficients[i]));
+    g_test_message("mirrored systems are %.2g off", worst);
+    g_assert_cmpfloat(worst, <, 3e-6);
+    for (int i = 0; i < 2; i++)
+      opc_imaging_functions.release_field(host, &field[i]);
+  }
+  opc_imaging_functions.release_spectrum(host, &mask);
+}
+
 static void test_threads(void) {
   opc_box b = {-150, -400, 90, 333};
   opc_frame f = {-1000, -1000, 2100, 2200};
@@ -408,6 +472,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/imaging/image", test_image);
   g_test_add_func("/imaging/strips", test_strips);
   g_test_add_func("/imaging/linear", test_linear);
+  g_test_add_func("/imaging/mirrored", test_mirrored);
   g_test_add_func("/imaging/threads", test_threads);
   g_test_add_func("/imaging/sizes", test_sizes);
   g_test_add_func("/imaging/contours", test_contours);

@@ -39,21 +39,43 @@ double opc_raster_transform(double f) {
 
 /* ---- laying down ---- */
 
-/* A corner on a vertical edge, whose step in x is wx from column i on: only rows
-   low .. high - 1 of the array. */
-static void deposit(const opc_raster *r, const double *wx, int i, double y,
-                    double sign, int low, int high) {
-  double wy[OPC_STEP_TAPS];
+/* A step in x or y: its place in the array, and its differences from there on. */
+typedef struct step {
+  double at;               /* in steps from sample 0; NAN: not made yet */
+  int first;
+  double weight[OPC_STEP_TAPS];
+} step;
+
+/* Corners share them: each line of a polygon is two corners'. */
+static void make_step(double at, step *s) {
+  if (s->at == at) return;
+  s->at = at;
+  s->first = opc_spline_step(at, s->weight) + OPC_RASTER_MARGIN;
+}
+
+/* n rows of a corner. */
+OPC_WIDE static void add_corner(double *restrict to, size_t columns,
+                                const double *restrict wx,
+                                const double *restrict wy, double sign, int n) {
+  for (int b = 0; b < n; b++, to += columns) {
+    double w = sign * wy[b];
+    for (int a = 0; a < OPC_STEP_TAPS; a++) to[a] += w * wx[a];
+  }
+}
+
+/* A corner at (x, y), in steps from sample (0, 0): only rows low .. high - 1 of
+   the array. */
+static void deposit(const opc_raster *r, double x, double y, double sign,
+                    int low, int high, step *in_x, step *in_y) {
   int j = (int)floor(y) - OPC_RASTER_DEGREE / 2 + OPC_RASTER_MARGIN;
   if (j >= high || j + OPC_STEP_TAPS <= low) return;
-  opc_spline_step(y, wy);
+  make_step(x, in_x);
+  make_step(y, in_y);
   int from = j < low ? low - j : 0;
   int to = j + OPC_STEP_TAPS > high ? high - j : OPC_STEP_TAPS;
-  for (int b = from; b < to; b++) {
-    double *row = r->step + (size_t)(j + b) * r->columns + i;
-    double w = sign * wy[b];
-    for (int a = 0; a < OPC_STEP_TAPS; a++) row[a] += w * wx[a];
-  }
+  add_corner(r->step + (size_t)(j + from) * r->columns + in_x->first,
+             (size_t)r->columns, in_x->weight, in_y->weight + from, sign,
+             to - from);
 }
 
 static void lay_polygon(const laying *l, size_t p, int low, int high) {
@@ -62,23 +84,24 @@ static void lay_polygon(const laying *l, size_t p, int low, int high) {
   const place *o = &l->places[p];
   size_t n = s->start[p + 1] - s->start[p];
   const opc_point *v = s->points + s->start[p];
+  step in_x = {.at = NAN}, in_y[2] = {{.at = NAN}, {.at = NAN}};
   for (size_t i = 0; i < n; i++) {
     opc_point a = v[i], b = v[i + 1 < n ? i + 1 : 0];
     if (a.y == b.y) continue;
+    double ax = (a.x * l->grid - o->x) / r->dx;
+    double ay = (a.y * l->grid - o->y) / r->dy;
+    double by = (b.y * l->grid - o->y) / r->dy;
     if (a.x != b.x) {
-      opc_raster_slanted(r, (a.x * l->grid - o->x) / r->dx,
-                         (a.y * l->grid - o->y) / r->dy,
-                         (b.x * l->grid - o->x) / r->dx,
-                         (b.y * l->grid - o->y) / r->dy, low, high);
+      opc_raster_slanted(r, ax, ay, (b.x * l->grid - o->x) / r->dx, by, low,
+                         high);
       continue;
     }
     /* The inside is on the left: an edge upwards ends it, one downwards
-       begins it, from its end to its beginning. */
-    double wx[OPC_STEP_TAPS];
-    int x = opc_spline_step((a.x * l->grid - o->x) / r->dx, wx);
-    x += OPC_RASTER_MARGIN;
-    deposit(r, wx, x, (b.y * l->grid - o->y) / r->dy, 1, low, high);
-    deposit(r, wx, x, (a.y * l->grid - o->y) / r->dy, -1, low, high);
+       begins it, from its end to its beginning. The next one begins at the y of
+       this one's end. */
+    int other = in_y[0].at == ay;
+    deposit(r, ax, by, 1, low, high, &in_x, &in_y[other]);
+    deposit(r, ax, ay, -1, low, high, &in_x, &in_y[!other]);
   }
 }
 

@@ -30,7 +30,12 @@ static inline void opc_spline_cell(double t, double weight[OPC_SPLINE_TAPS]) {
 
 /* The values at x of the quintic B-splines centred on first .. first + 5, and
    that first. They sum to 1. */
-int opc_spline_weights(double x, double weight[OPC_SPLINE_TAPS]);
+static inline int opc_spline_weights(double x, double weight[OPC_SPLINE_TAPS]) {
+  int cell = (int)x;
+  cell -= x < cell;
+  opc_spline_cell(x - cell, weight);
+  return cell - 2;
+}
 
 /* Their derivatives there. They sum to 0. */
 void opc_spline_slopes(double x, double slope[OPC_SPLINE_TAPS]);

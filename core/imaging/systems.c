@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Images as sums of coherent systems.
 
-   A field's spectrum is transformed back along y, a strip of frequencies k at a
-   time and only those that the band reaches, and then along x, OPC_LANES rows
+   A field's spectrum is transformed back along y, a strip of frequencies k and -k
+   at a time and only those that the band reaches, and then along x, OPC_LANES rows
    at a time in the cache, where its square is added up at once: no field is
    ever written. The sum is taken on a grid fine enough that nothing folds into
    the band of the intensity. Last, the sum goes forth and, as coefficients of a
    B-spline, back on the grid of the result; again only along lines that the
    band reaches.
 
-   Systems follow one another, and each is cut into strips and rows: what is
-   added to a number, and in what order, does not depend on the threads. */
+   Some systems go together, so that the sum is passed through the memory once for
+   all of them. Each is cut into strips and rows: what is added to a number, and in
+   what order, does not depend on the threads. */
 #include "core/imaging/fft.h"
 #include "core/imaging/imaging.h"
 #include "core/imaging/lanes.h"
@@ -26,8 +27,10 @@
 #include <string.h>
 
 enum {
-  STRIP = 64,          /* columns of a field's spectrum at a time */
-  BLOCKS = STRIP / OPC_LANES
+  STRIP = 32,          /* columns of a field's spectrum at a time, on each side */
+  BLOCKS = STRIP / OPC_LANES,
+  TOGETHER = 4,        /* systems, at most; fewer if their fields take more than */
+  FIELDS_ROOM = 64 << 20   /* so many bytes */
 };
 
 static const double default_step = 32;   /* nm */
@@ -46,8 +49,9 @@ typedef struct job {
   float complex offset, scale;   /* of the mask's transmission */
   int nx, ny;              /* the grid of the fields */
   int half, reach;         /* rows |l| <= half, columns |k| <= reach are not 0 */
-  size_t system;           /* the one that is added */
-  lines field;             /* rows y side by side; column k at k or, if it is
+  size_t system, together; /* the first that is added, and how many */
+  size_t room_for;
+  lines field[TOGETHER];   /* rows y side by side; column k at k or, if it is
                               negative, at left - k */
   size_t left;
   size_t rows, columns;    /* blocks of rows y, of columns k >= 0 of the sums */
@@ -94,70 +98,139 @@ static void give_back(job *j, opc_lanes *a) {
 
 /* ---- a field ---- */
 
-/* A strip: the columns k = first .. first + n - 1, or their negatives. */
+/* A strip: the columns k = first .. first + n - 1, and -k. */
 typedef struct strip {
-  int negative, first, n;
+  size_t system;
+  int first, n;
+  int last;            /* within the band, in the row that is filled */
 } strip;
 
-static size_t strips(int n) { return (size_t)(n + STRIP - 1) / STRIP; }
-
-static strip strip_of(const job *j, size_t index) {
-  size_t right = strips(j->reach + 1);
-  int negative = index >= right;
-  int first = (int)(negative ? index - right : index) * STRIP + negative;
-  return (strip){negative, first, MIN(STRIP, j->reach + 1 - first)};
+static size_t strips(const job *j) {
+  return (size_t)(j->reach + STRIP) / STRIP;
 }
 
-/* re, im = transfer * mask, the mask conjugated if sign is -1. */
-OPC_WIDE static void multiply(const float *restrict t, const float *restrict a,
-                              float sign, int n, float *restrict re,
-                              float *restrict im) {
-  for (int i = 0; i < n; i++) {
-    float x = a[2 * i], y = sign * a[2 * i + 1];
-    re[i] = t[2 * i] * x - t[2 * i + 1] * y;
-    im[i] = t[2 * i] * y + t[2 * i + 1] * x;
-  }
-}
+/* From (k, l), both >= 0, to (-k, l), (k, -l) and (-k, -l). */
+enum { LEFT = 1, BELOW = 2, QUADRANTS = 4 };
 
-/* Row l of a strip of the field's spectrum, into the points to[block * apart]. */
-static void fill_row(const job *j, const strip *s, int l, opc_lanes *to,
-                     size_t apart) {
-  const opc_spectrum *m = j->mask;
+/* A transfer function along a row: at[2 * i] * re, at[2 * i + 1] * im. */
+typedef struct factor {
+  float re, im;        /* 1 or -1 */
+  float value[2 * STRIP];
+  const float *at;     /* these values, or those of another one */
+} factor;
+
+static void ask(const job *j, size_t system, const strip *p, int quadrant,
+                int l, factor *out) {
   const opc_systems *y = &j->systems;
-  double band = fmin(y->band, m->band), fy = l / m->frame.height;
-  double left = band * band - fy * fy;
-  int last = left < 0 ? -1 : (int)floor(m->frame.width * sqrt(left));
-  int n = MIN(s->n, last - s->first + 1);
-  union {
-    opc_vector vector[BLOCKS];
-    float number[STRIP];
-  } re = {0}, im = {0};
-  float t[2 * STRIP];
-  if (n > 0) {
-    double fx[STRIP], step = (s->negative ? -1 : 1) / m->frame.width;
-    for (int i = 0; i < n; i++) fx[i] = (s->first + i) * step;
-    y->transfer(y->self, j->system, fx, fy, (size_t)n, t);
-    if (j->scale != 1)
-      for (int i = 0; i < n; i++) {
-        float complex c = (t[2 * i] + t[2 * i + 1] * I) * j->scale;
-        t[2 * i] = crealf(c);
-        t[2 * i + 1] = cimagf(c);
-      }
-    /* From the half that is stored: a[-k, l] is the conjugate of a[k, -l]. */
-    int row = ((s->negative ? -l : l) + m->rows) % m->rows;
-    const float *a = m->data + 2 * ((size_t)row * (size_t)m->columns + (size_t)s->first);
-    ptrdiff_t next = (s->negative ? -2 : 2) * (ptrdiff_t)m->columns;
-    for (int i = 0; i < n && l != -1 && l < j->half; i += OPC_LANES / 2)
-      __builtin_prefetch(a + next + 2 * (ptrdiff_t)i);
-    multiply(t, a, s->negative ? -1 : 1, n, re.number, im.number);
-    if (l == 0 && !s->negative && s->first == 0) {
-      float complex c = (t[0] + t[1] * I) / j->scale * j->offset;
-      re.number[0] += crealf(c);
-      im.number[0] += cimagf(c);
+  double step = (quadrant & LEFT ? -1 : 1) / j->mask->frame.width;
+  double fy = (quadrant & BELOW ? -l : l) / j->mask->frame.height, fx[STRIP];
+  int n = p->last - p->first + 1;
+  for (int i = 0; i < n; i++) fx[i] = (p->first + i) * step;
+  y->transfer(y->self, system, fx, fy, (size_t)n, out->value);
+  out->re = out->im = 1;
+  out->at = out->value;
+}
+
+/* Those of all quadrants, from one of them. */
+static void mirror(const job *j, const strip *p, int l, factor t[QUADRANTS]) {
+  opc_mirrored m = j->systems.mirror(j->systems.self, p->system);
+  float sign = m.odd ? -1 : 1;
+  int from = m.system == p->system ? 0 : BELOW;
+  ask(j, p->system, p, 0, l, &t[0]);
+  if (from) ask(j, m.system, p, 0, l, &t[from]);
+  t[BELOW].at = t[LEFT].at = t[from].value;
+  t[LEFT | BELOW].at = t[0].value;
+  t[BELOW].re = 1;
+  t[BELOW].im = m.conjugate ? -1 : 1;
+  t[LEFT].re = sign;
+  t[LEFT].im = sign * t[BELOW].im;
+  t[LEFT | BELOW].re = t[LEFT | BELOW].im = sign;
+}
+
+static void scale(float complex by, int n, factor *t) {
+  for (int i = 0; i < n; i++) {
+    float complex c = (t->re * t->at[2 * i] + t->im * t->at[2 * i + 1] * I) * by;
+    t->value[2 * i] = crealf(c);
+    t->value[2 * i + 1] = cimagf(c);
+  }
+  t->re = t->im = 1;
+  t->at = t->value;
+}
+
+static void find_factors(const job *j, const strip *p, int l,
+                         factor t[QUADRANTS]) {
+  int n = p->last - p->first + 1;
+  if (j->systems.mirror) mirror(j, p, l, t);
+  else
+    for (int q = 0; q < QUADRANTS; q++) ask(j, p->system, p, q, l, &t[q]);
+  /* Last those that others are looked up in. */
+  static const int order[QUADRANTS] = {LEFT | BELOW, LEFT, BELOW, 0};
+  for (int i = 0; i < QUADRANTS && j->scale != 1; i++)
+    scale(j->scale, n, &t[order[i]]);
+}
+
+/* transfer * mask, the mask conjugated if sign is -1, for whole blocks. Signs are
+   changed before and after, so that all quadrants have the same products. */
+OPC_WIDE static void multiply(const float *restrict t, float by_re, float by_im,
+                              const float *restrict a, float sign, int n,
+                              opc_lanes *restrict to, size_t apart) {
+  sign *= by_re * by_im;
+  for (int b = 0; b < n; b++, to += apart) {
+    float *re = (float *)&to->re, *im = (float *)&to->im;
+    for (int i = 0; i < OPC_LANES; i++, t += 2, a += 2) {
+      float x = a[0], y = sign * a[1];
+      re[i] = by_re * (t[0] * x - t[1] * y);
+      im[i] = by_im * (t[0] * y + t[1] * x);
     }
   }
-  for (int b = 0; b < BLOCKS; b++)
-    to[(size_t)b * apart] = (opc_lanes){re.vector[b], im.vector[b]};
+}
+
+/* Row l or -l of one side of a strip of the field's spectrum, into the points
+   to[block * apart]. */
+static void fill_row(const job *j, const strip *p, int quadrant, int l,
+                     const factor *f, opc_lanes *to, size_t apart) {
+  const opc_spectrum *m = j->mask;
+  int left = quadrant & LEFT, n = MAX(0, p->last - p->first + 1);
+  int whole = n / OPC_LANES, rest = n % OPC_LANES;
+  float sign = left ? -1 : 1;
+  /* From the half that is stored: a[-k, l] is the conjugate of a[k, -l]. */
+  int down = (quadrant == LEFT || quadrant == BELOW) && l;
+  size_t row = (size_t)(down ? m->rows - l : l);
+  const float *a = m->data + 2 * (row * (size_t)m->columns + (size_t)p->first);
+  ptrdiff_t next = (down ? -2 : 2) * (ptrdiff_t)m->columns;
+  for (int i = 0; i < n && !left && l && l < j->half; i += OPC_LANES / 2)
+    __builtin_prefetch(a + next + 2 * (ptrdiff_t)i);
+  if (whole) multiply(f->at, f->re, f->im, a, sign, whole, to, apart);
+  if (rest) {
+    float t[2 * OPC_LANES] = {0}, end[2 * OPC_LANES] = {0};
+    size_t done = (size_t)whole * 2 * OPC_LANES;
+    memcpy(t, f->at + done, sizeof *t * 2 * (size_t)rest);
+    memcpy(end, a + done, sizeof *end * 2 * (size_t)rest);
+    multiply(t, f->re, f->im, end, sign, 1, to + (size_t)whole * apart, apart);
+  }
+  for (int b = whole + (rest > 0); b < BLOCKS; b++)
+    to[(size_t)b * apart] = (opc_lanes){0};
+  if (l || left || p->first) return;
+  float complex c = (f->at[0] + f->at[1] * I) / j->scale * j->offset;
+  to->re[0] += crealf(c);
+  to->im[0] += cimagf(c);
+}
+
+/* Rows l and -l of a strip; the columns -k lie behind the others. */
+static void fill_rows(const job *j, strip *p, int l, opc_lanes *to,
+                      size_t apart) {
+  const opc_spectrum *m = j->mask;
+  double band = fmin(j->systems.band, m->band), fy = l / m->frame.height;
+  double left = band * band - fy * fy;
+  int last = left < 0 ? -1 : (int)floor(m->frame.width * sqrt(left));
+  factor t[QUADRANTS];
+  p->last = MIN(last, p->first + p->n - 1);
+  if (p->last >= p->first) find_factors(j, p, l, t);
+  for (int q = 0; q < QUADRANTS; q++) {
+    int y = q & BELOW ? j->ny - l : l;
+    if (q & BELOW && !l) continue;
+    fill_row(j, p, q, l, &t[q], to + (q & LEFT ? BLOCKS * apart : 0) + y, apart);
+  }
 }
 
 /* From n points of OPC_LANES columns to `column` of blocks of rows. Rows that
@@ -167,6 +240,11 @@ static void turn_lines(opc_lanes *from, int n, lines *to, size_t column) {
   for (size_t b = 0; b < blocks(n); b++) {
     const opc_lanes *tile = from + b * OPC_LANES;
     opc_lanes *out = to->at + b * to->n + column;
+    /* The next one lies far away. */
+    for (size_t i = 0; i < OPC_LANES && b + 1 < blocks(n); i++) {
+      __builtin_prefetch(&out[to->n + i].re, 1);
+      __builtin_prefetch(&out[to->n + i].im, 1);
+    }
     opc_lanes_turn(&tile->re, 2, &out->re, 2);
     opc_lanes_turn(&tile->im, 2, &out->im, 2);
   }
@@ -174,19 +252,22 @@ static void turn_lines(opc_lanes *from, int n, lines *to, size_t column) {
 
 static void field_along_y(void *data, size_t index) {
   job *j = data;
-  strip s = strip_of(j, index);
+  lines *field = &j->field[index / strips(j)];
+  strip s = {.system = j->system + index / strips(j),
+             .first = (int)(index % strips(j)) * STRIP};
+  s.n = MIN(STRIP, j->reach + 1 - s.first);
   size_t apart = j->rows * OPC_LANES;
-  opc_lanes *a = borrow(j), *work = a + BLOCKS * apart;
+  opc_lanes *a = borrow(j), *work = a + 2 * BLOCKS * apart;
   const opc_lanes_plan *plan = opc_lanes_plan_for(j->ny);
-  for (int l = -j->half; l <= j->half && a; l++)
-    fill_row(j, &s, l, a + (l < 0 ? l + j->ny : l), apart);
-  for (size_t b = 0; b < blocks(s.n) && a; b++) {
-    opc_lanes *column = a + b * apart;
+  for (int l = 0; l <= j->half && a; l++) fill_rows(j, &s, l, a, apart);
+  for (size_t b = 0; b < 2 * blocks(s.n) && a; b++) {
+    size_t left = b >= blocks(s.n), block = left ? b - blocks(s.n) : b;
+    opc_lanes *column = a + (left * BLOCKS + block) * apart;
     memset(column + j->half + 1, 0,
            sizeof *a * (size_t)(j->ny - 2 * j->half - 1));
     opc_lanes_backward(plan, column, work);
-    turn_lines(column, j->ny, &j->field,
-               (s.negative ? j->left : 0) + (size_t)s.first + b * OPC_LANES);
+    turn_lines(column, j->ny, field,
+               left * j->left + (size_t)s.first + block * OPC_LANES);
   }
   give_back(j, a);
 }
@@ -197,38 +278,52 @@ OPC_WIDE static void add_square(const opc_lanes *restrict field, float weight,
     sum[i] += weight * (field[i].re * field[i].re + field[i].im * field[i].im);
 }
 
+/* Squares of the systems that are there, one after another. */
 static void square_along_x(void *data, size_t block) {
   job *j = data;
   opc_lanes *a = borrow(j);
-  if (!a) return;
-  const opc_lanes *row = j->field.at + block * j->field.n;
   size_t reach = (size_t)j->reach, n = (size_t)j->nx;
-  memcpy(a, row, sizeof *a * (reach + 1));
-  memset(a + reach + 1, 0, sizeof *a * (n - 2 * reach - 1));
-  for (size_t k = 1; k <= reach; k++) a[n - k] = row[j->left + k];
-  opc_lanes_backward(opc_lanes_plan_for(j->nx), a, a + n);
-  int rest = j->system == j->systems.count;
-  add_square(a, rest ? 1 : (float)j->systems.weight[j->system], j->nx,
-             j->sum[rest] + block * n);
+  for (size_t i = 0; i < j->together && a; i++) {
+    const opc_lanes *row = j->field[i].at + block * j->field[i].n;
+    size_t system = j->system + i;
+    memcpy(a, row, sizeof *a * (reach + 1));
+    memset(a + reach + 1, 0, sizeof *a * (n - 2 * reach - 1));
+    for (size_t k = 1; k <= reach; k++) a[n - k] = row[j->left + k];
+    opc_lanes_backward(opc_lanes_plan_for(j->nx), a, a + n);
+    int rest = system == j->systems.count;
+    add_square(a, rest ? 1 : (float)j->systems.weight[system], j->nx,
+               j->sum[rest] + block * n);
+  }
   give_back(j, a);
 }
 
-static void add_systems(job *j) {
+/* Room for the fields of some systems and for the sums. */
+static void make_fields(job *j, size_t count) {
   size_t n = j->rows * (size_t)j->nx;
-  size_t right = strips(j->reach + 1), left = strips(j->reach);
-  j->left = right * STRIP - 1;   /* the first of these columns is -1 */
-  j->field.n = (right + left) * STRIP;
-  j->field.at = room(j, j->rows * j->field.n, sizeof *j->field.at);
+  j->left = strips(j) * STRIP;
+  size_t each = j->rows * 2 * j->left * sizeof *j->field->at;
+  size_t most = MIN(count, MAX(1, FIELDS_ROOM / each));
+  for (j->room_for = 0; j->room_for < MIN(most, TOGETHER); j->room_for++) {
+    lines *field = &j->field[j->room_for];
+    field->n = 2 * j->left;
+    field->at = room(j, each, 1);
+  }
   for (int i = 0; i <= (j->systems.residual != NULL); i++) {
     j->sum[i] = room(j, n, sizeof *j->sum[i]);
     if (j->sum[i]) memset(j->sum[i], 0, n * sizeof *j->sum[i]);
   }
+}
+
+static void add_systems(job *j) {
   size_t count = j->systems.count + (j->systems.residual != NULL);
-  for (j->system = 0; j->system < count && !j->failed; j->system++) {
-    j->host->parallel(j->host, right + left, field_along_y, j);
+  make_fields(j, count);
+  for (j->system = 0; j->system < count && !j->failed;
+       j->system += j->together) {
+    j->together = MIN(j->room_for, count - j->system);
+    j->host->parallel(j->host, j->together * strips(j), field_along_y, j);
     if (!j->failed) j->host->parallel(j->host, j->rows, square_along_x, j);
   }
-  opc_fft_free(j->field.at);
+  for (size_t i = 0; i < j->room_for; i++) opc_fft_free(j->field[i].at);
 }
 
 /* ---- from the sums to the result ---- */
@@ -423,7 +518,7 @@ static void choose_grids(job *j, double step) {
                            (size_t)j->fine_y};
   for (int i = 0; i < 4; i++)
     work = MAX(work, MAX(n[i], opc_lanes_room(opc_lanes_plan_for((int)n[i]))));
-  j->room = work + BLOCKS * OPC_LANES * j->rows +
+  j->room = work + 2 * BLOCKS * OPC_LANES * j->rows +
             MAX(n[0], MAX(n[2], n[3]) + OPC_LANES) + 2 * OPC_LANES;
 }
 

@@ -41,6 +41,13 @@ typedef struct opc_spectrum {
   float *data;               /* from host->alloc */
 } opc_spectrum;
 
+/* Since 1.2. The transfer function of a system at (fx, -fy) is that of `system` at
+   (fx, fy), conjugated or not; at (-fx, fy) it is the same, times -1 if `odd`. */
+typedef struct opc_mirrored {
+  size_t system;
+  int32_t conjugate, odd;
+} opc_mirrored;
+
 /* A sum of coherent systems: intensity = sum over s of weight[s] |E_s|^2, E_s
    the mask seen through the transfer function of s. */
 typedef struct opc_systems {
@@ -62,6 +69,9 @@ typedef struct opc_systems {
      multiplied by out[i]. What is left of a sum that was cut off. [any] */
   void (*residual)(const void *self, const double *fx, double fy, size_t n,
                    float *out);
+  /* Since 1.2. How system s is mirrored; NULL if it is not known. `transfer` is
+     then asked for fx >= 0 and fy >= 0 only: a quarter of the work. [any] */
+  opc_mirrored (*mirror)(const void *self, size_t s);
 } opc_systems;
 
 /* All [any]. */

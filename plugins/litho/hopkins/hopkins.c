@@ -60,7 +60,8 @@ static int image_by(const hopkins *h, const kernels *k, int layer,
                          .intensity_band = 2 * k->cutoff,
                          .transfer = k->transfer,
                          .residual = k->has_residual ? k->residual : NULL,
-                         .self = k};
+                         .self = k,
+                         .mirror = k->mirror};
   if (layer != BINARY)
     optics_amplitudes(&h->optics, layer, systems.offset, systems.scale);
   return h->host->imaging->coherent_sum(h->host, mask, &systems, step_of(h), out,

@@ -24,6 +24,7 @@ struct kernels {
                    size_t n, float *out);
   void (*residual)(const void *self, const double *fx, double fy, size_t n,
                    float *out);
+  opc_mirrored (*mirror)(const void *self, size_t s);   /* or NULL */
   /* T of frequencies in units of the cutoff, exact; NULL if it is not known
      other than by its kernels. [any] */
   double (*cross)(const kernels *self, double x1, double y1, double x2,

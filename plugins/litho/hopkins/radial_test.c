@@ -165,9 +165,35 @@ static void test_reference(void) {
   g_free(all.data);
 }
 
+/* What is said of mirrored systems is so, in focus and out of it. */
+static void test_mirror(void) {
+  static const optics o = {.wavelength = 193, .na = 0.75, .index = 1,
+                           .cutoff = 0.75 / 193, .source = OPTICS_CIRCULAR,
+                           .sigma = 0.75};
+  for (int real = 0; real < 2; real++) {
+    kernels *k = radial_kernels(opc_test_host(), &o, real ? 0 : 120, real, 1e-3);
+    g_assert_true(k && k->keep(k, 30));
+    const double fx = 0.0021, fy = 0.0013;
+    for (size_t s = 0; s <= k->count; s++) {
+      opc_mirrored m = k->mirror(k, s);
+      float want[2], got[2];
+      k->transfer(k, m.system, &fx, fy, 1, want);
+      if (m.conjugate) want[1] = -want[1];
+      k->transfer(k, s, &fx, -fy, 1, got);
+      for (int i = 0; i < 2; i++) g_assert_cmpfloat(got[i], ==, want[i]);
+      const double left = -fx;
+      k->transfer(k, s, &left, fy, 1, got);
+      for (int i = 0; i < 2; i++)
+        g_assert_cmpfloat(got[i], ==, m.odd ? -want[i] : want[i]);
+    }
+    k->free(k);
+  }
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/radial/pupils", test_pupils);
   g_test_add_func("/radial/reference", test_reference);
+  g_test_add_func("/radial/mirror", test_mirror);
   return g_test_run();
 }

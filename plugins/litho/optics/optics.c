@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-const opc_parameter optics_parameters[OPTICS_COUNT] = {OPTICS_PARAMETERS};
-
 /* ---- parameters that do not fit together ---- */
 
 /* Which sources each of their parameters belongs to. */

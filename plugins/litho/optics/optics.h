@@ -20,7 +20,6 @@ enum {
   OPTICS_ACTIVE_TONE, OPTICS_ACTIVE_TRANSMISSION, OPTICS_ACTIVE_PHASE,
   OPTICS_COUNT
 };
-extern const opc_parameter optics_parameters[OPTICS_COUNT];
 
 /* Fringe Zernike terms that there are, Z1 to Z37. */
 enum { OPTICS_TERMS = 37 };
