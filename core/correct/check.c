@@ -12,7 +12,7 @@
 
 enum {
   MOST_SLICES = 1 << 16,
-  MOST_PATCHES = 1 << 24,
+  MOST_BOXES = 1 << 24,    /* of what is added to a mask */
   FURTHEST = 1 << 20,      /* of a move, grid steps */
   OUTERMOST = 1 << 30,     /* coordinate */
   ALL_VETOES = 15
@@ -126,6 +126,28 @@ int opc_check_performance(const opc_gates *gates, size_t first,
   return OPC_OK;
 }
 
+/* ---- boxes added to a mask ---- */
+
+/* `what` is one of them. */
+static int check_boxes(const char *what, int layer, const opc_box *box,
+                       size_t n, opc_error *error) {
+  if (n > MOST_BOXES || (n && !box))
+    return opc_fail(error, OPC_FAILED, NULL, "gives %zu %s of %s%s", n, what,
+                    mask_names[layer],
+                    n > MOST_BOXES ? "" : " without their boxes");
+  for (size_t i = 0; i < n; i++) {
+    opc_box b = box[i];
+    if (b.x0 < b.x1 && b.y0 < b.y1 && b.x0 >= -OUTERMOST &&
+        b.y0 >= -OUTERMOST && b.x1 <= OUTERMOST && b.y1 <= OUTERMOST)
+      continue;
+    return opc_fail(error, OPC_FAILED, NULL,
+                    "number %zu of the %s of %s is no box: (%d, %d) to (%d, %d)",
+                    i + 1, what, mask_names[layer], (int)b.x0, (int)b.y0,
+                    (int)b.x1, (int)b.y1);
+  }
+  return OPC_OK;
+}
+
 /* ---- moves ---- */
 
 static int far_move(const char *what, size_t gate, int32_t steps,
@@ -155,26 +177,11 @@ int opc_check_moves(const opc_moves *moves, size_t gates,
                         "possible",
                         i + 1, mask_names[layer],
                         (int)moves->shift[layer][i], FURTHEST);
-  return OPC_OK;
-}
-
-static int check_patches(const opc_ruling *r, int layer, opc_error *error) {
-  size_t n = r->patch_count[layer];
-  if (n > MOST_PATCHES || (n && !r->patches[layer]))
-    return opc_fail(error, OPC_FAILED, NULL, "gives %zu patches of %s%s", n,
-                    mask_names[layer],
-                    n > MOST_PATCHES ? "" : " without their boxes");
-  for (size_t i = 0; i < n; i++) {
-    opc_box b = r->patches[layer][i];
-    if (b.x0 < b.x1 && b.y0 < b.y1 && b.x0 >= -OUTERMOST &&
-        b.y0 >= -OUTERMOST && b.x1 <= OUTERMOST && b.y1 <= OUTERMOST)
-      continue;
-    return opc_fail(error, OPC_FAILED, NULL,
-                    "patch %zu of %s is no box: (%d, %d) to (%d, %d)", i + 1,
-                    mask_names[layer], (int)b.x0, (int)b.y0, (int)b.x1,
-                    (int)b.y1);
-  }
-  return OPC_OK;
+  int code = OPC_OK;
+  for (int layer = 0; layer < OPC_MASKS && !code; layer++)
+    code = check_boxes("assists", layer, moves->assists[layer],
+                       moves->assist_count[layer], error);
+  return code;
 }
 
 int opc_check_ruling(const opc_ruling *r, size_t gates, opc_error *error) {
@@ -189,7 +196,11 @@ int opc_check_ruling(const opc_ruling *r, size_t gates, opc_error *error) {
   }
   int code = OPC_OK;
   for (int layer = 0; layer < OPC_MASKS && !code; layer++)
-    code = check_patches(r, layer, error);
+    code = check_boxes("patches", layer, r->patches[layer],
+                       r->patch_count[layer], error);
+  for (int layer = 0; layer < OPC_MASKS && !code; layer++)
+    code = check_boxes("bites", layer, r->bites[layer], r->bite_count[layer],
+                       error);
   return code;
 }
 
@@ -288,6 +299,9 @@ int opc_check_cuts(const opc_gates *gates, int layer, const opc_cuts *cuts,
                    opc_error *error) {
   const opc_shapes *drawn = &gates->drawn[layer];
   const char *name = mask_names[layer];
+  int code = check_boxes("assists", layer, cuts->assists, cuts->assist_count,
+                         error);
+  if (code) return code;
   if (!cuts->polygons) return OPC_OK;
   if (cuts->polygons != drawn->count)
     return opc_fail(error, OPC_FAILED, NULL,
@@ -297,7 +311,6 @@ int opc_check_cuts(const opc_gates *gates, int layer, const opc_cuts *cuts,
     return opc_fail(error, OPC_FAILED, NULL, "cuts %s: fragments are missing",
                     name);
   cut_place place = {.cuts = cuts, .layer = name, .grid = gates->grid};
-  int code = OPC_OK;
   for (size_t p = 0; p < cuts->polygons && !code; p++)
     if (cuts->start[p + 1] < cuts->start[p])
       code = opc_fail(error, OPC_FAILED, NULL,

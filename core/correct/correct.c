@@ -27,7 +27,8 @@ typedef struct correct {
 static void tell_of_overlaps(const opc_loop *l) {
   const opc_geometry_service *g = l->host->geometry;
   for (int layer = 0; layer < OPC_MASKS; layer++)
-    if (!l->now.patches[layer].count &&
+    if (!l->now.patches[layer].count && !l->now.bites[layer].count &&
+        !l->now.assists[layer].count &&
         g->area2(&l->polygons[layer]) != g->area2(&l->mask[layer])) {
       l->host->log(l->host, OPC_LOG_WARNING,
                    "mask edges have met: their polygons were merged");

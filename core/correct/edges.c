@@ -49,12 +49,13 @@ int opc_pieces_shapes(const opc_host *host, const opc_pieces *pieces,
 }
 
 int opc_pieces_boxes(const opc_host *host, const opc_box *box, size_t n,
-                     opc_shapes *out) {
-  *out = (opc_shapes){.count = n};
-  out->start = host->alloc(host, n + 1, sizeof *out->start);
-  out->points = host->alloc(host, 4 * n, sizeof *out->points);
-  for (size_t i = 0; i < n && out->start && out->points; i++) {
-    opc_box b = box[i];
+                     const opc_box *more, size_t m, opc_shapes *out) {
+  size_t all = n + m;
+  *out = (opc_shapes){.count = all};
+  out->start = host->alloc(host, all + 1, sizeof *out->start);
+  out->points = host->alloc(host, 4 * all, sizeof *out->points);
+  for (size_t i = 0; i < all && out->start && out->points; i++) {
+    opc_box b = i < n ? box[i] : more[i - n];
     const opc_point corners[] = {
         {b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
     memcpy(out->points + 4 * i, corners, sizeof corners);

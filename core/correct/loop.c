@@ -32,6 +32,8 @@ static void clear_trial(const opc_loop *l, opc_trial *t) {
   for (int layer = 0; layer < OPC_MASKS; layer++) {
     l->host->free(l->host, t->shift[layer]);
     l->host->free(l->host, t->patches[layer].box);
+    l->host->free(l->host, t->bites[layer].box);
+    l->host->free(l->host, t->assists[layer].box);
   }
 }
 
@@ -40,10 +42,12 @@ static int set_patches(const opc_loop *l, opc_patches *p, const opc_box *box,
   if (count != p->count) {
     opc_box *room = l->host->alloc(l->host, count, sizeof *room);
     if (!room) return 0;
+    if (count) memcpy(room, box, count * sizeof *box);
     l->host->free(l->host, p->box);
     *p = (opc_patches){room, count};
+  } else if (count && box != p->box) {
+    memcpy(p->box, box, count * sizeof *box);
   }
-  if (count) memcpy(p->box, box, count * sizeof *box);
   return 1;
 }
 
@@ -55,8 +59,11 @@ static int copy_trial(const opc_loop *l, opc_trial *to, const opc_trial *from) {
   memcpy(to->biases.end, from->biases.end, 2 * n);
   int ok = 1;
   for (int layer = 0; layer < OPC_MASKS; layer++) {
-    const opc_patches *p = &from->patches[layer];
-    ok &= set_patches(l, &to->patches[layer], p->box, p->count);
+    const opc_patches *p = &from->patches[layer], *a = &from->assists[layer];
+    const opc_patches *b = &from->bites[layer];
+    ok &= set_patches(l, &to->patches[layer], p->box, p->count) &
+          set_patches(l, &to->bites[layer], b->box, b->count) &
+          set_patches(l, &to->assists[layer], a->box, a->count);
     if (to->shift[layer])
       memcpy(to->shift[layer], from->shift[layer],
              l->sites[layer].count * sizeof(int32_t));
@@ -68,13 +75,18 @@ static int differ(const int32_t *a, const int32_t *b, size_t n) {
   return n && memcmp(a, b, n * sizeof *a) != 0;
 }
 
+static int other_boxes(const opc_patches *p, const opc_patches *q) {
+  return p->count != q->count ||
+         (p->count && memcmp(p->box, q->box, p->count * sizeof *p->box));
+}
+
 /* Would `next` print another mask of that layer? */
 static int changed(const opc_loop *l, int layer) {
   const opc_biases *a = &l->now.biases, *b = &l->next.biases;
-  const opc_patches *p = &l->now.patches[layer], *q = &l->next.patches[layer];
   size_t n = l->gates->count;
-  if (p->count != q->count ||
-      (p->count && memcmp(p->box, q->box, p->count * sizeof *p->box)))
+  if (other_boxes(&l->now.patches[layer], &l->next.patches[layer]) ||
+      other_boxes(&l->now.bites[layer], &l->next.bites[layer]) ||
+      other_boxes(&l->now.assists[layer], &l->next.assists[layer]))
     return 1;
   if (l->now.shift[layer])
     return differ(l->now.shift[layer], l->next.shift[layer],
@@ -105,6 +117,22 @@ static int no_memory(opc_error *error) {
   return opc_fail(error, OPC_FAILED, NULL, "out of memory");
 }
 
+static int take_bites(opc_loop *l, int layer, opc_error *error) {
+  const opc_geometry_service *g = l->host->geometry;
+  const opc_patches *b = &l->now.bites[layer];
+  opc_shapes bites = {0}, whole = l->mask[layer];
+  if (!b->count) return OPC_OK;
+  if (!opc_pieces_boxes(l->host, b->box, b->count, NULL, 0, &bites))
+    return no_memory(error);
+  l->mask[layer] = (opc_shapes){0};
+  int code = g->boolean(l->host, OPC_NOT, &whole, &bites, &l->mask[layer],
+                        error);
+  g->release(&whole);
+  l->host->free(l->host, bites.start);
+  l->host->free(l->host, bites.points);
+  return code;
+}
+
 /* The mask of a layer as `now` has it. It is merged, as what overlaps is not
    twice as dark. */
 static int make_mask(opc_loop *l, int layer, opc_error *error) {
@@ -117,15 +145,17 @@ static int make_mask(opc_loop *l, int layer, opc_error *error) {
     opc_pieces_follow(l->gates, layer, &l->now.biases, pieces);
   opc_pieces_build(pieces, &l->polygons[layer]);
   g->release(&l->mask[layer]);
-  const opc_patches *p = &l->now.patches[layer];
+  const opc_patches *p = &l->now.patches[layer], *a = &l->now.assists[layer];
   opc_shapes added = {0};
-  if (p->count && !opc_pieces_boxes(l->host, p->box, p->count, &added))
-    return no_memory(error);
-  int code = g->boolean(l->host, OPC_OR, &l->polygons[layer],
-                        p->count ? &added : NULL, &l->mask[layer], error);
+  int ok = !(p->count + a->count) ||
+           opc_pieces_boxes(l->host, p->box, p->count, a->box, a->count, &added);
+  int code = ok ? g->boolean(l->host, OPC_OR, &l->polygons[layer],
+                             added.count ? &added : NULL, &l->mask[layer],
+                             error)
+                : no_memory(error);
   l->host->free(l->host, added.start);
   l->host->free(l->host, added.points);
-  return code;
+  return code ? code : take_bites(l, layer, error);
 }
 
 /* Print and measure the mask of `next`, which becomes `now`. Only layers that
@@ -166,7 +196,7 @@ opc_printed opc_loop_printed(const opc_loop *l) {
                        .print = l->printer.print};
 }
 
-/* Let the regulator set vetoes, and line ends and patches of `next`. */
+/* Let the regulator set vetoes, and line ends, patches and bites of `next`. */
 static int judge(opc_loop *l, opc_error *error) {
   memset(l->vetoes, 0, l->gates->count * sizeof *l->vetoes);
   if (!l->regulator) return OPC_OK;
@@ -182,7 +212,9 @@ static int judge(opc_loop *l, opc_error *error) {
   drop_biases(l);
   for (int layer = 0; layer < OPC_MASKS; layer++)
     if (!set_patches(l, &l->next.patches[layer], ruling.patches[layer],
-                     ruling.patch_count[layer]))
+                     ruling.patch_count[layer]) ||
+        !set_patches(l, &l->next.bites[layer], ruling.bites[layer],
+                     ruling.bite_count[layer]))
       return no_memory(error);
   return OPC_OK;
 }
@@ -195,7 +227,9 @@ static opc_feedback feedback(const opc_loop *l) {
                     .printed = &l->measured.performance,
                     .flags = l->measured.flags,
                     .vetoes = l->vetoes,
-                    .end = l->now.biases.end};
+                    .end = l->now.biases.end,
+                    .print = l->printer.print,
+                    .next_end = l->next.biases.end};
   for (int layer = 0; layer < OPC_MASKS; layer++)
     f.epe[layer] = l->sites[layer].epe;
   return f;
@@ -212,17 +246,18 @@ static int cut_layer(opc_loop *l, int layer, opc_error *error) {
     if (!code) code = opc_check_cuts(l->gates, layer, &cuts, error);
     if (code) return opc_blame(error, code, "synthesizer");
   }
-  int ok;
+  int ok = set_patches(l, &l->next.assists[layer], cuts.assists,
+                       cuts.assist_count);
   if (cuts.polygons) {
-    ok = opc_pieces_of_cuts(l->host, &cuts, &l->pieces[layer]) &
-         opc_sites_make(l->host, &cuts, &l->sites[layer]);
+    ok &= opc_pieces_of_cuts(l->host, &cuts, &l->pieces[layer]) &
+          opc_sites_make(l->host, &cuts, &l->sites[layer]);
     size_t n = l->sites[layer].count;
     l->now.shift[layer] = l->host->alloc(l->host, n, sizeof(int32_t));
     l->next.shift[layer] = l->host->alloc(l->host, n, sizeof(int32_t));
     ok = ok && l->now.shift[layer] && l->next.shift[layer];
   } else {
-    ok = opc_pieces_of_edges(l->host, &l->gates->edges[layer],
-                             &l->pieces[layer]);
+    ok &= opc_pieces_of_edges(l->host, &l->gates->edges[layer],
+                              &l->pieces[layer]);
   }
   ok = ok && opc_pieces_shapes(l->host, &l->pieces[layer], &l->polygons[layer]);
   l->polygons[layer].hole = l->gates->drawn[layer].hole;
@@ -233,6 +268,7 @@ static int begin(opc_loop *l, opc_error *error) {
   const opc_synthesizer *s = l->synthesizer->plugin->operations;
   opc_feedback f = feedback(l);
   f.printed = NULL;
+  f.print = NULL;
   const char *before = opc_call(l->synthesizer, error);
   int code = s->begin(l->synthesizer->self, &f, error);
   opc_leave(before);
@@ -251,14 +287,21 @@ static int update(opc_loop *l, int *done, opc_error *error) {
   size_t fragments[OPC_MASKS];
   for (int layer = 0; layer < OPC_MASKS; layer++) {
     moves.shift[layer] = l->next.shift[layer];
+    moves.assists[layer] = l->next.assists[layer].box;
+    moves.assist_count[layer] = l->next.assists[layer].count;
     fragments[layer] = l->sites[layer].count;
   }
   const char *before = opc_call(l->synthesizer, error);
   int code = s->update(l->synthesizer->self, &f, &moves, done, error);
   opc_leave(before);
   if (!code) code = opc_check_moves(&moves, l->gates->count, fragments, error);
-  if (!code) drop_biases(l);
-  return opc_blame(error, code, "synthesizer");
+  if (code) return opc_blame(error, code, "synthesizer");
+  drop_biases(l);
+  for (int layer = 0; layer < OPC_MASKS; layer++)
+    if (!set_patches(l, &l->next.assists[layer], moves.assists[layer],
+                     moves.assist_count[layer]))
+      return no_memory(error);
+  return OPC_OK;
 }
 
 /* ---- the loop ---- */
@@ -305,6 +348,8 @@ static int iterate(opc_loop *l, opc_error *error) {
     }
     done = 0;
     if ((code = update(l, &done, error))) return code;
+    /* What the regulator changes now, it has not seen yet. */
+    if (ruled && ends_anytime(l)) done = 0;
     l->iterations++;
     if (done && !any_changed(l)) return OPC_OK;
   }

@@ -41,9 +41,9 @@ void opc_pieces_follow(const opc_gates *gates, int layer,
 int opc_pieces_shapes(const opc_host *host, const opc_pieces *pieces,
                       opc_shapes *out);
 
-/* Boxes as polygons. 0 if there is no memory. */
+/* Boxes as polygons, n and then m more. 0 if there is no memory. */
 int opc_pieces_boxes(const opc_host *host, const opc_box *box, size_t n,
-                     opc_shapes *out);
+                     const opc_box *more, size_t m, opc_shapes *out);
 
 /* The polygons of moved pieces: no corner twice, none on a straight line. They
    keep their order; one of which nothing is left has no points. They may
@@ -205,7 +205,9 @@ typedef struct opc_patches {
 typedef struct opc_trial {
   opc_biases biases;
   int32_t *shift[OPC_MASKS];        /* of layers that are cut into fragments */
-  opc_patches patches[OPC_MASKS];
+  opc_patches patches[OPC_MASKS];   /* of the regulator */
+  opc_patches bites[OPC_MASKS];     /* what it takes away */
+  opc_patches assists[OPC_MASKS];   /* of the synthesizer */
 } opc_trial;
 
 /* One correction. Arrays are of gates or of pieces, made once. Set the first
@@ -218,7 +220,7 @@ typedef struct opc_loop {
   opc_printer printer;
   opc_pieces pieces[OPC_MASKS];     /* of the edges */
   opc_shapes polygons[OPC_MASKS];   /* what they make */
-  opc_shapes mask[OPC_MASKS];       /* that and the patches, merged */
+  opc_shapes mask[OPC_MASKS];       /* that, patches and assists, merged */
   opc_sites sites[OPC_MASKS];       /* of layers that are cut into fragments */
   opc_trial now, next;              /* printed and measured; to try next */
   opc_measurement measured;

@@ -108,7 +108,11 @@ static struct synthesizer {
   double site[2 * THIRDS];
   uint32_t start[3];
   const char *spoil;           /* what to do wrong */
+  const opc_box *assists;
+  size_t assist_count;
+  int drop;                    /* the last of them with the first moves */
   uint32_t first_simulations;  /* prints before the first moves */
+  int updates;
   opc_printer *printer;
 } own;
 
@@ -134,7 +138,9 @@ static int cut(void *self, const opc_gates *g, int layer, opc_cuts *cuts,
   }
   own.start[2] = n;
   *cuts = (opc_cuts){.size = sizeof *cuts, .polygons = 2, .start = own.start,
-                     .from = own.from, .site = own.site};
+                     .from = own.from, .site = own.site,
+                     .assists = own.assists,
+                     .assist_count = own.assist_count};
   if (!own.spoil) return OPC_OK;
   if (!strcmp(own.spoil, "count")) cuts->polygons = 1;
   if (!strcmp(own.spoil, "corner")) own.from[3].x -= 1;
@@ -161,6 +167,10 @@ static int update(void *self, const opc_feedback *f, opc_moves *m, int *done,
   g_assert_nonnull(f->epe[OPC_POLY]);
   g_assert_null(f->epe[OPC_ACTIVE]);
   g_assert_null(m->shift[OPC_ACTIVE]);
+  g_assert_nonnull(f->next_end);
+  own.updates++;
+  *done = 1;
+  if (own.spoil && !strcmp(own.spoil, "at once")) return OPC_OK;
   if (f->iteration == 0) own.first_simulations = own.printer->simulations;
   double worst = 0;
   for (int i = 0; i < THIRDS; i++) {
@@ -170,6 +180,10 @@ static int update(void *self, const opc_feedback *f, opc_moves *m, int *done,
     m->shift[OPC_POLY][i] -= (int32_t)lround(epe / f->gates->grid * 0.6);
   }
   *done = worst < 2 || f->iteration == 40;
+  g_assert_nonnull(f->print[OPC_POLY].coefficients);
+  g_assert_cmpuint(m->assist_count[OPC_POLY], ==,
+                   own.assist_count - (own.drop && f->iteration > 0));
+  if (own.drop && f->iteration == 0) m->assist_count[OPC_POLY]--;
   if (own.spoil && !strcmp(own.spoil, "far")) m->shift[OPC_POLY][7] = 1 << 21;
   return OPC_OK;
 }
@@ -256,7 +270,7 @@ static void test_patches(void) {
     /* Settled before the first moves, or together with them. */
     g_assert_cmpuint(own.first_simulations, ==, early ? 2 : 3);
     opc_shapes box, outside, both;
-    g_assert_true(opc_pieces_boxes(host, &patch, 1, &box));
+    g_assert_true(opc_pieces_boxes(host, &patch, 1, NULL, 0, &box));
     const opc_geometry_service *g = host->geometry;
     g_assert_false(g->boolean(host, OPC_NOT, &box, &l.mask[OPC_POLY], &outside,
                               &error));
@@ -269,14 +283,64 @@ static void test_patches(void) {
     g->release(&both);
     opc_loop_clear(&l);
   }
+  /* One that is content before it has seen the patch is asked again. */
+  own.spoil = "at once";
+  own.updates = 0;
+  g_assert_cmpint(run(&l, &hasty, MODULE(OPC_KIND_DRC, &regulator), &error), ==,
+                  OPC_OK);
+  g_assert_cmpint(own.updates, ==, 2);
+  g_assert_cmpuint(l.printer.simulations, ==, 3);
+  opc_loop_clear(&l);
+  own.spoil = NULL;
   static const opc_box wrong = {10, 0, 10, 5};
   patch_given = &wrong;
   g_assert_cmpint(run(&l, &cutter, MODULE(OPC_KIND_DRC, &regulator), &error),
                   ==, OPC_FAILED);
   g_assert_cmpstr(error.parameter, ==, "regulator");
   g_assert_cmpstr(error.message, ==,
-                  "patch 1 of poly is no box: (10, 0) to (10, 5)");
+                  "number 1 of the patches of poly is no box: (10, 0) to (10, 5)");
   opc_loop_clear(&l);
+}
+
+/* Assist features are of the mask as they are, merged where they touch, and one
+   that is taken away is not. */
+static void test_assists(void) {
+  static const opc_box bars[] = {{400, -100, 420, 400}, {410, 390, 500, 410},
+                                 {-120, 0, -100, 200}};
+  const opc_geometry_service *g = host->geometry;
+  opc_loop l;
+  opc_error error = {0};
+  own.spoil = NULL;
+  own.assists = bars;
+  own.assist_count = 3;
+  for (own.drop = 0; own.drop < 2; own.drop++) {
+    g_assert_cmpint(run(&l, &cutter, NULL, &error), ==, OPC_OK);
+    opc_shapes added;
+    g_assert_false(g->boolean(host, OPC_NOT, &l.mask[OPC_POLY],
+                              &l.polygons[OPC_POLY], &added, &error));
+    g_assert_cmpuint(added.count, ==, own.drop ? 1 : 2);
+    int64_t both = 20 * 500 + 90 * 20 - 10 * 10;
+    g_assert_cmpint(g->area2(&added), ==,
+                    2 * (both + (own.drop ? 0 : 20 * 200)));
+    g->release(&added);
+    opc_loop_clear(&l);
+  }
+  own.drop = 0;
+  static const opc_box wrong[] = {{0, 400, 10, 410}, {10, 400, 5, 410}};
+  own.assists = wrong;
+  own.assist_count = 2;
+  g_assert_cmpint(run(&l, &cutter, NULL, &error), ==, OPC_FAILED);
+  g_assert_cmpstr(error.parameter, ==, "synthesizer");
+  g_assert_cmpstr(error.message, ==,
+                  "number 2 of the assists of poly is no box: (10, 400) to (5, "
+                  "410)");
+  opc_loop_clear(&l);
+  own.assists = NULL;
+  g_assert_cmpint(run(&l, &cutter, NULL, &error), ==, OPC_FAILED);
+  g_assert_cmpstr(error.message, ==,
+                  "gives 2 assists of poly without their boxes");
+  opc_loop_clear(&l);
+  own.assist_count = 0;
 }
 
 static void test_faults(void) {
@@ -429,6 +493,7 @@ int main(int argc, char **argv) {
   host = opc_host_new(NULL);
   g_test_add_func("/loop/fragments", test_fragments);
   g_test_add_func("/loop/patches", test_patches);
+  g_test_add_func("/loop/assists", test_assists);
   g_test_add_func("/loop/faults", test_faults);
   g_test_add_func("/loop/report", test_report);
   g_test_add_func("/loop/sites", test_sites);

@@ -36,6 +36,12 @@ typedef struct opc_feedback {
   /* Since 1.1. The line ends of the mask that printed so, as the regulator has
      them: opc_ruling.end. */
   const int32_t *end;
+  /* Since 1.2. The level sets of that print, [OPC_MASKS], positive where it
+     prints. NULL where there is no print. */
+  const opc_field *print;
+  /* Since 1.2. The line ends of the next mask, as the regulator has them by
+     now. */
+  const int32_t *next_end;
 } opc_feedback;
 
 /* The biases of each gate's mask, in grid steps against the drawn one: `l` of
@@ -56,6 +62,11 @@ typedef struct opc_moves {
      drawn, in grid steps; NULL for a layer without such fragments, whose edges
      follow `l`, `w` and `jog`. */
   int32_t *shift[OPC_MASKS];
+  /* Since 1.2. The assist features of each layer (opc_cuts): those of the mask
+     that was measured. Others in their place, which belong to the synthesizer
+     until its next update, are those of the next mask. */
+  const opc_box *assists[OPC_MASKS];
+  size_t assist_count[OPC_MASKS];
 } opc_moves;
 
 /* Edge fragments of a synthesizer's own, since 1.1. Polygon p of the layer's
@@ -74,7 +85,7 @@ typedef struct opc_cuts {
 
   /* Since 1.2. Assist features: rectangles that the layer's mask has besides its
      shapes, on the grid of the gates, clear of them, and that are not to print.
-     They stay as they are. NULL and 0 when it is asked: none. */
+     They stay until opc_moves has others. NULL and 0 when it is asked: none. */
   const opc_box *assists;
   size_t assist_count;
 } opc_cuts;
@@ -148,6 +159,10 @@ typedef struct opc_ruling {
      none. */
   const opc_box *patches[OPC_MASKS];
   size_t patch_count[OPC_MASKS];
+  /* Since 1.2. Rectangles that are taken away from a layer's mask, after the
+     patches were added; otherwise as these. */
+  const opc_box *bites[OPC_MASKS];
+  size_t bite_count[OPC_MASKS];
 } opc_ruling;
 
 typedef struct opc_regulator {

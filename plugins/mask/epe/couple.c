@@ -8,7 +8,7 @@
 #include <stdlib.h>
 
 /* Coupling is left out from so many standard deviations on. */
-static const double furthest = 2.5;
+static const double furthest = 2;
 
 static double length_of(const epe_piece *p) {
   return abs(p->to.x - p->from.x) + abs(p->to.y - p->from.y);
@@ -32,12 +32,17 @@ typedef struct coupler {
   double grid, longest;
 } coupler;
 
-/* Does fragment j reach into the square around (x, y)? */
+/* How far v is outside of what lies between a and b. */
+static double outside(double v, int32_t a, int32_t b) {
+  int32_t low = a < b ? a : b, high = a < b ? b : a;
+  return v < low ? low - v : v > high ? v - high : 0;
+}
+
+/* Does fragment j reach into the circle around (x, y)? */
 static int is_near(const epe_piece *p, double x, double y, double reach) {
-  return fmin(p->from.x, p->to.x) < x + reach &&
-         fmax(p->from.x, p->to.x) > x - reach &&
-         fmin(p->from.y, p->to.y) < y + reach &&
-         fmax(p->from.y, p->to.y) > y - reach;
+  double dx = outside(x, p->from.x, p->to.x);
+  double dy = outside(y, p->from.y, p->to.y);
+  return dx * dx + dy * dy < reach * reach;
 }
 
 /* The row of site i: count what is near, or (weight not NULL) put it down. */
@@ -108,7 +113,7 @@ int epe_couple(epe_layer *l, double grid) {
     int32_t x = p->from.x + (p->to.x - p->from.x) / 2;
     int32_t y = p->from.y + (p->to.y - p->from.y) / 2;
     boxes[i] = (opc_box){x, y, x, y};
-    c.longest = fmax(c.longest, length_of(p));
+    c.longest = epe_max(c.longest, length_of(p));
   }
   int ok = boxes && l->coupling.start &&
            epe_bins_make(&c.bins, boxes, l->count,

@@ -219,10 +219,10 @@ static void set_site(epe_layer *l, uint32_t i, double grid) {
   uint32_t first = l->edge[p->edge], last = l->edge[p->edge + 1] - 1;
   double a = epe_along(p, l->pieces[first].from);
   double b = epe_along(p, l->pieces[last].to);
-  double low = fmin(a, b) + l->rules->tangency;
-  double high = fmax(a, b) - l->rules->tangency;
+  double low = epe_min(a, b) + l->rules->tangency;
+  double high = epe_max(a, b) - l->rules->tangency;
   double t = (epe_along(p, p->from) + (double)epe_along(p, p->to)) / 2;
-  t = low > high ? (a + b) / 2 : fmin(fmax(t, low), high);
+  t = low > high ? (a + b) / 2 : epe_within(t, low, high);
   double at = epe_line(l->pieces, NULL, i);
   l->site[2 * i] = grid * (p->axis == OPC_X ? at : t);
   l->site[2 * i + 1] = grid * (p->axis == OPC_X ? t : at);
@@ -297,17 +297,19 @@ static int make_arrays(epe_layer *l) {
   l->side = calloc(n, sizeof *l->side);
   l->error = calloc(n, sizeof *l->error);
   l->before = calloc(n, sizeof *l->before);
+  l->cost = calloc(n, sizeof *l->cost);
   l->shift = calloc(n, sizeof *l->shift);
   l->last = calloc(n, sizeof *l->last);
   l->best = calloc(n, sizeof *l->best);
   l->low = calloc(n, sizeof *l->low);
   l->high = calloc(n, sizeof *l->high);
+  l->most = calloc(n, sizeof *l->most);
   l->state = calloc(l->edges ? l->edges : 1, sizeof *l->state);
   l->runs = calloc(n, sizeof *l->runs);
   l->settled = calloc(n, sizeof *l->settled);
-  return worked && l->from && l->site && l->wanted && l->gain && l->step && l->side && l->error && l->before &&
-         l->shift && l->last && l->best && l->low && l->high && l->state && l->runs &&
-         l->settled;
+  return worked && l->from && l->site && l->wanted && l->gain && l->step &&
+         l->side && l->error && l->cost && l->before && l->shift && l->last && l->best &&
+         l->low && l->high && l->most && l->state && l->runs && l->settled;
 }
 
 int epe_cut(epe_layer *l, const opc_gates *gates, int which) {
@@ -324,6 +326,7 @@ int epe_cut(epe_layer *l, const opc_gates *gates, int which) {
       l->from[i] = l->pieces[i].from;
       l->gain[i] = 1;
       l->step[i] = INFINITY;
+      l->most[i] = l->pieces[i].still ? 0 : l->rules->max_shift;
       set_site(l, i, gates->grid);
     }
     set_owners(l, &gates->edges[which]);
@@ -355,11 +358,14 @@ void epe_clear(epe_layer *l) {
   free(l->side);
   free(l->error);
   free(l->before);
+  free(l->cost);
   free(l->shift);
   free(l->last);
   free(l->best);
   free(l->low);
   free(l->high);
+  free(l->most);
+  free(l->bars);
   free(l->runs);
   free(l->settled);
   free(l->broken);

@@ -6,6 +6,7 @@
 #include "epe.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,12 +24,14 @@ typedef struct epe {
   const opc_host *host;
   const opc_value *values;
   epe_rules rules;
+  epe_assist assist;
   epe_layer layers[OPC_MASKS];
   int given[OPC_MASKS];    /* layers that have fragments */
   double grid;
   size_t count;            /* transistors */
   uint8_t *verdict;
   double best;             /* the least cost, INFINITY: none yet */
+  size_t dropped;          /* bars that printed */
   int still;               /* iterations since a fragment moved last */
 } epe;
 
@@ -40,7 +43,9 @@ static const double lost_nm = 100;
 
 enum { FRAGMENT, CONCAVE_CORNER, CORNER_EDGE, LINE_END, RIPPLE, RIPPLE_REACH,
        MIN_EDGE, TANGENCY, MIN_WIDTH, MIN_SPACE, MIN_JOG, MAX_SHIFT, STEP,
-       DAMPING, STIFFNESS, BLUR, ITERATIONS, LAYERS, BEST, PARAMETERS };
+       DAMPING, STIFFNESS, BLUR, ITERATIONS, LAYERS, BEST, ASSIST, ASSIST_WIDTH,
+       ASSIST_DISTANCE, ASSIST_SPACE, ASSIST_MIN_LENGTH, ASSIST_OVERHANG,
+       ASSIST_MARGIN, WINDOW, WINDOW_WEIGHT, PARAMETERS };
 
 /* ---- work: begin and cut ---- */
 
@@ -84,6 +89,13 @@ static void set_rules(epe *d) {
   r->min_jog = steps(d, MIN_JOG, 0);
   r->max_shift = steps(d, MAX_SHIFT, 0);
   r->blur = d->values[BLUR].real / d->grid;
+  d->assist = (epe_assist){
+      .rows = (int32_t)d->values[ASSIST].integer,
+      .width = at_least_one(steps(d, ASSIST_WIDTH, 0)),
+      .distance = steps(d, ASSIST_DISTANCE, 0),
+      .space = steps(d, ASSIST_SPACE, 0),
+      .min_length = at_least_one(steps(d, ASSIST_MIN_LENGTH, 0)),
+      .overhang = steps(d, ASSIST_OVERHANG, 0)};
 }
 
 static int begin(void *self, const opc_feedback *f, opc_error *error) {
@@ -93,6 +105,7 @@ static int begin(void *self, const opc_feedback *f, opc_error *error) {
   d->count = f->gates->count;
   d->best = INFINITY;
   d->still = 0;
+  d->dropped = 0;
   set_rules(d);
   d->verdict = calloc(d->count ? d->count : 1, 1);
   if (!d->verdict) return no_memory(d, error);
@@ -118,7 +131,11 @@ static int cut(void *self, const opc_gates *gates, int layer, opc_cuts *cuts,
   if (!epe_cut(l, gates, layer) || !epe_find_pairs(l) ||
       !epe_couple(l, d->grid))
     return no_memory(d, error);
+  int code = epe_place_bars(l, &d->assist, &gates->drawn[layer], error);
+  if (code) return code;
   d->given[layer] = 1;
+  cuts->assists = l->bars;
+  cuts->assist_count = l->bar_count;
   cuts->polygons = l->polygons;
   cuts->start = l->start;
   cuts->from = l->from;
@@ -130,16 +147,26 @@ static int cut(void *self, const opc_gates *gates, int layer, opc_cuts *cuts,
 
 /* Take in what was measured of a layer. */
 static void take(epe_layer *l, const double *nm, const int32_t *shift,
-                 double grid) {
+                 const opc_field *print, double grid) {
   for (size_t i = 0; i < l->count; i++) {
     l->before[i] = l->error[i];
     l->last[i] = l->shift[i];
     l->error[i] = nm[i] / grid;
+    l->cost[i] = isnan(nm[i]) ? lost_nm : fabs(nm[i]);
     l->shift[i] = shift[i];
+    if (print && isnan(nm[i]))
+      l->host->imaging->sample(print, &l->site[2 * i], &l->site[2 * i + 1], 1,
+                               &l->side[i]);
   }
 }
 
-/* Mean of |EPE| along the edges, nm. */
+/* The level sets of the print; NULL if there are none. */
+static const opc_field *print_of(const opc_feedback *f, int layer) {
+  int has = f->size > offsetof(opc_feedback, print) && f->print;
+  return has ? &f->print[layer] : NULL;
+}
+
+/* Mean of what errors cost along the edges, nm. */
 static double mean_epe(const epe *d) {
   double sum = 0, length = 0;
   for (int k = 0; k < OPC_MASKS; k++) {
@@ -147,8 +174,7 @@ static double mean_epe(const epe *d) {
     for (size_t i = 0; i < l->count; i++) {
       const epe_piece *p = &l->pieces[i];
       double along = abs(p->to.x - p->from.x) + abs(p->to.y - p->from.y);
-      double e = isnan(l->error[i]) ? lost_nm : fabs(l->error[i]) * d->grid;
-      sum += along * e;
+      sum += along * l->cost[i];
       length += along;
     }
   }
@@ -193,13 +219,43 @@ static void keep(epe *d) {
   }
 }
 
+/* Bars that print go for good. What was best had them: look anew. */
+static int drop(epe *d, const opc_feedback *f) {
+  size_t all = 0;
+  for (int k = 0; k < OPC_MASKS; k++) {
+    if (!d->given[k]) continue;
+    size_t n = epe_drop_bars(&d->layers[k], print_of(f, k), d->grid,
+                             d->values[ASSIST_MARGIN].real);
+    if (n == SIZE_MAX) return 0;
+    all += n;
+  }
+  if (all) d->best = INFINITY;
+  d->dropped += all;
+  return 1;
+}
+
+/* How many bars the mask has, and how many were dropped. */
+static int tell_of_bars(const epe *d, opc_error *error) {
+  if (!d->assist.rows) return OPC_OK;
+  size_t n = 0;
+  for (int k = 0; k < OPC_MASKS; k++) n += d->layers[k].bar_count;
+  int code = d->host->metric(d->host, "assists", (double)n, error);
+  if (code) return code;
+  return d->host->metric(d->host, "assists_dropped", (double)d->dropped, error);
+}
+
 static int update(void *self, const opc_feedback *f, opc_moves *moves,
                   int *done, opc_error *error) {
   epe *d = self;
-  (void)error;
+  const epe_window window = {d->values[WINDOW_WEIGHT].real,
+                             d->values[WINDOW].real};
+  if (!drop(d, f)) return no_memory(d, error);
   for (int k = 0; k < OPC_MASKS; k++)
-    if (d->given[k])
-      take(&d->layers[k], f->epe[k], moves->shift[k], d->grid);
+    if (d->given[k]) {
+      const opc_field *print = print_of(f, k);
+      take(&d->layers[k], f->epe[k], moves->shift[k], print, d->grid);
+      epe_weigh(&d->layers[k], print, &window, d->grid);
+    }
   double cost = d->values[BEST].integer == BEST_ION ? mean_ion(f) : mean_epe(d);
   if (cost < d->best) {
     d->best = cost;
@@ -214,6 +270,8 @@ static int update(void *self, const opc_feedback *f, opc_moves *moves,
   for (int k = 0; k < OPC_MASKS; k++) {
     epe_layer *l = &d->layers[k];
     if (!d->given[k]) continue;
+    moves->assists[k] = l->bars;
+    moves->assist_count[k] = l->bar_count;
     if (*done) {
       memcpy(moves->shift[k], l->best, l->count * sizeof *l->best);
       continue;
@@ -223,7 +281,7 @@ static int update(void *self, const opc_feedback *f, opc_moves *moves,
     moved |= memcmp(moves->shift[k], l->shift, l->count * sizeof *l->shift);
   }
   d->still = moved ? 0 : d->still + 1;
-  return OPC_OK;
+  return tell_of_bars(d, error);
 }
 
 static const char *verdict(const void *self, size_t gate) {
@@ -289,6 +347,37 @@ static const opc_parameter parameters[PARAMETERS] = {
               .choices = "epe|ion",
               .summary = "the iteration to keep: that of the least mean |EPE|, "
                          "or of the least mean |Ion deviation|"},
+    [ASSIST] = {.name = "assist", .type = OPC_INT,
+                .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0", .min = 0,
+                .max = 4, .summary = "rows of assist bars beside open edges"},
+    [ASSIST_WIDTH] = LENGTH("assist_width", OPC_ABOVE, "50 nm",
+                            "width of an assist bar"),
+    [ASSIST_DISTANCE] = LENGTH("assist_distance", OPC_ABOVE, "150 nm",
+                               "from drawn shapes to the first row"),
+    [ASSIST_SPACE] = LENGTH("assist_space", OPC_ABOVE, "80 nm",
+                            "between assist bars"),
+    [ASSIST_MIN_LENGTH] = LENGTH("assist_min_length", OPC_ABOVE, "80 nm",
+                                 "of an assist bar"),
+    [ASSIST_OVERHANG] = LENGTH("assist_overhang", OPC_AT_LEAST, "100 nm",
+                               "how far a bar goes past the ends of its edge"),
+    [ASSIST_MARGIN] = {.name = "assist_margin", .type = OPC_REAL,
+                       .flags = OPC_AT_LEAST, .preset = "0.02", .min = 0,
+                       .summary = "a bar is dropped where it comes so near to "
+                                  "printing, intensity; clear field 1"},
+    [WINDOW] = {.name = "window.level", .type = OPC_REAL,
+                .flags = OPC_ABOVE, .preset = "0.01", .min = 0,
+                .summary = "other doses: the intensity at the edge, more and "
+                           "less; clear field 1"},
+    [WINDOW_WEIGHT] = {.name = "window.weight", .type = OPC_REAL,
+                       .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0",
+                       .min = 0, .max = 1,
+                       .summary = "of the errors at other doses in the feedback"},
+};
+
+static const opc_metric metrics[] = {
+    {.name = "assists", .summary = "assist bars of the mask"},
+    {.name = "assists_dropped", .better = OPC_LOWER,
+     .summary = "assist bars that were taken away as they printed"},
 };
 
 static void *create(const opc_host *host, const opc_value *values,
@@ -338,6 +427,7 @@ const opc_plugin *opcflow_plugin(void) {
       .kind = OPC_KIND_MASK,
       .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
       OPC_PARAMETERS(parameters),
+      OPC_METRICS(metrics),
       .create = create,
       .destroy = destroy,
       .operations = &operations,

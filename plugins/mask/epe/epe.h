@@ -15,6 +15,21 @@ typedef struct epe_rules {
   double blur;             /* of the coupling between fragments */
 } epe_rules;
 
+/* What other doses print, in the feedback. */
+typedef struct epe_window {
+  double weight;           /* of them; 0: not looked at */
+  double level;            /* of the level set: that much more and less */
+} epe_window;
+
+/* Where bars are placed. */
+typedef struct epe_assist {
+  int32_t rows;            /* beside an edge; 0: none */
+  int32_t width, distance; /* of a bar; from drawn shapes */
+  int32_t space;           /* between bars */
+  int32_t min_length;
+  int32_t overhang;        /* past the ends of the edge */
+} epe_assist;
+
 /* A fragment of an edge as drawn. It moves outwards along `axis`, towards
    larger coordinates if `sign` is 1, else -1. */
 typedef struct epe_piece {
@@ -68,6 +83,13 @@ typedef struct epe_coupling {
   float *weight;
 } epe_coupling;
 
+/* No NaN in them, so no call of a library is needed. */
+static inline double epe_min(double a, double b) { return a < b ? a : b; }
+static inline double epe_max(double a, double b) { return a > b ? a : b; }
+static inline double epe_within(double x, double low, double high) {
+  return epe_min(epe_max(x, low), high);
+}
+
 typedef struct epe_layer {
   const opc_host *host;
   const epe_rules *rules;
@@ -88,12 +110,17 @@ typedef struct epe_layer {
   epe_coupling coupling, transposed;
   double *work[5];         /* of steer.c */
   double *step;            /* how far each may move at once */
-  double *side;            /* the sign of the last error that there was */
+  double *side;            /* the sign of the last error that there was, or of
+                              the print at a site that has no edge near */
   double *error, *before;  /* of the last print and of the one before it, in
                               grid steps; NAN: no edge near the site */
+  double *cost;            /* |EPE| as it was measured, nm */
   int32_t *shift, *last;   /* measured, and measured before */
   int32_t *best;
   int32_t *low, *high;     /* what the rules leave each fragment */
+  int32_t *most;           /* how far outwards each fragment may go */
+  opc_box *bars;           /* assist features */
+  size_t bar_count;
   epe_run *runs;           /* of each edge, where its fragments are */
   int32_t *settled;        /* shifts while rules.c makes them */
   uint8_t *broken;         /* pairs that are too near */
@@ -104,6 +131,14 @@ typedef struct epe_layer {
 int epe_cut(epe_layer *layer, const opc_gates *gates, int which);
 void epe_clear(epe_layer *layer);
 
+/* assist.c: place the bars and leave the fragments room beside them. */
+int epe_place_bars(epe_layer *layer, const epe_assist *rule,
+                   const opc_shapes *drawn, opc_error *error);
+/* Drop those that print, or come nearer to it than `margin` of the level set;
+   how many. SIZE_MAX if there is no memory. */
+size_t epe_drop_bars(epe_layer *layer, const opc_field *print, double grid,
+                     double margin);
+
 /* pairs.c: find the fragments that may come too near to each other. */
 int epe_find_pairs(epe_layer *layer);
 /* Narrow low and high of the fragments that come too near to each other in the
@@ -113,6 +148,11 @@ size_t epe_part(epe_layer *layer, const int32_t *shift, int hard);
 
 /* rules.c: the shifts nearest to layer->wanted that the rules allow. */
 void epe_settle(epe_layer *layer, int32_t *shift);
+
+/* window.c: weigh the errors that were measured, and their costs, with those of
+   other doses. */
+void epe_weigh(epe_layer *layer, const opc_field *print,
+               const epe_window *window, double grid);
 
 /* couple.c: whose moves change the print at each site, and by how much. 0 if
    there is no memory. */

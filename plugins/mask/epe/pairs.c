@@ -20,7 +20,7 @@ static gap gap_of(const epe_piece *p, const int32_t *shift, uint32_t a,
   int32_t low_a = a0 < a1 ? a0 : a1, high_a = a0 < a1 ? a1 : a0;
   int32_t low_b = b0 < b1 ? b0 : b1, high_b = b0 < b1 ? b1 : b0;
   return (gap){(double)epe_line(p, shift, b) - epe_line(p, shift, a),
-               fmax((double)low_b - high_a, (double)low_a - high_b)};
+               epe_max((double)low_b - high_a, (double)low_a - high_b)};
 }
 
 /* ---- finding them ---- */
@@ -70,7 +70,7 @@ static int consider(finder *f, uint32_t i, uint32_t j) {
     return 1;
   double drawn = g.along > 0 ? hypot(g.across, g.along) : g.across;
   return add_pair(f, (epe_pair){a, b, (uint16_t)inside, 0,
-                                (float)fmin(limit, drawn)});
+                                (float)epe_min(limit, drawn)});
 }
 
 static opc_box box_of(const epe_piece *p, int32_t grown) {
@@ -134,7 +134,7 @@ static int find_at_corner(finder *f, uint32_t i) {
       b = p[b].next;
       if (off_corner(l, b, 0) >= reach) break;
       double drawn = hypot(off_corner(l, a, 1), off_corner(l, b, 0));
-      epe_pair pair = {a, b, (uint16_t)inside, 1, (float)fmin(limit, drawn)};
+      epe_pair pair = {a, b, (uint16_t)inside, 1, (float)epe_min(limit, drawn)};
       if (!add_pair(f, pair)) return 0;
     }
   }
@@ -204,7 +204,7 @@ static void give_way(epe_layer *l, const int32_t *shift, const epe_pair *pair,
   int sign = pair->inside ? -1 : 1;   /* of the moves that close the gap */
   uint32_t who[2] = {pair->a, pair->b};
   double part[2], all = 0;
-  for (int k = 0; k < 2; k++) all += part[k] = fmax(0, sign * shift[who[k]]);
+  for (int k = 0; k < 2; k++) all += part[k] = epe_max(0, sign * shift[who[k]]);
   for (int k = 0; k < 2; k++) {
     if (part[k] <= 0) continue;
     int32_t back = (int32_t)ceil(missing * part[k] / all);
@@ -228,8 +228,8 @@ static double around_corner(const epe_layer *l, const int32_t *shift,
   if (by_a <= sign * shift[l->pieces[a].next] ||
       by_b <= sign * shift[l->pieces[b].previous])
     return INFINITY;
-  return hypot(fmax(0, off_corner(l, b, 0) - by_a),
-               fmax(0, off_corner(l, a, 1) - by_b));
+  return hypot(epe_max(0, off_corner(l, b, 0) - by_a),
+               epe_max(0, off_corner(l, a, 1) - by_b));
 }
 
 static int too_near(const epe_layer *l, const int32_t *shift,
@@ -241,7 +241,7 @@ static int too_near(const epe_layer *l, const int32_t *shift,
     return 0;
   gap g = gap_of(p, shift, pair->a, pair->b);
   /* Past each other, the wall of one faces a jog or the wall of the other. */
-  return g.along <= 0 || hypot(fmax(g.across, 0), g.along) < limit;
+  return g.along <= 0 || hypot(epe_max(g.across, 0), g.along) < limit;
 }
 
 typedef struct search {
@@ -276,7 +276,7 @@ static int lengthen(epe_layer *l, const int32_t *shift, size_t e, int hard) {
   double begin = epe_begin(p, shift, first), end = epe_end(p, shift, last);
   double drawn_begin = epe_begin(p, NULL, first);
   double drawn_end = epe_end(p, NULL, last);
-  double least = fmin(way * (drawn_end - drawn_begin), l->rules->min_edge);
+  double least = epe_min(way * (drawn_end - drawn_begin), l->rules->min_edge);
   double missing = least - way * (end - begin);
   if (missing <= 0) return 0;
   if (hard) {
@@ -284,8 +284,8 @@ static int lengthen(epe_layer *l, const int32_t *shift, size_t e, int hard) {
     leave_as_drawn(l, last);
     return 1;
   }
-  double from = fmax(0, way * (begin - drawn_begin));
-  double to = fmax(0, way * (drawn_end - end));
+  double from = epe_max(0, way * (begin - drawn_begin));
+  double to = epe_max(0, way * (drawn_end - end));
   yield(l, shift, p[first].previous, from, missing / (from + to));
   yield(l, shift, p[last].next, to, missing / (from + to));
   return 1;
@@ -312,7 +312,7 @@ size_t epe_part(epe_layer *l, const int32_t *shift, int hard) {
     double limit = pair->limit;
     double needed =
         g.along > 0 ? sqrt(limit * limit - g.along * g.along) : limit;
-    give_way(l, shift, pair, fmax(needed - slack - g.across, slack));
+    give_way(l, shift, pair, epe_max(needed - slack - g.across, slack));
   }
   for (size_t e = 0; e < l->edges; e++)
     found += (size_t)lengthen(l, shift, e, hard);

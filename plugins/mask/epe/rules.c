@@ -13,7 +13,7 @@
 enum { PATIENCE = 6, HARD = 12 };
 
 static int32_t clamp(double value, int32_t low, int32_t high) {
-  return (int32_t)lround(fmin(fmax(value, low), high));
+  return (int32_t)lround(epe_within(value, low, high));
 }
 
 static double length_of(const epe_piece *p) {
@@ -48,7 +48,7 @@ static void begin_runs(const epe_layer *l, size_t e, epe_run *runs) {
         r->shift = clamp(l->wanted[i] + missing / length, r->low, r->high);
     }
     missing += (l->wanted[i] - r->shift) * length;
-    missing = fmin(fmax(missing, -length), length);
+    missing = epe_within(missing, -length, length);
   }
 }
 
@@ -219,11 +219,10 @@ static size_t settle_edges(epe_layer *l, int32_t *shift, int whole) {
 }
 
 void epe_settle(epe_layer *l, int32_t *shift) {
-  int32_t most = l->rules->max_shift;
   memset(l->state, EPE_NARROWED, l->edges);
   for (size_t i = 0; i < l->count; i++) {
-    l->high[i] = l->pieces[i].still ? 0 : most;
-    l->low[i] = -l->high[i];
+    l->high[i] = l->most[i];
+    l->low[i] = l->pieces[i].still ? 0 : -l->rules->max_shift;
     shift[i] = clamp(l->wanted[i], l->low[i], l->high[i]);
   }
   size_t bad = 1;

@@ -9,7 +9,6 @@
 #include <math.h>
 #include <string.h>
 
-
 /* What is believed of a measured gain. */
 static const double least_gain = 0.3, most_gain = 5;
 
@@ -25,6 +24,20 @@ enum { NEIGHBOURS = 2 };
 
 enum { PUSH, RESIDUAL, DIRECTION, IMAGE, SEEN };
 
+/* ---- sums ---- */
+
+/* Several side by side: none waits for the last addition of another. */
+enum { SUMS = 4 };
+
+static double dot(const double *a, const double *b, size_t n) {
+  double sum[SUMS] = {0};
+  size_t i = 0;
+  for (; i + SUMS <= n; i += SUMS)
+    for (size_t s = 0; s < SUMS; s++) sum[s] += a[i + s] * b[i + s];
+  for (; i < n; i++) sum[0] += a[i] * b[i];
+  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
 /* ---- products with the coupling, block by block ---- */
 
 typedef struct product {
@@ -35,14 +48,23 @@ typedef struct product {
   double *out;
 } product;
 
+static double row_times(const epe_coupling *m, size_t i, const double *in) {
+  const uint32_t *index = m->index;
+  const float *weight = m->weight;
+  uint32_t k = m->start[i], end = m->start[i + 1];
+  double sum[SUMS] = {0};
+  for (; k + SUMS <= end; k += SUMS)
+    for (uint32_t s = 0; s < SUMS; s++)
+      sum[s] += (double)weight[k + s] * in[index[k + s]];
+  for (; k < end; k++) sum[0] += (double)weight[k] * in[index[k]];
+  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
 static void multiply_block(void *data, size_t block) {
   const product *p = data;
-  const epe_coupling *m = p->matrix;
   size_t end = epe_block_end(block, p->layer->count);
   for (size_t i = block * EPE_BLOCK; i < end; i++) {
-    double sum = 0;
-    for (uint32_t k = m->start[i]; k < m->start[i + 1]; k++)
-      sum += (double)m->weight[k] * p->in[m->index[k]];
+    double sum = row_times(p->matrix, i, p->in);
     p->out[i] = p->gain ? p->gain[i] * sum : sum;
   }
 }
@@ -68,7 +90,7 @@ static double measured_gain(const epe_layer *l, uint32_t i) {
     square += weight * ds * ds;
   }
   if (square < NEIGHBOURS + 1) return l->gain[i];
-  return fmin(fmax(along / square, least_gain), most_gain);
+  return epe_within(along / square, least_gain, most_gain);
 }
 
 static void measure_gains(epe_layer *l) {
@@ -80,12 +102,6 @@ static void measure_gains(epe_layer *l) {
 }
 
 /* ---- the moves ---- */
-
-static double dot(const double *a, const double *b, size_t n) {
-  double sum = 0;
-  for (size_t i = 0; i < n; i++) sum += a[i] * b[i];
-  return sum;
-}
 
 /* The moves that make up for `errors`, into work[PUSH]: conjugate gradients on
    (J'J + stiffness) moves = -J' errors, with J = gain * coupling. */
@@ -118,9 +134,9 @@ static void solve(epe_layer *l, double stiffness, const double *errors) {
    smaller moves; one that keeps it, with larger ones. */
 static double next_step(const epe_layer *l, uint32_t i, double most) {
   double e = l->error[i], before = l->before[i];
-  double step = fmin(l->step[i], most);
-  if (e * before < 0 && fabs(e) > ignored) return fmax(step / 2, least_step);
-  return fmin(step * 1.2, most);
+  double step = epe_min(l->step[i], most);
+  if (e * before < 0 && fabs(e) > ignored) return epe_max(step / 2, least_step);
+  return epe_min(step * 1.2, most);
 }
 
 void epe_steer(epe_layer *l, const epe_steering *by) {
@@ -136,11 +152,11 @@ void epe_steer(epe_layer *l, const epe_steering *by) {
   }
   solve(l, by->stiffness, l->side);
   for (uint32_t i = 0; i < l->count; i++) {
-    double move = by->damping * l->work[PUSH][i];
-    move = fmin(fmax(move, -l->step[i]), l->step[i]);
+    double move = epe_within(by->damping * l->work[PUSH][i], -l->step[i],
+                             l->step[i]);
     /* What the rules did not allow is not to pile up. */
-    double from = fmin(fmax(l->wanted[i], l->shift[i] - slack),
-                       l->shift[i] + slack);
+    double from = epe_within(l->wanted[i], l->shift[i] - slack,
+                             l->shift[i] + slack);
     l->wanted[i] = from + move;
   }
 }

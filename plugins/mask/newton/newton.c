@@ -4,6 +4,7 @@
    device curves, then from what the moves did (Broyden). A jog in the poly, one
    edge a grid step further out over part of the width, takes away the grid's
    quantum. */
+#include "jog.h"
 #include "response.h"
 #include "wishes.h"
 
@@ -24,15 +25,16 @@ typedef struct biases {
 
 typedef struct transistor {
   biases now, best;       /* measured last; with the least error so far */
-  double x[MOVES], error[ERRORS];   /* of `now` */
+  double x[MOVES], error[ERRORS];   /* of `now`; the errors as they will be once
+                                       the line ends have moved */
   double size, best_size; /* of the errors, see size_of */
   response response, first;
   int32_t end[2];         /* the line ends of `now` */
-  int32_t from[2], to[2]; /* the poly's LOW and HIGH side, along W from the
-                             gate's box, grid steps */
-  uint8_t moved;          /* `now` is not the first */
+  double surprise;        /* what line ends and neighbours may add to the next
+                             print's log Ion */
   uint8_t disturbed;      /* its line ends have moved with the last print */
-  uint8_t worse;          /* times in a row that a move was no better */
+  uint8_t worse;          /* times that a move was no better */
+  uint8_t mended;         /* times that it changed at rest, or moved in vain */
   uint8_t verdict;
 } transistor;
 
@@ -46,10 +48,12 @@ typedef struct newton {
   double max_bias, min_jog;   /* nm */
   int64_t fine;
   double limit;           /* the same */
-  uint32_t iterations, last;   /* last: of the run */
+  double mean;            /* of the sizes of the print before */
+  uint32_t iterations;
   const char *wishes_path;
   wish *wish;             /* of each transistor */
   transistor *state;
+  sides *sides;           /* of each transistor */
   size_t count;
 } newton;
 
@@ -60,54 +64,49 @@ static const double trust[MOVES] = {4, 1.5};
 /* The longest step of L and W at a time, nm: beyond, the response is another. */
 static const double longest[MOVES] = {20, 60};
 
-/* A line end that moved further, nm, spoils the lesson. */
+/* A line end that moves further, nm, changes the transistor. */
 static const double still = 2;
 
-/* So many transistors of a type tell a common trend from their own. */
-static const double many = 16;
+/* So many transistors of a type tell a common trend from their own; and how
+   well each one's response is known then. */
+static const double many = 16, doubt_of_many = 0.15;
 
-/* How far beyond the active, nm, a poly edge still matters to the gate: some
-   quarter of the resolution. */
-static const double reach = 30;
+/* How far along an edge the print smooths a step of it, nm: some quarter of the
+   resolution. */
+static const double blur = 60;
 
-/* A smaller move of the mask (grid steps) teaches more of the neighbours' than
-   of its own. */
-static const double least_lesson = 0.02;
+/* What neighbours add to an error, as a part of what moves did to them; what a
+   moved line end adds beyond what was foreseen, as a part of that; what one does
+   that moves late; and what is never known. */
+static const double coupling = 0.1, unforeseen = 0.15, late = 0.01,
+                    noise_floor = 1e-4;
+
+/* A move is worth it if this part of the error is likely to be left at most. */
+static const double worthwhile = 0.8;
+
+/* So many moves that were no better are enough; and after so many odd prints the
+   regulator is taken to mend the poly whatever it is, and W moves instead. */
+enum { ENOUGH = 4, MENDED = 2 };
+
+/* Before, neighbours move so much that odd prints mean nothing. */
+static const uint32_t settling = 4;
 
 /* ---- work ---- */
-
-/* Where the poly's sides that move with each gate begin and end along W, in
-   grid steps from its box. */
-static void find_sides(const newton *t, const opc_gates *g) {
-  const opc_edges *e = &g->edges[OPC_POLY];
-  for (size_t p = 0; p < e->polygons; p++)
-    for (uint32_t i = e->start[p]; i < e->start[p + 1]; i++) {
-      const opc_fragment *f = &e->fragments[i];
-      if (f->role != OPC_L_LOW && f->role != OPC_L_HIGH) continue;
-      const opc_fragment *next =
-          &e->fragments[i + 1 < e->start[p + 1] ? i + 1 : e->start[p]];
-      int upright = g->axis[f->gate] == OPC_X, side = f->role == OPC_L_HIGH;
-      opc_box box = g->box[f->gate];
-      int32_t a = upright ? f->from.y - box.y0 : f->from.x - box.x0;
-      int32_t b = upright ? next->from.y - box.y0 : next->from.x - box.x0;
-      t->state[f->gate].from[side] = a < b ? a : b;
-      t->state[f->gate].to[side] = a < b ? b : a;
-    }
-}
 
 static int begin(void *self, const opc_feedback *f, opc_error *error) {
   newton *t = self;
   free(t->state);
+  free(t->sides);
   free(t->wish);
   t->count = f->gates->count;
   t->state = calloc(t->count + 1, sizeof *t->state);
+  t->sides = calloc(t->count + 1, sizeof *t->sides);
   t->wish = calloc(t->count + 1, sizeof *t->wish);
-  if (!t->state || !t->wish)
+  if (!t->state || !t->sides || !t->wish)
     return t->host->fail(t->host, error, OPC_FAILED, NULL, "out of memory");
   for (size_t i = 0; i < t->count; i++) t->wish[i] = (wish){1, 1};
-  t->last = t->iterations;
-  find_sides(t, f->gates);
-  if (!t->wishes_path) return OPC_OK;
+  int code = read_notes(t->host, f->gates, t->wish, error);
+  if (code || !t->wishes_path) return code;
   return read_wishes(t->host, t->wishes_path, f->gates, t->wish, error);
 }
 
@@ -115,78 +114,64 @@ static int same(biases a, biases b) {
   return a.l == b.l && a.w == b.w && a.jog == b.jog;
 }
 
-static int32_t box_width(const opc_gates *g, size_t i) {
-  opc_box b = g->box[i];
-  return g->axis[i] == OPC_X ? b.y1 - b.y0 : b.x1 - b.x0;
-}
-
-/* The larger of the weighted errors. */
+/* The weighted errors as one figure; it is |error| of one that weighs 1. */
 static double size_of(const newton *t, const double error[ERRORS]) {
-  double size = 0;
-  for (int k = 0; k < ERRORS; k++)
-    size = fmax(size, sqrt(t->weight[k]) * fabs(error[k]));
-  return size;
+  double sum = 0;
+  for (int k = 0; k < ERRORS; k++) sum += t->weight[k] * error[k] * error[k];
+  return sqrt(sum);
 }
 
-/* The part of the gate that a side's edge from its LOW end on for `jog` steps
-   has to do with, and back. The edge matters within the gate and `margin`
-   beyond. */
-static double part_of(const transistor *s, int side, int32_t jog,
-                      int32_t width, double margin) {
-  if (jog <= 0) return 0;
-  double low = fmax(s->from[side], -margin);
-  double high = fmin(s->to[side], width + margin);
-  double at = s->from[side] + jog;
-  return fmin(fmax((at - low) / (high - low), 0), 1);
+static double length_in_steps(const newton *t, size_t i, biases b) {
+  return length_value(&t->sides[i], (length){b.l, b.jog});
 }
 
-static int32_t jog_of(const transistor *s, int side, double part,
-                      int32_t width, double margin) {
-  double low = fmax(s->from[side], -margin);
-  double high = fmin(s->to[side], width + margin);
-  return (int32_t)lround(low + part * (high - low)) - s->from[side];
+/* Whether line ends moved from a to b, [2] each. */
+static int ends_moved(const opc_gates *g, const int32_t *a, const int32_t *b) {
+  return abs(a[0] - b[0]) * g->grid > still || abs(a[1] - b[1]) * g->grid > still;
 }
 
-static double length_in_steps(const newton *t, const opc_feedback *f, size_t i,
-                              const opc_moves *m) {
-  return m->l[i] + part_of(&t->state[i], !(m->l[i] & 1), m->jog[i],
-                           box_width(f->gates, i), reach / f->gates->grid);
+/* Whether something else than the moves has a hold on a transistor: half the
+   limit and more came from nowhere, or was to come and did not. */
+static int is_odd(const newton *t, const transistor *s, const double dx[MOVES],
+                  double did) {
+  const double *by = s->response.by[ION];
+  double due = fabs(by[BY_L] * dx[BY_L] + by[BY_W] * dx[BY_W]);
+  if (due == 0) return fabs(did) > fmax(t->limit / 2, 2 * s->surprise);
+  return due > t->limit / 2 && fabs(did) < due / 10;
 }
 
-/* Take in the measurement of the moves that were made. */
+/* Take in the measurement of the moves that were made. `common` is what
+   happened to the log Ion of all transistors alike. */
 static void observe(const newton *t, transistor *s, const opc_feedback *f,
-                    size_t i, const opc_moves *moves) {
-  const biases now = {moves->l[i], moves->w[i], moves->jog[i]};
+                    size_t i, biases now, double common) {
   double error[ERRORS], x[MOVES], dx[MOVES], de[ERRORS];
   const double target[ERRORS] = {t->wish[i].ion, 1, 1};
-  int prints = errors_of(f, i, target, error);
-  x[BY_L] = length_in_steps(t, f, i, moves);
+  int prints = errors_of(f, i, target, error), first = f->iteration == 0;
+  x[BY_L] = length_in_steps(t, i, now);
   x[BY_W] = now.w;
   for (int m = 0; m < MOVES; m++) dx[m] = x[m] - s->x[m];
   for (int k = 0; k < ERRORS; k++) de[k] = error[k] - s->error[k];
-  int disturbed = f->iteration < 2;
-  for (int side = 0; side < 2; side++) {
-    int32_t end = f->end[2 * i + (size_t)side];
-    disturbed |= abs(end - s->end[side]) * f->gates->grid > still;
-    s->end[side] = end;
-  }
-  if (s->moved && prints && !disturbed && hypot(dx[0], dx[1]) > least_lesson)
-    learn(&s->response, &s->first, trust, dx, de);
+  de[ION] -= common;
+  s->disturbed = !first && ends_moved(f->gates, s->end, f->end + 2 * i);
+  memcpy(s->end, f->end + 2 * i, sizeof s->end);
+  s->mended += f->iteration > settling && !s->disturbed &&
+               is_odd(t, s, dx, de[ION]);
+  if (!first && prints && isfinite(s->size) && !same(now, s->now))
+    learn(&s->response, &s->first, trust, dx, de, s->surprise);
   memcpy(s->x, x, sizeof x);
   memcpy(s->error, error, sizeof error);
   s->now = now;
   s->size = prints ? size_of(t, error) : INFINITY;
-  /* A state that was the best is so no more if the line ends or neighbours
-     have changed it. */
-  if (disturbed || s->size < s->best_size || same(now, s->best)) {
+  /* A state that was the best is so no more if the line ends have changed it;
+     and if neighbours have, the moves were not to blame. */
+  if (first || s->disturbed || s->size < s->best_size || same(now, s->best)) {
+    if (!same(now, s->best) || s->size > s->best_size + t->tolerance)
+      s->worse = 0;
     s->best_size = s->size;
     s->best = now;
-    s->worse = 0;
   } else {
     s->worse++;
   }
-  s->moved = 1;
-  s->disturbed = (uint8_t)disturbed;
 }
 
 /* What of a step the regulator and the bounds leave; *why if it is less. */
@@ -202,88 +187,102 @@ static double bounded(double x, double dx, double longest_step, double limit,
   return to - x;
 }
 
-/* L as whole steps and a jog over part of the width, which keeps away from both
-   ends of its side. */
-static biases with_jog(const newton *t, const transistor *s, double l,
-                       int32_t w, int32_t width, double grid) {
-  biases b = {.l = (int32_t)floor(l), .w = w};
-  int side = !(b.l & 1);
-  int32_t whole = s->to[side] - s->from[side];
-  int32_t least = (int32_t)ceil(fmin(t->min_jog / grid, whole / 2.0));
-  int32_t jog = jog_of(s, side, l - b.l, width, reach / grid);
-  if (jog < least / 2) return b;
-  if (whole - jog < least / 2) return (biases){b.l + 1, w, 0};
-  b.jog = jog < least ? least : jog > whole - least ? whole - least : jog;
-  return b;
+/* The errors that are left after a move, by the response. */
+static void left_after(const transistor *s, double l, double w,
+                       double rest[ERRORS]) {
+  for (int k = 0; k < ERRORS; k++)
+    rest[k] = s->error[k] + s->response.by[k][BY_L] * (l - s->x[BY_L]) +
+              s->response.by[k][BY_W] * (w - s->x[BY_W]);
 }
 
 /* The mask to try next for a wanted move of L and W: on the grid. */
-static biases on_grid(const newton *t, const transistor *s,
-                      const double dx[MOVES], double tolerance, int32_t width,
-                      double grid) {
+static biases on_grid(const newton *t, const opc_gates *g, size_t i,
+                      const double dx[MOVES], double tolerance) {
   static const int only_l[MOVES] = {1, 0}, only_w[MOVES] = {0, 1};
+  const transistor *s = &t->state[i];
   double rest[ERRORS], more[MOVES];
   int32_t w = (int32_t)lround(s->x[BY_W] + dx[BY_W]);
   double l = s->x[BY_L] + dx[BY_L];
   /* W's rounding is made good by L, and L's by what the flow asks for. */
-  for (int k = 0; k < ERRORS; k++)
-    rest[k] = s->error[k] + s->response.by[k][BY_L] * dx[BY_L] +
-              s->response.by[k][BY_W] * (w - s->x[BY_W]);
+  left_after(s, l, w, rest);
   solve(&s->response, rest, t->weight, only_l, more);
   if (dx[BY_L] != 0) l += fmin(fmax(more[BY_L], -1), 1);
   int32_t whole = (int32_t)lround(l);
-  for (int k = 0; k < ERRORS; k++)
-    rest[k] = s->error[k] + s->response.by[k][BY_L] * (whole - s->x[BY_L]) +
-              s->response.by[k][BY_W] * (w - s->x[BY_W]);
+  left_after(s, whole, w, rest);
   if (t->fine == NONE || (t->fine == JOG && size_of(t, rest) <= tolerance))
     return (biases){whole, w, 0};
-  if (t->fine == JOG) return with_jog(t, s, l, w, width, grid);
+  if (t->fine == JOG) {
+    length x = length_nearest(&t->sides[i], l,
+                              (int32_t)ceil(t->min_jog / g->grid));
+    return (biases){x.l, w, x.jog};
+  }
   solve(&s->response, rest, t->weight, only_w, more);
   return (biases){whole, w + (int32_t)lround(more[BY_W]), 0};
 }
 
+/* The size of the errors to be expected of a mask: what the response leaves,
+   and what it may be wrong by. */
+static double expected(const newton *t, size_t i, biases next) {
+  const transistor *s = &t->state[i];
+  double rest[ERRORS], wrong[ERRORS];
+  double l = length_in_steps(t, i, next);
+  left_after(s, l, next.w, rest);
+  for (int k = 0; k < ERRORS; k++)
+    wrong[k] = hypot(s->response.doubt[BY_L] * s->response.by[k][BY_L] *
+                         (l - s->x[BY_L]),
+                     s->response.doubt[BY_W] * s->response.by[k][BY_W] *
+                         (next.w - s->x[BY_W]));
+  return hypot(size_of(t, rest), size_of(t, wrong));
+}
+
 /* Newton's step of one transistor. */
-static biases propose(const newton *t, transistor *s, const opc_feedback *f,
-                      size_t i) {
+static biases newton_step(const newton *t, const opc_feedback *f, size_t i,
+                          double tolerance, uint8_t *why) {
+  static const int only_w[MOVES] = {0, 1};
+  const transistor *s = &t->state[i];
   const opc_gates *g = f->gates;
   uint32_t veto = f->vetoes[i];
-  int32_t width = box_width(g, i);
-  double grid = g->grid, tolerance = t->tolerance / t->wish[i].weight;
-  double limit[MOVES] = {t->max_bias / grid,
-                         fmin(t->max_bias, g->width[i] / 2) / grid};
-  int both = t->weight[IOFF] > 0 || t->weight[AREA] > 0;
-  int free[MOVES] = {1, both};
+  double limit[MOVES] = {t->max_bias / g->grid,
+                         fmin(t->max_bias, g->width[i] / 2) / g->grid};
+  int free[MOVES] = {1, t->weight[IOFF] > 0 || t->weight[AREA] > 0};
   double dx[MOVES];
-  s->verdict = MOVING;
-  if (s->size <= tolerance || t->wish[i].weight == 0) {
-    s->verdict = WITHIN;
-    return s->now;
-  }
+  solve(&s->response, s->error, t->weight, free, dx);
+  dx[BY_L] = bounded(s->x[BY_L], dx[BY_L], longest[BY_L] / g->grid, limit[BY_L],
+                     veto & OPC_VETO_LONGER, veto & OPC_VETO_SHORTER, why);
+  int mended = s->mended >= MENDED;
+  if (mended || (*why != MOVING && fabs(dx[BY_L]) < 0.5))   /* W alone */
+    solve(&s->response, s->error, t->weight, only_w, dx);
+  dx[BY_W] = bounded(s->x[BY_W], dx[BY_W], longest[BY_W] / g->grid, limit[BY_W],
+                     veto & OPC_VETO_WIDER, veto & OPC_VETO_NARROWER, why);
+  if (mended)
+    return (biases){s->now.l, s->now.w + (int32_t)lround(dx[BY_W]), s->now.jog};
+  return on_grid(t, g, i, dx, tolerance);
+}
+
+/* What to try next of one transistor. */
+static biases propose(const newton *t, const opc_feedback *f, size_t i) {
+  transistor *s = &t->state[i];
+  double tolerance = t->tolerance / t->wish[i].weight;
+  s->verdict = WITHIN;
+  if (s->size <= tolerance || t->wish[i].weight == 0) return s->now;
   if (isinf(s->size)) {   /* open: a wider line, and look again */
     s->verdict = NO_PRINT;
-    int32_t step = (int32_t)ceil(5 / grid);
-    if (!(f->flags[i] & OPC_PRINT_OPEN) || s->now.l + step > limit[BY_L])
+    int32_t step = (int32_t)ceil(5 / f->gates->grid);
+    if (!(f->flags[i] & OPC_PRINT_OPEN) ||
+        s->now.l + step > t->max_bias / f->gates->grid)
       return s->now;
     return (biases){s->now.l + step, s->now.w, 0};
   }
-  if (s->worse >= 2) {
-    s->verdict = WORSE;
-    return s->best;
-  }
+  s->verdict = WORSE;
+  if (s->worse >= ENOUGH) return s->best;
   uint8_t why = MOVING;
-  solve(&s->response, s->error, t->weight, free, dx);
-  dx[BY_L] = bounded(s->x[BY_L], dx[BY_L], longest[BY_L] / grid, limit[BY_L],
-                     veto & OPC_VETO_LONGER, veto & OPC_VETO_SHORTER, &why);
-  if (why != MOVING && fabs(dx[BY_L]) < 0.5) {   /* L cannot: W alone */
-    static const int only_w[MOVES] = {0, 1};
-    solve(&s->response, s->error, t->weight, only_w, dx);
-  }
-  dx[BY_W] = bounded(s->x[BY_W], dx[BY_W], longest[BY_W] / grid, limit[BY_W],
-                     veto & OPC_VETO_WIDER, veto & OPC_VETO_NARROWER, &why);
-  biases next = on_grid(t, s, dx, tolerance, width, grid);
-  if (same(next, s->now))
-    s->verdict = why == MOVING ? GRID : why;
-  return next;
+  biases next = newton_step(t, f, i, tolerance, &why);
+  double hope = expected(t, i, next);
+  s->verdict = MOVING;
+  if (s->best_size <= hope && !same(s->best, s->now)) return s->best;
+  if (hope <= worthwhile * s->size) return next;
+  s->verdict = why == MOVING ? GRID : why;
+  return s->now;
 }
 
 static void start(newton *t, const opc_feedback *f) {
@@ -291,68 +290,113 @@ static void start(newton *t, const opc_feedback *f) {
   curves_from(f, curves);
   for (size_t i = 0; i < t->count; i++) {
     transistor *s = &t->state[i];
-    s->first = first_response(f->gates, i,
-                              &curves[f->gates->type[i] == OPC_PMOS], t->gain);
+    const curve *c = &curves[f->gates->type[i] == OPC_PMOS];
+    s->first = first_response(f->gates, i, c, t->gain);
     s->response = s->first;
+    if (!OPC_HAS(f, next_end) ||
+        !ends_moved(f->gates, s->end, f->next_end + 2 * i))
+      continue;
+    double before = s->error[ION];
+    with_line_ends(f, i, c, s->error);
+    s->size = size_of(t, s->error);
+    s->surprise = unforeseen * fabs(s->error[ION] - before);
   }
 }
 
 /* What the first moves did to the currents of each type, against what was
-   foreseen: a common factor on the response to L. Each transistor by itself
-   would take for its own what line ends that grew in the same print did. */
+   foreseen: a common factor on the response to L. common[type] becomes what
+   happened to all alike. */
 static void learn_together(newton *t, const opc_feedback *f,
-                           const opc_moves *moves) {
+                           const opc_moves *moves, double common[2]) {
   double xx[2] = {0}, xy[2] = {0}, x1[2] = {0}, y1[2] = {0}, n[2] = {0};
   for (size_t i = 0; i < t->count; i++) {
     const transistor *s = &t->state[i];
     const double target[ERRORS] = {t->wish[i].ion, 1, 1};
+    const biases next = {moves->l[i], moves->w[i], moves->jog[i]};
     double error[ERRORS];
-    if (!errors_of(f, i, target, error)) continue;
+    if (!errors_of(f, i, target, error) || isinf(s->size)) continue;
     int type = f->gates->type[i] == OPC_PMOS;
     double by_l = s->response.by[ION][BY_L] *
-                  (length_in_steps(t, f, i, moves) - s->x[BY_L]);
+                  (length_in_steps(t, i, next) - s->x[BY_L]);
     double by_w = s->response.by[ION][BY_W] * (moves->w[i] - s->x[BY_W]);
     double did = error[ION] - s->error[ION] - by_w;
     xx[type] += by_l * by_l, xy[type] += by_l * did;
     x1[type] += by_l, y1[type] += did, n[type]++;
   }
   for (int type = 0; type < 2; type++) {
-    /* With many, what happened to all alike is left out of it. */
-    if (n[type] >= many) {
-      xx[type] -= x1[type] * x1[type] / n[type];
-      xy[type] -= x1[type] * y1[type] / n[type];
-    }
+    if (n[type] < many) continue;
+    xx[type] -= x1[type] * x1[type] / n[type];
+    xy[type] -= x1[type] * y1[type] / n[type];
     double factor = xx[type] > 0 ? xy[type] / xx[type] : 1;
     factor = fmin(fmax(factor, 0.4), 2.5);
-    for (size_t i = 0; i < t->count; i++)
-      for (int k = 0; k < ERRORS; k++)
-        if ((f->gates->type[i] == OPC_PMOS) == type)
-          t->state[i].response.by[k][BY_L] *= factor;
+    common[type] = (y1[type] - factor * x1[type]) / n[type];
+    for (size_t i = 0; i < t->count; i++) {
+      if ((f->gates->type[i] == OPC_PMOS) != type) continue;
+      response *r = &t->state[i].response;
+      for (int k = 0; k < ERRORS; k++) r->by[k][BY_L] *= factor;
+      r->doubt[BY_L] = doubt_of_many;
+    }
   }
   for (size_t i = 0; i < t->count; i++) t->state[i].first = t->state[i].response;
+}
+
+/* What the moves to come will do to neighbours. */
+static void foresee(newton *t, const opc_feedback *f, const opc_moves *moves) {
+  double sum = 0;
+  for (size_t i = 0; i < t->count; i++) {
+    const transistor *s = &t->state[i];
+    const biases next = {moves->l[i], moves->w[i], moves->jog[i]};
+    double d = s->response.by[ION][BY_L] *
+                   (length_in_steps(t, i, next) - s->x[BY_L]) +
+               s->response.by[ION][BY_W] * (next.w - s->x[BY_W]);
+    sum += d * d;
+  }
+  double noise = coupling * sqrt(sum / fmax((double)t->count, 1)) + noise_floor;
+  for (size_t i = 0; i < t->count; i++) {
+    transistor *s = &t->state[i];
+    if (f->iteration > 0)
+      s->surprise = OPC_HAS(f, next_end) &&
+                            ends_moved(f->gates, s->end, f->next_end + 2 * i)
+                        ? late : 0;
+    s->surprise += noise;
+  }
+}
+
+/* Whether all are as near as the flow wants them, or will hardly get nearer. */
+static int is_good(newton *t, int first) {
+  double worst = 0, mean = 0, before = first ? INFINITY : t->mean;
+  for (size_t i = 0; i < t->count; i++) {
+    double size = t->state[i].size * fmin(t->wish[i].weight, 1);
+    worst = fmax(worst, size);
+    mean += size / (double)t->count;
+  }
+  t->mean = mean;
+  return worst <= t->limit &&
+         (mean <= t->limit / 10 || mean > worthwhile * before);
 }
 
 static int update(void *self, const opc_feedback *f, opc_moves *moves,
                   int *done, opc_error *error) {
   newton *t = self;
+  double common[2] = {0};
   (void)error;
+  if (f->iteration == 0) sides_find(f->gates, blur, t->sides);
+  if (f->iteration == 1) learn_together(t, f, moves, common);
+  for (size_t i = 0; i < t->count; i++)
+    observe(t, &t->state[i], f, i,
+            (biases){moves->l[i], moves->w[i], moves->jog[i]},
+            common[f->gates->type[i] == OPC_PMOS]);
   if (f->iteration == 0) start(t, f);
-  if (f->iteration == 1) learn_together(t, f, moves);
-  double worst = 0;
-  for (size_t i = 0; i < t->count; i++) {
-    observe(t, &t->state[i], f, i, moves);
-    worst = fmax(worst, t->state[i].size * fmin(t->wish[i].weight, 1));
-  }
-  if (worst <= t->limit && f->iteration < t->last) t->last = f->iteration;
   *done = 1;
+  int good = is_good(t, f->iteration == 0);
   for (size_t i = 0; i < t->count; i++) {
     transistor *s = &t->state[i];
-    biases next = propose(t, s, f, i);
-    if (f->iteration == t->last) {
-      /* A best state that is no better than a transistor needs is not worth a
-         print more. */
-      next = s->verdict == WITHIN ? s->now : s->best;
-    } else if (f->iteration > t->last) {
+    biases next = propose(t, f, i);
+    if (good) {
+      next = s->now;
+    } else if (f->iteration == t->iterations) {
+      next = s->best;
+    } else if (f->iteration > t->iterations) {
       /* The regulator is not done: those that it moved follow. */
       if (!s->disturbed || f->iteration > 2 * t->iterations) next = s->now;
     } else if (!same(next, s->now)) {
@@ -362,12 +406,15 @@ static int update(void *self, const opc_feedback *f, opc_moves *moves,
     moves->w[i] = next.w;
     moves->jog[i] = next.jog;
   }
+  foresee(t, f, moves);
   return OPC_OK;
 }
 
 static const char *verdict(const void *self, size_t gate) {
   const newton *t = self;
-  return gate < t->count ? verdicts[t->state[gate].verdict] : NULL;
+  if (gate >= t->count) return NULL;
+  const transistor *s = &t->state[gate];
+  return verdicts[s->best_size <= t->limit ? WITHIN : s->verdict];
 }
 
 /* ---- parameters ---- */
@@ -409,7 +456,7 @@ static const opc_parameter parameters[PARAMETERS] = {
                   .summary = "largest correction of L or of W, and no more than "
                              "half of W"},
     [GAIN_L] = {.name = "gain.l", .type = OPC_REAL, .flags = OPC_ABOVE,
-                .preset = "2",
+                .preset = "2.6",
                 .summary = "printed change of L for a change of the mask's, as a "
                            "first guess (the mask error factor)"},
     [GAIN_W] = {.name = "gain.w", .type = OPC_REAL, .flags = OPC_ABOVE,
@@ -455,6 +502,7 @@ static void *create(const opc_host *host, const opc_value *values,
 static void destroy(void *self) {
   newton *t = self;
   free(t->state);
+  free(t->sides);
   free(t->wish);
   free(t);
 }

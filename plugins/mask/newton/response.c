@@ -49,9 +49,21 @@ int errors_of(const opc_feedback *f, size_t i, const double target[ERRORS],
   return 1;
 }
 
+/* A short line end makes the gate short over a small part of its width only,
+   which carries much of the current. The mean length has little to do with that:
+   what it misses there it gets back as the line end grows. */
+void with_line_ends(const opc_feedback *f, size_t i, const curve *of_type,
+                    double error[ERRORS]) {
+  const opc_performance *p = f->printed;
+  if (!has_performance(p, i)) return;
+  double mean = p->area[i] / p->weq[i];
+  error[ION] += of_type->slope[ION] * (mean - p->leq_ion[i]);
+  error[IOFF] += of_type->slope[IOFF] * (mean - p->leq_ioff[i]);
+}
+
 response first_response(const opc_gates *g, size_t i, const curve *of_type,
                         const double gain[MOVES]) {
-  response r;
+  response r = {.doubt = {[BY_L] = 0.3, [BY_W] = 0.1}};
   for (int k = 0; k < ERRORS; k++) {
     double slope = k == AREA ? 1 / g->length[i] : of_type->slope[k];
     r.by[k][BY_L] = slope * gain[BY_L] * g->grid;
@@ -65,23 +77,31 @@ static double within(double x, double first, double trust) {
   return first * fmin(fmax(part, 1 / trust), trust);
 }
 
+/* A response is not better known than that: it changes with the mask. */
+static const double least_doubt = 0.15;
+
 void learn(response *r, const response *first, const double trust[MOVES],
-           const double dx[MOVES], const double de[ERRORS]) {
-  /* How well the first estimate of each response is known, as a part of it:
-     what a move did beyond the estimate is put down to the less known. */
-  static const double doubt[MOVES] = {0.5, 0.1};
+           const double dx[MOVES], const double de[ERRORS], double noise) {
+  double doubt[MOVES] = {0};
   for (int k = 0; k < ERRORS; k++) {
-    double rest = de[k], square = 0, part[MOVES];
+    double as_ion = first->by[k][BY_L] / first->by[ION][BY_L];
+    double rest = de[k], part[MOVES];
+    double square = as_ion * as_ion * noise * noise;
     for (int m = 0; m < MOVES; m++) {
-      double spread = doubt[m] * first->by[k][m];
+      double spread = r->doubt[m] * r->by[k][m];
       part[m] = spread * spread * dx[m];
       square += part[m] * dx[m];
       rest -= r->by[k][m] * dx[m];
     }
-    for (int m = 0; m < MOVES && square > 0; m++)
+    if (!(square > 0)) continue;
+    for (int m = 0; m < MOVES; m++) {
+      if (k == ION)
+        doubt[m] = r->doubt[m] * sqrt(fmax(1 - part[m] * dx[m] / square, 0));
       r->by[k][m] = within(r->by[k][m] + rest * part[m] / square,
                            first->by[k][m], trust[m]);
+    }
   }
+  for (int m = 0; m < MOVES; m++) r->doubt[m] = fmax(doubt[m], least_doubt);
 }
 
 void solve(const response *r, const double error[ERRORS],

@@ -11,8 +11,9 @@
 enum { ION, IOFF, AREA, ERRORS };
 enum { BY_L, BY_W, MOVES };
 
+/* `doubt` is how well each move's response is known, as a part of it. */
 typedef struct response {
-  double by[ERRORS][MOVES];
+  double by[ERRORS][MOVES], doubt[MOVES];
 } response;
 
 /* What wide transistors of a type do: d log(I / W) / dL, 1/nm, and d L / d mask
@@ -29,16 +30,20 @@ void curves_from(const opc_feedback *f, curve out[2]);
 int errors_of(const opc_feedback *f, size_t i, const double target[ERRORS],
               double out[ERRORS]);
 
+/* What errors_of will be once line ends that print short have grown. */
+void with_line_ends(const opc_feedback *f, size_t i, const curve *of_type,
+                    double error[ERRORS]);
+
 /* The response of gate i before it was ever moved. `gain` is d printed / d mask
    of each move. */
 response first_response(const opc_gates *gates, size_t i, const curve *of_type,
                         const double gain[MOVES]);
 
 /* Broyden's update, weighted by how well each response is known: after a move
-   by dx the errors changed by de. The response stays within the factors `trust`
-   of `first`. */
+   by dx the errors changed by de, of which `noise` may come from elsewhere. The
+   response stays within the factors `trust` of `first`. */
 void learn(response *r, const response *first, const double trust[MOVES],
-           const double dx[MOVES], const double de[ERRORS]);
+           const double dx[MOVES], const double de[ERRORS], double noise);
 
 /* The move that makes sum of weight[k] * error[k]^2 least for a linear
    response; a move with free[m] = 0 is not used. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What single transistors want of their correction, from a CSV file. */
+/* What single transistors want of their correction: from the notes upon them in
+   the layout, or from a CSV file. */
 #ifndef OPCFLOW_MASK_NEWTON_WISHES_H
 #define OPCFLOW_MASK_NEWTON_WISHES_H
 
@@ -14,5 +15,11 @@ typedef struct wish {
    names the columns: transistor (as in gates.csv), and weight, ion or both. */
 int read_wishes(const opc_host *host, const char *path, const opc_gates *gates,
                 wish *out, opc_error *error);
+
+/* Take in the notes: words with blanks or commas between, weight=... and
+   ion=...; words with a dot in their name are for others, and a note that
+   begins with # is a remark. */
+int read_notes(const opc_host *host, const opc_gates *gates, wish *out,
+               opc_error *error);
 
 #endif
