@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Everything that goes down the hierarchy: the order of the cells, the number
-   of every placement, and the shapes of a layer made flat.
+   of every placement, and the shapes or texts of a layer made flat.
 
    Placements are numbered depth first, a cell before those in it, instances in
    their order, array members row by row. Cells under which nothing is drawn
@@ -35,7 +35,7 @@ static uint64_t members(const instance *in) {
 /* ---- order of the cells, numbers of the placements ---- */
 
 static uint64_t drawn(const cell *c) {
-  uint64_t n = 0;
+  uint64_t n = c->n_labels;
   for (size_t i = 0; i < c->n_sheets; i++)
     n += sheet_boxes(&c->sheets[i]) + c->sheets[i].n_polygons;
   return n;
@@ -244,6 +244,7 @@ typedef struct flattener {
   uint32_t *useful;          /* instances that draw on the layer */
   size_t *first;             /* of each cell: its place in useful */
   opc_flat *out;
+  opc_flat_texts *texts; /* NULL: shapes are wanted */
   uint32_t n_shapes, n_points;
   double worst2; /* squared, in grid units */
   bool outside;
@@ -276,7 +277,19 @@ static void put_shape_end(flattener *f, uint32_t placement) {
   f->out->shapes.start[f->n_shapes] = f->n_points;
 }
 
-static void put_cell(flattener *f, const frame *at) {
+static void put_texts(flattener *f, const frame *at, uint32_t depth) {
+  const cell *c = &f->layout->cells[at->cell];
+  for (size_t i = 0; i < c->n_labels; i++) {
+    const label *l = &c->labels[i];
+    if (l->layer != f->layer) continue;
+    f->texts->text[f->n_shapes] = f->layout->strings + l->text;
+    f->texts->depth[f->n_shapes] = depth;
+    put_point(f, &at->at, l->at.x, l->at.y);
+    put_shape_end(f, at->number);
+  }
+}
+
+static void put_shapes(flattener *f, const frame *at) {
   const sheet *s = opc_layout_sheet(&f->layout->cells[at->cell], f->layer);
   if (!s) return;
   const transform *t = &at->at;
@@ -294,6 +307,19 @@ static void put_cell(flattener *f, const frame *at) {
   }
 }
 
+/* What a cell itself has to be put. */
+static void count_own(const flattener *f, const cell *c, uint64_t *shapes,
+                      uint64_t *points) {
+  *shapes = *points = 0;
+  const sheet *s = f->texts ? NULL : opc_layout_sheet(c, f->layer);
+  if (s) {
+    *shapes = sheet_boxes(s) + s->n_polygons;
+    *points = 4 * sheet_boxes(s) + s->n_points;
+  }
+  for (size_t i = 0; f->texts && i < c->n_labels; i++)
+    *points = *shapes += c->labels[i].layer == f->layer;
+}
+
 /* Count the shapes and points of every cell, and list the instances that
    lead to some. */
 static void count(flattener *f) {
@@ -301,9 +327,8 @@ static void count(flattener *f) {
   for (size_t k = 0; k < f->layout->n_cells; k++) {
     int32_t number = f->layout->order[k];
     const cell *c = &f->layout->cells[number];
-    const sheet *s = opc_layout_sheet(c, f->layer);
-    uint64_t shapes = s ? sheet_boxes(s) + s->n_polygons : 0;
-    uint64_t points = s ? 4 * sheet_boxes(s) + s->n_points : 0;
+    uint64_t shapes, points;
+    count_own(f, c, &shapes, &points);
     f->first[number] = n_useful;
     for (size_t i = 0; i < c->n_instances; i++) {
       const instance *in = &c->instances[i];
@@ -339,7 +364,12 @@ static int allocate(flattener *f, int32_t top, opc_error *error) {
   out->shapes.points =
       host->alloc(host, f->points[top], sizeof *out->shapes.points);
   out->placement = host->alloc(host, n, sizeof *out->placement);
-  if (!out->shapes.start || !out->shapes.points || !out->placement)
+  if (f->texts) {
+    f->texts->text = host->alloc(host, n, sizeof *f->texts->text);
+    f->texts->depth = host->alloc(host, n, sizeof *f->texts->depth);
+  }
+  if (!out->shapes.start || !out->shapes.points || !out->placement ||
+      (f->texts && (!f->texts->text || !f->texts->depth)))
     return opc_fail(error, OPC_FAILED, NULL,
                     "'%s': out of memory for %" G_GUINT64_FORMAT
                     " shapes of layer '%s'",
@@ -388,8 +418,11 @@ static int walk(flattener *f, int32_t top, opc_error *error) {
       code = opc_fail(error, OPC_FAILED, NULL, "out of memory for the layout");
       break;
     }
+    if (f->texts)
+      put_texts(f, &down, (uint32_t)depth);
+    else
+      put_shapes(f, &down);
     stack[depth++] = down;
-    put_cell(f, &down);
     if (++steps % 65536 == 0 && f->host->cancelled(f->host)) {
       code = opc_fail(error, OPC_CANCELLED, NULL, "cancelled");
       break;
@@ -425,10 +458,9 @@ static int run(flattener *f, int32_t top, opc_error *error) {
   return code;
 }
 
-int opc_layout_flatten(const opc_host *host, const opc_layout *layout,
-                       int32_t top, int32_t layer, double grid, opc_flat *out,
-                       opc_error *error) {
-  *out = (opc_flat){0};
+static int flatten(const opc_host *host, const opc_layout *layout, int32_t top,
+                   int32_t layer, double grid, opc_flat *out,
+                   opc_flat_texts *texts, opc_error *error) {
   if (top < 0 || (size_t)top >= layout->n_cells)
     return opc_fail(error, OPC_INVALID, NULL, "there is no cell %d", top);
   if (layer < 0 || (size_t)layer >= layout->n_layers)
@@ -446,13 +478,31 @@ int opc_layout_flatten(const opc_host *host, const opc_layout *layout,
                  .layer = layer,
                  .ratio = layout->unit / grid,
                  .grid = grid,
-                 .out = out};
+                 .out = out,
+                 .texts = texts};
   int code = run(&f, top, error);
   free(f.shapes);
   free(f.points);
   free(f.first);
   free(f.useful);
+  return code;
+}
+
+int opc_layout_flatten(const opc_host *host, const opc_layout *layout,
+                       int32_t top, int32_t layer, double grid, opc_flat *out,
+                       opc_error *error) {
+  *out = (opc_flat){0};
+  int code = flatten(host, layout, top, layer, grid, out, NULL, error);
   if (code) opc_layout_release(out);
+  return code;
+}
+
+int opc_layout_flatten_texts(const opc_host *host, const opc_layout *layout,
+                             int32_t top, int32_t layer, double grid,
+                             opc_flat_texts *out, opc_error *error) {
+  *out = (opc_flat_texts){0};
+  int code = flatten(host, layout, top, layer, grid, &out->at, out, error);
+  if (code) opc_layout_release_texts(out);
   return code;
 }
 
@@ -463,6 +513,13 @@ void opc_layout_release(opc_flat *flat) {
   free(flat->shapes.hole);
   free(flat->placement);
   *flat = (opc_flat){0};
+}
+
+void opc_layout_release_texts(opc_flat_texts *texts) {
+  opc_layout_release(&texts->at);
+  free(texts->text);
+  free(texts->depth);
+  *texts = (opc_flat_texts){0};
 }
 
 /* ---- paths ---- */

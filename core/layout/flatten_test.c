@@ -268,6 +268,10 @@ static void random_cells(fixture *f, GRand *rand) {
       g_assert_cmpint(
           l->add_box(f->layout, i, layer, (opc_box){x, y, x + 3, y + 2}, &e),
           ==, 0);
+      char text[8];   /* at the corner; it tells its cell */
+      g_snprintf(text, sizeof text, "%d", i);
+      g_assert_cmpint(
+          l->add_text(f->layout, i, layer, (opc_point){x, y}, text, &e), ==, 0);
     }
     for (int k = 0; k < 3 && i + 1 < CELLS; k++) {
       opc_placement p = {.origin = {g_rand_int_range(rand, -99, 99),
@@ -285,6 +289,29 @@ static void random_cells(fixture *f, GRand *rand) {
           ==, 0);
     }
   }
+}
+
+/* A text at the corner of every shape is where that is. */
+static void check_texts(fixture *f, const opc_flat *shapes) {
+  opc_error e;
+  opc_flat_texts t;
+  g_assert_cmpint(
+      l->flatten_texts(f->host, f->layout, 0, f->layer, 1, &t, &e), ==, 0);
+  g_assert_cmpuint(t.at.shapes.count, ==, shapes->shapes.count);
+  for (size_t i = 0; i < t.at.shapes.count; i++) {
+    opc_point p = t.at.shapes.points[i];
+    opc_point q = shapes->shapes.points[shapes->shapes.start[i]];
+    g_assert_true(p.x == q.x && p.y == q.y);
+    g_assert_cmpuint(t.at.placement[i], ==, shapes->placement[i]);
+    char path[256];
+    int32_t at = l->path(f->layout, 0, t.at.placement[i], path, sizeof path);
+    g_assert_cmpint(at, ==, atoi(t.text[i]));
+    uint32_t depth = *path ? 1 : 0;
+    for (const char *c = path; *c; c++) depth += *c == '/';
+    g_assert_cmpuint(t.depth[i], ==, depth);
+  }
+  l->release_texts(&t);
+  g_assert_null(t.text);
 }
 
 static void test_against_recursion(void) {
@@ -309,6 +336,7 @@ static void test_against_recursion(void) {
                       >=, 0);
       g_assert_cmpstr(path, ==, want.paths->pdata[placement]);
     }
+    check_texts(&f, &out);
     l->release(&out);
     g_ptr_array_free(want.paths, TRUE);
     g_array_free(want.corners, TRUE);
@@ -316,6 +344,42 @@ static void test_against_recursion(void) {
     tear_down(&f);
   }
   g_rand_free(rand);
+}
+
+/* Cells that hold nothing but texts; a scale, a magnification; no texts. */
+static void test_texts(void) {
+  fixture f;
+  opc_error e;
+  opc_flat_texts t;
+  set_up(&f, 0.5);
+  draw(&f, "TOP", (opc_box){0, 0, 1, 1});
+  l->add_text(f.layout, cell(&f, "NOTE"), f.layer, (opc_point){4, 2}, "a b", &e);
+  place(&f, "TOP", "NOTE", (opc_placement){.origin = {100, 0}}, "X1");
+  place(&f, "TOP", "NOTE",
+        (opc_placement){.origin = {200, 0}, .angle = 90, .magnification = 2,
+                        .mirror = 1},
+        "X2");
+  g_assert_cmpint(l->flatten_texts(f.host, f.layout, cell(&f, "TOP"), f.layer,
+                                   1, &t, &e), ==, 0);
+  g_assert_cmpuint(t.at.shapes.count, ==, 2);
+  static const int32_t want[2][2] = {{52, 1}, {102, 4}};
+  for (int i = 0; i < 2; i++) {
+    char path[8];
+    g_assert_cmpint(t.at.shapes.points[i].x, ==, want[i][0]);
+    g_assert_cmpint(t.at.shapes.points[i].y, ==, want[i][1]);
+    g_assert_cmpstr(t.text[i], ==, "a b");
+    l->path(f.layout, cell(&f, "TOP"), t.at.placement[i], path, sizeof path);
+    g_assert_cmpstr(path, ==, i ? "X2" : "X1");
+  }
+  l->release_texts(&t);
+  int32_t other = l->layer(f.layout, "other", &e);
+  g_assert_cmpint(l->flatten_texts(f.host, f.layout, cell(&f, "TOP"), other, 1,
+                                   &t, &e), ==, 0);
+  g_assert_cmpuint(t.at.shapes.count, ==, 0);
+  l->release_texts(&t);
+  g_assert_cmpint(l->flatten_texts(f.host, f.layout, 7, other, 1, &t, &e), ==,
+                  OPC_INVALID);
+  tear_down(&f);
 }
 
 static void test_path(void) {
@@ -402,6 +466,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/flatten/halves", test_halves);
   g_test_add_func("/flatten/hundredths", test_hundredths);
   g_test_add_func("/flatten/against-recursion", test_against_recursion);
+  g_test_add_func("/flatten/texts", test_texts);
   g_test_add_func("/flatten/path", test_path);
   g_test_add_func("/flatten/hostile", test_hostile);
   g_test_add_func("/flatten/range", test_range);

@@ -479,4 +479,6 @@ const opc_layout_service opc_layout_functions = {
     .release = opc_layout_release,
     .path = opc_layout_path,
     .keep = layout_keep,
+    .flatten_texts = opc_layout_flatten_texts,
+    .release_texts = opc_layout_release_texts,
 };

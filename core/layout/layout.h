@@ -116,6 +116,10 @@ int opc_layout_flatten(const opc_host *host, const opc_layout *layout,
                        int32_t top, int32_t layer, double grid, opc_flat *out,
                        opc_error *error);
 void opc_layout_release(opc_flat *flat);
+int opc_layout_flatten_texts(const opc_host *host, const opc_layout *layout,
+                             int32_t top, int32_t layer, double grid,
+                             opc_flat_texts *out, opc_error *error);
+void opc_layout_release_texts(opc_flat_texts *texts);
 int32_t opc_layout_path(const opc_layout *layout, int32_t top, uint32_t p,
                         char *buffer, size_t room);
 

@@ -34,6 +34,13 @@ typedef struct opc_flat {
   double worst;              /* by how much at most, nm */
 } opc_flat;
 
+/* Flat texts, since 1.2: text i stands at the one point of shape i. */
+typedef struct opc_flat_texts {
+  opc_flat at;
+  const char **text;         /* the layout's own */
+  uint32_t *depth;           /* of its cell, below the top: 0 for those of that */
+} opc_flat_texts;
+
 /* Cells and layers are named and numbered from 0 in order of creation. All
    [main] for one layout while it is built; the getters are [any] once it is
    built. Pointers returned belong to the layout. Functions that return int32_t
@@ -115,6 +122,12 @@ struct opc_layout_service {
   /* Drop the cells that `cell` does not lead to. The others keep their order
      and get new numbers; layers keep theirs. */
   int (*keep)(opc_layout *layout, int32_t cell, opc_error *error);
+
+  /* Since 1.2. All texts of a layer below `cell`, as flatten does it. */
+  int (*flatten_texts)(const opc_host *host, const opc_layout *layout,
+                       int32_t cell, int32_t layer, double grid,
+                       opc_flat_texts *out, opc_error *error);
+  void (*release_texts)(opc_flat_texts *texts);
 };
 
 #ifdef __cplusplus

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Which placement drew the active below each region: the first shape, in the
-   order of the flattening, that contains its middle. Regions lie in rows,
-   sorted along each; a shape looks at those within its bounding box and takes
-   what it contains out of the rows. */
+/* Which shape contains a point: the first one in their order. Points lie in
+   rows, sorted along each; a shape looks at those within its bounding box and
+   takes what it contains out of the rows. So it is found which placement drew
+   the active below each region: whose shape contains its middle. */
 #include <stdlib.h>
 
 #include "segment.h"
 
-/* Coordinates are doubled, so that middles are integers. */
+/* Coordinates are doubled. */
 typedef struct spot {
   int64_t x, y;
   size_t row;
-  uint32_t region;
+  uint32_t number;
 } spot;
 
 typedef struct rows {
@@ -27,7 +27,7 @@ static int by_row(const void *a, const void *b) {
   const spot *p = a, *q = b;
   if (p->row != q->row) return p->row < q->row ? -1 : 1;
   if (p->x != q->x) return p->x < q->x ? -1 : 1;
-  return (p->region > q->region) - (p->region < q->region);
+  return (p->number > q->number) - (p->number < q->number);
 }
 
 static size_t first_free(rows *r, size_t k) {
@@ -38,23 +38,14 @@ static size_t first_free(rows *r, size_t k) {
   return k;
 }
 
-/* The middle of a box. Anything else (to be refused) is told by its first
-   corner, which has its interior above and to the right. */
-static spot spot_of(const opc_shapes *regions, uint32_t i) {
-  const opc_point *p = regions->points + regions->start[i];
-  uint32_t n = regions->start[i + 1] - regions->start[i];
-  if (n != 4) return (spot){2 * (int64_t)p->x, 2 * (int64_t)p->y, 0, i};
-  return (spot){(int64_t)p[0].x + p[2].x, (int64_t)p[0].y + p[2].y, 0, i};
-}
-
 static size_t row_of(const rows *r, int64_t y) {
   if (y < r->low) return 0;
   size_t row = (size_t)((y - r->low) / r->height);
   return row < r->rows ? row : r->rows - 1;
 }
 
-static int prepare(segment *s, rows *r) {
-  size_t n = r->count = s->regions.count;
+static int prepare(segment *s, rows *r, const doubled *points, size_t n) {
+  r->count = n;
   r->rows = 1;
   while (r->rows * r->rows < n) r->rows++;
   r->spots = s->host->alloc(s->host, n, sizeof *r->spots);
@@ -64,10 +55,9 @@ static int prepare(segment *s, rows *r) {
   int64_t high = INT64_MIN;
   r->low = INT64_MAX;
   for (size_t i = 0; i < n; i++) {
-    r->spots[i] = spot_of(&s->regions, (uint32_t)i);
+    r->spots[i] = (spot){points[i].x, points[i].y, 0, (uint32_t)i};
     if (r->spots[i].y < r->low) r->low = r->spots[i].y;
     if (r->spots[i].y > high) high = r->spots[i].y;
-    s->placement[i] = UINT32_MAX;
   }
   r->height = (high - r->low) / (int64_t)r->rows + 1;
   for (size_t i = 0; i < n; i++) r->spots[i].row = row_of(r, r->spots[i].y);
@@ -103,8 +93,8 @@ static size_t find_x(const rows *r, size_t from, size_t to, int64_t x) {
   return from;
 }
 
-static void claim(segment *s, rows *r, const opc_point *p, uint32_t n,
-                  uint32_t placement) {
+static void claim(rows *r, const opc_point *p, uint32_t n, uint32_t shape,
+                  uint32_t *which) {
   opc_box box = {INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
   for (uint32_t i = 0; i < n; i++) {
     if (p[i].x < box.x0) box.x0 = p[i].x;
@@ -120,7 +110,7 @@ static void claim(segment *s, rows *r, const opc_point *p, uint32_t n,
       const spot *at = &r->spots[k];
       if (at->x > 2 * (int64_t)box.x1) break;
       if (contains(p, n, at)) {
-        s->placement[at->region] = placement;
+        which[at->number] = shape;
         r->free[k] = (uint32_t)(k + 1);
       } else {
         k++;
@@ -129,17 +119,40 @@ static void claim(segment *s, rows *r, const opc_point *p, uint32_t n,
   }
 }
 
-int segment_locate(segment *s) {
+int segment_find(segment *s, const doubled *points, size_t n,
+                 const opc_shapes *shapes, uint32_t *which) {
   rows r = {0};
-  s->placement =
-      s->host->alloc(s->host, s->regions.count, sizeof *s->placement);
-  int code = s->placement ? prepare(s, &r) : segment_no_memory(s);
-  const opc_shapes *drawn = &s->active.shapes;
-  for (size_t i = 0; !code && i < drawn->count; i++)
-    claim(s, &r, drawn->points + drawn->start[i],
-          drawn->start[i + 1] - drawn->start[i], s->active.placement[i]);
+  for (size_t i = 0; i < n; i++) which[i] = UINT32_MAX;
+  int code = n ? prepare(s, &r, points, n) : OPC_OK;
+  for (size_t i = 0; !code && n && i < shapes->count; i++)
+    claim(&r, shapes->points + shapes->start[i],
+          shapes->start[i + 1] - shapes->start[i], (uint32_t)i, which);
   s->host->free(s->host, r.spots);
   s->host->free(s->host, r.free);
   s->host->free(s->host, r.first);
+  return code;
+}
+
+/* The middle of a box. Anything else (to be refused) is told by its first
+   corner, which has its interior above and to the right. */
+static doubled middle_of(const opc_shapes *regions, size_t i) {
+  const opc_point *p = regions->points + regions->start[i];
+  uint32_t n = regions->start[i + 1] - regions->start[i];
+  if (n != 4) return (doubled){2 * (int64_t)p->x, 2 * (int64_t)p->y};
+  return (doubled){(int64_t)p[0].x + p[2].x, (int64_t)p[0].y + p[2].y};
+}
+
+int segment_locate(segment *s) {
+  size_t n = s->regions.count;
+  doubled *points = s->host->alloc(s->host, n, sizeof *points);
+  s->placement = s->host->alloc(s->host, n, sizeof *s->placement);
+  int code = points && s->placement ? OPC_OK : segment_no_memory(s);
+  for (size_t i = 0; !code && i < n; i++) points[i] = middle_of(&s->regions, i);
+  if (!code)
+    code = segment_find(s, points, n, &s->active.shapes, s->placement);
+  for (size_t i = 0; !code && i < n; i++)
+    if (s->placement[i] != UINT32_MAX)
+      s->placement[i] = s->active.placement[s->placement[i]];
+  s->host->free(s->host, points);
   return code;
 }

@@ -62,8 +62,16 @@ int segment_index(segment *s);
 const edge *segment_edge(const edge_index *index, int d, int side, int32_t at,
                          int32_t low, int32_t high);
 
-/* place.c: in which placement of the active layer each region lies. */
+/* place.c: in which placement of the active layer each region lies; and the
+   number of the first of `shapes` that contains each point, UINT32_MAX where
+   none does. Coordinates of points are doubled, so that middles are integers;
+   of two shapes that abut, the one to the right or above contains the edge. */
+typedef struct doubled {
+  int64_t x, y;
+} doubled;
 int segment_locate(segment *s);
+int segment_find(segment *s, const doubled *points, size_t n,
+                 const opc_shapes *shapes, uint32_t *which);
 
 /* recognise.c: box and axis of each region, or why it is no transistor; then
    its type. */
@@ -77,6 +85,9 @@ int segment_room(segment *s);
 
 /* name.c: instance, cell and number of each gate. */
 int segment_name(segment *s);
+
+/* notes.c: what is written upon each gate. */
+int segment_notes(segment *s);
 
 static inline int segment_no_memory(segment *s) {
   s->host->fail(s->host, s->error, OPC_FAILED, NULL, "out of memory");

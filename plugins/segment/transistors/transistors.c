@@ -37,6 +37,7 @@ static void release_gates(void *object) {
   host->free(host, g->instance);
   host->free(host, g->cell);
   host->free(host, g->number);
+  host->free(host, g->note);
   host->free(host, o->names);
   host->free(host, o);
 }
@@ -193,7 +194,8 @@ static int segment_all(segment *s) {
   int (*const steps[])(segment *) = {
       get_drawn,      get_dopings,   find_regions,
       segment_locate, segment_index, segment_recognise,
-      segment_cut,    segment_room,  segment_name};
+      segment_cut,    segment_room,  segment_name,
+      segment_notes};
   int code = OPC_OK;
   for (size_t k = 0; !code && k < sizeof steps / sizeof *steps; k++) {
     code = steps[k](s);
@@ -241,7 +243,7 @@ static const opc_parameter parameters[PARAMETERS] = {
                 .flags = OPC_REQUIRED,
                 .choices = "layout",
                 .summary = "layers poly, active, contact, nwell, pwell, "
-                           "nimplant, pimplant"},
+                           "nimplant, pimplant, notes"},
     [TOP] = {.name = "top",
              .type = OPC_TEXT,
              .summary = "the cell to take; if not given, the only one that no "

@@ -551,6 +551,105 @@ static void test_instances(void) {
           "'X1': it is not a rectangle");
 }
 
+/* ---- notes ---- */
+
+static void write_note(drawing *d, int32_t x, int32_t y, const char *text) {
+  opc_error error;
+  int32_t l = host->layout->layer(d->layout, "notes", &error);
+  g_assert_cmpint(host->layout->add_text(d->layout, d->cell, l,
+                                         (opc_point){x, y}, text, &error),
+                  ==, OPC_OK);
+}
+
+/* An inverter with a note upon its n-transistor: as drawn, turned, mirrored,
+   and four times in an array. */
+static drawing noted(drawing *inverter) {
+  static const opc_placement places[] = {
+      {{1000, 0}, 1, 0, 0, 1, 1, {0, 0}, {0, 0}},
+      {{0, 2000}, 1, 90, 0, 1, 1, {0, 0}, {0, 0}},
+      {{3000, 2000}, 1, 180, 1, 1, 1, {0, 0}, {0, 0}},
+      {{5000, 0}, 1, 0, 0, 2, 2, {800, 0}, {0, 1500}},
+  };
+  static const char *const names[] = {"X1", "X2", "X3", "XA"};
+  opc_error error;
+  drawing d = drawing_new();
+  *inverter = d;
+  inverter->cell = host->layout->cell(d.layout, "INV", &error);
+  draw(inverter, "active", 0, 0, 300, 100);
+  draw(inverter, "active", 0, 400, 300, 600);
+  draw(inverter, "nwell", -100, 300, 400, 700);
+  draw(inverter, "poly", 100, -100, 165, 700);
+  write_note(inverter, 100, 0, "weight=2");
+  for (int i = 0; i < 4; i++)
+    g_assert_cmpint(host->layout->add_instance(d.layout, d.cell, inverter->cell,
+                                               &places[i], names[i], &error),
+                    ==, OPC_OK);
+  return d;
+}
+
+static void test_notes(void) {
+  drawing inverter, d = noted(&inverter);
+  /* One instance of its own, at the far corner of the gate; one without; a
+     p-transistor; the same twice. */
+  write_note(&d, 1165, 100, "ion=1.05");
+  write_note(&d, 5101, 1, "");
+  write_note(&d, 1130, 500, "p");
+  write_note(&d, 1131, 501, "p");
+  opc_test_forget();
+  result r = segment(d.layout, "{ top: TOP }");
+  const opc_gates *g = r.gates;
+  g_assert_cmpuint(g->count, ==, 14);
+  for (size_t i = 0; i < g->count; i++) {
+    const char *want = g->type[i] == OPC_NMOS ? "weight=2" : NULL;
+    if (!strcmp(g->instance[i], "X1"))
+      want = g->type[i] == OPC_NMOS ? "ion=1.05" : "p";
+    if (!strcmp(g->instance[i], "XA[0,0]") && want) want = "";
+    g_assert_cmpstr(g->note[i], ==, want);
+  }
+  g_assert_null(strstr(opc_test_log(), "no transistor"));
+  opc_test_release(r.module, &r.gates);
+  opc_test_module_free(r.module);
+
+  /* Beside the gate by 1 nm, in every instance. */
+  write_note(&inverter, 166, 50, "lost");
+  opc_test_forget();
+  r = segment(d.layout, "{ top: TOP }");
+  g_assert_nonnull(strstr(opc_test_log(),
+                          "texts of layer 'notes' on no transistor: 7, the "
+                          "first 'lost' at (1166, 50) nm, instance 'X1'"));
+  opc_test_release(r.module, &r.gates);
+  opc_test_module_free(r.module);
+  write_note(&inverter, 130, 50, "weight=3");
+  refused(&d, "{ top: TOP }", OPC_INVALID,
+          "transistor 'X2:2' has two notes: 'weight=2', and at (-50, 2130) nm "
+          "'weight=3'");
+}
+
+/* No such layer; such a layer without a text; a coarse grid. */
+static void test_no_notes(void) {
+  opc_error error;
+  drawing d = drawing_new();
+  draw_single(&d);
+  result r = segment(d.layout, "{}");
+  g_assert_null(((const opc_gates *)r.gates)->note);
+  opc_test_release(r.module, &r.gates);
+  opc_test_module_free(r.module);
+  host->layout->layer(d.layout, "notes", &error);
+  r = segment(d.layout, "{}");
+  const opc_gates *g = r.gates;
+  g_assert_nonnull(g->note);
+  for (size_t i = 0; i < g->count; i++) g_assert_null(g->note[i]);
+  opc_box b = g->box[0];
+  opc_test_release(r.module, &r.gates);
+  opc_test_module_free(r.module);
+  write_note(&d, b.x1, b.y1, "corner");
+  r = segment(d.layout, "{ grid: 5 nm }");
+  g_assert_cmpstr(((const opc_gates *)r.gates)->note[0], ==, "corner");
+  opc_test_release(r.module, &r.gates);
+  opc_test_module_free(r.module);
+  host->layout->destroy(d.layout);
+}
+
 static void test_cancel(void) {
   drawing d = drawing_new();
   draw_single(&d);
@@ -724,6 +823,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/transistors/refused", test_refused);
   g_test_add_func("/transistors/refused-shapes", test_refused_shapes);
   g_test_add_func("/transistors/instances", test_instances);
+  g_test_add_func("/transistors/notes", test_notes);
+  g_test_add_func("/transistors/no-notes", test_no_notes);
   g_test_add_func("/transistors/cancel", test_cancel);
   g_test_add_func("/transistors/nangate", test_nangate);
   g_test_add_func("/transistors/c432", test_c432);
