@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "card.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -45,6 +46,64 @@ static int take(card_reader *r, const word *key, const word *value, int *has) {
   return OPC_OK;
 }
 
+/* A parameter's number, or what the model has without it; 0 if it is none. */
+static int number_of(const netlist_model *m, const char *key, double preset,
+                     double *out) {
+  *out = preset;
+  for (size_t i = 0; i < m->count; i++) {
+    if (!same_name(m->key[i], key)) continue;
+    const char *end = netlist_number(m->value[i], out);
+    if (!end || *end) return 0;
+  }
+  return 1;
+}
+
+static int has_key(const netlist_model *m, const char *key) {
+  for (size_t i = 0; i < m->count; i++)
+    if (same_name(m->key[i], key)) return 1;
+  return 0;
+}
+
+/* F/m^2, by the model's own constants; 0 where it is not that simple. */
+static double oxide_capacitance(const netlist_model *m, double level) {
+  double tox, epsrox, mtrlmod;
+  if (level == 8 || level == 49)
+    return number_of(m, "tox", 150e-10, &tox) ? 3.453133e-11 / tox : 0;
+  if (!number_of(m, "toxe", 30e-10, &tox) ||
+      !number_of(m, "epsrox", 3.9, &epsrox) ||
+      !number_of(m, "mtrlmod", 0, &mtrlmod) || mtrlmod != 0 ||
+      (has_key(m, "toxp") && !has_key(m, "toxe")))
+    return 0;
+  return epsrox * 8.85418e-12 / tox;
+}
+
+/* A model without CGSO and CGDO derives them from XJ; once a DLC is written
+   into its card, from that. They stay what they were if they are written, too. */
+static int keep_overlaps(card_reader *r, const line *l, int has_dlc) {
+  static const char *const names[2][2] = {{"cgso", "cgsl"}, {"cgdo", "cgdl"}};
+  netlist_model *m = r->out;
+  double level, xj, less;
+  if (!number_of(m, "level", 0, &level)) level = 0;
+  for (int k = 0; k < 2; k++) {
+    if (has_key(m, names[k][0])) continue;
+    double cox = oxide_capacitance(m, level);
+    if (!(cox > 0) || !number_of(m, "xj", 1.5e-7, &xj) ||
+        !number_of(m, names[k][1], 0, &less))
+      return netlist_refuse(&r->n, l->word[0].at,
+                            "model '%.100s' has no %s: with a DLC it would be "
+                            "another",
+                            m->name, names[k][0]);
+    double by_dlc = m->dlc * 1e-9 * cox - less;
+    char text[32];
+    int n = snprintf(text, sizeof text, "%.9g",
+                     has_dlc && m->dlc > 0 ? by_dlc : 0.6 * xj * cox);
+    m->key[m->count] = names[k][0];
+    m->value[m->count] = pool_text(&r->n.pool, text, (size_t)n);
+    if (!m->value[m->count++]) return netlist_no_memory(&r->n);
+  }
+  return OPC_OK;
+}
+
 static int read_model(card_reader *r, const line *l) {
   netlist_model *m = r->out;
   int has[2] = {0, 0};
@@ -55,8 +114,9 @@ static int read_model(card_reader *r, const line *l) {
     return netlist_refuse(&r->n, l->word[2].at, "model '%.100s' is no %s",
                           l->word[1].text, r->kind);
   *m = (netlist_model){.name = l->word[1].text, .kind = l->word[2].text};
-  m->key = pool_alloc(&r->n.pool, l->words, sizeof *m->key);
-  m->value = pool_alloc(&r->n.pool, l->words, sizeof *m->value);
+  /* Two more may come. */
+  m->key = pool_alloc(&r->n.pool, l->words + 2, sizeof *m->key);
+  m->value = pool_alloc(&r->n.pool, l->words + 2, sizeof *m->value);
   if (!m->key || !m->value) return netlist_no_memory(&r->n);
   for (size_t i = 3; i < l->words; i += 3) {
     const word *key = &l->word[i];
@@ -66,7 +126,7 @@ static int read_model(card_reader *r, const line *l) {
                             key->text);
     if (take(r, key, &key[2], has)) return r->n.error->code;
   }
-  if (has[0]) return OPC_OK;
+  if (has[0]) return keep_overlaps(r, l, has[1]);
   return netlist_refuse(&r->n, l->word[0].at, "model '%.100s' has no level",
                         m->name);
 }

@@ -545,9 +545,15 @@ int opc_spice_run(const opc_host *host, const char *deck, const char *commands,
   return code;
 }
 
+#ifdef __has_feature /* clang */
+#define HAS_FEATURE(name) __has_feature(name)
+#else
+#define HAS_FEATURE(name) 0
+#endif
+
 void opc_spice_parallel(const opc_host *host, size_t n,
                         void (*task)(void *data, size_t i), void *data) {
-#ifdef __SANITIZE_ADDRESS__
+#if defined __SANITIZE_ADDRESS__ || HAS_FEATURE(address_sanitizer)
   (void)host;
   for (size_t i = 0; i < n; i++) task(data, i);
 #else

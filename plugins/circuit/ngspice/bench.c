@@ -103,34 +103,3 @@ int bench_forgive(bench *b, int state, int code, const opc_error *error) {
   b->has[state] = 0;
   return OPC_OK;
 }
-
-/* ---- decks ---- */
-
-/* Charges here are of fF and mV: of the simulator's own bounds for them, 1 uV
-   and 1e-14 C, the second would see none. */
-void bench_begin(const bench *b, FILE *out, double reltol) {
-  fputs("circuit.ngspice\n", out);
-  for (int i = 0; i < 2; i++)
-    if (b->cards[i]) fprintf(out, ".include \"%s\"\n", b->cards[i]);
-  fprintf(out,
-          ".options temp=%.17g gmin=1e-15 reltol=%g abstol=1e-15 "
-          "chgtol=1e-19\n",
-          b->temperature, reltol);
-}
-
-void bench_circuit(const bench *b, FILE *out, const char *netlist) {
-  const opc_circuit *c = b->circuit;
-  node_name node;
-  fprintf(out, "%sx1", netlist);
-  for (size_t i = 0; i < c->ports; i++)
-    fprintf(out, "\n+ %s", bench_node(b, c->port[i], node));
-  fprintf(out, "\n+ %s\n", c->name);
-  for (size_t i = 0; i < c->ports; i++)
-    if (c->role[i] == OPC_PORT_SUPPLY)
-      fprintf(out, "vs%zu n%u 0 dc %.17g\n", i, c->port[i], b->supply);
-  for (size_t i = 0; i < b->inputs; i++)
-    fprintf(out, "vi%zu n%u 0 dc 0\n", i, b->input[i]);
-  for (size_t i = 0; i < b->outputs; i++)
-    if (b->load > 0)
-      fprintf(out, "cl%zu n%u 0 %.17g\n", i, b->output[i], b->load);
-}

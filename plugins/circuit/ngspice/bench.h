@@ -20,6 +20,7 @@ typedef struct bench {
   const opc_circuit *circuit; /* as it came */
   opc_circuit plain;          /* with the nets n0, n1 ... */
   const opc_mask *mask;       /* NULL: as drawn only */
+  opc_mask sized;             /* sizes.c: the mask, with other sizes */
   int has[STATES];            /* which sizes there are */
   const char *cards[2];       /* whole paths; [1] NULL: the same */
   const char *model[2];
@@ -30,6 +31,11 @@ typedef struct bench {
   size_t inputs, outputs;
   uint32_t *input, *output; /* their nets */
 } bench;
+
+/* ---- sizes.c ---- */
+
+/* Have the printed currents told by L alone, by that table of devices. */
+int sizes_by_length(bench *b, const char *devices, opc_error *error);
 
 /* ---- bench.c ---- */
 
@@ -59,10 +65,37 @@ typedef char node_name[16];
 const char *bench_node(const bench *b, uint32_t net, node_name out);
 int bench_role(const opc_circuit *c, uint32_t net); /* OPC_PORT_*, -1 */
 
-/* Title, cards and options; then the circuit with its supplies, loads and
-   inputs, which are at 0 V. */
-void bench_begin(const bench *b, FILE *out, double reltol);
-void bench_circuit(const bench *b, FILE *out, const char *netlist);
+/* ---- jobs.c: processes ---- */
+
+/* What one process simulates: some of many things, at one set of sizes. */
+typedef struct job {
+  const bench *b;
+  const void *of; /* what the caller gave */
+  int state;
+  size_t from, to; /* of the things */
+  int code;        /* of what failed */
+  opc_error error;
+} job;
+
+/* Have `count` things done, `some` to a job and many jobs at once, at each set
+   of sizes that there is. */
+int jobs_run(bench *b, size_t count, size_t some, void (*work)(job *j),
+             const void *of, opc_error *error);
+
+/* The text that `write` writes, to be freed; NULL and the job's code if that
+   fails. */
+char *job_text(job *j, void (*write)(job *j, FILE *out, const void *how),
+               const void *how);
+
+/* Simulate; the job's code tells if that fails. NULL texts are not looked at,
+   as they have failed. The result is to be released. */
+void job_simulate(job *j, const char *deck, const char *commands,
+                  opc_spice_result *out);
+
+/* For decks: title, cards and options; then the circuit with its supplies,
+   loads and inputs, which are at 0 V. */
+void job_begin(const job *j, FILE *out, double reltol);
+void job_circuit(job *j, FILE *out, int sizes);
 
 /* ---- patterns.c: what is applied ---- */
 
@@ -89,7 +122,7 @@ const char *patterns_say(bench *b, const patterns *p, transition t);
 /* ---- logic.c: operating points ---- */
 
 typedef struct logic {
-  int8_t *level; /* of pattern p, output o as drawn: 0, 1, -1 for neither */
+  int *level; /* of pattern p, output o as drawn: 0, 1, -1 for neither */
   double *current[STATES], *power[STATES]; /* of each pattern */
 } logic;
 
@@ -165,7 +198,6 @@ typedef struct margins {
 
 int margins_find(bench *b, const cell *cells, size_t count, int reads,
                  margins *out, opc_error *error);
-void butterfly_squares(butterfly *f, double supply);
 
 /* ---- tables.c ---- */
 

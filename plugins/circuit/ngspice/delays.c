@@ -19,58 +19,46 @@ static const double first_window = 1e-9;
 /* Of the time to the last slope's end. */
 static const double room_after = 1.3;
 
-/* A process: some transitions, one set of sizes. */
-typedef struct job {
-  const bench *b;
+/* What all jobs share. Things are flips. */
+typedef struct study {
   const patterns *p;
   const delays *d;
-  const char *netlist;
-  int state, code;
-  size_t from, to; /* flips */
-  opc_error error;
-} job;
+} study;
+
+/* How a transient runs. */
+typedef struct transient {
+  double window;
+  int points; /* at least; steps are at most that share of the window */
+} transient;
 
 double bench_start(const bench *b) { return b->slew; }
 
 /* ---- decks ---- */
 
-static char *make_deck(const job *j) {
+static void write_deck(job *j, FILE *out, const void *how) {
   const bench *b = j->b;
-  char *text = NULL;
-  size_t size;
-  FILE *out = open_memstream(&text, &size);
-  if (!out) return NULL;
-  bench_begin(b, out, 1e-4);
-  bench_circuit(b, out, j->netlist);
+  (void)how;
+  job_begin(j, out, 1e-4);
+  job_circuit(j, out, SIZE_TIMED);
   for (size_t i = 0; i < b->outputs; i++)
     fprintf(out, ".save v(n%u)\n", b->output[i]);
   fputs(".end\n", out);
-  if (!fclose(out)) return text;
-  free(text);
-  return NULL;
 }
 
-/* Steps are at most a share of the window. */
-static char *make_commands(const job *j, double window, int points) {
+static void write_commands(job *j, FILE *out, const void *how) {
   const bench *b = j->b;
-  double start = bench_start(b);
-  char *text = NULL;
-  size_t size;
-  FILE *out = open_memstream(&text, &size);
-  if (!out) return NULL;
+  const study *s = j->of;
+  const transient *w = how;
+  double start = bench_start(b), step = w->window / w->points;
   for (size_t k = j->from; k < j->to; k++) {
-    transition t = j->p->transition[j->d->flip[k]];
+    transition t = s->p->transition[s->d->flip[k]];
     for (size_t i = 0; i < b->inputs; i++)
       fprintf(out, "alter @vi%zu[pwl] = [ 0 %.17g %.17g %.17g %.17g %.17g ]\n",
-              i, b->supply * j->p->bit[t.from * b->inputs + i], start,
-              b->supply * j->p->bit[t.from * b->inputs + i], start + b->slew,
-              b->supply * j->p->bit[t.to * b->inputs + i]);
-    fprintf(out, "tran %.17g %.17g 0 %.17g\n", window / points, window,
-            window / points);
+              i, b->supply * s->p->bit[t.from * b->inputs + i], start,
+              b->supply * s->p->bit[t.from * b->inputs + i], start + b->slew,
+              b->supply * s->p->bit[t.to * b->inputs + i]);
+    fprintf(out, "tran %.17g %.17g 0 %.17g\n", step, w->window, step);
   }
-  if (!fclose(out)) return text;
-  free(text);
-  return NULL;
 }
 
 /* ---- what is measured ---- */
@@ -118,12 +106,13 @@ typedef struct outcome {
   double last; /* the end of the latest of the others */
 } outcome;
 
-static outcome measure_all(job *j, const opc_spice_result *r) {
+static outcome measure_all(const job *j, const opc_spice_result *r) {
   const bench *b = j->b;
+  const delays *d = ((const study *)j->of)->d;
   outcome all = {0, 0};
   for (size_t k = j->from; k < j->to; k++)
-    for (uint32_t i = j->d->first[k]; i < j->d->first[k + 1]; i++) {
-      arrival *a = &j->d->arrival[i];
+    for (uint32_t i = d->first[k]; i < d->first[k + 1]; i++) {
+      arrival *a = &d->arrival[i];
       const opc_spice_plot *plot = &r->plot[k - j->from];
       node_name node;
       char name[32];
@@ -144,15 +133,11 @@ static outcome measure_all(job *j, const opc_spice_result *r) {
 
 /* ---- one process ---- */
 
-static outcome simulate(job *j, const char *deck, double window, int points) {
-  opc_spice_result r = {0};
+static outcome simulate(job *j, const char *deck, transient how) {
+  opc_spice_result r;
   outcome all = {SIZE_MAX, 0};
-  char *commands = make_commands(j, window, points);
-  if (!commands)
-    j->code = no_memory(j->b->host, &j->error);
-  else
-    j->code =
-        opc_spice_run(j->b->host, deck, commands, j->b->limit, &r, &j->error);
+  char *commands = job_text(j, write_commands, &how);
+  job_simulate(j, deck, commands, &r);
   if (!j->code && r.count == j->to - j->from) all = measure_all(j, &r);
   opc_spice_release(&r);
   free(commands);
@@ -162,62 +147,33 @@ static outcome simulate(job *j, const char *deck, double window, int points) {
 /* As drawn: how long all take, as far as they get there. */
 static void find_window(job *j, const char *deck) {
   const bench *b = j->b;
-  double wide = first_window + 4 * b->slew, start = bench_start(b);
+  const delays *d = ((const study *)j->of)->d;
+  transient how = {first_window + 4 * b->slew, COARSE};
   outcome best = {SIZE_MAX, 0};
   for (int i = 0; i < TRIES_DRAWN && best.missing && !j->code; i++) {
-    outcome all = simulate(j, deck, wide, COARSE);
+    outcome all = simulate(j, deck, how);
     if (all.missing < best.missing) best = all;
-    wide *= LONGER;
+    how.window *= LONGER;
   }
-  double last = fmax(best.last, start + b->slew);
+  double start = bench_start(b), last = fmax(best.last, start + b->slew);
   for (size_t k = j->from; k < j->to; k++)
-    j->d->window[k] = start + room_after * (last - start);
+    d->window[k] = start + room_after * (last - start);
 }
 
 /* As printed, in the same time and so with the same steps, or longer if it
    takes longer. */
-static void run_job(void *data, size_t index) {
-  job *j = (job *)data + index;
-  int drawn = j->state == NETLIST_DRAWN, points = POINTS;
-  char *deck = make_deck(j);
-  if (!deck) {
-    j->code = no_memory(j->b->host, &j->error);
-    return;
-  }
-  if (drawn) find_window(j, deck);
-  double window = j->d->window[j->from];
+static void run_job(job *j) {
+  const delays *d = ((const study *)j->of)->d;
+  int drawn = j->state == NETLIST_DRAWN;
+  char *deck = job_text(j, write_deck, NULL);
+  if (drawn && deck) find_window(j, deck);
+  transient how = {d->window[j->from], POINTS};
   for (int i = 0; i < (drawn ? 1 : TRIES_PRINTED) && !j->code; i++) {
-    if (!simulate(j, deck, window, points).missing) break;
-    window *= LONGER;
-    points *= LONGER;
+    if (!simulate(j, deck, how).missing) break;
+    how.window *= LONGER;
+    how.points *= LONGER;
   }
   free(deck);
-}
-
-static int find_state(bench *b, const patterns *p, const delays *d, int state,
-                      opc_error *error) {
-  const opc_host *host = b->host;
-  size_t n = (d->flips + CHUNK - 1) / CHUNK;
-  job *jobs = bench_alloc(b, n, sizeof *jobs, error);
-  char *netlist =
-      jobs ? bench_netlist(b, &b->plain, state, SIZE_TIMED, error) : NULL;
-  if (!netlist) return error->code;
-  for (size_t i = 0; i < n; i++)
-    jobs[i] = (job){.b = b,
-                    .p = p,
-                    .d = d,
-                    .netlist = netlist,
-                    .state = state,
-                    .from = i * CHUNK,
-                    .to = i + 1 < n ? (i + 1) * CHUNK : d->flips};
-  opc_spice_parallel(host, n, run_job, jobs);
-  host->free(host, netlist);
-  for (size_t i = 0; i < n; i++)
-    if (jobs[i].code) {
-      *error = jobs[i].error;
-      return error->code;
-    }
-  return OPC_OK;
 }
 
 /* ---- which transitions ---- */
@@ -278,15 +234,11 @@ static void warn_of_outputs(const bench *b, const patterns *p, const logic *l,
 
 int delays_find(bench *b, const patterns *p, const logic *l, delays *out,
                 opc_error *error) {
+  const study s = {p, out};
   *out = (delays){0};
   if (list_arrivals(b, p, l, out, error)) return error->code;
   warn_of_outputs(b, p, l, out);
-  for (int state = 0; state < STATES; state++) {
-    if (!b->has[state]) continue;
-    int code = find_state(b, p, out, state, error);
-    if (bench_forgive(b, state, code, error)) return code;
-  }
-  return OPC_OK;
+  return jobs_run(b, out->flips, CHUNK, run_job, &s, error);
 }
 
 /* ---- for the picture ---- */
@@ -311,26 +263,19 @@ static int keep_wave(bench *b, const arrival *a, const opc_spice_plot *plot,
 int delays_wave(bench *b, const patterns *p, const delays *d, size_t index,
                 int state, wave *out, opc_error *error) {
   const arrival *a = &d->arrival[index];
+  const study s = {p, d};
+  const transient how = {d->window[a->flip], POINTS};
+  job j = {.b = b, .of = &s, .state = state, .from = a->flip, .to = a->flip + 1};
+  opc_spice_result r;
   *out = (wave){0};
-  char *netlist = bench_netlist(b, &b->plain, state, SIZE_TIMED, error);
-  if (!netlist) return error->code;
-  job j = {.b = b,
-           .p = p,
-           .d = d,
-           .netlist = netlist,
-           .state = state,
-           .from = a->flip,
-           .to = a->flip + 1};
-  opc_spice_result r = {0};
-  char *deck = make_deck(&j);
-  char *commands = make_commands(&j, d->window[a->flip], POINTS);
-  int code = deck && commands
-                 ? opc_spice_run(b->host, deck, commands, b->limit, &r, error)
-                 : no_memory(b->host, error);
-  if (!code && r.count) code = keep_wave(b, a, &r.plot[0], out, error);
+  char *deck = job_text(&j, write_deck, NULL);
+  char *commands = job_text(&j, write_commands, &how);
+  job_simulate(&j, deck, commands, &r);
+  if (!j.code && r.count)
+    j.code = keep_wave(b, a, &r.plot[0], out, &j.error);
   opc_spice_release(&r);
   free(deck);
   free(commands);
-  b->host->free(b->host, netlist);
-  return code;
+  if (j.code) *error = j.error;
+  return j.code;
 }

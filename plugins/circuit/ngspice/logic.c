@@ -14,15 +14,11 @@ enum { CHUNK = 64 }; /* patterns of a process */
 static const double test_current = 5e-6;
 static const double least_height = 0.75;
 
-typedef struct job {
-  const bench *b;
+/* What all jobs share. */
+typedef struct study {
   const patterns *p;
   const logic *out;
-  const char *netlist;
-  int state, code;
-  size_t from, to;
-  opc_error error;
-} job;
+} study;
 
 /* ---- one process ---- */
 
@@ -40,15 +36,12 @@ static double test_resistance(const bench *b, uint32_t net) {
   return b->supply / 2 / (test_current * fmax(width, 1e-3));
 }
 
-static char *make_deck(const job *j) {
+static void write_deck(job *j, FILE *out, const void *how) {
   const bench *b = j->b;
   const opc_circuit *c = b->circuit;
-  char *text = NULL;
-  size_t size;
-  FILE *out = open_memstream(&text, &size);
-  if (!out) return NULL;
-  bench_begin(b, out, 1e-5);
-  bench_circuit(b, out, j->netlist);
+  (void)how;
+  job_begin(j, out, 1e-5);
+  job_circuit(j, out, SIZE_OFF);
   for (size_t i = 0; i < c->ports; i++)
     if (c->role[i] == OPC_PORT_SUPPLY) fprintf(out, ".save i(vs%zu)\n", i);
   for (size_t i = 0; i < b->inputs; i++) fprintf(out, ".save i(vi%zu)\n", i);
@@ -56,19 +49,14 @@ static char *make_deck(const job *j) {
     fprintf(out, "rt%zu n%u middle 1e18\n.save v(n%u)\n", i, b->output[i],
             b->output[i]);
   fprintf(out, "vmiddle middle 0 %.17g\n.end\n", b->supply / 2);
-  if (!fclose(out)) return text;
-  free(text);
-  return NULL;
 }
 
-static char *make_commands(const job *j) {
+static void write_commands(job *j, FILE *out, const void *how) {
   const bench *b = j->b;
-  char *text = NULL;
-  size_t size;
-  FILE *out = open_memstream(&text, &size);
-  if (!out) return NULL;
+  const study *s = j->of;
+  (void)how;
   for (size_t k = j->from; k < j->to; k++) {
-    const uint8_t *bit = j->p->bit + k * b->inputs;
+    const uint8_t *bit = s->p->bit + k * b->inputs;
     for (size_t i = 0; i < b->inputs; i++)
       if (k == j->from || bit[i] != (bit - b->inputs)[i])
         fprintf(out, "alter @vi%zu[dc] = %.17g\n", i, bit[i] ? b->supply : 0);
@@ -81,9 +69,6 @@ static char *make_commands(const job *j) {
     for (size_t i = 0; i < b->outputs; i++)
       fprintf(out, "alter rt%zu = 1e18\n", i);
   }
-  if (!fclose(out)) return text;
-  free(text);
-  return NULL;
 }
 
 static double value_of(const opc_spice_plot *plot, const char *format,
@@ -97,15 +82,16 @@ static double value_of(const opc_spice_plot *plot, const char *format,
 static void keep_point(const job *j, const opc_spice_plot *rest, size_t k) {
   const bench *b = j->b;
   const opc_circuit *c = b->circuit;
-  const uint8_t *bit = j->p->bit + k * b->inputs;
+  const study *s = j->of;
+  const uint8_t *bit = s->p->bit + k * b->inputs;
   double from_supply = 0, from_inputs = 0;
   for (size_t i = 0; i < c->ports; i++)
     if (c->role[i] == OPC_PORT_SUPPLY)
       from_supply -= value_of(rest, "i(vs%zu)", i);
   for (size_t i = 0; i < b->inputs; i++)
     if (bit[i]) from_inputs -= value_of(rest, "i(vi%zu)", i);
-  j->out->current[j->state][k] = from_supply;
-  j->out->power[j->state][k] = b->supply * (from_supply + from_inputs);
+  s->out->current[j->state][k] = from_supply;
+  s->out->power[j->state][k] = b->supply * (from_supply + from_inputs);
 }
 
 static int level_of(const bench *b, double rest, double test) {
@@ -115,23 +101,20 @@ static int level_of(const bench *b, double rest, double test) {
 
 static void keep_levels(const job *j, const opc_spice_plot *plot, size_t k) {
   const bench *b = j->b;
+  const study *s = j->of;
   for (size_t i = 0; i < b->outputs; i++) {
     double v[2];
     for (int point = 0; point < 2; point++)
       v[point] = value_of(&plot[point], "v(n%zu)", b->output[i]) / b->supply;
-    j->out->level[k * b->outputs + i] = (int8_t)level_of(b, v[0], v[1]);
+    s->out->level[k * b->outputs + i] = level_of(b, v[0], v[1]);
   }
 }
 
-static void run_job(void *data, size_t index) {
-  job *j = (job *)data + index;
-  opc_spice_result r = {0};
-  char *deck = make_deck(j), *commands = make_commands(j);
-  if (deck && commands)
-    j->code =
-        opc_spice_run(j->b->host, deck, commands, j->b->limit, &r, &j->error);
-  else
-    j->code = no_memory(j->b->host, &j->error);
+static void run_job(job *j) {
+  opc_spice_result r;
+  char *deck = job_text(j, write_deck, NULL);
+  char *commands = job_text(j, write_commands, NULL);
+  job_simulate(j, deck, commands, &r);
   size_t points = points_of(j), all = points * (j->to - j->from);
   if (!j->code && r.count != all)
     j->code = j->b->host->fail(j->b->host, &j->error, OPC_FAILED, NULL,
@@ -147,45 +130,16 @@ static void run_job(void *data, size_t index) {
   free(commands);
 }
 
-/* ---- all of a state ---- */
-
-static int find_state(bench *b, const patterns *p, const logic *l, int state,
-                      opc_error *error) {
-  const opc_host *host = b->host;
-  size_t n = (p->count + CHUNK - 1) / CHUNK;
-  job *jobs = bench_alloc(b, n, sizeof *jobs, error);
-  char *netlist =
-      jobs ? bench_netlist(b, &b->plain, state, SIZE_OFF, error) : NULL;
-  if (!netlist) return error->code;
-  for (size_t i = 0; i < n; i++)
-    jobs[i] = (job){.b = b,
-                    .p = p,
-                    .out = l,
-                    .netlist = netlist,
-                    .state = state,
-                    .from = i * CHUNK,
-                    .to = i + 1 < n ? (i + 1) * CHUNK : p->count};
-  opc_spice_parallel(host, n, run_job, jobs);
-  host->free(host, netlist);
-  for (size_t i = 0; i < n; i++)
-    if (jobs[i].code) {
-      *error = jobs[i].error;
-      return error->code;
-    }
-  return OPC_OK;
-}
-
 int logic_find(bench *b, const patterns *p, logic *out, opc_error *error) {
+  const study s = {p, out};
   *out = (logic){0};
-  out->level = bench_alloc(b, p->count * b->outputs, 1, error);
+  out->level =
+      bench_alloc(b, p->count * b->outputs, sizeof *out->level, error);
   if (!out->level) return error->code;
   for (int state = 0; state < STATES; state++) {
     out->current[state] = bench_alloc(b, p->count, sizeof(double), error);
     out->power[state] = bench_alloc(b, p->count, sizeof(double), error);
     if (!out->current[state] || !out->power[state]) return error->code;
-    if (!b->has[state]) continue;
-    int code = find_state(b, p, out, state, error);
-    if (bench_forgive(b, state, code, error)) return code;
   }
-  return OPC_OK;
+  return jobs_run(b, p->count, CHUNK, run_job, &s, error);
 }

@@ -76,7 +76,7 @@ static void keep_square(butterfly *f, int side, const turned *c, const gap *g) {
 /* A cell that holds both values has a place where the first curve goes from
    above the second to below it: the lobes are what lies on both sides, up to
    the next crossings. */
-void butterfly_squares(butterfly *f, double supply) {
+static void butterfly_squares(butterfly *f, double supply) {
   const double root = sqrt(0.5);
   turned c[2];
   gap list[2 * SWEEP];
@@ -109,14 +109,12 @@ void butterfly_squares(butterfly *f, double supply) {
 
 /* ---- decks ---- */
 
-typedef struct job {
-  const bench *b;
+/* What all jobs share. */
+typedef struct study {
   const cell *cells;
   const margins *out;
-  int state, reads, code;
-  size_t from, to;
-  opc_error error;
-} job;
+  int reads;
+} study;
 
 static int is_port(const uint32_t *port, size_t n, uint32_t net) {
   for (size_t i = 0; i < n; i++)
@@ -145,9 +143,10 @@ static const char *tie(const bench *b, const cell *m, int reads, uint32_t net) {
 
 /* A cell as a subcircuit of its own, and two of it: one is driven at Q, one at
    QB. */
-static int put_cell(const job *j, FILE *out, size_t k, opc_error *error) {
+static void put_cell(job *j, FILE *out, size_t k) {
   const bench *b = j->b;
-  const cell *m = &j->cells[k];
+  const study *s = j->of;
+  const cell *m = &s->cells[k];
   opc_device devices[CELL_DEVICES];
   uint32_t port[4 * CELL_DEVICES];
   char name[32];
@@ -165,8 +164,11 @@ static int put_cell(const job *j, FILE *out, size_t k, opc_error *error) {
     for (int t = 0; t < 4; t++)
       if (!is_port(port, own.ports, net[t])) port[own.ports++] = net[t];
   }
-  char *text = bench_netlist(b, &own, j->state, SIZE_ON, error);
-  if (!text) return error->code;
+  char *text = bench_netlist(b, &own, j->state, SIZE_ON, &j->error);
+  if (!text) {
+    j->code = j->error.code;
+    return;
+  }
   fputs(text, out);
   b->host->free(b->host, text);
   for (int side = 0; side < 2; side++) {
@@ -178,32 +180,20 @@ static int put_cell(const job *j, FILE *out, size_t k, opc_error *error) {
       else if (net == (side ? m->q : m->qb))
         fprintf(out, " %c%zu", "ab"[side], k);
       else
-        fprintf(out, " %s", tie(b, m, j->reads, net));
+        fprintf(out, " %s", tie(b, m, s->reads, net));
     }
     fprintf(out, " %s\n.save v(%c%zu)\n", name, "ab"[side], k);
   }
-  return OPC_OK;
 }
 
-static char *make_deck(job *j) {
-  char *text = NULL;
-  size_t size;
-  FILE *out = open_memstream(&text, &size);
-  if (!out) {
-    j->code = no_memory(j->b->host, &j->error);
-    return NULL;
-  }
-  bench_begin(j->b, out, 1e-5);
-  for (size_t k = j->from; k < j->to && !j->code; k++)
-    j->code = put_cell(j, out, k, &j->error);
+static void write_deck(job *j, FILE *out, const void *how) {
+  (void)how;
+  job_begin(j, out, 1e-5);
+  for (size_t k = j->from; k < j->to && !j->code; k++) put_cell(j, out, k);
   fprintf(out, "vdd vdd 0 dc %.17g\nvin in 0 dc 0\n.end\n", j->b->supply);
-  if (fclose(out) && !j->code) j->code = no_memory(j->b->host, &j->error);
-  if (!j->code) return text;
-  free(text);
-  return NULL;
 }
 
-/* ---- all of a state ---- */
+/* ---- curves ---- */
 
 static int keep_curve(const opc_spice_plot *plot, char side, size_t k,
                       double *out) {
@@ -215,19 +205,18 @@ static int keep_curve(const opc_spice_plot *plot, char side, size_t k,
   return 1;
 }
 
-static void run_job(void *data, size_t index) {
-  job *j = (job *)data + index;
+static void run_job(job *j) {
   const bench *b = j->b;
-  opc_spice_result r = {0};
+  const study *s = j->of;
+  opc_spice_result r;
   char command[128];
   double step = b->supply / (SWEEP - 1);
   snprintf(command, sizeof command, "dc vin 0 %.17g %.17g",
            b->supply + step / 100, step);
-  char *deck = make_deck(j);
-  if (!deck) return;
-  j->code = opc_spice_run(b->host, deck, command, b->limit, &r, &j->error);
+  char *deck = job_text(j, write_deck, NULL);
+  job_simulate(j, deck, command, &r);
   for (size_t k = j->from; !j->code && k < j->to; k++) {
-    butterfly *f = &j->out->of[j->state][k];
+    butterfly *f = &s->out->of[j->state][k];
     if (!r.count || !keep_curve(&r.plot[0], 'a', k, f->right) ||
         !keep_curve(&r.plot[0], 'b', k, f->up))
       j->code = b->host->fail(b->host, &j->error, OPC_FAILED, NULL,
@@ -241,29 +230,11 @@ static void run_job(void *data, size_t index) {
 
 int margins_find(bench *b, const cell *cells, size_t count, int reads,
                  margins *out, opc_error *error) {
-  size_t n = (count + CHUNK - 1) / CHUNK;
-  job *jobs = bench_alloc(b, n, sizeof *jobs, error);
+  const study s = {cells, out, reads};
   *out = (margins){0};
-  if (!jobs) return error->code;
   for (int state = 0; state < STATES; state++) {
     out->of[state] = bench_alloc(b, count, sizeof(butterfly), error);
     if (!out->of[state]) return error->code;
-    if (!b->has[state]) continue;
-    for (size_t i = 0; i < n; i++)
-      jobs[i] = (job){.b = b,
-                      .cells = cells,
-                      .out = out,
-                      .state = state,
-                      .reads = reads,
-                      .from = i * CHUNK,
-                      .to = i + 1 < n ? (i + 1) * CHUNK : count};
-    opc_spice_parallel(b->host, n, run_job, jobs);
-    for (size_t i = 0; i < n; i++)
-      if (jobs[i].code &&
-          bench_forgive(b, state, jobs[i].code, &jobs[i].error)) {
-        *error = jobs[i].error;
-        return error->code;
-      }
   }
-  return OPC_OK;
+  return jobs_run(b, count, CHUNK, run_job, &s, error);
 }

@@ -8,10 +8,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
+#include "../../draw/mask/paper.h"
 #include "bench.h"
-#include "chart.h"
 
 /* ---- state ---- */
 
@@ -23,6 +22,8 @@ enum {
   NMOS,
   PMOS,
   DLC,
+  SIZES,
+  DEVICES,
   SUPPLY,
   TEMPERATURE,
   LOAD,
@@ -40,7 +41,8 @@ enum {
   PARAMETERS
 };
 
-/* As the choices of 'measure' and 'access'. */
+/* As the choices of 'sizes', 'measure' and 'access'. */
+enum { BOTH, LENGTH };
 enum { AUTO, DELAYS, LEAKAGE, SNM };
 enum { HOLD, READ };
 
@@ -97,11 +99,14 @@ static int make_plain(bench *b, opc_error *error) {
 
 /* Which sizes there are: a mask that prints badly as drawn is no fault, the
    corrected one is. */
-static int find_states(bench *b, opc_error *error) {
+static int find_states(const circuit_step *s, bench *b, opc_error *error) {
   static const int kinds[] = {SIZE_TIMED, SIZE_OFF};
   if (b->mask && b->mask->gates != b->circuit->gates)
     return b->host->fail(b->host, error, OPC_INVALID, "mask",
                          "the mask is of other gates than the circuit");
+  if (s->values[SIZES].integer == LENGTH &&
+      sizes_by_length(b, s->values[DEVICES].text, error))
+    return error->code;
   for (int state = 0; state < STATES; state++) {
     b->has[state] = state == NETLIST_DRAWN || b->mask;
     for (int k = 0; k < 2 && b->has[state]; k++) {
@@ -134,7 +139,7 @@ static int make_bench(circuit_step *s, bench *b, opc_error *error) {
   if (find_cards(s, b, error) || make_plain(b, error) ||
       bench_ports(b, inputs, error))
     return error->code;
-  return find_states(b, error);
+  return find_states(s, b, error);
 }
 
 static const char *picture_path(const circuit_step *s, opc_error *error) {
@@ -268,6 +273,16 @@ static const opc_parameter parameters[PARAMETERS] = {
              .type = OPC_BOOL,
              .preset = "true",
              .summary = "gate capacitances are those of the printed area"},
+    [SIZES] = {.name = "sizes",
+               .type = OPC_CHOICE,
+               .choices = "both|length",
+               .preset = "both",
+               .summary = "L and W as they print; or W as drawn and L alone, "
+                          "so that Ion is the printed one (thesis 2.3.3)"},
+    [DEVICES] = {.name = "devices",
+                 .type = OPC_FILE,
+                 .summary = "the table of devices that the mask was made with, "
+                            "for 'sizes: length'"},
     [SUPPLY] = {.name = "supply",
                 .type = OPC_REAL,
                 .unit = "V",
@@ -412,16 +427,6 @@ static int is_name(const char *text) {
                          "0123456789_.-") == strlen(text);
 }
 
-/* PAPER_PNG and so on, -1 for neither. */
-static int format_of(const char *file) {
-  static const char *const extensions[] = {
-      [PAPER_PNG] = ".png", [PAPER_SVG] = ".svg", [PAPER_PDF] = ".pdf"};
-  const char *dot = strrchr(file, '.');
-  for (int i = 0; dot && i < 3; i++)
-    if (!strcasecmp(dot, extensions[i])) return i;
-  return -1;
-}
-
 static int check(circuit_step *s, opc_error *error) {
   const opc_host *host = s->host;
   const opc_value *v = s->values;
@@ -429,6 +434,9 @@ static int check(circuit_step *s, opc_error *error) {
     if (!is_name(v[i].text))
       return refuse(host, parameters[i].name, v[i].text,
                     "is not the name of a model", error);
+  if (v[SIZES].integer == LENGTH && v[DEVICES].type == OPC_ABSENT)
+    return host->fail(host, error, OPC_INVALID, "devices",
+                      "missing: 'sizes: length' needs a table of devices");
   const double *edge = v[EDGES].reals;
   if (v[EDGES].count != 2 || !(edge[0] > 0) || !(edge[0] < 50) ||
       !(edge[1] > 50) || !(edge[1] < 100))
@@ -436,7 +444,7 @@ static int check(circuit_step *s, opc_error *error) {
                   "are one place above 0 and one below 100 %, with the middle "
                   "between them",
                   error);
-  s->format = format_of(v[PICTURE].text);
+  s->format = paper_format(v[PICTURE].text);
   if (s->format < 0)
     return refuse(host, "picture", v[PICTURE].text,
                   "is not the name of a .png, .svg or .pdf file", error);

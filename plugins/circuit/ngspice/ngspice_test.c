@@ -440,6 +440,67 @@ static void test_capacitance(void) {
   g_assert_cmpfloat(opc_test_metric("tp_worst"), <, 1e-6);
 }
 
+/* A card with another DLC has the same overlap capacitance, although our cards
+   leave that to the model, which derives it from DLC if there is one. */
+static void test_overlap(void) {
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  g_autoptr(made) m =
+      make("A:i Y:o VDD:s VSS:g",
+           "MN B A VSS VSS n 65 300,MP B A VDD VDD p 65 450,"
+           "MN2 Y B VSS VSS n 65 3000,MP2 Y B VDD VDD p 65 4500");
+  for (int i = 0; i < 4; i++) m->area[1][i] *= 1.0004;
+  run(m, 1, card, "measure: delays, load: 0 F");
+  g_assert_cmpfloat(fabs(opc_test_metric("tp_worst")), >, 1e-3);
+  g_assert_cmpfloat(fabs(opc_test_metric("tp_worst")), <, 0.05);
+}
+
+/* ---- sizes ---- */
+
+/* Transistors that print 64 nm long and a tenth narrower, with the current of
+   64 nm and the drawn width: as those whose L is 64 nm, and the W as drawn. */
+static void test_length(void) {
+  if (!have_ngspice()) return;
+  opc_error error;
+  const opc_host *host = opc_test_host();
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  g_autofree char *table = of_project("data/devices/ptm65.yaml");
+  opc_devices *d = host->devices->load(host, table, &error);
+  g_assert_nonnull(d);
+  g_autoptr(made) m = make("A:i Y:o VDD:s VSS:g", INVERTER);
+  uint8_t type[2] = {OPC_NMOS, OPC_PMOS};
+  double ion[2][2], ioff[2][2];
+  m->gates.type = type;
+  for (int i = 0; i < 2; i++)
+    for (size_t k = 0; k < d->count; k++)
+      for (int s = 0; s < 2; s++)
+        if (d->length[k] == 65 - s) {
+          ion[s][i] = d->ion[i][k] * m->width[i];
+          ioff[s][i] = d->ioff[i][k] * m->width[i];
+        }
+  host->devices->release(d);
+  m->mask.design.ion = m->mask.before.ion = ion[0];
+  m->mask.design.ioff = m->mask.before.ioff = ioff[0];
+  m->mask.after.ion = ion[1];
+  m->mask.after.ioff = ioff[1];
+  for (int i = 0; i < 2; i++) m->leq[1][i] = 64;
+  static const char *const figures[] = {"tr_worst", "tf_worst", "tp_worst"};
+  double want[3];
+  run(m, 1, card, "measure: delays, dlc: false");
+  for (int k = 0; k < 3; k++) want[k] = opc_test_metric(figures[k]);
+  g_assert_cmpfloat(fabs(want[2]), >, 0.5);
+  for (int i = 0; i < 2; i++) m->leq[1][i] = 60, m->weq[1][i] *= 0.9;
+  g_autofree char *rest = g_strdup_printf(
+      "measure: delays, dlc: false, sizes: length, devices: '%s'", table);
+  run(m, 1, card, rest);
+  for (int k = 0; k < 3; k++)
+    g_assert_cmpfloat(fabs(opc_test_metric(figures[k]) - want[k]), <, 0.001);
+  g_autofree char *wrong =
+      g_strdup_printf("{ models: '%s', supply: 1 V, sizes: length }", card);
+  g_assert_null(opc_test_module("circuit.ngspice", wrong, &error));
+  g_assert_nonnull(strstr(error.message, "needs a table of devices"));
+}
+
 /* ---- leakage by hand ---- */
 
 static void test_leakage(void) {
@@ -749,6 +810,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/circuit/delays", test_delays);
   g_test_add_func("/circuit/nangate", test_nangate);
   g_test_add_func("/circuit/capacitance", test_capacitance);
+  g_test_add_func("/circuit/overlap", test_overlap);
+  g_test_add_func("/circuit/length", test_length);
   g_test_add_func("/circuit/leakage", test_leakage);
   g_test_add_func("/circuit/margins", test_margins);
   g_test_add_func("/circuit/cells", test_cells);

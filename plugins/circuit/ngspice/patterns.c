@@ -45,15 +45,15 @@ static void list_pairs(const bench *b, int several, size_t most, uint64_t seed,
 
 /* ---- some of too many ---- */
 
-static void draw_pairs(const bench *b, int several, size_t most, uint64_t seed,
+static void draw_pairs(size_t inputs, int several, size_t most, uint64_t seed,
                        patterns *p) {
   for (size_t k = 0; k < most; k++) {
-    uint8_t *from = p->bit + 2 * k * b->inputs, *to = from + b->inputs;
-    for (size_t i = 0; i < b->inputs; i++) from[i] = draw(&seed) >> 63;
-    memcpy(to, from, b->inputs);
-    while (several && !memcmp(from, to, b->inputs))
-      for (size_t i = 0; i < b->inputs; i++) to[i] = draw(&seed) >> 63;
-    if (!several) to[draw_below(&seed, b->inputs)] ^= 1;
+    uint8_t *from = p->bit + 2 * k * inputs, *to = from + inputs;
+    for (size_t i = 0; i < inputs; i++) from[i] = draw(&seed) >> 63;
+    memcpy(to, from, inputs);
+    while (several && !memcmp(from, to, inputs))
+      for (size_t i = 0; i < inputs; i++) to[i] = draw(&seed) >> 63;
+    if (!several) to[draw_below(&seed, inputs)] ^= 1;
     p->transition[k] = (transition){(uint32_t)(2 * k), (uint32_t)(2 * k + 1)};
   }
   p->transitions = most;
@@ -67,14 +67,15 @@ int patterns_make(bench *b, int several, size_t most, uint64_t seed,
     return host->fail(host, error, OPC_INVALID, "circuit",
                       "'%s' has no %s among its ports", b->circuit->name,
                       b->inputs ? "output" : "input");
-  int listed = b->inputs < 32 && (size_t)1 << b->inputs <= most;
-  p->count = listed ? (size_t)1 << b->inputs : 2 * most;
-  p->bit = bench_alloc(b, p->count * b->inputs, 1, error);
+  const size_t inputs = b->inputs;
+  int listed = inputs < 32 && (size_t)1 << inputs <= most;
+  p->count = listed ? (size_t)1 << inputs : 2 * most;
+  p->bit = bench_alloc(b, p->count * inputs, 1, error);
   p->transition = bench_alloc(b, most, sizeof *p->transition, error);
   if (!p->bit || !p->transition) return error->code;
   if (!listed) {
     p->sampled = 1;
-    draw_pairs(b, several, most, seed, p);
+    draw_pairs(inputs, several, most, seed, p);
     return OPC_OK;
   }
   for (size_t k = 0; k < p->count; k++)

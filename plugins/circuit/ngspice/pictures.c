@@ -4,10 +4,10 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "../../draw/chart.h"
 #include "bench.h"
-#include "chart.h"
 
-static const double paper_width = 1200, paper_height = 600, font = 15;
+static const double paper_width = 1200, paper_height = 600;
 
 static const char *const state_names[STATES] = {
     [NETLIST_DRAWN] = "drawn",
@@ -25,24 +25,17 @@ static rgb colour_of(int state) {
 static int open_paper(paper *file, const bench *b, int format, const char *path,
                       chart *c, const char *title, const char *also,
                       opc_error *error) {
-  int code =
-      paper_open(file, b->host, format, path, paper_width, paper_height, error);
+  int code = chart_open(file, b->host, format, path, paper_width, paper_height,
+                        c, error);
   if (code) return code;
-  cairo_t *cairo = file->cairo;
-  *c = (chart){.cairo = cairo, .font = font, .top = 110, .height = 410};
-  cairo_set_source_rgb(cairo, 1, 1, 1);
-  cairo_paint(cairo);
-  cairo_select_font_face(cairo, "sans-serif", CAIRO_FONT_SLANT_NORMAL,
-                         CAIRO_FONT_WEIGHT_NORMAL);
-  cairo_set_font_size(cairo, 1.2 * font);
-  picture_use(cairo, picture_ink);
-  chart_text(c, 80, 1.8 * font, CHART_BEGIN, title);
-  cairo_set_font_size(cairo, font);
-  double x = 80;
+  double x = 80, y = 3.8 * c->font;
+  c->top = 110;
+  c->height = 410;
+  chart_title(c, x, 1.8 * c->font, title);
   for (int s = 0; s < STATES; s++)
     if (b->has[s])
-      x = chart_key(c, x, 3.8 * font, colour_of(s), dashes[s], state_names[s]);
-  if (also) chart_key(c, x, 3.8 * font, picture_faint, 0, also);
+      x = chart_key(c, x, y, colour_of(s), dashes[s], state_names[s]);
+  if (also) chart_key(c, x, y, picture_faint, 0, also);
   return OPC_OK;
 }
 
@@ -145,7 +138,7 @@ static void put_margins(const chart *c, const bench *b, const margins *m,
     snprintf(text, sizeof text, "%s: left %.1f mV, right %.1f mV",
              state_names[s], 1e3 * margin[0], 1e3 * margin[1]);
     chart_text(c, x, y, CHART_BEGIN, text);
-    y += 1.5 * font;
+    y += 1.5 * c->font;
   }
 }
 
@@ -176,6 +169,6 @@ int draw_margins(bench *b, const cell *cells, size_t count, const margins *m,
     picture_use(c.cairo, picture_ink);
     c.left += 560;
   }
-  put_margins(&c, b, m, k, 720, 1.8 * font);
+  put_margins(&c, b, m, k, 720, 1.8 * c.font);
   return paper_close(&file, code, error);
 }

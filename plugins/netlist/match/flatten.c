@@ -230,7 +230,8 @@ static int add_device(walk *w, const scope *in, const element *e,
   return size_device(w->n, in, e, multiple, d);
 }
 
-/* The elements of a subcircuit whose ports are the nets `port`. */
+/* The elements of a subcircuit whose ports are the nets `port`. What has no
+   transistor below it is left out: of devices alone there is a limit. */
 static int go_down(walk *w, const scope *in, const char *path, double multiple,
                    const uint32_t *port) {
   const subcircuit *s = in->of;
@@ -248,6 +249,7 @@ static int go_down(walk *w, const scope *in, const char *path, double multiple,
     }
     double m = 1;
     int given;
+    if (!w->n->subcircuit[e->child].devices) continue;
     if (look_up_count(w->n, in, e, "m", &m, &given)) return w->n->error->code;
     const char *below = pool_path(w->out->pool, path, e->name);
     uint32_t *outer = pool_alloc(w->out->pool, e->nodes, sizeof *outer);

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Many simulations: cut into jobs, a process each. */
+#include <stdlib.h>
+
+#include "bench.h"
+
+/* ---- decks ---- */
+
+/* Charges here are of fF and mV: of the simulator's own bounds for them, 1 uV
+   and 1e-14 C, the second would see none. */
+void job_begin(const job *j, FILE *out, double reltol) {
+  const bench *b = j->b;
+  fputs("circuit.ngspice\n", out);
+  for (int i = 0; i < 2; i++)
+    if (b->cards[i]) fprintf(out, ".include \"%s\"\n", b->cards[i]);
+  fprintf(out,
+          ".options temp=%.17g gmin=1e-15 reltol=%g abstol=1e-15 "
+          "chgtol=1e-19\n",
+          b->temperature, reltol);
+}
+
+void job_circuit(job *j, FILE *out, int sizes) {
+  const bench *b = j->b;
+  const opc_circuit *c = b->circuit;
+  node_name node;
+  char *netlist = bench_netlist(b, &b->plain, j->state, sizes, &j->error);
+  if (!netlist) {
+    j->code = j->error.code;
+    return;
+  }
+  fprintf(out, "%sx1", netlist);
+  b->host->free(b->host, netlist);
+  for (size_t i = 0; i < c->ports; i++)
+    fprintf(out, "\n+ %s", bench_node(b, c->port[i], node));
+  fprintf(out, "\n+ %s\n", c->name);
+  for (size_t i = 0; i < c->ports; i++)
+    if (c->role[i] == OPC_PORT_SUPPLY)
+      fprintf(out, "vs%zu n%u 0 dc %.17g\n", i, c->port[i], b->supply);
+  for (size_t i = 0; i < b->inputs; i++)
+    fprintf(out, "vi%zu n%u 0 dc 0\n", i, b->input[i]);
+  for (size_t i = 0; i < b->outputs; i++)
+    if (b->load > 0)
+      fprintf(out, "cl%zu n%u 0 %.17g\n", i, b->output[i], b->load);
+}
+
+/* ---- one job ---- */
+
+char *job_text(job *j, void (*write)(job *j, FILE *out, const void *how),
+               const void *how) {
+  char *text = NULL;
+  size_t size;
+  FILE *out = open_memstream(&text, &size);
+  if (out) write(j, out, how);
+  if ((!out || fclose(out)) && !j->code)
+    j->code = no_memory(j->b->host, &j->error);
+  if (!j->code) return text;
+  free(text);
+  return NULL;
+}
+
+void job_simulate(job *j, const char *deck, const char *commands,
+                  opc_spice_result *out) {
+  *out = (opc_spice_result){0};
+  if (!j->code)
+    j->code =
+        opc_spice_run(j->b->host, deck, commands, j->b->limit, out, &j->error);
+}
+
+/* ---- all jobs ---- */
+
+typedef struct jobs {
+  void (*work)(job *j);
+  job *job;
+} jobs;
+
+static void work_on(void *data, size_t index) {
+  const jobs *all = data;
+  all->work(&all->job[index]);
+}
+
+int jobs_run(bench *b, size_t count, size_t some, void (*work)(job *j),
+             const void *of, opc_error *error) {
+  size_t n = (count + some - 1) / some;
+  jobs all = {work, bench_alloc(b, n, sizeof(job), error)};
+  if (!all.job) return error->code;
+  for (int state = 0; state < STATES; state++) {
+    if (!b->has[state]) continue;
+    for (size_t i = 0; i < n; i++)
+      all.job[i] = (job){.b = b,
+                         .of = of,
+                         .state = state,
+                         .from = i * some,
+                         .to = i + 1 < n ? (i + 1) * some : count};
+    opc_spice_parallel(b->host, n, work_on, &all);
+    for (size_t i = 0; i < n; i++) {
+      const job *j = &all.job[i];
+      if (!j->code || !bench_forgive(b, state, j->code, &j->error)) continue;
+      *error = j->error;
+      return error->code;
+    }
+  }
+  return OPC_OK;
+}

@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Running the plugin on a layout that is read. */
+#ifndef OPCFLOW_NETLIST_MATCH_TEST_H
+#define OPCFLOW_NETLIST_MATCH_TEST_H
+
+#include <glib/gstdio.h>
+#include <opcflow/circuit.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "core/plugin/testing.h"
+
+/* ---- running ---- */
+
+typedef struct run {
+  opc_module *read, *segment, *match;
+  void *layout, *gates, *circuit;
+} run;
+
+static inline opc_module *module_of(const char *id, const char *map) {
+  opc_error error;
+  opc_module *m = opc_test_module(id, map, &error);
+  if (!m) g_error("%s: %s", id, error.message);
+  return m;
+}
+
+static inline run read_layout(const char *id, const char *path, const char *rest) {
+  opc_error error;
+  g_autofree char *map = g_strdup_printf("{ file: '%s', %s }", path, rest);
+  run r = {.read = module_of(id, map)};
+  if (opc_test_run(r.read, &r.layout, &error)) g_error("%s", error.message);
+  return r;
+}
+
+static inline void find_gates(run *r, const char *map) {
+  opc_error error;
+  r->segment = module_of("segment.transistors", map);
+  opc_test_input(r->segment, "layout", r->layout);
+  if (opc_test_run(r->segment, &r->gates, &error)) g_error("%s", error.message);
+}
+
+/* The circuit; or NULL and the message. */
+static inline const opc_circuit *match(run *r, const char *netlist, const char *rest,
+                                char **message) {
+  opc_error error;
+  g_autofree char *map = g_strdup_printf("{ file: '%s'%s }", netlist, rest);
+  r->match = module_of("netlist.match", map);
+  opc_test_input(r->match, "layout", r->layout);
+  opc_test_input(r->match, "gates", r->gates);
+  int code = opc_test_run(r->match, &r->circuit, &error);
+  if (message) *message = code ? g_strdup(error.message) : NULL;
+  if (code && !message) g_error("%s", error.message);
+  return code ? NULL : r->circuit;
+}
+
+static inline void drop_circuit(run *r) {
+  if (r->circuit) opc_test_release(r->match, &r->circuit);
+  if (r->match) opc_test_module_free(r->match);
+  r->circuit = r->match = NULL;
+}
+
+static inline void drop_gates(run *r) {
+  drop_circuit(r);
+  opc_test_release(r->segment, &r->gates);
+  opc_test_module_free(r->segment);
+}
+
+static inline void drop(run *r) {
+  drop_gates(r);
+  opc_test_release(r->read, &r->layout);
+  opc_test_module_free(r->read);
+}
+
+static inline const char *net(const opc_circuit *c, uint32_t n) { return c->net[n]; }
+
+/* ---- material ---- */
+
+static inline char *source(const char *name) {
+  return g_build_filename(g_getenv("OPCFLOW_SOURCE"), name, NULL);
+}
+
+static inline char *test_data(const char *name) {
+  const char *root = g_getenv("OPCFLOW_TEST_DATA");
+  g_autofree char *usual = source("../shared/data");
+  char *path = g_build_filename(root ? root : usual, name, NULL);
+  if (g_file_test(path, G_FILE_TEST_EXISTS)) return path;
+  g_free(path);
+  g_test_skip("no test data: set OPCFLOW_TEST_DATA");
+  return NULL;
+}
+
+static inline char *text_of(const char *path) {
+  char *text;
+  g_assert_true(g_file_get_contents(path, &text, NULL, NULL));
+  return text;
+}
+
+static inline char *in_folder(const char *name, const char *text, gssize n) {
+  char *path = g_build_filename(opc_test_folder(), name, NULL);
+  if (!text) return path;
+  /* A new file, as the disk is waited for when an old one is replaced. */
+  g_unlink(path);
+  FILE *file = fopen(path, "wb");
+  size_t bytes = n < 0 ? strlen(text) : (size_t)n;
+  g_assert_nonnull(file);
+  g_assert_cmpuint(fwrite(text, 1, bytes, file), ==, bytes);
+  fclose(file);
+  return path;
+}
+
+#endif
