@@ -93,9 +93,8 @@ int cli_problems(opc_problems *problems);
    none. */
 JsonNode *cli_problems_json(opc_problems *problems);
 
-/* Whether to move a cursor and to use colour. */
+/* Whether to move a cursor. */
 gboolean cli_is_terminal(void);
-gboolean cli_has_colour(void);
 
 /* ---- standard output ---- */
 

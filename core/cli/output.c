@@ -29,7 +29,7 @@ gboolean cli_is_terminal(void) {
   return isatty(STDERR_FILENO) && g_strcmp0(terminal, "dumb");
 }
 
-gboolean cli_has_colour(void) {
+static gboolean has_colour(void) {
   const char *none = g_getenv("NO_COLOR");
   return cli_is_terminal() && !(none && *none);
 }
@@ -40,7 +40,7 @@ void cli_message(const char *kind, const char *format, ...) {
   g_autofree char *text = g_strdup_vprintf(format, args);
   va_end(args);
   const char *colour = strcmp(kind, "error") ? "\033[33m" : "\033[31m";
-  gboolean coloured = cli_has_colour();
+  gboolean coloured = has_colour();
   fprintf(stderr, "%s%s:%s %s\n", coloured ? colour : "", kind,
           coloured ? "\033[0m" : "", text);
 }

@@ -9,19 +9,22 @@
 
 #include "core/cli/cli.h"
 #include "core/cli/progress.h"
+#include "core/plugin/guard.h"
 
 /* ---- stopping ---- */
 
 static volatile sig_atomic_t stopped;
 
+/* The first signal asks; a second one, of either kind, ends what does not heed
+   it. */
 static void stop(int number) {
   (void)number;
+  if (stopped) opc_guard_end(CLI_STOPPED);
   stopped = 1;
 }
 
-/* The first signal asks, the second one ends. */
 static void catch_signals(void) {
-  struct sigaction action = {.sa_handler = stop, .sa_flags = (int)SA_RESETHAND};
+  struct sigaction action = {.sa_handler = stop};
   sigaction(SIGINT, &action, NULL);
   sigaction(SIGTERM, &action, NULL);
 }
@@ -135,17 +138,17 @@ typedef struct request {
 } request;
 
 /* What the runs of a request share. */
-typedef struct session {
+typedef struct series {
   const request *request;
   opc_registry *registry;
   const opc_recipe *recipe;
   const opc_sweep *sweep;
   GPtrArray *chosen; /* const opc_variant *; NULL: none */
   JsonArray *json;   /* of each run, where there are several */
-} session;
+} series;
 
 /* A run that came to nothing, or to a part: `folder` may be NULL. */
-static void tell_failure(const session *s, const char *folder,
+static void tell_failure(const series *s, const char *folder,
                          opc_problems *problems) {
   g_autoptr(JsonBuilder) b = json_builder_new();
   json_builder_begin_object(b);
@@ -162,7 +165,7 @@ static void tell_failure(const session *s, const char *folder,
     cli_print_json(json_builder_get_root(b));
 }
 
-static int tell(const session *s, const opc_run *run, opc_problems *problems) {
+static int tell(const series *s, const opc_run *run, opc_problems *problems) {
   if (problems->list->len) {
     if (s->request->json) tell_failure(s, run->folder, problems);
     int code = cli_problems(problems);
@@ -184,13 +187,13 @@ static int tell(const session *s, const opc_run *run, opc_problems *problems) {
 }
 
 /* DIR, or DIR/VARIANT where there are several. */
-static char *output_folder(const session *s, const opc_variant *variant) {
+static char *output_folder(const series *s, const opc_variant *variant) {
   const char *output = s->request->options.output;
   if (!output || s->chosen->len == 1) return g_strdup(output);
   return g_build_filename(output, variant ? variant->name : "base", NULL);
 }
 
-static int run_one(const session *s, const opc_variant *variant) {
+static int run_one(const series *s, const opc_variant *variant) {
   const opc_choice choice = {
       .variant = variant,
       .sweep = s->sweep,
@@ -222,7 +225,7 @@ static int run_one(const session *s, const opc_variant *variant) {
 }
 
 /* All are checked before the first one runs. */
-static gboolean check_all(const session *s, opc_problems *problems) {
+static gboolean check_all(const series *s, opc_problems *problems) {
   for (guint i = 0; i < s->chosen->len; i++) {
     const opc_choice choice = {
         .variant = s->chosen->pdata[i],
@@ -234,7 +237,7 @@ static gboolean check_all(const session *s, opc_problems *problems) {
 }
 
 /* The exit code of the first run that is not good. */
-static int run_all(const session *s) {
+static int run_all(const series *s) {
   int code = CLI_GOOD;
   catch_signals();
   for (guint i = 0; i < s->chosen->len && !stopped; i++) {
@@ -250,7 +253,7 @@ static int run_all(const session *s) {
   return code;
 }
 
-static void choose_variants(session *s, opc_problems *problems) {
+static void choose_variants(series *s, opc_problems *problems) {
   GPtrArray *names = s->request->variants;
   for (guint i = 0; i + 1 < names->len; i++) {
     const char *name = names->pdata[i];
@@ -282,7 +285,7 @@ static int run_flow(const request *r) {
       opc_sweep_new(recipe, (const char *const *)r->sets->pdata,
                     (const char *const *)r->sweeps->pdata, problems);
   g_autoptr(GPtrArray) chosen = g_ptr_array_new();
-  session s = {r, registry, recipe, sweep, chosen, json_array_new()};
+  series s = {r, registry, recipe, sweep, chosen, json_array_new()};
   choose_variants(&s, problems);
   gboolean good = check_all(&s, problems);
   cli_warnings(problems);

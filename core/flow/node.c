@@ -95,16 +95,12 @@ void opc_node_free(opc_node *node) {
   g_free(node);
 }
 
-int opc_node_find(const opc_node *map, const char *key) {
-  for (guint i = 0; i < map->keys->len; i++)
-    if (!strcmp(((opc_node *)map->keys->pdata[i])->text, key)) return (int)i;
-  return -1;
-}
-
 opc_node *opc_node_get(const opc_node *map, const char *key) {
   if (!map || map->type != OPC_NODE_MAP) return NULL;
-  int i = opc_node_find(map, key);
-  return i < 0 ? NULL : map->items->pdata[i];
+  for (guint i = 0; i < map->keys->len; i++)
+    if (!strcmp(((opc_node *)map->keys->pdata[i])->text, key))
+      return map->items->pdata[i];
+  return NULL;
 }
 
 void opc_node_add(opc_node *map, opc_node *key, opc_node *value) {

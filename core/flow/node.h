@@ -49,9 +49,6 @@ void opc_node_forget_lines(opc_node *node);
 void opc_node_free(opc_node *node);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_node, opc_node_free)
 
-/* The number of a key in a map, -1 if it is not there. */
-int opc_node_find(const opc_node *map, const char *key);
-
 /* The value of a key, NULL if it is not there (or `map` is no map). */
 opc_node *opc_node_get(const opc_node *map, const char *key);
 

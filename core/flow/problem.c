@@ -31,11 +31,6 @@ void opc_problems_free(opc_problems *problems) {
   g_free(problems);
 }
 
-void opc_problems_clear(opc_problems *problems) {
-  g_ptr_array_set_size(problems->list, 0);
-  g_ptr_array_set_size(problems->warnings, 0);
-}
-
 gboolean opc_problems_full(const opc_problems *problems) {
   return problems->list->len >= MOST_PROBLEMS;
 }

@@ -28,7 +28,6 @@ typedef struct opc_problems {
 
 opc_problems *opc_problems_new(void);
 void opc_problems_free(opc_problems *problems);
-void opc_problems_clear(opc_problems *problems);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_problems, opc_problems_free)
 
 /* Copies all. A NULL place has no file. Long messages are cut; of very many

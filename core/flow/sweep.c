@@ -166,8 +166,13 @@ static gboolean is_fixed(const char *path, const char *const *sets) {
   return FALSE;
 }
 
-/* Takes the axis, in place of one of the same path. */
+/* Takes the axis, in place of one of the same path. One without values, which
+   has been told, is left out. */
 static void put_axis(opc_sweep *sweep, opc_axis *axis) {
+  if (!axis->values->len) {
+    axis_free(axis);
+    return;
+  }
   for (guint i = 0; i < sweep->axes->len; i++) {
     if (strcmp(((opc_axis *)sweep->axes->pdata[i])->path, axis->path)) continue;
     axis_free(sweep->axes->pdata[i]);
@@ -194,7 +199,7 @@ static void count_points(opc_sweep *sweep, opc_problems *problems) {
   double points = 1;
   for (guint i = 0; i < sweep->axes->len; i++)
     points *= ((opc_axis *)sweep->axes->pdata[i])->values->len;
-  sweep->points = points >= 1 && points <= most_points ? (size_t)points : 1;
+  sweep->points = points <= most_points ? (size_t)points : 1;
   if (points <= most_points) return;
   const opc_axis *first = sweep->axes->pdata[0];
   opc_problem_add(problems, OPC_INVALID, &first->at,
@@ -275,7 +280,6 @@ void opc_sweep_lay(const opc_sweep *sweep, size_t point, opc_node *steps,
                    opc_problems *problems) {
   for (guint i = 0; i < sweep->axes->len; i++) {
     const opc_axis *axis = sweep->axes->pdata[i];
-    if (!axis->values->len) continue;
     opc_lay_at(steps, axis->path, &axis->at, opc_sweep_value(sweep, i, point),
                axis->source, problems);
   }

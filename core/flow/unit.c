@@ -47,8 +47,6 @@ const opc_unit *opc_unit_find(const char *name) {
   return NULL;
 }
 
-const char *opc_unit_name(const opc_unit *unit) { return unit->name; }
-
 const char *opc_unit_noun(const opc_unit *unit) { return unit->noun; }
 
 GPtrArray *opc_unit_names(void) {

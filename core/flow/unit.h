@@ -9,7 +9,6 @@ typedef struct opc_unit opc_unit;
 
 /* NULL if there is no such unit. */
 const opc_unit *opc_unit_find(const char *name);
-const char *opc_unit_name(const opc_unit *unit);
 
 /* What it measures: "a length" ... ; units of the same dimension have the same
    pointer. */

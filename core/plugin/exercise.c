@@ -404,6 +404,8 @@ static void exercise_rules(opc_inspector *in, const opc_module *m,
   for (int layer = 0; layer < OPC_MASKS; layer++)
     add(in, ruling.patches[layer],
         ruling.patch_count[layer] * sizeof(opc_box));
+  for (int layer = 0; layer < OPC_MASKS; layer++)
+    add(in, ruling.bites[layer], ruling.bite_count[layer] * sizeof(opc_box));
   opc_violation list[64] = {{0}};
   size_t many = 0, none = 0;
   if (!went_well(in, "violations",

@@ -104,36 +104,44 @@ static int keep_folder(void) {
       return 1;
     if (errno != EEXIST) break;
   }
+  if (errno == ENOENT) return 0; /* the run has just ended by itself */
   strcpy(failed, work);
   return 1;
 }
 
-static void crashed(int number) {
+/* Says where, and the words, which end with NULL. */
+_Noreturn static void end(const char *const *words, int code) {
   static int taken;
-  if (!inside) { /* not a plugin's: as if there were no handler */
-    signal(number, SIG_DFL);
-    raise(number);
-    return;
-  }
   /* The first thread speaks; others wait for the end. */
   while (__atomic_exchange_n(&taken, 1, __ATOMIC_SEQ_CST)) pause();
-  const char *name = "";
-  for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)
-    if (signals[i].number == number) name = signals[i].name;
-  const char *const words[] = {wipe,
-                               *where ? where : "error",
-                               ": crashed in plugin '",
-                               inside,
-                               "': ",
-                               name,
-                               "\n"};
-  for (size_t i = 0; i < sizeof words / sizeof *words; i++) say(words[i]);
+  say(wipe);
+  say(*where ? where : "error");
+  while (*words) say(*words++);
   if (keep_folder()) {
     say("note: what was written so far is in '");
     say(failed);
     say("'\n");
   }
-  _exit(exit_code);
+  _exit(code);
+}
+
+void opc_guard_end(int code) {
+  static const char *const words[] = {": stopped\n", NULL};
+  end(words, code);
+}
+
+static void crashed(int number) {
+  if (!inside) { /* not a plugin's: as if there were no handler */
+    signal(number, SIG_DFL);
+    raise(number);
+    return;
+  }
+  const char *name = "";
+  for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)
+    if (signals[i].number == number) name = signals[i].name;
+  const char *const words[] = {": crashed in plugin '", inside, "': ", name,
+                               "\n", NULL};
+  end(words, exit_code);
 }
 
 void opc_guard_remove(void) {

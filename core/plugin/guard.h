@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What becomes of a crash: whose it was is said, what was written is kept, and
-   the command ends with an exit code. docs/architecture.md tells why this is a
+   the command ends with an exit code; and of a run that does not stop when
+   asked. docs/architecture.md tells why this is a
    signal handler. */
 #ifndef OPCFLOW_CORE_GUARD_H
 #define OPCFLOW_CORE_GUARD_H
@@ -32,5 +33,9 @@ void opc_guard_where(const char *where, int code);
    FAILED-2, -3 ... if the command crashes, or is removed if it is empty.
    Copied; NULL for none. */
 void opc_guard_folder(const char *work, const char *failed);
+
+/* End the command now, "WHERE: stopped", with that folder kept as after a
+   crash. May be called by a signal handler. */
+_Noreturn void opc_guard_end(int code);
 
 #endif

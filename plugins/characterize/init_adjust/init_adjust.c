@@ -224,7 +224,7 @@ static int run(void *self, void **outputs, opc_error *error) {
                                         (int)v[W_STEP].integer),
             .first = (int32_t)lround(v[FROM].real / grid),
             .sizes = v[LENGTHS].count * v[WIDTHS].count};
-  k.starts = (size_t)((int32_t)lround(v[TO].real / grid) - k.first + 1);
+  k.starts = (size_t)(lround(v[TO].real / grid) - k.first + 1);
   k.trials = host->alloc(host, k.sizes * (k.starts + 1), sizeof *k.trials);
   k.failures = host->alloc(host, k.sizes, sizeof *k.failures);
   int code = OPC_OK;

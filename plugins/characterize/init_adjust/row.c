@@ -37,6 +37,15 @@ static opc_box box_of(const row *r, int layer, size_t i) {
                    width + w - (w >> 1)};
 }
 
+static void fill_mask(const row *r, int layer, opc_shapes *mask) {
+  for (size_t i = 0; i < r->count; i++) {
+    opc_box b = box_of(r, layer, i);
+    opc_point p[] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
+    memcpy(mask->points + 4 * i, p, sizeof p);
+    mask->start[i + 1] = 4 * (uint32_t)(i + 1);
+  }
+}
+
 static int print_layer(row *r, int layer, opc_error *error) {
   const opc_host *host = r->rules->host;
   const opc_litho *litho = r->rules->litho->plugin->operations;
@@ -48,12 +57,8 @@ static int print_layer(row *r, int layer, opc_error *error) {
   int code = OPC_OK;
   if (!mask.start || !mask.points)
     code = host->fail(host, error, OPC_FAILED, NULL, "out of memory");
-  for (size_t i = 0; i < r->count && !code; i++) {
-    opc_box b = box_of(r, layer, i);
-    opc_point p[] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
-    memcpy(mask.points + 4 * i, p, sizeof p);
-    mask.start[i + 1] = 4 * (uint32_t)(i + 1);
-  }
+  else
+    fill_mask(r, layer, &mask);
   host->imaging->release_field(host, &r->print[layer]);
   if (!code)
     code = host->imaging->mask_spectrum(

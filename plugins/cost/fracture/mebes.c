@@ -28,7 +28,7 @@ int64_t mebes_segments(opc_box e, const mebes_array *a) {
   return width > 0 ? pieces(0, width, MEBES_SEGMENT) : 1;
 }
 
-int64_t mebes_stripes(opc_box e, const mebes_array *a) {
+static int64_t mebes_stripes(opc_box e, const mebes_array *a) {
   int64_t height = (int64_t)e.y1 - e.y0 + (a->rows - 1) * a->step_y;
   return height > 0 ? pieces(0, height, MEBES_STRIPE) : 1;
 }

@@ -13,9 +13,8 @@ typedef struct mebes_array {
 
 enum { MEBES_STRIPE = 1024, MEBES_SEGMENT = 32768, MEBES_BLOCK = 2048 };
 
-/* How many segments and stripes lie over an extent repeated as `array`. */
+/* How many segments lie over an extent repeated as `array`. */
 int64_t mebes_segments(opc_box extent, const mebes_array *array);
-int64_t mebes_stripes(opc_box extent, const mebes_array *array);
 
 /* Bytes of the file that has the rectangles, repeated as `array`; the first
    segment and stripe begin at the lower left corner of `extent`. */

@@ -17,9 +17,10 @@ static int read_lengths(const csv *c, guint row, transistor *t,
                         opc_error *error) {
   g_auto(GStrv) words = g_strsplit(csv_text(c, row, LENGTH), ";", -1);
   size_t n = g_strv_length(words);
+  if (!n) return csv_fail(c, row, LENGTH, "no length:", error);
   if (n > MOST_LENGTHS)
     return csv_fail(c, row, LENGTH, "more than 10000 lengths:", error);
-  t->length = malloc((n + 1) * sizeof *t->length);
+  t->length = calloc(n, sizeof *t->length);
   if (!t->length)
     return c->host->fail(c->host, error, OPC_FAILED, NULL, "out of memory");
   for (t->lengths = 0; t->lengths < n; t->lengths++) {
@@ -28,8 +29,7 @@ static int read_lengths(const csv *c, guint row, transistor *t,
     if (end == text || *end || !isfinite(l) || !(l > 0))
       return csv_fail(c, row, LENGTH, "a length that is none in", error);
   }
-  if (n) return OPC_OK;
-  return csv_fail(c, row, LENGTH, "no length:", error);
+  return OPC_OK;
 }
 
 static int read_row(const csv *c, guint row, transistor *t, opc_error *error) {

@@ -7,7 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #include <opcflow/step.h>
 
@@ -43,9 +42,6 @@ enum {
 };
 
 enum { MOST_LENGTHS = 2000, LEAST_LENGTHS = 3 };
-
-static const char *const extensions[] = {
-    [PAPER_PNG] = ".png", [PAPER_SVG] = ".svg", [PAPER_PDF] = ".pdf"};
 
 typedef struct device_step {
   const opc_host *host;
@@ -351,7 +347,7 @@ static int make_lengths(device_step *d, opc_error *error) {
   double n = list ? (double)v[LIST].count : floor(steps + 1e-6) + 1;
   size_t count = n > 0 ? (size_t)fmin(n, MOST_LENGTHS + 1) : 0;
   if (check_lengths(d, count, parameter, error)) return error->code;
-  d->plan.length = calloc(count, sizeof(double));
+  d->plan.length = calloc(MOST_LENGTHS, sizeof(double));
   if (!d->plan.length)
     return host->fail(host, error, OPC_FAILED, NULL, "out of memory");
   d->plan.count = count;
@@ -381,14 +377,6 @@ static int make_plan(device_step *d, opc_error *error) {
   return make_lengths(d, error);
 }
 
-/* PAPER_PNG and so on, -1 for neither. */
-static int format_of(const char *file) {
-  const char *dot = strrchr(file, '.');
-  for (int i = 0; dot && i < 3; i++)
-    if (!strcasecmp(dot, extensions[i])) return i;
-  return -1;
-}
-
 static void destroy(void *self) {
   device_step *d = self;
   for (int t = 0; t < TYPES; t++) free(d->path[t]);
@@ -406,7 +394,7 @@ static void *create(const opc_host *host, const opc_value *values,
   }
   d->host = host;
   d->values = values;
-  d->format = format_of(picture);
+  d->format = paper_format(picture);
   if (d->format < 0)
     refuse(host, "picture", picture,
            "is not the name of a .png, .svg or .pdf file", error);

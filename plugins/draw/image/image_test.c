@@ -82,10 +82,11 @@ static int image(const void *self, int layer, const opc_spectrum *mask,
   opc_frame f = mask->frame;
   *out = (opc_field){.frame = f, .nx = 100, .ny = 100};
   out->coefficients = host->alloc(host, 10000, sizeof(float));
-  for (size_t i = 0; i < 10000; i++)
-    out->coefficients[i] =
-        (float)intensity(w, f.x0 + f.width * (double)(i % 100) / 100,
-                         f.y0 + f.height * (double)(i / 100) / 100);
+  for (size_t y = 0; y < 100; y++)
+    for (size_t x = 0; x < 100; x++)
+      out->coefficients[100 * y + x] =
+          (float)intensity(w, f.x0 + f.width * (double)x / 100,
+                           f.y0 + f.height * (double)y / 100);
   int code = host->imaging->from_samples(host, out, error);
   out->coefficients[7] += (float)w->fault;
   return code;

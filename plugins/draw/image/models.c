@@ -10,7 +10,8 @@ static int check_field(const image_run *r, const opc_field *f,
                        const char *plugin, opc_error *error) {
   const opc_host *host = r->view.host;
   int good = f->coefficients && f->nx > 0 && f->ny > 0 &&
-             !memcmp(&f->frame, frame, sizeof *frame);
+             f->frame.x0 == frame->x0 && f->frame.y0 == frame->y0 &&
+             f->frame.width == frame->width && f->frame.height == frame->height;
   size_t n = good ? (size_t)f->nx * (size_t)f->ny : 0;
   for (size_t i = 0; i < n && good; i++) good = isfinite(f->coefficients[i]);
   if (good) return OPC_OK;

@@ -8,7 +8,7 @@
 enum { LENGTH, WIDTH, ADJUST, COLUMNS };
 static const char *const names[COLUMNS] = {"l", "w", "init_adjust"};
 
-enum { MOST_BYTES = 16 << 20, MOST_NM = 100 };
+enum { MOST_BYTES = 16 << 20, MOST_ROWS = 10000, MOST_NM = 100 };
 
 typedef struct reader {
   const opc_host *host;
@@ -69,6 +69,9 @@ static int read_row(const reader *r, char **field, opc_error *error) {
       return fail(r, begin_of(field, k), error,
                   c == ADJUST ? "beyond +-100 nm:" : "not above 0:", text);
   }
+  if (r->rows->len == MOST_ROWS)
+    return fail(r, 0, error, "more than 10000 rows, here of L",
+                field[r->column[LENGTH]]);
   for (guint i = 0; i < r->rows->len; i++) {
     const first_correction *row = &g_array_index(r->rows, first_correction, i);
     if (row->length == value[LENGTH] && row->width == value[WIDTH])

@@ -6,7 +6,6 @@
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #include <opcflow/litho.h>
 
@@ -30,9 +29,6 @@ enum {
 };
 
 enum { MAX_PLACES = 100 };
-
-static const char *const extensions[] = {
-    [PAPER_PNG] = ".png", [PAPER_SVG] = ".svg", [PAPER_PDF] = ".pdf"};
 
 typedef struct window {
   const opc_host *host;
@@ -449,21 +445,13 @@ static int check_list(const opc_host *host, const char *name,
   return OPC_OK;
 }
 
-/* PAPER_PNG and so on, -1 for neither. */
-static int format_of(const char *file) {
-  const char *dot = strrchr(file, '.');
-  for (int i = 0; dot && i < 3; i++)
-    if (!strcasecmp(dot, extensions[i])) return i;
-  return -1;
-}
-
 static void *create(const opc_host *host, const opc_value *values,
                     opc_error *error) {
   const char *file = values[FILE_NAME].text;
   if (check_list(host, "dose", &values[DOSE], -100, error) ||
       check_list(host, "defocus", &values[DEFOCUS], -1e6, error))
     return NULL;
-  if (format_of(file) < 0) {
+  if (paper_format(file) < 0) {
     host->fail(host, error, OPC_INVALID, "file",
                "'%s' is not the name of a .png, .svg or .pdf file", file);
     return NULL;
@@ -473,7 +461,7 @@ static void *create(const opc_host *host, const opc_value *values,
     host->fail(host, error, OPC_FAILED, NULL, "out of memory");
     return NULL;
   }
-  *w = (window){.host = host, .values = values, .format = format_of(file)};
+  *w = (window){.host = host, .values = values, .format = paper_format(file)};
   return w;
 }
 
