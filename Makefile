@@ -26,6 +26,7 @@ $(BUILD)/build.ninja:
 	@rm -f $(BUILD).log
 
 test: build
+	@tools/install-packages zsh
 	@tools/run-tests $(BUILD)
 
 bench: build

@@ -5,15 +5,28 @@
 
 #include "fuzz/fuzz.h"
 
-const char *fuzz_file(const uint8_t *data, size_t size) {
-  static char path[64];
-  static int file = -1;
-  if (file < 0) {
-    file = memfd_create("input", MFD_CLOEXEC);
-    if (file < 0) g_error("no file in memory");
-    g_snprintf(path, sizeof path, "/proc/self/fd/%d", file);
+typedef struct memory_file {
+  char path[64];
+  int file; /* 0: not yet there */
+} memory_file;
+
+static const char *put(memory_file *m, const uint8_t *data, size_t size) {
+  if (!m->file) {
+    m->file = memfd_create("input", MFD_CLOEXEC);
+    if (m->file < 0) g_error("no file in memory");
+    g_snprintf(m->path, sizeof m->path, "/proc/self/fd/%d", m->file);
   }
-  if (ftruncate(file, 0) || pwrite(file, data, size, 0) != (ssize_t)size)
+  if (ftruncate(m->file, 0) || pwrite(m->file, data, size, 0) != (ssize_t)size)
     g_error("the file in memory cannot be written");
-  return path;
+  return m->path;
+}
+
+const char *fuzz_file(const uint8_t *data, size_t size) {
+  static memory_file m;
+  return put(&m, data, size);
+}
+
+const char *fuzz_second_file(const uint8_t *data, size_t size) {
+  static memory_file m;
+  return put(&m, data, size);
 }

@@ -11,5 +11,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 /* The path of a file in memory with this content; the same one each time. */
 const char *fuzz_file(const uint8_t *data, size_t size);
+const char *fuzz_second_file(const uint8_t *data, size_t size);
 
 #endif

@@ -378,6 +378,10 @@ static void test_failing_points(void) {
   g_assert_cmpstr(err, ==,
                   "--sweep b.whole: 'whole' needs a whole number, not 'x'\n");
   g_assert_false(is_there("p3"));
+  g_assert_cmpint(call("run two.yaml --output p3 --sweep b.whole=[1,2] "
+                       "--sweep b.size=[]"),
+                  ==, 2);
+  g_assert_true(g_str_has_prefix(err, "--sweep b.size: a sweep needs a list"));
 }
 
 /* Stop a run, whose second step waits. */

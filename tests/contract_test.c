@@ -2,9 +2,10 @@
 /* What the command says and keeps when a plugin goes wrong while a flow runs:
    one plugin of tests/badplugins for each way. And what must go right: plugins
    of a later minor, flows with old names of parameters. */
-#include <glib.h>
+#include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <opcflow/plugin.h>
+#include <signal.h>
 #include <string.h>
 #include <sys/wait.h>
 
@@ -226,6 +227,52 @@ static void test_numbered(void) {
   g_assert_true(opc_remove_tree("x.failed-3"));
 }
 
+/* ---- endless loops ---- */
+
+/* Start a run of which a plugin, once it has said so, loops for ever. */
+static GSubprocess *start_loop(const char *flow) {
+  const char *argv[] = {command, "run", flow, "--output", "x", NULL};
+  GError *fault = NULL;
+  GSubprocess *process =
+      g_subprocess_newv(argv, G_SUBPROCESS_FLAGS_STDERR_PIPE, &fault);
+  g_assert_no_error(fault);
+  GInputStream *said = g_subprocess_get_stderr_pipe(process);
+  for (char c = 0; c != '\n';)
+    g_assert_cmpint(g_input_stream_read(said, &c, 1, NULL, NULL), ==, 1);
+  return process;
+}
+
+/* It does not heed the first signal; the second one ends it, here of another
+   kind so that they cannot become one. */
+static void expect_end(GSubprocess *process, int first, int second,
+                       const char *want) {
+  g_autofree char *rest = NULL;
+  GError *fault = NULL;
+  g_subprocess_send_signal(process, first);
+  g_usleep(50000);
+  g_assert_nonnull(g_subprocess_get_identifier(process));
+  g_subprocess_send_signal(process, second);
+  g_subprocess_communicate_utf8(process, NULL, NULL, NULL, &rest, &fault);
+  g_assert_no_error(fault);
+  g_assert_true(g_subprocess_get_if_exited(process));
+  g_assert_cmpint(g_subprocess_get_exit_status(process), ==, 130);
+  g_assert_cmpstr(rest, ==, want);
+  g_object_unref(process);
+}
+
+static void test_loops(void) {
+  write_correction("mask_loop");
+  expect_end(start_loop("bad.yaml"), SIGINT, SIGTERM,
+             "bad.yaml:8:3: step 'mask' (correct): stopped\n"
+             "note: what was written so far is in 'x.failed'\n");
+  expect_kept("ended while step 'mask' ran");
+  /* Nothing was written: nothing is kept. */
+  write_flow("loop.yaml", "opcflow: 1\nsteps:\n  a: { use: bad.step_loop }\n");
+  expect_end(start_loop("loop.yaml"), SIGTERM, SIGINT,
+             "loop.yaml:3:3: step 'a' (bad.step_loop): stopped\n");
+  g_assert_false(is_there("x.failed"));
+}
+
 /* ---- steps ---- */
 
 /* A flow of one step; nothing is kept, as nothing was written. */
@@ -345,6 +392,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/contract/good", test_good);
   g_test_add_func("/contract/crashes", test_crashes);
   g_test_add_func("/contract/numbered", test_numbered);
+  g_test_add_func("/contract/loops", test_loops);
   g_test_add_func("/contract/steps", test_steps);
   g_test_add_func("/contract/loading", test_loading);
   g_test_add_func("/contract/newer", test_newer);

@@ -170,6 +170,184 @@ static void test_verify(void) {
   g_assert_cmpfloat(metric("verify", "other", "failed"), ==, 0);
 }
 
+/* ---- the other ready flows ---- */
+
+/* Runs flows/NAME.yaml into a folder of that name, with up to two settings. */
+static void run_ready(const char *name, const char *set, const char *more) {
+  g_autofree char *file = g_strdup_printf("flows/%s.yaml", name);
+  g_autofree char *flow = source(file), *out = place(name);
+  g_assert_cmpint(opcflow(NULL, "run", flow, "--output", out,
+                          set ? "--set" : NULL, set, more ? "--set" : NULL, more,
+                          NULL), ==, 0);
+}
+
+static void expect_file(const char *run, const char *file, gsize least) {
+  g_autoptr(GBytes) content = bytes(run, file);
+  g_assert_cmpuint(g_bytes_get_size(content), >, least);
+}
+
+/* Is a step's plugin there? It is not built without its library. */
+static int have(const char *id) {
+  g_autofree char *errors = NULL;
+  if (opcflow(&errors, "inspect", id, NULL) == 0) return TRUE;
+  g_test_skip(id);
+  return FALSE;
+}
+
+static void test_circuit(void) {
+  if (!have("circuit.ngspice")) return;
+  run_ready("circuit", NULL, NULL);
+  g_assert_cmpfloat(metric("circuit", "circuit", "transitions"), ==, 4);
+  g_assert_cmpfloat(metric("circuit", "circuit", "unmeasured"), ==, 0);
+  g_assert_cmpfloat(metric("circuit", "circuit", "tp_worst_before"), >, 10);
+  g_assert_cmpfloat(metric("circuit", "circuit", "tp_worst"), <, 1.5);
+  expect_file("circuit", "circuit.png", 1000);
+  expect_file("circuit", "delays.csv", 100);
+}
+
+/* Margins of the memory: those of a matched Ion, of matched areas as well, and
+   with L alone as the thesis simulates it. */
+static void test_margins(void) {
+  if (!have("circuit.ngspice")) return;
+  g_autofree char *flow = source("flows/circuit.yaml"), *out = place("margins");
+  g_assert_cmpint(opcflow(NULL, "run", flow, "--variant", "sram", "--variant",
+                          "sram_area", "--variant", "sram_length", "--output",
+                          out, NULL), ==, 0);
+  const char *sides[] = {"snm_left_worst", "snm_right_worst"};
+  for (int k = 0; k < 2; k++) {
+    g_assert_cmpfloat(metric("margins/sram", "circuit", sides[k]), >, 3);
+    g_assert_cmpfloat(metric("margins/sram_area", "circuit", sides[k]), <, 1);
+    g_assert_cmpfloat(metric("margins/sram_length", "circuit", sides[k]), <, 1);
+  }
+  g_assert_cmpfloat(metric("margins/sram", "circuit", "cells"), ==, 32);
+}
+
+static void test_netlist(void) {
+  run_ready("netlist", NULL, NULL);
+  g_assert_cmpfloat(metric("netlist", "netlist", "transistors"), ==, 4);
+  g_autoptr(GBytes) text = bytes("netlist", "nand2.sp");
+  g_assert_nonnull(strstr(g_bytes_get_data(text, NULL),
+                          ".subckt nand2 A B Y VDD VSS\nMN1 VSS A X VSS nmos w="));
+}
+
+static void test_models(void) {
+  g_autofree char *flow = source("flows/models.yaml"), *out = place("models");
+  g_assert_cmpint(opcflow(NULL, "run", flow, "--output", out, "--set",
+                          "picture.second.litho.error=1e-2", NULL), ==, 0);
+  g_assert_cmpfloat(metric("models", "picture", "max"), >, 0);
+  g_assert_cmpfloat(metric("models", "picture", "max"), <, 5);
+  expect_file("models", "image.png", 1000);
+}
+
+static void test_window(void) {
+  run_ready("window", "window.dose=[-4 %, 0 %, 4 %]",
+            "window.defocus=[-80 nm, 0 nm, 80 nm]");
+  g_assert_cmpfloat(metric("window", "window", "exposure_latitude"), >, 3);
+  g_assert_cmpfloat(metric("window", "window", "failed_max"), ==, 0);
+  expect_file("window", "process_window.csv", 100);
+}
+
+/* A table of two widths, which the flow of the whole reads again. */
+static void test_characterize(void) {
+  run_ready("characterize", "table.lengths=[65 nm]",
+            "table.widths=[300 nm, 450 nm]");
+  g_autofree char *table = place("characterize/init_adjust.csv");
+  g_autofree char *set =
+      g_strdup_printf("mask.synthesizer.init_adjust_table=%s", table);
+  g_autofree char *flow = source("flows/demo.yaml"), *out = place("adjusted");
+  g_assert_cmpint(opcflow(NULL, "run", flow, "--set", set, "--output", out, NULL),
+                  ==, 0);
+  g_assert_cmpfloat(metric("adjusted", "mask", "ion_max"), <=, 0.5);
+}
+
+/* ---- notes on transistors ---- */
+
+/* A transistor that wants 5 % more, four ways round, one of which is told
+   otherwise above. */
+static const char noted[] =
+    "DS 1 1 10; 9 device; L CA; B 460 300 230 150;\n"
+    "L CP; P 200 -200 265 -200 265 500 200 500;\n"
+    "L CC; B 60 60 60 150; B 60 60 400 150; 94 weight=2,ion=1.05 230 150 XN; DF;\n"
+    "DS 2 1 10; 9 top; L CW; B 100 100 6000 6000; C 1 T 0 0; C 1 M X T 3000 0;\n"
+    "C 1 R 0 1 T 0 3000; C 1 R 0 -1 M Y T 3000 3000; 94 ion=0.97 3150 3230 XN; DF;\n"
+    "C 2; E\n";
+
+static char *noted_layout(const char *use, const char *file, int numbers) {
+  return g_strdup_printf(
+      "layout={ use: %s, file: %s, layers: { poly: %s, active: %s, contact: %s, "
+      "nwell: %s, notes: %s } }",
+      use, file, numbers ? "9/0" : "CP", numbers ? "1/0" : "CA",
+      numbers ? "10/0" : "CC", numbers ? "3/0" : "CW", numbers ? "63/5" : "XN");
+}
+
+/* The column ion_after, sorted by x of the transistors. */
+static void read_ion(const char *run, double ion[4]) {
+  g_autoptr(GBytes) text = bytes(run, "gates.csv");
+  g_auto(GStrv) lines = g_strsplit(g_bytes_get_data(text, NULL), "\n", -1);
+  g_assert_cmpuint(g_strv_length(lines), ==, 6);
+  for (int i = 0; i < 4; i++) {
+    g_auto(GStrv) field = g_strsplit(lines[i + 1], ",", -1);
+    ion[i] = g_ascii_strtod(field[8], NULL);
+  }
+}
+
+static void test_notes(void) {
+  g_autofree char *cif = place("noted.cif"), *convert = place("noted.yaml");
+  g_autofree char *files = place("noted");
+  g_assert_true(g_file_set_contents(cif, noted, -1, NULL));
+  g_autofree char *read = noted_layout("read.cif", cif, 0);
+  const char *layers = "layers: { poly: 9/0, active: 1/0, contact: 10/0, "
+                       "nwell: 3/0, notes: 63/5 }";
+  g_autofree char *text = g_strdup_printf(
+      "opcflow: 1\nname: noted\nsteps:\n  layout: %s\n"
+      "  gds: { use: write.gds, layout: '${layout}', file: n.gds, %s }\n"
+      "  oasis: { use: write.oasis, layout: '${layout}', file: n.oas, %s }\n",
+      strchr(read, '{'), layers, layers);
+  g_assert_true(g_file_set_contents(convert, text, -1, NULL));
+  g_assert_cmpint(opcflow(NULL, "run", convert, "--output", files, NULL), ==, 0);
+  g_autofree char *gds = place("noted/n.gds"), *oasis = place("noted/n.oas");
+  g_autofree char *from_gds = noted_layout("read.gds", gds, 1);
+  g_autofree char *from_oasis = noted_layout("read.oasis", oasis, 1);
+  const char *sets[] = {read, from_gds, from_oasis};
+  const char *runs[] = {"note-cif", "note-gds", "note-oasis"};
+  g_autofree char *flow = source("flows/newton.yaml");
+  for (int i = 0; i < 3; i++) {
+    g_autofree char *out = place(runs[i]);
+    g_assert_cmpint(opcflow(NULL, "run", flow, "--set", sets[i], "--output", out,
+                            NULL), ==, 0);
+    expect_equal("note-cif", runs[i], "gates.csv");
+  }
+  double ion[4];
+  read_ion("note-gds", ion);
+  for (int i = 0; i < 4; i++)
+    g_assert_cmpfloat_with_epsilon(ion[i], i == 3 ? -3 : 5, 0.6);
+}
+
+/* A word that is none; the table goes before the note. */
+static void test_bad_note(void) {
+  g_autofree char *cif = place("noted.cif"), *bad = place("bad-note.cif");
+  g_autofree char *wishes = place("wishes.csv"), *flow = source("flows/newton.yaml");
+  g_auto(GStrv) parts = g_strsplit(noted, "weight", -1);
+  g_autofree char *text = g_strjoinv("wieght", parts), *errors = NULL;
+  g_assert_true(g_file_set_contents(bad, text, -1, NULL));
+  g_autofree char *set = noted_layout("read.cif", bad, 0), *out = place("bad-note");
+  g_assert_cmpint(opcflow(&errors, "run", flow, "--set", set, "--output", out,
+                          NULL), ==, 2);
+  g_assert_nonnull(strstr(errors, "note of 'device#0:1': unknown word 'wieght', "
+                                  "did you mean 'weight'?"));
+  g_assert_true(g_file_set_contents(cif, noted, -1, NULL));
+  g_assert_true(g_file_set_contents(
+      wishes, "transistor, ion\ndevice#0:1, 1\n", -1, NULL));
+  g_autofree char *good = noted_layout("read.cif", cif, 0), *over = place("over");
+  g_autofree char *file = g_strdup_printf("mask.synthesizer.wishes=%s", wishes);
+  g_assert_cmpint(opcflow(NULL, "run", flow, "--set", good, "--set", file,
+                          "--output", over, NULL), ==, 0);
+  double ion[4];
+  read_ion("over", ion);
+  g_assert_cmpfloat_with_epsilon(ion[0], 0, 0.6);
+  g_assert_cmpfloat_with_epsilon(ion[1], 5, 0.6);
+}
+
 /* ---- bad input ---- */
 
 static void expect(int want, const char *say, const char *set) {
@@ -246,6 +424,14 @@ int main(int argc, char **argv) {
   g_test_add_func("/flows/orientation", test_orientation);
   g_test_add_func("/flows/nangate", test_nangate);
   g_test_add_func("/flows/verify", test_verify);
+  g_test_add_func("/flows/circuit", test_circuit);
+  g_test_add_func("/flows/margins", test_margins);
+  g_test_add_func("/flows/netlist", test_netlist);
+  g_test_add_func("/flows/models", test_models);
+  g_test_add_func("/flows/window", test_window);
+  g_test_add_func("/flows/characterize", test_characterize);
+  g_test_add_func("/flows/notes", test_notes);
+  g_test_add_func("/flows/bad-note", test_bad_note);
   g_test_add_func("/flows/bad-input", test_bad_input);
   g_test_add_func("/flows/no-transistor", test_no_transistor);
   g_test_add_func("/flows/truncated", test_truncated);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What shells and man see: completion through bash, manual pages through
-   groff. */
+/* What shells and man see: completion through bash and zsh, manual pages
+   through groff. */
 #include <glib/gstdio.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -36,6 +36,17 @@ static char *offered(const char *line) {
   return bash(script);
 }
 
+/* A flow, and a folder with another. */
+static void make_flows(void) {
+  g_autofree char *second = g_build_filename(folder, "flows", NULL);
+  if (g_mkdir(second, 0777)) return;
+  g_autofree char *make = g_strdup_printf(
+      "'%s' new flow first.yaml && rm ptm65.yaml && "
+      "touch flows/second.yaml flows/other",
+      command);
+  g_free(bash(make));
+}
+
 static void test_completion(void) {
   static const char *const cases[][2] = {
       {"opcflow r", "run "},
@@ -52,18 +63,52 @@ static void test_completion(void) {
       {"opcflow run first.yaml --set mask.extract.rule=", "contour gauss equal "},
       {"opcflow run first.yaml --output ", " "},
   };
-  g_autofree char *second = g_build_filename(folder, "flows", NULL);
-  g_assert_cmpint(g_mkdir(second, 0777), ==, 0);
-  g_autofree char *make = g_strdup_printf(
-      "'%s' new flow first.yaml && rm ptm65.yaml && "
-      "touch flows/second.yaml flows/other",
-      command);
-  g_free(bash(make));
+  make_flows();
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_autofree char *found = offered(cases[i][0]);
     g_test_message("%s", cases[i][0]);
     g_assert_cmpstr(found, ==, cases[i][1]);
   }
+}
+
+/* A line, what Tab makes of it, and what is offered. */
+static void test_zsh(void) {
+  static const char *const cases[][2] = {
+      {"opcflow r", "opcflow run |run"},
+      {"opcflow run --qu", "opcflow run --quiet |--quiet"},
+      {"opcflow --plugin-path x ch", "opcflow --plugin-path x check |check"},
+      {"opcflow inspect mask.d", "opcflow inspect mask.dpb |mask.dpb"},
+      {"opcflow new ", "opcflow new |flow plugin"},
+      {"opcflow new plugin --kind e", "opcflow new plugin --kind extract |extract"},
+      {"opcflow run f", "opcflow run f|first.yaml flows/"},
+      {"opcflow run flows/", "opcflow run flows/second.yaml |flows/second.yaml"},
+      {"opcflow run first.yaml --set mask.litho.n",
+       "opcflow run first.yaml --set mask.litho.na=|mask.litho.na="},
+      {"opcflow run first.yaml --set=mask.extract.ru",
+       "opcflow run first.yaml --set=mask.extract.rule=|mask.extract.rule="},
+      {"opcflow run first.yaml --set mask.extract.rule=",
+       "opcflow run first.yaml --set mask.extract.rule=|contour equal gauss"},
+      {"opcflow run first.yaml --set mask.extract.rule=g",
+       "opcflow run first.yaml --set mask.extract.rule=gauss |gauss"},
+      /* A file of any name, which zsh finds itself. */
+      {"opcflow run first.yaml --output fl",
+       "opcflow run first.yaml --output flows/|flows"},
+  };
+  g_autofree char *zsh = g_find_program_in_path("zsh");
+  if (!zsh) {
+    g_test_skip("no zsh");
+    return;
+  }
+  make_flows();
+  g_autoptr(GString) script = g_string_new("printf '%s\\n'");
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++)
+    g_string_append_printf(script, " '%s'", cases[i][0]);
+  g_string_append_printf(script, " | zsh -f '%s/tests/completion.zsh'",
+                         g_getenv("OPCFLOW_SOURCE"));
+  g_autofree char *out = bash(script->str);
+  g_auto(GStrv) lines = g_strsplit(out, "\n", -1);
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++)
+    g_assert_cmpstr(lines[i], ==, cases[i][1]);
 }
 
 /* Every verb has a page that roff takes without a warning, made by the build
@@ -102,6 +147,7 @@ int main(int argc, char **argv) {
   folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
   command = g_build_filename(g_getenv("OPCFLOW_BUILD"), "opcflow", NULL);
   g_test_add_func("/shell/completion", test_completion);
+  g_test_add_func("/shell/zsh", test_zsh);
   g_test_add_func("/shell/pages", test_pages);
   int code = g_test_run();
   opc_remove_tree(folder);

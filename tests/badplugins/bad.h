@@ -8,6 +8,7 @@
 #include <opcflow/opcflow.h>
 #include <signal.h>
 #include <string.h>
+#include <unistd.h>
 
 static const opc_host *host;
 
@@ -28,6 +29,11 @@ static inline void write_wildly(void *data, size_t i) {
 /* What any function of a plugin can do wrong. */
 static inline int misbehave(void) {
   volatile int depth = 0;
+  if (does("loop")) {
+    alarm(30); /* no longer if that is not ended, which fails the test */
+    host->log(host, OPC_LOG_WARNING, "for ever");
+    for (volatile int forever = 1; forever;) continue;
+  }
   if (does("silent")) return OPC_FAILED;
   if (does("code")) return 42;
   if (does("cancel")) return OPC_CANCELLED;

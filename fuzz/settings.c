@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What --set and --sweep say of a flow: a line each, those of --sweep with a
+   sign before them. */
+#include <string.h>
+
+#include "core/flow/flow.h"
+#include "core/flow/sweep.h"
+#include "fuzz/fuzz.h"
+
+static const char text[] =
+    "opcflow: 1\n"
+    "steps:\n"
+    "  layout: { use: read.cif, file: nand2.cif, layers: { poly: CP } }\n"
+    "  gates: { use: segment.transistors, layout: ${layout} }\n"
+    "  mask:\n"
+    "    use: correct\n"
+    "    gates: ${gates}\n"
+    "    litho: { use: litho.hopkins, wavelength: 193 nm, na: 0.75 }\n"
+    "    resist: { use: resist.threshold, table: [250 nm, 65 nm] }\n"
+    "    extract: { use: extract.plain, devices: ptm65.yaml }\n"
+    "    synthesizer: { use: mask.dpb }\n"
+    "variants:\n"
+    "  dense: { mask.litho.defocus: 50 nm }\n";
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+  static opc_registry *registry;
+  static opc_recipe *recipe;
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  if (!recipe) {
+    registry = opc_registry_new(NULL);
+    recipe = opc_recipe_read(
+        fuzz_file((const uint8_t *)text, strlen(text)), problems);
+    if (!recipe) g_error("%s", opc_problems_text(problems));
+  }
+  g_autofree char *words = g_strndup((const char *)data, size);
+  g_auto(GStrv) lines = g_strsplit(words, "\n", 64);
+  g_autoptr(GPtrArray) sets = g_ptr_array_new();
+  g_autoptr(GPtrArray) sweeps = g_ptr_array_new();
+  for (char **line = lines; *line; line++)
+    if (**line == '*')
+      g_ptr_array_add(sweeps, *line + 1);
+    else if (**line)
+      g_ptr_array_add(sets, *line);
+  g_ptr_array_add(sets, NULL);
+  g_ptr_array_add(sweeps, NULL);
+  g_autoptr(opc_sweep) sweep =
+      opc_sweep_new(recipe, (const char *const *)sets->pdata,
+                    (const char *const *)sweeps->pdata, problems);
+  const opc_choice choice = {.sweep = sweep,
+                             .sets = (const char *const *)sets->pdata};
+  g_autoptr(opc_flow) flow =
+      opc_flow_make(recipe, &choice, registry, problems);
+  g_autofree char *found = opc_problems_text(problems);
+  if (flow && sweep && !*found)
+    g_free(sweep->axes->len ? opc_flow_resolved_sweep(flow, sweep)
+                            : opc_flow_resolved(flow));
+  return 0;
+}

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# What zsh offers, and makes of a line, when somebody presses Tab behind it: a
+# shell at a terminal of its own, in this folder. Lines on standard input; for
+# each one, what it becomes, '|', and the offers in order. OPCFLOW_SOURCE is where
+# the completion is, OPCFLOW_BUILD the command.
+zmodload zsh/zpty zsh/zselect
+here=$PWD/.zsh-completion
+mkdir -p $here
+print -r -- "
+PS1= PS2= RPS1=
+unsetopt beep
+path=(${(q)OPCFLOW_BUILD} \$path)
+fpath=(${(q)OPCFLOW_SOURCE}/data/completion \$fpath)
+autoload -Uz compinit
+compinit -u -D
+compadd() {
+  local -a offers
+  builtin compadd -O offers \"\$@\"
+  (( \$#offers )) && print -rl -- \$offers >> ${(q)here}/offers
+  builtin compadd \"\$@\"
+}
+tell() { print -r -- \"\$BUFFER\" > ${(q)here}/line; BUFFER= }
+zle -N tell
+bindkey '^X' tell
+bindkey '^I' complete-word
+LISTMAX=100000
+print ready > ${(q)here}/line
+" > $here/rc
+# For ten seconds, and keep the terminal from filling up.
+wait_for_line() {
+  local -i n
+  local junk
+  for (( n = 0; n < 1000; n++ )); do
+    while zpty -r -t shell junk; do :; done
+    [[ -s $here/line ]] && return
+    zselect -t 1
+  done
+  print "zsh does not answer"
+  exit 1
+}
+zpty shell "TERM=dumb zsh -f -i"
+zpty -w shell "source ${(q)here}/rc"
+wait_for_line
+while IFS= read -r line; do
+  rm -f $here/offers $here/line
+  zpty -w -n shell $line$'\t\x18'
+  wait_for_line
+  offers=()
+  [[ -f $here/offers ]] && offers=(${(ou)${(f)"$(<$here/offers)"}})
+  print -r -- "$(<$here/line)|$offers"
+done
+zpty -d shell
+rm -rf $here
