@@ -6,9 +6,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "clearance.h"
+#include "ends.h"
 #include "mrc.h"
 #include "repairs.h"
+#include "smooth.h"
 
 /* ---- state ---- */
 
@@ -18,45 +19,23 @@ typedef struct regulator {
   /* Of these gates; NULL before the first print. */
   const opc_gates *gates;
   uint32_t iteration;   /* the last one seen */
-  int32_t *most;        /* how far each line end may go, grid steps */
-  int32_t *end;         /* where it was sent */
-  response *response;
   drawing drawing;
+  ends ends;
   sites sites;
-  uint64_t moves;           /* of the print before, as a sum */
   repairs repairs;
+  smoothing smoothing;
+  box_list patch[OPC_MASKS], bite[OPC_MASKS];   /* of the last ruling */
 } regulator;
 
 /* ---- work: the drawing ---- */
 
 static void forget(regulator *r) {
   r->gates = NULL;
-  free(r->most);
-  free(r->end);
-  free(r->response);
-  r->most = r->end = NULL;
-  r->response = NULL;
+  ends_clear(&r->ends);
   drawing_clear(&r->drawing);
   sites_clear(&r->sites);
   repairs_clear(&r->repairs);
-}
-
-/* How far each line end may go: half of what is free before it, as another line
-   end may come from there; contacts that poly must not touch stay. */
-static void find_room(regulator *r, const opc_gates *g) {
-  const limits *rules = &r->rules;
-  int32_t range =
-      (int32_t)ceil((2 * rules->max_growth + rules->min_space) / g->grid) + 1;
-  int32_t beside = (int32_t)ceil(rules->min_space / g->grid);
-  line_end_clearance(g, &r->drawing.edges[OPC_POLY], range, beside, r->most);
-  line_end_clearance(g, &r->drawing.contacts, range, beside, r->end);
-  for (size_t i = 0; i < 2 * g->count; i++) {
-    double most = fmin((r->most[i] * g->grid - rules->min_space) / 2,
-                       r->end[i] * g->grid - rules->min_space);
-    r->most[i] = (int32_t)floor(
-        fmax(0, fmin(rules->max_growth, most)) / g->grid + 1e-9);
-    r->end[i] = 0;
-  }
+  smoothing_clear(&r->smoothing);
 }
 
 static int look_around(regulator *r, const opc_printed *p, opc_error *error) {
@@ -66,15 +45,11 @@ static int look_around(regulator *r, const opc_printed *p, opc_error *error) {
     return OPC_OK;
   }
   forget(r);
-  r->most = calloc(2 * g->count + 1, sizeof *r->most);
-  r->end = calloc(2 * g->count + 1, sizeof *r->end);
-  r->response = calloc(2 * g->count + 1, sizeof *r->response);
-  if (!r->most || !r->end || !r->response)
-    return r->host->fail(r->host, error, OPC_FAILED, NULL, "out of memory");
   int code =
       drawing_make(&r->drawing, r->host, g, &r->rules, &r->sites, error);
   if (code) return code;
-  find_room(r, g);
+  if (!ends_make(&r->ends, g, &r->drawing, &r->rules))
+    return r->host->fail(r->host, error, OPC_FAILED, NULL, "out of memory");
   r->gates = g;
   r->iteration = p->iteration;
   return OPC_OK;
@@ -96,18 +71,9 @@ static uint32_t vetoes(const regulator *r, const opc_printed *p, size_t i) {
   return v;
 }
 
-static void lengthen(regulator *r, const opc_printed *p, size_t end,
-                     int32_t *bias) {
-  double grid = p->gates->grid, extension = p->extension[end];
-  if (extension < r->rules.min_extension) {
-    int32_t to = rules_advance(&r->response[end], *bias, extension,
-                               r->rules.min_extension, grid);
-    if (to > r->most[end]) to = r->most[end];
-    if (to > *bias) *bias = to;
-  } else {
-    r->response[end] = (response){*bias, extension, 1};
-  }
-  r->end[end] = *bias;
+/* Hosts of 1.0 do not give it. */
+static const opc_field *print_of(const opc_printed *p) {
+  return p->size >= sizeof *p ? p->print : NULL;
 }
 
 static int is_transistor(uint32_t flags) {
@@ -117,63 +83,43 @@ static int is_transistor(uint32_t flags) {
 
 /* ---- work: the print ---- */
 
-/* Hosts of 1.0 do not give it. */
-static const opc_field *print_of(const opc_printed *p) {
-  return p->size >= sizeof *p ? p->print : NULL;
-}
-
-/* The line end of the nearest gate that may have closed a gap goes back, and
-   stays there. */
-static void draw_back(regulator *r, const opc_printed *p, const site *s,
-                      opc_ruling *ruling) {
-  const opc_gates *g = p->gates;
-  opc_box b = g->box[s->gate];
-  int across = g->axis[s->gate] == OPC_Y;
-  int32_t at = across ? s->box.x0 : s->box.y0;
-  int32_t low = across ? b.x0 : b.y0, high = across ? b.x1 : b.y1;
-  if (at > low && at < high) return;
-  size_t end = 2 * (size_t)s->gate + (at >= high);
-  int32_t to = r->response[end].bias - (int32_t)ceil(rules_back / g->grid);
-  if (r->response[end].bias <= 0) return;
-  r->most[end] = to > 0 ? to : 0;
-  if (ruling->end[end] > r->most[end]) ruling->end[end] = r->most[end];
-  r->end[end] = ruling->end[end];
-}
-
-/* Whether the synthesizer rests: it moved no gate with the last print. */
-static int is_quiet(regulator *r, const opc_printed *p) {
-  uint64_t sum = 14695981039346656037u;   /* FNV-1a */
-  for (size_t i = 0; i < p->gates->count; i++) {
-    sum = (sum ^ (uint32_t)p->l[i]) * 1099511628211u;
-    sum = (sum ^ (uint32_t)p->w[i]) * 1099511628211u;
-  }
-  int quiet = sum == r->moves;
-  r->moves = sum;
-  return quiet;
+/* All patches and bites. 0 if there is no memory. */
+static int gather(regulator *r, const opc_printed *p) {
+  for (int layer = 0; layer < OPC_MASKS; layer++)
+    r->patch[layer].n = r->bite[layer].n = 0;
+  return repairs_patches(p, &r->rules, &r->sites, &r->repairs, r->patch) &&
+         ends_heads(&r->ends, &r->patch[OPC_POLY]) &&
+         trims_bites(&r->repairs.trims, &r->bite[OPC_POLY]) &&
+         smoothing_follow(&r->smoothing, p, &r->rules) &&
+         smoothing_boxes(&r->smoothing, r->patch, r->bite);
 }
 
 static int judge_print(regulator *r, const opc_printed *p, opc_ruling *ruling,
                        opc_error *error) {
-  /* All while the first moves are made and when the synthesizer rests, otherwise
-     each within some iterations. */
-  int whole = is_quiet(r, p) || p->iteration < 3;
-  int share = whole ? -1 : (int)(p->iteration % REPAIRS_SHARES);
   if (repairs_look(r->host, p, &r->rules, &r->drawing, &r->sites, &r->repairs,
-                   share, error) ||
-      repairs_grow(r->host, p, &r->rules, &r->sites, &r->repairs, error))
+                   error) ||
+      repairs_grow(r->host, p, &r->rules, &r->drawing, &r->sites, &r->repairs,
+                   error))
     return error->code;
   for (size_t i = 0; i < r->sites.n; i++) {
     const site *s = &r->sites.at[i];
-    if (!s->failing || s->gate < 0 ||
+    if (!s->failing || s->gate < 0 || s->layer != OPC_POLY ||
         (s->kind != SITE_CONTACT && s->kind != SITE_GAP))
       continue;
-    ruling->vetoes[s->gate] |= OPC_VETO_LONGER;
-    draw_back(r, p, s, ruling);
+    if (!ends_back(&r->ends, p, s, ruling->end))
+      ruling->vetoes[s->gate] |= OPC_VETO_LONGER;
+  }
+  if (!gather(r, p))
+    return r->host->fail(r->host, error, OPC_FAILED, NULL, "out of memory");
+  if (ruling->size < offsetof(opc_ruling, bites)) return OPC_OK;
+  for (int layer = 0; layer < OPC_MASKS; layer++) {
+    ruling->patches[layer] = r->patch[layer].at;
+    ruling->patch_count[layer] = r->patch[layer].n;
   }
   if (ruling->size < sizeof *ruling) return OPC_OK;
   for (int layer = 0; layer < OPC_MASKS; layer++) {
-    ruling->patches[layer] = r->repairs.patch[layer];
-    ruling->patch_count[layer] = r->repairs.patches[layer];
+    ruling->bites[layer] = r->bite[layer].at;
+    ruling->bite_count[layer] = r->bite[layer].n;
   }
   return OPC_OK;
 }
@@ -188,7 +134,8 @@ static int rule(void *self, const opc_printed *p, opc_ruling *ruling,
     ruling->vetoes[i] = vetoes(r, p, i);
     ruling->transistors += (size_t)is_transistor(p->flags[i]);
     for (size_t end = 2 * i; end < 2 * i + 2; end++)
-      lengthen(r, p, end, &ruling->end[end]);
+      ends_advance(&r->ends, print_of(p) ? r->host : NULL, p, &r->rules, end,
+                   &ruling->end[end]);
   }
   return print_of(p) ? judge_print(r, p, ruling, error) : OPC_OK;
 }
@@ -208,12 +155,8 @@ static void report_extension(const regulator *r, const opc_printed *p,
   const opc_gates *g = p->gates;
   size_t i = end / 2;
   int high = end % 2;
-  int32_t wanted = (int32_t)floor(r->rules.max_growth / g->grid + 1e-9);
   opc_violation v =
-      at_gate(g, i, r->end[end] < r->most[end] ? "extension: could still move"
-                    : r->most[end] < wanted
-                        ? "extension: no room before the line end"
-                        : "extension: max_growth reached");
+      at_gate(g, i, ends_reason(&r->ends, &r->rules, g->grid, end));
   opc_box b = g->box[i];   /* the place is where the gate ends */
   if (g->axis[i] == OPC_Y) v.x = (high ? b.x1 : b.x0) * g->grid;
   else v.y = (high ? b.y1 : b.y0) * g->grid;
@@ -246,7 +189,7 @@ static int violations_of(void *self, const opc_printed *p, opc_violation *v,
   report_gates(r, p, &list);
   if (print_of(p)) {
     code = repairs_look(r->host, p, &r->rules, &r->drawing, &r->sites,
-                        &r->repairs, -1, error);
+                        &r->repairs, error);
     if (code) return code;
     repairs_report(r->host, p, &r->rules, &r->sites, &r->repairs, &list);
     for (int layer = 0; layer < OPC_MASKS && p->mask; layer++)
@@ -261,8 +204,8 @@ static int violations_of(void *self, const opc_printed *p, opc_violation *v,
 /* ---- parameters ---- */
 
 enum {
-  OVERLAY, MIN_EXTENSION, MAX_GROWTH, MIN_SPACE, MIN_WIDTH, MIN_MASK_WIDTH,
-  PARAMETERS
+  OVERLAY, MIN_EXTENSION, WANT_EXTENSION, MAX_GROWTH, MAX_HEAD, MIN_SPACE,
+  MIN_WIDTH, MIN_MASK_WIDTH, PARAMETERS
 };
 
 static const opc_parameter parameters[PARAMETERS] = {
@@ -274,10 +217,19 @@ static const opc_parameter parameters[PARAMETERS] = {
         {.name = "min_extension", .type = OPC_REAL, .flags = OPC_AT_LEAST,
          .unit = "nm",
          .summary = "printed poly past the printed active; default: twice overlay"},
+    [WANT_EXTENSION] =
+        {.name = "want_extension", .type = OPC_REAL, .flags = OPC_AT_LEAST,
+         .unit = "nm",
+         .summary = "the same where there is room for it; default: min_extension"},
     [MAX_GROWTH] = {.name = "max_growth", .type = OPC_REAL,
                     .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
                     .preset = "60 nm", .max = 10000,
                     .summary = "how far a line end or a patch goes past the drawn"},
+    [MAX_HEAD] = {.name = "max_head", .type = OPC_REAL,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
+                  .preset = "0 nm", .max = 1000,
+                  .summary = "how much wider a line end gets, on each side, that "
+                             "may not be long enough"},
     [MIN_SPACE] = {.name = "min_space", .type = OPC_REAL,
                    .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
                    .preset = "40 nm", .max = 10000,
@@ -304,7 +256,11 @@ static void *create(const opc_host *host, const opc_value *values,
                      .min_extension = values[MIN_EXTENSION].type == OPC_ABSENT
                                           ? 2 * values[OVERLAY].real
                                           : values[MIN_EXTENSION].real,
+                     .want_extension =
+                         values[WANT_EXTENSION].type == OPC_ABSENT
+                             ? 0 : values[WANT_EXTENSION].real,
                      .max_growth = values[MAX_GROWTH].real,
+                     .max_head = values[MAX_HEAD].real,
                      .min_space = values[MIN_SPACE].real,
                      .min_width = values[MIN_WIDTH].real,
                      .mask_width = values[MIN_MASK_WIDTH].real};
@@ -314,6 +270,10 @@ static void *create(const opc_host *host, const opc_value *values,
 static void destroy(void *self) {
   regulator *r = self;
   forget(r);
+  for (int layer = 0; layer < OPC_MASKS; layer++) {
+    free(r->patch[layer].at);
+    free(r->bite[layer].at);
+  }
   free(r);
 }
 

@@ -6,19 +6,27 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { BLOCK = 256, POINTS = 3 * SIDES, SHARES = REPAIRS_SHARES };
+enum { BLOCK = 256, POINTS = 3 * SIDES };
 
 /* nm: how far contours are looked for, how long the patch of a line is on
    either side of its site. */
 static const double reach = 150, half_patch = 40;
 
+/* nm: a patch takes a corner along that is so near; how far the sides beside one
+   that may not go further do so at once. */
+static const double corner_of = 20, flank_step = 15;
+
 void repairs_clear(repairs *r) {
   free(r->at);
-  for (int layer = 0; layer < OPC_MASKS; layer++) free(r->patch[layer]);
+  trims_clear(&r->trims);
   *r = (repairs){0};
 }
 
 static int upright(int side) { return side == LEFT || side == RIGHT; }
+
+static opc_box widened(opc_box b, int32_t by) {
+  return (opc_box){b.x0 - by, b.y0 - by, b.x1 + by, b.y1 + by};
+}
 
 /* ---- points ---- */
 
@@ -62,7 +70,6 @@ typedef struct look {
   const limits *rules;
   const sites *s;
   const repairs *r;
-  int share;
 } look;
 
 typedef struct points {
@@ -72,14 +79,12 @@ typedef struct points {
   size_t n;
 } points;
 
-
 static void look_at_layer(const look *l, points *q, size_t first, size_t last,
                           int layer) {
-  int all = l->share < 0 || first / BLOCK % SHARES == (size_t)l->share;
   q->n = 0;
   for (size_t i = first; i < last; i++) {
     site *s = &l->s->at[i];
-    if (s->layer != layer || (!all && !s->failing)) continue;
+    if (s->layer != layer) continue;
     s->failing = 0;
     int n = points_of(s, l->rules, l->p->gates->grid, q->x + q->n, q->y + q->n,
                       q->side + q->n);
@@ -212,7 +217,8 @@ static const opc_fragment *corner_at(const drawing *d, int side, int32_t x,
 }
 
 /* What may be moved on a side. The whole edge that is drawn there makes no jog;
-   where it has less room, only what the site needs of it is. */
+   where it has less room, only what the site needs of it is, and its corner if
+   that is near. */
 static void find_edge(const drawing *d, const limits *rules, const site *s,
                       repair *r, int side, double grid) {
   int32_t far = (int32_t)(2 * reach / grid), more = 0;
@@ -228,6 +234,14 @@ static void find_edge(const drawing *d, const limits *rules, const site *s,
   if (s->kind == SITE_LINE || r->edge[side] == far ||
       (upright(side) ? edge.x0 != edge.x1 : edge.y0 != edge.y1))
     return;
+  int32_t near = (int32_t)(corner_of / grid);
+  if (s->kind == SITE_ENCLOSURE) {
+    int32_t low = upright(side) ? edge.y0 : edge.x0;
+    int32_t high = upright(side) ? edge.y1 : edge.x1;
+    if (r->from[side] - low <= near) r->from[side] = low;
+    if (high - r->to[side] <= near) r->to[side] = high;
+    r->room[side] = room_of(d, rules, s, r, side, grid);
+  }
   repair whole = *r;
   whole.from[side] = upright(side) ? edge.y0 : edge.x0;
   whole.to[side] = upright(side) ? edge.y1 : edge.x1;
@@ -259,9 +273,8 @@ static int add_repair(const opc_host *host, const drawing *d,
 }
 
 int repairs_look(const opc_host *host, const opc_printed *p, const limits *rules,
-                 const drawing *d, sites *s, repairs *r, int share,
-                 opc_error *error) {
-  look l = {host, p, rules, s, r, share};
+                 const drawing *d, sites *s, repairs *r, opc_error *error) {
+  look l = {host, p, rules, s, r};
   host->parallel(host, (s->n + BLOCK - 1) / BLOCK, look_at_block, &l);
   for (size_t i = 0; i < s->n; i++) {
     if (!s->at[i].failing || s->at[i].repair >= 0 || !wanted(&s->at[i]))
@@ -283,66 +296,108 @@ static double print_at(const site *s, const repair *r, int side) {
              : r->value[side];
 }
 
+/* A side that may not go further out prints further if its corners do: as long as
+   that brings a tenth of what is missing, as it disturbs what is near. */
+static void grow_flanks(repair *r, int side, double target, double grid) {
+  int32_t step = (int32_t)ceil(flank_step / grid);
+  double value = r->value[side], before = r->flanked[side];
+  int helps = before == 0 || value - before > (target - value) / 10;
+  for (int k = upright(side) ? BELOW : LEFT, n = 0; n < 2; k++, n++) {
+    int32_t left = r->room[k] - r->grow[k];
+    if (helps) r->grow[k] += left < step ? left : step;
+    else r->room[k] = r->grow[k];
+  }
+  r->flanked[side] = value;
+}
+
 static void grow(const limits *rules, const site *s, repair *r, double grid) {
   for (int k = 0; k < SIDES; k++) {
     double value = print_at(s, r, k), target = margin(s, rules);
     if (!(s->sides & 1 << k) || !(value < target)) continue;
     int32_t to = rules_advance(&r->response[k], r->grow[k], value,
-                               target, grid);
+                               target, 1, grid);
     if (to > r->room[k]) to = r->room[k];
     if (to > r->grow[k]) r->grow[k] = to;
+    else if (s->kind == SITE_ENCLOSURE) grow_flanks(r, k, target, grid);
   }
 }
 
-/* Whether a patch lies beside the gap. */
-static int beside(opc_box patch, opc_box gap, int32_t reach_of) {
-  return gap.x0 > patch.x0 - reach_of && gap.x0 < patch.x1 + reach_of &&
-         gap.y0 > patch.y0 - reach_of && gap.y0 < patch.y1 + reach_of;
+/* Whether the boxes touch or overlap. */
+static int meet(opc_box a, opc_box b) {
+  return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
 }
 
-/* Patches that close a gap, or touch a contact, go back and stay there. */
-static void take_back(const opc_printed *p, const limits *rules,
-                      const sites *s, const site *wrong, repairs *r) {
+/* Patches that close a gap, or touch a contact, go back and stay there: those
+   that face it, or all that are near. Whether there were any. */
+static int take_back(const opc_printed *p, const limits *rules,
+                     const sites *s, const site *wrong, int facing,
+                     repairs *r) {
   double grid = p->gates->grid;
   int32_t near = (int32_t)(reach / grid), step = (int32_t)ceil(rules_back / grid);
+  int32_t flank = (int32_t)(corner_of / grid);
+  int found = 0;
   for (size_t i = 0; i < r->n; i++) {
     repair *one = &r->at[i];
     const site *of = &s->at[one->site];
-    if (of->layer != wrong->layer || !beside(of->box, wrong->box, 3 * near))
+    if (of->layer != wrong->layer ||
+        !meet(widened(of->box, 3 * near), wrong->box))
       continue;
     for (int k = 0; k < SIDES; k++) {
-      if (!one->grow[k] ||
-          !beside(patch_of(p, rules, of, one, k), wrong->box, near))
+      if (!one->grow[k]) continue;
+      opc_box patch = patch_of(p, rules, of, one, k);
+      if (!meet(facing ? bins_window(patch, k, 0, near, flank)
+                       : widened(patch, near), wrong->box))
         continue;
+      found = 1;
+      if (one->back[k] == r->trims.round) continue;   /* once a print */
       one->grow[k] -= one->grow[k] < step ? one->grow[k] : step;
       one->room[k] = one->grow[k];
+      one->back[k] = r->trims.round;
     }
   }
+  return found;
+}
+
+/* What must not print: patches before it go back, or else edges of poly as
+   drawn, or else what is near. */
+static int clear_away(const opc_host *host, const opc_printed *p,
+                      const limits *rules, const drawing *d, sites *s,
+                      site *wrong, repairs *r, opc_error *error) {
+  int moved = take_back(p, rules, s, wrong, 1, r), code = OPC_OK;
+  if (!moved && wrong->kind == SITE_GAP && wrong->layer == OPC_POLY)
+    code = trims_deepen(&r->trims, host, d, rules, p->gates->grid, wrong, &moved,
+                        error);
+  if (!moved && !code && wrong->layer == OPC_POLY)
+    take_back(p, rules, s, wrong, 0, r);
+  return code;
 }
 
 int repairs_grow(const opc_host *host, const opc_printed *p, const limits *rules,
-                 const sites *s, repairs *r, opc_error *error) {
-  double grid = p->gates->grid;
-  for (int layer = 0; layer < OPC_MASKS; layer++) {
-    opc_box *more =
-        realloc(r->patch[layer], (SIDES * r->n + 1) * sizeof *more);
-    if (!more)
-      return host->fail(host, error, OPC_FAILED, NULL, "out of memory");
-    r->patch[layer] = more;
-    r->patches[layer] = 0;
+                 const drawing *d, sites *s, repairs *r, opc_error *error) {
+  trims_begin(&r->trims);
+  for (size_t i = 0; i < s->n; i++) {
+    if (!s->at[i].failing || wanted(&s->at[i])) continue;
+    int code = clear_away(host, p, rules, d, s, &s->at[i], r, error);
+    if (code) return code;
   }
-  for (size_t i = 0; i < s->n; i++)
-    if (s->at[i].failing && !wanted(&s->at[i]))
-      take_back(p, rules, s, &s->at[i], r);
   for (size_t i = 0; i < r->n; i++) {
     const site *one = &s->at[r->at[i].site];
-    if (one->failing) grow(rules, one, &r->at[i], grid);
-    for (int k = 0; k < SIDES; k++)
-      if (r->at[i].grow[k])
-        r->patch[one->layer][r->patches[one->layer]++] =
-            patch_of(p, rules, one, &r->at[i], k);
+    if (one->failing) grow(rules, one, &r->at[i], p->gates->grid);
   }
   return OPC_OK;
+}
+
+int repairs_patches(const opc_printed *p, const limits *rules, const sites *s,
+                    const repairs *r, box_list patch[OPC_MASKS]) {
+  int good = 1;
+  for (size_t i = 0; i < r->n; i++) {
+    const site *one = &s->at[r->at[i].site];
+    for (int k = 0; k < SIDES && good; k++)
+      if (r->at[i].grow[k])
+        good = boxes_add(&patch[one->layer],
+                         patch_of(p, rules, one, &r->at[i], k));
+  }
+  return good;
 }
 
 /* ---- telling ---- */
@@ -376,7 +431,10 @@ static void report_enclosure(const site *s, const repair *r,
   for (int k = 0; k < SIDES; k++)
     if (s->failing & 1 << k && (worst < 0 || r->value[k] < r->value[worst]))
       worst = k;
-  v.rule = enclosure[reason(r, worst, rules, grid)];
+  int flank = upright(worst) ? BELOW : LEFT;
+  int undone = r->grow[flank] < r->room[flank] ||
+               r->grow[flank + 1] < r->room[flank + 1];
+  v.rule = enclosure[undone ? UNDONE : reason(r, worst, rules, grid)];
   v.value = r->value[worst];
   v.limit = rules->overlay;
   violations_add(out, v);
@@ -402,7 +460,7 @@ void repairs_report(const opc_host *host, const opc_printed *p,
                     const limits *rules, const sites *s, const repairs *r,
                     violations *out) {
   double grid = p->gates->grid;
-  look l = {host, p, rules, s, r, -1};
+  look l = {host, p, rules, s, r};
   for (size_t i = 0; i < s->n; i++) {
     const site *one = &s->at[i];
     if (!one->failing) continue;
@@ -412,7 +470,11 @@ void repairs_report(const opc_host *host, const opc_printed *p,
       report_line(one, &r->at[one->repair], rules, grid, out);
     if (wanted(one)) continue;
     opc_violation v = at_site(one, grid);
-    v.rule = one->kind == SITE_GAP ? "bridging: poly" : "bridging: contact";
+    v.rule = one->kind != SITE_GAP     ? "bridging: contact"
+             : one->layer == OPC_ACTIVE ? "bridging: active"
+             : trims_could(&r->trims, one)
+                 ? "bridging: poly: could still move"
+                 : "bridging: poly: drawn too near for its edges to go back";
     if (one->kind == SITE_CONTACT) {
       v.value = INFINITY;
       for (int k = 0; k < SIDES; k++)

@@ -133,11 +133,12 @@ static int sort_contacts(const opc_host *host, const opc_gates *g, int layer,
    touch poly must stay so. Those that lie partly on a layer are drawn to. */
 static int add_contacts(drawing *d, const opc_host *host, const opc_gates *g,
                         int32_t side, sites *s, opc_error *error) {
-  size_t n, apart_from_poly = 0;
+  size_t n, apart_from_poly = 0, on_poly = 0;
   opc_box *box = bounds(&g->drawn[OPC_CONTACT], &n);
   opc_box *free_ones = malloc((n + 1) * sizeof *free_ones);
+  opc_box *pads = malloc((n + 1) * sizeof *pads);
   uint8_t *how = calloc(OPC_MASKS * n + 1, 1);
-  int code = box && free_ones && how
+  int code = box && free_ones && pads && how
                  ? OPC_OK
                  : host->fail(host, error, OPC_FAILED, NULL, "out of memory");
   for (int layer = 0; layer < OPC_MASKS && !code; layer++)
@@ -150,6 +151,7 @@ static int add_contacts(drawing *d, const opc_host *host, const opc_gates *g,
       one.layer = (uint8_t)layer;
       if (how[(size_t)layer * n + i] == WITHIN) add(s, one);
     }
+    if (how[(size_t)OPC_POLY * n + i] == WITHIN) pads[on_poly++] = box[i];
     if (how[(size_t)OPC_POLY * n + i] != OUTSIDE) continue;
     one.layer = OPC_POLY;
     one.kind = SITE_CONTACT;
@@ -160,9 +162,11 @@ static int add_contacts(drawing *d, const opc_host *host, const opc_gates *g,
   free(how);
   if (code) {
     free(free_ones);
+    free(pads);
     return code;
   }
-  return bins_make(&d->contacts, free_ones, apart_from_poly, side)
+  return (bins_make(&d->contacts, free_ones, apart_from_poly, side) &
+          bins_make(&d->pads, pads, on_poly, side))
              ? OPC_OK
              : host->fail(host, error, OPC_FAILED, NULL, "out of memory");
 }
@@ -217,18 +221,20 @@ static void add_line(const drawing *d, const limits *r, double grid,
                                        : 1 << LEFT | 1 << RIGHT});
 }
 
-static void add_gap(const drawing *d, double grid, opc_point middle,
-                    sites *s) {
+static void add_gap(const drawing *d, double grid, int layer, opc_point middle,
+                    int side, sites *s) {
   opc_box box = {middle.x, middle.y, middle.x, middle.y};
   add(s, (site){.box = box, .gate = nearest_gate(d, box, grid),
-                .kind = SITE_GAP, .layer = OPC_POLY, .sides = 1 << LEFT});
+                .kind = SITE_GAP, .layer = (uint8_t)layer,
+                .sides = side == ABOVE ? 1 << BELOW : 1 << LEFT});
 }
 
 /* Look from each wall to the right and up: through poly for lines, and from
    poly outwards for gaps, so that each is found once. */
 static void add_wall(const drawing *d, const limits *r, double grid, double step,
-                     const wall *w, sites *s) {
+                     int layer, const wall *w, sites *s) {
   int line = w->inwards == ABOVE || w->inwards == RIGHT;
+  if (line && layer != OPC_POLY) return;
   int side = w->inwards == ABOVE || w->inwards == BELOW ? ABOVE : RIGHT;
   double length = fabs((double)w->b.x - w->a.x) + fabs((double)w->b.y - w->a.y);
   double corner = rounding / grid, skip[2];
@@ -240,28 +246,28 @@ static void add_wall(const drawing *d, const limits *r, double grid, double step
     opc_point p = along(w, skip[0] + (i + 0.5) * seen / n, length);
     opc_box dot = {p.x, p.y, p.x, p.y};
     int32_t across =
-        bins_nearest(&d->edges[OPC_POLY], bins_window(dot, side, 1, range, 1),
+        bins_nearest(&d->edges[layer], bins_window(dot, side, 1, range, 1),
                      side, range, NULL) + 1;
     if (across >= range) continue;
     opc_point middle = away(p, side, across / 2);
     if (line) add_line(d, r, grid, middle, side, s);
-    else add_gap(d, grid, middle, s);
+    else add_gap(d, grid, layer, middle, side, s);
   }
 }
 
 static void add_lines(const drawing *d, const opc_gates *g, const limits *r,
-                      sites *s) {
-  const opc_shapes *poly = &g->drawn[OPC_POLY];
+                      int layer, sites *s) {
+  const opc_shapes *drawn = &g->drawn[layer];
   double total = 0;
-  for (size_t i = 0; i < d->edges[OPC_POLY].n; i++) {
-    opc_box e = d->edges[OPC_POLY].box[i];
+  for (size_t i = 0; i < d->edges[layer].n; i++) {
+    opc_box e = d->edges[layer].box[i];
     total += (double)e.x1 - e.x0 + ((double)e.y1 - e.y0);
   }
   double step = fmax(pitch / g->grid, total / MOST_SITES);
-  for (size_t p = 0; p < poly->count; p++)
-    for (uint32_t i = poly->start[p]; i < poly->start[p + 1]; i++) {
-      wall w = wall_of(poly, p, i);
-      add_wall(d, r, g->grid, step, &w, s);
+  for (size_t p = 0; p < drawn->count; p++)
+    for (uint32_t i = drawn->start[p]; i < drawn->start[p + 1]; i++) {
+      wall w = wall_of(drawn, p, i);
+      add_wall(d, r, g->grid, step, layer, &w, s);
     }
 }
 
@@ -291,6 +297,7 @@ void drawing_clear(drawing *d) {
   for (int layer = 0; layer < OPC_MASKS; layer++) bins_clear(&d->edges[layer]);
   bins_clear(&d->gates);
   bins_clear(&d->contacts);
+  bins_clear(&d->pads);
   *d = (drawing){0};
 }
 
@@ -311,7 +318,7 @@ int drawing_make(drawing *d, const opc_host *host, const opc_gates *g,
   if (!good) return host->fail(host, error, OPC_FAILED, NULL, "out of memory");
   int code = add_contacts(d, host, g, side, s, error);
   if (code) return code;
-  add_lines(d, g, r, s);
+  for (int layer = 0; layer < OPC_MASKS; layer++) add_lines(d, g, r, layer, s);
   return s->failed
              ? host->fail(host, error, OPC_FAILED, NULL, "out of memory")
              : OPC_OK;

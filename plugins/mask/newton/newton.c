@@ -446,7 +446,7 @@ static const opc_parameter parameters[PARAMETERS] = {
               .summary = "what takes away the grid's quantum of L: a jog in the "
                          "poly, the width of the active, nothing"},
     [MIN_JOG] = {.name = "min_jog", .type = OPC_REAL, .flags = OPC_AT_LEAST,
-                 .unit = "nm", .preset = "20 nm",
+                 .unit = "nm", .preset = "40 nm",
                  .summary = "a jog stays this far from both ends of its edge"},
     [ITERATIONS] = {.name = "iterations", .type = OPC_INT,
                     .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "10",
