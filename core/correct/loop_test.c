@@ -204,7 +204,7 @@ static const opc_synthesizer hasty = {.size = sizeof hasty, .begin = begin,
 /* ---- a regulator with one patch ---- */
 
 static const opc_box patch = {-20, 100, 30, 140};
-static const opc_box *patch_given;
+static const opc_box *patch_given, *bite_given;
 
 static int rule(void *self, const opc_printed *p, opc_ruling *r,
                 opc_error *error) {
@@ -214,6 +214,8 @@ static int rule(void *self, const opc_printed *p, opc_ruling *r,
   g_assert_nonnull(p->print[OPC_ACTIVE].coefficients);
   r->patches[OPC_POLY] = patch_given;
   r->patch_count[OPC_POLY] = 1;
+  r->bites[OPC_POLY] = bite_given;
+  r->bite_count[OPC_POLY] = bite_given != NULL;
   return OPC_OK;
 }
 
@@ -300,6 +302,42 @@ static void test_patches(void) {
   g_assert_cmpstr(error.message, ==,
                   "number 1 of the patches of poly is no box: (10, 0) to (10, 5)");
   opc_loop_clear(&l);
+}
+
+/* What is bitten away is gone, of a patch as of the mask, and nothing else. */
+static void test_bites(void) {
+  static const opc_box bite = {-20, 120, 10, 160};
+  opc_loop with, without;
+  opc_error error = {0};
+  opc_shapes box, gone, kept, rest;
+  const opc_geometry_service *g = host->geometry;
+  own.spoil = "at once";
+  patch_given = &patch;
+  own.updates = 0;
+  g_assert_cmpint(
+      run(&without, &hasty, MODULE(OPC_KIND_DRC, &regulator), &error), ==,
+      OPC_OK);
+  bite_given = &bite;
+  own.updates = 0;
+  g_assert_cmpint(run(&with, &hasty, MODULE(OPC_KIND_DRC, &regulator), &error),
+                  ==, OPC_OK);
+  bite_given = NULL;
+  own.spoil = NULL;
+  g_assert_true(opc_pieces_boxes(host, &bite, 1, NULL, 0, &box));
+  g_assert_false(
+      g->boolean(host, OPC_AND, &box, &with.mask[OPC_POLY], &kept, &error));
+  g_assert_cmpuint(kept.count, ==, 0);
+  g_assert_false(g->boolean(host, OPC_NOT, &without.mask[OPC_POLY],
+                            &with.mask[OPC_POLY], &gone, &error));
+  g_assert_false(g->boolean(host, OPC_NOT, &gone, &box, &rest, &error));
+  g_assert_cmpint(g->area2(&gone), >, 0);
+  g_assert_cmpuint(rest.count, ==, 0);
+  g->release(&box);
+  g->release(&gone);
+  g->release(&kept);
+  g->release(&rest);
+  opc_loop_clear(&with);
+  opc_loop_clear(&without);
 }
 
 /* Assist features are of the mask as they are, merged where they touch, and one
@@ -493,6 +531,7 @@ int main(int argc, char **argv) {
   host = opc_host_new(NULL);
   g_test_add_func("/loop/fragments", test_fragments);
   g_test_add_func("/loop/patches", test_patches);
+  g_test_add_func("/loop/bites", test_bites);
   g_test_add_func("/loop/assists", test_assists);
   g_test_add_func("/loop/faults", test_faults);
   g_test_add_func("/loop/report", test_report);

@@ -273,6 +273,8 @@ typedef struct fragments {
   size_t count[OPC_MASKS];
   int32_t *shift[OPC_MASKS];
   double *epe[OPC_MASKS];
+  const opc_box *assists[OPC_MASKS];
+  size_t assist_count[OPC_MASKS];
 } fragments;
 
 static gboolean cut_layers(opc_inspector *in, const opc_module *m,
@@ -292,6 +294,9 @@ static gboolean cut_layers(opc_inspector *in, const opc_module *m,
     out->epe[layer] = g_new0(double, n);
     add(in, cuts.from, n * sizeof *cuts.from);
     add(in, cuts.site, 2 * n * sizeof *cuts.site);
+    add(in, cuts.assists, cuts.assist_count * sizeof *cuts.assists);
+    out->assists[layer] = cuts.assists;
+    out->assist_count[layer] = cuts.assist_count;
   }
   return TRUE;
 }
@@ -308,7 +313,7 @@ static void print_fragments(const opc_gates *g, const fragments *f,
 
 static void exercise_moves(opc_inspector *in, const opc_module *m,
                            opc_feedback f, opc_performance *printed,
-                           const fragments *own) {
+                           fragments *own) {
   const opc_synthesizer *o = m->plugin->operations;
   const opc_gates *g = opc_test_gates();
   uint32_t flags[2] = {0}, vetoes[2] = {0};
@@ -318,7 +323,7 @@ static void exercise_moves(opc_inspector *in, const opc_module *m,
   f.printed = printed;
   f.flags = flags;
   f.vetoes = vetoes;
-  f.end = end;
+  f.end = f.next_end = end;
   for (; f.iteration < ROUNDS && !done; f.iteration++) {
     print_sample(g, l, w, printed);
     print_fragments(g, own, f.iteration);
@@ -327,6 +332,8 @@ static void exercise_moves(opc_inspector *in, const opc_module *m,
     opc_moves moves = {.size = sizeof moves, .l = l, .w = w, .jog = jog};
     for (int layer = 0; layer < OPC_MASKS; layer++) {
       moves.shift[layer] = own->shift[layer];
+      moves.assists[layer] = own->assists[layer];
+      moves.assist_count[layer] = own->assist_count[layer];
       f.epe[layer] = own->epe[layer];
     }
     int code = o->update(m->self, &f, &moves, &done, &error);
@@ -336,8 +343,13 @@ static void exercise_moves(opc_inspector *in, const opc_module *m,
     add(in, l, sizeof l);
     add(in, w, sizeof w);
     add(in, jog, sizeof jog);
-    for (int layer = 0; layer < OPC_MASKS; layer++)
+    for (int layer = 0; layer < OPC_MASKS; layer++) {
+      own->assists[layer] = moves.assists[layer];
+      own->assist_count[layer] = moves.assist_count[layer];
       add(in, own->shift[layer], own->count[layer] * sizeof(int32_t));
+      add(in, moves.assists[layer],
+          moves.assist_count[layer] * sizeof(opc_box));
+    }
   }
   for (size_t i = 0; i < g->count; i++) {
     const char *why = o->verdict(m->self, i);
