@@ -49,7 +49,7 @@ double picture_title(const void *data, double top, int draw) {
 
 static int any_fails(const opc_mask *mask) {
   for (size_t i = 0; i < mask->gates->count; i++)
-    if (mask->flags[i]) return 1;
+    if (picture_fails(mask, i)) return 1;
   return 0;
 }
 

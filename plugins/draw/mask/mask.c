@@ -27,13 +27,17 @@ double picture_deviation(const opc_performance *p, const opc_mask *mask,
   return isfinite(deviation) ? deviation : NAN;
 }
 
+int picture_fails(const opc_mask *mask, size_t gate) {
+  return (mask->flags[gate] & ~(uint32_t)OPC_PRINT_NOTES) != 0;
+}
+
 /* The largest deviation of those that print, rounded up; what lies beyond has
    the colour of the end. */
 static double deviation_range(const opc_mask *mask) {
   static const double steps[] = {2, 5, 10, 20};
   double worst = least_range;
   for (size_t i = 0; i < mask->gates->count; i++)
-    if (!mask->flags[i])
+    if (!picture_fails(mask, i))
       worst = fmax(worst, fabs(picture_deviation(&mask->after, mask, i)));
   size_t k = 0;
   while (k + 1 < sizeof steps / sizeof steps[0] && steps[k] < worst - 1e-9) k++;

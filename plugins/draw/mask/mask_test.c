@@ -292,6 +292,12 @@ static void test_failing(void) {
   uint32_t unknown = at(&m, SIDE, 500, 600);
   g_assert_cmphex(unknown >> 16, ==, unknown & 255); /* grey */
   cairo_surface_destroy(m.surface);
+  d.flags[0] = OPC_PRINT_BITE;   /* worth a look, no failure */
+  g_assert_cmpint(draw(&d, "{ " WINDOW ", file: failing.png }", &error), ==,
+                  OPC_OK);
+  m = load("failing.png");
+  g_assert_cmpfloat(brightness(at(&m, SIDE, 500, 400)), >, 60);
+  cairo_surface_destroy(m.surface);
   clear(&d);
 }
 

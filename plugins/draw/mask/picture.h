@@ -18,6 +18,10 @@ typedef struct picture {
 double picture_deviation(const opc_performance *p, const opc_mask *mask,
                          size_t gate);
 
+/* Whether it does not print as a transistor of its own; notes on its print are no
+   failure. */
+int picture_fails(const opc_mask *mask, size_t gate);
+
 /* ---- the parts of a view, of a `picture` ---- */
 
 /* shapes.c: everything in the window. */

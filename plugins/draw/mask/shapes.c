@@ -36,7 +36,7 @@ static void gate(const picture *p, size_t i, opc_box clip) {
                             : picture_diverging(deviation / p->range));
   cairo_rectangle(v->cairo, x, y, width, height);
   cairo_fill(v->cairo);
-  if (p->mask->flags[i]) legend_cross(v, x, y, width, height);
+  if (picture_fails(p->mask, i)) legend_cross(v, x, y, width, height);
 }
 
 /* ---- print ---- */
