@@ -85,7 +85,7 @@ static int make_window(const opc_field *field, int axis, double middle,
   w->step = (axis ? f->height : f->width) / along;
   w->half = half / w->step;
   double x = in_steps(field, axis, middle), low = INFINITY, high = -INFINITY;
-  if (isnan(x) || !(w->half >= 0 && w->half < PITCH / 2)) return 0;
+  if (isnan(x) || !(w->half >= 0 && w->half < PITCH / 2.0)) return 0;
   for (size_t j = 0; j < n; j++) {
     double v = in_steps(field, !axis, at[j]);
     if (isnan(v)) return 0;

@@ -145,7 +145,8 @@ static void test_walk(void) {
                     0);
   for (int side = 0; side < 2; side++)
     for (int i = 0; i < 7; i++) {
-      double want = (i / 2 + (i % 2 ? 0.7 : 0.3)) * period + (side ? -5 : 5);
+      int whole = i / 2;
+      double want = (whole + (i % 2 ? 0.7 : 0.3)) * period + (side ? -5 : 5);
       double got = opc_walk_to(&walk[side], 900);
       if (want < 900) g_assert_cmpfloat(fabs(got - want), <, 2e-3);
       else g_assert_true(isnan(got));

@@ -58,7 +58,7 @@ static void forth_along_y(void *data, size_t block) {
     for (int c = 0; c < lines; c++)
       column[(size_t)c * j->ny + y] = j->by_column[(size_t)y * s->columns + k + c];
   opc_fft_run(opc_fft_plan(OPC_FFT_FORWARD, j->ny, lines), column, NULL);
-  int half[LINES];            /* the rows of each column within the band */
+  int half[LINES] = {0};      /* the rows of each column within the band */
   float scale[LINES];
   for (int c = 0; c < lines; c++) {
     double fx = (k + c) / s->frame.width;

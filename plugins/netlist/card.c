@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "card.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,6 +32,9 @@ static int take(card_reader *r, const word *key, const word *value, int *has) {
     if (!end || *end)
       return netlist_refuse(&r->n, value->at, "'%.100s' is not a number",
                             value->text);
+    if (!isfinite(number * 1e9))
+      return netlist_refuse(&r->n, value->at, "'%.100s' is too large",
+                            value->text);
   }
   /* BSIM3 and BSIM4 know DLC. */
   if (is_level && number != 8 && number != 49 && number != 14 && number != 54)
@@ -53,7 +57,7 @@ static int number_of(const netlist_model *m, const char *key, double preset,
   for (size_t i = 0; i < m->count; i++) {
     if (!same_name(m->key[i], key)) continue;
     const char *end = netlist_number(m->value[i], out);
-    if (!end || *end) return 0;
+    if (!end || *end || !isfinite(*out)) return 0;
   }
   return 1;
 }
@@ -93,10 +97,14 @@ static int keep_overlaps(card_reader *r, const line *l, int has_dlc) {
                             "model '%.100s' has no %s: with a DLC it would be "
                             "another",
                             m->name, names[k][0]);
-    double by_dlc = m->dlc * 1e-9 * cox - less;
+    double overlap = has_dlc && m->dlc > 0 ? m->dlc * 1e-9 * cox - less
+                                           : 0.6 * xj * cox;
+    if (!isfinite(overlap))
+      return netlist_refuse(&r->n, l->word[0].at,
+                            "%s of model '%.100s' would not be finite",
+                            names[k][0], m->name);
     char text[32];
-    int n = snprintf(text, sizeof text, "%.9g",
-                     has_dlc && m->dlc > 0 ? by_dlc : 0.6 * xj * cox);
+    int n = snprintf(text, sizeof text, "%.9g", overlap);
     m->key[m->count] = names[k][0];
     m->value[m->count] = pool_text(&r->n.pool, text, (size_t)n);
     if (!m->value[m->count++]) return netlist_no_memory(&r->n);

@@ -179,7 +179,7 @@ static int make(mask *m, double limit) {
     points[i] = (opc_box){p.x, p.y, p.x, p.y};
   }
   good = bins_make(&m->corners, points, n, side) && good;
-  m->inwards = malloc(n + 1);
+  m->inwards = calloc(n + 1, 1);
   m->corner = malloc(n + 1);
   if (!good || !m->inwards || !m->corner) return 0;
   for (size_t p = 0; p < s->count; p++)

@@ -28,11 +28,13 @@ typedef struct transistor {
   double x[MOVES], error[ERRORS];   /* of `now`; the errors as they will be once
                                        the line ends have moved */
   double size, best_size; /* of the errors, see size_of */
+  double rest_size;       /* the least since its last move */
   response response, first;
   int32_t end[2];         /* the line ends of `now` */
   double surprise;        /* what line ends and neighbours may add to the next
                              print's log Ion */
-  uint8_t disturbed;      /* its line ends have moved with the last print */
+  uint8_t disturbed;      /* its line ends have moved with the last print, or
+                             something else has a hold on it */
   uint8_t worse;          /* times that a move was no better */
   uint8_t mended;         /* times that it changed at rest, or moved in vain */
   uint8_t verdict;
@@ -48,7 +50,9 @@ typedef struct newton {
   double max_bias, min_jog;   /* nm */
   int64_t fine;
   double limit;           /* the same */
-  double mean;            /* of the sizes of the print before */
+  double mean;            /* of the sizes, of the print before or the least since
+                             all rest */
+  int rest;               /* nothing has been moved at the print before */
   uint32_t iterations;
   const char *wishes_path;
   wish *wish;             /* of each transistor */
@@ -81,6 +85,9 @@ static const double blur = 60;
 static const double coupling = 0.1, unforeseen = 0.15, late = 0.01,
                     noise_floor = 1e-4;
 
+/* W makes good what jogs leave beyond so many times the tolerance. */
+static const double coarse = 10;
+
 /* A move is worth it if this part of the error is likely to be left at most. */
 static const double worthwhile = 0.8;
 
@@ -99,6 +106,7 @@ static int begin(void *self, const opc_feedback *f, opc_error *error) {
   free(t->sides);
   free(t->wish);
   t->count = f->gates->count;
+  t->rest = 0;
   t->state = calloc(t->count + 1, sizeof *t->state);
   t->sides = calloc(t->count + 1, sizeof *t->sides);
   t->wish = calloc(t->count + 1, sizeof *t->wish);
@@ -140,6 +148,16 @@ static int is_odd(const newton *t, const transistor *s, const double dx[MOVES],
   return due > t->limit / 2 && fabs(did) < due / 10;
 }
 
+/* Whether more has come to a transistor than its moves can explain by whatever
+   response: a patch or a neighbour has changed it. */
+static int is_foreign(const newton *t, const transistor *s,
+                      const double dx[MOVES], double did) {
+  double most = t->limit / 2 + 2 * s->surprise;
+  for (int m = 0; m < MOVES; m++)
+    most += trust[m] * fabs(s->first.by[ION][m] * dx[m]);
+  return fabs(did) > most;
+}
+
 /* Take in the measurement of the moves that were made. `common` is what
    happened to the log Ion of all transistors alike. */
 static void observe(const newton *t, transistor *s, const opc_feedback *f,
@@ -156,13 +174,19 @@ static void observe(const newton *t, transistor *s, const opc_feedback *f,
   memcpy(s->end, f->end + 2 * i, sizeof s->end);
   s->mended += f->iteration > settling && !s->disturbed &&
                is_odd(t, s, dx, de[ION]);
-  if (!first && prints && isfinite(s->size) && !same(now, s->now))
+  int foreign = f->iteration > 1 && isfinite(s->size) &&
+                is_foreign(t, s, dx, de[ION]);
+  int moved = !same(now, s->now);
+  if (foreign) s->response = s->first;
+  else if (!first && prints && isfinite(s->size) && moved)
     learn(&s->response, &s->first, trust, dx, de, s->surprise);
+  s->disturbed |= (uint8_t)foreign;
   memcpy(s->x, x, sizeof x);
   memcpy(s->error, error, sizeof error);
   s->now = now;
   s->size = prints ? size_of(t, error) : INFINITY;
-  /* A state that was the best is so no more if the line ends have changed it;
+  s->rest_size = first || moved ? s->size : fmin(s->rest_size, s->size);
+  /* A state that was the best is so no more if something else has changed it;
      and if neighbours have, the moves were not to blame. */
   if (first || s->disturbed || s->size < s->best_size || same(now, s->best)) {
     if (!same(now, s->best) || s->size > s->best_size + t->tolerance)
@@ -195,10 +219,48 @@ static void left_after(const transistor *s, double l, double w,
               s->response.by[k][BY_W] * (w - s->x[BY_W]);
 }
 
+/* The nearest mask with a jog, for a wanted L. */
+static biases with_jog(const newton *t, const opc_gates *g, size_t i, double l,
+                       int32_t w) {
+  length x = length_nearest(&t->sides[i], l, (int32_t)ceil(t->min_jog / g->grid));
+  return (biases){x.l, w, x.jog};
+}
+
+/* Where jogs may not lie, nothing may be near enough but with another W. */
+static biases with_width(const newton *t, const opc_feedback *f, size_t i,
+                         biases best) {
+  static const int only_l[MOVES] = {1, 0};
+  const transistor *s = &t->state[i];
+  double rest[ERRORS], more[MOVES];
+  double most = fmin(t->max_bias, f->gates->width[i] / 2) / f->gates->grid;
+  biases found = best;
+  left_after(s, length_in_steps(t, i, best), best.w, rest);
+  double least = size_of(t, rest);
+  if (least <= fmax(t->limit, coarse * t->tolerance) / t->wish[i].weight)
+    return best;
+  for (int step = -1; step <= 1; step += 2) {
+    uint32_t veto = step > 0 ? OPC_VETO_WIDER : OPC_VETO_NARROWER;
+    int32_t w = best.w + step;
+    if (f->vetoes[i] & veto || abs(w) > most) continue;
+    left_after(s, s->x[BY_L], w, rest);
+    solve(&s->response, rest, t->weight, only_l, more);
+    if (f->vetoes[i] & (more[BY_L] > 0 ? OPC_VETO_LONGER : OPC_VETO_SHORTER) ||
+        fabs(s->x[BY_L] + more[BY_L]) > t->max_bias / f->gates->grid)
+      continue;
+    biases next = with_jog(t, f->gates, i, s->x[BY_L] + more[BY_L], w);
+    left_after(s, length_in_steps(t, i, next), w, rest);
+    if (size_of(t, rest) >= least) continue;
+    least = size_of(t, rest);
+    found = next;
+  }
+  return found;
+}
+
 /* The mask to try next for a wanted move of L and W: on the grid. */
-static biases on_grid(const newton *t, const opc_gates *g, size_t i,
+static biases on_grid(const newton *t, const opc_feedback *f, size_t i,
                       const double dx[MOVES], double tolerance) {
   static const int only_l[MOVES] = {1, 0}, only_w[MOVES] = {0, 1};
+  const opc_gates *g = f->gates;
   const transistor *s = &t->state[i];
   double rest[ERRORS], more[MOVES];
   int32_t w = (int32_t)lround(s->x[BY_W] + dx[BY_W]);
@@ -211,11 +273,7 @@ static biases on_grid(const newton *t, const opc_gates *g, size_t i,
   left_after(s, whole, w, rest);
   if (t->fine == NONE || (t->fine == JOG && size_of(t, rest) <= tolerance))
     return (biases){whole, w, 0};
-  if (t->fine == JOG) {
-    length x = length_nearest(&t->sides[i], l,
-                              (int32_t)ceil(t->min_jog / g->grid));
-    return (biases){x.l, w, x.jog};
-  }
+  if (t->fine == JOG) return with_width(t, f, i, with_jog(t, g, i, l, w));
   solve(&s->response, rest, t->weight, only_w, more);
   return (biases){whole, w + (int32_t)lround(more[BY_W]), 0};
 }
@@ -256,7 +314,7 @@ static biases newton_step(const newton *t, const opc_feedback *f, size_t i,
                      veto & OPC_VETO_WIDER, veto & OPC_VETO_NARROWER, why);
   if (mended)
     return (biases){s->now.l, s->now.w + (int32_t)lround(dx[BY_W]), s->now.jog};
-  return on_grid(t, g, i, dx, tolerance);
+  return on_grid(t, f, i, dx, tolerance);
 }
 
 /* What to try next of one transistor. */
@@ -362,17 +420,27 @@ static void foresee(newton *t, const opc_feedback *f, const opc_moves *moves) {
   }
 }
 
+/* Whether something else has moved a transistor at rest. */
+static int has_drifted(const newton *t, const transistor *s, double weight) {
+  return s->size * weight > t->limit / 2 && s->rest_size < worthwhile * s->size;
+}
+
 /* Whether all are as near as the flow wants them, or will hardly get nearer. */
 static int is_good(newton *t, int first) {
   double worst = 0, mean = 0, before = first ? INFINITY : t->mean;
+  int drifted = 0;
   for (size_t i = 0; i < t->count; i++) {
-    double size = t->state[i].size * fmin(t->wish[i].weight, 1);
+    const transistor *s = &t->state[i];
+    double weight = fmin(t->wish[i].weight, 1), size = s->size * weight;
     worst = fmax(worst, size);
     mean += size / (double)t->count;
+    drifted |= has_drifted(t, s, weight);
   }
-  t->mean = mean;
-  return worst <= t->limit &&
-         (mean <= t->limit / 10 || mean > worthwhile * before);
+  int still_near = t->rest ? worthwhile * mean < before
+                           : mean > worthwhile * before;
+  t->mean = t->rest ? fmin(mean, before) : mean;
+  return t->rest = worst <= t->limit && !drifted &&
+                   (mean <= t->limit / 10 || still_near);
 }
 
 static int update(void *self, const opc_feedback *f, opc_moves *moves,

@@ -257,11 +257,29 @@ static void test_veto(void) {
   g_assert_cmpstr(s->verdict(m->self, 0), ==, "bridging");
 }
 
-static opc_module *with_wishes(const char *text, char **path) {
+static opc_module *with_bytes(const char *text, gssize size, char **path) {
   g_autofree char *yaml = NULL;
-  g_file_set_contents(*path, text, -1, NULL);
+  g_file_set_contents(*path, text, size, NULL);
   yaml = g_strdup_printf("{ limit: 0 %%, wishes: %s }", *path);
   return make(yaml);
+}
+
+static opc_module *with_wishes(const char *text, char **path) {
+  return with_bytes(text, -1, path);
+}
+
+/* What `begin` says of a bad table. */
+static void refused_wishes(opc_module *bad, const char *message) {
+  const char *cell[] = {"cell"}, *none[] = {""};
+  uint32_t number[] = {1};
+  opc_gates gates = {.size = sizeof gates, .grid = 1, .count = 1, .cell = cell,
+                     .instance = none, .number = number};
+  opc_feedback f = {.size = sizeof f, .gates = &gates};
+  const opc_synthesizer *s = bad->plugin->operations;
+  opc_error error;
+  g_assert_cmpint(s->begin(bad->self, &f, &error), ==, OPC_INVALID);
+  g_assert_cmpstr(error.parameter, ==, "wishes");
+  g_assert_nonnull(strstr(error.message, message));
 }
 
 /* One wants 2 % more, one any error below 5 %, one nothing. */
@@ -288,19 +306,17 @@ static void test_wishes(void) {
       {"transistor,weight\ncell:1,-1\n", ":2: '-1' is no weight"},
       {"transistor,ion\ncell:1,2 %\n", ":2: '2 %' is no multiple"},
   };
-  opc_error error;
-  const char *cell[] = {"cell"}, *none[] = {""};
-  uint32_t number[] = {1};
-  opc_gates gates = {.size = sizeof gates, .grid = 1, .count = 1, .cell = cell,
-                     .instance = none, .number = number};
-  opc_feedback f = {.size = sizeof f, .gates = &gates};
   for (size_t i = 0; i < G_N_ELEMENTS(wrong); i++) {
     g_autoptr(opc_module) bad = with_wishes(wrong[i].text, &path);
-    const opc_synthesizer *s = bad->plugin->operations;
-    g_assert_cmpint(s->begin(bad->self, &f, &error), ==, OPC_INVALID);
-    g_assert_cmpstr(error.parameter, ==, "wishes");
-    g_assert_nonnull(strstr(error.message, wrong[i].message));
+    refused_wishes(bad, wrong[i].message);
   }
+  static const char cut[] = "transistor,weight\ncell:1,1\0\ncell:1,2\n";
+  g_autoptr(opc_module) with_nul = with_bytes(cut, sizeof cut - 1, &path);
+  refused_wishes(with_nul, "is no text: byte 26 is 0");
+  gssize size = (64 << 20) + 1;
+  g_autofree char *blanks = g_strnfill((gsize)size, '\n');
+  g_autoptr(opc_module) large = with_bytes(blanks, size, &path);
+  refused_wishes(large, "67108865 bytes, more than 64 MB");
   g_remove(path);
 }
 

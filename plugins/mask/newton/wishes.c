@@ -5,6 +5,9 @@
 #include <math.h>
 #include <string.h>
 
+/* A row of some 60 letters for each of a million transistors. */
+enum { MOST_BYTES = 64 << 20 };
+
 enum { TRANSISTOR, WEIGHT, ION, COLUMNS };
 static const char *const names[COLUMNS] = {"transistor", "weight", "ion"};
 
@@ -92,13 +95,31 @@ static int read_row(const reader *r, char **field, wish *out,
   return OPC_OK;
 }
 
+/* The lines of the file. */
+static char **read_lines(const opc_host *host, const char *path,
+                         opc_error *error) {
+  g_autofree char *text = NULL;
+  size_t size = 0;
+  g_autoptr(GError) trouble = NULL;
+  if (!g_file_get_contents(path, &text, &size, &trouble)) {
+    host->fail(host, error, OPC_IO, "wishes", "%s", trouble->message);
+    return NULL;
+  }
+  const char *nul = memchr(text, 0, size);
+  if (size <= MOST_BYTES && !nul) return g_strsplit(text, "\n", -1);
+  if (nul)
+    host->fail(host, error, OPC_INVALID, "wishes",
+               "'%s' is no text: byte %zu is 0", path, (size_t)(nul - text));
+  else
+    host->fail(host, error, OPC_INVALID, "wishes",
+               "'%s' has %zu bytes, more than 64 MB", path, size);
+  return NULL;
+}
+
 int read_wishes(const opc_host *host, const char *path, const opc_gates *gates,
                 wish *out, opc_error *error) {
-  g_autofree char *text = NULL;
-  g_autoptr(GError) trouble = NULL;
-  if (!g_file_get_contents(path, &text, NULL, &trouble))
-    return host->fail(host, error, OPC_IO, "wishes", "%s", trouble->message);
-  g_auto(GStrv) lines = g_strsplit(text, "\n", -1);
+  g_auto(GStrv) lines = read_lines(host, path, error);
+  if (!lines) return error->code;
   reader r = {.host = host, .path = path, .number = by_name(gates)};
   int code = OPC_OK, headed = 0;
   for (char **line = lines; *line && !code; line++) {

@@ -218,6 +218,12 @@ static void test_refused(void) {
                "*:2:1: model 'nmos' has no level");
   refused_card("*\n.model nmos nmos level=54 lint=x\n",
                "*:2:32: 'x' is not a number");
+  refused_card("*\n.model nmos nmos level=54 dlc=1e999\n",
+               "*bad.sp:2:*: '1e999' is too large");
+  refused_card("*\n.model nmos nmos level=54 lint=-1e300\n",
+               "*bad.sp:2:*: '-1e300' is too large");
+  refused_card("*\n.model nmos nmos level=54 toxe=1e-300 xj=1e300\n",
+               "*bad.sp:2:1: cgso of model 'nmos' would not be finite");
   refused_card("*\n.model nmos nmos level=54 lint\n",
                "*:2:27: 'lint' is no NAME=VALUE");
   refused_card("*\n.model nmos nmos level=54\n.model nmos nmos level=54\n",
