@@ -24,6 +24,7 @@ typedef struct model {
   double ion[MOST], area[MOST], ioff[MOST];   /* deviations at the end */
   double second;          /* the worst of Ion in the second print */
   int prints;
+  int late;               /* a print after which transistor 3 draws 2 % less */
 } model;
 
 static const double length = 65;
@@ -56,6 +57,7 @@ static void print(model *t, const int32_t *end, opc_performance *p) {
     p->weq[i] = weq;
     p->area[i] = weq * printed;
     p->ion[i] = 1e-6 * weq * exp(-0.022 * (p->leq_ion[i] - length));
+    if (t->late && t->prints > t->late && i == 3) p->ion[i] *= 0.98;
     p->ioff[i] = 1e-10 * weq * exp(-0.3 * (printed - length));
     t->ion[i] = 100 * (p->ion[i] / (1e-6 * WIDTH) - 1);
     t->ioff[i] = 100 * (p->ioff[i] / (1e-10 * WIDTH) - 1);
@@ -122,7 +124,7 @@ static void run(opc_module *m, model *t) {
     print(t, end, &printed);
     if (f.iteration == 1) t->second = worst(t->ion, t->n);
     g_assert_cmpint(s->update(m->self, &f, &moves, &done, &error), ==, OPC_OK);
-    done &= !memcmp(end, next, sizeof end);
+    done &= !memcmp(end, next, sizeof end) && t->prints > t->late + 1;
     memcpy(end, next, sizeof end);
   }
   print(t, end, &printed);
@@ -160,6 +162,30 @@ static void test_ion(void) {
   run(m, &u);
   g_assert_cmpfloat(worst(u.ion, u.n), <=, 0.05);
   g_assert_cmpint(u.prints, <=, 8);
+}
+
+/* What a patch or a neighbour does to one that rested is answered. */
+static void test_late(void) {
+  g_autoptr(opc_module) m = make("{}");
+  model t = made_up(MOST);
+  t.late = 6;
+  run(m, &t);
+  g_assert_cmpint(t.prints, >, 8);
+  g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.5);
+}
+
+/* Where no jog may lie, W takes a part of what the grid leaves of L. */
+static void test_coarse(void) {
+  g_autoptr(opc_module) m = make("{ min_jog: 1000 nm }");
+  g_autoptr(opc_module) none = make("{ fine: none }");
+  model t = made_up(MOST), u = made_up(MOST);
+  run(m, &t);
+  run(none, &u);
+  g_assert_cmpfloat(worst(u.ion, u.n), >, 2);
+  g_assert_cmpfloat(worst(t.ion, t.n), <, 0.9 * worst(u.ion, u.n));
+  int moved = 0;
+  for (size_t i = 0; i < t.n; i++) moved += t.w[i] != 0;
+  g_assert_cmpint(moved, >, 0);
 }
 
 /* No print more than the limit needs. */
@@ -386,6 +412,8 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/newton/ion", test_ion);
   g_test_add_func("/newton/limit", test_limit);
+  g_test_add_func("/newton/late", test_late);
+  g_test_add_func("/newton/coarse", test_coarse);
   g_test_add_func("/newton/line-ends", test_line_ends);
   g_test_add_func("/newton/quantum", test_quantum);
   g_test_add_func("/newton/area", test_area);
