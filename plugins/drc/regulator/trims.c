@@ -105,8 +105,10 @@ static int32_t number_of(trims *t, trim one) {
   for (size_t i = t->n; i-- > 0;) {
     opc_box a = t->at[i].wall, b = one.wall;
     if (t->at[i].side == one.side && a.x0 == b.x0 && a.y0 == b.y0 &&
-        a.x1 == b.x1 && a.y1 == b.y1)
+        a.x1 == b.x1 && a.y1 == b.y1) {
+      if (one.front < t->at[i].front) t->at[i].front = one.front;
       return (int32_t)i;
+    }
   }
   if (t->n == t->most) {
     size_t most = t->most ? 2 * t->most : 64;
@@ -142,6 +144,7 @@ static int add_pair(trims *t, const drawing *d, const limits *rules,
     if (low == LEFT) w.y0 = o.y0 > w.y0 ? o.y0 : w.y0, w.y1 = o.y1 < w.y1 ? o.y1 : w.y1;
     else w.x0 = o.x0 > w.x0 ? o.x0 : w.x0, w.x1 = o.x1 < w.x1 ? o.x1 : w.x1;
     trim one = trim_of(d, rules, grid, w, (low + i) ^ 1, low == LEFT ? p.y : p.x);
+    one.front = (low == LEFT ? wall[1].x0 - wall[0].x0 : wall[1].y0 - wall[0].y0) / 2;
     if (one.room && (pair[i] = number_of(t, one)) < 0) return 0;
   }
   return 1;
@@ -181,7 +184,8 @@ int trims_bites(const trims *t, box_list *out) {
   for (size_t i = 0; i < t->n && good; i++) {
     const trim *one = &t->at[i];
     if (one->depth)
-      good = boxes_add(out, bins_window(one->wall, one->side ^ 1, 0, one->depth, 0));
+      good = boxes_add(out, bins_window(one->wall, one->side ^ 1, -one->front,
+                                        one->depth, 0));
   }
   return good;
 }

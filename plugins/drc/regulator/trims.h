@@ -10,6 +10,7 @@ typedef struct trim {
   opc_box wall;          /* a stretch of a drawn edge, flat; grid steps */
   int side;              /* of it, on which the gap lies */
   int32_t room, depth;   /* how far it may go back, and does */
+  int32_t front;         /* half of the gap, which patches are to leave as well */
   uint32_t round;        /* when it last went back */
 } trim;
 
