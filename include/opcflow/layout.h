@@ -123,7 +123,9 @@ struct opc_layout_service {
      and get new numbers; layers keep theirs. */
   int (*keep)(opc_layout *layout, int32_t cell, opc_error *error);
 
-  /* Since 1.2. All texts of a layer below `cell`, as flatten does it. */
+  /* Since 1.2. All texts of a layer below `cell`, as flatten does it: places in
+     steps of `grid` (nm). The texts belong to the layout, the rest goes with
+     release_texts, which an empty or failed `out` takes as well. [any] */
   int (*flatten_texts)(const opc_host *host, const opc_layout *layout,
                        int32_t cell, int32_t layer, double grid,
                        opc_flat_texts *out, opc_error *error);

@@ -40,7 +40,7 @@ typedef struct opc_feedback {
      prints. NULL where there is no print. */
   const opc_field *print;
   /* Since 1.2. The line ends of the next mask, as the regulator has them by
-     now. */
+     now: grid steps, as `end`. */
   const int32_t *next_end;
 } opc_feedback;
 
