@@ -2,17 +2,17 @@
 /* Transistors from prints: the time for 14,000 of them, over that of a fixed
    number of samples of the same fields, and where there are test data the error
    of 12 slices against many, on masks as drawn. */
+#include <eda/eda.h>
 #include <glib.h>
 #include <math.h>
 #include <string.h>
 #include <time.h>
 
 #include "bench/bench.h"
-#include "core/correct/loop.h"
 #include "core/plugin/host.h"
-#include "core/plugin/testing.h"
+#include "core/testing/testing.h"
 
-enum { RUNS = 5, BLOCK = 64, SAMPLES = 60, FIGURES = 6 };
+enum { RUNS = 5, SAMPLES = 60, FIGURES = 6 };
 
 static const opc_host *host;
 
@@ -49,8 +49,8 @@ static models models_make(void) {
   models m = {
       make("litho.hopkins", "{ wavelength: 193 nm, na: 0.75, sigma: 0.75 }"),
       make("resist.threshold", "{ anchor: { line: 65 nm, pitch: 250 nm } }")};
-  const opc_litho *litho = m.litho->plugin->operations;
-  const opc_resist *resist = m.resist->plugin->operations;
+  const eda_litho *litho = m.litho->functions;
+  const eda_resist *resist = m.resist->functions;
   opc_error error;
   must(litho->prepare(m.litho->self, &error), &error);
   must(resist->prepare(m.resist->self, m.litho, &error), &error);
@@ -60,31 +60,31 @@ static models models_make(void) {
 /* A layout's transistors and their print, the mask as drawn. */
 typedef struct chip {
   opc_module *segment;
-  const opc_gates *gates;
-  opc_field print[OPC_MASKS];
+  const eda_gates *gates;
+  eda_field print[2]; /* poly, active */
 } chip;
 
-static void print_layer(const models *m, const opc_gates *g, int layer,
-                        opc_field *out) {
-  const opc_litho *litho = m->litho->plugin->operations;
-  const opc_resist *resist = m->resist->plugin->operations;
+static void print_layer(const models *m, const eda_gates *g, int layer,
+                        eda_field *out) {
+  const eda_litho *litho = m->litho->functions;
+  const eda_resist *resist = m->resist->functions;
   const double margin = 1000;
-  opc_box b = g->extent;
-  opc_frame f = {b.x0 * g->grid - margin, b.y0 * g->grid - margin,
+  eda_box b = g->extent;
+  eda_frame f = {b.x0 * g->grid - margin, b.y0 * g->grid - margin,
                  (b.x1 - b.x0) * g->grid + 2 * margin,
                  (b.y1 - b.y0) * g->grid + 2 * margin};
-  opc_spectrum mask;
+  eda_spectrum mask;
   opc_error error;
-  must(host->imaging->mask_spectrum(host, &g->drawn[layer], g->grid, f,
+  must(eda_mask_spectrum(host->context, &g->drawn[layer], g->grid, f,
                                     litho->band(m->litho->self), &mask, &error),
        &error);
   must(litho->image(m->litho->self, layer, &mask, out, &error), &error);
-  host->imaging->release_spectrum(host, &mask);
+  eda_spectrum_clear(&mask);
   must(resist->print(m->resist->self, layer, out, &error), &error);
 }
 
 /* 0 if there is no transistor in that cell. */
-static int chip_make(const models *m, opc_layout *layout, const char *top,
+static int chip_make(const models *m, eda_layout *layout, const char *top,
                      chip *c) {
   g_autofree char *map = g_strdup_printf("{ top: '%s' }", top);
   c->segment = make("segment.transistors", map);
@@ -98,15 +98,15 @@ static int chip_make(const models *m, opc_layout *layout, const char *top,
   }
   must(code, &error);
   c->gates = gates;
-  for (int layer = 0; layer < OPC_MASKS; layer++)
+  for (int layer = 0; layer < 2; layer++)
     print_layer(m, c->gates, layer, &c->print[layer]);
   return 1;
 }
 
 static void chip_free(chip *c) {
   void *gates = (void *)c->gates;
-  for (int layer = 0; layer < OPC_MASKS; layer++)
-    host->imaging->release_field(host, &c->print[layer]);
+  for (int layer = 0; layer < 2; layer++)
+    eda_field_clear(&c->print[layer]);
   opc_test_release(c->segment, &gates);
   opc_test_module_free(c->segment);
 }
@@ -118,54 +118,52 @@ static opc_module *extractor(const char *more) {
       g_build_filename(setting("OPCFLOW_SOURCE", "."), "data", "devices",
                        "ptm65.yaml", NULL);
   g_autofree char *map = g_strdup_printf("{ devices: '%s'%s }", devices, more);
-  opc_module *m = make("extract.plain", map);
-  const opc_extract *e = m->plugin->operations;
+  opc_module *m = make("extractor.plain", map);
+  const eda_extractor *e = m->functions;
   opc_error error;
   must(e->prepare(m->self, &error), &error);
   return m;
 }
 
-/* All figures of a chip, FIGURES * count numbers: those of opc_performance. */
+/* All figures of a chip, FIGURES * count numbers: those of eda_performance. */
 static double *measure(const chip *c, const opc_module *extract,
                        uint32_t *flags) {
   size_t n = c->gates->count;
   double *figures = g_new(double, FIGURES * n);
-  g_autofree double *extension = g_new(double, 2 * n);
-  opc_measurement out = {.flags = flags, .extension = extension,
-                         .performance = {.count = n}};
-  for (size_t k = 0; k < FIGURES; k++)
-    (&out.performance.ion)[k] = figures + k * n;
+  eda_measurement out;
+  eda_measurement_init(&out, n);
   opc_error error;
-  for (size_t first = 0; first < n; first += BLOCK)
-    must(opc_measure(host, c->gates, c->print, extract, first,
-                     MIN(first + BLOCK, n), &out, &error),
-         &error);
+  must(eda_measure(NULL, c->gates, c->print, extract, &out, &error), &error);
+  for (size_t k = 0; k < FIGURES; k++)
+    memcpy(figures + k * n, (&out.performance.ion)[k], n * sizeof *figures);
+  memcpy(flags, out.flags, n * sizeof *flags);
+  eda_measurement_clear(&out);
   return figures;
 }
 
 /* ---- time ---- */
 
 /* Rows of lines over two actives each, 14,000 transistors. */
-static opc_layout *rows_of_gates(void) {
+static eda_layout *rows_of_gates(void) {
   enum { COLUMNS = 250, ROWS = 28 };
   opc_error error;
-  opc_layout *l = host->layout->create(host, 1, &error);
-  int32_t cell = host->layout->cell(l, "ROWS", &error);
+  eda_layout *l = eda_layout_new(1, &error);
+  int32_t cell = eda_layout_cell(l, "ROWS", &error);
   static const char *const names[] = {"poly", "active", "nwell"};
   int32_t layer[3];
   for (int k = 0; k < 3; k++)
-    layer[k] = host->layout->layer(l, names[k], &error);
+    layer[k] = eda_layout_layer(l, names[k], &error);
   for (int32_t j = 0; j < ROWS; j++) {
     int32_t y = j * 1900, end = COLUMNS * 250;
-    opc_box n = {-100, y, end, y + 540}, p = {-100, y + 760, end, y + 1580};
-    opc_box well = {-200, y + 650, end + 100, y + 1750};
-    must(host->layout->add_box(l, cell, layer[1], n, &error), &error);
-    must(host->layout->add_box(l, cell, layer[1], p, &error), &error);
-    must(host->layout->add_box(l, cell, layer[2], well, &error), &error);
+    eda_box n = {-100, y, end, y + 540}, p = {-100, y + 760, end, y + 1580};
+    eda_box well = {-200, y + 650, end + 100, y + 1750};
+    must(eda_layout_add_box(l, cell, layer[1], n, &error), &error);
+    must(eda_layout_add_box(l, cell, layer[1], p, &error), &error);
+    must(eda_layout_add_box(l, cell, layer[2], well, &error), &error);
     for (int32_t i = 0; i < COLUMNS; i++) {
-      opc_box line = {i * 250, y - 100 - i % 5 * 5, i * 250 + 65,
+      eda_box line = {i * 250, y - 100 - i % 5 * 5, i * 250 + 65,
                       y + 1680 + i % 7 * 5};
-      must(host->layout->add_box(l, cell, layer[0], line, &error), &error);
+      must(eda_layout_add_box(l, cell, layer[0], line, &error), &error);
     }
   }
   return l;
@@ -174,13 +172,13 @@ static opc_layout *rows_of_gates(void) {
 static double sample(const chip *c) {
   double start = now(), sum = 0;
   for (size_t i = 0; i < c->gates->count; i++) {
-    opc_box b = c->gates->box[i];
+    eda_box b = c->gates->box[i];
     double x[SAMPLES], y[SAMPLES], value[SAMPLES];
     for (int k = 0; k < SAMPLES; k++) {
       x[k] = b.x0 + (b.x1 - b.x0) * k / 60.0;
       y[k] = b.y0 + (b.y1 - b.y0) * k / 60.0;
     }
-    host->imaging->sample(&c->print[OPC_POLY], x, y, SAMPLES, value);
+    eda_field_sample(&c->print[EDA_POLY], x, y, SAMPLES, value);
     for (int k = 0; k < SAMPLES; k++) sum += value[k];
   }
   if (!isfinite(sum)) g_error("samples are not finite");
@@ -192,7 +190,7 @@ static void bench_time(const models *m) {
     const char *name, *more;
     double reach;
   } rules[] = {{"contour", "", 0.10}, {"gauss", ", rule: gauss", 0.10}};
-  opc_layout *layout = rows_of_gates();
+  eda_layout *layout = rows_of_gates();
   chip c;
   if (!chip_make(m, layout, "ROWS", &c)) g_error("no transistors");
   g_autofree uint32_t *flags = g_new(uint32_t, c.gates->count);
@@ -213,7 +211,7 @@ static void bench_time(const models *m) {
     bench_report(over, best / samples, "", INFINITY, BENCH_LOWER);
   }
   chip_free(&c);
-  host->layout->destroy(layout);
+  eda_layout_free(layout);
 }
 
 /* ---- error ---- */
@@ -297,8 +295,8 @@ static void bench_error(const models *m, const char *name, const char *file,
   must(opc_test_run(reader, &layout, &error), &error);
   errors e;
   errors_make(&e);
-  for (size_t k = 0; k < host->layout->cells(layout); k++) {
-    const char *cell = host->layout->cell_name(layout, (int32_t)k);
+  for (size_t k = 0; k < eda_layout_cells(layout); k++) {
+    const char *cell = eda_layout_cell_name(layout, (int32_t)k);
     chip c;
     if ((top && strcmp(cell, top)) || !chip_make(m, layout, cell, &c)) continue;
     errors_add(&e, &c);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* EPE-OPC of a metal layer of 30 x 30 um made here: 8 iterations with fragments
-   of 32 nm, on two cores. What mask.epe itself takes of it is measured apart. */
+   of 32 nm, on two cores. What synthesizer.epe itself takes of it is measured apart. */
+#include <eda/eda.h>
 #include <glib.h>
 #include <math.h>
 #include <stdio.h>
@@ -8,7 +9,7 @@
 
 #include "bench/bench.h"
 #include "core/plugin/host.h"
-#include "core/plugin/testing.h"
+#include "core/testing/testing.h"
 
 enum { SIDE = 30000, PITCH = 280, WIDTH = 130, ITERATIONS = 8, RUNS = 3 };
 
@@ -26,21 +27,21 @@ static uint32_t draw(uint32_t *state, uint32_t below) {
 }
 
 /* Tracks of wires of 0.3 to 3 um; one in five goes on in the next track. */
-static opc_layout *metal(void) {
+static eda_layout *metal(void) {
   opc_error error;
   uint32_t state = 1;
-  opc_layout *l = host->layout->create(host, 1, &error);
-  int32_t cell = host->layout->cell(l, "METAL", &error);
-  int32_t layer = host->layout->layer(l, "M1", &error);
+  eda_layout *l = eda_layout_new(1, &error);
+  int32_t cell = eda_layout_cell(l, "METAL", &error);
+  int32_t layer = eda_layout_layer(l, "M1", &error);
   for (int32_t y = 0; y + WIDTH <= SIDE; y += PITCH)
     for (int32_t x = (int32_t)draw(&state, 300); x < SIDE - 300;) {
       int32_t end = x + 300 + (int32_t)draw(&state, 2700);
       if (end > SIDE) end = SIDE;
-      opc_box wire = {x, y, end, y + WIDTH};
-      must(host->layout->add_box(l, cell, layer, wire, &error), &error);
+      eda_box wire = {x, y, end, y + WIDTH};
+      must(eda_layout_add_box(l, cell, layer, wire, &error), &error);
       if (!draw(&state, 5) && y + PITCH + WIDTH <= SIDE) {
-        opc_box link = {end - WIDTH, y, end, y + PITCH + WIDTH};
-        must(host->layout->add_box(l, cell, layer, link, &error), &error);
+        eda_box link = {end - WIDTH, y, end, y + PITCH + WIDTH};
+        must(eda_layout_add_box(l, cell, layer, link, &error), &error);
       }
       x = end + 150 + (int32_t)draw(&state, 200);
     }
@@ -55,11 +56,11 @@ static opc_module *module(const char *id, const char *parameters) {
 }
 
 /* The whole step, with more parameters. */
-static double correct(opc_gates *gates, const char *more) {
+static double correct(eda_gates *gates, const char *more) {
   g_autofree char *parameters = g_strdup_printf(
       "{ litho: { use: litho.hopkins }, resist: { use: resist.threshold, "
-      "threshold: 0.4, active_threshold: 0.4 }, extract: { use: extract.plain, "
-      "devices: '%s/data/devices/ptm65.yaml' }, synthesizer: { use: mask.epe, "
+      "threshold: 0.4, active_threshold: 0.4 }, extractor: { use: extractor.plain, "
+      "devices: '%s/data/devices/ptm65.yaml' }, synthesizer: { use: synthesizer.epe, "
       "fragment: 32 nm, blur: 50 nm, iterations: %d, %s } }",
       g_getenv("OPCFLOW_SOURCE") ? g_getenv("OPCFLOW_SOURCE") : ".",
       ITERATIONS, more);
@@ -74,23 +75,26 @@ static double correct(opc_gates *gates, const char *more) {
   return seconds;
 }
 
-/* mask.epe alone, on errors made up. */
-static double alone(opc_gates *gates) {
+/* synthesizer.epe alone, on errors made up. */
+static double alone(eda_gates *gates) {
   g_autofree char *parameters = g_strdup_printf(
       "{ fragment: 32 nm, blur: 50 nm, iterations: %d }", ITERATIONS);
-  g_autoptr(opc_module) m = module("mask.epe", parameters);
-  const opc_synthesizer *s = m->plugin->operations;
-  opc_cuts cuts = {.size = sizeof cuts};
+  g_autoptr(opc_module) m = module("synthesizer.epe", parameters);
+  const eda_synthesizer *s = m->functions;
+  eda_cuts cuts = {0};
   opc_error error;
-  opc_feedback f = {.size = sizeof f, .gates = gates};
+  eda_feedback f = {.gates = gates};
   gint64 before = g_get_monotonic_time();
   must(s->begin(m->self, &f, &error), &error);
-  must(s->cut(m->self, gates, OPC_POLY, &cuts, &error), &error);
+  must(s->cut(m->self, gates, EDA_POLY, &cuts, &error), &error);
   size_t n = cuts.start[cuts.polygons];
   g_autofree double *epe = g_new0(double, n);
   g_autofree int32_t *shift = g_new0(int32_t, n);
-  opc_moves moves = {.size = sizeof moves, .shift = {shift, NULL}};
-  f.epe[OPC_POLY] = epe;
+  eda_boxes assists = {0};
+  const double *errors[] = {epe};
+  int32_t *shifts[] = {shift};
+  eda_moves moves = {.shift = shifts, .assists = &assists};
+  f.epe = errors;
   for (int done = 0; !done; f.iteration++) {
     for (size_t i = 0; i < n; i++)
       epe[i] = 8 * sin((double)i) + 1.3 * shift[i];
@@ -103,7 +107,7 @@ static double alone(opc_gates *gates) {
 
 int main(void) {
   host = opc_test_host();
-  opc_layout *layout = metal();
+  eda_layout *layout = metal();
   g_autoptr(opc_module) segment = module("segment.edges", "{}");
   opc_error error;
   void *gates[1];
@@ -123,6 +127,6 @@ int main(void) {
   bench_report("epe.metal_30um.synthesizer", alone(gates[0]), "s", INFINITY,
                BENCH_LOWER);
   opc_test_release(segment, gates);
-  host->layout->destroy(layout);
+  eda_layout_free(layout);
   return bench_write("epe");
 }

@@ -3,10 +3,11 @@
    plain Fourier transforms that it needs, in one run. The field is rows of
    65 nm lines at 250 nm pitch. */
 #include "bench/bench.h"
-#include "core/imaging/fft.h"
 #include "core/plugin/host.h"
-#include "core/plugin/testing.h"
+#include "core/testing/testing.h"
+#include "imaging/fft.h"
 
+#include <eda/eda.h>
 #include <fftw3.h>
 #include <glib.h>
 #include <math.h>
@@ -35,31 +36,31 @@ static void must(int code, const opc_error *error) {
 
 /* ---- what is imaged ---- */
 
-static opc_shapes rows_of_lines(double side) {
+static eda_shapes rows_of_lines(double side) {
   size_t columns = (size_t)(side / 250), rows = (size_t)(side / 1800);
-  opc_shapes s = {.count = columns * rows};
+  eda_shapes s = {.count = columns * rows};
   s.start = g_new0(uint32_t, s.count + 1);
-  s.points = g_new(opc_point, 4 * s.count);
+  s.points = g_new(eda_point, 4 * s.count);
   for (size_t k = 0; k < s.count; k++) {
     int i = (int)(k % columns), j = (int)(k / columns);
     int x = i * 250 + 92, y = j * 1800 + 100 + i % 7 * 13,
         h = 1400 - i % 5 * 31;
-    opc_point p[4] = {{x, y}, {x + 65, y}, {x + 65, y + h}, {x, y + h}};
+    eda_point p[4] = {{x, y}, {x + 65, y}, {x + 65, y + h}, {x, y + h}};
     for (int c = 0; c < 4; c++) s.points[4 * k + (size_t)c] = p[c];
     s.start[k + 1] = (uint32_t)(4 * (k + 1));
   }
   return s;
 }
 
-static opc_frame frame_of(double side) {
-  return (opc_frame){-1000, -1000, side + 2000, side + 2000};
+static eda_frame frame_of(double side) {
+  return (eda_frame){-1000, -1000, side + 2000, side + 2000};
 }
 
 static opc_module *litho(const char *parameters) {
   opc_error error;
   opc_module *m = opc_test_module("litho.hopkins", parameters, &error);
   if (!m) g_error("%s", error.message);
-  const opc_litho *l = m->plugin->operations;
+  const eda_litho *l = m->functions;
   must(l->prepare(m->self, &error), &error);
   return m;
 }
@@ -71,12 +72,12 @@ typedef struct times {
 } times;
 
 /* The transforms that a layer of that size needs, as whole planes. */
-static double transforms(opc_frame f, const opc_module *m, size_t systems,
+static double transforms(eda_frame f, const opc_module *m, size_t systems,
                          int fine) {
-  const opc_litho *l = m->plugin->operations;
+  const eda_litho *l = m->functions;
   double band = l->band(m->self), cutoff = 0.75 / 193;
-  int raster = opc_fft_size(f.width * band * 3.1);
-  int n = opc_fft_size(f.width * 0.85 * (2 * band + 2 * cutoff));
+  int raster = eda_fft_size(f.width * band * 3.1);
+  int n = eda_fft_size(f.width * 0.85 * (2 * band + 2 * cutoff));
   size_t room =
       (size_t)fine * (size_t)(fine + 2) + (size_t)raster * (size_t)(raster + 2);
   float *a = fftwf_malloc(2 * room * sizeof(float));
@@ -100,28 +101,28 @@ static double transforms(opc_frame f, const opc_module *m, size_t systems,
   return time;
 }
 
-static double layer(const opc_shapes *s, opc_frame f, const opc_module *m,
+static double layer(const eda_shapes *s, eda_frame f, const opc_module *m,
                     double (*clock)(void), int *fine) {
-  const opc_litho *l = m->plugin->operations;
-  opc_spectrum mask;
-  opc_field field;
+  const eda_litho *l = m->functions;
+  eda_spectrum mask;
+  eda_field field;
   opc_error error;
   double start = clock();
-  must(host->imaging->mask_spectrum(host, s, 1, f, l->band(m->self), &mask,
+  must(eda_mask_spectrum(host->context, s, 1, f, l->band(m->self), &mask,
                                     &error),
        &error);
-  must(l->image(m->self, OPC_POLY, &mask, &field, &error), &error);
+  must(l->image(m->self, EDA_POLY, &mask, &field, &error), &error);
   double time = clock() - start;
   *fine = field.nx;
-  host->imaging->release_spectrum(host, &mask);
-  host->imaging->release_field(host, &field);
+  eda_spectrum_clear(&mask);
+  eda_field_clear(&field);
   return time;
 }
 
 /* The best of RUNS, layer and transforms in turn. */
 static times measure(double um, const opc_module *m, size_t systems) {
-  opc_shapes s = rows_of_lines(1000 * um);
-  opc_frame f = frame_of(1000 * um);
+  eda_shapes s = rows_of_lines(1000 * um);
+  eda_frame f = frame_of(1000 * um);
   times best = {INFINITY, INFINITY};
   for (int i = 0; i < RUNS; i++) {
     int fine;
@@ -138,7 +139,7 @@ static times measure(double um, const opc_module *m, size_t systems) {
 static double growth(double small, double large, const opc_module *m) {
   enum { TURNS = 7 };
   double ratio[TURNS], area[2] = {pow(small + 2, 2), pow(large + 2, 2)};
-  opc_shapes s = rows_of_lines(1000 * small), l = rows_of_lines(1000 * large);
+  eda_shapes s = rows_of_lines(1000 * small), l = rows_of_lines(1000 * large);
   int repeats = (int)(area[1] / area[0]) + 1, fine;
   for (int i = 0; i < TURNS; i++) {
     double sum = 0;
@@ -155,7 +156,7 @@ static double growth(double small, double large, const opc_module *m) {
 }
 
 /* One layer in each of two processes at one time. */
-static double two_processes(const opc_shapes *s, opc_frame f,
+static double two_processes(const eda_shapes *s, eda_frame f,
                             const opc_module *m) {
   double start = now();
   pid_t child[2];
@@ -175,8 +176,8 @@ static double two_processes(const opc_shapes *s, opc_frame f,
    is no other thread. */
 static void bench_threads(const opc_module *m) {
   enum { TURNS = 9 };
-  opc_shapes s = rows_of_lines(80000);
-  opc_frame f = frame_of(80000);
+  eda_shapes s = rows_of_lines(80000);
+  eda_frame f = frame_of(80000);
   double one[TURNS], two[TURNS], limit[TURNS], speed[TURNS];
   int fine;
   opc_set_threads(1);
@@ -206,16 +207,16 @@ static void bench_threads(const opc_module *m) {
 
 /* A small image out of focus: kernels of their own. */
 static void defocused(const opc_module *m) {
-  const opc_litho *l = m->plugin->operations;
-  opc_shapes none = {0};
-  opc_spectrum mask;
-  opc_field field;
+  const eda_litho *l = m->functions;
+  eda_shapes none = {0};
+  eda_spectrum mask;
+  eda_field field;
   opc_error error;
-  must(host->imaging->mask_spectrum(host, &none, 1, frame_of(500),
+  must(eda_mask_spectrum(host->context, &none, 1, frame_of(500),
                                     l->band(m->self), &mask, &error), &error);
-  must(l->image_at(m->self, OPC_POLY, &mask, 100, &field, &error), &error);
-  host->imaging->release_spectrum(host, &mask);
-  host->imaging->release_field(host, &field);
+  must(l->image_at(m->self, EDA_POLY, &mask, 100, &field, &error), &error);
+  eda_spectrum_clear(&mask);
+  eda_field_clear(&field);
 }
 
 static void bench_prepare(void) {
@@ -230,7 +231,7 @@ static void bench_prepare(void) {
     focus = fmin(focus, processor_time() - start);
     g_autoptr(opc_module) r = opc_test_module("resist.threshold", "{}", &error);
     if (!r) g_error("%s", error.message);
-    const opc_resist *operations = r->plugin->operations;
+    const eda_resist *operations = r->functions;
     start = processor_time();
     must(operations->prepare(r->self, m, &error), &error);
     resist = fmin(resist, processor_time() - start);
@@ -289,10 +290,10 @@ static void no_transfer(const void *self, size_t s, const double *fx, double fy,
 
 enum { MOST_SYSTEMS = 64 };
 
-static opc_systems systems_of(size_t *count, double scale) {
+static eda_systems systems_of(size_t *count, double scale) {
   static double weight[MOST_SYSTEMS];
   for (size_t i = 0; i < *count; i++) weight[i] = 1 / (double)*count;
-  return (opc_systems){.size = sizeof(opc_systems),
+  return (eda_systems){
                        .count = *count,
                        .weight = weight,
                        .band = (1 + sigma) * cutoff,
@@ -301,16 +302,16 @@ static opc_systems systems_of(size_t *count, double scale) {
                        .self = count};
 }
 
-static double plain_sum(const opc_spectrum *mask, size_t count) {
-  opc_systems systems = systems_of(&count, 1);
-  opc_field field;
+static double plain_sum(const eda_spectrum *mask, size_t count) {
+  eda_systems systems = systems_of(&count, 1);
+  eda_field field;
   opc_error error;
   systems.transfer = no_transfer;
   double start = processor_time();
-  must(host->imaging->coherent_sum(host, mask, &systems, 0, &field, &error),
+  must(eda_coherent_sum(host->context, mask, &systems, 0, &field, &error),
        &error);
   double time = processor_time() - start;
-  host->imaging->release_field(host, &field);
+  eda_field_clear(&field);
   return time;
 }
 
@@ -323,22 +324,22 @@ static void bench_parts(void) {
   opc_error error;
   g_autoptr(opc_module) r = opc_test_module("resist.threshold", "{}", &error);
   if (!r) g_error("%s", error.message);
-  const opc_litho *l = m->plugin->operations;
-  const opc_resist *resist = r->plugin->operations;
+  const eda_litho *l = m->functions;
+  const eda_resist *resist = r->functions;
   must(resist->prepare(r->self, m, &error), &error);
-  opc_shapes s = rows_of_lines(60000);
-  opc_frame f = frame_of(60000);
+  eda_shapes s = rows_of_lines(60000);
+  eda_frame f = frame_of(60000);
   double part[PARTS][TURNS];
   opc_set_threads(1);
   for (int i = 0; i < TURNS; i++) {
-    opc_spectrum mask;
-    opc_field field;
+    eda_spectrum mask;
+    eda_field field;
     double start = processor_time();
-    must(host->imaging->mask_spectrum(host, &s, 1, f, l->band(m->self), &mask,
+    must(eda_mask_spectrum(host->context, &s, 1, f, l->band(m->self), &mask,
                                       &error), &error);
     part[0][i] = processor_time() - start;
     start = processor_time();
-    must(l->image(m->self, OPC_POLY, &mask, &field, &error), &error);
+    must(l->image(m->self, EDA_POLY, &mask, &field, &error), &error);
     double image = processor_time() - start;
     double one = plain_sum(&mask, 1), all = plain_sum(&mask, SYSTEMS);
     double each = (all - one) / (SYSTEMS - 1);
@@ -346,10 +347,10 @@ static void bench_parts(void) {
     part[2][i] = SYSTEMS * each;
     part[3][i] = one - each;
     start = processor_time();
-    must(resist->print(r->self, OPC_POLY, &field, &error), &error);
+    must(resist->print(r->self, EDA_POLY, &field, &error), &error);
     part[4][i] = processor_time() - start;
-    host->imaging->release_spectrum(host, &mask);
-    host->imaging->release_field(host, &field);
+    eda_spectrum_clear(&mask);
+    eda_field_clear(&field);
   }
   for (int p = 0; p < PARTS; p++) {
     g_autofree char *name = g_strdup_printf("imaging.part_60um.%s", names[p]);
@@ -364,43 +365,43 @@ static void bench_parts(void) {
 /* An image through some source points: as a scanner's band calls for, or each
    of the raster, the grid of the fields and that of the result finer (the last
    is never coarser than the second wants it). */
-static opc_field sampled(const opc_shapes *s, opc_frame f, int raster, int grid,
+static eda_field sampled(const eda_shapes *s, eda_frame f, int raster, int grid,
                          int nodes) {
   size_t count = 16;
-  opc_systems systems = systems_of(&count, grid ? 4 : 1);
-  opc_spectrum mask;
-  opc_field field;
+  eda_systems systems = systems_of(&count, grid ? 4 : 1);
+  eda_spectrum mask;
+  eda_field field;
   opc_error error;
-  must(host->imaging->mask_spectrum(host, s, 1, f,
+  must(eda_mask_spectrum(host->context, s, 1, f,
                                     systems.band * (raster ? 3 : 1), &mask,
                                     &error), &error);
-  must(host->imaging->coherent_sum(host, &mask, &systems, nodes ? 8 : 32, &field,
+  must(eda_coherent_sum(host->context, &mask, &systems, nodes ? 8 : 32, &field,
                                    &error), &error);
-  host->imaging->release_spectrum(host, &mask);
+  eda_spectrum_clear(&mask);
   size_t n = (size_t)field.nx * (size_t)field.ny;
   for (size_t i = 0; i < n; i++) field.coefficients[i] -= 0.35f;
   return field;
 }
 
 /* How far the edges of a field are from those of a finer one. */
-static void compare_edges(const char *name, const opc_field *field,
-                          const opc_field *fine, double reach) {
-  opc_frame window = {0, 0, 6000, 6000};
+static void compare_edges(const char *name, const eda_field *field,
+                          const eda_field *fine, double reach) {
+  eda_frame window = {0, 0, 6000, 6000};
   double *points, square = 0;
   uint32_t *start;
   size_t lines;
   opc_error error;
-  must(host->imaging->contours(host, fine, window, 8, &points, &start, &lines,
+  must(eda_contours(fine, window, 8, &points, &start, &lines,
                                &error), &error);
   for (uint32_t i = 0; i < start[lines]; i++) {
     double v, w, dx, dy, *p = points + (size_t)2 * i;
-    host->imaging->gradient(fine, p, p + 1, 1, &w, &dx, &dy);
-    host->imaging->sample(field, p, p + 1, 1, &v);
+    eda_field_gradient(fine, p, p + 1, 1, &w, &dx, &dy);
+    eda_field_sample(field, p, p + 1, 1, &v);
     square += pow((v - w) / hypot(dx, dy), 2);
   }
   bench_report(name, sqrt(square / start[lines]), "nm", reach, BENCH_LOWER);
-  host->free(host, points);
-  host->free(host, start);
+  free(points);
+  free(start);
 }
 
 static void bench_edges(void) {
@@ -411,27 +412,27 @@ static void bench_edges(void) {
                {"imaging.edge_rms.field_grid", 1, 0, 1},
                {"imaging.edge_rms.interpolation", 1, 0, 0},
                {"imaging.edge_rms.all", 0, 0, 0}};
-  opc_shapes s = rows_of_lines(6000);
-  opc_frame f = frame_of(6000);
-  opc_field fine = sampled(&s, f, 1, 1, 1);
+  eda_shapes s = rows_of_lines(6000);
+  eda_frame f = frame_of(6000);
+  eda_field fine = sampled(&s, f, 1, 1, 1);
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
-    opc_field field = sampled(&s, f, cases[i].raster, cases[i].grid, cases[i].nodes);
+    eda_field field = sampled(&s, f, cases[i].raster, cases[i].grid, cases[i].nodes);
     compare_edges(cases[i].name, &field, &fine, 0.005);
-    host->imaging->release_field(host, &field);
+    eda_field_clear(&field);
   }
-  host->imaging->release_field(host, &fine);
+  eda_field_clear(&fine);
   g_free(s.start);
   g_free(s.points);
 }
 
-static double value_at(const opc_field *f, double x, double y) {
+static double value_at(const eda_field *f, double x, double y) {
   double v;
-  host->imaging->sample(f, &x, &y, 1, &v);
+  eda_field_sample(f, &x, &y, 1, &v);
   return v;
 }
 
 /* The printed width of a vertical line around x at y. */
-static double width_at(const opc_field *f, double x, double y) {
+static double width_at(const eda_field *f, double x, double y) {
   double edge[2];
   for (int side = 0; side < 2; side++) {
     double in = x, out = x + (side ? 110 : -110);
@@ -448,31 +449,31 @@ static double width_at(const opc_field *f, double x, double y) {
 }
 
 /* The print of the lines, with a resist calibrated to the same model. */
-static opc_field print(const char *parameters, const opc_shapes *s, opc_frame f,
-                       opc_field *intensity) {
+static eda_field print(const char *parameters, const eda_shapes *s, eda_frame f,
+                       eda_field *intensity) {
   opc_error error;
   g_autoptr(opc_module) m = litho(parameters);
   g_autoptr(opc_module) r = opc_test_module("resist.threshold", "{}", &error);
   if (!r) g_error("%s", error.message);
-  const opc_litho *l = m->plugin->operations;
-  const opc_resist *resist = r->plugin->operations;
+  const eda_litho *l = m->functions;
+  const eda_resist *resist = r->functions;
   must(resist->prepare(r->self, m, &error), &error);
-  opc_spectrum mask;
-  opc_field field;
-  must(host->imaging->mask_spectrum(host, s, 1, f, l->band(m->self), &mask,
+  eda_spectrum mask;
+  eda_field field;
+  must(eda_mask_spectrum(host->context, s, 1, f, l->band(m->self), &mask,
                                     &error),
        &error);
-  must(l->image(m->self, OPC_POLY, &mask, intensity, &error), &error);
-  must(l->image(m->self, OPC_POLY, &mask, &field, &error), &error);
-  must(resist->print(r->self, OPC_POLY, &field, &error), &error);
-  host->imaging->release_spectrum(host, &mask);
+  must(l->image(m->self, EDA_POLY, &mask, intensity, &error), &error);
+  must(l->image(m->self, EDA_POLY, &mask, &field, &error), &error);
+  must(resist->print(r->self, EDA_POLY, &field, &error), &error);
+  eda_spectrum_clear(&mask);
   return field;
 }
 
 static void bench_error(void) {
-  opc_shapes s = rows_of_lines(6000);
-  opc_frame f = frame_of(6000);
-  opc_field exact, exact_print = print("{ kernels: 2000 }", &s, f, &exact);
+  eda_shapes s = rows_of_lines(6000);
+  eda_frame f = frame_of(6000);
+  eda_field exact, exact_print = print("{ kernels: 2000 }", &s, f, &exact);
   const struct {
     const char *name, *parameters;
     double intensity, cd;
@@ -480,7 +481,7 @@ static void bench_error(void) {
                   {"sign_off", "{ error: 5e-4 }", 5e-4, 0.04},
                   {"finest", "{ error: 1e-4 }", 1e-4, 0.01}};
   for (size_t k = 0; k < G_N_ELEMENTS(settings); k++) {
-    opc_field field, p = print(settings[k].parameters, &s, f, &field);
+    eda_field field, p = print(settings[k].parameters, &s, f, &field);
     double worst = 0, square = 0;
     for (int i = 0; i < field.nx * field.ny; i++)
       worst = fmax(worst,
@@ -488,7 +489,7 @@ static void bench_error(void) {
     size_t n = 0;
     for (size_t i = 0; i < s.count; i++)
       for (int t = 1; t < 6; t++, n++) {
-        const opc_point *q = s.points + 4 * i;
+        const eda_point *q = s.points + 4 * i;
         double x = q[0].x + 32.5, y = q[0].y + (q[2].y - q[0].y) * t / 6.0;
         double d = width_at(&p, x, y) - width_at(&exact_print, x, y);
         square += d * d;
@@ -500,11 +501,11 @@ static void bench_error(void) {
     bench_report(intensity, worst, "", settings[k].intensity, BENCH_LOWER);
     bench_report(cd, sqrt(square / (double)n), "nm", settings[k].cd,
                  BENCH_LOWER);
-    host->imaging->release_field(host, &field);
-    host->imaging->release_field(host, &p);
+    eda_field_clear(&field);
+    eda_field_clear(&p);
   }
-  host->imaging->release_field(host, &exact);
-  host->imaging->release_field(host, &exact_print);
+  eda_field_clear(&exact);
+  eda_field_clear(&exact_print);
   g_free(s.start);
   g_free(s.points);
 }
@@ -518,21 +519,21 @@ static char *contest(const char *folder, const char *name) {
   return g_build_filename(data ? data : beside, "clips", folder, name, NULL);
 }
 
-static opc_shapes read_clip(const char *path) {
+static eda_shapes read_clip(const char *path) {
   g_autofree char *parameters = g_strdup_printf("{ file: '%s' }", path);
   opc_error error;
   g_autoptr(opc_module) m = opc_test_module("read.glp", parameters, &error);
   if (!m) g_error("%s", error.message);
   void *out[1];
   must(opc_test_run(m, out, &error), &error);
-  opc_flat flat;
-  opc_shapes merged;
-  int32_t layer = host->layout->find_layer(out[0], "M1");
-  int32_t top = host->layout->top(out[0], &error);
-  must(host->layout->flatten(host, out[0], top, layer, 1, &flat, &error), &error);
-  must(host->geometry->boolean(host, OPC_OR, &flat.shapes, NULL, &merged, &error),
+  eda_flat flat;
+  eda_shapes merged;
+  int32_t layer = eda_layout_find_layer(out[0], "M1");
+  int32_t top = eda_layout_top(out[0], &error);
+  must(eda_layout_flatten(out[0], top, layer, 1, &flat, &error), &error);
+  must(eda_boolean(EDA_OR, &flat.shapes, NULL, &merged, &error),
        &error);
-  host->layout->release(&flat);
+  eda_flat_clear(&flat);
   opc_test_release(m, out);
   return merged;
 }
@@ -548,28 +549,28 @@ static void bench_clip(void) {
   opc_error error;
   g_autoptr(opc_module) m = opc_test_module("litho.kernels", parameters, &error);
   if (!m) g_error("%s", error.message);
-  const opc_litho *l = m->plugin->operations;
+  const eda_litho *l = m->functions;
   must(l->prepare(m->self, &error), &error);
-  opc_shapes shapes = read_clip(clip);
+  eda_shapes shapes = read_clip(clip);
   double best = INFINITY;
   opc_set_threads(1);
   for (int i = 0; i < 20; i++) {
-    opc_spectrum mask;
-    opc_field field[2];
+    eda_spectrum mask;
+    eda_field field[2];
     double start = processor_time();
-    must(host->imaging->mask_spectrum(host, &shapes, 1,
-                                      (opc_frame){-512, -512, 2048, 2048},
+    must(eda_mask_spectrum(host->context, &shapes, 1,
+                                      (eda_frame){-512, -512, 2048, 2048},
                                       l->band(m->self), &mask, &error), &error);
     for (int out = 0; out < 2; out++)
-      must(l->image_at(m->self, OPC_POLY, &mask, out ? 25 : 0, &field[out], &error),
+      must(l->image_at(m->self, EDA_POLY, &mask, out ? 25 : 0, &field[out], &error),
            &error);
     best = fmin(best, processor_time() - start);
-    host->imaging->release_spectrum(host, &mask);
+    eda_spectrum_clear(&mask);
     for (int out = 0; out < 2; out++)
-      host->imaging->release_field(host, &field[out]);
+      eda_field_clear(&field[out]);
   }
   bench_report("imaging.iccad_clip", best, "s", 0.01, BENCH_LOWER);
-  host->geometry->release(&shapes);
+  eda_shapes_clear(&shapes);
 }
 
 int main(void) {

@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Device tables. */
-#include "core/plugin/host.h"
+#include <eda/devices.h>
+
 #include "fuzz/fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-  static opc_host *host;
-  if (!host) host = opc_host_new(NULL);
   opc_error error;
-  const char *path = fuzz_file(data, size);
-  opc_devices *devices = opc_device_functions.load(host, path, &error);
-  if (devices) opc_device_functions.release(devices);
+  eda_devices *devices = eda_devices_read(fuzz_file(data, size), &error);
+  if (devices) eda_devices_free(devices);
   return 0;
 }

@@ -6,7 +6,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "core/plugin/host.h"
 #include "fuzz/fuzz.h"
 #include "plugins/litho/kernels/files.h"
 
@@ -43,17 +42,13 @@ static void set_up(const char *weights, const char *kernel) {
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-  static opc_host *host;
   const uint8_t *zero = size ? memchr(data, 0, size) : NULL;
   size_t n = zero ? (size_t)(zero - data) : size, rest = zero ? n + 1 : size;
   const char *weights = fuzz_file(data, n);
   const char *kernel = fuzz_second_file(data + rest, size - rest);
-  if (!host) {
-    host = opc_host_new(NULL);
-    set_up(weights, kernel);
-  }
+  if (!folder) set_up(weights, kernel);
   opc_error error = {0};
   kernel_set set;
-  if (!kernel_set_read(host, text, 0, &set, &error)) kernel_set_clear(&set);
+  if (!kernel_set_read(text, 0, &set, &error)) kernel_set_clear(&set);
   return 0;
 }

@@ -17,8 +17,8 @@ static const char text[] =
     "    gates: ${gates}\n"
     "    litho: { use: litho.hopkins, wavelength: 193 nm, na: 0.75 }\n"
     "    resist: { use: resist.threshold, table: [250 nm, 65 nm] }\n"
-    "    extract: { use: extract.plain, devices: ptm65.yaml }\n"
-    "    synthesizer: { use: mask.dpb }\n"
+    "    extractor: { use: extractor.plain, devices: ptm65.yaml }\n"
+    "    synthesizer: { use: synthesizer.dpb }\n"
     "variants:\n"
     "  dense: { mask.litho.defocus: 50 nm }\n";
 

@@ -2,8 +2,8 @@
 /* Writes a libFuzzer dictionary for flow files: what plugins declare. */
 #include <stdio.h>
 
-#include "core/flow/unit.h"
-#include "core/plugin/declaration.h"
+#include "core/text/unit.h"
+#include "core/text/value.h"
 #include "core/plugin/registry.h"
 
 static void put(const char *word) {
@@ -24,7 +24,7 @@ static void put_all(const char *choices) {
 static void put_plugin(const opc_plugin *plugin) {
   put(plugin->id);
   for (size_t i = 0; i < plugin->n_parameters; i++) {
-    const opc_parameter *p = opc_parameter_at(plugin, i);
+    const opc_parameter *p = &plugin->parameters[i];
     put(p->name);
     if (p->preset && *p->preset) put(p->preset);
     if (p->choices) put_all(p->choices);
@@ -40,7 +40,7 @@ int main(void) {
   g_autoptr(GPtrArray) units = opc_unit_names();
   for (guint i = 0; i < units->len; i++) put(units->pdata[i]);
   g_autoptr(opc_registry) registry = opc_registry_new(NULL);
-  g_autoptr(GPtrArray) list = opc_registry_scan(registry, 10);
+  g_autoptr(GPtrArray) list = opc_registry_scan(registry, "", 10);
   for (guint i = 0; i < list->len; i++) {
     const opc_candidate *c = list->pdata[i];
     opc_error error;

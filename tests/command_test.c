@@ -94,7 +94,7 @@ static void test_usage(void) {
   g_assert_cmpint(call("help run"), ==, 0);
   g_assert_nonnull(strstr(out, "--threads N"));
   g_assert_cmpint(call("--version"), ==, 0);
-  g_assert_cmpstr(out, ==, "opcflow " OPC_VERSION " (plugin interface 1.2)\n");
+  g_assert_cmpstr(out, ==, "opcflow " OPC_VERSION " (plugin interface 0.2)\n");
 }
 
 static void test_tell(void) {
@@ -113,7 +113,7 @@ static void test_tell(void) {
                   "error: unknown plugin 'test.number', did you mean "
                   "'test.numbers'?\n");
   g_assert_cmpint(call("inspect bad.major"), ==, 3);
-  g_assert_nonnull(strstr(err, "built for plugin interface 2, this is 1"));
+  g_assert_nonnull(strstr(err, "built for plugin interface 9.2, this is 0.2"));
 }
 
 /* What inspect gives to paste is a flow but for the values. */
@@ -140,10 +140,107 @@ static void test_check(void) {
                   "--set a.plain: step 'a' (test.numbers): 13 is not "
                   "welcome\n");
   g_assert_cmpint(call("check two.yaml --set a.use=test.none"), ==, 3);
-  g_assert_cmpint(call("check two.yaml --set a.use=bad.size"), ==, 3);
+  g_assert_cmpint(call("check two.yaml --set a.use=bad.instance"), ==, 3);
   g_assert_cmpint(call("check two.yaml --set a.input=none"), ==, 5);
   g_assert_cmpint(call("check none.yaml"), ==, 5);
   g_assert_cmpstr(err, ==, "error: 'none.yaml': no such file\n");
+}
+
+/* ---- verbs of plugins ---- */
+
+static JsonObject *member(JsonNode *node, const char *name) {
+  return json_object_get_object_member(json_node_get_object(node), name);
+}
+
+/* Options come from the parameters, and what is published is shown. */
+static void test_verb(void) {
+  g_assert_cmpint(call("tell a b~c --max-cases 3 --sizes [1~nm,0.002~um]"), ==,
+                  0);
+  g_assert_cmpstr(out, ==,
+                  "words\nword  length\na          1\nb c        3\n\n"
+                  "metric  value  unit\nsum     3      nm\n");
+  g_assert_cmpstr(err, ==, "tell: 2 words, second, 3 cases\n");
+  g_assert_cmpint(call("tell --mode=first --quiet"), ==, 0);
+  g_assert_cmpstr(err, ==, "");
+  g_assert_cmpint(call("tell --no-quiet --title it's:~here -- --x"), ==, 0);
+  g_assert_cmpstr(err, ==, "tell: it's: here: 1 words, second, 2 cases\n");
+  g_assert_cmpint(call("tell --json a"), ==, 0);
+  g_autoptr(JsonNode) json = json_from_string(out, NULL);
+  JsonObject *sum =
+      json_object_get_object_member(member(json, "metrics"), "sum");
+  g_assert_true(json_object_get_double_member(sum, "value") == 0);
+  g_assert_cmpstr(json_object_get_string_member(sum, "unit"), ==, "nm");
+  JsonObject *all = json_node_get_object(json);
+  JsonArray *tables = json_object_get_array_member(all, "tables");
+  g_assert_cmpuint(json_array_get_length(tables), ==, 1);
+  JsonObject *message = json_array_get_object_element(
+      json_object_get_array_member(all, "messages"), 0);
+  g_assert_cmpstr(json_object_get_string_member(message, "level"), ==, "info");
+  g_assert_false(json_object_has_member(all, "problems"));
+}
+
+static void test_verb_help(void) {
+  g_assert_cmpint(call("help"), ==, 0);
+  g_assert_nonnull(strstr(out, "\nVerbs of plugins:\n  tell "));
+  g_assert_cmpint(call("help tell"), ==, 0);
+  g_autofree char *help = g_strdup(out);
+  g_assert_true(
+      g_str_has_prefix(help, "Usage: opcflow tell WORD ... [OPTIONS]\n"));
+  static const char *const lines[] = {
+      "  --max-cases NUMBER            how many at most; default: 2; >= 1\n",
+      "  --mode first|second           a word; default: second\n",
+      "  --quiet                       say nothing; default: false\n",
+      "  --no-quiet                    not --quiet\n",
+      "  --json                        the result as JSON\n"};
+  for (size_t i = 0; i < G_N_ELEMENTS(lines); i++)
+    if (!strstr(help, lines[i])) g_assert_cmpstr(help, ==, lines[i]);
+  g_assert_cmpint(call("tell --help"), ==, 0);
+  g_assert_cmpstr(out, ==, help);
+  g_assert_cmpint(call("tell --version"), ==, 0);
+  g_assert_cmpstr(out, ==, "opcflow-tell (opcflow) " OPC_VERSION "\n");
+}
+
+static void test_verb_faults(void) {
+  g_assert_cmpint(call("tlel"), ==, 2);
+  g_assert_cmpstr(err, ==,
+                  "error: unknown verb 'tlel', did you mean 'tell'?\n");
+  g_assert_cmpint(call("tell --max-case 3"), ==, 2);
+  g_assert_cmpstr(err, ==,
+                  "error: unknown option '--max-case' of 'tell', did you mean "
+                  "'--max-cases'?\n");
+  g_assert_cmpint(call("tell --max-cases 0 --mode third"), ==, 2);
+  g_assert_cmpstr(err, ==,
+                  "--max-cases: 'max_cases' must be at least 1, not '0'\n"
+                  "--mode: 'mode' is one of 'first', 'second', not 'third'\n");
+  g_assert_cmpint(call("tell --max-cases 13"), ==, 2);
+  g_assert_cmpstr(err, ==,
+                  "--max-cases: command 'tell' (command.tell): 13 is not "
+                  "welcome\n");
+  g_assert_cmpint(call("tell limit --max-cases 3"), ==, 1);
+  g_assert_cmpstr(err, ==,
+                  "tell: 1 words, second, 3 cases\n"
+                  "--max-cases: too much\n");
+  g_assert_cmpint(call("tell --json limit"), ==, 1);
+  g_autoptr(JsonNode) json = json_from_string(out, NULL);
+  JsonArray *problems =
+      json_object_get_array_member(json_node_get_object(json), "problems");
+  g_assert_cmpint(json_object_get_int_member(
+                      json_array_get_object_element(problems, 0), "exit"),
+                  ==, 1);
+  g_assert_cmpint(call("tell crash"), ==, 4);
+  g_assert_nonnull(strstr(err,
+                          "command 'tell' (command.tell): crashed in plugin "
+                          "'command.tell': aborted\n"));
+}
+
+/* Files come into the present folder; none is replaced. */
+static void test_verb_files(void) {
+  g_assert_cmpint(call("tell --output deep/told.txt one two"), ==, 0);
+  g_autofree char *text = read_text("deep/told.txt");
+  g_assert_cmpstr(text, ==, "one\ntwo\n");
+  g_assert_cmpint(call("tell --output deep/told.txt one two"), ==, 5);
+  g_assert_nonnull(strstr(err, "'deep/told.txt' exists\n"));
+  g_assert_cmpint(call("tell --output ../told.txt"), ==, 2);
 }
 
 /* ---- runs ---- */
@@ -469,6 +566,10 @@ int main(int argc, char **argv) {
   g_test_add_func("/command/tell", test_tell);
   g_test_add_func("/command/stanza", test_stanza);
   g_test_add_func("/command/check", test_check);
+  g_test_add_func("/command/verb", test_verb);
+  g_test_add_func("/command/verb-help", test_verb_help);
+  g_test_add_func("/command/verb-faults", test_verb_faults);
+  g_test_add_func("/command/verb-files", test_verb_files);
   g_test_add_func("/command/run", test_run);
   g_test_add_func("/command/manifest", test_manifest);
   g_test_add_func("/command/again", test_again);

@@ -7,10 +7,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/plugin/host.h"
-#include "core/plugin/testing.h"
+#include <eda/eda.h>
 
-static const opc_layout_service *l = &opc_layout_functions;
+#include "core/testing/testing.h"
 
 static char *corpus(void) {
   const char *data = g_getenv("OPCFLOW_TEST_DATA");
@@ -19,7 +18,7 @@ static char *corpus(void) {
                           "gds-corpus", NULL);
 }
 
-static opc_layout *read_file(const char *path) {
+static eda_layout *read_file(const char *path) {
   opc_error e = {0};
   const char *id = g_str_has_suffix(path, ".oas") ? "read.oasis" : "read.gds";
   g_autofree char *mapping = g_strdup_printf("{ file: '%s' }", path);
@@ -35,16 +34,16 @@ static int64_t count(JsonObject *object, const char *name) {
 
 /* ---- cells and placements ---- */
 
-static void check_cells(const opc_layout *layout, JsonObject *cells) {
-  g_assert_cmpuint(l->cells(layout), ==, json_object_get_size(cells));
-  for (size_t i = 0; i < l->cells(layout); i++) {
-    const char *name = l->cell_name(layout, (int32_t)i);
+static void check_cells(const eda_layout *layout, JsonObject *cells) {
+  g_assert_cmpuint(eda_layout_cells(layout), ==, json_object_get_size(cells));
+  for (size_t i = 0; i < eda_layout_cells(layout); i++) {
+    const char *name = eda_layout_cell_name(layout, (int32_t)i);
     if (!json_object_has_member(cells, name)) g_error("cell '%s'", name);
     int64_t single = 0, arrays = 0, placed = 0;
-    for (size_t k = 0; k < l->instances(layout, (int32_t)i); k++) {
+    for (size_t k = 0; k < eda_layout_instances(layout, (int32_t)i); k++) {
       int32_t child;
-      opc_placement p;
-      l->instance(layout, (int32_t)i, k, &child, &p);
+      eda_placement p;
+      eda_layout_instance(layout, (int32_t)i, k, &child, &p);
       int64_t members = (int64_t)p.columns * p.rows;
       single += members == 1;
       arrays += members > 1;
@@ -61,27 +60,27 @@ static void check_cells(const opc_layout *layout, JsonObject *cells) {
 
 /* Paths without width cover nothing and are not kept: so many of the layer are
    missing. */
-static GHashTable *check_layers(const opc_layout *layout, JsonObject *layers) {
+static GHashTable *check_layers(const eda_layout *layout, JsonObject *layers) {
   GHashTable *missing =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
-  g_autofree int64_t *shapes = g_new0(int64_t, l->layers(layout) + 1);
-  g_autofree int64_t *texts = g_new0(int64_t, l->layers(layout) + 1);
-  for (size_t c = 0; c < l->cells(layout); c++) {
+  g_autofree int64_t *shapes = g_new0(int64_t, eda_layout_layers(layout) + 1);
+  g_autofree int64_t *texts = g_new0(int64_t, eda_layout_layers(layout) + 1);
+  for (size_t c = 0; c < eda_layout_cells(layout); c++) {
     int32_t cell = (int32_t)c, layer;
     size_t n;
-    opc_point at;
-    for (size_t i = 0; i < l->polygons(layout, cell); i++) {
-      l->polygon(layout, cell, i, &n, &layer);
+    eda_point at;
+    for (size_t i = 0; i < eda_layout_polygons(layout, cell); i++) {
+      eda_layout_polygon(layout, cell, i, &n, &layer);
       shapes[layer]++;
     }
-    for (size_t i = 0; i < l->texts(layout, cell); i++) {
-      l->text(layout, cell, i, &at, &layer);
+    for (size_t i = 0; i < eda_layout_texts(layout, cell); i++) {
+      eda_layout_text(layout, cell, i, &at, &layer);
       texts[layer]++;
     }
   }
-  g_assert_cmpuint(l->layers(layout), ==, json_object_get_size(layers));
-  for (size_t i = 0; i < l->layers(layout); i++) {
-    const char *name = l->layer_name(layout, (int32_t)i);
+  g_assert_cmpuint(eda_layout_layers(layout), ==, json_object_get_size(layers));
+  for (size_t i = 0; i < eda_layout_layers(layout); i++) {
+    const char *name = eda_layout_layer_name(layout, (int32_t)i);
     g_assert_true(json_object_has_member(layers, name));
     JsonObject *want = json_object_get_object_member(layers, name);
     int64_t paths = count(want, "path");
@@ -97,39 +96,38 @@ static GHashTable *check_layers(const opc_layout *layout, JsonObject *layers) {
 
 /* ---- areas and boxes ---- */
 
-static gboolean rectilinear(const opc_shapes *s) {
+static gboolean rectilinear(const eda_shapes *s) {
   for (size_t i = 0; i < s->count; i++)
     for (uint32_t k = s->start[i]; k < s->start[i + 1]; k++) {
-      opc_point a = s->points[k];
-      opc_point b = s->points[k + 1 < s->start[i + 1] ? k + 1 : s->start[i]];
+      eda_point a = s->points[k];
+      eda_point b = s->points[k + 1 < s->start[i + 1] ? k + 1 : s->start[i]];
       if (a.x != b.x && a.y != b.y) return FALSE;
     }
   return TRUE;
 }
 
-static void check_area(const opc_shapes *flat, double unit, JsonObject *want) {
+static void check_area(const eda_shapes *flat, double unit, JsonObject *want) {
   opc_error e;
-  opc_shapes merged;
-  const opc_host *host = opc_test_host();
-  if (host->geometry->boolean(host, OPC_OR, flat, NULL, &merged, &e))
+  eda_shapes merged;
+  if (eda_boolean(EDA_OR, flat, NULL, &merged, &e))
     g_error("%s", e.message);
-  double area = 0.5 * (double)host->geometry->area2(&merged) * unit * unit;
+  double area = 0.5 * (double)eda_area2(&merged) * unit * unit;
   double expected = json_object_get_double_member(want, "area_um2") * 1e6;
-  host->geometry->release(&merged);
+  eda_shapes_clear(&merged);
   /* KLayout's number has 9 digits. */
   g_assert_cmpfloat_with_epsilon(area, expected, 1e-8 * expected + 1e-9);
 }
 
 /* Shapes of which none touches another have their areas' sum, slanted or not.
  */
-static void check_sum(const opc_shapes *flat, double unit, JsonObject *want) {
+static void check_sum(const eda_shapes *flat, double unit, JsonObject *want) {
   double twice = 0;
   if (count(want, "polygons") != (int64_t)flat->count) return;
   for (size_t i = 0; i < flat->count; i++) {
     double one = 0;
     for (uint32_t k = flat->start[i]; k < flat->start[i + 1]; k++) {
-      opc_point a = flat->points[k];
-      opc_point b =
+      eda_point a = flat->points[k];
+      eda_point b =
           flat->points[k + 1 < flat->start[i + 1] ? k + 1 : flat->start[i]];
       one += (double)a.x * b.y - (double)b.x * a.y;
     }
@@ -142,7 +140,7 @@ static void check_sum(const opc_shapes *flat, double unit, JsonObject *want) {
 
 /* Corners of slanted paths and of turned cells are a unit off at most, those
    of round ends too. */
-static void check_box(const opc_shapes *flat, double unit, JsonObject *want) {
+static void check_box(const eda_shapes *flat, double unit, JsonObject *want) {
   JsonArray *box = json_object_get_array_member(want, "bbox_um");
   double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
   for (uint32_t k = 0; k < (flat->count ? flat->start[flat->count] : 0); k++) {
@@ -161,19 +159,19 @@ static void check_box(const opc_shapes *flat, double unit, JsonObject *want) {
   }
 }
 
-static int check_top(const opc_layout *layout, const char *top,
+static int check_top(const eda_layout *layout, const char *top,
                      JsonObject *areas, JsonObject *layers,
                      GHashTable *missing) {
   int checked = 0;
-  double unit = l->unit(layout);
+  double unit = eda_layout_unit(layout);
   g_autoptr(GList) names = json_object_get_members(areas);
   for (GList *k = names; k; k = k->next) {
     JsonObject *want = json_object_get_object_member(areas, k->data);
     opc_error e;
-    opc_flat flat;
+    eda_flat flat;
     g_test_message("  %s, layer %s", top, (const char *)k->data);
-    if (l->flatten(opc_test_host(), layout, l->find_cell(layout, top),
-                   l->find_layer(layout, k->data), unit, &flat, &e))
+    if (eda_layout_flatten(layout, eda_layout_find_cell(layout, top),
+                   eda_layout_find_layer(layout, k->data), unit, &flat, &e))
       g_error("%s", e.message);
     gboolean lost = GPOINTER_TO_INT(g_hash_table_lookup(missing, k->data)) > 0;
     if (rectilinear(&flat.shapes) && !flat.moved) {
@@ -186,7 +184,7 @@ static int check_top(const opc_layout *layout, const char *top,
         check_sum(&flat.shapes, unit, want);
     }
     if (!lost) check_box(&flat.shapes, unit, want);
-    l->release(&flat);
+    eda_flat_clear(&flat);
   }
   return checked;
 }
@@ -195,9 +193,9 @@ static void test_file(const char *name, JsonObject *want) {
   g_autofree char *folder = corpus();
   g_autofree char *path = g_build_filename(folder, name, NULL);
   g_test_message("%s", name);
-  opc_layout *layout = read_file(path);
+  eda_layout *layout = read_file(path);
   g_assert_cmpfloat_with_epsilon(
-      l->unit(layout) / json_object_get_double_member(want, "dbu_um"), 1000,
+      eda_layout_unit(layout) / json_object_get_double_member(want, "dbu_um"), 1000,
       1e-9);
   check_cells(layout, json_object_get_object_member(want, "cells"));
   g_autoptr(GHashTable) missing =
@@ -211,7 +209,7 @@ static void test_file(const char *name, JsonObject *want) {
         check_top(layout, n->data, json_object_get_object_member(tops, n->data),
                   layers, missing);
   g_test_message("  %d areas", checked);
-  l->destroy(layout);
+  eda_layout_free(layout);
 }
 
 static void test_corpus(void) {

@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # Install this build into a folder of its own, move the installation, and build,
-# test and install the project tests/external against it, through pkg-config
-# alone; then run a flow with what that installed.
+# test and install the project subprojects/examples against it, through
+# pkg-config alone; then run a flow with what that installed.
 # OPCFLOW_SOURCE, OPCFLOW_BUILD: the trees; $1: meson; $2: its value of
 # b_sanitize.
 set -eu
@@ -37,27 +37,35 @@ opcflow=$(pkg-config --variable=command opcflow)
 [ "$(realpath "$opcflow")" = "$(realpath "$work/moved/bin/opcflow")" ] ||
   fail "pkg-config says that the command is $opcflow"
 
-# The moved command finds the plugins that moved with it.
+# The moved command finds the plugins that moved with it, and they the library.
 unset OPCFLOW_NO_SYSTEM_PLUGINS
-"$opcflow" inspect mask.dpb | grep -q "^$work/moved/" ||
+"$opcflow" inspect synthesizer.dpb | grep -q "^$work/moved/" ||
   fail "$opcflow does not find its own plugins"
+[ -z "$("$opcflow" plugins --failed)" ] || fail "$("$opcflow" plugins --failed)"
 
-cp -r "$OPCFLOW_SOURCE/tests/external" "$work/project"
+cp -r "$OPCFLOW_SOURCE/subprojects/examples" "$work/project"
 try "$meson" setup "$work/build" "$work/project" --prefix "$work/private" \
   -Dplugins="$work/private/plugins" -Db_sanitize="$sanitize" -Db_lundef=false
 try ninja -C "$work/build"
 try env OPCFLOW_NO_SYSTEM_PLUGINS=1 "$meson" test -C "$work/build" --no-rebuild
-[ "$(grep -c ' OK ' "$work/log")" = 3 ] || { cat "$work/log"; fail "not 3 tests"; }
+[ "$(grep -c ' OK ' "$work/log")" = 4 ] || { cat "$work/log"; fail "not 4 tests"; }
 try "$meson" install -C "$work/build" --no-rebuild
 
 # From the private folder, without the build.
 mv "$work/build" "$work/gone"
-try "$opcflow" run --plugin-path "$work/private/plugins" --output "$work/run" \
-  "$work/project/flow.yaml"
-grep -q '"worst"' "$work/run/metrics.json" || fail "no metric of list.worst"
-grep -q "$work/private/plugins/mask.bisect.so" "$work/run/manifest.json" ||
-  fail "mask.bisect is not the installed one"
-worst=$(sed -n '2s/.*,//p' "$work/run/worst.csv" | tr -d '\r-')
-echo "worst deviation: $worst %"
-[ "$(echo "$worst" | awk '{ print ($1 > 0 && $1 < 1) }')" = 1 ] ||
-  fail "not corrected to 1 %"
+export OPCFLOW_PLUGIN_PATH="$work/private/plugins"
+try "$work/project/run.sh" "$opcflow" "$work/project/flow.yaml" "$work/run"
+grep -q "$work/private/plugins/synthesizer.bisect.so" "$work/run/manifest.json" ||
+  fail "synthesizer.bisect is not the installed one"
+[ -z "$("$opcflow" plugins --failed)" ] || fail "$("$opcflow" plugins --failed)"
+"$opcflow" help | grep -q '^  metrics .*side by side' ||
+  fail "the verb of command.metrics is not told of"
+
+# A plugin of the kind that the project has brought.
+"$opcflow" new plugin timing.mine "$work/mine" >&2
+try env PKG_CONFIG_PATH="$PKG_CONFIG_PATH" CFLAGS="-I$work/private/include" \
+  "$meson" setup "$work/built" "$work/mine" -Db_sanitize="$sanitize" -Db_lundef=false
+try ninja -C "$work/built"
+try "$opcflow" lint "$work/built/timing.mine.so"
+try "$opcflow" run --plugin-path "$work/built" --output "$work/mine/run" \
+  --set delays.timing.use=timing.mine "$work/project/flow.yaml"

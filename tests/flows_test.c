@@ -151,11 +151,11 @@ static void test_verify(void) {
       "  same:\n    use: verify\n    mask: ${mask}\n"
       "    litho: { use: litho.hopkins, wavelength: 193 nm, na: 0.75, sigma: 0.75 }\n"
       "    resist: { use: resist.threshold, anchor: { line: 65 nm, pitch: 250 nm } }\n"
-      "    extract: { use: extract.plain, devices: %s }\n"
+      "    extractor: { use: extractor.plain, devices: %s }\n"
       "  other:\n    use: verify\n    mask: ${same}\n"
       "    litho: { use: litho.abbe, wavelength: 193 nm, na: 0.75, sigma: 0.75 }\n"
       "    resist: { use: resist.threshold, anchor: { line: 65 nm, pitch: 250 nm } }\n"
-      "    extract: { use: extract.plain, devices: %s }\n",
+      "    extractor: { use: extractor.plain, devices: %s }\n",
       demo, devices, devices);
   g_assert_true(g_file_set_contents(flow, text, -1, NULL));
   g_assert_cmpint(opcflow(NULL, "run", flow, "--output", out, NULL), ==, 0);

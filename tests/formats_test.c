@@ -5,12 +5,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "core/plugin/host.h"
-#include "core/plugin/testing.h"
+#include <eda/eda.h>
 
-static const opc_layout_service *l = &opc_layout_functions;
+#include "core/testing/testing.h"
 
-static opc_layout *read_file(const char *path, opc_error *error) {
+static eda_layout *read_file(const char *path, opc_error *error) {
   const char *id = g_str_has_suffix(path, ".oas")   ? "read.oasis"
                    : g_str_has_suffix(path, ".cif") ? "read.cif"
                                                     : "read.gds";
@@ -21,15 +20,15 @@ static opc_layout *read_file(const char *path, opc_error *error) {
   return output;
 }
 
-static opc_layout *read_good(const char *path) {
+static eda_layout *read_good(const char *path) {
   opc_error e = {0};
-  opc_layout *layout = read_file(path, &e);
+  eda_layout *layout = read_file(path, &e);
   if (!layout) g_error("%s", e.message);
   return layout;
 }
 
 /* The path of `layout` written as `kind` ("gds", "oasis", "cif"), or NULL. */
-static char *write_file(opc_layout *layout, const char *kind,
+static char *write_file(eda_layout *layout, const char *kind,
                         const char *layers, opc_error *error) {
   static int files;
   const char *suffix = strcmp(kind, "oasis") ? kind : "oas";
@@ -45,7 +44,7 @@ static char *write_file(opc_layout *layout, const char *kind,
   return g_build_filename(opc_test_folder(), name, NULL);
 }
 
-static opc_layout *through(opc_layout *layout, const char *kind,
+static eda_layout *through(eda_layout *layout, const char *kind,
                            const char *layers) {
   opc_error e = {0};
   g_autofree char *path = write_file(layout, kind, layers, &e);
@@ -55,20 +54,20 @@ static opc_layout *through(opc_layout *layout, const char *kind,
 
 /* ---- comparing ---- */
 
-static opc_point at(const opc_point *p, size_t n, size_t from, gboolean back,
+static eda_point at(const eda_point *p, size_t n, size_t from, gboolean back,
                     size_t k) {
   return p[back ? (from + n - k) % n : (from + k) % n];
 }
 
 /* A polygon as text that does not depend on where it begins, nor on its
    direction: the least of all ways to say it. */
-static char *say(const opc_point *p, size_t n) {
+static char *say(const eda_point *p, size_t n) {
   size_t best = 0;
   gboolean best_back = FALSE;
   for (size_t way = 1; way < 2 * n; way++) {
     size_t from = way / 2, k = 0;
     gboolean back = way % 2;
-    opc_point a, b;
+    eda_point a, b;
     do {
       a = at(p, n, from, back, k);
       b = at(p, n, best, best_back, k);
@@ -79,7 +78,7 @@ static char *say(const opc_point *p, size_t n) {
   }
   GString *s = g_string_new(NULL);
   for (size_t k = 0; k < n; k++) {
-    opc_point a = at(p, n, best, best_back, k);
+    eda_point a = at(p, n, best, best_back, k);
     g_string_append_printf(s, "%d,%d ", a.x, a.y);
   }
   return g_string_free(s, FALSE);
@@ -90,28 +89,28 @@ static int by_text(const void *a, const void *b) {
 }
 
 /* All polygons of a layer below a cell, on a grid, sorted. */
-static GPtrArray *flat(const opc_layout *layout, int32_t cell, int32_t layer,
+static GPtrArray *flat(const eda_layout *layout, int32_t cell, int32_t layer,
                        double grid) {
   opc_error e;
-  opc_flat f;
+  eda_flat f;
   GPtrArray *list = g_ptr_array_new_with_free_func(g_free);
   if (layer < 0) return list;
-  if (l->flatten(opc_test_host(), layout, cell, layer, grid, &f, &e))
+  if (eda_layout_flatten(layout, cell, layer, grid, &f, &e))
     g_error("%s", e.message);
   for (size_t i = 0; i < f.shapes.count; i++) {
     uint32_t start = f.shapes.start[i];
     g_ptr_array_add(
         list, say(f.shapes.points + start, f.shapes.start[i + 1] - start));
   }
-  l->release(&f);
+  eda_flat_clear(&f);
   g_ptr_array_sort(list, by_text);
   return list;
 }
 
-static size_t total(const opc_layout *layout,
-                    size_t (*count)(const opc_layout *, int32_t)) {
+static size_t total(const eda_layout *layout,
+                    size_t (*count)(const eda_layout *, int32_t)) {
   size_t sum = 0;
-  for (size_t i = 0; i < l->cells(layout); i++)
+  for (size_t i = 0; i < eda_layout_cells(layout); i++)
     sum += count(layout, (int32_t)i);
   return sum;
 }
@@ -126,47 +125,48 @@ static char *renamed(const char *layer, gboolean cif) {
 }
 
 /* All cells of `want` are in `got`, with the same shapes flat; how many. */
-static size_t assert_same(const opc_layout *got, const opc_layout *want,
+static size_t assert_same(const eda_layout *got, const eda_layout *want,
                           gboolean cif) {
   size_t shapes = 0;
-  for (size_t c = 0; c < l->cells(want); c++) {
-    const char *name = l->cell_name(want, (int32_t)c);
-    int32_t cell = l->find_cell(got, name);
+  for (size_t c = 0; c < eda_layout_cells(want); c++) {
+    const char *name = eda_layout_cell_name(want, (int32_t)c);
+    int32_t cell = eda_layout_find_cell(got, name);
     if (cell < 0) g_error("cell '%s' is lost", name);
-    for (size_t i = 0; i < l->layers(want); i++) {
-      g_autofree char *layer = renamed(l->layer_name(want, (int32_t)i), cif);
-      double grid = l->unit(want);
+    for (size_t i = 0; i < eda_layout_layers(want); i++) {
+      g_autofree char *layer = renamed(eda_layout_layer_name(want, (int32_t)i), cif);
+      double grid = eda_layout_unit(want);
       g_autoptr(GPtrArray) a = flat(want, (int32_t)c, (int32_t)i, grid);
-      g_autoptr(GPtrArray) b = flat(got, cell, l->find_layer(got, layer), grid);
+      g_autoptr(GPtrArray) b = flat(got, cell, eda_layout_find_layer(got, layer), grid);
       g_assert_cmpuint(a->len, ==, b->len);
       for (guint k = 0; k < a->len; k++)
         g_assert_cmpstr(b->pdata[k], ==, a->pdata[k]);
       shapes += a->len;
     }
   }
-  g_assert_cmpuint(total(got, l->texts), ==, total(want, l->texts));
+  g_assert_cmpuint(total(got, eda_layout_texts), ==,
+                   total(want, eda_layout_texts));
   return shapes;
 }
 
-static char *dump_instances(const opc_layout *layout, const char *cell) {
+static char *dump_instances(const eda_layout *layout, const char *cell) {
   GString *s = g_string_new(NULL);
-  int32_t number = l->find_cell(layout, cell), child;
-  for (size_t i = 0; i < l->instances(layout, number); i++) {
-    opc_placement p;
-    const char *name = l->instance(layout, number, i, &child, &p);
+  int32_t number = eda_layout_find_cell(layout, cell), child;
+  for (size_t i = 0; i < eda_layout_instances(layout, number); i++) {
+    eda_placement p;
+    const char *name = eda_layout_instance(layout, number, i, &child, &p);
     g_string_append_printf(
         s, "%s of %s %d,%d %.17g %.17g %u %ux%u %d,%d %d,%d\n",
-        name ? name : "-", l->cell_name(layout, child), p.origin.x, p.origin.y,
+        name ? name : "-", eda_layout_cell_name(layout, child), p.origin.x, p.origin.y,
         p.magnification, p.angle, p.mirror, p.columns, p.rows, p.column_step.x,
         p.column_step.y, p.row_step.x, p.row_step.y);
   }
   return g_string_free(s, FALSE);
 }
 
-static void assert_instances(const opc_layout *got, const opc_layout *want) {
-  g_assert_cmpuint(l->cells(got), ==, l->cells(want));
-  for (size_t c = 0; c < l->cells(want); c++) {
-    const char *name = l->cell_name(want, (int32_t)c);
+static void assert_instances(const eda_layout *got, const eda_layout *want) {
+  g_assert_cmpuint(eda_layout_cells(got), ==, eda_layout_cells(want));
+  for (size_t c = 0; c < eda_layout_cells(want); c++) {
+    const char *name = eda_layout_cell_name(want, (int32_t)c);
     g_autofree char *a = dump_instances(want, name);
     g_autofree char *b = dump_instances(got, name);
     g_assert_cmpstr(b, ==, a);
@@ -176,10 +176,10 @@ static void assert_instances(const opc_layout *got, const opc_layout *want) {
 /* ---- the round trips ---- */
 
 /* GDSII has short layer numbers; our own cells' have names. */
-static char *numbers(const opc_layout *layout) {
+static char *numbers(const eda_layout *layout) {
   GString *s = g_string_new("");
-  for (size_t i = 0; i < l->layers(layout); i++) {
-    const char *name = l->layer_name(layout, (int32_t)i);
+  for (size_t i = 0; i < eda_layout_layers(layout); i++) {
+    const char *name = eda_layout_layer_name(layout, (int32_t)i);
     if (strchr(name, '/')) continue;
     g_string_append_printf(s, "%s%s: %zu/0", s->len ? ", " : "", name, i + 1);
   }
@@ -187,37 +187,37 @@ static char *numbers(const opc_layout *layout) {
 }
 
 static void trip(const char *path) {
-  opc_layout *first = read_good(path);
+  eda_layout *first = read_good(path);
   g_autofree char *map = numbers(first);
-  opc_layout *gds = through(first, "gds", map);
-  opc_layout *oasis = through(gds, "oasis", "");
-  opc_layout *again = through(oasis, "gds", "");
+  eda_layout *gds = through(first, "gds", map);
+  eda_layout *oasis = through(gds, "oasis", "");
+  eda_layout *again = through(oasis, "gds", "");
   size_t n = assert_same(oasis, gds, FALSE);
   if (!*map) g_assert_cmpuint(assert_same(gds, first, FALSE), ==, n);
   g_assert_cmpuint(assert_same(again, gds, FALSE), ==, n);
   assert_instances(oasis, gds);
   assert_instances(again, gds);
   g_test_message("%s: %zu polygons", path, n);
-  l->destroy(again);
-  l->destroy(oasis);
-  l->destroy(gds);
-  l->destroy(first);
+  eda_layout_free(again);
+  eda_layout_free(oasis);
+  eda_layout_free(gds);
+  eda_layout_free(first);
 }
 
 /* As CIF, or what CIF cannot say is told by name. */
 static gboolean trip_cif(const char *path) {
   opc_error e = {0};
-  opc_layout *first = read_good(path);
+  eda_layout *first = read_good(path);
   g_autofree char *file = write_file(first, "cif", "", &e);
   if (file) {
-    opc_layout *cif = read_good(file);
+    eda_layout *cif = read_good(file);
     assert_same(cif, first, TRUE);
-    l->destroy(cif);
+    eda_layout_free(cif);
   } else {
     g_test_message("%s: %s", path, e.message);
     g_assert_nonnull(strstr(e.message, "' in '"));
   }
-  l->destroy(first);
+  eda_layout_free(first);
   return file != NULL;
 }
 

@@ -1,11 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Each public header by itself, in any order with itself: as C99 without
-# extensions and, where there is a compiler for it, as C++. TAP.
+# Each public header by itself, in any order with itself, with nothing but its
+# own folder to include from, and cairo: as C99 without extensions and, where there is a
+# compiler for it, as C++. TAP.
 # OPCFLOW_SOURCE: the tree; $@: the C compiler.
-include=$OPCFLOW_SOURCE/include
-strict="-fsyntax-only -pedantic-errors -Wall -Wextra -Wundef -Werror -I$include"
+strict="-fsyntax-only -pedantic-errors -Wall -Wextra -Wundef -Werror"
 cxx=${CXX:-$(command -v c++ || command -v g++ || command -v clang++)}
+cairo=$(pkg-config --cflags-only-I cairo 2>/dev/null | sed 's/-I/-isystem /g')
 number=0
 
 # NAME SKIP COMMAND...: compile a file that includes the header twice.
@@ -16,21 +17,23 @@ check() {
   number=$((number + 1))
   if [ -n "$reason" ]; then
     echo "ok $number $name # SKIP $reason"
-  elif printf '#include <opcflow/%s>\n#include <opcflow/%s>\n' \
-    "$header" "$header" | "$@" - >&2; then
+  elif printf '#include <%s>\n#include <%s>\nextern int x;\n' "$header" "$header" |
+    "$@" $strict -I"$include" $cairo - >&2; then
     echo "ok $number $name"
   else
     echo "not ok $number $name"
   fi
 }
 
-for path in "$include"/opcflow/*.h; do
-  header=$(basename "$path")
-  check "$header as C99" '' "$@" -x c -std=c99 $strict
-  if [ -n "$cxx" ]; then
-    check "$header as C++" '' $cxx -x c++ -std=c++11 $strict
-  else
-    check "$header as C++" 'there is no C++ compiler'
-  fi
+for include in "$OPCFLOW_SOURCE/include" "$OPCFLOW_SOURCE/subprojects/eda/include"; do
+  for path in "$include"/*/*.h; do
+    header=${path#"$include/"}
+    check "$header as C99" '' "$@" -x c -std=c99
+    if [ -n "$cxx" ]; then
+      check "$header as C++" '' $cxx -x c++ -std=c++11
+    else
+      check "$header as C++" 'there is no C++ compiler'
+    fi
+  done
 done
 echo "1..$number"

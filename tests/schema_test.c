@@ -13,7 +13,7 @@ static char *folder;
 
 static JsonNode *make_schema(void) {
   g_autoptr(opc_registry) registry = opc_registry_new(NULL);
-  g_autoptr(GPtrArray) list = opc_registry_scan(registry, 10);
+  g_autoptr(GPtrArray) list = opc_registry_scan(registry, "", 10);
   g_autoptr(GPtrArray) plugins = g_ptr_array_new();
   for (guint i = 0; i < list->len; i++) {
     const opc_candidate *c = list->pdata[i];
@@ -41,17 +41,17 @@ static void test_content(void) {
       {"$['$schema']", "\"http://json-schema.org/draft-07/schema#\""},
       {"$.definitions['litho.hopkins'].properties.use.const",
        "\"litho.hopkins\""},
-      {"$.definitions['extract.plain'].properties.slices.maximum", "10000.0"},
+      {"$.definitions['extractor.plain'].properties.slices.maximum", "10000.0"},
       {"$.definitions['litho.hopkins'].properties.na.default", "0.75"},
-      {"$.definitions['extract.plain'].properties.rule.enum",
+      {"$.definitions['extractor.plain'].properties.rule.enum",
        "[\"contour\",\"gauss\",\"equal\"]"},
-      {"$.definitions['extract.plain'].properties.slices.type", "\"integer\""},
+      {"$.definitions['extractor.plain'].properties.slices.type", "\"integer\""},
       {"$.definitions['resist.threshold'].properties.anchor.properties.line"
        ".default",
        "\"65 nm\""},
       {"$.definitions['read.gds'].additionalProperties", "false"},
       {"$.definitions.correct.properties.litho.allOf[0]['$ref']",
-       "\"#/definitions/kind.litho\""},
+       "\"#/definitions/any.litho\""},
   };
   g_autoptr(JsonNode) schema = make_schema();
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
@@ -139,14 +139,14 @@ static void test_wrong(void) {
       "{ use: segment.transistors, layout: '${layout}', grid: 1 V }",
       "{ use: litho.hopkins, na: 0.75 }",
       "{ file: a.gds }",
-      "{ use: correct, gates: '${g}', litho: { use: mask.dpb } }",
+      "{ use: correct, gates: '${g}', litho: { use: synthesizer.dpb } }",
       "12",
   };
   static const char *const slots[] = {
       "litho: { use: litho.hopkins, na: 1.5 }",
       "litho: { use: litho.hopkins, kernels: 2.5 }",
       "resist: { use: resist.threshold, anchor: { lines: 65 nm } }",
-      "extract: { use: extract.plain, devices: d.yaml, rule: simpson }",
+      "extractor: { use: extractor.plain, devices: d.yaml, rule: simpson }",
   };
   g_autoptr(JsonNode) schema = make_schema();
   save("schema.json", schema);
@@ -162,9 +162,9 @@ static void test_wrong(void) {
         "opcflow: 1\nsteps:\n  m:\n    use: correct\n    gates: ${g}\n"
         "    litho: { use: litho.hopkins }\n"
         "    resist: { use: resist.threshold }\n"
-        "    extract: { use: extract.plain, devices: d.yaml }\n"
-        "    synthesizer: { use: mask.dpb }\n"
-        "    regulator: { use: drc.regulator }\n");
+        "    extractor: { use: extractor.plain, devices: d.yaml }\n"
+        "    synthesizer: { use: synthesizer.dpb }\n"
+        "    regulator: { use: regulator.drc }\n");
     if (!i) {
       save_flow("whole.json", text->str);
       g_ptr_array_insert(names, 0, g_strdup("whole.json"));

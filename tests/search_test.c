@@ -106,8 +106,8 @@ static char *inner_text(void) {
       "0.75 }\n"
       "    resist: { use: resist.threshold, anchor: { line: 65 nm, pitch: 250 "
       "nm } }\n"
-      "    extract: { use: extract.plain, devices: %s }\n"
-      "    synthesizer: { use: mask.epe, fragment: 20 nm }\n"
+      "    extractor: { use: extractor.plain, devices: %s }\n"
+      "    synthesizer: { use: synthesizer.epe, fragment: 20 nm }\n"
       "  cost: { use: cost.fracture, mask: ${mask} }\n"
       "  gds: { use: write.gds, mask: ${mask}, file: mask.gds }\n"
       "variants:\n  few: { mask.max_iterations: 2 }\n",
@@ -221,11 +221,12 @@ static void test_threads(void) {
 /* Other plugins' parameters, another figure, the greatest one, a variant and
    another plugin that is set. */
 static void test_others(void) {
-  write_file("others.yaml", HEAD
-             "    variant: few\n    set:\n"
-             "      mask.synthesizer: { use: mask.dpb, max_pde: 0.5 % }\n"
-             "    sweep: { mask.litho.na: [0.7, 0.75, 0.8] }\n"
-             "    maximise: cost.shots\n    mask: mask\n" GDS);
+  write_file(
+      "others.yaml", HEAD
+      "    variant: few\n    set:\n"
+      "      mask.synthesizer: { use: synthesizer.dpb, max_pde: 0.5 % }\n"
+      "    sweep: { mask.litho.na: [0.7, 0.75, 0.8] }\n"
+      "    maximise: cost.shots\n    mask: mask\n" GDS);
   g_autofree char *errors = NULL;
   int code = opcflow(&errors, "run", "others.yaml", "--output", "others", NULL);
   if (code) g_error("%s", errors);
@@ -244,7 +245,8 @@ static void test_others(void) {
   g_autofree char *flow = g_strdup_printf("na-%d.yaml", greatest);
   g_autofree char *alone_text = g_strdup_printf(
       "opcflow: 1\nextends: inner.yaml\nsteps:\n  mask: { max_iterations: 2, "
-      "litho: { na: %g }, synthesizer: { use: mask.dpb, max_pde: 0.5 %% } }\n",
+      "litho: { na: %g }, synthesizer: { use: synthesizer.dpb, max_pde: 0.5 %% "
+      "} }\n",
       0.7 + 0.05 * greatest);
   write_file(flow, alone_text);
   run_good(flow, run, NULL, NULL);
@@ -287,7 +289,7 @@ static void test_resolved(void) {
   g_autofree char *manifest = read_file("second", "manifest.json");
   g_assert_nonnull(strstr(manifest, "sub/mine.cif\""));
   g_assert_nonnull(strstr(manifest, "inner.yaml\""));
-  g_assert_nonnull(strstr(manifest, "\"mask.epe\""));
+  g_assert_nonnull(strstr(manifest, "\"synthesizer.epe\""));
   g_autofree char *best = g_build_filename("first", "best", "flow.yaml", NULL);
   run_good(best, "third", NULL, NULL);
   g_assert_true(metric("third", "mask", "ion_mean") ==
@@ -317,19 +319,25 @@ static void expect(const char *text, const char *want) {
 
 static void test_refused(void) {
   expect(HEAD AXES "    minimise: mask.ion_maen\n",
-         "bad.yaml:10:15: 'mask' (correct) has no metric 'ion_maen', did you "
+         "bad.yaml:10:15: step 'best' (search): 'mask' (correct) has no metric "
+         "'ion_maen', did you "
          "mean 'ion_mean'?\n");
   expect(HEAD AXES "    minimise: msak.ion_mean\n",
-         "bad.yaml:10:15: there is no 'msak' in 'inner.yaml', did you mean "
+         "bad.yaml:10:15: step 'best' (search): there is no 'msak' in "
+         "'inner.yaml', did you mean "
          "'mask'?\n");
   expect(HEAD AXES "    minimise: ion_mean\n",
-         "bad.yaml:10:15: 'ion_mean' is no figure, as 'step.metric'\n");
+         "bad.yaml:10:15: step 'best' (search): 'ion_mean' is no figure, as "
+         "'step.metric'\n");
   expect(HEAD AXES,
-         "bad.yaml:4:3: a search needs either 'minimise' or 'maximise'\n");
+         "bad.yaml:4:3: step 'best' (search): a search needs either 'minimise' "
+         "or 'maximise'\n");
   expect(HEAD LEAST,
-         "bad.yaml:4:3: a search needs a 'sweep', here or in 'inner.yaml'\n");
+         "bad.yaml:4:3: step 'best' (search): a search needs a 'sweep', here "
+         "or in 'inner.yaml'\n");
   expect(HEAD "    sweep: { mask.synthesizer.fragmnt: [1 nm] }\n" LEAST,
-         "bad.yaml:7:14: unknown parameter 'fragmnt' of 'mask.epe', did you "
+         "bad.yaml:7:14: unknown parameter 'fragmnt' of 'synthesizer.epe', did "
+         "you "
          "mean 'fragment'?\n");
   expect(HEAD "    sweep: { mask.max_iterations: [1, x] }\n" LEAST,
          "bad.yaml:7:39: 'max_iterations' needs a whole number, not 'x'\n");
@@ -339,23 +347,26 @@ static void test_refused(void) {
          "bad.yaml:7:14: unknown variant 'fwe', did you mean 'few'?\n");
   expect(HEAD AXES LEAST
          "    along: { mask.max_iteration: mask.history.iteration }\n",
-         "bad.yaml:11:14: 'mask.max_iteration' is not swept, did you mean "
+         "bad.yaml:11:14: step 'best' (search): 'mask.max_iteration' is not "
+         "swept, did you mean "
          "'mask.max_iterations'?\n");
   expect(HEAD AXES LEAST
          "    along: { mask.synthesizer.fragment: mask.history.iteration }\n",
-         "bad.yaml:11:14: 'mask.synthesizer.fragment' needs plain numbers that "
+         "bad.yaml:11:14: step 'best' (search): 'mask.synthesizer.fragment' "
+         "needs plain numbers that "
          "increase, to share a run\n");
-  expect(HEAD AXES LEAST "    along: { mask.max_iterations: mask.history }\n",
-         "bad.yaml:11:35: 'mask.history' is no column, as "
-         "'step.table.column'\n");
   expect(
-      HEAD AXES "    minimise: cost.shots\n",
-      "bad.yaml:4:3: step 'cost' (cost.fracture) makes no mask: 'mask' names "
-      "the step whose mask is wanted, such as 'mask'\n");
-  expect(
-      HEAD "    sweep: { gds.file: [a.gds, b.gds] }\n" LEAST,
-      "bad.yaml:7:14: 'gds.file' changes nothing: step 'gds' comes after the "
-      "figure\n");
+      HEAD AXES LEAST "    along: { mask.max_iterations: mask.history }\n",
+      "bad.yaml:11:14: step 'best' (search): 'mask.history' is no column, as "
+      "'step.table.column'\n");
+  expect(HEAD AXES "    minimise: cost.shots\n",
+         "bad.yaml:4:3: step 'best' (search): step 'cost' (cost.fracture) "
+         "makes no mask: 'mask' names "
+         "the step whose mask is wanted, such as 'mask'\n");
+  expect(HEAD "    sweep: { gds.file: [a.gds, b.gds] }\n" LEAST,
+         "bad.yaml:7:14: step 'best' (search): 'gds.file' changes nothing: "
+         "step 'gds' comes after the "
+         "figure\n");
 }
 
 /* A fault of the inner flow has its place there; a search does not search
@@ -367,7 +378,8 @@ static void test_inner_faults(void) {
   expect(
       "opcflow: 1\nsteps:\n  best:\n    use: search\n    flow: wrong.yaml\n"
       "    sweep: { mask.max_iterations: [1] }\n" LEAST,
-      "wrong.yaml:5:20: unknown parameter 'fragmnt' of 'mask.epe', did you "
+      "wrong.yaml:5:20: unknown parameter 'fragmnt' of 'synthesizer.epe', did "
+      "you "
       "mean 'fragment'?\n");
   expect(
       "opcflow: 1\nsteps:\n  best:\n    use: search\n    flow: bad.yaml\n"
@@ -377,7 +389,8 @@ static void test_inner_faults(void) {
   expect(
       HEAD "    set: { mask.synthesizer.min_edge: 50 nm }\n" AXES LEAST,
       "bad.yaml:4:3: step 'best' (search): bad.yaml:7:39: 'mask.synthesizer' "
-      "(mask.epe): 50 nm is more than a fragment of 14 nm (and 1 more)\n");
+      "(synthesizer.epe): 50 nm is more than a fragment of 14 nm (and 1 "
+      "more)\n");
 }
 
 /* A table that is not there is found out at the first run. */

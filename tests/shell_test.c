@@ -36,14 +36,14 @@ static char *offered(const char *line) {
   return bash(script);
 }
 
-/* A flow, and a folder with another. */
+/* A flow, a folder with another, and one with plugins. */
 static void make_flows(void) {
   g_autofree char *second = g_build_filename(folder, "flows", NULL);
   if (g_mkdir(second, 0777)) return;
   g_autofree char *make = g_strdup_printf(
       "'%s' new flow first.yaml && rm ptm65.yaml && "
-      "touch flows/second.yaml flows/other",
-      command);
+      "touch flows/second.yaml flows/other && ln -s '%s/tests' own",
+      command, g_getenv("OPCFLOW_BUILD"));
   g_free(bash(make));
 }
 
@@ -52,15 +52,20 @@ static void test_completion(void) {
       {"opcflow r", "run "},
       {"opcflow run --qu", "--quiet "},
       {"opcflow --plugin-path x ch", "check "},
-      {"opcflow inspect mask.d", "mask.dpb "},
+      {"opcflow inspect synthesizer.d", "synthesizer.dpb "},
       {"opcflow new ", "flow plugin "},
-      {"opcflow new plugin --kind e", "extract "},
+      {"opcflow new plugin --kind e", "extractor "},
       {"opcflow help ins", "inspect "},
+      {"opcflow --plugin-path own te", "tell "},
+      {"opcflow tell --plugin-path=own --max", "--max-cases "},
+      {"opcflow tell --plugin-path=own --mode f", "first "},
       {"opcflow run f", "first.yaml flows/ "},
       {"opcflow run flows/", "flows/second.yaml "},
       {"opcflow run first.yaml --set mask.litho.n", "mask.litho.na= "},
-      {"opcflow run first.yaml --set=mask.extract.ru", "mask.extract.rule= "},
-      {"opcflow run first.yaml --set mask.extract.rule=", "contour gauss equal "},
+      {"opcflow run first.yaml --set=mask.extractor.ru",
+       "mask.extractor.rule= "},
+      {"opcflow run first.yaml --set mask.extractor.rule=",
+       "contour gauss equal "},
       {"opcflow run first.yaml --output ", " "},
   };
   make_flows();
@@ -77,19 +82,23 @@ static void test_zsh(void) {
       {"opcflow r", "opcflow run |run"},
       {"opcflow run --qu", "opcflow run --quiet |--quiet"},
       {"opcflow --plugin-path x ch", "opcflow --plugin-path x check |check"},
-      {"opcflow inspect mask.d", "opcflow inspect mask.dpb |mask.dpb"},
+      {"opcflow inspect synthesizer.d",
+       "opcflow inspect synthesizer.dpb |mask.dpb"},
       {"opcflow new ", "opcflow new |flow plugin"},
-      {"opcflow new plugin --kind e", "opcflow new plugin --kind extract |extract"},
+      {"opcflow new plugin --kind e",
+       "opcflow new plugin --kind extractor |extractor"},
       {"opcflow run f", "opcflow run f|first.yaml flows/"},
-      {"opcflow run flows/", "opcflow run flows/second.yaml |flows/second.yaml"},
+      {"opcflow run flows/",
+       "opcflow run flows/second.yaml |flows/second.yaml"},
       {"opcflow run first.yaml --set mask.litho.n",
        "opcflow run first.yaml --set mask.litho.na=|mask.litho.na="},
-      {"opcflow run first.yaml --set=mask.extract.ru",
-       "opcflow run first.yaml --set=mask.extract.rule=|mask.extract.rule="},
-      {"opcflow run first.yaml --set mask.extract.rule=",
-       "opcflow run first.yaml --set mask.extract.rule=|contour equal gauss"},
-      {"opcflow run first.yaml --set mask.extract.rule=g",
-       "opcflow run first.yaml --set mask.extract.rule=gauss |gauss"},
+      {"opcflow run first.yaml --set=mask.extractor.ru",
+       "opcflow run first.yaml "
+       "--set=mask.extractor.rule=|mask.extractor.rule="},
+      {"opcflow run first.yaml --set mask.extractor.rule=",
+       "opcflow run first.yaml --set mask.extractor.rule=|contour equal gauss"},
+      {"opcflow run first.yaml --set mask.extractor.rule=g",
+       "opcflow run first.yaml --set mask.extractor.rule=gauss |gauss"},
       /* A file of any name, which zsh finds itself. */
       {"opcflow run first.yaml --output fl",
        "opcflow run first.yaml --output flows/|flows"},
@@ -112,11 +121,13 @@ static void test_zsh(void) {
 }
 
 /* Every verb has a page that roff takes without a warning, made by the build
-   and with all its options. */
+   and with all its options; that of the command names them all. */
 static void test_pages(void) {
   g_autofree char *groff = g_find_program_in_path("groff");
-  if (!groff) {
-    g_test_skip("no groff");
+  g_autofree char *first =
+      g_build_filename(g_getenv("OPCFLOW_BUILD"), "data", "opcflow.1", NULL);
+  if (!groff || !g_file_test(first, G_FILE_TEST_EXISTS)) {
+    g_test_skip("no groff, or no help2man at build time");
     return;
   }
   g_autofree char *list = g_strdup_printf(

@@ -5,8 +5,8 @@
 
 #include <json-glib/json-glib.h>
 
-#include "core/flow/problem.h"
 #include "core/plugin/registry.h"
+#include "core/text/problem.h"
 
 enum {
   CLI_GOOD = 0,
@@ -21,66 +21,102 @@ enum {
 /* The exit code of an OPC_* code. */
 int cli_exit_code(int code);
 
-/* What stands on a command line: for each option one of `flag`, `text`,
-   `list`. `argument` is its name in the help, NULL for a flag. */
+/* ---- verbs ---- */
+
+/* What may stand on a command line. One of `flag`, `text` and `list` takes it:
+   variables of the verb, as a process runs one. A list ends with NULL; it is
+   NULL itself where nothing was given. */
 typedef struct cli_option {
   const char *name; /* without dashes */
-  const char *argument;
   const char *help;
+  const char *argument; /* its name in the help; NULL: a flag */
   gboolean *flag;
   const char **text;
-  GPtrArray *list;
+  GPtrArray **list;
 } cli_option;
 
-typedef struct cli_verb {
+typedef struct cli_verb cli_verb;
+struct cli_verb {
   const char *name;
   const char *arguments; /* "FLOW" */
   const char *summary;
-  /* The work. `argv` as main got it. */
-  int (*run)(const struct cli_verb *verb, int argc, char **argv);
-  const char *words; /* what the first argument may be, with | between; NULL */
+  const cli_option *options; /* the last one is empty; NULL: none */
+  guint least, most;         /* how many arguments it takes */
+  /* The work, with all options read; gives the exit code. */
+  int (*run)(const cli_verb *verb, const GPtrArray *arguments);
+  const char *words; /* what the first one may be, with | between; NULL */
   gboolean hidden;   /* for shells, not for people */
-} cli_verb;
+  const opc_plugin *plugin; /* that brings the verb; NULL: the command's own */
+};
 
 extern const cli_verb cli_run, cli_check, cli_plugins, cli_inspect, cli_lint,
     cli_schema, cli_new, cli_version, cli_help, cli_complete;
 
-/* All verbs, NULL-terminated; the hidden ones come last. */
+/* The command's own verbs, NULL-terminated; the hidden ones come last. */
 extern const cli_verb *const cli_verbs[];
-const cli_verb *cli_find_verb(const char *name);
 
-/* Tell what a verb takes: `options` and `common` are those of the verb and of
-   all, and end with an empty one. */
-typedef void (*cli_teller)(const cli_verb *verb, const cli_option *options,
-                           const cli_option *common, void *data);
+/* A verb, one of the command's own or of a plugin, which is loaded; NULL and
+ *error if there is none. */
+const cli_verb *cli_find_verb(const char *name, opc_error *error);
 
-/* Have `tell` called with the options of a verb. */
-void cli_ask(const cli_verb *verb, cli_teller tell, void *data);
+/* The names of all verbs that are not hidden (char *, freed with the array). */
+GPtrArray *cli_verb_names(void);
 
-/* Print the manual page of a verb, of the command itself for NULL; roff. */
-void cli_print_manual(const cli_verb *verb);
+/* The verb of the plugin "command.NAME"; NULL and *error. */
+const cli_verb *cli_plugin_verb(const char *name, opc_error *error);
 
-/* Read options and at least `least`, at most `most` other arguments, which are
-   put into `rest`. -1 to go on; otherwise the exit code, everything being said
-   (--help, --plugin-path and wrong usage are dealt with). `options` ends with
-   an empty one; may be NULL. */
-int cli_parse(const cli_verb *verb, int argc, char **argv,
-              const cli_option *options, guint least, guint most,
-              GPtrArray *rest);
+/* The whole command line, "opcflow" and the verb first; NULL-terminated. */
+const char *const *cli_command_line(void);
 
-/* The folders of --plugin-path so far, for opc_registry_new. */
-const char *const *cli_plugin_path(void);
+/* ---- options ---- */
 
-/* All plugins that can be used, by id: const opc_plugin *. */
-GPtrArray *cli_usable_plugins(opc_registry *registry);
+/* The options that every verb takes. */
+extern const cli_option cli_common_options[];
+
+/* Read the words behind the verb: what is no option is put into `rest`. -1 to
+   go on; otherwise the exit code, everything being said (--help, --version and
+   wrong usage are dealt with). */
+int cli_parse(const cli_verb *verb, guint n, char **words, GPtrArray *rest);
+
+void cli_print_help(const cli_verb *verb);
+
+/* What a list of options took. */
+const char *const *cli_list(GPtrArray *list);
+
+/* The value of --threads, NULL for none. -1, or the exit code. */
+int cli_set_threads(const char *text);
+
+/* ---- plugins ---- */
+
+/* Take the folders of all --plugin-path, wherever they stand. */
+void cli_take_plugin_path(guint n, char **words);
+
+/* Look into that folder before all others. Before the first cli_registry. */
+void cli_look_first(const char *folder);
+
+/* The plugins of those folders and of the standard ones. */
+opc_registry *cli_registry(void);
 
 /* How long one plugin may take to load, s. */
 #define CLI_PATIENCE 10.0
+
+/* ---- stopping ---- */
+
+/* From now on the first SIGINT or SIGTERM asks to stop; a second one, of either
+   kind, ends what does not heed it. */
+void cli_catch_signals(void);
+int cli_is_stopped(void *unused);
 
 /* ---- messages on standard error ---- */
 
 /* "error: ...", "warning: ..." with colour on a terminal. */
 void cli_message(const char *kind, const char *format, ...) OPC_PRINTF(2, 3);
+
+/* An error that ends the command with `code`. */
+#define cli_error(code, ...) (cli_message("error", __VA_ARGS__), (code))
+
+/* The same of a library's error. */
+int cli_fail(const opc_error *error);
 
 /* What is no fault, but should be changed. */
 void cli_warnings(const opc_problems *problems);
@@ -88,18 +124,28 @@ void cli_warnings(const opc_problems *problems);
 /* All problems; the exit code that they stand for. */
 int cli_problems(opc_problems *problems);
 
-/* Those problems as they are found in JSON documents: a list of { file, line,
-   column, message, exit }; file, line and column are left out where there is
-   none. */
-JsonNode *cli_problems_json(opc_problems *problems);
-
 /* Whether to move a cursor. */
 gboolean cli_is_terminal(void);
 
 /* ---- standard output ---- */
 
 void cli_print(const char *format, ...) OPC_PRINTF(1, 2);
-void cli_print_json(JsonNode *node); /* takes the node */
+
+/* A table of texts under `names`: `cells` has its rows, one after another. */
+void cli_print_rows(const char *const *names, size_t n, const GPtrArray *cells);
+
+/* JSON; both are taken. */
+void cli_print_object(JsonObject *object);
+void cli_print_array(JsonArray *array);
+
+/* Add the member "problems" as documents have it: a list of { file, line,
+   column, message, exit }; file, line and column are left out where there is
+   none. */
+void cli_add_problems(JsonObject *object, opc_problems *problems);
+
+/* Add a list of texts. */
+void cli_add_texts(JsonObject *object, const char *name,
+                   const GPtrArray *texts);
 
 /* CLI_GOOD, or CLI_IO and a message if standard output could not take it all.
  */

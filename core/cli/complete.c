@@ -6,60 +6,53 @@
 
 #include "core/cli/cli.h"
 #include "core/flow/flow.h"
-#include "core/plugin/declaration.h"
+#include "core/plugin/kind.h"
+#include "core/text/value.h"
 
 /* Where the cursor is. */
 typedef struct line {
-  char **words; /* behind the command; the last one is unfinished */
-  guint n;
-  const char *current;
+  const char *current;  /* the last word, which is unfinished */
   const cli_verb *verb; /* NULL: not yet there */
   const char *flow;     /* the flow file among the words, NULL for none */
   guint arguments;      /* of the verb, before the current one */
-  gboolean awaited;     /* the current word is the value of `option` */
-  cli_option option;
+  const char *awaited;  /* the current word is the value of an option, which the
+                           help calls so; NULL: it is not */
 } line;
 
 static void offer(const line *l, const char *word) {
   if (g_str_has_prefix(word, l->current)) cli_print("%s\n", word);
 }
 
-/* ---- what is being completed ---- */
+static void offer_all(const line *l, const GPtrArray *words) {
+  for (guint i = 0; i < words->len; i++) offer(l, words->pdata[i]);
+}
 
-typedef struct question {
-  const char *name; /* of an option, with dashes */
-  cli_option *found;
-} question;
+/* ---- options ---- */
 
-static void find_option(const cli_verb *verb, const cli_option *options,
-                        const cli_option *common, void *data) {
-  const question *q = data;
-  (void)verb;
+/* Offer those of the verb and of all, and find what `word`, if it is one, has
+   for its value in the next word; either may be NULL. */
+static const char *go_through_options(const line *l, const line *to,
+                                      const char *word) {
+  const cli_option *const both[] = {l->verb ? l->verb->options : NULL,
+                                    cli_common_options};
   for (int i = 0; i < 2; i++)
-    for (const cli_option *o = i ? common : options; o && o->name; o++)
-      if (!strcmp(o->name, q->name + 2)) *q->found = *o;
+    for (const cli_option *o = both[i]; o && o->name; o++) {
+      g_autofree char *dashed = g_strconcat("--", o->name, NULL);
+      if (to) offer(to, dashed);
+      if (word && !strcmp(dashed, word)) return o->argument;
+    }
+  return NULL;
 }
 
-/* Whether `word` is an option whose value is the next word. */
-static gboolean takes_value(line *l, const char *word) {
-  if (strncmp(word, "--", 2) || strchr(word, '=')) return FALSE;
-  l->option = (cli_option){0};
-  question q = {word, &l->option};
-  cli_ask(l->verb ? l->verb : &cli_help, find_option, &q);
-  return l->option.argument != NULL;
-}
-
-static void read_line(line *l) {
-  for (guint i = 0; i + 1 < l->n; i++) {
-    const char *word = l->words[i];
-    if (l->awaited)
-      l->awaited = FALSE;
-    else if (takes_value(l, word))
-      l->awaited = TRUE;
-    else if (*word == '-')
-      continue;
-    else if (!l->verb)
-      l->verb = cli_find_verb(word);
+static void read_words(line *l, const GPtrArray *words) {
+  for (guint i = 0; i + 1 < words->len; i++) {
+    const char *word = words->pdata[i];
+    opc_error error;
+    gboolean value = l->awaited != NULL;
+    l->awaited = value ? NULL : go_through_options(l, NULL, word);
+    if (value || *word == '-') continue;
+    if (!l->verb)
+      l->verb = cli_find_verb(word, &error);
     else if (!l->arguments++)
       l->flow = word;
   }
@@ -67,29 +60,19 @@ static void read_line(line *l) {
 
 /* ---- candidates ---- */
 
-static void offer_options(const cli_verb *verb, const cli_option *options,
-                          const cli_option *common, void *data) {
-  (void)verb;
-  for (int i = 0; i < 2; i++)
-    for (const cli_option *o = i ? common : options; o && o->name; o++) {
-      g_autofree char *dashed = g_strconcat("--", o->name, NULL);
-      offer(data, dashed);
-    }
-}
-
-static void offer_verbs(const line *l) {
-  for (size_t i = 0; cli_verbs[i] && !cli_verbs[i]->hidden; i++)
-    offer(l, cli_verbs[i]->name);
-}
-
 static void offer_words(const line *l, const char *choices) {
   g_auto(GStrv) words = opc_choice_list(choices);
   for (guint i = 0; words[i]; i++) offer(l, words[i]);
 }
 
+static void offer_verbs(const line *l) {
+  g_autoptr(GPtrArray) names = cli_verb_names();
+  offer_all(l, names);
+}
+
 static void offer_plugins(const line *l) {
-  g_autoptr(opc_registry) registry = opc_registry_new(cli_plugin_path());
-  g_autoptr(GPtrArray) list = opc_registry_scan(registry, CLI_PATIENCE);
+  g_autoptr(GPtrArray) list =
+      opc_registry_scan(cli_registry(), l->current, CLI_PATIENCE);
   for (guint i = 0; i < list->len; i++) {
     const opc_candidate *c = list->pdata[i];
     if (!c->reason && !c->hidden_by) offer(l, c->id);
@@ -104,8 +87,7 @@ static gint by_name(gconstpointer a, gconstpointer b) {
 static void offer_flows(const line *l) {
   const char *slash = strrchr(l->current, '/');
   g_autofree char *prefix =
-      slash ? g_strndup(l->current, (size_t)(slash - l->current) + 1)
-            : g_strdup("");
+      g_strndup(l->current, slash ? (gsize)(slash - l->current) + 1 : 0);
   g_autoptr(GDir) dir = g_dir_open(*prefix ? prefix : ".", 0, NULL);
   g_autoptr(GPtrArray) found = g_ptr_array_new_with_free_func(g_free);
   for (const char *name; dir && (name = g_dir_read_name(dir));) {
@@ -114,10 +96,10 @@ static void offer_flows(const line *l) {
     if (g_file_test(path, G_FILE_TEST_IS_DIR))
       g_ptr_array_add(found, g_strconcat(path, "/", NULL));
     else if (g_str_has_suffix(name, ".yaml") || g_str_has_suffix(name, ".yml"))
-      g_ptr_array_add(found, g_strdup(path));
+      g_ptr_array_add(found, g_steal_pointer(&path));
   }
   g_ptr_array_sort(found, by_name);
-  for (guint i = 0; i < found->len; i++) offer(l, found->pdata[i]);
+  offer_all(l, found);
 }
 
 static void offer_values(const line *l, const opc_parameter *p) {
@@ -130,7 +112,7 @@ static void offer_settings(opc_binding *binding, void *data) {
   const line *l = data;
   const char *equals = strchr(l->current, '=');
   for (size_t i = 0; i < binding->plugin->n_parameters; i++) {
-    const opc_parameter *p = opc_parameter_at(binding->plugin, i);
+    const opc_parameter *p = &binding->plugin->parameters[i];
     if (p->type == OPC_INPUT) continue;
     g_autofree char *word = g_strdup_printf("%s.%s=", binding->path, p->name);
     if (!equals)
@@ -143,9 +125,9 @@ static void offer_settings(opc_binding *binding, void *data) {
 /* STEP.PARAMETER= of the flow that the line names. */
 static void offer_sets(line *l) {
   if (!l->flow) return;
-  g_autoptr(opc_registry) registry = opc_registry_new(cli_plugin_path());
   g_autoptr(opc_problems) problems = opc_problems_new();
-  g_autoptr(opc_flow) flow = opc_flow_load(l->flow, NULL, registry, problems);
+  g_autoptr(opc_flow) flow =
+      opc_flow_load(l->flow, NULL, cli_registry(), problems);
   for (guint i = 0; flow && i < flow->steps->len; i++) {
     const opc_flow_step *step = flow->steps->pdata[i];
     if (step->binding) opc_binding_visit(step->binding, offer_settings, l);
@@ -153,24 +135,26 @@ static void offer_sets(line *l) {
 }
 
 static void offer_argument(line *l, const char *name) {
+  g_autoptr(GPtrArray) kinds = opc_kind_names(cli_registry());
   if (!strcmp(name, "STEP.PARAMETER=VALUE")) offer_sets(l);
-  if (!strcmp(name, "KIND"))
-    for (uint32_t kind = 1; opc_kind_name(kind); kind++)
-      offer(l, opc_kind_name(kind));
+  if (!strcmp(name, "KIND")) offer_all(l, kinds);
   if (!strcmp(name, "FLOW")) offer_flows(l);
   if (!strcmp(name, "ID")) offer_plugins(l);
   if (!strcmp(name, "[VERB]")) offer_verbs(l);
+  if (l->verb && l->verb->plugin && strchr(name, '|')) offer_words(l, name);
 }
+
+/* ---- entry ---- */
 
 static void complete(line *l) {
   static const char set[] = "--set=";
   if (l->awaited) {
-    offer_argument(l, l->option.argument);
+    offer_argument(l, l->awaited);
   } else if (l->verb && g_str_has_prefix(l->current, set)) {
     l->current += strlen(set);
     offer_sets(l);
   } else if (*l->current == '-') {
-    cli_ask(l->verb ? l->verb : &cli_help, offer_options, l);
+    go_through_options(l, l, NULL);
   } else if (!l->verb) {
     offer_verbs(l);
   } else if (!l->arguments && l->verb->words) {
@@ -180,26 +164,24 @@ static void complete(line *l) {
   }
 }
 
-static int run(const cli_verb *verb, int argc, char **argv) {
-  g_autoptr(GPtrArray) rest = g_ptr_array_new();
-  int code = cli_parse(verb, argc, argv, NULL, 1, 1, rest);
-  if (code >= 0) return code;
+/* The words behind the command, without their quotes. */
+static int run(const cli_verb *verb, const GPtrArray *arguments) {
+  (void)verb;
   g_autoptr(GPtrArray) words = g_ptr_array_new();
-  g_auto(GStrv) all = g_strsplit_set(rest->pdata[0], " \t", -1);
+  g_auto(GStrv) all = g_strsplit_set(arguments->pdata[0], " \t", -1);
   guint last = g_strv_length(all);
   for (guint i = 0, seen = 0; i < last; i++) {
     if (!*all[i] && i + 1 < last) continue;
-    g_strdelimit(all[i], "'\"\\", '\x01');
     char *to = all[i];
-    for (char *from = all[i]; *from; from++)
-      if (*from != '\x01') *to++ = *from;
+    for (const char *from = all[i]; *from; from++)
+      if (!strchr("'\"\\", *from)) *to++ = *from;
     *to = 0;
     if (seen++) g_ptr_array_add(words, all[i]);
   }
   if (!words->len) return CLI_GOOD;
-  line l = {.words = (char **)words->pdata, .n = words->len};
-  l.current = l.words[l.n - 1];
-  read_line(&l);
+  cli_take_plugin_path(words->len, (char **)words->pdata);
+  line l = {.current = words->pdata[words->len - 1]};
+  read_words(&l, words);
   complete(&l);
   return CLI_GOOD;
 }
@@ -207,5 +189,7 @@ static int run(const cli_verb *verb, int argc, char **argv) {
 const cli_verb cli_complete = {.name = "complete",
                                .arguments = "LINE",
                                .summary = "What may stand at the end of a line",
+                               .least = 1,
+                               .most = 1,
                                .run = run,
                                .hidden = TRUE};

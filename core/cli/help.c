@@ -1,38 +1,49 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* opcflow help, opcflow version: what there is. */
+#include <string.h>
+
 #include "core/cli/cli.h"
 
-static int help_verb(const char *name, gboolean man) {
-  const cli_verb *verb = cli_find_verb(name);
-  if (!verb) {
-    cli_message("error", "unknown verb '%s', see 'opcflow help'", name);
-    return CLI_USAGE;
-  }
-  if (man) {
-    cli_print_manual(verb);
-    return CLI_GOOD;
-  }
-  char *help[] = {(char *)"--help"};
-  return verb->run(verb, 1, help);
+/* ---- help ---- */
+
+static void print_verb(const char *name, const char *arguments,
+                       const char *summary) {
+  g_autofree char *left =
+      g_strdup_printf("%s%s%s", name, *arguments ? " " : "", arguments);
+  cli_print("  %-28s  %s\n", left, summary);
 }
 
-static int run(const cli_verb *verb, int argc, char **argv) {
-  gboolean man = FALSE;
-  const cli_option options[] = {
-      {"man", NULL, "as a manual page, in roff", &man, NULL, NULL}, {0}};
-  g_autoptr(GPtrArray) rest = g_ptr_array_new();
-  int code = cli_parse(verb, argc, argv, options, 0, 1, rest);
-  if (code >= 0) return code;
-  if (rest->len) return help_verb(rest->pdata[0], man);
-  if (man) {
-    cli_print_manual(NULL);
+/* Those of plugins, each of which is loaded in a process of its own. */
+static void print_plugin_verbs(void) {
+  g_autoptr(GPtrArray) found =
+      opc_registry_scan(cli_registry(), "command.", CLI_PATIENCE);
+  gboolean first = TRUE;
+  for (guint i = 0; i < found->len; i++) {
+    const opc_candidate *c = found->pdata[i];
+    if (c->reason || c->hidden_by) continue;
+    if (first) cli_print("\nVerbs of plugins:\n");
+    first = FALSE;
+    print_verb(strchr(c->id, '.') + 1, "", c->summary);
+  }
+}
+
+static int run_help(const cli_verb *verb, const GPtrArray *arguments) {
+  (void)verb;
+  opc_error error = {0};
+  if (arguments->len) {
+    const cli_verb *about = cli_find_verb(arguments->pdata[0], &error);
+    if (!about) return cli_fail(&error);
+    cli_print_help(about);
     return CLI_GOOD;
   }
-  cli_print("usage: opcflow VERB ...\n\n");
-  for (size_t i = 0; cli_verbs[i] && !cli_verbs[i]->hidden; i++) {
-    g_autofree char *left =
-        g_strdup_printf("%s %s", cli_verbs[i]->name, cli_verbs[i]->arguments);
-    cli_print("  %-16s %s\n", left, cli_verbs[i]->summary);
-  }
+  cli_print(
+      "Usage: opcflow VERB ...\n\n"
+      "Runs flows: YAML files that say which plugins work one after another, "
+      "with\nwhich parameters.\n\nVerbs:\n");
+  for (size_t i = 0; cli_verbs[i] && !cli_verbs[i]->hidden; i++)
+    print_verb(cli_verbs[i]->name, cli_verbs[i]->arguments,
+               cli_verbs[i]->summary);
+  print_plugin_verbs();
   cli_print("\n'opcflow help VERB' tells the options of one.\n");
   return CLI_GOOD;
 }
@@ -40,4 +51,33 @@ static int run(const cli_verb *verb, int argc, char **argv) {
 const cli_verb cli_help = {.name = "help",
                            .arguments = "[VERB]",
                            .summary = "Tell what there is",
-                           .run = run};
+                           .most = 1,
+                           .run = run_help};
+
+/* ---- version ---- */
+
+static gboolean json;
+
+static int run_version(const cli_verb *verb, const GPtrArray *arguments) {
+  (void)verb, (void)arguments;
+  if (!json) {
+    cli_print("opcflow %s (plugin interface %u.%u)\n", OPC_VERSION,
+              OPC_ABI_MAJOR, OPC_ABI_MINOR);
+    return CLI_GOOD;
+  }
+  JsonObject *o = json_object_new();
+  json_object_set_string_member(o, "opcflow", OPC_VERSION);
+  json_object_set_int_member(o, "interface_major", OPC_ABI_MAJOR);
+  json_object_set_int_member(o, "interface_minor", OPC_ABI_MINOR);
+  cli_print_object(o);
+  return CLI_GOOD;
+}
+
+static const cli_option version_options[] = {{"json", "as JSON", .flag = &json},
+                                             {0}};
+
+const cli_verb cli_version = {.name = "version",
+                              .arguments = "",
+                              .summary = "Tell the version",
+                              .options = version_options,
+                              .run = run_version};

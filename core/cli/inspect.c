@@ -1,41 +1,26 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* opcflow inspect: all that a plugin declares. */
 #include <string.h>
 
 #include "core/cli/cli.h"
-#include "core/flow/table.h"
-#include "core/flow/value.h"
 #include "core/plugin/declaration.h"
+#include "core/text/value.h"
 
-static const char *const better[] = {"", "lower", "higher"};
+static const char *const better[] = {"neutral", "lower", "higher"};
 
 /* ---- as text ---- */
 
-/* What a value may be, beside its type: bounds or choices. */
-static char *limits_text(const opc_parameter *p) {
-  return p->choices ? g_strdup(p->choices) : opc_bounds_text(p);
+/* Add a row of `n` texts; NULL is shown as nothing. */
+static void add_row(GPtrArray *cells, const char *const *texts, size_t n) {
+  for (size_t i = 0; i < n; i++)
+    g_ptr_array_add(cells, g_strdup(texts[i] ? texts[i] : ""));
 }
 
-static const char *default_text(const opc_parameter *p) {
-  if (p->flags & OPC_REQUIRED) return "required";
-  return p->preset ? p->preset : "-";
-}
-
-/* Rows of texts, one after another; each is freed with the table. */
-static void print_rows(const char *const *names, size_t n,
-                       const GPtrArray *cells) {
-  size_t rows = cells->len / n;
-  g_autofree const char **data = g_new0(const char *, n *rows + 1);
-  g_autofree opc_column *columns = g_new0(opc_column, n);
-  for (size_t i = 0; i < n; i++) {
-    columns[i] = (opc_column){names[i], NULL, OPC_TEXT, 0, data + i * rows};
-    for (size_t row = 0; row < rows; row++)
-      data[i * rows + row] = cells->pdata[row * n + i];
-  }
-  opc_error error;
-  opc_table *table = opc_table_new("rows", 0, rows, columns, n, &error);
-  g_autofree char *text = opc_table_text(table);
-  opc_table_free(table);
-  cli_print("\n%s", text);
+static void print_cells(const char *const *names, size_t n,
+                        const GPtrArray *cells) {
+  if (!cells->len) return;
+  cli_print("\n");
+  cli_print_rows(names, n, cells);
 }
 
 static void print_parameters(const opc_plugin *plugin) {
@@ -43,38 +28,40 @@ static void print_parameters(const opc_plugin *plugin) {
                                       "default",   "limits", "what it is"};
   g_autoptr(GPtrArray) cells = g_ptr_array_new_with_free_func(g_free);
   for (size_t i = 0; i < plugin->n_parameters; i++) {
-    const opc_parameter *p = opc_parameter_at(plugin, i);
-    g_ptr_array_add(cells, g_strdup(p->name));
-    g_ptr_array_add(cells, g_strdup(opc_type_name(p->type)));
-    g_ptr_array_add(cells, g_strdup(p->unit ? p->unit : ""));
-    g_ptr_array_add(cells, g_strdup(default_text(p)));
-    g_ptr_array_add(cells, limits_text(p));
-    g_ptr_array_add(cells, g_strdup(p->summary));
+    const opc_parameter *p = &plugin->parameters[i];
+    g_autofree char *bounds = opc_bounds_text(p);
+    const char *given = p->preset ? p->preset : "-";
+    const char *const row[] = {p->name,
+                               opc_type_name(p->type),
+                               p->unit,
+                               p->flags & OPC_REQUIRED ? "required" : given,
+                               p->choices ? p->choices : bounds,
+                               p->summary};
+    add_row(cells, row, 6);
   }
-  if (cells->len) print_rows(names, 6, cells);
+  print_cells(names, 6, cells);
 }
 
 static void print_metrics(const opc_plugin *plugin) {
   static const char *const names[] = {"metric", "unit", "better", "what it is"};
   g_autoptr(GPtrArray) cells = g_ptr_array_new_with_free_func(g_free);
   for (size_t i = 0; i < plugin->n_metrics; i++) {
-    const opc_metric *m = opc_metric_at(plugin, i);
-    g_ptr_array_add(cells, g_strdup(m->name));
-    g_ptr_array_add(cells, g_strdup(m->unit ? m->unit : ""));
-    g_ptr_array_add(cells, g_strdup(better[m->better]));
-    g_ptr_array_add(cells, g_strdup(m->summary));
+    const opc_metric *m = &plugin->metrics[i];
+    const char *const row[] = {m->name, m->unit,
+                               m->better ? better[m->better] : "", m->summary};
+    add_row(cells, row, 4);
   }
-  if (cells->len) print_rows(names, 4, cells);
+  print_cells(names, 4, cells);
 }
 
 static void print_outputs(const opc_plugin *plugin) {
   static const char *const names[] = {"output", "data"};
   g_autoptr(GPtrArray) cells = g_ptr_array_new_with_free_func(g_free);
   for (size_t i = 0; i < opc_port_count(plugin); i++) {
-    g_ptr_array_add(cells, g_strdup(opc_port_at(plugin, i)->name));
-    g_ptr_array_add(cells, g_strdup(opc_port_at(plugin, i)->kind));
+    const opc_port *port = opc_port_at(plugin, i);
+    add_row(cells, (const char *const[]){port->name, port->kind}, 2);
   }
-  if (cells->len) print_rows(names, 2, cells);
+  print_cells(names, 2, cells);
 }
 
 /* What to write for a parameter that has no default. */
@@ -100,7 +87,7 @@ static char *example_text(const opc_parameter *p) {
 /* Whether a parameter whose name begins with `prefix` must be given. */
 static gboolean is_needed(const opc_plugin *plugin, const char *prefix) {
   for (size_t i = 0; i < plugin->n_parameters; i++) {
-    const opc_parameter *p = opc_parameter_at(plugin, i);
+    const opc_parameter *p = &plugin->parameters[i];
     if (g_str_has_prefix(p->name, prefix) && p->flags & OPC_REQUIRED)
       return TRUE;
   }
@@ -109,8 +96,8 @@ static gboolean is_needed(const opc_plugin *plugin, const char *prefix) {
 
 /* The names of the groups that parameter i is in and the one before is not. */
 static void print_groups(const opc_plugin *plugin, size_t i) {
-  const char *name = opc_parameter_at(plugin, i)->name;
-  const char *before = i ? opc_parameter_at(plugin, i - 1)->name : "";
+  const char *name = plugin->parameters[i].name;
+  const char *before = i ? plugin->parameters[i - 1].name : "";
   int depth = 1;
   const char *word = name;
   for (const char *dot; (dot = strchr(word, '.')); word = dot + 1, depth++) {
@@ -128,7 +115,7 @@ static void print_stanza(const opc_plugin *plugin) {
   const char *dot = strrchr(plugin->id, '.');
   cli_print("\n%s:\n  use: %s\n", dot ? dot + 1 : plugin->id, plugin->id);
   for (size_t i = 0; i < plugin->n_parameters; i++) {
-    const opc_parameter *p = opc_parameter_at(plugin, i);
+    const opc_parameter *p = &plugin->parameters[i];
     g_autofree char *value = example_text(p);
     g_auto(GStrv) words = g_strsplit(p->name, ".", -1);
     guint n = g_strv_length(words);
@@ -139,122 +126,98 @@ static void print_stanza(const opc_plugin *plugin) {
 }
 
 static void print_text(const opc_plugin *plugin, const char *path) {
-  cli_print("%s %s, %s: %s\n", plugin->id, plugin->version,
-            opc_kind_name(plugin->kind), plugin->summary);
-  cli_print("%s; %s%s%s\n", path ? path : "built in", plugin->licence,
+  cli_print("%s %s, %s: %s\n", plugin->id, plugin->version, plugin->kind,
+            plugin->summary);
+  cli_print("%s; %s%s%s\n", path, plugin->licence,
             plugin->flags & OPC_DETERMINISTIC ? "; deterministic" : "",
             plugin->flags & OPC_REENTRANT ? "; reentrant" : "");
   print_parameters(plugin);
   print_metrics(plugin);
   print_outputs(plugin);
-  print_stanza(plugin);
+  if (strcmp(plugin->kind, OPC_KIND_COMMAND) != 0 &&
+      strcmp(plugin->kind, OPC_KIND_KIND) != 0)
+    print_stanza(plugin);
 }
 
 /* ---- as JSON ---- */
 
-static void set_text(JsonBuilder *b, const char *key, const char *text) {
-  json_builder_set_member_name(b, key);
-  if (text)
-    json_builder_add_string_value(b, text);
-  else
-    json_builder_add_null_value(b);
-}
-
-static void set_flag(JsonBuilder *b, const char *key, gboolean value) {
-  json_builder_set_member_name(b, key);
-  json_builder_add_boolean_value(b, value);
-}
-
-static void set_real(JsonBuilder *b, const char *key, double value) {
-  json_builder_set_member_name(b, key);
-  json_builder_add_double_value(b, value);
-}
-
-static void add_parameter(JsonBuilder *b, const opc_parameter *p) {
-  json_builder_begin_object(b);
-  set_text(b, "name", p->name);
-  set_text(b, "type", opc_type_name(p->type));
-  set_text(b, "unit", p->unit);
-  set_text(b, "default", p->preset);
-  set_flag(b, "required", (p->flags & OPC_REQUIRED) != 0);
-  if (p->flags & OPC_AT_LEAST) set_real(b, "at_least", p->min);
-  if (p->flags & OPC_ABOVE) set_real(b, "above", p->min);
-  if (p->flags & OPC_AT_MOST) set_real(b, "at_most", p->max);
-  if (p->flags & OPC_BELOW) set_real(b, "below", p->max);
-  set_flag(b, "changes_result", !(p->flags & OPC_NO_EFFECT));
-  json_builder_set_member_name(b, "choices");
-  json_builder_begin_array(b);
+static JsonObject *parameter_json(const opc_parameter *p) {
+  JsonObject *o = json_object_new();
+  json_object_set_string_member(o, "name", p->name);
+  json_object_set_string_member(o, "type", opc_type_name(p->type));
+  json_object_set_string_member(o, "unit", p->unit);
+  json_object_set_string_member(o, "default", p->preset);
+  json_object_set_boolean_member(o, "required", p->flags & OPC_REQUIRED);
+  if (p->flags & OPC_AT_LEAST)
+    json_object_set_double_member(o, "at_least", p->min);
+  if (p->flags & OPC_ABOVE) json_object_set_double_member(o, "above", p->min);
+  if (p->flags & OPC_AT_MOST)
+    json_object_set_double_member(o, "at_most", p->max);
+  if (p->flags & OPC_BELOW) json_object_set_double_member(o, "below", p->max);
+  json_object_set_boolean_member(o, "changes_result",
+                                 !(p->flags & OPC_NO_EFFECT));
   g_auto(GStrv) words = p->choices ? opc_choice_list(p->choices) : NULL;
+  JsonArray *choices = json_array_new();
   for (guint i = 0; words && words[i]; i++)
-    json_builder_add_string_value(b, words[i]);
-  json_builder_end_array(b);
-  set_text(b, "summary", p->summary);
-  json_builder_end_object(b);
+    json_array_add_string_element(choices, words[i]);
+  json_object_set_array_member(o, "choices", choices);
+  json_object_set_string_member(o, "summary", p->summary);
+  return o;
 }
 
-static void add_metric(JsonBuilder *b, const opc_metric *m) {
-  json_builder_begin_object(b);
-  set_text(b, "name", m->name);
-  set_text(b, "unit", m->unit);
-  set_text(b, "better", m->better ? better[m->better] : "neutral");
-  set_real(b, "tolerance", m->tolerance);
-  set_text(b, "summary", m->summary);
-  json_builder_end_object(b);
+static JsonObject *metric_json(const opc_metric *m) {
+  JsonObject *o = json_object_new();
+  json_object_set_string_member(o, "name", m->name);
+  json_object_set_string_member(o, "unit", m->unit);
+  json_object_set_string_member(o, "better", better[m->better]);
+  json_object_set_double_member(o, "tolerance", m->tolerance);
+  json_object_set_string_member(o, "summary", m->summary);
+  return o;
 }
 
 static void print_json(const opc_plugin *plugin, const char *path) {
-  JsonBuilder *b = json_builder_new();
-  json_builder_begin_object(b);
-  set_text(b, "id", plugin->id);
-  set_text(b, "version", plugin->version);
-  set_text(b, "licence", plugin->licence);
-  set_text(b, "summary", plugin->summary);
-  set_text(b, "kind", opc_kind_name(plugin->kind));
-  set_text(b, "path", path);
-  set_flag(b, "deterministic", (plugin->flags & OPC_DETERMINISTIC) != 0);
-  set_flag(b, "reentrant", (plugin->flags & OPC_REENTRANT) != 0);
-  json_builder_set_member_name(b, "parameters");
-  json_builder_begin_array(b);
+  JsonObject *o = json_object_new();
+  json_object_set_string_member(o, "id", plugin->id);
+  json_object_set_string_member(o, "version", plugin->version);
+  json_object_set_string_member(o, "licence", plugin->licence);
+  json_object_set_string_member(o, "summary", plugin->summary);
+  json_object_set_string_member(o, "kind", plugin->kind);
+  json_object_set_string_member(o, "path", path);
+  json_object_set_boolean_member(o, "deterministic",
+                                 plugin->flags & OPC_DETERMINISTIC);
+  json_object_set_boolean_member(o, "reentrant", plugin->flags & OPC_REENTRANT);
+  JsonArray *list = json_array_new();
   for (size_t i = 0; i < plugin->n_parameters; i++)
-    add_parameter(b, opc_parameter_at(plugin, i));
-  json_builder_end_array(b);
-  json_builder_set_member_name(b, "metrics");
-  json_builder_begin_array(b);
+    json_array_add_object_element(list, parameter_json(&plugin->parameters[i]));
+  json_object_set_array_member(o, "parameters", list);
+  list = json_array_new();
   for (size_t i = 0; i < plugin->n_metrics; i++)
-    add_metric(b, opc_metric_at(plugin, i));
-  json_builder_end_array(b);
-  json_builder_set_member_name(b, "outputs");
-  json_builder_begin_array(b);
+    json_array_add_object_element(list, metric_json(&plugin->metrics[i]));
+  json_object_set_array_member(o, "metrics", list);
+  list = json_array_new();
   for (size_t i = 0; i < opc_port_count(plugin); i++) {
-    json_builder_begin_object(b);
-    set_text(b, "name", opc_port_at(plugin, i)->name);
-    set_text(b, "data", opc_port_at(plugin, i)->kind);
-    json_builder_end_object(b);
+    JsonObject *port = json_object_new();
+    json_object_set_string_member(port, "name", opc_port_at(plugin, i)->name);
+    json_object_set_string_member(port, "data", opc_port_at(plugin, i)->kind);
+    json_array_add_object_element(list, port);
   }
-  json_builder_end_array(b);
-  json_builder_end_object(b);
-  cli_print_json(json_builder_get_root(b));
-  g_object_unref(b);
+  json_object_set_array_member(o, "outputs", list);
+  cli_print_object(o);
 }
 
 /* ---- entry ---- */
 
-static int run(const cli_verb *verb, int argc, char **argv) {
-  gboolean json = FALSE;
-  const cli_option options[] = {{"json", NULL, "as JSON", &json, NULL, NULL},
-                                {0}};
-  g_autoptr(GPtrArray) rest = g_ptr_array_new();
-  int code = cli_parse(verb, argc, argv, options, 1, 1, rest);
-  if (code >= 0) return code;
-  g_autoptr(opc_registry) registry = opc_registry_new(cli_plugin_path());
+static gboolean json;
+
+static const cli_option options[] = {{"json", "as JSON", .flag = &json}, {0}};
+
+static int run(const cli_verb *verb, const GPtrArray *arguments) {
+  (void)verb;
   opc_error error = {0};
   const opc_plugin *plugin =
-      opc_registry_find(registry, rest->pdata[0], &error);
-  if (!plugin) {
-    cli_message("error", "%s", error.message);
-    return cli_exit_code(error.code);
-  }
-  const char *path = opc_registry_path(registry, plugin);
+      opc_registry_find(cli_registry(), arguments->pdata[0], &error);
+  if (!plugin) return cli_fail(&error);
+  const char *path = opc_registry_path(cli_registry(), plugin);
   if (json)
     print_json(plugin, path);
   else
@@ -265,4 +228,7 @@ static int run(const cli_verb *verb, int argc, char **argv) {
 const cli_verb cli_inspect = {.name = "inspect",
                               .arguments = "ID",
                               .summary = "Tell all about a plugin",
+                              .options = options,
+                              .least = 1,
+                              .most = 1,
                               .run = run};

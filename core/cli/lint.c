@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "core/plugin/lint.h"
+/* opcflow lint: does a plugin keep the contract? */
+#include "core/testing/lint.h"
 
 #include <string.h>
 #include <unistd.h>
@@ -25,62 +26,46 @@ static void begin_anew(void) {
   execv("/proc/self/exe", (char **)argv->pdata); /* else go on as it is */
 }
 
-/* The folder of the plugin comes first, then what the command looks into. */
-static opc_registry *make_registry(const char *path) {
-  g_autofree char *folder = g_path_get_dirname(path);
-  g_autoptr(GPtrArray) folders = g_ptr_array_new();
-  g_ptr_array_add(folders, folder);
-  for (const char *const *f = cli_plugin_path(); *f; f++)
-    g_ptr_array_add(folders, (char *)*f);
-  g_ptr_array_add(folders, NULL);
-  return opc_registry_new((const char *const *)folders->pdata);
-}
-
-static void add_list(JsonBuilder *b, const char *name, const GPtrArray *list) {
-  json_builder_set_member_name(b, name);
-  json_builder_begin_array(b);
-  for (guint i = 0; i < list->len; i++)
-    json_builder_add_string_value(b, list->pdata[i]);
-  json_builder_end_array(b);
-}
-
 static void print_json(const opc_lint *lint) {
-  g_autoptr(JsonBuilder) b = json_builder_new();
-  json_builder_begin_object(b);
-  json_builder_set_member_name(b, "plugin");
-  json_builder_add_string_value(b, lint->id);
-  add_list(b, "findings", lint->findings);
-  add_list(b, "not_checked", lint->notes);
-  json_builder_end_object(b);
-  cli_print_json(json_builder_get_root(b));
+  JsonObject *o = json_object_new();
+  json_object_set_string_member(o, "plugin", lint->id);
+  cli_add_texts(o, "findings", lint->findings);
+  cli_add_texts(o, "checked", lint->checked);
+  cli_add_texts(o, "not_checked", lint->notes);
+  cli_print_object(o);
 }
 
 static void print_text(const opc_lint *lint) {
   for (guint i = 0; i < lint->findings->len; i++)
     cli_print("%s: %s\n", lint->path, (char *)lint->findings->pdata[i]);
+  g_autoptr(GString) checked = g_string_new(NULL);
+  for (guint i = 0; i < lint->checked->len; i++)
+    g_string_append_printf(checked, "%s%s", i ? ", " : "",
+                           (char *)lint->checked->pdata[i]);
+  cli_message("note", "checked: %s", checked->str);
   for (guint i = 0; i < lint->notes->len; i++)
     cli_message("note", "not checked: %s", (char *)lint->notes->pdata[i]);
 }
 
-static int run(const cli_verb *verb, int argc, char **argv) {
-  gboolean json = FALSE;
-  const char *parameters = "{}";
-  const cli_option options[] = {
-      {"with", "{ PARAMETER: VALUE }", "parameters, as in a flow", NULL,
-       &parameters, NULL},
-      {"json", NULL, "as JSON", &json, NULL, NULL},
-      {0}};
-  g_autoptr(GPtrArray) rest = g_ptr_array_new();
-  int code = cli_parse(verb, argc, argv, options, 1, 1, rest);
-  if (code >= 0) return code;
-  const char *path = rest->pdata[0];
-  if (!g_file_test(path, G_FILE_TEST_IS_REGULAR)) {
-    cli_message("error", "'%s': no such file", path);
-    return CLI_IO;
-  }
+static gboolean json;
+static const char *parameters = "{}";
+
+static const cli_option options[] = {
+    {"with", "parameters, as in a flow", "{ PARAMETER: VALUE }",
+     .text = &parameters},
+    {"json", "as JSON", .flag = &json},
+    {0}};
+
+static int run(const cli_verb *verb, const GPtrArray *arguments) {
+  (void)verb;
+  const char *path = arguments->pdata[0];
+  if (!g_file_test(path, G_FILE_TEST_IS_REGULAR))
+    return cli_error(CLI_IO, "'%s': no such file", path);
   begin_anew();
-  g_autoptr(opc_registry) registry = make_registry(path);
-  g_autoptr(opc_lint) lint = opc_lint_new(path, registry, parameters, patience);
+  g_autofree char *folder = g_path_get_dirname(path);
+  cli_look_first(folder);
+  g_autoptr(opc_lint) lint =
+      opc_lint_new(path, cli_registry(), parameters, patience);
   opc_lint_run(lint);
   if (json)
     print_json(lint);
@@ -92,4 +77,7 @@ static int run(const cli_verb *verb, int argc, char **argv) {
 const cli_verb cli_lint = {.name = "lint",
                            .arguments = "PLUGIN.so",
                            .summary = "Check that a plugin keeps the contract",
+                           .options = options,
+                           .least = 1,
+                           .most = 1,
                            .run = run};

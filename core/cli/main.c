@@ -1,29 +1,40 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The opcflow command: finds the verb and lets it work. */
 #include <locale.h>
 #include <string.h>
 
 #include "core/cli/cli.h"
 #include "core/plugin/guard.h"
-#include "core/plugin/suggest.h"
+#include "core/text/suggest.h"
 
 const cli_verb *const cli_verbs[] = {
     &cli_run, &cli_check,   &cli_plugins, &cli_inspect,  &cli_lint, &cli_schema,
     &cli_new, &cli_version, &cli_help,    &cli_complete, NULL};
 
-const cli_verb *cli_find_verb(const char *name) {
-  for (size_t i = 0; cli_verbs[i]; i++)
-    if (!strcmp(cli_verbs[i]->name, name)) return cli_verbs[i];
-  return NULL;
+static GPtrArray *command_line;
+
+const char *const *cli_command_line(void) { return cli_list(command_line); }
+
+GPtrArray *cli_verb_names(void) {
+  g_autoptr(GPtrArray) ids = opc_registry_ids(cli_registry(), "command.");
+  GPtrArray *names = g_ptr_array_new_with_free_func(g_free);
+  for (size_t i = 0; cli_verbs[i] && !cli_verbs[i]->hidden; i++)
+    g_ptr_array_add(names, g_strdup(cli_verbs[i]->name));
+  for (guint i = 0; i < ids->len; i++)
+    g_ptr_array_add(names, g_strdup(strchr(ids->pdata[i], '.') + 1));
+  return names;
 }
 
-static int unknown_verb(const char *name) {
-  g_autoptr(GPtrArray) names = g_ptr_array_new();
-  for (size_t i = 0; cli_verbs[i] && !cli_verbs[i]->hidden; i++)
-    g_ptr_array_add(names, (char *)cli_verbs[i]->name);
+const cli_verb *cli_find_verb(const char *name, opc_error *error) {
+  for (size_t i = 0; cli_verbs[i]; i++)
+    if (!strcmp(cli_verbs[i]->name, name)) return cli_verbs[i];
+  g_autoptr(GPtrArray) names = cli_verb_names();
+  if (g_ptr_array_find_with_equal_func(names, name, g_str_equal, NULL))
+    return cli_plugin_verb(name, error);
   g_autofree char *suggestion = opc_suggestion(name, names);
-  cli_message("error", "unknown verb '%s'%s", name,
-              *suggestion ? suggestion : ", see 'opcflow help'");
-  return CLI_USAGE;
+  opc_fail(error, OPC_INVALID, NULL, "unknown verb '%s'%s", name,
+           *suggestion ? suggestion : ", see 'opcflow help'");
+  return NULL;
 }
 
 /* The verb is the first word that is no option; what comes before it is read
@@ -41,14 +52,19 @@ int main(int argc, char **argv) {
     else
       at += path ? 2 : 1;
   }
-  if (at >= argc) {
-    cli_message("error", "no verb given, see 'opcflow help'");
-    return CLI_USAGE;
-  }
-  const cli_verb *verb = cli_find_verb(argv[at]);
-  if (!verb) return unknown_verb(argv[at]);
-  g_autoptr(GPtrArray) words = g_ptr_array_new();
+  if (at >= argc)
+    return cli_error(CLI_USAGE, "no verb given, see 'opcflow help'");
+  cli_take_plugin_path((guint)argc, argv);
+  opc_error error = {0};
+  const cli_verb *verb = cli_find_verb(argv[at], &error);
+  if (!verb) return cli_fail(&error);
+  command_line = g_ptr_array_new();
+  g_ptr_array_add(command_line, (char *)"opcflow");
+  g_ptr_array_add(command_line, argv[at]);
   for (int i = 1; i < argc; i++)
-    if (i != at) g_ptr_array_add(words, argv[i]);
-  return cli_finish(verb->run(verb, (int)words->len, (char **)words->pdata));
+    if (i != at) g_ptr_array_add(command_line, argv[i]);
+  g_autoptr(GPtrArray) rest = g_ptr_array_new();
+  int code = cli_parse(verb, command_line->len - 2,
+                       (char **)command_line->pdata + 2, rest);
+  return cli_finish(code < 0 ? verb->run(verb, rest) : code);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Files to begin with: a plugin that works, a flow that runs. The texts are
-   those of data/templates, with @WORDS@ filled in. */
+/* opcflow new: files to begin with, of a plugin that works or of a flow that
+   runs. The texts are the templates of the plugin's kind; those of steps,
+   commands and flows lie in data/templates. */
 #include <errno.h>
 #include <gio/gio.h>
 #include <glib/gstdio.h>
@@ -9,215 +10,186 @@
 #include "core/cli/cli.h"
 #include "core/flow/files.h"
 #include "core/plugin/declaration.h"
+#include "core/plugin/kind.h"
+#include "core/text/suggest.h"
 
-typedef struct request {
-  const char *kind; /* "mask" */
-  char *id, *name;  /* "mask.mine", "mine" */
+static const char *kind;
+static gboolean json;
+
+static const cli_option options[] = {
+    {"kind", "by default what NAME begins with", "KIND", .text = &kind},
+    {"json", "tell the files as JSON", .flag = &json},
+    {0}};
+
+/* What is made. */
+typedef struct work {
+  char *id, *name; /* "step.mine", "mine" */
+  char *kind;
   char *folder;     /* where everything goes */
-  GPtrArray *files; /* that were written */
-  gboolean json;
-} request;
+  GPtrArray *files; /* char *: that were written */
+} work;
 
-/* The plugin of each slot of the flow, with its parameters. */
-static const struct {
-  const char *kind, *mark, *use;
-} slots[] = {
-    {"litho", "@LITHO@", "litho.hopkins, na: 0.75, sigma: 0.75"},
-    {"resist", "@RESIST@",
-     "resist.threshold, anchor: { line: 65 nm, pitch: 250 nm }"},
-    {"extract", "@EXTRACT@", "extract.plain, devices: ptm65.yaml"},
-    {"mask", "@MASK@", "mask.dpb, max_pde: 0.5 %"},
-    {"drc", "@DRC@", "drc.regulator, min_extension: 40 nm"},
-};
+/* ---- templates ---- */
 
-/* ---- texts ---- */
-
-static void replace(GString *text, const char *mark, const char *by) {
-  g_string_replace(text, mark, by, 0);
-}
-
-/* A step of its own, for a plugin that is none of a slot. */
-static char *own_step(const request *r) {
-  if (g_strcmp0(r->kind, "step")) return g_strdup("");
-  return g_strdup_printf("  %s:\n    use: %s\n    gates: ${gates}\n", r->name,
-                         r->id);
-}
-
-static char *fill_in(const request *r, const char *text) {
+static char *fill_in(const work *w, const char *text) {
   GString *out = g_string_new(text);
-  g_autofree char *step = own_step(r);
-  replace(out, "@STEP@\n", step);
-  for (size_t i = 0; i < G_N_ELEMENTS(slots); i++)
-    replace(out, slots[i].mark,
-            g_strcmp0(r->kind, slots[i].kind) ? slots[i].use : r->id);
-  replace(out, "@NAME@", r->name);
-  replace(out, "@ID@", r->id ? r->id : "");
-  replace(out, "@KIND@", r->kind ? r->kind : "");
+  g_string_replace(out, "@NAME@", w->name, 0);
+  g_string_replace(out, "@ID@", w->id, 0);
+  g_string_replace(out, "@KIND@", w->kind, 0);
   return g_string_free(out, FALSE);
 }
 
-/* Write the template as `file` into the folder; -1 or the exit code. A file
-   that is there stays if `keep`. */
-static int put(const request *r, const char *name, const char *file,
-               gboolean keep) {
-  g_autofree char *path = g_build_filename(r->folder, file, NULL);
-  g_autofree char *resource = g_strconcat("/opcflow/", name, NULL);
-  if (g_file_test(path, G_FILE_TEST_EXISTS)) {
-    if (keep) return -1;
-    cli_message("error", "'%s' exists", path);
-    return CLI_IO;
-  }
-  g_autoptr(GBytes) bytes =
-      g_resources_lookup_data(resource, G_RESOURCE_LOOKUP_FLAGS_NONE, NULL);
-  g_autofree char *text =
-      g_strndup(g_bytes_get_data(bytes, NULL), g_bytes_get_size(bytes));
-  g_autofree char *whole = fill_in(r, text);
+/* Write a template into the folder; -1 or the exit code. A file that is there
+   stays if `keep`. */
+static int put(work *w, const char *name, const char *template, gboolean keep) {
+  g_autofree char *file = fill_in(w, name);
+  g_autofree char *text = fill_in(w, template);
+  g_autofree char *path = g_build_filename(w->folder, file, NULL);
+  if (g_file_test(path, G_FILE_TEST_EXISTS))
+    return keep ? -1 : cli_error(CLI_IO, "'%s' exists", path);
   opc_error error;
-  if (opc_write_file(path, whole, &error)) {
-    cli_message("error", "%s", error.message);
-    return CLI_IO;
-  }
-  g_ptr_array_add(r->files, g_strdup(path));
+  if (opc_write_file(path, text, &error)) return cli_fail(&error);
+  g_ptr_array_add(w->files, g_steal_pointer(&path));
   return -1;
 }
 
-static int tell(const request *r) {
-  if (!r->json) {
-    for (guint i = 0; i < r->files->len; i++)
-      cli_print("%s\n", (char *)r->files->pdata[i]);
-    return CLI_GOOD;
-  }
-  g_autoptr(JsonBuilder) b = json_builder_new();
-  json_builder_begin_object(b);
-  json_builder_set_member_name(b, "files");
-  json_builder_begin_array(b);
-  for (guint i = 0; i < r->files->len; i++)
-    json_builder_add_string_value(b, r->files->pdata[i]);
-  json_builder_end_array(b);
-  json_builder_end_object(b);
-  cli_print_json(json_builder_get_root(b));
-  return CLI_GOOD;
+/* One of the command's own templates, as a file of that name. */
+static int put_own(work *w, const char *group, const char *resource,
+                   const char *name, gboolean keep) {
+  g_autofree char *path = g_build_path("/", "/opcflow", group, resource, NULL);
+  g_autoptr(GBytes) bytes =
+      g_resources_lookup_data(path, G_RESOURCE_LOOKUP_FLAGS_NONE, NULL);
+  g_autofree char *text =
+      g_strndup(g_bytes_get_data(bytes, NULL), g_bytes_get_size(bytes));
+  return put(w, name, text, keep);
+}
+
+/* All templates of a kind of plugin. */
+static int put_all(work *w) {
+  opc_error error = {0};
+  const opc_kind *its = opc_kind_of(cli_registry(), w->kind, &error);
+  if (!its) return cli_fail(&error);
+  g_autofree char *group = g_build_path("/", "/opcflow", w->kind, NULL);
+  g_auto(GStrv) own =
+      g_resources_enumerate_children(group, G_RESOURCE_LOOKUP_FLAGS_NONE, NULL);
+  int code = -1;
+  for (guint i = 0; own && own[i] && code < 0; i++)
+    code = put_own(w, w->kind, own[i], own[i], FALSE);
+  for (size_t i = 0; i < its->n_templates && code < 0; i++)
+    code = put(w, its->templates[i].name, its->templates[i].text, FALSE);
+  if (own || its->n_templates) return code;
+  return cli_error(CLI_PLUGIN, "the kind '%s' does not say how one begins",
+                   w->kind);
 }
 
 /* ---- a plugin ---- */
 
 /* The id and the kind from what was given of them; -1 or the exit code. */
-static int settle_names(request *r, const char *name) {
-  if (!opc_is_id(name)) {
-    cli_message("error",
-                "'%s' is no name for a plugin: lower_case words with dots "
-                "between them",
-                name);
-    return CLI_USAGE;
-  }
+static int settle_names(work *w, const char *name) {
+  if (!opc_is_id(name))
+    return cli_error(CLI_USAGE,
+                     "'%s' is no name for a plugin: lower_case words with dots "
+                     "between them",
+                     name);
   const char *dot = strrchr(name, '.');
-  g_autofree char *family =
-      dot ? g_strndup(name, strcspn(name, ".")) : g_strdup("");
-  if (!r->kind && opc_kind_find(family))
-    r->kind = opc_kind_name(opc_kind_find(family));
-  if (!r->kind || !opc_kind_find(r->kind)) {
-    cli_message("error", "%s%s%s, see 'opcflow help new'",
-                r->kind ? "unknown kind '" : "'new plugin' needs --kind",
-                r->kind ? r->kind : "", r->kind ? "'" : "");
-    return CLI_USAGE;
-  }
-  r->id = dot ? g_strdup(name) : g_strconcat(r->kind, ".", name, NULL);
-  r->name = g_strdup(dot ? dot + 1 : name);
-  return -1;
+  g_autoptr(GPtrArray) kinds = opc_kind_names(cli_registry());
+  w->kind = kind ? g_strdup(kind) : g_strndup(name, strcspn(name, "."));
+  w->id = dot ? g_strdup(name) : g_strconcat(w->kind, ".", name, NULL);
+  w->name = g_strdup(dot ? dot + 1 : name);
+  if (g_ptr_array_find_with_equal_func(kinds, w->kind, g_str_equal, NULL))
+    return -1;
+  if (!kind)
+    return cli_error(CLI_USAGE,
+                     "'new plugin' needs --kind, see 'opcflow help new'");
+  g_autofree char *suggestion = opc_suggestion(kind, kinds);
+  return cli_error(CLI_USAGE, "unknown kind '%s'%s", kind,
+                   *suggestion ? suggestion : ", see 'opcflow help new'");
 }
 
 static int make_folder(const char *path) {
   g_autoptr(GDir) dir = g_dir_open(path, 0, NULL);
   gboolean taken = dir ? g_dir_read_name(dir) != NULL
                        : g_file_test(path, G_FILE_TEST_EXISTS);
-  if (taken) {
-    cli_message("error", "'%s' exists", path);
-    return CLI_IO;
-  }
+  if (taken) return cli_error(CLI_IO, "'%s' exists", path);
   if (!g_mkdir_with_parents(path, 0777)) return -1;
-  cli_message("error", "'%s': %s", path, g_strerror(errno));
-  return CLI_IO;
+  return cli_error(CLI_IO, "'%s': %s", path, g_strerror(errno));
 }
 
-static int new_plugin(request *r, const GPtrArray *rest) {
-  if (rest->len < 2) {
-    cli_message("error", "'new plugin' needs NAME, see 'opcflow help new'");
-    return CLI_USAGE;
-  }
-  int code = settle_names(r, rest->pdata[1]);
+static int new_plugin(work *w, const GPtrArray *arguments) {
+  if (arguments->len < 2)
+    return cli_error(CLI_USAGE,
+                     "'new plugin' needs NAME, see 'opcflow help new'");
+  int code = settle_names(w, arguments->pdata[1]);
   if (code >= 0) return code;
-  r->folder = g_strdup(rest->len > 2 ? rest->pdata[2] : r->id);
-  code = make_folder(r->folder);
-  g_autofree char *source = g_strconcat(r->kind, ".c", NULL);
-  g_autofree char *file = g_strconcat(r->name, ".c", NULL);
-  const char *const files[][2] = {{source, file},
-                                  {"meson.build", "meson.build"},
-                                  {"flow.yaml", "flow.yaml"},
-                                  {"README.md", "README.md"},
-                                  {"nand2.cif", "nand2.cif"},
-                                  {"ptm65.yaml", "ptm65.yaml"}};
-  for (size_t i = 0; i < G_N_ELEMENTS(files) && code < 0; i++)
-    code = put(r, files[i][0], files[i][1], FALSE);
-  return code < 0 ? tell(r) : code;
+  w->folder = g_strdup(arguments->len > 2 ? arguments->pdata[2] : w->id);
+  code = make_folder(w->folder);
+  return code < 0 ? put_all(w) : code;
 }
 
 /* ---- a flow ---- */
 
-static int new_flow(request *r, const GPtrArray *rest) {
-  const char *path = rest->len > 1 ? rest->pdata[1] : "flow.yaml";
-  if (rest->len > 2) {
-    cli_message("error", "'new flow' does not take '%s'",
-                (char *)rest->pdata[2]);
-    return CLI_USAGE;
-  }
+/* What the flow reads may be there already. */
+static int new_flow(work *w, const GPtrArray *arguments) {
+  const char *path = arguments->len > 1 ? arguments->pdata[1] : "flow.yaml";
+  if (arguments->len > 2)
+    return cli_error(CLI_USAGE, "'new flow' does not take '%s'",
+                     (char *)arguments->pdata[2]);
   g_autofree char *file = g_path_get_basename(path);
-  r->folder = g_path_get_dirname(path);
-  r->name = g_strndup(file, strcspn(file, "."));
-  for (char *c = r->name; *c; c++)
+  w->folder = g_path_get_dirname(path);
+  w->id = g_strdup("");
+  w->kind = g_strdup("");
+  w->name = g_strndup(file, strcspn(file, "."));
+  for (char *c = w->name; *c; c++)
     if (!g_ascii_isalnum(*c) && *c != '-') *c = '_';
-  if (!g_ascii_isalnum(*r->name)) {
-    cli_message("error", "'%s' is no name for a flow", file);
-    return CLI_USAGE;
-  }
-  int code = put(r, "flow.yaml", file, FALSE);
-  if (code < 0) code = put(r, "nand2.cif", "nand2.cif", TRUE);
-  if (code < 0) code = put(r, "ptm65.yaml", "ptm65.yaml", TRUE);
-  return code < 0 ? tell(r) : code;
+  if (!g_ascii_isalnum(*w->name))
+    return cli_error(CLI_USAGE, "'%s' is no name for a flow", file);
+  int code = put_own(w, "flow", "flow.yaml", file, FALSE);
+  g_auto(GStrv) read = g_resources_enumerate_children(
+      "/opcflow/flow/read", G_RESOURCE_LOOKUP_FLAGS_NONE, NULL);
+  for (guint i = 0; read[i] && code < 0; i++)
+    code = put_own(w, "flow/read", read[i], read[i], TRUE);
+  return code;
 }
 
 /* ---- entry ---- */
 
-static int run(const cli_verb *verb, int argc, char **argv) {
-  request r = {0};
-  const cli_option options[] = {
-      {"kind", "KIND",
-       "litho, resist, extract, mask, drc or step; by default what NAME begins "
-       "with",
-       NULL, &r.kind, NULL},
-      {"json", NULL, "tell the files as JSON", &r.json, NULL, NULL},
-      {0}};
-  g_autoptr(GPtrArray) rest = g_ptr_array_new();
-  int code = cli_parse(verb, argc, argv, options, 1, 3, rest);
-  if (code >= 0) return code;
-  const char *what = rest->pdata[0];
-  g_autoptr(GPtrArray) files = g_ptr_array_new_with_free_func(g_free);
-  r.files = files;
-  if (!strcmp(what, "plugin")) {
-    code = new_plugin(&r, rest);
-  } else if (!strcmp(what, "flow")) {
-    code = new_flow(&r, rest);
-  } else {
-    cli_message("error", "'new' makes a 'plugin' or a 'flow', not '%s'", what);
-    code = CLI_USAGE;
+static void tell(const work *w) {
+  if (json) {
+    JsonObject *o = json_object_new();
+    cli_add_texts(o, "files", w->files);
+    cli_print_object(o);
+    return;
   }
-  g_free(r.id);
-  g_free(r.name);
-  g_free(r.folder);
-  return code;
+  for (guint i = 0; i < w->files->len; i++)
+    cli_print("%s\n", (char *)w->files->pdata[i]);
+}
+
+static int run(const cli_verb *verb, const GPtrArray *arguments) {
+  (void)verb;
+  const char *what = arguments->pdata[0];
+  work w = {.files = g_ptr_array_new_with_free_func(g_free)};
+  int code;
+  if (!strcmp(what, "plugin"))
+    code = new_plugin(&w, arguments);
+  else if (!strcmp(what, "flow"))
+    code = new_flow(&w, arguments);
+  else
+    code = cli_error(CLI_USAGE, "'new' makes a 'plugin' or a 'flow', not '%s'",
+                     what);
+  if (code < 0) tell(&w);
+  g_free(w.id);
+  g_free(w.name);
+  g_free(w.kind);
+  g_free(w.folder);
+  g_ptr_array_free(w.files, TRUE);
+  return MAX(code, CLI_GOOD);
 }
 
 const cli_verb cli_new = {.name = "new",
                           .arguments = "plugin NAME [DIR] | flow [FILE]",
                           .summary = "Write a plugin or a flow to begin with",
+                          .options = options,
+                          .least = 1,
+                          .most = 3,
                           .run = run,
                           .words = "flow|plugin"};

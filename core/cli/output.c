@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* What the command says on standard error and on standard output. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -24,6 +25,8 @@ int cli_exit_code(int code) {
   }
 }
 
+/* ---- standard error ---- */
+
 gboolean cli_is_terminal(void) {
   const char *terminal = g_getenv("TERM");
   return isatty(STDERR_FILENO) && g_strcmp0(terminal, "dumb");
@@ -43,6 +46,10 @@ void cli_message(const char *kind, const char *format, ...) {
   gboolean coloured = has_colour();
   fprintf(stderr, "%s%s:%s %s\n", coloured ? colour : "", kind,
           coloured ? "\033[0m" : "", text);
+}
+
+int cli_fail(const opc_error *error) {
+  return cli_error(cli_exit_code(error->code), "%s", error->message);
 }
 
 void cli_warnings(const opc_problems *problems) {
@@ -66,7 +73,51 @@ int cli_problems(opc_problems *problems) {
   return cli_exit_code(code);
 }
 
-JsonNode *cli_problems_json(opc_problems *problems) {
+/* ---- standard output ---- */
+
+void cli_print(const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  vprintf(format, args);
+  va_end(args);
+}
+
+void cli_print_rows(const char *const *names, size_t n,
+                    const GPtrArray *cells) {
+  size_t rows = cells->len / n;
+  g_autofree const char **data = g_new0(const char *, cells->len);
+  g_autofree opc_column *columns = g_new0(opc_column, n);
+  for (size_t i = 0; i < n; i++) {
+    columns[i] = (opc_column){names[i], NULL, OPC_TEXT, 0, data + i * rows};
+    for (size_t row = 0; row < rows; row++)
+      data[i * rows + row] = cells->pdata[row * n + i];
+  }
+  if (!rows) return;
+  opc_error error;
+  opc_table *table = opc_table_new("rows", 0, rows, columns, n, &error);
+  g_autofree char *text = opc_table_text(table);
+  opc_table_free(table);
+  cli_print("%s", text);
+}
+
+static void print_json(JsonNode *node) {
+  g_autofree char *text = opc_json_text(node);
+  fputs(text, stdout);
+}
+
+void cli_print_object(JsonObject *object) {
+  JsonNode *node = json_node_new(JSON_NODE_OBJECT);
+  json_node_take_object(node, object);
+  print_json(node);
+}
+
+void cli_print_array(JsonArray *array) {
+  JsonNode *node = json_node_new(JSON_NODE_ARRAY);
+  json_node_take_array(node, array);
+  print_json(node);
+}
+
+void cli_add_problems(JsonObject *object, opc_problems *problems) {
   JsonArray *list = json_array_new();
   opc_problems_sort(problems);
   for (guint i = 0; i < problems->list->len; i++) {
@@ -81,21 +132,15 @@ JsonNode *cli_problems_json(opc_problems *problems) {
     json_object_set_int_member(o, "exit", cli_exit_code(problem->code));
     json_array_add_object_element(list, o);
   }
-  JsonNode *node = json_node_new(JSON_NODE_ARRAY);
-  json_node_take_array(node, list);
-  return node;
+  json_object_set_array_member(object, "problems", list);
 }
 
-void cli_print(const char *format, ...) {
-  va_list args;
-  va_start(args, format);
-  vprintf(format, args);
-  va_end(args);
-}
-
-void cli_print_json(JsonNode *node) {
-  g_autofree char *text = opc_json_text(node);
-  fputs(text, stdout);
+void cli_add_texts(JsonObject *object, const char *name,
+                   const GPtrArray *texts) {
+  JsonArray *list = json_array_new();
+  for (guint i = 0; i < texts->len; i++)
+    json_array_add_string_element(list, texts->pdata[i]);
+  json_object_set_array_member(object, name, list);
 }
 
 int cli_finish(int code) {

@@ -1,11 +1,37 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* How far the work is, and how it is stopped. */
 #include "core/cli/progress.h"
 
 #include <math.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "core/cli/cli.h"
+#include "core/plugin/guard.h"
+
+/* ---- stopping ---- */
+
+static volatile sig_atomic_t stopped;
+
+static void stop(int number) {
+  (void)number;
+  if (stopped) opc_guard_end(CLI_STOPPED);
+  stopped = 1;
+}
+
+void cli_catch_signals(void) {
+  struct sigaction action = {.sa_handler = stop};
+  sigaction(SIGINT, &action, NULL);
+  sigaction(SIGTERM, &action, NULL);
+}
+
+int cli_is_stopped(void *unused) {
+  (void)unused;
+  return stopped;
+}
+
+/* ---- telling ---- */
 
 /* At most ten lines a second. */
 enum { PAUSE = 100000 };

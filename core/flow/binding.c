@@ -5,10 +5,10 @@
 
 #include "core/flow/inner.h"
 #include "core/flow/layers.h"
-#include "core/flow/value.h"
+#include "core/text/value.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/guard.h"
-#include "core/plugin/suggest.h"
+#include "core/text/suggest.h"
 
 /* Slots in slots; a plugin whose default is itself would go on for ever. */
 enum { DEEPEST_SLOT = 16 };
@@ -22,7 +22,7 @@ typedef struct binder {
 } binder;
 
 static opc_binding *bind_use(opc_registry *registry, const opc_node *map,
-                             uint32_t kind, const char *path,
+                             const char *kind, const char *path,
                              const opc_place *at, unsigned flags,
                              unsigned depth, opc_problems *problems);
 
@@ -50,7 +50,7 @@ static const opc_node *over_default(const binder *b, const opc_parameter *p,
 static void bind_slot(const binder *b, size_t i, const opc_node *node,
                       const opc_place *at) {
   opc_binding *binding = b->binding;
-  const opc_parameter *p = opc_parameter_at(binding->plugin, i);
+  const opc_parameter *p = &binding->plugin->parameters[i];
   if (node->type != OPC_NODE_MAP) {
     g_autofree char *noun = opc_value_noun(p);
     opc_problem_add(b->problems, OPC_INVALID, &node->at, "'%s' needs %s",
@@ -64,16 +64,16 @@ static void bind_slot(const binder *b, size_t i, const opc_node *node,
   }
   g_autofree char *path = g_strdup_printf("%s.%s", binding->path, p->name);
   node = over_default(b, p, node);
-  binding->values[i].type = OPC_SLOT;
-  binding->slots[i] = bind_use(b->registry, node, opc_kind_find(p->choices),
-                               path, at, b->flags, b->depth + 1, b->problems);
+  binding->values[i].present = TRUE;
+  binding->slots[i] = bind_use(b->registry, node, p->choices, path, at,
+                               b->flags, b->depth + 1, b->problems);
   if (binding->slots[i]) binding->values[i].object = &binding->slots[i]->module;
 }
 
 static void bind_value(const binder *b, size_t i, const opc_node *node,
                        const opc_place *at) {
   opc_binding *binding = b->binding;
-  const opc_parameter *p = opc_parameter_at(binding->plugin, i);
+  const opc_parameter *p = &binding->plugin->parameters[i];
   if (p->type == OPC_SLOT)
     bind_slot(b, i, node, at);
   else
@@ -83,14 +83,12 @@ static void bind_value(const binder *b, size_t i, const opc_node *node,
 
 static void bind_default(const binder *b, size_t i) {
   opc_binding *binding = b->binding;
-  const opc_parameter *p = opc_parameter_at(binding->plugin, i);
+  const opc_parameter *p = &binding->plugin->parameters[i];
   if (p->preset) {
     const opc_node *node = parse_preset(b, p);
     if (node) bind_value(b, i, node, &binding->at);
   } else if (p->flags & OPC_REQUIRED) {
-    if (p->type == OPC_INPUT && b->flags & OPC_BIND_NO_INPUTS)
-      binding->values[i].type = OPC_INPUT;
-    else
+    if (p->type != OPC_INPUT || !(b->flags & OPC_BIND_NO_INPUTS))
       opc_problem_add(b->problems, OPC_INVALID, &binding->at,
                       "missing parameter '%s' of '%s'", p->name,
                       binding->plugin->id);
@@ -104,7 +102,7 @@ static void bind_default(const binder *b, size_t i) {
 static GPtrArray *level_names(const opc_plugin *plugin, const char *prefix) {
   GPtrArray *names = g_ptr_array_new_with_free_func(g_free);
   for (size_t i = 0; i < plugin->n_parameters; i++) {
-    const char *name = opc_parameter_at(plugin, i)->name;
+    const char *name = plugin->parameters[i].name;
     if (!g_str_has_prefix(name, prefix)) continue;
     name += strlen(prefix);
     g_ptr_array_add(names, g_strndup(name, strcspn(name, ".")));
@@ -112,45 +110,19 @@ static GPtrArray *level_names(const opc_plugin *plugin, const char *prefix) {
   return names;
 }
 
-/* Of parameters, or of such as were renamed. */
 static gboolean is_group(const opc_plugin *plugin, const char *name) {
   g_autofree char *prefix = g_strconcat(name, ".", NULL);
   for (size_t i = 0; i < plugin->n_parameters; i++)
-    if (g_str_has_prefix(opc_parameter_at(plugin, i)->name, prefix))
+    if (g_str_has_prefix(plugin->parameters[i].name, prefix))
       return TRUE;
-  for (size_t i = 0; i < opc_rename_count(plugin); i++)
-    if (g_str_has_prefix(opc_rename_at(plugin, i)->from, prefix)) return TRUE;
   return FALSE;
 }
 
-/* The parameter that `name` means, which may be its old name; -1 if it means
-   none. */
-static int find_meant(const binder *b, const opc_node *key, const char *name) {
-  const opc_plugin *plugin = b->binding->plugin;
-  if (strchr(key->text, '.')) return -1;
-  int i = opc_parameter_find(plugin, name);
-  const opc_rename *r = i < 0 ? opc_rename_find(plugin, name) : NULL;
-  if (!r) return i;
-  opc_warning_add(b->problems, &key->at, "'%s' of '%s' is now '%s'%s%s",
-                  r->from, plugin->id, r->to, r->note ? ": " : "",
-                  r->note ? r->note : "");
-  return opc_parameter_find(plugin, r->to);
-}
-
-/* A parameter may be given once, by its own name or by an old one. */
 static void bind_given(const binder *b, size_t i, const opc_node *key,
                        const opc_node *node) {
   opc_binding *binding = b->binding;
-  if (binding->values[i].given) {
-    opc_problem_add(b->problems, OPC_INVALID, &key->at,
-                    "'%s' of '%s' is given twice, by its own name and by an "
-                    "old one",
-                    opc_parameter_at(binding->plugin, i)->name,
-                    binding->plugin->id);
-    return;
-  }
   binding->origin[i] = node;
-  binding->values[i].given = 1;
+  binding->values[i].given = TRUE;
   bind_value(b, i, node, &key->at);
 }
 
@@ -175,10 +147,11 @@ static void bind_map(const binder *b, const opc_node *map, const char *prefix) {
     const opc_node *key = map->keys->pdata[k], *node = map->items->pdata[k];
     if (!*prefix && !strcmp(key->text, "use")) continue;
     g_autofree char *name = g_strconcat(prefix, key->text, NULL);
-    int i = find_meant(b, key, name);
+    gboolean dotted = strchr(key->text, '.') != NULL;
+    int i = dotted ? -1 : opc_parameter_find(binding->plugin, name);
     if (i >= 0) {
       bind_given(b, (size_t)i, key, node);
-    } else if (strchr(key->text, '.') || !is_group(binding->plugin, name)) {
+    } else if (dotted || !is_group(binding->plugin, name)) {
       unknown_parameter(b, key, prefix, name);
     } else if (node->type != OPC_NODE_MAP) {
       opc_problem_add(b->problems, OPC_INVALID, &node->at,
@@ -205,11 +178,11 @@ static gboolean same(const opc_node *a, const opc_node *b) {
 static void forget_defaults(const binder *b) {
   opc_binding *binding = b->binding;
   for (size_t i = 0; i < binding->plugin->n_parameters; i++) {
-    const opc_parameter *p = opc_parameter_at(binding->plugin, i);
+    const opc_parameter *p = &binding->plugin->parameters[i];
     if (!binding->origin[i] || !p->preset || p->type == OPC_SLOT) continue;
     const opc_node *preset = parse_preset(b, p);
     if (preset && same(preset, binding->origin[i]))
-      binding->values[i].given = 0;
+      binding->values[i].given = FALSE;
   }
 }
 
@@ -242,17 +215,17 @@ static opc_binding *bind_plugin(opc_registry *registry,
 
 /* ---- finding the plugin ---- */
 
-static gboolean check_kind(const opc_plugin *plugin, uint32_t kind,
+static gboolean check_kind(const opc_plugin *plugin, const char *kind,
                            const opc_place *at, opc_problems *problems) {
-  if (plugin->kind == kind) return TRUE;
+  if (!strcmp(plugin->kind, kind)) return TRUE;
   opc_problem_add(problems, OPC_INVALID, at,
                   "'%s' is a plugin of the kind '%s', not '%s'", plugin->id,
-                  opc_kind_name(plugin->kind), opc_kind_name(kind));
+                  plugin->kind, kind);
   return FALSE;
 }
 
 static opc_binding *bind_use(opc_registry *registry, const opc_node *map,
-                             uint32_t kind, const char *path,
+                             const char *kind, const char *path,
                              const opc_place *at, unsigned flags,
                              unsigned depth, opc_problems *problems) {
   const opc_node *use = opc_node_get(map, "use");
@@ -277,7 +250,7 @@ static opc_binding *bind_use(opc_registry *registry, const opc_node *map,
 }
 
 opc_binding *opc_bind(opc_registry *registry, const opc_node *map,
-                      uint32_t kind, const char *path, const opc_place *at,
+                      const char *kind, const char *path, const opc_place *at,
                       unsigned flags, opc_problems *problems) {
   return bind_use(registry, map, kind, path, at, flags, 0, problems);
 }
@@ -292,31 +265,52 @@ opc_binding *opc_bind_plugin(opc_registry *registry, const opc_plugin *plugin,
 /* ---- instances ---- */
 
 char *opc_binding_label(const opc_binding *b) {
-  return g_strdup_printf("%s'%s' (%s)", strchr(b->path, '.') ? "" : "step ",
-                         b->path, b->plugin->id);
+  gboolean top = !strchr(b->path, '.');
+  return g_strdup_printf("%s%s'%s' (%s)", top ? b->plugin->kind : "",
+                         top ? " " : "", b->path, b->plugin->id);
+}
+
+/* The instance as its parameters say, but for inputs. */
+static void fill(opc_binding *b) {
+  b->module = (opc_module){.functions = b->plugin->functions,
+                           .self = g_malloc0(b->plugin->instance_size),
+                           .id = b->plugin->id};
+  *(const opc_host **)b->module.self = b->host;
+  for (size_t i = 0; i < b->plugin->n_parameters; i++)
+    opc_value_store(&b->plugin->parameters[i], &b->values[i], b->module.self);
 }
 
 static gboolean create_one(opc_binding *b, opc_problems *problems) {
   opc_error error = {0};
   b->sink.data = b;
   b->host = opc_host_new(&b->sink);
-  b->module.plugin = b->plugin;
+  b->host->data = b;
+  if (b->inner) b->host->inner = &opc_inner_functions;
+  fill(b);
+  if (!b->plugin->check && !b->inner) return TRUE;
   g_autofree char *label = opc_binding_label(b);
   g_autofree char *where = opc_place_text(&b->at);
   g_autofree char *guard =
       g_strdup_printf("%s%s%s", where, *where ? ": " : "", label);
   opc_guard_where(guard, OPC_CRASH_RUNNING);
-  const char *before = opc_enter(b->plugin->id);
-  b->module.self = b->plugin->create(b->host, b->values, &error);
-  opc_leave(before);
+  const char *before = opc_guard_enter(b->plugin->id);
+  int code = opc_inner_check(b->inner, &error);
+  if (!code && b->plugin->check) code = b->plugin->check(b->module.self, &error);
+  opc_guard_leave(before);
   opc_guard_where(NULL, 0);
-  if (b->module.self) return TRUE;
+  if (!code) return TRUE;
   error.message[sizeof error.message - 1] = 0;
   error.parameter[sizeof error.parameter - 1] = 0;
-  opc_problem_add(problems, error.code ? error.code : OPC_FAILED,
-                  opc_binding_place(b, error.parameter), "%s: %s", label,
+  if (code < OPC_INVALID || code > OPC_CANCELLED) code = OPC_FAILED;
+  opc_problem_add(problems, code, opc_binding_place(b, error.parameter),
+                  "%s: %s", label,
                   *error.message ? error.message : "gave no reason");
   return FALSE;
+}
+
+void opc_binding_set(opc_binding *b, size_t i, const void *object) {
+  b->values[i].object = object;
+  opc_value_store(&b->plugin->parameters[i], &b->values[i], b->module.self);
 }
 
 gboolean opc_binding_create(opc_binding *b, const opc_sink *sink,
@@ -334,9 +328,10 @@ gboolean opc_binding_create(opc_binding *b, const opc_sink *sink,
 void opc_binding_free(opc_binding *b) {
   if (!b) return;
   if (b->module.self) {
-    const char *before = opc_enter(b->plugin->id);
-    b->plugin->destroy(b->module.self);
-    opc_leave(before);
+    const char *before = opc_guard_enter(b->plugin->id);
+    if (b->plugin->clear) b->plugin->clear(b->module.self);
+    opc_guard_leave(before);
+    g_free(b->module.self);
   }
   opc_inner_free(b->inner);
   for (size_t i = 0; i < b->plugin->n_parameters; i++)
@@ -353,6 +348,15 @@ void opc_binding_free(opc_binding *b) {
 
 /* ---- finding one's way back ---- */
 
+/* The place of a key of a map that was given, or of the map. */
+static const opc_place *find_key(const opc_node *map, const char *name) {
+  for (guint i = 0; i < map->keys->len; i++) {
+    const opc_node *key = map->keys->pdata[i];
+    if (!strcmp(key->text, name)) return &key->at;
+  }
+  return &map->at;
+}
+
 /* The place of a parameter of this instance or of one in its slots. What is
    found in a slot is added to `trail`. */
 static const opc_place *find_parameter(const opc_binding *b, const char *name,
@@ -364,9 +368,12 @@ static const opc_place *find_parameter(const opc_binding *b, const char *name,
     return b->origin[i] ? &b->origin[i]->at : &b->at;
   }
   for (size_t s = 0; s < b->plugin->n_parameters; s++) {
-    if (!b->slots[s]) continue;
-    const char *slot = opc_parameter_at(b->plugin, s)->name;
+    const char *slot = b->plugin->parameters[s].name;
     const char *rest = g_str_has_prefix(name, slot) ? name + strlen(slot) : "";
+    if (b->plugin->parameters[s].type == OPC_MAP && b->origin[s] &&
+        *rest == '.')
+      return find_key(b->origin[s], rest + 1);
+    if (!b->slots[s]) continue;
     size_t length = trail->len;
     g_string_append_printf(trail, ", %s (%s)", slot, b->slots[s]->plugin->id);
     const opc_place *place =

@@ -4,7 +4,7 @@
 #ifndef OPCFLOW_CORE_BINDING_H
 #define OPCFLOW_CORE_BINDING_H
 
-#include "core/flow/node.h"
+#include "core/text/value.h"
 #include "core/plugin/host.h"
 #include "core/plugin/registry.h"
 
@@ -15,7 +15,7 @@ struct opc_binding {
   const opc_plugin *plugin;
   char *path;              /* "mask", "mask.litho": step and slots */
   opc_place at;            /* of its name in the flow */
-  opc_value *values;       /* of each parameter */
+  opc_value *values;       /* of each parameter; value.h */
   const opc_node **origin; /* of each: where it was given; NULL: default */
   opc_binding **slots;     /* of each: the plugin in the slot, or NULL */
   GPtrArray *owned;        /* what values point to */
@@ -38,7 +38,7 @@ enum {
    there is no plugin to go on with; otherwise a binding that is good if no
    problem was added. `map` outlives it. */
 opc_binding *opc_bind(opc_registry *registry, const opc_node *map,
-                      uint32_t kind, const char *path, const opc_place *at,
+                      const char *kind, const char *path, const opc_place *at,
                       unsigned flags, opc_problems *problems);
 
 /* The same for a map without `use`. */
@@ -47,12 +47,13 @@ opc_binding *opc_bind_plugin(opc_registry *registry, const opc_plugin *plugin,
                              const opc_place *at, unsigned flags,
                              opc_problems *problems);
 
-/* Make the instances, those in slots first. The functions of `sink` are called
+/* Make the instances, those in slots first, and let each check itself. The functions of `sink` are called
    with the binding as their data. FALSE and a problem if one refuses. */
 gboolean opc_binding_create(opc_binding *binding, const opc_sink *sink,
                             void *listener, opc_problems *problems);
 
-/* "step 'mask' (correct)", "'mask.litho' (litho.hopkins)" */
+/* "step 'mask' (correct)", "'mask.litho' (litho.hopkins)"; of a verb
+   "command 'hello' (command.hello)" */
 char *opc_binding_label(const opc_binding *binding);
 
 /* The same, and after it the plugins in the slots that an error's parameter
@@ -60,7 +61,7 @@ char *opc_binding_label(const opc_binding *binding);
    "litho.sigma". */
 char *opc_binding_culprit(const opc_binding *binding, const char *parameter);
 
-/* Destroy the instances, then all. */
+/* Clear the instances, then free all. */
 void opc_binding_free(opc_binding *binding);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_binding, opc_binding_free)
 
@@ -69,6 +70,11 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_binding, opc_binding_free)
    of the binding. */
 const opc_place *opc_binding_place(const opc_binding *binding,
                                    const char *parameter);
+
+/* Put what an OPC_INPUT, or an OPC_SLOT in a test, refers to into the instance.
+ */
+void opc_binding_set(opc_binding *binding, size_t parameter,
+                     const void *object);
 
 /* Call `visit` for a binding and all in its slots, slots first. */
 void opc_binding_visit(opc_binding *binding,

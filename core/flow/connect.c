@@ -4,7 +4,7 @@
 
 #include "core/flow/flow.h"
 #include "core/plugin/declaration.h"
-#include "core/plugin/suggest.h"
+#include "core/text/suggest.h"
 
 /* What a visit of the bindings of one step needs. */
 typedef struct connector {
@@ -15,10 +15,11 @@ typedef struct connector {
 
 /* ---- references ---- */
 
-static opc_flow_step *find_step(const opc_flow *flow, const char *name) {
+opc_flow_step *opc_flow_find(const opc_flow *flow, const char *path) {
+  size_t n = strcspn(path, ".");
   for (guint i = 0; i < flow->steps->len; i++) {
     opc_flow_step *step = flow->steps->pdata[i];
-    if (!strcmp(step->name, name)) return step;
+    if (strlen(step->name) == n && !strncmp(step->name, path, n)) return step;
   }
   return NULL;
 }
@@ -60,10 +61,10 @@ static int find_port(const connector *c, const opc_node *node,
 
 static void connect_input(const connector *c, opc_binding *binding,
                           size_t parameter) {
-  const opc_parameter *p = opc_parameter_at(binding->plugin, parameter);
+  const opc_parameter *p = &binding->plugin->parameters[parameter];
   const opc_node *node = binding->origin[parameter];
   g_auto(GStrv) parts = g_strsplit(binding->values[parameter].text, ".", 2);
-  const opc_flow_step *from = find_step(c->flow, parts[0]);
+  const opc_flow_step *from = opc_flow_find(c->flow, parts[0]);
   if (!from) {
     unknown_step(c, node, parts[0]);
     return;
@@ -87,7 +88,8 @@ static void connect_input(const connector *c, opc_binding *binding,
 
 static void connect_binding(opc_binding *binding, void *data) {
   for (size_t i = 0; i < binding->plugin->n_parameters; i++)
-    if (binding->values[i].type == OPC_INPUT && binding->values[i].text)
+    if (binding->plugin->parameters[i].type == OPC_INPUT &&
+        binding->values[i].text)
       connect_input(data, binding, i);
 }
 

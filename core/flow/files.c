@@ -6,8 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "core/flow/sha256.h"
-#include "core/plugin/host.h"
 
 static int remove_entry(const char *path, const struct stat *about, int type,
                         struct FTW *walk) {
@@ -27,13 +25,12 @@ char *opc_file_sha256(const char *path, opc_error *error) {
     opc_fail(error, OPC_IO, NULL, "'%s': %s", path, g_strerror(errno));
     return NULL;
   }
-  opc_sha256 sum;
-  opc_sha256_begin(&sum);
+  g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
   guchar buffer[65536];
   size_t n;
   while ((n = fread(buffer, 1, sizeof buffer, file)) > 0)
-    opc_sha256_add(&sum, buffer, n);
-  char *text = opc_sha256_end(&sum);
+    g_checksum_update(sum, buffer, (gssize)n);
+  char *text = g_strdup(g_checksum_get_string(sum));
   if (ferror(file)) {
     opc_fail(error, OPC_IO, NULL, "'%s': cannot be read", path);
     g_clear_pointer(&text, g_free);

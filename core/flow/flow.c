@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "core/flow/layers.h"
+#include "core/plugin/declaration.h"
 
 #define WRONG(problems, node, ...) \
   opc_problem_add(problems, OPC_INVALID, &(node)->at, __VA_ARGS__)

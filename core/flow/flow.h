@@ -85,8 +85,8 @@ char *opc_flow_resolved_sweep(const opc_flow *flow, const opc_sweep *sweep);
 const opc_parameter *opc_flow_parameter(const opc_flow *flow,
                                         const char *path);
 
-/* A text, list or map of a flow, on one line. */
-char *opc_node_line(const opc_node *node);
+/* The step that a path ("step", "step.slot.parameter") begins with, or NULL. */
+opc_flow_step *opc_flow_find(const opc_flow *flow, const char *path);
 
 /* Find out what the steps of `flow` need of each other, and the order in which
    they run. */

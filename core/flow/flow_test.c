@@ -157,7 +157,7 @@ static void test_steps(void) {
       "flow.yaml:5:3: missing 'use', the plugin of 'c'\n"
       "flow.yaml:6:13: unknown plugin 'test.numbres', did you mean "
       "'test.numbers'?\n"
-      "flow.yaml:7:13: 'bad.none' is a plugin of the kind 'drc', not 'step'");
+      "flow.yaml:7:13: 'bad.none' is a plugin of the kind 'regulator', not 'step'");
 }
 
 static void test_parameters(void) {
@@ -295,12 +295,12 @@ static void test_values(void) {
   g_assert_cmpint(value_of(flow, 0, "whole")->integer, ==, 7);
   g_assert_true(value_of(flow, 0, "plain")->real == -25);
   const opc_value *list = value_of(flow, 0, "list");
-  g_assert_cmpuint(list->count, ==, 2);
-  g_assert_true(list->reals[0] == 1 && list->reals[1] == 3);
+  g_assert_cmpuint(list->reals.count, ==, 2);
+  g_assert_true(list->reals.values[0] == 1 && list->reals.values[1] == 3);
   const opc_value *names = value_of(flow, 0, "names");
-  g_assert_cmpuint(names->count, ==, 2);
-  g_assert_cmpstr(names->pairs[0].key, ==, "poly");
-  g_assert_cmpstr(names->pairs[0].value, ==, "9/0");
+  g_assert_cmpuint(names->map.count, ==, 2);
+  g_assert_cmpstr(names->map.pairs[0].key, ==, "poly");
+  g_assert_cmpstr(names->map.pairs[0].value, ==, "9/0");
   g_assert_cmpstr(value_of(flow, 0, "note")->text, ==, "${a}: # \"x\"");
   g_assert_cmpint(value_of(flow, 0, "word")->integer, ==, 2);
   g_assert_cmpstr(value_of(flow, 0, "input")->text, ==, "in.txt");
@@ -309,7 +309,7 @@ static void test_values(void) {
   g_assert_true(value_of(flow, 0, "anchor.line")->real == 65);
   g_assert_cmpuint(value_of(flow, 0, "anchor.pitch")->given, ==, 1);
   g_assert_cmpuint(value_of(flow, 0, "anchor.line")->given, ==, 0);
-  g_assert_cmpuint(value_of(flow, 0, "model")->type, ==, OPC_ABSENT);
+  g_assert_cmpuint(value_of(flow, 0, "model")->present, ==, FALSE);
 }
 
 static const char simple[] =
@@ -322,7 +322,7 @@ static void test_sets(void) {
   g_assert_true(value_of(flow, 0, "size")->real == 3);
   g_assert_true(value_of(flow, 0, "anchor.line")->real == 70);
   g_assert_true(value_of(flow, 0, "anchor.pitch")->real == 250);
-  g_assert_cmpuint(value_of(flow, 0, "names")->count, ==, 1);
+  g_assert_cmpuint(value_of(flow, 0, "names")->map.count, ==, 1);
 }
 
 static void test_wrong_sets(void) {
@@ -377,8 +377,8 @@ static void test_resolved(void) {
   g_assert_cmpstr(found, ==, "");
   g_assert_cmpstr(again->description, ==, flow->description);
   g_assert_cmpstr(value_of(again, 1, "note")->text, ==, "line\nbreak \\ ~ [");
-  g_assert_cmpstr(value_of(again, 1, "names")->pairs[0].value, ==, "9: x");
-  g_assert_true(value_of(again, 1, "list")->reals[1] == 3);
+  g_assert_cmpstr(value_of(again, 1, "names")->map.pairs[0].value, ==, "9: x");
+  g_assert_true(value_of(again, 1, "list")->reals.values[1] == 3);
   g_autofree char *second = opc_flow_resolved(again);
   g_autoptr(GRegex) comment = g_regex_new(" +#.*", 0, 0, NULL);
   g_autofree char *bare =

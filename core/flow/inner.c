@@ -1,27 +1,56 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Flows that steps run inside of them: reading and checking one, and running it
+   at points of its sweep. */
 #include "core/flow/inner.h"
 
-#include "core/plugin/guard.h"
+#include <math.h>
+#include <string.h>
 
-static const opc_inner_step *inner_step(const opc_plugin *plugin) {
-  if (!plugin->get_extension || !opc_plugin_is_built_in(plugin)) return NULL;
-  const char *before = opc_enter(plugin->id);
-  const opc_inner_step *step = plugin->get_extension(OPC_INNER_FLOW);
-  opc_leave(before);
-  return step;
+#include "core/flow/run.h"
+#include "core/plugin/declaration.h"
+#include "core/text/suggest.h"
+
+struct opc_inner {
+  opc_recipe *recipe;
+  opc_sweep *sweep;
+  opc_choice choice; /* of the first point */
+  opc_flow *flow;    /* there */
+  opc_registry *registry;
+  opc_inner_axis *axes;
+  gboolean *wanted; /* steps that were asked for, by number */
+
+  const opc_binding *binding; /* while the step runs, from here on */
+  opc_watch watch;
+  char *folder;
+  opc_run *trunk, *run; /* what all points share; the last one */
+  size_t runs, done, share;
+  gboolean telling; /* messages are passed on */
+};
+
+/* ---- reading: what is laid over it ---- */
+
+/* The number of such a parameter, -1 if there is none. */
+static int find_parameter(const opc_plugin *plugin, const char *name,
+                          uint32_t type) {
+  int i = opc_parameter_find(plugin, name);
+  return i >= 0 && plugin->parameters[i].type == type ? i : -1;
 }
 
-/* ---- what is laid over it ---- */
+static const opc_node *find_map(const opc_binding *b, const char *name) {
+  int i = find_parameter(b->plugin, name, OPC_MAP);
+  return i < 0 ? NULL : b->origin[i];
+}
 
 static void choose_variant(opc_inner *inner, const opc_binding *b,
-                           size_t parameter, opc_problems *problems) {
-  if (b->values[parameter].type == OPC_ABSENT) return;
+                           opc_problems *problems) {
+  int i = find_parameter(b->plugin, "variant", OPC_TEXT);
+  if (i < 0 || !b->values[i].present) return;
   g_autoptr(opc_problems) found = opc_problems_new();
   inner->choice.variant =
-      opc_recipe_variant(inner->recipe, b->values[parameter].text, found);
-  for (guint i = 0; i < found->list->len; i++)
-    opc_problem_add(problems, OPC_INVALID, &b->origin[parameter]->at, "%s",
-                    ((const opc_problem *)found->list->pdata[i])->message);
+      opc_recipe_variant(inner->recipe, b->values[i].text, found);
+  for (guint k = 0; k < found->list->len; k++)
+    opc_problem_add(problems, OPC_INVALID, &b->origin[i]->at, "%s",
+                    ((const opc_problem *)found->list->pdata[k])->message);
 }
 
 /* What is set is not swept by the flow itself. */
@@ -39,7 +68,7 @@ static void choose_sweep(opc_inner *inner, const opc_node *swept,
   inner->choice.sweep = inner->sweep;
 }
 
-/* ---- files ---- */
+/* ---- reading: files ---- */
 
 static void make_absolute(opc_node *node) {
   const char *folder = node->source->folder;
@@ -69,14 +98,14 @@ static void make_files_absolute(const opc_flow *flow, const char *path,
   }
 }
 
-/* ---- all of it ---- */
+/* ---- reading: all of it ---- */
 
 static void open_recipe(opc_inner *inner, const opc_binding *b,
-                        const opc_inner_step *step, opc_problems *problems) {
+                        opc_problems *problems) {
   guint before = problems->list->len;
-  const opc_node *set = b->origin[step->set], *sweep = b->origin[step->sweep];
+  const opc_node *set = find_map(b, "set"), *sweep = find_map(b, "sweep");
   inner->choice = (opc_choice){.over = set, .bind = OPC_BIND_INNER};
-  choose_variant(inner, b, step->variant, problems);
+  choose_variant(inner, b, problems);
   choose_sweep(inner, sweep, problems);
   if (problems->list->len > before) return;
   opc_flow_check(inner->recipe, &inner->choice, inner->registry, NULL,
@@ -87,29 +116,343 @@ static void open_recipe(opc_inner *inner, const opc_binding *b,
       opc_flow_make(inner->recipe, &inner->choice, inner->registry, told);
   if (set) make_files_absolute(inner->flow, "", (opc_node *)set);
   if (sweep) make_files_absolute(inner->flow, "", (opc_node *)sweep);
-  step->check(b, problems);
+  inner->wanted = g_new0(gboolean, inner->flow->steps->len);
+  const GPtrArray *axes = inner->sweep->axes;
+  inner->axes = g_new0(opc_inner_axis, axes->len + 1);
+  for (guint i = 0; i < axes->len; i++)
+    opc_axis_describe(axes->pdata[i], &inner->axes[i]);
 }
 
 void opc_inner_open(opc_binding *binding, opc_registry *registry,
                     unsigned flags, opc_problems *problems) {
-  const opc_inner_step *step = inner_step(binding->plugin);
-  if (!step) return;
+  const opc_plugin *plugin = binding->plugin;
+  size_t i = 0;
+  while (i < plugin->n_parameters &&
+         !(plugin->parameters[i].flags & OPC_INNER_FLOW))
+    i++;
+  if (i == plugin->n_parameters || !binding->values[i].present) return;
   if (flags & OPC_BIND_INNER) {
     opc_problem_add(problems, OPC_INVALID, &binding->at,
-                    "'%s' cannot stand in a flow that a step runs",
-                    binding->plugin->id);
+                    "'%s' cannot stand in a flow that a step runs", plugin->id);
     return;
   }
   opc_inner *inner = binding->inner = g_new0(opc_inner, 1);
   inner->registry = registry;
-  inner->recipe = opc_recipe_read(binding->values[step->flow].text, problems);
-  if (inner->recipe) open_recipe(inner, binding, step, problems);
+  inner->recipe = opc_recipe_read(binding->values[i].text, problems);
+  if (inner->recipe) open_recipe(inner, binding, problems);
 }
 
 void opc_inner_free(opc_inner *inner) {
   if (!inner) return;
+  opc_run_branch_free(inner->run);
+  if (inner->trunk) opc_run_release(inner->trunk);
+  opc_run_free(inner->trunk);
+  for (guint i = 0; inner->axes && i < inner->sweep->axes->len; i++)
+    opc_inner_axis_clear(&inner->axes[i]);
   opc_flow_free(inner->flow);
   opc_sweep_free(inner->sweep);
   opc_recipe_free(inner->recipe);
+  g_free(inner->axes);
+  g_free(inner->wanted);
+  g_free(inner->folder);
   g_free(inner);
 }
+
+int opc_inner_check(const opc_inner *inner, opc_error *error) {
+  static const opc_sink nowhere = {.data = NULL};
+  if (!inner) return OPC_OK;
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  opc_flow_check(inner->recipe, &inner->choice, inner->registry, &nowhere,
+                 problems);
+  return opc_problems_error(problems, error);
+}
+
+const opc_flow *opc_inner_flow(const opc_inner *inner) { return inner->flow; }
+
+/* ---- asking: what there is ---- */
+
+static opc_inner *inner_of(const opc_host *host) {
+  return ((const opc_binding *)host->data)->inner;
+}
+
+/* *error: there is no `word`, and which of `names` may be meant. */
+static void refuse(opc_error *error, const char *word, const GPtrArray *names,
+                   const char *format, ...) OPC_PRINTF(4, 5);
+static void refuse(opc_error *error, const char *word, const GPtrArray *names,
+                   const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  g_autofree char *text = g_strdup_vprintf(format, args);
+  va_end(args);
+  g_autofree char *suggestion = opc_suggestion(word, names);
+  opc_fail(error, OPC_INVALID, NULL, "%s%s", text, suggestion);
+}
+
+/* A binding by its path, or all paths. */
+typedef struct lookup {
+  const char *path;
+  const opc_binding *found;
+  GPtrArray *paths;
+} lookup;
+
+static void look_at(opc_binding *b, void *data) {
+  lookup *l = data;
+  if (!strcmp(b->path, l->path)) l->found = b;
+  g_ptr_array_add(l->paths, b->path);
+}
+
+/* A step by its name, or a plugin in a slot of one by its path. */
+static const opc_binding *find_binding(const opc_flow *flow, const char *path,
+                                       opc_error *error) {
+  g_autoptr(GPtrArray) paths = g_ptr_array_new();
+  lookup l = {path, NULL, paths};
+  for (guint i = 0; i < flow->steps->len; i++)
+    opc_binding_visit(((opc_flow_step *)flow->steps->pdata[i])->binding,
+                      look_at, &l);
+  if (!l.found)
+    refuse(error, path, paths, "there is no '%s' in '%s'", path, flow->path);
+  return l.found;
+}
+
+static const opc_metric *get_metric(const opc_host *host, const char *path,
+                                    opc_error *error) {
+  opc_inner *in = inner_of(host);
+  const char *dot = strrchr(path, '.');
+  if (!dot) {
+    opc_fail(error, OPC_INVALID, NULL, "'%s' is no figure, as 'step.metric'",
+             path);
+    return NULL;
+  }
+  g_autofree char *of = g_strndup(path, (gsize)(dot - path));
+  const opc_binding *b = find_binding(in->flow, of, error);
+  if (!b) return NULL;
+  const opc_metric *metric = opc_metric_find(b->plugin, dot + 1);
+  in->wanted[opc_flow_find(in->flow, path)->number] = TRUE;
+  if (metric) return metric;
+  g_autoptr(GPtrArray) names = g_ptr_array_new();
+  for (size_t i = 0; i < b->plugin->n_metrics; i++)
+    g_ptr_array_add(names, (char *)b->plugin->metrics[i].name);
+  refuse(error, dot + 1, names, "'%s' (%s) has no metric '%s'", of,
+         b->plugin->id, dot + 1);
+  return NULL;
+}
+
+/* The port of that kind, -1 if there is none. */
+static int find_port(const opc_plugin *plugin, const char *kind) {
+  for (size_t i = 0; i < opc_port_count(plugin); i++)
+    if (!strcmp(opc_port_at(plugin, i)->kind, kind)) return (int)i;
+  return -1;
+}
+
+static const char *get_output(const opc_host *host, const char *name,
+                              const char *kind, opc_error *error) {
+  opc_inner *in = inner_of(host);
+  const opc_binding *b = name ? find_binding(in->flow, name, error) : NULL;
+  for (guint i = 0; !name && i < in->flow->steps->len; i++) {
+    b = ((const opc_flow_step *)in->flow->steps->pdata[i])->binding;
+    if (find_port(b->plugin, kind) >= 0) break;
+  }
+  if (!b) return NULL;
+  in->wanted[opc_flow_find(in->flow, b->path)->number] = TRUE;
+  if (find_port(b->plugin, kind) >= 0) return b->path;
+  g_autofree char *label = opc_binding_label(b);
+  opc_fail(error, OPC_INVALID, NULL, "%s makes no %s", label, kind);
+  return NULL;
+}
+
+static const opc_inner_axis *get_axes(const opc_host *host, size_t *count) {
+  opc_inner *in = inner_of(host);
+  g_autofree gboolean *needed =
+      g_memdup2(in->wanted, in->flow->steps->len * sizeof *needed);
+  opc_flow_find_needed(in->flow, needed);
+  *count = in->sweep->axes->len;
+  for (size_t i = 0; i < *count; i++)
+    in->axes[i].used =
+        needed[opc_flow_find(in->flow, in->axes[i].path)->number];
+  return in->axes;
+}
+
+static int find_axis(const opc_host *host, const char *path, opc_error *error) {
+  const GPtrArray *axes = inner_of(host)->sweep->axes;
+  g_autoptr(GPtrArray) paths = g_ptr_array_new();
+  for (guint i = 0; i < axes->len; i++) {
+    char *other = ((const opc_axis *)axes->pdata[i])->path;
+    if (!strcmp(other, path)) return (int)i;
+    g_ptr_array_add(paths, other);
+  }
+  refuse(error, path, paths, "'%s' is not swept", path);
+  return -1;
+}
+
+/* ---- running: who looks on ---- */
+
+/* Each point has the same to say: the last one says it. */
+static void take_log(void *data, const char *path, int level,
+                     const char *message) {
+  const opc_inner *in = data;
+  const opc_watch *watch = ((const opc_run *)in->binding->listener)->watch;
+  if (!watch->log || (!in->telling && level >= OPC_LOG_INFO)) return;
+  g_autofree char *whole = g_strdup_printf("%s.%s", in->binding->path, path);
+  watch->log(watch->data, whole, level, message);
+}
+
+/* Points that are done, with the part that is of those of this run. */
+static void tell_progress(const opc_inner *in, double part) {
+  const opc_progress progress = {
+      .done = (double)in->done + floor(part * (double)in->share),
+      .total = (double)in->sweep->points,
+      .worst = NAN};
+  in->binding->host->progress(in->binding->host, &progress);
+}
+
+static void take_progress(void *data, const char *path,
+                          const opc_progress *at) {
+  const opc_inner *in = data;
+  (void)path;
+  gboolean known = at->total > 0 && at->done >= 0 && at->done < at->total;
+  if (in->share) tell_progress(in, known ? at->done / at->total : 0);
+}
+
+static int is_cancelled(void *data) {
+  const opc_inner *in = data;
+  return opc_cancelled(in->binding->host->context);
+}
+
+/* ---- running ---- */
+
+/* Steps without an output are needed for nothing but their metrics; which of
+   the others a point needs may depend on it. What they write lies in a folder
+   of the step's name. */
+static int begin(const opc_host *host, opc_error *error) {
+  const opc_binding *b = host->data;
+  opc_inner *in = b->inner;
+  const opc_run *outer = b->listener;
+  if (!outer)
+    return opc_fail(error, OPC_FAILED, NULL, "a %s runs in a flow only",
+                    b->plugin->id);
+  in->binding = b;
+  in->watch = (opc_watch){.data = in,
+                          .log = take_log,
+                          .progress = take_progress,
+                          .cancelled = is_cancelled};
+  g_autofree char *name = g_build_filename(b->path, "flow.yaml", NULL);
+  const char *path = host->output_path(host, name, error);
+  if (!path) return error->code;
+  in->folder = g_path_get_dirname(path);
+  in->trunk = opc_run_new(in->flow, in->registry, outer->options, &in->watch);
+  opc_run_find_swept(in->flow, in->sweep, in->trunk->left_out);
+  for (guint i = 0; i < in->flow->steps->len; i++) {
+    const opc_flow_step *step = in->flow->steps->pdata[i];
+    in->trunk->left_out[i] |=
+        !opc_port_count(step->binding->plugin) && !in->wanted[i];
+  }
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  in->telling = TRUE;
+  if (opc_run_create(in->trunk, problems) &&
+      opc_run_open_at(in->trunk, in->folder, problems))
+    opc_run_steps(in->trunk, problems);
+  tell_progress(in, 0);
+  return opc_problems_error(problems, error);
+}
+
+/* Files are called as in a run of the whole flow. */
+static void copy_claim(gpointer name, gpointer owner, gpointer claims) {
+  g_hash_table_insert(claims, g_strdup(name), g_strdup(owner));
+}
+
+/* Leave out what nobody asked for. */
+static void prune(const opc_inner *in, opc_run *run) {
+  guint n = run->flow->steps->len;
+  g_autofree gboolean *needed = g_memdup2(in->wanted, n * sizeof *needed);
+  opc_flow_find_needed(run->flow, needed);
+  for (guint i = 0; i < n; i++) run->left_out[i] |= !needed[i];
+}
+
+static int run_point(const opc_host *host, size_t point, int keep, size_t share,
+                     opc_error *error) {
+  opc_inner *in = inner_of(host);
+  opc_choice choice = in->choice;
+  choice.point = point;
+  in->share = share;
+  in->telling = keep;
+  g_autofree char *name = g_strdup_printf("%04zu", ++in->runs);
+  g_autofree char *folder =
+      keep ? g_strdup(in->folder) : g_build_filename(in->folder, name, NULL);
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  opc_run_branch_free(in->run);
+  in->run = opc_run_branch(in->trunk, &choice, problems);
+  if (in->run) {
+    g_hash_table_foreach(in->trunk->claims, copy_claim, in->run->claims);
+    prune(in, in->run);
+    opc_run_branch_steps(in->run, in->binding->listener, folder, problems);
+    opc_run_branch_close(in->run, keep || in->run->options->keep, problems);
+  }
+  int code = opc_problems_code(problems);
+  if (code == OPC_CANCELLED) return opc_fail(error, code, NULL, "stopped");
+  in->done += share;
+  in->share = 0;
+  if (share) tell_progress(in, 0);
+  g_autofree char *text = opc_problems_text(problems);
+  return code ? opc_fail(error, code, NULL, "%s", text) : OPC_OK;
+}
+
+/* ---- asking: what came of it ---- */
+
+static const opc_inner_metric *get_metrics(const opc_host *host, int shared,
+                                           size_t *count) {
+  const opc_inner *in = inner_of(host);
+  const opc_run *run = shared ? in->trunk : in->run;
+  *count = run ? run->metrics->len : 0;
+  return run ? (const opc_inner_metric *)(const void *)run->metrics->data
+             : NULL;
+}
+
+static const opc_table *find_table(const opc_run *run, const char *step,
+                                   const char *name, opc_error *error) {
+  g_autoptr(GPtrArray) names = g_ptr_array_new();
+  for (guint i = 0; i < run->tables->len; i++) {
+    const opc_run_table *t = run->tables->pdata[i];
+    if (strcmp(t->step, step)) continue;
+    if (!strcmp(t->table->name, name)) return t->table;
+    g_ptr_array_add(names, t->table->name);
+  }
+  refuse(error, name, names, "'%s' published no table '%s'", step, name);
+  return NULL;
+}
+
+static const opc_column *get_column(const opc_host *host, const char *step,
+                                    const char *table_name, const char *name,
+                                    size_t *rows, opc_error *error) {
+  const opc_table *table =
+      find_table(inner_of(host)->run, step, table_name, error);
+  if (!table) return NULL;
+  const opc_column *column = opc_table_column(table, name);
+  *rows = table->rows;
+  if (column && column->type != OPC_TEXT) return column;
+  g_autoptr(GPtrArray) names = g_ptr_array_new();
+  for (size_t i = 0; i < table->n_columns; i++)
+    g_ptr_array_add(names, (char *)table->columns[i].name);
+  refuse(error, name, names, "the table '%s' of '%s' has no numbers '%s'",
+         table_name, step, name);
+  return NULL;
+}
+
+static void *get_object(const opc_host *host, const char *name,
+                        const char *kind) {
+  const opc_run *run = inner_of(host)->run;
+  const opc_flow_step *step = opc_flow_find(run->flow, name);
+  void **objects = run->objects[step->number];
+  return objects ? objects[find_port(step->binding->plugin, kind)] : NULL;
+}
+
+const opc_inner_service opc_inner_functions = {
+    .axes = get_axes,
+    .axis = find_axis,
+    .metric = get_metric,
+    .output = get_output,
+    .begin = begin,
+    .run = run_point,
+    .metrics = get_metrics,
+    .column = get_column,
+    .object = get_object,
+};

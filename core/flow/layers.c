@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "core/plugin/suggest.h"
+#include "core/text/suggest.h"
 
 /* Of a path: as many words as a file may nest. */
 enum { DEEPEST = 64 };

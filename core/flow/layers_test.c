@@ -125,9 +125,9 @@ static void test_extends(void) {
   g_assert_true(real_of(&m, "a", "share") == 0.5); /* the default again */
   g_assert_true(real_of(&m, "a", "anchor.line") == 66);
   const opc_value *names = value_of(step_of(m.flow, "a"), "names");
-  g_assert_cmpuint(names->count, ==, 2);
-  g_assert_cmpstr(names->pairs[0].value, ==, "1/0");
-  g_assert_cmpstr(names->pairs[1].value, ==, "3/0");
+  g_assert_cmpuint(names->map.count, ==, 2);
+  g_assert_cmpstr(names->map.pairs[0].value, ==, "1/0");
+  g_assert_cmpstr(names->map.pairs[1].value, ==, "3/0");
   g_assert_cmpstr(value_of(step_of(m.flow, "a"), "input")->text, ==,
                   "far/in.txt");
   g_assert_null(step_of(m.flow, "b"));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Running a flow at each point of a sweep. */
+/* Running a flow at the points of a sweep: steps that it does not touch run
+   once, in the trunk; the others in a branch for each point. */
 #include <errno.h>
-#include <glib/gstdio.h>
 #include <math.h>
 #include <string.h>
 
@@ -21,7 +21,6 @@ typedef struct sweeper {
   opc_run *trunk; /* the steps that run once; the folder */
   const opc_choice *choice;
   const opc_sweep *sweep;
-  opc_registry *registry;
   size_t done;
   GPtrArray *columns;  /* metric_column * */
   GHashTable *by_name; /* name and unit -> metric_column */
@@ -60,10 +59,9 @@ void opc_run_find_swept(const opc_flow *flow, const opc_sweep *sweep,
 
 /* ---- metrics ---- */
 
-static metric_column *column_of(sweeper *s, const opc_run_metric *m) {
+static metric_column *column_of(sweeper *s, const opc_inner_metric *m) {
   const char *unit = m->metric->unit;
-  g_autofree char *name =
-      g_strdup_printf("%s.%s", m->binding->path, m->metric->name);
+  g_autofree char *name = g_strdup_printf("%s.%s", m->path, m->metric->name);
   g_autofree char *key = g_strdup_printf("%s (%s)", name, unit ? unit : "");
   metric_column *column = g_hash_table_lookup(s->by_name, key);
   if (column) return column;
@@ -79,32 +77,33 @@ static metric_column *column_of(sweeper *s, const opc_run_metric *m) {
 
 static void take_metrics(sweeper *s, const opc_run *run, size_t point) {
   for (guint i = 0; i < run->metrics->len; i++) {
-    const opc_run_metric *m = &g_array_index(run->metrics, opc_run_metric, i);
+    const opc_inner_metric *m =
+        &g_array_index(run->metrics, opc_inner_metric, i);
     column_of(s, m)->values[point] = m->value;
   }
 }
 
 /* ---- one point ---- */
 
-void opc_run_write_point(const opc_run *run, opc_problems *problems) {
-  opc_run_write(run, "flow.yaml", opc_flow_resolved(run->flow), problems);
-  opc_run_write(run, "metrics.json", opc_json_text(opc_run_metrics_json(run)),
-                problems);
-}
-
-/* A folder of its own within that of the sweep. */
-static gboolean open_point(const sweeper *s, opc_run *run, size_t point,
-                           opc_problems *problems) {
-  g_autofree char *name = g_strdup_printf("%04zu", point + 1);
-  run->work = g_build_filename(s->trunk->work, name, NULL);
+gboolean opc_run_open_at(opc_run *run, const char *path,
+                         opc_problems *problems) {
   opc_run_reserve(run);
-  if (!g_mkdir(run->work, 0777)) return TRUE;
-  opc_problem_add(problems, OPC_IO, NULL, "'%s': %s", run->work,
-                  g_strerror(errno));
+  if (!g_mkdir_with_parents(path, 0777)) {
+    run->work = g_strdup(path);
+    return TRUE;
+  }
+  opc_problem_add(problems, OPC_IO, NULL, "'%s': %s", path, g_strerror(errno));
   return FALSE;
 }
 
-opc_run *opc_run_branch(const opc_run *trunk, opc_flow *flow) {
+opc_run *opc_run_branch(const opc_run *trunk, const opc_choice *choice,
+                        opc_problems *problems) {
+  opc_flow *flow =
+      opc_flow_make(trunk->flow->recipe, choice, trunk->registry, problems);
+  if (problems->list->len) {
+    opc_flow_free(flow);
+    return NULL;
+  }
   opc_run *run =
       opc_run_new(flow, trunk->registry, trunk->options, trunk->watch);
   for (guint i = 0; i < flow->steps->len; i++) {
@@ -114,34 +113,53 @@ opc_run *opc_run_branch(const opc_run *trunk, opc_flow *flow) {
   return run;
 }
 
-static void run_point(sweeper *s, opc_flow *flow, size_t point,
-                      opc_problems *problems) {
-  const opc_run *trunk = s->trunk;
-  g_autoptr(opc_run) run = opc_run_branch(trunk, flow);
-  if (opc_run_create(run, problems) && opc_run_sum(s->trunk, flow, problems) &&
-      open_point(s, run, point, problems)) {
+void opc_run_branch_steps(opc_run *run, opc_run *main_run, const char *path,
+                          opc_problems *problems) {
+  if (opc_run_create(run, problems) &&
+      opc_run_sum(main_run, run->flow, problems) &&
+      opc_run_open_at(run, path, problems))
     opc_run_steps(run, problems);
-    opc_run_release(run);
-    take_metrics(s, trunk, point);
-    take_metrics(s, run, point);
-    if (trunk->options->keep)
-      opc_run_write_point(run, problems);
-    else
-      opc_remove_tree(run->work);
+}
+
+void opc_run_branch_close(const opc_run *run, gboolean keep,
+                          opc_problems *problems) {
+  if (!run->work) return;
+  if (!keep) {
+    opc_remove_tree(run->work);
+    return;
   }
+  opc_run_write(run, "flow.yaml", opc_flow_resolved(run->flow), problems);
+  opc_run_write(run, "metrics.json", opc_json_text(opc_run_metrics_json(run)),
+                problems);
+}
+
+void opc_run_branch_free(opc_run *run) {
+  if (!run) return;
+  opc_flow *flow = run->flow;
+  opc_run_release(run);
+  opc_run_free(run);
+  opc_flow_free(flow);
 }
 
 /* FALSE if the user wants to stop. */
 static gboolean do_point(sweeper *s, size_t point) {
-  const opc_watch *watch = s->trunk->watch;
+  opc_run *trunk = s->trunk;
+  const opc_watch *watch = trunk->watch;
   if (watch->point) watch->point(watch->data, point + 1, s->sweep->points);
   g_autoptr(opc_problems) problems = opc_problems_new();
+  g_autofree char *name = g_strdup_printf("%04zu", point + 1);
+  g_autofree char *folder = g_build_filename(trunk->work, name, NULL);
   gint64 start = g_get_monotonic_time();
   opc_choice choice = *s->choice;
   choice.point = point;
-  g_autoptr(opc_flow) flow =
-      opc_flow_make(s->trunk->flow->recipe, &choice, s->registry, problems);
-  if (!problems->list->len) run_point(s, flow, point, problems);
+  opc_run *run = opc_run_branch(trunk, &choice, problems);
+  if (run) {
+    opc_run_branch_steps(run, trunk, folder, problems);
+    take_metrics(s, trunk, point);
+    take_metrics(s, run, point);
+    opc_run_branch_close(run, trunk->options->keep, problems);
+    opc_run_branch_free(run);
+  }
   s->seconds[point] = (double)(g_get_monotonic_time() - start) * 1e-6;
   int code = opc_problems_code(problems);
   if (code == OPC_CANCELLED) return FALSE;
@@ -149,7 +167,6 @@ static gboolean do_point(sweeper *s, size_t point) {
   g_ptr_array_add(s->results, result);
   s->done++;
   if (!code) return TRUE;
-  opc_run *trunk = s->trunk;
   gboolean differs = trunk->failed_points && trunk->points_code != code;
   trunk->points_code = differs || code != OPC_LIMIT ? OPC_FAILED : code;
   trunk->failed_points++;
@@ -158,26 +175,25 @@ static gboolean do_point(sweeper *s, size_t point) {
 
 /* ---- the table ---- */
 
-/* The values of an axis at all points: numbers with one unit, or texts. */
+/* The values of an axis at the points that are done. */
 typedef struct axis_column {
-  const char *unit;
+  opc_inner_axis axis;
   double *reals; /* NULL: texts */
-  char **texts;
+  const char **texts;
 } axis_column;
 
-static void fill_axis(const sweeper *s, guint a, axis_column *column) {
-  const opc_axis *axis = s->sweep->axes->pdata[a];
-  gboolean numeric = opc_axis_is_numeric(axis, &column->unit);
-  if (!numeric || !*column->unit) column->unit = NULL;
-  column->texts = g_new0(char *, s->done + 1);
-  if (numeric) column->reals = g_new(double, MAX(s->done, 1));
+static opc_column fill_axis(const sweeper *s, guint a, axis_column *c) {
+  opc_axis_describe(s->sweep->axes->pdata[a], &c->axis);
+  if (c->axis.values) c->reals = g_new(double, MAX(s->done, 1));
+  c->texts = g_new(const char *, MAX(s->done, 1));
   for (size_t i = 0; i < s->done; i++) {
-    const opc_node *node = opc_sweep_value(s->sweep, a, i);
-    if (numeric)
-      column->reals[i] = g_ascii_strtod(node->text, NULL);
-    else
-      column->texts[i] = opc_node_line(node);
+    guint k = opc_sweep_index(s->sweep, a, i);
+    if (c->reals) c->reals[i] = c->axis.values[k];
+    c->texts[i] = c->axis.texts[k];
   }
+  return (opc_column){c->axis.path, c->axis.unit,
+                      c->reals ? OPC_REAL : OPC_TEXT, -1,
+                      c->reals ? (const void *)c->reals : c->texts};
 }
 
 /* point, the parameters, the metrics, seconds, result */
@@ -188,13 +204,7 @@ static opc_table *make_table(const sweeper *s) {
   g_autofree int64_t *numbers = g_new(int64_t, MAX(s->done, 1));
   for (size_t i = 0; i < s->done; i++) numbers[i] = (int64_t)i + 1;
   columns[n++] = (opc_column){"point", NULL, OPC_INT, 0, numbers};
-  for (guint a = 0; a < n_axes; a++) {
-    const opc_axis *axis = s->sweep->axes->pdata[a];
-    fill_axis(s, a, &axes[a]);
-    columns[n++] = (opc_column){
-        axis->path, axes[a].unit, axes[a].reals ? OPC_REAL : OPC_TEXT, -1,
-        axes[a].reals ? (const void *)axes[a].reals : axes[a].texts};
-  }
+  for (guint a = 0; a < n_axes; a++) columns[n++] = fill_axis(s, a, &axes[a]);
   for (guint i = 0; i < n_metrics; i++) {
     const metric_column *m = s->columns->pdata[i];
     columns[n++] = (opc_column){m->name, m->unit, OPC_REAL, -1, m->values};
@@ -205,7 +215,8 @@ static opc_table *make_table(const sweeper *s) {
   opc_table *table =
       opc_table_new("sweep", OPC_TABLE_PRINT, s->done, columns, n, &error);
   for (guint a = 0; a < n_axes; a++) {
-    g_strfreev(axes[a].texts);
+    opc_inner_axis_clear(&axes[a].axis);
+    g_free(axes[a].texts);
     g_free(axes[a].reals);
   }
   return table;
@@ -249,10 +260,7 @@ opc_run *opc_run_sweep(opc_flow *flow, const opc_choice *choice,
   g_autofree char *target = opc_run_target(trunk);
   if (opc_run_create(trunk, problems) && opc_run_sum(trunk, flow, problems) &&
       opc_run_open(trunk, target, problems)) {
-    sweeper s = {.trunk = trunk,
-                 .choice = choice,
-                 .sweep = choice->sweep,
-                 .registry = registry};
+    sweeper s = {.trunk = trunk, .choice = choice, .sweep = choice->sweep};
     if (opc_run_steps(trunk, problems)) run_all(&s, problems);
     opc_run_release(trunk);
     trunk->total = (double)(g_get_monotonic_time() - start) * 1e-6;

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the instances of a run say and publish. */
 #include <errno.h>
-#include <math.h>
 #include <string.h>
 
 #include "core/flow/files.h"
 #include "core/flow/run.h"
-#include "core/flow/value.h"
+#include "core/text/value.h"
 #include "core/plugin/declaration.h"
 
 /* ---- passing on ---- */
@@ -121,20 +120,12 @@ static int take_metric(void *data, const char *name, double value,
                        opc_error *error) {
   const opc_binding *b = data;
   opc_run *run = b->listener;
-  opc_run_metric entry = {b, opc_metric_find(b->plugin, name), value};
-  if (!entry.metric) {
-    opc_fail(error, OPC_FAILED, NULL, "'%s' declares no metric '%s'",
-             b->plugin->id, name);
-    return refuse(run, error);
-  }
-  if (!isfinite(value)) {
-    opc_fail(error, OPC_FAILED, NULL, "the metric '%s' of '%s' is %g", name,
-             b->plugin->id, value);
-    return refuse(run, error);
-  }
+  opc_inner_metric entry = {
+      b->path, opc_metric_check(b->plugin, name, value, error), value};
+  if (!entry.metric) return refuse(run, error);
   for (guint i = 0; i < run->metrics->len; i++) {
-    opc_run_metric *old = &g_array_index(run->metrics, opc_run_metric, i);
-    if (old->binding == b && old->metric == entry.metric) {
+    opc_inner_metric *old = &g_array_index(run->metrics, opc_inner_metric, i);
+    if (old->path == b->path && old->metric == entry.metric) {
       old->value = value;
       return OPC_OK;
     }

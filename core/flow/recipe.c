@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "core/flow/layers.h"
-#include "core/plugin/suggest.h"
+#include "core/text/suggest.h"
 
 enum {
   MOST_FILES = 16,   /* that extend each other */

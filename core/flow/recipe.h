@@ -4,7 +4,7 @@
 #ifndef OPCFLOW_CORE_RECIPE_H
 #define OPCFLOW_CORE_RECIPE_H
 
-#include "core/flow/node.h"
+#include "core/text/node.h"
 
 /* A key with its value, in one of the files. */
 typedef struct opc_entry {

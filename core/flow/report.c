@@ -7,8 +7,8 @@
 #include "core/flow/files.h"
 #include "core/flow/inner.h"
 #include "core/flow/run.h"
-#include "core/flow/unit.h"
-#include "core/flow/value.h"
+#include "core/text/unit.h"
+#include "core/text/value.h"
 #include "core/plugin/declaration.h"
 
 static void set_text(JsonBuilder *b, const char *key, const char *text) {
@@ -63,19 +63,25 @@ char *opc_json_text(JsonNode *node) {
 
 /* ---- metrics ---- */
 
-static void add_metrics(JsonBuilder *b, const opc_run *run,
-                        const opc_binding *of) {
+JsonNode *opc_metric_json(const opc_metric *metric, double value) {
   static const char *const better[] = {"neutral", "lower", "higher"};
+  JsonBuilder *b = json_builder_new();
+  json_builder_begin_object(b);
+  set_real(b, "value", value);
+  set_text(b, "unit", metric->unit);
+  set_text(b, "better", better[metric->better]);
+  set_real(b, "tolerance", metric->tolerance);
+  json_builder_end_object(b);
+  return finish(b);
+}
+
+static void add_metrics(JsonBuilder *b, const opc_run *run, const char *path) {
   for (guint i = 0; i < run->metrics->len; i++) {
-    const opc_run_metric *m = &g_array_index(run->metrics, opc_run_metric, i);
-    if (m->binding != of) continue;
+    const opc_inner_metric *m =
+        &g_array_index(run->metrics, opc_inner_metric, i);
+    if (m->path != path) continue;
     json_builder_set_member_name(b, m->metric->name);
-    json_builder_begin_object(b);
-    set_real(b, "value", m->value);
-    set_text(b, "unit", m->metric->unit);
-    set_text(b, "better", better[m->metric->better]);
-    set_real(b, "tolerance", m->metric->tolerance);
-    json_builder_end_object(b);
+    json_builder_add_value(b, opc_metric_json(m->metric, m->value));
   }
 }
 
@@ -85,12 +91,11 @@ JsonNode *opc_run_metrics_json(const opc_run *run) {
   g_autoptr(GHashTable) done = g_hash_table_new(NULL, NULL);
   json_builder_begin_object(b);
   for (guint i = 0; i < run->metrics->len; i++) {
-    const opc_binding *of =
-        g_array_index(run->metrics, opc_run_metric, i).binding;
-    if (!g_hash_table_add(done, (gpointer)of)) continue;
-    json_builder_set_member_name(b, of->path);
+    const char *path = g_array_index(run->metrics, opc_inner_metric, i).path;
+    if (!g_hash_table_add(done, (gpointer)path)) continue;
+    json_builder_set_member_name(b, path);
     json_builder_begin_object(b);
-    add_metrics(b, run, of);
+    add_metrics(b, run, path);
     json_builder_end_object(b);
   }
   json_builder_end_object(b);
@@ -109,7 +114,7 @@ static void add_flow(const opc_flow *flow, plugin_list *list);
 
 static void add_plugin(opc_binding *binding, void *data) {
   plugin_list *list = data;
-  if (binding->inner) add_flow(binding->inner->flow, list);
+  if (binding->inner) add_flow(opc_inner_flow(binding->inner), list);
   if (!g_hash_table_add(list->done, (gpointer)binding->plugin)) return;
   const char *path = opc_registry_path(list->run->registry, binding->plugin);
   g_autofree char *whole = path ? g_canonicalize_filename(path, NULL) : NULL;

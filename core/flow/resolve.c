@@ -3,69 +3,10 @@
 #include <string.h>
 
 #include "core/flow/flow.h"
-#include "core/flow/value.h"
+#include "core/text/value.h"
 #include "core/plugin/declaration.h"
 
 enum { COMMENT_COLUMN = 44 };
-
-/* ---- texts ---- */
-
-/* Whether a text can stand without quotes: nothing in it means anything to
-   YAML. */
-static gboolean is_plain(const char *text) {
-  static const char inner[] = "_./%+-^$";
-  size_t n = strlen(text);
-  if (!n || text[n - 1] == ' ') return FALSE;
-  if (n > 3 && !strncmp(text, "${", 2) && text[n - 1] == '}')
-    return strspn(text + 2,
-                  "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                  "0123456789_-.") == n - 3;
-  if (!g_ascii_isalnum(*text) && *text != '/' && *text != '.' &&
-      !(strchr("+-", *text) && g_ascii_isdigit(text[1])))
-    return FALSE;
-  for (const char *c = text; *c; c++)
-    if (!g_ascii_isalnum(*c) && *c != ' ' && !strchr(inner, *c)) return FALSE;
-  return !strstr(text, "...");
-}
-
-static void append_text(GString *out, const char *text) {
-  if (is_plain(text)) {
-    g_string_append(out, text);
-    return;
-  }
-  g_string_append_c(out, '"');
-  for (const char *c = text; *c; c = g_utf8_next_char(c)) {
-    gunichar u = g_utf8_get_char(c);
-    if (u == '"' || u == '\\')
-      g_string_append_printf(out, "\\%c", (char)u);
-    else if (u < 0x20 || (u >= 0x7F && u < 0xA0))
-      g_string_append_printf(out, "\\x%02X", u);
-    else if (u == 0x85 || u == 0x2028 || u == 0x2029 || u == 0xFEFF)
-      g_string_append_printf(out, "\\u%04X", u);
-    else
-      g_string_append_unichar(out, u);
-  }
-  g_string_append_c(out, '"');
-}
-
-/* A text, list or map on one line. */
-static void append_node(GString *out, const opc_node *node) {
-  if (node->type == OPC_NODE_TEXT) {
-    append_text(out, node->text);
-    return;
-  }
-  gboolean map = node->type == OPC_NODE_MAP;
-  g_string_append(out, map ? "{ " : "[");
-  for (guint i = 0; i < node->items->len; i++) {
-    if (i) g_string_append(out, ", ");
-    if (map) {
-      append_text(out, ((opc_node *)node->keys->pdata[i])->text);
-      g_string_append(out, ": ");
-    }
-    append_node(out, node->items->pdata[i]);
-  }
-  g_string_append(out, map ? " }" : "]");
-}
 
 /* Where the value that ends this line came from. */
 static void end_line(GString *out, size_t line_start, const char *origin) {
@@ -89,7 +30,7 @@ static void append_binding(GString *out, const opc_binding *b, int indent);
 
 static void append_value(GString *out, const opc_binding *b, size_t i,
                          const char *name, int indent) {
-  const opc_parameter *p = opc_parameter_at(b->plugin, i);
+  const opc_parameter *p = &b->plugin->parameters[i];
   g_autofree char *origin = origin_text(b->origin[i]);
   size_t start = out->len;
   g_string_append_printf(out, "%*s%s:", indent, "", name);
@@ -101,14 +42,14 @@ static void append_value(GString *out, const opc_binding *b, size_t i,
   g_string_append_c(out, ' ');
   if (p->type == OPC_FILE) {
     g_autofree char *path = g_canonicalize_filename(b->values[i].text, NULL);
-    append_text(out, path);
+    opc_text_append(out, path);
   } else if (b->origin[i]) {
-    append_node(out, b->origin[i]);
+    opc_node_append(out, b->origin[i]);
   } else {
     opc_source source = {.name = NULL};
     g_autoptr(opc_problems) problems = opc_problems_new();
     g_autoptr(opc_node) preset = opc_preset_parse(p, &source, problems);
-    append_node(out, preset);
+    opc_node_append(out, preset);
   }
   end_line(out, start, origin);
 }
@@ -120,8 +61,8 @@ static void append_level(GString *out, const opc_binding *b, const char *prefix,
   g_autoptr(GHashTable) groups =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
   for (size_t i = 0; i < b->plugin->n_parameters; i++) {
-    const char *name = opc_parameter_at(b->plugin, i)->name;
-    if (!g_str_has_prefix(name, prefix) || b->values[i].type == OPC_ABSENT)
+    const char *name = b->plugin->parameters[i].name;
+    if (!g_str_has_prefix(name, prefix) || !b->values[i].present)
       continue;
     const char *rest = name + strlen(prefix), *dot = strchr(rest, '.');
     if (!dot) {
@@ -144,28 +85,17 @@ static void append_binding(GString *out, const opc_binding *b, int indent) {
 
 /* ---- the flow ---- */
 
-char *opc_node_line(const opc_node *node) {
-  GString *out = g_string_new(NULL);
-  append_node(out, node);
-  return g_string_free(out, FALSE);
-}
-
 const opc_parameter *opc_flow_parameter(const opc_flow *flow,
                                         const char *path) {
-  const opc_binding *b = NULL;
-  size_t n = strcspn(path, ".");
-  for (guint i = 0; i < flow->steps->len; i++) {
-    const opc_flow_step *step = flow->steps->pdata[i];
-    if (strlen(step->name) == n && !strncmp(step->name, path, n))
-      b = step->binding;
-  }
-  const char *rest = path[n] ? path + n + 1 : "";
+  const opc_flow_step *step = opc_flow_find(flow, path);
+  const opc_binding *b = step ? step->binding : NULL;
+  const char *dot = strchr(path, '.'), *rest = dot ? dot + 1 : "";
   while (b) {
     int found = opc_parameter_find(b->plugin, rest);
-    if (found >= 0) return opc_parameter_at(b->plugin, (size_t)found);
+    if (found >= 0) return &b->plugin->parameters[(size_t)found];
     const opc_binding *next = NULL;
     for (size_t i = 0; i < b->plugin->n_parameters && !next; i++) {
-      const char *slot = opc_parameter_at(b->plugin, i)->name;
+      const char *slot = b->plugin->parameters[i].name;
       size_t length = strlen(slot);
       if (!b->slots[i] || strncmp(slot, rest, length) || rest[length] != '.')
         continue;
@@ -180,7 +110,7 @@ const opc_parameter *opc_flow_parameter(const opc_flow *flow,
 static void append_swept(GString *out, const opc_parameter *p,
                          const opc_node *node) {
   if (!p || p->type != OPC_FILE || node->type != OPC_NODE_TEXT) {
-    append_node(out, node);
+    opc_node_append(out, node);
     return;
   }
   const char *folder = node->source->folder;
@@ -188,7 +118,7 @@ static void append_swept(GString *out, const opc_parameter *p,
       g_build_filename(folder && *folder ? folder : ".", node->text, NULL);
   g_autofree char *whole = g_canonicalize_filename(
       g_path_is_absolute(node->text) ? node->text : path, NULL);
-  append_text(out, whole);
+  opc_text_append(out, whole);
 }
 
 /* Lists of values, also for what was a range. */
@@ -221,11 +151,11 @@ char *opc_flow_resolved(const opc_flow *flow) {
   GString *out = g_string_new(
       "# The flow as it ran: every parameter, and where its value came from.\n"
       "opcflow: 1\nname: ");
-  append_text(out, flow->name);
+  opc_text_append(out, flow->name);
   g_string_append_c(out, '\n');
   if (flow->description) {
     g_string_append(out, "description: ");
-    append_text(out, flow->description);
+    opc_text_append(out, flow->description);
     g_string_append_c(out, '\n');
   }
   g_string_append(out, "steps:\n");

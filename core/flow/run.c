@@ -4,7 +4,6 @@
 #include <errno.h>
 #include <string.h>
 
-#include "core/correct/check.h"
 #include "core/flow/files.h"
 #include "core/flow/folder.h"
 #include "core/flow/inner.h"
@@ -24,7 +23,7 @@ static void table_free(gpointer item) {
   g_free(t);
 }
 
-opc_run *opc_run_new(opc_flow *flow, const opc_registry *registry,
+opc_run *opc_run_new(opc_flow *flow, opc_registry *registry,
                      const opc_run_options *options, const opc_watch *watch) {
   opc_run *run = g_new0(opc_run, 1);
   run->flow = flow;
@@ -32,7 +31,7 @@ opc_run *opc_run_new(opc_flow *flow, const opc_registry *registry,
   run->watch = watch;
   run->options = options;
   run->tables = g_ptr_array_new_with_free_func(table_free);
-  run->metrics = g_array_new(FALSE, TRUE, sizeof(opc_run_metric));
+  run->metrics = g_array_new(FALSE, TRUE, sizeof(opc_inner_metric));
   run->claims = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, g_free);
   run->paths = g_ptr_array_new_with_free_func(g_free);
   run->inputs = g_ptr_array_new_with_free_func(g_free);
@@ -88,10 +87,10 @@ static void sum_flow(const opc_flow *flow, summer *s);
 
 static void sum_files(opc_binding *b, void *data) {
   for (size_t i = 0; i < b->plugin->n_parameters; i++)
-    if (b->values[i].type == OPC_FILE && b->values[i].text)
+    if (b->plugin->parameters[i].type == OPC_FILE && b->values[i].text)
       add_input(data, b->values[i].text,
                 b->origin[i] ? &b->origin[i]->at : &b->at);
-  if (b->inner) sum_flow(b->inner->flow, data);
+  if (b->inner) sum_flow(opc_inner_flow(b->inner), data);
 }
 
 static void sum_flow(const opc_flow *flow, summer *s) {
@@ -120,18 +119,19 @@ static void set_inputs(const opc_run *run, const opc_flow_step *step,
   for (guint i = 0; i < step->inputs->len; i++) {
     const opc_flow_input *input =
         &g_array_index(step->inputs, opc_flow_input, i);
-    input->binding->values[input->parameter].object =
-        present ? run->objects[input->from->number][input->port] : NULL;
+    opc_binding_set(
+        input->binding, input->parameter,
+        present ? run->objects[input->from->number][input->port] : NULL);
   }
 }
 
 static void release_outputs(const opc_run *run, const opc_flow_step *step) {
   const opc_plugin *plugin = step->binding->plugin;
   void **objects = run->objects[step->number];
-  const char *before = opc_enter(plugin->id);
+  const char *before = opc_guard_enter(plugin->id);
   for (size_t i = opc_port_count(plugin); objects && i-- > 0;)
     if (objects[i]) opc_port_at(plugin, i)->release(objects[i]);
-  opc_leave(before);
+  opc_guard_leave(before);
   g_free(objects);
   run->objects[step->number] = NULL;
 }
@@ -154,18 +154,15 @@ void opc_run_release(const opc_run *run) {
   }
 }
 
-/* Objects of the kinds that the core knows are looked into. */
+/* Each kind of data brings its own check. */
 static int check_output(const opc_port *port, const void *object,
                         opc_error *error) {
   if (!object)
     return opc_fail(error, OPC_FAILED, NULL, "gave no output '%s'", port->name);
   opc_error fault = {0};
-  if (!strcmp(port->kind, "gates"))
-    opc_check_gates(object, &fault);
-  else if (!strcmp(port->kind, "mask"))
-    opc_check_mask(object, &fault);
-  if (!fault.code) return OPC_OK;
-  return opc_fail(error, fault.code, NULL, "output '%s': %s", port->name,
+  int code = port->check(object, &fault);
+  if (!code) return OPC_OK;
+  return opc_fail(error, code, NULL, "output '%s': %s", port->name,
                   fault.message);
 }
 
@@ -183,22 +180,22 @@ static int check_outputs(const opc_run *run, const opc_flow_step *step,
 static int call_run(const opc_flow_step *step, void **objects,
                     opc_error *error) {
   const opc_binding *b = step->binding;
-  const opc_step *operations = b->plugin->operations;
+  const opc_step *functions = b->plugin->functions;
   g_autofree char *label = opc_binding_label(b);
   g_autofree char *place = opc_place_text(&b->at);
   g_autofree char *where = g_strdup_printf("%s: %s", place, label);
   opc_guard_where(where, OPC_CRASH_RUNNING);
-  const char *before = opc_enter(b->plugin->id);
-  int code = operations->run(b->module.self, objects, error);
-  opc_leave(before);
+  const char *before = opc_guard_enter(b->plugin->id);
+  int code = functions->run(b->module.self, objects, error);
+  opc_guard_leave(before);
   opc_guard_where(NULL, 0);
   return code;
 }
 
 static int call_step(opc_run *run, const opc_flow_step *step,
                      opc_error *error) {
-  const opc_step *operations = step->binding->plugin->operations;
-  run->objects[step->number] = g_new0(void *, operations->n_outputs + 1);
+  size_t n = opc_port_count(step->binding->plugin);
+  run->objects[step->number] = g_new0(void *, n + 1);
   set_inputs(run, step, TRUE);
   gint64 start = g_get_monotonic_time();
   int code = call_run(step, run->objects[step->number], error);
@@ -346,7 +343,7 @@ char *opc_run_target(const opc_run *run) {
   return target;
 }
 
-opc_run *opc_run_flow(opc_flow *flow, const opc_registry *registry,
+opc_run *opc_run_flow(opc_flow *flow, opc_registry *registry,
                       const opc_run_options *options, const opc_watch *watch,
                       opc_problems *problems) {
   opc_run *run = opc_run_new(flow, registry, options, watch);

@@ -32,22 +32,16 @@ typedef struct opc_run_table {
   opc_table *table;
 } opc_run_table;
 
-typedef struct opc_run_metric {
-  const opc_binding *binding;
-  const opc_metric *metric;
-  double value;
-} opc_run_metric;
-
 /* A run, and what came of it. */
 typedef struct opc_run {
   opc_flow *flow;
-  const opc_registry *registry;
+  opc_registry *registry;
   const opc_watch *watch;
   const opc_run_options *options;
   char *folder;        /* where the result is; NULL: nothing was kept */
   char *work;          /* its name until it is done */
   GPtrArray *tables;   /* opc_run_table * */
-  GArray *metrics;     /* opc_run_metric */
+  GArray *metrics;     /* opc_inner_metric */
   GHashTable *claims;  /* file in the run folder -> path of who has it */
   GPtrArray *paths;    /* that were given out */
   GPtrArray *inputs;   /* files read: path, SHA-256, path ... */
@@ -70,7 +64,7 @@ typedef struct opc_run {
 
 /* Run a flow that has no problem. Never NULL; it failed if a problem was
    added, and `folder` then holds what was finished, if anything. */
-opc_run *opc_run_flow(opc_flow *flow, const opc_registry *registry,
+opc_run *opc_run_flow(opc_flow *flow, opc_registry *registry,
                       const opc_run_options *options, const opc_watch *watch,
                       opc_problems *problems);
 void opc_run_free(opc_run *run);
@@ -85,7 +79,7 @@ opc_run *opc_run_sweep(opc_flow *flow, const opc_choice *choice,
 
 /* ---- run.c, for points.c ---- */
 
-opc_run *opc_run_new(opc_flow *flow, const opc_registry *registry,
+opc_run *opc_run_new(opc_flow *flow, opc_registry *registry,
                      const opc_run_options *options, const opc_watch *watch);
 
 /* Make the instances of the steps that are not left out. */
@@ -108,23 +102,36 @@ void opc_run_close(opc_run *run, const char *target, opc_problems *problems);
    listeners are the opc_run. */
 extern const opc_sink opc_run_sink;
 
-/* ---- points.c, for core/search ---- */
+/* ---- points.c, for inner.c ---- */
 
 /* Of each step: whether it, or one that it needs, is swept. The references of
    a step that is not swept are the same at all points. */
 void opc_run_find_swept(const opc_flow *flow, const opc_sweep *sweep,
                         gboolean *swept);
 
-/* A run at a point of a sweep: of the steps that `trunk` left out, with what
-   its own gave. */
-opc_run *opc_run_branch(const opc_run *trunk, opc_flow *flow);
+/* A run at the point of a sweep that `choice` says: of the steps that `trunk`
+   left out, with what its own gave. It has a flow of its own. NULL and problems
+   if that is not good. */
+opc_run *opc_run_branch(const opc_run *trunk, const opc_choice *choice,
+                        opc_problems *problems);
+/* Run its steps in the folder `path`; the sums of what they read go to `main_run`.
+ */
+void opc_run_branch_steps(opc_run *run, opc_run *main_run, const char *path,
+                          opc_problems *problems);
+/* Write its resolved flow and metrics into its folder, or remove that. */
+void opc_run_branch_close(const opc_run *run, gboolean keep,
+                          opc_problems *problems);
+/* With what it made and its flow. */
+void opc_run_branch_free(opc_run *run);
 
-/* The resolved flow and the metrics of a point, into its folder. */
-void opc_run_write_point(const opc_run *run, opc_problems *problems);
+/* Make the folder `path` for a run within that of another. */
+gboolean opc_run_open_at(opc_run *run, const char *path,
+                         opc_problems *problems);
 
 /* ---- report.c: JSON ---- */
 
 JsonNode *opc_run_metrics_json(const opc_run *run);
+JsonNode *opc_metric_json(const opc_metric *metric, double value);
 JsonNode *opc_run_manifest_json(const opc_run *run);
 JsonNode *opc_table_json(const opc_table *table);
 

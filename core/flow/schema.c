@@ -1,19 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Turns the declarations of plugins into a JSON Schema. */
 #include "core/flow/schema.h"
 
 #include <string.h>
 
-#include "core/flow/unit.h"
-#include "core/flow/value.h"
+#include "core/text/unit.h"
+#include "core/text/value.h"
 #include "core/plugin/declaration.h"
 
 #define NUMBER "[+-]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][+-]?[0-9]+)?"
 #define NAME "[A-Za-z0-9_][A-Za-z0-9_-]*"
 #define REFERENCE "^\\$\\{" NAME "(\\.[A-Za-z0-9_.-]+)?\\}$"
-
-static const uint32_t kinds[] = {OPC_KIND_STEP,   OPC_KIND_LITHO,
-                                 OPC_KIND_RESIST, OPC_KIND_EXTRACT,
-                                 OPC_KIND_MASK,   OPC_KIND_DRC};
 
 /* ---- small pieces ---- */
 
@@ -192,7 +189,7 @@ static JsonObject *value_schema(const opc_parameter *p) {
     case OPC_INPUT:
       return new_pattern(REFERENCE);
     case OPC_SLOT:
-      return new_reference("kind.", p->choices);
+      return new_reference("any.", p->choices);
     default:
       return any_text();
   }
@@ -260,7 +257,7 @@ static JsonObject *plugin_schema(const opc_plugin *plugin) {
   json_object_set_object_member(member(o, "properties"), "use", use);
   json_object_set_boolean_member(o, "additionalProperties", FALSE);
   for (size_t i = 0; i < plugin->n_parameters; i++) {
-    const opc_parameter *p = opc_parameter_at(plugin, i);
+    const opc_parameter *p = &plugin->parameters[i];
     const char *name;
     JsonObject *map = home(o, p->name, &name);
     json_object_set_object_member(member(map, "properties"), name,
@@ -284,7 +281,7 @@ static JsonObject *needs(const opc_plugin *plugin) {
   JsonObject *o = json_object_new();
   add_word(o, "use");
   for (size_t i = 0; i < plugin->n_parameters; i++) {
-    const opc_parameter *p = opc_parameter_at(plugin, i);
+    const opc_parameter *p = &plugin->parameters[i];
     if (!(p->flags & OPC_REQUIRED) || p->preset) continue;
     JsonObject *at = o;
     const char *name = p->name;
@@ -309,12 +306,12 @@ static JsonObject *whole_plugin(const opc_plugin *plugin) {
   return o;
 }
 
-static JsonObject *kind_schema(const GPtrArray *plugins, uint32_t kind) {
+static JsonObject *kind_schema(const GPtrArray *plugins, const char *kind) {
   JsonObject *o = json_object_new();
   JsonArray *list = json_array_new();
   for (guint i = 0; i < plugins->len; i++) {
     const opc_plugin *plugin = plugins->pdata[i];
-    if (plugin->kind == kind)
+    if (!strcmp(plugin->kind, kind))
       json_array_add_object_element(list, whole_plugin(plugin));
   }
   /* oneOf must not be empty. */
@@ -344,7 +341,7 @@ static JsonObject *steps_schema(gboolean whole) {
   json_object_set_object_member(o, "propertyNames", new_pattern("^" NAME "$"));
   json_object_set_object_member(
       o, "additionalProperties",
-      whole ? new_reference("kind.", "step") : map_or_nothing());
+      whole ? new_reference("any.", OPC_KIND_STEP) : map_or_nothing());
   return o;
 }
 
@@ -409,6 +406,23 @@ static void set_head(JsonObject *root) {
       keys, "steps", with_description(json_object_new(), "What runs, by name"));
 }
 
+/* The kinds that may stand in a flow: steps, and what slots want. */
+static GHashTable *used_kinds(const GPtrArray *plugins) {
+  GHashTable *kinds = g_hash_table_new(g_str_hash, g_str_equal);
+  g_hash_table_add(kinds, (char *)OPC_KIND_STEP);
+  for (guint i = 0; i < plugins->len; i++) {
+    const opc_plugin *plugin = plugins->pdata[i];
+    for (size_t k = 0; k < plugin->n_parameters; k++)
+      if (plugin->parameters[k].type == OPC_SLOT)
+        g_hash_table_add(kinds, (char *)plugin->parameters[k].choices);
+  }
+  return kinds;
+}
+
+static gint compare_names(gconstpointer a, gconstpointer b) {
+  return strcmp(a, b);
+}
+
 JsonNode *opc_flow_schema(const GPtrArray *plugins) {
   JsonObject *root = json_object_new();
   set_text(root, "$schema", "http://json-schema.org/draft-07/schema#");
@@ -424,10 +438,13 @@ JsonNode *opc_flow_schema(const GPtrArray *plugins) {
     json_object_set_object_member(definitions, plugin->id,
                                   plugin_schema(plugin));
   }
-  for (size_t i = 0; i < G_N_ELEMENTS(kinds); i++) {
-    g_autofree char *name = g_strconcat("kind.", opc_kind_name(kinds[i]), NULL);
+  g_autoptr(GHashTable) kinds = used_kinds(plugins);
+  g_autoptr(GList) names =
+      g_list_sort(g_hash_table_get_keys(kinds), compare_names);
+  for (const GList *at = names; at; at = at->next) {
+    g_autofree char *name = g_strconcat("any.", at->data, NULL);
     json_object_set_object_member(definitions, name,
-                                  kind_schema(plugins, kinds[i]));
+                                  kind_schema(plugins, at->data));
   }
   JsonNode *node = json_node_new(JSON_NODE_OBJECT);
   json_node_take_object(node, root);

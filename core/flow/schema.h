@@ -5,7 +5,7 @@
 
 #include <json-glib/json-glib.h>
 
-#include "core/flow/node.h"
+#include "core/text/node.h"
 
 /* `plugins`: const opc_plugin *, those that a flow may use. */
 JsonNode *opc_flow_schema(const GPtrArray *plugins);

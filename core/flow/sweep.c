@@ -5,9 +5,9 @@
 #include <string.h>
 
 #include "core/flow/layers.h"
-#include "core/flow/unit.h"
-#include "core/flow/value.h"
-#include "core/plugin/suggest.h"
+#include "core/text/suggest.h"
+#include "core/text/unit.h"
+#include "core/text/value.h"
 
 static const double most_points = 100000;
 
@@ -254,7 +254,9 @@ void opc_sweep_lay_over(opc_sweep *sweep, const opc_node *map,
 
 /* ---- points ---- */
 
-gboolean opc_axis_is_numeric(const opc_axis *axis, const char **unit) {
+/* Whether all values are numbers with the same unit, or none: *unit is "" or
+   the name of one. */
+static gboolean is_numeric(const opc_axis *axis, const char **unit) {
   *unit = "";
   for (guint i = 0; i < axis->values->len; i++) {
     const opc_node *node = axis->values->pdata[i];
@@ -267,20 +269,41 @@ gboolean opc_axis_is_numeric(const opc_axis *axis, const char **unit) {
   return !**unit || opc_unit_find(*unit);
 }
 
-const opc_node *opc_sweep_value(const opc_sweep *sweep, guint a, size_t point) {
-  for (guint i = sweep->axes->len; i-- > 0;) {
-    const GPtrArray *values = ((opc_axis *)sweep->axes->pdata[i])->values;
-    if (i == a) return values->pdata[point % values->len];
-    point /= values->len;
+void opc_axis_describe(const opc_axis *axis, opc_inner_axis *out) {
+  const char *unit;
+  gboolean numeric = is_numeric(axis, &unit);
+  guint n = axis->values->len;
+  double *values = numeric ? g_new(double, n) : NULL;
+  char **texts = g_new0(char *, n + 1);
+  for (guint i = 0; i < n; i++) {
+    const opc_node *node = axis->values->pdata[i];
+    texts[i] = opc_node_line(node);
+    if (numeric) values[i] = g_ascii_strtod(node->text, NULL);
   }
-  return NULL;
+  *out = (opc_inner_axis){.path = axis->path,
+                          .unit = numeric && *unit ? unit : NULL,
+                          .count = n,
+                          .values = values,
+                          .texts = (const char *const *)texts};
+}
+
+void opc_inner_axis_clear(opc_inner_axis *axis) {
+  g_free((double *)axis->values);
+  g_strfreev((char **)axis->texts);
+}
+
+guint opc_sweep_index(const opc_sweep *sweep, guint a, size_t point) {
+  for (guint i = sweep->axes->len - 1; i > a; i--)
+    point /= ((const opc_axis *)sweep->axes->pdata[i])->values->len;
+  return point % ((const opc_axis *)sweep->axes->pdata[a])->values->len;
 }
 
 void opc_sweep_lay(const opc_sweep *sweep, size_t point, opc_node *steps,
                    opc_problems *problems) {
   for (guint i = 0; i < sweep->axes->len; i++) {
     const opc_axis *axis = sweep->axes->pdata[i];
-    opc_lay_at(steps, axis->path, &axis->at, opc_sweep_value(sweep, i, point),
+    opc_lay_at(steps, axis->path, &axis->at,
+               axis->values->pdata[opc_sweep_index(sweep, i, point)],
                axis->source, problems);
   }
 }

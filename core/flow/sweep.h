@@ -3,6 +3,8 @@
 #ifndef OPCFLOW_CORE_SWEEP_H
 #define OPCFLOW_CORE_SWEEP_H
 
+#include <opcflow/inner.h>
+
 #include "core/flow/recipe.h"
 
 /* One parameter. */
@@ -30,13 +32,15 @@ void opc_sweep_free(opc_sweep *sweep);
 void opc_sweep_lay_over(opc_sweep *sweep, const opc_node *map,
                         opc_problems *problems);
 
-/* Whether all values are numbers with the same unit, or none: *unit is "" or
-   the name of one. */
-gboolean opc_axis_is_numeric(const opc_axis *axis, const char **unit);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_sweep, opc_sweep_free)
 
-/* The value of axis `a` at a point; the last axis changes first. */
-const opc_node *opc_sweep_value(const opc_sweep *sweep, guint a, size_t point);
+/* What there is to tell of an axis, which outlives it; numbers where all values
+   are some and have the same unit, or none. */
+void opc_axis_describe(const opc_axis *axis, opc_inner_axis *out);
+void opc_inner_axis_clear(opc_inner_axis *axis);
+
+/* Which value of axis `a` a point has; the last axis changes first. */
+guint opc_sweep_index(const opc_sweep *sweep, guint a, size_t point);
 
 /* Lay the values of a point over steps. */
 void opc_sweep_lay(const opc_sweep *sweep, size_t point, opc_node *steps,

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/flow/value.h"
+#include "core/text/value.h"
 #include "core/plugin/host.h"
 
 enum { MOST_DECIMALS = 20 };

@@ -1,101 +1,48 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Looks through a plugin's descriptor before anything relies on it. */
 #include "core/plugin/declaration.h"
 
+#include <math.h>
 #include <string.h>
 
-#include "core/flow/unit.h"
-#include "core/flow/value.h"
-#include "core/plugin/guard.h"
+#include "core/text/unit.h"
+#include "core/text/value.h"
 
 /* More than any plugin will have; a wild number is caught before its array is
    read. */
 enum { MOST = 4096 };
 
-/* ---- arrays ---- */
-
-const opc_parameter *opc_parameter_at(const opc_plugin *plugin, size_t i) {
-  return (const opc_parameter *)((const char *)plugin->parameters +
-                                 i * plugin->parameter_size);
-}
-
-const opc_metric *opc_metric_at(const opc_plugin *plugin, size_t i) {
-  return (const opc_metric *)((const char *)plugin->metrics +
-                              i * plugin->metric_size);
-}
-
 size_t opc_port_count(const opc_plugin *plugin) {
-  if (plugin->kind != OPC_KIND_STEP) return 0;
-  return ((const opc_step *)plugin->operations)->n_outputs;
+  if (strcmp(plugin->kind, OPC_KIND_STEP) != 0) return 0;
+  return ((const opc_step *)plugin->functions)->n_outputs;
 }
 
 const opc_port *opc_port_at(const opc_plugin *plugin, size_t i) {
-  const opc_step *step = plugin->operations;
-  return (const opc_port *)((const char *)step->outputs + i * step->port_size);
+  return &((const opc_step *)plugin->functions)->outputs[i];
 }
 
 int opc_parameter_find(const opc_plugin *plugin, const char *name) {
   for (size_t i = 0; i < plugin->n_parameters; i++)
-    if (!strcmp(opc_parameter_at(plugin, i)->name, name)) return (int)i;
+    if (!strcmp(plugin->parameters[i].name, name)) return (int)i;
   return -1;
 }
 
 const opc_metric *opc_metric_find(const opc_plugin *plugin, const char *name) {
   for (size_t i = 0; i < plugin->n_metrics; i++)
-    if (!strcmp(opc_metric_at(plugin, i)->name, name))
-      return opc_metric_at(plugin, i);
+    if (!strcmp(plugin->metrics[i].name, name)) return &plugin->metrics[i];
   return NULL;
 }
 
-static const opc_renames *renames_of(const opc_plugin *plugin) {
-  if (!plugin->get_extension) return NULL;
-  const char *before = opc_enter(plugin->id);
-  const opc_renames *renames = plugin->get_extension(OPC_RENAMED_PARAMETERS);
-  opc_leave(before);
-  return renames;
-}
-
-size_t opc_rename_count(const opc_plugin *plugin) {
-  const opc_renames *renames = renames_of(plugin);
-  return renames ? renames->count : 0;
-}
-
-const opc_rename *opc_rename_at(const opc_plugin *plugin, size_t i) {
-  const opc_renames *renames = renames_of(plugin);
-  return (const opc_rename *)((const char *)renames->renames +
-                              i * renames->rename_size);
-}
-
-const opc_rename *opc_rename_find(const opc_plugin *plugin, const char *from) {
-  for (size_t i = 0; i < opc_rename_count(plugin); i++)
-    if (!strcmp(opc_rename_at(plugin, i)->from, from))
-      return opc_rename_at(plugin, i);
-  return NULL;
-}
-
-/* ---- names ---- */
-
-static const char *const kinds[] = {NULL,   "litho", "resist", "extract",
-                                    "mask", "drc",   "step"};
-static const char *const types[] = {NULL,    "bool",   "int",   "real",
-                                    "text",  "choice", "file",  "output",
-                                    "reals", "map",    "input", "slot"};
-
-const char *opc_kind_name(uint32_t kind) {
-  return kind < G_N_ELEMENTS(kinds) ? kinds[kind] : NULL;
-}
-
-uint32_t opc_kind_find(const char *name) {
-  for (uint32_t i = 1; i < G_N_ELEMENTS(kinds); i++)
-    if (!strcmp(kinds[i], name)) return i;
-  return 0;
-}
-
-const char *opc_type_name(uint32_t type) {
-  return type < G_N_ELEMENTS(types) ? types[type] : NULL;
-}
-
-char **opc_choice_list(const char *choices) {
-  return g_strsplit(choices ? choices : "", "|", -1);
+const opc_metric *opc_metric_check(const opc_plugin *plugin, const char *name,
+                                   double value, opc_error *error) {
+  const opc_metric *metric = opc_metric_find(plugin, name);
+  if (!metric)
+    opc_fail(error, OPC_FAILED, NULL, "'%s' declares no metric '%s'",
+             plugin->id, name);
+  else if (!isfinite(value))
+    opc_fail(error, OPC_FAILED, NULL, "the metric '%s' of '%s' is %g", name,
+             plugin->id, value);
+  return metric && isfinite(value) ? metric : NULL;
 }
 
 gboolean opc_is_id(const char *name) {
@@ -122,7 +69,7 @@ static char *choices_fault(const opc_parameter *p) {
   for (guint i = 0; words[i]; i++)
     if (!*words[i])
       return g_strdup_printf("parameter '%s' has an empty choice", p->name);
-  if (p->type == OPC_SLOT && !opc_kind_find(p->choices))
+  if (p->type == OPC_SLOT && !opc_is_id(p->choices))
     return g_strdup_printf("parameter '%s': '%s' is no kind of plugin", p->name,
                            p->choices);
   return NULL;
@@ -165,12 +112,31 @@ static gboolean are_nested(const char *a, const char *b) {
          (g_str_has_prefix(b, a) && b[strlen(a)] == '.');
 }
 
+/* Where the value goes has to be inside the instance, behind `host`, and as
+   large as the type says. */
+static char *field_fault(const opc_plugin *plugin, const opc_parameter *p) {
+  size_t width = opc_value_width(p->type), size = plugin->instance_size;
+  if (p->width != width)
+    return g_strdup_printf(
+        "parameter '%s': its field has %zu bytes, a value of the type '%s' has "
+        "%zu",
+        p->name, p->width, opc_type_name(p->type), width);
+  if (p->offset < sizeof(opc_host *) || p->offset > size ||
+      size - p->offset < width)
+    return g_strdup_printf("parameter '%s': its field is not in the instance",
+                           p->name);
+  if (p->given && (p->given > size || size - p->given < sizeof(int)))
+    return g_strdup_printf("parameter '%s': its 'given' is not in the instance",
+                           p->name);
+  return NULL;
+}
+
 static char *parameter_fault(const opc_plugin *plugin, size_t i) {
-  const opc_parameter *p = opc_parameter_at(plugin, i);
+  const opc_parameter *p = &plugin->parameters[i];
   if (!p->name || !opc_is_id(p->name) || !strcmp(p->name, "use"))
     return g_strdup_printf("parameter %zu has no proper name", i + 1);
   for (size_t j = 0; j < i; j++) {
-    const char *other = opc_parameter_at(plugin, j)->name;
+    const char *other = plugin->parameters[j].name;
     if (!strcmp(p->name, other))
       return g_strdup_printf("parameter '%s' is there twice", p->name);
     if (are_nested(p->name, other))
@@ -185,120 +151,34 @@ static char *parameter_fault(const opc_plugin *plugin, size_t i) {
                            p->unit);
   if (!p->summary)
     return g_strdup_printf("parameter '%s' has no summary", p->name);
-  char *fault = choices_fault(p);
+  char *fault = field_fault(plugin, p);
+  if (!fault) fault = choices_fault(p);
   if (!fault) fault = bounds_fault(p);
   if (!fault) fault = preset_fault(p);
   return fault;
 }
 
-static char *rename_fault(const opc_plugin *plugin, size_t i) {
-  const opc_rename *r = opc_rename_at(plugin, i);
-  if (!r->from || !r->to || !opc_is_id(r->from) || !r->since)
-    return g_strdup_printf("renamed parameter %zu is not complete", i + 1);
-  if (opc_parameter_find(plugin, r->to) < 0)
-    return g_strdup_printf("'%s' was renamed to '%s', which is no parameter",
-                           r->from, r->to);
-  const char *other = NULL;
-  for (size_t j = 0; j < plugin->n_parameters && !other; j++) {
-    const char *name = opc_parameter_at(plugin, j)->name;
-    if (!strcmp(name, r->from) || are_nested(name, r->from)) other = name;
-  }
-  for (size_t j = 0; j < i && !other; j++) {
-    const char *name = opc_rename_at(plugin, j)->from;
-    if (!strcmp(name, r->from) || are_nested(name, r->from)) other = name;
-  }
-  if (!other) return NULL;
-  return g_strdup_printf("renamed parameter '%s' gets in the way of '%s'",
-                         r->from, other);
-}
-
-static char *renames_fault(const opc_plugin *plugin) {
-  const opc_renames *renames = renames_of(plugin);
-  if (!renames) return NULL;
-  if (renames->size < sizeof *renames || renames->count > MOST ||
-      (renames->count &&
-       (renames->rename_size < sizeof(opc_rename) || !renames->renames)))
-    return g_strdup("its renamed parameters are not an array of opc_rename");
-  char *fault = NULL;
-  for (size_t i = 0; !fault && i < renames->count; i++)
-    fault = rename_fault(plugin, i);
-  return fault;
-}
-
 static char *metric_fault(const opc_plugin *plugin, size_t i) {
-  const opc_metric *m = opc_metric_at(plugin, i);
+  const opc_metric *m = &plugin->metrics[i];
   if (!m->name || !*m->name)
     return g_strdup_printf("metric %zu has no name", i + 1);
   for (size_t j = 0; j < i; j++)
-    if (!strcmp(m->name, opc_metric_at(plugin, j)->name))
+    if (!strcmp(m->name, plugin->metrics[j].name))
       return g_strdup_printf("metric '%s' is there twice", m->name);
   if (m->better > OPC_HIGHER || !m->summary)
     return g_strdup_printf("metric '%s' is not complete", m->name);
   return NULL;
 }
 
-static char *ports_fault(const opc_step *step) {
-  if (!step->n_outputs) return NULL;
-  if (step->n_outputs > MOST || step->port_size < sizeof(opc_port) ||
-      !step->outputs)
-    return g_strdup("the outputs are not an array of opc_port");
-  for (size_t i = 0; i < step->n_outputs; i++) {
-    const opc_port *port =
-        (const opc_port *)((const char *)step->outputs + i * step->port_size);
-    if (!port->name || !port->kind || !port->release || !opc_is_id(port->name))
-      return g_strdup_printf("output %zu is not complete", i + 1);
-  }
-  return NULL;
-}
-
-/* The functions of a kind: where they begin in its struct and how many there
-   are, in the first minor of this major. */
-static char *operations_fault(const opc_plugin *plugin) {
-  static const struct {
-    size_t size, first, functions;
-  } needs[] = {
-      [OPC_KIND_LITHO] = {sizeof(opc_litho), offsetof(opc_litho, prepare), 3},
-      [OPC_KIND_RESIST] = {sizeof(opc_resist), offsetof(opc_resist, prepare),
-                           2},
-      [OPC_KIND_EXTRACT] = {offsetof(opc_extract, slice), offsetof(opc_extract, prepare),
-                            3},
-      [OPC_KIND_MASK] = {offsetof(opc_synthesizer, cut),
-                         offsetof(opc_synthesizer, begin), 3},
-      [OPC_KIND_DRC] = {sizeof(opc_regulator), offsetof(opc_regulator, rule),
-                        2},
-      [OPC_KIND_STEP] = {sizeof(opc_step), offsetof(opc_step, run), 1},
-  };
-  const char *operations = plugin->operations;
-  if (!operations) return g_strdup("it has no operations");
-  size_t size = *(const size_t *)plugin->operations;
-  if (size < needs[plugin->kind].size)
-    return g_strdup_printf("its operations have %zu bytes, %zu are needed",
-                           size, needs[plugin->kind].size);
-  for (size_t i = 0; i < needs[plugin->kind].functions; i++) {
-    void *function;
-    memcpy(&function,
-           operations + needs[plugin->kind].first + i * sizeof function,
-           sizeof function);
-    if (!function)
-      return g_strdup_printf("function %zu of its operations is missing",
-                             i + 1);
-  }
-  return plugin->kind == OPC_KIND_STEP ? ports_fault(plugin->operations) : NULL;
-}
-
 static char *arrays_fault(const opc_plugin *plugin) {
-  if (plugin->n_parameters &&
-      (plugin->n_parameters > MOST ||
-       plugin->parameter_size < sizeof(opc_parameter) || !plugin->parameters))
+  if (plugin->n_parameters > MOST ||
+      (plugin->n_parameters && !plugin->parameters))
     return g_strdup("its parameters are not an array of opc_parameter");
-  if (plugin->n_metrics &&
-      (plugin->n_metrics > MOST || plugin->metric_size < sizeof(opc_metric) ||
-       !plugin->metrics))
+  if (plugin->n_metrics > MOST || (plugin->n_metrics && !plugin->metrics))
     return g_strdup("its metrics are not an array of opc_metric");
   char *fault = NULL;
   for (size_t i = 0; !fault && i < plugin->n_parameters; i++)
     fault = parameter_fault(plugin, i);
-  if (!fault) fault = renames_fault(plugin);
   for (size_t i = 0; !fault && i < plugin->n_metrics; i++)
     fault = metric_fault(plugin, i);
   return fault;
@@ -306,27 +186,26 @@ static char *arrays_fault(const opc_plugin *plugin) {
 
 char *opc_plugin_fault(const opc_plugin *plugin, const char *id) {
   if (!plugin) return g_strdup(OPC_ENTRY_NAME "() returned nothing");
-  /* The frozen prefix: no other field is looked at before it is good. */
-  if (plugin->size < sizeof(uint32_t) + 2 * sizeof(uint16_t))
-    return g_strdup_printf("its descriptor has %u bytes, %zu are needed",
-                           plugin->size, sizeof(opc_plugin));
-  if (plugin->abi_major != OPC_ABI_MAJOR)
-    return g_strdup_printf("built for plugin interface %u, this is %u",
-                           plugin->abi_major, OPC_ABI_MAJOR);
-  if (plugin->size < sizeof(opc_plugin))
-    return g_strdup_printf("its descriptor has %u bytes, %zu are needed",
-                           plugin->size, sizeof(opc_plugin));
+  if (plugin->abi_major != OPC_ABI_MAJOR || plugin->abi_minor != OPC_ABI_MINOR)
+    return g_strdup_printf("built for plugin interface %u.%u, this is %u.%u",
+                           plugin->abi_major, plugin->abi_minor, OPC_ABI_MAJOR,
+                           OPC_ABI_MINOR);
   if (!plugin->id || !opc_is_id(plugin->id))
     return g_strdup("its id is not made of lower-case words and dots");
-  if (strcmp(plugin->id, id))
+  if (strcmp(plugin->id, id) != 0)
     return g_strdup_printf("its id is '%s', its file is called '%s'",
                            plugin->id, id);
-  if (!plugin->version || !plugin->licence || !plugin->summary)
-    return g_strdup("it has no version, licence or summary");
-  if (!opc_kind_name(plugin->kind))
-    return g_strdup_printf("its kind %u is unknown", plugin->kind);
-  if (!plugin->create || !plugin->destroy)
-    return g_strdup("it has no create or destroy");
-  char *fault = operations_fault(plugin);
-  return fault ? fault : arrays_fault(plugin);
+  const struct {
+    const char *name, *text;
+  } texts[] = {{"kind", plugin->kind},
+               {"version", plugin->version},
+               {"licence", plugin->licence},
+               {"summary", plugin->summary}};
+  for (size_t i = 0; i < G_N_ELEMENTS(texts); i++)
+    if (!texts[i].text || !*texts[i].text)
+      return g_strdup_printf("it has no %s", texts[i].name);
+  if (plugin->instance_size < sizeof(opc_host *))
+    return g_strdup("its instance has no room for the host");
+  if (!plugin->functions) return g_strdup("it has no functions");
+  return arrays_fault(plugin);
 }

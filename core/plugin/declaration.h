@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reading a plugin's descriptor: its arrays, whose elements a later minor may
-   have made larger, the names of kinds, and whether it is sound. */
+/* What a plugin's descriptor says, and whether it is sound. */
 #ifndef OPCFLOW_CORE_DECLARATION_H
 #define OPCFLOW_CORE_DECLARATION_H
 
 #include <glib.h>
 #include <opcflow/opcflow.h>
 
-const opc_parameter *opc_parameter_at(const opc_plugin *plugin, size_t i);
-const opc_metric *opc_metric_at(const opc_plugin *plugin, size_t i);
+/* The kinds that the kernel itself knows; kind.h finds the others. */
+#define OPC_KIND_STEP "step"
+#define OPC_KIND_COMMAND "command"
+#define OPC_KIND_KIND "kind"
+
 /* The ports of a plugin of the kind step; none for the others. */
 size_t opc_port_count(const opc_plugin *plugin);
 const opc_port *opc_port_at(const opc_plugin *plugin, size_t i);
@@ -16,29 +18,17 @@ const opc_port *opc_port_at(const opc_plugin *plugin, size_t i);
 /* The number of the parameter of that name, -1 if there is none. */
 int opc_parameter_find(const opc_plugin *plugin, const char *name);
 const opc_metric *opc_metric_find(const opc_plugin *plugin, const char *name);
+/* The metric that a plugin gives a value of; NULL and *error if it declares
+   none of that name or the value is no number. */
+const opc_metric *opc_metric_check(const opc_plugin *plugin, const char *name,
+                                   double value, opc_error *error);
 
-/* What an earlier version called its parameters (plugin.h). */
-size_t opc_rename_count(const opc_plugin *plugin);
-const opc_rename *opc_rename_at(const opc_plugin *plugin, size_t i);
-/* The rename of that old name, NULL if there is none. */
-const opc_rename *opc_rename_find(const opc_plugin *plugin, const char *from);
-
-/* "litho" ... ; NULL for a number that is no kind; 0 for a name that is none */
-const char *opc_kind_name(uint32_t kind);
-uint32_t opc_kind_find(const char *name);
-
-/* "real" ... ; NULL for a number that is no type */
-const char *opc_type_name(uint32_t type);
-
-/* The words of "a|b|c", in order (g_strfreev). */
-char **opc_choice_list(const char *choices);
-
-/* lower_case words with dots between them: "mask.dpb", "anchor.line" */
+/* lower_case words with dots between them: "litho.abbe", "anchor.line" */
 gboolean opc_is_id(const char *name);
 
-/* Whether the host can work with a descriptor; `id` is what its file name
-   says. NULL if so, else the first reason (g_free). Size and major are looked
-   at before anything else. */
+/* Whether the host can work with a descriptor, but for its functions (kind.h);
+   `id` is what its file name says. NULL if so, else the first reason (g_free).
+   The interface's number is looked at before anything else. */
 char *opc_plugin_fault(const opc_plugin *plugin, const char *id);
 
 #endif

@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The handler of crashes: it only writes texts that were made before, renames
+   the run folder and ends the process. */
 #include "core/plugin/guard.h"
 
 #include <errno.h>
@@ -8,8 +10,6 @@
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-
-#include "core/plugin/host.h"
 
 enum { STACK = 32768, MOST_RUNS = 10000 };
 
@@ -29,16 +29,16 @@ static void give_stack(void) {
   sigaltstack(&own, NULL);
 }
 
-const char *opc_enter(const char *id) {
+const char *opc_guard_enter(const char *id) {
   const char *before = inside;
   if (!has_stack) give_stack();
   inside = id;
   return before;
 }
 
-void opc_leave(const char *before) { inside = before; }
+void opc_guard_leave(const char *before) { inside = before; }
 
-const char *opc_inside(void) { return inside; }
+const char *opc_guard_inside(void) { return inside; }
 
 /* ---- what is said and kept ---- */
 

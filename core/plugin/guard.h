@@ -7,13 +7,13 @@
 #define OPCFLOW_CORE_GUARD_H
 
 /* Around every call of a plugin's function: the id of the plugin that this
-   thread is in. `before = opc_enter(id); ...; opc_leave(before)`. The text
+   thread is in. `before = opc_guard_enter(id); ...; opc_guard_leave(before)`. The text
    outlives the call. */
-const char *opc_enter(const char *id);
-void opc_leave(const char *before);
+const char *opc_guard_enter(const char *id);
+void opc_guard_leave(const char *before);
 
 /* That id, NULL outside of plugins. */
-const char *opc_inside(void);
+const char *opc_guard_inside(void);
 
 /* Catch SIGSEGV, SIGBUS, SIGFPE, SIGILL and SIGABRT while a thread is inside a
    plugin; elsewhere they do what they always did. `wipe` goes out before the

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The functions that instances call back, and the pool of threads behind
+   `parallel`. */
 #include "core/plugin/host.h"
 
 #include <glib.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "core/plugin/guard.h"
 
@@ -16,38 +15,21 @@ unsigned opc_threads(void) {
   return wanted_threads ? wanted_threads : MAX(1, g_get_num_processors());
 }
 
-/* ---- errors and messages ---- */
+/* The host of one instance, with the context that libraries get. */
+typedef struct instance_host {
+  opc_host host; /* the first member */
+  opc_context context;
+  const opc_sink *sink; /* NULL: to nowhere */
+} instance_host;
 
-static int vfail(opc_error *error, int code, const char *parameter,
-                 const char *format, va_list args) {
-  error->code = code;
-  g_strlcpy(error->parameter, parameter ? parameter : "",
-            sizeof error->parameter);
-  vsnprintf(error->message, sizeof error->message, format, args);
-  return code;
+static const opc_sink *sink_of(const opc_host *host) {
+  return ((const instance_host *)host)->sink;
 }
 
-int opc_fail(opc_error *error, int code, const char *parameter,
-             const char *format, ...) {
-  va_list args;
-  va_start(args, format);
-  vfail(error, code, parameter, format, args);
-  va_end(args);
-  return code;
-}
-
-static int host_fail(const opc_host *host, opc_error *error, int code,
-                     const char *parameter, const char *format, ...) {
-  (void)host;
-  va_list args;
-  va_start(args, format);
-  vfail(error, code, parameter, format, args);
-  va_end(args);
-  return code;
-}
+/* ---- messages ---- */
 
 static void host_log(const opc_host *host, int level, const char *format, ...) {
-  const opc_sink *sink = host->context;
+  const opc_sink *sink = sink_of(host);
   if (!sink || !sink->log) return;
   va_list args;
   va_start(args, format);
@@ -57,25 +39,26 @@ static void host_log(const opc_host *host, int level, const char *format, ...) {
 }
 
 static void host_progress(const opc_host *host, const opc_progress *progress) {
-  const opc_sink *sink = host->context;
+  const opc_sink *sink = sink_of(host);
   if (sink && sink->progress) sink->progress(sink->data, progress);
 }
 
-static int host_cancelled(const opc_host *host) {
-  const opc_sink *sink = host->context;
-  return sink && sink->cancelled && sink->cancelled(sink->data);
+static int is_cancelled(const opc_context *context) {
+  const instance_host *own =
+      (const instance_host *)((const char *)context -
+                              offsetof(instance_host, context));
+  return own->sink && own->sink->cancelled &&
+         own->sink->cancelled(own->sink->data);
 }
 
-/* ---- memory ---- */
-
-static void *host_alloc(const opc_host *host, size_t count, size_t size) {
-  (void)host;
-  return calloc(count ? count : 1, size ? size : 1);
+static const char *enter(const opc_context *context, const char *id) {
+  (void)context;
+  return opc_guard_enter(id);
 }
 
-static void host_free(const opc_host *host, void *memory) {
-  (void)host;
-  free(memory);
+static void leave(const opc_context *context, const char *before) {
+  (void)context;
+  opc_guard_leave(before);
 }
 
 /* ---- threads ---- */
@@ -98,12 +81,12 @@ typedef struct batch {
 
 static void batch_work(batch *b) {
   size_t i, mine = 0;
-  const char *before = opc_enter(b->inside);
+  const char *before = opc_guard_enter(b->inside);
   while ((i = __atomic_fetch_add(&b->next, 1, __ATOMIC_RELAXED)) < b->n) {
     b->task(b->data, i);
     mine++;
   }
-  opc_leave(before);
+  opc_guard_leave(before);
   if (!mine) return;
   g_mutex_lock(&b->lock);
   b->done += mine;
@@ -135,9 +118,9 @@ static GThreadPool *pool(void) {
   return instance;
 }
 
-static void host_parallel(const opc_host *host, size_t n,
-                          void (*task)(void *, size_t), void *data) {
-  (void)host;
+static void parallel(const opc_context *context, size_t n,
+                     void (*task)(void *, size_t), void *data) {
+  (void)context;
   size_t workers = MIN(n, opc_threads());
   if (workers <= 1) {
     for (size_t i = 0; i < n; i++) task(data, i);
@@ -146,7 +129,7 @@ static void host_parallel(const opc_host *host, size_t n,
   batch *b = g_new0(batch, 1);
   b->task = task;
   b->data = data;
-  b->inside = opc_inside();
+  b->inside = opc_guard_inside();
   b->n = n;
   g_atomic_ref_count_init(&b->references);
   g_mutex_init(&b->lock);
@@ -167,21 +150,21 @@ static void host_parallel(const opc_host *host, size_t n,
 static int host_table(const opc_host *host, const char *name, uint32_t flags,
                       size_t rows, const opc_column *columns, size_t n_columns,
                       opc_error *error) {
-  const opc_sink *sink = host->context;
+  const opc_sink *sink = sink_of(host);
   if (!sink || !sink->table) return OPC_OK;
   return sink->table(sink->data, name, flags, rows, columns, n_columns, error);
 }
 
 static int host_metric(const opc_host *host, const char *name, double value,
                        opc_error *error) {
-  const opc_sink *sink = host->context;
+  const opc_sink *sink = sink_of(host);
   if (!sink || !sink->metric) return OPC_OK;
   return sink->metric(sink->data, name, value, error);
 }
 
 static const char *host_output_path(const opc_host *host, const char *name,
                                     opc_error *error) {
-  const opc_sink *sink = host->context;
+  const opc_sink *sink = sink_of(host);
   if (!sink || !sink->output_path) {
     opc_fail(error, OPC_FAILED, NULL, "'%s': there is no run folder", name);
     return NULL;
@@ -190,28 +173,21 @@ static const char *host_output_path(const opc_host *host, const char *name,
 }
 
 opc_host *opc_host_new(const opc_sink *sink) {
-  opc_host *host = g_new(opc_host, 1);
-  *host = (opc_host){
-      .size = sizeof *host,
-      .abi_major = OPC_ABI_MAJOR,
-      .abi_minor = OPC_ABI_MINOR,
-      .context = (void *)sink,
-      .fail = host_fail,
-      .log = host_log,
-      .progress = host_progress,
-      .cancelled = host_cancelled,
-      .alloc = host_alloc,
-      .free = host_free,
-      .parallel = host_parallel,
-      .table = host_table,
-      .metric = host_metric,
-      .output_path = host_output_path,
-      .layout = &opc_layout_functions,
-      .geometry = &opc_geometry_functions,
-      .imaging = &opc_imaging_functions,
-      .devices = &opc_device_functions,
+  instance_host *own = g_new(instance_host, 1);
+  *own = (instance_host){
+      .context = {.parallel = parallel,
+                  .cancelled = is_cancelled,
+                  .enter = enter,
+                  .leave = leave},
+      .host = {.context = &own->context,
+               .log = host_log,
+               .progress = host_progress,
+               .table = host_table,
+               .metric = host_metric,
+               .output_path = host_output_path},
+      .sink = sink,
   };
-  return host;
+  return &own->host;
 }
 
 void opc_host_free(opc_host *host) { g_free(host); }

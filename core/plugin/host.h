@@ -4,7 +4,6 @@
 #define OPCFLOW_CORE_HOST_H
 
 #include <opcflow/opcflow.h>
-#include <stdarg.h>
 
 /* Where a host sends what its functions say. Any function may be NULL: the
    call is then ignored (table, metric) or refused (output_path). */
@@ -27,14 +26,5 @@ void opc_host_free(opc_host *host);
    processors. Before the first parallel call. */
 void opc_set_threads(unsigned n);
 unsigned opc_threads(void);
-
-/* Fill *error, return code; for the core's own use. */
-int opc_fail(opc_error *error, int code, const char *parameter,
-             const char *format, ...) OPC_PRINTF(4, 5);
-
-extern const opc_layout_service opc_layout_functions;      /* core/layout */
-extern const opc_geometry_service opc_geometry_functions;  /* core/geometry */
-extern const opc_imaging_service opc_imaging_functions;    /* core/imaging */
-extern const opc_device_service opc_device_functions;      /* core/flow */
 
 #endif

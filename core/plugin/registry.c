@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds plugins in folders, loads each at its first use and keeps it. */
 #include "core/plugin/registry.h"
 
 #include <dlfcn.h>
@@ -7,14 +8,8 @@
 
 #include "core/plugin/declaration.h"
 #include "core/plugin/guard.h"
-#include "core/plugin/host.h"
-#include "core/plugin/suggest.h"
-
-/* What is built in. */
-extern const opc_plugin opc_correct_plugin, opc_verify_plugin; /* core/correct */
-extern const opc_plugin opc_search_plugin;                     /* core/search */
-static const opc_plugin *const built_in[] = {
-    &opc_correct_plugin, &opc_search_plugin, &opc_verify_plugin};
+#include "core/plugin/kind.h"
+#include "core/text/suggest.h"
 
 /* What was found out about an id that somebody asked for. */
 typedef struct loaded {
@@ -110,16 +105,16 @@ static const char *start_loading(const char *path, const char *id) {
   g_autofree char *where =
       g_strdup_printf("error: '%s': cannot use '%s'", id, path);
   opc_guard_where(where, OPC_CRASH_LOADING);
-  return opc_enter(id);
+  return opc_guard_enter(id);
 }
 
 static void end_loading(const char *before) {
-  opc_leave(before);
+  opc_guard_leave(before);
   opc_guard_where(NULL, 0);
 }
 
-const opc_plugin *opc_plugin_load(const char *path, const char *id,
-                                  char **reason) {
+const opc_plugin *opc_plugin_load(opc_registry *registry, const char *path,
+                                  const char *id, char **reason) {
   *reason = NULL;
   g_autofree char *whole = g_canonicalize_filename(path, NULL);
   const char *before = start_loading(path, id);
@@ -141,35 +136,22 @@ const opc_plugin *opc_plugin_load(const char *path, const char *id,
   const opc_plugin *plugin = entry();
   *reason = opc_plugin_fault(plugin, id);
   end_loading(before);
+  if (!*reason) *reason = opc_functions_fault(registry, plugin);
   if (!*reason) return plugin;
   dlclose(object);
   return NULL;
 }
 
-static const opc_plugin *find_built_in(const char *id) {
-  for (size_t i = 0; i < G_N_ELEMENTS(built_in); i++)
-    if (!strcmp(built_in[i]->id, id)) return built_in[i];
-  return NULL;
-}
-
-gboolean opc_plugin_is_built_in(const opc_plugin *plugin) {
-  return find_built_in(plugin->id) == plugin;
-}
-
 static loaded *look_for(opc_registry *registry, const char *id) {
   loaded *l = g_new0(loaded, 1);
-  l->plugin = find_built_in(id);
-  if (l->plugin || !opc_is_id(id)) {
-    if (l->plugin) l->reason = opc_plugin_fault(l->plugin, id);
-    return l;
-  }
+  if (!opc_is_id(id)) return l;
   g_autofree char *file = g_strconcat(id, ".so", NULL);
   for (guint i = 0; i < registry->folders->len && !l->path; i++) {
     l->path = g_build_filename(registry->folders->pdata[i], file, NULL);
     if (!g_file_test(l->path, G_FILE_TEST_EXISTS))
       g_clear_pointer(&l->path, g_free);
   }
-  if (l->path) l->plugin = opc_plugin_load(l->path, id, &l->reason);
+  if (l->path) l->plugin = opc_plugin_load(registry, l->path, id, &l->reason);
   return l;
 }
 
@@ -180,6 +162,7 @@ static void candidate_free(gpointer item) {
   g_free(c->id);
   g_free(c->path);
   g_free(c->reason);
+  g_free(c->kind);
   g_free(c->version);
   g_free(c->licence);
   g_free(c->summary);
@@ -208,18 +191,15 @@ static gint compare_candidates(gconstpointer a, gconstpointer b) {
                 (*(opc_candidate *const *)b)->id);
 }
 
-/* All candidates, not yet tried. */
-static GPtrArray *list_candidates(const opc_registry *registry) {
+/* All candidates whose ids begin with `prefix`, not yet tried. */
+static GPtrArray *list_candidates(const opc_registry *registry,
+                                  const char *prefix) {
   GPtrArray *list = g_ptr_array_new_with_free_func(candidate_free);
-  for (size_t i = 0; i < G_N_ELEMENTS(built_in); i++) {
-    opc_candidate *c = g_new0(opc_candidate, 1);
-    c->id = g_strdup(built_in[i]->id);
-    g_ptr_array_add(list, c);
-  }
   for (guint i = 0; i < registry->folders->len; i++) {
     const char *folder = registry->folders->pdata[i];
     g_autoptr(GPtrArray) ids = folder_ids(folder);
     for (guint j = 0; j < ids->len; j++) {
+      if (!g_str_has_prefix(ids->pdata[j], prefix)) continue;
       opc_candidate *c = g_new0(opc_candidate, 1);
       c->id = g_strdup(ids->pdata[j]);
       g_autofree char *file = g_strconcat(c->id, ".so", NULL);
@@ -231,39 +211,34 @@ static GPtrArray *list_candidates(const opc_registry *registry) {
   for (guint i = 1; i < list->len; i++) {
     opc_candidate *c = list->pdata[i], *last = list->pdata[i - 1];
     if (!strcmp(c->id, last->id))
-      c->hidden_by = last->hidden_by ? last->hidden_by
-                     : last->path    ? last->path
-                                     : "the built-in one";
+      c->hidden_by = last->hidden_by ? last->hidden_by : last->path;
   }
   return list;
 }
 
-GPtrArray *opc_registry_scan(opc_registry *registry, double seconds) {
-  GPtrArray *list = list_candidates(registry);
-  for (guint i = 0; i < list->len; i++) {
-    opc_candidate *c = list->pdata[i];
-    if (c->path) {
-      opc_candidate_try(c, seconds);
-      continue;
-    }
-    const opc_plugin *plugin = find_built_in(c->id);
-    c->reason = opc_plugin_fault(plugin, c->id);
-    c->kind = plugin->kind;
-    c->version = g_strdup(plugin->version);
-    c->licence = g_strdup(plugin->licence);
-    c->summary = g_strdup(plugin->summary);
-  }
+GPtrArray *opc_registry_scan(opc_registry *registry, const char *prefix,
+                             double seconds) {
+  GPtrArray *list = list_candidates(registry, prefix);
+  for (guint i = 0; i < list->len; i++)
+    opc_candidate_try(registry, list->pdata[i], seconds);
   return list;
+}
+
+GPtrArray *opc_registry_ids(const opc_registry *registry, const char *prefix) {
+  g_autoptr(GPtrArray) list = list_candidates(registry, prefix);
+  GPtrArray *ids = g_ptr_array_new_with_free_func(g_free);
+  for (guint i = 0; i < list->len; i++) {
+    const opc_candidate *c = list->pdata[i];
+    if (!c->hidden_by) g_ptr_array_add(ids, g_strdup(c->id));
+  }
+  return ids;
 }
 
 /* ---- asking for one ---- */
 
-static void explain_missing(opc_registry *registry, const char *id,
+static void explain_missing(const opc_registry *registry, const char *id,
                             opc_error *error) {
-  g_autoptr(GPtrArray) list = list_candidates(registry);
-  g_autoptr(GPtrArray) ids = g_ptr_array_new();
-  for (guint i = 0; i < list->len; i++)
-    g_ptr_array_add(ids, ((opc_candidate *)list->pdata[i])->id);
+  g_autoptr(GPtrArray) ids = opc_registry_ids(registry, "");
   g_autofree char *suggestion = opc_suggestion(id, ids);
   opc_fail(error, OPC_NO_PLUGIN, NULL, "unknown plugin '%s'%s", id, suggestion);
 }
@@ -273,15 +248,12 @@ const opc_plugin *opc_registry_find(opc_registry *registry, const char *id,
   loaded *l = g_hash_table_lookup(registry->seen, id);
   if (!l) {
     l = look_for(registry, id);
-    g_hash_table_insert(registry->seen, g_strdup(id), l);
+    g_hash_table_replace(registry->seen, g_strdup(id), l);
   }
   if (l->plugin && !l->reason) return l->plugin;
   if (l->path)
     opc_fail(error, OPC_NO_PLUGIN, NULL, "'%s': cannot use '%s': %s", id,
              l->path, l->reason);
-  else if (l->reason)
-    opc_fail(error, OPC_NO_PLUGIN, NULL, "'%s': cannot be used: %s", id,
-             l->reason);
   else
     explain_missing(registry, id, error);
   return NULL;

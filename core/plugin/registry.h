@@ -5,16 +5,15 @@
 #define OPCFLOW_CORE_REGISTRY_H
 
 #include <glib.h>
-#include <opcflow/plugin.h>
+#include <opcflow/opcflow.h>
 
-/* A plugin that is in a folder (or built in), good or not. */
+/* A plugin that is in a folder, good or not. */
 typedef struct opc_candidate {
   char *id;              /* what its file is called */
-  char *path;            /* NULL: built in */
+  char *path;
   char *reason;          /* why it cannot be used; NULL if it can */
   const char *hidden_by; /* path of the earlier one of that id, or NULL */
-  uint32_t kind;         /* the rest: of those that can be used */
-  char *version, *licence, *summary;
+  char *kind, *version, *licence, *summary; /* of those that can be used */
 } opc_candidate;
 
 typedef struct opc_registry opc_registry;
@@ -37,23 +36,26 @@ const GPtrArray *opc_registry_folders(const opc_registry *registry);
 const opc_plugin *opc_registry_find(opc_registry *registry, const char *id,
                                     opc_error *error);
 
-/* Where it was loaded from, NULL if it is built in. */
+/* Where it was loaded from. */
 const char *opc_registry_path(const opc_registry *registry,
                               const opc_plugin *plugin);
 
-/* Whether it is one of the core's own. */
-gboolean opc_plugin_is_built_in(const opc_plugin *plugin);
+/* Look at all there is whose id begins with `prefix`: opc_candidate *, by id,
+   then in the order of search. Each is loaded in a process of its own, so that
+   one that crashes or hangs (`seconds` are granted) is only reported. */
+GPtrArray *opc_registry_scan(opc_registry *registry, const char *prefix,
+                             double seconds);
 
-/* Look at all there is: opc_candidate *, by id, then in the order of search.
-   Each is loaded in a process of its own, so that one that crashes or hangs
-   (`seconds` are granted) is only reported. */
-GPtrArray *opc_registry_scan(opc_registry *registry, double seconds);
+/* The ids that begin with `prefix` of all files there are, sorted, each once;
+   none is loaded (char *, freed with the array). */
+GPtrArray *opc_registry_ids(const opc_registry *registry, const char *prefix);
 
 /* Load a shared object and check it; NULL and *reason (g_free). */
-const opc_plugin *opc_plugin_load(const char *path, const char *id,
-                                  char **reason);
+const opc_plugin *opc_plugin_load(opc_registry *registry, const char *path,
+                                  const char *id, char **reason);
 
 /* opc_plugin_load in a child process, into the candidate's last fields. */
-void opc_candidate_try(opc_candidate *candidate, double seconds);
+void opc_candidate_try(opc_registry *registry, opc_candidate *candidate,
+                       double seconds);
 
 #endif

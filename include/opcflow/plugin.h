@@ -2,103 +2,70 @@
 /* The plugin contract: what a shared object tells of itself, how it gets its
    parameters, and what the host offers it.
 
-   A plugin is one shared object with one exported function,
-
-     OPC_EXPORT const opc_plugin *opcflow_plugin(void);
-
-   It includes the headers of this folder only, links nothing of opcflow, and
-   calls back through the table of `opc_host`.
+   A plugin is one shared object with one exported function, which the macro
+   OPC_PLUGIN at the end of its file makes. It includes the headers of this
+   folder, links nothing of opcflow's kernel, and calls back through the table
+   of `opc_host`. What it works on comes from libraries that it links, such as
+   eda.
 
    Threads. Each function is tagged:
      [main]  called from one thread at a time for one instance;
      [any]   may be called from several threads at once for one instance.
 
-   Errors. A function that can fail returns an OPC_* code (0 is success) and
-   describes the failure in its `opc_error *` argument, which is never NULL.
-   Nothing is printed, nothing aborts.
-
-   Units. Lengths are nanometres and currents amperes unless a name says
-   otherwise; layout coordinates are integers in a unit that stands beside
-   them. */
+   Errors. See base.h. Nothing is printed, nothing aborts. */
 #ifndef OPCFLOW_PLUGIN_H
 #define OPCFLOW_PLUGIN_H
 
-#include <stddef.h>
-#include <stdint.h>
+#include <opcflow/base.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* A plugin built for another major is refused; one built for a later minor
-   loads, as everything of the earlier minors is still where it was. */
-#define OPC_ABI_MAJOR 1u
+/* While the major number is 0, a plugin built for another minor is refused. */
+#define OPC_ABI_MAJOR 0u
 #define OPC_ABI_MINOR 2u
-
-/* Is the function `field` of a struct of functions there? It may be one of a
-   later minor than the struct. */
-#define OPC_HAS(operations, field)                                    \
-  ((operations)->size >= (size_t)((const char *)(&(operations)->field + 1) - \
-                                  (const char *)(operations)) &&      \
-   (operations)->field)
-
-#if defined(__GNUC__)
-#define OPC_EXPORT __attribute__((visibility("default")))
-#define OPC_PRINTF(f, a) __attribute__((format(printf, f, a)))
-#else
-#define OPC_EXPORT
-#define OPC_PRINTF(f, a)
-#endif
-
-/* Result codes. The command maps them to its exit codes. */
-enum {
-  OPC_OK = 0,
-  OPC_INVALID = 1,     /* a parameter or an input does not make sense: exit 2 */
-  OPC_FAILED = 2,      /* the work could not be done: exit 4 */
-  OPC_IO = 3,          /* a file could not be read or written: exit 5 */
-  OPC_NO_PLUGIN = 4,   /* a plugin is missing or incompatible: exit 3 */
-  OPC_LIMIT = 5,       /* a limit was not kept: exit 1 */
-  OPC_CANCELLED = 6    /* the user stopped it: exit 4 */
-};
-
-/* Frozen. `parameter` names the parameter at fault, or is empty; the command
-   then points at its place in the flow file. Fill it with opc_host.fail. */
-typedef struct opc_error {
-  int32_t code;
-  char parameter[64];
-  char message[956];
-} opc_error;
-
-enum {
-  OPC_KIND_LITHO = 1,
-  OPC_KIND_RESIST = 2,
-  OPC_KIND_EXTRACT = 3,
-  OPC_KIND_MASK = 4,
-  OPC_KIND_DRC = 5,
-  OPC_KIND_STEP = 6
-};
 
 /* ---- parameters ------------------------------------------------------- */
 
+/* The type of a parameter, how a flow writes it, and the type of the field of
+   the instance that gets it. What is neither given nor has a default leaves
+   the field as the last column says. */
 enum {
-  OPC_ABSENT = 0,  /* of a value: neither given nor with a default */
-  OPC_BOOL = 1,    /* true, false               -> integer */
-  OPC_INT = 2,     /* 12                        -> integer */
-  OPC_REAL = 3,    /* 65 nm                     -> real, in `unit` */
-  OPC_TEXT = 4,    /*                           -> text */
-  OPC_CHOICE = 5,  /* one word of `choices`     -> integer: its index; text */
-  OPC_FILE = 6,    /* a file that exists; relative to the flow file
-                                                -> text: its path */
-  OPC_OUTPUT = 7,  /* a file's name inside the run folder -> text: as given;
-                      opc_host.output_path gives the place to write to */
-  OPC_REALS = 8,   /* [1 nm, 2 nm]              -> reals, count */
-  OPC_MAP = 9,     /* { poly: 9/0, ... }; `choices` lists the keys, or is NULL
-                      for free ones             -> pairs, count */
-  OPC_INPUT = 10,  /* ${step} or ${step.port}; `choices` names the data kind
-                                                -> object, while running */
-  OPC_SLOT = 11    /* { use: litho.hopkins, ... }; `choices` names the plugin
-                      kind                      -> object: opc_module */
+  OPC_BOOL = 1,   /* true, false            int                  -1 */
+  OPC_INT = 2,    /* 12                     int64_t              OPC_NO_INT */
+  OPC_REAL = 3,   /* 65 nm                  double, in `unit`    NAN */
+  OPC_TEXT = 4,   /*                        const char *         NULL */
+  OPC_CHOICE = 5, /* one word of `choices`  int, its index       -1 */
+  OPC_FILE = 6,   /* a file that exists; relative to the flow file
+                                            const char *, path   NULL */
+  OPC_OUTPUT = 7, /* a file's name inside the run folder, for
+                     opc_host.output_path   const char *         NULL */
+  OPC_REALS = 8,  /* [1 nm, 2 nm]           opc_reals            NULL, 0 */
+  OPC_MAP = 9,    /* { poly: 9/0, ... }; `choices` lists the keys, or is
+                     NULL for free ones     opc_map              NULL, 0 */
+  OPC_INPUT = 10, /* ${step} or ${step.port}; `choices` names the data
+                     kinds it may be of     const void *, while  NULL
+                                            running */
+  OPC_SLOT = 11   /* { use: litho.hopkins, ... }; `choices` names the plugin
+                     kind                   const opc_module *   NULL */
 };
+
+#define OPC_NO_INT INT64_MIN
+
+typedef struct opc_reals {
+  const double *values;
+  size_t count;
+} opc_reals;
+
+typedef struct opc_pair {
+  const char *key, *value;
+} opc_pair;
+
+typedef struct opc_map {
+  const opc_pair *pairs;
+  size_t count;
+} opc_map;
 
 enum {
   OPC_REQUIRED = 1 << 0,
@@ -106,7 +73,11 @@ enum {
   OPC_ABOVE = 1 << 2,      /* value >  min */
   OPC_AT_MOST = 1 << 3,    /* value <= max */
   OPC_BELOW = 1 << 4,      /* value <  max */
-  OPC_NO_EFFECT = 1 << 5   /* does not change the result (threads, verbosity) */
+  OPC_NO_EFFECT = 1 << 5,  /* does not change the result (threads, verbosity) */
+  OPC_MAP_OF_ANY = 1 << 6, /* of an OPC_MAP: values of any form, as the flow
+                              writes them on one line */
+  OPC_INNER_FLOW = 1 << 7  /* of an OPC_FILE: a flow that the step runs;
+                              inner.h */
 };
 
 /* A parameter. Names are lower_case; a dot makes a group, so that
@@ -114,7 +85,10 @@ enum {
    which the plugin gets the number ("nm", "%", "V", "A", "C", "deg", "s",
    "1/nm"); the flow may write any unit of the same dimension, and must write
    one. NULL: a plain number. `preset` is the default as a flow would write it,
-   NULL for none. */
+   NULL for none. OPC_FIELD gives `offset` and `width`: where the value goes.
+   `given` is the offset of an int that becomes 1 if the flow or the command
+   line gave the value and 0 if not, also where it writes the default out; 0
+   for no such field. */
 typedef struct opc_parameter {
   const char *name;
   uint32_t type;
@@ -122,29 +96,13 @@ typedef struct opc_parameter {
   const char *unit;
   const char *preset;
   double min, max;
-  const char *choices;   /* words with | between them */
-  const char *summary;   /* one line, no full stop */
+  const char *choices;     /* words with | between them */
+  const char *summary;     /* one line, no full stop */
+  size_t offset, width, given;
 } opc_parameter;
 
-typedef struct opc_pair {
-  const char *key, *value;
-} opc_pair;
-
-/* A checked value, in the order of the declared parameters. Frozen. The host
-   owns everything it points to, for the life of the instance. */
-typedef struct opc_value {
-  uint32_t type;         /* OPC_ABSENT or the parameter's type */
-  uint32_t given;        /* 1: by the flow or command line, 0: the default, also
-                            where the flow writes it out */
-  int64_t integer;
-  double real;
-  const char *text;
-  const double *reals;
-  const opc_pair *pairs;
-  size_t count;
-  void *object;
-  void *reserved;
-} opc_value;
+#define OPC_FIELD(type, member) \
+  .offset = offsetof(type, member), .width = sizeof(((type *)0)->member)
 
 /* ---- metrics ---------------------------------------------------------- */
 
@@ -152,27 +110,20 @@ enum { OPC_NEUTRAL = 0, OPC_LOWER = 1, OPC_HIGHER = 2 };  /* which is better */
 
 typedef struct opc_metric {
   const char *name;
-  const char *unit;      /* NULL: a plain number */
+  const char *unit;        /* NULL: a plain number */
   uint32_t better;
-  uint32_t reserved;
-  double tolerance;      /* a difference below it means nothing; same unit */
+  double tolerance;        /* a difference below it means nothing; same unit */
   const char *summary;
 } opc_metric;
 
 /* ---- the host --------------------------------------------------------- */
 
-typedef struct opc_layout_service opc_layout_service;      /* layout.h */
-typedef struct opc_geometry_service opc_geometry_service;  /* geometry.h */
-typedef struct opc_imaging_service opc_imaging_service;    /* imaging.h */
-typedef struct opc_device_service opc_device_service;      /* devices.h */
-
 enum { OPC_LOG_DEBUG = 0, OPC_LOG_INFO = 1, OPC_LOG_WARNING = 2 };
 
 /* What a long step tells while it works. NAN where there is nothing to say. */
 typedef struct opc_progress {
-  size_t size;           /* sizeof(opc_progress) */
-  double done, total;    /* in whatever the step counts */
-  double worst;          /* the figure that is being driven down */
+  double done, total;      /* in whatever the step counts */
+  double worst;            /* the figure that is being driven down */
   const char *worst_unit;
 } opc_progress;
 
@@ -184,42 +135,24 @@ typedef struct opc_column {
   const char *name;
   const char *unit;
   uint32_t type;
-  int32_t decimals;      /* of an OPC_REAL; -1 for the shortest exact form */
+  int32_t decimals;        /* of an OPC_REAL; -1 for the shortest exact form */
   const void *data;
 } opc_column;
 
-/* Append-only. An instance gets a table of its own at `create` and keeps it
-   until `destroy`; every function takes that table as its first argument and
-   is [any] unless it says otherwise. */
+typedef struct opc_inner_service opc_inner_service;   /* inner.h */
+
+/* An instance gets a table of its own before `check` and keeps it until after
+   `clear`; every function takes that table as its first argument and is [any]
+   unless it says otherwise. */
 typedef struct opc_host opc_host;
 struct opc_host {
-  size_t size;           /* of this struct in the host that runs */
-  uint32_t abi_major, abi_minor;
-  void *context;         /* the host's own */
-
-  /* Fill *error and return `code`, so that one can write
-     `return host->fail(host, error, OPC_FAILED, NULL, "...")`. */
-  int (*fail)(const opc_host *host, opc_error *error, int code,
-              const char *parameter, const char *format, ...) OPC_PRINTF(5, 6);
+  const opc_context *context;   /* threads; base.h */
+  void *data;                   /* the host's own */
 
   /* One line for the user, without a newline. */
   void (*log)(const opc_host *host, int level, const char *format, ...)
       OPC_PRINTF(3, 4);
   void (*progress)(const opc_host *host, const opc_progress *progress);
-
-  /* Non-zero once the user wants to stop: clean up, return OPC_CANCELLED. */
-  int (*cancelled)(const opc_host *host);
-
-  /* Zeroed memory of count * size bytes, NULL if there is none or count * size
-     overflows; memory that an operation hands to the host comes from here. */
-  void *(*alloc)(const opc_host *host, size_t count, size_t size);
-  void (*free)(const opc_host *host, void *memory);
-
-  /* Call task(data, i) for each i below n, from several threads at once; all
-     are done when it returns. Cut the work by its content, never by the number
-     of threads, and no result will depend on it. May be nested. */
-  void (*parallel)(const opc_host *host, size_t n,
-                   void (*task)(void *data, size_t i), void *data);
 
   /* A table: written as NAME.csv in the run folder, printed if asked to.
      [main], while a step runs. */
@@ -237,10 +170,7 @@ struct opc_host {
   const char *(*output_path)(const opc_host *host, const char *name,
                              opc_error *error);
 
-  const opc_layout_service *layout;
-  const opc_geometry_service *geometry;
-  const opc_imaging_service *imaging;
-  const opc_device_service *devices;
+  const opc_inner_service *inner;   /* flows that a step runs; inner.h */
 };
 
 /* ---- the descriptor --------------------------------------------------- */
@@ -250,78 +180,67 @@ enum {
   OPC_REENTRANT = 1 << 1       /* two instances may work at the same time */
 };
 
-/* The first three fields are frozen for all time, the rest for this major.
-   Everything it points to is constant and lives as long as the object is
-   loaded. */
+/* What a plugin tells of itself. Everything it points to is constant and lives
+   as long as the object is loaded. The first two fields are for all time where
+   they are. */
 typedef struct opc_plugin {
-  uint32_t size;             /* sizeof(opc_plugin) */
   uint16_t abi_major, abi_minor;
-  const char *id;            /* "mask.dpb": family.name, lower case */
-  const char *version;
-  const char *licence;       /* SPDX expression */
-  const char *summary;       /* one line, no full stop */
-  uint32_t kind;
   uint32_t flags;
-  uint32_t n_parameters, parameter_size;   /* size: sizeof(opc_parameter) */
+  const char *id;          /* "litho.hopkins": family.name, lower case */
+  const char *kind;        /* "litho": of the functions below; kind.h */
+  const char *version;
+  const char *licence;     /* SPDX expression */
+  const char *summary;     /* one line, no full stop */
+  size_t n_parameters;
   const opc_parameter *parameters;
-  uint32_t n_metrics, metric_size;
+  size_t n_metrics;
   const opc_metric *metrics;
 
-  /* Make an instance. `values` holds the checked parameters and outlives the
-     instance; OPC_SLOT values are there, OPC_INPUT objects only while a step
-     runs. Check what the declaration cannot say (two bounds against each
-     other, a file's content is for later); no heavy work, as `opcflow check`
-     calls it too. NULL and *error on failure. [main] */
-  void *(*create)(const opc_host *host, const opc_value *values,
-                  opc_error *error);
-  void (*destroy)(void *self);   /* [main]; not called with NULL */
+  /* The size of an instance: a struct whose first member is
+     `const opc_host *host`. The host allocates it, fills it with zeros, sets
+     `host` and the fields of all parameters, and frees it. What parameters
+     point to belongs to the host and lives as long as the instance. */
+  size_t instance_size;
 
-  /* The kind's struct of functions; it begins with its own size:
-     opc_litho, opc_resist, opc_extract, opc_synthesizer, opc_regulator,
-     opc_step. */
-  const void *operations;
+  /* Look at what the declaration cannot say (two bounds against each other, a
+     file's content is for later) and prepare what costs nothing, as `opcflow
+     check` calls it too; inputs are not there yet. NULL: nothing to do. [main]
+   */
+  int (*check)(void *self, opc_error *error);
 
-  /* Something that a later host may ask for by name; NULL for what it does
-     not know. May itself be NULL. [any] */
-  const void *(*get_extension)(const char *id);
+  /* Release what the instance made for itself, before the host frees it; also
+     after a `check` that failed. NULL: nothing to do. [main] */
+  void (*clear)(void *self);
+
+  /* The kind's struct of functions, and its size. */
+  const void *functions;
+  size_t functions_size;
 } opc_plugin;
 
-/* ---- extensions ------------------------------------------------------- */
-
-/* get_extension(OPC_RENAMED_PARAMETERS) gives an opc_renames: parameters that
-   had another name in an earlier version of the plugin. A flow that writes the
-   old name works, and is told the new one. */
-#define OPC_RENAMED_PARAMETERS "opcflow.renamed-parameters/1"
-
-typedef struct opc_rename {
-  const char *from;      /* whole names: "anchor.line" */
-  const char *to;        /* a declared parameter */
-  const char *since;     /* the version that renamed it */
-  const char *note;      /* what else has changed; NULL */
-} opc_rename;
-
-typedef struct opc_renames {
-  size_t size;           /* sizeof(opc_renames) */
-  uint32_t count, rename_size;   /* sizeof(opc_rename) */
-  const opc_rename *renames;
-} opc_renames;
+#define OPC_PARAMETERS(array)                         \
+  .n_parameters = sizeof(array) / sizeof((array)[0]), \
+  .parameters = (array)
+#define OPC_METRICS(array) \
+  .n_metrics = sizeof(array) / sizeof((array)[0]), .metrics = (array)
+#define OPC_FUNCTIONS(object) \
+  .functions = &(object), .functions_size = sizeof(object)
 
 typedef const opc_plugin *(*opc_plugin_entry)(void);
 #define OPC_ENTRY_NAME "opcflow_plugin"
 
-/* An instance of a plugin, as an OPC_SLOT gives it. Frozen. */
-typedef struct opc_module {
-  const opc_plugin *plugin;
-  void *self;
-} opc_module;
-
-/* The declaration of a plugin's arrays, for the descriptor's initialiser. */
-#define OPC_PARAMETERS(array)                                    \
-  .n_parameters = sizeof(array) / sizeof((array)[0]),            \
-  .parameter_size = sizeof(opc_parameter), .parameters = (array)
-#define OPC_METRICS(array)                                       \
-  .n_metrics = sizeof(array) / sizeof((array)[0]),               \
-  .metric_size = sizeof(opc_metric), .metrics = (array)
+/* The end of a plugin's file: its descriptor, as designated initialisers, and
+   the function that gives it. `state` is the type of an instance. */
+#define OPC_PLUGIN(state, ...)                           \
+  OPC_EXPORT const opc_plugin *opcflow_plugin(void);     \
+  const opc_plugin *opcflow_plugin(void) {               \
+    static const opc_plugin plugin = {                   \
+        .abi_major = OPC_ABI_MAJOR,                      \
+        .abi_minor = OPC_ABI_MINOR,                      \
+        .instance_size = sizeof(state),                  \
+        __VA_ARGS__};                                    \
+    return &plugin;                                      \
+  }                                                      \
+  struct opc_plugin
 
 #ifdef __cplusplus
 }

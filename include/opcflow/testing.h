@@ -39,9 +39,6 @@ OPC_EXPORT int opc_test_run(opc_module *module, void **outputs,
                             opc_error *error);
 OPC_EXPORT void opc_test_release(opc_module *module, void **outputs);
 
-/* A poly line of 60 nm over two actives, on a grid of 1 nm: an n-transistor of
-   L 60, W 200 and a p-transistor of L 60, W 300, with their edges. Constant. */
-OPC_EXPORT const opc_gates *opc_test_gates(void);
 
 /* The last value of a metric since the last opc_test_forget, NAN if there is
    none. */

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Shapes and printed contours of a layout, drawn in a window of it. */
 #include <math.h>
+#include <stdlib.h>
 
 #include "view.h"
 
@@ -22,17 +24,17 @@ double view_y(const view *v, double y) {
 }
 
 double view_outline_width(const view *v) {
-  double line = fmin(0.075 * v->font, 5 * v->scale);
-  return v->raster && line >= 0.5 ? round(line) : fmax(line, 0.25);
+  double line = fmin(0.075 * v->paper->font, 5 * v->scale);
+  return v->paper->pixels && line >= 0.5 ? round(line) : fmax(line, 0.25);
 }
 
 double view_contour_width(const view *v) {
-  return fmax(fmin(fmax(0.11 * v->font, 1.5), 5 * v->scale), 0.25);
+  return fmax(fmin(fmax(0.11 * v->paper->font, 1.5), 5 * v->scale), 0.25);
 }
 
 /* Lines of whole pixels are sharp if their edges are those of pixels. */
 static double sharp(const view *v, double place, double line) {
-  if (!v->raster || line != round(line)) return place;
+  if (!v->paper->pixels || line != round(line)) return place;
   double half = fmod(line, 2) / 2;
   return floor(place + 0.5 - half) + half;
 }
@@ -43,80 +45,85 @@ static int32_t clamped(double x) {
   return (int32_t)fmax(-(1 << 30), fmin(1 << 30, x));
 }
 
-opc_box view_clip(const view *v) {
+eda_box view_clip(const view *v) {
   double grid = v->grid;
   double x = (v->x1 - v->x0) / 8, y = (v->y1 - v->y0) / 8;
-  return (opc_box){clamped(floor((v->x0 - x) / grid) - 1),
+  return (eda_box){clamped(floor((v->x0 - x) / grid) - 1),
                    clamped(floor((v->y0 - y) / grid) - 1),
                    clamped(ceil((v->x1 + x) / grid) + 1),
                    clamped(ceil((v->y1 + y) / grid) + 1)};
 }
 
-static int cut(const view *v, const opc_shapes *shapes, opc_shapes *out,
+static int cut(const view *v, const eda_shapes *shapes, eda_shapes *out,
                opc_error *error) {
-  opc_box b = view_clip(v);
-  opc_point points[] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
+  eda_box b = view_clip(v);
+  eda_point points[] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
   uint32_t start[] = {0, 4};
-  opc_shapes window = {.count = 1, .start = start, .points = points};
-  return v->host->geometry->boolean(v->host, OPC_AND, shapes, &window, out,
-                                    error);
+  eda_shapes window = {.count = 1, .start = start, .points = points};
+  return eda_boolean(EDA_AND, shapes, &window, out, error);
 }
 
-static void polygon_path(const view *v, const opc_shapes *s, size_t i,
+static void polygon_path(const view *v, const eda_shapes *s, size_t i,
                          double line) {
-  cairo_new_sub_path(v->cairo);
+  cairo_new_sub_path(v->paper->cairo);
   for (uint32_t k = s->start[i]; k < s->start[i + 1]; k++)
-    cairo_line_to(v->cairo, sharp(v, view_x(v, s->points[k].x * v->grid), line),
+    cairo_line_to(v->paper->cairo,
+                  sharp(v, view_x(v, s->points[k].x * v->grid), line),
                   sharp(v, view_y(v, s->points[k].y * v->grid), line));
-  cairo_close_path(v->cairo);
+  cairo_close_path(v->paper->cairo);
 }
 
-int view_fill(const view *v, const opc_shapes *shapes, opc_error *error) {
-  opc_shapes s;
+int view_fill(const view *v, const eda_shapes *shapes, eda_colour colour,
+              opc_error *error) {
+  eda_shapes s;
   int code = cut(v, shapes, &s, error);
   if (code) return code;
   for (size_t i = 0; i < s.count; i++) polygon_path(v, &s, i, 0);
-  cairo_set_fill_rule(v->cairo, CAIRO_FILL_RULE_EVEN_ODD);
-  cairo_fill(v->cairo);
-  v->host->geometry->release(&s);
+  eda_use(v->paper->cairo, colour);
+  cairo_set_fill_rule(v->paper->cairo, CAIRO_FILL_RULE_EVEN_ODD);
+  cairo_fill(v->paper->cairo);
+  eda_shapes_clear(&s);
   return OPC_OK;
 }
 
-int view_outline(const view *v, const opc_shapes *shapes, double line,
+int view_outline(const view *v, const eda_shapes *shapes, eda_colour colour,
                  opc_error *error) {
-  opc_shapes s;
+  double line = view_outline_width(v);
+  eda_shapes s;
   int code = cut(v, shapes, &s, error);
   if (code) return code;
-  cairo_set_line_width(v->cairo, line);
-  cairo_set_line_join(v->cairo, CAIRO_LINE_JOIN_MITER);
+  eda_use(v->paper->cairo, colour);
+  cairo_set_line_width(v->paper->cairo, line);
+  cairo_set_line_join(v->paper->cairo, CAIRO_LINE_JOIN_MITER);
   for (size_t i = 0; i < s.count; i++) {
     polygon_path(v, &s, i, line);
-    cairo_stroke(v->cairo); /* one by one: cairo's time grows with a path's */
+    cairo_stroke(
+        v->paper->cairo); /* one by one: cairo's time grows with a path's */
   }
-  v->host->geometry->release(&s);
+  eda_shapes_clear(&s);
   return OPC_OK;
 }
 
 /* ---- contours ---- */
 
 /* The part of the window that the print covers. */
-static opc_frame printed_window(const view *v, opc_frame f) {
+static eda_frame printed_window(const view *v, eda_frame f) {
   double around = 4 / v->scale; /* the lines along its border are not seen */
   double x0 = fmax(v->x0 - around, f.x0), y0 = fmax(v->y0 - around, f.y0);
-  return (opc_frame){x0, y0, fmin(v->x1 + around, f.x0 + f.width) - x0,
+  return (eda_frame){x0, y0, fmin(v->x1 + around, f.x0 + f.width) - x0,
                      fmin(v->y1 + around, f.y0 + f.height) - y0};
 }
 
-int view_find_contours(const view *v, const opc_field *print,
+int view_find_contours(const view *v, const eda_field *print,
                        view_contours *out, opc_error *error) {
   *out = (view_contours){0};
   if (!print->coefficients) return OPC_OK;
-  opc_frame w = printed_window(v, print->frame);
+  eda_frame w = printed_window(v, print->frame);
   if (!(w.width > 0 && w.height > 0)) return OPC_OK;
   double step = fmin(sqrt(0.8 * least_radius / v->scale), max_step);
   step = fmax(step, sqrt(w.width * w.height / MAX_NODES));
-  return v->host->imaging->contours(v->host, print, w, step, &out->points,
-                                    &out->start, &out->count, error);
+  return eda_contours(print, w, step, &out->points, &out->start, &out->count,
+                      error);
 }
 
 /* Points nearer to the last one than that, in pixels, are left out. */
@@ -130,14 +137,17 @@ static void contour(const view *v, const double *points, size_t n) {
     if (i && fabs(to_x - x) + fabs(to_y - y) < too_near) continue;
     x = to_x;
     y = to_y;
-    cairo_line_to(v->cairo, x, y);
+    cairo_line_to(v->paper->cairo, x, y);
   }
-  cairo_close_path(v->cairo);
-  cairo_stroke(v->cairo);
+  cairo_close_path(v->paper->cairo);
+  cairo_stroke(v->paper->cairo);
 }
 
-void view_draw_contours(const view *v, const view_contours *contours) {
-  cairo_set_line_join(v->cairo, CAIRO_LINE_JOIN_ROUND);
+void view_draw_contours(const view *v, const view_contours *contours,
+                        eda_colour colour) {
+  eda_use(v->paper->cairo, colour);
+  cairo_set_line_width(v->paper->cairo, view_contour_width(v));
+  cairo_set_line_join(v->paper->cairo, CAIRO_LINE_JOIN_ROUND);
   for (size_t i = 0; i < contours->count; i++) {
     uint32_t first = contours->start[i];
     contour(v, contours->points + 2 * (size_t)first,
@@ -145,8 +155,8 @@ void view_draw_contours(const view *v, const view_contours *contours) {
   }
 }
 
-void view_release_contours(const view *v, view_contours *contours) {
-  v->host->free(v->host, contours->points);
-  v->host->free(v->host, contours->start);
+void view_clear_contours(view_contours *contours) {
+  free(contours->points);
+  free(contours->start);
   *contours = (view_contours){0};
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What resist models share: the parameters of a layer, and coefficients fitted
-   so that lines print to their widths. Compiled into each plugin that uses it.
+   so that lines print to their widths.
 
    A resist here is a threshold field, sum of coefficient[k] * term[k]; term 0
    is the constant 1, the others are fields made from the image. A feature
@@ -8,87 +8,78 @@
 #ifndef OPCFLOW_RESIST_CALIBRATE_H
 #define OPCFLOW_RESIST_CALIBRATE_H
 
-#include <opcflow/gates.h>
-#include <opcflow/litho.h>
+#include <eda/gates.h>
+#include <eda/litho.h>
+#include <opcflow/plugin.h>
 
-/* ---- parameters of a layer ---- */
+/* ---- a layer ---- */
 
-enum {
-  RESIST_LINE,
-  RESIST_PITCH,
-  RESIST_CD,
-  RESIST_TABLE,
-  RESIST_TABLE_FILE,
-  RESIST_TONE,
-  RESIST_LAYER_PARAMETERS
-};
-
-/* They stand together and in that order. `prefix` is "" for poly. */
-#define RESIST_LAYER(prefix, layer, line, pitch)                              \
-  {.name = prefix "anchor.line",                                              \
-   .type = OPC_REAL,                                                          \
-   .flags = OPC_ABOVE,                                                        \
-   .unit = "nm",                                                              \
-   .preset = line,                                                            \
-   .summary = "drawn width of the " layer " line that prints to size"},       \
-      {.name = prefix "anchor.pitch",                                         \
-       .type = OPC_REAL,                                                      \
-       .flags = OPC_AT_LEAST,                                                 \
-       .unit = "nm",                                                          \
-       .preset = pitch,                                                       \
-       .summary = "pitch of its grating; 0 nm for an isolated line"},         \
-      {.name = prefix "anchor.cd",                                            \
-       .type = OPC_REAL,                                                      \
-       .flags = OPC_ABOVE,                                                    \
-       .unit = "nm",                                                          \
-       .summary = "printed width wanted; the drawn one if not given"},        \
-      {.name = prefix "table",                                                \
-       .type = OPC_REALS,                                                     \
-       .unit = "nm",                                                          \
-       .summary =                                                             \
-           "printed widths of the anchor's line through pitch, in place "     \
-           "of the anchor: [pitch, cd, ...]"},                                \
-      {.name = prefix "table_file",                                           \
-       .type = OPC_FILE,                                                      \
-       .summary =                                                             \
-           "the same from a CSV file, columns 'pitch', 'cd' and, for "        \
-           "several lines, 'line', in nm"},                                   \
-  {                                                                           \
-    .name = prefix "tone", .type = OPC_CHOICE, .preset = "dark",              \
-    .choices = "dark|bright",                                                 \
-    .summary = "whether dark or bright features of the " layer " image print" \
-  }
-
-#define RESIST_DIFFUSION                                                 \
-  {                                                                      \
-    .name = "diffusion", .type = OPC_REAL, .flags = OPC_AT_LEAST,        \
-    .unit = "nm", .preset = "0 nm", .min = 0,                            \
-    .summary = "standard deviation of the Gaussian that blurs the image" \
-  }
-
-/* ---- what the flow says of a layer ---- */
+/* There are two sets of parameters: of active, and of poly, which all other
+   layers follow. */
+enum { RESIST_SETS = 2 };
+static inline int resist_set(int layer) { return layer == EDA_ACTIVE; }
 
 typedef struct resist_line {
   double line, pitch, cd; /* nm; pitch 0: isolated */
 } resist_line;
 
 typedef struct resist_layer {
-  const opc_host *host;
-  const char *plugin; /* its id, for messages */
-  int layer;          /* OPC_POLY, OPC_ACTIVE */
+  resist_line anchor; /* cd: NAN if not given */
+  opc_reals table;
+  int table_given;
+  const char *file; /* NULL: none */
   int bright;
+
+  /* By resist_layer_check: */
+  int set;
   const char *source; /* the parameter that the lines come from */
-  const char *file;   /* NULL: none */
-  double width;       /* of lines of the file, where it says none */
   resist_line *lines; /* the anchor, or the rows of the table */
   size_t count;
 } resist_layer;
 
-/* Read the values of a layer; code and *error if they do not make sense.
-   Clear it in any case. [main] */
-int resist_layer_create(resist_layer *out, const opc_host *host,
-                        const char *plugin, int layer, const opc_value *values,
-                        opc_error *error);
+/* clang-format off */ /* it takes the elements for nested ones */
+/* Parameters of the resist_layer `member` of an instance of the type `state`.
+   `prefix` is "" for poly; `what` names the layers, `line` and `pitch` are the
+   default anchor. */
+#define RESIST_LAYER(state, member, prefix, what, line_preset, pitch_preset) \
+  {.name = prefix "anchor.line", .type = OPC_REAL, .flags = OPC_ABOVE,       \
+   .unit = "nm", .preset = line_preset,                                      \
+   .summary = "drawn width of the line of " what " that prints to size",     \
+   OPC_FIELD(state, member.anchor.line)},                                    \
+  {.name = prefix "anchor.pitch", .type = OPC_REAL, .flags = OPC_AT_LEAST,   \
+   .unit = "nm", .preset = pitch_preset,                                     \
+   .summary = "pitch of its grating; 0 nm for an isolated line",             \
+   OPC_FIELD(state, member.anchor.pitch)},                                   \
+  {.name = prefix "anchor.cd", .type = OPC_REAL, .flags = OPC_ABOVE,         \
+   .unit = "nm",                                                             \
+   .summary = "printed width wanted; the drawn one if not given",            \
+   OPC_FIELD(state, member.anchor.cd)},                                      \
+  {.name = prefix "table", .type = OPC_REALS, .unit = "nm",                  \
+   .summary = "printed widths of the anchor's line through pitch, in place " \
+              "of the anchor: [pitch, cd, ...]",                             \
+   OPC_FIELD(state, member.table),                                           \
+   .given = offsetof(state, member.table_given)},                            \
+  {.name = prefix "table_file", .type = OPC_FILE,                            \
+   .summary = "the same from a CSV file, columns 'pitch', 'cd' and, for "    \
+              "several lines, 'line', in nm",                                \
+   OPC_FIELD(state, member.file)},                                           \
+  {.name = prefix "tone", .type = OPC_CHOICE, .preset = "dark",              \
+   .choices = "dark|bright",                                                 \
+   .summary = "whether dark or bright features of " what " print",           \
+   OPC_FIELD(state, member.bright)}
+
+
+#define RESIST_DIFFUSION(state)                                        \
+  {.name = "diffusion", .type = OPC_REAL, .flags = OPC_AT_LEAST,       \
+   .unit = "nm", .preset = "0 nm", .min = 0,                           \
+   .summary = "standard deviation of the Gaussian that blurs the image", \
+   OPC_FIELD(state, diffusion)}
+/* clang-format on */
+
+#define RESIST_POLY "poly and layers past active"
+
+/* Whether the values of a layer make sense, for a plugin's `check`. */
+int resist_layer_check(resist_layer *layer, int set, opc_error *error);
 void resist_layer_clear(resist_layer *layer);
 
 /* Was a table given? */
@@ -99,12 +90,14 @@ int resist_layer_has_table(const resist_layer *layer);
 enum { RESIST_TERMS = 4 };
 
 typedef struct resist_model {
+  const opc_host *host;
+  const char *plugin; /* its id, for messages */
   const void *self;
   double diffusion; /* of the image, before all terms */
-  /* Fields of terms 1 .. n - 1 of an image, from host->alloc. NULL for a model
-     that has the constant only. */
-  int (*terms)(const void *self, const opc_field *image, size_t n,
-               opc_field *out, opc_error *error);
+  /* Fields of terms 1 .. n - 1 of an image. NULL for a model that has the
+     constant only. */
+  int (*terms)(const void *self, const eda_field *image, size_t n,
+               eda_field *out, opc_error *error);
 } resist_model;
 
 /* Find the coefficients k < n with fit[k], of the others as they are: those

@@ -3,45 +3,47 @@
 #ifndef OPCFLOW_RESIST_LINES_TEST_H
 #define OPCFLOW_RESIST_LINES_TEST_H
 
+#include <eda/gates.h>
+#include <eda/memory.h>
+#include <eda/resist.h>
 #include <math.h>
 #include <string.h>
 
-#include "core/plugin/testing.h"
+#include "core/testing/testing.h"
 
 /* The level set of a vertical line of `width` at x = 0 in a grating. */
-static inline opc_field lines_print(opc_module *litho, opc_module *resist,
+static inline eda_field lines_print(opc_module *litho, opc_module *resist,
                                     int layer, double width, double pitch) {
   const opc_host *host = opc_test_host();
-  const opc_litho *model = litho->plugin->operations;
-  const opc_resist *develop = resist->plugin->operations;
-  opc_frame f = {-pitch / 2, 0, pitch, pitch};
+  const eda_litho *model = litho->functions;
+  const eda_resist *develop = resist->functions;
+  eda_frame f = {-pitch / 2, 0, pitch, pitch};
   int32_t x = (int32_t)lround(width * 500), top = (int32_t)lround(pitch * 1000);
-  opc_point points[] = {{-x, 0}, {x, 0}, {x, top}, {-x, top}};
+  eda_point points[] = {{-x, 0}, {x, 0}, {x, top}, {-x, top}};
   uint32_t start[] = {0, 4};
-  opc_shapes line = {1, start, points, NULL};
-  opc_spectrum mask;
-  opc_field field;
+  eda_shapes line = {1, start, points, NULL};
+  eda_spectrum mask;
+  eda_field field;
   opc_error error;
-  g_assert_cmpint(
-      host->imaging->mask_spectrum(host, &line, 1e-3, f,
-                                   model->band(litho->self), &mask, &error),
-      ==, OPC_OK);
+  g_assert_cmpint(eda_mask_spectrum(host->context, &line, 1e-3, f,
+                                    model->band(litho->self), &mask, &error),
+                  ==, OPC_OK);
   g_assert_cmpint(model->image(litho->self, layer, &mask, &field, &error), ==,
                   OPC_OK);
-  host->imaging->release_spectrum(host, &mask);
+  eda_spectrum_clear(&mask);
   g_assert_cmpint(develop->print(resist->self, layer, &field, &error), ==,
                   OPC_OK);
   return field;
 }
 
-static inline double lines_value(const opc_field *f, double x) {
+static inline double lines_value(const eda_field *f, double x) {
   double y = 10, v;
-  opc_test_host()->imaging->sample(f, &x, &y, 1, &v);
+  eda_field_sample(f, &x, &y, 1, &v);
   return v;
 }
 
 /* The printed width of the line at x = 0. */
-static inline double lines_width(const opc_field *f) {
+static inline double lines_width(const eda_field *f) {
   double low = 0, high = f->frame.width / 2;
   for (double x = 0; x < high && lines_value(f, x) > 0; x += 2) low = x;
   high = low + 2;
@@ -60,7 +62,7 @@ static inline opc_module *lines_resist(const char *id, const char *parameters,
   opc_error error;
   opc_module *m = opc_test_module(id, parameters, &error);
   if (!m) g_error("%s", error.message);
-  const opc_resist *resist = m->plugin->operations;
+  const eda_resist *resist = m->functions;
   int code = resist->prepare(m->self, litho, &error);
   if (code) g_error("%s", error.message);
   return m;
@@ -70,7 +72,7 @@ static inline opc_module *lines_litho(const char *parameters) {
   opc_error error;
   opc_module *m = opc_test_module("litho.hopkins", parameters, &error);
   if (!m) g_error("%s", error.message);
-  const opc_litho *litho = m->plugin->operations;
+  const eda_litho *litho = m->functions;
   g_assert_cmpint(litho->prepare(m->self, &error), ==, OPC_OK);
   return m;
 }
@@ -85,7 +87,7 @@ static inline void lines_refused(const char *id, const char *parameters,
   opc_error error;
   g_autoptr(opc_module) m = opc_test_module(id, parameters, &error);
   if (m) {
-    const opc_resist *resist = m->plugin->operations;
+    const eda_resist *resist = m->functions;
     g_assert_cmpint(resist->prepare(m->self, litho, &error), ==, OPC_INVALID);
   }
   if (!strstr(error.message, why))

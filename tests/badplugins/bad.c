@@ -1,96 +1,110 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A plugin with one thing wrong with it, chosen by BAD_...; without any, a
-   sound one. BAD_ID is its id. */
-#include <opcflow/opcflow.h>
+/* A plugin with one thing wrong with its declaration, chosen by BAD_...;
+   without any, a sound one. BAD_ID is its id. */
+#include <eda/regulator.h>
+#include <opcflow/plugin.h>
 #include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
-static const opc_parameter parameters[] = {
-#ifdef BAD_UNIT
-    {"size", OPC_REAL, 0, "parsec", "1 nm", 0, 0, NULL, "a length"},
-#elif defined BAD_DEFAULT
-    {"size", OPC_REAL, OPC_AT_MOST, "nm", "66 nm", 0, 65, NULL, "a length"},
-#else
-    {"size", OPC_REAL, 0, "nm", "65 nm", 0, 0, NULL, "a length"},
-#endif
-#ifdef BAD_TWICE
-    {"size", OPC_REAL, 0, "nm", "65 nm", 0, 0, NULL, "a length"},
-#endif
-};
+/* ---- state ---- */
 
-static int rule(void *self, const opc_printed *printed, opc_ruling *ruling,
+typedef struct bad {
+  const opc_host *host;
+  double size;
+  float narrow;
+} bad;
+
+/* ---- work ---- */
+
+static int rule(void *self, const eda_printed *printed, eda_ruling *ruling,
                 opc_error *error) {
   (void)self, (void)printed, (void)ruling, (void)error;
   return OPC_OK;
 }
 
 #ifndef BAD_FUNCTION
-static int violations(void *self, const opc_printed *printed,
-                      opc_violation *list, size_t room, size_t *count,
+static int violations(void *self, const eda_printed *printed,
+                      eda_violation *list, size_t most, size_t *count,
                       opc_error *error) {
-  (void)self, (void)printed, (void)list, (void)room, (void)error;
+  (void)self, (void)printed, (void)list, (void)most, (void)error;
   *count = 0;
   return OPC_OK;
 }
 #endif
 
-static void *create(const opc_host *host, const opc_value *values,
-                    opc_error *error) {
-  (void)values, (void)error;
-  return host->alloc(host, 1, 1);
-}
+/* ---- parameters ---- */
 
-static void destroy(void *self) { free(self); }
+#define SIZE .name = "size", .type = OPC_REAL, .summary = "a length"
 
-static const opc_regulator operations = {
-#ifdef BAD_OPERATIONS
-    .size = 8,
+static const opc_parameter parameters[] = {
+#ifdef BAD_UNIT
+    {SIZE, .unit = "parsec", .preset = "1 nm", OPC_FIELD(bad, size)},
+#elif defined BAD_DEFAULT
+    {SIZE, .flags = OPC_AT_MOST, .unit = "nm", .preset = "66 nm", .max = 65,
+     OPC_FIELD(bad, size)},
+#elif defined BAD_WIDTH
+    {SIZE, .unit = "nm", .preset = "65 nm", OPC_FIELD(bad, narrow)},
+#elif defined BAD_FIELD
+    {SIZE, .unit = "nm", .preset = "65 nm", .offset = sizeof(bad),
+     .width = sizeof(double)},
 #else
-    .size = sizeof operations,
+    {SIZE, .unit = "nm", .preset = "65 nm", OPC_FIELD(bad, size)},
 #endif
+#ifdef BAD_TWICE
+    {SIZE, .unit = "nm", .preset = "65 nm", OPC_FIELD(bad, size)},
+#endif
+};
+
+/* ---- entry ---- */
+
+static const eda_regulator functions = {
     .rule = rule,
 #ifndef BAD_FUNCTION
     .violations = violations,
 #endif
 };
 
-#ifdef BAD_RENAME
-static const void *get_extension(const char *id) {
-  static const opc_rename old = {"length", "width", "1.1.0", NULL};
-  static const opc_renames renames = {sizeof renames, 1, sizeof old, &old};
-  return strcmp(id, OPC_RENAMED_PARAMETERS) ? NULL : &renames;
-}
-#endif
-
+/* Without OPC_PLUGIN, which does most of this right. */
 static const opc_plugin plugin = {
-#ifdef BAD_SIZE
-    .size = sizeof plugin - 8,
-#else
-    .size = sizeof plugin,
-#endif
 #ifdef BAD_MAJOR
-    .abi_major = OPC_ABI_MAJOR + 1,
+    .abi_major = 9,
     .id = (const char *)1, /* must not be looked at */
 #else
     .abi_major = OPC_ABI_MAJOR,
     .id = BAD_ID,
 #endif
+#ifdef BAD_MINOR
     .abi_minor = OPC_ABI_MINOR + 1,
-    .version = "1.0.0",
-    .licence = "BSD-3-Clause",
-    .summary = "Not what it seems",
-#ifdef BAD_KIND
-    .kind = 99,
 #else
-    .kind = OPC_KIND_DRC,
+    .abi_minor = OPC_ABI_MINOR,
+#endif
+#ifdef BAD_KIND
+    .kind = "nothing",
+#else
+    .kind = "regulator",
+#endif
+#ifndef BAD_VERSION
+    .version = "1.0.0",
+#endif
+#ifdef BAD_LICENCE
+    .licence = "",
+#else
+    .licence = "BSD-3-Clause",
+#endif
+#ifndef BAD_SUMMARY
+    .summary = "Not what it seems",
 #endif
     OPC_PARAMETERS(parameters),
-    .create = create,
-    .destroy = destroy,
-    .operations = &operations,
-#ifdef BAD_RENAME
-    .get_extension = get_extension,
+#ifdef BAD_INSTANCE
+    .instance_size = 4,
+#else
+    .instance_size = sizeof(bad),
+#endif
+    .functions = &functions,
+#ifdef BAD_FUNCTIONS
+    .functions_size = 8,
+#else
+    .functions_size = sizeof functions,
 #endif
 };
 

@@ -4,11 +4,17 @@
 #ifndef BAD_H
 #define BAD_H
 
+#include <eda/eda.h>
 #include <math.h>
 #include <opcflow/opcflow.h>
 #include <signal.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+typedef struct bad {
+  const opc_host *host;
+} bad;
 
 static const opc_host *host;
 
@@ -38,7 +44,7 @@ static inline int misbehave(void) {
   if (does("code")) return 42;
   if (does("cancel")) return OPC_CANCELLED;
   if (does("segv")) write_wildly(NULL, 7);
-  if (does("thread")) host->parallel(host, 100, write_wildly, NULL);
+  if (does("thread")) opc_parallel(host->context, 100, write_wildly, NULL);
   if (does("stack")) return descend(&depth);
   if (does("bus")) raise(SIGBUS);
   if (does("fpe")) raise(SIGFPE);
@@ -47,33 +53,21 @@ static inline int misbehave(void) {
   return OPC_OK;
 }
 
-static void *create(const opc_host *h, const opc_value *values,
-                    opc_error *error) {
-  (void)values, (void)error;
-  host = h;
-  if (does("create")) write_wildly(NULL, 7);
-  if (does("refuse")) return NULL;
-  return h->alloc(h, 1, 1);
+static int check(void *self, opc_error *error) {
+  (void)error;
+  host = ((bad *)self)->host;
+  if (does("check")) write_wildly(NULL, 7);
+  return does("refuse") ? OPC_FAILED : OPC_OK;
 }
 
-static void destroy(void *self) { host->free(host, self); }
+static void clear(void *self) {
+  (void)self;
+  if (does("clear")) write_wildly(NULL, 7);
+}
 
-#define BAD_PLUGIN(KIND, OPERATIONS)                         \
-  static const opc_plugin plugin = {                         \
-      .size = sizeof plugin,                                 \
-      .abi_major = OPC_ABI_MAJOR,                            \
-      .abi_minor = OPC_ABI_MINOR,                            \
-      .id = BAD_ID,                                          \
-      .version = "1.0.0",                                    \
-      .licence = "BSD-3-Clause",                             \
-      .summary = "Goes wrong while it runs",                 \
-      .kind = (KIND),                                        \
-      .create = create,                                      \
-      .destroy = destroy,                                    \
-      .operations = &(OPERATIONS),                           \
-  };                                                         \
-  OPC_EXPORT const opc_plugin *opcflow_plugin(void);         \
-  const opc_plugin *opcflow_plugin(void) { return &plugin; } \
-  struct bad_semicolon
+#define BAD_PLUGIN(KIND, FUNCTIONS)                                            \
+  OPC_PLUGIN(bad, .id = BAD_ID, .kind = (KIND), .version = "1.0.0",            \
+             .licence = "BSD-3-Clause", .summary = "Goes wrong while it runs", \
+             .check = check, .clear = clear, OPC_FUNCTIONS(FUNCTIONS))
 
 #endif

@@ -24,32 +24,29 @@ static void transfer(const void *self, size_t s, const double *fx, double fy,
   }
 }
 
-static int image(const void *self, int layer, const opc_spectrum *mask,
-                 opc_field *out, opc_error *error) {
+static int image(const void *self, int layer, const eda_spectrum *mask,
+                 eda_field *out, opc_error *error) {
   static const double one = 1;
   (void)self, (void)layer;
   int code = misbehave();
   if (code) return code;
-  const opc_systems systems = {.size = sizeof systems,
-                               .count = 1,
+  const eda_systems systems = {.count = 1,
                                .weight = &one,
                                .band = band_limit,
                                .intensity_band = 2 * band_limit,
                                .transfer = transfer,
                                .scale = {1, 0}};
-  code = host->imaging->coherent_sum(host, mask, &systems, 0, out, error);
+  code = eda_coherent_sum(host->context, mask, &systems, 0, out, error);
   if (code) return code;
   if (does("nan")) out->coefficients[out->nx + 2] = NAN;
   if (does("infinite")) out->coefficients[0] = -INFINITY;
   if (does("shape")) out->nx = 0;
   if (does("frame")) out->frame.width *= 2;
-  if (does("empty")) host->imaging->release_field(host, out);
+  if (does("empty")) eda_field_clear(out);
   return OPC_OK;
 }
 
-static const opc_litho operations = {.size = sizeof operations,
-                                     .prepare = prepare,
-                                     .band = band,
-                                     .image = image};
+static const eda_litho functions = {
+    .prepare = prepare, .band = band, .image = image};
 
-BAD_PLUGIN(OPC_KIND_LITHO, operations);
+BAD_PLUGIN("litho", functions);

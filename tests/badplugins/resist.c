@@ -7,7 +7,7 @@ static int prepare(void *self, const opc_module *litho, opc_error *error) {
   return OPC_OK;
 }
 
-static int print(const void *self, int layer, opc_field *field,
+static int print(const void *self, int layer, eda_field *field,
                  opc_error *error) {
   (void)self, (void)layer, (void)error;
   size_t n = (size_t)field->nx * (size_t)field->ny;
@@ -17,7 +17,6 @@ static int print(const void *self, int layer, opc_field *field,
   return misbehave();
 }
 
-static const opc_resist operations = {
-    .size = sizeof operations, .prepare = prepare, .print = print};
+static const eda_resist functions = {.prepare = prepare, .print = print};
 
-BAD_PLUGIN(OPC_KIND_RESIST, operations);
+BAD_PLUGIN("resist", functions);

@@ -1,17 +1,24 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A step that makes a number, and goes wrong. */
+/* A step that makes gates, and goes wrong. */
 #include "bad.h"
 
 static void release(void *object) {
   if (does("release")) write_wildly(NULL, 7);
-  host->free(host, object);
+  eda_gates_free(object);
 }
 
-static opc_gates *make_gates(void) {
-  opc_gates *gates = host->alloc(host, 1, sizeof *gates);
-  gates->size = sizeof *gates;
+static eda_gates *make_gates(void) {
+  static eda_box *lost; /* what no longer hangs on the gates is no leak */
+  eda_gates *gates = eda_gates_new(2, does("arrays") ? 3 : 0);
+  gates->name = eda_gates_text(gates, "bad");
+  gates->layer[EDA_POLY] = eda_gates_text(gates, "poly");
+  gates->layer[EDA_ACTIVE] = eda_gates_text(gates, "active");
   gates->grid = does("grid") ? 0 : 1;
-  gates->count = does("arrays") ? 3 : 0;
+  if (does("arrays")) {
+    lost = gates->box;
+    gates->box = NULL;
+    (void)lost;
+  }
   return gates;
 }
 
@@ -22,12 +29,9 @@ static int run(void *self, void **outputs, opc_error *error) {
   return code;
 }
 
-static const opc_port ports[] = {{"gates", "gates", release}};
+static const opc_port outputs[] = {
+    {"gates", "gates", eda_gates_check, release}};
 
-static const opc_step operations = {.size = sizeof operations,
-                                    .n_outputs = 1,
-                                    .port_size = sizeof(opc_port),
-                                    .outputs = ports,
-                                    .run = run};
+static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run};
 
-BAD_PLUGIN(OPC_KIND_STEP, operations);
+BAD_PLUGIN("step", functions);

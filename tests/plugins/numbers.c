@@ -3,41 +3,25 @@
    framework. It adds its numbers to that of its input, publishes them, and
    does what `behave` tells it. */
 #include <math.h>
-#include <opcflow/opcflow.h>
+#include <opcflow/step.h>
 #include <stdio.h>
-#include <string.h>
+#include <stdlib.h>
 #include <unistd.h>
 
 /* ---- state ---- */
 
-enum {
-  WHOLE,
-  SIZE,
-  SHARE,
-  PLAIN,
-  LIST,
-  NAMES,
-  NOTE,
-  WORD,
-  FILE_IN,
-  FILE_OUT,
-  FLAG,
-  LINE,
-  PITCH,
-  INPUT,
-  MODEL,
-  BEHAVE
-};
-
-/* The output, of the data kind "number". */
-typedef struct number {
-  double value;
-  const opc_host *host;
-} number;
+enum { WELL, FAIL, NOT_A_NUMBER, LIMIT, WAIT, LEAVE }; /* numbers.behave */
 
 typedef struct numbers {
   const opc_host *host;
-  const opc_value *values;
+  int64_t whole;
+  double size, share, plain, line, pitch;
+  opc_reals list;
+  opc_map names;
+  const char *note, *input, *output;
+  int word, flag, behave;
+  const double *add;
+  const opc_module *model;
 } numbers;
 
 /* ---- work ---- */
@@ -48,13 +32,11 @@ static void add_one(void *data, size_t i) {
 }
 
 static int write_file(const numbers *n, opc_error *error) {
-  const char *path =
-      n->host->output_path(n->host, n->values[FILE_OUT].text, error);
+  const char *path = n->host->output_path(n->host, n->output, error);
   if (!path) return error->code;
   FILE *file = fopen(path, "w");
   if (!file || fputs("numbers\n", file) < 0 || fclose(file))
-    return n->host->fail(n->host, error, OPC_IO, "output", "'%s': not written",
-                         path);
+    return opc_fail(error, OPC_IO, "output", "'%s': not written", path);
   return OPC_OK;
 }
 
@@ -72,18 +54,18 @@ static int publish(const numbers *n, double sum, opc_error *error) {
 }
 
 static int misbehave(const numbers *n, opc_error *error) {
-  switch (n->values[BEHAVE].integer) {
-    case 1:
-      return n->host->fail(n->host, error, OPC_FAILED, "size",
-                           "%g nm is not possible", n->values[SIZE].real);
-    case 2:
+  switch (n->behave) {
+    case FAIL:
+      return opc_fail(error, OPC_FAILED, "size", "%g nm is not possible",
+                      n->size);
+    case NOT_A_NUMBER:
       return n->host->metric(n->host, "sum", NAN, error);
-    case 3:
-      return n->host->fail(n->host, error, OPC_LIMIT, NULL, "too much");
-    case 4:
-      while (!n->host->cancelled(n->host)) usleep(1000);
-      return n->host->fail(n->host, error, OPC_CANCELLED, NULL, "stopped");
-    case 5:
+    case LIMIT:
+      return opc_fail(error, OPC_LIMIT, NULL, "too much");
+    case WAIT:
+      while (!opc_cancelled(n->host->context)) usleep(1000);
+      return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
+    case LEAVE:
       return n->host->output_path(n->host, "../out", error) ? OPC_OK
                                                             : error->code;
     default:
@@ -92,104 +74,140 @@ static int misbehave(const numbers *n, opc_error *error) {
 }
 
 static int run(void *self, void **outputs, opc_error *error) {
-  numbers *n = self;
-  const opc_value *v = n->values;
-  number *out = n->host->alloc(n->host, 1, sizeof *out);
-  out->host = n->host;
-  outputs[0] = out;
-  double *sum = &out->value;
-  if (v[INPUT].object) *sum = ((const number *)v[INPUT].object)->value;
-  *sum += (double)v[WHOLE].integer + v[SIZE].real;
-  for (size_t i = 0; i < v[LIST].count; i++) *sum += v[LIST].reals[i];
+  const numbers *n = self;
+  double *sum = malloc(sizeof *sum);
+  outputs[0] = sum;
+  *sum = (n->add ? *n->add : 0) + (double)n->whole + n->size;
+  for (size_t i = 0; i < n->list.count; i++) *sum += n->list.values[i];
   int called = 0;
-  n->host->parallel(n->host, 100, add_one, &called);
+  opc_parallel(n->host->context, 100, add_one, &called);
   if (called != 100)
-    return n->host->fail(n->host, error, OPC_FAILED, NULL, "%d calls", called);
-  int code = v[FILE_OUT].type ? write_file(n, error) : OPC_OK;
+    return opc_fail(error, OPC_FAILED, NULL, "%d calls", called);
+  int code = n->output ? write_file(n, error) : OPC_OK;
   if (!code) code = misbehave(n, error);
   return code ? code : publish(n, *sum, error);
 }
 
-static void release(void *object) {
-  number *out = object;
-  out->host->free(out->host, out);
+static int check_number(const void *object, opc_error *error) {
+  if (isfinite(*(const double *)object)) return OPC_OK;
+  return opc_fail(error, OPC_FAILED, NULL, "is no number");
 }
 
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    {"whole", OPC_INT, OPC_AT_LEAST | OPC_AT_MOST, NULL, "1", 0, 100, NULL,
-     "a whole number"},
-    {"size", OPC_REAL, OPC_REQUIRED | OPC_ABOVE | OPC_BELOW, "nm", NULL, 0,
-     1000, NULL, "a length"},
-    {"share", OPC_REAL, OPC_AT_LEAST, "%", "0.5 %", 0, 0, NULL, "a percentage"},
-    {"plain", OPC_REAL, 0, NULL, "0.75", 0, 0, NULL, "a plain number"},
-    {"list", OPC_REALS, 0, "nm", "[1 nm, 0.002 um]", 0, 0, NULL, "lengths"},
-    {"names", OPC_MAP, 0, NULL, NULL, 0, 0, "poly|active", "names of layers"},
-    {"note", OPC_TEXT, 0, NULL, "", 0, 0, NULL, "a text"},
-    {"word", OPC_CHOICE, 0, NULL, "second", 0, 0, "first|second|third",
-     "a word"},
-    {"input", OPC_FILE, 0, NULL, NULL, 0, 0, NULL, "a file"},
-    {"output", OPC_OUTPUT, 0, NULL, NULL, 0, 0, NULL, "a file to write"},
-    {"flag", OPC_BOOL, 0, NULL, "false", 0, 0, NULL, "yes or no"},
-    {"anchor.line", OPC_REAL, OPC_AT_LEAST, "nm", "65 nm", 1, 0, NULL,
-     "a line"},
-    {"anchor.pitch", OPC_REAL, 0, "nm", "250 nm", 0, 0, NULL, "its pitch"},
-    {"add", OPC_INPUT, 0, NULL, NULL, 0, 0, "number", "another number"},
-    {"model", OPC_SLOT, 0, NULL, NULL, 0, 0, "litho", "a model"},
-    {"behave", OPC_CHOICE, OPC_NO_EFFECT, NULL, "well", 0, 0,
-     "well|fail|nan|limit|wait|leave", "what to do"},
+    {.name = "whole",
+     .type = OPC_INT,
+     .flags = OPC_AT_LEAST | OPC_AT_MOST,
+     .preset = "1",
+     .max = 100,
+     .summary = "a whole number",
+     OPC_FIELD(numbers, whole)},
+    {.name = "size",
+     .type = OPC_REAL,
+     .flags = OPC_REQUIRED | OPC_ABOVE | OPC_BELOW,
+     .unit = "nm",
+     .max = 1000,
+     .summary = "a length",
+     OPC_FIELD(numbers, size)},
+    {.name = "share",
+     .type = OPC_REAL,
+     .flags = OPC_AT_LEAST,
+     .unit = "%",
+     .preset = "0.5 %",
+     .summary = "a percentage",
+     OPC_FIELD(numbers, share)},
+    {.name = "plain",
+     .type = OPC_REAL,
+     .preset = "0.75",
+     .summary = "a plain number",
+     OPC_FIELD(numbers, plain)},
+    {.name = "list",
+     .type = OPC_REALS,
+     .unit = "nm",
+     .preset = "[1 nm, 0.002 um]",
+     .summary = "lengths",
+     OPC_FIELD(numbers, list)},
+    {.name = "names",
+     .type = OPC_MAP,
+     .choices = "poly|active",
+     .summary = "names of layers",
+     OPC_FIELD(numbers, names)},
+    {.name = "note",
+     .type = OPC_TEXT,
+     .preset = "",
+     .summary = "a text",
+     OPC_FIELD(numbers, note)},
+    {.name = "word",
+     .type = OPC_CHOICE,
+     .preset = "second",
+     .choices = "first|second|third",
+     .summary = "a word",
+     OPC_FIELD(numbers, word)},
+    {.name = "input",
+     .type = OPC_FILE,
+     .summary = "a file",
+     OPC_FIELD(numbers, input)},
+    {.name = "output",
+     .type = OPC_OUTPUT,
+     .summary = "a file to write",
+     OPC_FIELD(numbers, output)},
+    {.name = "flag",
+     .type = OPC_BOOL,
+     .preset = "false",
+     .summary = "yes or no",
+     OPC_FIELD(numbers, flag)},
+    {.name = "anchor.line",
+     .type = OPC_REAL,
+     .flags = OPC_AT_LEAST,
+     .unit = "nm",
+     .preset = "65 nm",
+     .min = 1,
+     .summary = "a line",
+     OPC_FIELD(numbers, line)},
+    {.name = "anchor.pitch",
+     .type = OPC_REAL,
+     .unit = "nm",
+     .preset = "250 nm",
+     .summary = "its pitch",
+     OPC_FIELD(numbers, pitch)},
+    {.name = "add",
+     .type = OPC_INPUT,
+     .choices = "number",
+     .summary = "another number",
+     OPC_FIELD(numbers, add)},
+    {.name = "model",
+     .type = OPC_SLOT,
+     .choices = "litho",
+     .summary = "a model",
+     OPC_FIELD(numbers, model)},
+    {.name = "behave",
+     .type = OPC_CHOICE,
+     .flags = OPC_NO_EFFECT,
+     .preset = "well",
+     .choices = "well|fail|nan|limit|wait|leave",
+     .summary = "what to do",
+     OPC_FIELD(numbers, behave)},
 };
 
 static const opc_metric metrics[] = {
-    {"sum", "nm", OPC_LOWER, 0, 0.1, "the sum"},
+    {"sum", "nm", OPC_LOWER, 0.1, "the sum"},
 };
+
+static int check(void *self, opc_error *error) {
+  const numbers *n = self;
+  if (n->plain != 13) return OPC_OK;
+  return opc_fail(error, OPC_INVALID, "plain", "13 is not welcome");
+}
 
 /* ---- entry ---- */
 
-static void *create(const opc_host *host, const opc_value *values,
-                    opc_error *error) {
-  if (values[PLAIN].real == 13) {
-    host->fail(host, error, OPC_INVALID, "plain", "13 is not welcome");
-    return NULL;
-  }
-  numbers *n = host->alloc(host, 1, sizeof *n);
-  n->host = host;
-  n->values = values;
-  return n;
-}
+static const opc_port outputs[] = {{"sum", "number", check_number, free}};
 
-static void destroy(void *self) {
-  numbers *n = self;
-  n->host->free(n->host, n);
-}
+static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run};
 
-static const opc_port outputs[] = {{"sum", "number", release}};
-
-static const opc_step operations = {
-    .size = sizeof operations,
-    .n_outputs = 1,
-    .port_size = sizeof(opc_port),
-    .outputs = outputs,
-    .run = run,
-};
-
-static const opc_plugin plugin = {
-    .size = sizeof plugin,
-    .abi_major = OPC_ABI_MAJOR,
-    .abi_minor = OPC_ABI_MINOR,
-    .id = "test.numbers",
-    .version = "1.0.0",
-    .licence = "BSD-3-Clause",
-    .summary = "A parameter of every type",
-    .kind = OPC_KIND_STEP,
-    .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-    OPC_PARAMETERS(parameters),
-    OPC_METRICS(metrics),
-    .create = create,
-    .destroy = destroy,
-    .operations = &operations,
-};
-
-OPC_EXPORT const opc_plugin *opcflow_plugin(void);
-const opc_plugin *opcflow_plugin(void) { return &plugin; }
+OPC_PLUGIN(numbers, .id = "test.numbers", .kind = "step", .version = "1.0.0",
+           .licence = "BSD-3-Clause", .summary = "A parameter of every type",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
+           OPC_FUNCTIONS(functions));

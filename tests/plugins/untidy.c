@@ -1,11 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* test.untidy: an extractor that works and breaks the contract where no flow
    would notice; `opcflow lint` does. */
-#include <opcflow/opcflow.h>
+#include <eda/extractor.h>
+#include <opcflow/plugin.h>
 #include <stdlib.h>
 #include <unistd.h>
 
-static const opc_host *host;
+typedef struct untidy {
+  const opc_host *host;
+  double size;
+} untidy;
+
 static int calls;
 static _Thread_local int mine;
 
@@ -32,11 +37,12 @@ static void count(void *data, size_t i) {
 }
 
 /* Depends on how often it was called, and on who does the work. */
-static int extract(const void *self, const opc_slices *in, opc_performance *out,
+static int extract(const void *self, const eda_slices *in, eda_performance *out,
                    opc_error *error) {
-  (void)self, (void)error;
+  const untidy *u = self;
+  (void)error;
   mine = 0;
-  host->parallel(host, 40, count, NULL);
+  opc_parallel(u->host->context, 40, count, NULL);
   for (size_t i = 0; i < in->count; i++) {
     out->ion[i] = out->ioff[i] = 1 + calls * 1e-9 + mine;
     out->leq_ion[i] = out->leq_ioff[i] = in->length[i];
@@ -47,51 +53,37 @@ static int extract(const void *self, const opc_slices *in, opc_performance *out,
   return OPC_OK;
 }
 
-/* ---- entry ---- */
-
-static void *create(const opc_host *h, const opc_value *values,
-                    opc_error *error) {
-  (void)error;
-  host = h;
-  if (values[0].real == 7) return NULL; /* and does not say why */
-  return calloc(1, 1000);
-}
-
-static void destroy(void *self) { (void)self; }
-
 OPC_EXPORT int untidy_helper(void);
 int untidy_helper(void) { return calls; }
 
-static const void *get_extension(const char *id) {
-  static const opc_renames none = {.size = sizeof none};
-  return *id ? &none : NULL;
-}
+/* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    {"size", OPC_REAL, OPC_REQUIRED | OPC_AT_LEAST | OPC_AT_MOST, "nm", NULL, 1,
-     7, NULL, "a length."},
+    {.name = "size",
+     .type = OPC_REAL,
+     .flags = OPC_REQUIRED | OPC_AT_LEAST | OPC_AT_MOST,
+     .unit = "nm",
+     .min = 1,
+     .max = 7,
+     .summary = "a length.",
+     OPC_FIELD(untidy, size)},
 };
 
-static const opc_extract operations = {.size = sizeof operations,
-                                       .prepare = prepare,
-                                       .slicing = slicing,
-                                       .extract = extract};
+/* Takes memory that nobody gives back. */
+static int check(void *self, opc_error *error) {
+  static void *volatile last;
+  const untidy *u = self;
+  (void)error;
+  last = malloc(1000);
+  return u->size == 7 && last; /* and does not say why */
+}
 
-static const opc_plugin plugin = {
-    .size = sizeof plugin,
-    .abi_major = OPC_ABI_MAJOR,
-    .abi_minor = OPC_ABI_MINOR,
-    .id = "test.untidy",
-    .version = "1.0.0",
-    .licence = "BSD-3-Clause",
-    .summary = "Breaks the contract",
-    .kind = OPC_KIND_EXTRACT,
-    OPC_PARAMETERS(parameters),
-    .create = create,
-    .destroy = destroy,
-    .operations = &operations,
-    .get_extension = get_extension,
-};
+/* ---- entry ---- */
 
-OPC_EXPORT const opc_plugin *opcflow_plugin(void);
-const opc_plugin *opcflow_plugin(void) { return &plugin; }
+static const eda_extractor functions = {
+    .prepare = prepare, .slicing = slicing, .extract = extract};
+
+OPC_PLUGIN(untidy, .id = "test.untidy", .kind = "extractor", .version = "1.0.0",
+           .licence = "BSD-3-Clause", .summary = "Breaks the contract",
+           OPC_PARAMETERS(parameters), .check = check,
+           OPC_FUNCTIONS(functions));

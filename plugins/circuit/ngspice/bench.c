@@ -4,27 +4,18 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
-int no_memory(const opc_host *host, opc_error *error) {
-  return host->fail(host, error, OPC_FAILED, NULL, "out of memory");
-}
-
-void *bench_alloc(bench *b, size_t count, size_t size, opc_error *error) {
-  void *memory = pool_alloc(&b->pool, count, size);
-  if (!memory) no_memory(b->host, error);
-  return memory;
-}
+double bench_start(const bench *b) { return b->slew; }
 
 /* ---- ports ---- */
 
-int bench_role(const opc_circuit *c, uint32_t net) {
-  for (size_t i = 0; i < c->ports; i++)
-    if (c->port[i] == net) return c->role[i];
-  return -1;
+int is_rail(int role) {
+  return role == EDA_PIN_SUPPLY || role == EDA_PIN_GROUND;
 }
 
 const char *bench_node(const bench *b, uint32_t net, node_name out) {
-  if (bench_role(b->circuit, net) == OPC_PORT_GROUND)
+  if (eda_circuit_role(b->circuit, net) == EDA_PIN_GROUND)
     strcpy(out, "0");
   else
     snprintf(out, sizeof(node_name), "n%u", net);
@@ -32,70 +23,67 @@ const char *bench_node(const bench *b, uint32_t net, node_name out) {
 }
 
 /* Each name of the list is a port that may be driven. */
-static int check_inputs(const bench *b, const char *list, opc_error *error) {
-  const opc_circuit *c = b->circuit;
-  for (const char *at = list + strspn(list, " "); *at; at += strspn(at, " ")) {
+static int check_inputs(const bench *b, opc_error *error) {
+  const eda_circuit *c = b->circuit;
+  const char *at = b->inputs_list;
+  for (at += strspn(at, " "); *at; at += strspn(at, " ")) {
     size_t n = strcspn(at, " "), i = 0;
     while (i < c->ports &&
            (strncasecmp(c->net[c->port[i]], at, n) || c->net[c->port[i]][n]))
       i++;
-    if (i == c->ports || c->role[i] == OPC_PORT_SUPPLY ||
-        c->role[i] == OPC_PORT_GROUND)
-      return b->host->fail(b->host, error, OPC_INVALID, "inputs",
-                           "'%.*s' is no port of '%s' that may be an input",
-                           (int)n, at, c->name);
+    if (i == c->ports || is_rail(c->role[i]))
+      return opc_fail(error, OPC_INVALID, "inputs",
+                      "'%.*s' is no port of '%s' that may be an input", (int)n,
+                      at, c->name);
     at += n;
   }
   return OPC_OK;
 }
 
-int bench_ports(bench *b, const char *inputs, opc_error *error) {
-  const opc_circuit *c = b->circuit;
-  int found[2] = {0, 0};
-  if (inputs && check_inputs(b, inputs, error)) return error->code;
-  b->input = bench_alloc(b, c->ports, sizeof *b->input, error);
-  b->output = bench_alloc(b, c->ports, sizeof *b->output, error);
-  if (!b->input || !b->output) return error->code;
+int bench_ports(bench *b, opc_error *error) {
+  const eda_circuit *c = b->circuit;
+  int found[] = {[EDA_PIN_SUPPLY] = 0, [EDA_PIN_GROUND] = 0};
+  if (b->inputs_list && check_inputs(b, error)) return error->code;
+  b->input = eda_pool_alloc(&b->pool, c->ports, sizeof *b->input);
+  b->output = eda_pool_alloc(&b->pool, c->ports, sizeof *b->output);
+  b->inputs = b->outputs = 0;
   for (size_t i = 0; i < c->ports; i++) {
     uint32_t net = c->port[i];
-    if (c->role[i] == OPC_PORT_SUPPLY || c->role[i] == OPC_PORT_GROUND)
-      found[c->role[i] == OPC_PORT_GROUND] = 1;
-    else if (inputs ? in_list(inputs, c->net[net])
-                    : c->role[i] == OPC_PORT_INPUT)
+    if (is_rail(c->role[i]))
+      found[c->role[i]] = 1;
+    else if (b->inputs_list ? eda_in_list(b->inputs_list, c->net[net])
+                            : c->role[i] == EDA_PIN_INPUT)
       b->input[b->inputs++] = net;
     else
       b->output[b->outputs++] = net;
   }
-  for (int i = 0; i < 2; i++)
-    if (!found[i])
-      return b->host->fail(b->host, error, OPC_INVALID, "circuit",
-                           "'%s' has no %s among its ports", c->name,
-                           i ? "ground" : "supply");
-  return OPC_OK;
+  if (found[EDA_PIN_SUPPLY] && found[EDA_PIN_GROUND]) return OPC_OK;
+  return opc_fail(error, OPC_INVALID, "circuit",
+                  "'%s' has no %s among its ports", c->name,
+                  found[EDA_PIN_SUPPLY] ? "ground" : "supply");
 }
 
 /* ---- netlists ---- */
 
-char *bench_netlist(const bench *b, const opc_circuit *c, int state, int sizes,
+char *bench_netlist(const bench *b, const eda_circuit *c, int state, int sizes,
                     opc_error *error) {
-  netlist_counts counts;
-  netlist_annotation a = {.circuit = c, .mask = b->mask, .state = state};
-  opc_mask off;
+  eda_annotation a = {.circuit = c, .mask = b->printed, .state = state};
+  eda_mask off;
   for (int type = 0; type < 2; type++) {
     a.model[type] = b->model[type];
     if (sizes == SIZE_TIMED && b->dlc) a.card[type] = &b->card[type];
   }
-  if (b->mask && sizes == SIZE_OFF) {
-    off = *b->mask;
+  if (a.mask && sizes == SIZE_OFF) {
+    off = *a.mask;
     off.before.leq_ion = off.before.leq_ioff;
     off.after.leq_ion = off.after.leq_ioff;
     a.mask = &off;
   }
-  return netlist_annotate(b->host, &a, &counts, error);
+  return eda_annotate(&a, NULL, error);
 }
 
 int bench_forgive(bench *b, int state, int code, const opc_error *error) {
-  if (code != OPC_FAILED || state != NETLIST_BEFORE) return code;
+  if (code != OPC_FAILED || state != EDA_BEFORE) return code;
   if (b->has[state])
     b->host->log(b->host, OPC_LOG_WARNING,
                  "no figures of the circuit before correction: %s",

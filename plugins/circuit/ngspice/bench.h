@@ -3,30 +3,45 @@
 #ifndef OPCFLOW_CIRCUIT_BENCH_H
 #define OPCFLOW_CIRCUIT_BENCH_H
 
-#include <opcflow/opcflow.h>
+#include <eda/netlist.h>
+#include <eda/simulator.h>
+#include <opcflow/step.h>
 #include <stdio.h>
 
-#include "../../netlist/annotate_text.h"
-#include "../../spice/spice.h"
+/* The choices of 'sizes'. */
+enum { SIZES_BOTH, SIZES_LENGTH };
 
-/* Sizes as drawn, printed before and after the correction: NETLIST_DRAWN and
-   so on. */
-enum { STATES = 3 };
-
-/* A circuit, and what it is simulated under. */
+/* The step: a circuit, and what it is simulated under. */
 typedef struct bench {
   const opc_host *host;
-  pool pool;
-  const opc_circuit *circuit; /* as it came */
-  opc_circuit plain;          /* with the nets n0, n1 ... */
-  const opc_mask *mask;       /* NULL: as drawn only */
-  opc_mask sized;             /* sizes.c: the mask, with other sizes */
-  int has[STATES];            /* which sizes there are */
-  const char *cards[2];       /* whole paths; [1] NULL: the same */
+
+  /* Parameters. */
+  const eda_circuit *circuit; /* as it came */
+  const eda_mask *mask;       /* NULL: as drawn only */
+  const char *models[2];      /* files; [1] NULL: the same */
   const char *model[2];
-  netlist_model card[2];
   int dlc; /* whether DLC is corrected */
-  double supply, temperature, load, slew, limit;
+  int sizes; /* SIZES_BOTH, SIZES_LENGTH */
+  const char *devices;
+  double supply, temperature, load, slew;
+  opc_reals edges;
+  int measure;
+  const char *inputs_list;
+  int several;
+  int64_t most, seed;
+  const char *cell;
+  int reads;
+  const char *picture;
+  double limit;
+
+  /* Of a run. */
+  eda_pool pool; /* of most of what follows */
+  eda_circuit plain; /* with the nets n0, n1 ... */
+  const eda_mask *printed; /* the mask, or `sized` */
+  eda_mask sized;          /* sizes.c: the mask, with other sizes */
+  int has[EDA_STATES];     /* which sizes there are */
+  const char *cards[2]; /* whole paths; [1] NULL: the same */
+  eda_card card[2];
   double low, high; /* where a slope begins and ends, of 1 */
   size_t inputs, outputs;
   uint32_t *input, *output; /* their nets */
@@ -34,26 +49,21 @@ typedef struct bench {
 
 /* ---- sizes.c ---- */
 
-/* Have the printed currents told by L alone, by that table of devices. */
-int sizes_by_length(bench *b, const char *devices, opc_error *error);
+/* Have the printed currents told by L alone, by the table of devices. */
+int sizes_by_length(bench *b, opc_error *error);
 
 /* ---- bench.c ---- */
 
-/* Zeroed, until the end of the bench. */
-void *bench_alloc(bench *b, size_t count, size_t size, opc_error *error);
-int no_memory(const opc_host *host, opc_error *error);
-
-/* Find the ports; `inputs` are names with blanks between, NULL for those of
-   the circuit. */
-int bench_ports(bench *b, const char *inputs, opc_error *error);
+/* Find the ports. */
+int bench_ports(bench *b, opc_error *error);
 
 /* Which sizes are meant: those with the current of the on state, of the off
    state, and the first with the capacitance of the printed area. */
 enum { SIZE_ON, SIZE_OFF, SIZE_TIMED };
 
-/* The circuit `c`, whose nets are n0, n1 ..., as a .subckt; to be freed with
-   host->free. NULL and *error on failure. [any] */
-char *bench_netlist(const bench *b, const opc_circuit *c, int state, int sizes,
+/* The circuit `c`, whose nets are n0, n1 ..., as a .subckt; to be freed. NULL
+   and *error on failure. [any] */
+char *bench_netlist(const bench *b, const eda_circuit *c, int state, int sizes,
                     opc_error *error);
 
 /* Leave out the sizes before correction if they cannot be simulated, with a
@@ -63,7 +73,12 @@ int bench_forgive(bench *b, int state, int code, const opc_error *error);
 /* The name of a net at the top: "n12", "0" for ground. */
 typedef char node_name[16];
 const char *bench_node(const bench *b, uint32_t net, node_name out);
-int bench_role(const opc_circuit *c, uint32_t net); /* OPC_PORT_*, -1 */
+
+/* Whether a port is a rail: supply or ground. */
+int is_rail(int role);
+
+/* When the inputs begin to change. */
+double bench_start(const bench *b);
 
 /* ---- jobs.c: processes ---- */
 
@@ -82,15 +97,14 @@ typedef struct job {
 int jobs_run(bench *b, size_t count, size_t some, void (*work)(job *j),
              const void *of, opc_error *error);
 
-/* The text that `write` writes, to be freed; NULL and the job's code if that
-   fails. */
+/* The text that `write` writes, to be freed; NULL if the job has failed. */
 char *job_text(job *j, void (*write)(job *j, FILE *out, const void *how),
                const void *how);
 
-/* Simulate; the job's code tells if that fails. NULL texts are not looked at,
-   as they have failed. The result is to be released. */
+/* Simulate; the job's code tells if that fails. Texts are not looked at if it
+   has. The result is to be cleared. */
 void job_simulate(job *j, const char *deck, const char *commands,
-                  opc_spice_result *out);
+                  eda_spice_result *out);
 
 /* For decks: title, cards and options; then the circuit with its supplies,
    loads and inputs, which are at 0 V. */
@@ -111,10 +125,8 @@ typedef struct patterns {
   int sampled; /* not all that there are */
 } patterns;
 
-/* All, or `most` transitions drawn by the seed; `several`: those of more than
-   one input, too. */
-int patterns_make(bench *b, int several, size_t most, uint64_t seed,
-                  patterns *out, opc_error *error);
+/* All, or `most` transitions drawn by the seed. */
+int patterns_make(bench *b, patterns *out, opc_error *error);
 
 /* "A 0>1, B 1"; for a pattern alone, from and to are the same. */
 const char *patterns_say(bench *b, const patterns *p, transition t);
@@ -123,7 +135,7 @@ const char *patterns_say(bench *b, const patterns *p, transition t);
 
 typedef struct logic {
   int *level; /* of pattern p, output o as drawn: 0, 1, -1 for neither */
-  double *current[STATES], *power[STATES]; /* of each pattern */
+  double *current[EDA_STATES], *power[EDA_STATES]; /* of each pattern */
 } logic;
 
 int logic_find(bench *b, const patterns *p, logic *out, opc_error *error);
@@ -134,7 +146,7 @@ int logic_find(bench *b, const patterns *p, logic *out, opc_error *error);
 typedef struct arrival {
   uint32_t flip, output; /* numbers in the delays, in the bench */
   int rises;
-  double delay[STATES], slope[STATES];
+  double delay[EDA_STATES], slope[EDA_STATES];
 } arrival;
 
 typedef struct delays {
@@ -158,9 +170,6 @@ typedef struct wave {
 int delays_wave(bench *b, const patterns *p, const delays *d, size_t arrival,
                 int state, wave *out, opc_error *error);
 
-/* When the inputs begin to change. */
-double bench_start(const bench *b);
-
 /* ---- cells.c: memory ---- */
 
 enum { CELL_DEVICES = 16 };
@@ -177,7 +186,7 @@ typedef struct cell {
 int cells_find(bench *b, cell **out, size_t *count, opc_error *error);
 
 /* A net on the way around a loop; -1: there is none. */
-int feedback_find(bench *b, int64_t *loop, opc_error *error);
+int64_t feedback_find(bench *b);
 
 /* ---- margin.c: static noise margins ---- */
 
@@ -193,11 +202,11 @@ typedef struct butterfly {
 
 /* [state][cell] */
 typedef struct margins {
-  butterfly *of[STATES];
+  butterfly *of[EDA_STATES];
 } margins;
 
-int margins_find(bench *b, const cell *cells, size_t count, int reads,
-                 margins *out, opc_error *error);
+int margins_find(bench *b, const cell *cells, size_t count, margins *out,
+                 opc_error *error);
 
 /* ---- tables.c ---- */
 
@@ -206,8 +215,6 @@ int tell_leakage(bench *b, const patterns *p, const logic *l, opc_error *error);
 int tell_margins(bench *b, const cell *cells, size_t count, const margins *m,
                  opc_error *error);
 
-/* 100 (a - b) / b, thesis eq. 3.8 without the bars; NAN if b is not above 0. */
-double deviation(double a, double b);
 /* The arrival with the largest deviation of its delay, rising or falling; -1:
    none. */
 int64_t worst_arrival(const delays *d, const bench *b, int rises);
@@ -217,9 +224,9 @@ size_t worst_cell(const bench *b, size_t count, const margins *m);
 
 /* ---- pictures.c ---- */
 
-int draw_delays(bench *b, const patterns *p, const delays *d, int format,
-                const char *path, opc_error *error);
+int draw_delays(bench *b, const patterns *p, const delays *d, const char *path,
+                opc_error *error);
 int draw_margins(bench *b, const cell *cells, size_t count, const margins *m,
-                 int format, const char *path, opc_error *error);
+                 const char *path, opc_error *error);
 
 #endif

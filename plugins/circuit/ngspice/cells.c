@@ -21,19 +21,19 @@ static int compare(const void *a, const void *b) {
   return p->type - q->type;
 }
 
-static int is_rail(const opc_circuit *c, uint32_t net, int type) {
-  return bench_role(c, net) ==
-         (type == OPC_NMOS ? OPC_PORT_GROUND : OPC_PORT_SUPPLY);
+/* Whether transistors of that type pull to the net. */
+static int pulls_to(const eda_circuit *c, uint32_t net, int type) {
+  return eda_circuit_role(c, net) ==
+         (type == EDA_NMOS ? EDA_PIN_GROUND : EDA_PIN_SUPPLY);
 }
 
-static half *list_halves(bench *b, size_t *count, opc_error *error) {
-  const opc_circuit *c = b->circuit;
-  half *list = bench_alloc(b, c->count, sizeof *list, error);
-  if (!list) return NULL;
+static half *list_halves(bench *b, size_t *count) {
+  const eda_circuit *c = b->circuit;
+  half *list = eda_pool_alloc(&b->pool, c->count, sizeof *list);
   for (size_t i = 0; i < c->count; i++) {
-    const opc_device *d = &c->device[i];
-    int drain = is_rail(c, d->drain, d->type);
-    int source = is_rail(c, d->source, d->type);
+    const eda_device *d = &c->device[i];
+    int drain = pulls_to(c, d->drain, d->type);
+    int source = pulls_to(c, d->source, d->type);
     if (drain == source) continue;
     list[(*count)++] = (half){d->gate, drain ? d->source : d->drain, d->type};
   }
@@ -42,35 +42,34 @@ static half *list_halves(bench *b, size_t *count, opc_error *error) {
 }
 
 static int has(const half *list, size_t n, uint32_t gate, uint32_t out) {
-  half n_half = {gate, out, OPC_NMOS}, p_half = {gate, out, OPC_PMOS};
+  half n_half = {gate, out, EDA_NMOS}, p_half = {gate, out, EDA_PMOS};
   return bsearch(&n_half, list, n, sizeof *list, compare) &&
          bsearch(&p_half, list, n, sizeof *list, compare);
 }
 
 /* ---- cells ---- */
 
-static int touches(const opc_device *d, uint32_t net) {
+static int touches(const eda_device *d, uint32_t net) {
   return d->drain == net || d->source == net;
 }
 
 /* Access transistors last. */
 static int list_devices(const bench *b, cell *m, opc_error *error) {
-  const opc_circuit *c = b->circuit;
+  const eda_circuit *c = b->circuit;
   m->on_ports = 1;
   for (int access = 0; access < 2; access++)
     for (size_t i = 0; i < c->count; i++) {
-      const opc_device *d = &c->device[i];
+      const eda_device *d = &c->device[i];
       int at_q = touches(d, m->q), at_qb = touches(d, m->qb);
       if (!at_q && !at_qb) continue;
       uint32_t mine = at_q ? m->q : m->qb;
       uint32_t other = d->drain == mine ? d->source : d->drain;
-      int role = bench_role(c, other);
+      int role = eda_circuit_role(c, other);
       int is_access = d->gate != m->q && d->gate != m->qb &&
-                      role != OPC_PORT_SUPPLY && role != OPC_PORT_GROUND &&
-                      !(at_q && at_qb);
+                      !is_rail(role) && !(at_q && at_qb);
       if (is_access != access) continue;
       if (m->devices == CELL_DEVICES)
-        return b->host->fail(b->host, error, OPC_FAILED, "circuit",
+        return opc_fail(error, OPC_FAILED, "circuit",
                              "the cell of '%s' and '%s' has more than %d "
                              "transistors",
                              c->net[m->q], c->net[m->qb], CELL_DEVICES);
@@ -83,10 +82,9 @@ static int list_devices(const bench *b, cell *m, opc_error *error) {
 
 int cells_find(bench *b, cell **out, size_t *count, opc_error *error) {
   size_t n = 0;
-  half *list = list_halves(b, &n, error);
+  half *list = list_halves(b, &n);
   *count = 0;
-  *out = bench_alloc(b, n, sizeof **out, error);
-  if (!list || !*out) return error->code;
+  *out = eda_pool_alloc(&b->pool, n, sizeof **out);
   for (size_t i = 0; i < n; i++) {
     const half *h = &list[i];
     if (h->gate >= h->out ||
@@ -111,8 +109,7 @@ static uint32_t part_of(uint32_t *part, uint32_t net) {
 }
 
 static int is_driven(const bench *b, uint32_t net) {
-  int role = bench_role(b->circuit, net);
-  if (role == OPC_PORT_SUPPLY || role == OPC_PORT_GROUND) return 1;
+  if (is_rail(eda_circuit_role(b->circuit, net))) return 1;
   for (size_t i = 0; i < b->inputs; i++)
     if (b->input[i] == net) return 1;
   return 0;
@@ -121,28 +118,26 @@ static int is_driven(const bench *b, uint32_t net) {
 /* How many gates of undriven nets are on each part. */
 static void count_gates(const bench *b, uint32_t *part, const uint8_t *driven,
                         uint32_t *gates) {
-  const opc_circuit *c = b->circuit;
+  const eda_circuit *c = b->circuit;
   for (size_t i = 0; i < c->count; i++) {
-    const opc_device *d = &c->device[i];
+    const eda_device *d = &c->device[i];
     uint32_t end = driven[d->drain] ? d->source : d->drain;
     if (!driven[end] && !driven[d->gate]) gates[part_of(part, end)]++;
   }
 }
 
-int feedback_find(bench *b, int64_t *loop, opc_error *error) {
-  const opc_circuit *c = b->circuit;
-  uint32_t *part = bench_alloc(b, c->nets, sizeof *part, error);
-  uint32_t *gates = bench_alloc(b, c->nets, sizeof *gates, error);
-  uint8_t *driven = bench_alloc(b, c->nets, 1, error);
-  uint8_t *done = bench_alloc(b, c->nets, 1, error);
-  *loop = -1;
-  if (!part || !gates || !driven || !done) return error->code;
+int64_t feedback_find(bench *b) {
+  const eda_circuit *c = b->circuit;
+  uint32_t *part = eda_pool_alloc(&b->pool, c->nets, sizeof *part);
+  uint32_t *gates = eda_pool_alloc(&b->pool, c->nets, sizeof *gates);
+  uint8_t *driven = eda_pool_alloc(&b->pool, c->nets, 1);
+  uint8_t *done = eda_pool_alloc(&b->pool, c->nets, 1);
   for (uint32_t i = 0; i < c->nets; i++) {
     part[i] = i;
     driven[i] = (uint8_t)is_driven(b, i);
   }
   for (size_t i = 0; i < c->count; i++) {
-    const opc_device *d = &c->device[i];
+    const eda_device *d = &c->device[i];
     if (!driven[d->drain] && !driven[d->source])
       part[part_of(part, d->drain)] = part_of(part, d->source);
   }
@@ -156,16 +151,16 @@ int feedback_find(bench *b, int64_t *loop, opc_error *error) {
       done[net] = 1;
       more = 1;
       for (size_t i = 0; i < c->count; i++) {
-        const opc_device *d = &c->device[i];
+        const eda_device *d = &c->device[i];
         uint32_t end = driven[d->drain] ? d->source : d->drain;
         if (!driven[end] && !driven[d->gate] && part_of(part, d->gate) == net)
           gates[part_of(part, end)]--;
       }
     }
   }
-  for (size_t i = c->count; i-- > 0;) {
+  for (size_t i = 0; i < c->count; i++) {
     uint32_t net = c->device[i].gate;
-    if (!driven[net] && !done[part_of(part, net)]) *loop = net;
+    if (!driven[net] && !done[part_of(part, net)]) return net;
   }
-  return OPC_OK;
+  return -1;
 }

@@ -31,8 +31,6 @@ typedef struct transient {
   int points; /* at least; steps are at most that share of the window */
 } transient;
 
-double bench_start(const bench *b) { return b->slew; }
-
 /* ---- decks ---- */
 
 static void write_deck(job *j, FILE *out, const void *how) {
@@ -106,24 +104,24 @@ typedef struct outcome {
   double last; /* the end of the latest of the others */
 } outcome;
 
-static outcome measure_all(const job *j, const opc_spice_result *r) {
+static outcome measure_all(const job *j, const eda_spice_result *r) {
   const bench *b = j->b;
   const delays *d = ((const study *)j->of)->d;
   outcome all = {0, 0};
   for (size_t k = j->from; k < j->to; k++)
     for (uint32_t i = d->first[k]; i < d->first[k + 1]; i++) {
       arrival *a = &d->arrival[i];
-      const opc_spice_plot *plot = &r->plot[k - j->from];
+      const eda_spice_plot *plot = &r->plot[k - j->from];
       node_name node;
       char name[32];
       snprintf(name, sizeof name, "v(%s)",
                bench_node(b, b->output[a->output], node));
-      const opc_spice_vector *t = opc_spice_vector_find(plot, "time");
-      const opc_spice_vector *v = opc_spice_vector_find(plot, name);
+      const eda_spice_vector *t = eda_spice_vector_find(plot, "time");
+      const eda_spice_vector *v = eda_spice_vector_find(plot, name);
       size_t n = t && v && v->count == t->count ? t->count : 0;
-      double *h = calloc(n + 1, sizeof *h);
-      for (size_t m = 0; h && m < n; m++) h[m] = height(b, a, v->value[m]);
-      double end = h ? measure(b, a, j->state, t ? t->value : NULL, h, n) : NAN;
+      double *h = eda_alloc(n, sizeof *h);
+      for (size_t m = 0; m < n; m++) h[m] = height(b, a, v->value[m]);
+      double end = measure(b, a, j->state, t ? t->value : NULL, h, n);
       free(h);
       if (isnan(end)) all.missing++;
       if (end > all.last) all.last = end;
@@ -134,12 +132,12 @@ static outcome measure_all(const job *j, const opc_spice_result *r) {
 /* ---- one process ---- */
 
 static outcome simulate(job *j, const char *deck, transient how) {
-  opc_spice_result r;
+  eda_spice_result r;
   outcome all = {SIZE_MAX, 0};
   char *commands = job_text(j, write_commands, &how);
   job_simulate(j, deck, commands, &r);
   if (!j->code && r.count == j->to - j->from) all = measure_all(j, &r);
-  opc_spice_release(&r);
+  eda_spice_clear(&r);
   free(commands);
   return all;
 }
@@ -164,7 +162,7 @@ static void find_window(job *j, const char *deck) {
    takes longer. */
 static void run_job(job *j) {
   const delays *d = ((const study *)j->of)->d;
-  int drawn = j->state == NETLIST_DRAWN;
+  int drawn = j->state == EDA_DRAWN;
   char *deck = job_text(j, write_deck, NULL);
   if (drawn && deck) find_window(j, deck);
   transient how = {d->window[j->from], POINTS};
@@ -187,31 +185,29 @@ static int follows(const bench *b, const patterns *p, const logic *l, size_t t,
 }
 
 /* Those that an output follows. */
-static int list_arrivals(bench *b, const patterns *p, const logic *l, delays *d,
-                         opc_error *error) {
+static void list_arrivals(bench *b, const patterns *p, const logic *l,
+                          delays *d) {
   size_t all = 0;
   int rises;
   for (size_t t = 0; t < p->transitions; t++)
     for (size_t o = 0; o < b->outputs; o++)
       all += (size_t)follows(b, p, l, t, o, &rises);
-  d->flip = bench_alloc(b, p->transitions, sizeof *d->flip, error);
-  d->first = bench_alloc(b, p->transitions + 1, sizeof *d->first, error);
-  d->arrival = bench_alloc(b, all, sizeof *d->arrival, error);
-  d->window = bench_alloc(b, p->transitions, sizeof *d->window, error);
-  if (!d->flip || !d->first || !d->arrival || !d->window) return error->code;
+  d->flip = eda_pool_alloc(&b->pool, p->transitions, sizeof *d->flip);
+  d->first = eda_pool_alloc(&b->pool, p->transitions + 1, sizeof *d->first);
+  d->arrival = eda_pool_alloc(&b->pool, all, sizeof *d->arrival);
+  d->window = eda_pool_alloc(&b->pool, p->transitions, sizeof *d->window);
   for (uint32_t t = 0; t < p->transitions; t++) {
     size_t before = d->count;
     for (uint32_t o = 0; o < b->outputs; o++) {
       if (!follows(b, p, l, t, o, &rises)) continue;
       arrival *a = &d->arrival[d->count++];
       *a = (arrival){.flip = (uint32_t)d->flips, .output = o, .rises = rises};
-      for (int s = 0; s < STATES; s++) a->delay[s] = a->slope[s] = NAN;
+      for (int s = 0; s < EDA_STATES; s++) a->delay[s] = a->slope[s] = NAN;
     }
     if (d->count == before) continue;
     d->flip[d->flips++] = t;
     d->first[d->flips] = (uint32_t)d->count;
   }
-  return OPC_OK;
 }
 
 /* Of outputs that never change or are at no logic level. */
@@ -236,28 +232,26 @@ int delays_find(bench *b, const patterns *p, const logic *l, delays *out,
                 opc_error *error) {
   const study s = {p, out};
   *out = (delays){0};
-  if (list_arrivals(b, p, l, out, error)) return error->code;
+  list_arrivals(b, p, l, out);
   warn_of_outputs(b, p, l, out);
   return jobs_run(b, out->flips, CHUNK, run_job, &s, error);
 }
 
 /* ---- for the picture ---- */
 
-static int keep_wave(bench *b, const arrival *a, const opc_spice_plot *plot,
-                     wave *out, opc_error *error) {
+static void keep_wave(bench *b, const arrival *a, const eda_spice_plot *plot,
+                      wave *out) {
   char name[32];
   snprintf(name, sizeof name, "v(n%u)", b->output[a->output]);
-  const opc_spice_vector *t = opc_spice_vector_find(plot, "time");
-  const opc_spice_vector *v = opc_spice_vector_find(plot, name);
+  const eda_spice_vector *t = eda_spice_vector_find(plot, "time");
+  const eda_spice_vector *v = eda_spice_vector_find(plot, name);
   out->count = t && v && t->count == v->count ? t->count : 0;
-  out->time = bench_alloc(b, out->count, sizeof(double), error);
-  out->value = bench_alloc(b, out->count, sizeof(double), error);
-  if (!out->time || !out->value) return error->code;
+  out->time = eda_pool_alloc(&b->pool, out->count, sizeof(double));
+  out->value = eda_pool_alloc(&b->pool, out->count, sizeof(double));
   for (size_t i = 0; i < out->count; i++) {
     out->time[i] = t->value[i];
     out->value[i] = v->value[i];
   }
-  return OPC_OK;
 }
 
 int delays_wave(bench *b, const patterns *p, const delays *d, size_t index,
@@ -266,14 +260,13 @@ int delays_wave(bench *b, const patterns *p, const delays *d, size_t index,
   const study s = {p, d};
   const transient how = {d->window[a->flip], POINTS};
   job j = {.b = b, .of = &s, .state = state, .from = a->flip, .to = a->flip + 1};
-  opc_spice_result r;
+  eda_spice_result r;
   *out = (wave){0};
   char *deck = job_text(&j, write_deck, NULL);
   char *commands = job_text(&j, write_commands, &how);
   job_simulate(&j, deck, commands, &r);
-  if (!j.code && r.count)
-    j.code = keep_wave(b, a, &r.plot[0], out, &j.error);
-  opc_spice_release(&r);
+  if (!j.code && r.count) keep_wave(b, a, &r.plot[0], out);
+  eda_spice_clear(&r);
   free(deck);
   free(commands);
   if (j.code) *error = j.error;

@@ -21,7 +21,7 @@ void job_begin(const job *j, FILE *out, double reltol) {
 
 void job_circuit(job *j, FILE *out, int sizes) {
   const bench *b = j->b;
-  const opc_circuit *c = b->circuit;
+  const eda_circuit *c = b->circuit;
   node_name node;
   char *netlist = bench_netlist(b, &b->plain, j->state, sizes, &j->error);
   if (!netlist) {
@@ -29,12 +29,12 @@ void job_circuit(job *j, FILE *out, int sizes) {
     return;
   }
   fprintf(out, "%sx1", netlist);
-  b->host->free(b->host, netlist);
+  free(netlist);
   for (size_t i = 0; i < c->ports; i++)
     fprintf(out, "\n+ %s", bench_node(b, c->port[i], node));
   fprintf(out, "\n+ %s\n", c->name);
   for (size_t i = 0; i < c->ports; i++)
-    if (c->role[i] == OPC_PORT_SUPPLY)
+    if (c->role[i] == EDA_PIN_SUPPLY)
       fprintf(out, "vs%zu n%u 0 dc %.17g\n", i, c->port[i], b->supply);
   for (size_t i = 0; i < b->inputs; i++)
     fprintf(out, "vi%zu n%u 0 dc 0\n", i, b->input[i]);
@@ -50,20 +50,19 @@ char *job_text(job *j, void (*write)(job *j, FILE *out, const void *how),
   char *text = NULL;
   size_t size;
   FILE *out = open_memstream(&text, &size);
-  if (out) write(j, out, how);
-  if ((!out || fclose(out)) && !j->code)
-    j->code = no_memory(j->b->host, &j->error);
+  write(j, out, how);
+  fclose(out);
   if (!j->code) return text;
   free(text);
   return NULL;
 }
 
 void job_simulate(job *j, const char *deck, const char *commands,
-                  opc_spice_result *out) {
-  *out = (opc_spice_result){0};
+                  eda_spice_result *out) {
+  *out = (eda_spice_result){0};
   if (!j->code)
-    j->code =
-        opc_spice_run(j->b->host, deck, commands, j->b->limit, out, &j->error);
+    j->code = eda_spice_run(j->b->host->context, deck, commands, j->b->limit,
+                            out, &j->error);
 }
 
 /* ---- all jobs ---- */
@@ -81,9 +80,8 @@ static void work_on(void *data, size_t index) {
 int jobs_run(bench *b, size_t count, size_t some, void (*work)(job *j),
              const void *of, opc_error *error) {
   size_t n = (count + some - 1) / some;
-  jobs all = {work, bench_alloc(b, n, sizeof(job), error)};
-  if (!all.job) return error->code;
-  for (int state = 0; state < STATES; state++) {
+  jobs all = {work, eda_pool_alloc(&b->pool, n, sizeof(job))};
+  for (int state = 0; state < EDA_STATES; state++) {
     if (!b->has[state]) continue;
     for (size_t i = 0; i < n; i++)
       all.job[i] = (job){.b = b,
@@ -91,7 +89,7 @@ int jobs_run(bench *b, size_t count, size_t some, void (*work)(job *j),
                          .state = state,
                          .from = i * some,
                          .to = i + 1 < n ? (i + 1) * some : count};
-    opc_spice_parallel(b->host, n, work_on, &all);
+    opc_parallel(b->host->context, n, work_on, &all);
     for (size_t i = 0; i < n; i++) {
       const job *j = &all.job[i];
       if (!j->code || !bench_forgive(b, state, j->code, &j->error)) continue;

@@ -24,11 +24,11 @@ typedef struct study {
 
 /* The points of a pattern: at rest and, as drawn, under test. */
 static size_t points_of(const job *j) {
-  return j->state == NETLIST_DRAWN ? 2 : 1;
+  return j->state == EDA_DRAWN ? 2 : 1;
 }
 
 static double test_resistance(const bench *b, uint32_t net) {
-  const opc_circuit *c = b->circuit;
+  const eda_circuit *c = b->circuit;
   double width = 0;
   for (size_t i = 0; i < c->count; i++)
     if (c->device[i].drain == net || c->device[i].source == net)
@@ -38,12 +38,12 @@ static double test_resistance(const bench *b, uint32_t net) {
 
 static void write_deck(job *j, FILE *out, const void *how) {
   const bench *b = j->b;
-  const opc_circuit *c = b->circuit;
+  const eda_circuit *c = b->circuit;
   (void)how;
   job_begin(j, out, 1e-5);
   job_circuit(j, out, SIZE_OFF);
   for (size_t i = 0; i < c->ports; i++)
-    if (c->role[i] == OPC_PORT_SUPPLY) fprintf(out, ".save i(vs%zu)\n", i);
+    if (c->role[i] == EDA_PIN_SUPPLY) fprintf(out, ".save i(vs%zu)\n", i);
   for (size_t i = 0; i < b->inputs; i++) fprintf(out, ".save i(vi%zu)\n", i);
   for (size_t i = 0; i < b->outputs; i++)
     fprintf(out, "rt%zu n%u middle 1e18\n.save v(n%u)\n", i, b->output[i],
@@ -71,22 +71,22 @@ static void write_commands(job *j, FILE *out, const void *how) {
   }
 }
 
-static double value_of(const opc_spice_plot *plot, const char *format,
+static double value_of(const eda_spice_plot *plot, const char *format,
                        size_t n) {
   char name[40];
   snprintf(name, sizeof name, format, n);
-  const opc_spice_vector *v = opc_spice_vector_find(plot, name);
+  const eda_spice_vector *v = eda_spice_vector_find(plot, name);
   return v && v->count ? v->value[0] : (double)NAN;
 }
 
-static void keep_point(const job *j, const opc_spice_plot *rest, size_t k) {
+static void keep_point(const job *j, const eda_spice_plot *rest, size_t k) {
   const bench *b = j->b;
-  const opc_circuit *c = b->circuit;
+  const eda_circuit *c = b->circuit;
   const study *s = j->of;
   const uint8_t *bit = s->p->bit + k * b->inputs;
   double from_supply = 0, from_inputs = 0;
   for (size_t i = 0; i < c->ports; i++)
-    if (c->role[i] == OPC_PORT_SUPPLY)
+    if (c->role[i] == EDA_PIN_SUPPLY)
       from_supply -= value_of(rest, "i(vs%zu)", i);
   for (size_t i = 0; i < b->inputs; i++)
     if (bit[i]) from_inputs -= value_of(rest, "i(vi%zu)", i);
@@ -99,7 +99,7 @@ static int level_of(const bench *b, double rest, double test) {
   return rest <= b->low && test <= 1 - least_height ? 0 : -1;
 }
 
-static void keep_levels(const job *j, const opc_spice_plot *plot, size_t k) {
+static void keep_levels(const job *j, const eda_spice_plot *plot, size_t k) {
   const bench *b = j->b;
   const study *s = j->of;
   for (size_t i = 0; i < b->outputs; i++) {
@@ -111,21 +111,21 @@ static void keep_levels(const job *j, const opc_spice_plot *plot, size_t k) {
 }
 
 static void run_job(job *j) {
-  opc_spice_result r;
+  eda_spice_result r;
   char *deck = job_text(j, write_deck, NULL);
   char *commands = job_text(j, write_commands, NULL);
   job_simulate(j, deck, commands, &r);
   size_t points = points_of(j), all = points * (j->to - j->from);
   if (!j->code && r.count != all)
-    j->code = j->b->host->fail(j->b->host, &j->error, OPC_FAILED, NULL,
+    j->code = opc_fail(&j->error, OPC_FAILED, NULL,
                                "'ngspice' gave %zu operating points, not %zu",
                                r.count, all);
   for (size_t k = j->from; !j->code && k < j->to; k++) {
-    const opc_spice_plot *plot = &r.plot[points * (k - j->from)];
+    const eda_spice_plot *plot = &r.plot[points * (k - j->from)];
     keep_point(j, plot, k);
     if (points == 2) keep_levels(j, plot, k);
   }
-  opc_spice_release(&r);
+  eda_spice_clear(&r);
   free(deck);
   free(commands);
 }
@@ -133,13 +133,10 @@ static void run_job(job *j) {
 int logic_find(bench *b, const patterns *p, logic *out, opc_error *error) {
   const study s = {p, out};
   *out = (logic){0};
-  out->level =
-      bench_alloc(b, p->count * b->outputs, sizeof *out->level, error);
-  if (!out->level) return error->code;
-  for (int state = 0; state < STATES; state++) {
-    out->current[state] = bench_alloc(b, p->count, sizeof(double), error);
-    out->power[state] = bench_alloc(b, p->count, sizeof(double), error);
-    if (!out->current[state] || !out->power[state]) return error->code;
+  out->level = eda_pool_alloc(&b->pool, p->count * b->outputs, sizeof *out->level);
+  for (int state = 0; state < EDA_STATES; state++) {
+    out->current[state] = eda_pool_alloc(&b->pool, p->count, sizeof(double));
+    out->power[state] = eda_pool_alloc(&b->pool, p->count, sizeof(double));
   }
   return jobs_run(b, p->count, CHUNK, run_job, &s, error);
 }

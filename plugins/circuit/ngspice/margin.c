@@ -113,7 +113,6 @@ static void butterfly_squares(butterfly *f, double supply) {
 typedef struct study {
   const cell *cells;
   const margins *out;
-  int reads;
 } study;
 
 static int is_port(const uint32_t *port, size_t n, uint32_t net) {
@@ -125,16 +124,16 @@ static int is_port(const uint32_t *port, size_t n, uint32_t net) {
 /* What a net of a cell is tied to: the storage nodes apart, the rails to
    themselves, bit lines to the supply, word lines to where the access
    transistors conduct, or not. */
-static const char *tie(const bench *b, const cell *m, int reads, uint32_t net) {
-  const opc_circuit *c = b->circuit;
-  int role = bench_role(c, net);
-  if (role == OPC_PORT_GROUND) return "0";
-  if (role == OPC_PORT_SUPPLY) return "vdd";
+static const char *tie(const bench *b, const cell *m, uint32_t net) {
+  const eda_circuit *c = b->circuit;
+  int role = eda_circuit_role(c, net);
+  if (role == EDA_PIN_GROUND) return "0";
+  if (role == EDA_PIN_SUPPLY) return "vdd";
   for (uint32_t i = 0; i < m->devices; i++) {
-    const opc_device *d = &c->device[m->device[i]];
+    const eda_device *d = &c->device[m->device[i]];
     int is_access = i >= m->devices - m->accesses;
-    int is_n = d->type == OPC_NMOS;
-    if (is_access && d->gate == net) return is_n == reads ? "vdd" : "0";
+    int is_n = d->type == EDA_NMOS;
+    if (is_access && d->gate == net) return is_n == b->reads ? "vdd" : "0";
     if (is_access && (d->drain == net || d->source == net)) return "vdd";
     if (d->bulk == net) return is_n ? "0" : "vdd";
   }
@@ -147,10 +146,10 @@ static void put_cell(job *j, FILE *out, size_t k) {
   const bench *b = j->b;
   const study *s = j->of;
   const cell *m = &s->cells[k];
-  opc_device devices[CELL_DEVICES];
+  eda_device devices[CELL_DEVICES];
   uint32_t port[4 * CELL_DEVICES];
   char name[32];
-  opc_circuit own = b->plain;
+  eda_circuit own = b->plain;
   own.name = name;
   own.ports = 0;
   own.port = port;
@@ -158,7 +157,7 @@ static void put_cell(job *j, FILE *out, size_t k) {
   own.device = devices;
   snprintf(name, sizeof name, "cell%zu", k);
   for (uint32_t i = 0; i < m->devices; i++) {
-    const opc_device *d = &b->plain.device[m->device[i]];
+    const eda_device *d = &b->plain.device[m->device[i]];
     const uint32_t net[4] = {d->drain, d->gate, d->source, d->bulk};
     devices[i] = *d;
     for (int t = 0; t < 4; t++)
@@ -170,7 +169,7 @@ static void put_cell(job *j, FILE *out, size_t k) {
     return;
   }
   fputs(text, out);
-  b->host->free(b->host, text);
+  free(text);
   for (int side = 0; side < 2; side++) {
     fprintf(out, "x%zu%c", k, "ab"[side]);
     for (size_t i = 0; i < own.ports; i++) {
@@ -180,7 +179,7 @@ static void put_cell(job *j, FILE *out, size_t k) {
       else if (net == (side ? m->q : m->qb))
         fprintf(out, " %c%zu", "ab"[side], k);
       else
-        fprintf(out, " %s", tie(b, m, s->reads, net));
+        fprintf(out, " %s", tie(b, m, net));
     }
     fprintf(out, " %s\n.save v(%c%zu)\n", name, "ab"[side], k);
   }
@@ -195,11 +194,11 @@ static void write_deck(job *j, FILE *out, const void *how) {
 
 /* ---- curves ---- */
 
-static int keep_curve(const opc_spice_plot *plot, char side, size_t k,
+static int keep_curve(const eda_spice_plot *plot, char side, size_t k,
                       double *out) {
   char name[32];
   snprintf(name, sizeof name, "v(%c%zu)", side, k);
-  const opc_spice_vector *v = opc_spice_vector_find(plot, name);
+  const eda_spice_vector *v = eda_spice_vector_find(plot, name);
   if (!v || v->count < SWEEP) return 0;
   for (int i = 0; i < SWEEP; i++) out[i] = v->value[i];
   return 1;
@@ -208,7 +207,7 @@ static int keep_curve(const opc_spice_plot *plot, char side, size_t k,
 static void run_job(job *j) {
   const bench *b = j->b;
   const study *s = j->of;
-  opc_spice_result r;
+  eda_spice_result r;
   char command[128];
   double step = b->supply / (SWEEP - 1);
   snprintf(command, sizeof command, "dc vin 0 %.17g %.17g",
@@ -219,22 +218,19 @@ static void run_job(job *j) {
     butterfly *f = &s->out->of[j->state][k];
     if (!r.count || !keep_curve(&r.plot[0], 'a', k, f->right) ||
         !keep_curve(&r.plot[0], 'b', k, f->up))
-      j->code = b->host->fail(b->host, &j->error, OPC_FAILED, NULL,
+      j->code = opc_fail(&j->error, OPC_FAILED, NULL,
                               "'ngspice' ended the sweep too early");
     else
       butterfly_squares(f, b->supply);
   }
-  opc_spice_release(&r);
+  eda_spice_clear(&r);
   free(deck);
 }
 
-int margins_find(bench *b, const cell *cells, size_t count, int reads,
-                 margins *out, opc_error *error) {
-  const study s = {cells, out, reads};
-  *out = (margins){0};
-  for (int state = 0; state < STATES; state++) {
-    out->of[state] = bench_alloc(b, count, sizeof(butterfly), error);
-    if (!out->of[state]) return error->code;
-  }
+int margins_find(bench *b, const cell *cells, size_t count, margins *out,
+                 opc_error *error) {
+  const study s = {cells, out};
+  for (int state = 0; state < EDA_STATES; state++)
+    out->of[state] = eda_pool_alloc(&b->pool, count, sizeof(butterfly));
   return jobs_run(b, count, CHUNK, run_job, &s, error);
 }

@@ -28,15 +28,16 @@ static void set_bits(uint8_t *bit, size_t inputs, uint64_t pattern) {
 
 /* Each pair comes with the chance that leaves `most` in the end (Knuth 3.4.2,
    algorithm S). */
-static void list_pairs(const bench *b, int several, size_t most, uint64_t seed,
-                       patterns *p) {
-  size_t others = several ? p->count - 1 : b->inputs;
+static void list_pairs(const bench *b, patterns *p) {
+  uint64_t seed = (uint64_t)b->seed;
+  size_t others = b->several ? p->count - 1 : b->inputs;
   uint64_t left = (uint64_t)p->count * others;
   for (size_t from = 0; from < p->count; from++)
     for (size_t k = 0; k < others; k++, left--) {
       size_t to =
-          several ? k + (k >= from) : from ^ ((size_t)1 << (b->inputs - 1 - k));
-      size_t need = most - p->transitions;
+          b->several ? k + (k >= from)
+                     : from ^ ((size_t)1 << (b->inputs - 1 - k));
+      size_t need = (size_t)b->most - p->transitions;
       if (left > need && draw_below(&seed, left) >= need) continue;
       p->transition[p->transitions++] =
           (transition){(uint32_t)from, (uint32_t)to};
@@ -45,59 +46,56 @@ static void list_pairs(const bench *b, int several, size_t most, uint64_t seed,
 
 /* ---- some of too many ---- */
 
-static void draw_pairs(size_t inputs, int several, size_t most, uint64_t seed,
-                       patterns *p) {
-  for (size_t k = 0; k < most; k++) {
+static void draw_pairs(const bench *b, patterns *p) {
+  uint64_t seed = (uint64_t)b->seed;
+  size_t inputs = b->inputs;
+  p->transitions = (size_t)b->most;
+  for (size_t k = 0; k < p->transitions; k++) {
     uint8_t *from = p->bit + 2 * k * inputs, *to = from + inputs;
     for (size_t i = 0; i < inputs; i++) from[i] = draw(&seed) >> 63;
     memcpy(to, from, inputs);
-    while (several && !memcmp(from, to, inputs))
+    while (b->several && !memcmp(from, to, inputs))
       for (size_t i = 0; i < inputs; i++) to[i] = draw(&seed) >> 63;
-    if (!several) to[draw_below(&seed, inputs)] ^= 1;
+    if (!b->several) to[draw_below(&seed, inputs)] ^= 1;
     p->transition[k] = (transition){(uint32_t)(2 * k), (uint32_t)(2 * k + 1)};
   }
-  p->transitions = most;
 }
 
-int patterns_make(bench *b, int several, size_t most, uint64_t seed,
-                  patterns *p, opc_error *error) {
-  const opc_host *host = b->host;
+int patterns_make(bench *b, patterns *p, opc_error *error) {
+  const size_t inputs = b->inputs, most = (size_t)b->most;
   *p = (patterns){0};
   if (!b->inputs || !b->outputs)
-    return host->fail(host, error, OPC_INVALID, "circuit",
-                      "'%s' has no %s among its ports", b->circuit->name,
-                      b->inputs ? "output" : "input");
-  const size_t inputs = b->inputs;
+    return opc_fail(error, OPC_INVALID, "circuit",
+                    "'%s' has no %s among its ports", b->circuit->name,
+                    b->inputs ? "output" : "input");
   int listed = inputs < 32 && (size_t)1 << inputs <= most;
   p->count = listed ? (size_t)1 << inputs : 2 * most;
-  p->bit = bench_alloc(b, p->count * inputs, 1, error);
-  p->transition = bench_alloc(b, most, sizeof *p->transition, error);
-  if (!p->bit || !p->transition) return error->code;
+  p->bit = eda_pool_alloc(&b->pool, p->count * inputs, 1);
+  p->transition = eda_pool_alloc(&b->pool, most, sizeof *p->transition);
+  p->sampled = 1;
   if (!listed) {
-    p->sampled = 1;
-    draw_pairs(inputs, several, most, seed, p);
+    draw_pairs(b, p);
     return OPC_OK;
   }
-  for (size_t k = 0; k < p->count; k++)
-    set_bits(p->bit + k * b->inputs, b->inputs, k);
-  list_pairs(b, several, most, seed, p);
-  p->sampled = p->transitions < p->count * (several ? p->count - 1 : b->inputs);
+  for (size_t k = 0; k < p->count; k++) set_bits(p->bit + k * inputs, inputs, k);
+  list_pairs(b, p);
+  p->sampled = p->transitions < p->count * (b->several ? p->count - 1 : inputs);
   return OPC_OK;
 }
 
 const char *patterns_say(bench *b, const patterns *p, transition t) {
   const uint8_t *from = p->bit + t.from * b->inputs;
   const uint8_t *to = p->bit + t.to * b->inputs;
-  char *text = NULL, *own = NULL;
+  char *text = NULL;
   size_t size;
   FILE *out = open_memstream(&text, &size);
-  if (!out) return "";
   for (size_t i = 0; i < b->inputs; i++) {
     fprintf(out, "%s%s %d", i ? ", " : "", b->circuit->net[b->input[i]],
             from[i]);
     if (to[i] != from[i]) fprintf(out, ">%d", to[i]);
   }
-  if (!fclose(out)) own = pool_text(&b->pool, text, size);
+  fclose(out);
+  const char *own = eda_pool_text(&b->pool, text, size);
   free(text);
-  return own ? own : "";
+  return own;
 }

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* cost.fracture: what a mask costs to write: rectangles, the shots of a writer
    with a variable shaped beam, vertices, and the bytes of its files. */
+#include <eda/memory.h>
 #include <math.h>
-
-#include <opcflow/opcflow.h>
+#include <opcflow/step.h>
+#include <stdlib.h>
 
 #include "bytes.h"
 #include "mebes.h"
@@ -11,61 +12,60 @@
 
 /* ---- state ---- */
 
-enum { MASK, MAX_SHOT, SLIVER, MAGNIFICATION, ARRAY, SPACE, PARAMETERS };
-
 enum { MOST_COPIES = 100000, MOST_SEGMENTS = 100000 };
 
 typedef struct counter {
   const opc_host *host;
-  const opc_value *values;
+  const eda_mask *mask;
+  double max_shot, sliver, magnification, space;
+  opc_reals array;
 } counter;
 
-/* The cost of a layer, as an array of each figure has it: [layer]. */
+enum { RECTANGLES, SHOTS, SLIVERS, VERTICES, GDSII, OASIS, MEBES, FIGURES };
+
+/* The cost of each layer that is corrected. */
 typedef struct cost {
-  int64_t rectangles[OPC_MASKS], shots[OPC_MASKS], slivers[OPC_MASKS];
-  int64_t vertices[OPC_MASKS];
-  int64_t gdsii[OPC_MASKS], oasis[OPC_MASKS], mebes[OPC_MASKS];
-  double area[OPC_MASKS]; /* um^2 */
+  int64_t *figure[FIGURES];
+  double *area; /* um^2 */
 } cost;
 
 /* What all layers are counted with. */
 typedef struct ruler {
   double grid;
-  opc_box extent; /* of the drawn shapes */
+  eda_box extent; /* of the drawn shapes */
   mebes_array array;
 } ruler;
 
 /* ---- work: the array ---- */
 
 static int64_t step_of(const counter *c, int64_t size, double grid) {
-  int64_t step = size + (int64_t)ceil(c->values[SPACE].real / grid - 1e-9);
+  int64_t step = size + (int64_t)ceil(c->space / grid - 1e-9);
   return step > 1 ? step : 1;
 }
 
-static int make_ruler(const counter *c, const opc_gates *g, ruler *r,
+static int make_ruler(const counter *c, const eda_gates *g, ruler *r,
                       opc_error *error) {
-  const double *n = c->values[ARRAY].reals;
-  opc_box e = g->extent;
-  if (e.x0 > e.x1 || e.y0 > e.y1) e = (opc_box){0, 0, 0, 0};
-  *r = (ruler){
-      .grid = g->grid,
-      .extent = e,
-      .array = {.columns = (int64_t)n[0],
-                .rows = (int64_t)n[1],
-                .step_x = step_of(c, (int64_t)e.x1 - e.x0, g->grid),
-                .step_y = step_of(c, (int64_t)e.y1 - e.y0, g->grid)}};
+  const double *n = c->array.values;
+  eda_box e = g->extent;
+  if (e.x0 > e.x1 || e.y0 > e.y1) e = (eda_box){0, 0, 0, 0};
+  *r = (ruler){.grid = g->grid,
+               .extent = e,
+               .array = {.columns = (int64_t)n[0],
+                         .rows = (int64_t)n[1],
+                         .step_x = step_of(c, (int64_t)e.x1 - e.x0, g->grid),
+                         .step_y = step_of(c, (int64_t)e.y1 - e.y0, g->grid)}};
   if (mebes_segments(e, &r->array) > MOST_SEGMENTS)
-    return c->host->fail(c->host, error, OPC_INVALID, "array",
-                         "the array is wider than %d segments of %d grid steps",
-                         MOST_SEGMENTS, MEBES_SEGMENT);
+    return opc_fail(error, OPC_INVALID, "array",
+                    "the array is wider than %d segments of %d grid steps",
+                    MOST_SEGMENTS, MEBES_SEGMENT);
   return OPC_OK;
 }
 
 /* Copies of the array must not touch, or they would not cost what they do
    alone. */
-static int check_copies(const counter *c, const ruler *r, const opc_box *boxes,
-                        size_t n, opc_error *error) {
-  opc_box all = n ? boxes[0] : (opc_box){0};
+static int check_copies(const ruler *r, const eda_box *boxes, size_t n,
+                        opc_error *error) {
+  eda_box all = n ? boxes[0] : (eda_box){0};
   for (size_t i = 1; i < n; i++) {
     if (boxes[i].x0 < all.x0) all.x0 = boxes[i].x0;
     if (boxes[i].y0 < all.y0) all.y0 = boxes[i].y0;
@@ -75,208 +75,233 @@ static int check_copies(const counter *c, const ruler *r, const opc_box *boxes,
   const mebes_array *a = &r->array;
   if ((a->columns > 1 && (int64_t)all.x1 - all.x0 >= a->step_x) ||
       (a->rows > 1 && (int64_t)all.y1 - all.y0 >= a->step_y))
-    return c->host->fail(c->host, error, OPC_INVALID, "array_space",
-                         "copies of the mask touch each other");
+    return opc_fail(error, OPC_INVALID, "array_space",
+                    "copies of the mask touch each other");
   return OPC_OK;
 }
 
 /* ---- work: a layer ---- */
 
-static int count_shots(const counter *c, const ruler *r, const opc_box *boxes,
+static int count_shots(const counter *c, const ruler *r, const eda_box *boxes,
                        size_t n, int64_t *shots, int64_t *slivers,
                        opc_error *error) {
-  double plate = r->grid * c->values[MAGNIFICATION].real;
-  double most = c->values[MAX_SHOT].real, least = c->values[SLIVER].real;
+  double plate = r->grid * c->magnification;
   double all = 0, narrow = 0;
   for (size_t i = 0; i < n; i++) {
     double w = ((double)boxes[i].x1 - boxes[i].x0) * plate;
     double h = ((double)boxes[i].y1 - boxes[i].y0) * plate;
     /* What is as large as a shot, but for rounding, is one. */
-    double columns = ceil(w / most - 1e-9), rows = ceil(h / most - 1e-9);
+    double columns = ceil(w / c->max_shot - 1e-9);
+    double rows = ceil(h / c->max_shot - 1e-9);
     all += columns * rows;
-    if (fmin(w / columns, h / rows) < least - 1e-9) narrow += columns * rows;
+    if (fmin(w / columns, h / rows) < c->sliver - 1e-9)
+      narrow += columns * rows;
   }
   if (all * (double)(r->array.columns * r->array.rows) > 9e15)
-    return c->host->fail(c->host, error, OPC_INVALID, "max_shot",
-                         "more shots than can be counted: %g", all);
+    return opc_fail(error, OPC_INVALID, "max_shot",
+                    "more shots than can be counted: %g", all);
   *shots = (int64_t)all;
   *slivers = (int64_t)narrow;
   return OPC_OK;
 }
 
 static int count_figures(const counter *c, const ruler *r,
-                         const opc_shapes *shapes, int layer, cost *out,
+                         const eda_shapes *shapes, int64_t f[FIGURES],
                          opc_error *error) {
-  opc_box *boxes = NULL;
+  eda_box *boxes = NULL;
   size_t n = 0;
-  int code = partition(c->host, shapes, &boxes, &n, error);
-  if (!code) code = check_copies(c, r, boxes, n, error);
-  if (!code)
-    code = count_shots(c, r, boxes, n, &out->shots[layer],
-                       &out->slivers[layer], error);
+  int code = partition(shapes, &boxes, &n, error);
+  if (!code) code = check_copies(r, boxes, n, error);
+  if (!code) code = count_shots(c, r, boxes, n, &f[SHOTS], &f[SLIVERS], error);
   if (!code) {
-    out->rectangles[layer] = (int64_t)n;
-    out->mebes[layer] = mebes_bytes(boxes, n, r->extent, &r->array);
+    f[RECTANGLES] = (int64_t)n;
+    f[MEBES] = mebes_bytes(boxes, n, r->extent, &r->array);
   }
-  c->host->free(c->host, boxes);
+  free(boxes);
   return code;
 }
 
+/* `number` is that of the layer in a file, `k` its place in *out. */
 static int count_layer(const counter *c, const ruler *r,
-                       const opc_shapes *shapes, int layer, cost *out,
-                       opc_error *error) {
-  static const uint32_t number[OPC_MASKS] = {[OPC_POLY] = 9, [OPC_ACTIVE] = 1};
-  int64_t copies = r->array.columns * r->array.rows;
-  if (count_figures(c, r, shapes, layer, out, error) ||
-      gdsii_bytes(c->host, shapes, &out->gdsii[layer], error) ||
-      oasis_bytes(c->host, shapes, number[layer], &out->oasis[layer], error))
+                       const eda_shapes *shapes, uint32_t number, size_t k,
+                       cost *out, opc_error *error) {
+  int64_t copies = r->array.columns * r->array.rows, f[FIGURES];
+  if (count_figures(c, r, shapes, f, error) ||
+      gdsii_bytes(shapes, &f[GDSII], error) ||
+      oasis_bytes(shapes, number, &f[OASIS], error))
     return error->code;
+  f[VERTICES] = shapes->count ? shapes->start[shapes->count] : 0;
   double um = r->grid * 1e-3;
-  out->area[layer] = (double)copies *
-                     (double)c->host->geometry->area2(shapes) / 2 * um * um;
-  out->vertices[layer] =
-      copies * (shapes->count ? shapes->start[shapes->count] : 0);
-  out->rectangles[layer] *= copies;
-  out->shots[layer] *= copies;
-  out->slivers[layer] *= copies;
+  out->area[k] = (double)copies * (double)eda_area2(shapes) / 2 * um * um;
+  for (int i = 0; i < FIGURES; i++)
+    out->figure[i][k] = f[i] * (i <= VERTICES ? copies : 1);
   return OPC_OK;
-}
-
-static int count_all(const counter *c, const ruler *r,
-                     const opc_shapes *shapes, cost *out, opc_error *error) {
-  int code = OPC_OK;
-  for (int layer = 0; layer < OPC_MASKS && !code; layer++)
-    code = count_layer(c, r, &shapes[layer], layer, out, error);
-  return code;
 }
 
 /* ---- work: tables ---- */
 
-static const char *const names[OPC_MASKS] = {[OPC_POLY] = "poly",
-                                             [OPC_ACTIVE] = "active"};
-
-static int publish_tables(const opc_host *host, const cost *drawn,
-                          const cost *now, opc_error *error) {
+static int publish_tables(const opc_host *host, const char *const *names,
+                          size_t n, const cost *drawn, const cost *now,
+                          opc_error *error) {
+  int64_t *const *before = drawn->figure, *const *after = now->figure;
   const opc_column figures[] = {
       {"layer", NULL, OPC_TEXT, 0, names},
-      {"rectangles_drawn", NULL, OPC_INT, 0, drawn->rectangles},
-      {"rectangles", NULL, OPC_INT, 0, now->rectangles},
-      {"shots_drawn", NULL, OPC_INT, 0, drawn->shots},
-      {"shots", NULL, OPC_INT, 0, now->shots},
-      {"slivers_drawn", NULL, OPC_INT, 0, drawn->slivers},
-      {"slivers", NULL, OPC_INT, 0, now->slivers},
-      {"vertices_drawn", NULL, OPC_INT, 0, drawn->vertices},
-      {"vertices", NULL, OPC_INT, 0, now->vertices},
+      {"rectangles_drawn", NULL, OPC_INT, 0, before[RECTANGLES]},
+      {"rectangles", NULL, OPC_INT, 0, after[RECTANGLES]},
+      {"shots_drawn", NULL, OPC_INT, 0, before[SHOTS]},
+      {"shots", NULL, OPC_INT, 0, after[SHOTS]},
+      {"slivers_drawn", NULL, OPC_INT, 0, before[SLIVERS]},
+      {"slivers", NULL, OPC_INT, 0, after[SLIVERS]},
+      {"vertices_drawn", NULL, OPC_INT, 0, before[VERTICES]},
+      {"vertices", NULL, OPC_INT, 0, after[VERTICES]},
       {"area_drawn", "um^2", OPC_REAL, 4, drawn->area},
       {"area", "um^2", OPC_REAL, 4, now->area},
   };
   const opc_column files[] = {
       {"layer", NULL, OPC_TEXT, 0, names},
-      {"gdsii_drawn", NULL, OPC_INT, 0, drawn->gdsii},
-      {"gdsii", NULL, OPC_INT, 0, now->gdsii},
-      {"oasis_drawn", NULL, OPC_INT, 0, drawn->oasis},
-      {"oasis", NULL, OPC_INT, 0, now->oasis},
-      {"mebes_drawn", NULL, OPC_INT, 0, drawn->mebes},
-      {"mebes", NULL, OPC_INT, 0, now->mebes},
+      {"gdsii_drawn", NULL, OPC_INT, 0, before[GDSII]},
+      {"gdsii", NULL, OPC_INT, 0, after[GDSII]},
+      {"oasis_drawn", NULL, OPC_INT, 0, before[OASIS]},
+      {"oasis", NULL, OPC_INT, 0, after[OASIS]},
+      {"mebes_drawn", NULL, OPC_INT, 0, before[MEBES]},
+      {"mebes", NULL, OPC_INT, 0, after[MEBES]},
   };
-  int code = host->table(host, "cost", OPC_TABLE_PRINT, OPC_MASKS, figures,
+  int code = host->table(host, "cost", OPC_TABLE_PRINT, n, figures,
                          sizeof figures / sizeof figures[0], error);
   return code ? code
-              : host->table(host, "cost_bytes", OPC_TABLE_PRINT, OPC_MASKS,
-                            files, sizeof files / sizeof files[0], error);
+              : host->table(host, "cost_bytes", OPC_TABLE_PRINT, n, files,
+                            sizeof files / sizeof files[0], error);
 }
 
-static int publish_metrics(const opc_host *host, const cost *drawn,
+static int publish_metrics(const opc_host *host, size_t n, const cost *drawn,
                            const cost *now, opc_error *error) {
   const struct {
     const char *name;
     const int64_t *layers;
   } sums[] = {
-      {"rectangles", now->rectangles},
-      {"rectangles_drawn", drawn->rectangles},
-      {"shots", now->shots},
-      {"shots_drawn", drawn->shots},
-      {"slivers", now->slivers},
-      {"vertices", now->vertices},
-      {"gdsii_bytes", now->gdsii},
-      {"oasis_bytes", now->oasis},
-      {"mebes_bytes", now->mebes},
-      {"mebes_bytes_drawn", drawn->mebes},
+      {"rectangles", now->figure[RECTANGLES]},
+      {"rectangles_drawn", drawn->figure[RECTANGLES]},
+      {"shots", now->figure[SHOTS]},
+      {"shots_drawn", drawn->figure[SHOTS]},
+      {"slivers", now->figure[SLIVERS]},
+      {"vertices", now->figure[VERTICES]},
+      {"gdsii_bytes", now->figure[GDSII]},
+      {"oasis_bytes", now->figure[OASIS]},
+      {"mebes_bytes", now->figure[MEBES]},
+      {"mebes_bytes_drawn", drawn->figure[MEBES]},
   };
   int code = OPC_OK;
   for (size_t i = 0; i < sizeof sums / sizeof sums[0] && !code; i++) {
     double sum = 0;
-    for (int layer = 0; layer < OPC_MASKS; layer++)
-      sum += (double)sums[i].layers[layer];
+    for (size_t k = 0; k < n; k++) sum += (double)sums[i].layers[k];
     code = host->metric(host, sums[i].name, sum, error);
   }
   return code;
 }
 
+/* ---- work: all of it ---- */
+
+static void cost_init(cost *c, size_t n) {
+  for (int i = 0; i < FIGURES; i++)
+    c->figure[i] = eda_alloc(n, sizeof(int64_t));
+  c->area = eda_alloc(n, sizeof *c->area);
+}
+
+static void cost_clear(cost *c) {
+  for (int i = 0; i < FIGURES; i++) free(c->figure[i]);
+  free(c->area);
+}
+
+static int count_all(const counter *c, cost *drawn, cost *now,
+                     const char **names, opc_error *error) {
+  const eda_mask *mask = c->mask;
+  const eda_gates *g = mask->gates;
+  ruler r;
+  size_t n = 0;
+  if (make_ruler(c, g, &r, error)) return error->code;
+  for (size_t k = 0; k < g->layers; k++) {
+    if (!g->corrected[k]) continue;
+    uint32_t number = eda_gates_number(g, k);
+    if (count_layer(c, &r, &g->drawn[k], number, n, drawn, error) ||
+        count_layer(c, &r, &mask->shapes[k], number, n, now, error))
+      return error->code;
+    names[n++] = g->layer[k];
+  }
+  int code = publish_tables(c->host, names, n, drawn, now, error);
+  return code ? code : publish_metrics(c->host, n, drawn, now, error);
+}
+
 static int run(void *self, void **outputs, opc_error *error) {
   const counter *c = self;
-  const opc_mask *mask = c->values[MASK].object;
-  ruler r;
-  cost drawn, corrected;
+  size_t most = c->mask->gates->layers;
+  const char **names = eda_alloc(most, sizeof *names);
+  cost drawn, now;
   (void)outputs;
-  if (make_ruler(c, mask->gates, &r, error) ||
-      count_all(c, &r, mask->gates->drawn, &drawn, error) ||
-      count_all(c, &r, mask->shapes, &corrected, error) ||
-      publish_tables(c->host, &drawn, &corrected, error))
-    return error->code;
-  return publish_metrics(c->host, &drawn, &corrected, error);
+  cost_init(&drawn, most);
+  cost_init(&now, most);
+  int code = count_all(c, &drawn, &now, names, error);
+  cost_clear(&drawn);
+  cost_clear(&now);
+  free(names);
+  return code;
 }
 
 /* ---- parameters ---- */
 
-static const opc_parameter parameters[PARAMETERS] = {
-    [MASK] = {.name = "mask",
-              .type = OPC_INPUT,
-              .flags = OPC_REQUIRED,
-              .choices = "mask",
-              .summary = "The mask to count"},
-    [MAX_SHOT] = {.name = "max_shot",
-                  .type = OPC_REAL,
-                  .flags = OPC_AT_LEAST,
-                  .unit = "nm",
-                  .preset = "1 um",
-                  .min = 10,
-                  .summary = "Largest side of a shot, on the plate"},
-    [SLIVER] = {.name = "sliver",
-                .type = OPC_REAL,
-                .flags = OPC_AT_LEAST,
-                .unit = "nm",
-                .preset = "80 nm",
-                .min = 0,
-                .summary = "Shots narrower than this on the plate are slivers"},
-    [MAGNIFICATION] = {.name = "magnification",
-                       .type = OPC_REAL,
-                       .flags = OPC_AT_LEAST | OPC_AT_MOST,
-                       .preset = "4",
-                       .min = 1,
-                       .max = 100,
-                       .summary = "Of the plate against the wafer"},
-    [ARRAY] = {.name = "array",
-               .type = OPC_REALS,
-               .preset = "[1, 1]",
-               .summary = "Columns and rows of copies of the mask to count"},
-    [SPACE] = {.name = "array_space",
-               .type = OPC_REAL,
-               .flags = OPC_AT_LEAST | OPC_AT_MOST,
-               .unit = "nm",
-               .preset = "200 nm",
-               .min = 0,
-               .max = 1e6,
-               .summary = "Between what is drawn in one copy and the next"},
+static const opc_parameter parameters[] = {
+    {.name = "mask",
+     .type = OPC_INPUT,
+     .flags = OPC_REQUIRED,
+     .choices = "mask",
+     .summary = "The mask to count",
+     OPC_FIELD(counter, mask)},
+    {.name = "max_shot",
+     .type = OPC_REAL,
+     .flags = OPC_AT_LEAST,
+     .unit = "nm",
+     .preset = "1 um",
+     .min = 10,
+     .summary = "Largest side of a shot, on the plate",
+     OPC_FIELD(counter, max_shot)},
+    {.name = "sliver",
+     .type = OPC_REAL,
+     .flags = OPC_AT_LEAST,
+     .unit = "nm",
+     .preset = "80 nm",
+     .min = 0,
+     .summary = "Shots narrower than this on the plate are slivers",
+     OPC_FIELD(counter, sliver)},
+    {.name = "magnification",
+     .type = OPC_REAL,
+     .flags = OPC_AT_LEAST | OPC_AT_MOST,
+     .preset = "4",
+     .min = 1,
+     .max = 100,
+     .summary = "Of the plate against the wafer",
+     OPC_FIELD(counter, magnification)},
+    {.name = "array",
+     .type = OPC_REALS,
+     .preset = "[1, 1]",
+     .summary = "Columns and rows of copies of the mask to count",
+     OPC_FIELD(counter, array)},
+    {.name = "array_space",
+     .type = OPC_REAL,
+     .flags = OPC_AT_LEAST | OPC_AT_MOST,
+     .unit = "nm",
+     .preset = "200 nm",
+     .min = 0,
+     .max = 1e6,
+     .summary = "Between what is drawn in one copy and the next",
+     OPC_FIELD(counter, space)},
 };
 
 static const opc_metric metrics[] = {
     {.name = "rectangles",
      .better = OPC_LOWER,
-     .summary = "Rectangles of the corrected mask, poly and active"},
+     .summary = "Rectangles of the corrected mask, of all its layers"},
     {.name = "rectangles_drawn",
      .better = OPC_NEUTRAL,
-     .summary = "Rectangles of the mask as drawn, poly and active"},
+     .summary = "Rectangles of the mask as drawn, of all its layers"},
     {.name = "shots",
      .better = OPC_LOWER,
      .summary = "Shots of a variable shaped beam for the corrected mask"},
@@ -288,7 +313,7 @@ static const opc_metric metrics[] = {
      .summary = "Shots of the corrected mask that are too narrow"},
     {.name = "vertices",
      .better = OPC_LOWER,
-     .summary = "Vertices of the corrected mask, poly and active"},
+     .summary = "Vertices of the corrected mask, of all its layers"},
     {.name = "gdsii_bytes",
      .better = OPC_LOWER,
      .summary = "Bytes of the corrected shapes in GDSII, without the array"},
@@ -303,57 +328,28 @@ static const opc_metric metrics[] = {
      .summary = "Bytes of the mask as drawn in a model of MEBES"},
 };
 
-/* ---- entry ---- */
-
-static void destroy(void *self) {
-  counter *c = self;
-  c->host->free(c->host, c);
-}
-
-static int check_array(const opc_host *host, const opc_value *array,
-                       opc_error *error) {
+static int check(void *self, opc_error *error) {
+  const opc_reals *array = &((counter *)self)->array;
   int good = array->count == 2;
   for (size_t i = 0; i < array->count && good; i++) {
-    double n = array->reals[i];
+    double n = array->values[i];
     good = n >= 1 && n <= MOST_COPIES && n == floor(n);
   }
   return good ? OPC_OK
-              : host->fail(host, error, OPC_INVALID, "array",
-                           "needs the numbers of columns and rows, 1 to %d",
-                           MOST_COPIES);
+              : opc_fail(error, OPC_INVALID, "array",
+                         "needs the numbers of columns and rows, 1 to %d",
+                         MOST_COPIES);
 }
 
-static void *create(const opc_host *host, const opc_value *values,
-                    opc_error *error) {
-  if (check_array(host, &values[ARRAY], error)) return NULL;
-  counter *c = host->alloc(host, 1, sizeof *c);
-  if (!c) {
-    host->fail(host, error, OPC_FAILED, NULL, "out of memory");
-    return NULL;
-  }
-  c->host = host;
-  c->values = values;
-  return c;
-}
+/* ---- entry ---- */
 
-static const opc_step step = {.size = sizeof step, .run = run};
+static const opc_step functions = {.run = run};
 
-static const opc_plugin plugin = {
-    .size = sizeof plugin,
-    .abi_major = OPC_ABI_MAJOR,
-    .abi_minor = OPC_ABI_MINOR,
-    .id = "cost.fracture",
-    .version = "0.2.0",
-    .licence = "BSD-3-Clause",
-    .summary = "Count the rectangles, shots, vertices and bytes of a mask",
-    .kind = OPC_KIND_STEP,
-    .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-    OPC_PARAMETERS(parameters),
-    OPC_METRICS(metrics),
-    .create = create,
-    .destroy = destroy,
-    .operations = &step,
-};
-
-OPC_EXPORT const opc_plugin *opcflow_plugin(void);
-const opc_plugin *opcflow_plugin(void) { return &plugin; }
+OPC_PLUGIN(counter, .id = "cost.fracture", .kind = "step", .version = "0.2.0",
+           .licence = "BSD-3-Clause",
+           .summary =
+               "Count the rectangles, shots, vertices and bytes of a "
+               "mask",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
+           OPC_FUNCTIONS(functions));

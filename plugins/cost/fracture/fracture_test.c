@@ -4,23 +4,24 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/plugin/host.h"
-#include "core/plugin/testing.h"
+#include <eda/gates.h>
+
+#include "core/testing/testing.h"
 
 /* ---- masks by hand ---- */
 
 typedef struct drawing {
   uint32_t start[16];
-  opc_point points[64];
+  eda_point points[64];
   uint8_t hole[16];
-  opc_shapes shapes;
+  eda_shapes shapes;
 } drawing;
 
 static void add(drawing *d, uint8_t hole, const int32_t (*xy)[2], size_t n) {
   size_t i = d->shapes.count++;
   g_assert_cmpuint(d->start[i] + n, <=, G_N_ELEMENTS(d->points));
   for (size_t k = 0; k < n; k++)
-    d->points[d->start[i] + k] = (opc_point){xy[k][0], xy[k][1]};
+    d->points[d->start[i] + k] = (eda_point){xy[k][0], xy[k][1]};
   d->start[i + 1] = d->start[i] + (uint32_t)n;
   d->hole[i] = hole;
   d->shapes.start = d->start;
@@ -77,32 +78,55 @@ static double real(const char *column, size_t row) {
   return ((const double *)c->data)[row];
 }
 
-static void count_as(const drawing drawn[OPC_MASKS],
-                     const drawing corrected[OPC_MASKS], double grid,
-                     opc_box extent, const char *parameters) {
+enum { LAYERS = 3 };
+
+/* A mask of poly, active and metal1, of which `layers` are there. */
+typedef struct hand_made {
+  eda_gates gates;
+  eda_mask mask;
+  eda_shapes drawn[LAYERS], shapes[LAYERS];
+} hand_made;
+
+static void make(hand_made *m, size_t layers, double grid, eda_box extent) {
+  static char *names[] = {"poly", "active", "metal1"};
+  static uint8_t corrected[] = {1, 1, 1};
+  *m = (hand_made){.gates = {.name = "TOP",
+                             .grid = grid,
+                             .extent = extent,
+                             .layers = layers,
+                             .layer = names,
+                             .corrected = corrected,
+                             .drawn = m->drawn},
+                   .mask = {.gates = &m->gates, .shapes = m->shapes}};
+}
+
+/* Of the layers that are drawn; the last is left out if it is not. */
+static void count_as(const drawing drawn[LAYERS],
+                     const drawing corrected[LAYERS], double grid,
+                     eda_box extent, const char *parameters) {
   opc_error error;
-  opc_gates gates = {
-      .size = sizeof gates, .name = "TOP", .grid = grid, .extent = extent};
-  opc_mask mask = {.size = sizeof mask, .gates = &gates};
-  for (int layer = 0; layer < OPC_MASKS; layer++) {
-    gates.drawn[layer] = drawn[layer].shapes;
-    mask.shapes[layer] = corrected[layer].shapes;
+  hand_made made;
+  size_t layers = corrected[LAYERS - 1].shapes.count ? LAYERS : LAYERS - 1;
+  make(&made, layers, grid, extent);
+  for (size_t layer = 0; layer < layers; layer++) {
+    made.drawn[layer] = drawn[layer].shapes;
+    made.shapes[layer] = corrected[layer].shapes;
   }
   g_autoptr(opc_module) m =
       opc_test_module("cost.fracture", parameters, &error);
   g_assert_nonnull(m);
   opc_test_forget();
-  opc_test_input(m, "mask", &mask);
+  opc_test_input(m, "mask", &made.mask);
   g_assert_cmpint(opc_test_run(m, no_outputs, &error), ==, OPC_OK);
   const opc_table *t = opc_test_table("cost");
   g_assert_nonnull(t);
-  g_assert_cmpuint(t->rows, ==, OPC_MASKS);
+  g_assert_cmpuint(t->rows, ==, layers);
   g_assert_cmpuint(t->flags, ==, OPC_TABLE_PRINT);
 }
 
-static void count(const drawing drawn[OPC_MASKS],
-                  const drawing corrected[OPC_MASKS], double grid) {
-  count_as(drawn, corrected, grid, (opc_box){0, 0, 700, 100}, "{}");
+static void count(const drawing drawn[LAYERS], const drawing corrected[LAYERS],
+                  double grid) {
+  count_as(drawn, corrected, grid, (eda_box){0, 0, 700, 100}, "{}");
 }
 
 /* ---- tests ---- */
@@ -117,8 +141,8 @@ static void test_shapes(void) {
                {ring, 4, 8, 10000 - 400},
                {comb, 4, 16, 900 + 3 * 300}};
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++)
-    for (int layer = 0; layer < OPC_MASKS; layer++) {
-      drawing drawn[OPC_MASKS] = {0}, corrected[OPC_MASKS] = {0};
+    for (int layer = 0; layer < 2; layer++) {
+      drawing drawn[LAYERS] = {0}, corrected[LAYERS] = {0};
       cases[i].draw(&corrected[layer]);
       count(drawn, corrected, 2);
       g_assert_cmpint(integer("rectangles", layer), ==, cases[i].rectangles);
@@ -134,16 +158,16 @@ static void test_shapes(void) {
 
 /* Drawn and corrected, poly and active, each to its own place. */
 static void test_places(void) {
-  drawing drawn[OPC_MASKS] = {0}, corrected[OPC_MASKS] = {0};
-  square(&drawn[OPC_POLY]);
-  square(&corrected[OPC_POLY]);
-  ell(&corrected[OPC_POLY]);
-  square(&drawn[OPC_ACTIVE]);
-  ring(&drawn[OPC_ACTIVE]);
-  square(&corrected[OPC_ACTIVE]);
-  ell(&corrected[OPC_ACTIVE]);
-  ring(&corrected[OPC_ACTIVE]);
-  comb(&corrected[OPC_ACTIVE]);
+  drawing drawn[LAYERS] = {0}, corrected[LAYERS] = {0};
+  square(&drawn[EDA_POLY]);
+  square(&corrected[EDA_POLY]);
+  ell(&corrected[EDA_POLY]);
+  square(&drawn[EDA_ACTIVE]);
+  ring(&drawn[EDA_ACTIVE]);
+  square(&corrected[EDA_ACTIVE]);
+  ell(&corrected[EDA_ACTIVE]);
+  ring(&corrected[EDA_ACTIVE]);
+  comb(&corrected[EDA_ACTIVE]);
   count(drawn, corrected, 1);
   const opc_column *names = opc_table_column(opc_test_table("cost"), "layer");
   g_assert_cmpstr(((const char *const *)names->data)[0], ==, "poly");
@@ -160,15 +184,30 @@ static void test_places(void) {
   g_assert_cmpfloat(opc_test_metric("vertices"), ==, 44);
 }
 
+/* A third layer has a row of its own and is in the sums. */
+static void test_third_layer(void) {
+  drawing drawn[LAYERS] = {0}, corrected[LAYERS] = {0};
+  square(&corrected[EDA_POLY]);
+  ell(&corrected[EDA_ACTIVE]);
+  square(&drawn[2]);
+  comb(&corrected[2]);
+  count(drawn, corrected, 1);
+  g_assert_cmpstr(opc_test_text("cost", "layer", 2), ==, "metal1");
+  g_assert_cmpint(integer("rectangles", 2), ==, 4);
+  g_assert_cmpint(integer("rectangles_drawn", 2), ==, 1);
+  g_assert_cmpfloat(opc_test_metric("rectangles"), ==, 7);
+  g_assert_cmpfloat(opc_test_metric("vertices"), ==, 4 + 6 + 16);
+}
+
 /* The same mask as drawn and corrected costs the same and has the same area. */
 static void test_same(void) {
-  drawing mask[OPC_MASKS] = {0};
-  for (int layer = 0; layer < OPC_MASKS; layer++) {
+  drawing mask[LAYERS] = {0};
+  for (int layer = 0; layer < 2; layer++) {
     ring(&mask[layer]);
     comb(&mask[layer]);
   }
   count(mask, mask, 1);
-  for (size_t layer = 0; layer < OPC_MASKS; layer++) {
+  for (size_t layer = 0; layer < 2; layer++) {
     g_assert_cmpint(integer("rectangles", layer), ==,
                     integer("rectangles_drawn", layer));
     g_assert_cmpint(integer("vertices", layer), ==,
@@ -183,13 +222,13 @@ static void test_slanted(void) {
   opc_error error;
   drawing d = {0};
   ADD(&d, 0, {0, 0}, {100, 0}, {50, 100});
-  opc_gates gates = {.size = sizeof gates, .name = "TOP", .grid = 1};
-  opc_mask mask = {.size = sizeof mask, .gates = &gates};
-  mask.shapes[OPC_ACTIVE] = d.shapes;
+  hand_made made;
+  make(&made, 2, 1, (eda_box){0});
+  made.shapes[EDA_ACTIVE] = d.shapes;
   g_autoptr(opc_module) m = opc_test_module("cost.fracture", "{}", &error);
   g_assert_nonnull(m);
   opc_test_forget();
-  opc_test_input(m, "mask", &mask);
+  opc_test_input(m, "mask", &made.mask);
   g_assert_cmpint(opc_test_run(m, no_outputs, &error), ==, OPC_INVALID);
   g_assert_null(opc_test_table("cost"));
 }
@@ -199,31 +238,31 @@ static void test_slanted(void) {
 /* The ell is two rectangles: 100 x 40 and 40 x 60 (of both ways of cutting,
    the one of the fracture); the square is one. */
 static void test_shots(void) {
-  drawing none[OPC_MASKS] = {0}, mask[OPC_MASKS] = {0};
-  square(&mask[OPC_POLY]);
-  ell(&mask[OPC_ACTIVE]);
+  drawing none[LAYERS] = {0}, mask[LAYERS] = {0};
+  square(&mask[EDA_POLY]);
+  ell(&mask[EDA_ACTIVE]);
   /* On the plate the square is 400 nm, the ell 400 x 160 and 160 x 240, or
      160 x 400 and 240 x 160. */
-  opc_box extent = {0, 0, 300, 100};
+  eda_box extent = {0, 0, 300, 100};
   count_as(none, mask, 1, extent, "{ max_shot: 400 nm, sliver: 160 nm }");
-  g_assert_cmpint(integer("shots", OPC_POLY), ==, 1);
-  g_assert_cmpint(integer("shots", OPC_ACTIVE), ==, 2);
-  g_assert_cmpint(integer("slivers", OPC_ACTIVE), ==, 0);
-  g_assert_cmpint(integer("shots_drawn", OPC_ACTIVE), ==, 0);
+  g_assert_cmpint(integer("shots", EDA_POLY), ==, 1);
+  g_assert_cmpint(integer("shots", EDA_ACTIVE), ==, 2);
+  g_assert_cmpint(integer("slivers", EDA_ACTIVE), ==, 0);
+  g_assert_cmpint(integer("shots_drawn", EDA_ACTIVE), ==, 0);
   count_as(none, mask, 1, extent, "{ max_shot: 399 nm, sliver: 161 nm }");
-  g_assert_cmpint(integer("shots", OPC_POLY), ==, 4);
-  g_assert_cmpint(integer("shots", OPC_ACTIVE), ==, 3);
-  g_assert_cmpint(integer("slivers", OPC_ACTIVE), ==, 3);
-  g_assert_cmpint(integer("slivers", OPC_POLY), ==, 0);
+  g_assert_cmpint(integer("shots", EDA_POLY), ==, 4);
+  g_assert_cmpint(integer("shots", EDA_ACTIVE), ==, 3);
+  g_assert_cmpint(integer("slivers", EDA_ACTIVE), ==, 3);
+  g_assert_cmpint(integer("slivers", EDA_POLY), ==, 0);
   g_assert_cmpfloat(opc_test_metric("shots"), ==, 7);
   g_assert_cmpfloat(opc_test_metric("slivers"), ==, 3);
   /* Shots of 133 nm come from cutting the square, not from its shape. */
   count_as(none, mask, 1, extent, "{ max_shot: 150 nm, sliver: 140 nm }");
-  g_assert_cmpint(integer("shots", OPC_POLY), ==, 9);
-  g_assert_cmpint(integer("slivers", OPC_POLY), ==, 9);
+  g_assert_cmpint(integer("shots", EDA_POLY), ==, 9);
+  g_assert_cmpint(integer("slivers", EDA_POLY), ==, 9);
   count_as(none, mask, 1, extent, "{ magnification: 1, array: [30, 7] }");
-  g_assert_cmpint(integer("shots", OPC_POLY), ==, 210);
-  g_assert_cmpint(integer("vertices", OPC_ACTIVE), ==, 6 * 210);
+  g_assert_cmpint(integer("shots", EDA_POLY), ==, 210);
+  g_assert_cmpint(integer("vertices", EDA_ACTIVE), ==, 6 * 210);
 }
 
 /* ---- bytes ---- */
@@ -232,7 +271,7 @@ enum { STRIPE = 1024, SEGMENT = 32768 };
 
 /* The records of the README's model, one after another: a segment, in it a
    stripe, in it each rectangle of a row with all its copies. */
-static int64_t mebes(const opc_box *boxes, size_t n, opc_box e, int columns,
+static int64_t mebes(const eda_box *boxes, size_t n, eda_box e, int columns,
                      int rows, int64_t px, int64_t py) {
   int64_t width = (int64_t)e.x1 - e.x0 + (columns - 1) * px, bytes = 2;
   int64_t height = (int64_t)e.y1 - e.y0 + (rows - 1) * py;
@@ -250,8 +289,10 @@ static int64_t mebes(const opc_box *boxes, size_t n, opc_box e, int columns,
             int64_t x0 = boxes[i].x0 - e.x0 + c * px;
             int64_t x1 = boxes[i].x1 - e.x0 + c * px;
             if (x1 <= sx || x0 >= sx + SEGMENT) continue;
-            if (x0 >= sx && x1 <= sx + SEGMENT) whole++;
-            else bytes += 8;
+            if (x0 >= sx && x1 <= sx + SEGMENT)
+              whole++;
+            else
+              bytes += 8;
           }
           bytes += whole > 1 ? 14 : 8 * whole;
         }
@@ -260,55 +301,55 @@ static int64_t mebes(const opc_box *boxes, size_t n, opc_box e, int columns,
   return 2048 + (bytes + 2047) / 2048 * 2048;
 }
 
-static opc_box outline(int32_t x0, int32_t y0, int32_t x1, int32_t y1,
+static eda_box outline(int32_t x0, int32_t y0, int32_t x1, int32_t y1,
                        drawing *d) {
   const int32_t xy[][2] = {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
   add(d, 0, xy, 4);
-  return (opc_box){x0, y0, x1, y1};
+  return (eda_box){x0, y0, x1, y1};
 }
 
 static void test_mebes(void) {
   static const struct {
     int columns, rows, space;
   } cases[] = {{1, 1, 200}, {40, 30, 0}, {7, 250, 1500}, {300, 1, 31}};
-  drawing none[OPC_MASKS] = {0};
+  drawing none[LAYERS] = {0};
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
-    drawing mask[OPC_MASKS] = {0};
-    opc_box boxes[2] = {outline(-300, -900, 140, 1500, &mask[OPC_POLY]),
-                        outline(200, 100, 1300, 124, &mask[OPC_POLY])};
-    opc_box extent = {-310, -950, 1310, 1600};
-    g_autofree char *text = g_strdup_printf(
-        "{ array: [%d, %d], array_space: %d nm }", cases[i].columns,
-        cases[i].rows, cases[i].space);
+    drawing mask[LAYERS] = {0};
+    eda_box boxes[2] = {outline(-300, -900, 140, 1500, &mask[EDA_POLY]),
+                        outline(200, 100, 1300, 124, &mask[EDA_POLY])};
+    eda_box extent = {-310, -950, 1310, 1600};
+    g_autofree char *text =
+        g_strdup_printf("{ array: [%d, %d], array_space: %d nm }",
+                        cases[i].columns, cases[i].rows, cases[i].space);
     count_as(none, mask, 1, extent, text);
     int64_t want = mebes(boxes, 2, extent, cases[i].columns, cases[i].rows,
                          1620 + cases[i].space, 2550 + cases[i].space);
-    g_assert_cmpint(integer_of("cost_bytes", "mebes", OPC_POLY), ==, want);
+    g_assert_cmpint(integer_of("cost_bytes", "mebes", EDA_POLY), ==, want);
     g_assert_cmpint(want % 2048, ==, 0);
   }
   /* A chip that is wider than a segment, with a rectangle over its border. */
-  drawing mask[OPC_MASKS] = {0};
-  opc_box box = outline(0, 0, 70000, 3000, &mask[OPC_POLY]);
+  drawing mask[LAYERS] = {0};
+  eda_box box = outline(0, 0, 70000, 3000, &mask[EDA_POLY]);
   count_as(none, mask, 1, box, "{}");
-  g_assert_cmpint(integer_of("cost_bytes", "mebes", OPC_POLY), ==,
+  g_assert_cmpint(integer_of("cost_bytes", "mebes", EDA_POLY), ==,
                   mebes(&box, 1, box, 1, 1, 1, 1));
   /* The head and one block hold some 250 rectangles. */
-  g_assert_cmpint(integer_of("cost_bytes", "mebes", OPC_POLY), ==, 4096);
+  g_assert_cmpint(integer_of("cost_bytes", "mebes", EDA_POLY), ==, 4096);
 }
 
 /* What was met in a corrected mask: the chord under the bump serves two concave
    corners, and is crossed by no better one. Cut by vertical or by horizontal
    lines alone it is 6. */
 static void test_chord(void) {
-  drawing none[OPC_MASKS] = {0}, mask[OPC_MASKS] = {0};
-  ADD(&mask[OPC_POLY], 0, {256, 0}, {321, 0}, {321, 809}, {74, 809}, {74, 1774},
+  drawing none[LAYERS] = {0}, mask[LAYERS] = {0};
+  ADD(&mask[EDA_POLY], 0, {256, 0}, {321, 0}, {321, 809}, {74, 809}, {74, 1774},
       {9, 1774}, {9, 803}, {0, 803}, {0, 718}, {9, 718}, {9, 712}, {15, 712},
       {15, 704}, {100, 704}, {100, 712}, {256, 712});
   /* Shots of one grid step tell the area of all rectangles. */
-  count_as(none, mask, 1, (opc_box){0, 0, 321, 1774},
+  count_as(none, mask, 1, (eda_box){0, 0, 321, 1774},
            "{ max_shot: 10 nm, magnification: 10 }");
-  g_assert_cmpint(integer("rectangles", OPC_POLY), ==, 5);
-  g_assert_cmpint(integer("shots", OPC_POLY), ==,
+  g_assert_cmpint(integer("rectangles", EDA_POLY), ==, 5);
+  g_assert_cmpint(integer("shots", EDA_POLY), ==,
                   65 * 712 + 247 * 97 + 85 * 8 + 65 * 1062 + 9 * 85);
 }
 
@@ -317,14 +358,13 @@ static void test_touching(void) {
   opc_error error;
   drawing d = {0};
   outline(0, 0, 100, 100, &d);
-  opc_gates gates = {.size = sizeof gates, .name = "TOP", .grid = 1,
-                     .extent = {10, 0, 90, 90}};
-  opc_mask mask = {.size = sizeof mask, .gates = &gates};
-  mask.shapes[OPC_POLY] = d.shapes;
+  hand_made made;
+  make(&made, 2, 1, (eda_box){10, 0, 90, 90});
+  made.shapes[EDA_POLY] = d.shapes;
   g_autoptr(opc_module) m = opc_test_module(
       "cost.fracture", "{ array: [2, 1], array_space: 20 nm }", &error);
   g_assert_nonnull(m);
-  opc_test_input(m, "mask", &mask);
+  opc_test_input(m, "mask", &made.mask);
   g_assert_cmpint(opc_test_run(m, no_outputs, &error), ==, OPC_INVALID);
   g_assert_cmpstr(error.parameter, ==, "array_space");
   static const char *const bad[] = {"[2]", "[0, 1]", "[1.5, 1]", "[1, 2, 3]",
@@ -337,11 +377,7 @@ static void test_touching(void) {
 
 /* ---- files of the writers ---- */
 
-static opc_gates gates_of(void) {
-  return (opc_gates){.size = sizeof(opc_gates), .name = "TOP", .grid = 1};
-}
-
-static char *write_mask(const char *writer, const opc_mask *mask,
+static char *write_mask(const char *writer, const eda_mask *mask,
                         const char *name) {
   opc_error error = {0};
   g_autofree char *text = g_strdup_printf("{ file: %s }", name);
@@ -352,7 +388,7 @@ static char *write_mask(const char *writer, const opc_mask *mask,
   return g_build_filename(opc_test_folder(), name, NULL);
 }
 
-static int64_t file_size(const char *writer, const opc_mask *mask,
+static int64_t file_size(const char *writer, const eda_mask *mask,
                          const char *name) {
   g_autofree char *path = write_mask(writer, mask, name), *bytes = NULL;
   gsize n = 0;
@@ -362,32 +398,30 @@ static int64_t file_size(const char *writer, const opc_mask *mask,
 
 /* A mask as an edge-based correction would leave it: bars with edges that jog
    every few steps, some of them crossed by a wide one; merged. */
-static opc_shapes jagged(uint32_t seed, int bars) {
+static eda_shapes jagged(uint32_t seed, int bars) {
   opc_error error;
   g_autoptr(GRand) rand = g_rand_new_with_seed(seed);
-  GArray *points = g_array_new(FALSE, FALSE, sizeof(opc_point));
+  GArray *points = g_array_new(FALSE, FALSE, sizeof(eda_point));
   GArray *start = g_array_new(FALSE, TRUE, sizeof(uint32_t));
   g_array_set_size(start, 1);
   for (int i = 0; i < bars; i++) {
     int32_t x0 = 400 * (i % 30), y0 = 2000 * (i / 30);
     int pieces = g_rand_int_range(rand, 1, 12);
     for (int k = 0; k < pieces; k++) {
-      opc_box b = {x0 - g_rand_int_range(rand, 0, 9), y0 + 80 * k,
+      eda_box b = {x0 - g_rand_int_range(rand, 0, 9), y0 + 80 * k,
                    x0 + 65 + g_rand_int_range(rand, 0, 9), y0 + 80 * k + 80};
       if (g_rand_int_range(rand, 0, 8) == 0) b.x1 = b.x0 + 500;
-      opc_point p[4] = {
-          {b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
+      eda_point p[4] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
       g_array_append_vals(points, p, 4);
       uint32_t end = points->len;
       g_array_append_val(start, end);
     }
   }
-  opc_shapes in = {.count = start->len - 1,
+  eda_shapes in = {.count = start->len - 1,
                    .start = (uint32_t *)(void *)start->data,
-                   .points = (opc_point *)(void *)points->data},
+                   .points = (eda_point *)(void *)points->data},
              out;
-  const opc_host *host = opc_test_host();
-  int code = host->geometry->boolean(host, OPC_OR, &in, NULL, &out, &error);
+  int code = eda_boolean(EDA_OR, &in, NULL, &out, &error);
   g_assert_cmpint(code, ==, OPC_OK);
   g_array_free(points, TRUE);
   g_array_free(start, TRUE);
@@ -395,7 +429,7 @@ static opc_shapes jagged(uint32_t seed, int bars) {
 }
 
 /* With shots of one grid step, whose number is the area of all rectangles. */
-static void run_on(const opc_mask *mask) {
+static void run_on(const eda_mask *mask) {
   opc_error error = {0};
   g_autoptr(opc_module) m = opc_test_module(
       "cost.fracture", "{ max_shot: 10 nm, magnification: 10 }", &error);
@@ -405,32 +439,33 @@ static void run_on(const opc_mask *mask) {
   if (opc_test_run(m, no_outputs, &error)) g_error("%s", error.message);
 }
 
-static void check_files(const opc_shapes *shapes, int layer) {
-  opc_gates gates = gates_of();
-  opc_mask mask = {.size = sizeof mask, .gates = &gates};
-  int64_t gds = file_size("write.gds", &mask, "none.gds");
-  int64_t oasis = file_size("write.oasis", &mask, "none.oas");
-  mask.shapes[layer] = *shapes;
-  gds = file_size("write.gds", &mask, "some.gds") - gds;
-  oasis = file_size("write.oasis", &mask, "some.oas") - oasis;
-  run_on(&mask);
-  g_assert_cmpint(integer_of("cost_bytes", "gdsii", (size_t)layer), ==, gds);
-  g_assert_cmpint(integer_of("cost_bytes", "oasis", (size_t)layer), ==, oasis);
-  g_assert_cmpint(integer_of("cost_bytes", "gdsii", 1 - (size_t)layer), ==, 0);
-  g_assert_cmpint(integer_of("cost_bytes", "oasis", 1 - (size_t)layer), ==, 0);
+static void check_files(const eda_shapes *shapes, int layer) {
+  hand_made made;
+  make(&made, LAYERS, 1, (eda_box){0});
+  int64_t gds = file_size("write.gds", &made.mask, "none.gds");
+  int64_t oasis = file_size("write.oasis", &made.mask, "none.oas");
+  made.shapes[layer] = *shapes;
+  gds = file_size("write.gds", &made.mask, "some.gds") - gds;
+  oasis = file_size("write.oasis", &made.mask, "some.oas") - oasis;
+  run_on(&made.mask);
+  size_t row = (size_t)layer, other = (row + 1) % LAYERS;
+  g_assert_cmpint(integer_of("cost_bytes", "gdsii", row), ==, gds);
+  g_assert_cmpint(integer_of("cost_bytes", "oasis", row), ==, oasis);
+  g_assert_cmpint(integer_of("cost_bytes", "gdsii", other), ==, 0);
+  g_assert_cmpint(integer_of("cost_bytes", "oasis", other), ==, 0);
   g_assert_cmpint(gds, >, 0);
 }
 
 static void test_files(void) {
-  for (int layer = 0; layer < OPC_MASKS; layer++) {
+  for (int layer = 0; layer < LAYERS; layer++) {
     drawing d = {0};
     square(&d);
     ring(&d);
     comb(&d);
     check_files(&d.shapes, layer);
-    opc_shapes shapes = jagged(3, 2000);
+    eda_shapes shapes = jagged(3, 2000);
     check_files(&shapes, layer);
-    opc_test_host()->geometry->release(&shapes);
+    eda_shapes_clear(&shapes);
   }
 }
 
@@ -451,38 +486,39 @@ static const char script[] =
 static void test_klayout(void) {
   const char *name = "jagged.gds";
   for (uint32_t seed = 1; seed < 4; seed++) {
-    opc_gates gates = gates_of();
-    opc_mask mask = {.size = sizeof mask, .gates = &gates};
-    mask.shapes[OPC_POLY] = jagged(seed, 600);
-    g_autofree char *path = write_mask("write.gds", &mask, name);
+    hand_made made;
+    make(&made, 2, 1, (eda_box){0});
+    made.shapes[EDA_POLY] = jagged(seed, 600);
+    g_autofree char *path = write_mask("write.gds", &made.mask, name);
     char *argv[] = {"python3", "-c", (char *)script, path, NULL};
     g_autofree char *out = NULL, *err = NULL;
     int status = -1;
     if (!g_spawn_sync(NULL, argv, NULL, G_SPAWN_SEARCH_PATH, NULL, NULL, &out,
                       &err, &status, NULL) ||
         status != 0) {
-      opc_test_host()->geometry->release(&mask.shapes[OPC_POLY]);
+      eda_shapes_clear(&made.shapes[EDA_POLY]);
       g_test_skip("no klayout module for python3");
       return;
     }
-    run_on(&mask);
-    int64_t ours = integer("rectangles", OPC_POLY);
+    run_on(&made.mask);
+    int64_t ours = integer("rectangles", EDA_POLY);
     g_auto(GStrv) lines = g_strsplit(out, "\n", 0);
     for (int i = 0; i < 3; i++) {
       g_auto(GStrv) words = g_strsplit(lines[i], " ", 2);
       g_assert_nonnull(words[1]);
       int64_t theirs = g_ascii_strtoll(words[0], NULL, 10);
       g_test_message("rectangles: ours %" G_GINT64_FORMAT
-                     ", KLayout's %" G_GINT64_FORMAT, ours, theirs);
+                     ", KLayout's %" G_GINT64_FORMAT,
+                     ours, theirs);
       g_assert_cmpint(ours, <=, theirs);
-      g_assert_cmpfloat(fabs((double)integer("shots", OPC_POLY) * 1e-6 -
-                             real("area", OPC_POLY)),
+      g_assert_cmpfloat(fabs((double)integer("shots", EDA_POLY) * 1e-6 -
+                             real("area", EDA_POLY)),
                         <, 1e-9);
-      g_assert_cmpfloat(fabs(g_ascii_strtod(words[1], NULL) * 1e-6 -
-                             real("area", OPC_POLY)),
-                        <, 1e-9);
+      g_assert_cmpfloat(
+          fabs(g_ascii_strtod(words[1], NULL) * 1e-6 - real("area", EDA_POLY)),
+          <, 1e-9);
     }
-    opc_test_host()->geometry->release(&mask.shapes[OPC_POLY]);
+    eda_shapes_clear(&made.shapes[EDA_POLY]);
   }
 }
 
@@ -490,6 +526,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/fracture/shapes", test_shapes);
   g_test_add_func("/fracture/places", test_places);
+  g_test_add_func("/fracture/third-layer", test_third_layer);
   g_test_add_func("/fracture/same", test_same);
   g_test_add_func("/fracture/slanted", test_slanted);
   g_test_add_func("/fracture/shots", test_shots);

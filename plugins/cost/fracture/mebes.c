@@ -23,12 +23,12 @@ static int64_t pieces(int64_t from, int64_t to, int64_t size) {
   return floor_div(to - 1, size) - floor_div(from, size) + 1;
 }
 
-int64_t mebes_segments(opc_box e, const mebes_array *a) {
+int64_t mebes_segments(eda_box e, const mebes_array *a) {
   int64_t width = (int64_t)e.x1 - e.x0 + (a->columns - 1) * a->step_x;
   return width > 0 ? pieces(0, width, MEBES_SEGMENT) : 1;
 }
 
-static int64_t mebes_stripes(opc_box e, const mebes_array *a) {
+static int64_t mebes_stripes(eda_box e, const mebes_array *a) {
   int64_t height = (int64_t)e.y1 - e.y0 + (a->rows - 1) * a->step_y;
   return height > 0 ? pieces(0, height, MEBES_STRIPE) : 1;
 }
@@ -62,14 +62,13 @@ static int64_t rows_pieces(int64_t y0, int64_t y1, const mebes_array *a) {
   return n;
 }
 
-int64_t mebes_bytes(const opc_box *boxes, size_t count, opc_box e,
+int64_t mebes_bytes(const eda_box *boxes, size_t count, eda_box e,
                     const mebes_array *a) {
-  int64_t bytes =
-      mebes_segments(e, a) *
-          (SEGMENT_BEGINS + STRIPE_ENDS * mebes_stripes(e, a)) +
-      FILE_ENDS;
+  int64_t bytes = mebes_segments(e, a) *
+                      (SEGMENT_BEGINS + STRIPE_ENDS * mebes_stripes(e, a)) +
+                  FILE_ENDS;
   for (size_t i = 0; i < count; i++) {
-    opc_box b = boxes[i];
+    eda_box b = boxes[i];
     bytes += row_bytes((int64_t)b.x0 - e.x0, (int64_t)b.x1 - e.x0, a) *
              rows_pieces((int64_t)b.y0 - e.y0, (int64_t)b.y1 - e.y0, a);
   }

@@ -4,7 +4,7 @@
 #ifndef OPCFLOW_COST_MEBES_H
 #define OPCFLOW_COST_MEBES_H
 
-#include <opcflow/geometry.h>
+#include <eda/geometry.h>
 
 /* Copies side by side; 1, 1 for a single one. Steps in units of the grid. */
 typedef struct mebes_array {
@@ -14,11 +14,11 @@ typedef struct mebes_array {
 enum { MEBES_STRIPE = 1024, MEBES_SEGMENT = 32768, MEBES_BLOCK = 2048 };
 
 /* How many segments lie over an extent repeated as `array`. */
-int64_t mebes_segments(opc_box extent, const mebes_array *array);
+int64_t mebes_segments(eda_box extent, const mebes_array *array);
 
 /* Bytes of the file that has the rectangles, repeated as `array`; the first
    segment and stripe begin at the lower left corner of `extent`. */
-int64_t mebes_bytes(const opc_box *boxes, size_t count, opc_box extent,
+int64_t mebes_bytes(const eda_box *boxes, size_t count, eda_box extent,
                     const mebes_array *array);
 
 #endif

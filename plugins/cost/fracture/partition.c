@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The fewest rectangles (T. Ohtsuki, "Minimum dissection of rectilinear regions",
-   ISCAS 1982): each concave corner costs a cut, but a chord between two of them
-   serves both. Of the chords as many are taken as do not touch each other: a
-   largest independent set of a bipartite graph, from a largest matching. The
-   horizontal ones of these are barriers to a line that sweeps over the polygon
-   from left to right and cuts at all other corners. */
+/* The fewest rectangles (T. Ohtsuki, "Minimum dissection of rectilinear
+   regions", ISCAS 1982): each concave corner costs a cut, but a chord between
+   two of them serves both. Of the chords as many are taken as do not touch each
+   other: a largest independent set of a bipartite graph, from a largest
+   matching. The horizontal ones of these are barriers to a line that sweeps
+   over the polygon from left to right and cuts at all other corners. */
 #include "partition.h"
 
+#include <eda/memory.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,18 +21,18 @@ typedef struct chord {
 } chord;
 
 typedef struct interval {
-  int32_t low, high, since;   /* y, y, and x where it began */
+  int32_t low, high, since; /* y, y, and x where it began */
 } interval;
 
 typedef struct work {
-  opc_point p[MOST];
+  eda_point p[MOST];
   uint8_t concave[MOST];
   int n;
-  chord chord[2][MOST];       /* horizontal, vertical */
+  chord chord[2][MOST]; /* horizontal, vertical */
   int chords[2];
-  int match[2][MOST];         /* the partner of each, -1 for none */
+  int match[2][MOST]; /* the partner of each, -1 for none */
   uint8_t seen[2][MOST];
-  int32_t x[MOST];            /* of vertical edges, sorted */
+  int32_t x[MOST]; /* of vertical edges, sorted */
   int columns;
   interval open[MOST];
   int opens;
@@ -39,39 +40,27 @@ typedef struct work {
 } work;
 
 typedef struct list {
-  const opc_host *host;
-  opc_box *box;
+  eda_box *box;
   size_t n, room;
 } list;
 
-static int add(list *l, opc_box b) {
-  if (l->n == l->room) {
-    size_t room = 2 * l->room + 1024;
-    opc_box *more = l->host->alloc(l->host, room, sizeof *more);
-    if (!more) return 0;
-    if (l->n) memcpy(more, l->box, l->n * sizeof *more);
-    l->host->free(l->host, l->box);
-    l->box = more;
-    l->room = room;
-  }
+static void add(list *l, eda_box b) {
+  eda_grow(&l->box, &l->room, l->n + 1, sizeof b);
   l->box[l->n++] = b;
-  return 1;
 }
 
 /* ---- chords ---- */
 
-static int32_t along(opc_point p, int way) { return way ? p.y : p.x; }
-static int32_t across(opc_point p, int way) { return way ? p.x : p.y; }
+static int32_t along(eda_point p, int way) { return way ? p.y : p.x; }
+static int32_t across(eda_point p, int way) { return way ? p.x : p.y; }
 
-static opc_point point(const work *w, int i) {
-  return w->p[(i + w->n) % w->n];
-}
+static eda_point point(const work *w, int i) { return w->p[(i + w->n) % w->n]; }
 
 /* Which way the line through a corner goes on into the polygon: away from its
    edge of that way. */
 static int onwards(const work *w, int i, int way) {
-  opc_point p = point(w, i), a = point(w, i - 1), b = point(w, i + 1);
-  opc_point other = across(a, way) == across(p, way) ? a : b;
+  eda_point p = point(w, i), a = point(w, i - 1), b = point(w, i + 1);
+  eda_point other = across(a, way) == across(p, way) ? a : b;
   return along(other, way) < along(p, way) ? 1 : -1;
 }
 
@@ -79,7 +68,7 @@ static int onwards(const work *w, int i, int way) {
 static int blocked(const work *w, int32_t at, int32_t from, int32_t to,
                    int way) {
   for (int i = 0; i < w->n; i++) {
-    opc_point a = point(w, i), b = point(w, i + 1);
+    eda_point a = point(w, i), b = point(w, i + 1);
     int32_t place = along(a, way), s = across(a, way), t = across(b, way);
     if (along(b, way) != place || place <= from || place >= to) continue;
     if ((s <= at && t >= at) || (t <= at && s >= at)) return 1;
@@ -130,7 +119,7 @@ static void visit(work *w, int h) {
   for (int v = 0; v < w->chords[1]; v++) {
     if (w->seen[1][v] || !touch(w, h, v)) continue;
     w->seen[1][v] = 1;
-    visit(w, w->match[1][v]);   /* it has one, or the matching could grow */
+    visit(w, w->match[1][v]); /* it has one, or the matching could grow */
   }
 }
 
@@ -162,111 +151,100 @@ static int by_value(const void *a, const void *b) {
 static int cross(work *w, int32_t x) {
   int n = 0;
   for (int i = 0; i < w->n; i++) {
-    opc_point a = point(w, i), b = point(w, i + 1);
+    eda_point a = point(w, i), b = point(w, i + 1);
     if (a.y == b.y && (a.x <= x) != (b.x <= x)) w->y[n++] = a.y;
   }
   for (int h = 0; h < w->chords[0]; h++)
     if (w->chord[0][h].from <= x && w->chord[0][h].to > x) {
-      w->y[n++] = w->chord[0][h].at;   /* ends one, begins the next */
+      w->y[n++] = w->chord[0][h].at; /* ends one, begins the next */
       w->y[n++] = w->chord[0][h].at;
     }
   qsort(w->y, (size_t)n, sizeof *w->y, by_value);
   return n;
 }
 
-static int sweep_to(work *w, int32_t x, list *out) {
+static void sweep_to(work *w, int32_t x, list *out) {
   int n = cross(w, x), kept = 0, k = 0;
   interval next[MOST];
-  for (int i = 0; i < w->opens; i++) {   /* both are in order of y */
+  for (int i = 0; i < w->opens; i++) { /* both are in order of y */
     interval o = w->open[i];
     while (k < n && w->y[k] < o.low) k += 2;
     if (k < n && w->y[k] == o.low && w->y[k + 1] == o.high) continue;
-    if (!add(out, (opc_box){o.since, o.low, x, o.high})) return 0;
+    add(out, (eda_box){o.since, o.low, x, o.high});
   }
   k = 0;
   for (int i = 0; i < n; i += 2) {
     while (k < w->opens && w->open[k].low < w->y[i]) k++;
     int goes_on = k < w->opens && w->open[k].low == w->y[i] &&
                   w->open[k].high == w->y[i + 1];
-    next[kept++] = (interval){w->y[i], w->y[i + 1],
-                              goes_on ? w->open[k].since : x};
+    next[kept++] =
+        (interval){w->y[i], w->y[i + 1], goes_on ? w->open[k].since : x};
   }
   memcpy(w->open, next, (size_t)kept * sizeof *next);
   w->opens = kept;
-  return 1;
 }
 
-static int sweep(work *w, list *out) {
+static void sweep(work *w, list *out) {
   w->columns = w->opens = 0;
   for (int i = 0; i < w->n; i++)
     if (point(w, i).x == point(w, i + 1).x) w->x[w->columns++] = w->p[i].x;
   qsort(w->x, (size_t)w->columns, sizeof *w->x, by_value);
   for (int i = 0; i < w->columns; i++)
-    if ((!i || w->x[i] != w->x[i - 1]) && !sweep_to(w, w->x[i], out)) return 0;
-  return 1;
+    if (!i || w->x[i] != w->x[i - 1]) sweep_to(w, w->x[i], out);
 }
 
 /* Cut the polygon or, turned over, its mirror image. */
-static int cut(work *w, const opc_point *p, int n, int turned, list *out) {
+static void cut(work *w, const eda_point *p, int n, int turned, list *out) {
   w->n = n;
   for (int i = 0; i < n; i++)
-    w->p[i] = turned ? (opc_point){p[n - 1 - i].y, p[n - 1 - i].x} : p[i];
+    w->p[i] = turned ? (eda_point){p[n - 1 - i].y, p[n - 1 - i].x} : p[i];
   for (int i = 0; i < n; i++) {
-    opc_point a = point(w, i - 1), b = point(w, i), c = point(w, i + 1);
+    eda_point a = point(w, i - 1), b = point(w, i), c = point(w, i + 1);
     w->concave[i] = ((int64_t)b.x - a.x) * ((int64_t)c.y - b.y) -
-                        ((int64_t)b.y - a.y) * ((int64_t)c.x - b.x) < 0;
+                        ((int64_t)b.y - a.y) * ((int64_t)c.x - b.x) <
+                    0;
   }
   for (int way = 0; way < 2; way++) find_chords(w, way);
   choose(w);
-  return sweep(w, out);
+  sweep(w, out);
 }
 
 /* Both ways give as few; the one with the shorter cuts leaves less slivers. */
-static int cut_well(work *w, const opc_point *p, int n, list *out) {
+static void cut_well(work *w, const eda_point *p, int n, list *out) {
   size_t before = out->n, first;
   int64_t around[2] = {0, 0};
-  if (!cut(w, p, n, 0, out)) return 0;
+  cut(w, p, n, 0, out);
   first = out->n;
-  if (!cut(w, p, n, 1, out)) return 0;
+  cut(w, p, n, 1, out);
   for (size_t i = before; i < out->n; i++) {
-    opc_box b = out->box[i];
+    eda_box b = out->box[i];
     around[i >= first] += (int64_t)b.x1 - b.x0 + ((int64_t)b.y1 - b.y0);
   }
   if (around[1] < around[0])
     for (size_t i = first; i < out->n; i++) {
-      opc_box b = out->box[i];
-      out->box[before + i - first] = (opc_box){b.y0, b.x0, b.y1, b.x1};
+      eda_box b = out->box[i];
+      out->box[before + i - first] = (eda_box){b.y0, b.x0, b.y1, b.x1};
     }
   out->n = first;
-  return 1;
 }
 
 /* ---- all polygons ---- */
 
-static opc_box bounds(const opc_shapes *s, size_t i) {
-  opc_point p = s->points[s->start[i]];
-  opc_box b = {p.x, p.y, p.x, p.y};
-  for (uint32_t k = s->start[i]; k < s->start[i + 1]; k++) {
-    p = s->points[k];
-    if (p.x < b.x0) b.x0 = p.x;
-    if (p.x > b.x1) b.x1 = p.x;
-    if (p.y < b.y0) b.y0 = p.y;
-    if (p.y > b.y1) b.y1 = p.y;
-  }
-  return b;
+static eda_box bounds(const eda_shapes *s, size_t i) {
+  return eda_bounds(s->points + s->start[i], s->start[i + 1] - s->start[i]);
 }
 
 /* A polygon that no hole may lie in, upright, and small enough. */
-static int is_plain(const opc_shapes *s, size_t i, const opc_box *holes,
+static int is_plain(const eda_shapes *s, size_t i, const eda_box *holes,
                     size_t n_holes) {
   uint32_t first = s->start[i], end = s->start[i + 1];
   if (end - first > MOST || n_holes > MOST_HOLES || (s->hole && s->hole[i]))
     return 0;
   for (uint32_t k = first; k < end; k++) {
-    opc_point a = s->points[k], b = s->points[k + 1 < end ? k + 1 : first];
-    if (a.x != b.x && a.y != b.y) return 0;   /* for `fracture` to refuse */
+    eda_point a = s->points[k], b = s->points[k + 1 < end ? k + 1 : first];
+    if (a.x != b.x && a.y != b.y) return 0; /* for `fracture` to refuse */
   }
-  opc_box b = n_holes ? bounds(s, i) : (opc_box){0};
+  eda_box b = n_holes ? bounds(s, i) : (eda_box){0};
   for (size_t h = 0; h < n_holes; h++)
     if (holes[h].x0 >= b.x0 && holes[h].x1 <= b.x1 && holes[h].y0 >= b.y0 &&
         holes[h].y1 <= b.y1)
@@ -275,18 +253,17 @@ static int is_plain(const opc_shapes *s, size_t i, const opc_box *holes,
 }
 
 /* Cut the plain polygons; the others are gathered in `rest`. */
-static int cut_plain(const opc_shapes *s, opc_shapes *rest, list *out) {
-  work *w = malloc(sizeof *w);
-  opc_box *holes = malloc((s->count + 1) * sizeof *holes);
+static void cut_plain(const eda_shapes *s, eda_shapes *rest, list *out) {
+  work *w = eda_alloc(1, sizeof *w);
+  eda_box *holes = eda_alloc(s->count, sizeof *holes);
   size_t n_holes = 0;
-  int good = w && holes;
-  for (size_t i = 0; good && s->hole && i < s->count; i++)
+  for (size_t i = 0; s->hole && i < s->count; i++)
     if (s->hole[i]) holes[n_holes++] = bounds(s, i);
-  for (size_t i = 0; good && i < s->count; i++) {
+  for (size_t i = 0; i < s->count; i++) {
     uint32_t n = s->start[i + 1] - s->start[i];
-    const opc_point *p = s->points + s->start[i];
+    const eda_point *p = s->points + s->start[i];
     if (is_plain(s, i, holes, n_holes)) {
-      good = cut_well(w, p, (int)n, out);
+      cut_well(w, p, (int)n, out);
       continue;
     }
     memcpy(rest->points + rest->start[rest->count], p, n * sizeof *p);
@@ -296,28 +273,23 @@ static int cut_plain(const opc_shapes *s, opc_shapes *rest, list *out) {
   }
   free(w);
   free(holes);
-  return good;
 }
 
-int partition(const opc_host *host, const opc_shapes *s, opc_box **boxes,
-              size_t *count, opc_error *error) {
+int partition(const eda_shapes *s, eda_box **boxes, size_t *count,
+              opc_error *error) {
   size_t points = s->count ? s->start[s->count] : 0, n = 0;
-  opc_shapes rest = {.start = host->alloc(host, s->count + 1, sizeof *rest.start),
-                     .points = host->alloc(host, points + 1, sizeof *rest.points),
-                     .hole = host->alloc(host, s->count + 1, 1)};
-  list out = {.host = host};
-  opc_box *others = NULL;
-  int code = OPC_OK;
-  int good = rest.start && rest.points && rest.hole && cut_plain(s, &rest, &out);
-  if (good) code = host->geometry->fracture(host, &rest, &others, &n, error);
-  for (size_t i = 0; good && i < n && !code; i++) good = add(&out, others[i]);
-  host->free(host, others);
-  host->free(host, rest.start);
-  host->free(host, rest.points);
-  host->free(host, rest.hole);
-  if (!good) code = host->fail(host, error, OPC_FAILED, NULL, "out of memory");
+  eda_shapes rest = {.start = eda_alloc(s->count + 1, sizeof *rest.start),
+                     .points = eda_alloc(points, sizeof *rest.points),
+                     .hole = eda_alloc(s->count, 1)};
+  list out = {0};
+  eda_box *others = NULL;
+  cut_plain(s, &rest, &out);
+  int code = eda_fracture(&rest, &others, &n, error);
+  for (size_t i = 0; i < n && !code; i++) add(&out, others[i]);
+  free(others);
+  eda_shapes_clear(&rest);
   if (code) {
-    host->free(host, out.box);
+    free(out.box);
     out = (list){0};
   }
   *boxes = out.box;

@@ -3,12 +3,12 @@
 #ifndef OPCFLOW_COST_PARTITION_H
 #define OPCFLOW_COST_PARTITION_H
 
-#include <opcflow/opcflow.h>
+#include <eda/geometry.h>
 
 /* Merged shapes as rectangles that do not overlap: polygons without holes of at
-   most 512 points as few as can be, the others as the host's `fracture` does.
-   *boxes is freed with host->free. */
-int partition(const opc_host *host, const opc_shapes *shapes, opc_box **boxes,
-              size_t *count, opc_error *error);
+   most 512 points as few as can be, the others as eda_fracture does. *boxes is
+   freed with free(). */
+int partition(const eda_shapes *shapes, eda_box **boxes, size_t *count,
+              opc_error *error);
 
 #endif

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The least squares: an edge term, whose decay is searched for, or a table,
+   which is linear. */
 #include "fit.h"
 
+#include <eda/memory.h>
 #include <gsl/gsl_fit.h>
 #include <gsl/gsl_min.h>
 #include <gsl/gsl_multifit.h>
@@ -11,18 +14,16 @@
 static const double least = 1, most = 300;
 enum { TRIALS = 60, CLOSE = 16, DECAYS = 12 };
 
-static const char *const currents[CURRENTS] = {"Ion", "Ioff"};
+static const char *const currents[EDA_CURRENTS] = {"Ion", "Ioff"};
 
-int sample_make(const opc_host *host, const reference *r, int type, int current,
-                sample *out, opc_error *error) {
-  *out = (sample){.reference = r, .type = type, .current = current};
-  out->transistor = calloc(r->count + 1, sizeof *out->transistor);
-  if (!out->transistor)
-    return host->fail(host, error, OPC_FAILED, NULL, "out of memory");
+void sample_init(sample *s, const reference *r, int type, int current) {
+  *s = (sample){.type = type,
+                .current = current,
+                .transistor = eda_alloc(r->count, sizeof *s->transistor)};
   for (size_t i = 0; i < r->count; i++)
-    if (r->transistor[i].type == type && !isnan(r->transistor[i].current[current]))
-      out->transistor[out->count++] = &r->transistor[i];
-  return OPC_OK;
+    if (r->transistor[i].type == type &&
+        !isnan(r->transistor[i].current[current]))
+      s->transistor[s->count++] = &r->transistor[i];
 }
 
 void sample_clear(sample *s) { free(s->transistor); }
@@ -32,30 +33,25 @@ void fitted_clear(fitted *f) {
   *f = (fitted){0};
 }
 
-static int too_few(const opc_host *host, const sample *s, size_t need,
-                   opc_error *error) {
-  return host->fail(host, error, OPC_INVALID, "reference",
-                    "%zu %c-transistor%s with %s, at least %zu are needed",
-                    s->count, "np"[s->type], s->count == 1 ? "" : "s",
-                    currents[s->current], need);
+static int too_few(const sample *s, size_t need, opc_error *error) {
+  return opc_fail(error, OPC_INVALID, "reference",
+                  "%zu %c-transistor%s with %s, at least %zu are needed",
+                  s->count, "np"[s->type], s -> count == 1 ? "" : "s",
+                  currents[s->current], need);
 }
 
-static int make_points(const opc_host *host, size_t n, fitted *out,
-                       opc_error *error) {
-  out->points = n;
-  out->edge = calloc(n, sizeof *out->edge);
-  out->gamma = calloc(n, sizeof *out->gamma);
-  return out->edge && out->gamma
-             ? OPC_OK
-             : host->fail(host, error, OPC_FAILED, NULL, "out of memory");
+static void fitted_init(fitted *f, size_t points) {
+  f->points = points;
+  f->edge = eda_alloc(points, sizeof *f->edge);
+  f->gamma = eda_alloc(points, sizeof *f->gamma);
 }
 
 /* ---- an edge term: for each decay the best amplitude is known ---- */
 
 typedef struct search {
   const sample *sample;
-  double *x, *y;             /* of each transistor */
-  double amplitude;          /* the best for the last decay */
+  double *x, *y;    /* of each transistor */
+  double amplitude; /* the best for the last decay */
 } search;
 
 /* The sum of squares with the best amplitude. */
@@ -100,29 +96,24 @@ static double best_decay(search *f) {
   return exp(at);
 }
 
-int fit_edge(const opc_host *host, const sample *s, fitted *out,
-             opc_error *error) {
-  if (s->count < 2) return too_few(host, s, 2, error);
-  search f = {.sample = s, .x = calloc(2 * s->count, sizeof *f.x)};
-  int code = make_points(host, CLOSE * DECAYS + 1, out, error);
-  if (!code && !f.x)
-    code = host->fail(host, error, OPC_FAILED, NULL, "out of memory");
-  if (!code) {
-    f.y = f.x + s->count;
-    out->decay = best_decay(&f);
-    out->amplitude = f.amplitude;
-    if (!(out->amplitude > -1))
-      code = host->fail(host, error, OPC_INVALID, "reference",
-                        "%s of %c-transistors would be negative at their edges",
-                        currents[s->current], "np"[s->type]);
-  }
-  for (size_t i = 0; i < out->points && !code; i++) {
+int fit_edge(const sample *s, fitted *out, opc_error *error) {
+  if (s->count < 2) return too_few(s, 2, error);
+  search f = {.sample = s, .x = eda_alloc(2 * s->count, sizeof *f.x)};
+  f.y = f.x + s->count;
+  out->decay = best_decay(&f);
+  out->amplitude = f.amplitude;
+  free(f.x);
+  if (!(out->amplitude > -1))
+    return opc_fail(error, OPC_INVALID, "reference",
+                    "%s of %c-transistors would be negative at their edges",
+                    currents[s->current], "np"[s->type]);
+  fitted_init(out, CLOSE * DECAYS + 1);
+  for (size_t i = 0; i < out->points; i++) {
     double decays = (double)i / CLOSE;
     out->edge[i] = decays * out->decay;
     out->gamma[i] = 1 + out->amplitude * exp(-decays);
   }
-  free(f.x);
-  return code;
+  return OPC_OK;
 }
 
 /* ---- a table: linear ---- */
@@ -152,11 +143,10 @@ static void fill(const sample *s, const double *edge, size_t edges,
   }
 }
 
-int fit_table(const opc_host *host, const sample *s, const double *edge,
-              size_t edges, fitted *out, opc_error *error) {
-  if (s->count < edges) return too_few(host, s, edges, error);
-  int code = make_points(host, edges, out, error);
-  if (code) return code;
+int fit_table(const sample *s, const double *edge, size_t edges, fitted *out,
+              opc_error *error) {
+  if (s->count < edges) return too_few(s, edges, error);
+  fitted_init(out, edges);
   out->amplitude = out->decay = NAN;
   gsl_matrix *a = gsl_matrix_alloc(s->count, edges);
   gsl_matrix *covariance = gsl_matrix_alloc(edges, edges);
@@ -165,27 +155,24 @@ int fit_table(const opc_host *host, const sample *s, const double *edge,
       gsl_multifit_linear_alloc(s->count, edges);
   size_t rank = 0;
   double squares;
-  if (!a || !covariance || !y || !x || !work) {
-    code = host->fail(host, error, OPC_FAILED, NULL, "out of memory");
-  } else {
-    fill(s, edge, edges, a, y);
-    gsl_multifit_linear_tsvd(a, y, 1e-6, x, covariance, &squares, &rank, work);
-    if (rank < edges)
-      code = host->fail(host, error, OPC_INVALID, "edges",
-                        "%s of the %c-transistors tells gamma at %zu of %zu "
-                        "distances only",
-                        currents[s->current], "np"[s->type], rank, edges);
-  }
+  int code = OPC_OK;
+  fill(s, edge, edges, a, y);
+  gsl_multifit_linear_tsvd(a, y, 1e-6, x, covariance, &squares, &rank, work);
+  if (rank < edges)
+    code = opc_fail(error, OPC_INVALID, "edges",
+                    "%s of the %c-transistors tells gamma at %zu of %zu "
+                    "distances only",
+                    currents[s->current], "np"[s->type], rank, edges);
   for (size_t j = 0; j < edges && !code; j++) {
     out->edge[j] = edge[j];
     out->gamma[j] = gsl_vector_get(x, j);
     if (!(out->gamma[j] > 0))
-      code = host->fail(host, error, OPC_INVALID, "edges",
-                        "gamma of %s of the %c-transistors would be %g at %g nm",
-                        currents[s->current], "np"[s->type], out->gamma[j],
-                        edge[j]);
+      code = opc_fail(error, OPC_INVALID, "edges",
+                      "gamma of %s of the %c-transistors would be %g at %g nm",
+                      currents[s->current], "np"[s->type], out -> gamma[j],
+                      edge[j]);
   }
-  if (work) gsl_multifit_linear_free(work);
+  gsl_multifit_linear_free(work);
   gsl_matrix_free(a);
   gsl_matrix_free(covariance);
   gsl_vector_free(y);

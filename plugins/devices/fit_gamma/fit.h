@@ -1,14 +1,39 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* gamma from reference transistors, by least squares of the relative errors of
-   a current. */
+/* The pieces of devices.fit_gamma: transistors with known currents, and gamma
+   from them by least squares of the relative errors of a current. */
 #ifndef FIT_GAMMA_FIT_H
 #define FIT_GAMMA_FIT_H
 
-#include "reference.h"
+#include <eda/curves.h>
 
-/* Of the transistors of one type that have one of the currents. */
+/* ---- reference.c ---- */
+
+enum { REFERENCE_NODES = 256 }; /* slices of each */
+
+typedef struct transistor {
+  int type;
+  double width;   /* nm */
+  double *length; /* from one active edge to the other, nm */
+  size_t lengths;
+  double current[EDA_CURRENTS]; /* A; NAN where it is not given */
+  /* Of its slices: the distance from the nearer edge, and the plain current. */
+  double edge[REFERENCE_NODES], part[EDA_CURRENTS][REFERENCE_NODES];
+} transistor;
+
+typedef struct reference {
+  size_t count;
+  transistor *transistor;
+} reference;
+
+/* Read a file and slice its transistors; to be cleared whatever comes back. */
+int reference_read(const char *path, const eda_curves *table, reference *out,
+                   opc_error *error);
+void reference_clear(reference *r);
+
+/* ---- fit.c ---- */
+
+/* The transistors of one type that have one of the currents. */
 typedef struct sample {
-  const reference *reference;
   int type, current;
   size_t count;
   const transistor **transistor;
@@ -17,19 +42,17 @@ typedef struct sample {
 /* gamma at increasing distances from the edge, linear between. For an edge
    term, 1 + amplitude exp(-edge / decay), these lie close. */
 typedef struct fitted {
-  double amplitude, decay;   /* NAN for a table */
+  double amplitude, decay; /* NAN for a table */
   size_t points;
   double *edge, *gamma;
 } fitted;
 
-int sample_make(const opc_host *host, const reference *r, int type, int current,
-                sample *out, opc_error *error);
+void sample_init(sample *s, const reference *r, int type, int current);
 void sample_clear(sample *s);
 
-int fit_edge(const opc_host *host, const sample *s, fitted *out,
-             opc_error *error);
-int fit_table(const opc_host *host, const sample *s, const double *edge,
-              size_t edges, fitted *out, opc_error *error);
+int fit_edge(const sample *s, fitted *out, opc_error *error);
+int fit_table(const sample *s, const double *edge, size_t edges, fitted *out,
+              opc_error *error);
 void fitted_clear(fitted *f);
 
 /* The deviation of the sliced current of a transistor from that given, %;

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Known edge effects are found again, through the table that extract.gamma
+/* Known edge effects are found again, through the table that extractor.gamma
    reads. */
-#include "core/plugin/testing.h"
-
+#include <eda/extractor.h>
 #include <math.h>
 #include <string.h>
+
+#include "core/testing/testing.h"
 
 static char *devices(void) {
   const char *source = g_getenv("OPCFLOW_SOURCE");
@@ -18,7 +19,7 @@ static opc_module *make(const char *id, const char *more, opc_error *error) {
   return opc_test_module(id, text, error);
 }
 
-/* What extract.gamma makes of a transistor with many slices. */
+/* What extractor.gamma makes of a transistor with many slices. */
 static void currents(const opc_module *m, uint8_t type, double width,
                      double low, double high, double *ion, double *ioff) {
   enum { SLICES = 4000 };
@@ -30,20 +31,24 @@ static void currents(const opc_module *m, uint8_t type, double width,
     slice[2][i] = width * MIN(t, 1 - t);
   }
   double other[4];
-  opc_performance out = {1, ion, ioff, &other[0], &other[1], &other[2], &other[3]};
-  opc_slices in = {.size = sizeof in, .count = 1, .slices = SLICES,
-                   .type = &type, .width = slice[0], .length = slice[1],
+  eda_performance out = {1,         ion,       ioff,     &other[0],
+                         &other[1], &other[2], &other[3]};
+  eda_slices in = {.count = 1,
+                   .slices = SLICES,
+                   .type = &type,
+                   .width = slice[0],
+                   .length = slice[1],
                    .edge = slice[2]};
   opc_error error;
-  const opc_extract *e = m->plugin->operations;
+  const eda_extractor *e = m->functions;
   g_assert_cmpint(e->extract(m->self, &in, &out, &error), ==, OPC_OK);
 }
 
 static opc_module *extractor(const char *more) {
   opc_error error;
-  opc_module *m = make("extract.gamma", more, &error);
+  opc_module *m = make("extractor.gamma", more, &error);
   if (!m) g_error("%s", error.message);
-  const opc_extract *e = m->plugin->operations;
+  const eda_extractor *e = m->functions;
   if (e->prepare(m->self, &error)) g_error("%s", error.message);
   return m;
 }
@@ -83,7 +88,8 @@ static const char terms[] =
 static const double truth[4][2] = {{0.4, 22}, {3, 9}, {-0.3, 14}, {-0.6, 30}};
 
 static void fit(const char *reference, const char *more) {
-  g_autofree char *map = g_strdup_printf(", reference: '%s'%s", reference, more);
+  g_autofree char *map =
+      g_strdup_printf(", reference: '%s'%s", reference, more);
   opc_error error;
   g_autoptr(opc_module) m = make("devices.fit_gamma", map, &error);
   if (!m || opc_test_run(m, NULL, &error)) g_error("%s", error.message);
@@ -137,8 +143,9 @@ static void test_table(void) {
   double plain[2];
   g_autofree char *reference = write_reference("free.csv", terms, plain);
   opc_test_forget();
-  fit(reference, ", form: table, edges: [0 nm, 15 nm, 40 nm, 120 nm], "
-                 "table: free-gamma.csv");
+  fit(reference,
+      ", form: table, edges: [0 nm, 15 nm, 40 nm, 120 nm], "
+      "table: free-gamma.csv");
   g_assert_true(isnan(opc_test_number("gamma", "edge", 0)));
   double worst = check("free-gamma.csv");
   g_test_message("other transistors: %.4f %% off", worst);
@@ -161,9 +168,11 @@ static void test_refused(void) {
   static const struct {
     const char *rows, *more, *message;
   } cases[] = {
-      {"n,100,65,1e-4,\n", "", "1 n-transistor with Ion, at least 2 are needed"},
+      {"n,100,65,1e-4,\n", "",
+       "1 n-transistor with Ion, at least 2 are needed"},
       {"n,100,,1e-4,\n", "", "bad.csv:2:7: no length: ''"},
-      {"n,100,65;x,1e-4,\n", "", "bad.csv:2:7: a length that is none in '65;x'"},
+      {"n,100,65;x,1e-4,\n", "",
+       "bad.csv:2:7: a length that is none in '65;x'"},
       {"n,100,65,-1,\n", "", "bad.csv:2:10: not above 0: '-1'"},
       {"n,100,65,1,y\n", "", "bad.csv:2:12: not a number: 'y'"},
       {"n,100,65,1e-4,\nn,100,65,1e-4,\n",

@@ -1,46 +1,49 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "reference.h"
-
+/* Transistors with known currents, and what plain slicing says of them. */
+#include <eda/csv.h>
+#include <eda/memory.h>
+#include <glib.h>
 #include <math.h>
 #include <stdlib.h>
 
-#include "../../extract/csv.h"
+#include "fit.h"
 
-enum { TYPE, WIDTH, LENGTH, ION_GIVEN, IOFF_GIVEN, COLUMNS,
-       REQUIRED = IOFF_GIVEN, MOST_LENGTHS = 10000 };
-static const char *const names[COLUMNS] = {"type", "width", "length", "ion",
-                                           "ioff"};
-static const char *const units[COLUMNS] = {NULL, "nm", "nm", "A", "A"};
+enum { TYPE, WIDTH, LENGTH, CURRENT, COLUMNS = CURRENT + EDA_CURRENTS };
+enum { MOST_LENGTHS = 10000 };
+static const eda_csv_column columns[COLUMNS] = {
+    [TYPE] = {"type", NULL, 0},
+    [WIDTH] = {"width", "nm", 0},
+    [LENGTH] = {"length", "nm", 0},
+    [CURRENT + EDA_ION] = {"ion", "A", 0},
+    [CURRENT + EDA_IOFF] = {"ioff", "A", 1}};
 
 /* One length, or several with ; between them. */
-static int read_lengths(const csv *c, guint row, transistor *t,
+static int read_lengths(const eda_csv *c, size_t row, transistor *t,
                         opc_error *error) {
-  g_auto(GStrv) words = g_strsplit(csv_text(c, row, LENGTH), ";", -1);
+  g_auto(GStrv) words = g_strsplit(eda_csv_text(c, row, LENGTH), ";", -1);
   size_t n = g_strv_length(words);
-  if (!n) return csv_fail(c, row, LENGTH, "no length:", error);
+  if (!n) return eda_csv_fail(c, row, LENGTH, "no length:", error);
   if (n > MOST_LENGTHS)
-    return csv_fail(c, row, LENGTH, "more than 10000 lengths:", error);
-  t->length = calloc(n, sizeof *t->length);
-  if (!t->length)
-    return c->host->fail(c->host, error, OPC_FAILED, NULL, "out of memory");
+    return eda_csv_fail(c, row, LENGTH, "more than 10000 lengths:", error);
+  t->length = eda_alloc(n, sizeof *t->length);
   for (t->lengths = 0; t->lengths < n; t->lengths++) {
     char *text = g_strstrip(words[t->lengths]), *end;
     double l = t->length[t->lengths] = g_ascii_strtod(text, &end);
     if (end == text || *end || !isfinite(l) || !(l > 0))
-      return csv_fail(c, row, LENGTH, "a length that is none in", error);
+      return eda_csv_fail(c, row, LENGTH, "a length that is none in", error);
   }
   return OPC_OK;
 }
 
-static int read_row(const csv *c, guint row, transistor *t, opc_error *error) {
-  int code = csv_type(c, row, TYPE, &t->type, error);
-  if (!code) code = csv_number(c, row, WIDTH, 0, &t->width, error);
+static int read_row(const eda_csv *c, size_t row, transistor *t,
+                    opc_error *error) {
+  int code = eda_csv_type(c, row, TYPE, &t->type, error);
+  if (!code) code = eda_csv_number(c, row, WIDTH, 0, &t->width, error);
   if (!code) code = read_lengths(c, row, t, error);
-  for (int k = 0; k < CURRENTS; k++) {
-    int column = k == ION ? ION_GIVEN : IOFF_GIVEN;
+  for (int k = 0; k < EDA_CURRENTS; k++) {
     t->current[k] = NAN;
-    if (!code && csv_has(c, column) && *csv_text(c, row, column))
-      code = csv_number(c, row, column, 0, &t->current[k], error);
+    if (!code && *eda_csv_text(c, row, CURRENT + k))
+      code = eda_csv_number(c, row, CURRENT + k, 0, &t->current[k], error);
   }
   return code;
 }
@@ -53,33 +56,29 @@ static double length_at(const transistor *t, double place) {
 }
 
 /* Slices get thinner towards both edges. */
-static void slice(transistor *t, const curves *table) {
+static void slice(transistor *t, const eda_curves *table) {
   for (int i = 0; i < REFERENCE_NODES; i++) {
     double s = (i + 0.5) / REFERENCE_NODES, place = s * s * (3 - 2 * s);
     double width = t->width * 6 * s * (1 - s) / REFERENCE_NODES;
     t->edge[i] = t->width * fmin(place, 1 - place);
-    for (int k = 0; k < CURRENTS; k++)
+    for (int k = 0; k < EDA_CURRENTS; k++)
       t->part[k][i] =
-          width * exp(curves_at(table, t->type, k, length_at(t, place)));
+          width * exp(eda_curves_at(table, t->type, k, length_at(t, place)));
   }
 }
 
-int reference_read(const opc_host *host, const char *path, const curves *table,
-                   reference *out, opc_error *error) {
-  csv c = {.host = host, .path = path, .parameter = "reference",
-           .columns = COLUMNS, .names = names, .units = units};
-  int code = csv_read(&c, REQUIRED, error);
-  if (!code) {
-    out->transistor = calloc(c.rows->len, sizeof *out->transistor);
-    if (!out->transistor)
-      code = host->fail(host, error, OPC_FAILED, NULL, "out of memory");
-  }
-  for (guint row = 0; !code && row < c.rows->len; row++) {
+int reference_read(const char *path, const eda_curves *table, reference *out,
+                   opc_error *error) {
+  eda_csv *c = eda_csv_read(path, "reference", columns, COLUMNS, 0, error);
+  if (!c) return error->code;
+  int code = OPC_OK;
+  out->transistor = eda_alloc(eda_csv_rows(c), sizeof *out->transistor);
+  for (size_t row = 0; !code && row < eda_csv_rows(c); row++) {
     transistor *t = &out->transistor[out->count++];
-    code = read_row(&c, row, t, error);
+    code = read_row(c, row, t, error);
     if (!code) slice(t, table);
   }
-  csv_clear(&c);
+  eda_csv_free(c);
   return code;
 }
 

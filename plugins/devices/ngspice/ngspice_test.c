@@ -1,15 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cards with known answers, hand-written decks run by the plain simulator, and
-   what extract.plain makes of the table. */
-#include <glib/gstdio.h>
+   what extractor.plain makes of the table. */
+#include <eda/devices.h>
+#include <eda/extractor.h>
+#include <eda/simulator.h>
 #include <math.h>
 #include <string.h>
 
-#include <opcflow/extract.h>
-
-#include "core/plugin/host.h"
-#include "core/plugin/testing.h"
-#include "plugins/spice/spice.h"
+#include "core/testing/testing.h"
 
 /* A BSIM4 card of few parameters, for what needs no process. */
 #define SMALL(l)                                                \
@@ -20,11 +18,11 @@
 static int have_ngspice(void) {
   static int known = -1;
   static opc_error error;
-  opc_spice_result r;
+  eda_spice_result r;
   if (known < 0) {
-    known = opc_spice_run(opc_test_host(), "t\nv1 a 0 1\n.end", "op", 20, &r,
-                          &error) != OPC_NO_PLUGIN;
-    opc_spice_release(&r);
+    known = eda_spice_run(NULL, "t\nv1 a 0 1\n.end", "op", 20, &r, &error) !=
+            OPC_NO_PLUGIN;
+    eda_spice_clear(&r);
   }
   if (!known) g_test_skip(error.message);
   return known;
@@ -69,11 +67,10 @@ static int run_step(const char *card, const char *rest, const char *table,
   return opc_test_run(m, no_outputs, error);
 }
 
-static opc_devices *load(const char *table) {
+static eda_devices *load(const char *table) {
   opc_error error;
-  const opc_host *host = opc_test_host();
   g_autofree char *path = g_build_filename(opc_test_folder(), table, NULL);
-  opc_devices *d = host->devices->load(host, path, &error);
+  eda_devices *d = eda_devices_read(path, &error);
   if (!d) g_error("%s", error.message);
   return d;
 }
@@ -115,7 +112,7 @@ static void test_by_hand(void) {
                "hand.yaml", &error))
     g_error("%s", error.message);
   g_assert_cmpstr(opc_test_log(), ==, "");
-  opc_devices *d = load("hand.yaml");
+  eda_devices *d = load("hand.yaml");
   g_assert_cmpuint(d->count, ==, 4);
   g_assert_cmpfloat(d->supply, ==, 1);
   g_assert_cmpfloat(d->width, ==, 10000);
@@ -127,12 +124,12 @@ static void test_by_hand(void) {
         double got = (on ? d->ion : d->ioff)[t][i] * 10000;
         if (isnan(want)) {
           g_test_skip("no command 'ngspice'");
-          opc_test_host()->devices->release(d);
+          eda_devices_free(d);
           return;
         }
         g_assert_cmpfloat(fabs(got / want - 1), <, 2e-6);
       }
-  opc_test_host()->devices->release(d);
+  eda_devices_free(d);
 }
 
 /* ---- tables that are known ---- */
@@ -154,10 +151,9 @@ static void test_thesis(void) {
   g_test_message("%.5f mA, %+.3f %% from 1.152", 1e3 * ion,
                  100 * (1e3 * ion / 1.152 - 1));
   g_assert_cmpfloat(fabs(1e3 * ion - 1.152), <, 0.0005);
-  opc_devices *d = load("ptm.yaml");
+  eda_devices *d = load("ptm.yaml");
   g_autofree char *path = of_project("data/devices/ptm65.yaml");
-  const opc_host *host = opc_test_host();
-  opc_devices *shipped = host->devices->load(host, path, &error);
+  eda_devices *shipped = eda_devices_read(path, &error);
   if (!shipped) g_error("%s", error.message);
   g_assert_cmpuint(d->count, ==, shipped->count);
   for (int t = 0; t < 2; t++)
@@ -166,8 +162,8 @@ static void test_thesis(void) {
       g_assert_cmpfloat(fabs(d->ion[t][i] / shipped->ion[t][i] - 1), <, 1e-5);
       g_assert_cmpfloat(fabs(d->ioff[t][i] / shipped->ioff[t][i] - 1), <, 1e-5);
     }
-  host->devices->release(d);
-  host->devices->release(shipped);
+  eda_devices_free(d);
+  eda_devices_free(shipped);
 }
 
 /* Our own card against the table it was fitted to. */
@@ -178,10 +174,9 @@ static void test_own_card(void) {
   if (run_step(card, "supply: 1.1 V, length: { from: 44 nm, to: 120 nm }",
                "own.yaml", &error))
     g_error("%s", error.message);
-  opc_devices *d = load("own.yaml");
+  eda_devices *d = load("own.yaml");
   g_autofree char *path = of_project("data/devices/ptm65.yaml");
-  const opc_host *host = opc_test_host();
-  opc_devices *want = host->devices->load(host, path, &error);
+  eda_devices *want = eda_devices_read(path, &error);
   if (!want) g_error("%s", error.message);
   for (int t = 0; t < 2; t++) {
     double on = 0, off = 0;
@@ -199,8 +194,8 @@ static void test_own_card(void) {
     g_assert_cmpfloat(off, <, 0.1);
   }
   g_assert_cmpfloat(d->length[0], <=, 52);
-  host->devices->release(d);
-  host->devices->release(want);
+  eda_devices_free(d);
+  eda_devices_free(want);
 }
 
 /* ---- where a card ends ---- */
@@ -222,10 +217,10 @@ static void test_clamped(void) {
   double shortest = opc_test_metric("shortest");
   g_assert_cmpfloat(shortest, >, 60);
   g_assert_cmpfloat(shortest, <=, 80);
-  opc_devices *d = load("end.yaml");
+  eda_devices *d = load("end.yaml");
   g_assert_cmpfloat(d->length[0], ==, shortest);
   g_assert_cmpfloat(d->length[d->count - 1], ==, 120);
-  opc_test_host()->devices->release(d);
+  eda_devices_free(d);
   /* The same, with the simulator refusing at the next length. */
   if (run_step(card,
                "nmos: n, pmos: p, supply: 1 V, "
@@ -248,7 +243,7 @@ static void test_clamped(void) {
       g_assert_cmpfloat(d->ion[t][i], <, d->ion[t][i - 1]);
       g_assert_cmpfloat(d->ioff[t][i], <, d->ioff[t][i - 1]);
     }
-  opc_test_host()->devices->release(d);
+  eda_devices_free(d);
   /* Nothing is left. */
   g_assert_cmpint(run_step(card,
                            "nmos: n, pmos: p, supply: 1 V, "
@@ -265,27 +260,26 @@ enum { SLICES = 2 };
 static const double slice_length[SLICES] = {60, 70};
 static const double slice_width[SLICES] = {400, 600};
 
-/* Ion and Ioff by extract.plain. */
+/* Ion and Ioff by extractor.plain. */
 static void sum_slices(const char *table, double current[2]) {
   opc_error error;
-  const uint8_t type = OPC_NMOS;
+  const uint8_t type = EDA_NMOS;
   const double edge[SLICES] = {1000, 1000};
-  const opc_slices slices = {.size = sizeof slices,
-                             .count = 1,
+  const eda_slices slices = {.count = 1,
                              .slices = SLICES,
                              .type = &type,
                              .width = slice_width,
                              .length = slice_length,
                              .edge = edge};
   double leq[2], weq, area;
-  opc_performance out = {1,       &current[0], &current[1], &leq[0],
+  eda_performance out = {1,       &current[0], &current[1], &leq[0],
                          &leq[1], &weq,        &area};
   g_autofree char *mapping =
       g_strdup_printf("{ devices: %s/%s, slices: %d, rule: gauss }",
                       opc_test_folder(), table, SLICES);
-  g_autoptr(opc_module) m = opc_test_module("extract.plain", mapping, &error);
+  g_autoptr(opc_module) m = opc_test_module("extractor.plain", mapping, &error);
   if (!m) g_error("%s", error.message);
-  const opc_extract *extract = m->plugin->operations;
+  const eda_extractor *extract = m->functions;
   if (extract->prepare(m->self, &error) ||
       extract->extract(m->self, &slices, &out, &error))
     g_error("%s", error.message);
@@ -297,7 +291,7 @@ static void sum_slices(const char *table, double current[2]) {
 static void check_slices(const char *card, const char *table,
                          const char *overrides, double within) {
   opc_error error;
-  opc_spice_result r;
+  eda_spice_result r;
   double got[2];
   g_autofree char *rest = g_strdup_printf(
       "supply: 1.1 V, length: { from: 50 nm, to: 100 nm }%s", overrides);
@@ -309,17 +303,16 @@ static void check_slices(const char *card, const char *table,
       "m1 d g 0 0 nmos w=%gn l=%gn\nm2 d g 0 0 nmos w=%gn l=%gn\n"
       "vd d 0 1.1\nvg g 0 1.1\n.end\n",
       card, slice_width[0], slice_length[0], slice_width[1], slice_length[1]);
-  if (opc_spice_run(opc_test_host(), deck, "op\nalter vg = 0\nop", 20, &r,
-                    &error))
+  if (eda_spice_run(NULL, deck, "op\nalter vg = 0\nop", 20, &r, &error))
     g_error("%s", error.message);
   static const char *const names[] = {"Ion", "Ioff"};
   for (int i = 0; i < 2; i++) {
-    double want = -opc_spice_vector_find(&r.plot[i], "i(vd)")->value[0];
+    double want = -eda_spice_vector_find(&r.plot[i], "i(vd)")->value[0];
     g_test_message("%s: %s of slices %.6g A, in parallel %.6g A, %+.3f %%",
                    table, names[i], got[i], want, 100 * (got[i] / want - 1));
     g_assert_cmpfloat(fabs(got[i] / want - 1), <, within);
   }
-  opc_spice_release(&r);
+  eda_spice_clear(&r);
 }
 
 static void test_slices(void) {

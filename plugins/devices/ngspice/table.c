@@ -37,14 +37,14 @@ static const char *file_name(const char *path) {
 
 static void put_source(FILE *out, const plan *p, const currents *c) {
   char text[1024];
-  int n = snprintf(text, sizeof text, "%s", file_name(p->card[OPC_NMOS]));
-  if (strcmp(p->card[OPC_NMOS], p->card[OPC_PMOS]))
+  int n = snprintf(text, sizeof text, "%s", file_name(p->path[EDA_NMOS]));
+  if (strcmp(p->path[EDA_NMOS], p->path[EDA_PMOS]))
     n += snprintf(text + n, sizeof text - (size_t)n, " and %s",
-                  file_name(p->card[OPC_PMOS]));
-  for (size_t i = 0; i < p->n_overrides && n < 900; i++)
+                  file_name(p->path[EDA_PMOS]));
+  for (size_t i = 0; i < p->overrides.count && n < 900; i++)
     n += snprintf(text + n, sizeof text - (size_t)n, "%s%.32s = %.32s",
-                  i ? ", " : " with ", p->overrides[i].key,
-                  p->overrides[i].value);
+                  i ? ", " : " with ", p->overrides.pairs[i].key,
+                  p->overrides.pairs[i].value);
   snprintf(text + n, sizeof text - (size_t)n, ", simulated with %s",
            c->simulator);
   fputs("source: ", out);
@@ -66,8 +66,9 @@ static void put_bias(FILE *out, const char *key, const bias *b, double supply) {
 static void put_table(FILE *out, const plan *p, const currents *c,
                       const char *name) {
   static const char *const types[TYPES] = {
-      [OPC_NMOS] = "nmos", [OPC_PMOS] = "pmos"};
-  static const char *const names[CURRENTS] = {[ION] = "ion", [IOFF] = "ioff"};
+      [EDA_NMOS] = "nmos", [EDA_PMOS] = "pmos"};
+  static const char *const names[EDA_CURRENTS] = {
+      [EDA_ION] = "ion", [EDA_IOFF] = "ioff"};
   size_t n = p->count - c->first;
   fputs(
       "# On and off current against drawn channel length, by the plugin "
@@ -78,29 +79,31 @@ static void put_table(FILE *out, const plan *p, const currents *c,
   put_source(out, p, c);
   fprintf(out, "supply: %.10g V\ntemperature: %.10g C\nwidth: %.10g um\n",
           p->supply, p->temperature, p->width / 1000);
-  for (int i = 0; i < CURRENTS; i++)
+  for (int i = 0; i < EDA_CURRENTS; i++)
     put_bias(out, names[i], &p->bias[i], p->supply);
   fputs("length: {unit: nm, values: ", out);
   put_list(out, p->length + c->first, n, 0, 28);
   for (int type = 0; type < TYPES; type++) {
     fprintf(out, "%s:\n", types[type]);
-    for (int i = 0; i < CURRENTS; i++) {
+    for (int i = 0; i < EDA_CURRENTS; i++) {
       fprintf(out, "  %s: {unit: A, values:\n%11s", names[i], "");
       put_list(out, c->at[type][i] + c->first, n, 1, 12);
     }
   }
 }
 
-int table_write(const opc_host *host, const plan *p, const currents *c,
-                const char *name, const char *path, opc_error *error) {
+int table_write(const plan *p, const currents *c, const char *name,
+                opc_error *error) {
+  const char *path = p->host->output_path(p->host, p->file, error);
+  if (!path) return error->code;
   FILE *out = fopen(path, "w");
   if (out) put_table(out, p, c, name);
   int bad = !out || ferror(out), reason = errno;
   if (out && fclose(out)) bad = 1, reason = errno;
   if (!bad) return OPC_OK;
   if (out) (void)remove(path);
-  return host->fail(host, error, OPC_IO, "file", "cannot write '%s': %s", path,
-                    strerror(reason));
+  return opc_fail(error, OPC_IO, "file", "cannot write '%s': %s", path,
+                  strerror(reason));
 }
 
 double table_slope(const plan *p, const currents *c, int type, int current,

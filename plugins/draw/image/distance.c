@@ -3,45 +3,46 @@
    nearest of the other's points is looked up, and from there the foot of the
    perpendicular is found on its level set, which is exact between points as
    well. That is done both ways, so that what only one of them prints counts. */
+#include <eda/index.h>
+#include <eda/memory.h>
 #include <math.h>
+#include <stdlib.h>
 
 #include "image.h"
 
 enum { MAX_NODES = 4000000, BLOCK = 256 };
 static const double finest = 2;   /* nm between points of a contour */
 static const double beyond = 200; /* nm around the window: nearest points */
-static const double cell = 40;    /* of the index, nm */
+static const double near = 10;    /* where a nearest point is looked for first,
+                                     nm */
 
 /* ---- the points of a contour ---- */
 
 /* `place` are x, y; `weight` is the length of contour that a point stands for,
-   0 outside of the window. Points of cell c of the index are order[first[c]] ..
-   order[first[c + 1] - 1]. */
+   0 outside of the window. The index is in nm. */
 typedef struct line {
-  const opc_field *print;
+  const eda_field *print;
   size_t n;
   double *place, *weight;
-  opc_frame frame;
-  size_t columns, rows;
-  uint32_t *first, *order;
+  eda_frame frame;
+  eda_index *index;
 } line;
 
-static void release(const opc_host *host, line *l) {
-  host->free(host, l->place);
-  host->free(host, l->weight);
-  host->free(host, l->first);
-  host->free(host, l->order);
+static void release(line *l) {
+  free(l->place);
+  free(l->weight);
+  eda_index_free(l->index);
 }
 
 /* The window and something around it, as far as there is a print. */
-static opc_frame frame_of(const view *v, opc_frame f) {
+static eda_frame frame_of(const view *v, eda_frame f) {
   double x0 = fmax(v->x0 - beyond, f.x0), y0 = fmax(v->y0 - beyond, f.y0);
-  return (opc_frame){x0, y0, fmin(v->x1 + beyond, f.x0 + f.width) - x0,
+  return (eda_frame){x0, y0, fmin(v->x1 + beyond, f.x0 + f.width) - x0,
                      fmin(v->y1 + beyond, f.y0 + f.height) - y0};
 }
 
 /* Contours are closed along the border of the frame; that is none of theirs. */
-static int on_border(opc_frame f, const double *p) {
+static int on_border(eda_frame f, const double *p) {
   const double slack = 1e-6;
   return p[0] - f.x0 < slack || f.x0 + f.width - p[0] < slack ||
          p[1] - f.y0 < slack || f.y0 + f.height - p[1] < slack;
@@ -71,104 +72,67 @@ static void take(const view *v, line *l, const double *p, size_t n) {
   }
 }
 
-static size_t column_of(const line *l, double x) {
-  double c = floor((x - l->frame.x0) / cell);
-  return (size_t)fmin(fmax(c, 0), (double)(l->columns - 1));
+/* All places within `reach` of one. */
+static eda_box around(const double *p, double reach) {
+  const double most = 1 << 30;
+  return (eda_box){(int32_t)fmax(floor(p[0] - reach), -most),
+                   (int32_t)fmax(floor(p[1] - reach), -most),
+                   (int32_t)fmin(ceil(p[0] + reach), most),
+                   (int32_t)fmin(ceil(p[1] + reach), most)};
 }
 
-static size_t row_of(const line *l, double y) {
-  double c = floor((y - l->frame.y0) / cell);
-  return (size_t)fmin(fmax(c, 0), (double)(l->rows - 1));
+static void make_index(line *l) {
+  eda_box *boxes = eda_alloc(l->n, sizeof *boxes);
+  for (size_t i = 0; i < l->n; i++) boxes[i] = around(l->place + 2 * i, 0);
+  l->index = eda_index_new(boxes, l->n, (int32_t)(2 * near));
+  free(boxes);
 }
 
-static size_t cell_of(const line *l, const double *p) {
-  return row_of(l, p[1]) * l->columns + column_of(l, p[0]);
-}
-
-static int make_index(const opc_host *host, line *l, opc_error *error) {
-  l->columns = (size_t)(l->frame.width / cell) + 1;
-  l->rows = (size_t)(l->frame.height / cell) + 1;
-  size_t cells = l->columns * l->rows;
-  l->first = host->alloc(host, cells + 2, sizeof *l->first);
-  l->order = host->alloc(host, l->n + 1, sizeof *l->order);
-  if (!l->first || !l->order)
-    return host->fail(host, error, OPC_FAILED, NULL, "out of memory");
-  /* Counted two further on, each cell is filled from one further on, which
-     leaves the beginnings where they belong. */
-  for (size_t i = 0; i < l->n; i++)
-    l->first[cell_of(l, l->place + 2 * i) + 2]++;
-  for (size_t c = 2; c < cells + 2; c++) l->first[c] += l->first[c - 1];
-  for (size_t i = 0; i < l->n; i++)
-    l->order[l->first[cell_of(l, l->place + 2 * i) + 1]++] = (uint32_t)i;
-  return OPC_OK;
-}
-
-static int make_line(const view *v, const opc_field *print, line *l,
+static int make_line(const view *v, const eda_field *print, line *l,
                      opc_error *error) {
-  const opc_host *host = v->host;
-  double *points = NULL;
-  uint32_t *start = NULL;
-  size_t count = 0;
+  double *points;
+  uint32_t *start;
+  size_t count;
   *l = (line){.print = print, .frame = frame_of(v, print->frame)};
   if (!(l->frame.width > 0 && l->frame.height > 0)) return OPC_OK;
   double step =
       fmax(finest, sqrt(l->frame.width * l->frame.height / MAX_NODES));
-  int code = host->imaging->contours(host, print, l->frame, step, &points,
-                                     &start, &count, error);
+  int code =
+      eda_contours(print, l->frame, step, &points, &start, &count, error);
   if (code) return code;
   size_t n = count ? start[count] : 0;
-  l->place = host->alloc(host, 2 * n + 1, sizeof *l->place);
-  l->weight = host->alloc(host, n + 1, sizeof *l->weight);
-  if (!l->place || !l->weight)
-    code = host->fail(host, error, OPC_FAILED, NULL, "out of memory");
-  for (size_t i = 0; i < count && !code; i++)
+  l->place = eda_alloc(2 * n, sizeof *l->place);
+  l->weight = eda_alloc(n, sizeof *l->weight);
+  for (size_t i = 0; i < count; i++)
     take(v, l, points + 2 * (size_t)start[i], start[i + 1] - start[i]);
-  host->free(host, points);
-  host->free(host, start);
-  return code ? code : make_index(host, l, error);
+  free(points);
+  free(start);
+  make_index(l);
+  return OPC_OK;
 }
 
 /* ---- the nearest place ---- */
 
-/* The nearest of the points within a cell. */
-static void nearest_in(const line *l, size_t c, const double *p, double *least,
-                       uint32_t *best) {
-  for (uint32_t k = l->first[c]; k < l->first[c + 1]; k++) {
-    double d = apart(l->place + 2 * (size_t)l->order[k], p);
-    if (d < *least) {
-      *least = d;
-      *best = l->order[k];
-    }
-  }
-}
-
-/* Cells in squares around p, until no further one can hold a nearer point. */
+/* Its distance; `best` is its number. The line has points. */
 static double nearest_point(const line *l, const double *p, uint32_t *best) {
   double least = INFINITY;
-  long column = (long)column_of(l, p[0]), row = (long)row_of(l, p[1]);
-  long columns = (long)l->columns, rows = (long)l->rows;
-  long last = columns > rows ? columns : rows;
-  for (long ring = 0; ring <= last && (double)(ring - 1) * cell <= least;
-       ring++)
-    for (long y = row - ring; y <= row + ring; y++) {
-      if (y < 0 || y >= rows) continue;
-      int edge = y == row - ring || y == row + ring;
-      for (long x = column - ring; x <= column + ring;
-           x += edge || !ring ? 1 : 2 * ring)
-        if (x >= 0 && x < columns)
-          nearest_in(l, (size_t)(y * columns + x), p, &least, best);
+  for (double reach = near; least > reach; reach *= 2) {
+    eda_finder found = eda_index_find(l->index, around(p, reach));
+    for (uint32_t i; eda_index_next(&found, &i);) {
+      double d = apart(l->place + 2 * (size_t)i, p);
+      if (d < least) least = d, *best = i;
     }
+  }
   return least;
 }
 
 /* From a point of the line to the foot of the perpendicular from p: onto the
    level set along its gradient, then along it towards p. */
-static double foot(const opc_imaging_service *imaging, const line *l,
-                   const double *p, const double *from) {
+static double foot(const line *l, const double *p, const double *from) {
   double x = from[0], y = from[1];
   for (int i = 0; i < 30; i++) {
     double value, gx, gy;
-    imaging->gradient(l->print, &x, &y, 1, &value, &gx, &gy);
+    eda_field_gradient(l->print, &x, &y, 1, &value, &gx, &gy);
     double square = gx * gx + gy * gy;
     if (!(square > 0)) break;
     double along = ((p[0] - x) * gx + (p[1] - y) * gy + value) / square;
@@ -184,7 +148,6 @@ static double foot(const opc_imaging_service *imaging, const line *l,
 /* ---- from one line to another ---- */
 
 typedef struct walk {
-  const opc_imaging_service *imaging;
   const line *from, *to;
   double *distance; /* of the points of `from`; positive outside of `to` */
 } walk;
@@ -199,9 +162,8 @@ static void walk_block(void *data, size_t block) {
     uint32_t best = 0;
     double d = nearest_point(w->to, p, &best), value;
     /* What is beyond the curve's centre may lead elsewhere. */
-    if (d > 0)
-      d = fmin(d, foot(w->imaging, w->to, p, w->to->place + 2 * (size_t)best));
-    w->imaging->sample(w->to->print, p, p + 1, 1, &value);
+    if (d > 0) d = fmin(d, foot(w->to, p, w->to->place + 2 * (size_t)best));
+    eda_field_sample(w->to->print, p, p + 1, 1, &value);
     w->distance[i] = value > 0 ? -d : d;
   }
 }
@@ -212,13 +174,10 @@ typedef struct sums {
 
 /* Add the distances from one line to the other; `sign` is that of a place of
    `from` outside of `to`. */
-static int add(const opc_host *host, const line *from, const line *to,
-               double sign, sums *s, image_distance *out, opc_error *error) {
-  walk w = {host->imaging, from, to, NULL};
-  w.distance = host->alloc(host, from->n + 1, sizeof *w.distance);
-  if (!w.distance)
-    return host->fail(host, error, OPC_FAILED, NULL, "out of memory");
-  host->parallel(host, (from->n + BLOCK - 1) / BLOCK, walk_block, &w);
+static void add(const opc_context *context, const line *from, const line *to,
+                double sign, sums *s, image_distance *out) {
+  walk w = {from, to, eda_alloc(from->n, sizeof *w.distance)};
+  opc_parallel(context, (from->n + BLOCK - 1) / BLOCK, walk_block, &w);
   for (size_t i = 0; i < from->n; i++) {
     double d = sign * w.distance[i], weight = from->weight[i];
     s->length += weight;
@@ -229,50 +188,48 @@ static int add(const opc_host *host, const line *from, const line *to,
     out->x = from->place[2 * i];
     out->y = from->place[2 * i + 1];
   }
-  host->free(host, w.distance);
-  return OPC_OK;
+  free(w.distance);
 }
 
-static int compare(const opc_host *host, const line *first, const line *other,
-                   image_distance *out, opc_error *error) {
+static image_distance compare(const opc_context *context, const line *first,
+                              const line *other) {
   sums s = {0};
-  *out = (image_distance){NAN, NAN, NAN, NAN, NAN};
-  if (!first->n || !other->n) return OPC_OK;
   image_distance d = {0, 0, 0, NAN, NAN};
-  int code = add(host, other, first, 1, &s, &d, error);
-  if (!code) code = add(host, first, other, -1, &s, &d, error);
-  if (code || !(s.length > 0)) return code;
+  static const image_distance none = {NAN, NAN, NAN, NAN, NAN};
+  if (!first->n || !other->n) return none;
+  add(context, other, first, 1, &s, &d);
+  add(context, first, other, -1, &s, &d);
+  if (!(s.length > 0)) return none;
   d.mean = s.first / s.length;
   d.rms = sqrt(s.second / s.length);
-  *out = d;
-  return OPC_OK;
+  return d;
 }
 
 /* The intensities along a line. */
-static void find_levels(const opc_host *host, image_model *m, const line *l) {
+static void find_levels(image_model *m, const line *l) {
   m->low = m->high = NAN;
   for (size_t i = 0; i < l->n; i++) {
     const double *p = l->place + 2 * i;
     double value;
     if (l->weight[i] == 0) continue;
-    host->imaging->sample(&m->image, p, p + 1, 1, &value);
+    eda_field_sample(&m->image, p, p + 1, 1, &value);
     m->low = fmin(m->low, value); /* value if it is NAN */
     m->high = fmax(m->high, value);
   }
 }
 
 int image_measure_contours(image_run *r, opc_error *error) {
-  const opc_host *host = r->view.host;
   line first;
   int code = make_line(&r->view, &r->model[0].print, &first, error);
   for (size_t k = 0; k < r->n && !code; k++) {
     line other;
     image_model *m = &r->model[k];
     code = make_line(&r->view, &m->print, &other, error);
-    if (!code) find_levels(host, m, &other);
-    if (!code) code = compare(host, &first, &other, &m->distance, error);
-    release(host, &other);
+    if (code) break;
+    find_levels(m, &other);
+    m->distance = compare(r->host->context, &first, &other);
+    release(&other);
   }
-  release(host, &first);
+  release(&first);
   return code;
 }

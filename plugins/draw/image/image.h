@@ -3,11 +3,11 @@
 #ifndef OPCFLOW_DRAW_IMAGE_H
 #define OPCFLOW_DRAW_IMAGE_H
 
-#include <opcflow/litho.h>
+#include <eda/imaging.h>
 
 #include "../view.h"
 
-enum { IMAGE_MODELS = 4, IMAGE_LABEL = 64 };
+enum { IMAGE_MODELS = 4 };
 
 /* A model's contours against those of the first one; NAN where one of the two
    has none in the window. */
@@ -28,30 +28,36 @@ typedef struct image_gates {
 
 /* A pair of optics and resist, and what it made of the mask. */
 typedef struct image_model {
-  char label[IMAGE_LABEL];
+  const char *group; /* of its parameters: "first" */
+  char *label;
   const opc_module *litho, *resist;
-  opc_field image, print; /* intensity, level set */
+  eda_field image, print; /* intensity, level set */
   double low, high;       /* intensity along its contours; NAN: none */
   image_distance distance;
   image_gates gates;
 } image_model;
 
 typedef struct image_run {
+  const opc_host *host;
   view view;
-  const opc_gates *gates;
-  int layer;              /* OPC_POLY, OPC_ACTIVE */
-  const opc_shapes *mask; /* of that layer */
-  int corrected;          /* whether it is another one than drawn */
-  double margin;          /* of clear field around the layout, nm */
-  double brightest;       /* the end of the colour scale, clear field 1 */
+  struct {
+    const eda_mask *mask;
+    const eda_gates *gates;
+    const char *layer;
+    double margin; /* of clear field around the layout, nm */
+    struct {
+      const char *label;
+      const opc_module *litho, *resist;
+    } model[IMAGE_MODELS];
+  } asked; /* parameters */
+  const eda_gates *gates;
+  size_t layer;             /* which of theirs */
+  const eda_shapes *shapes; /* of the mask of that layer */
+  int corrected;            /* whether these are others than drawn */
+  double brightest;         /* the end of the colour scale, clear field 1 */
   size_t n;
   image_model model[IMAGE_MODELS];
 } image_run;
-
-/* ---- models.c ---- */
-
-/* Calibrate all models and print the mask by each: image and print. */
-int image_simulate(image_run *r, opc_error *error);
 
 /* ---- distance.c ---- */
 
@@ -65,6 +71,6 @@ int image_report(image_run *r, opc_error *error);
 
 /* ---- picture.c ---- */
 
-int image_draw(image_run *r, int format, const char *path, opc_error *error);
+int image_draw(image_run *r, opc_error *error);
 
 #endif

@@ -2,10 +2,13 @@
 /* Images that have closed forms, and the distances of their contours; the same
    with real optics; and the picture read back: colours at known places. */
 #include <cairo.h>
+#include <eda/gates.h>
+#include <eda/litho.h>
+#include <eda/memory.h>
 #include <math.h>
 #include <string.h>
 
-#include "core/plugin/testing.h"
+#include "core/testing/testing.h"
 
 /* ---- gates: four vertical lines, in a field of 1000 x 1000 nm ---- */
 
@@ -13,29 +16,35 @@ enum { GATES = 4, SIDE = 1000 };
 static const double pitch = 250, drawn = 65;
 
 typedef struct lines {
-  opc_point points[4 * GATES];
+  eda_point points[4 * GATES];
   uint32_t start[GATES + 1];
-  opc_box box[GATES];
+  eda_box box[GATES];
   uint8_t axis[GATES];
-  double length[GATES], width[GATES], room[2 * GATES];
-  opc_gates gates;
+  double length[GATES], width[GATES], space[2 * GATES];
+  eda_shapes layers[2]; /* as drawn */
+  eda_gates gates;
 } lines;
+
+static char *const layer[] = {"poly", "active"};
 
 static void make(lines *l) {
   memset(l, 0, sizeof *l);
   for (int i = 0; i < GATES; i++) {
     int32_t x0 = (int32_t)(2 * (125 - drawn / 2 + pitch * i));
     int32_t x1 = x0 + (int32_t)(2 * drawn);
-    opc_point p[] = {{x0, 0}, {x1, 0}, {x1, 2 * SIDE}, {x0, 2 * SIDE}};
+    eda_point p[] = {{x0, 0}, {x1, 0}, {x1, 2 * SIDE}, {x0, 2 * SIDE}};
     memcpy(l->points + 4 * i, p, sizeof p);
     l->start[i + 1] = 4 * (uint32_t)(i + 1);
-    l->box[i] = (opc_box){x0, 800, x1, 1200};
+    l->box[i] = (eda_box){x0, 800, x1, 1200};
     l->length[i] = drawn;
     l->width[i] = 200;
-    l->room[2 * i] = l->room[2 * i + 1] = pitch - drawn;
+    l->space[2 * i] = l->space[2 * i + 1] = pitch - drawn;
   }
-  l->gates = (opc_gates){.size = sizeof l->gates,
-                         .name = "LINES",
+  l->layers[EDA_POLY] = (eda_shapes){GATES, l->start, l->points, NULL};
+  l->gates = (eda_gates){.name = "LINES",
+                         .layers = 2,
+                         .layer = (char **)layer,
+                         .drawn = l->layers,
                          .grid = 0.5,
                          .extent = {0, 0, 2 * SIDE, 2 * SIDE},
                          .count = GATES,
@@ -43,8 +52,7 @@ static void make(lines *l) {
                          .axis = l->axis,
                          .length = l->length,
                          .width = l->width,
-                         .room = l->room};
-  l->gates.drawn[OPC_POLY] = (opc_shapes){GATES, l->start, l->points, NULL};
+                         .space = l->space};
 }
 
 /* ---- images with closed forms ---- */
@@ -74,30 +82,25 @@ static double some_band(const void *self) {
   return 0.005;
 }
 
-static int image(const void *self, int layer, const opc_spectrum *mask,
-                 opc_field *out, opc_error *error) {
+static int image(const void *self, int which, const eda_spectrum *mask,
+                 eda_field *out, opc_error *error) {
   const waves *w = self;
-  (void)layer;
-  const opc_host *host = opc_test_host();
-  opc_frame f = mask->frame;
-  *out = (opc_field){.frame = f, .nx = 100, .ny = 100};
-  out->coefficients = host->alloc(host, 10000, sizeof(float));
+  (void)which;
+  eda_frame f = mask->frame;
+  *out = (eda_field){.frame = f, .nx = 100, .ny = 100};
+  out->coefficients = eda_alloc(10000, sizeof(float));
   for (size_t y = 0; y < 100; y++)
     for (size_t x = 0; x < 100; x++)
       out->coefficients[100 * y + x] =
           (float)intensity(w, f.x0 + f.width * (double)x / 100,
                            f.y0 + f.height * (double)y / 100);
-  int code = host->imaging->from_samples(host, out, error);
+  int code = eda_field_from_samples(NULL, out, error);
   out->coefficients[7] += (float)w->fault;
   return code;
 }
 
-static const opc_litho waves_operations = {.size = sizeof waves_operations,
-                                           .prepare = no_preparation,
-                                           .band = some_band,
-                                           .image = image};
-static const opc_plugin waves_plugin = {.id = "litho.waves",
-                                        .operations = &waves_operations};
+static const eda_litho waves_functions = {
+    .prepare = no_preparation, .band = some_band, .image = image};
 
 #define PAIR(group, threshold)                             \
   group                                                    \
@@ -109,7 +112,7 @@ static int draw(const char *mapping, const waves *w, int n, lines *l,
                 opc_error *error) {
   static const char *const names[] = {"first.litho", "second.litho"};
   void *none[1];
-  opc_module model = {&waves_plugin, (void *)w};
+  opc_module model = {&waves_functions, (void *)w, "litho.waves"};
   opc_test_forget();
   g_autoptr(opc_module) m = opc_test_module("draw.image", mapping, error);
   if (!m) return error->code;
@@ -429,9 +432,8 @@ static void test_mask(void) {
   make(&wide);
   for (int i = 0; i < 4 * GATES; i++)
     wide.points[i].x += i % 4 == 0 || i % 4 == 3 ? -40 : 40;
-  opc_mask mask = {.size = sizeof mask, .gates = &l.gates};
-  mask.shapes[OPC_POLY] = wide.gates.drawn[OPC_POLY];
-  mask.shapes[OPC_ACTIVE] = wide.gates.drawn[OPC_POLY];
+  eda_shapes shapes[] = {wide.layers[EDA_POLY], wide.layers[EDA_POLY]};
+  eda_mask mask = {.gates = &l.gates, .shapes = shapes};
   must_draw("{ " PLACE ", " PAIR("first", 0.4) " }", NULL, 0, &l);
   double narrow = of("cd", 0);
   opc_test_forget();
@@ -451,7 +453,7 @@ static void test_mask(void) {
       "draw.image", "{ " PLACE ", layer: active, " PAIR("first", 0.4) " }",
       &error);
   g_assert_nonnull(active);
-  for (int i = 0; i < GATES; i++) l.axis[i] = OPC_Y;
+  for (int i = 0; i < GATES; i++) l.axis[i] = EDA_Y;
   opc_test_input(active, "mask", &mask);
   if (opc_test_run(active, none, &error)) g_error("%s", error.message);
   g_assert_cmpfloat(of("cd", 0), >, narrow);
@@ -507,13 +509,17 @@ static void test_refused(void) {
           &w, &l, OPC_INVALID, "'third.resist' needs 'third.litho'");
   refused("{ " PAIR("first", 0.3) ", fourth: { label: Mine } }", &w, &l,
           OPC_INVALID, "'fourth.label' needs 'fourth.litho'");
-  refused("{ " PLACE ", " PAIR("first", 0.3) " }", &w, &l, OPC_FAILED,
-          "intensity of 'litho.waves' is not a field of numbers");
+  opc_error error;
+  g_assert_cmpint(
+      draw("{ " PLACE ", " PAIR("first", 0.3) " }", &w, 1, &l, &error), ==,
+      OPC_FAILED);
+  g_assert_cmpstr(error.parameter, ==, "first.litho");
+  g_assert_nonnull(strstr(error.message, "intensity"));
+  g_assert_nonnull(strstr(error.message, "not a number"));
   refused("{ " PAIR("first", 0.3) ", layer: active }", &w, &l, OPC_INVALID,
           "there is no active");
   refused("{ " PAIR("first", 0.3) ", window: [5 um, 0 nm, 6 um, 1 um] }", &w,
           &l, OPC_INVALID, "lies beside the layout");
-  opc_error error;
   void *none[1];
   g_autoptr(opc_module) m =
       opc_test_module("draw.image", "{ " PAIR("first", 0.3) " }", &error);

@@ -1,22 +1,27 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The picture: the first model's image below, shapes and contours above. */
+#include <glib.h>
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
-#include "../legend.h"
-#include "../mask/paper.h"
 #include "image.h"
 
 /* ---- colours ---- */
 
 /* Of contours, on the blue half of the scale, where they lie. */
-static const rgb contour[IMAGE_MODELS] = {RGB(0xffffff), RGB(0xff9a1f),
-                                          RGB(0xff6fcf), RGB(0xffee33)};
-static const rgb drawn_colour = RGB(0xa9b8d6), mask_colour = RGB(0x101010),
-                 other_colour = RGB(0x0b6b3a);
+static const eda_colour contour[IMAGE_MODELS] = {
+    EDA_COLOUR(0xffffff), EDA_COLOUR(0xff9a1f), EDA_COLOUR(0xff6fcf),
+    EDA_COLOUR(0xffee33)};
+static const eda_colour drawn_colour = EDA_COLOUR(0xa9b8d6),
+                        mask_colour = EDA_COLOUR(0x101010),
+                        other_colour = EDA_COLOUR(0x0b6b3a);
 
-static const char *const layer_name[OPC_MASKS] = {"poly", "active"};
+/* The layer that makes transistors with the one that is printed; that one
+   itself if there is no other. */
+static size_t other_layer(const image_run *r) {
+  return r->layer == EDA_POLY && r->gates->layers > EDA_ACTIVE ? EDA_ACTIVE
+                                                               : EDA_POLY;
+}
 
 /* ---- the image ---- */
 
@@ -32,7 +37,7 @@ static double find_brightest(const image_run *r) {
       x[i] = v->x0 + (v->x1 - v->x0) * i / PROBES;
       y[i] = v->y0 + (v->y1 - v->y0) * j / PROBES;
     }
-    v->host->imaging->sample(&r->model[0].image, x, y, PROBES + 1, value);
+    eda_field_sample(&r->model[0].image, x, y, PROBES + 1, value);
     for (int i = 0; i <= PROBES; i++) brightest = fmax(brightest, value[i]);
   }
   return fmax(0.1, ceil(10 * brightest - 1e-3) / 10);
@@ -44,13 +49,13 @@ typedef struct pixels {
   unsigned char *data;
 } pixels;
 
-static uint32_t packed(rgb c) {
+static uint32_t packed(eda_colour c) {
   return (uint32_t)lround(255 * c.r) << 16 | (uint32_t)lround(255 * c.g) << 8 |
          (uint32_t)lround(255 * c.b);
 }
 
 /* The image is periodic: what is beyond its frame is not of this layout. */
-static int inside(opc_frame f, double x, double y) {
+static int inside(eda_frame f, double x, double y) {
   return x >= f.x0 && x <= f.x0 + f.width && y >= f.y0 && y <= f.y0 + f.height;
 }
 
@@ -58,7 +63,7 @@ static void paint_row(void *data, size_t row) {
   enum { CHUNK = 128, BEYOND = 0xffffff };
   const pixels *p = data;
   const view *v = &p->run->view;
-  const opc_field *image = &p->run->model[0].image;
+  const eda_field *image = &p->run->model[0].image;
   double x[CHUNK], y[CHUNK], value[CHUNK];
   uint32_t *out = (uint32_t *)(void *)(p->data + row * (size_t)p->stride);
   for (int first = 0; first < p->width; first += CHUNK) {
@@ -67,11 +72,11 @@ static void paint_row(void *data, size_t row) {
       x[i] = v->x0 + (first + i + 0.5) / v->scale;
       y[i] = v->y1 - ((double)row + 0.5) / v->scale;
     }
-    v->host->imaging->sample(image, x, y, (size_t)n, value);
+    eda_field_sample(image, x, y, (size_t)n, value);
     for (int i = 0; i < n; i++)
       out[first + i] =
           inside(image->frame, x[i], y[i])
-              ? packed(picture_sequential(value[i] / p->run->brightest))
+              ? packed(eda_sequential(value[i] / p->run->brightest))
               : BEYOND;
   }
 }
@@ -86,10 +91,10 @@ static void paint_image(const image_run *r) {
               cairo_image_surface_get_stride(s),
               cairo_image_surface_get_data(s)};
   size_t rows = p.data ? (size_t)cairo_image_surface_get_height(s) : 0;
-  v->host->parallel(v->host, rows, paint_row, &p);
+  opc_parallel(v->context, rows, paint_row, &p);
   cairo_surface_mark_dirty(s);
-  cairo_set_source_surface(v->cairo, s, v->left, v->top);
-  cairo_paint(v->cairo);
+  cairo_set_source_surface(v->paper->cairo, s, v->left, v->top);
+  cairo_paint(v->paper->cairo);
   cairo_surface_destroy(s);
 }
 
@@ -97,25 +102,19 @@ static void paint_image(const image_run *r) {
 
 static int outlines(const image_run *r, opc_error *error) {
   const view *v = &r->view;
-  double line = view_outline_width(v);
-  const opc_shapes *other = &r->gates->drawn[OPC_POLY + OPC_ACTIVE - r->layer];
-  picture_use(v->cairo, other_colour);
-  int code = view_outline(v, other, line, error);
-  picture_use(v->cairo, drawn_colour);
-  if (!code) code = view_outline(v, &r->gates->drawn[r->layer], line, error);
-  picture_use(v->cairo, mask_colour);
-  if (!code && r->corrected) code = view_outline(v, r->mask, line, error);
+  const eda_shapes *drawn = r->gates->drawn;
+  int code = view_outline(v, &drawn[other_layer(r)], other_colour, error);
+  if (!code) code = view_outline(v, &drawn[r->layer], drawn_colour, error);
+  if (!code && r->corrected)
+    code = view_outline(v, r->shapes, mask_colour, error);
   return code;
 }
 
 static int draw_contours(const image_run *r, size_t k, opc_error *error) {
-  const view *v = &r->view;
   view_contours found;
-  int code = view_find_contours(v, &r->model[k].print, &found, error);
-  cairo_set_line_width(v->cairo, view_contour_width(v));
-  picture_use(v->cairo, contour[k]);
-  if (!code) view_draw_contours(v, &found);
-  view_release_contours(v, &found);
+  int code = view_find_contours(&r->view, &r->model[k].print, &found, error);
+  if (!code) view_draw_contours(&r->view, &found, contour[k]);
+  view_clear_contours(&found);
   return code;
 }
 
@@ -123,14 +122,14 @@ static int draw_contours(const image_run *r, size_t k, opc_error *error) {
    lie upon each other are all seen. */
 static int dashed_contours(const image_run *r, opc_error *error) {
   const view *v = &r->view;
-  double period = 2.2 * v->font, dash = period / (double)r->n;
+  double period = 2.2 * v->paper->font, dash = period / (double)r->n;
   const double dashes[] = {dash, period - dash};
   int code = OPC_OK;
   for (size_t k = 0; k < r->n && !code; k++) {
-    cairo_set_dash(v->cairo, dashes, k ? 2 : 0, -(double)k * dash);
+    cairo_set_dash(v->paper->cairo, dashes, k ? 2 : 0, -(double)k * dash);
     code = draw_contours(r, k, error);
   }
-  cairo_set_dash(v->cairo, NULL, 0, 0);
+  cairo_set_dash(v->paper->cairo, NULL, 0, 0);
   return code;
 }
 
@@ -149,11 +148,11 @@ static int any_lens(const image_run *r) {
   return 0;
 }
 
-static double lens_gap(const view *v) { return ceil(0.8 * v->font); }
+static double lens_gap(const view *v) { return ceil(0.8 * v->paper->font); }
 
 /* Their width, the same for any number of models. */
 static double lens_width(const view *v) {
-  double room = v->paper - 2 * view_margin(v);
+  double room = v->paper->width - 2 * v->paper->margin;
   return floor((room - (IMAGE_MODELS - 2) * lens_gap(v)) / (IMAGE_MODELS - 1));
 }
 
@@ -174,7 +173,7 @@ static view lens_view(const image_run *r, size_t k, size_t place) {
   const image_model *m = &r->model[k];
   v.width = lens_width(&v);
   v.height = lens_height(&v);
-  v.left = view_margin(&v) + (double)place * (v.width + lens_gap(&v));
+  v.left = v.paper->margin + (double)place * (v.width + lens_gap(&v));
   v.top = r->view.top + r->view.height + lens_gap(&v);
   v.scale = v.width / lens_nm(m);
   v.x0 = m->distance.x - v.width / 2 / v.scale;
@@ -186,36 +185,36 @@ static view lens_view(const image_run *r, size_t k, size_t place) {
 
 /* A sharp frame around a place, in the model's colour between thin dark
    lines. */
-static void frame(const view *v, rgb colour, double x, double y, double width,
-                  double height) {
-  double line = fmax(1, round(0.12 * v->font));
-  cairo_rectangle(v->cairo, floor(x) - line / 2, floor(y) - line / 2,
+static void frame(const view *v, eda_colour colour, double x, double y,
+                  double width, double height) {
+  double line = fmax(1, round(0.12 * v->paper->font));
+  cairo_rectangle(v->paper->cairo, floor(x) - line / 2, floor(y) - line / 2,
                   round(width) + line, round(height) + line);
-  picture_use(v->cairo, picture_ink);
-  cairo_set_line_width(v->cairo, line + 2);
-  cairo_stroke_preserve(v->cairo);
-  picture_use(v->cairo, colour);
-  cairo_set_line_width(v->cairo, line);
-  cairo_stroke(v->cairo);
+  eda_use(v->paper->cairo, eda_ink);
+  cairo_set_line_width(v->paper->cairo, line + 2);
+  cairo_stroke_preserve(v->paper->cairo);
+  eda_use(v->paper->cairo, colour);
+  cairo_set_line_width(v->paper->cairo, line);
+  cairo_stroke(v->paper->cairo);
 }
 
 static int lens(const image_run *r, size_t k, size_t place, opc_error *error) {
   image_run part = *r;
   part.view = lens_view(r, k, place);
   const view *v = &part.view;
-  cairo_save(v->cairo);
-  cairo_reset_clip(v->cairo);
-  cairo_rectangle(v->cairo, v->left, v->top, v->width, v->height);
-  cairo_clip(v->cairo);
+  cairo_save(v->paper->cairo);
+  cairo_reset_clip(v->paper->cairo);
+  cairo_rectangle(v->paper->cairo, v->left, v->top, v->width, v->height);
+  cairo_clip(v->paper->cairo);
   paint_image(&part);
   int code = outlines(&part, error);
   if (!code) code = draw_contours(&part, 0, error);
   if (!code) code = draw_contours(&part, k, error);
-  cairo_reset_clip(v->cairo);
+  cairo_reset_clip(v->paper->cairo);
   frame(v, contour[k], v->left, v->top, v->width, v->height);
-  cairo_restore(v->cairo);
+  cairo_restore(v->paper->cairo);
   const image_distance *d = &r->model[k].distance;
-  double side = 1.1 * v->font;
+  double side = 1.1 * v->paper->font;
   frame(&r->view, contour[k], view_x(&r->view, d->x) - side / 2,
         view_y(&r->view, d->y) - side / 2, side, side);
   return code;
@@ -230,61 +229,64 @@ static int lenses(const image_run *r, opc_error *error) {
 }
 
 /* What stands below them; returns the height of all. */
-static double lens_texts(const image_run *r, double top, int draw) {
+static double lens_texts(const image_run *r, double top) {
   const view *v = &r->view;
   if (!any_lens(r)) return 0;
-  double text = top + lens_gap(v) + lens_height(v) + 1.3 * v->font;
+  double text = top + lens_gap(v) + lens_height(v) + 1.3 * v->paper->font;
   size_t place = 0;
-  for (size_t k = 0; k < r->n && draw; k++) {
+  for (size_t k = 0; k < r->n; k++) {
     const image_model *m = &r->model[k];
-    char line[LEGEND_TEXT];
+    char line[80];
     if (!has_lens(r, k)) continue;
     (void)snprintf(line, sizeof line, "%.3g nm apart, %g nm wide",
                    m->distance.max, lens_nm(m));
-    legend_text(v, line, lens_view(r, k, place++).left, floor(text),
-                lens_width(v));
+    eda_text(v->paper, lens_view(r, k, place++).left, floor(text), EDA_LEFT,
+             lens_width(v), line);
   }
-  return lens_gap(v) + lens_height(v) + 1.9 * v->font;
+  return lens_gap(v) + lens_height(v) + 1.9 * v->paper->font;
 }
 
 /* ---- the parts of a view ---- */
 
-static int content(const void *data, opc_error *error) {
-  const image_run *r = data;
-  const opc_host *host = r->view.host;
+static int content(const void *self, opc_error *error) {
+  const image_run *r = self;
   paint_image(r);
   int code = outlines(r, error);
-  if (!code && host->cancelled(host))
-    code = host->fail(host, error, OPC_CANCELLED, NULL, "stopped");
+  if (!code && opc_cancelled(r->view.context))
+    code = opc_fail(error, OPC_CANCELLED, NULL, "stopped");
   if (!code) code = dashed_contours(r, error);
   if (!code) code = lenses(r, error);
   return code;
 }
 
-static double title(const void *data, double top, int draw) {
-  const image_run *r = data;
-  const view *v = &r->view;
-  legend l = {.n = 0};
-  char name[LEGEND_TEXT];
-  (void)snprintf(name, sizeof name, "%s: %s",
-                 r->gates->name ? r->gates->name : "", layer_name[r->layer]);
-  double height = legend_heading(v, name, top, draw);
-  legend_add(&l, LEGEND_PLAIN, picture_ink, "aerial image: %s",
-             r->model[0].label);
+static double title(const void *self, double top) {
+  const image_run *r = self;
+  const eda_paper *paper = r->view.paper;
+  g_autofree char *name =
+      g_strdup_printf("%s: %s", r->gates->name ? r->gates->name : "",
+                      r->gates->layer[r->layer]);
+  double height = eda_heading(paper, top, name);
+  eda_legend l;
+  eda_legend_init(&l, paper, top + height);
+  eda_legend_add(&l, NULL, "aerial image: %s", r->model[0].label);
   if (r->n > 1)
-    legend_add(&l, LEGEND_PLAIN, picture_ink,
-               "contours: distance from the first (rms, largest)");
-  return height + legend_flow(v, &l, top + height, draw) + 0.4 * v->font;
+    eda_legend_add(&l, NULL,
+                   "contours: distance from the first (rms, largest)");
+  return height + l.height + 0.4 * paper->font;
 }
 
-/* A light line is seen on the blue that it is drawn for. */
-static void lay_on_ground(const view *v, legend_entry *e) {
-  e->behind = picture_sequential(0.3);
-  e->behind_line = 0.8 * v->font;
+/* The sign of a line; a light one is seen on the blue that it is drawn for. */
+static eda_sign sign_of(const view *v, eda_colour colour, double line,
+                        int light) {
+  return (eda_sign){.kind = EDA_SIGN_LINE,
+                    .colour = colour,
+                    .line = line,
+                    .behind = eda_sequential(0.3),
+                    .behind_line = light ? 0.8 * v->paper->font : 0};
 }
 
 /* "label: I = 0.404; 0.03, 0.12 nm" */
-static void add_model(const image_run *r, size_t k, legend *l) {
+static void add_model(const image_run *r, size_t k, eda_legend *l) {
   const view *v = &r->view;
   const image_model *m = &r->model[k];
   char level[48] = "no contour", away[64] = "";
@@ -295,46 +297,41 @@ static void add_model(const image_run *r, size_t k, legend *l) {
   if (k && !isnan(m->distance.rms))
     (void)snprintf(away, sizeof away, "; %.2f, %.2f nm", m->distance.rms,
                    m->distance.max);
-  legend_entry *e =
-      legend_add(l, LEGEND_LINE, contour[k], "%s: %s%s", m->label, level, away);
-  e->line = fmax(0.14 * v->font, view_contour_width(v));
-  lay_on_ground(v, e);
+  double line = fmax(0.14 * v->paper->font, view_contour_width(v));
+  eda_sign sign = sign_of(v, contour[k], line, 1);
+  eda_legend_add(l, &sign, "%s: %s%s", m->label, level, away);
 }
 
-static legend_entry *add_outline(const view *v, legend *l, rgb colour,
-                                 const char *layer, const char *what) {
-  legend_entry *e = legend_add(l, LEGEND_LINE, colour, "%s %s", layer, what);
-  e->line = fmax(0.08 * v->font, view_outline_width(v));
-  return e;
-}
-
-static double legend_of(const void *data, double top, int draw) {
-  const image_run *r = data;
+static double legend(const void *self, double top) {
+  const image_run *r = self;
   const view *v = &r->view;
-  legend l = {.n = 0};
-  int other = OPC_POLY + OPC_ACTIVE - r->layer;
-  double gap = 0.6 * v->font + lens_texts(r, top, draw);
-  legend_use_font(v);
+  double line = fmax(0.08 * v->paper->font, view_outline_width(v));
+  double gap = 0.6 * v->paper->font + lens_texts(r, top);
+  char high[16];
+  eda_legend l;
+  eda_legend_init(&l, v->paper, top + gap);
   for (size_t k = 0; k < r->n; k++) add_model(r, k, &l);
-  legend_entry *e =
-      legend_add(&l, LEGEND_RAMP, picture_ink, "intensity, clear field 1");
-  e->ramp = picture_sequential;
-  (void)snprintf(e->low, sizeof e->low, "0");
-  (void)snprintf(e->high, sizeof e->high, "%.1f", r->brightest);
-  legend_add_scale_bar(&l, v);
-  lay_on_ground(
-      v, add_outline(v, &l, drawn_colour, layer_name[r->layer], "as drawn"));
+  (void)snprintf(high, sizeof high, "%.1f", r->brightest);
+  eda_sign sign = {
+      .kind = EDA_SIGN_RAMP, .ramp = eda_sequential, .low = "0", .high = high};
+  eda_legend_add(&l, &sign, "intensity, clear field 1");
+  view_add_scale_bar(v, &l);
+  sign = sign_of(v, drawn_colour, line, 1);
+  eda_legend_add(&l, &sign, "%s as drawn", r->gates->layer[r->layer]);
+  sign = sign_of(v, mask_colour, line, 0);
   if (r->corrected)
-    add_outline(v, &l, mask_colour, layer_name[r->layer], "mask");
-  if (r->gates->drawn[other].count)
-    add_outline(v, &l, other_colour, layer_name[other], "as drawn");
-  return gap + legend_flow(v, &l, top + gap, draw);
+    eda_legend_add(&l, &sign, "%s mask", r->gates->layer[r->layer]);
+  sign = sign_of(v, other_colour, line, 0);
+  size_t other = other_layer(r);
+  if (other != r->layer && r->gates->drawn[other].count)
+    eda_legend_add(&l, &sign, "%s as drawn", r->gates->layer[other]);
+  return gap + l.height;
 }
 
 /* ---- all of it ---- */
 
-int image_draw(image_run *r, int format, const char *path, opc_error *error) {
-  static const view_parts parts = {title, legend_of, content};
+int image_draw(image_run *r, opc_error *error) {
+  static const view_parts parts = {title, legend, content};
   r->brightest = find_brightest(r);
-  return view_write(&r->view, &parts, r, format, path, error);
+  return view_write(&r->view, &parts, r, error);
 }

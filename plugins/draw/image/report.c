@@ -1,106 +1,48 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The figures of draw.image: its gates, its table, its metrics. */
+#include <eda/print.h>
 #include <math.h>
 
-#include "../../process/window/window.h"
 #include "image.h"
 
 /* ---- gates ---- */
 
-/* The gates whose middles lie in the window, along what the layer prints of
-   them: poly the length, active the width. */
-typedef struct cut_gates {
-  opc_gates gates;
-  window_cut *cuts;
-} cut_gates;
-
-static void release(const opc_host *host, cut_gates *c) {
-  host->free(host, c->gates.box);
-  host->free(host, c->gates.axis);
-  host->free(host, c->gates.length);
-  host->free(host, c->gates.room);
-  host->free(host, c->cuts);
-}
-
-static int inside(const view *v, opc_box b) {
+static int in_window(const view *v, eda_box b) {
   double x = ((double)b.x0 + b.x1) / 2 * v->grid;
   double y = ((double)b.y0 + b.y1) / 2 * v->grid;
   return x >= v->x0 && x <= v->x1 && y >= v->y0 && y <= v->y1;
 }
 
-static int choose_gates(const image_run *r, cut_gates *out, opc_error *error) {
-  const opc_host *host = r->view.host;
-  const opc_gates *all = r->gates;
-  opc_gates *g = &out->gates;
-  *out = (cut_gates){.gates = {.size = sizeof *g, .grid = all->grid}};
-  g->box = host->alloc(host, all->count + 1, sizeof *g->box);
-  g->axis = host->alloc(host, all->count + 1, sizeof *g->axis);
-  g->length = host->alloc(host, all->count + 1, sizeof *g->length);
-  g->room = host->alloc(host, 2 * all->count + 1, sizeof *g->room);
-  out->cuts = host->alloc(host, all->count + 1, sizeof *out->cuts);
-  if (!g->box || !g->axis || !g->length || !g->room || !out->cuts)
-    return host->fail(host, error, OPC_FAILED, NULL, "out of memory");
-  for (size_t i = 0; i < all->count; i++) {
-    if (!inside(&r->view, all->box[i])) continue;
-    size_t k = g->count++;
-    int poly = r->layer == OPC_POLY;
-    g->box[k] = all->box[i];
-    g->axis[k] = poly == (all->axis[i] == OPC_X) ? OPC_X : OPC_Y;
-    g->length[k] = poly ? all->length[i] : all->width[i];
-    for (size_t side = 0; side < 2; side++)
-      g->room[2 * k + side] = poly ? all->room[2 * i + side] : INFINITY;
-  }
-  return OPC_OK;
-}
-
-static image_gates summarise(const cut_gates *c) {
+/* The gates whose middles lie in the window, along what the layer prints of
+   them: poly the length, active the width. */
+static image_gates measure_gates(const image_run *r, const image_model *m) {
+  const eda_gates *g = r->gates;
   image_gates s = {0, 0, INFINITY, 0};
-  size_t n = c->gates.count;
-  for (size_t i = 0; i < n; i++) {
-    window_cut cut = c->cuts[i];
-    if (isnan(cut.length)) {
+  double printed = 0;
+  if (r->layer > EDA_ACTIVE) return (image_gates){NAN, NAN, NAN, 0};
+  for (size_t i = 0; i < g->count; i++) {
+    if (!in_window(&r->view, g->box[i])) continue;
+    eda_section c = eda_gate_section(g, i, (int)r->layer, &m->print, &m->image);
+    if (isnan(c.length)) {
       s.failed++;
       continue;
     }
-    s.cd += cut.length;
-    s.ils += (cut.low + cut.high) / 2;
-    s.nils = fmin(s.nils, c->gates.length[i] * fmin(cut.low, cut.high));
+    double drawn = r->layer == EDA_POLY ? g->length[i] : g->width[i];
+    printed++;
+    s.cd += c.length;
+    s.ils += (c.low + c.high) / 2;
+    s.nils = fmin(s.nils, drawn * fmin(c.low, c.high));
   }
-  double printed = (double)n - (double)s.failed;
   if (printed == 0) return (image_gates){NAN, NAN, NAN, s.failed};
   s.cd /= printed;
   s.ils /= printed;
   return s;
 }
 
-static int measure_gates(image_run *r, opc_error *error) {
-  cut_gates c;
-  int code = choose_gates(r, &c, error);
-  for (size_t k = 0; k < r->n && !code; k++) {
-    image_model *m = &r->model[k];
-    window_cuts(r->view.host, &c.gates, &m->print, &m->image, c.cuts);
-    m->gates = summarise(&c);
-  }
-  release(r->view.host, &c);
-  return code;
-}
-
 /* ---- table and metrics ---- */
 
 static int table(const image_run *r, opc_error *error) {
   enum { NUMBERS = 10 };
-  static const struct {
-    const char *name, *unit;
-    int32_t decimals;
-  } heads[NUMBERS] = {{"rms", "nm", 3},
-                      {"max", "nm", 3},
-                      {"x", "nm", 1},
-                      {"y", "nm", 1},
-                      {"mean", "nm", 3},
-                      {"intensity_low", NULL, 4},
-                      {"intensity_high", NULL, 4},
-                      {"cd", "nm", 3},
-                      {"ils", "1/nm", 5},
-                      {"nils", NULL, 3}};
   const char *label[IMAGE_MODELS];
   int64_t failed[IMAGE_MODELS];
   double number[NUMBERS][IMAGE_MODELS];
@@ -114,21 +56,29 @@ static int table(const image_run *r, opc_error *error) {
     label[k] = m->label;
     failed[k] = g.failed;
   }
-  opc_column columns[NUMBERS + 2] = {{"model", NULL, OPC_TEXT, 0, label}};
-  for (size_t q = 0; q < NUMBERS; q++)
-    columns[q + 1] = (opc_column){heads[q].name, heads[q].unit, OPC_REAL,
-                                  heads[q].decimals, number[q]};
-  columns[NUMBERS + 1] = (opc_column){"failed", NULL, OPC_INT, 0, failed};
-  const opc_host *host = r->view.host;
-  return host->table(host, "models", OPC_TABLE_PRINT, r->n, columns,
-                     NUMBERS + 2, error);
+  const opc_column columns[] = {
+      {"model", NULL, OPC_TEXT, 0, label},
+      {"rms", "nm", OPC_REAL, 3, number[0]},
+      {"max", "nm", OPC_REAL, 3, number[1]},
+      {"x", "nm", OPC_REAL, 1, number[2]},
+      {"y", "nm", OPC_REAL, 1, number[3]},
+      {"mean", "nm", OPC_REAL, 3, number[4]},
+      {"intensity_low", NULL, OPC_REAL, 4, number[5]},
+      {"intensity_high", NULL, OPC_REAL, 4, number[6]},
+      {"cd", "nm", OPC_REAL, 3, number[7]},
+      {"ils", "1/nm", OPC_REAL, 5, number[8]},
+      {"nils", NULL, OPC_REAL, 3, number[9]},
+      {"failed", NULL, OPC_INT, 0, failed}};
+  return r->host->table(r->host, "models", OPC_TABLE_PRINT, r->n, columns,
+                        sizeof columns / sizeof *columns, error);
 }
 
 int image_report(image_run *r, opc_error *error) {
-  const opc_host *host = r->view.host;
+  const opc_host *host = r->host;
   double rms = NAN, max = NAN;
-  int code = measure_gates(r, error);
-  if (!code) code = table(r, error);
+  for (size_t k = 0; k < r->n; k++)
+    r->model[k].gates = measure_gates(r, &r->model[k]);
+  int code = table(r, error);
   for (size_t k = 1; k < r->n; k++) {
     rms = fmax(rms, r->model[k].distance.rms); /* what is not NAN */
     max = fmax(max, r->model[k].distance.max);

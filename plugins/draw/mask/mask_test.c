@@ -1,52 +1,56 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A mask made by hand, its picture read back: colours at known places. */
 #include <cairo.h>
+#include <eda/gates.h>
 #include <math.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "core/imaging/spline.h"
-#include "core/plugin/host.h"
-#include "core/plugin/testing.h"
+#include "core/testing/testing.h"
 
 /* ---- the mask ---- */
 
 enum { SIDE = 1000, NODES = 40, GATES = 2 };
+enum { CONTACT = 2, METAL, LAYERS };
 
 typedef struct rectangles {
   uint32_t start[2];
-  opc_point points[4];
-  opc_shapes shapes;
+  eda_point points[4];
+  eda_shapes shapes;
 } rectangles;
 
-/* Everything that an opc_mask points to. */
+/* Everything that an eda_mask points to. */
 typedef struct drawing {
-  rectangles drawn[OPC_MASKS], corrected[OPC_MASKS];
-  opc_box box[GATES];
+  rectangles drawn[LAYERS], mask_of[LAYERS];
+  char *layer[LAYERS];
+  uint8_t corrected[LAYERS];
+  eda_shapes drawn_shapes[LAYERS], mask_shapes[LAYERS];
+  eda_field print[LAYERS];
+  eda_box box[GATES];
   double design[GATES], before[GATES], after[GATES];
   uint32_t flags[GATES];
-  opc_gates gates;
-  opc_mask mask;
+  eda_gates gates;
+  eda_mask mask;
 } drawing;
 
 static void rectangle(rectangles *r, int32_t x0, int32_t y0, int32_t x1,
                       int32_t y1) {
   *r = (rectangles){{0, 4}, {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}, {0}};
-  r->shapes = (opc_shapes){1, r->start, r->points, NULL};
+  r->shapes = (eda_shapes){1, r->start, r->points, NULL};
 }
 
 /* level - cos - cos over one period each way: positive around the middle,
    along its axes out to where a cosine is level - 1. */
-static opc_field island(double level) {
-  opc_field f = {.frame = {0, 0, SIDE, SIDE}, .nx = NODES, .ny = NODES};
+static eda_field island(double level) {
+  eda_field f = {.frame = {0, 0, SIDE, SIDE}, .nx = NODES, .ny = NODES};
+  opc_error error;
   f.coefficients = g_new(float, NODES *NODES);
-  double scale = opc_spline_sampled(1.0 / NODES);
   for (int j = 0; j < NODES; j++)
     for (int i = 0; i < NODES; i++)
       f.coefficients[NODES * j + i] =
-          (float)(level -
-                  (cos(2 * M_PI * i / NODES) + cos(2 * M_PI * j / NODES)) /
-                      scale);
+          (float)(level - cos(2 * M_PI * i / NODES) -
+                  cos(2 * M_PI * j / NODES));
+  g_assert_cmpint(eda_field_from_samples(NULL, &f, &error), ==, OPC_OK);
   return f;
 }
 
@@ -54,37 +58,47 @@ static opc_field island(double level) {
    passes (333 1/3, 500), where the cosine is -1/2. */
 static void make(drawing *d) {
   memset(d, 0, sizeof *d);
-  rectangle(&d->drawn[OPC_POLY], 450, 100, 550, 900);
-  rectangle(&d->drawn[OPC_ACTIVE], 100, 300, 900, 700);
-  rectangle(&d->corrected[OPC_POLY], 430, 80, 570, 920);
-  rectangle(&d->corrected[OPC_ACTIVE], 120, 280, 880, 720);
-  d->box[0] = (opc_box){450, 300, 550, 500};
-  d->box[1] = (opc_box){450, 500, 550, 700};
+  rectangle(&d->drawn[EDA_POLY], 450, 100, 550, 900);
+  rectangle(&d->drawn[EDA_ACTIVE], 100, 300, 900, 700);
+  rectangle(&d->mask_of[EDA_POLY], 430, 80, 570, 920);
+  rectangle(&d->mask_of[EDA_ACTIVE], 120, 280, 880, 720);
+  d->box[0] = (eda_box){450, 300, 550, 500};
+  d->box[1] = (eda_box){450, 500, 550, 700};
   d->design[0] = d->design[1] = 1e-3;
   d->before[0] = d->before[1] = 0.8e-3;
   d->after[0] = 1.02e-3;
   d->after[1] = 0.99e-3;
-  d->gates = (opc_gates){.size = sizeof d->gates,
-                         .name = "ISLAND",
+  static char *const names[LAYERS] = {"poly", "active", "contact", "metal1"};
+  memcpy(d->layer, names, sizeof names);
+  d->corrected[EDA_POLY] = d->corrected[EDA_ACTIVE] = 1;
+  d->gates = (eda_gates){.name = "ISLAND",
                          .grid = 1,
                          .extent = {100, 100, 900, 900},
+                         .layers = LAYERS,
+                         .layer = d->layer,
+                         .corrected = d->corrected,
+                         .drawn = d->drawn_shapes,
                          .count = GATES,
                          .box = d->box};
-  d->mask = (opc_mask){.size = sizeof d->mask,
-                       .gates = &d->gates,
+  d->mask = (eda_mask){.gates = &d->gates,
+                       .shapes = d->mask_shapes,
+                       .print = d->print,
                        .design = {.count = GATES, .ion = d->design},
                        .before = {.count = GATES, .ion = d->before},
                        .after = {.count = GATES, .ion = d->after},
                        .flags = d->flags,
                        .iterations = 7};
-  for (int layer = 0; layer < OPC_MASKS; layer++) {
-    d->gates.drawn[layer] = d->drawn[layer].shapes;
-    d->mask.shapes[layer] = d->corrected[layer].shapes;
+  for (int layer = 0; layer < LAYERS; layer++) {
+    d->drawn_shapes[layer] = d->drawn[layer].shapes;
+    d->mask_shapes[layer] = d->mask_of[layer].shapes;
   }
-  d->mask.print[OPC_POLY] = island(-1.5);
+  d->print[EDA_POLY] = island(-1.5);
 }
 
-static void clear(drawing *d) { g_free(d->mask.print[OPC_POLY].coefficients); }
+static void clear(drawing *d) {
+  for (int layer = 0; layer < LAYERS; layer++)
+    g_free(d->print[layer].coefficients);
+}
 
 static int draw(drawing *d, const char *mapping, opc_error *error) {
   void *no_outputs[1];
@@ -282,7 +296,7 @@ static void test_failing(void) {
   opc_error error;
   make(&d);
   d.after[0] = 0;
-  d.flags[0] = OPC_PRINT_OPEN;
+  d.flags[0] = EDA_PRINT_OPEN;
   d.design[1] = 0;
   g_assert_cmpint(draw(&d, "{ " WINDOW ", file: failing.png }", &error), ==,
                   OPC_OK);
@@ -292,11 +306,50 @@ static void test_failing(void) {
   uint32_t unknown = at(&m, SIDE, 500, 600);
   g_assert_cmphex(unknown >> 16, ==, unknown & 255); /* grey */
   cairo_surface_destroy(m.surface);
-  d.flags[0] = OPC_PRINT_BITE;   /* worth a look, no failure */
+  d.flags[0] = EDA_PRINT_BITE; /* worth a look, no failure */
   g_assert_cmpint(draw(&d, "{ " WINDOW ", file: failing.png }", &error), ==,
                   OPC_OK);
   m = load("failing.png");
   g_assert_cmpfloat(brightness(at(&m, SIDE, 500, 400)), >, 60);
+  cairo_surface_destroy(m.surface);
+  clear(&d);
+}
+
+/* A contact that is only drawn, and a third layer that is corrected: of colours
+   of their own. One that is neither is not shown. */
+static void test_layers(void) {
+  drawing d;
+  opc_error error;
+  make(&d);
+  d.drawn_shapes[CONTACT] = d.drawn_shapes[METAL] = (eda_shapes){0};
+  rectangle(&d.drawn[CONTACT], 120, 320, 180, 380);
+  rectangle(&d.drawn[METAL], 20, 20, 380, 280);
+  rectangle(&d.mask_of[METAL], 10, 10, 390, 290);
+  d.drawn_shapes[CONTACT] = d.drawn[CONTACT].shapes;
+  d.drawn_shapes[METAL] = d.drawn[METAL].shapes;
+  g_assert_cmpint(draw(&d, "{ " WINDOW ", file: layers.png }", &error), ==,
+                  OPC_OK);
+  image m = load("layers.png");
+  g_assert_cmphex(at(&m, SIDE, 150, 350), ==, 0xbcbcbc);
+  g_assert_cmphex(at(&m, SIDE, 200, 150), ==, 0xffffff);
+  int height = m.height;
+  cairo_surface_destroy(m.surface);
+  d.corrected[METAL] = 1;
+  d.mask_shapes[METAL] = d.mask_of[METAL].shapes;
+  d.print[METAL] = island(-1.8);
+  g_assert_cmpint(draw(&d, "{ " WINDOW ", file: layers.png }", &error), ==,
+                  OPC_OK);
+  m = load("layers.png");
+  uint32_t metal = at(&m, SIDE, 200, 150), edge = at(&m, SIDE, 10, 150);
+  int where;
+  g_assert_cmphex(metal, !=, 0xffffff);
+  g_assert_cmphex(metal, !=, at(&m, SIDE, 500, 200)); /* poly */
+  g_assert_cmphex(metal, !=, at(&m, SIDE, 800, 600)); /* active */
+  g_assert_cmpfloat(brightness(edge), <, brightness(metal) - 30);
+  double least = acos(-0.8) / (2 * M_PI) * SIDE; /* its print, at y = 500 */
+  g_assert_cmpfloat(darkest_near(&m, least, 500, 8, &where), <, 100);
+  g_assert_cmpint(ABS(where), <=, 1);
+  g_assert_cmpint(m.height, >=, height); /* named in the legend */
   cairo_surface_destroy(m.surface);
   clear(&d);
 }
@@ -377,7 +430,7 @@ static void test_nothing_there(void) {
                   OPC_INVALID);
   g_assert_cmpstr(error.parameter, ==, "window");
   g_assert_nonnull(strstr(error.message, "(100, 100) to (900, 900) nm"));
-  d.gates.extent = (opc_box){1, 1, 0, 0};
+  d.gates.extent = (eda_box){1, 1, 0, 0};
   g_assert_cmpint(draw(&d, "{}", &error), ==, OPC_INVALID);
   g_assert_nonnull(strstr(error.message, "nothing to draw"));
   clear(&d);
@@ -424,6 +477,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/mask/window", test_window);
   g_test_add_func("/mask/all", test_all);
   g_test_add_func("/mask/failing", test_failing);
+  g_test_add_func("/mask/layers", test_layers);
   g_test_add_func("/mask/formats", test_formats);
   g_test_add_func("/mask/names", test_names);
   g_test_add_func("/mask/refused", test_refused);

@@ -1,137 +1,206 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* draw.surface: a figure over the settings of parameters, as in thesis figures
-   2.6 and 3.8, with the best one marked. */
+   2.6 and 3.8, with the best one marked: a heat map over the first and the last
+   parameter, where there is one alone a curve. */
+#include <eda/drawing.h>
+#include <eda/memory.h>
+#include <eda/settings.h>
+#include <glib.h>
 #include <math.h>
-
-#include "../mask/paper.h"
-#include "plot.h"
+#include <opcflow/step.h>
+#include <stdlib.h>
+#include <string.h>
 
 /* ---- state ---- */
 
-enum { SETTINGS, FILE_NAME, SCALE, WIDTH };
-
 typedef struct drawer {
   const opc_host *host;
-  const opc_value *values;
-  int format;
+  const eda_settings *settings;
+  const char *file;
+  int log;
+  int64_t width;
 } drawer;
 
-/* ---- work ---- */
+/* ---- work: settings ---- */
 
-static int check(const drawer *d, const opc_settings *s, const scale *of,
-                 opc_error *error) {
+static int check_settings(const eda_settings *s, const eda_axis *scale,
+                          opc_error *error) {
   size_t count = 1;
   for (size_t a = 0; a < s->n_parameters; a++) count *= s->parameters[a].count;
   if (count != s->count)
-    return d->host->fail(d->host, error, OPC_INVALID, "settings",
-                         "%zu figures for %zu settings", s->count, count);
-  if (!(of->low <= of->high) || !s->n_parameters || s->best >= s->count)
-    return d->host->fail(d->host, error, OPC_INVALID, "settings",
-                         "no setting has a figure: nothing to draw");
-  if (!isfinite(of->low) || !isfinite(of->high))
-    return d->host->fail(d->host, error, OPC_INVALID, "settings",
-                         "a figure of '%s' is not finite", s->name);
-  if (of->log && of->low <= 0)
-    return d->host->fail(d->host, error, OPC_INVALID, "scale",
-                         "a 'log' scale needs figures above 0, one of '%s' is "
-                         "%g",
-                         s->name, of->low);
+    return opc_fail(error, OPC_INVALID, "settings",
+                    "%zu figures for %zu settings", s->count, count);
+  if (!(scale->low <= scale->high) || !s->n_parameters || s->best >= s->count)
+    return opc_fail(error, OPC_INVALID, "settings",
+                    "no setting has a figure: nothing to draw");
+  if (!isfinite(scale->low) || !isfinite(scale->high))
+    return opc_fail(error, OPC_INVALID, "settings",
+                    "a figure of '%s' is not finite", s->name);
+  if (scale->log && scale->low <= 0)
+    return opc_fail(error, OPC_INVALID, "scale",
+                    "a 'log' scale needs figures above 0, one of '%s' is %g",
+                    s->name, scale->low);
   return OPC_OK;
+}
+
+static char *with_unit(const char *name, const char *unit) {
+  return unit ? g_strdup_printf("%s (%s)", name, unit) : g_strdup(name);
+}
+
+/* An axis with a label for each value of a parameter. */
+static void label_axis(eda_axis *axis, const eda_setting *p) {
+  char **label = g_new0(char *, p->count + 1);
+  for (size_t i = 0; i < p->count; i++)
+    label[i] =
+        p->values ? g_strdup_printf("%g", p->values[i]) : g_strdup(p->texts[i]);
+  axis->title = with_unit(p->name, p->unit);
+  eda_axis_label(axis, (const char *const *)label, p->count);
+}
+
+static void clear_axis(eda_axis *axis) {
+  g_free((char *)axis->title);
+  g_strfreev((char **)axis->label);
+}
+
+/* "0.54 %, fragment 22 nm, max_iterations 19" */
+static char *name_best(const eda_settings *s) {
+  GString *out = g_string_new(NULL);
+  g_string_printf(out, "%.4g%s%s", s->figure[s->best], s->unit ? " " : "",
+                  s->unit ? s->unit : "");
+  size_t stride = s->count;
+  for (size_t a = 0; a < s->n_parameters; a++) {
+    const eda_setting *p = &s->parameters[a];
+    const char *dot = strrchr(p->name, '.');
+    stride /= p->count;
+    g_string_append_printf(out, ", %s %s", dot ? dot + 1 : p->name,
+                           p->texts[s->best / stride % p->count]);
+  }
+  return g_string_free(out, FALSE);
+}
+
+/* ---- work: the picture ---- */
+
+/* What is shown, and below it the best setting. */
+static void draw_title(const eda_paper *paper, const eda_settings *s) {
+  g_autofree char *name = with_unit(s->name, s->unit);
+  g_autofree char *best = name_best(s);
+  eda_legend l;
+  eda_legend_init(&l, paper,
+                  paper->margin + eda_heading(paper, paper->margin, name));
+  eda_legend_add(&l, &(eda_sign){.kind = EDA_SIGN_RING}, "best: %s", best);
+}
+
+/* Between the axis of y and the room at the right. */
+static void place_chart(eda_chart *c, double right) {
+  c->left = floor(eda_axis_width(c->paper, &c->y));
+  c->width = floor(c->paper->width - c->left - right);
+}
+
+/* All parameters between the first and the last are at the best setting. */
+static void draw_map(eda_chart *c, const eda_settings *s,
+                     const eda_axis *scale) {
+  size_t columns = s->parameters[0].count, block = s->count / columns;
+  size_t rows = s->parameters[s->n_parameters - 1].count;
+  size_t between = s->best % block / rows * rows;
+  double *figure = eda_alloc(columns * rows, sizeof *figure);
+  for (size_t i = 0; i < columns; i++)
+    memcpy(figure + i * rows, s->figure + i * block + between,
+           rows * sizeof *figure);
+  label_axis(&c->y, &s->parameters[s->n_parameters - 1]);
+  place_chart(c, 7 * c->paper->font);
+  eda_chart_field(c, scale, figure);
+  eda_chart_axes(c);
+  eda_ring(c->paper, eda_chart_x(c, (double)(s->best / block)),
+           eda_chart_y(c, (double)(s->best % rows)));
+  clear_axis(&c->y);
+  free(figure);
+}
+
+static void draw_curve(eda_chart *c, const eda_settings *s,
+                       const eda_axis *scale) {
+  g_autofree char *title = with_unit(s->name, s->unit);
+  eda_colour colour = eda_sequential(0.3);
+  double *x = eda_alloc(s->count, sizeof *x);
+  for (size_t i = 0; i < s->count; i++) x[i] = (double)i;
+  c->y = *scale;
+  c->y.title = title;
+  eda_axis_widen(&c->y, 0.04, 0);
+  place_chart(c, 1.5 * c->paper->font);
+  eda_chart_axes(c);
+  eda_chart_line(c, colour, 2, 0, x, s->figure, s->count);
+  eda_chart_dots(c, colour, 0.2 * c->paper->font, x, s->figure, s->count);
+  eda_ring(c->paper, eda_chart_x(c, (double)s->best),
+           eda_chart_y(c, s->figure[s->best]));
+  free(x);
 }
 
 static int run(void *self, void **outputs, opc_error *error) {
   const drawer *d = self;
+  const eda_settings *s = d->settings;
+  double width = (double)d->width, font = fmax(9, width / 60);
+  eda_axis scale = {.log = d->log};
   (void)outputs;
-  const opc_settings *s = d->values[SETTINGS].object;
-  double width = (double)d->values[WIDTH].integer;
-  plot p = {.settings = s,
-            .scale = scale_of(s, d->values[SCALE].integer == 1),
-            .width = width,
-            .height = plot_height(width),
-            .font = fmax(9, width / 60)};
-  int code = check(d, s, &p.scale, error);
-  if (code) return code;
-  p.block = s->count / s->parameters[0].count;
-  p.last = s->parameters[s->n_parameters - 1].count;
-  const char *path =
-      d->host->output_path(d->host, d->values[FILE_NAME].text, error);
+  eda_axis_fit(&scale, s->figure, s->count);
+  if (check_settings(s, &scale, error)) return error->code;
+  const char *path = d->host->output_path(d->host, d->file, error);
   if (!path) return error->code;
-  paper sheet;
-  code = paper_open(&sheet, d->host, d->format, path, p.width, p.height, error);
-  if (code) return code;
-  p.cairo = sheet.cairo;
-  plot_draw(&p);
-  return paper_close(&sheet, OPC_OK, error);
+  eda_paper *paper =
+      eda_paper_open(path, width, ceil(0.68 * width), font, error);
+  if (!paper) return error->code;
+  eda_chart c = {.paper = paper,
+                 .top = floor(5 * font),
+                 .height = floor(paper->height - 9 * font)};
+  draw_title(paper, s);
+  label_axis(&c.x, &s->parameters[0]);
+  if (s->n_parameters > 1)
+    draw_map(&c, s, &scale);
+  else
+    draw_curve(&c, s, &scale);
+  clear_axis(&c.x);
+  return eda_paper_close(paper, OPC_OK, error);
 }
 
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    [SETTINGS] = {.name = "settings",
-                  .type = OPC_INPUT,
-                  .flags = OPC_REQUIRED,
-                  .choices = "settings",
-                  .summary = "what a search has found"},
-    [FILE_NAME] = {.name = "file",
-                   .type = OPC_OUTPUT,
-                   .preset = "surface.png",
-                   .summary = "the picture, .png, .svg or .pdf"},
-    [SCALE] = {.name = "scale",
-               .type = OPC_CHOICE,
-               .preset = "linear",
-               .choices = "linear|log",
-               .summary = "of the figure"},
-    [WIDTH] = {.name = "width",
-               .type = OPC_INT,
-               .flags = OPC_AT_LEAST | OPC_AT_MOST,
-               .preset = "1000",
-               .min = 300,
-               .max = 8000,
-               .summary = "of the picture in pixels (.pdf: points)"},
+    {.name = "settings",
+     .type = OPC_INPUT,
+     .flags = OPC_REQUIRED,
+     .choices = "settings",
+     .summary = "what a search has found",
+     OPC_FIELD(drawer, settings)},
+    {.name = "file",
+     .type = OPC_OUTPUT,
+     .preset = "surface.png",
+     .summary = "the picture, .png, .svg or .pdf",
+     OPC_FIELD(drawer, file)},
+    {.name = "scale",
+     .type = OPC_CHOICE,
+     .preset = "linear",
+     .choices = "linear|log",
+     .summary = "of the figure",
+     OPC_FIELD(drawer, log)},
+    {.name = "width",
+     .type = OPC_INT,
+     .flags = OPC_AT_LEAST | OPC_AT_MOST,
+     .preset = "1000",
+     .min = 300,
+     .max = 8000,
+     .summary = "of the picture in pixels (.pdf: points)",
+     OPC_FIELD(drawer, width)},
 };
+
+static int check(void *self, opc_error *error) {
+  return eda_paper_check(((drawer *)self)->file, "file", error);
+}
 
 /* ---- entry ---- */
 
-static void destroy(void *self) {
-  drawer *d = self;
-  d->host->free(d->host, d);
-}
+static const opc_step functions = {.run = run};
 
-static void *create(const opc_host *host, const opc_value *values,
-                    opc_error *error) {
-  const char *file = values[FILE_NAME].text;
-  int format = paper_format(file);
-  if (format < 0) {
-    host->fail(host, error, OPC_INVALID, "file",
-               "'%s': a picture is a .png, .svg or .pdf file", file);
-    return NULL;
-  }
-  drawer *d = host->alloc(host, 1, sizeof *d);
-  if (!d) {
-    host->fail(host, error, OPC_FAILED, NULL, "out of memory");
-    return NULL;
-  }
-  *d = (drawer){host, values, format};
-  return d;
-}
-
-static const opc_step step = {.size = sizeof step, .run = run};
-
-static const opc_plugin plugin = {
-    .size = sizeof plugin,
-    .abi_major = OPC_ABI_MAJOR,
-    .abi_minor = OPC_ABI_MINOR,
-    .id = "draw.surface",
-    .version = "0.1.0",
+OPC_PLUGIN(
+    drawer, .id = "draw.surface", .kind = "step", .version = "0.2.0",
     .licence = "BSD-3-Clause",
     .summary = "draw the figure of a search over the settings it has tried",
-    .kind = OPC_KIND_STEP,
-    .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-    OPC_PARAMETERS(parameters),
-    .create = create,
-    .destroy = destroy,
-    .operations = &step,
-};
-
-OPC_EXPORT const opc_plugin *opcflow_plugin(void);
-const opc_plugin *opcflow_plugin(void) { return &plugin; }
+    .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
+    .check = check, OPC_FUNCTIONS(functions));

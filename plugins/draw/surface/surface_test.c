@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Pictures of made-up settings, read back: shades, rings and curves at known
+   places. */
 #include <cairo.h>
-#include <glib.h>
+#include <eda/settings.h>
 #include <math.h>
-#include <opcflow/settings.h>
 #include <string.h>
 
-#include "core/plugin/testing.h"
+#include "core/testing/testing.h"
 
 /* ---- settings ---- */
 
 static const double lengths[] = {10, 12, 14}, counts[] = {1, 2};
 static const char *const length_texts[] = {"10 nm", "12 nm", "14 nm"};
 static const char *const count_texts[] = {"1", "2"};
-static const opc_setting both[] = {
+static const eda_setting both[] = {
     {"mask.synthesizer.fragment", "nm", 3, lengths, length_texts},
     {"mask.max_iterations", NULL, 2, counts, count_texts}};
 
-static opc_settings settings(const double *figure, size_t n_parameters,
+static eda_settings settings(const double *figure, size_t n_parameters,
                              size_t count, size_t best) {
-  return (opc_settings){.size = sizeof(opc_settings),
-                        .n_parameters = n_parameters,
+  return (eda_settings){.n_parameters = n_parameters,
                         .parameters = both,
                         .count = count,
                         .figure = figure,
@@ -28,7 +28,7 @@ static opc_settings settings(const double *figure, size_t n_parameters,
                         .best = best};
 }
 
-static int draw(opc_settings *s, const char *mapping, opc_error *error) {
+static int draw(eda_settings *s, const char *mapping, opc_error *error) {
   g_autoptr(opc_module) m = opc_test_module("draw.surface", mapping, error);
   g_assert_nonnull(m);
   opc_test_input(m, "settings", s);
@@ -85,7 +85,7 @@ static unsigned shade(cairo_surface_t *s, const cells *c, int i, int k) {
 /* Larger figures are lighter, each in its place; the best one has a ring. */
 static void test_map(void) {
   const double figure[] = {6, 3, 5, 1, 4, 2};
-  opc_settings s = settings(figure, 2, 6, 3);
+  eda_settings s = settings(figure, 2, 6, 3);
   opc_error error;
   g_assert_cmpint(draw(&s, "{ file: map.png }", &error), ==, OPC_OK);
   cairo_surface_t *p = picture("map.png");
@@ -108,8 +108,8 @@ static void test_map(void) {
 /* Of three parameters, the one between is at the best setting. */
 static void test_between(void) {
   const double figure[] = {9, 9, 3, 4, 9, 9, 5, 1, 9, 9, 6, 7};
-  const opc_setting three[] = {both[0], both[1], both[1]};
-  opc_settings s = settings(figure, 3, 12, 7);
+  const eda_setting three[] = {both[0], both[1], both[1]};
+  eda_settings s = settings(figure, 3, 12, 7);
   s.parameters = three;
   opc_error error;
   g_assert_cmpint(draw(&s, "{ file: between.png }", &error), ==, OPC_OK);
@@ -139,7 +139,7 @@ static int count_coloured(cairo_surface_t *s, int x0, int y0, int x1, int y1) {
 /* A curve goes from its first to its last dot and nowhere else. */
 static void test_curve(void) {
   const double figure[] = {3, 2, 1};
-  opc_settings s = settings(figure, 1, 3, 2);
+  eda_settings s = settings(figure, 1, 3, 2);
   opc_error error;
   g_assert_cmpint(draw(&s, "{ file: falling.png }", &error), ==, OPC_OK);
   cairo_surface_t *p = picture("falling.png");
@@ -154,7 +154,7 @@ static void test_curve(void) {
 /* A setting without a figure is grey, and the others are as without it. */
 static void test_missing(void) {
   const double figure[] = {6, 3, NAN, 1, 4, 2};
-  opc_settings s = settings(figure, 2, 6, 3);
+  eda_settings s = settings(figure, 2, 6, 3);
   opc_error error;
   g_assert_cmpint(draw(&s, "{ file: missing.png, scale: log }", &error), ==,
                   OPC_OK);
@@ -168,7 +168,7 @@ static void test_missing(void) {
 /* The same settings are the same file, in every format. */
 static void test_formats(void) {
   const double figure[] = {6, 3, 5};
-  opc_settings s = settings(figure, 1, 3, 1);
+  eda_settings s = settings(figure, 1, 3, 1);
   static const char *const ends[] = {"png", "svg", "pdf"};
   for (size_t i = 0; i < G_N_ELEMENTS(ends); i++) {
     char *text[2];
@@ -189,7 +189,7 @@ static void test_formats(void) {
 
 static void refused(const double *figure, const char *mapping,
                     const char *parameter) {
-  opc_settings s = settings(figure, 2, 6, 0);
+  eda_settings s = settings(figure, 2, 6, 0);
   opc_error error;
   g_assert_cmpint(draw(&s, mapping, &error), ==, OPC_INVALID);
   g_assert_cmpstr(error.parameter, ==, parameter);
@@ -202,7 +202,7 @@ static void test_refused(void) {
   refused(zero, "{ scale: log }", "scale");
   refused(none, "{}", "settings");
   refused(wild, "{}", "settings");
-  opc_settings few = settings(wild, 2, 5, 0);
+  eda_settings few = settings(wild, 2, 5, 0);
   opc_error fault;
   g_assert_cmpint(draw(&few, "{}", &fault), ==, OPC_INVALID);
   g_assert_nonnull(strstr(fault.message, "5 figures for 6 settings"));
@@ -220,7 +220,7 @@ static void test_scales(void) {
   for (size_t i = 0; i < 3; i++)
     for (int log = 0; log < 2; log++) {
       if (i == 2 && log) continue;
-      opc_settings s = settings(all[i], 2, 6, 0);
+      eda_settings s = settings(all[i], 2, 6, 0);
       opc_error error;
       g_autofree char *mapping = g_strdup_printf(
           "{ file: s%zu%d.png, scale: %s }", i, log, log ? "log" : "linear");

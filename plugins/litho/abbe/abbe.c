@@ -4,20 +4,21 @@
    and the intensities are added (M. Born, E. Wolf, Principles of Optics,
    10.6.2). Nothing is decomposed or cut off; the source's points are the only
    approximation. */
-#include "../optics/optics.h"
-
-#include <opcflow/litho.h>
-
+#include <eda/litho.h>
+#include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
+
+#include "../optics.h"
 
 /* ---- state ---- */
 
 typedef struct abbe {
   const opc_host *host;
   optics optics;
-  double spacing; /* of the source's points, pupil's radius 1 */
-  double *point;  /* x, y and weight of each */
+  int64_t points_across;
+  int points_across_given;
+  double *point; /* x, y and weight of each */
   double *weight;
   size_t count;
 } abbe;
@@ -32,15 +33,23 @@ typedef struct view {
 
 /* ---- work ---- */
 
-static int prepare(void *self, opc_error *error) {
+static void clear(void *self) {
   abbe *a = self;
   free(a->point);
   free(a->weight);
-  a->weight = NULL;
-  a->point = optics_source_points(&a->optics, a->spacing, &a->count);
-  if (a->point) a->weight = malloc(a->count * sizeof *a->weight);
-  if (!a->weight)
-    return a->host->fail(a->host, error, OPC_FAILED, NULL, "out of memory");
+  a->point = a->weight = NULL;
+}
+
+static int prepare(void *self, opc_error *error) {
+  abbe *a = self;
+  double spacing =
+      2 * optics_source_radius(&a->optics) / (double)a->points_across;
+  clear(a);
+  a->point = optics_source_points(&a->optics, spacing, &a->count);
+  if (!a->point)
+    return opc_fail(error, OPC_INVALID, "points_across",
+                    "the source is too thin for its points");
+  a->weight = eda_alloc(a->count, sizeof *a->weight);
   for (size_t i = 0; i < a->count; i++) a->weight[i] = a->point[3 * i + 2];
   a->host->log(a->host, OPC_LOG_DEBUG, "litho.abbe: %zu source points",
                a->count);
@@ -66,12 +75,11 @@ static void transfer(const void *self, size_t s, const double *fx, double fy,
   }
 }
 
-static int image_at(const void *self, int layer, const opc_spectrum *mask,
-                    double defocus, opc_field *out, opc_error *error) {
+static int image_at(const void *self, int layer, const eda_spectrum *mask,
+                    double defocus, eda_field *out, opc_error *error) {
   const abbe *a = self;
   view v = {a, defocus};
-  opc_systems systems = {.size = sizeof systems,
-                         .count = a->count,
+  eda_systems systems = {.count = a->count,
                          .weight = a->weight,
                          .band = band(a),
                          .intensity_band = 2 * a->optics.cutoff,
@@ -80,87 +88,48 @@ static int image_at(const void *self, int layer, const opc_spectrum *mask,
   optics_amplitudes(&a->optics, layer, systems.offset, systems.scale);
   /* Four samples to the finest period there can be. */
   double step = fmin(coarsest, 0.25 / systems.intensity_band);
-  return a->host->imaging->coherent_sum(a->host, mask, &systems, step, out,
-                                        error);
+  return eda_coherent_sum(a->host->context, mask, &systems, step, out, error);
 }
 
-static int image(const void *self, int layer, const opc_spectrum *mask,
-                 opc_field *out, opc_error *error) {
+static int image(const void *self, int layer, const eda_spectrum *mask,
+                 eda_field *out, opc_error *error) {
   return image_at(self, layer, mask, 0, out, error);
 }
 
 /* ---- parameters ---- */
 
-enum { POINTS_ACROSS = OPTICS_COUNT, PARAMETERS };
-
-static const opc_parameter parameters[PARAMETERS] = {
-    OPTICS_PARAMETERS,
-    [POINTS_ACROSS] = {.name = "points_across",
-                       .type = OPC_INT,
-                       .flags = OPC_AT_LEAST | OPC_AT_MOST,
-                       .preset = "36",
-                       .min = 2,
-                       .max = 1000,
-                       .summary = "points on the diameter of the source, one "
-                                  "Fourier transform for each of its area"},
+static const opc_parameter parameters[] = {
+    OPTICS_PARAMETERS(abbe),
+    {.name = "points_across",
+     .type = OPC_INT,
+     .flags = OPC_AT_LEAST | OPC_AT_MOST,
+     .preset = "36",
+     .min = 2,
+     .max = 1000,
+     .summary = "points on the diameter of the source, one Fourier transform "
+                "for each of its area",
+     OPC_FIELD(abbe, points_across),
+     .given = offsetof(abbe, points_across_given)},
 };
 
-static void destroy(void *self) {
+static int check(void *self, opc_error *error) {
   abbe *a = self;
-  free(a->point);
-  free(a->weight);
-  free(a);
-}
-
-static void *create(const opc_host *host, const opc_value *values,
-                    opc_error *error) {
-  abbe *a = calloc(1, sizeof *a);
-  if (!a) {
-    host->fail(host, error, OPC_FAILED, NULL, "out of memory");
-    return NULL;
-  }
-  a->host = host;
-  if (!optics_create(host, values, &a->optics, error)) {
-    free(a);
-    return NULL;
-  }
-  const opc_value *across = &values[POINTS_ACROSS];
-  if (a->optics.source == OPTICS_LIST && across->given) {
-    host->fail(host, error, OPC_INVALID, "points_across",
-               "'points_across' means nothing for a source 'points'");
-    free(a);
-    return NULL;
-  }
-  a->spacing = 2 * optics_source_radius(&a->optics) / (double)across->integer;
-  return a;
+  int code = optics_check(&a->optics, error);
+  if (!code && a->optics.source == OPTICS_LIST && a->points_across_given)
+    return opc_fail(error, OPC_INVALID, "points_across",
+                    "'points_across' means nothing for a source 'points'");
+  return code;
 }
 
 /* ---- entry ---- */
 
-static const opc_litho operations = {.size = sizeof operations,
-                                     .prepare = prepare,
-                                     .band = band,
-                                     .image = image,
-                                     .image_at = image_at};
-
-OPC_EXPORT const opc_plugin *opcflow_plugin(void);
-const opc_plugin *opcflow_plugin(void) {
-  static const opc_plugin plugin = {
-      .size = sizeof plugin,
-      .abi_major = OPC_ABI_MAJOR,
-      .abi_minor = OPC_ABI_MINOR,
-      .id = "litho.abbe",
-      .version = "0.1.0",
-      .licence = "BSD-3-Clause",
-      .summary =
-          "partially coherent imaging by source points, the reference "
-          "of other models",
-      .kind = OPC_KIND_LITHO,
-      .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-      OPC_PARAMETERS(parameters),
-      .create = create,
-      .destroy = destroy,
-      .operations = &operations,
-  };
-  return &plugin;
-}
+static const eda_litho functions = {
+    .prepare = prepare, .band = band, .image = image, .image_at = image_at};
+OPC_PLUGIN(abbe, .id = "litho.abbe", .kind = "litho", .version = "0.2.0",
+           .licence = "BSD-3-Clause",
+           .summary =
+               "partially coherent imaging by source points, the "
+               "reference of other models",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), .check = check, .clear = clear,
+           OPC_FUNCTIONS(functions));

@@ -2,11 +2,13 @@
 /* Images against closed forms: gratings of few orders through points and
    disks, the coherent edge, aberrations whose effect is known; and against
    litho.hopkins, which shares nothing but the pupil. */
-#include "core/plugin/testing.h"
-
 #include <complex.h>
+#include <eda/gates.h>
+#include <eda/litho.h>
 #include <math.h>
 #include <string.h>
+
+#include "core/testing/testing.h"
 
 static const opc_host *host;
 static const double cutoff = 0.75 / 193;
@@ -15,55 +17,54 @@ static opc_module *prepared(const char *id, const char *parameters) {
   opc_error error;
   opc_module *m = opc_test_module(id, parameters, &error);
   if (!m) g_error("%s", error.message);
-  const opc_litho *litho = m->plugin->operations;
+  const eda_litho *litho = m->functions;
   g_assert_cmpint(litho->prepare(m->self, &error), ==, OPC_OK);
   return m;
 }
 
 /* The image of boxes on a grid of 0.1 nm. */
-static opc_field image_of(opc_module *m, int layer, double defocus,
-                          const opc_box *boxes, size_t n, opc_frame f) {
-  const opc_litho *litho = m->plugin->operations;
-  opc_point points[16];
+static eda_field image_of(opc_module *m, int layer, double defocus,
+                          const eda_box *boxes, size_t n, eda_frame f) {
+  const eda_litho *litho = m->functions;
+  eda_point points[16];
   uint32_t start[5];
   g_assert_cmpuint(n, <=, 4);
   for (size_t i = 0; i < n; i++) {
-    opc_box b = boxes[i];
-    opc_point corners[] = {
+    eda_box b = boxes[i];
+    eda_point corners[] = {
         {b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
     memcpy(points + 4 * i, corners, sizeof corners);
   }
   for (size_t i = 0; i <= n; i++) start[i] = (uint32_t)(4 * i);
-  opc_shapes shapes = {n, start, points, NULL};
-  opc_spectrum mask;
-  opc_field field;
+  eda_shapes shapes = {n, start, points, NULL};
+  eda_spectrum mask;
+  eda_field field;
   opc_error error;
-  g_assert_cmpint(
-      host->imaging->mask_spectrum(host, &shapes, 0.1, f, litho->band(m->self),
-                                   &mask, &error),
-      ==, OPC_OK);
+  g_assert_cmpint(eda_mask_spectrum(host->context, &shapes, 0.1, f,
+                                    litho->band(m->self), &mask, &error),
+                  ==, OPC_OK);
   int code = defocus != 0 ? litho->image_at(m->self, layer, &mask, defocus,
                                             &field, &error)
                           : litho->image(m->self, layer, &mask, &field, &error);
   g_assert_cmpint(code, ==, OPC_OK);
-  host->imaging->release_spectrum(host, &mask);
+  eda_spectrum_clear(&mask);
   return field;
 }
 
-static double value_at(const opc_field *f, double x, double y) {
+static double value_at(const eda_field *f, double x, double y) {
   double v;
-  host->imaging->sample(f, &x, &y, 1, &v);
+  eda_field_sample(f, &x, &y, 1, &v);
   return v;
 }
 
 /* A vertical line of `width` at x = 0 in a grating of `pitch`. */
-static opc_field grating(const char *parameters, double defocus, double width,
+static eda_field grating(const char *parameters, double defocus, double width,
                          double pitch) {
   g_autoptr(opc_module) m = prepared("litho.abbe", parameters);
   int32_t x = (int32_t)lround(width * 5), y = (int32_t)lround(pitch * 10);
-  opc_box line = {-x, 0, x, y};
-  return image_of(m, OPC_POLY, defocus, &line, 1,
-                  (opc_frame){-pitch / 2, 0, pitch, pitch});
+  eda_box line = {-x, 0, x, y};
+  return image_of(m, EDA_POLY, defocus, &line, 1,
+                  (eda_frame){-pitch / 2, 0, pitch, pitch});
 }
 
 /* The amplitude of order n of that grating. */
@@ -82,7 +83,7 @@ static double beams(int from, int to, const double *waves, double x,
   return creal(e * conj(e));
 }
 
-static void assert_beams(const opc_field *f, int from, int to,
+static void assert_beams(const eda_field *f, int from, int to,
                          const double *waves, double width, double pitch) {
   for (double x = -pitch / 2; x < pitch / 2; x += pitch / 17)
     g_assert_cmpfloat(
@@ -93,37 +94,37 @@ static void assert_beams(const opc_field *f, int from, int to,
 /* ---- points ---- */
 
 static void test_three_beams(void) {
-  opc_field f = grating("{ source: points, points: [0, 0, 1] }", 0, 110, 300);
+  eda_field f = grating("{ source: points, points: [0, 0, 1] }", 0, 110, 300);
   assert_beams(&f, -1, 1, NULL, 110, 300);
-  host->imaging->release_field(host, &f);
+  eda_field_clear(&f);
 }
 
 /* Oblique light lets only the orders 0 and -1 pass; out of focus their phases
    differ as their angles to the axis do. */
 static void test_two_beams(void) {
   const char *p = "{ source: points, points: [0.6, 0, 3] }";
-  opc_field f = grating(p, 0, 110, 300);
+  eda_field f = grating(p, 0, 110, 300);
   assert_beams(&f, -1, 0, NULL, 110, 300);
-  host->imaging->release_field(host, &f);
+  eda_field_clear(&f);
   double sine[] = {(0.6 - 1 / (300 * cutoff)) * 0.75, 0.6 * 0.75};
   double waves[2];
   for (int i = 0; i < 2; i++)
     waves[i] = 120 / 193.0 * (sqrt(1 - sine[i] * sine[i]) - 1);
   f = grating(p, 120, 110, 300);
   assert_beams(&f, -1, 0, waves, 110, 300);
-  host->imaging->release_field(host, &f);
+  eda_field_clear(&f);
 }
 
 /* Defocus in water, in part from the parameter and in part from the call. */
 static void test_immersion(void) {
   double waves[] = {0, 0, 0}, s = 1.2 / 1.44 / (200 * 1.2 / 193);
   waves[0] = waves[2] = 1.44 * 90 / 193.0 * (sqrt(1 - s * s) - 1);
-  opc_field f = grating(
+  eda_field f = grating(
       "{ na: 1.2, index: 1.44, defocus: 50 nm, "
       "source: points, points: [0, 0, 1] }",
       40, 90, 200);
   assert_beams(&f, -1, 1, waves, 90, 200);
-  host->imaging->release_field(host, &f);
+  eda_field_clear(&f);
 }
 
 /* Tilt moves the image, coma gives the orders +-1 opposite phases, spherical
@@ -146,15 +147,15 @@ static void test_aberrations(void) {
     g_autofree char *p =
         g_strdup_printf("{ source: points, points: [0, 0, 1], zernike: [%s] }",
                         cases[i].zernike);
-    opc_field f = grating(p, 0, 110, 300);
+    eda_field f = grating(p, 0, 110, 300);
     assert_beams(&f, -1, 1, cases[i].waves, 110, 300);
-    host->imaging->release_field(host, &f);
+    eda_field_clear(&f);
   }
 }
 
 /* Intensities of points add up by their weights. */
 static void test_points_add(void) {
-  opc_field f = grating(
+  eda_field f = grating(
       "{ source: points, points: "
       "[0.6, 0, 1, -0.6, 0, 2, 0.05, 0.3, 5] }",
       0, 110, 300);
@@ -165,7 +166,7 @@ static void test_points_add(void) {
                                    5 * beams(-1, 1, NULL, x, 110, 300)) /
                                       8),
         <, 3e-5);
-  host->imaging->release_field(host, &f);
+  eda_field_clear(&f);
 }
 
 /* ---- disks ---- */
@@ -189,13 +190,13 @@ static void check_lens(double sigma, const char *parameters, double reach) {
     g_assert_cmpfloat(
         fabs(part - 2 / M_PI * (acos(d / 2) - d / 2 * sqrt(1 - d * d / 4))), <,
         1e-12);
-  opc_field f = grating(parameters, 0, 80, 200);
+  eda_field f = grating(parameters, 0, 80, 200);
   double worst = 0;
   for (double x = -100; x < 100; x += 9)
     worst = fmax(worst, fabs(value_at(&f, x, 77) -
                              (c0 * c0 + 2 * part * c1 * c1 +
                               4 * part * c0 * c1 * cos(2 * M_PI * x / 200))));
-  host->imaging->release_field(host, &f);
+  eda_field_clear(&f);
   g_test_message("sigma %g: %.2g off", sigma, worst);
   g_assert_cmpfloat(worst, <, reach);
 }
@@ -212,9 +213,9 @@ static void test_edge(void) {
       prepared("litho.abbe", "{ source: points, points: [0, 0, 1] }");
   /* The next odd orders are as far below the cutoff as above it. */
   double length = 2 * round(120000 * cutoff) / cutoff, height = 300;
-  opc_box half = {0, 0, (int32_t)lround(length * 5), 3000};
-  opc_field f = image_of(m, OPC_POLY, 0, &half, 1,
-                         (opc_frame){-length / 2, 0, length, height});
+  eda_box half = {0, 0, (int32_t)lround(length * 5), 3000};
+  eda_field f = image_of(m, EDA_POLY, 0, &half, 1,
+                         (eda_frame){-length / 2, 0, length, height});
   double si = 0, before = 0;
   enum { STEPS = 20 }; /* of the integral, a nanometre */
   for (int x = 0; x <= 600; x++) {
@@ -228,7 +229,7 @@ static void test_edge(void) {
     }
   }
   g_assert_cmpfloat(fabs(before - 1.08949), <, 1e-4);
-  host->imaging->release_field(host, &f);
+  eda_field_clear(&f);
 }
 
 /* ---- masks ---- */
@@ -241,10 +242,10 @@ static void test_clear(void) {
       "{ source: quasar, sigma: 0.9, sigma_in: 0.6, rotation: 45 deg }"};
   for (size_t i = 0; i < G_N_ELEMENTS(sources); i++) {
     g_autoptr(opc_module) m = prepared("litho.abbe", sources[i]);
-    opc_field f =
-        image_of(m, OPC_POLY, 0, NULL, 0, (opc_frame){0, 0, 400, 300});
+    eda_field f =
+        image_of(m, EDA_POLY, 0, NULL, 0, (eda_frame){0, 0, 400, 300});
     g_assert_cmpfloat(fabs(value_at(&f, 12, 34) - 1), <, 1e-5);
-    host->imaging->release_field(host, &f);
+    eda_field_clear(&f);
   }
 }
 
@@ -253,15 +254,15 @@ static void test_complement(void) {
   const char *p =
       "{ source: points, points: [0, 0, 1], active: { tone: dark } }";
   g_autoptr(opc_module) m = prepared("litho.abbe", p);
-  opc_box line = {-550, 0, 550, 3000};
-  opc_frame frame = {-150, 0, 300, 300};
-  opc_field f = image_of(m, OPC_ACTIVE, 0, &line, 1, frame);
+  eda_box line = {-550, 0, 550, 3000};
+  eda_frame frame = {-150, 0, 300, 300};
+  eda_field f = image_of(m, EDA_ACTIVE, 0, &line, 1, frame);
   double c0 = order(0, 110, 300), c1 = order(1, 110, 300);
   for (double x = -150; x < 150; x += 11) {
     double e = c0 + 2 * c1 * cos(2 * M_PI * x / 300);
     g_assert_cmpfloat(fabs(value_at(&f, x, 3) - (1 - e) * (1 - e)), <, 3e-5);
   }
-  host->imaging->release_field(host, &f);
+  eda_field_clear(&f);
 }
 
 /* What is drawn lets 6 % pass, at some phase. */
@@ -274,49 +275,64 @@ static void test_attenuated(void) {
         "phase: %g deg } }",
         phase);
     double complex a = t * cexp(I * M_PI * phase / 180);
-    opc_field f = grating(p, 0, 110, 300);
+    eda_field f = grating(p, 0, 110, 300);
     for (double x = -150; x < 150; x += 11) {
       double complex e =
           order(0, 110, 300) + 2 * order(1, 110, 300) * cos(2 * M_PI * x / 300);
       e = a + (1 - a) * e;
       g_assert_cmpfloat(fabs(value_at(&f, x, 3) - creal(e * conj(e))), <, 3e-5);
     }
-    host->imaging->release_field(host, &f);
+    eda_field_clear(&f);
   }
+}
+
+/* A layer past active is exposed as poly is, and active in its own way. */
+static void test_layers(void) {
+  g_autoptr(opc_module) m =
+      prepared("litho.abbe",
+               "{ source: points, points: [0, 0, 1], active: { tone: dark } }");
+  const eda_box line = {-550, 0, 550, 3000};
+  eda_field f[3];
+  for (int layer = 0; layer < 3; layer++)
+    f[layer] = image_of(m, layer, 0, &line, 1, (eda_frame){-150, 0, 300, 300});
+  for (double x = -150; x < 150; x += 11)
+    g_assert_cmpfloat(value_at(&f[2], x, 3), ==, value_at(&f[0], x, 3));
+  g_assert_cmpfloat(value_at(&f[1], 0, 3), >, value_at(&f[0], 0, 3) + 0.1);
+  for (int layer = 0; layer < 3; layer++) eda_field_clear(&f[layer]);
 }
 
 /* ---- symmetries ---- */
 
-static const opc_box two[] = {{-1300, -1700, 900, -300},
+static const eda_box two[] = {{-1300, -1700, 900, -300},
                               {100, 300, 1500, 2300}};
-static const opc_frame frame = {-350, -400, 700, 800};
+static const eda_frame frame = {-350, -400, 700, 800};
 
 static void test_shift(void) {
   g_autoptr(opc_module) m = prepared("litho.abbe",
                                      "{ points_across: 12, defocus: 60 nm, "
                                      "zernike: [0, 0, 0, 0, 0, 0, 0.05] }");
-  opc_box moved[2];
+  eda_box moved[2];
   for (int i = 0; i < 2; i++)
-    moved[i] = (opc_box){two[i].x0 + 137, two[i].y0 - 211, two[i].x1 + 137,
+    moved[i] = (eda_box){two[i].x0 + 137, two[i].y0 - 211, two[i].x1 + 137,
                          two[i].y1 - 211};
-  opc_field a = image_of(m, OPC_POLY, 0, two, 2, frame);
-  opc_field b = image_of(m, OPC_POLY, 0, moved, 2, frame);
+  eda_field a = image_of(m, EDA_POLY, 0, two, 2, frame);
+  eda_field b = image_of(m, EDA_POLY, 0, moved, 2, frame);
   for (int i = 0; i < 60; i++) {
     double x = 11.3 * i - 340, y = 390 - 12.7 * i;
     g_assert_cmpfloat(
         fabs(value_at(&a, x, y) - value_at(&b, x + 13.7, y - 21.1)), <, 3e-5);
   }
-  host->imaging->release_field(host, &a);
-  host->imaging->release_field(host, &b);
+  eda_field_clear(&a);
+  eda_field_clear(&b);
 }
 
 static void test_defocus(void) {
   g_autoptr(opc_module) m = prepared("litho.abbe", "{ points_across: 12 }");
   g_autoptr(opc_module) given =
       prepared("litho.abbe", "{ points_across: 12, defocus: -100 nm }");
-  opc_field focus = image_of(m, OPC_POLY, 0, two, 2, frame);
-  opc_field above = image_of(m, OPC_POLY, 100, two, 2, frame);
-  opc_field below = image_of(given, OPC_POLY, 0, two, 2, frame);
+  eda_field focus = image_of(m, EDA_POLY, 0, two, 2, frame);
+  eda_field above = image_of(m, EDA_POLY, 100, two, 2, frame);
+  eda_field below = image_of(given, EDA_POLY, 0, two, 2, frame);
   double change = 0;
   for (int i = 0; i < 60; i++) {
     double x = 11.3 * i - 340, y = 390 - 12.7 * i;
@@ -326,15 +342,15 @@ static void test_defocus(void) {
         fmax(change, fabs(value_at(&focus, x, y) - value_at(&above, x, y)));
   }
   g_assert_cmpfloat(change, >, 0.02);
-  host->imaging->release_field(host, &focus);
-  host->imaging->release_field(host, &above);
-  host->imaging->release_field(host, &below);
+  eda_field_clear(&focus);
+  eda_field_clear(&above);
+  eda_field_clear(&below);
 }
 
 /* ---- Hopkins ---- */
 
 /* The largest difference of two images. */
-static double difference(const opc_field *a, const opc_field *b) {
+static double difference(const eda_field *a, const eda_field *b) {
   double worst = 0;
   for (int i = 0; i < 400; i++) {
     double x = 350 - fmod(1.7 * 211.3 * i, 700), y = 2 * i - 400;
@@ -345,21 +361,21 @@ static double difference(const opc_field *a, const opc_field *b) {
 
 static void test_hopkins(void) {
   g_autoptr(opc_module) hopkins = prepared("litho.hopkins", "{ kernels: 530 }");
-  opc_field want = image_of(hopkins, OPC_POLY, 0, two, 2, frame);
+  eda_field want = image_of(hopkins, EDA_POLY, 0, two, 2, frame);
   double first = 0, last = 0;
   for (int across = 9; across <= 144; across *= 2) {
     g_autofree char *p = g_strdup_printf("{ points_across: %d }", across);
     g_autoptr(opc_module) abbe = prepared("litho.abbe", p);
-    opc_field got = image_of(abbe, OPC_POLY, 0, two, 2, frame);
+    eda_field got = image_of(abbe, EDA_POLY, 0, two, 2, frame);
     last = difference(&want, &got);
     if (across == 9) first = last;
     g_test_message("%3d points across: %.2g off litho.hopkins", across, last);
     g_assert_cmpfloat(last, <, 0.25 / across + 3e-4);
-    host->imaging->release_field(host, &got);
+    eda_field_clear(&got);
   }
   g_assert_cmpfloat(last, <, 5e-4);
   g_assert_cmpfloat(last, <, first / 5);
-  host->imaging->release_field(host, &want);
+  eda_field_clear(&want);
 }
 
 static void test_refused(void) {
@@ -414,6 +430,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/abbe/clear-field", test_clear);
   g_test_add_func("/abbe/complement", test_complement);
   g_test_add_func("/abbe/attenuated", test_attenuated);
+  g_test_add_func("/abbe/layers", test_layers);
   g_test_add_func("/abbe/shift", test_shift);
   g_test_add_func("/abbe/defocus", test_defocus);
   g_test_add_func("/abbe/hopkins", test_hopkins);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The area that three disks have in common, along the arcs of its border. */
 #include "disks.h"
 
 #include <math.h>
@@ -32,9 +33,8 @@ static double arc(disk a, double from, double to) {
 }
 
 double opc_common_area(double sigma, double r1, double r2, double angle) {
-  const disk d[3] = {{0, 0, sigma},
-                     {r1, 0, 1},
-                     {r2 * cos(angle), r2 * sin(angle), 1}};
+  const disk d[3] = {
+      {0, 0, sigma}, {r1, 0, 1}, {r2 * cos(angle), r2 * sin(angle), 1}};
   double area = 0;
   for (int i = 0; i < 3; i++) {
     double middle[2], half[2];

@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kernels against the definition: Hopkins' double sum over the frequencies of
    a small field, its cross coefficients by strips. */
-#include "core/plugin/testing.h"
-
 #include <complex.h>
+#include <eda/gates.h>
+#include <eda/litho.h>
 #include <math.h>
 #include <string.h>
 
+#include "core/testing/testing.h"
+
 static const double wavelength = 193, na = 0.75, sigma = 0.75;
-static const opc_frame frame = {-350, -400, 700, 800};
+static const eda_frame frame = {-350, -400, 700, 800};
 
 /* The part of a horizontal strip at y within a disk. */
 static void chord(double cx, double cy, double r, double y, double *from,
@@ -36,7 +38,7 @@ static double cross_coefficient(double x1, double y1, double x2, double y2) {
 
 /* The intensity of an opaque rectangle at the places (x, y), by the double
    sum. */
-static void direct(opc_box b, const double *x, const double *y, size_t n,
+static void direct(eda_box b, const double *x, const double *y, size_t n,
                    double *out) {
   enum { MOST = 200 };
   double fx[MOST], fy[MOST];
@@ -47,10 +49,11 @@ static void direct(opc_box b, const double *x, const double *y, size_t n,
     for (int k = -6; k <= 6; k++) {
       double u = k / frame.width / cutoff, v = l / frame.height / cutoff;
       if (hypot(u, v) > 1 + sigma) continue;
-      double side[2] = {k ? sin(M_PI * k * (b.x1 - b.x0) / frame.width) / (M_PI * k)
-                          : (b.x1 - b.x0) / frame.width,
-                        l ? sin(M_PI * l * (b.y1 - b.y0) / frame.height) / (M_PI * l)
-                          : (b.y1 - b.y0) / frame.height};
+      double side[2] = {
+          k ? sin(M_PI * k * (b.x1 - b.x0) / frame.width) / (M_PI * k)
+            : (b.x1 - b.x0) / frame.width,
+          l ? sin(M_PI * l * (b.y1 - b.y0) / frame.height) / (M_PI * l)
+            : (b.y1 - b.y0) / frame.height};
       double phase = -M_PI * (k * (b.x0 + b.x1) / frame.width +
                               l * (b.y0 + b.y1) / frame.height);
       g_assert_cmpuint(orders, <, MOST);
@@ -64,31 +67,33 @@ static void direct(opc_box b, const double *x, const double *y, size_t n,
       double t = cross_coefficient(fx[p], fy[p], fx[q], fy[q]);
       if (t == 0) continue;
       for (size_t i = 0; i < n; i++)
-        out[i] += creal(t * a[p] * conj(a[q]) *
-                        cexp(2 * M_PI * I * cutoff *
-                             ((fx[p] - fx[q]) * x[i] + (fy[p] - fy[q]) * y[i])));
+        out[i] +=
+            creal(t * a[p] * conj(a[q]) *
+                  cexp(2 * M_PI * I * cutoff *
+                       ((fx[p] - fx[q]) * x[i] + (fy[p] - fy[q]) * y[i])));
     }
 }
 
-static void image(const char *parameters, const opc_shapes *shapes,
-                  opc_frame f, opc_field *field) {
+static void image(const char *parameters, const eda_shapes *shapes, eda_frame f,
+                  eda_field *field) {
   opc_error error;
-  g_autoptr(opc_module) m = opc_test_module("litho.hopkins", parameters, &error);
+  g_autoptr(opc_module) m =
+      opc_test_module("litho.hopkins", parameters, &error);
   g_assert_nonnull(m);
-  const opc_litho *litho = m->plugin->operations;
+  const eda_litho *litho = m->functions;
   g_assert_cmpint(litho->prepare(m->self, &error), ==, OPC_OK);
   const opc_host *host = opc_test_host();
-  opc_spectrum mask;
-  g_assert_cmpint(host->imaging->mask_spectrum(host, shapes, 1, f,
-                                               litho->band(m->self), &mask,
-                                               &error), ==, OPC_OK);
+  eda_spectrum mask;
+  g_assert_cmpint(eda_mask_spectrum(host->context, shapes, 1, f,
+                                    litho->band(m->self), &mask, &error),
+                  ==, OPC_OK);
   g_assert_cmpint(litho->image(m->self, 0, &mask, field, &error), ==, OPC_OK);
-  host->imaging->release_spectrum(host, &mask);
+  eda_spectrum_clear(&mask);
 }
 
 static void test_definition(void) {
   enum { PLACES = 40 };
-  opc_box b = {-130, -170, 90, 230};
+  eda_box b = {-130, -170, 90, 230};
   double x[PLACES], y[PLACES], want[PLACES], got[PLACES];
   GRand *random = g_rand_new_with_seed(3);
   for (int i = 0; i < PLACES; i++) {
@@ -97,9 +102,9 @@ static void test_definition(void) {
   }
   g_rand_free(random);
   direct(b, x, y, PLACES, want);
-  opc_point points[] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
+  eda_point points[] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
   uint32_t start[] = {0, 4};
-  opc_shapes shapes = {1, start, points, NULL};
+  eda_shapes shapes = {1, start, points, NULL};
   const struct {
     const char *parameters;
     double reach;
@@ -110,10 +115,10 @@ static void test_definition(void) {
                {"{ error: 1e-4 }", 1e-4}};
   double before = 1;
   for (size_t c = 0; c < G_N_ELEMENTS(cases); c++) {
-    opc_field field;
+    eda_field field;
     image(cases[c].parameters, &shapes, frame, &field);
-    opc_test_host()->imaging->sample(&field, x, y, PLACES, got);
-    opc_test_host()->imaging->release_field(opc_test_host(), &field);
+    eda_field_sample(&field, x, y, PLACES, got);
+    eda_field_clear(&field);
     double worst = 0, mean = 0;
     for (int i = 0; i < PLACES; i++) {
       worst = fmax(worst, fabs(got[i] - want[i]));
@@ -129,124 +134,123 @@ static void test_definition(void) {
 
 /* Nothing on the mask: the clear field is 1. */
 static void test_clear(void) {
-  opc_shapes none = {0};
-  opc_field field;
+  eda_shapes none = {0};
+  eda_field field;
   image("{ error: 3e-4 }", &none, frame, &field);
   double x = 12, y = 34, value;
-  opc_test_host()->imaging->sample(&field, &x, &y, 1, &value);
-  opc_test_host()->imaging->release_field(opc_test_host(), &field);
+  eda_field_sample(&field, &x, &y, 1, &value);
+  eda_field_clear(&field);
   g_assert_cmpfloat(fabs(value - 1), <, 5e-4);
 }
 
 /* A grating finer than two beams can image is a constant: dark lines of half
    the period give a quarter of the clear field. */
 static void test_too_fine(void) {
-  opc_point points[] = {{0, 0}, {25, 0}, {25, 400}, {0, 400}};
+  eda_point points[] = {{0, 0}, {25, 0}, {25, 400}, {0, 400}};
   uint32_t start[] = {0, 4};
-  opc_shapes line = {1, start, points, NULL};
-  opc_field field;
-  image("{ error: 1e-4 }", &line, (opc_frame){0, 0, 50, 400}, &field);
+  eda_shapes line = {1, start, points, NULL};
+  eda_field field;
+  image("{ error: 1e-4 }", &line, (eda_frame){0, 0, 50, 400}, &field);
   double x[] = {0, 10, 33}, y[] = {0, 100, 321}, value[3];
-  opc_test_host()->imaging->sample(&field, x, y, 3, value);
-  opc_test_host()->imaging->release_field(opc_test_host(), &field);
-  for (int i = 0; i < 3; i++)
-    g_assert_cmpfloat(fabs(value[i] - 0.25), <, 2e-4);
+  eda_field_sample(&field, x, y, 3, value);
+  eda_field_clear(&field);
+  for (int i = 0; i < 3; i++) g_assert_cmpfloat(fabs(value[i] - 0.25), <, 2e-4);
 }
 
 /* The image does not change when the mask is moved or mirrored with it. */
 static void test_symmetry(void) {
-  opc_point points[] = {{-130, -170}, {90, -170}, {90, 100}, {0, 100},
-                        {0, 230}, {-130, 230}};
-  opc_point mirrored[6];
+  eda_point points[] = {{-130, -170}, {90, -170}, {90, 100},
+                        {0, 100},     {0, 230},   {-130, 230}};
+  eda_point mirrored[6];
   for (int i = 0; i < 6; i++)
-    mirrored[i] = (opc_point){-points[5 - i].y, -points[5 - i].x};
+    mirrored[i] = (eda_point){-points[5 - i].y, -points[5 - i].x};
   uint32_t start[] = {0, 6};
-  opc_shapes a = {1, start, points, NULL}, b = {1, start, mirrored, NULL};
-  opc_frame f = {-450, -450, 900, 900};
-  opc_field fields[2];
+  eda_shapes a = {1, start, points, NULL}, b = {1, start, mirrored, NULL};
+  eda_frame f = {-450, -450, 900, 900};
+  eda_field fields[2];
   image("{}", &a, f, &fields[0]);
   image("{}", &b, f, &fields[1]);
   for (int i = 0; i < 50; i++) {
     double x = 17.3 * i - 400, y = 300 - 11.1 * i, p, q, mx = -y, my = -x;
-    opc_test_host()->imaging->sample(&fields[0], &x, &y, 1, &p);
-    opc_test_host()->imaging->sample(&fields[1], &mx, &my, 1, &q);
+    eda_field_sample(&fields[0], &x, &y, 1, &p);
+    eda_field_sample(&fields[1], &mx, &my, 1, &q);
     g_assert_cmpfloat(fabs(p - q), <, 2e-5);
   }
-  for (int k = 0; k < 2; k++)
-    opc_test_host()->imaging->release_field(opc_test_host(), &fields[k]);
+  for (int k = 0; k < 2; k++) eda_field_clear(&fields[k]);
 }
 
 /* One line and one block in a frame so wide that its spectrum is cut into
    strips, moved and mirrored in x: so is the image. */
-static opc_field wide_image(double x, double y, int mirror) {
+static eda_field wide_image(double x, double y, int mirror) {
   const double w = 14000, h = 900;
-  opc_box boxes[] = {{2000, 100, 2065, 700}, {2300, 250, 2700, 420}};
-  opc_point points[8];
+  eda_box boxes[] = {{2000, 100, 2065, 700}, {2300, 250, 2700, 420}};
+  eda_point points[8];
   for (int b = 0; b < 2; b++) {
-    opc_box q = boxes[b];
+    eda_box q = boxes[b];
     int32_t x0 = q.x0 + (int32_t)x, x1 = q.x1 + (int32_t)x;
     if (mirror) {
       x0 = (int32_t)w - q.x1 - (int32_t)x;
       x1 = (int32_t)w - q.x0 - (int32_t)x;
     }
     int32_t y0 = q.y0 + (int32_t)y, y1 = q.y1 + (int32_t)y;
-    points[4 * b] = (opc_point){x0, y0};
-    points[4 * b + 1] = (opc_point){x1, y0};
-    points[4 * b + 2] = (opc_point){x1, y1};
-    points[4 * b + 3] = (opc_point){x0, y1};
+    points[4 * b] = (eda_point){x0, y0};
+    points[4 * b + 1] = (eda_point){x1, y0};
+    points[4 * b + 2] = (eda_point){x1, y1};
+    points[4 * b + 3] = (eda_point){x0, y1};
   }
   uint32_t start[] = {0, 4, 8};
-  opc_shapes shapes = {2, start, points, NULL};
-  opc_field field;
-  image("{}", &shapes, (opc_frame){0, 0, w, h}, &field);
+  eda_shapes shapes = {2, start, points, NULL};
+  eda_field field;
+  image("{}", &shapes, (eda_frame){0, 0, w, h}, &field);
   return field;
 }
 
 static void test_moved(void) {
-  const opc_imaging_service *s = opc_test_host()->imaging;
-  opc_field as_is = wide_image(0, 0, 0), moved = wide_image(7411, 53, 0),
+  eda_field as_is = wide_image(0, 0, 0), moved = wide_image(7411, 53, 0),
             mirrored = wide_image(7411, 53, 1);
   double least = 1;
   for (int i = 0; i < 400; i++) {
     double x = 1700 + 3.7 * i, y = 13 + 2.1 * i, p, q, r;
     double mx = x + 7411, my = y + 53, rx = 14000 - mx;
-    s->sample(&as_is, &x, &y, 1, &p);
-    s->sample(&moved, &mx, &my, 1, &q);
-    s->sample(&mirrored, &rx, &my, 1, &r);
+    eda_field_sample(&as_is, &x, &y, 1, &p);
+    eda_field_sample(&moved, &mx, &my, 1, &q);
+    eda_field_sample(&mirrored, &rx, &my, 1, &r);
     g_assert_cmpfloat(fabs(p - q), <, 5e-5);
     g_assert_cmpfloat(fabs(p - r), <, 5e-5);
     least = fmin(least, p);
   }
   g_assert_cmpfloat(least, <, 0.5);
-  s->release_field(opc_test_host(), &as_is);
-  s->release_field(opc_test_host(), &moved);
-  s->release_field(opc_test_host(), &mirrored);
+  eda_field_clear(&as_is);
+  eda_field_clear(&moved);
+  eda_field_clear(&mirrored);
 }
 
 /* The general way against the radial one, in focus but for a picometre, for a
    disk and a ring; and the same on both sides of the focus. */
 static void test_general(void) {
-  opc_point points[] = {{-130, -170}, {90, -170}, {90, 230}, {-130, 230}};
+  eda_point points[] = {{-130, -170}, {90, -170}, {90, 230}, {-130, 230}};
   uint32_t start[] = {0, 4};
-  opc_shapes shapes = {1, start, points, NULL};
+  eda_shapes shapes = {1, start, points, NULL};
   const char *sources[] = {"{ error: 8e-4 }",
                            "{ error: 8e-4, source: annular, sigma_in: 0.4 }"};
   const opc_host *host = opc_test_host();
   for (size_t i = 0; i < G_N_ELEMENTS(sources); i++) {
     opc_error error;
-    g_autoptr(opc_module) m = opc_test_module("litho.hopkins", sources[i], &error);
+    g_autoptr(opc_module) m =
+        opc_test_module("litho.hopkins", sources[i], &error);
     g_assert_nonnull(m);
-    const opc_litho *litho = m->plugin->operations;
+    const eda_litho *litho = m->functions;
     g_assert_cmpint(litho->prepare(m->self, &error), ==, OPC_OK);
-    opc_spectrum mask;
-    opc_field field[4];
+    eda_spectrum mask;
+    eda_field field[4];
     const double defocus[] = {0, 1e-3, 120, -120};
-    g_assert_cmpint(host->imaging->mask_spectrum(host, &shapes, 1, frame,
-                                                 litho->band(m->self), &mask,
-                                                 &error), ==, OPC_OK);
+    g_assert_cmpint(eda_mask_spectrum(host->context, &shapes, 1, frame,
+                                      litho->band(m->self), &mask, &error),
+                    ==, OPC_OK);
     for (int k = 0; k < 4; k++)
-      g_assert_cmpint(litho->image_at(m->self, 0, &mask, defocus[k], &field[k],
-                                      &error), ==, OPC_OK);
+      g_assert_cmpint(
+          litho->image_at(m->self, 0, &mask, defocus[k], &field[k], &error), ==,
+          OPC_OK);
     double general = 0, sides = 0, blur = 0;
     for (int k = 0; k < field[0].nx * field[0].ny; k++) {
       double v[4];
@@ -260,38 +264,41 @@ static void test_general(void) {
     g_assert_cmpfloat(general, <, 2e-3);
     g_assert_cmpfloat(sides, <, 1e-4);
     g_assert_cmpfloat(blur, >, 0.02);
-    host->imaging->release_spectrum(host, &mask);
-    for (int k = 0; k < 4; k++) host->imaging->release_field(host, &field[k]);
+    eda_spectrum_clear(&mask);
+    for (int k = 0; k < 4; k++) eda_field_clear(&field[k]);
   }
 }
 
-static double value_at(const opc_field *f, double x, double y) {
+static double value_at(const eda_field *f, double x, double y) {
   double v;
-  opc_test_host()->imaging->sample(f, &x, &y, 1, &v);
+  eda_field_sample(f, &x, &y, 1, &v);
   return v;
 }
 
-/* The image of a vertical line in the middle of a period, on a mask of 0.1 nm. */
-static opc_field line_image(const char *parameters, int layer, double width,
+/* The image of a vertical line in the middle of a period, on a mask of 0.1 nm.
+ */
+static eda_field line_image(const char *parameters, int layer, double width,
                             double period) {
   opc_error error;
-  g_autoptr(opc_module) m = opc_test_module("litho.hopkins", parameters, &error);
+  g_autoptr(opc_module) m =
+      opc_test_module("litho.hopkins", parameters, &error);
   if (!m) g_error("%s", error.message);
-  const opc_litho *litho = m->plugin->operations;
+  const eda_litho *litho = m->functions;
   g_assert_cmpint(litho->prepare(m->self, &error), ==, OPC_OK);
   const opc_host *host = opc_test_host();
   int32_t x = (int32_t)lround(5 * width), top = 4000;
-  opc_point points[] = {{-x, 0}, {x, 0}, {x, top}, {-x, top}};
+  eda_point points[] = {{-x, 0}, {x, 0}, {x, top}, {-x, top}};
   uint32_t start[] = {0, 4};
-  opc_shapes line = {1, start, points, NULL};
-  opc_spectrum mask;
-  opc_field field;
-  opc_frame f = {-period / 2, 0, period, 400};
-  g_assert_cmpint(host->imaging->mask_spectrum(host, &line, 0.1, f,
-                                               litho->band(m->self), &mask,
-                                               &error), ==, OPC_OK);
-  g_assert_cmpint(litho->image(m->self, layer, &mask, &field, &error), ==, OPC_OK);
-  host->imaging->release_spectrum(host, &mask);
+  eda_shapes line = {1, start, points, NULL};
+  eda_spectrum mask;
+  eda_field field;
+  eda_frame f = {-period / 2, 0, period, 400};
+  g_assert_cmpint(eda_mask_spectrum(host->context, &line, 0.1, f,
+                                    litho->band(m->self), &mask, &error),
+                  ==, OPC_OK);
+  g_assert_cmpint(litho->image(m->self, layer, &mask, &field, &error), ==,
+                  OPC_OK);
+  eda_spectrum_clear(&mask);
   return field;
 }
 
@@ -307,7 +314,8 @@ static void test_line(void) {
   const struct {
     const char *parameters;
     double reach;
-  } cases[] = {{"{}", 1.5e-3}, {"{ error: 3e-4 }", 3e-4}, {"{ error: 1e-4 }", 1e-4}};
+  } cases[] = {
+      {"{}", 1.5e-3}, {"{ error: 3e-4 }", 3e-4}, {"{ error: 1e-4 }", 1e-4}};
   static double t[SIDE][SIDE];
   double unit = 1 / period / (na / wavelength);
   g_assert_cmpfloat((REACH + 1) * unit, >, 1 + sigma);
@@ -316,19 +324,21 @@ static void test_line(void) {
       t[i][j] = t[j][i] =
           cross_coefficient((i - REACH) * unit, 0, (j - REACH) * unit, 0);
   for (size_t c = 0; c < G_N_ELEMENTS(cases); c++) {
-    opc_field f = line_image(cases[c].parameters, 0, width, period);
+    eda_field f = line_image(cases[c].parameters, 0, width, period);
     double worst = 0;
     for (double x = -period / 2; x < period / 2; x += 13) {
       double want = 0;
       for (int i = -REACH; i <= REACH; i++)
         for (int j = -REACH; j <= REACH; j++)
           want += t[i + REACH][j + REACH] * order(i, width, period) *
-                  order(j, width, period) * cos(2 * M_PI * (i - j) * x / period);
+                  order(j, width, period) *
+                  cos(2 * M_PI * (i - j) * x / period);
       worst = fmax(worst, fabs(value_at(&f, x, 77) - want));
     }
-    g_test_message("%s: an isolated line is %.2g off", cases[c].parameters, worst);
+    g_test_message("%s: an isolated line is %.2g off", cases[c].parameters,
+                   worst);
     g_assert_cmpfloat(worst, <, cases[c].reach);
-    opc_test_host()->imaging->release_field(opc_test_host(), &f);
+    eda_field_clear(&f);
   }
 }
 
@@ -340,13 +350,13 @@ static void test_incoherent(void) {
   double d = wavelength / na / period;
   double otf = 2 / M_PI * (acos(d / 2) - d / 2 * sqrt(1 - d * d / 4));
   double c0 = order(0, width, period), c1 = order(1, width, period);
-  opc_field f = line_image("{ sigma: 1, error: 3e-4 }", 0, width, period);
+  eda_field f = line_image("{ sigma: 1, error: 3e-4 }", 0, width, period);
   for (double x = -90; x < 90; x += 7) {
     double want = c0 * c0 + 2 * otf * c1 * c1 +
                   4 * otf * c0 * c1 * cos(2 * M_PI * x / period);
     g_assert_cmpfloat(fabs(value_at(&f, x, 31) - want), <, 5e-4);
   }
-  opc_test_host()->imaging->release_field(opc_test_host(), &f);
+  eda_field_clear(&f);
 }
 
 /* A small source: an edge far from others is the sine integral, squared. */
@@ -354,7 +364,8 @@ static void test_coherent(void) {
   double cutoff = na / wavelength, si = 0, worst = 0;
   /* The next odd orders are as far below the cutoff as above it. */
   double length = 2 * round(8000 * cutoff) / cutoff;
-  opc_field f = line_image("{ sigma: 0.01, error: 1e-3 }", 0, length / 2, length);
+  eda_field f =
+      line_image("{ sigma: 0.01, error: 1e-3 }", 0, length / 2, length);
   for (int x = 0; x <= 400; x++) {
     double dark = 0.5 - si / M_PI;
     worst = fmax(worst, fabs(value_at(&f, x - length / 4, 100) - dark * dark));
@@ -365,7 +376,7 @@ static void test_coherent(void) {
   }
   g_test_message("a coherent edge is %.2g off", worst);
   g_assert_cmpfloat(worst, <, 0.01);
-  opc_test_host()->imaging->release_field(opc_test_host(), &f);
+  eda_field_clear(&f);
 }
 
 /* A dark mask with clear lines is the complement: one where clear, 0 where the
@@ -374,15 +385,15 @@ static void test_tone(void) {
   static const double width = 110, period = 300;
   const char *p = "{ sigma: 0.1, error: 1e-4, active: { tone: dark } }";
   double c0 = order(0, width, period), c1 = order(1, width, period);
-  opc_field clear = line_image(p, 0, width, period);
-  opc_field dark = line_image(p, 1, width, period);
+  eda_field clear = line_image(p, 0, width, period);
+  eda_field dark = line_image(p, 1, width, period);
   for (double x = -150; x < 150; x += 11) {
     double e = c0 + 2 * c1 * cos(2 * M_PI * x / period);
     g_assert_cmpfloat(fabs(value_at(&clear, x, 3) - e * e), <, 5e-4);
     g_assert_cmpfloat(fabs(value_at(&dark, x, 3) - (1 - e) * (1 - e)), <, 5e-4);
   }
-  opc_test_host()->imaging->release_field(opc_test_host(), &clear);
-  opc_test_host()->imaging->release_field(opc_test_host(), &dark);
+  eda_field_clear(&clear);
+  eda_field_clear(&dark);
 }
 
 /* Whatever the masks and optics are, the error asked for is reached with a
@@ -400,9 +411,10 @@ static void test_reached(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     opc_error error;
     opc_test_forget();
-    g_autoptr(opc_module) m = opc_test_module("litho.hopkins", cases[i], &error);
+    g_autoptr(opc_module) m =
+        opc_test_module("litho.hopkins", cases[i], &error);
     if (!m) g_error("%s", error.message);
-    const opc_litho *litho = m->plugin->operations;
+    const eda_litho *litho = m->functions;
     g_assert_cmpint(litho->prepare(m->self, &error), ==, OPC_OK);
     double systems = opc_test_metric("systems"), off = opc_test_metric("error");
     g_test_message("%s: %g systems, error %.2g", cases[i], systems, off);
@@ -416,7 +428,8 @@ static void test_refused(void) {
   g_assert_null(opc_test_module("litho.hopkins", "{ na: 1.2 }", &error));
   g_assert_null(opc_test_module("litho.hopkins", "{ sigma: 0 }", &error));
   g_assert_null(opc_test_module("litho.hopkins", "{ error: 9e-5 }", &error));
-  g_assert_null(opc_test_module("litho.hopkins", "{ wavelength: 193 }", &error));
+  g_assert_null(
+      opc_test_module("litho.hopkins", "{ wavelength: 193 }", &error));
 }
 
 int main(int argc, char **argv) {

@@ -5,26 +5,31 @@
 #ifndef OPCFLOW_HOPKINS_KERNELS_H
 #define OPCFLOW_HOPKINS_KERNELS_H
 
-#include "../optics/optics.h"
+#include <eda/simd.h>
+#include <stdlib.h>
+
+#include "../optics.h"
+
+/* Intervals of the table of D, over shifts of 0 to 2. */
+enum { SHIFTS = 64 };
 
 typedef struct kernels kernels;
 struct kernels {
-  const opc_host *host;
-  double cutoff;             /* 1/nm */
-  double radius;             /* T is zero beyond it, in units of the cutoff */
-  size_t count;              /* systems that are used; by keep */
-  int all;                   /* there are no more */
-  const double *weight;      /* of each used one */
-  int has_residual;          /* the rest is there as one incoherent system */
+  const opc_context *context;
+  double cutoff;        /* 1/nm */
+  double radius;        /* T is zero beyond it, in units of the cutoff */
+  size_t count;         /* systems that are used; by keep */
+  int all;              /* there are no more */
+  const double *weight; /* of each used one */
+  /* The rest is there as one incoherent system: S(f1) S(f2) D(|f1 - f2|). */
+  float d_table[SHIFTS + 2];
 
-  /* Use at most n systems, the strongest; 0 if there is no memory. [main] */
-  int (*keep)(kernels *self, size_t n);
-  /* As opc_systems has them, `self` being the kernels. [any] */
+  /* Use at most n systems, the strongest. [main] */
+  void (*keep)(kernels *self, size_t n);
+  /* As eda_systems has them, `self` being the kernels. [any] */
   void (*transfer)(const void *self, size_t s, const double *fx, double fy,
                    size_t n, float *out);
-  void (*residual)(const void *self, const double *fx, double fy, size_t n,
-                   float *out);
-  opc_mirrored (*mirror)(const void *self, size_t s);   /* or NULL */
+  eda_mirrored (*mirror)(const void *self, size_t s); /* or NULL */
   /* T of frequencies in units of the cutoff, exact; NULL if it is not known
      other than by its kernels. [any] */
   double (*cross)(const kernels *self, double x1, double y1, double x2,
@@ -34,22 +39,14 @@ struct kernels {
 
 /* A circular or annular source and a pupil that depends on the radius alone,
    `defocus` nm further out of focus than the optics say. `real`: so are the
-   pupil and all masks. `error`: what is wanted, clear field 1; it takes longer if
-   it is small. NULL if there is no memory. */
-kernels *radial_kernels(const opc_host *host, const optics *o, double defocus,
-                        int real, double error);
+   pupil and all masks. `error`: what is wanted, clear field 1; it takes longer
+   if it is small. */
+kernels *radial_new(const opc_context *context, const optics *o, double defocus,
+                    int real, double error);
 
 /* Any source and pupil, `defocus` nm further out of focus than the optics
    say. NULL and *error on failure. */
-kernels *plane_kernels(const opc_host *host, const optics *o, double defocus,
-                       opc_error *error);
-
-/* Compiled for wide vectors too, and the best taken at run time. */
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__)
-#define WIDE __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define WIDE
-#endif
+kernels *plane_new(const opc_context *context, const optics *o, double defocus,
+                   opc_error *error);
 
 #endif

@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Small patterns on which kernels are tried. Their true images are sums over
+   all pairs of frequencies, which share nothing with the kernels. */
 #include "patterns.h"
 
 #include <complex.h>
+#include <eda/memory.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Lengths are in units of a sixteenth of wavelength / NA.
 
    Two rows of dense lines with staggered ends, an isolated line and a block. */
 enum { ACROSS = 64, ALONG = 128 };
-static const opc_box lines_and_block[] = {
-    {2, 4, 6, 55},     {18, 9, 22, 58},    {34, 2, 38, 52},  {2, 66, 6, 122},
-    {18, 70, 22, 118}, {34, 64, 38, 125},  {50, 6, 54, 90},  {46, 104, 60, 124}};
+static const eda_box lines_and_block[] = {
+    {2, 4, 6, 55},     {18, 9, 22, 58},   {34, 2, 38, 52}, {2, 66, 6, 122},
+    {18, 70, 22, 118}, {34, 64, 38, 125}, {50, 6, 54, 90}, {46, 104, 60, 124}};
 
 /* Long rows of long lines with a wide space on both sides. Their spectrum is as
    sharp as that of a large layout, and there kernels are at their worst. */
@@ -20,45 +22,46 @@ enum { ROW = 480, HIGH = 4, SPACE = 48 };
 static const int pitches[PATTERNS - 1] = {13, 16, 20, 27};
 
 enum {
-  MOST = ROW / 13,                   /* boxes */
-  TOP = 2 * ROW / 16,                /* frequencies k below twice the cutoff; */
-  TOP_X = 2 * ACROSS / 16, TOP_Y = 2 * ALONG / 16,   /* of the first pattern */
+  MOST = ROW / 13,    /* boxes */
+  TOP = 2 * ROW / 16, /* frequencies k below twice the cutoff; */
+  TOP_X = 2 * ACROSS / 16,
+  TOP_Y = 2 * ALONG / 16, /* of the first pattern */
   ORDERS = (2 * TOP_X + 1) * (2 * TOP_Y + 1)
 };
 _Static_assert(ORDERS >= 2 * TOP + 1, "rows have fewer frequencies");
 
-static size_t boxes_of(int which, opc_box *out, opc_frame *frame) {
+static size_t boxes_of(int which, eda_box *out, eda_frame *frame) {
   if (which == 0) {
-    *frame = (opc_frame){0, 0, ACROSS, ALONG};
+    *frame = (eda_frame){0, 0, ACROSS, ALONG};
     memcpy(out, lines_and_block, sizeof lines_and_block);
     return sizeof lines_and_block / sizeof *out;
   }
-  *frame = (opc_frame){0, 0, ROW, HIGH};
+  *frame = (eda_frame){0, 0, ROW, HIGH};
   size_t n = 0;
   int pitch = pitches[which - 1], line = pitch * 5 / 16;
   for (int x = SPACE; x + line <= ROW - SPACE; x += pitch)
-    out[n++] = (opc_box){x, 0, x + line, HIGH};
+    out[n++] = (eda_box){x, 0, x + line, HIGH};
   return n;
 }
 
-int pattern_spectrum(const kernels *k, int which, opc_spectrum *out,
+int pattern_spectrum(const kernels *k, int which, eda_spectrum *out,
                      opc_error *error) {
-  opc_box boxes[MOST];
-  opc_frame f;
+  eda_box boxes[MOST];
+  eda_frame f;
   uint32_t n = (uint32_t)boxes_of(which, boxes, &f);
-  opc_point points[4 * MOST];
+  eda_point points[4 * MOST];
   uint32_t start[MOST + 1] = {0};
   for (uint32_t i = 0; i < n; i++) {
-    opc_box b = boxes[i];
-    opc_point p[4] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
+    eda_box b = boxes[i];
+    eda_point p[4] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
     memcpy(points + (size_t)4 * i, p, sizeof p);
     start[i + 1] = 4 * (i + 1);
   }
-  opc_shapes shapes = {n, start, points, NULL};
+  eda_shapes shapes = {n, start, points, NULL};
   double unit = 1 / k->cutoff / 16;
-  opc_frame frame = {0, 0, f.width * unit, f.height * unit};
-  return k->host->imaging->mask_spectrum(k->host, &shapes, unit, frame,
-                                         k->radius * k->cutoff, out, error);
+  eda_frame frame = {0, 0, f.width * unit, f.height * unit};
+  return eda_mask_spectrum(k->context, &shapes, unit, frame,
+                           k->radius * k->cutoff, out, error);
 }
 
 /* A frequency, in steps of 1 / frame and in units of the cutoff, and the mask
@@ -70,7 +73,8 @@ typedef struct order {
 } order;
 
 /* In such an order that -f is as far from the end as f from the beginning. */
-static size_t find_orders(const kernels *k, const opc_spectrum *mask, order *out) {
+static size_t find_orders(const kernels *k, const eda_spectrum *mask,
+                          order *out) {
   size_t n = 0;
   int rows = (mask->rows - 1) / 2;
   for (int v = -rows; v <= rows; v++)
@@ -90,7 +94,7 @@ static size_t find_orders(const kernels *k, const opc_spectrum *mask, order *out
 /* Fourier coefficients of an intensity, |u| <= top_x, |v| <= top_y. */
 typedef struct coefficients {
   int top_x, top_y, columns;
-  double complex at[ORDERS];   /* rows of u */
+  double complex at[ORDERS]; /* rows of u */
 } coefficients;
 
 static double complex *coefficient(coefficients *c, int u, int v) {
@@ -99,7 +103,8 @@ static double complex *coefficient(coefficients *c, int u, int v) {
 
 /* The sum of T(f1, f2) a(f1) a(f2)* over all pairs. T is real: so is what two
    pairs of opposite frequencies add. */
-static void sum_pairs(const kernels *k, const opc_spectrum *mask, coefficients *out) {
+static void sum_pairs(const kernels *k, const eda_spectrum *mask,
+                      coefficients *out) {
   order o[ORDERS];
   size_t n = find_orders(k, mask, o);
   for (size_t p = 0; p < n; p++)
@@ -132,41 +137,38 @@ static void roots(double complex *root, int n) {
 }
 
 /* The values of an intensity; `memory` has room for what is in between. */
-static void add_up(coefficients *c, double complex *memory, opc_field *out) {
+static void add_up(coefficients *c, double complex *memory, eda_field *out) {
   double complex *root = memory, *line = root + out->nx + out->ny;
   double complex *column = line + out->nx, *planes = column + out->ny;
   roots(root, out->ny);
   for (int u = 0; u < c->columns; u++) {
     double complex along[2 * TOP_Y + 1];
-    for (int v = 0; v <= 2 * c->top_y; v++) along[v] = c->at[v * c->columns + u];
+    for (int v = 0; v <= 2 * c->top_y; v++)
+      along[v] = c->at[v * c->columns + u];
     wave(along, c->top_y, root, out->ny, column);
     for (int y = 0; y < out->ny; y++) planes[y * c->columns + u] = column[y];
   }
   roots(root, out->nx);
   for (int y = 0; y < out->ny; y++) {
-    wave(planes + (size_t)y * (size_t)c->columns, c->top_x, root, out->nx, line);
+    wave(planes + (size_t)y * (size_t)c->columns, c->top_x, root, out->nx,
+         line);
     for (int x = 0; x < out->nx; x++)
       out->coefficients[y * out->nx + x] = (float)creal(line[x]);
   }
 }
 
-int pattern_image(const kernels *k, const opc_spectrum *mask,
-                  const opc_field *like, opc_field *out, opc_error *error) {
-  const opc_host *host = k->host;
+int pattern_image(const kernels *k, const eda_spectrum *mask,
+                  const eda_field *like, eda_field *out, opc_error *error) {
   coefficients sum = {.top_x = (int)(2 * k->cutoff * mask->frame.width + 0.5),
                       .top_y = (int)(2 * k->cutoff * mask->frame.height + 0.5)};
   sum.columns = 2 * sum.top_x + 1;
   size_t nx = (size_t)like->nx, ny = (size_t)like->ny;
   double complex *memory =
-      malloc((2 * (nx + ny) + ny * (size_t)sum.columns) * sizeof *memory);
+      eda_alloc(2 * (nx + ny) + ny * (size_t)sum.columns, sizeof *memory);
   *out = *like;
-  out->coefficients = host->alloc(host, nx * ny, sizeof *out->coefficients);
-  if (!out->coefficients || !memory) {
-    free(memory);
-    return host->fail(host, error, OPC_FAILED, NULL, "out of memory");
-  }
+  out->coefficients = eda_alloc(nx * ny, sizeof *out->coefficients);
   sum_pairs(k, mask, &sum);
   add_up(&sum, memory, out);
   free(memory);
-  return host->imaging->from_samples(host, out, error);
+  return eda_field_from_samples(k->context, out, error);
 }

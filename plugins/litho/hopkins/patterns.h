@@ -8,12 +8,13 @@
 enum { PATTERNS = 5 };
 
 /* The spectrum of a pattern, of a size that fits the kernels' cutoff. [any] */
-int pattern_spectrum(const kernels *k, int which, opc_spectrum *out,
+int pattern_spectrum(const kernels *k, int which, eda_spectrum *out,
                      opc_error *error);
 
 /* The image of its mask by T itself (k->cross), on the grid of `like`: the sum
-   over all pairs of frequencies, which shares nothing with the kernels. [any] */
-int pattern_image(const kernels *k, const opc_spectrum *mask,
-                  const opc_field *like, opc_field *out, opc_error *error);
+   over all pairs of frequencies, which shares nothing with the kernels. [any]
+ */
+int pattern_image(const kernels *k, const eda_spectrum *mask,
+                  const eda_field *like, eda_field *out, opc_error *error);
 
 #endif

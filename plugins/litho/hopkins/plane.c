@@ -9,44 +9,41 @@
    stands for its whole cell; its middle alone would make kernels jump. What
    kernels that are left out and the spread edges lack of T is put back by one
    incoherent system, S(f1) S(f2) D(|f1 - f2|): exact for f1 = f2. */
-#include "kernels.h"
-
 #include <complex.h>
+#include <eda/memory.h>
 #include <gsl/gsl_complex_math.h>
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_errno.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
+
+#include "kernels.h"
 
 /* ---- state ---- */
 
 enum {
-  POINTS = 400,     /* about so many of the source */
-  MOST = 120,       /* kernels */
-  SPARE = 20,       /* more vectors than kernels, to find them by */
-  CELLS = 128,      /* of the tables, each way */
-  SHIFTS = 64,      /* intervals of D's table, over shifts of 0 to 2 */
-  THIN = 5          /* D is taken from every so manieth node each way */
+  POINTS = 400, /* about so many of the source */
+  MOST = 120,   /* kernels */
+  SPARE = 20,   /* more vectors than kernels, to find them by */
+  CELLS = 128,  /* of the tables, each way */
+  THIN = 5      /* D is taken from every so manieth node each way */
 };
 
 typedef struct plane {
   kernels base;
   const optics *o;
   double defocus, spacing;
-  double *points;          /* x, y, weight of each source point */
+  double *points; /* x, y, weight of each source point */
   size_t n;
-  size_t available;        /* kernels, strongest first */
-  int side;                /* of the tables: nodes each way */
-  double step, low;        /* their step and first node */
-  float complex *shifted;  /* sqrt(w) P(f + s): [node][point] */
-  float complex *vectors;  /* [kernel][point] */
-  float complex *table;    /* [kernel][node] */
+  size_t available;       /* kernels, strongest first */
+  int side;               /* of the tables: nodes each way */
+  double step, low;       /* their step and first node */
+  float complex *shifted; /* sqrt(w) P(f + s): [node][point] */
+  float complex *vectors; /* [kernel][point] */
+  float complex *table;   /* [kernel][node] */
   double *weights;
-  float *diagonal;         /* T(f, f): [node] */
-  float *s_table;          /* S: [node] */
-  float d_table[SHIFTS + 2];
-  int failed;              /* atomic */
+  float *diagonal; /* T(f, f): [node] */
+  float *s_table;  /* S: [node] */
 } plane;
 
 /* ---- work ---- */
@@ -54,7 +51,8 @@ typedef struct plane {
 /* The pupil over a cell around (x, y). */
 static float complex soft_pupil(const plane *p, double x, double y) {
   double r = hypot(x, y), half = p->spacing / 2;
-  double inside = half > 0 ? fmin(1, fmax(0, (1 - r) / p->spacing + 0.5)) : r <= 1;
+  double inside =
+      half > 0 ? fmin(1, fmax(0, (1 - r) / p->spacing + 0.5)) : r <= 1;
   if (inside <= 0) return 0;
   double to = r > 1 - 1e-12 ? (1 - 1e-12) / r : 1, re, im;
   optics_pupil(p->o, p->defocus, x * to, y * to, &re, &im);
@@ -72,15 +70,15 @@ static void fill_node_row(void *data, size_t j) {
       const double *q = p->points + 3 * s;
       float complex a = soft_pupil(p, x + q[0], y + q[1]);
       row[s] = (float)sqrt(q[2]) * a;
-      sum += q[2] * cabsf(a);   /* the part of the cell within the pupil */
+      sum += q[2] * cabsf(a); /* the part of the cell within the pupil */
     }
     p->diagonal[node] = (float)sum;
   }
 }
 
 /* a[0 .. n] += conj(x) * y[0 .. n] as re, im pairs. */
-WIDE static void add_product(float *restrict a, float re, float im,
-                             const float *restrict y, size_t n) {
+EDA_WIDE static void add_product(float *restrict a, float re, float im,
+                                 const float *restrict y, size_t n) {
   for (size_t i = 0; i < n; i++) {
     a[2 * i] += re * y[2 * i] + im * y[2 * i + 1];
     a[2 * i + 1] += re * y[2 * i + 1] - im * y[2 * i];
@@ -89,7 +87,7 @@ WIDE static void add_product(float *restrict a, float re, float im,
 
 typedef struct gram {
   plane *p;
-  float complex *matrix;   /* [point][point] */
+  float complex *matrix; /* [point][point] */
 } gram;
 
 enum { ROWS = 16 };
@@ -153,74 +151,65 @@ static void orthonormalise(float complex *q, size_t count, size_t n) {
 
 /* The eigenvectors of the matrix within the span of q, strongest first, into
    p->vectors. z holds matrix * q. */
-static int mix_span(plane *p, const float complex *q, const float complex *z,
-                    size_t count, size_t most) {
+static void mix_span(plane *p, const float complex *q, const float complex *z,
+                     size_t count, size_t most) {
   size_t n = p->n;
   gsl_matrix_complex *a = gsl_matrix_complex_alloc(count, count);
   gsl_matrix_complex *v = gsl_matrix_complex_alloc(count, count);
   gsl_vector *value = gsl_vector_alloc(count);
   gsl_eigen_hermv_workspace *work = gsl_eigen_hermv_alloc(count);
-  int ok = a && v && value && work;
-  for (size_t i = 0; i < count && ok; i++)
+  for (size_t i = 0; i < count; i++)
     for (size_t j = 0; j <= i; j++) {
       double complex c = dot(q + i * n, z + j * n, n);
       gsl_matrix_complex_set(a, i, j, gsl_complex_rect(creal(c), cimag(c)));
       gsl_matrix_complex_set(a, j, i, gsl_complex_rect(creal(c), -cimag(c)));
     }
-  if (ok) {
-    gsl_eigen_hermv(a, value, v, work);
-    gsl_eigen_hermv_sort(value, v, GSL_EIGEN_SORT_VAL_DESC);
-    memset(p->vectors, 0, most * n * sizeof *p->vectors);
-    for (size_t k = 0; k < most; k++)
-      for (size_t i = 0; i < count; i++) {
-        gsl_complex c = gsl_matrix_complex_get(v, i, k);
-        float complex by = (float)GSL_REAL(c) + (float)GSL_IMAG(c) * I;
-        for (size_t s = 0; s < n; s++) p->vectors[k * n + s] += by * q[i * n + s];
-      }
-    double strongest = gsl_vector_get(value, 0);
-    while (p->available < most &&
-           gsl_vector_get(value, p->available) > 1e-6 * strongest)
-      p->available++;
-  }
-  if (work) gsl_eigen_hermv_free(work);
-  if (value) gsl_vector_free(value);
-  if (v) gsl_matrix_complex_free(v);
-  if (a) gsl_matrix_complex_free(a);
-  return ok;
+  gsl_eigen_hermv(a, value, v, work);
+  gsl_eigen_hermv_sort(value, v, GSL_EIGEN_SORT_VAL_DESC);
+  for (size_t k = 0; k < most; k++)
+    for (size_t i = 0; i < count; i++) {
+      gsl_complex c = gsl_matrix_complex_get(v, i, k);
+      float complex by = (float)GSL_REAL(c) + (float)GSL_IMAG(c) * I;
+      for (size_t s = 0; s < n; s++) p->vectors[k * n + s] += by * q[i * n + s];
+    }
+  double strongest = gsl_vector_get(value, 0);
+  while (p->available < most &&
+         gsl_vector_get(value, p->available) > 1e-6 * strongest)
+    p->available++;
+  gsl_eigen_hermv_free(work);
+  gsl_vector_free(value);
+  gsl_matrix_complex_free(v);
+  gsl_matrix_complex_free(a);
 }
 
 /* The strongest eigenvectors of the Gram matrix, from the span of the matrix's
    square times random vectors (Halko, Martinsson, Tropp, SIAM Review 53, 2011);
    the same ones in every run. */
-static int solve(plane *p) {
+static void solve(plane *p) {
   size_t n = p->n, most = n < MOST ? n : MOST;
   size_t count = n < MOST + SPARE ? n : MOST + SPARE;
-  gram g = {p, calloc(n * n, sizeof *g.matrix)};
-  float complex *q = malloc(count * n * sizeof *q);
-  float complex *z = malloc(count * n * sizeof *z);
-  int ok = g.matrix && q && z;
-  if (ok) {
-    const opc_host *host = p->base.host;
-    host->parallel(host, (n + ROWS - 1) / ROWS, gram_rows, &g);
-    uint32_t state = 1;
-    for (size_t i = 0; i < count * n; i++) {
-      state = state * 1664525u + 1013904223u;
-      q[i] = (float)(state >> 8) / (1 << 23) - 1;
-    }
-    block forth = {&g, q, z}, back = {&g, z, q};
-    for (int power = 0; power < 2; power++) {
-      host->parallel(host, count, multiply, &forth);
-      orthonormalise(z, count, n);
-      host->parallel(host, count, multiply, &back);
-      orthonormalise(q, count, n);
-    }
-    host->parallel(host, count, multiply, &forth);
-    ok = mix_span(p, q, z, count, most);
+  gram g = {p, eda_alloc(n * n, sizeof *g.matrix)};
+  float complex *q = eda_alloc(count * n, sizeof *q);
+  float complex *z = eda_alloc(count * n, sizeof *z);
+  const opc_context *context = p->base.context;
+  opc_parallel(context, (n + ROWS - 1) / ROWS, gram_rows, &g);
+  uint32_t state = 1;
+  for (size_t i = 0; i < count * n; i++) {
+    state = state * 1664525u + 1013904223u;
+    q[i] = (float)(state >> 8) / (1 << 23) - 1;
   }
+  block forth = {&g, q, z}, back = {&g, z, q};
+  for (int power = 0; power < 2; power++) {
+    opc_parallel(context, count, multiply, &forth);
+    orthonormalise(z, count, n);
+    opc_parallel(context, count, multiply, &back);
+    orthonormalise(q, count, n);
+  }
+  opc_parallel(context, count, multiply, &forth);
+  mix_span(p, q, z, count, most);
   free(g.matrix);
   free(q);
   free(z);
-  return ok;
 }
 
 /* A row of nodes of all tables: the kernels there. */
@@ -254,25 +243,25 @@ static void find_shifts(plane *p) {
     for (size_t b = 0; b <= a; b++) {
       if (b % side % THIN || b / side % THIN || p->s_table[b] == 0) continue;
       double dx = (double)(a % side) - (double)(b % side);
-      size_t rows = a / side - b / side;   /* b comes first */
+      size_t rows = a / side - b / side; /* b comes first */
       double dy = (double)rows;
       int bin = (int)(hypot(dx, dy) * p->step * SHIFTS / 2 + 0.5);
       if (bin > SHIFTS) continue;
       double rest = 0, product = (double)p->s_table[a] * p->s_table[b];
       for (size_t k = p->base.count; k < p->available; k++)
-        rest += crealf(p->table[k * nodes + a] *
-                       conjf(p->table[k * nodes + b]));
+        rest +=
+            crealf(p->table[k * nodes + a] * conjf(p->table[k * nodes + b]));
       above[bin] += rest * product;
       below[bin] += product * product;
     }
   }
   for (int i = 0; i < SHIFTS + 2; i++)
-    p->d_table[i] =
+    p->base.d_table[i] =
         i <= SHIFTS && below[i] > 0 ? (float)(above[i] / below[i]) : 0;
-  p->d_table[0] = 1;
+  p->base.d_table[0] = 1;
 }
 
-static int keep(kernels *base, size_t n) {
+static void keep(kernels *base, size_t n) {
   plane *p = (plane *)base;
   size_t nodes = nodes_of(p);
   base->count = n < p->available ? n : p->available;
@@ -286,7 +275,6 @@ static int keep(kernels *base, size_t n) {
     p->s_table[i] = sqrtf(fmaxf(rest, 0));
   }
   find_shifts(p);
-  return 1;
 }
 
 /* Bilinear between the nodes. */
@@ -317,20 +305,9 @@ static void transfer(const void *self, size_t s, const double *fx, double fy,
   }
 }
 
-static void residual(const void *self, const double *fx, double fy, size_t n,
-                     float *out) {
-  const plane *p = self;
-  for (size_t i = 0; i < n; i++) {
-    double place = hypot(fx[i], fy) / p->base.cutoff * SHIFTS / 2;
-    int k = place < SHIFTS ? (int)place : SHIFTS;
-    float t = (float)(place - k);
-    out[i] = p->d_table[k] + t * (p->d_table[k + 1] - p->d_table[k]);
-  }
-}
-
 /* ---- entry ---- */
 
-static void destroy(kernels *base) {
+static void plane_free(kernels *base) {
   plane *p = (plane *)base;
   free(p->points);
   free(p->shifted);
@@ -349,49 +326,49 @@ static int cut_source(plane *p) {
   for (int i = 0; i < 12; i++) {
     free(p->points);
     p->points = optics_source_points(p->o, p->spacing, &p->n);
-    if (!p->points || p->n > POINTS * 3 / 4 || p->o->source == OPTICS_LIST) break;
+    if (!p->points || p->n > POINTS * 3 / 4 || p->o->source == OPTICS_LIST)
+      break;
     p->spacing *= sqrt((double)p->n / POINTS);
   }
   if (p->o->source == OPTICS_LIST) p->spacing = 0;
   return p->points != NULL;
 }
 
-kernels *plane_kernels(const opc_host *host, const optics *o, double defocus,
-                       opc_error *error) {
-  gsl_set_error_handler_off();   /* its default aborts */
-  plane *p = calloc(1, sizeof *p);
-  if (!p) goto memory;
-  p->base = (kernels){.host = host, .cutoff = o->cutoff,
+kernels *plane_new(const opc_context *context, const optics *o, double defocus,
+                   opc_error *error) {
+  gsl_set_error_handler_off(); /* its default aborts */
+  plane *p = eda_alloc(1, sizeof *p);
+  p->base = (kernels){.context = context,
+                      .cutoff = o->cutoff,
                       .radius = 1 + optics_source_radius(o),
-                      .has_residual = 1, .keep = keep, .transfer = transfer,
-                      .residual = residual, .free = destroy};
+                      .keep = keep,
+                      .transfer = transfer,
+                      .free = plane_free};
   p->o = o;
   p->defocus = defocus;
-  if (!cut_source(p)) goto memory;
+  if (!cut_source(p)) {
+    opc_fail(error, OPC_FAILED, NULL,
+             "the source is too thin to be cut into points");
+    plane_free(&p->base);
+    return NULL;
+  }
   /* Two nodes of margin, for the interpolation at the border. */
   p->side = CELLS + 5;
   p->step = 2 * p->base.radius / CELLS;
   p->low = -p->base.radius - 2 * p->step;
   size_t nodes = nodes_of(p), most = p->n < MOST ? p->n : MOST;
-  p->diagonal = malloc(nodes * sizeof *p->diagonal);
-  p->s_table = malloc(nodes * sizeof *p->s_table);
-  p->shifted = malloc(nodes * p->n * sizeof *p->shifted);
-  p->vectors = malloc(most * p->n * sizeof *p->vectors);
-  p->table = malloc(most * nodes * sizeof *p->table);
-  p->weights = malloc(most * sizeof *p->weights);
-  if (!p->shifted || !p->vectors || !p->table || !p->weights || !p->diagonal ||
-      !p->s_table)
-    goto memory;
+  p->diagonal = eda_alloc(nodes, sizeof *p->diagonal);
+  p->s_table = eda_alloc(nodes, sizeof *p->s_table);
+  p->shifted = eda_alloc(nodes * p->n, sizeof *p->shifted);
+  p->vectors = eda_alloc(most * p->n, sizeof *p->vectors);
+  p->table = eda_alloc(most * nodes, sizeof *p->table);
+  p->weights = eda_alloc(most, sizeof *p->weights);
   for (size_t k = 0; k < most; k++) p->weights[k] = 1;
   p->base.weight = p->weights;
-  host->parallel(host, (size_t)p->side, fill_node_row, p);
-  if (!solve(p)) goto memory;
-  host->parallel(host, (size_t)p->side, mix_row, p);
+  opc_parallel(context, (size_t)p->side, fill_node_row, p);
+  solve(p);
+  opc_parallel(context, (size_t)p->side, mix_row, p);
   free(p->shifted);
   p->shifted = NULL;
   return &p->base;
-memory:
-  host->fail(host, error, OPC_FAILED, NULL, "out of memory");
-  if (p) destroy(&p->base);
-  return NULL;
 }

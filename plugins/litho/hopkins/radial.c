@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kernels of a rotationally symmetric T: it depends on |f1|, |f2| and the angle
-   between them only, so that its eigenfunctions are R(|f|) exp(i m angle), found
-   for each order m from a small matrix over the radius. They serve fields of
-   every size.
+   between them only, so that its eigenfunctions are R(|f|) exp(i m angle),
+   found for each order m from a small matrix over the radius. They serve fields
+   of every size.
 
    The pupil seen from a source point at the radius q is a function of the angle
    between f and that point; with its Fourier coefficients g_m(r, q),
@@ -10,6 +10,7 @@
    focus they are closed forms, as the pupil is an arc. */
 #include "radial.h"
 
+#include <eda/memory.h>
 #include <gsl/gsl_complex_math.h>
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_errno.h>
@@ -19,20 +20,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The spectrum of a mask is taken to be like (1 + (f / corner)^2)^(-steepness / 2):
-   what kernels lose where it is weak counts less. */
+/* The spectrum of a mask is taken to be like (1 + (f / corner)^2)^(-steepness /
+   2): what kernels lose where it is weak counts less. */
 static const double corner = 0.5, steepness = 1;
 
 /* ---- work: nodes ---- */
 
-/* n Gauss-Legendre nodes between two places; 0 if there is no memory. */
-static int place(double from, double to, int n, double *node, double *weight) {
-  gsl_integration_glfixed_table *t = gsl_integration_glfixed_table_alloc((size_t)n);
-  if (!t) return 0;
+/* n Gauss-Legendre nodes between two places. */
+static void place(double from, double to, int n, double *node, double *weight) {
+  gsl_integration_glfixed_table *t =
+      gsl_integration_glfixed_table_alloc((size_t)n);
   for (int i = 0; i < n; i++)
     gsl_integration_glfixed_point(from, to, (size_t)i, &node[i], &weight[i], t);
   gsl_integration_glfixed_table_free(t);
-  return 1;
 }
 
 static double falling(double r) {
@@ -47,7 +47,7 @@ static double panel_place(const panel *p, double r) {
   return 0.5 - sin(asin(fmin(fmax(1 - 2 * y, -1), 1)) / 3);
 }
 
-static int place_nodes(radial *r) {
+static void place_nodes(radial *r) {
   double breaks[PANELS + 1] = {0, 1 - r->sigma, 1 - r->sigma_in,
                                1 + r->sigma_in, 1 + r->sigma};
   for (int p = 0; p < PANELS; p++) {
@@ -55,7 +55,7 @@ static int place_nodes(radial *r) {
     *q = (panel){breaks[p], breaks[p + 1], r->n, p ? r->other : FIRST};
     if (!(q->to > q->from + 1e-9)) q->n = 0;
     double *t = r->place + r->n, *w = r->weight + r->n;
-    if (q->n && !place(0, 1, q->n, t, w)) return 0;
+    if (q->n) place(0, 1, q->n, t, w);
     for (int i = 0; i < q->n; i++) {
       r->node[r->n + i] =
           q->from + (q->to - q->from) * t[i] * t[i] * (3 - 2 * t[i]);
@@ -66,7 +66,6 @@ static int place_nodes(radial *r) {
   }
   for (int i = 0; i < r->n; i++)
     r->root[i] = sqrt(r->weight[i] * r->node[i]) * falling(r->node[i]);
-  return 1;
 }
 
 static int ascending(const void *a, const void *b) {
@@ -77,7 +76,7 @@ static int ascending(const void *a, const void *b) {
 /* The source's radius, between the places where the rim of the pupil begins to
    cut what a node sees: there g_m goes like a square root, which nodes in the
    square of a variable take as it is. */
-static int place_rings(radial *r) {
+static void place_rings(radial *r) {
   double breaks[NODES + 2], unit[RINGS], weight[RINGS];
   int n = 0;
   breaks[n++] = r->sigma_in;
@@ -87,7 +86,7 @@ static int place_rings(radial *r) {
     if (b > r->sigma_in && b < r->sigma) breaks[n++] = b;
   }
   qsort(breaks, (size_t)n, sizeof *breaks, ascending);
-  if (!place(0, 1, RINGS, unit, weight)) return 0;
+  place(0, 1, RINGS, unit, weight);
   for (int b = 0; b + 1 < n; b++) {
     double width = breaks[b + 1] - breaks[b];
     if (width < 1e-9) continue;
@@ -97,7 +96,7 @@ static int place_rings(radial *r) {
       r->ring_weight[r->rings] = 2 * width * unit[k] * weight[k] * q;
     }
   }
-  return place(0, 1, ARC, r->arc, r->arc_weight);
+  place(0, 1, ARC, r->arc, r->arc_weight);
 }
 
 /* The values of a table as polynomials through those at the nodes of their
@@ -162,7 +161,7 @@ static void expand_node(void *data, size_t i) {
   for (size_t k = 0; k < rings; k++) {
     double q = r->ring[k], c = (1 - a * a - q * q) / (2 * a * q);
     size_t at = i * rings + k;
-    if (c <= -1) continue;   /* nothing of the pupil */
+    if (c <= -1) continue; /* nothing of the pupil */
     double begin = c < 1 ? acos(c) : 0;
     if (r->real)
       expand_arc(begin, r->g[0] + at, stride);
@@ -204,15 +203,15 @@ static void multiply(void *data, size_t m) {
 
 /* What the eigenvectors of an order are found with. */
 typedef struct solver {
-  gsl_vector *value, *below;    /* a diagonal and the one below it */
+  gsl_vector *value, *below; /* a diagonal and the one below it */
   gsl_matrix *a, *v;
   gsl_eigen_symmv_workspace *work;
-  gsl_matrix_complex *c, *u;    /* if the matrix is complex */
+  gsl_matrix_complex *c, *u; /* if the matrix is complex */
   gsl_vector_complex *tau;
-  double *turned[2];            /* u, transposed: re, im */
+  double *turned[2]; /* u, transposed: re, im */
 } solver;
 
-static void end_solver(solver *s) {
+static void solver_clear(solver *s) {
   gsl_vector_free(s->value);
   gsl_vector_free(s->below);
   gsl_matrix_free(s->a);
@@ -225,22 +224,22 @@ static void end_solver(solver *s) {
   free(s->turned[1]);
 }
 
-static int begin_solver(solver *s, size_t n, int real) {
-  *s = (solver){.value = gsl_vector_alloc(n), .a = gsl_matrix_calloc(n, n),
-                .v = gsl_matrix_alloc(n, n), .work = gsl_eigen_symmv_alloc(n)};
-  if (!s->value || !s->a || !s->v || !s->work) return 0;
-  if (real) return 1;
+static void solver_init(solver *s, size_t n, int real) {
+  *s = (solver){.value = gsl_vector_alloc(n),
+                .a = gsl_matrix_calloc(n, n),
+                .v = gsl_matrix_alloc(n, n),
+                .work = gsl_eigen_symmv_alloc(n)};
+  if (real) return;
   s->below = gsl_vector_alloc(n - 1);
   s->c = gsl_matrix_complex_alloc(n, n);
   s->u = gsl_matrix_complex_alloc(n, n);
   s->tau = gsl_vector_complex_alloc(n - 1);
   for (int part = 0; part < 2; part++)
-    s->turned[part] = malloc(n * n * sizeof *s->turned[part]);
-  return s->below && s->c && s->u && s->tau && s->turned[0] && s->turned[1];
+    s->turned[part] = eda_alloc(n * n, sizeof *s->turned[part]);
 }
 
-WIDE static void add_times(double by, const double *restrict x, size_t n,
-                           double *restrict to) {
+EDA_WIDE static void add_times(double by, const double *restrict x, size_t n,
+                               double *restrict to) {
   for (size_t i = 0; i < n; i++) to[i] += by * x[i];
 }
 
@@ -279,8 +278,10 @@ static void take_vector(radial *r, size_t m, size_t k, const solver *s) {
     memset(f, 0, n * sizeof *f);
     for (size_t i = 0; i < n; i++) {
       double v = gsl_matrix_get(s->v, i, k);
-      if (r->real) f[i] = v;
-      else add_times(v, s->turned[part] + i * n, n, f);
+      if (r->real)
+        f[i] = v;
+      else
+        add_times(v, s->turned[part] + i * n, n, f);
     }
     for (size_t i = 0; i < n; i++) f[i] /= r->root[i];
   }
@@ -291,21 +292,18 @@ static void solve(void *data, size_t task) {
   radial *r = data;
   size_t n = (size_t)r->n, m = task + (size_t)r->solved;
   solver s;
-  if (begin_solver(&s, n, r->real)) {
-    for (size_t i = 0; i < n && r->real; i++)
-      for (size_t j = 0; j < n; j++)
-        gsl_matrix_set(s.a, i, j,
-                       r->t[0][(m * n + i) * n + j] * r->root[i] * r->root[j]);
-    if (!r->real) make_real(r, m, &s);
-    gsl_eigen_symmv(s.a, s.value, s.v, s.work);
-    for (size_t k = 0; k < n; k++) {
-      take_vector(r, m, k, &s);
-      r->sorted[m * n + k] = (eigen){gsl_vector_get(s.value, k), (int)m, (int)k};
-    }
-  } else {
-    __atomic_store_n(&r->failed, 1, __ATOMIC_RELAXED);
+  solver_init(&s, n, r->real);
+  for (size_t i = 0; i < n && r->real; i++)
+    for (size_t j = 0; j < n; j++)
+      gsl_matrix_set(s.a, i, j,
+                     r->t[0][(m * n + i) * n + j] * r->root[i] * r->root[j]);
+  if (!r->real) make_real(r, m, &s);
+  gsl_eigen_symmv(s.a, s.value, s.v, s.work);
+  for (size_t k = 0; k < n; k++) {
+    take_vector(r, m, k, &s);
+    r->sorted[m * n + k] = (eigen){gsl_vector_get(s.value, k), (int)m, (int)k};
   }
-  end_solver(&s);
+  solver_clear(&s);
 }
 
 static int by_value(const void *a, const void *b) {
@@ -317,7 +315,7 @@ static int by_value(const void *a, const void *b) {
 /* How many eigenfunctions the first n systems hold; and how many systems there
    are, if fewer. */
 static size_t cut(const radial *r, size_t n, size_t *count) {
-  int open = 0;   /* a system of order 0 has room for another function */
+  int open = 0; /* a system of order 0 has room for another function */
   size_t kept = 0;
   for (*count = 0; kept < r->n_sorted; kept++) {
     int order = r->sorted[kept].order;
@@ -335,15 +333,13 @@ static size_t cut(const radial *r, size_t n, size_t *count) {
 
 size_t radial_solve(radial *r, size_t n) {
   enum { BATCH = 4 };
-  const opc_host *host = r->base.host;
   for (;;) {
     double most = 0;
     for (int m = r->solved; m < ORDERS; m++) most = fmax(most, r->bound[m]);
     size_t count, kept = cut(r, n, &count);
     if (r->solved == ORDERS) return kept;
     if (kept < r->n_sorted && r->sorted[kept].value > most) return kept;
-    host->parallel(host, BATCH, solve, r);
-    if (r->failed) return 0;
+    opc_parallel(r->base.context, BATCH, solve, r);
     r->solved += BATCH;
     size_t all = (size_t)r->solved * (size_t)r->n;
     qsort(r->sorted, all, sizeof *r->sorted, by_value);
@@ -360,12 +356,12 @@ static double cross(const kernels *base, double x1, double y1, double x2,
                     double y2) {
   double angle = atan2(x1 * y2 - x2 * y1, x1 * x2 + y1 * y2);
   return radial_cross((const radial *)base, hypot(x1, y1), hypot(x2, y2),
-                           angle);
+                      angle);
 }
 
-static void destroy(kernels *base) {
+static void radial_free(kernels *base) {
   radial *r = (radial *)base;
-  radial_forget(r);
+  radial_drop(r);
   for (int part = 0; part < 2; part++) {
     free(r->g[part]);
     free(r->t[part]);
@@ -379,33 +375,34 @@ static void destroy(kernels *base) {
   free(r);
 }
 
-static int allocate(radial *r) {
+static void allocate(radial *r) {
   size_t n = (size_t)r->n, all = ORDERS * n, rings = (size_t)r->rings;
   for (int part = 0; part < (r->real ? 1 : 2); part++) {
-    r->g[part] = calloc(all * rings, sizeof *r->g[part]);
-    r->t[part] = malloc(all * n * sizeof *r->t[part]);
-    r->functions[part] = malloc(all * n * sizeof *r->functions[part]);
-    if (!r->g[part] || !r->t[part] || !r->functions[part]) return 0;
+    r->g[part] = eda_alloc(all * rings, sizeof *r->g[part]);
+    r->t[part] = eda_alloc(all * n, sizeof *r->t[part]);
+    r->functions[part] = eda_alloc(all * n, sizeof *r->functions[part]);
   }
   size_t half = (n + 1) / 2;
-  if (r->real) r->pairs = malloc(half * (half + 1) / 2 * ANGLES * sizeof *r->pairs);
-  r->blend = calloc((size_t)(TABLE + 2) * OTHER, sizeof *r->blend);
-  r->sorted = malloc(all * sizeof *r->sorted);
-  r->systems = calloc(2 * all, sizeof *r->systems);
-  r->weights = calloc(2 * all, sizeof *r->weights);
-  return (r->pairs || !r->real) && r->blend && r->sorted && r->systems && r->weights;
+  if (r->real)
+    r->pairs = eda_alloc(half * (half + 1) / 2 * ANGLES, sizeof *r->pairs);
+  r->blend = eda_alloc((size_t)(TABLE + 2) * OTHER, sizeof *r->blend);
+  r->sorted = eda_alloc(all, sizeof *r->sorted);
+  r->systems = eda_alloc(2 * all, sizeof *r->systems);
+  r->weights = eda_alloc(2 * all, sizeof *r->weights);
 }
 
-kernels *radial_kernels(const opc_host *host, const optics *o, double defocus,
-                        int real, double error) {
-  gsl_set_error_handler_off();   /* its default aborts */
-  radial *r = calloc(1, sizeof *r);
-  if (!r) return NULL;
-  r->base = (kernels){.host = host, .cutoff = o->cutoff, .radius = 1 + o->sigma,
-                      .has_residual = 1, .keep = radial_keep,
+kernels *radial_new(const opc_context *context, const optics *o, double defocus,
+                    int real, double error) {
+  gsl_set_error_handler_off(); /* its default aborts */
+  radial *r = eda_alloc(1, sizeof *r);
+  r->base = (kernels){.context = context,
+                      .cutoff = o->cutoff,
+                      .radius = 1 + o->sigma,
+                      .keep = radial_keep,
                       .transfer = radial_transfer,
-                      .residual = radial_residual, .cross = real ? cross : NULL,
-                      .mirror = radial_mirror, .free = destroy};
+                      .cross = real ? cross : NULL,
+                      .mirror = radial_mirror,
+                      .free = radial_free};
   r->o = o;
   r->defocus = defocus;
   r->real = real;
@@ -413,17 +410,17 @@ kernels *radial_kernels(const opc_host *host, const optics *o, double defocus,
   r->other = error < 2e-4 && real ? OTHER : error < 6e-4 ? 40 : 24;
   r->sigma = o->sigma;
   r->sigma_in = o->source == OPTICS_ANNULAR ? o->sigma_in : 0;
-  if (!place_nodes(r) || !place_rings(r) || !allocate(r)) {
-    destroy(&r->base);
-    return NULL;
-  }
+  place_nodes(r);
+  place_rings(r);
+  allocate(r);
   place_table(r);
   for (int i = 0; i < TABLE + 2; i++) {
     double x = fmin(r->base.radius * i / TABLE, r->base.radius);
     r->diagonal[i] = radial_cross(r, x, x, 0);
   }
-  host->parallel(host, (size_t)r->n, expand_node, r);
-  host->parallel(host, ORDERS, multiply, r);
-  if (real) host->parallel(host, (size_t)(r->n + 1) / 2, radial_evaluate_pairs, r);
+  opc_parallel(context, (size_t)r->n, expand_node, r);
+  opc_parallel(context, ORDERS, multiply, r);
+  if (real)
+    opc_parallel(context, (size_t)(r->n + 1) / 2, radial_evaluate_pairs, r);
   return &r->base;
 }

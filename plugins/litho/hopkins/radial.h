@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kernels of a rotationally symmetric T: their eigenfunctions (radial.c) and the
-   systems that are made of them (systems.c). */
+/* Kernels of a rotationally symmetric T: their eigenfunctions (radial.c) and
+   the systems that are made of them (systems.c). */
 #ifndef OPCFLOW_HOPKINS_RADIAL_H
 #define OPCFLOW_HOPKINS_RADIAL_H
 
@@ -8,20 +8,20 @@
 
 enum {
   PANELS = 4,
-  FIRST = 8,        /* nodes where the whole source passes the pupil */
-  OTHER = 56,       /* nodes of each panel beyond, at most */
+  FIRST = 8,  /* nodes where the whole source passes the pupil */
+  OTHER = 56, /* nodes of each panel beyond, at most */
   NODES = FIRST + (PANELS - 1) * OTHER,
-  RINGS = 4,        /* nodes of the source's radius between two breaks */
+  RINGS = 4, /* nodes of the source's radius between two breaks */
   SOURCE = (NODES + 1) * RINGS,
-  ARC = 48,         /* nodes of an arc of a pupil that is not real */
-  ANGLES = 48,      /* of D's mean over half a turn */
-  ORDERS = 32,      /* angular orders */
-  TABLE = 1024,     /* intervals of a radial function's table */
-  SHIFTS = 64       /* intervals of D's table, over shifts of 0 to 2 */
+  ARC = 48,    /* nodes of an arc of a pupil that is not real */
+  ANGLES = 48, /* of D's mean over half a turn */
+  ORDERS = 32, /* angular orders */
+  TABLE = 1024 /* intervals of a radial function's table */
 };
+
 typedef struct panel {
   double from, to;
-  int first, n;     /* nodes */
+  int first, n; /* nodes */
 } panel;
 
 typedef struct eigen {
@@ -34,7 +34,7 @@ typedef struct eigen {
    0 in real and imaginary part; else one function of one order. */
 typedef struct coherent {
   int order;
-  float *re, *im;    /* TABLE + 2 values each; NULL: 0 */
+  float *re, *im; /* TABLE + 2 values each; NULL: 0 */
 } coherent;
 
 typedef struct radial {
@@ -42,30 +42,29 @@ typedef struct radial {
   const optics *o;
   double defocus;
   double sigma, sigma_in;
-  int real;             /* mask and pupil: systems come in pairs */
+  int real; /* mask and pupil: systems come in pairs */
   panel panels[PANELS];
-  int other;            /* nodes of the panels but the first */
-  int n, rings;         /* nodes in all */
-  double node[NODES], weight[NODES];   /* radius, in units of the cutoff */
-  double place[NODES], bary[NODES];    /* t of panel_place; see place_table */
-  double root[NODES];   /* eigenvectors are R times this */
-  double ring[SOURCE], ring_weight[SOURCE];   /* of the source's radius */
-  double arc[ARC], arc_weight[ARC];    /* on 0 .. 1 */
+  int other;                         /* nodes of the panels but the first */
+  int n, rings;                      /* nodes in all */
+  double node[NODES], weight[NODES]; /* radius, in units of the cutoff */
+  double place[NODES], bary[NODES];  /* t of panel_place; see place_table */
+  double root[NODES];                /* eigenvectors are R times this */
+  double ring[SOURCE], ring_weight[SOURCE]; /* of the source's radius */
+  double arc[ARC], arc_weight[ARC];         /* on 0 .. 1 */
   double *g[2], *t[2];  /* re and, unless real, im of g_m: [order][node][ring]
                            and T_m: [order][node][node] */
   double *functions[2]; /* R: [order][index][node] */
-  double *blend;        /* from values at nodes to a table: [TABLE + 2][OTHER] */
-  int begin[TABLE + 2]; /* the first of these nodes */
-  double diagonal[TABLE + 2];   /* T(f, f) */
+  double *blend; /* from values at nodes to a table: [TABLE + 2][OTHER] */
+  int begin[TABLE + 2];       /* the first of these nodes */
+  double diagonal[TABLE + 2]; /* T(f, f) */
   double *pairs;        /* T of every other node: [pair][angle]; if `real` */
   double bound[ORDERS]; /* no eigenvalue of the order is larger */
   int solved;           /* orders whose R are there */
-  int failed;           /* atomic: out of memory */
   eigen *sorted;        /* of these orders, strongest first */
   size_t n_sorted;
   coherent *systems;
   double *weights;
-  float s_table[TABLE + 2], d_table[SHIFTS + 2];
+  float s_table[TABLE + 2];
 } radial;
 
 /* ---- radial.c ---- */
@@ -90,12 +89,12 @@ double radial_cross(const radial *r, double a, double b, double angle);
 void radial_evaluate_pairs(void *self, size_t i);
 
 /* As in kernels.h. */
-int radial_keep(kernels *base, size_t n);
+void radial_keep(kernels *base, size_t n);
 void radial_transfer(const void *self, size_t s, const double *fx, double fy,
                      size_t n, float *out);
-void radial_residual(const void *self, const double *fx, double fy, size_t n,
-                     float *out);
-opc_mirrored radial_mirror(const void *self, size_t s);
-void radial_forget(radial *r);
+eda_mirrored radial_mirror(const void *self, size_t s);
+
+/* Drop the systems that are used. */
+void radial_drop(radial *r);
 
 #endif

@@ -1,24 +1,23 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The eigenvalues of the transmission cross coefficient T, from its kernels,
    against two other ways to them. */
-#include "core/plugin/testing.h"
-#include "kernels.h"
-
 #include <glib.h>
 #include <math.h>
-#include <stdlib.h>
+
+#include "kernels.h"
 
 enum { VALUES = 7, SPAN = 14 };
 
 static const double sigma = 0.75;
 
 /* A symmetric operator on vectors of n numbers. */
-typedef struct operator {
+typedef struct operator{
   size_t n;
-  void (*apply)(const struct operator *self, const double *x, double *out);
+  void (*apply)(const struct operator* self, const double *x, double *out);
   double *data;
   size_t count;
-} operator;
+}
+operator;
 
 static double dot(const double *a, const double *b, size_t n) {
   double sum = 0;
@@ -40,7 +39,7 @@ static void orthonormalise(double *q, size_t n, double *length) {
 }
 
 /* The largest eigenvalues, by powers of the operator on a span of vectors. */
-static void eigenvalues(const operator *o, double value[SPAN]) {
+static void eigenvalues(const operator* o, double value[SPAN]) {
   double *q = g_new(double, SPAN * o->n), *next = g_new(double, o->n);
   GRand *random = g_rand_new_with_seed(7);
   for (size_t i = 0; i < SPAN * o->n; i++) q[i] = g_rand_double(random) - 0.5;
@@ -60,7 +59,7 @@ static void eigenvalues(const operator *o, double value[SPAN]) {
 /* ---- kernels ---- */
 
 /* T = the sum of w (re re' + im im') of all systems. */
-static void apply_kernels(const operator *o, const double *x, double *out) {
+static void apply_kernels(const operator* o, const double *x, double *out) {
   for (size_t i = 0; i < o->n; i++) out[i] = 0;
   for (size_t k = 0; k < o->count; k++) {
     const double *f = o->data + k * o->n;
@@ -72,16 +71,19 @@ static void apply_kernels(const operator *o, const double *x, double *out) {
 /* The systems at the frequencies of a grid, times the root of its cells. */
 static operator kernels_operator(double error, size_t systems) {
   enum { CELLS = 61 };
-  static const optics o = {.wavelength = 193, .na = 0.75, .index = 1,
-                           .cutoff = 0.75 / 193, .source = OPTICS_CIRCULAR,
+  static const optics o = {.wavelength = 193,
+                           .na = 0.75,
+                           .index = 1,
+                           .cutoff = 0.75 / 193,
+                           .source = OPTICS_CIRCULAR,
                            .sigma = 0.75};
-  kernels *k = radial_kernels(opc_test_host(), &o, 0, 1, error);
+  kernels *k = radial_new(NULL, &o, 0, 1, error);
   g_assert_nonnull(k);
-  g_assert_true(k->keep(k, systems));
+  k->keep(k, systems);
   g_assert_cmpuint(k->count, ==, systems);
-  operator p = {.n = (size_t)CELLS * CELLS, .apply = apply_kernels,
-                .count = 2 * systems};
-  p.data = g_new(double, p.count * p.n);
+  operator p = {
+      .n = (size_t)CELLS * CELLS, .apply = apply_kernels, .count = 2 * systems};
+  p.data = g_new(double, p.count *p.n);
   double step = 2 * k->radius / CELLS, fx[CELLS];
   for (int i = 0; i < CELLS; i++)
     fx[i] = (-k->radius + (i + 0.5) * step) * k->cutoff;
@@ -92,7 +94,8 @@ static operator kernels_operator(double error, size_t systems) {
       for (int i = 0; i < CELLS; i++)
         for (int part = 0; part < 2; part++) {
           double f = hypot(fx[i], fx[j]) < k->radius * k->cutoff;
-          p.data[((2 * s + (size_t)part) * CELLS + (size_t)j) * CELLS + (size_t)i] =
+          p.data[((2 * s + (size_t)part) * CELLS + (size_t)j) * CELLS +
+                 (size_t)i] =
               f * sqrt(k->weight[s]) * step * (double)value[2 * i + part];
         }
     }
@@ -102,7 +105,7 @@ static operator kernels_operator(double error, size_t systems) {
 
 /* ---- pupils ---- */
 
-static void apply_matrix(const operator *o, const double *x, double *out) {
+static void apply_matrix(const operator* o, const double *x, double *out) {
   for (size_t i = 0; i < o->n; i++) out[i] = dot(o->data + i * o->n, x, o->n);
 }
 
@@ -119,12 +122,12 @@ static operator pupils_operator(void) {
       y[o.n] = -sigma + (j + 0.5) * step;
       o.n += hypot(x[o.n], y[o.n]) < sigma;
     }
-  o.data = g_new(double, o.n * o.n);
+  o.data = g_new(double, o.n *o.n);
   for (size_t i = 0; i < o.n; i++)
     for (size_t j = 0; j < o.n; j++) {
       double d = hypot(x[i] - x[j], y[i] - y[j]) / 2;
       double area = 2 * acos(d) - 2 * d * sqrt(1 - d * d);
-      o.data[i * o.n + j] = area / (double)o.n;   /* o.n cells: the source, 1 */
+      o.data[i * o.n + j] = area / (double)o.n; /* o.n cells: the source, 1 */
     }
   return o;
 }
@@ -167,15 +170,19 @@ static void test_reference(void) {
 
 /* What is said of mirrored systems is so, in focus and out of it. */
 static void test_mirror(void) {
-  static const optics o = {.wavelength = 193, .na = 0.75, .index = 1,
-                           .cutoff = 0.75 / 193, .source = OPTICS_CIRCULAR,
+  static const optics o = {.wavelength = 193,
+                           .na = 0.75,
+                           .index = 1,
+                           .cutoff = 0.75 / 193,
+                           .source = OPTICS_CIRCULAR,
                            .sigma = 0.75};
   for (int real = 0; real < 2; real++) {
-    kernels *k = radial_kernels(opc_test_host(), &o, real ? 0 : 120, real, 1e-3);
-    g_assert_true(k && k->keep(k, 30));
+    kernels *k = radial_new(NULL, &o, real ? 0 : 120, real, 1e-3);
+    g_assert_nonnull(k);
+    k->keep(k, 30);
     const double fx = 0.0021, fy = 0.0013;
     for (size_t s = 0; s <= k->count; s++) {
-      opc_mirrored m = k->mirror(k, s);
+      eda_mirrored m = k->mirror(k, s);
       float want[2], got[2];
       k->transfer(k, m.system, &fx, fy, 1, want);
       if (m.conjugate) want[1] = -want[1];

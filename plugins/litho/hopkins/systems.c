@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The systems of a rotationally symmetric T: the strongest of its eigenfunctions.
+/* The systems of a rotationally symmetric T: the strongest of its
+   eigenfunctions.
 
    What the kernels that are left out would add is a slowly varying offset. It
    is put back by one incoherent system: the rest of T is taken as
    S(f1) S(f2) D(|f1 - f2|), exact for f1 = f2, and D its mean otherwise. */
+#include <eda/memory.h>
+#include <math.h>
+#include <string.h>
+
 #include "disks.h"
 #include "radial.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-enum { CHUNK = 32 };   /* frequencies at a time */
+enum { CHUNK = 32 }; /* frequencies at a time */
 
 /* ---- work: the kept kernels ---- */
 
@@ -26,7 +27,7 @@ static void tabulate(const radial *r, const double *f, double scale,
   }
 }
 
-void radial_forget(radial *r) {
+void radial_drop(radial *r) {
   for (size_t s = 0; s < r->base.count; s++) {
     free(r->systems[s].re);
     free(r->systems[s].im);
@@ -34,8 +35,8 @@ void radial_forget(radial *r) {
   r->base.count = 0;
 }
 
-/* Of a pair of nodes (every other node, counted from 0): a little further on for
-   each pair, so that together they take all shifts evenly. */
+/* Of a pair of nodes (every other node, counted from 0): a little further on
+   for each pair, so that together they take all shifts evenly. */
 static double angle_of(int i, int j, int a) {
   double turn = 0.6180339887 * i + 0.7548776662 * j;
   return M_PI * (a + turn - floor(turn)) / ANGLES;
@@ -77,8 +78,7 @@ static void rest_of(const radial *r, size_t kept, int i, int j,
     rest[a] += r->pairs[pair * ANGLES + (size_t)a];
 }
 
-double radial_cross(const radial *r, double a, double b,
-                                double angle) {
+double radial_cross(const radial *r, double a, double b, double angle) {
   double area = opc_common_area(r->sigma, a, b, angle);
   if (r->sigma_in > 0) area -= opc_common_area(r->sigma_in, a, b, angle);
   return area / (M_PI * (r->sigma * r->sigma - r->sigma_in * r->sigma_in));
@@ -90,7 +90,7 @@ void radial_evaluate_pairs(void *self, size_t i) {
   for (size_t j = 0; j <= i; j++)
     for (int a = 0; a < ANGLES; a++)
       *to++ = radial_cross(r, r->node[2 * i], r->node[2 * j],
-                                angle_of((int)i, (int)j, a));
+                           angle_of((int)i, (int)j, a));
 }
 
 /* S and D of what is left when the first `kept` eigenfunctions are used. D is
@@ -123,8 +123,9 @@ static void find_residual(radial *r, size_t kept) {
       }
     }
   for (int b = 0; b < SHIFTS + 2; b++)
-    r->d_table[b] = b <= SHIFTS && below[b] > 0 ? (float)(above[b] / below[b]) : 0;
-  r->d_table[0] = 1;
+    r->base.d_table[b] =
+        b <= SHIFTS && below[b] > 0 ? (float)(above[b] / below[b]) : 0;
+  r->base.d_table[0] = 1;
   for (int i = 0; i < TABLE + 2; i++) {
     double sum = r->diagonal[i];
     for (size_t k = 0; k < r->base.count; k++) {
@@ -136,14 +137,15 @@ static void find_residual(radial *r, size_t kept) {
   }
 }
 
-static float *new_table(const radial *r, const eigen *e, int part, double scale) {
-  float *table = malloc((TABLE + 2) * sizeof *table);
-  if (table) tabulate(r, radial_function(r, e, part), scale, table);
+static float *new_table(const radial *r, const eigen *e, int part,
+                        double scale) {
+  float *table = eda_alloc(TABLE + 2, sizeof *table);
+  tabulate(r, radial_function(r, e, part), scale, table);
   return table;
 }
 
-/* A system for order m or -m of an eigenfunction; 0 if there is no memory. */
-static int add_system(radial *r, const eigen *e, int order) {
+/* A system for order m or -m of an eigenfunction. */
+static void add_system(radial *r, const eigen *e, int order) {
   size_t s = r->base.count++;
   coherent *c = &r->systems[s];
   int pair = r->real && order;
@@ -151,38 +153,33 @@ static int add_system(radial *r, const eigen *e, int order) {
   r->weights[s] = r->real && !order ? 1 : (pair ? 2 : 1) * e->value;
   c->re = new_table(r, e, 0, r->real && !order ? sqrt(e->value) : 1);
   if (!r->real) c->im = new_table(r, e, 1, 1);
-  return c->re && (r->real || c->im);
 }
 
-int radial_keep(kernels *base, size_t n) {
+void radial_keep(kernels *base, size_t n) {
   radial *r = (radial *)base;
   size_t kept = radial_solve(r, n), open = SIZE_MAX;
-  radial_forget(r);
-  if (r->failed) return 0;
+  radial_drop(r);
   for (size_t k = 0; k < kept; k++) {
     const eigen *e = &r->sorted[k];
     if (r->real && !e->order && open != SIZE_MAX) {
-      float *table = new_table(r, e, 0, sqrt(e->value));
-      r->systems[open].im = table;
+      r->systems[open].im = new_table(r, e, 0, sqrt(e->value));
       open = SIZE_MAX;
-      if (!table) return 0;
       continue;
     }
     if (!e->order) open = base->count;
-    if (!add_system(r, e, e->order)) return 0;
-    if (!r->real && e->order && !add_system(r, e, -e->order)) return 0;
+    add_system(r, e, e->order);
+    if (!r->real && e->order) add_system(r, e, -e->order);
   }
   base->weight = r->weights;
   base->all = kept == r->n_sorted;
   find_residual(r, kept);
-  return 1;
 }
 
 /* ---- work: transfer functions ---- */
 
 /* The values of a table at CHUNK places. */
-WIDE static void look_up(const float *restrict table, const float *restrict place,
-                         float *restrict out) {
+EDA_WIDE static void look_up(const float *restrict table,
+                             const float *restrict place, float *restrict out) {
   for (int i = 0; i < CHUNK; i++) {
     int k = (int)place[i];
     out[i] = table[k] + (place[i] - (float)k) * (table[k + 1] - table[k]);
@@ -190,8 +187,9 @@ WIDE static void look_up(const float *restrict table, const float *restrict plac
 }
 
 /* R(|f|) exp(i order angle) at CHUNK frequencies (fx[i], fy). */
-WIDE static void chunk(const coherent *c, float scale, const double *restrict fx,
-                       float fy, float *restrict out) {
+EDA_WIDE static void chunk(const coherent *c, float scale,
+                           const double *restrict fx, float fy,
+                           float *restrict out) {
   float re[CHUNK], im[CHUNK] = {0}, zx[CHUNK], zy[CHUNK], place[CHUNK];
   float side = c->order < 0 ? -1 : 1;
   for (int i = 0; i < CHUNK; i++) {
@@ -224,7 +222,8 @@ void radial_transfer(const void *self, size_t s, const double *fx, double fy,
   const radial *r = self;
   const coherent rest = {.re = (float *)r->s_table};
   const coherent *c = s < r->base.count ? &r->systems[s] : &rest;
-  float scale = (float)(TABLE / (r->base.radius * r->base.cutoff)), y = (float)fy;
+  float scale = (float)(TABLE / (r->base.radius * r->base.cutoff)),
+        y = (float)fy;
   size_t i = 0;
   for (; i + CHUNK <= n; i += CHUNK) chunk(c, scale, fx + i, y, out + 2 * i);
   if (i == n) return;
@@ -235,23 +234,15 @@ void radial_transfer(const void *self, size_t s, const double *fx, double fy,
   memcpy(out + 2 * i, values, 2 * (n - i) * sizeof *values);
 }
 
-void radial_residual(const void *self, const double *fx, double fy, size_t n,
-                     float *out) {
-  const radial *r = self;
-  for (size_t i = 0; i < n; i++) {
-    double place = sqrt(fx[i] * fx[i] + fy * fy) / r->base.cutoff * SHIFTS / 2;
-    int k = place < SHIFTS ? (int)place : SHIFTS;
-    float t = (float)(place - k);
-    out[i] = r->d_table[k] + t * (r->d_table[k + 1] - r->d_table[k]);
-  }
-}
-
-/* R exp(i m angle) is turned round to R exp(-i m angle), times -1 if m is odd. */
-opc_mirrored radial_mirror(const void *self, size_t s) {
+/* R exp(i m angle) is turned round to R exp(-i m angle), times -1 if m is odd.
+ */
+eda_mirrored radial_mirror(const void *self, size_t s) {
   const radial *r = self;
   int order = s < r->base.count ? r->systems[s].order : 0;
-  opc_mirrored m = {.system = s, .odd = order % 2 != 0};
-  if (r->real) m.conjugate = order != 0;
-  else if (order) m.system = order > 0 ? s + 1 : s - 1;   /* that of -order */
+  eda_mirrored m = {.system = s, .odd = order % 2 != 0};
+  if (r->real)
+    m.conjugate = order != 0;
+  else if (order)
+    m.system = order > 0 ? s + 1 : s - 1; /* that of -order */
   return m;
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads the kernel sets of the ICCAD 2013 contest from their files. */
 #include "files.h"
 
+#include <eda/memory.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -8,10 +10,6 @@
 #include <string.h>
 
 enum { HEADER = 24, MOST_KERNELS = 4096 };
-
-static int no_memory(const opc_host *host, const char *path, opc_error *error) {
-  return host->fail(host, error, OPC_FAILED, NULL, "'%s': out of memory", path);
-}
 
 /* ---- weights ---- */
 
@@ -32,27 +30,26 @@ static int next_number(FILE *file, double *value, size_t *line) {
   return n && !*end && isfinite(*value);
 }
 
-static int read_weights(const opc_host *host, FILE *file, const char *path,
-                        size_t most, kernel_set *set, opc_error *error) {
+static int read_weights(FILE *file, const char *path, size_t most,
+                        kernel_set *set, opc_error *error) {
   size_t line = 1;
   double number;
   if (!next_number(file, &number, &line) || number != floor(number) ||
       number < 1 || number > MOST_KERNELS)
-    return host->fail(host, error, OPC_IO, NULL,
-                      "%s:%zu: not a number of kernels from 1 to %d", path,
-                      line, MOST_KERNELS);
+    return opc_fail(error, OPC_IO, NULL,
+                    "%s:%zu: not a number of kernels from 1 to %d", path, line,
+                    MOST_KERNELS);
   set->count = (size_t)number;
   if (most > set->count)
-    return host->fail(host, error, OPC_INVALID, "kernels",
-                      "'kernels' asks for %zu, '%s' has %zu", most, path,
-                      set->count);
+    return opc_fail(error, OPC_INVALID, "kernels",
+                    "'kernels' asks for %zu, '%s' has %zu", most, path,
+                    set->count);
   if (most) set->count = most;
-  set->weight = malloc(set->count * sizeof *set->weight);
-  if (!set->weight) return no_memory(host, path, error);
+  set->weight = eda_alloc(set->count, sizeof *set->weight);
   for (size_t i = 0; i < set->count; i++)
     if (!next_number(file, &set->weight[i], &line) || set->weight[i] < 0)
-      return host->fail(host, error, OPC_IO, NULL,
-                        "%s:%zu: not a weight, of kernel %zu", path, line, i);
+      return opc_fail(error, OPC_IO, NULL,
+                      "%s:%zu: not a weight, of kernel %zu", path, line, i);
   return OPC_OK;
 }
 
@@ -63,32 +60,31 @@ static uint32_t big_endian(const uint8_t *p) {
          p[3];
 }
 
-static int take_size(const opc_host *host, const char *path,
-                     const uint8_t *head, kernel_set *set, opc_error *error) {
+static int take_size(const char *path, const uint8_t *head, kernel_set *set,
+                     opc_error *error) {
   uint32_t rows = big_endian(head), columns = big_endian(head + 4);
   if (rows != columns || rows % 2 == 0 || rows > KERNEL_MOST)
-    return host->fail(host, error, OPC_IO, NULL,
-                      "'%s': %u x %u frequencies at byte 0, not an odd square "
-                      "up to %d",
-                      path, rows, columns, KERNEL_MOST);
+    return opc_fail(error, OPC_IO, NULL,
+                    "'%s': %u x %u frequencies at byte 0, not an odd square "
+                    "up to %d",
+                    path, rows, columns, KERNEL_MOST);
   if (set->data && (int)rows != set->size)
-    return host->fail(host, error, OPC_IO, NULL,
-                      "'%s': %u frequencies across at byte 0, the kernels "
-                      "before have %d",
-                      path, rows, set->size);
+    return opc_fail(error, OPC_IO, NULL,
+                    "'%s': %u frequencies across at byte 0, the kernels "
+                    "before have %d",
+                    path, rows, set->size);
   set->size = (int)rows;
   set->half = set->size / 2;
   if (!set->data)
-    set->data = malloc(set->count * rows * rows * 2 * sizeof *set->data);
-  return set->data ? OPC_OK : no_memory(host, path, error);
+    set->data = eda_alloc(set->count * rows * rows * 2, sizeof *set->data);
+  return OPC_OK;
 }
 
-static int read_kernel(const opc_host *host, const char *path, FILE *file,
-                       size_t s, kernel_set *set, opc_error *error) {
+static int read_kernel(const char *path, FILE *file, size_t s, kernel_set *set,
+                       opc_error *error) {
   uint8_t head[HEADER], row[KERNEL_MOST * 8];
   size_t got = fread(head, 1, HEADER, file), at = got;
-  if (got == HEADER && take_size(host, path, head, set, error))
-    return error->code;
+  if (got == HEADER && take_size(path, head, set, error)) return error->code;
   size_t n = (size_t)set->size;
   for (size_t l = 0; got && at >= HEADER && l < n; l++) {
     got = fread(row, 1, 8 * n, file);
@@ -99,63 +95,58 @@ static int read_kernel(const opc_host *host, const char *path, FILE *file,
       uint32_t bits = big_endian(row + 4 * i);
       memcpy(&out[i], &bits, 4);
       if (!isfinite(out[i]))
-        return host->fail(host, error, OPC_IO, NULL,
-                          "'%s': a value that is no number at byte %zu", path,
-                          at - 8 * n + 4 * i);
+        return opc_fail(error, OPC_IO, NULL,
+                        "'%s': a value that is no number at byte %zu", path,
+                        at - 8 * n + 4 * i);
       int x = (int)i / 2 - set->half, y = (int)l - set->half;
       if (out[i] != 0) set->radius = fmax(set->radius, hypot(x, y));
     }
   }
   if (at < HEADER || at < HEADER + 8 * n * n)
-    return host->fail(host, error, OPC_IO, NULL, "'%s': ends at byte %zu", path,
-                      at);
+    return opc_fail(error, OPC_IO, NULL, "'%s': ends at byte %zu", path, at);
   if (getc(file) != EOF)
-    return host->fail(host, error, OPC_IO, NULL,
-                      "'%s': more than %zu x %zu frequencies, at byte %zu",
-                      path, n, n, at);
+    return opc_fail(error, OPC_IO, NULL,
+                    "'%s': more than %zu x %zu frequencies, at byte %zu", path,
+                    n, n, at);
   return OPC_OK;
 }
 
 /* ---- sets ---- */
 
-static FILE *open_file(const opc_host *host, const char *path,
-                       opc_error *error) {
+static FILE *open_file(const char *path, opc_error *error) {
   FILE *file = fopen(path, "rb");
-  if (!file)
-    host->fail(host, error, OPC_IO, NULL, "'%s': %s", path, strerror(errno));
+  if (!file) opc_fail(error, OPC_IO, NULL, "'%s': %s", path, strerror(errno));
   return file;
 }
 
-static int read_kernels(const opc_host *host, const char *path, kernel_set *set,
-                        opc_error *error) {
+static int read_kernels(const char *path, kernel_set *set, opc_error *error) {
   const char *slash = strrchr(path, '/');
   size_t folder = slash ? (size_t)(slash - path) + 1 : 0;
-  char *name = malloc(folder + 32);
-  if (!name) return no_memory(host, path, error);
+  char *name = eda_alloc(folder + 32, 1);
   memcpy(name, path, folder);
   int code = OPC_OK;
   for (size_t s = 0; s < set->count && !code; s++) {
     snprintf(name + folder, 32, "fh%zu.bin", s);
-    FILE *file = open_file(host, name, error);
-    code = file ? read_kernel(host, name, file, s, set, error) : error->code;
+    FILE *file = open_file(name, error);
+    code = file ? read_kernel(name, file, s, set, error) : error->code;
     if (file) fclose(file);
   }
   free(name);
   return code;
 }
 
-int kernel_set_read(const opc_host *host, const char *path, size_t most,
-                    kernel_set *out, opc_error *error) {
+int kernel_set_read(const char *path, size_t most, kernel_set *out,
+                    opc_error *error) {
   *out = (kernel_set){0};
-  FILE *file = open_file(host, path, error);
+  FILE *file = open_file(path, error);
   if (!file) return error->code;
-  int code = read_weights(host, file, path, most, out, error);
+  int code = read_weights(file, path, most, out, error);
   fclose(file);
-  if (!code) code = read_kernels(host, path, out, error);
+  if (!code) code = read_kernels(path, out, error);
   if (!code && out->radius == 0)
-    code = host->fail(host, error, OPC_IO, NULL,
-                      "'%s': kernels that let nothing but the zero order pass",
-                      path);
+    code = opc_fail(error, OPC_IO, NULL,
+                    "'%s': kernels that let nothing but the zero order pass",
+                    path);
   if (code) kernel_set_clear(out);
   return code;
 }

@@ -4,7 +4,7 @@
 #ifndef OPCFLOW_LITHO_KERNEL_FILES_H
 #define OPCFLOW_LITHO_KERNEL_FILES_H
 
-#include <opcflow/plugin.h>
+#include <eda/base.h>
 
 enum { KERNEL_MOST = 255 }; /* frequencies across a kernel */
 
@@ -23,8 +23,8 @@ typedef struct kernel_set {
    beside it (24 bytes: rows and columns as big-endian 32-bit integers, four
    more without use; then pairs of big-endian 32-bit floats, row by row); the
    first `most` kernels, 0 for all. */
-int kernel_set_read(const opc_host *host, const char *path, size_t most,
-                    kernel_set *out, opc_error *error);
+int kernel_set_read(const char *path, size_t most, kernel_set *out,
+                    opc_error *error);
 void kernel_set_clear(kernel_set *set);
 
 #endif

@@ -4,12 +4,11 @@
    is the sum of weight |mask * kernel|^2. The kernels are known at the
    multiples of 1 / period, that is, within a square of one period about the
    origin; between these frequencies they are what that square has. */
-#include "files.h"
-
-#include <opcflow/litho.h>
-
+#include <eda/litho.h>
 #include <math.h>
-#include <stdlib.h>
+#include <opcflow/plugin.h>
+
+#include "files.h"
 
 /* ---- state ---- */
 
@@ -18,7 +17,7 @@ enum { FOCUS, DEFOCUS, SETS };
 typedef struct model {
   const opc_host *host;
   const char *path[SETS]; /* the second may be NULL */
-  size_t wanted;          /* kernels of each; 0: all */
+  int64_t wanted;         /* kernels of each; OPC_NO_INT: all */
   double period, dose;    /* nm, 1 */
   int dark_field;
   kernel_set set[SETS];
@@ -95,7 +94,8 @@ static int prepare(void *self, opc_error *error) {
     kernel_set_clear(&m->set[i]);
     if (!m->path[i]) continue;
     kernel_set *set = &m->set[i];
-    int code = kernel_set_read(m->host, m->path[i], m->wanted, set, error);
+    size_t most = m->wanted > 0 ? (size_t)m->wanted : 0;
+    int code = kernel_set_read(m->path[i], most, set, error);
     if (code) return code;
     /* The whole set is one factor brighter or darker. */
     double clear = 0;
@@ -123,12 +123,11 @@ static double band(const void *self) {
 }
 
 static int image_of(const model *m, const kernel_set *set,
-                    const opc_spectrum *mask, opc_field *out,
+                    const eda_spectrum *mask, eda_field *out,
                     opc_error *error) {
   view v = {set, m->period};
   double sign = m->dark_field ? -1 : 1;
-  opc_systems systems = {.size = sizeof systems,
-                         .count = set->count,
+  eda_systems systems = {.count = set->count,
                          .weight = set->weight,
                          .band = set_band(m, set),
                          .intensity_band = 2 * set_band(m, set),
@@ -138,116 +137,79 @@ static int image_of(const model *m, const kernel_set *set,
                          .scale = {sign, 0}};
   /* Four samples to the finest period there can be. */
   double step = fmin(coarsest, 0.25 / systems.intensity_band);
-  return m->host->imaging->coherent_sum(m->host, mask, &systems, step, out,
-                                        error);
+  return eda_coherent_sum(m->host->context, mask, &systems, step, out, error);
 }
 
-static int image(const void *self, int layer, const opc_spectrum *mask,
-                 opc_field *out, opc_error *error) {
+static int image(const void *self, int layer, const eda_spectrum *mask,
+                 eda_field *out, opc_error *error) {
   const model *m = self;
   (void)layer; /* all are exposed alike */
   return image_of(m, &m->set[FOCUS], mask, out, error);
 }
 
-static int image_at(const void *self, int layer, const opc_spectrum *mask,
-                    double defocus, opc_field *out, opc_error *error) {
+static int image_at(const void *self, int layer, const eda_spectrum *mask,
+                    double defocus, eda_field *out, opc_error *error) {
   const model *m = self;
   if (defocus == 0) return image(self, layer, mask, out, error);
   if (!m->path[DEFOCUS])
-    return m->host->fail(m->host, error, OPC_INVALID, "defocus",
-                         "'defocus' kernels are needed for an image out of "
-                         "focus");
+    return opc_fail(error, OPC_INVALID, "defocus",
+                    "'defocus' kernels are needed for an image out of focus");
   return image_of(m, &m->set[DEFOCUS], mask, out, error);
 }
 
 /* ---- parameters ---- */
 
-enum { P_FOCUS, P_DEFOCUS, PERIOD, KERNELS, DOSE, TONE, PARAMETERS };
-
-static const opc_parameter parameters[PARAMETERS] = {
-    [P_FOCUS] = {.name = "focus",
-                 .type = OPC_FILE,
-                 .flags = OPC_REQUIRED,
-                 .summary =
-                     "text of the weights of the kernels in focus; fh0.bin "
-                     "... are beside it"},
-    [P_DEFOCUS] = {.name = "defocus",
-                   .type = OPC_FILE,
-                   .summary = "the same for images at any other focus"},
-    [PERIOD] = {.name = "period",
-                .type = OPC_REAL,
-                .flags = OPC_ABOVE,
-                .unit = "nm",
-                .preset = "2048 nm",
-                .summary = "one over the distance of the kernels' frequencies"},
-    [KERNELS] = {.name = "kernels",
-                 .type = OPC_INT,
-                 .flags = OPC_AT_LEAST,
-                 .min = 1,
-                 .summary =
-                     "how many of them, the first ones; all if not given"},
-    [DOSE] = {.name = "dose",
-              .type = OPC_REAL,
-              .flags = OPC_ABOVE,
-              .preset = "1",
-              .summary = "a factor on the intensity"},
-    [TONE] = {.name = "tone",
-              .type = OPC_CHOICE,
-              .preset = "dark",
-              .choices = "clear|dark",
-              .summary = "field of the mask: clear with dark features, or dark "
-                         "with clear ones"},
+static const opc_parameter parameters[] = {
+    {.name = "focus",
+     .type = OPC_FILE,
+     .flags = OPC_REQUIRED,
+     .summary = "text of the weights of the kernels in focus; fh0.bin ... are "
+                "beside it",
+     OPC_FIELD(model, path[FOCUS])},
+    {.name = "defocus",
+     .type = OPC_FILE,
+     .summary = "the same for images at any other focus",
+     OPC_FIELD(model, path[DEFOCUS])},
+    {.name = "period",
+     .type = OPC_REAL,
+     .flags = OPC_ABOVE,
+     .unit = "nm",
+     .preset = "2048 nm",
+     .summary = "one over the distance of the kernels' frequencies",
+     OPC_FIELD(model, period)},
+    {.name = "kernels",
+     .type = OPC_INT,
+     .flags = OPC_AT_LEAST,
+     .min = 1,
+     .summary = "how many of them, the first ones; all if not given",
+     OPC_FIELD(model, wanted)},
+    {.name = "dose",
+     .type = OPC_REAL,
+     .flags = OPC_ABOVE,
+     .preset = "1",
+     .summary = "a factor on the intensity",
+     OPC_FIELD(model, dose)},
+    {.name = "tone",
+     .type = OPC_CHOICE,
+     .preset = "dark",
+     .choices = "clear|dark",
+     .summary = "field of the mask: clear with dark features, or dark with "
+                "clear ones",
+     OPC_FIELD(model, dark_field)},
 };
 
-static void destroy(void *self) {
+static void clear(void *self) {
   model *m = self;
   for (int i = 0; i < SETS; i++) kernel_set_clear(&m->set[i]);
-  free(m);
-}
-
-static void *create(const opc_host *host, const opc_value *values,
-                    opc_error *error) {
-  model *m = calloc(1, sizeof *m);
-  if (!m) {
-    host->fail(host, error, OPC_FAILED, NULL, "out of memory");
-    return NULL;
-  }
-  m->host = host;
-  m->path[FOCUS] = values[P_FOCUS].text;
-  if (values[P_DEFOCUS].type != OPC_ABSENT)
-    m->path[DEFOCUS] = values[P_DEFOCUS].text;
-  if (values[KERNELS].type != OPC_ABSENT)
-    m->wanted = (size_t)values[KERNELS].integer;
-  m->period = values[PERIOD].real;
-  m->dose = values[DOSE].real;
-  m->dark_field = values[TONE].integer == 1;
-  return m;
 }
 
 /* ---- entry ---- */
 
-static const opc_litho operations = {.size = sizeof operations,
-                                     .prepare = prepare,
-                                     .band = band,
-                                     .image = image,
-                                     .image_at = image_at};
-
-OPC_EXPORT const opc_plugin *opcflow_plugin(void);
-const opc_plugin *opcflow_plugin(void) {
-  static const opc_plugin plugin = {
-      .size = sizeof plugin,
-      .abi_major = OPC_ABI_MAJOR,
-      .abi_minor = OPC_ABI_MINOR,
-      .id = "litho.kernels",
-      .version = "0.1.0",
-      .licence = "BSD-3-Clause",
-      .summary = "imaging by kernels from files, as the ICCAD 2013 contest has",
-      .kind = OPC_KIND_LITHO,
-      .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-      OPC_PARAMETERS(parameters),
-      .create = create,
-      .destroy = destroy,
-      .operations = &operations,
-  };
-  return &plugin;
-}
+static const eda_litho functions = {
+    .prepare = prepare, .band = band, .image = image, .image_at = image_at};
+OPC_PLUGIN(
+    model, .id = "litho.kernels", .kind = "litho", .version = "0.2.0",
+    .licence = "BSD-3-Clause",
+    .summary = "imaging by kernels from files, as the ICCAD 2013 contest has",
+    .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
+    .clear = clear, OPC_FUNCTIONS(functions));

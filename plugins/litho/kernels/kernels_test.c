@@ -2,11 +2,13 @@
 /* Images by kernels made up here against closed forms; those of the ICCAD 2013
    contest against the double sum over the exact Fourier coefficients of a
    clip, and what that clip prints as drawn against another program. */
-#include "core/plugin/testing.h"
-
 #include <complex.h>
+#include <eda/layout.h>
+#include <eda/litho.h>
 #include <math.h>
 #include <string.h>
+
+#include "core/testing/testing.h"
 
 static const opc_host *host;
 
@@ -59,40 +61,40 @@ static opc_module *model(const char *focus, const char *more) {
 static opc_module *prepared(const char *focus, const char *more) {
   opc_error error;
   opc_module *m = model(focus, more);
-  const opc_litho *litho = m->plugin->operations;
+  const eda_litho *litho = m->functions;
   if (litho->prepare(m->self, &error)) g_error("%s", error.message);
   return m;
 }
 
-static opc_field image_of(opc_module *m, const opc_shapes *shapes, opc_frame f,
+static eda_field image_of(opc_module *m, const eda_shapes *shapes, eda_frame f,
                           double defocus) {
-  const opc_litho *litho = m->plugin->operations;
-  opc_spectrum mask;
-  opc_field field;
+  const eda_litho *litho = m->functions;
+  eda_spectrum mask;
+  eda_field field;
   opc_error error;
-  g_assert_cmpint(host->imaging->mask_spectrum(
-                      host, shapes, 1, f, litho->band(m->self), &mask, &error),
+  g_assert_cmpint(eda_mask_spectrum(host->context, shapes, 1, f,
+                                    litho->band(m->self), &mask, &error),
                   ==, OPC_OK);
   if (litho->image_at(m->self, 0, &mask, defocus, &field, &error))
     g_error("%s", error.message);
-  host->imaging->release_spectrum(host, &mask);
+  eda_spectrum_clear(&mask);
   return field;
 }
 
-static double value_at(const opc_field *f, double x, double y) {
+static double value_at(const eda_field *f, double x, double y) {
   double v;
-  host->imaging->sample(f, &x, &y, 1, &v);
+  eda_field_sample(f, &x, &y, 1, &v);
   return v;
 }
 
-static opc_shapes box_shapes(opc_box b, opc_point points[4],
+static eda_shapes box_shapes(eda_box b, eda_point points[4],
                              uint32_t start[2]) {
-  const opc_point corners[] = {
+  const eda_point corners[] = {
       {b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
   memcpy(points, corners, sizeof corners);
   start[0] = 0;
   start[1] = 4;
-  return (opc_shapes){1, start, points, NULL};
+  return (eda_shapes){1, start, points, NULL};
 }
 
 /* Two systems: the orders -1, 0, 1 of x with phases of their own; and only the
@@ -109,14 +111,14 @@ static float complex two_systems(int s, int k, int l) {
 static void test_orders(void) {
   write_set("2\n2.5\n4\n", 2, 5, two_systems);
   g_autofree char *path = set_path();
-  opc_point points[4];
+  eda_point points[4];
   uint32_t start[2];
-  opc_shapes line = box_shapes((opc_box){-150, -500, 150, 500}, points, start);
+  eda_shapes line = box_shapes((eda_box){-150, -500, 150, 500}, points, start);
   for (int dark = 0; dark < 2; dark++) {
     g_autoptr(opc_module) m =
         prepared(path, dark ? ", period: 1000 nm, dose: 1.2"
                             : ", period: 1000 nm, dose: 1.2, tone: clear");
-    opc_field f = image_of(m, &line, (opc_frame){-500, -500, 1000, 1000}, 0);
+    eda_field f = image_of(m, &line, (eda_frame){-500, -500, 1000, 1000}, 0);
     for (double x = -500; x < 500; x += 37) {
       double a0 = 0.3, a1 = sin(0.3 * M_PI) / M_PI;
       if (!dark) {
@@ -128,7 +130,7 @@ static void test_orders(void) {
       double want = 1.2 * (2.5 * creal(e * conj(e)) + 4 * 0.25 * a0 * a0);
       g_assert_cmpfloat(fabs(value_at(&f, x, 77) - want), <, 3e-5);
     }
-    host->imaging->release_field(host, &f);
+    eda_field_clear(&f);
   }
 }
 
@@ -144,11 +146,11 @@ static void test_frames(void) {
   write_set("1 1", 1, 11, wide);
   g_autofree char *path = set_path();
   g_autoptr(opc_module) m = prepared(path, ", period: 2000 nm");
-  opc_point points[4];
+  eda_point points[4];
   uint32_t start[2];
-  opc_shapes box = box_shapes((opc_box){-60, -100, 140, 110}, points, start);
-  opc_field own = image_of(m, &box, (opc_frame){-1000, -1000, 2000, 2000}, 0);
-  opc_field other = image_of(m, &box, (opc_frame){-1700, -2000, 3371, 4219}, 0);
+  eda_shapes box = box_shapes((eda_box){-60, -100, 140, 110}, points, start);
+  eda_field own = image_of(m, &box, (eda_frame){-1000, -1000, 2000, 2000}, 0);
+  eda_field other = image_of(m, &box, (eda_frame){-1700, -2000, 3371, 4219}, 0);
   double top = value_at(&own, 40, 5), worst = 0;
   for (double x = -700; x <= 700; x += 50)
     for (double y = -700; y <= 700; y += 50)
@@ -156,34 +158,34 @@ static void test_frames(void) {
   g_test_message("%.2g of %.3g", worst, top);
   g_assert_cmpfloat(worst, <, 1e-3 * top);
   /* A frame of two periods with the box in each is the same field again. */
-  opc_point pair[8];
+  eda_point pair[8];
   for (int i = 0; i < 8; i++)
     pair[i] =
-        (opc_point){points[i % 4].x + (i < 4 ? 0 : 2000), points[i % 4].y};
+        (eda_point){points[i % 4].x + (i < 4 ? 0 : 2000), points[i % 4].y};
   uint32_t starts[] = {0, 4, 8};
-  opc_shapes both = {2, starts, pair, NULL};
-  opc_field twice =
-      image_of(m, &both, (opc_frame){-1000, -1000, 4000, 2000}, 0);
+  eda_shapes both = {2, starts, pair, NULL};
+  eda_field twice =
+      image_of(m, &both, (eda_frame){-1000, -1000, 4000, 2000}, 0);
   for (double x = -1000; x <= 3000; x += 130)
     g_assert_cmpfloat(fabs(value_at(&own, x > 1000 ? x - 2000 : x, 0.3 * x) -
                            value_at(&twice, x, 0.3 * x)),
                       <, 1e-5);
-  host->imaging->release_field(host, &own);
-  host->imaging->release_field(host, &other);
-  host->imaging->release_field(host, &twice);
+  eda_field_clear(&own);
+  eda_field_clear(&other);
+  eda_field_clear(&twice);
 }
 
 static void test_first_kernels(void) {
   write_set("2 2.5 4", 2, 5, two_systems);
   g_autofree char *path = set_path();
   g_autoptr(opc_module) one = prepared(path, ", kernels: 1, tone: clear");
-  opc_shapes none = {0};
-  opc_field f = image_of(one, &none, (opc_frame){0, 0, 900, 800}, 0);
+  eda_shapes none = {0};
+  eda_field f = image_of(one, &none, (eda_frame){0, 0, 900, 800}, 0);
   g_assert_cmpfloat(fabs(value_at(&f, 3, 4) - 2.5), <, 1e-5);
-  host->imaging->release_field(host, &f);
+  eda_field_clear(&f);
   g_autoptr(opc_module) three = model(path, ", kernels: 3");
   opc_error error;
-  const opc_litho *litho = three->plugin->operations;
+  const eda_litho *litho = three->functions;
   g_assert_cmpint(litho->prepare(three->self, &error), ==, OPC_INVALID);
   g_assert_cmpstr(error.parameter, ==, "kernels");
   g_assert_cmpint(litho->image_at(one->self, 0, NULL, 50, &f, &error), ==,
@@ -196,7 +198,7 @@ static void test_first_kernels(void) {
 static void expect(const char *words) {
   g_autofree char *path = set_path();
   g_autoptr(opc_module) m = model(path, "");
-  const opc_litho *litho = m->plugin->operations;
+  const eda_litho *litho = m->functions;
   opc_error error = {0};
   g_assert_cmpint(litho->prepare(m->self, &error), ==, OPC_IO);
   g_test_message("%s", error.message);
@@ -270,23 +272,22 @@ static char *contest(const char *folder, const char *name) {
   return NULL;
 }
 
-static opc_shapes read_clip(const char *path) {
+static eda_shapes read_clip(const char *path) {
   g_autofree char *parameters = g_strdup_printf("{ file: '%s' }", path);
   opc_error error;
   g_autoptr(opc_module) m = opc_test_module("read.glp", parameters, &error);
   void *out[1];
   if (!m || opc_test_run(m, out, &error)) g_error("%s", error.message);
-  opc_flat flat;
-  opc_shapes merged;
-  int32_t top = host->layout->top(out[0], &error);
-  g_assert_cmpint(host->layout->flatten(host, out[0], top,
-                                        host->layout->find_layer(out[0], "M1"),
-                                        1, &flat, &error),
-                  ==, OPC_OK);
-  g_assert_cmpint(host->geometry->boolean(host, OPC_OR, &flat.shapes, NULL,
-                                          &merged, &error),
-                  ==, OPC_OK);
-  host->layout->release(&flat);
+  eda_flat flat;
+  eda_shapes merged;
+  int32_t top = eda_layout_top(out[0], &error);
+  g_assert_cmpint(
+      eda_layout_flatten(out[0], top, eda_layout_find_layer(out[0], "M1"), 1,
+                         &flat, &error),
+      ==, OPC_OK);
+  g_assert_cmpint(eda_boolean(EDA_OR, &flat.shapes, NULL, &merged, &error), ==,
+                  OPC_OK);
+  eda_flat_clear(&flat);
   opc_test_release(m, out);
   return merged;
 }
@@ -295,13 +296,13 @@ enum { ACROSS = 35, HALF = 17, KERNELS = 24, PERIOD = 2048 };
 
 /* The integral of exp(-2 pi i (k x + l y) / PERIOD) over the shapes, over
    PERIOD^2, by Green's theorem along the vertical edges. */
-static double complex coefficient(const opc_shapes *s, int k, int l) {
+static double complex coefficient(const eda_shapes *s, int k, int l) {
   const double complex turn = -2 * M_PI * I / PERIOD;
   double complex sum = 0;
   for (size_t p = 0; p < s->count; p++)
     for (uint32_t i = s->start[p]; i < s->start[p + 1]; i++) {
-      opc_point a = s->points[i];
-      opc_point b = s->points[i + 1 < s->start[p + 1] ? i + 1 : s->start[p]];
+      eda_point a = s->points[i];
+      eda_point b = s->points[i + 1 < s->start[p + 1] ? i + 1 : s->start[p]];
       if (a.x != b.x) continue;
       double complex x = k ? cexp(turn * k * a.x) / (turn * k) : a.x;
       double complex y =
@@ -321,7 +322,7 @@ static float float_at(const uint8_t *p) {
 }
 
 /* The intensities at n places, by the definition. */
-static void direct(const char *scales, const opc_shapes *clip, const double *x,
+static void direct(const char *scales, const eda_shapes *clip, const double *x,
                    const double *y, int n, double *out) {
   g_autofree char *text = NULL;
   g_autofree char *folder = g_path_get_dirname(scales);
@@ -354,7 +355,7 @@ static void direct(const char *scales, const opc_shapes *clip, const double *x,
   }
 }
 
-static const opc_frame tile = {-512, -512, PERIOD, PERIOD};
+static const eda_frame tile = {-512, -512, PERIOD, PERIOD};
 
 static void test_contest(void) {
   enum { PLACES = 40 };
@@ -362,7 +363,7 @@ static void test_contest(void) {
   g_autofree char *defocus = contest("kernels/defocus", "scales.txt");
   g_autofree char *clip = contest("iccad2013", "M1_test1.glp");
   if (!focus || !defocus || !clip) return;
-  opc_shapes shapes = read_clip(clip);
+  eda_shapes shapes = read_clip(clip);
   g_autofree char *more = g_strdup_printf(", defocus: '%s'", defocus);
   g_autoptr(opc_module) m = prepared(focus, more);
   double x[PLACES], y[PLACES], want[PLACES];
@@ -371,7 +372,7 @@ static void test_contest(void) {
     y[i] = 50 + 21.1 * i;
   }
   for (int out = 0; out < 2; out++) {
-    opc_field f = image_of(m, &shapes, tile, out ? 25 : 0);
+    eda_field f = image_of(m, &shapes, tile, out ? 25 : 0);
     direct(out ? defocus : focus, &shapes, x, y, PLACES, want);
     double worst = 0, top = 0;
     for (int i = 0; i < PLACES; i++) {
@@ -382,9 +383,9 @@ static void test_contest(void) {
                    out ? "defocus" : "focus", worst, top);
     g_assert_cmpfloat(worst, <, 3e-5);
     g_assert_cmpfloat(top, >, 0.3);
-    host->imaging->release_field(host, &f);
+    eda_field_clear(&f);
   }
-  host->geometry->release(&shapes);
+  eda_shapes_clear(&shapes);
 }
 
 /* The contest's corners: nominal; the mask's light 2 % more in focus and 2 %
@@ -398,13 +399,13 @@ static void test_merit(void) {
   g_autofree char *defocus = contest("kernels/defocus", "scales.txt");
   g_autofree char *clip = contest("iccad2013", "M1_test1.glp");
   if (!focus || !defocus || !clip) return;
-  opc_shapes shapes = read_clip(clip);
+  eda_shapes shapes = read_clip(clip);
   g_autofree char *more = g_strdup_printf(", defocus: '%s'", defocus);
   g_autoptr(opc_module) m = prepared(focus, more);
   gint64 begin = g_get_monotonic_time();
-  opc_field in = image_of(m, &shapes, tile, 0);
+  eda_field in = image_of(m, &shapes, tile, 0);
   gint64 middle = g_get_monotonic_time();
-  opc_field out = image_of(m, &shapes, tile, 25);
+  eda_field out = image_of(m, &shapes, tile, 25);
   g_test_message("%.2f ms for two images, %.2f ms for the second",
                  (double)(g_get_monotonic_time() - begin) / 1e3,
                  (double)(g_get_monotonic_time() - middle) / 1e3);
@@ -416,8 +417,8 @@ static void test_merit(void) {
       x[i] = i - 112 + 0.5;
       y[i] = j - 112 + 0.5;
     }
-    host->imaging->sample(&in, x, y, SIDE, a);
-    host->imaging->sample(&out, x, y, SIDE, b);
+    eda_field_sample(&in, x, y, SIDE, a);
+    eda_field_sample(&out, x, y, SIDE, b);
     for (int i = 0; i < SIDE; i++) {
       printed += a[i] > threshold;
       band +=
@@ -432,9 +433,9 @@ static void test_merit(void) {
   g_free(y);
   g_free(a);
   g_free(b);
-  host->imaging->release_field(host, &in);
-  host->imaging->release_field(host, &out);
-  host->geometry->release(&shapes);
+  eda_field_clear(&in);
+  eda_field_clear(&out);
+  eda_shapes_clear(&shapes);
 }
 
 int main(int argc, char **argv) {

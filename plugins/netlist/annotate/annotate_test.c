@@ -1,29 +1,29 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The text by hand, and what ngspice makes of it: an inverter of the two gates
    that every test has. */
+#include <eda/circuit.h>
 #include <glib/gstdio.h>
 #include <math.h>
-#include <opcflow/circuit.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "core/plugin/testing.h"
+#include "core/testing/testing.h"
 
 /* ---- an inverter, and what it prints as ---- */
 
 static const uint32_t fingers[2] = {0, 1};
 static const char *nets[] = {"IN", "OUT", "XU1/VDD", "VSS"};
 static uint32_t ports[] = {0, 1, 2, 3};
-static uint8_t roles[] = {OPC_PORT_INPUT, OPC_PORT_OUTPUT, OPC_PORT_SUPPLY,
-                          OPC_PORT_GROUND};
-static opc_device devices[2] = {{.name = "MN",
+static uint8_t roles[] = {EDA_PIN_INPUT, EDA_PIN_OUTPUT, EDA_PIN_SUPPLY,
+                          EDA_PIN_GROUND};
+static eda_device devices[2] = {{.name = "MN",
                                  .drain = 1,
                                  .gate = 0,
                                  .source = 3,
                                  .bulk = 3,
                                  .length = 60,
                                  .width = 200,
-                                 .type = OPC_NMOS,
+                                 .type = EDA_NMOS,
                                  .fingers = 1,
                                  .finger = &fingers[0]},
                                 {.name = "XU1/MP",
@@ -33,11 +33,10 @@ static opc_device devices[2] = {{.name = "MN",
                                  .bulk = 2,
                                  .length = 60,
                                  .width = 300,
-                                 .type = OPC_PMOS,
+                                 .type = EDA_PMOS,
                                  .fingers = 1,
                                  .finger = &fingers[1]}};
-static opc_circuit circuit = {.size = sizeof circuit,
-                              .name = "inv",
+static eda_circuit circuit = {.name = "inv",
                               .nets = 4,
                               .net = nets,
                               .ports = 4,
@@ -51,7 +50,7 @@ static opc_circuit circuit = {.size = sizeof circuit,
 static double leq[2] = {62, 60}, weq[2] = {210, 300},
               area[2] = {57 * 210, 60 * 300};
 static uint32_t flags[2];
-static opc_mask mask = {.size = sizeof mask, .flags = flags};
+static eda_mask mask = {.flags = flags};
 
 static const char card[] =
     "* cards\n"
@@ -71,9 +70,9 @@ static char *in_folder(const char *name, const char *text) {
 }
 
 static void prepare(void) {
-  circuit.gates = mask.gates = opc_test_gates();
+  circuit.gates = mask.gates = eda_gates_sample();
   mask.after = mask.before =
-      (opc_performance){.count = 2, .leq_ion = leq, .weq = weq, .area = area};
+      (eda_performance){.count = 2, .leq_ion = leq, .weq = weq, .area = area};
   leq[0] = 62;
   flags[0] = 0;
 }
@@ -162,7 +161,7 @@ static void test_overlap(void) {
 /* Fingers are devices in parallel. */
 static void test_fingers(void) {
   prepare();
-  opc_device both = devices[0], *before = circuit.device;
+  eda_device both = devices[0], *before = circuit.device;
   both.fingers = 2;
   both.width = 1000;
   both.length = 59;
@@ -198,12 +197,12 @@ static void test_refused(void) {
   refused("", 1,
           "netlist device 'MN' has no size: its gate '*' does not print");
   leq[0] = 62;
-  flags[0] = OPC_PRINT_OPEN;
+  flags[0] = EDA_PRINT_OPEN;
   refused("", 1, "netlist device 'MN' *:1' does not print well");
-  flags[0] = OPC_PRINT_NECK;
+  flags[0] = EDA_PRINT_NECK;
   g_autofree char *fine = annotate("", 1, 0);
   flags[0] = 0;
-  opc_gates other = *circuit.gates;
+  eda_gates other = *circuit.gates;
   mask.gates = &other;
   refused("", 1, "the mask is of other gates than the circuit");
   mask.gates = circuit.gates;

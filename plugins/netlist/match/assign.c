@@ -10,18 +10,17 @@ static double slack(const job *j, double nominal) {
   return fmax(j->tolerance * nominal, j->gates->grid) * (1 + 1e-9);
 }
 
-static int refuse_device(graph *g, const transistor *d, const char *fault) {
+static int refuse_device(graph *g, const eda_transistor *d, const char *fault) {
   char where[256];
-  return g->j->host->fail(
-      g->j->host, g->j->error, OPC_INVALID, "file",
+  return opc_fail(g->j->error, OPC_INVALID, "file",
       "netlist device '%.100s%s%.100s' (%s) %s", g->group->path,
       *g->group->path ? "/" : "", d->name,
-      netlist_where(&g->j->netlist, d->from, where, sizeof where), fault);
+      eda_netlist_where(&g->j->netlist, d->from, where, sizeof where), fault);
 }
 
 /* ---- sizes ---- */
 
-static int check_length(graph *g, const transistor *d, uint32_t gate) {
+static int check_length(graph *g, const eda_transistor *d, uint32_t gate) {
   const job *j = g->j;
   double drawn = j->gates->length[gate];
   char name[256], fault[400];
@@ -31,7 +30,7 @@ static int check_length(graph *g, const transistor *d, uint32_t gate) {
   return refuse_device(g, d, fault);
 }
 
-static int check_width(graph *g, const transistor *d, const uint32_t *gates,
+static int check_width(graph *g, const eda_transistor *d, const uint32_t *gates,
                        uint32_t n) {
   const job *j = g->j;
   double drawn = 0;
@@ -54,7 +53,7 @@ static int check_width(graph *g, const transistor *d, const uint32_t *gates,
 
 typedef struct choice {
   graph *g;
-  const transistor *device;
+  const eda_transistor *device;
   const uint32_t *gate; /* of the bundle */
   uint8_t *taken;
   uint32_t gates, first_free, left;
@@ -64,15 +63,15 @@ typedef struct choice {
    first of its size; else the first. */
 static uint32_t best_gate(const choice *c, double width) {
   const job *j = c->g->j;
-  const opc_gates *o = j->gates;
-  const transistor *d = c->device;
+  const eda_gates *o = j->gates;
+  const eda_transistor *d = c->device;
   nm_point said = graph_place(c->g, d);
   int placed = !isnan(said.x) && !isnan(said.y);
   uint32_t best = UINT32_MAX;
   double least = INFINITY;
   for (uint32_t i = c->first_free; i < c->gates; i++) {
     if (c->taken[i]) continue;
-    const opc_box *b = &o->box[c->gate[i]];
+    const eda_box *b = &o->box[c->gate[i]];
     double misfit =
         fabs(o->length[c->gate[i]] - d->length) > slack(j, d->length) ||
         (width > 0 && fabs(o->width[c->gate[i]] - width) > slack(j, width));
@@ -99,10 +98,9 @@ static void take(choice *c, uint32_t at) {
 /* The gates of one device. `alone`: it gets all of them. */
 static int take_gates(choice *c, uint32_t owner, int alone, int one_each) {
   graph *g = c->g;
-  const transistor *d = c->device;
-  const opc_gates *o = g->j->gates;
-  uint32_t *mine = pool_alloc(&g->j->pool, c->left, sizeof *mine), n = 0;
-  if (!mine) return match_no_memory(g->j);
+  const eda_transistor *d = c->device;
+  const eda_gates *o = g->j->gates;
+  uint32_t *mine = eda_pool_alloc(&g->j->pool, c->left, sizeof *mine), n = 0;
   uint32_t said = d->fingers ? d->fingers : 1;
   double width = one_each     ? d->width
                  : d->fingers ? d->width / said
@@ -131,8 +129,7 @@ int graph_assign(graph *g, const bundle *devices, const bundle *gates) {
               .gate = l->member + gates->first,
               .gates = gates->count,
               .left = gates->count};
-  c.taken = pool_alloc(&j->pool, c.gates, 1);
-  if (!c.taken) return match_no_memory(j);
+  c.taken = eda_pool_alloc(&j->pool, c.gates, 1);
   int one_each = devices->count == gates->count;
   if (isnan(devices->x)) j->by_order += devices->count - 1;
   for (uint32_t i = 0; i < devices->count; i++) {
@@ -144,8 +141,7 @@ int graph_assign(graph *g, const bundle *devices, const bundle *gates) {
   }
   if (!c.left) return OPC_OK;
   char name[256];
-  return j->host->fail(
-      j->host, j->error, OPC_INVALID, "file",
+  return opc_fail(j->error, OPC_INVALID, "file",
       "transistor '%s' is not in the netlist",
       match_gate_name(j, c.gate[c.first_free], name, sizeof name));
 }

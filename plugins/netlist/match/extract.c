@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What is connected in the layout. Every layer becomes rectangles; those that
    touch are one net, active without its gates. Each group is for itself. */
-#include <math.h>
-#include <stdio.h>
+#include <eda/index.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,16 +9,22 @@
 
 enum { UNKNOWN = UINT32_MAX - 1 };
 
+/* The rectangles of a layer, group by group. */
+typedef struct conductor {
+  size_t count, room;
+  eda_box *box;
+  size_t room_groups;
+  uint32_t *group;
+  eda_index *index;
+} conductor;
+
 typedef struct extractor {
   job *j;
-  rectangles layer[LAYERS];
-  bins bins[LAYERS];
+  conductor layer[LAYERS];
   uint32_t first[LAYERS + 1]; /* number of the first rectangle of a layer */
   uint32_t *parent;           /* of all rectangles: a forest of nets */
   uint32_t *group_of;         /* of placements that were seen */
   size_t placements;
-  rectangles gates;
-  bins gate_bins;
 } extractor;
 
 /* ---- nets ---- */
@@ -41,152 +46,194 @@ static void join(extractor *x, uint32_t a, uint32_t b) {
 
 /* ---- loading ---- */
 
+/* A polygon of the flat layer. */
+typedef struct piece {
+  uint32_t group, shape;
+} piece;
+
+static int by_group(const void *a, const void *b) {
+  const piece *p = a, *q = b;
+  if (p->group != q->group) return p->group < q->group ? -1 : 1;
+  return (p->shape > q->shape) - (p->shape < q->shape);
+}
+
 static uint32_t group_of_placement(extractor *x, uint32_t p) {
   job *j = x->j;
-  if (p >= x->placements) {
-    size_t room = x->placements;
-    if (!pool_grow(&j->pool, &x->group_of, &room, (size_t)p + 1,
-                   sizeof *x->group_of))
-      return UNKNOWN;
-    for (size_t i = x->placements; i < room; i++) x->group_of[i] = UNKNOWN;
-    x->placements = room;
-  }
+  size_t room = x->placements;
+  eda_pool_grow(&j->pool, &x->group_of, &room, (size_t)p + 1,
+                sizeof *x->group_of);
+  for (; x->placements < room; x->placements++)
+    x->group_of[x->placements] = UNKNOWN;
   if (x->group_of[p] == UNKNOWN) {
     char path[4096];
-    j->host->layout->path(j->layout, j->top, p, path, sizeof path);
+    eda_layout_path(j->layout, j->top, p, path, sizeof path);
     x->group_of[p] = match_group_of(j, path);
   }
   return x->group_of[p];
 }
 
-static int refuse_slanted(extractor *x, int layer, const opc_point *p, size_t n,
-                          size_t at) {
-  const job *j = x->j;
+static int refuse_slanted(const job *j, int layer, const eda_shapes *s,
+                          size_t shape) {
   double nm = j->gates->grid;
-  opc_point a = p[at], b = p[(at + 1) % n];
-  return j->host->fail(
-      j->host, j->error, OPC_INVALID, NULL,
-      "layer '%.100s' has a slanted edge from (%.10g, %.10g) to (%.10g, "
-      "%.10g) nm; only edges along x and y can be followed",
-      j->host->layout->layer_name(j->layout, j->layer[layer]), a.x * nm,
-      a.y * nm, b.x * nm, b.y * nm);
-}
-
-static int load_shapes(extractor *x, int layer, const opc_flat *flat,
-                       rectangles *out) {
-  job *j = x->j;
-  const opc_shapes *s = &flat->shapes;
-  for (size_t i = 0; i < s->count; i++) {
-    uint32_t group = group_of_placement(x, flat->placement[i]);
-    if (group == UNKNOWN) return match_no_memory(j);
-    if (group == UINT32_MAX) continue;
-    size_t n = s->start[i + 1] - s->start[i], slanted = 0;
-    const opc_point *p = s->points + s->start[i];
-    int code = match_cut(j, p, n, group, out, &slanted);
-    if (code < 0) return refuse_slanted(x, layer, p, n, slanted);
-    if (code) return code;
+  const eda_point *p = s->points + s->start[shape];
+  size_t n = s->start[shape + 1] - s->start[shape];
+  for (size_t i = 0; i < n; i++) {
+    eda_point a = p[i], b = p[i + 1 < n ? i + 1 : 0];
+    if (a.x != b.x && a.y != b.y)
+      return opc_fail(j->error, OPC_INVALID, NULL,
+                      "layer '%.100s' has a slanted edge from (%.10g, %.10g) "
+                      "to (%.10g, %.10g) nm; only edges along x and y can be "
+                      "followed",
+                      eda_layout_layer_name(j->layout, j->layer[layer]),
+                      a.x * nm, a.y * nm, b.x * nm, b.y * nm);
   }
   return OPC_OK;
 }
 
-typedef struct collected {
-  extractor *x;
-  rectangle of;
-  opc_box *box;
-  size_t count, room;
-  int failed;
-} collected;
-
-static void collect_gate(void *data, uint32_t i) {
-  collected *c = data;
-  if (c->x->gates.all[i].group != c->of.group) return;
-  if (!pool_grow(&c->x->j->pool, &c->box, &c->room, c->count + 1,
-                 sizeof *c->box))
-    c->failed = 1;
-  else
-    c->box[c->count++] = c->x->gates.all[i].box;
-}
-
-/* Active without its gates. */
-static int take_gates(extractor *x, const rectangles *active) {
-  collected c = {.x = x};
-  for (size_t i = 0; i < active->count; i++) {
-    c.of = active->all[i];
-    c.count = 0;
-    match_query(&x->gate_bins, c.of.box, collect_gate, &c);
-    if (c.failed) return match_no_memory(x->j);
-    if (match_subtract(x->j, &c.of, c.box, c.count, &x->layer[ACTIVE]))
-      return x->j->error->code;
+/* Those of n polygons. */
+static eda_shapes some_of(const eda_shapes *all, const piece *pieces,
+                          size_t n) {
+  eda_shapes s = {.count = n, .start = eda_alloc(n + 1, sizeof *s.start)};
+  for (size_t i = 0; i < n; i++) {
+    const uint32_t *at = &all->start[pieces[i].shape];
+    s.start[i + 1] = s.start[i] + (at[1] - at[0]);
   }
-  return OPC_OK;
-}
-
-static int load_gates(extractor *x) {
-  job *j = x->j;
-  size_t n = j->gates->count;
-  x->gates.all = pool_alloc(&j->pool, n, sizeof *x->gates.all);
-  if (!x->gates.all) return match_no_memory(j);
-  x->gates.count = n;
+  s.points = eda_alloc(s.start[n], sizeof *s.points);
   for (size_t i = 0; i < n; i++)
-    x->gates.all[i] = (rectangle){j->gates->box[i], j->of_group[i]};
-  return match_bins(j, &x->gates, &x->gate_bins);
+    memcpy(s.points + s.start[i], all->points + all->start[pieces[i].shape],
+           (s.start[i + 1] - s.start[i]) * sizeof *s.points);
+  return s;
+}
+
+static eda_shapes gates_of(const job *j, const region *group) {
+  size_t n = group->gates;
+  eda_shapes s = {.count = n,
+                  .start = eda_alloc(n + 1, sizeof *s.start),
+                  .points = eda_alloc(4 * n, sizeof *s.points)};
+  for (size_t i = 0; i < n; i++) {
+    const eda_box *b = &j->gates->box[group->gate[i]];
+    const eda_point corner[4] = {
+        {b->x0, b->y0}, {b->x1, b->y0}, {b->x1, b->y1}, {b->x0, b->y1}};
+    s.start[i + 1] = (uint32_t)(4 * (i + 1));
+    memcpy(s.points + 4 * i, corner, sizeof corner);
+  }
+  return s;
+}
+
+/* What a group draws on a layer, as rectangles; on active, without gates. */
+static int load_group(extractor *x, int layer, const eda_shapes *all,
+                      const piece *pieces, size_t n) {
+  job *j = x->j;
+  conductor *c = &x->layer[layer];
+  uint32_t group = pieces->group;
+  eda_shapes own = some_of(all, pieces, n), gates = {0}, merged = {0};
+  eda_box *box = NULL;
+  size_t boxes = 0;
+  if (layer == ACTIVE) gates = gates_of(j, &j->group[group]);
+  int code = eda_boolean(EDA_NOT, &own, &gates, &merged, j->error);
+  if (!code) code = eda_fracture(&merged, &box, &boxes, j->error);
+  eda_pool_grow(&j->pool, &c->box, &c->room, c->count + boxes, sizeof *c->box);
+  eda_pool_grow(&j->pool, &c->group, &c->room_groups, c->count + boxes,
+                sizeof *c->group);
+  for (size_t i = 0; i < boxes; i++) {
+    c->box[c->count] = box[i];
+    c->group[c->count++] = group;
+  }
+  free(box);
+  eda_shapes_clear(&own);
+  eda_shapes_clear(&gates);
+  eda_shapes_clear(&merged);
+  return code;
+}
+
+static int load_shapes(extractor *x, int layer, const eda_flat *flat) {
+  const eda_shapes *s = &flat->shapes;
+  size_t n = 0;
+  piece *pieces = eda_alloc(s->count, sizeof *pieces);
+  int code = OPC_OK;
+  for (size_t i = 0; i < s->count && !code; i++) {
+    uint32_t group = group_of_placement(x, flat->placement[i]);
+    if (group == UINT32_MAX) continue;
+    pieces[n++] = (piece){group, (uint32_t)i};
+    code = refuse_slanted(x->j, layer, s, i);
+  }
+  qsort(pieces, n, sizeof *pieces, by_group);
+  for (size_t i = 0, k; i < n && !code; i = k) {
+    for (k = i; k < n && pieces[k].group == pieces[i].group;) k++;
+    code = load_group(x, layer, s, pieces + i, k - i);
+  }
+  free(pieces);
+  return code;
+}
+
+static int load_layer(extractor *x, int layer) {
+  job *j = x->j;
+  conductor *c = &x->layer[layer];
+  eda_flat flat = {0};
+  int code = eda_layout_flatten(j->layout, j->top, j->layer[layer],
+                                j->gates->grid, &flat, j->error);
+  if (!code) code = load_shapes(x, layer, &flat);
+  eda_flat_clear(&flat);
+  if (!code) c->index = eda_index_new(c->box, c->count, 0);
+  return code;
 }
 
 static int load(extractor *x) {
   job *j = x->j;
   size_t total = 0;
-  if (load_gates(x)) return j->error->code;
   for (int k = 0; k < LAYERS; k++) {
     x->first[k] = (uint32_t)total;
-    if (j->layer[k] >= 0) {
-      opc_flat flat = {0};
-      rectangles drawn = {0};
-      int code =
-          j->host->layout->flatten(j->host, j->layout, j->top, j->layer[k],
-                                   j->gates->grid, &flat, j->error);
-      if (!code)
-        code = load_shapes(x, k, &flat, k == ACTIVE ? &drawn : &x->layer[k]);
-      if (!code && k == ACTIVE) code = take_gates(x, &drawn);
-      j->host->layout->release(&flat);
-      if (!code) code = match_bins(j, &x->layer[k], &x->bins[k]);
-      if (code) return code;
-    }
+    if (j->layer[k] >= 0 && load_layer(x, k)) return j->error->code;
     total += x->layer[k].count;
+    if (total >= UNKNOWN)
+      return opc_fail(j->error, OPC_FAILED, NULL, "too many rectangles");
   }
   x->first[LAYERS] = (uint32_t)total;
-  if (total >= UNKNOWN) return match_no_memory(j);
-  x->parent = pool_alloc(&j->pool, total, sizeof *x->parent);
-  if (!x->parent) return match_no_memory(j);
+  x->parent = eda_pool_alloc(&j->pool, total, sizeof *x->parent);
   for (size_t i = 0; i < total; i++) x->parent[i] = (uint32_t)i;
   return OPC_OK;
 }
 
 /* ---- connecting ---- */
 
-typedef struct seeker {
-  extractor *x;
-  rectangle of;
-  uint32_t number;
-  int layer;  /* that is looked into */
-  int inside; /* they must share area, not only an edge */
-} seeker;
+/* A search for what a group has near a box on a layer. */
+typedef struct search {
+  const conductor *in;
+  eda_finder finder;
+  eda_box box;
+  uint32_t group;
+  int64_t dx, dy; /* of the last one: how much it shares with the box */
+} search;
 
-/* Shapes that only meet in a corner are not connected. */
-static void connect(void *data, uint32_t i) {
-  seeker *s = data;
-  const rectangle *r = &s->x->layer[s->layer].all[i];
-  int64_t dx, dy;
-  if (r->group != s->of.group) return;
-  match_overlap(r->box, s->of.box, &dx, &dy);
-  if (s->inside ? dx > 0 && dy > 0 : dx > 0 || dy > 0)
-    join(s->x, s->number, s->x->first[s->layer] + i);
+static search look(const extractor *x, int layer, eda_box box, uint32_t group) {
+  search s = {.in = &x->layer[layer], .box = box, .group = group};
+  if (s.in->index) s.finder = eda_index_find(s.in->index, box);
+  return s;
 }
 
+/* The next rectangle of the group that touches the box; 0 if there is none. */
+static int next(search *s, uint32_t *number) {
+  while (s->in->index && eda_index_next(&s->finder, number)) {
+    const eda_box *a = &s->box, *b = &s->in->box[*number];
+    if (s->in->group[*number] != s->group) continue;
+    s->dx = (int64_t)(a->x1 < b->x1 ? a->x1 : b->x1) -
+            (a->x0 > b->x0 ? a->x0 : b->x0);
+    s->dy = (int64_t)(a->y1 < b->y1 ? a->y1 : b->y1) -
+            (a->y0 > b->y0 ? a->y0 : b->y0);
+    return 1;
+  }
+  return 0;
+}
+
+/* Shapes of a layer that only meet in a corner are not connected; those of two
+   layers must share area. */
 static void connect_layers(extractor *x, int from, int to) {
-  for (size_t i = 0; i < x->layer[from].count; i++) {
-    seeker s = {x, x->layer[from].all[i], x->first[from] + (uint32_t)i, to,
-                from != to};
-    match_query(&x->bins[to], s.of.box, connect, &s);
+  const conductor *c = &x->layer[from];
+  for (size_t i = 0; i < c->count; i++) {
+    search s = look(x, to, c->box[i], c->group[i]);
+    for (uint32_t k; next(&s, &k);)
+      if (from == to ? s.dx > 0 || s.dy > 0 : s.dx > 0 && s.dy > 0)
+        join(x, x->first[from] + (uint32_t)i, x->first[to] + k);
   }
 }
 
@@ -201,120 +248,110 @@ static void connect_all(extractor *x) {
 
 /* ---- terminals of gates ---- */
 
-typedef struct finder {
-  extractor *x;
-  opc_box box;
-  uint32_t group;
-  int axis;
-  terminals found;
-} finder;
-
-static void find_poly(void *data, uint32_t i) {
-  finder *f = data;
-  const rectangle *r = &f->x->layer[POLY].all[i];
-  int64_t dx, dy;
-  match_overlap(r->box, f->box, &dx, &dy);
-  if (r->group == f->group && dx > 0 && dy > 0)
-    f->found.gate = f->x->first[POLY] + i;
-}
-
-static void find_side(void *data, uint32_t i) {
-  finder *f = data;
-  const rectangle *r = &f->x->layer[ACTIVE].all[i];
-  int64_t dx, dy;
-  match_overlap(r->box, f->box, &dx, &dy);
-  if (r->group != f->group || (f->axis == OPC_X ? dy : dx) <= 0) return;
-  uint32_t number = f->x->first[ACTIVE] + i;
-  int low = f->axis == OPC_X ? r->box.x1 == f->box.x0 : r->box.y1 == f->box.y0;
-  int high = f->axis == OPC_X ? r->box.x0 == f->box.x1 : r->box.y0 == f->box.y1;
-  if (low) f->found.low = number;
-  if (high) f->found.high = number;
+static terminals terminals_of(const extractor *x, size_t gate) {
+  const eda_gates *g = x->j->gates;
+  eda_box box = g->box[gate];
+  terminals found = {UINT32_MAX, UINT32_MAX, UINT32_MAX};
+  search poly = look(x, POLY, box, x->j->of_group[gate]);
+  search active = look(x, ACTIVE, box, x->j->of_group[gate]);
+  int along_x = g->axis[gate] == EDA_X;
+  for (uint32_t i; next(&poly, &i);)
+    if (poly.dx > 0 && poly.dy > 0) found.gate = x->first[POLY] + i;
+  for (uint32_t i; next(&active, &i);) {
+    const eda_box *b = &x->layer[ACTIVE].box[i];
+    uint32_t number = x->first[ACTIVE] + i;
+    if ((along_x ? active.dy : active.dx) <= 0) continue;
+    if (along_x ? b->x1 == box.x0 : b->y1 == box.y0) found.low = number;
+    if (along_x ? b->x0 == box.x1 : b->y0 == box.y1) found.high = number;
+  }
+  return found;
 }
 
 static int find_terminals(extractor *x) {
   job *j = x->j;
-  const opc_gates *g = j->gates;
-  j->terminals = pool_alloc(&j->pool, g->count, sizeof *j->terminals);
-  if (!j->terminals) return match_no_memory(j);
-  for (size_t i = 0; i < g->count; i++) {
-    terminals none = {UINT32_MAX, UINT32_MAX, UINT32_MAX};
-    finder f = {x, g->box[i], j->of_group[i], g->axis[i], none};
-    j->terminals[i] = none;
-    if (f.group == UINT32_MAX) continue;
-    match_query(&x->bins[POLY], f.box, find_poly, &f);
-    match_query(&x->bins[ACTIVE], f.box, find_side, &f);
+  size_t n = j->gates->count;
+  j->terminals = eda_pool_alloc(&j->pool, n, sizeof *j->terminals);
+  for (size_t i = 0; i < n; i++) {
+    terminals *t = &j->terminals[i];
     char name[256];
-    if (f.found.gate == UINT32_MAX || f.found.low == UINT32_MAX ||
-        f.found.high == UINT32_MAX)
-      return j->host->fail(
-          j->host, j->error, OPC_INVALID, NULL,
-          "transistor '%s' has no %s in its own instance; "
-          "set 'flat' to match across instances",
-          match_gate_name(j, i, name, sizeof name),
-          f.found.gate == UINT32_MAX ? "poly" : "source or drain");
-    j->terminals[i] = f.found;
+    *t = (terminals){UINT32_MAX, UINT32_MAX, UINT32_MAX};
+    if (j->of_group[i] == UINT32_MAX) continue;
+    *t = terminals_of(x, i);
+    if (t->gate == UINT32_MAX || t->low == UINT32_MAX || t->high == UINT32_MAX)
+      return opc_fail(j->error, OPC_INVALID, NULL,
+                      "transistor '%s' has no %s in its own instance; "
+                      "set 'flat' to match across instances",
+                      match_gate_name(j, i, name, sizeof name),
+                      t->gate == UINT32_MAX ? "poly" : "source or drain");
   }
   return OPC_OK;
 }
 
 /* ---- labels ---- */
 
-static void find_label(void *data, uint32_t i) {
-  finder *f = data;
-  if (f->x->layer[f->axis].all[i].group == f->group)
-    f->found.gate = f->x->first[f->axis] + i;
-}
-
 /* The rectangle below a text; UINT32_MAX: none. */
-static uint32_t below(extractor *x, uint32_t group, opc_point at,
+static uint32_t below(const extractor *x, uint32_t group, eda_point p,
                       int32_t layer) {
-  const job *j = x->j;
-  const transform *t = &j->group[group].at;
-  double unit = j->host->layout->unit(j->layout) / j->gates->grid;
-  double px = floor((t->xx * at.x + t->xy * at.y + t->dx) * unit + 0.5);
-  double py = floor((t->yx * at.x + t->yy * at.y + t->dy) * unit + 0.5);
-  if (!(fabs(px) < 1 << 30) || !(fabs(py) < 1 << 30)) return UINT32_MAX;
-  opc_point p = {(int32_t)px, (int32_t)py};
   for (int k = 0; k < LAYERS; k++) {
-    if (j->text_layer[k] != layer || layer < 0) continue;
-    finder f = {.x = x, .group = group, .axis = k, .found = {UINT32_MAX, 0, 0}};
-    match_query(&x->bins[k], (opc_box){p.x, p.y, p.x, p.y}, find_label, &f);
-    if (f.found.gate != UINT32_MAX) return f.found.gate;
+    if (x->j->text_layer[k] != layer) continue;
+    search s = look(x, k, (eda_box){p.x, p.y, p.x, p.y}, group);
+    uint32_t i;
+    if (next(&s, &i)) return x->first[k] + i;
   }
   return UINT32_MAX;
 }
 
-static int is_text_layer(const job *j, int32_t layer) {
-  for (int k = 0; k < LAYERS; k++)
-    if (j->text_layer[k] == layer) return 1;
-  return 0;
-}
-
-/* Nets of a group with the same label are one. */
-static int label_group(extractor *x, uint32_t group) {
+/* The texts of a layer that groups have at their top; they name rectangles. */
+static int load_texts(extractor *x, int32_t layer) {
   job *j = x->j;
-  const opc_layout_service *layout = j->host->layout;
-  int32_t cell = j->group[group].cell;
-  name_map first = {.pool = &j->pool};
-  for (size_t i = 0; i < layout->texts(j->layout, cell); i++) {
-    opc_point at;
-    int32_t layer;
-    const char *text = layout->text(j->layout, cell, i, &at, &layer);
-    if (!is_text_layer(j, layer)) continue;
-    uint32_t on = below(x, group, at, layer);
+  eda_flat_texts texts;
+  int code = eda_layout_flatten_texts(j->layout, j->top, layer, j->gates->grid,
+                                      &texts, j->error);
+  for (size_t i = 0; i < texts.at.shapes.count; i++) {
+    char path[4096];
+    eda_layout_path(j->layout, j->top, texts.at.placement[i], path,
+                    sizeof path);
+    const uint32_t *group = eda_names_find(&j->group_of, path, strlen(path));
+    if (!group) continue;
+    uint32_t on = below(x, *group, texts.at.shapes.points[i], layer);
     if (on == UINT32_MAX) {
       j->loose++;
       continue;
     }
-    uint32_t *before = map_add(&first, text);
-    if (!before || !pool_grow(&j->pool, &j->label, &j->room_labels,
-                              j->labels + 1, sizeof *j->label))
-      return match_no_memory(j);
+    eda_pool_grow(&j->pool, &j->label, &j->room_labels, j->labels + 1,
+                  sizeof *j->label);
+    j->label[j->labels] = (label){on, *group, j->labels, texts.text[i]};
+    j->labels++;
+  }
+  eda_flat_texts_clear(&texts);
+  return code;
+}
+
+static int by_group_of_label(const void *a, const void *b) {
+  const label *p = a, *q = b;
+  if (p->group != q->group) return p->group < q->group ? -1 : 1;
+  return (p->number > q->number) - (p->number < q->number);
+}
+
+/* Labels come group by group. Nets of a group with the same label are one. */
+static int load_labels(extractor *x) {
+  job *j = x->j;
+  for (int k = 0; k < LAYERS; k++) {
+    int done = j->text_layer[k] < 0;
+    for (int i = 0; i < k; i++) done |= j->text_layer[i] == j->text_layer[k];
+    if (!done && load_texts(x, j->text_layer[k])) return j->error->code;
+  }
+  if (j->labels)
+    qsort(j->label, j->labels, sizeof *j->label, by_group_of_label);
+  eda_names first = {0};
+  for (size_t i = 0; i < j->labels; i++) {
+    const label *l = &j->label[i];
+    if (!i || l->group != l[-1].group) first = (eda_names){.pool = &j->pool};
+    uint32_t *before = eda_names_add(&first, l->text);
     if (*before == UINT32_MAX)
-      *before = on;
+      *before = l->net;
     else
-      join(x, on, *before);
-    j->label[j->labels++] = (label){on, group, text};
+      join(x, l->net, *before);
   }
   return OPC_OK;
 }
@@ -322,11 +359,9 @@ static int label_group(extractor *x, uint32_t group) {
 /* ---- the order of the work ---- */
 
 /* Nets get numbers in the order of the gates. */
-static int number_nets(extractor *x) {
+static void number_nets(extractor *x) {
   job *j = x->j;
-  uint32_t *net = pool_alloc(&j->pool, x->first[LAYERS], sizeof *net);
-  if (!net) return match_no_memory(j);
-  for (size_t i = 0; i < x->first[LAYERS]; i++) net[i] = UINT32_MAX;
+  uint32_t *net = match_unknown(j, x->first[LAYERS]);
   for (size_t i = 0; i < j->gates->count; i++) {
     terminals *t = &j->terminals[i];
     if (t->gate == UINT32_MAX) continue;
@@ -339,15 +374,17 @@ static int number_nets(extractor *x) {
   }
   for (size_t i = 0; i < j->labels; i++)
     j->label[i].net = net[root(x, j->label[i].net)];
-  return OPC_OK;
 }
 
 int match_extract(job *j) {
   extractor x = {.j = j};
-  if (load(&x)) return j->error->code;
-  connect_all(&x);
-  if (find_terminals(&x)) return j->error->code;
-  for (size_t g = 0; g < j->groups; g++)
-    if (label_group(&x, (uint32_t)g)) return j->error->code;
-  return number_nets(&x);
+  int code = load(&x);
+  if (!code) {
+    connect_all(&x);
+    code = find_terminals(&x);
+  }
+  if (!code) code = load_labels(&x);
+  if (!code) number_nets(&x);
+  for (int k = 0; k < LAYERS; k++) eda_index_free(x.layer[k].index);
+  return code;
 }

@@ -17,19 +17,6 @@ typedef struct finder {
   uint32_t n[SIDES];
 } finder;
 
-static int allocate(finder *f) {
-  pool *m = &f->g->j->pool;
-  for (int r = 0; r < ROUNDS; r++)
-    if (!(f->colour[r] = pool_alloc(m, f->g->nodes, sizeof(uint64_t))))
-      return match_no_memory(f->g->j);
-  for (int s = 0; s < SIDES; s++) {
-    uint32_t n = f->g->side[s].bundles;
-    if (!(f->left[s] = pool_alloc(m, n, sizeof(uint32_t))))
-      return match_no_memory(f->g->j);
-  }
-  return OPC_OK;
-}
-
 static void colour_nodes(finder *f) {
   const graph *g = f->g;
   for (uint32_t i = g->bundle0[NETLIST]; i < g->nodes; i++)
@@ -100,12 +87,9 @@ static int by_number(const void *a, const void *b) {
 /* The transistors of all bundles that are left over on a side, in order. */
 static uint32_t *members(finder *f, int s, uint32_t *n) {
   const graph *g = f->g;
-  uint32_t *list = pool_alloc(
-      &g->j->pool,
-      f->g->side[s].bundles ? g->flat.devices + g->j->gates->count : 1,
-      sizeof *list);
+  size_t most = g->flat.devices + g->j->gates->count;
+  uint32_t *list = eda_pool_alloc(&g->j->pool, most, sizeof *list);
   *n = 0;
-  if (!list) return NULL;
   for (uint32_t i = 0; i < f->n[s]; i++) {
     const bundle *b = graph_bundle(g, f->left[s][i]);
     for (uint32_t k = 0; k < b->count; k++)
@@ -115,67 +99,53 @@ static uint32_t *members(finder *f, int s, uint32_t *n) {
   return list;
 }
 
-static size_t tell_devices(finder *f, char *text, size_t room) {
+static void tell_devices(finder *f, FILE *out) {
   const graph *g = f->g;
-  uint32_t n;
-  uint32_t *list = members(f, NETLIST, &n);
-  size_t used = 0;
-  for (uint32_t i = 0; list && i < n && i < NAMES; i++) {
-    const transistor *d = &g->flat.device[list[i]];
+  uint32_t n, *list = members(f, NETLIST, &n);
+  for (uint32_t i = 0; i < n && i < NAMES; i++) {
+    const eda_transistor *d = &g->flat.device[list[i]];
     char where[256];
-    used += (size_t)snprintf(
-        text + used, room - used, "%s'%.60s%s%.60s' (%.90s)",
-        i ? ", " : "netlist device ", g->group->path,
-        *g->group->path ? "/" : "", d->name,
-        netlist_where(&g->j->netlist, d->from, where, sizeof where));
+    fprintf(out, "%s'%.60s%s%.60s' (%.90s)", i ? ", " : "netlist device ",
+            g->group->path, *g->group->path ? "/" : "", d->name,
+            eda_netlist_where(&g->j->netlist, d->from, where, sizeof where));
   }
-  if (n > NAMES)
-    used +=
-        (size_t)snprintf(text + used, room - used, " and %u more", n - NAMES);
-  if (n)
-    used += (size_t)snprintf(text + used, room - used,
-                             " ha%s no gate in the "
-                             "layout",
-                             n > 1 ? "ve" : "s");
-  return used;
+  if (n > NAMES) fprintf(out, " and %u more", n - NAMES);
+  if (n) fprintf(out, " ha%s no gate in the layout", n > 1 ? "ve" : "s");
+  if (n && f->n[LAYOUT]) fputs("; ", out);
 }
 
-static void tell_gates(finder *f, char *text, size_t room) {
-  uint32_t n;
-  uint32_t *list = members(f, LAYOUT, &n);
-  size_t used = 0;
-  for (uint32_t i = 0; list && i < n && i < NAMES; i++) {
+static void tell_gates(finder *f, FILE *out) {
+  uint32_t n, *list = members(f, LAYOUT, &n);
+  for (uint32_t i = 0; i < n && i < NAMES; i++) {
     char name[256];
-    used += (size_t)snprintf(
-        text + used, room - used, "%s'%.80s'", i ? ", " : "transistor ",
-        match_gate_name(f->g->j, list[i], name, sizeof name));
+    fprintf(out, "%s'%.80s'", i ? ", " : "transistor ",
+            match_gate_name(f->g->j, list[i], name, sizeof name));
   }
-  if (n > NAMES)
-    used +=
-        (size_t)snprintf(text + used, room - used, " and %u more", n - NAMES);
-  if (n)
-    snprintf(text + used, room - used, " %s not in the netlist",
-             n > 1 ? "are" : "is");
+  if (n > NAMES) fprintf(out, " and %u more", n - NAMES);
+  if (n) fprintf(out, " %s not in the netlist", n > 1 ? "are" : "is");
 }
 
 int graph_tell(graph *g) {
   finder f = {.g = g};
   job *j = g->j;
-  if (allocate(&f)) return j->error->code;
+  for (int r = 0; r < ROUNDS; r++)
+    f.colour[r] = eda_pool_alloc(&j->pool, g->nodes, sizeof(uint64_t));
+  for (int s = 0; s < SIDES; s++)
+    f.left[s] = eda_pool_alloc(&j->pool, g->side[s].bundles, sizeof(uint32_t));
   colour_nodes(&f);
   for (int last = 1; last < ROUNDS; last++) {
     find(&f, last);
     if (f.n[0] + f.n[1]) break;
   }
-  char text[840] =
-      "the nets of its transistors differ from those of the layout";
-  if (f.n[0] + f.n[1]) {
-    size_t used = tell_devices(&f, text, sizeof text);
-    if (used && f.n[LAYOUT])
-      used += (size_t)snprintf(text + used, sizeof text - used, "; ");
-    tell_gates(&f, text + used, sizeof text - used);
-    return j->host->fail(j->host, j->error, OPC_INVALID, "file", "%s", text);
-  }
-  return j->host->fail(j->host, j->error, OPC_INVALID, "file", "'%.100s': %s",
-                       g->group->scope->of->name, text);
+  if (!(f.n[0] + f.n[1]))
+    return opc_fail(j->error, OPC_INVALID, "file",
+                    "'%.100s': the nets of its transistors differ from those "
+                    "of the layout",
+                    g->group->scope->of->name);
+  char text[840] = "";
+  FILE *out = fmemopen(text, sizeof text, "w");
+  tell_devices(&f, out);
+  tell_gates(&f, out);
+  fclose(out);
+  return opc_fail(j->error, OPC_INVALID, "file", "%s", text);
 }

@@ -40,10 +40,9 @@ static int by_first_member(const void *a, const void *b, void *data) {
 }
 
 /* Bundles come in the order of their first members. */
-static int make_bundles(job *j, part *parts, size_t n, side *s) {
-  s->bundle = pool_alloc(&j->pool, n, sizeof *s->bundle);
-  s->member = pool_alloc(&j->pool, n, sizeof *s->member);
-  if (!s->bundle || !s->member) return match_no_memory(j);
+static void make_bundles(job *j, part *parts, size_t n, side *s) {
+  s->bundle = eda_pool_alloc(&j->pool, n, sizeof *s->bundle);
+  s->member = eda_pool_alloc(&j->pool, n, sizeof *s->member);
   qsort(parts, n, sizeof *parts, by_nets);
   for (size_t i = 0; i < n; i++) {
     const bundle *as = &parts[i].as;
@@ -67,7 +66,6 @@ static int make_bundles(job *j, part *parts, size_t n, side *s) {
     s->bundle[i].y /= s->bundle[i].count;
   }
   qsort_r(s->bundle, s->bundles, sizeof *s->bundle, by_first_member, s->member);
-  return OPC_OK;
 }
 
 static void order_nets(bundle *b) {
@@ -83,8 +81,8 @@ static uint32_t net_of(uint32_t *known, uint32_t net, side *s) {
   return known[net];
 }
 
-nm_point graph_place(const graph *g, const transistor *d) {
-  const subcircuit *s = g->group->scope->of;
+nm_point graph_place(const graph *g, const eda_transistor *d) {
+  const eda_subcircuit *s = g->group->scope->of;
   double scale = g->j->netlist.scale;
   if (*g->group->path || d->from < s->element ||
       d->from >= s->element + s->elements)
@@ -92,14 +90,13 @@ nm_point graph_place(const graph *g, const transistor *d) {
   return (nm_point){d->from->x * scale, d->from->y * scale};
 }
 
-static int netlist_side(graph *g, uint32_t *known) {
+static void netlist_side(graph *g, uint32_t *known) {
   job *j = g->j;
-  const flat_netlist *f = &g->flat;
+  const eda_flat_netlist *f = &g->flat;
   side *s = &g->side[NETLIST];
-  part *parts = pool_alloc(&j->pool, f->devices, sizeof *parts);
-  if (!parts) return match_no_memory(j);
+  part *parts = eda_pool_alloc(&j->pool, f->devices, sizeof *parts);
   for (size_t i = 0; i < f->devices; i++) {
-    const transistor *d = &f->device[i];
+    const eda_transistor *d = &f->device[i];
     nm_point at = graph_place(g, d);
     bundle b = {.gate = net_of(known, d->gate, s),
                 .a = net_of(known, d->drain, s),
@@ -112,19 +109,19 @@ static int netlist_side(graph *g, uint32_t *known) {
     order_nets(&b);
     parts[i] = (part){b, (uint32_t)i};
   }
-  return make_bundles(j, parts, f->devices, s);
+  make_bundles(j, parts, f->devices, s);
 }
 
-static int layout_side(graph *g, const uint32_t *gates, size_t n,
-                       uint32_t *known) {
+static void layout_side(graph *g, uint32_t *known) {
   job *j = g->j;
-  const opc_gates *o = j->gates;
+  const uint32_t *gates = g->group->gate;
+  size_t n = g->group->gates;
+  const eda_gates *o = j->gates;
   side *s = &g->side[LAYOUT];
-  part *parts = pool_alloc(&j->pool, n, sizeof *parts);
-  if (!parts) return match_no_memory(j);
+  part *parts = eda_pool_alloc(&j->pool, n, sizeof *parts);
   for (size_t i = 0; i < n; i++) {
     const terminals *t = &j->terminals[gates[i]];
-    const opc_box *box = &o->box[gates[i]];
+    const eda_box *box = &o->box[gates[i]];
     bundle b = {.gate = net_of(known, t->gate, s),
                 .a = net_of(known, t->low, s),
                 .b = net_of(known, t->high, s),
@@ -136,7 +133,7 @@ static int layout_side(graph *g, const uint32_t *gates, size_t n,
     order_nets(&b);
     parts[i] = (part){b, gates[i]};
   }
-  return make_bundles(j, parts, n, s);
+  make_bundles(j, parts, n, s);
 }
 
 /* ---- names ---- */
@@ -158,19 +155,15 @@ static size_t first_label(const job *j, uint32_t number) {
    hint. `known`: the numbers of the nets of each side. */
 static int name_nets(graph *g, uint32_t *const known[SIDES]) {
   job *j = g->j;
-  name_map net_of_name = {.pool = &j->pool};
-  uint8_t *is_port = pool_alloc(&j->pool, g->flat.nets, 1);
-  if (!is_port) return match_no_memory(j);
+  eda_names net_of_name = {.pool = &j->pool};
+  uint8_t *is_port = eda_pool_alloc(&j->pool, g->flat.nets, 1);
   for (size_t i = 0; i < g->flat.ports; i++) is_port[g->flat.port[i]] = 1;
-  for (size_t i = 0; i < g->flat.nets; i++) {
-    uint32_t *at = map_add(&net_of_name, g->flat.net[i]);
-    if (!at) return match_no_memory(j);
-    *at = (uint32_t)i;
-  }
+  for (size_t i = 0; i < g->flat.nets; i++)
+    *eda_names_add(&net_of_name, g->flat.net[i]) = (uint32_t)i;
   for (size_t i = first_label(j, g->number);
        i < j->labels && j->label[i].group == g->number; i++) {
     const label *l = &j->label[i];
-    uint32_t *net = map_find(&net_of_name, l->text, strlen(l->text));
+    uint32_t *net = eda_names_find(&net_of_name, l->text, strlen(l->text));
     if (!net || l->net == UINT32_MAX || known[LAYOUT][l->net] == UINT32_MAX ||
         known[NETLIST][*net] == UINT32_MAX)
       continue;
@@ -182,7 +175,7 @@ static int name_nets(graph *g, uint32_t *const known[SIDES]) {
       continue;
     }
     if (b->seed[m] && b->seed[m] != name)
-      return j->host->fail(j->host, j->error, OPC_INVALID, "file",
+      return opc_fail(j->error, OPC_INVALID, "file",
                            "ports '%.100s' and '%.100s' of '%.100s' are one "
                            "net in the layout",
                            b->seed[m], name, g->group->scope->of->name);
@@ -214,50 +207,38 @@ static void put_links(graph *g, uint32_t *at) {
     }
 }
 
-static int make_links(graph *g) {
-  pool *m = &g->j->pool;
+static void make_links(graph *g) {
+  eda_pool *m = &g->j->pool;
   const side *n = &g->side[NETLIST], *l = &g->side[LAYOUT];
   g->net0[LAYOUT] = n->nets;
   g->bundle0[NETLIST] = n->nets + l->nets;
   g->bundle0[LAYOUT] = g->bundle0[NETLIST] + n->bundles;
   g->nodes = g->bundle0[LAYOUT] + l->bundles;
-  uint32_t *at = pool_alloc(m, g->nodes + 1, sizeof *at);
-  g->start = pool_alloc(m, g->nodes + 1, sizeof *g->start);
-  if (!at || !g->start) return match_no_memory(g->j);
+  uint32_t *at = eda_pool_alloc(m, g->nodes + 1, sizeof *at);
+  g->start = eda_pool_alloc(m, g->nodes + 1, sizeof *g->start);
   put_links(g, at);
   for (uint32_t i = 0; i < g->nodes; i++) {
     g->start[i + 1] = g->start[i] + at[i];
     at[i] = g->start[i];
   }
-  g->links = pool_alloc(m, g->start[g->nodes], sizeof *g->links);
-  if (!g->links) return match_no_memory(g->j);
+  g->links = eda_pool_alloc(m, g->start[g->nodes], sizeof *g->links);
   put_links(g, at);
-  return OPC_OK;
 }
 
-static uint32_t *unknown(pool *p, size_t n) {
-  uint32_t *known = pool_alloc(p, n, sizeof *known);
-  for (size_t i = 0; known && i < n; i++) known[i] = UINT32_MAX;
-  return known;
-}
-
-int graph_make(job *j, uint32_t number, const uint32_t *gates, size_t n,
-               graph *g) {
+int graph_make(job *j, uint32_t number, graph *g) {
   *g = (graph){.j = j, .group = &j->group[number], .number = number};
   g->flat.pool = &j->pool;
-  if (netlist_flatten(&j->netlist, g->group->scope, &g->flat))
+  if (eda_netlist_flatten(&j->netlist, g->group->scope, &g->flat))
     return j->error->code;
   /* Layout nets are numbered over all groups, gate by gate. */
-  uint32_t *known[SIDES] = {unknown(&j->pool, g->flat.nets), j->known};
-  if (!known[NETLIST]) return match_no_memory(j);
-  if (netlist_side(g, known[NETLIST]) ||
-      layout_side(g, gates, n, known[LAYOUT]))
-    return j->error->code;
+  uint32_t *known[SIDES] = {match_unknown(j, g->flat.nets), j->known};
+  netlist_side(g, known[NETLIST]);
+  layout_side(g, known[LAYOUT]);
   for (int s = 0; s < SIDES; s++) {
-    g->side[s].seed = pool_alloc(&j->pool, g->side[s].nets, sizeof(char *));
-    g->side[s].name = pool_alloc(&j->pool, g->side[s].nets, sizeof(char *));
-    if (!g->side[s].seed || !g->side[s].name) return match_no_memory(j);
+    g->side[s].seed = eda_pool_alloc(&j->pool, g->side[s].nets, sizeof(char *));
+    g->side[s].name = eda_pool_alloc(&j->pool, g->side[s].nets, sizeof(char *));
   }
-  int code = name_nets(g, known);
-  return code ? code : make_links(g);
+  if (name_nets(g, known)) return j->error->code;
+  make_links(g);
+  return OPC_OK;
 }

@@ -41,7 +41,7 @@ typedef struct graph {
   job *j;
   const region *group;
   uint32_t number; /* of the group */
-  flat_netlist flat;
+  eda_flat_netlist flat;
   side side[SIDES];
   uint32_t nodes;
   uint32_t net0[SIDES], bundle0[SIDES];
@@ -67,14 +67,13 @@ static inline uint64_t graph_mix(uint64_t a, uint64_t b) {
 
 /* Where a device's gate is said to be, nm; NAN where nothing is. Only devices
    of the top itself are at a place of the layout. */
-nm_point graph_place(const graph *g, const transistor *d);
+nm_point graph_place(const graph *g, const eda_transistor *d);
 
 /* A name's, in any case; 0 for NULL. */
 uint64_t graph_hash(const char *name);
 
-/* graph.c: the graph of a group. `gates`: its gates, in order. */
-int graph_make(job *j, uint32_t group, const uint32_t *gates, size_t n,
-               graph *out);
+/* graph.c: the graph of a group. */
+int graph_make(job *j, uint32_t group, graph *out);
 
 /* faults.c: tell which bundles have no counterpart. Returns the code. */
 int graph_tell(graph *g);
@@ -99,7 +98,7 @@ typedef struct partition {
   int odd; /* a class has not as many nodes of the one side as of the other */
 } partition;
 
-int partition_make(const graph *g, partition *out);
+void partition_make(const graph *g, partition *out);
 /* Tell apart what is connected differently. 0 if the sides differ. */
 int partition_refine(partition *p);
 /* Split a class by the marks of its nodes. */

@@ -46,7 +46,7 @@ static void same_net(GHashTable *there, GHashTable *back, const char *a,
 /* The nets that KLayout found at each gate are those of its device, with inner
    nets that are each other's like in either order. Returns how many gates have
    the very device that KLayout chose. */
-static size_t check_cell(const opc_circuit *c, const known_gate *k, size_t n) {
+static size_t check_cell(const eda_circuit *c, const known_gate *k, size_t n) {
   g_autoptr(GHashTable) there = g_hash_table_new(g_str_hash, g_str_equal);
   g_autoptr(GHashTable) back = g_hash_table_new(g_str_hash, g_str_equal);
   size_t same = 0, found = 0;
@@ -56,9 +56,9 @@ static size_t check_cell(const opc_circuit *c, const known_gate *k, size_t n) {
   /* First what has one end in common, then the rest. */
   for (int pass = 0; pass < 8; pass++)
     for (uint32_t i = 0; i < c->count; i++) {
-      const opc_device *d = &c->device[i];
+      const eda_device *d = &c->device[i];
       for (uint32_t f = 0; f < d->fingers; f++) {
-        const opc_box *b = &c->gates->box[d->finger[f]];
+        const eda_box *b = &c->gates->box[d->finger[f]];
         size_t at = 0;
         for (; at < n; at++)
           if (fabs(b->x0 * 2.5e-3 - k[at].x0) < 1e-4 &&
@@ -128,7 +128,7 @@ static void test_placed(void) {
   if (!r.layout) return;
   g_autofree char *path = test_data("iscas85/c432/c432.sp");
   gint64 begin = g_get_monotonic_time();
-  const opc_circuit *c = match(&r, path, ", scale: 1.3", NULL);
+  const eda_circuit *c = match(&r, path, ", scale: 1.3", NULL);
   double seconds = (double)(g_get_monotonic_time() - begin) * 1e-6;
   g_test_message("%.3f s", seconds);
   g_assert_cmpfloat(seconds, <, 5);
@@ -136,10 +136,10 @@ static void test_placed(void) {
   g_assert_cmpuint(c->ports, ==, 36 + 7 + 2);
   size_t roles[4] = {0};
   for (size_t i = 0; i < c->ports; i++) roles[c->role[i]]++;
-  g_assert_cmpuint(roles[OPC_PORT_INPUT], ==, 36);
-  g_assert_cmpuint(roles[OPC_PORT_OUTPUT], ==, 7);
+  g_assert_cmpuint(roles[EDA_PIN_INPUT], ==, 36);
+  g_assert_cmpuint(roles[EDA_PIN_OUTPUT], ==, 7);
   for (size_t i = 0; i < c->count; i++) {
-    const opc_device *d = &c->device[i];
+    const eda_device *d = &c->device[i];
     g_assert_cmpuint(d->fingers, ==, 1);
     g_autofree char *start =
         g_strdup_printf("X%s/", c->gates->instance[d->finger[0]]);

@@ -3,8 +3,8 @@
    netlists with faults. */
 #include "match_test.h"
 
+#include <eda/layout.h>
 #include <math.h>
-#include <opcflow/layout.h>
 
 static const opc_host *host;
 
@@ -34,7 +34,7 @@ static const char *const cells[] = {"nmos",  "pmos",          "inverter",
 
 /* Each line of the netlist says where its gate is. `by_name`: the device must
    be that one; else one with the same nets. */
-static void check_places(const opc_circuit *c, const char *text, int by_name) {
+static void check_places(const eda_circuit *c, const char *text, int by_name) {
   g_auto(GStrv) lines = g_strsplit(text, "\n", -1);
   g_autofree uint32_t *owner = g_new0(uint32_t, c->gates->count);
   size_t checked = 0;
@@ -52,13 +52,13 @@ static void check_places(const opc_circuit *c, const char *text, int by_name) {
     g_assert_cmpint(sscanf(at, "$ x=%lf y=%lf", &x, &y), ==, 2);
     size_t gate = 0;
     for (; gate < c->gates->count; gate++) {
-      const opc_box *box = &c->gates->box[gate];
+      const eda_box *box = &c->gates->box[gate];
       if (fabs((box->x0 + box->x1) * 0.25 - x) < 0.6 &&
           fabs((box->y0 + box->y1) * 0.25 - y) < 0.6)
         break;
     }
     g_assert_cmpuint(gate, <, c->gates->count);
-    const opc_device *found = &c->device[owner[gate]];
+    const eda_device *found = &c->device[owner[gate]];
     if (by_name) g_assert_cmpstr(found->name, ==, name);
     g_assert_cmpstr(net(c, found->drain), ==, d);
     g_assert_cmpstr(net(c, found->gate), ==, g);
@@ -111,7 +111,7 @@ static void test_no_labels(void) {
                 "MP1 P3 P1 P4 P4 pmos w=0.45u l=0.065u\n"
                 "MP2 P3 P2 P4 P4 pmos w=0.45u l=0.065u\n.ends\n",
                 -1);
-  const opc_circuit *c = match(&r, path, "", NULL);
+  const eda_circuit *c = match(&r, path, "", NULL);
   for (uint32_t i = 0; i < 4; i++)
     g_assert_cmpuint(c->device[i].finger[0], ==, i);
   drop(&r);
@@ -121,19 +121,19 @@ static void test_roles(void) {
   run r = read_cell("nand2");
   g_autofree char *text = netlist_of("nand2");
   g_autofree char *path = in_folder("a.sp", text, -1);
-  const opc_circuit *c = match(&r, path, "", NULL);
-  static const uint8_t usual[] = {OPC_PORT_INPUT, OPC_PORT_INPUT,
-                                  OPC_PORT_OUTPUT, OPC_PORT_SUPPLY,
-                                  OPC_PORT_GROUND};
+  const eda_circuit *c = match(&r, path, "", NULL);
+  static const uint8_t usual[] = {EDA_PIN_INPUT, EDA_PIN_INPUT,
+                                  EDA_PIN_OUTPUT, EDA_PIN_SUPPLY,
+                                  EDA_PIN_GROUND};
   g_assert_cmpuint(c->ports, ==, 5);
   g_assert_cmpmem(c->role, 5, usual, 5);
   g_assert_cmpstr(c->name, ==, "nand2");
   g_assert_cmpuint(c->nets, ==, 6);
   drop_circuit(&r);
   c = match(&r, path, ", supply: 'vcc a', ground: 'vdd'", NULL);
-  static const uint8_t odd[] = {OPC_PORT_SUPPLY, OPC_PORT_INPUT,
-                                OPC_PORT_OUTPUT, OPC_PORT_GROUND,
-                                OPC_PORT_OUTPUT};
+  static const uint8_t odd[] = {EDA_PIN_SUPPLY, EDA_PIN_INPUT,
+                                EDA_PIN_OUTPUT, EDA_PIN_GROUND,
+                                EDA_PIN_OUTPUT};
   g_assert_cmpmem(c->role, 5, odd, 5);
   drop(&r);
 }
@@ -147,7 +147,7 @@ static void test_fingers(void) {
   run r = read_cell("inverter_chain");
   double wn[6] = {0}, wp[6] = {0};
   for (size_t i = 0; i < 120; i++) {
-    const opc_gates *g = r.gates;
+    const eda_gates *g = r.gates;
     /* Stages lie one after another, 250 nm a finger and 500 nm between. */
     size_t stage = 0;
     double x = g->box[i].x0 * 0.5, end = 217.5 - 125;
@@ -179,11 +179,11 @@ static void test_fingers(void) {
                   "mp z a p p pmos l=65n w=wp nf='f'\n.ends\n",
                   -1);
     g_autofree char *path = in_folder("a.sp", s->str, -1);
-    const opc_circuit *c = match(&r, path, ", tolerance: 2 %", NULL);
+    const eda_circuit *c = match(&r, path, ", tolerance: 2 %", NULL);
     g_assert_cmpuint(c->count, ==, 12);
     for (uint32_t i = 0; i < 12; i++) {
       g_assert_cmpuint(c->device[i].fingers, ==, fingers[i / 2]);
-      g_assert_cmpint(c->device[i].type, ==, i % 2 ? OPC_PMOS : OPC_NMOS);
+      g_assert_cmpint(c->device[i].type, ==, i % 2 ? EDA_PMOS : EDA_NMOS);
     }
     g_assert_cmpstr(c->device[11].name, ==, "x5/mp");
     g_string_free(s, TRUE);
@@ -203,12 +203,12 @@ static void test_units(void) {
       "Xn y a vss vss some_nfet_01v8 w=0.15 l=0.0325\n"
       "Mp y a vdd vdd strange w=0.225 l=0.0325\n.ends\n.end\nwhatever\n",
       -1);
-  const opc_circuit *c = match(&r, path, ", scale: 2", NULL);
+  const eda_circuit *c = match(&r, path, ", scale: 2", NULL);
   g_assert_cmpuint(c->ports, ==, 4);
   g_assert_cmpstr(net(c, c->port[2]), ==, "VDD");
-  g_assert_cmpint(c->role[2], ==, OPC_PORT_SUPPLY);
-  g_assert_cmpint(c->role[3], ==, OPC_PORT_GROUND);
-  g_assert_cmpint(c->device[0].type, ==, OPC_NMOS);
+  g_assert_cmpint(c->role[2], ==, EDA_PIN_SUPPLY);
+  g_assert_cmpint(c->role[3], ==, EDA_PIN_GROUND);
+  g_assert_cmpint(c->device[0].type, ==, EDA_NMOS);
   g_assert_cmpfloat(fabs(c->device[1].width - 450), <, 1e-9);
   drop(&r);
 }
@@ -236,7 +236,7 @@ static void refused(const char *cell, const char *netlist, const char *rest,
                     const char *pattern) {
   run r = read_cell(cell);
   g_autofree char *path = in_folder("f.sp", netlist, -1), *message = NULL;
-  const opc_circuit *c = match(&r, path, rest, &message);
+  const eda_circuit *c = match(&r, path, rest, &message);
   if (c || !g_pattern_match_simple(pattern, message))
     g_error("'%s' is not '%s'", message, pattern);
   drop(&r);
@@ -363,17 +363,17 @@ static void test_garbage(void) {
 static void box(void *layout, int32_t cell, const char *layer, int32_t x0,
                 int32_t y0, int32_t x1, int32_t y1) {
   opc_error error;
-  int32_t l = host->layout->layer(layout, layer, &error);
-  opc_box b = {x0, y0, x1, y1};
-  g_assert_cmpint(host->layout->add_box(layout, cell, l, b, &error), ==,
+  int32_t l = eda_layout_layer(layout, layer, &error);
+  eda_box b = {x0, y0, x1, y1};
+  g_assert_cmpint(eda_layout_add_box(layout, cell, l, b, &error), ==,
                   OPC_OK);
 }
 
 /* Two transistors in a row; a strap of metal over all three diffusions. */
 static void *two_in_a_row(int32_t *cell) {
   opc_error error;
-  void *layout = host->layout->create(host, 1, &error);
-  *cell = host->layout->cell(layout, "pair", &error);
+  void *layout = eda_layout_new(1, &error);
+  *cell = eda_layout_cell(layout, "pair", &error);
   box(layout, *cell, "active", 0, 0, 600, 200);
   box(layout, *cell, "poly", 150, -100, 215, 300);
   box(layout, *cell, "poly", 400, -100, 465, 300);
@@ -402,21 +402,21 @@ static void test_contacts(void) {
     for (int k = 0; k < 2; k++) {
       g_autofree char *path = in_folder("c.sp", netlists[k], -1),
                       *message = NULL;
-      const opc_circuit *c = match(&r, path, "", &message);
+      const eda_circuit *c = match(&r, path, "", &message);
       g_assert_true((c != NULL) == (k == joined));
       drop_circuit(&r);
     }
     drop_gates(&r);
-    host->layout->destroy(r.layout);
+    eda_layout_free(r.layout);
   }
 }
 
 static void text(void *layout, int32_t cell, const char *layer, int32_t x,
                  int32_t y, const char *t) {
   opc_error error;
-  int32_t l = host->layout->layer(layout, layer, &error);
-  opc_point at = {x, y};
-  g_assert_cmpint(host->layout->add_text(layout, cell, l, at, t, &error), ==,
+  int32_t l = eda_layout_layer(layout, layer, &error);
+  eda_point at = {x, y};
+  g_assert_cmpint(eda_layout_add_text(layout, cell, l, at, t, &error), ==,
                   OPC_OK);
 }
 
@@ -433,11 +433,11 @@ static void test_same_label(void) {
     text(r.layout, cell, "pins", 550, 150, labelled ? "A" : "c");
     find_gates(&r, "{}");
     g_autofree char *path = in_folder("l.sp", ring, -1), *message = NULL;
-    const opc_circuit *c =
+    const eda_circuit *c =
         match(&r, path, ", labels: { active: pins }", &message);
     g_assert_true((c != NULL) == labelled);
     drop_gates(&r);
-    host->layout->destroy(r.layout);
+    eda_layout_free(r.layout);
   }
 }
 
@@ -445,8 +445,8 @@ static void test_same_label(void) {
 static void test_hints(void) {
   opc_error error;
   for (int by_name = 0; by_name < 2; by_name++) {
-    void *layout = host->layout->create(host, 1, &error);
-    int32_t cell = host->layout->cell(layout, "two", &error);
+    void *layout = eda_layout_new(1, &error);
+    int32_t cell = eda_layout_cell(layout, "two", &error);
     for (int k = 0; k < 2; k++) {
       int32_t x = k * 2000, w = k && !by_name ? 300 : 200;
       box(layout, cell, "active", x, 0, x + 400, w);
@@ -461,12 +461,12 @@ static void test_hints(void) {
         "M2 c p d z nmos w=200n l=65n\n.ends\n",
         by_name ? 200 : 300);
     g_autofree char *path = in_folder("h.sp", deck, -1);
-    const opc_circuit *c = match(&r, path, "", NULL);
+    const eda_circuit *c = match(&r, path, "", NULL);
     g_assert_cmpuint(c->device[0].finger[0], ==, 1);
     g_assert_cmpuint(c->device[1].finger[0], ==, 0);
     g_assert_cmpfloat(opc_test_metric("by_order"), ==, 0);
     drop_gates(&r);
-    host->layout->destroy(layout);
+    eda_layout_free(layout);
   }
 }
 
@@ -480,21 +480,21 @@ static void test_orientations(void) {
     text(r.layout, cell, "poly", 180, 290, "g");
     text(r.layout, cell, "poly", 430, 290, "h");
     text(r.layout, cell, "active", 50, 180, "a");
-    int32_t middle = host->layout->cell(r.layout, "middle", &error);
-    int32_t top = host->layout->cell(r.layout, "top", &error);
-    opc_placement p = {.origin = {1000 * k, -700},
+    int32_t middle = eda_layout_cell(r.layout, "middle", &error);
+    int32_t top = eda_layout_cell(r.layout, "top", &error);
+    eda_placement p = {.origin = {1000 * k, -700},
                        .magnification = 1,
                        .angle = 90.0 * (k % 4),
                        .mirror = k / 4,
                        .columns = 1,
                        .rows = 1};
-    host->layout->add_instance(r.layout, middle, cell, &p, "U1", &error);
-    p = (opc_placement){.origin = {0, 500},
+    eda_layout_add_instance(r.layout, middle, cell, &p, "U1", &error);
+    p = (eda_placement){.origin = {0, 500},
                         .magnification = 1,
                         .angle = 90,
                         .columns = 1,
                         .rows = 1};
-    host->layout->add_instance(r.layout, top, middle, &p, "U0", &error);
+    eda_layout_add_instance(r.layout, top, middle, &p, "U0", &error);
     find_gates(&r, "{}");
     g_autofree char *path =
         in_folder("o.sp",
@@ -503,18 +503,18 @@ static void test_orientations(void) {
                   ".subckt middle x y\nXU1 x x y y y pair\n.ends\n"
                   ".subckt top\nXU0 1 2 middle\n.ends\n",
                   -1);
-    const opc_circuit *c = match(&r, path, "", NULL);
+    const eda_circuit *c = match(&r, path, "", NULL);
     g_assert_cmpstr(c->device[0].name, ==, "XU0/XU1/M1");
     g_assert_cmpfloat(opc_test_metric("by_order"), ==, 0);
     /* Where the placement puts the gate of M1, at (182.5, 100) of its cell. */
     double x = 182.5, y = k / 4 ? -100 : 100,
            turned[4][2] = {{x, y}, {-y, x}, {-x, -y}, {y, -x}};
-    const opc_box *b = &c->gates->box[c->device[0].finger[0]];
+    const eda_box *b = &c->gates->box[c->device[0].finger[0]];
     double ax = turned[k % 4][0] + 1000 * k, ay = turned[k % 4][1] - 700;
     g_assert_cmpfloat(fabs((b->x0 + b->x1) / 2.0 + ay), <, 1);
     g_assert_cmpfloat(fabs((b->y0 + b->y1) / 2.0 - ax - 500), <, 1);
     drop_gates(&r);
-    host->layout->destroy(r.layout);
+    eda_layout_free(r.layout);
   }
 }
 
@@ -522,9 +522,9 @@ static void test_slanted(void) {
   opc_error error;
   int32_t cell;
   run r = {.layout = two_in_a_row(&cell)};
-  opc_point p[] = {{0, 300}, {100, 300}, {0, 400}};
-  int32_t layer = host->layout->layer(r.layout, "metal1", &error);
-  host->layout->add_polygon(r.layout, cell, layer, p, 3, &error);
+  eda_point p[] = {{0, 300}, {100, 300}, {0, 400}};
+  int32_t layer = eda_layout_layer(r.layout, "metal1", &error);
+  eda_layout_add_polygon(r.layout, cell, layer, p, 3, &error);
   find_gates(&r, "{}");
   g_autofree char *message = NULL;
   g_autofree char *path =
@@ -534,7 +534,7 @@ static void test_slanted(void) {
                   "layer 'metal1' has a slanted edge from (100, 300) to (0, "
                   "400) nm; only edges along x and y can be followed");
   drop_gates(&r);
-  host->layout->destroy(r.layout);
+  eda_layout_free(r.layout);
 }
 
 int main(int argc, char **argv) {

@@ -3,12 +3,12 @@
 #ifndef OPCFLOW_NETLIST_MATCH_TEST_H
 #define OPCFLOW_NETLIST_MATCH_TEST_H
 
+#include <eda/circuit.h>
 #include <glib/gstdio.h>
-#include <opcflow/circuit.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "core/plugin/testing.h"
+#include "core/testing/testing.h"
 
 /* ---- running ---- */
 
@@ -40,7 +40,7 @@ static inline void find_gates(run *r, const char *map) {
 }
 
 /* The circuit; or NULL and the message. */
-static inline const opc_circuit *match(run *r, const char *netlist, const char *rest,
+static inline const eda_circuit *match(run *r, const char *netlist, const char *rest,
                                 char **message) {
   opc_error error;
   g_autofree char *map = g_strdup_printf("{ file: '%s'%s }", netlist, rest);
@@ -71,7 +71,7 @@ static inline void drop(run *r) {
   opc_test_module_free(r->read);
 }
 
-static inline const char *net(const opc_circuit *c, uint32_t n) { return c->net[n]; }
+static inline const char *net(const eda_circuit *c, uint32_t n) { return c->net[n]; }
 
 /* ---- material ---- */
 

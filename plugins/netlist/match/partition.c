@@ -7,23 +7,20 @@
 
 #include "graph.h"
 
-int partition_make(const graph *g, partition *p) {
-  pool *m = &g->j->pool;
+void partition_make(const graph *g, partition *p) {
+  eda_pool *m = &g->j->pool;
   size_t n = g->nodes;
   *p = (partition){.g = g, .classes = 1};
-  p->class_of = pool_alloc(m, n, sizeof *p->class_of);
-  p->order = pool_alloc(m, n, sizeof *p->order);
-  p->begin = pool_alloc(m, n + 1, sizeof *p->begin);
-  p->end = pool_alloc(m, n + 1, sizeof *p->end);
-  p->parent = pool_alloc(m, n + 1, sizeof *p->parent);
-  p->touched = pool_alloc(m, n + 1, 1);
-  p->mark = pool_alloc(m, n, sizeof *p->mark);
-  p->list = pool_alloc(m, n + 1, sizeof *p->list);
-  p->changed = pool_alloc(m, n + 1, sizeof *p->changed);
-  p->spare = pool_alloc(m, n + 1, sizeof *p->spare);
-  if (!p->class_of || !p->order || !p->begin || !p->end || !p->parent ||
-      !p->touched || !p->mark || !p->list || !p->changed || !p->spare)
-    return match_no_memory(g->j);
+  p->class_of = eda_pool_alloc(m, n, sizeof *p->class_of);
+  p->order = eda_pool_alloc(m, n, sizeof *p->order);
+  p->begin = eda_pool_alloc(m, n + 1, sizeof *p->begin);
+  p->end = eda_pool_alloc(m, n + 1, sizeof *p->end);
+  p->parent = eda_pool_alloc(m, n + 1, sizeof *p->parent);
+  p->touched = eda_pool_alloc(m, n + 1, 1);
+  p->mark = eda_pool_alloc(m, n, sizeof *p->mark);
+  p->list = eda_pool_alloc(m, n + 1, sizeof *p->list);
+  p->changed = eda_pool_alloc(m, n + 1, sizeof *p->changed);
+  p->spare = eda_pool_alloc(m, n + 1, sizeof *p->spare);
   for (uint32_t i = 0; i < n; i++) {
     p->order[i] = i;
     p->mark[i] = i < g->bundle0[NETLIST] ? 0 : 1 + graph_bundle(g, i)->type;
@@ -37,7 +34,6 @@ int partition_make(const graph *g, partition *p) {
   /* At first all nodes are new. */
   for (uint32_t i = 0; i < n; i++) p->changed[i] = i;
   p->n_changed = (uint32_t)n;
-  return OPC_OK;
 }
 
 static int by_mark(const void *a, const void *b, void *data) {

@@ -54,10 +54,9 @@ static void try_marks(partition *p, uint32_t class) {
   if (!partition_refine(p)) partition_undo(p, before);
 }
 
-static int take_hints(partition *p) {
+static void take_hints(partition *p) {
   const graph *g = p->g;
-  sized *list = pool_alloc(&g->j->pool, g->nodes, sizeof *list);
-  if (!list) return match_no_memory(g->j);
+  sized *list = eda_pool_alloc(&g->j->pool, g->nodes, sizeof *list);
   for (uint32_t class = 0; class < p->classes; class ++) {
     int is_net = p->order[p->begin[class]] < g->bundle0[NETLIST];
     for (int k = 0; k < 2; k++) {
@@ -69,7 +68,6 @@ static int take_hints(partition *p) {
       try_marks(p, class);
     }
   }
-  return OPC_OK;
 }
 
 /* ---- choices ---- */
@@ -105,16 +103,12 @@ static int choose(partition *p, uint32_t node, sized *list) {
   return 0;
 }
 
-/* 1: every bundle has one counterpart; 0: they differ; -1: failed. */
+/* Whether every bundle has one counterpart. */
 static int solve(partition *p) {
   const graph *g = p->g;
   if (p->odd || !partition_refine(p)) return 0;
-  if (take_hints(p)) return -1;
-  sized *list = pool_alloc(&g->j->pool, g->nodes, sizeof *list);
-  if (!list) {
-    match_no_memory(g->j);
-    return -1;
-  }
+  take_hints(p);
+  sized *list = eda_pool_alloc(&g->j->pool, g->nodes, sizeof *list);
   for (uint32_t i = 0; i < g->side[NETLIST].bundles; i++) {
     uint32_t node = g->bundle0[NETLIST] + i, class = p->class_of[node];
     if (p->end[class] - p->begin[class] > 2 && !choose(p, node, list)) return 0;
@@ -140,15 +134,12 @@ static int holds(const partition *p, const bundle *a, const bundle *b) {
          (of[n + a->a] == of[l + b->b] && of[n + a->b] == of[l + b->a]);
 }
 
-static int solve_group(job *j, uint32_t number, const uint32_t *gates,
-                       size_t n) {
+static int solve_group(job *j, uint32_t number) {
   graph g;
   partition p;
-  if (graph_make(j, number, gates, n, &g) || partition_make(&g, &p))
-    return j->error->code;
-  int solved = solve(&p);
-  if (solved < 0) return j->error->code;
-  if (!solved) return graph_tell(&g);
+  if (graph_make(j, number, &g)) return j->error->code;
+  partition_make(&g, &p);
+  if (!solve(&p)) return graph_tell(&g);
   for (uint32_t i = 0; i < g.side[NETLIST].bundles; i++) {
     const bundle *a = &g.side[NETLIST].bundle[i];
     const bundle *b = graph_bundle(&g, counterpart(&p, g.bundle0[NETLIST] + i));
@@ -159,35 +150,19 @@ static int solve_group(job *j, uint32_t number, const uint32_t *gates,
 }
 
 int match_solve(job *j) {
-  size_t n = j->gates->count;
-  uint32_t *start = pool_alloc(&j->pool, j->groups + 2, sizeof *start);
-  uint32_t *list = pool_alloc(&j->pool, n, sizeof *list);
-  j->owner = pool_alloc(&j->pool, n, sizeof *j->owner);
-  j->known = pool_alloc(&j->pool, j->nets, sizeof *j->known);
-  if (!start || !list || !j->owner || !j->known) return match_no_memory(j);
-  for (size_t i = 0; i < j->nets; i++) j->known[i] = UINT32_MAX;
-  for (size_t i = 0; i < n; i++) {
-    j->owner[i] = UINT32_MAX;
-    if (j->of_group[i] != UINT32_MAX) start[j->of_group[i] + 2]++;
-  }
-  for (size_t k = 0; k < j->groups; k++) start[k + 2] += start[k + 1];
-  /* Group k begins at start[k + 1] while it is filled, then at start[k]. */
-  for (size_t i = 0; i < n; i++)
-    if (j->of_group[i] != UINT32_MAX)
-      list[start[j->of_group[i] + 1]++] = (uint32_t)i;
+  j->owner = match_unknown(j, j->gates->count);
+  j->known = match_unknown(j, j->nets);
   for (size_t k = 0; k < j->groups; k++) {
-    int code =
-        solve_group(j, (uint32_t)k, list + start[k], start[k + 1] - start[k]);
-    if (code) return code;
-    if (j->host->cancelled(j->host))
-      return j->host->fail(j->host, j->error, OPC_CANCELLED, NULL, "cancelled");
+    if (solve_group(j, (uint32_t)k)) return j->error->code;
+    if (opc_cancelled(j->host->context))
+      return opc_fail(j->error, OPC_CANCELLED, NULL, "cancelled");
   }
-  for (size_t i = 0; i < n; i++)
+  for (size_t i = 0; i < j->gates->count; i++)
     if (j->owner[i] == UINT32_MAX) {
       char name[256];
-      return j->host->fail(j->host, j->error, OPC_INVALID, "file",
-                           "transistor '%s' is not in the netlist",
-                           match_gate_name(j, i, name, sizeof name));
+      return opc_fail(j->error, OPC_INVALID, "file",
+                      "transistor '%s' is not in the netlist",
+                      match_gate_name(j, i, name, sizeof name));
     }
   return OPC_OK;
 }

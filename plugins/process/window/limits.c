@@ -1,65 +1,67 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Exposure latitude and depth of focus, from the cuts of all prints. */
 #include <math.h>
 
 #include "window.h"
 
-double window_deviation(const window_results *r, size_t focus, size_t dose,
-                        size_t gate) {
-  size_t n = r->gates->count;
-  double drawn = r->gates->length[gate];
-  double length = r->cuts[(focus * r->doses + dose) * n + gate].length;
-  return 100 * (length - drawn) / drawn;
-}
-
 /* A walk through the list of foci at the nominal dose, or through that of
    doses at one focus. */
 typedef struct walk {
-  const window_results *r;
-  const double *place;
-  size_t n, focus;
+  const window *w;
+  opc_reals place;
+  size_t focus;
   int along_focus;
 } walk;
 
-static double at(const walk *w, size_t k, size_t gate) {
-  return w->along_focus ? window_deviation(w->r, k, w->r->nominal, gate)
-                        : window_deviation(w->r, w->focus, k, gate);
+/* How far a gate is off its drawn length at place k, % of it; NAN if it does
+   not print. */
+static double at(const walk *k, size_t i, size_t gate) {
+  const window *w = k->w;
+  size_t focus = k->along_focus ? i : k->focus;
+  size_t dose = k->along_focus ? w->nominal : i;
+  size_t print = focus * w->dose.count + dose;
+  return eda_deviation(w->cuts[print * w->gates->count + gate].length,
+                       w->gates->length[gate]);
 }
 
-static int good(const walk *w, size_t k) {
-  for (size_t i = 0; i < w->r->gates->count; i++)
-    if (!(fabs(at(w, k, i)) <= w->r->tolerance)) return 0;
+static int good(const walk *k, size_t i) {
+  for (size_t gate = 0; gate < k->w->gates->count; gate++)
+    if (!(fabs(at(k, i, gate)) <= k->w->tolerance)) return 0;
   return 1;
 }
 
-/* The place between the good k and its neighbour `to` where the first gate
-   leaves the tolerance; that of k for gates that do not print at `to`. */
-static double leaves(const walk *w, size_t k, size_t to) {
-  double t = w->r->tolerance, least = 1;
-  for (size_t i = 0; i < w->r->gates->count; i++) {
-    double a = at(w, k, i), b = at(w, to, i);
-    if (isnan(b)) return w->place[k];
+/* The place between the good i and its neighbour `to` where the first gate
+   leaves the tolerance; that of i for gates that do not print at `to`. */
+static double leaves(const walk *k, size_t i, size_t to) {
+  const double *place = k->place.values;
+  double t = k->w->tolerance, least = 1;
+  for (size_t gate = 0; gate < k->w->gates->count; gate++) {
+    double a = at(k, i, gate), b = at(k, to, gate);
+    if (isnan(b)) return place[i];
     if (fabs(b) > t) least = fmin(least, (copysign(t, b) - a) / (b - a));
   }
-  return w->place[k] + least * (w->place[to] - w->place[k]);
+  return place[i] + least * (place[to] - place[i]);
 }
 
-static void widest(const walk *w, double *low, double *high) {
+static void widest(const walk *k, double *low, double *high) {
+  const double *place = k->place.values;
+  size_t n = k->place.count;
   *low = *high = NAN;
-  for (size_t k = 0; k < w->n; k++) {
-    if (!good(w, k)) continue;
-    size_t first = k;
-    while (k + 1 < w->n && good(w, k + 1)) k++;
-    double a = first ? leaves(w, first, first - 1) : w->place[first];
-    double b = k + 1 < w->n ? leaves(w, k, k + 1) : w->place[k];
+  for (size_t i = 0; i < n; i++) {
+    if (!good(k, i)) continue;
+    size_t first = i;
+    while (i + 1 < n && good(k, i + 1)) i++;
+    double a = first ? leaves(k, first, first - 1) : place[first];
+    double b = i + 1 < n ? leaves(k, i, i + 1) : place[i];
     if (isnan(*low) || b - a > *high - *low) *low = a, *high = b;
   }
 }
 
-void window_limits(window_results *r) {
-  for (size_t f = 0; f < r->foci; f++) {
-    walk w = {.r = r, .place = r->dose, .n = r->doses, .focus = f};
-    widest(&w, &r->low[f], &r->high[f]);
+void window_limits(window *w) {
+  for (size_t f = 0; f < w->focus.count; f++) {
+    walk k = {.w = w, .place = w->dose, .focus = f};
+    widest(&k, &w->low[f], &w->high[f]);
   }
-  walk w = {.r = r, .place = r->focus, .n = r->foci, .along_focus = 1};
-  widest(&w, &r->depth_low, &r->depth_high);
+  walk k = {.w = w, .place = w->focus, .along_focus = 1};
+  widest(&k, &w->depth_low, &w->depth_high);
 }

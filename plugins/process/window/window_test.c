@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The process window of gratings: against closed forms, with an image that has
    them, and against known figures of the optics. */
+#include <eda/gates.h>
+#include <eda/litho.h>
+#include <eda/memory.h>
 #include <math.h>
 #include <string.h>
 
-#include "core/plugin/testing.h"
+#include "core/testing/testing.h"
 
 enum { GATES = 4 };
 static const double pitch = 250, drawn = 65;
@@ -12,36 +15,41 @@ static const double pitch = 250, drawn = 65;
 /* ---- gates: four vertical lines ---- */
 
 typedef struct lines {
-  opc_point points[4 * GATES];
+  eda_point points[4 * GATES];
   uint32_t start[GATES + 1];
-  opc_box box[GATES];
+  eda_box box[GATES];
   uint8_t axis[GATES];
-  double length[GATES], room[2 * GATES];
-  opc_gates gates;
+  double length[GATES], space[2 * GATES];
+  eda_shapes poly;
+  eda_gates gates;
 } lines;
+
+static char *const layer[] = {"poly"};
 
 static void make(lines *l) {
   memset(l, 0, sizeof *l);
   for (int i = 0; i < GATES; i++) {
     int32_t x0 = (int32_t)(2 * (125 - drawn / 2 + pitch * i));
     int32_t x1 = x0 + (int32_t)(2 * drawn);
-    opc_point p[] = {{x0, 0}, {x1, 0}, {x1, 4000}, {x0, 4000}};
+    eda_point p[] = {{x0, 0}, {x1, 0}, {x1, 4000}, {x0, 4000}};
     memcpy(l->points + 4 * i, p, sizeof p);
     l->start[i + 1] = 4 * (uint32_t)(i + 1);
-    l->box[i] = (opc_box){x0, 1500, x1, 2500};
+    l->box[i] = (eda_box){x0, 1500, x1, 2500};
     l->length[i] = drawn;
-    l->room[2 * i] = l->room[2 * i + 1] = pitch - drawn;
+    l->space[2 * i] = l->space[2 * i + 1] = pitch - drawn;
   }
-  l->gates = (opc_gates){.size = sizeof l->gates,
-                         .name = "LINES",
+  l->poly = (eda_shapes){GATES, l->start, l->points, NULL};
+  l->gates = (eda_gates){.name = "LINES",
+                         .layers = 1,
+                         .layer = (char **)layer,
+                         .drawn = &l->poly,
                          .grid = 0.5,
                          .extent = {0, 0, 2000, 4000},
                          .count = GATES,
                          .box = l->box,
                          .axis = l->axis,
                          .length = l->length,
-                         .room = l->room};
-  l->gates.drawn[OPC_POLY] = (opc_shapes){GATES, l->start, l->points, NULL};
+                         .space = l->space};
 }
 
 /* ---- an image with closed forms ---- */
@@ -63,41 +71,33 @@ static double some_band(const void *self) {
   return 0.005;
 }
 
-static int waves_at(const void *self, int layer, const opc_spectrum *mask,
-                    double defocus, opc_field *out, opc_error *error) {
+static int waves_at(const void *self, int which, const eda_spectrum *mask,
+                    double defocus, eda_field *out, opc_error *error) {
   (void)self;
-  (void)layer;
-  const opc_host *host = opc_test_host();
-  opc_frame f = mask->frame;
-  *out = (opc_field){.frame = f, .nx = (int)(f.width / 10), .ny = 32};
+  (void)which;
+  eda_frame f = mask->frame;
+  *out = (eda_field){.frame = f, .nx = (int)(f.width / 10), .ny = 32};
   size_t n = (size_t)out->nx * (size_t)out->ny;
-  out->coefficients = host->alloc(host, n, sizeof(float));
+  out->coefficients = eda_alloc(n, sizeof(float));
   for (size_t i = 0; i < n; i++) {
     double x = f.x0 + f.width * (double)(i % (size_t)out->nx) / out->nx;
     out->coefficients[i] =
         (float)(0.5 - contrast(defocus) * cos(2 * M_PI * (x - 125) / pitch));
   }
-  return host->imaging->from_samples(host, out, error);
+  return eda_field_from_samples(NULL, out, error);
 }
 
-static int waves(const void *self, int layer, const opc_spectrum *mask,
-                 opc_field *out, opc_error *error) {
-  return waves_at(self, layer, mask, 0, out, error);
+static int waves(const void *self, int which, const eda_spectrum *mask,
+                 eda_field *out, opc_error *error) {
+  return waves_at(self, which, mask, 0, out, error);
 }
 
-static const opc_litho with_focus = {.size = sizeof with_focus,
-                                     .prepare = no_preparation,
+static const eda_litho with_focus = {.prepare = no_preparation,
                                      .band = some_band,
                                      .image = waves,
                                      .image_at = waves_at};
-static const opc_litho one_focus = {.size = sizeof one_focus,
-                                    .prepare = no_preparation,
-                                    .band = some_band,
-                                    .image = waves};
-static const opc_plugin with_focus_plugin = {.id = "litho.waves",
-                                             .operations = &with_focus};
-static const opc_plugin one_focus_plugin = {.id = "litho.one",
-                                            .operations = &one_focus};
+static const eda_litho one_focus = {
+    .prepare = no_preparation, .band = some_band, .image = waves};
 
 #define RESIST \
   "resist: { use: resist.threshold, threshold: 0.4, active_threshold: 0.2 }"
@@ -111,10 +111,11 @@ static double length_at(double defocus, double dose, double *ils) {
   return pitch / M_PI * angle;
 }
 
-static int run_step(const char *mapping, const opc_plugin *litho, lines *l,
+static int run_step(const char *mapping, const eda_litho *litho, lines *l,
                     opc_error *error) {
   void *none[1];
-  opc_module model = {litho, NULL};
+  opc_module model = {litho, NULL,
+                      litho == &one_focus ? "litho.one" : "litho.waves"};
   opc_test_forget();
   g_autoptr(opc_module) m = opc_test_module("process.window", mapping, error);
   if (!m) return error->code;
@@ -138,7 +139,7 @@ static void test_closed_form(void) {
   int code = run_step("{ " LITHO ", " RESIST
                       ", dose: [-12 %, -5 %, 0 %, 6 %], "
                       "defocus: [-120 nm, 0 nm, 90 nm], cut_lines: true }",
-                      &with_focus_plugin, &l, &error);
+                      &with_focus, &l, &error);
   if (code) g_error("%s", error.message);
   const double focus[] = {-120, 0, 90}, dose[] = {-12, -5, 0, 6};
   const double *mean = column("process_window", "mean");
@@ -186,7 +187,7 @@ static void test_limits(void) {
   for (int f = -12; f <= 12; f++)
     g_string_append_printf(mapping, "%s%d nm", f > -12 ? ", " : "", 20 * f);
   g_string_append(mapping, "] }");
-  if (run_step(mapping->str, &with_focus_plugin, &l, &error))
+  if (run_step(mapping->str, &with_focus, &l, &error))
     g_error("%s", error.message);
   double limit = 0.04;
   double low = -30, high = 30, depth = 400;
@@ -217,7 +218,7 @@ static void test_limits(void) {
   g_assert_cmpfloat(fabs(opc_test_metric("depth_of_focus") - 2 * depth), <, 3);
   /* A gate that is drawn wider wants less dose. */
   l.length[2] = 1.02 * nominal;
-  if (run_step(mapping->str, &with_focus_plugin, &l, &error))
+  if (run_step(mapping->str, &with_focus, &l, &error))
     g_error("%s", error.message);
   table_high = column("exposure_latitude", "highest_dose");
   double want = 0, to = 30;
@@ -232,7 +233,7 @@ static void test_limits(void) {
   g_assert_cmpfloat(fabs(table_high[12] - want), <, 0.01);
   /* One that no dose of the list prints well: no window at all. */
   l.length[2] = 2 * nominal;
-  if (run_step(mapping->str, &with_focus_plugin, &l, &error))
+  if (run_step(mapping->str, &with_focus, &l, &error))
     g_error("%s", error.message);
   g_assert_cmpfloat(opc_test_metric("exposure_latitude"), ==, 0);
   g_assert_cmpfloat(opc_test_metric("depth_of_focus"), ==, 0);
@@ -278,7 +279,7 @@ static void test_failing(void) {
   int code = run_step("{ " LITHO ", " RESIST
                       ", tolerance: 50 %, "
                       "dose: [-45 %, 0 %, 60 %, 200 %], defocus: [0 nm] }",
-                      &one_focus_plugin, &l, &error);
+                      &one_focus, &l, &error);
   if (code) g_error("%s", error.message);
   const int64_t *failed =
       (const int64_t *)(const void *)column("process_window", "failed");
@@ -292,8 +293,7 @@ static void test_failing(void) {
 
 static void refused(const char *mapping, lines *l, const char *why) {
   opc_error error;
-  g_assert_cmpint(run_step(mapping, &one_focus_plugin, l, &error), ==,
-                  OPC_INVALID);
+  g_assert_cmpint(run_step(mapping, &one_focus, l, &error), ==, OPC_INVALID);
   if (!strstr(error.message, why))
     g_error("'%s' does not say '%s'", error.message, why);
 }

@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* From the commands of a CIF file to the shapes, texts and instances of a
+   layout. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,7 +26,7 @@ static int located(cif *c, int code, opc_error *error) {
 /* The layout's layer for the current one: the name that the map gives it, or
    its own. */
 static int find_layer(cif *c, opc_error *error) {
-  const opc_value *map = c->layers;
+  const opc_map *map = &c->r->layers;
   const char *name = c->layer;
   for (size_t i = 0; i < map->count; i++) {
     if (strcmp(map->pairs[i].value, c->layer) != 0) continue;
@@ -36,7 +38,7 @@ static int find_layer(cif *c, opc_error *error) {
     if (!strcmp(map->pairs[i].key, name))
       return cif_refuse(c, c->command, error,
                         "a layer has the name that 'layers' gives to another");
-  c->layer_number = c->host->layout->layer(c->layout, name, error);
+  c->layer_number = eda_layout_layer(c->layout, name, error);
   return c->layer_number < 0 ? error->code : OPC_OK;
 }
 
@@ -52,14 +54,13 @@ static int draw(cif *c, opc_error *error) {
 }
 
 int cif_check_layers(cif *c, opc_error *error) {
-  const opc_layout_service *l = c->host->layout;
-  const opc_value *map = c->layers;
+  const opc_map *map = &c->r->layers;
   for (size_t i = 0; i < map->count; i++) {
     if (c->seen[i]) continue;
     char there[400] = "";
     size_t used = 0;
-    for (size_t k = 0; k < l->layers(c->layout); k++) {
-      const char *name = l->layer_name(c->layout, (int32_t)k);
+    for (size_t k = 0; k < eda_layout_layers(c->layout); k++) {
+      const char *name = eda_layout_layer_name(c->layout, (int32_t)k);
       for (size_t j = 0; j < map->count; j++)
         if (!strcmp(map->pairs[j].key, name)) {
           name = map->pairs[j].value;
@@ -69,10 +70,10 @@ int cif_check_layers(cif *c, opc_error *error) {
       used += (size_t)snprintf(there + used, sizeof there - used, "%s%s",
                                used ? ", " : "", name);
     }
-    return c->host->fail(c->host, error, OPC_INVALID, "layers",
-                         "'%s': there is no layer %s for '%s'; there are %s",
-                         c->path, map->pairs[i].value, map->pairs[i].key,
-                         used ? there : "no layers at all");
+    return opc_fail(error, OPC_INVALID, "layers",
+                    "'%s': there is no layer %s for '%s'; there are %s",
+                    c->r->file, map->pairs[i].value, map->pairs[i].key,
+                    used ? there : "no layers at all");
   }
   return OPC_OK;
 }
@@ -92,11 +93,11 @@ int cif_units(cif *c, int64_t v, int32_t *out, opc_error *error) {
   return OPC_OK;
 }
 
-static int put(cif *c, double x, double y, opc_point *out, opc_error *error) {
+static int put(cif *c, double x, double y, eda_point *out, opc_error *error) {
   x = floor(x + 0.5);
   y = floor(y + 0.5);
   if (!(fabs(x) <= INT32_MAX && fabs(y) <= INT32_MAX)) return outside(c, error);
-  *out = (opc_point){(int32_t)x, (int32_t)y};
+  *out = (eda_point){(int32_t)x, (int32_t)y};
   return OPC_OK;
 }
 
@@ -121,17 +122,16 @@ int cif_box(cif *c, int64_t length, int64_t width, int64_t x, int64_t y,
   double ux = (double)dx / size, uy = (double)dy / size;
   double l = (double)length * k / 2, w = (double)width * k / 2;
   static const int along[4] = {-1, 1, 1, -1}, across[4] = {-1, -1, 1, 1};
-  opc_point corner[4];
+  eda_point corner[4];
   for (int i = 0; i < 4; i++) {
     double px = (double)x * k + along[i] * l * ux - across[i] * w * uy;
     double py = (double)y * k + along[i] * l * uy + across[i] * w * ux;
     if (put(c, px, py, &corner[i], error)) return error->code;
   }
-  return located(
-      c,
-      c->host->layout->add_polygon(c->layout, symbol(c)->cell, c->layer_number,
-                                   corner, 4, error),
-      error);
+  return located(c,
+                 eda_layout_add_polygon(c->layout, symbol(c)->cell,
+                                        c->layer_number, corner, 4, error),
+                 error);
 }
 
 int cif_polygon(cif *c, opc_error *error) {
@@ -143,11 +143,10 @@ int cif_polygon(cif *c, opc_error *error) {
     return cif_refuse(c, c->command, error, "a polygon of fewer than 3 points");
   if (draw(c, error)) return error->code;
   if (!c->building || n < 3) return OPC_OK;
-  return located(
-      c,
-      c->host->layout->add_polygon(c->layout, symbol(c)->cell, c->layer_number,
-                                   c->points, n, error),
-      error);
+  return located(c,
+                 eda_layout_add_polygon(c->layout, symbol(c)->cell,
+                                        c->layer_number, c->points, n, error),
+                 error);
 }
 
 /* The ends are drawn half a width longer, as is the custom; the standard's
@@ -161,8 +160,8 @@ int cif_wire(cif *c, int64_t width, opc_error *error) {
   if (!c->building) return OPC_OK;
   return located(
       c,
-      c->host->layout->add_path(c->layout, symbol(c)->cell, c->layer_number,
-                                c->points, c->n_points, units, 2, 0, 0, error),
+      eda_layout_add_path(c->layout, symbol(c)->cell, c->layer_number,
+                          c->points, c->n_points, units, 2, 0, 0, error),
       error);
 }
 
@@ -171,30 +170,29 @@ int cif_flash(cif *c, int64_t diameter, int64_t x, int64_t y,
   if (draw(c, error)) return error->code;
   if (!c->building || diameter == 0) return OPC_OK;
   double k = (double)symbol(c)->factor, r = (double)diameter * k / 2;
-  opc_point corner[SIDES];
+  eda_point corner[SIDES];
   for (int i = 0; i < SIDES; i++) {
     double angle = 2 * PI * i / SIDES;
     if (put(c, (double)x * k + r * cos(angle), (double)y * k + r * sin(angle),
             &corner[i], error))
       return error->code;
   }
-  return located(
-      c,
-      c->host->layout->add_polygon(c->layout, symbol(c)->cell, c->layer_number,
-                                   corner, SIDES, error),
-      error);
+  return located(c,
+                 eda_layout_add_polygon(c->layout, symbol(c)->cell,
+                                        c->layer_number, corner, SIDES, error),
+                 error);
 }
 
 int cif_label(cif *c, const char *label, int64_t x, int64_t y,
               opc_error *error) {
-  opc_point at;
+  eda_point at;
   if (draw(c, error) || cif_units(c, x, &at.x, error) ||
       cif_units(c, y, &at.y, error))
     return error->code;
   if (!c->building) return OPC_OK;
   return located(c,
-                 c->host->layout->add_text(c->layout, symbol(c)->cell,
-                                           c->layer_number, at, label, error),
+                 eda_layout_add_text(c->layout, symbol(c)->cell,
+                                     c->layer_number, at, label, error),
                  error);
 }
 
@@ -210,7 +208,7 @@ int cif_call(cif *c, size_t called, const cif_transform *t, opc_error *error) {
   }
   if (symbol(c)->cell < 0) return OPC_OK; /* it is the top itself */
   double k = (double)symbol(c)->factor;
-  opc_placement p = {.magnification = 1,
+  eda_placement p = {.magnification = 1,
                      .angle = t->angle,
                      .mirror = (uint32_t)t->mirror,
                      .columns = 1,
@@ -218,7 +216,7 @@ int cif_call(cif *c, size_t called, const cif_transform *t, opc_error *error) {
   if (put(c, t->x * k, t->y * k, &p.origin, error)) return error->code;
   return located(
       c,
-      c->host->layout->add_instance(c->layout, symbol(c)->cell,
-                                    c->symbols[called].cell, &p, NULL, error),
+      eda_layout_add_instance(c->layout, symbol(c)->cell,
+                              c->symbols[called].cell, &p, NULL, error),
       error);
 }

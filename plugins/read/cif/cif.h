@@ -8,7 +8,9 @@
 #ifndef OPCFLOW_CIF_H
 #define OPCFLOW_CIF_H
 
-#include <opcflow/opcflow.h>
+#include <glib.h>
+
+#include "../reader.h"
 
 /* Number 0 is what stands outside of all symbols. */
 typedef struct cif_symbol {
@@ -35,21 +37,18 @@ typedef struct cif_transform {
 } cif_transform;
 
 typedef struct cif {
-  const opc_host *host;
-  const char *path;
-  const opc_value *layers; /* the map */
-  double scale;
-  uint8_t *seen; /* of each pair of the map */
+  const reader *r;
+  uint8_t *seen; /* of each pair of the map of layers */
 
   char *text;            /* the file */
   size_t n, at, command; /* its length, the place, the current command */
 
   int building;
-  opc_layout *layout;
+  eda_layout *layout;
   cif_symbol *symbols; /* in order of their first mention */
   size_t n_symbols, room_symbols;
   size_t mentioned;         /* of them, in this reading */
-  void *numbers;            /* tsearch: number to the latest symbol */
+  GHashTable *numbers;      /* number to its latest mention; symbols.c */
   cif_forgotten *forgotten; /* both fields increase */
   size_t n_forgotten, room_forgotten;
 
@@ -57,7 +56,7 @@ typedef struct cif {
   char *layer, *outer; /* its name, and the one outside the symbol */
   size_t room_layer, room_outer;
   int32_t layer_number; /* -1: not looked up yet */
-  opc_point *points;
+  eda_point *points;
   size_t n_points, room_points;
   char *word;
   size_t room_word;
@@ -70,17 +69,14 @@ typedef struct cif {
 
 /* "FILE:LINE:COLUMN: WHAT (byte N)", of the place `at`. */
 int cif_refuse(cif *c, size_t at, opc_error *error, const char *what);
-int cif_no_memory(cif *c, opc_error *error);
-int cif_grow(void *array, size_t *room, size_t need, size_t size);
 
 /* ---- symbols.c ---- */
 
-/* The symbol that a number means here, new if need be; -1 without memory. */
-int64_t cif_symbol_of(cif *c, int64_t number);
-int cif_forget(cif *c, int64_t from, opc_error *error);
-/* Begin a reading; free what knows numbers. */
-int cif_begin(cif *c, opc_error *error);
-void cif_clear_numbers(cif *c);
+/* The symbol that a number means here, new if need be. */
+size_t cif_symbol_of(cif *c, int64_t number);
+void cif_forget(cif *c, int64_t from);
+/* Begin a reading. */
+void cif_begin(cif *c);
 /* After the survey: the unit, the layout and its cells. */
 int cif_make_cells(cif *c, opc_error *error);
 

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Files written here, whose layouts are known; what is refused, and where. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/plugin/host.h"
-#include "core/plugin/testing.h"
+#include <eda/layout.h>
 
-static const opc_layout_service *l = &opc_layout_functions;
+#include "core/testing/testing.h"
 
 static char *made(void) {
   return g_build_filename(opc_test_folder(), "made.cif", NULL);
 }
 
-static opc_layout *read_more(const char *text, gssize n, const char *more,
+static eda_layout *read_more(const char *text, gssize n, const char *more,
                              opc_error *error) {
   g_autofree char *path = made();
   FILE *f = fopen(path, "wb"); /* g_file_set_contents waits for the disk */
@@ -28,27 +28,27 @@ static opc_layout *read_more(const char *text, gssize n, const char *more,
   return output;
 }
 
-static opc_layout *read_good(const char *text, const char *more) {
+static eda_layout *read_good(const char *text, const char *more) {
   opc_error e = {0};
-  opc_layout *layout = read_more(text, -1, more, &e);
+  eda_layout *layout = read_more(text, -1, more, &e);
   if (!layout) g_error("%s", e.message);
   return layout;
 }
 
 /* The polygon of a cell as "x,y x,y ..." */
-static char *points(const opc_layout *layout, const char *cell, size_t i) {
+static char *points(const eda_layout *layout, const char *cell, size_t i) {
   size_t n;
-  int32_t layer, number = l->find_cell(layout, cell);
+  int32_t layer, number = eda_layout_find_cell(layout, cell);
   g_assert_cmpint(number, >=, 0);
-  g_assert_cmpuint(i, <, l->polygons(layout, number));
-  const opc_point *p = l->polygon(layout, number, i, &n, &layer);
+  g_assert_cmpuint(i, <, eda_layout_polygons(layout, number));
+  const eda_point *p = eda_layout_polygon(layout, number, i, &n, &layer);
   GString *s = g_string_new(NULL);
   for (size_t k = 0; k < n; k++)
     g_string_append_printf(s, "%s%d,%d", k ? " " : "", p[k].x, p[k].y);
   return g_string_free(s, FALSE);
 }
 
-static void assert_points(const opc_layout *layout, const char *cell, size_t i,
+static void assert_points(const eda_layout *layout, const char *cell, size_t i,
                           const char *want) {
   g_autofree char *got = points(layout, cell, i);
   g_assert_cmpstr(got, ==, want);
@@ -56,7 +56,7 @@ static void assert_points(const opc_layout *layout, const char *cell, size_t i,
 
 /* As our own cells are written: 1 / 10 makes the unit 1 nm. */
 static void test_cell(void) {
-  opc_layout *layout = read_good(
+  eda_layout *layout = read_good(
       "(made by hand (or not));\n"
       "DS 1 1 10;\n9 inverter;\nL CP;\n"
       "P 218 216 283 216 283 684 218 684;\nB 500 180 250 0;\n"
@@ -64,58 +64,59 @@ static void test_cell(void) {
       "DF;\nC 1;\nE\nrubbish",
       ", layers: { poly: CP }, scale: 1.5");
   opc_error e;
-  g_assert_cmpfloat_with_epsilon(l->unit(layout), 1.5, 1e-15);
-  g_assert_cmpuint(l->cells(layout), ==, 1);
-  g_assert_cmpint(l->top(layout, &e), ==, 0);
-  g_assert_cmpuint(l->layers(layout), ==, 2);
-  g_assert_cmpstr(l->layer_name(layout, 0), ==, "poly");
-  g_assert_cmpstr(l->layer_name(layout, 1), ==, "CM");
+  g_assert_cmpfloat_with_epsilon(eda_layout_unit(layout), 1.5, 1e-15);
+  g_assert_cmpuint(eda_layout_cells(layout), ==, 1);
+  g_assert_cmpint(eda_layout_top(layout, &e), ==, 0);
+  g_assert_cmpuint(eda_layout_layers(layout), ==, 2);
+  g_assert_cmpstr(eda_layout_layer_name(layout, 0), ==, "poly");
+  g_assert_cmpstr(eda_layout_layer_name(layout, 1), ==, "CM");
   assert_points(layout, "inverter", 0, "218,216 283,216 283,684 218,684");
   assert_points(layout, "inverter", 1, "0,-90 500,-90 500,90 0,90");
   assert_points(layout, "inverter", 2, "0,0 9,0 9,5 4,5 4,9 0,9");
-  opc_point at;
+  eda_point at;
   int32_t layer;
-  g_assert_cmpuint(l->texts(layout, 0), ==, 2);
-  g_assert_cmpstr(l->text(layout, 0, 0, &at, &layer), ==, "VSS");
+  g_assert_cmpuint(eda_layout_texts(layout, 0), ==, 2);
+  g_assert_cmpstr(eda_layout_text(layout, 0, 0, &at, &layer), ==, "VSS");
   g_assert_true(at.x == 250 && at.y == -7 && layer == 0);
-  g_assert_cmpstr(l->text(layout, 0, 1, &at, &layer), ==, "A");
+  g_assert_cmpstr(eda_layout_text(layout, 0, 1, &at, &layer), ==, "A");
   g_assert_true(at.x == 1 && at.y == 2 && layer == 1);
-  l->destroy(layout);
+  eda_layout_free(layout);
 }
 
 /* Lower case letters, commas and comments are blanks; layers are as they were
    after a symbol. */
 static void test_syntax(void) {
-  opc_layout *layout = read_good(
+  eda_layout *layout = read_good(
       "Layer NP (the (poly) layer);;Define Start 5;Layer ND;"
       "Box length 4 width(no;)2 center 10,-20;Define Finish;\n"
       "Box 6 8 0 0;2 a b c;0x;Call 5 Translate by 1,2;\nEnd\n",
       "");
   assert_points(layout, "made", 0, "-3,-4 3,-4 3,4 -3,4");
   assert_points(layout, "5", 0, "8,-21 12,-21 12,-19 8,-19");
-  g_assert_cmpfloat(l->unit(layout), ==, 10);
-  g_assert_cmpint(l->find_layer(layout, "NP"), >=, 0);
-  g_assert_cmpint(l->find_layer(layout, "ND"), >=, 0);
-  l->destroy(layout);
+  g_assert_cmpfloat(eda_layout_unit(layout), ==, 10);
+  g_assert_cmpint(eda_layout_find_layer(layout, "NP"), >=, 0);
+  g_assert_cmpint(eda_layout_find_layer(layout, "ND"), >=, 0);
+  eda_layout_free(layout);
 }
 
 /* 1 / 4 and 1 / 6 of a centimicron need 1 / 12; an odd side a half of that
    only where it is an odd number of units. */
 static void test_unit(void) {
-  opc_layout *layout = read_good(
+  eda_layout *layout = read_good(
       "DS 1 1 4;L A;B 3 2 0 0;DF;DS 2 5 6;L A;B 2 2 1 0;DF;C 1;C 2 T 1 1;E",
       "");
-  g_assert_cmpfloat_with_epsilon(l->unit(layout), 10.0 / 24, 1e-15);
+  g_assert_cmpfloat_with_epsilon(eda_layout_unit(layout), 10.0 / 24, 1e-15);
   assert_points(layout, "1", 0, "-9,-6 9,-6 9,6 -9,6");
   assert_points(layout, "2", 0, "0,-20 40,-20 40,20 0,20");
   int32_t child;
-  opc_placement p;
-  l->instance(layout, l->find_cell(layout, "made"), 1, &child, &p);
+  eda_placement p;
+  eda_layout_instance(layout, eda_layout_find_cell(layout, "made"), 1, &child,
+                      &p);
   g_assert_cmpint(p.origin.x, ==, 24);
-  l->destroy(layout);
+  eda_layout_free(layout);
   layout = read_good("DS 1 1 4;L A;B 2 2 0 0;DF;L A;B 1 1 0 0;C 1;E", "");
-  g_assert_cmpfloat_with_epsilon(l->unit(layout), 10.0 / 4, 1e-15);
-  l->destroy(layout);
+  g_assert_cmpfloat_with_epsilon(eda_layout_unit(layout), 10.0 / 4, 1e-15);
+  eda_layout_free(layout);
 }
 
 /* The symbol's points under a call, by the rules of the standard one after
@@ -149,63 +150,64 @@ static void test_transformations(void) {
       }
     }
     g_string_append(s, ";E");
-    opc_layout *layout = read_good(s->str, "");
+    eda_layout *layout = read_good(s->str, "");
     opc_error e;
-    opc_flat flat;
-    g_assert_cmpint(l->flatten(opc_test_host(), layout, l->top(layout, &e), 0,
-                               10, &flat, &e),
+    eda_flat flat;
+    g_assert_cmpint(eda_layout_flatten(layout, eda_layout_top(layout, &e), 0,
+                                       10, &flat, &e),
                     ==, 0);
     g_assert_cmpuint(flat.shapes.count, ==, 2);
     for (int i = 0; i < 3; i++) {
       g_assert_cmpint(flat.shapes.points[4 + i].x, ==, p[i][0]);
       g_assert_cmpint(flat.shapes.points[4 + i].y, ==, p[i][1]);
     }
-    l->release(&flat);
-    l->destroy(layout);
+    eda_flat_clear(&flat);
+    eda_layout_free(layout);
     g_string_free(s, TRUE);
   }
   g_rand_free(rand);
 }
 
 static void test_shapes(void) {
-  opc_layout *layout = read_good(
+  eda_layout *layout = read_good(
       "L A;B 10 4 100 0 0 1;L B;B 1414 1414 0 0 1 1;L C;W 4 0 0 20 0 20 30;"
       "L D;R 200 50 50;L E;B 5 5 0 0;E",
       "");
   /* the odd box makes the unit a half */
-  g_assert_cmpfloat(l->unit(layout), ==, 5);
+  g_assert_cmpfloat(eda_layout_unit(layout), ==, 5);
   assert_points(layout, "made", 0, "196,-10 204,-10 204,10 196,10");
   assert_points(layout, "made", 1, "0,-2000 2000,0 0,2000 -2000,0");
   assert_points(layout, "made", 2, "-4,-4 44,-4 44,64 36,64 36,4 -4,4");
   assert_points(layout, "made", 4, "-5,-5 5,-5 5,5 -5,5");
   size_t n;
   int32_t layer;
-  const opc_point *p = l->polygon(layout, 0, 3, &n, &layer);
+  const eda_point *p = eda_layout_polygon(layout, 0, 3, &n, &layer);
   g_assert_cmpuint(n, ==, 32);
   for (size_t i = 0; i < n; i++)
     g_assert_cmpfloat_with_epsilon(hypot(p[i].x - 100, p[i].y - 100), 200, 0.8);
-  l->destroy(layout);
+  eda_layout_free(layout);
 }
 
 /* A number means another symbol after DD; equal names are told apart. */
 static void test_delete(void) {
-  opc_layout *layout = read_good(
+  eda_layout *layout = read_good(
       "DS 5;9 a;L A;B 2 2 0 0;DF;DS 6;9 b;C 5;DF;C 6;"
       "DD 5;DS 5;9 a;L A;B 4 4 0 0;DF;C 5;C 5 T 100 0;E",
       "");
-  int32_t top = l->find_cell(layout, "made"), child;
-  opc_placement p;
-  g_assert_cmpuint(l->cells(layout), ==, 4);
-  g_assert_cmpuint(l->instances(layout, top), ==, 3);
-  l->instance(layout, top, 0, &child, &p);
-  g_assert_cmpstr(l->cell_name(layout, child), ==, "b");
-  l->instance(layout, child, 0, &child, &p);
-  g_assert_cmpstr(l->cell_name(layout, child), ==, "a");
+  int32_t top = eda_layout_find_cell(layout, "made"), child;
+  eda_placement p;
+  g_assert_cmpuint(eda_layout_cells(layout), ==, 4);
+  g_assert_cmpuint(eda_layout_instances(layout, top), ==, 3);
+  eda_layout_instance(layout, top, 0, &child, &p);
+  g_assert_cmpstr(eda_layout_cell_name(layout, child), ==, "b");
+  eda_layout_instance(layout, child, 0, &child, &p);
+  g_assert_cmpstr(eda_layout_cell_name(layout, child), ==, "a");
   assert_points(layout, "a", 0, "-1,-1 1,-1 1,1 -1,1");
-  l->instance(layout, top, 1, &child, &p);
-  g_assert_true(g_str_has_prefix(l->cell_name(layout, child), "a$"));
-  assert_points(layout, l->cell_name(layout, child), 0, "-2,-2 2,-2 2,2 -2,2");
-  l->destroy(layout);
+  eda_layout_instance(layout, top, 1, &child, &p);
+  g_assert_true(g_str_has_prefix(eda_layout_cell_name(layout, child), "a$"));
+  assert_points(layout, eda_layout_cell_name(layout, child), 0,
+                "-2,-2 2,-2 2,2 -2,2");
+  eda_layout_free(layout);
 }
 
 /* What is the top: the one symbol called as it is, or a cell with the name of
@@ -227,11 +229,12 @@ static void test_top(void) {
         "DS 1;9 one;L A;B 2 2 0 0;DF;DS 2;9 two;C 1 T 5 5;DF;"
         "DS 3;9 three;C 1;DF;%sE",
         cases[i].calls);
-    opc_layout *layout = read_good(text, cases[i].more);
+    eda_layout *layout = read_good(text, cases[i].more);
     opc_error e;
-    g_assert_cmpuint(l->cells(layout), ==, cases[i].cells);
-    g_assert_cmpstr(l->cell_name(layout, l->top(layout, &e)), ==, cases[i].top);
-    l->destroy(layout);
+    g_assert_cmpuint(eda_layout_cells(layout), ==, cases[i].cells);
+    g_assert_cmpstr(eda_layout_cell_name(layout, eda_layout_top(layout, &e)),
+                    ==, cases[i].top);
+    eda_layout_free(layout);
   }
 }
 
@@ -292,19 +295,20 @@ static void test_own_cells(void) {
                                              "cells65", file, NULL);
     g_autofree char *text = NULL;
     g_assert_true(g_file_get_contents(path, &text, NULL, NULL));
-    opc_layout *layout = read_good(text, ", layers: { poly: CP, active: CA }");
+    eda_layout *layout = read_good(text, ", layers: { poly: CP, active: CA }");
     opc_error e;
-    opc_flat flat;
-    int32_t top = l->top(layout, &e);
-    g_assert_cmpstr(l->cell_name(layout, top), ==, cells[i]);
-    g_assert_cmpint(l->flatten(opc_test_host(), layout, top,
-                               l->find_layer(layout, "poly"), 1, &flat, &e),
-                    ==, 0);
+    eda_flat flat;
+    int32_t top = eda_layout_top(layout, &e);
+    g_assert_cmpstr(eda_layout_cell_name(layout, top), ==, cells[i]);
+    g_assert_cmpint(
+        eda_layout_flatten(layout, top, eda_layout_find_layer(layout, "poly"),
+                           1, &flat, &e),
+        ==, 0);
     g_assert_cmpuint(flat.shapes.count, >, 0);
     g_assert_cmpuint(flat.shapes.count, ==, poly_lines(text));
     g_assert_cmpuint(flat.moved, ==, 0);
-    l->release(&flat);
-    l->destroy(layout);
+    eda_flat_clear(&flat);
+    eda_layout_free(layout);
   }
 }
 
@@ -330,18 +334,18 @@ static void test_flipped(void) {
     size_t length =
         round % 4 ? n : (size_t)g_rand_int_range(rand, 0, (gint32)n);
     opc_error e = {0};
-    opc_layout *layout = read_more(copy, (gssize)length, "", &e);
+    eda_layout *layout = read_more(copy, (gssize)length, "", &e);
     if (!layout) {
       g_assert_cmpint(e.code, !=, 0);
       continue;
     }
     good++;
-    opc_flat flat;
-    int32_t top = l->top(layout, &e);
-    if (top >= 0 && l->layers(layout) &&
-        !l->flatten(opc_test_host(), layout, top, 0, 1, &flat, &e))
-      l->release(&flat);
-    l->destroy(layout);
+    eda_flat flat;
+    int32_t top = eda_layout_top(layout, &e);
+    if (top >= 0 && eda_layout_layers(layout) &&
+        !eda_layout_flatten(layout, top, 0, 1, &flat, &e))
+      eda_flat_clear(&flat);
+    eda_layout_free(layout);
   }
   g_assert_cmpuint(good, >, 10);
   g_rand_free(rand);

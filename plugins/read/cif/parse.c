@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The commands of a CIF file, for both readings. */
+#include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -108,26 +110,10 @@ static int take_direction(cif *c, int64_t *dx, int64_t *dy, opc_error *error) {
 
 /* ---- words ---- */
 
-/* n bytes of the file as a string; those that are not printable ASCII as
-   "\xE4". */
-static int copy_word(cif *c, const char *from, size_t n, char **to,
-                     size_t *room, opc_error *error) {
-  static const char hex[] = "0123456789ABCDEF";
-  if (!cif_grow(to, room, 4 * n + 1, 1)) return cif_no_memory(c, error);
-  char *out = *to;
-  for (size_t i = 0; i < n; i++) {
-    unsigned char ch = (unsigned char)from[i];
-    if (ch >= 0x20 && ch < 0x7f) {
-      *out++ = (char)ch;
-      continue;
-    }
-    *out++ = '\\';
-    *out++ = 'x';
-    *out++ = hex[ch >> 4];
-    *out++ = hex[ch & 15];
-  }
-  *out = '\0';
-  return OPC_OK;
+/* n bytes of the file as a string. */
+static void copy_word(const char *from, size_t n, char **to, size_t *room) {
+  eda_grow(to, room, 4 * n + 1, 1);
+  reader_string(from, n, *to);
 }
 
 /* The next word before the ';', of any characters but spaces; *n = 0 if there
@@ -140,9 +126,9 @@ static const char *next_word(cif *c, size_t *n) {
   return start;
 }
 
-static int set_layer(cif *c, const char *name, size_t n, opc_error *error) {
+static void set_layer(cif *c, const char *name, size_t n) {
   c->layer_number = -1;
-  return copy_word(c, name, n, &c->layer, &c->room_layer, error);
+  copy_word(name, n, &c->layer, &c->room_layer);
 }
 
 /* L: the last word, for one may write "Layer CP (poly);". */
@@ -163,7 +149,8 @@ static int take_layer(cif *c, opc_error *error) {
   }
   if (start == end)
     return cif_refuse(c, c->command, error, "a layer without a name");
-  return set_layer(c, c->text + start, end - start, error);
+  set_layer(c, c->text + start, end - start);
+  return OPC_OK;
 }
 
 /* ---- commands ---- */
@@ -176,12 +163,11 @@ static int take_points(cif *c, opc_error *error) {
     if (number_follows(c, &more, error)) return error->code;
     if (!more) return OPC_OK;
     int64_t x = 0, y = 0;
-    opc_point p = {0, 0};
+    eda_point p = {0, 0};
     if (take_number(c, &x, error) || take_number(c, &y, error) ||
         cif_units(c, x, &p.x, error) || cif_units(c, y, &p.y, error))
       return error->code;
-    if (!cif_grow(&c->points, &c->room_points, c->n_points + 1, sizeof p))
-      return cif_no_memory(c, error);
+    eda_grow(&c->points, &c->room_points, c->n_points + 1, sizeof p);
     c->points[c->n_points++] = p;
   }
 }
@@ -255,8 +241,7 @@ static int take_call(cif *c, opc_error *error) {
   int64_t number = 0;
   cif_transform t = {0, 0, 0, 0};
   if (take_size(c, &number, error)) return error->code;
-  int64_t called = cif_symbol_of(c, number);
-  if (called < 0) return cif_no_memory(c, error);
+  size_t called = cif_symbol_of(c, number);
   for (;;) {
     if (skip(c, error)) return error->code;
     int kind = peek(c);
@@ -264,7 +249,7 @@ static int take_call(cif *c, opc_error *error) {
     c->at++;
     if (take_step(c, kind, &t, error)) return error->code;
   }
-  return cif_call(c, (size_t)called, &t, error);
+  return cif_call(c, called, &t, error);
 }
 
 static int begin_symbol(cif *c, opc_error *error) {
@@ -276,8 +261,7 @@ static int begin_symbol(cif *c, opc_error *error) {
     return error->code;
   if (scaled && (take_count(c, &a, error) || take_count(c, &b, error)))
     return error->code;
-  int64_t i = cif_symbol_of(c, number);
-  if (i < 0) return cif_no_memory(c, error);
+  size_t i = cif_symbol_of(c, number);
   cif_symbol *s = &c->symbols[i];
   if (!c->building) {
     if (s->defined)
@@ -286,17 +270,18 @@ static int begin_symbol(cif *c, opc_error *error) {
     s->a = a;
     s->b = b;
   }
-  c->current = (size_t)i;
+  c->current = i;
   const char *layer = c->layer ? c->layer : "";
-  if (copy_word(c, layer, strlen(layer), &c->outer, &c->room_outer, error))
-    return error->code;
-  return set_layer(c, "", 0, error);
+  copy_word(layer, strlen(layer), &c->outer, &c->room_outer);
+  set_layer(c, "", 0);
+  return OPC_OK;
 }
 
 static int end_symbol(cif *c, opc_error *error) {
   if (!c->current) return cif_refuse(c, c->command, error, "DF without DS");
   c->current = 0;
-  return set_layer(c, c->outer, strlen(c->outer), error);
+  set_layer(c, c->outer, strlen(c->outer));
+  return OPC_OK;
 }
 
 static int take_definition(cif *c, opc_error *error) {
@@ -309,7 +294,8 @@ static int take_definition(cif *c, opc_error *error) {
   if (kind != 'D')
     return cif_refuse(c, c->command, error, "an unknown command");
   if (take_size(c, &from, error)) return error->code;
-  return cif_forget(c, from, error);
+  cif_forget(c, from);
+  return OPC_OK;
 }
 
 /* 9 name */
@@ -322,7 +308,8 @@ static int take_name(cif *c, opc_error *error) {
   cif_symbol *s = &c->symbols[c->current];
   if (c->building || end == start || !c->current || s->name) return OPC_OK;
   size_t room = 0;
-  return copy_word(c, c->text + start, end - start, &s->name, &room, error);
+  copy_word(c->text + start, end - start, &s->name, &room);
+  return OPC_OK;
 }
 
 /* 94 label x y [layer] */
@@ -331,8 +318,8 @@ static int take_label(cif *c, opc_error *error) {
   int64_t x = 0, y = 0;
   const char *word = next_word(c, &n);
   if (!n) return cif_refuse(c, c->command, error, "a label without a name");
-  if (copy_word(c, word, n, &c->word, &c->room_word, error) ||
-      take_number(c, &x, error) || take_number(c, &y, error))
+  copy_word(word, n, &c->word, &c->room_word);
+  if (take_number(c, &x, error) || take_number(c, &y, error))
     return error->code;
   word = next_word(c, &n);
   if (!n) return cif_label(c, c->word, x, y, error);
@@ -341,8 +328,8 @@ static int take_label(cif *c, opc_error *error) {
   size_t room = c->room_layer;
   c->layer = NULL;
   c->room_layer = 0;
-  int code = set_layer(c, word, n, error);
-  if (!code) code = cif_label(c, c->word, x, y, error);
+  set_layer(c, word, n);
+  int code = cif_label(c, c->word, x, y, error);
   free(c->layer);
   c->layer = layer;
   c->room_layer = room;
@@ -385,9 +372,9 @@ static int take_command(cif *c, int kind, opc_error *error) {
 }
 
 int cif_parse(cif *c, opc_error *error) {
-  if (cif_begin(c, error)) return error->code;
+  cif_begin(c);
   c->current = 0;
-  if (set_layer(c, "", 0, error)) return error->code;
+  set_layer(c, "", 0);
   for (size_t commands = 0;; commands++) {
     if (skip(c, error)) return error->code;
     c->command = c->at;
@@ -397,8 +384,8 @@ int cif_parse(cif *c, opc_error *error) {
     c->at++;
     if (kind == ';') continue;
     if (kind == 'E') break;
-    if (commands % 65536 == 0 && c->host->cancelled(c->host))
-      return c->host->fail(c->host, error, OPC_CANCELLED, NULL, "cancelled");
+    if (commands % 65536 == 0 && opc_cancelled(c->r->host->context))
+      return opc_fail(error, OPC_CANCELLED, NULL, "cancelled");
     if (take_command(c, kind, error) || skip(c, error)) return error->code;
     if (peek(c) != ';') return cif_refuse(c, c->at, error, "';' is missing");
     c->at++;

@@ -1,29 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include <search.h>
-#include <stdio.h>
+/* The symbols of a file: what a number means at each place, the unit that makes
+   all coordinates whole, and the cells of the layout. */
+#include <eda/memory.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "cif.h"
 
 typedef struct mention {
-  int64_t number;
+  int64_t number; /* the key */
   size_t symbol;
   size_t at; /* where the symbol was first mentioned */
 } mention;
-
-static int compare(const void *a, const void *b) {
-  int64_t x = ((const mention *)a)->number, y = ((const mention *)b)->number;
-  return (x > y) - (x < y);
-}
-
-void cif_clear_numbers(cif *c) {
-  while (c->numbers) {
-    mention *e = *(mention **)c->numbers;
-    tdelete(e, &c->numbers, compare);
-    free(e);
-  }
-}
 
 /* Whether a number mentioned at `at` was forgotten since: by the last DD from
    no higher a number. */
@@ -39,53 +27,41 @@ static int forgotten(const cif *c, int64_t number, size_t at) {
   return low && c->forgotten[low - 1].at > at;
 }
 
-static int add_symbol(cif *c, int64_t number) {
-  if (!cif_grow(&c->symbols, &c->room_symbols, c->n_symbols + 1,
-                sizeof *c->symbols))
-    return 0;
+static void add_symbol(cif *c, int64_t number) {
+  eda_grow(&c->symbols, &c->room_symbols, c->n_symbols + 1, sizeof *c->symbols);
   c->symbols[c->n_symbols++] = (cif_symbol){
       .number = number, .a = 1, .b = 1, .at = c->command, .cell = -1};
-  return 1;
 }
 
-int64_t cif_symbol_of(cif *c, int64_t number) {
-  mention key = {.number = number};
-  void *found = tfind(&key, &c->numbers, compare);
-  mention *e = found ? *(mention **)found : NULL;
-  if (e && !forgotten(c, number, e->at)) return (int64_t)e->symbol;
+size_t cif_symbol_of(cif *c, int64_t number) {
+  mention *e = g_hash_table_lookup(c->numbers, &number);
+  if (e && !forgotten(c, number, e->at)) return e->symbol;
   if (!e) {
-    e = malloc(sizeof *e);
-    if (!e) return -1;
+    e = eda_alloc(1, sizeof *e);
     e->number = number;
-    if (!tsearch(e, &c->numbers, compare)) {
-      free(e);
-      return -1;
-    }
+    g_hash_table_add(c->numbers, e);
   }
   e->symbol = c->mentioned;
   e->at = c->command;
-  if (!c->building && !add_symbol(c, number)) return -1;
-  return (int64_t)c->mentioned++;
+  if (!c->building) add_symbol(c, number);
+  return c->mentioned++;
 }
 
-int cif_forget(cif *c, int64_t from, opc_error *error) {
+void cif_forget(cif *c, int64_t from) {
   while (c->n_forgotten && c->forgotten[c->n_forgotten - 1].from >= from)
     c->n_forgotten--;
-  if (!cif_grow(&c->forgotten, &c->room_forgotten, c->n_forgotten + 1,
-                sizeof *c->forgotten))
-    return cif_no_memory(c, error);
+  eda_grow(&c->forgotten, &c->room_forgotten, c->n_forgotten + 1,
+           sizeof *c->forgotten);
   c->forgotten[c->n_forgotten++] = (cif_forgotten){from, c->command};
-  return OPC_OK;
 }
 
-int cif_begin(cif *c, opc_error *error) {
-  cif_clear_numbers(c);
+void cif_begin(cif *c) {
+  g_hash_table_remove_all(c->numbers);
   c->n_forgotten = 0;
   c->mentioned = 1;
   c->at = c->command = 0;
-  if (!c->building && !add_symbol(c, 0)) return cif_no_memory(c, error);
+  if (!c->building) add_symbol(c, 0);
   c->symbols[0].defined = 1;
-  return OPC_OK;
 }
 
 /* ---- the unit and the cells ---- */
@@ -127,40 +103,34 @@ static int choose_unit(cif *c, double *unit, opc_error *error) {
   }
   for (size_t i = 0; i < c->n_symbols && halves; i++) c->symbols[i].factor *= 2;
   /* 1 centimicron = 10 nm */
-  *unit = c->scale * 10 / (double)(halves ? 2 * divisor : divisor);
+  *unit = c->r->scale * 10 / (double)(halves ? 2 * divisor : divisor);
   return OPC_OK;
 }
 
 /* A cell of that name, or of one like it if there is such a cell already. */
 static int make_cell(cif *c, size_t i, const char *name, opc_error *error) {
-  const opc_layout_service *l = c->host->layout;
-  size_t room = strlen(name) + 32;
-  char *unique = malloc(room);
-  if (!unique) return cif_no_memory(c, error);
-  snprintf(unique, room, "%s", name);
-  for (size_t k = i; l->find_cell(c->layout, unique) >= 0; k++)
-    snprintf(unique, room, "%s$%zu", name, k);
-  c->symbols[i].cell = l->cell(c->layout, unique, error);
-  free(unique);
+  g_autofree char *unique = g_strdup(name);
+  for (size_t k = i; eda_layout_find_cell(c->layout, unique) >= 0; k++) {
+    g_free(unique);
+    unique = g_strdup_printf("%s$%zu", name, k);
+  }
+  c->symbols[i].cell = eda_layout_cell(c->layout, unique, error);
   return c->symbols[i].cell < 0 ? error->code : OPC_OK;
 }
 
 /* "inverter" of "cells/inverter.cif" */
 static int make_top(cif *c, opc_error *error) {
-  const char *slash = strrchr(c->path, '/');
-  char *name = strdup(slash ? slash + 1 : c->path);
-  if (!name) return cif_no_memory(c, error);
+  const char *slash = strrchr(c->r->file, '/');
+  g_autofree char *name = g_strdup(slash ? slash + 1 : c->r->file);
   char *dot = strrchr(name, '.');
   if (dot && dot != name) *dot = '\0';
-  int code = make_cell(c, 0, name, error);
-  free(name);
-  return code;
+  return make_cell(c, 0, name, error);
 }
 
 int cif_make_cells(cif *c, opc_error *error) {
   double unit = 0;
   if (choose_unit(c, &unit, error)) return error->code;
-  c->layout = c->host->layout->create(c->host, unit, error);
+  c->layout = eda_layout_new(unit, error);
   if (!c->layout) return error->code;
   for (size_t i = 1; i < c->n_symbols; i++) {
     char number[32];

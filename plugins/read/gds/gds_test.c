@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Files made record by record, whose layouts are known; files of other
+   programs; what is refused, and where. */
 #include <glib/gstdio.h>
 #include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 
-#include "core/plugin/host.h"
-#include "core/plugin/testing.h"
-#include "records.h"
+#include <eda/layout.h>
 
-static const opc_layout_service *l = &opc_layout_functions;
+#include <eda/gds.h>
+#include "core/testing/testing.h"
 
 /* ---- reading ---- */
 
@@ -20,7 +21,7 @@ static char *data_path(const char *name) {
 }
 
 /* A layout of a file, or NULL and *error; `more` parameters. */
-static opc_layout *read_more(const char *path, const char *more,
+static eda_layout *read_more(const char *path, const char *more,
                              opc_error *error) {
   g_autofree char *mapping = g_strdup_printf("{ file: '%s'%s }", path, more);
   g_autoptr(opc_module) module = opc_test_module("read.gds", mapping, error);
@@ -30,9 +31,9 @@ static opc_layout *read_more(const char *path, const char *more,
   return output;
 }
 
-static opc_layout *read_good(const char *path, const char *more) {
+static eda_layout *read_good(const char *path, const char *more) {
   opc_error e = {0};
-  opc_layout *layout = read_more(path, more, &e);
+  eda_layout *layout = read_more(path, more, &e);
   if (!layout) g_error("%s: %s", path, e.message);
   return layout;
 }
@@ -42,7 +43,7 @@ static opc_layout *read_good(const char *path, const char *more) {
 static void put(GByteArray *file, uint32_t type, uint32_t kind,
                 const void *data, size_t n) {
   uint8_t head[4];
-  gds_put_u16(head, (uint32_t)n + 4);
+  eda_gds_put_u16(head, (uint32_t)n + 4);
   head[2] = (uint8_t)type;
   head[3] = (uint8_t)kind;
   g_byte_array_append(file, head, 4);
@@ -53,14 +54,14 @@ static void put_text(GByteArray *file, uint32_t type, const char *text) {
   size_t n = strlen(text);
   char padded[256] = "";
   memcpy(padded, text, n);
-  put(file, type, GDS_ASCII, padded, n + n % 2);
+  put(file, type, EDA_GDS_ASCII, padded, n + n % 2);
 }
 
 static void put_u16s(GByteArray *file, uint32_t type, size_t n,
                      const uint32_t *v) {
   uint8_t data[64];
-  for (size_t i = 0; i < n; i++) gds_put_u16(data + 2 * i, v[i]);
-  put(file, type, GDS_INT2, data, 2 * n);
+  for (size_t i = 0; i < n; i++) eda_gds_put_u16(data + 2 * i, v[i]);
+  put(file, type, EDA_GDS_INT2, data, 2 * n);
 }
 
 static void put_u16(GByteArray *file, uint32_t type, uint32_t v) {
@@ -70,45 +71,45 @@ static void put_u16(GByteArray *file, uint32_t type, uint32_t v) {
 static void put_i32s(GByteArray *file, uint32_t type, size_t n,
                      const int32_t *v) {
   uint8_t data[128];
-  for (size_t i = 0; i < n; i++) gds_put_i32(data + 4 * i, v[i]);
-  put(file, type, GDS_INT4, data, 4 * n);
+  for (size_t i = 0; i < n; i++) eda_gds_put_i32(data + 4 * i, v[i]);
+  put(file, type, EDA_GDS_INT4, data, 4 * n);
 }
 
 static void put_cell(GByteArray *file, const char *name) {
   uint32_t date[12] = {0};
-  put_u16s(file, GDS_BGNSTR, 12, date);
-  put_text(file, GDS_STRNAME, name);
+  put_u16s(file, EDA_GDS_BGNSTR, 12, date);
+  put_text(file, EDA_GDS_STRNAME, name);
 }
 
 static void put_empty(GByteArray *file, uint32_t type) {
-  put(file, type, GDS_NOTHING, NULL, 0);
+  put(file, type, EDA_GDS_NOTHING, NULL, 0);
 }
 
 static GByteArray *new_file(void) {
   GByteArray *file = g_byte_array_new();
   uint32_t date[12] = {0};
   uint8_t units[16];
-  put_u16(file, GDS_HEADER, 600);
-  put_u16s(file, GDS_BGNLIB, 12, date);
-  put_text(file, GDS_LIBNAME, "TEST");
-  gds_put_real(units, 1e-3);
-  gds_put_real(units + 8, 1e-9);
-  put(file, GDS_UNITS, GDS_REAL8, units, 16);
+  put_u16(file, EDA_GDS_HEADER, 600);
+  put_u16s(file, EDA_GDS_BGNLIB, 12, date);
+  put_text(file, EDA_GDS_LIBNAME, "TEST");
+  eda_gds_put_real(units, 1e-3);
+  eda_gds_put_real(units + 8, 1e-9);
+  put(file, EDA_GDS_UNITS, EDA_GDS_REAL8, units, 16);
   return file;
 }
 
 static void put_box(GByteArray *file, uint32_t layer, uint32_t datatype) {
-  put_empty(file, GDS_BOUNDARY);
-  put_u16(file, GDS_LAYER, layer);
-  put_u16(file, GDS_DATATYPE, datatype);
-  put_i32s(file, GDS_XY, 10, (int32_t[]){0, 0, 10, 0, 10, 20, 0, 20, 0, 0});
-  put_empty(file, GDS_ENDEL);
+  put_empty(file, EDA_GDS_BOUNDARY);
+  put_u16(file, EDA_GDS_LAYER, layer);
+  put_u16(file, EDA_GDS_DATATYPE, datatype);
+  put_i32s(file, EDA_GDS_XY, 10, (int32_t[]){0, 0, 10, 0, 10, 20, 0, 20, 0, 0});
+  put_empty(file, EDA_GDS_ENDEL);
 }
 
 static void put_leaf(GByteArray *file) {
   put_cell(file, "LEAF");
   put_box(file, 9, 0);
-  put_empty(file, GDS_ENDSTR);
+  put_empty(file, EDA_GDS_ENDSTR);
 }
 
 static char *save(GByteArray *file) {
@@ -119,8 +120,8 @@ static char *save(GByteArray *file) {
 }
 
 static char *finish(GByteArray *file) {
-  put_empty(file, GDS_ENDSTR);
-  put_empty(file, GDS_ENDLIB);
+  put_empty(file, EDA_GDS_ENDSTR);
+  put_empty(file, EDA_GDS_ENDLIB);
   char *path = save(file);
   g_byte_array_free(file, TRUE);
   return path;
@@ -145,16 +146,16 @@ static int64_t count(JsonObject *object, const char *name) {
   return json_object_get_int_member_with_default(object, name, 0);
 }
 
-static void check_cells(const opc_layout *layout, JsonObject *cells) {
-  g_assert_cmpuint(l->cells(layout), ==, json_object_get_size(cells));
-  for (size_t i = 0; i < l->cells(layout); i++) {
-    const char *name = l->cell_name(layout, (int32_t)i);
+static void check_cells(const eda_layout *layout, JsonObject *cells) {
+  g_assert_cmpuint(eda_layout_cells(layout), ==, json_object_get_size(cells));
+  for (size_t i = 0; i < eda_layout_cells(layout); i++) {
+    const char *name = eda_layout_cell_name(layout, (int32_t)i);
     if (!json_object_has_member(cells, name)) g_error("cell '%s'", name);
     int64_t single = 0, arrays = 0, placed = 0;
-    for (size_t k = 0; k < l->instances(layout, (int32_t)i); k++) {
+    for (size_t k = 0; k < eda_layout_instances(layout, (int32_t)i); k++) {
       int32_t child;
-      opc_placement p;
-      l->instance(layout, (int32_t)i, k, &child, &p);
+      eda_placement p;
+      eda_layout_instance(layout, (int32_t)i, k, &child, &p);
       int64_t members = (int64_t)p.columns * p.rows;
       single += members == 1;
       arrays += members > 1;
@@ -167,26 +168,26 @@ static void check_cells(const opc_layout *layout, JsonObject *cells) {
   }
 }
 
-static void check_layers(const char *file, const opc_layout *layout,
+static void check_layers(const char *file, const eda_layout *layout,
                          JsonObject *layers) {
-  g_autofree int64_t *shapes = g_new0(int64_t, l->layers(layout) + 1);
-  g_autofree int64_t *texts = g_new0(int64_t, l->layers(layout) + 1);
-  for (size_t c = 0; c < l->cells(layout); c++) {
+  g_autofree int64_t *shapes = g_new0(int64_t, eda_layout_layers(layout) + 1);
+  g_autofree int64_t *texts = g_new0(int64_t, eda_layout_layers(layout) + 1);
+  for (size_t c = 0; c < eda_layout_cells(layout); c++) {
     int32_t cell = (int32_t)c, layer;
     size_t n;
-    opc_point at;
-    for (size_t i = 0; i < l->polygons(layout, cell); i++) {
-      l->polygon(layout, cell, i, &n, &layer);
+    eda_point at;
+    for (size_t i = 0; i < eda_layout_polygons(layout, cell); i++) {
+      eda_layout_polygon(layout, cell, i, &n, &layer);
       shapes[layer]++;
     }
-    for (size_t i = 0; i < l->texts(layout, cell); i++) {
-      l->text(layout, cell, i, &at, &layer);
+    for (size_t i = 0; i < eda_layout_texts(layout, cell); i++) {
+      eda_layout_text(layout, cell, i, &at, &layer);
       texts[layer]++;
     }
   }
-  g_assert_cmpuint(l->layers(layout), ==, json_object_get_size(layers));
-  for (size_t i = 0; i < l->layers(layout); i++) {
-    const char *name = l->layer_name(layout, (int32_t)i);
+  g_assert_cmpuint(eda_layout_layers(layout), ==, json_object_get_size(layers));
+  for (size_t i = 0; i < eda_layout_layers(layout); i++) {
+    const char *name = eda_layout_layer_name(layout, (int32_t)i);
     JsonObject *want = json_object_get_object_member(layers, name);
     int64_t paths = without_width(file, name) ? 0 : count(want, "path");
     g_assert_cmpint(shapes[i], ==,
@@ -196,10 +197,9 @@ static void check_layers(const char *file, const opc_layout *layout,
 }
 
 /* The merged flat area of rectilinear layers; how many were. */
-static int check_areas(const opc_layout *layout, JsonObject *tops) {
+static int check_areas(const eda_layout *layout, JsonObject *tops) {
   int checked = 0;
-  const opc_host *host = opc_test_host();
-  double unit = l->unit(layout);
+  double unit = eda_layout_unit(layout);
   g_autoptr(GList) names = json_object_get_members(tops);
   for (GList *n = names; n; n = n->next) {
     JsonObject *areas = json_object_get_object_member(tops, n->data);
@@ -207,22 +207,22 @@ static int check_areas(const opc_layout *layout, JsonObject *tops) {
     for (GList *k = layers; k; k = k->next) {
       JsonObject *want = json_object_get_object_member(areas, k->data);
       opc_error e;
-      opc_flat flat;
-      opc_shapes merged;
-      if (l->flatten(host, layout, l->find_cell(layout, n->data),
-                     l->find_layer(layout, k->data), unit, &flat, &e))
+      eda_flat flat;
+      eda_shapes merged;
+      if (eda_layout_flatten(layout, eda_layout_find_cell(layout, n->data),
+                             eda_layout_find_layer(layout, k->data), unit,
+                             &flat, &e))
         g_error("%s", e.message);
       g_assert_cmpuint(flat.moved, ==, 0);
-      if (!host->geometry->boolean(host, OPC_OR, &flat.shapes, NULL, &merged,
-                                   &e)) {
-        double area = 0.5 * (double)host->geometry->area2(&merged);
+      if (!eda_boolean(EDA_OR, &flat.shapes, NULL, &merged, &e)) {
+        double area = 0.5 * (double)eda_area2(&merged);
         g_assert_cmpfloat_with_epsilon(
             area * unit * unit * 1e-6,
             json_object_get_double_member(want, "area_um2"), 1e-7);
-        host->geometry->release(&merged);
+        eda_shapes_clear(&merged);
         checked++;
       }
-      l->release(&flat);
+      eda_flat_clear(&flat);
     }
   }
   return checked;
@@ -253,17 +253,18 @@ static const struct {
     {"pythongdsii_test1.gds", "44/0", 6609952000, 300000},
 };
 
-static double drawn_twice(const opc_layout *layout, const char *name) {
+static double drawn_twice(const eda_layout *layout, const char *name) {
   double sum = 0;
-  int32_t wanted = l->find_layer(layout, name), layer;
-  for (size_t c = 0; c < l->cells(layout); c++)
-    for (size_t i = 0; i < l->polygons(layout, (int32_t)c); i++) {
+  int32_t wanted = eda_layout_find_layer(layout, name), layer;
+  for (size_t c = 0; c < eda_layout_cells(layout); c++)
+    for (size_t i = 0; i < eda_layout_polygons(layout, (int32_t)c); i++) {
       size_t n;
-      const opc_point *p = l->polygon(layout, (int32_t)c, i, &n, &layer);
+      const eda_point *p =
+          eda_layout_polygon(layout, (int32_t)c, i, &n, &layer);
       if (layer != wanted) continue;
       double twice = 0;
       for (size_t k = 0; k < n; k++) {
-        opc_point a = p[k], b = p[(k + 1) % n];
+        eda_point a = p[k], b = p[(k + 1) % n];
         twice += (double)a.x * b.y - (double)b.x * a.y;
       }
       sum += fabs(twice);
@@ -299,10 +300,10 @@ static void test_corpus(void) {
     JsonObject *want = json_object_get_object_member(all, files[i].file);
     g_autofree char *path = g_build_filename(folder, files[i].file, NULL);
     g_test_message("%s", files[i].file);
-    opc_layout *layout = read_good(path, "");
+    eda_layout *layout = read_good(path, "");
     g_assert_cmpfloat_with_epsilon(
-        l->unit(layout) / json_object_get_double_member(want, "dbu_um"), 1000,
-        1e-9);
+        eda_layout_unit(layout) / json_object_get_double_member(want, "dbu_um"),
+        1000, 1e-9);
     check_cells(layout, json_object_get_object_member(want, "cells"));
     check_layers(files[i].file, layout,
                  json_object_get_object_member(want, "layers"));
@@ -314,7 +315,7 @@ static void test_corpus(void) {
         g_assert_cmpfloat_with_epsilon(drawn_twice(layout, drawn[k].layer),
                                        drawn[k].twice,
                                        drawn[k].tolerance + 0.5);
-    l->destroy(layout);
+    eda_layout_free(layout);
   }
 }
 
@@ -335,15 +336,15 @@ static void test_reals(void) {
       {{0x39, 0x44, 0xb8, 0x2f, 0xa0, 0x9b, 0x5a, 0x54}, 1e-9},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++)
-    g_assert_cmpfloat_with_epsilon(gds_real(cases[i].bytes), cases[i].value,
+    g_assert_cmpfloat_with_epsilon(eda_gds_real(cases[i].bytes), cases[i].value,
                                    1e-15 * fabs(cases[i].value) + 1e-300);
   GRand *rand = g_rand_new_with_seed(3);
   for (int i = 0; i < 10000; i++) {
     uint8_t bytes[8];
     double v =
         ldexp(g_rand_double(rand) - 0.5, g_rand_int_range(rand, -200, 200));
-    gds_put_real(bytes, v);
-    g_assert_cmpfloat(gds_real(bytes), ==, v);
+    eda_gds_put_real(bytes, v);
+    g_assert_cmpfloat(eda_gds_real(bytes), ==, v);
   }
   g_rand_free(rand);
 }
@@ -358,20 +359,20 @@ static void test_layers(void) {
   put_box(file, 10, 2);
   put_box(file, 40000, 60000);
   g_autofree char *path = finish(file);
-  opc_layout *layout =
+  eda_layout *layout =
       read_good(path, ", layers: { poly: 9/0, contact: '10' }, scale: 1.3");
-  g_assert_cmpuint(l->layers(layout), ==, 4);
-  g_assert_cmpfloat_with_epsilon(l->unit(layout), 1.3, 1e-15);
+  g_assert_cmpuint(eda_layout_layers(layout), ==, 4);
+  g_assert_cmpfloat_with_epsilon(eda_layout_unit(layout), 1.3, 1e-15);
   size_t n;
   int32_t layer;
   const char *const want[] = {"poly", "9/5", "contact", "contact",
                               "40000/60000"};
-  g_assert_cmpuint(l->polygons(layout, 0), ==, 5);
+  g_assert_cmpuint(eda_layout_polygons(layout, 0), ==, 5);
   for (size_t i = 0; i < 5; i++) {
-    l->polygon(layout, 0, i, &n, &layer);
-    g_assert_cmpstr(l->layer_name(layout, layer), ==, want[i]);
+    eda_layout_polygon(layout, 0, i, &n, &layer);
+    g_assert_cmpstr(eda_layout_layer_name(layout, layer), ==, want[i]);
   }
-  l->destroy(layout);
+  eda_layout_free(layout);
 }
 
 static void refuse(const char *path, const char *more, int code,
@@ -386,11 +387,11 @@ static void test_parameters(void) {
   GByteArray *file = new_file();
   put_leaf(file);
   put_cell(file, "TOP");
-  put_empty(file, GDS_SREF);
-  put_text(file, GDS_SNAME, "LEAF");
-  put_i32s(file, GDS_XY, 2, (int32_t[]){1, 2});
-  put_empty(file, GDS_ENDEL);
-  put_empty(file, GDS_ENDSTR);
+  put_empty(file, EDA_GDS_SREF);
+  put_text(file, EDA_GDS_SNAME, "LEAF");
+  put_i32s(file, EDA_GDS_XY, 2, (int32_t[]){1, 2});
+  put_empty(file, EDA_GDS_ENDEL);
+  put_empty(file, EDA_GDS_ENDSTR);
   put_cell(file, "OTHER");
   put_box(file, 1, 0);
   g_autofree char *path = finish(file);
@@ -402,13 +403,14 @@ static void test_parameters(void) {
   refuse(path, ", layers: { '3/0': 9/0 }", OPC_INVALID, "not a name");
   refuse(path, ", top: NONE", OPC_INVALID, "there is no cell 'NONE'");
   opc_error e;
-  opc_layout *layout = read_good(path, "");
-  g_assert_cmpint(l->top(layout, &e), ==, -1);
-  l->destroy(layout);
+  eda_layout *layout = read_good(path, "");
+  g_assert_cmpint(eda_layout_top(layout, &e), ==, -1);
+  eda_layout_free(layout);
   layout = read_good(path, ", top: TOP");
-  g_assert_cmpuint(l->cells(layout), ==, 2);
-  g_assert_cmpstr(l->cell_name(layout, l->top(layout, &e)), ==, "TOP");
-  l->destroy(layout);
+  g_assert_cmpuint(eda_layout_cells(layout), ==, 2);
+  g_assert_cmpstr(eda_layout_cell_name(layout, eda_layout_top(layout, &e)), ==,
+                  "TOP");
+  eda_layout_free(layout);
 }
 
 /* Names of instances, from property 61 or the first one; an array off the
@@ -420,85 +422,88 @@ static void test_placements(void) {
   static const char *const names[][2] = {
       {NULL, NULL}, {"A", NULL}, {"A", "B"}, {NULL, "B"}};
   for (size_t i = 0; i < 4; i++) {
-    put_empty(file, GDS_SREF);
-    put_text(file, GDS_SNAME, "LEAF");
-    put_u16(file, GDS_STRANS, 0x8000);
-    put_i32s(file, GDS_XY, 2, (int32_t[]){1, 2});
+    put_empty(file, EDA_GDS_SREF);
+    put_text(file, EDA_GDS_SNAME, "LEAF");
+    put_u16(file, EDA_GDS_STRANS, 0x8000);
+    put_i32s(file, EDA_GDS_XY, 2, (int32_t[]){1, 2});
     for (uint32_t k = 0; k < 2; k++) {
       if (!names[i][k]) continue;
-      put_u16(file, GDS_PROPATTR, k ? 61 : 7);
-      put_text(file, GDS_PROPVALUE, names[i][k]);
+      put_u16(file, EDA_GDS_PROPATTR, k ? 61 : 7);
+      put_text(file, EDA_GDS_PROPVALUE, names[i][k]);
     }
-    put_empty(file, GDS_ENDEL);
+    put_empty(file, EDA_GDS_ENDEL);
   }
-  put_empty(file, GDS_AREF);
-  put_text(file, GDS_SNAME, "LEAF");
-  put_u16s(file, GDS_COLROW, 2, (uint32_t[]){3, 2});
-  put_i32s(file, GDS_XY, 6, (int32_t[]){0, 0, -61, 0, 0, 40});
-  put_empty(file, GDS_ENDEL);
-  put_empty(file, GDS_AREF);
-  put_text(file, GDS_SNAME, "LEAF");
-  put_u16s(file, GDS_COLROW, 2, (uint32_t[]){3, 0});
-  put_i32s(file, GDS_XY, 6, (int32_t[]){0, 0, -60, 3, 0, 40});
-  put_empty(file, GDS_ENDEL);
+  put_empty(file, EDA_GDS_AREF);
+  put_text(file, EDA_GDS_SNAME, "LEAF");
+  put_u16s(file, EDA_GDS_COLROW, 2, (uint32_t[]){3, 2});
+  put_i32s(file, EDA_GDS_XY, 6, (int32_t[]){0, 0, -61, 0, 0, 40});
+  put_empty(file, EDA_GDS_ENDEL);
+  put_empty(file, EDA_GDS_AREF);
+  put_text(file, EDA_GDS_SNAME, "LEAF");
+  put_u16s(file, EDA_GDS_COLROW, 2, (uint32_t[]){3, 0});
+  put_i32s(file, EDA_GDS_XY, 6, (int32_t[]){0, 0, -60, 3, 0, 40});
+  put_empty(file, EDA_GDS_ENDEL);
   g_autofree char *path = finish(file);
-  opc_layout *layout = read_good(path, "");
-  int32_t top = l->find_cell(layout, "T\\xE4\\x0A"), child;
+  eda_layout *layout = read_good(path, "");
+  int32_t top = eda_layout_find_cell(layout, "T\\xE4\\x0A"), child;
   g_assert_cmpint(top, >=, 0);
-  opc_placement p;
-  g_assert_cmpuint(l->instances(layout, top), ==, 8);
+  eda_placement p;
+  g_assert_cmpuint(eda_layout_instances(layout, top), ==, 8);
   static const char *const want[] = {NULL, "A", "B", "B"};
   for (size_t i = 0; i < 4; i++) {
-    g_assert_cmpstr(l->instance(layout, top, i, &child, &p), ==, want[i]);
+    g_assert_cmpstr(eda_layout_instance(layout, top, i, &child, &p), ==,
+                    want[i]);
     g_assert_true(p.mirror == 1 && p.columns == 1);
   }
   /* -61 / 3 is -20.33, twice that -40.67 */
   static const int32_t x[] = {0, -20, -41};
   for (size_t i = 0; i < 3; i++) {
-    l->instance(layout, top, 4 + i, &child, &p);
+    eda_layout_instance(layout, top, 4 + i, &child, &p);
     g_assert_true(p.origin.x == x[i] && p.columns == 1 && p.rows == 2 &&
                   p.row_step.y == 20);
   }
-  l->instance(layout, top, 7, &child, &p);
+  eda_layout_instance(layout, top, 7, &child, &p);
   g_assert_true(p.columns == 3 && p.rows == 1 && p.column_step.x == -20 &&
                 p.column_step.y == 1);
-  l->destroy(layout);
+  eda_layout_free(layout);
 }
 
 /* XY over several records; records that say nothing of the layout; a cell
    that is placed and not there. */
 static void test_odd_records(void) {
   GByteArray *file = new_file();
-  put_text(file, GDS_REFLIBS, "A");
-  put_text(file, GDS_REFLIBS, "B");
-  put_u16(file, GDS_GENERATIONS, 3);
+  put_text(file, EDA_GDS_REFLIBS, "A");
+  put_text(file, EDA_GDS_REFLIBS, "B");
+  put_u16(file, EDA_GDS_GENERATIONS, 3);
   put_cell(file, "$$$CONTEXT_INFO$$$");
   put_box(file, 99, 0);
-  put_empty(file, GDS_ENDSTR);
+  put_empty(file, EDA_GDS_ENDSTR);
   put_cell(file, "TOP");
-  put_empty(file, GDS_BOUNDARY);
-  put_u16(file, GDS_ELFLAGS, 1);
-  put_i32s(file, GDS_PLEX, 1, (int32_t[]){5});
-  put_u16(file, GDS_LAYER, 1);
-  put_u16(file, GDS_DATATYPE, 0);
-  put_i32s(file, GDS_XY, 6, (int32_t[]){0, 0, 9, 0, 9, 9});
-  put_i32s(file, GDS_XY, 6, (int32_t[]){5, 9, 0, 5, 0, 0});
-  put_empty(file, GDS_ENDEL);
-  put_empty(file, GDS_SREF);
-  put_text(file, GDS_SNAME, "GONE");
-  put_i32s(file, GDS_XY, 2, (int32_t[]){1, 2});
-  put_empty(file, GDS_ENDEL);
+  put_empty(file, EDA_GDS_BOUNDARY);
+  put_u16(file, EDA_GDS_ELFLAGS, 1);
+  put_i32s(file, EDA_GDS_PLEX, 1, (int32_t[]){5});
+  put_u16(file, EDA_GDS_LAYER, 1);
+  put_u16(file, EDA_GDS_DATATYPE, 0);
+  put_i32s(file, EDA_GDS_XY, 6, (int32_t[]){0, 0, 9, 0, 9, 9});
+  put_i32s(file, EDA_GDS_XY, 6, (int32_t[]){5, 9, 0, 5, 0, 0});
+  put_empty(file, EDA_GDS_ENDEL);
+  put_empty(file, EDA_GDS_SREF);
+  put_text(file, EDA_GDS_SNAME, "GONE");
+  put_i32s(file, EDA_GDS_XY, 2, (int32_t[]){1, 2});
+  put_empty(file, EDA_GDS_ENDEL);
   g_autofree char *path = finish(file);
   opc_test_forget();
-  opc_layout *layout = read_good(path, "");
+  eda_layout *layout = read_good(path, "");
   g_assert_nonnull(strstr(opc_test_log(), "1 placed cells are not there"));
-  g_assert_cmpuint(l->layers(layout), ==, 1);
+  g_assert_cmpuint(eda_layout_layers(layout), ==, 1);
   size_t n;
   int32_t layer;
-  g_assert_cmpuint(l->polygons(layout, l->find_cell(layout, "TOP")), ==, 1);
-  l->polygon(layout, l->find_cell(layout, "TOP"), 0, &n, &layer);
+  g_assert_cmpuint(
+      eda_layout_polygons(layout, eda_layout_find_cell(layout, "TOP")), ==, 1);
+  eda_layout_polygon(layout, eda_layout_find_cell(layout, "TOP"), 0, &n,
+                     &layer);
   g_assert_cmpuint(n, ==, 5);
-  l->destroy(layout);
+  eda_layout_free(layout);
 }
 
 /* ---- broken files ---- */
@@ -508,7 +513,7 @@ static void test_refusals(void) {
   g_autofree char *path = save(file);
   refuse(path, "", OPC_IO, "ends before ENDLIB, at byte 62");
   put_cell(file, "A");
-  put_empty(file, GDS_ENDSTR);
+  put_empty(file, EDA_GDS_ENDSTR);
   guint second = file->len + 28;
   put_cell(file, "A");
   g_free(save(file));
@@ -524,7 +529,7 @@ static void test_refusals(void) {
   g_free(save(file));
   refuse(path, "", OPC_IO, "truncated record at byte 62");
   g_byte_array_set_size(file, 62);
-  put_empty(file, GDS_ENDEL);
+  put_empty(file, EDA_GDS_ENDEL);
   g_free(save(file));
   refuse(path, "", OPC_IO, "record out of place at byte 62");
   g_byte_array_free(file, TRUE);
@@ -536,20 +541,20 @@ static void test_refusals(void) {
    a layout can be walked and flattened. */
 static void survive(const char *path) {
   opc_error e = {0};
-  opc_layout *layout = read_more(path, "", &e);
+  eda_layout *layout = read_more(path, "", &e);
   if (!layout) {
     g_assert_cmpint(e.code, !=, 0);
     g_assert_nonnull(strstr(e.message, path));
     return;
   }
-  int32_t top = l->top(layout, &e);
-  for (size_t i = 0; i < l->layers(layout) && top >= 0; i++) {
-    opc_flat flat;
-    if (!l->flatten(opc_test_host(), layout, top, (int32_t)i, l->unit(layout),
-                    &flat, &e))
-      l->release(&flat);
+  int32_t top = eda_layout_top(layout, &e);
+  for (size_t i = 0; i < eda_layout_layers(layout) && top >= 0; i++) {
+    eda_flat flat;
+    if (!eda_layout_flatten(layout, top, (int32_t)i, eda_layout_unit(layout),
+                            &flat, &e))
+      eda_flat_clear(&flat);
   }
-  l->destroy(layout);
+  eda_layout_free(layout);
 }
 
 static void write_bytes(const char *path, const char *bytes, size_t n) {
@@ -582,8 +587,8 @@ static void test_truncated(void) {
       g_autofree char *where = g_strdup_printf("at byte %zu", at);
       if (!g_str_has_suffix(e.message, where)) g_error("%s", e.message);
     }
-    if (record[2] == GDS_ENDLIB) break;
-    at += gds_u16(record);
+    if (record[2] == EDA_GDS_ENDLIB) break;
+    at += eda_gds_u16(record);
     g_assert_cmpuint(at, <, n);
   }
 }
@@ -623,12 +628,12 @@ static void test_hostile(void) {
     g_snprintf(name, sizeof name, "C%d", i);
     g_snprintf(child, sizeof child, "C%d", i - 1);
     put_cell(file, name);
-    put_empty(file, GDS_AREF);
-    put_text(file, GDS_SNAME, i ? child : "LEAF");
-    put_u16s(file, GDS_COLROW, 2, (uint32_t[]){65535, 65535});
-    put_i32s(file, GDS_XY, 6, (int32_t[]){0, 0, 65535, 0, 0, 65535});
-    put_empty(file, GDS_ENDEL);
-    put_empty(file, GDS_ENDSTR);
+    put_empty(file, EDA_GDS_AREF);
+    put_text(file, EDA_GDS_SNAME, i ? child : "LEAF");
+    put_u16s(file, EDA_GDS_COLROW, 2, (uint32_t[]){65535, 65535});
+    put_i32s(file, EDA_GDS_XY, 6, (int32_t[]){0, 0, 65535, 0, 0, 65535});
+    put_empty(file, EDA_GDS_ENDEL);
+    put_empty(file, EDA_GDS_ENDSTR);
   }
   put_cell(file, "TOP");
   put_box(file, 1, 1);
@@ -637,11 +642,11 @@ static void test_hostile(void) {
   file = new_file();
   put_leaf(file);
   put_cell(file, "TOP");
-  put_empty(file, GDS_AREF);
-  put_text(file, GDS_SNAME, "LEAF");
-  put_u16s(file, GDS_COLROW, 2, (uint32_t[]){65535, 65535});
-  put_i32s(file, GDS_XY, 6, (int32_t[]){0, 0, 65534, 0, 0, 65534});
-  put_empty(file, GDS_ENDEL);
+  put_empty(file, EDA_GDS_AREF);
+  put_text(file, EDA_GDS_SNAME, "LEAF");
+  put_u16s(file, EDA_GDS_COLROW, 2, (uint32_t[]){65535, 65535});
+  put_i32s(file, EDA_GDS_XY, 6, (int32_t[]){0, 0, 65534, 0, 0, 65534});
+  put_empty(file, EDA_GDS_ENDEL);
   g_free(finish(file));
   refuse(path, "", OPC_IO, "too many arrays");
 }

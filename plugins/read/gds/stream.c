@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* A GDSII file, record by record, through one buffer. */
 #include "stream.h"
 
+#include <eda/memory.h>
 #include <errno.h>
 #include <inttypes.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Some records; a record has less than 2^16 bytes. Small files take less. */
@@ -13,8 +16,7 @@ int gds_open(gds_stream *s, const opc_host *host, const char *path,
   *s = (gds_stream){.host = host, .path = path, .total = NAN};
   s->file = fopen(path, "rb");
   if (!s->file)
-    return host->fail(host, error, OPC_IO, NULL, "'%s': %s", path,
-                      strerror(errno));
+    return opc_fail(error, OPC_IO, NULL, "'%s': %s", path, strerror(errno));
   setvbuf(s->file, NULL, _IONBF, 0);
   if (!fseek(s->file, 0, SEEK_END)) {
     long end = ftell(s->file);
@@ -22,23 +24,18 @@ int gds_open(gds_stream *s, const opc_host *host, const char *path,
     rewind(s->file);
   }
   s->room = s->total < BUFFER ? (size_t)s->total + LEAST : BUFFER;
-  s->buffer = host->alloc(host, s->room, 1);
-  if (!s->buffer)
-    return host->fail(host, error, OPC_FAILED, NULL, "'%s': out of memory",
-                      path);
+  s->buffer = eda_alloc(s->room, 1);
   return OPC_OK;
 }
 
 void gds_close(gds_stream *s) {
   if (s->file) fclose(s->file);
-  if (s->buffer) s->host->free(s->host, s->buffer);
-  s->file = NULL;
-  s->buffer = NULL;
+  free(s->buffer);
 }
 
 int gds_refuse(const gds_stream *s, opc_error *error, const char *what) {
-  return s->host->fail(s->host, error, OPC_IO, NULL,
-                       "'%s': %s at byte %" PRIu64, s->path, what, s->at);
+  return opc_fail(error, OPC_IO, NULL, "'%s': %s at byte %" PRIu64, s->path,
+                  what, s->at);
 }
 
 int gds_need(const gds_stream *s, size_t bytes, opc_error *error) {
@@ -49,8 +46,8 @@ int gds_need(const gds_stream *s, size_t bytes, opc_error *error) {
 /* Read on until `wanted` bytes are there, or the file ends. */
 static int fill(gds_stream *s, size_t wanted, opc_error *error) {
   const opc_host *host = s->host;
-  if (host->cancelled(host))
-    return host->fail(host, error, OPC_CANCELLED, NULL, "cancelled");
+  if (opc_cancelled(host->context))
+    return opc_fail(error, OPC_CANCELLED, NULL, "cancelled");
   memmove(s->buffer, s->buffer + s->begin, s->end - s->begin);
   s->base += s->begin;
   s->end -= s->begin;
@@ -60,12 +57,11 @@ static int fill(gds_stream *s, size_t wanted, opc_error *error) {
     s->end += got;
     if (got) continue;
     if (ferror(s->file))
-      return host->fail(host, error, OPC_IO, NULL, "'%s': %s", s->path,
-                        strerror(errno));
+      return opc_fail(error, OPC_IO, NULL, "'%s': %s", s->path,
+                      strerror(errno));
     break;
   }
-  opc_progress progress = {sizeof progress, (double)(s->base + s->end),
-                           s->total, NAN, NULL};
+  opc_progress progress = {(double)(s->base + s->end), s->total, NAN, NULL};
   host->progress(host, &progress);
   return OPC_OK;
 }
@@ -78,7 +74,7 @@ int gds_next(gds_stream *s, opc_error *error) {
     if (s->end < 4) return gds_refuse(s, error, "truncated record");
   }
   const uint8_t *p = s->buffer + s->begin;
-  size_t length = gds_u16(p);
+  size_t length = eda_gds_u16(p);
   if (length < 4 || length % 2)
     return gds_refuse(s, error, "impossible record length");
   if (s->end - s->begin < length) {

@@ -3,9 +3,8 @@
 #ifndef OPCFLOW_GDS_STREAM_H
 #define OPCFLOW_GDS_STREAM_H
 
-#include <opcflow/opcflow.h>
-
-#include "records.h"
+#include <eda/gds.h>
+#include <opcflow/plugin.h>
 
 typedef struct gds_stream {
   const opc_host *host;

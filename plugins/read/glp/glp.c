@@ -2,21 +2,13 @@
 /* read.glp: a GLP clip (the text format of the ICCAD 2013 contest) as a
    layout: a line for each record, RECT x y width height and PGON x1 y1 x2 y2
    ... within a CELL. */
-#include "../parameters.h"
-
-#include <errno.h>
-#include <stdio.h>
+#include <eda/memory.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <opcflow/opcflow.h>
+#include "../reader.h"
 
 /* ---- state ---- */
-
-typedef struct reader {
-  const opc_host *host;
-  const opc_value *values;
-} reader;
 
 typedef struct word {
   const char *s;
@@ -24,68 +16,26 @@ typedef struct word {
 } word;
 
 typedef struct clip {
-  const opc_host *host;
-  const char *path;
-  const opc_value *map; /* name: the file's name */
-  char *seen;           /* which of its names the file has */
+  const reader *r;
+  char *seen; /* which names of the map of layers the file has */
   char *text;
   size_t n;
   const char *at; /* within text */
   size_t line;
   const char *line_start;
-  double scale, unit; /* nm; 0 before EQUIV */
-  opc_layout *layout;
+  double unit; /* nm; 0 before EQUIV */
+  eda_layout *layout;
   int32_t cell; /* -1 before the first */
-  opc_point *points;
+  eda_point *points;
   size_t room;
 } clip;
 
-/* A port is released without its instance: the table that every host has. */
-static const opc_layout_service *layouts;
-
 /* ---- work: words ---- */
-
-static int no_memory(const clip *c, opc_error *error) {
-  c->host->fail(c->host, error, OPC_FAILED, NULL, "'%s': out of memory",
-                c->path);
-  return OPC_FAILED;
-}
 
 static int refuse(const clip *c, const char *at, opc_error *error,
                   const char *what) {
-  return c->host->fail(c->host, error, OPC_IO, NULL, "%s:%zu:%zu: %s", c->path,
-                       c->line, (size_t)(at - c->line_start) + 1, what);
-}
-
-static int load(clip *c, opc_error *error) {
-  FILE *file = fopen(c->path, "rb");
-  if (!file) {
-    c->host->fail(c->host, error, OPC_IO, NULL, "'%s': %s", c->path,
-                  strerror(errno));
-    return OPC_IO;
-  }
-  size_t room = 0, got;
-  int code = OPC_OK;
-  do {
-    if (room - c->n < 2) {
-      char *more = realloc(c->text, room = 2 * room + 65536);
-      if (!more) {
-        fclose(file);
-        return no_memory(c, error);
-      }
-      c->text = more;
-    }
-    got = fread(c->text + c->n, 1, room - c->n - 1, file);
-    c->n += got;
-  } while (got);
-  if (ferror(file))
-    code = c->host->fail(c->host, error, OPC_IO, NULL, "'%s': %s", c->path,
-                         strerror(errno));
-  fclose(file);
-  c->text[c->n] = 0;
-  c->at = c->line_start = c->text;
-  c->line = 1;
-  return code;
+  return opc_fail(error, OPC_IO, NULL, "%s:%zu:%zu: %s", c->r->file, c->line,
+                  (size_t)(at - c->line_start) + 1, what);
 }
 
 static int is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
@@ -153,9 +103,8 @@ static int take_name(clip *c, word w, char out[256], opc_error *error) {
 static int located(clip *c, int code, word record, opc_error *error) {
   if (!code) return OPC_OK;
   opc_error why = *error;
-  return c->host->fail(c->host, error, code, NULL, "%s:%zu:%zu: %s", c->path,
-                       c->line, (size_t)(record.s - c->line_start) + 1,
-                       why.message);
+  return opc_fail(error, code, NULL, "%s:%zu:%zu: %s", c->r->file, c->line,
+                  (size_t)(record.s - c->line_start) + 1, why.message);
 }
 
 /* The units in a micron: EQUIV 1 1000 MICRON +X,+Y. */
@@ -180,12 +129,12 @@ static int begin_cell(clip *c, opc_error *error) {
   if (take_name(c, w, name, error)) return error->code;
   if (!c->layout) {
     double unit = c->unit > 0 ? c->unit : 1;
-    c->layout = layouts->create(c->host, unit * c->scale, error);
+    c->layout = eda_layout_new(unit * c->r->scale, error);
     if (!c->layout) return error->code;
   }
-  if (layouts->find_cell(c->layout, name) >= 0)
+  if (eda_layout_find_cell(c->layout, name) >= 0)
     return refuse(c, w.s, error, "a cell of this name was there before");
-  c->cell = layouts->cell(c->layout, name, error);
+  c->cell = eda_layout_cell(c->layout, name, error);
   return c->cell < 0 ? located(c, error->code, w, error) : OPC_OK;
 }
 
@@ -196,12 +145,13 @@ static int take_layer(clip *c, int32_t *layer, opc_error *error) {
   char name[256];
   if (take_name(c, w, name, error)) return error->code;
   const char *known = name;
-  for (size_t i = 0; i < c->map->count; i++)
-    if (!strcmp(c->map->pairs[i].value, name)) {
-      known = c->map->pairs[i].key;
+  const opc_map *map = &c->r->layers;
+  for (size_t i = 0; i < map->count; i++)
+    if (!strcmp(map->pairs[i].value, name)) {
+      known = map->pairs[i].key;
       c->seen[i] = 1;
     }
-  *layer = layouts->layer(c->layout, known, error);
+  *layer = eda_layout_layer(c->layout, known, error);
   return *layer < 0 ? located(c, error->code, w, error) : OPC_OK;
 }
 
@@ -215,8 +165,8 @@ static int take_box(clip *c, word record, opc_error *error) {
     return refuse(c, record.s, error, "RECT without area");
   if (x > INT32_MAX || y > INT32_MAX)
     return refuse(c, record.s, error, "RECT beyond 2^31");
-  opc_box box = {v[0], v[1], (int32_t)x, (int32_t)y};
-  return located(c, layouts->add_box(c->layout, c->cell, layer, box, error),
+  eda_box box = {v[0], v[1], (int32_t)x, (int32_t)y};
+  return located(c, eda_layout_add_box(c->layout, c->cell, layer, box, error),
                  record, error);
 }
 
@@ -225,20 +175,14 @@ static int take_polygon(clip *c, word record, opc_error *error) {
   size_t n = 0;
   if (take_layer(c, &layer, error)) return error->code;
   for (word w = next_word(c); w.n; w = next_word(c), n++) {
-    if (n == c->room) {
-      size_t room = 2 * c->room + 64;
-      opc_point *more = realloc(c->points, room * sizeof *more);
-      if (!more) return no_memory(c, error);
-      c->points = more;
-      c->room = room;
-    }
+    eda_grow(&c->points, &c->room, n + 1, sizeof *c->points);
     if (!number(w, &c->points[n].x))
       return refuse(c, w.s, error, "not a whole number within 2^31");
     if (need_number(c, &c->points[n].y, error)) return error->code;
   }
   if (n < 3) return refuse(c, record.s, error, "PGON of less than 3 points");
   return located(
-      c, layouts->add_polygon(c->layout, c->cell, layer, c->points, n, error),
+      c, eda_layout_add_polygon(c->layout, c->cell, layer, c->points, n, error),
       record, error);
 }
 
@@ -262,41 +206,29 @@ static int take_record(clip *c, int *done, opc_error *error) {
   return more.n ? refuse(c, more.s, error, "one number too many") : OPC_OK;
 }
 
-static int read_clip(clip *c, const opc_value *top, opc_error *error) {
+static int read_clip(clip *c, opc_error *error) {
+  const reader *r = c->r;
   int done = 0;
+  if (reader_load(r, &c->text, &c->n, error)) return error->code;
+  c->at = c->line_start = c->text;
   do
     if (take_record(c, &done, error)) return error->code;
   while (!done && next_line(c));
   if (!done) return refuse(c, c->at, error, "the file ends before ENDMSG");
   if (!c->layout) return refuse(c, c->at, error, "no CELL");
-  for (size_t i = 0; i < c->map->count; i++)
+  for (size_t i = 0; i < r->layers.count; i++)
     if (!c->seen[i])
-      return c->host->fail(c->host, error, OPC_INVALID, "layers",
-                           "'%s' has no layer '%s'", c->path,
-                           c->map->pairs[i].value);
-  if (top->type == OPC_ABSENT) return OPC_OK;
-  int32_t cell = layouts->find_cell(c->layout, top->text);
-  if (cell < 0)
-    return c->host->fail(c->host, error, OPC_INVALID, "top",
-                         "'%s': there is no cell '%s'", c->path, top->text);
-  return layouts->keep(c->layout, cell, error);
+      return opc_fail(error, OPC_INVALID, "layers", "'%s' has no layer '%s'",
+                      r->file, r->layers.pairs[i].value);
+  return reader_keep(r, c->layout, NULL, -1, error);
 }
 
 static int run(void *self, void **outputs, opc_error *error) {
   const reader *r = self;
-  clip c = {.host = r->host,
-            .path = r->values[FILE_NAME].text,
-            .map = &r->values[LAYERS],
-            .scale = r->values[SCALE].real,
-            .cell = -1};
-  c.seen = calloc(c.map->count + 1, 1);
-  int code = c.seen ? load(&c, error) : no_memory(&c, error);
-  if (!code) code = read_clip(&c, &r->values[TOP], error);
-  if (code) {
-    if (c.layout) layouts->destroy(c.layout);
-  } else {
-    outputs[0] = c.layout;
-  }
+  clip c = {
+      .r = r, .seen = eda_alloc(r->layers.count, 1), .line = 1, .cell = -1};
+  int code = read_clip(&c, error);
+  outputs[0] = c.layout;
   free(c.seen);
   free(c.text);
   free(c.points);
@@ -305,53 +237,15 @@ static int run(void *self, void **outputs, opc_error *error) {
 
 /* ---- parameters ---- */
 
-static const opc_parameter parameters[] = {
-    READ_PARAMETERS("The GLP file",
-                    "Names for layers: { metal: M1 }; the others keep "
-                    "theirs")};
-
-static void release_layout(void *layout) { layouts->destroy(layout); }
-
-static const opc_port outputs[] = {{"layout", "layout", release_layout}};
-
-static void destroy(void *self) { free(self); }
-
-static void *create(const opc_host *host, const opc_value *values,
-                    opc_error *error) {
-  reader *r = malloc(sizeof *r);
-  if (!r) {
-    host->fail(host, error, OPC_FAILED, NULL, "out of memory");
-    return NULL;
-  }
-  layouts = host->layout;
-  *r = (reader){host, values};
-  return r;
-}
+static const opc_parameter parameters[] = {READ_PARAMETERS(
+    "The GLP file", "Names for layers: { metal: M1 }; the others keep theirs")};
 
 /* ---- entry ---- */
 
-static const opc_step step = {.size = sizeof step,
-                              .n_outputs = 1,
-                              .port_size = sizeof(opc_port),
-                              .outputs = outputs,
-                              .run = run};
+static const opc_port outputs_of[] = {EDA_PORT_LAYOUT("layout")};
+static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run};
 
-OPC_EXPORT const opc_plugin *opcflow_plugin(void);
-const opc_plugin *opcflow_plugin(void) {
-  static const opc_plugin plugin = {
-      .size = sizeof plugin,
-      .abi_major = OPC_ABI_MAJOR,
-      .abi_minor = OPC_ABI_MINOR,
-      .id = "read.glp",
-      .version = "0.1.0",
-      .licence = "BSD-3-Clause",
-      .summary = "Read a GLP clip",
-      .kind = OPC_KIND_STEP,
-      .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-      OPC_PARAMETERS(parameters),
-      .create = create,
-      .destroy = destroy,
-      .operations = &step,
-  };
-  return &plugin;
-}
+OPC_PLUGIN(reader, .id = "read.glp", .kind = "step", .version = "0.2.0",
+           .licence = "BSD-3-Clause", .summary = "Read a GLP clip",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_FUNCTIONS(functions));

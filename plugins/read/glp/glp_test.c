@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Clips: shapes, units and names as written; files with something wrong; the
    contest's clips, whose areas are published. */
-#include "core/plugin/testing.h"
+#include <eda/layout.h>
+
+#include "core/testing/testing.h"
 
 #include <glib/gstdio.h>
 #include <math.h>
@@ -19,7 +21,7 @@ static char *write_clip(const char *text, gssize n) {
   return path;
 }
 
-static opc_layout *read_clip(const char *path, const char *more,
+static eda_layout *read_clip(const char *path, const char *more,
                              opc_error *error) {
   g_autofree char *parameters = g_strdup_printf("{ file: '%s'%s }", path, more);
   g_autoptr(opc_module) m = opc_test_module("read.glp", parameters, error);
@@ -29,22 +31,20 @@ static opc_layout *read_clip(const char *path, const char *more,
 }
 
 /* The merged area of a layer, nm^2. */
-static double area(const opc_layout *layout, const char *layer) {
+static double area(const eda_layout *layout, const char *layer) {
   opc_error error;
-  opc_flat flat;
-  opc_shapes merged;
-  int32_t top = host->layout->top(layout, &error);
-  int32_t number = host->layout->find_layer(layout, layer);
+  eda_flat flat;
+  eda_shapes merged;
+  int32_t top = eda_layout_top(layout, &error);
+  int32_t number = eda_layout_find_layer(layout, layer);
   g_assert_cmpint(number, >=, 0);
-  g_assert_cmpint(
-      host->layout->flatten(host, layout, top, number, 0.5, &flat, &error), ==,
-      OPC_OK);
-  g_assert_cmpint(host->geometry->boolean(host, OPC_OR, &flat.shapes, NULL,
-                                          &merged, &error),
+  g_assert_cmpint(eda_layout_flatten(layout, top, number, 0.5, &flat, &error),
                   ==, OPC_OK);
-  double twice = (double)host->geometry->area2(&merged);
-  host->geometry->release(&merged);
-  host->layout->release(&flat);
+  g_assert_cmpint(eda_boolean(EDA_OR, &flat.shapes, NULL, &merged, &error), ==,
+                  OPC_OK);
+  double twice = (double)eda_area2(&merged);
+  eda_shapes_clear(&merged);
+  eda_flat_clear(&flat);
   return twice / 8;
 }
 
@@ -60,35 +60,35 @@ static const char good[] =
 static void test_shapes(void) {
   opc_error error;
   g_autofree char *path = write_clip(good, -1);
-  opc_layout *l = read_clip(path, "", &error);
+  eda_layout *l = read_clip(path, "", &error);
   if (!l) g_error("%s", error.message);
-  g_assert_cmpfloat(host->layout->unit(l), ==, 2);
-  g_assert_cmpstr(host->layout->cell_name(l, 0), ==, "T");
-  g_assert_cmpuint(host->layout->layers(l), ==, 2);
+  g_assert_cmpfloat(eda_layout_unit(l), ==, 2);
+  g_assert_cmpstr(eda_layout_cell_name(l, 0), ==, "T");
+  g_assert_cmpuint(eda_layout_layers(l), ==, 2);
   g_assert_cmpfloat(area(l, "M1"), ==, 4 * (1200 + 400));
   g_assert_cmpfloat(area(l, "V1"), ==, 100);
   size_t n;
   int32_t layer;
-  const opc_point *p = host->layout->polygon(l, 0, 0, &n, &layer);
+  const eda_point *p = eda_layout_polygon(l, 0, 0, &n, &layer);
   g_assert_cmpuint(n, ==, 4);
   g_assert_cmpint(p[0].x, ==, 10);
   g_assert_cmpint(p[0].y, ==, -20);
   g_assert_cmpint(p[2].x, ==, 40);
   g_assert_cmpint(p[2].y, ==, 20);
-  host->layout->destroy(l);
+  eda_layout_free(l);
 }
 
 static void test_parameters(void) {
   opc_error error;
   g_autofree char *path = write_clip(good, -1);
-  opc_layout *l =
+  eda_layout *l =
       read_clip(path, ", layers: { metal: M1 }, scale: 3, top: T", &error);
   if (!l) g_error("%s", error.message);
-  g_assert_cmpfloat(host->layout->unit(l), ==, 6);
-  g_assert_cmpint(host->layout->find_layer(l, "M1"), ==, -1);
+  g_assert_cmpfloat(eda_layout_unit(l), ==, 6);
+  g_assert_cmpint(eda_layout_find_layer(l, "M1"), ==, -1);
   g_assert_cmpfloat(area(l, "metal"), ==, 36 * (1200 + 400));
   g_assert_cmpfloat(area(l, "V1"), ==, 900);
-  host->layout->destroy(l);
+  eda_layout_free(l);
   g_assert_null(read_clip(path, ", layers: { metal: M2 }", &error));
   g_assert_cmpint(error.code, ==, OPC_INVALID);
   g_assert_cmpstr(error.parameter, ==, "layers");
@@ -138,14 +138,14 @@ static void test_damaged(void) {
   size_t end = (size_t)(strstr(good, "ENDMSG") - good) + 6, n = sizeof good - 1;
   for (size_t i = 0; i < n; i++) {
     g_autofree char *path = write_clip(good, (gssize)i);
-    opc_layout *l = read_clip(path, "", &error);
+    eda_layout *l = read_clip(path, "", &error);
     g_assert_true((l != NULL) == (i >= end));
-    if (l) host->layout->destroy(l);
+    if (l) eda_layout_free(l);
     g_autofree char *changed = g_strdup(good);
     changed[i] = (char)g_rand_int_range(random, 0, 256);
     g_autofree char *other = write_clip(changed, (gssize)n);
     l = read_clip(other, "", &error);
-    if (l) host->layout->destroy(l);
+    if (l) eda_layout_free(l);
   }
   g_rand_free(random);
 }
@@ -166,11 +166,11 @@ static void test_contest(void) {
   for (int i = 0; i < 10; i++) {
     g_autofree char *path = g_strdup_printf("%s/M1_test%d.glp", folder, i + 1);
     opc_error error;
-    opc_layout *l = read_clip(path, "", &error);
+    eda_layout *l = read_clip(path, "", &error);
     if (!l) g_error("%s", error.message);
     g_test_message("%d: %.0f nm^2", i + 1, area(l, "M1"));
     g_assert_cmpfloat(area(l, "M1"), ==, areas[i]);
-    host->layout->destroy(l);
+    eda_layout_free(l);
   }
 }
 

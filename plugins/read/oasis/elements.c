@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Texts, placements and their properties (SEMI P39, sections 22, 24, 31); what
    all elements share. */
-#include <inttypes.h>
+#include <eda/memory.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -72,7 +72,6 @@ int oasis_fits(oasis *o, int repeated, oasis_vector low, oasis_vector high) {
 
 static void add_texts(oasis *o, int repeated, int32_t layer,
                       const char *string) {
-  const opc_layout_service *l = o->host->layout;
   const oasis_repetition *r = &o->m.repetition;
   uint64_t n = repeated ? oasis_members(r) : 1;
   if (!oasis_spend(o, n, 4 + strlen(string) / 8)) return;
@@ -80,13 +79,13 @@ static void add_texts(oasis *o, int repeated, int32_t layer,
     oasis_vector d = {0, 0};
     if (repeated) d = oasis_member(r, i);
     int64_t x = o->m.text_x + d.x, y = o->m.text_y + d.y;
-    opc_point at = {(int32_t)x, (int32_t)y};
+    eda_point at = {(int32_t)x, (int32_t)y};
     if (at.x != x || at.y != y) {
       oasis_refuse(&o->s, "a coordinate beyond 32 bits");
       return;
     }
-    if (!oasis_told(
-            o, l->add_text(o->layout, o->cell, layer, at, string, o->error)))
+    if (!oasis_told(o, eda_layout_add_text(o->layout, o->cell, layer, at,
+                                           string, o->error)))
       return;
   }
 }
@@ -113,7 +112,7 @@ void oasis_read_text(oasis *o) {
       !oasis_need(o, HAS_TEXTTYPE, "a text without a datatype") || o->naming ||
       o->cell < 0)
     return;
-  const char *string = oasis_referred(o, OASIS_TEXTSTRINGS, &o->m.text);
+  const char *string = oasis_referred(o, EDA_OASIS_TEXTSTRINGS, &o->m.text);
   if (!string) return;
   int32_t layer = layer_map_find(&o->layers, o->layout, o->m.textlayer,
                                  o->m.texttype, o->error);
@@ -127,9 +126,9 @@ static void read_child(oasis *o, int by_number) {
   oasis_reference to = {0};
   oasis_read_reference(o, by_number, &to);
   if (!o->naming && !o->s.failed) {
-    const char *name = oasis_referred(o, OASIS_CELLNAMES, &to);
+    const char *name = oasis_referred(o, EDA_OASIS_CELLNAMES, &to);
     if (name) {
-      o->m.placed = o->host->layout->cell(o->layout, name, o->error);
+      o->m.placed = eda_layout_cell(o->layout, name, o->error);
       oasis_told(o, o->m.placed < 0 ? o->error->code : OPC_OK);
     }
   }
@@ -140,9 +139,9 @@ static void read_child(oasis *o, int by_number) {
 void oasis_read_placement(oasis *o, uint64_t record) {
   oasis_stream *s = &o->s;
   uint32_t info = oasis_byte(s);
-  opc_placement p = {.magnification = 1, .columns = 1, .rows = 1};
+  eda_placement p = {.magnification = 1, .columns = 1, .rows = 1};
   if (info & 128) read_child(o, info & 64);
-  if (record == OASIS_PLACEMENT) {
+  if (record == EDA_OASIS_PLACEMENT) {
     p.angle = 90.0 * (info >> 1 & 3);
   } else {
     if (info & 4) p.magnification = oasis_real(s);
@@ -157,7 +156,7 @@ void oasis_read_placement(oasis *o, uint64_t record) {
     return;
   }
   if (o->naming || o->cell < 0) return;
-  p.origin = (opc_point){(int32_t)o->m.placed_x, (int32_t)o->m.placed_y};
+  p.origin = (eda_point){(int32_t)o->m.placed_x, (int32_t)o->m.placed_y};
   o->pending = 1;
   o->placement = p;
   o->child = o->m.placed;
@@ -166,10 +165,10 @@ void oasis_read_placement(oasis *o, uint64_t record) {
 }
 
 /* A lattice as an array of the layout. */
-static int as_array(const oasis_repetition *r, opc_placement *p) {
+static int as_array(const oasis_repetition *r, eda_placement *p) {
   const oasis_vector *c = &r->column, *k = &r->row;
-  p->column_step = (opc_point){(int32_t)c->x, (int32_t)c->y};
-  p->row_step = (opc_point){(int32_t)k->x, (int32_t)k->y};
+  p->column_step = (eda_point){(int32_t)c->x, (int32_t)c->y};
+  p->row_step = (eda_point){(int32_t)k->x, (int32_t)k->y};
   p->columns = (uint32_t)r->columns;
   p->rows = (uint32_t)r->rows;
   return r->lattice && r->columns == p->columns && r->rows == p->rows &&
@@ -179,14 +178,13 @@ static int as_array(const oasis_repetition *r, opc_placement *p) {
 
 void oasis_end_placement(oasis *o) {
   if (!o->pending || o->s.failed) return;
-  const opc_layout_service *l = o->host->layout;
   const oasis_repetition *r = &o->m.repetition;
   const char *name = o->ranked ? o->instance.s : NULL;
-  opc_placement p = o->placement;
+  eda_placement p = o->placement;
   o->pending = 0;
   if (!o->repeated || as_array(r, &p)) {
-    oasis_told(
-        o, l->add_instance(o->layout, o->cell, o->child, &p, name, o->error));
+    oasis_told(o, eda_layout_add_instance(o->layout, o->cell, o->child, &p,
+                                          name, o->error));
     return;
   }
   p = o->placement;
@@ -195,13 +193,13 @@ void oasis_end_placement(oasis *o) {
   for (uint64_t i = 0; i < n; i++) {
     oasis_vector d = oasis_member(r, i);
     int64_t x = o->placement.origin.x + d.x, y = o->placement.origin.y + d.y;
-    p.origin = (opc_point){(int32_t)x, (int32_t)y};
+    p.origin = (eda_point){(int32_t)x, (int32_t)y};
     if (p.origin.x != x || p.origin.y != y) {
       oasis_refuse(&o->s, "an array leaves the range of coordinates");
       return;
     }
-    if (!oasis_told(o, l->add_instance(o->layout, o->cell, o->child, &p, name,
-                                       o->error)))
+    if (!oasis_told(o, eda_layout_add_instance(o->layout, o->cell, o->child, &p,
+                                               name, o->error)))
       return;
   }
 }
@@ -232,28 +230,21 @@ static void read_value(oasis *o, uint64_t index) {
 static void take_property(oasis *o) {
   if (!o->pending || o->s.failed || o->m.attribute < 0 || !o->m.has_value)
     return;
-  int rank = o->m.attribute == OASIS_INSTANCE_NAME ? 2 : 1;
+  int rank = o->m.attribute == EDA_OASIS_INSTANCE_NAME ? 2 : 1;
   if (o->ranked >= rank) return;
-  const char *name = oasis_referred(o, OASIS_PROPNAMES, &o->m.property);
-  if (!name || strcmp(name, OASIS_GDS_PROPERTY) != 0) return;
-  const char *value = oasis_referred(o, OASIS_PROPSTRINGS, &o->m.value);
+  const char *name = oasis_referred(o, EDA_OASIS_PROPNAMES, &o->m.property);
+  if (!name || strcmp(name, EDA_OASIS_GDS_PROPERTY) != 0) return;
+  const char *value = oasis_referred(o, EDA_OASIS_PROPSTRINGS, &o->m.value);
   if (!value) return;
   size_t n = strlen(value) + 1;
-  if (n > o->instance.room) {
-    char *memory = realloc(o->instance.s, n);
-    if (!memory) {
-      oasis_no_memory(&o->s);
-      return;
-    }
-    o->instance = (oasis_text){memory, n};
-  }
+  eda_grow(&o->instance.s, &o->instance.room, n, 1);
   memcpy(o->instance.s, value, n);
   o->ranked = rank;
 }
 
 void oasis_read_property(oasis *o, uint64_t record) {
   oasis_stream *s = &o->s;
-  if (record == OASIS_PROPERTY) {
+  if (record == EDA_OASIS_PROPERTY) {
     uint32_t info = oasis_byte(s);
     if (info & 4) {
       oasis_read_reference(o, info & 2, &o->m.property);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* START, END, cells, and which record is what (SEMI P39, sections 13 to 21). */
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,7 +10,7 @@
 
 /* Six pairs: whether the table is complete, where it is. */
 static void read_tables(oasis *o) {
-  for (int i = 0; i < OASIS_TABLES; i++) {
+  for (int i = 0; i < EDA_OASIS_TABLES; i++) {
     uint64_t complete = oasis_uint(&o->s), at = oasis_uint(&o->s);
     if (complete > 1) oasis_refuse(&o->s, "an impossible table of offsets");
     o->tables[i] = complete ? at : 0;
@@ -28,15 +27,15 @@ static uint32_t read_signature(oasis_stream *s) {
    A file that lacks it will be found out when it ends. */
 static void look_ahead(oasis *o) {
   opc_error none = {0};
-  oasis end = {.host = o->host, .naming = 1, .error = &none};
-  if (o->s.failed || o->s.size < OASIS_END_BYTES) return;
-  oasis_open(&end.s, o->host, o->s.path, &none);
-  oasis_seek(&end.s, o->s.size - OASIS_END_BYTES);
-  if (oasis_uint(&end.s) == OASIS_END) {
+  oasis end = {.r = o->r, .naming = 1, .error = &none};
+  if (o->s.failed || o->s.size < EDA_OASIS_END_BYTES) return;
+  oasis_open(&end.s, o->r->host, o->s.path, &none);
+  oasis_seek(&end.s, o->s.size - EDA_OASIS_END_BYTES);
+  if (oasis_uint(&end.s) == EDA_OASIS_END) {
     if (o->tables_at_end) read_tables(&end);
     oasis_skip_string(&end.s);
     uint64_t scheme = oasis_uint(&end.s);
-    if (!end.s.failed && scheme <= OASIS_SUM32) o->s.scheme = (int)scheme;
+    if (!end.s.failed && scheme <= EDA_OASIS_SUM32) o->s.scheme = (int)scheme;
     if (!end.s.failed && o->tables_at_end)
       memcpy(o->tables, end.tables, sizeof o->tables);
   }
@@ -46,19 +45,19 @@ static void look_ahead(oasis *o) {
 static void read_end(oasis *o) {
   static const char *const names[] = {"no sum", "CRC32", "sum"};
   oasis_stream *s = &o->s;
-  uint64_t tables[OASIS_TABLES];
+  uint64_t tables[EDA_OASIS_TABLES];
   memcpy(tables, o->tables, sizeof tables);
   if (s->inside) oasis_refuse(s, "END in a compressed block");
   if (o->tables_at_end) read_tables(o);
   memcpy(o->tables, tables, sizeof tables);
   oasis_skip_string(s);
   uint64_t scheme = oasis_uint(s);
-  if (scheme > OASIS_SUM32) oasis_refuse(s, "an unknown validation scheme");
+  if (scheme > EDA_OASIS_SUM32) oasis_refuse(s, "an unknown validation scheme");
   if (s->failed) return;
   uint32_t sum = oasis_sum(s), wanted = 0;
   if (scheme) wanted = read_signature(s);
   if (s->failed) return;
-  if (oasis_place(s) != s->record + OASIS_END_BYTES ||
+  if (oasis_place(s) != s->record + EDA_OASIS_END_BYTES ||
       oasis_place(s) != s->size) {
     oasis_refuse(s, "END is not the file's last 256 bytes,");
     return;
@@ -81,8 +80,7 @@ static void make_layout(oasis *o, double steps) {
   /* Steps in a micrometre; the decimal number of 14 digits is meant. */
   char digits[40];
   snprintf(digits, sizeof digits, "%.14g", 1000 / steps);
-  o->layout = o->host->layout->create(o->host, strtod(digits, NULL) * o->scale,
-                                      o->error);
+  o->layout = eda_layout_new(strtod(digits, NULL) * o->r->scale, o->error);
   oasis_told(o, o->layout ? OPC_OK : o->error->code);
 }
 
@@ -90,7 +88,7 @@ static void read_start(oasis *o) {
   oasis_stream *s = &o->s;
   oasis_text version = {NULL, 0};
   if (!oasis_begin_record(s)) return;
-  if (oasis_uint(s) != OASIS_START) oasis_refuse(s, "START is missing");
+  if (oasis_uint(s) != EDA_OASIS_START) oasis_refuse(s, "START is missing");
   oasis_string(s, &version);
   if (!s->failed && strcmp(version.s, "1.0") != 0)
     oasis_refuse(s, "an unknown version of OASIS");
@@ -120,17 +118,17 @@ static void read_cell(oasis *o, uint64_t record) {
   oasis_stream *s = &o->s;
   oasis_reference to = {0};
   oasis_modal *m = &o->m;
-  oasis_read_reference(o, record == OASIS_CELL_NUMBER, &to);
+  oasis_read_reference(o, record == EDA_OASIS_CELL_NUMBER, &to);
   m->has = 0;
   m->relative = 0;
   m->x = m->y = m->text_x = m->text_y = m->placed_x = m->placed_y = 0;
   o->in_cell = 1;
   if (!o->naming && !s->failed) {
     int left_out;
-    const char *name = oasis_referred(o, OASIS_CELLNAMES, &to);
+    const char *name = oasis_referred(o, EDA_OASIS_CELLNAMES, &to);
     if (name) {
-      o->cell = cell_list_begin(&o->cells, o->host, o->layout, name, &left_out,
-                                o->error);
+      o->cell =
+          cell_list_begin(&o->cells, o->layout, name, &left_out, o->error);
       int code = o->error->code == OPC_INVALID ? OPC_IO : o->error->code;
       oasis_told(o, o->cell < 0 ? code : OPC_OK);
       if (left_out) o->cell = -1;
@@ -148,37 +146,37 @@ static void read_element(oasis *o, uint64_t record) {
     return;
   }
   switch (record) {
-    case OASIS_XYABSOLUTE:
-    case OASIS_XYRELATIVE:
-      o->m.relative = record == OASIS_XYRELATIVE;
+    case EDA_OASIS_XYABSOLUTE:
+    case EDA_OASIS_XYRELATIVE:
+      o->m.relative = record == EDA_OASIS_XYRELATIVE;
       break;
-    case OASIS_PLACEMENT:
-    case OASIS_PLACEMENT_REAL:
+    case EDA_OASIS_PLACEMENT:
+    case EDA_OASIS_PLACEMENT_REAL:
       oasis_read_placement(o, record);
       break;
-    case OASIS_TEXT:
+    case EDA_OASIS_TEXT:
       oasis_read_text(o);
       break;
-    case OASIS_RECTANGLE:
+    case EDA_OASIS_RECTANGLE:
       oasis_read_rectangle(o);
       break;
-    case OASIS_POLYGON:
+    case EDA_OASIS_POLYGON:
       oasis_read_polygon(o);
       break;
-    case OASIS_PATH:
+    case EDA_OASIS_PATH:
       oasis_read_path(o);
       break;
-    case OASIS_CTRAPEZOID:
+    case EDA_OASIS_CTRAPEZOID:
       oasis_read_ctrapezoid(o);
       break;
-    case OASIS_CIRCLE:
+    case EDA_OASIS_CIRCLE:
       oasis_read_circle(o);
       break;
-    case OASIS_XELEMENT:
+    case EDA_OASIS_XELEMENT:
       oasis_uint(s);
       oasis_skip_string(s);
       break;
-    case OASIS_XGEOMETRY:
+    case EDA_OASIS_XGEOMETRY:
       oasis_read_xgeometry(o);
       break;
     default:
@@ -188,25 +186,26 @@ static void read_element(oasis *o, uint64_t record) {
 
 static void read_record(oasis *o, uint64_t record) {
   oasis_stream *s = &o->s;
-  if (record == OASIS_PAD) return;
-  if (record == OASIS_CBLOCK) {
+  if (record == EDA_OASIS_PAD) return;
+  if (record == EDA_OASIS_CBLOCK) {
     oasis_enter_block(s);
     return;
   }
-  if (record == OASIS_PROPERTY || record == OASIS_PROPERTY_AGAIN) {
+  if (record == EDA_OASIS_PROPERTY || record == EDA_OASIS_PROPERTY_AGAIN) {
     oasis_read_property(o, record);
     return;
   }
   oasis_end_placement(o);
-  if (record == OASIS_CELL || record == OASIS_CELL_NUMBER) {
+  if (record == EDA_OASIS_CELL || record == EDA_OASIS_CELL_NUMBER) {
     read_cell(o, record);
-  } else if ((record >= OASIS_CELLNAME && record <= OASIS_LAYERNAME_TEXT) ||
-             record == OASIS_XNAME || record == OASIS_XNAME_NUMBER) {
+  } else if ((record >= EDA_OASIS_CELLNAME &&
+              record <= EDA_OASIS_LAYERNAME_TEXT) ||
+             record == EDA_OASIS_XNAME || record == EDA_OASIS_XNAME_NUMBER) {
     o->in_cell = 0;
     oasis_read_name(o, record);
-  } else if (record >= OASIS_XYABSOLUTE && record <= OASIS_XGEOMETRY) {
+  } else if (record >= EDA_OASIS_XYABSOLUTE && record <= EDA_OASIS_XGEOMETRY) {
     read_element(o, record);
-  } else if (record == OASIS_END) {
+  } else if (record == EDA_OASIS_END) {
     read_end(o);
   } else {
     oasis_refuse(s, "an unknown record");
@@ -215,9 +214,9 @@ static void read_record(oasis *o, uint64_t record) {
 
 void oasis_read(oasis *o) {
   oasis_stream *s = &o->s;
-  uint64_t record = OASIS_START;
+  uint64_t record = EDA_OASIS_START;
   read_start(o);
-  while (record != OASIS_END && oasis_begin_record(s)) {
+  while (record != EDA_OASIS_END && oasis_begin_record(s)) {
     record = oasis_uint(s);
     if (!s->failed) read_record(o, record);
   }

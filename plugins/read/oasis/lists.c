@@ -1,22 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Point lists and repetitions (SEMI P39, sections 7.6 and 7.7). */
-#include <stdlib.h>
+#include <eda/memory.h>
 
 #include "oasis.h"
 
-int oasis_points_add(oasis_stream *s, oasis_points *points, oasis_vector p) {
-  if (points->n == points->room) {
-    size_t wanted = points->room + points->room / 2 + 16;
-    oasis_vector *memory = realloc(points->p, wanted * sizeof *memory);
-    if (!memory) {
-      oasis_no_memory(s);
-      return 0;
-    }
-    points->p = memory;
-    points->room = wanted;
-  }
+static void add_point(oasis_points *points, oasis_vector p) {
+  eda_grow(&points->p, &points->room, points->n + 1, sizeof p);
   points->p[points->n++] = p;
-  return 1;
 }
 
 static oasis_vector sum(oasis_stream *s, oasis_vector a, oasis_vector b) {
@@ -33,7 +23,7 @@ void oasis_read_points(oasis_stream *s, oasis_points *points, int closed) {
   }
   oasis_vector at = {0, 0}, step = {0, 0};
   points->n = 0;
-  if (!oasis_points_add(s, points, at)) return;
+  add_point(points, at);
   for (uint64_t i = 0; i < n && !s->failed; i++) {
     oasis_vector d;
     if (type <= 1)
@@ -46,13 +36,13 @@ void oasis_read_points(oasis_stream *s, oasis_points *points, int closed) {
       d = oasis_deltag(s);
     if (type == 5) d = step = sum(s, step, d);
     at = sum(s, at, d);
-    if (!s->failed) oasis_points_add(s, points, at);
+    if (!s->failed) add_point(points, at);
   }
   /* The corner before the first point of a rectilinear polygon is implied. */
   if (closed && type <= 1 && !s->failed) {
     int horizontal = (int)((n + type) % 2 == 0);
     at = horizontal ? (oasis_vector){0, at.y} : (oasis_vector){at.x, 0};
-    oasis_points_add(s, points, at);
+    add_point(points, at);
   }
 }
 
@@ -83,7 +73,7 @@ static void read_offsets(oasis_stream *s, uint64_t type, oasis_points *out) {
   int64_t grid = type & 1 ? space(s) : 1;
   oasis_vector at = {0, 0};
   out->n = 0;
-  if (!s->failed) oasis_points_add(s, out, at);
+  if (!s->failed) add_point(out, at);
   for (uint64_t i = 1; i < n && !s->failed; i++) {
     oasis_vector d = {0, 0};
     if (type >= 10)
@@ -95,7 +85,7 @@ static void read_offsets(oasis_stream *s, uint64_t type, oasis_points *out) {
     d.x = on_grid(s, d.x, grid);
     d.y = on_grid(s, d.y, grid);
     at = sum(s, at, d);
-    if (!s->failed) oasis_points_add(s, out, at);
+    if (!s->failed) add_point(out, at);
   }
 }
 

@@ -1,71 +1,34 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Names and the numbers that stand for them. */
+#include <eda/memory.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "oasis.h"
 
-/* ---- the hash table ---- */
-
-static size_t slot_of(const oasis_names *names, uint64_t number) {
-  uint64_t h = number * 0x9e3779b97f4a7c15u;
-  size_t i = (size_t)(h >> 20) & (names->room - 1);
-  while (names->slots[i].text && names->slots[i].number != number)
-    i = (i + 1) & (names->room - 1);
-  return i;
+static void free_name(void *data) {
+  oasis_name *name = data;
+  free(name->text);
+  free(name);
 }
 
-oasis_name *oasis_names_find(const oasis_names *names, uint64_t number) {
-  if (!names->room) return NULL;
-  oasis_name *found = &names->slots[slot_of(names, number)];
-  return found->text ? found : NULL;
-}
-
-static int enlarge(oasis_names *names) {
-  oasis_names larger = {.n = names->n,
-                        .room = names->room ? 2 * names->room : 64};
-  larger.slots = calloc(larger.room, sizeof *larger.slots);
-  if (!larger.slots) return 0;
-  for (size_t i = 0; i < names->room; i++)
-    if (names->slots[i].text)
-      larger.slots[slot_of(&larger, names->slots[i].number)] = names->slots[i];
-  free(names->slots);
-  *names = larger;
-  return 1;
-}
-
-oasis_name *oasis_names_add(oasis_names *names, uint64_t number, char *text) {
-  if (2 * names->n >= names->room && !enlarge(names)) return NULL;
-  oasis_name *slot = &names->slots[slot_of(names, number)];
-  *slot = (oasis_name){.number = number, .text = text};
-  names->n++;
-  return slot;
-}
-
-void oasis_names_clear(oasis_names *names) {
-  for (size_t i = 0; i < names->room; i++) free(names->slots[i].text);
-  free(names->slots);
-  *names = (oasis_names){0};
+GHashTable *oasis_names_new(void) {
+  return g_hash_table_new_full(g_int64_hash, g_int64_equal, free_name, NULL);
 }
 
 /* ---- records ---- */
 
+/* Takes `text`. */
 static void define(oasis *o, int table, uint64_t number, char *text) {
-  oasis_name *name = oasis_names_find(&o->names[table], number);
-  if (name && (name->defined || strcmp(name->text, text) != 0)) {
+  oasis_name *name = g_hash_table_lookup(o->names[table], &number);
+  if (name && (name->defined || strcmp(name->text, text) != 0))
     oasis_refuse(&o->s, "a second name for the same number");
-    free(text);
-    return;
-  }
   if (name) {
     free(text);
   } else {
-    name = oasis_names_add(&o->names[table], number, text);
-    if (!name) {
-      free(text);
-      oasis_no_memory(&o->s);
-      return;
-    }
+    name = eda_alloc(1, sizeof *name);
+    *name = (oasis_name){.number = number, .text = text};
+    g_hash_table_add(o->names[table], name);
   }
   if (!o->naming) name->defined = 1;
 }
@@ -82,20 +45,20 @@ static void skip_interval(oasis_stream *s) {
 
 void oasis_read_name(oasis *o, uint64_t record) {
   oasis_stream *s = &o->s;
-  if (record == OASIS_XNAME || record == OASIS_XNAME_NUMBER) {
+  if (record == EDA_OASIS_XNAME || record == EDA_OASIS_XNAME_NUMBER) {
     oasis_uint(s);
     oasis_skip_string(s);
-    if (record == OASIS_XNAME_NUMBER) oasis_uint(s);
+    if (record == EDA_OASIS_XNAME_NUMBER) oasis_uint(s);
     return;
   }
-  if (record == OASIS_LAYERNAME || record == OASIS_LAYERNAME_TEXT) {
+  if (record == EDA_OASIS_LAYERNAME || record == EDA_OASIS_LAYERNAME_TEXT) {
     oasis_skip_string(s);
     skip_interval(s);
     skip_interval(s);
     return;
   }
-  int table = (int)(record - OASIS_CELLNAME) / 2;
-  int explicit = (record - OASIS_CELLNAME) % 2;
+  int table = (int)(record - EDA_OASIS_CELLNAME) / 2;
+  int explicit = (record - EDA_OASIS_CELLNAME) % 2;
   if (o->numbered[table] && o->numbered[table] != 1 + explicit) {
     oasis_refuse(s, "names with numbers among names without,");
     return;
@@ -117,14 +80,15 @@ static void read_table(oasis *o, int table, uint64_t at) {
   oasis_seek(&o->s, at);
   while (oasis_begin_record(&o->s)) {
     uint64_t record = oasis_uint(&o->s);
-    if (record == OASIS_CBLOCK)
+    if (record == EDA_OASIS_CBLOCK)
       oasis_enter_block(&o->s);
-    else if (record == OASIS_PROPERTY)
+    else if (record == EDA_OASIS_PROPERTY)
       oasis_read_property(o, record);
-    else if (record >= OASIS_CELLNAME && record <= OASIS_PROPSTRING_NUMBER &&
-             (int)(record - OASIS_CELLNAME) / 2 == table)
+    else if (record >= EDA_OASIS_CELLNAME &&
+             record <= EDA_OASIS_PROPSTRING_NUMBER &&
+             (int)(record - EDA_OASIS_CELLNAME) / 2 == table)
       oasis_read_name(o, record);
-    else if (record != OASIS_PAD && record != OASIS_PROPERTY_AGAIN)
+    else if (record != EDA_OASIS_PAD && record != EDA_OASIS_PROPERTY_AGAIN)
       break;
   }
 }
@@ -132,14 +96,13 @@ static void read_table(oasis *o, int table, uint64_t at) {
 /* Another reading, for names: of a table, or of the whole file if its place
    `at` is 0. */
 static void look_for_names(oasis *o, int table, uint64_t at) {
-  oasis other = {.host = o->host, .error = o->error, .naming = 1};
-  memcpy(other.names, o->names, sizeof o->names);
-  oasis_open(&other.s, o->host, o->s.path, o->error);
+  oasis other = {.r = o->r, .error = o->error, .naming = 1};
+  memcpy(other.names, o->names, sizeof o->names); /* the tables are shared */
+  oasis_open(&other.s, o->r->host, o->s.path, o->error);
   if (at)
     read_table(&other, table, at);
   else
     oasis_read(&other);
-  memcpy(o->names, other.names, sizeof o->names);
   if (other.s.failed) {
     o->s.failed = 1;
     o->s.p = o->s.end;
@@ -153,16 +116,16 @@ const char *oasis_name_of(oasis *o, int table, uint64_t number) {
                                      "a text whose number has no string",
                                      "a property whose number has no name",
                                      "a property whose number has no string"};
-  const oasis_name *name = oasis_names_find(&o->names[table], number);
+  const oasis_name *name = g_hash_table_lookup(o->names[table], &number);
   if (!name && o->tables[table] && !o->s.failed) {
     look_for_names(o, table, o->tables[table]);
     o->tables[table] = 0;
-    name = oasis_names_find(&o->names[table], number);
+    name = g_hash_table_lookup(o->names[table], &number);
   }
   if (!name && !o->named && !o->s.failed) {
     look_for_names(o, table, 0);
     o->named = 1;
-    name = oasis_names_find(&o->names[table], number);
+    name = g_hash_table_lookup(o->names[table], &number);
   }
   if (o->s.failed) return NULL;
   if (name) return name->text;

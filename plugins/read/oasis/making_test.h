@@ -9,9 +9,9 @@
 #include <string.h>
 #include <zlib.h>
 
-#include "core/plugin/host.h"
-#include "core/plugin/testing.h"
-#include "records.h"
+#include <eda/layout.h>
+#include <eda/oasis.h>
+#include "core/testing/testing.h"
 
 static void put_uint(GByteArray *f, uint64_t v) {
   for (; v >= 0x80; v >>= 7)
@@ -48,14 +48,14 @@ static void put(GByteArray *f, const char *format, ...) {
 /* A file whose tables are told at its end, without cells. */
 static GByteArray *new_file(void) {
   GByteArray *f = g_byte_array_new();
-  g_byte_array_append(f, (const uint8_t *)OASIS_MAGIC, 13);
-  put(f, "btrb", OASIS_START, "1.0", 1000, 1);
+  g_byte_array_append(f, (const uint8_t *)EDA_OASIS_MAGIC, 13);
+  put(f, "btrb", EDA_OASIS_START, "1.0", 1000, 1);
   return f;
 }
 
 static GByteArray *new_cell(void) {
   GByteArray *f = new_file();
-  put(f, "bt", OASIS_CELL, "TOP");
+  put(f, "bt", EDA_OASIS_CELL, "TOP");
   return f;
 }
 
@@ -72,15 +72,16 @@ static char *save(const GByteArray *f) {
 /* END with a validation scheme; its sum is off by `wrong`. */
 static char *finish_sum(GByteArray *f, int scheme, uint32_t wrong) {
   guint start = f->len;
-  put(f, "b", OASIS_END);
+  put(f, "b", EDA_OASIS_END);
   for (int i = 0; i < 12; i++) put(f, "b", 0);
   guint length = 256 - 1 - 12 - 2 - 1 - (scheme ? 4 : 0);
   put(f, "u", (unsigned long)length);
   for (guint i = 0; i < length; i++) put(f, "b", 'x');
   put(f, "b", scheme);
   uint32_t sum = wrong;
-  if (scheme == OASIS_CRC32) sum += (uint32_t)crc32(0, f->data, f->len);
-  for (guint i = 0; i < f->len && scheme == OASIS_SUM32; i++) sum += f->data[i];
+  if (scheme == EDA_OASIS_CRC32) sum += (uint32_t)crc32(0, f->data, f->len);
+  for (guint i = 0; i < f->len && scheme == EDA_OASIS_SUM32; i++)
+    sum += f->data[i];
   for (int i = 0; i < 4 && scheme; i++) put(f, "b", sum >> 8 * i & 0xff);
   g_assert_cmpuint(f->len, ==, start + 256);
   char *path = save(f);
@@ -88,9 +89,11 @@ static char *finish_sum(GByteArray *f, int scheme, uint32_t wrong) {
   return path;
 }
 
-static char *finish(GByteArray *f) { return finish_sum(f, OASIS_NO_CHECK, 0); }
+static char *finish(GByteArray *f) {
+  return finish_sum(f, EDA_OASIS_NO_CHECK, 0);
+}
 
-static opc_layout *read_more(const char *path, const char *more,
+static eda_layout *read_more(const char *path, const char *more,
                              opc_error *error) {
   g_autofree char *mapping = g_strdup_printf("{ file: '%s'%s }", path, more);
   g_autoptr(opc_module) module = opc_test_module("read.oasis", mapping, error);
@@ -100,9 +103,9 @@ static opc_layout *read_more(const char *path, const char *more,
 }
 
 /* Reads and frees the path. */
-static opc_layout *read_made(char *path) {
+static eda_layout *read_made(char *path) {
   opc_error e = {0};
-  opc_layout *layout = read_more(path, "", &e);
+  eda_layout *layout = read_more(path, "", &e);
   if (!layout) g_error("%s", e.message);
   g_free(path);
   return layout;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Numbers, vectors and strings (SEMI P39, section 7). */
+#include <eda/memory.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "../cells.h"
+#include "../reader.h"
 #include "stream.h"
 
 /* Of a coordinate, a length or a sum of them: whatever is added to another
@@ -135,22 +135,13 @@ void oasis_string(oasis_stream *s, oasis_text *out) {
   do {
     size_t n = (size_t)(s->end - s->p);
     if (n > left) n = (size_t)left;
-    if (used + 4 * n + 1 > out->room) {
-      size_t wanted = (used + 4 * n + 1) * 3 / 2 + 32;
-      char *memory = realloc(out->s, wanted);
-      if (!memory) {
-        oasis_no_memory(s);
-        return;
-      }
-      out->s = memory;
-      out->room = wanted;
-    }
-    cell_list_string(s->p, n, out->s + used);
+    eda_grow(&out->s, &out->room, used + 4 * n + 1, 1);
+    reader_string(s->p, n, out->s + used);
     used += strlen(out->s + used);
     s->p += n;
     left -= n;
   } while (left && oasis_refill(s));
-  if (s->failed && out->s) out->s[0] = '\0';
+  if (s->failed) out->s[0] = '\0';
 }
 
 void oasis_skip_string(oasis_stream *s) {

@@ -8,32 +8,21 @@
 #ifndef OPCFLOW_OASIS_H
 #define OPCFLOW_OASIS_H
 
-#include "../cells.h"
 #include "../layers.h"
 #include "stream.h"
 
 /* ---- names by number ---- */
 
 typedef struct oasis_name {
-  uint64_t number;
-  char *text;  /* NULL: an empty slot */
+  uint64_t number; /* the key */
+  char *text;
   int defined; /* in the pass that builds */
 } oasis_name;
 
-/* A hash table. */
-typedef struct oasis_names {
-  oasis_name *slots;
-  size_t n, room; /* a power of 2 */
-} oasis_names;
-
-/* NULL if there is none. */
-oasis_name *oasis_names_find(const oasis_names *names, uint64_t number);
-/* A new one; takes `text`. NULL without memory. */
-oasis_name *oasis_names_add(oasis_names *names, uint64_t number, char *text);
-void oasis_names_clear(oasis_names *names);
-
 /* Tables that hold strings: cells, texts, property names and strings. */
 enum { OASIS_NAMES = 4 };
+
+GHashTable *oasis_names_new(void);
 
 /* ---- modal variables ---- */
 
@@ -101,32 +90,30 @@ typedef struct oasis_modal {
 /* ---- the reader ---- */
 
 typedef struct oasis {
-  const opc_host *host;
-  const opc_value *top;
-  double scale;
+  const reader *r;
   opc_error *error;
   oasis_stream s;
   int naming; /* names are wanted, nothing is built */
 
-  oasis_names names[OASIS_NAMES];
-  uint64_t next[OASIS_NAMES];    /* number without one of its own */
-  int numbered[OASIS_NAMES];     /* 1: without numbers of their own, 2: with */
-  uint64_t tables[OASIS_TABLES]; /* places of complete ones, 0: none */
+  GHashTable *names[OASIS_NAMES]; /* of oasis_name */
+  uint64_t next[OASIS_NAMES];     /* number without one of its own */
+  int numbered[OASIS_NAMES];      /* 1: without numbers of their own, 2: with */
+  uint64_t tables[EDA_OASIS_TABLES]; /* places of complete ones, 0: none */
   int tables_at_end;
   int named; /* the whole file was gone through for names */
 
   layer_map layers;
   cell_list cells;
-  opc_layout *layout;
+  eda_layout *layout;
   int in_cell;
   int32_t cell; /* -1 in one that is left out */
   oasis_modal m;
   uint64_t spent; /* points that shapes took */
-  opc_point *points;
+  eda_point *points;
   size_t room_points;
 
   int pending; /* a placement, whose properties may follow */
-  opc_placement placement;
+  eda_placement placement;
   int32_t child;
   int repeated;
   int ranked; /* 0 no name, 1 by a GDSII property, 2 by number 61 */
@@ -144,7 +131,6 @@ const char *oasis_referred(oasis *o, int table, const oasis_reference *to);
 void oasis_read_reference(oasis *o, int by_number, oasis_reference *to);
 
 /* lists.c */
-int oasis_points_add(oasis_stream *s, oasis_points *points, oasis_vector p);
 void oasis_read_points(oasis_stream *s, oasis_points *points, int closed);
 void oasis_read_repetition(oasis *o);
 /* Of an element whose record says so; single otherwise. */

@@ -1,39 +1,40 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Files made byte by byte, whose layouts are known; files of other programs;
+   what is refused, and where. */
 #include <math.h>
 #include <stdlib.h>
 
 #include "making_test.h"
 
-static const opc_layout_service *l = &opc_layout_functions;
-
 /* ---- comparing ---- */
 
 /* The points of all polygons and texts of TOP, as text. */
-static char *dump(const opc_layout *layout) {
+static char *dump(const eda_layout *layout) {
   GString *s = g_string_new(NULL);
-  int32_t top = l->find_cell(layout, "TOP"), layer;
-  for (size_t i = 0; i < l->polygons(layout, top); i++) {
+  int32_t top = eda_layout_find_cell(layout, "TOP"), layer;
+  for (size_t i = 0; i < eda_layout_polygons(layout, top); i++) {
     size_t n;
-    const opc_point *p = l->polygon(layout, top, i, &n, &layer);
-    g_string_append(s, l->layer_name(layout, layer));
+    const eda_point *p = eda_layout_polygon(layout, top, i, &n, &layer);
+    g_string_append(s, eda_layout_layer_name(layout, layer));
     for (size_t k = 0; k < n; k++)
       g_string_append_printf(s, " %d,%d", p[k].x, p[k].y);
     g_string_append(s, "\n");
   }
-  for (size_t i = 0; i < l->texts(layout, top); i++) {
-    opc_point at;
-    const char *text = l->text(layout, top, i, &at, &layer);
-    g_string_append_printf(s, "%s %d,%d '%s'\n", l->layer_name(layout, layer),
-                           at.x, at.y, text);
+  for (size_t i = 0; i < eda_layout_texts(layout, top); i++) {
+    eda_point at;
+    const char *text = eda_layout_text(layout, top, i, &at, &layer);
+    g_string_append_printf(s, "%s %d,%d '%s'\n",
+                           eda_layout_layer_name(layout, layer), at.x, at.y,
+                           text);
   }
   return g_string_free(s, FALSE);
 }
 
 static void expect(GByteArray *f, const char *want) {
-  opc_layout *layout = read_made(finish(f));
+  eda_layout *layout = read_made(finish(f));
   g_autofree char *got = dump(layout);
   g_assert_cmpstr(got, ==, want);
-  l->destroy(layout);
+  eda_layout_free(layout);
 }
 
 /* ---- numbers ---- */
@@ -59,43 +60,45 @@ static void test_reals(void) {
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     GByteArray *f = new_cell();
-    put(f, "bbt", OASIS_PLACEMENT_REAL, 0x80 | 4 | 2, "A");
+    put(f, "bbt", EDA_OASIS_PLACEMENT_REAL, 0x80 | 4 | 2, "A");
     g_byte_array_append(f, cases[i].bytes, (guint)cases[i].n);
-    put(f, "bbbb", 5, 45, 2, OASIS_PAD); /* an angle of -45 / 2 */
+    put(f, "bbbb", 5, 45, 2, EDA_OASIS_PAD); /* an angle of -45 / 2 */
     char *path = finish(f);
     if (cases[i].value < 0) {
       refuse(path, OPC_IO, "impossible magnification at byte 27");
       continue;
     }
-    opc_layout *layout = read_made(path);
-    opc_placement p;
+    eda_layout *layout = read_made(path);
+    eda_placement p;
     int32_t child;
-    l->instance(layout, l->find_cell(layout, "TOP"), 0, &child, &p);
+    eda_layout_instance(layout, eda_layout_find_cell(layout, "TOP"), 0, &child,
+                        &p);
     g_assert_cmpfloat(p.magnification, ==, cases[i].value);
     g_assert_cmpfloat(p.angle, ==, -22.5);
-    l->destroy(layout);
+    eda_layout_free(layout);
   }
 }
 
 static void test_bounds(void) {
   GByteArray *f = new_cell();
-  put(f, "bbuuuu", OASIS_RECTANGLE, 0x63, 1ul, 0ul, 0xfffffffful, 0xfffffffful);
+  put(f, "bbuuuu", EDA_OASIS_RECTANGLE, 0x63, 1ul, 0ul, 0xfffffffful,
+      0xfffffffful);
   refuse(finish(f), OPC_IO, "a coordinate beyond 32 bits at byte 27");
   f = new_cell();
-  put(f, "bbuuuuss", OASIS_RECTANGLE, 0x7b, 4294967295ul, 4294967295ul,
+  put(f, "bbuuuuss", EDA_OASIS_RECTANGLE, 0x7b, 4294967295ul, 4294967295ul,
       0xfffffffful, 0xfffffffful, -2147483648l, -2147483648l);
   expect(f,
          "4294967295/4294967295 -2147483648,-2147483648 "
          "2147483647,-2147483648 2147483647,2147483647 "
          "-2147483648,2147483647\n");
   f = new_cell();
-  put(f, "bbuuuus", OASIS_RECTANGLE, 0x73, 1ul, 0ul, 1ul, 1ul, 2147483648l);
+  put(f, "bbuuuus", EDA_OASIS_RECTANGLE, 0x73, 1ul, 0ul, 1ul, 1ul, 2147483648l);
   refuse(finish(f), OPC_IO, "a coordinate beyond 32 bits");
   f = new_cell();
-  put(f, "bbu", OASIS_RECTANGLE, 0x63, 4294967296ul);
+  put(f, "bbu", EDA_OASIS_RECTANGLE, 0x63, 4294967296ul);
   refuse(finish(f), OPC_IO, "a layer beyond 32 bits");
   f = new_cell();
-  put(f, "bbuu", OASIS_RECTANGLE, 0x63, 1ul, 0ul);
+  put(f, "bbuu", EDA_OASIS_RECTANGLE, 0x63, 1ul, 0ul);
   for (int i = 0; i < 9; i++) put(f, "b", 0xff);
   put(f, "b", 2); /* the 65th bit */
   refuse(finish(f), OPC_IO, "an integer beyond 64 bits");
@@ -126,9 +129,9 @@ static void test_repetitions(void) {
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     GByteArray *f = new_cell();
-    put(f, "bbtuu", OASIS_TEXT, 0x47, "T", 1ul, 2ul);
+    put(f, "bbtuu", EDA_OASIS_TEXT, 0x47, "T", 1ul, 2ul);
     for (size_t k = 0; cases[i].format[k]; k++) put(f, "u", cases[i].v[k]);
-    put(f, "bbsb", OASIS_TEXT, 0x14, 100l, 0); /* the same again */
+    put(f, "bbsb", EDA_OASIS_TEXT, 0x14, 100l, 0); /* the same again */
     GString *want = g_string_new(NULL);
     for (int again = 0; again < 2; again++) {
       g_auto(GStrv) places = g_strsplit(cases[i].places, " ", -1);
@@ -142,7 +145,7 @@ static void test_repetitions(void) {
     g_string_free(want, TRUE);
   }
   GByteArray *f = new_cell();
-  put(f, "bbtuub", OASIS_TEXT, 0x47, "T", 1ul, 2ul, 0);
+  put(f, "bbtuub", EDA_OASIS_TEXT, 0x47, "T", 1ul, 2ul, 0);
   refuse(finish(f), OPC_IO, "like one before, but there is none");
 }
 
@@ -161,7 +164,7 @@ static void test_points(void) {
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     GByteArray *f = new_cell();
-    put(f, "bbuu", OASIS_POLYGON, 0x23, 1ul, 2ul);
+    put(f, "bbuu", EDA_OASIS_POLYGON, 0x23, 1ul, 2ul);
     for (size_t k = 0; k < cases[i].n; k++) put(f, "u", cases[i].v[k]);
     g_autofree char *want = g_strdup_printf("1/2 %s\n", cases[i].points);
     expect(f, want);
@@ -173,39 +176,39 @@ static void test_points(void) {
 static void test_shapes(void) {
   GByteArray *f = new_cell();
   /* A square, then the next in relative coordinates; its layer is known. */
-  put(f, "bbuuuss", OASIS_RECTANGLE, 0xdb, 1ul, 2ul, 5ul, 10l, 20l);
-  put(f, "b", OASIS_XYRELATIVE);
-  put(f, "bbuss", OASIS_RECTANGLE, 0x38, 7ul, 1l, 2l);
-  put(f, "b", OASIS_XYABSOLUTE);
-  put(f, "bbuussss", OASIS_TRAPEZOID, 0x78, 20ul, 10ul, 3l, -4l, 0l, 0l);
-  put(f, "bbuusss", OASIS_TRAPEZOID_A, 0xf8, 10ul, 20ul, -3l, 0l, 0l);
-  put(f, "bbuusss", OASIS_TRAPEZOID_B, 0x78, 10ul, 20ul, 10l, 0l, 0l);
+  put(f, "bbuuuss", EDA_OASIS_RECTANGLE, 0xdb, 1ul, 2ul, 5ul, 10l, 20l);
+  put(f, "b", EDA_OASIS_XYRELATIVE);
+  put(f, "bbuss", EDA_OASIS_RECTANGLE, 0x38, 7ul, 1l, 2l);
+  put(f, "b", EDA_OASIS_XYABSOLUTE);
+  put(f, "bbuussss", EDA_OASIS_TRAPEZOID, 0x78, 20ul, 10ul, 3l, -4l, 0l, 0l);
+  put(f, "bbuusss", EDA_OASIS_TRAPEZOID_A, 0xf8, 10ul, 20ul, -3l, 0l, 0l);
+  put(f, "bbuusss", EDA_OASIS_TRAPEZOID_B, 0x78, 10ul, 20ul, 10l, 0l, 0l);
   expect(f,
          "1/2 10,20 15,20 15,25 10,25\n1/2 11,22 16,22 16,29 11,29\n"
          "1/2 0,0 20,0 16,10 3,10\n1/2 0,0 10,3 10,20 0,20\n"
          "1/2 0,0 10,20 0,20\n");
   f = new_cell();
-  put(f, "bbuuuuss", OASIS_TRAPEZOID, 0x63, 1ul, 2ul, 20ul, 10ul, 15l, -16l);
+  put(f, "bbuuuuss", EDA_OASIS_TRAPEZOID, 0x63, 1ul, 2ul, 20ul, 10ul, 15l,
+      -16l);
   refuse(finish(f), OPC_IO, "a trapezoid whose sides cross");
   f = new_cell();
-  put(f, "bbuuuuu", OASIS_CTRAPEZOID, 0xe3, 1ul, 2ul, 4ul, 20ul, 11ul);
+  put(f, "bbuuuuu", EDA_OASIS_CTRAPEZOID, 0xe3, 1ul, 2ul, 4ul, 20ul, 11ul);
   refuse(finish(f), OPC_IO, "a trapezoid whose sides cross");
   f = new_cell();
-  put(f, "bbuuuu", OASIS_CTRAPEZOID, 0xe3, 1ul, 2ul, 26ul, 20ul);
+  put(f, "bbuuuu", EDA_OASIS_CTRAPEZOID, 0xe3, 1ul, 2ul, 26ul, 20ul);
   refuse(finish(f), OPC_IO, "an unknown kind of trapezoid");
 }
 
 /* Half a width longer at the start, 7 at the end. */
 static void test_path(void) {
   GByteArray *f = new_cell();
-  put(f, "bbuuuusuuuss", OASIS_PATH, 0xfb, 1ul, 2ul, 5ul, 2ul << 2 | 3, 7l, 4ul,
-      1ul, 100ul << 4, 3l, 4l);
-  put(f, "bbuu", OASIS_PATH, 0xc0, 4ul, 1ul << 2 | 1); /* the same list */
-  opc_layout *layout = read_made(finish(f));
+  put(f, "bbuuuusuuuss", EDA_OASIS_PATH, 0xfb, 1ul, 2ul, 5ul, 2ul << 2 | 3, 7l,
+      4ul, 1ul, 100ul << 4, 3l, 4l);
+  put(f, "bbuu", EDA_OASIS_PATH, 0xc0, 4ul, 1ul << 2 | 1); /* the same list */
+  eda_layout *layout = read_made(finish(f));
   opc_error e;
-  opc_flat flat;
-  g_assert_cmpint(l->flatten(opc_test_host(), layout, 0, 0, 1, &flat, &e), ==,
-                  0);
+  eda_flat flat;
+  g_assert_cmpint(eda_layout_flatten(layout, 0, 0, 1, &flat, &e), ==, 0);
   g_assert_cmpuint(flat.shapes.count, ==, 2);
   int32_t x0 = INT32_MAX, x1 = INT32_MIN, y0 = INT32_MAX, y1 = INT32_MIN;
   for (int k = 0; k < 4; k++) {
@@ -218,38 +221,38 @@ static void test_path(void) {
   g_assert_cmpint(x1, ==, 103 + 7);
   g_assert_cmpint(y0, ==, 0);
   g_assert_cmpint(y1, ==, 8);
-  l->release(&flat);
-  l->destroy(layout);
+  eda_flat_clear(&flat);
+  eda_layout_free(layout);
 }
 
 static void test_circle(void) {
   GByteArray *f = new_cell();
-  put(f, "bbuuuss", OASIS_CIRCLE, 0x3b, 1ul, 2ul, 100000ul, 7l, -9l);
-  opc_layout *layout = read_made(finish(f));
+  put(f, "bbuuuss", EDA_OASIS_CIRCLE, 0x3b, 1ul, 2ul, 100000ul, 7l, -9l);
+  eda_layout *layout = read_made(finish(f));
   size_t n;
   int32_t layer;
-  const opc_point *p = l->polygon(layout, 0, 0, &n, &layer);
+  const eda_point *p = eda_layout_polygon(layout, 0, 0, &n, &layer);
   double area = 0;
   g_assert_cmpuint(n, ==, 64);
   for (size_t k = 0; k < n; k++) {
-    opc_point a = p[k], b = p[(k + 1) % n];
+    eda_point a = p[k], b = p[(k + 1) % n];
     g_assert_cmpfloat_with_epsilon(hypot(a.x - 7, a.y + 9), 100000, 1);
     area += 0.5 * ((double)a.x * b.y - (double)b.x * a.y);
   }
   double want = 32 * sin(2 * G_PI / 64) * 1e10;
   g_assert_cmpfloat_with_epsilon(area / want, 1, 1e-5);
-  l->destroy(layout);
+  eda_layout_free(layout);
 }
 
 /* What is not known is stepped over, with its modal variables. */
 static void test_extensions(void) {
   GByteArray *f = new_file();
-  put(f, "but", OASIS_XNAME, 1ul, "?");
-  put(f, "btuuuuu", OASIS_LAYERNAME, "POLY", 4ul, 1ul, 9ul, 3ul, 0ul);
-  put(f, "bt", OASIS_CELL, "TOP");
-  put(f, "but", OASIS_XELEMENT, 1ul, "?");
-  put(f, "bbuuutss", OASIS_XGEOMETRY, 0x1b, 1ul, 4ul, 5ul, "?", 7l, 8l);
-  put(f, "bbuu", OASIS_RECTANGLE, 0x60, 1ul, 2ul);
+  put(f, "but", EDA_OASIS_XNAME, 1ul, "?");
+  put(f, "btuuuuu", EDA_OASIS_LAYERNAME, "POLY", 4ul, 1ul, 9ul, 3ul, 0ul);
+  put(f, "bt", EDA_OASIS_CELL, "TOP");
+  put(f, "but", EDA_OASIS_XELEMENT, 1ul, "?");
+  put(f, "bbuuutss", EDA_OASIS_XGEOMETRY, 0x1b, 1ul, 4ul, 5ul, "?", 7l, 8l);
+  put(f, "bbuu", EDA_OASIS_RECTANGLE, 0x60, 1ul, 2ul);
   expect(f, "4/5 7,8 8,8 8,10 7,10\n");
 }
 
@@ -259,24 +262,24 @@ static void test_extensions(void) {
 static void test_names(void) {
   for (int explicit = 0; explicit < 2; explicit ++) {
     GByteArray *f = new_file();
-    put(f, "bu", OASIS_CELL_NUMBER, 1ul);
-    put(f, "bbu", OASIS_PLACEMENT, 0xc0, 0ul);
-    put(f, "bbuuuuu", OASIS_PROPERTY, 0x27, 1ul, 8ul, 5ul, 14ul, 1ul);
-    put(f, "bbuuuuu", OASIS_PROPERTY, 0x27, 1ul, 8ul, 61ul, 14ul, 0ul);
-    put(f, "bbu", OASIS_PLACEMENT, 0xc0, 0ul);
-    put(f, "bbuuuuu", OASIS_PROPERTY, 0x27, 1ul, 8ul, 5ul, 14ul, 1ul);
-    put(f, "b", OASIS_PROPERTY_AGAIN);
-    put(f, "bb", OASIS_PLACEMENT, 0);
-    put(f, "bbuuuuu", OASIS_PROPERTY, 0x27, 0ul, 8ul, 61ul, 14ul, 1ul);
-    put(f, "bbuuu", OASIS_TEXT, 0x63, 1ul, 6ul, 7ul);
+    put(f, "bu", EDA_OASIS_CELL_NUMBER, 1ul);
+    put(f, "bbu", EDA_OASIS_PLACEMENT, 0xc0, 0ul);
+    put(f, "bbuuuuu", EDA_OASIS_PROPERTY, 0x27, 1ul, 8ul, 5ul, 14ul, 1ul);
+    put(f, "bbuuuuu", EDA_OASIS_PROPERTY, 0x27, 1ul, 8ul, 61ul, 14ul, 0ul);
+    put(f, "bbu", EDA_OASIS_PLACEMENT, 0xc0, 0ul);
+    put(f, "bbuuuuu", EDA_OASIS_PROPERTY, 0x27, 1ul, 8ul, 5ul, 14ul, 1ul);
+    put(f, "b", EDA_OASIS_PROPERTY_AGAIN);
+    put(f, "bb", EDA_OASIS_PLACEMENT, 0);
+    put(f, "bbuuuuu", EDA_OASIS_PROPERTY, 0x27, 0ul, 8ul, 61ul, 14ul, 1ul);
+    put(f, "bbuuu", EDA_OASIS_TEXT, 0x63, 1ul, 6ul, 7ul);
     const struct {
       int record;
       const char *name[2];
     } tables[] = {
-        {OASIS_TEXTSTRING, {"no", "yes \xe4"}},
-        {OASIS_PROPSTRING, {"XU1", "XU2"}},
-        {OASIS_PROPNAME, {"other", OASIS_GDS_PROPERTY}},
-        {OASIS_CELLNAME, {"LEAF", "TOP"}},
+        {EDA_OASIS_TEXTSTRING, {"no", "yes \xe4"}},
+        {EDA_OASIS_PROPSTRING, {"XU1", "XU2"}},
+        {EDA_OASIS_PROPNAME, {"other", EDA_OASIS_GDS_PROPERTY}},
+        {EDA_OASIS_CELLNAME, {"LEAF", "TOP"}},
     };
     for (size_t t = 0; t < G_N_ELEMENTS(tables); t++)
       for (int k = 0; k < 2; k++) {
@@ -284,44 +287,45 @@ static void test_names(void) {
         put(f, "bt", tables[t].record + explicit, tables[t].name[i]);
         if (explicit) put(f, "u", (unsigned long)i);
       }
-    put(f, "bu", OASIS_CELL_NUMBER, 0ul);
-    opc_layout *layout = read_made(finish(f));
-    int32_t top = l->find_cell(layout, "TOP"), child;
-    opc_placement p;
+    put(f, "bu", EDA_OASIS_CELL_NUMBER, 0ul);
+    eda_layout *layout = read_made(finish(f));
+    int32_t top = eda_layout_find_cell(layout, "TOP"), child;
+    eda_placement p;
     static const char *const want[] = {"XU1", "XU2", NULL};
-    g_assert_cmpuint(l->cells(layout), ==, 2);
-    g_assert_cmpuint(l->instances(layout, top), ==, 3);
+    g_assert_cmpuint(eda_layout_cells(layout), ==, 2);
+    g_assert_cmpuint(eda_layout_instances(layout, top), ==, 3);
     for (size_t i = 0; i < 3; i++) {
-      g_assert_cmpstr(l->instance(layout, top, i, &child, &p), ==, want[i]);
-      g_assert_cmpstr(l->cell_name(layout, child), ==, "LEAF");
+      g_assert_cmpstr(eda_layout_instance(layout, top, i, &child, &p), ==,
+                      want[i]);
+      g_assert_cmpstr(eda_layout_cell_name(layout, child), ==, "LEAF");
     }
     g_autofree char *got = dump(layout);
     g_assert_cmpstr(got, ==, "6/7 0,0 'yes \\xE4'\n");
-    l->destroy(layout);
+    eda_layout_free(layout);
   }
   GByteArray *f = new_file();
-  put(f, "bu", OASIS_CELL_NUMBER, 7ul);
+  put(f, "bu", EDA_OASIS_CELL_NUMBER, 7ul);
   refuse(finish(f), OPC_IO, "a cell whose number has no name at byte 22");
   f = new_file();
-  put(f, "btubtu", OASIS_CELLNAME_NUMBER, "A", 1ul, OASIS_CELLNAME_NUMBER, "B",
-      1ul);
+  put(f, "btubtu", EDA_OASIS_CELLNAME_NUMBER, "A", 1ul,
+      EDA_OASIS_CELLNAME_NUMBER, "B", 1ul);
   refuse(finish(f), OPC_IO, "a second name for the same number at byte 26");
   f = new_cell();
-  put(f, "bt", OASIS_CELL, "TOP");
+  put(f, "bt", EDA_OASIS_CELL, "TOP");
   refuse(finish(f), OPC_IO, "cell 'TOP' a second time at byte 27");
 }
 
 /* Modal variables are undefined at the start of a cell. */
 static void test_modal(void) {
   GByteArray *f = new_cell();
-  put(f, "bbuuuuss", OASIS_RECTANGLE, 0x7b, 1ul, 2ul, 3ul, 4ul, 5l, 6l);
-  put(f, "bt", OASIS_CELL, "OTHER");
+  put(f, "bbuuuuss", EDA_OASIS_RECTANGLE, 0x7b, 1ul, 2ul, 3ul, 4ul, 5l, 6l);
+  put(f, "bt", EDA_OASIS_CELL, "OTHER");
   guint at = f->len;
-  put(f, "bbuu", OASIS_RECTANGLE, 0x60, 3ul, 4ul);
+  put(f, "bbuu", EDA_OASIS_RECTANGLE, 0x60, 3ul, 4ul);
   g_autofree char *why = g_strdup_printf("without a layer at byte %u", at);
   refuse(finish(f), OPC_IO, why);
   f = new_file();
-  put(f, "bbuu", OASIS_RECTANGLE, 0x60, 3ul, 4ul);
+  put(f, "bbuu", EDA_OASIS_RECTANGLE, 0x60, 3ul, 4ul);
   refuse(finish(f), OPC_IO, "not in a cell, at byte 22");
 }
 
@@ -338,8 +342,8 @@ static void put_block(GByteArray *f, const GByteArray *content, long more) {
   g_assert_cmpint(deflate(&z, Z_FINISH), ==, Z_STREAM_END);
   guint n = (guint)(sizeof packed - z.avail_out);
   deflateEnd(&z);
-  put(f, "bbuu", OASIS_CBLOCK, 0, (unsigned long)((long)content->len + more),
-      (unsigned long)n);
+  put(f, "bbuu", EDA_OASIS_CBLOCK, 0,
+      (unsigned long)((long)content->len + more), (unsigned long)n);
   g_byte_array_append(f, packed, n);
 }
 
@@ -355,11 +359,12 @@ static void test_blocks(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_autoptr(GByteArray) content = g_byte_array_new();
     GByteArray *f = new_cell();
-    put(content, "bbuuuuss", OASIS_RECTANGLE, 0x7b, 1ul, 2ul, 3ul, 4ul, 5l, 6l);
-    for (int k = 0; k < 100; k++) put(content, "b", OASIS_PAD);
-    put(content, "bbs", OASIS_RECTANGLE, 0x10, 300l);
+    put(content, "bbuuuuss", EDA_OASIS_RECTANGLE, 0x7b, 1ul, 2ul, 3ul, 4ul, 5l,
+        6l);
+    for (int k = 0; k < 100; k++) put(content, "b", EDA_OASIS_PAD);
+    put(content, "bbs", EDA_OASIS_RECTANGLE, 0x10, 300l);
     put_block(f, content, cases[i].more);
-    put(f, "bbs", OASIS_RECTANGLE, 0x10, 9l);
+    put(f, "bbs", EDA_OASIS_RECTANGLE, 0x10, 9l);
     if (cases[i].why)
       refuse(finish(f), OPC_IO, cases[i].why);
     else
@@ -370,16 +375,16 @@ static void test_blocks(void) {
 }
 
 static void test_sums(void) {
-  for (int scheme = 0; scheme <= OASIS_SUM32; scheme++)
+  for (int scheme = 0; scheme <= EDA_OASIS_SUM32; scheme++)
     for (uint32_t wrong = 0; wrong < 2; wrong++) {
       GByteArray *f = new_cell();
-      for (int i = 0; i < 300000; i++) put(f, "b", OASIS_PAD);
-      put(f, "bbuuuuss", OASIS_RECTANGLE, 0x7b, 1ul, 2ul, 3ul, 4ul, 5l, 6l);
+      for (int i = 0; i < 300000; i++) put(f, "b", EDA_OASIS_PAD);
+      put(f, "bbuuuuss", EDA_OASIS_RECTANGLE, 0x7b, 1ul, 2ul, 3ul, 4ul, 5l, 6l);
       char *path = finish_sum(f, scheme, wrong);
       if (wrong && scheme)
         refuse(path, OPC_IO, scheme == 1 ? "the CRC32 is" : "the sum is");
       else
-        l->destroy(read_made(path));
+        eda_layout_free(read_made(path));
     }
 }
 
@@ -387,16 +392,16 @@ static void test_sums(void) {
 static void test_parameters(void) {
   GByteArray *f = new_cell();
   opc_error e = {0};
-  put(f, "bbuuuu", OASIS_RECTANGLE, 0x63, 9ul, 5ul, 3ul, 4ul);
-  put(f, "bt", OASIS_CELL, "OTHER");
+  put(f, "bbuuuu", EDA_OASIS_RECTANGLE, 0x63, 9ul, 5ul, 3ul, 4ul);
+  put(f, "bt", EDA_OASIS_CELL, "OTHER");
   g_autofree char *path = finish(f);
-  opc_layout *layout =
+  eda_layout *layout =
       read_more(path, ", layers: { poly: '9' }, scale: 1.3, top: TOP", &e);
   g_assert_nonnull(layout);
-  g_assert_cmpstr(l->layer_name(layout, 0), ==, "poly");
-  g_assert_cmpfloat_with_epsilon(l->unit(layout), 1.3, 1e-15);
-  g_assert_cmpuint(l->cells(layout), ==, 1);
-  l->destroy(layout);
+  g_assert_cmpstr(eda_layout_layer_name(layout, 0), ==, "poly");
+  g_assert_cmpfloat_with_epsilon(eda_layout_unit(layout), 1.3, 1e-15);
+  g_assert_cmpuint(eda_layout_cells(layout), ==, 1);
+  eda_layout_free(layout);
   g_assert_null(read_more(path, ", layers: { poly: 8/0 }", &e));
   g_assert_nonnull(strstr(e.message, "there is no layer 8/0 for 'poly'"));
   g_assert_null(read_more(path, ", top: NONE", &e));
@@ -409,20 +414,20 @@ static void test_parameters(void) {
    a layout can be flattened. */
 static void survive(const char *path) {
   opc_error e = {0};
-  opc_layout *layout = read_more(path, "", &e);
+  eda_layout *layout = read_more(path, "", &e);
   if (!layout) {
     g_assert_cmpint(e.code, !=, 0);
     g_assert_nonnull(strstr(e.message, path));
     return;
   }
-  int32_t top = l->top(layout, &e);
-  for (size_t i = 0; i < l->layers(layout) && top >= 0; i++) {
-    opc_flat flat;
-    if (!l->flatten(opc_test_host(), layout, top, (int32_t)i, l->unit(layout),
-                    &flat, &e))
-      l->release(&flat);
+  int32_t top = eda_layout_top(layout, &e);
+  for (size_t i = 0; i < eda_layout_layers(layout) && top >= 0; i++) {
+    eda_flat flat;
+    if (!eda_layout_flatten(layout, top, (int32_t)i, eda_layout_unit(layout),
+                            &flat, &e))
+      eda_flat_clear(&flat);
   }
-  l->destroy(layout);
+  eda_layout_free(layout);
 }
 
 static void write_bytes(const char *path, const char *bytes, size_t n) {
@@ -483,7 +488,7 @@ static void test_flipped(void) {
         int at = g_rand_int_range(rand, 0, (gint32)n - 250);
         copy[at] = (char)(copy[at] ^ 1 << g_rand_int_range(rand, 0, 8));
       }
-      if (copy[n - 5] == OASIS_CRC32) {
+      if (copy[n - 5] == EDA_OASIS_CRC32) {
         uint32_t sum = (uint32_t)crc32(0, (const Bytef *)copy, (uInt)n - 4);
         for (int k = 0; k < 4; k++)
           copy[n - 4 + (size_t)k] = (char)(sum >> 8 * k);
@@ -499,24 +504,23 @@ static void test_flipped(void) {
    at each other. */
 static void test_circles(void) {
   GByteArray *f = new_cell();
-  put(f, "bbt", OASIS_PLACEMENT, 0x80, "TOP");
-  put(f, "bbt", OASIS_PLACEMENT, 0x80, "OTHER");
-  put(f, "bbuuuu", OASIS_RECTANGLE, 0x63, 1ul, 2ul, 3ul, 4ul);
-  put(f, "bt", OASIS_CELL, "OTHER");
-  put(f, "bbt", OASIS_PLACEMENT, 0x80, "TOP");
-  opc_layout *layout = read_made(finish(f));
+  put(f, "bbt", EDA_OASIS_PLACEMENT, 0x80, "TOP");
+  put(f, "bbt", EDA_OASIS_PLACEMENT, 0x80, "OTHER");
+  put(f, "bbuuuu", EDA_OASIS_RECTANGLE, 0x63, 1ul, 2ul, 3ul, 4ul);
+  put(f, "bt", EDA_OASIS_CELL, "OTHER");
+  put(f, "bbt", EDA_OASIS_PLACEMENT, 0x80, "TOP");
+  eda_layout *layout = read_made(finish(f));
   opc_error e = {0};
-  opc_flat flat;
-  g_assert_cmpint(l->top(layout, &e), ==, -1);
+  eda_flat flat;
+  g_assert_cmpint(eda_layout_top(layout, &e), ==, -1);
   g_assert_nonnull(strstr(e.message, "circle"));
-  g_assert_cmpint(l->flatten(opc_test_host(), layout, 0, 0, 1, &flat, &e), !=,
-                  0);
-  l->destroy(layout);
+  g_assert_cmpint(eda_layout_flatten(layout, 0, 0, 1, &flat, &e), !=, 0);
+  eda_layout_free(layout);
   f = g_byte_array_new(); /* tables that are where START is */
-  g_byte_array_append(f, (const uint8_t *)OASIS_MAGIC, 13);
-  put(f, "btrb", OASIS_START, "1.0", 1000, 0);
+  g_byte_array_append(f, (const uint8_t *)EDA_OASIS_MAGIC, 13);
+  put(f, "btrb", EDA_OASIS_START, "1.0", 1000, 0);
   for (int i = 0; i < 6; i++) put(f, "bb", 1, 13);
-  put(f, "bu", OASIS_CELL_NUMBER, 0ul);
+  put(f, "bu", EDA_OASIS_CELL_NUMBER, 0ul);
   refuse(save(f), OPC_IO, "at byte ");
   g_byte_array_free(f, TRUE);
 }
@@ -525,38 +529,38 @@ static void test_circles(void) {
 static void test_arrays(void) {
   const unsigned long million = 999998;
   GByteArray *f = new_cell();
-  put(f, "bbtuuuuu", OASIS_PLACEMENT, 0x88, "A", 1ul, million, million, 20ul,
-      20ul);
-  put(f, "bt", OASIS_CELL, "A");
-  put(f, "bbuuuu", OASIS_RECTANGLE, 0x63, 1ul, 2ul, 3ul, 4ul);
-  opc_layout *layout = read_made(finish(f));
+  put(f, "bbtuuuuu", EDA_OASIS_PLACEMENT, 0x88, "A", 1ul, million, million,
+      20ul, 20ul);
+  put(f, "bt", EDA_OASIS_CELL, "A");
+  put(f, "bbuuuu", EDA_OASIS_RECTANGLE, 0x63, 1ul, 2ul, 3ul, 4ul);
+  eda_layout *layout = read_made(finish(f));
   opc_error e = {0};
-  opc_flat flat;
-  opc_placement p;
+  eda_flat flat;
+  eda_placement p;
   int32_t child;
-  l->instance(layout, l->find_cell(layout, "TOP"), 0, &child, &p);
+  eda_layout_instance(layout, eda_layout_find_cell(layout, "TOP"), 0, &child,
+                      &p);
   g_assert_true(p.columns == 1000000 && p.rows == 1000000);
-  g_assert_cmpint(l->flatten(opc_test_host(), layout, 0, 0, 1, &flat, &e), !=,
-                  0);
-  l->destroy(layout);
+  g_assert_cmpint(eda_layout_flatten(layout, 0, 0, 1, &flat, &e), !=, 0);
+  eda_layout_free(layout);
   f = new_cell();
-  put(f, "bbuuuuuuuuu", OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul, 1ul, million,
-      million, 20ul, 20ul);
+  put(f, "bbuuuuuuuuu", EDA_OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul, 1ul,
+      million, million, 20ul, 20ul);
   refuse(finish(f), OPC_IO, "too many shapes for so short a file");
   f = new_cell();
-  put(f, "bbtuuuuuuu", OASIS_TEXT, 0x47, "T", 1ul, 2ul, 1ul, million, million,
-      0ul, 0ul);
+  put(f, "bbtuuuuuuu", EDA_OASIS_TEXT, 0x47, "T", 1ul, 2ul, 1ul, million,
+      million, 0ul, 0ul);
   refuse(finish(f), OPC_IO, "too many shapes for so short a file");
   f = new_cell(); /* a long polygon, over and over again */
-  put(f, "bbuuuu", OASIS_POLYGON, 0x23, 1ul, 2ul, 4ul, 100000ul);
+  put(f, "bbuuuu", EDA_OASIS_POLYGON, 0x23, 1ul, 2ul, 4ul, 100000ul);
   for (int i = 0; i < 100000; i++) put(f, "u", 1ul << 4 | (i % 2 ? 2 : 0));
-  for (int i = 0; i < 5000; i++) put(f, "bb", OASIS_POLYGON, 0);
+  for (int i = 0; i < 5000; i++) put(f, "bb", EDA_OASIS_POLYGON, 0);
   refuse(finish(f), OPC_IO, "too many shapes for so short a file");
   f = new_cell();
-  put(f, "bbuuuuuu", OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul, 10ul, ~0ul);
+  put(f, "bbuuuuuu", EDA_OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul, 10ul, ~0ul);
   refuse(finish(f), OPC_IO, "a repetition of too many");
   f = new_cell();
-  put(f, "bbuuuuuu", OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul, 10ul,
+  put(f, "bbuuuuuu", EDA_OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul, 10ul,
       1ul << 61);
   refuse(finish(f), OPC_IO, "at byte ");
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Rectangles, polygons, paths, trapezoids, circles (SEMI P39, sections 25 to
    30). */
+#include <eda/memory.h>
 #include <math.h>
-#include <stdlib.h>
 
 #include "oasis.h"
 
@@ -64,7 +64,6 @@ static oasis_vector moved(const oasis *o, int repeated, uint64_t i) {
 }
 
 static void add_boxes(oasis *o, int repeated, int32_t layer) {
-  const opc_layout_service *l = o->host->layout;
   uint64_t n = repeated ? oasis_members(&o->m.repetition) : 1;
   oasis_vector size = {o->m.width, o->m.height};
   if (!oasis_spend(o, n, 4) ||
@@ -72,29 +71,17 @@ static void add_boxes(oasis *o, int repeated, int32_t layer) {
     return;
   for (uint64_t i = 0; i < n; i++) {
     oasis_vector at = moved(o, repeated, i);
-    opc_box box = {(int32_t)at.x, (int32_t)at.y, (int32_t)(at.x + size.x),
+    eda_box box = {(int32_t)at.x, (int32_t)at.y, (int32_t)(at.x + size.x),
                    (int32_t)(at.y + size.y)};
-    if (!oasis_told(o, l->add_box(o->layout, o->cell, layer, box, o->error)))
+    if (!oasis_told(
+            o, eda_layout_add_box(o->layout, o->cell, layer, box, o->error)))
       return;
   }
-}
-
-static int room_for(oasis *o, size_t n) {
-  if (n <= o->room_points) return 1;
-  opc_point *memory = realloc(o->points, n * sizeof *memory);
-  if (!memory) {
-    oasis_no_memory(&o->s);
-    return 0;
-  }
-  o->points = memory;
-  o->room_points = n;
-  return 1;
 }
 
 /* A polygon, or a path where `path`, with its members. */
 static void add_points(oasis *o, int repeated, int32_t layer,
                        const oasis_vector *p, size_t n, int path) {
-  const opc_layout_service *l = o->host->layout;
   oasis_vector low = p[0], high = p[0];
   for (size_t i = 1; i < n; i++) {
     if (p[i].x < low.x) low.x = p[i].x;
@@ -103,20 +90,21 @@ static void add_points(oasis *o, int repeated, int32_t layer,
     if (p[i].y > high.y) high.y = p[i].y;
   }
   uint64_t members = repeated ? oasis_members(&o->m.repetition) : 1;
-  if (!room_for(o, n) || !oasis_spend(o, members, path ? 4 * n : n) ||
+  if (!oasis_spend(o, members, path ? 4 * n : n) ||
       !oasis_fits(o, repeated, low, high))
     return;
+  eda_grow(&o->points, &o->room_points, n, sizeof *o->points);
   for (uint64_t i = 0; i < members; i++) {
     oasis_vector at = moved(o, repeated, i);
     for (size_t k = 0; k < n; k++)
       o->points[k] =
-          (opc_point){(int32_t)(at.x + p[k].x), (int32_t)(at.y + p[k].y)};
-    int code =
-        path
-            ? l->add_path(o->layout, o->cell, layer, o->points, n,
-                          (int32_t)(2 * o->m.halfwidth), 4, (int32_t)o->m.begin,
-                          (int32_t)o->m.end, o->error)
-            : l->add_polygon(o->layout, o->cell, layer, o->points, n, o->error);
+          (eda_point){(int32_t)(at.x + p[k].x), (int32_t)(at.y + p[k].y)};
+    int code = path ? eda_layout_add_path(o->layout, o->cell, layer, o->points,
+                                          n, (int32_t)(2 * o->m.halfwidth), 4,
+                                          (int32_t)o->m.begin,
+                                          (int32_t)o->m.end, o->error)
+                    : eda_layout_add_polygon(o->layout, o->cell, layer,
+                                             o->points, n, o->error);
     if (!oasis_told(o, code)) return;
   }
 }
@@ -216,8 +204,8 @@ void oasis_read_trapezoid(oasis *o, uint64_t record) {
   int64_t a = 0, b = 0;
   read_layer(o, info);
   read_sizes(o, info);
-  if (record != OASIS_TRAPEZOID_B) a = oasis_length(s, oasis_sint(s));
-  if (record != OASIS_TRAPEZOID_A) b = oasis_length(s, oasis_sint(s));
+  if (record != EDA_OASIS_TRAPEZOID_B) a = oasis_length(s, oasis_sint(s));
+  if (record != EDA_OASIS_TRAPEZOID_A) b = oasis_length(s, oasis_sint(s));
   if (!read_rest(o, info, &layer) ||
       !oasis_need(o, HAS_WIDTH, "a trapezoid without a width") ||
       !oasis_need(o, HAS_HEIGHT, "a trapezoid without a height"))

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* An OASIS file as a stream of bytes: windows, compressed blocks, check sums.
+ */
 #include "stream.h"
 
+#include <eda/memory.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <math.h>
@@ -8,7 +11,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { BUFFER = 1 << 18, MAGIC = sizeof OASIS_MAGIC - 1 };
+enum { BUFFER = 1 << 18, MAGIC = sizeof EDA_OASIS_MAGIC - 1 };
 
 /* Blocks of a file may hold this many bytes for each of the file's, and so
    many more: far beyond what layouts compress to. */
@@ -20,24 +23,20 @@ enum { BUFFER = 1 << 18, MAGIC = sizeof OASIS_MAGIC - 1 };
 void oasis_open(oasis_stream *s, const opc_host *host, const char *path,
                 opc_error *error) {
   *s = (oasis_stream){.host = host, .path = path, .error = error};
-  s->buffer = host->alloc(host, BUFFER, 1);
-  s->inflated = host->alloc(host, BUFFER, 1);
-  if (!s->buffer || !s->inflated) {
-    oasis_no_memory(s);
-    return;
-  }
+  s->buffer = eda_alloc(BUFFER, 1);
+  s->inflated = eda_alloc(BUFFER, 1);
   struct stat about;
   s->file = fopen(path, "rb");
   if (!s->file || fstat(fileno(s->file), &about)) {
     s->failed = 1;
-    host->fail(host, error, OPC_IO, NULL, "'%s': %s", path, strerror(errno));
+    opc_fail(error, OPC_IO, NULL, "'%s': %s", path, strerror(errno));
     return;
   }
   setvbuf(s->file, NULL, _IONBF, 0);
   s->size = (uint64_t)about.st_size;
   s->p = s->end = s->buffer;
   for (int i = 0; i < MAGIC && !s->failed; i++)
-    if (oasis_byte(s) != (uint8_t)OASIS_MAGIC[i])
+    if (oasis_byte(s) != (uint8_t)EDA_OASIS_MAGIC[i])
       oasis_refuse(s, "not an OASIS file: no magic bytes");
 }
 
@@ -49,10 +48,8 @@ static void leave_block(oasis_stream *s) {
 void oasis_close(oasis_stream *s) {
   leave_block(s);
   if (s->file) fclose(s->file);
-  if (s->buffer) s->host->free(s->host, s->buffer);
-  if (s->inflated) s->host->free(s->host, s->inflated);
-  s->file = NULL;
-  s->buffer = s->inflated = NULL;
+  free(s->buffer);
+  free(s->inflated);
 }
 
 void oasis_seek(oasis_stream *s, uint64_t at) {
@@ -78,34 +75,28 @@ static void stop(oasis_stream *s) {
 void oasis_refuse(oasis_stream *s, const char *what) {
   if (s->failed) return;
   if (s->inside)
-    s->host->fail(s->host, s->error, OPC_IO, NULL,
-                  "'%s': %s at byte %" PRIu64
-                  " of what the block at byte %" PRIu64 " holds",
-                  s->path, what, s->record, s->block_at);
+    opc_fail(s->error, OPC_IO, NULL,
+             "'%s': %s at byte %" PRIu64 " of what the block at byte %" PRIu64
+             " holds",
+             s->path, what, s->record, s->block_at);
   else
-    s->host->fail(s->host, s->error, OPC_IO, NULL, "'%s': %s at byte %" PRIu64,
-                  s->path, what, s->record);
-  stop(s);
-}
-
-void oasis_no_memory(oasis_stream *s) {
-  if (s->failed) return;
-  s->host->fail(s->host, s->error, OPC_FAILED, NULL, "'%s': out of memory",
-                s->path);
+    opc_fail(s->error, OPC_IO, NULL, "'%s': %s at byte %" PRIu64, s->path, what,
+             s->record);
   stop(s);
 }
 
 /* ---- windows ---- */
 
 static void add_to_sum(oasis_stream *s, const uint8_t *p, size_t n) {
-  if (s->scheme == OASIS_CRC32) s->sum = (uint32_t)crc32(s->sum, p, (uInt)n);
-  if (s->scheme == OASIS_SUM32)
+  if (s->scheme == EDA_OASIS_CRC32)
+    s->sum = (uint32_t)crc32(s->sum, p, (uInt)n);
+  if (s->scheme == EDA_OASIS_SUM32)
     for (size_t i = 0; i < n; i++) s->sum += p[i];
 }
 
 /* Up to the place `to`, which lies in the buffer or at its end. */
 static void sum_up(oasis_stream *s, uint64_t to) {
-  if (s->scheme == OASIS_NO_CHECK) return;
+  if (s->scheme == EDA_OASIS_NO_CHECK) return;
   add_to_sum(s, s->buffer + (s->summed - s->base), (size_t)(to - s->summed));
   s->summed = to;
 }
@@ -113,8 +104,8 @@ static void sum_up(oasis_stream *s, uint64_t to) {
 /* The next bytes of the file at s->buffer; how many. */
 static size_t read_file(oasis_stream *s) {
   const opc_host *host = s->host;
-  if (host->cancelled(host)) {
-    host->fail(host, s->error, OPC_CANCELLED, NULL, "cancelled");
+  if (opc_cancelled(host->context)) {
+    opc_fail(s->error, OPC_CANCELLED, NULL, "cancelled");
     stop(s);
     return 0;
   }
@@ -122,13 +113,12 @@ static size_t read_file(oasis_stream *s) {
   s->base += s->filled;
   s->filled = fread(s->buffer, 1, BUFFER, s->file);
   if (ferror(s->file)) {
-    host->fail(host, s->error, OPC_IO, NULL, "'%s': %s", s->path,
-               strerror(errno));
+    opc_fail(s->error, OPC_IO, NULL, "'%s': %s", s->path, strerror(errno));
     stop(s);
     return 0;
   }
-  opc_progress progress = {sizeof progress, (double)(s->base + s->filled),
-                           (double)s->size, NAN, NULL};
+  opc_progress progress = {(double)(s->base + s->filled), (double)s->size, NAN,
+                           NULL};
   if (s->told) host->progress(host, &progress);
   return s->filled;
 }
@@ -238,7 +228,7 @@ void oasis_enter_block(oasis_stream *s) {
   }
   s->z = (z_stream){0};
   if (inflateInit2(&s->z, -MAX_WBITS) != Z_OK) {
-    oasis_no_memory(s);
+    oasis_refuse(s, "zlib has no memory for the block");
     return;
   }
   s->inside = 1;

@@ -9,11 +9,9 @@
 #ifndef OPCFLOW_OASIS_STREAM_H
 #define OPCFLOW_OASIS_STREAM_H
 
-#include <opcflow/opcflow.h>
-#include <stdio.h>
+#include <eda/oasis.h>
+#include <opcflow/plugin.h>
 #include <zlib.h>
-
-#include "records.h"
 
 typedef struct oasis_stream {
   const opc_host *host;
@@ -54,7 +52,6 @@ void oasis_seek(oasis_stream *s, uint64_t at);
 
 /* Fail: "'path': WHAT at byte N", N being where the record begins. */
 void oasis_refuse(oasis_stream *s, const char *what);
-void oasis_no_memory(oasis_stream *s);
 
 /* A record begins here: leave blocks that end here. 0 after a failure. */
 int oasis_begin_record(oasis_stream *s);

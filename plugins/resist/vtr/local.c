@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Means of the intensity and its slope over Gaussian windows, along one axis
+   after the other. */
 #include "local.h"
 
+#include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +17,7 @@ typedef struct window {
 } window;
 
 typedef struct work {
-  const opc_field *image;
+  const eda_field *image;
   int nx, ny;
   float *maximum, *slope; /* I^8 and |grad I|^2, then M and S */
   const float *from;      /* of a pass of a window */
@@ -22,11 +25,10 @@ typedef struct work {
   const window *window;
 } work;
 
-static int window_make(window *w, double radius, double step) {
+static void window_init(window *w, double radius, double step) {
   double deviation = radius / 2, sum = 0;
   w->reach = (int)ceil(4 * deviation / step);
-  w->weight = malloc(sizeof *w->weight * (size_t)(2 * w->reach + 1));
-  if (!w->weight) return 0;
+  w->weight = eda_alloc((size_t)(2 * w->reach + 1), sizeof *w->weight);
   for (int pass = 0; pass < 2; pass++)
     for (int i = -w->reach; i <= w->reach; i++) {
       double t = deviation > 0 ? i * step / deviation : 0;
@@ -36,12 +38,6 @@ static int window_make(window *w, double radius, double step) {
       else
         sum += g;
     }
-  return 1;
-}
-
-static int wrap(int i, int n) {
-  i %= n;
-  return i < 0 ? i + n : i;
 }
 
 /* The rows of a task. */
@@ -58,7 +54,7 @@ static const double value5[5] = {1 / 120.0, 26 / 120.0, 66 / 120.0, 26 / 120.0,
 static const double slope5[5] = {1 / 24.0, 10 / 24.0, 0, -10 / 24.0, -1 / 24.0};
 
 static void evaluate_row(const work *w, int j, double *across, double *along) {
-  const opc_field *f = w->image;
+  const eda_field *f = w->image;
   double dx = f->frame.width / f->nx, dy = f->frame.height / f->ny;
   size_t at = (size_t)j * (size_t)w->nx;
   memset(across, 0, sizeof *across * (size_t)w->nx);
@@ -66,7 +62,7 @@ static void evaluate_row(const work *w, int j, double *across, double *along) {
   /* Coefficient j + k has the B-spline at -k. */
   for (int k = -2; k <= 2; k++) {
     const float *c =
-        f->coefficients + (size_t)wrap(j + k, w->ny) * (size_t)w->nx;
+        f->coefficients + (size_t)eda_wrap(j + k, w->ny) * (size_t)w->nx;
     for (int i = 0; i < w->nx; i++) {
       across[i] += value5[2 - k] * c[i];
       along[i] += slope5[2 - k] * c[i];
@@ -75,7 +71,7 @@ static void evaluate_row(const work *w, int j, double *across, double *along) {
   for (int i = 0; i < w->nx; i++) {
     double value = 0, gx = 0, gy = 0;
     for (int k = -2; k <= 2; k++) {
-      int n = wrap(i + k, w->nx);
+      int n = eda_wrap(i + k, w->nx);
       value += value5[2 - k] * across[n];
       gx += slope5[2 - k] * across[n];
       gy += value5[2 - k] * along[n];
@@ -88,18 +84,11 @@ static void evaluate_row(const work *w, int j, double *across, double *along) {
   }
 }
 
-/* Rows that no memory was there for are NaN, which reaches the result. */
 static void evaluate(void *data, size_t block) {
   const work *w = data;
-  double *across = malloc(2 * sizeof *across * (size_t)w->nx);
-  for (int j = (int)block * ROWS; j < rows_end(w, block); j++) {
-    if (across) {
-      evaluate_row(w, j, across, across + w->nx);
-      continue;
-    }
-    for (int i = 0; i < w->nx; i++)
-      w->maximum[(size_t)j * (size_t)w->nx + (size_t)i] = NAN;
-  }
+  double *across = eda_alloc(2 * (size_t)w->nx, sizeof *across);
+  for (int j = (int)block * ROWS; j < rows_end(w, block); j++)
+    evaluate_row(w, j, across, across + w->nx);
   free(across);
 }
 
@@ -114,7 +103,7 @@ static void along_x(void *data, size_t block) {
     memset(to, 0, sizeof *to * (size_t)w->nx);
     for (int k = -reach; k <= reach; k++) {
       float weight = w->window->weight[k + reach];
-      int shift = wrap(k, w->nx), left = w->nx - shift;
+      int shift = eda_wrap(k, w->nx), left = w->nx - shift;
       for (int i = 0; i < left; i++) to[i] += weight * from[i + shift];
       for (int i = left; i < w->nx; i++) to[i] += weight * from[i - left];
     }
@@ -129,72 +118,62 @@ static void along_y(void *data, size_t block) {
     memset(to, 0, sizeof *to * (size_t)w->nx);
     for (int k = -reach; k <= reach; k++) {
       float weight = w->window->weight[k + reach];
-      const float *from = w->from + (size_t)wrap(j + k, w->ny) * (size_t)w->nx;
+      const float *from =
+          w->from + (size_t)eda_wrap(j + k, w->ny) * (size_t)w->nx;
       for (int i = 0; i < w->nx; i++) to[i] += weight * from[i];
     }
   }
 }
 
 /* The mean over the neighbourhood, in place; `spare` is lost. */
-static int mean(const opc_host *host, work *w, float *field, float *spare,
-                double radius) {
+static void mean(const opc_context *context, work *w, float *field,
+                 float *spare, double radius) {
   size_t blocks = (size_t)(w->ny + ROWS - 1) / ROWS;
-  const opc_frame *f = &w->image->frame;
-  window x = {0}, y = {0};
-  int ok = window_make(&x, radius, f->width / w->nx) &&
-           window_make(&y, radius, f->height / w->ny);
-  if (ok) {
-    w->from = field;
-    w->to = spare;
-    w->window = &x;
-    host->parallel(host, blocks, along_x, w);
-    w->from = spare;
-    w->to = field;
-    w->window = &y;
-    host->parallel(host, blocks, along_y, w);
-  }
+  const eda_frame *f = &w->image->frame;
+  window x, y;
+  window_init(&x, radius, f->width / w->nx);
+  window_init(&y, radius, f->height / w->ny);
+  w->from = field;
+  w->to = spare;
+  w->window = &x;
+  opc_parallel(context, blocks, along_x, w);
+  w->from = spare;
+  w->to = field;
+  w->window = &y;
+  opc_parallel(context, blocks, along_y, w);
   free(x.weight);
   free(y.weight);
-  return ok;
 }
 
 /* ---- the field ---- */
 
-static int means(const opc_host *host, work *w, const local_settings *s,
-                 const double a[4], float *spare) {
-  int maximum = a[1] != 0 || a[3] != 0, slope = a[2] != 0 || a[3] != 0;
-  size_t blocks = (size_t)(w->ny + ROWS - 1) / ROWS;
-  host->parallel(host, blocks, evaluate, w);
-  return (!maximum || mean(host, w, w->maximum, spare, s->radius)) &&
-         (!slope || mean(host, w, w->slope, spare, s->slope_radius));
-}
-
-int local_field(const opc_host *host, const local_settings *settings,
-                const double a[4], opc_field *image, opc_field *out,
+int local_field(const opc_context *context, const local_settings *settings,
+                const double a[4], eda_field *image, eda_field *out,
                 opc_error *error) {
+  int maximum = a[1] != 0 || a[3] != 0, slope = a[2] != 0 || a[3] != 0;
   memset(out, 0, sizeof *out);
-  int code = host->imaging->resample(host, image, settings->step, error);
+  int code = eda_field_resample(context, image, settings->step, error);
   if (code) return code;
   size_t n = (size_t)image->nx * (size_t)image->ny;
   work w = {.image = image,
             .nx = image->nx,
             .ny = image->ny,
-            .maximum = malloc(n * sizeof(float)),
-            .slope = malloc(n * sizeof(float))};
+            .maximum = eda_alloc(n, sizeof(float)),
+            .slope = eda_alloc(n, sizeof(float))};
   *out = *image;
-  out->coefficients = host->alloc(host, n, sizeof(float));
-  int ok = w.maximum && w.slope && out->coefficients &&
-           means(host, &w, settings, a, out->coefficients);
-  for (size_t i = 0; ok && i < n; i++) {
+  out->coefficients = eda_alloc(n, sizeof(float));
+  opc_parallel(context, (size_t)(w.ny + ROWS - 1) / ROWS, evaluate, &w);
+  float *spare = out->coefficients;
+  if (maximum) mean(context, &w, w.maximum, spare, settings->radius);
+  if (slope) mean(context, &w, w.slope, spare, settings->slope_radius);
+  for (size_t i = 0; i < n; i++) {
     double m = sqrt(sqrt(sqrt((double)w.maximum[i])));
     double s = sqrt((double)w.slope[i]);
-    ok = !isnan(m);
     out->coefficients[i] = (float)(a[1] * m + a[2] * s + a[3] * m * s);
   }
   free(w.maximum);
   free(w.slope);
-  code = ok ? host->imaging->from_samples(host, out, error)
-            : host->fail(host, error, OPC_FAILED, NULL, "out of memory");
-  if (code) host->imaging->release_field(host, out);
+  code = eda_field_from_samples(context, out, error);
+  if (code) eda_field_clear(out);
   return code;
 }

@@ -10,7 +10,7 @@
 #ifndef OPCFLOW_VTR_LOCAL_H
 #define OPCFLOW_VTR_LOCAL_H
 
-#include <opcflow/imaging.h>
+#include <eda/imaging.h>
 
 typedef struct local_settings {
   double radius, slope_radius; /* nm; a slope_radius of 0: at the place */
@@ -18,9 +18,9 @@ typedef struct local_settings {
 } local_settings;
 
 /* The field a[1] M + a[2] S + a[3] M S of an image, which is resampled to the
-   grid of the settings; *out gets the same grid, to be released. Any thread. */
-int local_field(const opc_host *host, const local_settings *settings,
-                const double a[4], opc_field *image, opc_field *out,
+   grid of the settings; *out gets the same grid, to be cleared. [any] */
+int local_field(const opc_context *context, const local_settings *settings,
+                const double a[4], eda_field *image, eda_field *out,
                 opc_error *error);
 
 #endif

@@ -19,14 +19,14 @@ static void test_constant(void) {
     g_autoptr(opc_module) a = vtr(parameters[i], litho);
     g_autoptr(opc_module) b =
         lines_resist("resist.threshold", parameters[i], litho);
-    for (int layer = 0; layer < OPC_MASKS; layer++) {
-      opc_field f = lines_print(litho, a, layer, 65, 320);
-      opc_field g = lines_print(litho, b, layer, 65, 320);
+    for (int layer = 0; layer < 3; layer++) {
+      eda_field f = lines_print(litho, a, layer, 65, 320);
+      eda_field g = lines_print(litho, b, layer, 65, 320);
       g_assert_cmpint(f.nx, ==, g.nx);
       g_assert_cmpmem(f.coefficients, sizeof(float) * (size_t)(f.nx * f.ny),
                       g.coefficients, sizeof(float) * (size_t)(g.nx * g.ny));
-      opc_test_host()->imaging->release_field(opc_test_host(), &f);
-      opc_test_host()->imaging->release_field(opc_test_host(), &g);
+      eda_field_clear(&f);
+      eda_field_clear(&g);
     }
   }
 }
@@ -58,17 +58,18 @@ static void integrate(double x, double radius, double slope_radius, double *m,
   *s = sqrt(sums[1] / weights[1]);
 }
 
-static opc_field make_image(int axis) {
+static eda_field make_image(int axis) {
   const opc_host *host = opc_test_host();
   opc_error error;
-  opc_field f = {.frame = {0, 0, period, period}, .nx = 16, .ny = 16};
-  f.coefficients = host->alloc(host, 256, sizeof(float));
+  eda_field f = {.frame = {0, 0, period, period}, .nx = 16, .ny = 16};
+  f.coefficients = eda_alloc(256, sizeof(float));
   for (int i = 0; i < 256; i++) {
     double slope;
     f.coefficients[i] =
         (float)image((axis ? i / 16 : i % 16) * period / 16, &slope);
   }
-  g_assert_cmpint(host->imaging->from_samples(host, &f, &error), ==, OPC_OK);
+  g_assert_cmpint(eda_field_from_samples(host->context, &f, &error), ==,
+                  OPC_OK);
   return f;
 }
 
@@ -87,25 +88,24 @@ static void test_definition(void) {
           "step: %s, tone: %s }",
           steps[k].step, tone ? "bright" : "dark");
       g_autoptr(opc_module) m = vtr(parameters, litho);
-      const opc_resist *resist = m->plugin->operations;
-      opc_field f = make_image(tone);
+      const eda_resist *resist = m->functions;
+      eda_field f = make_image(tone);
       opc_error error;
       double worst = 0;
-      g_assert_cmpint(resist->print(m->self, OPC_POLY, &f, &error), ==, OPC_OK);
+      g_assert_cmpint(resist->print(m->self, EDA_POLY, &f, &error), ==, OPC_OK);
       for (double x = 0; x < period; x += 3.7) {
         double maximum, s, slope;
         integrate(x, 150, 50, &maximum, &s);
         double level =
             0.1 + 0.3 * maximum + 7 * s - 3 * maximum * s - image(x, &slope);
         double other = 10, got;
-        opc_test_host()->imaging->sample(&f, tone ? &other : &x,
-                                         tone ? &x : &other, 1, &got);
+        eda_field_sample(&f, tone ? &other : &x, tone ? &x : &other, 1, &got);
         worst = fmax(worst, fabs(got - (tone ? -level : level)));
       }
       g_test_message("step %s: largest error of the level %.2g", steps[k].step,
                      worst);
       g_assert_cmpfloat(worst, <, steps[k].reach);
-      opc_test_host()->imaging->release_field(opc_test_host(), &f);
+      eda_field_clear(&f);
     }
 }
 
@@ -116,52 +116,50 @@ static void test_definition(void) {
   "constant: 0.2, step: %g nm }"
 
 /* The level set of an L of poly and a bar with a slanted end. */
-static opc_field print_shapes(opc_module *litho, opc_module *resist) {
+static eda_field print_shapes(opc_module *litho, opc_module *resist) {
   const opc_host *host = opc_test_host();
-  const opc_litho *model = litho->plugin->operations;
-  const opc_resist *develop = resist->plugin->operations;
-  opc_point points[] = {{-300, -400}, {-235, -400}, {-235, 200}, {100, 200},
+  const eda_litho *model = litho->functions;
+  const eda_resist *develop = resist->functions;
+  eda_point points[] = {{-300, -400}, {-235, -400}, {-235, 200}, {100, 200},
                         {100, 265},   {-300, 265},  {100, -400}, {165, -400},
                         {165, 80},    {100, 20}};
   uint32_t start[] = {0, 6, 10};
-  opc_shapes shapes = {2, start, points, NULL};
-  opc_frame f = {-1000, -1000, 2000, 2000};
-  opc_spectrum mask;
-  opc_field field;
+  eda_shapes shapes = {2, start, points, NULL};
+  eda_frame f = {-1000, -1000, 2000, 2000};
+  eda_spectrum mask;
+  eda_field field;
   opc_error error;
-  g_assert_cmpint(
-      host->imaging->mask_spectrum(host, &shapes, 1, f,
-                                   model->band(litho->self), &mask, &error),
-      ==, OPC_OK);
-  g_assert_cmpint(model->image(litho->self, OPC_POLY, &mask, &field, &error),
+  g_assert_cmpint(eda_mask_spectrum(host->context, &shapes, 1, f,
+                                    model->band(litho->self), &mask, &error),
                   ==, OPC_OK);
-  host->imaging->release_spectrum(host, &mask);
-  g_assert_cmpint(develop->print(resist->self, OPC_POLY, &field, &error), ==,
+  g_assert_cmpint(model->image(litho->self, EDA_POLY, &mask, &field, &error),
+                  ==, OPC_OK);
+  eda_spectrum_clear(&mask);
+  g_assert_cmpint(develop->print(resist->self, EDA_POLY, &field, &error), ==,
                   OPC_OK);
   return field;
 }
 
 /* Distances, to first order, of the points of one's contour from the other's.
  */
-static double distance(const opc_field *fine, const opc_field *coarse) {
-  const opc_host *host = opc_test_host();
+static double distance(const eda_field *fine, const eda_field *coarse) {
   double *points, worst = 0;
   uint32_t *start;
   size_t lines;
   opc_error error;
-  opc_frame window = {-600, -700, 1200, 1300};
-  g_assert_cmpint(host->imaging->contours(host, fine, window, 4, &points,
-                                          &start, &lines, &error),
-                  ==, OPC_OK);
+  eda_frame window = {-600, -700, 1200, 1300};
+  g_assert_cmpint(
+      eda_contours(fine, window, 4, &points, &start, &lines, &error), ==,
+      OPC_OK);
   g_assert_cmpuint(lines, ==, 2);
   for (uint32_t i = 0; i < start[lines]; i++) {
     double v, w, dx, dy, *p = points + 2 * i;
-    host->imaging->gradient(fine, &p[0], &p[1], 1, &w, &dx, &dy);
-    host->imaging->gradient(coarse, &p[0], &p[1], 1, &v, NULL, NULL);
+    eda_field_gradient(fine, &p[0], &p[1], 1, &w, &dx, &dy);
+    eda_field_gradient(coarse, &p[0], &p[1], 1, &v, NULL, NULL);
     worst = fmax(worst, fabs(v - w) / hypot(dx, dy));
   }
-  host->free(host, points);
-  host->free(host, start);
+  free(points);
+  free(start);
   return worst;
 }
 
@@ -169,20 +167,20 @@ static void test_grid(void) {
   g_autoptr(opc_module) litho = lines_hopkins();
   g_autofree char *finest = g_strdup_printf(STRONG, 3.0);
   g_autoptr(opc_module) reference = vtr(finest, litho);
-  opc_field fine = print_shapes(litho, reference);
+  eda_field fine = print_shapes(litho, reference);
   static const struct {
     double step, reach;
   } steps[] = {{32, 0.5}, {16, 0.01}, {8, 0.01}};
   for (size_t i = 0; i < G_N_ELEMENTS(steps); i++) {
     g_autofree char *parameters = g_strdup_printf(STRONG, steps[i].step);
     g_autoptr(opc_module) resist = vtr(parameters, litho);
-    opc_field f = print_shapes(litho, resist);
+    eda_field f = print_shapes(litho, resist);
     double worst = distance(&fine, &f);
     g_test_message("step %g nm: contours off by %.2g nm", steps[i].step, worst);
     g_assert_cmpfloat(worst, <, steps[i].reach);
-    opc_test_host()->imaging->release_field(opc_test_host(), &f);
+    eda_field_clear(&f);
   }
-  opc_test_host()->imaging->release_field(opc_test_host(), &fine);
+  eda_field_clear(&fine);
 }
 
 /* ---- fits ---- */
@@ -190,9 +188,9 @@ static void test_grid(void) {
 static void widths(opc_module *litho, opc_module *resist, double line,
                    double out[PITCHES]) {
   for (int i = 0; i < PITCHES; i++) {
-    opc_field f = lines_print(litho, resist, OPC_POLY, line, pitches[i]);
+    eda_field f = lines_print(litho, resist, EDA_POLY, line, pitches[i]);
     out[i] = lines_width(&f);
-    opc_test_host()->imaging->release_field(opc_test_host(), &f);
+    eda_field_clear(&f);
   }
 }
 
@@ -282,13 +280,13 @@ static void test_anchor(void) {
   g_autoptr(opc_module) m = vtr(
       "{ maximum: 0.2, slope: 6 nm, anchor: { cd: 62 nm }, diffusion: 15 nm }",
       litho);
-  opc_field f = lines_print(litho, m, OPC_POLY, 65, 250);
+  eda_field f = lines_print(litho, m, EDA_POLY, 65, 250);
   g_test_message("anchor: %.4f nm", lines_width(&f));
   g_assert_cmpfloat(fabs(lines_width(&f) - 62), <, 0.002);
-  opc_test_host()->imaging->release_field(opc_test_host(), &f);
-  f = lines_print(litho, m, OPC_ACTIVE, 1000, 5000);
+  eda_field_clear(&f);
+  f = lines_print(litho, m, EDA_ACTIVE, 1000, 5000);
   g_assert_cmpfloat(fabs(lines_width(&f) - 1000), <, 0.01);
-  opc_test_host()->imaging->release_field(opc_test_host(), &f);
+  eda_field_clear(&f);
 }
 
 static void test_refused(void) {

@@ -4,11 +4,12 @@
 #ifndef OPCFLOW_ICCAD_H
 #define OPCFLOW_ICCAD_H
 
-#include <opcflow/opcflow.h>
+#include <eda/gates.h>
+#include <eda/resist.h>
 
 typedef struct iccad_tile {
-  int32_t x0, y0;   /* lower left corner, nm */
-  int32_t side;     /* nm, and pixels */
+  int32_t x0, y0; /* lower left corner, nm */
+  int32_t side;   /* nm, and pixels */
 } iccad_tile;
 
 /* A site of the target's boundary: the pixel inside of it, and the step of one
@@ -19,25 +20,24 @@ typedef struct iccad_site {
 } iccad_site;
 
 /* The pixels whose middle lies in the shapes are 1. */
-int iccad_fill(const opc_host *host, const opc_shapes *shapes, double grid,
-               const iccad_tile *tile, uint8_t *pixels, opc_error *error);
+int iccad_fill(const eda_shapes *shapes, double grid, const iccad_tile *tile,
+               uint8_t *pixels, opc_error *error);
 
 /* The pixels where the print of a mask is positive, of the intensity times
    `dose`, out of focus by `defocus`. */
 typedef struct iccad_print {
-  const opc_host *host;
+  const opc_context *context;
   const opc_module *litho, *resist;
   const iccad_tile *tile;
 } iccad_print;
-int iccad_expose(const iccad_print *print, const opc_spectrum *mask,
+int iccad_expose(const iccad_print *print, const eda_spectrum *mask,
                  double dose, double defocus, uint8_t *pixels,
                  opc_error *error);
 
-/* The sites along the edges of the target, `spacing` apart; *sites is freed
-   with host->free. */
-int iccad_sites(const opc_host *host, const opc_shapes *target, double grid,
-                int32_t spacing, iccad_site **sites, size_t *count,
-                opc_error *error);
+/* The sites along the edges of the target, `spacing` apart; how many. *sites is
+   freed with free(). */
+size_t iccad_sites(const eda_shapes *target, double grid, int32_t spacing,
+                   iccad_site **sites);
 
 /* A pixel of the tile, which repeats. */
 static inline uint8_t iccad_at(const iccad_tile *t, const uint8_t *pixels,

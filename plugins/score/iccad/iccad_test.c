@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Figures of prints that are known: nothing, everything; and of the contest's
    first clip as drawn, which another program has counted. */
-#include "core/plugin/testing.h"
+#include <eda/gates.h>
+
+#include "core/testing/testing.h"
 
 #include <math.h>
 #include <string.h>
 
-static const opc_host *host;
-
 /* The box 0 0 200 60, drawn and as mask, on a grid of 1 nm. */
-static opc_point points[] = {{0, 0}, {200, 0}, {200, 60}, {0, 60}};
+static eda_point points[] = {{0, 0}, {200, 0}, {200, 60}, {0, 60}};
 static uint32_t start[] = {0, 4};
-static const opc_gates gates = {
-    .size = sizeof gates, .grid = 1, .extent = {0, 0, 200, 60},
-    .drawn = {[OPC_POLY] = {1, start, points, NULL}}};
+static eda_shapes drawn[] = {{1, start, points, NULL}};
+static const eda_gates gates = {
+    .grid = 1, .extent = {0, 0, 200, 60}, .layers = 1, .drawn = drawn};
+static eda_mask mask = {.gates = &gates, .shapes = drawn};
 
 static opc_module *score(const char *more) {
   opc_error error;
@@ -27,15 +28,16 @@ static void expect(const char *column, double value) {
   g_assert_cmpfloat(opc_test_number("iccad", column, 0), ==, value);
 }
 
-/* A kernel that passes little but the mean: no light to speak of, everywhere. */
+/* A kernel that passes little but the mean: no light to speak of, everywhere.
+ */
 static char *write_kernel(void) {
   /* 3 x 3: 1 in the middle, and 0.001 beside it. */
   static const uint8_t kernel[24 + 72] = {
       [3] = 3, [7] = 3, [11] = 2, [56] = 0x3f, 0x80, [64] = 0x3a, 0x83};
   g_autofree char *file = g_build_filename(opc_test_folder(), "fh0.bin", NULL);
   char *scales = g_build_filename(opc_test_folder(), "scales.txt", NULL);
-  g_assert_true(g_file_set_contents(file, (const char *)kernel, sizeof kernel,
-                                    NULL));
+  g_assert_true(
+      g_file_set_contents(file, (const char *)kernel, sizeof kernel, NULL));
   g_assert_true(g_file_set_contents(scales, "1\n1\n", -1, NULL));
   return scales;
 }
@@ -51,8 +53,6 @@ static void test_extremes(void) {
         "threshold: 0.5, active_threshold: 0.5 }",
         kernel, all ? "dark" : "bright");
     g_autoptr(opc_module) m = score(p);
-    opc_mask mask = {.size = sizeof mask, .gates = &gates};
-    mask.shapes[OPC_POLY] = gates.drawn[OPC_POLY];
     opc_error error;
     opc_test_input(m, "mask", &mask);
     if (opc_test_run(m, NULL, &error)) g_error("%s", error.message);
@@ -70,7 +70,6 @@ static void test_refused(void) {
   g_autoptr(opc_module) m = score(
       "tile: 128 nm, litho: { use: litho.hopkins }, resist: { use: "
       "resist.threshold, threshold: 0.4, active_threshold: 0.4 }");
-  opc_mask mask = {.size = sizeof mask, .gates = &gates};
   opc_error error;
   opc_test_input(m, "mask", &mask);
   g_assert_cmpint(opc_test_run(m, NULL, &error), ==, OPC_INVALID);
@@ -104,10 +103,9 @@ static void test_clip(void) {
       "0.225 }",
       folder, folder);
   g_autoptr(opc_module) m = score(p);
-  const opc_gates *g = edges[0];
-  opc_mask mask = {.size = sizeof mask, .gates = g};
-  mask.shapes[OPC_POLY] = g->drawn[OPC_POLY];
-  opc_test_input(m, "mask", &mask);
+  const eda_gates *g = edges[0];
+  eda_mask drawn_mask = {.gates = g, .shapes = g->drawn};
+  opc_test_input(m, "mask", &drawn_mask);
   if (opc_test_run(m, NULL, &error)) g_error("%s", error.message);
   double l2 = opc_test_number("iccad", "l2", 0);
   double pvb = opc_test_number("iccad", "pvb", 0);
@@ -119,7 +117,6 @@ static void test_clip(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  host = opc_test_host();
   g_test_add_func("/iccad/extremes", test_extremes);
   g_test_add_func("/iccad/refused", test_refused);
   g_test_add_func("/iccad/clip", test_clip);

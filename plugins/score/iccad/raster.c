@@ -2,25 +2,21 @@
 /* Targets and prints as pixels, and the sites between them. */
 #include "iccad.h"
 
+#include <eda/memory.h>
 #include <math.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-static int no_memory(const opc_host *host, opc_error *error) {
-  return host->fail(host, error, OPC_FAILED, NULL, "out of memory");
-}
 
 /* ---- the target ---- */
 
 /* The first pixel whose middle is not left of x nm. */
 static int32_t first_pixel(double x) { return (int32_t)ceil(x - 0.5); }
 
-int iccad_fill(const opc_host *host, const opc_shapes *shapes, double grid,
-               const iccad_tile *t, uint8_t *pixels, opc_error *error) {
-  opc_box *boxes = NULL;
+int iccad_fill(const eda_shapes *shapes, double grid, const iccad_tile *t,
+               uint8_t *pixels, opc_error *error) {
+  eda_box *boxes = NULL;
   size_t n = 0;
-  int code = host->geometry->fracture(host, shapes, &boxes, &n, error);
+  int code = eda_fracture(shapes, &boxes, &n, error);
   if (code) return code;
   for (size_t i = 0; i < n; i++) {
     int32_t x0 = first_pixel(boxes[i].x0 * grid) - t->x0;
@@ -30,102 +26,86 @@ int iccad_fill(const opc_host *host, const opc_shapes *shapes, double grid,
     for (int32_t y = y0; y < y1; y++)
       memset(pixels + (size_t)y * (size_t)t->side + x0, 1, (size_t)(x1 - x0));
   }
-  host->free(host, boxes);
+  free(boxes);
   return OPC_OK;
 }
 
 /* ---- prints ---- */
 
-static int image(const iccad_print *p, const opc_spectrum *mask, double defocus,
-                 opc_field *out, opc_error *error) {
-  const opc_litho *model = p->litho->plugin->operations;
+static int image(const iccad_print *p, const eda_spectrum *mask, double defocus,
+                 eda_field *out, opc_error *error) {
+  const eda_litho *model = p->litho->functions;
   if (defocus == 0)
-    return model->image(p->litho->self, OPC_POLY, mask, out, error);
-  if (model->size > offsetof(opc_litho, image_at) && model->image_at)
-    return model->image_at(p->litho->self, OPC_POLY, mask, defocus, out, error);
-  return p->host->fail(p->host, error, OPC_INVALID, "defocus",
-                       "'%s' has one focus only: say defocus: 0 nm",
-                       p->litho->plugin->id);
+    return model->image(p->litho->self, EDA_POLY, mask, out, error);
+  if (model->image_at)
+    return model->image_at(p->litho->self, EDA_POLY, mask, defocus, out, error);
+  return opc_fail(error, OPC_INVALID, "defocus",
+                  "'%s' has one focus only: say defocus: 0 nm", p->litho->id);
 }
 
 /* From the level set at the middle of each pixel to 0 and 1. */
-static int threshold(const iccad_print *p, opc_field *f, uint8_t *pixels,
+static int threshold(const iccad_print *p, eda_field *f, uint8_t *pixels,
                      opc_error *error) {
-  const opc_host *host = p->host;
   double step = f->frame.width / p->tile->side;
-  int code = host->imaging->resample(host, f, step, error);
-  if (!code) code = host->imaging->samples(host, f, error);
+  int code = eda_field_resample(p->context, f, step, error);
+  if (!code) code = eda_field_samples(p->context, f, error);
   if (code) return code;
   if (f->nx != p->tile->side || f->ny != p->tile->side)
-    return host->fail(host, error, OPC_INVALID, "tile",
-                      "%d nm is no size of a Fourier transform, %d nm is",
-                      (int)p->tile->side, (int)f->nx);
+    return opc_fail(error, OPC_INVALID, "tile",
+                    "%d nm is no size of a Fourier transform, %d nm is",
+                    (int)p->tile->side, (int)f->nx);
   size_t n = (size_t)f->nx * (size_t)f->ny;
   for (size_t i = 0; i < n; i++) pixels[i] = f->coefficients[i] > 0;
   return OPC_OK;
 }
 
-int iccad_expose(const iccad_print *p, const opc_spectrum *mask, double dose,
+int iccad_expose(const iccad_print *p, const eda_spectrum *mask, double dose,
                  double defocus, uint8_t *pixels, opc_error *error) {
-  const opc_resist *resist = p->resist->plugin->operations;
-  opc_field f = {0};
+  const eda_resist *resist = p->resist->functions;
+  eda_field f = {0};
   int code = image(p, mask, defocus, &f, error);
   if (code) return code;
   size_t n = (size_t)f.nx * (size_t)f.ny;
   for (size_t i = 0; i < n; i++) f.coefficients[i] *= (float)dose;
-  code = resist->print(p->resist->self, OPC_POLY, &f, error);
+  code = resist->print(p->resist->self, EDA_POLY, &f, error);
   if (!code) code = threshold(p, &f, pixels, error);
-  p->host->imaging->release_field(p->host, &f);
+  eda_field_clear(&f);
   return code;
 }
 
 /* ---- sites ---- */
 
 typedef struct collector {
-  const opc_host *host;
   int32_t spacing;
   iccad_site *sites;
   size_t count, room;
 } collector;
 
-static int add(collector *c, iccad_site s) {
-  if (c->count == c->room) {
-    size_t room = c->room ? 2 * c->room : 256;
-    iccad_site *grown = c->host->alloc(c->host, room, sizeof *grown);
-    if (!grown) return 0;
-    if (c->count) memcpy(grown, c->sites, c->count * sizeof *grown);
-    c->host->free(c->host, c->sites);
-    c->sites = grown;
-    c->room = room;
-  }
+static void add(collector *c, iccad_site s) {
+  eda_grow(&c->sites, &c->room, c->count + 1, sizeof s);
   c->sites[c->count++] = s;
-  return 1;
 }
 
 /* The sites of the pixels first .. last along an edge: the middle one of a
    short edge; else from both ends towards it. `s` is the pixel at first. */
-static int add_edge(collector *c, iccad_site s, int32_t first, int32_t last) {
+static void add_edge(collector *c, iccad_site s, int32_t first, int32_t last) {
   int32_t middle = first + (last - first) / 2, *at = s.dx ? &s.y : &s.x;
   if (last - first <= 2 * c->spacing) {
     *at = middle;
-    return add(c, s);
+    add(c, s);
+    return;
   }
-  for (*at = first + c->spacing; *at <= middle; *at += c->spacing)
-    if (!add(c, s)) return 0;
-  for (*at = last - c->spacing; *at > middle; *at -= c->spacing)
-    if (!add(c, s)) return 0;
-  return 1;
+  for (*at = first + c->spacing; *at <= middle; *at += c->spacing) add(c, s);
+  for (*at = last - c->spacing; *at > middle; *at -= c->spacing) add(c, s);
 }
 
-int iccad_sites(const opc_host *host, const opc_shapes *target, double grid,
-                int32_t spacing, iccad_site **sites, size_t *count,
-                opc_error *error) {
-  collector c = {.host = host, .spacing = spacing};
-  int ok = 1;
-  for (size_t p = 0; ok && p < target->count; p++)
-    for (uint32_t i = target->start[p]; ok && i < target->start[p + 1]; i++) {
+size_t iccad_sites(const eda_shapes *target, double grid, int32_t spacing,
+                   iccad_site **sites) {
+  collector c = {.spacing = spacing};
+  for (size_t p = 0; p < target->count; p++)
+    for (uint32_t i = target->start[p]; i < target->start[p + 1]; i++) {
       uint32_t next = i + 1 < target->start[p + 1] ? i + 1 : target->start[p];
-      opc_point a = target->points[i], b = target->points[next];
+      eda_point a = target->points[i], b = target->points[next];
       int upright = a.x == b.x, rises = upright ? b.y > a.y : b.x > a.x;
       /* The inside is on the left; a pixel is named by its lower left. */
       int out = upright == rises ? 1 : -1;
@@ -133,13 +113,9 @@ int iccad_sites(const opc_host *host, const opc_shapes *target, double grid,
       int32_t from = first_pixel((upright ? a.y : a.x) * grid);
       int32_t to = first_pixel((upright ? b.y : b.x) * grid);
       iccad_site s = {.x = line, .y = line};
-      if (upright) s.dx = (int8_t)out;
-      else s.dy = (int8_t)out;
-      ok = add_edge(&c, s, from < to ? from : to, (from < to ? to : from) - 1);
+      *(upright ? &s.dx : &s.dy) = (int8_t)out;
+      add_edge(&c, s, from < to ? from : to, (from < to ? to : from) - 1);
     }
   *sites = c.sites;
-  *count = c.count;
-  if (ok) return OPC_OK;
-  host->free(host, c.sites);
-  return no_memory(host, error);
+  return c.count;
 }

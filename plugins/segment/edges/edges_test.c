@@ -1,28 +1,29 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Shapes whose merged edges are known; what is refused. */
-#include "core/plugin/testing.h"
+#include <eda/gates.h>
+#include <eda/layout.h>
+
+#include "core/testing/testing.h"
 
 #include <string.h>
 
-static const opc_host *host;
-
-static opc_layout *make_layout(int layers) {
+static eda_layout *make_layout(int layers) {
   opc_error error;
-  opc_layout *l = host->layout->create(host, 0.5, &error);
-  int32_t cell = host->layout->cell(l, "TOP", &error);
-  int32_t m1 = host->layout->layer(l, "M1", &error);
-  if (layers > 1) host->layout->layer(l, "M2", &error);
+  eda_layout *l = eda_layout_new(0.5, &error);
+  int32_t cell = eda_layout_cell(l, "TOP", &error);
+  int32_t m1 = eda_layout_layer(l, "M1", &error);
+  if (layers > 1) eda_layout_layer(l, "M2", &error);
   /* An L of two boxes that overlap, and a ring; 0.5 nm per unit. */
-  const opc_box boxes[] = {{0, 0, 400, 100},   {0, 0, 100, 600},
+  const eda_box boxes[] = {{0, 0, 400, 100},    {0, 0, 100, 600},
                            {800, 0, 1200, 100}, {800, 300, 1200, 400},
                            {800, 0, 900, 400},  {1100, 0, 1200, 400}};
   for (size_t i = 0; i < G_N_ELEMENTS(boxes); i++)
-    g_assert_cmpint(host->layout->add_box(l, cell, m1, boxes[i], &error), ==,
+    g_assert_cmpint(eda_layout_add_box(l, cell, m1, boxes[i], &error), ==,
                     OPC_OK);
   return l;
 }
 
-static int segment(opc_layout *layout, const char *parameters, void **out,
+static int segment(eda_layout *layout, const char *parameters, void **out,
                    opc_module **m, opc_error *error) {
   *m = opc_test_module("segment.edges", parameters, error);
   g_assert_nonnull(*m);
@@ -33,44 +34,47 @@ static int segment(opc_layout *layout, const char *parameters, void **out,
 static void test_shapes(void) {
   opc_error error;
   void *out[1];
-  opc_layout *layout = make_layout(1);
+  eda_layout *layout = make_layout(1);
   g_autoptr(opc_module) m = NULL;
-  g_assert_cmpint(segment(layout, "{ grid: 2 nm }", out, &m, &error), ==, OPC_OK);
-  const opc_gates *g = out[0];
+  g_assert_cmpint(segment(layout, "{ grid: 2 nm }", out, &m, &error), ==,
+                  OPC_OK);
+  const eda_gates *g = out[0];
   g_assert_cmpuint(g->count, ==, 0);
   g_assert_cmpstr(g->name, ==, "TOP");
   g_assert_cmpfloat(g->grid, ==, 2);
-  opc_box want = {0, 0, 300, 150};
+  eda_box want = {0, 0, 300, 150};
   g_assert_cmpmem(&g->extent, sizeof want, &want, sizeof want);
-  g_assert_cmpuint(g->drawn[OPC_POLY].count, ==, 3);   /* L, ring, its hole */
-  g_assert_cmpuint(g->drawn[OPC_ACTIVE].count, ==, 0);
+  g_assert_cmpuint(g->drawn[EDA_POLY].count, ==, 3); /* L, ring, its hole */
+  g_assert_cmpuint(g->layers, ==, 1);
+  g_assert_cmpstr(g->layer[0], ==, "M1");
+  g_assert_cmpint(g->corrected[0], ==, 1);
   /* 150 + 62.5 ... in steps of 2 nm: L 100 x 25 + 25 x 125, ring. */
-  g_assert_cmpint(host->geometry->area2(&g->drawn[OPC_POLY]), ==,
+  g_assert_cmpint(eda_area2(&g->drawn[EDA_POLY]), ==,
                   2 * (100 * 25 + 25 * 125 + 100 * 100 - 50 * 50));
-  const opc_edges *e = &g->edges[OPC_POLY];
+  const eda_edges *e = &g->edges[EDA_POLY];
   g_assert_cmpuint(e->polygons, ==, 3);
   g_assert_cmpuint(e->start[3], ==, 6 + 4 + 4);
   for (uint32_t i = 0; i < e->start[3]; i++) {
-    g_assert_cmpint(e->fragments[i].role, ==, OPC_FIXED);
+    g_assert_cmpint(e->fragments[i].role, ==, EDA_FIXED);
     g_assert_cmpint(e->fragments[i].gate, ==, -1);
-    g_assert_cmpmem(&e->fragments[i].from, sizeof(opc_point),
-                    &g->drawn[OPC_POLY].points[i], sizeof(opc_point));
+    g_assert_cmpmem(&e->fragments[i].from, sizeof(eda_point),
+                    &g->drawn[EDA_POLY].points[i], sizeof(eda_point));
   }
   g_assert_cmpfloat(opc_test_metric("polygons"), ==, 3);
   g_assert_cmpfloat(opc_test_metric("edges"), ==, 14);
   opc_test_release(m, out);
-  host->layout->destroy(layout);
+  eda_layout_free(layout);
 }
 
 static void refuse(int layers, const char *parameters, const char *message) {
   opc_error error;
   void *out[1];
-  opc_layout *layout = make_layout(layers);
+  eda_layout *layout = make_layout(layers);
   g_autoptr(opc_module) m = NULL;
   g_assert_cmpint(segment(layout, parameters, out, &m, &error), !=, OPC_OK);
   if (!strstr(error.message, message))
     g_error("'%s' instead of '%s'", error.message, message);
-  host->layout->destroy(layout);
+  eda_layout_free(layout);
 }
 
 static void test_refused(void) {
@@ -82,7 +86,6 @@ static void test_refused(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  host = opc_test_host();
   g_test_add_func("/edges/shapes", test_shapes);
   g_test_add_func("/edges/refused", test_refused);
   return g_test_run();

@@ -36,16 +36,16 @@ static int by_edge(const void *a, const void *b) {
 /* The edge below the side of gate i; recognise.c has made sure of it. */
 static const edge *side_of(const segment *s, int layer, size_t i, int d,
                            int side) {
-  const opc_box *b = &s->gates->box[i];
+  const eda_box *b = &s->gates->box[i];
   return segment_edge(&s->index[layer], d, side, box_side(b, d, side),
                       box_side(b, !d, LOW), box_side(b, !d, HIGH));
 }
 
 static void add_sides(cutter *c) {
-  const opc_gates *g = c->s->gates;
+  const eda_gates *g = c->s->gates;
   for (size_t i = 0; i < g->count; i++) {
-    int d = c->layer == OPC_POLY ? g->axis[i] : !g->axis[i];
-    int role = c->layer == OPC_POLY ? OPC_L_LOW : OPC_W_LOW;
+    int d = c->layer == EDA_POLY ? g->axis[i] : !g->axis[i];
+    int role = c->layer == EDA_POLY ? EDA_L_LOW : EDA_W_LOW;
     for (int side = 0; side < 2; side++)
       c->spans[c->count++] =
           (span){side_of(c->s, c->layer, i, d, side)->point, (uint32_t)i,
@@ -71,7 +71,7 @@ static size_t find_span(const span *spans, size_t count, uint32_t point,
   return from;
 }
 
-static uint32_t next_point(const opc_shapes *shapes, const edge *e) {
+static uint32_t next_point(const eda_shapes *shapes, const edge *e) {
   uint32_t next = e->point + 1;
   return next < shapes->start[e->polygon + 1] ? next
                                               : shapes->start[e->polygon];
@@ -80,22 +80,22 @@ static uint32_t next_point(const opc_shapes *shapes, const edge *e) {
 /* The edge that closes the poly of gate i on a side of its W: both of its long
    sides end there. NULL if the poly turns or goes on. */
 static const edge *closing_edge(const cutter *c, size_t i, int side) {
-  const opc_gates *g = c->s->gates;
+  const eda_gates *g = c->s->gates;
   int d = g->axis[i];
-  const edge *low = side_of(c->s, OPC_POLY, i, d, LOW);
-  const edge *high = side_of(c->s, OPC_POLY, i, d, HIGH);
+  const edge *low = side_of(c->s, EDA_POLY, i, d, LOW);
+  const edge *high = side_of(c->s, EDA_POLY, i, d, HIGH);
   /* Counter-clockwise, the low side of x comes before the lower end, the low
      side of y after the left one. */
-  int forward = (d == OPC_X) == (side == LOW);
+  int forward = (d == EDA_X) == (side == LOW);
   const edge *from = forward ? low : high, *to = forward ? high : low;
-  const opc_shapes *drawn = &g->drawn[OPC_POLY];
+  const eda_shapes *drawn = &g->drawn[EDA_POLY];
   const edge *end = c->edges[next_point(drawn, from)];
   return next_point(drawn, end) == to->point ? end : NULL;
 }
 
 /* Poly beyond the gate belongs to another one. */
 static int shares_end(const cutter *c, size_t sides, size_t i, int side) {
-  const edge *e = side_of(c->s, OPC_POLY, i, c->s->gates->axis[i], LOW);
+  const edge *e = side_of(c->s, EDA_POLY, i, c->s->gates->axis[i], LOW);
   size_t k = find_span(c->spans, sides, e->point,
                        box_side(&c->s->gates->box[i], !e->across, LOW));
   if (side == LOW) return k > 0 && c->spans[k - 1].point == e->point;
@@ -117,7 +117,7 @@ static void add_ends(cutter *c) {
       if (reach > s->line_end) continue;
       s->gates->extension[2 * i + side] = s->grid * (double)reach;
       c->spans[c->count++] = (span){e->point, (uint32_t)i, e->low, e->high,
-                                    (uint8_t)(OPC_END_LOW + side)};
+                                    (uint8_t)(EDA_END_LOW + side)};
     }
   qsort(c->spans, c->count, sizeof *c->spans, by_edge);
 }
@@ -128,7 +128,7 @@ static void add_ends(cutter *c) {
    the corner if that is not further than a line end. */
 static int32_t grow(const cutter *c, int64_t distance) {
   const segment *s = c->s;
-  if (c->layer == OPC_ACTIVE || distance <= s->overhang ||
+  if (c->layer == EDA_ACTIVE || distance <= s->overhang ||
       distance <= s->line_end)
     return (int32_t)distance;
   return s->overhang;
@@ -137,7 +137,7 @@ static int32_t grow(const cutter *c, int64_t distance) {
 /* Two neighbours share what is between them. */
 static void part(const cutter *c, span *a, span *b) {
   int64_t gap = (int64_t)b->low - a->high;
-  if (c->layer == OPC_ACTIVE || gap < 2 * (int64_t)c->s->overhang) {
+  if (c->layer == EDA_ACTIVE || gap < 2 * (int64_t)c->s->overhang) {
     a->high += (int32_t)(gap / 2);
     b->low = a->high;
   } else {
@@ -147,7 +147,7 @@ static void part(const cutter *c, span *a, span *b) {
 }
 
 static void part_edge(const cutter *c, const edge *e, span *spans, size_t n) {
-  if (spans->role >= OPC_END_LOW) return;
+  if (spans->role >= EDA_END_LOW) return;
   spans[0].low -= grow(c, (int64_t)spans[0].low - e->low);
   for (size_t k = 0; k + 1 < n; k++) part(c, &spans[k], &spans[k + 1]);
   spans[n - 1].high += grow(c, (int64_t)e->high - spans[n - 1].high);
@@ -155,20 +155,20 @@ static void part_edge(const cutter *c, const edge *e, span *spans, size_t n) {
 
 /* ---- fragments ---- */
 
-static void put(opc_edges *out, uint32_t *n, const edge *e, int32_t at,
+static void put(eda_edges *out, uint32_t *n, const edge *e, int32_t at,
                 const span *owner) {
-  opc_fragment *f = &out->fragments[(*n)++];
+  eda_fragment *f = &out->fragments[(*n)++];
   f->from =
-      e->across == OPC_X ? (opc_point){e->at, at} : (opc_point){at, e->at};
+      e->across == EDA_X ? (eda_point){e->at, at} : (eda_point){at, e->at};
   f->gate = owner ? (int32_t)owner->gate : -1;
-  f->role = owner ? owner->role : OPC_FIXED;
+  f->role = owner ? owner->role : EDA_FIXED;
 }
 
 /* The fragments of one edge in the direction in which it runs. */
-static void put_edge(opc_edges *out, uint32_t *n, const edge *e,
+static void put_edge(eda_edges *out, uint32_t *n, const edge *e,
                      const span *spans, size_t count) {
   /* Down on the low side of x, up on its high side; the other way for y. */
-  int rising = (e->across == OPC_X) == (e->side == HIGH);
+  int rising = (e->across == EDA_X) == (e->side == HIGH);
   int32_t at = rising ? e->low : e->high;
   for (size_t k = 0; k < count; k++) {
     const span *o = &spans[rising ? k : count - 1 - k];
@@ -180,15 +180,12 @@ static void put_edge(opc_edges *out, uint32_t *n, const edge *e,
   if (at != (rising ? e->high : e->low)) put(out, n, e, at, NULL);
 }
 
-static int put_all(cutter *c) {
-  const opc_host *host = c->s->host;
-  const opc_shapes *drawn = &c->s->gates->drawn[c->layer];
-  opc_edges *out = &c->s->gates->edges[c->layer];
+static void put_all(const cutter *c) {
+  const eda_shapes *drawn = &c->s->gates->drawn[c->layer];
+  eda_edges *out = &c->s->gates->edges[c->layer];
   size_t points = c->s->index[c->layer].count;
-  out->start = host->alloc(host, drawn->count + 1, sizeof *out->start);
-  out->fragments =
-      host->alloc(host, points + 2 * c->count, sizeof *out->fragments);
-  if (!out->start || !out->fragments) return segment_no_memory(c->s);
+  out->start = eda_alloc(drawn->count + 1, sizeof *out->start);
+  out->fragments = eda_alloc(points + 2 * c->count, sizeof *out->fragments);
   out->polygons = drawn->count;
   uint32_t n = 0;
   size_t k = 0;
@@ -201,30 +198,24 @@ static int put_all(cutter *c) {
     }
     out->start[p + 1] = n;
   }
-  return OPC_OK;
 }
 
-static int cut_layer(segment *s, int layer) {
+static void cut_layer(segment *s, int layer) {
   const edge_index *x = &s->index[layer];
-  cutter c = {.s = s, .layer = layer};
-  c.edges = s->host->alloc(s->host, x->count, sizeof(const edge *));
-  c.spans = s->host->alloc(s->host, s->gates->count, 4 * sizeof *c.spans);
-  int code = OPC_OK;
-  if (!c.edges || !c.spans) {
-    code = segment_no_memory(s);
-  } else {
-    for (size_t i = 0; i < x->count; i++)
-      c.edges[x->edges[i].point] = &x->edges[i];
-    add_sides(&c);
-    if (layer == OPC_POLY) add_ends(&c);
-    code = put_all(&c);
-  }
-  s->host->free(s->host, c.edges);
-  s->host->free(s->host, c.spans);
-  return code;
+  cutter c = {.s = s,
+              .layer = layer,
+              .edges = eda_alloc(x->count, sizeof(const edge *)),
+              .spans = eda_alloc(s->gates->count, 4 * sizeof *c.spans)};
+  for (size_t i = 0; i < x->count; i++)
+    c.edges[x->edges[i].point] = &x->edges[i];
+  add_sides(&c);
+  if (layer == EDA_POLY) add_ends(&c);
+  put_all(&c);
+  free(c.edges);
+  free(c.spans);
 }
 
-int segment_cut(segment *s) {
-  int code = cut_layer(s, OPC_POLY);
-  return code ? code : cut_layer(s, OPC_ACTIVE);
+void segment_cut(segment *s) {
+  cut_layer(s, EDA_POLY);
+  cut_layer(s, EDA_ACTIVE);
 }

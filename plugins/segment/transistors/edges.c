@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The edges of poly and active, sorted, to find the one below the side of a
+   gate. */
 #include <stdlib.h>
 
 #include "segment.h"
@@ -11,18 +13,18 @@ static int by_place(const void *a, const void *b) {
   return (p->low > q->low) - (p->low < q->low);
 }
 
-static edge make_edge(opc_point a, opc_point b, uint32_t polygon,
+static edge make_edge(eda_point a, eda_point b, uint32_t polygon,
                       uint32_t point) {
   edge e = {.polygon = polygon, .point = point};
   int32_t from, to;
   if (a.x == b.x) { /* down on the left side of the interior, up on its right */
-    e.across = OPC_X;
+    e.across = EDA_X;
     e.side = a.y > b.y ? LOW : HIGH;
     e.at = a.x;
     from = a.y;
     to = b.y;
   } else {
-    e.across = OPC_Y;
+    e.across = EDA_Y;
     e.side = a.x < b.x ? LOW : HIGH;
     e.at = a.y;
     from = a.x;
@@ -33,12 +35,11 @@ static edge make_edge(opc_point a, opc_point b, uint32_t polygon,
   return e;
 }
 
-static int index_layer(segment *s, int layer) {
-  const opc_shapes *drawn = &s->gates->drawn[layer];
+static void index_layer(segment *s, int layer) {
+  const eda_shapes *drawn = &s->gates->drawn[layer];
   edge_index *x = &s->index[layer];
   x->count = drawn->count ? drawn->start[drawn->count] : 0;
-  x->edges = s->host->alloc(s->host, x->count, sizeof *x->edges);
-  if (!x->edges) return segment_no_memory(s);
+  x->edges = eda_alloc(x->count, sizeof *x->edges);
   for (size_t p = 0; p < drawn->count; p++)
     for (uint32_t i = drawn->start[p]; i < drawn->start[p + 1]; i++) {
       uint32_t next = i + 1 < drawn->start[p + 1] ? i + 1 : drawn->start[p];
@@ -53,12 +54,11 @@ static int index_layer(segment *s, int layer) {
       at++;
   }
   x->first[4] = at;
-  return OPC_OK;
 }
 
-int segment_index(segment *s) {
-  int code = index_layer(s, OPC_POLY);
-  return code ? code : index_layer(s, OPC_ACTIVE);
+void segment_index(segment *s) {
+  index_layer(s, EDA_POLY);
+  index_layer(s, EDA_ACTIVE);
 }
 
 const edge *segment_edge(const edge_index *index, int d, int side, int32_t at,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which regions where poly lies over active are transistors, along what axis,
    and of which type. */
+#include <stdlib.h>
 #include <string.h>
 
 #include "segment.h"
@@ -8,21 +9,21 @@
 /* ---- the axis ---- */
 
 /* Whether the side of a box lies on an edge of the layer, all of it. */
-static int is_edge(const segment *s, int layer, const opc_box *b, int d,
+static int is_edge(const segment *s, int layer, const eda_box *b, int d,
                    int side) {
   return segment_edge(&s->index[layer], d, side, box_side(b, d, side),
                       box_side(b, !d, LOW), box_side(b, !d, HIGH)) != NULL;
 }
 
 /* NULL and the axis, or the fault. */
-static const char *find_axis(const segment *s, const opc_box *b,
+static const char *find_axis(const segment *s, const eda_box *b,
                              uint8_t *axis) {
   int poly[2], active[2], both = 0; /* how many sides across x, across y */
   for (int d = 0; d < 2; d++) {
     poly[d] = active[d] = 0;
     for (int side = 0; side < 2; side++) {
-      int p = is_edge(s, OPC_POLY, b, d, side);
-      int a = is_edge(s, OPC_ACTIVE, b, d, side);
+      int p = is_edge(s, EDA_POLY, b, d, side);
+      int a = is_edge(s, EDA_ACTIVE, b, d, side);
       poly[d] += p;
       active[d] += a;
       both += p && a;
@@ -39,12 +40,12 @@ static const char *find_axis(const segment *s, const opc_box *b,
 }
 
 static const char *recognise_region(segment *s, size_t i) {
-  const opc_shapes *r = &s->regions;
-  const opc_point *p = r->points + r->start[i];
+  const eda_shapes *r = &s->regions;
+  const eda_point *p = r->points + r->start[i];
   if (r->hole[i]) return "there is a hole in it";
   if (r->start[i + 1] - r->start[i] != 4) return "it is not a rectangle";
-  opc_box *b = &s->gates->box[i];
-  *b = (opc_box){p[0].x, p[0].y, p[2].x, p[2].y};
+  eda_box *b = &s->gates->box[i];
+  *b = (eda_box){p[0].x, p[0].y, p[2].x, p[2].y};
   const char *fault = find_axis(s, b, &s->gates->axis[i]);
   if (fault) return fault;
   int d = s->gates->axis[i];
@@ -56,28 +57,22 @@ static const char *recognise_region(segment *s, size_t i) {
 }
 
 int segment_refuse(segment *s, size_t i, const char *fault) {
-  const opc_shapes *r = &s->regions;
-  const opc_point *p = r->points + r->start[i];
-  int32_t x1 = p->x, y1 = p->y, x0 = p->x;
-  for (uint32_t k = 0; k < r->start[i + 1] - r->start[i]; k++) {
-    if (p[k].x < x0) x0 = p[k].x;
-    if (p[k].x > x1) x1 = p[k].x;
-    if (p[k].y > y1) y1 = p[k].y;
-  }
+  const eda_shapes *r = &s->regions;
+  eda_box b =
+      eda_bounds(r->points + r->start[i], r->start[i + 1] - r->start[i]);
   int32_t cell = -1;
   char *path = s->placement[i] == UINT32_MAX
                    ? NULL
                    : segment_path(s, s->placement[i], &cell);
-  const char *name =
-      cell < 0 ? "" : s->host->layout->cell_name(s->layout, cell);
-  int code = s->host->fail(
-      s->host, s->error, OPC_INVALID, NULL,
+  const char *name = cell < 0 ? "" : eda_layout_cell_name(s->layout, cell);
+  int code = opc_fail(
+      s->error, OPC_INVALID, NULL,
       "transistor from (%.10g, %.10g) to (%.10g, %.10g) nm, cell '%.100s'%s"
       "%.300s%s: %s",
-      s->grid * x0, s->grid * p->y, s->grid * x1, s->grid * y1, name,
+      s->grid * b.x0, s->grid * b.y0, s->grid * b.x1, s->grid * b.y1, name,
       path && *path ? ", instance '" : "", path ? path : "",
       path && *path ? "'" : "", fault);
-  s->host->free(s->host, path);
+  free(path);
   return code;
 }
 
@@ -85,18 +80,18 @@ int segment_refuse(segment *s, size_t i, const char *fault) {
 
 enum { OUTSIDE = 0, INSIDE = 1, PARTLY = 2 };
 
-static int before(opc_point a, opc_point b) {
+static int before(eda_point a, eda_point b) {
   return a.y < b.y || (a.y == b.y && a.x < b.x);
 }
 
 /* Mark with `mark` the regions that are among `shapes` as they are. Both are
    sorted by their first points. */
-static void mark_same(const segment *s, const opc_shapes *shapes, uint8_t mark,
+static void mark_same(const segment *s, const eda_shapes *shapes, uint8_t mark,
                       uint8_t *state) {
-  const opc_shapes *r = &s->regions;
+  const eda_shapes *r = &s->regions;
   for (size_t i = 0, j = 0; i < r->count && j < shapes->count;) {
-    const opc_point *p = r->points + r->start[i];
-    const opc_point *q = shapes->points + shapes->start[j];
+    const eda_point *p = r->points + r->start[i];
+    const eda_point *q = shapes->points + shapes->start[j];
     if (before(*p, *q)) {
       i++;
     } else if (before(*q, *p)) {
@@ -112,16 +107,15 @@ static void mark_same(const segment *s, const opc_shapes *shapes, uint8_t mark,
 
 /* Where each region lies with respect to a doping layer. */
 static int find_cover(segment *s, int doping, uint8_t *state) {
-  const opc_geometry_service *geometry = s->host->geometry;
   memset(state, s->doping[doping].count ? PARTLY : OUTSIDE, s->regions.count);
   if (!s->doping[doping].count) return OPC_OK;
   for (int k = 0; k < 2; k++) {
-    opc_shapes part;
-    int code = geometry->boolean(s->host, k ? OPC_AND : OPC_NOT, &s->regions,
-                                 &s->doping[doping], &part, s->error);
+    eda_shapes part;
+    int code = eda_boolean(k ? EDA_AND : EDA_NOT, &s->regions,
+                           &s->doping[doping], &part, s->error);
     if (code) return code;
     mark_same(s, &part, k ? INSIDE : OUTSIDE, state);
-    geometry->release(&part);
+    eda_shapes_clear(&part);
   }
   return OPC_OK;
 }
@@ -133,7 +127,7 @@ static const char *find_type(const int *has, const uint8_t *at, uint8_t *type) {
   if (at[PIMPLANT] == PARTLY) return "'pimplant' covers it in part";
   if (at[NIMPLANT] && at[PIMPLANT]) return "both implants cover it";
   if (at[NIMPLANT] || at[PIMPLANT]) {
-    *type = at[PIMPLANT] ? OPC_PMOS : OPC_NMOS;
+    *type = at[PIMPLANT] ? EDA_PMOS : EDA_NMOS;
     return NULL;
   }
   int well = has[NWELL] ? NWELL : PWELL;
@@ -143,14 +137,13 @@ static const char *find_type(const int *has, const uint8_t *at, uint8_t *type) {
   if (at[NWELL] == PARTLY) return "'nwell' covers it in part";
   if (at[PWELL] == PARTLY) return "'pwell' covers it in part";
   if (at[NWELL] && at[PWELL]) return "both wells cover it";
-  *type = (well == NWELL) == (at[well] == INSIDE) ? OPC_PMOS : OPC_NMOS;
+  *type = (well == NWELL) == (at[well] == INSIDE) ? EDA_PMOS : EDA_NMOS;
   return NULL;
 }
 
 static int find_types(segment *s) {
   size_t n = s->regions.count;
-  uint8_t *state = s->host->alloc(s->host, n, DOPINGS);
-  if (!state) return segment_no_memory(s);
+  uint8_t *state = eda_alloc(n, DOPINGS);
   int code = OPC_OK;
   for (int k = 0; !code && k < DOPINGS; k++)
     code = find_cover(s, k, state + (size_t)k * n);
@@ -160,7 +153,7 @@ static int find_types(segment *s) {
     const char *fault = find_type(s->has_doping, at, &s->gates->type[i]);
     if (fault) code = segment_refuse(s, i, fault);
   }
-  s->host->free(s->host, state);
+  free(state);
   return code;
 }
 

@@ -5,8 +5,10 @@
 #ifndef OPCFLOW_SEGMENT_H
 #define OPCFLOW_SEGMENT_H
 
-#include <opcflow/gates.h>
-#include <opcflow/layout.h>
+#include <eda/memory.h>
+#include <opcflow/step.h>
+
+#include "../layers.h"
 
 enum { NWELL, PWELL, NIMPLANT, PIMPLANT, DOPINGS };
 enum { LOW = 0, HIGH = 1 }; /* sides */
@@ -26,39 +28,41 @@ typedef struct edge_index {
   size_t first[5];
 } edge_index;
 
-/* The output: the gates and what only release needs. */
-typedef struct owned_gates {
-  opc_gates gates; /* the first member */
-  const opc_host *host;
-  char *names; /* all instance paths */
-} owned_gates;
+/* A layer of the gates: where it is drawn, and its shapes on their way there.
+ */
+typedef struct source {
+  const char *name;
+  const char *from; /* layer of the layout */
+  eda_shapes drawn;
+} source;
 
 typedef struct segment {
   const opc_host *host;
   opc_error *error;
-  const opc_layout *layout;
+  const eda_layout *layout;
   int32_t top;
   double grid;
   int32_t overhang, line_end;
-  opc_flat active;            /* as drawn, for where gates come from */
-  opc_shapes doping[DOPINGS]; /* merged */
+  source *source; /* poly, active, contact, then those of `also` */
+  size_t sources;
+  eda_flat active;            /* as drawn, for where gates come from */
+  eda_shapes doping[DOPINGS]; /* merged */
   int has_doping[DOPINGS];    /* whether the layout has that layer */
-  opc_shapes regions;         /* poly and active together */
-  edge_index index[OPC_MASKS];
-  uint32_t *placement; /* of each region */
-  opc_gates *gates;    /* of *owned */
-  owned_gates *owned;
+  eda_shapes regions;         /* poly and active together */
+  edge_index index[2];        /* of poly and active */
+  uint32_t *placement;        /* of each region */
+  eda_gates *gates;
 } segment;
 
-static inline int32_t box_side(const opc_box *b, int d, int side) {
-  return d == OPC_X ? (side ? b->x1 : b->x0) : (side ? b->y1 : b->y0);
+static inline int32_t box_side(const eda_box *b, int d, int side) {
+  return d == EDA_X ? (side ? b->x1 : b->x0) : (side ? b->y1 : b->y0);
 }
 
-/* Each returns an OPC_* code, with *s->error filled. */
+/* Those that return int give an OPC_* code, with *s->error filled. */
 
-/* edges.c: the index of both layers; the edge that covers [low, high] across d
-   at `at` on that side, NULL if none does alone. */
-int segment_index(segment *s);
+/* edges.c: the index of poly and active; the edge that covers [low, high]
+   across d at `at` on that side, NULL if none does alone. */
+void segment_index(segment *s);
 const edge *segment_edge(const edge_index *index, int d, int side, int32_t at,
                          int32_t low, int32_t high);
 
@@ -69,35 +73,32 @@ const edge *segment_edge(const edge_index *index, int d, int side, int32_t at,
 typedef struct doubled {
   int64_t x, y;
 } doubled;
-int segment_locate(segment *s);
-int segment_find(segment *s, const doubled *points, size_t n,
-                 const opc_shapes *shapes, uint32_t *which);
+void segment_locate(segment *s);
+void segment_find(const doubled *points, size_t n, const eda_shapes *shapes,
+                  uint32_t *which);
 
 /* recognise.c: box and axis of each region, or why it is no transistor; then
    its type. */
 int segment_recognise(segment *s);
 
-/* cut.c: the fragments of both layers, and how far poly goes past active. */
-int segment_cut(segment *s);
+/* cut.c: the fragments of poly and active, and how far poly goes past active.
+ */
+void segment_cut(segment *s);
 
-/* room.c: the free room beside each gate. */
-int segment_room(segment *s);
+/* space.c: the free space beside each gate. */
+void segment_space(segment *s);
 
 /* name.c: instance, cell and number of each gate. */
-int segment_name(segment *s);
+void segment_name(segment *s);
 
 /* notes.c: what is written upon each gate. */
 int segment_notes(segment *s);
 
-static inline int segment_no_memory(segment *s) {
-  s->host->fail(s->host, s->error, OPC_FAILED, NULL, "out of memory");
-  return OPC_FAILED;
-}
-
 /* Refuse region i: OPC_INVALID with its place and the fault. */
 int segment_refuse(segment *s, size_t i, const char *fault);
 
-/* The path of a placement, allocated; NULL if there is no memory. */
+/* The path of a placement, freed with free(), and the cell that is there, -1
+   for none. */
 char *segment_path(const segment *s, uint32_t placement, int32_t *cell);
 
 #endif

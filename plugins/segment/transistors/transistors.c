@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* segment.transistors: the transistors of a layout and the mask edges that
-   move them (thesis 2.2.5 and 3.2.2). */
+   move them (thesis 2.2.5 and 3.2.2), and further layers, whose edges are of
+   no transistor. */
 #include <math.h>
-#include <opcflow/step.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "segment.h"
 
@@ -10,68 +12,28 @@
 
 typedef struct transistors {
   const opc_host *host;
-  const opc_value *values;
+  const eda_layout *layout;
+  const char *top;
+  opc_map also; /* name: layer of the layout */
+  double grid, overhang, line_end;
 } transistors;
 
-enum { LAYOUT, TOP, GRID, OVERHANG, LINE_END, PARAMETERS };
+/* What the layout calls them, and the gates. */
+static const char *const known[] = {"poly", "active", "contact"};
+enum { CONTACT = 2, KNOWN = 3 };
 
 /* ---- work ---- */
 
-static void release_gates(void *object) {
-  owned_gates *o = object;
-  if (!o) return;
-  const opc_host *host = o->host;
-  opc_gates *g = &o->gates;
-  for (int k = 0; k < OPC_LAYERS; k++) host->geometry->release(&g->drawn[k]);
-  for (int k = 0; k < OPC_MASKS; k++) {
-    host->free(host, g->edges[k].start);
-    host->free(host, g->edges[k].fragments);
-  }
-  host->free(host, g->box);
-  host->free(host, g->type);
-  host->free(host, g->axis);
-  host->free(host, g->length);
-  host->free(host, g->width);
-  host->free(host, g->room);
-  host->free(host, g->extension);
-  host->free(host, g->instance);
-  host->free(host, g->cell);
-  host->free(host, g->number);
-  host->free(host, g->note);
-  host->free(host, o->names);
-  host->free(host, o);
-}
-
-/* What stays behind of the work. */
-static void clean(segment *s) {
-  s->host->layout->release(&s->active);
-  for (int k = 0; k < DOPINGS; k++) s->host->geometry->release(&s->doping[k]);
-  s->host->geometry->release(&s->regions);
-  for (int k = 0; k < OPC_MASKS; k++) s->host->free(s->host, s->index[k].edges);
-  s->host->free(s->host, s->placement);
-}
-
-static int has_layer(const segment *s, const char *name) {
-  return s->host->layout->find_layer(s->layout, name) >= 0;
-}
-
 /* The layer with all placements, as drawn, and merged. Empty if the layout does
    not have it. */
-static int get_layer(segment *s, const char *name, opc_flat *flat,
-                     opc_shapes *merged) {
-  const opc_layout_service *layout = s->host->layout;
-  int32_t layer = layout->find_layer(s->layout, name);
-  if (layer < 0) return OPC_OK;
-  int code = layout->flatten(s->host, s->layout, s->top, layer, s->grid, flat,
-                             s->error);
-  if (code) return code;
-  opc_error inner;
-  code = s->host->geometry->boolean(s->host, OPC_OR, &flat->shapes, NULL,
-                                    merged, &inner);
-  if (!code) return OPC_OK;
-  return s->host->fail(s->host, s->error, code, NULL,
-                       "layer '%s', in units of %g nm: %.800s", name, s->grid,
-                       inner.message);
+static int get_layer(segment *s, const char *name, eda_flat *flat,
+                     eda_shapes *merged) {
+  int32_t layer = eda_layout_find_layer(s->layout, name);
+  *flat = (eda_flat){0};
+  *merged = (eda_shapes){0};
+  return layer < 0 ? OPC_OK
+                   : segment_flatten(s->layout, s->top, layer, s->grid, flat,
+                                     merged, s->error);
 }
 
 static int get_dopings(segment *s) {
@@ -79,47 +41,51 @@ static int get_dopings(segment *s) {
                                              "pimplant"};
   int code = OPC_OK;
   for (int k = 0; !code && k < DOPINGS; k++) {
-    opc_flat flat = {0};
-    s->has_doping[k] = has_layer(s, names[k]);
+    eda_flat flat;
+    s->has_doping[k] = eda_layout_find_layer(s->layout, names[k]) >= 0;
     code = get_layer(s, names[k], &flat, &s->doping[k]);
-    s->host->layout->release(&flat);
+    eda_flat_clear(&flat);
   }
   return code;
 }
 
-static void extend(opc_box *box, const opc_shapes *shapes) {
-  size_t n = shapes->count ? shapes->start[shapes->count] : 0;
-  for (size_t i = 0; i < n; i++) {
-    opc_point p = shapes->points[i];
-    if (p.x < box->x0) box->x0 = p.x;
-    if (p.y < box->y0) box->y0 = p.y;
-    if (p.x > box->x1) box->x1 = p.x;
-    if (p.y > box->y1) box->y1 = p.y;
+/* The layers must be there, but for contacts; further ones with shapes. */
+static int check_layers(segment *s) {
+  for (size_t k = 0; k < s->sources; k++) {
+    const char *from = s->source[k].from;
+    if (k == CONTACT || eda_layout_find_layer(s->layout, from) >= 0) continue;
+    return k < KNOWN
+               ? opc_fail(s->error, OPC_INVALID, NULL,
+                          "no transistor: the layout has no layer '%s'", from)
+               : opc_fail(s->error, OPC_INVALID, "also",
+                          "the layout has no layer '%.200s'", from);
   }
+  return OPC_OK;
 }
 
-/* The layers that are kept, and what the grid did to them. */
+/* The layers of the gates, and what the grid did to them. */
 static int get_drawn(segment *s) {
-  static const char *const names[OPC_LAYERS] = {"poly", "active", "contact"};
   size_t moved = 0;
   double worst = 0;
   int code = OPC_OK;
-  s->gates->extent = (opc_box){INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
-  for (int k = 0; !code && k < OPC_LAYERS; k++) {
-    opc_flat flat = {0};
-    code = get_layer(s, names[k], &flat, &s->gates->drawn[k]);
+  for (size_t k = 0; !code && k < s->sources; k++) {
+    source *from = &s->source[k];
+    eda_flat flat;
+    code = get_layer(s, from->from, &flat, &from->drawn);
     moved += flat.moved;
     worst = fmax(worst, flat.worst);
     if (flat.moved)
       s->host->log(s->host, OPC_LOG_INFO,
                    "segment.transistors: the grid of %g nm moved %zu of %zu "
                    "vertices of layer '%s', by %.3g nm at most",
-                   s->grid, flat.moved, flat.vertices, names[k], flat.worst);
-    extend(&s->gates->extent, &s->gates->drawn[k]);
-    if (k == OPC_ACTIVE)
+                   s->grid, flat.moved, flat.vertices, from->from, flat.worst);
+    if (k == EDA_ACTIVE)
       s->active = flat;
     else
-      s->host->layout->release(&flat);
+      eda_flat_clear(&flat);
+    if (!code && k >= KNOWN && !from->drawn.count)
+      code = opc_fail(s->error, OPC_INVALID, "also", "layer '%.200s' is empty",
+                      from->from);
   }
   if (!code)
     code = s->host->metric(s->host, "snapped", (double)moved, s->error);
@@ -127,82 +93,64 @@ static int get_drawn(segment *s) {
   return code;
 }
 
-static int allocate(segment *s) {
-  const opc_host *host = s->host;
-  opc_gates *g = s->gates;
-  size_t n = g->count = s->regions.count;
-  g->box = host->alloc(host, n, sizeof *g->box);
-  g->type = host->alloc(host, n, sizeof *g->type);
-  g->axis = host->alloc(host, n, sizeof *g->axis);
-  g->length = host->alloc(host, n, sizeof *g->length);
-  g->width = host->alloc(host, n, sizeof *g->width);
-  g->room = host->alloc(host, n, 2 * sizeof *g->room);
-  g->extension = host->alloc(host, n, 2 * sizeof *g->extension);
-  g->instance = host->alloc(host, n, sizeof *g->instance);
-  g->cell = host->alloc(host, n, sizeof *g->cell);
-  g->number = host->alloc(host, n, sizeof *g->number);
-  if (!g->box || !g->type || !g->axis || !g->length || !g->width || !g->room ||
-      !g->extension || !g->instance || !g->cell || !g->number)
-    return segment_no_memory(s);
-  return OPC_OK;
-}
-
 static int find_regions(segment *s) {
-  const opc_host *host = s->host;
-  opc_gates *g = s->gates;
-  int code =
-      host->geometry->boolean(host, OPC_AND, &g->drawn[OPC_POLY],
-                              &g->drawn[OPC_ACTIVE], &s->regions, s->error);
-  if (code) return code;
-  if (!s->regions.count)
-    return host->fail(host, s->error, OPC_INVALID, NULL,
-                      "no transistor: layers 'poly' and 'active' do not cross");
-  return allocate(s);
-}
-
-static int publish(const segment *s) {
-  const opc_gates *g = s->gates;
-  size_t pmos = 0;
-  for (size_t i = 0; i < g->count; i++) pmos += g->type[i] == OPC_PMOS;
-  double nmos = (double)(g->count - pmos);
-  int code =
-      s->host->metric(s->host, "transistors", (double)g->count, s->error);
-  if (!code) code = s->host->metric(s->host, "nmos", nmos, s->error);
-  if (!code) code = s->host->metric(s->host, "pmos", (double)pmos, s->error);
+  int code = eda_boolean(EDA_AND, &s->source[EDA_POLY].drawn,
+                         &s->source[EDA_ACTIVE].drawn, &s->regions, s->error);
+  if (!code && !s->regions.count)
+    code = opc_fail(s->error, OPC_INVALID, NULL,
+                    "no transistor: layers 'poly' and 'active' do not cross");
   return code;
 }
 
-static int find_top(segment *s, const opc_value *top) {
-  const opc_layout_service *layout = s->host->layout;
-  if (top->type == OPC_ABSENT) {
-    s->top = layout->top(s->layout, s->error);
-    return s->top < 0 ? s->error->code : OPC_OK;
+/* The gates, with all layers but contacts where none are drawn. */
+static int make_gates(segment *s) {
+  size_t layers = s->sources - !s->source[CONTACT].drawn.count, n = 0;
+  eda_gates *g = s->gates = eda_gates_new(layers, s->regions.count);
+  g->name = eda_gates_text(g, eda_layout_cell_name(s->layout, s->top));
+  g->grid = s->grid;
+  for (size_t k = 0; k < s->sources; k++) {
+    source *from = &s->source[k];
+    if (k == CONTACT && !from->drawn.count) continue;
+    segment_set_layer(g, n, from->name, k != CONTACT, &from->drawn);
+    if (k >= KNOWN) segment_cut_plain(g, n);
+    n++;
   }
-  s->top = layout->find_cell(s->layout, top->text);
-  if (s->top >= 0) return OPC_OK;
-  return s->host->fail(s->host, s->error, OPC_INVALID, "top",
-                       "the layout has no cell '%.200s'", top->text);
+  return OPC_OK;
+}
+
+static int find_gates(segment *s) {
+  segment_locate(s);
+  segment_index(s);
+  if (segment_recognise(s)) return s->error->code;
+  segment_cut(s);
+  segment_space(s);
+  segment_name(s);
+  return segment_notes(s);
+}
+
+static int publish(segment *s) {
+  const opc_host *host = s->host;
+  const eda_gates *g = s->gates;
+  size_t pmos = 0;
+  for (size_t i = 0; i < g->count; i++) pmos += g->type[i] == EDA_PMOS;
+  double nmos = (double)(g->count - pmos);
+  int code = host->metric(host, "transistors", (double)g->count, s->error);
+  if (!code) code = host->metric(host, "nmos", nmos, s->error);
+  if (!code) code = host->metric(host, "pmos", (double)pmos, s->error);
+  return code;
 }
 
 static int segment_all(segment *s) {
-  static const char *const needed[] = {"poly", "active"};
-  for (int k = 0; k < 2; k++)
-    if (!has_layer(s, needed[k]))
-      return s->host->fail(s->host, s->error, OPC_INVALID, NULL,
-                           "no transistor: the layout has no layer '%s'",
-                           needed[k]);
-  int (*const steps[])(segment *) = {
-      get_drawn,      get_dopings,   find_regions,
-      segment_locate, segment_index, segment_recognise,
-      segment_cut,    segment_room,  segment_name,
-      segment_notes};
+  int (*const steps[])(segment *) = {check_layers, get_drawn,  get_dopings,
+                                     find_regions, make_gates, find_gates,
+                                     publish};
   int code = OPC_OK;
   for (size_t k = 0; !code && k < sizeof steps / sizeof *steps; k++) {
     code = steps[k](s);
-    if (!code && s->host->cancelled(s->host))
-      code = s->host->fail(s->host, s->error, OPC_CANCELLED, NULL, "cancelled");
+    if (!code && opc_cancelled(s->host->context))
+      code = opc_fail(s->error, OPC_CANCELLED, NULL, "cancelled");
   }
-  return code ? code : publish(s);
+  return code;
 }
 
 /* In grid units, within what coordinates can be. */
@@ -210,64 +158,81 @@ static int32_t in_units(double nm, double grid) {
   return (int32_t)fmin(floor(nm / grid + 0.5), 1073741824.0);
 }
 
+static void get_sources(const transistors *t, segment *s) {
+  s->sources = KNOWN + t->also.count;
+  s->source = eda_alloc(s->sources, sizeof *s->source);
+  for (size_t k = 0; k < s->sources; k++) {
+    const opc_pair *pair = k < KNOWN ? NULL : &t->also.pairs[k - KNOWN];
+    s->source[k].name = pair ? pair->key : known[k];
+    s->source[k].from = pair ? pair->value : known[k];
+  }
+}
+
 static int run(void *self, void **outputs, opc_error *error) {
   const transistors *t = self;
-  const opc_value *v = t->values;
-  const opc_host *host = t->host;
-  segment s = {.host = host,
+  segment s = {.host = t->host,
                .error = error,
-               .layout = v[LAYOUT].object,
-               .grid = v[GRID].real,
-               .overhang = in_units(v[OVERHANG].real, v[GRID].real),
-               .line_end = in_units(v[LINE_END].real, v[GRID].real)};
-  s.owned = host->alloc(host, 1, sizeof *s.owned);
-  if (!s.owned) return segment_no_memory(&s);
-  s.owned->host = host;
-  s.gates = outputs[0] = &s.owned->gates;
-  s.gates->size = sizeof *s.gates;
-  s.gates->grid = s.grid;
-  int code = find_top(&s, &v[TOP]);
-  if (!code) {
-    s.gates->name = host->layout->cell_name(s.layout, s.top);
-    code = segment_all(&s);
-  }
-  clean(&s);
+               .layout = t->layout,
+               .grid = t->grid,
+               .overhang = in_units(t->overhang, t->grid),
+               .line_end = in_units(t->line_end, t->grid)};
+  get_sources(t, &s);
+  int code = segment_top(t->layout, t->top, &s.top, error);
+  if (!code) code = segment_all(&s);
+  outputs[0] = s.gates;
+  for (size_t k = 0; k < s.sources; k++) eda_shapes_clear(&s.source[k].drawn);
+  free(s.source);
+  eda_flat_clear(&s.active);
+  for (int k = 0; k < DOPINGS; k++) eda_shapes_clear(&s.doping[k]);
+  eda_shapes_clear(&s.regions);
+  for (int k = 0; k < 2; k++) free(s.index[k].edges);
+  free(s.placement);
   return code;
 }
 
 /* ---- parameters ---- */
 
-static const opc_parameter parameters[PARAMETERS] = {
-    [LAYOUT] = {.name = "layout",
-                .type = OPC_INPUT,
-                .flags = OPC_REQUIRED,
-                .choices = "layout",
-                .summary = "layers poly, active, contact, nwell, pwell, "
-                           "nimplant, pimplant, notes"},
-    [TOP] = {.name = "top",
-             .type = OPC_TEXT,
-             .summary = "the cell to take; if not given, the only one that no "
-                        "other places"},
-    [GRID] = {.name = "grid",
-              .type = OPC_REAL,
-              .flags = OPC_ABOVE,
-              .unit = "nm",
-              .preset = "1 nm",
-              .summary = "mask grid"},
-    [OVERHANG] = {.name = "overhang",
-                  .type = OPC_REAL,
-                  .flags = OPC_AT_LEAST,
-                  .unit = "nm",
-                  .preset = "84 nm",
-                  .summary = "how far past the active a transistor owns the "
-                             "edges of a poly that goes on"},
-    [LINE_END] = {.name = "line_end",
-                  .type = OPC_REAL,
-                  .flags = OPC_AT_LEAST,
-                  .unit = "nm",
-                  .preset = "200 nm",
-                  .summary = "poly that ends within this distance of the "
-                             "active is the transistor's own line end"},
+static const opc_parameter parameters[] = {
+    {.name = "layout",
+     .type = OPC_INPUT,
+     .flags = OPC_REQUIRED,
+     .choices = "layout",
+     .summary = "layers poly, active, contact, nwell, pwell, nimplant, "
+                "pimplant, notes",
+     OPC_FIELD(transistors, layout)},
+    {.name = "top",
+     .type = OPC_TEXT,
+     .summary = "the cell to take; if not given, the only one that no other "
+                "places",
+     OPC_FIELD(transistors, top)},
+    {.name = "also",
+     .type = OPC_MAP,
+     .summary = "further layers to correct, by the places of their edges: "
+                "{ metal1: M1 } calls the layout's M1 metal1",
+     OPC_FIELD(transistors, also)},
+    {.name = "grid",
+     .type = OPC_REAL,
+     .flags = OPC_ABOVE,
+     .unit = "nm",
+     .preset = "1 nm",
+     .summary = "mask grid",
+     OPC_FIELD(transistors, grid)},
+    {.name = "overhang",
+     .type = OPC_REAL,
+     .flags = OPC_AT_LEAST,
+     .unit = "nm",
+     .preset = "84 nm",
+     .summary = "how far past the active a transistor owns the edges of a poly "
+                "that goes on",
+     OPC_FIELD(transistors, overhang)},
+    {.name = "line_end",
+     .type = OPC_REAL,
+     .flags = OPC_AT_LEAST,
+     .unit = "nm",
+     .preset = "200 nm",
+     .summary = "poly that ends within this distance of the active is the "
+                "transistor's own line end",
+     OPC_FIELD(transistors, line_end)},
 };
 
 static const opc_metric metrics[] = {
@@ -276,61 +241,46 @@ static const opc_metric metrics[] = {
     {.name = "pmos", .summary = "p-channel transistors"},
     {.name = "snapped",
      .better = OPC_LOWER,
-     .summary = "vertices of poly, active and contact that the grid moved"},
+     .summary = "vertices of poly, active, contact and further layers that the "
+                "grid moved"},
     {.name = "snapped_worst",
      .unit = "nm",
      .better = OPC_LOWER,
      .summary = "how far it moved one at most"},
 };
 
-static void *create(const opc_host *host, const opc_value *values,
-                    opc_error *error) {
-  transistors *t = host->alloc(host, 1, sizeof *t);
-  if (!t) {
-    host->fail(host, error, OPC_FAILED, NULL, "out of memory");
-    return NULL;
-  }
-  t->host = host;
-  t->values = values;
-  return t;
-}
-
-static void destroy(void *self) {
+/* Names are told apart, and so are the layers that they stand for. */
+static int check(void *self, opc_error *error) {
   transistors *t = self;
-  t->host->free(t->host, t);
+  segment s = {0};
+  get_sources(t, &s);
+  int code = OPC_OK;
+  for (size_t i = KNOWN; !code && i < s.sources; i++)
+    for (size_t j = 0; !code && j < i; j++) {
+      const source *a = &s.source[i], *b = &s.source[j];
+      if (!strcmp(a->name, b->name))
+        code = opc_fail(error, OPC_INVALID, "also",
+                        "'%.200s': there is a layer of that name already",
+                        a->name);
+      else if (!strcmp(a->from, b->from))
+        code = opc_fail(error, OPC_INVALID, "also",
+                        "'%.200s': layer %.200s is '%.200s' already", a->name,
+                        a->from, b->name);
+    }
+  free(s.source);
+  return code;
 }
 
 /* ---- entry ---- */
 
-static const opc_port outputs_of[] = {
-    {.name = "gates", .kind = "gates", .release = release_gates}};
+static const opc_port outputs_of[] = {EDA_PORT_GATES("gates")};
+static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run};
 
-static const opc_step operations = {
-    .size = sizeof operations,
-    .n_outputs = 1,
-    .port_size = sizeof(opc_port),
-    .outputs = outputs_of,
-    .run = run,
-};
-
-static const opc_plugin plugin = {
-    .size = sizeof plugin,
-    .abi_major = OPC_ABI_MAJOR,
-    .abi_minor = OPC_ABI_MINOR,
-    .id = "segment.transistors",
-    .version = "0.1.0",
-    .licence = "BSD-3-Clause",
-    .summary =
-        "find the transistors of a layout and the mask edges that move "
-        "them",
-    .kind = OPC_KIND_STEP,
-    .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-    OPC_PARAMETERS(parameters),
-    OPC_METRICS(metrics),
-    .create = create,
-    .destroy = destroy,
-    .operations = &operations,
-};
-
-OPC_EXPORT const opc_plugin *opcflow_plugin(void);
-const opc_plugin *opcflow_plugin(void) { return &plugin; }
+OPC_PLUGIN(transistors, .id = "segment.transistors", .kind = "step",
+           .version = "0.2.0", .licence = "BSD-3-Clause",
+           .summary =
+               "find the transistors of a layout and the mask edges "
+               "that move them",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
+           OPC_FUNCTIONS(functions));

@@ -1,35 +1,34 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Drawings whose transistors, edges and names are known; what is refused; cells
+   and a chip from outside. */
+#include <eda/gates.h>
+#include <eda/layout.h>
 #include <math.h>
-#include <opcflow/gates.h>
-#include <opcflow/layout.h>
-#include <opcflow/step.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "core/plugin/testing.h"
-
-static const opc_host *host;
+#include "core/testing/testing.h"
 
 /* ---- drawing ---- */
 
 typedef struct drawing {
-  opc_layout *layout;
+  eda_layout *layout;
   int32_t cell;
 } drawing;
 
 static drawing drawing_new(void) {
   opc_error error;
-  drawing d = {host->layout->create(host, 1, &error), 0};
-  d.cell = host->layout->cell(d.layout, "TOP", &error);
+  drawing d = {eda_layout_new(1, &error), 0};
+  d.cell = eda_layout_cell(d.layout, "TOP", &error);
   return d;
 }
 
 static void box(drawing *d, const char *layer, int32_t x0, int32_t y0,
                 int32_t x1, int32_t y1) {
   opc_error error;
-  int32_t l = host->layout->layer(d->layout, layer, &error);
-  opc_box b = {x0, y0, x1, y1};
-  g_assert_cmpint(host->layout->add_box(d->layout, d->cell, l, b, &error), ==,
+  int32_t l = eda_layout_layer(d->layout, layer, &error);
+  eda_box b = {x0, y0, x1, y1};
+  g_assert_cmpint(eda_layout_add_box(d->layout, d->cell, l, b, &error), ==,
                   OPC_OK);
 }
 
@@ -74,29 +73,29 @@ static void refused(drawing *d, const char *map, int code,
   g_assert_cmpint(opc_test_run(m, &out, &error), ==, code);
   g_assert_cmpstr(error.message, ==, message);
   g_assert_null(out);
-  host->layout->destroy(d->layout);
+  eda_layout_free(d->layout);
 }
 
 /* ---- checks ---- */
 
-static char *tell_gates(const opc_gates *g) {
+static char *tell_gates(const eda_gates *g) {
   GString *s = g_string_new("");
   for (size_t i = 0; i < g->count; i++)
-    g_string_append_printf(s, "%c%c %d,%d %gx%g room %g %g ends %g %g\n",
+    g_string_append_printf(s, "%c%c %d,%d %gx%g space %g %g ends %g %g\n",
                            "np"[g->type[i]], "xy"[g->axis[i]], g -> box[i].x0,
                            g->box[i].y0, g->length[i], g->width[i],
-                           g->room[2 * i], g->room[2 * i + 1],
+                           g->space[2 * i], g->space[2 * i + 1],
                            g->extension[2 * i], g->extension[2 * i + 1]);
   return g_string_free(s, FALSE);
 }
 
 /* Where each fragment begins, its role and its gate. */
-static char *tell_edges(const opc_edges *e) {
+static char *tell_edges(const eda_edges *e) {
   static const char *const roles[] = {"-", "L<", "L>", "W<", "W>", "E<", "E>"};
   GString *s = g_string_new("");
   for (size_t p = 0; p < e->polygons; p++) {
     for (uint32_t i = e->start[p]; i < e->start[p + 1]; i++) {
-      const opc_fragment *f = &e->fragments[i];
+      const eda_fragment *f = &e->fragments[i];
       g_string_append_printf(s, "%s%d,%d %s", i > e->start[p] ? "; " : "",
                              f->from.x, f->from.y, roles[f->role]);
       if (f->gate >= 0) g_string_append_printf(s, "%d", f->gate);
@@ -107,15 +106,15 @@ static char *tell_edges(const opc_edges *e) {
 }
 
 /* Fragments that do not move are the drawn polygons. */
-static void check_rebuilt(const opc_gates *g, int layer) {
-  const opc_edges *e = &g->edges[layer];
-  const opc_shapes *drawn = &g->drawn[layer];
+static void check_rebuilt(const eda_gates *g, int layer) {
+  const eda_edges *e = &g->edges[layer];
+  const eda_shapes *drawn = &g->drawn[layer];
   g_assert_cmpuint(e->polygons, ==, drawn->count);
   for (size_t p = 0; p < e->polygons; p++) {
     uint32_t n = e->start[p + 1] - e->start[p], corner = drawn->start[p];
-    const opc_fragment *f = e->fragments + e->start[p];
+    const eda_fragment *f = e->fragments + e->start[p];
     for (uint32_t i = 0; i < n; i++) {
-      opc_point a = f[(i + n - 1) % n].from, b = f[i].from,
+      eda_point a = f[(i + n - 1) % n].from, b = f[i].from,
                 c = f[(i + 1) % n].from;
       g_assert_true((a.x == b.x) != (a.y == b.y));
       if ((a.x == b.x) == (b.x == c.x)) {
@@ -134,27 +133,27 @@ static void check_rebuilt(const opc_gates *g, int layer) {
 
 /* Every gate owns its sides, each one fragment that covers them, and line ends
    where it says so. */
-static void check_owned(const opc_gates *g) {
+static void check_owned(const eda_gates *g) {
   g_autofree uint8_t *seen = g_new0(uint8_t, g->count);
-  for (int layer = 0; layer < OPC_MASKS; layer++)
+  for (int layer = 0; layer < 2; layer++)
     for (size_t p = 0; p < g->edges[layer].polygons; p++) {
-      const opc_edges *e = &g->edges[layer];
+      const eda_edges *e = &g->edges[layer];
       for (uint32_t i = e->start[p]; i < e->start[p + 1]; i++) {
-        const opc_fragment *f = &e->fragments[i];
-        g_assert_true((f->role == OPC_FIXED) == (f->gate < 0));
+        const eda_fragment *f = &e->fragments[i];
+        g_assert_true((f->role == EDA_FIXED) == (f->gate < 0));
         if (f->gate < 0) continue;
         g_assert_cmpint(f->gate, <, g->count);
-        g_assert_true((f->role == OPC_W_LOW || f->role == OPC_W_HIGH) ==
-                      (layer == OPC_ACTIVE));
+        g_assert_true((f->role == EDA_W_LOW || f->role == EDA_W_HIGH) ==
+                      (layer == EDA_ACTIVE));
         g_assert_false(seen[f->gate] & 1 << f->role);
         seen[f->gate] |= (uint8_t)(1 << f->role);
-        const opc_box *b = &g->box[f->gate];
-        opc_point to =
+        const eda_box *b = &g->box[f->gate];
+        eda_point to =
             e->fragments[i + 1 < e->start[p + 1] ? i + 1 : e->start[p]].from;
         int vertical = f->from.x == to.x, high = !(f->role & 1);
         int axis = g->axis[f->gate];
-        g_assert_true(vertical == ((axis == OPC_X) == (f->role == OPC_L_LOW ||
-                                                       f->role == OPC_L_HIGH)));
+        g_assert_true(vertical == ((axis == EDA_X) == (f->role == EDA_L_LOW ||
+                                                       f->role == EDA_L_HIGH)));
         /* Interior on the left. */
         g_assert_true(vertical ? (to.y > f->from.y) == high
                                : (to.x < f->from.x) == high);
@@ -162,38 +161,38 @@ static void check_owned(const opc_gates *g) {
         int32_t top = vertical ? MAX(f->from.y, to.y) : MAX(f->from.x, to.x);
         g_assert_cmpint(low, <=, vertical ? b->y0 : b->x0);
         g_assert_cmpint(top, >=, vertical ? b->y1 : b->x1);
-        if (f->role >= OPC_END_LOW) continue;
+        if (f->role >= EDA_END_LOW) continue;
         g_assert_cmpint(
             vertical ? f->from.x : f->from.y, ==,
             vertical ? (high ? b->x1 : b->x0) : (high ? b->y1 : b->y0));
       }
     }
   for (size_t i = 0; i < g->count; i++)
-    for (int role = OPC_L_LOW; role <= OPC_END_HIGH; role++)
+    for (int role = EDA_L_LOW; role <= EDA_END_HIGH; role++)
       g_assert_true(!(seen[i] & 1 << role) ==
-                    (role >= OPC_END_LOW &&
-                     isinf(g->extension[2 * i + (role == OPC_END_HIGH)])));
+                    (role >= EDA_END_LOW &&
+                     isinf(g->extension[2 * i + (role == EDA_END_HIGH)])));
 }
 
-static void check_all(const opc_gates *g) {
-  check_rebuilt(g, OPC_POLY);
-  check_rebuilt(g, OPC_ACTIVE);
+static void check_all(const eda_gates *g) {
+  check_rebuilt(g, EDA_POLY);
+  check_rebuilt(g, EDA_ACTIVE);
   check_owned(g);
 }
 
 static void segment_is(drawing *d, const char *map, const char *gates,
                        const char *poly, const char *active) {
   result r = segment(d->layout, map);
-  const opc_gates *g = r.gates;
+  const eda_gates *g = r.gates;
   check_all(g);
   g_autofree char *got = tell_gates(g);
-  g_autofree char *got_poly = tell_edges(&g->edges[OPC_POLY]);
-  g_autofree char *got_active = tell_edges(&g->edges[OPC_ACTIVE]);
+  g_autofree char *got_poly = tell_edges(&g->edges[EDA_POLY]);
+  g_autofree char *got_active = tell_edges(&g->edges[EDA_ACTIVE]);
   g_assert_cmpstr(got, ==, gates);
   g_assert_cmpstr(got_poly, ==, poly);
   g_assert_cmpstr(got_active, ==, active);
   result_free(&r);
-  host->layout->destroy(d->layout);
+  eda_layout_free(d->layout);
 }
 
 /* ---- layouts by hand ---- */
@@ -207,14 +206,14 @@ static void draw_single(drawing *d) {
 static void test_vertical(void) {
   drawing d = drawing_new();
   draw_single(&d);
-  segment_is(&d, "{}", "nx 150,0 65x200 room 300 370 ends 100 100\n",
+  segment_is(&d, "{}", "nx 150,0 65x200 space 300 370 ends 100 100\n",
              "150,-100 E<0; 215,-100 L>0; 215,300 E>0; 150,300 L<0\n",
              "0,0 W<0; 400,0 -; 400,200 W>0; 0,200 -\n");
   /* Line ends that are further than line_end are nobody's. */
   d = drawing_new();
   draw_single(&d);
   segment_is(&d, "{ line_end: 99 nm }",
-             "nx 150,0 65x200 room 300 370 ends inf inf\n",
+             "nx 150,0 65x200 space 300 370 ends inf inf\n",
              "150,-100 -; 215,-100 -; 215,-84 L>0; 215,284 -; 215,300 -; "
              "150,300 -; 150,284 L<0; 150,-84 -\n",
              "0,0 W<0; 400,0 -; 400,200 W>0; 0,200 -\n");
@@ -222,7 +221,7 @@ static void test_vertical(void) {
   d = drawing_new();
   draw_single(&d);
   segment_is(&d, "{ line_end: 0 nm, overhang: 200 nm, grid: 5 nm }",
-             "nx 30,0 65x200 room 300 370 ends inf inf\n",
+             "nx 30,0 65x200 space 300 370 ends inf inf\n",
              "30,-20 -; 43,-20 L>0; 43,60 -; 30,60 L<0\n",
              "0,0 W<0; 80,0 -; 80,40 W>0; 0,40 -\n");
 }
@@ -233,7 +232,7 @@ static void test_narrow_active(void) {
   draw(&d, "active", 120, 0, 400, 200);
   draw(&d, "poly", 150, -100, 215, 300);
   draw(&d, "nimplant", -50, -50, 450, 250);
-  segment_is(&d, "{}", "nx 150,0 65x200 room 130 370 ends 100 100\n",
+  segment_is(&d, "{}", "nx 150,0 65x200 space 130 370 ends 100 100\n",
              "150,-100 E<0; 215,-100 L>0; 215,300 E>0; 150,300 L<0\n",
              "120,0 W<0; 400,0 -; 400,200 W>0; 120,200 -\n");
 }
@@ -243,7 +242,7 @@ static void test_horizontal(void) {
   swap = 1;
   draw_single(&d);
   swap = 0;
-  segment_is(&d, "{}", "ny 0,150 65x200 room 300 370 ends 100 100\n",
+  segment_is(&d, "{}", "ny 0,150 65x200 space 300 370 ends 100 100\n",
              "-100,150 L<0; 300,150 E>0; 300,215 L>0; -100,215 E<0\n",
              "0,0 -; 200,0 W>0; 200,400 -; 0,400 W<0\n");
 }
@@ -260,12 +259,12 @@ static void test_figure(void) {
   draw(&d, "poly", 700, -120, 765, 620);
   segment_is(
       &d, "{}",
-      "nx 100,0 65x100 room 200 200 ends inf inf\n"
-      "nx 365,0 65x100 room 200 270 ends 120 inf\n"
-      "nx 700,0 65x100 room 270 270 ends 120 inf\n"
-      "px 100,300 65x200 room 200 200 ends inf inf\n"
-      "px 365,300 65x200 room 200 270 ends inf 120\n"
-      "px 700,300 65x200 room 270 270 ends inf 120\n",
+      "nx 100,0 65x100 space 200 200 ends inf inf\n"
+      "nx 365,0 65x100 space 200 270 ends 120 inf\n"
+      "nx 700,0 65x100 space 270 270 ends 120 inf\n"
+      "px 100,300 65x200 space 200 200 ends inf inf\n"
+      "px 365,300 65x200 space 200 270 ends inf 120\n"
+      "px 700,300 65x200 space 270 270 ends inf 120\n",
       "100,-400 -; 165,-400 -; 165,-84 L>0; 165,184 -; 165,216 L>3; 165,584 -; "
       "165,900 -; 100,900 -; 100,584 L<3; 100,216 -; 100,184 L<0; 100,-84 -\n"
       "365,-120 E<1; 430,-120 L>1; 430,184 -; 430,216 L>4; 430,620 E>4; "
@@ -287,8 +286,8 @@ static void test_shared_poly(void) {
   draw(&d, "pimplant", -150, 0, 250, 200);
   draw(&d, "poly", 0, -300, 65, 250);
   segment_is(&d, "{}",
-             "nx 0,-200 65x100 room 200 270 ends 100 inf\n"
-             "px 0,51 65x99 room 200 270 ends inf 100\n",
+             "nx 0,-200 65x100 space 200 270 ends 100 inf\n"
+             "px 0,51 65x99 space 200 270 ends inf 100\n",
              "0,-300 E<0; 65,-300 L>0; 65,-25 L>1; 65,250 E>1; 0,250 L<1; "
              "0,-25 L<0\n",
              "-100,-200 W<0; 200,-200 -; 200,-100 W>0; -100,-100 -\n"
@@ -304,9 +303,9 @@ static void test_near_end(void) {
   draw(&d, "nwell", -150, -50, 250, 550);
   draw(&d, "poly", 0, -100, 65, 600);
   segment_is(&d, "{ line_end: 2000 nm }",
-             "px 0,0 65x100 room 200 270 ends 100 inf\n"
-             "px 0,200 65x100 room 200 270 ends inf inf\n"
-             "px 0,400 65x100 room 200 270 ends inf 100\n",
+             "px 0,0 65x100 space 200 270 ends 100 inf\n"
+             "px 0,200 65x100 space 200 270 ends inf inf\n"
+             "px 0,400 65x100 space 200 270 ends inf 100\n",
              "0,-100 E<0; 65,-100 L>0; 65,150 L>1; 65,350 L>2; 65,600 E>2; "
              "0,600 L<2; 0,350 L<1; 0,150 L<0\n",
              "-100,0 W<0; 200,0 -; 200,100 W>0; -100,100 -\n"
@@ -323,7 +322,7 @@ static void test_turning_poly(void) {
   draw(&d, "poly", 215, 250, 700, 350);
   draw(&d, "poly", 450, -60, 515, 150);
   segment_is(
-      &d, "{}", "nx 150,0 65x200 room 300 235 ends 60 inf\n",
+      &d, "{}", "nx 150,0 65x200 space 300 235 ends 60 inf\n",
       "150,-60 E<0; 215,-60 L>0; 215,250 -; 700,250 -; 700,350 -; 215,350 -; "
       "215,600 -; 150,600 -; 150,284 L<0\n"
       "450,-60 -; 515,-60 -; 515,150 -; 450,150 -\n",
@@ -340,8 +339,8 @@ static void test_bent_active(void) {
   draw(&d, "poly", 150, -100, 215, 300);
   draw(&d, "poly", 50, 400, 500, 465);
   segment_is(&d, "{}",
-             "nx 150,0 65x200 room 300 170 ends 100 100\n"
-             "ny 215,400 65x85 room 800 470 ends 165 200\n",
+             "nx 150,0 65x200 space 300 170 ends 100 100\n"
+             "ny 215,400 65x85 space 800 470 ends 165 200\n",
              "150,-100 E<0; 215,-100 L>0; 215,300 E>0; 150,300 L<0\n"
              "50,400 L<1; 500,400 E>1; 500,465 L>1; 50,465 E<1\n",
              "0,0 W<0; 300,0 W>1; 300,700 -; 215,700 W<1; 215,200 W>0; "
@@ -373,13 +372,13 @@ static void type_is(const char *layers, int code, const char *want) {
     return;
   }
   result r = segment(d.layout, "{}");
-  const opc_gates *g = r.gates;
+  const eda_gates *g = r.gates;
   g_assert_cmpuint(g->count, ==, 1);
   g_assert_true("np"[g->type[0]] == *want);
   g_assert_cmpfloat(opc_test_metric("nmos"), ==, *want == 'n');
   g_assert_cmpfloat(opc_test_metric("pmos"), ==, *want == 'p');
   result_free(&r);
-  host->layout->destroy(d.layout);
+  eda_layout_free(d.layout);
 }
 
 static void test_type(void) {
@@ -425,7 +424,7 @@ static void test_refused(void) {
   refused(&d, "{ top: NAND }", OPC_INVALID, "the layout has no cell 'NAND'");
 
   static const struct {
-    opc_box poly[2];
+    eda_box poly[2];
     const char *fault;
   } bad[] = {
       {{{150, -100, 215, 150}},
@@ -479,10 +478,10 @@ static void test_refused_shapes(void) {
   d = drawing_new();
   draw_single(&d);
   opc_error error;
-  opc_point slanted[] = {{0, 0}, {100, 0}, {0, 100}};
-  host->layout->add_polygon(d.layout, d.cell,
-                            host->layout->layer(d.layout, "poly", &error),
-                            slanted, 3, &error);
+  eda_point slanted[] = {{0, 0}, {100, 0}, {0, 100}};
+  eda_layout_add_polygon(d.layout, d.cell,
+                         eda_layout_layer(d.layout, "poly", &error), slanted, 3,
+                         &error);
   refused(&d, "{}", OPC_INVALID,
           "layer 'poly', in units of 1 nm: slanted edge from (100, 0) to (0, "
           "100)");
@@ -494,20 +493,20 @@ static void test_instances(void) {
   drawing d = drawing_new();
   opc_error error;
   drawing inverter = d;
-  inverter.cell = host->layout->cell(d.layout, "INV", &error);
+  inverter.cell = eda_layout_cell(d.layout, "INV", &error);
   draw(&inverter, "active", 0, 0, 300, 100);
   draw(&inverter, "active", 0, 400, 300, 600);
   draw(&inverter, "nwell", -100, 300, 400, 700);
   draw(&inverter, "poly", 100, -100, 165, 700);
-  opc_placement p = {
+  eda_placement p = {
       .origin = {1000, 0}, .magnification = 1, .columns = 1, .rows = 1};
-  g_assert_cmpint(host->layout->add_instance(d.layout, d.cell, inverter.cell,
-                                             &p, "X1", &error),
+  g_assert_cmpint(eda_layout_add_instance(d.layout, d.cell, inverter.cell, &p,
+                                          "X1", &error),
                   ==, OPC_OK);
-  p.origin = (opc_point){0, 1000};
+  p.origin = (eda_point){0, 1000};
   p.angle = 90;
-  g_assert_cmpint(host->layout->add_instance(d.layout, d.cell, inverter.cell,
-                                             &p, "X2", &error),
+  g_assert_cmpint(eda_layout_add_instance(d.layout, d.cell, inverter.cell, &p,
+                                          "X2", &error),
                   ==, OPC_OK);
   /* The top cell's own poly over the active of X1; its active touches that of
      X1 and covers one of X2, where it comes first. */
@@ -516,7 +515,7 @@ static void test_instances(void) {
   draw(&d, "active", 1300, 0, 1500, 100);
   draw(&d, "poly", 1400, -100, 1440, 200);
   result r = segment(d.layout, "{ top: TOP }");
-  const opc_gates *g = r.gates;
+  const eda_gates *g = r.gates;
   check_all(g);
   static const struct {
     const char *instance, *cell;
@@ -524,12 +523,12 @@ static void test_instances(void) {
     int32_t x0, y0;
     int type, axis;
   } want[] = {
-      {"X1", "INV", 1, 1100, 0, OPC_NMOS, OPC_X},
-      {"X1", "INV", 2, 1230, 0, OPC_NMOS, OPC_X},
-      {"", "TOP", 1, 1400, 0, OPC_NMOS, OPC_X},
-      {"X1", "INV", 3, 1100, 400, OPC_PMOS, OPC_X},
-      {"X2", "INV", 1, -600, 1100, OPC_PMOS, OPC_Y},
-      {"", "TOP", 2, -100, 1100, OPC_NMOS, OPC_Y},
+      {"X1", "INV", 1, 1100, 0, EDA_NMOS, EDA_X},
+      {"X1", "INV", 2, 1230, 0, EDA_NMOS, EDA_X},
+      {"", "TOP", 1, 1400, 0, EDA_NMOS, EDA_X},
+      {"X1", "INV", 3, 1100, 400, EDA_PMOS, EDA_X},
+      {"X2", "INV", 1, -600, 1100, EDA_PMOS, EDA_Y},
+      {"", "TOP", 2, -100, 1100, EDA_NMOS, EDA_Y},
   };
   g_assert_cmpstr(g->name, ==, "TOP");
   g_assert_cmpuint(g->count, ==, G_N_ELEMENTS(want));
@@ -551,20 +550,85 @@ static void test_instances(void) {
           "'X1': it is not a rectangle");
 }
 
+/* ---- further layers ---- */
+
+static void check_layer(const eda_gates *g, size_t layer, const char *name,
+                        int corrected, const char *edges) {
+  g_assert_cmpstr(g->layer[layer], ==, name);
+  g_assert_cmpint(g->corrected[layer], ==, corrected);
+  g_autofree char *got = tell_edges(&g->edges[layer]);
+  g_assert_cmpstr(got, ==, edges);
+}
+
+/* Layers in the order of the flow, with contacts before them if any are drawn;
+   their edges are nobody's, and the extent has them. */
+static void test_also(void) {
+  for (int contacts = 0; contacts < 2; contacts++) {
+    drawing d = drawing_new();
+    draw_single(&d);
+    draw(&d, "M1", 2000, 0, 2100, 50);
+    draw(&d, "M1", 2050, 50, 2100, 90);
+    draw(&d, "M2", 0, 0, 10, 10);
+    if (contacts) draw(&d, "contact", 20, 20, 80, 80);
+    result r = segment(d.layout, "{ also: { metal2: M2, metal1: M1 } }");
+    const eda_gates *g = r.gates;
+    size_t first = contacts ? 3 : 2;
+    check_owned(g);
+    g_assert_cmpuint(g->layers, ==, first + 2);
+    g_assert_cmpint(eda_gates_layer(g, "contact"), ==, contacts ? 2 : -1);
+    if (contacts) check_layer(g, 2, "contact", 0, "");
+    check_layer(g, first, "metal2", 1, "0,0 -; 10,0 -; 10,10 -; 0,10 -\n");
+    check_layer(g, first + 1, "metal1", 1,
+                "2000,0 -; 2100,0 -; 2100,90 -; 2050,90 -; 2050,50 -; "
+                "2000,50 -\n");
+    check_rebuilt(g, (int)first + 1);
+    g_assert_cmpint(g->extent.x1, ==, 2100);
+    opc_error error;
+    g_assert_cmpint(eda_gates_check(g, &error), ==, OPC_OK);
+    result_free(&r);
+    eda_layout_free(d.layout);
+  }
+}
+
+static void test_also_refused(void) {
+  static const struct {
+    const char *map, *message;
+  } bad[] = {
+      {"poly: M1", "'poly': there is a layer of that name already"},
+      {"contact: M1", "'contact': there is a layer of that name already"},
+      {"gates: poly", "'gates': layer poly is 'poly' already"},
+      {"a: M1, b: M1", "'b': layer M1 is 'a' already"},
+  };
+  opc_error error;
+  for (size_t i = 0; i < G_N_ELEMENTS(bad); i++) {
+    g_autofree char *map = g_strdup_printf("{ also: { %s } }", bad[i].map);
+    g_assert_null(opc_test_module("segment.transistors", map, &error));
+    g_assert_nonnull(strstr(error.message, bad[i].message));
+  }
+  drawing d = drawing_new();
+  draw_single(&d);
+  refused(&d, "{ also: { metal1: M1 } }", OPC_INVALID,
+          "the layout has no layer 'M1'");
+  d = drawing_new();
+  draw_single(&d);
+  eda_layout_layer(d.layout, "M1", &error);
+  refused(&d, "{ also: { metal1: M1 } }", OPC_INVALID, "layer 'M1' is empty");
+}
+
 /* ---- notes ---- */
 
 static void write_note(drawing *d, int32_t x, int32_t y, const char *text) {
   opc_error error;
-  int32_t l = host->layout->layer(d->layout, "notes", &error);
-  g_assert_cmpint(host->layout->add_text(d->layout, d->cell, l,
-                                         (opc_point){x, y}, text, &error),
+  int32_t l = eda_layout_layer(d->layout, "notes", &error);
+  g_assert_cmpint(eda_layout_add_text(d->layout, d->cell, l, (eda_point){x, y},
+                                      text, &error),
                   ==, OPC_OK);
 }
 
 /* An inverter with a note upon its n-transistor: as drawn, turned, mirrored,
    and four times in an array. */
 static drawing noted(drawing *inverter) {
-  static const opc_placement places[] = {
+  static const eda_placement places[] = {
       {{1000, 0}, 1, 0, 0, 1, 1, {0, 0}, {0, 0}},
       {{0, 2000}, 1, 90, 0, 1, 1, {0, 0}, {0, 0}},
       {{3000, 2000}, 1, 180, 1, 1, 1, {0, 0}, {0, 0}},
@@ -574,15 +638,15 @@ static drawing noted(drawing *inverter) {
   opc_error error;
   drawing d = drawing_new();
   *inverter = d;
-  inverter->cell = host->layout->cell(d.layout, "INV", &error);
+  inverter->cell = eda_layout_cell(d.layout, "INV", &error);
   draw(inverter, "active", 0, 0, 300, 100);
   draw(inverter, "active", 0, 400, 300, 600);
   draw(inverter, "nwell", -100, 300, 400, 700);
   draw(inverter, "poly", 100, -100, 165, 700);
   write_note(inverter, 100, 0, "weight=2");
   for (int i = 0; i < 4; i++)
-    g_assert_cmpint(host->layout->add_instance(d.layout, d.cell, inverter->cell,
-                                               &places[i], names[i], &error),
+    g_assert_cmpint(eda_layout_add_instance(d.layout, d.cell, inverter->cell,
+                                            &places[i], names[i], &error),
                     ==, OPC_OK);
   return d;
 }
@@ -597,12 +661,12 @@ static void test_notes(void) {
   write_note(&d, 1131, 501, "p");
   opc_test_forget();
   result r = segment(d.layout, "{ top: TOP }");
-  const opc_gates *g = r.gates;
+  const eda_gates *g = r.gates;
   g_assert_cmpuint(g->count, ==, 14);
   for (size_t i = 0; i < g->count; i++) {
-    const char *want = g->type[i] == OPC_NMOS ? "weight=2" : NULL;
+    const char *want = g->type[i] == EDA_NMOS ? "weight=2" : NULL;
     if (!strcmp(g->instance[i], "X1"))
-      want = g->type[i] == OPC_NMOS ? "ion=1.05" : "p";
+      want = g->type[i] == EDA_NMOS ? "ion=1.05" : "p";
     if (!strcmp(g->instance[i], "XA[0,0]") && want) want = "";
     g_assert_cmpstr(g->note[i], ==, want);
   }
@@ -631,23 +695,23 @@ static void test_no_notes(void) {
   drawing d = drawing_new();
   draw_single(&d);
   result r = segment(d.layout, "{}");
-  g_assert_null(((const opc_gates *)r.gates)->note);
+  g_assert_null(((const eda_gates *)r.gates)->note);
   opc_test_release(r.module, &r.gates);
   opc_test_module_free(r.module);
-  host->layout->layer(d.layout, "notes", &error);
+  eda_layout_layer(d.layout, "notes", &error);
   r = segment(d.layout, "{}");
-  const opc_gates *g = r.gates;
+  const eda_gates *g = r.gates;
   g_assert_nonnull(g->note);
   for (size_t i = 0; i < g->count; i++) g_assert_null(g->note[i]);
-  opc_box b = g->box[0];
+  eda_box b = g->box[0];
   opc_test_release(r.module, &r.gates);
   opc_test_module_free(r.module);
   write_note(&d, b.x1, b.y1, "corner");
   r = segment(d.layout, "{ grid: 5 nm }");
-  g_assert_cmpstr(((const opc_gates *)r.gates)->note[0], ==, "corner");
+  g_assert_cmpstr(((const eda_gates *)r.gates)->note[0], ==, "corner");
   opc_test_release(r.module, &r.gates);
   opc_test_module_free(r.module);
-  host->layout->destroy(d.layout);
+  eda_layout_free(d.layout);
 }
 
 static void test_cancel(void) {
@@ -721,8 +785,8 @@ static void test_nangate(void) {
   g_autoptr(GPtrArray) want = read_devices();
   g_autoptr(GPtrArray) got = g_ptr_array_new_with_free_func(g_free);
   size_t without = 0;
-  for (size_t c = 0; c < host->layout->cells(layout); c++) {
-    const char *name = host->layout->cell_name(layout, (int32_t)c);
+  for (size_t c = 0; c < eda_layout_cells(layout); c++) {
+    const char *name = eda_layout_cell_name(layout, (int32_t)c);
     g_autofree char *map = g_strdup_printf("{ top: %s, grid: 0.5 nm }", name);
     opc_error error;
     g_autoptr(opc_module) m =
@@ -736,7 +800,7 @@ static void test_nangate(void) {
       without++;
       continue;
     }
-    const opc_gates *g = out;
+    const eda_gates *g = out;
     check_all(g);
     g_assert_cmpfloat(opc_test_metric("snapped"), ==, 0);
     for (size_t i = 0; i < g->count; i++) {
@@ -760,19 +824,19 @@ static void test_nangate(void) {
   opc_test_module_free(reader);
 }
 
-/* Room by asking every edge. */
-static double slow_room(const opc_gates *g, size_t i, int side) {
+/* The space by asking every edge. */
+static double slow_space(const eda_gates *g, size_t i, int side) {
   double away[2] = {INFINITY, INFINITY};
-  const opc_box *b = &g->box[i];
-  int x = g->axis[i] == OPC_X;
+  const eda_box *b = &g->box[i];
+  int x = g->axis[i] == EDA_X;
   double from = x ? (side ? b->x1 : b->x0) : (side ? b->y1 : b->y0);
   double middle = x ? (b->y0 + b->y1) / 2. : (b->x0 + b->x1) / 2.;
-  for (int layer = 0; layer < OPC_MASKS; layer++)
+  for (int layer = 0; layer < 2; layer++)
     for (size_t p = 0; p < g->drawn[layer].count; p++) {
-      const opc_shapes *s = &g->drawn[layer];
+      const eda_shapes *s = &g->drawn[layer];
       for (uint32_t k = s->start[p]; k < s->start[p + 1]; k++) {
-        opc_point u = s->points[k];
-        opc_point v = s->points[k + 1 < s->start[p + 1] ? k + 1 : s->start[p]];
+        eda_point u = s->points[k];
+        eda_point v = s->points[k + 1 < s->start[p + 1] ? k + 1 : s->start[p]];
         double at = x ? u.x : u.y, low = x ? MIN(u.y, v.y) : MIN(u.x, v.x),
                high = x ? MAX(u.y, v.y) : MAX(u.x, v.x);
         if (at != (x ? v.x : v.y) || middle < low || middle >= high) continue;
@@ -780,7 +844,7 @@ static double slow_room(const opc_gates *g, size_t i, int side) {
         if (far > 0) away[layer] = fmin(away[layer], far);
       }
     }
-  return fmin(away[OPC_POLY], 2 * fmax(away[OPC_ACTIVE], g->length[i]));
+  return fmin(away[EDA_POLY], 2 * fmax(away[EDA_ACTIVE], g->length[i]));
 }
 
 static void test_c432(void) {
@@ -789,7 +853,7 @@ static void test_c432(void) {
   if (!reader) return;
   opc_test_forget();
   result r = segment(layout, "{}");
-  const opc_gates *g = r.gates;
+  const eda_gates *g = r.gates;
   check_all(g);
   g_assert_cmpuint(g->count, ==, 820);
   g_assert_cmpfloat(opc_test_metric("transistors"), ==, 820);
@@ -801,7 +865,7 @@ static void test_c432(void) {
     g_assert_cmpfloat(g->length[i], ==, 65);
     g_assert_true(g->instance[i][0] == 'U');
     for (int side = 0; side < 2; side++)
-      g_assert_cmpfloat(g->room[2 * i + side], ==, slow_room(g, i, side));
+      g_assert_cmpfloat(g->space[2 * i + side], ==, slow_space(g, i, side));
   }
   result_free(&r);
   opc_test_release(reader, &layout);
@@ -810,7 +874,6 @@ static void test_c432(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  host = opc_test_host();
   g_test_add_func("/transistors/vertical", test_vertical);
   g_test_add_func("/transistors/horizontal", test_horizontal);
   g_test_add_func("/transistors/figure-3.2", test_figure);
@@ -823,6 +886,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/transistors/refused", test_refused);
   g_test_add_func("/transistors/refused-shapes", test_refused_shapes);
   g_test_add_func("/transistors/instances", test_instances);
+  g_test_add_func("/transistors/also", test_also);
+  g_test_add_func("/transistors/also-refused", test_also_refused);
   g_test_add_func("/transistors/notes", test_notes);
   g_test_add_func("/transistors/no-notes", test_no_notes);
   g_test_add_func("/transistors/cancel", test_cancel);

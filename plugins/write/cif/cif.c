@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* write.cif: a layout or a corrected mask as a CIF 2.0 file. */
+#include <eda/memory.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../read/layer_number.h"
 #include "../writer.h"
 
 /* ---- state ---- */
@@ -14,7 +14,7 @@ typedef struct cif {
   writer w;
   char layer[64];
   char written[64]; /* the layer that the file is at */
-  const opc_layout *layout;
+  const eda_layout *layout;
   int64_t a, b; /* units times a / b are centimicrons */
   uint64_t calls;
   size_t changed; /* texts that lost their blanks */
@@ -34,11 +34,11 @@ static int is_word(const char *text) {
 }
 
 /* A layer of two numbers is called as KLayout does. */
-static int set_layer(writer *base, const char *layer) {
-  cif *w = (cif *)base;
-  layer_number number;
+static int set_layer(void *self, const char *layer) {
+  cif *w = self;
+  eda_layer_number number;
   int n;
-  if (layer_number_parse(layer, UINT32_MAX, &number, NULL))
+  if (eda_layer_number_read(layer, UINT32_MAX, &number, NULL))
     n = snprintf(w->layer, sizeof w->layer, "L%uD%u", (unsigned)number.layer,
                  (unsigned)number.datatype);
   else if (is_word(layer))
@@ -46,6 +46,17 @@ static int set_layer(writer *base, const char *layer) {
   else
     return 0;
   return n < (int)sizeof w->layer;
+}
+
+static void name_layer(const eda_gates *gates, size_t k, int drawn,
+                       char *name) {
+  static const char *const known[2][3] = {{"CP", "CA", "CC"},
+                                          {"XP", "XA", "XC"}};
+  int contact = !strcmp(gates->layer[k], "contact");
+  if (k <= EDA_ACTIVE || contact)
+    snprintf(name, 64, "%s", known[drawn][k <= EDA_ACTIVE ? k : 2]);
+  else
+    snprintf(name, 64, "%s%s", gates->layer[k], drawn ? "_drawn" : "");
 }
 
 static void at_layer(cif *w) {
@@ -79,27 +90,27 @@ static int as_fraction(double v, int64_t *a, int64_t *b) {
   return 0;
 }
 
-static int begin(writer *base, const opc_layout *layout, double unit,
+static int begin(void *self, const eda_layout *layout, double unit,
                  opc_error *error) {
-  cif *w = (cif *)base;
+  cif *w = self;
   w->layout = layout;
   w->calls = 0;
   w->changed = 0;
   if (!(unit < 1e9) || !as_fraction(unit / 10, &w->a, &w->b))
-    return w->w.host->fail(w->w.host, error, OPC_FAILED, NULL,
-                           "a unit of %.17g nm cannot be said in CIF", unit);
+    return opc_fail(error, OPC_FAILED, NULL,
+                    "a unit of %.17g nm cannot be said in CIF", unit);
   return OPC_OK;
 }
 
 /* ---- work: cells ---- */
 
-static int begin_cell(writer *base, int32_t cell, const char *name,
+static int begin_cell(void *self, int32_t cell, const char *name,
                       opc_error *error) {
-  cif *w = (cif *)base;
+  cif *w = self;
   size_t n = strlen(name);
   if (!n || name[0] == ' ' || name[n - 1] == ' ' || strchr(name, ';'))
-    return w->w.host->fail(w->w.host, error, OPC_FAILED, NULL,
-                           "'%.200s': CIF has no cells of such a name", name);
+    return opc_fail(error, OPC_FAILED, NULL,
+                    "'%.200s': CIF has no cells of such a name", name);
   fprintf(w->w.file, "DS %d %" PRId64 " %" PRId64 ";\n9 %s;\n", cell + 1, w->a,
           w->b, name);
   w->written[0] = '\0';
@@ -107,7 +118,7 @@ static int begin_cell(writer *base, int32_t cell, const char *name,
 }
 
 /* Whether p is a rectangle whose middle is on the grid. */
-static int is_box(const opc_point *p, size_t n) {
+static int is_box(const eda_point *p, size_t n) {
   if (n != 4) return 0;
   int first = p[0].y == p[1].y && p[1].x == p[2].x && p[2].y == p[3].y &&
               p[3].x == p[0].x;
@@ -119,28 +130,25 @@ static int is_box(const opc_point *p, size_t n) {
          llabs(l) <= INT32_MAX && llabs(h) <= INT32_MAX;
 }
 
-static int put_polygon(writer *base, const opc_point *p, size_t n,
-                       opc_error *error) {
-  cif *w = (cif *)base;
+static void put_polygon(void *self, const eda_point *p, size_t n) {
+  cif *w = self;
   FILE *file = w->w.file;
-  (void)error;
   at_layer(w);
   if (is_box(p, n)) {
     fprintf(file, "B %lld %lld %lld %lld;\n", llabs((long long)p[0].x - p[2].x),
             llabs((long long)p[0].y - p[2].y), ((long long)p[0].x + p[2].x) / 2,
             ((long long)p[0].y + p[2].y) / 2);
-    return OPC_OK;
+    return;
   }
   fputc('P', file);
   for (size_t i = 0; i < n; i++) fprintf(file, " %d %d", p[i].x, p[i].y);
   fputs(";\n", file);
-  return OPC_OK;
 }
 
 /* A text is one word. */
-static int put_text(writer *base, opc_point at, const char *text,
+static int put_text(void *self, eda_point at, const char *text,
                     opc_error *error) {
-  cif *w = (cif *)base;
+  cif *w = self;
   (void)error;
   at_layer(w); /* not said with the text: readers differ in what follows */
   fputs("94 ", w->w.file);
@@ -156,12 +164,12 @@ static int put_text(writer *base, opc_point at, const char *text,
 
 static int refuse(cif *w, const char *child, opc_error *error,
                   const char *what) {
-  return w->w.host->fail(w->w.host, error, OPC_FAILED, NULL,
-                         "'%.200s' in '%.200s': %s", child, w->w.cell, what);
+  return opc_fail(error, OPC_FAILED, NULL, "'%.200s' in '%.200s': %s", child,
+                  w->w.cell, what);
 }
 
-static void put_call(cif *w, int32_t child, const opc_placement *p, int turns,
-                     opc_point at) {
+static void put_call(cif *w, int32_t child, const eda_placement *p, int turns,
+                     eda_point at) {
   static const char *const turn[] = {"", " R 0 1", " R -1 0", " R 0 -1"};
   fprintf(w->w.file, "C %d%s%s", child + 1, p->mirror ? " M Y" : "",
           turn[turns]);
@@ -170,10 +178,10 @@ static void put_call(cif *w, int32_t child, const opc_placement *p, int turns,
 }
 
 /* An array becomes a call for each member. */
-static int put_placement(writer *base, int32_t child, const char *child_name,
-                         const opc_placement *p, const char *name,
+static int put_placement(void *self, int32_t child, const char *child_name,
+                         const eda_placement *p, const char *name,
                          opc_error *error) {
-  cif *w = (cif *)base;
+  cif *w = self;
   (void)name;
   double turns = fmod(p->angle / 90, 4);
   if (turns < 0) turns += 4;
@@ -188,7 +196,7 @@ static int put_placement(writer *base, int32_t child, const char *child_name,
                   "CIF knows no arrays, and their members are too many");
   for (uint32_t r = 0; r < p->rows; r++)
     for (uint32_t c = 0; c < p->columns; c++) {
-      opc_point row, at;
+      eda_point row, at;
       if (!writer_along(p->origin, r, p->row_step, &row) ||
           !writer_along(row, c, p->column_step, &at))
         return refuse(w, child_name, error,
@@ -198,60 +206,47 @@ static int put_placement(writer *base, int32_t child, const char *child_name,
   return OPC_OK;
 }
 
-static int end_cell(writer *base, opc_error *error) {
-  cif *w = (cif *)base;
-  (void)error;
-  fputs("DF;\n", w->w.file);
-  return OPC_OK;
-}
+static void end_cell(void *self) { fputs("DF;\n", ((cif *)self)->w.file); }
 
 /* ---- work: the end ---- */
 
 /* Call the cells that no other one places. */
-static int put_tops(cif *w, opc_error *error) {
-  const opc_layout_service *l = w->w.host->layout;
-  size_t n = w->layout ? l->cells(w->layout) : 0;
+static void put_tops(cif *w) {
+  size_t n = w->layout ? eda_layout_cells(w->layout) : 0;
   if (!w->layout) fputs("C 1;\n", w->w.file);
-  uint8_t *placed = calloc(n + 1, 1);
-  if (!placed) return writer_no_memory(&w->w, error);
+  uint8_t *placed = eda_alloc(n, 1);
   for (size_t i = 0; i < n; i++)
-    for (size_t k = 0; k < l->instances(w->layout, (int32_t)i); k++) {
+    for (size_t k = 0; k < eda_layout_instances(w->layout, (int32_t)i); k++) {
       int32_t child;
-      opc_placement p;
-      l->instance(w->layout, (int32_t)i, k, &child, &p);
+      eda_placement p;
+      eda_layout_instance(w->layout, (int32_t)i, k, &child, &p);
       placed[child] = 1;
     }
   for (size_t i = 0; i < n; i++)
     if (!placed[i]) fprintf(w->w.file, "C %zu;\n", i + 1);
   free(placed);
-  return OPC_OK;
 }
 
-static int end(writer *base, opc_error *error) {
-  cif *w = (cif *)base;
-  if (put_tops(w, error)) return error->code;
+static void end(void *self) {
+  cif *w = self;
+  put_tops(w);
   fputs("E\n", w->w.file);
   if (w->changed)
     w->w.host->log(w->w.host, OPC_LOG_WARNING,
                    "'%s': %zu texts have characters that CIF lacks, written "
                    "as '_'",
                    w->w.path, w->changed);
-  return OPC_OK;
 }
 
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] =
-    WRITE_PARAMETERS("mask.cif", "Names for layers: { poly: CP }");
-
-/* ---- entry ---- */
+    WRITE_PARAMETERS(cif, "mask.cif", "Names for layers: { poly: CP }");
 
 static const write_format format = {
-    .size = sizeof(cif),
-    .name = "CIF",
     .layer = "CP",
     .most_points = SIZE_MAX,
-    .mask = {"CP", "CA", "CC", "XP", "XA"},
+    .name_layer = name_layer,
     .set_layer = set_layer,
     .begin = begin,
     .begin_cell = begin_cell,
@@ -262,28 +257,17 @@ static const write_format format = {
     .end = end,
 };
 
-static void *create(const opc_host *host, const opc_value *values,
-                    opc_error *error) {
-  return writer_create(host, values, &format, error);
+static int check(void *self, opc_error *error) {
+  return writer_check(self, &format, error);
 }
 
-static const opc_step step = {.size = sizeof step, .run = writer_run};
+/* ---- entry ---- */
 
-static const opc_plugin plugin = {
-    .size = sizeof plugin,
-    .abi_major = OPC_ABI_MAJOR,
-    .abi_minor = OPC_ABI_MINOR,
-    .id = "write.cif",
-    .version = "0.1.0",
-    .licence = "BSD-3-Clause",
-    .summary = "Write a layout or a mask as a CIF file",
-    .kind = OPC_KIND_STEP,
-    .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-    OPC_PARAMETERS(parameters),
-    .create = create,
-    .destroy = writer_destroy,
-    .operations = &step,
-};
+static const opc_step functions = {.run = writer_run};
 
-OPC_EXPORT const opc_plugin *opcflow_plugin(void);
-const opc_plugin *opcflow_plugin(void) { return &plugin; }
+OPC_PLUGIN(cif, .id = "write.cif", .kind = "step", .version = "0.2.0",
+           .licence = "BSD-3-Clause",
+           .summary = "Write a layout or a mask as a CIF file",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), .check = check,
+           OPC_FUNCTIONS(functions));

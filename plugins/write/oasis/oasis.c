@@ -2,24 +2,28 @@
 /* write.oasis: a layout or a corrected mask as an OASIS file (SEMI P39), in
    strict mode: names stand in tables at the end, cells and texts refer to them
    by number. */
+#include <eda/memory.h>
+#include <eda/oasis.h>
+#include <glib.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../read/oasis/records.h"
 #include "../writer.h"
-#include "groups.h"
-#include "strings.h"
 
 /* ---- state ---- */
 
+/* Different strings, numbered from 0 in the order in which they come. */
+typedef struct strings {
+  GHashTable *numbers; /* text: its number */
+  GPtrArray *texts;    /* the layout's own */
+} strings;
+
 typedef struct oasis {
   writer w;
-  layer_number layer;
-  pack out;
-  groups shapes; /* of `layer` */
-  layer_number shapes_layer;
+  eda_layer_number layer;
+  eda_oasis *out;
   strings texts, names; /* of instances */
-  const opc_layout *layout;
+  const eda_layout *layout;
   uint64_t *places; /* of the cells in the file */
   size_t n_places;
 } oasis;
@@ -30,78 +34,88 @@ enum { CELL_OFFSET = 0, GDS_PROPERTY = 1 };
 /* Points of a polygon: larger ones are cut, for the readers' sake. */
 enum { MAX_POINTS = 1 << 20 };
 
+/* ---- work: strings ---- */
+
+static void strings_init(strings *s) {
+  s->numbers = g_hash_table_new(g_str_hash, g_str_equal);
+  s->texts = g_ptr_array_new();
+}
+
+static void strings_clear(strings *s) {
+  g_clear_pointer(&s->numbers, g_hash_table_unref);
+  g_clear_pointer(&s->texts, g_ptr_array_unref);
+}
+
+static uint64_t number_of(strings *s, const char *text) {
+  gpointer number;
+  if (g_hash_table_lookup_extended(s->numbers, text, NULL, &number))
+    return GPOINTER_TO_SIZE(number);
+  g_hash_table_insert(s->numbers, (char *)text,
+                      GSIZE_TO_POINTER(s->texts->len));
+  g_ptr_array_add(s->texts, (char *)text);
+  return s->texts->len - 1;
+}
+
 /* ---- work: records ---- */
 
-static int set_layer(writer *base, const char *layer) {
-  oasis *w = (oasis *)base;
-  return layer_number_parse(layer, UINT32_MAX, &w->layer, NULL);
+static int set_layer(void *self, const char *layer) {
+  oasis *w = self;
+  return eda_layer_number_read(layer, UINT32_MAX, &w->layer, NULL);
 }
 
-static int check(const oasis *w, opc_error *error) {
-  return w->out.failed ? writer_no_memory(&w->w, error) : OPC_OK;
-}
-
-static int begin(writer *base, const opc_layout *layout, double unit,
+static int begin(void *self, const eda_layout *layout, double unit,
                  opc_error *error) {
-  oasis *w = (oasis *)base;
-  const opc_host *host = w->w.host;
+  oasis *w = self;
+  (void)error;
   w->layout = layout;
-  w->n_places = layout ? host->layout->cells(layout) : 1;
-  w->places = calloc(w->n_places + 1, sizeof *w->places);
-  if (!pack_begin(&w->out, host, w->w.file) || !w->places)
-    return writer_no_memory(&w->w, error);
-  for (const char *c = OASIS_MAGIC; *c; c++) pack_byte(&w->out, (uint8_t)*c);
-  pack_uint(&w->out, OASIS_START);
-  pack_string(&w->out, "1.0");
-  pack_real(&w->out, writer_decimal(1000 / unit)); /* steps in a micrometre */
-  pack_uint(&w->out, 1); /* the tables' places are told at the end */
-  pack_plain(&w->out);
-  return check(w, error);
+  w->n_places = layout ? eda_layout_cells(layout) : 1;
+  w->places = eda_alloc(w->n_places, sizeof *w->places);
+  w->out = eda_oasis_new(w->w.file);
+  strings_init(&w->texts);
+  strings_init(&w->names);
+  for (const char *c = EDA_OASIS_MAGIC; *c; c++)
+    eda_oasis_byte(w->out, (uint8_t)*c);
+  eda_oasis_uint(w->out, EDA_OASIS_START);
+  eda_oasis_string(w->out, "1.0");
+  /* steps in a micrometre */
+  eda_oasis_real(w->out, writer_decimal(1000 / unit));
+  eda_oasis_uint(w->out, 1); /* the tables' places are told at the end */
+  eda_oasis_end_plain(w->out);
+  return OPC_OK;
 }
 
-static int begin_cell(writer *base, int32_t cell, const char *name,
+static int begin_cell(void *self, int32_t cell, const char *name,
                       opc_error *error) {
-  oasis *w = (oasis *)base;
+  oasis *w = self;
   if (!name[0])
-    return w->w.host->fail(w->w.host, error, OPC_FAILED, NULL,
-                           "OASIS has no cells without a name");
-  w->places[cell] = w->out.place;
-  pack_uint(&w->out, OASIS_CELL_NUMBER);
-  pack_uint(&w->out, (uint64_t)cell);
-  pack_plain(&w->out);
-  return check(w, error);
+    return opc_fail(error, OPC_FAILED, NULL,
+                    "OASIS has no cells without a name");
+  w->places[cell] = eda_oasis_place(w->out);
+  eda_oasis_uint(w->out, EDA_OASIS_CELL_NUMBER);
+  eda_oasis_uint(w->out, (uint64_t)cell);
+  eda_oasis_end_plain(w->out);
+  return OPC_OK;
 }
 
-static void put_shapes(oasis *w) {
-  if (w->shapes.n) groups_put(&w->shapes, &w->out, w->shapes_layer);
+static void put_polygon(void *self, const eda_point *points, size_t n) {
+  oasis *w = self;
+  eda_oasis_polygon(w->out, w->layer, points, n);
 }
 
-static int put_polygon(writer *base, const opc_point *points, size_t n,
-                       opc_error *error) {
-  oasis *w = (oasis *)base;
-  if (w->layer.layer != w->shapes_layer.layer ||
-      w->layer.datatype != w->shapes_layer.datatype || groups_full(&w->shapes))
-    put_shapes(w);
-  w->shapes_layer = w->layer;
-  if (!groups_add(&w->shapes, points, n)) return writer_no_memory(&w->w, error);
-  return check(w, error);
-}
-
-static int put_text(writer *base, opc_point at, const char *text,
+static int put_text(void *self, eda_point at, const char *text,
                     opc_error *error) {
-  oasis *w = (oasis *)base;
-  int64_t number = strings_number(&w->texts, text);
-  if (number < 0) return writer_no_memory(&w->w, error);
-  put_shapes(w);
-  pack_uint(&w->out, OASIS_TEXT);
-  pack_byte(&w->out, 0x7b);
-  pack_uint(&w->out, (uint64_t)number);
-  pack_uint(&w->out, w->layer.layer);
-  pack_uint(&w->out, w->layer.datatype);
-  pack_sint(&w->out, at.x);
-  pack_sint(&w->out, at.y);
-  pack_record(&w->out);
-  return check(w, error);
+  oasis *w = self;
+  (void)error;
+  eda_oasis_end_shapes(w->out);
+  eda_oasis_uint(w->out, EDA_OASIS_TEXT);
+  eda_oasis_byte(w->out, 0x7b);
+  eda_oasis_uint(w->out, number_of(&w->texts, text));
+  eda_oasis_uint(w->out, w->layer.layer);
+  eda_oasis_uint(w->out, w->layer.datatype);
+  eda_oasis_sint(w->out, at.x);
+  eda_oasis_sint(w->out, at.y);
+  eda_oasis_end_record(w->out);
+  return OPC_OK;
 }
 
 /* ---- work: placements ---- */
@@ -113,76 +127,72 @@ static int quarters(double angle) {
   return -1;
 }
 
-static void put_array(oasis *w, const opc_placement *p) {
-  pack *out = &w->out;
-  opc_point c = p->column_step, r = p->row_step;
+static void put_array(oasis *w, const eda_placement *p) {
+  eda_oasis *out = w->out;
+  eda_point c = p->column_step, r = p->row_step;
   if (p->columns > 1 && p->rows > 1) {
-    pack_uint(out, 8);
-    pack_uint(out, p->columns - 2);
-    pack_uint(out, p->rows - 2);
-    pack_delta(out, c.x, c.y);
-    pack_delta(out, r.x, r.y);
+    eda_oasis_uint(out, 8);
+    eda_oasis_uint(out, p->columns - 2);
+    eda_oasis_uint(out, p->rows - 2);
+    eda_oasis_delta(out, c.x, c.y);
+    eda_oasis_delta(out, r.x, r.y);
   } else {
-    opc_point step = p->columns > 1 ? c : r;
-    pack_uint(out, 9);
-    pack_uint(out, (p->columns > 1 ? p->columns : p->rows) - 2);
-    pack_delta(out, step.x, step.y);
+    eda_point step = p->columns > 1 ? c : r;
+    eda_oasis_uint(out, 9);
+    eda_oasis_uint(out, (p->columns > 1 ? p->columns : p->rows) - 2);
+    eda_oasis_delta(out, step.x, step.y);
   }
 }
 
-static int put_name(oasis *w, const char *name, opc_error *error) {
-  int64_t number = strings_number(&w->names, name);
-  if (number < 0) return writer_no_memory(&w->w, error);
-  pack_uint(&w->out, OASIS_PROPERTY);
-  pack_byte(&w->out, 0x27); /* 2 values, a standard name by number */
-  pack_uint(&w->out, GDS_PROPERTY);
-  pack_uint(&w->out, 8);
-  pack_uint(&w->out, OASIS_INSTANCE_NAME);
-  pack_uint(&w->out, 14);
-  pack_uint(&w->out, (uint64_t)number);
-  return OPC_OK;
+static void put_name(oasis *w, const char *name) {
+  eda_oasis_uint(w->out, EDA_OASIS_PROPERTY);
+  eda_oasis_byte(w->out, 0x27); /* 2 values, a standard name by number */
+  eda_oasis_uint(w->out, GDS_PROPERTY);
+  eda_oasis_uint(w->out, 8);
+  eda_oasis_uint(w->out, EDA_OASIS_INSTANCE_NAME);
+  eda_oasis_uint(w->out, 14);
+  eda_oasis_uint(w->out, number_of(&w->names, name));
 }
 
-static int put_placement(writer *base, int32_t child, const char *child_name,
-                         const opc_placement *p, const char *name,
+static int put_placement(void *self, int32_t child, const char *child_name,
+                         const eda_placement *p, const char *name,
                          opc_error *error) {
-  oasis *w = (oasis *)base;
-  pack *out = &w->out;
+  oasis *w = self;
+  eda_oasis *out = w->out;
   int turns = quarters(p->angle), array = p->columns > 1 || p->rows > 1;
   int plain = p->magnification == 1 && turns >= 0;
   uint32_t info = 0xf0 | (array ? 8u : 0) | (p->mirror ? 1u : 0);
   (void)child_name;
-  put_shapes(w);
-  pack_uint(out, plain ? OASIS_PLACEMENT : OASIS_PLACEMENT_REAL);
-  pack_byte(out, plain ? info | (uint32_t)turns << 1 : info | 6);
-  pack_uint(out, (uint64_t)child);
+  (void)error;
+  eda_oasis_end_shapes(out);
+  eda_oasis_uint(out, plain ? EDA_OASIS_PLACEMENT : EDA_OASIS_PLACEMENT_REAL);
+  eda_oasis_byte(out, plain ? info | (uint32_t)turns << 1 : info | 6);
+  eda_oasis_uint(out, (uint64_t)child);
   if (!plain) {
-    pack_real(out, p->magnification);
-    pack_real(out, p->angle);
+    eda_oasis_real(out, p->magnification);
+    eda_oasis_real(out, p->angle);
   }
-  pack_sint(out, p->origin.x);
-  pack_sint(out, p->origin.y);
+  eda_oasis_sint(out, p->origin.x);
+  eda_oasis_sint(out, p->origin.y);
   if (array) put_array(w, p);
-  if (name && put_name(w, name, error)) return error->code;
-  pack_record(out);
-  return check(w, error);
+  if (name) put_name(w, name);
+  eda_oasis_end_record(out);
+  return OPC_OK;
 }
 
-static int end_cell(writer *base, opc_error *error) {
-  oasis *w = (oasis *)base;
-  put_shapes(w);
-  pack_block(&w->out);
-  return check(w, error);
+static void end_cell(void *self) {
+  oasis *w = self;
+  eda_oasis_end_shapes(w->out);
+  eda_oasis_end_block(w->out);
 }
 
 /* ---- work: names ---- */
 
 /* Names of cells are printable and have no blanks: what else there is becomes
    "\x20". */
-static int put_cell_name(oasis *w, const char *name) {
+static void put_cell_name(oasis *w, const char *name) {
   static const char hex[] = "0123456789ABCDEF";
-  char *plain = malloc(4 * strlen(name) + 1), *c = plain;
-  if (!plain) return 0;
+  char *plain = eda_alloc(4 * strlen(name) + 1, 1), *c = plain;
   for (; *name; name++) {
     uint8_t byte = (uint8_t)*name;
     if (byte > 0x20 && byte < 0x7f) {
@@ -195,105 +205,95 @@ static int put_cell_name(oasis *w, const char *name) {
     *c++ = hex[byte & 15];
   }
   *c = '\0';
-  pack_string(&w->out, plain);
+  eda_oasis_string(w->out, plain);
   free(plain);
-  return 1;
 }
 
-static int put_cell_names(oasis *w, opc_error *error) {
-  const opc_layout_service *l = w->w.host->layout;
+static void put_cell_names(oasis *w) {
   for (size_t i = 0; i < w->n_places; i++) {
     const char *name =
-        w->layout ? l->cell_name(w->layout, (int32_t)i) : w->w.cell;
-    pack_uint(&w->out, OASIS_CELLNAME);
-    if (!put_cell_name(w, name)) return writer_no_memory(&w->w, error);
-    pack_uint(&w->out, OASIS_PROPERTY);
-    pack_byte(&w->out, 0x17); /* 1 value, a standard name by number */
-    pack_uint(&w->out, CELL_OFFSET);
-    pack_uint(&w->out, 8);
-    pack_uint(&w->out, w->places[i]);
-    pack_record(&w->out);
+        w->layout ? eda_layout_cell_name(w->layout, (int32_t)i) : w->w.cell;
+    eda_oasis_uint(w->out, EDA_OASIS_CELLNAME);
+    put_cell_name(w, name);
+    eda_oasis_uint(w->out, EDA_OASIS_PROPERTY);
+    eda_oasis_byte(w->out, 0x17); /* 1 value, a standard name by number */
+    eda_oasis_uint(w->out, CELL_OFFSET);
+    eda_oasis_uint(w->out, 8);
+    eda_oasis_uint(w->out, w->places[i]);
+    eda_oasis_end_record(w->out);
   }
-  return check(w, error);
 }
 
 static void put_strings(oasis *w, const strings *s, uint32_t record) {
-  for (size_t i = 0; i < s->n; i++) {
-    pack_uint(&w->out, record);
-    pack_string(&w->out, s->text[i]);
-    pack_record(&w->out);
+  for (size_t i = 0; i < s->texts->len; i++) {
+    eda_oasis_uint(w->out, record);
+    eda_oasis_string(w->out, s->texts->pdata[i]);
+    eda_oasis_end_record(w->out);
   }
 }
 
 /* Where a table is that was begun at `from`; 0 if nothing is in it. */
 static uint64_t end_table(oasis *w, uint64_t from) {
-  pack_block(&w->out);
-  return w->out.place > from ? from : 0;
+  eda_oasis_end_block(w->out);
+  return eda_oasis_place(w->out) > from ? from : 0;
 }
 
-static void put_end(oasis *w, const uint64_t places[OASIS_TABLES]) {
-  pack *out = &w->out;
-  pack_uint(out, OASIS_END);
-  for (int i = 0; i < OASIS_TABLES; i++) {
-    pack_uint(out, 1); /* strict: the table has all of its kind */
-    pack_uint(out, places[i]);
+static void put_end(oasis *w, const uint64_t places[EDA_OASIS_TABLES]) {
+  eda_oasis *out = w->out;
+  eda_oasis_uint(out, EDA_OASIS_END);
+  for (int i = 0; i < EDA_OASIS_TABLES; i++) {
+    eda_oasis_uint(out, 1); /* strict: the table has all of its kind */
+    eda_oasis_uint(out, places[i]);
   }
   /* Zeros up to the length of END, with their number in two bytes before. */
-  size_t length = OASIS_END_BYTES - 1 - 4 - 2 - out->n;
-  pack_byte(out, 0x80 | (length & 0x7f));
-  pack_byte(out, (uint32_t)length >> 7);
-  for (size_t i = 0; i < length; i++) pack_byte(out, 0);
-  pack_uint(out, OASIS_CRC32);
-  pack_plain(out);
-  uint32_t crc = out->crc;
-  for (int i = 0; i < 4; i++) pack_byte(out, crc >> 8 * i & 0xff);
-  pack_plain(out);
+  size_t length = EDA_OASIS_END_BYTES - 1 - 4 - 2 - eda_oasis_collected(out);
+  eda_oasis_byte(out, 0x80 | (length & 0x7f));
+  eda_oasis_byte(out, (uint32_t)length >> 7);
+  for (size_t i = 0; i < length; i++) eda_oasis_byte(out, 0);
+  eda_oasis_uint(out, EDA_OASIS_CRC32);
+  eda_oasis_end_plain(out);
+  uint32_t crc = eda_oasis_crc(out);
+  for (int i = 0; i < 4; i++) eda_oasis_byte(out, crc >> 8 * i & 0xff);
+  eda_oasis_end_plain(out);
 }
 
-static int end(writer *base, opc_error *error) {
-  oasis *w = (oasis *)base;
-  uint64_t places[OASIS_TABLES] = {0}, from = w->out.place;
-  if (put_cell_names(w, error)) return error->code;
-  places[OASIS_CELLNAMES] = end_table(w, from);
-  from = w->out.place;
-  put_strings(w, &w->texts, OASIS_TEXTSTRING);
-  places[OASIS_TEXTSTRINGS] = end_table(w, from);
-  from = w->out.place;
-  pack_uint(&w->out, OASIS_PROPNAME);
-  pack_string(&w->out, "S_CELL_OFFSET");
-  pack_uint(&w->out, OASIS_PROPNAME);
-  pack_string(&w->out, OASIS_GDS_PROPERTY);
-  places[OASIS_PROPNAMES] = end_table(w, from);
-  from = w->out.place;
-  put_strings(w, &w->names, OASIS_PROPSTRING);
-  places[OASIS_PROPSTRINGS] = end_table(w, from);
+static void end(void *self) {
+  oasis *w = self;
+  uint64_t places[EDA_OASIS_TABLES] = {0}, from = eda_oasis_place(w->out);
+  put_cell_names(w);
+  places[EDA_OASIS_CELLNAMES] = end_table(w, from);
+  from = eda_oasis_place(w->out);
+  put_strings(w, &w->texts, EDA_OASIS_TEXTSTRING);
+  places[EDA_OASIS_TEXTSTRINGS] = end_table(w, from);
+  from = eda_oasis_place(w->out);
+  eda_oasis_uint(w->out, EDA_OASIS_PROPNAME);
+  eda_oasis_string(w->out, "S_CELL_OFFSET");
+  eda_oasis_uint(w->out, EDA_OASIS_PROPNAME);
+  eda_oasis_string(w->out, EDA_OASIS_GDS_PROPERTY);
+  places[EDA_OASIS_PROPNAMES] = end_table(w, from);
+  from = eda_oasis_place(w->out);
+  put_strings(w, &w->names, EDA_OASIS_PROPSTRING);
+  places[EDA_OASIS_PROPSTRINGS] = end_table(w, from);
   put_end(w, places);
-  return check(w, error);
 }
 
-static void clear(writer *base) {
-  oasis *w = (oasis *)base;
-  pack_clear(&w->out);
-  groups_clear(&w->shapes);
+static void clear(void *self) {
+  oasis *w = self;
+  g_clear_pointer(&w->out, eda_oasis_free);
   strings_clear(&w->texts);
   strings_clear(&w->names);
-  free(w->places);
-  w->places = NULL;
+  g_clear_pointer(&w->places, free);
 }
 
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] =
-    WRITE_PARAMETERS("mask.oas", "Numbers for layers: { poly: 9/0 }");
-
-/* ---- entry ---- */
+    WRITE_PARAMETERS(oasis, "mask.oas", "Numbers for layers: { poly: 9/0 }");
 
 static const write_format format = {
-    .size = sizeof(oasis),
-    .name = "OASIS",
     .layer = "9/0",
     .most_points = MAX_POINTS,
-    .mask = {"9/0", "1/0", "10/0", "109/0", "101/0"},
+    .name_layer = writer_number_layer,
     .set_layer = set_layer,
     .begin = begin,
     .begin_cell = begin_cell,
@@ -305,28 +305,17 @@ static const write_format format = {
     .clear = clear,
 };
 
-static void *create(const opc_host *host, const opc_value *values,
-                    opc_error *error) {
-  return writer_create(host, values, &format, error);
+static int check(void *self, opc_error *error) {
+  return writer_check(self, &format, error);
 }
 
-static const opc_step step = {.size = sizeof step, .run = writer_run};
+/* ---- entry ---- */
 
-static const opc_plugin plugin = {
-    .size = sizeof plugin,
-    .abi_major = OPC_ABI_MAJOR,
-    .abi_minor = OPC_ABI_MINOR,
-    .id = "write.oasis",
-    .version = "0.1.0",
-    .licence = "BSD-3-Clause",
-    .summary = "Write a layout or a mask as an OASIS file",
-    .kind = OPC_KIND_STEP,
-    .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-    OPC_PARAMETERS(parameters),
-    .create = create,
-    .destroy = writer_destroy,
-    .operations = &step,
-};
+static const opc_step functions = {.run = writer_run};
 
-OPC_EXPORT const opc_plugin *opcflow_plugin(void);
-const opc_plugin *opcflow_plugin(void) { return &plugin; }
+OPC_PLUGIN(oasis, .id = "write.oasis", .kind = "step", .version = "0.2.0",
+           .licence = "BSD-3-Clause",
+           .summary = "Write a layout or a mask as an OASIS file",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), .check = check,
+           OPC_FUNCTIONS(functions));

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* What is written is read again and is the same; the sum and the tables of the
+   file. */
 #include <string.h>
 #include <zlib.h>
 
-#include "../../read/oasis/records.h"
-#include "core/plugin/host.h"
-#include "core/plugin/testing.h"
+#include <eda/layout.h>
+#include <eda/oasis.h>
 
-static const opc_layout_service *l = &opc_layout_functions;
+#include "core/testing/testing.h"
 
 static char *write_more(const char *kind, void *object, const char *more,
                         opc_error *error) {
@@ -28,7 +29,7 @@ static char *write_good(const char *kind, void *object) {
   return path;
 }
 
-static opc_layout *read_good(const char *path) {
+static eda_layout *read_good(const char *path) {
   opc_error e = {0};
   g_autofree char *mapping = g_strdup_printf("{ file: '%s' }", path);
   g_autoptr(opc_module) module = opc_test_module("read.oasis", mapping, &e);
@@ -37,38 +38,39 @@ static opc_layout *read_good(const char *path) {
   return output;
 }
 
-static opc_layout *new_layout(double unit) {
+static eda_layout *new_layout(double unit) {
   opc_error e;
-  return l->create(opc_test_host(), unit, &e);
+  return eda_layout_new(unit, &e);
 }
 
 /* ---- placements, names, units ---- */
 
-static char *dump(const opc_layout *layout, const char *cell) {
+static char *dump(const eda_layout *layout, const char *cell) {
   GString *s = g_string_new(NULL);
-  int32_t number = l->find_cell(layout, cell), child, layer;
-  g_string_append_printf(s, "%.17g\n", l->unit(layout));
-  for (size_t i = 0; i < l->texts(layout, number); i++) {
-    opc_point at;
-    const char *text = l->text(layout, number, i, &at, &layer);
-    g_string_append_printf(s, "%s %d,%d '%s'\n", l->layer_name(layout, layer),
-                           at.x, at.y, text);
+  int32_t number = eda_layout_find_cell(layout, cell), child, layer;
+  g_string_append_printf(s, "%.17g\n", eda_layout_unit(layout));
+  for (size_t i = 0; i < eda_layout_texts(layout, number); i++) {
+    eda_point at;
+    const char *text = eda_layout_text(layout, number, i, &at, &layer);
+    g_string_append_printf(s, "%s %d,%d '%s'\n",
+                           eda_layout_layer_name(layout, layer), at.x, at.y,
+                           text);
   }
-  for (size_t i = 0; i < l->instances(layout, number); i++) {
-    opc_placement p;
-    const char *name = l->instance(layout, number, i, &child, &p);
+  for (size_t i = 0; i < eda_layout_instances(layout, number); i++) {
+    eda_placement p;
+    const char *name = eda_layout_instance(layout, number, i, &child, &p);
     g_string_append_printf(
         s, "%s of %s %d,%d %.17g %.17g %u %ux%u %d,%d %d,%d\n",
-        name ? name : "-", l->cell_name(layout, child), p.origin.x, p.origin.y,
-        p.magnification, p.angle, p.mirror, p.columns, p.rows, p.column_step.x,
-        p.column_step.y, p.row_step.x, p.row_step.y);
+        name ? name : "-", eda_layout_cell_name(layout, child), p.origin.x,
+        p.origin.y, p.magnification, p.angle, p.mirror, p.columns, p.rows,
+        p.column_step.x, p.column_step.y, p.row_step.x, p.row_step.y);
   }
   return g_string_free(s, FALSE);
 }
 
 static void test_placements(void) {
   static const double units[] = {1, 0.5, 0.1, 0.13, 1e-3, 2.5, 10};
-  const opc_placement placements[] = {
+  const eda_placement placements[] = {
       {{1, 2}, 1, 0, 0, 1, 1, {0, 0}, {0, 0}},
       {{-1, -2}, 1, 90, 0, 1, 1, {0, 0}, {0, 0}},
       {{3, 4}, 0.1, 33.25, 1, 1, 1, {0, 0}, {0, 0}},
@@ -79,24 +81,24 @@ static void test_placements(void) {
   };
   for (size_t u = 0; u < G_N_ELEMENTS(units); u++) {
     opc_error e;
-    opc_layout *layout = new_layout(units[u]);
-    int32_t top = l->cell(layout, "TOP", &e);
-    int32_t leaf = l->cell(layout, "LE AF", &e);
-    int32_t layer = l->layer(layout, "70000/7", &e);
-    l->add_text(layout, top, layer, (opc_point){INT32_MAX, INT32_MIN}, "a b",
-                &e);
-    l->add_text(layout, top, layer, (opc_point){1, 2}, "", &e);
+    eda_layout *layout = new_layout(units[u]);
+    int32_t top = eda_layout_cell(layout, "TOP", &e);
+    int32_t leaf = eda_layout_cell(layout, "LE AF", &e);
+    int32_t layer = eda_layout_layer(layout, "70000/7", &e);
+    eda_layout_add_text(layout, top, layer, (eda_point){INT32_MAX, INT32_MIN},
+                        "a b", &e);
+    eda_layout_add_text(layout, top, layer, (eda_point){1, 2}, "", &e);
     for (size_t i = 0; i < G_N_ELEMENTS(placements); i++)
-      l->add_instance(layout, top, leaf, &placements[i],
-                      i % 2 ? (i % 4 == 1 ? "XU1" : "XU2") : NULL, &e);
+      eda_layout_add_instance(layout, top, leaf, &placements[i],
+                              i % 2 ? (i % 4 == 1 ? "XU1" : "XU2") : NULL, &e);
     g_autofree char *path = write_good("layout", layout);
-    opc_layout *back = read_good(path);
+    eda_layout *back = read_good(path);
     g_autofree char *want = dump(layout, "TOP"), *got = dump(back, "TOP");
     g_auto(GStrv) parts = g_strsplit(want, "LE AF", -1);
     g_autofree char *named = g_strjoinv("LE\\x20AF", parts);
     g_assert_cmpstr(got, ==, named);
-    l->destroy(back);
-    l->destroy(layout);
+    eda_layout_free(back);
+    eda_layout_free(layout);
   }
 }
 
@@ -104,15 +106,16 @@ static void test_placements(void) {
 
 /* What is written depends on the shapes alone, so their sum over all points of
    x * y tells whether one is lost or moved. */
-static uint64_t weigh(const opc_layout *layout, size_t *n_shapes) {
+static uint64_t weigh(const eda_layout *layout, size_t *n_shapes) {
   uint64_t sum = 0;
   int32_t layer;
-  *n_shapes = l->polygons(layout, 0);
+  *n_shapes = eda_layout_polygons(layout, 0);
   for (size_t i = 0; i < *n_shapes; i++) {
     size_t n;
-    const opc_point *p = l->polygon(layout, 0, i, &n, &layer);
+    const eda_point *p = eda_layout_polygon(layout, 0, i, &n, &layer);
     for (size_t k = 0; k < n; k++)
-      sum += ((uint64_t)p[k].x * 7 + g_str_hash(l->layer_name(layout, layer))) *
+      sum += ((uint64_t)p[k].x * 7 +
+              g_str_hash(eda_layout_layer_name(layout, layer))) *
              ((uint64_t)p[k].y + 3);
   }
   return sum;
@@ -122,37 +125,38 @@ static uint64_t weigh(const opc_layout *layout, size_t *n_shapes) {
    edges. */
 static void test_shapes(void) {
   opc_error e;
-  opc_layout *layout = new_layout(1);
+  eda_layout *layout = new_layout(1);
   GRand *rand = g_rand_new_with_seed(5);
-  int32_t top = l->cell(layout, "TOP", &e);
-  int32_t first = l->layer(layout, "9/0", &e);
-  int32_t second = l->layer(layout, "9/1", &e);
+  int32_t top = eda_layout_cell(layout, "TOP", &e);
+  int32_t first = eda_layout_layer(layout, "9/0", &e);
+  int32_t second = eda_layout_layer(layout, "9/1", &e);
   for (int i = 0; i < 3000; i++) {
     int x = 20 * (i % 50), y = 30 * (i / 50);
-    l->add_box(layout, top, i % 2 ? first : second,
-               (opc_box){x, y, x + 5, y + 5}, &e);
+    eda_layout_add_box(layout, top, i % 2 ? first : second,
+                       (eda_box){x, y, x + 5, y + 5}, &e);
     x = g_rand_int_range(rand, -100000, 100000);
     y = g_rand_int_range(rand, -100000, 100000);
-    l->add_box(layout, top, first, (opc_box){x, y, x + 7 + i % 3, y + 9}, &e);
-    const opc_point shapes[][6] = {
+    eda_layout_add_box(layout, top, first,
+                       (eda_box){x, y, x + 7 + i % 3, y + 9}, &e);
+    const eda_point shapes[][6] = {
         {{0, 0}, {9, 0}, {9, 5}, {4, 5}, {4, 8}, {0, 8}},
         {{0, 0}, {0, 9}, {5, 9}, {5, 4}, {8, 4}, {8, 0}},
         {{0, 0}, {9, 0}, {19, 10}, {4, 40}, {-4, 8}, {-9, 8}},
     };
-    opc_point p[6];
+    eda_point p[6];
     for (int k = 0; k < 6; k++)
-      p[k] = (opc_point){shapes[i % 3][k].x + x, shapes[i % 3][k].y + y};
-    l->add_polygon(layout, top, second, p, 6, &e);
+      p[k] = (eda_point){shapes[i % 3][k].x + x, shapes[i % 3][k].y + y};
+    eda_layout_add_polygon(layout, top, second, p, 6, &e);
   }
   for (int i = 0; i < 12; i++) { /* four rows of three, the third uneven */
     int x = 10 * (i % 3) + (i == 8), y = 50 * (i / 3);
-    l->add_box(layout, top, first, (opc_box){x, y, x + 77, y + 3}, &e);
+    eda_layout_add_box(layout, top, first, (eda_box){x, y, x + 77, y + 3}, &e);
   }
-  l->add_box(layout, top, first,
-             (opc_box){INT32_MIN, INT32_MIN, INT32_MAX, INT32_MAX}, &e);
+  eda_layout_add_box(layout, top, first,
+                     (eda_box){INT32_MIN, INT32_MIN, INT32_MAX, INT32_MAX}, &e);
   g_rand_free(rand);
   g_autofree char *path = write_good("layout", layout);
-  opc_layout *back = read_good(path);
+  eda_layout *back = read_good(path);
   size_t n, m;
   uint64_t want = weigh(layout, &n), got = weigh(back, &m);
   g_assert_cmpuint(m, ==, n);
@@ -164,47 +168,50 @@ static void test_shapes(void) {
   g_assert_true(g_file_get_contents(second_path, &b, &other, NULL));
   g_assert_cmpmem(a, size, b, other);
   g_assert_cmpuint(size, <, 9 * n); /* else nothing was put together */
-  l->destroy(back);
-  l->destroy(layout);
+  eda_layout_free(back);
+  eda_layout_free(layout);
 }
 
 /* END: 256 bytes, strict tables, the CRC of all before it. */
 static void test_end(void) {
   opc_error e;
-  opc_layout *layout = new_layout(1);
-  l->add_box(layout, l->cell(layout, "TOP", &e), l->layer(layout, "1/0", &e),
-             (opc_box){0, 0, 1, 1}, &e);
+  eda_layout *layout = new_layout(1);
+  eda_layout_add_box(layout, eda_layout_cell(layout, "TOP", &e),
+                     eda_layout_layer(layout, "1/0", &e), (eda_box){0, 0, 1, 1},
+                     &e);
   g_autofree char *path = write_good("layout", layout);
   g_autofree char *text = NULL;
   gsize n;
   g_assert_true(g_file_get_contents(path, &text, &n, NULL));
   const uint8_t *bytes = (const uint8_t *)text;
-  g_assert_cmpint(bytes[n - 256], ==, OASIS_END);
+  g_assert_cmpint(bytes[n - 256], ==, EDA_OASIS_END);
   g_assert_cmpint(bytes[n - 255], ==, 1);
-  g_assert_cmpint(bytes[bytes[n - 254]], ==, OASIS_CELLNAME);
-  g_assert_cmpint(bytes[n - 5], ==, OASIS_CRC32);
+  g_assert_cmpint(bytes[bytes[n - 254]], ==, EDA_OASIS_CELLNAME);
+  g_assert_cmpint(bytes[n - 5], ==, EDA_OASIS_CRC32);
   uint32_t sum = (uint32_t)crc32(0, bytes, (uInt)n - 4);
   for (gsize i = 0; i < 4; i++)
     g_assert_cmpint(bytes[n - 4 + i], ==, sum >> 8 * i & 0xff);
-  l->destroy(layout);
+  eda_layout_free(layout);
 }
 
 static void test_refusals(void) {
   opc_error e;
-  opc_layout *layout = new_layout(1);
-  l->add_box(layout, l->cell(layout, "", &e), l->layer(layout, "poly", &e),
-             (opc_box){0, 0, 1, 1}, &e);
+  eda_layout *layout = new_layout(1);
+  eda_layout_add_box(layout, eda_layout_cell(layout, "", &e),
+                     eda_layout_layer(layout, "poly", &e),
+                     (eda_box){0, 0, 1, 1}, &e);
   g_assert_null(write_more("layout", layout, ", layers: { poly: 1/0 }", &e));
   g_assert_nonnull(strstr(e.message, "no cells without a name"));
-  l->destroy(layout);
+  eda_layout_free(layout);
   layout = new_layout(1);
-  l->add_box(layout, l->cell(layout, "TOP", &e), l->layer(layout, "poly", &e),
-             (opc_box){0, 0, 1, 1}, &e);
+  eda_layout_add_box(layout, eda_layout_cell(layout, "TOP", &e),
+                     eda_layout_layer(layout, "poly", &e),
+                     (eda_box){0, 0, 1, 1}, &e);
   g_assert_null(write_more("layout", layout, "", &e));
   g_assert_nonnull(strstr(e.message, "'poly': the layer has no number"));
   g_assert_null(write_more("layout", layout, ", layers: { poly: CP }", &e));
   g_assert_nonnull(strstr(e.message, "'CP': a layer is written 9/0"));
-  l->destroy(layout);
+  eda_layout_free(layout);
 }
 
 int main(int argc, char **argv) {

@@ -1,0 +1,271 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Verbs that plugins of the kind "command" bring. Their parameters are their
+   options, and what they publish is shown, or is one JSON document. */
+#include <errno.h>
+#include <glib/gstdio.h>
+#include <string.h>
+
+#include "core/cli/cli.h"
+#include "core/cli/progress.h"
+#include "core/flow/layers.h"
+#include "core/flow/run.h"
+#include "core/plugin/declaration.h"
+#include "core/plugin/guard.h"
+
+/* What the user wants: of each parameter of the plugin a text, or of an
+   OPC_BOOL whether it was given as --NAME or as --no-NAME. */
+static const char **texts, *threads;
+static gboolean *yes, *no, json;
+
+/* What comes of it, as text and as JSON. */
+static cli_progress progress;
+static GString *shown;   /* tables */
+static GPtrArray *cells; /* char *: metric, value, unit, metric ... */
+static JsonArray *tables, *messages;
+static JsonObject *metrics;
+static GPtrArray *paths; /* char *: that were given out */
+
+/* ---- options ---- */
+
+/* "max_cases" is --max-cases. */
+static char *option_name(const opc_parameter *p) {
+  return g_strdelimit(g_strdup(p->name), "_", '-');
+}
+
+static const char *option_argument(const opc_parameter *p) {
+  switch (p->type) {
+    case OPC_BOOL:
+      return NULL;
+    case OPC_INT:
+    case OPC_REAL:
+      return "NUMBER";
+    case OPC_CHOICE:
+      return p->choices;
+    case OPC_FILE:
+    case OPC_OUTPUT:
+      return "FILE";
+    case OPC_TEXT:
+      return "TEXT";
+    case OPC_REALS:
+      return "[NUMBER, ...]";
+    default:
+      return "{...}";
+  }
+}
+
+static char *option_help(const opc_parameter *p) {
+  g_autofree char *bounds = opc_bounds_text(p);
+  GString *help = g_string_new(p->summary);
+  if (p->flags & OPC_REQUIRED)
+    g_string_append(help, "; required");
+  else if (p->preset && *p->preset)
+    g_string_append_printf(help, "; default: %s", p->preset);
+  if (*bounds) g_string_append_printf(help, "; %s", bounds);
+  return g_string_free(help, FALSE);
+}
+
+/* ---- what it says ---- */
+
+static void take_log(void *data, int level, const char *message) {
+  static const char *const levels[] = {"debug", "info", "warning"};
+  const opc_binding *b = data;
+  if (level < OPC_LOG_INFO || level > OPC_LOG_WARNING) return;
+  cli_progress_log(&progress, b->path, level, message);
+  JsonObject *o = json_object_new();
+  json_object_set_string_member(o, "level", levels[level]);
+  json_object_set_string_member(o, "message", message);
+  g_mutex_lock(&progress.lock);
+  json_array_add_object_element(messages, o);
+  g_mutex_unlock(&progress.lock);
+}
+
+static void take_progress(void *data, const opc_progress *at) {
+  const opc_binding *b = data;
+  cli_progress_show(&progress, b->path, at);
+}
+
+static int take_table(void *data, const char *name, uint32_t flags, size_t rows,
+                      const opc_column *columns, size_t n_columns,
+                      opc_error *error) {
+  (void)data;
+  opc_table *table =
+      opc_table_new(name, flags, rows, columns, n_columns, error);
+  if (!table) return error->code;
+  g_autofree char *text = opc_table_text(table);
+  g_string_append_printf(shown, "%s\n%s\n", name, text);
+  json_array_add_element(tables, opc_table_json(table));
+  opc_table_free(table);
+  return OPC_OK;
+}
+
+static int take_metric(void *data, const char *name, double value,
+                       opc_error *error) {
+  const opc_plugin *plugin = ((const opc_binding *)data)->plugin;
+  const opc_metric *m = opc_metric_check(plugin, name, value, error);
+  if (!m) return error->code;
+  json_object_set_member(metrics, name, opc_metric_json(m, value));
+  g_ptr_array_add(cells, g_strdup(name));
+  g_ptr_array_add(cells, opc_number_text(value));
+  g_ptr_array_add(cells, g_strdup(m->unit ? m->unit : ""));
+  return OPC_OK;
+}
+
+/* A command has no run folder: a new file in the present one. */
+static const char *give_path(void *data, const char *name, opc_error *error) {
+  (void)data;
+  g_autofree char *folder = g_path_get_dirname(name);
+  error->code = OPC_OK;
+  if (!opc_name_is_inside(name))
+    opc_fail(error, OPC_INVALID, NULL, "'%s' leaves the folder", name);
+  else if (g_file_test(name, G_FILE_TEST_EXISTS))
+    opc_fail(error, OPC_IO, NULL, "'%s' exists", name);
+  else if (g_mkdir_with_parents(folder, 0777))
+    opc_fail(error, OPC_IO, NULL, "'%s': %s", folder, g_strerror(errno));
+  if (error->code) return NULL;
+  g_ptr_array_add(paths, g_strdup(name));
+  return paths->pdata[paths->len - 1];
+}
+
+static const opc_sink sink = {.log = take_log,
+                              .progress = take_progress,
+                              .cancelled = cli_is_stopped,
+                              .table = take_table,
+                              .metric = take_metric,
+                              .output_path = give_path};
+
+static int show(opc_problems *problems) {
+  static const char *const names[] = {"metric", "value", "unit"};
+  if (json) {
+    JsonObject *o = json_object_new();
+    json_object_set_object_member(o, "metrics", json_object_ref(metrics));
+    json_object_set_array_member(o, "tables", json_array_ref(tables));
+    json_object_set_array_member(o, "messages", json_array_ref(messages));
+    if (problems->list->len) cli_add_problems(o, problems);
+    cli_print_object(o);
+  } else {
+    cli_print("%s", shown->str);
+    cli_print_rows(names, 3, cells);
+  }
+  int code = cli_problems(problems);
+  return code && cli_is_stopped(NULL) ? CLI_STOPPED : code;
+}
+
+/* ---- the work ---- */
+
+/* Put the value of a parameter into { VERB: { ... } }. Texts and files are as
+   the shell gave them; all else is written as in a flow. */
+static void take_value(const cli_verb *verb, const opc_parameter *p,
+                       const char *text, opc_node *steps, GPtrArray *sources,
+                       opc_problems *problems) {
+  gboolean verbatim =
+      p->type == OPC_TEXT || p->type == OPC_FILE || p->type == OPC_OUTPUT;
+  g_autofree char *name = option_name(p);
+  g_autofree char *option = g_strconcat("--", name, NULL);
+  g_autofree char *path = g_strconcat(verb->name, ".", p->name, NULL);
+  opc_source *source = opc_source_new(option, NULL);
+  const opc_place at = {source->name, 0, 0};
+  g_ptr_array_add(sources, source);
+  g_autoptr(opc_node) value =
+      verbatim ? opc_node_text_new(source, text)
+               : opc_node_parse(source, text, strlen(text), problems);
+  if (!value) return;
+  opc_node_forget_lines(value);
+  opc_lay_at(steps, path, &at, value, source, problems);
+}
+
+static void call(opc_binding *b, const GPtrArray *arguments,
+                 opc_problems *problems) {
+  const opc_command *command = b->module.functions;
+  opc_error error = {0};
+  g_autofree char *label = opc_binding_label(b);
+  opc_guard_where(label, OPC_CRASH_RUNNING);
+  const char *before = opc_guard_enter(b->plugin->id);
+  int code = command->run(b->module.self, arguments->len,
+                          (const char *const *)arguments->pdata, &error);
+  opc_guard_leave(before);
+  opc_guard_where(NULL, 0);
+  if (code)
+    opc_problem_add(problems, code, opc_binding_place(b, error.parameter), "%s",
+                    *error.message ? error.message : "gave no reason");
+}
+
+static int run(const cli_verb *verb, const GPtrArray *arguments) {
+  int code = cli_set_threads(threads);
+  if (code >= 0) return code;
+  const opc_plugin *plugin = verb->plugin;
+  const opc_place at = {NULL, 0, 0};
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  g_autoptr(GPtrArray) sources =
+      g_ptr_array_new_with_free_func((GDestroyNotify)opc_source_free);
+  opc_source *source = opc_source_new(verb->name, NULL);
+  g_ptr_array_add(sources, source);
+  g_autoptr(opc_node) steps = opc_node_map_new(source, &at);
+  opc_node_add(steps, opc_node_text_new(source, verb->name),
+               opc_node_map_new(source, &at));
+  for (size_t i = 0; i < plugin->n_parameters; i++) {
+    const char *text = yes[i] ? "true" : no[i] ? "false" : texts[i];
+    if (text)
+      take_value(verb, &plugin->parameters[i], text, steps, sources, problems);
+  }
+  g_autoptr(opc_binding) b =
+      opc_bind_plugin(cli_registry(), plugin, opc_node_get(steps, verb->name),
+                      verb->name, &at, 0, problems);
+  cli_catch_signals();
+  cli_progress_start(&progress, FALSE);
+  cli_progress_step(&progress, verb->name, 1, 1);
+  if (!problems->list->len && opc_binding_create(b, &sink, NULL, problems))
+    call(b, arguments, problems);
+  cli_progress_end(&progress);
+  return show(problems);
+}
+
+/* ---- the verb ---- */
+
+static void add_options(GArray *list, const opc_plugin *plugin, size_t i) {
+  const opc_parameter *p = &plugin->parameters[i];
+  if (p->type == OPC_INPUT) return;
+  char *name = option_name(p);
+  cli_option option = {name, option_help(p), option_argument(p),
+                       .text = &texts[i]};
+  if (p->type == OPC_BOOL) option.flag = &yes[i];
+  g_array_append_val(list, option);
+  if (p->type != OPC_BOOL) return;
+  option = (cli_option){g_strconcat("no-", name, NULL),
+                        g_strconcat("not --", name, NULL), .flag = &no[i]};
+  g_array_append_val(list, option);
+}
+
+/* Nothing of it is freed: it is the one verb of the process. */
+const cli_verb *cli_plugin_verb(const char *name, opc_error *error) {
+  static const cli_option common[] = {
+      {"threads", "default: as many as there are processors", "N",
+       .text = &threads},
+      {"json", "the result as JSON", .flag = &json}};
+  static cli_verb verb;
+  static GArray *options;
+  g_autofree char *id = g_strconcat("command.", name, NULL);
+  const opc_plugin *plugin = opc_registry_find(cli_registry(), id, error);
+  if (!plugin || plugin == verb.plugin) return plugin ? &verb : NULL;
+  const opc_command *command = plugin->functions;
+  size_t n = plugin->n_parameters;
+  options = g_array_new(TRUE, FALSE, sizeof(cli_option));
+  texts = g_new0(const char *, n);
+  yes = g_new0(gboolean, n);
+  no = g_new0(gboolean, n);
+  for (size_t i = 0; i < n; i++) add_options(options, plugin, i);
+  g_array_append_vals(options, common, G_N_ELEMENTS(common));
+  shown = g_string_new(NULL);
+  cells = g_ptr_array_new_with_free_func(g_free);
+  paths = g_ptr_array_new_with_free_func(g_free);
+  tables = json_array_new();
+  messages = json_array_new();
+  metrics = json_object_new();
+  verb = (cli_verb){.name = plugin->id + strlen("command."),
+                    .arguments = command->arguments ? command->arguments : "",
+                    .summary = plugin->summary,
+                    .options = (cli_option *)options->data,
+                    .most = command->arguments ? G_MAXUINT : 0,
+                    .run = run,
+                    .plugin = plugin};
+  return &verb;
+}

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Forks, and reads what the child says until it ends or is too late. */
+#include "core/plugin/child.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "core/plugin/guard.h"
+
+enum { LONGEST_REPORT = 1 << 20 };
+
+void opc_child_write(int out, const char *bytes, size_t n) {
+  for (size_t done = 0; done < n;) {
+    ssize_t k = write(out, bytes + done, n - done);
+    if (k < 0 && errno != EINTR) return;
+    if (k > 0) done += (size_t)k;
+  }
+}
+
+/* All that comes before the end or the deadline (g_get_monotonic_time); FALSE
+   if that came first. */
+static gboolean read_report(int in, gint64 deadline, GString *report) {
+  for (;;) {
+    gint64 left = (deadline - g_get_monotonic_time()) / 1000;
+    struct pollfd wait = {in, POLLIN, 0};
+    if (left <= 0 || report->len > LONGEST_REPORT) return FALSE;
+    if (poll(&wait, 1, (int)MIN(left, 1000)) <= 0) continue;
+    char buffer[4096];
+    ssize_t n = read(in, buffer, sizeof buffer);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return TRUE;
+    g_string_append_len(report, buffer, n);
+  }
+}
+
+GString *opc_child_run(void (*work)(int out, void *data), void *data,
+                       double seconds, int *end) {
+  GString *report = g_string_new(NULL);
+  int ends[2];
+  *end = OPC_CHILD_NONE;
+  if (pipe2(ends, O_CLOEXEC)) return report;
+  fflush(NULL);
+  pid_t pid = fork();
+  if (!pid) {
+    close(ends[0]);
+    opc_guard_remove();
+    work(ends[1], data);
+    _exit(0);
+  }
+  close(ends[1]);
+  gint64 deadline = g_get_monotonic_time() + (gint64)(seconds * 1e6);
+  if (pid > 0) {
+    gboolean in_time = read_report(ends[0], deadline, report);
+    if (!in_time) kill(pid, SIGKILL);
+    int status = 0;
+    while (waitpid(pid, &status, 0) < 0 && errno == EINTR) continue;
+    *end = !in_time              ? OPC_CHILD_LATE
+           : WIFSIGNALED(status) ? WTERMSIG(status)
+                                 : OPC_CHILD_ENDED;
+  }
+  close(ends[0]);
+  return report;
+}

@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds kinds, and holds a plugin's functions against its kind. */
+#include "core/plugin/kind.h"
+
+#include <string.h>
+
+#include "core/plugin/declaration.h"
+
+/* ---- the kernel's own ---- */
+
+static const opc_function step_functions[] = {OPC_FUNCTION(opc_step, run)};
+static const opc_function command_functions[] = {
+    OPC_FUNCTION(opc_command, run)};
+
+static const struct {
+  const char *name;
+  opc_kind kind;
+} own[] = {
+    {OPC_KIND_COMMAND,
+     {.functions_size = sizeof(opc_command),
+      .n_functions = G_N_ELEMENTS(command_functions),
+      .functions = command_functions}},
+    {OPC_KIND_KIND, {.functions_size = sizeof(opc_kind)}},
+    {OPC_KIND_STEP,
+     {.functions_size = sizeof(opc_step),
+      .n_functions = G_N_ELEMENTS(step_functions),
+      .functions = step_functions}},
+};
+
+/* ---- finding ---- */
+
+const opc_kind *opc_kind_of(opc_registry *registry, const char *name,
+                            opc_error *error) {
+  for (size_t i = 0; i < G_N_ELEMENTS(own); i++)
+    if (!strcmp(own[i].name, name)) return &own[i].kind;
+  g_autofree char *id = g_strconcat("kind.", name, NULL);
+  const opc_plugin *plugin = opc_registry_find(registry, id, error);
+  return plugin ? plugin->functions : NULL;
+}
+
+static gint compare_names(gconstpointer a, gconstpointer b) {
+  return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+GPtrArray *opc_kind_names(const opc_registry *registry) {
+  GPtrArray *names = opc_registry_ids(registry, "kind.");
+  for (guint i = 0; i < names->len; i++) {
+    char *id = names->pdata[i];
+    memmove(id, id + strlen("kind."), strlen(id + strlen("kind.")) + 1);
+  }
+  for (size_t i = 0; i < G_N_ELEMENTS(own); i++)
+    g_ptr_array_add(names, g_strdup(own[i].name));
+  g_ptr_array_sort(names, compare_names);
+  return names;
+}
+
+/* ---- soundness ---- */
+
+static char *ports_fault(const opc_step *step) {
+  if (step->n_outputs && !step->outputs)
+    return g_strdup("its outputs are not an array of opc_port");
+  for (size_t i = 0; i < step->n_outputs; i++) {
+    const opc_port *port = &step->outputs[i];
+    if (!port->name || !port->kind || !opc_is_id(port->name))
+      return g_strdup_printf("output %zu has no name or kind", i + 1);
+    if (!port->check || !port->release)
+      return g_strdup_printf("output '%s' has no check or release", port->name);
+  }
+  return NULL;
+}
+
+static char *kind_fault(const opc_kind *kind) {
+  if ((kind->n_functions && !kind->functions) ||
+      (kind->n_templates && !kind->templates))
+    return g_strdup("its functions or templates are not arrays");
+  for (size_t i = 0; i < kind->n_functions; i++)
+    if (!kind->functions[i].name ||
+        kind->functions[i].offset + sizeof(void *) > kind->functions_size)
+      return g_strdup_printf("function %zu of the kind is not in its struct",
+                             i + 1);
+  return NULL;
+}
+
+char *opc_functions_fault(opc_registry *registry, const opc_plugin *plugin) {
+  opc_error error = {0};
+  const opc_kind *kind = opc_kind_of(registry, plugin->kind, &error);
+  if (!kind)
+    return g_strdup_printf("its kind '%s' is not known: %s", plugin->kind,
+                           error.message);
+  if (plugin->functions_size != kind->functions_size)
+    return g_strdup_printf("its functions have %zu bytes, a '%s' has %zu",
+                           plugin->functions_size, plugin->kind,
+                           kind->functions_size);
+  for (size_t i = 0; i < kind->n_functions; i++) {
+    void *function;
+    memcpy(&function,
+           (const char *)plugin->functions + kind->functions[i].offset,
+           sizeof function);
+    if (!function)
+      return g_strdup_printf("its function '%s' is missing",
+                             kind->functions[i].name);
+  }
+  if (!strcmp(plugin->kind, OPC_KIND_STEP)) return ports_fault(plugin->functions);
+  if (!strcmp(plugin->kind, OPC_KIND_KIND)) return kind_fault(plugin->functions);
+  return NULL;
+}

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* YAML as a tree in which everything knows its place. Only what a flow file
+   needs: one document of maps, lists and texts. Duplicate keys, anchors,
+   aliases and tags are refused, and what is nested too deep or too large. */
+#ifndef OPCFLOW_CORE_NODE_H
+#define OPCFLOW_CORE_NODE_H
+
+#include "core/text/problem.h"
+
+/* Where nodes came from. */
+typedef struct opc_source {
+  char *name;   /* for messages: "flow.yaml", "--set mask.max_pde" */
+  char *folder; /* relative file names start here */
+  char *layer;  /* "variant epe", "sweep"; NULL for the file as such */
+} opc_source;
+
+typedef enum { OPC_NODE_TEXT, OPC_NODE_LIST, OPC_NODE_MAP } opc_node_type;
+
+typedef struct opc_node {
+  opc_node_type type;
+  const opc_source *source; /* outlives the node */
+  opc_place at;
+  char *text;       /* of a text */
+  gboolean plain;   /* a text without quotes */
+  GPtrArray *keys;  /* of a map: opc_node *, texts */
+  GPtrArray *items; /* of a list or map: opc_node * */
+} opc_node;
+
+opc_source *opc_source_new(const char *name, const char *folder);
+/* A part of a file that is laid over the rest under a name of its own. */
+opc_source *opc_source_layer(const opc_source *file, const char *layer);
+void opc_source_free(opc_source *source);
+
+/* The tree of a text, whose first line is `line`; NULL and problems if it is
+   not good. ${name} may stand in { } and [ ] without quotes. */
+opc_node *opc_node_parse(const opc_source *source, const char *text,
+                         size_t length, opc_problems *problems);
+
+/* The tree of a file; its problems carry the name of `source`. */
+opc_node *opc_node_read(const opc_source *source, const char *path,
+                        opc_problems *problems);
+
+opc_node *opc_node_text_new(const opc_source *source, const char *text);
+opc_node *opc_node_map_new(const opc_source *source, const opc_place *at);
+/* A deep copy. `source`: whose the copies are; NULL: as in `node`. */
+opc_node *opc_node_copy(const opc_node *node, const opc_source *source);
+/* Take the lines from all places: the source as a whole is meant. */
+void opc_node_forget_lines(opc_node *node);
+void opc_node_free(opc_node *node);
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_node, opc_node_free)
+
+/* The value of a key, NULL if it is not there (or `map` is no map). */
+opc_node *opc_node_get(const opc_node *map, const char *key);
+
+/* Put a key that is not there at the end. Takes both. */
+void opc_node_add(opc_node *map, opc_node *key, opc_node *value);
+
+/* "a map", "a list", "a text" */
+const char *opc_node_noun(const opc_node *node);
+
+/* A text, list or map on one line, as a flow would write it (g_free); and the
+   same appended. */
+char *opc_node_line(const opc_node *node);
+void opc_node_append(GString *out, const opc_node *node);
+void opc_text_append(GString *out, const char *text);
+
+/* Whether it is `key:` with nothing behind. */
+gboolean opc_node_is_empty(const opc_node *node);
+
+/* Whether it is `~` or `null` without quotes. */
+gboolean opc_node_is_null(const opc_node *node);
+
+#endif

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Kinds of plugins. The kernel has three: "step" (step.h), "command"
+   (command.h) and "kind" itself. Every other kind is brought by a shared object
+   of the kind "kind" whose id is "kind.NAME", found as any plugin: how large
+   its functions are, how they are tried out, and what a new plugin of it looks
+   like. */
+#ifndef OPCFLOW_KIND_H
+#define OPCFLOW_KIND_H
+
+#include <opcflow/plugin.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A function that a plugin of the kind must have. */
+typedef struct opc_function {
+  const char *name;
+  size_t offset;   /* in the struct of functions */
+} opc_function;
+
+#define OPC_FUNCTION(type, member) {#member, offsetof(type, member)}
+
+/* What `opcflow lint` hears while it tries a plugin. */
+typedef struct opc_inspector opc_inspector;
+struct opc_inspector {
+  /* Bytes of a result: the same input must give the same ones again, in
+     another instance and on any number of threads. */
+  void (*add)(opc_inspector *inspector, const void *data, size_t size);
+  /* A fault; and something worth knowing that is none. */
+  void (*find)(opc_inspector *inspector, const char *format, ...)
+      OPC_PRINTF(2, 3);
+  void (*note)(opc_inspector *inspector, const char *format, ...)
+      OPC_PRINTF(2, 3);
+  const opc_context *context;
+};
+
+/* A file of a new plugin, for `opcflow new plugin KIND.NAME`. In both texts
+   @NAME@ stands for the last word of its id, @ID@ for the id. */
+typedef struct opc_template {
+  const char *name;   /* "@ID@.c" */
+  const char *text;
+} opc_template;
+
+typedef struct opc_kind {
+  size_t functions_size;   /* of the struct of a plugin of this kind */
+  size_t n_functions;
+  const opc_function *functions;
+
+  /* Try an instance on made-up inputs, real in form and figures; tell what is
+     wrong with what it hands back. In a process of its own. [main] */
+  void (*exercise)(const opc_module *module, opc_inspector *inspector);
+
+  size_t n_templates;
+  const opc_template *templates;
+} opc_kind;
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Noise margins against squares of another algorithm and against noise that is
+   raised until the cell flips. */
+#include "circuit_test.h"
+
+/* ---- noise margins by hand ---- */
+
+/* The largest square of a side: for each point of one curve, the square whose
+   other corner lies on the other one, by bisection. `f` falls with x, `g` with
+   y; both at n equal steps. */
+static double at(const double *curve, size_t n, double step, double x) {
+  double place = x / step;
+  size_t i = place < 0 ? 0 : (size_t)place;
+  if (i > n - 2) i = n - 2;
+  return curve[i] + (place - (double)i) * (curve[i + 1] - curve[i]);
+}
+
+/* Its lower left corner on x = g(y), its upper right one on y = f(x). */
+static double largest_square(const double *f, const double *g, size_t n,
+                             double step) {
+  double best = 0, most = step * (double)(n - 1);
+  for (size_t j = 0; j < n; j++) {
+    double y = step * (double)j, x = g[j], low = 0, high = most;
+    if (at(f, n, step, x) <= y) continue;
+    for (int i = 0; i < 50; i++) {
+      double side = (low + high) / 2;
+      if (x + side < most && at(f, n, step, x + side) > y + side)
+        low = side;
+      else
+        high = side;
+    }
+    best = fmax(best, low);
+  }
+  return best;
+}
+
+/* Curves as `wrdata` leaves them: x, then the value. */
+static double *read_curve(const char *name, size_t column, size_t *count) {
+  g_autofree char *path = g_build_filename(opc_test_folder(), name, NULL);
+  g_autofree char *text = NULL;
+  g_assert_true(g_file_get_contents(path, &text, NULL, NULL));
+  g_auto(GStrv) lines = g_strsplit(g_strchomp(text), "\n", -1);
+  *count = g_strv_length(lines);
+  double *out = g_new0(double, *count);
+  for (size_t i = 0; i < *count; i++) {
+    char *place = lines[i];
+    for (size_t k = 0; k < 2 * column + 2; k++)
+      out[i] = g_ascii_strtod(place, &place);
+  }
+  return out;
+}
+
+/* Both transfer curves, and the same loop with a noise source before either
+   inverter, raised until the state flips: the definition of the margin. */
+static char *memory_deck(const char *card, const char *word, const char *data,
+                         const double margin[2]) {
+  /* Raised by steps of 0.25 mV; from far below, as a sweep that begins beyond
+     the margin would find nothing. */
+  return g_strdup_printf(
+      "by hand\n.include \"%s\"\nvs s 0 1.1\nvin in 0 0\nvn n 0 0\nvm m 0 0\n"
+      ".subckt left in out s\nma out %s s 0 nmos w=140n l=65n\n"
+      "md out in 0 0 nmos w=300n l=65n\nml out in s s pmos w=105n "
+      "l=65n\n.ends\n"
+      ".subckt right in out s\nma out %s s 0 nmos w=140n l=65n\n"
+      "md out in 0 0 nmos w=330n l=65n\nml out in s s pmos w=160n "
+      "l=65n\n.ends\n"
+      /* Q of QB, QB of Q. */
+      "x1 in q0 s left\nx2 in qb0 s right\n"
+      /* Q high, noise against it; Q low, noise against it. */
+      "x3 g1 q1 s left\nx4 g2 qb1 s right\n"
+      "e1 g1 qb1 n 0 1\ne2 q1 g2 n 0 1\n.nodeset v(q1)=1.1 v(qb1)=0\n"
+      "x5 g3 q2 s left\nx6 g4 qb2 s right\n"
+      "e3 qb2 g3 m 0 1\ne4 g4 q2 m 0 1\n.nodeset v(q2)=0 v(qb2)=1.1\n"
+      ".options gmin=1e-15 reltol=1e-5 abstol=1e-15\n"
+      ".control\nset numdgt=12\ndc vin 0 1.101 0.002\nwrdata %s v(qb0) v(q0)\n"
+      /* One after the other: where one flips, the solver begins anew, and
+         all may. */
+      "dc vn %g %g 0.00025\n"
+      "meas dc right find v(n) when v(q1)=v(qb1)\ndc vm %g %g 0.00025\n"
+      "meas dc left find v(m) when v(q2)=v(qb2)\n.endc\n.end\n",
+      card, word, word, data, margin[1] - 0.03, margin[1] + 0.01,
+      margin[0] - 0.03, margin[0] + 0.01);
+}
+
+static void compare_margins(const char *card, const char *access,
+                            const char *word) {
+  static const char *const sides[] = {"left", "right"};
+  g_autoptr(made) m = make(MEMORY_PORTS, MEMORY);
+  g_autofree char *rest = g_strdup_printf("access: %s", access);
+  run(m, 1, card, rest);
+  g_assert_cmpstr(opc_test_log(), ==, "");
+  double margin[] = {opc_test_metric("snm_left") / 1000,
+                     opc_test_metric("snm_right") / 1000};
+  g_autofree char *deck = memory_deck(card, word, "curves.txt", margin);
+  g_autofree char *hand = by_hand(deck);
+  size_t n;
+  if (!hand) return;
+  g_autofree double *f = read_curve("curves.txt", 0, &n);
+  g_autofree double *g = read_curve("curves.txt", 1, &n);
+  double square[] = {largest_square(f, g, n, 0.002),
+                     largest_square(g, f, n, 0.002)};
+  g_assert_cmpfloat(fabs(square[0] / square[1] - 1), >, 0.01);
+  for (int i = 0; i < 2; i++) {
+    g_autofree char *metric = g_strdup_printf("snm_%s", sides[i]);
+    double got = opc_test_metric(metric);
+    double flip = 1000 * printed(hand, sides[i]);
+    g_test_message("%s, %s: %.3f mV, square %.3f mV, flips at %.3f mV", access,
+                   sides[i], got, 1000 * square[i], flip);
+    g_assert_cmpfloat(fabs(got - 1000 * square[i]), <, 0.1);
+    g_assert_cmpfloat(fabs(got - flip), <, 1.0);
+    g_autofree char *after = g_strdup_printf("snm_%s_worst", sides[i]);
+    g_assert_cmpfloat(opc_test_metric(after), <, 1e-6);
+  }
+}
+
+static void test_margins(void) {
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  compare_margins(card, "hold", "0");
+  compare_margins(card, "read", "s");
+}
+
+/* A cell that is turned is the other one's mirror image; one that does not
+   hold both values has no margin. */
+static void test_cells(void) {
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  g_autoptr(made) m = make(MEMORY_PORTS, MEMORY);
+  m->leq[1][1] = 70;
+  run(m, 1, card, "access: hold, cell: qb");
+  double left = opc_test_metric("snm_left"),
+         right = opc_test_metric("snm_right");
+  g_assert_cmpfloat(opc_test_metric("cells"), ==, 1);
+  g_assert_cmpfloat(opc_test_metric("snm_left_worst"), >, 0.1);
+  g_assert_cmpfloat(opc_test_metric("snm_left_worst_before"), <, 1e-6);
+  g_autoptr(made) turned =
+      make(MEMORY_PORTS,
+           "MA2 QB WL BLB VSS n 65 140,MA1 Q WL BL VSS n 65 140,"
+           "MD1 Q QB VSS VSS n 65 300,ML1 VDD QB Q VDD p 65 105,"
+           "MD2 VSS Q QB VSS n 65 330,ML2 QB Q VDD VDD p 65 160");
+  run(turned, 0, card, "access: hold");
+  near("left", opc_test_metric("snm_left"), right, 1e-6);
+  near("right", opc_test_metric("snm_right"), left, 1e-6);
+  g_autoptr(made) weak =
+      make(MEMORY_PORTS,
+           "MA1 Q WL BL VSS n 65 900,MD1 Q QB VSS VSS n 65 120,"
+           "ML1 Q QB VDD VDD p 65 105,MA2 QB WL BLB VSS n 65 900,"
+           "MD2 QB Q VSS VSS n 65 120,ML2 QB Q VDD VDD p 65 105");
+  run(weak, 0, card, "access: read");
+  g_assert_cmpfloat(opc_test_metric("snm_left"), ==, 0);
+  g_assert_nonnull(strstr(opc_test_log(), "1 of 1 cells do not hold both"));
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/circuit/margins", test_margins);
+  g_test_add_func("/circuit/cells", test_cells);
+  return g_test_run();
+}

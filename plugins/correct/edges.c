@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A layer's edges become pieces, pieces are moved outwards by whole grid steps,
+   and moved pieces are joined to polygons again. */
+#include "edges.h"
+
+#include <eda/memory.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- room ---- */
+
+static void make_room(size_t polygons, size_t count, pieces *out) {
+  out->polygons = polygons;
+  out->room = count;
+  out->start = eda_alloc(polygons + 1, sizeof *out->start);
+  out->from = eda_alloc(count, sizeof *out->from);
+  out->by = eda_alloc(count, sizeof *out->by);
+}
+
+void pieces_of_edges(const eda_edges *edges, pieces *out) {
+  size_t n = edges->polygons ? edges->start[edges->polygons] : 0, jogs = 0;
+  for (size_t i = 0; i < n; i++)
+    jogs += edges->fragments[i].role == EDA_L_LOW ||
+            edges->fragments[i].role == EDA_L_HIGH;
+  make_room(edges->polygons, n + jogs, out);
+}
+
+void pieces_of_cuts(const eda_cuts *cuts, pieces *out) {
+  size_t n = cuts->start[cuts->polygons];
+  make_room(cuts->polygons, n, out);
+  memcpy(out->start, cuts->start, (cuts->polygons + 1) * sizeof *out->start);
+  memcpy(out->from, cuts->from, n * sizeof *out->from);
+}
+
+void pieces_clear(pieces *p) {
+  free(p->start);
+  free(p->from);
+  free(p->by);
+  *p = (pieces){0};
+}
+
+void pieces_room(const pieces *p, eda_shapes *out) {
+  *out = (eda_shapes){.count = p->polygons};
+  out->start = eda_alloc(p->polygons + 1, sizeof *out->start);
+  out->points = eda_alloc(2 * p->room, sizeof *out->points);
+}
+
+void shapes_of_boxes(eda_boxes a, eda_boxes b, eda_shapes *out) {
+  size_t n = a.count + b.count;
+  *out = (eda_shapes){.count = n};
+  out->start = eda_alloc(n + 1, sizeof *out->start);
+  out->points = eda_alloc(4 * n, sizeof *out->points);
+  for (size_t i = 0; i < n; i++) {
+    eda_box box = i < a.count ? a.box[i] : b.box[i - a.count];
+    const eda_point corners[] = {
+        {box.x0, box.y0}, {box.x1, box.y0}, {box.x1, box.y1}, {box.x0, box.y1}};
+    memcpy(out->points + 4 * i, corners, sizeof corners);
+    out->start[i + 1] = (uint32_t)(4 * i + 4);
+  }
+}
+
+/* ---- from the biases of gates to pieces ---- */
+
+/* What a gate's width is measured along. */
+static int32_t along_w(const eda_gates *g, int32_t gate, eda_point p) {
+  return g->axis[gate] == EDA_X ? p.y : p.x;
+}
+
+/* How far a fragment moves outwards. The HIGH side takes the odd step. */
+static int32_t move_of(const eda_fragment *f, const biases *b) {
+  int32_t all, low;
+  switch (f->role) {
+    case EDA_L_LOW:
+    case EDA_L_HIGH:
+      all = b->l[f->gate];
+      low = all >> 1;
+      return f->role == EDA_L_LOW ? low : all - low;
+    case EDA_W_LOW:
+    case EDA_W_HIGH:
+      all = b->w[f->gate];
+      low = all >> 1;
+      return f->role == EDA_W_LOW ? low : all - low;
+    case EDA_END_LOW:
+      return b->end[2 * f->gate];
+    case EDA_END_HIGH:
+      return b->end[2 * f->gate + 1];
+    default:
+      return 0;
+  }
+}
+
+static void put(pieces *out, uint32_t *n, eda_point from, int32_t by) {
+  out->from[*n] = from;
+  out->by[(*n)++] = by;
+}
+
+/* The side that a step more of length would move. */
+static int takes_jog(const eda_fragment *f, const biases *b) {
+  int32_t odd = b->l[f->gate] & 1;
+  return f->role == (odd ? EDA_L_LOW : EDA_L_HIGH) && b->jog[f->gate] > 0;
+}
+
+/* A side along L of which so much, from its LOW end along W, lies one step
+   further out. */
+static void put_jog(const eda_gates *g, const eda_fragment *f, eda_point next,
+                    int32_t jog_length, int32_t by, pieces *out, uint32_t *n) {
+  int32_t from = along_w(g, f->gate, f->from), to = along_w(g, f->gate, next);
+  int rising = to > from;
+  int32_t high = rising ? to : from, at = (rising ? from : to) + jog_length;
+  eda_point jog = g->axis[f->gate] == EDA_X ? (eda_point){f->from.x, at}
+                                            : (eda_point){at, f->from.y};
+  if (at >= high) {
+    put(out, n, f->from, by + 1);
+  } else {
+    put(out, n, f->from, by + rising);
+    put(out, n, jog, by + !rising);
+  }
+}
+
+void pieces_follow(const eda_gates *g, size_t layer, const biases *b,
+                   pieces *out) {
+  const eda_edges *e = &g->edges[layer];
+  uint32_t n = 0;
+  for (size_t p = 0; p < e->polygons; p++) {
+    const eda_fragment *f = e->fragments + e->start[p];
+    uint32_t count = e->start[p + 1] - e->start[p];
+    out->start[p] = n;
+    for (uint32_t i = 0; i < count; i++) {
+      int32_t by = move_of(&f[i], b);
+      if (f[i].role != EDA_FIXED && takes_jog(&f[i], b))
+        put_jog(g, &f[i], f[(i + 1) % count].from, b->jog[f[i].gate], by, out,
+                &n);
+      else
+        put(out, &n, f[i].from, by);
+    }
+  }
+  out->start[e->polygons] = n;
+}
+
+/* ---- from pieces to polygons ---- */
+
+/* A piece after its move: the line it lies on. */
+typedef struct moved {
+  int horizontal;
+  int32_t line; /* its y if horizontal, else its x */
+} moved;
+
+static moved move(eda_point from, eda_point next, int32_t by) {
+  if (from.y == next.y) /* outwards is down when going right */
+    return (moved){1, from.y + (next.x > from.x ? -by : by)};
+  return (moved){0, from.x + (next.y > from.y ? by : -by)};
+}
+
+/* Whether b is no corner between a and c: repeated, or on their line. */
+static int is_idle(eda_point a, eda_point b, eda_point c) {
+  return (a.x == b.x && b.x == c.x) || (a.y == b.y && b.y == c.y);
+}
+
+/* Append a corner to a polygon of n. */
+static uint32_t corner(eda_point *polygon, uint32_t n, eda_point p) {
+  while (n > 1 && is_idle(polygon[n - 2], polygon[n - 1], p)) n--;
+  if (n == 1 && polygon[0].x == p.x && polygon[0].y == p.y) n = 0;
+  polygon[n] = p;
+  return n + 1;
+}
+
+/* What is left of a polygon when its end is joined to its beginning. */
+static uint32_t join(eda_point *polygon, uint32_t n) {
+  uint32_t first = 0;
+  for (int found = 1; found && n - first > 2;) {
+    found = 1;
+    if (is_idle(polygon[n - 2], polygon[n - 1], polygon[first]))
+      n--;
+    else if (is_idle(polygon[n - 1], polygon[first], polygon[first + 1]))
+      first++;
+    else
+      found = 0;
+  }
+  if (n - first < 4) return 0;
+  for (uint32_t i = first; i < n; i++) polygon[i - first] = polygon[i];
+  return n - first;
+}
+
+static uint32_t build(const eda_point *from, const int32_t *by, uint32_t count,
+                      eda_point *polygon) {
+  uint32_t n = 0;
+  moved before = move(from[count - 1], from[0], by[count - 1]);
+  for (uint32_t i = 0; i < count; i++) {
+    moved m = move(from[i], from[(i + 1) % count], by[i]);
+    if (m.horizontal != before.horizontal) {
+      n = corner(polygon, n,
+                 m.horizontal ? (eda_point){before.line, m.line}
+                              : (eda_point){m.line, before.line});
+    } else if (m.line != before.line) { /* a jog */
+      int32_t at = m.horizontal ? from[i].x : from[i].y;
+      for (int k = 0; k < 2; k++) {
+        int32_t line = k ? m.line : before.line;
+        n = corner(
+            polygon, n,
+            m.horizontal ? (eda_point){at, line} : (eda_point){line, at});
+      }
+    }
+    before = m;
+  }
+  return join(polygon, n);
+}
+
+void pieces_build(const pieces *in, eda_shapes *out) {
+  uint32_t n = 0;
+  for (size_t p = 0; p < in->polygons; p++) {
+    uint32_t first = in->start[p], count = in->start[p + 1] - first;
+    out->start[p] = n;
+    if (count)
+      n += build(in->from + first, in->by + first, count, out->points + n);
+  }
+  out->start[in->polygons] = n;
+  out->count = in->polygons;
+}

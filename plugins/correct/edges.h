@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* From the moves of a layer's edges to the polygons of its mask. */
+#ifndef CORRECT_EDGES_H
+#define CORRECT_EDGES_H
+
+#include <eda/gates.h>
+#include <eda/synthesizer.h>
+
+/* What moves the mask of each gate, in grid steps (synthesizer.h): length,
+   width, the line ends, [2 * i + side], and the jog. */
+typedef struct biases {
+  int32_t *l, *w, *end, *jog;
+} biases;
+
+/* The edges of a layer, cut into pieces. Polygon p has the pieces start[p] ..
+   start[p+1]-1; piece i is drawn from from[i] to the from of the next one of
+   its polygon, parallel to an axis, and the mask has it by[i] grid steps
+   further out. */
+typedef struct pieces {
+  size_t polygons, room;
+  uint32_t *start;
+  eda_point *from;
+  int32_t *by;
+} pieces;
+
+/* Room for the pieces of a layer's edges, whatever moves them; or the pieces
+   that a synthesizer cut, not moved. */
+void pieces_of_edges(const eda_edges *edges, pieces *out);
+void pieces_of_cuts(const eda_cuts *cuts, pieces *out);
+void pieces_clear(pieces *pieces);
+
+/* The pieces of a layer's edges, moved by the biases of their gates. */
+void pieces_follow(const eda_gates *gates, size_t layer, const biases *biases,
+                   pieces *out);
+
+/* Room for the polygons that pieces make. */
+void pieces_room(const pieces *pieces, eda_shapes *out);
+
+/* The polygons of moved pieces, in their order: no corner twice, none on a
+   straight line. A polygon of which nothing is left has no points. They may
+   overlap if the moves close a gap. Writes the points and starts of `out`. */
+void pieces_build(const pieces *pieces, eda_shapes *out);
+
+/* The boxes of `a` and then those of `b` as polygons. */
+void shapes_of_boxes(eda_boxes a, eda_boxes b, eda_shapes *out);
+
+#endif

@@ -1,0 +1,139 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Moved edges against polygons drawn by hand, and against their areas. */
+#include "edges.h"
+
+#include <glib.h>
+
+/* A poly line with one transistor in its upper part, on an odd-shaped
+   polygon:        3_______2'
+                    |     |        fragments: the gate owns both flanks from
+                    |     |        y = 100 up, and the line end at y = 300.
+                   5|     |1
+                    |_____|
+   x 0..60, y 0..300; the box of the gate is y 120..280. */
+static const eda_fragment line[] = {
+    {{0, 0}, -1, EDA_FIXED},    {{60, 0}, -1, EDA_FIXED},
+    {{60, 100}, 0, EDA_L_HIGH}, {{60, 300}, 0, EDA_END_HIGH},
+    {{0, 300}, 0, EDA_L_LOW},   {{0, 100}, -1, EDA_FIXED},
+};
+enum { N = G_N_ELEMENTS(line) };
+
+typedef struct moves {
+  int32_t l, low, high, jog;
+} moves;
+
+/* The line after its moves. `across`: laid over, x and y exchanged, in the
+   order that keeps the inside on the left. */
+static eda_shapes moved(moves m, int across) {
+  eda_fragment laid[N];
+  for (int i = 0; i < N; i++) { /* the fragments turn round: each begins
+                                   where its mirror image ended */
+    laid[i] = line[N - 1 - i];
+    eda_point from = line[(N - i) % N].from;
+    laid[i].from = (eda_point){from.y, from.x};
+  }
+  uint32_t start[] = {0, N};
+  eda_box box =
+      across ? (eda_box){120, 0, 280, 60} : (eda_box){0, 120, 60, 280};
+  uint8_t axis = across ? EDA_Y : EDA_X;
+  eda_edges edges = {1, start, across ? laid : (eda_fragment *)line};
+  eda_gates gates = {.grid = 1,
+                     .layers = 1,
+                     .edges = &edges,
+                     .count = 1,
+                     .box = &box,
+                     .axis = &axis};
+  int32_t w = 0, end[2] = {m.low, m.high};
+  biases by = {&m.l, &w, end, &m.jog};
+  pieces p;
+  eda_shapes out;
+  pieces_of_edges(&edges, &p);
+  pieces_room(&p, &out);
+  pieces_follow(&gates, EDA_POLY, &by, &p);
+  pieces_build(&p, &out);
+  g_assert_cmpuint(out.count, ==, 1);
+  pieces_clear(&p);
+  return out;
+}
+
+static char *corners(const eda_shapes *s) {
+  GString *text = g_string_new(NULL);
+  for (uint32_t i = 0; i < s->start[s->count]; i++)
+    g_string_append_printf(text, "%d,%d ", s->points[i].x, s->points[i].y);
+  return g_string_free(text, FALSE);
+}
+
+static void test_biases(void) {
+  const struct {
+    moves m;
+    const char *want;
+  } cases[] = {
+      {{0, 0, 0, 0}, "0,0 60,0 60,300 0,300 "},
+      {{4, 0, 0, 0}, "0,0 60,0 60,100 62,100 62,300 -2,300 -2,100 0,100 "},
+      {{-3, 0, 0, 0}, "0,0 60,0 60,100 59,100 59,300 2,300 2,100 0,100 "},
+      {{1, 7, 12, 0}, "0,0 60,0 60,100 61,100 61,312 0,312 "},
+      /* Jogs: on the high side, on the low one, over all of it, none. */
+      {{0, 0, 0, 50}, "0,0 60,0 60,100 61,100 61,150 60,150 60,300 0,300 "},
+      {{-2, 0, 0, 159}, "0,0 60,0 60,259 59,259 59,300 1,300 1,100 0,100 "},
+      {{1, 0, 0, 50},
+       "0,0 60,0 60,100 61,100 61,300 0,300 0,150 -1,150 -1,100 0,100 "},
+      {{0, 0, 0, 200}, "0,0 60,0 60,100 61,100 61,300 0,300 "},
+      {{1, 0, 0, 900}, "0,0 60,0 60,100 61,100 61,300 -1,300 -1,100 0,100 "},
+      {{0, 0, 0, -7}, "0,0 60,0 60,300 0,300 "},
+      /* The line end comes back to where the gate begins, and past it. */
+      {{4, 0, -200, 0}, "0,0 60,0 60,100 0,100 "},
+      {{0, 0, -300, 0}, ""},
+  };
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    eda_shapes s = moved(cases[i].m, 0);
+    g_autofree char *got = corners(&s);
+    g_assert_cmpstr(got, ==, cases[i].want);
+    eda_shapes_clear(&s);
+  }
+}
+
+/* What nothing is left of can be merged all the same. */
+static void test_nothing(void) {
+  eda_shapes s = moved((moves){.high = -300}, 0), merged;
+  opc_error error;
+  g_assert_cmpint(eda_boolean(EDA_OR, &s, NULL, &merged, &error), ==, OPC_OK);
+  g_assert_cmpuint(merged.count, ==, 0);
+  eda_shapes_clear(&merged);
+  eda_shapes_clear(&s);
+}
+
+/* All corners are corners, and none of them twice. */
+static void check_corners(const eda_shapes *s) {
+  uint32_t n = s->start[1];
+  for (uint32_t i = 0; i < n; i++) {
+    eda_point a = s->points[i], b = s->points[(i + 1) % n],
+              c = s->points[(i + 2) % n];
+    g_assert_true((a.x == b.x) != (a.y == b.y));
+    g_assert_true((a.x == b.x) != (b.x == c.x));
+  }
+}
+
+/* The area, of both ways to lay the line: a sum of rectangles. */
+static void test_areas(void) {
+  for (int32_t l = -5; l <= 5; l++)
+    for (int32_t jog = -1; jog <= 201; jog++)
+      for (int32_t high = -20; high <= 10; high += 15) {
+        if (jog > 200 + high && jog < 200) continue; /* past the line end */
+        int32_t long_for = jog >= 200 ? 200 + high : jog > 0 ? jog : 0;
+        int64_t want = 60 * (300 + high) + l * (200 + high) + long_for;
+        for (int across = 0; across < 2; across++) {
+          eda_shapes s = moved((moves){l, 0, high, jog}, across);
+          check_corners(&s);
+          g_assert_cmpint(eda_area2(&s), ==, 2 * want);
+          eda_shapes_clear(&s);
+        }
+      }
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/edges/biases", test_biases);
+  g_test_add_func("/edges/nothing", test_nothing);
+  g_test_add_func("/edges/areas", test_areas);
+  return g_test_run();
+}

@@ -1,0 +1,499 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The loop of thesis figures 2.1, 3.1 and 5.1. A mask is printed, each
+   transistor's performance taken from the print, and the mask's edges moved by
+   synthesizers, within what a regulator allows, until they are done. All boxes
+   of the figures are plugins; the loop only hands arrays from one to the
+   next. */
+#include "loop.h"
+
+#include <eda/check.h>
+#include <eda/memory.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const slots[DRIVERS] = {"synthesizer", "edges"};
+
+/* ---- trials ---- */
+
+static void trial_init(trial *t, size_t layers, size_t gates) {
+  biases *b = &t->biases;
+  b->l = eda_alloc(gates, sizeof *b->l);
+  b->w = eda_alloc(gates, sizeof *b->w);
+  b->end = eda_alloc(2 * gates, sizeof *b->end);
+  b->jog = eda_alloc(gates, sizeof *b->jog);
+  t->shift = eda_alloc(layers, sizeof *t->shift);
+  t->patches = eda_alloc(layers, sizeof *t->patches);
+  t->bites = eda_alloc(layers, sizeof *t->bites);
+  t->assists = eda_alloc(layers, sizeof *t->assists);
+}
+
+static void trial_clear(trial *t, size_t layers) {
+  free(t->biases.l);
+  free(t->biases.w);
+  free(t->biases.end);
+  free(t->biases.jog);
+  for (size_t k = 0; t->shift && k < layers; k++) {
+    free(t->shift[k]);
+    free((eda_box *)t->patches[k].box);
+    free((eda_box *)t->bites[k].box);
+    free((eda_box *)t->assists[k].box);
+  }
+  free(t->shift);
+  free(t->patches);
+  free(t->bites);
+  free(t->assists);
+}
+
+/* `to` owns its boxes and becomes a copy of `from`, which may be a part of
+   it. */
+static void set_boxes(eda_boxes *to, eda_boxes from) {
+  if (from.count == to->count) {
+    if (from.count)
+      memmove((eda_box *)to->box, from.box, from.count * sizeof *from.box);
+    return;
+  }
+  eda_box *copy = eda_alloc(from.count, sizeof *copy);
+  if (from.count) memcpy(copy, from.box, from.count * sizeof *copy);
+  free((eda_box *)to->box);
+  *to = (eda_boxes){copy, from.count};
+}
+
+static void copy_trial(const loop *l, trial *to, const trial *from) {
+  size_t n = l->gates->count * sizeof(int32_t);
+  memcpy(to->biases.l, from->biases.l, n);
+  memcpy(to->biases.w, from->biases.w, n);
+  memcpy(to->biases.jog, from->biases.jog, n);
+  memcpy(to->biases.end, from->biases.end, 2 * n);
+  for (size_t k = 0; k < l->gates->layers; k++) {
+    set_boxes(&to->patches[k], from->patches[k]);
+    set_boxes(&to->bites[k], from->bites[k]);
+    set_boxes(&to->assists[k], from->assists[k]);
+    if (to->shift[k])
+      memcpy(to->shift[k], from->shift[k], l->sites[k].count * sizeof(int32_t));
+  }
+}
+
+static int differ(const int32_t *a, const int32_t *b, size_t n) {
+  return memcmp(a, b, n * sizeof *a) != 0;
+}
+
+static int other_boxes(eda_boxes a, eda_boxes b) {
+  return a.count != b.count ||
+         (a.count && memcmp(a.box, b.box, a.count * sizeof *a.box) != 0);
+}
+
+/* Would `next` print another mask of that layer? */
+static int changed(const loop *l, size_t layer) {
+  const trial *now = &l->now, *next = &l->next;
+  const biases *a = &now->biases, *b = &next->biases;
+  size_t n = l->gates->count;
+  if (other_boxes(now->patches[layer], next->patches[layer]) ||
+      other_boxes(now->bites[layer], next->bites[layer]) ||
+      other_boxes(now->assists[layer], next->assists[layer]))
+    return 1;
+  if (now->shift[layer])
+    return differ(now->shift[layer], next->shift[layer], l->sites[layer].count);
+  if (layer == EDA_ACTIVE) return differ(a->w, b->w, n);
+  return layer == EDA_POLY &&
+         (differ(a->l, b->l, n) || differ(a->jog, b->jog, n) ||
+          differ(a->end, b->end, 2 * n));
+}
+
+/* Of the layers that a driver moves. */
+static int any_changed(const loop *l, int which) {
+  for (size_t k = 0; k < l->gates->layers; k++)
+    if (l->driver_of[k] == which && changed(l, k)) return 1;
+  return 0;
+}
+
+/* Biases do not move what is cut into fragments, and are not to look so. */
+static void drop_biases(loop *l) {
+  size_t n = l->gates->count * sizeof(int32_t), layers = l->gates->layers;
+  biases *b = &l->next.biases;
+  if (layers > EDA_ACTIVE && l->next.shift[EDA_ACTIVE]) memset(b->w, 0, n);
+  if (!layers || !l->next.shift[EDA_POLY]) return;
+  memset(b->l, 0, n);
+  memset(b->jog, 0, n);
+  memset(b->end, 0, 2 * n);
+}
+
+/* ---- one print ---- */
+
+static int take_bites(loop *l, size_t layer, opc_error *error) {
+  const eda_boxes none = {0};
+  eda_shapes bites, whole = l->mask[layer];
+  if (!l->now.bites[layer].count) return OPC_OK;
+  shapes_of_boxes(l->now.bites[layer], none, &bites);
+  l->mask[layer] = (eda_shapes){0};
+  int code = eda_boolean(EDA_NOT, &whole, &bites, &l->mask[layer], error);
+  eda_shapes_clear(&whole);
+  eda_shapes_clear(&bites);
+  return code;
+}
+
+/* The mask of a layer as `now` has it. It is merged, as what overlaps is not
+   twice as dark. */
+static int make_mask(loop *l, size_t layer, opc_error *error) {
+  pieces *p = &l->pieces[layer];
+  if (l->now.shift[layer])
+    memcpy(p->by, l->now.shift[layer], l->sites[layer].count * sizeof *p->by);
+  else
+    pieces_follow(l->gates, layer, &l->now.biases, p);
+  pieces_build(p, &l->polygons[layer]);
+  eda_shapes_clear(&l->mask[layer]);
+  eda_shapes added;
+  shapes_of_boxes(l->now.patches[layer], l->now.assists[layer], &added);
+  int code = eda_boolean(EDA_OR, &l->polygons[layer],
+                         added.count ? &added : NULL, &l->mask[layer], error);
+  eda_shapes_clear(&added);
+  return code ? code : take_bites(l, layer, error);
+}
+
+/* Transistors are of the first two layers. */
+static int measure(loop *l, const uint8_t *printed, opc_error *error) {
+  int again = 0;
+  for (size_t k = 0; k <= EDA_ACTIVE && k < l->gates->layers; k++)
+    again |= printed[k];
+  if (!again) return OPC_OK;
+  return eda_measure(l->host->context, l->gates, l->printer.print, l->extractor,
+                     &l->measured, error);
+}
+
+/* Print and measure the mask of `next`, which becomes `now`. Only layers that
+   changed are printed again. */
+static int print_next(loop *l, int all, opc_error *error) {
+  size_t layers = l->gates->layers;
+  uint8_t *printed = eda_alloc(layers, 1);
+  for (size_t k = 0; k < layers; k++)
+    printed[k] = l->gates->corrected[k] && (all || changed(l, k));
+  copy_trial(l, &l->now, &l->next);
+  int code = OPC_OK;
+  for (size_t k = 0; k < layers && !code; k++)
+    if (printed[k]) code = make_mask(l, k, error);
+  if (!code) code = eda_printer_print(&l->printer, printed, l->mask, error);
+  if (!code) code = measure(l, printed, error);
+  for (size_t k = 0; k < layers && !code; k++)
+    if (printed[k])
+      sites_measure(l->host->context, &l->sites[k], &l->printer.print[k]);
+  free(printed);
+  if (code) return code;
+  l->summary = summarize(l->gates, &l->design, &l->measured.performance,
+                         l->measured.flags, l->sites);
+  history_add(&l->history, &l->summary, l->iterations, l->printer.simulations);
+  return OPC_OK;
+}
+
+/* ---- what plugins see and say ---- */
+
+eda_printed loop_printed(const loop *l) {
+  return (eda_printed){.iteration = l->iterations,
+                       .gates = l->gates,
+                       .flags = l->measured.flags,
+                       .l = l->now.biases.l,
+                       .w = l->now.biases.w,
+                       .extension = l->measured.extension,
+                       .shapes = l->mask,
+                       .print = l->printer.print};
+}
+
+static int rule(loop *l, eda_ruling *ruling, opc_error *error) {
+  const eda_regulator *r = l->regulator->functions;
+  eda_printed p = loop_printed(l);
+  const char *before = eda_enter(l->host->context, l->regulator, error);
+  int code = r->rule(l->regulator->self, &p, ruling, error);
+  opc_leave(l->host->context, before);
+  if (!code) code = eda_check_ruling(l->gates, ruling, error);
+  if (code) return eda_blame(error, code, "regulator");
+  for (size_t k = 0; k < l->gates->layers; k++) {
+    set_boxes(&l->next.patches[k], ruling->patches[k]);
+    set_boxes(&l->next.bites[k], ruling->bites[k]);
+  }
+  return OPC_OK;
+}
+
+/* Let the regulator set vetoes, and line ends, patches and bites of `next`. */
+static int judge(loop *l, opc_error *error) {
+  size_t layers = l->gates->layers;
+  memset(l->vetoes, 0, l->gates->count * sizeof *l->vetoes);
+  if (!l->regulator) return OPC_OK;
+  eda_ruling ruling = {.vetoes = l->vetoes,
+                       .end = l->next.biases.end,
+                       .patches = eda_alloc(layers, sizeof *ruling.patches),
+                       .bites = eda_alloc(layers, sizeof *ruling.bites)};
+  eda_boxes *patches = ruling.patches, *bites = ruling.bites;
+  int code = rule(l, &ruling, error);
+  free(patches);
+  free(bites);
+  drop_biases(l);
+  return code;
+}
+
+static eda_feedback feedback(const loop *l, const driver *d) {
+  return (eda_feedback){.iteration = l->iterations,
+                        .gates = l->gates,
+                        .design = &l->design,
+                        .printed = &l->measured.performance,
+                        .flags = l->measured.flags,
+                        .vetoes = l->vetoes,
+                        .epe = d->epe,
+                        .end = l->now.biases.end,
+                        .next_end = l->next.biases.end,
+                        .print = l->printer.print};
+}
+
+/* Whether biases of gates move something of that layer. */
+static int has_gates(const eda_gates *gates, size_t layer) {
+  const eda_edges *e = &gates->edges[layer];
+  size_t n = e->polygons ? e->start[e->polygons] : 0;
+  for (size_t i = 0; i < n; i++)
+    if (e->fragments[i].role != EDA_FIXED) return 1;
+  return 0;
+}
+
+/* Take over the fragments that a synthesizer cut a layer into. */
+static void take_cuts(loop *l, size_t layer, int which, const eda_cuts *cuts) {
+  driver *d = &l->drivers[which];
+  pieces_of_cuts(cuts, &l->pieces[layer]);
+  sites_init(&l->sites[layer], cuts);
+  size_t n = d->fragments[layer] = l->sites[layer].count;
+  l->now.shift[layer] = eda_alloc(n, sizeof(int32_t));
+  l->next.shift[layer] = eda_alloc(n, sizeof(int32_t));
+  l->driver_of[layer] = (uint8_t)which;
+  d->shift[layer] = l->next.shift[layer];
+  d->epe[layer] = l->sites[layer].epe;
+}
+
+/* Ask a synthesizer how it cuts a layer; it may not. */
+static int ask_for_cuts(loop *l, size_t layer, int which, opc_error *error) {
+  const opc_module *module = l->drivers[which].module;
+  const eda_synthesizer *s = module ? module->functions : NULL;
+  eda_cuts cuts = {0};
+  if (!s || !s->cut) return OPC_OK;
+  const char *before = eda_enter(l->host->context, module, error);
+  int code = s->cut(module->self, l->gates, (int)layer, &cuts, error);
+  opc_leave(l->host->context, before);
+  if (!code) code = eda_check_cuts(l->gates, (int)layer, &cuts, error);
+  if (code) return eda_blame(error, code, slots[which]);
+  set_boxes(&l->next.assists[layer], cuts.assists);
+  if (cuts.polygons) take_cuts(l, layer, which, &cuts);
+  return OPC_OK;
+}
+
+/* The pieces of a layer: those that a synthesizer cuts, or the fragments of the
+   gates. */
+static int cut_layer(loop *l, size_t layer, opc_error *error) {
+  const eda_gates *g = l->gates;
+  if (!g->corrected[layer]) return OPC_OK;
+  int code = ask_for_cuts(l, layer, MAIN, error);
+  if (!code && !l->now.shift[layer] && !has_gates(g, layer))
+    code = ask_for_cuts(l, layer, EDGES, error);
+  if (code) return code;
+  if (!l->now.shift[layer])
+    pieces_of_edges(&g->edges[layer], &l->pieces[layer]);
+  eda_shapes *polygons = &l->polygons[layer];
+  pieces_room(&l->pieces[layer], polygons);
+  if (!g->drawn[layer].hole) return OPC_OK;
+  polygons->hole = eda_alloc(polygons->count, 1);
+  if (polygons->count)
+    memcpy(polygons->hole, g->drawn[layer].hole, polygons->count);
+  return OPC_OK;
+}
+
+static int begin(loop *l, opc_error *error) {
+  int code = OPC_OK;
+  for (int which = 0; which < DRIVERS; which++) {
+    driver *d = &l->drivers[which];
+    d->done = !d->module;
+    if (!d->module) continue;
+    const eda_synthesizer *s = d->module->functions;
+    eda_feedback f = feedback(l, d);
+    f.printed = NULL;
+    f.print = NULL;
+    const char *before = eda_enter(l->host->context, d->module, error);
+    code = s->begin(d->module->self, &f, error);
+    opc_leave(l->host->context, before);
+    if (code) return eda_blame(error, code, slots[which]);
+  }
+  for (size_t k = 0; k < l->gates->layers && !code; k++)
+    code = cut_layer(l, k, error);
+  return code;
+}
+
+/* The moves of a synthesizer into `next`; only of its own layers. */
+static int move(loop *l, int which, eda_moves *moves, opc_error *error) {
+  driver *d = &l->drivers[which];
+  const eda_synthesizer *s = d->module->functions;
+  eda_feedback f = feedback(l, d);
+  const char *before = eda_enter(l->host->context, d->module, error);
+  int code = s->update(d->module->self, &f, moves, &d->done, error);
+  opc_leave(l->host->context, before);
+  if (!code) code = eda_check_moves(l->gates, moves, d->fragments, error);
+  if (code) return eda_blame(error, code, slots[which]);
+  for (size_t k = 0; k < l->gates->layers; k++)
+    if (l->driver_of[k] == which)
+      set_boxes(&l->next.assists[k], moves->assists[k]);
+  return OPC_OK;
+}
+
+/* Let a synthesizer write what to try next. */
+static int update(loop *l, int which, opc_error *error) {
+  size_t n = l->gates->count, layers = l->gates->layers;
+  const biases *b = &l->next.biases;
+  eda_boxes *assists = eda_alloc(layers, sizeof *assists);
+  memcpy(assists, l->next.assists, layers * sizeof *assists);
+  eda_moves moves = {.l = b->l,
+                     .w = b->w,
+                     .jog = b->jog,
+                     .shift = l->drivers[which].shift,
+                     .assists = assists};
+  if (which == EDGES) {
+    moves.l = memcpy(l->unused, l->now.biases.l, n * sizeof(int32_t));
+    moves.w = memcpy(l->unused + n, l->now.biases.w, n * sizeof(int32_t));
+    moves.jog =
+        memcpy(l->unused + 2 * n, l->now.biases.jog, n * sizeof(int32_t));
+  }
+  int code = move(l, which, &moves, error);
+  free(assists);
+  drop_biases(l);
+  return code;
+}
+
+/* ---- the loop ---- */
+
+/* The figure that is driven down. */
+static double worst(const loop *l) {
+  return l->summary.gates ? l->summary.ion_max : l->summary.epe_max;
+}
+
+static const char *worst_unit(const loop *l) {
+  return l->summary.gates ? "%" : "nm";
+}
+
+static int told_to_stop(const loop *l) {
+  opc_progress progress = {.done = l->iterations,
+                           .total = (double)l->max_iterations,
+                           .worst = worst(l),
+                           .worst_unit = worst_unit(l)};
+  l->host->progress(l->host, &progress);
+  return opc_cancelled(l->host->context);
+}
+
+static int ends_anytime(const driver *d) {
+  const eda_synthesizer *s = d->module->functions;
+  return s->flags & EDA_SYNTHESIZER_ENDS_ANYTIME;
+}
+
+/* Let those that are not done move; one that is, also if the regulator has
+   changed its layers. */
+static int move_all(loop *l, const int *ruled, opc_error *error) {
+  int code = OPC_OK;
+  for (int which = 0; which < DRIVERS && !code; which++) {
+    driver *d = &l->drivers[which];
+    if (!d->module || (d->done && !ruled[which])) continue;
+    d->done = 0;
+    code = update(l, which, error);
+    /* What the regulator changes now, it has not seen yet. */
+    if (ruled[which] && ends_anytime(d)) d->done = 0;
+  }
+  return code;
+}
+
+static int all_done(const loop *l) {
+  return l->drivers[MAIN].done && l->drivers[EDGES].done;
+}
+
+static int iterate(loop *l, opc_error *error) {
+  int code = OPC_OK;
+  int64_t prints = 0;
+  for (; !code; code = print_next(l, 0, error)) {
+    if (told_to_stop(l)) return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
+    if ((code = judge(l, error))) return code;
+    int ruled[DRIVERS], wait = 0;
+    for (int which = 0; which < DRIVERS; which++) {
+      ruled[which] = any_changed(l, which);
+      wait |= ruled[which] && !ends_anytime(&l->drivers[which]);
+    }
+    if (all_done(l) && !ruled[MAIN] && !ruled[EDGES]) return OPC_OK;
+    /* Line ends first, so that their effect is not taken for that of the
+       first moves. */
+    if (l->iterations == 0 && wait && prints++ < l->max_iterations) continue;
+    if (l->iterations == l->max_iterations) {
+      l->host->log(l->host, OPC_LOG_WARNING,
+                   "not done after %d iterations: worst deviation %.3g %s",
+                   (int)l->max_iterations, worst(l), worst_unit(l));
+      return OPC_OK;
+    }
+    if ((code = move_all(l, ruled, error))) return code;
+    l->iterations++;
+    if (all_done(l) && !any_changed(l, MAIN) && !any_changed(l, EDGES))
+      return OPC_OK;
+  }
+  return code;
+}
+
+static void loop_init(loop *l) {
+  size_t n = l->gates->count, layers = l->gates->layers;
+  for (int which = 0; which < DRIVERS; which++) {
+    driver *d = &l->drivers[which];
+    d->epe = eda_alloc(layers, sizeof *d->epe);
+    d->shift = eda_alloc(layers, sizeof *d->shift);
+    d->fragments = eda_alloc(layers, sizeof *d->fragments);
+  }
+  l->driver_of = eda_alloc(layers, 1);
+  l->pieces = eda_alloc(layers, sizeof *l->pieces);
+  l->polygons = eda_alloc(layers, sizeof *l->polygons);
+  l->mask = eda_alloc(layers, sizeof *l->mask);
+  l->sites = eda_alloc(layers, sizeof *l->sites);
+  l->unused = eda_alloc(3 * n, sizeof *l->unused);
+  l->vetoes = eda_alloc(n, sizeof *l->vetoes);
+  trial_init(&l->now, layers, n);
+  trial_init(&l->next, layers, n);
+  eda_measurement_init(&l->measured, n);
+  eda_performance_init(&l->design, n);
+  eda_performance_init(&l->before, n);
+}
+
+int loop_run(loop *l, opc_error *error) {
+  const opc_context *context = l->host->context;
+  loop_init(l);
+  int code = eda_printer_prepare(&l->printer, error);
+  if (!code) code = eda_extractor_prepare(context, l->extractor, error);
+  if (!code)
+    code =
+        eda_measure_drawn(context, l->gates, l->extractor, &l->design, error);
+  if (!code) code = begin(l, error);
+  if (!code) code = print_next(l, 1, error);
+  if (code) return code;
+  eda_performance_copy(&l->before, &l->measured.performance);
+  return iterate(l, error);
+}
+
+void loop_clear(loop *l) {
+  size_t layers = l->gates->layers;
+  trial_clear(&l->now, layers);
+  trial_clear(&l->next, layers);
+  eda_measurement_clear(&l->measured);
+  eda_performance_clear(&l->design);
+  eda_performance_clear(&l->before);
+  for (size_t k = 0; k < layers; k++) {
+    pieces_clear(&l->pieces[k]);
+    sites_clear(&l->sites[k]);
+    eda_shapes_clear(&l->polygons[k]);
+    eda_shapes_clear(&l->mask[k]);
+  }
+  for (int which = 0; which < DRIVERS; which++) {
+    free(l->drivers[which].epe);
+    free(l->drivers[which].shift);
+    free(l->drivers[which].fragments);
+  }
+  free(l->driver_of);
+  free(l->pieces);
+  free(l->polygons);
+  free(l->mask);
+  free(l->sites);
+  free(l->unused);
+  free(l->vetoes);
+  history_clear(&l->history);
+  eda_printer_clear(&l->printer);
+}

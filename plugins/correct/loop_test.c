@@ -1,0 +1,725 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The loop with models and plugins of a few lines: a synthesizer that cuts a
+   layer itself, patches, and what there is no transistor for. Edge placement
+   errors against contours that are known in closed form. */
+#include "loop.h"
+
+#include <eda/memory.h>
+#include <glib.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- a host ---- */
+
+static GString *told; /* metrics, tables and their columns */
+
+static void hear_nothing(const opc_host *h, int level, const char *format,
+                         ...) {
+  (void)h, (void)level, (void)format;
+}
+
+static void see_nothing(const opc_host *h, const opc_progress *progress) {
+  (void)h;
+  g_assert_true(isfinite(progress->worst));
+}
+
+static int keep_metric(const opc_host *h, const char *name, double value,
+                       opc_error *error) {
+  (void)h, (void)error;
+  g_assert_true(isfinite(value));
+  g_string_append_printf(told, "%s ", name);
+  return OPC_OK;
+}
+
+static int keep_table(const opc_host *h, const char *name, uint32_t flags,
+                      size_t rows, const opc_column *columns, size_t n,
+                      opc_error *error) {
+  (void)h, (void)flags, (void)error;
+  g_string_append_printf(told, "%s[%zu]", name, rows);
+  if (!strcmp(name, "history"))
+    for (size_t i = 0; i < n; i++)
+      g_string_append_printf(told, ",%s", columns[i].name);
+  g_string_append_c(told, ' ');
+  return OPC_OK;
+}
+
+static const opc_host host = {.log = hear_nothing,
+                              .progress = see_nothing,
+                              .table = keep_table,
+                              .metric = keep_metric};
+
+/* ---- models ---- */
+
+/* One coherent system without edges. */
+static const double cut_off = 60, limit = 4 / 60.0;
+
+static int nothing(void *self, opc_error *error) {
+  (void)self, (void)error;
+  return OPC_OK;
+}
+
+static double band(const void *self) {
+  (void)self;
+  return limit;
+}
+
+static void transfer(const void *self, size_t s, const double *fx, double fy,
+                     size_t n, float *out) {
+  (void)self, (void)s;
+  for (size_t i = 0; i < n; i++) {
+    double r = (fx[i] * fx[i] + fy * fy) * cut_off * cut_off;
+    out[2 * i] = (float)exp(-r);
+    out[2 * i + 1] = 0;
+  }
+}
+
+static int image(const void *self, int layer, const eda_spectrum *mask,
+                 eda_field *out, opc_error *error) {
+  static const double one = 1;
+  (void)self, (void)layer;
+  const eda_systems systems = {.count = 1,
+                               .weight = &one,
+                               .band = limit,
+                               .intensity_band = 2 * limit,
+                               .transfer = transfer,
+                               .scale = {1, 0}};
+  return eda_coherent_sum(NULL, mask, &systems, 0, out, error);
+}
+
+static int calibrate(void *self, const opc_module *litho, opc_error *error) {
+  (void)self, (void)litho, (void)error;
+  return OPC_OK;
+}
+
+static int print(const void *self, int layer, eda_field *f, opc_error *error) {
+  (void)self, (void)layer, (void)error;
+  for (int i = 0; i < f->nx * f->ny; i++)
+    f->coefficients[i] = 0.6F - f->coefficients[i];
+  return OPC_OK;
+}
+
+static size_t slicing(const void *self, const double **p, const double **s) {
+  static const double middle = 0.5, all = 1;
+  (void)self;
+  *p = &middle;
+  *s = &all;
+  return 1;
+}
+
+static int extract(const void *self, const eda_slices *in, eda_performance *out,
+                   opc_error *error) {
+  (void)self, (void)error;
+  for (size_t i = 0; i < in->count; i++)
+    out->ion[i] = out->ioff[i] = out->leq_ion[i] = out->leq_ioff[i] =
+        out->weq[i] = out->area[i] = 1;
+  return OPC_OK;
+}
+
+static const eda_litho litho = {
+    .prepare = nothing, .band = band, .image = image};
+static const eda_resist resist = {.prepare = calibrate, .print = print};
+static const eda_extractor extractor = {
+    .prepare = nothing, .slicing = slicing, .extract = extract};
+#define MODULE(functions_, self_) \
+  (&(const opc_module){(functions_), (self_), "test.module"})
+
+/* ---- a layout without transistors: an L and a bar, grid 2 nm ---- */
+
+static eda_point corners[] = {{0, 0},     {200, 0},  {200, 60},  {60, 60},
+                              {60, 300},  {0, 300},  {120, 120}, {300, 120},
+                              {300, 300}, {120, 300}};
+static uint32_t starts[] = {0, 6, 10};
+static uint8_t all_corrected[] = {1, 1, 1, 1};
+static char *names[] = {"poly", "active", "metal1", "metal2"};
+static eda_edges no_edges[4];
+static eda_shapes drawn_poly[] = {{2, starts, corners, NULL}, {0}};
+static const eda_gates metal = {.name = (char *)"metal",
+                                .grid = 2,
+                                .extent = {0, 0, 300, 300},
+                                .layers = 2,
+                                .layer = names,
+                                .corrected = all_corrected,
+                                .drawn = drawn_poly,
+                                .edges = no_edges};
+
+/* ---- a synthesizer that halves the error of each third of an edge ---- */
+
+enum { THIRDS = 30 };
+
+typedef struct synthesizer {
+  int layer; /* that it cuts */
+  eda_point from[THIRDS];
+  double site[2 * THIRDS];
+  uint32_t start[3];
+  const char *spoil; /* what to do wrong */
+  const eda_box *assists;
+  size_t assist_count;
+  int drop;                   /* the last of them with the first moves */
+  uint32_t first_simulations; /* prints before the first moves */
+  int updates;
+  eda_printer *printer;
+} synthesizer;
+
+static synthesizer own;
+
+static int cut(void *self, const eda_gates *g, int layer, eda_cuts *cuts,
+               opc_error *error) {
+  synthesizer *s = self;
+  (void)error;
+  if (layer != s->layer) return OPC_OK;
+  const eda_shapes *drawn = &g->drawn[layer];
+  uint32_t n = 0;
+  for (uint32_t p = 0; p < 2; p++) {
+    uint32_t many = drawn->start[p + 1] - drawn->start[p];
+    s->start[p] = n;
+    for (uint32_t i = 0; i < many; i++) {
+      eda_point a = drawn->points[drawn->start[p] + i],
+                b = drawn->points[drawn->start[p] + (i + 1) % many];
+      for (int k = 0; k < 3; k++, n++) {
+        s->from[n] =
+            (eda_point){a.x + (b.x - a.x) / 3 * k, a.y + (b.y - a.y) / 3 * k};
+        s->site[2 * n] = (a.x + (b.x - a.x) * (2 * k + 1) / 6.0) * g->grid;
+        s->site[2 * n + 1] = (a.y + (b.y - a.y) * (2 * k + 1) / 6.0) * g->grid;
+      }
+    }
+  }
+  s->start[2] = n;
+  *cuts = (eda_cuts){.polygons = 2,
+                     .start = s->start,
+                     .from = s->from,
+                     .site = s->site,
+                     .assists = {s->assists, s->assist_count}};
+  if (!s->spoil) return OPC_OK;
+  if (!strcmp(s->spoil, "count")) cuts->polygons = 1;
+  if (!strcmp(s->spoil, "corner")) s->from[3].x -= 1;
+  if (!strcmp(s->spoil, "first corner")) s->from[0].x += 1;
+  if (!strcmp(s->spoil, "order")) s->from[1] = s->from[2];
+  if (!strcmp(s->spoil, "off")) s->from[4].x += 1;
+  if (!strcmp(s->spoil, "site")) s->site[9] += 1000;
+  if (!strcmp(s->spoil, "nan")) s->site[0] = NAN;
+  if (!strcmp(s->spoil, "end")) s->start[2] = 5;
+  if (!strcmp(s->spoil, "none")) cuts->from = NULL;
+  return OPC_OK;
+}
+
+static int begin(void *self, const eda_feedback *f, opc_error *error) {
+  (void)self, (void)error;
+  g_assert_null(f->printed);
+  for (size_t k = 0; k < f->gates->layers; k++) g_assert_null(f->epe[k]);
+  return OPC_OK;
+}
+
+static int update(void *self, const eda_feedback *f, eda_moves *m, int *done,
+                  opc_error *error) {
+  synthesizer *s = self;
+  int layer = s->layer;
+  (void)error;
+  for (size_t k = 0; k < f->gates->layers; k++) {
+    g_assert_true((f->epe[k] != NULL) == ((int)k == layer));
+    g_assert_true((m->shift[k] != NULL) == ((int)k == layer));
+  }
+  g_assert_nonnull(f->next_end);
+  s->updates++;
+  *done = 1;
+  if (s->spoil && !strcmp(s->spoil, "at once")) return OPC_OK;
+  if (f->iteration == 0) s->first_simulations = s->printer->simulations;
+  double worst = 0;
+  for (int i = 0; i < THIRDS; i++) {
+    double epe = f->epe[layer][i];
+    g_assert_false(isnan(epe));
+    worst = fmax(worst, fabs(epe));
+    m->shift[layer][i] -= (int32_t)lround(epe / f->gates->grid * 0.6);
+  }
+  *done = worst < 2 || f->iteration == 40;
+  g_assert_nonnull(f->print[layer].coefficients);
+  g_assert_cmpuint(m->assists[layer].count, ==,
+                   s->assist_count - (s->drop && f->iteration > 0));
+  if (s->drop && f->iteration == 0) m->assists[layer].count--;
+  if (s->spoil && !strcmp(s->spoil, "far")) m->shift[layer][7] = 1 << 21;
+  return OPC_OK;
+}
+
+static const char *verdict(const void *self, size_t gate) {
+  (void)self, (void)gate;
+  return NULL;
+}
+
+static const eda_synthesizer cutter = {
+    .begin = begin, .update = update, .verdict = verdict, .cut = cut};
+static const eda_synthesizer hasty = {.begin = begin,
+                                      .update = update,
+                                      .verdict = verdict,
+                                      .cut = cut,
+                                      .flags = EDA_SYNTHESIZER_ENDS_ANYTIME};
+
+/* ---- a regulator with one patch ---- */
+
+static const eda_box patch = {-20, 100, 30, 140};
+static const eda_box *patch_given, *bite_given;
+
+static int rule(void *self, const eda_printed *p, eda_ruling *r,
+                opc_error *error) {
+  (void)self, (void)error;
+  g_assert_cmpuint(p->shapes[EDA_POLY].count, ==, 2);
+  g_assert_nonnull(p->print[EDA_ACTIVE].coefficients);
+  g_assert_cmpuint(r->patches[EDA_POLY].count + r->bites[EDA_POLY].count, ==,
+                   0);
+  r->patches[EDA_POLY] = (eda_boxes){patch_given, 1};
+  r->bites[EDA_POLY] = (eda_boxes){bite_given, bite_given != NULL};
+  return OPC_OK;
+}
+
+static const eda_regulator regulator = {.rule = rule};
+
+/* ---- the loop ---- */
+
+/* A loop of what a correction needs; `edges` may be NULL. */
+static int run_loop(loop *l, const eda_gates *gates, const opc_module *main_one,
+                    const opc_module *edges, const opc_module *drc,
+                    opc_error *error) {
+  *l = (loop){.host = &host,
+              .gates = gates,
+              .regulator = drc,
+              .extractor = MODULE(&extractor, NULL),
+              .drivers = {[MAIN].module = main_one, [EDGES].module = edges},
+              .max_iterations = 60};
+  eda_printer_init(&l->printer, NULL, gates, MODULE(&litho, NULL),
+                   MODULE(&resist, NULL), 400);
+  own.printer = &l->printer;
+  int code = loop_run(l, error);
+  l->printer.litho.litho = NULL; /* the modules end here */
+  return code;
+}
+
+static int run(loop *l, const eda_synthesizer *s, const opc_module *drc,
+               opc_error *error) {
+  return run_loop(l, &metal, MODULE(s, &own), NULL, drc, error);
+}
+
+static int64_t drawn_area2(void) { return eda_area2(&metal.drawn[EDA_POLY]); }
+
+/* A metal layer: its print comes to lie on the drawn edges. */
+static void test_fragments(void) {
+  loop l;
+  opc_error error = {0};
+  own.spoil = NULL;
+  g_assert_cmpint(run(&l, &cutter, NULL, &error), ==, OPC_OK);
+  g_assert_cmpuint(l.summary.gates, ==, 0);
+  g_assert_cmpuint(l.summary.sites, ==, THIRDS);
+  g_assert_cmpuint(l.summary.lost, ==, 0);
+  g_assert_cmpfloat(l.summary.epe_max, <, 2);
+  /* Printing too large, the mask has become smaller. */
+  g_assert_cmpint(eda_area2(&l.mask[EDA_POLY]), <, drawn_area2() * 9 / 10);
+  /* The other layer was printed once. */
+  g_assert_cmpuint(l.iterations, >, 2);
+  g_assert_cmpuint(l.printer.simulations, <=, 2 + l.iterations);
+  loop_clear(&l);
+}
+
+static void test_patches(void) {
+  loop l;
+  opc_error error = {0};
+  own.spoil = NULL;
+  for (int early = 0; early < 2; early++) {
+    patch_given = &patch;
+    g_assert_cmpint(
+        run(&l, early ? &hasty : &cutter, MODULE(&regulator, NULL), &error), ==,
+        OPC_OK);
+    /* Settled before the first moves, or together with them. */
+    g_assert_cmpuint(own.first_simulations, ==, early ? 2 : 3);
+    eda_shapes box, outside, both;
+    shapes_of_boxes((eda_boxes){&patch, 1}, (eda_boxes){0}, &box);
+    g_assert_false(
+        eda_boolean(EDA_NOT, &box, &l.mask[EDA_POLY], &outside, &error));
+    g_assert_false(eda_boolean(EDA_NOT, &l.mask[EDA_POLY],
+                               &l.polygons[EDA_POLY], &both, &error));
+    g_assert_cmpuint(outside.count, ==, 0);
+    g_assert_cmpuint(both.count, ==, 1); /* what the patch adds */
+    eda_shapes_clear(&box);
+    eda_shapes_clear(&outside);
+    eda_shapes_clear(&both);
+    loop_clear(&l);
+  }
+  /* One that is content before it has seen the patch is asked again. */
+  own.spoil = "at once";
+  own.updates = 0;
+  g_assert_cmpint(run(&l, &hasty, MODULE(&regulator, NULL), &error), ==,
+                  OPC_OK);
+  g_assert_cmpint(own.updates, ==, 2);
+  g_assert_cmpuint(l.printer.simulations, ==, 3);
+  loop_clear(&l);
+  own.spoil = NULL;
+  static const eda_box wrong = {10, 0, 10, 5};
+  patch_given = &wrong;
+  g_assert_cmpint(run(&l, &cutter, MODULE(&regulator, NULL), &error), ==,
+                  OPC_FAILED);
+  g_assert_cmpstr(error.parameter, ==, "regulator");
+  g_assert_cmpstr(
+      error.message, ==,
+      "number 1 of the patches of poly is no box: (10, 0) to (10, 5)");
+  loop_clear(&l);
+}
+
+/* What is bitten away is gone, of a patch as of the mask, and nothing else. */
+static void test_bites(void) {
+  static const eda_box bite = {-20, 120, 10, 160};
+  loop with, without;
+  opc_error error = {0};
+  eda_shapes box, gone, kept, rest;
+  own.spoil = "at once";
+  patch_given = &patch;
+  own.updates = 0;
+  g_assert_cmpint(run(&without, &hasty, MODULE(&regulator, NULL), &error), ==,
+                  OPC_OK);
+  bite_given = &bite;
+  own.updates = 0;
+  g_assert_cmpint(run(&with, &hasty, MODULE(&regulator, NULL), &error), ==,
+                  OPC_OK);
+  bite_given = NULL;
+  own.spoil = NULL;
+  shapes_of_boxes((eda_boxes){&bite, 1}, (eda_boxes){0}, &box);
+  g_assert_false(
+      eda_boolean(EDA_AND, &box, &with.mask[EDA_POLY], &kept, &error));
+  g_assert_cmpuint(kept.count, ==, 0);
+  g_assert_false(eda_boolean(EDA_NOT, &without.mask[EDA_POLY],
+                             &with.mask[EDA_POLY], &gone, &error));
+  g_assert_false(eda_boolean(EDA_NOT, &gone, &box, &rest, &error));
+  g_assert_cmpint(eda_area2(&gone), >, 0);
+  g_assert_cmpuint(rest.count, ==, 0);
+  eda_shapes_clear(&box);
+  eda_shapes_clear(&gone);
+  eda_shapes_clear(&kept);
+  eda_shapes_clear(&rest);
+  loop_clear(&with);
+  loop_clear(&without);
+}
+
+/* Assist features are of the mask as they are, merged where they touch, and one
+   that is taken away is not. */
+static void test_assists(void) {
+  static const eda_box bars[] = {
+      {400, -100, 420, 400}, {410, 390, 500, 410}, {-120, 0, -100, 200}};
+  loop l;
+  opc_error error = {0};
+  own.spoil = NULL;
+  own.assists = bars;
+  own.assist_count = 3;
+  for (own.drop = 0; own.drop < 2; own.drop++) {
+    g_assert_cmpint(run(&l, &cutter, NULL, &error), ==, OPC_OK);
+    eda_shapes added;
+    g_assert_false(eda_boolean(EDA_NOT, &l.mask[EDA_POLY],
+                               &l.polygons[EDA_POLY], &added, &error));
+    g_assert_cmpuint(added.count, ==, own.drop ? 1 : 2);
+    int64_t both = 20 * 500 + 90 * 20 - 10 * 10;
+    g_assert_cmpint(eda_area2(&added), ==,
+                    2 * (both + (own.drop ? 0 : 20 * 200)));
+    eda_shapes_clear(&added);
+    loop_clear(&l);
+  }
+  own.drop = 0;
+  static const eda_box wrong[] = {{0, 400, 10, 410}, {10, 400, 5, 410}};
+  own.assists = wrong;
+  own.assist_count = 2;
+  g_assert_cmpint(run(&l, &cutter, NULL, &error), ==, OPC_FAILED);
+  g_assert_cmpstr(error.parameter, ==, "synthesizer");
+  g_assert_cmpstr(error.message, ==,
+                  "number 2 of the assists of poly is no box: (10, 400) to (5, "
+                  "410)");
+  loop_clear(&l);
+  own.assists = NULL;
+  g_assert_cmpint(run(&l, &cutter, NULL, &error), ==, OPC_FAILED);
+  g_assert_cmpstr(error.message, ==,
+                  "gives 2 assists of poly without their boxes");
+  loop_clear(&l);
+  own.assist_count = 0;
+}
+
+static void test_faults(void) {
+  const struct {
+    const char *spoil, *message;
+  } cases[] = {
+      {"count", "cuts 1 polygons of poly, there are 2"},
+      {"corner",
+       "cuts poly: the end of fragment 4, (400, 40) nm, is not on the "
+       "edge from (0, 0) to (400, 0) nm, or not in its order"},
+      {"first corner", "cuts poly: no fragment begins at the corner (0, 0) nm"},
+      {"order",
+       "cuts poly: the end of fragment 2, (264, 0) nm, is not on the "
+       "edge from (0, 0) to (400, 0) nm, or not in its order"},
+      {"off",
+       "cuts poly: the end of fragment 4, (402, 40) nm, is not on the "
+       "edge from (400, 0) to (400, 120) nm, or not in its order"},
+      {"site",
+       "cuts poly: the site of fragment 5, (400, 1060) nm, is not on "
+       "the edge from (400, 0) to (400, 120) nm, or not in its order"},
+      {"nan",
+       "cuts poly: the site of fragment 1, (nan, 0) nm, is not on the "
+       "edge from (0, 0) to (400, 0) nm, or not in its order"},
+      {"end", "cuts poly: the fragments of polygon 2 end before they begin"},
+      {"none", "cuts poly: fragments are missing"},
+      {"far",
+       "moves fragment 8 of poly by 2097152 steps, at most 1048576 are "
+       "possible"},
+  };
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    loop l;
+    opc_error error = {0};
+    own.spoil = cases[i].spoil;
+    g_assert_cmpint(run(&l, &cutter, NULL, &error), ==, OPC_FAILED);
+    g_assert_cmpstr(error.parameter, ==, "synthesizer");
+    g_assert_cmpstr(error.message, ==, cases[i].message);
+    loop_clear(&l);
+  }
+}
+
+/* ---- layers that no transistor moves ---- */
+
+enum { METAL = 2, POWER, LAYERS };
+
+/* The sample of two transistors with the L and the bar as metal1, and with a
+   metal2 that nobody corrects. */
+static const eda_gates *stack(void) {
+  static eda_shapes drawn[LAYERS];
+  static eda_edges edges[LAYERS];
+  static eda_fragment fragments[10];
+  static eda_point large[10]; /* on a grid of 1 nm */
+  static eda_gates g;
+  g = *eda_gates_sample();
+  memcpy(drawn, g.drawn, METAL * sizeof *drawn);
+  memcpy(edges, g.edges, METAL * sizeof *edges);
+  drawn[METAL] = drawn[POWER] = (eda_shapes){2, starts, large, NULL};
+  for (int i = 0; i < 10; i++) {
+    large[i] = (eda_point){2 * corners[i].x, 2 * corners[i].y};
+    fragments[i] = (eda_fragment){.from = large[i], .gate = -1};
+  }
+  edges[METAL] = edges[POWER] = (eda_edges){2, starts, fragments};
+  g.extent.x1 = MAX(g.extent.x1, 600);
+  g.layers = LAYERS;
+  g.layer = names;
+  g.corrected = all_corrected;
+  g.drawn = drawn;
+  g.edges = edges;
+  return &g;
+}
+
+/* A synthesizer of transistors that is content after so many moves. */
+static int moves_left, mover_updates;
+
+static int move_gates(void *self, const eda_feedback *f, eda_moves *m,
+                      int *done, opc_error *error) {
+  (void)self, (void)error;
+  for (size_t k = 0; k < f->gates->layers; k++) {
+    g_assert_null(f->epe[k]);
+    g_assert_null(m->shift[k]);
+  }
+  mover_updates++;
+  m->l[0] += 4;
+  m->w[1] -= 2;
+  *done = --moves_left <= 0;
+  return OPC_OK;
+}
+
+static const eda_synthesizer mover = {
+    .begin = begin, .update = move_gates, .verdict = verdict};
+
+/* What it writes of gates is not for it to say. */
+static int update_edges(void *self, const eda_feedback *f, eda_moves *m,
+                        int *done, opc_error *error) {
+  g_assert_cmpint(m->l[0], ==, MIN(4 * (int)f->iteration, 8));
+  m->l[0] = m->w[0] = m->jog[0] = 99;
+  m->assists[EDA_POLY] = (eda_boxes){&patch, 1};
+  return update(self, f, m, done, error);
+}
+
+static const eda_synthesizer edges_cutter = {
+    .begin = begin, .update = update_edges, .verdict = verdict, .cut = cut};
+
+static int run_stack(loop *l, int with_edges, const opc_module *drc) {
+  opc_error error = {0};
+  moves_left = 2;
+  mover_updates = own.updates = 0;
+  own.spoil = NULL;
+  own.layer = METAL;
+  int code =
+      run_loop(l, stack(), MODULE(&mover, NULL),
+               with_edges ? MODULE(&edges_cutter, &own) : NULL, drc, &error);
+  own.layer = EDA_POLY;
+  return code;
+}
+
+static size_t differences(const eda_shapes *a, const eda_shapes *b) {
+  eda_shapes both;
+  opc_error error;
+  g_assert_false(eda_boolean(EDA_XOR, a, b, &both, &error));
+  size_t n = both.count;
+  eda_shapes_clear(&both);
+  return n;
+}
+
+/* They are corrected by a synthesizer of their own, which changes nothing of
+   the transistors; without it they are as drawn. */
+static void test_edges(void) {
+  loop with, without;
+  g_assert_cmpint(run_stack(&without, 0, NULL), ==, OPC_OK);
+  g_assert_cmpint(mover_updates, ==, 2);
+  /* All layers once, poly and active again with both moves. */
+  g_assert_cmpuint(without.printer.simulations, ==, LAYERS + 2 * 2);
+  for (int k = METAL; k < LAYERS; k++)
+    g_assert_cmpuint(differences(&without.mask[k], &without.gates->drawn[k]),
+                     ==, 0);
+  g_assert_cmpint(run_stack(&with, 1, NULL), ==, OPC_OK);
+  g_assert_cmpint(mover_updates, ==, 2);
+  g_assert_cmpint(own.updates, >, mover_updates);
+  g_assert_cmpuint(with.iterations, ==, own.updates);
+  for (int k = 0; k < METAL; k++)
+    g_assert_cmpuint(differences(&with.mask[k], &without.mask[k]), ==, 0);
+  g_assert_cmpuint(differences(&with.mask[POWER], &without.mask[POWER]), ==, 0);
+  g_assert_cmpint(eda_area2(&with.mask[METAL]), <,
+                  eda_area2(&without.mask[METAL]));
+  g_assert_cmpint(with.now.biases.l[0], ==, 8);
+  g_assert_cmpint(with.now.biases.w[0], ==, 0);
+  g_assert_cmpint(with.now.biases.w[1], ==, -4);
+  g_assert_cmpuint(with.printer.simulations, <=,
+                   LAYERS + 2 * 2 + with.iterations);
+  g_assert_cmpuint(with.summary.sites, ==, THIRDS);
+  g_assert_cmpfloat(with.summary.epe_max, <, 2);
+  loop_clear(&with);
+  loop_clear(&without);
+}
+
+/* A patch of such a layer waits for its synthesizer as those of poly do, and is
+   none of the other one's business. */
+static const eda_box metal_patch = {-20, 180, 30, 220};
+
+static int rule_metal(void *self, const eda_printed *p, eda_ruling *r,
+                      opc_error *error) {
+  (void)self, (void)error;
+  g_assert_cmpuint(p->shapes[METAL].count, >=, 2);
+  r->patches[METAL] = (eda_boxes){&metal_patch, 1};
+  return OPC_OK;
+}
+
+static const eda_regulator metal_regulator = {.rule = rule_metal};
+
+static void test_edges_ruled(void) {
+  loop l;
+  g_assert_cmpint(run_stack(&l, 1, MODULE(&metal_regulator, NULL)), ==, OPC_OK);
+  g_assert_cmpuint(own.first_simulations, ==, LAYERS + 1);
+  g_assert_cmpint(mover_updates, ==, 2);
+  eda_shapes box, outside;
+  opc_error error;
+  shapes_of_boxes((eda_boxes){&metal_patch, 1}, (eda_boxes){0}, &box);
+  g_assert_false(eda_boolean(EDA_NOT, &box, &l.mask[METAL], &outside, &error));
+  g_assert_cmpuint(outside.count, ==, 0);
+  g_assert_cmpuint(l.now.assists[EDA_POLY].count, ==, 0);
+  eda_shapes_clear(&box);
+  eda_shapes_clear(&outside);
+  loop_clear(&l);
+}
+
+/* ---- what is told of it ---- */
+
+/* Without transistors, nothing is said of their performance. */
+static void test_report(void) {
+  loop l;
+  opc_error error = {0};
+  own.spoil = NULL;
+  told = g_string_new(NULL);
+  g_assert_cmpint(run(&l, &cutter, NULL, &error), ==, OPC_OK);
+  const eda_mask mask = {.gates = &metal,
+                         .iterations = l.iterations,
+                         .simulations = l.printer.simulations};
+  const report told_of = {.mask = &mask,
+                          .sites = l.sites,
+                          .extension = l.measured.extension,
+                          .biases = &l.now.biases,
+                          .synthesizer = MODULE(&cutter, &own)};
+  g_assert_cmpint(report_mask(&host, &told_of, &error), ==, OPC_OK);
+  g_assert_cmpstr(told->str, ==,
+                  "gates[0] effort[1] transistors epe_mean epe_max epe_lost "
+                  "iterations simulations failed ");
+  g_string_truncate(told, 0);
+  g_assert_cmpint(history_report(&l.history, &host, &error), ==, OPC_OK);
+  g_autofree char *want =
+      g_strdup_printf("history[%u],iteration,epe_mean,epe_max,simulations ",
+                      l.printer.simulations - 1);
+  g_assert_cmpstr(told->str, ==, want);
+  g_string_free(told, TRUE);
+  loop_clear(&l);
+}
+
+/* ---- sites ---- */
+
+/* A field that is positive for |x - 500| < half, in either direction. */
+static eda_field strip(double half, int axis) {
+  eda_field f = {.frame = {0, 0, 1000, 1000}, .nx = 40, .ny = 40};
+  f.coefficients = eda_alloc(1600, sizeof(float));
+  for (int j = 0; j < 40; j++)
+    for (int i = 0; i < 40; i++)
+      f.coefficients[40 * j + i] =
+          (float)(-cos(2 * M_PI * half / 1000) -
+                  cos(M_PI * (axis == EDA_X ? i : j) / 20));
+  opc_error error;
+  g_assert_cmpint(eda_field_from_samples(NULL, &f, &error), ==, OPC_OK);
+  return f;
+}
+
+/* Two edges of a box, one to the low and one to the high side. */
+static void test_sites(void) {
+  const struct {
+    double half;    /* of the print; the drawn edges are at 500 -+ 100 */
+    double site[2]; /* where the sites of the low and high edge are */
+    double epe[2];
+  } cases[] = {
+      {130, {400, 600}, {30, 30}},
+      {90, {400, 600}, {-10, -10}},
+      {199, {400, 600}, {99, 99}},
+      {201, {400, 600}, {NAN, NAN}},
+      /* Just outside of the print, whose edge is near; far inside. */
+      {103, {360, 640}, {-37, -37}},
+      {103, {460, 560}, {63, 43}},
+  };
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++)
+    for (int axis = 0; axis < 2; axis++) {
+      eda_field f = strip(cases[i].half, axis);
+      const eda_point box[] = {{400, 450}, {600, 450}, {600, 550}, {400, 550}};
+      const eda_point turned[] = {
+          {450, 400}, {550, 400}, {550, 600}, {450, 600}};
+      const double low = cases[i].site[0], high = cases[i].site[1];
+      const double x[] = {500, 450, high, 500, 500, 550, low, 500};
+      const double y[] = {500, low, 550, 500, 500, high, 450, 500};
+      uint32_t start[] = {0, 4};
+      const eda_cuts cuts = {.polygons = 1,
+                             .start = start,
+                             .from = axis == EDA_X ? box : turned,
+                             .site = axis == EDA_X ? x : y};
+      sites s;
+      sites_init(&s, &cuts);
+      sites_measure(NULL, &s, &f);
+      for (int side = 0; side < 2; side++) {
+        int k = axis == EDA_X ? (side ? 1 : 3) : (side ? 2 : 0);
+        double want = cases[i].epe[side], got = s.epe[k];
+        if (isnan(want))
+          g_assert_true(isnan(got));
+        else
+          g_assert_cmpfloat(fabs(got - want), <, 0.02);
+      }
+      sites_clear(&s);
+      free(f.coefficients);
+    }
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/loop/fragments", test_fragments);
+  g_test_add_func("/loop/patches", test_patches);
+  g_test_add_func("/loop/bites", test_bites);
+  g_test_add_func("/loop/assists", test_assists);
+  g_test_add_func("/loop/faults", test_faults);
+  g_test_add_func("/loop/edges", test_edges);
+  g_test_add_func("/loop/edges-ruled", test_edges_ruled);
+  g_test_add_func("/loop/report", test_report);
+  g_test_add_func("/loop/sites", test_sites);
+  return g_test_run();
+}

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a correction tells: statistics, tables and metrics. */
+#ifndef CORRECT_REPORT_H
+#define CORRECT_REPORT_H
+
+#include <eda/regulator.h>
+#include <opcflow/plugin.h>
+
+#include "edges.h"
+#include "sites.h"
+
+/* How far a print is from the design. */
+typedef struct summary {
+  double ion_mean, ion_max, ion_stdv; /* of |deviation|, %; eq. 3.3 to 3.5 */
+  double area_mean, area_max, ioff_mean;
+  size_t gates, failed;
+  double epe_mean, epe_max; /* of |edge placement error|, nm */
+  size_t sites, lost;       /* lost: those without an edge near */
+} summary;
+
+/* `sites`, [gates->layers], may be NULL. */
+summary summarize(const eda_gates *gates, const eda_performance *design,
+                  const eda_performance *printed, const uint32_t *flags,
+                  const sites *sites);
+
+/* One line for each print of a loop. */
+typedef struct history_line {
+  summary print;
+  uint32_t iteration, simulations;
+} history_line;
+
+typedef struct history {
+  history_line *line;
+  size_t count, room;
+} history;
+
+void history_add(history *history, const summary *print, uint32_t iteration,
+                 uint32_t simulations);
+void history_clear(history *history);
+int history_report(const history *history, const opc_host *host,
+                   opc_error *error);
+
+/* What there is to tell of a mask that was printed. NULL for what there is
+   not. */
+typedef struct report {
+  const eda_mask *mask;
+  const double *extension;
+  const sites *sites; /* [gates->layers] */
+  const biases *biases;
+  const opc_module *synthesizer;
+  const eda_mask *corrected; /* the same one as its loop printed it */
+} report;
+
+/* Its tables and metrics. */
+int report_mask(const opc_host *host, const report *report, opc_error *error);
+int report_violations(const opc_host *host, const eda_gates *gates,
+                      const eda_violation *violations, size_t n, size_t total,
+                      opc_error *error);
+
+#endif

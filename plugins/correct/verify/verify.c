@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The step `verify`: a corrected mask printed and measured by other models
+   than those of its loop. */
+#include <eda/print.h>
+#include <opcflow/step.h>
+#include <stdlib.h>
+
+#include "../report.h"
+
+/* ---- state ---- */
+
+typedef struct verify {
+  const opc_host *host;
+  const eda_mask *mask;
+  const opc_module *litho, *resist, *extractor;
+  double margin; /* nm */
+} verify;
+
+/* ---- work ---- */
+
+/* The mask with the prints and the performance that these models give it. What
+   the loop measured is its performance before. */
+static int look_again(const verify *v, eda_printer *printer, eda_mask *out,
+                      eda_measurement *measured, opc_error *error) {
+  const opc_context *context = v->host->context;
+  const eda_mask *in = v->mask;
+  const eda_gates *gates = in->gates;
+  eda_performance_init(&out->design, gates->count);
+  eda_performance_init(&out->before, gates->count);
+  eda_performance_copy(&out->before, &in->after);
+  int code = eda_printer_prepare(printer, error);
+  if (!code) code = eda_extractor_prepare(context, v->extractor, error);
+  if (!code)
+    code = eda_measure_drawn(context, gates, v->extractor, &out->design, error);
+  for (size_t k = 0; k < gates->layers && !code; k++)
+    code = eda_boolean(EDA_OR, &in->shapes[k], NULL, &out->shapes[k], error);
+  if (!code)
+    code = eda_printer_print(printer, gates->corrected, out->shapes, error);
+  if (!code)
+    code = eda_measure(context, gates, printer->print, v->extractor, measured,
+                       error);
+  return code;
+}
+
+static int run(void *self, void **outputs, opc_error *error) {
+  const verify *v = self;
+  const eda_gates *gates = v->mask->gates;
+  eda_mask *out = eda_mask_new(gates);
+  outputs[0] = out; /* released by the host if this fails */
+  out->iterations = v->mask->iterations;
+  eda_measurement measured;
+  eda_measurement_init(&measured, gates->count);
+  eda_printer printer;
+  eda_printer_init(&printer, v->host->context, gates, v->litho, v->resist,
+                   v->margin);
+  int code = look_again(v, &printer, out, &measured, error);
+  for (size_t k = 0; k < gates->layers; k++) {
+    out->print[k] = printer.print[k];
+    printer.print[k] = (eda_field){0};
+  }
+  out->after = measured.performance;
+  out->flags = measured.flags;
+  out->simulations = printer.simulations;
+  const report told = {
+      .mask = out, .extension = measured.extension, .corrected = v->mask};
+  if (!code) code = report_mask(v->host, &told, error);
+  eda_printer_clear(&printer);
+  free(measured.extension);
+  return code;
+}
+
+/* ---- parameters ---- */
+
+static const opc_parameter parameters[] = {
+    {.name = "mask",
+     .type = OPC_INPUT,
+     .flags = OPC_REQUIRED,
+     .choices = "mask",
+     .summary = "the corrected mask",
+     OPC_FIELD(verify, mask)},
+    {.name = "litho",
+     .type = OPC_SLOT,
+     .flags = OPC_REQUIRED,
+     .choices = "litho",
+     .summary = "model of the optics",
+     OPC_FIELD(verify, litho)},
+    {.name = "resist",
+     .type = OPC_SLOT,
+     .flags = OPC_REQUIRED,
+     .choices = "resist",
+     .summary = "model of the resist",
+     OPC_FIELD(verify, resist)},
+    {.name = "extractor",
+     .type = OPC_SLOT,
+     .flags = OPC_REQUIRED,
+     .choices = "extractor",
+     .summary = "performance of a printed transistor",
+     OPC_FIELD(verify, extractor)},
+    {.name = "margin",
+     .type = OPC_REAL,
+     .flags = OPC_AT_LEAST,
+     .unit = "nm",
+     .preset = "1000 nm",
+     .min = 0,
+     .summary = "clear field around the layout, which repeats beyond",
+     OPC_FIELD(verify, margin)},
+};
+
+static const opc_metric metrics[] = {
+    {.name = "ion_mean",
+     .unit = "%",
+     .better = OPC_LOWER,
+     .tolerance = 0.01,
+     .summary = "mean of |Ion deviation|"},
+    {.name = "ion_max",
+     .unit = "%",
+     .better = OPC_LOWER,
+     .tolerance = 0.01,
+     .summary = "largest |Ion deviation|"},
+    {.name = "ion_stdv",
+     .unit = "%",
+     .better = OPC_LOWER,
+     .tolerance = 0.01,
+     .summary = "standard deviation of the Ion deviation, thesis eq. 3.5"},
+    {.name = "area_mean",
+     .unit = "%",
+     .better = OPC_LOWER,
+     .tolerance = 0.01,
+     .summary = "mean of |gate area deviation|"},
+    {.name = "area_max",
+     .unit = "%",
+     .better = OPC_LOWER,
+     .tolerance = 0.01,
+     .summary = "largest |gate area deviation|"},
+    {.name = "ioff_mean",
+     .unit = "%",
+     .better = OPC_LOWER,
+     .tolerance = 0.1,
+     .summary = "mean of |Ioff deviation|"},
+    {.name = "ion_change_mean",
+     .unit = "%",
+     .better = OPC_LOWER,
+     .tolerance = 0.01,
+     .summary =
+         "mean of |difference| of the Ion deviation to that in the loop"},
+    {.name = "ion_change_max",
+     .unit = "%",
+     .better = OPC_LOWER,
+     .tolerance = 0.01,
+     .summary =
+         "largest |difference| of the Ion deviation to that in the loop"},
+    {.name = "failed",
+     .better = OPC_LOWER,
+     .summary = "transistors that do not print as one of their own"},
+};
+
+/* ---- entry ---- */
+
+static const opc_port outputs[] = {EDA_PORT_MASK("mask")};
+static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run};
+
+OPC_PLUGIN(verify, .id = "verify", .kind = "step", .version = OPC_VERSION,
+           .licence = "BSD-3-Clause",
+           .summary = "print and measure a corrected mask with other models",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           OPC_FUNCTIONS(functions));

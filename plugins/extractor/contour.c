@@ -1,0 +1,415 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Slices a printed gate so that few slices have the width, the area and both
+   currents of its contour. The length is measured at some places, and a
+   Chebyshev series of its square gives it everywhere: the square is smooth even
+   where the line ends, as the line's edges meet there like the ends of a
+   parabola. The slices lie at some of the measured places; each begins as the
+   piece of the gate nearest to it, and its width is then changed by as little
+   as gives all slices together the sums of the series. */
+#include "contour.h"
+
+#include <eda/memory.h>
+#include <eda/simd.h>
+#include <gsl/gsl_integration.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+  SIZES = 9,
+  LARGEST = 128,
+  NODES = 32, /* of a piece of the integrals */
+  PIECES = 5,
+  LANES = 8,   /* of them in a vector */
+  MOMENTS = 4, /* width, area and both currents */
+  MORE = 2     /* larger sizes, if they do not fit */
+};
+static const int sizes[SIZES] = {12, 16, 20, 24, 32, 48, 64, 96, LARGEST};
+
+/* What the last terms of a series may add to a length, nm, at most; on average
+   they add far less. A drive current changes by 2 to 5 % for each nm. */
+static const double enough = 0.02;
+/* Rounded ends are followed more closely than this from each edge, nm. */
+static const double rounding = 45;
+
+struct contour {
+  double *series[SIZES]; /* [value * size + coefficient] */
+  double *place[SIZES];  /* of the values, -1 to 1 */
+  double node[NODES], share[NODES];
+};
+
+/* A gate while it is sliced: lengths against x from -1 to 1, which is from
+   `from` to `to` of its width. */
+typedef struct shape {
+  const eda_curves *table;
+  contour_weight *weight;
+  const void *self;
+  const eda_printed_gate *gate;
+  double from, to;
+  int size;
+  double coefficient[LARGEST], length[LARGEST];
+} shape;
+
+/* ---- the series ---- */
+
+static void size_init(contour *c, int s) {
+  size_t n = (size_t)sizes[s];
+  double *series = c->series[s] = eda_alloc(n * n, sizeof *series);
+  double *place = c->place[s] = eda_alloc(n, sizeof *place);
+  for (size_t j = 0; j < n; j++) {
+    double angle = M_PI * ((double)(n - 1 - j) + 0.5) / (double)n;
+    place[j] = cos(angle);
+    for (size_t k = 0; k < n; k++)
+      series[j * n + k] = (k ? 2 : 1) * cos((double)k * angle) / (double)n;
+  }
+}
+
+contour *contour_new(void) {
+  contour *c = eda_alloc(1, sizeof *c);
+  gsl_integration_glfixed_table *t = gsl_integration_glfixed_table_alloc(NODES);
+  for (int s = 0; s < SIZES; s++) size_init(c, s);
+  for (size_t i = 0; i < NODES; i++)
+    gsl_integration_glfixed_point(0, 1, i, &c->node[i], &c->share[i], t);
+  gsl_integration_glfixed_table_free(t);
+  return c;
+}
+
+void contour_free(contour *c) {
+  for (int s = 0; s < SIZES && c; s++) {
+    free(c->series[s]);
+    free(c->place[s]);
+  }
+  free(c);
+}
+
+static double place_of(const shape *h, double x) {
+  return h->from + (h->to - h->from) * (x + 1) / 2;
+}
+
+/* The coefficients from the lengths that were measured. */
+EDA_WIDE static void transform(const double *series, shape *h) {
+  size_t n = (size_t)h->size;
+  for (size_t k = 0; k < n; k++) h->coefficient[k] = 0;
+  for (size_t j = 0; j < n; j++) {
+    const double *row = series + j * n;
+    double square = h->length[j] * h->length[j];
+    for (size_t k = 0; k < n; k++) h->coefficient[k] += row[k] * square;
+  }
+}
+
+typedef double lanes __attribute__((vector_size(LANES * sizeof(double))));
+
+/* The lengths at n places, a multiple of twice LANES (Clenshaw's recurrence,
+   two vectors at a time). */
+EDA_WIDE static void lengths_at(const shape *h, size_t n, const double *x,
+                                double *out) {
+  for (size_t i = 0; i < n; i += 2 * LANES) {
+    lanes x0, x1, b0 = {0}, b1 = {0}, before0 = {0}, before1 = {0};
+    memcpy(&x0, x + i, sizeof x0);
+    memcpy(&x1, x + i + LANES, sizeof x1);
+    for (int k = h->size - 1; k > 0; k--) {
+      double a = h->coefficient[k];
+      lanes next0 = (a - before0) + 2 * x0 * b0;
+      lanes next1 = (a - before1) + 2 * x1 * b1;
+      before0 = b0;
+      before1 = b1;
+      b0 = next0;
+      b1 = next1;
+    }
+    b0 = h->coefficient[0] - before0 + x0 * b0;
+    b1 = h->coefficient[0] - before1 + x1 * b1;
+    memcpy(out + i, &b0, sizeof b0);
+    memcpy(out + i + LANES, &b1, sizeof b1);
+  }
+  for (size_t i = 0; i < n; i++) out[i] = sqrt(out[i] > 0 ? out[i] : 0);
+}
+
+static double length_at(const shape *h, double x) {
+  double b1 = 0, b2 = 0;
+  for (int k = h->size - 1; k > 0; k--) {
+    double b = (h->coefficient[k] - b2) + 2 * x * b1;
+    b2 = b1;
+    b1 = b;
+  }
+  return sqrt(fmax(0, h->coefficient[0] + x * b1 - b2));
+}
+
+/* That at -1 or 1, where all terms are the same but for their signs. */
+static double length_at_end(const shape *h, int high) {
+  double even = 0, odd = 0;
+  for (int k = 0; k < h->size; k += 2) {
+    even += h->coefficient[k];
+    odd += h->coefficient[k + 1];
+  }
+  return sqrt(fmax(0, high ? even + odd : even - odd));
+}
+
+/* Measure at the places of a size. Gives what its last terms still add to the
+   length, nm, at most; NAN if a length is none. */
+static double measure(const contour *c, int s, shape *h) {
+  double longest = 0;
+  h->size = sizes[s];
+  size_t n = (size_t)h->size;
+  double place[LARGEST];
+  for (size_t j = 0; j < n; j++) place[j] = place_of(h, c->place[s][j]);
+  h->gate->lengths(h->gate, n, place, h->length);
+  for (size_t j = 0; j < n; j++) {
+    double l = h->length[j];
+    if (!isfinite(l)) return NAN;
+    longest = fmax(longest, l);
+  }
+  transform(c->series[s], h);
+  double last = fabs(h->coefficient[n - 1]) + fabs(h->coefficient[n - 2]);
+  return longest > 0 ? last / (2 * longest) : NAN;
+}
+
+/* ---- the integrals ---- */
+
+/* Where the length comes within the table, going from an end; that end if it is
+   within. Beyond, currents do not change any more. */
+static double comes_within(const contour *c, int s, const shape *h, int high) {
+  double low = eda_curves_shortest(h->table),
+         top = eda_curves_longest(h->table);
+  double x = high ? 1 : -1, at = length_at_end(h, high), limit, end = x;
+  if (at >= low && at <= top) return end;
+  limit = at < low ? low : top;
+  int j = high ? h->size - 1 : 0, step = high ? -1 : 1;
+  for (; j >= 0 && j < h->size; j += step) {
+    if ((h->length[j] < limit) != (at < limit)) break;
+    x = c->place[s][j];
+  }
+  if (j < 0 || j >= h->size) return end;
+  /* Regula falsi, Illinois variant: `x` is the newest place. */
+  double a = x, fa = length_at(h, a) - limit, fb = h->length[j] - limit;
+  x = c->place[s][j];
+  for (int i = 0; i < 30 && fabs(fb) > 1e-4; i++) {
+    double next = (a * fb - x * fa) / (fb - fa);
+    double f = length_at(h, next) - limit;
+    if ((f > 0) == (fb > 0))
+      fa /= 2;
+    else
+      a = x, fa = fb;
+    x = next;
+    fb = f;
+  }
+  return x;
+}
+
+static inline void functions(const shape *h, double place, double length,
+                             double f[MOMENTS]) {
+  f[0] = 1;
+  f[1] = length;
+  eda_curves_quick(h->table, h->gate->type, length, f + 2);
+  if (!h->weight) return;
+  double edge = h->gate->width * fmin(place, 1 - place);
+  for (int k = 0; k < EDA_CURRENTS; k++)
+    f[2 + k] *= h->weight(h->self, h->gate->type, k, edge, h->gate->width);
+}
+
+/* Add what the functions are at n places, times their share. */
+static void add_places(const shape *h, size_t n, const double *x,
+                       const double *length, const double *share,
+                       double sum[MOMENTS]) {
+  double width = 0, area = 0, ion = 0, ioff = 0;
+  for (size_t i = 0; i < n; i++) {
+    double f[MOMENTS];
+    functions(h, h->weight ? place_of(h, x[i]) : 0, length[i], f);
+    width += share[i] * f[0];
+    area += share[i] * f[1];
+    ion += share[i] * f[2];
+    ioff += share[i] * f[3];
+  }
+  sum[0] += width;
+  sum[1] += area;
+  sum[2] += ion;
+  sum[3] += ioff;
+}
+
+/* The integrals of the functions over the width. */
+static void integrate(const contour *c, int s, const shape *h,
+                      double sum[MOMENTS]) {
+  double low = comes_within(c, s, h, 0), high = comes_within(c, s, h, 1);
+  if (!(low < high)) low = -1, high = 1;
+  double part = fmin((high - low) / 3,
+                     2 * rounding / (h->gate->width * (h->to - h->from)));
+  const double border[PIECES + 1] = {-1, low, low + part, high - part, high, 1};
+  double x[PIECES * NODES], share[PIECES * NODES], length[PIECES * NODES];
+  size_t n = 0;
+  for (int p = 0; p < PIECES; p++) {
+    double span = border[p + 1] - border[p];
+    if (!(span > 0)) continue;
+    for (int i = 0; i < NODES; i++) {
+      x[n] = border[p] + span * c->node[i];
+      share[n++] = c->share[i] * span / 2 * (h->to - h->from);
+    }
+  }
+  lengths_at(h, n, x, length);
+  for (int k = 0; k < MOMENTS; k++) sum[k] = 0;
+  add_places(h, n, x, length, share, sum);
+  /* Where the line has ended already. */
+  const double gone[2] = {h->from, 1 - h->to};
+  for (int side = 0; side < 2; side++) {
+    double f[MOMENTS], place = side ? (1 + h->to) / 2 : h->from / 2;
+    functions(h, place, 0, f);
+    for (int k = 0; k < MOMENTS; k++) sum[k] += gone[side] * f[k];
+  }
+}
+
+/* ---- the slices ---- */
+
+/* Number i of n among m places: k of them are the outermost on each side, where
+   the lengths change fast, the rest evenly between. */
+static size_t pick(size_t i, size_t n, size_t m, size_t k) {
+  if (i < k) return i;
+  if (i >= n - k) return m - (n - i);
+  size_t gaps = n - 2 * k + 1;
+  return k - 1 + ((i - k + 1) * (m - 2 * k + 1) + gaps / 2) / gaps;
+}
+
+/* Places among those that were measured, one more for each end that is gone,
+   and the widths that are nearest to each. */
+static void choose(const contour *c, int s, const shape *h, size_t n,
+                   size_t outer, double *place, double *width, double *length) {
+  size_t first = h->from > 0, last = n - (h->to < 1), inner = last - first;
+  if (first) place[0] = h->from / 2, length[0] = 0;
+  if (last < n) place[last] = (1 + h->to) / 2, length[last] = 0;
+  for (size_t i = 0; i < inner; i++) {
+    size_t j = pick(i, inner, (size_t)h->size, outer);
+    place[first + i] = place_of(h, c->place[s][j]);
+    length[first + i] = h->length[j];
+  }
+  double before = 0;
+  for (size_t i = 0; i < n; i++) {
+    double after = i + 1 == n ? 1 : (place[i] + place[i + 1]) / 2;
+    if (first && i == 0) after = h->from;
+    if (i + 1 == last && last < n) after = h->to;
+    width[i] = after - before;
+    before = after;
+  }
+}
+
+/* Solve a symmetric positive system in place (Cholesky); 0 if it is none. */
+static int solve(double a[MOMENTS][MOMENTS], double x[MOMENTS], int n) {
+  for (int i = 0; i < n; i++) {
+    for (int j = 0; j <= i; j++) {
+      double sum = a[i][j];
+      for (int k = 0; k < j; k++) sum -= a[i][k] * a[j][k];
+      if (j < i)
+        a[i][j] = sum / a[j][j];
+      else if (!(sum > 0))
+        return 0;
+      else
+        a[i][i] = sqrt(sum);
+    }
+    for (int k = 0; k < i; k++) x[i] -= a[i][k] * x[k];
+    x[i] /= a[i][i];
+  }
+  for (int i = n - 1; i >= 0; i--) {
+    for (int k = i + 1; k < n; k++) x[i] -= a[k][i] * x[k];
+    x[i] /= a[i][i];
+  }
+  return 1;
+}
+
+/* Slices, and what they should add up to: f of each over the sum that is
+   wanted. */
+typedef struct slices {
+  size_t n;
+  double f[CONTOUR_MOST][MOMENTS];
+} slices;
+
+/* Change the widths by the smallest factors (least squares) that give the first
+   `moments` sums: 1. If one would come out below 0, the lowest becomes 0, for
+   another try: 0. */
+static int fit(const slices *s, int moments, double *width) {
+  double a[MOMENTS][MOMENTS] = {{0}}, r[MOMENTS] = {1, 1, 1, 1};
+  for (size_t i = 0; i < s->n; i++)
+    for (int k = 0; k < moments; k++) {
+      r[k] -= width[i] * s->f[i][k];
+      for (int m = 0; m <= k; m++)
+        a[k][m] += width[i] * s->f[i][k] * s->f[i][m];
+    }
+  /* A rectangle has one length only: all functions are the same. */
+  for (int k = 0; k < moments; k++) a[k][k] *= 1 + 1e-12;
+  if (!solve(a, r, moments)) return 1;
+  double factor[CONTOUR_MOST], least = 0;
+  size_t lowest = s->n;
+  for (size_t i = 0; i < s->n; i++) {
+    factor[i] = 1;
+    for (int k = 0; k < moments; k++) factor[i] += r[k] * s->f[i][k];
+    if (width[i] > 0 && factor[i] < least) least = factor[lowest = i];
+  }
+  if (lowest < s->n) {
+    width[lowest] = 0;
+    return 0;
+  }
+  for (size_t i = 0; i < s->n; i++) width[i] *= factor[i];
+  return 1;
+}
+
+/* Do the slices add up? */
+static int adds_up(const slices *s, int moments, const double *width) {
+  for (int k = 0; k < moments; k++) {
+    double sum = 0;
+    for (size_t i = 0; i < s->n; i++) sum += width[i] * s->f[i][k];
+    if (!(fabs(sum - 1) < 1e-7)) return 0;
+  }
+  return 1;
+}
+
+/* Fit the first `moments` sums: 1. 0 if no widths have them. */
+static int settle(const slices *s, int moments, double *width) {
+  for (size_t left = s->n; left > MOMENTS; left--)
+    if (fit(s, moments, width)) break;
+  if (!adds_up(s, moments, width)) return 0;
+  double total = 0;
+  for (size_t i = 0; i < s->n; i++) total += width[i];
+  for (size_t i = 0; i < s->n; i++) width[i] /= total;
+  return 1;
+}
+
+/* Slices with the first `moments` sums: 1. 0 if there are none. */
+static int try_slices(const contour *c, int s, const shape *h,
+                      const double sum[MOMENTS], int moments, size_t n,
+                      double *place, double *width) {
+  slices all = {.n = n};
+  double length[CONTOUR_MOST];
+  for (size_t part = 4; part > 1; part--) {
+    choose(c, s, h, n, n / part, place, width, length);
+    for (size_t i = 0; i < n; i++) {
+      functions(h, place[i], length[i], all.f[i]);
+      for (int k = 0; k < MOMENTS; k++) all.f[i][k] /= sum[k];
+    }
+    if (settle(&all, moments, width)) return 1;
+  }
+  return 0;
+}
+
+int contour_slice(const contour *c, const eda_curves *table,
+                  contour_weight *weight, const void *self,
+                  const eda_printed_gate *gate, size_t n, double *place,
+                  double *width) {
+  shape h = {.table = table, .weight = weight, .self = self, .gate = gate};
+  double sum[MOMENTS];
+  if (!(gate->width > 0)) return 0;
+  h.from = fmax(0, -gate->extension[0] / gate->width);
+  h.to = 1 - fmax(0, -gate->extension[1] / gate->width);
+  if (!(h.to - h.from > 0.1)) return 0;
+  /* Prints of 129 nm resolution (NA 0.75, 193 nm) want about as many as this;
+     finer ones take another round. So do those to which no widths fit. */
+  double want = fmax(10 + gate->width / 60, (double)n);
+  int s = 0, more = MORE;
+  while (s + 1 < SIZES && sizes[s] < want) s++;
+  for (;; s++) {
+    double rest = measure(c, s, &h);
+    if (isnan(rest)) return 0;
+    if (rest > enough && s + 1 < SIZES) continue;
+    integrate(c, s, &h, sum);
+    if (try_slices(c, s, &h, sum, MOMENTS, n, place, width)) return 1;
+    if (s + 1 == SIZES || !more--) break;
+  }
+  /* Without the sums of the currents, Ioff first. */
+  for (int moments = MOMENTS - 1; moments > 0; moments--)
+    if (try_slices(c, s, &h, sum, moments, n, place, width)) return 1;
+  return 0;
+}

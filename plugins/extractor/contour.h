@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Slices that follow the contour of a printed gate. */
+#ifndef OPCFLOW_EXTRACTOR_CONTOUR_H
+#define OPCFLOW_EXTRACTOR_CONTOUR_H
+
+#include <eda/curves.h>
+#include <eda/extractor.h>
+
+enum { CONTOUR_LEAST = 8, CONTOUR_MOST = 96 }; /* slices */
+
+/* What a slice at `edge` nm from the nearer active edge of a transistor of
+   `width` carries, over what a wide one of its length does (thesis eq. 3.2). */
+typedef double contour_weight(const void *self, int type, int current,
+                              double edge, double width);
+
+typedef struct contour contour;
+
+contour *contour_new(void);
+void contour_free(contour *c);
+
+/* Where to slice a gate, and how wide, for n slices: 1; 0 if it is too broken
+   for that. `weight` may be NULL: 1. */
+int contour_slice(const contour *c, const eda_curves *table,
+                  contour_weight *weight, const void *self,
+                  const eda_printed_gate *gate, size_t n, double *place,
+                  double *width);
+
+#endif

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the extractors that slice a gate have in common (thesis eq. 2.1 to 2.4
+   and 3.2): a plugin adds its own parameters, and its weight of a slice. */
+#ifndef OPCFLOW_EXTRACTOR_SLICER_H
+#define OPCFLOW_EXTRACTOR_SLICER_H
+
+#include <opcflow/plugin.h>
+
+#include "contour.h"
+
+/* The instance of an extractor begins with this. */
+typedef struct slicer {
+  const opc_host *host;
+  const char *path; /* of the device table */
+  int64_t slices;
+  int rule;
+  double *place, *width; /* of all gates, or of those too broken to follow */
+  contour *contour;      /* NULL: all gates are sliced alike */
+  eda_curves curves;
+  contour_weight *weight; /* NULL: 1 */
+} slicer;
+
+/* clang-format off */ /* it takes the elements for nested ones */
+#define SLICER_PARAMETERS                                                \
+  {.name = "devices", .type = OPC_FILE, .flags = OPC_REQUIRED,           \
+   .summary = "device table: currents against length",                   \
+   OPC_FIELD(slicer, path)},                                             \
+  {.name = "slices", .type = OPC_INT,                                    \
+   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "12", .min = 1,        \
+   .max = 10000, .summary = "slices across the width of a gate",         \
+   OPC_FIELD(slicer, slices)},                                           \
+  {.name = "rule", .type = OPC_CHOICE, .preset = "contour",              \
+   .choices = "contour|gauss|equal",                                     \
+   .summary = "slices that follow the contour, at Gauss-Legendre nodes, " \
+              "or of equal width",                                       \
+   OPC_FIELD(slicer, rule)}
+/* clang-format on */
+
+/* `check` and `clear` of a plugin. */
+int slicer_check(void *self, opc_error *error);
+void slicer_clear(void *self);
+
+/* The functions of an extractor. */
+int slicer_prepare(void *self, opc_error *error);
+size_t slicer_slicing(const void *self, const double **place,
+                      const double **width);
+void slicer_slice(const void *self, const eda_printed_gate *gate, double *place,
+                  double *width);
+int slicer_extract(const void *self, const eda_slices *in, eda_performance *out,
+                   opc_error *error);
+
+#endif

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A rectangle has its own length, and half the current of a half as long. */
+#include <eda/extractor.h>
+#include <math.h>
+#include <opcflow/testing.h>
+
+int main(void) {
+  opc_error error = {0};
+  double width[] = {100, 100}, length[] = {60, 30}, edge[] = {50, 50};
+  const eda_slices slices = {2, 1, (uint8_t[2]){0}, width, length, edge};
+  eda_performance p;
+  eda_performance_init(&p, 2);
+  opc_module *m = opc_test_module("@ID@", "{ alpha: 1 }", &error);
+  const eda_extractor *o = m ? m->functions : NULL;
+  int good = m && !o->extract(m->self, &slices, &p, &error) &&
+             fabs(p.leq_ion[0] - 60) < 1e-6 &&
+             fabs(p.ion[1] / p.ion[0] - 2) < 1e-6;
+  printf("%g nm, %g A %s\n", p.leq_ion[0], p.ion[0], error.message);
+  eda_performance_clear(&p);
+  opc_test_module_free(m);
+  return !good;
+}

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* @ID@: a litho model of one coherent system whose transfer function is a
+   Gaussian: the mask's light, blurred. */
+#include <eda/litho.h>
+#include <math.h>
+#include <opcflow/plugin.h>
+
+typedef struct state {
+  const opc_host *host;
+  double blur; /* nm, the standard deviation of the spread of a point */
+} state;
+
+static int prepare(void *self, opc_error *error) {
+  (void)self, (void)error; /* once: what takes long is computed here */
+  return OPC_OK;
+}
+
+/* Beyond this frequency (1/nm) the Gaussian is below 1e-3. */
+static double band(const void *self) {
+  return 0.6 / ((const state *)self)->blur;
+}
+
+static void transfer(const void *self, size_t system, const double *fx,
+                     double fy, size_t n, float *out) {
+  double turns = 2 * acos(-1) * ((const state *)self)->blur;
+  (void)system; /* there is one */
+  for (size_t i = 0; i < n; i++) {
+    out[2 * i] = (float)exp(-pow(turns * hypot(fx[i], fy), 2) / 2);
+    out[2 * i + 1] = 0;
+  }
+}
+
+static int image(const void *self, int layer, const eda_spectrum *mask,
+                 eda_field *out, opc_error *error) {
+  const state *s = self;
+  eda_systems systems = {.count = 1,
+                         .weight = &(double){1},
+                         .band = band(s),
+                         .intensity_band = 2 * band(s),
+                         .transfer = transfer,
+                         .self = s,
+                         .scale = {1, 0}};
+  (void)layer; /* all layers are exposed alike */
+  return eda_coherent_sum(s->host->context, mask, &systems, 0, out, error);
+}
+
+static const opc_parameter parameters[] = {
+    {.name = "blur",
+     .type = OPC_REAL,
+     .flags = OPC_AT_LEAST,
+     .unit = "nm",
+     .preset = "40 nm",
+     .min = 1,
+     .summary = "standard deviation of the spread of a point",
+     OPC_FIELD(state, blur)}};
+static const eda_litho functions = {
+    .prepare = prepare, .band = band, .image = image};
+OPC_PLUGIN(state, .id = "@ID@", .kind = "litho", .version = "0.1.0",
+           .licence = "BSD-3-Clause", .summary = "Gaussian blur of the light",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_FUNCTIONS(functions));

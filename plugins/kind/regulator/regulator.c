@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* kind.regulator: what a regulator must have, how it is tried out, and what a
+   new one looks like. */
+#include <eda/regulator.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "../try.h"
+#include "templates.h"
+
+enum { GATES = 2, ROOM = 64 };
+
+typedef struct kind {
+  const opc_host *host;
+} kind;
+
+/* ---- work ---- */
+
+/* What the drawn shapes print as a mask. */
+static int print_drawn(opc_inspector *in, const eda_gates *g,
+                       eda_field *print) {
+  for (size_t k = 0; k < g->layers; k++) {
+    eda_field *f = &print[k];
+    if (!try_print(in, (int)k, f)) return 0;
+    for (int i = 0; i < f->nx * f->ny; i++)
+      f->coefficients[i] = 0.3F - f->coefficients[i];
+  }
+  return 1;
+}
+
+static int try_rule(opc_inspector *in, const opc_module *m,
+                    const eda_printed *printed) {
+  const eda_regulator *o = m->functions;
+  const eda_gates *g = printed->gates;
+  uint32_t vetoes[GATES] = {0};
+  int32_t end[2 * GATES] = {0};
+  eda_boxes *patches = eda_alloc(2 * g->layers, sizeof *patches);
+  eda_ruling ruling = {.vetoes = vetoes,
+                       .end = end,
+                       .patches = patches,
+                       .bites = patches + g->layers};
+  opc_error error = {0};
+  int code = o->rule(m->self, printed, &ruling, &error);
+  int good = try_went_well(in, "rule", code, &error);
+  if (good) {
+    code = eda_check_ruling(g, &ruling, &error);
+    good = try_is_sound(in, "rule", code, &error);
+  }
+  if (good) {
+    in->add(in, vetoes, sizeof vetoes);
+    in->add(in, end, sizeof end);
+    for (size_t k = 0; k < 2 * g->layers; k++)
+      in->add(in, patches[k].box, patches[k].count * sizeof(eda_box));
+  }
+  free(patches);
+  return good;
+}
+
+/* Violations are told, and counted alike without room for them. */
+static void try_violations(opc_inspector *in, const opc_module *m,
+                           const eda_printed *printed) {
+  const eda_regulator *o = m->functions;
+  eda_violation list[ROOM] = {{0}};
+  opc_error error = {0};
+  size_t many = 0, none = 0;
+  int code = o->violations(m->self, printed, list, ROOM, &many, &error);
+  if (!try_went_well(in, "violations", code, &error)) return;
+  code = o->violations(m->self, printed, NULL, 0, &none, &error);
+  if (!try_went_well(in, "violations without room", code, &error)) return;
+  code = eda_check_violations(list, many < ROOM ? many : ROOM,
+                              printed->gates->count, &error);
+  try_is_sound(in, "violations", code, &error);
+  if (many != none)
+    in->find(in, "violations counts %zu with room and %zu without", many, none);
+}
+
+static void exercise(const opc_module *m, opc_inspector *in) {
+  const eda_gates *g = eda_gates_sample();
+  const uint32_t flags[GATES] = {0, EDA_PRINT_MERGED};
+  const int32_t l[GATES] = {3, -2}, w[GATES] = {0, 1};
+  const double extension[2 * GATES] = {60, INFINITY, INFINITY, -5};
+  eda_field *print = eda_alloc(g->layers, sizeof *print);
+  const eda_printed printed = {.iteration = 1,
+                               .gates = g,
+                               .flags = flags,
+                               .l = l,
+                               .w = w,
+                               .extension = extension,
+                               .shapes = g->drawn,
+                               .print = print};
+  if (print_drawn(in, g, print) && try_rule(in, m, &printed))
+    try_violations(in, m, &printed);
+  for (size_t k = 0; k < g->layers; k++) eda_field_clear(&print[k]);
+  free(print);
+}
+
+/* ---- entry ---- */
+
+static const opc_function required[] = {
+    OPC_FUNCTION(eda_regulator, rule), OPC_FUNCTION(eda_regulator, violations)};
+static const opc_kind functions = {
+    .functions_size = sizeof(eda_regulator),
+    .n_functions = sizeof required / sizeof *required,
+    .functions = required,
+    .exercise = exercise,
+    .n_templates = sizeof templates / sizeof *templates,
+    .templates = templates};
+OPC_PLUGIN(kind, .id = "kind.regulator", .kind = "kind", .version = "0.2.0",
+           .licence = "BSD-3-Clause",
+           .summary = "regulators: what holds the correction within rules",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_FUNCTIONS(functions));

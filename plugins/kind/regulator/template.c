@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* @ID@: a regulator. It lengthens line ends whose print does not reach far
+   enough past the active, one grid step a time. */
+#include <eda/regulator.h>
+#include <opcflow/plugin.h>
+
+typedef struct state {
+  const opc_host *host;
+  double extension; /* nm */
+} state;
+
+static int rule(void *self, const eda_printed *p, eda_ruling *ruling,
+                opc_error *error) {
+  const state *s = self;
+  (void)error;
+  ruling->transistors = p->gates->count;
+  for (size_t i = 0; i < 2 * p->gates->count; i++)
+    ruling->end[i] += p->extension[i] < s->extension && ruling->end[i] < 60;
+  return OPC_OK;
+}
+
+/* All violations are counted, those that there is room for are told. */
+static int violations(void *self, const eda_printed *p, eda_violation *list,
+                      size_t room, size_t *count, opc_error *error) {
+  const state *s = self;
+  (void)error;
+  *count = 0;
+  for (size_t i = 0; i < 2 * p->gates->count; i++) {
+    double value = p->extension[i];
+    if (value >= s->extension || (*count)++ >= room) continue;
+    list[*count - 1] = (eda_violation){"extension", (int32_t)(i / 2), 0, 0,
+                                       value,       s->extension};
+  }
+  return OPC_OK;
+}
+
+static const opc_parameter parameters[] = {
+    {.name = "extension",
+     .type = OPC_REAL,
+     .flags = OPC_AT_LEAST,
+     .unit = "nm",
+     .preset = "20 nm",
+     .summary = "printed poly past the printed active",
+     OPC_FIELD(state, extension)}};
+static const eda_regulator functions = {.rule = rule, .violations = violations};
+OPC_PLUGIN(state, .id = "@ID@", .kind = "regulator", .version = "0.1.0",
+           .licence = "BSD-3-Clause", .summary = "line-end extension",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_FUNCTIONS(functions));

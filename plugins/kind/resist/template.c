@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* @ID@: a resist that prints a feature where the intensity stays below a
+   constant threshold. */
+#include <eda/resist.h>
+#include <opcflow/plugin.h>
+
+typedef struct state {
+  const opc_host *host;
+  double threshold; /* of the intensity; the clear field has 1 */
+} state;
+
+static int prepare(void *self, const opc_module *litho, opc_error *error) {
+  (void)self, (void)litho, (void)error; /* once: calibrate against litho here */
+  return OPC_OK;
+}
+
+/* From intensity to level set, positive where the feature prints. A constant
+   added to all coefficients is added to the field. */
+static int print(const void *self, int layer, eda_field *field,
+                 opc_error *error) {
+  const state *s = self;
+  (void)layer, (void)error;
+  for (size_t i = 0; i < (size_t)field->nx * (size_t)field->ny; i++)
+    field->coefficients[i] = (float)s->threshold - field->coefficients[i];
+  return OPC_OK;
+}
+
+static const opc_parameter parameters[] = {
+    {.name = "threshold",
+     .type = OPC_REAL,
+     .flags = OPC_ABOVE | OPC_BELOW,
+     .preset = "0.25",
+     .max = 1,
+     .summary = "intensity below which a feature prints",
+     OPC_FIELD(state, threshold)}};
+static const eda_resist functions = {.prepare = prepare, .print = print};
+OPC_PLUGIN(state, .id = "@ID@", .kind = "resist", .version = "0.1.0",
+           .licence = "BSD-3-Clause", .summary = "constant threshold",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_FUNCTIONS(functions));

@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* kind.synthesizer: what a synthesizer must have, how it is tried out, and what
+   a new one looks like. */
+#include <eda/synthesizer.h>
+#include <glib.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "../try.h"
+#include "templates.h"
+
+enum { ROUNDS = 6, GATES = 2 };
+
+typedef struct kind {
+  const opc_host *host;
+} kind;
+
+/* The fragments that a synthesizer cuts itself, of each layer. */
+typedef struct fragments {
+  size_t *count;
+  int32_t **shift;
+  double **epe;
+  eda_boxes *assists;
+} fragments;
+
+/* ---- work ---- */
+
+/* Two transistors of current W / L that print 5 nm too long and too short. */
+static void print_gates(const eda_gates *g, const int32_t *l, const int32_t *w,
+                        eda_performance *p) {
+  for (size_t i = 0; i < g->count; i++) {
+    double length = fmax(1, g->length[i] + l[i] + (i ? -5 : 5));
+    double width = fmax(1, g->width[i] + w[i]);
+    p->ion[i] = 1e-4 * width / length;
+    p->ioff[i] = 1e-9 * width / length;
+    p->leq_ion[i] = p->leq_ioff[i] = length;
+    p->weq[i] = width;
+    p->area[i] = width * length;
+  }
+}
+
+/* Edges that print 6 nm too far out or in, and sometimes not at all. */
+static void print_fragments(const eda_gates *g, const fragments *f,
+                            uint32_t iteration) {
+  for (size_t k = 0; k < g->layers; k++)
+    for (size_t i = 0; i < f->count[k]; i++)
+      f->epe[k][i] = iteration == 3 && i % 5 == 2
+                         ? NAN
+                         : f->shift[k][i] * g->grid + (i % 3 ? 6 : -6);
+}
+
+static int try_cut(opc_inspector *in, const opc_module *m, int layer,
+                   fragments *out) {
+  const eda_synthesizer *o = m->functions;
+  const eda_gates *g = eda_gates_sample();
+  eda_cuts cuts = {0};
+  opc_error error = {0};
+  int code = o->cut(m->self, g, layer, &cuts, &error);
+  if (!try_went_well(in, "cut", code, &error)) return 0;
+  code = eda_check_cuts(g, layer, &cuts, &error);
+  if (!try_is_sound(in, "cut", code, &error)) return 0;
+  if (!cuts.polygons) return 1;
+  size_t n = out->count[layer] = cuts.start[cuts.polygons];
+  out->shift[layer] = eda_alloc(n, sizeof(int32_t));
+  out->epe[layer] = eda_alloc(n, sizeof(double));
+  out->assists[layer] = cuts.assists;
+  in->add(in, cuts.from, n * sizeof *cuts.from);
+  in->add(in, cuts.site, 2 * n * sizeof *cuts.site);
+  in->add(in, cuts.assists.box, cuts.assists.count * sizeof(eda_box));
+  return 1;
+}
+
+/* Some iterations: a veto in the third, an open gate in the fourth. */
+static int try_moves(opc_inspector *in, const opc_module *m, eda_feedback f,
+                     eda_performance *printed, fragments *own) {
+  const eda_synthesizer *o = m->functions;
+  const eda_gates *g = f.gates;
+  uint32_t flags[GATES] = {0}, vetoes[GATES] = {0};
+  int32_t l[GATES] = {0}, w[GATES] = {0}, jog[GATES] = {0};
+  opc_error error = {0};
+  int done = 0;
+  f.printed = printed;
+  f.flags = flags;
+  f.vetoes = vetoes;
+  f.epe = (const double *const *)own->epe;
+  eda_moves moves = {l, w, jog, own->shift, own->assists};
+  for (; f.iteration < ROUNDS && !done; f.iteration++) {
+    print_gates(g, l, w, printed);
+    print_fragments(g, own, f.iteration);
+    vetoes[0] = f.iteration == 2 ? EDA_VETO_LONGER : 0;
+    flags[1] = f.iteration == 3 ? EDA_PRINT_OPEN : 0;
+    int code = o->update(m->self, &f, &moves, &done, &error);
+    if (!try_went_well(in, "update", code, &error)) return 0;
+    code = eda_check_moves(g, &moves, own->count, &error);
+    if (!try_is_sound(in, "update", code, &error)) return 0;
+    in->add(in, l, sizeof l);
+    in->add(in, w, sizeof w);
+    in->add(in, jog, sizeof jog);
+    for (size_t k = 0; k < g->layers; k++) {
+      const eda_boxes *bars = &own->assists[k];
+      in->add(in, own->shift[k], own->count[k] * sizeof(int32_t));
+      in->add(in, bars->box, bars->count * sizeof(eda_box));
+    }
+  }
+  return 1;
+}
+
+static void try_verdicts(opc_inspector *in, const opc_module *m) {
+  const eda_synthesizer *o = m->functions;
+  for (size_t i = 0; o->verdict && i < GATES; i++) {
+    const char *why = o->verdict(m->self, i);
+    if (why && !g_utf8_validate(why, -1, NULL))
+      in->find(in, "verdict gave a text that is not UTF-8");
+  }
+}
+
+static void exercise(const opc_module *m, opc_inspector *in) {
+  const eda_synthesizer *o = m->functions;
+  const eda_gates *g = eda_gates_sample();
+  const int32_t l[GATES] = {-5, 5}, w[GATES] = {0}, end[2 * GATES] = {0};
+  const uint32_t none[GATES] = {0};
+  eda_performance design, printed;
+  fragments own = {eda_alloc(g->layers, sizeof(size_t)),
+                   eda_alloc(g->layers, sizeof(int32_t *)),
+                   eda_alloc(g->layers, sizeof(double *)),
+                   eda_alloc(g->layers, sizeof(eda_boxes))};
+  opc_error error = {0};
+  eda_performance_init(&design, g->count);
+  eda_performance_init(&printed, g->count);
+  print_gates(g, l, w, &design);
+  const eda_feedback f = {.gates = g,
+                          .design = &design,
+                          .flags = none,
+                          .vetoes = none,
+                          .epe = (const double *const *)own.epe,
+                          .end = end,
+                          .next_end = end};
+  int good = try_went_well(in, "begin", o->begin(m->self, &f, &error), &error);
+  for (size_t k = 0; k < g->layers && good; k++)
+    if (o->cut && g->corrected[k]) good = try_cut(in, m, (int)k, &own);
+  if (good && try_moves(in, m, f, &printed, &own)) try_verdicts(in, m);
+  for (size_t k = 0; k < g->layers; k++) {
+    free(own.shift[k]);
+    free(own.epe[k]);
+  }
+  free(own.count);
+  free(own.shift);
+  free(own.epe);
+  free(own.assists);
+  eda_performance_clear(&design);
+  eda_performance_clear(&printed);
+}
+
+/* ---- entry ---- */
+
+static const opc_function required[] = {OPC_FUNCTION(eda_synthesizer, begin),
+                                        OPC_FUNCTION(eda_synthesizer, update)};
+static const opc_kind functions = {
+    .functions_size = sizeof(eda_synthesizer),
+    .n_functions = sizeof required / sizeof *required,
+    .functions = required,
+    .exercise = exercise,
+    .n_templates = sizeof templates / sizeof *templates,
+    .templates = templates};
+OPC_PLUGIN(kind, .id = "kind.synthesizer", .kind = "kind", .version = "0.2.0",
+           .licence = "BSD-3-Clause",
+           .summary = "synthesizers: from what was measured to the next moves",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_FUNCTIONS(functions));

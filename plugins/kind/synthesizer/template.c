@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* @ID@: a mask synthesizer. Each transistor's mask gets longer or shorter by a
+   part of what its drive current is off, until that is no grid step. */
+#include <eda/synthesizer.h>
+#include <math.h>
+#include <opcflow/plugin.h>
+
+typedef struct state {
+  const opc_host *host;
+  double gain; /* of the length, as a part of the deviation of the current */
+} state;
+
+static int begin(void *self, const eda_feedback *f, opc_error *error) {
+  (void)self, (void)f, (void)error; /* what the loop needs is allocated here */
+  return OPC_OK;
+}
+
+/* Longer for too much current, shorter for too little. */
+static int update(void *self, const eda_feedback *f, eda_moves *moves,
+                  int *done, opc_error *error) {
+  const state *s = self;
+  (void)error;
+  *done = 1;
+  for (size_t i = 0; i < f->gates->count; i++) {
+    double off = f->printed->ion[i] / f->design->ion[i] - 1;
+    int32_t step =
+        (int32_t)lround(s->gain * off * f->gates->length[i] / f->gates->grid);
+    uint32_t veto = step > 0 ? EDA_VETO_LONGER : EDA_VETO_SHORTER;
+    if (!step || f->flags[i] & EDA_PRINT_OPEN || f->vetoes[i] & veto) continue;
+    moves->l[i] += step;
+    *done = 0;
+  }
+  return OPC_OK;
+}
+
+static const opc_parameter parameters[] = {
+    {.name = "gain",
+     .type = OPC_REAL,
+     .flags = OPC_ABOVE,
+     .preset = "0.25",
+     .summary = "part of the deviation that a move takes from the length",
+     OPC_FIELD(state, gain)}};
+static const eda_synthesizer functions = {.begin = begin, .update = update};
+OPC_PLUGIN(state, .id = "@ID@", .kind = "synthesizer", .version = "0.1.0",
+           .licence = "BSD-3-Clause", .summary = "lengths in proportion",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_FUNCTIONS(functions));

@@ -1,0 +1,308 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The scanner of the scalar imaging models. Frequencies are in units of the
+   cutoff, and so are places in the source, as the pupil has the radius 1. */
+#include "optics.h"
+
+#include <eda/gates.h>
+#include <eda/memory.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- parameters that do not fit together ---- */
+
+static const char *const sources[] = {"circular",   "annular", "dipole",
+                                      "quadrupole", "quasar",  "points"};
+
+/* Which sources each of their parameters belongs to. */
+static const struct {
+  const char *name;
+  unsigned sources; /* bits 1 << OPTICS_CIRCULAR ... */
+  int needed;
+} uses[OPTICS_USES] = {
+    [OPTICS_SIGMA] = {"sigma", ~(1u << OPTICS_LIST), 0},
+    [OPTICS_SIGMA_IN] = {"sigma_in",
+                         1u << OPTICS_ANNULAR | 1u << OPTICS_DIPOLE |
+                             1u << OPTICS_QUADRUPOLE | 1u << OPTICS_QUASAR,
+                         1},
+    [OPTICS_OPENING] = {"opening", 1u << OPTICS_QUASAR, 0},
+    [OPTICS_ROTATION] = {"rotation",
+                         1u << OPTICS_DIPOLE | 1u << OPTICS_QUADRUPOLE |
+                             1u << OPTICS_QUASAR,
+                         0},
+    [OPTICS_POINTS] = {"points", 1u << OPTICS_LIST, 1},
+};
+
+static int check_uses(const optics *o, opc_error *error) {
+  for (size_t i = 0; i < OPTICS_USES; i++) {
+    int used = uses[i].sources >> o->source & 1;
+    if (!used && o->given[i])
+      return opc_fail(error, OPC_INVALID, uses[i].name,
+                      "'%s' means nothing for a source '%s'", uses[i].name,
+                      sources[o->source]);
+    if (used && uses[i].needed && !o->given[i])
+      return opc_fail(error, OPC_INVALID, uses[i].name,
+                      "'%s' is needed for a source '%s'", uses[i].name,
+                      sources[o->source]);
+  }
+  return OPC_OK;
+}
+
+static int check_points(const opc_reals *v, opc_error *error) {
+  double sum = 0;
+  if (!v->count || v->count % 3)
+    return opc_fail(error, OPC_INVALID, "points",
+                    "'points' needs x, y and weight of each point, not %zu "
+                    "numbers",
+                    v->count);
+  for (size_t i = 0; i < v->count; i += 3) {
+    const double *p = v->values + i;
+    if (!(hypot(p[0], p[1]) <= 1))
+      return opc_fail(error, OPC_INVALID, "points",
+                      "'points': (%g, %g) lies outside the pupil, whose radius "
+                      "is 1",
+                      p[0], p[1]);
+    if (!(p[2] >= 0))
+      return opc_fail(error, OPC_INVALID, "points",
+                      "'points': (%g, %g) has the weight %g", p[0], p[1], p[2]);
+    sum += p[2];
+  }
+  if (sum > 0 && isfinite(sum)) return OPC_OK;
+  return opc_fail(error, OPC_INVALID, "points",
+                  "'points' have weights that sum to %g", sum);
+}
+
+/* The amplitude of what passes `transmission` % of the light. */
+static void amplitude(double transmission, double phase, double out[2]) {
+  double a = sqrt(transmission / 100);
+  /* Half turns are exact: such a mask is real. */
+  double turn = remainder(phase, 360);
+  out[0] = a * (fabs(turn) == 180 ? -1 : cos(turn * M_PI / 180));
+  out[1] = fabs(turn) == 180 || turn == 0 ? 0 : a * sin(turn * M_PI / 180);
+}
+
+int optics_check(optics *o, opc_error *error) {
+  o->cutoff = o->na / o->wavelength;
+  for (int i = 0; i < 2; i++) {
+    int dark = o->mask[i].dark;
+    double *clear = dark ? o->feature[i] : o->background[i];
+    clear[0] = 1;
+    clear[1] = 0;
+    amplitude(o->mask[i].transmission, o->mask[i].phase,
+              dark ? o->background[i] : o->feature[i]);
+  }
+  if (o->na > o->index)
+    return opc_fail(error, OPC_INVALID, "na",
+                    "'na' of %g is above the index of the medium, %g", o->na,
+                    o->index);
+  int code = check_uses(o, error);
+  if (!code && o->source == OPTICS_LIST) code = check_points(&o->points, error);
+  if (code) return code;
+  if (o->given[OPTICS_SIGMA_IN] && o->sigma_in >= o->sigma)
+    return opc_fail(error, OPC_INVALID, "sigma_in",
+                    "'sigma_in' of %g is not below sigma, %g", o->sigma_in,
+                    o->sigma);
+  size_t terms = o->zernike.count;
+  if (o->zernike_given && (!terms || terms > OPTICS_TERMS))
+    return opc_fail(error, OPC_INVALID, "zernike",
+                    "'zernike' has %zu terms, not 1 to %d", terms,
+                    OPTICS_TERMS);
+  return OPC_OK;
+}
+
+/* ---- the source ---- */
+
+/* How deep (x, y) lies within the source: the distance from its border, or
+   something nearer to zero of the same sign. */
+static double depth(const optics *o, double x, double y) {
+  double r = hypot(x, y);
+  if (o->source == OPTICS_CIRCULAR) return o->sigma - r;
+  double ring = fmin(o->sigma - r, r - o->sigma_in);
+  if (o->source == OPTICS_ANNULAR) return ring;
+  double turn = o->rotation * M_PI / 180;
+  double u = x * cos(turn) + y * sin(turn), v = y * cos(turn) - x * sin(turn);
+  /* The pole on the positive u axis stands for all. */
+  if (o->source != OPTICS_DIPOLE && fabs(v) > fabs(u)) {
+    double t = u;
+    u = v;
+    v = t;
+  }
+  u = fabs(u);
+  if (o->source == OPTICS_QUASAR) {
+    if (o->opening >= 90) return ring;
+    double half = o->opening * M_PI / 360;
+    return fmin(ring, u * sin(half) - fabs(v) * cos(half));
+  }
+  double radius = (o->sigma - o->sigma_in) / 2;
+  return radius - hypot(u - (o->sigma + o->sigma_in) / 2, v);
+}
+
+/* Area and centroid of the part of a cell that lies within the source. */
+static double covered(const optics *o, double x, double y, double side,
+                      double *cx, double *cy) {
+  enum { PARTS = 16 };
+  double d = depth(o, x, y), reach = side * M_SQRT1_2, sum = 0;
+  *cx = x;
+  *cy = y;
+  if (d >= reach) return side * side;
+  if (d <= -reach) return 0;
+  double part = side / PARTS, sx = 0, sy = 0;
+  for (int j = 0; j < PARTS; j++)
+    for (int i = 0; i < PARTS; i++) {
+      double px = x - side / 2 + (i + 0.5) * part;
+      double py = y - side / 2 + (j + 0.5) * part;
+      double in = fmin(fmax(depth(o, px, py) / part + 0.5, 0), 1);
+      sum += in;
+      sx += in * px;
+      sy += in * py;
+    }
+  if (sum <= 0) return 0;
+  *cx = sx / sum;
+  *cy = sy / sum;
+  return sum * part * part;
+}
+
+static double *listed_points(const optics *o, size_t *n) {
+  double *p = eda_alloc(o->points.count, sizeof *p), sum = 0;
+  memcpy(p, o->points.values, o->points.count * sizeof *p);
+  *n = o->points.count / 3;
+  for (size_t i = 0; i < *n; i++) sum += p[3 * i + 2];
+  for (size_t i = 0; i < *n; i++) p[3 * i + 2] /= sum;
+  return p;
+}
+
+double *optics_source_points(const optics *o, double spacing, size_t *n) {
+  static const double most = 2048; /* cells from the middle to the rim */
+  *n = 0;
+  if (o->source == OPTICS_LIST) return listed_points(o, n);
+  double radius = optics_source_radius(o);
+  if (!(spacing > 0 && radius / spacing < most)) return NULL;
+  int half = (int)ceil(radius / spacing);
+  double *p = eda_alloc((size_t)half * (size_t)half * 12, sizeof *p), sum = 0;
+  for (int j = -half; j < half; j++)
+    for (int i = -half; i < half; i++) {
+      double *to = p + 3 * *n;
+      to[2] = covered(o, (i + 0.5) * spacing, (j + 0.5) * spacing, spacing,
+                      &to[0], &to[1]);
+      /* A centroid of border parts may be a hair outside. */
+      double over = hypot(to[0], to[1]) / radius;
+      if (over > 1) {
+        to[0] /= over;
+        to[1] /= over;
+      }
+      sum += to[2];
+      *n += to[2] > 0;
+    }
+  for (size_t i = 0; i < *n; i++) p[3 * i + 2] /= sum;
+  if (*n) return p;
+  free(p);
+  return NULL;
+}
+
+double optics_source_radius(const optics *o) {
+  double radius = 0;
+  if (o->source != OPTICS_LIST) return o->sigma;
+  for (size_t i = 0; i < o->points.count; i += 3)
+    radius = fmax(radius, hypot(o->points.values[i], o->points.values[i + 1]));
+  return radius;
+}
+
+/* ---- the pupil ---- */
+
+/* Fringe order: group g holds the angular orders m = g .. 0, cosine before
+   sine, of the degree 2 g - m; Z37 is the first of group 6 there is. */
+static void find_term(size_t index, int *group, int *m, int *sine) {
+  if (index == OPTICS_TERMS - 1) {
+    *group = 6;
+    *m = *sine = 0;
+    return;
+  }
+  int g = 0, i = (int)index;
+  while ((g + 1) * (g + 1) <= i) g++;
+  i -= g * g;
+  *group = g;
+  *m = g - i / 2;
+  *sine = i % 2;
+}
+
+/* The radial polynomial over r^m, at r^2. */
+static double radial(int group, int m, double r2) {
+  static const double factorial[] = {1,       1,        2,        6,     24,
+                                     120,     720,      5040,     40320, 362880,
+                                     3628800, 39916800, 479001600};
+  double sum = 0;
+  for (int k = 0; k <= group - m; k++)
+    sum = sum * r2 +
+          (k % 2 ? -1 : 1) * factorial[2 * group - m - k] /
+              (factorial[k] * factorial[group - k] * factorial[group - m - k]);
+  return sum;
+}
+
+/* Waves. */
+static double aberration(const optics *o, double x, double y) {
+  double r2 = x * x + y * y, sum = 0;
+  for (size_t i = 0; i < o->zernike.count; i++) {
+    if (o->zernike.values[i] == 0) continue;
+    int group, m, sine;
+    find_term(i, &group, &m, &sine);
+    double re = 1, im = 0; /* r^m exp(i m angle) */
+    for (int k = 0; k < m; k++) {
+      double t = re * x - im * y;
+      im = re * y + im * x;
+      re = t;
+    }
+    sum += o->zernike.values[i] * (sine ? im : re) * radial(group, m, r2);
+  }
+  return sum;
+}
+
+void optics_pupil(const optics *o, double defocus, double fx, double fy,
+                  double *re, double *im) {
+  double r2 = fx * fx + fy * fy, dz = o->defocus + defocus;
+  *re = r2 <= 1;
+  *im = 0;
+  if (r2 > 1) return;
+  double waves = 0;
+  if (dz != 0) {
+    double sine = o->na / o->index;
+    waves = o->index * dz / o->wavelength *
+            (sqrt(fmax(0, 1 - sine * sine * r2)) - 1);
+  }
+  if (o->zernike.count) waves += aberration(o, fx, fy);
+  if (waves == 0) return;
+  *re = cos(2 * M_PI * waves);
+  *im = sin(2 * M_PI * waves);
+}
+
+int optics_is_radial(const optics *o) {
+  if (o->source != OPTICS_CIRCULAR && o->source != OPTICS_ANNULAR) return 0;
+  for (size_t i = 0; i < o->zernike.count; i++) {
+    int group, m, sine;
+    find_term(i, &group, &m, &sine);
+    if (m && o->zernike.values[i] != 0) return 0;
+  }
+  return 1;
+}
+
+int optics_is_real(const optics *o) {
+  if (o->defocus != 0) return 0;
+  for (size_t i = 0; i < o->zernike.count; i++)
+    if (o->zernike.values[i] != 0) return 0;
+  return 1;
+}
+
+/* ---- the mask ---- */
+
+int optics_real_masks(const optics *o) {
+  for (int i = 0; i < 2; i++)
+    if (o->background[i][1] != 0 || o->feature[i][1] != 0) return 0;
+  return 1;
+}
+
+void optics_amplitudes(const optics *o, int layer, double a[2], double b[2]) {
+  int mask = layer == EDA_ACTIVE;
+  for (int i = 0; i < 2; i++) {
+    a[i] = o->feature[mask][i];
+    b[i] = o->background[mask][i] - o->feature[mask][i];
+  }
+}

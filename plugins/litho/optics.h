@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What every scalar imaging model needs to know of the scanner: the source,
+   the pupil and the mask's transmission, with the parameters that declare
+   them. */
+#ifndef OPCFLOW_LITHO_OPTICS_H
+#define OPCFLOW_LITHO_OPTICS_H
+
+#include <eda/imaging.h>
+#include <opcflow/plugin.h>
+
+/* ---- parameters ---- */
+
+enum {
+  OPTICS_CIRCULAR,   /* disk of radius sigma */
+  OPTICS_ANNULAR,    /* sigma_in to sigma */
+  OPTICS_DIPOLE,     /* two disks of radius (sigma - sigma_in) / 2 */
+  OPTICS_QUADRUPOLE, /* four such disks, on the axes at rotation 0 */
+  OPTICS_QUASAR,     /* four sectors of an annulus, `opening` wide */
+  OPTICS_LIST        /* points: x1, y1, weight1, x2, ... */
+};
+
+/* Parameters that some sources have no use for. */
+enum {
+  OPTICS_SIGMA,
+  OPTICS_SIGMA_IN,
+  OPTICS_OPENING,
+  OPTICS_ROTATION,
+  OPTICS_POINTS,
+  OPTICS_USES
+};
+
+/* Fringe Zernike terms that there are, Z1 to Z37. */
+enum { OPTICS_TERMS = 37 };
+
+/* Frequencies below are in units of the cutoff NA / wavelength. */
+typedef struct optics {
+  double wavelength, na, index; /* nm, 1, 1 */
+  int source;
+  double sigma, sigma_in;   /* of the pupil's radius */
+  double opening, rotation; /* degrees */
+  opc_reals points;         /* of OPTICS_LIST */
+  double defocus;           /* nm */
+  opc_reals zernike;        /* waves, fringe (University of Arizona) order, from
+                               Z1 */
+  struct {
+    int dark; /* the field */
+    double transmission, phase;
+  } mask[2];              /* of poly, and of active */
+  int given[OPTICS_USES]; /* by the flow */
+  int zernike_given;
+
+  /* By optics_check: */
+  double cutoff; /* 1/nm */
+  /* Amplitude of the clear and the drawn parts of a mask, real and imaginary: 1
+     and 0 for a binary clear-field mask. */
+  double background[2][2], feature[2][2];
+} optics;
+
+/* The parameters of a plugin whose instance has the type `state` and a member
+   `optics`, for its array:
+     static const opc_parameter parameters[] = {OPTICS_PARAMETERS(state), ...};
+ */
+/* clang-format off */ /* it takes the elements for nested ones */
+#define OPTICS_PARAMETERS(state)                                              \
+  {.name = "wavelength", .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "nm",  \
+   .preset = "193 nm", .summary = "wavelength of the light in vacuum",        \
+   OPC_FIELD(state, optics.wavelength)},                                      \
+  {.name = "na", .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,          \
+   .preset = "0.75", .min = 0, .max = 1.35,                                   \
+   .summary = "numerical aperture, at most the index",                        \
+   OPC_FIELD(state, optics.na)},                                              \
+  {.name = "index", .type = OPC_REAL, .flags = OPC_AT_LEAST | OPC_AT_MOST,    \
+   .preset = "1", .min = 1, .max = 2,                                         \
+   .summary = "refractive index of the medium over the wafer: 1 for air, "    \
+              "1.44 for water",                                               \
+   OPC_FIELD(state, optics.index)},                                           \
+  {.name = "source", .type = OPC_CHOICE, .preset = "circular",                \
+   .choices = "circular|annular|dipole|quadrupole|quasar|points",             \
+   .summary = "shape of the source", OPC_FIELD(state, optics.source)},        \
+  {.name = "sigma", .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,       \
+   .preset = "0.75", .min = 0, .max = 1,                                      \
+   .summary = "outer radius of the source over that of the pupil",            \
+   OPC_FIELD(state, optics.sigma), OPTICS_GIVEN(state, OPTICS_SIGMA)},        \
+  {.name = "sigma_in", .type = OPC_REAL, .flags = OPC_AT_LEAST | OPC_BELOW,   \
+   .min = 0, .max = 1,                                                        \
+   .summary = "inner radius of an annular, dipole, quadrupole or quasar "     \
+              "source",                                                       \
+   OPC_FIELD(state, optics.sigma_in), OPTICS_GIVEN(state, OPTICS_SIGMA_IN)},  \
+  {.name = "opening", .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,     \
+   .unit = "deg", .preset = "30 deg", .min = 0, .max = 90,                    \
+   .summary = "angle that each pole of a quasar covers",                      \
+   OPC_FIELD(state, optics.opening), OPTICS_GIVEN(state, OPTICS_OPENING)},    \
+  {.name = "rotation", .type = OPC_REAL, .unit = "deg", .preset = "0 deg",    \
+   .summary = "of the poles, counter-clockwise; 0 deg: on the axes, those "   \
+              "of a dipole on x",                                             \
+   OPC_FIELD(state, optics.rotation), OPTICS_GIVEN(state, OPTICS_ROTATION)},  \
+  {.name = "points", .type = OPC_REALS,                                       \
+   .summary = "x, y and weight of each point of a source given so, the "      \
+              "pupil's radius 1",                                             \
+   OPC_FIELD(state, optics.points), OPTICS_GIVEN(state, OPTICS_POINTS)},      \
+  {.name = "defocus", .type = OPC_REAL, .unit = "nm", .preset = "0 nm",       \
+   .summary = "distance of the wafer from the focus",                         \
+   OPC_FIELD(state, optics.defocus)},                                         \
+  {.name = "zernike", .type = OPC_REALS,                                      \
+   .summary = "aberrations in waves, fringe terms from Z1, at most 37",       \
+   OPC_FIELD(state, optics.zernike),                                          \
+   .given = offsetof(state, optics.zernike_given)},                           \
+  OPTICS_MASK(state, "poly", "poly and all layers past active", 0),           \
+  OPTICS_MASK(state, "active", "active", 1)
+
+#define OPTICS_GIVEN(state, use) .given = offsetof(state, optics.given[use])
+
+#define OPTICS_MASK(state, layer, what, number)                               \
+  {.name = layer ".tone", .type = OPC_CHOICE, .preset = "clear",              \
+   .choices = "clear|dark",                                                   \
+   .summary = "field of the mask of " what ": clear with dark features, or "  \
+              "dark with clear ones",                                         \
+   OPC_FIELD(state, optics.mask[number].dark)},                               \
+  {.name = layer ".transmission", .type = OPC_REAL,                           \
+   .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "%", .preset = "0 %",         \
+   .min = 0, .max = 100,                                                      \
+   .summary = "of its dark parts, intensity; 0 % for a binary mask",          \
+   OPC_FIELD(state, optics.mask[number].transmission)},                       \
+  {.name = layer ".phase", .type = OPC_REAL, .unit = "deg",                   \
+   .preset = "180 deg",                                                       \
+   .summary = "of the light through its dark parts",                          \
+   OPC_FIELD(state, optics.mask[number].phase)}
+/* clang-format on */
+
+/* ---- the optics ---- */
+
+/* What a plugin's `check` says of the values, and what follows from them. They
+   do not fit together where the NA is above the index, the source outside the
+   pupil or empty, its inner radius above the outer one, or a parameter of no
+   use for it is given. */
+int optics_check(optics *o, opc_error *error);
+
+/* Is everything a radial function: circular or annular source, no Zernike
+   terms but rotationally symmetric ones? And is the pupil real (in focus, no
+   terms at all)? */
+int optics_is_radial(const optics *o);
+int optics_is_real(const optics *o);
+
+/* The largest radius of the source. */
+double optics_source_radius(const optics *o);
+
+/* The source as a point for each cell of a square grid of `spacing` (in units
+   of the cutoff, the origin a corner of four cells), at the centroid of the
+   part of its cell within the source and weighted by that part; weights sum to
+   1. x, y, weight interleaved, free() it; NULL if the source is too thin for
+   such cells. An OPTICS_LIST is given as it is, normalised. */
+double *optics_source_points(const optics *o, double spacing, size_t *n);
+
+/* The pupil at (fx, fy): 0 beyond radius 1, else exp(i phase): defocus in the
+   medium, exact (not paraxial), less its value on the axis, and the Zernike
+   terms. `defocus` nm is added to that of the optics. */
+void optics_pupil(const optics *o, double defocus, double fx, double fy,
+                  double *re, double *im);
+
+/* Are all masks real (binary, or with a phase of 0 or 180 degrees)? */
+int optics_real_masks(const optics *o);
+
+/* The transmission is a + b * (mask as given): complex a (at zero frequency
+   only) and b. */
+void optics_amplitudes(const optics *o, int layer, double a[2], double b[2]);
+
+#endif

@@ -1,0 +1,225 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* regulator.drc: the DRC compliance regulator (thesis 3.2.2 (3), figure 3.7).
+   It takes back lengths that bridge or open a gate, lengthens line ends whose
+   print does not reach far enough past the active, enlarges what must cover a
+   contact, and lists what is left. */
+#include "drc.h"
+
+#include <eda/memory.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- work: the drawing ---- */
+
+/* Forget the gates and all that is of them; parameters stay. */
+static void clear(void *self) {
+  drc *r = self;
+  for (size_t k = 0; k < r->layers; k++) {
+    if (r->edges) places_clear(&r->edges[k]);
+    if (r->bridging) free(r->bridging[k]);
+    free(r->mends[k].at);
+    free(r->patch[k].box);
+    free(r->bite[k].box);
+  }
+  free(r->edges);
+  free(r->bridging);
+  free(r->mends);
+  free(r->patch);
+  free(r->bite);
+  places_clear(&r->boxes);
+  places_clear(&r->contacts);
+  places_clear(&r->pads);
+  places_clear(&r->widths);
+  free(r->width);
+  free(r->sites);
+  free(r->ends);
+  free(r->repairs);
+  free(r->trims);
+  free(r->pairs);
+  memset(&r->gates, 0, sizeof *r - offsetof(drc, gates));
+}
+
+/* Look around among the drawn shapes, if these are other gates or another run
+   than before. */
+static int look_around(drc *r, const eda_printed *p, opc_error *error) {
+  const eda_gates *g = p->gates;
+  if (r->gates == g && p->iteration >= r->iteration) {
+    r->iteration = p->iteration;
+    return OPC_OK;
+  }
+  clear(r);
+  r->gates = g;
+  r->grid = g->grid;
+  r->layers = g->layers;
+  r->mends = eda_alloc(r->layers, sizeof *r->mends);
+  r->patch = eda_alloc(r->layers, sizeof *r->patch);
+  r->bite = eda_alloc(r->layers, sizeof *r->bite);
+  r->iteration = p->iteration;
+  int code = sites_find(r, error);
+  if (code) clear(r);
+  else ends_find(r);
+  return code;
+}
+
+/* ---- work: gates and line ends ---- */
+
+static uint32_t vetoes(const drc *r, const eda_printed *p, size_t i) {
+  const eda_gates *g = p->gates;
+  uint32_t v = 0;
+  if (p->flags[i] & EDA_PRINT_MERGED) v |= EDA_VETO_LONGER;
+  if (p->flags[i] & (EDA_PRINT_OPEN | EDA_PRINT_NO_ACTIVE))
+    v |= EDA_VETO_SHORTER | EDA_VETO_NARROWER;
+  /* Mask space, should the neighbour grow as much. */
+  double growth = p->l[i] * g->grid;
+  if (fmin(g->space[2 * i], g->space[2 * i + 1]) - growth - g->grid <
+      r->min_space)
+    v |= EDA_VETO_LONGER;
+  return v;
+}
+
+static int is_transistor(uint32_t flags) {
+  return !(flags & (EDA_PRINT_OPEN | EDA_PRINT_NO_ACTIVE | EDA_PRINT_MERGED |
+                    EDA_PRINT_ISLAND));
+}
+
+/* ---- work: the print ---- */
+
+static void judge_print(drc *r, const eda_printed *p, eda_ruling *ruling) {
+  repairs_look(r, p);
+  repairs_grow(r, p);
+  for (size_t i = 0; i < r->n_sites; i++) {
+    const site *s = &r->sites[i];
+    if (!s->failing || s->gate < 0 || s->layer != EDA_POLY ||
+        (s->kind != SITE_CONTACT && s->kind != SITE_GAP))
+      continue;
+    if (!ends_back(r, s, ruling->end))
+      ruling->vetoes[s->gate] |= EDA_VETO_LONGER;
+  }
+  for (size_t k = 0; k < r->layers; k++) r->patch[k].count = r->bite[k].count = 0;
+  repairs_patches(r, p);
+  ends_heads(r);
+  trims_bites(r);
+  smooth_follow(r, p);
+  smooth_boxes(r);
+  for (size_t k = 0; k < r->layers; k++) {
+    ruling->patches[k] = (eda_boxes){r->patch[k].box, r->patch[k].count};
+    ruling->bites[k] = (eda_boxes){r->bite[k].box, r->bite[k].count};
+  }
+}
+
+static int rule(void *self, const eda_printed *p, eda_ruling *ruling,
+                opc_error *error) {
+  drc *r = self;
+  int code = look_around(r, p, error);
+  if (code) return code;
+  ruling->transistors = 0;
+  for (size_t i = 0; i < p->gates->count; i++) {
+    ruling->vetoes[i] = vetoes(r, p, i);
+    ruling->transistors += (size_t)is_transistor(p->flags[i]);
+    for (size_t end = 2 * i; end < 2 * i + 2; end++)
+      ends_advance(r, p, end, &ruling->end[end]);
+  }
+  if (p->print) judge_print(r, p, ruling);
+  return OPC_OK;
+}
+
+/* ---- work: violations ---- */
+
+static eda_violation at_gate(const eda_gates *g, size_t i, const char *name) {
+  eda_box b = g->box[i];
+  return (eda_violation){.rule = name,
+                         .gate = (int32_t)i,
+                         .x = ((double)b.x0 + b.x1) / 2 * g->grid,
+                         .y = ((double)b.y0 + b.y1) / 2 * g->grid};
+}
+
+static void report_extension(const drc *r, const eda_printed *p, size_t end,
+                             violations *out) {
+  const eda_gates *g = p->gates;
+  size_t i = end / 2;
+  int high = end % 2;
+  eda_violation v = at_gate(g, i, ends_reason(r, end));
+  eda_box b = g->box[i];   /* the place is where the gate ends */
+  if (g->axis[i] == EDA_Y) v.x = (high ? b.x1 : b.x0) * g->grid;
+  else v.y = (high ? b.y1 : b.y0) * g->grid;
+  v.value = p->extension[end];
+  v.limit = r->min_extension;
+  violations_add(out, v);
+}
+
+static void report_gates(const drc *r, const eda_printed *p, violations *out) {
+  const eda_gates *g = p->gates;
+  for (size_t i = 0; i < g->count; i++) {
+    uint32_t f = p->flags[i];
+    if (f & EDA_PRINT_MERGED) violations_add(out, at_gate(g, i, "bridging"));
+    if (f & EDA_PRINT_OPEN) violations_add(out, at_gate(g, i, "open gate"));
+    if (f & EDA_PRINT_NO_ACTIVE)
+      violations_add(out, at_gate(g, i, "open active"));
+    for (size_t end = 2 * i; end < 2 * i + 2; end++)
+      if (p->extension[end] < r->min_extension)
+        report_extension(r, p, end, out);
+  }
+}
+
+static int violations_of(void *self, const eda_printed *p, eda_violation *v,
+                         size_t room, size_t *count, opc_error *error) {
+  drc *r = self;
+  violations list = {v, room, 0};
+  int code = look_around(r, p, error);
+  if (code) return code;
+  report_gates(r, p, &list);
+  if (p->print) {
+    repairs_look(r, p);
+    repairs_report(r, p, &list);
+    for (size_t k = 0; k < r->layers; k++) mrc_check(r, &p->shapes[k], &list);
+  }
+  *count = list.count;
+  return OPC_OK;
+}
+
+/* ---- parameters ---- */
+
+#define LENGTH(NAME, FLAGS, PRESET, MAX, SUMMARY)                           \
+  {.name = #NAME, .type = OPC_REAL, .flags = OPC_AT_LEAST | (FLAGS),        \
+   .unit = "nm", .preset = (PRESET), .max = (MAX), .summary = (SUMMARY),    \
+   OPC_FIELD(drc, NAME)}
+
+static const opc_parameter parameters[] = {
+    LENGTH(overlay, OPC_AT_MOST, "10 nm", 100,
+           "how far layers may lie off each other"),
+    LENGTH(min_extension, 0, NULL, 0,
+           "printed poly past the printed active; default: twice overlay"),
+    LENGTH(want_extension, 0, NULL, 0,
+           "the same where there is room for it; default: min_extension"),
+    LENGTH(max_growth, OPC_AT_MOST, "60 nm", 10000,
+           "how far a line end or a patch goes past the drawn"),
+    LENGTH(max_head, OPC_AT_MOST, "0 nm", 1000,
+           "how much wider a line end gets, on each side, that may not be long "
+           "enough"),
+    LENGTH(min_space, OPC_AT_MOST, "40 nm", 10000, "least space of the mask"),
+    LENGTH(min_width, OPC_AT_MOST, "30 nm", 10000,
+           "least printed width of poly outside of gates"),
+    LENGTH(min_mask_width, OPC_AT_MOST, "40 nm", 10000,
+           "least width of the mask"),
+};
+
+static int check(void *self, opc_error *error) {
+  drc *r = self;
+  (void)error;
+  if (isnan(r->min_extension)) r->min_extension = 2 * r->overlay;
+  if (isnan(r->want_extension)) r->want_extension = r->min_extension;
+  return OPC_OK;
+}
+
+/* ---- entry ---- */
+
+static const eda_regulator functions = {.rule = rule,
+                                        .violations = violations_of};
+
+OPC_PLUGIN(drc, .id = "regulator.drc", .kind = "regulator",
+           .version = "0.2.0", .licence = "BSD-3-Clause",
+           .summary = "bridging, pinching, line ends and contacts of the print",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), .check = check, .clear = clear,
+           OPC_FUNCTIONS(functions));

@@ -1,0 +1,172 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Line ends: how far they go out, and how wide their heads are. */
+#include <eda/memory.h>
+#include <math.h>
+
+#include "drc.h"
+#include "tuning.h"
+
+/* ---- room ---- */
+
+static int32_t steps(double room, double most, double grid) {
+  return (int32_t)floor(fmax(0, fmin(most, room)) / grid + 1e-9);
+}
+
+/* How far it may go: half of what is free before it, as another line end may
+   come from there; contacts that poly must not touch stay. */
+static void find_length(const drc *r, line_end *e) {
+  double grid = r->grid;
+  int32_t range =
+      (int32_t)ceil((2 * r->max_growth + r->min_space) / grid) + 1;
+  /* From the next step on, without its own edge. */
+  eda_box window = window_at(e->tip, e->side, 1, range,
+                             (int32_t)ceil(r->min_space / grid));
+  double own = nearest(&r->edges[EDA_POLY], window, e->side, range - 1, NULL);
+  double contact = nearest(&r->contacts, window, e->side, range - 1, NULL);
+  e->most = steps(fmin(((own + 1) * grid - r->min_space) / 2,
+                       (contact + 1) * grid - r->min_space),
+                  r->max_growth, grid);
+}
+
+/* The head, as wide as it goes on each flank. */
+static eda_box head_of(const line_end *e, int32_t by, int32_t wider) {
+  eda_box b = window_at(e->tip, e->side, -e->start, by, 0);
+  if (upright(e->side)) b.y0 -= wider, b.y1 += wider;
+  else b.x0 -= wider, b.x1 += wider;
+  return b;
+}
+
+/* How wide its head may be: it begins clear of the active, and shares what is
+   free beside it with what lies there. */
+static void find_width(const drc *r, line_end *e, double extension) {
+  double grid = r->grid, room = r->max_head;
+  int32_t space = (int32_t)ceil(r->min_space / grid);
+  int32_t range = (int32_t)ceil((2 * r->max_head + r->min_space) / grid) + 1;
+  e->start = (int32_t)floor((extension - 2 * r->overlay) / grid);
+  if (e->start * grid < r->min_mask_width) return;
+  eda_box line = head_of(e, e->most, 0);
+  for (int k = 0; k < 2; k++) {
+    int flank = upright(e->side) ? BELOW + k : LEFT + k;
+    eda_box window = window_at(line, flank, 1, range, space);
+    double own = nearest(&r->edges[EDA_POLY], window, flank, range, NULL);
+    double other = nearest(&r->contacts, window, flank, range, NULL);
+    window = window_at(line, flank, 1, range, 0);
+    other = fmin(other,
+                 nearest(&r->edges[EDA_ACTIVE], window, flank, range, NULL));
+    room = fmin(room, fmin(((own + 1) * grid - r->min_space) / 2,
+                           (other + 1) * grid - r->min_space));
+  }
+  e->widest = steps(room, r->max_head, grid);
+}
+
+void ends_find(drc *r) {
+  const eda_gates *g = r->gates;
+  const eda_edges *edges = &g->edges[EDA_POLY];
+  r->ends = eda_alloc(2 * g->count, sizeof *r->ends);
+  for (size_t i = 0; i < 2 * g->count; i++) {
+    r->ends[i].side = -1;
+    r->ends[i].most = steps(r->max_growth, r->max_growth, r->grid);
+  }
+  for (size_t p = 0; p < edges->polygons; p++)
+    for (uint32_t i = edges->start[p]; i < edges->start[p + 1]; i++) {
+      const eda_fragment *f = &edges->fragments[i];
+      if (f->role != EDA_END_LOW && f->role != EDA_END_HIGH) continue;
+      uint32_t next = i + 1 < edges->start[p + 1] ? i + 1 : edges->start[p];
+      int high = f->role == EDA_END_HIGH;
+      line_end *one = &r->ends[2 * (size_t)f->gate + (size_t)high];
+      one->tip = box_between(f->from, edges->fragments[next].from);
+      one->side = g->axis[f->gate] == EDA_Y ? (high ? RIGHT : LEFT)
+                                            : (high ? ABOVE : BELOW);
+      find_length(r, one);
+      if (g->extension) find_width(r, one, g->extension[2 * f->gate + high]);
+    }
+}
+
+/* ---- moving ---- */
+
+/* Whether nothing prints for some way before the printed line end. */
+static int is_clear(const eda_printed *p, const line_end *e) {
+  double grid = p->gates->grid, value;
+  double x = (e->tip.x0 + e->tip.x1) / 2.0 * grid;
+  double y = (e->tip.y0 + e->tip.y1) / 2.0 * grid;
+  double *along = upright(e->side) ? &x : &y;
+  double out = e->side == LEFT || e->side == BELOW ? -1 : 1;
+  double step = tuned.end_step;
+  const eda_field *print = &p->print[EDA_POLY];
+  *along -= out * e->start * grid;   /* where the line does print */
+  for (double d = 0; d < tuned.sought; d += step, *along += out * step) {
+    eda_field_sample(print, &x, &y, 1, &value);
+    if (value <= 0) break;
+  }
+  for (double d = 0; d < tuned.ahead; d += step, *along += out * step) {
+    eda_field_sample(print, &x, &y, 1, &value);
+    if (value > 0) return 0;
+  }
+  return 1;
+}
+
+void ends_advance(drc *r, const eda_printed *p, size_t end, int32_t *bias) {
+  line_end *one = &r->ends[end];
+  double extension = p->extension[end], wanted = r->min_extension;
+  int32_t before = *bias, wider = one->wider;
+  if (extension >= wanted && extension < r->want_extension &&
+      p->iteration < tuned.wishes_until && p->print && one->side >= 0 &&
+      is_clear(p, one))
+    wanted = r->want_extension;
+  if (extension < wanted) {
+    int32_t to =
+        rules_advance(&one->length, before, extension, wanted, 1, r->grid);
+    if (to > one->most) to = one->most;
+    if (to > before) {
+      *bias = to;
+    } else if (one->side >= 0) {
+      to = rules_advance(&one->width, wider, extension, wanted, tuned.steep,
+                         r->grid);
+      one->wider = to > one->widest ? one->widest : to;
+    }
+  } else {
+    one->length = (response){before, extension, 1};
+  }
+  if (one->wider == wider) one->width = (response){wider, extension, 1};
+  one->by = *bias;
+}
+
+int ends_back(drc *r, const site *wrong, int32_t *bias) {
+  const eda_gates *g = r->gates;
+  eda_box b = g->box[wrong->gate];
+  int across = g->axis[wrong->gate] == EDA_Y;
+  int32_t at = across ? wrong->box.x0 : wrong->box.y0;
+  int32_t low = across ? b.x0 : b.y0, high = across ? b.x1 : b.y1;
+  int32_t step = (int32_t)ceil(tuned.back / g->grid);
+  if (at > low && at < high) return 0;
+  size_t end = 2 * (size_t)wrong->gate + (at >= high);
+  line_end *one = &r->ends[end];
+  if (one->wider > 0) {
+    one->wider -= one->wider < step ? one->wider : step;
+    one->widest = one->wider;
+    return 1;
+  }
+  int32_t to = one->length.bias - step;
+  if (one->length.bias <= 0) return 0;
+  one->most = to > 0 ? to : 0;
+  if (bias[end] > one->most) bias[end] = one->most;
+  one->by = bias[end];
+  return 1;
+}
+
+void ends_heads(drc *r) {
+  for (size_t i = 0; i < 2 * r->gates->count; i++) {
+    const line_end *e = &r->ends[i];
+    if (e->wider)
+      eda_box_list_add(&r->patch[EDA_POLY], head_of(e, e->by, e->wider));
+  }
+}
+
+const char *ends_reason(const drc *r, size_t end) {
+  const line_end *one = &r->ends[end];
+  if (one->by < one->most || one->wider < one->widest)
+    return "extension: could still move";
+  return one->most < steps(r->max_growth, r->max_growth, r->grid)
+             ? "extension: no room before the line end"
+             : "extension: max_growth reached";
+}

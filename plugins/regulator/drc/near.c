@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Boxes and edges near a place, by the library's index. */
+#include <eda/memory.h>
+#include <stdlib.h>
+
+#include "drc.h"
+
+eda_box box_between(eda_point a, eda_point b) {
+  return (eda_box){a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y,
+                   a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y};
+}
+
+void places_init(places *p, eda_box *box, size_t n, double nm, double grid) {
+  *p = (places){box, n, eda_index_new(box, n, (int32_t)(nm / grid) + 1)};
+}
+
+void places_clear(places *p) {
+  eda_index_free(p->index);
+  free(p->box);
+  *p = (places){0};
+}
+
+eda_box *edges_of(const eda_shapes *s, size_t *n) {
+  *n = s->count ? s->start[s->count] : 0;
+  eda_box *out = eda_alloc(*n, sizeof *out);
+  for (size_t p = 0; p < s->count; p++)
+    for (uint32_t i = s->start[p]; i < s->start[p + 1]; i++) {
+      uint32_t next = i + 1 < s->start[p + 1] ? i + 1 : s->start[p];
+      out[i] = box_between(s->points[i], s->points[next]);
+    }
+  return out;
+}
+
+eda_box window_at(eda_box w, int side, int32_t from, int32_t to,
+                  int32_t beside) {
+  if (upright(side)) {
+    w.y0 -= beside;
+    w.y1 += beside;
+  } else {
+    w.x0 -= beside;
+    w.x1 += beside;
+  }
+  switch (side) {
+    case LEFT: w.x1 = w.x0 - from, w.x0 -= to; break;
+    case RIGHT: w.x0 = w.x1 + from, w.x1 += to; break;
+    case BELOW: w.y1 = w.y0 - from, w.y0 -= to; break;
+    default: w.y0 = w.y1 + from, w.y1 += to; break;
+  }
+  return w;
+}
+
+int32_t nearest(const places *p, eda_box w, int side, int32_t none,
+                eda_box *which) {
+  int32_t found = none;
+  eda_finder f = eda_index_find(p->index, w);
+  for (uint32_t i; eda_index_next(&f, &i);) {
+    eda_box e = p->box[i];
+    if (e.x0 >= w.x1 || e.x1 <= w.x0 || e.y0 >= w.y1 || e.y1 <= w.y0) continue;
+    int32_t d = side == LEFT    ? w.x1 - e.x1
+                : side == RIGHT ? e.x0 - w.x0
+                : side == BELOW ? w.y1 - e.y1
+                                : e.y0 - w.y0;
+    if (d < 0) d = 0;
+    if (d >= found) continue;
+    found = d;
+    if (which) *which = e;
+  }
+  return found;
+}

@@ -1,0 +1,431 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What fails at the sites of a print, and the patches of the mask that mend it.
+   A look at a site is the sign of the print at a few points; only where one is
+   wrong, the contour is looked for. */
+#include <eda/memory.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "drc.h"
+#include "tuning.h"
+
+enum { BLOCK = 256, POINTS = 3 * SIDES };
+
+static eda_box widened(eda_box b, int32_t by) {
+  return (eda_box){b.x0 - by, b.y0 - by, b.x1 + by, b.y1 + by};
+}
+
+/* ---- points ---- */
+
+/* Whether the layer must print there. */
+static int wanted(const site *s) {
+  return s->kind == SITE_ENCLOSURE || s->kind == SITE_LINE;
+}
+
+static int is_contact(const site *s) {
+  return s->kind == SITE_ENCLOSURE || s->kind == SITE_CONTACT;
+}
+
+/* How far from the box the print is looked at, nm: contacts may lie as far off
+   as the overlay. */
+static double margin(const drc *r, const site *s) {
+  return is_contact(s) ? r->overlay : 0;
+}
+
+/* What must not be there is looked for at corners too, what must be there away
+   from them: they are rounded. */
+static int points_of(const drc *r, const site *s, double *x, double *y,
+                     uint8_t *side) {
+  double m = margin(r, s), grid = r->grid;
+  double x0 = s->box.x0 * grid, x1 = s->box.x1 * grid;
+  double y0 = s->box.y0 * grid, y1 = s->box.y1 * grid;
+  double inset = s->kind == SITE_ENCLOSURE ? tuned.inset : 0;
+  int n = 0, many = is_contact(s) ? 3 : 1;
+  for (int k = 0; k < SIDES; k++) {
+    if (!(s->sides & 1 << k)) continue;
+    for (int i = 0; i < many; i++) {
+      double t = many == 1 ? 0.5 : inset + i * (0.5 - inset);
+      int flat = upright(k);
+      x[n] = flat ? (k == LEFT ? x0 - m : x1 + m) : x0 + t * (x1 - x0);
+      y[n] = flat ? y0 + t * (y1 - y0) : (k == BELOW ? y0 - m : y1 + m);
+      side[n++] = (uint8_t)k;
+    }
+  }
+  return n;
+}
+
+/* ---- looking ---- */
+
+typedef struct look {
+  drc *r;
+  const eda_printed *p;
+} look;
+
+typedef struct points {
+  double x[BLOCK * POINTS], y[BLOCK * POINTS], value[BLOCK * POINTS];
+  uint8_t side[BLOCK * POINTS];
+  uint32_t site[BLOCK * POINTS];
+  size_t n;
+} points;
+
+static void look_at_layer(const look *l, points *q, size_t first, size_t last,
+                          size_t layer) {
+  q->n = 0;
+  for (size_t i = first; i < last; i++) {
+    site *s = &l->r->sites[i];
+    if (s->layer != layer) continue;
+    s->failing = 0;
+    int n = points_of(l->r, s, q->x + q->n, q->y + q->n, q->side + q->n);
+    for (int k = 0; k < n; k++) q->site[q->n++] = (uint32_t)i;
+  }
+  if (!q->n) return;
+  eda_field_sample(&l->p->print[layer], q->x, q->y, q->n, q->value);
+  for (size_t k = 0; k < q->n; k++) {
+    site *s = &l->r->sites[q->site[k]];
+    if ((q->value[k] > 0) != wanted(s))
+      s->failing |= (uint8_t)(1 << q->side[k]);
+  }
+}
+
+static void look_at_block(void *data, size_t block) {
+  const look *l = data;
+  size_t first = block * BLOCK, last = first + BLOCK;
+  points *q = eda_alloc(1, sizeof *q);
+  if (last > l->r->n_sites) last = l->r->n_sites;
+  for (size_t layer = 0; layer < l->r->layers; layer++)
+    look_at_layer(l, q, first, last, layer);
+  free(q);
+}
+
+/* How far the contour lies outwards from a side of the site's box, nm: the
+   least of its points. */
+static double contour(const drc *r, const eda_printed *p, const site *s,
+                      int side) {
+  double x[POINTS], y[POINTS], least = INFINITY, m = margin(r, s);
+  uint8_t of[POINTS];
+  int n = points_of(r, s, x, y, of);
+  int axis = upright(side) ? EDA_X : EDA_Y;
+  double out = side == LEFT || side == BELOW ? -1 : 1;
+  const eda_field *print = &p->print[s->layer];
+  for (int k = 0; k < n; k++) {
+    double value, d;
+    if (of[k] != side) continue;
+    eda_field_sample(print, &x[k], &y[k], 1, &value);
+    int good = (value > 0) == wanted(s);
+    d = out * eda_field_edge(print, axis, x[k], y[k], tuned.reach);
+    if (isnan(d)) d = good ? tuned.reach : -tuned.reach;
+    /* The contour nearest to a good point may lie either way. */
+    least = fmin(least, m + (good ? fabs(d) : -fabs(d)));
+  }
+  return least;
+}
+
+static void measure(void *data, size_t i) {
+  const look *l = data;
+  repair *one = &l->r->repairs[i];
+  const site *s = &l->r->sites[one->site];
+  for (int k = 0; k < SIDES && s->failing; k++)
+    if (s->sides & 1 << k) one->value[k] = contour(l->r, l->p, s, k);
+}
+
+/* ---- what can be mended ---- */
+
+/* How far the width of a gate moves a corner outwards: half its bias, and an
+   odd step on the HIGH side. */
+static int32_t moved(const eda_printed *p, const eda_fragment *f) {
+  if (!f) return 0;
+  int32_t w = p->w[f->gate], low = w >> 1;
+  return f->role == EDA_W_LOW ? low : w - low;
+}
+
+/* The patch on a side: the piece of the drawn edge as far out as it grows, and
+   as far in as a mask may be narrow. Its ends go with the corners; where two
+   patches meet in a corner, both cover it. */
+static eda_box patch_of(const drc *r, const eda_printed *printed,
+                        const repair *one, int side) {
+  int32_t in = (int32_t)ceil(r->min_mask_width / r->grid - 1e-9);
+  int32_t out = one->edge[side] + one->grow[side];
+  int low = upright(side) ? BELOW : LEFT, high = low + 1;
+  eda_box b = r->sites[one->site].box;
+  eda_box p = window_at(b, side, one->edge[side] - in, out, 0);
+  int32_t b0 = upright(side) ? b.y0 : b.x0, b1 = upright(side) ? b.y1 : b.x1;
+  int32_t from = one->from[side], to = one->to[side];
+  int meets_low = from == b0 - one->edge[low];
+  int meets_high = to == b1 + one->edge[high];
+  from -= moved(printed, one->corner[side][0]);
+  from -= meets_low ? one->grow[low] : 0;
+  to += moved(printed, one->corner[side][1]);
+  to += meets_high ? one->grow[high] : 0;
+  if (upright(side)) p.y0 = from, p.y1 = to;
+  else p.x0 = from, p.x1 = to;
+  return p;
+}
+
+/* How far the mask may go past what is drawn on a side: what it faces may come
+   as far, but contacts stay that poly must not touch, and of poly and active the
+   other one. */
+static int32_t room_of(const drc *r, const site *s, const repair *one,
+                       int side) {
+  double grid = r->grid;
+  int32_t beside = (int32_t)ceil(r->min_space / grid);
+  int32_t range =
+      (int32_t)ceil((2 * r->max_growth + r->min_space) / grid) + 1;
+  eda_box edge = window_at(s->box, side, one->edge[side], one->edge[side], 0);
+  if (upright(side)) edge.y0 = one->from[side], edge.y1 = one->to[side];
+  else edge.x0 = one->from[side], edge.x1 = one->to[side];
+  eda_box window = window_at(edge, side, 1, range, beside);
+  double own = nearest(&r->edges[s->layer], window, side, range, NULL) + 1;
+  double other = range;
+  window = window_at(edge, side, 0, range, beside);
+  if (s->layer <= EDA_ACTIVE && r->layers > EDA_ACTIVE)
+    other = nearest(&r->edges[!s->layer], window, side, range, NULL);
+  if (s->layer == EDA_POLY)
+    other = fmin(other, nearest(&r->contacts, window, side, range, NULL));
+  double most = fmin((own * grid - r->min_space) / 2,
+                     other * grid - r->min_space);
+  return (int32_t)floor(fmax(0, fmin(r->max_growth, most)) / grid + 1e-9);
+}
+
+/* What moves the corner at an end of the edge on `side`. */
+static const eda_fragment *corner_at(const drc *r, int side, int32_t x,
+                                     int32_t y) {
+  const eda_fragment *found = NULL;
+  eda_finder f = eda_index_find(r->widths.index, (eda_box){x, y, x, y});
+  for (uint32_t i; eda_index_next(&f, &i);) {
+    eda_box e = r->widths.box[i];
+    if (upright(side) ? e.y0 == e.y1 : e.x0 == e.x1) found = r->width[i];
+  }
+  return found;
+}
+
+/* What may be moved on a side. The whole edge that is drawn there makes no jog;
+   where it has less room, only what the site needs of it is, and its corner if
+   that is near. */
+static void find_edge(const drc *r, const site *s, repair *one, int side) {
+  double grid = r->grid;
+  int32_t far = (int32_t)(2 * tuned.reach / grid), more = 0;
+  eda_box edge = {0}, b = s->box;
+  /* From one step inside, so as to see one at the side of the box. */
+  one->edge[side] = nearest(&r->edges[s->layer],
+                            window_at(b, side, -1, far, 0), side, far + 1,
+                            &edge) - 1;
+  if (s->kind == SITE_LINE) more = (int32_t)(tuned.half_patch / grid);
+  one->from[side] = (upright(side) ? b.y0 : b.x0) - more;
+  one->to[side] = (upright(side) ? b.y1 : b.x1) + more;
+  one->room[side] = room_of(r, s, one, side);
+  if (s->kind == SITE_LINE || one->edge[side] == far ||
+      (upright(side) ? edge.x0 != edge.x1 : edge.y0 != edge.y1))
+    return;
+  int32_t low = upright(side) ? edge.y0 : edge.x0;
+  int32_t high = upright(side) ? edge.y1 : edge.x1;
+  int32_t near = (int32_t)(tuned.corner / grid);
+  if (one->from[side] - low <= near) one->from[side] = low;
+  if (high - one->to[side] <= near) one->to[side] = high;
+  one->room[side] = room_of(r, s, one, side);
+  repair whole = *one;
+  whole.from[side] = low;
+  whole.to[side] = high;
+  whole.room[side] = room_of(r, s, &whole, side);
+  if (whole.room[side] < one->room[side]) return;
+  *one = whole;
+  if (s->layer != EDA_ACTIVE) return;
+  one->corner[side][0] = corner_at(r, side, edge.x0, edge.y0);
+  one->corner[side][1] = corner_at(r, side, edge.x1, edge.y1);
+}
+
+void repairs_look(drc *r, const eda_printed *p) {
+  look l = {r, p};
+  opc_parallel(r->host->context, (r->n_sites + BLOCK - 1) / BLOCK,
+               look_at_block, &l);
+  for (size_t i = 0; i < r->n_sites; i++) {
+    site *s = &r->sites[i];
+    if (!s->failing || s->repair >= 0 || !wanted(s)) continue;
+    eda_grow(&r->repairs, &r->repairs_room, r->n_repairs + 1,
+             sizeof *r->repairs);
+    repair *one = &r->repairs[r->n_repairs];
+    *one = (repair){.site = (uint32_t)i};
+    for (int k = 0; k < SIDES; k++)
+      if (s->sides & 1 << k) find_edge(r, s, one, k);
+    s->repair = (int32_t)r->n_repairs++;
+  }
+  opc_parallel(r->host->context, r->n_repairs, measure, &l);
+}
+
+/* ---- mending ---- */
+
+/* A line must be wide enough, not also in the middle. */
+static double print_at(const site *s, const repair *one, int side) {
+  return s->kind == SITE_LINE
+             ? (one->value[side] + one->value[opposite(side)]) / 2
+             : one->value[side];
+}
+
+/* A side that may not go further out prints further if its corners do: as long
+   as that brings a part of what is missing, as it disturbs what is near. */
+static void grow_flanks(repair *one, int side, double target, double grid) {
+  int32_t step = (int32_t)ceil(tuned.flank_step / grid);
+  double value = one->value[side], before = one->flanked[side];
+  int helps =
+      before == 0 || value - before > (target - value) / tuned.flank_part;
+  for (int k = upright(side) ? BELOW : LEFT, n = 0; n < 2; k++, n++) {
+    int32_t left = one->room[k] - one->grow[k];
+    if (helps) one->grow[k] += left < step ? left : step;
+    else one->room[k] = one->grow[k];
+  }
+  one->flanked[side] = value;
+}
+
+static void grow(const drc *r, const site *s, repair *one) {
+  for (int k = 0; k < SIDES; k++) {
+    double value = print_at(s, one, k), target = margin(r, s);
+    if (!(s->sides & 1 << k) || !(value < target)) continue;
+    int32_t to = rules_advance(&one->response[k], one->grow[k], value, target,
+                               1, r->grid);
+    if (to > one->room[k]) to = one->room[k];
+    if (to > one->grow[k]) one->grow[k] = to;
+    else if (s->kind == SITE_ENCLOSURE) grow_flanks(one, k, target, r->grid);
+  }
+}
+
+/* Whether the boxes touch or overlap. */
+static int meet(eda_box a, eda_box b) {
+  return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
+}
+
+/* Patches that close a gap, or touch a contact, go back and stay there: those
+   that face it, or all that are near. Whether there were any. */
+static int take_back(drc *r, const eda_printed *p, const site *wrong,
+                     int facing) {
+  int32_t near = (int32_t)(tuned.reach / r->grid);
+  int32_t step = (int32_t)ceil(tuned.back / r->grid);
+  int32_t flank = (int32_t)(tuned.corner / r->grid);
+  int found = 0;
+  for (size_t i = 0; i < r->n_repairs; i++) {
+    repair *one = &r->repairs[i];
+    const site *of = &r->sites[one->site];
+    if (of->layer != wrong->layer ||
+        !meet(widened(of->box, 3 * near), wrong->box))
+      continue;
+    for (int k = 0; k < SIDES; k++) {
+      if (!one->grow[k]) continue;
+      eda_box patch = patch_of(r, p, one, k);
+      if (!meet(facing ? window_at(patch, k, 0, near, flank)
+                       : widened(patch, near), wrong->box))
+        continue;
+      found = 1;
+      if (one->back[k] == r->round) continue;   /* once a print */
+      one->grow[k] -= one->grow[k] < step ? one->grow[k] : step;
+      one->room[k] = one->grow[k];
+      one->back[k] = r->round;
+    }
+  }
+  return found;
+}
+
+/* What must not print: patches before it go back, or else edges of poly as
+   drawn, or else what is near. */
+static void clear_away(drc *r, const eda_printed *p, site *wrong) {
+  if (take_back(r, p, wrong, 1) || wrong->layer != EDA_POLY) return;
+  if (wrong->kind == SITE_GAP && trims_deepen(r, wrong)) return;
+  take_back(r, p, wrong, 0);
+}
+
+void repairs_grow(drc *r, const eda_printed *p) {
+  r->round++;
+  for (size_t i = 0; i < r->n_sites; i++)
+    if (r->sites[i].failing && !wanted(&r->sites[i]))
+      clear_away(r, p, &r->sites[i]);
+  for (size_t i = 0; i < r->n_repairs; i++) {
+    const site *s = &r->sites[r->repairs[i].site];
+    if (s->failing) grow(r, s, &r->repairs[i]);
+  }
+}
+
+void repairs_patches(drc *r, const eda_printed *p) {
+  for (size_t i = 0; i < r->n_repairs; i++) {
+    const repair *one = &r->repairs[i];
+    for (int k = 0; k < SIDES; k++)
+      if (one->grow[k])
+        eda_box_list_add(&r->patch[r->sites[one->site].layer],
+                         patch_of(r, p, one, k));
+  }
+}
+
+/* ---- telling ---- */
+
+enum { UNDONE, NEIGHBOUR, GROWTH, REASONS };
+
+static const char *const enclosure[REASONS] = {
+    "enclosure: could still move", "enclosure: too near a neighbour",
+    "enclosure: max_growth reached"};
+static const char *const pinching[REASONS] = {
+    "pinching: could still move", "pinching: too near a neighbour",
+    "pinching: max_growth reached"};
+
+static int reason(const drc *r, const repair *one, int side) {
+  int32_t most = (int32_t)floor(r->max_growth / r->grid + 1e-9);
+  if (one->grow[side] < one->room[side]) return UNDONE;
+  return one->room[side] < most ? NEIGHBOUR : GROWTH;
+}
+
+static void report_enclosure(const drc *r, const site *s, eda_violation v,
+                             violations *out) {
+  const repair *one = &r->repairs[s->repair];
+  int worst = -1;
+  for (int k = 0; k < SIDES; k++)
+    if (s->failing & 1 << k && (worst < 0 || one->value[k] < one->value[worst]))
+      worst = k;
+  int flank = upright(worst) ? BELOW : LEFT;
+  int undone = one->grow[flank] < one->room[flank] ||
+               one->grow[flank + 1] < one->room[flank + 1];
+  v.rule = enclosure[undone ? UNDONE : reason(r, one, worst)];
+  v.value = one->value[worst];
+  v.limit = r->overlay;
+  violations_add(out, v);
+}
+
+static void report_line(const drc *r, const site *s, eda_violation v,
+                        violations *out) {
+  const repair *one = &r->repairs[s->repair];
+  int low = s->sides & 1 << LEFT ? LEFT : BELOW;
+  double box =
+      (double)s->box.x1 - s->box.x0 + ((double)s->box.y1 - s->box.y0);
+  double width = box * r->grid + one->value[low] + one->value[low + 1];
+  /* As wide as it must be, but off its middle: good. */
+  if (width >= r->min_width) return;
+  v.value = fmax(0, width);
+  v.limit = r->min_width;
+  int a = reason(r, one, low), b = reason(r, one, low + 1);
+  v.rule = pinching[a == UNDONE || b == UNDONE ? UNDONE
+                    : a == GROWTH && b == GROWTH ? GROWTH : NEIGHBOUR];
+  violations_add(out, v);
+}
+
+static void report_bridging(const drc *r, const eda_printed *p, const site *s,
+                            eda_violation v, violations *out) {
+  v.rule = s->kind != SITE_GAP    ? "bridging: contact"
+           : s->layer != EDA_POLY ? r->bridging[s->layer]
+           : trims_could(r, s)
+               ? "bridging: poly: could still move"
+               : "bridging: poly: drawn too near for its edges to go back";
+  if (s->kind == SITE_CONTACT) {
+    v.value = INFINITY;
+    for (int k = 0; k < SIDES; k++)
+      if (s->failing & 1 << k) v.value = fmin(v.value, contour(r, p, s, k));
+    v.limit = r->overlay;
+  }
+  violations_add(out, v);
+}
+
+void repairs_report(const drc *r, const eda_printed *p, violations *out) {
+  for (size_t i = 0; i < r->n_sites; i++) {
+    const site *s = &r->sites[i];
+    eda_violation v = {.gate = s->gate,
+                       .x = ((double)s->box.x0 + s->box.x1) / 2 * r->grid,
+                       .y = ((double)s->box.y0 + s->box.y1) / 2 * r->grid};
+    if (!s->failing) continue;
+    if (s->kind == SITE_ENCLOSURE) report_enclosure(r, s, v, out);
+    else if (s->kind == SITE_LINE) report_line(r, s, v, out);
+    else report_bridging(r, p, s, v, out);
+  }
+}

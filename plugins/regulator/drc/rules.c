@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* How a mask edge is moved until its print keeps a limit. */
+#include <math.h>
+
+#include "drc.h"
+#include "tuning.h"
+
+int32_t rules_advance(response *r, int32_t bias, double value, double target,
+                      double steep, double grid) {
+  double slope = tuned.usual * steep;
+  if (r->seen && bias != r->bias)
+    slope = (value - r->value) / ((bias - (double)r->bias) * grid);
+  slope = fmin(fmax(slope, tuned.least * steep), tuned.most * steep);
+  *r = (response){bias, value, 1};
+  double missing = target + tuned.spare - value;
+  double step = fmin(missing / slope, tuned.largest_step);
+  return bias + (int32_t)ceil(fmax(step, 0) / grid - 1e-9);
+}
+
+void violations_add(violations *l, eda_violation v) {
+  if (l->count < l->room) l->v[l->count] = v;
+  l->count++;
+}

@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What was mended is not there to be found again, and what mended it may stick
+   out once the edges beside it have moved: it stays while its edge is one of the
+   mask. */
+#include <eda/memory.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "drc.h"
+#include "tuning.h"
+
+static int turns_left(eda_point a, eda_point b, eda_point c) {
+  return ((int64_t)b.x - a.x) * ((int64_t)c.y - b.y) >
+         ((int64_t)b.y - a.y) * ((int64_t)c.x - b.x);
+}
+
+/* ---- what stays ---- */
+
+static int between(int32_t v, int32_t a, int32_t b) {
+  return a < b ? v >= a && v <= b : v >= b && v <= a;
+}
+
+/* An end of the mended edge that is one of the mask's: what is beside it must
+   lie further out than a notch did, or further in than a bump. */
+static int good_corner(const mend *m, eda_point end, eda_point a, eda_point b,
+                       eda_point c) {
+  return end.x != b.x || end.y != b.y || turns_left(a, b, c) == m->bump;
+}
+
+/* Whether the edge from q[1] to q[2] has the mended edge on it. */
+static int confirms(const eda_point *q, const mend *m) {
+  int same_way = q[1].y == q[2].y
+                     ? m->from.y == q[1].y && m->to.y == q[1].y &&
+                           (m->to.x > m->from.x) == (q[2].x > q[1].x)
+                     : m->from.x == q[1].x && m->to.x == q[1].x &&
+                           (m->to.y > m->from.y) == (q[2].y > q[1].y);
+  return same_way && between(m->from.x, q[1].x, q[2].x) &&
+         between(m->from.y, q[1].y, q[2].y) &&
+         between(m->to.x, q[1].x, q[2].x) && between(m->to.y, q[1].y, q[2].y) &&
+         good_corner(m, m->from, q[0], q[1], q[2]) &&
+         good_corner(m, m->to, q[1], q[2], q[3]);
+}
+
+/* Four corners of a polygon, from point i on. */
+static void corners(const eda_shapes *mask, size_t p, uint32_t i,
+                    eda_point q[4]) {
+  const eda_point *at = mask->points + mask->start[p];
+  uint32_t n = mask->start[p + 1] - mask->start[p];
+  for (uint32_t k = 0; k < 4; k++) q[k] = at[(i + k) % n];
+}
+
+/* Mark those that stay. */
+static void look(mends *s, const eda_shapes *mask, double grid) {
+  if (!s->n) return;
+  places edges;
+  eda_box *box = eda_alloc(s->n, sizeof *box);
+  for (size_t i = 0; i < s->n; i++) {
+    box[i] = box_between(s->at[i].from, s->at[i].to);
+    s->at[i].stays = 0;
+  }
+  places_init(&edges, box, s->n, 1000, grid);
+  for (size_t p = 0; p < mask->count; p++)
+    for (uint32_t i = 0; i < mask->start[p + 1] - mask->start[p]; i++) {
+      eda_point q[4];
+      corners(mask, p, i, q);
+      eda_finder f = eda_index_find(edges.index, box_between(q[1], q[2]));
+      for (uint32_t k; eda_index_next(&f, &k);)
+        if (confirms(q, &s->at[k])) s->at[k].stays = 1;
+    }
+  places_clear(&edges);
+}
+
+/* ---- what is found ---- */
+
+static int32_t length(eda_point a, eda_point b) {
+  return abs(b.x - a.x) + abs(b.y - a.y);
+}
+
+static int touch(const mend *a, const mend *b) {
+  return a->box.x0 <= b->box.x1 && b->box.x0 <= a->box.x1 &&
+         a->box.y0 <= b->box.y1 && b->box.y0 <= a->box.y1;
+}
+
+/* A bump beside a notch may be wide enough once that is filled, and the next
+   look tells. A notch beside what was a bump comes of its having gone: that
+   returns, and both are looked at again. `before`: how many there were before
+   this look. */
+static int must_wait(drc *r, mends *s, const mend *m, size_t before) {
+  int wait = 0;
+  for (size_t i = m->bump ? before : 0; i < s->n; i++) {
+    mend *o = &s->at[i];
+    if (!o->stays || o->bump == m->bump || !touch(o, m)) continue;
+    wait = 1;
+    if (m->bump || r->undone >= tuned.patience) continue;
+    o->stays = 0;
+    r->undone++;
+  }
+  return wait;
+}
+
+/* Of those that do not stay, what is found now may be the other half. */
+static void drop(mends *s, size_t before) {
+  size_t kept = 0;
+  for (size_t i = 0; i < s->n; i++) {
+    mend *m = &s->at[i];
+    for (size_t k = before; !m->stays && k < s->n; k++)
+      m->stays = m->bump == s->at[k].bump && touch(m, &s->at[k]);
+    if (m->stays) s->at[kept++] = *m;
+  }
+  s->n = kept;
+}
+
+/* Mend from q[1] to q[2], if that is the bottom of a notch or the top of a bump,
+   as deep as both of its jogs are. */
+static void find(drc *r, mends *s, const eda_point q[4], int bump,
+                 size_t before) {
+  double least = bump ? r->min_mask_width : r->min_space;
+  int32_t first = length(q[0], q[1]), last = length(q[2], q[3]);
+  int32_t depth = first < last ? first : last;
+  if (turns_left(q[0], q[1], q[2]) != bump ||
+      turns_left(q[1], q[2], q[3]) != bump ||
+      depth * r->grid > tuned.shallow ||
+      length(q[1], q[2]) * r->grid > least - 1e-9)
+    return;
+  int32_t dx = depth * ((q[0].x > q[1].x) - (q[0].x < q[1].x));
+  int32_t dy = depth * ((q[0].y > q[1].y) - (q[0].y < q[1].y));
+  mend one = {.from = {q[1].x + dx, q[1].y + dy},
+              .to = {q[2].x + dx, q[2].y + dy},
+              .bump = (uint8_t)bump,
+              .stays = 1};
+  one.box = box_between(one.from, q[2]);
+  if (must_wait(r, s, &one, before)) return;
+  eda_grow(&s->at, &s->room, s->n + 1, sizeof one);
+  s->at[s->n++] = one;
+}
+
+void smooth_follow(drc *r, const eda_printed *p) {
+  for (size_t layer = 0; layer < r->layers; layer++) {
+    const eda_shapes *mask = &p->shapes[layer];
+    mends *s = &r->mends[layer];
+    size_t before = s->n;
+    look(s, mask, r->grid);
+    for (int bump = 0; bump < 2; bump++)
+      for (size_t k = 0; k < mask->count; k++) {
+        uint32_t n = mask->start[k + 1] - mask->start[k];
+        for (uint32_t i = 0; n > 4 && i < n; i++) {
+          eda_point q[4];
+          corners(mask, k, i, q);
+          find(r, s, q, bump, before);
+        }
+      }
+    drop(s, before);
+  }
+}
+
+void smooth_boxes(drc *r) {
+  for (size_t layer = 0; layer < r->layers; layer++)
+    for (size_t i = 0; i < r->mends[layer].n; i++) {
+      const mend *m = &r->mends[layer].at[i];
+      eda_box_list_add(m->bump ? &r->bite[layer] : &r->patch[layer], m->box);
+    }
+}

@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Edges of poly that go back where the gap before them does not print. */
+#include <eda/memory.h>
+#include <math.h>
+#include <string.h>
+
+#include "drc.h"
+#include "tuning.h"
+
+/* ---- how far a wall may go back ---- */
+
+/* A stretch of a wall and what lies behind it. */
+typedef struct stretch {
+  eda_box wall;
+  int behind;            /* the side of it that poly lies on */
+  int32_t at;            /* of the gap, along the wall */
+  int32_t least, beside;
+  int32_t from, to, room;
+} stretch;
+
+/* Leave `keep` between the wall that went back and a box: it goes back by less,
+   or if that is too little, only beside the box. */
+static void shorten(stretch *s, eda_box b, int32_t keep) {
+  eda_box w = s->wall;
+  int32_t d = s->behind == LEFT    ? w.x0 - b.x1
+              : s->behind == RIGHT ? b.x0 - w.x1
+              : s->behind == BELOW ? w.y0 - b.y1
+                                   : b.y0 - w.y1;
+  int32_t room = (d > 0 ? d : 0) - keep;
+  int32_t low = (upright(s->behind) ? b.y0 : b.x0) - s->beside;
+  int32_t high = (upright(s->behind) ? b.y1 : b.x1) + s->beside;
+  if (room >= s->least) {
+    if (room < s->room) s->room = room;
+  } else if (high <= s->at) {
+    if (high > s->from) s->from = high;
+  } else if (low >= s->at) {
+    if (low < s->to) s->to = low;
+  } else {
+    s->to = s->from;
+  }
+}
+
+/* Keep away from what lies behind the wall, by `nm`. */
+static void keep_away(const drc *r, stretch *s, const places *what, double nm) {
+  int32_t keep = (int32_t)ceil(nm / r->grid);
+  int32_t far = keep + (int32_t)(tuned.of_gate / r->grid);
+  eda_finder f = eda_index_find(
+      what->index, window_at(s->wall, s->behind, 0, far, s->beside));
+  for (uint32_t i; eda_index_next(&f, &i);) shorten(s, what->box[i], keep);
+}
+
+/* The piece of an edge that may go back before a gap. */
+static trim trim_of(const drc *r, eda_box wall, int side, int32_t at) {
+  int behind = opposite(side), along_y = upright(side);
+  int32_t far = (int32_t)(tuned.of_gate / r->grid);
+  stretch s = {.wall = wall,
+               .behind = behind,
+               .at = at,
+               .least = (int32_t)ceil(tuned.back / r->grid),
+               .beside = (int32_t)ceil(tuned.beside / r->grid),
+               .from = along_y ? wall.y0 : wall.x0,
+               .to = along_y ? wall.y1 : wall.x1,
+               .room = far};
+  keep_away(r, &s, &r->pads, r->overlay);
+  keep_away(r, &s, &r->boxes, tuned.of_gate);
+  if (along_y) wall.y0 = s.from, wall.y1 = s.to;
+  else wall.x0 = s.from, wall.x1 = s.to;
+  trim t = {.wall = wall, .side = side};
+  if ((s.to - s.from) * r->grid < r->min_space) return t;
+  /* The other side of the line may go back as far. */
+  int32_t thick = nearest(&r->edges[EDA_POLY],
+                          window_at(wall, behind, 1, 3 * far, 0), behind,
+                          3 * far, NULL) + 1;
+  double most = fmin(s.room, (thick - r->min_mask_width / r->grid) / 2);
+  t.room = most > 0 ? (int32_t)most : 0;
+  return t;
+}
+
+/* ---- gaps ---- */
+
+/* The edge of poly seen from the middle of a gap. 0 if there is none. */
+static int wall_at(const drc *r, eda_point p, int side, eda_box *wall) {
+  int32_t far = (int32_t)(2 * tuned.of_gate / r->grid);
+  eda_box dot = {p.x, p.y, p.x, p.y};
+  int32_t found = nearest(&r->edges[EDA_POLY],
+                          window_at(dot, side, 0, far, 1), side, far, wall);
+  return found < far &&
+         (upright(side) ? wall->x0 == wall->x1 : wall->y0 == wall->y1);
+}
+
+/* The number of that trim, which may be there already. */
+static int32_t number_of(drc *r, trim one) {
+  for (size_t i = r->n_trims; i-- > 0;) {
+    trim *t = &r->trims[i];
+    if (t->side != one.side || memcmp(&t->wall, &one.wall, sizeof one.wall))
+      continue;
+    if (one.front < t->front) t->front = one.front;
+    return (int32_t)i;
+  }
+  eda_grow(&r->trims, &r->trims_room, r->n_trims + 1, sizeof one);
+  r->trims[r->n_trims] = one;
+  return (int32_t)r->n_trims++;
+}
+
+static void add_pair(drc *r, site *gap) {
+  eda_point p = {gap->box.x0, gap->box.y0};
+  int low = gap->sides & 1 << LEFT ? LEFT : BELOW;
+  eda_box wall[2];
+  eda_grow(&r->pairs, &r->pairs_room, r->n_pairs + 1, sizeof *r->pairs);
+  int32_t *pair = r->pairs[r->n_pairs];
+  pair[0] = pair[1] = -1;
+  gap->repair = (int32_t)r->n_pairs++;
+  if (!wall_at(r, p, low, &wall[0]) || !wall_at(r, p, low + 1, &wall[1]))
+    return;
+  for (int i = 0; i < 2; i++) {   /* as far as they face each other */
+    eda_box w = wall[i], o = wall[!i];
+    if (low == LEFT) {
+      w.y0 = o.y0 > w.y0 ? o.y0 : w.y0;
+      w.y1 = o.y1 < w.y1 ? o.y1 : w.y1;
+    } else {
+      w.x0 = o.x0 > w.x0 ? o.x0 : w.x0;
+      w.x1 = o.x1 < w.x1 ? o.x1 : w.x1;
+    }
+    trim one = trim_of(r, w, opposite(low + i), low == LEFT ? p.y : p.x);
+    one.front = (low == LEFT ? wall[1].x0 - wall[0].x0
+                             : wall[1].y0 - wall[0].y0) / 2;
+    if (one.room) pair[i] = number_of(r, one);
+  }
+}
+
+int trims_deepen(drc *r, site *gap) {
+  int32_t step = (int32_t)ceil(tuned.back / r->grid);
+  int moved = 0;
+  if (gap->repair < 0) add_pair(r, gap);
+  for (int i = 0; i < 2; i++) {
+    int32_t number = r->pairs[gap->repair][i];
+    if (number < 0) continue;
+    trim *one = &r->trims[number];
+    int32_t left = one->room - one->depth;
+    if (one->round != r->round && left > 0) {
+      one->depth += left < step ? left : step;
+      one->round = r->round;
+    }
+    moved |= one->round == r->round;
+  }
+  return moved;
+}
+
+int trims_could(const drc *r, const site *gap) {
+  if (gap->repair < 0) return 1;   /* never tried */
+  for (int i = 0; i < 2; i++) {
+    int32_t number = r->pairs[gap->repair][i];
+    if (number >= 0 && r->trims[number].depth < r->trims[number].room) return 1;
+  }
+  return 0;
+}
+
+void trims_bites(drc *r) {
+  for (size_t i = 0; i < r->n_trims; i++) {
+    const trim *t = &r->trims[i];
+    if (t->depth)
+      eda_box_list_add(&r->bite[EDA_POLY],
+                       window_at(t->wall, opposite(t->side), -t->front,
+                                 t->depth, 0));
+  }
+}

@@ -1,0 +1,349 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The step `search`: a flow at each setting of some of its parameters, and the
+   mask of the best one. */
+#include "search.h"
+
+#include <eda/gates.h>
+#include <glib.h>
+#include <math.h>
+#include <opcflow/step.h>
+#include <string.h>
+
+/* ---- what to look for ---- */
+
+/* An error of the parameter, or of a key in it. */
+static int blame(opc_error *error, const char *parameter, const char *key) {
+  g_snprintf(error->parameter, sizeof error->parameter, "%s%s%s", parameter,
+             key ? "." : "", key ? key : "");
+  return error->code;
+}
+
+static int plan_figure(search *s, opc_error *error) {
+  plan *p = &s->plan;
+  if (!s->minimise == !s->maximise)
+    return opc_fail(error, OPC_INVALID, NULL,
+                    "a search needs either 'minimise' or 'maximise'");
+  p->greatest = s->maximise != NULL;
+  p->figure = p->greatest ? s->maximise : s->minimise;
+  p->metric = s->host->inner->metric(s->host, p->figure, error);
+  if (!p->metric)
+    return blame(error, p->greatest ? "maximise" : "minimise", NULL);
+  p->of = g_strndup(p->figure, (gsize)(strrchr(p->figure, '.') - p->figure));
+  return OPC_OK;
+}
+
+/* Settings that share a run differ in this axis alone. */
+static int plan_axis(search *s, const char *key, opc_error *error) {
+  plan *p = &s->plan;
+  p->along = s->host->inner->axis(s->host, key, error);
+  if (p->along < 0) return blame(error, "along", key);
+  for (size_t i = (size_t)p->along + 1; i < s->n_axes; i++)
+    p->stride *= s->axes[i].count;
+  const opc_inner_axis *axis = &s->axes[p->along];
+  int good = axis->values && !axis->unit;
+  for (size_t i = 1; i < axis->count && good; i++)
+    good = axis->values[i] > axis->values[i - 1];
+  p->count = axis->count;
+  if (good) return OPC_OK;
+  opc_fail(error, OPC_INVALID, NULL,
+           "'%s' needs plain numbers that increase, to share a run", key);
+  return blame(error, "along", key);
+}
+
+static int plan_along(search *s, opc_error *error) {
+  plan *p = &s->plan;
+  p->along = -1;
+  p->count = p->stride = 1;
+  if (!s->along.count) return OPC_OK;
+  const char *key = s->along.pairs[0].key, *text = s->along.pairs[0].value;
+  if (plan_axis(s, key, error)) return error->code;
+  p->column = g_strsplit(text, ".", -1);
+  if (s->along.count > 1)
+    opc_fail(error, OPC_INVALID, NULL, "only one parameter can share runs");
+  else if (g_strv_length(p->column) != 3)
+    opc_fail(error, OPC_INVALID, NULL,
+             "'%s' is no column, as 'step.table.column'", text);
+  else if (strcmp(p->column[0], p->of))
+    opc_fail(error, OPC_INVALID, NULL,
+             "the table has to be of the step of the figure, not of '%s'",
+             p->column[0]);
+  else
+    return OPC_OK;
+  return blame(error, "along", s->along.pairs[s->along.count - 1].key);
+}
+
+/* That of the step that is named, or of the figure's. */
+static int plan_mask(search *s, opc_error *error) {
+  const opc_inner_service *inner = s->host->inner;
+  opc_error none = {0};
+  g_autofree char *step = g_strdup(s->mask ? s->mask : s->plan.of);
+  if (!s->mask) step[strcspn(step, ".")] = 0;
+  s->plan.mask = inner->output(s->host, step, "mask", error);
+  if (s->plan.mask) return OPC_OK;
+  const char *other = inner->output(s->host, NULL, "mask", &none);
+  g_autofree char *why = g_strdup(error->message);
+  if (other)
+    opc_fail(error, OPC_INVALID, NULL,
+             "%s: 'mask' names the step whose mask is wanted, such as '%s'",
+             why, other);
+  return s->mask ? blame(error, "mask", NULL) : error->code;
+}
+
+/* A parameter that neither figure nor mask depends on is a mistake. */
+static int check_axes(search *s, opc_error *error) {
+  s->axes = s->host->inner->axes(s->host, &s->n_axes);
+  for (size_t i = 0; i < s->n_axes; i++) {
+    const char *path = s->axes[i].path;
+    if (s->axes[i].used) continue;
+    opc_fail(error, OPC_INVALID, NULL,
+             "'%s' changes nothing: step '%.*s' comes after the figure", path,
+             (int)strcspn(path, "."), path);
+    return blame(error, "sweep", path);
+  }
+  return OPC_OK;
+}
+
+static int check(void *self, opc_error *error) {
+  search *s = self;
+  int code = plan_figure(s, error);
+  if (code) return code;
+  s->axes = s->host->inner->axes(s->host, &s->n_axes);
+  if (!s->n_axes)
+    return opc_fail(error, OPC_INVALID, NULL,
+                    "a search needs a 'sweep', here or in '%s'", s->flow);
+  code = plan_along(s, error);
+  if (!code) code = plan_mask(s, error);
+  return code ? code : check_axes(s, error);
+}
+
+/* ---- the figures of a run ---- */
+
+static double find_metric(const search *s, int shared) {
+  size_t n;
+  const opc_inner_metric *m = s->host->inner->metrics(s->host, shared, &n);
+  for (size_t i = 0; i < n; i++)
+    if (m[i].metric == s->plan.metric && !strcmp(m[i].path, s->plan.of))
+      return m[i].value;
+  return NAN;
+}
+
+/* Of the last run, or of the steps that all runs share. */
+static double get_figure(const search *s) {
+  double figure = find_metric(s, 0);
+  return isnan(figure) ? find_metric(s, 1) : figure;
+}
+
+/* The litho simulations, as the steps count them. */
+static double count_simulations(const search *s, int shared) {
+  size_t n;
+  const opc_inner_metric *m = s->host->inner->metrics(s->host, shared, &n);
+  double sum = 0;
+  for (size_t i = 0; i < n; i++)
+    if (!strcmp(m[i].metric->name, "simulations")) sum += m[i].value;
+  return sum;
+}
+
+static double real_at(const opc_column *c, size_t row) {
+  return c->type == OPC_REAL ? ((const double *)c->data)[row]
+                             : (double)((const int64_t *)c->data)[row];
+}
+
+/* The figure at each value is in the last row that does not go beyond it: a run
+   that ends early is at rest. */
+static int take_column(search *s, size_t setting, opc_error *error) {
+  const opc_inner_service *inner = s->host->inner;
+  const plan *p = &s->plan;
+  size_t rows;
+  const opc_column *value =
+      inner->column(s->host, p->of, p->column[1], p->column[2], &rows, error);
+  const opc_column *figure = value
+                                 ? inner->column(s->host, p->of, p->column[1],
+                                                 p->metric->name, &rows, error)
+                                 : NULL;
+  if (!figure) return blame(error, "along", NULL);
+  const double *at = s->axes[p->along].values;
+  for (size_t k = 0, row = 0; k < p->count; k++) {
+    while (row < rows && real_at(value, row) <= at[k]) row++;
+    if (row) s->figure[setting + k * p->stride] = real_at(figure, row - 1);
+  }
+  return OPC_OK;
+}
+
+/* ---- all runs ---- */
+
+/* The first one of equals. */
+static void compare(search *s, size_t setting) {
+  double figure = s->figure[setting];
+  if (isnan(figure)) return;
+  double best = s->best < s->count ? s->figure[s->best] : NAN;
+  int better = s->plan.greatest ? figure > best : figure < best;
+  if (isnan(best) || better || (figure == best && setting < s->best))
+    s->best = setting;
+}
+
+/* Run the settings that share the run of `first`, which has the first value of
+   the shared axis. A run that fails is told of in the table. */
+static int run_settings(search *s, size_t first, opc_error *error) {
+  const plan *p = &s->plan;
+  opc_error failure = {0};
+  size_t last = first + (p->count - 1) * p->stride;
+  int code = s->host->inner->run(s->host, last, 0, p->count, &failure);
+  if (code == OPC_CANCELLED) {
+    *error = failure;
+    return code;
+  }
+  s->simulations += count_simulations(s, 0);
+  if (!code && p->along >= 0) {
+    if (take_column(s, first, error)) return error->code;
+  } else if (!code) {
+    s->figure[first] = get_figure(s);
+    if (isnan(s->figure[first]))
+      code = opc_fail(&failure, OPC_FAILED, NULL,
+                      "step '%s' published no metric '%s'", p->of,
+                      p->metric->name);
+  }
+  if (code) s->failed += p->count;
+  s->results[s->runs++] = g_strdup(code ? failure.message : "good");
+  for (size_t k = 0; k < p->count; k++) {
+    size_t setting = first + k * p->stride;
+    s->run[setting] = (int64_t)s->runs;
+    if (!code) compare(s, setting);
+  }
+  return OPC_OK;
+}
+
+static int run_all(search *s, opc_error *error) {
+  const size_t block = s->plan.count * s->plan.stride;
+  int code = s->host->inner->begin(s->host, error);
+  if (code) return code;
+  s->simulations = count_simulations(s, 1);
+  for (size_t i = 0; i < s->count && !code; i++)
+    if (i % block < s->plan.stride) code = run_settings(s, i, error);
+  if (code || s->best < s->count) return code;
+  return opc_fail(error, OPC_FAILED, NULL, "no setting has a figure: %s",
+                  s->results[0]);
+}
+
+/* The run of the best setting, for its objects and for what it writes. */
+static int run_best(search *s, opc_error *error) {
+  int code = s->host->inner->run(s->host, s->best, 1, 0, error);
+  if (code) return code;
+  s->simulations += count_simulations(s, 0);
+  double figure = get_figure(s);
+  if (figure != s->figure[s->best])
+    s->host->log(s->host, OPC_LOG_WARNING,
+                 "the best setting run alone has %.9g, not %.9g: its run does "
+                 "not begin as the shared one does",
+                 figure, s->figure[s->best]);
+  return OPC_OK;
+}
+
+static int run(void *self, void **outputs, opc_error *error) {
+  search *s = self;
+  s->count = 1;
+  for (size_t i = 0; i < s->n_axes; i++) s->count *= s->axes[i].count;
+  s->best = s->count;
+  s->figure = g_new(double, s->count);
+  for (size_t i = 0; i < s->count; i++) s->figure[i] = NAN;
+  s->run = g_new0(int64_t, s->count);
+  s->results = g_new0(char *, s->count + 1);
+  int code = run_all(s, error);
+  if (!code) code = run_best(s, error);
+  if (code) return code;
+  eda_settings *settings = search_settings(s);
+  outputs[0] = s->host->inner->object(s->host, s->plan.mask, "mask");
+  outputs[1] = settings;
+  return search_report(s, settings, error);
+}
+
+/* ---- parameters ---- */
+
+static const opc_parameter parameters[] = {
+    {.name = "flow",
+     .type = OPC_FILE,
+     .flags = OPC_REQUIRED | OPC_INNER_FLOW,
+     .summary = "the flow whose parameters are searched",
+     OPC_FIELD(search, flow)},
+    {.name = "variant",
+     .type = OPC_TEXT,
+     .summary = "a variant of that flow",
+     OPC_FIELD(search, variant)},
+    {.name = "set",
+     .type = OPC_MAP,
+     .flags = OPC_MAP_OF_ANY,
+     .summary = "step.parameter: value, over what that flow says",
+     OPC_FIELD(search, set)},
+    {.name = "sweep",
+     .type = OPC_MAP,
+     .flags = OPC_MAP_OF_ANY,
+     .summary = "step.parameter: [...] or { from: A, to: B, step: C }; over "
+                "that flow's own sweep",
+     OPC_FIELD(search, sweep)},
+    {.name = "along",
+     .type = OPC_MAP,
+     .summary = "step.parameter: step.table.column, one run has the figure at "
+                "all values of a swept parameter, row by row",
+     OPC_FIELD(search, along)},
+    {.name = "minimise",
+     .type = OPC_TEXT,
+     .summary = "step.metric, the figure whose least value is best",
+     OPC_FIELD(search, minimise)},
+    {.name = "maximise",
+     .type = OPC_TEXT,
+     .summary = "or that whose greatest value is",
+     OPC_FIELD(search, maximise)},
+    {.name = "mask",
+     .type = OPC_TEXT,
+     .summary = "the step whose mask is handed on; that of the figure",
+     OPC_FIELD(search, mask)},
+};
+
+static const opc_metric metrics[] = {
+    {.name = "least",
+     .better = OPC_LOWER,
+     .summary = "the figure of the best setting, in its unit"},
+    {.name = "greatest",
+     .better = OPC_HIGHER,
+     .summary = "the same where the greatest is best"},
+    {.name = "setting", .summary = "the number of the best one"},
+    {.name = "settings", .summary = "how many there are"},
+    {.name = "failed",
+     .better = OPC_LOWER,
+     .summary = "settings that could not be run"},
+    {.name = "runs",
+     .better = OPC_LOWER,
+     .summary = "runs of the flow, without that of the best setting again"},
+    {.name = "simulations",
+     .better = OPC_LOWER,
+     .summary = "litho simulations in all, of one layer each"},
+};
+
+static void clear(void *self) {
+  search *s = self;
+  g_free(s->plan.of);
+  g_strfreev(s->plan.column);
+  g_free(s->figure);
+  g_free(s->run);
+  g_strfreev(s->results);
+}
+
+/* ---- entry ---- */
+
+/* The mask belongs to the run of the best setting, which lives as long as the
+   step. */
+static void keep_mask(void *mask) { (void)mask; }
+
+static const opc_port outputs[] = {{.name = "mask",
+                                    .kind = "mask",
+                                    .check = eda_mask_check,
+                                    .release = keep_mask},
+                                   EDA_PORT_SETTINGS("settings")};
+static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run};
+
+OPC_PLUGIN(
+    search, .id = "search", .kind = "step", .version = OPC_VERSION,
+    .licence = "BSD-3-Clause",
+    .summary = "run a flow at many settings of its parameters, keep the best",
+    .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
+    OPC_METRICS(metrics), .check = check, .clear = clear,
+    OPC_FUNCTIONS(functions));

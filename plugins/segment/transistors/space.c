@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The free space beside each gate: from the middle of its side, look along L
+   for the next edge of poly, and for the end of the active. The edges that face
+   the gates are swept in the direction of the look, the latest one at each
+   place kept in a tree over the places. O(n log n). */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "segment.h"
+
+/* One look: across d, towards `side`, at edges of one layer. */
+typedef struct look {
+  const edge *edges; /* those that face the gates, sorted by at */
+  size_t count;
+  int64_t *places; /* doubled: the ends of the edges, sorted, unique */
+  size_t n_places, leaves;
+  uint32_t *latest; /* tree: the edge's number, from 1, over places */
+} look;
+
+static int by_value(const void *a, const void *b) {
+  int64_t p = *(const int64_t *)a, q = *(const int64_t *)b;
+  return (p > q) - (p < q);
+}
+
+/* The number of places at or before `at`. */
+static size_t rank(const look *l, int64_t at) {
+  size_t from = 0, to = l->n_places;
+  while (from < to) {
+    size_t middle = from + (to - from) / 2;
+    if (l->places[middle] <= at)
+      from = middle + 1;
+    else
+      to = middle;
+  }
+  return from;
+}
+
+static void prepare(look *l) {
+  l->places = eda_alloc(2 * l->count, sizeof *l->places);
+  for (size_t i = 0; i < l->count; i++) {
+    l->places[2 * i] = 2 * (int64_t)l->edges[i].low;
+    l->places[2 * i + 1] = 2 * (int64_t)l->edges[i].high;
+  }
+  qsort(l->places, 2 * l->count, sizeof *l->places, by_value);
+  for (size_t i = 0; i < 2 * l->count; i++)
+    if (i == 0 || l->places[i] != l->places[i - 1])
+      l->places[l->n_places++] = l->places[i];
+  l->leaves = l->n_places + 1;
+  l->latest = eda_alloc(2 * l->leaves, sizeof *l->latest);
+}
+
+/* Leaf k is what lies between the places k-1 and k. Numbers grow in the order
+   of the sweep, so that the largest one over a place is the latest. */
+static void stamp(look *l, const edge *e, uint32_t number) {
+  size_t from = rank(l, 2 * (int64_t)e->low) + l->leaves;
+  size_t to = rank(l, 2 * (int64_t)e->high) + l->leaves;
+  for (; from < to; from /= 2, to /= 2) {
+    if (from & 1) l->latest[from++] = number;
+    if (to & 1) l->latest[--to] = number;
+  }
+}
+
+static uint32_t latest(const look *l, int64_t at) {
+  uint32_t best = 0;
+  for (size_t k = rank(l, at) + l->leaves; k; k /= 2)
+    if (l->latest[k] > best) best = l->latest[k];
+  return best;
+}
+
+/* A gate and the coordinate of its side. */
+typedef struct key {
+  int32_t at;
+  uint32_t gate;
+} key;
+
+static int by_key(const void *a, const void *b) {
+  const key *p = a, *q = b;
+  if (p->at != q->at) return p->at < q->at ? -1 : 1;
+  return (p->gate > q->gate) - (p->gate < q->gate);
+}
+
+/* The distance to the next edge of the layer that each gate across d sees on
+   that side, nm, into distance[gate]; INFINITY if there is none. An edge that
+   the gate's own side lies on counts with 0. */
+static void run_look(const segment *s, int layer, int d, int side,
+                     const key *keys, size_t n, double *distance) {
+  const edge_index *x = &s->index[layer];
+  /* Poly beyond begins with the edge on its near side; active ends with the
+     one on its far side. */
+  int facing = layer == EDA_POLY ? !side : side;
+  size_t first = x->first[2 * d + facing];
+  look l = {.edges = x->edges + first,
+            .count = x->first[2 * d + facing + 1] - first};
+  prepare(&l);
+  size_t done = 0;
+  for (size_t i = 0; i < n; i++) {
+    const key *k = &keys[side ? n - 1 - i : i];
+    for (; done < l.count; done++) {
+      const edge *e = &l.edges[side ? l.count - 1 - done : done];
+      if (side ? e->at < k->at : e->at > k->at) break;
+      stamp(&l, e, (uint32_t)done + 1);
+    }
+    const eda_box *b = &s->gates->box[k->gate];
+    uint32_t found =
+        latest(&l, (int64_t)box_side(b, !d, LOW) + box_side(b, !d, HIGH));
+    distance[k->gate] = INFINITY;
+    if (!found) continue;
+    const edge *e = &l.edges[side ? l.count - found : found - 1];
+    distance[k->gate] = s->grid * fabs((double)e->at - k->at);
+  }
+  free(l.places);
+  free(l.latest);
+}
+
+static void look_both(segment *s, int d, int side, key *keys, double *poly,
+                      double *active) {
+  eda_gates *g = s->gates;
+  size_t n = 0;
+  for (size_t i = 0; i < g->count; i++)
+    if (g->axis[i] == d)
+      keys[n++] = (key){box_side(&g->box[i], d, side), (uint32_t)i};
+  qsort(keys, n, sizeof *keys, by_key);
+  run_look(s, EDA_POLY, d, side, keys, n, poly);
+  run_look(s, EDA_ACTIVE, d, side, keys, n, active);
+  for (size_t k = 0; k < n; k++) {
+    size_t i = keys[k].gate;
+    double open = 2 * fmax(active[i], g->length[i]);
+    g->space[2 * i + side] = fmin(poly[i], open);
+  }
+}
+
+void segment_space(segment *s) {
+  size_t n = s->gates->count;
+  key *keys = eda_alloc(n, sizeof *keys);
+  double *poly = eda_alloc(n, sizeof *poly);
+  double *active = eda_alloc(n, sizeof *active);
+  for (int d = 0; d < 2; d++)
+    for (int side = 0; side < 2; side++)
+      look_both(s, d, side, keys, poly, active);
+  free(keys);
+  free(poly);
+  free(active);
+}

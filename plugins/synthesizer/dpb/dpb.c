@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* synthesizer.dpb: device performance-based OPC (thesis 3.2.2 (2), figure 3.3). Each
+   transistor on its own: a first jump of its length, then steps of one grid
+   unit, on while the performance deviation error falls, back when it rises;
+   length first (coarse), then width (fine). control.c has the steps of one
+   transistor, descent.c those of all, table.c the table of first jumps. */
+#include <math.h>
+
+#include "../descent.h"
+#include "table.h"
+
+/* ---- state ---- */
+
+typedef struct dpb {
+  const opc_host *host;
+  double max_pde;           /* % */
+  double init_adjust;       /* nm; 0: one step towards the smaller error */
+  const char *table_path;   /* NULL: that for all */
+  first_table table;
+  double max_bias;          /* nm */
+  int proportional;         /* of W's steps */
+  descent descent;
+} dpb;
+
+/* ---- work ---- */
+
+/* PDE, eq. 3.1, with Ion as the performance. */
+static double pde(const void *self, const eda_feedback *f, size_t i) {
+  double design = f->design->ion[i];
+  (void)self;
+  return 100 * (f->printed->ion[i] - design) / design;
+}
+
+static int32_t first(const void *self, const eda_feedback *f, size_t i) {
+  const dpb *d = self;
+  const eda_gates *g = f->gates;
+  double nm = d->table_path
+                  ? first_table_look(&d->table, g->length[i], g->width[i])
+                  : d->init_adjust;
+  return (int32_t)lround(nm / g->grid);
+}
+
+static int begin(void *self, const eda_feedback *f, opc_error *error) {
+  dpb *d = self;
+  d->descent.rules = control_rules_for(d->max_pde, d->max_bias, f->gates->grid,
+                                       d->proportional);
+  d->descent.error = pde;
+  d->descent.first = first;
+  d->descent.self = d;
+  descent_reset(&d->descent, f->gates->count);
+  first_table_clear(&d->table);
+  return d->table_path ? first_table_read(d->table_path, &d->table, error)
+                       : OPC_OK;
+}
+
+static int update(void *self, const eda_feedback *f, eda_moves *moves,
+                  int *done, opc_error *error) {
+  dpb *d = self;
+  (void)error;
+  descent_moves m = descent_update(&d->descent, f, moves, 0);
+  *done = descent_is_done(d->host, f, &m);
+  return OPC_OK;
+}
+
+static const char *verdict(const void *self, size_t gate) {
+  return descent_verdict(&((const dpb *)self)->descent, gate);
+}
+
+/* ---- parameters ---- */
+
+static const opc_parameter parameters[] = {
+    {.name = "max_pde", .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
+     .preset = "0.5 %",
+     .summary = "a transistor whose |Ion deviation| is at most this is left "
+                "alone",
+     OPC_FIELD(dpb, max_pde)},
+    {.name = "init_adjust", .type = OPC_REAL,
+     .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm", .preset = "0 nm",
+     .min = -100, .max = 100,
+     .summary = "first correction of L, longer if positive; 0 nm: one grid "
+                "step towards the smaller error",
+     OPC_FIELD(dpb, init_adjust)},
+    {.name = "init_adjust_table", .type = OPC_FILE,
+     .summary = "first corrections by L and W, CSV: that of the nearest L, "
+                "then of the nearest W",
+     OPC_FIELD(dpb, table_path)},
+    {.name = "max_bias", .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
+     .unit = "nm", .preset = "80 nm", .max = 10000,
+     .summary = "largest correction of L or of W, and no more than half of W",
+     OPC_FIELD(dpb, max_bias)},
+    {.name = "w_step", .type = OPC_CHOICE, .preset = "unit",
+     .choices = "unit|proportional",
+     .summary = "steps of W: one grid unit, or as much as the error asks for, "
+                "as Ion is proportional to W",
+     OPC_FIELD(dpb, proportional)},
+};
+
+static void clear(void *self) {
+  dpb *d = self;
+  descent_clear(&d->descent);
+  first_table_clear(&d->table);
+}
+
+/* ---- entry ---- */
+
+static const eda_synthesizer functions = {
+    .begin = begin, .update = update, .verdict = verdict};
+
+OPC_PLUGIN(dpb, .id = "synthesizer.dpb", .kind = "synthesizer",
+           .version = "0.2.0", .licence = "BSD-3-Clause",
+           .summary = "device performance-based OPC: one-step descent on Ion",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), .clear = clear,
+           OPC_FUNCTIONS(functions));

@@ -1,0 +1,307 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The steps of thesis figure 3.3, followed by hand on transistors whose
+   response is a formula. */
+#include <eda/eda.h>
+
+#include "core/testing/testing.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST = 4 };
+
+/* Transistors whose PDE is offset + by_l * l + by_w * w, %. */
+typedef struct model {
+  size_t n;
+  double offset[MOST], by_l[MOST], by_w[MOST];
+  uint32_t veto[MOST];       /* EDA_VETO_LONGER from this l on */
+  int32_t veto_from[MOST];
+  int32_t l[MOST], w[MOST];
+  GString *trace;            /* of the first: "l,w " after each update */
+  int updates;
+} model;
+
+static void run(opc_module *m, model *t) {
+  const eda_synthesizer *s = m->functions;
+  double design[MOST], ion[MOST], width[MOST], length[MOST];
+  uint32_t flags[MOST] = {0}, vetoes[MOST];
+  for (size_t i = 0; i < t->n; i++) design[i] = 1e-3, width[i] = 200, length[i] = 65;
+  eda_gates gates = {.grid = 1, .count = t->n,
+                     .length = length, .width = width};
+  eda_performance drawn = {.count = t->n, .ion = design};
+  eda_performance printed = {.count = t->n, .ion = ion};
+  eda_feedback f = {.gates = &gates, .design = &drawn,
+                    .flags = flags, .vetoes = vetoes};
+  eda_moves moves = {.l = t->l, .w = t->w};
+  opc_error error;
+  g_assert_cmpint(s->begin(m->self, &f, &error), ==, OPC_OK);
+  memset(t->l, 0, sizeof t->l);
+  memset(t->w, 0, sizeof t->w);
+  f.printed = &printed;
+  t->trace = g_string_new(NULL);
+  t->updates = 0;
+  int done = 0;
+  while (!done && t->updates < 200) {
+    for (size_t i = 0; i < t->n; i++) {
+      double pde = t->offset[i] + t->by_l[i] * t->l[i] + t->by_w[i] * t->w[i];
+      ion[i] = design[i] * (1 + pde / 100);
+      vetoes[i] = t->veto[i] && t->l[i] >= t->veto_from[i] ? t->veto[i] : 0;
+    }
+    g_assert_cmpint(s->update(m->self, &f, &moves, &done, &error), ==, OPC_OK);
+    f.iteration++;
+    t->updates++;
+    g_string_append_printf(t->trace, "%d,%d ", t->l[0], t->w[0]);
+  }
+}
+
+static opc_module *make(const char *parameters) {
+  opc_error error;
+  opc_module *m = opc_test_module("synthesizer.dpb", parameters, &error);
+  g_assert_nonnull(m);
+  return m;
+}
+
+static const char *verdict(opc_module *m, size_t i) {
+  const eda_synthesizer *s = m->functions;
+  return s->verdict(m->self, i);
+}
+
+/* Figure 3.3 on one transistor that stands alone, +7 %, 3 % a step of L, 0.8 %
+   a step of W. The iterations:
+   0  +7.0  beyond the limit: a first correction, of one step, longer
+   1  +4.0  falls: on
+   2  +1.0  falls: on
+   3  -2.0  rises: the step is taken back
+   4  +1.0  L is at its minimum: W, one step narrower
+   5  +0.2  within the limit: no correction
+   6  +0.2  nothing has changed since: done */
+static void test_by_hand(void) {
+  g_autoptr(opc_module) m = make("{ max_pde: 0.5 % }");
+  model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8}};
+  run(m, &t);
+  g_assert_cmpstr(t.trace->str, ==, "1,0 2,0 3,0 2,0 2,-1 2,-1 2,-1 ");
+  g_assert_cmpstr(verdict(m, 0), ==, "within limit");
+  g_string_free(t.trace, TRUE);
+}
+
+/* The same with too little current: W grows by steps of one, -6.5 % from L -2;
+   -1, and L -3 would give +2. */
+static void test_by_hand_shorter(void) {
+  g_autoptr(opc_module) m = make("{ max_pde: 0.5 % }");
+  model t = {.n = 1, .offset = {-7}, .by_l = {-3}, .by_w = {0.2}};
+  run(m, &t);
+  g_assert_cmpstr(t.trace->str, ==,
+                  "-1,0 -2,0 -3,0 -2,0 -2,1 -2,2 -2,3 -2,3 -2,3 ");
+  g_string_free(t.trace, TRUE);
+}
+
+/* Signed, applied as it is: 3 steps shorter at once, and 2 longer where it
+   should have been shorter, which steps of one then undo. */
+static void test_init_adjust(void) {
+  g_autoptr(opc_module) m = make("{ max_pde: 0.5 %, init_adjust: -3 nm }");
+  model t = {.n = 1, .offset = {-9.2}, .by_l = {-3}, .by_w = {0.8}};
+  run(m, &t);
+  g_assert_cmpstr(t.trace->str, ==, "-3,0 -3,0 -3,0 ");
+  g_string_free(t.trace, TRUE);
+  g_autoptr(opc_module) wrong = make("{ max_pde: 0.5 %, init_adjust: 2 nm }");
+  model u = {.n = 1, .offset = {-3.2}, .by_l = {-3}, .by_w = {0.8}};
+  run(wrong, &u);
+  g_assert_cmpstr(u.trace->str, ==, "2,0 1,0 0,0 -1,0 -1,0 -1,0 ");
+  g_string_free(u.trace, TRUE);
+}
+
+/* A first correction of several steps that goes past the minimum is followed by
+   single ones; it is not taken back whole. */
+static void test_init_adjust_too_far(void) {
+  g_autoptr(opc_module) m = make("{ max_pde: 0.5 %, init_adjust: 5 nm }");
+  model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8}};
+  run(m, &t);
+  g_assert_cmpstr(t.trace->str, ==, "5,0 4,0 3,0 2,0 2,-1 2,-1 2,-1 ");
+  g_string_free(t.trace, TRUE);
+}
+
+/* By how much the error asks for: -4 % of 200 is 8 steps. The response is half
+   of what is expected, so that it comes in a few steps, the last ones single;
+   and where it is twice as much, a change of sign halves the steps. */
+static void test_proportional(void) {
+  g_autoptr(opc_module) m = make("{ max_pde: 0.1 %, w_step: proportional }");
+  model t = {.n = 1, .offset = {-4}, .by_l = {-9}, .by_w = {0.25}};
+  run(m, &t);
+  /* L -1 gives +5, back to 0; W 8: -2, 12: -1, 14: -0.5, 15: -0.25, 16: 0. */
+  g_assert_cmpstr(t.trace->str, ==,
+                  "-1,0 0,0 0,8 0,12 0,14 0,15 0,16 0,16 0,16 ");
+  g_string_free(t.trace, TRUE);
+  g_autoptr(opc_module) n = make("{ max_pde: 0.1 %, w_step: proportional }");
+  model u = {.n = 1, .offset = {-4}, .by_l = {-9}, .by_w = {1}};
+  run(n, &u);
+  /* W 8: +4; 4: 0. */
+  g_assert_cmpstr(u.trace->str, ==, "-1,0 0,0 0,8 0,4 0,4 0,4 ");
+  g_string_free(u.trace, TRUE);
+}
+
+/* Where W can go no further, L takes one more step, and W comes back. */
+static void test_exchange(void) {
+  g_autoptr(opc_module) m =
+      make("{ max_pde: 0.3 %, w_step: proportional, max_bias: 10 nm }");
+  model t = {.n = 1, .offset = {-4.5}, .by_l = {-10}, .by_w = {0.4}};
+  run(m, &t);
+  g_assert_cmpint(t.l[0], ==, -1);
+  g_assert_cmpint(t.w[0], ==, -10);
+  g_assert_cmpstr(verdict(m, 0), ==, "bias limit");
+  g_string_free(t.trace, TRUE);
+  model u = {.n = 1, .offset = {-4.5}, .by_l = {-10}, .by_w = {0.43}};
+  u.offset[0] = -4.9;
+  u.by_l[0] = -9;
+  run(m, &u);   /* +4.1 at L -1: W -10 gives -0.2; W +10 at L 0 -0.6 */
+  g_assert_cmpint(u.l[0], ==, -1);
+  g_assert_cmpstr(verdict(m, 0), ==, "within limit");
+  g_string_free(u.trace, TRUE);
+}
+
+/* No width moves while any length does. */
+static void test_coarse_before_fine(void) {
+  g_autoptr(opc_module) m = make("{ max_pde: 0.5 % }");
+  model t = {.n = 2, .offset = {1, 15.2}, .by_l = {-3, -3}, .by_w = {0.6, 0.6}};
+  run(m, &t);
+  g_assert_cmpstr(t.trace->str, ==,
+                  "1,0 0,0 0,0 0,0 0,0 0,-1 0,-1 0,-1 ");
+  g_assert_cmpint(t.l[1], ==, 5);
+  g_string_free(t.trace, TRUE);
+}
+
+/* A transistor within the limit is not touched. */
+static void test_within(void) {
+  g_autoptr(opc_module) m = make("{ max_pde: 0.5 % }");
+  model t = {.n = 1, .offset = {-0.49}, .by_l = {-3}, .by_w = {0.8}};
+  run(m, &t);
+  g_assert_cmpstr(t.trace->str, ==, "0,0 ");
+  g_assert_cmpint(t.updates, ==, 1);
+  g_string_free(t.trace, TRUE);
+}
+
+/* A grid too coarse for the limit: it stays at the minimum of W, and says
+   so. PDE 7, 4, 1, -2, 1; W: -2 % a step, 1 -> -1 (no better, not worse) ->
+   -3 rises -> back. */
+static void test_grid(void) {
+  g_autoptr(opc_module) m = make("{ max_pde: 0.1 % }");
+  model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {2}};
+  run(m, &t);
+  g_assert_cmpint(t.l[0], ==, 2);
+  g_assert_cmpint(abs(7 - 3 * t.l[0] + 2 * t.w[0]), ==, 1);
+  g_assert_cmpstr(verdict(m, 0), ==, "grid");
+  g_string_free(t.trace, TRUE);
+}
+
+/* At L = 2 the gate bridges: back to 1, and on with W down to the limit. */
+static void test_veto(void) {
+  g_autoptr(opc_module) m = make("{ max_pde: 0.5 % }");
+  model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8},
+             .veto = {EDA_VETO_LONGER}, .veto_from = {2}};
+  run(m, &t);
+  g_assert_cmpint(t.l[0], ==, 1);
+  g_assert_cmpint(t.w[0], ==, -5);
+  g_assert_true(g_str_has_prefix(t.trace->str, "1,0 2,0 1,0 1,-1 1,-2 "));
+  g_string_free(t.trace, TRUE);
+}
+
+static void test_bias_limit(void) {
+  g_autoptr(opc_module) m = make("{ max_pde: 0.5 %, max_bias: 2 nm }");
+  model t = {.n = 1, .offset = {30}, .by_l = {-3}, .by_w = {0.8}};
+  run(m, &t);
+  g_assert_cmpint(t.l[0], ==, 2);
+  g_assert_cmpint(t.w[0], ==, -2);
+  g_assert_cmpstr(verdict(m, 0), ==, "bias limit");
+  g_string_free(t.trace, TRUE);
+}
+
+/* Each transistor goes its own way, and the loop ends when the last does. */
+static void test_independent(void) {
+  g_autoptr(opc_module) m = make("{ max_pde: 0.5 % }");
+  model t = {.n = 3, .offset = {7, -0.2, -9.2}, .by_l = {-3, -3, -3},
+             .by_w = {0.8, 0.8, 0.8}};
+  run(m, &t);
+  g_assert_cmpint(t.l[0], ==, 2);
+  g_assert_cmpint(t.w[0], ==, -1);
+  g_assert_cmpint(t.l[1], ==, 0);
+  g_assert_cmpint(t.l[2], ==, -3);
+  g_string_free(t.trace, TRUE);
+}
+
+/* ---- the table of first corrections ---- */
+
+/* Writes a table into the test's folder, and gives its path. */
+static char *write_table(const char *text) {
+  char *path = g_build_filename(opc_test_folder(), "table.csv", NULL);
+  g_assert_true(g_file_set_contents(path, text, -1, NULL));
+  return path;
+}
+
+/* Transistors of L 65 and W 200: the nearest length is 65, not 60, and of its
+   widths 150 is nearer than 300 by ratio (1.33 to 1.5). */
+static void test_table(void) {
+  g_autofree char *path =
+      write_table("l (nm),w (nm),init_adjust (nm),iterations\n"
+                  "60,200,9,1\n65,300,7,1\n65,150,2,1\n100,200,5,1\n");
+  g_autofree char *given =
+      g_strdup_printf("{ max_pde: 0.5 %%, init_adjust_table: %s }", path);
+  g_autoptr(opc_module) m = make(given);
+  model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8}};
+  run(m, &t);
+  g_assert_true(g_str_has_prefix(t.trace->str, "2,0 3,0 2,0 2,-1 "));
+  g_string_free(t.trace, TRUE);
+}
+
+/* The table must be refused, with these words. */
+static void refused(const char *text, const char *want) {
+  g_autofree char *path = write_table(text);
+  g_autofree char *given = g_strdup_printf("{ init_adjust_table: %s }", path);
+  g_autoptr(opc_module) m = make(given);
+  const eda_synthesizer *s = m->functions;
+  eda_gates gates = {.grid = 1};
+  eda_feedback f = {.gates = &gates};
+  opc_error error = {0};
+  g_assert_cmpint(s->begin(m->self, &f, &error), ==, OPC_INVALID);
+  g_assert_nonnull(strstr(error.message, want));
+}
+
+static void test_table_refused(void) {
+  const struct {
+    const char *text, *want;
+  } cases[] = {
+      {"l,w\n", "table.csv:1:1: there is no column 'init_adjust'"},
+      {"l,w (um),init_adjust\n", "table.csv:1:3: a wrong unit: 'w (um)'"},
+      {"l,w,init_adjust,l\n", "table.csv:1:17: a column twice: 'l'"},
+      {"l,w,init_adjust\n65,100,x\n", "table.csv:2:8: not a number: 'x'"},
+      {"l,w,init_adjust\n65,100,nan\n", "table.csv:2:8: not a number: 'nan'"},
+      {"l,w,init_adjust\n65,0,1\n", "table.csv:2:4: not above 0: '0'"},
+      {"l,w,init_adjust\n65,100,101\n", "table.csv:2:8: beyond +-100 nm: '101'"},
+      {"l,w,init_adjust\n65,100\n", "table.csv:2:7: not a number: ''"},
+      {"l,w,init_adjust\n65,1,1\n65,1,2\n", "table.csv:3:1: a second row"},
+      {"l,w,init_adjust\n", "has no rows"},
+  };
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++)
+    refused(cases[i].text, cases[i].want);
+  /* Rows are compared with each other. */
+  g_autoptr(GString) many = g_string_new("l,w,init_adjust\n");
+  for (int i = 1; i <= 10001; i++) g_string_append_printf(many, "%d,1,1\n", i);
+  refused(many->str, "table.csv:10002:1: more than 10000 rows");
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/dpb/by-hand", test_by_hand);
+  g_test_add_func("/dpb/by-hand-shorter", test_by_hand_shorter);
+  g_test_add_func("/dpb/init-adjust", test_init_adjust);
+  g_test_add_func("/dpb/init-adjust-too-far", test_init_adjust_too_far);
+  g_test_add_func("/dpb/proportional", test_proportional);
+  g_test_add_func("/dpb/exchange", test_exchange);
+  g_test_add_func("/dpb/coarse-before-fine", test_coarse_before_fine);
+  g_test_add_func("/dpb/table", test_table);
+  g_test_add_func("/dpb/table-refused", test_table_refused);
+  g_test_add_func("/dpb/within", test_within);
+  g_test_add_func("/dpb/grid", test_grid);
+  g_test_add_func("/dpb/veto", test_veto);
+  g_test_add_func("/dpb/bias-limit", test_bias_limit);
+  g_test_add_func("/dpb/independent", test_independent);
+  return g_test_run();
+}

@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Fragments are shorter than what the optics resolve: a move of one changes the
+   print of all that are near, whatever their direction, as it adds light there
+   or takes it away. It is taken to spread as a Gaussian. */
+#include "epe.h"
+
+#include <eda/memory.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "tuning.h"
+
+static double length_of(const epe_piece *p) {
+  return abs(p->to.x - p->from.x) + abs(p->to.y - p->from.y);
+}
+
+/* What a unit move of fragment j does at a site at (x, y): the part of the
+   Gaussian along an infinite straight edge that lies on j. */
+static double weight_at(const epe_layer *l, double x, double y, uint32_t j) {
+  const epe_piece *p = &l->pieces[j];
+  double s = l->rules->blur;
+  double across = p->axis == EDA_X ? x - p->from.x : y - p->from.y;
+  double at = p->axis == EDA_X ? y : x;
+  double a = (epe_along(p, p->from) - at) / (s * M_SQRT2);
+  double b = (epe_along(p, p->to) - at) / (s * M_SQRT2);
+  return exp(-across * across / (2 * s * s)) * fabs(erf(b) - erf(a)) / 2;
+}
+
+typedef struct coupler {
+  epe_layer *layer;
+  eda_index *index;        /* of the middles of the fragments */
+  double grid, longest;
+} coupler;
+
+/* How far v is outside of what lies between a and b. */
+static double outside(double v, int32_t a, int32_t b) {
+  int32_t low = a < b ? a : b, high = a < b ? b : a;
+  return v < low ? low - v : v > high ? v - high : 0;
+}
+
+/* Does fragment j reach into the circle around (x, y)? */
+static int is_near(const epe_piece *p, double x, double y, double reach) {
+  double dx = outside(x, p->from.x, p->to.x);
+  double dy = outside(y, p->from.y, p->to.y);
+  return dx * dx + dy * dy < reach * reach;
+}
+
+/* The row of site i: count what is near, or (weight not NULL) put it down. */
+static void couple_site(const coupler *c, uint32_t i) {
+  epe_layer *l = c->layer;
+  epe_coupling *m = &l->coupling;
+  double x = l->site[2 * i] / c->grid, y = l->site[2 * i + 1] / c->grid;
+  double reach = tuned.coupling_reach * l->rules->blur, far = reach + c->longest / 2;
+  eda_finder f = eda_index_find(
+      c->index, (eda_box){(int32_t)floor(x - far), (int32_t)floor(y - far),
+                          (int32_t)ceil(x + far), (int32_t)ceil(y + far)});
+  uint32_t n = m->weight ? m->start[i] : 0;
+  for (uint32_t j; eda_index_next(&f, &j);) {
+    if (!is_near(&l->pieces[j], x, y, reach)) continue;
+    if (m->weight) {
+      m->index[n] = j;
+      m->weight[n] = (float)weight_at(l, x, y, j);
+    }
+    n++;
+  }
+  if (!m->weight) m->start[i + 1] = n;
+}
+
+static void couple_block(void *data, size_t block) {
+  const coupler *c = data;
+  size_t end = epe_block_end(block, c->layer->count);
+  for (size_t i = block * EPE_BLOCK; i < end; i++) couple_site(c, (uint32_t)i);
+}
+
+/* Room for the rows whose lengths are in start[1] and on. */
+static void make_rows(epe_coupling *m, size_t n) {
+  for (size_t i = 0; i < n; i++) m->start[i + 1] += m->start[i];
+  m->index = eda_alloc(m->start[n], sizeof *m->index);
+  m->weight = eda_alloc(m->start[n], sizeof *m->weight);
+}
+
+static void transpose(const epe_coupling *m, size_t n, epe_coupling *out) {
+  out->start = eda_alloc(n + 2, sizeof *out->start);
+  for (uint32_t k = 0; k < m->start[n]; k++) out->start[m->index[k] + 1]++;
+  make_rows(out, n);
+  for (uint32_t i = 0; i < n; i++)
+    for (uint32_t k = m->start[i]; k < m->start[i + 1]; k++) {
+      uint32_t at = out->start[m->index[k]]++;
+      out->index[at] = i;
+      out->weight[at] = m->weight[k];
+    }
+  for (size_t i = n; i > 0; i--) out->start[i] = out->start[i - 1];
+  out->start[0] = 0;
+}
+
+void epe_couple(epe_layer *l, double grid) {
+  coupler c = {.layer = l, .grid = grid};
+  eda_box *boxes = eda_alloc(l->count, sizeof *boxes);
+  l->coupling.start = eda_alloc(l->count + 1, sizeof *l->coupling.start);
+  for (size_t i = 0; i < l->count; i++) {
+    const epe_piece *p = &l->pieces[i];
+    int32_t x = p->from.x + (p->to.x - p->from.x) / 2;
+    int32_t y = p->from.y + (p->to.y - p->from.y) / 2;
+    boxes[i] = (eda_box){x, y, x, y};
+    c.longest = epe_max(c.longest, length_of(p));
+  }
+  c.index = eda_index_new(boxes, l->count,
+                          (int32_t)ceil(tuned.coupling_reach * l->rules->blur));
+  size_t blocks = epe_blocks(l->count);
+  opc_parallel(l->context, blocks, couple_block, &c);
+  make_rows(&l->coupling, l->count);
+  opc_parallel(l->context, blocks, couple_block, &c);
+  transpose(&l->coupling, l->count, &l->transposed);
+  eda_index_free(c.index);
+  free(boxes);
+}

@@ -1,0 +1,327 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Cut the edges of a layer into fragments: shorter ones beside corners and
+   opposite to corners of others, even ones between (thesis 3.3.1). */
+#include "epe.h"
+
+#include <eda/memory.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct cutter {
+  epe_layer *layer;
+  const eda_shapes *drawn;
+  eda_index *corners;      /* of all polygons */
+  size_t room;             /* for pieces */
+  int32_t *marks;          /* where one edge is cut */
+  size_t n_marks, marks_room;
+  uint8_t *convex;         /* each point of `drawn` */
+} cutter;
+
+/* An edge as drawn: from a corner along a direction. */
+typedef struct drawn_edge {
+  eda_point a, b;
+  int32_t length;
+  uint8_t axis;            /* of its normal */
+  int8_t sign;
+  uint8_t convex[2];
+} drawn_edge;
+
+static drawn_edge edge_of(const cutter *c, uint32_t i, uint32_t next) {
+  drawn_edge e = {.a = c->drawn->points[i], .b = c->drawn->points[next]};
+  int rises = e.a.x == e.b.x ? e.b.y > e.a.y : e.b.x > e.a.x;
+  e.axis = e.a.x == e.b.x ? EDA_X : EDA_Y;
+  /* The inside is on the left. */
+  e.sign = (e.axis == EDA_X) == rises ? 1 : -1;
+  e.length = e.axis == EDA_X ? abs(e.b.y - e.a.y) : abs(e.b.x - e.a.x);
+  e.convex[0] = c->convex[i];
+  e.convex[1] = c->convex[next];
+  return e;
+}
+
+static eda_point point_at(const drawn_edge *e, int32_t t) {
+  eda_point p = e->a;
+  if (e->axis == EDA_X) p.y += e->b.y > e->a.y ? t : -t;
+  else p.x += e->b.x > e->a.x ? t : -t;
+  return p;
+}
+
+/* ---- where to cut ---- */
+
+static void mark(cutter *c, int32_t t) {
+  eda_grow(&c->marks, &c->marks_room, c->n_marks + 1, sizeof t);
+  c->marks[c->n_marks++] = t;
+}
+
+static int ascending(const void *a, const void *b) {
+  int32_t p = *(const int32_t *)a, q = *(const int32_t *)b;
+  return (p > q) - (p < q);
+}
+
+/* Mark a corner of another edge that this one has in sight, if it does, and
+   one ripple to both sides of it. */
+static void mark_corner(cutter *c, const drawn_edge *e, eda_point p) {
+  const epe_rules *r = c->layer->rules;
+  int32_t off = e->axis == EDA_X ? p.x - e->a.x : p.y - e->a.y;
+  int32_t along = e->axis == EDA_X ? p.y - e->a.y : p.x - e->a.x;
+  int rises = e->axis == EDA_X ? e->b.y > e->a.y : e->b.x > e->a.x;
+  if (!rises) along = -along;
+  off *= e->sign;
+  if (off <= 0 || off > r->ripple_reach || along <= 0 || along >= e->length)
+    return;
+  mark(c, along);
+  mark(c, along - r->ripple);
+  mark(c, along + r->ripple);
+}
+
+static void mark_ripples(cutter *c, const drawn_edge *e) {
+  const epe_rules *r = c->layer->rules;
+  if (r->ripple_reach <= 0) return;
+  int32_t out = e->sign * r->ripple_reach;
+  eda_point p = e->a, q = e->b;
+  if (e->axis == EDA_X) q.x += out;
+  else q.y += out;
+  eda_finder f = eda_index_find(
+      c->corners,
+      (eda_box){p.x < q.x ? p.x : q.x, p.y < q.y ? p.y : q.y,
+                p.x < q.x ? q.x : p.x, p.y < q.y ? q.y : p.y});
+  for (uint32_t k; eda_index_next(&f, &k);)
+    mark_corner(c, e, c->drawn->points[k]);
+}
+
+/* Keep the marks that leave no fragment shorter than the least, between
+   `first` and `last`. */
+static void thin_out(cutter *c, int32_t first, int32_t last) {
+  int32_t least = c->layer->rules->min_edge, at = first;
+  size_t n = 0;
+  if (!c->n_marks) return;
+  qsort(c->marks, c->n_marks, sizeof *c->marks, ascending);
+  for (size_t k = 0; k < c->n_marks; k++) {
+    int32_t t = c->marks[k];
+    if (t - at < least || last - t < least) continue;
+    c->marks[n++] = at = t;
+  }
+  c->n_marks = n;
+}
+
+/* Even fragments from `from` to `to`, which both are marks or ends. */
+static void fill(cutter *c, int32_t from, int32_t to) {
+  const epe_rules *r = c->layer->rules;
+  int32_t parts = (to - from + r->fragment / 2) / r->fragment;
+  while (parts > 1 && (to - from) / parts < r->min_edge) parts--;
+  for (int32_t i = 1; i < parts; i++)
+    mark(c, from + (int32_t)((int64_t)(to - from) * i / parts));
+}
+
+/* The marks of an edge, none at its ends. */
+static void mark_edge(cutter *c, const drawn_edge *e) {
+  const epe_rules *r = c->layer->rules;
+  c->n_marks = 0;
+  if (e->length < 2 * r->min_edge) return;
+  if (e->convex[0] && e->convex[1] && e->length <= r->line_end) return;
+  int32_t first = e->convex[0] ? r->corner_edge : r->concave_corner;
+  int32_t last =
+      e->length - (e->convex[1] ? r->corner_edge : r->concave_corner);
+  if (first + r->min_edge > last) {
+    mark(c, e->length / 2);
+    return;
+  }
+  mark_ripples(c, e);
+  thin_out(c, first, last);
+  size_t n = c->n_marks;
+  int32_t at = first;
+  for (size_t k = 0; k < n; k++) {
+    int32_t next = c->marks[k];
+    fill(c, at, next);
+    at = next;
+  }
+  fill(c, at, last);
+  mark(c, first);
+  mark(c, last);
+  qsort(c->marks, c->n_marks, sizeof *c->marks, ascending);
+}
+
+/* ---- fragments ---- */
+
+static void add_edge(cutter *c, const drawn_edge *e, uint32_t polygon) {
+  epe_layer *l = c->layer;
+  mark_edge(c, e);
+  l->edge[l->edges] = (uint32_t)l->count;
+  for (size_t k = 0; k <= c->n_marks; k++) {
+    int first = k == 0, last = k == c->n_marks;
+    eda_grow(&l->pieces, &c->room, l->count + 1, sizeof *l->pieces);
+    l->pieces[l->count++] = (epe_piece){
+        .from = point_at(e, first ? 0 : c->marks[k - 1]),
+        .to = point_at(e, last ? e->length : c->marks[k]),
+        .polygon = polygon,
+        .edge = (uint32_t)l->edges,
+        .gate = -1,
+        .axis = e->axis,
+        .sign = e->sign,
+        .corner = (uint8_t)((first ? EPE_FROM : 0) | (last ? EPE_TO : 0)),
+        .still = e->length < l->rules->min_edge,
+        .hole = c->drawn->hole && c->drawn->hole[polygon]};
+  }
+  l->edges++;
+}
+
+static void close_polygon(epe_layer *l, uint32_t first) {
+  uint32_t end = (uint32_t)l->count;
+  for (uint32_t i = first; i < end; i++) {
+    l->pieces[i].previous = i > first ? i - 1 : end - 1;
+    l->pieces[i].next = i + 1 < end ? i + 1 : first;
+  }
+}
+
+static void cut_polygons(cutter *c) {
+  epe_layer *l = c->layer;
+  const eda_shapes *s = c->drawn;
+  for (size_t p = 0; p < s->count; p++) {
+    uint32_t first = (uint32_t)l->count;
+    l->start[p] = first;
+    for (uint32_t i = s->start[p]; i < s->start[p + 1]; i++) {
+      uint32_t next = i + 1 < s->start[p + 1] ? i + 1 : s->start[p];
+      drawn_edge e = edge_of(c, i, next);
+      add_edge(c, &e, (uint32_t)p);
+    }
+    close_polygon(l, first);
+  }
+  l->start[s->count] = l->edge[l->edges] = (uint32_t)l->count;
+}
+
+/* ---- sites ---- */
+
+/* The middle of a fragment, but off the corners, where the print is round, as
+   far as the edge allows. */
+static void set_site(epe_layer *l, uint32_t i, double grid) {
+  const epe_piece *p = &l->pieces[i];
+  uint32_t first = l->edge[p->edge], last = l->edge[p->edge + 1] - 1;
+  double a = epe_along(p, l->pieces[first].from);
+  double b = epe_along(p, l->pieces[last].to);
+  double low = epe_min(a, b) + l->rules->tangency;
+  double high = epe_max(a, b) - l->rules->tangency;
+  double t = (epe_along(p, p->from) + (double)epe_along(p, p->to)) / 2;
+  t = low > high ? (a + b) / 2 : epe_within(t, low, high);
+  double at = epe_line(l->pieces, NULL, i);
+  l->site[2 * i] = grid * (p->axis == EDA_X ? at : t);
+  l->site[2 * i + 1] = grid * (p->axis == EDA_X ? t : at);
+}
+
+/* ---- owners ---- */
+
+static int64_t distance(eda_point a, eda_point b) {
+  return llabs((int64_t)b.x - a.x) + llabs((int64_t)b.y - a.y);
+}
+
+/* The transistor that owns the middle of each fragment, from the fragments that
+   the gates came with: both go around the same polygons. */
+static void set_owners(epe_layer *l, const eda_edges *e) {
+  if (e->polygons != l->polygons) return;
+  for (size_t p = 0; p < l->polygons; p++) {
+    uint32_t k = e->start[p], last = e->start[p + 1];
+    uint32_t i = l->start[p], end = l->start[p + 1];
+    if (k == last || distance(e->fragments[k].from, l->from[i])) continue;
+    int64_t begins = 0, at = 0;
+    for (; i < end; i++) {
+      int64_t length = distance(l->pieces[i].from, l->pieces[i].to);
+      while (k + 1 < last) {
+        int64_t next = begins + distance(e->fragments[k].from,
+                                         e->fragments[k + 1].from);
+        if (2 * next > 2 * at + length) break;
+        begins = next;
+        k++;
+      }
+      if (e->fragments[k].role != EDA_FIXED)
+        l->pieces[i].gate = e->fragments[k].gate;
+      at += length;
+    }
+  }
+}
+
+/* ---- all of it ---- */
+
+static void find_corners(cutter *c, size_t n) {
+  const eda_shapes *s = c->drawn;
+  eda_box *boxes = eda_alloc(n, sizeof *boxes);
+  for (size_t p = 0; p < s->count; p++)
+    for (uint32_t i = s->start[p]; i < s->start[p + 1]; i++) {
+      uint32_t last = s->start[p + 1] - 1;
+      eda_point a = s->points[i > s->start[p] ? i - 1 : last];
+      eda_point b = s->points[i];
+      eda_point d = s->points[i < last ? i + 1 : s->start[p]];
+      boxes[i] = (eda_box){b.x, b.y, b.x, b.y};
+      /* A turn to the left; only signs, products may not fit. */
+      int in_x = (b.x > a.x) - (b.x < a.x), in_y = (b.y > a.y) - (b.y < a.y);
+      int out_x = (d.x > b.x) - (d.x < b.x), out_y = (d.y > b.y) - (d.y < b.y);
+      c->convex[i] = in_x * out_y - in_y * out_x > 0;
+    }
+  int32_t reach = c->layer->rules->ripple_reach;
+  c->corners = eda_index_new(boxes, n, reach > 1 ? reach : 1);
+  free(boxes);
+}
+
+/* Everything that has the length of the fragments. */
+static void make_arrays(epe_layer *l) {
+  double **reals[] = {&l->wanted,  &l->gain,    &l->step,    &l->side,
+                      &l->error,   &l->before,  &l->cost,    &l->work[0],
+                      &l->work[1], &l->work[2], &l->work[3], &l->work[4]};
+  int32_t **integers[] = {&l->shift, &l->last, &l->best,   &l->low,
+                          &l->high,  &l->most, &l->settled};
+  size_t n = l->count;
+  l->reals = eda_alloc(sizeof reals / sizeof *reals * n, sizeof *l->reals);
+  l->integers =
+      eda_alloc(sizeof integers / sizeof *integers * n, sizeof *l->integers);
+  for (size_t k = 0; k < sizeof reals / sizeof *reals; k++)
+    *reals[k] = l->reals + k * n;
+  for (size_t k = 0; k < sizeof integers / sizeof *integers; k++)
+    *integers[k] = l->integers + k * n;
+  l->from = eda_alloc(n, sizeof *l->from);
+  l->site = eda_alloc(n, 2 * sizeof *l->site);
+  l->runs = eda_alloc(n, sizeof *l->runs);
+  l->state = eda_alloc(l->edges, sizeof *l->state);
+}
+
+void epe_cut(epe_layer *l, const eda_gates *gates, int which) {
+  cutter c = {.layer = l, .drawn = &gates->drawn[which]};
+  size_t n = c.drawn->count ? c.drawn->start[c.drawn->count] : 0;
+  l->polygons = c.drawn->count;
+  l->start = eda_alloc(l->polygons + 1, sizeof *l->start);
+  l->edge = eda_alloc(n + 1, sizeof *l->edge);
+  c.convex = eda_alloc(n, 1);
+  find_corners(&c, n);
+  cut_polygons(&c);
+  make_arrays(l);
+  for (uint32_t i = 0; i < l->count; i++) {
+    l->from[i] = l->pieces[i].from;
+    l->gain[i] = 1;
+    l->step[i] = INFINITY;
+    l->most[i] = l->pieces[i].still ? 0 : l->rules->max_shift;
+    set_site(l, i, gates->grid);
+  }
+  set_owners(l, &gates->edges[which]);
+  eda_index_free(c.corners);
+  free(c.convex);
+  free(c.marks);
+}
+
+void epe_clear(epe_layer *l) {
+  epe_coupling *couplings[] = {&l->coupling, &l->transposed};
+  for (int k = 0; k < 2; k++) {
+    free(couplings[k]->start);
+    free(couplings[k]->index);
+    free(couplings[k]->weight);
+  }
+  free(l->pieces);
+  free(l->start);
+  free(l->from);
+  free(l->site);
+  free(l->edge);
+  free(l->state);
+  free(l->pairs);
+  free(l->broken);
+  free(l->reals);
+  free(l->integers);
+  free(l->runs);
+  free(l->bars.box);
+  *l = (epe_layer){0};
+}

@@ -1,0 +1,384 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* synthesizer.epe: OPC by edge placement errors (thesis 1.2 and 3.3.1; N. Cobb,
+   "Fast Optical and Process Proximity Correction Algorithms for Integrated
+   Circuit Manufacturing", 1998). Edges are cut into fragments; each moves until
+   the print meets its drawn edge. */
+#include "epe.h"
+
+#include <eda/memory.h>
+#include <math.h>
+#include <opcflow/plugin.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tuning.h"
+
+/* ---- state ---- */
+
+enum { LAYERS_BOTH, LAYERS_POLY, LAYERS_ACTIVE };
+enum { BEST_EPE, BEST_ION };
+
+/* Why a transistor is left with its deviation. */
+enum { WITHIN, GRID, LIMIT, RULE, LOST, UNMOVED, VERDICTS };
+static const char *const verdicts[VERDICTS] = {
+    "within 1 nm", "epe", "shift limit", "mask rule", "no edge", NULL};
+
+typedef struct epe {
+  const opc_host *host;
+  /* Parameters, nm; NAN: as fragment, or min_edge half of it. */
+  double fragment, concave_corner, corner_edge, line_end, ripple, ripple_reach;
+  double min_edge, tangency, min_width, min_space, min_jog, max_shift, blur;
+  double step, damping, stiffness;
+  int64_t iterations;
+  int which_layers, which_best;
+  int64_t bar_rows;
+  double bar_width, bar_distance, bar_space, bar_min_length, bar_overhang;
+  double bar_margin, window_level, window_weight;
+
+  epe_rules rules;
+  epe_assist assist;
+  epe_layer *layers;
+  size_t n_layers;
+  double grid;
+  size_t count;            /* transistors */
+  uint8_t *verdict;
+  double best;             /* the least cost, INFINITY: none yet */
+  size_t dropped;          /* bars that printed */
+  int still;               /* iterations since a fragment moved last */
+} epe;
+
+/* ---- work: begin and cut ---- */
+
+static void clear(void *self) {
+  epe *d = self;
+  for (size_t k = 0; k < d->n_layers; k++) epe_clear(&d->layers[k]);
+  free(d->layers);
+  free(d->verdict);
+}
+
+/* A length in grid steps. */
+static int32_t steps(const epe *d, double nm) {
+  return (int32_t)lround(fmin(nm / d->grid, 1 << 20));
+}
+
+static int32_t at_least(int32_t n, int32_t least) {
+  return n > least ? n : least;
+}
+
+/* A length beside a corner, which is that of a fragment if it is not given. */
+static int32_t beside(const epe *d, double nm) {
+  return at_least(steps(d, isnan(nm) ? d->fragment : nm), d->rules.min_edge);
+}
+
+static void set_rules(epe *d) {
+  double min_edge = isnan(d->min_edge) ? d->fragment / 2 : d->min_edge;
+  d->rules.min_edge = at_least(steps(d, min_edge), 1);
+  d->rules = (epe_rules){.fragment = at_least(steps(d, d->fragment), 1),
+                         .min_edge = d->rules.min_edge,
+                         .concave_corner = beside(d, d->concave_corner),
+                         .corner_edge = beside(d, d->corner_edge),
+                         .ripple = beside(d, d->ripple),
+                         .line_end = steps(d, d->line_end),
+                         .ripple_reach = steps(d, d->ripple_reach),
+                         .tangency = steps(d, d->tangency),
+                         .min_width = steps(d, d->min_width),
+                         .min_space = steps(d, d->min_space),
+                         .min_jog = steps(d, d->min_jog),
+                         .max_shift = steps(d, d->max_shift),
+                         .blur = d->blur / d->grid};
+  d->assist =
+      (epe_assist){.rows = (int32_t)d->bar_rows,
+                   .width = at_least(steps(d, d->bar_width), 1),
+                   .distance = steps(d, d->bar_distance),
+                   .space = steps(d, d->bar_space),
+                   .min_length = at_least(steps(d, d->bar_min_length), 1),
+                   .overhang = steps(d, d->bar_overhang)};
+}
+
+static int begin(void *self, const eda_feedback *f, opc_error *error) {
+  epe *d = self;
+  clear(d);
+  d->grid = f->gates->grid;
+  d->count = f->gates->count;
+  d->n_layers = f->gates->layers;
+  d->layers = eda_alloc(d->n_layers, sizeof *d->layers);
+  d->verdict = eda_alloc(d->count, 1);
+  d->best = INFINITY;
+  d->still = 0;
+  d->dropped = 0;
+  set_rules(d);
+  if (d->which_best == BEST_ION && !d->count)
+    return opc_fail(error, OPC_INVALID, "best",
+                    "'ion' needs transistors, there are none");
+  return OPC_OK;
+}
+
+/* Layers beside poly and active go with poly. */
+static int wants(const epe *d, int layer) {
+  return d->which_layers == LAYERS_BOTH ||
+         d->which_layers ==
+             (layer == EDA_ACTIVE ? LAYERS_ACTIVE : LAYERS_POLY);
+}
+
+static int cut(void *self, const eda_gates *gates, int layer, eda_cuts *cuts,
+               opc_error *error) {
+  epe *d = self;
+  if (!wants(d, layer) || !gates->drawn[layer].count) return OPC_OK;
+  epe_layer *l = &d->layers[layer];
+  l->context = d->host->context;
+  l->rules = &d->rules;
+  epe_cut(l, gates, layer);
+  epe_find_pairs(l);
+  epe_couple(l, d->grid);
+  int code = epe_place_bars(l, &d->assist, &gates->drawn[layer], error);
+  if (code) return code;
+  *cuts = (eda_cuts){.polygons = l->polygons,
+                     .start = l->start,
+                     .from = l->from,
+                     .site = l->site,
+                     .assists = {l->bars.box, l->bars.count}};
+  return OPC_OK;
+}
+
+/* ---- work: update ---- */
+
+/* Take in what was measured of a layer. */
+static void take(epe_layer *l, const double *nm, const int32_t *shift,
+                 const eda_field *print, double grid) {
+  for (size_t i = 0; i < l->count; i++) {
+    l->before[i] = l->error[i];
+    l->last[i] = l->shift[i];
+    l->error[i] = nm[i] / grid;
+    l->cost[i] = isnan(nm[i]) ? tuned.lost_cost : fabs(nm[i]);
+    l->shift[i] = shift[i];
+    if (print && isnan(nm[i]))
+      eda_field_sample(print, &l->site[2 * i], &l->site[2 * i + 1], 1,
+                               &l->side[i]);
+  }
+}
+
+/* Mean of what errors cost along the edges, nm. */
+static double mean_epe(const epe *d) {
+  double sum = 0, length = 0;
+  for (size_t k = 0; k < d->n_layers; k++) {
+    const epe_layer *l = &d->layers[k];
+    for (size_t i = 0; i < l->count; i++) {
+      const epe_piece *p = &l->pieces[i];
+      double along = abs(p->to.x - p->from.x) + abs(p->to.y - p->from.y);
+      sum += along * l->cost[i];
+      length += along;
+    }
+  }
+  return length > 0 ? sum / length : 0;
+}
+
+/* Is every edge as near as the grid can bring it? */
+static int solved(const epe *d) {
+  for (size_t k = 0; k < d->n_layers; k++)
+    for (size_t i = 0; i < d->layers[k].count; i++)
+      if (!(fabs(d->layers[k].error[i]) <= 0.5)) return 0;
+  return 1;
+}
+
+static double mean_ion(const eda_feedback *f) {
+  double sum = 0;
+  for (size_t i = 0; i < f->gates->count; i++)
+    sum += fabs(f->printed->ion[i] / f->design->ion[i] - 1);
+  return sum / (double)f->gates->count;
+}
+
+static void judge_gate(epe *d, const epe_layer *l, size_t i) {
+  int32_t gate = l->pieces[i].gate;
+  if (gate < 0 || (size_t)gate >= d->count) return;
+  int32_t shift = l->shift[i];
+  int why = isnan(l->error[i])                         ? LOST
+            : fabs(l->error[i]) * d->grid <= 1         ? WITHIN
+            : abs(shift) >= d->rules.max_shift         ? LIMIT
+            : shift == l->low[i] || shift == l->high[i] ? RULE
+                                                       : GRID;
+  if (d->verdict[gate] == UNMOVED || why > d->verdict[gate])
+    d->verdict[gate] = (uint8_t)why;
+}
+
+/* The state is the best so far: keep it, and how the gates fare. */
+static void keep(epe *d) {
+  memset(d->verdict, UNMOVED, d->count);
+  for (size_t k = 0; k < d->n_layers; k++) {
+    epe_layer *l = &d->layers[k];
+    if (l->count) memcpy(l->best, l->shift, l->count * sizeof *l->best);
+    for (size_t i = 0; i < l->count; i++) judge_gate(d, l, i);
+  }
+}
+
+/* The level set of a layer's print; NULL if there is none. */
+static const eda_field *print_of(const eda_feedback *f, size_t layer) {
+  return f->print ? &f->print[layer] : NULL;
+}
+
+/* Bars that print go for good. What was best had them: look anew. */
+static void drop_bars(epe *d, const eda_feedback *f) {
+  size_t all = 0;
+  for (size_t k = 0; k < d->n_layers; k++)
+    all += epe_drop_bars(&d->layers[k], print_of(f, k), d->grid, d->bar_margin);
+  if (all) d->best = INFINITY;
+  d->dropped += all;
+}
+
+/* How many bars the mask has, and how many were dropped. */
+static int tell_of_bars(const epe *d, opc_error *error) {
+  if (!d->assist.rows) return OPC_OK;
+  size_t n = 0;
+  for (size_t k = 0; k < d->n_layers; k++) n += d->layers[k].bars.count;
+  int code = d->host->metric(d->host, "assists", (double)n, error);
+  if (code) return code;
+  return d->host->metric(d->host, "assists_dropped", (double)d->dropped, error);
+}
+
+static int update(void *self, const eda_feedback *f, eda_moves *moves,
+                  int *done, opc_error *error) {
+  epe *d = self;
+  drop_bars(d, f);
+  for (size_t k = 0; k < d->n_layers; k++) {
+    epe_layer *l = &d->layers[k];
+    if (!l->count) continue;
+    take(l, f->epe[k], moves->shift[k], print_of(f, k), d->grid);
+    epe_weigh(l, print_of(f, k), d->window_weight, d->window_level, d->grid);
+  }
+  double cost = d->which_best == BEST_ION ? mean_ion(f) : mean_epe(d);
+  if (cost < d->best) {
+    d->best = cost;
+    keep(d);
+  }
+  const epe_steering steering = {.step = d->step / d->grid,
+                                 .damping = d->damping,
+                                 .stiffness = d->stiffness};
+  int moved = 0;
+  *done = f->iteration >= d->iterations || d->still >= tuned.still || solved(d);
+  for (size_t k = 0; k < d->n_layers; k++) {
+    epe_layer *l = &d->layers[k];
+    if (!l->count) continue;
+    moves->assists[k] = (eda_boxes){l->bars.box, l->bars.count};
+    if (*done) {
+      memcpy(moves->shift[k], l->best, l->count * sizeof *l->best);
+      continue;
+    }
+    epe_steer(l, &steering);
+    epe_settle(l, moves->shift[k]);
+    moved |= memcmp(moves->shift[k], l->shift, l->count * sizeof *l->shift);
+  }
+  d->still = moved ? 0 : d->still + 1;
+  return tell_of_bars(d, error);
+}
+
+static const char *verdict(const void *self, size_t gate) {
+  const epe *d = self;
+  return gate < d->count ? verdicts[d->verdict[gate]] : NULL;
+}
+
+/* ---- parameters ---- */
+
+#define LENGTH(NAME, MEMBER, FLAG, PRESET, SUMMARY)                         \
+  {.name = (NAME), .type = OPC_REAL, .flags = (FLAG), .unit = "nm",         \
+   .preset = (PRESET), .summary = (SUMMARY), OPC_FIELD(epe, MEMBER)}
+#define NUMBER(NAME, MEMBER, FLAG, MAX, PRESET, SUMMARY)                    \
+  {.name = (NAME), .type = OPC_REAL, .flags = (FLAG), .max = (MAX),         \
+   .preset = (PRESET), .summary = (SUMMARY), OPC_FIELD(epe, MEMBER)}
+
+static const opc_parameter parameters[] = {
+    LENGTH("fragment", fragment, OPC_ABOVE, "40 nm",
+           "length of the fragments of an edge"),
+    LENGTH("concave_corner", concave_corner, OPC_ABOVE, NULL,
+           "length of a fragment beside a concave corner; as fragment"),
+    LENGTH("corner_edge", corner_edge, OPC_ABOVE, NULL,
+           "length of a fragment beside a convex corner; as fragment"),
+    LENGTH("line_end", line_end, OPC_AT_LEAST, "100 nm",
+           "an edge between two convex corners that is at most so long is a "
+           "line end, one fragment"),
+    LENGTH("ripple", ripple, OPC_ABOVE, NULL,
+           "length of the fragments beside what lies opposite to a corner of "
+           "another edge; as fragment"),
+    LENGTH("ripple_reach", ripple_reach, OPC_AT_LEAST, "0 nm",
+           "how far away such a corner may be; 0: none"),
+    LENGTH("min_edge", min_edge, OPC_ABOVE, NULL,
+           "no piece of an edge is shorter; half of fragment"),
+    LENGTH("tangency", tangency, OPC_AT_LEAST, "40 nm",
+           "how far off corners, where the print is round, errors are "
+           "measured"),
+    LENGTH("min_width", min_width, OPC_AT_LEAST, "40 nm",
+           "least width of the mask, also of a nub of an edge"),
+    LENGTH("min_space", min_space, OPC_AT_LEAST, "40 nm",
+           "least space of the mask, also of a notch of an edge"),
+    LENGTH("min_jog", min_jog, OPC_AT_LEAST, "0 nm",
+           "neighbours whose shifts differ by less get the same"),
+    LENGTH("max_shift", max_shift, OPC_ABOVE, "60 nm",
+           "how far a fragment may move in all"),
+    LENGTH("step", step, OPC_ABOVE, "8 nm",
+           "how far a fragment may move in an iteration"),
+    NUMBER("damping", damping, OPC_ABOVE | OPC_AT_MOST, 1, "0.7",
+           "the part of an error that one move is to correct"),
+    NUMBER("stiffness", stiffness, OPC_ABOVE, 0, "0.1",
+           "what a move costs against an error: more is slower and surer, 2 "
+           "where features hardly print"),
+    LENGTH("blur", blur, OPC_ABOVE, "40 nm",
+           "how far a move spreads in the print, as the standard deviation of "
+           "a Gaussian; about a fifth of wavelength / NA"),
+    {.name = "iterations", .type = OPC_INT, .flags = OPC_AT_LEAST,
+     .preset = "20", .summary = "moves at most", OPC_FIELD(epe, iterations)},
+    {.name = "layers", .type = OPC_CHOICE, .preset = "both",
+     .choices = "both|poly|active", .summary = "what to correct",
+     OPC_FIELD(epe, which_layers)},
+    {.name = "best", .type = OPC_CHOICE, .preset = "epe",
+     .choices = "epe|ion",
+     .summary = "the iteration to keep: that of the least mean |EPE|, or of "
+                "the least mean |Ion deviation|",
+     OPC_FIELD(epe, which_best)},
+    {.name = "assist", .type = OPC_INT, .flags = OPC_AT_LEAST | OPC_AT_MOST,
+     .preset = "0", .max = 4, .summary = "rows of assist bars beside open edges",
+     OPC_FIELD(epe, bar_rows)},
+    LENGTH("assist_width", bar_width, OPC_ABOVE, "50 nm",
+           "width of an assist bar"),
+    LENGTH("assist_distance", bar_distance, OPC_ABOVE, "150 nm",
+           "from drawn shapes to the first row"),
+    LENGTH("assist_space", bar_space, OPC_ABOVE, "80 nm",
+           "between assist bars"),
+    LENGTH("assist_min_length", bar_min_length, OPC_ABOVE, "80 nm",
+           "of an assist bar"),
+    LENGTH("assist_overhang", bar_overhang, OPC_AT_LEAST, "100 nm",
+           "how far a bar goes past the ends of its edge"),
+    NUMBER("assist_margin", bar_margin, OPC_AT_LEAST, 0, "0.02",
+           "a bar is dropped where it comes so near to printing, intensity; "
+           "clear field 1"),
+    NUMBER("window.level", window_level, OPC_ABOVE, 0, "0.01",
+           "other doses: the intensity at the edge, more and less; clear "
+           "field 1"),
+    NUMBER("window.weight", window_weight, OPC_AT_LEAST | OPC_AT_MOST, 1, "0",
+           "of the errors at other doses in the feedback"),
+};
+
+static const opc_metric metrics[] = {
+    {.name = "assists", .summary = "assist bars of the mask"},
+    {.name = "assists_dropped",
+     .better = OPC_LOWER,
+     .summary = "assist bars that were taken away as they printed"},
+};
+
+static int check(void *self, opc_error *error) {
+  const epe *d = self;
+  if (!(d->min_edge > d->fragment)) return OPC_OK;
+  return opc_fail(error, OPC_INVALID, "min_edge",
+                  "%g nm is more than a fragment of %g nm", d->min_edge,
+                  d->fragment);
+}
+
+/* ---- entry ---- */
+
+static const eda_synthesizer functions = {
+    .begin = begin, .update = update, .verdict = verdict, .cut = cut};
+
+OPC_PLUGIN(epe, .id = "synthesizer.epe", .kind = "synthesizer",
+           .version = "0.2.0", .licence = "BSD-3-Clause",
+           .summary = "edge placement error OPC: fragments that move until "
+                      "the print meets the drawn edge",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
+           .clear = clear, OPC_FUNCTIONS(functions));

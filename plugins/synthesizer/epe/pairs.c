@@ -1,0 +1,295 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Width, space and edges of the mask: pairs of fragments that face each other, found
+   once, and kept apart at every move. Distances are Euclidean, as a mask shop
+   checks them; a pair that is drawn too near may not come nearer. */
+#include "epe.h"
+
+#include <eda/memory.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* From fragment a to b, which lies on the side of the larger coordinate. */
+typedef struct gap {
+  double across;  /* along their axis */
+  double along;   /* between their ends; 0 or less if they overlap */
+} gap;
+
+static gap gap_of(const epe_piece *p, const int32_t *shift, uint32_t a,
+                  uint32_t b) {
+  int32_t a0 = epe_begin(p, shift, a), a1 = epe_end(p, shift, a);
+  int32_t b0 = epe_begin(p, shift, b), b1 = epe_end(p, shift, b);
+  int32_t low_a = a0 < a1 ? a0 : a1, high_a = a0 < a1 ? a1 : a0;
+  int32_t low_b = b0 < b1 ? b0 : b1, high_b = b0 < b1 ? b1 : b0;
+  return (gap){(double)epe_line(p, shift, b) - epe_line(p, shift, a),
+               epe_max((double)low_b - high_a, (double)low_a - high_b)};
+}
+
+/* ---- finding them ---- */
+
+typedef struct finder {
+  epe_layer *layer;
+  eda_index *index;
+  size_t room;
+} finder;
+
+static void add_pair(finder *f, epe_pair pair) {
+  epe_layer *l = f->layer;
+  eda_grow(&l->pairs, &f->room, l->pair_count + 1, sizeof pair);
+  l->pairs[l->pair_count++] = pair;
+}
+
+/* How far the ends of a fragment may come to move along its edge. */
+static double stretch(const epe_layer *l, uint32_t i) {
+  return l->pieces[i].corner ? l->rules->max_shift : 0;
+}
+
+/* Fragment i has its outside towards larger coordinates, j towards smaller
+   ones: across a space if j lies beyond i, else through the inside. */
+static void consider(finder *f, uint32_t i, uint32_t j) {
+  epe_layer *l = f->layer;
+  const epe_piece *p = l->pieces;
+  int32_t off = epe_line(p, NULL, j) - epe_line(p, NULL, i);
+  if (!off) return;
+  int inside = off < 0;
+  uint32_t a = inside ? j : i, b = inside ? i : j;
+  double limit = inside ? l->rules->min_width : l->rules->min_space;
+  gap g = gap_of(p, NULL, a, b);
+  if (g.across > limit + 2 * l->rules->max_shift ||
+      g.along > limit + stretch(l, a) + stretch(l, b))
+    return;
+  /* Corners of two polygons that look past each other have no inside between
+     them. */
+  if (inside && g.along >= 0 && p[i].polygon != p[j].polygon && !p[i].hole &&
+      !p[j].hole)
+    return;
+  double drawn = g.along > 0 ? hypot(g.across, g.along) : g.across;
+  add_pair(f, (epe_pair){a, b, (uint16_t)inside, 0,
+                         (float)epe_min(limit, drawn)});
+}
+
+static eda_box box_of(const epe_piece *p, int32_t grown) {
+  eda_box b = {p->from.x < p->to.x ? p->from.x : p->to.x,
+               p->from.y < p->to.y ? p->from.y : p->to.y,
+               p->from.x < p->to.x ? p->to.x : p->from.x,
+               p->from.y < p->to.y ? p->to.y : p->from.y};
+  return (eda_box){b.x0 - grown, b.y0 - grown, b.x1 + grown, b.y1 + grown};
+}
+
+static void find_around(finder *f, uint32_t i, int32_t reach) {
+  const epe_piece *p = f->layer->pieces;
+  eda_finder near = eda_index_find(f->index, box_of(&p[i], reach));
+  for (uint32_t j; eda_index_next(&near, &j);)
+    if (p[j].axis == p[i].axis && p[j].sign < 0) consider(f, i, j);
+}
+
+/* How far fragment i begins (side 0) or ends (1) from the corner of its edge
+   there. */
+static int32_t off_corner(const epe_layer *l, uint32_t i, int side) {
+  const epe_piece *p = l->pieces;
+  uint32_t first = l->edge[p[i].edge], last = l->edge[p[i].edge + 1] - 1;
+  return side ? abs(epe_along(&p[i], p[last].to) - epe_along(&p[i], p[i].to))
+              : abs(epe_along(&p[i], p[first].from) -
+                    epe_along(&p[i], p[i].from));
+}
+
+/* Fragments before and after the corner at the end of fragment i, but not those
+   that meet in it: at a concave corner nubs of both come near to each other, at
+   a convex one notches. */
+static void find_at_corner(finder *f, uint32_t i) {
+  epe_layer *l = f->layer;
+  const epe_piece *p = l->pieces;
+  uint32_t j = p[i].next;
+  if (!(p[i].corner & EPE_TO)) return;
+  int inside = (p[i].sign * p[j].sign > 0) == (p[i].axis == EDA_X);
+  int32_t limit = inside ? l->rules->min_width : l->rules->min_space;
+  int32_t reach = limit + l->rules->max_shift;
+  for (uint32_t a = i; !(p[a].corner & EPE_FROM);) {
+    a = p[a].previous;
+    if (off_corner(l, a, 1) >= reach) break;
+    for (uint32_t b = j; !(p[b].corner & EPE_TO);) {
+      b = p[b].next;
+      if (off_corner(l, b, 0) >= reach) break;
+      double drawn = hypot(off_corner(l, a, 1), off_corner(l, b, 0));
+      add_pair(f, (epe_pair){a, b, (uint16_t)inside, 1,
+                             (float)epe_min(limit, drawn)});
+    }
+  }
+}
+
+void epe_find_pairs(epe_layer *l) {
+  const epe_rules *r = l->rules;
+  finder f = {.layer = l};
+  int32_t most = r->min_width > r->min_space ? r->min_width : r->min_space;
+  int32_t reach = most + 2 * r->max_shift;
+  if (!most) return;
+  eda_box *boxes = eda_alloc(l->count, sizeof *boxes);
+  for (uint32_t i = 0; i < l->count; i++) boxes[i] = box_of(&l->pieces[i], 0);
+  f.index = eda_index_new(boxes, l->count, reach);
+  for (uint32_t i = 0; i < l->count; i++) {
+    if (l->pieces[i].sign > 0) find_around(&f, i, reach);
+    find_at_corner(&f, i);
+  }
+  eda_index_free(f.index);
+  free(boxes);
+  l->broken = eda_alloc(l->pair_count, 1);
+}
+
+/* ---- keeping them apart ---- */
+
+static void keep_below(epe_layer *l, uint32_t i, int32_t most) {
+  if (most < 0) most = 0;
+  if (l->high[i] <= most) return;
+  l->high[i] = most;
+  l->state[l->pieces[i].edge] |= EPE_NARROWED;
+}
+
+static void keep_above(epe_layer *l, uint32_t i, int32_t least) {
+  if (least > 0) least = 0;
+  if (l->low[i] >= least) return;
+  l->low[i] = least;
+  l->state[l->pieces[i].edge] |= EPE_NARROWED;
+}
+
+/* The neighbours around the corners of a fragment have made it longer: they go
+   back by a step. */
+static void draw_in(epe_layer *l, const int32_t *shift, uint32_t i) {
+  const epe_piece *p = &l->pieces[i];
+  uint32_t around[2] = {p->previous, p->next};
+  for (int k = 0; k < 2; k++) {
+    if (!(p->corner & (k ? EPE_TO : EPE_FROM))) continue;
+    uint32_t n = around[k];
+    if (shift[n] > 0) keep_below(l, n, shift[n] - 1);
+    if (shift[n] < 0) keep_above(l, n, shift[n] + 1);
+  }
+}
+
+static void leave_as_drawn(epe_layer *l, uint32_t i) {
+  const epe_piece *p = &l->pieces[i];
+  uint32_t all[3] = {i, p->previous, p->next};
+  for (int k = 0; k < 3; k++) {
+    l->low[all[k]] = l->high[all[k]] = 0;
+    l->state[l->pieces[all[k]].edge] |= EPE_WHOLE | EPE_NARROWED;
+  }
+}
+
+/* Both go back by their part of what is missing. */
+static void give_way(epe_layer *l, const int32_t *shift, const epe_pair *pair,
+                     double missing) {
+  int sign = pair->inside ? -1 : 1;   /* of the moves that close the gap */
+  uint32_t who[2] = {pair->a, pair->b};
+  double part[2], all = 0;
+  for (int k = 0; k < 2; k++) all += part[k] = epe_max(0, sign * shift[who[k]]);
+  for (int k = 0; k < 2; k++) {
+    if (part[k] <= 0) continue;
+    int32_t back = (int32_t)ceil(missing * part[k] / all);
+    if (sign > 0) keep_below(l, who[k], shift[who[k]] - back);
+    else keep_above(l, who[k], shift[who[k]] + back);
+  }
+  if (all >= missing) return;
+  for (int k = 0; k < 2; k++) draw_in(l, shift, who[k]);
+}
+
+/* Grid steps: corners lie on whole ones, and limits are floats, whose last bit
+   must not decide. */
+static const double slack = 1e-3;
+
+/* How near the jogs of two fragments around a corner are to each other; far,
+   if not both of them stand out. */
+static double around_corner(const epe_layer *l, const int32_t *shift,
+                            const epe_pair *pair) {
+  uint32_t a = pair->a, b = pair->b;
+  int sign = pair->inside ? -1 : 1;
+  int32_t by_a = sign * shift[a], by_b = sign * shift[b];
+  if (by_a <= sign * shift[l->pieces[a].next] ||
+      by_b <= sign * shift[l->pieces[b].previous])
+    return INFINITY;
+  return hypot(epe_max(0, off_corner(l, b, 0) - by_a),
+               epe_max(0, off_corner(l, a, 1) - by_b));
+}
+
+static int too_near(const epe_layer *l, const int32_t *shift,
+                    const epe_pair *pair) {
+  const epe_piece *p = l->pieces;
+  double limit = pair->limit - slack;
+  if (pair->corner) return around_corner(l, shift, pair) < limit;
+  if (epe_line(p, shift, pair->b) - epe_line(p, shift, pair->a) >= limit)
+    return 0;
+  gap g = gap_of(p, shift, pair->a, pair->b);
+  /* Past each other, the wall of one faces a jog or the wall of the other. */
+  return g.along <= 0 || hypot(epe_max(g.across, 0), g.along) < limit;
+}
+
+typedef struct search {
+  epe_layer *layer;
+  const int32_t *shift;
+} search;
+
+static void search_block(void *data, size_t block) {
+  const search *s = data;
+  epe_layer *l = s->layer;
+  size_t end = epe_block_end(block, l->pair_count);
+  for (size_t k = block * EPE_BLOCK; k < end; k++)
+    l->broken[k] = (uint8_t)too_near(l, s->shift, &l->pairs[k]);
+}
+
+/* The fragment that moved a corner by `off`, the wrong way, goes back by its
+   part of what is missing. */
+static void yield(epe_layer *l, const int32_t *shift, uint32_t i, double off,
+                  double part) {
+  int32_t back = (int32_t)ceil(off * part);
+  if (shift[i] > 0) keep_below(l, i, shift[i] - back);
+  if (shift[i] < 0) keep_above(l, i, shift[i] + back);
+}
+
+/* An edge whose corners have come too near to each other, or have changed
+   places: the edges around it go back. No edge gets shorter than min_edge, or
+   than it was drawn if that is less. */
+static int lengthen(epe_layer *l, const int32_t *shift, size_t e, int hard) {
+  const epe_piece *p = l->pieces;
+  uint32_t first = l->edge[e], last = l->edge[e + 1] - 1;
+  int way = (p[first].axis == EDA_X) == (p[first].sign > 0) ? 1 : -1;
+  double begin = epe_begin(p, shift, first), end = epe_end(p, shift, last);
+  double drawn_begin = epe_begin(p, NULL, first);
+  double drawn_end = epe_end(p, NULL, last);
+  double least = epe_min(way * (drawn_end - drawn_begin), l->rules->min_edge);
+  double missing = least - way * (end - begin);
+  if (missing <= 0) return 0;
+  if (hard) {
+    leave_as_drawn(l, first);
+    leave_as_drawn(l, last);
+    return 1;
+  }
+  double from = epe_max(0, way * (begin - drawn_begin));
+  double to = epe_max(0, way * (drawn_end - end));
+  yield(l, shift, p[first].previous, from, missing / (from + to));
+  yield(l, shift, p[last].next, to, missing / (from + to));
+  return 1;
+}
+
+size_t epe_part(epe_layer *l, const int32_t *shift, int hard) {
+  search s = {l, shift};
+  size_t found = 0;
+  opc_parallel(l->context, epe_blocks(l->pair_count), search_block, &s);
+  for (size_t k = 0; k < l->pair_count; k++) {
+    if (!l->broken[k]) continue;
+    const epe_pair *pair = &l->pairs[k];
+    found++;
+    if (hard) {
+      leave_as_drawn(l, pair->a);
+      leave_as_drawn(l, pair->b);
+      continue;
+    }
+    if (pair->corner) {
+      give_way(l, shift, pair, pair->limit - around_corner(l, shift, pair));
+      continue;
+    }
+    gap g = gap_of(l->pieces, shift, pair->a, pair->b);
+    double limit = pair->limit;
+    double needed =
+        g.along > 0 ? sqrt(limit * limit - g.along * g.along) : limit;
+    give_way(l, shift, pair, epe_max(needed - slack - g.across, slack));
+  }
+  for (size_t e = 0; e < l->edges; e++)
+    found += (size_t)lengthen(l, shift, e, hard);
+  return found;
+}

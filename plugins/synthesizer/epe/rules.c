@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* From where feedback wants the fragments to a mask that can be made: on the
+   grid, with no jog lower than the least one, no piece of an edge too short,
+   nothing too narrow or too near. */
+#include "epe.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tuning.h"
+
+static int32_t clamp(double value, int32_t low, int32_t high) {
+  return (int32_t)lround(epe_within(value, low, high));
+}
+
+static double length_of(const epe_piece *p) {
+  return abs(p->to.x - p->from.x) + abs(p->to.y - p->from.y);
+}
+
+/* ---- the runs of an edge ---- */
+
+static void set_shift(epe_run *r) {
+  r->shift = clamp(r->weighted / r->length, r->low, r->high);
+}
+
+/* The runs of an edge are a list; the first one is always runs[0]. What the
+   grid does not give is carried on along the edge, until it is worth a jog: the
+   print sees the mean of what is near. */
+static void begin_runs(const epe_layer *l, size_t e, epe_run *runs) {
+  int32_t n = (int32_t)(l->edge[e + 1] - l->edge[e]);
+  double missing = 0, worth = l->rules->blur / tuned.jog_part;
+  for (int32_t k = 0; k < n; k++) {
+    uint32_t i = l->edge[e] + (uint32_t)k;
+    double length = length_of(&l->pieces[i]);
+    runs[k] = (epe_run){i, i + 1, l->wanted[i] * length, length, l->low[i],
+                           l->high[i], 0, k - 1, k + 1 < n ? k + 1 : -1};
+    epe_run *r = &runs[k];
+    set_shift(r);
+    if (k) {
+      int32_t same = runs[k - 1].shift;
+      double left = missing + (l->wanted[i] - same) * length;
+      if (fabs(left) <= worth && same >= r->low && same <= r->high)
+        r->shift = same;
+      else
+        r->shift = clamp(l->wanted[i] + missing / length, r->low, r->high);
+    }
+    missing += (l->wanted[i] - r->shift) * length;
+    missing = epe_within(missing, -length, length);
+  }
+}
+
+/* Run k and the one after it become one. Bounds always have 0 between them. */
+static void merge(epe_run *runs, int32_t k) {
+  epe_run *a = &runs[k];
+  const epe_run *b = &runs[a->after];
+  a->end = b->end;
+  a->weighted += b->weighted;
+  a->length += b->length;
+  if (b->low > a->low) a->low = b->low;
+  if (b->high < a->high) a->high = b->high;
+  a->after = b->after;
+  if (a->after >= 0) runs[a->after].before = k;
+  if (a->shift != b->shift) set_shift(a);
+}
+
+static int differ(const epe_run *runs, int32_t k, int32_t n) {
+  return abs(runs[k].shift - runs[n].shift);
+}
+
+/* Merge run k with all around it that differ by at most `jog`; where it is
+   then. */
+static int32_t absorb(epe_run *runs, int32_t k, int32_t jog) {
+  for (;;) {
+    int32_t before = runs[k].before, after = runs[k].after;
+    if (after >= 0 && differ(runs, k, after) <= jog) merge(runs, k);
+    else if (before >= 0 && differ(runs, k, before) <= jog)
+      merge(runs, k = before);
+    else return k;
+  }
+}
+
+/* ---- how short a run may be ---- */
+
+static int convex(const epe_piece *p, const epe_piece *next) {
+  return (p->sign * next->sign > 0) == (p->axis == EDA_X);
+}
+
+/* Does the mask end at that side of run k, so that its inside is bounded there,
+   or does it go on, so that the space before it is? */
+static int falls(const epe_layer *l, const epe_run *runs, const epe_run *r,
+                 int side) {
+  const epe_piece *p = l->pieces;
+  int32_t other = side ? r->after : r->before;
+  if (other >= 0) return r->shift > runs[other].shift;
+  uint32_t i = side ? r->end - 1 : r->first;
+  return side ? convex(&p[i], &p[p[i].next]) : convex(&p[p[i].previous], &p[i]);
+}
+
+static int too_short(const epe_layer *l, const epe_run *runs, int32_t k,
+                     const int32_t *shift) {
+  const epe_piece *p = l->pieces;
+  const epe_run *r = &runs[k];
+  if (r->before < 0 && r->after < 0) return 0;
+  int before = falls(l, runs, r, 0), after = falls(l, runs, r, 1);
+  int32_t least = before && after     ? l->rules->min_width
+                  : !before && !after ? l->rules->min_space
+                                      : 0;
+  if (least < l->rules->min_edge) least = l->rules->min_edge;
+  int32_t length =
+      epe_end(p, shift, r->end - 1) - epe_begin(p, shift, r->first);
+  int rises = (p[r->first].axis == EDA_X) == (p[r->first].sign > 0);
+  return (rises ? length : -length) < least;
+}
+
+/* The neighbour of run k that is nearer to it is merged with it; where it is
+   then. */
+static int32_t join(epe_run *runs, int32_t k) {
+  int32_t before = runs[k].before, after = runs[k].after;
+  if (after < 0 ||
+      (before >= 0 && differ(runs, k, before) <= differ(runs, k, after)))
+    k = before;
+  merge(runs, k);
+  return k;
+}
+
+/* The shifts of an edge, into l->settled; `shift` says where its corners are. */
+static void settle_edge(epe_layer *l, size_t e, const int32_t *shift) {
+  int32_t jog = l->rules->min_jog > 1 ? l->rules->min_jog - 1 : 0;
+  epe_run *runs = l->runs + l->edge[e];
+  begin_runs(l, e, runs);
+  if (l->state[e] & EPE_WHOLE) absorb(runs, 0, INT32_MAX);
+  for (int32_t j = 0; j <= jog; j++)
+    for (int32_t k = 0; k >= 0; k = runs[k].after) k = absorb(runs, k, j);
+  for (int32_t k = 0; k >= 0;) {
+    if (!too_short(l, runs, k, shift)) {
+      k = runs[k].after;
+      continue;
+    }
+    k = absorb(runs, join(runs, k), jog);
+    /* The one before may now be a nub or a notch. */
+    if (runs[k].before >= 0) k = runs[k].before;
+  }
+  for (int32_t k = 0; k >= 0; k = runs[k].after)
+    for (uint32_t i = runs[k].first; i < runs[k].end; i++)
+      l->settled[i] = runs[k].shift;
+}
+
+/* The runs that an edge has, as it is. */
+static void find_runs(const epe_layer *l, size_t e, const int32_t *shift,
+                      epe_run *runs) {
+  int32_t n = 0;
+  for (uint32_t i = l->edge[e]; i < l->edge[e + 1]; i++) {
+    if (n && runs[n - 1].shift == shift[i]) {
+      runs[n - 1].end = i + 1;
+      continue;
+    }
+    if (n) runs[n - 1].after = n;
+    runs[n] = (epe_run){.first = i, .end = i + 1, .shift = shift[i],
+                        .before = n - 1, .after = -1};
+    n++;
+  }
+}
+
+/* Has a run of an edge become too short, as its corners have moved since it was
+   settled? */
+static int has_short(epe_layer *l, size_t e, const int32_t *shift) {
+  epe_run *runs = l->runs + l->edge[e];
+  find_runs(l, e, shift, runs);
+  for (int32_t k = 0; k >= 0; k = runs[k].after)
+    if (too_short(l, runs, k, shift)) return 1;
+  return 0;
+}
+
+/* ---- all edges ---- */
+
+typedef struct round_state {
+  epe_layer *layer;
+  int32_t *shift;
+} round_state;
+
+static void settle_block(void *data, size_t block) {
+  const round_state *r = data;
+  epe_layer *l = r->layer;
+  size_t end = epe_block_end(block, l->edges);
+  for (size_t e = block * EPE_BLOCK; e < end; e++) {
+    if (l->state[e] & (EPE_NARROWED | EPE_SHORT)) settle_edge(l, e, r->shift);
+    else
+      memcpy(l->settled + l->edge[e], r->shift + l->edge[e],
+             (l->edge[e + 1] - l->edge[e]) * sizeof *r->shift);
+  }
+}
+
+static void check_block(void *data, size_t block) {
+  const round_state *r = data;
+  epe_layer *l = r->layer;
+  size_t end = epe_block_end(block, l->edges);
+  for (size_t e = block * EPE_BLOCK; e < end; e++)
+    l->state[e] = (uint8_t)((l->state[e] & EPE_WHOLE) |
+                            (has_short(l, e, r->shift) ? EPE_SHORT : 0));
+}
+
+/* Settle the edges that are to be; how many have a run that is too short then.
+   `whole`: they are to move in one piece from now on. */
+static size_t settle_edges(epe_layer *l, int32_t *shift, int whole) {
+  round_state r = {l, shift};
+  size_t blocks = epe_blocks(l->edges), found = 0;
+  opc_parallel(l->context, blocks, settle_block, &r);
+  memcpy(shift, l->settled, l->count * sizeof *shift);
+  opc_parallel(l->context, blocks, check_block, &r);
+  for (size_t e = 0; e < l->edges; e++) {
+    if (!(l->state[e] & EPE_SHORT)) continue;
+    found++;
+    if (whole) l->state[e] |= EPE_WHOLE;
+  }
+  return found;
+}
+
+void epe_settle(epe_layer *l, int32_t *shift) {
+  memset(l->state, EPE_NARROWED, l->edges);
+  for (size_t i = 0; i < l->count; i++) {
+    l->high[i] = l->most[i];
+    l->low[i] = l->pieces[i].still ? 0 : -l->rules->max_shift;
+    shift[i] = clamp(l->wanted[i], l->low[i], l->high[i]);
+  }
+  size_t bad = 1;
+  for (int round = 0; bad; round++) {
+    bad = settle_edges(l, shift, round >= tuned.whole_after);
+    bad += epe_part(l, shift, round >= tuned.drawn_after);
+  }
+}

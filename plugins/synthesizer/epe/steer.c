@@ -1,0 +1,153 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Feedback: how far each fragment has to move for the errors to vanish. The
+   errors are taken to change by gain * coupling * moves, the gain of each site
+   being measured; the moves are those of the least squares (Gauss-Newton,
+   after Levenberg; N. Cobb, Y. Granik, "Model-based OPC using the MEEF matrix",
+   SPIE 4889, 2002). */
+#include "epe.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "tuning.h"
+
+enum { PUSH, RESIDUAL, DIRECTION, IMAGE, SEEN };
+
+/* ---- sums ---- */
+
+/* Several side by side: none waits for the last addition of another. */
+enum { SUMS = 4 };
+
+static double dot(const double *a, const double *b, size_t n) {
+  double sum[SUMS] = {0};
+  size_t i = 0;
+  for (; i + SUMS <= n; i += SUMS)
+    for (size_t s = 0; s < SUMS; s++) sum[s] += a[i + s] * b[i + s];
+  for (; i < n; i++) sum[0] += a[i] * b[i];
+  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+/* ---- products with the coupling, block by block ---- */
+
+typedef struct product {
+  const epe_layer *layer;
+  const epe_coupling *matrix;
+  const double *in;
+  const double *gain;      /* on each number of the result; NULL: 1 */
+  double *out;
+} product;
+
+static double row_times(const epe_coupling *m, size_t i, const double *in) {
+  const uint32_t *index = m->index;
+  const float *weight = m->weight;
+  uint32_t k = m->start[i], end = m->start[i + 1];
+  double sum[SUMS] = {0};
+  for (; k + SUMS <= end; k += SUMS)
+    for (uint32_t s = 0; s < SUMS; s++)
+      sum[s] += (double)weight[k + s] * in[index[k + s]];
+  for (; k < end; k++) sum[0] += (double)weight[k] * in[index[k]];
+  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+static void multiply_block(void *data, size_t block) {
+  const product *p = data;
+  size_t end = epe_block_end(block, p->layer->count);
+  for (size_t i = block * EPE_BLOCK; i < end; i++) {
+    double sum = row_times(p->matrix, i, p->in);
+    p->out[i] = p->gain ? p->gain[i] * sum : sum;
+  }
+}
+
+static void multiply(const epe_layer *l, const epe_coupling *m,
+                     const double *in, const double *gain, double *out) {
+  product p = {l, m, in, gain, out};
+  opc_parallel(l->context, epe_blocks(l->count), multiply_block, &p);
+}
+
+/* ---- gains ---- */
+
+/* By least squares over a site and its neighbours. */
+static double measured_gain(const epe_layer *l, uint32_t i) {
+  double along = 0, square = 0;
+  uint32_t k = i;
+  for (int n = 0; n < tuned.neighbours; n++) k = l->pieces[k].previous;
+  for (int n = -tuned.neighbours; n <= tuned.neighbours; n++, k = l->pieces[k].next) {
+    double ds = l->work[IMAGE][k], de = l->error[k] - l->before[k];
+    double weight = tuned.neighbours + 1 - (n < 0 ? -n : n);
+    if (isnan(de)) continue;
+    along += weight * ds * de;
+    square += weight * ds * ds;
+  }
+  if (square < tuned.neighbours + 1) return l->gain[i];
+  return epe_within(along / square, tuned.least_gain,
+                    tuned.most_gain);
+}
+
+static void measure_gains(epe_layer *l) {
+  for (uint32_t i = 0; i < l->count; i++)
+    l->work[PUSH][i] = l->shift[i] - l->last[i];
+  multiply(l, &l->coupling, l->work[PUSH], NULL, l->work[IMAGE]);
+  for (uint32_t i = 0; i < l->count; i++)
+    l->gain[i] = (l->gain[i] + measured_gain(l, i)) / 2;
+}
+
+/* ---- the moves ---- */
+
+/* The moves that make up for `errors`, into work[PUSH]: conjugate gradients on
+   (J'J + stiffness) moves = -J' errors, with J = gain * coupling. */
+static void solve(epe_layer *l, double stiffness, const double *errors) {
+  double *x = l->work[PUSH], *r = l->work[RESIDUAL], *d = l->work[DIRECTION];
+  double *image = l->work[IMAGE], *seen = l->work[SEEN];
+  size_t n = l->count;
+  for (size_t i = 0; i < n; i++) seen[i] = -l->gain[i] * errors[i];
+  multiply(l, &l->transposed, seen, NULL, r);
+  memset(x, 0, n * sizeof *x);
+  memcpy(d, r, n * sizeof *d);
+  double rr = dot(r, r, n), first = rr;
+  for (int k = 0; k < tuned.descents && rr > tuned.enough * first; k++) {
+    multiply(l, &l->coupling, d, l->gain, seen);
+    double bend = dot(seen, seen, n) + stiffness * dot(d, d, n);
+    for (size_t i = 0; i < n; i++) seen[i] *= l->gain[i];
+    multiply(l, &l->transposed, seen, NULL, image);
+    double a = rr / bend;
+    for (size_t i = 0; i < n; i++) {
+      x[i] += a * d[i];
+      r[i] -= a * (image[i] + stiffness * d[i]);
+    }
+    double next = dot(r, r, n);
+    for (size_t i = 0; i < n; i++) d[i] = r[i] + next / rr * d[i];
+    rr = next;
+  }
+}
+
+/* A fragment whose error changes its sign has gone too far: it goes on with
+   smaller moves; one that keeps it, with larger ones. */
+static double next_step(const epe_layer *l, uint32_t i, double most) {
+  double e = l->error[i], before = l->before[i];
+  double step = epe_min(l->step[i], most);
+  if (e * before < 0 && fabs(e) > tuned.ignored)
+    return epe_max(step / 2, tuned.least_step);
+  return epe_min(step * tuned.growth, most);
+}
+
+void epe_steer(epe_layer *l, const epe_steering *by) {
+  int32_t slack = l->rules->min_jog > 1 ? l->rules->min_jog : 1;
+  measure_gains(l);
+  for (uint32_t i = 0; i < l->count; i++) {
+    double e = l->error[i];
+    l->step[i] = next_step(l, i, by->step);
+    /* No edge is near: the feature does not print and is to grow, unless it
+       was too large before, and has run into another one. */
+    if (isnan(e)) e = by->step * (l->side[i] > 0 ? tuned.lost : -tuned.lost);
+    l->side[i] = e;
+  }
+  solve(l, by->stiffness, l->side);
+  for (uint32_t i = 0; i < l->count; i++) {
+    double move = epe_within(by->damping * l->work[PUSH][i], -l->step[i],
+                             l->step[i]);
+    /* What the rules did not allow is not to pile up. */
+    double from = epe_within(l->wanted[i], l->shift[i] - slack,
+                             l->shift[i] + slack);
+    l->wanted[i] = from + move;
+  }
+}

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The process window in the feedback: another dose prints another level of the
+   same level set. Where its contours are far off, as features are about to merge
+   or to vanish, the edge is worth moving though the print itself is right. */
+#include "epe.h"
+
+#include <math.h>
+
+#include "tuning.h"
+
+/* The edge placement error of the contour where the level set is `level`, nm; at
+   most tuned.window_reach. */
+static double error_at(const epe_layer *l, uint32_t i, const eda_field *print,
+                       double level) {
+  const epe_piece *p = &l->pieces[i];
+  double look = tuned.window_step;
+  double x = l->site[2 * i], y = l->site[2 * i + 1], before;
+  eda_field_sample(print, &x, &y, 1, &before);
+  before -= level;
+  int way = before > 0 ? 1 : -1;
+  for (double at = look; at <= tuned.window_reach; at += look) {
+    double value;
+    *(p->axis == EDA_X ? &x : &y) += way * p->sign * look;
+    eda_field_sample(print, &x, &y, 1, &value);
+    value -= level;
+    if ((value > 0) != (way > 0))
+      return way * (at - look * value / (value - before));
+    before = value;
+  }
+  return way * tuned.window_reach;
+}
+
+typedef struct job {
+  epe_layer *layer;
+  const eda_field *print;
+  double weight, level, grid;
+} job;
+
+static void weigh_block(void *data, size_t block) {
+  const job *j = data;
+  epe_layer *l = j->layer;
+  double w = j->weight;
+  size_t end = epe_block_end(block, l->count);
+  for (size_t i = block * EPE_BLOCK; i < end; i++) {
+    double outer = error_at(l, (uint32_t)i, j->print, -j->level);
+    double inner = error_at(l, (uint32_t)i, j->print, j->level);
+    l->cost[i] = (1 - w) * l->cost[i] + w * (fabs(outer) + fabs(inner)) / 2;
+    l->error[i] = (1 - w) * l->error[i] + w * (outer + inner) / 2 / j->grid;
+  }
+}
+
+void epe_weigh(epe_layer *l, const eda_field *print, double weight,
+               double level, double grid) {
+  if (!print || weight <= 0) return;
+  job j = {l, print, weight, level, grid};
+  opc_parallel(l->context, epe_blocks(l->count), weigh_block, &j);
+}

@@ -1,0 +1,279 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* synthesizer.ic: hybrid Ion and capacitance based OPC (thesis chapter 5, figure 5.2):
+   each transistor's L or W is changed by one grid step as the signs of its
+   current and area deviations say (figure 5.3), while their weighted sum
+   falls. */
+#include <eda/memory.h>
+#include <eda/synthesizer.h>
+#include <math.h>
+#include <opcflow/plugin.h>
+#include <stdlib.h>
+
+/* ---- state ---- */
+
+enum { FREEZE, CONTINUE };
+
+/* Why a transistor stays where it is. */
+enum { WITHIN, STALLED, BRIDGING, BIAS, MOVING, VERDICTS };
+static const char *const verdicts[VERDICTS] = {
+    "within limit", "stalled", "bridging", "bias limit", "not done"};
+
+/* The four corrections of the decision matrix. */
+enum { LONGER, SHORTER, WIDER, NARROWER, WAYS };
+static const struct {
+  int32_t l, w;
+  uint32_t veto;
+} ways[WAYS] = {[LONGER] = {1, 0, EDA_VETO_LONGER},
+                [SHORTER] = {-1, 0, EDA_VETO_SHORTER},
+                [WIDER] = {0, 1, EDA_VETO_WIDER},
+                [NARROWER] = {0, -1, EDA_VETO_NARROWER}};
+
+typedef struct transistor {
+  double eff;            /* effective deviation when last measured */
+  /* CONTINUE: of its best state. */
+  double best_eff, best_di, best_da;
+  int32_t best_l, best_w;
+  int8_t moved;          /* the way of its last correction, -1: none */
+  uint8_t tried;         /* CONTINUE: ways from the best state that failed */
+  uint8_t ended;
+  uint8_t why;           /* it ended, if it is not within the limits */
+  uint8_t verdict;
+  int64_t retries;
+} transistor;
+
+typedef struct ic {
+  const opc_host *host;
+  double alpha_i, alpha_a;
+  double max_di, max_da; /* % */
+  double max_bias;       /* nm */
+  int stall;
+  int64_t retries;
+  transistor *state;
+  size_t count;
+} ic;
+
+/* What is measured of a transistor. */
+typedef struct measured {
+  double di, da;         /* signed, %: lines 7 and 8 */
+  double eff;            /* line 9 */
+  double length, width;  /* drawn, in grid steps */
+  int32_t most;          /* of L */
+  int32_t most_w;
+  uint32_t veto;
+} measured;
+
+/* ---- work ---- */
+
+static int begin(void *self, const eda_feedback *f, opc_error *error) {
+  ic *c = self;
+  (void)error;
+  free(c->state);
+  c->count = f->gates->count;
+  c->state = eda_alloc(c->count, sizeof *c->state);
+  for (size_t i = 0; i < c->count; i++) {
+    c->state[i].moved = -1;
+    c->state[i].eff = c->state[i].best_eff = INFINITY;
+  }
+  return OPC_OK;
+}
+
+static measured measure(const ic *c, const eda_feedback *f, size_t i) {
+  const eda_gates *g = f->gates;
+  double ion = f->design->ion[i], area = f->design->area[i];
+  measured m = {.di = 100 * (f->printed->ion[i] - ion) / ion,
+                .da = 100 * (f->printed->area[i] - area) / area,
+                .length = g->length[i] / g->grid,
+                .width = g->width[i] / g->grid,
+                .most = (int32_t)(c->max_bias / g->grid),
+                .veto = f->vetoes[i]};
+  m.eff = c->alpha_i * fabs(m.di) + c->alpha_a * fabs(m.da);
+  m.most_w = (int32_t)fmin(m.most, m.width / 2);
+  return m;
+}
+
+static int outside(const ic *c, const measured *m) {
+  return fabs(m->di) > c->max_di || fabs(m->da) > c->max_da;
+}
+
+/* The decision matrix, lines 12 to 19; -1 where a deviation is exactly 0. */
+static int decide(const measured *m) {
+  if (m->di > 0 && m->da < 0) return LONGER;
+  if (m->di < 0 && m->da > 0) return SHORTER;
+  if (m->di < 0 && m->da < 0) return WIDER;
+  if (m->di > 0 && m->da > 0) return NARROWER;
+  return -1;
+}
+
+static void end(transistor *t, int why) {
+  t->ended = 1;
+  t->moved = -1;
+  t->why = (uint8_t)why;
+}
+
+/* Make a correction of (l, w), unless it is forbidden, which ends it. */
+static void make(transistor *t, const measured *m, int way, int32_t *l,
+                 int32_t *w) {
+  t->moved = -1;
+  if (way < 0) return;
+  if (m->veto & ways[way].veto) {
+    end(t, BRIDGING);
+  } else if (abs(*l + ways[way].l) > m->most || abs(*w + ways[way].w) > m->most_w) {
+    end(t, BIAS);
+  } else {
+    *l += ways[way].l;
+    *w += ways[way].w;
+    t->moved = (int8_t)way;
+  }
+}
+
+/* Lines 10 to 20 for one transistor. One that is restored ends: as its mask is
+   then that of an iteration before, the figure would repeat the same step for
+   ever. */
+static void step_or_freeze(const ic *c, transistor *t, const measured *m,
+                           int32_t *l, int32_t *w) {
+  int vetoed = t->moved >= 0 && m->veto & ways[t->moved].veto;
+  if (m->eff < t->eff && !vetoed) {
+    make(t, m, outside(c, m) ? decide(m) : -1, l, w);
+  } else if (t->moved >= 0) {
+    *l -= ways[t->moved].l;
+    *w -= ways[t->moved].w;
+    end(t, vetoed ? BRIDGING : STALLED);
+  }
+}
+
+/* The effective deviation after a correction, if Ion goes with W / L and the
+   area with W L. */
+static double predicted(const ic *c, const measured *m, int way) {
+  double by_l = 100 * ways[way].l / m->length, by_w = 100 * ways[way].w / m->width;
+  return c->alpha_i * fabs(m->di - by_l + by_w) +
+         c->alpha_a * fabs(m->da + by_l + by_w);
+}
+
+/* What to try next from the best state: what the matrix says, then the others
+   by what they promise. -1 if none is left. */
+static int next_way(const ic *c, const transistor *t, measured m) {
+  m.di = t->best_di;
+  m.da = t->best_da;
+  int best = -1, first = decide(&m);
+  for (int way = 0; way < WAYS; way++) {
+    if (t->tried & 1 << way || m.veto & ways[way].veto ||
+        abs(t->best_l + ways[way].l) > m.most ||
+        abs(t->best_w + ways[way].w) > m.most_w)
+      continue;
+    if (way == first) return way;
+    if (best < 0 || predicted(c, &m, way) < predicted(c, &m, best)) best = way;
+  }
+  return best;
+}
+
+/* The variant that goes on: back to the best state, and another way from
+   there. */
+static void step_or_retry(const ic *c, transistor *t, const measured *m,
+                          int32_t *l, int32_t *w) {
+  int vetoed = t->moved >= 0 && m->veto & ways[t->moved].veto;
+  if ((m->eff < t->best_eff && !vetoed) || t->moved < 0) {
+    t->best_eff = m->eff;
+    t->best_di = m->di;
+    t->best_da = m->da;
+    t->best_l = *l;
+    t->best_w = *w;
+    t->tried = 0;
+  } else {
+    t->tried |= (uint8_t)(1 << t->moved);
+    t->retries++;
+  }
+  int best = t->best_l == *l && t->best_w == *w;
+  int way = best && !outside(c, m) ? -1 : next_way(c, t, *m);
+  if (t->retries > c->retries || way < 0) {
+    if (!best || outside(c, m)) end(t, vetoed ? BRIDGING : STALLED);
+    way = -1;
+  }
+  *l = t->best_l + (way < 0 ? 0 : ways[way].l);
+  *w = t->best_w + (way < 0 ? 0 : ways[way].w);
+  t->moved = (int8_t)way;
+}
+
+/* It is done when no mask changes (line 21), and the print neither: line ends
+   of the regulator may do so. */
+static int update(void *self, const eda_feedback *f, eda_moves *moves,
+                  int *done, opc_error *error) {
+  ic *c = self;
+  (void)error;
+  *done = 1;
+  for (size_t i = 0; i < c->count; i++) {
+    transistor *t = &c->state[i];
+    measured m = measure(c, f, i);
+    int32_t l = moves->l[i], w = moves->w[i];
+    if (t->eff != m.eff && isfinite(t->eff)) *done = 0;
+    if (!t->ended)
+      (c->stall == FREEZE ? step_or_freeze : step_or_retry)(
+          c, t, &m, &moves->l[i], &moves->w[i]);
+    if (l != moves->l[i] || w != moves->w[i]) *done = 0;
+    t->eff = m.eff;
+    t->verdict = !outside(c, &m) ? WITHIN : t->ended ? t->why : MOVING;
+  }
+  return OPC_OK;
+}
+
+static const char *verdict(const void *self, size_t gate) {
+  const ic *c = self;
+  return gate < c->count ? verdicts[c->state[gate].verdict] : NULL;
+}
+
+/* ---- parameters ---- */
+
+static const opc_parameter parameters[] = {
+    {.name = "alpha_i", .type = OPC_REAL, .preset = "1",
+     .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 0, .max = 1e6,
+     .summary = "weight of |Ion deviation| in the effective one",
+     OPC_FIELD(ic, alpha_i)},
+    {.name = "alpha_a", .type = OPC_REAL, .preset = "1",
+     .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 0, .max = 1e6,
+     .summary = "weight of |gate area deviation|", OPC_FIELD(ic, alpha_a)},
+    {.name = "max_di", .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
+     .preset = "0.5 %",
+     .summary = "limit of |Ion deviation|; the thesis gives no value",
+     OPC_FIELD(ic, max_di)},
+    {.name = "max_da", .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
+     .preset = "0.5 %",
+     .summary = "limit of |gate area deviation|; a transistor within both is "
+                "left alone",
+     OPC_FIELD(ic, max_da)},
+    {.name = "stall", .type = OPC_CHOICE, .preset = "freeze",
+     .choices = "freeze|continue",
+     .summary = "when the effective deviation does not fall: restore the "
+                "transistor and end it, as the thesis has it, or try other "
+                "ways from its best state",
+     OPC_FIELD(ic, stall)},
+    {.name = "retries", .type = OPC_INT, .preset = "8",
+     .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 0, .max = 100000,
+     .summary = "corrections of a transistor that may fail before it ends at "
+                "its best state (stall: continue)",
+     OPC_FIELD(ic, retries)},
+    {.name = "max_bias", .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
+     .unit = "nm", .preset = "80 nm", .max = 10000,
+     .summary = "largest correction of L or of W, and no more than half of W",
+     OPC_FIELD(ic, max_bias)},
+};
+
+static int check(void *self, opc_error *error) {
+  const ic *c = self;
+  if (c->alpha_i + c->alpha_a > 0) return OPC_OK;
+  return opc_fail(error, OPC_INVALID, "alpha_i",
+                  "'alpha_i' and 'alpha_a' are both 0");
+}
+
+static void clear(void *self) { free(((ic *)self)->state); }
+
+/* ---- entry ---- */
+
+static const eda_synthesizer functions = {
+    .begin = begin, .update = update, .verdict = verdict};
+
+OPC_PLUGIN(ic, .id = "synthesizer.ic", .kind = "synthesizer",
+           .version = "0.2.0", .licence = "BSD-3-Clause",
+           .summary = "Ion and capacitance based OPC: steps by a decision "
+                      "matrix",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), .check = check, .clear = clear,
+           OPC_FUNCTIONS(functions));

@@ -1,0 +1,208 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Thesis figure 5.2 followed by hand on transistors whose response is a
+   formula. */
+#include <eda/eda.h>
+
+#include "core/testing/testing.h"
+
+#include <math.h>
+#include <string.h>
+
+/* One transistor: deviations of Ion and area at each mask, linear in l and w
+   but for `bend`, % of area for each step of W beyond two. */
+typedef struct model {
+  double i, i_by_l, i_by_w;
+  double a, a_by_l, a_by_w;
+  double bend;
+  uint32_t veto;             /* from l = veto_from on */
+  int32_t veto_from;
+  int32_t l, w;
+  GString *trace;            /* "l,w " after each update */
+  int updates;
+} model;
+
+static double di(const model *t) {
+  return t->i + t->i_by_l * t->l + t->i_by_w * t->w;
+}
+
+static double da(const model *t) {
+  int beyond = abs(t->w) > 2 ? abs(t->w) - 2 : 0;
+  return t->a + t->a_by_l * t->l + t->a_by_w * t->w + t->bend * beyond;
+}
+
+static void run(opc_module *m, model *t) {
+  const eda_synthesizer *s = m->functions;
+  double one = 1, ion, area, length = 65, width = 200;
+  uint32_t flags = 0, veto = 0;
+  eda_gates gates = {.grid = 1, .count = 1,
+                     .length = &length, .width = &width};
+  eda_performance drawn = {.count = 1, .ion = &one, .area = &one};
+  eda_performance printed = {.count = 1, .ion = &ion, .area = &area};
+  eda_feedback f = {.gates = &gates, .design = &drawn,
+                    .flags = &flags, .vetoes = &veto};
+  eda_moves moves = {.l = &t->l, .w = &t->w};
+  opc_error error;
+  t->l = t->w = t->updates = 0;
+  t->trace = g_string_new(NULL);
+  g_assert_cmpint(s->begin(m->self, &f, &error), ==, OPC_OK);
+  f.printed = &printed;
+  for (int done = 0; !done && t->updates < 100; t->updates++) {
+    ion = 1 + di(t) / 100;
+    area = 1 + da(t) / 100;
+    veto = t->veto && t->l >= t->veto_from ? t->veto : 0;
+    g_assert_cmpint(s->update(m->self, &f, &moves, &done, &error), ==, OPC_OK);
+    f.iteration++;
+    g_string_append_printf(t->trace, "%d,%d ", t->l, t->w);
+  }
+}
+
+static opc_module *make(const char *parameters) {
+  opc_error error;
+  opc_module *m = opc_test_module("synthesizer.ic", parameters, &error);
+  g_assert_nonnull(m);
+  return m;
+}
+
+static const char *verdict(opc_module *m) {
+  return ((const eda_synthesizer *)m->functions)->verdict(m->self, 0);
+}
+
+static void follow(const char *parameters, model t, const char *trace,
+                   const char *why) {
+  g_autoptr(opc_module) m = make(parameters);
+  run(m, &t);
+  g_assert_cmpstr(t.trace->str, ==, trace);
+  g_assert_cmpstr(verdict(m), ==, why);
+  g_string_free(t.trace, TRUE);
+}
+
+/* Lines 12 to 19: each quarter of the decision matrix, one step in. */
+static void test_matrix(void) {
+  const struct {
+    double i, a;
+    const char *first;
+  } cases[] = {{9, -9, "1,0 "}, {-9, 9, "-1,0 "}, {-9, -9, "0,1 "},
+               {9, 9, "0,-1 "}, {0, 9, "0,0 "},   {9, 0, "0,0 "}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_autoptr(opc_module) m = make("{}");
+    model t = {.i = cases[i].i, .a = cases[i].a};
+    run(m, &t);
+    g_assert_true(g_str_has_prefix(t.trace->str, cases[i].first));
+    g_string_free(t.trace, TRUE);
+  }
+}
+
+/* I +7, A -4; a step of L: I -3, A +1.5; of W: I +0.5, A +0.5. By hand:
+   k  mask   I     A     Eff   line
+   0  0,0   +7.0  -4.0  11.0   13: increase L
+   1  1,0   +4.0  -2.5   6.5   falls; 13
+   2  2,0   +1.0  -1.0   2.0   falls; 13
+   3  3,0   -2.0  +0.5   2.5   rises; 20: restored
+   4  2,0   +1.0  -1.0   2.0   it has ended
+   5  2,0   nothing has changed: line 22 */
+static void test_freeze(void) {
+  const model t = {.i = 7, .i_by_l = -3, .i_by_w = 0.5,
+                   .a = -4, .a_by_l = 1.5, .a_by_w = 0.5};
+  follow("{}", t, "1,0 2,0 3,0 2,0 2,0 2,0 ", "stalled");
+}
+
+/* The same, with A +0.3 a step of W, goes on from (2, 0), I +1 and A -1:
+   k  mask   I     A     Eff
+   3  3,0   -2.0  +0.5   2.5   failed: longer, which the matrix says. Of the
+                               others, wider and narrower promise as much, 2
+   4  2,1   +1.5  -0.7   2.2   failed: wider
+   5  2,-1  +0.5  -1.3   1.8   falls: the matrix says longer
+   6  3,-1  -2.5  +0.2   2.7   failed; wider comes first again
+   7  2,0   +1.0  -1.0   2.0   failed; narrower
+   8  2,-2   0.0  -1.6   1.6   falls */
+static void test_continue(void) {
+  g_autoptr(opc_module) m = make("{ stall: continue }");
+  model t = {.i = 7, .i_by_l = -3, .i_by_w = 0.5,
+             .a = -4, .a_by_l = 1.5, .a_by_w = 0.3};
+  run(m, &t);
+  g_assert_true(g_str_has_prefix(
+      t.trace->str, "1,0 2,0 3,0 2,1 2,-1 3,-1 2,0 2,-2 "));
+  /* It ends where it was best. */
+  g_assert_cmpfloat(fabs(di(&t)) + fabs(da(&t)), <, 1.6 + 1e-9);
+  g_assert_cmpstr(verdict(m), ==, "stalled");
+  g_string_free(t.trace, TRUE);
+}
+
+/* Where one way alone does not lead on and another does: I +3, A +3, so W is
+   made narrower; after two steps the area rises. Frozen there; the variant goes
+   on with L, and ends nearer. */
+static void test_continue_is_better(void) {
+  const model t = {.i = 3, .i_by_l = -1, .i_by_w = 0.5,
+                   .a = 3, .a_by_l = 0.1, .a_by_w = 0.5, .bend = 2};
+  g_autoptr(opc_module) freeze = make("{}");
+  g_autoptr(opc_module) go_on = make("{ stall: continue }");
+  model a = t, b = t;
+  run(freeze, &a);
+  run(go_on, &b);
+  g_assert_cmpint(a.w, ==, -2);
+  g_assert_cmpint(a.l, ==, 0);
+  g_assert_cmpfloat(fabs(di(&b)) + fabs(da(&b)), <,
+                    fabs(di(&a)) + fabs(da(&a)) - 1);
+  g_string_free(a.trace, TRUE);
+  g_string_free(b.trace, TRUE);
+}
+
+/* So many failed corrections, no more; none is as freezing. */
+static void test_retries(void) {
+  const model t = {.i = 7, .i_by_l = -3, .i_by_w = 0.5,
+                   .a = -4, .a_by_l = 1.5, .a_by_w = 0.5};
+  follow("{ stall: continue, retries: 0 }", t, "1,0 2,0 3,0 2,0 2,0 2,0 ",
+         "stalled");
+}
+
+/* Within both limits nothing moves, outside of one it does. */
+static void test_limits(void) {
+  const model t = {.i = 0.9, .i_by_l = -0.5, .a = -1.9, .a_by_l = 0.5};
+  follow("{ max_di: 1 %, max_da: 2 % }", t, "0,0 ", "within limit");
+  follow("{ max_di: 0.5 %, max_da: 2 % }", t, "1,0 1,0 1,0 ", "within limit");
+}
+
+/* The weights: -1.5 % of area are worth giving up for 1 % of current only if
+   that counts more. I +2, A -1: longer. */
+static void test_weights(void) {
+  const model t = {.i = 2, .i_by_l = -1, .a = -0.2, .a_by_l = 1.5};
+  follow("{ max_di: 0.1 % }", t, "1,0 0,0 0,0 0,0 ", "stalled");
+  g_autoptr(opc_module) m = make("{ alpha_i: 3, max_di: 0.1 % }");
+  model u = t;
+  run(m, &u);
+  g_assert_true(g_str_has_prefix(u.trace->str, "1,0 1,-1 "));
+  g_string_free(u.trace, TRUE);
+}
+
+/* A length that the regulator forbids is taken back. */
+static void test_veto(void) {
+  const model t = {.i = 9, .i_by_l = -1, .a = -9, .a_by_l = 1,
+                   .veto = EDA_VETO_LONGER, .veto_from = 2};
+  follow("{}", t, "1,0 2,0 1,0 1,0 1,0 ", "bridging");
+}
+
+static void test_bias_limit(void) {
+  const model t = {.i = 9, .i_by_l = -1, .a = -9, .a_by_l = 1};
+  follow("{ max_bias: 2 nm }", t, "1,0 2,0 2,0 2,0 ", "bias limit");
+}
+
+static void test_refused(void) {
+  opc_error error = {0};
+  g_assert_null(opc_test_module("synthesizer.ic", "{ alpha_i: 0, alpha_a: 0 }", &error));
+  g_assert_nonnull(strstr(error.message, "both 0"));
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/ic/matrix", test_matrix);
+  g_test_add_func("/ic/freeze", test_freeze);
+  g_test_add_func("/ic/continue", test_continue);
+  g_test_add_func("/ic/continue-is-better", test_continue_is_better);
+  g_test_add_func("/ic/retries", test_retries);
+  g_test_add_func("/ic/limits", test_limits);
+  g_test_add_func("/ic/weights", test_weights);
+  g_test_add_func("/ic/veto", test_veto);
+  g_test_add_func("/ic/bias-limit", test_bias_limit);
+  g_test_add_func("/ic/refused", test_refused);
+  return g_test_run();
+}

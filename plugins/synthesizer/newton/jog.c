@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a jog is worth: an edge that is moved over a part of its length moves the
+   gate by the part of the edge's effect that lies there. */
+#include "jog.h"
+
+#include <math.h>
+
+#include "tuning.h"
+
+/* How far beyond the gate's end its edges still matter by half; `extension` is
+   how far the poly goes on there, in grid steps as `blur`. */
+static double beyond(double extension, double blur) {
+  return extension < tuned.short_end * blur ? blur * tuned.past_end
+                                            : -blur / tuned.before_end;
+}
+
+void sides_find(const eda_gates *g, sides *out) {
+  const eda_edges *e = &g->edges[EDA_POLY];
+  for (size_t i = 0; i < g->count; i++) {
+    eda_box b = g->box[i];
+    int32_t width = g->axis[i] == EDA_X ? b.y1 - b.y0 : b.x1 - b.x0;
+    double steps = fmin(tuned.blur / g->grid, width);
+    out[i].blur = tuned.blur / g->grid;
+    out[i].low = -beyond(g->extension[2 * i] / g->grid, steps);
+    out[i].high = width + beyond(g->extension[2 * i + 1] / g->grid, steps);
+  }
+  for (size_t p = 0; p < e->polygons; p++)
+    for (uint32_t i = e->start[p]; i < e->start[p + 1]; i++) {
+      const eda_fragment *f = &e->fragments[i];
+      if (f->role != EDA_L_LOW && f->role != EDA_L_HIGH) continue;
+      const eda_fragment *next =
+          &e->fragments[i + 1 < e->start[p + 1] ? i + 1 : e->start[p]];
+      int upright = g->axis[f->gate] == EDA_X, side = f->role == EDA_L_HIGH;
+      eda_box box = g->box[f->gate];
+      int32_t a = upright ? f->from.y - box.y0 : f->from.x - box.x0;
+      int32_t b = upright ? next->from.y - box.y0 : next->from.x - box.x0;
+      out[f->gate].from[side] = a < b ? a : b;
+      out[f->gate].to[side] = a < b ? b : a;
+    }
+}
+
+/* The integral of a smoothed step. */
+static double ramp(double x, double blur) {
+  double z = x / blur;
+  return x * 0.5 * erfc(-z * M_SQRT1_2) +
+         blur * exp(-z * z / 2) / sqrt(2 * M_PI);
+}
+
+/* What a step of the edge up to `at` does to the gate. */
+static double weight(const sides *s, double at) {
+  return ramp(at - s->low, s->blur) - ramp(at - s->high, s->blur);
+}
+
+/* The part of the whole edge's effect that the first `jog` steps have. */
+static double share(const sides *s, int side, int32_t jog) {
+  double from = weight(s, s->from[side]);
+  double all = weight(s, s->to[side]) - from;
+  if (jog <= 0 || !(all > 0)) return 0;
+  if (jog >= s->to[side] - s->from[side]) return 1;
+  return (weight(s, s->from[side] + jog) - from) / all;
+}
+
+/* The edge that takes the next step: HIGH after an even number of them. */
+static int edge_of(int32_t l) { return !(l & 1); }
+
+double length_value(const sides *s, length x) {
+  return x.l + share(s, edge_of(x.l), x.jog);
+}
+
+length length_nearest(const sides *s, double value, int32_t least) {
+  length x = {(int32_t)floor(value), 0};
+  int side = edge_of(x.l);
+  int32_t whole = s->to[side] - s->from[side];
+  int32_t low = least < whole / 2 ? least : whole / 2, high = whole - low;
+  double part = value - x.l;
+  while (high - low > 1) {
+    int32_t middle = low + (high - low) / 2;
+    if (share(s, side, middle) < part) low = middle;
+    else high = middle;
+  }
+  double below = share(s, side, low), above = share(s, side, high);
+  x.jog = part - below < above - part ? low : high;
+  double off = fabs(share(s, side, x.jog) - part);
+  if (part <= off) return (length){x.l, 0};
+  return 1 - part <= off ? (length){x.l + 1, 0} : x;
+}

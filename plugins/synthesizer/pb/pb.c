@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* synthesizer.pb: performance-based OPC (thesis 2.2.5, figure 2.5). The length
+   of each transistor is first changed by what its effective length is off, then
+   L and W by steps of one grid unit down to the local minimum of the deviation.
+ */
+#include <math.h>
+
+#include "../descent.h"
+
+/* ---- state ---- */
+
+enum { MODE_ION, MODE_IOFF, MODE_IOFFION };
+enum { ION, IOFF };
+
+typedef struct pb {
+  const opc_host *host;
+  double max_tpe;  /* % */
+  double max_bias; /* nm */
+  int mode;
+  int driven; /* by ION or IOFF */
+  descent descent;
+} pb;
+
+/* ---- work ---- */
+
+static const double *current(const eda_performance *p, int which) {
+  return which == ION ? p->ion : p->ioff;
+}
+
+/* TPE, eq. 2.3 and 2.4. */
+static double tpe(const void *self, const eda_feedback *f, size_t i) {
+  int which = ((const pb *)self)->driven;
+  double design = current(f->design, which)[i];
+  return 100 * (current(f->printed, which)[i] - design) / design;
+}
+
+/* L_design - Leq (thesis 3.2.2 (2), of the algorithm of chapter 2). A gate that
+   does not print tells none. */
+static int32_t first(const void *self, const eda_feedback *f, size_t i) {
+  int which = ((const pb *)self)->driven;
+  double leq = (which == ION ? f->printed->leq_ion : f->printed->leq_ioff)[i];
+  if (!(leq > 0)) return 0;
+  return (int32_t)lround((f->gates->length[i] - leq) / f->gates->grid);
+}
+
+static int begin(void *self, const eda_feedback *f, opc_error *error) {
+  pb *p = self;
+  (void)error;
+  p->driven = p->mode == MODE_ION ? ION : IOFF;
+  p->descent.rules =
+      control_rules_for(p->max_tpe, p->max_bias, f->gates->grid, 0);
+  p->descent.error = tpe;
+  p->descent.first = first;
+  p->descent.self = p;
+  descent_reset(&p->descent, f->gates->count);
+  return OPC_OK;
+}
+
+/* Go on to Ion with the widths alone, from what Ioff's lengths are. */
+static void turn_to_ion(pb *p) {
+  p->driven = ION;
+  p->descent.fine = 1;
+  for (size_t i = 0; i < p->descent.count; i++)
+    p->descent.state[i] = (control){.phase = CONTROL_FINE};
+}
+
+static int update(void *self, const eda_feedback *f, eda_moves *moves,
+                  int *done, opc_error *error) {
+  pb *p = self;
+  (void)error;
+  int first_of_two = p->mode == MODE_IOFFION && p->driven == IOFF;
+  descent_moves m = descent_update(&p->descent, f, moves, first_of_two);
+  if (first_of_two && !m.lengths) {
+    turn_to_ion(p);
+    m = descent_update(&p->descent, f, moves, 0);
+  }
+  *done = descent_is_done(p->host, f, &m);
+  return OPC_OK;
+}
+
+static const char *verdict(const void *self, size_t gate) {
+  return descent_verdict(&((const pb *)self)->descent, gate);
+}
+
+/* ---- parameters ---- */
+
+static const opc_parameter parameters[] = {
+    {.name = "mode", .type = OPC_CHOICE, .preset = "ion",
+     .choices = "ion|ioff|ioffion",
+     .summary = "what is driven (thesis table 2.1); ioffion: Ioff by L, and "
+                "afterwards Ion by W",
+     OPC_FIELD(pb, mode)},
+    {.name = "max_tpe", .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
+     .preset = "0.5 %",
+     .summary = "a transistor whose |deviation| of the current that is driven "
+                "is at most this is left alone",
+     OPC_FIELD(pb, max_tpe)},
+    {.name = "max_bias", .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
+     .unit = "nm", .preset = "80 nm", .max = 10000,
+     .summary = "largest correction of L or of W, and no more than half of W",
+     OPC_FIELD(pb, max_bias)},
+};
+
+static void clear(void *self) { descent_clear(&((pb *)self)->descent); }
+
+/* ---- entry ---- */
+
+static const eda_synthesizer functions = {
+    .begin = begin, .update = update, .verdict = verdict};
+
+OPC_PLUGIN(pb, .id = "synthesizer.pb", .kind = "synthesizer",
+           .version = "0.2.0", .licence = "BSD-3-Clause",
+           .summary = "performance-based OPC: by effective length, then by "
+                      "steps",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), .clear = clear,
+           OPC_FUNCTIONS(functions));

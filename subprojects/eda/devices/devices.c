@@ -1,0 +1,481 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Reading device tables, which docs/devices.md describes. All faults of a file
+   are found; the first one is told, and how many more there are. */
+#include <eda/devices.h>
+#include <glib.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <yaml.h>
+
+enum { LARGEST_FILE = 16 << 20 /* bytes */ };
+
+/* An eda_devices and what it points to. */
+typedef struct table {
+  eda_devices devices; /* first: what the caller gets */
+  GPtrArray *owned;
+} table;
+
+typedef struct fault {
+  yaml_mark_t at;
+  char *text;
+} fault;
+
+typedef struct reader {
+  table *table;
+  yaml_document_t document;
+  GRegex *number; /* number, its exponent, and a unit */
+  GPtrArray *faults;
+} reader;
+
+/* ---- faults ---- */
+
+static void fault_free(void *item) {
+  fault *f = item;
+  g_free(f->text);
+  g_free(f);
+}
+
+G_GNUC_PRINTF(3, 4)
+static gboolean wrong(const reader *r, const yaml_mark_t *at,
+                      const char *format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  fault *f = g_new(fault, 1);
+  *f = (fault){*at, g_strdup_vprintf(format, arguments)};
+  va_end(arguments);
+  g_ptr_array_add(r->faults, f);
+  return FALSE;
+}
+
+static int by_place(const void *a, const void *b) {
+  const fault *p = *(fault *const *)a, *q = *(fault *const *)b;
+  if (p->at.line != q->at.line) return p->at.line < q->at.line ? -1 : 1;
+  return (p->at.column > q->at.column) - (p->at.column < q->at.column);
+}
+
+/* The code, and what there is to tell. */
+static int settle(const reader *r, const char *path, opc_error *error) {
+  guint n = r->faults->len;
+  if (!n) return OPC_OK;
+  g_ptr_array_sort(r->faults, by_place);
+  const fault *first = r->faults->pdata[0];
+  g_autofree char *more =
+      n > 1 ? g_strdup_printf(" (and %u more)", n - 1) : g_strdup("");
+  return opc_fail(error, OPC_INVALID, NULL, "%s:%zu:%zu: %s%s", path,
+                  first->at.line + 1, first->at.column + 1, first->text, more);
+}
+
+/* How many letters to add, drop or change to make `b` of `a`. */
+static unsigned distance(const char *a, const char *b) {
+  enum { LONGEST = 32 };
+  unsigned row[LONGEST + 1];
+  size_t n = strnlen(b, LONGEST);
+  for (size_t j = 0; j <= n; j++) row[j] = (unsigned)j;
+  for (size_t i = 0; a[i]; i++) {
+    unsigned corner = row[0]++;
+    for (size_t j = 0; j < n; j++) {
+      unsigned change = corner + (a[i] != b[j]);
+      corner = row[j + 1];
+      row[j + 1] = MIN(change, MIN(row[j], corner) + 1);
+    }
+  }
+  return row[n];
+}
+
+/* ", did you mean '...'?" of a word near by, or nothing. */
+static char *suggestion(const char *word, const char *const *known) {
+  unsigned nearest = MAX(1, (unsigned)strlen(word) / 3) + 1;
+  const char *best = NULL;
+  for (size_t i = 0; known[i]; i++) {
+    unsigned d = distance(word, known[i]);
+    if (d >= nearest || d >= strlen(known[i])) continue;
+    nearest = d;
+    best = known[i];
+  }
+  return best ? g_strdup_printf(", did you mean '%s'?", best) : g_strdup("");
+}
+
+/* ---- pieces of the file ---- */
+
+static yaml_node_t *node_of(const reader *r, int index) {
+  return yaml_document_get_node((yaml_document_t *)&r->document, index);
+}
+
+static const char *text_of(const yaml_node_t *node) {
+  return (const char *)node->data.scalar.value;
+}
+
+static const char *noun(const yaml_node_t *node) {
+  return node->type == YAML_MAPPING_NODE    ? "a map"
+         : node->type == YAML_SEQUENCE_NODE ? "a list"
+                                            : "a text";
+}
+
+/* The value of a key, NULL if the map has none. */
+static yaml_node_t *look_up(const reader *r, const yaml_node_t *map,
+                            const char *key) {
+  const yaml_node_pair_t *pair = map->data.mapping.pairs.start;
+  for (; pair < map->data.mapping.pairs.top; pair++) {
+    const yaml_node_t *k = node_of(r, pair->key);
+    if (k->type == YAML_SCALAR_NODE && !strcmp(text_of(k), key))
+      return node_of(r, pair->value);
+  }
+  return NULL;
+}
+
+/* Complain about keys that stand twice or that `known` (NULL-terminated) does
+   not have. */
+static void check_keys(const reader *r, const yaml_node_t *map,
+                       const char *const *known) {
+  g_autoptr(GHashTable) seen = g_hash_table_new(g_str_hash, g_str_equal);
+  const yaml_node_pair_t *pair = map->data.mapping.pairs.start;
+  for (; pair < map->data.mapping.pairs.top; pair++) {
+    yaml_node_t *key = node_of(r, pair->key);
+    if (key->type != YAML_SCALAR_NODE) {
+      wrong(r, &key->start_mark, "a key cannot be %s", noun(key));
+      continue;
+    }
+    const yaml_node_t *first = g_hash_table_lookup(seen, text_of(key));
+    if (first)
+      wrong(r, &key->start_mark, "duplicate key '%s', first given in line %zu",
+            text_of(key), first->start_mark.line + 1);
+    else
+      g_hash_table_insert(seen, (char *)text_of(key), key);
+    if (g_strv_contains(known, text_of(key))) continue;
+    g_autofree char *hint = suggestion(text_of(key), known);
+    wrong(r, &key->start_mark, "unknown key '%s'%s", text_of(key), hint);
+  }
+}
+
+/* The map `key` of `parent` with the keys `known`, NULL and a fault. */
+static const yaml_node_t *get_map(const reader *r, const yaml_node_t *parent,
+                                  const char *key, const char *const *known) {
+  const yaml_node_t *node = look_up(r, parent, key);
+  if (node && node->type == YAML_MAPPING_NODE) {
+    check_keys(r, node, known);
+    return node;
+  }
+  wrong(r, node ? &node->start_mark : &parent->start_mark,
+        node ? "'%s' needs a map" : "missing '%s'", key);
+  return NULL;
+}
+
+/* Whether a value is there and a text; `wanted` is what it should be. */
+static gboolean is_text(const reader *r, const yaml_node_t *node,
+                        const char *key, const char *wanted) {
+  if (node->type != YAML_SCALAR_NODE)
+    return wrong(r, &node->start_mark, "'%s' needs %s, not %s", key, wanted,
+                 noun(node));
+  if (*text_of(node) || node->data.scalar.style != YAML_PLAIN_SCALAR_STYLE)
+    return TRUE;
+  return wrong(r, &node->start_mark, "'%s' has no value", key);
+}
+
+/* ---- numbers ---- */
+
+typedef struct unit {
+  const char *name, *noun;
+  int exponent; /* of ten, against the unit that is stored */
+} unit;
+
+static const char length[] = "a length", voltage[] = "a voltage",
+                  current[] = "a current", temperature[] = "a temperature";
+
+static const unit units[] = {{"nm", length, 0},        {"um", length, 3},
+                             {"\xC2\xB5m", length, 3}, /* micro sign */
+                             {"\xCE\xBCm", length, 3}, /* Greek mu */
+                             {"pm", length, -3},       {"angstrom", length, -1},
+                             {"mm", length, 6},        {"m", length, 9},
+                             {"V", voltage, 0},        {"mV", voltage, -3},
+                             {"A", current, 0},        {"mA", current, -3},
+                             {"uA", current, -6},      {"nA", current, -9},
+                             {"pA", current, -12},     {"C", temperature, 0},
+                             {"K", temperature, 0}};
+
+static const unit *find_unit(const char *name) {
+  for (size_t i = 0; i < G_N_ELEMENTS(units); i++)
+    if (!strcmp(units[i].name, name)) return &units[i];
+  return NULL;
+}
+
+/* The unit of a text that is to have one as `wanted`; NULL and a fault. */
+static const unit *check_unit(const reader *r, const yaml_mark_t *at,
+                              const char *key, const char *text,
+                              const char *number, const char *name,
+                              const unit *wanted) {
+  const unit *found = find_unit(name);
+  if (found && found->noun == wanted->noun) return found;
+  if (!*name) {
+    wrong(r, at, "'%s' needs %s with its unit, e.g. '%s %s'", key, wanted->noun,
+          number, wanted->name);
+  } else if (found) {
+    wrong(r, at, "'%s' needs %s, not '%s'", key, wanted->noun, text);
+  } else {
+    const char *names[G_N_ELEMENTS(units) + 1] = {NULL};
+    for (size_t i = 0; i < G_N_ELEMENTS(units); i++) names[i] = units[i].name;
+    g_autofree char *hint = suggestion(name, names);
+    wrong(r, at, "unknown unit '%s' in '%s'%s", name, text, hint);
+  }
+  return NULL;
+}
+
+/* A number with its unit, in the unit called `in`. Powers of ten are part of
+   the number before it is rounded. */
+static gboolean read_number(const reader *r, const yaml_mark_t *at,
+                            const char *key, const char *text, const char *in,
+                            double *out) {
+  const unit *wanted = find_unit(in);
+  g_autoptr(GMatchInfo) match = NULL;
+  if (!g_regex_match(r->number, text, 0, &match))
+    return wrong(r, at, "'%s' needs %s with its unit, not '%s'", key,
+                 wanted->noun, text);
+  g_autofree char *number = g_match_info_fetch(match, 1);
+  g_autofree char *digits = g_match_info_fetch(match, 2);
+  g_autofree char *exponent = g_match_info_fetch(match, 3);
+  g_autofree char *name = g_match_info_fetch(match, 4);
+  const unit *from = check_unit(r, at, key, text, number, name, wanted);
+  if (!from) return FALSE;
+  long power =
+      from->exponent + CLAMP(strtol(exponent, NULL, 10), -1000000, 1000000);
+  g_autofree char *whole = g_strdup_printf("%se%ld", digits, power);
+  *out = g_ascii_strtod(whole, NULL);
+  if (!isfinite(*out))
+    return wrong(r, at, "'%s' is too large: '%s'", key, text);
+  return TRUE;
+}
+
+static gboolean read_positive(const reader *r, const yaml_mark_t *at,
+                              const char *key, const char *text, const char *in,
+                              double *out) {
+  if (!read_number(r, at, key, text, in, out)) return FALSE;
+  if (*out > 0) return TRUE;
+  return wrong(r, at, "'%s' must be above 0 %s, not '%s'", key, in, text);
+}
+
+/* `{ unit: nm, values: [...] }` in the unit `in`, each above 0; NULL and a
+   fault. The numbers get the unit of the column before they are read. */
+static double *get_column(const reader *r, const yaml_node_t *parent,
+                          const char *key, const char *in, size_t *count) {
+  static const char *const known[] = {"unit", "values", NULL};
+  const yaml_node_t *map = get_map(r, parent, key, known);
+  if (!map) return NULL;
+  const yaml_node_t *given = look_up(r, map, "unit");
+  const yaml_node_t *list = look_up(r, map, "values");
+  if (!given || given->type != YAML_SCALAR_NODE || !list ||
+      list->type != YAML_SEQUENCE_NODE) {
+    wrong(r, &map->start_mark, "'%s' needs '{ unit: %s, values: [...] }'", key,
+          in);
+    return NULL;
+  }
+  const yaml_node_item_t *item = list->data.sequence.items.start;
+  *count = (size_t)(list->data.sequence.items.top - item);
+  double *column = g_new0(double, MAX(*count, 1));
+  g_ptr_array_add(r->table->owned, column);
+  gboolean good = TRUE;
+  for (size_t i = 0; i < *count; i++) {
+    const yaml_node_t *node = node_of(r, item[i]);
+    g_autofree char *wanted =
+        g_strdup_printf("%s with its unit", find_unit(in)->noun);
+    if (!is_text(r, node, key, wanted)) {
+      good = FALSE;
+      continue;
+    }
+    g_autofree char *text =
+        g_strdup_printf("%s %s", text_of(node), text_of(given));
+    good &= read_positive(r, &node->start_mark, key, text, in, &column[i]);
+  }
+  return good ? column : NULL;
+}
+
+/* ---- the table ---- */
+
+static void read_lengths(const reader *r, const yaml_node_t *root) {
+  eda_devices *d = &r->table->devices;
+  double *lengths = get_column(r, root, "length", "nm", &d->count);
+  if (!lengths) return;
+  const yaml_node_t *list = look_up(r, look_up(r, root, "length"), "values");
+  if (d->count < 2)
+    wrong(r, &list->start_mark, "'length' needs two values or more");
+  for (size_t i = 1; i < d->count; i++) {
+    const yaml_node_t *item = node_of(r, list->data.sequence.items.start[i]);
+    if (lengths[i] <= lengths[i - 1])
+      wrong(r, &item->start_mark, "lengths must increase: '%s'", text_of(item));
+  }
+  d->length = lengths;
+}
+
+/* The currents of one type, per width. */
+static void read_type(const reader *r, const yaml_node_t *root, const char *key,
+                      int type) {
+  static const char *const known[] = {"ion", "ioff", NULL};
+  eda_devices *d = &r->table->devices;
+  const yaml_node_t *map = get_map(r, root, key, known);
+  for (int i = 0; map && i < 2; i++) {
+    size_t count = 0;
+    double *currents = get_column(r, map, known[i], "A", &count);
+    if (!currents) continue;
+    if (d->length && count != d->count)
+      wrong(r, &look_up(r, map, known[i])->start_mark,
+            "'%s' has %zu values, 'length' has %zu", known[i], count, d->count);
+    for (size_t j = 0; d->width > 0 && j < count; j++) currents[j] /= d->width;
+    (i ? d->ioff : d->ion)[type] = currents;
+  }
+}
+
+/* The text of a key, NULL where there is none; `wanted` is what it should be.
+ */
+static const yaml_node_t *get_text(const reader *r, const yaml_node_t *root,
+                                   const char *key, const char *wanted,
+                                   gboolean required) {
+  const yaml_node_t *node = look_up(r, root, key);
+  if (!node && required) wrong(r, &root->start_mark, "missing '%s'", key);
+  return node && is_text(r, node, key, wanted) ? node : NULL;
+}
+
+static void read_version(const reader *r, const yaml_node_t *root) {
+  static const char key[] = "opcflow-devices";
+  const yaml_node_t *node = get_text(r, root, key, "a whole number", TRUE);
+  if (!node) return;
+  const char *text = text_of(node), *digits = text + (*text == '-');
+  if (!*digits || strspn(digits, "0123456789") != strlen(digits))
+    wrong(r, &node->start_mark, "'%s' needs a whole number, not '%s'", key,
+          text);
+  else if (strtoll(text, NULL, 10) != 1)
+    wrong(r, &node->start_mark, "'%s' must be at %s 1, not '%s'", key,
+          strtoll(text, NULL, 10) < 1 ? "least" : "most", text);
+}
+
+static void read_head(const reader *r, const yaml_node_t *root) {
+  static const char *const notes[] = {"source", "ion", "ioff"};
+  eda_devices *d = &r->table->devices;
+  read_version(r, root);
+  const yaml_node_t *node = get_text(r, root, "name", "a text", TRUE);
+  if (node) {
+    d->name = g_strdup(text_of(node));
+    g_ptr_array_add(r->table->owned, (char *)d->name);
+  }
+  node = get_text(r, root, "supply", "a voltage with its unit", TRUE);
+  if (node)
+    read_positive(r, &node->start_mark, "supply", text_of(node), "V",
+                  &d->supply);
+  node = get_text(r, root, "width", "a length with its unit", TRUE);
+  if (node)
+    read_positive(r, &node->start_mark, "width", text_of(node), "nm",
+                  &d->width);
+  double ignored;
+  node = get_text(r, root, "temperature", "a temperature with its unit", FALSE);
+  if (node)
+    read_number(r, &node->start_mark, "temperature", text_of(node), "C",
+                &ignored);
+  for (size_t i = 0; i < G_N_ELEMENTS(notes); i++)
+    get_text(r, root, notes[i], "a text", FALSE);
+}
+
+static void read_table(const reader *r, const yaml_node_t *root) {
+  static const char *const known[] = {
+      "opcflow-devices", "name",  "source", "supply",
+      "temperature",     "width", "ion",    "ioff",
+      "length",          "nmos",  "pmos",   NULL};
+  if (root->type != YAML_MAPPING_NODE) {
+    wrong(r, &root->start_mark, "a device table is a map, not %s", noun(root));
+    return;
+  }
+  check_keys(r, root, known);
+  read_head(r, root);
+  read_lengths(r, root);
+  read_type(r, root, "nmos", EDA_NMOS);
+  read_type(r, root, "pmos", EDA_PMOS);
+}
+
+/* ---- the file ---- */
+
+/* Where the parser stopped. For bytes that are no text it knows how many came
+   before them, and no line. */
+static yaml_mark_t place(const yaml_parser_t *parser, const char *text) {
+  yaml_mark_t at = parser->problem_mark;
+  if (parser->error != YAML_READER_ERROR) return at;
+  at = (yaml_mark_t){0};
+  for (size_t i = 0; i < parser->problem_offset; i++) {
+    at.column = text[i] == '\n' ? 0 : at.column + 1;
+    at.line += text[i] == '\n';
+  }
+  return at;
+}
+
+/* One document of the file: TRUE, and its root or NULL at the end. */
+static gboolean next_document(reader *r, yaml_parser_t *parser,
+                              const char *text, const yaml_node_t **root) {
+  if (yaml_parser_load(parser, &r->document)) {
+    *root = yaml_document_get_root_node(&r->document);
+    return TRUE;
+  }
+  yaml_mark_t at = place(parser, text);
+  return wrong(r, &at, "not YAML: %s%s%s", parser->problem,
+               parser->context ? " " : "",
+               parser->context ? parser->context : "");
+}
+
+static void read_text(reader *r, const char *text, size_t n) {
+  yaml_parser_t parser;
+  const yaml_node_t *root;
+  yaml_parser_initialize(&parser);
+  yaml_parser_set_encoding(&parser, YAML_UTF8_ENCODING);
+  yaml_parser_set_input_string(&parser, (const unsigned char *)text, n);
+  if (next_document(r, &parser, text, &root)) {
+    if (root)
+      read_table(r, root);
+    else
+      wrong(r, &(yaml_mark_t){0}, "there is nothing in it");
+    yaml_document_delete(&r->document);
+    if (root && next_document(r, &parser, text, &root)) {
+      if (root) wrong(r, &root->start_mark, "a second document");
+      yaml_document_delete(&r->document);
+    }
+  }
+  yaml_parser_delete(&parser);
+}
+
+static char *read_file(const char *path, size_t *n, opc_error *error) {
+  g_autoptr(GError) failure = NULL;
+  char *text = NULL;
+  struct stat about = {0};
+  if (!stat(path, &about) && !S_ISREG(about.st_mode))
+    opc_fail(error, OPC_IO, NULL, "'%s': not a file", path);
+  else if (about.st_size > LARGEST_FILE)
+    opc_fail(error, OPC_INVALID, NULL, "'%s': larger than %d bytes", path,
+             LARGEST_FILE);
+  else if (!g_file_get_contents(path, &text, n, &failure))
+    opc_fail(error, OPC_IO, NULL, "'%s': %s", path,
+             g_error_matches(failure, G_FILE_ERROR, G_FILE_ERROR_NOENT)
+                 ? "no such file"
+                 : failure->message);
+  return text;
+}
+
+eda_devices *eda_devices_read(const char *path, opc_error *error) {
+  size_t n;
+  g_autofree char *text = read_file(path, &n, error);
+  if (!text) return NULL;
+  reader r = {.table = g_new0(table, 1),
+              .faults = g_ptr_array_new_with_free_func(fault_free)};
+  r.table->owned = g_ptr_array_new_with_free_func(g_free);
+  r.number = g_regex_new(
+      "^(([+-]?(?:[0-9]+\\.?[0-9]*|\\.[0-9]+))(?:[eE]([+-]?[0-9]+))?) *(.*)$",
+      G_REGEX_DOTALL | G_REGEX_RAW, 0, NULL);
+  read_text(&r, text, n);
+  int code = settle(&r, path, error);
+  g_regex_unref(r.number);
+  g_ptr_array_free(r.faults, TRUE);
+  if (!code) return &r.table->devices;
+  eda_devices_free(&r.table->devices);
+  return NULL;
+}
+
+void eda_devices_free(eda_devices *devices) {
+  if (!devices) return;
+  table *t = (table *)devices;
+  g_ptr_array_free(t->owned, TRUE);
+  g_free(t);
+}

@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Device tables that are good, and the faults of others. */
+#include <eda/devices.h>
+#include <glib/gstdio.h>
+#include <string.h>
+
+static char *folder;
+
+static eda_devices *load(const char *text, opc_error *error) {
+  g_assert_true(g_file_set_contents("table.yaml", text, -1, NULL));
+  return eda_devices_read("table.yaml", error);
+}
+
+static const char good[] =
+    "opcflow-devices: 1\nname: test bulk\nsource: somewhere\nsupply: 1100 mV\n"
+    "temperature: 27 C\nwidth: 10 um\nion: at full supply\nioff: at none\n"
+    "length: { unit: um, values: [0.044, 0.065, 1] }\n"
+    "nmos:\n  ion: { unit: mA, values: [12, 11, 1] }\n"
+    "  ioff: { unit: nA, values: [30, 20, 1e-3] }\n"
+    "pmos:\n  ion: { unit: A, values: [6e-3, 5e-3, 1e-3] }\n"
+    "  ioff: { unit: pA, values: [3, 2, 1] }\n";
+
+static void test_good(void) {
+  opc_error error;
+  eda_devices *d = load(good, &error);
+  g_assert_nonnull(d);
+  g_assert_cmpuint(d->count, ==, 3);
+  g_assert_cmpstr(d->name, ==, "test bulk");
+  g_assert_true(d->supply == 1.1 && d->width == 10000);
+  g_assert_true(d->length[0] == 44 && d->length[1] == 65);
+  /* Per nm of width. */
+  g_assert_cmpfloat_with_epsilon(d->ion[EDA_NMOS][0], 12e-3 / 1e4, 1e-20);
+  g_assert_cmpfloat_with_epsilon(d->ioff[EDA_NMOS][2], 1e-12 / 1e4, 1e-30);
+  g_assert_cmpfloat_with_epsilon(d->ion[EDA_PMOS][1], 5e-3 / 1e4, 1e-20);
+  g_assert_cmpfloat_with_epsilon(d->ioff[EDA_PMOS][1], 2e-12 / 1e4, 1e-30);
+  eda_devices_free(d);
+  eda_devices_free(NULL);
+}
+
+/* The good table with one text replaced by another. */
+static void check_fault(const char *old, const char *new,
+                        const char *expected) {
+  const char *at = strstr(good, old);
+  g_assert_nonnull(at);
+  g_autofree char *head = g_strndup(good, (gsize)(at - good));
+  g_autofree char *text = g_strconcat(head, new, at + strlen(old), NULL);
+  opc_error error = {0};
+  g_assert_null(load(text, &error));
+  g_assert_cmpint(error.code, ==, OPC_INVALID);
+  g_assert_cmpstr(error.message, ==, expected);
+}
+
+static void test_faults(void) {
+  check_fault("supply: 1100", "suply: 1100",
+              "table.yaml:1:1: missing 'supply' (and 1 more)");
+  check_fault("devices: 1", "devices: 2",
+              "table.yaml:1:18: 'opcflow-devices' must be at most 1, not '2'");
+  check_fault("[0.044, 0.065, 1]", "[0.044, 0.044, 1]",
+              "table.yaml:9:37: lengths must increase: '0.044'");
+  check_fault("[0.044, 0.065, 1]", "[0.044]",
+              "table.yaml:9:29: 'length' needs two values or more (and 4 "
+              "more)");
+  check_fault("[12, 11, 1]", "[12, 11]",
+              "table.yaml:11:8: 'ion' has 2 values, 'length' has 3");
+  check_fault("[12, 11, 1]", "[12, 0, 1]",
+              "table.yaml:11:33: 'ion' must be above 0 A, not '0 mA'");
+  check_fault("[12, 11, 1]", "[12, nan, 1]",
+              "table.yaml:11:33: 'ion' needs a current with its unit, not "
+              "'nan mA'");
+  check_fault("[12, 11, 1]", "[12, 1e999, 1]",
+              "table.yaml:11:33: 'ion' is too large: '1e999 mA'");
+  check_fault("unit: mA", "unit: mV",
+              "table.yaml:11:29: 'ion' needs a current, not '12 mV' (and 2 "
+              "more)");
+  check_fault("{ unit: mA, values: [12, 11, 1] }", "[1, 2, 3]",
+              "table.yaml:11:8: 'ion' needs a map");
+  check_fault("width: 10 um", "width: 0 um",
+              "table.yaml:6:8: 'width' must be above 0 nm, not '0 um'");
+  check_fault(good, "[]",
+              "table.yaml:1:1: a device table is a map, not a "
+              "list");
+}
+
+static void test_missing(void) {
+  opc_error error = {0};
+  g_assert_null(eda_devices_read("none.yaml", &error));
+  g_assert_cmpint(error.code, ==, OPC_IO);
+  g_assert_cmpstr(error.message, ==, "'none.yaml': no such file");
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
+  g_assert_cmpint(g_chdir(folder), ==, 0);
+  g_test_add_func("/devices/good", test_good);
+  g_test_add_func("/devices/faults", test_faults);
+  g_test_add_func("/devices/missing", test_missing);
+  int failed = g_test_run();
+  g_unlink("table.yaml");
+  g_assert_cmpint(g_chdir("/"), ==, 0);
+  g_assert_cmpint(g_rmdir(folder), ==, 0);
+  g_free(folder);
+  return failed;
+}

@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Charts and legends, read back: colours at known places, equal files. */
+#include <eda/drawing.h>
+#include <glib.h>
+#include <glib/gstdio.h>
+#include <math.h>
+#include <string.h>
+
+static char *folder;
+static const eda_colour red = EDA_COLOUR(0xff0000);
+
+static char *path_of(const char *name) {
+  return g_build_filename(folder, name, NULL);
+}
+
+/* A chart of 0 .. 10 nm and 1 uA .. 1 A with a line through its decades that
+   has a gap. */
+static eda_chart chart_on(const eda_paper *paper) {
+  return (eda_chart){.paper = paper,
+                     .left = 100,
+                     .top = 50,
+                     .width = 400,
+                     .height = 300,
+                     .title = "title",
+                     .x = {.low = 0, .high = 10, .title = "length, nm"},
+                     .y = {.low = 1e-6, .high = 1, .log = 1, .unit = "A"}};
+}
+
+static void draw(const char *path) {
+  static const double x[] = {0, 2, 4, 6, 8, 10};
+  static const double y[] = {1e-6, 1e-5, 1e-4, NAN, 1e-2, 0.1};
+  opc_error error;
+  eda_paper *paper = eda_paper_open(path, 600, 420, 15, &error);
+  if (!paper) g_error("%s", error.message);
+  eda_chart c = chart_on(paper);
+  eda_chart_axes(&c);
+  eda_chart_line(&c, red, 3, 0, x, y, 6);
+  eda_ring(paper, eda_chart_x(&c, 8), eda_chart_y(&c, 1e-5));
+  g_assert_cmpint(eda_paper_close(paper, OPC_OK, &error), ==, OPC_OK);
+}
+
+static uint32_t pixel(cairo_surface_t *s, double x, double y) {
+  const unsigned char *data = cairo_image_surface_get_data(s);
+  uint32_t value;
+  memcpy(&value,
+         data + (ptrdiff_t)y * cairo_image_surface_get_stride(s) +
+             4 * (ptrdiff_t)x,
+         4);
+  return value & 0xffffff;
+}
+
+static void test_places(void) {
+  g_autofree char *path = path_of("places.png");
+  draw(path);
+  cairo_surface_t *s = cairo_image_surface_create_from_png(path);
+  g_assert_cmpint(cairo_surface_status(s), ==, CAIRO_STATUS_SUCCESS);
+  /* A decade of the line is 50 pixels high and 80 wide. */
+  g_assert_cmphex(pixel(s, 140, 325), ==, 0xff0000);
+  g_assert_cmphex(pixel(s, 220, 275), ==, 0xff0000);
+  g_assert_cmphex(pixel(s, 300, 225), ==, 0xffffff); /* the gap */
+  g_assert_cmphex(pixel(s, 460, 125), ==, 0xff0000);
+  /* The frame is sharp and in ink. */
+  g_assert_cmphex(pixel(s, 99, 333), ==, 0x202020);
+  g_assert_cmphex(pixel(s, 98, 333), ==, 0xffffff);
+  g_assert_cmphex(pixel(s, 500, 333), ==, 0x202020);
+  cairo_surface_destroy(s);
+}
+
+/* What was drawn before does not matter. */
+static void test_equal_files(void) {
+  static const char *const names[] = {"a.png", "a.svg", "a.pdf", "a.PDF"};
+  for (size_t i = 0; i < G_N_ELEMENTS(names); i++) {
+    g_autofree char *path = path_of(names[i]);
+    char *text[2];
+    gsize size[2];
+    for (int k = 0; k < 2; k++) {
+      draw(path);
+      g_assert_true(g_file_get_contents(path, &text[k], &size[k], NULL));
+    }
+    g_assert_cmpmem(text[0], size[0], text[1], size[1]);
+    g_free(text[0]);
+    g_free(text[1]);
+  }
+}
+
+static void test_axes(void) {
+  const double values[] = {3, NAN, -1, 2};
+  eda_axis a = {0};
+  eda_axis_fit(&a, values, 4);
+  g_assert_cmpfloat(a.low, ==, -1);
+  g_assert_cmpfloat(a.high, ==, 3);
+  g_assert_cmpfloat(eda_axis_place(&a, 1), ==, 0.5);
+  eda_axis_widen(&a, 0.25, 0.1);
+  g_assert_cmpfloat(a.low, ==, -2);
+  g_assert_cmpfloat(a.high, ==, 4);
+  eda_axis_fit(&a, values + 1, 1);
+  eda_axis_widen(&a, 0, 1);
+  g_assert_cmpfloat(a.low, ==, -1);
+  g_assert_cmpfloat(a.high, ==, 1);
+  a = (eda_axis){.low = 1, .high = 100, .log = 1};
+  g_assert_cmpfloat(fabs(eda_axis_place(&a, 10) - 0.5), <, 1e-12);
+  eda_axis_widen(&a, 0.5, 0);
+  g_assert_cmpfloat(fabs(a.high - 1000), <, 1e-9);
+}
+
+/* Entries go on in the next line where the paper ends; hostile texts are cut
+   and do no harm. */
+static void test_legend(void) {
+  opc_error error;
+  g_autofree char *path = path_of("legend.svg");
+  g_autofree char *hostile = g_strnfill(5000, 'W');
+  hostile[3] = (char)0xff;
+  hostile[5] = '\n';
+  eda_paper *paper = eda_paper_open(path, 200, 0, 10, &error);
+  g_assert_nonnull(paper);
+  for (int pass = 0; pass < 2; pass++) {
+    eda_legend l;
+    eda_legend_init(&l, paper, 0);
+    eda_legend_add(&l, NULL, "one");
+    g_assert_cmpfloat(l.height, ==, 16);
+    eda_legend_add(&l, NULL, "two");
+    g_assert_cmpfloat(l.height, ==, 16);
+    eda_legend_add(&l, &(eda_sign){.kind = EDA_SIGN_FILL, .colour = red}, "%s",
+                   hostile);
+    g_assert_cmpfloat(l.height, ==, 32);
+    if (!pass) eda_paper_cut(paper, 50);
+  }
+  g_assert_cmpint(eda_paper_close(paper, OPC_OK, &error), ==, OPC_OK);
+}
+
+static void test_refused(void) {
+  opc_error error;
+  g_assert_cmpint(eda_paper_check("a.jpg", "file", &error), ==, OPC_INVALID);
+  g_assert_cmpstr(error.parameter, ==, "file");
+  g_assert_cmpint(eda_paper_check("a/png", "file", &error), ==, OPC_INVALID);
+  g_assert_cmpint(eda_paper_check("a.Svg", "file", &error), ==, OPC_OK);
+  g_assert_null(eda_paper_open(folder, 10, 10, 10, &error));
+  g_assert_cmpint(error.code, ==, OPC_IO);
+  /* What was begun is removed. */
+  g_autofree char *path = path_of("begun.png");
+  eda_paper *paper = eda_paper_open(path, 10, 10, 10, &error);
+  g_assert_nonnull(paper);
+  g_assert_cmpint(eda_paper_close(paper, OPC_CANCELLED, &error), ==,
+                  OPC_CANCELLED);
+  g_assert_false(g_file_test(path, G_FILE_TEST_EXISTS));
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  folder = g_dir_make_tmp("eda-chart-XXXXXX", NULL);
+  g_test_add_func("/chart/places", test_places);
+  g_test_add_func("/chart/equal-files", test_equal_files);
+  g_test_add_func("/chart/axes", test_axes);
+  g_test_add_func("/chart/legend", test_legend);
+  g_test_add_func("/chart/refused", test_refused);
+  int code = g_test_run();
+  GDir *dir = g_dir_open(folder, 0, NULL);
+  for (const char *name; (name = g_dir_read_name(dir));) {
+    g_autofree char *path = path_of(name);
+    g_unlink(path);
+  }
+  g_dir_close(dir);
+  g_rmdir(folder);
+  return code;
+}

@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Layout files know no holes: each hole is given to its outline, and outlines
+   with holes are cut into rectangles. */
+#include <eda/formats.h>
+#include <eda/memory.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct sorting {
+  const eda_shapes *shapes;
+  eda_box *box;    /* of each polygon */
+  uint32_t *owner; /* of each hole */
+  uint32_t *first; /* of each outline: its holes in `holes` */
+  uint32_t *holes;
+} sorting;
+
+/* The lowest, then leftmost point: the unit square up and right of it lies in
+   the polygon, also in a hole. */
+static eda_point lowest(const eda_shapes *s, size_t i) {
+  eda_point low = s->points[s->start[i]];
+  for (uint32_t k = s->start[i] + 1; k < s->start[i + 1]; k++) {
+    eda_point p = s->points[k];
+    if (p.y < low.y || (p.y == low.y && p.x < low.x)) low = p;
+  }
+  return low;
+}
+
+/* Whether the middle of the unit square at p lies in outline i: edges left of
+   it are counted. Vertical ones are all there are to count. */
+static int inside(const eda_shapes *s, size_t i, eda_point p) {
+  int in = 0;
+  uint32_t start = s->start[i], end = s->start[i + 1];
+  eda_point a = s->points[end - 1];
+  for (uint32_t k = start; k < end; k++) {
+    eda_point b = s->points[k];
+    if ((a.y <= p.y) != (b.y <= p.y) && a.x <= p.x) in = !in;
+    a = b;
+  }
+  return in;
+}
+
+static double area(eda_box b) {
+  return ((double)b.x1 - b.x0) * ((double)b.y1 - b.y0);
+}
+
+/* The outline of hole h: the smallest one around it. -1 if there is none. */
+static int64_t outline_of(const sorting *o, size_t h) {
+  const eda_shapes *s = o->shapes;
+  eda_point p = lowest(s, h);
+  int64_t best = -1;
+  for (size_t i = 0; i < s->count; i++) {
+    eda_box b = o->box[i], c = o->box[h];
+    if (s->hole[i] || b.x0 > c.x0 || b.y0 > c.y0 || b.x1 < c.x1 ||
+        b.y1 < c.y1 || (best >= 0 && area(b) >= area(o->box[best])))
+      continue;
+    if (inside(s, i, p)) best = (int64_t)i;
+  }
+  return best;
+}
+
+/* first[i] .. first[i + 1] - 1 are the places of the holes of outline i. */
+static int sort_holes(sorting *o, opc_error *error) {
+  const eda_shapes *s = o->shapes;
+  uint32_t total = 0;
+  for (size_t i = 0; i < s->count; i++)
+    o->box[i] =
+        eda_bounds(s->points + s->start[i], s->start[i + 1] - s->start[i]);
+  for (size_t h = 0; h < s->count; h++) {
+    if (!s->hole[h]) continue;
+    int64_t owner = outline_of(o, h);
+    if (owner < 0)
+      return opc_fail(error, OPC_FAILED, NULL,
+                      "a hole at (%d, %d) lies in no polygon", o->box[h].x0,
+                      o->box[h].y0);
+    o->owner[h] = (uint32_t)owner;
+    o->first[owner + 1]++;
+    total++;
+  }
+  for (size_t i = 0; i < s->count; i++) o->first[i + 1] += o->first[i];
+  for (size_t h = s->count; h-- > 0;)
+    if (s->hole[h]) o->holes[--o->first[o->owner[h] + 1]] = (uint32_t)h;
+  /* first[i + 1] has come down to where the holes of outline i begin. */
+  for (size_t i = 0; i < s->count; i++) o->first[i] = o->first[i + 1];
+  o->first[s->count] = total;
+  return OPC_OK;
+}
+
+/* An outline with its holes as shapes of their own. */
+static eda_shapes gather(const sorting *o, size_t i, uint32_t n_holes) {
+  const eda_shapes *s = o->shapes;
+  size_t points = s->start[i + 1] - s->start[i];
+  for (uint32_t k = 0; k < n_holes; k++) {
+    uint32_t h = o->holes[o->first[i] + k];
+    points += s->start[h + 1] - s->start[h];
+  }
+  eda_shapes out = {.count = n_holes + 1,
+                    .start = eda_alloc(n_holes + 2, sizeof *out.start),
+                    .points = eda_alloc(points, sizeof *out.points),
+                    .hole = eda_alloc(n_holes + 1, 1)};
+  for (uint32_t k = 0; k <= n_holes; k++) {
+    size_t from = k ? o->holes[o->first[i] + k - 1] : i;
+    uint32_t n = s->start[from + 1] - s->start[from];
+    memcpy(out.points + out.start[k], s->points + s->start[from],
+           n * sizeof *out.points);
+    out.start[k + 1] = out.start[k] + n;
+    out.hole[k] = k > 0;
+  }
+  return out;
+}
+
+static int put_boxes(const sorting *o, size_t i, uint32_t n_holes,
+                     const eda_polygon_taker *take, opc_error *error) {
+  eda_shapes one = gather(o, i, n_holes);
+  eda_box *boxes = NULL;
+  size_t n = 0;
+  int code = eda_fracture(&one, &boxes, &n, error);
+  eda_shapes_clear(&one);
+  for (size_t k = 0; k < n && !code; k++) {
+    eda_box b = boxes[k];
+    eda_point corners[4] = {
+        {b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
+    code = take->polygon(take->data, corners, 4, error);
+  }
+  free(boxes);
+  return code;
+}
+
+static int put_outline(const eda_shapes *s, size_t i,
+                       const eda_polygon_taker *take, opc_error *error) {
+  return eda_polygon_cut(s->points + s->start[i], s->start[i + 1] - s->start[i],
+                         take, error);
+}
+
+static int put_all(sorting *o, const eda_polygon_taker *take,
+                   opc_error *error) {
+  const eda_shapes *s = o->shapes;
+  if (sort_holes(o, error)) return error->code;
+  for (size_t i = 0; i < s->count; i++) {
+    if (s->hole[i]) continue;
+    uint32_t n_holes = o->first[i + 1] - o->first[i];
+    int code = n_holes ? put_boxes(o, i, n_holes, take, error)
+                       : put_outline(s, i, take, error);
+    if (code) return code;
+  }
+  return OPC_OK;
+}
+
+int eda_polygons_without_holes(const eda_shapes *shapes,
+                               const eda_polygon_taker *take,
+                               opc_error *error) {
+  size_t n = shapes->count;
+  for (size_t i = 0; i < n && !shapes->hole; i++)
+    if (put_outline(shapes, i, take, error)) return error->code;
+  if (!shapes->hole) return OPC_OK;
+  sorting o = {.shapes = shapes,
+               .box = eda_alloc(n, sizeof *o.box),
+               .owner = eda_alloc(n, sizeof *o.owner),
+               .first = eda_alloc(n + 1, sizeof *o.first),
+               .holes = eda_alloc(n, sizeof *o.holes)};
+  int code = put_all(&o, take, error);
+  free(o.box);
+  free(o.owner);
+  free(o.first);
+  free(o.holes);
+  return code;
+}

@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Cutting a polygon that has too many points: into two by a vertical or
+   horizontal line through the median of its points, whichever leaves fewer
+   points, and those again. Clipping keeps the winding number on either side of
+   the line, so that no shape is too odd for it. */
+#include <eda/formats.h>
+#include <eda/memory.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct piece piece;
+struct piece {
+  piece *next;
+  size_t n;
+  eda_point points[];
+};
+
+static piece *piece_new(size_t room) {
+  return eda_alloc(1, sizeof(piece) + room * sizeof(eda_point));
+}
+
+static int32_t coordinate(eda_point p, int axis) { return axis ? p.y : p.x; }
+
+static int by_value(const void *a, const void *b) {
+  int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
+  return (x > y) - (x < y);
+}
+
+/* A value strictly inside the range of the points, near their median; 0 if
+   there is none. */
+static int median(const piece *p, int axis, int32_t *values, int32_t *at) {
+  for (size_t i = 0; i < p->n; i++) values[i] = coordinate(p->points[i], axis);
+  qsort(values, p->n, sizeof *values, by_value);
+  int64_t low = values[0], high = values[p->n - 1];
+  if (high - low < 2) return 0;
+  *at = values[p->n / 2];
+  if (*at == low) *at = (int32_t)low + 1;
+  if (*at == high) *at = (int32_t)high - 1;
+  return 1;
+}
+
+/* Add a point; of three on the line of the cut the middle one goes. */
+static void add(piece *out, eda_point p, int axis, int32_t at) {
+  if (out->n >= 2 && coordinate(p, axis) == at &&
+      coordinate(out->points[out->n - 1], axis) == at &&
+      coordinate(out->points[out->n - 2], axis) == at)
+    out->n--;
+  out->points[out->n++] = p;
+}
+
+static eda_point crossing(eda_point a, eda_point b, int axis, int32_t at) {
+  double ca = coordinate(a, axis), cb = coordinate(b, axis);
+  double oa = coordinate(a, !axis), ob = coordinate(b, !axis);
+  int32_t other = (int32_t)floor(oa + (ob - oa) * (at - ca) / (cb - ca) + 0.5);
+  return axis ? (eda_point){other, at} : (eda_point){at, other};
+}
+
+/* The part of `p` on one side of the line: side -1 below, 1 above. */
+static piece *clip(const piece *p, int axis, int32_t at, int side) {
+  piece *out = piece_new(2 * p->n + 2);
+  eda_point a = p->points[p->n - 1];
+  for (size_t i = 0; i < p->n; i++) {
+    eda_point b = p->points[i];
+    int64_t da = ((int64_t)coordinate(a, axis) - at) * side;
+    int64_t db = ((int64_t)coordinate(b, axis) - at) * side;
+    if ((da < 0 && db > 0) || (da > 0 && db < 0))
+      add(out, crossing(a, b, axis, at), axis, at);
+    if (db >= 0) add(out, b, axis, at);
+    a = b;
+  }
+  return out;
+}
+
+static size_t larger(const piece *const half[2]) {
+  return half[0]->n > half[1]->n ? half[0]->n : half[1]->n;
+}
+
+/* The two parts of a polygon; 0 if no line makes both clearly smaller. */
+static int halve(const piece *p, piece *best[2]) {
+  int32_t *values = eda_alloc(p->n, sizeof *values);
+  for (int axis = 0; axis < 2; axis++) {
+    int32_t at;
+    if (!median(p, axis, values, &at)) continue;
+    piece *half[2] = {clip(p, axis, at, -1), clip(p, axis, at, 1)};
+    if (larger((const piece *const *)half) <= p->n / 5 * 4 &&
+        (!best[0] || larger((const piece *const *)half) <
+                         larger((const piece *const *)best)))
+      for (int i = 0; i < 2; i++) {
+        piece *worse = best[i];
+        best[i] = half[i];
+        half[i] = worse;
+      }
+    free(half[0]);
+    free(half[1]);
+  }
+  free(values);
+  return best[0] != NULL;
+}
+
+int eda_polygon_cut(const eda_point *points, size_t n,
+                    const eda_polygon_taker *take, opc_error *error) {
+  if (n <= take->most) return take->polygon(take->data, points, n, error);
+  piece *todo = piece_new(n);
+  memcpy(todo->points, points, n * sizeof *points);
+  todo->n = n;
+  int code = OPC_OK;
+  while (todo) {
+    piece *p = todo, *half[2] = {NULL, NULL};
+    todo = p->next;
+    if (!code && p->n <= take->most) {
+      if (p->n > 2) code = take->polygon(take->data, p->points, p->n, error);
+    } else if (!code && !halve(p, half)) {
+      code = opc_fail(error, OPC_FAILED, NULL,
+                      "a polygon of %zu points at (%d, %d) cannot be cut into "
+                      "ones of %zu",
+                      n, points[0].x, points[0].y, take->most);
+    }
+    for (int i = 0; i < 2 && half[i]; i++) {
+      half[i]->next = todo;
+      todo = half[i];
+    }
+    free(p);
+  }
+  return code;
+}

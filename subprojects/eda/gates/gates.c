@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Making and freeing what this library hands from step to step: gates, masks,
+   and the arrays of their performance. */
+#include <eda/gates.h>
+#include <eda/memory.h>
+#include <glib.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { CHUNK = 4096 }; /* bytes of texts at a time */
+
+/* ---- gates ---- */
+
+eda_gates *eda_gates_new(size_t layers, size_t count) {
+  eda_gates *g = eda_alloc(1, sizeof *g);
+  g->layers = layers;
+  g->layer = eda_alloc(layers, sizeof *g->layer);
+  g->corrected = eda_alloc(layers, sizeof *g->corrected);
+  g->drawn = eda_alloc(layers, sizeof *g->drawn);
+  g->edges = eda_alloc(layers, sizeof *g->edges);
+  g->count = count;
+  g->box = eda_alloc(count, sizeof *g->box);
+  g->type = eda_alloc(count, sizeof *g->type);
+  g->axis = eda_alloc(count, sizeof *g->axis);
+  g->length = eda_alloc(count, sizeof *g->length);
+  g->width = eda_alloc(count, sizeof *g->width);
+  g->space = eda_alloc(2 * count, sizeof *g->space);
+  g->extension = eda_alloc(2 * count, sizeof *g->extension);
+  g->instance = eda_alloc(count, sizeof *g->instance);
+  g->cell = eda_alloc(count, sizeof *g->cell);
+  g->number = eda_alloc(count, sizeof *g->number);
+  g->texts = g_string_chunk_new(CHUNK);
+  return g;
+}
+
+void eda_gates_free(void *gates) {
+  eda_gates *g = gates;
+  if (!g) return;
+  for (size_t k = 0; k < g->layers; k++) {
+    eda_shapes_clear(&g->drawn[k]);
+    free(g->edges[k].start);
+    free(g->edges[k].fragments);
+  }
+  void *const arrays[] = {g->layer, g->corrected, g->drawn,     g->edges,
+                          g->box,   g->type,      g->axis,      g->length,
+                          g->width, g->space,     g->extension, g->instance,
+                          g->cell,  g->number,    g->note};
+  for (size_t i = 0; i < G_N_ELEMENTS(arrays); i++) free(arrays[i]);
+  g_string_chunk_free(g->texts);
+  free(g);
+}
+
+char *eda_gates_text(eda_gates *gates, const char *text) {
+  return g_string_chunk_insert_const(gates->texts, text);
+}
+
+int eda_gates_layer(const eda_gates *gates, const char *name) {
+  for (size_t k = 0; k < gates->layers; k++)
+    if (!strcmp(gates->layer[k], name)) return (int)k;
+  return -1;
+}
+
+/* ---- performance ---- */
+
+enum { FIGURES = 6 }; /* arrays of eda_performance, one after another */
+
+void eda_performance_init(eda_performance *p, size_t n) {
+  p->count = n;
+  for (int k = 0; k < FIGURES; k++) (&p->ion)[k] = eda_alloc(n, sizeof(double));
+}
+
+void eda_performance_copy(eda_performance *to, const eda_performance *from) {
+  for (int k = 0; k < FIGURES && from->count; k++)
+    memcpy((&to->ion)[k], (&from->ion)[k], from->count * sizeof(double));
+}
+
+void eda_performance_clear(eda_performance *p) {
+  for (int k = 0; k < FIGURES; k++) free((&p->ion)[k]);
+  *p = (eda_performance){0};
+}
+
+/* ---- masks ---- */
+
+eda_mask *eda_mask_new(const eda_gates *gates) {
+  eda_mask *m = eda_alloc(1, sizeof *m);
+  m->gates = gates;
+  m->layers = gates->layers;
+  m->shapes = eda_alloc(gates->layers, sizeof *m->shapes);
+  m->print = eda_alloc(gates->layers, sizeof *m->print);
+  return m;
+}
+
+void eda_mask_free(void *mask) {
+  eda_mask *m = mask;
+  if (!m) return;
+  for (size_t k = 0; k < m->layers; k++) {
+    eda_shapes_clear(&m->shapes[k]);
+    eda_field_clear(&m->print[k]);
+  }
+  free(m->shapes);
+  free(m->print);
+  eda_performance_clear(&m->design);
+  eda_performance_clear(&m->before);
+  eda_performance_clear(&m->after);
+  free(m->flags);
+  free(m);
+}

@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Gates and masks of more layers than two: made, found sound or not, freed. */
+#include <eda/check.h>
+#include <eda/memory.h>
+#include <glib.h>
+#include <string.h>
+
+enum { LAYERS = 4, METAL = 3 };
+
+/* The sample with two layers more: contacts that only limit, and metal. */
+static eda_gates *four_layers(void) {
+  static const char *const names[] = {"poly", "active", "contact", "metal1"};
+  const eda_gates *from = eda_gates_sample();
+  eda_gates *g = eda_gates_new(LAYERS, from->count);
+  opc_error error;
+  g->name = eda_gates_text(g, from->name);
+  g->grid = from->grid;
+  g->extent = from->extent;
+  for (size_t k = 0; k < LAYERS; k++) {
+    g->layer[k] = eda_gates_text(g, names[k]);
+    g->corrected[k] = k != 2;
+    g_assert_cmpint(
+        eda_boolean(EDA_OR, &from->drawn[k % 2], NULL, &g->drawn[k], &error),
+        ==, OPC_OK);
+  }
+  for (size_t i = 0; i < from->count; i++) {
+    g->box[i] = from->box[i];
+    g->type[i] = from->type[i];
+    g->length[i] = from->length[i];
+    g->width[i] = from->width[i];
+    g->instance[i] = eda_gates_text(g, "XU1");
+    g->cell[i] = eda_gates_text(g, "INV");
+    g->number[i] = (uint32_t)i + 1;
+  }
+  return g;
+}
+
+static void test_layers(void) {
+  eda_gates *g = four_layers();
+  opc_error error;
+  g_assert_cmpint(eda_gates_check(g, &error), ==, OPC_OK);
+  g_assert_cmpint(eda_gates_layer(g, "metal1"), ==, METAL);
+  g_assert_cmpint(eda_gates_layer(g, "metal2"), ==, -1);
+  g_assert_true(g->instance[0] == g->instance[1]); /* equal texts are one */
+  eda_gates_free(g);
+  eda_gates_free(NULL);
+}
+
+static void refused(eda_gates *g, const char *message) {
+  opc_error error;
+  g_assert_cmpint(eda_gates_check(g, &error), ==, OPC_FAILED);
+  g_assert_cmpstr(error.message, ==, message);
+}
+
+static void test_unsound(void) {
+  opc_error error;
+  g_assert_cmpint(eda_gates_check(eda_gates_sample(), &error), ==, OPC_OK);
+  eda_gates *g = four_layers();
+  char *name = g->layer[METAL];
+  g->layer[METAL] = NULL;
+  refused(g, "layer 4 has no name");
+  g->layer[METAL] = g->layer[EDA_POLY];
+  refused(g, "two layers are called 'poly'");
+  g->layer[METAL] = name;
+  g->layers = 1;
+  refused(g, "1 layers are too few for transistors");
+  g->layers = LAYERS;
+  g->length[1] = 0;
+  refused(g, "transistor 2 is not sound");
+  g->length[1] = 60;
+  g->grid = 0;
+  refused(g, "gates have a grid of 0 nm");
+  eda_gates_free(g);
+}
+
+/* Every layer that is corrected has a print, and no other needs one. */
+static void test_mask(void) {
+  eda_gates *g = four_layers();
+  eda_mask *m = eda_mask_new(g);
+  opc_error error;
+  eda_performance_init(&m->design, g->count);
+  eda_performance_init(&m->before, g->count);
+  eda_performance_init(&m->after, g->count);
+  m->flags = eda_alloc(g->count, sizeof *m->flags);
+  for (size_t k = 0; k < LAYERS; k++) {
+    if (!g->corrected[k]) continue;
+    g_assert_cmpint(eda_mask_check(m, &error), ==, OPC_FAILED);
+    m->print[k] =
+        (eda_field){{0, 0, 100, 100}, 4, 4, eda_alloc(16, sizeof(float))};
+  }
+  g_assert_cmpint(eda_mask_check(m, &error), ==, OPC_OK);
+  /* It may outlive its gates by its freeing. */
+  eda_gates_free(g);
+  eda_mask_free(m);
+  eda_mask_free(NULL);
+}
+
+/* What is added to a mask, and moves, of a third corrected layer. */
+static void test_third_layer(void) {
+  eda_gates *g = four_layers();
+  opc_error error;
+  int32_t zero[2] = {0}, far[] = {0, 1 << 21};
+  int32_t *shift[LAYERS] = {[METAL] = far};
+  const eda_box good = {0, 0, 5, 5}, none = {0, 0, 5, 0};
+  eda_boxes assists[LAYERS] = {[METAL] = {&good, 1}};
+  size_t fragments[LAYERS] = {[METAL] = 1};
+  const eda_moves moves = {zero, zero, zero, shift, assists};
+  g_assert_cmpint(eda_check_moves(g, &moves, fragments, &error), ==, OPC_OK);
+  assists[METAL].box = &none;
+  g_assert_cmpint(eda_check_moves(g, &moves, fragments, &error), ==,
+                  OPC_FAILED);
+  g_assert_cmpstr(error.message, ==,
+                  "number 1 of the assists of metal1 is no box: (0, 0) to "
+                  "(5, 0)");
+  fragments[METAL] = 2;
+  g_assert_cmpint(eda_check_moves(g, &moves, fragments, &error), ==,
+                  OPC_FAILED);
+  g_assert_cmpstr(error.message, ==,
+                  "moves fragment 2 of metal1 by 2097152 steps, at most "
+                  "1048576 are possible");
+  eda_gates_free(g);
+}
+
+/* Whose error it is. */
+static void test_blame(void) {
+  opc_error error = {0};
+  g_assert_cmpint(eda_blame(&error, OPC_OK, "litho"), ==, OPC_OK);
+  opc_fail(&error, OPC_IO, "file", "lost");
+  g_assert_cmpint(eda_blame(&error, OPC_IO, "litho"), ==, OPC_IO);
+  g_assert_cmpstr(error.parameter, ==, "litho.file");
+  g_assert_cmpstr(error.message, ==, "lost");
+  error = (opc_error){0};
+  g_assert_cmpint(eda_blame(&error, 77, "resist"), ==, OPC_FAILED);
+  g_assert_cmpstr(error.parameter, ==, "resist");
+  g_assert_cmpstr(error.message, ==, "gave no reason");
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/gates/layers", test_layers);
+  g_test_add_func("/gates/unsound", test_unsound);
+  g_test_add_func("/gates/mask", test_mask);
+  g_test_add_func("/gates/third-layer", test_third_layer);
+  g_test_add_func("/gates/blame", test_blame);
+  return g_test_run();
+}

@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Measurements against contours that are known in closed form. */
+#include <eda/memory.h>
+#include <eda/print.h>
+#include <glib.h>
+#include <math.h>
+
+/* ---- measurements ---- */
+
+static const double period = 1000;
+
+/* The level a + b cos(kx) + c cos(ky), k = 2 pi / period, centred on (0, 0). */
+static eda_field level(double a, double b, double c) {
+  eda_field f = {.frame = {0, 0, period, period}, .nx = 40, .ny = 40};
+  f.coefficients = eda_alloc(1600, sizeof(float));
+  for (int j = 0; j < 40; j++)
+    for (int i = 0; i < 40; i++)
+      f.coefficients[40 * j + i] =
+          (float)(a + b * cos(M_PI * i / 20) + c * cos(M_PI * j / 20));
+  opc_error error;
+  g_assert_cmpint(eda_field_from_samples(NULL, &f, &error), ==, OPC_OK);
+  return f;
+}
+
+static double wave(double x) { return cos(2 * M_PI * x / period); }
+
+/* An extractor that keeps what it is shown. */
+enum { SLICES = 5 };
+static const double place[SLICES] = {0.05, 0.25, 0.5, 0.8, 1};
+static const double share[SLICES] = {0.1, 0.3, 0.2, 0.3, 0.1};
+static double seen_length[SLICES], seen_width[SLICES], seen_edge[SLICES];
+
+static size_t slicing(const void *self, const double **p, const double **s) {
+  (void)self;
+  *p = place;
+  *s = share;
+  return SLICES;
+}
+
+static int keep(const void *self, const eda_slices *in, eda_performance *out,
+                opc_error *error) {
+  (void)self;
+  (void)error;
+  for (int i = 0; i < SLICES; i++) {
+    seen_length[i] = in->length[i];
+    seen_width[i] = in->width[i];
+    seen_edge[i] = in->edge[i];
+  }
+  for (int k = 0; k < 6; k++) (&out->ion)[k][0] = 1;
+  return OPC_OK;
+}
+
+static const eda_extractor keeper = {.slicing = slicing, .extract = keep};
+
+typedef struct result {
+  uint32_t flags;
+  double extension[2];
+} result;
+
+/* Measure a gate of L 60 and W 300 around (0, 0), vertical or horizontal. */
+static result measure(eda_field poly, eda_field active, uint8_t axis,
+                      double space, double extension) {
+  eda_box box = axis == EDA_X ? (eda_box){-30, -150, 30, 150}
+                              : (eda_box){-150, -30, 150, 30};
+  uint8_t type = EDA_NMOS;
+  double both_spaces[2] = {space, space}, both[2] = {extension, INFINITY};
+  double figure[6];
+  eda_gates gates = {.grid = 1,
+                     .layers = 2,
+                     .count = 1,
+                     .box = &box,
+                     .type = &type,
+                     .axis = &axis,
+                     .space = both_spaces,
+                     .extension = both};
+  eda_field print[] = {poly, active};
+  const opc_module module = {&keeper, NULL, "extractor.keeper"};
+  result r;
+  eda_measurement out = {&r.flags,
+                         r.extension,
+                         {1, &figure[0], &figure[1], &figure[2], &figure[3],
+                          &figure[4], &figure[5]}};
+  opc_error error;
+  g_assert_cmpint(eda_measure(NULL, &gates, print, &module, &out, &error), ==,
+                  OPC_OK);
+  for (int layer = 0; layer < 2; layer++) eda_field_clear(&print[layer]);
+  return r;
+}
+
+/* Poly whose length depends on the place along W, active of 290 nm; both
+   orientations see the same. */
+static void test_slices(void) {
+  const double a = -0.97, taper = 0.01, half = 145;
+  for (int across = 0; across < 2; across++) {
+    uint8_t axis = across ? EDA_Y : EDA_X;
+    eda_field poly = level(a, across ? taper : 1, across ? 1 : taper);
+    eda_field active = level(-wave(half), across, !across);
+    result r = measure(poly, active, axis, 400, INFINITY);
+    g_assert_cmpuint(r.flags, ==, 0);
+    for (int i = 0; i < SLICES; i++) {
+      double y = half * (2 * place[i] - 1);
+      double want = period / M_PI * acos(-a - taper * wave(y));
+      g_assert_cmpfloat(fabs(seen_length[i] - want), <, 1e-3);
+      g_assert_cmpfloat(fabs(seen_width[i] - 2 * half * share[i]), <, 1e-3);
+      g_assert_cmpfloat(
+          fabs(seen_edge[i] - 2 * half * fmin(place[i], 1 - place[i])), <,
+          1e-3);
+    }
+    g_assert_true(isinf(r.extension[0]) && isinf(r.extension[1]));
+  }
+}
+
+/* A poly that ends at y = -199 (level in y only in that direction). */
+static void test_extension(void) {
+  eda_field poly = level(-wave(199), 0, 1), active = level(-wave(145), 0, 1);
+  result r = measure(poly, active, EDA_X, 400, 84);
+  g_assert_cmpfloat(fabs(r.extension[0] - 54), <, 1e-3);
+  g_assert_true(isinf(r.extension[1]));
+  g_assert_true(r.flags & EDA_PRINT_MERGED); /* no edge along x at all */
+  /* The poly stops 20 nm inside the active. */
+  r = measure(level(-wave(125), 0, 1), level(-wave(145), 0, 1), EDA_X, 400, 84);
+  g_assert_cmpfloat(fabs(r.extension[0] + 20), <, 1e-3);
+  g_assert_true(r.flags & EDA_PRINT_SHORT);
+  g_assert_true(r.flags & EDA_PRINT_OPEN); /* its outer slices */
+}
+
+static void test_trouble(void) {
+  /* Nothing prints in the middle. */
+  result r = measure(level(-2, 1, 0), level(-wave(145), 0, 1), EDA_X, 400, 84);
+  g_assert_true(r.flags & EDA_PRINT_OPEN);
+  r = measure(level(-wave(30), 1, 0), level(-2, 0, 1), EDA_X, 400, 84);
+  g_assert_true(r.flags & EDA_PRINT_NO_ACTIVE);
+  /* Wider than half the space: 30 + 50 is less than 81, more than 79. */
+  r = measure(level(-wave(81), 1, 0), level(-wave(145), 0, 1), EDA_X, 100, 84);
+  g_assert_true(r.flags & EDA_PRINT_MERGED);
+  r = measure(level(-wave(79), 1, 0), level(-wave(145), 0, 1), EDA_X, 100, 84);
+  g_assert_false(r.flags & EDA_PRINT_MERGED);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/measure/slices", test_slices);
+  g_test_add_func("/measure/extension", test_extension);
+  g_test_add_func("/measure/trouble", test_trouble);
+  return g_test_run();
+}

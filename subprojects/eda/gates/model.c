@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A litho model as the printer and the resist see it: each call goes through
+   to the plugin, and what it hands back is checked. The resist calls the model
+   by itself while it calibrates; here its faults are told from those of the
+   resist. */
+#include <eda/print.h>
+#include <math.h>
+#include <string.h>
+
+/* The first failure is kept; models are called from several threads. */
+static int settle(eda_model *m, int code, opc_error *error) {
+  if (!eda_blame(error, code, "litho")) return OPC_OK;
+  if (!__atomic_exchange_n(&m->failed, 1, __ATOMIC_SEQ_CST)) m->fault = *error;
+  return error->code;
+}
+
+static const eda_litho *inner(const eda_model *m) {
+  return m->litho->functions;
+}
+
+static int prepare(void *self, opc_error *error) {
+  eda_model *m = self;
+  const char *before = eda_enter(m->context, m->litho, error);
+  int code = inner(m)->prepare(m->litho->self, error);
+  double band = code ? 1 : inner(m)->band(m->litho->self);
+  opc_leave(m->context, before);
+  if (!(band > 0) || !isfinite(band))
+    code = opc_fail(error, OPC_FAILED, NULL, "its band is %g 1/nm", band);
+  return settle(m, code, error);
+}
+
+static double band(const void *self) {
+  const eda_model *m = self;
+  const char *before = opc_enter(m->context, m->litho->id);
+  double value = inner(m)->band(m->litho->self);
+  opc_leave(m->context, before);
+  return value;
+}
+
+static int image_at(const void *self, int layer, const eda_spectrum *mask,
+                    double defocus, eda_field *out, opc_error *error) {
+  eda_model *m = (eda_model *)self;
+  const eda_litho *litho = inner(m);
+  memset(out, 0, sizeof *out);
+  const char *before = eda_enter(m->context, m->litho, error);
+  int code =
+      defocus == 0
+          ? litho->image(m->litho->self, layer, mask, out, error)
+          : litho->image_at(m->litho->self, layer, mask, defocus, out, error);
+  opc_leave(m->context, before);
+  if (!code) code = eda_check_field(out, &mask->frame, "intensity", error);
+  return settle(m, code, error);
+}
+
+static int image(const void *self, int layer, const eda_spectrum *mask,
+                 eda_field *out, opc_error *error) {
+  return image_at(self, layer, mask, 0, out, error);
+}
+
+void eda_model_init(eda_model *m, const opc_context *context,
+                    const opc_module *litho) {
+  *m = (eda_model){.litho = litho, .context = context};
+  m->functions = (eda_litho){.prepare = prepare,
+                             .band = band,
+                             .image = image,
+                             .image_at = inner(m)->image_at ? image_at : NULL};
+  m->module = (opc_module){&m->functions, m, litho->id};
+}

@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Booleans of rectilinear polygons: a vertical line sweeps over the vertical
+   edges from left to right and knows, for each piece of itself, how often each
+   operand winds around it. Where an edge changes whether a piece is inside the
+   result, there is a wall of the result. O((n + k) log n), k the number of
+   places where edges cross. */
+#include <eda/memory.h>
+#include <glib.h>
+
+#include "geometry/scan.h"
+
+typedef struct sweep {
+  int op;
+  eda_event
+      *events; /* ends of vertical edges: x, y or its rank, what changes */
+  size_t n, room;
+  uint32_t *y;        /* of the ranks, biased */
+  eda_rankset breaks; /* the ranks where a piece of the line begins */
+  int32_t (*wind)[2]; /* of the piece that begins at a rank */
+  eda_wall *walls;
+  size_t n_walls, walls_room;
+} sweep;
+
+/* An end of an edge of operand b, or of a; to the right of the edge, the
+   winding number is one less above that end than below it, or one more. */
+enum { OPERAND = 1, MINUS = 2 };
+
+/* Each wall stands for two edges, and points are counted with 31 bits. */
+enum { MOST_WALLS = 1 << 30 };
+
+static int inside(int op, const int32_t *wind) {
+  int a = wind[0] != 0, b = wind[1] != 0;
+  switch (op) {
+    case EDA_OR:
+      return a | b;
+    case EDA_AND:
+      return a & b;
+    case EDA_NOT:
+      return a & !b;
+    default:
+      return a ^ b;
+  }
+}
+
+static void forget(sweep *s) {
+  g_free(s->events);
+  g_free(s->y);
+  g_free(s->wind);
+  g_free(s->walls);
+  eda_rankset_clear(&s->breaks);
+}
+
+/* ---- the line ---- */
+
+static int add_wall(sweep *s, uint32_t x, uint32_t r0, uint32_t r1, int left,
+                    opc_error *error) {
+  eda_wall wall = {eda_unbias(x), eda_unbias(s->y[r0]), eda_unbias(s->y[r1]),
+                   left};
+  eda_wall *last = s->n_walls ? &s->walls[s->n_walls - 1] : NULL;
+  if (last && last->x == wall.x && last->y1 == wall.y0 && last->left == left) {
+    last->y1 = wall.y1;
+    return OPC_OK;
+  }
+  if (s->n_walls == MOST_WALLS)
+    return opc_fail(error, OPC_FAILED, NULL,
+                    "the result has more than 2^31 edges");
+  eda_grow(&s->walls, &s->walls_room, s->n_walls + 1, sizeof *s->walls);
+  s->walls[s->n_walls++] = wall;
+  return OPC_OK;
+}
+
+/* The winding numbers below rank r. */
+static void wind_below(const sweep *s, uint32_t r, int32_t *wind) {
+  uint32_t below = eda_rankset_before(&s->breaks, r);
+  wind[0] = below == EDA_NO_RANK ? 0 : s->wind[below][0];
+  wind[1] = below == EDA_NO_RANK ? 0 : s->wind[below][1];
+}
+
+static void split(sweep *s, uint32_t r) {
+  if (eda_rankset_has(&s->breaks, r)) return;
+  wind_below(s, r, s->wind[r]);
+  eda_rankset_add(&s->breaks, r);
+}
+
+/* A break that no longer breaks anything goes. `below` becomes what is above
+   it. */
+static void join(sweep *s, uint32_t r, int32_t *below) {
+  if (s->wind[r][0] == below[0] && s->wind[r][1] == below[1]) {
+    eda_rankset_remove(&s->breaks, r);
+  } else {
+    below[0] = s->wind[r][0];
+    below[1] = s->wind[r][1];
+  }
+}
+
+/* Add `change` to the winding numbers from rank r0 to r1. */
+static int change_range(sweep *s, uint32_t x, uint32_t r0, uint32_t r1,
+                        const int32_t *change, opc_error *error) {
+  int32_t below[2];
+  split(s, r0);
+  split(s, r1);
+  wind_below(s, r0, below);
+  for (uint32_t r = r0, next; r < r1; r = next) {
+    next = eda_rankset_after(&s->breaks, r);
+    int before = inside(s->op, s->wind[r]);
+    s->wind[r][0] += change[0];
+    s->wind[r][1] += change[1];
+    int after = inside(s->op, s->wind[r]);
+    join(s, r, below);
+    if (before == after) continue;
+    int code = add_wall(s, x, r, next, after, error);
+    if (code) return code;
+  }
+  join(s, r1, below);
+  return OPC_OK;
+}
+
+static void prepare(sweep *s) {
+  eda_event *scratch = g_new(eda_event, s->n + 1);
+  uint32_t ranks = 0;
+  s->y = eda_rank_minor(s->events, scratch, s->n, &ranks);
+  eda_sort_major(s->events, scratch, s->n);
+  g_free(scratch);
+  s->wind = g_malloc0_n((gsize)ranks + 1, sizeof *s->wind);
+  eda_rankset_init(&s->breaks, ranks);
+}
+
+static int run(sweep *s, opc_error *error) {
+  if (s->n == 0) return OPC_OK;
+  int32_t change[2] = {0, 0};
+  int code = OPC_OK;
+  prepare(s);
+  for (size_t i = 0; !code && i < s->n; i++) {
+    const eda_event *e = &s->events[i];
+    change[e->payload & OPERAND] += e->payload & MINUS ? -1 : 1;
+    if (!change[0] && !change[1]) continue;
+    /* An edge that is open here ends later at the same x. */
+    if (e[1].minor == e->minor) continue;
+    code = change_range(s, e->major, e->minor, e[1].minor, change, error);
+  }
+  return code;
+}
+
+/* ---- operands ---- */
+
+/* The edge from y0 to y1; the interior is on its left. */
+static void add_edge(sweep *s, int32_t x, int32_t y0, int32_t y1,
+                     uint32_t operand) {
+  if (y0 == y1) return;
+  eda_grow(&s->events, &s->room, s->n + 2, sizeof *s->events);
+  s->events[s->n++] = (eda_event){eda_bias(x), eda_bias(y0), operand | MINUS};
+  s->events[s->n++] = (eda_event){eda_bias(x), eda_bias(y1), operand};
+}
+
+/* As outline (interior inside), or as hole. */
+static void add_contour(sweep *s, const eda_point *points, uint32_t n, int hole,
+                        uint32_t operand) {
+  eda_shapes one = {1, (uint32_t[]){0, n}, (eda_point *)points, NULL};
+  int reverse = (eda_area2(&one) < 0) != hole;
+  for (uint32_t i = 0; i < n; i++) {
+    eda_point a = points[i], b = points[i + 1 < n ? i + 1 : 0];
+    if (reverse)
+      add_edge(s, a.x, b.y, a.y, operand);
+    else
+      add_edge(s, a.x, a.y, b.y, operand);
+  }
+}
+
+/* A polygon that may cross itself, so that it winds both ways: its pieces must
+   not cancel those of others. */
+static int add_polygon(sweep *s, const eda_point *points, uint32_t n,
+                       uint32_t operand, opc_error *error) {
+  if (n <= 4) {
+    add_contour(s, points, n, 0, operand);
+    return OPC_OK;
+  }
+  sweep own = {.op = EDA_OR};
+  add_contour(&own, points, n, 0, 0);
+  int code = run(&own, error);
+  for (size_t i = 0; !code && i < own.n_walls; i++) {
+    const eda_wall *w = &own.walls[i];
+    if (w->left)
+      add_edge(s, w->x, w->y1, w->y0, operand);
+    else
+      add_edge(s, w->x, w->y0, w->y1, operand);
+  }
+  forget(&own);
+  return code;
+}
+
+static int add_operand(sweep *s, const eda_shapes *shapes, uint32_t operand,
+                       opc_error *error) {
+  int code = eda_shapes_check(shapes, error);
+  for (size_t p = 0; !code && shapes && p < shapes->count; p++) {
+    const eda_point *points = shapes->points + shapes->start[p];
+    uint32_t n = shapes->start[p + 1] - shapes->start[p];
+    if (shapes->hole)
+      add_contour(s, points, n, shapes->hole[p] != 0, operand);
+    else
+      code = add_polygon(s, points, n, operand, error);
+  }
+  return code;
+}
+
+int eda_boolean(int op, const eda_shapes *a, const eda_shapes *b,
+                eda_shapes *out, opc_error *error) {
+  *out = (eda_shapes){0};
+  if (op < EDA_OR || op > EDA_XOR)
+    return opc_fail(error, OPC_INVALID, NULL, "unknown boolean %d", op);
+  sweep s = {.op = op};
+  int code = add_operand(&s, a, 0, error);
+  if (!code) code = add_operand(&s, b, OPERAND, error);
+  if (!code) code = run(&s, error);
+  if (!code) eda_trace(s.walls, s.n_walls, out);
+  forget(&s);
+  return code;
+}

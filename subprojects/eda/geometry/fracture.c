@@ -1,0 +1,282 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Cut merged shapes into rectangles. A vertical line sweeps over the shapes;
+   the pieces of it that lie inside are slabs that grow to the right until an
+   edge touches them. Done for the shapes and for their transpose; each polygon
+   with its holes takes what gave fewer. O(n log n). */
+#include <eda/memory.h>
+#include <glib.h>
+#include <stdlib.h>
+
+#include "geometry/scan.h"
+
+/* A vertical edge, of a contour; x and y are swapped in the transpose. */
+typedef struct side {
+  int32_t x;
+  uint32_t r0, r1; /* ranks of its ends */
+  uint32_t contour;
+} side;
+
+typedef struct slab {
+  uint32_t r1; /* where it ends; it begins at the rank it is kept at */
+  int32_t x0;
+  uint32_t contour; /* one that belongs to its polygon */
+} slab;
+
+/* A slab that an edge has closed, or one that opens. */
+typedef struct span {
+  uint32_t r0, r1, contour;
+} span;
+
+typedef struct piece {
+  eda_box box;
+  uint32_t contour;
+} piece;
+
+typedef struct fracture {
+  const eda_shapes *shapes;
+  int transpose;
+  side *sides; /* sorted by x, then r0 */
+  size_t n_sides;
+  int32_t *y; /* of the ranks */
+  uint32_t ranks;
+  eda_rankset open; /* the ranks at which open slabs begin */
+  slab *slabs;
+  span *closed; /* at this x; from low to high */
+  uint32_t *ends;
+  size_t n_closed, n_ends;
+  uint32_t *parent; /* contours of one polygon: a forest */
+  piece *pieces[2]; /* of both ways */
+  size_t n_pieces[2], room[2];
+} fracture;
+
+/* ---- polygons and their holes ---- */
+
+static uint32_t root(fracture *f, uint32_t c) {
+  while (f->parent[c] != c) {
+    f->parent[c] = f->parent[f->parent[c]];
+    c = f->parent[c];
+  }
+  return c;
+}
+
+static void unite(fracture *f, uint32_t a, uint32_t b) {
+  a = root(f, a);
+  b = root(f, b);
+  if (a < b)
+    f->parent[b] = a;
+  else
+    f->parent[a] = b;
+}
+
+/* ---- edges ---- */
+
+static eda_point point(const fracture *f, uint32_t i) {
+  eda_point p = f->shapes->points[i];
+  return f->transpose ? (eda_point){p.y, p.x} : p;
+}
+
+/* Both ends of each vertical edge as events; the payload is the edge, and
+   whether this is its upper end. */
+static size_t collect(fracture *f, eda_event *events) {
+  size_t n = 0;
+  for (size_t c = 0; c < f->shapes->count; c++) {
+    uint32_t first = f->shapes->start[c], end = f->shapes->start[c + 1];
+    for (uint32_t i = first; i < end; i++) {
+      eda_point a = point(f, i), b = point(f, i + 1 < end ? i + 1 : first);
+      if (a.y == b.y) continue;
+      uint32_t x = eda_bias(a.x);
+      f->sides[n] = (side){a.x, 0, 0, (uint32_t)c};
+      events[2 * n] = (eda_event){x, eda_bias(MIN(a.y, b.y)), 2 * (uint32_t)n};
+      events[2 * n + 1] =
+          (eda_event){x, eda_bias(MAX(a.y, b.y)), 2 * (uint32_t)n + 1};
+      n++;
+    }
+  }
+  return n;
+}
+
+/* Rank the ends, then sort the edges by x and lower end. */
+static void rank_sides(fracture *f, eda_event *events, eda_event *scratch) {
+  uint32_t *keys = eda_rank_minor(events, scratch, 2 * f->n_sides, &f->ranks);
+  side *sorted = g_new(side, f->n_sides + 1);
+  f->y = g_new(int32_t, (gsize)f->ranks + 1);
+  for (uint32_t r = 0; r < f->ranks; r++) f->y[r] = eda_unbias(keys[r]);
+  g_free(keys);
+  for (size_t i = 0; i < 2 * f->n_sides; i++) {
+    side *s = &f->sides[events[i].payload >> 1];
+    *(events[i].payload & 1 ? &s->r1 : &s->r0) = events[i].minor;
+  }
+  eda_sort_major(events, scratch, 2 * f->n_sides);
+  size_t n = 0;
+  for (size_t i = 0; i < 2 * f->n_sides; i++)
+    if (!(events[i].payload & 1))
+      sorted[n++] = f->sides[events[i].payload >> 1];
+  g_free(f->sides);
+  f->sides = sorted;
+}
+
+static void forget_sweep(fracture *f) {
+  g_free(f->sides);
+  g_free(f->y);
+  g_free(f->slabs);
+  g_free(f->closed);
+  g_free(f->ends);
+  eda_rankset_clear(&f->open);
+  f->sides = NULL;
+  f->y = NULL;
+  f->slabs = NULL;
+  f->closed = NULL;
+  f->ends = NULL;
+}
+
+static void prepare_sweep(fracture *f) {
+  size_t most = f->shapes->start[f->shapes->count];
+  eda_event *events = g_new(eda_event, 2 * most + 1);
+  eda_event *scratch = g_new(eda_event, 2 * most + 1);
+  f->sides = g_new(side, most + 1);
+  f->n_sides = collect(f, events);
+  rank_sides(f, events, scratch);
+  g_free(events);
+  g_free(scratch);
+  f->slabs = g_new(slab, (gsize)f->ranks + 1);
+  f->closed = g_new(span, (gsize)f->ranks + 1);
+  f->ends = g_new(uint32_t, 2 * ((gsize)f->ranks + f->n_sides) + 1);
+  eda_rankset_init(&f->open, f->ranks);
+}
+
+/* ---- the line ---- */
+
+static void add_piece(fracture *f, const span *s, int32_t x0, int32_t x1) {
+  int way = f->transpose;
+  eda_grow(&f->pieces[way], &f->room[way], f->n_pieces[way] + 1,
+           sizeof *f->pieces[way]);
+  int32_t y0 = f->y[s->r0], y1 = f->y[s->r1];
+  f->pieces[way][f->n_pieces[way]++] = (piece){
+      way ? (eda_box){y0, x0, y1, x1} : (eda_box){x0, y0, x1, y1}, s->contour};
+}
+
+/* End the open slabs that [r0, r1] touches. */
+static void close_slabs(fracture *f, uint32_t r0, uint32_t r1, int32_t x) {
+  uint32_t r = eda_rankset_before(&f->open, r0);
+  if (r == EDA_NO_RANK || f->slabs[r].r1 < r0)
+    r = eda_rankset_has(&f->open, r0) ? r0 : eda_rankset_after(&f->open, r0);
+  while (r != EDA_NO_RANK && r <= r1) {
+    span s = {r, f->slabs[r].r1, f->slabs[r].contour};
+    eda_rankset_remove(&f->open, r);
+    f->closed[f->n_closed++] = s;
+    f->ends[f->n_ends++] = s.r0;
+    f->ends[f->n_ends++] = s.r1;
+    add_piece(f, &s, f->slabs[r].x0, x);
+    r = eda_rankset_after(&f->open, r);
+  }
+}
+
+static int by_rank(const void *a, const void *b) {
+  uint32_t p = *(const uint32_t *)a, q = *(const uint32_t *)b;
+  return (p > q) - (p < q);
+}
+
+/* An edge that closes a slab belongs to its polygon. That joins each hole to
+   its outline, as the line meets a hole first where a slab ends. */
+static void unite_edges(fracture *f, const side *sides, size_t n) {
+  for (size_t i = 0, j = 0; i < n && j < f->n_closed;) {
+    const span *c = &f->closed[j];
+    if (sides[i].r0 < c->r1 && c->r0 < sides[i].r1)
+      unite(f, sides[i].contour, c->contour);
+    if (sides[i].r1 <= c->r1)
+      i++;
+    else
+      j++;
+  }
+}
+
+/* It belongs to the polygon of an edge in it, or of a slab that it goes on
+   from. `edge` and `old` move on to the first of each that may be that. */
+static void open_slab(fracture *f, const side *sides, size_t n, uint32_t r0,
+                      uint32_t r1, size_t *edge, size_t *old) {
+  while (*edge < n && sides[*edge].r1 <= r0) ++*edge;
+  while (*old < f->n_closed && f->closed[*old].r1 <= r0) ++*old;
+  uint32_t contour = *edge < n && sides[*edge].r0 < r1
+                         ? sides[*edge].contour
+                         : f->closed[*old].contour;
+  f->slabs[r0] = (slab){r1, sides->x, contour};
+  eda_rankset_add(&f->open, r0);
+}
+
+/* All edges at one x: inside to its right is what was inside to its left, but
+   for the edges. */
+static void step(fracture *f, const side *sides, size_t n) {
+  f->n_closed = f->n_ends = 0;
+  for (size_t i = 0; i < n; i++) {
+    close_slabs(f, sides[i].r0, sides[i].r1, sides->x);
+    f->ends[f->n_ends++] = sides[i].r0;
+    f->ends[f->n_ends++] = sides[i].r1;
+  }
+  unite_edges(f, sides, n);
+  qsort(f->ends, f->n_ends, sizeof *f->ends, by_rank);
+  size_t kept = 0, edge = 0, old = 0;
+  for (size_t i = 0; i < f->n_ends; i++) {
+    if (kept && f->ends[kept - 1] == f->ends[i])
+      kept--;
+    else
+      f->ends[kept++] = f->ends[i];
+  }
+  for (size_t i = 0; i + 1 < kept; i += 2)
+    open_slab(f, sides, n, f->ends[i], f->ends[i + 1], &edge, &old);
+}
+
+static void sweep(fracture *f, int transpose) {
+  f->transpose = transpose;
+  prepare_sweep(f);
+  for (size_t i = 0, n; i < f->n_sides; i += n) {
+    n = 1;
+    while (i + n < f->n_sides && f->sides[i + n].x == f->sides[i].x) n++;
+    step(f, &f->sides[i], n);
+  }
+  forget_sweep(f);
+}
+
+/* ---- the better way ---- */
+
+static int by_corner(const void *a, const void *b) {
+  const eda_box *p = a, *q = b;
+  if (p->y0 != q->y0) return p->y0 < q->y0 ? -1 : 1;
+  return (p->x0 > q->x0) - (p->x0 < q->x0);
+}
+
+static void choose(fracture *f, eda_box **boxes, size_t *count) {
+  uint32_t *pieces = g_malloc0_n(f->shapes->count, 2 * sizeof *pieces);
+  for (int way = 0; way < 2; way++)
+    for (size_t i = 0; i < f->n_pieces[way]; i++)
+      pieces[2 * (size_t)root(f, f->pieces[way][i].contour) + (size_t)way]++;
+  size_t total = 0;
+  for (size_t c = 0; c < f->shapes->count; c++)
+    total += MIN(pieces[2 * c], pieces[2 * c + 1]);
+  *boxes = eda_alloc(total, sizeof **boxes);
+  for (int way = 0; way < 2; way++)
+    for (size_t i = 0; i < f->n_pieces[way]; i++) {
+      const uint32_t *n =
+          &pieces[2 * (size_t)root(f, f->pieces[way][i].contour)];
+      if ((n[1] <= n[0]) == way) (*boxes)[(*count)++] = f->pieces[way][i].box;
+    }
+  g_free(pieces);
+  qsort(*boxes, *count, sizeof **boxes, by_corner);
+}
+
+int eda_fracture(const eda_shapes *shapes, eda_box **boxes, size_t *count,
+                 opc_error *error) {
+  *boxes = NULL;
+  *count = 0;
+  int code = eda_shapes_check(shapes, error);
+  if (code || shapes->count == 0) return code;
+  fracture f = {.shapes = shapes};
+  f.parent = g_new(uint32_t, shapes->count);
+  for (size_t c = 0; c < shapes->count; c++) f.parent[c] = (uint32_t)c;
+  sweep(&f, 0);
+  sweep(&f, 1);
+  choose(&f, boxes, count);
+  g_free(f.parent);
+  g_free(f.pieces[0]);
+  g_free(f.pieces[1]);
+  return OPC_OK;
+}

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Checks of shapes, their area, and freeing them; lists of boxes. */
+#include <eda/memory.h>
+#include <glib.h>
+#include <inttypes.h>
+
+#include "geometry/scan.h"
+
+int eda_shapes_check(const eda_shapes *shapes, opc_error *error) {
+  if (!shapes || shapes->count == 0) return OPC_OK;
+  for (size_t p = 0; p < shapes->count; p++) {
+    uint32_t first = shapes->start[p], end = shapes->start[p + 1];
+    if (end < first || end > INT32_MAX)
+      return opc_fail(error, OPC_INVALID, NULL,
+                      "polygon %zu: bad range of points", p);
+    for (uint32_t i = first; i < end; i++) {
+      eda_point a = shapes->points[i];
+      eda_point b = shapes->points[i + 1 < end ? i + 1 : first];
+      if (a.x < -EDA_COORDINATE_LIMIT || a.x > EDA_COORDINATE_LIMIT ||
+          a.y < -EDA_COORDINATE_LIMIT || a.y > EDA_COORDINATE_LIMIT)
+        return opc_fail(error, OPC_INVALID, NULL,
+                        "point (%" PRId32 ", %" PRId32 ") lies beyond 2^30",
+                        a.x, a.y);
+      if (a.x != b.x && a.y != b.y)
+        return opc_fail(error, OPC_INVALID, NULL,
+                        "slanted edge from (%" PRId32 ", %" PRId32
+                        ") to (%" PRId32 ", %" PRId32 ")",
+                        a.x, a.y, b.x, b.y);
+    }
+  }
+  return OPC_OK;
+}
+
+int64_t eda_area2(const eda_shapes *shapes) {
+  /* One polygon can reach 2^63, so the sum needs more bits than it. */
+  __extension__ __int128 sum = 0;
+  for (size_t p = 0; p < shapes->count; p++) {
+    uint32_t first = shapes->start[p], end = shapes->start[p + 1];
+    for (uint32_t i = first; i < end; i++) {
+      eda_point a = shapes->points[i];
+      eda_point b = shapes->points[i + 1 < end ? i + 1 : first];
+      sum += (int64_t)a.x * b.y - (int64_t)b.x * a.y;
+    }
+  }
+  return sum > INT64_MAX   ? INT64_MAX
+         : sum < INT64_MIN ? INT64_MIN
+                           : (int64_t)sum;
+}
+
+void eda_shapes_clear(eda_shapes *shapes) {
+  g_free(shapes->start);
+  g_free(shapes->points);
+  g_free(shapes->hole);
+  *shapes = (eda_shapes){0};
+}
+
+void eda_box_list_add(eda_box_list *list, eda_box box) {
+  eda_grow(&list->box, &list->room, list->count + 1, sizeof box);
+  list->box[list->count++] = box;
+}

@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* From the vertical edges of merged shapes to their outlines and holes. Along
+   each horizontal line, the ends of vertical edges are joined two by two from
+   left to right; that gives each edge its successor. O(n). */
+#include <glib.h>
+#include <string.h>
+
+#include "geometry/scan.h"
+
+typedef struct trace {
+  const eda_wall *walls;
+  size_t n;
+  uint32_t *next;      /* the wall that follows this one */
+  eda_event *contours; /* y and x of its first point; its first wall */
+  size_t n_contours;
+} trace;
+
+/* The interior is on the left of an edge: it goes down where the interior is
+   to the right. */
+static int32_t tail_y(const eda_wall *w) { return w->left ? w->y1 : w->y0; }
+static int32_t head_y(const eda_wall *w) { return w->left ? w->y0 : w->y1; }
+
+static void link_pair(trace *t, uint32_t p, uint32_t q) {
+  uint32_t a = p >> 1, b = q >> 1;
+  int p_is_head = (int)(p & 1) != t->walls[a].left;
+  if (p_is_head)
+    t->next[a] = b;
+  else
+    t->next[b] = a;
+}
+
+/* Where two walls meet head to head in a corner, shapes touch: each of the two
+   horizontal edges goes with the wall on its own side of the interior. */
+static void order_corner(const trace *t, eda_event *lower) {
+  if (lower[0].major != lower[1].major || lower[0].minor != lower[1].minor)
+    return;
+  if (!t->walls[lower->payload >> 1].left) return;
+  eda_event swap = lower[0];
+  lower[0] = lower[1];
+  lower[1] = swap;
+}
+
+static void link_walls(trace *t) {
+  size_t ends = 2 * t->n;
+  eda_event *events = g_new(eda_event, ends + 1);
+  eda_event *scratch = g_new(eda_event, ends + 1);
+  t->next = g_new(uint32_t, t->n + 1);
+  for (size_t i = 0; i < t->n; i++) {
+    const eda_wall *w = &t->walls[i];
+    uint32_t x = eda_bias(w->x), payload = (uint32_t)i << 1;
+    events[2 * i] = (eda_event){eda_bias(w->y0), x, payload};
+    events[2 * i + 1] = (eda_event){eda_bias(w->y1), x, payload | 1};
+  }
+  eda_sort_major(events, scratch, ends);
+  /* The second end of one pair and the first one of the next are those that
+     can share a corner. */
+  for (size_t i = 1; i + 1 < ends; i += 2) order_corner(t, &events[i]);
+  for (size_t i = 0; i + 1 < ends; i += 2)
+    link_pair(t, events[i].payload, events[i + 1].payload);
+  g_free(events);
+  g_free(scratch);
+}
+
+/* Each contour's lowest, then leftmost point, sorted by it. */
+static void find_contours(trace *t) {
+  uint8_t *seen = g_new0(uint8_t, t->n + 1);
+  /* A contour has two walls or more. */
+  t->contours = g_new(eda_event, t->n / 2 + 1);
+  eda_event *scratch = g_new(eda_event, t->n / 2 + 1);
+  for (size_t first = 0; first < t->n; first++) {
+    if (seen[first]) continue;
+    uint32_t best = (uint32_t)first;
+    for (uint32_t i = best; !seen[i]; i = t->next[i]) {
+      const eda_wall *w = &t->walls[i], *b = &t->walls[best];
+      seen[i] = 1;
+      if (w->y0 < b->y0 || (w->y0 == b->y0 && w->x < b->x)) best = i;
+    }
+    const eda_wall *b = &t->walls[best];
+    t->contours[t->n_contours++] =
+        (eda_event){eda_bias(b->y0), eda_bias(b->x), best};
+  }
+  eda_sort_minor(t->contours, scratch, t->n_contours);
+  eda_sort_major(t->contours, scratch, t->n_contours);
+  g_free(seen);
+  g_free(scratch);
+}
+
+static void write_contour(const trace *t, size_t c, eda_shapes *out) {
+  uint32_t first = t->contours[c].payload, i = first;
+  int hole = !t->walls[first].left;
+  uint32_t n = out->start[c];
+  do {
+    const eda_wall *w = &t->walls[i];
+    out->points[n++] = (eda_point){w->x, tail_y(w)};
+    out->points[n++] = (eda_point){w->x, head_y(w)};
+    i = t->next[i];
+  } while (i != first);
+  if (!hole) {
+    /* An outline's lowest point is the head of its first wall. */
+    eda_point *p = &out->points[out->start[c]];
+    size_t rest = n - out->start[c] - 1;
+    eda_point tail = p[0];
+    memmove(p, p + 1, rest * sizeof *p);
+    p[rest] = tail;
+  }
+  out->hole[c] = (uint8_t)hole;
+  out->start[c + 1] = n;
+}
+
+void eda_trace(const eda_wall *walls, size_t n, eda_shapes *out) {
+  *out = (eda_shapes){0};
+  if (n == 0) return;
+  trace t = {.walls = walls, .n = n};
+  link_walls(&t);
+  find_contours(&t);
+  out->start = g_new0(uint32_t, t.n_contours + 1);
+  out->points = g_new(eda_point, 2 * n);
+  out->hole = g_new(uint8_t, t.n_contours);
+  out->count = t.n_contours;
+  for (size_t c = 0; c < t.n_contours; c++) write_contour(&t, c, out);
+  g_free(t.next);
+  g_free(t.contours);
+}

@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Where a field changes its sign along a line. A quintic spline is a polynomial
+   in each cell of its grid. Its Bernstein coefficients there tell how often it
+   can change sign (at most as often as they do), so that no pair of changes is
+   missed, however close, and cells without one cost next to nothing. */
+#include "imaging/edge.h"
+
+#include <float.h>
+#include <math.h>
+
+enum { DEGREE = EDA_SPLINE_TAPS - 1, HALVINGS = 24 };
+
+/* ---- one cell ---- */
+
+/* The coefficients of the parts before and after t (de Casteljau). */
+static void split(const double b[EDA_SPLINE_TAPS], double t,
+                  double before[EDA_SPLINE_TAPS],
+                  double after[EDA_SPLINE_TAPS]) {
+  for (int i = 0; i <= DEGREE; i++) after[i] = b[i];
+  for (int level = 0; level <= DEGREE; level++) {
+    before[level] = after[0];
+    for (int i = 0; i < DEGREE - level; i++)
+      after[i] += t * (after[i + 1] - after[i]);
+  }
+}
+
+static int changes(const double b[EDA_SPLINE_TAPS]) {
+  int n = 0;
+  for (int i = 0; i < DEGREE; i++) n += (b[i] > 0) != (b[i + 1] > 0);
+  return n;
+}
+
+/* The only change of sign: Newton's method, kept between its bounds. */
+static double only_change(const double b[EDA_SPLINE_TAPS]) {
+  double a[EDA_SPLINE_TAPS], slope;
+  eda_powers(b, a);
+  double low = 0, high = 1, t = b[0] / (b[0] - b[5]);
+  for (int i = 0; i < 60; i++) {
+    double f = eda_polynomial(a, t, &slope);
+    if ((f > 0) == (b[0] > 0))
+      low = t;
+    else
+      high = t;
+    double next = t - f / slope;
+    if (!(next >= low && next <= high)) next = (low + high) / 2;
+    if (fabs(next - t) < 1e-5) return next; /* its error is the square */
+    t = next;
+  }
+  return t;
+}
+
+/* The first change of sign in a cell or a part of it, as a fraction; NAN. */
+static double first_change(const double b[EDA_SPLINE_TAPS], int halvings) {
+  double before[EDA_SPLINE_TAPS], after[EDA_SPLINE_TAPS];
+  int n = changes(b);
+  if (n == 0) return NAN;
+  if (n == 1) return only_change(b);
+  if (halvings == 0) return (b[0] > 0) != (b[DEGREE] > 0) ? 0.5 : NAN;
+  split(b, 0.5, before, after);
+  double t = first_change(before, halvings - 1);
+  if (isnan(t)) t = 1 + first_change(after, halvings - 1);
+  return t / 2;
+}
+
+/* ---- a line ---- */
+
+void eda_line_make(const eda_field *field, int axis, double at,
+                   eda_line *line) {
+  const eda_frame *f = &field->frame;
+  int across = axis ? field->nx : field->ny;
+  line->n = axis ? field->ny : field->nx;
+  line->step = (axis ? f->height : f->width) / line->n;
+  line->origin = axis ? f->y0 : f->x0;
+  double step = (axis ? f->width : f->height) / across;
+  size_t next = axis ? 1 : (size_t)field->nx;
+  line->stride = axis ? (size_t)field->nx : 1;
+  double place = (at - (axis ? f->x0 : f->y0)) / step;
+  if (!(place >= 0 && place < across)) place -= across * floor(place / across);
+  if (!(place >= 0 && place <= across)) place = 0; /* too far away to tell */
+  int row = eda_spline_weights(place, line->weight);
+  for (int k = 0; k < EDA_SPLINE_TAPS; k++)
+    line->row[k] =
+        field->coefficients + next * (size_t)eda_wrap(row + k, across);
+}
+
+static double coefficient(const eda_line *line, int i) {
+  size_t offset = line->stride * (size_t)eda_wrap(i, line->n);
+  double sum = 0;
+  for (int k = 0; k < EDA_SPLINE_TAPS; k++)
+    sum += line->weight[k] * line->row[k][offset];
+  return sum;
+}
+
+/* A cell's coefficients: the same sums, in the order of memory where nothing
+   wraps. */
+static void cell_coefficients(const eda_line *line, int first,
+                              double c[EDA_SPLINE_TAPS]) {
+  const float *const *row = line->row;
+  int inner = first >= 0 && first + EDA_SPLINE_TAPS <= line->n;
+  size_t offset = line->stride * (size_t)first;
+  if (inner && line->stride == 1) {
+    for (int i = 0; i < EDA_SPLINE_TAPS; i++) c[i] = 0;
+    for (int k = 0; k < EDA_SPLINE_TAPS; k++)
+      for (int i = 0; i < EDA_SPLINE_TAPS; i++)
+        c[i] += line->weight[k] * row[k][offset + (size_t)i];
+  } else if (inner &&
+             row[EDA_SPLINE_TAPS - 1] - row[0] == EDA_SPLINE_TAPS - 1) {
+    for (int i = 0; i < EDA_SPLINE_TAPS; i++, offset += line->stride) {
+      double sum = 0;
+      for (int k = 0; k < EDA_SPLINE_TAPS; k++)
+        sum += line->weight[k] * row[0][offset + (size_t)k];
+      c[i] = sum;
+    }
+  } else {
+    for (int i = 0; i < EDA_SPLINE_TAPS; i++)
+      c[i] = coefficient(line, first + i);
+  }
+}
+
+double eda_line_start(const eda_line *line, double place, eda_walk *down,
+                      eda_walk *up) {
+  double x = (place - line->origin) / line->step;
+  if (!(x >= 0 && x < line->n)) x -= line->n * floor(x / line->n);
+  if (!(x >= 0 && x <= line->n)) x = 0; /* too far away to tell */
+  int cell = (int)x;
+  double t = x - cell, b[EDA_SPLINE_TAPS], reversed[EDA_SPLINE_TAPS];
+  *up = (eda_walk){
+      .line = line, .out = 1, .next = cell + 4, .part = 1 - t, .found = NAN};
+  *down = (eda_walk){
+      .line = line, .out = -1, .next = cell - 3, .part = t, .found = NAN};
+  cell_coefficients(line, cell - 2, up->c);
+  for (int k = 0; k < EDA_SPLINE_TAPS; k++) down->c[DEGREE - k] = up->c[k];
+  eda_bernstein(up->c, b);
+  if (!changes(b)) {
+    /* Nothing in this cell: all that matters is the sign. */
+    double weight[EDA_SPLINE_TAPS], value = 0;
+    eda_spline_weights(t, weight);
+    for (int k = 0; k < EDA_SPLINE_TAPS; k++) value += weight[k] * up->c[k];
+    for (int k = 0; k < EDA_SPLINE_TAPS; k++) up->b[k] = down->b[k] = b[0];
+    return value;
+  }
+  split(b, t, reversed, up->b);
+  for (int k = 0; k < EDA_SPLINE_TAPS; k++) down->b[k] = reversed[DEGREE - k];
+  return up->b[0];
+}
+
+/* From a change of sign that was found on to what is beyond it. */
+static void pass(eda_walk *w) {
+  double before[EDA_SPLINE_TAPS], after[EDA_SPLINE_TAPS];
+  int was = w->b[0] > 0;
+  split(w->b, w->found, before, after);
+  after[0] = was ? -DBL_MIN : DBL_MIN;
+  for (int k = 0; k < EDA_SPLINE_TAPS; k++) w->b[k] = after[k];
+  w->done += w->found * w->part;
+  w->part *= 1 - w->found;
+  w->found = NAN;
+}
+
+double eda_walk_on(eda_walk *w) {
+  if (!isnan(w->found)) pass(w);
+  w->found = first_change(w->b, HALVINGS);
+  if (!isnan(w->found)) return (w->done + w->found * w->part) * w->line->step;
+  w->done += w->part;
+  w->part = 1;
+  for (int k = 0; k < DEGREE; k++) w->c[k] = w->c[k + 1];
+  w->c[DEGREE] = coefficient(w->line, w->next);
+  w->next += w->out;
+  eda_bernstein(w->c, w->b);
+  return NAN;
+}
+
+/* Is there something left to look at up to `limit`, and within a period? Not if
+   a number is none. */
+static int is_within(const eda_walk *w, double limit) {
+  return w->done * w->line->step <= limit && w->done <= w->line->n;
+}
+
+double eda_walk_to(eda_walk *w, double limit) {
+  limit = fmin(limit, w->line->n * w->line->step);
+  double found = NAN;
+  while (isnan(found) && is_within(w, limit)) found = eda_walk_on(w);
+  return found <= limit ? found : NAN;
+}
+
+double eda_field_edge(const eda_field *field, int axis, double x, double y,
+                      double reach) {
+  double at = axis ? x : y, place = axis ? y : x, found = NAN;
+  if (!isfinite(at) || !isfinite(place) || !(reach >= 0)) return NAN;
+  eda_line line;
+  eda_walk walk[2];
+  eda_line_make(field, axis, at, &line);
+  eda_line_start(&line, place, &walk[0], &walk[1]);
+  reach = fmin(reach, line.n * line.step);
+  /* Always on with that of the two that has got less far. */
+  for (;;) {
+    int up = walk[1].done <= walk[0].done;
+    if (!is_within(&walk[up], reach)) break;
+    double distance = eda_walk_on(&walk[up]);
+    if (isnan(distance)) continue;
+    if (distance <= reach) {
+      reach = distance;
+      found = up ? distance : -distance;
+    }
+    walk[up].done = INFINITY;
+  }
+  return found;
+}
+
+double eda_field_epe(const eda_field *field, int axis, int out, double x,
+                     double y, double reach) {
+  eda_line line;
+  eda_walk walk[2]; /* down, up */
+  eda_line_make(field, axis, axis ? x : y, &line);
+  double value = eda_line_start(&line, axis ? y : x, &walk[0], &walk[1]);
+  int sign = value > 0 ? 1 : -1;
+  return sign * eda_walk_to(&walk[sign * out > 0], reach);
+}

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Lines through a field that are walked along, from a place outwards, to where
+   the field changes its sign. Only what is walked over is looked at. */
+#ifndef EDA_EDGE_H
+#define EDA_EDGE_H
+
+#include "imaging/spline.h"
+
+/* A line parallel to an axis, as a spline in one variable. */
+typedef struct eda_line {
+  double origin, step;
+  int n; /* its period, in steps */
+  size_t stride;
+  const float *row[EDA_SPLINE_TAPS];
+  double weight[EDA_SPLINE_TAPS];
+} eda_line;
+
+/* A walk along a line. */
+typedef struct eda_walk {
+  const eda_line *line;
+  double done;               /* in steps from the start, */
+  double part;               /* and the part of a cell ahead */
+  double found;              /* a change in it; NAN */
+  double b[EDA_SPLINE_TAPS]; /* its Bernstein coefficients, */
+  double c[EDA_SPLINE_TAPS]; /* and the spline's of the cell */
+  int out, next;             /* +-1, the number of the next c */
+} eda_walk;
+
+static inline double eda_node(const double *c) {
+  return (c[0] + c[4] + 26 * (c[1] + c[3]) + 66 * c[2]) * (1 / 120.0);
+}
+
+/* The Bernstein coefficients of a cell. Those of its ends are the same
+   expression in both cells that meet there, to the last bit. */
+static inline void eda_bernstein(const double c[EDA_SPLINE_TAPS],
+                                 double b[EDA_SPLINE_TAPS]) {
+  b[0] = eda_node(c);
+  b[1] = (8 * c[1] + 33 * c[2] + 18 * c[3] + c[4]) * (1 / 60.0);
+  b[2] = (2 * c[1] + 15 * c[2] + 12 * c[3] + c[4]) * (1 / 30.0);
+  b[3] = (c[1] + 12 * c[2] + 15 * c[3] + 2 * c[4]) * (1 / 30.0);
+  b[4] = (c[1] + 18 * c[2] + 33 * c[3] + 8 * c[4]) * (1 / 60.0);
+  b[5] = eda_node(c + 1);
+}
+
+/* The polynomial with these Bernstein coefficients, by the powers of t. */
+static inline void eda_powers(const double b[EDA_SPLINE_TAPS],
+                              double a[EDA_SPLINE_TAPS]) {
+  double d1 = b[1] - b[0], d2 = b[2] - b[1], d3 = b[3] - b[2], d4 = b[4] - b[3],
+         d5 = b[5] - b[4];
+  double e1 = d2 - d1, e2 = d3 - d2, e3 = d4 - d3, e4 = d5 - d4;
+  double f1 = e2 - e1, f2 = e3 - e2, f3 = e4 - e3;
+  double g1 = f2 - f1, g2 = f3 - f2;
+  a[0] = b[0];
+  a[1] = 5 * d1;
+  a[2] = 10 * e1;
+  a[3] = 10 * f1;
+  a[4] = 5 * g1;
+  a[5] = g2 - g1;
+}
+
+/* Its value at t, and its slope there. */
+static inline double eda_polynomial(const double a[EDA_SPLINE_TAPS], double t,
+                                    double *slope) {
+  *slope =
+      a[1] + t * (2 * a[2] + t * (3 * a[3] + t * (4 * a[4] + t * 5 * a[5])));
+  return a[0] + t * (a[1] + t * (a[2] + t * (a[3] + t * (a[4] + t * a[5]))));
+}
+
+/* axis EDA_X (0): along x at y = at. */
+void eda_line_make(const eda_field *field, int axis, double at, eda_line *line);
+
+/* Two walks, towards smaller and larger coordinates. Gives the value there. */
+double eda_line_start(const eda_line *line, double place, eda_walk *down,
+                      eda_walk *up);
+
+/* Look at the part of a cell that is ahead: the distance from the start, nm,
+   of its first change of sign, which is behind it the next time; or NAN, and
+   the walk is at the next cell. */
+double eda_walk_on(eda_walk *walk);
+
+/* Walk to the next change of sign: its distance from the start, if that is at
+   most `limit` nm; NAN. */
+double eda_walk_to(eda_walk *walk, double limit);
+
+#endif

@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What is done to whole fields: diffusion, other grids, samples. All of them
+   multiply the spectrum of the coefficients by something that is a factor of
+   kx times one of ky, so that lines are filtered along x and then along y. */
+#include "imaging/fft.h"
+#include "imaging/spline.h"
+
+#include <complex.h>
+#include <eda/imaging.h>
+#include <eda/memory.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LINES = 16, MAX_NODES = 1 << 28 };
+
+/* Lines of n numbers become lines of m. Number i of line j is
+   in[j * in_line + i * in_step]. */
+typedef struct filter {
+  int n, m, lines;
+  const float *in;
+  float *out;
+  size_t in_step, in_line, out_step, out_line;
+  const float *gain; /* of frequency k, up to min(n, m) / 2 */
+} filter;
+
+static void filter_lines(void *data, size_t block) {
+  filter *f = data;
+  int first = (int)block * LINES;
+  int last = first + LINES < f->lines ? first + LINES : f->lines;
+  int longer = f->n > f->m ? f->n : f->m,
+      kept = (f->n < f->m ? f->n : f->m) / 2;
+  float *line = eda_fft_alloc(sizeof *line * (size_t)(longer + 2));
+  float complex *half = eda_fft_alloc(sizeof *half * (size_t)(longer / 2 + 2));
+  const eda_fft *forth = eda_fft_plan(EDA_FFT_REAL_FORWARD, f->n, 1);
+  const eda_fft *back = eda_fft_plan(EDA_FFT_REAL_BACKWARD, f->m, 1);
+  for (int j = first; j < last; j++) {
+    const float *in = f->in + f->in_line * (size_t)j;
+    float *out = f->out + f->out_line * (size_t)j;
+    for (int i = 0; i < f->n; i++) line[i] = in[f->in_step * (size_t)i];
+    eda_fft_run(forth, line, half);
+    for (int k = 0; k <= kept; k++) half[k] *= f->gain[k];
+    for (int k = kept + 1; k <= f->m / 2; k++) half[k] = 0;
+    eda_fft_run(back, half, line);
+    for (int i = 0; i < f->m; i++) out[f->out_step * (size_t)i] = line[i];
+  }
+  eda_fft_free(line);
+  eda_fft_free(half);
+}
+
+/* The factor of frequency k of a line of n numbers and of length `length`. */
+typedef double gain_function(int k, int n, int m, double length, double value);
+
+static float *gains(gain_function *function, int n, int m, double length,
+                    double value) {
+  int kept = (n < m ? n : m) / 2;
+  float *gain = eda_alloc((size_t)kept + 1, sizeof *gain);
+  for (int k = 0; k <= kept; k++) {
+    double g = function(k, n, m, length, value) / n;
+    /* On another grid the highest frequency of an even number of nodes is two
+       (k and -k), or none. */
+    if (m != n && 2 * k == n) g /= 2;
+    if (m != n && 2 * k == m) g = 0;
+    gain[k] = (float)g;
+  }
+  return gain;
+}
+
+/* Filter the field, which gets nx x ny nodes. */
+static void apply(const opc_context *context, eda_field *field, int nx, int ny,
+                  gain_function *function, double value) {
+  float *gx = gains(function, field->nx, nx, field->frame.width, value);
+  float *gy = gains(function, field->ny, ny, field->frame.height, value);
+  float *wide = eda_fft_alloc(sizeof *wide * (size_t)nx * (size_t)field->ny);
+  int same = nx == field->nx && ny == field->ny;
+  float *out = same ? field->coefficients
+                    : eda_alloc((size_t)nx * (size_t)ny, sizeof *out);
+  filter x = {.n = field->nx,
+              .m = nx,
+              .lines = field->ny,
+              .in = field->coefficients,
+              .out = wide,
+              .gain = gx,
+              .in_step = 1,
+              .in_line = (size_t)field->nx,
+              .out_step = 1,
+              .out_line = (size_t)nx};
+  filter y = {.n = field->ny,
+              .m = ny,
+              .lines = nx,
+              .in = wide,
+              .out = out,
+              .gain = gy,
+              .in_step = (size_t)nx,
+              .in_line = 1,
+              .out_step = (size_t)nx,
+              .out_line = 1};
+  opc_parallel(context, (size_t)(x.lines + LINES - 1) / LINES, filter_lines,
+               &x);
+  opc_parallel(context, (size_t)(y.lines + LINES - 1) / LINES, filter_lines,
+               &y);
+  if (!same) {
+    free(field->coefficients);
+    field->coefficients = out;
+    field->nx = nx;
+    field->ny = ny;
+  }
+  free(gx);
+  free(gy);
+  eda_fft_free(wide);
+}
+
+static double gaussian(int k, int n, int m, double length, double sigma) {
+  (void)n;
+  (void)m;
+  double w = 2 * M_PI * k / length * sigma;
+  return exp(-w * w / 2);
+}
+
+static double sampled(int k, int n, int m, double length, double value) {
+  (void)m;
+  (void)length;
+  (void)value;
+  return eda_spline_sampled((double)k / n);
+}
+
+static double prefilter(int k, int n, int m, double length, double value) {
+  return 1 / sampled(k, n, m, length, value);
+}
+
+static double regrid(int k, int n, int m, double length, double value) {
+  return sampled(k, n, m, length, value) / eda_spline_sampled((double)k / m);
+}
+
+int eda_field_diffuse(const opc_context *context, eda_field *field,
+                      double sigma, opc_error *error) {
+  if (!(sigma >= 0) || isinf(sigma))
+    return opc_fail(error, OPC_INVALID, NULL, "no diffusion of %g nm", sigma);
+  if (sigma == 0) return OPC_OK;
+  apply(context, field, field->nx, field->ny, gaussian, sigma);
+  return OPC_OK;
+}
+
+int eda_field_resample(const opc_context *context, eda_field *field,
+                       double step, opc_error *error) {
+  const eda_frame *f = &field->frame;
+  if (!(step > 0) || f->width / step * (f->height / step) > MAX_NODES)
+    return opc_fail(error, OPC_INVALID, NULL,
+                    "a field of %g x %g um does not fit a step of %g nm",
+                    f->width / 1e3, f->height / 1e3, step);
+  int nx = eda_fft_size(f->width / step), ny = eda_fft_size(f->height / step);
+  if (nx == field->nx && ny == field->ny) return OPC_OK;
+  apply(context, field, nx, ny, regrid, 0);
+  return OPC_OK;
+}
+
+int eda_field_samples(const opc_context *context, eda_field *field,
+                      opc_error *error) {
+  (void)error;
+  apply(context, field, field->nx, field->ny, sampled, 0);
+  return OPC_OK;
+}
+
+int eda_field_from_samples(const opc_context *context, eda_field *field,
+                           opc_error *error) {
+  (void)error;
+  apply(context, field, field->nx, field->ny, prefilter, 0);
+  return OPC_OK;
+}
+
+/* Six indices from `first` on, in 0 .. n - 1. */
+static void wrapped(int first, int n, int out[EDA_SPLINE_TAPS]) {
+  int i = first % n;
+  if (i < 0) i += n;
+  for (int k = 0; k < EDA_SPLINE_TAPS; k++) {
+    out[k] = i;
+    if (++i == n) i = 0;
+  }
+}
+
+void eda_field_gradient(const eda_field *field, const double *x,
+                        const double *y, size_t n, double *value, double *dx,
+                        double *dy) {
+  double step_x = field->frame.width / field->nx;
+  double step_y = field->frame.height / field->ny;
+  for (size_t i = 0; i < n; i++) {
+    double wx[EDA_SPLINE_TAPS], wy[EDA_SPLINE_TAPS];
+    double sx[EDA_SPLINE_TAPS], sy[EDA_SPLINE_TAPS];
+    int column[EDA_SPLINE_TAPS], row[EDA_SPLINE_TAPS];
+    double px = (x[i] - field->frame.x0) / step_x;
+    double py = (y[i] - field->frame.y0) / step_y;
+    wrapped(eda_spline_weights(px, wx), field->nx, column);
+    wrapped(eda_spline_weights(py, wy), field->ny, row);
+    eda_spline_slopes(px, sx);
+    eda_spline_slopes(py, sy);
+    double sum[3] = {0};
+    for (int j = 0; j < EDA_SPLINE_TAPS; j++) {
+      const float *c = field->coefficients + (size_t)row[j] * field->nx;
+      double line = 0, slope = 0;
+      for (int k = 0; k < EDA_SPLINE_TAPS; k++) {
+        line += wx[k] * c[column[k]];
+        slope += sx[k] * c[column[k]];
+      }
+      sum[0] += wy[j] * line;
+      sum[1] += wy[j] * slope;
+      sum[2] += sy[j] * line;
+    }
+    if (value) value[i] = sum[0];
+    if (dx) dx[i] = sum[1] / step_x;
+    if (dy) dy[i] = sum[2] / step_y;
+  }
+}

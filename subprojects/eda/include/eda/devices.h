@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Device tables: the currents of wide transistors against their length
+   (thesis 2.2.1). */
+#ifndef EDA_DEVICES_H
+#define EDA_DEVICES_H
+
+#include <eda/base.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { EDA_NMOS = 0, EDA_PMOS = 1 };
+
+/* Currents per width, A/nm, against L in nm, increasing. [type][i] */
+typedef struct eda_devices {
+  size_t count;
+  const double *length;
+  const double *ion[2];
+  const double *ioff[2];
+  double supply; /* V */
+  double width;  /* nm, of the transistors that were simulated */
+  const char *name;
+} eda_devices;
+
+/* Read a table (docs/devices.md tells the format). Errors carry
+   file:line:column. [main] */
+OPC_EXPORT eda_devices *eda_devices_read(const char *path, opc_error *error);
+OPC_EXPORT void eda_devices_free(eda_devices *devices);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* All of the library but <eda/drawing.h>, which needs the headers of cairo. */
+#ifndef EDA_EDA_H
+#define EDA_EDA_H
+
+#include <eda/base.h>
+#include <eda/check.h>
+#include <eda/circuit.h>
+#include <eda/csv.h>
+#include <eda/curves.h>
+#include <eda/devices.h>
+#include <eda/extractor.h>
+#include <eda/formats.h>
+#include <eda/gates.h>
+#include <eda/gds.h>
+#include <eda/geometry.h>
+#include <eda/imaging.h>
+#include <eda/index.h>
+#include <eda/layout.h>
+#include <eda/litho.h>
+#include <eda/memory.h>
+#include <eda/netlist.h>
+#include <eda/oasis.h>
+#include <eda/pool.h>
+#include <eda/print.h>
+#include <eda/regulator.h>
+#include <eda/resist.h>
+#include <eda/settings.h>
+#include <eda/simd.h>
+#include <eda/simulator.h>
+#include <eda/synthesizer.h>
+
+#endif

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Transistors and the mask edges that move them. Data kinds "gates"
+   (eda_gates) and "mask" (eda_mask). */
+#ifndef EDA_GATES_H
+#define EDA_GATES_H
+
+#include <eda/devices.h>
+#include <eda/geometry.h>
+#include <eda/imaging.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The two layers that make transistors are always the first two, where there
+   are transistors. All others are found by their names. */
+enum { EDA_POLY = 0, EDA_ACTIVE = 1 };
+
+/* Directions. A gate's axis is that of the current: EDA_X for a vertical poly
+   line, whose L lies along x and W along y. */
+enum { EDA_X = 0, EDA_Y = 1 };
+
+/* What a fragment of a mask edge is to the transistor that owns it. LOW and
+   HIGH are the sides of smaller and larger coordinate. */
+enum {
+  EDA_FIXED = 0, /* of no transistor: stays where it is drawn */
+  EDA_L_LOW = 1, /* poly, along the gate */
+  EDA_L_HIGH = 2,
+  EDA_W_LOW = 3, /* active, along the current */
+  EDA_W_HIGH = 4,
+  EDA_END_LOW = 5, /* poly, the line end past the active */
+  EDA_END_HIGH = 6
+};
+
+/* A piece of a mask edge, from `from` to the `from` of the next fragment of
+   its polygon. Interior on the left (outlines counter-clockwise, holes
+   clockwise), so that it moves outwards to its right. */
+typedef struct eda_fragment {
+  eda_point from;
+  int32_t gate; /* -1: none */
+  uint8_t role;
+} eda_fragment;
+
+/* The edges of a layer, all of them, cut into fragments. Polygon p has the
+   fragments start[p] .. start[p+1]-1, in order. */
+typedef struct eda_edges {
+  size_t polygons;
+  uint32_t *start;
+  eda_fragment *fragments;
+} eda_edges;
+
+/* All transistors of a layout, flat, on a grid. Plain arrays; the order of the
+   transistors is by lowest, then leftmost corner. A layout without transistors
+   (count 0) can still be corrected for its edges. */
+typedef struct eda_gates {
+  char *name;     /* the top cell */
+  double grid;    /* nm per unit: the mask grid */
+  eda_box extent; /* of all drawn shapes */
+
+  /* The layers, as many as the flow says. */
+  size_t layers;
+  char **layer;       /* names: "poly", "active", "contact", "metal1" */
+  uint8_t *corrected; /* 1: its mask is corrected; 0: it only limits */
+  eda_shapes *drawn;  /* merged */
+  eda_edges *edges;   /* of drawn; empty if not corrected */
+
+  size_t count;
+  eda_box *box;           /* the drawn gate: poly and active together */
+  uint8_t *type;          /* EDA_NMOS, EDA_PMOS */
+  uint8_t *axis;          /* EDA_X, EDA_Y */
+  double *length, *width; /* nm */
+  /* The free space, nm, on the LOW and HIGH side along L, seen from the middle
+     of W: to the next poly edge, but at most twice the distance to the end of
+     the active there, or 2 L if that is more; [2 * i + side]. A print that
+     reaches further than half of it has merged. */
+  double *space;
+  /* How far the drawn poly goes past the active on the LOW and HIGH side along
+     W, nm: to the transistor's own line end, which has a fragment END_LOW or
+     END_HIGH; INFINITY where the poly turns or goes on; as [2 * i + side]. */
+  double *extension;
+  char **instance;  /* the path of its instance, "" at the top */
+  char **cell;      /* the cell that draws it */
+  uint32_t *number; /* within that instance, from 1 */
+  /* What the layout's designer wrote upon each gate: a text of the layer of
+     notes whose point lies in the gate's box, NULL where there is none. NULL:
+     the layout has no such layer. */
+  char **note;
+
+  void *texts; /* what the texts above point into; eda's own */
+} eda_gates;
+
+/* Gates of `layers` layers and `count` transistors, all arrays zeroed and
+   `note` NULL. Whoever makes them fills in all else; shapes, edges and notes
+   come from eda_alloc, texts from eda_gates_text. [main] */
+OPC_EXPORT eda_gates *eda_gates_new(size_t layers, size_t count);
+/* Free them with all arrays and texts; the release of a port. NULL: nothing.
+   [any] */
+OPC_EXPORT void eda_gates_free(void *gates);
+
+/* A copy of a text that lives as long as the gates; equal texts are one.
+   [main] */
+OPC_EXPORT char *eda_gates_text(eda_gates *gates, const char *text);
+
+/* The number of the layer of that name, -1 if there is none. [any] */
+OPC_EXPORT int eda_gates_layer(const eda_gates *gates, const char *name);
+
+/* OPC_OK if gates are sound: all arrays are there, layers have names of their
+   own, transistors a size and a place, fragments a transistor. Else OPC_FAILED
+   and *error; the check of a port. [any] */
+OPC_EXPORT int eda_gates_check(const void *gates, opc_error *error);
+
+/* A poly line of 60 nm over two actives, on a grid of 1 nm: an n-transistor of
+   L 60, W 200 and a p-transistor of L 60, W 300, with their edges. For tests
+   and for trying plugins out. Constant. [any] */
+OPC_EXPORT const eda_gates *eda_gates_sample(void);
+
+/* What the print of a transistor was found to be; flags, 0 is good. */
+enum {
+  EDA_PRINT_OPEN = 1 << 0,      /* the poly does not print all across */
+  EDA_PRINT_NO_ACTIVE = 1 << 1, /* the active does not print */
+  EDA_PRINT_MERGED = 1 << 2,    /* it reaches a neighbour */
+  EDA_PRINT_SHORT = 1 << 3,     /* the line end stops before the active does */
+  EDA_PRINT_ISLAND = 1 << 4,    /* poly or active prints in pieces there */
+  /* The last three are worth a look, no failure. */
+  EDA_PRINT_NECK = 1 << 5, /* a slice is far shorter than the drawn gate */
+  EDA_PRINT_WIDE = 1 << 6, /* a slice is far longer than the drawn gate */
+  EDA_PRINT_BITE = 1 << 7, /* the active's edge is not straight in the
+                              channel */
+  EDA_PRINT_NOTES = 7 << 5 /* the flags that are no failure */
+};
+
+/* Performance of transistors, arrays of `count`. Currents A, lengths nm, area
+   nm^2. */
+typedef struct eda_performance {
+  size_t count;
+  double *ion, *ioff;
+  double *leq_ion, *leq_ioff; /* length of the rectangle with that current */
+  double *weq;                /* its width */
+  double *area;
+} eda_performance;
+
+/* Zeroed arrays of n in *performance; freeing them, and zeroing the struct;
+   copying the figures of all to one of as many. [any] */
+OPC_EXPORT void eda_performance_init(eda_performance *performance, size_t n);
+OPC_EXPORT void eda_performance_clear(eda_performance *performance);
+OPC_EXPORT void eda_performance_copy(eda_performance *to,
+                                     const eda_performance *from);
+
+/* A corrected mask. The gates it was made from outlive it. */
+typedef struct eda_mask {
+  const eda_gates *gates;
+  size_t layers; /* gates->layers */
+  /* [layers], empty for layers that are not corrected. */
+  eda_shapes *shapes; /* on the grid of the gates; merged */
+  eda_field *print;   /* level set of the corrected mask's print */
+  eda_performance design, before, after;
+  uint32_t *flags; /* EDA_PRINT_* of each gate, at the end */
+  uint32_t iterations;
+  uint32_t simulations; /* litho simulations, of one layer each */
+} eda_mask;
+
+/* A mask of these gates without shapes, prints, performance and flags: whoever
+   makes it fills them in, from eda_alloc; freeing it with them, the release of
+   a port (NULL: nothing); OPC_OK if all is there, else OPC_FAILED and *error,
+   the check of a port. [any] */
+OPC_EXPORT eda_mask *eda_mask_new(const eda_gates *gates);
+OPC_EXPORT void eda_mask_free(void *mask);
+OPC_EXPORT int eda_mask_check(const void *mask, opc_error *error);
+
+/* For the initialiser of an opc_port (opcflow/step.h). */
+#define EDA_PORT_GATES(port)                                 \
+  {                                                          \
+    .name = port, .kind = "gates", .check = eda_gates_check, \
+    .release = eda_gates_free                                \
+  }
+#define EDA_PORT_MASK(port)                                \
+  {                                                        \
+    .name = port, .kind = "mask", .check = eda_mask_check, \
+    .release = eda_mask_free                               \
+  }
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Kind "litho": from a mask to the intensity it gives. */
+#ifndef EDA_LITHO_H
+#define EDA_LITHO_H
+
+#include <eda/imaging.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct eda_litho {
+  /* Once, before any image: kernels and the like. [main] */
+  int (*prepare)(void *self, opc_error *error);
+
+  /* Up to which frequency (1/nm) the mask matters; after prepare. [any] */
+  double (*band)(const void *self);
+
+  /* The intensity that the mask of a layer gives; `layer` is its number
+     (EDA_POLY, ...). The caller clears *out. [any] */
+  int (*image)(const void *self, int layer, const eda_spectrum *mask,
+               eda_field *out, opc_error *error);
+
+  /* The same away from the focus that the parameters say, by `defocus` nm.
+     May be NULL: the model has one focus. [any] */
+  int (*image_at)(const void *self, int layer, const eda_spectrum *mask,
+                  double defocus, eda_field *out, opc_error *error);
+} eda_litho;
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* OASIS (SEMI P39): the numbers of its records, and writing them. */
+#ifndef EDA_OASIS_H
+#define EDA_OASIS_H
+
+#include <eda/formats.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define EDA_OASIS_MAGIC "%SEMI-OASIS\r\n"
+
+enum {
+  EDA_OASIS_PAD = 0,
+  EDA_OASIS_START = 1,
+  EDA_OASIS_END = 2,
+  EDA_OASIS_CELLNAME = 3,
+  EDA_OASIS_CELLNAME_NUMBER = 4,
+  EDA_OASIS_TEXTSTRING = 5,
+  EDA_OASIS_TEXTSTRING_NUMBER = 6,
+  EDA_OASIS_PROPNAME = 7,
+  EDA_OASIS_PROPNAME_NUMBER = 8,
+  EDA_OASIS_PROPSTRING = 9,
+  EDA_OASIS_PROPSTRING_NUMBER = 10,
+  EDA_OASIS_LAYERNAME = 11,
+  EDA_OASIS_LAYERNAME_TEXT = 12,
+  EDA_OASIS_CELL_NUMBER = 13,
+  EDA_OASIS_CELL = 14,
+  EDA_OASIS_XYABSOLUTE = 15,
+  EDA_OASIS_XYRELATIVE = 16,
+  EDA_OASIS_PLACEMENT = 17,
+  EDA_OASIS_PLACEMENT_REAL = 18,
+  EDA_OASIS_TEXT = 19,
+  EDA_OASIS_RECTANGLE = 20,
+  EDA_OASIS_POLYGON = 21,
+  EDA_OASIS_PATH = 22,
+  EDA_OASIS_TRAPEZOID = 23,
+  EDA_OASIS_TRAPEZOID_A = 24,
+  EDA_OASIS_TRAPEZOID_B = 25,
+  EDA_OASIS_CTRAPEZOID = 26,
+  EDA_OASIS_CIRCLE = 27,
+  EDA_OASIS_PROPERTY = 28,
+  EDA_OASIS_PROPERTY_AGAIN = 29,
+  EDA_OASIS_XNAME = 30,
+  EDA_OASIS_XNAME_NUMBER = 31,
+  EDA_OASIS_XELEMENT = 32,
+  EDA_OASIS_XGEOMETRY = 33,
+  EDA_OASIS_CBLOCK = 34
+};
+
+/* Validation schemes. */
+enum { EDA_OASIS_NO_CHECK = 0, EDA_OASIS_CRC32 = 1, EDA_OASIS_SUM32 = 2 };
+
+/* The END record's length. */
+enum { EDA_OASIS_END_BYTES = 256 };
+
+/* The order of the name tables in START or END. */
+enum {
+  EDA_OASIS_CELLNAMES = 0,
+  EDA_OASIS_TEXTSTRINGS = 1,
+  EDA_OASIS_PROPNAMES = 2,
+  EDA_OASIS_PROPSTRINGS = 3,
+  EDA_OASIS_LAYERNAMES = 4,
+  EDA_OASIS_XNAMES = 5,
+  EDA_OASIS_TABLES = 6
+};
+
+/* The standard property that holds GDSII properties, and the number of the one
+   that names an instance. */
+#define EDA_OASIS_GDS_PROPERTY "S_GDS_PROPERTY"
+enum { EDA_OASIS_INSTANCE_NAME = 61 };
+
+/* ---- writing ---------------------------------------------------------- */
+
+/* What goes into a file: numbers and strings, collected into compressed blocks;
+   and shapes, equal ones put together as repetitions. What the file does not
+   take is seen when it is closed. All [main] for one. */
+typedef struct eda_oasis eda_oasis;
+
+/* `file` may be NULL: the bytes are only counted. */
+OPC_EXPORT eda_oasis *eda_oasis_new(FILE *file);
+/* Not the file. NULL: nothing. */
+OPC_EXPORT void eda_oasis_free(eda_oasis *out);
+
+/* Bytes that went to the file, the CRC32 of them all, and bytes that are
+   collected for the next block. */
+OPC_EXPORT uint64_t eda_oasis_place(const eda_oasis *out);
+OPC_EXPORT uint32_t eda_oasis_crc(const eda_oasis *out);
+OPC_EXPORT size_t eda_oasis_collected(const eda_oasis *out);
+
+OPC_EXPORT void eda_oasis_byte(eda_oasis *out, uint32_t b);
+OPC_EXPORT void eda_oasis_uint(eda_oasis *out, uint64_t v);
+OPC_EXPORT void eda_oasis_sint(eda_oasis *out, int64_t v);
+OPC_EXPORT void eda_oasis_real(eda_oasis *out, double v);
+/* Any direction and length (a g-delta). */
+OPC_EXPORT void eda_oasis_delta(eda_oasis *out, int64_t x, int64_t y);
+OPC_EXPORT void eda_oasis_string(eda_oasis *out, const char *text);
+
+/* A record has ended: begin a new block if this one is long enough. */
+OPC_EXPORT void eda_oasis_end_record(eda_oasis *out);
+/* What was collected goes to the file, compressed if that makes it shorter; and
+   as it is. */
+OPC_EXPORT void eda_oasis_end_block(eda_oasis *out);
+OPC_EXPORT void eda_oasis_end_plain(eda_oasis *out);
+
+/* Gather a shape of a cell; those of one layer come one after another. */
+OPC_EXPORT void eda_oasis_polygon(eda_oasis *out, eda_layer_number layer,
+                                  const eda_point *points, size_t n);
+/* Write the shapes that were gathered, before any other record of the cell. */
+OPC_EXPORT void eda_oasis_end_shapes(eda_oasis *out);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

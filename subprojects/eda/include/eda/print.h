@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Printing the masks of a layout through a litho and a resist model, and
+   measuring its transistors in the print. */
+#ifndef EDA_PRINT_H
+#define EDA_PRINT_H
+
+#include <eda/check.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- printing --------------------------------------------------------- */
+
+/* A litho model whose calls are checked, as printers and resists see it: its
+   faults are told from those of the resist that calls it while it calibrates.
+   `fault` is its first failure, if `failed`. */
+typedef struct eda_model {
+  opc_module module; /* to be called in place of `litho` */
+  eda_litho functions;
+  const opc_context *context;
+  const opc_module *litho;
+  opc_error fault;
+  int failed;
+} eda_model;
+
+/* Stays where it is made: the module points into it. [main] */
+OPC_EXPORT void eda_model_init(eda_model *model, const opc_context *context,
+                               const opc_module *litho);
+
+typedef struct eda_printer {
+  const opc_context *context;
+  eda_model litho;
+  const opc_module *resist;
+  eda_frame frame;
+  double grid;
+  size_t layers;
+  eda_field *print; /* level sets, positive where it prints */
+  uint32_t simulations;
+} eda_printer;
+
+/* A printer of all shapes of the gates, with a clear field of `margin` nm
+   around them. Stays where it is made. [main] */
+OPC_EXPORT void eda_printer_init(eda_printer *printer,
+                                 const opc_context *context,
+                                 const eda_gates *gates,
+                                 const opc_module *litho,
+                                 const opc_module *resist, double margin);
+OPC_EXPORT void eda_printer_clear(eda_printer *printer);
+
+/* Prepare both models. Errors name the slots "litho" and "resist". [main] */
+OPC_EXPORT int eda_printer_prepare(eda_printer *printer, opc_error *error);
+
+/* The steps of a print, for those who vary them: the spectrum of a mask
+   (merged) as the model of the optics wants it, whose functions then give the
+   intensity; and from that, in place, the level set. [any] */
+OPC_EXPORT int eda_printer_spectrum(const eda_printer *printer,
+                                    const eda_shapes *mask, eda_spectrum *out,
+                                    opc_error *error);
+OPC_EXPORT int eda_printer_develop(const eda_printer *printer, int layer,
+                                   eda_field *field, opc_error *error);
+
+/* Print the masks (merged) of the layers that are marked into printer->print,
+   replacing what is there; side by side. [main] */
+OPC_EXPORT int eda_printer_print(eda_printer *printer, const uint8_t *layers,
+                                 const eda_shapes *mask, opc_error *error);
+
+/* ---- measuring -------------------------------------------------------- */
+
+/* What is measured of the gates of a print. */
+typedef struct eda_measurement {
+  uint32_t *flags;   /* EDA_PRINT_* */
+  double *extension; /* [2 * i + side], nm: eda_printed.extension */
+  eda_performance performance;
+} eda_measurement;
+
+OPC_EXPORT void eda_measurement_init(eda_measurement *measurement, size_t n);
+OPC_EXPORT void eda_measurement_clear(eda_measurement *measurement);
+
+/* Prepare an extractor; errors name the slot "extractor". [main] */
+OPC_EXPORT int eda_extractor_prepare(const opc_context *context,
+                                     const opc_module *extractor,
+                                     opc_error *error);
+
+/* Measure all gates of a print ([layers] level sets) through the slices of the
+   extractor (thesis 2.2.2 and 3.2.1), by all threads. [main] */
+OPC_EXPORT int eda_measure(const opc_context *context, const eda_gates *gates,
+                           const eda_field *print, const opc_module *extractor,
+                           eda_measurement *out, opc_error *error);
+
+/* The performance of the gates as drawn. [main] */
+OPC_EXPORT int eda_measure_drawn(const opc_context *context,
+                                 const eda_gates *gates,
+                                 const opc_module *extractor,
+                                 eda_performance *out, opc_error *error);
+
+/* A section through the middle of a gate. */
+typedef struct eda_section {
+  double length;    /* printed, nm; NAN: open, or merged with another */
+  double low, high; /* image log slope |dI/dl| / I at its ends, 1/nm */
+} eda_section;
+
+/* Through the print of EDA_POLY along the gate's length, or of EDA_ACTIVE along
+   its width; `image` is the intensity that printed so. [any] */
+OPC_EXPORT eda_section eda_gate_section(const eda_gates *gates, size_t gate,
+                                        int layer, const eda_field *print,
+                                        const eda_field *image);
+
+/* 100 (a - b) / b: thesis eq. 3.1. */
+static inline double eda_deviation(double a, double b) {
+  return 100 * (a - b) / b;
+}
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,243 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Layouts as they are built and looked at. */
+#include <eda/layout.h>
+#include <glib.h>
+#include <math.h>
+#include <string.h>
+
+static eda_layout *new_layout(void) {
+  opc_error e;
+  eda_layout *layout = eda_layout_new(1, &e);
+  g_assert_nonnull(layout);
+  return layout;
+}
+
+static void place(eda_layout *layout, const char *in, const char *child) {
+  opc_error e;
+  eda_placement p = {.magnification = 1, .columns = 1, .rows = 1};
+  int32_t a = eda_layout_cell(layout, in, &e),
+          b = eda_layout_cell(layout, child, &e);
+  g_assert_cmpint(eda_layout_add_instance(layout, a, b, &p, NULL, &e), ==, 0);
+}
+
+static void test_names(void) {
+  opc_error e;
+  eda_layout *layout = new_layout();
+  g_assert_cmpint(eda_layout_cell(layout, "A", &e), ==, 0);
+  g_assert_cmpint(eda_layout_cell(layout, "B", &e), ==, 1);
+  g_assert_cmpint(eda_layout_cell(layout, "A", &e), ==, 0);
+  g_assert_cmpint(eda_layout_layer(layout, "poly", &e), ==, 0);
+  g_assert_cmpint(eda_layout_layer(layout, "9/0", &e), ==, 1);
+  g_assert_cmpint(eda_layout_find_cell(layout, "B"), ==, 1);
+  g_assert_cmpint(eda_layout_find_cell(layout, "C"), ==, -1);
+  g_assert_cmpint(eda_layout_find_layer(layout, "9/0"), ==, 1);
+  g_assert_cmpstr(eda_layout_cell_name(layout, 1), ==, "B");
+  g_assert_cmpstr(eda_layout_layer_name(layout, 0), ==, "poly");
+  g_assert_cmpuint(eda_layout_cells(layout), ==, 2);
+  g_assert_cmpuint(eda_layout_layers(layout), ==, 2);
+  eda_layout_free(layout);
+}
+
+static void assert_polygon(const eda_layout *layout, int32_t cell, size_t i,
+                           int32_t layer, const eda_point *points, size_t n) {
+  size_t count;
+  int32_t on;
+  const eda_point *p = eda_layout_polygon(layout, cell, i, &count, &on);
+  g_assert_cmpint(on, ==, layer);
+  g_assert_cmpmem(p, count * sizeof *p, points, n * sizeof *p);
+}
+
+/* Boxes come before the other polygons of their layer, as four points. */
+static void test_shapes(void) {
+  opc_error e;
+  eda_layout *layout = new_layout();
+  int32_t a = eda_layout_cell(layout, "A", &e);
+  int32_t one = eda_layout_layer(layout, "1", &e),
+          two = eda_layout_layer(layout, "2", &e);
+  const eda_point corner[] = {{0, 0}, {5, 0}, {5, 2}, {2, 2}, {2, 7}, {0, 7}};
+  const eda_point kite[] = {{0, 0}, {5, 1}, {6, 6}, {1, 5}};
+  const eda_point turned[] = {{3, 9}, {3, 4}, {8, 4}, {8, 9}};
+  const eda_point box[] = {{3, 4}, {8, 4}, {8, 9}, {3, 9}};
+  g_assert_cmpint(eda_layout_add_polygon(layout, a, two, corner, 6, &e), ==, 0);
+  g_assert_cmpint(eda_layout_add_polygon(layout, a, one, kite, 4, &e), ==, 0);
+  g_assert_cmpint(eda_layout_add_polygon(layout, a, two, kite, 4, &e), ==, 0);
+  g_assert_cmpint(eda_layout_add_polygon(layout, a, two, turned, 4, &e), ==, 0);
+  g_assert_cmpint(eda_layout_add_box(layout, a, one, (eda_box){3, 4, 8, 9}, &e),
+                  ==, 0);
+  g_assert_cmpuint(eda_layout_polygons(layout, a), ==, 5);
+  assert_polygon(layout, a, 0, two, box, 4);
+  assert_polygon(layout, a, 1, two, corner, 6);
+  assert_polygon(layout, a, 2, two, kite, 4);
+  assert_polygon(layout, a, 3, one, box, 4);
+  assert_polygon(layout, a, 4, one, kite, 4);
+  g_assert_cmpint(
+      eda_layout_add_text(layout, a, two, (eda_point){1, 2}, "VDD", &e), ==, 0);
+  eda_point at;
+  int32_t layer;
+  g_assert_cmpuint(eda_layout_texts(layout, a), ==, 1);
+  g_assert_cmpstr(eda_layout_text(layout, a, 0, &at, &layer), ==, "VDD");
+  g_assert_true(at.x == 1 && at.y == 2 && layer == two);
+  eda_layout_free(layout);
+}
+
+static void test_instances(void) {
+  opc_error e;
+  eda_layout *layout = new_layout();
+  int32_t a = eda_layout_cell(layout, "A", &e),
+          b = eda_layout_cell(layout, "B", &e);
+  eda_placement p = {{3, 4}, 2, 90, 1, 5, 6, {7, 8}, {9, 10}}, got;
+  g_assert_cmpint(eda_layout_add_instance(layout, a, b, &p, "X1", &e), ==, 0);
+  p.origin.x = -3;
+  g_assert_cmpint(eda_layout_add_instance(layout, a, b, &p, NULL, &e), ==, 0);
+  int32_t child;
+  g_assert_cmpuint(eda_layout_instances(layout, a), ==, 2);
+  g_assert_cmpstr(eda_layout_instance(layout, a, 0, &child, &got), ==, "X1");
+  g_assert_cmpint(child, ==, b);
+  g_assert_null(eda_layout_instance(layout, a, 1, &child, &got));
+  g_assert_true(got.origin.x == -3 && got.origin.y == 4 && got.mirror == 1 &&
+                got.magnification == 2 && got.angle == 90 && got.columns == 5 &&
+                got.rows == 6 && got.column_step.y == 8 && got.row_step.x == 9);
+  eda_layout_free(layout);
+}
+
+/* Very many layers in one cell find their sheets by another way. */
+static void test_many_layers(void) {
+  opc_error e;
+  eda_layout *layout = new_layout();
+  int32_t a = eda_layout_cell(layout, "A", &e);
+  for (int round = 0; round < 2; round++)
+    for (int i = 0; i < 100; i++) {
+      char name[16];
+      g_snprintf(name, sizeof name, "%d", i);
+      int32_t layer = eda_layout_layer(layout, name, &e);
+      eda_box box = {i, round, 200, 200};
+      g_assert_cmpint(eda_layout_add_box(layout, a, layer, box, &e), ==, 0);
+    }
+  g_assert_cmpuint(eda_layout_polygons(layout, a), ==, 200);
+  for (int i = 0; i < 200; i++) {
+    eda_point box[] = {{i / 2, i % 2}, {200, i % 2}, {200, 200}, {i / 2, 200}};
+    assert_polygon(layout, a, (size_t)i, i / 2, box, 4);
+  }
+  eda_layout_free(layout);
+}
+
+static void test_refusals(void) {
+  opc_error e;
+  g_assert_null(eda_layout_new(0, &e));
+  g_assert_null(eda_layout_new(NAN, &e));
+  eda_layout *layout = new_layout();
+  int32_t a = eda_layout_cell(layout, "A", &e),
+          one = eda_layout_layer(layout, "1", &e);
+  const eda_point two[2] = {{0, 0}, {1, 1}};
+  eda_placement p = {.magnification = 0, .columns = 1, .rows = 1};
+  g_assert_cmpint(eda_layout_add_polygon(layout, a, one, two, 2, &e), ==,
+                  OPC_INVALID);
+  g_assert_cmpint(eda_layout_add_box(layout, a, one, (eda_box){1, 0, 0, 1}, &e),
+                  ==, OPC_INVALID);
+  g_assert_cmpint(
+      eda_layout_add_box(layout, a + 1, one, (eda_box){0, 0, 1, 1}, &e), ==,
+      OPC_INVALID);
+  g_assert_cmpint(eda_layout_add_box(layout, a, -1, (eda_box){0, 0, 1, 1}, &e),
+                  ==, OPC_INVALID);
+  g_assert_cmpint(eda_layout_add_instance(layout, a, a, &p, NULL, &e), ==,
+                  OPC_INVALID);
+  p.magnification = 1;
+  p.rows = 0;
+  g_assert_cmpint(eda_layout_add_instance(layout, a, a, &p, NULL, &e), ==,
+                  OPC_INVALID);
+  g_assert_cmpint(eda_layout_add_instance(layout, a, 7, &p, NULL, &e), ==,
+                  OPC_INVALID);
+  g_assert_cmpuint(eda_layout_polygons(layout, a), ==, 0);
+  g_assert_cmpuint(eda_layout_instances(layout, a), ==, 0);
+  eda_layout_free(layout);
+}
+
+static void test_top(void) {
+  opc_error e;
+  eda_layout *layout = new_layout();
+  g_assert_cmpint(eda_layout_top(layout, &e), ==, -1);
+  place(layout, "TOP", "A");
+  place(layout, "A", "B");
+  g_assert_cmpint(eda_layout_top(layout, &e), ==, 0);
+  place(layout, "OTHER", "B");
+  g_assert_cmpint(eda_layout_top(layout, &e), ==, -1);
+  g_assert_nonnull(strstr(e.message, "'TOP', 'OTHER'"));
+  place(layout, "TOP", "OTHER");
+  g_assert_cmpint(eda_layout_top(layout, &e), ==, 0);
+  place(layout, "C", "D");
+  place(layout, "D", "C");
+  g_assert_cmpint(eda_layout_top(layout, &e), ==, -1);
+  g_assert_nonnull(strstr(e.message, "circle: 'C', 'D'"));
+  eda_layout_free(layout);
+}
+
+static void test_keep(void) {
+  opc_error e;
+  eda_layout *layout = new_layout();
+  place(layout, "X", "B");
+  place(layout, "TOP", "A");
+  place(layout, "A", "B");
+  int32_t one = eda_layout_layer(layout, "1", &e),
+          b = eda_layout_find_cell(layout, "B");
+  g_assert_cmpint(eda_layout_add_box(layout, b, one, (eda_box){0, 0, 1, 1}, &e),
+                  ==, 0);
+  g_assert_cmpint(
+      eda_layout_keep(layout, eda_layout_find_cell(layout, "A"), &e), ==, 0);
+  g_assert_cmpuint(eda_layout_cells(layout), ==, 2);
+  g_assert_cmpint(eda_layout_find_cell(layout, "TOP"), ==, -1);
+  g_assert_cmpint(eda_layout_find_cell(layout, "B"), ==, 0);
+  g_assert_cmpint(eda_layout_top(layout, &e), ==, 1);
+  int32_t child;
+  eda_placement p;
+  eda_layout_instance(layout, 1, 0, &child, &p);
+  g_assert_cmpint(child, ==, 0);
+  g_assert_cmpuint(eda_layout_polygons(layout, 0), ==, 1);
+  g_assert_cmpint(eda_layout_cell(layout, "TOP", &e), ==, 2);
+  eda_layout_free(layout);
+}
+
+/* Boxes of every size keep their corners, whichever way they are stored. */
+static void test_box_sizes(void) {
+  static const eda_box boxes[] = {
+      {0, 0, 65535, 65535},
+      {0, 0, 65536, 1},
+      {5, 5, 6, 65541},
+      {-7, -9, -7, -9},
+      {INT32_MIN, 0, INT32_MAX, 1},
+      {INT32_MAX - 65535, INT32_MIN, INT32_MAX, INT32_MIN + 65535},
+  };
+  enum { N = G_N_ELEMENTS(boxes) };
+  opc_error e;
+  eda_layout *layout = new_layout();
+  int32_t cell = eda_layout_cell(layout, "A", &e),
+          layer = eda_layout_layer(layout, "a", &e);
+  for (size_t i = 0; i < N; i++)
+    g_assert_cmpint(eda_layout_add_box(layout, cell, layer, boxes[i], &e), ==,
+                    0);
+  g_assert_cmpuint(eda_layout_polygons(layout, cell), ==, N);
+  gboolean seen[N] = {FALSE};
+  for (size_t i = 0; i < N; i++) {
+    size_t n;
+    const eda_point *p = eda_layout_polygon(layout, cell, i, &n, &layer);
+    g_assert_cmpuint(n, ==, 4);
+    for (size_t k = 0; k < N; k++)
+      seen[k] |= p[0].x == boxes[k].x0 && p[0].y == boxes[k].y0 &&
+                 p[2].x == boxes[k].x1 && p[2].y == boxes[k].y1 &&
+                 p[1].x == p[2].x && p[3].y == p[2].y;
+  }
+  for (size_t k = 0; k < N; k++) g_assert_true(seen[k]);
+  eda_layout_free(layout);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/layout/names", test_names);
+  g_test_add_func("/layout/shapes", test_shapes);
+  g_test_add_func("/layout/box-sizes", test_box_sizes);
+  g_test_add_func("/layout/instances", test_instances);
+  g_test_add_func("/layout/many-layers", test_many_layers);
+  g_test_add_func("/layout/refusals", test_refusals);
+  g_test_add_func("/layout/top", test_top);
+  g_test_add_func("/layout/keep", test_keep);
+  return g_test_run();
+}

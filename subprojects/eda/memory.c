@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The library's memory: GLib's, which is that of malloc and ends the program
+   when there is none. */
+#include <eda/memory.h>
+#include <glib.h>
+
+void *eda_alloc(size_t count, size_t size) {
+  return g_malloc0_n(MAX(count, 1), MAX(size, 1));
+}
+
+void eda_grow_to(void *array, size_t *room, size_t need, size_t size) {
+  void **at = array;
+  *room = MAX(*room + *room / 2 + 4, need);
+  *at = g_realloc_n(*at, *room, size);
+}

@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A circuit as a SPICE netlist with the sizes that its transistors print with:
+   the length that the current sees in the line of the transistor, that which
+   the capacitance sees in the DLC of its model (thesis 3.3.3). */
+#include <eda/netlist.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* DLC is written in steps of 0.01 nm, so that transistors share their cards:
+   0.02 % of the gate capacitance at 65 nm. */
+#define DLC_STEP 0.01
+#define LONGEST_DLC 1e4 /* nm */
+
+/* ---- text ---- */
+
+typedef struct writer {
+  const eda_annotation *a;
+  eda_annotated counts;
+  FILE *out;
+} writer;
+
+/* A path with dots, as the simulator's own paths have. */
+static void put_name(writer *w, const char *name) {
+  for (; *name; name++) fputc(*name == '/' ? '.' : *name, w->out);
+}
+
+static void put_net(writer *w, uint32_t net) {
+  fputc(' ', w->out);
+  put_name(w, w->a->circuit->net[net]);
+}
+
+/* ---- sizes ---- */
+
+typedef struct sizes {
+  double length, width; /* nm */
+  long dlc;             /* difference to the card's, in steps */
+} sizes;
+
+static int refuse(const eda_annotation *a, const eda_device *d, uint32_t gate,
+                  const char *what, opc_error *error) {
+  const eda_gates *g = a->circuit->gates;
+  return opc_fail(
+      error, OPC_FAILED, NULL,
+      "netlist device '%.100s' has no size: its gate '%.200s:%u' %s", d->name,
+      *g->instance[gate] ? g->instance[gate] : g->cell[gate], g->number[gate],
+      what);
+}
+
+/* As drawn: the netlist's, with the width shared out as the layout does. */
+static sizes drawn(const eda_gates *g, const eda_device *d, uint32_t gate) {
+  double sum = 0;
+  for (uint32_t i = 0; i < d->fingers; i++) sum += g->width[d->finger[i]];
+  return (sizes){d->length, d->width * (g->width[gate] / sum), 0};
+}
+
+/* Equation 3.12: the length that the capacitance sees; then 3.11, of which
+   LINT stands in the card. */
+static int printed(const eda_annotation *a, const eda_device *d, uint32_t gate,
+                   sizes *s, opc_error *error) {
+  const eda_mask *m = a->mask;
+  const eda_performance *p = a->state == EDA_BEFORE ? &m->before : &m->after;
+  if (a->state == EDA_AFTER && m->flags[gate] & ~(uint32_t)EDA_PRINT_NOTES)
+    return refuse(a, d, gate, "does not print well", error);
+  s->length = p->leq_ion[gate];
+  s->width = p->weq[gate];
+  double mean = p->area[gate] / s->width;
+  if (!(s->length > 0 && s->width > 0 && mean > 0) || isinf(s->length) ||
+      isinf(s->width) || isinf(mean))
+    return refuse(a, d, gate, "does not print", error);
+  double dlc = (s->length - mean) / 2;
+  if (fabs(dlc) > LONGEST_DLC)
+    return refuse(a, d, gate, "does not print well", error);
+  s->dlc = a->card[d->type] ? lround(dlc / DLC_STEP) : 0;
+  return OPC_OK;
+}
+
+/* The sizes of all fingers, device by device; NULL if one has none. */
+static sizes *all_sizes(const eda_annotation *a, opc_error *error) {
+  const eda_circuit *c = a->circuit;
+  size_t n = 0, at = 0;
+  for (size_t i = 0; i < c->count; i++) n += c->device[i].fingers;
+  sizes *all = eda_alloc(n, sizeof *all);
+  for (size_t i = 0; i < c->count; i++)
+    for (uint32_t k = 0; k < c->device[i].fingers; k++, at++) {
+      const eda_device *d = &c->device[i];
+      if (a->state == EDA_DRAWN) {
+        all[at] = drawn(c->gates, d, d->finger[k]);
+      } else if (printed(a, d, d->finger[k], &all[at], error)) {
+        free(all);
+        return NULL;
+      }
+    }
+  return all;
+}
+
+/* ---- models ---- */
+
+/* "nmos", "nmos_dlc12", "nmos_dlcm7": the card with that much more DLC. */
+static void put_model_name(writer *w, int type, long dlc) {
+  fprintf(w->out, "%s", w->a->model[type]);
+  if (dlc) fprintf(w->out, "_dlc%s%ld", dlc < 0 ? "m" : "", labs(dlc));
+}
+
+static int is_plain(const char *value) {
+  return !strpbrk(value, "+*/() ") ||
+         strspn(value, "+-.0123456789eE") == strlen(value);
+}
+
+static void put_model(writer *w, int type, long dlc) {
+  const eda_card *m = w->a->card[type];
+  fprintf(w->out, ".model ");
+  put_model_name(w, type, dlc);
+  fprintf(w->out, " %s dlc=%.9ge-9", m->kind, m->dlc + (double)dlc * DLC_STEP);
+  for (size_t i = 0; i < m->count; i++) {
+    const char *quote = is_plain(m->value[i]) ? "" : "'";
+    fprintf(w->out, "%s%s=%s%s%s", i % 6 ? " " : "\n+ ", m->key[i], quote, m->value[i],
+        quote);
+  }
+  fprintf(w->out, "\n");
+  w->counts.models++;
+}
+
+static int by_number(const void *a, const void *b) {
+  long p = *(const long *)a, q = *(const long *)b;
+  return (p > q) - (p < q);
+}
+
+/* A card for each DLC that occurs. */
+static void put_models(writer *w, int type, const sizes *all) {
+  const eda_circuit *c = w->a->circuit;
+  size_t n = 0, at = 0;
+  long *list = eda_alloc(c->gates->count, sizeof *list);
+  for (size_t i = 0; i < c->count; i++)
+    for (uint32_t k = 0; k < c->device[i].fingers; k++, at++)
+      if (c->device[i].type == type && all[at].dlc) list[n++] = all[at].dlc;
+  qsort(list, n, sizeof *list, by_number);
+  for (size_t i = 0; i < n; i++)
+    if (!i || list[i] != list[i - 1]) put_model(w, type, list[i]);
+  free(list);
+}
+
+/* ---- the netlist ---- */
+
+static void put_device(writer *w, const eda_device *d, const sizes *all) {
+  for (uint32_t k = 0; k < d->fingers; k++) {
+    int path = d->name[0] != 'M' && d->name[0] != 'm';
+    fprintf(w->out, "%s", path ? "M." : "");
+    put_name(w, d->name);
+    if (k) fprintf(w->out, "_f%u", k + 1);
+    put_net(w, d->drain);
+    put_net(w, d->gate);
+    put_net(w, d->source);
+    put_net(w, d->bulk);
+    fprintf(w->out, " ");
+    put_model_name(w, d->type, all[k].dlc);
+    fprintf(w->out, " w=%.9ge-9 l=%.9ge-9\n", all[k].width, all[k].length);
+    w->counts.transistors++;
+  }
+}
+
+static void put_all(writer *w, const sizes *all) {
+  static const char *const states[] = {"drawn", "printed before correction",
+                                       "printed after correction"};
+  const eda_circuit *c = w->a->circuit;
+  fprintf(w->out, "* %s: sizes as %s\n", c->name, states[w->a->state]);
+  for (int type = 0; type < 2; type++)
+    if (w->a->card[type]) put_models(w, type, all);
+  fprintf(w->out, ".subckt ");
+  put_name(w, c->name);
+  for (size_t i = 0; i < c->ports; i++) {
+    if (i % 12 == 11) fprintf(w->out, "\n+");
+    put_net(w, c->port[i]);
+  }
+  fprintf(w->out, "\n");
+  for (size_t i = 0; i < c->count; i++) {
+    put_device(w, &c->device[i], all);
+    all += c->device[i].fingers;
+  }
+  fprintf(w->out, ".ends\n");
+}
+
+char *eda_annotate(const eda_annotation *a, eda_annotated *counts,
+                   opc_error *error) {
+  sizes *all = all_sizes(a, error);
+  char *text = NULL;
+  size_t size;
+  writer w = {.a = a};
+  if (!all) return NULL;
+  w.out = open_memstream(&text, &size);
+  put_all(&w, all);
+  fclose(w.out);
+  free(all);
+  if (counts) *counts = w.counts;
+  return text;
+}

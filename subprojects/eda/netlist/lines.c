@@ -1,0 +1,219 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A netlist's file as lines of words: comments, continuation, quotes. */
+#include "netlist/lines.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+enum { MAX_INCLUDES = 16 };
+#define MAX_BYTES ((long)1 << 28)
+
+int lines_refuse(const lines *s, eda_place at, const char *format, ...) {
+  char what[700];
+  va_list args;
+  va_start(args, format);
+  vsnprintf(what, sizeof what, format, args);
+  va_end(args);
+  return opc_fail(s->error, OPC_INVALID, NULL, "%.200s:%u:%u: %s",
+                  s->file[at.file], at.line, at.column, what);
+}
+
+/* ---- words ---- */
+
+static int is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+int is_equals(const word *w) {
+  return !w->quoted && w->text[0] == '=' && w->text[1] == '\0';
+}
+
+/* What ends a word and means nothing itself. */
+static int is_gap(char c) {
+  return is_blank(c) || c == ',' || c == '(' || c == ')';
+}
+
+/* "x=250.5 y=400 nm" of a comment. Other comments are left alone. */
+static void read_position(const char *s, const char *end, line *l) {
+  double at[2] = {NAN, NAN};
+  for (; s < end; s++) {
+    if ((s[0] != 'x' && s[0] != 'X' && s[0] != 'y' && s[0] != 'Y') ||
+        s + 1 >= end || s[1] != '=')
+      continue;
+    int d = s[0] == 'y' || s[0] == 'Y';
+    char number[40];
+    size_t n = 0;
+    for (s += 2;
+         s < end && n + 1 < sizeof number && strchr("+-.0123456789eE", *s);)
+      number[n++] = *s++;
+    number[n] = '\0';
+    if (!n) return;
+    at[d] = strtod(number, NULL);
+    while (s < end && *s == ' ') s++;
+    double unit = end - s >= 2 && !strncasecmp(s, "nm", 2)   ? 1
+                  : end - s >= 2 && !strncasecmp(s, "um", 2) ? 1e3
+                                                             : 0;
+    if (d && unit > 0 && isfinite(at[0] * unit) && isfinite(at[1] * unit)) {
+      l->x = at[0] * unit;
+      l->y = at[1] * unit;
+      return;
+    }
+    s--;
+  }
+}
+
+static int add_word(lines *r, line *l, const char *text, size_t length,
+                    eda_place at, int quoted) {
+  eda_pool_grow(r->pool, &l->word, &l->room, l->words + 1, sizeof *l->word);
+  for (size_t i = 0; i < length; i++)
+    if ((text[i] < 32 && !(quoted && text[i] == '\t')) || text[i] > 126)
+      return lines_refuse(r, at, "byte 0x%02x in a word",
+                            (unsigned char)text[i]);
+  l->word[l->words++] =
+      (word){eda_pool_text(r->pool, text, length), at, quoted};
+  return OPC_OK;
+}
+
+/* One line of the file, from `from` up to `end`, into words. */
+static int split(lines *r, line *l, const char *from, const char *end,
+                 uint32_t file, uint32_t number, const char *begin) {
+  const char *s = from;
+  while (s < end) {
+    if (is_gap(*s)) {
+      s++;
+      continue;
+    }
+    if (*s == ';' || *s == '$') {
+      read_position(s, end, l);
+      return OPC_OK;
+    }
+    eda_place at = {file, number, (uint32_t)(s - begin) + 1};
+    if (*s == '=') {
+      if (add_word(r, l, s++, 1, at, 0)) return r->error->code;
+      continue;
+    }
+    if (*s == '\'' || *s == '"' || *s == '{') {
+      char close = *s == '{' ? '}' : *s;
+      const char *to = memchr(s + 1, close, (size_t)(end - s - 1));
+      if (!to) return lines_refuse(r, at, "'%c' is not closed", *s);
+      if (add_word(r, l, s + 1, (size_t)(to - s - 1), at, 1))
+        return r->error->code;
+      s = to + 1;
+      continue;
+    }
+    const char *to = s;
+    while (to < end && !is_gap(*to) && *to != '=' && *to != ';') to++;
+    if (add_word(r, l, s, (size_t)(to - s), at, 0)) return r->error->code;
+    s = to;
+  }
+  return OPC_OK;
+}
+
+/* ---- files ---- */
+
+static char *read_whole(lines *r, const char *path, size_t *length) {
+  FILE *f = fopen(path, "rb");
+  char *text = NULL;
+  if (!f || fseek(f, 0, SEEK_END)) {
+    opc_fail(r->error, OPC_IO, NULL, "'%.300s': %s", path, strerror(errno));
+    if (f) fclose(f);
+    return NULL;
+  }
+  long bytes = ftell(f);
+  rewind(f);
+  if (bytes < 0 || bytes > MAX_BYTES) {
+    opc_fail(r->error, OPC_IO, NULL,
+             "'%.300s': no file, or larger than 256 MB", path);
+  } else {
+    *length = (size_t)bytes;
+    text = eda_alloc(*length + 1, 1);
+    if (fread(text, 1, *length, f) != *length) {
+      opc_fail(r->error, OPC_IO, NULL, "'%.300s': cannot be read", path);
+      free(text);
+      text = NULL;
+    }
+  }
+  fclose(f);
+  return text;
+}
+
+static int flush(lines *r, line *l) {
+  int code = l->words ? r->take(r->data, l) : OPC_OK;
+  l->words = 0;
+  l->x = l->y = NAN;
+  return code;
+}
+
+static int read_lines(lines *r, const char *text, size_t length,
+                      uint32_t file) {
+  line l = {.x = NAN, .y = NAN};
+  const char *end = text + length, *s = text;
+  int code = OPC_OK;
+  for (uint32_t number = 1; !code && s < end && !r->ended; number++) {
+    const char *begin = s, *stop = memchr(s, '\n', (size_t)(end - s));
+    if (!stop) stop = end;
+    while (s < stop && is_blank(*s)) s++;
+    /* Comments may stand between a line and its continuation. */
+    int title = number == 1 && file == 0 && s < stop && *s != '.';
+    if (s < stop && *s != '*' && !title) {
+      if (*s == '+') {
+        eda_place at = {file, number, (uint32_t)(s - begin) + 1};
+        if (!l.words)
+          code = lines_refuse(r, at, "'+' continues nothing");
+        else
+          code = split(r, &l, s + 1, stop, file, number, begin);
+      } else {
+        code = flush(r, &l);
+        if (!code && !r->ended)
+          code = split(r, &l, s, stop, file, number, begin);
+      }
+    }
+    s = stop + (stop < end);
+  }
+  return code ? code : flush(r, &l);
+}
+
+int lines_read(lines *r, const char *path) {
+  size_t length = 0;
+  char *text = read_whole(r, path, &length);
+  if (!text) return r->error->code;
+  eda_pool_grow(r->pool, &r->file, &r->room, r->files + 1, sizeof *r->file);
+  r->file[r->files++] = eda_pool_text(r->pool, path, strlen(path));
+  int code = read_lines(r, text, length, (uint32_t)r->files - 1);
+  free(text);
+  return code;
+}
+
+int lines_is_include(const line *l) {
+  return !strcasecmp(l->word[0].text, ".include") ||
+         !strcasecmp(l->word[0].text, ".inc");
+}
+
+int lines_include(lines *r, const line *l) {
+  if (l->words != 2)
+    return lines_refuse(r, l->word[0].at, "%.20s takes one file",
+                        l->word[0].text);
+  const char *name = l->word[1].text, *from = r->file[l->word[0].at.file];
+  const char *slash = strrchr(from, '/');
+  char path[4096];
+  int used =
+      snprintf(path, sizeof path, "%.*s%s",
+               slash && *name != '/' ? (int)(slash + 1 - from) : 0, from, name);
+  if (used < 0 || (size_t)used >= sizeof path)
+    return lines_refuse(r, l->word[1].at, "the path is too long");
+  if (r->depth == MAX_INCLUDES)
+    return lines_refuse(r, l->word[0].at,
+                        "files that include each other go too deep");
+  r->depth++;
+  int code = lines_read(r, path);
+  r->depth--;
+  r->ended = 0;
+  if (code == OPC_IO) {
+    opc_error why = *r->error;
+    return lines_refuse(r, l->word[1].at, "%.500s", why.message);
+  }
+  return code;
+}

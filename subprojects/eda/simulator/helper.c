@@ -1,0 +1,318 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* opcflow-simulator FOLDER SECONDS PARENT: runs one deck in ngspice, which is a
+   library that keeps its state in globals, calls exit() and prints. So whatever
+   it does to its process is done to one that is thrown away. record.h tells what
+   passes in and out. It is linked with the C library alone, as it is started
+   once a deck. */
+#include <stdbool.h> /* which sharedspice.h takes for granted */
+
+#include "simulator/record.h"
+
+#include <ctype.h>
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <locale.h>
+#include <ngspice/sharedspice.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+enum { MOST_TROUBLE = 600 };
+
+/* ---- what is sent ---- */
+
+/* Of the one circuit of this process; ngspice's callbacks know no other. */
+static FILE *answer;
+static char trouble[MOST_TROUBLE];
+
+static void send_head(int kind, size_t bytes) {
+  const record r = {(uint64_t)kind, bytes};
+  fwrite(&r, sizeof r, 1, answer);
+}
+
+/* At once, so that a process that dies has said why. */
+static void send_record(int kind, const void *data, size_t bytes) {
+  send_head(kind, bytes);
+  fwrite(data, 1, bytes, answer);
+  if (fflush(answer)) _exit(1);
+}
+
+static void send_text(int kind, const char *text) {
+  send_record(kind, text, strlen(text));
+}
+
+_Noreturn static void end_with(int kind, const char *what) {
+  send_text(kind, what);
+  _exit(0);
+}
+
+static void *grown(void *memory, size_t bytes) {
+  void *more = realloc(memory, bytes);
+  if (!more) end_with(TROUBLE, "out of memory");
+  return more;
+}
+
+/* ---- what ngspice says ---- */
+
+/* Its functions tell of no failure, its words do. */
+static int is_trouble(const char *line) {
+  return !strncasecmp(line, "error", 5) || !strncasecmp(line, "fatal", 5) ||
+         !strncmp(line, "doAnalyses:", 11) || strstr(line, " aborted") ||
+         strstr(line, "no such command") || strstr(line, " failed!") ||
+         strstr(line, "is not available or has zero length");
+}
+
+static int on_words(char *text, int id, void *user) {
+  (void)id, (void)user;
+  int spoken = !strncmp(text, "stderr ", 7);
+  const char *line = spoken || !strncmp(text, "stdout ", 7) ? text + 7 : text;
+  send_text(WORDS, line);
+  while (*line == ' ') line++;
+  size_t used = strlen(trouble);
+  if (spoken && *line && (used || is_trouble(line)))
+    snprintf(trouble + used, sizeof trouble - used, "%s%s", used ? "; " : "",
+             line);
+  return 0;
+}
+
+static int on_exit_wish(int status, NG_BOOL at_once, NG_BOOL quit, int id,
+                        void *user) {
+  (void)at_once, (void)id, (void)user;
+  char text[MOST_TROUBLE + 64];
+  snprintf(text, sizeof text, "%s with status %d%s%s",
+           quit ? "it was told to quit," : "it ended", status,
+           *trouble ? ": " : "", trouble);
+  end_with(TROUBLE, text);
+}
+
+static int on_thread(NG_BOOL idle, int id, void *user) {
+  (void)idle, (void)id, (void)user;
+  return 0;
+}
+
+static void check(const char *command) {
+  char text[MOST_TROUBLE + 128];
+  if (!*trouble) return;
+  if (command)
+    snprintf(text, sizeof text, "'%.100s': %s", command, trouble);
+  else
+    snprintf(text, sizeof text, "in the deck: %s", trouble);
+  end_with(TROUBLE, text);
+}
+
+/* ---- the process ---- */
+
+static void reset_signals(void) {
+  sigset_t none;
+  for (int i = 1; i < NSIG; i++) signal(i, SIG_DFL);
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, NULL);
+}
+
+static void limit_to(int resource, rlim_t most) {
+  const struct rlimit limit = {most, most};
+  setrlimit(resource, &limit);
+}
+
+/* It dies with the thread that has started it, and after some seconds of work
+   even if nobody waits any more. Its group is its own, so that what it starts
+   can be killed with it. */
+static void obey(const char *seconds, const char *parent) {
+  setpgid(0, 0);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != (pid_t)atol(parent)) _exit(1);
+  limit_to(RLIMIT_CPU, (rlim_t)atol(seconds));
+  limit_to(RLIMIT_CORE, 0);
+  reset_signals();
+}
+
+/* Standard input whole, with a zero behind it. */
+static char *read_all(size_t *bytes) {
+  size_t room = 0;
+  char *text = NULL;
+  for (*bytes = 0;;) {
+    if (*bytes + 2 > room) text = grown(text, room = 2 * room + 65536);
+    ssize_t n = read(0, text + *bytes, room - *bytes - 1);
+    if (n <= 0) break;
+    *bytes += (size_t)n;
+  }
+  text[*bytes] = 0;
+  return text;
+}
+
+/* Nothing of the parent's is left open or asked, and the user's start-up files
+   are not read: ngspice sees an empty folder and three times /dev/null. */
+static void stand_alone(const char *folder) {
+  int out = dup(1);
+  if (out != 3) dup2(out, 3);
+  closefrom(4);
+  fcntl(3, F_SETFD, FD_CLOEXEC);
+  answer = fdopen(3, "wb");
+  if (!answer) _exit(1);
+  int nothing = open("/dev/null", O_RDWR);
+  for (int i = 0; i < 3; i++) dup2(nothing, i);
+  close(nothing);
+  if (chdir(folder)) end_with(TROUBLE, "it cannot enter its folder");
+  setenv("SPICE_SCRIPTS", folder, 1);
+  setenv("HOME", folder, 1);
+  setenv("OMP_NUM_THREADS", "1", 1);
+  setlocale(LC_ALL, "C");
+}
+
+/* ---- ngspice ---- */
+
+typedef struct library {
+  int (*init)(SendChar *, SendStat *, ControlledExit *, SendData *,
+              SendInitData *, BGThreadRunning *, void *);
+  int (*circuit)(char **);
+  int (*command)(char *);
+  char **(*plots)(void);
+  char **(*vectors)(char *);
+  pvector_info (*vector)(char *);
+} library;
+
+static void *symbol(void *handle, const char *name) {
+  void *found = dlsym(handle, name);
+  if (!found) end_with(MISSING, dlerror());
+  return found;
+}
+
+static library load(void) {
+  const char *own = getenv("OPCFLOW_NGSPICE");
+  void *handle = dlopen(own ? own : "libngspice.so.0", RTLD_NOW | RTLD_LOCAL);
+  if (!handle) end_with(MISSING, dlerror());
+  library l;
+  *(void **)&l.init = symbol(handle, "ngSpice_Init");
+  *(void **)&l.circuit = symbol(handle, "ngSpice_Circ");
+  *(void **)&l.command = symbol(handle, "ngSpice_Command");
+  *(void **)&l.plots = symbol(handle, "ngSpice_AllPlots");
+  *(void **)&l.vectors = symbol(handle, "ngSpice_AllVecs");
+  *(void **)&l.vector = symbol(handle, "ngGet_Vec_Info");
+  return l;
+}
+
+/* Cut a text into its lines, which stay in it. NULL-terminated. */
+static char **lines_of(char *text) {
+  size_t count = 2;
+  for (const char *c = text; *c; c++) count += *c == '\n';
+  char **lines = grown(NULL, count * sizeof *lines);
+  size_t i = 0;
+  for (; text; i++) {
+    char *end = strchr(text, '\n');
+    lines[i] = text;
+    if (end) *end++ = 0;
+    lines[i][strcspn(lines[i], "\r")] = 0;
+    text = end && *end ? end : NULL;
+  }
+  lines[i] = NULL;
+  return lines;
+}
+
+static size_t length_of(char **list) {
+  size_t n = 0;
+  while (list && list[n]) n++;
+  return n;
+}
+
+/* What the netlist calls it: "v(out)" for ngspice's "out", "i(vdd)" for
+   "vdd#branch". */
+static void send_name(const char *name, int voltage) {
+  size_t n = strlen(name);
+  char *own = grown(NULL, n + 4);
+  if (n > 7 && !strcmp(name + n - 7, "#branch"))
+    sprintf(own, "i(%.*s)", (int)n - 7, name);
+  else if (voltage && !strpbrk(name, "(@") && !strstr(name, "-sweep"))
+    sprintf(own, "v(%s)", name);
+  else
+    strcpy(own, name);
+  for (char *c = own; *c; c++) *c = (char)tolower((unsigned char)*c);
+  send_text(NAME, own);
+  free(own);
+}
+
+static void send_values(const vector_info *v) {
+  size_t n = (size_t)v->v_length;
+  if (v->v_realdata) {
+    send_record(VALUES, v->v_realdata, n * sizeof(double));
+    return;
+  }
+  send_head(VALUES, n * sizeof(double));
+  for (size_t i = 0; i < n; i++)
+    fwrite(&v->v_compdata[i].cx_real, sizeof(double), 1, answer);
+}
+
+/* All vectors of a plot that have values; returns how many. */
+static size_t send_plot(const library *l, char *plot) {
+  enum { VOLTAGE = 3 }; /* ngspice's SV_VOLTAGE */
+  char **names = l->vectors(plot);
+  size_t sent = 0;
+  for (size_t i = length_of(names); i-- > 0;) {
+    char *path = grown(NULL, strlen(plot) + strlen(names[i]) + 2);
+    sprintf(path, "%s.%s", plot, names[i]);
+    const vector_info *v = l->vector(path);
+    free(path);
+    if (!v || v->v_length <= 0 || !(v->v_realdata || v->v_compdata)) continue;
+    if (!sent++) send_text(PLOT, plot);
+    send_name(names[i], v->v_type == VOLTAGE);
+    send_values(v);
+  }
+  return sent;
+}
+
+/* Send the plots that were made since there were `before`; the newest comes
+   first in ngspice's list. Returns how many there are now. */
+static size_t send_plots(const library *l, size_t before) {
+  char **plots = l->plots();
+  size_t n = length_of(plots);
+  for (size_t i = n > before ? n - before : 0; i-- > 0;)
+    if (!send_plot(l, plots[i]) && !*trouble)
+      snprintf(trouble, sizeof trouble, "it gave no values");
+  return n;
+}
+
+static void command(const library *l, const char *text) {
+  char *own = strcpy(grown(NULL, strlen(text) + 1), text);
+  l->command(own);
+  free(own);
+}
+
+static void work(const library *l, char *deck, char *commands) {
+  l->init(on_words, NULL, on_exit_wish, NULL, NULL, on_thread, NULL);
+  *trouble = 0;
+  reset_signals(); /* ngspice's would take a crash for an exit */
+  command(l, "set num_threads=1");
+  command(l, "set rndseed=1");
+  size_t plots = length_of(l->plots());
+  l->circuit(lines_of(deck));
+  check(NULL);
+  plots = send_plots(l, plots);
+  for (char **c = lines_of(commands); *c; c++) {
+    if (!(*c)[strspn(*c, " \t")]) continue;
+    command(l, *c);
+    if (!*trouble) plots = send_plots(l, plots);
+    check(*c);
+  }
+}
+
+int main(int argc, char **argv) {
+  if (argc != 4) {
+    fputs("opcflow starts this program for circuits; see circuit.ngspice\n",
+          stderr);
+    return 2;
+  }
+  size_t bytes;
+  obey(argv[2], argv[3]);
+  char *deck = read_all(&bytes);
+  size_t n = strlen(deck);
+  char *commands = n < bytes ? deck + n + 1 : deck + n;
+  stand_alone(argv[1]);
+  library l = load();
+  /* From here on nothing is opened but what the deck names. */
+  work(&l, deck, commands);
+  end_with(DONE, "");
+}

@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The reader of small CSV tables. A file is read as one text and cut into its
+   fields where it lies, so that the place of a field is that of its text. */
+#include <eda/csv.h>
+#include <glib.h>
+#include <math.h>
+#include <string.h>
+
+/* A row of some 60 letters for each of a million transistors. */
+enum { MOST_BYTES = 64 << 20 };
+
+/* ---- state ---- */
+
+typedef struct line {
+  int number;       /* in the file, from 1 */
+  const char *text; /* its beginning */
+  size_t first;     /* of its fields, in eda_csv.fields */
+} line;
+
+struct eda_csv {
+  const char *parameter;
+  const eda_csv_column *columns;
+  size_t n; /* columns */
+  uint32_t flags;
+  char *path, *text;
+  int *field;        /* the place of each column in a row; -1: not there */
+  int width;         /* fields of a row */
+  GArray *rows;      /* line */
+  GPtrArray *fields; /* const char *: `width` of each row */
+};
+
+/* ---- faults ---- */
+
+static int fail_at(const eda_csv *c, const line *l, const char *place,
+                   const char *what, const char *text, opc_error *error) {
+  return opc_fail(error, OPC_INVALID, c->parameter, "%s:%d:%td: %s '%.40s'",
+                  c->path, l->number, place - l->text + 1, what, text);
+}
+
+int eda_csv_fail(const eda_csv *c, size_t row, int column, const char *what,
+                 opc_error *error) {
+  const char *text = eda_csv_text(c, row, column);
+  const line *l = &g_array_index(c->rows, line, row);
+  return fail_at(c, l, *text || eda_csv_has(c, column) ? text : l->text, what,
+                 text, error);
+}
+
+/* ---- cutting ---- */
+
+/* Cut the next field off *rest, which becomes NULL after the last. */
+static char *cut_field(char **rest) {
+  char *field = *rest, *comma = strchr(field, ',');
+  *rest = comma ? comma + 1 : NULL;
+  if (comma) *comma = '\0';
+  g_strchomp(field);
+  while (g_ascii_isspace(*field)) field++;
+  return field;
+}
+
+/* The next line with something on it, NULL at the end; its end is cut off. */
+static char *next_line(char **rest, line *l) {
+  while (*rest) {
+    char *text = *rest, *end = strchr(text, '\n');
+    *rest = end ? end + 1 : NULL;
+    if (end) *end = '\0';
+    l->number++;
+    l->text = text;
+    g_strchomp(text);
+    const char *content = text;
+    while (g_ascii_isspace(*content)) content++;
+    if (*content && *content != '#') return text;
+  }
+  return NULL;
+}
+
+/* A name of the header, with or without its unit. */
+static int read_name(eda_csv *c, const line *l, const char *field,
+                     opc_error *error) {
+  g_autofree char *name = g_strdup(field);
+  char *unit = strchr(name, '(');
+  if (unit) *unit++ = '\0';
+  g_strchomp(name);
+  for (size_t i = 0; i < c->n; i++) {
+    if (strcmp(name, c->columns[i].name)) continue;
+    const char *known = c->columns[i].unit;
+    g_autofree char *want = g_strdup_printf("%s)", known ? known : "");
+    if (unit && strcmp(unit, want))
+      return fail_at(c, l, field, "a wrong unit:", field, error);
+    if (c->field[i] >= 0)
+      return fail_at(c, l, field, "a column twice:", name, error);
+    c->field[i] = c->width;
+    return OPC_OK;
+  }
+  if (c->flags & EDA_CSV_OTHERS) return OPC_OK;
+  return fail_at(c, l, field, "unknown column", name, error);
+}
+
+static int read_header(eda_csv *c, const line *l, char *text,
+                       opc_error *error) {
+  for (; text; c->width++) {
+    int code = read_name(c, l, cut_field(&text), error);
+    if (code) return code;
+  }
+  for (size_t i = 0; i < c->n; i++)
+    if (c->field[i] < 0 && !c->columns[i].optional)
+      return fail_at(c, l, l->text, "there is no column", c->columns[i].name,
+                     error);
+  return OPC_OK;
+}
+
+/* Fields that a row lacks are empty ones at its end. */
+static int read_row(eda_csv *c, line *l, char *text, opc_error *error) {
+  char *end = text + strlen(text), *rest = text;
+  l->first = c->fields->len;
+  for (int i = 0; i < c->width; i++)
+    g_ptr_array_add(c->fields, rest ? cut_field(&rest) : end);
+  g_array_append_val(c->rows, *l);
+  while (rest) {
+    const char *more = cut_field(&rest);
+    if (*more) return fail_at(c, l, more, "a field too many:", more, error);
+  }
+  return OPC_OK;
+}
+
+/* ---- reading ---- */
+
+static int read_text(eda_csv *c, opc_error *error) {
+  size_t size = 0;
+  g_autoptr(GError) trouble = NULL;
+  if (!g_file_get_contents(c->path, &c->text, &size, &trouble))
+    return opc_fail(error, OPC_IO, c->parameter, "%s", trouble->message);
+  const char *nul = memchr(c->text, 0, size);
+  if (nul)
+    return opc_fail(error, OPC_INVALID, c->parameter,
+                    "'%s' is no text: byte %zu is 0", c->path,
+                    (size_t)(nul - c->text));
+  if (size > MOST_BYTES)
+    return opc_fail(error, OPC_INVALID, c->parameter,
+                    "'%s' has %zu bytes, more than 64 MB", c->path, size);
+  return OPC_OK;
+}
+
+static int read_all(eda_csv *c, opc_error *error) {
+  int code = read_text(c, error);
+  line l = {0};
+  char *rest = c->text;
+  char *text = code ? NULL : next_line(&rest, &l);
+  if (text) code = read_header(c, &l, text, error);
+  while (!code && text && (text = next_line(&rest, &l)))
+    code = read_row(c, &l, text, error);
+  if (!code && !c->rows->len && !(c->flags & EDA_CSV_EMPTY))
+    code =
+        opc_fail(error, OPC_INVALID, c->parameter, "'%s' has no rows", c->path);
+  return code;
+}
+
+eda_csv *eda_csv_read(const char *path, const char *parameter,
+                      const eda_csv_column *columns, size_t n, uint32_t flags,
+                      opc_error *error) {
+  eda_csv *c = g_new0(eda_csv, 1);
+  *c = (eda_csv){.parameter = parameter,
+                 .columns = columns,
+                 .n = n,
+                 .flags = flags,
+                 .path = g_strdup(path),
+                 .field = g_new(int, n),
+                 .rows = g_array_new(FALSE, FALSE, sizeof(line)),
+                 .fields = g_ptr_array_new()};
+  for (size_t i = 0; i < n; i++) c->field[i] = -1;
+  if (!read_all(c, error)) return c;
+  eda_csv_free(c);
+  return NULL;
+}
+
+void eda_csv_free(eda_csv *c) {
+  if (!c) return;
+  g_array_free(c->rows, TRUE);
+  g_ptr_array_free(c->fields, TRUE);
+  g_free(c->field);
+  g_free(c->text);
+  g_free(c->path);
+  g_free(c);
+}
+
+/* ---- fields ---- */
+
+size_t eda_csv_rows(const eda_csv *c) { return c->rows->len; }
+
+int eda_csv_has(const eda_csv *c, int column) { return c->field[column] >= 0; }
+
+const char *eda_csv_text(const eda_csv *c, size_t row, int column) {
+  if (!eda_csv_has(c, column)) return "";
+  size_t first = g_array_index(c->rows, line, row).first;
+  return c->fields->pdata[first + (size_t)c->field[column]];
+}
+
+int eda_csv_number(const eda_csv *c, size_t row, int column, double above,
+                   double *value, opc_error *error) {
+  const char *text = eda_csv_text(c, row, column);
+  char *end;
+  *value = g_ascii_strtod(text, &end);
+  if (end == text || *end || !isfinite(*value))
+    return eda_csv_fail(c, row, column, "not a number:", error);
+  if (*value > above) return OPC_OK;
+  g_autofree char *what = g_strdup_printf("not above %g:", above);
+  return eda_csv_fail(c, row, column, what, error);
+}
+
+int eda_csv_type(const eda_csv *c, size_t row, int column, int *type,
+                 opc_error *error) {
+  const char *text = eda_csv_text(c, row, column);
+  *type = !strcmp(text, "p") || !strcmp(text, "pmos") ? EDA_PMOS : EDA_NMOS;
+  if (*type == EDA_PMOS || !strcmp(text, "n") || !strcmp(text, "nmos"))
+    return OPC_OK;
+  return eda_csv_fail(c, row, column, "neither 'n' nor 'p':", error);
+}

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the unit tests of this project share. */
+#ifndef CHECK_H
+#define CHECK_H
+
+#include <math.h>
+#include <opcflow/testing.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* End the test, and say where, unless the condition holds. */
+#define CHECK(condition)                                              \
+  do {                                                                \
+    if (!(condition)) {                                               \
+      fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition); \
+      exit(1);                                                        \
+    }                                                                 \
+  } while (0)
+
+/* The plugin, or the end of the test with all that is wrong. */
+static inline opc_module *make(const char *id, const char *parameters) {
+  opc_error error = {0};
+  opc_module *module = opc_test_module(id, parameters, &error);
+  if (!module) fprintf(stderr, "%s\n", error.message);
+  CHECK(module);
+  return module;
+}
+
+#endif

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* kind.timing: what a timing model must have, how it is tried out, and what a
+   new one looks like. */
+#include <math.h>
+#include <opcflow/kind.h>
+
+#include "timing.h"
+
+typedef struct kind {
+  const opc_host *host;
+} kind;
+
+/* ---- trying one ---- */
+
+/* Currents from that of a small transistor to that of a large one. */
+static void exercise(const opc_module *module, opc_inspector *inspector) {
+  const timing *t = module->functions;
+  double last = INFINITY;
+  for (double ion = 1e-5; ion < 1e-2; ion *= 1.5) {
+    double delay = t->delay(module->self, ion, 65 * 200);
+    if (!(delay > 0) || !isfinite(delay))
+      inspector->find(inspector, "delay: %g s for %g A", delay, ion);
+    else if (delay > last)
+      inspector->find(inspector, "delay: more current takes longer");
+    last = delay;
+    inspector->add(inspector, &delay, sizeof delay);
+  }
+}
+
+/* ---- a new one ---- */
+
+static const opc_template templates[] = {
+    {"@ID@.c",
+     "/* @ID@: a timing model. */\n"
+     "#include <timing.h>\n"
+     "\n"
+     "typedef struct state {\n"
+     "  const opc_host *host;\n"
+     "} state;\n"
+     "\n"
+     "static double delay(const void *self, double ion, double area) {\n"
+     "  (void)self;\n"
+     "  return 1.9e-20 * area / ion;\n"
+     "}\n"
+     "\n"
+     "static const timing functions = {.delay = delay};\n"
+     "OPC_PLUGIN(state, .id = \"@ID@\", .kind = \"timing\",\n"
+     "           .version = \"0.1.0\", .licence = \"BSD-3-Clause\",\n"
+     "           .summary = \"a timing model\",\n"
+     "           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,\n"
+     "           OPC_FUNCTIONS(functions));\n"},
+    {"meson.build",
+     "project('@ID@', 'c')\n"
+     "shared_module('@ID@', '@ID@.c', name_prefix: '',\n"
+     "  gnu_symbol_visibility: 'hidden',\n"
+     "  dependencies: dependency('opcflow'))\n"},
+};
+
+/* ---- entry ---- */
+
+static const opc_function required[] = {OPC_FUNCTION(timing, delay)};
+
+static const opc_kind functions = {
+    .functions_size = sizeof(timing),
+    .n_functions = 1,
+    .functions = required,
+    .exercise = exercise,
+    .n_templates = sizeof templates / sizeof *templates,
+    .templates = templates,
+};
+
+OPC_PLUGIN(kind, .id = "kind.timing", .kind = "kind", .version = "1.0.0",
+           .licence = "BSD-3-Clause",
+           .summary = "timing models: how long a transistor takes",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_FUNCTIONS(functions));

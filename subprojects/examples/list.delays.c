@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* list.delays: how long each transistor of a mask takes, as drawn and as
+   printed, by the timing model in its slot. */
+#include <eda/gates.h>
+#include <eda/memory.h>
+#include <stdlib.h>
+
+#include <opcflow/step.h>
+
+#include "timing.h"
+
+/* ---- state ---- */
+
+typedef struct delays {
+  const opc_host *host;
+  const eda_mask *mask;
+  const opc_module *timing;
+} delays;
+
+/* ---- work ---- */
+
+/* In ps, of all transistors. */
+static double *delays_of(const delays *s, const eda_performance *p) {
+  const timing *t = s->timing->functions;
+  size_t n = s->mask->gates->count;
+  double *delay = eda_alloc(n, sizeof *delay);
+  for (size_t i = 0; i < n; i++)
+    delay[i] = 1e12 * t->delay(s->timing->self, p->ion[i], p->area[i]);
+  return delay;
+}
+
+static int run(void *self, void **outputs, opc_error *error) {
+  const delays *s = self;
+  const eda_gates *g = s->mask->gates;
+  double *drawn = delays_of(s, &s->mask->design);
+  double *printed = delays_of(s, &s->mask->after);
+  int64_t *number = eda_alloc(g->count, sizeof *number);
+  double slower = 0;
+  (void)outputs;
+  for (size_t i = 0; i < g->count; i++) {
+    double change = 100 * (printed[i] - drawn[i]) / drawn[i];
+    if (change > slower) slower = change;
+    number[i] = g->number[i];
+  }
+  const opc_column columns[] = {{"cell", NULL, OPC_TEXT, 0, g->cell},
+                                {"number", NULL, OPC_INT, 0, number},
+                                {"drawn", "ps", OPC_REAL, 4, drawn},
+                                {"printed", "ps", OPC_REAL, 4, printed}};
+  int code = s->host->table(s->host, "delays", OPC_TABLE_PRINT, g->count,
+                            columns, 4, error);
+  free(drawn);
+  free(printed);
+  free(number);
+  return code ? code : s->host->metric(s->host, "slower", slower, error);
+}
+
+/* ---- parameters ---- */
+
+static const opc_parameter parameters[] = {
+    {.name = "mask",
+     .type = OPC_INPUT,
+     .flags = OPC_REQUIRED,
+     .choices = "mask",
+     .summary = "the mask whose transistors are timed",
+     OPC_FIELD(delays, mask)},
+    {.name = "timing",
+     .type = OPC_SLOT,
+     .preset = "{ use: timing.cv }",
+     .choices = "timing",
+     .summary = "the timing model",
+     OPC_FIELD(delays, timing)},
+};
+
+static const opc_metric metrics[] = {
+    {"slower", "%", OPC_LOWER, 0.01, "by how much the worst one got slower"},
+};
+
+/* ---- entry ---- */
+
+static const opc_step functions = {.run = run};
+
+OPC_PLUGIN(delays, .id = "list.delays", .kind = "step", .version = "1.0.0",
+           .licence = "BSD-3-Clause",
+           .summary = "how long each transistor takes",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           OPC_FUNCTIONS(functions));

@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* list.worst: the transistors of a mask that are furthest from their drawn on
+   current, as a table. */
+#include <eda/gates.h>
+#include <eda/memory.h>
+#include <math.h>
+#include <opcflow/step.h>
+#include <stdlib.h>
+
+/* ---- state ---- */
+
+typedef struct list {
+  const opc_host *host;
+  const eda_mask *mask;
+  int64_t most;
+} list;
+
+typedef struct entry {
+  double deviation; /* % */
+  size_t gate;
+} entry;
+
+/* ---- work ---- */
+
+static int compare(const void *a, const void *b) {
+  const entry *p = a, *q = b;
+  double x = fabs(p->deviation), y = fabs(q->deviation);
+  if (x != y) return x > y ? -1 : 1;
+  return p->gate < q->gate ? -1 : 1; /* the same order on each machine */
+}
+
+static int publish(const list *s, const entry *e, size_t n, opc_error *error) {
+  const eda_gates *g = s->mask->gates;
+  const char **cell = eda_alloc(n, sizeof *cell);
+  int64_t *number = eda_alloc(n, sizeof *number);
+  double *deviation = eda_alloc(n, sizeof *deviation);
+  for (size_t i = 0; i < n; i++) {
+    cell[i] = g->cell[e[i].gate];
+    number[i] = g->number[e[i].gate];
+    deviation[i] = e[i].deviation;
+  }
+  const opc_column columns[] = {{"cell", NULL, OPC_TEXT, 0, cell},
+                                {"number", NULL, OPC_INT, 0, number},
+                                {"ion", "%", OPC_REAL, 3, deviation}};
+  int code =
+      s->host->table(s->host, "worst", OPC_TABLE_PRINT, n, columns, 3, error);
+  free(cell);
+  free(number);
+  free(deviation);
+  if (code || !n) return code;
+  return s->host->metric(s->host, "worst", fabs(e[0].deviation), error);
+}
+
+static int run(void *self, void **outputs, opc_error *error) {
+  const list *s = self;
+  size_t n = s->mask->gates->count, most = (size_t)s->most;
+  entry *entries = eda_alloc(n, sizeof *entries);
+  (void)outputs;
+  for (size_t i = 0; i < n; i++) {
+    double drawn = s->mask->design.ion[i];
+    entries[i].deviation = 100 * (s->mask->after.ion[i] - drawn) / drawn;
+    entries[i].gate = i;
+  }
+  qsort(entries, n, sizeof *entries, compare);
+  int code = publish(s, entries, n < most ? n : most, error);
+  free(entries);
+  return code;
+}
+
+/* ---- parameters ---- */
+
+static const opc_parameter parameters[] = {
+    {.name = "mask",
+     .type = OPC_INPUT,
+     .flags = OPC_REQUIRED,
+     .choices = "mask",
+     .summary = "the mask whose transistors are listed",
+     OPC_FIELD(list, mask)},
+    {.name = "most",
+     .type = OPC_INT,
+     .flags = OPC_AT_LEAST | OPC_AT_MOST,
+     .preset = "10",
+     .min = 1,
+     .max = 1000000,
+     .summary = "how many at most",
+     OPC_FIELD(list, most)},
+};
+
+static const opc_metric metrics[] = {
+    {"worst", "%", OPC_LOWER, 0.01, "largest |Ion deviation|"},
+};
+
+/* ---- entry ---- */
+
+static const opc_step functions = {.run = run};
+
+OPC_PLUGIN(list, .id = "list.worst", .kind = "step", .version = "1.0.0",
+           .licence = "BSD-3-Clause",
+           .summary = "the transistors furthest from their drawn current",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           OPC_FUNCTIONS(functions));

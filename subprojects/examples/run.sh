@@ -1,0 +1,24 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# Run the flow with the plugins of this project, and look at the run with the
+# verb that one of them brings: run.sh OPCFLOW FLOW FOLDER.
+set -eu
+opcflow=$1 flow=$2 folder=$3
+
+fail() {
+  echo "$*" >&2
+  exit 1
+}
+
+"$opcflow" run --force --output "$folder" "$flow"
+"$opcflow" metrics --step worst "$folder" | tee /dev/stderr |
+  grep -q '^worst *worst *% ' || fail "no metric of list.worst"
+"$opcflow" metrics --json "$folder" | grep -q '"slower"' ||
+  fail "no metric of list.delays"
+grep -q '"synthesizer.bisect"' "$folder/manifest.json" ||
+  fail "synthesizer.bisect had no part in it"
+
+# Corrected to 1 %.
+worst=$(sed -n '2s/.*,//p' "$folder/worst.csv" | tr -d '\r-')
+echo "$worst" | awk '{ exit !($1 > 0 && $1 < 1) }' ||
+  fail "worst deviation: $worst %"

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* synthesizer.bisect: the length of each transistor by bisection. Its on
+   current falls with its length, so that each measurement halves the range in
+   which the length with the drawn current lies. */
+#include <eda/memory.h>
+#include <eda/synthesizer.h>
+#include <math.h>
+#include <opcflow/plugin.h>
+#include <stdlib.h>
+
+/* ---- state ---- */
+
+typedef struct range {
+  int32_t low, high; /* grid steps: too short, too long */
+  int32_t best;
+  double deviation; /* of the best, % */
+} range;
+
+typedef struct bisect {
+  const opc_host *host;
+  double max_pde;  /* % */
+  double max_bias; /* nm */
+  range *ranges;   /* of each transistor */
+} bisect;
+
+/* ---- work ---- */
+
+static int begin(void *self, const eda_feedback *f, opc_error *error) {
+  bisect *b = self;
+  int32_t far = (int32_t)(b->max_bias / f->gates->grid);
+  (void)error;
+  free(b->ranges);
+  b->ranges = eda_alloc(f->gates->count, sizeof *b->ranges);
+  for (size_t i = 0; i < f->gates->count; i++)
+    b->ranges[i] = (range){-far, far, 0, INFINITY};
+  return OPC_OK;
+}
+
+/* What to try after `l` gave that deviation; the best there was at the end. */
+static int32_t next_length(range *r, int32_t l, double deviation,
+                           double limit) {
+  if (fabs(deviation) < fabs(r->deviation)) {
+    r->best = l;
+    r->deviation = deviation;
+  }
+  if (deviation > 0 && l > r->low) r->low = l;
+  if (deviation < 0 && l < r->high) r->high = l;
+  if (fabs(r->deviation) <= limit || r->high - r->low <= 1) return r->best;
+  return r->low + (r->high - r->low) / 2;
+}
+
+static int update(void *self, const eda_feedback *f, eda_moves *moves,
+                  int *done, opc_error *error) {
+  bisect *b = self;
+  (void)error;
+  *done = 1;
+  for (size_t i = 0; i < f->gates->count; i++) {
+    double drawn = f->design->ion[i];
+    double deviation = 100 * (f->printed->ion[i] - drawn) / drawn;
+    int32_t l = next_length(&b->ranges[i], moves->l[i], deviation, b->max_pde);
+    if (l != moves->l[i]) *done = 0;
+    moves->l[i] = l;
+  }
+  return OPC_OK;
+}
+
+static const char *verdict(const void *self, size_t gate) {
+  const bisect *b = self;
+  return fabs(b->ranges[gate].deviation) <= b->max_pde ? "within limit"
+                                                       : "grid";
+}
+
+/* ---- parameters ---- */
+
+static const opc_parameter parameters[] = {
+    {.name = "max_pde",
+     .type = OPC_REAL,
+     .flags = OPC_ABOVE,
+     .unit = "%",
+     .preset = "0.5 %",
+     .summary = "deviation of the on current that is good enough",
+     OPC_FIELD(bisect, max_pde)},
+    {.name = "max_bias",
+     .type = OPC_REAL,
+     .flags = OPC_ABOVE | OPC_AT_MOST,
+     .unit = "nm",
+     .preset = "32 nm",
+     .max = 1000,
+     .summary = "how far a length may change",
+     OPC_FIELD(bisect, max_bias)},
+};
+
+static void clear(void *self) { free(((bisect *)self)->ranges); }
+
+/* ---- entry ---- */
+
+static const eda_synthesizer functions = {
+    .begin = begin, .update = update, .verdict = verdict};
+
+OPC_PLUGIN(bisect, .id = "synthesizer.bisect", .kind = "synthesizer",
+           .version = "1.0.0", .licence = "BSD-3-Clause",
+           .summary = "length of each transistor by bisection",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), .clear = clear,
+           OPC_FUNCTIONS(functions));

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* timing.cv: the time of a constant current for the charge of a gate, C V / I.
+ */
+#include "timing.h"
+
+typedef struct cv {
+  const opc_host *host;
+  double supply;      /* V */
+  double capacitance; /* aF/nm^2 */
+} cv;
+
+static double delay(const void *self, double ion, double area) {
+  const cv *s = self;
+  return s->capacitance * 1e-18 * area * s->supply / ion;
+}
+
+/* ---- parameters ---- */
+
+static const opc_parameter parameters[] = {
+    {.name = "supply",
+     .type = OPC_REAL,
+     .flags = OPC_ABOVE,
+     .unit = "V",
+     .preset = "1.1 V",
+     .summary = "the supply voltage",
+     OPC_FIELD(cv, supply)},
+    {.name = "capacitance",
+     .type = OPC_REAL,
+     .flags = OPC_ABOVE,
+     .preset = "0.0173",
+     .summary = "of the gate, aF/nm^2; the default is an oxide of 2 nm",
+     OPC_FIELD(cv, capacitance)},
+};
+
+/* ---- entry ---- */
+
+static const timing functions = {.delay = delay};
+
+OPC_PLUGIN(cv, .id = "timing.cv", .kind = "timing", .version = "1.0.0",
+           .licence = "BSD-3-Clause", .summary = "delay as C V / I",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_FUNCTIONS(functions));

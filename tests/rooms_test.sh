@@ -1,0 +1,87 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# Whether every room of the house keeps to itself: which folder may include
+# from which, and that the kernel knows no word of what it is used for.
+# rooms_test.sh COMPILER...
+set -u
+cd "$OPCFLOW_SOURCE" || exit 99
+failed=0
+number=0
+
+# check NAME FUNCTION [WORD...]: what the function prints is wrong.
+check() {
+  name=$1
+  shift
+  number=$((number + 1))
+  wrong=$("$@")
+  if [ -z "$wrong" ]; then
+    echo "ok $number $name"
+  else
+    echo "not ok $number $name"
+    echo "$wrong" | sed 's/^/# /'
+    failed=1
+  fi
+}
+
+# Own includes of all files below the folders given: "FROM/FILE included".
+includes() {
+  find "$@" -name '*.[ch]' | sort | xargs grep -H '^#include "' |
+    sed 's/^\([^:]*\):#include "\([^"]*\)".*/\1 \2/'
+}
+
+# Comments aside; texts count. The word stands for the longer ones it begins.
+domain_words() {
+  find core -name '*.[ch]' ! -name '*_test.c' | sort | while read -r file; do
+    "$@" -fpreprocessed -dD -E -P "$file" 2>/dev/null |
+      grep -inE 'gate|transistor|mask|litho|resist|layout|poly' |
+      sed "s|^|$file: |"
+  done
+}
+
+# What stands before does not include what stands behind.
+kernel_order() {
+  includes core | awk '
+    BEGIN { n = split("text plugin flow testing cli", rooms, " ")
+            for (i = 1; i <= n; i++) rank[rooms[i]] = i }
+    { split($1, from, "/"); split($2, to, "/")
+      if (to[1] != "core" || !(to[2] in rank) || !(from[2] in rank)) print
+      else if ($1 !~ /_test\.c$/ && rank[to[2]] > rank[from[2]]) print }'
+}
+
+# Private headers are named from the top of the library.
+library_circles() {
+  includes subprojects/eda | awk '
+    { sub("subprojects/eda/", "", $1)
+      split($1, from, "/"); n = split($2, to, "/")
+      if (from[1] == "testing" || $1 ~ /_test\.[ch]$/) next
+      if (n > 1 && to[1] != from[1]) edge[from[1] " " to[1]] = $1 " " $2 }
+    END { for (e in edge) {
+            split(e, f, " ")
+            if ((f[2] " " f[1]) in edge) print edge[e] } }'
+}
+
+library_alone() {
+  find subprojects/eda -name '*.[ch]' | sort |
+    xargs grep -nE '^#include ["<](core|plugins|opcflow)/'
+}
+
+# From a plugin: its own folder, or what its family shares. Tests may see the
+# kernel's means of testing.
+families() {
+  includes plugins | awk '
+    { if ($1 ~ /_test\.[ch]$/ && $2 ~ /^core\//) next
+      if ($2 ~ /^\.\.\/\.\./ || $2 ~ /^(core|plugins|subprojects)\//) print }'
+}
+
+copies() {
+  cmp include/opcflow/base.h subprojects/eda/include/eda/base.h 2>&1
+}
+
+echo "1..6"
+check "the kernel has no domain word" domain_words "$@"
+check "folders of the kernel include one way only" kernel_order
+check "folders of the library include in no circle" library_circles
+check "the library knows neither kernel nor plugins" library_alone
+check "plugins include from no other family" families
+check "the copies of base.h are equal" copies
+exit $failed
