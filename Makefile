@@ -5,10 +5,9 @@
 # make sanitize  every test under AddressSanitizer and UBSan
 # make fuzz [TARGET=gds] [RUNS=10000000]  libFuzzer on the parsers, with clang
 # make lint    clang-tidy over all code
-# make install PREFIX=...
+# make install [PREFIX=/usr/local] [DESTDIR=]  says where things went
 
 BUILD ?= build
-PREFIX ?= /usr/local
 MESON_FLAGS ?=
 export MESONFLAGS =
 
@@ -22,7 +21,7 @@ build: $(BUILD)/build.ninja
 
 $(BUILD)/build.ninja:
 	@tools/install-packages
-	@meson setup $(BUILD) --prefix $(PREFIX) $(MESON_FLAGS) >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
+	@meson setup $(BUILD) $(addprefix --prefix=,$(abspath $(PREFIX))) $(MESON_FLAGS) >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
 	@rm -f $(BUILD).log
 
 test: build
@@ -49,7 +48,7 @@ lint: build
 	@tools/lint $(BUILD)
 
 install: build
-	meson install -C $(BUILD)
+	@tools/install $(BUILD) $(abspath $(PREFIX))
 
 clean:
 	rm -rf build build-sanitize build-fuzz

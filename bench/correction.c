@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Whole runs of the command, as a user starts them, from file to file: our NAND2,
-   and circuits where there are test data. How long they take, how far drive
-   currents are from their design values, and what a finer model says of that. */
+/* Whole runs of the command, as a user starts them, from file to file: our
+   NAND2, and circuits where there are test data. How long they take, how far
+   drive currents are from their design values, and what a finer model says of
+   that. */
 #include <glib.h>
 #include <json-glib/json-glib.h>
 #include <math.h>
@@ -15,34 +16,76 @@ enum { MAX_REPEATS = 9, MAX_SETS = 8, MAX_FIGURES = 5 };
 
 typedef struct figure {
   const char *step, *metric;
-  double reach;            /* % */
+  double reach; /* % */
 } figure;
 
 typedef struct job {
-  const char *name;        /* of its figures */
-  const char *flow;        /* in flows/ */
-  const char *variant;     /* of it, or "base" */
-  const char *circuit;     /* of ISCAS'85, NULL: what the flow has */
-  size_t repeats;          /* the median counts */
-  double seconds;          /* to reach; 0: not told */
-  const char *sets[MAX_SETS];   /* STEP.PARAMETER=VALUE */
+  const char *name;           /* of its figures */
+  const char *flow;           /* in flows/ */
+  const char *variant;        /* of it, or "base" */
+  const char *circuit;        /* of ISCAS'85, NULL: what the flow has */
+  size_t repeats;             /* the median counts */
+  double seconds;             /* to reach; 0: not told */
+  const char *sets[MAX_SETS]; /* STEP.PARAMETER=VALUE */
   figure figures[MAX_FIGURES];
 } job;
 
 static const job jobs[] = {
-    {"demo", "demo.yaml", "base", NULL, 3, 2, {NULL}, {{"mask", "ion_max", 0.5}}},
-    {"c432.dpb", "dpb.yaml", "base", "c432", 3, 10, {"picture=~"},
+    {"demo",
+     "demo.yaml",
+     "base",
+     NULL,
+     3,
+     2,
+     {NULL},
+     {{"mask", "ion_max", 0.5}}},
+    {"c432.dpb",
+     "dpb.yaml",
+     "base",
+     "c432",
+     3,
+     10,
+     {"picture=~"},
      {{"mask", "ion_mean", 0}, {"mask", "ion_max", 0.5}}},
-    {"c432.newton", "newton.yaml", "base", "c432", 3, 0, {"picture=~"},
+    {"c432.newton",
+     "newton.yaml",
+     "base",
+     "c432",
+     3,
+     0,
+     {"picture=~"},
      {{"mask", "ion_mean", 0.05}, {"mask", "ion_max", 0.5}}},
-    {"c432.newton_area", "newton.yaml", "base", "c432", 1, 0,
+    {"c432.newton_area",
+     "newton.yaml",
+     "base",
+     "c432",
+     1,
+     0,
      {"picture=~", "mask.synthesizer.weight.area=1"},
      {{"mask", "ion_mean", 0.2}, {"mask", "area_mean", 0.2}}},
-    {"c432.verified", "newton.yaml", "verified", "c432", 1, 0, {"picture=~"},
+    {"c432.verified",
+     "newton.yaml",
+     "verified",
+     "c432",
+     1,
+     0,
+     {"picture=~"},
      {{"verify", "ion_mean", 0.2}, {"verify", "ion_max", 0}}},
-    {"c7552.newton", "newton.yaml", "base", "c7552", 3, 1.5, {"picture=~"},
+    {"c7552.newton",
+     "newton.yaml",
+     "base",
+     "c7552",
+     3,
+     1.5,
+     {"picture=~"},
      {{"mask", "ion_mean", 0.05}, {"mask", "ion_max", 0.5}}},
-    {"c7552.dpb", "dpb.yaml", "base", "c7552", 1, 8, {"picture=~"},
+    {"c7552.dpb",
+     "dpb.yaml",
+     "base",
+     "c7552",
+     1,
+     8,
+     {"picture=~"},
      {{"mask", "ion_mean", 0}, {"mask", "ion_max", 0.5}}},
 };
 

@@ -76,7 +76,7 @@ static void print_layer(const models *m, const eda_gates *g, int layer,
   eda_spectrum mask;
   opc_error error;
   must(eda_mask_spectrum(host->context, &g->drawn[layer], g->grid, f,
-                                    litho->band(m->litho->self), &mask, &error),
+                         litho->band(m->litho->self), &mask, &error),
        &error);
   must(litho->image(m->litho->self, layer, &mask, out, &error), &error);
   eda_spectrum_clear(&mask);
@@ -105,8 +105,7 @@ static int chip_make(const models *m, eda_layout *layout, const char *top,
 
 static void chip_free(chip *c) {
   void *gates = (void *)c->gates;
-  for (int layer = 0; layer < 2; layer++)
-    eda_field_clear(&c->print[layer]);
+  for (int layer = 0; layer < 2; layer++) eda_field_clear(&c->print[layer]);
   opc_test_release(c->segment, &gates);
   opc_test_module_free(c->segment);
 }
@@ -114,9 +113,8 @@ static void chip_free(chip *c) {
 /* ---- measuring ---- */
 
 static opc_module *extractor(const char *more) {
-  g_autofree char *devices =
-      g_build_filename(setting("OPCFLOW_SOURCE", "."), "data", "devices",
-                       "ptm65.yaml", NULL);
+  g_autofree char *devices = g_build_filename(
+      setting("OPCFLOW_SOURCE", "."), "data", "devices", "ptm65.yaml", NULL);
   g_autofree char *map = g_strdup_printf("{ devices: '%s'%s }", devices, more);
   opc_module *m = make("extractor.plain", map);
   const eda_extractor *e = m->functions;
@@ -129,7 +127,7 @@ static opc_module *extractor(const char *more) {
 static double *measure(const chip *c, const opc_module *extract,
                        uint32_t *flags) {
   size_t n = c->gates->count;
-  double *figures = g_new(double, FIGURES * n);
+  double *figures = g_new(double, FIGURES *n);
   eda_measurement out;
   eda_measurement_init(&out, n);
   opc_error error;
@@ -151,8 +149,7 @@ static eda_layout *rows_of_gates(void) {
   int32_t cell = eda_layout_cell(l, "ROWS", &error);
   static const char *const names[] = {"poly", "active", "nwell"};
   int32_t layer[3];
-  for (int k = 0; k < 3; k++)
-    layer[k] = eda_layout_layer(l, names[k], &error);
+  for (int k = 0; k < 3; k++) layer[k] = eda_layout_layer(l, names[k], &error);
   for (int32_t j = 0; j < ROWS; j++) {
     int32_t y = j * 1900, end = COLUMNS * 250;
     eda_box n = {-100, y, end, y + 540}, p = {-100, y + 760, end, y + 1580};
@@ -255,13 +252,14 @@ static void errors_report(errors *e, const char *name) {
     for (int k = 0; k < CURRENTS; k++) {
       double *x = (double *)(void *)e->error[r][k]->data, mean = 0;
       size_t n = e->error[r][k]->len;
-      bench_median(x, n);   /* sorts */
+      bench_median(x, n); /* sorts */
       for (size_t i = 0; i < n; i++) mean += x[i] / (double)n;
       double reach = r || k ? INFINITY : 0.01;
       const struct {
         const char *what;
         double value;
-      } figures[] = {{"mean", mean}, {"99", x[n * 99 / 100]}, {"max", x[n - 1]}};
+      } figures[] = {
+          {"mean", mean}, {"99", x[n * 99 / 100]}, {"max", x[n - 1]}};
       for (int f = 0; f < 3; f++) {
         g_autofree char *full =
             g_strdup_printf("%s.%s_12_%s_%s", name, rule_names[r], currents[k],

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* EPE-OPC of a metal layer of 30 x 30 um made here: 8 iterations with fragments
-   of 32 nm, on two cores. What synthesizer.epe itself takes of it is measured apart. */
+   of 32 nm, on two cores. What synthesizer.epe itself takes of it is measured
+   apart. */
 #include <eda/eda.h>
 #include <glib.h>
 #include <math.h>
@@ -59,11 +60,13 @@ static opc_module *module(const char *id, const char *parameters) {
 static double correct(eda_gates *gates, const char *more) {
   g_autofree char *parameters = g_strdup_printf(
       "{ litho: { use: litho.hopkins }, resist: { use: resist.threshold, "
-      "threshold: 0.4, active_threshold: 0.4 }, extractor: { use: extractor.plain, "
-      "devices: '%s/data/devices/ptm65.yaml' }, synthesizer: { use: synthesizer.epe, "
+      "threshold: 0.4, active_threshold: 0.4 }, extractor: { use: "
+      "extractor.plain, "
+      "devices: '%s/data/devices/ptm65.yaml' }, synthesizer: { use: "
+      "synthesizer.epe, "
       "fragment: 32 nm, blur: 50 nm, iterations: %d, %s } }",
-      g_getenv("OPCFLOW_SOURCE") ? g_getenv("OPCFLOW_SOURCE") : ".",
-      ITERATIONS, more);
+      g_getenv("OPCFLOW_SOURCE") ? g_getenv("OPCFLOW_SOURCE") : ".", ITERATIONS,
+      more);
   g_autoptr(opc_module) m = module("correct", parameters);
   opc_error error;
   void *outputs[1];
@@ -96,8 +99,7 @@ static double alone(eda_gates *gates) {
   eda_moves moves = {.shift = shifts, .assists = &assists};
   f.epe = errors;
   for (int done = 0; !done; f.iteration++) {
-    for (size_t i = 0; i < n; i++)
-      epe[i] = 8 * sin((double)i) + 1.3 * shift[i];
+    for (size_t i = 0; i < n; i++) epe[i] = 8 * sin((double)i) + 1.3 * shift[i];
     must(s->update(m->self, &f, &moves, &done, &error), &error);
   }
   double seconds = (double)(g_get_monotonic_time() - before) / 1e6;
@@ -120,8 +122,9 @@ int main(void) {
                BENCH_LOWER);
   /* Bars where they find room, and other doses looked at. */
   for (int i = 0; i < RUNS; i++)
-    all[i] = correct(gates[0], "assist: 1, assist_distance: 40 nm, "
-                               "assist_width: 20 nm, window: { weight: 0.5 }");
+    all[i] = correct(gates[0],
+                     "assist: 1, assist_distance: 40 nm, "
+                     "assist_width: 20 nm, window: { weight: 0.5 }");
   bench_report("epe.metal_30um.window", bench_median(all, RUNS), "s", INFINITY,
                BENCH_LOWER);
   bench_report("epe.metal_30um.synthesizer", alone(gates[0]), "s", INFINITY,

@@ -109,7 +109,7 @@ static double layer(const eda_shapes *s, eda_frame f, const opc_module *m,
   opc_error error;
   double start = clock();
   must(eda_mask_spectrum(host->context, s, 1, f, l->band(m->self), &mask,
-                                    &error),
+                         &error),
        &error);
   must(l->image(m->self, EDA_POLY, &mask, &field, &error), &error);
   double time = clock() - start;
@@ -193,7 +193,8 @@ static void bench_threads(const opc_module *m) {
     two[i] = layer(&s, f, m, now, &fine);
     speed[i] = one[i] / two[i];
   }
-  double ceiling = bench_median(limit, TURNS), ratio = bench_median(speed, TURNS);
+  double ceiling = bench_median(limit, TURNS),
+         ratio = bench_median(speed, TURNS);
   bench_report("imaging.layer_80um.two_cores", bench_median(two, TURNS), "s",
                0.25, BENCH_LOWER);
   bench_report("imaging.two_threads_over_one", ratio, "", 1.8, BENCH_HIGHER);
@@ -213,7 +214,8 @@ static void defocused(const opc_module *m) {
   eda_field field;
   opc_error error;
   must(eda_mask_spectrum(host->context, &none, 1, frame_of(500),
-                                    l->band(m->self), &mask, &error), &error);
+                         l->band(m->self), &mask, &error),
+       &error);
   must(l->image_at(m->self, EDA_POLY, &mask, 100, &field, &error), &error);
   eda_spectrum_clear(&mask);
   eda_field_clear(&field);
@@ -293,8 +295,7 @@ enum { MOST_SYSTEMS = 64 };
 static eda_systems systems_of(size_t *count, double scale) {
   static double weight[MOST_SYSTEMS];
   for (size_t i = 0; i < *count; i++) weight[i] = 1 / (double)*count;
-  return (eda_systems){
-                       .count = *count,
+  return (eda_systems){.count = *count,
                        .weight = weight,
                        .band = (1 + sigma) * cutoff,
                        .intensity_band = 2 * cutoff * scale,
@@ -318,8 +319,8 @@ static double plain_sum(const eda_spectrum *mask, size_t count) {
 /* Parts of a layer of 60 um on one core: medians. */
 static void bench_parts(void) {
   enum { PARTS = 5, TURNS = 9, SYSTEMS = 13 };
-  static const char *const names[PARTS] = {
-      "spectrum", "transfer", "fields", "final", "resist"};
+  static const char *const names[PARTS] = {"spectrum", "transfer", "fields",
+                                           "final", "resist"};
   g_autoptr(opc_module) m = litho("{ kernels: 12 }");
   opc_error error;
   g_autoptr(opc_module) r = opc_test_module("resist.threshold", "{}", &error);
@@ -336,7 +337,8 @@ static void bench_parts(void) {
     eda_field field;
     double start = processor_time();
     must(eda_mask_spectrum(host->context, &s, 1, f, l->band(m->self), &mask,
-                                      &error), &error);
+                           &error),
+         &error);
     part[0][i] = processor_time() - start;
     start = processor_time();
     must(l->image(m->self, EDA_POLY, &mask, &field, &error), &error);
@@ -354,7 +356,8 @@ static void bench_parts(void) {
   }
   for (int p = 0; p < PARTS; p++) {
     g_autofree char *name = g_strdup_printf("imaging.part_60um.%s", names[p]);
-    bench_report(name, bench_median(part[p], TURNS), "s", INFINITY, BENCH_LOWER);
+    bench_report(name, bench_median(part[p], TURNS), "s", INFINITY,
+                 BENCH_LOWER);
   }
   g_free(s.start);
   g_free(s.points);
@@ -373,10 +376,11 @@ static eda_field sampled(const eda_shapes *s, eda_frame f, int raster, int grid,
   eda_field field;
   opc_error error;
   must(eda_mask_spectrum(host->context, s, 1, f,
-                                    systems.band * (raster ? 3 : 1), &mask,
-                                    &error), &error);
+                         systems.band * (raster ? 3 : 1), &mask, &error),
+       &error);
   must(eda_coherent_sum(host->context, &mask, &systems, nodes ? 8 : 32, &field,
-                                   &error), &error);
+                        &error),
+       &error);
   eda_spectrum_clear(&mask);
   size_t n = (size_t)field.nx * (size_t)field.ny;
   for (size_t i = 0; i < n; i++) field.coefficients[i] -= 0.35f;
@@ -391,8 +395,7 @@ static void compare_edges(const char *name, const eda_field *field,
   uint32_t *start;
   size_t lines;
   opc_error error;
-  must(eda_contours(fine, window, 8, &points, &start, &lines,
-                               &error), &error);
+  must(eda_contours(fine, window, 8, &points, &start, &lines, &error), &error);
   for (uint32_t i = 0; i < start[lines]; i++) {
     double v, w, dx, dy, *p = points + (size_t)2 * i;
     eda_field_gradient(fine, p, p + 1, 1, &w, &dx, &dy);
@@ -416,7 +419,8 @@ static void bench_edges(void) {
   eda_frame f = frame_of(6000);
   eda_field fine = sampled(&s, f, 1, 1, 1);
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
-    eda_field field = sampled(&s, f, cases[i].raster, cases[i].grid, cases[i].nodes);
+    eda_field field =
+        sampled(&s, f, cases[i].raster, cases[i].grid, cases[i].nodes);
     compare_edges(cases[i].name, &field, &fine, 0.005);
     eda_field_clear(&field);
   }
@@ -461,7 +465,7 @@ static eda_field print(const char *parameters, const eda_shapes *s, eda_frame f,
   eda_spectrum mask;
   eda_field field;
   must(eda_mask_spectrum(host->context, s, 1, f, l->band(m->self), &mask,
-                                    &error),
+                         &error),
        &error);
   must(l->image(m->self, EDA_POLY, &mask, intensity, &error), &error);
   must(l->image(m->self, EDA_POLY, &mask, &field, &error), &error);
@@ -531,8 +535,7 @@ static eda_shapes read_clip(const char *path) {
   int32_t layer = eda_layout_find_layer(out[0], "M1");
   int32_t top = eda_layout_top(out[0], &error);
   must(eda_layout_flatten(out[0], top, layer, 1, &flat, &error), &error);
-  must(eda_boolean(EDA_OR, &flat.shapes, NULL, &merged, &error),
-       &error);
+  must(eda_boolean(EDA_OR, &flat.shapes, NULL, &merged, &error), &error);
   eda_flat_clear(&flat);
   opc_test_release(m, out);
   return merged;
@@ -547,7 +550,8 @@ static void bench_clip(void) {
   g_autofree char *parameters =
       g_strdup_printf("{ focus: '%s', defocus: '%s' }", focus, defocus);
   opc_error error;
-  g_autoptr(opc_module) m = opc_test_module("litho.kernels", parameters, &error);
+  g_autoptr(opc_module) m =
+      opc_test_module("litho.kernels", parameters, &error);
   if (!m) g_error("%s", error.message);
   const eda_litho *l = m->functions;
   must(l->prepare(m->self, &error), &error);
@@ -559,15 +563,16 @@ static void bench_clip(void) {
     eda_field field[2];
     double start = processor_time();
     must(eda_mask_spectrum(host->context, &shapes, 1,
-                                      (eda_frame){-512, -512, 2048, 2048},
-                                      l->band(m->self), &mask, &error), &error);
+                           (eda_frame){-512, -512, 2048, 2048},
+                           l->band(m->self), &mask, &error),
+         &error);
     for (int out = 0; out < 2; out++)
-      must(l->image_at(m->self, EDA_POLY, &mask, out ? 25 : 0, &field[out], &error),
+      must(l->image_at(m->self, EDA_POLY, &mask, out ? 25 : 0, &field[out],
+                       &error),
            &error);
     best = fmin(best, processor_time() - start);
     eda_spectrum_clear(&mask);
-    for (int out = 0; out < 2; out++)
-      eda_field_clear(&field[out]);
+    for (int out = 0; out < 2; out++) eda_field_clear(&field[out]);
   }
   bench_report("imaging.iccad_clip", best, "s", 0.01, BENCH_LOWER);
   eda_shapes_clear(&shapes);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Files in memory for the fuzzers. */
 #include <glib.h>
 #include <sys/mman.h>
 #include <unistd.h>

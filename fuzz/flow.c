@@ -11,6 +11,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   g_autoptr(opc_flow) flow =
       opc_flow_load(fuzz_file(data, size), NULL, registry, problems);
   g_autofree char *text = opc_problems_text(problems);
-  if (flow && !*text) g_free(opc_flow_resolved(flow));
+  if (flow && !*text) g_free(opc_flow_resolved(flow, NULL));
   return 0;
 }

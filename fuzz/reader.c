@@ -14,7 +14,6 @@ static opc_binding *bind(const char *path) {
   static opc_source *source;
   static opc_node *volatile map; /* volatile: leaves it where it can be seen */
   static const opc_place nowhere = {"fuzz", 0, 0};
-  static const opc_sink sink = {0};
   g_autoptr(opc_problems) problems = opc_problems_new();
   if (!map) {
     source = opc_source_new("fuzz", "");
@@ -23,7 +22,7 @@ static opc_binding *bind(const char *path) {
   }
   opc_binding *binding = opc_bind_plugin(NULL, opcflow_plugin(), map, "reader",
                                          &nowhere, 0, problems);
-  opc_binding_create(binding, &sink, NULL, problems);
+  opc_binding_create(binding, NULL, NULL, problems);
   if (problems->list->len) g_error("%s", opc_problems_text(problems));
   return binding;
 }

@@ -28,8 +28,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   if (!recipe) {
     registry = opc_registry_new(NULL);
-    recipe = opc_recipe_read(
-        fuzz_file((const uint8_t *)text, strlen(text)), problems);
+    recipe = opc_recipe_read(fuzz_file((const uint8_t *)text, strlen(text)),
+                             problems);
     if (!recipe) g_error("%s", opc_problems_text(problems));
   }
   g_autofree char *words = g_strndup((const char *)data, size);
@@ -48,11 +48,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
                     (const char *const *)sweeps->pdata, problems);
   const opc_choice choice = {.sweep = sweep,
                              .sets = (const char *const *)sets->pdata};
-  g_autoptr(opc_flow) flow =
-      opc_flow_make(recipe, &choice, registry, problems);
+  g_autoptr(opc_flow) flow = opc_flow_make(recipe, &choice, registry, problems);
   g_autofree char *found = opc_problems_text(problems);
   if (flow && sweep && !*found)
-    g_free(sweep->axes->len ? opc_flow_resolved_sweep(flow, sweep)
-                            : opc_flow_resolved(flow));
+    g_free(opc_flow_resolved(flow, sweep->axes->len ? sweep : NULL));
   return 0;
 }

@@ -37,15 +37,16 @@ static int image(const void *self, int layer, const eda_spectrum *mask,
 static void read_widths(const char *path) {
   static const eda_litho litho = {.band = band, .image = image};
   static opc_host *host;
-  if (!host) host = opc_host_new(NULL);
+  if (!host) host = opc_host_new("fuzz", NULL, NULL);
   const opc_module module = {.functions = &litho, .id = "fuzz"};
-  const resist_model model = {.host = host, .plugin = "fuzz"};
   static const int fit[] = {1};
   double coefficient[] = {0.3};
-  resist_layer layer = {.anchor = {65, 250, NAN}, .file = path};
-  if (!resist_layer_check(&layer, EDA_POLY, &error))
-    resist_fit(&layer, &module, &model, 1, fit, coefficient, &error);
-  resist_layer_clear(&layer);
+  resist_base resist = {.host = host};
+  resist_layer *layer = &resist.layer[0];
+  *layer = (resist_layer){.anchor = {65, 250, NAN}, .file = path};
+  if (!resist_layer_check(layer, 0, &error))
+    resist_fit(&resist, 0, &module, "fuzz", NULL, 1, fit, coefficient, &error);
+  resist_clear(&resist);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {

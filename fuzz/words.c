@@ -2,9 +2,9 @@
 /* Writes a libFuzzer dictionary for flow files: what plugins declare. */
 #include <stdio.h>
 
+#include "core/plugin/registry.h"
 #include "core/text/unit.h"
 #include "core/text/value.h"
-#include "core/plugin/registry.h"
 
 static void put(const char *word) {
   putchar('"');

@@ -48,8 +48,8 @@ static void run_flow(const char *name) {
   g_autofree char *expected = g_strdup_printf("%s.json", name);
   g_autofree char *command =
       g_build_filename(g_getenv("OPCFLOW_BUILD"), "opcflow", NULL);
-  const char *argv[] = {command,    "run", flow, "--plugin-path", kept,
-                        "--output", run,   NULL};
+  const char *argv[] = {command, "run",      flow, "--plugin-path",
+                        kept,    "--output", run,  NULL};
   g_autofree char *out = NULL, *err = NULL;
   int status;
   g_assert_true(g_spawn_sync(NULL, (char **)argv, NULL, G_SPAWN_DEFAULT, NULL,

@@ -109,8 +109,7 @@ static gboolean rectilinear(const eda_shapes *s) {
 static void check_area(const eda_shapes *flat, double unit, JsonObject *want) {
   opc_error e;
   eda_shapes merged;
-  if (eda_boolean(EDA_OR, flat, NULL, &merged, &e))
-    g_error("%s", e.message);
+  if (eda_boolean(EDA_OR, flat, NULL, &merged, &e)) g_error("%s", e.message);
   double area = 0.5 * (double)eda_area2(&merged) * unit * unit;
   double expected = json_object_get_double_member(want, "area_um2") * 1e6;
   eda_shapes_clear(&merged);
@@ -171,7 +170,8 @@ static int check_top(const eda_layout *layout, const char *top,
     eda_flat flat;
     g_test_message("  %s, layer %s", top, (const char *)k->data);
     if (eda_layout_flatten(layout, eda_layout_find_cell(layout, top),
-                   eda_layout_find_layer(layout, k->data), unit, &flat, &e))
+                           eda_layout_find_layer(layout, k->data), unit, &flat,
+                           &e))
       g_error("%s", e.message);
     gboolean lost = GPOINTER_TO_INT(g_hash_table_lookup(missing, k->data)) > 0;
     if (rectilinear(&flat.shapes) && !flat.moved) {
@@ -195,8 +195,8 @@ static void test_file(const char *name, JsonObject *want) {
   g_test_message("%s", name);
   eda_layout *layout = read_file(path);
   g_assert_cmpfloat_with_epsilon(
-      eda_layout_unit(layout) / json_object_get_double_member(want, "dbu_um"), 1000,
-      1e-9);
+      eda_layout_unit(layout) / json_object_get_double_member(want, "dbu_um"),
+      1000, 1e-9);
   check_cells(layout, json_object_get_object_member(want, "cells"));
   g_autoptr(GHashTable) missing =
       check_layers(layout, json_object_get_object_member(want, "layers"));

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-static char *folder;   /* of all runs; removed at the end */
+static char *folder; /* of all runs; removed at the end */
 
 static char *source(const char *name) {
   return g_build_filename(g_getenv("OPCFLOW_SOURCE"), name, NULL);
@@ -28,7 +28,8 @@ static char *test_data(const char *name) {
 /* opcflow ARGS...; its exit code, and its standard error if asked for. */
 static int opcflow(char **errors, const char *first, ...) {
   g_autoptr(GPtrArray) argv = g_ptr_array_new_with_free_func(g_free);
-  g_ptr_array_add(argv, g_build_filename(g_getenv("OPCFLOW_BUILD"), "opcflow", NULL));
+  g_ptr_array_add(argv,
+                  g_build_filename(g_getenv("OPCFLOW_BUILD"), "opcflow", NULL));
   va_list args;
   va_start(args, first);
   for (const char *a = first; a; a = va_arg(args, const char *))
@@ -41,13 +42,17 @@ static int opcflow(char **errors, const char *first, ...) {
   g_spawn_sync(NULL, (char **)argv->pdata, NULL, 0, NULL, NULL, &out, &err,
                &status, &error);
   g_assert_no_error(error);
-  g_assert_true(WIFEXITED(status));   /* no signal */
-  if (errors) *errors = g_steal_pointer(&err);
-  else if (WEXITSTATUS(status)) g_test_message("%s", err);
+  g_assert_true(WIFEXITED(status)); /* no signal */
+  if (errors)
+    *errors = g_steal_pointer(&err);
+  else if (WEXITSTATUS(status))
+    g_test_message("%s", err);
   return WEXITSTATUS(status);
 }
 
-static char *place(const char *name) { return g_build_filename(folder, name, NULL); }
+static char *place(const char *name) {
+  return g_build_filename(folder, name, NULL);
+}
 
 static GBytes *bytes(const char *run, const char *file) {
   g_autofree char *path = g_build_filename(folder, run, file, NULL);
@@ -60,20 +65,23 @@ static GBytes *bytes(const char *run, const char *file) {
 
 static void expect_equal(const char *run, const char *other, const char *file) {
   g_autoptr(GBytes) a = bytes(run, file), b = bytes(other, file);
-  if (!g_bytes_equal(a, b)) g_error("%s differs between %s and %s", file, run, other);
+  if (!g_bytes_equal(a, b))
+    g_error("%s differs between %s and %s", file, run, other);
 }
 
 /* A metric of a run's step. */
 static double metric(const char *run, const char *step, const char *name) {
   g_autoptr(GBytes) text = bytes(run, "metrics.json");
   g_autoptr(JsonParser) parser = json_parser_new();
-  g_assert_true(json_parser_load_from_data(
-      parser, g_bytes_get_data(text, NULL), (gssize)g_bytes_get_size(text), NULL));
+  g_assert_true(json_parser_load_from_data(parser, g_bytes_get_data(text, NULL),
+                                           (gssize)g_bytes_get_size(text),
+                                           NULL));
   JsonObject *o = json_node_get_object(json_parser_get_root(parser));
   g_assert_true(json_object_has_member(o, step));
   o = json_object_get_object_member(o, step);
   g_assert_true(json_object_has_member(o, name));
-  return json_object_get_double_member(json_object_get_object_member(o, name), "value");
+  return json_object_get_double_member(json_object_get_object_member(o, name),
+                                       "value");
 }
 
 static void test_demo(void) {
@@ -84,8 +92,8 @@ static void test_demo(void) {
   g_assert_cmpfloat(metric("demo", "mask", "ion_max"), <=, 0.5);
   g_assert_cmpfloat(metric("demo", "mask", "failed"), ==, 0);
   g_assert_cmpfloat(metric("demo", "mask", "violations"), ==, 0);
-  const char *files[] = {"mask.gds", "gates.csv", "metrics.json", "flow.yaml",
-                         "mask.png", "manifest.json"};
+  const char *files[] = {"mask.gds",  "gates.csv", "metrics.json",
+                         "flow.yaml", "mask.png",  "manifest.json"};
   for (size_t i = 0; i < G_N_ELEMENTS(files); i++) {
     g_autoptr(GBytes) content = bytes("demo", files[i]);
     g_assert_cmpuint(g_bytes_get_size(content), >, 0);
@@ -105,9 +113,11 @@ static void test_threads(void) {
   g_autofree char *flow = source("flows/demo.yaml");
   for (int threads = 1; threads <= 4; threads++) {
     g_autofree char *name = g_strdup_printf("threads%d", threads);
-    g_autofree char *number = g_strdup_printf("%d", threads), *out = place(name);
-    g_assert_cmpint(opcflow(NULL, "run", flow, "--threads", number, "--output",
-                            out, NULL), ==, 0);
+    g_autofree char *number = g_strdup_printf("%d", threads),
+                    *out = place(name);
+    g_assert_cmpint(
+        opcflow(NULL, "run", flow, "--threads", number, "--output", out, NULL),
+        ==, 0);
     expect_equal("threads1", name, "gates.csv");
     expect_equal("threads1", name, "mask.gds");
   }
@@ -119,12 +129,13 @@ static void test_orientation(void) {
   g_autofree char *flow = source("flows/demo.yaml"), *out = place("turned");
   g_autofree char *file = source("data/cells65/nand2h.cif");
   g_autofree char *set = g_strdup_printf("layout.file=%s", file);
-  g_assert_cmpint(opcflow(NULL, "run", flow, "--set", set, "--output", out, NULL),
-                  ==, 0);
+  g_assert_cmpint(
+      opcflow(NULL, "run", flow, "--set", set, "--output", out, NULL), ==, 0);
   const char *figures[] = {"ion_mean_drawn", "ion_max_drawn"};
   for (size_t i = 0; i < G_N_ELEMENTS(figures); i++)
     g_assert_cmpfloat(fabs(metric("turned", "mask", figures[i]) -
-                           metric("demo", "mask", figures[i])), <, 0.02);
+                           metric("demo", "mask", figures[i])),
+                      <, 0.02);
   g_assert_cmpfloat(metric("turned", "mask", "ion_max"), <=, 0.5);
 }
 
@@ -134,9 +145,10 @@ static void test_nangate(void) {
   if (!file) return;
   g_autofree char *flow = source("flows/dpb.yaml"), *out = place("nangate");
   g_autofree char *set = g_strdup_printf("layout.file=%s", file);
-  g_assert_cmpint(opcflow(NULL, "run", flow, "--set", set, "--set",
-                          "layout.scale=1.3", "--set", "layout.top=NAND2_X1",
-                          "--output", out, NULL), ==, 0);
+  g_assert_cmpint(
+      opcflow(NULL, "run", flow, "--set", set, "--set", "layout.scale=1.3",
+              "--set", "layout.top=NAND2_X1", "--output", out, NULL),
+      ==, 0);
   g_assert_cmpfloat(metric("nangate", "mask", "transistors"), ==, 4);
   g_assert_cmpfloat(metric("nangate", "mask", "ion_max"), <=, 0.5);
 }
@@ -149,19 +161,23 @@ static void test_verify(void) {
   g_autofree char *text = g_strdup_printf(
       "opcflow: 1\nname: verify\nextends: %s\nsteps:\n"
       "  same:\n    use: verify\n    mask: ${mask}\n"
-      "    litho: { use: litho.hopkins, wavelength: 193 nm, na: 0.75, sigma: 0.75 }\n"
-      "    resist: { use: resist.threshold, anchor: { line: 65 nm, pitch: 250 nm } }\n"
+      "    litho: { use: litho.hopkins, wavelength: 193 nm, na: 0.75, sigma: "
+      "0.75 }\n"
+      "    resist: { use: resist.threshold, anchor: { line: 65 nm, pitch: 250 "
+      "nm } }\n"
       "    extractor: { use: extractor.plain, devices: %s }\n"
       "  other:\n    use: verify\n    mask: ${same}\n"
-      "    litho: { use: litho.abbe, wavelength: 193 nm, na: 0.75, sigma: 0.75 }\n"
-      "    resist: { use: resist.threshold, anchor: { line: 65 nm, pitch: 250 nm } }\n"
+      "    litho: { use: litho.abbe, wavelength: 193 nm, na: 0.75, sigma: 0.75 "
+      "}\n"
+      "    resist: { use: resist.threshold, anchor: { line: 65 nm, pitch: 250 "
+      "nm } }\n"
       "    extractor: { use: extractor.plain, devices: %s }\n",
       demo, devices, devices);
   g_assert_true(g_file_set_contents(flow, text, -1, NULL));
   g_assert_cmpint(opcflow(NULL, "run", flow, "--output", out, NULL), ==, 0);
-  const char *figures[] = {"ion_mean", "ion_max", "ion_stdv", "area_mean",
+  const char *figures[] = {"ion_mean", "ion_max",   "ion_stdv", "area_mean",
                            "area_max", "ioff_mean", "failed"};
-  for (size_t i = 0; i < G_N_ELEMENTS(figures); i++)   /* the same bits */
+  for (size_t i = 0; i < G_N_ELEMENTS(figures); i++) /* the same bits */
     g_assert_true(metric("verify", "same", figures[i]) ==
                   metric("verify", "mask", figures[i]));
   g_assert_true(metric("verify", "same", "ion_change_max") == 0);
@@ -176,9 +192,10 @@ static void test_verify(void) {
 static void run_ready(const char *name, const char *set, const char *more) {
   g_autofree char *file = g_strdup_printf("flows/%s.yaml", name);
   g_autofree char *flow = source(file), *out = place(name);
-  g_assert_cmpint(opcflow(NULL, "run", flow, "--output", out,
-                          set ? "--set" : NULL, set, more ? "--set" : NULL, more,
-                          NULL), ==, 0);
+  g_assert_cmpint(
+      opcflow(NULL, "run", flow, "--output", out, set ? "--set" : NULL, set,
+              more ? "--set" : NULL, more, NULL),
+      ==, 0);
 }
 
 static void expect_file(const char *run, const char *file, gsize least) {
@@ -210,9 +227,10 @@ static void test_circuit(void) {
 static void test_margins(void) {
   if (!have("circuit.ngspice")) return;
   g_autofree char *flow = source("flows/circuit.yaml"), *out = place("margins");
-  g_assert_cmpint(opcflow(NULL, "run", flow, "--variant", "sram", "--variant",
-                          "sram_area", "--variant", "sram_length", "--output",
-                          out, NULL), ==, 0);
+  g_assert_cmpint(
+      opcflow(NULL, "run", flow, "--variant", "sram", "--variant", "sram_area",
+              "--variant", "sram_length", "--output", out, NULL),
+      ==, 0);
   const char *sides[] = {"snm_left_worst", "snm_right_worst"};
   for (int k = 0; k < 2; k++) {
     g_assert_cmpfloat(metric("margins/sram", "circuit", sides[k]), >, 3);
@@ -222,18 +240,78 @@ static void test_margins(void) {
   g_assert_cmpfloat(metric("margins/sram", "circuit", "cells"), ==, 32);
 }
 
+/* Three layers in one correction: transistors and metal both as they should be,
+   one file with all of them. */
+static void test_metal(void) {
+  run_ready("metal", NULL, NULL);
+  g_assert_cmpfloat(metric("metal", "mask", "ion_max"), <, 0.1);
+  g_assert_cmpfloat(metric("metal", "mask", "epe_mean"), <, 2);
+  g_assert_cmpfloat(metric("metal", "mask", "violations"), ==, 0);
+  g_autoptr(GBytes) cost = bytes("metal", "cost.csv");
+  g_assert_nonnull(strstr(g_bytes_get_data(cost, NULL), "metal1,"));
+}
+
+/* Runs the demo on a processor that is emulated; FALSE if nothing emulates one,
+   as under a sanitizer. */
+static gboolean run_emulated(const char *processor, const char *run) {
+  g_autofree char *qemu = g_find_program_in_path("qemu-x86_64");
+  g_autofree char *out = place(run), *flow = source("flows/demo.yaml");
+  g_autofree char *command =
+      g_build_filename(g_getenv("OPCFLOW_BUILD"), "opcflow", NULL);
+  const char *argv[] = {qemu,        "-cpu", processor,  command, "run", flow,
+                        "--threads", "1",    "--output", out,     NULL};
+#if defined(__SANITIZE_ADDRESS__) || !defined(__x86_64__)
+  return FALSE;
+#endif
+  if (!qemu) return FALSE;
+  int status;
+  g_autoptr(GError) error = NULL;
+  g_spawn_sync(NULL, (char **)argv, NULL,
+               G_SPAWN_STDOUT_TO_DEV_NULL | G_SPAWN_STDERR_TO_DEV_NULL, NULL,
+               NULL, NULL, NULL, &status, &error);
+  g_assert_no_error(error);
+  g_assert_cmpint(status, ==, 0);
+  return TRUE;
+}
+
+/* The same bits with AVX-512 (if this machine has it) and with AVX2 and FMA.
+   Without FMA, FFTW and the C library take other ways, and figures differ in
+   their last places; the mask does not. */
+static void test_processors(void) {
+  if (!run_emulated("Haswell", "haswell")) {
+    g_test_skip("no qemu-x86_64, or a build that it cannot run");
+    return;
+  }
+  g_autofree char *flow = source("flows/demo.yaml"), *out = place("native");
+  g_assert_cmpint(opcflow(NULL, "run", flow, "--output", out, NULL), ==, 0);
+  const char *files[] = {"gates.csv", "history.csv", "metrics.json",
+                         "mask.gds"};
+  for (size_t i = 0; i < G_N_ELEMENTS(files); i++)
+    expect_equal("native", "haswell", files[i]);
+  g_assert_true(run_emulated("Nehalem", "nehalem"));
+  expect_equal("native", "nehalem", "mask.gds");
+  const char *figures[] = {"ion_mean", "ion_max", "area_mean", "ioff_mean"};
+  for (size_t i = 0; i < G_N_ELEMENTS(figures); i++) {
+    double a = metric("native", "mask", figures[i]);
+    g_assert_cmpfloat_with_epsilon(metric("nehalem", "mask", figures[i]), a,
+                                   1e-5 * a);
+  }
+}
+
 static void test_netlist(void) {
   run_ready("netlist", NULL, NULL);
   g_assert_cmpfloat(metric("netlist", "netlist", "transistors"), ==, 4);
   g_autoptr(GBytes) text = bytes("netlist", "nand2.sp");
-  g_assert_nonnull(strstr(g_bytes_get_data(text, NULL),
-                          ".subckt nand2 A B Y VDD VSS\nMN1 VSS A X VSS nmos w="));
+  g_assert_nonnull(
+      strstr(g_bytes_get_data(text, NULL),
+             ".subckt nand2 A B Y VDD VSS\nMN1 VSS A X VSS nmos w="));
 }
 
 static void test_models(void) {
   g_autofree char *flow = source("flows/models.yaml"), *out = place("models");
   g_assert_cmpint(opcflow(NULL, "run", flow, "--output", out, "--set",
-                          "picture.second.litho.error=1e-2", NULL), ==, 0);
+                          "picture.second.litho.error=1e-2", NULL),
+                  ==, 0);
   g_assert_cmpfloat(metric("models", "picture", "max"), >, 0);
   g_assert_cmpfloat(metric("models", "picture", "max"), <, 5);
   expect_file("models", "image.png", 1000);
@@ -255,8 +333,8 @@ static void test_characterize(void) {
   g_autofree char *set =
       g_strdup_printf("mask.synthesizer.init_adjust_table=%s", table);
   g_autofree char *flow = source("flows/demo.yaml"), *out = place("adjusted");
-  g_assert_cmpint(opcflow(NULL, "run", flow, "--set", set, "--output", out, NULL),
-                  ==, 0);
+  g_assert_cmpint(
+      opcflow(NULL, "run", flow, "--set", set, "--output", out, NULL), ==, 0);
   g_assert_cmpfloat(metric("adjusted", "mask", "ion_max"), <=, 0.5);
 }
 
@@ -267,14 +345,18 @@ static void test_characterize(void) {
 static const char noted[] =
     "DS 1 1 10; 9 device; L CA; B 460 300 230 150;\n"
     "L CP; P 200 -200 265 -200 265 500 200 500;\n"
-    "L CC; B 60 60 60 150; B 60 60 400 150; 94 weight=2,ion=1.05 230 150 XN; DF;\n"
-    "DS 2 1 10; 9 top; L CW; B 100 100 6000 6000; C 1 T 0 0; C 1 M X T 3000 0;\n"
-    "C 1 R 0 1 T 0 3000; C 1 R 0 -1 M Y T 3000 3000; 94 ion=0.97 3150 3230 XN; DF;\n"
+    "L CC; B 60 60 60 150; B 60 60 400 150; 94 weight=2,ion=1.05 230 150 XN; "
+    "DF;\n"
+    "DS 2 1 10; 9 top; L CW; B 100 100 6000 6000; C 1 T 0 0; C 1 M X T 3000 "
+    "0;\n"
+    "C 1 R 0 1 T 0 3000; C 1 R 0 -1 M Y T 3000 3000; 94 ion=0.97 3150 3230 XN; "
+    "DF;\n"
     "C 2; E\n";
 
 static char *noted_layout(const char *use, const char *file, int numbers) {
   return g_strdup_printf(
-      "layout={ use: %s, file: %s, layers: { poly: %s, active: %s, contact: %s, "
+      "layout={ use: %s, file: %s, layers: { poly: %s, active: %s, contact: "
+      "%s, "
       "nwell: %s, notes: %s } }",
       use, file, numbers ? "9/0" : "CP", numbers ? "1/0" : "CA",
       numbers ? "10/0" : "CC", numbers ? "3/0" : "CW", numbers ? "63/5" : "XN");
@@ -296,15 +378,17 @@ static void test_notes(void) {
   g_autofree char *files = place("noted");
   g_assert_true(g_file_set_contents(cif, noted, -1, NULL));
   g_autofree char *read = noted_layout("read.cif", cif, 0);
-  const char *layers = "layers: { poly: 9/0, active: 1/0, contact: 10/0, "
-                       "nwell: 3/0, notes: 63/5 }";
+  const char *layers =
+      "layers: { poly: 9/0, active: 1/0, contact: 10/0, "
+      "nwell: 3/0, notes: 63/5 }";
   g_autofree char *text = g_strdup_printf(
       "opcflow: 1\nname: noted\nsteps:\n  layout: %s\n"
       "  gds: { use: write.gds, layout: '${layout}', file: n.gds, %s }\n"
       "  oasis: { use: write.oasis, layout: '${layout}', file: n.oas, %s }\n",
       strchr(read, '{'), layers, layers);
   g_assert_true(g_file_set_contents(convert, text, -1, NULL));
-  g_assert_cmpint(opcflow(NULL, "run", convert, "--output", files, NULL), ==, 0);
+  g_assert_cmpint(opcflow(NULL, "run", convert, "--output", files, NULL), ==,
+                  0);
   g_autofree char *gds = place("noted/n.gds"), *oasis = place("noted/n.oas");
   g_autofree char *from_gds = noted_layout("read.gds", gds, 1);
   g_autofree char *from_oasis = noted_layout("read.oasis", oasis, 1);
@@ -313,8 +397,9 @@ static void test_notes(void) {
   g_autofree char *flow = source("flows/newton.yaml");
   for (int i = 0; i < 3; i++) {
     g_autofree char *out = place(runs[i]);
-    g_assert_cmpint(opcflow(NULL, "run", flow, "--set", sets[i], "--output", out,
-                            NULL), ==, 0);
+    g_assert_cmpint(
+        opcflow(NULL, "run", flow, "--set", sets[i], "--output", out, NULL), ==,
+        0);
     expect_equal("note-cif", runs[i], "gates.csv");
   }
   double ion[4];
@@ -326,22 +411,28 @@ static void test_notes(void) {
 /* A word that is none; the table goes before the note. */
 static void test_bad_note(void) {
   g_autofree char *cif = place("noted.cif"), *bad = place("bad-note.cif");
-  g_autofree char *wishes = place("wishes.csv"), *flow = source("flows/newton.yaml");
+  g_autofree char *wishes = place("wishes.csv"),
+                  *flow = source("flows/newton.yaml");
   g_auto(GStrv) parts = g_strsplit(noted, "weight", -1);
   g_autofree char *text = g_strjoinv("wieght", parts), *errors = NULL;
   g_assert_true(g_file_set_contents(bad, text, -1, NULL));
-  g_autofree char *set = noted_layout("read.cif", bad, 0), *out = place("bad-note");
-  g_assert_cmpint(opcflow(&errors, "run", flow, "--set", set, "--output", out,
-                          NULL), ==, 2);
-  g_assert_nonnull(strstr(errors, "note of 'device#0:1': unknown word 'wieght', "
-                                  "did you mean 'weight'?"));
+  g_autofree char *set = noted_layout("read.cif", bad, 0),
+                  *out = place("bad-note");
+  g_assert_cmpint(
+      opcflow(&errors, "run", flow, "--set", set, "--output", out, NULL), ==,
+      2);
+  g_assert_nonnull(strstr(errors,
+                          "note of 'device#0:1': unknown word 'wieght', "
+                          "did you mean 'weight'?"));
   g_assert_true(g_file_set_contents(cif, noted, -1, NULL));
-  g_assert_true(g_file_set_contents(
-      wishes, "transistor, ion\ndevice#0:1, 1\n", -1, NULL));
-  g_autofree char *good = noted_layout("read.cif", cif, 0), *over = place("over");
+  g_assert_true(g_file_set_contents(wishes, "transistor, ion\ndevice#0:1, 1\n",
+                                    -1, NULL));
+  g_autofree char *good = noted_layout("read.cif", cif, 0),
+                  *over = place("over");
   g_autofree char *file = g_strdup_printf("mask.synthesizer.wishes=%s", wishes);
   g_assert_cmpint(opcflow(NULL, "run", flow, "--set", good, "--set", file,
-                          "--output", over, NULL), ==, 0);
+                          "--output", over, NULL),
+                  ==, 0);
   double ion[4];
   read_ion("over", ion);
   g_assert_cmpfloat_with_epsilon(ion[0], 0, 0.6);
@@ -384,11 +475,13 @@ static void test_truncated(void) {
   g_autofree char *mask = place("demo/mask.gds"), *cut = place("cut.gds");
   gsize length;
   g_assert_true(g_file_get_contents(mask, &whole, &length, NULL));
-  g_assert_true(g_file_set_contents(cut, whole, (gssize)(length / 2 | 1), NULL));
+  g_assert_true(
+      g_file_set_contents(cut, whole, (gssize)(length / 2 | 1), NULL));
   g_autofree char *set = g_strdup_printf("layout.file=%s", cut), *errors = NULL;
   g_autofree char *out = place("truncated");
-  g_assert_cmpint(opcflow(&errors, "run", flow, "--set", set, "--output", out,
-                          NULL), ==, 5);
+  g_assert_cmpint(
+      opcflow(&errors, "run", flow, "--set", set, "--output", out, NULL), ==,
+      5);
   g_test_message("%s", errors);
   g_assert_nonnull(strstr(errors, "cut.gds"));
   g_assert_nonnull(strstr(errors, "byte"));
@@ -397,8 +490,8 @@ static void test_truncated(void) {
 static void test_typo(void) {
   g_autofree char *flow = place("typo.yaml"), *errors = NULL;
   g_assert_true(g_file_set_contents(
-      flow, "opcflow: 1\nname: typo\nsteps:\n  layout:\n    use: read.cfi\n", -1,
-      NULL));
+      flow, "opcflow: 1\nname: typo\nsteps:\n  layout:\n    use: read.cfi\n",
+      -1, NULL));
   g_assert_cmpint(opcflow(&errors, "run", flow, NULL), ==, 3);
   g_assert_nonnull(strstr(errors, "typo.yaml:5:"));
   g_assert_nonnull(strstr(errors, "did you mean 'read.cif'"));
@@ -421,6 +514,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/flows/demo", test_demo);
   g_test_add_func("/flows/resolved", test_resolved);
   g_test_add_func("/flows/threads", test_threads);
+  g_test_add_func("/flows/processors", test_processors);
+  g_test_add_func("/flows/metal", test_metal);
   g_test_add_func("/flows/orientation", test_orientation);
   g_test_add_func("/flows/nangate", test_nangate);
   g_test_add_func("/flows/verify", test_verify);

@@ -133,10 +133,12 @@ static size_t assert_same(const eda_layout *got, const eda_layout *want,
     int32_t cell = eda_layout_find_cell(got, name);
     if (cell < 0) g_error("cell '%s' is lost", name);
     for (size_t i = 0; i < eda_layout_layers(want); i++) {
-      g_autofree char *layer = renamed(eda_layout_layer_name(want, (int32_t)i), cif);
+      g_autofree char *layer =
+          renamed(eda_layout_layer_name(want, (int32_t)i), cif);
       double grid = eda_layout_unit(want);
       g_autoptr(GPtrArray) a = flat(want, (int32_t)c, (int32_t)i, grid);
-      g_autoptr(GPtrArray) b = flat(got, cell, eda_layout_find_layer(got, layer), grid);
+      g_autoptr(GPtrArray) b =
+          flat(got, cell, eda_layout_find_layer(got, layer), grid);
       g_assert_cmpuint(a->len, ==, b->len);
       for (guint k = 0; k < a->len; k++)
         g_assert_cmpstr(b->pdata[k], ==, a->pdata[k]);
@@ -156,9 +158,9 @@ static char *dump_instances(const eda_layout *layout, const char *cell) {
     const char *name = eda_layout_instance(layout, number, i, &child, &p);
     g_string_append_printf(
         s, "%s of %s %d,%d %.17g %.17g %u %ux%u %d,%d %d,%d\n",
-        name ? name : "-", eda_layout_cell_name(layout, child), p.origin.x, p.origin.y,
-        p.magnification, p.angle, p.mirror, p.columns, p.rows, p.column_step.x,
-        p.column_step.y, p.row_step.x, p.row_step.y);
+        name ? name : "-", eda_layout_cell_name(layout, child), p.origin.x,
+        p.origin.y, p.magnification, p.angle, p.mirror, p.columns, p.rows,
+        p.column_step.x, p.column_step.y, p.row_step.x, p.row_step.y);
   }
   return g_string_free(s, FALSE);
 }

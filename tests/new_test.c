@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* `opcflow new`: every kind of plugin compiles without a warning as it comes,
-   loads, and its flow runs with it. */
+   passes its test, loads, and its flow runs with it; one is built as its
+   project says. */
 #include <glib/gstdio.h>
 #include <json-glib/json-glib.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 
@@ -26,13 +28,57 @@ static int call(const char *const *argv) {
 
 #define CALL(...) call((const char *const[]){__VA_ARGS__, NULL})
 
-static void compile(const char *source, const char *object) {
-  g_autofree char *include =
-      g_strconcat("-I", g_getenv("OPCFLOW_SOURCE"), "/include", NULL);
-  int code = CALL("cc", "-std=c99", "-Wall", "-Wextra", "-Wshadow",
-                  "-Wmissing-prototypes", "-Werror", "-fPIC", "-shared",
-                  include, source, "-o", object, "-lm");
-  if (code) g_error("%s", err);
+/* The flags of the build that this is a test of. */
+#ifdef __SANITIZE_ADDRESS__
+#define SANITIZE "-fsanitize=address,undefined"
+#define MESON_SANITIZE "-Db_sanitize=address,undefined"
+#else
+#define SANITIZE "-g"
+#define MESON_SANITIZE "-Db_sanitize=none"
+#endif
+
+/* Compile a file of a plugin's folder against this build, not installed;
+   `testing`: as a program that tests the plugin. */
+static void compile(const char *source, const char *object, gboolean testing) {
+  const char *build = g_getenv("OPCFLOW_BUILD");
+  g_autofree char *script = g_strdup_printf(
+      "cc -std=c99 -Wall -Wextra -Wshadow -Wmissing-prototypes "
+      "-Werror " SANITIZE
+      " %s %s -o %s $(PKG_CONFIG_PATH=%s/meson-uninstalled pkg-config "
+      "--cflags --libs opcflow eda %s) -lm -Wl,-rpath,%s/subprojects/eda "
+      "-Wl,-rpath,%s/core",
+      testing ? "" : "-fPIC -shared -fvisibility=hidden", source, object, build,
+      testing ? "opcflow-testing" : "", build, build);
+  if (CALL("sh", "-c", script)) g_error("%s", err);
+}
+
+/* The test of the plugin itself, which finds it beside the plugins of this
+   build. */
+static void run_test(const char *kind, const char *name) {
+  g_autofree char *source = g_strdup_printf("%s/%s_test.c", kind, name);
+  g_autofree char *program = g_strdup_printf("%s/%s_test", kind, name);
+  g_autofree char *path =
+      g_strdup_printf("OPCFLOW_PLUGIN_PATH=%s/%s:%s/plugins", folder, kind,
+                      g_getenv("OPCFLOW_BUILD"));
+  g_autofree char *whole = g_build_filename(folder, program, NULL);
+  compile(source, program, TRUE);
+  if (CALL("env", path, whole)) g_error("%s%s", out, err);
+}
+
+/* The plugin did the work: the run's manifest has it. */
+static void run_flow(const char *kind, const char *object) {
+  g_autofree char *flow = g_strdup_printf("%s/flow.yaml", kind);
+  g_autofree char *output = g_strdup_printf("%s/run", kind);
+  if (CALL(command, "run", flow, "--plugin-path", kind, "--output", output,
+           "--json"))
+    g_error("%s", err);
+  g_autoptr(JsonNode) json = json_from_string(out, NULL);
+  g_assert_nonnull(json);
+  g_autofree char *manifest =
+      g_build_filename(folder, output, "manifest.json", NULL);
+  g_autofree char *text = NULL;
+  g_assert_true(g_file_get_contents(manifest, &text, NULL, NULL));
+  g_assert_nonnull(strstr(text, object));
 }
 
 static void test_plugin(gconstpointer data) {
@@ -41,29 +87,42 @@ static void test_plugin(gconstpointer data) {
   g_autofree char *name = g_strdup_printf("mine_%s", kind);
   g_autofree char *source = g_strdup_printf("%s/%s.c", kind, name);
   g_autofree char *object = g_strdup_printf("%s/%s.so", kind, id);
-  g_autofree char *flow = g_strdup_printf("%s/flow.yaml", kind);
-  g_autofree char *output = g_strdup_printf("%s/run", kind);
   g_assert_cmpint(CALL(command, "new", "plugin", "--kind", kind, name, kind),
                   ==, 0);
   g_assert_nonnull(strstr(out, source));
-  compile(source, object);
+  compile(source, object, FALSE);
   g_assert_cmpint(CALL(command, "inspect", id, "--plugin-path", kind), ==, 0);
-  if (CALL(command, "run", flow, "--plugin-path", kind, "--output", output,
-           "--json"))
-    g_error("%s", err);
-  g_autoptr(JsonNode) json = json_from_string(out, NULL);
-  g_assert_nonnull(json);
-  /* The plugin did the work: the run's manifest has it. */
-  g_autofree char *manifest =
-      g_build_filename(folder, output, "manifest.json", NULL);
-  g_autofree char *text = NULL;
-  g_assert_true(g_file_get_contents(manifest, &text, NULL, NULL));
-  g_assert_nonnull(strstr(text, object));
+  run_test(kind, name);
+  if (!strcmp(kind, "command"))
+    g_assert_cmpint(
+        CALL(command, "mine_command", source, "--plugin-path", kind), ==, 0);
+  else
+    run_flow(kind, object);
   g_autofree char *build = g_build_filename(folder, kind, "meson.build", NULL);
   g_autofree char *recipe = NULL;
   g_assert_true(g_file_get_contents(build, &recipe, NULL, NULL));
   g_assert_null(strchr(recipe, '@'));
   g_assert_nonnull(strstr(recipe, id));
+}
+
+/* A synthesizer and its test take no more than 70 lines. */
+static void test_lines(void) {
+  if (CALL("sh", "-c", "cat synthesizer/*.c | wc -l")) g_error("%s", err);
+  g_assert_cmpint(atoi(out), <=, 70);
+}
+
+/* As its README says, with this build in place of an installation. */
+static void test_project(void) {
+  g_autofree char *path =
+      g_strdup_printf("%s/meson-uninstalled", g_getenv("OPCFLOW_BUILD"));
+  g_assert_cmpint(CALL(command, "new", "plugin", "synthesizer.whole"), ==, 0);
+  g_setenv("PKG_CONFIG_PATH", path, TRUE);
+  if (CALL("meson", "setup", "built", "synthesizer.whole", MESON_SANITIZE,
+           "-Db_lundef=false") ||
+      CALL("meson", "test", "-C", "built"))
+    g_error("%s%s", out, err);
+  g_unsetenv("PKG_CONFIG_PATH");
+  g_assert_nonnull(strstr(out, "Ok:                 2"));
 }
 
 /* The worst deviation of a run's drive currents, %. */
@@ -78,7 +137,7 @@ static double worst(const char *run) {
 
 /* The synthesizer corrects: as drawn, the worst transistor is 18 % off. */
 static void test_synthesizer(void) {
-  g_assert_cmpfloat(worst("mask/run"), <, 2.5);
+  g_assert_cmpfloat(worst("synthesizer/run"), <, 2.5);
 }
 
 static void test_flow(void) {
@@ -102,16 +161,22 @@ static void test_refusals(void) {
   g_assert_cmpint(CALL(command, "new", "plugin", "mine"), ==, 2);
   g_assert_cmpstr(err, ==,
                   "error: 'new plugin' needs --kind, see 'opcflow help new'\n");
-  g_assert_cmpint(CALL(command, "new", "plugin", "--kind", "masks", "mine"), ==,
-                  2);
-  g_assert_cmpint(CALL(command, "new", "plugin", "mask.Mine"), ==, 2);
-  g_assert_cmpint(CALL(command, "new", "plugin", "mask.mine", "mask"), ==, 5);
-  g_assert_cmpstr(err, ==, "error: 'mask' exists\n");
+  g_assert_cmpint(CALL(command, "new", "plugin", "--kind", "lithos", "mine"),
+                  ==, 2);
+  g_assert_cmpstr(err, ==,
+                  "error: unknown kind 'lithos', did you mean 'litho'?\n");
+  g_assert_cmpint(CALL(command, "new", "plugin", "litho.Mine"), ==, 2);
+  g_assert_cmpint(CALL(command, "new", "plugin", "litho.mine", "litho"), ==, 5);
+  g_assert_cmpstr(err, ==, "error: 'litho' exists\n");
+  g_assert_cmpint(CALL(command, "new", "plugin", "kind.mine"), ==, 3);
+  g_assert_cmpstr(err, ==,
+                  "error: the kind 'kind' does not say how one begins\n");
 }
 
 int main(int argc, char **argv) {
-  static const char *const kinds[] = {"litho", "resist", "extract",
-                                      "mask",  "drc",    "step"};
+  static const char *const kinds[] = {"litho",       "resist",    "extractor",
+                                      "synthesizer", "regulator", "step",
+                                      "command"};
   g_test_init(&argc, &argv, NULL);
   folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
   command = g_build_filename(g_getenv("OPCFLOW_BUILD"), "opcflow", NULL);
@@ -119,7 +184,9 @@ int main(int argc, char **argv) {
     g_autofree char *path = g_strconcat("/new/", kinds[i], NULL);
     g_test_add_data_func(path, kinds[i], test_plugin);
   }
-  g_test_add_func("/new/synthesizer", test_synthesizer);
+  g_test_add_func("/new/corrects", test_synthesizer);
+  g_test_add_func("/new/lines", test_lines);
+  g_test_add_func("/new/project", test_project);
   g_test_add_func("/new/flow", test_flow);
   g_test_add_func("/new/refusals", test_refusals);
   int code = g_test_run();

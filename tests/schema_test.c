@@ -45,7 +45,8 @@ static void test_content(void) {
       {"$.definitions['litho.hopkins'].properties.na.default", "0.75"},
       {"$.definitions['extractor.plain'].properties.rule.enum",
        "[\"contour\",\"gauss\",\"equal\"]"},
-      {"$.definitions['extractor.plain'].properties.slices.type", "\"integer\""},
+      {"$.definitions['extractor.plain'].properties.slices.type",
+       "\"integer\""},
       {"$.definitions['resist.threshold'].properties.anchor.properties.line"
        ".default",
        "\"65 nm\""},

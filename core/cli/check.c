@@ -13,21 +13,21 @@ static const cli_option options[] = {
     {0}};
 
 /* What instances say while they are made. */
-static void take_log(void *data, int level, const char *message) {
-  const opc_binding *binding = data;
-  if (level >= OPC_LOG_WARNING)
-    cli_message("warning", "%s: %s", binding->path, message);
+static void take_log(void *data, const char *path, int level,
+                     const char *message) {
+  (void)data;
+  if (level >= OPC_LOG_WARNING) cli_message("warning", "%s: %s", path, message);
 }
 
 static void check_all(const opc_recipe *recipe, opc_problems *problems) {
-  static const opc_sink sink = {.log = take_log};
+  static const opc_watch watch = {.log = take_log};
   g_autoptr(opc_sweep) sweep =
       opc_sweep_new(recipe, cli_list(sets), cli_list(sweeps), problems);
   opc_choice choice = {.sweep = sweep, .sets = cli_list(sets)};
-  opc_flow_check(recipe, &choice, cli_registry(), &sink, problems);
-  for (guint i = 0; i < recipe->variants->len; i++) {
-    choice.variant = recipe->variants->pdata[i];
-    opc_flow_check(recipe, &choice, cli_registry(), &sink, problems);
+  opc_flow_check(recipe, &choice, cli_registry(), &watch, problems);
+  for (guint i = 0; i < recipe->variants->keys->len; i++) {
+    choice.variant = opc_node_key(recipe->variants, i);
+    opc_flow_check(recipe, &choice, cli_registry(), &watch, problems);
   }
 }
 
@@ -37,7 +37,6 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_recipe) recipe = opc_recipe_read(path, problems);
   if (recipe) check_all(recipe, problems);
-  cli_warnings(problems);
   if (json) {
     JsonObject *o = json_object_new();
     json_object_set_string_member(o, "flow", path);

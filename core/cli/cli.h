@@ -118,9 +118,6 @@ void cli_message(const char *kind, const char *format, ...) OPC_PRINTF(2, 3);
 /* The same of a library's error. */
 int cli_fail(const opc_error *error);
 
-/* What is no fault, but should be changed. */
-void cli_warnings(const opc_problems *problems);
-
 /* All problems; the exit code that they stand for. */
 int cli_problems(opc_problems *problems);
 

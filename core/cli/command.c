@@ -66,11 +66,11 @@ static char *option_help(const opc_parameter *p) {
 
 /* ---- what it says ---- */
 
-static void take_log(void *data, int level, const char *message) {
+static void take_log(void *data, const char *path, int level,
+                     const char *message) {
   static const char *const levels[] = {"debug", "info", "warning"};
-  const opc_binding *b = data;
   if (level < OPC_LOG_INFO || level > OPC_LOG_WARNING) return;
-  cli_progress_log(&progress, b->path, level, message);
+  cli_progress_log(data, path, level, message);
   JsonObject *o = json_object_new();
   json_object_set_string_member(o, "level", levels[level]);
   json_object_set_string_member(o, "message", message);
@@ -79,15 +79,10 @@ static void take_log(void *data, int level, const char *message) {
   g_mutex_unlock(&progress.lock);
 }
 
-static void take_progress(void *data, const opc_progress *at) {
-  const opc_binding *b = data;
-  cli_progress_show(&progress, b->path, at);
-}
-
-static int take_table(void *data, const char *name, uint32_t flags, size_t rows,
-                      const opc_column *columns, size_t n_columns,
+static int take_table(const opc_host *host, const char *name, uint32_t flags,
+                      size_t rows, const opc_column *columns, size_t n_columns,
                       opc_error *error) {
-  (void)data;
+  (void)host;
   opc_table *table =
       opc_table_new(name, flags, rows, columns, n_columns, error);
   if (!table) return error->code;
@@ -98,9 +93,9 @@ static int take_table(void *data, const char *name, uint32_t flags, size_t rows,
   return OPC_OK;
 }
 
-static int take_metric(void *data, const char *name, double value,
+static int take_metric(const opc_host *host, const char *name, double value,
                        opc_error *error) {
-  const opc_plugin *plugin = ((const opc_binding *)data)->plugin;
+  const opc_plugin *plugin = ((const opc_binding *)host->data)->plugin;
   const opc_metric *m = opc_metric_check(plugin, name, value, error);
   if (!m) return error->code;
   json_object_set_member(metrics, name, opc_metric_json(m, value));
@@ -111,8 +106,9 @@ static int take_metric(void *data, const char *name, double value,
 }
 
 /* A command has no run folder: a new file in the present one. */
-static const char *give_path(void *data, const char *name, opc_error *error) {
-  (void)data;
+static const char *give_path(const opc_host *host, const char *name,
+                             opc_error *error) {
+  (void)host;
   g_autofree char *folder = g_path_get_dirname(name);
   error->code = OPC_OK;
   if (!opc_name_is_inside(name))
@@ -126,12 +122,13 @@ static const char *give_path(void *data, const char *name, opc_error *error) {
   return paths->pdata[paths->len - 1];
 }
 
-static const opc_sink sink = {.log = take_log,
-                              .progress = take_progress,
-                              .cancelled = cli_is_stopped,
-                              .table = take_table,
-                              .metric = take_metric,
-                              .output_path = give_path};
+static const opc_watch watch = {.data = &progress,
+                                .log = take_log,
+                                .progress = cli_progress_show,
+                                .cancelled = cli_is_stopped};
+
+static const opc_host publisher = {
+    .table = take_table, .metric = take_metric, .output_path = give_path};
 
 static int show(opc_problems *problems) {
   static const char *const names[] = {"metric", "value", "unit"};
@@ -169,7 +166,6 @@ static void take_value(const cli_verb *verb, const opc_parameter *p,
       verbatim ? opc_node_text_new(source, text)
                : opc_node_parse(source, text, strlen(text), problems);
   if (!value) return;
-  opc_node_forget_lines(value);
   opc_lay_at(steps, path, &at, value, source, problems);
 }
 
@@ -184,6 +180,8 @@ static void call(opc_binding *b, const GPtrArray *arguments,
                           (const char *const *)arguments->pdata, &error);
   opc_guard_leave(before);
   opc_guard_where(NULL, 0);
+  error.parameter[sizeof error.parameter - 1] = 0;
+  error.message[sizeof error.message - 1] = 0;
   if (code)
     opc_problem_add(problems, code, opc_binding_place(b, error.parameter), "%s",
                     *error.message ? error.message : "gave no reason");
@@ -213,7 +211,8 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
   cli_catch_signals();
   cli_progress_start(&progress, FALSE);
   cli_progress_step(&progress, verb->name, 1, 1);
-  if (!problems->list->len && opc_binding_create(b, &sink, NULL, problems))
+  if (!problems->list->len &&
+      opc_binding_create(b, &watch, &publisher, problems))
     call(b, arguments, problems);
   cli_progress_end(&progress);
   return show(problems);

@@ -94,35 +94,33 @@ static gboolean is_needed(const opc_plugin *plugin, const char *prefix) {
   return FALSE;
 }
 
-/* The names of the groups that parameter i is in and the one before is not. */
-static void print_groups(const opc_plugin *plugin, size_t i) {
-  const char *name = plugin->parameters[i].name;
-  const char *before = i ? plugin->parameters[i - 1].name : "";
-  int depth = 1;
-  const char *word = name;
-  for (const char *dot; (dot = strchr(word, '.')); word = dot + 1, depth++) {
-    size_t n = (size_t)(dot - name) + 1;
-    if (!strncmp(name, before, n)) continue;
-    g_autofree char *prefix = g_strndup(name, n);
-    cli_print("%s%*s%.*s:\n", is_needed(plugin, prefix) ? "  " : "  # ",
-              2 * depth - 2, "", (int)(dot - word), word);
+/* The parameters whose names begin with `prefix`, and their groups: what must
+   be given, the others as comments. */
+static void print_level(const opc_plugin *plugin, const char *prefix,
+                        int depth) {
+  const char *last = NULL; /* group */
+  for (size_t i = 0; i < plugin->n_parameters; i++) {
+    const opc_parameter *p = &plugin->parameters[i];
+    if (!g_str_has_prefix(p->name, prefix)) continue;
+    const char *word = p->name + strlen(prefix), *dot = strchr(word, '.');
+    size_t n = dot ? (size_t)(dot - p->name) + 1 : strlen(p->name);
+    if (dot && last && !strncmp(last, p->name, n)) continue;
+    last = dot ? p->name : NULL;
+    g_autofree char *name = g_strndup(p->name, n);
+    g_autofree char *value = dot ? NULL : example_text(p);
+    gboolean needed =
+        dot ? is_needed(plugin, name) : (p->flags & OPC_REQUIRED) != 0;
+    cli_print("%s%*s%.*s:%s%s\n", needed ? "  " : "  # ", depth, "",
+              (int)strcspn(word, "."), word, dot ? "" : " ", dot ? "" : value);
+    if (dot) print_level(plugin, name, depth + 2);
   }
 }
 
-/* What to paste into a flow: the parameters that must be given, the others as
-   comments. */
+/* What to paste into a flow. */
 static void print_stanza(const opc_plugin *plugin) {
   const char *dot = strrchr(plugin->id, '.');
   cli_print("\n%s:\n  use: %s\n", dot ? dot + 1 : plugin->id, plugin->id);
-  for (size_t i = 0; i < plugin->n_parameters; i++) {
-    const opc_parameter *p = &plugin->parameters[i];
-    g_autofree char *value = example_text(p);
-    g_auto(GStrv) words = g_strsplit(p->name, ".", -1);
-    guint n = g_strv_length(words);
-    print_groups(plugin, i);
-    cli_print("%s%*s%s: %s\n", p->flags & OPC_REQUIRED ? "  " : "  # ",
-              2 * (int)n - 2, "", words[n - 1], value);
-  }
+  print_level(plugin, "", 0);
 }
 
 static void print_text(const opc_plugin *plugin, const char *path) {

@@ -13,92 +13,78 @@
 #include "core/plugin/kind.h"
 #include "core/text/suggest.h"
 
-static const char *kind;
+static const char *wanted; /* --kind */
 static gboolean json;
 
 static const cli_option options[] = {
-    {"kind", "by default what NAME begins with", "KIND", .text = &kind},
+    {"kind", "by default what NAME begins with", "KIND", .text = &wanted},
     {"json", "tell the files as JSON", .flag = &json},
     {0}};
 
-/* What is made. */
-typedef struct work {
-  char *id, *name; /* "step.mine", "mine" */
-  char *kind;
-  char *folder;     /* where everything goes */
-  GPtrArray *files; /* char *: that were written */
-} work;
+/* What is made: its name "mine", of a plugin also its id "step.mine" and its
+   kind; the folder where everything goes; the files that were written. */
+static char *name, *id, *kind, *folder;
+static GPtrArray *files; /* char * */
 
 /* ---- templates ---- */
 
-static char *fill_in(const work *w, const char *text) {
+static char *fill_in(const char *text) {
   GString *out = g_string_new(text);
-  g_string_replace(out, "@NAME@", w->name, 0);
-  g_string_replace(out, "@ID@", w->id, 0);
-  g_string_replace(out, "@KIND@", w->kind, 0);
+  g_string_replace(out, "@NAME@", name, 0);
+  g_string_replace(out, "@ID@", id ? id : "", 0);
+  g_string_replace(out, "@KIND@", kind ? kind : "", 0);
   return g_string_free(out, FALSE);
 }
 
 /* Write a template into the folder; -1 or the exit code. A file that is there
    stays if `keep`. */
-static int put(work *w, const char *name, const char *template, gboolean keep) {
-  g_autofree char *file = fill_in(w, name);
-  g_autofree char *text = fill_in(w, template);
-  g_autofree char *path = g_build_filename(w->folder, file, NULL);
+static int put(const char *file, const char *template, gboolean keep) {
+  g_autofree char *filled = fill_in(file);
+  g_autofree char *text = fill_in(template);
+  g_autofree char *path = g_build_filename(folder, filled, NULL);
   if (g_file_test(path, G_FILE_TEST_EXISTS))
     return keep ? -1 : cli_error(CLI_IO, "'%s' exists", path);
   opc_error error;
   if (opc_write_file(path, text, &error)) return cli_fail(&error);
-  g_ptr_array_add(w->files, g_steal_pointer(&path));
+  g_ptr_array_add(files, g_steal_pointer(&path));
   return -1;
 }
 
-/* One of the command's own templates, as a file of that name. */
-static int put_own(work *w, const char *group, const char *resource,
-                   const char *name, gboolean keep) {
+/* One of the command's own templates. */
+static int put_own(const char *group, const char *resource, const char *file,
+                   gboolean keep) {
   g_autofree char *path = g_build_path("/", "/opcflow", group, resource, NULL);
   g_autoptr(GBytes) bytes =
       g_resources_lookup_data(path, G_RESOURCE_LOOKUP_FLAGS_NONE, NULL);
   g_autofree char *text =
       g_strndup(g_bytes_get_data(bytes, NULL), g_bytes_get_size(bytes));
-  return put(w, name, text, keep);
+  return put(file, text, keep);
 }
 
-/* All templates of a kind of plugin. */
-static int put_all(work *w) {
-  opc_error error = {0};
-  const opc_kind *its = opc_kind_of(cli_registry(), w->kind, &error);
-  if (!its) return cli_fail(&error);
-  g_autofree char *group = g_build_path("/", "/opcflow", w->kind, NULL);
-  g_auto(GStrv) own =
-      g_resources_enumerate_children(group, G_RESOURCE_LOOKUP_FLAGS_NONE, NULL);
-  int code = -1;
-  for (guint i = 0; own && own[i] && code < 0; i++)
-    code = put_own(w, w->kind, own[i], own[i], FALSE);
-  for (size_t i = 0; i < its->n_templates && code < 0; i++)
-    code = put(w, its->templates[i].name, its->templates[i].text, FALSE);
-  if (own || its->n_templates) return code;
-  return cli_error(CLI_PLUGIN, "the kind '%s' does not say how one begins",
-                   w->kind);
+/* The names of those; NULL if there are none. */
+static char **own_names(const char *group) {
+  g_autofree char *path = g_build_path("/", "/opcflow", group, NULL);
+  return g_resources_enumerate_children(path, G_RESOURCE_LOOKUP_FLAGS_NONE,
+                                        NULL);
 }
 
 /* ---- a plugin ---- */
 
-/* The id and the kind from what was given of them; -1 or the exit code. */
-static int settle_names(work *w, const char *name) {
-  if (!opc_is_id(name))
+/* Name, id and kind from what was given of them; -1 or the exit code. */
+static int settle_names(const char *given) {
+  if (!opc_is_id(given))
     return cli_error(CLI_USAGE,
                      "'%s' is no name for a plugin: lower_case words with dots "
                      "between them",
-                     name);
-  const char *dot = strrchr(name, '.');
+                     given);
+  const char *dot = strrchr(given, '.');
   g_autoptr(GPtrArray) kinds = opc_kind_names(cli_registry());
-  w->kind = kind ? g_strdup(kind) : g_strndup(name, strcspn(name, "."));
-  w->id = dot ? g_strdup(name) : g_strconcat(w->kind, ".", name, NULL);
-  w->name = g_strdup(dot ? dot + 1 : name);
-  if (g_ptr_array_find_with_equal_func(kinds, w->kind, g_str_equal, NULL))
+  kind = wanted ? g_strdup(wanted) : g_strndup(given, strcspn(given, "."));
+  id = dot ? g_strdup(given) : g_strconcat(kind, ".", given, NULL);
+  name = g_strdup(dot ? dot + 1 : given);
+  if (g_ptr_array_find_with_equal_func(kinds, kind, g_str_equal, NULL))
     return -1;
-  if (!kind)
+  if (!wanted)
     return cli_error(CLI_USAGE,
                      "'new plugin' needs --kind, see 'opcflow help new'");
   g_autofree char *suggestion = opc_suggestion(kind, kinds);
@@ -106,83 +92,84 @@ static int settle_names(work *w, const char *name) {
                    *suggestion ? suggestion : ", see 'opcflow help new'");
 }
 
-static int make_folder(const char *path) {
-  g_autoptr(GDir) dir = g_dir_open(path, 0, NULL);
+static int make_folder(void) {
+  g_autoptr(GDir) dir = g_dir_open(folder, 0, NULL);
   gboolean taken = dir ? g_dir_read_name(dir) != NULL
-                       : g_file_test(path, G_FILE_TEST_EXISTS);
-  if (taken) return cli_error(CLI_IO, "'%s' exists", path);
-  if (!g_mkdir_with_parents(path, 0777)) return -1;
-  return cli_error(CLI_IO, "'%s': %s", path, g_strerror(errno));
+                       : g_file_test(folder, G_FILE_TEST_EXISTS);
+  if (taken) return cli_error(CLI_IO, "'%s' exists", folder);
+  if (!g_mkdir_with_parents(folder, 0777)) return -1;
+  return cli_error(CLI_IO, "'%s': %s", folder, g_strerror(errno));
 }
 
-static int new_plugin(work *w, const GPtrArray *arguments) {
+/* All templates of its kind; those of the kernel's kinds are the command's own.
+ */
+static int new_plugin(const GPtrArray *arguments) {
   if (arguments->len < 2)
     return cli_error(CLI_USAGE,
                      "'new plugin' needs NAME, see 'opcflow help new'");
-  int code = settle_names(w, arguments->pdata[1]);
+  int code = settle_names(arguments->pdata[1]);
   if (code >= 0) return code;
-  w->folder = g_strdup(arguments->len > 2 ? arguments->pdata[2] : w->id);
-  code = make_folder(w->folder);
-  return code < 0 ? put_all(w) : code;
+  opc_error error = {0};
+  const opc_kind *its = opc_kind_of(cli_registry(), kind, &error);
+  if (!its) return cli_fail(&error);
+  g_auto(GStrv) own = own_names(kind);
+  if (!own && !its->n_templates)
+    return cli_error(CLI_PLUGIN, "the kind '%s' does not say how one begins",
+                     kind);
+  folder = g_strdup(arguments->len > 2 ? arguments->pdata[2] : id);
+  code = make_folder();
+  for (guint i = 0; own && own[i] && code < 0; i++)
+    code = put_own(kind, own[i], own[i], FALSE);
+  for (size_t i = 0; i < its->n_templates && code < 0; i++)
+    code = put(its->templates[i].name, its->templates[i].text, FALSE);
+  return code;
 }
 
 /* ---- a flow ---- */
 
 /* What the flow reads may be there already. */
-static int new_flow(work *w, const GPtrArray *arguments) {
+static int new_flow(const GPtrArray *arguments) {
   const char *path = arguments->len > 1 ? arguments->pdata[1] : "flow.yaml";
   if (arguments->len > 2)
     return cli_error(CLI_USAGE, "'new flow' does not take '%s'",
                      (char *)arguments->pdata[2]);
   g_autofree char *file = g_path_get_basename(path);
-  w->folder = g_path_get_dirname(path);
-  w->id = g_strdup("");
-  w->kind = g_strdup("");
-  w->name = g_strndup(file, strcspn(file, "."));
-  for (char *c = w->name; *c; c++)
+  folder = g_path_get_dirname(path);
+  name = g_strndup(file, strcspn(file, "."));
+  for (char *c = name; *c; c++)
     if (!g_ascii_isalnum(*c) && *c != '-') *c = '_';
-  if (!g_ascii_isalnum(*w->name))
+  if (!g_ascii_isalnum(*name))
     return cli_error(CLI_USAGE, "'%s' is no name for a flow", file);
-  int code = put_own(w, "flow", "flow.yaml", file, FALSE);
-  g_auto(GStrv) read = g_resources_enumerate_children(
-      "/opcflow/flow/read", G_RESOURCE_LOOKUP_FLAGS_NONE, NULL);
+  g_auto(GStrv) read = own_names("flow/read");
+  int code = put_own("flow", "flow.yaml", file, FALSE);
   for (guint i = 0; read[i] && code < 0; i++)
-    code = put_own(w, "flow/read", read[i], read[i], TRUE);
+    code = put_own("flow/read", read[i], read[i], TRUE);
   return code;
 }
 
 /* ---- entry ---- */
 
-static void tell(const work *w) {
+static int tell(void) {
   if (json) {
     JsonObject *o = json_object_new();
-    cli_add_texts(o, "files", w->files);
+    cli_add_texts(o, "files", files);
     cli_print_object(o);
-    return;
   }
-  for (guint i = 0; i < w->files->len; i++)
-    cli_print("%s\n", (char *)w->files->pdata[i]);
+  for (guint i = 0; i < files->len && !json; i++)
+    cli_print("%s\n", (char *)files->pdata[i]);
+  return CLI_GOOD;
 }
 
 static int run(const cli_verb *verb, const GPtrArray *arguments) {
   (void)verb;
   const char *what = arguments->pdata[0];
-  work w = {.files = g_ptr_array_new_with_free_func(g_free)};
-  int code;
-  if (!strcmp(what, "plugin"))
-    code = new_plugin(&w, arguments);
-  else if (!strcmp(what, "flow"))
-    code = new_flow(&w, arguments);
-  else
-    code = cli_error(CLI_USAGE, "'new' makes a 'plugin' or a 'flow', not '%s'",
+  gboolean plugin = !strcmp(what, "plugin");
+  files = g_ptr_array_new_with_free_func(g_free);
+  if (!plugin && strcmp(what, "flow") != 0)
+    return cli_error(CLI_USAGE, "'new' makes a 'plugin' or a 'flow', not '%s'",
                      what);
-  if (code < 0) tell(&w);
-  g_free(w.id);
-  g_free(w.name);
-  g_free(w.kind);
-  g_free(w.folder);
-  g_ptr_array_free(w.files, TRUE);
-  return MAX(code, CLI_GOOD);
+  int code = plugin ? new_plugin(arguments) : new_flow(arguments);
+  return code < 0 ? tell() : code;
 }
 
 const cli_verb cli_new = {.name = "new",

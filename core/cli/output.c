@@ -52,20 +52,13 @@ int cli_fail(const opc_error *error) {
   return cli_error(cli_exit_code(error->code), "%s", error->message);
 }
 
-void cli_warnings(const opc_problems *problems) {
-  for (guint i = 0; i < problems->warnings->len; i++) {
-    g_autofree char *text = opc_problem_text(problems->warnings->pdata[i]);
-    cli_message("warning", "%s", text);
-  }
-}
-
 int cli_problems(opc_problems *problems) {
   int code = opc_problems_code(problems);
   opc_problems_sort(problems);
   for (guint i = 0; i < problems->list->len; i++) {
     const opc_problem *problem = problems->list->pdata[i];
     g_autofree char *text = opc_problem_text(problem);
-    if (problem->file)
+    if (problem->at.file)
       fprintf(stderr, "%s\n", text);
     else
       cli_message("error", "%s", text);
@@ -123,10 +116,11 @@ void cli_add_problems(JsonObject *object, opc_problems *problems) {
   for (guint i = 0; i < problems->list->len; i++) {
     const opc_problem *problem = problems->list->pdata[i];
     JsonObject *o = json_object_new();
-    if (problem->file) json_object_set_string_member(o, "file", problem->file);
-    if (problem->file && problem->line) {
-      json_object_set_int_member(o, "line", problem->line);
-      json_object_set_int_member(o, "column", problem->column);
+    const opc_place *at = &problem->at;
+    if (at->file) json_object_set_string_member(o, "file", at->file);
+    if (at->file && at->line) {
+      json_object_set_int_member(o, "line", at->line);
+      json_object_set_int_member(o, "column", at->column);
     }
     json_object_set_string_member(o, "message", problem->message);
     json_object_set_int_member(o, "exit", cli_exit_code(problem->code));

@@ -43,13 +43,15 @@ void cli_progress_start(cli_progress *p, gboolean quiet) {
   p->shown = !quiet && cli_is_terminal();
 }
 
-static void wipe(const cli_progress *p) {
-  if (p->shown) fputs("\r\033[K", stderr);
+/* Take the line away, and put another in its place. */
+static void show(const cli_progress *p, const char *line) {
+  if (!p->shown) return;
+  fprintf(stderr, "\r\033[K%s", line);
+  fflush(stderr);
 }
 
 void cli_progress_end(cli_progress *p) {
-  wipe(p);
-  fflush(stderr);
+  show(p, "");
   g_free(p->step);
   g_mutex_clear(&p->lock);
 }
@@ -59,7 +61,7 @@ void cli_progress_log(void *data, const char *path, int level,
   cli_progress *p = data;
   if (level < OPC_LOG_INFO || (p->quiet && level < OPC_LOG_WARNING)) return;
   g_mutex_lock(&p->lock);
-  wipe(p);
+  show(p, "");
   if (level >= OPC_LOG_WARNING)
     cli_message("warning", "%s: %s", path, message);
   else
@@ -92,13 +94,9 @@ void cli_progress_step(void *data, const char *name, size_t number,
   p->count = count;
   p->began = g_get_monotonic_time();
   p->last = 0;
-  if (p->shown) {
-    g_autoptr(GString) line = g_string_new(NULL);
-    append_step(line, p);
-    wipe(p);
-    fputs(line->str, stderr);
-    fflush(stderr);
-  }
+  g_autoptr(GString) line = g_string_new(NULL);
+  append_step(line, p);
+  show(p, line->str);
   g_mutex_unlock(&p->lock);
 }
 
@@ -130,9 +128,7 @@ void cli_progress_show(void *data, const char *path, const opc_progress *at) {
                              at->worst_unit ? " " : "",
                              at->worst_unit ? at->worst_unit : "");
     append_time_left(line, p, at, now);
-    wipe(p);
-    fputs(line->str, stderr);
-    fflush(stderr);
+    show(p, line->str);
   }
   g_mutex_unlock(&p->lock);
 }

@@ -80,10 +80,10 @@ static char *sweep_text(const opc_run *run) {
 
 static void print_text(const opc_run *run) {
   for (guint i = 0; i < run->tables->len; i++) {
-    const opc_run_table *t = run->tables->pdata[i];
-    if (!(t->table->flags & OPC_TABLE_PRINT)) continue;
-    g_autofree char *text = opc_table_text(t->table);
-    cli_print("%s.%s\n%s\n", t->step, t->table->name, text);
+    const opc_table *t = run->tables->pdata[i];
+    if (!(t->flags & OPC_TABLE_PRINT)) continue;
+    g_autofree char *text = opc_table_text(t);
+    cli_print("%s.%s\n%s\n", t->step, t->name, text);
   }
   if (run->points) {
     g_autofree char *text = sweep_text(run);
@@ -95,9 +95,9 @@ static void print_text(const opc_run *run) {
 static JsonArray *tables_json(const opc_run *run) {
   JsonArray *list = json_array_new();
   for (guint i = 0; i < run->tables->len; i++) {
-    const opc_run_table *t = run->tables->pdata[i];
-    if (!(t->table->flags & OPC_TABLE_PRINT)) continue;
-    JsonNode *node = opc_table_json(t->table);
+    const opc_table *t = run->tables->pdata[i];
+    if (!(t->flags & OPC_TABLE_PRINT)) continue;
+    JsonNode *node = opc_table_json(t);
     json_object_set_string_member(json_node_get_object(node), "step", t->step);
     json_array_add_element(list, node);
   }
@@ -121,11 +121,11 @@ static JsonObject *run_json(const opc_run *run) {
 typedef struct series {
   const opc_recipe *recipe;
   const opc_sweep *sweep;
-  GPtrArray *chosen; /* const opc_variant *; NULL: none */
+  GPtrArray *chosen; /* char *: variants; NULL: none */
   JsonArray *list;   /* a document of each, where there are several */
 } series;
 
-static opc_choice choice_of(const series *s, const opc_variant *variant) {
+static opc_choice choice_of(const series *s, const char *variant) {
   return (opc_choice){
       .variant = variant, .sweep = s->sweep, .sets = cli_list(sets)};
 }
@@ -165,9 +165,9 @@ static int tell(const series *s, const opc_run *run, opc_problems *problems) {
   return cli_exit_code(run->points_code);
 }
 
-static int run_one(const series *s, const opc_variant *variant) {
+static int run_one(const series *s, const char *variant) {
   const opc_choice choice = choice_of(s, variant);
-  const char *name = variant ? variant->name : "base";
+  const char *name = variant ? variant : "base";
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_flow) flow =
       opc_flow_make(s->recipe, &choice, cli_registry(), problems);
@@ -187,9 +187,7 @@ static int run_one(const series *s, const opc_variant *variant) {
                            cli_progress_step, cli_progress_show,
                            cli_is_stopped,    cli_progress_point};
   g_autoptr(opc_run) run =
-      s->sweep->axes->len
-          ? opc_run_sweep(flow, &choice, cli_registry(), &its, &watch, problems)
-          : opc_run_flow(flow, cli_registry(), &its, &watch, problems);
+      opc_run_flow(flow, &choice, cli_registry(), &its, &watch, problems);
   cli_progress_end(&progress);
   return tell(s, run, problems);
 }
@@ -209,19 +207,20 @@ static int run_all(const series *s) {
 
 static void choose_variants(series *s, opc_problems *problems) {
   const char *const *names = cli_list(variants);
+  const opc_node *known = s->recipe->variants;
   for (const char *const *name = names; *name; name++) {
-    gboolean all = !strcmp(*name, "all");
-    for (guint k = 0; all && k < s->recipe->variants->len; k++)
-      g_ptr_array_add(s->chosen, s->recipe->variants->pdata[k]);
-    if (all && !s->recipe->variants->len) {
+    gboolean all = !strcmp(*name, "all"), base = !strcmp(*name, "base");
+    for (guint k = 0; all && k < known->keys->len; k++)
+      g_ptr_array_add(s->chosen, (char *)opc_node_key(known, k));
+    if (all && !known->keys->len) {
       const opc_place at = {s->recipe->path, 0, 0};
       opc_problem_add(problems, OPC_INVALID, &at, "has no variants");
     }
     if (all) continue;
-    gboolean base = !strcmp(*name, "base");
-    g_ptr_array_add(
-        s->chosen,
-        base ? NULL : (gpointer)opc_recipe_variant(s->recipe, *name, problems));
+    if (base || !opc_recipe_has(s->recipe, *name, NULL, problems))
+      g_ptr_array_add(s->chosen, NULL);
+    else
+      g_ptr_array_add(s->chosen, (char *)*name);
   }
   if (!*names) g_ptr_array_add(s->chosen, NULL);
 }
@@ -256,7 +255,6 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
     const opc_choice choice = choice_of(&s, chosen->pdata[i]);
     opc_flow_check(recipe, &choice, cli_registry(), NULL, problems);
   }
-  cli_warnings(problems);
   if (!problems->list->len) return run_all(&s);
   if (json) cli_print_object(failure_json(NULL, problems));
   return cli_problems(problems);

@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Checks the parameters of a plugin and of those in its slots, makes the
+   instances, and finds the way back from an error to its place. */
 #include "core/flow/binding.h"
 
 #include <string.h>
 
 #include "core/flow/inner.h"
 #include "core/flow/layers.h"
-#include "core/text/value.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/guard.h"
 #include "core/text/suggest.h"
+#include "core/text/value.h"
 
 /* Slots in slots; a plugin whose default is itself would go on for ever. */
 enum { DEEPEST_SLOT = 16 };
@@ -21,19 +23,16 @@ typedef struct binder {
   opc_problems *problems;
 } binder;
 
-static opc_binding *bind_use(opc_registry *registry, const opc_node *map,
+static opc_binding *bind_use(const binder *like, const opc_node *map,
                              const char *kind, const char *path,
-                             const opc_place *at, unsigned flags,
-                             unsigned depth, opc_problems *problems);
+                             const opc_place *at);
 
 /* ---- one value ---- */
 
 static opc_node *parse_preset(const binder *b, const opc_parameter *p) {
   static const opc_source source = {.name = (char *)"default"};
   opc_node *node = opc_preset_parse(p, &source, b->problems);
-  if (!node) return NULL;
-  opc_node_forget_lines(node);
-  g_ptr_array_add(b->binding->presets, node);
+  if (node) g_ptr_array_add(b->binding->presets, node);
   return node;
 }
 
@@ -51,23 +50,22 @@ static void bind_slot(const binder *b, size_t i, const opc_node *node,
                       const opc_place *at) {
   opc_binding *binding = b->binding;
   const opc_parameter *p = &binding->plugin->parameters[i];
+  g_autofree char *path = g_strdup_printf("%s.%s", binding->path, p->name);
   if (node->type != OPC_NODE_MAP) {
-    g_autofree char *noun = opc_value_noun(p);
-    opc_problem_add(b->problems, OPC_INVALID, &node->at, "'%s' needs %s",
-                    p->name, noun);
-    return;
-  }
-  if (b->depth == DEEPEST_SLOT) {
+    g_autofree char *noun = opc_setting_noun(p);
+    opc_wrong(b->problems, node, "'%s' needs %s", p->name, noun);
+  } else if (b->depth == DEEPEST_SLOT) {
     opc_problem_add(b->problems, OPC_INVALID, at, "slots deeper than %d",
                     DEEPEST_SLOT);
-    return;
+  } else {
+    binder deeper = *b;
+    deeper.depth++;
+    node = over_default(b, p, node);
+    opc_binding *slot = bind_use(&deeper, node, p->choices, path, at);
+    binding->values[i].present = TRUE;
+    binding->slots[i] = slot;
+    if (slot) binding->values[i].field.object = &slot->module;
   }
-  g_autofree char *path = g_strdup_printf("%s.%s", binding->path, p->name);
-  node = over_default(b, p, node);
-  binding->values[i].present = TRUE;
-  binding->slots[i] = bind_use(b->registry, node, p->choices, path, at,
-                               b->flags, b->depth + 1, b->problems);
-  if (binding->slots[i]) binding->values[i].object = &binding->slots[i]->module;
 }
 
 static void bind_value(const binder *b, size_t i, const opc_node *node,
@@ -77,8 +75,8 @@ static void bind_value(const binder *b, size_t i, const opc_node *node,
   if (p->type == OPC_SLOT)
     bind_slot(b, i, node, at);
   else
-    opc_value_convert(p, node, TRUE, binding->owned, b->problems,
-                      &binding->values[i]);
+    opc_setting_convert(p, node, TRUE, binding->owned, b->problems,
+                        &binding->values[i]);
 }
 
 static void bind_default(const binder *b, size_t i) {
@@ -87,11 +85,10 @@ static void bind_default(const binder *b, size_t i) {
   if (p->preset) {
     const opc_node *node = parse_preset(b, p);
     if (node) bind_value(b, i, node, &binding->at);
-  } else if (p->flags & OPC_REQUIRED) {
-    if (p->type != OPC_INPUT || !(b->flags & OPC_BIND_NO_INPUTS))
-      opc_problem_add(b->problems, OPC_INVALID, &binding->at,
-                      "missing parameter '%s' of '%s'", p->name,
-                      binding->plugin->id);
+  } else if (p->flags & OPC_REQUIRED &&
+             (p->type != OPC_INPUT || !(b->flags & OPC_BIND_NO_INPUTS))) {
+    opc_wrong(b->problems, binding, "missing parameter '%s' of '%s'", p->name,
+              binding->plugin->id);
   }
 }
 
@@ -113,17 +110,8 @@ static GPtrArray *level_names(const opc_plugin *plugin, const char *prefix) {
 static gboolean is_group(const opc_plugin *plugin, const char *name) {
   g_autofree char *prefix = g_strconcat(name, ".", NULL);
   for (size_t i = 0; i < plugin->n_parameters; i++)
-    if (g_str_has_prefix(plugin->parameters[i].name, prefix))
-      return TRUE;
+    if (g_str_has_prefix(plugin->parameters[i].name, prefix)) return TRUE;
   return FALSE;
-}
-
-static void bind_given(const binder *b, size_t i, const opc_node *key,
-                       const opc_node *node) {
-  opc_binding *binding = b->binding;
-  binding->origin[i] = node;
-  binding->values[i].given = TRUE;
-  bind_value(b, i, node, &key->at);
 }
 
 static void unknown_parameter(const binder *b, const opc_node *key,
@@ -134,9 +122,8 @@ static void unknown_parameter(const binder *b, const opc_node *key,
   g_autofree char *suggestion =
       nearest ? g_strdup_printf(", did you mean '%s%s'?", prefix, nearest)
               : g_strdup("");
-  opc_problem_add(b->problems, OPC_INVALID, &key->at,
-                  "unknown parameter '%s' of '%s'%s", name,
-                  b->binding->plugin->id, suggestion);
+  opc_wrong(b->problems, key, "unknown parameter '%s' of '%s'%s", name,
+            b->binding->plugin->id, suggestion);
 }
 
 /* As deep as parameter names have dots. */
@@ -150,12 +137,14 @@ static void bind_map(const binder *b, const opc_node *map, const char *prefix) {
     gboolean dotted = strchr(key->text, '.') != NULL;
     int i = dotted ? -1 : opc_parameter_find(binding->plugin, name);
     if (i >= 0) {
-      bind_given(b, (size_t)i, key, node);
+      binding->origin[i] = node;
+      binding->values[i].given = TRUE;
+      bind_value(b, (size_t)i, node, &key->at);
     } else if (dotted || !is_group(binding->plugin, name)) {
       unknown_parameter(b, key, prefix, name);
     } else if (node->type != OPC_NODE_MAP) {
-      opc_problem_add(b->problems, OPC_INVALID, &node->at,
-                      "'%s' is a group, as '%s: { ... }'", name, key->text);
+      opc_wrong(b->problems, node, "'%s' is a group, as '%s: { ... }'", name,
+                key->text);
     } else {
       g_autofree char *deeper = g_strconcat(name, ".", NULL);
       bind_map(b, node, deeper);
@@ -186,80 +175,69 @@ static void forget_defaults(const binder *b) {
   }
 }
 
-static opc_binding *bind_plugin(opc_registry *registry,
-                                const opc_plugin *plugin, const opc_node *map,
-                                const char *path, const opc_place *at,
-                                unsigned flags, unsigned depth,
-                                opc_problems *problems) {
+static opc_binding *bind_plugin(const binder *like, const opc_plugin *plugin,
+                                const opc_node *map, const char *path,
+                                const opc_place *at) {
   opc_binding *binding = g_new0(opc_binding, 1);
-  size_t n = MAX(plugin->n_parameters, 1);
+  size_t n = plugin->n_parameters;
+  binder b = *like;
+  b.binding = binding;
   binding->plugin = plugin;
   binding->path = g_strdup(path);
   binding->at = *at;
-  binding->values = g_new0(opc_value, n);
+  binding->values = g_new0(opc_setting, n);
   binding->origin = g_new0(const opc_node *, n);
   binding->slots = g_new0(opc_binding *, n);
   binding->owned = g_ptr_array_new_with_free_func(g_free);
   binding->presets =
       g_ptr_array_new_with_free_func((GDestroyNotify)opc_node_free);
-  guint before = problems->list->len;
-  binder b = {registry, binding, flags, depth, problems};
+  guint before = b.problems->list->len;
+  for (size_t i = 0; i < n; i++)
+    binding->values[i] = opc_setting_absent(&plugin->parameters[i]);
   bind_map(&b, map, "");
-  for (size_t i = 0; i < plugin->n_parameters; i++)
+  for (size_t i = 0; i < n; i++)
     if (!binding->values[i].given) bind_default(&b, i);
   forget_defaults(&b);
-  if (problems->list->len == before)
-    opc_inner_open(binding, registry, flags, problems);
+  if (b.problems->list->len == before)
+    opc_inner_open(binding, b.registry, b.flags, b.problems);
   return binding;
 }
 
-/* ---- finding the plugin ---- */
-
-static gboolean check_kind(const opc_plugin *plugin, const char *kind,
-                           const opc_place *at, opc_problems *problems) {
-  if (!strcmp(plugin->kind, kind)) return TRUE;
-  opc_problem_add(problems, OPC_INVALID, at,
-                  "'%s' is a plugin of the kind '%s', not '%s'", plugin->id,
-                  plugin->kind, kind);
-  return FALSE;
-}
-
-static opc_binding *bind_use(opc_registry *registry, const opc_node *map,
+static opc_binding *bind_use(const binder *like, const opc_node *map,
                              const char *kind, const char *path,
-                             const opc_place *at, unsigned flags,
-                             unsigned depth, opc_problems *problems) {
+                             const opc_place *at) {
   const opc_node *use = opc_node_get(map, "use");
-  if (!use) {
-    opc_problem_add(problems, OPC_INVALID, at,
-                    "missing 'use', the plugin of '%s'", path);
-    return NULL;
-  }
-  if (use->type != OPC_NODE_TEXT || !*use->text) {
-    opc_problem_add(problems, OPC_INVALID, &use->at,
-                    "'use' needs the id of a plugin");
-    return NULL;
-  }
+  const opc_plugin *plugin;
   opc_error error = {0};
-  const opc_plugin *plugin = opc_registry_find(registry, use->text, &error);
-  if (!plugin) {
-    opc_problem_add(problems, error.code, &use->at, "%s", error.message);
-    return NULL;
-  }
-  if (!check_kind(plugin, kind, &use->at, problems)) return NULL;
-  return bind_plugin(registry, plugin, map, path, at, flags, depth, problems);
+  if (!use)
+    opc_problem_add(like->problems, OPC_INVALID, at,
+                    "missing 'use', the plugin of '%s'", path);
+  else if (use->type != OPC_NODE_TEXT || !*use->text)
+    opc_wrong(like->problems, use, "'use' needs the id of a plugin");
+  else if (!(plugin = opc_registry_find(like->registry, use->text, &error)))
+    opc_problem_add(like->problems, error.code, &use->at, "%s", error.message);
+  else if (strcmp(plugin->kind, kind) != 0)
+    opc_wrong(like->problems, use,
+              "'%s' is a plugin of the kind '%s', not '%s'", plugin->id,
+              plugin->kind, kind);
+  else
+    return bind_plugin(like, plugin, map, path, at);
+  return NULL;
 }
 
 opc_binding *opc_bind(opc_registry *registry, const opc_node *map,
                       const char *kind, const char *path, const opc_place *at,
                       unsigned flags, opc_problems *problems) {
-  return bind_use(registry, map, kind, path, at, flags, 0, problems);
+  const binder b = {.registry = registry, .flags = flags, .problems = problems};
+  return bind_use(&b, map, kind, path, at);
 }
 
 opc_binding *opc_bind_plugin(opc_registry *registry, const opc_plugin *plugin,
                              const opc_node *map, const char *path,
                              const opc_place *at, unsigned flags,
                              opc_problems *problems) {
-  return bind_plugin(registry, plugin, map, path, at, flags, 0, problems);
+  const binder b = {.registry = registry, .flags = flags, .problems = problems};
+  return bind_plugin(&b, plugin, map, path, at);
 }
 
 /* ---- instances ---- */
@@ -277,52 +255,47 @@ static void fill(opc_binding *b) {
                            .id = b->plugin->id};
   *(const opc_host **)b->module.self = b->host;
   for (size_t i = 0; i < b->plugin->n_parameters; i++)
-    opc_value_store(&b->plugin->parameters[i], &b->values[i], b->module.self);
+    opc_setting_store(&b->plugin->parameters[i], &b->values[i], b->module.self);
 }
 
-static gboolean create_one(opc_binding *b, opc_problems *problems) {
-  opc_error error = {0};
-  b->sink.data = b;
-  b->host = opc_host_new(&b->sink);
-  b->host->data = b;
-  if (b->inner) b->host->inner = &opc_inner_functions;
-  fill(b);
-  if (!b->plugin->check && !b->inner) return TRUE;
+const char *opc_binding_enter(const opc_binding *b) {
   g_autofree char *label = opc_binding_label(b);
-  g_autofree char *where = opc_place_text(&b->at);
-  g_autofree char *guard =
-      g_strdup_printf("%s%s%s", where, *where ? ": " : "", label);
-  opc_guard_where(guard, OPC_CRASH_RUNNING);
-  const char *before = opc_guard_enter(b->plugin->id);
-  int code = opc_inner_check(b->inner, &error);
-  if (!code && b->plugin->check) code = b->plugin->check(b->module.self, &error);
+  g_autofree char *place = opc_place_text(&b->at);
+  g_autofree char *where =
+      g_strdup_printf("%s%s%s", place, *place ? ": " : "", label);
+  opc_guard_where(where, OPC_CRASH_RUNNING);
+  return opc_guard_enter(b->plugin->id);
+}
+
+void opc_binding_leave(const char *before) {
   opc_guard_leave(before);
   opc_guard_where(NULL, 0);
-  if (!code) return TRUE;
-  error.message[sizeof error.message - 1] = 0;
-  error.parameter[sizeof error.parameter - 1] = 0;
-  if (code < OPC_INVALID || code > OPC_CANCELLED) code = OPC_FAILED;
-  opc_problem_add(problems, code, opc_binding_place(b, error.parameter),
-                  "%s: %s", label,
-                  *error.message ? error.message : "gave no reason");
-  return FALSE;
 }
 
 void opc_binding_set(opc_binding *b, size_t i, const void *object) {
-  b->values[i].object = object;
-  opc_value_store(&b->plugin->parameters[i], &b->values[i], b->module.self);
+  b->values[i].field.object = object;
+  opc_setting_store(&b->plugin->parameters[i], &b->values[i], b->module.self);
 }
 
-gboolean opc_binding_create(opc_binding *b, const opc_sink *sink,
-                            void *listener, opc_problems *problems) {
+gboolean opc_binding_create(opc_binding *b, const opc_watch *watch,
+                            const opc_host *like, opc_problems *problems) {
   gboolean good = TRUE;
   for (size_t i = 0; i < b->plugin->n_parameters; i++)
     if (b->slots[i])
-      good &= opc_binding_create(b->slots[i], sink, listener, problems);
+      good &= opc_binding_create(b->slots[i], watch, like, problems);
   if (!good) return FALSE;
-  b->sink = *sink;
-  b->listener = listener;
-  return create_one(b, problems);
+  b->run = like ? like->data : NULL;
+  b->host = opc_host_new(b->path, watch, like);
+  b->host->data = b;
+  if (b->inner) b->host->inner = &opc_inner_functions;
+  fill(b);
+  opc_error error = {0};
+  const char *before = opc_binding_enter(b);
+  int code = opc_inner_check(b->inner, &error);
+  if (!code && b->plugin->check)
+    code = b->plugin->check(b->module.self, &error);
+  opc_binding_leave(before);
+  return !code || opc_binding_fail(b, FALSE, code, &error, problems);
 }
 
 void opc_binding_free(opc_binding *b) {
@@ -348,13 +321,8 @@ void opc_binding_free(opc_binding *b) {
 
 /* ---- finding one's way back ---- */
 
-/* The place of a key of a map that was given, or of the map. */
-static const opc_place *find_key(const opc_node *map, const char *name) {
-  for (guint i = 0; i < map->keys->len; i++) {
-    const opc_node *key = map->keys->pdata[i];
-    if (!strcmp(key->text, name)) return &key->at;
-  }
-  return &map->at;
+const opc_place *opc_binding_origin(const opc_binding *b, size_t i) {
+  return b->origin[i] ? &b->origin[i]->at : &b->at;
 }
 
 /* The place of a parameter of this instance or of one in its slots. What is
@@ -365,14 +333,17 @@ static const opc_place *find_parameter(const opc_binding *b, const char *name,
   if (i >= 0) {
     if (b->slots[i])
       g_string_append_printf(trail, ", %s (%s)", name, b->slots[i]->plugin->id);
-    return b->origin[i] ? &b->origin[i]->at : &b->at;
+    return opc_binding_origin(b, (size_t)i);
   }
   for (size_t s = 0; s < b->plugin->n_parameters; s++) {
     const char *slot = b->plugin->parameters[s].name;
     const char *rest = g_str_has_prefix(name, slot) ? name + strlen(slot) : "";
     if (b->plugin->parameters[s].type == OPC_MAP && b->origin[s] &&
-        *rest == '.')
-      return find_key(b->origin[s], rest + 1);
+        *rest == '.') {
+      int key = opc_node_find(b->origin[s], rest + 1);
+      return key < 0 ? &b->origin[s]->at
+                     : &((opc_node *)b->origin[s]->keys->pdata[key])->at;
+    }
     if (!b->slots[s]) continue;
     size_t length = trail->len;
     g_string_append_printf(trail, ", %s (%s)", slot, b->slots[s]->plugin->id);
@@ -381,18 +352,10 @@ static const opc_place *find_parameter(const opc_binding *b, const char *name,
     if (!place) place = find_parameter(b->slots[s], name, trail);
     if (place) return place;
     /* Of that slot's plugin, which has no such parameter. */
-    if (*rest == '.') return b->origin[s] ? &b->origin[s]->at : &b->at;
+    if (*rest == '.') return opc_binding_origin(b, s);
     g_string_truncate(trail, length);
   }
   return NULL;
-}
-
-char *opc_binding_culprit(const opc_binding *b, const char *parameter) {
-  GString *trail = g_string_new(NULL);
-  if (*parameter) find_parameter(b, parameter, trail);
-  g_autofree char *label = opc_binding_label(b);
-  g_string_prepend(trail, label);
-  return g_string_free(trail, FALSE);
 }
 
 const opc_place *opc_binding_place(const opc_binding *b,
@@ -401,6 +364,19 @@ const opc_place *opc_binding_place(const opc_binding *b,
   const opc_place *place =
       *parameter ? find_parameter(b, parameter, trail) : NULL;
   return place ? place : &b->at;
+}
+
+gboolean opc_binding_fail(const opc_binding *b, gboolean run, int code,
+                          opc_error *error, opc_problems *problems) {
+  g_autofree char *label = opc_binding_label(b);
+  g_autoptr(GString) trail = g_string_new(NULL);
+  error->message[sizeof error->message - 1] = 0;
+  error->parameter[sizeof error->parameter - 1] = 0;
+  if (!*error->message) strcpy(error->message, "gave no reason");
+  if (code < OPC_INVALID || code > OPC_CANCELLED) code = OPC_FAILED;
+  if (run && *error->parameter) find_parameter(b, error->parameter, trail);
+  return opc_problem_add(problems, code, opc_binding_place(b, error->parameter),
+                         "%s%s: %s", label, trail->str, error->message);
 }
 
 void opc_binding_visit(opc_binding *b,

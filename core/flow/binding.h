@@ -4,9 +4,9 @@
 #ifndef OPCFLOW_CORE_BINDING_H
 #define OPCFLOW_CORE_BINDING_H
 
-#include "core/text/value.h"
 #include "core/plugin/host.h"
 #include "core/plugin/registry.h"
+#include "core/text/value.h"
 
 typedef struct opc_inner opc_inner; /* inner.h */
 
@@ -15,17 +15,15 @@ struct opc_binding {
   const opc_plugin *plugin;
   char *path;              /* "mask", "mask.litho": step and slots */
   opc_place at;            /* of its name in the flow */
-  opc_value *values;       /* of each parameter; value.h */
+  opc_setting *values;     /* of each parameter; value.h */
   const opc_node **origin; /* of each: where it was given; NULL: default */
   opc_binding **slots;     /* of each: the plugin in the slot, or NULL */
   GPtrArray *owned;        /* what values point to */
   GPtrArray *presets;      /* opc_node * */
-  opc_host *host;          /* from create on */
-  opc_sink sink;
-  void *listener;    /* for the functions of the sink, whose `data` is
-                        the binding */
-  opc_module module; /* self is NULL before create */
-  opc_inner *inner;  /* the flow that the step runs; NULL: none */
+  opc_host *host;          /* from create on; its `data` is the binding */
+  void *run;               /* `data` of the host that it is like */
+  opc_module module;       /* self is NULL before create */
+  opc_inner *inner;        /* the flow that the step runs; NULL: none */
 };
 
 enum {
@@ -47,23 +45,34 @@ opc_binding *opc_bind_plugin(opc_registry *registry, const opc_plugin *plugin,
                              const opc_place *at, unsigned flags,
                              opc_problems *problems);
 
-/* Make the instances, those in slots first, and let each check itself. The functions of `sink` are called
-   with the binding as their data. FALSE and a problem if one refuses. */
-gboolean opc_binding_create(opc_binding *binding, const opc_sink *sink,
-                            void *listener, opc_problems *problems);
+/* Make the instances, those in slots first, and let each check itself. `watch`
+   and `like` are for their hosts; host.h. FALSE and a problem if one refuses.
+ */
+gboolean opc_binding_create(opc_binding *binding, const opc_watch *watch,
+                            const opc_host *like, opc_problems *problems);
 
 /* "step 'mask' (correct)", "'mask.litho' (litho.hopkins)"; of a verb
    "command 'hello' (command.hello)" */
 char *opc_binding_label(const opc_binding *binding);
 
-/* The same, and after it the plugins in the slots that an error's parameter
-   leads to: "step 'mask' (correct), litho (litho.hopkins)" for "litho" and
-   "litho.sigma". */
-char *opc_binding_culprit(const opc_binding *binding, const char *parameter);
+/* Around a call of one of its functions: whose it is, and what is said if it
+   crashes. */
+const char *opc_binding_enter(const opc_binding *binding);
+void opc_binding_leave(const char *before);
+
+/* Add the problem that such a function gave as *error, which becomes sound. The
+   label is followed, for `run`, by the plugins in the slots that the error's
+   parameter leads to: "step 'mask' (correct), litho (litho.hopkins)" for
+   "litho" and "litho.sigma". FALSE. */
+gboolean opc_binding_fail(const opc_binding *binding, gboolean run, int code,
+                          opc_error *error, opc_problems *problems);
 
 /* Clear the instances, then free all. */
 void opc_binding_free(opc_binding *binding);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_binding, opc_binding_free)
+
+/* Where its parameter i was given; else the place of the binding. */
+const opc_place *opc_binding_origin(const opc_binding *binding, size_t i);
 
 /* The place in the flow that an error of this instance is about: that of the
    parameter, which may be one of a slot, by its name or as "slot.name"; else

@@ -10,7 +10,7 @@ enum { MOST_VALUES = 1000 };
 typedef struct checker {
   const opc_recipe *recipe;
   opc_registry *registry;
-  const opc_sink *sink;
+  const opc_watch *watch;
   opc_problems *problems;
 } checker;
 
@@ -19,20 +19,20 @@ static void check_one(const checker *c, const opc_choice *choice) {
   g_autoptr(opc_problems) found = opc_problems_new();
   g_autoptr(opc_flow) flow =
       opc_flow_make(c->recipe, choice, c->registry, found);
-  if (!found->list->len && c->sink) opc_flow_create(flow, c->sink, NULL, found);
+  if (!found->list->len && c->watch)
+    opc_flow_create(flow, NULL, c->watch, NULL, found);
   g_autofree char *note =
-      choice->variant
-          ? g_strdup_printf(" (variant '%s')", choice->variant->name)
-          : NULL;
+      choice->variant ? g_strdup_printf(" (variant '%s')", choice->variant)
+                      : NULL;
   opc_problems_merge(c->problems, found, note);
 }
 
 /* Each value of each axis once: a fault of one combination alone is rare, and
    is found when its turn comes. */
 void opc_flow_check(const opc_recipe *recipe, const opc_choice *choice,
-                    opc_registry *registry, const opc_sink *sink,
+                    opc_registry *registry, const opc_watch *watch,
                     opc_problems *problems) {
-  const checker c = {recipe, registry, sink, problems};
+  const checker c = {recipe, registry, watch, problems};
   opc_choice at = *choice;
   at.point = 0;
   check_one(&c, &at);

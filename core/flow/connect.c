@@ -63,7 +63,8 @@ static void connect_input(const connector *c, opc_binding *binding,
                           size_t parameter) {
   const opc_parameter *p = &binding->plugin->parameters[parameter];
   const opc_node *node = binding->origin[parameter];
-  g_auto(GStrv) parts = g_strsplit(binding->values[parameter].text, ".", 2);
+  g_auto(GStrv) parts =
+      g_strsplit(binding->values[parameter].reference, ".", 2);
   const opc_flow_step *from = opc_flow_find(c->flow, parts[0]);
   if (!from) {
     unknown_step(c, node, parts[0]);
@@ -89,7 +90,7 @@ static void connect_input(const connector *c, opc_binding *binding,
 static void connect_binding(opc_binding *binding, void *data) {
   for (size_t i = 0; i < binding->plugin->n_parameters; i++)
     if (binding->plugin->parameters[i].type == OPC_INPUT &&
-        binding->values[i].text)
+        binding->values[i].reference)
       connect_input(data, binding, i);
 }
 

@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-
 static int remove_entry(const char *path, const struct stat *about, int type,
                         struct FTW *walk) {
   (void)about;

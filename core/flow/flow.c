@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Makes a flow of a recipe and what is laid over it. */
 #include "core/flow/flow.h"
 
 #include <string.h>
 
 #include "core/flow/layers.h"
 #include "core/plugin/declaration.h"
-
-#define WRONG(problems, node, ...) \
-  opc_problem_add(problems, OPC_INVALID, &(node)->at, __VA_ARGS__)
 
 /* ---- steps ---- */
 
@@ -29,12 +27,12 @@ static void read_step(opc_flow *flow, const opc_node *key, const opc_node *node,
   step->number = flow->steps->len;
   g_ptr_array_add(flow->steps, step);
   if (!opc_is_name(key->text, FALSE))
-    WRONG(problems, key,
-          "the step '%s' needs a name of letters, digits, '_' and '-'",
-          key->text);
+    opc_wrong(problems, key,
+              "the step '%s' needs a name of letters, digits, '_' and '-'",
+              key->text);
   if (node->type != OPC_NODE_MAP)
-    WRONG(problems, node, "the step '%s' needs a map, as '{ use: PLUGIN }'",
-          key->text);
+    opc_wrong(problems, node, "the step '%s' needs a map, as '{ use: PLUGIN }'",
+              key->text);
   else
     step->binding = opc_bind(registry, node, OPC_KIND_STEP, step->name,
                              &key->at, flags, problems);
@@ -50,44 +48,36 @@ static void read_steps(opc_flow *flow, opc_registry *registry, unsigned flags,
 
 /* ---- the whole ---- */
 
-static void lay_variant(opc_flow *flow, const opc_variant *variant,
-                        opc_problems *problems) {
-  g_autofree char *layer = g_strdup_printf("variant %s", variant->name);
-  for (guint p = 0; p < variant->parts->len; p++) {
-    const opc_node *part = variant->parts->pdata[p];
-    opc_source *source = opc_source_layer(part->source, layer);
-    g_ptr_array_add(flow->sources, source);
-    for (guint i = 0; i < part->keys->len; i++) {
-      const opc_node *key = part->keys->pdata[i];
-      opc_lay_at(flow->nodes, key->text, &key->at, part->items->pdata[i],
-                 source, problems);
-    }
+/* Lay a map of paths and values over the steps. */
+static void lay_paths(opc_flow *flow, const opc_node *map,
+                      opc_problems *problems) {
+  for (guint i = 0; map && i < map->keys->len; i++) {
+    const opc_node *key = map->keys->pdata[i];
+    opc_lay_at(flow->nodes, key->text, &key->at, map->items->pdata[i], NULL,
+               problems);
   }
 }
 
 static void lay_choice(opc_flow *flow, const opc_choice *choice,
                        opc_problems *problems) {
-  if (choice->variant) lay_variant(flow, choice->variant, problems);
+  if (choice->variant)
+    lay_paths(flow, opc_node_get(flow->recipe->variants, choice->variant),
+              problems);
   if (choice->sweep)
     opc_sweep_lay(choice->sweep, choice->point, flow->nodes, problems);
   for (const char *const *set = choice->sets; set && *set; set++)
     opc_lay_set(flow->nodes, *set, flow->sources, problems);
-  for (guint i = 0; choice->over && i < choice->over->keys->len; i++) {
-    const opc_node *key = choice->over->keys->pdata[i];
-    opc_lay_at(flow->nodes, key->text, &key->at, choice->over->items->pdata[i],
-               NULL, problems);
-  }
+  lay_paths(flow, choice->over, problems);
 }
 
 opc_flow *opc_flow_make(const opc_recipe *recipe, const opc_choice *choice,
                         opc_registry *registry, opc_problems *problems) {
-  const opc_variant *variant = choice ? choice->variant : NULL;
+  const char *variant = choice ? choice->variant : NULL;
   opc_flow *flow = g_new0(opc_flow, 1);
   flow->recipe = recipe;
   flow->path = g_strdup(recipe->path);
-  flow->variant = variant ? g_strdup(variant->name) : NULL;
-  flow->name = variant ? g_strdup_printf("%s-%s", recipe->name, variant->name)
-                       : g_strdup(recipe->name);
+  flow->variant = g_strdup(variant);
+  flow->name = g_strconcat(recipe->name, variant ? "-" : NULL, variant, NULL);
   flow->description = g_strdup(recipe->description);
   flow->sources =
       g_ptr_array_new_with_free_func((GDestroyNotify)opc_source_free);
@@ -96,7 +86,8 @@ opc_flow *opc_flow_make(const opc_recipe *recipe, const opc_choice *choice,
   if (!recipe->steps) return flow;
   flow->nodes = opc_node_copy(recipe->steps, NULL);
   if (choice) lay_choice(flow, choice, problems);
-  if (!flow->nodes->items->len) WRONG(problems, flow->nodes, "no step is left");
+  if (!flow->nodes->items->len)
+    opc_wrong(problems, flow->nodes, "no step is left");
   read_steps(flow, registry, choice ? choice->bind : 0, problems);
   opc_flow_connect(flow, problems);
   return flow;
@@ -126,12 +117,14 @@ void opc_flow_free(opc_flow *flow) {
   g_free(flow);
 }
 
-gboolean opc_flow_create(opc_flow *flow, const opc_sink *sink, void *listener,
+gboolean opc_flow_create(const opc_flow *flow, const gboolean *left_out,
+                         const opc_watch *watch, const opc_host *like,
                          opc_problems *problems) {
   gboolean good = TRUE;
   for (guint i = 0; i < flow->order->len; i++) {
-    opc_flow_step *step = flow->order->pdata[i];
-    good &= opc_binding_create(step->binding, sink, listener, problems);
+    const opc_flow_step *step = flow->order->pdata[i];
+    if (!left_out || !left_out[step->number])
+      good &= opc_binding_create(step->binding, watch, like, problems);
   }
   return good;
 }

@@ -32,20 +32,20 @@ typedef struct opc_flow {
   const opc_recipe *recipe;
   opc_recipe *owned;  /* the same, if it is the flow's own */
   opc_node *nodes;    /* the map of steps */
-  GPtrArray *sources; /* opc_source *: of the variant, of each --set */
+  GPtrArray *sources; /* opc_source *: of each --set */
   GPtrArray *steps;   /* opc_flow_step *, as in the file */
   GPtrArray *order;   /* the same, as they run */
 } opc_flow;
 
 /* What is laid over the steps of a recipe, in this order. */
 typedef struct opc_choice {
-  const opc_variant *variant; /* NULL: none */
-  const opc_sweep *sweep;     /* NULL: none */
-  size_t point;               /* of it */
-  const char *const *sets;    /* "step.parameter=value", NULL-terminated, may be
-                                 NULL */
-  const opc_node *over;       /* a map of paths and values; NULL: none */
-  unsigned bind;              /* OPC_BIND_* of its steps */
+  const char *variant;     /* its name; NULL: none */
+  const opc_sweep *sweep;  /* NULL: none */
+  size_t point;            /* of it */
+  const char *const *sets; /* "step.parameter=value", NULL-terminated, may be
+                              NULL */
+  const opc_node *over;    /* a map of paths and values; NULL: none */
+  unsigned bind;           /* OPC_BIND_* of its steps */
 } opc_choice;
 
 /* Make the flow and check everything that can be checked without making an
@@ -62,28 +62,26 @@ void opc_flow_free(opc_flow *flow);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_flow, opc_flow_free)
 
 /* Add what is wrong with a flow at each value of what `choice` sweeps and was
-   not yet told; `sink`: also with its instances, for functions whose `data` is
-   the opc_binding; may be NULL. */
+   not yet told; `watch`: also with its instances; may be NULL. */
 void opc_flow_check(const opc_recipe *recipe, const opc_choice *choice,
-                    opc_registry *registry, const opc_sink *sink,
+                    opc_registry *registry, const opc_watch *watch,
                     opc_problems *problems);
 
-/* Make the instances of all steps, for functions whose `data` is the
-   opc_binding. FALSE and all problems if one refuses. */
-gboolean opc_flow_create(opc_flow *flow, const opc_sink *sink, void *listener,
+/* Make the instances of the steps that are not left out (by their numbers;
+   NULL: none is), as opc_binding_create does. FALSE and all problems if one
+   refuses. */
+gboolean opc_flow_create(const opc_flow *flow, const gboolean *left_out,
+                         const opc_watch *watch, const opc_host *like,
                          opc_problems *problems);
 
 /* The flow with every parameter of every step and where its value came from,
-   as a flow file that may lie in any folder. */
-char *opc_flow_resolved(const opc_flow *flow);
-
-/* The same with a sweep behind, whose first point the flow is. */
-char *opc_flow_resolved_sweep(const opc_flow *flow, const opc_sweep *sweep);
+   as a flow file that may lie in any folder; behind it the sweep (NULL: none)
+   whose first point it is. */
+char *opc_flow_resolved(const opc_flow *flow, const opc_sweep *sweep);
 
 /* What "step.parameter" or a deeper path means; NULL if it is no parameter that
    is there. */
-const opc_parameter *opc_flow_parameter(const opc_flow *flow,
-                                        const char *path);
+const opc_parameter *opc_flow_parameter(const opc_flow *flow, const char *path);
 
 /* The step that a path ("step", "step.slot.parameter") begins with, or NULL. */
 opc_flow_step *opc_flow_find(const opc_flow *flow, const char *path);

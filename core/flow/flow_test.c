@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Flow files: what is read, what is refused with which words and place, values,
+   the order of steps, the resolved flow. */
 #include "core/flow/flow.h"
 
 #include <glib/gstdio.h>
@@ -52,8 +54,8 @@ static opc_flow *load_good(const char *text, const char *const *sets) {
   return flow;
 }
 
-static const opc_value *value_of(const opc_flow *flow, guint step,
-                                 const char *name) {
+static const opc_setting *value_of(const opc_flow *flow, guint step,
+                                   const char *name) {
   const opc_binding *b =
       ((const opc_flow_step *)flow->steps->pdata[step])->binding;
   int i = opc_parameter_find(b->plugin, name);
@@ -157,7 +159,8 @@ static void test_steps(void) {
       "flow.yaml:5:3: missing 'use', the plugin of 'c'\n"
       "flow.yaml:6:13: unknown plugin 'test.numbres', did you mean "
       "'test.numbers'?\n"
-      "flow.yaml:7:13: 'bad.none' is a plugin of the kind 'regulator', not 'step'");
+      "flow.yaml:7:13: 'bad.none' is a plugin of the kind 'regulator', not "
+      "'step'");
 }
 
 static void test_parameters(void) {
@@ -291,22 +294,23 @@ static void test_values(void) {
       "    output: a/b.gds\n    flag: true\n    anchor: { pitch: 300 nm }\n",
       NULL);
   g_assert_cmpstr(flow->name, ==, "some-flow");
-  g_assert_true(value_of(flow, 0, "size")->real == 65);
-  g_assert_cmpint(value_of(flow, 0, "whole")->integer, ==, 7);
-  g_assert_true(value_of(flow, 0, "plain")->real == -25);
-  const opc_value *list = value_of(flow, 0, "list");
-  g_assert_cmpuint(list->reals.count, ==, 2);
-  g_assert_true(list->reals.values[0] == 1 && list->reals.values[1] == 3);
-  const opc_value *names = value_of(flow, 0, "names");
-  g_assert_cmpuint(names->map.count, ==, 2);
-  g_assert_cmpstr(names->map.pairs[0].key, ==, "poly");
-  g_assert_cmpstr(names->map.pairs[0].value, ==, "9/0");
-  g_assert_cmpstr(value_of(flow, 0, "note")->text, ==, "${a}: # \"x\"");
-  g_assert_cmpint(value_of(flow, 0, "word")->integer, ==, 2);
-  g_assert_cmpstr(value_of(flow, 0, "input")->text, ==, "in.txt");
-  g_assert_cmpint(value_of(flow, 0, "flag")->integer, ==, 1);
-  g_assert_true(value_of(flow, 0, "anchor.pitch")->real == 300);
-  g_assert_true(value_of(flow, 0, "anchor.line")->real == 65);
+  g_assert_true(value_of(flow, 0, "size")->field.real == 65);
+  g_assert_cmpint(value_of(flow, 0, "whole")->field.integer, ==, 7);
+  g_assert_true(value_of(flow, 0, "plain")->field.real == -25);
+  const opc_setting *list = value_of(flow, 0, "list");
+  g_assert_cmpuint(list->field.reals.count, ==, 2);
+  g_assert_true(list->field.reals.values[0] == 1 &&
+                list->field.reals.values[1] == 3);
+  const opc_setting *names = value_of(flow, 0, "names");
+  g_assert_cmpuint(names->field.map.count, ==, 2);
+  g_assert_cmpstr(names->field.map.pairs[0].key, ==, "poly");
+  g_assert_cmpstr(names->field.map.pairs[0].value, ==, "9/0");
+  g_assert_cmpstr(value_of(flow, 0, "note")->field.text, ==, "${a}: # \"x\"");
+  g_assert_cmpint(value_of(flow, 0, "word")->field.flag, ==, 2);
+  g_assert_cmpstr(value_of(flow, 0, "input")->field.text, ==, "in.txt");
+  g_assert_cmpint(value_of(flow, 0, "flag")->field.flag, ==, 1);
+  g_assert_true(value_of(flow, 0, "anchor.pitch")->field.real == 300);
+  g_assert_true(value_of(flow, 0, "anchor.line")->field.real == 65);
   g_assert_cmpuint(value_of(flow, 0, "anchor.pitch")->given, ==, 1);
   g_assert_cmpuint(value_of(flow, 0, "anchor.line")->given, ==, 0);
   g_assert_cmpuint(value_of(flow, 0, "model")->present, ==, FALSE);
@@ -319,10 +323,10 @@ static void test_sets(void) {
   const char *const sets[] = {"abc.size=2 nm", "abc.anchor.line=70 nm",
                               "abc.size=3 nm", "abc.names={ poly: 1 }", NULL};
   g_autoptr(opc_flow) flow = load_good(simple, sets);
-  g_assert_true(value_of(flow, 0, "size")->real == 3);
-  g_assert_true(value_of(flow, 0, "anchor.line")->real == 70);
-  g_assert_true(value_of(flow, 0, "anchor.pitch")->real == 250);
-  g_assert_cmpuint(value_of(flow, 0, "names")->map.count, ==, 1);
+  g_assert_true(value_of(flow, 0, "size")->field.real == 3);
+  g_assert_true(value_of(flow, 0, "anchor.line")->field.real == 70);
+  g_assert_true(value_of(flow, 0, "anchor.pitch")->field.real == 250);
+  g_assert_cmpuint(value_of(flow, 0, "names")->field.map.count, ==, 1);
 }
 
 static void test_wrong_sets(void) {
@@ -359,7 +363,7 @@ static void test_resolved(void) {
       "    list: [1 nm, 0.003 um]\n    names: { poly: '9: x' }\n"
       "    note: \"line\\nbreak \\\\ ~ [\"\n    input: in.txt\n",
       sets);
-  g_autofree char *text = opc_flow_resolved(flow);
+  g_autofree char *text = opc_flow_resolved(flow, NULL);
   g_assert_nonnull(strstr(
       text, "    share: 1%                               # --set a.share\n"));
   g_assert_nonnull(strstr(
@@ -376,10 +380,12 @@ static void test_resolved(void) {
   g_autofree char *found = opc_problems_text(problems);
   g_assert_cmpstr(found, ==, "");
   g_assert_cmpstr(again->description, ==, flow->description);
-  g_assert_cmpstr(value_of(again, 1, "note")->text, ==, "line\nbreak \\ ~ [");
-  g_assert_cmpstr(value_of(again, 1, "names")->map.pairs[0].value, ==, "9: x");
-  g_assert_true(value_of(again, 1, "list")->reals.values[1] == 3);
-  g_autofree char *second = opc_flow_resolved(again);
+  g_assert_cmpstr(value_of(again, 1, "note")->field.text, ==,
+                  "line\nbreak \\ ~ [");
+  g_assert_cmpstr(value_of(again, 1, "names")->field.map.pairs[0].value, ==,
+                  "9: x");
+  g_assert_true(value_of(again, 1, "list")->field.reals.values[1] == 3);
+  g_autofree char *second = opc_flow_resolved(again, NULL);
   g_autoptr(GRegex) comment = g_regex_new(" +#.*", 0, 0, NULL);
   g_autofree char *bare =
       g_regex_replace_literal(comment, text, -1, 0, "", 0, NULL);

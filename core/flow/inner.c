@@ -45,12 +45,9 @@ static void choose_variant(opc_inner *inner, const opc_binding *b,
                            opc_problems *problems) {
   int i = find_parameter(b->plugin, "variant", OPC_TEXT);
   if (i < 0 || !b->values[i].present) return;
-  g_autoptr(opc_problems) found = opc_problems_new();
-  inner->choice.variant =
-      opc_recipe_variant(inner->recipe, b->values[i].text, found);
-  for (guint k = 0; k < found->list->len; k++)
-    opc_problem_add(problems, OPC_INVALID, &b->origin[i]->at, "%s",
-                    ((const opc_problem *)found->list->pdata[k])->message);
+  inner->choice.variant = b->values[i].field.text;
+  opc_recipe_has(inner->recipe, inner->choice.variant,
+                 opc_binding_origin(b, (size_t)i), problems);
 }
 
 /* What is set is not swept by the flow itself. */
@@ -59,8 +56,7 @@ static void choose_sweep(opc_inner *inner, const opc_node *swept,
   const opc_node *set = inner->choice.over;
   g_autoptr(GPtrArray) fixed = g_ptr_array_new_with_free_func(g_free);
   for (guint i = 0; set && i < set->keys->len; i++)
-    g_ptr_array_add(
-        fixed, g_strconcat(((opc_node *)set->keys->pdata[i])->text, "=", NULL));
+    g_ptr_array_add(fixed, g_strconcat(opc_node_key(set, i), "=", NULL));
   g_ptr_array_add(fixed, NULL);
   inner->sweep = opc_sweep_new(inner->recipe, (const char *const *)fixed->pdata,
                                NULL, problems);
@@ -70,30 +66,23 @@ static void choose_sweep(opc_inner *inner, const opc_node *swept,
 
 /* ---- reading: files ---- */
 
-static void make_absolute(opc_node *node) {
-  const char *folder = node->source->folder;
-  if (g_path_is_absolute(node->text)) return;
-  g_autofree char *path =
-      g_build_filename(folder && *folder ? folder : ".", node->text, NULL);
-  g_free(node->text);
-  node->text = g_canonicalize_filename(path, NULL);
-}
-
 /* Of a value, of those of a list, and of what is in a map. As deep as files
    may nest. */
 static void make_files_absolute(const opc_flow *flow, const char *path,
                                 opc_node *node) {
   if (node->type == OPC_NODE_TEXT) {
     const opc_parameter *p = opc_flow_parameter(flow, path);
-    if (p && p->type == OPC_FILE) make_absolute(node);
+    if (!p || p->type != OPC_FILE || g_path_is_absolute(node->text)) return;
+    g_autofree char *file = opc_node_path(node);
+    g_free(node->text);
+    node->text = g_canonicalize_filename(file, NULL);
     return;
   }
   for (guint i = 0; i < node->items->len; i++) {
-    const char *key =
-        node->keys ? ((const opc_node *)node->keys->pdata[i])->text : NULL;
     g_autofree char *deeper =
-        key ? g_strdup_printf("%s%s%s", path, *path ? "." : "", key)
-            : g_strdup(path);
+        node->keys ? g_strdup_printf("%s%s%s", path, *path ? "." : "",
+                                     opc_node_key(node, i))
+                   : g_strdup(path);
     make_files_absolute(flow, deeper, node->items->pdata[i]);
   }
 }
@@ -120,7 +109,7 @@ static void open_recipe(opc_inner *inner, const opc_binding *b,
   const GPtrArray *axes = inner->sweep->axes;
   inner->axes = g_new0(opc_inner_axis, axes->len + 1);
   for (guint i = 0; i < axes->len; i++)
-    opc_axis_describe(axes->pdata[i], &inner->axes[i]);
+    inner->axes[i] = ((const opc_axis *)axes->pdata[i])->told;
 }
 
 void opc_inner_open(opc_binding *binding, opc_registry *registry,
@@ -138,17 +127,14 @@ void opc_inner_open(opc_binding *binding, opc_registry *registry,
   }
   opc_inner *inner = binding->inner = g_new0(opc_inner, 1);
   inner->registry = registry;
-  inner->recipe = opc_recipe_read(binding->values[i].text, problems);
+  inner->recipe = opc_recipe_read(binding->values[i].field.text, problems);
   if (inner->recipe) open_recipe(inner, binding, problems);
 }
 
 void opc_inner_free(opc_inner *inner) {
   if (!inner) return;
-  opc_run_branch_free(inner->run);
-  if (inner->trunk) opc_run_release(inner->trunk);
+  opc_run_free(inner->run);
   opc_run_free(inner->trunk);
-  for (guint i = 0; inner->axes && i < inner->sweep->axes->len; i++)
-    opc_inner_axis_clear(&inner->axes[i]);
   opc_flow_free(inner->flow);
   opc_sweep_free(inner->sweep);
   opc_recipe_free(inner->recipe);
@@ -159,7 +145,7 @@ void opc_inner_free(opc_inner *inner) {
 }
 
 int opc_inner_check(const opc_inner *inner, opc_error *error) {
-  static const opc_sink nowhere = {.data = NULL};
+  static const opc_watch nowhere = {.data = NULL};
   if (!inner) return OPC_OK;
   g_autoptr(opc_problems) problems = opc_problems_new();
   opc_flow_check(inner->recipe, &inner->choice, inner->registry, &nowhere,
@@ -173,19 +159,6 @@ const opc_flow *opc_inner_flow(const opc_inner *inner) { return inner->flow; }
 
 static opc_inner *inner_of(const opc_host *host) {
   return ((const opc_binding *)host->data)->inner;
-}
-
-/* *error: there is no `word`, and which of `names` may be meant. */
-static void refuse(opc_error *error, const char *word, const GPtrArray *names,
-                   const char *format, ...) OPC_PRINTF(4, 5);
-static void refuse(opc_error *error, const char *word, const GPtrArray *names,
-                   const char *format, ...) {
-  va_list args;
-  va_start(args, format);
-  g_autofree char *text = g_strdup_vprintf(format, args);
-  va_end(args);
-  g_autofree char *suggestion = opc_suggestion(word, names);
-  opc_fail(error, OPC_INVALID, NULL, "%s%s", text, suggestion);
 }
 
 /* A binding by its path, or all paths. */
@@ -209,8 +182,10 @@ static const opc_binding *find_binding(const opc_flow *flow, const char *path,
   for (guint i = 0; i < flow->steps->len; i++)
     opc_binding_visit(((opc_flow_step *)flow->steps->pdata[i])->binding,
                       look_at, &l);
+  g_autofree char *suggestion = opc_suggestion(path, paths);
   if (!l.found)
-    refuse(error, path, paths, "there is no '%s' in '%s'", path, flow->path);
+    opc_fail(error, OPC_INVALID, NULL, "there is no '%s' in '%s'%s", path,
+             flow->path, suggestion);
   return l.found;
 }
 
@@ -232,8 +207,9 @@ static const opc_metric *get_metric(const opc_host *host, const char *path,
   g_autoptr(GPtrArray) names = g_ptr_array_new();
   for (size_t i = 0; i < b->plugin->n_metrics; i++)
     g_ptr_array_add(names, (char *)b->plugin->metrics[i].name);
-  refuse(error, dot + 1, names, "'%s' (%s) has no metric '%s'", of,
-         b->plugin->id, dot + 1);
+  g_autofree char *suggestion = opc_suggestion(dot + 1, names);
+  opc_fail(error, OPC_INVALID, NULL, "'%s' (%s) has no metric '%s'%s", of,
+           b->plugin->id, dot + 1, suggestion);
   return NULL;
 }
 
@@ -273,14 +249,14 @@ static const opc_inner_axis *get_axes(const opc_host *host, size_t *count) {
 }
 
 static int find_axis(const opc_host *host, const char *path, opc_error *error) {
-  const GPtrArray *axes = inner_of(host)->sweep->axes;
+  const opc_inner *in = inner_of(host);
   g_autoptr(GPtrArray) paths = g_ptr_array_new();
-  for (guint i = 0; i < axes->len; i++) {
-    char *other = ((const opc_axis *)axes->pdata[i])->path;
-    if (!strcmp(other, path)) return (int)i;
-    g_ptr_array_add(paths, other);
+  for (guint i = 0; i < in->sweep->axes->len; i++) {
+    if (!strcmp(in->axes[i].path, path)) return (int)i;
+    g_ptr_array_add(paths, (char *)in->axes[i].path);
   }
-  refuse(error, path, paths, "'%s' is not swept", path);
+  g_autofree char *suggestion = opc_suggestion(path, paths);
+  opc_fail(error, OPC_INVALID, NULL, "'%s' is not swept%s", path, suggestion);
   return -1;
 }
 
@@ -290,7 +266,7 @@ static int find_axis(const opc_host *host, const char *path, opc_error *error) {
 static void take_log(void *data, const char *path, int level,
                      const char *message) {
   const opc_inner *in = data;
-  const opc_watch *watch = ((const opc_run *)in->binding->listener)->watch;
+  const opc_watch *watch = ((const opc_run *)in->binding->run)->watch;
   if (!watch->log || (!in->telling && level >= OPC_LOG_INFO)) return;
   g_autofree char *whole = g_strdup_printf("%s.%s", in->binding->path, path);
   watch->log(watch->data, whole, level, message);
@@ -326,7 +302,7 @@ static int is_cancelled(void *data) {
 static int begin(const opc_host *host, opc_error *error) {
   const opc_binding *b = host->data;
   opc_inner *in = b->inner;
-  const opc_run *outer = b->listener;
+  opc_run *outer = b->run;
   if (!outer)
     return opc_fail(error, OPC_FAILED, NULL, "a %s runs in a flow only",
                     b->plugin->id);
@@ -348,9 +324,7 @@ static int begin(const opc_host *host, opc_error *error) {
   }
   g_autoptr(opc_problems) problems = opc_problems_new();
   in->telling = TRUE;
-  if (opc_run_create(in->trunk, problems) &&
-      opc_run_open_at(in->trunk, in->folder, problems))
-    opc_run_steps(in->trunk, problems);
+  opc_run_in(in->trunk, outer, in->folder, problems);
   tell_progress(in, 0);
   return opc_problems_error(problems, error);
 }
@@ -379,12 +353,12 @@ static int run_point(const opc_host *host, size_t point, int keep, size_t share,
   g_autofree char *folder =
       keep ? g_strdup(in->folder) : g_build_filename(in->folder, name, NULL);
   g_autoptr(opc_problems) problems = opc_problems_new();
-  opc_run_branch_free(in->run);
+  opc_run_free(in->run);
   in->run = opc_run_branch(in->trunk, &choice, problems);
   if (in->run) {
     g_hash_table_foreach(in->trunk->claims, copy_claim, in->run->claims);
     prune(in, in->run);
-    opc_run_branch_steps(in->run, in->binding->listener, folder, problems);
+    opc_run_in(in->run, in->binding->run, folder, problems);
     opc_run_branch_close(in->run, keep || in->run->options->keep, problems);
   }
   int code = opc_problems_code(problems);
@@ -411,12 +385,14 @@ static const opc_table *find_table(const opc_run *run, const char *step,
                                    const char *name, opc_error *error) {
   g_autoptr(GPtrArray) names = g_ptr_array_new();
   for (guint i = 0; i < run->tables->len; i++) {
-    const opc_run_table *t = run->tables->pdata[i];
+    const opc_table *t = run->tables->pdata[i];
     if (strcmp(t->step, step)) continue;
-    if (!strcmp(t->table->name, name)) return t->table;
-    g_ptr_array_add(names, t->table->name);
+    if (!strcmp(t->name, name)) return t;
+    g_ptr_array_add(names, t->name);
   }
-  refuse(error, name, names, "'%s' published no table '%s'", step, name);
+  g_autofree char *suggestion = opc_suggestion(name, names);
+  opc_fail(error, OPC_INVALID, NULL, "'%s' published no table '%s'%s", step,
+           name, suggestion);
   return NULL;
 }
 
@@ -432,8 +408,10 @@ static const opc_column *get_column(const opc_host *host, const char *step,
   g_autoptr(GPtrArray) names = g_ptr_array_new();
   for (size_t i = 0; i < table->n_columns; i++)
     g_ptr_array_add(names, (char *)table->columns[i].name);
-  refuse(error, name, names, "the table '%s' of '%s' has no numbers '%s'",
-         table_name, step, name);
+  g_autofree char *suggestion = opc_suggestion(name, names);
+  opc_fail(error, OPC_INVALID, NULL,
+           "the table '%s' of '%s' has no numbers '%s'%s", table_name, step,
+           name, suggestion);
   return NULL;
 }
 

@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Lays trees over each other, and reads what a command line lays over a flow.
+ */
 #include "core/flow/layers.h"
 
 #include <string.h>
@@ -19,14 +21,6 @@ static void lay_map(const layer *l, opc_node *under, const opc_node *over);
 
 /* ---- one key ---- */
 
-static char *suggestion_for(const char *word, const opc_node *map) {
-  g_autoptr(GPtrArray) names = g_ptr_array_new();
-  for (guint i = 0; i < map->keys->len; i++)
-    if (map->items->pdata[i])
-      g_ptr_array_add(names, ((opc_node *)map->keys->pdata[i])->text);
-  return opc_suggestion(word, names);
-}
-
 /* Maps are laid over nothing: what they want to remove cannot be there. */
 static opc_node *copy(const layer *l, const opc_node *node) {
   if (node->type != OPC_NODE_MAP) return opc_node_copy(node, l->source);
@@ -46,17 +40,13 @@ static gboolean is_other(const opc_node *under, const opc_node *over) {
   return !old || g_strcmp0(old->text, new->text);
 }
 
-/* What stands at `i` goes; its place stays until lay_map has seen all. */
-static void clear(opc_node *map, guint i) {
-  opc_node_free(map->keys->pdata[i]);
-  opc_node_free(map->items->pdata[i]);
-  map->keys->pdata[i] = map->items->pdata[i] = NULL;
-}
-
 /* A key that is not below, where it must be. */
 static void report(const layer *l, const opc_node *under, const opc_node *key,
                    const char *before, const char *after) {
-  g_autofree char *suggestion = suggestion_for(key->text, under);
+  g_autoptr(GPtrArray) names = g_ptr_array_new();
+  for (guint i = 0; i < under->keys->len; i++)
+    g_ptr_array_add(names, (char *)opc_node_key(under, i));
+  g_autofree char *suggestion = opc_suggestion(key->text, names);
   opc_place at = key->at;
   if (l->source) at.file = l->source->name;
   opc_problem_add(l->problems, OPC_INVALID, &at, "%s '%s'%s%s", before,
@@ -73,58 +63,50 @@ static void add_key(const layer *l, opc_node *under, const opc_node *key,
     opc_node_add(under, opc_node_copy(key, l->source), copy(l, value));
 }
 
-/* `i`: where the key is below, -1 if it is not. */
-static void lay_key(const layer *l, opc_node *under, int i, const opc_node *key,
-                    const opc_node *value) {
-  gboolean removes = opc_node_is_null(value);
-  if (i < 0) {
-    add_key(l, under, key, value);
+/* The same for a key that is there with `*old`: both become NULL if it goes. */
+static void lay_key(const layer *l, gpointer *old_key, gpointer *old,
+                    const opc_node *key, const opc_node *value) {
+  gboolean maps =
+      ((opc_node *)*old)->type == OPC_NODE_MAP && value->type == OPC_NODE_MAP;
+  if (maps && !is_other(*old, value)) {
+    lay_map(l, *old, value);
     return;
   }
-  opc_node *old = under->items->pdata[i];
-  gboolean merges = old->type == OPC_NODE_MAP && value->type == OPC_NODE_MAP;
-  if (merges && !is_other(old, value)) {
-    lay_map(l, old, value);
-    return;
-  }
-  clear(under, (guint)i);
-  if (removes) return;
-  under->keys->pdata[i] = opc_node_copy(key, l->source);
-  under->items->pdata[i] = copy(l, value);
+  gboolean stays = !opc_node_is_null(value);
+  opc_node_free(*old_key);
+  opc_node_free(*old);
+  *old_key = stays ? opc_node_copy(key, l->source) : NULL;
+  *old = stays ? copy(l, value) : NULL;
 }
 
 /* ---- maps ---- */
 
-/* Close the gaps of what was removed. */
-static void compact(opc_node *map) {
-  guint n = 0;
-  for (guint i = 0; i < map->items->len; i++) {
-    if (!map->items->pdata[i]) continue;
-    map->keys->pdata[n] = map->keys->pdata[i];
-    map->items->pdata[n++] = map->items->pdata[i];
-  }
-  for (guint i = n; i < map->items->len; i++)
-    map->keys->pdata[i] = map->items->pdata[i] = NULL;
-  g_ptr_array_set_size(map->keys, (gint)n);
-  g_ptr_array_set_size(map->items, (gint)n);
-}
-
 /* As deep as the trees; in time proportional to them. */
 static void lay_map(const layer *l, opc_node *under, const opc_node *over) {
-  g_autoptr(GHashTable) index = g_hash_table_new(g_str_hash, g_str_equal);
-  g_autoptr(GPtrArray) names = g_ptr_array_new_with_free_func(g_free);
-  for (guint i = 0; i < under->keys->len; i++) {
-    char *name = g_strdup(((opc_node *)under->keys->pdata[i])->text);
-    g_ptr_array_add(names, name);
-    g_hash_table_insert(index, name, GINT_TO_POINTER(i + 1));
+  /* Of each key above, its number and one; what is below leaves it. */
+  g_autoptr(GHashTable) left = g_hash_table_new(g_str_hash, g_str_equal);
+  gpointer *keys = under->keys->pdata, *items = under->items->pdata;
+  guint n = 0, before = under->keys->len;
+  for (guint k = 0; k < over->keys->len; k++)
+    g_hash_table_insert(left, (char *)opc_node_key(over, k),
+                        GUINT_TO_POINTER(k + 1));
+  for (guint i = 0; i < before; i++) {
+    const char *name = opc_node_key(under, i);
+    guint k = GPOINTER_TO_UINT(g_hash_table_lookup(left, name));
+    g_hash_table_remove(left, name);
+    if (k)
+      lay_key(l, &keys[i], &items[i], over->keys->pdata[k - 1],
+              over->items->pdata[k - 1]);
+    if (!items[i]) continue;
+    keys[n] = keys[i];
+    items[n++] = items[i];
   }
-  for (guint k = 0; k < over->keys->len && !opc_problems_full(l->problems);
-       k++) {
-    const opc_node *key = over->keys->pdata[k];
-    int i = GPOINTER_TO_INT(g_hash_table_lookup(index, key->text)) - 1;
-    lay_key(l, under, i, key, over->items->pdata[k]);
-  }
-  compact(under);
+  for (guint i = n; i < before; i++) keys[i] = items[i] = NULL;
+  g_ptr_array_set_size(under->keys, (gint)n);
+  g_ptr_array_set_size(under->items, (gint)n);
+  for (guint k = 0; k < over->keys->len && !opc_problems_full(l->problems); k++)
+    if (g_hash_table_contains(left, opc_node_key(over, k)))
+      add_key(l, under, over->keys->pdata[k], over->items->pdata[k]);
 }
 
 void opc_lay(opc_node *under, const opc_node *over, const opc_source *source,
@@ -177,19 +159,19 @@ void opc_lay_at(opc_node *steps, const char *path, const opc_place *key,
 
 /* ---- the command line ---- */
 
+/* Its problems have no line. */
 static opc_node *parse_value(const char *text, const opc_source *source,
                              opc_problems *problems) {
   g_autoptr(opc_problems) found = opc_problems_new();
   const opc_place at = {source->name, 0, 0};
-  if (!*text) {
+  opc_node *value = NULL;
+  if (*text)
+    value = opc_node_parse(source, text, strlen(text), found);
+  else
     opc_problem_add(problems, OPC_INVALID, &at, "has no value");
-    return NULL;
-  }
-  opc_node *value = opc_node_parse(source, text, strlen(text), found);
   for (guint i = 0; i < found->list->len; i++)
     opc_problem_add(problems, OPC_INVALID, &at, "%s",
                     ((opc_problem *)found->list->pdata[i])->message);
-  if (value) opc_node_forget_lines(value);
   return value;
 }
 

@@ -45,8 +45,8 @@ static made make(const char *path, const char *variant, size_t point,
   g_assert_cmpstr(faults, ==, "");
   m.sweep = opc_sweep_new(m.recipe, sets, NULL, problems);
   opc_choice choice = {.sweep = m.sweep, .point = point, .sets = sets};
-  if (*variant)
-    choice.variant = opc_recipe_variant(m.recipe, variant, problems);
+  if (*variant && opc_recipe_has(m.recipe, variant, NULL, problems))
+    choice.variant = variant;
   m.flow = opc_flow_make(m.recipe, &choice, registry(), problems);
   g_autofree char *found = opc_problems_text(problems);
   g_assert_cmpstr(found, ==, "");
@@ -67,14 +67,14 @@ static const opc_binding *step_of(const opc_flow *flow, const char *name) {
   return NULL;
 }
 
-static const opc_value *value_of(const opc_binding *b, const char *name) {
+static const opc_setting *value_of(const opc_binding *b, const char *name) {
   int i = opc_parameter_find(b->plugin, name);
   g_assert_cmpint(i, >=, 0);
   return &b->values[i];
 }
 
 static double real_of(const made *m, const char *step, const char *name) {
-  return value_of(step_of(m->flow, step), name)->real;
+  return value_of(step_of(m->flow, step), name)->field.real;
 }
 
 /* All that `check` tells of a flow and its variants. */
@@ -85,8 +85,8 @@ static void check_faults(const char *path, const char *expected) {
     g_autoptr(opc_sweep) sweep = opc_sweep_new(recipe, NULL, NULL, problems);
     opc_choice choice = {.sweep = sweep};
     opc_flow_check(recipe, &choice, registry(), NULL, problems);
-    for (guint i = 0; i < recipe->variants->len; i++) {
-      choice.variant = recipe->variants->pdata[i];
+    for (guint i = 0; i < recipe->variants->keys->len; i++) {
+      choice.variant = opc_node_key(recipe->variants, i);
       opc_flow_check(recipe, &choice, registry(), NULL, problems);
     }
   }
@@ -124,15 +124,15 @@ static void test_extends(void) {
   g_assert_true(real_of(&m, "a", "size") == 2);
   g_assert_true(real_of(&m, "a", "share") == 0.5); /* the default again */
   g_assert_true(real_of(&m, "a", "anchor.line") == 66);
-  const opc_value *names = value_of(step_of(m.flow, "a"), "names");
-  g_assert_cmpuint(names->map.count, ==, 2);
-  g_assert_cmpstr(names->map.pairs[0].value, ==, "1/0");
-  g_assert_cmpstr(names->map.pairs[1].value, ==, "3/0");
-  g_assert_cmpstr(value_of(step_of(m.flow, "a"), "input")->text, ==,
+  const opc_setting *names = value_of(step_of(m.flow, "a"), "names");
+  g_assert_cmpuint(names->field.map.count, ==, 2);
+  g_assert_cmpstr(names->field.map.pairs[0].value, ==, "1/0");
+  g_assert_cmpstr(names->field.map.pairs[1].value, ==, "3/0");
+  g_assert_cmpstr(value_of(step_of(m.flow, "a"), "input")->field.text, ==,
                   "far/in.txt");
   g_assert_null(step_of(m.flow, "b"));
   g_assert_cmpstr(step_of(m.flow, "c")->plugin->id, ==, "test.slotted");
-  g_autofree char *text = opc_flow_resolved(m.flow);
+  g_autofree char *text = opc_flow_resolved(m.flow, NULL);
   g_assert_nonnull(strstr(text, "# middle.yaml:4:14\n"));
   g_assert_nonnull(strstr(text, "# far/base.yaml:4:58\n"));
   made_free(&m);
@@ -195,7 +195,7 @@ static void test_variants(void) {
   g_assert_true(real_of(&m, "a", "size") == 2);
   g_assert_true(real_of(&m, "a", "anchor.line") == 70);
   g_assert_true(real_of(&m, "b", "size") == 5);
-  g_autofree char *text = opc_flow_resolved(m.flow);
+  g_autofree char *text = opc_flow_resolved(m.flow, NULL);
   g_assert_nonnull(strstr(text, "# variant dotted, flow.yaml:6:21\n"));
   made_free(&m);
   const char *const sets[] = {"a.size=8 nm", NULL};
@@ -206,7 +206,7 @@ static void test_variants(void) {
   made_free(&m);
   m = make("flow.yaml", "other", 0, NULL);
   const opc_binding *rule = step_of(m.flow, "b")->slots[0];
-  g_assert_true(value_of(rule, "size")->real == 61);
+  g_assert_true(value_of(rule, "size")->field.real == 61);
   made_free(&m);
 }
 
@@ -219,10 +219,11 @@ static void test_inherited(void) {
   made m = make("flow.yaml", "dotted", 0, NULL);
   g_assert_true(real_of(&m, "a", "size") == 6);
   g_assert_true(real_of(&m, "a", "anchor.line") == 70);
-  g_assert_cmpint(value_of(step_of(m.flow, "a"), "whole")->integer, ==, 4);
-  g_assert_cmpuint(m.recipe->variants->len, ==, 2);
+  g_assert_cmpint(value_of(step_of(m.flow, "a"), "whole")->field.integer, ==,
+                  4);
+  g_assert_cmpuint(m.recipe->variants->keys->len, ==, 2);
   g_autoptr(opc_problems) problems = opc_problems_new();
-  g_assert_null(opc_recipe_variant(m.recipe, "netsed", problems));
+  g_assert_false(opc_recipe_has(m.recipe, "netsed", NULL, problems));
   g_autofree char *found = opc_problems_text(problems);
   g_assert_cmpstr(found, ==,
                   "flow.yaml: unknown variant 'netsed', did you mean "
@@ -274,7 +275,7 @@ static void test_grid(void) {
   g_assert_cmpuint(m.sweep->points, ==, 3);
   g_assert_true(real_of(&m, "a", "size") == 4);
   g_assert_true(real_of(&m, "a", "share") == 0.3);
-  g_autofree char *text = opc_flow_resolved(m.flow);
+  g_autofree char *text = opc_flow_resolved(m.flow, NULL);
   g_assert_nonnull(strstr(text, "# sweep, flow.yaml:6:12\n"));
   made_free(&m);
 }
@@ -323,19 +324,22 @@ static void test_ranges(void) {
 static void test_default_slot(void) {
   write_file("flow.yaml", "opcflow: 1\nsteps:\n  s: { use: test.slotted }\n");
   made m = make("flow.yaml", "", 0, NULL);
-  g_assert_true(value_of(step_of(m.flow, "s")->slots[0], "size")->real == 60);
-  g_autofree char *text = opc_flow_resolved(m.flow);
+  g_assert_true(value_of(step_of(m.flow, "s")->slots[0], "size")->field.real ==
+                60);
+  g_autofree char *text = opc_flow_resolved(m.flow, NULL);
   g_assert_nonnull(
       strstr(text, "      size: 60 nm                           # default\n"));
   made_free(&m);
   const char *const sets[] = {"s.rule.size=64 nm", NULL};
   m = make("flow.yaml", "", 0, sets);
-  g_assert_true(value_of(step_of(m.flow, "s")->slots[0], "size")->real == 64);
+  g_assert_true(value_of(step_of(m.flow, "s")->slots[0], "size")->field.real ==
+                64);
   made_free(&m);
   /* Another plugin, or the same one named, begins anew. */
   const char *const uses[] = {"s.rule.use=bad.none", NULL};
   m = make("flow.yaml", "", 0, uses);
-  g_assert_true(value_of(step_of(m.flow, "s")->slots[0], "size")->real == 65);
+  g_assert_true(value_of(step_of(m.flow, "s")->slots[0], "size")->field.real ==
+                65);
   made_free(&m);
   check_text(
       "opcflow: 1\nsteps:\n  s: { use: test.slotted, rule: { siez: 1 nm "
@@ -353,7 +357,7 @@ static void test_sets(void) {
   made m = make("flow.yaml", "", 0, sets);
   g_assert_null(step_of(m.flow, "b"));
   const opc_binding *a = step_of(m.flow, "a");
-  g_assert_true(value_of(a->slots[0], "size")->real == 63);
+  g_assert_true(value_of(a->slots[0], "size")->field.real == 63);
   made_free(&m);
 }
 
@@ -365,11 +369,11 @@ static void test_again(void) {
              "sweep: { a.share: [1 %, 2 %] }\n");
   const char *const sets[] = {"b.note=yes", NULL};
   made m = make("flow.yaml", "dotted", 1, sets);
-  g_autofree char *text = opc_flow_resolved(m.flow);
+  g_autofree char *text = opc_flow_resolved(m.flow, NULL);
   write_file("other/again.yaml", text);
   made n = make("other/again.yaml", "", 0, NULL);
   g_assert_cmpuint(n.sweep->points, ==, 1);
-  g_autofree char *second = opc_flow_resolved(n.flow);
+  g_autofree char *second = opc_flow_resolved(n.flow, NULL);
   g_autoptr(GRegex) comment = g_regex_new(" +#.*", 0, 0, NULL);
   g_autofree char *bare =
       g_regex_replace_literal(comment, text, -1, 0, "", 0, NULL);
@@ -402,7 +406,7 @@ static void test_bounds(void) {
   write_file("flow.yaml", many->str);
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_recipe) recipe = opc_recipe_read("flow.yaml", problems);
-  const opc_choice choice = {.variant = recipe->variants->pdata[0]};
+  const opc_choice choice = {.variant = opc_node_key(recipe->variants, 0)};
   opc_flow_check(recipe, &choice, registry(), NULL, problems);
   g_autofree char *found = opc_problems_text(problems);
   g_assert_nonnull(strstr(found, "is deeper than 64"));

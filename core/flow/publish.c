@@ -1,34 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the instances of a run say and publish. */
+/* What the instances of a run publish. */
 #include <errno.h>
 #include <string.h>
 
 #include "core/flow/files.h"
 #include "core/flow/run.h"
-#include "core/text/value.h"
 #include "core/plugin/declaration.h"
-
-/* ---- passing on ---- */
-
-static void take_log(void *data, int level, const char *message) {
-  const opc_binding *b = data;
-  const opc_watch *watch = ((const opc_run *)b->listener)->watch;
-  if (watch->log) watch->log(watch->data, b->path, level, message);
-}
-
-static void take_progress(void *data, const opc_progress *progress) {
-  const opc_binding *b = data;
-  const opc_watch *watch = ((const opc_run *)b->listener)->watch;
-  if (watch->progress) watch->progress(watch->data, b->path, progress);
-}
-
-static int is_cancelled(void *data) {
-  const opc_binding *b = data;
-  const opc_watch *watch = ((const opc_run *)b->listener)->watch;
-  return watch->cancelled && watch->cancelled(watch->data);
-}
-
-/* ---- publishing ---- */
+#include "core/text/value.h"
 
 /* A refusal stands, whether or not the plugin passes it on. */
 static int refuse(opc_run *run, const opc_error *error) {
@@ -36,39 +14,33 @@ static int refuse(opc_run *run, const opc_error *error) {
   return error->code;
 }
 
-/* Take a name in the run folder: FALSE if it is taken or leaves the folder. */
-static gboolean claim(opc_run *run, const opc_binding *b, const char *name,
-                      opc_error *error) {
-  if (!run->work) {
-    opc_fail(error, OPC_FAILED, NULL, "'%s': no step is running", name);
-    return FALSE;
-  }
-  if (!opc_name_is_inside(name)) {
-    opc_fail(error, OPC_INVALID, NULL, "'%s' leaves the run folder", name);
-    return FALSE;
-  }
+/* Take a name in the run folder, unless it is taken or leaves that. */
+static int claim(opc_run *run, const opc_binding *b, const char *name,
+                 opc_error *error) {
   const char *owner = g_hash_table_lookup(run->claims, name);
-  if (owner) {
-    opc_fail(error, OPC_INVALID, NULL, "'%s' is already written by '%s'", name,
-             owner);
-    return FALSE;
-  }
+  if (!run->work)
+    return opc_fail(error, OPC_FAILED, NULL, "'%s': no step is running", name);
+  if (!opc_name_is_inside(name))
+    return opc_fail(error, OPC_INVALID, NULL, "'%s' leaves the run folder",
+                    name);
+  if (owner)
+    return opc_fail(error, OPC_INVALID, NULL, "'%s' is already written by '%s'",
+                    name, owner);
   g_hash_table_insert(run->claims, g_strdup(name), g_strdup(b->path));
-  return TRUE;
+  return OPC_OK;
 }
 
-static const char *give_path(void *data, const char *name, opc_error *error) {
-  const opc_binding *b = data;
-  opc_run *run = b->listener;
-  if (!claim(run, b, name, error)) {
-    refuse(run, error);
-    return NULL;
-  }
-  char *path = g_build_filename(run->work, name, NULL);
-  g_ptr_array_add(run->paths, path);
+static const char *give_path(const opc_host *host, const char *name,
+                             opc_error *error) {
+  const opc_binding *b = host->data;
+  opc_run *run = b->run;
+  int code = claim(run, b, name, error);
+  char *path = g_build_filename(run->work ? run->work : "", name, NULL);
   g_autofree char *folder = g_path_get_dirname(path);
-  if (!g_mkdir_with_parents(folder, 0777)) return path;
-  opc_fail(error, OPC_IO, NULL, "'%s': %s", folder, g_strerror(errno));
+  g_ptr_array_add(b->owned, path);
+  if (!code && g_mkdir_with_parents(folder, 0777))
+    code = opc_fail(error, OPC_IO, NULL, "'%s': %s", folder, g_strerror(errno));
+  if (!code) return path;
   refuse(run, error);
   return NULL;
 }
@@ -83,43 +55,34 @@ static char *table_file(const opc_run *run, const opc_binding *b,
   return g_strdup_printf("%s.%s.csv", b->path, name);
 }
 
-static int keep_table(opc_run *run, const opc_binding *b, opc_table *table,
+static int take_table(const opc_host *host, const char *name, uint32_t flags,
+                      size_t rows, const opc_column *columns, size_t n_columns,
                       opc_error *error) {
-  g_autofree char *file = table_file(run, b, table->name);
-  if (strchr(table->name, '/') || !claim(run, b, file, error)) {
-    if (!error->code)
-      opc_fail(error, OPC_FAILED, NULL, "'%s' is no name of a table",
-               table->name);
-    opc_table_free(table);
-    return refuse(run, error);
-  }
-  opc_run_table *kept = g_new0(opc_run_table, 1);
-  kept->step = g_strdup(b->path);
-  kept->file = g_strdup(file);
-  kept->table = table;
-  g_ptr_array_add(run->tables, kept);
-  g_autofree char *path = g_build_filename(run->work, file, NULL);
-  g_autofree char *csv = opc_table_csv(table);
-  int code = opc_write_file(path, csv, error);
-  return code ? refuse(run, error) : OPC_OK;
-}
-
-static int take_table(void *data, const char *name, uint32_t flags, size_t rows,
-                      const opc_column *columns, size_t n_columns,
-                      opc_error *error) {
-  const opc_binding *b = data;
-  opc_run *run = b->listener;
-  error->code = OPC_OK;
+  const opc_binding *b = host->data;
+  opc_run *run = b->run;
   opc_table *table =
       opc_table_new(name, flags, rows, columns, n_columns, error);
   if (!table) return refuse(run, error);
-  return keep_table(run, b, table, error);
+  g_autofree char *file = table_file(run, b, name);
+  int code = strchr(name, '/') ? opc_fail(error, OPC_FAILED, NULL,
+                                          "'%s' is no name of a table", name)
+                               : claim(run, b, file, error);
+  if (code) {
+    opc_table_free(table);
+    return refuse(run, error);
+  }
+  table->step = g_strdup(b->path);
+  g_ptr_array_add(run->tables, table);
+  g_autofree char *path = g_build_filename(run->work, file, NULL);
+  g_autofree char *csv = opc_table_csv(table);
+  code = opc_write_file(path, csv, error);
+  return code ? refuse(run, error) : OPC_OK;
 }
 
-static int take_metric(void *data, const char *name, double value,
+static int take_metric(const opc_host *host, const char *name, double value,
                        opc_error *error) {
-  const opc_binding *b = data;
-  opc_run *run = b->listener;
+  const opc_binding *b = host->data;
+  opc_run *run = b->run;
   opc_inner_metric entry = {
       b->path, opc_metric_check(b->plugin, name, value, error), value};
   if (!entry.metric) return refuse(run, error);
@@ -134,11 +97,5 @@ static int take_metric(void *data, const char *name, double value,
   return OPC_OK;
 }
 
-const opc_sink opc_run_sink = {
-    .log = take_log,
-    .progress = take_progress,
-    .cancelled = is_cancelled,
-    .table = take_table,
-    .metric = take_metric,
-    .output_path = give_path,
-};
+const opc_host opc_run_publisher = {
+    .table = take_table, .metric = take_metric, .output_path = give_path};

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads a flow file and those it extends, from the last one to the first. */
 #include "core/flow/recipe.h"
 
 #include <string.h>
@@ -12,40 +13,22 @@ enum {
   MOST_VARIANTS = 100
 };
 
-#define WRONG(problems, node, ...) \
-  opc_problem_add(problems, OPC_INVALID, &(node)->at, __VA_ARGS__)
-
 gboolean opc_is_name(const char *text, gboolean dots) {
-  if (!g_ascii_isalnum(*text) && *text != '_') return FALSE;
-  for (; *text; text++)
-    if (!g_ascii_isalnum(*text) && *text != '_' && *text != '-' &&
-        !(dots && *text == '.'))
-      return FALSE;
-  return TRUE;
+  static const char letters[] = G_CSET_a_2_z G_CSET_A_2_Z G_CSET_DIGITS "_-.";
+  return *text && !strchr("-.", *text) && !text[strspn(text, letters)] &&
+         (dots || !strchr(text, '.'));
 }
 
 /* ---- the head of a file ---- */
 
-static void check_keys(const opc_node *root, opc_problems *problems) {
-  static const char *const known[] = {"opcflow", "name",  "description",
-                                      "extends", "steps", "variants",
-                                      "sweep",   NULL};
-  g_autoptr(GPtrArray) names = g_ptr_array_new();
-  for (guint i = 0; known[i]; i++) g_ptr_array_add(names, (char *)known[i]);
-  for (guint i = 0; i < root->keys->len && !opc_problems_full(problems); i++) {
-    const opc_node *key = root->keys->pdata[i];
-    if (g_strv_contains(known, key->text)) continue;
-    g_autofree char *suggestion = opc_suggestion(key->text, names);
-    WRONG(problems, key, "unknown key '%s'%s", key->text, suggestion);
-  }
-}
-
 static void check_version(const opc_node *root, opc_problems *problems) {
   const opc_node *version = opc_node_get(root, "opcflow");
   if (!version)
-    WRONG(problems, root, "missing 'opcflow: 1', the version of the format");
+    opc_wrong(problems, root,
+              "missing 'opcflow: 1', the version of the format");
   else if (version->type != OPC_NODE_TEXT || strcmp(version->text, "1"))
-    WRONG(problems, version, "'opcflow' must be 1, the version of the format");
+    opc_wrong(problems, version,
+              "'opcflow' must be 1, the version of the format");
 }
 
 /* The name that the file gives itself, or what it is called. */
@@ -55,8 +38,8 @@ static char *flow_name(const opc_node *root, const char *path,
   if (name && name->type == OPC_NODE_TEXT && opc_is_name(name->text, TRUE))
     return g_strdup(name->text);
   if (name)
-    WRONG(problems, name,
-          "'name' is made of letters, digits, '.', '_' and '-'");
+    opc_wrong(problems, name,
+              "'name' is made of letters, digits, '.', '_' and '-'");
   char *base = g_path_get_basename(path);
   char *dot = strrchr(base, '.');
   if (dot && dot > base) *dot = 0;
@@ -70,8 +53,8 @@ static char *flow_description(const opc_node *root, opc_problems *problems) {
   const opc_node *text = opc_node_get(root, "description");
   if (!text) return NULL;
   if (text->type == OPC_NODE_TEXT) return g_strdup(text->text);
-  WRONG(problems, text, "'description' needs a text, not %s",
-        opc_node_noun(text));
+  opc_wrong(problems, text, "'description' needs a text, not %s",
+            opc_node_noun(text));
   return NULL;
 }
 
@@ -83,19 +66,13 @@ static gboolean read_file(opc_recipe *recipe, const char *path,
   g_autofree char *folder = g_path_get_dirname(path);
   opc_source *source = opc_source_new(path, strcmp(folder, ".") ? folder : "");
   g_ptr_array_add(recipe->sources, source);
-  g_autoptr(opc_problems) found = opc_problems_new();
-  opc_node *root = opc_node_read(source, path, found);
-  for (guint i = 0; i < found->list->len; i++) {
-    const opc_problem *p = found->list->pdata[i];
-    const opc_place at = {p->file, p->line, p->column};
-    opc_problem_add(problems, p->code, !p->file && from ? &from->at : &at, "%s",
-                    p->message);
-  }
+  opc_node *root =
+      opc_node_read(source, path, from ? &from->at : NULL, problems);
   if (!root) return FALSE;
   g_ptr_array_add(recipe->roots, root);
-  if (root->type == OPC_NODE_MAP) return TRUE;
-  WRONG(problems, root, "a flow is a map, not %s", opc_node_noun(root));
-  return FALSE;
+  return root->type == OPC_NODE_MAP ||
+         opc_wrong(problems, root, "a flow is a map, not %s",
+                   opc_node_noun(root));
 }
 
 /* The number of the file among those read, -1 if it is not there. */
@@ -115,8 +92,8 @@ static void report_circle(const opc_recipe *recipe, guint first,
   for (guint i = first; i < recipe->sources->len; i++)
     g_string_append_printf(text, "%s -> ",
                            ((opc_source *)recipe->sources->pdata[i])->name);
-  WRONG(problems, at, "flows that extend each other: %s%s", text->str,
-        ((opc_source *)recipe->sources->pdata[first])->name);
+  opc_wrong(problems, at, "flows that extend each other: %s%s", text->str,
+            ((opc_source *)recipe->sources->pdata[first])->name);
 }
 
 /* What the last file read extends: its path (g_free), NULL if there is nothing
@@ -125,20 +102,17 @@ static char *next_file(const opc_recipe *recipe, const opc_node *extends,
                        opc_problems *problems) {
   if (extends->type != OPC_NODE_TEXT || !*extends->text ||
       opc_node_is_null(extends)) {
-    WRONG(problems, extends, "'extends' needs the name of a flow file");
+    opc_wrong(problems, extends, "'extends' needs the name of a flow file");
     return NULL;
   }
-  const char *folder = extends->source->folder;
-  char *path = g_path_is_absolute(extends->text) || !*folder
-                   ? g_strdup(extends->text)
-                   : g_build_filename(folder, extends->text, NULL);
+  char *path = opc_node_path(extends);
   int known = find_file(recipe, path);
   if (known < 0 && recipe->sources->len < MOST_FILES) return path;
   if (known >= 0)
     report_circle(recipe, (guint)known, extends, problems);
   else
-    WRONG(problems, extends, "more than %d flows extend each other",
-          MOST_FILES);
+    opc_wrong(problems, extends, "more than %d flows extend each other",
+              MOST_FILES);
   g_free(path);
   return NULL;
 }
@@ -166,11 +140,11 @@ static const opc_node *section(const opc_node *root, const char *name,
   const opc_node *node = opc_node_get(root, name);
   if (!node) return NULL;
   if (node->type != OPC_NODE_MAP || !node->items->len)
-    WRONG(problems, node, "'%s' needs a map of %s", name,
-          strcmp(name, "sweep") ? name : "parameters");
+    opc_wrong(problems, node, "'%s' needs a map of %s", name,
+              strcmp(name, "sweep") ? name : "parameters");
   else if (node->items->len > most)
-    WRONG(problems, node, "more than %u %s", most,
-          strcmp(name, "sweep") ? name : "parameters");
+    opc_wrong(problems, node, "more than %u %s", most,
+              strcmp(name, "sweep") ? name : "parameters");
   else
     return node;
   return NULL;
@@ -185,45 +159,43 @@ static void take_steps(opc_recipe *recipe, const opc_node *root,
   opc_lay_steps(recipe->steps, steps, NULL, problems);
 }
 
-static guint find_variant(const opc_recipe *recipe, const char *name) {
-  guint i;
-  for (i = 0; i < recipe->variants->len; i++)
-    if (!strcmp(((opc_variant *)recipe->variants->pdata[i])->name, name)) break;
-  return i;
-}
-
 static char *suggest_variant(const opc_recipe *recipe, const char *name) {
   g_autoptr(GPtrArray) names = g_ptr_array_new();
-  for (guint i = 0; i < recipe->variants->len; i++)
-    g_ptr_array_add(names,
-                    (char *)((opc_variant *)recipe->variants->pdata[i])->name);
+  for (guint i = 0; i < recipe->variants->keys->len; i++)
+    g_ptr_array_add(names, (char *)opc_node_key(recipe->variants, i));
   return opc_suggestion(name, names);
+}
+
+/* FALSE if there is no such key. */
+static gboolean remove_key(opc_node *map, const char *key) {
+  int i = opc_node_find(map, key);
+  if (i < 0) return FALSE;
+  g_ptr_array_remove_index(map->keys, (guint)i);
+  g_ptr_array_remove_index(map->items, (guint)i);
+  return TRUE;
 }
 
 static void remove_variant(opc_recipe *recipe, const opc_node *key,
                            opc_problems *problems) {
-  guint i = find_variant(recipe, key->text);
-  if (i < recipe->variants->len) {
-    g_ptr_array_remove_index(recipe->variants, i);
-    return;
-  }
+  if (remove_key(recipe->variants, key->text)) return;
   g_autofree char *suggestion = suggest_variant(recipe, key->text);
-  WRONG(problems, key, "there is no variant '%s' to remove%s", key->text,
-        suggestion);
+  opc_wrong(problems, key, "there is no variant '%s' to remove%s", key->text,
+            suggestion);
 }
 
 static void add_variant(opc_recipe *recipe, const opc_node *key,
                         const opc_node *value) {
-  guint i = find_variant(recipe, key->text);
-  if (i == recipe->variants->len) {
-    opc_variant *variant = g_new0(opc_variant, 1);
-    variant->name = key->text;
-    variant->key = key;
-    variant->parts = g_ptr_array_new();
-    g_ptr_array_add(recipe->variants, variant);
+  g_autofree char *layer = g_strdup_printf("variant %s", key->text);
+  opc_source *source = opc_source_layer(value->source, layer);
+  g_ptr_array_add(recipe->sources, source);
+  opc_node *variant = opc_node_get(recipe->variants, key->text);
+  if (!variant) {
+    variant = opc_node_map_new(source, &value->at);
+    opc_node_add(recipe->variants, opc_node_copy(key, NULL), variant);
   }
-  g_ptr_array_add(((opc_variant *)recipe->variants->pdata[i])->parts,
-                  (opc_node *)value);
+  for (guint i = 0; i < value->keys->len; i++)
+    opc_node_add(variant, opc_node_copy(value->keys->pdata[i], source),
+                 opc_node_copy(value->items->pdata[i], source));
 }
 
 static void take_variants(opc_recipe *recipe, const opc_node *root,
@@ -233,58 +205,47 @@ static void take_variants(opc_recipe *recipe, const opc_node *root,
     const opc_node *key = all->keys->pdata[i], *value = all->items->pdata[i];
     if (!opc_is_name(key->text, FALSE) || !strcmp(key->text, "all") ||
         !strcmp(key->text, "base"))
-      WRONG(problems, key,
-            "a variant needs a name of letters, digits, '_' and '-', other "
-            "than 'all' and 'base', not '%s'",
-            key->text);
+      opc_wrong(problems, key,
+                "a variant needs a name of letters, digits, '_' and '-', other "
+                "than 'all' and 'base', not '%s'",
+                key->text);
     else if (opc_node_is_null(value))
       remove_variant(recipe, key, problems);
     else if (value->type != OPC_NODE_MAP || value->items->len > MOST_STEPS)
-      WRONG(problems, value,
-            "the variant '%s' needs a map of at most %d parameters", key->text,
-            MOST_STEPS);
+      opc_wrong(problems, value,
+                "the variant '%s' needs a map of at most %d parameters",
+                key->text, MOST_STEPS);
     else
       add_variant(recipe, key, value);
   }
 }
 
+/* What extends a flow gives other values in the same place. */
 static void take_sweep(opc_recipe *recipe, const opc_node *root,
                        opc_problems *problems) {
-  if (opc_node_get(root, "sweep") &&
-      opc_node_is_null(opc_node_get(root, "sweep"))) {
-    g_array_set_size(recipe->sweep, 0);
-    return;
-  }
-  const opc_node *all = section(root, "sweep", MOST_STEPS, problems);
+  opc_node *sweep = recipe->sweep;
+  const opc_node *all = opc_node_get(root, "sweep");
+  gboolean none = all && opc_node_is_null(all);
+  while (none && sweep->keys->len) remove_key(sweep, opc_node_key(sweep, 0));
+  all = none ? NULL : section(root, "sweep", MOST_STEPS, problems);
   for (guint i = 0; all && i < all->items->len; i++) {
-    const opc_entry entry = {all->keys->pdata[i], all->items->pdata[i]};
-    guint k = 0;
-    while (k < recipe->sweep->len &&
-           strcmp(g_array_index(recipe->sweep, opc_entry, k).key->text,
-                  entry.key->text))
-      k++;
-    gboolean known = k < recipe->sweep->len;
-    if (opc_node_is_null(entry.value)) {
-      if (known)
-        g_array_remove_index(recipe->sweep, k);
-      else
-        WRONG(problems, entry.key, "there is no '%s' to remove",
-              entry.key->text);
-    } else if (known) {
-      g_array_index(recipe->sweep, opc_entry, k) = entry;
+    const opc_node *key = all->keys->pdata[i], *value = all->items->pdata[i];
+    int k = opc_node_find(sweep, key->text);
+    if (opc_node_is_null(value)) {
+      if (!remove_key(sweep, key->text))
+        opc_wrong(problems, key, "there is no '%s' to remove", key->text);
+    } else if (k < 0) {
+      opc_node_add(sweep, opc_node_copy(key, NULL), opc_node_copy(value, NULL));
     } else {
-      g_array_append_val(recipe->sweep, entry);
+      opc_node_free(sweep->keys->pdata[k]);
+      opc_node_free(sweep->items->pdata[k]);
+      sweep->keys->pdata[k] = opc_node_copy(key, NULL);
+      sweep->items->pdata[k] = opc_node_copy(value, NULL);
     }
   }
 }
 
 /* ---- the whole ---- */
-
-static void variant_free(gpointer item) {
-  opc_variant *variant = item;
-  g_ptr_array_free(variant->parts, TRUE);
-  g_free(variant);
-}
 
 opc_recipe *opc_recipe_read(const char *path, opc_problems *problems) {
   g_autoptr(opc_recipe) recipe = g_new0(opc_recipe, 1);
@@ -292,31 +253,34 @@ opc_recipe *opc_recipe_read(const char *path, opc_problems *problems) {
   recipe->sources =
       g_ptr_array_new_with_free_func((GDestroyNotify)opc_source_free);
   recipe->roots = g_ptr_array_new_with_free_func((GDestroyNotify)opc_node_free);
-  recipe->variants = g_ptr_array_new_with_free_func(variant_free);
-  recipe->sweep = g_array_new(FALSE, FALSE, sizeof(opc_entry));
   if (!read_chain(recipe, problems)) return NULL;
   const opc_node *root = recipe->roots->pdata[0];
+  recipe->variants = opc_node_map_new(root->source, NULL);
+  recipe->sweep = opc_node_map_new(root->source, NULL);
   recipe->name = flow_name(root, path, problems);
   recipe->description = flow_description(root, problems);
   for (guint i = recipe->roots->len; i-- > 0;) {
-    check_keys(recipe->roots->pdata[i], problems);
-    check_version(recipe->roots->pdata[i], problems);
-    take_steps(recipe, recipe->roots->pdata[i], problems);
-    take_variants(recipe, recipe->roots->pdata[i], problems);
-    take_sweep(recipe, recipe->roots->pdata[i], problems);
+    const opc_node *file = recipe->roots->pdata[i];
+    opc_node_check_keys(file,
+                        "opcflow|name|description|extends|steps|variants|sweep",
+                        "", problems);
+    check_version(file, problems);
+    take_steps(recipe, file, problems);
+    take_variants(recipe, file, problems);
+    take_sweep(recipe, file, problems);
   }
   if (!recipe->steps && !opc_node_get(root, "steps"))
-    WRONG(problems, root, "missing 'steps'");
+    opc_wrong(problems, root, "missing 'steps'");
   else if (recipe->steps && recipe->steps->items->len > MOST_STEPS)
-    WRONG(problems, recipe->steps, "more than %d steps", MOST_STEPS);
+    opc_wrong(problems, recipe->steps, "more than %d steps", MOST_STEPS);
   return g_steal_pointer(&recipe);
 }
 
 void opc_recipe_free(opc_recipe *recipe) {
   if (!recipe) return;
   opc_node_free(recipe->steps);
-  g_ptr_array_free(recipe->variants, TRUE);
-  g_array_free(recipe->sweep, TRUE);
+  opc_node_free(recipe->variants);
+  opc_node_free(recipe->sweep);
   g_ptr_array_free(recipe->roots, TRUE);
   g_ptr_array_free(recipe->sources, TRUE);
   g_free(recipe->path);
@@ -325,14 +289,11 @@ void opc_recipe_free(opc_recipe *recipe) {
   g_free(recipe);
 }
 
-const opc_variant *opc_recipe_variant(const opc_recipe *recipe,
-                                      const char *name,
-                                      opc_problems *problems) {
-  guint i = find_variant(recipe, name);
-  if (i < recipe->variants->len) return recipe->variants->pdata[i];
-  g_autofree char *suggestion = suggest_variant(recipe, name);
-  const opc_place at = {recipe->path, 0, 0};
-  opc_problem_add(problems, OPC_INVALID, &at, "unknown variant '%s'%s", name,
-                  suggestion);
-  return NULL;
+gboolean opc_recipe_has(const opc_recipe *recipe, const char *variant,
+                        const opc_place *at, opc_problems *problems) {
+  const opc_place file = {recipe->path, 0, 0};
+  g_autofree char *suggestion = suggest_variant(recipe, variant);
+  return opc_node_find(recipe->variants, variant) >= 0 ||
+         opc_problem_add(problems, OPC_INVALID, at ? at : &file,
+                         "unknown variant '%s'%s", variant, suggestion);
 }

@@ -7,27 +7,25 @@
 #include "core/flow/files.h"
 #include "core/flow/inner.h"
 #include "core/flow/run.h"
+#include "core/plugin/declaration.h"
 #include "core/text/unit.h"
 #include "core/text/value.h"
-#include "core/plugin/declaration.h"
 
-static void set_text(JsonBuilder *b, const char *key, const char *text) {
-  json_builder_set_member_name(b, key);
-  if (text)
-    json_builder_add_string_value(b, text);
-  else
-    json_builder_add_null_value(b);
+static void set_text(JsonObject *o, const char *key, const char *text) {
+  json_object_set_string_member(o, key, text);
 }
 
-static void set_real(JsonBuilder *b, const char *key, double value) {
-  json_builder_set_member_name(b, key);
-  json_builder_add_double_value(b, value);
-}
-
-static JsonNode *finish(JsonBuilder *b) {
-  JsonNode *node = json_builder_get_root(b);
-  g_object_unref(b);
+static JsonNode *as_node(JsonObject *o) {
+  JsonNode *node = json_node_new(JSON_NODE_OBJECT);
+  json_node_take_object(node, o);
   return node;
+}
+
+/* A list of texts that ends with NULL; NULL: an empty one. */
+static JsonArray *texts_json(const char *const *texts) {
+  JsonArray *list = json_array_new();
+  for (; texts && *texts; texts++) json_array_add_string_element(list, *texts);
+  return list;
 }
 
 /* Write the numbers of a JSON text in their shortest exact form. This also
@@ -65,193 +63,157 @@ char *opc_json_text(JsonNode *node) {
 
 JsonNode *opc_metric_json(const opc_metric *metric, double value) {
   static const char *const better[] = {"neutral", "lower", "higher"};
-  JsonBuilder *b = json_builder_new();
-  json_builder_begin_object(b);
-  set_real(b, "value", value);
-  set_text(b, "unit", metric->unit);
-  set_text(b, "better", better[metric->better]);
-  set_real(b, "tolerance", metric->tolerance);
-  json_builder_end_object(b);
-  return finish(b);
-}
-
-static void add_metrics(JsonBuilder *b, const opc_run *run, const char *path) {
-  for (guint i = 0; i < run->metrics->len; i++) {
-    const opc_inner_metric *m =
-        &g_array_index(run->metrics, opc_inner_metric, i);
-    if (m->path != path) continue;
-    json_builder_set_member_name(b, m->metric->name);
-    json_builder_add_value(b, opc_metric_json(m->metric, m->value));
-  }
+  JsonObject *o = json_object_new();
+  json_object_set_double_member(o, "value", value);
+  set_text(o, "unit", metric->unit);
+  set_text(o, "better", better[metric->better]);
+  json_object_set_double_member(o, "tolerance", metric->tolerance);
+  return as_node(o);
 }
 
 /* By instance, in the order in which they came. */
 JsonNode *opc_run_metrics_json(const opc_run *run) {
-  JsonBuilder *b = json_builder_new();
-  g_autoptr(GHashTable) done = g_hash_table_new(NULL, NULL);
-  json_builder_begin_object(b);
+  JsonObject *all = json_object_new();
   for (guint i = 0; i < run->metrics->len; i++) {
-    const char *path = g_array_index(run->metrics, opc_inner_metric, i).path;
-    if (!g_hash_table_add(done, (gpointer)path)) continue;
-    json_builder_set_member_name(b, path);
-    json_builder_begin_object(b);
-    add_metrics(b, run, path);
-    json_builder_end_object(b);
+    const opc_inner_metric *m =
+        &g_array_index(run->metrics, opc_inner_metric, i);
+    if (!json_object_has_member(all, m->path))
+      json_object_set_object_member(all, m->path, json_object_new());
+    json_object_set_member(json_object_get_object_member(all, m->path),
+                           m->metric->name,
+                           opc_metric_json(m->metric, m->value));
   }
-  json_builder_end_object(b);
-  return finish(b);
+  return as_node(all);
 }
 
 /* ---- manifest ---- */
 
 typedef struct plugin_list {
-  JsonBuilder *builder;
+  JsonArray *list;
   const opc_run *run;
   GHashTable *done; /* opc_plugin * */
 } plugin_list;
 
-static void add_flow(const opc_flow *flow, plugin_list *list);
+static void add_flow(const opc_flow *flow, plugin_list *plugins);
 
 static void add_plugin(opc_binding *binding, void *data) {
-  plugin_list *list = data;
-  if (binding->inner) add_flow(opc_inner_flow(binding->inner), list);
-  if (!g_hash_table_add(list->done, (gpointer)binding->plugin)) return;
-  const char *path = opc_registry_path(list->run->registry, binding->plugin);
+  plugin_list *plugins = data;
+  if (binding->inner) add_flow(opc_inner_flow(binding->inner), plugins);
+  if (!g_hash_table_add(plugins->done, (gpointer)binding->plugin)) return;
+  const char *path = opc_registry_path(plugins->run->registry, binding->plugin);
   g_autofree char *whole = path ? g_canonicalize_filename(path, NULL) : NULL;
   opc_error error;
   g_autofree char *sum = path ? opc_file_sha256(path, &error) : NULL;
-  json_builder_begin_object(list->builder);
-  set_text(list->builder, "id", binding->plugin->id);
-  set_text(list->builder, "version", binding->plugin->version);
-  set_text(list->builder, "path", whole);
-  set_text(list->builder, "sha256", sum);
-  json_builder_end_object(list->builder);
+  JsonObject *o = json_object_new();
+  set_text(o, "id", binding->plugin->id);
+  set_text(o, "version", binding->plugin->version);
+  set_text(o, "path", whole);
+  set_text(o, "sha256", sum);
+  json_array_add_object_element(plugins->list, o);
 }
 
-static void add_flow(const opc_flow *flow, plugin_list *list) {
+static void add_flow(const opc_flow *flow, plugin_list *plugins) {
   for (guint i = 0; i < flow->order->len; i++) {
     const opc_flow_step *step = flow->order->pdata[i];
-    opc_binding_visit(step->binding, add_plugin, list);
+    opc_binding_visit(step->binding, add_plugin, plugins);
   }
 }
 
-static void add_plugins(JsonBuilder *b, const opc_run *run) {
-  plugin_list list = {b, run, g_hash_table_new(NULL, NULL)};
-  json_builder_set_member_name(b, "plugins");
-  json_builder_begin_array(b);
-  add_flow(run->flow, &list);
-  json_builder_end_array(b);
-  g_hash_table_destroy(list.done);
+static JsonArray *plugins_json(const opc_run *run) {
+  g_autoptr(GHashTable) done = g_hash_table_new(NULL, NULL);
+  plugin_list plugins = {json_array_new(), run, done};
+  add_flow(run->flow, &plugins);
+  return plugins.list;
 }
 
-static void add_inputs(JsonBuilder *b, const opc_run *run) {
-  json_builder_set_member_name(b, "inputs");
-  json_builder_begin_array(b);
+static JsonArray *inputs_json(const opc_run *run) {
+  JsonArray *list = json_array_new();
   for (guint i = 0; i + 1 < run->inputs->len; i += 2) {
-    json_builder_begin_object(b);
-    set_text(b, "path", run->inputs->pdata[i]);
-    set_text(b, "sha256", run->inputs->pdata[i + 1]);
-    json_builder_end_object(b);
+    JsonObject *o = json_object_new();
+    set_text(o, "path", run->inputs->pdata[i]);
+    set_text(o, "sha256", run->inputs->pdata[i + 1]);
+    json_array_add_object_element(list, o);
   }
-  json_builder_end_array(b);
+  return list;
 }
 
-static void add_machine(JsonBuilder *b) {
+static JsonObject *machine_json(void) {
   struct utsname about;
   if (uname(&about)) memset(&about, 0, sizeof about);
-  json_builder_set_member_name(b, "host");
-  json_builder_begin_object(b);
-  set_text(b, "name", about.nodename);
-  set_text(b, "system", about.sysname);
-  set_text(b, "release", about.release);
-  set_text(b, "machine", about.machine);
-  json_builder_set_member_name(b, "processors");
-  json_builder_add_int_value(b, g_get_num_processors());
-  json_builder_end_object(b);
+  JsonObject *o = json_object_new();
+  set_text(o, "name", about.nodename);
+  set_text(o, "system", about.sysname);
+  set_text(o, "release", about.release);
+  set_text(o, "machine", about.machine);
+  json_object_set_int_member(o, "processors", g_get_num_processors());
+  return o;
 }
 
-static void add_times(JsonBuilder *b, const opc_run *run) {
-  g_autofree char *started = g_date_time_format_iso8601(run->started);
-  set_text(b, "started", started);
-  set_real(b, "seconds", run->total);
-  json_builder_set_member_name(b, "steps");
-  json_builder_begin_object(b);
+static JsonObject *seconds_json(const opc_run *run) {
+  JsonObject *o = json_object_new();
   for (guint i = 0; i < run->flow->order->len; i++) {
     const opc_flow_step *step = run->flow->order->pdata[i];
-    const double *seconds = g_hash_table_lookup(run->seconds, step->name);
-    if (seconds) set_real(b, step->name, *seconds);
+    double seconds = run->seconds[step->number];
+    if (!isnan(seconds)) json_object_set_double_member(o, step->name, seconds);
   }
-  json_builder_end_object(b);
-}
-
-static void set_points(JsonBuilder *b, const opc_run *run) {
-  json_builder_set_member_name(b, "points");
-  json_builder_add_int_value(b, (gint64)run->sweep->points);
-  json_builder_set_member_name(b, "failed_points");
-  json_builder_add_int_value(b, (gint64)run->failed_points);
+  return o;
 }
 
 JsonNode *opc_run_manifest_json(const opc_run *run) {
-  JsonBuilder *b = json_builder_new();
-  json_builder_begin_object(b);
-  set_text(b, "opcflow", OPC_VERSION);
-  set_text(b, "flow", run->flow->path);
-  if (run->flow->variant) set_text(b, "variant", run->flow->variant);
-  set_text(b, "result", run->failure ? "failed" : "complete");
-  if (run->failure) set_text(b, "failure", run->failure);
-  if (run->sweep) set_points(b, run);
-  json_builder_set_member_name(b, "command");
-  json_builder_begin_array(b);
-  const char *const *word = run->options->command;
-  for (; word && *word; word++) json_builder_add_string_value(b, *word);
-  json_builder_end_array(b);
-  add_times(b, run);
-  json_builder_set_member_name(b, "threads");
-  json_builder_add_int_value(b, opc_threads());
-  add_machine(b);
-  add_plugins(b, run);
-  add_inputs(b, run);
-  json_builder_end_object(b);
-  return finish(b);
+  JsonObject *o = json_object_new();
+  g_autofree char *started = g_date_time_format_iso8601(run->started);
+  set_text(o, "opcflow", OPC_VERSION);
+  set_text(o, "flow", run->flow->path);
+  if (run->flow->variant) set_text(o, "variant", run->flow->variant);
+  set_text(o, "result", run->failure ? "failed" : "complete");
+  if (run->failure) set_text(o, "failure", run->failure);
+  if (run->sweep) {
+    json_object_set_int_member(o, "points", (gint64)run->sweep->points);
+    json_object_set_int_member(o, "failed_points", (gint64)run->failed_points);
+  }
+  json_object_set_array_member(o, "command", texts_json(run->options->command));
+  set_text(o, "started", started);
+  json_object_set_double_member(o, "seconds", run->total);
+  json_object_set_object_member(o, "steps", seconds_json(run));
+  json_object_set_int_member(o, "threads", opc_threads());
+  json_object_set_object_member(o, "host", machine_json());
+  json_object_set_array_member(o, "plugins", plugins_json(run));
+  json_object_set_array_member(o, "inputs", inputs_json(run));
+  return as_node(o);
 }
 
 /* ---- tables ---- */
 
 /* JSON has neither NAN nor infinity: null. */
-static void add_cell(JsonBuilder *b, const opc_column *c, size_t row) {
+static void add_cell(JsonArray *cells, const opc_column *c, size_t row) {
   double real = c->type == OPC_REAL ? ((const double *)c->data)[row] : 0;
   if (c->type == OPC_TEXT)
-    json_builder_add_string_value(b, ((const char *const *)c->data)[row]);
+    json_array_add_string_element(cells, ((const char *const *)c->data)[row]);
   else if (c->type == OPC_INT)
-    json_builder_add_int_value(b, ((const int64_t *)c->data)[row]);
+    json_array_add_int_element(cells, ((const int64_t *)c->data)[row]);
   else if (isfinite(real))
-    json_builder_add_double_value(b, real);
+    json_array_add_double_element(cells, real);
   else
-    json_builder_add_null_value(b);
+    json_array_add_null_element(cells);
 }
 
 JsonNode *opc_table_json(const opc_table *table) {
-  JsonBuilder *b = json_builder_new();
-  json_builder_begin_object(b);
-  set_text(b, "name", table->name);
-  json_builder_set_member_name(b, "columns");
-  json_builder_begin_array(b);
+  JsonObject *o = json_object_new();
+  JsonArray *columns = json_array_new(), *rows = json_array_new();
   for (size_t i = 0; i < table->n_columns; i++) {
-    json_builder_begin_object(b);
-    set_text(b, "name", table->columns[i].name);
-    set_text(b, "unit", table->columns[i].unit);
-    json_builder_end_object(b);
+    JsonObject *column = json_object_new();
+    set_text(column, "name", table->columns[i].name);
+    set_text(column, "unit", table->columns[i].unit);
+    json_array_add_object_element(columns, column);
   }
-  json_builder_end_array(b);
-  json_builder_set_member_name(b, "rows");
-  json_builder_begin_array(b);
   for (size_t row = 0; row < table->rows; row++) {
-    json_builder_begin_array(b);
+    JsonArray *cells = json_array_new();
     for (size_t i = 0; i < table->n_columns; i++)
-      add_cell(b, &table->columns[i], row);
-    json_builder_end_array(b);
+      add_cell(cells, &table->columns[i], row);
+    json_array_add_array_element(rows, cells);
   }
-  json_builder_end_array(b);
-  json_builder_end_object(b);
-  return finish(b);
+  set_text(o, "name", table->name);
+  json_object_set_array_member(o, "columns", columns);
+  json_object_set_array_member(o, "rows", rows);
+  return as_node(o);
 }

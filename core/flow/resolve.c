@@ -3,8 +3,8 @@
 #include <string.h>
 
 #include "core/flow/flow.h"
-#include "core/text/value.h"
 #include "core/plugin/declaration.h"
+#include "core/text/value.h"
 
 enum { COMMENT_COLUMN = 44 };
 
@@ -41,7 +41,8 @@ static void append_value(GString *out, const opc_binding *b, size_t i,
   }
   g_string_append_c(out, ' ');
   if (p->type == OPC_FILE) {
-    g_autofree char *path = g_canonicalize_filename(b->values[i].text, NULL);
+    g_autofree char *path =
+        g_canonicalize_filename(b->values[i].field.text, NULL);
     opc_text_append(out, path);
   } else if (b->origin[i]) {
     opc_node_append(out, b->origin[i]);
@@ -62,8 +63,7 @@ static void append_level(GString *out, const opc_binding *b, const char *prefix,
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
   for (size_t i = 0; i < b->plugin->n_parameters; i++) {
     const char *name = b->plugin->parameters[i].name;
-    if (!g_str_has_prefix(name, prefix) || !b->values[i].present)
-      continue;
+    if (!g_str_has_prefix(name, prefix) || !b->values[i].present) continue;
     const char *rest = name + strlen(prefix), *dot = strchr(rest, '.');
     if (!dot) {
       append_value(out, b, i, rest, indent);
@@ -113,11 +113,8 @@ static void append_swept(GString *out, const opc_parameter *p,
     opc_node_append(out, node);
     return;
   }
-  const char *folder = node->source->folder;
-  g_autofree char *path =
-      g_build_filename(folder && *folder ? folder : ".", node->text, NULL);
-  g_autofree char *whole = g_canonicalize_filename(
-      g_path_is_absolute(node->text) ? node->text : path, NULL);
+  g_autofree char *path = opc_node_path(node);
+  g_autofree char *whole = g_canonicalize_filename(path, NULL);
   opc_text_append(out, whole);
 }
 
@@ -127,9 +124,9 @@ static void append_sweep(GString *out, const opc_flow *flow,
   g_string_append(out, "sweep:\n");
   for (guint a = 0; a < sweep->axes->len; a++) {
     const opc_axis *axis = sweep->axes->pdata[a];
-    const opc_parameter *p = opc_flow_parameter(flow, axis->path);
+    const opc_parameter *p = opc_flow_parameter(flow, axis->told.path);
     size_t start = out->len;
-    g_string_append_printf(out, "  %s: [", axis->path);
+    g_string_append_printf(out, "  %s: [", axis->told.path);
     for (guint i = 0; i < axis->values->len; i++) {
       if (i) g_string_append(out, ", ");
       append_swept(out, p, axis->values->pdata[i]);
@@ -140,14 +137,7 @@ static void append_sweep(GString *out, const opc_flow *flow,
   }
 }
 
-char *opc_flow_resolved_sweep(const opc_flow *flow, const opc_sweep *sweep) {
-  g_autofree char *text = opc_flow_resolved(flow);
-  GString *out = g_string_new(text);
-  append_sweep(out, flow, sweep);
-  return g_string_free(out, FALSE);
-}
-
-char *opc_flow_resolved(const opc_flow *flow) {
+char *opc_flow_resolved(const opc_flow *flow, const opc_sweep *sweep) {
   GString *out = g_string_new(
       "# The flow as it ran: every parameter, and where its value came from.\n"
       "opcflow: 1\nname: ");
@@ -167,5 +157,6 @@ char *opc_flow_resolved(const opc_flow *flow) {
     end_line(out, start, origin);
     append_binding(out, step->binding, 4);
   }
+  if (sweep) append_sweep(out, flow, sweep);
   return g_string_free(out, FALSE);
 }

@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Runs the steps of a flow one after another, from the sums of what they read
+   to the folder with what they gave. */
 #include "core/flow/run.h"
 
 #include <errno.h>
+#include <math.h>
 #include <string.h>
 
 #include "core/flow/files.h"
@@ -15,50 +18,65 @@ enum { RESERVED = 4 };
 
 /* ---- state ---- */
 
-static void table_free(gpointer item) {
-  opc_run_table *t = item;
-  g_free(t->step);
-  g_free(t->file);
-  opc_table_free(t->table);
-  g_free(t);
-}
-
 opc_run *opc_run_new(opc_flow *flow, opc_registry *registry,
                      const opc_run_options *options, const opc_watch *watch) {
   opc_run *run = g_new0(opc_run, 1);
+  guint n = flow->steps->len;
   run->flow = flow;
   run->registry = registry;
   run->watch = watch;
   run->options = options;
-  run->tables = g_ptr_array_new_with_free_func(table_free);
+  run->like = opc_run_publisher;
+  run->like.data = run;
+  run->tables = g_ptr_array_new_with_free_func((GDestroyNotify)opc_table_free);
   run->metrics = g_array_new(FALSE, TRUE, sizeof(opc_inner_metric));
   run->claims = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, g_free);
-  run->paths = g_ptr_array_new_with_free_func(g_free);
   run->inputs = g_ptr_array_new_with_free_func(g_free);
-  run->seconds = g_hash_table_new_full(g_str_hash, g_str_equal, NULL, g_free);
   run->summed = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
-  run->objects = g_new0(void **, MAX(flow->steps->len, 1));
-  run->left_out = g_new0(gboolean, MAX(flow->steps->len, 1));
+  run->seconds = g_new(double, n);
+  for (guint i = 0; i < n; i++) run->seconds[i] = NAN;
+  run->objects = g_new0(void **, n);
+  run->left_out = g_new0(gboolean, n);
   run->started = g_date_time_new_now_local();
   return run;
 }
 
+static void release_outputs(const opc_run *run, const opc_flow_step *step) {
+  const opc_plugin *plugin = step->binding->plugin;
+  void **objects = run->objects[step->number];
+  const char *before = opc_guard_enter(plugin->id);
+  for (size_t i = opc_port_count(plugin); objects && i-- > 0;)
+    if (objects[i]) opc_port_at(plugin, i)->release(objects[i]);
+  opc_guard_leave(before);
+  g_free(objects);
+  run->objects[step->number] = NULL;
+}
+
+/* Later steps may point into the outputs of earlier ones. */
+static void release_all(const opc_run *run) {
+  for (guint i = run->flow->order->len; i-- > 0;) {
+    const opc_flow_step *step = run->flow->order->pdata[i];
+    if (!run->left_out[step->number]) release_outputs(run, step);
+  }
+}
+
 void opc_run_free(opc_run *run) {
   if (!run) return;
+  release_all(run);
   g_free(run->folder);
   g_free(run->work);
   g_free(run->failure);
   g_ptr_array_free(run->tables, TRUE);
   g_array_free(run->metrics, TRUE);
   g_hash_table_destroy(run->claims);
-  g_ptr_array_free(run->paths, TRUE);
   g_ptr_array_free(run->inputs, TRUE);
-  g_hash_table_destroy(run->seconds);
   g_hash_table_destroy(run->summed);
+  g_free(run->seconds);
   g_free(run->objects);
   g_free(run->left_out);
   opc_table_free(run->points);
   g_date_time_unref(run->started);
+  opc_flow_free(run->own);
   g_free(run);
 }
 
@@ -87,25 +105,25 @@ static void sum_flow(const opc_flow *flow, summer *s);
 
 static void sum_files(opc_binding *b, void *data) {
   for (size_t i = 0; i < b->plugin->n_parameters; i++)
-    if (b->plugin->parameters[i].type == OPC_FILE && b->values[i].text)
-      add_input(data, b->values[i].text,
-                b->origin[i] ? &b->origin[i]->at : &b->at);
+    if (b->plugin->parameters[i].type == OPC_FILE && b->values[i].field.text)
+      add_input(data, b->values[i].field.text, opc_binding_origin(b, i));
   if (b->inner) sum_flow(opc_inner_flow(b->inner), data);
 }
 
 static void sum_flow(const opc_flow *flow, summer *s) {
-  const opc_place at = {NULL, 0, 0};
   const GPtrArray *files = flow->recipe->sources;
   for (guint i = 0; i < files->len; i++)
-    add_input(s, ((const opc_source *)files->pdata[i])->name, &at);
+    add_input(s, ((const opc_source *)files->pdata[i])->name, NULL);
   for (guint i = 0; i < flow->order->len; i++) {
     const opc_flow_step *step = flow->order->pdata[i];
     opc_binding_visit(step->binding, sum_files, s);
   }
 }
 
-gboolean opc_run_sum(opc_run *run, const opc_flow *flow,
-                     opc_problems *problems) {
+/* Add the sums of all files that `flow` reads, before any step may change one.
+ */
+static gboolean sum_inputs(opc_run *run, const opc_flow *flow,
+                           opc_problems *problems) {
   summer s = {run, problems};
   guint before = problems->list->len;
   sum_flow(flow, &s);
@@ -125,84 +143,38 @@ static void set_inputs(const opc_run *run, const opc_flow_step *step,
   }
 }
 
-static void release_outputs(const opc_run *run, const opc_flow_step *step) {
-  const opc_plugin *plugin = step->binding->plugin;
-  void **objects = run->objects[step->number];
-  const char *before = opc_guard_enter(plugin->id);
-  for (size_t i = opc_port_count(plugin); objects && i-- > 0;)
-    if (objects[i]) opc_port_at(plugin, i)->release(objects[i]);
-  opc_guard_leave(before);
-  g_free(objects);
-  run->objects[step->number] = NULL;
-}
-
-gboolean opc_run_create(opc_run *run, opc_problems *problems) {
-  gboolean good = TRUE;
-  for (guint i = 0; i < run->flow->order->len; i++) {
-    const opc_flow_step *step = run->flow->order->pdata[i];
-    if (run->left_out[step->number]) continue;
-    good &= opc_binding_create(step->binding, &opc_run_sink, run, problems);
-  }
-  return good;
-}
-
-/* Later steps may point into the outputs of earlier ones. */
-void opc_run_release(const opc_run *run) {
-  for (guint i = run->flow->order->len; i-- > 0;) {
-    const opc_flow_step *step = run->flow->order->pdata[i];
-    if (!run->left_out[step->number]) release_outputs(run, step);
-  }
-}
-
 /* Each kind of data brings its own check. */
-static int check_output(const opc_port *port, const void *object,
-                        opc_error *error) {
-  if (!object)
-    return opc_fail(error, OPC_FAILED, NULL, "gave no output '%s'", port->name);
-  opc_error fault = {0};
-  int code = port->check(object, &fault);
-  if (!code) return OPC_OK;
-  return opc_fail(error, code, NULL, "output '%s': %s", port->name,
-                  fault.message);
-}
-
 static int check_outputs(const opc_run *run, const opc_flow_step *step,
                          opc_error *error) {
   const opc_plugin *plugin = step->binding->plugin;
-  int code = OPC_OK;
-  for (size_t i = 0; i < opc_port_count(plugin) && !code; i++)
-    code = check_output(opc_port_at(plugin, i), run->objects[step->number][i],
-                        error);
-  return code;
-}
-
-/* The step's function, with what is said if it crashes. */
-static int call_run(const opc_flow_step *step, void **objects,
-                    opc_error *error) {
-  const opc_binding *b = step->binding;
-  const opc_step *functions = b->plugin->functions;
-  g_autofree char *label = opc_binding_label(b);
-  g_autofree char *place = opc_place_text(&b->at);
-  g_autofree char *where = g_strdup_printf("%s: %s", place, label);
-  opc_guard_where(where, OPC_CRASH_RUNNING);
-  const char *before = opc_guard_enter(b->plugin->id);
-  int code = functions->run(b->module.self, objects, error);
-  opc_guard_leave(before);
-  opc_guard_where(NULL, 0);
-  return code;
+  for (size_t i = 0; i < opc_port_count(plugin); i++) {
+    const opc_port *port = opc_port_at(plugin, i);
+    const void *object = run->objects[step->number][i];
+    opc_error fault = {0};
+    if (!object)
+      return opc_fail(error, OPC_FAILED, NULL, "gave no output '%s'",
+                      port->name);
+    int code = port->check(object, &fault);
+    if (code)
+      return opc_fail(error, code, NULL, "output '%s': %s", port->name,
+                      fault.message);
+  }
+  return OPC_OK;
 }
 
 static int call_step(opc_run *run, const opc_flow_step *step,
                      opc_error *error) {
-  size_t n = opc_port_count(step->binding->plugin);
-  run->objects[step->number] = g_new0(void *, n + 1);
+  const opc_binding *b = step->binding;
+  const opc_step *functions = b->plugin->functions;
+  void **objects = g_new0(void *, functions->n_outputs + 1);
+  run->objects[step->number] = objects;
   set_inputs(run, step, TRUE);
   gint64 start = g_get_monotonic_time();
-  int code = call_run(step, run->objects[step->number], error);
-  double seconds = (double)(g_get_monotonic_time() - start) * 1e-6;
+  const char *before = opc_binding_enter(b);
+  int code = functions->run(b->module.self, objects, error);
+  opc_binding_leave(before);
+  run->seconds[step->number] = (double)(g_get_monotonic_time() - start) * 1e-6;
   set_inputs(run, step, FALSE);
-  g_hash_table_insert(run->seconds, (char *)step->name,
-                      g_memdup2(&seconds, sizeof seconds));
   if (!code && run->refusal.code) {
     *error = run->refusal;
     code = error->code;
@@ -210,27 +182,17 @@ static int call_step(opc_run *run, const opc_flow_step *step,
   return code ? code : check_outputs(run, step, error);
 }
 
-/* Only the user stops a run, and only known codes are passed on. */
-static int sound_code(const opc_run *run, int code) {
-  const opc_watch *watch = run->watch;
-  gboolean stopped = watch->cancelled && watch->cancelled(watch->data);
-  if (code < OPC_INVALID || code > OPC_CANCELLED) return OPC_FAILED;
-  return code == OPC_CANCELLED && !stopped ? OPC_FAILED : code;
-}
-
 static gboolean run_step(opc_run *run, const opc_flow_step *step,
                          opc_problems *problems) {
+  const opc_binding *b = step->binding;
   opc_error error = {0};
   int code = call_step(run, step, &error);
   if (!code) return TRUE;
-  error.message[sizeof error.message - 1] = 0;
-  error.parameter[sizeof error.parameter - 1] = 0;
-  g_autofree char *label = opc_binding_culprit(step->binding, error.parameter);
-  run->failed = step->name;
-  run->failure = g_strdup(*error.message ? error.message : "gave no reason");
-  opc_problem_add(problems, sound_code(run, code),
-                  opc_binding_place(step->binding, error.parameter), "%s: %s",
-                  label, run->failure);
+  /* Only the user stops a run. */
+  if (code == OPC_CANCELLED && !opc_cancelled(b->host->context))
+    code = OPC_FAILED;
+  opc_binding_fail(b, TRUE, code, &error, problems);
+  run->failure = g_strdup(error.message);
   return FALSE;
 }
 
@@ -249,8 +211,7 @@ gboolean opc_run_write(const opc_run *run, const char *name, char *text,
 static gboolean write_reports(const opc_run *run, opc_problems *problems) {
   JsonNode *metrics = opc_run_metrics_json(run);
   JsonNode *manifest = opc_run_manifest_json(run);
-  char *flow = run->sweep ? opc_flow_resolved_sweep(run->flow, run->sweep)
-                          : opc_flow_resolved(run->flow);
+  char *flow = opc_flow_resolved(run->flow, run->sweep);
   gboolean good = opc_run_write(run, "flow.yaml", flow, problems);
   good &= opc_run_write(run, "metrics.json", opc_json_text(metrics), problems);
   good &=
@@ -258,29 +219,27 @@ static gboolean write_reports(const opc_run *run, opc_problems *problems) {
   return good;
 }
 
-void opc_run_reserve(opc_run *run) {
+static void reserve_names(opc_run *run) {
   static const char *const names[RESERVED] = {"flow.yaml", "manifest.json",
                                               "metrics.json", "sweep.csv"};
   for (size_t i = 0; i < RESERVED; i++)
     g_hash_table_insert(run->claims, g_strdup(names[i]), g_strdup("opcflow"));
 }
 
-gboolean opc_run_open(opc_run *run, const char *target,
-                      opc_problems *problems) {
+static gboolean open_folder(opc_run *run, const char *target,
+                            opc_problems *problems) {
   opc_error error;
   int code = run->options->output
                  ? opc_folder_allowed(target, run->options->force, &error)
                  : OPC_OK;
   if (!code) run->work = opc_folder_open(target, &error);
-  if (run->work) {
-    g_autofree char *failed = g_strconcat(target, ".failed", NULL);
-    opc_guard_folder(run->work, failed);
-    run->guarded = TRUE;
-    opc_run_reserve(run);
-    return TRUE;
-  }
-  opc_problem_add(problems, error.code, NULL, "%s", error.message);
-  return FALSE;
+  if (!run->work)
+    return opc_problem_add(problems, error.code, NULL, "%s", error.message);
+  g_autofree char *failed = g_strconcat(target, ".failed", NULL);
+  opc_guard_folder(run->work, failed);
+  run->guarded = TRUE;
+  reserve_names(run);
+  return TRUE;
 }
 
 /* Before a step that may crash: what the folder says if it does. An empty
@@ -293,16 +252,16 @@ static void prepare_for_crash(opc_run *run, const opc_flow_step *step) {
   g_clear_pointer(&run->failure, g_free);
 }
 
-gboolean opc_run_steps(opc_run *run, opc_problems *problems) {
+static gboolean run_steps(opc_run *run, opc_problems *problems) {
   const GPtrArray *order = run->flow->order;
   const opc_watch *watch = run->watch;
   for (guint i = 0; i < order->len; i++) {
     const opc_flow_step *step = order->pdata[i];
     if (run->left_out[step->number]) continue;
-    if (watch->cancelled && watch->cancelled(watch->data)) {
-      opc_problem_add(problems, OPC_CANCELLED, &step->binding->at, "stopped");
+    if (opc_cancelled(step->binding->host->context)) {
       run->failure = g_strdup("stopped");
-      return FALSE;
+      return opc_problem_add(problems, OPC_CANCELLED, &step->binding->at,
+                             "stopped");
     }
     if (watch->step) watch->step(watch->data, step->name, i + 1, order->len);
     prepare_for_crash(run, step);
@@ -311,10 +270,27 @@ gboolean opc_run_steps(opc_run *run, opc_problems *problems) {
   return TRUE;
 }
 
+void opc_run_in(opc_run *run, opc_run *main_run, const char *path,
+                opc_problems *problems) {
+  if (!opc_flow_create(run->flow, run->left_out, run->watch, &run->like,
+                       problems) ||
+      !sum_inputs(main_run, run->flow, problems))
+    return;
+  if (g_mkdir_with_parents(path, 0777)) {
+    opc_problem_add(problems, OPC_IO, NULL, "'%s': %s", path,
+                    g_strerror(errno));
+    return;
+  }
+  run->work = g_strdup(path);
+  reserve_names(run);
+  run_steps(run, problems);
+}
+
 /* What a run that failed has written is kept as TARGET.failed; that is nothing
    if only the reserved names are claimed. What cannot get its name keeps the
    one it has. */
-void opc_run_close(opc_run *run, const char *target, opc_problems *problems) {
+static void close_folder(opc_run *run, const char *target,
+                         opc_problems *problems) {
   opc_guard_folder(NULL, NULL);
   gboolean stopped = opc_problems_code(problems) == OPC_CANCELLED;
   gboolean failed = problems->list->len > 0;
@@ -334,7 +310,7 @@ void opc_run_close(opc_run *run, const char *target, opc_problems *problems) {
   run->folder = g_strdup(run->work);
 }
 
-char *opc_run_target(const opc_run *run) {
+static char *target_of(const opc_run *run) {
   const char *output = run->options->output;
   if (!output) return g_build_filename("runs", run->flow->name, NULL);
   char *target = g_strdup(output);
@@ -343,18 +319,21 @@ char *opc_run_target(const opc_run *run) {
   return target;
 }
 
-opc_run *opc_run_flow(opc_flow *flow, opc_registry *registry,
-                      const opc_run_options *options, const opc_watch *watch,
-                      opc_problems *problems) {
+opc_run *opc_run_flow(opc_flow *flow, const opc_choice *choice,
+                      opc_registry *registry, const opc_run_options *options,
+                      const opc_watch *watch, opc_problems *problems) {
   opc_run *run = opc_run_new(flow, registry, options, watch);
   gint64 start = g_get_monotonic_time();
-  g_autofree char *target = opc_run_target(run);
-  if (opc_run_create(run, problems) && opc_run_sum(run, flow, problems) &&
-      opc_run_open(run, target, problems)) {
-    opc_run_steps(run, problems);
-    opc_run_release(run);
+  g_autofree char *target = target_of(run);
+  if (choice->sweep->axes->len) run->sweep = choice->sweep;
+  if (run->sweep) opc_run_find_swept(flow, run->sweep, run->left_out);
+  if (opc_flow_create(flow, run->left_out, watch, &run->like, problems) &&
+      sum_inputs(run, flow, problems) && open_folder(run, target, problems)) {
+    if (run_steps(run, problems) && run->sweep)
+      opc_run_points(run, choice, problems);
+    release_all(run);
     run->total = (double)(g_get_monotonic_time() - start) * 1e-6;
-    opc_run_close(run, target, problems);
+    close_folder(run, target, problems);
   }
   return run;
 }

@@ -4,9 +4,9 @@
 
 #include <string.h>
 
+#include "core/plugin/declaration.h"
 #include "core/text/unit.h"
 #include "core/text/value.h"
-#include "core/plugin/declaration.h"
 
 #define NUMBER "[+-]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][+-]?[0-9]+)?"
 #define NAME "[A-Za-z0-9_][A-Za-z0-9_-]*"

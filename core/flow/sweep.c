@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Turns lists and ranges into the values of axes, and numbers their points. */
 #include "core/flow/sweep.h"
 
 #include <math.h>
@@ -11,9 +12,6 @@
 
 static const double most_points = 100000;
 
-#define WRONG(problems, node, ...) \
-  opc_problem_add(problems, OPC_INVALID, &(node)->at, __VA_ARGS__)
-
 /* ---- ranges ---- */
 
 /* A number with what stands behind it. */
@@ -24,25 +22,13 @@ typedef struct quantity {
 
 static gboolean check_range_keys(const opc_node *range,
                                  opc_problems *problems) {
-  static const char *const known[] = {"from", "to", "step", NULL};
-  g_autoptr(GPtrArray) names = g_ptr_array_new();
   gboolean good = TRUE;
-  for (guint i = 0; known[i]; i++) {
-    g_ptr_array_add(names, (char *)known[i]);
-    if (opc_node_get(range, known[i])) continue;
-    WRONG(problems, range, "a range needs '{ from: A, to: B, step: C }'");
-    good = FALSE;
-    break;
-  }
-  for (guint i = 0; i < range->keys->len && i < 100; i++) {
-    const opc_node *key = range->keys->pdata[i];
-    if (g_strv_contains(known, key->text)) continue;
-    g_autofree char *suggestion = opc_suggestion(key->text, names);
-    WRONG(problems, key, "unknown key '%s' of a range%s", key->text,
-          suggestion);
-    good = FALSE;
-  }
-  return good;
+  if (!opc_node_get(range, "from") || !opc_node_get(range, "to") ||
+      !opc_node_get(range, "step"))
+    good = opc_wrong(problems, range,
+                     "a range needs '{ from: A, to: B, step: C }'");
+  return opc_node_check_keys(range, "from|to|step", " of a range", problems) &&
+         good;
 }
 
 /* In the unit of `from`, which is NULL for itself. */
@@ -52,34 +38,20 @@ static gboolean read_quantity(const opc_node *range, const char *key,
   const opc_node *node = opc_node_get(range, key);
   const char *text = node->type == OPC_NODE_TEXT ? node->text : "";
   size_t length = opc_number_length(text);
-  if (!length) {
-    WRONG(problems, node, "'%s' of a range needs a number", key);
-    return FALSE;
-  }
-  out->unit = text + length;
-  while (*out->unit == ' ') out->unit++;
+  if (!length)
+    return opc_wrong(problems, node, "'%s' of a range needs a number", key);
+  out->unit = text + length + strspn(text + length, " ");
   const opc_unit *unit = opc_unit_find(out->unit);
-  if (*out->unit && !unit) {
-    g_autoptr(GPtrArray) names = opc_unit_names();
-    g_autofree char *suggestion = opc_suggestion(out->unit, names);
-    WRONG(problems, node, "unknown unit '%s' in '%s'%s", out->unit, text,
-          suggestion);
-    return FALSE;
-  }
-  const opc_unit *to = !from         ? unit
-                       : *from->unit ? opc_unit_find(from->unit)
-                                     : NULL;
-  if (!unit != !to || (unit && opc_unit_noun(unit) != opc_unit_noun(to))) {
-    WRONG(problems, node,
-          "'%s' must be of the same dimension as 'from', not "
-          "'%s'",
-          key, text);
-    return FALSE;
-  }
+  if (*out->unit && !unit) return opc_unknown_unit(node, out->unit, problems);
+  const opc_unit *to = from ? opc_unit_find(from->unit) : unit;
+  if (!unit != !to || (unit && opc_unit_noun(unit) != opc_unit_noun(to)))
+    return opc_wrong(problems, node,
+                     "'%s' must be of the same dimension as 'from', not '%s'",
+                     key, text);
   out->number = opc_number_in(text, length, unit, to);
-  if (isfinite(out->number)) return TRUE;
-  WRONG(problems, node, "'%s' of a range is too large: '%s'", key, text);
-  return FALSE;
+  return isfinite(out->number) ||
+         opc_wrong(problems, node, "'%s' of a range is too large: '%s'", key,
+                   text);
 }
 
 /* How many values a range has; 0 and a problem. */
@@ -91,12 +63,14 @@ static guint range_count(const opc_node *range, const quantity *from,
   double count = floor(steps * (1 + 1e-12) + 1e-9) + 1;
   if (count >= 1 && count <= most_points) return (guint)count;
   if (count > most_points && isfinite(count))
-    WRONG(problems, range, "a range of %.0f values; at most %.0f are possible",
-          count, most_points);
+    opc_wrong(problems, range,
+              "a range of %.0f values; at most %.0f are possible", count,
+              most_points);
   else
-    WRONG(problems, opc_node_get(range, "step"),
-          "'step' does not lead from '%s' to '%s'",
-          opc_node_get(range, "from")->text, opc_node_get(range, "to")->text);
+    opc_wrong(problems, opc_node_get(range, "step"),
+              "'step' does not lead from '%s' to '%s'",
+              opc_node_get(range, "from")->text,
+              opc_node_get(range, "to")->text);
   return 0;
 }
 
@@ -128,10 +102,44 @@ static void add_range(opc_axis *axis, const opc_node *range,
 
 static void axis_free(gpointer item) {
   opc_axis *axis = item;
-  g_free(axis->path);
+  g_free((char *)axis->told.path);
+  g_free((double *)axis->told.values);
+  g_strfreev((char **)axis->told.texts);
   g_ptr_array_free(axis->values, TRUE);
   opc_source_free(axis->source);
   g_free(axis);
+}
+
+/* Whether all values are numbers with the same unit, or none: *unit is "" or
+   the name of one. */
+static gboolean is_numeric(const opc_axis *axis, const char **unit) {
+  *unit = "";
+  for (guint i = 0; i < axis->values->len; i++) {
+    const opc_node *node = axis->values->pdata[i];
+    size_t n = node->type == OPC_NODE_TEXT ? opc_number_length(node->text) : 0;
+    if (!n) return FALSE;
+    const char *rest = node->text + n + strspn(node->text + n, " ");
+    if (i && strcmp(rest, *unit)) return FALSE;
+    *unit = rest;
+  }
+  return !**unit || opc_unit_find(*unit);
+}
+
+static void describe(opc_axis *axis) {
+  const char *unit;
+  gboolean numeric = is_numeric(axis, &unit);
+  guint n = axis->values->len;
+  double *values = numeric ? g_new(double, n) : NULL;
+  char **texts = g_new0(char *, n + 1);
+  for (guint i = 0; i < n; i++) {
+    const opc_node *node = axis->values->pdata[i];
+    texts[i] = opc_node_line(node);
+    if (numeric) values[i] = g_ascii_strtod(node->text, NULL);
+  }
+  axis->told.unit = numeric && *unit ? unit : NULL;
+  axis->told.count = n;
+  axis->told.values = values;
+  axis->told.texts = (const char *const *)texts;
 }
 
 /* Takes the source. */
@@ -139,7 +147,7 @@ static opc_axis *axis_new(const char *path, const opc_place *at,
                           opc_source *source, const opc_node *values,
                           opc_problems *problems) {
   opc_axis *axis = g_new0(opc_axis, 1);
-  axis->path = g_strdup(path);
+  axis->told.path = g_strdup(path);
   axis->source = source;
   axis->at = *at;
   axis->at.file = source->name;
@@ -154,8 +162,10 @@ static opc_axis *axis_new(const char *path, const opc_place *at,
       g_ptr_array_add(axis->values,
                       opc_node_copy(values->items->pdata[i], source));
   else
-    WRONG(problems, values,
-          "a sweep needs a list of values, or '{ from: A, to: B, step: C }'");
+    opc_wrong(
+        problems, values,
+        "a sweep needs a list of values, or '{ from: A, to: B, step: C }'");
+  describe(axis);
   return axis;
 }
 
@@ -174,7 +184,8 @@ static void put_axis(opc_sweep *sweep, opc_axis *axis) {
     return;
   }
   for (guint i = 0; i < sweep->axes->len; i++) {
-    if (strcmp(((opc_axis *)sweep->axes->pdata[i])->path, axis->path)) continue;
+    const opc_axis *old = sweep->axes->pdata[i];
+    if (strcmp(old->told.path, axis->told.path) != 0) continue;
     axis_free(sweep->axes->pdata[i]);
     sweep->axes->pdata[i] = axis;
     return;
@@ -207,20 +218,39 @@ static void count_points(opc_sweep *sweep, opc_problems *problems) {
                   most_points);
 }
 
+/* What `map` sweeps. `sets` are fixed. A map that is no range is, for `deep`,
+   what stands behind the dots of its path. */
+static void take_axes(opc_sweep *sweep, const char *prefix, const opc_node *map,
+                      gboolean deep, const char *const *sets,
+                      opc_problems *problems) {
+  for (guint i = 0; i < map->items->len; i++) {
+    const opc_node *key = map->keys->pdata[i], *value = map->items->pdata[i];
+    g_autofree char *path = g_strconcat(prefix, key->text, NULL);
+    if (deep && value->type == OPC_NODE_MAP && !opc_node_get(value, "from") &&
+        !opc_node_get(value, "to") && !opc_node_get(value, "step")) {
+      g_autofree char *deeper = g_strconcat(path, ".", NULL);
+      take_axes(sweep, deeper, value, deep, sets, problems);
+    } else if (!is_fixed(path, sets)) {
+      opc_source *source = opc_source_layer(value->source, "sweep");
+      put_axis(sweep, axis_new(path, &key->at, source, value, problems));
+    }
+  }
+}
+
 opc_sweep *opc_sweep_new(const opc_recipe *recipe, const char *const *sets,
                          const char *const *sweeps, opc_problems *problems) {
   opc_sweep *sweep = g_new0(opc_sweep, 1);
   sweep->axes = g_ptr_array_new_with_free_func(axis_free);
-  for (guint i = 0; i < recipe->sweep->len; i++) {
-    const opc_entry *e = &g_array_index(recipe->sweep, opc_entry, i);
-    if (is_fixed(e->key->text, sets)) continue;
-    opc_source *source = opc_source_layer(e->key->source, "sweep");
-    put_axis(sweep,
-             axis_new(e->key->text, &e->key->at, source, e->value, problems));
-  }
+  take_axes(sweep, "", recipe->sweep, FALSE, sets, problems);
   for (; sweeps && *sweeps; sweeps++) add_argument(sweep, *sweeps, problems);
   count_points(sweep, problems);
   return sweep;
+}
+
+void opc_sweep_lay_over(opc_sweep *sweep, const opc_node *map,
+                        opc_problems *problems) {
+  take_axes(sweep, "", map, TRUE, NULL, problems);
+  count_points(sweep, problems);
 }
 
 void opc_sweep_free(opc_sweep *sweep) {
@@ -229,68 +259,7 @@ void opc_sweep_free(opc_sweep *sweep) {
   g_free(sweep);
 }
 
-/* A map that is no range is what stands behind the dots of its path. */
-static void lay_axes(opc_sweep *sweep, const char *prefix, const opc_node *map,
-                     opc_problems *problems) {
-  for (guint i = 0; i < map->items->len; i++) {
-    const opc_node *key = map->keys->pdata[i], *value = map->items->pdata[i];
-    g_autofree char *path = g_strconcat(prefix, key->text, NULL);
-    if (value->type == OPC_NODE_MAP && !opc_node_get(value, "from") &&
-        !opc_node_get(value, "to") && !opc_node_get(value, "step")) {
-      g_autofree char *deeper = g_strconcat(path, ".", NULL);
-      lay_axes(sweep, deeper, value, problems);
-      continue;
-    }
-    opc_source *source = opc_source_layer(value->source, "sweep");
-    put_axis(sweep, axis_new(path, &key->at, source, value, problems));
-  }
-}
-
-void opc_sweep_lay_over(opc_sweep *sweep, const opc_node *map,
-                        opc_problems *problems) {
-  lay_axes(sweep, "", map, problems);
-  count_points(sweep, problems);
-}
-
 /* ---- points ---- */
-
-/* Whether all values are numbers with the same unit, or none: *unit is "" or
-   the name of one. */
-static gboolean is_numeric(const opc_axis *axis, const char **unit) {
-  *unit = "";
-  for (guint i = 0; i < axis->values->len; i++) {
-    const opc_node *node = axis->values->pdata[i];
-    size_t n = node->type == OPC_NODE_TEXT ? opc_number_length(node->text) : 0;
-    if (!n) return FALSE;
-    const char *rest = node->text + n + strspn(node->text + n, " ");
-    if (i && strcmp(rest, *unit)) return FALSE;
-    *unit = rest;
-  }
-  return !**unit || opc_unit_find(*unit);
-}
-
-void opc_axis_describe(const opc_axis *axis, opc_inner_axis *out) {
-  const char *unit;
-  gboolean numeric = is_numeric(axis, &unit);
-  guint n = axis->values->len;
-  double *values = numeric ? g_new(double, n) : NULL;
-  char **texts = g_new0(char *, n + 1);
-  for (guint i = 0; i < n; i++) {
-    const opc_node *node = axis->values->pdata[i];
-    texts[i] = opc_node_line(node);
-    if (numeric) values[i] = g_ascii_strtod(node->text, NULL);
-  }
-  *out = (opc_inner_axis){.path = axis->path,
-                          .unit = numeric && *unit ? unit : NULL,
-                          .count = n,
-                          .values = values,
-                          .texts = (const char *const *)texts};
-}
-
-void opc_inner_axis_clear(opc_inner_axis *axis) {
-  g_free((double *)axis->values);
-  g_strfreev((char **)axis->texts);
-}
 
 guint opc_sweep_index(const opc_sweep *sweep, guint a, size_t point) {
   for (guint i = sweep->axes->len - 1; i > a; i--)
@@ -302,7 +271,7 @@ void opc_sweep_lay(const opc_sweep *sweep, size_t point, opc_node *steps,
                    opc_problems *problems) {
   for (guint i = 0; i < sweep->axes->len; i++) {
     const opc_axis *axis = sweep->axes->pdata[i];
-    opc_lay_at(steps, axis->path, &axis->at,
+    opc_lay_at(steps, axis->told.path, &axis->at,
                axis->values->pdata[opc_sweep_index(sweep, i, point)],
                axis->source, problems);
   }

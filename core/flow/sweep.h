@@ -9,7 +9,7 @@
 
 /* One parameter. */
 typedef struct opc_axis {
-  char *path; /* "mask.synthesizer.max_pde" */
+  opc_inner_axis told; /* what steps hear of it; its texts are as written */
   opc_place at;
   opc_source *source; /* of its values */
   GPtrArray *values;  /* opc_node * */
@@ -26,18 +26,12 @@ typedef struct opc_sweep {
 opc_sweep *opc_sweep_new(const opc_recipe *recipe, const char *const *sets,
                          const char *const *sweeps, opc_problems *problems);
 void opc_sweep_free(opc_sweep *sweep);
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_sweep, opc_sweep_free)
 
 /* Lay what `map` sweeps over that: paths, which may be cut into maps, with
    their values. */
 void opc_sweep_lay_over(opc_sweep *sweep, const opc_node *map,
                         opc_problems *problems);
-
-G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_sweep, opc_sweep_free)
-
-/* What there is to tell of an axis, which outlives it; numbers where all values
-   are some and have the same unit, or none. */
-void opc_axis_describe(const opc_axis *axis, opc_inner_axis *out);
-void opc_inner_axis_clear(opc_inner_axis *axis);
 
 /* Which value of axis `a` a point has; the last axis changes first. */
 guint opc_sweep_index(const opc_sweep *sweep, guint a, size_t point);

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Copies tables, and writes them as CSV and as text. */
 #include "core/flow/table.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
-#include "core/text/value.h"
 #include "core/plugin/host.h"
+#include "core/text/value.h"
 
 enum { MOST_DECIMALS = 20 };
 
@@ -68,6 +69,7 @@ void opc_table_free(opc_table *table) {
   }
   g_free(table->columns);
   g_free(table->name);
+  g_free(table->step);
   g_free(table);
 }
 

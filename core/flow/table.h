@@ -7,8 +7,8 @@
 #include <opcflow/plugin.h>
 
 typedef struct opc_table {
-  char *name;
-  uint32_t flags; /* OPC_TABLE_PRINT */
+  char *name, *step; /* `step`: whose it is; may be NULL */
+  uint32_t flags;    /* OPC_TABLE_PRINT */
   size_t rows, n_columns;
   opc_column *columns; /* copies: names, units and data are its own */
 } opc_table;

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Tables as CSV and as text. */
 #include "core/flow/table.h"
 
 #include <json-glib/json-glib.h>

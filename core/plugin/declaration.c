@@ -97,8 +97,8 @@ static char *preset_fault(const opc_parameter *p) {
   g_autoptr(opc_node) node = opc_preset_parse(p, &source, problems);
   if (node && p->type != OPC_SLOT) {
     g_autoptr(GPtrArray) owned = g_ptr_array_new_with_free_func(g_free);
-    opc_value value = {0};
-    opc_value_convert(p, node, FALSE, owned, problems, &value);
+    opc_setting value = {0};
+    opc_setting_convert(p, node, FALSE, owned, problems, &value);
   }
   if (!problems->list->len) return NULL;
   const opc_problem *first = problems->list->pdata[0];
@@ -115,7 +115,7 @@ static gboolean are_nested(const char *a, const char *b) {
 /* Where the value goes has to be inside the instance, behind `host`, and as
    large as the type says. */
 static char *field_fault(const opc_plugin *plugin, const opc_parameter *p) {
-  size_t width = opc_value_width(p->type), size = plugin->instance_size;
+  size_t width = opc_setting_width(p->type), size = plugin->instance_size;
   if (p->width != width)
     return g_strdup_printf(
         "parameter '%s': its field has %zu bytes, a value of the type '%s' has "

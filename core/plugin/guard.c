@@ -139,8 +139,8 @@ static void crashed(int number) {
   const char *name = "";
   for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)
     if (signals[i].number == number) name = signals[i].name;
-  const char *const words[] = {": crashed in plugin '", inside, "': ", name,
-                               "\n", NULL};
+  const char *const words[] = {
+      ": crashed in plugin '", inside, "': ", name, "\n", NULL};
   end(words, exit_code);
 }
 

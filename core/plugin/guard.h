@@ -7,8 +7,8 @@
 #define OPCFLOW_CORE_GUARD_H
 
 /* Around every call of a plugin's function: the id of the plugin that this
-   thread is in. `before = opc_guard_enter(id); ...; opc_guard_leave(before)`. The text
-   outlives the call. */
+   thread is in. `before = opc_guard_enter(id); ...; opc_guard_leave(before)`.
+   The text outlives the call. */
 const char *opc_guard_enter(const char *id);
 void opc_guard_leave(const char *before);
 

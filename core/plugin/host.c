@@ -19,36 +19,33 @@ unsigned opc_threads(void) {
 typedef struct instance_host {
   opc_host host; /* the first member */
   opc_context context;
-  const opc_sink *sink; /* NULL: to nowhere */
+  const char *path;
+  const opc_watch *watch;
 } instance_host;
-
-static const opc_sink *sink_of(const opc_host *host) {
-  return ((const instance_host *)host)->sink;
-}
 
 /* ---- messages ---- */
 
 static void host_log(const opc_host *host, int level, const char *format, ...) {
-  const opc_sink *sink = sink_of(host);
-  if (!sink || !sink->log) return;
+  const instance_host *own = (const instance_host *)host;
+  if (!own->watch->log) return;
   va_list args;
   va_start(args, format);
   g_autofree char *message = g_strdup_vprintf(format, args);
   va_end(args);
-  sink->log(sink->data, level, message);
+  own->watch->log(own->watch->data, own->path, level, message);
 }
 
 static void host_progress(const opc_host *host, const opc_progress *progress) {
-  const opc_sink *sink = sink_of(host);
-  if (sink && sink->progress) sink->progress(sink->data, progress);
+  const instance_host *own = (const instance_host *)host;
+  if (own->watch->progress)
+    own->watch->progress(own->watch->data, own->path, progress);
 }
 
 static int is_cancelled(const opc_context *context) {
   const instance_host *own =
       (const instance_host *)((const char *)context -
                               offsetof(instance_host, context));
-  return own->sink && own->sink->cancelled &&
-         own->sink->cancelled(own->sink->data);
+  return own->watch->cancelled && own->watch->cancelled(own->watch->data);
 }
 
 static const char *enter(const opc_context *context, const char *id) {
@@ -63,7 +60,10 @@ static void leave(const opc_context *context, const char *before) {
 
 /* ---- threads ---- */
 
-/* One call of parallel(): whoever is free takes the next index. The caller
+enum { TURNS = 64 }; /* of each thread at least, so that all end together */
+
+/* One call of parallel(): whoever is free takes the next indices, several if
+   there are many, as taking costs time too. The caller
    works too and waits for tasks, never for threads, so that nested calls
    cannot wait for each other; a helper that comes too late finds nothing to
    do and drops its reference. */
@@ -71,20 +71,22 @@ typedef struct batch {
   void (*task)(void *, size_t);
   void *data;
   const char *inside; /* the plugin that called */
-  size_t n;
-  size_t next;       /* atomic: the next index to take */
-  size_t done;       /* under lock */
+  size_t n, step;     /* indices in all, and taken at a time */
+  size_t next;        /* atomic: the next index to take */
+  size_t done;        /* under lock */
   gatomicrefcount references;
   GMutex lock;
   GCond finished;
 } batch;
 
 static void batch_work(batch *b) {
-  size_t i, mine = 0;
+  size_t first, mine = 0;
   const char *before = opc_guard_enter(b->inside);
-  while ((i = __atomic_fetch_add(&b->next, 1, __ATOMIC_RELAXED)) < b->n) {
-    b->task(b->data, i);
-    mine++;
+  while ((first = __atomic_fetch_add(&b->next, b->step, __ATOMIC_RELAXED)) <
+         b->n) {
+    size_t end = MIN(first + b->step, b->n);
+    for (size_t i = first; i < end; i++) b->task(b->data, i);
+    mine += end - first;
   }
   opc_guard_leave(before);
   if (!mine) return;
@@ -110,9 +112,8 @@ static void batch_help(gpointer item, gpointer unused) {
 static GThreadPool *pool(void) {
   static GThreadPool *instance;
   if (g_once_init_enter(&instance)) {
-    GThreadPool *p = g_thread_pool_new(batch_help, NULL,
-                                       (int)MAX(1, opc_threads() - 1), FALSE,
-                                       NULL);
+    GThreadPool *p = g_thread_pool_new(
+        batch_help, NULL, (int)MAX(1, opc_threads() - 1), FALSE, NULL);
     g_once_init_leave(&instance, p);
   }
   return instance;
@@ -131,6 +132,7 @@ static void parallel(const opc_context *context, size_t n,
   b->data = data;
   b->inside = opc_guard_inside();
   b->n = n;
+  b->step = n / (workers * TURNS) + 1;
   g_atomic_ref_count_init(&b->references);
   g_mutex_init(&b->lock);
   g_cond_init(&b->finished);
@@ -145,34 +147,34 @@ static void parallel(const opc_context *context, size_t n,
   batch_release(b);
 }
 
-/* ---- what a running step publishes ---- */
+/* ---- where nothing is published ---- */
 
-static int host_table(const opc_host *host, const char *name, uint32_t flags,
-                      size_t rows, const opc_column *columns, size_t n_columns,
-                      opc_error *error) {
-  const opc_sink *sink = sink_of(host);
-  if (!sink || !sink->table) return OPC_OK;
-  return sink->table(sink->data, name, flags, rows, columns, n_columns, error);
+static int ignore_table(const opc_host *host, const char *name, uint32_t flags,
+                        size_t rows, const opc_column *columns,
+                        size_t n_columns, opc_error *error) {
+  (void)host, (void)name, (void)flags, (void)rows;
+  (void)columns, (void)n_columns, (void)error;
+  return OPC_OK;
 }
 
-static int host_metric(const opc_host *host, const char *name, double value,
-                       opc_error *error) {
-  const opc_sink *sink = sink_of(host);
-  if (!sink || !sink->metric) return OPC_OK;
-  return sink->metric(sink->data, name, value, error);
+static int ignore_metric(const opc_host *host, const char *name, double value,
+                         opc_error *error) {
+  (void)host, (void)name, (void)value, (void)error;
+  return OPC_OK;
 }
 
-static const char *host_output_path(const opc_host *host, const char *name,
-                                    opc_error *error) {
-  const opc_sink *sink = sink_of(host);
-  if (!sink || !sink->output_path) {
-    opc_fail(error, OPC_FAILED, NULL, "'%s': there is no run folder", name);
-    return NULL;
-  }
-  return sink->output_path(sink->data, name, error);
+static const char *refuse_path(const opc_host *host, const char *name,
+                               opc_error *error) {
+  (void)host;
+  opc_fail(error, OPC_FAILED, NULL, "'%s': there is no run folder", name);
+  return NULL;
 }
 
-opc_host *opc_host_new(const opc_sink *sink) {
+opc_host *opc_host_new(const char *path, const opc_watch *watch,
+                       const opc_host *like) {
+  static const opc_watch nobody = {.data = NULL};
+  static const opc_host nowhere = {.table = NULL};
+  const opc_host *to = like ? like : &nowhere;
   instance_host *own = g_new(instance_host, 1);
   *own = (instance_host){
       .context = {.parallel = parallel,
@@ -182,10 +184,11 @@ opc_host *opc_host_new(const opc_sink *sink) {
       .host = {.context = &own->context,
                .log = host_log,
                .progress = host_progress,
-               .table = host_table,
-               .metric = host_metric,
-               .output_path = host_output_path},
-      .sink = sink,
+               .table = to->table ? to->table : ignore_table,
+               .metric = to->metric ? to->metric : ignore_metric,
+               .output_path = to->output_path ? to->output_path : refuse_path},
+      .path = path,
+      .watch = watch ? watch : &nobody,
   };
   return &own->host;
 }

@@ -5,21 +5,25 @@
 
 #include <opcflow/opcflow.h>
 
-/* Where a host sends what its functions say. Any function may be NULL: the
-   call is then ignored (table, metric) or refused (output_path). */
-typedef struct opc_sink {
+/* Who looks on while instances work. log, progress and cancelled may come from
+   any thread; `path` is that of the instance ("mask.litho"). Functions may be
+   NULL. */
+typedef struct opc_watch {
   void *data;
-  void (*log)(void *data, int level, const char *message);
-  void (*progress)(void *data, const opc_progress *progress);
+  void (*log)(void *data, const char *path, int level, const char *message);
+  void (*step)(void *data, const char *name, size_t number, size_t count);
+  void (*progress)(void *data, const char *path, const opc_progress *progress);
   int (*cancelled)(void *data);
-  int (*table)(void *data, const char *name, uint32_t flags, size_t rows,
-               const opc_column *columns, size_t n_columns, opc_error *error);
-  int (*metric)(void *data, const char *name, double value, opc_error *error);
-  const char *(*output_path)(void *data, const char *name, opc_error *error);
-} opc_sink;
+  /* Of a sweep: the point that begins, from 1. */
+  void (*point)(void *data, size_t number, size_t count);
+} opc_watch;
 
-/* A host that reports to *sink, which outlives it. NULL: to nowhere. */
-opc_host *opc_host_new(const opc_sink *sink);
+/* A host for the instance of that path, which tells *watch (NULL: nobody). What
+   it publishes goes to the functions table, metric and output_path of *like;
+   where there are none, the first two are ignored and no path is given. All
+   three outlive it. */
+opc_host *opc_host_new(const char *path, const opc_watch *watch,
+                       const opc_host *like);
 void opc_host_free(opc_host *host);
 
 /* How many threads opc_host.parallel uses; 0 for as many as there are

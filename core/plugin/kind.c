@@ -100,7 +100,9 @@ char *opc_functions_fault(opc_registry *registry, const opc_plugin *plugin) {
       return g_strdup_printf("its function '%s' is missing",
                              kind->functions[i].name);
   }
-  if (!strcmp(plugin->kind, OPC_KIND_STEP)) return ports_fault(plugin->functions);
-  if (!strcmp(plugin->kind, OPC_KIND_KIND)) return kind_fault(plugin->functions);
+  if (!strcmp(plugin->kind, OPC_KIND_STEP))
+    return ports_fault(plugin->functions);
+  if (!strcmp(plugin->kind, OPC_KIND_KIND))
+    return kind_fault(plugin->functions);
   return NULL;
 }

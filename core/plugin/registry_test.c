@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Finding plugins, and what is said of those that are no good. */
 #include "core/plugin/registry.h"
 
 #include <stdio.h>

@@ -139,7 +139,6 @@ static void instance_clear(instance *made) {
 static gboolean instance_make(const inspector *in, const opc_parameter *p,
                               double number, opc_problems *problems,
                               instance *made) {
-  static const opc_sink sink = {0};
   const opc_lint *lint = in->lint;
   const opc_plugin *plugin = in->plugin;
   const opc_place at = {NULL, 0, 0};
@@ -164,7 +163,7 @@ static gboolean instance_make(const inspector *in, const opc_parameter *p,
         opc_bind_plugin(lint->registry, plugin, made->map, plugin->id, &at,
                         OPC_BIND_NO_INPUTS, problems);
   return !problems->list->len &&
-         opc_binding_create(made->binding, &sink, NULL, problems);
+         opc_binding_create(made->binding, NULL, NULL, problems);
 }
 
 /* ---- checks, each in a process of its own ---- */

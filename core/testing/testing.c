@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Makes single plugins and keeps what they publish, for tests. */
 #include "core/testing/testing.h"
 
 #include <errno.h>
@@ -8,9 +9,9 @@
 
 #include "core/flow/binding.h"
 #include "core/flow/files.h"
-#include "core/text/value.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/host.h"
+#include "core/text/value.h"
 
 /* What opc_test_module returns the first member of. */
 typedef struct tested {
@@ -48,7 +49,7 @@ static void clean_up(void) {
 static void start(void) {
   if (state.metrics) return;
   state.registry = opc_registry_new(NULL);
-  state.source = opc_source_new("test", NULL);
+  state.source = opc_source_new("test", "");
   state.metrics =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, g_free);
   state.tables = g_hash_table_new_full(g_str_hash, g_str_equal, NULL,
@@ -58,10 +59,10 @@ static void start(void) {
   atexit(clean_up);
 }
 
-static void take_log(void *data, int level, const char *message) {
+static void take_log(void *data, const char *path, int level,
+                     const char *message) {
   static GMutex lock;
-  (void)data;
-  (void)level;
+  (void)data, (void)path, (void)level;
   g_mutex_lock(&lock);
   g_string_append_printf(state.log, "%s\n", message);
   g_mutex_unlock(&lock);
@@ -72,10 +73,10 @@ static int is_cancelled(void *data) {
   return state.cancel;
 }
 
-static int take_table(void *data, const char *name, uint32_t flags, size_t rows,
-                      const opc_column *columns, size_t n_columns,
+static int take_table(const opc_host *host, const char *name, uint32_t flags,
+                      size_t rows, const opc_column *columns, size_t n_columns,
                       opc_error *error) {
-  (void)data;
+  (void)host;
   opc_table *table =
       opc_table_new(name, flags, rows, columns, n_columns, error);
   if (!table) return error->code;
@@ -83,9 +84,9 @@ static int take_table(void *data, const char *name, uint32_t flags, size_t rows,
   return OPC_OK;
 }
 
-static int take_metric(void *data, const char *name, double value,
+static int take_metric(const opc_host *host, const char *name, double value,
                        opc_error *error) {
-  const opc_binding *b = data;
+  const opc_binding *b = host->data;
   if (b && !opc_metric_find(b->plugin, name))
     return opc_fail(error, OPC_FAILED, NULL, "'%s' declares no metric '%s'",
                     b->plugin->id, name);
@@ -97,8 +98,9 @@ static int take_metric(void *data, const char *name, double value,
   return OPC_OK;
 }
 
-static const char *give_path(void *data, const char *name, opc_error *error) {
-  (void)data;
+static const char *give_path(const opc_host *host, const char *name,
+                             opc_error *error) {
+  (void)host;
   if (!opc_name_is_inside(name)) {
     opc_fail(error, OPC_INVALID, NULL, "'%s' leaves the run folder", name);
     return NULL;
@@ -111,18 +113,15 @@ static const char *give_path(void *data, const char *name, opc_error *error) {
   return NULL;
 }
 
-static const opc_sink sink = {
-    .log = take_log,
-    .cancelled = is_cancelled,
-    .table = take_table,
-    .metric = take_metric,
-    .output_path = give_path,
-};
+static const opc_watch watch = {.log = take_log, .cancelled = is_cancelled};
+
+static const opc_host publisher = {
+    .table = take_table, .metric = take_metric, .output_path = give_path};
 
 const opc_host *opc_test_host(void) {
   static opc_host *host;
   start();
-  if (!host) host = opc_host_new(&sink);
+  if (!host) host = opc_host_new("test", &watch, &publisher);
   return host;
 }
 
@@ -148,7 +147,7 @@ opc_module *opc_test_module(const char *id, const char *mapping,
     t->binding = opc_bind_plugin(state.registry, plugin, t->map, id,
                                  &t->map->at, OPC_BIND_NO_INPUTS, problems);
   if (!problems->list->len)
-    opc_binding_create(t->binding, &sink, NULL, problems);
+    opc_binding_create(t->binding, &watch, &publisher, problems);
   if (!problems->list->len) {
     t->module = t->binding->module;
     return &t->module;

@@ -4,22 +4,19 @@
 
 #include "core/text/node.h"
 
+#define LETTERS G_CSET_a_2_z G_CSET_A_2_Z G_CSET_DIGITS "_-."
+
 /* Whether a text can stand without quotes: nothing in it means anything to
    YAML. */
 static gboolean is_plain(const char *text) {
-  static const char inner[] = "_./%+-^$";
   size_t n = strlen(text);
   if (!n || text[n - 1] == ' ') return FALSE;
   if (n > 3 && !strncmp(text, "${", 2) && text[n - 1] == '}')
-    return strspn(text + 2,
-                  "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                  "0123456789_-.") == n - 3;
+    return strspn(text + 2, LETTERS) == n - 3;
   if (!g_ascii_isalnum(*text) && *text != '/' && *text != '.' &&
       !(strchr("+-", *text) && g_ascii_isdigit(text[1])))
     return FALSE;
-  for (const char *c = text; *c; c++)
-    if (!g_ascii_isalnum(*c) && *c != ' ' && !strchr(inner, *c)) return FALSE;
-  return !strstr(text, "...");
+  return strspn(text, LETTERS " /%+^$") == n && !strstr(text, "...");
 }
 
 void opc_text_append(GString *out, const char *text) {
@@ -53,7 +50,7 @@ void opc_node_append(GString *out, const opc_node *node) {
   for (guint i = 0; i < node->items->len; i++) {
     if (i) g_string_append(out, ", ");
     if (map) {
-      opc_text_append(out, ((opc_node *)node->keys->pdata[i])->text);
+      opc_text_append(out, opc_node_key(node, i));
       g_string_append(out, ": ");
     }
     opc_node_append(out, node->items->pdata[i]);

@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Builds trees from the events of libyaml, and looks into them. */
 #include "core/text/node.h"
 
 #include <string.h>
 #include <sys/stat.h>
 #include <yaml.h>
+
+#include "core/text/suggest.h"
 
 enum {
   DEEPEST = 64,
@@ -45,7 +48,7 @@ static opc_node *node_new(opc_node_type type, const opc_source *source,
   opc_node *node = g_new0(opc_node, 1);
   node->type = type;
   node->source = source;
-  node->at = at ? *at : (opc_place){source->name, 0, 0};
+  node->at = at && source->folder ? *at : (opc_place){source->name, 0, 0};
   if (type == OPC_NODE_MAP)
     node->keys = g_ptr_array_new_with_free_func((GDestroyNotify)opc_node_free);
   if (type != OPC_NODE_TEXT)
@@ -63,8 +66,7 @@ opc_node *opc_node_map_new(const opc_source *source, const opc_place *at) {
   return node_new(OPC_NODE_MAP, source, at);
 }
 
-/* These three go as deep as the tree: DEEPEST, and what is laid over it. */
-
+/* As deep as the tree, and what is laid over it. */
 opc_node *opc_node_copy(const opc_node *node, const opc_source *source) {
   opc_place at = node->at;
   if (source) at.file = source->name;
@@ -79,14 +81,6 @@ opc_node *opc_node_copy(const opc_node *node, const opc_source *source) {
   return copy;
 }
 
-void opc_node_forget_lines(opc_node *node) {
-  node->at.line = node->at.column = 0;
-  for (guint i = 0; node->keys && i < node->keys->len; i++)
-    opc_node_forget_lines(node->keys->pdata[i]);
-  for (guint i = 0; node->items && i < node->items->len; i++)
-    opc_node_forget_lines(node->items->pdata[i]);
-}
-
 void opc_node_free(opc_node *node) {
   if (!node) return;
   g_free(node->text);
@@ -95,12 +89,20 @@ void opc_node_free(opc_node *node) {
   g_free(node);
 }
 
+const char *opc_node_key(const opc_node *map, guint i) {
+  return ((const opc_node *)map->keys->pdata[i])->text;
+}
+
+int opc_node_find(const opc_node *map, const char *key) {
+  for (guint i = 0; i < map->keys->len; i++)
+    if (!strcmp(opc_node_key(map, i), key)) return (int)i;
+  return -1;
+}
+
 opc_node *opc_node_get(const opc_node *map, const char *key) {
   if (!map || map->type != OPC_NODE_MAP) return NULL;
-  for (guint i = 0; i < map->keys->len; i++)
-    if (!strcmp(((opc_node *)map->keys->pdata[i])->text, key))
-      return map->items->pdata[i];
-  return NULL;
+  int i = opc_node_find(map, key);
+  return i < 0 ? NULL : map->items->pdata[i];
 }
 
 void opc_node_add(opc_node *map, opc_node *key, opc_node *value) {
@@ -108,15 +110,34 @@ void opc_node_add(opc_node *map, opc_node *key, opc_node *value) {
   g_ptr_array_add(map->items, value);
 }
 
-const char *opc_node_noun(const opc_node *node) {
-  switch (node->type) {
-    case OPC_NODE_MAP:
-      return "a map";
-    case OPC_NODE_LIST:
-      return "a list";
-    default:
-      return "a text";
+char **opc_choice_list(const char *choices) {
+  return g_strsplit(choices ? choices : "", "|", -1);
+}
+
+gboolean opc_node_check_keys(const opc_node *map, const char *words,
+                             const char *where, opc_problems *problems) {
+  g_auto(GStrv) known = opc_choice_list(words);
+  gboolean good = TRUE;
+  for (guint i = 0; i < map->keys->len && !opc_problems_full(problems); i++) {
+    const opc_node *key = map->keys->pdata[i];
+    if (g_strv_contains((const char *const *)known, key->text)) continue;
+    g_autofree char *suggestion = opc_suggestion_of(key->text, known);
+    good = opc_wrong(problems, key, "unknown key '%s'%s%s", key->text, where,
+                     suggestion);
   }
+  return good;
+}
+
+char *opc_node_path(const opc_node *node) {
+  const char *folder = node->source->folder;
+  return g_path_is_absolute(node->text) || !folder || !*folder
+             ? g_strdup(node->text)
+             : g_build_filename(folder, node->text, NULL);
+}
+
+const char *opc_node_noun(const opc_node *node) {
+  static const char *const nouns[] = {"a text", "a list", "a map"};
+  return nouns[node->type];
 }
 
 gboolean opc_node_is_empty(const opc_node *node) {
@@ -130,42 +151,18 @@ gboolean opc_node_is_null(const opc_node *node) {
 
 /* ---- references within { } ---- */
 
-static gboolean name_byte(char c) {
-  return g_ascii_isalnum(c) || c == '_' || c == '-' || c == '.';
-}
-
 static char *hide_braces(const char *text, size_t length) {
-  GString *out = g_string_sized_new(length + 64);
-  for (size_t i = 0; i < length;) {
-    size_t j = i + 2;
-    if (text[i] == '$' && i + 1 < length && text[i + 1] == '{') {
-      while (j < length && name_byte(text[j])) j++;
-      if (j < length && text[j] == '}') {
-        g_string_append(out, "$" OPEN);
-        g_string_append_len(out, text + i + 2, (gssize)(j - i - 2));
-        g_string_append(out, CLOSE);
-        i = j + 1;
-        continue;
-      }
-    }
-    g_string_append_c(out, text[i++]);
-  }
-  return g_string_free(out, FALSE);
+  static GRegex *reference;
+  if (!reference)
+    reference = g_regex_new("\\$\\{([A-Za-z0-9_.-]*)\\}", 0, 0, NULL);
+  return g_regex_replace(reference, text, (gssize)length, 0,
+                         "$" OPEN "\\1" CLOSE, 0, NULL);
 }
 
-static char *show_braces(const char *text, size_t length) {
-  GString *out = g_string_sized_new(length + 1);
-  for (size_t i = 0; i < length;) {
-    if (length - i >= 3 && !memcmp(text + i, OPEN, 3)) {
-      g_string_append_c(out, '{');
-      i += 3;
-    } else if (length - i >= 3 && !memcmp(text + i, CLOSE, 3)) {
-      g_string_append_c(out, '}');
-      i += 3;
-    } else {
-      g_string_append_c(out, text[i++]);
-    }
-  }
+static char *show_braces(const char *text) {
+  GString *out = g_string_new(text);
+  g_string_replace(out, OPEN, "{", 0);
+  g_string_replace(out, CLOSE, "}", 0);
   return g_string_free(out, FALSE);
 }
 
@@ -174,14 +171,8 @@ static char *show_braces(const char *text, size_t length) {
 typedef struct builder {
   const opc_source *source;
   opc_problems *problems;
-  opc_node *root;
-  opc_node *open[DEEPEST];   /* the maps and lists we are in */
-  opc_node *key[DEEPEST];    /* of each: the key that waits for its value */
-  GHashTable *seen[DEEPEST]; /* of each map: key text -> key node */
-  unsigned depth;
+  yaml_parser_t parser;
   size_t nodes;
-  unsigned documents;
-  gboolean failed; /* no use going on */
 } builder;
 
 static opc_place place_of(const builder *b, yaml_mark_t mark) {
@@ -189,155 +180,107 @@ static opc_place place_of(const builder *b, yaml_mark_t mark) {
                      (unsigned)mark.column + 1};
 }
 
-#define STOP(b, at, ...)                                          \
-  do {                                                            \
-    opc_problem_add((b)->problems, OPC_INVALID, at, __VA_ARGS__); \
-    (b)->failed = TRUE;                                           \
-  } while (0)
-
-static void refuse_extras(builder *b, const opc_place *at,
-                          const yaml_char_t *anchor, const yaml_char_t *tag) {
-  if (anchor)
-    STOP(b, at, "anchors and aliases ('&%s') cannot be used here",
-         (const char *)anchor);
-  else if (tag)
-    STOP(b, at, "tags ('%s') cannot be used here", (const char *)tag);
-}
-
-static void add_key(builder *b, opc_node *node) {
-  unsigned top = b->depth - 1;
-  const opc_node *first = g_hash_table_lookup(b->seen[top], node->text);
-  if (first)
-    opc_problem_add(b->problems, OPC_INVALID, &node->at,
-                    "duplicate key '%s', first given in line %u", node->text,
-                    first->at.line);
-  else
-    g_hash_table_insert(b->seen[top], node->text, node);
-  b->key[top] = node;
-}
-
-/* Put a finished text or a just opened map or list where it belongs. Takes the
-   node, whatever happens. */
-static void place_node(builder *b, opc_node *node) {
-  if (++b->nodes > MOST_NODES) {
-    STOP(b, &node->at, "more than %d values", MOST_NODES);
-    opc_node_free(node);
-    return;
-  }
-  if (!b->depth) {
-    b->root = node;
-    return;
-  }
-  unsigned top = b->depth - 1;
-  opc_node *parent = b->open[top];
-  if (parent->type == OPC_NODE_LIST) {
-    g_ptr_array_add(parent->items, node);
-  } else if (b->key[top]) {
-    g_ptr_array_add(parent->keys, b->key[top]);
-    g_ptr_array_add(parent->items, node);
-    b->key[top] = NULL;
-  } else if (node->type != OPC_NODE_TEXT) {
-    STOP(b, &node->at, "a key cannot be %s", opc_node_noun(node));
-    opc_node_free(node);
-  } else {
-    add_key(b, node);
-  }
-}
-
-static void open_node(builder *b, opc_node_type type, const opc_place *at) {
-  if (b->depth == DEEPEST) {
-    STOP(b, at, "nested deeper than %d", DEEPEST);
-    return;
-  }
-  opc_node *node = node_new(type, b->source, at);
-  place_node(b, node);
-  if (b->failed) return;
-  b->open[b->depth] = node;
-  b->key[b->depth] = NULL;
-  b->seen[b->depth] = g_hash_table_new(g_str_hash, g_str_equal);
-  b->depth++;
-}
-
-static void close_node(builder *b) {
-  b->depth--;
-  g_hash_table_destroy(b->seen[b->depth]);
-}
-
-static void add_text(builder *b, const yaml_event_t *event,
-                     const opc_place *at) {
-  const char *value = (const char *)event->data.scalar.value;
-  size_t length = event->data.scalar.length;
-  if (memchr(value, 0, length)) {
-    STOP(b, at, "a text with a NUL byte");
-    return;
-  }
-  if (length > LONGEST_TEXT) {
-    STOP(b, at, "a text of more than %d bytes", LONGEST_TEXT);
-    return;
-  }
-  opc_node *node = node_new(OPC_NODE_TEXT, b->source, at);
-  node->text = show_braces(value, length);
-  node->plain = event->data.scalar.style == YAML_PLAIN_SCALAR_STYLE;
-  place_node(b, node);
-}
-
-static void take_event(builder *b, const yaml_event_t *event) {
-  opc_place at = place_of(b, event->start_mark);
-  switch (event->type) {
-    case YAML_DOCUMENT_START_EVENT:
-      if (b->documents++) STOP(b, &at, "a second document");
-      break;
-    case YAML_ALIAS_EVENT:
-      STOP(b, &at, "anchors and aliases ('*%s') cannot be used here",
-           (const char *)event->data.alias.anchor);
-      break;
-    case YAML_SCALAR_EVENT:
-      refuse_extras(b, &at, event->data.scalar.anchor, event->data.scalar.tag);
-      if (!b->failed) add_text(b, event, &at);
-      break;
-    case YAML_SEQUENCE_START_EVENT:
-      refuse_extras(b, &at, event->data.sequence_start.anchor,
-                    event->data.sequence_start.tag);
-      if (!b->failed) open_node(b, OPC_NODE_LIST, &at);
-      break;
-    case YAML_MAPPING_START_EVENT:
-      refuse_extras(b, &at, event->data.mapping_start.anchor,
-                    event->data.mapping_start.tag);
-      if (!b->failed) open_node(b, OPC_NODE_MAP, &at);
-      break;
-    case YAML_SEQUENCE_END_EVENT:
-    case YAML_MAPPING_END_EVENT:
-      close_node(b);
-      break;
-    default:
-      break;
-  }
-}
-
-static void parser_problem(builder *b, const yaml_parser_t *parser) {
+static gboolean next_event(builder *b, yaml_event_t *event) {
+  const yaml_parser_t *parser = &b->parser;
+  if (yaml_parser_parse(&b->parser, event)) return TRUE;
   opc_place at = place_of(b, parser->problem_mark);
   const char *fault = parser->problem ? parser->problem : "out of memory";
   if (!strcmp(fault, "found character that cannot start any token"))
     fault = "found a tab or a character that cannot begin a value";
-  if (parser->context)
-    STOP(b, &at, "not YAML: %s %s", fault, parser->context);
-  else
-    STOP(b, &at, "not YAML: %s", fault);
+  return opc_problem_add(b->problems, OPC_INVALID, &at, "not YAML: %s%s%s",
+                         fault, parser->context ? " " : "",
+                         parser->context ? parser->context : "");
 }
 
-static opc_node *builder_finish(builder *b, guint problems_before) {
-  while (b->depth) {
-    opc_node_free(b->key[b->depth - 1]);
-    close_node(b);
-  }
-  if (b->problems->list->len > problems_before) {
-    opc_node_free(b->root);
-    b->root = NULL;
-  } else if (!b->root) {
-    opc_place at = {b->source->name, 1, 1};
-    opc_problem_add(b->problems, OPC_INVALID, &at, "there is nothing in it");
-  }
-  return b->root;
+/* What keeps an event from being a node; NULL: nothing. */
+static char *event_fault(const builder *b, const yaml_event_t *event,
+                         opc_node_type type, unsigned depth, gboolean is_key) {
+  /* The structs of texts, lists and maps begin with the same members. */
+  const char *anchor = (const char *)event->data.scalar.anchor;
+  const char *tag = (const char *)event->data.scalar.tag;
+  size_t length = event->data.scalar.length;
+  if (anchor)
+    return g_strdup_printf("anchors and aliases ('&%s') cannot be used here",
+                           anchor);
+  if (tag) return g_strdup_printf("tags ('%s') cannot be used here", tag);
+  if (type != OPC_NODE_TEXT && depth == DEEPEST)
+    return g_strdup_printf("nested deeper than %d", DEEPEST);
+  if (type == OPC_NODE_TEXT && memchr(event->data.scalar.value, 0, length))
+    return g_strdup("a text with a NUL byte");
+  if (type == OPC_NODE_TEXT && length > LONGEST_TEXT)
+    return g_strdup_printf("a text of more than %d bytes", LONGEST_TEXT);
+  if (b->nodes >= MOST_NODES)
+    return g_strdup_printf("more than %d values", MOST_NODES);
+  if (type != OPC_NODE_TEXT && is_key)
+    return g_strdup_printf("a key cannot be a %s",
+                           type == OPC_NODE_MAP ? "map" : "list");
+  return NULL;
+}
+
+static gboolean read_items(builder *b, opc_node *node, unsigned depth);
+
+/* The node that an event begins, NULL if it begins none. FALSE if there is no
+   use going on. As deep as the tree. */
+static gboolean read_node(builder *b, const yaml_event_t *event, unsigned depth,
+                          gboolean is_key, opc_node **out) {
+  opc_place at = place_of(b, event->start_mark);
+  opc_node_type type = OPC_NODE_TEXT;
+  *out = NULL;
+  if (event->type == YAML_ALIAS_EVENT)
+    return opc_problem_add(b->problems, OPC_INVALID, &at,
+                           "anchors and aliases ('*%s') cannot be used here",
+                           (const char *)event->data.alias.anchor);
+  if (event->type == YAML_SEQUENCE_START_EVENT)
+    type = OPC_NODE_LIST;
+  else if (event->type == YAML_MAPPING_START_EVENT)
+    type = OPC_NODE_MAP;
+  else if (event->type != YAML_SCALAR_EVENT)
+    return TRUE;
+  g_autofree char *fault = event_fault(b, event, type, depth, is_key);
+  if (fault) return opc_problem_add(b->problems, OPC_INVALID, &at, "%s", fault);
+  b->nodes++;
+  *out = node_new(type, b->source, &at);
+  if (type != OPC_NODE_TEXT) return read_items(b, *out, depth + 1);
+  (*out)->text = show_braces((const char *)event->data.scalar.value);
+  (*out)->plain = event->data.scalar.style == YAML_PLAIN_SCALAR_STYLE;
+  return TRUE;
+}
+
+/* Tell of a key that is there twice. `lines`: where each was first given. */
+static void check_key(const builder *b, GHashTable *lines, const opc_node *key,
+                      const opc_place *at) {
+  guint first = GPOINTER_TO_UINT(g_hash_table_lookup(lines, key->text));
+  if (first)
+    opc_problem_add(b->problems, OPC_INVALID, at,
+                    "duplicate key '%s', first given in line %u", key->text,
+                    first);
+  else
+    g_hash_table_insert(lines, key->text, GUINT_TO_POINTER(at->line));
+}
+
+/* What is in a list or map, to its end. */
+static gboolean read_items(builder *b, opc_node *node, unsigned depth) {
+  g_autoptr(GHashTable) lines = g_hash_table_new(g_str_hash, g_str_equal);
+  opc_node *key = NULL, *item = NULL;
+  gboolean good;
+  do {
+    yaml_event_t event;
+    good = next_event(b, &event);
+    if (!good) break;
+    opc_place at = place_of(b, event.start_mark);
+    gboolean is_key = node->keys && !key;
+    good = read_node(b, &event, depth, is_key, &item);
+    if (item && is_key) {
+      check_key(b, lines, item, &at);
+      key = item;
+    } else if (item) {
+      if (key) g_ptr_array_add(node->keys, g_steal_pointer(&key));
+      g_ptr_array_add(node->items, item);
+    }
+    yaml_event_delete(&event);
+  } while (good && item);
+  opc_node_free(key);
+  return good;
 }
 
 /* What YAML takes, less the two that stand for braces here. */
@@ -372,56 +315,60 @@ static gboolean check_bytes(const opc_source *source, const char *text,
   return good && c == end;
 }
 
+/* The one document of a stream. */
+static opc_node *read_document(builder *b) {
+  opc_node *root = NULL;
+  yaml_event_t event;
+  for (gboolean going = TRUE; going && next_event(b, &event);) {
+    opc_place at = place_of(b, event.start_mark);
+    going = event.type != YAML_STREAM_END_EVENT;
+    if (root && event.type == YAML_DOCUMENT_START_EVENT)
+      going =
+          opc_problem_add(b->problems, OPC_INVALID, &at, "a second document");
+    else if (!root)
+      going &= read_node(b, &event, 0, FALSE, &root);
+    yaml_event_delete(&event);
+  }
+  return root;
+}
+
 opc_node *opc_node_parse(const opc_source *source, const char *text,
                          size_t length, opc_problems *problems) {
   if (!check_bytes(source, text, length, problems)) return NULL;
   g_autofree char *hidden = hide_braces(text, length);
   builder b = {.source = source, .problems = problems};
   guint before = problems->list->len;
-  yaml_parser_t parser;
-  if (!yaml_parser_initialize(&parser)) {
-    STOP(&b, NULL, "out of memory");
-    return NULL;
-  }
-  yaml_parser_set_encoding(&parser, YAML_UTF8_ENCODING);
-  yaml_parser_set_input_string(&parser, (const unsigned char *)hidden,
+  if (!yaml_parser_initialize(&b.parser)) g_error("out of memory");
+  yaml_parser_set_encoding(&b.parser, YAML_UTF8_ENCODING);
+  yaml_parser_set_input_string(&b.parser, (const unsigned char *)hidden,
                                strlen(hidden));
-  for (gboolean done = FALSE; !done && !b.failed;) {
-    yaml_event_t event;
-    if (!yaml_parser_parse(&parser, &event)) {
-      parser_problem(&b, &parser);
-      break;
-    }
-    done = event.type == YAML_STREAM_END_EVENT;
-    take_event(&b, &event);
-    yaml_event_delete(&event);
-  }
-  yaml_parser_delete(&parser);
-  return builder_finish(&b, before);
+  g_autoptr(opc_node) root = read_document(&b);
+  const opc_place at = {source->name, 1, 1};
+  yaml_parser_delete(&b.parser);
+  if (problems->list->len > before) return NULL;
+  if (!root)
+    opc_problem_add(problems, OPC_INVALID, &at, "there is nothing in it");
+  return g_steal_pointer(&root);
 }
 
 opc_node *opc_node_read(const opc_source *source, const char *path,
-                        opc_problems *problems) {
+                        const opc_place *at, opc_problems *problems) {
   g_autoptr(GError) fault = NULL;
   g_autofree char *text = NULL;
   gsize length = 0;
-  opc_place at = {NULL, 0, 0};
   struct stat about = {0};
   if (!stat(path, &about) && !S_ISREG(about.st_mode)) {
-    opc_problem_add(problems, OPC_IO, &at, "'%s': not a file", path);
-    return NULL;
-  }
-  if (about.st_size > LARGEST_FILE) {
-    opc_problem_add(problems, OPC_INVALID, &at, "'%s': larger than %d bytes",
+    opc_problem_add(problems, OPC_IO, at, "'%s': not a file", path);
+  } else if (about.st_size > LARGEST_FILE) {
+    opc_problem_add(problems, OPC_INVALID, at, "'%s': larger than %d bytes",
                     path, LARGEST_FILE);
-    return NULL;
-  }
-  if (!g_file_get_contents(path, &text, &length, &fault)) {
+  } else if (!g_file_get_contents(path, &text, &length, &fault)) {
     const char *why = g_error_matches(fault, G_FILE_ERROR, G_FILE_ERROR_NOENT)
                           ? "no such file"
                           : fault->message;
-    opc_problem_add(problems, OPC_IO, &at, "'%s': %s", path, why);
-    return NULL;
+    opc_problem_add(problems, OPC_IO, at, "'%s': %s", path, why);
+  } else {
+    return opc_node_parse(source, text, length, problems);
   }
-  return opc_node_parse(source, text, length, problems);
+  return NULL;
 }

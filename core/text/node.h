@@ -10,7 +10,8 @@
 /* Where nodes came from. */
 typedef struct opc_source {
   char *name;   /* for messages: "flow.yaml", "--set mask.max_pde" */
-  char *folder; /* relative file names start here */
+  char *folder; /* relative file names start here; NULL: of an argument, whose
+                   nodes have no lines */
   char *layer;  /* "variant epe", "sweep"; NULL for the file as such */
 } opc_source;
 
@@ -36,24 +37,36 @@ void opc_source_free(opc_source *source);
 opc_node *opc_node_parse(const opc_source *source, const char *text,
                          size_t length, opc_problems *problems);
 
-/* The tree of a file; its problems carry the name of `source`. */
+/* The tree of a file; its problems carry the name of `source`, those of the
+   file as such the place `at`, which may be NULL. */
 opc_node *opc_node_read(const opc_source *source, const char *path,
-                        opc_problems *problems);
+                        const opc_place *at, opc_problems *problems);
 
 opc_node *opc_node_text_new(const opc_source *source, const char *text);
 opc_node *opc_node_map_new(const opc_source *source, const opc_place *at);
 /* A deep copy. `source`: whose the copies are; NULL: as in `node`. */
 opc_node *opc_node_copy(const opc_node *node, const opc_source *source);
-/* Take the lines from all places: the source as a whole is meant. */
-void opc_node_forget_lines(opc_node *node);
 void opc_node_free(opc_node *node);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_node, opc_node_free)
 
-/* The value of a key, NULL if it is not there (or `map` is no map). */
+/* The number of a key, -1 if it is not there; and its value, NULL if it is not
+   there (or `map` is no map). */
+int opc_node_find(const opc_node *map, const char *key);
 opc_node *opc_node_get(const opc_node *map, const char *key);
+
+/* The text of the key with that number. */
+const char *opc_node_key(const opc_node *map, guint i);
 
 /* Put a key that is not there at the end. Takes both. */
 void opc_node_add(opc_node *map, opc_node *key, opc_node *value);
+
+/* Whether all keys are among `words`, "a|b|c"; a problem of each that is not:
+   "unknown key 'x'", `where`, and what may be meant. */
+gboolean opc_node_check_keys(const opc_node *map, const char *words,
+                             const char *where, opc_problems *problems);
+
+/* The file that a text names, as its source means it (g_free). */
+char *opc_node_path(const opc_node *node);
 
 /* "a map", "a list", "a text" */
 const char *opc_node_noun(const opc_node *node);
@@ -69,5 +82,12 @@ gboolean opc_node_is_empty(const opc_node *node);
 
 /* Whether it is `~` or `null` without quotes. */
 gboolean opc_node_is_null(const opc_node *node);
+
+/* The words of "a|b|c", in order (g_strfreev). */
+char **opc_choice_list(const char *choices);
+
+/* A fault of what a node says. */
+#define opc_wrong(problems, node, ...) \
+  opc_problem_add(problems, OPC_INVALID, &(node)->at, __VA_ARGS__)
 
 #endif

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Gathers faults, drops those that are known, sorts them and writes them out.
+ */
 #include "core/text/problem.h"
 
 #include <string.h>
-
 
 enum {
   MOST_PROBLEMS = 1000,
@@ -11,7 +12,6 @@ enum {
 
 static void problem_free(gpointer item) {
   opc_problem *problem = item;
-  g_free(problem->file);
   g_free(problem->message);
   g_free(problem);
 }
@@ -19,14 +19,12 @@ static void problem_free(gpointer item) {
 opc_problems *opc_problems_new(void) {
   opc_problems *problems = g_new0(opc_problems, 1);
   problems->list = g_ptr_array_new_with_free_func(problem_free);
-  problems->warnings = g_ptr_array_new_with_free_func(problem_free);
   return problems;
 }
 
 void opc_problems_free(opc_problems *problems) {
   if (!problems) return;
   g_ptr_array_free(problems->list, TRUE);
-  g_ptr_array_free(problems->warnings, TRUE);
   g_free(problems);
 }
 
@@ -41,59 +39,31 @@ static void cut(char *message) {
   strcpy(end ? end : message, "...");
 }
 
-/* Takes the message. */
-static void add(GPtrArray *list, int code, const opc_place *place,
-                char *message) {
+gboolean opc_problem_add(opc_problems *problems, int code,
+                         const opc_place *place, const char *format, ...) {
+  if (opc_problems_full(problems)) return FALSE;
+  gboolean last = problems->list->len + 1 == MOST_PROBLEMS;
   opc_problem *problem = g_new0(opc_problem, 1);
-  if (place) {
-    problem->file = g_strdup(place->file);
-    problem->line = place->line;
-    problem->column = place->column;
-  }
+  va_list args;
+  va_start(args, format);
+  if (place && !last) problem->at = *place;
+  problem->at.file = g_intern_string(problem->at.file);
   problem->code = code;
-  problem->message = message;
-  cut(message);
-  g_ptr_array_add(list, problem);
-}
-
-void opc_problem_add(opc_problems *problems, int code, const opc_place *place,
-                     const char *format, ...) {
-  if (opc_problems_full(problems)) return;
-  if (problems->list->len + 1 == MOST_PROBLEMS) {
-    add(problems->list, code, NULL, g_strdup("there is more that is wrong"));
-    return;
-  }
-  va_list args;
-  va_start(args, format);
-  add(problems->list, code, place, g_strdup_vprintf(format, args));
+  problem->message = last ? g_strdup("there is more that is wrong")
+                          : g_strdup_vprintf(format, args);
   va_end(args);
+  cut(problem->message);
+  g_ptr_array_add(problems->list, problem);
+  return FALSE;
 }
 
-void opc_warning_add(opc_problems *problems, const opc_place *place,
-                     const char *format, ...) {
-  GPtrArray *list = problems->warnings;
-  va_list args;
-  va_start(args, format);
-  add(list, OPC_OK, place, g_strdup_vprintf(format, args));
-  va_end(args);
-  const opc_problem *last = list->pdata[list->len - 1];
-  gboolean known = list->len > MOST_PROBLEMS;
-  for (guint i = 0; i + 1 < list->len && !known; i++) {
-    const opc_problem *q = list->pdata[i];
-    known = last->line == q->line && last->column == q->column &&
-            !g_strcmp0(last->file, q->file) &&
-            !strcmp(last->message, q->message);
-  }
-  if (known) g_ptr_array_set_size(list, (gint)list->len - 1);
-}
-
-/* Whether a problem is known, with the note or without it. */
+/* Whether one of the first `n` is `p`, with what is noted of it or without. */
 static gboolean is_known(const opc_problems *problems, guint n,
                          const opc_problem *p, const char *noted) {
   for (guint i = 0; i < n; i++) {
     const opc_problem *q = problems->list->pdata[i];
-    if (p->line == q->line && p->column == q->column &&
-        !g_strcmp0(p->file, q->file) &&
+    if (p->at.line == q->at.line && p->at.column == q->at.column &&
+        p->at.file == q->at.file &&
         (!strcmp(p->message, q->message) || !strcmp(noted, q->message)))
       return TRUE;
   }
@@ -105,15 +75,9 @@ void opc_problems_merge(opc_problems *problems, const opc_problems *from,
   guint before = problems->list->len;
   for (guint i = 0; i < from->list->len; i++) {
     const opc_problem *p = from->list->pdata[i];
-    const opc_place at = {p->file, p->line, p->column};
     g_autofree char *noted = g_strconcat(p->message, note, NULL);
     if (!is_known(problems, before, p, noted))
-      opc_problem_add(problems, p->code, &at, "%s", noted);
-  }
-  for (guint i = 0; i < from->warnings->len; i++) {
-    const opc_problem *p = from->warnings->pdata[i];
-    const opc_place at = {p->file, p->line, p->column};
-    opc_warning_add(problems, &at, "%s", p->message);
+      opc_problem_add(problems, p->code, &p->at, "%s", noted);
   }
 }
 
@@ -123,11 +87,11 @@ char *opc_place_text(const opc_place *place) {
   return g_strdup_printf("%s:%u:%u", place->file, place->line, place->column);
 }
 
+/* The number of its file among those, as many as there are if it is new. */
 static guint file_rank(const GPtrArray *files, const opc_problem *problem) {
-  guint rank;
-  for (rank = 0; rank < files->len; rank++)
-    if (!g_strcmp0(files->pdata[rank], problem->file)) break;
-  return rank;
+  guint rank = files->len;
+  g_ptr_array_find((GPtrArray *)files, problem->at.file, &rank);
+  return MIN(rank, files->len);
 }
 
 static gint compare(gconstpointer a, gconstpointer b, gpointer files) {
@@ -135,8 +99,8 @@ static gint compare(gconstpointer a, gconstpointer b, gpointer files) {
                     *q = *(opc_problem *const *)b;
   guint i = file_rank(files, p), j = file_rank(files, q);
   if (i != j) return i < j ? -1 : 1;
-  if (p->line != q->line) return p->line < q->line ? -1 : 1;
-  if (p->column != q->column) return p->column < q->column ? -1 : 1;
+  if (p->at.line != q->at.line) return p->at.line < q->at.line ? -1 : 1;
+  if (p->at.column != q->at.column) return p->at.column < q->at.column ? -1 : 1;
   return 0;
 }
 
@@ -145,15 +109,14 @@ void opc_problems_sort(opc_problems *problems) {
   for (guint i = 0; i < problems->list->len; i++) {
     const opc_problem *problem = problems->list->pdata[i];
     if (file_rank(files, problem) == files->len)
-      g_ptr_array_add(files, problem->file);
+      g_ptr_array_add(files, (char *)problem->at.file);
   }
   /* g_ptr_array_sort_with_data is stable. */
   g_ptr_array_sort_with_data(problems->list, compare, files);
 }
 
 char *opc_problem_text(const opc_problem *problem) {
-  opc_place place = {problem->file, problem->line, problem->column};
-  g_autofree char *where = opc_place_text(&place);
+  g_autofree char *where = opc_place_text(&problem->at);
   return g_strdup_printf("%s%s%s", where, *where ? ": " : "", problem->message);
 }
 

@@ -15,15 +15,13 @@ typedef struct opc_place {
 } opc_place;
 
 typedef struct opc_problem {
-  char *file;
-  unsigned line, column;
-  int code; /* OPC_INVALID, OPC_NO_PLUGIN, OPC_IO ... */
+  opc_place at; /* `file` stays as long as the process */
+  int code;     /* OPC_INVALID, OPC_NO_PLUGIN, OPC_IO ... */
   char *message;
 } opc_problem;
 
 typedef struct opc_problems {
-  GPtrArray *list;     /* opc_problem *, in the order they were found */
-  GPtrArray *warnings; /* the same, of what is no fault */
+  GPtrArray *list; /* opc_problem *, in the order they were found */
 } opc_problems;
 
 opc_problems *opc_problems_new(void);
@@ -31,13 +29,10 @@ void opc_problems_free(opc_problems *problems);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_problems, opc_problems_free)
 
 /* Copies all. A NULL place has no file. Long messages are cut; of very many
-   problems only the first ones are kept. */
-void opc_problem_add(opc_problems *problems, int code, const opc_place *place,
-                     const char *format, ...) OPC_PRINTF(4, 5);
-
-/* Something that works and should be changed; told once for a place. */
-void opc_warning_add(opc_problems *problems, const opc_place *place,
-                     const char *format, ...) OPC_PRINTF(3, 4);
+   problems only the first ones are kept. FALSE, always. */
+gboolean opc_problem_add(opc_problems *problems, int code,
+                         const opc_place *place, const char *format, ...)
+    OPC_PRINTF(4, 5);
 
 /* Whether no more are kept: no use looking on. */
 gboolean opc_problems_full(const opc_problems *problems);

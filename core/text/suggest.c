@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Counts the edits from one word to another. */
 #include "core/text/suggest.h"
 
 #include <string.h>
@@ -45,4 +46,10 @@ char *opc_suggestion(const char *word, const GPtrArray *words) {
   const char *nearest = opc_nearest(word, words);
   return nearest ? g_strdup_printf(", did you mean '%s'?", nearest)
                  : g_strdup("");
+}
+
+char *opc_suggestion_of(const char *word, char *const *words) {
+  g_autoptr(GPtrArray) list = g_ptr_array_new();
+  for (; *words; words++) g_ptr_array_add(list, *words);
+  return opc_suggestion(word, list);
 }

@@ -16,5 +16,7 @@ const char *opc_nearest(const char *word, const GPtrArray *words);
 
 /* ", did you mean 'x'?" or "". */
 char *opc_suggestion(const char *word, const GPtrArray *words);
+/* The same, of words that end with NULL. */
+char *opc_suggestion_of(const char *word, char *const *words);
 
 #endif

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Units by dimension, and numbers from one to another. */
 #include "core/text/unit.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Conversions of units against their definitions. */
 #include "core/text/unit.h"
 
 #include <math.h>

@@ -15,7 +15,7 @@ extern "C" {
 #endif
 
 typedef struct opc_command {
-  const char *arguments;   /* for help: "RUN ..."; NULL: it takes none */
+  const char *arguments; /* for help: "RUN ..."; NULL: it takes none */
 
   /* Do the work; the code becomes the exit code. [main] */
   int (*run)(void *self, size_t n, const char *const *arguments,

@@ -16,10 +16,11 @@ extern "C" {
 /* A function that a plugin of the kind must have. */
 typedef struct opc_function {
   const char *name;
-  size_t offset;   /* in the struct of functions */
+  size_t offset; /* in the struct of functions */
 } opc_function;
 
-#define OPC_FUNCTION(type, member) {#member, offsetof(type, member)}
+#define OPC_FUNCTION(type, member) \
+  { #member, offsetof(type, member) }
 
 /* What `opcflow lint` hears while it tries a plugin. */
 typedef struct opc_inspector opc_inspector;
@@ -38,12 +39,12 @@ struct opc_inspector {
 /* A file of a new plugin, for `opcflow new plugin KIND.NAME`. In both texts
    @NAME@ stands for the last word of its id, @ID@ for the id. */
 typedef struct opc_template {
-  const char *name;   /* "@ID@.c" */
+  const char *name; /* "@ID@.c" */
   const char *text;
 } opc_template;
 
 typedef struct opc_kind {
-  size_t functions_size;   /* of the struct of a plugin of this kind */
+  size_t functions_size; /* of the struct of a plugin of this kind */
   size_t n_functions;
   const opc_function *functions;
 
@@ -54,6 +55,25 @@ typedef struct opc_kind {
   size_t n_templates;
   const opc_template *templates;
 } opc_kind;
+
+/* The end of a kind's file, after `static const opc_function required[]`, a
+   function `exercise` and the `templates` that are embedded: the plugin
+   "kind.NAME" for modules whose functions are a `type`. */
+#define OPC_KIND(kind_name, type, text)                                      \
+  static const opc_kind functions = {                                        \
+      .functions_size = sizeof(type),                                        \
+      .n_functions = sizeof required / sizeof *required,                     \
+      .functions = required,                                                 \
+      .exercise = exercise,                                                  \
+      .n_templates = sizeof templates / sizeof *templates,                   \
+      .templates = templates};                                               \
+  typedef struct kind_state {                                                \
+    const opc_host *host;                                                    \
+  } kind_state;                                                              \
+  OPC_PLUGIN(kind_state, .id = "kind." kind_name, .kind = "kind",            \
+             .version = "0.2.0", .licence = "BSD-3-Clause", .summary = text, \
+             .flags = OPC_DETERMINISTIC | OPC_REENTRANT,                     \
+             OPC_FUNCTIONS(functions))
 
 #ifdef __cplusplus
 }

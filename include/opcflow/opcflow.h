@@ -9,5 +9,6 @@
 #include <opcflow/kind.h>
 #include <opcflow/plugin.h>
 #include <opcflow/step.h>
+#include <opcflow/table.h>
 
 #endif

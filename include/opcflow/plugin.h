@@ -80,12 +80,12 @@ enum {
                               inner.h */
 };
 
-/* A parameter. Names are lower_case; a dot makes a group, so that
-   "anchor.line" is written `anchor: { line: 65 nm }`. `unit` is the unit in
-   which the plugin gets the number ("nm", "%", "V", "A", "C", "deg", "s",
-   "1/nm"); the flow may write any unit of the same dimension, and must write
-   one. NULL: a plain number. `preset` is the default as a flow would write it,
-   NULL for none. OPC_FIELD gives `offset` and `width`: where the value goes.
+/* A parameter, declared with OPC_PARAMETER. Names are lower_case; a dot makes a
+   group, so that "anchor.line" is written `anchor: { line: 65 nm }`. `unit` is
+   the unit in which the plugin gets the number ("nm", "%", "V", "A", "C",
+   "deg", "s", "1/nm"); the flow may write any unit of the same dimension, and
+   must write one. NULL: a plain number. `preset` is the default as a flow would
+   write it, NULL for none. `offset` and `width` say where the value goes.
    `given` is the offset of an int that becomes 1 if the flow or the command
    line gave the value and 0 if not, also where it writes the default out; 0
    for no such field. */
@@ -96,23 +96,31 @@ typedef struct opc_parameter {
   const char *unit;
   const char *preset;
   double min, max;
-  const char *choices;     /* words with | between them */
-  const char *summary;     /* one line, no full stop */
+  const char *choices; /* words with | between them */
+  const char *summary; /* one line, no full stop */
   size_t offset, width, given;
 } opc_parameter;
 
-#define OPC_FIELD(type, member) \
-  .offset = offsetof(type, member), .width = sizeof(((type *)0)->member)
+/* The elements of an array of parameters: the field `member` of an instance of
+   the type `state` that gets the value, and what else there is to say, as
+   designated initialisers. The parameter is called as the field is, or NAMED.
+ */
+#define OPC_PARAMETER(state, member, ...) \
+  OPC_PARAMETER_NAMED(#member, state, member, __VA_ARGS__)
+#define OPC_PARAMETER_NAMED(label, state, member, ...) \
+  { .name = label, OPC_FIELD(state, member), __VA_ARGS__ }
+#define OPC_FIELD(state, member) \
+  .offset = offsetof(state, member), .width = sizeof(((state *)0)->member)
 
 /* ---- metrics ---------------------------------------------------------- */
 
-enum { OPC_NEUTRAL = 0, OPC_LOWER = 1, OPC_HIGHER = 2 };  /* which is better */
+enum { OPC_NEUTRAL = 0, OPC_LOWER = 1, OPC_HIGHER = 2 }; /* which is better */
 
 typedef struct opc_metric {
   const char *name;
-  const char *unit;        /* NULL: a plain number */
+  const char *unit; /* NULL: a plain number */
   uint32_t better;
-  double tolerance;        /* a difference below it means nothing; same unit */
+  double tolerance; /* a difference below it means nothing; same unit */
   const char *summary;
 } opc_metric;
 
@@ -122,12 +130,12 @@ enum { OPC_LOG_DEBUG = 0, OPC_LOG_INFO = 1, OPC_LOG_WARNING = 2 };
 
 /* What a long step tells while it works. NAN where there is nothing to say. */
 typedef struct opc_progress {
-  double done, total;      /* in whatever the step counts */
-  double worst;            /* the figure that is being driven down */
+  double done, total; /* in whatever the step counts */
+  double worst;       /* the figure that is being driven down */
   const char *worst_unit;
 } opc_progress;
 
-enum { OPC_TABLE_PRINT = 1 };   /* show it on standard output too */
+enum { OPC_TABLE_PRINT = 1 }; /* show it on standard output too */
 
 /* A column of a table that a step publishes: `type` is OPC_TEXT, OPC_REAL or
    OPC_INT and `data` an array of const char *, double or int64_t. */
@@ -135,19 +143,19 @@ typedef struct opc_column {
   const char *name;
   const char *unit;
   uint32_t type;
-  int32_t decimals;        /* of an OPC_REAL; -1 for the shortest exact form */
+  int32_t decimals; /* of an OPC_REAL; -1 for the shortest exact form */
   const void *data;
 } opc_column;
 
-typedef struct opc_inner_service opc_inner_service;   /* inner.h */
+typedef struct opc_inner_service opc_inner_service; /* inner.h */
 
 /* An instance gets a table of its own before `check` and keeps it until after
    `clear`; every function takes that table as its first argument and is [any]
    unless it says otherwise. */
 typedef struct opc_host opc_host;
 struct opc_host {
-  const opc_context *context;   /* threads; base.h */
-  void *data;                   /* the host's own */
+  const opc_context *context; /* threads; base.h */
+  void *data;                 /* the host's own */
 
   /* One line for the user, without a newline. */
   void (*log)(const opc_host *host, int level, const char *format, ...)
@@ -170,14 +178,14 @@ struct opc_host {
   const char *(*output_path)(const opc_host *host, const char *name,
                              opc_error *error);
 
-  const opc_inner_service *inner;   /* flows that a step runs; inner.h */
+  const opc_inner_service *inner; /* flows that a step runs; inner.h */
 };
 
 /* ---- the descriptor --------------------------------------------------- */
 
 enum {
-  OPC_DETERMINISTIC = 1 << 0,  /* same input, same bits */
-  OPC_REENTRANT = 1 << 1       /* two instances may work at the same time */
+  OPC_DETERMINISTIC = 1 << 0, /* same input, same bits */
+  OPC_REENTRANT = 1 << 1      /* two instances may work at the same time */
 };
 
 /* What a plugin tells of itself. Everything it points to is constant and lives
@@ -186,11 +194,11 @@ enum {
 typedef struct opc_plugin {
   uint16_t abi_major, abi_minor;
   uint32_t flags;
-  const char *id;          /* "litho.hopkins": family.name, lower case */
-  const char *kind;        /* "litho": of the functions below; kind.h */
+  const char *id;   /* "litho.hopkins": family.name, lower case */
+  const char *kind; /* "litho": of the functions below; kind.h */
   const char *version;
-  const char *licence;     /* SPDX expression */
-  const char *summary;     /* one line, no full stop */
+  const char *licence; /* SPDX expression */
+  const char *summary; /* one line, no full stop */
   size_t n_parameters;
   const opc_parameter *parameters;
   size_t n_metrics;
@@ -217,9 +225,8 @@ typedef struct opc_plugin {
   size_t functions_size;
 } opc_plugin;
 
-#define OPC_PARAMETERS(array)                         \
-  .n_parameters = sizeof(array) / sizeof((array)[0]), \
-  .parameters = (array)
+#define OPC_PARAMETERS(array) \
+  .n_parameters = sizeof(array) / sizeof((array)[0]), .parameters = (array)
 #define OPC_METRICS(array) \
   .n_metrics = sizeof(array) / sizeof((array)[0]), .metrics = (array)
 #define OPC_FUNCTIONS(object) \
@@ -230,16 +237,15 @@ typedef const opc_plugin *(*opc_plugin_entry)(void);
 
 /* The end of a plugin's file: its descriptor, as designated initialisers, and
    the function that gives it. `state` is the type of an instance. */
-#define OPC_PLUGIN(state, ...)                           \
-  OPC_EXPORT const opc_plugin *opcflow_plugin(void);     \
-  const opc_plugin *opcflow_plugin(void) {               \
-    static const opc_plugin plugin = {                   \
-        .abi_major = OPC_ABI_MAJOR,                      \
-        .abi_minor = OPC_ABI_MINOR,                      \
-        .instance_size = sizeof(state),                  \
-        __VA_ARGS__};                                    \
-    return &plugin;                                      \
-  }                                                      \
+#define OPC_PLUGIN(state, ...)                                        \
+  OPC_EXPORT const opc_plugin *opcflow_plugin(void);                  \
+  const opc_plugin *opcflow_plugin(void) {                            \
+    static const opc_plugin plugin = {.abi_major = OPC_ABI_MAJOR,     \
+                                      .abi_minor = OPC_ABI_MINOR,     \
+                                      .instance_size = sizeof(state), \
+                                      __VA_ARGS__};                   \
+    return &plugin;                                                   \
+  }                                                                   \
   struct opc_plugin
 
 #ifdef __cplusplus

@@ -39,7 +39,6 @@ OPC_EXPORT int opc_test_run(opc_module *module, void **outputs,
                             opc_error *error);
 OPC_EXPORT void opc_test_release(opc_module *module, void **outputs);
 
-
 /* The last value of a metric since the last opc_test_forget, NAN if there is
    none. */
 OPC_EXPORT double opc_test_metric(const char *name);

@@ -66,24 +66,24 @@ static int32_t along_w(const eda_gates *g, int32_t gate, eda_point p) {
   return g->axis[gate] == EDA_X ? p.y : p.x;
 }
 
-/* How far a fragment moves outwards. The HIGH side takes the odd step. */
+/* A side's part of a bias. The HIGH side takes the odd step. */
+static int32_t part(int32_t all, int high) {
+  int32_t low = all >> 1;
+  return high ? all - low : low;
+}
+
+/* How far a fragment moves outwards. */
 static int32_t move_of(const eda_fragment *f, const biases *b) {
-  int32_t all, low;
   switch (f->role) {
     case EDA_L_LOW:
     case EDA_L_HIGH:
-      all = b->l[f->gate];
-      low = all >> 1;
-      return f->role == EDA_L_LOW ? low : all - low;
+      return part(b->l[f->gate], f->role == EDA_L_HIGH);
     case EDA_W_LOW:
     case EDA_W_HIGH:
-      all = b->w[f->gate];
-      low = all >> 1;
-      return f->role == EDA_W_LOW ? low : all - low;
+      return part(b->w[f->gate], f->role == EDA_W_HIGH);
     case EDA_END_LOW:
-      return b->end[2 * f->gate];
     case EDA_END_HIGH:
-      return b->end[2 * f->gate + 1];
+      return b->end[2 * f->gate + (f->role == EDA_END_HIGH)];
     default:
       return 0;
   }

@@ -6,10 +6,11 @@
 #include <eda/gates.h>
 #include <eda/synthesizer.h>
 
-/* What moves the mask of each gate, in grid steps (synthesizer.h): length,
-   width, the line ends, [2 * i + side], and the jog. */
+/* What moves the mask of each gate, in grid steps (synthesizer.h): width,
+   length, the jog, and the line ends, [2 * i + side]. They lie one after the
+   other: first what moves active, then what moves poly. */
 typedef struct biases {
-  int32_t *l, *w, *end, *jog;
+  int32_t *w, *l, *jog, *end;
 } biases;
 
 /* The edges of a layer, cut into pieces. Polygon p has the pieces start[p] ..

@@ -44,7 +44,7 @@ static eda_shapes moved(moves m, int across) {
                      .box = &box,
                      .axis = &axis};
   int32_t w = 0, end[2] = {m.low, m.high};
-  biases by = {&m.l, &w, end, &m.jog};
+  biases by = {.w = &w, .l = &m.l, .jog = &m.jog, .end = end};
   pieces p;
   eda_shapes out;
   pieces_of_edges(&edges, &p);

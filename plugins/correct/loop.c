@@ -16,12 +16,12 @@ static const char *const slots[DRIVERS] = {"synthesizer", "edges"};
 
 /* ---- trials ---- */
 
+/* Numbers of a gate: w; l, jog and both line ends. */
+enum { POLY_BIASES = 4, ALL_BIASES = 5 };
+
 static void trial_init(trial *t, size_t layers, size_t gates) {
-  biases *b = &t->biases;
-  b->l = eda_alloc(gates, sizeof *b->l);
-  b->w = eda_alloc(gates, sizeof *b->w);
-  b->end = eda_alloc(2 * gates, sizeof *b->end);
-  b->jog = eda_alloc(gates, sizeof *b->jog);
+  int32_t *all = eda_alloc(ALL_BIASES * gates, sizeof *all);
+  t->biases = (biases){all, all + gates, all + 2 * gates, all + 3 * gates};
   t->shift = eda_alloc(layers, sizeof *t->shift);
   t->patches = eda_alloc(layers, sizeof *t->patches);
   t->bites = eda_alloc(layers, sizeof *t->bites);
@@ -29,10 +29,7 @@ static void trial_init(trial *t, size_t layers, size_t gates) {
 }
 
 static void trial_clear(trial *t, size_t layers) {
-  free(t->biases.l);
   free(t->biases.w);
-  free(t->biases.end);
-  free(t->biases.jog);
   for (size_t k = 0; t->shift && k < layers; k++) {
     free(t->shift[k]);
     free((eda_box *)t->patches[k].box);
@@ -60,11 +57,8 @@ static void set_boxes(eda_boxes *to, eda_boxes from) {
 }
 
 static void copy_trial(const loop *l, trial *to, const trial *from) {
-  size_t n = l->gates->count * sizeof(int32_t);
-  memcpy(to->biases.l, from->biases.l, n);
-  memcpy(to->biases.w, from->biases.w, n);
-  memcpy(to->biases.jog, from->biases.jog, n);
-  memcpy(to->biases.end, from->biases.end, 2 * n);
+  memcpy(to->biases.w, from->biases.w,
+         ALL_BIASES * l->gates->count * sizeof(int32_t));
   for (size_t k = 0; k < l->gates->layers; k++) {
     set_boxes(&to->patches[k], from->patches[k]);
     set_boxes(&to->bites[k], from->bites[k]);
@@ -95,9 +89,7 @@ static int changed(const loop *l, size_t layer) {
   if (now->shift[layer])
     return differ(now->shift[layer], next->shift[layer], l->sites[layer].count);
   if (layer == EDA_ACTIVE) return differ(a->w, b->w, n);
-  return layer == EDA_POLY &&
-         (differ(a->l, b->l, n) || differ(a->jog, b->jog, n) ||
-          differ(a->end, b->end, 2 * n));
+  return layer == EDA_POLY && differ(a->l, b->l, POLY_BIASES * n);
 }
 
 /* Of the layers that a driver moves. */
@@ -112,10 +104,7 @@ static void drop_biases(loop *l) {
   size_t n = l->gates->count * sizeof(int32_t), layers = l->gates->layers;
   biases *b = &l->next.biases;
   if (layers > EDA_ACTIVE && l->next.shift[EDA_ACTIVE]) memset(b->w, 0, n);
-  if (!layers || !l->next.shift[EDA_POLY]) return;
-  memset(b->l, 0, n);
-  memset(b->jog, 0, n);
-  memset(b->end, 0, 2 * n);
+  if (layers && l->next.shift[EDA_POLY]) memset(b->l, 0, POLY_BIASES * n);
 }
 
 /* ---- one print ---- */
@@ -348,10 +337,9 @@ static int update(loop *l, int which, opc_error *error) {
                      .shift = l->drivers[which].shift,
                      .assists = assists};
   if (which == EDGES) {
-    moves.l = memcpy(l->unused, l->now.biases.l, n * sizeof(int32_t));
-    moves.w = memcpy(l->unused + n, l->now.biases.w, n * sizeof(int32_t));
-    moves.jog =
-        memcpy(l->unused + 2 * n, l->now.biases.jog, n * sizeof(int32_t));
+    moves.w = memcpy(l->unused, l->now.biases.w, 3 * n * sizeof(int32_t));
+    moves.l = moves.w + n;
+    moves.jog = moves.l + n;
   }
   int code = move(l, which, &moves, error);
   free(assists);

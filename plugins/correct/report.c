@@ -7,6 +7,7 @@
 #include <eda/print.h>
 #include <glib.h>
 #include <math.h>
+#include <opcflow/table.h>
 #include <stdlib.h>
 
 enum { SHORT_TABLE = 24 }; /* as many rows are shown rather than only filed */
@@ -95,44 +96,25 @@ void history_add(history *h, const summary *print, uint32_t iteration,
 void history_clear(history *h) { free(h->line); }
 
 int history_report(const history *h, const opc_host *host, opc_error *error) {
-  enum { FIGURES = 7, COLUMNS = FIGURES + 2 };
-  static const struct {
-    const char *name, *unit;
-    size_t offset;
-  } figures[FIGURES] = {
-      {"ion_mean", "%", offsetof(summary, ion_mean)},
-      {"ion_max", "%", offsetof(summary, ion_max)},
-      {"ion_stdv", "%", offsetof(summary, ion_stdv)},
-      {"area_mean", "%", offsetof(summary, area_mean)},
-      {"area_max", "%", offsetof(summary, area_max)},
-      {"epe_mean", "nm", offsetof(summary, epe_mean)},
-      {"epe_max", "nm", offsetof(summary, epe_max)},
-  };
-  size_t rows = h->count, n = 0;
-  const history_line *lines = h->line;
-  g_autofree int64_t *iteration = g_new(int64_t, rows + 1);
-  g_autofree int64_t *simulations = g_new(int64_t, rows + 1);
-  g_autofree double *figure = g_new(double, FIGURES *(rows + 1));
-  opc_column columns[COLUMNS];
-  columns[n++] = (opc_column){"iteration", NULL, OPC_INT, 0, iteration};
-  for (int k = 0; k < FIGURES; k++) {
-    int of_sites = *figures[k].unit == 'n';
-    if (!rows || !(of_sites ? lines[0].print.sites : lines[0].print.gates))
-      continue;
-    double *column = figure + (size_t)k * rows;
-    for (size_t i = 0; i < rows; i++)
-      column[i] =
-          *(const double *)(const void *)((const char *)&lines[i].print +
-                                          figures[k].offset);
-    columns[n++] =
-        (opc_column){figures[k].name, figures[k].unit, OPC_REAL, 4, column};
-  }
-  columns[n++] = (opc_column){"simulations", NULL, OPC_INT, 0, simulations};
-  for (size_t i = 0; i < rows; i++) {
-    iteration[i] = lines[i].iteration;
-    simulations[i] = lines[i].simulations;
-  }
-  return host->table(host, "history", 0, rows, columns, n, error);
+  const history_line *line = h->line;
+  const summary *s = &line->print;
+  opc_column columns[9] = {{"iteration", NULL, OPC_INT, 0, &line->iteration}};
+  size_t n = 1;
+  const opc_column of_gates[] = {{"ion_mean", "%", OPC_REAL, 4, &s->ion_mean},
+                                 {"ion_max", "%", OPC_REAL, 4, &s->ion_max},
+                                 {"ion_stdv", "%", OPC_REAL, 4, &s->ion_stdv},
+                                 {"area_mean", "%", OPC_REAL, 4, &s->area_mean},
+                                 {"area_max", "%", OPC_REAL, 4, &s->area_max}};
+  const opc_column of_sites[] = {{"epe_mean", "nm", OPC_REAL, 4, &s->epe_mean},
+                                 {"epe_max", "nm", OPC_REAL, 4, &s->epe_max}};
+  for (size_t k = 0; h->count && s->gates && k < G_N_ELEMENTS(of_gates); k++)
+    columns[n++] = of_gates[k];
+  for (size_t k = 0; h->count && s->sites && k < G_N_ELEMENTS(of_sites); k++)
+    columns[n++] = of_sites[k];
+  columns[n++] =
+      (opc_column){"simulations", NULL, OPC_INT, 0, &line->simulations};
+  return opc_put_rows(host, "history", 0, h->count, sizeof *line, columns, n,
+                      error);
 }
 
 /* ---- tables ---- */
@@ -160,20 +142,22 @@ static const char *trouble(uint32_t flags) {
 /* How many transistors have each of them; one may have several. */
 static int finding_table(const opc_host *host, const eda_mask *m,
                          opc_error *error) {
-  const char *name[G_N_ELEMENTS(findings)];
-  int64_t number[G_N_ELEMENTS(findings)];
+  struct {
+    const char *name;
+    int64_t count;
+  } row[G_N_ELEMENTS(findings)];
   size_t rows = 0;
   for (size_t k = 0; k < G_N_ELEMENTS(findings); k++) {
-    name[rows] = findings[k].name;
-    number[rows] = 0;
+    row[rows].name = findings[k].name;
+    row[rows].count = 0;
     for (size_t i = 0; i < m->gates->count; i++)
-      number[rows] += (m->flags[i] & findings[k].flag) != 0;
-    rows += number[rows] > 0;
+      row[rows].count += (m->flags[i] & findings[k].flag) != 0;
+    rows += row[rows].count > 0;
   }
-  const opc_column columns[] = {{"print", NULL, OPC_TEXT, 0, name},
-                                {"transistors", NULL, OPC_INT, 0, number}};
-  return rows ? host->table(host, "prints", 0, rows, columns,
-                            G_N_ELEMENTS(columns), error)
+  const opc_column columns[] = {{"print", NULL, OPC_TEXT, 0, &row->name},
+                                {"transistors", NULL, OPC_INT, 0, &row->count}};
+  return rows ? opc_put_rows(host, "prints", 0, rows, sizeof *row,
+                             OPC_ARRAY(columns), error)
               : OPC_OK;
 }
 
@@ -183,73 +167,14 @@ static char *gate_name(const eda_gates *g, size_t i) {
   return g_strdup_printf("%s:%u", where, g->number[i]);
 }
 
-enum {
-  NAME,
-  CELL,
-  TYPE,
-  L,
-  W,
-  X,
-  Y,
-  ION_DRAWN,
-  ION,
-  IOFF,
-  AREA,
-  LEQ,
-  WEQ,
-  CHANGE,
-  MASK_L,
-  MASK_W,
-  MASK_JOG,
-  END_LOW,
-  END_HIGH,
-  PAST_LOW,
-  PAST_HIGH,
-  PRINT,
-  VERDICT,
-  COLUMNS
-};
-
-static const opc_column headers[COLUMNS] = {
-    [NAME] = {"transistor", NULL, OPC_TEXT, 0, NULL},
-    [CELL] = {"cell", NULL, OPC_TEXT, 0, NULL},
-    [TYPE] = {"type", NULL, OPC_TEXT, 0, NULL},
-    [L] = {"l", "nm", OPC_REAL, 1, NULL},
-    [W] = {"w", "nm", OPC_REAL, 1, NULL},
-    [X] = {"x", "nm", OPC_REAL, 1, NULL},
-    [Y] = {"y", "nm", OPC_REAL, 1, NULL},
-    [ION_DRAWN] = {"ion_before", "%", OPC_REAL, 3, NULL},
-    [ION] = {"ion_after", "%", OPC_REAL, 3, NULL},
-    [IOFF] = {"ioff_after", "%", OPC_REAL, 2, NULL},
-    [AREA] = {"area_after", "%", OPC_REAL, 2, NULL},
-    [LEQ] = {"leq_ion", "nm", OPC_REAL, 3, NULL},
-    [WEQ] = {"weq", "nm", OPC_REAL, 2, NULL},
-    [CHANGE] = {"ion_change", "%", OPC_REAL, 3, NULL},
-    [MASK_L] = {"mask_l", "nm", OPC_REAL, 1, NULL},
-    [MASK_W] = {"mask_w", "nm", OPC_REAL, 1, NULL},
-    [MASK_JOG] = {"mask_jog", "nm", OPC_REAL, 1, NULL},
-    [END_LOW] = {"end_low", "nm", OPC_REAL, 1, NULL},
-    [END_HIGH] = {"end_high", "nm", OPC_REAL, 1, NULL},
-    [PAST_LOW] = {"extension_low", "nm", OPC_REAL, 2, NULL},
-    [PAST_HIGH] = {"extension_high", "nm", OPC_REAL, 2, NULL},
-    [PRINT] = {"print", NULL, OPC_TEXT, 0, NULL},
-    [VERDICT] = {"verdict", NULL, OPC_TEXT, 0, NULL},
-};
-
-/* What is printed of few transistors. */
-static int is_shown(int column) {
-  return column == NAME || column == TYPE || column == L || column == W ||
-         (column >= ION_DRAWN && column <= AREA) || column == CHANGE ||
-         column == MASK_L || column == MASK_W || column == VERDICT;
-}
-
-static int is_there(const report *r, int column) {
-  if (column == ION_DRAWN) return !r->corrected;
-  if (column == CHANGE) return r->corrected != NULL;
-  if (column >= MASK_L && column <= END_HIGH) return r->biases != NULL;
-  if (column == VERDICT) return r->synthesizer != NULL;
-  return 1;
-}
+/* A row of the table of transistors. */
+typedef struct gate_row {
+  char *name;
+  const char *cell, *type, *print, *verdict;
+  double l, w, x, y;
+  double ion_before, ion, ioff, area, leq, weq, change;
+  double mask_l, mask_w, mask_jog, end[2], extension[2];
+} gate_row;
 
 /* How far the deviation of a gate's Ion is from that in the loop. */
 static double change(const report *r, size_t i) {
@@ -267,110 +192,140 @@ static const char *verdict_of(const opc_context *context,
   return why ? why : "";
 }
 
-static void fill_texts(const opc_context *context, const report *r, size_t i,
-                       const char **text[COLUMNS]) {
-  const eda_gates *g = r->mask->gates;
-  text[NAME][i] = gate_name(g, i);
-  text[CELL][i] = g->cell[i];
-  text[TYPE][i] = g->type[i] == EDA_PMOS ? "p" : "n";
-  text[PRINT][i] = trouble(r->mask->flags[i]);
-  if (r->synthesizer) text[VERDICT][i] = verdict_of(context, r->synthesizer, i);
-}
-
-static void fill_figures(const report *r, size_t i, double *real[COLUMNS]) {
+static gate_row row_of(const opc_context *context, const report *r, size_t i) {
   const eda_mask *m = r->mask;
   const eda_gates *g = m->gates;
-  real[L][i] = g->length[i];
-  real[W][i] = g->width[i];
-  real[X][i] = ((double)g->box[i].x0 + g->box[i].x1) / 2 * g->grid;
-  real[Y][i] = ((double)g->box[i].y0 + g->box[i].y1) / 2 * g->grid;
-  real[ION_DRAWN][i] = eda_deviation(m->before.ion[i], m->design.ion[i]);
-  real[ION][i] = eda_deviation(m->after.ion[i], m->design.ion[i]);
-  real[IOFF][i] = eda_deviation(m->after.ioff[i], m->design.ioff[i]);
-  real[AREA][i] = eda_deviation(m->after.area[i], m->design.area[i]);
-  real[LEQ][i] = m->after.leq_ion[i];
-  real[WEQ][i] = m->after.weq[i];
-  if (r->corrected) real[CHANGE][i] = change(r, i);
-  for (size_t side = 0; side < 2; side++)
-    real[PAST_LOW + side][i] = r->extension[2 * i + side];
   const biases *b = r->biases;
-  if (!b) return;
-  real[MASK_L][i] = b->l[i] * g->grid;
-  real[MASK_W][i] = b->w[i] * g->grid;
-  real[MASK_JOG][i] = b->jog[i] * g->grid;
-  for (size_t side = 0; side < 2; side++)
-    real[END_LOW + side][i] = b->end[2 * i + side] * g->grid;
+  gate_row row = {
+      .name = gate_name(g, i),
+      .cell = g->cell[i],
+      .type = g->type[i] == EDA_PMOS ? "p" : "n",
+      .print = trouble(m->flags[i]),
+      .l = g->length[i],
+      .w = g->width[i],
+      .x = ((double)g->box[i].x0 + g->box[i].x1) / 2 * g->grid,
+      .y = ((double)g->box[i].y0 + g->box[i].y1) / 2 * g->grid,
+      .ion_before = eda_deviation(m->before.ion[i], m->design.ion[i]),
+      .ion = eda_deviation(m->after.ion[i], m->design.ion[i]),
+      .ioff = eda_deviation(m->after.ioff[i], m->design.ioff[i]),
+      .area = eda_deviation(m->after.area[i], m->design.area[i]),
+      .leq = m->after.leq_ion[i],
+      .weq = m->after.weq[i]};
+  if (r->synthesizer) row.verdict = verdict_of(context, r->synthesizer, i);
+  if (r->corrected) row.change = change(r, i);
+  if (b) {
+    row.mask_l = b->l[i] * g->grid;
+    row.mask_w = b->w[i] * g->grid;
+    row.mask_jog = b->jog[i] * g->grid;
+  }
+  for (size_t side = 0; side < 2; side++) {
+    row.extension[side] = r->extension[2 * i + side];
+    if (b) row.end[side] = b->end[2 * i + side] * g->grid;
+  }
+  return row;
+}
+
+/* All columns that there are; of few transistors some are shown too. */
+static int put_gates(const opc_host *host, const report *r, const gate_row *row,
+                     opc_error *error) {
+  int corrects = !r->corrected, moved = r->biases != NULL;
+  const struct {
+    int is_there, is_shown;
+    opc_column column;
+  } all[] = {
+      {1, 1, {"transistor", NULL, OPC_TEXT, 0, &row->name}},
+      {1, 0, {"cell", NULL, OPC_TEXT, 0, &row->cell}},
+      {1, 1, {"type", NULL, OPC_TEXT, 0, &row->type}},
+      {1, 1, {"l", "nm", OPC_REAL, 1, &row->l}},
+      {1, 1, {"w", "nm", OPC_REAL, 1, &row->w}},
+      {1, 0, {"x", "nm", OPC_REAL, 1, &row->x}},
+      {1, 0, {"y", "nm", OPC_REAL, 1, &row->y}},
+      {corrects, 1, {"ion_before", "%", OPC_REAL, 3, &row->ion_before}},
+      {1, 1, {"ion_after", "%", OPC_REAL, 3, &row->ion}},
+      {1, 1, {"ioff_after", "%", OPC_REAL, 2, &row->ioff}},
+      {1, 1, {"area_after", "%", OPC_REAL, 2, &row->area}},
+      {1, 0, {"leq_ion", "nm", OPC_REAL, 3, &row->leq}},
+      {1, 0, {"weq", "nm", OPC_REAL, 2, &row->weq}},
+      {!corrects, 1, {"ion_change", "%", OPC_REAL, 3, &row->change}},
+      {moved, 1, {"mask_l", "nm", OPC_REAL, 1, &row->mask_l}},
+      {moved, 1, {"mask_w", "nm", OPC_REAL, 1, &row->mask_w}},
+      {moved, 0, {"mask_jog", "nm", OPC_REAL, 1, &row->mask_jog}},
+      {moved, 0, {"end_low", "nm", OPC_REAL, 1, &row->end[0]}},
+      {moved, 0, {"end_high", "nm", OPC_REAL, 1, &row->end[1]}},
+      {1, 0, {"extension_low", "nm", OPC_REAL, 2, &row->extension[0]}},
+      {1, 0, {"extension_high", "nm", OPC_REAL, 2, &row->extension[1]}},
+      {1, 0, {"print", NULL, OPC_TEXT, 0, &row->print}},
+      {r->synthesizer != NULL,
+       1,
+       {"verdict", NULL, OPC_TEXT, 0, &row->verdict}},
+  };
+  opc_column file[G_N_ELEMENTS(all)], show[G_N_ELEMENTS(all)];
+  size_t n = r->mask->gates->count, filed = 0, shown = 0;
+  for (size_t k = 0; k < G_N_ELEMENTS(all); k++) {
+    if (all[k].is_there) file[filed++] = all[k].column;
+    if (all[k].is_there && all[k].is_shown) show[shown++] = all[k].column;
+  }
+  int code = opc_put_rows(host, "gates", 0, n, sizeof *row, file, filed, error);
+  if (code || !n || n > SHORT_TABLE) return code;
+  return opc_put_rows(host, "transistors", OPC_TABLE_PRINT, n, sizeof *row,
+                      show, shown, error);
 }
 
 static int gate_table(const opc_host *host, const report *r, opc_error *error) {
-  size_t n = r->mask->gates->count, filed = 0, shown = 0;
-  opc_column file[COLUMNS], show[COLUMNS];
-  double *real[COLUMNS] = {0};
-  const char **text[COLUMNS] = {0};
-  for (int c = 0; c < COLUMNS; c++) {
-    opc_column column = headers[c];
-    if (headers[c].type == OPC_REAL)
-      column.data = real[c] = g_new0(double, n + 1);
-    else
-      column.data = text[c] = g_new0(const char *, n + 1);
-    if (is_there(r, c)) file[filed++] = column;
-    if (is_there(r, c) && is_shown(c)) show[shown++] = column;
-  }
-  for (size_t i = 0; i < n; i++) {
-    fill_texts(host->context, r, i, text);
-    fill_figures(r, i, real);
-  }
-  int code = host->table(host, "gates", 0, n, file, filed, error);
-  if (!code && n && n <= SHORT_TABLE)
-    code = host->table(host, "transistors", OPC_TABLE_PRINT, n, show, shown,
-                       error);
-  for (size_t i = 0; i < n; i++) g_free((char *)text[NAME][i]);
-  for (int c = 0; c < COLUMNS; c++) {
-    g_free(real[c]);
-    g_free(text[c]);
-  }
+  size_t n = r->mask->gates->count;
+  gate_row *row = eda_alloc(n, sizeof *row);
+  for (size_t i = 0; i < n; i++) row[i] = row_of(host->context, r, i);
+  int code = put_gates(host, r, row, error);
+  for (size_t i = 0; i < n; i++) g_free(row[i].name);
+  free(row);
   return code;
 }
 
 static int summary_table(const opc_host *host, const report *r,
                          opc_error *error) {
   static const char *const names[3] = {"n", "p", "all"};
-  enum { ROWS = 3, BEFORE = 3, FIGURES = 8 };
+  struct {
+    const char *name;
+    int64_t count;
+    double ion_mean_before, ion_max_before, area_mean_before;
+    double ion_mean, ion_max, ion_stdv, area_mean, area_max;
+  } row[3];
   const eda_mask *m = r->mask;
   const groups before = gather(m->gates, &m->design, &m->before);
   const groups after = gather(m->gates, &m->design, &m->after);
-  const char *name[ROWS];
-  int64_t number[ROWS];
-  double figure[FIGURES][ROWS];
   size_t rows = 0;
-  for (int t = 0; t < ROWS; t++) {
+  for (int t = 0; t < 3; t++) {
     if (!after.ion[t].n) continue;
-    const double figures[FIGURES] = {
-        mean_of(&before.ion[t]), before.ion[t].max, mean_of(&before.area[t]),
-        mean_of(&after.ion[t]),  after.ion[t].max,  stdv(&after.ion[t]),
-        mean_of(&after.area[t]), after.area[t].max};
-    for (int k = 0; k < FIGURES; k++) figure[k][rows] = figures[k];
-    name[rows] = names[t];
-    number[rows++] = (int64_t)after.ion[t].n;
+    row[rows].name = names[t];
+    row[rows].count = (int64_t)after.ion[t].n;
+    row[rows].ion_mean_before = mean_of(&before.ion[t]);
+    row[rows].ion_max_before = before.ion[t].max;
+    row[rows].area_mean_before = mean_of(&before.area[t]);
+    row[rows].ion_mean = mean_of(&after.ion[t]);
+    row[rows].ion_max = after.ion[t].max;
+    row[rows].ion_stdv = stdv(&after.ion[t]);
+    row[rows].area_mean = mean_of(&after.area[t]);
+    row[rows++].area_max = after.area[t].max;
   }
   const opc_column all[] = {
-      {"type", NULL, OPC_TEXT, 0, name},
-      {"transistors", NULL, OPC_INT, 0, number},
-      {"ion_mean_before", "%", OPC_REAL, 3, figure[0]},
-      {"ion_max_before", "%", OPC_REAL, 3, figure[1]},
-      {"ion_mean_after", "%", OPC_REAL, 3, figure[3]},
-      {"ion_max_after", "%", OPC_REAL, 3, figure[4]},
-      {"ion_stdv_after", "%", OPC_REAL, 3, figure[5]},
-      {"area_mean_before", "%", OPC_REAL, 2, figure[2]},
-      {"area_mean_after", "%", OPC_REAL, 2, figure[6]},
-      {"area_max_after", "%", OPC_REAL, 2, figure[7]},
+      {"type", NULL, OPC_TEXT, 0, &row->name},
+      {"transistors", NULL, OPC_INT, 0, &row->count},
+      {"ion_mean_before", "%", OPC_REAL, 3, &row->ion_mean_before},
+      {"ion_max_before", "%", OPC_REAL, 3, &row->ion_max_before},
+      {"ion_mean_after", "%", OPC_REAL, 3, &row->ion_mean},
+      {"ion_max_after", "%", OPC_REAL, 3, &row->ion_max},
+      {"ion_stdv_after", "%", OPC_REAL, 3, &row->ion_stdv},
+      {"area_mean_before", "%", OPC_REAL, 2, &row->area_mean_before},
+      {"area_mean_after", "%", OPC_REAL, 2, &row->area_mean},
+      {"area_max_after", "%", OPC_REAL, 2, &row->area_max},
   };
   opc_column columns[G_N_ELEMENTS(all)];
   size_t n = 0;
   for (size_t k = 0; k < G_N_ELEMENTS(all); k++)
     if (!r->corrected || !g_str_has_suffix(all[k].name, "_before"))
       columns[n++] = all[k];
-  return host->table(host, "summary", OPC_TABLE_PRINT, rows, columns, n, error);
+  return opc_put_rows(host, "summary", OPC_TABLE_PRINT, rows, sizeof *row,
+                      columns, n, error);
 }
 
 static int effort_table(const opc_host *host, const eda_mask *mask,
@@ -399,36 +354,28 @@ static int metrics(const opc_host *host, const report *r, const summary *s,
   statistics changes = {0};
   for (size_t i = 0; r->corrected && i < m->gates->count; i++)
     count(&changes, change(r, i));
-  int gates = m->gates->count > 0, corrects = !r->corrected;
-  int edges = s->sites > s->lost;
-  const struct {
-    const char *name;
-    double value;
-    int is_there;
-  } all[] = {
-      {"transistors", (double)m->gates->count, corrects},
-      {"ion_mean", s->ion_mean, gates},
-      {"ion_max", s->ion_max, gates},
-      {"ion_stdv", s->ion_stdv, gates},
-      {"ion_mean_drawn", drawn.ion_mean, gates && corrects},
-      {"ion_max_drawn", drawn.ion_max, gates && corrects},
-      {"area_mean", s->area_mean, gates},
-      {"area_max", s->area_max, gates},
-      {"ioff_mean", s->ioff_mean, gates},
-      {"ion_change_mean", mean_of(&changes), gates && !corrects},
-      {"ion_change_max", changes.max, gates && !corrects},
-      {"epe_mean", s->epe_mean, edges},
-      {"epe_max", s->epe_max, edges},
-      {"epe_lost", (double)s->lost, s->sites > 0},
-      {"iterations", m->iterations, corrects},
-      {"simulations", m->simulations, corrects},
-      {"failed", (double)s->failed, 1},
+  const int gates = m->gates->count > 0, corrects = !r->corrected;
+  const int edges = s->sites > s->lost;
+  const opc_value values[] = {
+      {corrects ? "transistors" : NULL, (double)m->gates->count},
+      {gates ? "ion_mean" : NULL, s->ion_mean},
+      {gates ? "ion_max" : NULL, s->ion_max},
+      {gates ? "ion_stdv" : NULL, s->ion_stdv},
+      {gates && corrects ? "ion_mean_drawn" : NULL, drawn.ion_mean},
+      {gates && corrects ? "ion_max_drawn" : NULL, drawn.ion_max},
+      {gates ? "area_mean" : NULL, s->area_mean},
+      {gates ? "area_max" : NULL, s->area_max},
+      {gates ? "ioff_mean" : NULL, s->ioff_mean},
+      {gates && !corrects ? "ion_change_mean" : NULL, mean_of(&changes)},
+      {gates && !corrects ? "ion_change_max" : NULL, changes.max},
+      {edges ? "epe_mean" : NULL, s->epe_mean},
+      {edges ? "epe_max" : NULL, s->epe_max},
+      {s->sites ? "epe_lost" : NULL, (double)s->lost},
+      {corrects ? "iterations" : NULL, m->iterations},
+      {corrects ? "simulations" : NULL, m->simulations},
+      {"failed", (double)s->failed},
   };
-  int code = OPC_OK;
-  for (size_t i = 0; i < G_N_ELEMENTS(all) && !code; i++)
-    if (all[i].is_there)
-      code = host->metric(host, all[i].name, all[i].value, error);
-  return code;
+  return opc_put_values(host, OPC_ARRAY(values), error);
 }
 
 /* ---- all of it ---- */
@@ -452,31 +399,27 @@ int report_violations(const opc_host *host, const eda_gates *gates,
   if (code || !n) return code;
   host->log(host, OPC_LOG_WARNING, "%zu rule%s not kept: see violations.csv",
             total, total == 1 ? " is" : "s are");
-  const char **rule = g_new(const char *, n), **name = g_new(const char *, n);
-  double *figure[4];
-  for (int k = 0; k < 4; k++) figure[k] = g_new(double, n);
+  struct {
+    char *gate;
+    eda_violation v;
+  } *row = eda_alloc(n, sizeof *row);
   for (size_t i = 0; i < n; i++) {
-    rule[i] = v[i].rule;
-    name[i] =
+    row[i].v = v[i];
+    row[i].gate =
         v[i].gate >= 0 ? gate_name(gates, (size_t)v[i].gate) : g_strdup("");
-    figure[0][i] = v[i].x;
-    figure[1][i] = v[i].y;
-    figure[2][i] = v[i].value;
-    figure[3][i] = v[i].limit;
   }
-  opc_column columns[] = {
-      {"rule", NULL, OPC_TEXT, 0, rule},
-      {"transistor", NULL, OPC_TEXT, 0, name},
-      {"x", "nm", OPC_REAL, 1, figure[0]},
-      {"y", "nm", OPC_REAL, 1, figure[1]},
-      {"value", "nm", OPC_REAL, 2, figure[2]},
-      {"limit", "nm", OPC_REAL, 2, figure[3]},
+  const opc_column columns[] = {
+      {"rule", NULL, OPC_TEXT, 0, &row->v.rule},
+      {"transistor", NULL, OPC_TEXT, 0, &row->gate},
+      {"x", "nm", OPC_REAL, 1, &row->v.x},
+      {"y", "nm", OPC_REAL, 1, &row->v.y},
+      {"value", "nm", OPC_REAL, 2, &row->v.value},
+      {"limit", "nm", OPC_REAL, 2, &row->v.limit},
   };
-  code = host->table(host, "violations", n <= SHORT_TABLE ? OPC_TABLE_PRINT : 0,
-                     n, columns, G_N_ELEMENTS(columns), error);
-  for (size_t i = 0; i < n; i++) g_free((char *)name[i]);
-  g_free(rule);
-  g_free(name);
-  for (int k = 0; k < 4; k++) g_free(figure[k]);
+  code =
+      opc_put_rows(host, "violations", n <= SHORT_TABLE ? OPC_TABLE_PRINT : 0,
+                   n, sizeof *row, OPC_ARRAY(columns), error);
+  for (size_t i = 0; i < n; i++) g_free(row[i].gate);
+  free(row);
   return code;
 }

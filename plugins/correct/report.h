@@ -26,7 +26,7 @@ summary summarize(const eda_gates *gates, const eda_performance *design,
 /* One line for each print of a loop. */
 typedef struct history_line {
   summary print;
-  uint32_t iteration, simulations;
+  int64_t iteration, simulations;
 } history_line;
 
 typedef struct history {

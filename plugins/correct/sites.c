@@ -9,8 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BLOCK = 64 };
-
 /* How far from a site an edge is looked for, nm: eda_feedback.epe. */
 static const double reach = 100;
 
@@ -48,17 +46,15 @@ typedef struct job {
   const eda_field *print;
 } job;
 
-static void measure_block(void *data, size_t block) {
+static void measure_site(void *data, size_t i) {
   const job *j = data;
   const sites *s = j->sites;
-  size_t last = (block + 1) * BLOCK < s->count ? (block + 1) * BLOCK : s->count;
-  for (size_t i = block * BLOCK; i < last; i++)
-    s->epe[i] = eda_field_epe(j->print, s->axis[i], s->out[i], s->place[2 * i],
-                              s->place[2 * i + 1], reach);
+  s->epe[i] = eda_field_epe(j->print, s->axis[i], s->out[i], s->place[2 * i],
+                            s->place[2 * i + 1], reach);
 }
 
 void sites_measure(const opc_context *context, const sites *s,
                    const eda_field *print) {
   job j = {s, print};
-  opc_parallel(context, (s->count + BLOCK - 1) / BLOCK, measure_block, &j);
+  opc_parallel(context, s->count, measure_site, &j);
 }

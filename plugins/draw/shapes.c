@@ -23,6 +23,16 @@ double view_y(const view *v, double y) {
   return v->top + (v->y1 - y) * v->scale;
 }
 
+int view_contains(const view *v, double x, double y) {
+  return x >= v->x0 && x <= v->x1 && y >= v->y0 && y <= v->y1;
+}
+
+eda_frame view_part(const view *v, eda_frame f, double around) {
+  double x0 = fmax(v->x0 - around, f.x0), y0 = fmax(v->y0 - around, f.y0);
+  return (eda_frame){x0, y0, fmin(v->x1 + around, f.x0 + f.width) - x0,
+                     fmin(v->y1 + around, f.y0 + f.height) - y0};
+}
+
 double view_outline_width(const view *v) {
   double line = fmin(0.075 * v->paper->font, 5 * v->scale);
   return v->paper->pixels && line >= 0.5 ? round(line) : fmax(line, 0.25);
@@ -106,19 +116,12 @@ int view_outline(const view *v, const eda_shapes *shapes, eda_colour colour,
 
 /* ---- contours ---- */
 
-/* The part of the window that the print covers. */
-static eda_frame printed_window(const view *v, eda_frame f) {
-  double around = 4 / v->scale; /* the lines along its border are not seen */
-  double x0 = fmax(v->x0 - around, f.x0), y0 = fmax(v->y0 - around, f.y0);
-  return (eda_frame){x0, y0, fmin(v->x1 + around, f.x0 + f.width) - x0,
-                     fmin(v->y1 + around, f.y0 + f.height) - y0};
-}
-
 int view_find_contours(const view *v, const eda_field *print,
                        view_contours *out, opc_error *error) {
   *out = (view_contours){0};
   if (!print->coefficients) return OPC_OK;
-  eda_frame w = printed_window(v, print->frame);
+  double around = 4 / v->scale; /* the lines along its border are not seen */
+  eda_frame w = view_part(v, print->frame, around);
   if (!(w.width > 0 && w.height > 0)) return OPC_OK;
   double step = fmin(sqrt(0.8 * least_radius / v->scale), max_step);
   step = fmax(step, sqrt(w.width * w.height / MAX_NODES));

@@ -27,23 +27,18 @@ typedef struct view {
 } view;
 
 /* The parameters of every picture of a layout. */
-#define VIEW_PARAMETERS(state, picture)                                    \
-  {.name = "file",                                                         \
-   .type = OPC_OUTPUT,                                                     \
-   .preset = (picture),                                                    \
-   .summary = "The picture, .png, .svg or .pdf",                           \
-   OPC_FIELD(state, view.asked.file)},                                     \
-      {.name = "window",                                                   \
-       .type = OPC_REALS,                                                  \
-       .unit = "nm",                                                       \
-       .summary = "What to draw, [x0, y0, x1, y1] (default: all)",         \
-       OPC_FIELD(state, view.asked.window)},                               \
-  {                                                                        \
-    .name = "width", .type = OPC_INT, .flags = OPC_AT_LEAST | OPC_AT_MOST, \
-    .preset = "1600", .min = 200, .max = 8000,                             \
-    .summary = "The width of the picture in pixels (.pdf: points)",        \
-    OPC_FIELD(state, view.asked.width)                                     \
-  }
+#define VIEW_PARAMETERS(state, picture)                                        \
+  OPC_PARAMETER_NAMED("file", state, view.asked.file, .type = OPC_OUTPUT,      \
+                      .preset = (picture),                                     \
+                      .summary = "The picture, .png, .svg or .pdf"),           \
+      OPC_PARAMETER_NAMED(                                                     \
+          "window", state, view.asked.window, .type = OPC_REALS, .unit = "nm", \
+          .summary = "What to draw, [x0, y0, x1, y1] (default: all)"),         \
+      OPC_PARAMETER_NAMED(                                                     \
+          "width", state, view.asked.width, .type = OPC_INT,                   \
+          .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "1600", .min = 200,   \
+          .max = 8000,                                                         \
+          .summary = "The width of the picture in pixels (.pdf: points)")
 
 /* ---- view.c: the window and the paper ---- */
 
@@ -76,6 +71,12 @@ void view_add_scale_bar(const view *v, eda_legend *legend);
 
 double view_x(const view *v, double x);
 double view_y(const view *v, double y);
+
+/* Whether a place of the layout is in the window. */
+int view_contains(const view *v, double x, double y);
+
+/* The part of a frame that the window covers, with so much around it, nm. */
+eda_frame view_part(const view *v, eda_frame frame, double around);
 
 /* The width of an outline: thinner where the layout is small. */
 double view_outline_width(const view *v);

@@ -2,94 +2,261 @@
 /* What the readers of layouts share; compiled into each of them. */
 #include "reader.h"
 
+#include <eda/formats.h>
 #include <eda/memory.h>
 #include <errno.h>
+#include <fcntl.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #define CONTEXT_CELL "$$$CONTEXT_INFO$$$"
 
-int reader_load(const reader *r, char **text, size_t *n, opc_error *error) {
-  FILE *file = fopen(r->file, "rb");
-  size_t room = 0, got;
-  if (!file)
-    return opc_fail(error, OPC_IO, NULL, "'%s': %s", r->file, strerror(errno));
-  *n = 0;
-  do {
-    eda_grow(text, &room, *n + 65536, 1);
-    got = fread(*text + *n, 1, room - *n - 1, file);
-    *n += got;
-  } while (got);
-  (*text)[*n] = '\0';
-  int code = OPC_OK;
-  if (ferror(file))
-    code = opc_fail(error, OPC_IO, NULL, "'%s': %s", r->file, strerror(errno));
-  fclose(file);
-  return code;
-}
+/* Bytes between two looks at what the user wants. */
+enum { STRETCH = 1 << 20 };
 
-void reader_string(const void *bytes, size_t n, char *out) {
-  static const char hex[] = "0123456789ABCDEF";
+char *reader_string(const void *bytes, size_t n) {
   const uint8_t *from = bytes;
-  for (size_t i = 0; i < n; i++) {
-    if (from[i] >= 0x20 && from[i] < 0x7f) {
-      *out++ = (char)from[i];
-      continue;
+  GString *out = g_string_sized_new(n);
+  for (size_t i = 0; i < n; i++)
+    if (from[i] >= 0x20 && from[i] < 0x7f)
+      g_string_append_c(out, (char)from[i]);
+    else
+      g_string_append_printf(out, "\\x%02X", from[i]);
+  return g_string_free(out, FALSE);
+}
+
+/* ---- the file ---- */
+
+static void open_file(reading *b) {
+  int descriptor = open(b->r->file, O_RDONLY | O_CLOEXEC);
+  /* A folder can be opened, but not read. */
+  if (descriptor >= 0 && read(descriptor, NULL, 0) == 0)
+    b->file = g_mapped_file_new_from_fd(descriptor, FALSE, NULL);
+  if (b->file) {
+    b->n = g_mapped_file_get_length(b->file);
+    b->text = b->n ? g_mapped_file_get_contents(b->file) : "";
+  } else {
+    b->failed = opc_fail(b->error, OPC_IO, NULL, "'%s': %s", b->r->file,
+                         strerror(errno));
+  }
+  if (descriptor >= 0) close(descriptor);
+}
+
+int reading_goes_on(reading *b, size_t at, int show) {
+  if (at < b->told || b->failed) return !b->failed;
+  const opc_host *host = b->r->host;
+  opc_progress progress = {(double)at, (double)b->n, NAN, NULL};
+  b->told = at + STRETCH;
+  if (show) host->progress(host, &progress);
+  if (opc_cancelled(host->context))
+    b->failed = opc_fail(b->error, OPC_CANCELLED, NULL, "cancelled");
+  return !b->failed;
+}
+
+int reading_told(reading *b, int code) {
+  if (code && !b->failed) {
+    b->refuse(b, b->said.message);
+    b->error->code = b->failed = code;
+  }
+  return !b->failed;
+}
+
+int32_t reading_number(reading *b, int32_t number) {
+  reading_told(b, number < 0 ? b->said.code : OPC_OK);
+  return number;
+}
+
+/* ---- layers ---- */
+
+static int same_layer(const char *a, const char *b, uint32_t most) {
+  eda_layer_number x, y;
+  int any_x, any_y;
+  if (!most) return !strcmp(a, b);
+  return eda_layer_number_read(a, most, &x, &any_x) &&
+         eda_layer_number_read(b, most, &y, &any_y) && any_x == any_y &&
+         x.layer == y.layer && x.datatype == y.datatype;
+}
+
+int reader_check(const reader *r, uint32_t most, opc_error *error) {
+  const opc_pair *pairs = r->layers.pairs;
+  for (size_t i = 0; i < r->layers.count; i++) {
+    eda_layer_number number;
+    int any;
+    if (most && !eda_layer_number_read(pairs[i].value, most, &number, &any))
+      return opc_fail(error, OPC_INVALID, "layers",
+                      "'%s': a layer is written 9/0, or 9 for every datatype",
+                      pairs[i].value);
+    if (most && eda_layer_number_read(pairs[i].key, UINT32_MAX, &number, NULL))
+      return opc_fail(error, OPC_INVALID, "layers",
+                      "'%s': not a name for a layer, as the layers without one "
+                      "are called so",
+                      pairs[i].key);
+    for (size_t j = 0; j < i; j++)
+      if (same_layer(pairs[i].value, pairs[j].value, most))
+        return opc_fail(error, OPC_INVALID, "layers",
+                        "'%s': layer %s is '%s' already", pairs[i].key,
+                        pairs[i].value, pairs[j].key);
+  }
+  return OPC_OK;
+}
+
+int32_t reading_named_layer(reading *b, const char *name) {
+  const opc_map *map = &b->r->layers;
+  for (size_t i = 0; i < map->count; i++) {
+    if (strcmp(map->pairs[i].value, name) != 0) continue;
+    b->seen[i] = 1;
+    name = map->pairs[i].key;
+    break;
+  }
+  return reading_number(b, eda_layout_layer(b->layout, name, &b->said));
+}
+
+/* The name for numbers of the file: of the pair with both, or else of the one
+   for every datatype, or else "L/D". */
+int32_t reading_numbered_layer(reading *b, uint32_t layer, uint32_t datatype) {
+  const opc_map *map = &b->r->layers;
+  uint64_t code = (uint64_t)layer << 32 | datatype;
+  if (!b->last || b->last->code != code)
+    b->last = g_hash_table_lookup(b->layers, &code);
+  if (b->last) return b->last->number;
+  char buffer[32];
+  const char *name = buffer;
+  snprintf(buffer, sizeof buffer, "%u/%u", layer, datatype);
+  for (int wanted = 0; wanted < 2 && name == buffer; wanted++)
+    for (size_t i = 0; i < map->count && name == buffer; i++) {
+      eda_layer_number number;
+      int any;
+      eda_layer_number_read(map->pairs[i].value, UINT32_MAX, &number, &any);
+      if (number.layer != layer || any != wanted ||
+          (!any && number.datatype != datatype))
+        continue;
+      b->seen[i] = 1;
+      name = map->pairs[i].key;
     }
-    *out++ = '\\';
-    *out++ = 'x';
-    *out++ = hex[from[i] >> 4];
-    *out++ = hex[from[i] & 15];
-  }
-  *out = '\0';
+  int32_t number =
+      reading_number(b, eda_layout_layer(b->layout, name, &b->said));
+  if (number < 0) return -1;
+  layer_node *node = eda_alloc(1, sizeof *node);
+  *node = (layer_node){code, number};
+  g_hash_table_add(b->layers, node);
+  b->last = node;
+  return number;
 }
 
-/* Room for `n` cells in all. */
-static void reach(cell_list *cells, size_t n) {
-  eda_grow(&cells->defined, &cells->room, n, 1);
-  if (n > cells->n) {
-    memset(cells->defined + cells->n, 0, n - cells->n);
-    cells->n = n;
-  }
+static int by_code(const void *a, const void *b) {
+  const layer_node *x = a, *y = b;
+  return (x->code > y->code) - (x->code < y->code);
 }
 
-int32_t cell_list_begin(cell_list *cells, eda_layout *layout, const char *name,
-                        int *left_out, opc_error *error) {
-  *left_out = !strcmp(name, CONTEXT_CELL);
-  if (*left_out) return 0;
-  int32_t cell = eda_layout_cell(layout, name, error);
-  if (cell < 0) return -1;
-  reach(cells, (size_t)cell + 1);
-  if (cells->defined[cell]) {
-    opc_fail(error, OPC_INVALID, NULL, "cell '%.200s' a second time", name);
-    return -1;
-  }
-  cells->defined[cell] = 1;
-  return cell;
+/* What the file calls a layer of the layout. */
+static const char *name_in_file(const reading *b, size_t layer) {
+  const opc_map *map = &b->r->layers;
+  const char *name = eda_layout_layer_name(b->layout, (int32_t)layer);
+  for (size_t i = 0; i < map->count; i++)
+    if (!strcmp(map->pairs[i].key, name)) return map->pairs[i].value;
+  return name;
 }
 
-void cell_list_warn(const cell_list *cells, const reader *r,
-                    const eda_layout *layout) {
+/* Refuse names of layers that the file does not have. What it has is told in
+   the order of the numbers, or of the names in the file; as much as fits. */
+static int check_layers(const reading *b) {
+  const opc_map *map = &b->r->layers;
+  size_t missing = 0;
+  while (missing < map->count && b->seen[missing]) missing++;
+  if (missing == map->count) return OPC_OK;
+  enum { MOST = 374 };
+  g_autoptr(GString) all = g_string_new(NULL);
+  g_autoptr(GList) nodes =
+      g_list_sort(g_hash_table_get_keys(b->layers), by_code);
+  for (GList *l = nodes; l && all->len < MOST; l = l->next) {
+    uint64_t code = ((const layer_node *)l->data)->code;
+    g_string_append_printf(all, ", %u/%u", (unsigned)(code >> 32),
+                           (unsigned)(code & UINT32_MAX));
+  }
+  size_t n = nodes ? 0 : eda_layout_layers(b->layout);
+  for (size_t i = 0; i < n && all->len < MOST; i++)
+    g_string_append_printf(all, ", %.200s", name_in_file(b, i));
+  return opc_fail(b->error, OPC_INVALID, "layers",
+                  "'%s': there is no layer %s for '%s'; there are %s",
+                  b->r->file, map->pairs[missing].value,
+                  map->pairs[missing].key,
+                  all->len ? all->str + 2 : "no layers at all");
+}
+
+/* ---- cells ---- */
+
+static int is_there(const reading *b, int32_t cell) {
+  return !b->there || ((guint)cell < b->there->len &&
+                       g_array_index(b->there, uint8_t, cell));
+}
+
+void reading_begin_cell(reading *b, const char *name) {
+  b->cell = -1;
+  if (b->failed || !strcmp(name, CONTEXT_CELL)) return;
+  b->cell = reading_number(b, eda_layout_cell(b->layout, name, &b->said));
+  if (b->failed) return;
+  if (!b->there) b->there = g_array_new(FALSE, TRUE, 1);
+  if (is_there(b, b->cell)) {
+    g_autofree char *what =
+        g_strdup_printf("cell '%.200s' a second time", name);
+    b->refuse(b, what);
+  }
+  if ((guint)b->cell >= b->there->len)
+    g_array_set_size(b->there, (guint)b->cell + 1);
+  g_array_index(b->there, uint8_t, b->cell) = 1;
+}
+
+/* Tell which cells are placed and not there; they stay empty, as in other
+   readers. */
+static void warn(const reading *b) {
   size_t missing = 0;
   int32_t first = -1;
-  for (size_t i = eda_layout_cells(layout); i-- > 0;)
-    if (i >= cells->n || !cells->defined[i]) {
+  for (int32_t i = (int32_t)eda_layout_cells(b->layout); i-- > 0;)
+    if (!is_there(b, i)) {
       missing++;
-      first = (int32_t)i;
+      first = i;
     }
   if (missing)
-    r->host->log(r->host, OPC_LOG_WARNING,
-                 "'%s': %zu placed cells are not there and taken as empty, "
-                 "the first '%.200s'",
-                 r->file, missing, eda_layout_cell_name(layout, first));
+    b->r->host->log(b->r->host, OPC_LOG_WARNING,
+                    "'%s': %zu placed cells are not there and taken as empty, "
+                    "the first '%.200s'",
+                    b->r->file, missing,
+                    eda_layout_cell_name(b->layout, first));
 }
 
-int reader_keep(const reader *r, eda_layout *layout, const cell_list *cells,
-                int32_t otherwise, opc_error *error) {
-  int32_t cell = r->top ? eda_layout_find_cell(layout, r->top) : otherwise;
-  if (r->top && (cell < 0 || (cells && ((size_t)cell >= cells->n ||
-                                        !cells->defined[cell]))))
-    return opc_fail(error, OPC_INVALID, "top", "'%s': there is no cell '%s'",
+/* Keep what the top cell leads to. */
+static int keep(const reading *b) {
+  const reader *r = b->r;
+  int32_t cell = r->top ? eda_layout_find_cell(b->layout, r->top) : b->top;
+  if (r->top && (cell < 0 || !is_there(b, cell)))
+    return opc_fail(b->error, OPC_INVALID, "top", "'%s': there is no cell '%s'",
                     r->file, r->top);
-  return cell < 0 ? OPC_OK : eda_layout_keep(layout, cell, error);
+  return cell < 0 ? OPC_OK : eda_layout_keep(b->layout, cell, b->error);
+}
+
+/* ---- the whole ---- */
+
+int reading_run(void *state, void *self, void **outputs, opc_error *error,
+                void (*read)(void *state)) {
+  reading *b = state;
+  b->r = self;
+  b->error = error;
+  b->cell = b->top = -1;
+  b->seen = eda_alloc(b->r->layers.count, 1);
+  b->layers = g_hash_table_new_full(g_int64_hash, g_int64_equal, free, NULL);
+  open_file(b);
+  if (!b->failed) read(b);
+  if (!b->failed) b->failed = check_layers(b);
+  if (!b->failed) {
+    warn(b);
+    b->failed = keep(b);
+  }
+  outputs[0] = b->layout;
+  g_clear_pointer(&b->file, g_mapped_file_unref);
+  g_clear_pointer(&b->there, g_array_unref);
+  g_hash_table_unref(b->layers);
+  free(b->seen);
+  return b->failed;
 }

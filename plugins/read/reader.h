@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the readers of layouts share: their parameters, the text of a file, its
-   strings, and which of its cells are kept. */
+/* What the readers of layouts share: their parameters, the bytes of a file, the
+   first failure, and the layers and cells that the layout gets. */
 #ifndef OPCFLOW_READ_READER_H
 #define OPCFLOW_READ_READER_H
 
 #include <eda/layout.h>
+#include <glib.h>
 #include <opcflow/step.h>
 
 /* The instance of a reader. */
@@ -17,57 +18,79 @@ typedef struct reader {
 } reader;
 
 /* The array's content, with what the file and the map of layers are. */
-#define READ_PARAMETERS(file_summary, layers_summary)                 \
-  {.name = "file",                                                    \
-   .type = OPC_FILE,                                                  \
-   .flags = OPC_REQUIRED,                                             \
-   .summary = (file_summary),                                         \
-   OPC_FIELD(reader, file)},                                          \
-      {.name = "layers",                                              \
-       .type = OPC_MAP,                                               \
-       .summary = (layers_summary),                                   \
-       OPC_FIELD(reader, layers)},                                    \
-      {.name = "scale",                                               \
-       .type = OPC_REAL,                                              \
-       .flags = OPC_ABOVE,                                            \
-       .preset = "1",                                                 \
-       .min = 0,                                                      \
-       .summary = "A factor on the unit of the file",                 \
-       OPC_FIELD(reader, scale)},                                     \
-  {                                                                   \
-    .name = "top", .type = OPC_TEXT,                                  \
-    .summary = "The top cell; those it does not lead to are dropped", \
-    OPC_FIELD(reader, top)                                            \
-  }
+#define READ_PARAMETERS(file_summary, layers_summary)                    \
+  OPC_PARAMETER(reader, file, .type = OPC_FILE, .flags = OPC_REQUIRED,   \
+                .summary = (file_summary)),                              \
+      OPC_PARAMETER(reader, layers, .type = OPC_MAP,                     \
+                    .summary = (layers_summary)),                        \
+      OPC_PARAMETER(reader, scale, .type = OPC_REAL, .flags = OPC_ABOVE, \
+                    .preset = "1", .min = 0,                             \
+                    .summary = "A factor on the unit of the file"),      \
+      OPC_PARAMETER(reader, top, .type = OPC_TEXT,                       \
+                    .summary =                                           \
+                        "The top cell; those it does not lead to "       \
+                        "are dropped")
 
-/* The text of the file, with a zero after its n bytes, freed with free(). */
-int reader_load(const reader *r, char **text, size_t *n, opc_error *error);
+/* Whether the map of layers can be understood: names of the file or, where
+   `most` is not 0, numbers up to that. For a reader's check. */
+int reader_check(const reader *r, uint32_t most, opc_error *error);
 
-/* n bytes as a string at `out`, which has room for 4 n + 1; bytes that are not
-   printable ASCII as "\xE4", so that names stay different and harmless. */
-void reader_string(const void *bytes, size_t n, char *out);
+/* n bytes as a string, freed with g_free; bytes that are not printable ASCII as
+   "\xE4", so that names stay different and harmless. */
+char *reader_string(const void *bytes, size_t n);
 
-/* Of a file whose cells may be placed without being there. */
-typedef struct cell_list {
-  uint8_t *defined; /* of each cell of the layout */
-  size_t n, room;
-} cell_list;
+/* A layer of a numbered format. */
+typedef struct layer_node {
+  uint64_t code;  /* layer << 32 | datatype, the key */
+  int32_t number; /* in the layout */
+} layer_node;
 
-/* A cell's definition begins: its number, *left_out where it is no part of the
-   layout (KLayout's notes to itself). -1 and *error on failure; if there was
-   one already, error->code is OPC_INVALID, with a message that lacks the
-   place. */
-int32_t cell_list_begin(cell_list *cells, eda_layout *layout, const char *name,
-                        int *left_out, opc_error *error);
+/* A file on its way into a layout. The state of each reader begins with one.
+   The first failure is kept: what comes after it changes neither the error nor
+   the outcome, and only what the file counts need look at `failed`. */
+typedef struct reading {
+  const reader *r;
+  opc_error *error;
+  int failed; /* the code of the failure */
+  /* Fail, if nothing did yet: OPC_IO, with the place in the file. */
+  void (*refuse)(void *reading, const char *what);
 
-/* Once all is read: tell which cells are placed and not there; they stay
-   empty, as in other readers. */
-void cell_list_warn(const cell_list *cells, const reader *r,
-                    const eda_layout *layout);
+  GMappedFile *file;
+  const char *text; /* its n bytes */
+  size_t n, told;   /* from which byte on there is progress to tell */
 
-/* Keep what the cell `top` leads to, which is one of `cells` if these are not
-   NULL; where it is not given, what `otherwise` leads to (-1: all). */
-int reader_keep(const reader *r, eda_layout *layout, const cell_list *cells,
-                int32_t otherwise, opc_error *error);
+  eda_layout *layout;
+  opc_error said; /* for calls of the layout */
+  int32_t cell;   /* where elements go; -1: nowhere */
+  int32_t top;    /* what is kept if the flow does not say; -1: all */
+  GArray *there;  /* of each cell: whether it is; NULL: all are */
+
+  uint8_t *seen;      /* of each pair of the map of layers: in the file */
+  GHashTable *layers; /* of layer_node: those of a numbered format */
+  const layer_node *last;
+} reading;
+
+/* The run of a reader: open the file, `read` it, and do what the parameters
+   ask of the whole. */
+int reading_run(void *state, void *self, void **outputs, opc_error *error,
+                void (*read)(void *state));
+
+/* The byte `at` is reached: show it to the user if `show`. 0 after a failure,
+   as when the user stops the work. */
+int reading_goes_on(reading *b, size_t at, int show);
+
+/* What the layout said: a refusal, in b->said, is one of the file. Whether
+   there was no failure so far; the number of a cell or layer. */
+int reading_told(reading *b, int code);
+int32_t reading_number(reading *b, int32_t number);
+
+/* The layout's layer for one of the file, made if new; -1 after a failure. */
+int32_t reading_named_layer(reading *b, const char *name);
+int32_t reading_numbered_layer(reading *b, uint32_t layer, uint32_t datatype);
+
+/* A cell's definition begins in a file whose cells may be placed without being
+   there: that is b->cell, -1 for one that is no part of the layout (KLayout's
+   notes to itself). */
+void reading_begin_cell(reading *b, const char *name);
 
 #endif

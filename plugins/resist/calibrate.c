@@ -68,10 +68,15 @@ int resist_layer_check(resist_layer *r, int set, opc_error *error) {
   return OPC_OK;
 }
 
-void resist_layer_clear(resist_layer *layer) {
+static void layer_clear(resist_layer *layer) {
   free(layer->lines);
   layer->lines = NULL;
   layer->count = 0;
+}
+
+void resist_clear(void *self) {
+  resist_base *r = self;
+  for (int set = 0; set < RESIST_SETS; set++) layer_clear(&r->layer[set]);
 }
 
 int resist_layer_has_table(const resist_layer *layer) {
@@ -122,9 +127,11 @@ typedef struct specimen {
 } specimen;
 
 typedef struct fitting {
+  const resist_base *resist;
   const resist_layer *layer;
-  const resist_model *model;
   const opc_module *litho;
+  const char *id; /* of the plugin */
+  resist_terms *terms;
   specimen *specimens;
   size_t n; /* terms */
   const int *fit;
@@ -143,8 +150,7 @@ static int image_line(const fitting *f, const resist_line *l, eda_field *field,
                       opc_error *error) {
   const opc_module *litho = f->litho;
   const eda_litho *model = litho->functions;
-  const opc_context *context = f->model->host->context;
-  double diffusion = f->model->diffusion;
+  const opc_context *context = f->resist->host->context;
   double period = l->pitch > 0 ? l->pitch : l->line + isolation;
   eda_frame frame = {-period / 2, 0, period, period};
   int32_t x = (int32_t)lround(l->line / 2 / unit);
@@ -158,9 +164,8 @@ static int image_line(const fitting *f, const resist_line *l, eda_field *field,
   if (code) return code;
   code = model->image(litho->self, f->layer->set, &mask, field, error);
   eda_spectrum_clear(&mask);
-  if (!code && diffusion > 0)
-    code = eda_field_diffuse(context, field, diffusion, error);
-  return code;
+  if (code) return code;
+  return eda_field_diffuse(context, field, f->resist->diffusion, error);
 }
 
 /* The level set at x and its slope; term[k] and slopes of terms there. */
@@ -213,7 +218,7 @@ static int specimen_init(const fitting *f, specimen *s, opc_error *error) {
   const resist_layer *r = f->layer;
   int code = image_line(f, s->want, &s->image, error);
   if (!code && f->n > 1)
-    code = f->model->terms(f->model->self, &s->image, f->n, s->term, error);
+    code = f->terms(f->resist, &s->image, f->n, s->term, error);
   if (code) return code;
   double x[3] = {s->want->cd / 2, 0, s->image.frame.width / 2}, y[3] = {0};
   double v[3];
@@ -329,19 +334,19 @@ static int iterate(const fitting *f, double *a) {
 
 static void tell(const fitting *f) {
   const resist_layer *l = f->layer;
-  const opc_host *host = f->model->host;
+  const opc_host *host = f->resist->host;
   if (!resist_layer_has_table(l)) return;
   for (size_t i = 0; i < l->count; i++) {
     const specimen *s = &f->specimens[i];
     host->log(host, OPC_LOG_INFO,
               "%s: %s, line %g nm, pitch %g nm: prints %.2f nm, wanted "
               "%.2f nm (%+.2f nm)",
-              f->model->plugin, set_name[l->set], s->want->line, s->want->pitch,
+              f->id, set_name[l->set], s->want->line, s->want->pitch,
               2 * s->edge, s->want->cd, 2 * s->edge - s->want->cd);
   }
   host->log(host, OPC_LOG_INFO,
-            "%s: %s, %zu lines: error %.3f nm (root of the mean square)",
-            f->model->plugin, set_name[l->set], l->count,
+            "%s: %s, %zu lines: error %.3f nm (root of the mean square)", f->id,
+            set_name[l->set], l->count,
             sqrt(sum_of_squares(f) / (double)l->count));
 }
 
@@ -354,14 +359,15 @@ static void specimens_clear(const fitting *f) {
   free(f->specimens);
 }
 
-int resist_fit(resist_layer *layer, const opc_module *litho,
-               const resist_model *model, size_t n, const int *fit,
+int resist_fit(resist_base *resist, int set, const opc_module *litho,
+               const char *id, resist_terms *terms, size_t n, const int *fit,
                double *coefficient, opc_error *error) {
+  resist_layer *layer = &resist->layer[set];
   int code = OPC_OK;
   size_t wanted = 0;
   if (layer->file && !layer->lines) code = read_table(layer, error);
   if (code) {
-    resist_layer_clear(layer);
+    layer_clear(layer);
     return code;
   }
   for (size_t k = 0; k < n; k++) wanted += fit[k] != 0;
@@ -369,9 +375,11 @@ int resist_fit(resist_layer *layer, const opc_module *litho,
     return opc_fail(error, OPC_INVALID, layer->source,
                     "'%s' has %zu lines, too few for %zu coefficients",
                     layer->source, layer->count, wanted);
-  fitting f = {.layer = layer,
-               .model = model,
+  fitting f = {.resist = resist,
+               .layer = layer,
                .litho = litho,
+               .id = id,
+               .terms = terms,
                .n = n,
                .fit = fit,
                .sign = layer->bright ? -1 : 1,
@@ -388,4 +396,15 @@ int resist_fit(resist_layer *layer, const opc_module *litho,
   if (!code) tell(&f);
   specimens_clear(&f);
   return code;
+}
+
+void resist_print(const resist_base *resist, int layer, double constant,
+                  const eda_field *variable, eda_field *field) {
+  float sign = resist->layer[resist_set(layer)].bright ? -1 : 1;
+  size_t n = (size_t)field->nx * (size_t)field->ny;
+  for (size_t i = 0; i < n; i++) {
+    float threshold = (float)constant;
+    if (variable) threshold += variable->coefficients[i];
+    field->coefficients[i] = sign * (threshold - field->coefficients[i]);
+  }
 }

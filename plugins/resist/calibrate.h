@@ -37,50 +37,57 @@ typedef struct resist_layer {
   size_t count;
 } resist_layer;
 
+/* The instance of every resist begins with this. */
+typedef struct resist_base {
+  const opc_host *host;
+  double diffusion; /* nm, of the image, before all else */
+  resist_layer layer[RESIST_SETS];
+} resist_base;
+
 /* clang-format off */ /* it takes the elements for nested ones */
-/* Parameters of the resist_layer `member` of an instance of the type `state`.
-   `prefix` is "" for poly; `what` names the layers, `line` and `pitch` are the
-   default anchor. */
-#define RESIST_LAYER(state, member, prefix, what, line_preset, pitch_preset) \
+/* Parameters of a set of layers. `prefix` is "" for poly; `what` names the
+   layers, `line` and `pitch` are the default anchor. */
+#define RESIST_LAYER(set, prefix, what, line_preset, pitch_preset)           \
   {.name = prefix "anchor.line", .type = OPC_REAL, .flags = OPC_ABOVE,       \
    .unit = "nm", .preset = line_preset,                                      \
    .summary = "drawn width of the line of " what " that prints to size",     \
-   OPC_FIELD(state, member.anchor.line)},                                    \
+   OPC_FIELD(resist_base, layer[set].anchor.line)},                          \
   {.name = prefix "anchor.pitch", .type = OPC_REAL, .flags = OPC_AT_LEAST,   \
    .unit = "nm", .preset = pitch_preset,                                     \
    .summary = "pitch of its grating; 0 nm for an isolated line",             \
-   OPC_FIELD(state, member.anchor.pitch)},                                   \
+   OPC_FIELD(resist_base, layer[set].anchor.pitch)},                         \
   {.name = prefix "anchor.cd", .type = OPC_REAL, .flags = OPC_ABOVE,         \
    .unit = "nm",                                                             \
    .summary = "printed width wanted; the drawn one if not given",            \
-   OPC_FIELD(state, member.anchor.cd)},                                      \
+   OPC_FIELD(resist_base, layer[set].anchor.cd)},                            \
   {.name = prefix "table", .type = OPC_REALS, .unit = "nm",                  \
    .summary = "printed widths of the anchor's line through pitch, in place " \
               "of the anchor: [pitch, cd, ...]",                             \
-   OPC_FIELD(state, member.table),                                           \
-   .given = offsetof(state, member.table_given)},                            \
+   OPC_FIELD(resist_base, layer[set].table),                                 \
+   .given = offsetof(resist_base, layer[set].table_given)},                  \
   {.name = prefix "table_file", .type = OPC_FILE,                            \
    .summary = "the same from a CSV file, columns 'pitch', 'cd' and, for "    \
               "several lines, 'line', in nm",                                \
-   OPC_FIELD(state, member.file)},                                           \
+   OPC_FIELD(resist_base, layer[set].file)},                                 \
   {.name = prefix "tone", .type = OPC_CHOICE, .preset = "dark",              \
    .choices = "dark|bright",                                                 \
    .summary = "whether dark or bright features of " what " print",           \
-   OPC_FIELD(state, member.bright)}
-
-
-#define RESIST_DIFFUSION(state)                                        \
-  {.name = "diffusion", .type = OPC_REAL, .flags = OPC_AT_LEAST,       \
-   .unit = "nm", .preset = "0 nm", .min = 0,                           \
-   .summary = "standard deviation of the Gaussian that blurs the image", \
-   OPC_FIELD(state, diffusion)}
+   OPC_FIELD(resist_base, layer[set].bright)}
 /* clang-format on */
+
+#define RESIST_DIFFUSION                                               \
+  OPC_PARAMETER(                                                       \
+      resist_base, diffusion, .type = OPC_REAL, .flags = OPC_AT_LEAST, \
+      .unit = "nm", .preset = "0 nm", .min = 0,                        \
+      .summary = "standard deviation of the Gaussian that blurs the image")
 
 #define RESIST_POLY "poly and layers past active"
 
 /* Whether the values of a layer make sense, for a plugin's `check`. */
 int resist_layer_check(resist_layer *layer, int set, opc_error *error);
-void resist_layer_clear(resist_layer *layer);
+
+/* `clear` of a plugin that makes nothing else. */
+void resist_clear(void *self);
 
 /* Was a table given? */
 int resist_layer_has_table(const resist_layer *layer);
@@ -89,22 +96,24 @@ int resist_layer_has_table(const resist_layer *layer);
 
 enum { RESIST_TERMS = 4 };
 
-typedef struct resist_model {
-  const opc_host *host;
-  const char *plugin; /* its id, for messages */
-  const void *self;
-  double diffusion; /* of the image, before all terms */
-  /* Fields of terms 1 .. n - 1 of an image. NULL for a model that has the
-     constant only. */
-  int (*terms)(const void *self, const eda_field *image, size_t n,
-               eda_field *out, opc_error *error);
-} resist_model;
+/* Fields of terms 1 .. n - 1 of an image. */
+typedef int resist_terms(const resist_base *resist, const eda_field *image,
+                         size_t n, eda_field *out, opc_error *error);
 
-/* Find the coefficients k < n with fit[k], of the others as they are: those
-   with the least squares of the errors of printed widths (Gauss-Newton). Reads
-   the layer's file. Logs each line of a table. [main] */
-int resist_fit(resist_layer *layer, const opc_module *litho,
-               const resist_model *model, size_t n, const int *fit,
+/* Find the coefficients k < n of a set of layers with fit[k], of the others as
+   they are: those with the least squares of the errors of printed widths
+   (Gauss-Newton). `terms` may be NULL if n is 1. Reads the layers' file. Logs
+   each line of a table as what the plugin `id` says. [main] */
+int resist_fit(resist_base *resist, int set, const opc_module *litho,
+               const char *id, resist_terms *terms, size_t n, const int *fit,
                double *coefficient, opc_error *error);
+
+/* ---- prints ---- */
+
+/* From the image of a layer, blurred, to its level set: positive below the
+   threshold, or above it for bright features. That is the constant and, if not
+   NULL, a field on the same grid. */
+void resist_print(const resist_base *resist, int layer, double constant,
+                  const eda_field *variable, eda_field *field);
 
 #endif

@@ -2,6 +2,7 @@
 /* What a search tells. */
 #include <glib.h>
 #include <math.h>
+#include <opcflow/table.h>
 
 #include "search.h"
 
@@ -96,19 +97,16 @@ static int best_table(const search *s, const eda_settings *all,
 }
 
 int search_report(const search *s, const eda_settings *all, opc_error *error) {
-  const struct {
-    const char *name;
-    double value;
-  } metrics[] = {{s->plan.greatest ? "greatest" : "least", s->figure[s->best]},
-                 {"setting", (double)s->best + 1},
-                 {"settings", (double)s->count},
-                 {"failed", (double)s->failed},
-                 {"runs", (double)s->runs},
-                 {"simulations", s->simulations}};
+  const opc_value values[] = {
+      {s->plan.greatest ? "greatest" : "least", s->figure[s->best]},
+      {"setting", (double)s->best + 1},
+      {"settings", (double)s->count},
+      {"failed", (double)s->failed},
+      {"runs", (double)s->runs},
+      {"simulations", s->simulations}};
   int code = settings_table(s, all, error);
   if (!code) code = best_table(s, all, error);
-  for (size_t i = 0; i < G_N_ELEMENTS(metrics) && !code; i++)
-    code = s->host->metric(s->host, metrics[i].name, metrics[i].value, error);
+  if (!code) code = opc_put_values(s->host, OPC_ARRAY(values), error);
   if (!code && s->failed)
     s->host->log(s->host, OPC_LOG_WARNING,
                  "%zu of %zu settings failed: see settings.csv", s->failed,

@@ -4,6 +4,7 @@
 
 #include <eda/memory.h>
 #include <errno.h>
+#include <glib.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,6 +23,15 @@ int writer_along(eda_point from, uint64_t n, eda_point step, eda_point *to) {
   return !bad && x == to->x && y == to->y;
 }
 
+void writer_fail(writer *w, const char *format, ...) {
+  va_list arguments;
+  if (w->failed) return;
+  va_start(arguments, format);
+  g_autofree char *what = g_strdup_vprintf(format, arguments);
+  va_end(arguments);
+  w->failed = opc_fail(w->error, OPC_FAILED, NULL, "%s", what);
+}
+
 static int no_layer(const writer *w, const char *name, opc_error *error) {
   return opc_fail(error, OPC_INVALID, "layers",
                   "'%s': the layer has no %s; say which, as in { %s: %s }",
@@ -34,7 +44,7 @@ static int take_polygon(void *data, const eda_point *points, size_t n,
   writer *w = data;
   (void)error;
   w->format->polygon(w, points, n);
-  return OPC_OK;
+  return w->failed;
 }
 
 /* ---- a layout ---- */
@@ -78,34 +88,35 @@ static int put_texts(writer *w, const eda_layout *layout, int32_t cell,
     const char *text = eda_layout_text(layout, cell, i, &at, &layer);
     if (!w->format->set_layer(w, names[layer]))
       return no_layer(w, eda_layout_layer_name(layout, layer), error);
-    if (w->format->text(w, at, text, error)) return error->code;
+    w->format->text(w, at, text);
   }
-  return OPC_OK;
+  return w->failed;
 }
 
 static int put_cell(writer *w, const eda_layout *layout, int32_t cell,
                     const char *const *names, opc_error *error) {
   w->cell = eda_layout_cell_name(layout, cell);
-  if (w->format->begin_cell(w, cell, w->cell, error) ||
-      put_polygons(w, layout, cell, names, error) ||
+  w->format->begin_cell(w, cell, w->cell);
+  if (w->failed || put_polygons(w, layout, cell, names, error) ||
       put_texts(w, layout, cell, names, error))
     return error->code;
-  for (size_t i = 0; i < eda_layout_instances(layout, cell); i++) {
+  for (size_t i = 0; i < eda_layout_instances(layout, cell) && !w->failed;
+       i++) {
     int32_t child;
     eda_placement p;
     const char *name = eda_layout_instance(layout, cell, i, &child, &p);
-    if (w->format->placement(w, child, eda_layout_cell_name(layout, child), &p,
-                             name, error))
-      return error->code;
+    w->format->placement(w, child, eda_layout_cell_name(layout, child), &p,
+                         name);
   }
   w->format->end_cell(w);
-  return OPC_OK;
+  return w->failed;
 }
 
 static int put_layout(writer *w, const eda_layout *layout, opc_error *error) {
   const char **names = eda_alloc(eda_layout_layers(layout), sizeof *names);
   int code = name_layers(w, layout, names, error);
-  if (!code) code = w->format->begin(w, layout, eda_layout_unit(layout), error);
+  if (!code) w->format->begin(w, layout, eda_layout_unit(layout));
+  if (!code) code = w->failed;
   for (size_t i = 0; i < eda_layout_cells(layout) && !code; i++) {
     if (opc_cancelled(w->host->context))
       code = opc_fail(error, OPC_CANCELLED, NULL, "cancelled");
@@ -153,16 +164,12 @@ static size_t list_mask(const writer *w, mask_layer *layers) {
 
 static int refuse_name(const char *name, const mask_layer *layers, size_t n,
                        opc_error *error) {
-  char all[600] = "";
-  size_t used = 0;
-  for (size_t i = 0; i < n && used < sizeof all; i++)
-    used += (size_t)snprintf(all + used, sizeof all - used, "%s%s",
-                             !i           ? ""
-                             : i + 1 == n ? " and "
-                                          : ", ",
-                             layers[i].name);
+  g_autoptr(GString) all = g_string_new(layers[0].name);
+  for (size_t i = 1; i < n; i++)
+    g_string_append_printf(all, "%s%s", i + 1 == n ? " and " : ", ",
+                           layers[i].name);
   return opc_fail(error, OPC_INVALID, "layers",
-                  "'%s': a mask has the layers %s", name, all);
+                  "'%s': a mask has the layers %s", name, all->str);
 }
 
 /* Two layers would be one in the file. */
@@ -203,18 +210,17 @@ static int put_mask_layers(writer *w, mask_layer *layers, opc_error *error) {
   const eda_polygon_taker take = {take_polygon, w, w->format->most_points};
   size_t n = list_mask(w, layers);
   w->cell = gates->name;
-  if (name_mask(w, layers, n, error) ||
-      w->format->begin(w, NULL, gates->grid, error) ||
-      w->format->begin_cell(w, 0, gates->name, error))
-    return error->code;
-  for (size_t i = 0; i < n; i++) {
+  if (name_mask(w, layers, n, error)) return error->code;
+  w->format->begin(w, NULL, gates->grid);
+  if (!w->failed) w->format->begin_cell(w, 0, gates->name);
+  for (size_t i = 0; i < n && !w->failed; i++) {
     if (!w->format->set_layer(w, layers[i].file_name))
       return no_layer(w, layers[i].name, error);
     if (eda_polygons_without_holes(layers[i].shapes, &take, error))
       return error->code;
   }
   w->format->end_cell(w);
-  return OPC_OK;
+  return w->failed;
 }
 
 static int put_mask(writer *w, opc_error *error) {
@@ -231,6 +237,8 @@ static int put_file(writer *w, opc_error *error) {
   if (!w->file)
     return opc_fail(error, OPC_IO, NULL, "'%s': %s", w->path, strerror(errno));
   setvbuf(w->file, NULL, _IOFBF, 1 << 20);
+  w->error = error;
+  w->failed = OPC_OK;
   int code = w->mask ? put_mask(w, error) : put_layout(w, w->layout, error);
   if (!code) w->format->end(w);
   if (w->format->clear) w->format->clear(w);

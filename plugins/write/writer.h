@@ -9,9 +9,9 @@
 #include <eda/layout.h>
 #include <opcflow/step.h>
 
-/* A writer's functions get its instance, which begins with a `writer`; those
-   that return int return an OPC_* code. What the file cannot be given is seen
-   when it is closed. */
+/* A writer's functions get its instance, which begins with a `writer`. What a
+   format cannot say they tell by writer_fail; what the file cannot be given is
+   seen when it is closed. */
 typedef struct write_format {
   const char *layer;  /* how a layer is written, for messages: "9/0" */
   size_t most_points; /* of a polygon */
@@ -26,15 +26,12 @@ typedef struct write_format {
 
   /* The parts of the file, in this order; `unit` in nm. `layout` is NULL for a
      mask. */
-  int (*begin)(void *self, const eda_layout *layout, double unit,
-               opc_error *error);
-  int (*begin_cell)(void *self, int32_t cell, const char *name,
-                    opc_error *error);
+  void (*begin)(void *self, const eda_layout *layout, double unit);
+  void (*begin_cell)(void *self, int32_t cell, const char *name);
   void (*polygon)(void *self, const eda_point *points, size_t n);
-  int (*text)(void *self, eda_point at, const char *text, opc_error *error);
-  int (*placement)(void *self, int32_t child, const char *child_name,
-                   const eda_placement *placement, const char *name,
-                   opc_error *error);
+  void (*text)(void *self, eda_point at, const char *text);
+  void (*placement)(void *self, int32_t child, const char *child_name,
+                    const eda_placement *placement, const char *name);
   void (*end_cell)(void *self);
   void (*end)(void *self);
 
@@ -54,38 +51,34 @@ typedef struct writer {
   const char *path;
   FILE *file;
   const char *cell; /* the name of the one that is being written */
+  opc_error *error;
+  int failed; /* the code of the first failure */
 } writer;
 
 /* The parameters of a writer whose instance, a `state`, begins with `writer w`;
    `preset_name` is that of the file. */
-#define WRITE_PARAMETERS(state, preset_name, layers_summary)   \
-  {                                                            \
-    {.name = "layout",                                         \
-     .type = OPC_INPUT,                                        \
-     .choices = "layout",                                      \
-     .summary = "The layout to write",                         \
-     OPC_FIELD(state, w.layout),                               \
-     .given = offsetof(state, w.layout_given)},                \
-        {.name = "mask",                                       \
-         .type = OPC_INPUT,                                    \
-         .choices = "mask",                                    \
-         .summary = "The mask to write, in place of a layout", \
-         OPC_FIELD(state, w.mask),                             \
-         .given = offsetof(state, w.mask_given)},              \
-        {.name = "file",                                       \
-         .type = OPC_OUTPUT,                                   \
-         .preset = (preset_name),                              \
-         .summary = "The file",                                \
-         OPC_FIELD(state, w.name)},                            \
-        {.name = "layers",                                     \
-         .type = OPC_MAP,                                      \
-         .summary = (layers_summary),                          \
-         OPC_FIELD(state, w.layers)},                          \
+#define WRITE_PARAMETERS(state, preset_name, layers_summary)                   \
+  {                                                                            \
+    OPC_PARAMETER_NAMED("layout", state, w.layout, .type = OPC_INPUT,          \
+                        .choices = "layout", .summary = "The layout to write", \
+                        .given = offsetof(state, w.layout_given)),             \
+        OPC_PARAMETER_NAMED(                                                   \
+            "mask", state, w.mask, .type = OPC_INPUT, .choices = "mask",       \
+            .summary = "The mask to write, in place of a layout",              \
+            .given = offsetof(state, w.mask_given)),                           \
+        OPC_PARAMETER_NAMED("file", state, w.name, .type = OPC_OUTPUT,         \
+                            .preset = (preset_name), .summary = "The file"),   \
+        OPC_PARAMETER_NAMED("layers", state, w.layers, .type = OPC_MAP,        \
+                            .summary = (layers_summary)),                      \
   }
 
 /* For the plugin's check and its step's run. */
 int writer_check(writer *w, const write_format *format, opc_error *error);
 int writer_run(void *self, void **outputs, opc_error *error);
+
+/* The file cannot hold what the layout has: OPC_FAILED. The first failure is
+   kept, and what is written after it is dropped with the file. */
+OPC_PRINTF(2, 3) void writer_fail(writer *w, const char *format, ...);
 
 /* name_layer of formats whose layers are numbers. */
 void writer_number_layer(const eda_gates *gates, size_t k, int drawn,

@@ -108,10 +108,8 @@ static int run(void *self, size_t n, const char *const *arguments,
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    {.name = "step",
-     .type = OPC_TEXT,
-     .summary = "show those of this step alone",
-     OPC_FIELD(metrics, step)},
+    OPC_PARAMETER(metrics, step, .type = OPC_TEXT,
+                  .summary = "show those of this step alone"),
 };
 
 /* ---- entry ---- */

@@ -57,18 +57,12 @@ static int run(void *self, void **outputs, opc_error *error) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    {.name = "mask",
-     .type = OPC_INPUT,
-     .flags = OPC_REQUIRED,
-     .choices = "mask",
-     .summary = "the mask whose transistors are timed",
-     OPC_FIELD(delays, mask)},
-    {.name = "timing",
-     .type = OPC_SLOT,
-     .preset = "{ use: timing.cv }",
-     .choices = "timing",
-     .summary = "the timing model",
-     OPC_FIELD(delays, timing)},
+    OPC_PARAMETER(delays, mask, .type = OPC_INPUT, .flags = OPC_REQUIRED,
+                  .choices = "mask",
+                  .summary = "the mask whose transistors are timed"),
+    OPC_PARAMETER(delays, timing, .type = OPC_SLOT,
+                  .preset = "{ use: timing.cv }", .choices = "timing",
+                  .summary = "the timing model"),
 };
 
 static const opc_metric metrics[] = {

@@ -5,6 +5,7 @@
 #include <eda/memory.h>
 #include <math.h>
 #include <opcflow/step.h>
+#include <opcflow/table.h>
 #include <stdlib.h>
 
 /* ---- state ---- */
@@ -15,7 +16,10 @@ typedef struct list {
   int64_t most;
 } list;
 
+/* A row of the table. */
 typedef struct entry {
+  const char *cell;
+  int64_t number;
   double deviation; /* % */
   size_t gate;
 } entry;
@@ -30,23 +34,11 @@ static int compare(const void *a, const void *b) {
 }
 
 static int publish(const list *s, const entry *e, size_t n, opc_error *error) {
-  const eda_gates *g = s->mask->gates;
-  const char **cell = eda_alloc(n, sizeof *cell);
-  int64_t *number = eda_alloc(n, sizeof *number);
-  double *deviation = eda_alloc(n, sizeof *deviation);
-  for (size_t i = 0; i < n; i++) {
-    cell[i] = g->cell[e[i].gate];
-    number[i] = g->number[e[i].gate];
-    deviation[i] = e[i].deviation;
-  }
-  const opc_column columns[] = {{"cell", NULL, OPC_TEXT, 0, cell},
-                                {"number", NULL, OPC_INT, 0, number},
-                                {"ion", "%", OPC_REAL, 3, deviation}};
-  int code =
-      s->host->table(s->host, "worst", OPC_TABLE_PRINT, n, columns, 3, error);
-  free(cell);
-  free(number);
-  free(deviation);
+  const opc_column columns[] = {{"cell", NULL, OPC_TEXT, 0, &e->cell},
+                                {"number", NULL, OPC_INT, 0, &e->number},
+                                {"ion", "%", OPC_REAL, 3, &e->deviation}};
+  int code = opc_put_rows(s->host, "worst", OPC_TABLE_PRINT, n, sizeof *e,
+                          OPC_ARRAY(columns), error);
   if (code || !n) return code;
   return s->host->metric(s->host, "worst", fabs(e[0].deviation), error);
 }
@@ -58,8 +50,11 @@ static int run(void *self, void **outputs, opc_error *error) {
   (void)outputs;
   for (size_t i = 0; i < n; i++) {
     double drawn = s->mask->design.ion[i];
-    entries[i].deviation = 100 * (s->mask->after.ion[i] - drawn) / drawn;
-    entries[i].gate = i;
+    entries[i] =
+        (entry){.cell = s->mask->gates->cell[i],
+                .number = s->mask->gates->number[i],
+                .deviation = 100 * (s->mask->after.ion[i] - drawn) / drawn,
+                .gate = i};
   }
   qsort(entries, n, sizeof *entries, compare);
   int code = publish(s, entries, n < most ? n : most, error);
@@ -70,20 +65,12 @@ static int run(void *self, void **outputs, opc_error *error) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    {.name = "mask",
-     .type = OPC_INPUT,
-     .flags = OPC_REQUIRED,
-     .choices = "mask",
-     .summary = "the mask whose transistors are listed",
-     OPC_FIELD(list, mask)},
-    {.name = "most",
-     .type = OPC_INT,
-     .flags = OPC_AT_LEAST | OPC_AT_MOST,
-     .preset = "10",
-     .min = 1,
-     .max = 1000000,
-     .summary = "how many at most",
-     OPC_FIELD(list, most)},
+    OPC_PARAMETER(list, mask, .type = OPC_INPUT, .flags = OPC_REQUIRED,
+                  .choices = "mask",
+                  .summary = "the mask whose transistors are listed"),
+    OPC_PARAMETER(list, most, .type = OPC_INT,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "10", .min = 1,
+                  .max = 1000000, .summary = "how many at most"),
 };
 
 static const opc_metric metrics[] = {

@@ -73,21 +73,13 @@ static const char *verdict(const void *self, size_t gate) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    {.name = "max_pde",
-     .type = OPC_REAL,
-     .flags = OPC_ABOVE,
-     .unit = "%",
-     .preset = "0.5 %",
-     .summary = "deviation of the on current that is good enough",
-     OPC_FIELD(bisect, max_pde)},
-    {.name = "max_bias",
-     .type = OPC_REAL,
-     .flags = OPC_ABOVE | OPC_AT_MOST,
-     .unit = "nm",
-     .preset = "32 nm",
-     .max = 1000,
-     .summary = "how far a length may change",
-     OPC_FIELD(bisect, max_bias)},
+    OPC_PARAMETER(bisect, max_pde, .type = OPC_REAL, .flags = OPC_ABOVE,
+                  .unit = "%", .preset = "0.5 %",
+                  .summary = "deviation of the on current that is good enough"),
+    OPC_PARAMETER(bisect, max_bias, .type = OPC_REAL,
+                  .flags = OPC_ABOVE | OPC_AT_MOST, .unit = "nm",
+                  .preset = "32 nm", .max = 1000,
+                  .summary = "how far a length may change"),
 };
 
 static void clear(void *self) { free(((bisect *)self)->ranges); }

@@ -17,19 +17,12 @@ static double delay(const void *self, double ion, double area) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    {.name = "supply",
-     .type = OPC_REAL,
-     .flags = OPC_ABOVE,
-     .unit = "V",
-     .preset = "1.1 V",
-     .summary = "the supply voltage",
-     OPC_FIELD(cv, supply)},
-    {.name = "capacitance",
-     .type = OPC_REAL,
-     .flags = OPC_ABOVE,
-     .preset = "0.0173",
-     .summary = "of the gate, aF/nm^2; the default is an oxide of 2 nm",
-     OPC_FIELD(cv, capacitance)},
+    OPC_PARAMETER(cv, supply, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "V",
+                  .preset = "1.1 V", .summary = "the supply voltage"),
+    OPC_PARAMETER(
+        cv, capacitance, .type = OPC_REAL, .flags = OPC_ABOVE,
+        .preset = "0.0173",
+        .summary = "of the gate, aF/nm^2; the default is an oxide of 2 nm"),
 };
 
 /* ---- entry ---- */

@@ -18,12 +18,9 @@ static int run(void *self, void **outputs, opc_error *error) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    {.name = "rule",
-     .type = OPC_SLOT,
-     .preset = "{ use: bad.none, size: 60 nm }",
-     .choices = "regulator",
-     .summary = "a regulator",
-     OPC_FIELD(slotted, rule)},
+    OPC_PARAMETER(slotted, rule, .type = OPC_SLOT,
+                  .preset = "{ use: bad.none, size: 60 nm }",
+                  .choices = "regulator", .summary = "a regulator"),
 };
 
 /* ---- entry ---- */

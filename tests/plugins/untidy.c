@@ -59,14 +59,9 @@ int untidy_helper(void) { return calls; }
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    {.name = "size",
-     .type = OPC_REAL,
-     .flags = OPC_REQUIRED | OPC_AT_LEAST | OPC_AT_MOST,
-     .unit = "nm",
-     .min = 1,
-     .max = 7,
-     .summary = "a length.",
-     OPC_FIELD(untidy, size)},
+    OPC_PARAMETER(untidy, size, .type = OPC_REAL,
+                  .flags = OPC_REQUIRED | OPC_AT_LEAST | OPC_AT_MOST,
+                  .unit = "nm", .min = 1, .max = 7, .summary = "a length."),
 };
 
 /* Takes memory that nobody gives back. */

@@ -20,7 +20,7 @@ typedef struct bench {
   const eda_mask *mask;       /* NULL: as drawn only */
   const char *models[2];      /* files; [1] NULL: the same */
   const char *model[2];
-  int dlc; /* whether DLC is corrected */
+  int dlc;   /* whether DLC is corrected */
   int sizes; /* SIZES_BOTH, SIZES_LENGTH */
   const char *devices;
   double supply, temperature, load, slew;
@@ -35,12 +35,12 @@ typedef struct bench {
   double limit;
 
   /* Of a run. */
-  eda_pool pool; /* of most of what follows */
-  eda_circuit plain; /* with the nets n0, n1 ... */
+  eda_pool pool;           /* of most of what follows */
+  eda_circuit plain;       /* with the nets n0, n1 ... */
   const eda_mask *printed; /* the mask, or `sized` */
   eda_mask sized;          /* sizes.c: the mask, with other sizes */
   int has[EDA_STATES];     /* which sizes there are */
-  const char *cards[2]; /* whole paths; [1] NULL: the same */
+  const char *cards[2];    /* whole paths; [1] NULL: the same */
   eda_card card[2];
   double low, high; /* where a slope begins and ends, of 1 */
   size_t inputs, outputs;

@@ -65,14 +65,14 @@ static int list_devices(const bench *b, cell *m, opc_error *error) {
       uint32_t mine = at_q ? m->q : m->qb;
       uint32_t other = d->drain == mine ? d->source : d->drain;
       int role = eda_circuit_role(c, other);
-      int is_access = d->gate != m->q && d->gate != m->qb &&
-                      !is_rail(role) && !(at_q && at_qb);
+      int is_access = d->gate != m->q && d->gate != m->qb && !is_rail(role) &&
+                      !(at_q && at_qb);
       if (is_access != access) continue;
       if (m->devices == CELL_DEVICES)
         return opc_fail(error, OPC_FAILED, "circuit",
-                             "the cell of '%s' and '%s' has more than %d "
-                             "transistors",
-                             c->net[m->q], c->net[m->qb], CELL_DEVICES);
+                        "the cell of '%s' and '%s' has more than %d "
+                        "transistors",
+                        c->net[m->q], c->net[m->qb], CELL_DEVICES);
       m->device[m->devices++] = (uint32_t)i;
       m->accesses += access;
       if (access && role < 0) m->on_ports = 0;
@@ -115,23 +115,12 @@ static int is_driven(const bench *b, uint32_t net) {
   return 0;
 }
 
-/* How many gates of undriven nets are on each part. */
-static void count_gates(const bench *b, uint32_t *part, const uint8_t *driven,
-                        uint32_t *gates) {
-  const eda_circuit *c = b->circuit;
-  for (size_t i = 0; i < c->count; i++) {
-    const eda_device *d = &c->device[i];
-    uint32_t end = driven[d->drain] ? d->source : d->drain;
-    if (!driven[end] && !driven[d->gate]) gates[part_of(part, end)]++;
-  }
-}
-
 int64_t feedback_find(bench *b) {
   const eda_circuit *c = b->circuit;
   uint32_t *part = eda_pool_alloc(&b->pool, c->nets, sizeof *part);
-  uint32_t *gates = eda_pool_alloc(&b->pool, c->nets, sizeof *gates);
   uint8_t *driven = eda_pool_alloc(&b->pool, c->nets, 1);
   uint8_t *done = eda_pool_alloc(&b->pool, c->nets, 1);
+  uint8_t *waits = eda_pool_alloc(&b->pool, c->nets, 1);
   for (uint32_t i = 0; i < c->nets; i++) {
     part[i] = i;
     driven[i] = (uint8_t)is_driven(b, i);
@@ -141,22 +130,18 @@ int64_t feedback_find(bench *b) {
     if (!driven[d->drain] && !driven[d->source])
       part[part_of(part, d->drain)] = part_of(part, d->source);
   }
-  count_gates(b, part, driven, gates);
   /* Take away parts that nothing is before, until only loops are left. */
   for (int more = 1; more;) {
     more = 0;
-    for (uint32_t net = 0; net < c->nets; net++) {
-      if (driven[net] || done[net] || part_of(part, net) != net || gates[net])
-        continue;
-      done[net] = 1;
-      more = 1;
-      for (size_t i = 0; i < c->count; i++) {
-        const eda_device *d = &c->device[i];
-        uint32_t end = driven[d->drain] ? d->source : d->drain;
-        if (!driven[end] && !driven[d->gate] && part_of(part, d->gate) == net)
-          gates[part_of(part, end)]--;
-      }
+    memset(waits, 0, c->nets);
+    for (size_t i = 0; i < c->count; i++) {
+      const eda_device *d = &c->device[i];
+      uint32_t end = driven[d->drain] ? d->source : d->drain;
+      if (!driven[end] && !driven[d->gate] && !done[part_of(part, d->gate)])
+        waits[part_of(part, end)] = 1;
     }
+    for (uint32_t net = 0; net < c->nets; net++)
+      if (part[net] == net && !done[net] && !waits[net]) done[net] = more = 1;
   }
   for (size_t i = 0; i < c->count; i++) {
     uint32_t net = c->device[i].gate;

@@ -171,7 +171,7 @@ static inline char *in_folder(const char *name, const char *text) {
 }
 
 static inline int run_on(eda_circuit *circuit, eda_mask *mask, const char *card,
-                  const char *rest, opc_error *error) {
+                         const char *rest, opc_error *error) {
   static int n;
   void *none[1];
   opc_test_forget();
@@ -184,7 +184,8 @@ static inline int run_on(eda_circuit *circuit, eda_mask *mask, const char *card,
   return opc_test_run(m, none, error);
 }
 
-static inline void run(made *m, int with_mask, const char *card, const char *rest) {
+static inline void run(made *m, int with_mask, const char *card,
+                       const char *rest) {
   opc_error error;
   if (run_on(&m->circuit, with_mask ? &m->mask : NULL, card, rest, &error))
     g_error("%s", error.message);
@@ -220,7 +221,8 @@ static inline double printed(const char *out, const char *name) {
   return g_ascii_strtod(value, NULL);
 }
 
-static inline void near(const char *what, double got, double want, double share) {
+static inline void near(const char *what, double got, double want,
+                        double share) {
   g_test_message("%s: %.6g, by hand %.6g, %+.4f %%", what, got, want,
                  100 * (got / want - 1));
   if (!(fabs(got / want - 1) <= share)) g_error("%s", what);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Transients: how long outputs take to follow the inputs. */
+#include <glib.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -134,11 +135,10 @@ static outcome measure_all(const job *j, const eda_spice_result *r) {
 static outcome simulate(job *j, const char *deck, transient how) {
   eda_spice_result r;
   outcome all = {SIZE_MAX, 0};
-  char *commands = job_text(j, write_commands, &how);
+  g_autofree char *commands = job_text(j, write_commands, &how);
   job_simulate(j, deck, commands, &r);
   if (!j->code && r.count == j->to - j->from) all = measure_all(j, &r);
   eda_spice_clear(&r);
-  free(commands);
   return all;
 }
 
@@ -163,7 +163,7 @@ static void find_window(job *j, const char *deck) {
 static void run_job(job *j) {
   const delays *d = ((const study *)j->of)->d;
   int drawn = j->state == EDA_DRAWN;
-  char *deck = job_text(j, write_deck, NULL);
+  g_autofree char *deck = job_text(j, write_deck, NULL);
   if (drawn && deck) find_window(j, deck);
   transient how = {d->window[j->from], POINTS};
   for (int i = 0; i < (drawn ? 1 : TRIES_PRINTED) && !j->code; i++) {
@@ -171,7 +171,6 @@ static void run_job(job *j) {
     how.window *= LONGER;
     how.points *= LONGER;
   }
-  free(deck);
 }
 
 /* ---- which transitions ---- */
@@ -259,16 +258,15 @@ int delays_wave(bench *b, const patterns *p, const delays *d, size_t index,
   const arrival *a = &d->arrival[index];
   const study s = {p, d};
   const transient how = {d->window[a->flip], POINTS};
-  job j = {.b = b, .of = &s, .state = state, .from = a->flip, .to = a->flip + 1};
+  job j = {
+      .b = b, .of = &s, .state = state, .from = a->flip, .to = a->flip + 1};
   eda_spice_result r;
   *out = (wave){0};
-  char *deck = job_text(&j, write_deck, NULL);
-  char *commands = job_text(&j, write_commands, &how);
+  g_autofree char *deck = job_text(&j, write_deck, NULL);
+  g_autofree char *commands = job_text(&j, write_commands, &how);
   job_simulate(&j, deck, commands, &r);
   if (!j.code && r.count) keep_wave(b, a, &r.plot[0], out);
   eda_spice_clear(&r);
-  free(deck);
-  free(commands);
   if (j.code) *error = j.error;
   return j.code;
 }

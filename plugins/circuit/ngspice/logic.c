@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Operating points of input patterns: logic values and leakage. */
+#include <glib.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,9 +24,7 @@ typedef struct study {
 /* ---- one process ---- */
 
 /* The points of a pattern: at rest and, as drawn, under test. */
-static size_t points_of(const job *j) {
-  return j->state == EDA_DRAWN ? 2 : 1;
-}
+static size_t points_of(const job *j) { return j->state == EDA_DRAWN ? 2 : 1; }
 
 static double test_resistance(const bench *b, uint32_t net) {
   const eda_circuit *c = b->circuit;
@@ -112,28 +111,27 @@ static void keep_levels(const job *j, const eda_spice_plot *plot, size_t k) {
 
 static void run_job(job *j) {
   eda_spice_result r;
-  char *deck = job_text(j, write_deck, NULL);
-  char *commands = job_text(j, write_commands, NULL);
+  g_autofree char *deck = job_text(j, write_deck, NULL);
+  g_autofree char *commands = job_text(j, write_commands, NULL);
   job_simulate(j, deck, commands, &r);
   size_t points = points_of(j), all = points * (j->to - j->from);
   if (!j->code && r.count != all)
-    j->code = opc_fail(&j->error, OPC_FAILED, NULL,
-                               "'ngspice' gave %zu operating points, not %zu",
-                               r.count, all);
+    j->code =
+        opc_fail(&j->error, OPC_FAILED, NULL,
+                 "'ngspice' gave %zu operating points, not %zu", r.count, all);
   for (size_t k = j->from; !j->code && k < j->to; k++) {
     const eda_spice_plot *plot = &r.plot[points * (k - j->from)];
     keep_point(j, plot, k);
     if (points == 2) keep_levels(j, plot, k);
   }
   eda_spice_clear(&r);
-  free(deck);
-  free(commands);
 }
 
 int logic_find(bench *b, const patterns *p, logic *out, opc_error *error) {
   const study s = {p, out};
   *out = (logic){0};
-  out->level = eda_pool_alloc(&b->pool, p->count * b->outputs, sizeof *out->level);
+  out->level =
+      eda_pool_alloc(&b->pool, p->count * b->outputs, sizeof *out->level);
   for (int state = 0; state < EDA_STATES; state++) {
     out->current[state] = eda_pool_alloc(&b->pool, p->count, sizeof(double));
     out->power[state] = eda_pool_alloc(&b->pool, p->count, sizeof(double));

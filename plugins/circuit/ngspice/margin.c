@@ -2,6 +2,7 @@
 /* Static noise margins (E. Seevinck, F. J. List, J. Lohstroh, IEEE J.
    Solid-State Circuits 22, 1987): the largest squares between the two transfer
    curves of a memory cell, found in axes turned by 45 degrees. */
+#include <glib.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -212,19 +213,18 @@ static void run_job(job *j) {
   double step = b->supply / (SWEEP - 1);
   snprintf(command, sizeof command, "dc vin 0 %.17g %.17g",
            b->supply + step / 100, step);
-  char *deck = job_text(j, write_deck, NULL);
+  g_autofree char *deck = job_text(j, write_deck, NULL);
   job_simulate(j, deck, command, &r);
   for (size_t k = j->from; !j->code && k < j->to; k++) {
     butterfly *f = &s->out->of[j->state][k];
     if (!r.count || !keep_curve(&r.plot[0], 'a', k, f->right) ||
         !keep_curve(&r.plot[0], 'b', k, f->up))
       j->code = opc_fail(&j->error, OPC_FAILED, NULL,
-                              "'ngspice' ended the sweep too early");
+                         "'ngspice' ended the sweep too early");
     else
       butterfly_squares(f, b->supply);
   }
   eda_spice_clear(&r);
-  free(deck);
 }
 
 int margins_find(bench *b, const cell *cells, size_t count, margins *out,

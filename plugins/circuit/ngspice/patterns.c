@@ -34,9 +34,8 @@ static void list_pairs(const bench *b, patterns *p) {
   uint64_t left = (uint64_t)p->count * others;
   for (size_t from = 0; from < p->count; from++)
     for (size_t k = 0; k < others; k++, left--) {
-      size_t to =
-          b->several ? k + (k >= from)
-                     : from ^ ((size_t)1 << (b->inputs - 1 - k));
+      size_t to = b->several ? k + (k >= from)
+                             : from ^ ((size_t)1 << (b->inputs - 1 - k));
       size_t need = (size_t)b->most - p->transitions;
       if (left > need && draw_below(&seed, left) >= need) continue;
       p->transition[p->transitions++] =
@@ -77,7 +76,8 @@ int patterns_make(bench *b, patterns *p, opc_error *error) {
     draw_pairs(b, p);
     return OPC_OK;
   }
-  for (size_t k = 0; k < p->count; k++) set_bits(p->bit + k * inputs, inputs, k);
+  for (size_t k = 0; k < p->count; k++)
+    set_bits(p->bit + k * inputs, inputs, k);
   list_pairs(b, p);
   p->sampled = p->transitions < p->count * (b->several ? p->count - 1 : inputs);
   return OPC_OK;

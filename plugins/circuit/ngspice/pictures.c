@@ -2,7 +2,6 @@
 /* The waveforms of the outputs that deviate most, and the butterfly of the cell
    that does. */
 #include <eda/drawing.h>
-#include <eda/drawing.h>
 #include <math.h>
 #include <stdio.h>
 

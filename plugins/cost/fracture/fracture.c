@@ -4,6 +4,7 @@
 #include <eda/memory.h>
 #include <math.h>
 #include <opcflow/step.h>
+#include <opcflow/table.h>
 #include <stdlib.h>
 
 #include "bytes.h"
@@ -23,11 +24,16 @@ typedef struct counter {
 
 enum { RECTANGLES, SHOTS, SLIVERS, VERTICES, GDSII, OASIS, MEBES, FIGURES };
 
-/* The cost of each layer that is corrected. */
+/* What a layer that is corrected costs: as drawn and now. */
 typedef struct cost {
-  int64_t *figure[FIGURES];
-  double *area; /* um^2 */
+  int64_t figure[FIGURES];
+  double area; /* um^2 */
 } cost;
+
+typedef struct row {
+  const char *layer;
+  cost drawn, now;
+} row;
 
 /* What all layers are counted with. */
 typedef struct ruler {
@@ -121,99 +127,77 @@ static int count_figures(const counter *c, const ruler *r,
   return code;
 }
 
-/* `number` is that of the layer in a file, `k` its place in *out. */
+/* `number` is that of the layer in a file. */
 static int count_layer(const counter *c, const ruler *r,
-                       const eda_shapes *shapes, uint32_t number, size_t k,
-                       cost *out, opc_error *error) {
-  int64_t copies = r->array.columns * r->array.rows, f[FIGURES];
+                       const eda_shapes *shapes, uint32_t number, cost *out,
+                       opc_error *error) {
+  int64_t copies = r->array.columns * r->array.rows, *f = out->figure;
   if (count_figures(c, r, shapes, f, error) ||
       gdsii_bytes(shapes, &f[GDSII], error) ||
       oasis_bytes(shapes, number, &f[OASIS], error))
     return error->code;
   f[VERTICES] = shapes->count ? shapes->start[shapes->count] : 0;
   double um = r->grid * 1e-3;
-  out->area[k] = (double)copies * (double)eda_area2(shapes) / 2 * um * um;
-  for (int i = 0; i < FIGURES; i++)
-    out->figure[i][k] = f[i] * (i <= VERTICES ? copies : 1);
+  out->area = (double)copies * (double)eda_area2(shapes) / 2 * um * um;
+  for (int i = 0; i <= VERTICES; i++) f[i] *= copies;
   return OPC_OK;
 }
 
 /* ---- work: tables ---- */
 
-static int publish_tables(const opc_host *host, const char *const *names,
-                          size_t n, const cost *drawn, const cost *now,
+static int publish_tables(const opc_host *host, const row *rows, size_t n,
                           opc_error *error) {
-  int64_t *const *before = drawn->figure, *const *after = now->figure;
+  const int64_t *before = rows->drawn.figure, *after = rows->now.figure;
   const opc_column figures[] = {
-      {"layer", NULL, OPC_TEXT, 0, names},
-      {"rectangles_drawn", NULL, OPC_INT, 0, before[RECTANGLES]},
-      {"rectangles", NULL, OPC_INT, 0, after[RECTANGLES]},
-      {"shots_drawn", NULL, OPC_INT, 0, before[SHOTS]},
-      {"shots", NULL, OPC_INT, 0, after[SHOTS]},
-      {"slivers_drawn", NULL, OPC_INT, 0, before[SLIVERS]},
-      {"slivers", NULL, OPC_INT, 0, after[SLIVERS]},
-      {"vertices_drawn", NULL, OPC_INT, 0, before[VERTICES]},
-      {"vertices", NULL, OPC_INT, 0, after[VERTICES]},
-      {"area_drawn", "um^2", OPC_REAL, 4, drawn->area},
-      {"area", "um^2", OPC_REAL, 4, now->area},
+      {"layer", NULL, OPC_TEXT, 0, &rows->layer},
+      {"rectangles_drawn", NULL, OPC_INT, 0, &before[RECTANGLES]},
+      {"rectangles", NULL, OPC_INT, 0, &after[RECTANGLES]},
+      {"shots_drawn", NULL, OPC_INT, 0, &before[SHOTS]},
+      {"shots", NULL, OPC_INT, 0, &after[SHOTS]},
+      {"slivers_drawn", NULL, OPC_INT, 0, &before[SLIVERS]},
+      {"slivers", NULL, OPC_INT, 0, &after[SLIVERS]},
+      {"vertices_drawn", NULL, OPC_INT, 0, &before[VERTICES]},
+      {"vertices", NULL, OPC_INT, 0, &after[VERTICES]},
+      {"area_drawn", "um^2", OPC_REAL, 4, &rows->drawn.area},
+      {"area", "um^2", OPC_REAL, 4, &rows->now.area},
   };
   const opc_column files[] = {
-      {"layer", NULL, OPC_TEXT, 0, names},
-      {"gdsii_drawn", NULL, OPC_INT, 0, before[GDSII]},
-      {"gdsii", NULL, OPC_INT, 0, after[GDSII]},
-      {"oasis_drawn", NULL, OPC_INT, 0, before[OASIS]},
-      {"oasis", NULL, OPC_INT, 0, after[OASIS]},
-      {"mebes_drawn", NULL, OPC_INT, 0, before[MEBES]},
-      {"mebes", NULL, OPC_INT, 0, after[MEBES]},
+      {"layer", NULL, OPC_TEXT, 0, &rows->layer},
+      {"gdsii_drawn", NULL, OPC_INT, 0, &before[GDSII]},
+      {"gdsii", NULL, OPC_INT, 0, &after[GDSII]},
+      {"oasis_drawn", NULL, OPC_INT, 0, &before[OASIS]},
+      {"oasis", NULL, OPC_INT, 0, &after[OASIS]},
+      {"mebes_drawn", NULL, OPC_INT, 0, &before[MEBES]},
+      {"mebes", NULL, OPC_INT, 0, &after[MEBES]},
   };
-  int code = host->table(host, "cost", OPC_TABLE_PRINT, n, figures,
-                         sizeof figures / sizeof figures[0], error);
+  int code = opc_put_rows(host, "cost", OPC_TABLE_PRINT, n, sizeof *rows,
+                          OPC_ARRAY(figures), error);
   return code ? code
-              : host->table(host, "cost_bytes", OPC_TABLE_PRINT, n, files,
-                            sizeof files / sizeof files[0], error);
+              : opc_put_rows(host, "cost_bytes", OPC_TABLE_PRINT, n,
+                             sizeof *rows, OPC_ARRAY(files), error);
 }
 
-static int publish_metrics(const opc_host *host, size_t n, const cost *drawn,
-                           const cost *now, opc_error *error) {
-  const struct {
-    const char *name;
-    const int64_t *layers;
-  } sums[] = {
-      {"rectangles", now->figure[RECTANGLES]},
-      {"rectangles_drawn", drawn->figure[RECTANGLES]},
-      {"shots", now->figure[SHOTS]},
-      {"shots_drawn", drawn->figure[SHOTS]},
-      {"slivers", now->figure[SLIVERS]},
-      {"vertices", now->figure[VERTICES]},
-      {"gdsii_bytes", now->figure[GDSII]},
-      {"oasis_bytes", now->figure[OASIS]},
-      {"mebes_bytes", now->figure[MEBES]},
-      {"mebes_bytes_drawn", drawn->figure[MEBES]},
+static int publish_metrics(const opc_host *host, const row *rows, size_t n,
+                           opc_error *error) {
+  double drawn[FIGURES] = {0}, now[FIGURES] = {0};
+  for (size_t k = 0; k < n; k++)
+    for (int i = 0; i < FIGURES; i++) {
+      drawn[i] += (double)rows[k].drawn.figure[i];
+      now[i] += (double)rows[k].now.figure[i];
+    }
+  const opc_value values[] = {
+      {"rectangles", now[RECTANGLES]}, {"rectangles_drawn", drawn[RECTANGLES]},
+      {"shots", now[SHOTS]},           {"shots_drawn", drawn[SHOTS]},
+      {"slivers", now[SLIVERS]},       {"vertices", now[VERTICES]},
+      {"gdsii_bytes", now[GDSII]},     {"oasis_bytes", now[OASIS]},
+      {"mebes_bytes", now[MEBES]},     {"mebes_bytes_drawn", drawn[MEBES]},
   };
-  int code = OPC_OK;
-  for (size_t i = 0; i < sizeof sums / sizeof sums[0] && !code; i++) {
-    double sum = 0;
-    for (size_t k = 0; k < n; k++) sum += (double)sums[i].layers[k];
-    code = host->metric(host, sums[i].name, sum, error);
-  }
-  return code;
+  return opc_put_values(host, OPC_ARRAY(values), error);
 }
 
 /* ---- work: all of it ---- */
 
-static void cost_init(cost *c, size_t n) {
-  for (int i = 0; i < FIGURES; i++)
-    c->figure[i] = eda_alloc(n, sizeof(int64_t));
-  c->area = eda_alloc(n, sizeof *c->area);
-}
-
-static void cost_clear(cost *c) {
-  for (int i = 0; i < FIGURES; i++) free(c->figure[i]);
-  free(c->area);
-}
-
-static int count_all(const counter *c, cost *drawn, cost *now,
-                     const char **names, opc_error *error) {
+static int count_all(const counter *c, row *rows, opc_error *error) {
   const eda_mask *mask = c->mask;
   const eda_gates *g = mask->gates;
   ruler r;
@@ -222,110 +206,70 @@ static int count_all(const counter *c, cost *drawn, cost *now,
   for (size_t k = 0; k < g->layers; k++) {
     if (!g->corrected[k]) continue;
     uint32_t number = eda_gates_number(g, k);
-    if (count_layer(c, &r, &g->drawn[k], number, n, drawn, error) ||
-        count_layer(c, &r, &mask->shapes[k], number, n, now, error))
+    row *to = &rows[n++];
+    to->layer = g->layer[k];
+    if (count_layer(c, &r, &g->drawn[k], number, &to->drawn, error) ||
+        count_layer(c, &r, &mask->shapes[k], number, &to->now, error))
       return error->code;
-    names[n++] = g->layer[k];
   }
-  int code = publish_tables(c->host, names, n, drawn, now, error);
-  return code ? code : publish_metrics(c->host, n, drawn, now, error);
+  int code = publish_tables(c->host, rows, n, error);
+  return code ? code : publish_metrics(c->host, rows, n, error);
 }
 
 static int run(void *self, void **outputs, opc_error *error) {
   const counter *c = self;
-  size_t most = c->mask->gates->layers;
-  const char **names = eda_alloc(most, sizeof *names);
-  cost drawn, now;
+  row *rows = eda_alloc(c->mask->gates->layers, sizeof *rows);
   (void)outputs;
-  cost_init(&drawn, most);
-  cost_init(&now, most);
-  int code = count_all(c, &drawn, &now, names, error);
-  cost_clear(&drawn);
-  cost_clear(&now);
-  free(names);
+  int code = count_all(c, rows, error);
+  free(rows);
   return code;
 }
 
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    {.name = "mask",
-     .type = OPC_INPUT,
-     .flags = OPC_REQUIRED,
-     .choices = "mask",
-     .summary = "The mask to count",
-     OPC_FIELD(counter, mask)},
-    {.name = "max_shot",
-     .type = OPC_REAL,
-     .flags = OPC_AT_LEAST,
-     .unit = "nm",
-     .preset = "1 um",
-     .min = 10,
-     .summary = "Largest side of a shot, on the plate",
-     OPC_FIELD(counter, max_shot)},
-    {.name = "sliver",
-     .type = OPC_REAL,
-     .flags = OPC_AT_LEAST,
-     .unit = "nm",
-     .preset = "80 nm",
-     .min = 0,
-     .summary = "Shots narrower than this on the plate are slivers",
-     OPC_FIELD(counter, sliver)},
-    {.name = "magnification",
-     .type = OPC_REAL,
-     .flags = OPC_AT_LEAST | OPC_AT_MOST,
-     .preset = "4",
-     .min = 1,
-     .max = 100,
-     .summary = "Of the plate against the wafer",
-     OPC_FIELD(counter, magnification)},
-    {.name = "array",
-     .type = OPC_REALS,
-     .preset = "[1, 1]",
-     .summary = "Columns and rows of copies of the mask to count",
-     OPC_FIELD(counter, array)},
-    {.name = "array_space",
-     .type = OPC_REAL,
-     .flags = OPC_AT_LEAST | OPC_AT_MOST,
-     .unit = "nm",
-     .preset = "200 nm",
-     .min = 0,
-     .max = 1e6,
-     .summary = "Between what is drawn in one copy and the next",
-     OPC_FIELD(counter, space)},
+    OPC_PARAMETER(counter, mask, .type = OPC_INPUT, .flags = OPC_REQUIRED,
+                  .choices = "mask", .summary = "The mask to count"),
+    OPC_PARAMETER(counter, max_shot, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+                  .unit = "nm", .preset = "1 um", .min = 10,
+                  .summary = "Largest side of a shot, on the plate"),
+    OPC_PARAMETER(
+        counter, sliver, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "nm",
+        .preset = "80 nm", .min = 0,
+        .summary = "Shots narrower than this on the plate are slivers"),
+    OPC_PARAMETER(counter, magnification, .type = OPC_REAL,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "4", .min = 1,
+                  .max = 100, .summary = "Of the plate against the wafer"),
+    OPC_PARAMETER(counter, array, .type = OPC_REALS, .preset = "[1, 1]",
+                  .summary = "Columns and rows of copies of the mask to count"),
+    OPC_PARAMETER_NAMED(
+        "array_space", counter, space, .type = OPC_REAL,
+        .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm", .preset = "200 nm",
+        .min = 0, .max = 1e6,
+        .summary = "Between what is drawn in one copy and the next"),
 };
 
 static const opc_metric metrics[] = {
-    {.name = "rectangles",
-     .better = OPC_LOWER,
-     .summary = "Rectangles of the corrected mask, of all its layers"},
-    {.name = "rectangles_drawn",
-     .better = OPC_NEUTRAL,
-     .summary = "Rectangles of the mask as drawn, of all its layers"},
-    {.name = "shots",
-     .better = OPC_LOWER,
-     .summary = "Shots of a variable shaped beam for the corrected mask"},
-    {.name = "shots_drawn",
-     .better = OPC_NEUTRAL,
-     .summary = "Shots of a variable shaped beam for the mask as drawn"},
-    {.name = "slivers",
-     .better = OPC_LOWER,
-     .summary = "Shots of the corrected mask that are too narrow"},
-    {.name = "vertices",
-     .better = OPC_LOWER,
-     .summary = "Vertices of the corrected mask, of all its layers"},
-    {.name = "gdsii_bytes",
-     .better = OPC_LOWER,
-     .summary = "Bytes of the corrected shapes in GDSII, without the array"},
-    {.name = "oasis_bytes",
-     .better = OPC_LOWER,
-     .summary = "Bytes of the corrected shapes in OASIS, without the array"},
-    {.name = "mebes_bytes",
-     .better = OPC_LOWER,
-     .summary = "Bytes of the corrected mask in a model of MEBES"},
-    {.name = "mebes_bytes_drawn",
-     .better = OPC_NEUTRAL,
-     .summary = "Bytes of the mask as drawn in a model of MEBES"},
+    {"rectangles", NULL, OPC_LOWER, 0,
+     "Rectangles of the corrected mask, of all its layers"},
+    {"rectangles_drawn", NULL, OPC_NEUTRAL, 0,
+     "Rectangles of the mask as drawn, of all its layers"},
+    {"shots", NULL, OPC_LOWER, 0,
+     "Shots of a variable shaped beam for the corrected mask"},
+    {"shots_drawn", NULL, OPC_NEUTRAL, 0,
+     "Shots of a variable shaped beam for the mask as drawn"},
+    {"slivers", NULL, OPC_LOWER, 0,
+     "Shots of the corrected mask that are too narrow"},
+    {"vertices", NULL, OPC_LOWER, 0,
+     "Vertices of the corrected mask, of all its layers"},
+    {"gdsii_bytes", NULL, OPC_LOWER, 0,
+     "Bytes of the corrected shapes in GDSII, without the array"},
+    {"oasis_bytes", NULL, OPC_LOWER, 0,
+     "Bytes of the corrected shapes in OASIS, without the array"},
+    {"mebes_bytes", NULL, OPC_LOWER, 0,
+     "Bytes of the corrected mask in a model of MEBES"},
+    {"mebes_bytes_drawn", NULL, OPC_NEUTRAL, 0,
+     "Bytes of the mask as drawn in a model of MEBES"},
 };
 
 static int check(void *self, opc_error *error) {

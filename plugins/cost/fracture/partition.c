@@ -39,16 +39,6 @@ typedef struct work {
   int32_t y[2 * MOST];
 } work;
 
-typedef struct list {
-  eda_box *box;
-  size_t n, room;
-} list;
-
-static void add(list *l, eda_box b) {
-  eda_grow(&l->box, &l->room, l->n + 1, sizeof b);
-  l->box[l->n++] = b;
-}
-
 /* ---- chords ---- */
 
 static int32_t along(eda_point p, int way) { return way ? p.y : p.x; }
@@ -163,14 +153,14 @@ static int cross(work *w, int32_t x) {
   return n;
 }
 
-static void sweep_to(work *w, int32_t x, list *out) {
+static void sweep_to(work *w, int32_t x, eda_box_list *out) {
   int n = cross(w, x), kept = 0, k = 0;
   interval next[MOST];
   for (int i = 0; i < w->opens; i++) { /* both are in order of y */
     interval o = w->open[i];
     while (k < n && w->y[k] < o.low) k += 2;
     if (k < n && w->y[k] == o.low && w->y[k + 1] == o.high) continue;
-    add(out, (eda_box){o.since, o.low, x, o.high});
+    eda_box_list_add(out, (eda_box){o.since, o.low, x, o.high});
   }
   k = 0;
   for (int i = 0; i < n; i += 2) {
@@ -184,7 +174,7 @@ static void sweep_to(work *w, int32_t x, list *out) {
   w->opens = kept;
 }
 
-static void sweep(work *w, list *out) {
+static void sweep(work *w, eda_box_list *out) {
   w->columns = w->opens = 0;
   for (int i = 0; i < w->n; i++)
     if (point(w, i).x == point(w, i + 1).x) w->x[w->columns++] = w->p[i].x;
@@ -194,7 +184,8 @@ static void sweep(work *w, list *out) {
 }
 
 /* Cut the polygon or, turned over, its mirror image. */
-static void cut(work *w, const eda_point *p, int n, int turned, list *out) {
+static void cut(work *w, const eda_point *p, int n, int turned,
+                eda_box_list *out) {
   w->n = n;
   for (int i = 0; i < n; i++)
     w->p[i] = turned ? (eda_point){p[n - 1 - i].y, p[n - 1 - i].x} : p[i];
@@ -210,22 +201,22 @@ static void cut(work *w, const eda_point *p, int n, int turned, list *out) {
 }
 
 /* Both ways give as few; the one with the shorter cuts leaves less slivers. */
-static void cut_well(work *w, const eda_point *p, int n, list *out) {
-  size_t before = out->n, first;
+static void cut_well(work *w, const eda_point *p, int n, eda_box_list *out) {
+  size_t before = out->count, first;
   int64_t around[2] = {0, 0};
   cut(w, p, n, 0, out);
-  first = out->n;
+  first = out->count;
   cut(w, p, n, 1, out);
-  for (size_t i = before; i < out->n; i++) {
+  for (size_t i = before; i < out->count; i++) {
     eda_box b = out->box[i];
     around[i >= first] += (int64_t)b.x1 - b.x0 + ((int64_t)b.y1 - b.y0);
   }
   if (around[1] < around[0])
-    for (size_t i = first; i < out->n; i++) {
+    for (size_t i = first; i < out->count; i++) {
       eda_box b = out->box[i];
       out->box[before + i - first] = (eda_box){b.y0, b.x0, b.y1, b.x1};
     }
-  out->n = first;
+  out->count = first;
 }
 
 /* ---- all polygons ---- */
@@ -253,7 +244,8 @@ static int is_plain(const eda_shapes *s, size_t i, const eda_box *holes,
 }
 
 /* Cut the plain polygons; the others are gathered in `rest`. */
-static void cut_plain(const eda_shapes *s, eda_shapes *rest, list *out) {
+static void cut_plain(const eda_shapes *s, eda_shapes *rest,
+                      eda_box_list *out) {
   work *w = eda_alloc(1, sizeof *w);
   eda_box *holes = eda_alloc(s->count, sizeof *holes);
   size_t n_holes = 0;
@@ -281,18 +273,18 @@ int partition(const eda_shapes *s, eda_box **boxes, size_t *count,
   eda_shapes rest = {.start = eda_alloc(s->count + 1, sizeof *rest.start),
                      .points = eda_alloc(points, sizeof *rest.points),
                      .hole = eda_alloc(s->count, 1)};
-  list out = {0};
+  eda_box_list out = {0};
   eda_box *others = NULL;
   cut_plain(s, &rest, &out);
   int code = eda_fracture(&rest, &others, &n, error);
-  for (size_t i = 0; i < n && !code; i++) add(&out, others[i]);
+  for (size_t i = 0; i < n && !code; i++) eda_box_list_add(&out, others[i]);
   free(others);
   eda_shapes_clear(&rest);
   if (code) {
     free(out.box);
-    out = (list){0};
+    out = (eda_box_list){0};
   }
   *boxes = out.box;
-  *count = out.n;
+  *count = out.count;
   return code;
 }

@@ -5,6 +5,7 @@
 #include <gsl/gsl_errno.h>
 #include <math.h>
 #include <opcflow/step.h>
+#include <opcflow/table.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -64,71 +65,71 @@ static int write_table(const fitter *f, opc_error *error) {
 }
 
 static int residual_table(const fitter *f, opc_error *error) {
-  size_t n = 0, row = 0;
+  typedef struct row {
+    const char *type, *current;
+    double width, plain, fitted;
+  } row;
+  size_t n = 0, at = 0;
   for (int k = 0; k < FITS; k++) n += f->sample[k].count;
-  const char **type = eda_alloc(2 * n, sizeof *type), **current = type + n;
-  double *figure = eda_alloc(3 * n, sizeof *figure);
+  row *rows = eda_alloc(n, sizeof *rows);
   for (int k = 0; k < FITS; k++)
-    for (size_t i = 0; i < f->sample[k].count; i++, row++) {
+    for (size_t i = 0; i < f->sample[k].count; i++) {
       const sample *s = &f->sample[k];
-      type[row] = types[s->type];
-      current[row] = currents[s->current];
-      figure[row] = s->transistor[i]->width;
-      figure[n + row] = fit_residual(s, i, NULL);
-      figure[2 * n + row] = fit_residual(s, i, &f->fitted[k]);
+      rows[at++] =
+          (row){types[s->type], currents[s->current], s->transistor[i]->width,
+                fit_residual(s, i, NULL), fit_residual(s, i, &f->fitted[k])};
     }
   const opc_column columns[] = {
-      {"type", NULL, OPC_TEXT, 0, type},
-      {"current", NULL, OPC_TEXT, 0, current},
-      {"width", "nm", OPC_REAL, 1, figure},
-      {"plain", "%", OPC_REAL, 4, figure + n},
-      {"gamma", "%", OPC_REAL, 4, figure + 2 * n},
+      {"type", NULL, OPC_TEXT, 0, &rows->type},
+      {"current", NULL, OPC_TEXT, 0, &rows->current},
+      {"width", "nm", OPC_REAL, 1, &rows->width},
+      {"plain", "%", OPC_REAL, 4, &rows->plain},
+      {"gamma", "%", OPC_REAL, 4, &rows->fitted},
   };
-  int code = f->host->table(f->host, "gamma_residuals", 0, n, columns,
-                            sizeof columns / sizeof *columns, error);
-  free(type);
-  free(figure);
+  int code = opc_put_rows(f->host, "gamma_residuals", 0, n, sizeof *rows,
+                          OPC_ARRAY(columns), error);
+  free(rows);
   return code;
 }
 
 static int summary_table(const fitter *f, opc_error *error) {
-  enum { AMPLITUDE, DECAY, PLAIN, FITTED, FIGURES };
-  const char *type[FITS], *current[FITS];
-  double figure[FIGURES][FITS], worst[EDA_CURRENTS] = {0};
-  int64_t count[FITS];
-  size_t rows = 0;
+  typedef struct row {
+    const char *type, *current;
+    int64_t count;
+    double amplitude, decay, plain, fitted;
+  } row;
+  row rows[FITS];
+  double worst[EDA_CURRENTS] = {0};
+  size_t n = 0;
   for (int k = 0; k < FITS; k++) {
     const sample *s = &f->sample[k];
     if (!s->count) continue;
-    double plain = 0, fit = 0;
+    row r = {.type = types[s->type],
+             .current = currents[s->current],
+             .count = (int64_t)s->count,
+             .amplitude = f->fitted[k].amplitude,
+             .decay = f->fitted[k].decay};
     for (size_t i = 0; i < s->count; i++) {
-      plain = fmax(plain, fabs(fit_residual(s, i, NULL)));
-      fit = fmax(fit, fabs(fit_residual(s, i, &f->fitted[k])));
+      r.plain = fmax(r.plain, fabs(fit_residual(s, i, NULL)));
+      r.fitted = fmax(r.fitted, fabs(fit_residual(s, i, &f->fitted[k])));
     }
-    type[rows] = types[s->type];
-    current[rows] = currents[s->current];
-    count[rows] = (int64_t)s->count;
-    figure[AMPLITUDE][rows] = f->fitted[k].amplitude;
-    figure[DECAY][rows] = f->fitted[k].decay;
-    figure[PLAIN][rows] = plain;
-    figure[FITTED][rows++] = fit;
-    worst[s->current] = fmax(worst[s->current], fit);
+    worst[s->current] = fmax(worst[s->current], r.fitted);
+    rows[n++] = r;
   }
   const opc_column columns[] = {
-      {"type", NULL, OPC_TEXT, 0, type},
-      {"current", NULL, OPC_TEXT, 0, current},
-      {"transistors", NULL, OPC_INT, 0, count},
-      {"edge", NULL, OPC_REAL, 5, figure[AMPLITUDE]},
-      {"decay", "nm", OPC_REAL, 3, figure[DECAY]},
-      {"plain_max", "%", OPC_REAL, 3, figure[PLAIN]},
-      {"gamma_max", "%", OPC_REAL, 3, figure[FITTED]},
+      {"type", NULL, OPC_TEXT, 0, &rows->type},
+      {"current", NULL, OPC_TEXT, 0, &rows->current},
+      {"transistors", NULL, OPC_INT, 0, &rows->count},
+      {"edge", NULL, OPC_REAL, 5, &rows->amplitude},
+      {"decay", "nm", OPC_REAL, 3, &rows->decay},
+      {"plain_max", "%", OPC_REAL, 3, &rows->plain},
+      {"gamma_max", "%", OPC_REAL, 3, &rows->fitted},
   };
-  int code = f->host->table(f->host, "gamma", OPC_TABLE_PRINT, rows, columns,
-                            sizeof columns / sizeof *columns, error);
-  if (!code) code = f->host->metric(f->host, "ion_max", worst[EDA_ION], error);
-  if (!code)
-    code = f->host->metric(f->host, "ioff_max", worst[EDA_IOFF], error);
-  return code;
+  const opc_value values[] = {{"ion_max", worst[EDA_ION]},
+                              {"ioff_max", worst[EDA_IOFF]}};
+  int code = opc_put_rows(f->host, "gamma", OPC_TABLE_PRINT, n, sizeof *rows,
+                          OPC_ARRAY(columns), error);
+  return code ? code : opc_put_values(f->host, OPC_ARRAY(values), error);
 }
 
 static int run(void *self, void **outputs, opc_error *error) {
@@ -147,46 +148,27 @@ static int run(void *self, void **outputs, opc_error *error) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    {.name = "reference",
-     .type = OPC_FILE,
-     .flags = OPC_REQUIRED,
-     .summary = "transistors with their currents: a CSV file",
-     OPC_FIELD(fitter, reference_file)},
-    {.name = "devices",
-     .type = OPC_FILE,
-     .flags = OPC_REQUIRED,
-     .summary = "device table that extractor.gamma will use",
-     OPC_FIELD(fitter, devices)},
-    {.name = "form",
-     .type = OPC_CHOICE,
-     .preset = "edge",
-     .choices = "edge|table",
-     .summary = "gamma = 1 + a exp(-d / decay), or free at `edges`",
-     OPC_FIELD(fitter, form)},
-    {.name = "edges",
-     .type = OPC_REALS,
-     .unit = "nm",
-     .preset = "[0 nm, 10 nm, 20 nm, 40 nm, 80 nm]",
-     .summary = "distances from the active edge of the form 'table'",
-     OPC_FIELD(fitter, edges)},
-    {.name = "table",
-     .type = OPC_OUTPUT,
-     .preset = "gamma.csv",
-     .summary = "the weights, for extractor.gamma",
-     OPC_FIELD(fitter, table)},
+    OPC_PARAMETER_NAMED(
+        "reference", fitter, reference_file, .type = OPC_FILE,
+        .flags = OPC_REQUIRED,
+        .summary = "transistors with their currents: a CSV file"),
+    OPC_PARAMETER(fitter, devices, .type = OPC_FILE, .flags = OPC_REQUIRED,
+                  .summary = "device table that extractor.gamma will use"),
+    OPC_PARAMETER(
+        fitter, form, .type = OPC_CHOICE, .preset = "edge",
+        .choices = "edge|table",
+        .summary = "gamma = 1 + a exp(-d / decay), or free at `edges`"),
+    OPC_PARAMETER(
+        fitter, edges, .type = OPC_REALS, .unit = "nm",
+        .preset = "[0 nm, 10 nm, 20 nm, 40 nm, 80 nm]",
+        .summary = "distances from the active edge of the form 'table'"),
+    OPC_PARAMETER(fitter, table, .type = OPC_OUTPUT, .preset = "gamma.csv",
+                  .summary = "the weights, for extractor.gamma"),
 };
 
 static const opc_metric metrics[] = {
-    {.name = "ion_max",
-     .unit = "%",
-     .better = OPC_LOWER,
-     .tolerance = 0.01,
-     .summary = "largest |error| of Ion after the fit"},
-    {.name = "ioff_max",
-     .unit = "%",
-     .better = OPC_LOWER,
-     .tolerance = 0.01,
-     .summary = "largest |error| of Ioff after the fit"},
+    {"ion_max", "%", OPC_LOWER, 0.01, "largest |error| of Ion after the fit"},
+    {"ioff_max", "%", OPC_LOWER, 0.01, "largest |error| of Ioff after the fit"},
 };
 
 static int check(void *self, opc_error *error) {

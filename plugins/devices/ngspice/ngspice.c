@@ -8,6 +8,7 @@
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
+#include <opcflow/table.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,39 +28,44 @@ static int tell_table(const plan *p, const currents *c, opc_error *error) {
       {"ion_p", "A", OPC_REAL, -1, c->at[EDA_PMOS][EDA_ION] + c->first},
       {"ioff_p", "A", OPC_REAL, -1, c->at[EDA_PMOS][EDA_IOFF] + c->first},
   };
-  return p->host->table(p->host, "devices", 0, p->count - c->first, columns,
-                        sizeof columns / sizeof *columns, error);
+  return p->host->table(p->host, "devices", 0, p->count - c->first,
+                        OPC_ARRAY(columns), error);
 }
 
 /* The reference transistors, and how fast their currents change with length. */
 static int tell_reference(const plan *p, const currents *c, opc_error *error) {
-  static const char *const metrics[EDA_CURRENTS][TYPES] = {
-      [EDA_ION] = {"ion_n", "ion_p"}, [EDA_IOFF] = {"ioff_n", "ioff_p"}};
-  double length[TYPES], width[TYPES], ion[TYPES], ioff[TYPES], on_slope[TYPES],
-      off_slope[TYPES];
+  const double *n = c->reference[EDA_NMOS], *pm = c->reference[EDA_PMOS];
+  struct {
+    double length, width, ion, ioff, on_slope, off_slope;
+    const char *type;
+  } row[TYPES];
   if (!(p->reference_length > 0)) return OPC_OK;
   for (int t = 0; t < TYPES; t++) {
-    length[t] = p->reference_length;
-    width[t] = p->reference_width;
-    ion[t] = 1e6 * c->reference[t][EDA_ION];
-    ioff[t] = 1e9 * c->reference[t][EDA_IOFF];
-    on_slope[t] = table_slope(p, c, t, EDA_ION, length[t]);
-    off_slope[t] = table_slope(p, c, t, EDA_IOFF, length[t]);
-    for (int i = 0; i < EDA_CURRENTS; i++)
-      if (p->host->metric(p->host, metrics[i][t], c->reference[t][i], error))
-        return error->code;
+    row[t].type = types[t];
+    row[t].length = p->reference_length;
+    row[t].width = p->reference_width;
+    row[t].ion = 1e6 * c->reference[t][EDA_ION];
+    row[t].ioff = 1e9 * c->reference[t][EDA_IOFF];
+    row[t].on_slope = table_slope(p, c, t, EDA_ION, p->reference_length);
+    row[t].off_slope = table_slope(p, c, t, EDA_IOFF, p->reference_length);
   }
+  const opc_value values[] = {{"ion_n", n[EDA_ION]},
+                              {"ioff_n", n[EDA_IOFF]},
+                              {"ion_p", pm[EDA_ION]},
+                              {"ioff_p", pm[EDA_IOFF]}};
   const opc_column columns[] = {
-      {"type", NULL, OPC_TEXT, 0, types},
-      {"L", "nm", OPC_REAL, 1, length},
-      {"W", "nm", OPC_REAL, 0, width},
-      {"Ion", "uA", OPC_REAL, 2, ion},
-      {"dIon/dL", "%/nm", OPC_REAL, 2, on_slope},
-      {"Ioff", "nA", OPC_REAL, 3, ioff},
-      {"dIoff/dL", "%/nm", OPC_REAL, 1, off_slope},
+      {"type", NULL, OPC_TEXT, 0, &row->type},
+      {"L", "nm", OPC_REAL, 1, &row->length},
+      {"W", "nm", OPC_REAL, 0, &row->width},
+      {"Ion", "uA", OPC_REAL, 2, &row->ion},
+      {"dIon/dL", "%/nm", OPC_REAL, 2, &row->on_slope},
+      {"Ioff", "nA", OPC_REAL, 3, &row->ioff},
+      {"dIoff/dL", "%/nm", OPC_REAL, 1, &row->off_slope},
   };
-  return p->host->table(p->host, "reference", OPC_TABLE_PRINT, TYPES, columns,
-                        sizeof columns / sizeof *columns, error);
+  int code = opc_put_values(p->host, OPC_ARRAY(values), error);
+  return code ? code
+              : opc_put_rows(p->host, "reference", OPC_TABLE_PRINT, TYPES,
+                             sizeof *row, OPC_ARRAY(columns), error);
 }
 
 /* ---- work: a run ---- */
@@ -131,23 +137,13 @@ static const opc_parameter parameters[] = {
      .preset = "pmos"},
     {TEXT("overrides", OPC_MAP, overrides,
           "model parameters to be changed in both cards, { igbmod: 0 }")},
-    {.name = "supply",
-     .type = OPC_REAL,
-     .unit = "V",
-     .flags = OPC_REQUIRED | OPC_ABOVE | OPC_AT_MOST,
-     .min = 0,
-     .max = 20,
-     .summary = "supply voltage",
-     OPC_FIELD(plan, supply)},
-    {.name = "temperature",
-     .type = OPC_REAL,
-     .unit = "C",
-     .flags = OPC_AT_LEAST | OPC_AT_MOST,
-     .preset = "27 C",
-     .min = -200,
-     .max = 300,
-     .summary = "temperature of the transistors",
-     OPC_FIELD(plan, temperature)},
+    OPC_PARAMETER(plan, supply, .type = OPC_REAL, .unit = "V",
+                  .flags = OPC_REQUIRED | OPC_ABOVE | OPC_AT_MOST, .min = 0,
+                  .max = 20, .summary = "supply voltage"),
+    OPC_PARAMETER(plan, temperature, .type = OPC_REAL, .unit = "C",
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "27 C",
+                  .min = -200, .max = 300,
+                  .summary = "temperature of the transistors"),
     {LENGTH("width", width, "drawn width of the transistors of the table"),
      .preset = "10 um"},
     {LENGTH("length.from", from, "shortest drawn length to be tried")},
@@ -173,29 +169,18 @@ static const opc_parameter parameters[] = {
     {TEXT("file", OPC_OUTPUT, file, "the table"), .preset = "devices.yaml"},
     {TEXT("picture", OPC_OUTPUT, picture, "the curves, .png, .svg or .pdf"),
      .preset = "devices.png"},
-    {.name = "limit",
-     .type = OPC_REAL,
-     .unit = "s",
-     .flags = OPC_ABOVE | OPC_AT_MOST | OPC_NO_EFFECT,
-     .preset = "60 s",
-     .min = 0,
-     .max = 86400,
-     .summary = "time that the simulator may take",
-     OPC_FIELD(plan, limit)},
+    OPC_PARAMETER(plan, limit, .type = OPC_REAL, .unit = "s",
+                  .flags = OPC_ABOVE | OPC_AT_MOST | OPC_NO_EFFECT,
+                  .preset = "60 s", .min = 0, .max = 86400,
+                  .summary = "time that the simulator may take"),
 };
 
-#define CURRENT(id, text) \
-  { .name = (id), .unit = "A", .better = OPC_NEUTRAL, .summary = (text) }
-
 static const opc_metric metrics[] = {
-    CURRENT("ion_n", "Ion of the reference n-transistor"),
-    CURRENT("ion_p", "Ion of the reference p-transistor"),
-    CURRENT("ioff_n", "Ioff of the reference n-transistor"),
-    CURRENT("ioff_p", "Ioff of the reference p-transistor"),
-    {.name = "shortest",
-     .unit = "nm",
-     .better = OPC_LOWER,
-     .summary = "length that the table begins with"},
+    {"ion_n", "A", OPC_NEUTRAL, 0, "Ion of the reference n-transistor"},
+    {"ion_p", "A", OPC_NEUTRAL, 0, "Ion of the reference p-transistor"},
+    {"ioff_n", "A", OPC_NEUTRAL, 0, "Ioff of the reference n-transistor"},
+    {"ioff_p", "A", OPC_NEUTRAL, 0, "Ioff of the reference p-transistor"},
+    {"shortest", "nm", OPC_LOWER, 0, "length that the table begins with"},
 };
 
 static int refuse(const char *parameter, const char *what, const char *why,

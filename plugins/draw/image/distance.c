@@ -10,7 +10,7 @@
 
 #include "image.h"
 
-enum { MAX_NODES = 4000000, BLOCK = 256 };
+enum { MAX_NODES = 4000000 };
 static const double finest = 2;   /* nm between points of a contour */
 static const double beyond = 200; /* nm around the window: nearest points */
 static const double near = 10;    /* where a nearest point is looked for first,
@@ -34,22 +34,11 @@ static void release(line *l) {
   eda_index_free(l->index);
 }
 
-/* The window and something around it, as far as there is a print. */
-static eda_frame frame_of(const view *v, eda_frame f) {
-  double x0 = fmax(v->x0 - beyond, f.x0), y0 = fmax(v->y0 - beyond, f.y0);
-  return (eda_frame){x0, y0, fmin(v->x1 + beyond, f.x0 + f.width) - x0,
-                     fmin(v->y1 + beyond, f.y0 + f.height) - y0};
-}
-
 /* Contours are closed along the border of the frame; that is none of theirs. */
 static int on_border(eda_frame f, const double *p) {
   const double slack = 1e-6;
   return p[0] - f.x0 < slack || f.x0 + f.width - p[0] < slack ||
          p[1] - f.y0 < slack || f.y0 + f.height - p[1] < slack;
-}
-
-static int in_window(const view *v, const double *p) {
-  return p[0] >= v->x0 && p[0] <= v->x1 && p[1] >= v->y0 && p[1] <= v->y1;
 }
 
 static double apart(const double *a, const double *b) {
@@ -68,7 +57,7 @@ static void take(const view *v, line *l, const double *p, size_t n) {
     if (!on_border(l->frame, next)) length += apart(at, next) / 2;
     l->place[2 * l->n] = at[0];
     l->place[2 * l->n + 1] = at[1];
-    l->weight[l->n++] = in_window(v, at) ? length : 0;
+    l->weight[l->n++] = view_contains(v, at[0], at[1]) ? length : 0;
   }
 }
 
@@ -93,7 +82,7 @@ static int make_line(const view *v, const eda_field *print, line *l,
   double *points;
   uint32_t *start;
   size_t count;
-  *l = (line){.print = print, .frame = frame_of(v, print->frame)};
+  *l = (line){.print = print, .frame = view_part(v, print->frame, beyond)};
   if (!(l->frame.width > 0 && l->frame.height > 0)) return OPC_OK;
   double step =
       fmax(finest, sqrt(l->frame.width * l->frame.height / MAX_NODES));
@@ -152,20 +141,16 @@ typedef struct walk {
   double *distance; /* of the points of `from`; positive outside of `to` */
 } walk;
 
-static void walk_block(void *data, size_t block) {
+static void walk_point(void *data, size_t i) {
   const walk *w = data;
-  size_t last = (block + 1) * BLOCK;
-  if (last > w->from->n) last = w->from->n;
-  for (size_t i = block * BLOCK; i < last; i++) {
-    if (w->from->weight[i] == 0) continue;
-    const double *p = w->from->place + 2 * i;
-    uint32_t best = 0;
-    double d = nearest_point(w->to, p, &best), value;
-    /* What is beyond the curve's centre may lead elsewhere. */
-    if (d > 0) d = fmin(d, foot(w->to, p, w->to->place + 2 * (size_t)best));
-    eda_field_sample(w->to->print, p, p + 1, 1, &value);
-    w->distance[i] = value > 0 ? -d : d;
-  }
+  if (w->from->weight[i] == 0) return;
+  const double *p = w->from->place + 2 * i;
+  uint32_t best = 0;
+  double d = nearest_point(w->to, p, &best), value;
+  /* What is beyond the curve's centre may lead elsewhere. */
+  if (d > 0) d = fmin(d, foot(w->to, p, w->to->place + 2 * (size_t)best));
+  eda_field_sample(w->to->print, p, p + 1, 1, &value);
+  w->distance[i] = value > 0 ? -d : d;
 }
 
 typedef struct sums {
@@ -177,7 +162,7 @@ typedef struct sums {
 static void add(const opc_context *context, const line *from, const line *to,
                 double sign, sums *s, image_distance *out) {
   walk w = {from, to, eda_alloc(from->n, sizeof *w.distance)};
-  opc_parallel(context, (from->n + BLOCK - 1) / BLOCK, walk_block, &w);
+  opc_parallel(context, from->n, walk_point, &w);
   for (size_t i = 0; i < from->n; i++) {
     double d = sign * w.distance[i], weight = from->weight[i];
     s->length += weight;

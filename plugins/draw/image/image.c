@@ -108,67 +108,45 @@ static int run(void *self, void **outputs, opc_error *error) {
 
 /* ---- parameters ---- */
 
-#define MODEL(group, i, required)                                        \
-  {.name = group ".label",                                               \
-   .type = OPC_TEXT,                                                     \
-   .summary = "what the legend calls it; by default its plugins' names", \
-   OPC_FIELD(image_run, asked.model[i].label)},                          \
-      {.name = group ".litho",                                           \
-       .type = OPC_SLOT,                                                 \
-       .flags = required,                                                \
-       .choices = "litho",                                               \
-       .summary = "the " group " model of the optics",                   \
-       OPC_FIELD(image_run, asked.model[i].litho)},                      \
-  {                                                                      \
-    .name = group ".resist", .type = OPC_SLOT, .flags = required,        \
-    .choices = "resist",                                                 \
-    .summary = "the resist that goes with it, calibrated through it",    \
-    OPC_FIELD(image_run, asked.model[i].resist)                          \
-  }
+#define MODEL(group, i, required)                                              \
+  OPC_PARAMETER_NAMED(                                                         \
+      group ".label", image_run, asked.model[i].label, .type = OPC_TEXT,       \
+      .summary = "what the legend calls it; by default its plugins' names"),   \
+      OPC_PARAMETER_NAMED(group ".litho", image_run, asked.model[i].litho,     \
+                          .type = OPC_SLOT, .flags = required,                 \
+                          .choices = "litho",                                  \
+                          .summary = "the " group " model of the optics"),     \
+      OPC_PARAMETER_NAMED(                                                     \
+          group ".resist", image_run, asked.model[i].resist, .type = OPC_SLOT, \
+          .flags = required, .choices = "resist",                              \
+          .summary = "the resist that goes with it, calibrated through it")
 
 static const opc_parameter parameters[] = {
-    {.name = "mask",
-     .type = OPC_INPUT,
-     .choices = "mask",
-     .summary = "a corrected mask that is printed",
-     OPC_FIELD(image_run, asked.mask)},
-    {.name = "gates",
-     .type = OPC_INPUT,
-     .choices = "gates",
-     .summary = "in its place: the mask as drawn",
-     OPC_FIELD(image_run, asked.gates)},
-    {.name = "layer",
-     .type = OPC_TEXT,
-     .preset = "poly",
-     .summary = "which of its layers",
-     OPC_FIELD(image_run, asked.layer)},
+    OPC_PARAMETER_NAMED("mask", image_run, asked.mask, .type = OPC_INPUT,
+                        .choices = "mask",
+                        .summary = "a corrected mask that is printed"),
+    OPC_PARAMETER_NAMED("gates", image_run, asked.gates, .type = OPC_INPUT,
+                        .choices = "gates",
+                        .summary = "in its place: the mask as drawn"),
+    OPC_PARAMETER_NAMED("layer", image_run, asked.layer, .type = OPC_TEXT,
+                        .preset = "poly", .summary = "which of its layers"),
     MODEL("first", 0, OPC_REQUIRED),
     MODEL("second", 1, 0),
     MODEL("third", 2, 0),
     MODEL("fourth", 3, 0),
-    {.name = "margin",
-     .type = OPC_REAL,
-     .flags = OPC_AT_LEAST,
-     .unit = "nm",
-     .preset = "1000 nm",
-     .min = 0,
-     .summary = "clear field around the layout, which repeats beyond",
-     OPC_FIELD(image_run, asked.margin)},
+    OPC_PARAMETER_NAMED(
+        "margin", image_run, asked.margin, .type = OPC_REAL,
+        .flags = OPC_AT_LEAST, .unit = "nm", .preset = "1000 nm", .min = 0,
+        .summary = "clear field around the layout, which repeats beyond"),
     VIEW_PARAMETERS(image_run, "image.png"),
 };
 
 static const opc_metric metrics[] = {
-    {.name = "rms",
-     .unit = "nm",
-     .better = OPC_LOWER,
-     .tolerance = 0.001,
-     .summary = "root of the mean square distance of contours from the "
-                "first's, of the model with most"},
-    {.name = "max",
-     .unit = "nm",
-     .better = OPC_LOWER,
-     .tolerance = 0.001,
-     .summary = "largest distance of a contour from the first's"},
+    {"rms", "nm", OPC_LOWER, 0.001,
+     "root of the mean square distance of contours from the first's, of the "
+     "model with most"},
+    {"max", "nm", OPC_LOWER, 0.001,
+     "largest distance of a contour from the first's"},
 };
 
 static int check(void *self, opc_error *error) {

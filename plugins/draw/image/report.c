@@ -2,16 +2,11 @@
 /* The figures of draw.image: its gates, its table, its metrics. */
 #include <eda/print.h>
 #include <math.h>
+#include <opcflow/table.h>
 
 #include "image.h"
 
 /* ---- gates ---- */
-
-static int in_window(const view *v, eda_box b) {
-  double x = ((double)b.x0 + b.x1) / 2 * v->grid;
-  double y = ((double)b.y0 + b.y1) / 2 * v->grid;
-  return x >= v->x0 && x <= v->x1 && y >= v->y0 && y <= v->y1;
-}
 
 /* The gates whose middles lie in the window, along what the layer prints of
    them: poly the length, active the width. */
@@ -21,7 +16,9 @@ static image_gates measure_gates(const image_run *r, const image_model *m) {
   double printed = 0;
   if (r->layer > EDA_ACTIVE) return (image_gates){NAN, NAN, NAN, 0};
   for (size_t i = 0; i < g->count; i++) {
-    if (!in_window(&r->view, g->box[i])) continue;
+    double x = ((double)g->box[i].x0 + g->box[i].x1) / 2 * g->grid;
+    double y = ((double)g->box[i].y0 + g->box[i].y1) / 2 * g->grid;
+    if (!view_contains(&r->view, x, y)) continue;
     eda_section c = eda_gate_section(g, i, (int)r->layer, &m->print, &m->image);
     if (isnan(c.length)) {
       s.failed++;
@@ -42,48 +39,33 @@ static image_gates measure_gates(const image_run *r, const image_model *m) {
 /* ---- table and metrics ---- */
 
 static int table(const image_run *r, opc_error *error) {
-  enum { NUMBERS = 10 };
-  const char *label[IMAGE_MODELS];
-  int64_t failed[IMAGE_MODELS];
-  double number[NUMBERS][IMAGE_MODELS];
-  for (size_t k = 0; k < r->n; k++) {
-    const image_model *m = &r->model[k];
-    image_distance d = m->distance;
-    image_gates g = m->gates;
-    const double row[NUMBERS] = {d.rms,  d.max,   d.x,  d.y,   d.mean,
-                                 m->low, m->high, g.cd, g.ils, g.nils};
-    for (size_t q = 0; q < NUMBERS; q++) number[q][k] = row[q];
-    label[k] = m->label;
-    failed[k] = g.failed;
-  }
-  const opc_column columns[] = {
-      {"model", NULL, OPC_TEXT, 0, label},
-      {"rms", "nm", OPC_REAL, 3, number[0]},
-      {"max", "nm", OPC_REAL, 3, number[1]},
-      {"x", "nm", OPC_REAL, 1, number[2]},
-      {"y", "nm", OPC_REAL, 1, number[3]},
-      {"mean", "nm", OPC_REAL, 3, number[4]},
-      {"intensity_low", NULL, OPC_REAL, 4, number[5]},
-      {"intensity_high", NULL, OPC_REAL, 4, number[6]},
-      {"cd", "nm", OPC_REAL, 3, number[7]},
-      {"ils", "1/nm", OPC_REAL, 5, number[8]},
-      {"nils", NULL, OPC_REAL, 3, number[9]},
-      {"failed", NULL, OPC_INT, 0, failed}};
-  return r->host->table(r->host, "models", OPC_TABLE_PRINT, r->n, columns,
-                        sizeof columns / sizeof *columns, error);
+  const image_model *m = r->model;
+  const opc_column columns[] = {{"model", NULL, OPC_TEXT, 0, &m->label},
+                                {"rms", "nm", OPC_REAL, 3, &m->distance.rms},
+                                {"max", "nm", OPC_REAL, 3, &m->distance.max},
+                                {"x", "nm", OPC_REAL, 1, &m->distance.x},
+                                {"y", "nm", OPC_REAL, 1, &m->distance.y},
+                                {"mean", "nm", OPC_REAL, 3, &m->distance.mean},
+                                {"intensity_low", NULL, OPC_REAL, 4, &m->low},
+                                {"intensity_high", NULL, OPC_REAL, 4, &m->high},
+                                {"cd", "nm", OPC_REAL, 3, &m->gates.cd},
+                                {"ils", "1/nm", OPC_REAL, 5, &m->gates.ils},
+                                {"nils", NULL, OPC_REAL, 3, &m->gates.nils},
+                                {"failed", NULL, OPC_INT, 0, &m->gates.failed}};
+  return opc_put_rows(r->host, "models", OPC_TABLE_PRINT, r->n, sizeof *m,
+                      OPC_ARRAY(columns), error);
 }
 
 int image_report(image_run *r, opc_error *error) {
-  const opc_host *host = r->host;
   double rms = NAN, max = NAN;
   for (size_t k = 0; k < r->n; k++)
     r->model[k].gates = measure_gates(r, &r->model[k]);
-  int code = table(r, error);
   for (size_t k = 1; k < r->n; k++) {
     rms = fmax(rms, r->model[k].distance.rms); /* what is not NAN */
     max = fmax(max, r->model[k].distance.max);
   }
-  if (!code && !isnan(rms)) code = host->metric(host, "rms", rms, error);
-  if (!code && !isnan(max)) code = host->metric(host, "max", max, error);
-  return code;
+  const opc_value values[] = {{isnan(rms) ? NULL : "rms", rms},
+                              {isnan(max) ? NULL : "max", max}};
+  int code = table(r, error);
+  return code ? code : opc_put_values(r->host, OPC_ARRAY(values), error);
 }

@@ -235,12 +235,8 @@ static int run(void *self, void **outputs, opc_error *error) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    {.name = "mask",
-     .type = OPC_INPUT,
-     .flags = OPC_REQUIRED,
-     .choices = "mask",
-     .summary = "The mask to draw",
-     OPC_FIELD(drawer, mask)},
+    OPC_PARAMETER(drawer, mask, .type = OPC_INPUT, .flags = OPC_REQUIRED,
+                  .choices = "mask", .summary = "The mask to draw"),
     VIEW_PARAMETERS(drawer, "mask.png"),
 };
 

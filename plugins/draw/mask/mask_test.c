@@ -43,14 +43,13 @@ static void rectangle(rectangles *r, int32_t x0, int32_t y0, int32_t x1,
    along its axes out to where a cosine is level - 1. */
 static eda_field island(double level) {
   eda_field f = {.frame = {0, 0, SIDE, SIDE}, .nx = NODES, .ny = NODES};
-  opc_error error;
   f.coefficients = g_new(float, NODES *NODES);
   for (int j = 0; j < NODES; j++)
     for (int i = 0; i < NODES; i++)
       f.coefficients[NODES * j + i] =
           (float)(level - cos(2 * M_PI * i / NODES) -
                   cos(2 * M_PI * j / NODES));
-  g_assert_cmpint(eda_field_from_samples(NULL, &f, &error), ==, OPC_OK);
+  eda_field_from_samples(NULL, &f);
   return f;
 }
 

@@ -65,11 +65,9 @@ static int prepare(void *self, opc_error *error) {
 
 static const opc_parameter parameters[] = {
     SLICER_PARAMETERS,
-    {.name = "table",
-     .type = OPC_FILE,
-     .summary = "gamma against width and distance from the edge, instead of "
-                "the edge terms",
-     OPC_FIELD(state, table_path)},
+    OPC_PARAMETER_NAMED("table", state, table_path, .type = OPC_FILE,
+                        .summary = "gamma against width and distance from the "
+                                   "edge, instead of the edge terms"),
     TERM("nmos", "ion", EDA_NMOS, EDA_ION, "Ion of n-transistors"),
     TERM("nmos", "ioff", EDA_NMOS, EDA_IOFF, "Ioff of n-transistors"),
     TERM("pmos", "ion", EDA_PMOS, EDA_ION, "Ion of p-transistors"),

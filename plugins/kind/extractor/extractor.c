@@ -10,10 +10,6 @@
 
 enum { SLICES_MOST = 4096 };
 
-typedef struct kind {
-  const opc_host *host;
-} kind;
-
 /* ---- work ---- */
 
 /* The slices of the sample's gates, all of their length times a factor; 0: as
@@ -121,15 +117,5 @@ static void exercise(const opc_module *m, opc_inspector *in) {
 static const opc_function required[] = {OPC_FUNCTION(eda_extractor, prepare),
                                         OPC_FUNCTION(eda_extractor, slicing),
                                         OPC_FUNCTION(eda_extractor, extract)};
-static const opc_kind functions = {
-    .functions_size = sizeof(eda_extractor),
-    .n_functions = sizeof required / sizeof *required,
-    .functions = required,
-    .exercise = exercise,
-    .n_templates = sizeof templates / sizeof *templates,
-    .templates = templates};
-OPC_PLUGIN(kind, .id = "kind.extractor", .kind = "kind", .version = "0.2.0",
-           .licence = "BSD-3-Clause",
-           .summary = "extractors: from the print of a gate to its performance",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_FUNCTIONS(functions));
+OPC_KIND("extractor", eda_extractor,
+         "extractors: from the print of a gate to its performance");

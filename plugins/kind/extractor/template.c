@@ -52,14 +52,9 @@ static int extract(const void *self, const eda_slices *in, eda_performance *out,
   return OPC_OK;
 }
 
-static const opc_parameter parameters[] = {
-    {.name = "alpha",
-     .type = OPC_REAL,
-     .flags = OPC_ABOVE | OPC_AT_MOST,
-     .preset = "1",
-     .max = 4,
-     .summary = "drive current goes with 1 / L^alpha",
-     OPC_FIELD(state, alpha)}};
+static const opc_parameter parameters[] = {OPC_PARAMETER(
+    state, alpha, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
+    .preset = "1", .max = 4, .summary = "drive current goes with 1 / L^alpha")};
 static const eda_extractor functions = {
     .prepare = prepare, .slicing = slicing, .extract = extract};
 OPC_PLUGIN(state, .id = "@ID@", .kind = "extractor", .version = "0.1.0",

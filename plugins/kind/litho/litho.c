@@ -7,10 +7,6 @@
 #include "../try.h"
 #include "templates.h"
 
-typedef struct kind {
-  const opc_host *host;
-} kind;
-
 /* ---- work ---- */
 
 static void try_image(opc_inspector *in, const opc_module *m, int layer,
@@ -52,15 +48,5 @@ static void exercise(const opc_module *m, opc_inspector *in) {
 static const opc_function required[] = {OPC_FUNCTION(eda_litho, prepare),
                                         OPC_FUNCTION(eda_litho, band),
                                         OPC_FUNCTION(eda_litho, image)};
-static const opc_kind functions = {
-    .functions_size = sizeof(eda_litho),
-    .n_functions = sizeof required / sizeof *required,
-    .functions = required,
-    .exercise = exercise,
-    .n_templates = sizeof templates / sizeof *templates,
-    .templates = templates};
-OPC_PLUGIN(kind, .id = "kind.litho", .kind = "kind", .version = "0.2.0",
-           .licence = "BSD-3-Clause",
-           .summary = "litho models: from a mask to the intensity it gives",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_FUNCTIONS(functions));
+OPC_KIND("litho", eda_litho,
+         "litho models: from a mask to the intensity it gives");

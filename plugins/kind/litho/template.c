@@ -45,14 +45,9 @@ static int image(const void *self, int layer, const eda_spectrum *mask,
 }
 
 static const opc_parameter parameters[] = {
-    {.name = "blur",
-     .type = OPC_REAL,
-     .flags = OPC_AT_LEAST,
-     .unit = "nm",
-     .preset = "40 nm",
-     .min = 1,
-     .summary = "standard deviation of the spread of a point",
-     OPC_FIELD(state, blur)}};
+    OPC_PARAMETER(state, blur, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+                  .unit = "nm", .preset = "40 nm", .min = 1,
+                  .summary = "standard deviation of the spread of a point")};
 static const eda_litho functions = {
     .prepare = prepare, .band = band, .image = image};
 OPC_PLUGIN(state, .id = "@ID@", .kind = "litho", .version = "0.1.0",

@@ -10,10 +10,6 @@
 
 enum { GATES = 2, ROOM = 64 };
 
-typedef struct kind {
-  const opc_host *host;
-} kind;
-
 /* ---- work ---- */
 
 /* What the drawn shapes print as a mask. */
@@ -98,15 +94,5 @@ static void exercise(const opc_module *m, opc_inspector *in) {
 
 static const opc_function required[] = {
     OPC_FUNCTION(eda_regulator, rule), OPC_FUNCTION(eda_regulator, violations)};
-static const opc_kind functions = {
-    .functions_size = sizeof(eda_regulator),
-    .n_functions = sizeof required / sizeof *required,
-    .functions = required,
-    .exercise = exercise,
-    .n_templates = sizeof templates / sizeof *templates,
-    .templates = templates};
-OPC_PLUGIN(kind, .id = "kind.regulator", .kind = "kind", .version = "0.2.0",
-           .licence = "BSD-3-Clause",
-           .summary = "regulators: what holds the correction within rules",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_FUNCTIONS(functions));
+OPC_KIND("regulator", eda_regulator,
+         "regulators: what holds the correction within rules");

@@ -34,14 +34,9 @@ static int violations(void *self, const eda_printed *p, eda_violation *list,
   return OPC_OK;
 }
 
-static const opc_parameter parameters[] = {
-    {.name = "extension",
-     .type = OPC_REAL,
-     .flags = OPC_AT_LEAST,
-     .unit = "nm",
-     .preset = "20 nm",
-     .summary = "printed poly past the printed active",
-     OPC_FIELD(state, extension)}};
+static const opc_parameter parameters[] = {OPC_PARAMETER(
+    state, extension, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "nm",
+    .preset = "20 nm", .summary = "printed poly past the printed active")};
 static const eda_regulator functions = {.rule = rule, .violations = violations};
 OPC_PLUGIN(state, .id = "@ID@", .kind = "regulator", .version = "0.1.0",
            .licence = "BSD-3-Clause", .summary = "line-end extension",

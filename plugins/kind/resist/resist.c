@@ -6,10 +6,6 @@
 #include "../try.h"
 #include "templates.h"
 
-typedef struct kind {
-  const opc_host *host;
-} kind;
-
 /* ---- work ---- */
 
 /* Layers past poly and active are there too, as a flow may name any number. */
@@ -35,15 +31,5 @@ static void exercise(const opc_module *m, opc_inspector *in) {
 
 static const opc_function required[] = {OPC_FUNCTION(eda_resist, prepare),
                                         OPC_FUNCTION(eda_resist, print)};
-static const opc_kind functions = {
-    .functions_size = sizeof(eda_resist),
-    .n_functions = sizeof required / sizeof *required,
-    .functions = required,
-    .exercise = exercise,
-    .n_templates = sizeof templates / sizeof *templates,
-    .templates = templates};
-OPC_PLUGIN(kind, .id = "kind.resist", .kind = "kind", .version = "0.2.0",
-           .licence = "BSD-3-Clause",
-           .summary = "resists: from the intensity to the shapes that print",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_FUNCTIONS(functions));
+OPC_KIND("resist", eda_resist,
+         "resists: from the intensity to the shapes that print");

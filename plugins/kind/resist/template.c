@@ -26,13 +26,9 @@ static int print(const void *self, int layer, eda_field *field,
 }
 
 static const opc_parameter parameters[] = {
-    {.name = "threshold",
-     .type = OPC_REAL,
-     .flags = OPC_ABOVE | OPC_BELOW,
-     .preset = "0.25",
-     .max = 1,
-     .summary = "intensity below which a feature prints",
-     OPC_FIELD(state, threshold)}};
+    OPC_PARAMETER(state, threshold, .type = OPC_REAL,
+                  .flags = OPC_ABOVE | OPC_BELOW, .preset = "0.25", .max = 1,
+                  .summary = "intensity below which a feature prints")};
 static const eda_resist functions = {.prepare = prepare, .print = print};
 OPC_PLUGIN(state, .id = "@ID@", .kind = "resist", .version = "0.1.0",
            .licence = "BSD-3-Clause", .summary = "constant threshold",

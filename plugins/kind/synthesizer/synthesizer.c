@@ -11,10 +11,6 @@
 
 enum { ROUNDS = 6, GATES = 2 };
 
-typedef struct kind {
-  const opc_host *host;
-} kind;
-
 /* The fragments that a synthesizer cuts itself, of each layer. */
 typedef struct fragments {
   size_t *count;
@@ -155,15 +151,5 @@ static void exercise(const opc_module *m, opc_inspector *in) {
 
 static const opc_function required[] = {OPC_FUNCTION(eda_synthesizer, begin),
                                         OPC_FUNCTION(eda_synthesizer, update)};
-static const opc_kind functions = {
-    .functions_size = sizeof(eda_synthesizer),
-    .n_functions = sizeof required / sizeof *required,
-    .functions = required,
-    .exercise = exercise,
-    .n_templates = sizeof templates / sizeof *templates,
-    .templates = templates};
-OPC_PLUGIN(kind, .id = "kind.synthesizer", .kind = "kind", .version = "0.2.0",
-           .licence = "BSD-3-Clause",
-           .summary = "synthesizers: from what was measured to the next moves",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_FUNCTIONS(functions));
+OPC_KIND("synthesizer", eda_synthesizer,
+         "synthesizers: from what was measured to the next moves");

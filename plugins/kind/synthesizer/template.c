@@ -15,16 +15,16 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
   return OPC_OK;
 }
 
-/* Longer for too much current, shorter for too little. */
+/* Longer for too much current, shorter for too little; less each time. */
 static int update(void *self, const eda_feedback *f, eda_moves *moves,
                   int *done, opc_error *error) {
-  const state *s = self;
+  double gain = ((const state *)self)->gain / (1 + 0.25 * f->iteration);
   (void)error;
   *done = 1;
   for (size_t i = 0; i < f->gates->count; i++) {
     double off = f->printed->ion[i] / f->design->ion[i] - 1;
     int32_t step =
-        (int32_t)lround(s->gain * off * f->gates->length[i] / f->gates->grid);
+        (int32_t)lround(gain * off * f->gates->length[i] / f->gates->grid);
     uint32_t veto = step > 0 ? EDA_VETO_LONGER : EDA_VETO_SHORTER;
     if (!step || f->flags[i] & EDA_PRINT_OPEN || f->vetoes[i] & veto) continue;
     moves->l[i] += step;
@@ -33,13 +33,9 @@ static int update(void *self, const eda_feedback *f, eda_moves *moves,
   return OPC_OK;
 }
 
-static const opc_parameter parameters[] = {
-    {.name = "gain",
-     .type = OPC_REAL,
-     .flags = OPC_ABOVE,
-     .preset = "0.25",
-     .summary = "part of the deviation that a move takes from the length",
-     OPC_FIELD(state, gain)}};
+static const opc_parameter parameters[] = {OPC_PARAMETER(
+    state, gain, .type = OPC_REAL, .flags = OPC_ABOVE, .preset = "0.25",
+    .summary = "part of the deviation that a move takes from the length")};
 static const eda_synthesizer functions = {.begin = begin, .update = update};
 OPC_PLUGIN(state, .id = "@ID@", .kind = "synthesizer", .version = "0.1.0",
            .licence = "BSD-3-Clause", .summary = "lengths in proportion",

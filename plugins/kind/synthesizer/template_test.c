@@ -8,10 +8,11 @@ int main(void) {
   int32_t l[2] = {0};
   eda_performance design = {.ion = (double[]){1, 1}};
   eda_performance printed = {.ion = (double[]){1.1, 0.9}};
-  eda_feedback f = {0, eda_gates_sample(), &design, &printed, none, none};
+  eda_feedback f = {.gates = eda_gates_sample(), .design = &design};
   eda_moves moves = {.l = l};
   opc_error error = {0};
   int done = 1;
+  f.printed = &printed, f.flags = f.vetoes = none;
   opc_module *m = opc_test_module("@ID@", "{ gain: 0.5 }", &error);
   const eda_synthesizer *s = m ? m->functions : NULL;
   if (m && !s->begin(m->self, &f, &error))

@@ -100,16 +100,12 @@ static int image(const void *self, int layer, const eda_spectrum *mask,
 
 static const opc_parameter parameters[] = {
     OPTICS_PARAMETERS(abbe),
-    {.name = "points_across",
-     .type = OPC_INT,
-     .flags = OPC_AT_LEAST | OPC_AT_MOST,
-     .preset = "36",
-     .min = 2,
-     .max = 1000,
-     .summary = "points on the diameter of the source, one Fourier transform "
-                "for each of its area",
-     OPC_FIELD(abbe, points_across),
-     .given = offsetof(abbe, points_across_given)},
+    OPC_PARAMETER(abbe, points_across, .type = OPC_INT,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "36", .min = 2,
+                  .max = 1000,
+                  .summary = "points on the diameter of the source, one "
+                             "Fourier transform for each of its area",
+                  .given = offsetof(abbe, points_across_given)),
 };
 
 static int check(void *self, opc_error *error) {

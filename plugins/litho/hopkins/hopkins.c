@@ -129,7 +129,7 @@ static int try_kernels(hopkins *h, const kernels *k, trial *t,
     eda_field part = {0}, *whole = &t->whole[p];
     code = image_by(h, k, BINARY, &t->mask[p], &part, error);
     if (!code && !whole->coefficients)
-      code = pattern_image(k, &t->mask[p], &part, whole, error);
+      pattern_image(k, &t->mask[p], &part, whole);
     double off = code ? 0 : margin * difference(whole, &part);
     if (!(off <= h->error)) h->error = off;
     eda_field_clear(&part);
@@ -232,36 +232,24 @@ static int image_at(const void *self, int layer, const eda_spectrum *mask,
 
 static const opc_parameter parameters[] = {
     OPTICS_PARAMETERS(hopkins),
-    {.name = "error",
-     .type = OPC_REAL,
-     .flags = OPC_AT_LEAST | OPC_BELOW,
-     .preset = "1.5e-3",
-     .min = 1e-4,
-     .max = 0.1,
-     .summary = "largest error of the intensity, clear field 1, that leaving "
-                "out kernels may make",
-     OPC_FIELD(hopkins, wanted)},
-    {.name = "kernels",
-     .type = OPC_INT,
-     .flags = OPC_AT_LEAST | OPC_AT_MOST,
-     .min = 1,
-     .max = 2000,
-     .summary = "so many coherent systems instead of as many as the error "
-                "needs",
-     OPC_FIELD(hopkins, fixed)},
+    OPC_PARAMETER_NAMED(
+        "error", hopkins, wanted, .type = OPC_REAL,
+        .flags = OPC_AT_LEAST | OPC_BELOW, .preset = "1.5e-3", .min = 1e-4,
+        .max = 0.1,
+        .summary = "largest error of the intensity, clear field 1, that "
+                   "leaving out kernels may make"),
+    OPC_PARAMETER_NAMED(
+        "kernels", hopkins, fixed, .type = OPC_INT,
+        .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 1, .max = 2000,
+        .summary =
+            "so many coherent systems instead of as many as the error needs"),
 };
 
 static const opc_metric metrics[] = {
-    {.name = "systems", .summary = "coherent systems that are summed up"},
-    {.name = "error",
-     .better = OPC_LOWER,
-     .tolerance = 1e-5,
-     .summary = "measured error of leaving out the others, clear field 1"},
-    {.name = "grid",
-     .unit = "nm",
-     .better = OPC_LOWER,
-     .tolerance = 1e-3,
-     .summary = "largest step of an image's grid"},
+    {"systems", NULL, OPC_NEUTRAL, 0, "coherent systems that are summed up"},
+    {"error", NULL, OPC_LOWER, 1e-5,
+     "measured error of leaving out the others, clear field 1"},
+    {"grid", "nm", OPC_LOWER, 1e-3, "largest step of an image's grid"},
 };
 
 static int check(void *self, opc_error *error) {

@@ -157,8 +157,8 @@ static void add_up(coefficients *c, double complex *memory, eda_field *out) {
   }
 }
 
-int pattern_image(const kernels *k, const eda_spectrum *mask,
-                  const eda_field *like, eda_field *out, opc_error *error) {
+void pattern_image(const kernels *k, const eda_spectrum *mask,
+                   const eda_field *like, eda_field *out) {
   coefficients sum = {.top_x = (int)(2 * k->cutoff * mask->frame.width + 0.5),
                       .top_y = (int)(2 * k->cutoff * mask->frame.height + 0.5)};
   sum.columns = 2 * sum.top_x + 1;
@@ -170,5 +170,5 @@ int pattern_image(const kernels *k, const eda_spectrum *mask,
   sum_pairs(k, mask, &sum);
   add_up(&sum, memory, out);
   free(memory);
-  return eda_field_from_samples(k->context, out, error);
+  eda_field_from_samples(k->context, out);
 }

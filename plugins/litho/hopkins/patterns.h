@@ -14,7 +14,7 @@ int pattern_spectrum(const kernels *k, int which, eda_spectrum *out,
 /* The image of its mask by T itself (k->cross), on the grid of `like`: the sum
    over all pairs of frequencies, which shares nothing with the kernels. [any]
  */
-int pattern_image(const kernels *k, const eda_spectrum *mask,
-                  const eda_field *like, eda_field *out, opc_error *error);
+void pattern_image(const kernels *k, const eda_spectrum *mask,
+                   const eda_field *like, eda_field *out);
 
 #endif

@@ -160,42 +160,26 @@ static int image_at(const void *self, int layer, const eda_spectrum *mask,
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    {.name = "focus",
-     .type = OPC_FILE,
-     .flags = OPC_REQUIRED,
-     .summary = "text of the weights of the kernels in focus; fh0.bin ... are "
-                "beside it",
-     OPC_FIELD(model, path[FOCUS])},
-    {.name = "defocus",
-     .type = OPC_FILE,
-     .summary = "the same for images at any other focus",
-     OPC_FIELD(model, path[DEFOCUS])},
-    {.name = "period",
-     .type = OPC_REAL,
-     .flags = OPC_ABOVE,
-     .unit = "nm",
-     .preset = "2048 nm",
-     .summary = "one over the distance of the kernels' frequencies",
-     OPC_FIELD(model, period)},
-    {.name = "kernels",
-     .type = OPC_INT,
-     .flags = OPC_AT_LEAST,
-     .min = 1,
-     .summary = "how many of them, the first ones; all if not given",
-     OPC_FIELD(model, wanted)},
-    {.name = "dose",
-     .type = OPC_REAL,
-     .flags = OPC_ABOVE,
-     .preset = "1",
-     .summary = "a factor on the intensity",
-     OPC_FIELD(model, dose)},
-    {.name = "tone",
-     .type = OPC_CHOICE,
-     .preset = "dark",
-     .choices = "clear|dark",
-     .summary = "field of the mask: clear with dark features, or dark with "
-                "clear ones",
-     OPC_FIELD(model, dark_field)},
+    OPC_PARAMETER_NAMED("focus", model, path[FOCUS], .type = OPC_FILE,
+                        .flags = OPC_REQUIRED,
+                        .summary = "text of the weights of the kernels in "
+                                   "focus; fh0.bin ... are beside it"),
+    OPC_PARAMETER_NAMED("defocus", model, path[DEFOCUS], .type = OPC_FILE,
+                        .summary = "the same for images at any other focus"),
+    OPC_PARAMETER(
+        model, period, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "nm",
+        .preset = "2048 nm",
+        .summary = "one over the distance of the kernels' frequencies"),
+    OPC_PARAMETER_NAMED(
+        "kernels", model, wanted, .type = OPC_INT, .flags = OPC_AT_LEAST,
+        .min = 1,
+        .summary = "how many of them, the first ones; all if not given"),
+    OPC_PARAMETER(model, dose, .type = OPC_REAL, .flags = OPC_ABOVE,
+                  .preset = "1", .summary = "a factor on the intensity"),
+    OPC_PARAMETER_NAMED("tone", model, dark_field, .type = OPC_CHOICE,
+                        .preset = "dark", .choices = "clear|dark",
+                        .summary = "field of the mask: clear with dark "
+                                   "features, or dark with clear ones"),
 };
 
 static void clear(void *self) {

@@ -52,7 +52,9 @@ static int annotate(const annotator *s, eda_pool *pool, opc_error *error) {
   eda_annotation a = {
       .circuit = s->circuit,
       .mask = s->mask,
-      .state = s->state >= 0 ? s->state : s->mask ? EDA_AFTER : EDA_DRAWN,
+      .state = s->state >= 0 ? s->state
+               : s->mask     ? EDA_AFTER
+                             : EDA_DRAWN,
       .model = {[EDA_NMOS] = s->n_model, [EDA_PMOS] = s->p_model}};
   if (check_mask(&a, error)) return error->code;
   for (int type = 0; type < 2 && s->cards; type++) {
@@ -82,49 +84,30 @@ static int run(void *self, void **outputs, opc_error *error) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    {.name = "circuit",
-     .type = OPC_INPUT,
-     .flags = OPC_REQUIRED,
-     .choices = "circuit",
-     .summary = "the netlist and its gates",
-     OPC_FIELD(annotator, circuit)},
-    {.name = "mask",
-     .type = OPC_INPUT,
-     .choices = "mask",
-     .summary = "the corrected mask, with what it prints",
-     OPC_FIELD(annotator, mask)},
-    {.name = "state",
-     .type = OPC_CHOICE,
-     .choices = "drawn|before|after",
-     .summary = "whose sizes to write; if not given, after where there is a "
-                "mask, else drawn",
-     OPC_FIELD(annotator, state)},
-    {.name = "nmos",
-     .type = OPC_TEXT,
-     .preset = "nmos",
-     .summary = "the name of the n model",
-     OPC_FIELD(annotator, n_model)},
-    {.name = "pmos",
-     .type = OPC_TEXT,
-     .preset = "pmos",
-     .summary = "the name of the p model",
-     OPC_FIELD(annotator, p_model)},
-    {.name = "models",
-     .type = OPC_FILE,
-     .summary = "the file with both model cards; DLC is corrected only where "
-                "it is given",
-     OPC_FIELD(annotator, cards)},
-    {.name = "file",
-     .type = OPC_OUTPUT,
-     .preset = "netlist.sp",
-     .summary = "the netlist to write",
-     OPC_FIELD(annotator, file)},
+    OPC_PARAMETER(annotator, circuit, .type = OPC_INPUT, .flags = OPC_REQUIRED,
+                  .choices = "circuit", .summary = "the netlist and its gates"),
+    OPC_PARAMETER(annotator, mask, .type = OPC_INPUT, .choices = "mask",
+                  .summary = "the corrected mask, with what it prints"),
+    OPC_PARAMETER(annotator, state, .type = OPC_CHOICE,
+                  .choices = "drawn|before|after",
+                  .summary = "whose sizes to write; if not given, after where "
+                             "there is a mask, else drawn"),
+    OPC_PARAMETER_NAMED("nmos", annotator, n_model, .type = OPC_TEXT,
+                        .preset = "nmos", .summary = "the name of the n model"),
+    OPC_PARAMETER_NAMED("pmos", annotator, p_model, .type = OPC_TEXT,
+                        .preset = "pmos", .summary = "the name of the p model"),
+    OPC_PARAMETER_NAMED("models", annotator, cards, .type = OPC_FILE,
+                        .summary = "the file with both model cards; DLC is "
+                                   "corrected only where it is given"),
+    OPC_PARAMETER(annotator, file, .type = OPC_OUTPUT, .preset = "netlist.sp",
+                  .summary = "the netlist to write"),
 };
 
 static const opc_metric metrics[] = {
-    {.name = "transistors", .summary = "transistors written, finger by finger"},
-    {.name = "models",
-     .summary = "model cards written, one for each DLC of its own"},
+    {"transistors", NULL, OPC_NEUTRAL, 0,
+     "transistors written, finger by finger"},
+    {"models", NULL, OPC_NEUTRAL, 0,
+     "model cards written, one for each DLC of its own"},
 };
 
 /* ---- entry ---- */
@@ -132,8 +115,9 @@ static const opc_metric metrics[] = {
 static const opc_step functions = {.run = run};
 OPC_PLUGIN(annotator, .id = "netlist.annotate", .kind = "step",
            .version = "0.2.0", .licence = "BSD-3-Clause",
-           .summary = "write a netlist with the sizes that transistors print "
-                      "with",
+           .summary =
+               "write a netlist with the sizes that transistors print "
+               "with",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
            OPC_FUNCTIONS(functions));

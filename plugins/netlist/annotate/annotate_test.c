@@ -145,16 +145,18 @@ static void test_dlc(void) {
    DLC would change it: 0.6 XJ Cox, and DLC Cox - CGSL. */
 static void test_overlap(void) {
   prepare();
-  g_autofree char *cards = in_folder(
-      "overlap.sp", ".model nmos nmos level=54 toxe=1.8e-9 xj=4e-8 lint=5n\n"
-                    ".model pmos pmos level=49 tox=1.8e-9 dlc=7n cgsl=1e-11 "
-                    "cgdo=1e-10\n");
+  g_autofree char *cards =
+      in_folder("overlap.sp",
+                ".model nmos nmos level=54 toxe=1.8e-9 xj=4e-8 lint=5n\n"
+                ".model pmos pmos level=49 tox=1.8e-9 dlc=7n cgsl=1e-11 "
+                "cgdo=1e-10\n");
   g_autofree char *map = g_strdup_printf(", models: '%s'", cards);
   area[1] = 61 * 300;
   g_autofree char *text = annotate(map, 1, 0);
   area[1] = 60 * 300;
-  g_assert_nonnull(strstr(text, "lint=5n cgso=4.6041736e-10 "
-                                "cgdo=4.6041736e-10\n"));
+  g_assert_nonnull(strstr(text,
+                          "lint=5n cgso=4.6041736e-10 "
+                          "cgdo=4.6041736e-10\n"));
   g_assert_nonnull(strstr(text, "cgdo=1e-10 cgso=1.24288506e-10\n"));
 }
 
@@ -207,8 +209,9 @@ static void test_refused(void) {
   refused("", 1, "the mask is of other gates than the circuit");
   mask.gates = circuit.gates;
   refused_card("*\n", "'*bad.sp' has no model 'nmos'");
-  refused_card(".model nmos nmos level=54 toxe='2*t'\n",
-               "*:1:1: model 'nmos' has no cgso: with a DLC it would be another");
+  refused_card(
+      ".model nmos nmos level=54 toxe='2*t'\n",
+      "*:1:1: model 'nmos' has no cgso: with a DLC it would be another");
   refused_card("*\n.model nmos pmos level=54\n",
                "*bad.sp:2:13: model 'nmos' is no nmos");
   refused_card("*\n.model nmos nmos level=1\n",

@@ -12,7 +12,8 @@ static double slack(const job *j, double nominal) {
 
 static int refuse_device(graph *g, const eda_transistor *d, const char *fault) {
   char where[256];
-  return opc_fail(g->j->error, OPC_INVALID, "file",
+  return opc_fail(
+      g->j->error, OPC_INVALID, "file",
       "netlist device '%.100s%s%.100s' (%s) %s", g->group->path,
       *g->group->path ? "/" : "", d->name,
       eda_netlist_where(&g->j->netlist, d->from, where, sizeof where), fault);
@@ -66,25 +67,19 @@ static uint32_t best_gate(const choice *c, double width) {
   const eda_gates *o = j->gates;
   const eda_transistor *d = c->device;
   nm_point said = graph_place(c->g, d);
-  int placed = !isnan(said.x) && !isnan(said.y);
   uint32_t best = UINT32_MAX;
   double least = INFINITY;
-  for (uint32_t i = c->first_free; i < c->gates; i++) {
+  for (uint32_t i = c->first_free; i < c->gates && least > 0; i++) {
+    uint32_t gate = c->gate[i];
     if (c->taken[i]) continue;
-    const eda_box *b = &o->box[c->gate[i]];
-    double misfit =
-        fabs(o->length[c->gate[i]] - d->length) > slack(j, d->length) ||
-        (width > 0 && fabs(o->width[c->gate[i]] - width) > slack(j, width));
-    double far = 0;
-    if (placed)
-      far = hypot(o->grid * ((double)b->x0 + b->x1) / 2 - said.x,
-                  o->grid * ((double)b->y0 + b->y1) / 2 - said.y);
-    double cost = misfit > 0 ? 1e30 + far : far;
+    int misfit = fabs(o->length[gate] - d->length) > slack(j, d->length) ||
+                 (width > 0 && fabs(o->width[gate] - width) > slack(j, width));
+    double cost = graph_distance(said, graph_middle(j, gate));
+    if (misfit) cost += 1e30;
     if (cost < least) {
       least = cost;
       best = i;
     }
-    if (!placed && least <= 0) break;
   }
   return best;
 }
@@ -95,22 +90,18 @@ static void take(choice *c, uint32_t at) {
   while (c->first_free < c->gates && c->taken[c->first_free]) c->first_free++;
 }
 
-/* The gates of one device. `alone`: it gets all of them. */
+/* The gates of one device: one; or all if it is alone; or as many as it says;
+   or until its width is there. */
 static int take_gates(choice *c, uint32_t owner, int alone, int one_each) {
   graph *g = c->g;
   const eda_transistor *d = c->device;
   const eda_gates *o = g->j->gates;
   uint32_t *mine = eda_pool_alloc(&g->j->pool, c->left, sizeof *mine), n = 0;
-  uint32_t said = d->fingers ? d->fingers : 1;
-  double width = one_each     ? d->width
-                 : d->fingers ? d->width / said
-                              : 0,
-         sum = 0;
-  while (c->left) {
-    if (one_each ? n == 1 : !alone && d->fingers ? n == said : 0) break;
-    if (!one_each && !alone && !d->fingers &&
-        sum >= d->width - slack(g->j, d->width))
-      break;
+  uint32_t said = one_each ? 1 : d->fingers,
+           most = one_each || !alone ? said : 0;
+  double width = said ? d->width / said : 0, sum = 0;
+  double enough = said || alone ? INFINITY : d->width - slack(g->j, d->width);
+  while (c->left && (!most || n < most) && sum < enough) {
     uint32_t at = best_gate(c, width);
     take(c, at);
     mine[n++] = c->gate[at];
@@ -131,7 +122,7 @@ int graph_assign(graph *g, const bundle *devices, const bundle *gates) {
               .left = gates->count};
   c.taken = eda_pool_alloc(&j->pool, c.gates, 1);
   int one_each = devices->count == gates->count;
-  if (isnan(devices->x)) j->by_order += devices->count - 1;
+  if (isnan(devices->middle.x)) j->by_order += devices->count - 1;
   for (uint32_t i = 0; i < devices->count; i++) {
     uint32_t at = n->member[devices->first + i];
     c.device = &g->flat.device[at];
@@ -142,6 +133,6 @@ int graph_assign(graph *g, const bundle *devices, const bundle *gates) {
   if (!c.left) return OPC_OK;
   char name[256];
   return opc_fail(j->error, OPC_INVALID, "file",
-      "transistor '%s' is not in the netlist",
-      match_gate_name(j, c.gate[c.first_free], name, sizeof name));
+                  "transistor '%s' is not in the netlist",
+                  match_gate_name(j, c.gate[c.first_free], name, sizeof name));
 }

@@ -9,7 +9,7 @@
 
 enum { UNKNOWN = UINT32_MAX - 1 };
 
-/* The rectangles of a layer, group by group. */
+/* The rectangles of a layer. */
 typedef struct conductor {
   size_t count, room;
   eda_box *box;
@@ -46,15 +46,20 @@ static void join(extractor *x, uint32_t a, uint32_t b) {
 
 /* ---- loading ---- */
 
-/* A polygon of the flat layer. */
-typedef struct piece {
-  uint32_t group, shape;
-} piece;
+/* Polygons that become a group's rectangles together. */
+typedef struct pieces {
+  eda_shapes shapes;
+  size_t room_start, room_points;
+} pieces;
 
-static int by_group(const void *a, const void *b) {
-  const piece *p = a, *q = b;
-  if (p->group != q->group) return p->group < q->group ? -1 : 1;
-  return (p->shape > q->shape) - (p->shape < q->shape);
+static void add_polygon(pieces *p, const eda_point *points, size_t n) {
+  eda_shapes *s = &p->shapes;
+  eda_grow(&s->start, &p->room_start, s->count + 2, sizeof *s->start);
+  if (!s->count) s->start[0] = 0;
+  size_t at = s->start[s->count];
+  eda_grow(&s->points, &p->room_points, at + n, sizeof *s->points);
+  memcpy(s->points + at, points, n * sizeof *points);
+  s->start[++s->count] = (uint32_t)(at + n);
 }
 
 static uint32_t group_of_placement(extractor *x, uint32_t p) {
@@ -72,11 +77,9 @@ static uint32_t group_of_placement(extractor *x, uint32_t p) {
   return x->group_of[p];
 }
 
-static int refuse_slanted(const job *j, int layer, const eda_shapes *s,
-                          size_t shape) {
+static int refuse_slanted(const job *j, int layer, const eda_point *p,
+                          size_t n) {
   double nm = j->gates->grid;
-  const eda_point *p = s->points + s->start[shape];
-  size_t n = s->start[shape + 1] - s->start[shape];
   for (size_t i = 0; i < n; i++) {
     eda_point a = p[i], b = p[i + 1 < n ? i + 1 : 0];
     if (a.x != b.x && a.y != b.y)
@@ -90,57 +93,44 @@ static int refuse_slanted(const job *j, int layer, const eda_shapes *s,
   return OPC_OK;
 }
 
-/* Those of n polygons. */
-static eda_shapes some_of(const eda_shapes *all, const piece *pieces,
-                          size_t n) {
-  eda_shapes s = {.count = n, .start = eda_alloc(n + 1, sizeof *s.start)};
-  for (size_t i = 0; i < n; i++) {
-    const uint32_t *at = &all->start[pieces[i].shape];
-    s.start[i + 1] = s.start[i] + (at[1] - at[0]);
-  }
-  s.points = eda_alloc(s.start[n], sizeof *s.points);
-  for (size_t i = 0; i < n; i++)
-    memcpy(s.points + s.start[i], all->points + all->start[pieces[i].shape],
-           (s.start[i + 1] - s.start[i]) * sizeof *s.points);
-  return s;
-}
-
 static eda_shapes gates_of(const job *j, const region *group) {
-  size_t n = group->gates;
-  eda_shapes s = {.count = n,
-                  .start = eda_alloc(n + 1, sizeof *s.start),
-                  .points = eda_alloc(4 * n, sizeof *s.points)};
-  for (size_t i = 0; i < n; i++) {
+  pieces p = {0};
+  for (size_t i = 0; i < group->gates; i++) {
     const eda_box *b = &j->gates->box[group->gate[i]];
     const eda_point corner[4] = {
         {b->x0, b->y0}, {b->x1, b->y0}, {b->x1, b->y1}, {b->x0, b->y1}};
-    s.start[i + 1] = (uint32_t)(4 * (i + 1));
-    memcpy(s.points + 4 * i, corner, sizeof corner);
+    add_polygon(&p, corner, 4);
   }
-  return s;
+  return p.shapes;
+}
+
+/* Whether a polygon without slanted edges is a rectangle. */
+static int is_box(const eda_point *p, size_t n) {
+  return n == 4 && p[0].x != p[2].x && p[0].y != p[2].y && p[1].x != p[3].x;
+}
+
+static void add_box(extractor *x, conductor *c, eda_box box, uint32_t group) {
+  eda_pool *pool = &x->j->pool;
+  eda_pool_grow(pool, &c->box, &c->room, c->count + 1, sizeof *c->box);
+  eda_pool_grow(pool, &c->group, &c->room_groups, c->count + 1,
+                sizeof *c->group);
+  c->box[c->count] = box;
+  c->group[c->count++] = group;
 }
 
 /* What a group draws on a layer, as rectangles; on active, without gates. */
-static int load_group(extractor *x, int layer, const eda_shapes *all,
-                      const piece *pieces, size_t n) {
+static int load_group(extractor *x, int layer, uint32_t group,
+                      const eda_shapes *own) {
   job *j = x->j;
-  conductor *c = &x->layer[layer];
-  uint32_t group = pieces->group;
-  eda_shapes own = some_of(all, pieces, n), gates = {0}, merged = {0};
+  eda_shapes gates = {0}, merged = {0};
   eda_box *box = NULL;
   size_t boxes = 0;
   if (layer == ACTIVE) gates = gates_of(j, &j->group[group]);
-  int code = eda_boolean(EDA_NOT, &own, &gates, &merged, j->error);
+  int code = eda_boolean(EDA_NOT, own, &gates, &merged, j->error);
   if (!code) code = eda_fracture(&merged, &box, &boxes, j->error);
-  eda_pool_grow(&j->pool, &c->box, &c->room, c->count + boxes, sizeof *c->box);
-  eda_pool_grow(&j->pool, &c->group, &c->room_groups, c->count + boxes,
-                sizeof *c->group);
-  for (size_t i = 0; i < boxes; i++) {
-    c->box[c->count] = box[i];
-    c->group[c->count++] = group;
-  }
+  for (size_t i = 0; i < boxes; i++)
+    add_box(x, &x->layer[layer], box[i], group);
   free(box);
-  eda_shapes_clear(&own);
   eda_shapes_clear(&gates);
   eda_shapes_clear(&merged);
   return code;
@@ -148,21 +138,26 @@ static int load_group(extractor *x, int layer, const eda_shapes *all,
 
 static int load_shapes(extractor *x, int layer, const eda_flat *flat) {
   const eda_shapes *s = &flat->shapes;
-  size_t n = 0;
-  piece *pieces = eda_alloc(s->count, sizeof *pieces);
+  size_t groups = x->j->groups;
+  pieces *of = eda_alloc(groups, sizeof *of);
   int code = OPC_OK;
   for (size_t i = 0; i < s->count && !code; i++) {
+    const eda_point *p = s->points + s->start[i];
+    size_t n = s->start[i + 1] - s->start[i];
     uint32_t group = group_of_placement(x, flat->placement[i]);
     if (group == UINT32_MAX) continue;
-    pieces[n++] = (piece){group, (uint32_t)i};
-    code = refuse_slanted(x->j, layer, s, i);
+    code = refuse_slanted(x->j, layer, p, n);
+    if (layer != ACTIVE && is_box(p, n)) /* as most contacts are */
+      add_box(x, &x->layer[layer], eda_bounds(p, n), group);
+    else
+      add_polygon(&of[group], p, n);
   }
-  qsort(pieces, n, sizeof *pieces, by_group);
-  for (size_t i = 0, k; i < n && !code; i = k) {
-    for (k = i; k < n && pieces[k].group == pieces[i].group;) k++;
-    code = load_group(x, layer, s, pieces + i, k - i);
+  for (uint32_t k = 0; k < groups; k++) {
+    if (of[k].shapes.count && !code)
+      code = load_group(x, layer, k, &of[k].shapes);
+    eda_shapes_clear(&of[k].shapes);
   }
-  free(pieces);
+  free(of);
   return code;
 }
 
@@ -311,7 +306,7 @@ static int load_texts(extractor *x, int32_t layer) {
     char path[4096];
     eda_layout_path(j->layout, j->top, texts.at.placement[i], path,
                     sizeof path);
-    const uint32_t *group = eda_names_find(&j->group_of, path, strlen(path));
+    const uint32_t *group = eda_names_find(&j->group_of, path);
     if (!group) continue;
     uint32_t on = below(x, *group, texts.at.shapes.points[i], layer);
     if (on == UINT32_MAX) {
@@ -346,7 +341,11 @@ static int load_labels(extractor *x) {
   eda_names first = {0};
   for (size_t i = 0; i < j->labels; i++) {
     const label *l = &j->label[i];
-    if (!i || l->group != l[-1].group) first = (eda_names){.pool = &j->pool};
+    region *group = &j->group[l->group];
+    if (!group->labels++) {
+      group->label = l;
+      first = (eda_names){.pool = &j->pool};
+    }
     uint32_t *before = eda_names_add(&first, l->text);
     if (*before == UINT32_MAX)
       *before = l->net;

@@ -2,6 +2,7 @@
 /* Why netlist and layout do not match. Bundles whose neighbourhood is equal are
    taken for counterparts, from wide neighbourhoods to narrow ones; what is left
    over is at fault. */
+#include <glib.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,8 +14,7 @@ enum { ROUNDS = 6, NAMES = 3 };
 typedef struct finder {
   graph *g;
   uint64_t *colour[ROUNDS]; /* of each node, after each round */
-  uint32_t *left[SIDES];    /* bundles that have no counterpart yet */
-  uint32_t n[SIDES];
+  uint32_t *left, n;        /* bundles that have no counterpart yet */
 } finder;
 
 static void colour_nodes(finder *f) {
@@ -36,44 +36,27 @@ static void colour_nodes(finder *f) {
     }
 }
 
-static int by_colour(const void *a, const void *b, void *data) {
-  const uint64_t *colour = data;
-  uint32_t p = *(const uint32_t *)a, q = *(const uint32_t *)b;
-  if (colour[p] != colour[q]) return colour[p] < colour[q] ? -1 : 1;
-  return (p > q) - (p < q);
-}
-
 /* Strike out pairs of equal colour. */
 static void pair_up(finder *f, int round) {
-  uint32_t at[SIDES] = {0, 0}, kept[SIDES] = {0, 0};
-  uint64_t *colour = f->colour[round];
-  for (int s = 0; s < SIDES; s++)
-    qsort_r(f->left[s], f->n[s], sizeof(uint32_t), by_colour, colour);
-  while (at[0] < f->n[0] || at[1] < f->n[1]) {
-    int s;
-    if (at[0] == f->n[0] || at[1] == f->n[1]) {
-      s = at[0] == f->n[0];
-    } else {
-      uint64_t a = colour[f->left[0][at[0]]], b = colour[f->left[1][at[1]]];
-      if (a == b) {
-        at[0]++;
-        at[1]++;
-        continue;
-      }
-      s = a > b;
-    }
-    f->left[s][kept[s]++] = f->left[s][at[s]++];
+  const uint64_t *colour = f->colour[round];
+  uint32_t *left = f->left, kept = 0;
+  graph_sort(left, f->n, colour);
+  for (uint32_t i = 0, k; i < f->n; i = k) {
+    uint32_t of[SIDES] = {0, 0}, seen[SIDES] = {0, 0};
+    for (k = i; k < f->n && colour[left[k]] == colour[left[i]]; k++)
+      of[graph_side(f->g, left[k])]++;
+    for (uint32_t m = i; m < k; m++)
+      if (seen[graph_side(f->g, left[m])]++ >= MIN(of[NETLIST], of[LAYOUT]))
+        left[kept++] = left[m];
   }
-  f->n[0] = kept[0];
-  f->n[1] = kept[1];
+  f->n = kept;
 }
 
 /* What is left over down to that round. */
 static void find(finder *f, int last) {
-  for (int s = 0; s < SIDES; s++) {
-    f->n[s] = f->g->side[s].bundles;
-    for (uint32_t i = 0; i < f->n[s]; i++) f->left[s][i] = f->g->bundle0[s] + i;
-  }
+  uint32_t first = f->g->bundle0[NETLIST];
+  f->n = f->g->nodes - first;
+  for (uint32_t i = 0; i < f->n; i++) f->left[i] = first + i;
   for (int r = ROUNDS - 1; r >= last; r--) pair_up(f, r);
 }
 
@@ -90,8 +73,9 @@ static uint32_t *members(finder *f, int s, uint32_t *n) {
   size_t most = g->flat.devices + g->j->gates->count;
   uint32_t *list = eda_pool_alloc(&g->j->pool, most, sizeof *list);
   *n = 0;
-  for (uint32_t i = 0; i < f->n[s]; i++) {
-    const bundle *b = graph_bundle(g, f->left[s][i]);
+  for (uint32_t i = 0; i < f->n; i++) {
+    const bundle *b = graph_bundle(g, f->left[i]);
+    if (graph_side(g, f->left[i]) != s) continue;
     for (uint32_t k = 0; k < b->count; k++)
       list[(*n)++] = g->side[s].member[b->first + k];
   }
@@ -111,11 +95,11 @@ static void tell_devices(finder *f, FILE *out) {
   }
   if (n > NAMES) fprintf(out, " and %u more", n - NAMES);
   if (n) fprintf(out, " ha%s no gate in the layout", n > 1 ? "ve" : "s");
-  if (n && f->n[LAYOUT]) fputs("; ", out);
 }
 
 static void tell_gates(finder *f, FILE *out) {
   uint32_t n, *list = members(f, LAYOUT, &n);
+  if (n && ftell(out)) fputs("; ", out);
   for (uint32_t i = 0; i < n && i < NAMES; i++) {
     char name[256];
     fprintf(out, "%s'%.80s'", i ? ", " : "transistor ",
@@ -130,14 +114,10 @@ int graph_tell(graph *g) {
   job *j = g->j;
   for (int r = 0; r < ROUNDS; r++)
     f.colour[r] = eda_pool_alloc(&j->pool, g->nodes, sizeof(uint64_t));
-  for (int s = 0; s < SIDES; s++)
-    f.left[s] = eda_pool_alloc(&j->pool, g->side[s].bundles, sizeof(uint32_t));
+  f.left = eda_pool_alloc(&j->pool, g->nodes, sizeof *f.left);
   colour_nodes(&f);
-  for (int last = 1; last < ROUNDS; last++) {
-    find(&f, last);
-    if (f.n[0] + f.n[1]) break;
-  }
-  if (!(f.n[0] + f.n[1]))
+  for (int last = 1; last < ROUNDS && !f.n; last++) find(&f, last);
+  if (!f.n)
     return opc_fail(j->error, OPC_INVALID, "file",
                     "'%.100s': the nets of its transistors differ from those "
                     "of the layout",

@@ -2,84 +2,26 @@
 /* The graph of a group: bundles, nets and their names. */
 #include "graph.h"
 
-#include <ctype.h>
+#include <glib.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 uint64_t graph_hash(const char *name) {
-  uint64_t h = 14695981039346656037u;
-  if (!name) return 0;
-  for (; *name; name++)
-    h = (h ^ (uint64_t)tolower((unsigned char)*name)) * 1099511628211u;
-  return h | (uint64_t)1 << 63;
+  return name ? eda_name_hash(name) | (uint64_t)1 << 63 : 0;
 }
 
-/* ---- bundles ---- */
-
-/* A transistor of either side. */
-typedef struct part {
-  bundle as; /* a bundle of itself */
-  uint32_t member;
-} part;
-
-static int by_nets(const void *a, const void *b) {
-  const part *p = a, *q = b;
-  if (p->as.type != q->as.type) return p->as.type < q->as.type ? -1 : 1;
-  if (p->as.gate != q->as.gate) return p->as.gate < q->as.gate ? -1 : 1;
-  if (p->as.a != q->as.a) return p->as.a < q->as.a ? -1 : 1;
-  if (p->as.b != q->as.b) return p->as.b < q->as.b ? -1 : 1;
-  return (p->member > q->member) - (p->member < q->member);
-}
-
-static int by_first_member(const void *a, const void *b, void *data) {
-  const uint32_t *member = data;
-  uint32_t p = member[((const bundle *)a)->first],
-           q = member[((const bundle *)b)->first];
+static int by_mark(const void *a, const void *b, void *data) {
+  const uint64_t *mark = data;
+  uint32_t p = *(const uint32_t *)a, q = *(const uint32_t *)b;
+  if (mark[p] != mark[q]) return mark[p] < mark[q] ? -1 : 1;
   return (p > q) - (p < q);
 }
 
-/* Bundles come in the order of their first members. */
-static void make_bundles(job *j, part *parts, size_t n, side *s) {
-  s->bundle = eda_pool_alloc(&j->pool, n, sizeof *s->bundle);
-  s->member = eda_pool_alloc(&j->pool, n, sizeof *s->member);
-  qsort(parts, n, sizeof *parts, by_nets);
-  for (size_t i = 0; i < n; i++) {
-    const bundle *as = &parts[i].as;
-    s->member[i] = parts[i].member;
-    bundle *b = i ? &s->bundle[s->bundles - 1] : NULL;
-    if (!b || b->type != as->type || b->gate != as->gate || b->a != as->a ||
-        b->b != as->b) {
-      b = &s->bundle[s->bundles++];
-      *b = *as;
-      b->first = (uint32_t)i;
-      b->count = 0;
-      b->width = b->x = b->y = 0;
-    }
-    b->count++;
-    b->width += as->width;
-    b->x += as->x;
-    b->y += as->y;
-  }
-  for (uint32_t i = 0; i < s->bundles; i++) {
-    s->bundle[i].x /= s->bundle[i].count;
-    s->bundle[i].y /= s->bundle[i].count;
-  }
-  qsort_r(s->bundle, s->bundles, sizeof *s->bundle, by_first_member, s->member);
+void graph_sort(uint32_t *nodes, size_t n, const uint64_t *mark) {
+  qsort_r(nodes, n, sizeof *nodes, by_mark, (void *)(uintptr_t)mark);
 }
 
-static void order_nets(bundle *b) {
-  if (b->a <= b->b) return;
-  uint32_t a = b->a;
-  b->a = b->b;
-  b->b = a;
-}
-
-/* Number nets as they come; those without a transistor are not in the graph. */
-static uint32_t net_of(uint32_t *known, uint32_t net, side *s) {
-  if (known[net] == UINT32_MAX) known[net] = s->nets++;
-  return known[net];
-}
+/* ---- places ---- */
 
 nm_point graph_place(const graph *g, const eda_transistor *d) {
   const eda_subcircuit *s = g->group->scope->of;
@@ -90,66 +32,111 @@ nm_point graph_place(const graph *g, const eda_transistor *d) {
   return (nm_point){d->from->x * scale, d->from->y * scale};
 }
 
+nm_point graph_middle(const job *j, uint32_t gate) {
+  const eda_box *b = &j->gates->box[gate];
+  return (nm_point){j->gates->grid * ((double)b->x0 + b->x1) / 2,
+                    j->gates->grid * ((double)b->y0 + b->y1) / 2};
+}
+
+double graph_distance(nm_point a, nm_point b) {
+  double far = hypot(a.x - b.x, a.y - b.y);
+  return isnan(far) ? 0 : far;
+}
+
+/* ---- bundles ---- */
+
+static guint hash_nets(const void *data) {
+  const bundle *b = data;
+  return (guint)graph_mix(graph_mix(b->gate, b->type), graph_mix(b->a, b->b));
+}
+
+static gboolean same_nets(const void *a, const void *b) {
+  const bundle *p = a, *q = b;
+  return p->type == q->type && p->gate == q->gate && p->a == q->a &&
+         p->b == q->b;
+}
+
+/* A side's transistors, each a bundle of itself, to bundles, which come in the
+   order of their first members. */
+static void make_bundles(job *j, const bundle *parts, const uint32_t *member,
+                         size_t n, side *s) {
+  g_autoptr(GHashTable) known = g_hash_table_new(hash_nets, same_nets);
+  bundle **of = eda_pool_alloc(&j->pool, n, sizeof *of);
+  s->bundle = eda_pool_alloc(&j->pool, n, sizeof *s->bundle);
+  s->member = eda_pool_alloc(&j->pool, n, sizeof *s->member);
+  for (size_t i = 0; i < n; i++) {
+    bundle *b = of[i] = g_hash_table_lookup(known, &parts[i]);
+    if (b) {
+      b->width += parts[i].width;
+      b->middle.x += parts[i].middle.x;
+      b->middle.y += parts[i].middle.y;
+    } else {
+      b = of[i] = &s->bundle[s->bundles++];
+      *b = parts[i];
+      g_hash_table_add(known, b);
+    }
+    b->count++;
+  }
+  uint32_t end = 0;
+  for (uint32_t i = 0; i < s->bundles; i++) {
+    bundle *b = &s->bundle[i];
+    b->first = end += b->count;
+    b->middle.x /= b->count;
+    b->middle.y /= b->count;
+  }
+  for (size_t i = n; i-- > 0;)
+    s->member[--of[i]->first] = member ? member[i] : (uint32_t)i;
+}
+
+/* Number nets as they come; those without a transistor are not in the graph. */
+static uint32_t net_of(uint32_t *known, uint32_t net, side *s) {
+  if (known[net] == UINT32_MAX) known[net] = s->nets++;
+  return known[net];
+}
+
+static bundle part_at(uint32_t *known, side *s, uint32_t gate, uint32_t a,
+                      uint32_t b) {
+  gate = net_of(known, gate, s);
+  a = net_of(known, a, s);
+  b = net_of(known, b, s);
+  return (bundle){.gate = gate, .a = MIN(a, b), .b = MAX(a, b)};
+}
+
 static void netlist_side(graph *g, uint32_t *known) {
-  job *j = g->j;
   const eda_flat_netlist *f = &g->flat;
   side *s = &g->side[NETLIST];
-  part *parts = eda_pool_alloc(&j->pool, f->devices, sizeof *parts);
+  bundle *parts = eda_pool_alloc(&g->j->pool, f->devices, sizeof *parts);
   for (size_t i = 0; i < f->devices; i++) {
     const eda_transistor *d = &f->device[i];
-    nm_point at = graph_place(g, d);
-    bundle b = {.gate = net_of(known, d->gate, s),
-                .a = net_of(known, d->drain, s),
-                .b = net_of(known, d->source, s),
-                .type = d->from->type,
-                .length = d->length,
-                .width = d->width,
-                .x = at.x,
-                .y = at.y};
-    order_nets(&b);
-    parts[i] = (part){b, (uint32_t)i};
+    bundle *b = &parts[i];
+    *b = part_at(known, s, d->gate, d->drain, d->source);
+    b->type = d->from->type;
+    b->length = d->length;
+    b->width = d->width;
+    b->middle = graph_place(g, d);
   }
-  make_bundles(j, parts, f->devices, s);
+  make_bundles(g->j, parts, NULL, f->devices, s);
 }
 
 static void layout_side(graph *g, uint32_t *known) {
-  job *j = g->j;
-  const uint32_t *gates = g->group->gate;
-  size_t n = g->group->gates;
-  const eda_gates *o = j->gates;
+  const eda_gates *o = g->j->gates;
   side *s = &g->side[LAYOUT];
-  part *parts = eda_pool_alloc(&j->pool, n, sizeof *parts);
+  size_t n = g->group->gates;
+  bundle *parts = eda_pool_alloc(&g->j->pool, n, sizeof *parts);
   for (size_t i = 0; i < n; i++) {
-    const terminals *t = &j->terminals[gates[i]];
-    const eda_box *box = &o->box[gates[i]];
-    bundle b = {.gate = net_of(known, t->gate, s),
-                .a = net_of(known, t->low, s),
-                .b = net_of(known, t->high, s),
-                .type = o->type[gates[i]],
-                .length = o->length[gates[i]],
-                .width = o->width[gates[i]],
-                .x = o->grid * ((double)box->x0 + box->x1) / 2,
-                .y = o->grid * ((double)box->y0 + box->y1) / 2};
-    order_nets(&b);
-    parts[i] = (part){b, gates[i]};
+    uint32_t gate = g->group->gate[i];
+    const terminals *t = &g->j->terminals[gate];
+    bundle *b = &parts[i];
+    *b = part_at(known, s, t->gate, t->low, t->high);
+    b->type = o->type[gate];
+    b->length = o->length[gate];
+    b->width = o->width[gate];
+    b->middle = graph_middle(g->j, gate);
   }
-  make_bundles(j, parts, n, s);
+  make_bundles(g->j, parts, g->group->gate, n, s);
 }
 
 /* ---- names ---- */
-
-/* Labels come group by group. */
-static size_t first_label(const job *j, uint32_t number) {
-  size_t low = 0, high = j->labels;
-  while (low < high) {
-    size_t middle = low + (high - low) / 2;
-    if (j->label[middle].group < number)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low;
-}
 
 /* Ports that both sides have are each other's counterpart; other labels are a
    hint. `known`: the numbers of the nets of each side. */
@@ -160,10 +147,9 @@ static int name_nets(graph *g, uint32_t *const known[SIDES]) {
   for (size_t i = 0; i < g->flat.ports; i++) is_port[g->flat.port[i]] = 1;
   for (size_t i = 0; i < g->flat.nets; i++)
     *eda_names_add(&net_of_name, g->flat.net[i]) = (uint32_t)i;
-  for (size_t i = first_label(j, g->number);
-       i < j->labels && j->label[i].group == g->number; i++) {
-    const label *l = &j->label[i];
-    uint32_t *net = eda_names_find(&net_of_name, l->text, strlen(l->text));
+  for (size_t i = 0; i < g->group->labels; i++) {
+    const label *l = &g->group->label[i];
+    uint32_t *net = eda_names_find(&net_of_name, l->text);
     if (!net || l->net == UINT32_MAX || known[LAYOUT][l->net] == UINT32_MAX ||
         known[NETLIST][*net] == UINT32_MAX)
       continue;
@@ -176,9 +162,9 @@ static int name_nets(graph *g, uint32_t *const known[SIDES]) {
     }
     if (b->seed[m] && b->seed[m] != name)
       return opc_fail(j->error, OPC_INVALID, "file",
-                           "ports '%.100s' and '%.100s' of '%.100s' are one "
-                           "net in the layout",
-                           b->seed[m], name, g->group->scope->of->name);
+                      "ports '%.100s' and '%.100s' of '%.100s' are one "
+                      "net in the layout",
+                      b->seed[m], name, g->group->scope->of->name);
     a->seed[n] = b->seed[m] = name;
   }
   return OPC_OK;
@@ -189,8 +175,8 @@ static int name_nets(graph *g, uint32_t *const known[SIDES]) {
 static void put_link(graph *g, uint32_t *at, uint32_t a, uint32_t b,
                      uint32_t role) {
   if (g->links) {
-    g->links[at[a]] = (link){b, role};
-    g->links[at[b]] = (link){a, role};
+    g->links[at[a]] = (arc){b, role};
+    g->links[at[b]] = (arc){a, role};
   }
   at[a]++;
   at[b]++;
@@ -225,8 +211,8 @@ static void make_links(graph *g) {
   put_links(g, at);
 }
 
-int graph_make(job *j, uint32_t number, graph *g) {
-  *g = (graph){.j = j, .group = &j->group[number], .number = number};
+int graph_make(job *j, const region *group, graph *g) {
+  *g = (graph){.j = j, .group = group};
   g->flat.pool = &j->pool;
   if (eda_netlist_flatten(&j->netlist, g->group->scope, &g->flat))
     return j->error->code;

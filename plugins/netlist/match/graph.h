@@ -10,12 +10,16 @@
 
 enum { NETLIST, LAYOUT, SIDES };
 
+typedef struct nm_point {
+  double x, y;
+} nm_point;
+
 typedef struct bundle {
   uint32_t gate, a, b; /* nets of its side; a <= b */
   uint8_t type;
   uint32_t first, count; /* in the members of its side */
   double length, width;  /* of the first; of all together */
-  double x, y;           /* the middle of all, nm; NAN if not known */
+  nm_point middle;       /* of all, nm; NAN if not known */
 } bundle;
 
 typedef struct side {
@@ -27,26 +31,21 @@ typedef struct side {
   const char **name; /* of each net: the label on both sides, or NULL */
 } side;
 
-typedef struct nm_point {
-  double x, y;
-} nm_point;
-
-typedef struct link {
+typedef struct arc {
   uint32_t node;
   uint32_t role; /* 1 gate, 2 source or drain */
-} link;
+} arc;
 
 /* Nodes: nets of both sides, then bundles of both. */
 typedef struct graph {
   job *j;
   const region *group;
-  uint32_t number; /* of the group */
   eda_flat_netlist flat;
   side side[SIDES];
   uint32_t nodes;
   uint32_t net0[SIDES], bundle0[SIDES];
   uint32_t *start; /* of each node, in links */
-  link *links;
+  arc *links;
 } graph;
 
 static inline int graph_side(const graph *g, uint32_t node) {
@@ -69,11 +68,20 @@ static inline uint64_t graph_mix(uint64_t a, uint64_t b) {
    of the top itself are at a place of the layout. */
 nm_point graph_place(const graph *g, const eda_transistor *d);
 
+/* The middle of a gate, nm. */
+nm_point graph_middle(const job *j, uint32_t gate);
+
+/* From a place to another, nm; 0 if one is not known. */
+double graph_distance(nm_point a, nm_point b);
+
 /* A name's, in any case; 0 for NULL. */
 uint64_t graph_hash(const char *name);
 
+/* Sort nodes by a mark that each has, then by number. */
+void graph_sort(uint32_t *nodes, size_t n, const uint64_t *mark);
+
 /* graph.c: the graph of a group. */
-int graph_make(job *j, uint32_t group, graph *out);
+int graph_make(job *j, const region *group, graph *out);
 
 /* faults.c: tell which bundles have no counterpart. Returns the code. */
 int graph_tell(graph *g);
@@ -103,8 +111,6 @@ void partition_make(const graph *g, partition *out);
 int partition_refine(partition *p);
 /* Split a class by the marks of its nodes. */
 void partition_split(partition *p, uint32_t class);
-/* Whether both sides have as many of each mark in that class. */
-int partition_fits(const partition *p, uint32_t class);
 /* Take two nodes as counterparts, one of each side. */
 void partition_pick(partition *p, uint32_t a, uint32_t b);
 /* Take back all splits beyond that number of classes. */

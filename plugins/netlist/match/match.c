@@ -66,7 +66,7 @@ static int find_layer(job *j, const opc_map *map, const char *parameter,
   *layer = eda_layout_find_layer(j->layout, name);
   if (*layer >= 0) return OPC_OK;
   return opc_fail(j->error, OPC_INVALID, parameter,
-                       "the layout has no layer '%.200s' for '%s'", name, key);
+                  "the layout has no layer '%.200s' for '%s'", name, key);
 }
 
 static int find_layers(job *j, const matcher *m) {
@@ -84,9 +84,9 @@ static int find_layers(job *j, const matcher *m) {
     if (find_layer(j, &m->labels, "labels", name[0], &j->text_layer[k]))
       return j->error->code;
     if (j->layer[k] >= 0)
-      n += (size_t)snprintf(
-          used + n, sizeof used - n, "%s%s '%.40s'", n ? ", " : "", name[0],
-          eda_layout_layer_name(j->layout, j->layer[k]));
+      n += (size_t)snprintf(used + n, sizeof used - n, "%s%s '%.40s'",
+                            n ? ", " : "", name[0],
+                            eda_layout_layer_name(j->layout, j->layer[k]));
     if (n >= sizeof used) n = sizeof used - 1;
   }
   j->host->log(j->host, OPC_LOG_INFO, "netlist.match: layers: %s", used);
@@ -97,9 +97,9 @@ static int find_top(job *j) {
   j->top = eda_layout_find_cell(j->layout, j->gates->name);
   if (j->top >= 0) return OPC_OK;
   return opc_fail(j->error, OPC_INVALID, "layout",
-                       "the layout has no cell '%.200s', which the gates are "
-                       "of",
-                       j->gates->name);
+                  "the layout has no cell '%.200s', which the gates are "
+                  "of",
+                  j->gates->name);
 }
 
 static int match(job *j, const matcher *m, eda_circuit **out) {
@@ -155,87 +155,49 @@ static int run(void *self, void **outputs, opc_error *error) {
   "metal5|via5|metal6|via6|metal7|via7|metal8|via8|metal9|via9|metal10"
 
 static const opc_parameter parameters[] = {
-    {.name = "gates",
-     .type = OPC_INPUT,
-     .flags = OPC_REQUIRED,
-     .choices = "gates",
-     .summary = "the gates to find",
-     OPC_FIELD(matcher, gates)},
-    {.name = "layout",
-     .type = OPC_INPUT,
-     .flags = OPC_REQUIRED,
-     .choices = "layout",
-     .summary = "the layout that the gates are of",
-     OPC_FIELD(matcher, layout)},
-    {.name = "file",
-     .type = OPC_FILE,
-     .flags = OPC_REQUIRED,
-     .summary = "the netlist: SPICE or CDL",
-     OPC_FIELD(matcher, file)},
-    {.name = "top",
-     .type = OPC_TEXT,
-     .summary = "the subcircuit; if not given, that with the name of the "
-                "gates' cell",
-     OPC_FIELD(matcher, top)},
-    {.name = "layers",
-     .type = OPC_MAP,
-     .choices = LAYER_KEYS,
-     .summary = "names of the layout for layers that conduct",
-     OPC_FIELD(matcher, layers)},
-    {.name = "labels",
-     .type = OPC_MAP,
-     .choices = LAYER_KEYS,
-     .summary = "layers with the texts that name nets, where they are layers "
-                "of their own",
-     OPC_FIELD(matcher, labels)},
-    {.name = "scale",
-     .type = OPC_REAL,
-     .flags = OPC_ABOVE,
-     .preset = "1",
-     .summary = "a factor on the sizes of the netlist",
-     OPC_FIELD(matcher, scale)},
-    {.name = "flat",
-     .type = OPC_BOOL,
-     .preset = "false",
-     .summary = "match all at once, even where the layout has the netlist's "
-                "instances",
-     OPC_FIELD(matcher, flat)},
-    {.name = "tolerance",
-     .type = OPC_REAL,
-     .flags = OPC_AT_LEAST | OPC_AT_MOST,
-     .unit = "%",
-     .preset = "1 %",
-     .max = 50,
-     .summary = "how far L and W may be from the netlist's; one step of the "
-                "grid at least",
-     OPC_FIELD(matcher, tolerance)},
-    {.name = "supply",
-     .type = OPC_TEXT,
-     .preset = "VDD VDD! VCC",
-     .summary = "names of supply ports, with blanks between",
-     OPC_FIELD(matcher, supply)},
-    {.name = "ground",
-     .type = OPC_TEXT,
-     .preset = "VSS VSS! GND GND! 0",
-     .summary = "names of ground ports, with blanks between",
-     OPC_FIELD(matcher, ground)},
-    {.name = "nmos",
-     .type = OPC_TEXT,
-     .summary = "names of n models, where it does not show",
-     OPC_FIELD(matcher, n_models)},
-    {.name = "pmos",
-     .type = OPC_TEXT,
-     .summary = "names of p models, where it does not show",
-     OPC_FIELD(matcher, p_models)},
+    OPC_PARAMETER(matcher, gates, .type = OPC_INPUT, .flags = OPC_REQUIRED,
+                  .choices = "gates", .summary = "the gates to find"),
+    OPC_PARAMETER(matcher, layout, .type = OPC_INPUT, .flags = OPC_REQUIRED,
+                  .choices = "layout",
+                  .summary = "the layout that the gates are of"),
+    OPC_PARAMETER(matcher, file, .type = OPC_FILE, .flags = OPC_REQUIRED,
+                  .summary = "the netlist: SPICE or CDL"),
+    OPC_PARAMETER(matcher, top, .type = OPC_TEXT,
+                  .summary = "the subcircuit; if not given, that with the name "
+                             "of the gates' cell"),
+    OPC_PARAMETER(matcher, layers, .type = OPC_MAP, .choices = LAYER_KEYS,
+                  .summary = "names of the layout for layers that conduct"),
+    OPC_PARAMETER(matcher, labels, .type = OPC_MAP, .choices = LAYER_KEYS,
+                  .summary = "layers with the texts that name nets, where they "
+                             "are layers of their own"),
+    OPC_PARAMETER(matcher, scale, .type = OPC_REAL, .flags = OPC_ABOVE,
+                  .preset = "1",
+                  .summary = "a factor on the sizes of the netlist"),
+    OPC_PARAMETER(matcher, flat, .type = OPC_BOOL, .preset = "false",
+                  .summary = "match all at once, even where the layout has the "
+                             "netlist's instances"),
+    OPC_PARAMETER(matcher, tolerance, .type = OPC_REAL,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "%",
+                  .preset = "1 %", .max = 50,
+                  .summary = "how far L and W may be from the netlist's; one "
+                             "step of the grid at least"),
+    OPC_PARAMETER(matcher, supply, .type = OPC_TEXT, .preset = "VDD VDD! VCC",
+                  .summary = "names of supply ports, with blanks between"),
+    OPC_PARAMETER(matcher, ground, .type = OPC_TEXT,
+                  .preset = "VSS VSS! GND GND! 0",
+                  .summary = "names of ground ports, with blanks between"),
+    OPC_PARAMETER_NAMED("nmos", matcher, n_models, .type = OPC_TEXT,
+                        .summary = "names of n models, where it does not show"),
+    OPC_PARAMETER_NAMED("pmos", matcher, p_models, .type = OPC_TEXT,
+                        .summary = "names of p models, where it does not show"),
 };
 
 static const opc_metric metrics[] = {
-    {.name = "devices", .summary = "transistors of the netlist"},
-    {.name = "gates", .summary = "gates that they are drawn as"},
-    {.name = "nets", .summary = "nets of the netlist"},
-    {.name = "by_order",
-     .better = OPC_LOWER,
-     .summary = "choices among like transistors that only their order settled"},
+    {"devices", NULL, OPC_NEUTRAL, 0, "transistors of the netlist"},
+    {"gates", NULL, OPC_NEUTRAL, 0, "gates that they are drawn as"},
+    {"nets", NULL, OPC_NEUTRAL, 0, "nets of the netlist"},
+    {"by_order", NULL, OPC_LOWER, 0,
+     "choices among like transistors that only their order settled"},
 };
 
 /* ---- entry ---- */

@@ -12,27 +12,29 @@
    Number 2 + 2 k is metal k + 1 less one's cut: contact, metal1, via1 ... */
 enum { POLY, ACTIVE, CONTACT, METAL1, METALS = 10, LAYERS = 2 + 2 * METALS };
 
-/* A subcircuit of the netlist and the part of the layout that is it. */
-typedef struct region {
-  const eda_scope *scope;
-  int32_t cell;
-  const char *path; /* of the instance in the layout; "" at the top */
-  uint64_t first_device; /* of the flat netlist */
-  const uint32_t *gate;  /* those that lie in it, in order */
-  size_t gates;
-} region;
-
-/* A net has two terminals at most on a gate's sides and one on the gate. */
-typedef struct terminals {
-  uint32_t gate, low, high;
-} terminals;
-
 /* A text on a net; while nets are sought, `net` is a rectangle. */
 typedef struct label {
   uint32_t net, group;
   size_t number; /* in the order of reading */
   const char *text;
 } label;
+
+/* A subcircuit of the netlist and the part of the layout that is it. */
+typedef struct region {
+  const eda_scope *scope;
+  int32_t cell;
+  const char *path;      /* of the instance in the layout; "" at the top */
+  uint64_t first_device; /* of the flat netlist */
+  const uint32_t *gate;  /* those that lie in it, in order */
+  size_t gates;
+  const label *label; /* those of its nets, in order */
+  size_t labels;
+} region;
+
+/* A net has two terminals at most on a gate's sides and one on the gate. */
+typedef struct terminals {
+  uint32_t gate, low, high;
+} terminals;
 
 typedef struct job {
   const opc_host *host;
@@ -48,8 +50,8 @@ typedef struct job {
 
   size_t groups, room_groups;
   region *group;
-  eda_names group_of;  /* paths to groups */
-  uint32_t *of_group;  /* of each gate; UINT32_MAX: of none */
+  eda_names group_of; /* paths to groups */
+  uint32_t *of_group; /* of each gate; UINT32_MAX: of none */
 
   terminals *terminals; /* of each gate: nets; those of a group are its own */
   size_t nets;

@@ -27,7 +27,6 @@ static char *netlist_of(const char *cell) {
   return text_of(path);
 }
 
-
 static const char *const cells[] = {"nmos",  "pmos",          "inverter",
                                     "nand2", "nor2",          "nand2h",
                                     "sram4", "inverter_chain"};
@@ -122,18 +121,16 @@ static void test_roles(void) {
   g_autofree char *text = netlist_of("nand2");
   g_autofree char *path = in_folder("a.sp", text, -1);
   const eda_circuit *c = match(&r, path, "", NULL);
-  static const uint8_t usual[] = {EDA_PIN_INPUT, EDA_PIN_INPUT,
-                                  EDA_PIN_OUTPUT, EDA_PIN_SUPPLY,
-                                  EDA_PIN_GROUND};
+  static const uint8_t usual[] = {EDA_PIN_INPUT, EDA_PIN_INPUT, EDA_PIN_OUTPUT,
+                                  EDA_PIN_SUPPLY, EDA_PIN_GROUND};
   g_assert_cmpuint(c->ports, ==, 5);
   g_assert_cmpmem(c->role, 5, usual, 5);
   g_assert_cmpstr(c->name, ==, "nand2");
   g_assert_cmpuint(c->nets, ==, 6);
   drop_circuit(&r);
   c = match(&r, path, ", supply: 'vcc a', ground: 'vdd'", NULL);
-  static const uint8_t odd[] = {EDA_PIN_SUPPLY, EDA_PIN_INPUT,
-                                EDA_PIN_OUTPUT, EDA_PIN_GROUND,
-                                EDA_PIN_OUTPUT};
+  static const uint8_t odd[] = {EDA_PIN_SUPPLY, EDA_PIN_INPUT, EDA_PIN_OUTPUT,
+                                EDA_PIN_GROUND, EDA_PIN_OUTPUT};
   g_assert_cmpmem(c->role, 5, odd, 5);
   drop(&r);
 }
@@ -220,8 +217,7 @@ static void test_empty(void) {
   g_autoptr(GString) netlist = g_string_new("* title\n.subckt e0 a\n.ends\n");
   for (int i = 1; i <= 40; i++)
     g_string_append_printf(
-        netlist, ".subckt e%d a\nx1 a e%d\nx2 a e%d\n.ends\n", i, i - 1,
-        i - 1);
+        netlist, ".subckt e%d a\nx1 a e%d\nx2 a e%d\n.ends\n", i, i - 1, i - 1);
   char *end = strstr(text, ".ends");
   g_string_append_printf(netlist, "%.*sxe A e40\n%s", (int)(end - text), text,
                          end);
@@ -365,8 +361,7 @@ static void box(void *layout, int32_t cell, const char *layer, int32_t x0,
   opc_error error;
   int32_t l = eda_layout_layer(layout, layer, &error);
   eda_box b = {x0, y0, x1, y1};
-  g_assert_cmpint(eda_layout_add_box(layout, cell, l, b, &error), ==,
-                  OPC_OK);
+  g_assert_cmpint(eda_layout_add_box(layout, cell, l, b, &error), ==, OPC_OK);
 }
 
 /* Two transistors in a row; a strap of metal over all three diffusions. */

@@ -24,7 +24,8 @@ static inline opc_module *module_of(const char *id, const char *map) {
   return m;
 }
 
-static inline run read_layout(const char *id, const char *path, const char *rest) {
+static inline run read_layout(const char *id, const char *path,
+                              const char *rest) {
   opc_error error;
   g_autofree char *map = g_strdup_printf("{ file: '%s', %s }", path, rest);
   run r = {.read = module_of(id, map)};
@@ -40,8 +41,8 @@ static inline void find_gates(run *r, const char *map) {
 }
 
 /* The circuit; or NULL and the message. */
-static inline const eda_circuit *match(run *r, const char *netlist, const char *rest,
-                                char **message) {
+static inline const eda_circuit *match(run *r, const char *netlist,
+                                       const char *rest, char **message) {
   opc_error error;
   g_autofree char *map = g_strdup_printf("{ file: '%s'%s }", netlist, rest);
   r->match = module_of("netlist.match", map);
@@ -71,7 +72,9 @@ static inline void drop(run *r) {
   opc_test_module_free(r->read);
 }
 
-static inline const char *net(const eda_circuit *c, uint32_t n) { return c->net[n]; }
+static inline const char *net(const eda_circuit *c, uint32_t n) {
+  return c->net[n];
+}
 
 /* ---- material ---- */
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The circuit that netlist.match hands on, and what the run tells of it. */
-#include <stdio.h>
+#include <glib.h>
+#include <opcflow/table.h>
 #include <string.h>
 
 #include "match.h"
@@ -65,62 +66,51 @@ eda_circuit *match_circuit(const job *j, const char *name, const char *supply,
 /* ---- what the run tells ---- */
 
 static const char *gate_names(job *j, const eda_device *d) {
-  char name[256];
-  size_t bytes = 1, used = 0;
-  for (uint32_t i = 0; i < d->fingers; i++)
-    bytes += strlen(match_gate_name(j, d->finger[i], name, sizeof name)) + 1;
-  char *text = eda_pool_alloc(&j->pool, bytes, 1);
-  for (uint32_t i = 0; i < d->fingers; i++)
-    used +=
-        (size_t)snprintf(text + used, bytes - used, "%s%s", i ? " " : "",
-                         match_gate_name(j, d->finger[i], name, sizeof name));
-  return text;
+  g_autoptr(GString) text = g_string_new(NULL);
+  for (uint32_t i = 0; i < d->fingers; i++) {
+    char name[256];
+    match_gate_name(j, d->finger[i], name, sizeof name);
+    g_string_append_printf(text, "%s%s", i ? " " : "", name);
+  }
+  return eda_pool_text(&j->pool, text->str, text->len);
 }
 
 static int publish_table(job *j, const eda_circuit *c) {
-  enum { DEVICE, TYPE, DRAIN, GATE, SOURCE, GATES, TEXTS };
-  const char **text[TEXTS];
-  double *length = eda_pool_alloc(&j->pool, c->count, sizeof *length);
-  double *width = eda_pool_alloc(&j->pool, c->count, sizeof *width);
-  for (int k = 0; k < TEXTS; k++)
-    text[k] = eda_pool_alloc(&j->pool, c->count, sizeof *text[k]);
+  typedef struct row {
+    const char *device, *type, *drain, *gate, *source, *gates;
+    double length, width;
+  } row;
+  row *rows = eda_pool_alloc(&j->pool, c->count, sizeof *rows);
   for (size_t i = 0; i < c->count; i++) {
     const eda_device *d = &c->device[i];
-    text[DEVICE][i] = d->name;
-    text[TYPE][i] = d->type == EDA_PMOS ? "p" : "n";
-    text[DRAIN][i] = c->net[d->drain];
-    text[GATE][i] = c->net[d->gate];
-    text[SOURCE][i] = c->net[d->source];
-    text[GATES][i] = gate_names(j, d);
-    length[i] = d->length;
-    width[i] = d->width;
+    rows[i] = (row){.device = d->name,
+                    .type = d->type == EDA_PMOS ? "p" : "n",
+                    .drain = c->net[d->drain],
+                    .gate = c->net[d->gate],
+                    .source = c->net[d->source],
+                    .gates = gate_names(j, d),
+                    .length = d->length,
+                    .width = d->width};
   }
   const opc_column columns[] = {
-      {"device", NULL, OPC_TEXT, 0, text[DEVICE]},
-      {"type", NULL, OPC_TEXT, 0, text[TYPE]},
-      {"drain", NULL, OPC_TEXT, 0, text[DRAIN]},
-      {"gate", NULL, OPC_TEXT, 0, text[GATE]},
-      {"source", NULL, OPC_TEXT, 0, text[SOURCE]},
-      {"L", "nm", OPC_REAL, -1, length},
-      {"W", "nm", OPC_REAL, -1, width},
-      {"gates", NULL, OPC_TEXT, 0, text[GATES]},
+      {"device", NULL, OPC_TEXT, 0, &rows->device},
+      {"type", NULL, OPC_TEXT, 0, &rows->type},
+      {"drain", NULL, OPC_TEXT, 0, &rows->drain},
+      {"gate", NULL, OPC_TEXT, 0, &rows->gate},
+      {"source", NULL, OPC_TEXT, 0, &rows->source},
+      {"L", "nm", OPC_REAL, -1, &rows->length},
+      {"W", "nm", OPC_REAL, -1, &rows->width},
+      {"gates", NULL, OPC_TEXT, 0, &rows->gates},
   };
-  return j->host->table(j->host, "netlist", 0, c->count, columns,
-                        sizeof columns / sizeof *columns, j->error);
+  return opc_put_rows(j->host, "netlist", 0, c->count, sizeof *rows,
+                      OPC_ARRAY(columns), j->error);
 }
 
 int match_publish(job *j, const eda_circuit *c) {
-  const opc_host *host = j->host;
-  const struct {
-    const char *name;
-    size_t value;
-  } metrics[] = {{"devices", c->count},
-                 {"gates", j->gates->count},
-                 {"nets", c->nets},
-                 {"by_order", j->by_order}};
+  const opc_value values[] = {{"devices", (double)c->count},
+                              {"gates", (double)j->gates->count},
+                              {"nets", (double)c->nets},
+                              {"by_order", (double)j->by_order}};
   int code = publish_table(j, c);
-  for (size_t i = 0; !code && i < sizeof metrics / sizeof *metrics; i++)
-    code = host->metric(host, metrics[i].name, (double)metrics[i].value,
-                        j->error);
-  return code;
+  return code ? code : opc_put_values(j->host, OPC_ARRAY(values), j->error);
 }

@@ -2,8 +2,8 @@
 /* Which part of the layout a subcircuit is. Where the layout has instances of
    the netlist's names and cells, each is matched for itself, and so needs no
    wires between them; where it has not, a subcircuit is matched flat. */
+#include <glib.h>
 #include <string.h>
-#include <strings.h>
 
 #include "match.h"
 
@@ -34,8 +34,8 @@ static void list_instances(job *j, int32_t cell, eda_names *names) {
    its X; -1 if there is none. */
 static int64_t by_name(const eda_names *names, const eda_element *e) {
   const char *name = e->name;
-  uint32_t *at = eda_names_find(names, name, strlen(name));
-  if (!at && name[1]) at = eda_names_find(names, name + 1, strlen(name + 1));
+  uint32_t *at = eda_names_find(names, name);
+  if (!at && name[1]) at = eda_names_find(names, name + 1);
   return at && *at != (uint32_t)AMBIGUOUS ? (int64_t)*at : -1;
 }
 
@@ -76,10 +76,9 @@ static int pair_element(job *j, const region *g, const eda_element *e,
   eda_netlist_where(&j->netlist, e, where, sizeof where);
   if (at < 0)
     return opc_fail(j->error, OPC_INVALID, "file",
-                         "netlist instance '%.100s' (%s) is not in cell "
-                         "'%.100s' of the layout",
-                         e->name, where,
-                         eda_layout_cell_name(j->layout, g->cell));
+                    "netlist instance '%.100s' (%s) is not in cell "
+                    "'%.100s' of the layout",
+                    e->name, where, eda_layout_cell_name(j->layout, g->cell));
   int32_t child;
   const char *name = instance(j, g->cell, at, &child);
   if (!is_cell(j, child, e->model))
@@ -117,12 +116,12 @@ static int pair(job *j, const region *g) {
 
 /* The group of an instance of that path: the deepest one that it lies in. */
 uint32_t match_group_of(const job *j, const char *path) {
-  for (size_t n = strlen(path);;) {
-    uint32_t *at = eda_names_find(&j->group_of, n ? path : "", n);
-    if (at) return *at;
-    if (!n) return UINT32_MAX;
-    while (n && path[n - 1] != '/') n--;
-    if (n) n--;
+  g_autofree char *part = g_strdup(path);
+  for (;;) {
+    uint32_t *at = eda_names_find(&j->group_of, part);
+    if (at || !*part) return at ? *at : UINT32_MAX;
+    char *slash = strrchr(part, '/');
+    *(slash ? slash : part) = 0;
   }
 }
 

@@ -36,13 +36,6 @@ void partition_make(const graph *g, partition *p) {
   p->n_changed = (uint32_t)n;
 }
 
-static int by_mark(const void *a, const void *b, void *data) {
-  const uint64_t *mark = data;
-  uint32_t p = *(const uint32_t *)a, q = *(const uint32_t *)b;
-  if (mark[p] != mark[q]) return mark[p] < mark[q] ? -1 : 1;
-  return (p > q) - (p < q);
-}
-
 static uint32_t run_end(const partition *p, const uint32_t *nodes, uint32_t i,
                         uint32_t n) {
   uint32_t k = i + 1;
@@ -55,18 +48,6 @@ static int balanced(const partition *p, const uint32_t *nodes, uint32_t n) {
   for (uint32_t i = 0; i < n; i++)
     layout += (uint32_t)graph_side(p->g, nodes[i]);
   return 2 * layout == n;
-}
-
-int partition_fits(const partition *p, uint32_t class) {
-  uint32_t n = p->end[class] - p->begin[class];
-  uint32_t *nodes = p->spare;
-  memcpy(nodes, p->order + p->begin[class], n * sizeof *nodes);
-  qsort_r(nodes, n, sizeof *nodes, by_mark, p->mark);
-  for (uint32_t i = 0, k; i < n; i = k) {
-    k = run_end(p, nodes, i, n);
-    if (!balanced(p, nodes + i, k - i)) return 0;
-  }
-  return 1;
 }
 
 /* The last nodes of a class become a class of their own. */
@@ -87,7 +68,7 @@ void partition_split(partition *p, uint32_t class) {
   uint32_t b = p->begin[class], n = p->end[class] - b;
   uint32_t *nodes = p->order + b, big = 0, big_end = 0;
   if (!n) return;
-  qsort_r(nodes, n, sizeof *nodes, by_mark, p->mark);
+  graph_sort(nodes, n, p->mark);
   for (uint32_t i = 0, k; i < n; i = k) {
     k = run_end(p, nodes, i, n);
     if (k - i > big_end - big) {

@@ -49,7 +49,6 @@ static void mark_names(partition *p, uint32_t class) {
 
 static void try_marks(partition *p, uint32_t class) {
   uint32_t before = p->classes;
-  if (!partition_fits(p, class)) return;
   partition_split(p, class);
   if (!partition_refine(p)) partition_undo(p, before);
 }
@@ -80,9 +79,8 @@ static uint32_t candidates(const partition *p, uint32_t node, sized *list) {
   for (uint32_t i = p->begin[class]; i < p->end[class]; i++) {
     uint32_t at = p->order[i];
     if (graph_side(g, at) != LAYOUT) continue;
-    const bundle *c = graph_bundle(g, at);
-    double far = hypot(c->x - b->x, c->y - b->y);
-    list[n++] = (sized){isnan(far) ? 0 : far, at};
+    double far = graph_distance(graph_bundle(g, at)->middle, b->middle);
+    list[n++] = (sized){far, at};
   }
   qsort(list, n, sizeof *list, by_value);
   return n;
@@ -93,7 +91,7 @@ static uint32_t candidates(const partition *p, uint32_t node, sized *list) {
 static int choose(partition *p, uint32_t node, sized *list) {
   uint32_t n = candidates(p, node, list);
   job *j = p->g->j;
-  j->by_order += isnan(graph_bundle(p->g, node)->x);
+  j->by_order += isnan(graph_bundle(p->g, node)->middle.x);
   for (uint32_t i = 0; i < n; i++) {
     uint32_t before = p->classes;
     partition_pick(p, node, list[i].node);
@@ -134,10 +132,10 @@ static int holds(const partition *p, const bundle *a, const bundle *b) {
          (of[n + a->a] == of[l + b->b] && of[n + a->b] == of[l + b->a]);
 }
 
-static int solve_group(job *j, uint32_t number) {
+static int solve_group(job *j, const region *group) {
   graph g;
   partition p;
-  if (graph_make(j, number, &g)) return j->error->code;
+  if (graph_make(j, group, &g)) return j->error->code;
   partition_make(&g, &p);
   if (!solve(&p)) return graph_tell(&g);
   for (uint32_t i = 0; i < g.side[NETLIST].bundles; i++) {
@@ -153,7 +151,7 @@ int match_solve(job *j) {
   j->owner = match_unknown(j, j->gates->count);
   j->known = match_unknown(j, j->nets);
   for (size_t k = 0; k < j->groups; k++) {
-    if (solve_group(j, (uint32_t)k)) return j->error->code;
+    if (solve_group(j, &j->group[k])) return j->error->code;
     if (opc_cancelled(j->host->context))
       return opc_fail(j->error, OPC_CANCELLED, NULL, "cancelled");
   }

@@ -7,12 +7,12 @@
 #include <eda/drawing.h>
 #include <eda/memory.h>
 #include <math.h>
+#include <opcflow/table.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* ---- state: window.h ---- */
 
-enum { MAX_PLACES = 100, BLOCK = 64 };
+enum { MAX_PLACES = 100 };
 
 /* ---- work: prints ---- */
 
@@ -23,12 +23,9 @@ typedef struct cutter {
   eda_section *cuts;
 } cutter;
 
-static void cut_block(void *data, size_t block) {
+static void cut_gate(void *data, size_t i) {
   const cutter *c = data;
-  size_t last = (block + 1) * BLOCK;
-  if (last > c->gates->count) last = c->gates->count;
-  for (size_t i = block * BLOCK; i < last; i++)
-    c->cuts[i] = eda_gate_section(c->gates, i, EDA_POLY, &c->print, &c->image);
+  c->cuts[i] = eda_gate_section(c->gates, i, EDA_POLY, &c->print, &c->image);
 }
 
 static int cut_dose(const window *w, const eda_printer *printer,
@@ -40,8 +37,7 @@ static int cut_dose(const window *w, const eda_printer *printer,
   c.image = eda_field_scaled(image, 1 + w->dose.values[dose] / 100);
   c.print = eda_field_scaled(&c.image, 1);
   int code = eda_printer_develop(printer, EDA_POLY, &c.print, error);
-  if (!code)
-    opc_parallel(w->host->context, (n + BLOCK - 1) / BLOCK, cut_block, &c);
+  if (!code) opc_parallel(w->host->context, n, cut_gate, &c);
   eda_field_clear(&c.image);
   eda_field_clear(&c.print);
   return code;
@@ -115,98 +111,88 @@ window_summary window_summarise(const window *w, size_t focus, size_t dose) {
   return s;
 }
 
-/* Publish a table whose rows, one number for each column, come from `row`. */
-static int put_table(const window *w, const char *name, uint32_t flags,
-                     size_t rows, const opc_column *heads, size_t n,
-                     void (*row)(const window *w, size_t k, double *out),
-                     opc_error *error) {
-  double *number = eda_alloc(n * rows, sizeof *number);
-  opc_column *columns = eda_alloc(n, sizeof *columns);
-  double *out = eda_alloc(n, sizeof *out);
-  for (size_t k = 0; k < rows; k++) {
-    row(w, k, out);
-    for (size_t q = 0; q < n; q++) {
-      int64_t whole = heads[q].type == OPC_INT ? (int64_t)out[q] : 0;
-      memcpy(&number[q * rows + k],
-             heads[q].type == OPC_INT ? (void *)&whole : &out[q],
-             sizeof *number);
-    }
+static int window_table(const window *w, opc_error *error) {
+  typedef struct row {
+    double defocus, dose;
+    window_summary s;
+    int64_t failed;
+  } row;
+  size_t prints = w->focus.count * w->dose.count;
+  row *rows = eda_alloc(prints, sizeof *rows);
+  for (size_t k = 0; k < prints; k++) {
+    size_t f = k / w->dose.count, d = k % w->dose.count;
+    window_summary s = window_summarise(w, f, d);
+    rows[k] =
+        (row){w->focus.values[f], w->dose.values[d], s, (int64_t)s.failed};
   }
-  for (size_t q = 0; q < n; q++) {
-    columns[q] = heads[q];
-    columns[q].data = number + q * rows;
-  }
-  int code = w->host->table(w->host, name, flags, rows, columns, n, error);
-  free(number);
-  free(columns);
-  free(out);
+  const opc_column columns[] = {{"defocus", "nm", OPC_REAL, -1, &rows->defocus},
+                                {"dose", "%", OPC_REAL, -1, &rows->dose},
+                                {"mean", "nm", OPC_REAL, 2, &rows->s.mean},
+                                {"min", "nm", OPC_REAL, 2, &rows->s.min},
+                                {"max", "nm", OPC_REAL, 2, &rows->s.max},
+                                {"nils", NULL, OPC_REAL, 3, &rows->s.nils},
+                                {"failed", NULL, OPC_INT, 0, &rows->failed}};
+  int code = opc_put_rows(w->host, "process_window", OPC_TABLE_PRINT, prints,
+                          sizeof *rows, OPC_ARRAY(columns), error);
+  free(rows);
   return code;
 }
-
-#define COLUMNS(heads) heads, sizeof heads / sizeof *heads
-
-static void window_row(const window *w, size_t k, double *out) {
-  size_t f = k / w->dose.count, d = k % w->dose.count;
-  window_summary s = window_summarise(w, f, d);
-  out[0] = w->focus.values[f];
-  out[1] = w->dose.values[d];
-  out[2] = s.mean;
-  out[3] = s.min;
-  out[4] = s.max;
-  out[5] = s.nils;
-  out[6] = s.failed;
-}
-
-static const opc_column window_heads[] = {
-    {"defocus", "nm", OPC_REAL, -1, NULL}, {"dose", "%", OPC_REAL, -1, NULL},
-    {"mean", "nm", OPC_REAL, 2, NULL},     {"min", "nm", OPC_REAL, 2, NULL},
-    {"max", "nm", OPC_REAL, 2, NULL},      {"nils", NULL, OPC_REAL, 3, NULL},
-    {"failed", NULL, OPC_INT, 0, NULL}};
 
 static double latitude(const window *w, size_t focus) {
   return isnan(w->low[focus]) ? 0 : w->high[focus] - w->low[focus];
 }
 
-static void latitude_row(const window *w, size_t f, double *out) {
-  out[0] = w->focus.values[f];
-  out[1] = w->low[f];
-  out[2] = w->high[f];
-  out[3] = latitude(w, f);
+static int latitude_table(const window *w, opc_error *error) {
+  double *range = eda_alloc(w->focus.count, sizeof *range);
+  for (size_t f = 0; f < w->focus.count; f++) range[f] = latitude(w, f);
+  const opc_column columns[] = {
+      {"defocus", "nm", OPC_REAL, -1, w->focus.values},
+      {"lowest_dose", "%", OPC_REAL, 2, w->low},
+      {"highest_dose", "%", OPC_REAL, 2, w->high},
+      {"latitude", "%", OPC_REAL, 2, range}};
+  int code = w->host->table(w->host, "exposure_latitude", OPC_TABLE_PRINT,
+                            w->focus.count, OPC_ARRAY(columns), error);
+  free(range);
+  return code;
 }
 
-static const opc_column latitude_heads[] = {
-    {"defocus", "nm", OPC_REAL, -1, NULL},
-    {"lowest_dose", "%", OPC_REAL, 2, NULL},
-    {"highest_dose", "%", OPC_REAL, 2, NULL},
-    {"latitude", "%", OPC_REAL, 2, NULL}};
-
-static void cut_row(const window *w, size_t k, double *out) {
+static int cut_table(const window *w, opc_error *error) {
+  typedef struct row {
+    double x, y, defocus, dose, drawn;
+    eda_section cut;
+    double nils;
+  } row;
   const eda_gates *g = w->gates;
-  size_t i = k % g->count, place = k / g->count;
-  eda_section cut = w->cuts[k];
-  out[0] = ((double)g->box[i].x0 + g->box[i].x1) / 2 * g->grid;
-  out[1] = ((double)g->box[i].y0 + g->box[i].y1) / 2 * g->grid;
-  out[2] = w->focus.values[place / w->dose.count];
-  out[3] = w->dose.values[place % w->dose.count];
-  out[4] = g->length[i];
-  out[5] = cut.length;
-  out[6] = cut.low;
-  out[7] = cut.high;
-  out[8] = g->length[i] * fmin(cut.low, cut.high);
+  size_t n = w->focus.count * w->dose.count * g->count;
+  row *rows = eda_alloc(n, sizeof *rows);
+  for (size_t k = 0; k < n; k++) {
+    size_t i = k % g->count, place = k / g->count;
+    eda_section cut = w->cuts[k];
+    rows[k] = (row){((double)g->box[i].x0 + g->box[i].x1) / 2 * g->grid,
+                    ((double)g->box[i].y0 + g->box[i].y1) / 2 * g->grid,
+                    w->focus.values[place / w->dose.count],
+                    w->dose.values[place % w->dose.count],
+                    g->length[i],
+                    cut,
+                    g->length[i] * fmin(cut.low, cut.high)};
+  }
+  const opc_column columns[] = {
+      {"x", "nm", OPC_REAL, -1, &rows->x},
+      {"y", "nm", OPC_REAL, -1, &rows->y},
+      {"defocus", "nm", OPC_REAL, -1, &rows->defocus},
+      {"dose", "%", OPC_REAL, -1, &rows->dose},
+      {"drawn", "nm", OPC_REAL, -1, &rows->drawn},
+      {"printed", "nm", OPC_REAL, 3, &rows->cut.length},
+      {"ils_low", "1/nm", OPC_REAL, 6, &rows->cut.low},
+      {"ils_high", "1/nm", OPC_REAL, 6, &rows->cut.high},
+      {"nils", NULL, OPC_REAL, 4, &rows->nils}};
+  int code = opc_put_rows(w->host, "cut_lines", 0, n, sizeof *rows,
+                          OPC_ARRAY(columns), error);
+  free(rows);
+  return code;
 }
-
-static const opc_column cut_heads[] = {{"x", "nm", OPC_REAL, -1, NULL},
-                                       {"y", "nm", OPC_REAL, -1, NULL},
-                                       {"defocus", "nm", OPC_REAL, -1, NULL},
-                                       {"dose", "%", OPC_REAL, -1, NULL},
-                                       {"drawn", "nm", OPC_REAL, -1, NULL},
-                                       {"printed", "nm", OPC_REAL, 3, NULL},
-                                       {"ils_low", "1/nm", OPC_REAL, 6, NULL},
-                                       {"ils_high", "1/nm", OPC_REAL, 6, NULL},
-                                       {"nils", NULL, OPC_REAL, 4, NULL}};
 
 static int report(const window *w, opc_error *error) {
-  const opc_host *host = w->host;
   size_t prints = w->focus.count * w->dose.count;
   double most = 0, nils = INFINITY, failed = 0;
   for (size_t f = 0; f < w->focus.count; f++) most = fmax(most, latitude(w, f));
@@ -217,20 +203,14 @@ static int report(const window *w, opc_error *error) {
     failed = fmax(failed, s.failed);
   }
   double depth = isnan(w->depth_low) ? 0 : w->depth_high - w->depth_low;
-  int code = put_table(w, "process_window", OPC_TABLE_PRINT, prints,
-                       COLUMNS(window_heads), window_row, error);
-  if (!code)
-    code = put_table(w, "exposure_latitude", OPC_TABLE_PRINT, w->focus.count,
-                     COLUMNS(latitude_heads), latitude_row, error);
-  if (!code && w->cut_lines)
-    code = put_table(w, "cut_lines", 0, prints * w->gates->count,
-                     COLUMNS(cut_heads), cut_row, error);
-  if (!code) code = host->metric(host, "exposure_latitude", most, error);
-  if (!code) code = host->metric(host, "depth_of_focus", depth, error);
-  if (!code && isfinite(nils))
-    code = host->metric(host, "nils_min", nils, error);
-  if (!code) code = host->metric(host, "failed_max", failed, error);
-  return code;
+  int code = window_table(w, error);
+  if (!code) code = latitude_table(w, error);
+  if (!code && w->cut_lines) code = cut_table(w, error);
+  const opc_value values[] = {{"exposure_latitude", most},
+                              {"depth_of_focus", depth},
+                              {isfinite(nils) ? "nils_min" : NULL, nils},
+                              {"failed_max", failed}};
+  return code ? code : opc_put_values(w->host, OPC_ARRAY(values), error);
 }
 
 /* ---- work: a run ---- */
@@ -262,86 +242,46 @@ static int run(void *self, void **outputs, opc_error *error) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    {.name = "mask",
-     .type = OPC_INPUT,
-     .choices = "mask",
-     .summary = "a corrected mask whose gates are measured",
-     OPC_FIELD(window, mask)},
-    {.name = "gates",
-     .type = OPC_INPUT,
-     .choices = "gates",
-     .summary = "in its place: gates on the mask as drawn",
-     OPC_FIELD(window, as_drawn)},
-    {.name = "litho",
-     .type = OPC_SLOT,
-     .flags = OPC_REQUIRED,
-     .choices = "litho",
-     .summary = "model of the optics",
-     OPC_FIELD(window, litho)},
-    {.name = "resist",
-     .type = OPC_SLOT,
-     .flags = OPC_REQUIRED,
-     .choices = "resist",
-     .summary = "model of the resist, calibrated at 0 % and 0 nm",
-     OPC_FIELD(window, resist)},
-    {.name = "dose",
-     .type = OPC_REALS,
-     .unit = "%",
-     .preset = "[-8 %, -4 %, 0 %, 4 %, 8 %]",
-     .summary = "more or less light, increasing",
-     OPC_FIELD(window, dose)},
-    {.name = "defocus",
-     .type = OPC_REALS,
-     .unit = "nm",
-     .preset = "[-100 nm, -50 nm, 0 nm, 50 nm, 100 nm]",
-     .summary = "distances from the focus of litho, increasing",
-     OPC_FIELD(window, focus)},
-    {.name = "tolerance",
-     .type = OPC_REAL,
-     .flags = OPC_ABOVE,
-     .unit = "%",
-     .preset = "10 %",
-     .min = 0,
-     .summary = "of the drawn length, that a print may be off by",
-     OPC_FIELD(window, tolerance)},
-    {.name = "margin",
-     .type = OPC_REAL,
-     .flags = OPC_AT_LEAST,
-     .unit = "nm",
-     .preset = "1000 nm",
-     .min = 0,
-     .summary = "clear field around the layout, which repeats beyond",
-     OPC_FIELD(window, margin)},
-    {.name = "cut_lines",
-     .type = OPC_BOOL,
-     .preset = "false",
-     .summary = "whether to write a table of every gate's cuts",
-     OPC_FIELD(window, cut_lines)},
-    {.name = "file",
-     .type = OPC_OUTPUT,
-     .preset = "process_window.png",
-     .summary = "the picture, .png, .svg or .pdf",
-     OPC_FIELD(window, file)},
+    OPC_PARAMETER(window, mask, .type = OPC_INPUT, .choices = "mask",
+                  .summary = "a corrected mask whose gates are measured"),
+    OPC_PARAMETER_NAMED("gates", window, as_drawn, .type = OPC_INPUT,
+                        .choices = "gates",
+                        .summary = "in its place: gates on the mask as drawn"),
+    OPC_PARAMETER(window, litho, .type = OPC_SLOT, .flags = OPC_REQUIRED,
+                  .choices = "litho", .summary = "model of the optics"),
+    OPC_PARAMETER(window, resist, .type = OPC_SLOT, .flags = OPC_REQUIRED,
+                  .choices = "resist",
+                  .summary = "model of the resist, calibrated at 0 % and 0 nm"),
+    OPC_PARAMETER(window, dose, .type = OPC_REALS, .unit = "%",
+                  .preset = "[-8 %, -4 %, 0 %, 4 %, 8 %]",
+                  .summary = "more or less light, increasing"),
+    OPC_PARAMETER_NAMED(
+        "defocus", window, focus, .type = OPC_REALS, .unit = "nm",
+        .preset = "[-100 nm, -50 nm, 0 nm, 50 nm, 100 nm]",
+        .summary = "distances from the focus of litho, increasing"),
+    OPC_PARAMETER(window, tolerance, .type = OPC_REAL, .flags = OPC_ABOVE,
+                  .unit = "%", .preset = "10 %", .min = 0,
+                  .summary = "of the drawn length, that a print may be off by"),
+    OPC_PARAMETER(
+        window, margin, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "nm",
+        .preset = "1000 nm", .min = 0,
+        .summary = "clear field around the layout, which repeats beyond"),
+    OPC_PARAMETER(window, cut_lines, .type = OPC_BOOL, .preset = "false",
+                  .summary = "whether to write a table of every gate's cuts"),
+    OPC_PARAMETER(window, file, .type = OPC_OUTPUT,
+                  .preset = "process_window.png",
+                  .summary = "the picture, .png, .svg or .pdf"),
 };
 
 static const opc_metric metrics[] = {
-    {.name = "exposure_latitude",
-     .unit = "%",
-     .better = OPC_HIGHER,
-     .tolerance = 0.05,
-     .summary = "range of dose within tolerance, at the focus with most"},
-    {.name = "depth_of_focus",
-     .unit = "nm",
-     .better = OPC_HIGHER,
-     .tolerance = 0.5,
-     .summary = "range of focus within tolerance, at the dose nearest to 0 %"},
-    {.name = "nils_min",
-     .better = OPC_HIGHER,
-     .tolerance = 0.001,
-     .summary = "least normalised image log slope of all gates and prints"},
-    {.name = "failed_max",
-     .better = OPC_LOWER,
-     .summary = "gates that are open or merged, in the worst print"},
+    {"exposure_latitude", "%", OPC_HIGHER, 0.05,
+     "range of dose within tolerance, at the focus with most"},
+    {"depth_of_focus", "nm", OPC_HIGHER, 0.5,
+     "range of focus within tolerance, at the dose nearest to 0 %"},
+    {"nils_min", NULL, OPC_HIGHER, 0.001,
+     "least normalised image log slope of all gates and prints"},
+    {"failed_max", NULL, OPC_LOWER, 0,
+     "gates that are open or merged, in the worst print"},
 };
 
 static int check_list(const char *name, opc_reals list, double above,

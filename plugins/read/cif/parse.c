@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The commands of a CIF file, for both readings. */
-#include <eda/memory.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "cif.h"
@@ -20,123 +18,106 @@ static int is_blank(int ch) {
 }
 
 static int peek(const cif *c) {
-  return c->at < c->n ? (unsigned char)c->text[c->at] : -1;
+  return c->at < c->b.n ? (unsigned char)c->b.text[c->at] : -1;
 }
 
 /* Past a comment; they nest. */
-static int skip_comment(cif *c, opc_error *error) {
+static void skip_comment(cif *c) {
   size_t depth = 0, open = c->at;
-  for (; c->at < c->n; c->at++) {
+  for (; c->at < c->b.n; c->at++) {
     if (peek(c) == '(') depth++;
     if (peek(c) != ')' || --depth) continue;
     c->at++;
-    return OPC_OK;
+    return;
   }
-  return cif_refuse(c, open, error, "a comment that does not end");
+  cif_refuse_at(c, open, "a comment that does not end");
 }
 
-/* Past blanks and comments. */
-static int skip(cif *c, opc_error *error) {
-  for (;;) {
-    int ch = peek(c);
-    if (ch == '(') {
-      if (skip_comment(c, error)) return error->code;
-    } else if (ch < 0 || !is_blank(ch)) {
-      return OPC_OK;
-    } else {
+/* Past blanks and comments; where that is. */
+static size_t skip(cif *c) {
+  for (int ch; (ch = peek(c)) >= 0 && (ch == '(' || is_blank(ch));) {
+    if (ch == '(')
+      skip_comment(c);
+    else
       c->at++;
-    }
   }
+  return c->at;
 }
 
-static int skip_to_end(cif *c, opc_error *error) {
-  const char *end = memchr(c->text + c->at, ';', c->n - c->at);
-  if (!end) return cif_refuse(c, c->command, error, "';' is missing");
-  c->at = (size_t)(end - c->text);
-  return OPC_OK;
+static void skip_to_end(cif *c) {
+  const char *end = memchr(c->b.text + c->at, ';', c->b.n - c->at);
+  if (end)
+    c->at = (size_t)(end - c->b.text);
+  else
+    cif_refuse(c, "';' is missing");
 }
 
-static int number_follows(cif *c, int *yes, opc_error *error) {
-  if (skip(c, error)) return error->code;
-  *yes = peek(c) == '-' || is_digit(peek(c));
-  return OPC_OK;
+static int number_follows(cif *c) {
+  skip(c);
+  return peek(c) == '-' || is_digit(peek(c));
 }
 
 /* An integer of 32 bits. */
-static int take_number(cif *c, int64_t *out, opc_error *error) {
-  *out = 0;
-  if (skip(c, error)) return error->code;
-  size_t start = c->at;
+static int64_t take_number(cif *c) {
+  size_t start = skip(c);
   int negative = peek(c) == '-';
   if (negative) c->at++;
   size_t digits = c->at;
   int64_t v = 0;
   for (; is_digit(peek(c)) && v <= INT32_MAX; c->at++)
     v = 10 * v + (peek(c) - '0');
-  if (c->at == digits)
-    return cif_refuse(c, start, error, "a number is missing");
-  if (v > INT32_MAX)
-    return cif_refuse(c, start, error, "a number beyond 32 bits");
-  *out = negative ? -v : v;
-  return OPC_OK;
+  if (c->at == digits) cif_refuse_at(c, start, "a number is missing");
+  if (v > INT32_MAX) cif_refuse_at(c, start, "a number beyond 32 bits");
+  return negative ? -v : v;
 }
 
 /* One that is not negative. */
-static int take_size(cif *c, int64_t *out, opc_error *error) {
-  if (skip(c, error)) return error->code;
-  size_t start = c->at;
-  if (take_number(c, out, error)) return error->code;
-  if (*out < 0) return cif_refuse(c, start, error, "a negative size");
-  return OPC_OK;
+static int64_t take_size(cif *c) {
+  size_t start = skip(c);
+  int64_t v = take_number(c);
+  if (v < 0) cif_refuse_at(c, start, "a negative size");
+  return v;
 }
 
 /* One that is positive. */
-static int take_count(cif *c, int64_t *out, opc_error *error) {
-  if (skip(c, error)) return error->code;
-  size_t start = c->at;
-  if (take_number(c, out, error)) return error->code;
-  if (*out <= 0) return cif_refuse(c, start, error, "not a positive number");
-  return OPC_OK;
+static int64_t take_count(cif *c) {
+  size_t start = skip(c);
+  int64_t v = take_number(c);
+  if (v <= 0) cif_refuse_at(c, start, "not a positive number");
+  return v;
 }
 
-static int take_direction(cif *c, int64_t *dx, int64_t *dy, opc_error *error) {
-  if (skip(c, error)) return error->code;
-  size_t start = c->at;
-  if (take_number(c, dx, error) || take_number(c, dy, error))
-    return error->code;
-  if (!*dx && !*dy) return cif_refuse(c, start, error, "no direction");
-  return OPC_OK;
+static void take_direction(cif *c, int64_t *dx, int64_t *dy) {
+  size_t start = skip(c);
+  *dx = take_number(c);
+  *dy = take_number(c);
+  if (!*dx && !*dy) cif_refuse_at(c, start, "no direction");
 }
 
 /* ---- words ---- */
-
-/* n bytes of the file as a string. */
-static void copy_word(const char *from, size_t n, char **to, size_t *room) {
-  eda_grow(to, room, 4 * n + 1, 1);
-  reader_string(from, n, *to);
-}
 
 /* The next word before the ';', of any characters but spaces; *n = 0 if there
    is none. */
 static const char *next_word(cif *c, size_t *n) {
   while (is_space(peek(c))) c->at++;
-  const char *start = c->text + c->at;
-  while (c->at < c->n && !is_space(peek(c)) && peek(c) != ';') c->at++;
-  *n = (size_t)(c->text + c->at - start);
+  const char *start = c->b.text + c->at;
+  while (c->at < c->b.n && !is_space(peek(c)) && peek(c) != ';') c->at++;
+  *n = (size_t)(c->b.text + c->at - start);
   return start;
 }
 
 static void set_layer(cif *c, const char *name, size_t n) {
   c->layer_number = -1;
-  copy_word(name, n, &c->layer, &c->room_layer);
+  g_free(c->layer);
+  c->layer = reader_string(name, n);
 }
 
 /* L: the last word, for one may write "Layer CP (poly);". */
-static int take_layer(cif *c, opc_error *error) {
+static void take_layer(cif *c) {
   size_t start = 0, end = 0;
   for (int ch; (ch = peek(c)) >= 0 && ch != ';';) {
     if (ch == '(') {
-      if (skip_comment(c, error)) return error->code;
+      skip_comment(c);
     } else if (is_space(ch)) {
       c->at++;
     } else {
@@ -147,54 +128,38 @@ static int take_layer(cif *c, opc_error *error) {
       end = c->at;
     }
   }
-  if (start == end)
-    return cif_refuse(c, c->command, error, "a layer without a name");
-  set_layer(c, c->text + start, end - start);
-  return OPC_OK;
+  if (start == end) cif_refuse(c, "a layer without a name");
+  set_layer(c, c->b.text + start, end - start);
 }
 
 /* ---- commands ---- */
 
 /* The rest of the command: points, in units. */
-static int take_points(cif *c, opc_error *error) {
-  int more = 0;
-  c->n_points = 0;
-  for (;;) {
-    if (number_follows(c, &more, error)) return error->code;
-    if (!more) return OPC_OK;
-    int64_t x = 0, y = 0;
-    eda_point p = {0, 0};
-    if (take_number(c, &x, error) || take_number(c, &y, error) ||
-        cif_units(c, x, &p.x, error) || cif_units(c, y, &p.y, error))
-      return error->code;
-    eda_grow(&c->points, &c->room_points, c->n_points + 1, sizeof p);
-    c->points[c->n_points++] = p;
+static void take_points(cif *c) {
+  g_array_set_size(c->points, 0);
+  while (number_follows(c)) {
+    int64_t x = take_number(c), y = take_number(c);
+    eda_point p = {cif_units(c, x), cif_units(c, y)};
+    g_array_append_val(c->points, p);
   }
 }
 
-static int take_box(cif *c, opc_error *error) {
-  int64_t length = 0, width = 0, x = 0, y = 0, dx = 1, dy = 0;
-  int turned = 0;
-  if (take_size(c, &length, error) || take_size(c, &width, error) ||
-      take_number(c, &x, error) || take_number(c, &y, error) ||
-      number_follows(c, &turned, error))
-    return error->code;
-  if (turned && take_direction(c, &dx, &dy, error)) return error->code;
-  return cif_box(c, length, width, x, y, dx, dy, error);
+static void take_box(cif *c) {
+  int64_t length = take_size(c), width = take_size(c);
+  int64_t x = take_number(c), y = take_number(c), dx = 1, dy = 0;
+  if (number_follows(c)) take_direction(c, &dx, &dy);
+  cif_box(c, length, width, x, y, dx, dy);
 }
 
-static int take_wire(cif *c, opc_error *error) {
-  int64_t width = 0;
-  if (take_size(c, &width, error) || take_points(c, error)) return error->code;
-  return cif_wire(c, width, error);
+static void take_wire(cif *c) {
+  int64_t width = take_size(c);
+  take_points(c);
+  cif_wire(c, width);
 }
 
-static int take_flash(cif *c, opc_error *error) {
-  int64_t diameter = 0, x = 0, y = 0;
-  if (take_size(c, &diameter, error) || take_number(c, &x, error) ||
-      take_number(c, &y, error))
-    return error->code;
-  return cif_flash(c, diameter, x, y, error);
+static void take_flash(cif *c) {
+  int64_t diameter = take_size(c), x = take_number(c), y = take_number(c);
+  cif_flash(c, diameter, x, y);
 }
 
 static double turned(double angle) {
@@ -204,29 +169,30 @@ static double turned(double angle) {
 
 /* One step of a call's transformation, done after those before it. With M for
    y -> -y and R(a) for a turn, x -> -x is R(180) M, and M R(a) = R(-a) M. */
-static int take_step(cif *c, int kind, cif_transform *t, opc_error *error) {
-  int64_t x = 0, y = 0;
+static void take_step(cif *c, cif_transform *t) {
+  int kind = c->b.text[c->at++];
+  int64_t x, y;
   if (kind == 'T') {
-    if (take_number(c, &x, error) || take_number(c, &y, error))
-      return error->code;
-    t->x += (double)x;
-    t->y += (double)y;
-    return OPC_OK;
+    t->x += (double)take_number(c);
+    t->y += (double)take_number(c);
+    return;
   }
   if (kind == 'R') {
-    if (take_direction(c, &x, &y, error)) return error->code;
+    take_direction(c, &x, &y);
     double size = hypot((double)x, (double)y);
     double cosine = (double)x / size, sine = (double)y / size;
     double tx = t->x;
     t->angle = turned(t->angle + cif_angle(x, y));
     t->x = cosine * tx - sine * t->y;
     t->y = sine * tx + cosine * t->y;
-    return OPC_OK;
+    return;
   }
-  if (skip(c, error)) return error->code;
+  skip(c);
   int axis = peek(c);
-  if (kind != 'M' || (axis != 'X' && axis != 'Y'))
-    return cif_refuse(c, c->at, error, "not a transformation");
+  if (kind != 'M' || (axis != 'X' && axis != 'Y')) {
+    cif_refuse_at(c, c->at, "not a transformation");
+    return;
+  }
   c->at++;
   t->mirror = !t->mirror;
   t->angle = turned(axis == 'X' ? 180 - t->angle : -t->angle);
@@ -234,163 +200,159 @@ static int take_step(cif *c, int kind, cif_transform *t, opc_error *error) {
     t->x = -t->x;
   else
     t->y = -t->y;
-  return OPC_OK;
 }
 
-static int take_call(cif *c, opc_error *error) {
-  int64_t number = 0;
+static void take_call(cif *c) {
+  int64_t number = take_size(c);
   cif_transform t = {0, 0, 0, 0};
-  if (take_size(c, &number, error)) return error->code;
-  size_t called = cif_symbol_of(c, number);
-  for (;;) {
-    if (skip(c, error)) return error->code;
-    int kind = peek(c);
-    if (kind == ';' || kind < 0) break;
-    c->at++;
-    if (take_step(c, kind, &t, error)) return error->code;
-  }
-  return cif_call(c, called, &t, error);
+  if (c->b.failed) return;
+  cif_symbol *called = cif_symbol_of(c, number);
+  for (skip(c); peek(c) >= 0 && peek(c) != ';'; skip(c)) take_step(c, &t);
+  cif_call(c, called, &t);
 }
 
-static int begin_symbol(cif *c, opc_error *error) {
-  int64_t number = 0, a = 1, b = 1;
-  int scaled = 0;
-  if (c->current)
-    return cif_refuse(c, c->command, error, "a symbol inside of another");
-  if (take_size(c, &number, error) || number_follows(c, &scaled, error))
-    return error->code;
-  if (scaled && (take_count(c, &a, error) || take_count(c, &b, error)))
-    return error->code;
-  size_t i = cif_symbol_of(c, number);
-  cif_symbol *s = &c->symbols[i];
+static void begin_symbol(cif *c) {
+  int64_t a = 1, b = 1;
+  if (c->current != cif_symbol_at(c, 0))
+    cif_refuse(c, "a symbol inside of another");
+  int64_t number = take_size(c);
+  if (number_follows(c)) {
+    a = take_count(c);
+    b = take_count(c);
+  }
+  if (c->b.failed) return;
+  cif_symbol *s = c->current = cif_symbol_of(c, number);
   if (!c->building) {
-    if (s->defined)
-      return cif_refuse(c, c->command, error, "a symbol defined twice");
+    if (s->defined) cif_refuse(c, "a symbol defined twice");
     s->defined = 1;
     s->a = a;
     s->b = b;
   }
-  c->current = i;
-  const char *layer = c->layer ? c->layer : "";
-  copy_word(layer, strlen(layer), &c->outer, &c->room_outer);
+  g_free(c->outer);
+  c->outer = g_steal_pointer(&c->layer);
   set_layer(c, "", 0);
-  return OPC_OK;
 }
 
-static int end_symbol(cif *c, opc_error *error) {
-  if (!c->current) return cif_refuse(c, c->command, error, "DF without DS");
-  c->current = 0;
-  set_layer(c, c->outer, strlen(c->outer));
-  return OPC_OK;
+static void end_symbol(cif *c) {
+  cif_symbol *outside = cif_symbol_at(c, 0);
+  if (c->current == outside) {
+    cif_refuse(c, "DF without DS");
+    return;
+  }
+  c->current = outside;
+  c->layer_number = -1;
+  g_free(c->layer);
+  c->layer = g_steal_pointer(&c->outer);
 }
 
-static int take_definition(cif *c, opc_error *error) {
-  int64_t from = 0;
-  if (skip(c, error)) return error->code;
+static void take_definition(cif *c) {
+  skip(c);
   int kind = peek(c);
   c->at++;
-  if (kind == 'S') return begin_symbol(c, error);
-  if (kind == 'F') return end_symbol(c, error);
-  if (kind != 'D')
-    return cif_refuse(c, c->command, error, "an unknown command");
-  if (take_size(c, &from, error)) return error->code;
-  cif_forget(c, from);
-  return OPC_OK;
+  if (kind == 'S')
+    begin_symbol(c);
+  else if (kind == 'F')
+    end_symbol(c);
+  else if (kind == 'D')
+    cif_forget(c, take_size(c));
+  else
+    cif_refuse(c, "an unknown command");
 }
 
 /* 9 name */
-static int take_name(cif *c, opc_error *error) {
+static void take_name(cif *c) {
   while (is_space(peek(c))) c->at++;
   size_t start = c->at;
-  if (skip_to_end(c, error)) return error->code;
+  skip_to_end(c);
   size_t end = c->at;
-  while (end > start && is_space((unsigned char)c->text[end - 1])) end--;
-  cif_symbol *s = &c->symbols[c->current];
-  if (c->building || end == start || !c->current || s->name) return OPC_OK;
-  size_t room = 0;
-  copy_word(c->text + start, end - start, &s->name, &room);
-  return OPC_OK;
+  while (end > start && is_space((unsigned char)c->b.text[end - 1])) end--;
+  cif_symbol *s = c->current;
+  if (end > start && s != cif_symbol_at(c, 0) && !s->name)
+    s->name = reader_string(c->b.text + start, end - start);
 }
 
 /* 94 label x y [layer] */
-static int take_label(cif *c, opc_error *error) {
+static void take_label(cif *c) {
   size_t n;
-  int64_t x = 0, y = 0;
   const char *word = next_word(c, &n);
-  if (!n) return cif_refuse(c, c->command, error, "a label without a name");
-  copy_word(word, n, &c->word, &c->room_word);
-  if (take_number(c, &x, error) || take_number(c, &y, error))
-    return error->code;
+  if (!n) cif_refuse(c, "a label without a name");
+  g_autofree char *label = reader_string(word, n);
+  int64_t x = take_number(c), y = take_number(c);
   word = next_word(c, &n);
-  if (!n) return cif_label(c, c->word, x, y, error);
+  if (!n) {
+    cif_label(c, label, x, y);
+    return;
+  }
   /* Only this label's layer: the current one comes back. */
-  char *layer = c->layer;
-  size_t room = c->room_layer;
-  c->layer = NULL;
-  c->room_layer = 0;
+  char *layer = g_steal_pointer(&c->layer);
   set_layer(c, word, n);
-  int code = cif_label(c, c->word, x, y, error);
-  free(c->layer);
+  cif_label(c, label, x, y);
+  g_free(c->layer);
   c->layer = layer;
-  c->room_layer = room;
   c->layer_number = -1;
-  return code;
 }
 
 /* User extensions are skipped but for names and labels. */
-static int take_extension(cif *c, int digit, opc_error *error) {
-  if (digit == '9' && is_space(peek(c))) return take_name(c, error);
-  if (digit == '9' && peek(c) == '4' && c->at + 1 < c->n &&
-      is_space((unsigned char)c->text[c->at + 1])) {
+static void take_extension(cif *c, int digit) {
+  if (digit == '9' && is_space(peek(c))) {
+    take_name(c);
+  } else if (digit == '9' && peek(c) == '4' && c->at + 1 < c->b.n &&
+             is_space((unsigned char)c->b.text[c->at + 1])) {
     c->at++;
-    return take_label(c, error);
+    take_label(c);
+  } else {
+    skip_to_end(c);
   }
-  return skip_to_end(c, error);
 }
 
-static int take_command(cif *c, int kind, opc_error *error) {
+static void take_command(cif *c, int kind) {
   switch (kind) {
     case 'P':
-      if (take_points(c, error)) return error->code;
-      return cif_polygon(c, error);
+      take_points(c);
+      cif_polygon(c);
+      break;
     case 'B':
-      return take_box(c, error);
+      take_box(c);
+      break;
     case 'W':
-      return take_wire(c, error);
+      take_wire(c);
+      break;
     case 'R':
-      return take_flash(c, error);
+      take_flash(c);
+      break;
     case 'L':
-      return take_layer(c, error);
+      take_layer(c);
+      break;
     case 'D':
-      return take_definition(c, error);
+      take_definition(c);
+      break;
     case 'C':
-      return take_call(c, error);
+      take_call(c);
+      break;
     default:
-      if (is_digit(kind)) return take_extension(c, kind, error);
-      return cif_refuse(c, c->command, error, "an unknown command");
+      if (is_digit(kind))
+        take_extension(c, kind);
+      else
+        cif_refuse(c, "an unknown command");
   }
 }
 
-int cif_parse(cif *c, opc_error *error) {
+void cif_parse(cif *c) {
   cif_begin(c);
-  c->current = 0;
   set_layer(c, "", 0);
-  for (size_t commands = 0;; commands++) {
-    if (skip(c, error)) return error->code;
-    c->command = c->at;
+  c->b.told = 0;
+  for (;;) {
+    c->command = skip(c);
     int kind = peek(c);
     if (kind < 0)
-      return cif_refuse(c, c->n, error, "the file ends before its E command");
+      cif_refuse_at(c, c->b.n, "the file ends before its E command");
     c->at++;
     if (kind == ';') continue;
-    if (kind == 'E') break;
-    if (commands % 65536 == 0 && opc_cancelled(c->r->host->context))
-      return opc_fail(error, OPC_CANCELLED, NULL, "cancelled");
-    if (take_command(c, kind, error) || skip(c, error)) return error->code;
-    if (peek(c) != ';') return cif_refuse(c, c->at, error, "';' is missing");
+    if (kind == 'E' || !reading_goes_on(&c->b, c->at, c->building)) break;
+    take_command(c, kind);
+    skip(c);
+    if (peek(c) != ';') cif_refuse_at(c, c->at, "';' is missing");
     c->at++;
   }
-  if (c->current)
-    return cif_refuse(c, c->command, error, "E inside of a symbol");
-  return OPC_OK;
+  if (c->current != cif_symbol_at(c, 0)) cif_refuse(c, "E inside of a symbol");
 }

@@ -1,67 +1,91 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The symbols of a file: what a number means at each place, the unit that makes
    all coordinates whole, and the cells of the layout. */
-#include <eda/memory.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "cif.h"
 
 typedef struct mention {
   int64_t number; /* the key */
-  size_t symbol;
+  cif_symbol *symbol;
   size_t at; /* where the symbol was first mentioned */
 } mention;
+
+static void free_symbol(void *data) {
+  cif_symbol *s = data;
+  g_free(s->name);
+  g_free(s);
+}
+
+void cif_open(cif *c) {
+  c->symbols = g_ptr_array_new_with_free_func(free_symbol);
+  c->numbers = g_hash_table_new_full(g_int64_hash, g_int64_equal, g_free, NULL);
+  c->forgotten = g_array_new(FALSE, FALSE, sizeof(cif_forgotten));
+  c->points = g_array_new(FALSE, FALSE, sizeof(eda_point));
+}
+
+void cif_clear(cif *c) {
+  g_ptr_array_unref(c->symbols);
+  g_hash_table_unref(c->numbers);
+  g_array_unref(c->forgotten);
+  g_array_unref(c->points);
+  g_free(c->layer);
+  g_free(c->outer);
+}
 
 /* Whether a number mentioned at `at` was forgotten since: by the last DD from
    no higher a number. */
 static int forgotten(const cif *c, int64_t number, size_t at) {
-  size_t low = 0, high = c->n_forgotten;
+  const cif_forgotten *all = (const cif_forgotten *)c->forgotten->data;
+  size_t low = 0, high = c->forgotten->len;
   while (low < high) {
     size_t middle = low + (high - low) / 2;
-    if (c->forgotten[middle].from <= number)
+    if (all[middle].from <= number)
       low = middle + 1;
     else
       high = middle;
   }
-  return low && c->forgotten[low - 1].at > at;
+  return low && all[low - 1].at > at;
 }
 
 static void add_symbol(cif *c, int64_t number) {
-  eda_grow(&c->symbols, &c->room_symbols, c->n_symbols + 1, sizeof *c->symbols);
-  c->symbols[c->n_symbols++] = (cif_symbol){
+  cif_symbol *s = g_new0(cif_symbol, 1);
+  *s = (cif_symbol){
       .number = number, .a = 1, .b = 1, .at = c->command, .cell = -1};
+  g_ptr_array_add(c->symbols, s);
 }
 
-size_t cif_symbol_of(cif *c, int64_t number) {
+cif_symbol *cif_symbol_of(cif *c, int64_t number) {
   mention *e = g_hash_table_lookup(c->numbers, &number);
   if (e && !forgotten(c, number, e->at)) return e->symbol;
   if (!e) {
-    e = eda_alloc(1, sizeof *e);
+    e = g_new0(mention, 1);
     e->number = number;
     g_hash_table_add(c->numbers, e);
   }
-  e->symbol = c->mentioned;
-  e->at = c->command;
   if (!c->building) add_symbol(c, number);
-  return c->mentioned++;
+  e->symbol = cif_symbol_at(c, c->mentioned++);
+  e->at = c->command;
+  return e->symbol;
 }
 
 void cif_forget(cif *c, int64_t from) {
-  while (c->n_forgotten && c->forgotten[c->n_forgotten - 1].from >= from)
-    c->n_forgotten--;
-  eda_grow(&c->forgotten, &c->room_forgotten, c->n_forgotten + 1,
-           sizeof *c->forgotten);
-  c->forgotten[c->n_forgotten++] = (cif_forgotten){from, c->command};
+  GArray *all = c->forgotten;
+  cif_forgotten new = {from, c->command};
+  guint n = all->len;
+  while (n && g_array_index(all, cif_forgotten, n - 1).from >= from) n--;
+  g_array_set_size(all, n);
+  g_array_append_val(all, new);
 }
 
 void cif_begin(cif *c) {
   g_hash_table_remove_all(c->numbers);
-  c->n_forgotten = 0;
+  g_array_set_size(c->forgotten, 0);
   c->mentioned = 1;
   c->at = c->command = 0;
   if (!c->building) add_symbol(c, 0);
-  c->symbols[0].defined = 1;
+  c->current = cif_symbol_at(c, 0);
+  c->current->defined = 1;
 }
 
 /* ---- the unit and the cells ---- */
@@ -78,66 +102,62 @@ static int64_t gcd(int64_t a, int64_t b) {
 
 /* The unit is a centimicron divided by the least number that makes whole all
    scale factors, and twice that if a box with an odd side asks for halves. */
-static int choose_unit(cif *c, double *unit, opc_error *error) {
+static double choose_unit(cif *c) {
+  static const char none[] = "scale factors that have no common unit";
   int64_t divisor = 1;
-  for (size_t i = 0; i < c->n_symbols; i++) {
-    cif_symbol *s = &c->symbols[i];
+  for (size_t i = 0; i < c->symbols->len && !c->b.failed; i++) {
+    cif_symbol *s = cif_symbol_at(c, i);
     if (!s->defined)
-      return cif_refuse(c, s->at, error, "calls a symbol that is not defined");
+      cif_refuse_at(c, s->at, "calls a symbol that is not defined");
     int64_t common = gcd(s->a, s->b);
     s->a /= common;
     s->b /= common;
     divisor *= s->b / gcd(divisor, s->b);
-    if (divisor > INT32_MAX)
-      return cif_refuse(c, s->at, error,
-                        "scale factors that have no common unit");
+    if (divisor > INT32_MAX) cif_refuse_at(c, s->at, none);
   }
   int halves = 0;
-  for (size_t i = 0; i < c->n_symbols; i++) {
-    cif_symbol *s = &c->symbols[i];
+  for (size_t i = 0; i < c->symbols->len && !c->b.failed; i++) {
+    cif_symbol *s = cif_symbol_at(c, i);
     s->factor = s->a * (divisor / s->b); /* below 2^62 */
-    if (s->factor > INT32_MAX / 2)
-      return cif_refuse(c, s->at, error,
-                        "scale factors that have no common unit");
+    if (s->factor > INT32_MAX / 2) cif_refuse_at(c, s->at, none);
     if (s->odd && s->factor % 2) halves = 1;
   }
-  for (size_t i = 0; i < c->n_symbols && halves; i++) c->symbols[i].factor *= 2;
+  for (size_t i = 0; i < c->symbols->len && halves; i++)
+    cif_symbol_at(c, i)->factor *= 2;
   /* 1 centimicron = 10 nm */
-  *unit = c->r->scale * 10 / (double)(halves ? 2 * divisor : divisor);
-  return OPC_OK;
+  return c->b.r->scale * 10 / (double)(halves ? 2 * divisor : divisor);
 }
 
 /* A cell of that name, or of one like it if there is such a cell already. */
-static int make_cell(cif *c, size_t i, const char *name, opc_error *error) {
+static void make_cell(cif *c, size_t i, const char *name) {
   g_autofree char *unique = g_strdup(name);
-  for (size_t k = i; eda_layout_find_cell(c->layout, unique) >= 0; k++) {
+  for (size_t k = i; eda_layout_find_cell(c->b.layout, unique) >= 0; k++) {
     g_free(unique);
     unique = g_strdup_printf("%s$%zu", name, k);
   }
-  c->symbols[i].cell = eda_layout_cell(c->layout, unique, error);
-  return c->symbols[i].cell < 0 ? error->code : OPC_OK;
+  cif_symbol_at(c, i)->cell =
+      reading_number(&c->b, eda_layout_cell(c->b.layout, unique, &c->b.said));
 }
 
 /* "inverter" of "cells/inverter.cif" */
-static int make_top(cif *c, opc_error *error) {
-  const char *slash = strrchr(c->r->file, '/');
-  g_autofree char *name = g_strdup(slash ? slash + 1 : c->r->file);
+static void make_top(cif *c) {
+  const char *slash = strrchr(c->b.r->file, '/');
+  g_autofree char *name = g_strdup(slash ? slash + 1 : c->b.r->file);
   char *dot = strrchr(name, '.');
   if (dot && dot != name) *dot = '\0';
-  return make_cell(c, 0, name, error);
+  make_cell(c, 0, name);
 }
 
-int cif_make_cells(cif *c, opc_error *error) {
-  double unit = 0;
-  if (choose_unit(c, &unit, error)) return error->code;
-  c->layout = eda_layout_new(unit, error);
-  if (!c->layout) return error->code;
-  for (size_t i = 1; i < c->n_symbols; i++) {
+void cif_make_cells(cif *c) {
+  double unit = choose_unit(c);
+  if (c->b.failed) return;
+  c->b.layout = eda_layout_new(unit, &c->b.said);
+  reading_told(&c->b, c->b.layout ? OPC_OK : c->b.said.code);
+  for (size_t i = 1; i < c->symbols->len && !c->b.failed; i++) {
+    const cif_symbol *s = cif_symbol_at(c, i);
     char number[32];
-    snprintf(number, sizeof number, "%lld", (long long)c->symbols[i].number);
-    const char *name = c->symbols[i].name;
-    if (make_cell(c, i, name ? name : number, error)) return error->code;
+    snprintf(number, sizeof number, "%lld", (long long)s->number);
+    make_cell(c, i, s->name ? s->name : number);
   }
-  if (c->loose || c->calls > 1 || c->moved) return make_top(c, error);
-  return OPC_OK;
+  if (!c->b.failed && (c->loose || c->calls > 1 || c->moved)) make_top(c);
 }

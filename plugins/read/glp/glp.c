@@ -16,33 +16,36 @@ typedef struct word {
 } word;
 
 typedef struct clip {
-  const reader *r;
-  char *seen; /* which names of the map of layers the file has */
-  char *text;
-  size_t n;
-  const char *at; /* within text */
+  reading b;
+  const char *at; /* within the text */
   size_t line;
   const char *line_start;
-  double unit; /* nm; 0 before EQUIV */
-  eda_layout *layout;
-  int32_t cell; /* -1 before the first */
+  const char *record; /* the current one's first word */
+  double unit;        /* nm; 0 before EQUIV */
   eda_point *points;
   size_t room;
 } clip;
 
 /* ---- work: words ---- */
 
-static int refuse(const clip *c, const char *at, opc_error *error,
-                  const char *what) {
-  return opc_fail(error, OPC_IO, NULL, "%s:%zu:%zu: %s", c->r->file, c->line,
-                  (size_t)(at - c->line_start) + 1, what);
+/* After a failure there is nothing more to read. */
+static void refuse_at(clip *c, const char *at, const char *what) {
+  if (c->b.failed) return;
+  c->b.failed =
+      opc_fail(c->b.error, OPC_IO, NULL, "%s:%zu:%zu: %s", c->b.r->file,
+               c->line, (size_t)(at - c->line_start) + 1, what);
+  c->at = c->b.text + c->b.n;
+}
+
+static void refuse(void *self, const char *what) {
+  refuse_at(self, ((clip *)self)->record, what);
 }
 
 static int is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
 /* The next word of this line, empty at its end. A comment ends the line. */
 static word next_word(clip *c) {
-  const char *end = c->text + c->n;
+  const char *end = c->b.text + c->b.n;
   while (c->at < end && is_blank(*c->at)) c->at++;
   word w = {c->at, 0};
   if (end - c->at >= 2 && c->at[0] == '/' && c->at[1] == '*') return w;
@@ -53,7 +56,7 @@ static word next_word(clip *c) {
 
 /* 0 at the end of the text. */
 static int next_line(clip *c) {
-  const char *end = memchr(c->at, '\n', (size_t)(c->text + c->n - c->at));
+  const char *end = memchr(c->at, '\n', (size_t)(c->b.text + c->b.n - c->at));
   if (!end) return 0;
   c->at = c->line_start = end + 1;
   c->line++;
@@ -78,159 +81,134 @@ static int number(word w, int32_t *out) {
   return 1;
 }
 
-static int need_number(clip *c, int32_t *out, opc_error *error) {
+static int32_t need_number(clip *c) {
+  int32_t value = 0;
   word w = next_word(c);
-  if (number(w, out)) return OPC_OK;
-  return refuse(c, w.s, error,
-                w.n ? "not a whole number within 2^31" : "a number is missing");
+  if (!number(w, &value))
+    refuse_at(c, w.s,
+              w.n ? "not a whole number within 2^31" : "a number is missing");
+  return value;
 }
 
 /* A copy of a name, of printable ASCII. */
-static int take_name(clip *c, word w, char out[256], opc_error *error) {
-  if (!w.n) return refuse(c, w.s, error, "a name is missing");
-  if (w.n > 255) return refuse(c, w.s, error, "name of more than 255 letters");
+static word take_name(clip *c, char out[256]) {
+  word w = next_word(c);
+  if (!w.n) refuse_at(c, w.s, "a name is missing");
+  if (w.n > 255) refuse_at(c, w.s, "name of more than 255 letters");
   for (size_t i = 0; i < w.n; i++)
     if (w.s[i] < 33 || w.s[i] > 126)
-      return refuse(c, w.s + i, error, "name with a letter that is not ASCII");
-  memcpy(out, w.s, w.n);
-  out[w.n] = 0;
-  return OPC_OK;
+      refuse_at(c, w.s + i, "name with a letter that is not ASCII");
+  g_strlcpy(out, w.s, MIN(w.n, 255) + 1);
+  return w;
 }
 
 /* ---- work: records ---- */
 
-/* What the layout said to a record; a refusal with the record's place. */
-static int located(clip *c, int code, word record, opc_error *error) {
-  if (!code) return OPC_OK;
-  opc_error why = *error;
-  return opc_fail(error, code, NULL, "%s:%zu:%zu: %s", c->r->file, c->line,
-                  (size_t)(record.s - c->line_start) + 1, why.message);
-}
-
 /* The units in a micron: EQUIV 1 1000 MICRON +X,+Y. */
-static int take_unit(clip *c, word record, opc_error *error) {
-  int32_t microns, units;
-  if (need_number(c, &microns, error) || need_number(c, &units, error))
-    return error->code;
+static void take_unit(clip *c) {
+  int32_t microns = need_number(c), units = need_number(c);
   word name = next_word(c), axes = next_word(c);
-  if (c->unit > 0) return refuse(c, record.s, error, "EQUIV a second time");
-  if (c->layout) return refuse(c, record.s, error, "EQUIV after a CELL");
+  if (c->unit > 0) refuse(c, "EQUIV a second time");
+  if (c->b.layout) refuse(c, "EQUIV after a CELL");
   if (microns <= 0 || units <= 0 || !is(name, "MICRON"))
-    return refuse(c, record.s, error, "EQUIV that is not in MICRON");
+    refuse(c, "EQUIV that is not in MICRON");
   if (axes.n && !is(axes, "+X,+Y"))
-    return refuse(c, axes.s, error, "axes other than +X,+Y");
+    refuse_at(c, axes.s, "axes other than +X,+Y");
   c->unit = 1e3 * microns / units;
-  return OPC_OK;
 }
 
-static int begin_cell(clip *c, opc_error *error) {
-  word w = next_word(c);
+static void begin_cell(clip *c) {
+  reading *b = &c->b;
   char name[256];
-  if (take_name(c, w, name, error)) return error->code;
-  if (!c->layout) {
+  c->record = take_name(c, name).s;
+  if (!b->layout && !b->failed) {
     double unit = c->unit > 0 ? c->unit : 1;
-    c->layout = eda_layout_new(unit * c->r->scale, error);
-    if (!c->layout) return error->code;
+    b->layout = eda_layout_new(unit * b->r->scale, &b->said);
+    reading_told(b, b->layout ? OPC_OK : b->said.code);
   }
-  if (eda_layout_find_cell(c->layout, name) >= 0)
-    return refuse(c, w.s, error, "a cell of this name was there before");
-  c->cell = eda_layout_cell(c->layout, name, error);
-  return c->cell < 0 ? located(c, error->code, w, error) : OPC_OK;
+  if (b->failed) return;
+  if (eda_layout_find_cell(b->layout, name) >= 0)
+    refuse(c, "a cell of this name was there before");
+  b->cell = reading_number(b, eda_layout_cell(b->layout, name, &b->said));
 }
 
 /* The layer of a shape, by its new name if it has one. */
-static int take_layer(clip *c, int32_t *layer, opc_error *error) {
-  next_word(c); /* the shape's type, N */
-  word w = next_word(c);
+static int32_t take_layer(clip *c) {
   char name[256];
-  if (take_name(c, w, name, error)) return error->code;
-  const char *known = name;
-  const opc_map *map = &c->r->layers;
-  for (size_t i = 0; i < map->count; i++)
-    if (!strcmp(map->pairs[i].value, name)) {
-      known = map->pairs[i].key;
-      c->seen[i] = 1;
-    }
-  *layer = eda_layout_layer(c->layout, known, error);
-  return *layer < 0 ? located(c, error->code, w, error) : OPC_OK;
+  next_word(c); /* the shape's type, N */
+  take_name(c, name);
+  return c->b.failed ? -1 : reading_named_layer(&c->b, name);
 }
 
-static int take_box(clip *c, word record, opc_error *error) {
-  int32_t layer, v[4];
-  if (take_layer(c, &layer, error)) return error->code;
-  for (int i = 0; i < 4; i++)
-    if (need_number(c, &v[i], error)) return error->code;
+static void take_box(clip *c) {
+  reading *b = &c->b;
+  int32_t layer = take_layer(c), v[4];
+  for (int i = 0; i < 4; i++) v[i] = need_number(c);
   int64_t x = (int64_t)v[0] + v[2], y = (int64_t)v[1] + v[3];
-  if (v[2] <= 0 || v[3] <= 0)
-    return refuse(c, record.s, error, "RECT without area");
-  if (x > INT32_MAX || y > INT32_MAX)
-    return refuse(c, record.s, error, "RECT beyond 2^31");
+  if (v[2] <= 0 || v[3] <= 0) refuse(c, "RECT without area");
+  if (x > INT32_MAX || y > INT32_MAX) refuse(c, "RECT beyond 2^31");
   eda_box box = {v[0], v[1], (int32_t)x, (int32_t)y};
-  return located(c, eda_layout_add_box(c->layout, c->cell, layer, box, error),
-                 record, error);
+  if (!b->failed)
+    reading_told(b,
+                 eda_layout_add_box(b->layout, b->cell, layer, box, &b->said));
 }
 
-static int take_polygon(clip *c, word record, opc_error *error) {
-  int32_t layer;
+static void take_polygon(clip *c) {
+  reading *b = &c->b;
+  int32_t layer = take_layer(c);
   size_t n = 0;
-  if (take_layer(c, &layer, error)) return error->code;
   for (word w = next_word(c); w.n; w = next_word(c), n++) {
     eda_grow(&c->points, &c->room, n + 1, sizeof *c->points);
     if (!number(w, &c->points[n].x))
-      return refuse(c, w.s, error, "not a whole number within 2^31");
-    if (need_number(c, &c->points[n].y, error)) return error->code;
+      refuse_at(c, w.s, "not a whole number within 2^31");
+    c->points[n].y = need_number(c);
   }
-  if (n < 3) return refuse(c, record.s, error, "PGON of less than 3 points");
-  return located(
-      c, eda_layout_add_polygon(c->layout, c->cell, layer, c->points, n, error),
-      record, error);
+  if (n < 3) refuse(c, "PGON of less than 3 points");
+  if (!b->failed)
+    reading_told(b, eda_layout_add_polygon(b->layout, b->cell, layer, c->points,
+                                           n, &b->said));
 }
 
-/* One line; *done at ENDMSG. */
-static int take_record(clip *c, int *done, opc_error *error) {
+/* One line; 0 at ENDMSG. */
+static int take_record(clip *c) {
   word w = next_word(c);
-  int rect = is(w, "RECT"), code = OPC_OK;
+  int rect = is(w, "RECT");
+  c->record = w.s;
+  if (is(w, "ENDMSG")) return 0;
   if (!w.n || is(w, "BEGIN") || is(w, "CNAME") || is(w, "LEVEL"))
-    return OPC_OK; /* names again what the records below name */
-  if (is(w, "ENDMSG")) {
-    *done = 1;
-    return OPC_OK;
+    return 1; /* names again what the records below name */
+  if (is(w, "EQUIV")) {
+    take_unit(c);
+  } else if (is(w, "CELL")) {
+    begin_cell(c);
+  } else if (!rect && !is(w, "PGON")) {
+    refuse(c, "unknown record");
+  } else {
+    if (c->b.cell < 0) refuse(c, "shape before the first CELL");
+    if (rect)
+      take_box(c);
+    else
+      take_polygon(c);
+    word more = next_word(c);
+    if (more.n) refuse_at(c, more.s, "one number too many");
   }
-  if (is(w, "EQUIV")) return take_unit(c, w, error);
-  if (is(w, "CELL")) return begin_cell(c, error);
-  if (!rect && !is(w, "PGON")) return refuse(c, w.s, error, "unknown record");
-  if (c->cell < 0) return refuse(c, w.s, error, "shape before the first CELL");
-  code = rect ? take_box(c, w, error) : take_polygon(c, w, error);
-  if (code) return code;
-  word more = next_word(c);
-  return more.n ? refuse(c, more.s, error, "one number too many") : OPC_OK;
+  return 1;
 }
 
-static int read_clip(clip *c, opc_error *error) {
-  const reader *r = c->r;
-  int done = 0;
-  if (reader_load(r, &c->text, &c->n, error)) return error->code;
-  c->at = c->line_start = c->text;
-  do
-    if (take_record(c, &done, error)) return error->code;
-  while (!done && next_line(c));
-  if (!done) return refuse(c, c->at, error, "the file ends before ENDMSG");
-  if (!c->layout) return refuse(c, c->at, error, "no CELL");
-  for (size_t i = 0; i < r->layers.count; i++)
-    if (!c->seen[i])
-      return opc_fail(error, OPC_INVALID, "layers", "'%s' has no layer '%s'",
-                      r->file, r->layers.pairs[i].value);
-  return reader_keep(r, c->layout, NULL, -1, error);
+static void read_clip(void *self) {
+  clip *c = self;
+  c->at = c->line_start = c->b.text;
+  while (take_record(c))
+    if (!next_line(c)) {
+      refuse_at(c, c->at, "the file ends before ENDMSG");
+      return;
+    }
+  if (!c->b.layout) refuse_at(c, c->at, "no CELL");
 }
 
 static int run(void *self, void **outputs, opc_error *error) {
-  const reader *r = self;
-  clip c = {
-      .r = r, .seen = eda_alloc(r->layers.count, 1), .line = 1, .cell = -1};
-  int code = read_clip(&c, error);
-  outputs[0] = c.layout;
-  free(c.seen);
-  free(c.text);
+  clip c = {.b.refuse = refuse, .line = 1};
+  int code = reading_run(&c, self, outputs, error, read_clip);
   free(c.points);
   return code;
 }
@@ -240,6 +218,10 @@ static int run(void *self, void **outputs, opc_error *error) {
 static const opc_parameter parameters[] = {READ_PARAMETERS(
     "The GLP file", "Names for layers: { metal: M1 }; the others keep theirs")};
 
+static int check(void *self, opc_error *error) {
+  return reader_check(self, 0, error);
+}
+
 /* ---- entry ---- */
 
 static const opc_port outputs_of[] = {EDA_PORT_LAYOUT("layout")};
@@ -248,4 +230,5 @@ static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run};
 OPC_PLUGIN(reader, .id = "read.glp", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause", .summary = "Read a GLP clip",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), .check = check,
+           OPC_FUNCTIONS(functions));

@@ -9,37 +9,37 @@ static void add_point(oasis_points *points, oasis_vector p) {
   points->p[points->n++] = p;
 }
 
-static oasis_vector sum(oasis_stream *s, oasis_vector a, oasis_vector b) {
-  return (oasis_vector){oasis_length(s, a.x + b.x), oasis_length(s, a.y + b.y)};
+static oasis_vector sum(oasis *o, oasis_vector a, oasis_vector b) {
+  return (oasis_vector){oasis_length(o, a.x + b.x), oasis_length(o, a.y + b.y)};
 }
 
 /* ---- point lists ---- */
 
-void oasis_read_points(oasis_stream *s, oasis_points *points, int closed) {
-  uint64_t type = oasis_uint(s), n = oasis_uint(s);
+void oasis_read_points(oasis *o, oasis_points *points, int closed) {
+  uint64_t type = oasis_uint(o), n = oasis_uint(o);
   if (type > 5) {
-    oasis_refuse(s, "an unknown kind of point list");
+    oasis_refuse(o, "an unknown kind of point list");
     return;
   }
   oasis_vector at = {0, 0}, step = {0, 0};
   points->n = 0;
   add_point(points, at);
-  for (uint64_t i = 0; i < n && !s->failed; i++) {
+  for (uint64_t i = 0; i < n && !o->b.failed; i++) {
     oasis_vector d;
     if (type <= 1)
-      d = oasis_delta1(s, (int)((i + type) % 2 == 0));
+      d = oasis_delta1(o, (int)((i + type) % 2 == 0));
     else if (type == 2)
-      d = oasis_delta2(s);
+      d = oasis_delta2(o);
     else if (type == 3)
-      d = oasis_delta3(s);
+      d = oasis_delta3(o);
     else
-      d = oasis_deltag(s);
-    if (type == 5) d = step = sum(s, step, d);
-    at = sum(s, at, d);
-    if (!s->failed) add_point(points, at);
+      d = oasis_deltag(o);
+    if (type == 5) d = step = sum(o, step, d);
+    at = sum(o, at, d);
+    if (!o->b.failed) add_point(points, at);
   }
   /* The corner before the first point of a rectilinear polygon is implied. */
-  if (closed && type <= 1 && !s->failed) {
+  if (closed && type <= 1 && !o->b.failed) {
     int horizontal = (int)((n + type) % 2 == 0);
     at = horizontal ? (oasis_vector){0, at.y} : (oasis_vector){at.x, 0};
     add_point(points, at);
@@ -48,44 +48,41 @@ void oasis_read_points(oasis_stream *s, oasis_points *points, int closed) {
 
 /* ---- repetitions ---- */
 
-static uint64_t dimension(oasis_stream *s) {
-  uint64_t n = oasis_uint(s);
+static uint64_t dimension(oasis *o) {
+  uint64_t n = oasis_uint(o);
   if (n < (uint64_t)1 << 62) return n + 2;
-  oasis_refuse(s, "a repetition of too many");
+  oasis_refuse(o, "a repetition of too many");
   return 2;
 }
 
-static int64_t space(oasis_stream *s) {
-  uint64_t v = oasis_uint(s);
-  return oasis_length(s, v > INT64_MAX ? INT64_MAX : (int64_t)v);
-}
+static int64_t space(oasis *o) { return oasis_size(o, oasis_uint(o)); }
 
 /* v times the grid of a list. */
-static int64_t on_grid(oasis_stream *s, int64_t v, int64_t grid) {
+static int64_t on_grid(oasis *o, int64_t v, int64_t grid) {
   int64_t product;
   if (__builtin_mul_overflow(v, grid, &product)) product = INT64_MAX;
-  return oasis_length(s, product);
+  return oasis_length(o, product);
 }
 
 /* Types 4 to 7, along x or y, and 10 and 11. */
-static void read_offsets(oasis_stream *s, uint64_t type, oasis_points *out) {
-  uint64_t n = dimension(s);
-  int64_t grid = type & 1 ? space(s) : 1;
+static void read_offsets(oasis *o, uint64_t type, oasis_points *out) {
+  uint64_t n = dimension(o);
+  int64_t grid = type & 1 ? space(o) : 1;
   oasis_vector at = {0, 0};
   out->n = 0;
-  if (!s->failed) add_point(out, at);
-  for (uint64_t i = 1; i < n && !s->failed; i++) {
+  if (!o->b.failed) add_point(out, at);
+  for (uint64_t i = 1; i < n && !o->b.failed; i++) {
     oasis_vector d = {0, 0};
     if (type >= 10)
-      d = oasis_deltag(s);
+      d = oasis_deltag(o);
     else if (type <= 5)
-      d.x = space(s);
+      d.x = space(o);
     else
-      d.y = space(s);
-    d.x = on_grid(s, d.x, grid);
-    d.y = on_grid(s, d.y, grid);
-    at = sum(s, at, d);
-    if (!s->failed) add_point(out, at);
+      d.y = space(o);
+    d.x = on_grid(o, d.x, grid);
+    d.y = on_grid(o, d.y, grid);
+    at = sum(o, at, d);
+    if (!o->b.failed) add_point(out, at);
   }
 }
 
@@ -120,40 +117,41 @@ static void measure(oasis_repetition *r) {
 }
 
 void oasis_read_repetition(oasis *o) {
-  oasis_stream *s = &o->s;
   oasis_repetition *r = &o->m.repetition;
-  uint64_t type = oasis_uint(s);
-  if (type > 11) oasis_refuse(s, "an unknown kind of repetition");
-  if (s->failed) return;
+  uint64_t type = oasis_uint(o);
+  if (type > 11) oasis_refuse(o, "an unknown kind of repetition");
+  if (o->b.failed) return;
   if (type == 0) {
-    oasis_need(o, HAS_REPETITION,
-               "a repetition like one before, but there is "
-               "none,");
+    oasis_need(o, NULL, HAS_REPETITION);
     return;
   }
   r->columns = r->rows = 1;
   r->column = r->row = (oasis_vector){0, 0};
   r->lattice = type <= 3 || type == 8 || type == 9;
   if (type == 1 || type == 2 || type == 8 || type == 9)
-    r->columns = dimension(s);
-  if (type == 1 || type == 3 || type == 8) r->rows = dimension(s);
-  if (type == 1 || type == 2) r->column.x = space(s);
-  if (type == 1 || type == 3) r->row.y = space(s);
-  if (type == 8 || type == 9) r->column = oasis_deltag(s);
-  if (type == 8) r->row = oasis_deltag(s);
-  if (!r->lattice) read_offsets(s, type, &r->offsets);
-  if (s->failed) return;
+    r->columns = dimension(o);
+  if (type == 1 || type == 3 || type == 8) r->rows = dimension(o);
+  if (type == 1 || type == 2) r->column.x = space(o);
+  if (type == 1 || type == 3) r->row.y = space(o);
+  if (type == 8 || type == 9) r->column = oasis_deltag(o);
+  if (type == 8) r->row = oasis_deltag(o);
+  if (!r->lattice) read_offsets(o, type, &r->offsets);
+  if (o->b.failed) return;
   measure(r);
   o->m.has |= HAS_REPETITION;
 }
 
-uint64_t oasis_members(const oasis_repetition *r) {
+uint64_t oasis_members(const oasis *o, int repeated) {
+  const oasis_repetition *r = &o->m.repetition;
   uint64_t n;
+  if (!repeated) return 1;
   if (!r->lattice) return r->offsets.n;
   return __builtin_mul_overflow(r->columns, r->rows, &n) ? UINT64_MAX : n;
 }
 
-oasis_vector oasis_member(const oasis_repetition *r, uint64_t i) {
+oasis_vector oasis_member(const oasis *o, int repeated, uint64_t i) {
+  const oasis_repetition *r = &o->m.repetition;
+  if (!repeated) return (oasis_vector){0, 0};
   if (!r->lattice) return r->offsets.p[i];
   int64_t c = (int64_t)(i % r->columns), k = (int64_t)(i / r->columns);
   return (oasis_vector){c * r->column.x + k * r->row.x,

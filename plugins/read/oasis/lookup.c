@@ -8,7 +8,7 @@
 
 static void free_name(void *data) {
   oasis_name *name = data;
-  free(name->text);
+  g_free(name->text);
   free(name);
 }
 
@@ -22,9 +22,9 @@ GHashTable *oasis_names_new(void) {
 static void define(oasis *o, int table, uint64_t number, char *text) {
   oasis_name *name = g_hash_table_lookup(o->names[table], &number);
   if (name && (name->defined || strcmp(name->text, text) != 0))
-    oasis_refuse(&o->s, "a second name for the same number");
+    oasis_refuse(o, "a second name for the same number");
   if (name) {
-    free(text);
+    g_free(text);
   } else {
     name = eda_alloc(1, sizeof *name);
     *name = (oasis_name){.number = number, .text = text};
@@ -33,55 +33,53 @@ static void define(oasis *o, int table, uint64_t number, char *text) {
   if (!o->naming) name->defined = 1;
 }
 
-static void skip_interval(oasis_stream *s) {
-  uint64_t type = oasis_uint(s);
+static void skip_interval(oasis *o) {
+  uint64_t type = oasis_uint(o);
   if (type > 4) {
-    oasis_refuse(s, "an unknown kind of interval");
+    oasis_refuse(o, "an unknown kind of interval");
     return;
   }
-  if (type > 0) oasis_uint(s);
-  if (type == 4) oasis_uint(s);
+  if (type > 0) oasis_uint(o);
+  if (type == 4) oasis_uint(o);
 }
 
 void oasis_read_name(oasis *o, uint64_t record) {
-  oasis_stream *s = &o->s;
   if (record == EDA_OASIS_XNAME || record == EDA_OASIS_XNAME_NUMBER) {
-    oasis_uint(s);
-    oasis_skip_string(s);
-    if (record == EDA_OASIS_XNAME_NUMBER) oasis_uint(s);
+    oasis_uint(o);
+    oasis_skip_string(o);
+    if (record == EDA_OASIS_XNAME_NUMBER) oasis_uint(o);
     return;
   }
   if (record == EDA_OASIS_LAYERNAME || record == EDA_OASIS_LAYERNAME_TEXT) {
-    oasis_skip_string(s);
-    skip_interval(s);
-    skip_interval(s);
+    oasis_skip_string(o);
+    skip_interval(o);
+    skip_interval(o);
     return;
   }
   int table = (int)(record - EDA_OASIS_CELLNAME) / 2;
   int explicit = (record - EDA_OASIS_CELLNAME) % 2;
   if (o->numbered[table] && o->numbered[table] != 1 + explicit) {
-    oasis_refuse(s, "names with numbers among names without,");
+    oasis_refuse(o, "names with numbers among names without,");
     return;
   }
   o->numbered[table] = 1 + explicit;
-  oasis_text text = {NULL, 0};
-  oasis_string(s, &text);
-  uint64_t number = explicit ? oasis_uint(s) : o->next[table]++;
-  if (s->failed)
-    free(text.s);
+  char *text = oasis_string(o);
+  uint64_t number = explicit ? oasis_uint(o) : o->next[table]++;
+  if (o->b.failed)
+    g_free(text);
   else
-    define(o, table, number, text.s);
+    define(o, table, number, text);
 }
 
 /* ---- looking up ---- */
 
 /* The records of one table, all of them, from its place on. */
 static void read_table(oasis *o, int table, uint64_t at) {
-  oasis_seek(&o->s, at);
-  while (oasis_begin_record(&o->s)) {
-    uint64_t record = oasis_uint(&o->s);
+  oasis_seek(o, at);
+  while (oasis_begin_record(o)) {
+    uint64_t record = oasis_uint(o);
     if (record == EDA_OASIS_CBLOCK)
-      oasis_enter_block(&o->s);
+      oasis_enter_block(o);
     else if (record == EDA_OASIS_PROPERTY)
       oasis_read_property(o, record);
     else if (record >= EDA_OASIS_CELLNAME &&
@@ -96,52 +94,40 @@ static void read_table(oasis *o, int table, uint64_t at) {
 /* Another reading, for names: of a table, or of the whole file if its place
    `at` is 0. */
 static void look_for_names(oasis *o, int table, uint64_t at) {
-  oasis other = {.r = o->r, .error = o->error, .naming = 1};
-  memcpy(other.names, o->names, sizeof o->names); /* the tables are shared */
-  oasis_open(&other.s, o->r->host, o->s.path, o->error);
+  oasis other = oasis_again(o, o->b.error);
   if (at)
     read_table(&other, table, at);
   else
     oasis_read(&other);
-  if (other.s.failed) {
-    o->s.failed = 1;
-    o->s.p = o->s.end;
-  }
-  oasis_close(&other.s);
-  oasis_modal_clear(&other.m);
+  o->b.failed = other.b.failed;
+  oasis_clear(&other);
 }
 
-const char *oasis_name_of(oasis *o, int table, uint64_t number) {
+void oasis_read_reference(oasis *o, int by_number, oasis_reference *to) {
+  g_clear_pointer(&to->text, g_free);
+  if (by_number)
+    to->number = oasis_uint(o);
+  else
+    to->text = oasis_string(o);
+}
+
+const char *oasis_referred(oasis *o, int table, const oasis_reference *to) {
   static const char *const what[] = {"a cell whose number has no name",
                                      "a text whose number has no string",
                                      "a property whose number has no name",
                                      "a property whose number has no string"};
-  const oasis_name *name = g_hash_table_lookup(o->names[table], &number);
-  if (!name && o->tables[table] && !o->s.failed) {
+  if (o->b.failed || to->text) return o->b.failed ? NULL : to->text;
+  const oasis_name *name = g_hash_table_lookup(o->names[table], &to->number);
+  if (!name && o->tables[table]) {
     look_for_names(o, table, o->tables[table]);
     o->tables[table] = 0;
-    name = g_hash_table_lookup(o->names[table], &number);
+    name = g_hash_table_lookup(o->names[table], &to->number);
   }
-  if (!name && !o->named && !o->s.failed) {
+  if (!name && !o->named && !o->b.failed) {
     look_for_names(o, table, 0);
     o->named = 1;
-    name = g_hash_table_lookup(o->names[table], &number);
+    name = g_hash_table_lookup(o->names[table], &to->number);
   }
-  if (o->s.failed) return NULL;
-  if (name) return name->text;
-  oasis_refuse(&o->s, what[table]);
-  return NULL;
-}
-
-void oasis_read_reference(oasis *o, int by_number, oasis_reference *to) {
-  to->by_number = by_number;
-  if (by_number)
-    to->number = oasis_uint(&o->s);
-  else
-    oasis_string(&o->s, &to->text);
-}
-
-const char *oasis_referred(oasis *o, int table, const oasis_reference *to) {
-  if (o->s.failed) return NULL;
-  return to->by_number ? oasis_name_of(o, table, to->number) : to->text.s;
+  if (!name) oasis_refuse(o, what[table]);
+  return o->b.failed ? NULL : name->text;
 }

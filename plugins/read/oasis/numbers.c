@@ -1,26 +1,24 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Numbers, vectors and strings (SEMI P39, section 7). */
-#include <eda/memory.h>
 #include <math.h>
 #include <string.h>
 
-#include "../reader.h"
-#include "stream.h"
+#include "oasis.h"
 
 /* Of a coordinate, a length or a sum of them: whatever is added to another
    coordinate and still fits 64 bits easily. */
 #define MAX_LENGTH ((int64_t)1 << 33)
 
 /* Seven bits a byte, the lowest first; zeros may follow without end. */
-uint64_t oasis_long_uint(oasis_stream *s, uint32_t first) {
+uint64_t oasis_long_uint(oasis *o, uint32_t first) {
   uint64_t v = first & 0x7f;
   uint32_t b = first;
-  for (unsigned shift = 7; b & 0x80 && !s->failed; shift += 7) {
-    b = oasis_byte(s);
+  for (unsigned shift = 7; b & 0x80 && !o->b.failed; shift += 7) {
+    b = oasis_byte(o);
     uint64_t bits = b & 0x7f;
     if (!bits) continue;
     if (shift > 63 || (shift == 63 && bits > 1)) {
-      oasis_refuse(s, "an integer beyond 64 bits");
+      oasis_refuse(o, "an integer beyond 64 bits");
       return 0;
     }
     v |= bits << shift;
@@ -28,16 +26,16 @@ uint64_t oasis_long_uint(oasis_stream *s, uint32_t first) {
   return v;
 }
 
-uint32_t oasis_uint32(oasis_stream *s, const char *what) {
-  uint64_t v = oasis_uint(s);
+uint32_t oasis_uint32(oasis *o, const char *what) {
+  uint64_t v = oasis_uint(o);
   if (v <= UINT32_MAX) return (uint32_t)v;
-  oasis_refuse(s, what);
+  oasis_refuse(o, what);
   return 0;
 }
 
-static double little_endian_real(oasis_stream *s, int bytes) {
+static double little_endian_real(oasis *o, int bytes) {
   uint64_t bits = 0;
-  for (int i = 0; i < bytes; i++) bits |= (uint64_t)oasis_byte(s) << 8 * i;
+  for (int i = 0; i < bytes; i++) bits |= (uint64_t)oasis_byte(o) << 8 * i;
   double v;
   if (bytes == 4) {
     uint32_t half = (uint32_t)bits;
@@ -48,53 +46,38 @@ static double little_endian_real(oasis_stream *s, int bytes) {
     memcpy(&v, &bits, sizeof v);
   }
   if (isfinite(v)) return v;
-  oasis_refuse(s, "a real that is no number");
+  oasis_refuse(o, "a real that is no number");
   return 0;
 }
 
-double oasis_real_of(oasis_stream *s, uint64_t type) {
-  double above = 1, below = 1;
-  switch (type) {
-    case 0:
-    case 1:
-      above = (double)oasis_uint(s);
-      break;
-    case 2:
-    case 3:
-      below = (double)oasis_uint(s);
-      break;
-    case 4:
-    case 5:
-      above = (double)oasis_uint(s);
-      below = (double)oasis_uint(s);
-      break;
-    case 6:
-      return little_endian_real(s, 4);
-    case 7:
-      return little_endian_real(s, 8);
-    default:
-      oasis_refuse(s, "an unknown kind of real");
-      return 0;
+double oasis_real_of(oasis *o, uint64_t type) {
+  if (type > 7) {
+    oasis_refuse(o, "an unknown kind of real");
+    return 0;
   }
+  if (type >= 6) return little_endian_real(o, type == 6 ? 4 : 8);
+  int whole = type <= 1, inverse = type == 2 || type == 3;
+  double above = inverse ? 1 : (double)oasis_uint(o);
+  double below = whole ? 1 : (double)oasis_uint(o);
   if (below == 0) {
-    oasis_refuse(s, "a fraction over 0");
+    oasis_refuse(o, "a fraction over 0");
     return 0;
   }
   return type & 1 ? -above / below : above / below;
 }
 
-double oasis_real(oasis_stream *s) { return oasis_real_of(s, oasis_uint(s)); }
+double oasis_real(oasis *o) { return oasis_real_of(o, oasis_uint(o)); }
 
 /* ---- vectors ---- */
 
-int64_t oasis_length(oasis_stream *s, int64_t v) {
+int64_t oasis_length(oasis *o, int64_t v) {
   if (v >= -MAX_LENGTH && v <= MAX_LENGTH) return v;
-  oasis_refuse(s, "a coordinate beyond 32 bits");
+  oasis_refuse(o, "a coordinate beyond 32 bits");
   return 0;
 }
 
-static int64_t magnitude(oasis_stream *s, uint64_t v) {
-  return oasis_length(s, v > INT64_MAX ? INT64_MAX : (int64_t)v);
+int64_t oasis_size(oasis *o, uint64_t v) {
+  return oasis_length(o, v > INT64_MAX ? INT64_MAX : (int64_t)v);
 }
 
 /* East, north, west, south; then north-east and on. */
@@ -104,52 +87,46 @@ static oasis_vector along(uint64_t direction, int64_t size) {
   return (oasis_vector){x[direction] * size, y[direction] * size};
 }
 
-oasis_vector oasis_delta1(oasis_stream *s, int horizontal) {
-  int64_t v = oasis_length(s, oasis_sint(s));
+oasis_vector oasis_delta1(oasis *o, int horizontal) {
+  int64_t v = oasis_length(o, oasis_sint(o));
   return horizontal ? (oasis_vector){v, 0} : (oasis_vector){0, v};
 }
 
-oasis_vector oasis_delta2(oasis_stream *s) {
-  uint64_t v = oasis_uint(s);
-  return along(v & 3, magnitude(s, v >> 2));
+oasis_vector oasis_delta2(oasis *o) {
+  uint64_t v = oasis_uint(o);
+  return along(v & 3, oasis_size(o, v >> 2));
 }
 
-oasis_vector oasis_delta3(oasis_stream *s) {
-  uint64_t v = oasis_uint(s);
-  return along(v & 7, magnitude(s, v >> 3));
+oasis_vector oasis_delta3(oasis *o) {
+  uint64_t v = oasis_uint(o);
+  return along(v & 7, oasis_size(o, v >> 3));
 }
 
-oasis_vector oasis_deltag(oasis_stream *s) {
-  uint64_t v = oasis_uint(s);
-  if (!(v & 1)) return along(v >> 1 & 7, magnitude(s, v >> 4));
-  int64_t x = magnitude(s, v >> 2);
-  int64_t y = oasis_length(s, oasis_sint(s));
+oasis_vector oasis_deltag(oasis *o) {
+  uint64_t v = oasis_uint(o);
+  if (!(v & 1)) return along(v >> 1 & 7, oasis_size(o, v >> 4));
+  int64_t x = oasis_size(o, v >> 2);
+  int64_t y = oasis_length(o, oasis_sint(o));
   return (oasis_vector){v & 2 ? -x : x, y};
 }
 
 /* ---- strings ---- */
 
-void oasis_string(oasis_stream *s, oasis_text *out) {
-  uint64_t left = oasis_uint(s);
-  size_t used = 0;
+/* The bytes come in pieces where a block ends its window in between. */
+static void take_bytes(oasis *o, GString *out) {
+  uint64_t left = oasis_uint(o);
   do {
-    size_t n = (size_t)(s->end - s->p);
-    if (n > left) n = (size_t)left;
-    eda_grow(&out->s, &out->room, used + 4 * n + 1, 1);
-    reader_string(s->p, n, out->s + used);
-    used += strlen(out->s + used);
-    s->p += n;
+    size_t n = MIN((size_t)(o->end - o->p), left);
+    if (out) g_string_append_len(out, (const char *)o->p, (gssize)n);
+    o->p += n;
     left -= n;
-  } while (left && oasis_refill(s));
-  if (s->failed) out->s[0] = '\0';
+  } while (left && oasis_refill(o));
 }
 
-void oasis_skip_string(oasis_stream *s) {
-  uint64_t left = oasis_uint(s);
-  do {
-    size_t n = (size_t)(s->end - s->p);
-    if (n > left) n = (size_t)left;
-    s->p += n;
-    left -= n;
-  } while (left && oasis_refill(s));
+char *oasis_string(oasis *o) {
+  g_autoptr(GString) bytes = g_string_new(NULL);
+  take_bytes(o, bytes);
+  return reader_string(bytes->str, o->b.failed ? 0 : bytes->len);
 }
+
+void oasis_skip_string(oasis *o) { take_bytes(o, NULL); }

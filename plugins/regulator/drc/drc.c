@@ -57,8 +57,10 @@ static int look_around(drc *r, const eda_printed *p, opc_error *error) {
   r->bite = eda_alloc(r->layers, sizeof *r->bite);
   r->iteration = p->iteration;
   int code = sites_find(r, error);
-  if (code) clear(r);
-  else ends_find(r);
+  if (code)
+    clear(r);
+  else
+    ends_find(r);
   return code;
 }
 
@@ -96,7 +98,8 @@ static void judge_print(drc *r, const eda_printed *p, eda_ruling *ruling) {
     if (!ends_back(r, s, ruling->end))
       ruling->vetoes[s->gate] |= EDA_VETO_LONGER;
   }
-  for (size_t k = 0; k < r->layers; k++) r->patch[k].count = r->bite[k].count = 0;
+  for (size_t k = 0; k < r->layers; k++)
+    r->patch[k].count = r->bite[k].count = 0;
   repairs_patches(r, p);
   ends_heads(r);
   trims_bites(r);
@@ -140,9 +143,11 @@ static void report_extension(const drc *r, const eda_printed *p, size_t end,
   size_t i = end / 2;
   int high = end % 2;
   eda_violation v = at_gate(g, i, ends_reason(r, end));
-  eda_box b = g->box[i];   /* the place is where the gate ends */
-  if (g->axis[i] == EDA_Y) v.x = (high ? b.x1 : b.x0) * g->grid;
-  else v.y = (high ? b.y1 : b.y0) * g->grid;
+  eda_box b = g->box[i]; /* the place is where the gate ends */
+  if (g->axis[i] == EDA_Y)
+    v.x = (high ? b.x1 : b.x0) * g->grid;
+  else
+    v.y = (high ? b.y1 : b.y0) * g->grid;
   v.value = p->extension[end];
   v.limit = r->min_extension;
   violations_add(out, v);
@@ -180,10 +185,12 @@ static int violations_of(void *self, const eda_printed *p, eda_violation *v,
 
 /* ---- parameters ---- */
 
-#define LENGTH(NAME, FLAGS, PRESET, MAX, SUMMARY)                           \
-  {.name = #NAME, .type = OPC_REAL, .flags = OPC_AT_LEAST | (FLAGS),        \
-   .unit = "nm", .preset = (PRESET), .max = (MAX), .summary = (SUMMARY),    \
-   OPC_FIELD(drc, NAME)}
+#define LENGTH(NAME, FLAGS, PRESET, MAX, SUMMARY)                         \
+  {                                                                       \
+    .name = #NAME, .type = OPC_REAL, .flags = OPC_AT_LEAST | (FLAGS),     \
+    .unit = "nm", .preset = (PRESET), .max = (MAX), .summary = (SUMMARY), \
+    OPC_FIELD(drc, NAME)                                                  \
+  }
 
 static const opc_parameter parameters[] = {
     LENGTH(overlay, OPC_AT_MOST, "10 nm", 100,
@@ -217,8 +224,8 @@ static int check(void *self, opc_error *error) {
 static const eda_regulator functions = {.rule = rule,
                                         .violations = violations_of};
 
-OPC_PLUGIN(drc, .id = "regulator.drc", .kind = "regulator",
-           .version = "0.2.0", .licence = "BSD-3-Clause",
+OPC_PLUGIN(drc, .id = "regulator.drc", .kind = "regulator", .version = "0.2.0",
+           .licence = "BSD-3-Clause",
            .summary = "bridging, pinching, line ends and contacts of the print",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), .check = check, .clear = clear,

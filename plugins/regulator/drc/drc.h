@@ -23,8 +23,8 @@ typedef struct places {
 
 /* What is known of how a print answers to a moved mask edge. */
 typedef struct response {
-  int32_t bias;    /* of the mask at the print before */
-  double value;    /* what printed then */
+  int32_t bias; /* of the mask at the print before */
+  double value; /* what printed then */
   int seen;
 } response;
 
@@ -38,22 +38,22 @@ enum {
 /* A place where the print is looked at. */
 typedef struct site {
   eda_box box;
-  int32_t gate;     /* the nearest one, -1 for none */
-  int32_t repair;   /* its number (of a gap: of its pair of trims); -1: none */
+  int32_t gate;   /* the nearest one, -1 for none */
+  int32_t repair; /* its number (of a gap: of its pair of trims); -1: none */
   uint16_t layer;
   uint8_t kind;
-  uint8_t sides;    /* those that are looked at, 1 << LEFT and so on; of a gap
-                       the lower one of the two walls */
-  uint8_t failing;  /* at the last look */
+  uint8_t sides;   /* those that are looked at, 1 << LEFT and so on; of a gap
+                      the lower one of the two walls */
+  uint8_t failing; /* at the last look */
 } site;
 
 /* Line end [2 * i + side]. */
 typedef struct line_end {
-  eda_box tip;             /* as drawn, flat */
-  int side;                /* that it faces; -1: the gate has none */
-  int32_t most, by;        /* how far it may go out, and was sent */
-  int32_t start;           /* of its head, inwards of the tip */
-  int32_t widest, wider;   /* the same on each flank */
+  eda_box tip;           /* as drawn, flat */
+  int side;              /* that it faces; -1: the gate has none */
+  int32_t most, by;      /* how far it may go out, and was sent */
+  int32_t start;         /* of its head, inwards of the tip */
+  int32_t widest, wider; /* the same on each flank */
   response length, width;
 } line_end;
 
@@ -66,8 +66,8 @@ typedef struct repair {
   int32_t room[SIDES], grow[SIDES];
   /* What moves the corners at both ends of that piece, NULL for nothing. */
   const eda_fragment *corner[SIDES][2];
-  uint32_t back[SIDES];  /* the round in which it last went back */
-  double value[SIDES];   /* from the side of the box outwards to the contour */
+  uint32_t back[SIDES]; /* the round in which it last went back */
+  double value[SIDES];  /* from the side of the box outwards to the contour */
   response response[SIDES];
   double flanked[SIDES]; /* what printed when the sides beside last went out for
                             it; 0: they did not */
@@ -75,15 +75,15 @@ typedef struct repair {
 
 /* A stretch of a drawn edge of poly that goes back. */
 typedef struct trim {
-  eda_box wall;          /* the stretch, flat */
-  int side;              /* of it, on which the gap lies */
-  int32_t room, depth;   /* how far it may go back, and does */
-  int32_t front;         /* half of the gap, which patches are to leave as well */
-  uint32_t round;        /* when it last went back */
+  eda_box wall;        /* the stretch, flat */
+  int side;            /* of it, on which the gap lies */
+  int32_t room, depth; /* how far it may go back, and does */
+  int32_t front;       /* half of the gap, which patches are to leave as well */
+  uint32_t round;      /* when it last went back */
 } trim;
 
-/* A notch or a bump, and the straight edge that is there instead, from `from` to
-   `to`, with the shape on its left. */
+/* A notch or a bump, and the straight edge that is there instead, from `from`
+   to `to`, with the shape on its left. */
 typedef struct mend {
   eda_box box;
   eda_point from, to;
@@ -100,18 +100,18 @@ typedef struct drc {
   double overlay, min_extension, want_extension, max_growth, max_head;
   double min_space, min_width, min_mask_width;
 
-  const eda_gates *gates;  /* all below is of these; NULL: of none yet */
+  const eda_gates *gates; /* all below is of these; NULL: of none yet */
   double grid;
   size_t layers;
-  uint32_t iteration;      /* the last one seen */
+  uint32_t iteration; /* the last one seen */
 
-  places *edges;           /* [layers]: drawn */
-  places boxes;            /* of the gates */
-  places contacts;         /* those that poly must not touch */
-  places pads;             /* contacts that poly must cover */
-  places widths;           /* edges of active that a gate's width moves */
-  const eda_fragment **width;   /* of each of them */
-  char **bridging;         /* [layers]: the rule that a gap of it breaks */
+  places *edges;              /* [layers]: drawn */
+  places boxes;               /* of the gates */
+  places contacts;            /* those that poly must not touch */
+  places pads;                /* contacts that poly must cover */
+  places widths;              /* edges of active that a gate's width moves */
+  const eda_fragment **width; /* of each of them */
+  char **bridging;            /* [layers]: the rule that a gap of it breaks */
   site *sites;
   size_t n_sites, sites_room;
 
@@ -120,14 +120,14 @@ typedef struct drc {
   size_t n_repairs, repairs_room;
   trim *trims;
   size_t n_trims, trims_room;
-  int32_t (*pairs)[2];     /* trims on both sides of a gap that failed; -1: none
-                            */
+  int32_t (*pairs)[2]; /* trims on both sides of a gap that failed; -1: none
+                        */
   size_t n_pairs, pairs_room;
-  uint32_t round;          /* of prints that were looked at */
-  mends *mends;            /* [layers] */
-  int undone;              /* how often one of them made way for another */
+  uint32_t round; /* of prints that were looked at */
+  mends *mends;   /* [layers] */
+  int undone;     /* how often one of them made way for another */
 
-  eda_box_list *patch, *bite;   /* [layers]: of the last ruling */
+  eda_box_list *patch, *bite; /* [layers]: of the last ruling */
 } drc;
 
 /* A list of violations with room for some; all are counted. */

@@ -11,10 +11,10 @@
 #include "core/plugin/host.h"
 #include "core/testing/testing.h"
 
-/* Poly, active and contacts, of which the last are not corrected. */
-enum { CONTACT = 2, LAYERS = 3 };
-static char *names[] = {"poly", "active", "contact"};
-static uint8_t corrected[] = {1, 1, 0};
+/* Contacts are not corrected. */
+enum { CONTACT = 2, METAL = 3, LAYERS = 4 };
+static char *names[] = {"poly", "active", "contact", "metal1"};
+static uint8_t corrected[] = {1, 1, 0, 1};
 
 /* Lower line x 0..65, y 0..400; upper one y 400 + gap .. 900 + gap. The gates
    are at y 100..300 and, above, at gap + 500..700. */
@@ -51,18 +51,26 @@ static void setup(fixture *f, int32_t gap) {
   }
   f->box[0] = (eda_box){0, 100, 65, 300};
   f->box[1] = (eda_box){0, 500 + gap, 65, 700 + gap};
-  f->gates = (eda_gates){.grid = 1, .extent = {-200, 0, 265, 900 + gap},
-                         .layers = LAYERS, .layer = names,
-                         .corrected = corrected, .drawn = f->drawn,
-                         .edges = f->edges, .count = 2, .box = f->box,
-                         .axis = f->axis, .space = f->space};
+  f->gates = (eda_gates){.grid = 1,
+                         .extent = {-200, 0, 265, 900 + gap},
+                         .layers = LAYERS,
+                         .layer = names,
+                         .corrected = corrected,
+                         .drawn = f->drawn,
+                         .edges = f->edges,
+                         .count = 2,
+                         .box = f->box,
+                         .axis = f->axis,
+                         .space = f->space};
   f->drawn[EDA_POLY] = (eda_shapes){2, f->start, f->points, NULL};
   f->edges[EDA_POLY] = (eda_edges){2, f->start, f->fragments};
 }
 
 static eda_printed print_of(fixture *f) {
-  return (eda_printed){.size = sizeof(eda_printed), .gates = &f->gates,
-                       .flags = f->flags, .l = f->l, .w = f->w,
+  return (eda_printed){.gates = &f->gates,
+                       .flags = f->flags,
+                       .l = f->l,
+                       .w = f->w,
                        .extension = f->extension};
 }
 
@@ -70,7 +78,10 @@ static size_t rule(opc_module *m, fixture *f) {
   const eda_regulator *r = m->functions;
   eda_printed p = print_of(f);
   memset(f->vetoes, 0, sizeof f->vetoes);
-  eda_ruling ruling = {.vetoes = f->vetoes, .end = f->end};
+  eda_ruling ruling = {.vetoes = f->vetoes,
+                       .end = f->end,
+                       .patches = f->patches,
+                       .bites = f->bites};
   opc_error error;
   g_assert_cmpint(r->rule(m->self, &p, &ruling, &error), ==, OPC_OK);
   return ruling.transistors;
@@ -88,7 +99,8 @@ static opc_module *make(const char *parameters) {
 static void test_extension(void) {
   static const double at_first[] = {13, 19.9, -30};
   for (size_t k = 0; k < G_N_ELEMENTS(at_first); k++) {
-    g_autoptr(opc_module) m = make("{ min_extension: 20 nm, max_growth: 90 nm }");
+    g_autoptr(opc_module) m =
+        make("{ min_extension: 20 nm, max_growth: 90 nm }");
     fixture f;
     int prints = 0;
     setup(&f, 1000);
@@ -158,7 +170,8 @@ static size_t violations(opc_module *m, const eda_printed *p, eda_violation *v,
   const eda_regulator *r = m->functions;
   opc_error error;
   size_t count = 0;
-  g_assert_cmpint(r->violations(m->self, p, v, room, &count, &error), ==, OPC_OK);
+  g_assert_cmpint(r->violations(m->self, p, v, room, &count, &error), ==,
+                  OPC_OK);
   return count;
 }
 
@@ -171,7 +184,7 @@ static void test_violations(void) {
   f.flags[1] = EDA_PRINT_MERGED | EDA_PRINT_OPEN;
   eda_printed p = print_of(&f);
   eda_violation v[3];
-  g_assert_cmpuint(violations(m, &p, v, 2), ==, 4);   /* more than room */
+  g_assert_cmpuint(violations(m, &p, v, 2), ==, 4); /* more than room */
   g_assert_cmpstr(v[0].rule, ==, "extension: could still move");
   g_assert_cmpint(v[0].gate, ==, 0);
   g_assert_cmpfloat(v[0].value, ==, 12.5);
@@ -180,7 +193,7 @@ static void test_violations(void) {
   g_assert_cmpfloat(v[0].y, ==, 300);
   g_assert_cmpstr(v[1].rule, ==, "bridging");
   g_assert_cmpint(v[1].gate, ==, 1);
-  for (int i = 0; i < 5; i++) rule(m, &f);   /* 5 nm of room */
+  for (int i = 0; i < 5; i++) rule(m, &f); /* 5 nm of room */
   violations(m, &p, v, 3);
   g_assert_cmpint(f.end[1], ==, 5);
   g_assert_cmpstr(v[0].rule, ==, "extension: no room before the line end");
@@ -208,7 +221,6 @@ static void add_box(boxes *b, int32_t x0, int32_t y0, int32_t x1, int32_t y1) {
 static eda_field field_of(const boxes *b) {
   enum { STEP = 8, N = 250 };
   const opc_host *host = opc_test_host();
-  opc_error error;
   eda_field f = {.frame = {-500, -500, STEP * N, STEP * N}, .nx = N, .ny = N};
   f.coefficients = eda_alloc(N * N, sizeof(float));
   for (int j = 0; j < N; j++)
@@ -216,21 +228,24 @@ static eda_field field_of(const boxes *b) {
       double x = -500 + STEP * i, y = -500 + STEP * j, best = -60;
       for (size_t k = 0; k < b->shapes.count; k++) {
         eda_point low = b->points[4 * k], high = b->points[4 * k + 2];
-        double d = fmin(fmin(x - low.x, high.x - x), fmin(y - low.y, high.y - y));
+        double d =
+            fmin(fmin(x - low.x, high.x - x), fmin(y - low.y, high.y - y));
         best = fmax(best, d);
       }
       f.coefficients[j * N + i] = (float)fmin(best, 60);
     }
-  g_assert_cmpint(eda_field_from_samples(host->context, &f, &error), ==, OPC_OK);
+  eda_field_from_samples(host->context, &f);
   return f;
 }
 
 /* A layout without gates, its mask as drawn, and what prints of it. */
 typedef struct chip {
-  boxes drawn[EDA_LAYERS], printed[EDA_MASKS];
+  boxes drawn[LAYERS], printed[LAYERS];
   eda_gates gates;
-  eda_shapes mask[EDA_MASKS];
-  eda_field print[EDA_MASKS];
+  eda_shapes shapes[LAYERS], mask[LAYERS];
+  eda_edges edges[LAYERS];
+  eda_field print[LAYERS];
+  eda_boxes patches[LAYERS], bites[LAYERS];
   eda_printed p;
   eda_ruling ruling;
   uint32_t veto[1];
@@ -238,29 +253,36 @@ typedef struct chip {
 
 static void show(chip *c) {
   static double nowhere[1];
-  c->gates;
   c->gates.grid = 1;
   c->gates.extent = (eda_box){-500, -500, 1500, 1500};
-  for (int layer = 0; layer < EDA_LAYERS; layer++)
-    c->gates.drawn[layer] = c->drawn[layer].shapes;
-  for (int layer = 0; layer < EDA_MASKS; layer++) {
+  c->gates.layers = LAYERS;
+  c->gates.layer = names;
+  c->gates.corrected = corrected;
+  c->gates.drawn = c->shapes;
+  c->gates.edges = c->edges;
+  for (int layer = 0; layer < LAYERS; layer++) {
+    c->shapes[layer] = c->drawn[layer].shapes;
+    if (!corrected[layer]) continue;
     eda_field_clear(&c->print[layer]);
     c->print[layer] = field_of(&c->printed[layer]);
-    c->mask[layer] = c->gates.drawn[layer];
+    c->mask[layer] = c->shapes[layer];
   }
   c->p = (eda_printed){.gates = &c->gates,
-                       .mask = c->mask, .print = c->print, .extension = nowhere};
+                       .shapes = c->mask,
+                       .print = c->print,
+                       .extension = nowhere};
 }
 
 static void judge(opc_module *m, chip *c) {
   const eda_regulator *r = m->functions;
   opc_error error;
-  c->ruling = (eda_ruling){.vetoes = c->veto};
+  c->ruling =
+      (eda_ruling){.vetoes = c->veto, .patches = c->patches, .bites = c->bites};
   g_assert_cmpint(r->rule(m->self, &c->p, &c->ruling, &error), ==, OPC_OK);
 }
 
 static void end(chip *c) {
-  for (int layer = 0; layer < EDA_MASKS; layer++)
+  for (int layer = 0; layer < LAYERS; layer++)
     eda_field_clear(&c->print[layer]);
 }
 
@@ -271,13 +293,13 @@ static void test_enclosure(void) {
   chip c = {0};
   eda_violation v;
   add_box(&c.drawn[EDA_POLY], 0, 0, 106, 140);
-  add_box(&c.drawn[EDA_CONTACT], 20, 30, 100, 110);
+  add_box(&c.drawn[CONTACT], 20, 30, 100, 110);
   add_box(&c.printed[EDA_POLY], -10, -10, 104, 150);
   show(&c);
   judge(m, &c);
-  g_assert_cmpuint(c.ruling.patch_count[EDA_ACTIVE], ==, 0);
-  g_assert_cmpuint(c.ruling.patch_count[EDA_POLY], ==, 1);
-  eda_box patch = c.ruling.patches[EDA_POLY][0];
+  g_assert_cmpuint(c.ruling.patches[EDA_ACTIVE].count, ==, 0);
+  g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 1);
+  eda_box patch = c.ruling.patches[EDA_POLY].box[0];
   g_assert_cmpint(patch.y0, ==, 0);
   g_assert_cmpint(patch.y1, ==, 140);
   g_assert_cmpint(patch.x1, >=, 112);
@@ -290,8 +312,8 @@ static void test_enclosure(void) {
   c.printed[EDA_POLY].points[1].x = c.printed[EDA_POLY].points[2].x = 111;
   show(&c);
   judge(m, &c);
-  g_assert_cmpuint(c.ruling.patch_count[EDA_POLY], ==, 1);   /* it stays */
-  g_assert_cmpint(c.ruling.patches[EDA_POLY][0].x1, ==, patch.x1);
+  g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 1); /* it stays */
+  g_assert_cmpint(c.ruling.patches[EDA_POLY].box[0].x1, ==, patch.x1);
   g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 0);
   end(&c);
 }
@@ -304,19 +326,19 @@ static void test_near_neighbour(void) {
   eda_violation v;
   add_box(&c.drawn[EDA_ACTIVE], 0, 0, 106, 140);
   add_box(&c.drawn[EDA_ACTIVE], 152, 0, 400, 140);
-  add_box(&c.drawn[EDA_CONTACT], 20, 30, 100, 110);
+  add_box(&c.drawn[CONTACT], 20, 30, 100, 110);
   add_box(&c.printed[EDA_ACTIVE], -10, -10, 104, 150);
   show(&c);
   judge(m, &c);
-  g_assert_cmpuint(c.ruling.patch_count[EDA_ACTIVE], ==, 1);
-  g_assert_cmpint(c.ruling.patches[EDA_ACTIVE][0].x1, ==, 109);
+  g_assert_cmpuint(c.ruling.patches[EDA_ACTIVE].count, ==, 1);
+  g_assert_cmpint(c.ruling.patches[EDA_ACTIVE].box[0].x1, ==, 109);
   judge(m, &c);
-  g_assert_cmpuint(c.ruling.patch_count[EDA_ACTIVE], ==, 3);
+  g_assert_cmpuint(c.ruling.patches[EDA_ACTIVE].count, ==, 3);
   violations(m, &c.p, &v, 1);
   g_assert_cmpstr(v.rule, ==, "enclosure: could still move");
   for (int i = 0; i < 12; i++) judge(m, &c);
   for (size_t i = 0; i < 3; i++)
-    g_assert_cmpint(c.ruling.patches[EDA_ACTIVE][i].x1, ==, 109);
+    g_assert_cmpint(c.ruling.patches[EDA_ACTIVE].box[i].x1, ==, 109);
   g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 1);
   g_assert_cmpstr(v.rule, ==, "enclosure: too near a neighbour");
   end(&c);
@@ -329,7 +351,7 @@ static void test_contact(void) {
   eda_violation v;
   add_box(&c.drawn[EDA_ACTIVE], -100, -100, 300, 300);
   add_box(&c.drawn[EDA_POLY], 0, -200, 65, 400);
-  add_box(&c.drawn[EDA_CONTACT], 110, 60, 190, 140);
+  add_box(&c.drawn[CONTACT], 110, 60, 190, 140);
   add_box(&c.printed[EDA_ACTIVE], -100, -100, 300, 300);
   add_box(&c.printed[EDA_POLY], 0, -200, 104, 400);
   show(&c);
@@ -365,9 +387,9 @@ static void test_neck(void) {
     g_assert_cmpfloat(fabs(v[i].y - 500), <=, 60);
     g_assert_cmpfloat(v[i].x, ==, 30);
   }
-  g_assert_cmpuint(c.ruling.patch_count[EDA_POLY], ==, 2 * n);
+  g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 2 * n);
   for (size_t i = 0; i < 2 * n; i++) {
-    eda_box b = c.ruling.patches[EDA_POLY][i];
+    eda_box b = c.ruling.patches[EDA_POLY].box[i];
     g_assert_cmpint(b.y0, >, 380);
     g_assert_cmpint(b.y1, <, 620);
     g_assert_true((b.x1 >= 69 && b.x1 <= 75) || (b.x0 <= -9 && b.x0 >= -15));
@@ -398,11 +420,37 @@ static void test_gap(void) {
   add_box(&c.printed[EDA_POLY], 0, 0, 240, 300);
   show(&c);
   size_t n = violations(m, &c.p, v, 10);
-  g_assert_cmpuint(n, ==, 5);   /* each 60 nm */
+  g_assert_cmpuint(n, ==, 5); /* each 60 nm */
   for (size_t i = 0; i < n; i++) {
     g_assert_cmpstr(v[i].rule, ==, "bridging: poly: could still move");
     g_assert_cmpfloat(v[i].x, ==, 120);
     g_assert_cmpfloat(v[i].y, <, 300);
+  }
+  end(&c);
+}
+
+/* The same of a further layer. A contact that it covers by 4 nm is not its
+   rule. */
+static void test_metal(void) {
+  g_autoptr(opc_module) m = make("{ overlay: 10 nm }");
+  chip c = {0};
+  eda_violation v[20];
+  add_box(&c.drawn[METAL], 0, 0, 106, 600);
+  add_box(&c.drawn[METAL], 230, 0, 300, 600);
+  add_box(&c.drawn[CONTACT], 20, 30, 100, 110);
+  add_box(&c.printed[METAL], -10, 0, 104, 600);
+  add_box(&c.printed[METAL], 230, 0, 300, 600);
+  add_box(&c.printed[METAL], 50, 300, 260, 500);
+  show(&c);
+  judge(m, &c);
+  g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 0);
+  g_assert_cmpuint(c.ruling.patches[METAL].count, ==, 0);
+  size_t n = violations(m, &c.p, v, 20);
+  g_assert_cmpuint(n, ==, 3); /* each 60 nm */
+  for (size_t i = 0; i < n; i++) {
+    g_assert_cmpstr(v[i].rule, ==, "bridging: metal1");
+    g_assert_cmpfloat(v[i].x, ==, 168);
+    g_assert_cmpfloat(fabs(v[i].y - 400), <, 100);
   }
   end(&c);
 }
@@ -413,7 +461,8 @@ static void test_back(void) {
   g_autoptr(opc_module) m = make("{ min_space: 20 nm, min_extension: 30 nm }");
   fixture f;
   boxes printed = {0}, none = {0};
-  eda_field print[EDA_MASKS];
+  eda_field print[LAYERS] = {{{0}, 0, 0, NULL}};
+  eda_shapes mask[LAYERS] = {{0}};
   const eda_regulator *r = m->functions;
   opc_error error;
   setup(&f, 150);
@@ -427,31 +476,31 @@ static void test_back(void) {
   print[EDA_ACTIVE] = field_of(&none);
   eda_printed p = print_of(&f);
   p.print = print;
-  eda_ruling ruling = {.vetoes = f.vetoes, .end = f.end};
+  p.shapes = mask;
+  eda_ruling ruling = {
+      .vetoes = f.vetoes, .end = f.end, .patches = f.patches, .bites = f.bites};
   for (int i = 1; i < 4; i++) {
     int32_t before = f.end[1];
     g_assert_cmpint(r->rule(m->self, &p, &ruling, &error), ==, OPC_OK);
     g_assert_cmpint(f.end[1], <, before);
     g_assert_cmpint(f.end[1], >=, 60 - 5 * i);
   }
-  g_assert_cmpuint(f.vetoes[0], ==, 0);   /* not the gate's length is to blame */
-  for (int layer = 0; layer < EDA_MASKS; layer++)
-    eda_field_clear(&print[layer]);
+  g_assert_cmpuint(f.vetoes[0], ==, 0); /* not the gate's length is to blame */
+  for (int layer = 0; layer < LAYERS; layer++) eda_field_clear(&print[layer]);
 }
 
-/* A host that gives no print, as those of 1.0 and lint do. */
+/* Without a print only gates and line ends are judged. */
 static void test_no_print(void) {
   g_autoptr(opc_module) m = make("{}");
   chip c = {0};
   eda_violation v;
   add_box(&c.drawn[EDA_POLY], 0, 0, 106, 140);
-  add_box(&c.drawn[EDA_CONTACT], 20, 30, 100, 110);
+  add_box(&c.drawn[CONTACT], 20, 30, 100, 110);
   show(&c);
-  c.p.size = offsetof(eda_printed, mask);
-  c.p.mask = (const void *)16;    /* not to be looked at */
-  c.p.print = (const void *)16;
+  c.p.shapes = NULL;
+  c.p.print = NULL;
   judge(m, &c);
-  g_assert_cmpuint(c.ruling.patch_count[EDA_POLY], ==, 0);
+  g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 0);
   g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 0);
   end(&c);
 }
@@ -474,17 +523,51 @@ static void test_mask(void) {
     int32_t xy[20][2];
     double value;
   } cases[] = {
-      {"jog", 8, 0, 0, {{-2, 0}, {100, 0}, {100, 50}, {103, 50}, {103, 200},
-                        {0, 200}, {0, 100}, {-2, 100}}, 0},
+      {"jog",
+       8,
+       0,
+       0,
+       {{-2, 0},
+        {100, 0},
+        {100, 50},
+        {103, 50},
+        {103, 200},
+        {0, 200},
+        {0, 100},
+        {-2, 100}},
+       0},
       {"narrow", 4, 0, 1, {{0, 0}, {39, 0}, {39, 200}, {0, 200}}, 39},
       {"wide enough", 4, 0, 0, {{0, 0}, {40, 0}, {40, 200}, {0, 200}}, 0},
-      {"notch", 8, 1, 0, {{0, 0}, {300, 0}, {300, 100}, {160, 100}, {160, 50},
-                          {130, 50}, {130, 100}, {0, 100}}, 30},
-      {"neck", 8, 0, 1, {{0, 0}, {100, 0}, {100, 70}, {200, 70}, {200, 200},
-                         {70, 200}, {70, 100}, {0, 100}}, 30 * M_SQRT2},
+      {"notch",
+       8,
+       1,
+       0,
+       {{0, 0},
+        {300, 0},
+        {300, 100},
+        {160, 100},
+        {160, 50},
+        {130, 50},
+        {130, 100},
+        {0, 100}},
+       30},
+      {"neck",
+       8,
+       0,
+       1,
+       {{0, 0},
+        {100, 0},
+        {100, 70},
+        {200, 70},
+        {200, 200},
+        {70, 200},
+        {70, 100},
+        {0, 100}},
+       30 * M_SQRT2},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
-    g_autoptr(opc_module) m = make("{ min_mask_width: 45 nm, min_space: 40 nm }");
+    g_autoptr(opc_module) m =
+        make("{ min_mask_width: 45 nm, min_space: 40 nm }");
     if (cases[i].value < 40)
       opc_test_module_free(g_steal_pointer(&m)),
           m = make("{ min_mask_width: 40 nm, min_space: 40 nm }");
@@ -518,22 +601,22 @@ static const char script[] =
     "  print(*sorted(e.distance() for e in c.each()))\n";
 
 static eda_shapes random_mask(uint32_t seed, GString *text, int n) {
-  const opc_host *host = opc_test_host();
   g_autoptr(GRand) rand = g_rand_new_with_seed(seed);
   opc_error error;
   g_autofree eda_point *points = g_new(eda_point, 4 * n);
   g_autofree uint32_t *start = g_new0(uint32_t, n + 1);
   for (int i = 0; i < n; i++) {
-    int32_t x = g_rand_int_range(rand, 0, 6 * n), w = g_rand_int_range(rand, 5, 200);
-    int32_t y = g_rand_int_range(rand, 0, 6 * n), h = g_rand_int_range(rand, 5, 200);
+    int32_t x = g_rand_int_range(rand, 0, 6 * n),
+            w = g_rand_int_range(rand, 5, 200);
+    int32_t y = g_rand_int_range(rand, 0, 6 * n),
+            h = g_rand_int_range(rand, 5, 200);
     eda_point p[4] = {{x, y}, {x + w, y}, {x + w, y + h}, {x, y + h}};
     memcpy(points + 4 * i, p, sizeof p);
     start[i + 1] = 4 * (uint32_t)(i + 1);
     if (text) g_string_append_printf(text, "%d %d %d %d\n", x, y, x + w, y + h);
   }
   eda_shapes in = {(size_t)n, start, points, NULL}, out;
-  g_assert_cmpint(eda_boolean(EDA_OR, &in, NULL, &out, &error),
-                  ==, OPC_OK);
+  g_assert_cmpint(eda_boolean(EDA_OR, &in, NULL, &out, &error), ==, OPC_OK);
   return out;
 }
 
@@ -547,8 +630,9 @@ static char *ask_klayout(const char *text) {
   char *out = NULL;
   int status = -1;
   if (!g_spawn_sync(NULL, (char **)argv, NULL,
-                    G_SPAWN_SEARCH_PATH | G_SPAWN_STDERR_TO_DEV_NULL, NULL, NULL,
-                    &out, NULL, &status, NULL) || status != 0) {
+                    G_SPAWN_SEARCH_PATH | G_SPAWN_STDERR_TO_DEV_NULL, NULL,
+                    NULL, &out, NULL, &status, NULL) ||
+      status != 0) {
     g_free(out);
     return NULL;
   }
@@ -558,11 +642,12 @@ static char *ask_klayout(const char *text) {
 /* Random rectangles: as many edges face each other at each distance as KLayout
    says; a few corners do so at whole distances too. */
 static void test_klayout(void) {
-  static const char *const names[] = {"mask width", "mask space"};
+  static const char *const rules[] = {"mask width", "mask space"};
   enum { ROOM = 100000 };
   g_autofree eda_violation *v = g_new(eda_violation, ROOM);
   for (uint32_t seed = 1; seed < 6; seed++) {
-    g_autoptr(opc_module) m = make("{ min_mask_width: 40 nm, min_space: 40 nm }");
+    g_autoptr(opc_module) m =
+        make("{ min_mask_width: 40 nm, min_space: 40 nm }");
     g_autoptr(GString) text = g_string_new(NULL);
     chip c = {0};
     show(&c);
@@ -581,7 +666,7 @@ static void test_klayout(void) {
       guint theirs[40] = {0}, ours[40] = {0};
       for (size_t i = 0; words[i]; i++) theirs[atoi(words[i])]++;
       for (size_t i = 0; i < n; i++)
-        if (!strcmp(v[i].rule, names[k]) && v[i].value == floor(v[i].value))
+        if (!strcmp(v[i].rule, rules[k]) && v[i].value == floor(v[i].value))
           ours[(int)v[i].value]++;
       guint all = 0, more = 0;
       for (int d = 1; d < 40; d++) {
@@ -589,7 +674,8 @@ static void test_klayout(void) {
         all += theirs[d];
         more += ours[d] - theirs[d];
       }
-      g_test_message("%s: KLayout %u places, and %u corners", names[k], all, more);
+      g_test_message("%s: KLayout %u places, and %u corners", rules[k], all,
+                     more);
       g_assert_cmpuint(all, >, 30);
       g_assert_cmpuint(more, <, all / 8);
     }
@@ -608,6 +694,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/regulator/contact", test_contact);
   g_test_add_func("/regulator/neck", test_neck);
   g_test_add_func("/regulator/gap", test_gap);
+  g_test_add_func("/regulator/metal", test_metal);
   g_test_add_func("/regulator/back", test_back);
   g_test_add_func("/regulator/no_print", test_no_print);
   g_test_add_func("/regulator/mask", test_mask);

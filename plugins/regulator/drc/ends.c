@@ -16,11 +16,10 @@ static int32_t steps(double room, double most, double grid) {
    come from there; contacts that poly must not touch stay. */
 static void find_length(const drc *r, line_end *e) {
   double grid = r->grid;
-  int32_t range =
-      (int32_t)ceil((2 * r->max_growth + r->min_space) / grid) + 1;
+  int32_t range = (int32_t)ceil((2 * r->max_growth + r->min_space) / grid) + 1;
   /* From the next step on, without its own edge. */
-  eda_box window = window_at(e->tip, e->side, 1, range,
-                             (int32_t)ceil(r->min_space / grid));
+  eda_box window =
+      window_at(e->tip, e->side, 1, range, (int32_t)ceil(r->min_space / grid));
   double own = nearest(&r->edges[EDA_POLY], window, e->side, range - 1, NULL);
   double contact = nearest(&r->contacts, window, e->side, range - 1, NULL);
   e->most = steps(fmin(((own + 1) * grid - r->min_space) / 2,
@@ -31,8 +30,10 @@ static void find_length(const drc *r, line_end *e) {
 /* The head, as wide as it goes on each flank. */
 static eda_box head_of(const line_end *e, int32_t by, int32_t wider) {
   eda_box b = window_at(e->tip, e->side, -e->start, by, 0);
-  if (upright(e->side)) b.y0 -= wider, b.y1 += wider;
-  else b.x0 -= wider, b.x1 += wider;
+  if (upright(e->side))
+    b.y0 -= wider, b.y1 += wider;
+  else
+    b.x0 -= wider, b.x1 += wider;
   return b;
 }
 
@@ -51,8 +52,8 @@ static void find_width(const drc *r, line_end *e, double extension) {
     double own = nearest(&r->edges[EDA_POLY], window, flank, range, NULL);
     double other = nearest(&r->contacts, window, flank, range, NULL);
     window = window_at(line, flank, 1, range, 0);
-    other = fmin(other,
-                 nearest(&r->edges[EDA_ACTIVE], window, flank, range, NULL));
+    other =
+        fmin(other, nearest(&r->edges[EDA_ACTIVE], window, flank, range, NULL));
     room = fmin(room, fmin(((own + 1) * grid - r->min_space) / 2,
                            (other + 1) * grid - r->min_space));
   }
@@ -93,7 +94,7 @@ static int is_clear(const eda_printed *p, const line_end *e) {
   double out = e->side == LEFT || e->side == BELOW ? -1 : 1;
   double step = tuned.end_step;
   const eda_field *print = &p->print[EDA_POLY];
-  *along -= out * e->start * grid;   /* where the line does print */
+  *along -= out * e->start * grid; /* where the line does print */
   for (double d = 0; d < tuned.sought; d += step, *along += out * step) {
     eda_field_sample(print, &x, &y, 1, &value);
     if (value <= 0) break;

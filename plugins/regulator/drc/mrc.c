@@ -9,20 +9,20 @@
 #include "drc.h"
 
 typedef struct facing {
-  int32_t distance, low, high;   /* where they overlap */
+  int32_t distance, low, high; /* where they overlap */
 } facing;
 
 typedef struct mask {
   const eda_shapes *shapes;
   places edges, corners;
-  uint8_t *inwards;     /* of each edge, the side its shape lies on */
-  uint8_t *corner;      /* of each point, see corner_of */
-  double grid, limit[2];   /* nm: of spaces, of shapes */
+  uint8_t *inwards;      /* of each edge, the side its shape lies on */
+  uint8_t *corner;       /* of each point, see corner_of */
+  double grid, limit[2]; /* nm: of spaces, of shapes */
   violations *out;
 
   /* Of the edge that is looked from. */
   eda_box from;
-  int side, shape;         /* whether through the shape */
+  int side, shape; /* whether through the shape */
   facing *found;
   size_t n, room;
 } mask;
@@ -38,10 +38,10 @@ static void face(mask *m, uint32_t i) {
   int flat = upright(m->side);
   if (m->inwards[i] != (m->shape ? opposite(m->side) : m->side)) return;
   int32_t distance = flat ? e.x0 - f.x0 : e.y0 - f.y0;
-  int32_t low = flat ? (e.y0 > f.y0 ? e.y0 : f.y0)
-                     : (e.x0 > f.x0 ? e.x0 : f.x0);
-  int32_t high = flat ? (e.y1 < f.y1 ? e.y1 : f.y1)
-                      : (e.x1 < f.x1 ? e.x1 : f.x1);
+  int32_t low =
+      flat ? (e.y0 > f.y0 ? e.y0 : f.y0) : (e.x0 > f.x0 ? e.x0 : f.x0);
+  int32_t high =
+      flat ? (e.y1 < f.y1 ? e.y1 : f.y1) : (e.x1 < f.x1 ? e.x1 : f.x1);
   if (distance <= 0 || low >= high) return;
   eda_grow(&m->found, &m->room, m->n + 1, sizeof *m->found);
   m->found[m->n++] = (facing){distance, low, high};
@@ -94,8 +94,8 @@ static void look_from(mask *m, size_t i) {
   /* Less than the limit, in whole steps. */
   int32_t reach = (int32_t)ceil(m->limit[m->shape] / m->grid - 1e-9) - 1;
   if (reach < 1) return;
-  eda_finder f = eda_index_find(m->edges.index,
-                                window_at(m->from, m->side, 0, reach, 0));
+  eda_finder f =
+      eda_index_find(m->edges.index, window_at(m->from, m->side, 0, reach, 0));
   for (uint32_t k; eda_index_next(&f, &k);) face(m, k);
   if (m->n > 1) qsort(m->found, m->n, sizeof *m->found, by_distance);
   for (size_t k = 0; k < m->n; k++) tell_visible(m, k);
@@ -119,8 +119,8 @@ static uint8_t corner_of(eda_point a, eda_point b, eda_point c, int in,
                    (above ? QUADRANT_ABOVE : 0));
 }
 
-/* Look at corners n and i. Of two of a kind, each has its quadrant away from the
-   other: between convex ones lies space, between the others the shape. */
+/* Look at corners n and i. Of two of a kind, each has its quadrant away from
+   the other: between convex ones lies space, between the others the shape. */
 static void try_corner(const mask *m, size_t n, uint32_t i) {
   eda_box a = m->corners.box[n], b = m->corners.box[i];
   uint8_t p = m->corner[n], q = m->corner[i];
@@ -148,9 +148,9 @@ static void try_corner(const mask *m, size_t n, uint32_t i) {
 static void look_from_corner(const mask *m, size_t n) {
   int32_t reach = (int32_t)ceil(fmax(m->limit[0], m->limit[1]) / m->grid);
   eda_box c = m->corners.box[n];
-  eda_finder f = eda_index_find(
-      m->corners.index,
-      (eda_box){c.x0, c.y0 - reach, c.x1 + reach, c.y1 + reach});
+  eda_finder f =
+      eda_index_find(m->corners.index,
+                     (eda_box){c.x0, c.y0 - reach, c.x1 + reach, c.y1 + reach});
   for (uint32_t i; eda_index_next(&f, &i);) try_corner(m, n, i);
 }
 
@@ -161,7 +161,8 @@ static void find_edges(mask *m) {
   double nm = 4 * fmax(m->limit[0], m->limit[1]);
   size_t n;
   eda_box *edges = edges_of(s, &n), *points = eda_alloc(n, sizeof *points);
-  for (size_t i = 0; i < n; i++) points[i] = box_between(s->points[i], s->points[i]);
+  for (size_t i = 0; i < n; i++)
+    points[i] = box_between(s->points[i], s->points[i]);
   places_init(&m->edges, edges, n, nm, m->grid);
   places_init(&m->corners, points, n, nm, m->grid);
   m->inwards = eda_alloc(n, 1);

@@ -41,10 +41,18 @@ eda_box window_at(eda_box w, int side, int32_t from, int32_t to,
     w.x1 += beside;
   }
   switch (side) {
-    case LEFT: w.x1 = w.x0 - from, w.x0 -= to; break;
-    case RIGHT: w.x0 = w.x1 + from, w.x1 += to; break;
-    case BELOW: w.y1 = w.y0 - from, w.y0 -= to; break;
-    default: w.y0 = w.y1 + from, w.y1 += to; break;
+    case LEFT:
+      w.x1 = w.x0 - from, w.x0 -= to;
+      break;
+    case RIGHT:
+      w.x0 = w.x1 + from, w.x1 += to;
+      break;
+    case BELOW:
+      w.y1 = w.y0 - from, w.y0 -= to;
+      break;
+    default:
+      w.y0 = w.y1 + from, w.y1 += to;
+      break;
   }
   return w;
 }

@@ -156,23 +156,26 @@ static eda_box patch_of(const drc *r, const eda_printed *printed,
   from -= meets_low ? one->grow[low] : 0;
   to += moved(printed, one->corner[side][1]);
   to += meets_high ? one->grow[high] : 0;
-  if (upright(side)) p.y0 = from, p.y1 = to;
-  else p.x0 = from, p.x1 = to;
+  if (upright(side))
+    p.y0 = from, p.y1 = to;
+  else
+    p.x0 = from, p.x1 = to;
   return p;
 }
 
 /* How far the mask may go past what is drawn on a side: what it faces may come
-   as far, but contacts stay that poly must not touch, and of poly and active the
-   other one. */
+   as far, but contacts stay that poly must not touch, and of poly and active
+   the other one. */
 static int32_t room_of(const drc *r, const site *s, const repair *one,
                        int side) {
   double grid = r->grid;
   int32_t beside = (int32_t)ceil(r->min_space / grid);
-  int32_t range =
-      (int32_t)ceil((2 * r->max_growth + r->min_space) / grid) + 1;
+  int32_t range = (int32_t)ceil((2 * r->max_growth + r->min_space) / grid) + 1;
   eda_box edge = window_at(s->box, side, one->edge[side], one->edge[side], 0);
-  if (upright(side)) edge.y0 = one->from[side], edge.y1 = one->to[side];
-  else edge.x0 = one->from[side], edge.x1 = one->to[side];
+  if (upright(side))
+    edge.y0 = one->from[side], edge.y1 = one->to[side];
+  else
+    edge.x0 = one->from[side], edge.x1 = one->to[side];
   eda_box window = window_at(edge, side, 1, range, beside);
   double own = nearest(&r->edges[s->layer], window, side, range, NULL) + 1;
   double other = range;
@@ -181,8 +184,8 @@ static int32_t room_of(const drc *r, const site *s, const repair *one,
     other = nearest(&r->edges[!s->layer], window, side, range, NULL);
   if (s->layer == EDA_POLY)
     other = fmin(other, nearest(&r->contacts, window, side, range, NULL));
-  double most = fmin((own * grid - r->min_space) / 2,
-                     other * grid - r->min_space);
+  double most =
+      fmin((own * grid - r->min_space) / 2, other * grid - r->min_space);
   return (int32_t)floor(fmax(0, fmin(r->max_growth, most)) / grid + 1e-9);
 }
 
@@ -206,9 +209,9 @@ static void find_edge(const drc *r, const site *s, repair *one, int side) {
   int32_t far = (int32_t)(2 * tuned.reach / grid), more = 0;
   eda_box edge = {0}, b = s->box;
   /* From one step inside, so as to see one at the side of the box. */
-  one->edge[side] = nearest(&r->edges[s->layer],
-                            window_at(b, side, -1, far, 0), side, far + 1,
-                            &edge) - 1;
+  one->edge[side] = nearest(&r->edges[s->layer], window_at(b, side, -1, far, 0),
+                            side, far + 1, &edge) -
+                    1;
   if (s->kind == SITE_LINE) more = (int32_t)(tuned.half_patch / grid);
   one->from[side] = (upright(side) ? b.y0 : b.x0) - more;
   one->to[side] = (upright(side) ? b.y1 : b.x1) + more;
@@ -269,8 +272,10 @@ static void grow_flanks(repair *one, int side, double target, double grid) {
       before == 0 || value - before > (target - value) / tuned.flank_part;
   for (int k = upright(side) ? BELOW : LEFT, n = 0; n < 2; k++, n++) {
     int32_t left = one->room[k] - one->grow[k];
-    if (helps) one->grow[k] += left < step ? left : step;
-    else one->room[k] = one->grow[k];
+    if (helps)
+      one->grow[k] += left < step ? left : step;
+    else
+      one->room[k] = one->grow[k];
   }
   one->flanked[side] = value;
 }
@@ -282,8 +287,10 @@ static void grow(const drc *r, const site *s, repair *one) {
     int32_t to = rules_advance(&one->response[k], one->grow[k], value, target,
                                1, r->grid);
     if (to > one->room[k]) to = one->room[k];
-    if (to > one->grow[k]) one->grow[k] = to;
-    else if (s->kind == SITE_ENCLOSURE) grow_flanks(one, k, target, r->grid);
+    if (to > one->grow[k])
+      one->grow[k] = to;
+    else if (s->kind == SITE_ENCLOSURE)
+      grow_flanks(one, k, target, r->grid);
   }
 }
 
@@ -310,10 +317,11 @@ static int take_back(drc *r, const eda_printed *p, const site *wrong,
       if (!one->grow[k]) continue;
       eda_box patch = patch_of(r, p, one, k);
       if (!meet(facing ? window_at(patch, k, 0, near, flank)
-                       : widened(patch, near), wrong->box))
+                       : widened(patch, near),
+                wrong->box))
         continue;
       found = 1;
-      if (one->back[k] == r->round) continue;   /* once a print */
+      if (one->back[k] == r->round) continue; /* once a print */
       one->grow[k] -= one->grow[k] < step ? one->grow[k] : step;
       one->room[k] = one->grow[k];
       one->back[k] = r->round;
@@ -358,9 +366,9 @@ enum { UNDONE, NEIGHBOUR, GROWTH, REASONS };
 static const char *const enclosure[REASONS] = {
     "enclosure: could still move", "enclosure: too near a neighbour",
     "enclosure: max_growth reached"};
-static const char *const pinching[REASONS] = {
-    "pinching: could still move", "pinching: too near a neighbour",
-    "pinching: max_growth reached"};
+static const char *const pinching[REASONS] = {"pinching: could still move",
+                                              "pinching: too near a neighbour",
+                                              "pinching: max_growth reached"};
 
 static int reason(const drc *r, const repair *one, int side) {
   int32_t most = (int32_t)floor(r->max_growth / r->grid + 1e-9);
@@ -388,16 +396,16 @@ static void report_line(const drc *r, const site *s, eda_violation v,
                         violations *out) {
   const repair *one = &r->repairs[s->repair];
   int low = s->sides & 1 << LEFT ? LEFT : BELOW;
-  double box =
-      (double)s->box.x1 - s->box.x0 + ((double)s->box.y1 - s->box.y0);
+  double box = (double)s->box.x1 - s->box.x0 + ((double)s->box.y1 - s->box.y0);
   double width = box * r->grid + one->value[low] + one->value[low + 1];
   /* As wide as it must be, but off its middle: good. */
   if (width >= r->min_width) return;
   v.value = fmax(0, width);
   v.limit = r->min_width;
   int a = reason(r, one, low), b = reason(r, one, low + 1);
-  v.rule = pinching[a == UNDONE || b == UNDONE ? UNDONE
-                    : a == GROWTH && b == GROWTH ? GROWTH : NEIGHBOUR];
+  v.rule = pinching[a == UNDONE || b == UNDONE   ? UNDONE
+                    : a == GROWTH && b == GROWTH ? GROWTH
+                                                 : NEIGHBOUR];
   violations_add(out, v);
 }
 
@@ -424,8 +432,11 @@ void repairs_report(const drc *r, const eda_printed *p, violations *out) {
                        .x = ((double)s->box.x0 + s->box.x1) / 2 * r->grid,
                        .y = ((double)s->box.y0 + s->box.y1) / 2 * r->grid};
     if (!s->failing) continue;
-    if (s->kind == SITE_ENCLOSURE) report_enclosure(r, s, v, out);
-    else if (s->kind == SITE_LINE) report_line(r, s, v, out);
-    else report_bridging(r, p, s, v, out);
+    if (s->kind == SITE_ENCLOSURE)
+      report_enclosure(r, s, v, out);
+    else if (s->kind == SITE_LINE)
+      report_line(r, s, v, out);
+    else
+      report_bridging(r, p, s, v, out);
   }
 }

@@ -30,12 +30,12 @@ static int32_t nearest_gate(const drc *r, eda_box b) {
   int32_t reach = (int32_t)(tuned.near_gate / r->grid), found = INT32_MAX;
   double least = reach;
   eda_finder f = eda_index_find(
-      r->boxes.index, (eda_box){b.x0 - reach, b.y0 - reach, b.x1 + reach,
-                                b.y1 + reach});
+      r->boxes.index,
+      (eda_box){b.x0 - reach, b.y0 - reach, b.x1 + reach, b.y1 + reach});
   for (uint32_t i; eda_index_next(&f, &i);) {
     eda_box g = r->boxes.box[i];
-    double d = hypot(apart(g.x0, g.x1, b.x0, b.x1),
-                     apart(g.y0, g.y1, b.y0, b.y1));
+    double d =
+        hypot(apart(g.x0, g.x1, b.x0, b.x1), apart(g.y0, g.y1, b.y0, b.y1));
     if (d > least || (d == least && found < (int32_t)i)) continue;
     least = d;
     found = (int32_t)i;
@@ -83,8 +83,8 @@ static int sort_contacts(const drc *r, const eda_shapes *contacts,
                          opc_error *error) {
   eda_shapes shapes = {0};
   places common;
-  int code = eda_boolean(EDA_AND, contacts, &r->gates->drawn[layer], &shapes,
-                         error);
+  int code =
+      eda_boolean(EDA_AND, contacts, &r->gates->drawn[layer], &shapes, error);
   if (code) return code;
   places_init(&common, bounds(&shapes), shapes.count, around, r->grid);
   for (size_t i = 0; i < contacts->count; i++) how[i] = lies(&common, box[i]);
@@ -93,15 +93,17 @@ static int sort_contacts(const drc *r, const eda_shapes *contacts,
   return OPC_OK;
 }
 
-/* A contact that lies wholly on a layer must be covered by it; one that does
-   not touch poly must stay so. One that lies partly on a layer is drawn so. */
+/* A contact that lies wholly on poly or active must be covered by it; one that
+   does not touch poly must stay so. One that lies partly on a layer is drawn
+   so. Layers without transistors hold their own edges: a patch there would work
+   against the synthesizer that moves them. */
 static void add_contact(drc *r, eda_box box, const uint8_t *how, size_t n,
                         eda_box_list *apart_from_poly, eda_box_list *on_poly) {
   site one = {.box = box,
               .gate = nearest_gate(r, box),
               .kind = SITE_ENCLOSURE,
               .sides = (1 << SIDES) - 1};
-  for (size_t layer = 0; layer < r->layers; layer++) {
+  for (size_t layer = 0; layer < r->layers && layer <= EDA_ACTIVE; layer++) {
     one.layer = (uint16_t)layer;
     if (r->gates->corrected[layer] && how[layer * n] == WITHIN) add(r, one);
   }
@@ -141,8 +143,8 @@ static int add_contacts(drc *r, opc_error *error) {
 /* A drawn edge, and which way it faces. */
 typedef struct wall {
   eda_point a, b;
-  int inwards;           /* the side that its shape lies on */
-  int convex[2];         /* its corners */
+  int inwards;   /* the side that its shape lies on */
+  int convex[2]; /* its corners */
 } wall;
 
 static int64_t turn(eda_point a, eda_point b, eda_point c) {
@@ -177,8 +179,7 @@ static eda_point away(eda_point p, int side, int32_t d) {
 
 /* Whether the point lies within a gate, which is measured by itself. */
 static int in_gate(const drc *r, eda_point p) {
-  eda_finder f =
-      eda_index_find(r->boxes.index, (eda_box){p.x, p.y, p.x, p.y});
+  eda_finder f = eda_index_find(r->boxes.index, (eda_box){p.x, p.y, p.x, p.y});
   for (uint32_t i; eda_index_next(&f, &i);) {
     eda_box b = r->boxes.box[i];
     if (p.x > b.x0 && p.x < b.x1 && p.y > b.y0 && p.y < b.y1) return 1;
@@ -190,8 +191,10 @@ static void add_line(drc *r, size_t layer, eda_point middle, int side) {
   int32_t half = (int32_t)(r->min_width / 2 / r->grid);
   eda_box box = {middle.x, middle.y, middle.x, middle.y};
   if (layer == EDA_POLY && in_gate(r, middle)) return;
-  if (side == ABOVE) box.y0 -= half, box.y1 += half;
-  else box.x0 -= half, box.x1 += half;
+  if (side == ABOVE)
+    box.y0 -= half, box.y1 += half;
+  else
+    box.x0 -= half, box.x1 += half;
   add(r, (site){.box = box,
                 .gate = nearest_gate(r, box),
                 .kind = SITE_LINE,
@@ -227,12 +230,13 @@ static void add_wall(drc *r, double step, size_t layer, const wall *w) {
     eda_point p = along(w, skip[0] + (i + 0.5) * seen / n, length);
     eda_box window =
         window_at((eda_box){p.x, p.y, p.x, p.y}, side, 1, range, 1);
-    int32_t across =
-        nearest(&r->edges[layer], window, side, range, NULL) + 1;
+    int32_t across = nearest(&r->edges[layer], window, side, range, NULL) + 1;
     if (across >= range) continue;
     eda_point middle = away(p, side, across / 2);
-    if (line) add_line(r, layer, middle, side);
-    else add_gap(r, layer, middle, side);
+    if (line)
+      add_line(r, layer, middle, side);
+    else
+      add_gap(r, layer, middle, side);
   }
 }
 
@@ -255,8 +259,8 @@ static void add_walls(drc *r, size_t layer) {
 
 static void find_widths(drc *r) {
   static const eda_edges none = {0};
-  const eda_edges *e = r->layers > EDA_ACTIVE ? &r->gates->edges[EDA_ACTIVE]
-                                              : &none;
+  const eda_edges *e =
+      r->layers > EDA_ACTIVE ? &r->gates->edges[EDA_ACTIVE] : &none;
   size_t all = e->polygons ? e->start[e->polygons] : 0, n = 0;
   eda_box *box = eda_alloc(all, sizeof *box);
   r->width = eda_alloc(all, sizeof(const eda_fragment *));

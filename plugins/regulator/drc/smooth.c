@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What was mended is not there to be found again, and what mended it may stick
-   out once the edges beside it have moved: it stays while its edge is one of the
-   mask. */
+   out once the edges beside it have moved: it stays while its edge is one of
+   the mask. */
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
@@ -110,16 +110,15 @@ static void drop(mends *s, size_t before) {
   s->n = kept;
 }
 
-/* Mend from q[1] to q[2], if that is the bottom of a notch or the top of a bump,
-   as deep as both of its jogs are. */
+/* Mend from q[1] to q[2], if that is the bottom of a notch or the top of a
+   bump, as deep as both of its jogs are. */
 static void find(drc *r, mends *s, const eda_point q[4], int bump,
                  size_t before) {
   double least = bump ? r->min_mask_width : r->min_space;
   int32_t first = length(q[0], q[1]), last = length(q[2], q[3]);
   int32_t depth = first < last ? first : last;
   if (turns_left(q[0], q[1], q[2]) != bump ||
-      turns_left(q[1], q[2], q[3]) != bump ||
-      depth * r->grid > tuned.shallow ||
+      turns_left(q[1], q[2], q[3]) != bump || depth * r->grid > tuned.shallow ||
       length(q[1], q[2]) * r->grid > least - 1e-9)
     return;
   int32_t dx = depth * ((q[0].x > q[1].x) - (q[0].x < q[1].x));

@@ -12,8 +12,8 @@
 /* A stretch of a wall and what lies behind it. */
 typedef struct stretch {
   eda_box wall;
-  int behind;            /* the side of it that poly lies on */
-  int32_t at;            /* of the gap, along the wall */
+  int behind; /* the side of it that poly lies on */
+  int32_t at; /* of the gap, along the wall */
   int32_t least, beside;
   int32_t from, to, room;
 } stretch;
@@ -63,14 +63,17 @@ static trim trim_of(const drc *r, eda_box wall, int side, int32_t at) {
                .room = far};
   keep_away(r, &s, &r->pads, r->overlay);
   keep_away(r, &s, &r->boxes, tuned.of_gate);
-  if (along_y) wall.y0 = s.from, wall.y1 = s.to;
-  else wall.x0 = s.from, wall.x1 = s.to;
+  if (along_y)
+    wall.y0 = s.from, wall.y1 = s.to;
+  else
+    wall.x0 = s.from, wall.x1 = s.to;
   trim t = {.wall = wall, .side = side};
   if ((s.to - s.from) * r->grid < r->min_space) return t;
   /* The other side of the line may go back as far. */
-  int32_t thick = nearest(&r->edges[EDA_POLY],
-                          window_at(wall, behind, 1, 3 * far, 0), behind,
-                          3 * far, NULL) + 1;
+  int32_t thick =
+      nearest(&r->edges[EDA_POLY], window_at(wall, behind, 1, 3 * far, 0),
+              behind, 3 * far, NULL) +
+      1;
   double most = fmin(s.room, (thick - r->min_mask_width / r->grid) / 2);
   t.room = most > 0 ? (int32_t)most : 0;
   return t;
@@ -82,8 +85,8 @@ static trim trim_of(const drc *r, eda_box wall, int side, int32_t at) {
 static int wall_at(const drc *r, eda_point p, int side, eda_box *wall) {
   int32_t far = (int32_t)(2 * tuned.of_gate / r->grid);
   eda_box dot = {p.x, p.y, p.x, p.y};
-  int32_t found = nearest(&r->edges[EDA_POLY],
-                          window_at(dot, side, 0, far, 1), side, far, wall);
+  int32_t found = nearest(&r->edges[EDA_POLY], window_at(dot, side, 0, far, 1),
+                          side, far, wall);
   return found < far &&
          (upright(side) ? wall->x0 == wall->x1 : wall->y0 == wall->y1);
 }
@@ -112,7 +115,7 @@ static void add_pair(drc *r, site *gap) {
   gap->repair = (int32_t)r->n_pairs++;
   if (!wall_at(r, p, low, &wall[0]) || !wall_at(r, p, low + 1, &wall[1]))
     return;
-  for (int i = 0; i < 2; i++) {   /* as far as they face each other */
+  for (int i = 0; i < 2; i++) { /* as far as they face each other */
     eda_box w = wall[i], o = wall[!i];
     if (low == LEFT) {
       w.y0 = o.y0 > w.y0 ? o.y0 : w.y0;
@@ -122,8 +125,8 @@ static void add_pair(drc *r, site *gap) {
       w.x1 = o.x1 < w.x1 ? o.x1 : w.x1;
     }
     trim one = trim_of(r, w, opposite(low + i), low == LEFT ? p.y : p.x);
-    one.front = (low == LEFT ? wall[1].x0 - wall[0].x0
-                             : wall[1].y0 - wall[0].y0) / 2;
+    one.front =
+        (low == LEFT ? wall[1].x0 - wall[0].x0 : wall[1].y0 - wall[0].y0) / 2;
     if (one.room) pair[i] = number_of(r, one);
   }
 }
@@ -147,7 +150,7 @@ int trims_deepen(drc *r, site *gap) {
 }
 
 int trims_could(const drc *r, const site *gap) {
-  if (gap->repair < 0) return 1;   /* never tried */
+  if (gap->repair < 0) return 1; /* never tried */
   for (int i = 0; i < 2; i++) {
     int32_t number = r->pairs[gap->repair][i];
     if (number >= 0 && r->trims[number].depth < r->trims[number].room) return 1;
@@ -159,8 +162,7 @@ void trims_bites(drc *r) {
   for (size_t i = 0; i < r->n_trims; i++) {
     const trim *t = &r->trims[i];
     if (t->depth)
-      eda_box_list_add(&r->bite[EDA_POLY],
-                       window_at(t->wall, opposite(t->side), -t->front,
-                                 t->depth, 0));
+      eda_box_list_add(&r->bite[EDA_POLY], window_at(t->wall, opposite(t->side),
+                                                     -t->front, t->depth, 0));
   }
 }

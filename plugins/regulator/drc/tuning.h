@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* All tuned constants of regulator.drc. Each has its unit, where its value comes
-   from, and what half and twice of it do. Where no source is told, the value was
-   chosen by us on the cases below.
+/* All tuned constants of regulator.drc. Each has its unit, where its value
+   comes from, and what half and twice of it do. Where no source is told, the
+   value was chosen by us on the cases below.
 
    Figures are moves, largest |Ion deviation| in %, shots and violations of
    flows/newton.yaml. As it is:
@@ -37,10 +37,10 @@ static const struct {
        0; c432 7, 0.31, 8580, 1. */
     .usual = 0.8,
 
-    /* nm for each nm: what two prints may tell at least and at most; prints that
-       come and go tell any. Least: half SRAM 6, 0.13, 911, 0; twice last digits
-       and SRAM 916 shots. Most: half c432 6, 0.22, 8581, 1; twice no case
-       differs. */
+    /* nm for each nm: what two prints may tell at least and at most; prints
+       that come and go tell any. Least: half SRAM 6, 0.13, 911, 0; twice last
+       digits and SRAM 916 shots. Most: half c432 6, 0.22, 8581, 1; twice no
+       case differs. */
     .least = 0.3,
     .most = 2,
 
@@ -60,9 +60,10 @@ static const struct {
 
     /* ---- where the print is looked at: sites.c, repairs.c ---- */
 
-    /* nm: lines and gaps are looked at so often along them; necks are as long as
-       the optics resolve, some 100 nm. None of the three. Half: OAI 21, 11.9,
-       C2670 1 violation more. Twice: OAI 21, 11.9, SDFF 21, 105, 531, 14. */
+    /* nm: lines and gaps are looked at so often along them; necks are as long
+       as the optics resolve, some 100 nm. None of the three. Half: OAI
+       21, 11.9, C2670 1 violation more. Twice: OAI 21, 11.9, SDFF 21, 105,
+       531, 14. */
     .pitch = 60,
 
     /* nm: corners are round so far, and not looked at. None of the three. Half:
@@ -82,8 +83,8 @@ static const struct {
     .most_sites = 1 << 19,
 
     /* nm: how far a contour is looked for, and how near a patch is to blame for
-       what fails. Half: none of the three; DFF 11, 0.34, 248, 12. Twice: c432 6,
-       0.44, 8579, 1 for one print more. */
+       what fails. Half: none of the three; DFF 11, 0.34, 248, 12. Twice: c432
+       6, 0.44, 8579, 1 for one print more. */
     .reach = 150,
 
     /* Of the side of a contact: its outer points lie so far from the corners,
@@ -93,20 +94,21 @@ static const struct {
 
     /* ---- patches: repairs.c ---- */
 
-    /* nm: how far the patch of a line goes along it, on either side. None of the
-       three. Half: SDFF 21, 7.9, 530, 22. Twice: last digits of SDFF. */
+    /* nm: how far the patch of a line goes along it, on either side. None of
+       the three. Half: SDFF 21, 7.9, 530, 22. Twice: last digits of SDFF. */
     .half_patch = 40,
 
-    /* nm: a patch takes along a corner that is so near. None of the three. Half:
-       16 shots more of the SRAM by flows/dpb.yaml. Twice: DFF 243 shots. */
+    /* nm: a patch takes along a corner that is so near. None of the three.
+       Half: 16 shots more of the SRAM by flows/dpb.yaml. Twice: DFF 243 shots.
+     */
     .corner = 20,
 
     /* nm: the sides beside one that may go no further go out so far at a time.
        Half: c432 6, 0.23, 8593, 1. Twice: c432 6, 0.36, 8579, 1. */
     .flank_step = 15,
 
-    /* ... as long as that brings one part in so many of what is missing. No case
-       differs. */
+    /* ... as long as that brings one part in so many of what is missing. No
+       case differs. */
     .flank_part = 10,
 
     /* ---- line ends: ends.c ---- */
@@ -116,8 +118,8 @@ static const struct {
        0.45, 8976. Twice: HEADS 12, 0.26, 8971. */
     .steep = 4,
 
-    /* nm: a line end is made longer than it must be only where so much before it
-       does not print: what moves later is not to join it. None of the three;
+    /* nm: a line end is made longer than it must be only where so much before
+       it does not print: what moves later is not to join it. None of the three;
        SDFF has one violation more at twice. */
     .ahead = 30,
 

@@ -11,9 +11,7 @@
 /* ---- state ---- */
 
 typedef struct resist {
-  const opc_host *host;
-  double diffusion; /* nm */
-  resist_layer layer[RESIST_SETS];
+  resist_base base;
   double given[RESIST_SETS]; /* a threshold; NAN: calibrate */
   double threshold[RESIST_SETS];
 } resist;
@@ -22,35 +20,30 @@ typedef struct resist {
 
 static int prepare(void *self, const opc_module *litho, opc_error *error) {
   resist *r = self;
-  const resist_model model = {
-      .host = r->host, .plugin = "resist.threshold", .diffusion = r->diffusion};
   for (int set = 0; set < RESIST_SETS; set++) {
     const int fit = 1;
     r->threshold[set] = isnan(r->given[set]) ? 0 : r->given[set];
     if (!isnan(r->given[set])) continue;
-    int code = resist_fit(&r->layer[set], litho, &model, 1, &fit,
-                          &r->threshold[set], error);
+    int code = resist_fit(&r->base, set, litho, "resist.threshold", NULL, 1,
+                          &fit, &r->threshold[set], error);
     if (code) return code;
   }
   static const char *const side[] = {"below", "above"};
-  r->host->log(r->host, OPC_LOG_INFO,
-               "resist.threshold: poly prints %s %.4f, active %s %.4f",
-               side[r->layer[0].bright], r->threshold[0],
-               side[r->layer[1].bright], r->threshold[1]);
+  const resist_layer *layer = r->base.layer;
+  r->base.host->log(r->base.host, OPC_LOG_INFO,
+                    "resist.threshold: poly prints %s %.4f, active %s %.4f",
+                    side[layer[0].bright], r->threshold[0],
+                    side[layer[1].bright], r->threshold[1]);
   return OPC_OK;
 }
 
 static int print(const void *self, int layer, eda_field *field,
                  opc_error *error) {
   const resist *r = self;
-  int code = eda_field_diffuse(r->host->context, field, r->diffusion, error);
+  int code =
+      eda_field_diffuse(r->base.host->context, field, r->base.diffusion, error);
   if (code) return code;
-  int set = resist_set(layer);
-  float threshold = (float)r->threshold[set];
-  float sign = r->layer[set].bright ? -1 : 1;
-  size_t n = (size_t)field->nx * (size_t)field->ny;
-  for (size_t i = 0; i < n; i++)
-    field->coefficients[i] = sign * (threshold - field->coefficients[i]);
+  resist_print(&r->base, layer, r->threshold[resist_set(layer)], NULL, field);
   return OPC_OK;
 }
 
@@ -65,18 +58,18 @@ static int print(const void *self, int layer, eda_field *field,
 /* clang-format on */
 
 static const opc_parameter parameters[] = {
-    RESIST_LAYER(resist, layer[0], "", RESIST_POLY, "65 nm", "250 nm"),
+    RESIST_LAYER(0, "", RESIST_POLY, "65 nm", "250 nm"),
     GIVEN("threshold", RESIST_POLY, 0),
-    RESIST_LAYER(resist, layer[1], "active_", "active", "1000 nm", "0 nm"),
+    RESIST_LAYER(1, "active_", "active", "1000 nm", "0 nm"),
     GIVEN("active_threshold", "active", 1),
-    RESIST_DIFFUSION(resist),
+    RESIST_DIFFUSION,
 };
 
 static int check(void *self, opc_error *error) {
   resist *r = self;
   int code = OPC_OK;
   for (int set = 0; set < RESIST_SETS && !code; set++) {
-    resist_layer *layer = &r->layer[set];
+    resist_layer *layer = &r->base.layer[set];
     code = resist_layer_check(layer, set, error);
     if (!code && !isnan(r->given[set]) && resist_layer_has_table(layer))
       code = opc_fail(error, OPC_INVALID, layer->source,
@@ -86,12 +79,6 @@ static int check(void *self, opc_error *error) {
   return code;
 }
 
-static void clear(void *self) {
-  resist *r = self;
-  for (int set = 0; set < RESIST_SETS; set++)
-    resist_layer_clear(&r->layer[set]);
-}
-
 /* ---- entry ---- */
 
 static const eda_resist functions = {.prepare = prepare, .print = print};
@@ -99,5 +86,5 @@ OPC_PLUGIN(resist, .id = "resist.threshold", .kind = "resist",
            .version = "0.2.0", .licence = "BSD-3-Clause",
            .summary = "constant threshold, calibrated to an anchor or a table",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = check, .clear = clear,
+           OPC_PARAMETERS(parameters), .check = check, .clear = resist_clear,
            OPC_FUNCTIONS(functions));

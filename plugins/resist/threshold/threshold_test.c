@@ -95,8 +95,7 @@ static void test_diffusion(void) {
   f.coefficients = eda_alloc(576, sizeof(float));
   for (int i = 0; i < 576; i++)
     f.coefficients[i] = (float)(0.5 + 0.3 * cos(M_PI * (i % 24) / 6));
-  g_assert_cmpint(eda_field_from_samples(host->context, &f, &error), ==,
-                  OPC_OK);
+  eda_field_from_samples(host->context, &f);
   g_assert_cmpint(develop->print(resist->self, EDA_POLY, &f, &error), ==,
                   OPC_OK);
   double left = 0.3 * exp(-2 * pow(M_PI * 25 / 300, 2));

@@ -7,10 +7,8 @@
      constant + maximum * M + slope * S + product * M * S,
 
    M the maximum of the intensity and S its slope in the neighbourhood. */
-#include <eda/memory.h>
 #include <eda/resist.h>
 #include <math.h>
-#include <string.h>
 
 #include "../calibrate.h"
 #include "local.h"
@@ -21,10 +19,8 @@ enum { CONSTANT, MAXIMUM, SLOPE, PRODUCT };
 _Static_assert(PRODUCT + 1 == RESIST_TERMS, "all terms");
 
 typedef struct resist {
-  const opc_host *host;
-  double diffusion; /* nm */
+  resist_base base;
   local_settings local;
-  resist_layer layer[RESIST_SETS];
   double given[RESIST_SETS][RESIST_TERMS]; /* NAN: not given */
   int last[RESIST_SETS];                   /* to be fitted; -1: not given */
   int fixed[RESIST_SETS];                  /* nothing to calibrate */
@@ -35,18 +31,15 @@ typedef struct resist {
 /* ---- work ---- */
 
 /* Terms 1 .. n - 1 of an image, each a field of its own. */
-static int make_terms(const void *self, const eda_field *image, size_t n,
+static int make_terms(const resist_base *base, const eda_field *image, size_t n,
                       eda_field *out, opc_error *error) {
-  const resist *r = self;
+  const resist *r = (const resist *)base;
   for (size_t k = 1; k < n; k++) {
     double one[RESIST_TERMS] = {0};
     one[k] = 1;
-    size_t size = (size_t)image->nx * (size_t)image->ny;
-    eda_field copy = *image;
-    copy.coefficients = eda_alloc(size, sizeof(float));
-    memcpy(copy.coefficients, image->coefficients, size * sizeof(float));
-    int code = local_field(r->host->context, &r->local, one, &copy, &out[k - 1],
-                           error);
+    eda_field copy = eda_field_scaled(image, 1);
+    int code = local_field(base->host->context, &r->local, one, &copy,
+                           &out[k - 1], error);
     eda_field_clear(&copy);
     if (code) return code;
   }
@@ -55,11 +48,6 @@ static int make_terms(const void *self, const eda_field *image, size_t n,
 
 static int calibrate(resist *r, int set, const opc_module *litho,
                      opc_error *error) {
-  const resist_model model = {.host = r->host,
-                              .plugin = "resist.vtr",
-                              .self = r,
-                              .diffusion = r->diffusion,
-                              .terms = make_terms};
   double *a = r->coefficient[set];
   size_t n = 1; /* terms that are not 0 */
   for (size_t k = 0; k < RESIST_TERMS; k++) {
@@ -67,7 +55,8 @@ static int calibrate(resist *r, int set, const opc_module *litho,
     if (k && (r->fit[set][k] || a[k] != 0)) n = k + 1;
   }
   if (r->fixed[set]) return OPC_OK;
-  return resist_fit(&r->layer[set], litho, &model, n, r->fit[set], a, error);
+  return resist_fit(&r->base, set, litho, "resist.vtr", make_terms, n,
+                    r->fit[set], a, error);
 }
 
 static int prepare(void *self, const opc_module *litho, opc_error *error) {
@@ -77,10 +66,11 @@ static int prepare(void *self, const opc_module *litho, opc_error *error) {
     int code = calibrate(r, set, litho, error);
     if (code) return code;
     const double *a = r->coefficient[set];
-    r->host->log(r->host, OPC_LOG_INFO,
-                 "resist.vtr: %s threshold %.4f %+.4f M %+.3f nm S "
-                 "%+.3f nm M S",
-                 names[set], a[CONSTANT], a[MAXIMUM], a[SLOPE], a[PRODUCT]);
+    r->base.host->log(r->base.host, OPC_LOG_INFO,
+                      "resist.vtr: %s threshold %.4f %+.4f M %+.3f nm S "
+                      "%+.3f nm M S",
+                      names[set], a[CONSTANT], a[MAXIMUM], a[SLOPE],
+                      a[PRODUCT]);
   }
   return OPC_OK;
 }
@@ -88,22 +78,16 @@ static int prepare(void *self, const opc_module *litho, opc_error *error) {
 static int print(const void *self, int layer, eda_field *field,
                  opc_error *error) {
   const resist *r = self;
-  const opc_context *context = r->host->context;
-  int set = resist_set(layer);
-  const double *a = r->coefficient[set];
-  int code = eda_field_diffuse(context, field, r->diffusion, error);
+  const opc_context *context = r->base.host->context;
+  const double *a = r->coefficient[resist_set(layer)];
+  int code = eda_field_diffuse(context, field, r->base.diffusion, error);
   if (code) return code;
   int varies = a[MAXIMUM] != 0 || a[SLOPE] != 0 || a[PRODUCT] != 0;
   eda_field variable = {0};
   if (varies)
     code = local_field(context, &r->local, a, field, &variable, error);
   if (code) return code;
-  float constant = (float)a[CONSTANT], sign = r->layer[set].bright ? -1 : 1;
-  size_t n = (size_t)field->nx * (size_t)field->ny;
-  for (size_t i = 0; i < n; i++) {
-    float threshold = varies ? constant + variable.coefficients[i] : constant;
-    field->coefficients[i] = sign * (threshold - field->coefficients[i]);
-  }
+  resist_print(&r->base, layer, a[CONSTANT], varies ? &variable : NULL, field);
   eda_field_clear(&variable);
   return OPC_OK;
 }
@@ -134,45 +118,31 @@ static int print(const void *self, int layer, eda_field *field,
 /* clang-format on */
 
 static const opc_parameter parameters[] = {
-    RESIST_LAYER(resist, layer[0], "", RESIST_POLY, "65 nm", "250 nm"),
+    RESIST_LAYER(0, "", RESIST_POLY, "65 nm", "250 nm"),
     COEFFICIENTS("", 0),
-    RESIST_LAYER(resist, layer[1], "active_", "active", "1000 nm", "0 nm"),
+    RESIST_LAYER(1, "active_", "active", "1000 nm", "0 nm"),
     COEFFICIENTS("active_", 1),
-    RESIST_DIFFUSION(resist),
-    {.name = "radius",
-     .type = OPC_REAL,
-     .flags = OPC_ABOVE | OPC_AT_MOST,
-     .unit = "nm",
-     .preset = "200 nm",
-     .min = 0,
-     .max = 2000,
-     .summary = "of the neighbourhood whose maximum counts",
-     OPC_FIELD(resist, local.radius)},
-    {.name = "slope_radius",
-     .type = OPC_REAL,
-     .flags = OPC_AT_LEAST | OPC_AT_MOST,
-     .unit = "nm",
-     .preset = "60 nm",
-     .min = 0,
-     .max = 2000,
-     .summary = "of the neighbourhood whose slope counts",
-     OPC_FIELD(resist, local.slope_radius)},
-    {.name = "step",
-     .type = OPC_REAL,
-     .flags = OPC_AT_LEAST | OPC_AT_MOST,
-     .unit = "nm",
-     .preset = "16 nm",
-     .min = 1,
-     .max = 32,
-     .summary = "grid on which the threshold is worked out, at most",
-     OPC_FIELD(resist, local.step)},
+    RESIST_DIFFUSION,
+    OPC_PARAMETER_NAMED("radius", resist, local.radius, .type = OPC_REAL,
+                        .flags = OPC_ABOVE | OPC_AT_MOST, .unit = "nm",
+                        .preset = "200 nm", .min = 0, .max = 2000,
+                        .summary = "of the neighbourhood whose maximum counts"),
+    OPC_PARAMETER_NAMED("slope_radius", resist, local.slope_radius,
+                        .type = OPC_REAL, .flags = OPC_AT_LEAST | OPC_AT_MOST,
+                        .unit = "nm", .preset = "60 nm", .min = 0, .max = 2000,
+                        .summary = "of the neighbourhood whose slope counts"),
+    OPC_PARAMETER_NAMED(
+        "step", resist, local.step, .type = OPC_REAL,
+        .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm", .preset = "16 nm",
+        .min = 1, .max = 32,
+        .summary = "grid on which the threshold is worked out, at most"),
 };
 
 /* A table fits the coefficients up to `last` that are not given; an anchor fits
    the constant. */
 static int check_set(resist *r, int set, opc_error *error) {
   static const char *const names[RESIST_SETS] = {"fit", "active_fit"};
-  resist_layer *layer = &r->layer[set];
+  resist_layer *layer = &r->base.layer[set];
   int code = resist_layer_check(layer, set, error);
   if (code) return code;
   int table = resist_layer_has_table(layer), last = CONSTANT, wanted = 0;
@@ -197,12 +167,6 @@ static int check(void *self, opc_error *error) {
   return code ? code : check_set(self, 1, error);
 }
 
-static void clear(void *self) {
-  resist *r = self;
-  for (int set = 0; set < RESIST_SETS; set++)
-    resist_layer_clear(&r->layer[set]);
-}
-
 /* ---- entry ---- */
 
 static const eda_resist functions = {.prepare = prepare, .print = print};
@@ -211,4 +175,4 @@ OPC_PLUGIN(
     .licence = "BSD-3-Clause",
     .summary = "threshold that varies with maximum intensity and image slope",
     .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
-    .check = check, .clear = clear, OPC_FUNCTIONS(functions));
+    .check = check, .clear = resist_clear, OPC_FUNCTIONS(functions));

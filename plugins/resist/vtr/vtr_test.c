@@ -60,7 +60,6 @@ static void integrate(double x, double radius, double slope_radius, double *m,
 
 static eda_field make_image(int axis) {
   const opc_host *host = opc_test_host();
-  opc_error error;
   eda_field f = {.frame = {0, 0, period, period}, .nx = 16, .ny = 16};
   f.coefficients = eda_alloc(256, sizeof(float));
   for (int i = 0; i < 256; i++) {
@@ -68,8 +67,7 @@ static eda_field make_image(int axis) {
     f.coefficients[i] =
         (float)image((axis ? i / 16 : i % 16) * period / 16, &slope);
   }
-  g_assert_cmpint(eda_field_from_samples(host->context, &f, &error), ==,
-                  OPC_OK);
+  eda_field_from_samples(host->context, &f);
   return f;
 }
 

@@ -7,6 +7,7 @@
 #include <eda/memory.h>
 #include <math.h>
 #include <opcflow/step.h>
+#include <opcflow/table.h>
 #include <stdlib.h>
 
 /* ---- state ---- */
@@ -113,7 +114,6 @@ static int count_all(const score *s, const iccad_tile *tile,
 }
 
 static int publish(const score *s, const figures *f, opc_error *error) {
-  const opc_host *host = s->host;
   int64_t epe = f->inner + f->outer;
   const opc_column columns[] = {
       {"epe", NULL, OPC_INT, 0, &epe},
@@ -124,13 +124,13 @@ static int publish(const score *s, const figures *f, opc_error *error) {
       {"pvb", "nm^2", OPC_INT, 0, &f->pvb},
       {"shots", NULL, OPC_INT, 0, &f->shots},
   };
-  int code = host->table(host, "iccad", OPC_TABLE_PRINT, 1, columns,
-                         sizeof columns / sizeof *columns, error);
-  if (!code) code = host->metric(host, "epe", (double)epe, error);
-  if (!code) code = host->metric(host, "l2", (double)f->l2, error);
-  if (!code) code = host->metric(host, "pvb", (double)f->pvb, error);
-  if (!code) code = host->metric(host, "shots", (double)f->shots, error);
-  return code;
+  const opc_value values[] = {{"epe", (double)epe},
+                              {"l2", (double)f->l2},
+                              {"pvb", (double)f->pvb},
+                              {"shots", (double)f->shots}};
+  int code = s->host->table(s->host, "iccad", OPC_TABLE_PRINT, 1,
+                            OPC_ARRAY(columns), error);
+  return code ? code : opc_put_values(s->host, OPC_ARRAY(values), error);
 }
 
 static int run(void *self, void **outputs, opc_error *error) {
@@ -151,83 +151,42 @@ static int run(void *self, void **outputs, opc_error *error) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    {.name = "mask",
-     .type = OPC_INPUT,
-     .flags = OPC_REQUIRED,
-     .choices = "mask",
-     .summary = "the mask, of what segment.edges has found",
-     OPC_FIELD(score, mask)},
-    {.name = "litho",
-     .type = OPC_SLOT,
-     .flags = OPC_REQUIRED,
-     .choices = "litho",
-     .summary = "model of the optics",
-     OPC_FIELD(score, litho)},
-    {.name = "resist",
-     .type = OPC_SLOT,
-     .flags = OPC_REQUIRED,
-     .choices = "resist",
-     .summary = "model of the resist",
-     OPC_FIELD(score, resist)},
-    {.name = "tile",
-     .type = OPC_REAL,
-     .flags = OPC_AT_LEAST | OPC_AT_MOST,
-     .unit = "nm",
-     .preset = "2048 nm",
-     .min = 64,
-     .max = 16384,
-     .summary = "side of the square that the clip lies in",
-     OPC_FIELD(score, tile)},
-    {.name = "dose",
-     .type = OPC_REAL,
-     .flags = OPC_AT_LEAST | OPC_AT_MOST,
-     .unit = "%",
-     .preset = "2 %",
-     .min = 0,
-     .max = 50,
-     .summary = "how far the dose goes up and down, as a factor on the mask's "
-                "transmission",
-     OPC_FIELD(score, dose)},
-    {.name = "defocus",
-     .type = OPC_REAL,
-     .unit = "nm",
-     .preset = "25 nm",
-     .summary = "of the innermost print; with litho.kernels, whatever is not 0 "
-                "is its second set",
-     OPC_FIELD(score, defocus)},
-    {.name = "epe",
-     .type = OPC_REAL,
-     .flags = OPC_AT_LEAST | OPC_AT_MOST,
-     .unit = "nm",
-     .preset = "15 nm",
-     .min = 1,
-     .max = 1000,
-     .summary = "from here on a placement error counts",
-     OPC_FIELD(score, epe)},
-    {.name = "spacing",
-     .type = OPC_REAL,
-     .flags = OPC_AT_LEAST | OPC_AT_MOST,
-     .unit = "nm",
-     .preset = "40 nm",
-     .min = 1,
-     .max = 1000,
-     .summary = "between sites, and from corners to the first",
-     OPC_FIELD(score, spacing)},
+    OPC_PARAMETER(score, mask, .type = OPC_INPUT, .flags = OPC_REQUIRED,
+                  .choices = "mask",
+                  .summary = "the mask, of what segment.edges has found"),
+    OPC_PARAMETER(score, litho, .type = OPC_SLOT, .flags = OPC_REQUIRED,
+                  .choices = "litho", .summary = "model of the optics"),
+    OPC_PARAMETER(score, resist, .type = OPC_SLOT, .flags = OPC_REQUIRED,
+                  .choices = "resist", .summary = "model of the resist"),
+    OPC_PARAMETER(score, tile, .type = OPC_REAL,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
+                  .preset = "2048 nm", .min = 64, .max = 16384,
+                  .summary = "side of the square that the clip lies in"),
+    OPC_PARAMETER(score, dose, .type = OPC_REAL,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "%",
+                  .preset = "2 %", .min = 0, .max = 50,
+                  .summary = "how far the dose goes up and down, as a factor "
+                             "on the mask's transmission"),
+    OPC_PARAMETER(score, defocus, .type = OPC_REAL, .unit = "nm",
+                  .preset = "25 nm",
+                  .summary = "of the innermost print; with litho.kernels, "
+                             "whatever is not 0 is its second set"),
+    OPC_PARAMETER(score, epe, .type = OPC_REAL,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
+                  .preset = "15 nm", .min = 1, .max = 1000,
+                  .summary = "from here on a placement error counts"),
+    OPC_PARAMETER(score, spacing, .type = OPC_REAL,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
+                  .preset = "40 nm", .min = 1, .max = 1000,
+                  .summary = "between sites, and from corners to the first"),
 };
 
 static const opc_metric metrics[] = {
-    {.name = "epe",
-     .better = OPC_LOWER,
-     .summary = "sites whose edge is not within the limit"},
-    {.name = "l2",
-     .unit = "nm^2",
-     .better = OPC_LOWER,
-     .summary = "where nominal print and target differ"},
-    {.name = "pvb",
-     .unit = "nm^2",
-     .better = OPC_LOWER,
-     .summary = "between the outermost and the innermost print"},
-    {.name = "shots", .better = OPC_LOWER, .summary = "rectangles of the mask"},
+    {"epe", NULL, OPC_LOWER, 0, "sites whose edge is not within the limit"},
+    {"l2", "nm^2", OPC_LOWER, 0, "where nominal print and target differ"},
+    {"pvb", "nm^2", OPC_LOWER, 0,
+     "between the outermost and the innermost print"},
+    {"shots", NULL, OPC_LOWER, 0, "rectangles of the mask"},
 };
 
 /* ---- entry ---- */

@@ -48,8 +48,8 @@ static int threshold(const iccad_print *p, eda_field *f, uint8_t *pixels,
                      opc_error *error) {
   double step = f->frame.width / p->tile->side;
   int code = eda_field_resample(p->context, f, step, error);
-  if (!code) code = eda_field_samples(p->context, f, error);
   if (code) return code;
+  eda_field_samples(p->context, f);
   if (f->nx != p->tile->side || f->ny != p->tile->side)
     return opc_fail(error, OPC_INVALID, "tile",
                     "%d nm is no size of a Fourier transform, %d nm is",

@@ -64,36 +64,21 @@ static int run(void *self, void **outputs, opc_error *error) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    {.name = "layout",
-     .type = OPC_INPUT,
-     .flags = OPC_REQUIRED,
-     .choices = "layout",
-     .summary = "where the layer is drawn",
-     OPC_FIELD(edges, layout)},
-    {.name = "layer",
-     .type = OPC_TEXT,
-     .summary = "which layer; if not given, the only one",
-     OPC_FIELD(edges, layer)},
-    {.name = "top",
-     .type = OPC_TEXT,
-     .summary = "the cell to take; if not given, the only one that no other "
-                "places",
-     OPC_FIELD(edges, top)},
-    {.name = "grid",
-     .type = OPC_REAL,
-     .flags = OPC_ABOVE,
-     .unit = "nm",
-     .preset = "1 nm",
-     .summary = "mask grid",
-     OPC_FIELD(edges, grid)},
+    OPC_PARAMETER(edges, layout, .type = OPC_INPUT, .flags = OPC_REQUIRED,
+                  .choices = "layout", .summary = "where the layer is drawn"),
+    OPC_PARAMETER(edges, layer, .type = OPC_TEXT,
+                  .summary = "which layer; if not given, the only one"),
+    OPC_PARAMETER(edges, top, .type = OPC_TEXT,
+                  .summary = "the cell to take; if not given, the only one "
+                             "that no other places"),
+    OPC_PARAMETER(edges, grid, .type = OPC_REAL, .flags = OPC_ABOVE,
+                  .unit = "nm", .preset = "1 nm", .summary = "mask grid"),
 };
 
 static const opc_metric metrics[] = {
-    {.name = "polygons", .summary = "polygons, and holes in them"},
-    {.name = "edges", .summary = "their edges"},
-    {.name = "snapped",
-     .better = OPC_LOWER,
-     .summary = "vertices that the grid moved"},
+    {"polygons", NULL, OPC_NEUTRAL, 0, "polygons, and holes in them"},
+    {"edges", NULL, OPC_NEUTRAL, 0, "their edges"},
+    {"snapped", NULL, OPC_LOWER, 0, "vertices that the grid moved"},
 };
 
 /* ---- entry ---- */

@@ -193,60 +193,37 @@ static int run(void *self, void **outputs, opc_error *error) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    {.name = "layout",
-     .type = OPC_INPUT,
-     .flags = OPC_REQUIRED,
-     .choices = "layout",
-     .summary = "layers poly, active, contact, nwell, pwell, nimplant, "
-                "pimplant, notes",
-     OPC_FIELD(transistors, layout)},
-    {.name = "top",
-     .type = OPC_TEXT,
-     .summary = "the cell to take; if not given, the only one that no other "
-                "places",
-     OPC_FIELD(transistors, top)},
-    {.name = "also",
-     .type = OPC_MAP,
-     .summary = "further layers to correct, by the places of their edges: "
-                "{ metal1: M1 } calls the layout's M1 metal1",
-     OPC_FIELD(transistors, also)},
-    {.name = "grid",
-     .type = OPC_REAL,
-     .flags = OPC_ABOVE,
-     .unit = "nm",
-     .preset = "1 nm",
-     .summary = "mask grid",
-     OPC_FIELD(transistors, grid)},
-    {.name = "overhang",
-     .type = OPC_REAL,
-     .flags = OPC_AT_LEAST,
-     .unit = "nm",
-     .preset = "84 nm",
-     .summary = "how far past the active a transistor owns the edges of a poly "
-                "that goes on",
-     OPC_FIELD(transistors, overhang)},
-    {.name = "line_end",
-     .type = OPC_REAL,
-     .flags = OPC_AT_LEAST,
-     .unit = "nm",
-     .preset = "200 nm",
-     .summary = "poly that ends within this distance of the active is the "
-                "transistor's own line end",
-     OPC_FIELD(transistors, line_end)},
+    OPC_PARAMETER(transistors, layout, .type = OPC_INPUT, .flags = OPC_REQUIRED,
+                  .choices = "layout",
+                  .summary = "layers poly, active, contact, nwell, pwell, "
+                             "nimplant, pimplant, notes"),
+    OPC_PARAMETER(transistors, top, .type = OPC_TEXT,
+                  .summary = "the cell to take; if not given, the only one "
+                             "that no other places"),
+    OPC_PARAMETER(
+        transistors, also, .type = OPC_MAP,
+        .summary = "further layers to correct, by the places of their edges: { "
+                   "metal1: M1 } calls the layout's M1 metal1"),
+    OPC_PARAMETER(transistors, grid, .type = OPC_REAL, .flags = OPC_ABOVE,
+                  .unit = "nm", .preset = "1 nm", .summary = "mask grid"),
+    OPC_PARAMETER(transistors, overhang, .type = OPC_REAL,
+                  .flags = OPC_AT_LEAST, .unit = "nm", .preset = "84 nm",
+                  .summary = "how far past the active a transistor owns the "
+                             "edges of a poly that goes on"),
+    OPC_PARAMETER(transistors, line_end, .type = OPC_REAL,
+                  .flags = OPC_AT_LEAST, .unit = "nm", .preset = "200 nm",
+                  .summary = "poly that ends within this distance of the "
+                             "active is the transistor's own line end"),
 };
 
 static const opc_metric metrics[] = {
-    {.name = "transistors", .summary = "transistors found"},
-    {.name = "nmos", .summary = "n-channel transistors"},
-    {.name = "pmos", .summary = "p-channel transistors"},
-    {.name = "snapped",
-     .better = OPC_LOWER,
-     .summary = "vertices of poly, active, contact and further layers that the "
-                "grid moved"},
-    {.name = "snapped_worst",
-     .unit = "nm",
-     .better = OPC_LOWER,
-     .summary = "how far it moved one at most"},
+    {"transistors", NULL, OPC_NEUTRAL, 0, "transistors found"},
+    {"nmos", NULL, OPC_NEUTRAL, 0, "n-channel transistors"},
+    {"pmos", NULL, OPC_NEUTRAL, 0, "p-channel transistors"},
+    {"snapped", NULL, OPC_LOWER, 0,
+     "vertices of poly, active, contact and further layers that the grid "
+     "moved"},
+    {"snapped_worst", "nm", OPC_LOWER, 0, "how far it moved one at most"},
 };
 
 /* Names are told apart, and so are the layers that they stand for. */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* synthesizer.dpb: device performance-based OPC (thesis 3.2.2 (2), figure 3.3). Each
-   transistor on its own: a first jump of its length, then steps of one grid
-   unit, on while the performance deviation error falls, back when it rises;
-   length first (coarse), then width (fine). control.c has the steps of one
-   transistor, descent.c those of all, table.c the table of first jumps. */
+/* synthesizer.dpb: device performance-based OPC (thesis 3.2.2 (2), figure 3.3).
+   Each transistor on its own: a first jump of its length, then steps of one
+   grid unit, on while the performance deviation error falls, back when it
+   rises; length first (coarse), then width (fine). control.c has the steps of
+   one transistor, descent.c those of all, table.c the table of first jumps. */
 #include <math.h>
 
 #include "../descent.h"
@@ -13,12 +13,12 @@
 
 typedef struct dpb {
   const opc_host *host;
-  double max_pde;           /* % */
-  double init_adjust;       /* nm; 0: one step towards the smaller error */
-  const char *table_path;   /* NULL: that for all */
+  double max_pde;         /* % */
+  double init_adjust;     /* nm; 0: one step towards the smaller error */
+  const char *table_path; /* NULL: that for all */
   first_table table;
-  double max_bias;          /* nm */
-  int proportional;         /* of W's steps */
+  double max_bias;  /* nm */
+  int proportional; /* of W's steps */
   descent descent;
 } dpb;
 
@@ -69,30 +69,29 @@ static const char *verdict(const void *self, size_t gate) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    {.name = "max_pde", .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
-     .preset = "0.5 %",
-     .summary = "a transistor whose |Ion deviation| is at most this is left "
-                "alone",
-     OPC_FIELD(dpb, max_pde)},
-    {.name = "init_adjust", .type = OPC_REAL,
-     .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm", .preset = "0 nm",
-     .min = -100, .max = 100,
-     .summary = "first correction of L, longer if positive; 0 nm: one grid "
-                "step towards the smaller error",
-     OPC_FIELD(dpb, init_adjust)},
-    {.name = "init_adjust_table", .type = OPC_FILE,
-     .summary = "first corrections by L and W, CSV: that of the nearest L, "
-                "then of the nearest W",
-     OPC_FIELD(dpb, table_path)},
-    {.name = "max_bias", .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
-     .unit = "nm", .preset = "80 nm", .max = 10000,
-     .summary = "largest correction of L or of W, and no more than half of W",
-     OPC_FIELD(dpb, max_bias)},
-    {.name = "w_step", .type = OPC_CHOICE, .preset = "unit",
-     .choices = "unit|proportional",
-     .summary = "steps of W: one grid unit, or as much as the error asks for, "
-                "as Ion is proportional to W",
-     OPC_FIELD(dpb, proportional)},
+    OPC_PARAMETER(
+        dpb, max_pde, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
+        .preset = "0.5 %",
+        .summary =
+            "a transistor whose |Ion deviation| is at most this is left alone"),
+    OPC_PARAMETER(dpb, init_adjust, .type = OPC_REAL,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
+                  .preset = "0 nm", .min = -100, .max = 100,
+                  .summary = "first correction of L, longer if positive; 0 nm: "
+                             "one grid step towards the smaller error"),
+    OPC_PARAMETER_NAMED("init_adjust_table", dpb, table_path, .type = OPC_FILE,
+                        .summary = "first corrections by L and W, CSV: that of "
+                                   "the nearest L, then of the nearest W"),
+    OPC_PARAMETER(
+        dpb, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
+        .unit = "nm", .preset = "80 nm", .max = 10000,
+        .summary =
+            "largest correction of L or of W, and no more than half of W"),
+    OPC_PARAMETER_NAMED(
+        "w_step", dpb, proportional, .type = OPC_CHOICE, .preset = "unit",
+        .choices = "unit|proportional",
+        .summary = "steps of W: one grid unit, or as much as the error asks "
+                   "for, as Ion is proportional to W"),
 };
 
 static void clear(void *self) {

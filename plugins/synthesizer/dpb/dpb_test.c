@@ -14,10 +14,10 @@ enum { MOST = 4 };
 typedef struct model {
   size_t n;
   double offset[MOST], by_l[MOST], by_w[MOST];
-  uint32_t veto[MOST];       /* EDA_VETO_LONGER from this l on */
+  uint32_t veto[MOST]; /* EDA_VETO_LONGER from this l on */
   int32_t veto_from[MOST];
   int32_t l[MOST], w[MOST];
-  GString *trace;            /* of the first: "l,w " after each update */
+  GString *trace; /* of the first: "l,w " after each update */
   int updates;
 } model;
 
@@ -25,13 +25,14 @@ static void run(opc_module *m, model *t) {
   const eda_synthesizer *s = m->functions;
   double design[MOST], ion[MOST], width[MOST], length[MOST];
   uint32_t flags[MOST] = {0}, vetoes[MOST];
-  for (size_t i = 0; i < t->n; i++) design[i] = 1e-3, width[i] = 200, length[i] = 65;
-  eda_gates gates = {.grid = 1, .count = t->n,
-                     .length = length, .width = width};
+  for (size_t i = 0; i < t->n; i++)
+    design[i] = 1e-3, width[i] = 200, length[i] = 65;
+  eda_gates gates = {
+      .grid = 1, .count = t->n, .length = length, .width = width};
   eda_performance drawn = {.count = t->n, .ion = design};
   eda_performance printed = {.count = t->n, .ion = ion};
-  eda_feedback f = {.gates = &gates, .design = &drawn,
-                    .flags = flags, .vetoes = vetoes};
+  eda_feedback f = {
+      .gates = &gates, .design = &drawn, .flags = flags, .vetoes = vetoes};
   eda_moves moves = {.l = t->l, .w = t->w};
   opc_error error;
   g_assert_cmpint(s->begin(m->self, &f, &error), ==, OPC_OK);
@@ -152,7 +153,7 @@ static void test_exchange(void) {
   model u = {.n = 1, .offset = {-4.5}, .by_l = {-10}, .by_w = {0.43}};
   u.offset[0] = -4.9;
   u.by_l[0] = -9;
-  run(m, &u);   /* +4.1 at L -1: W -10 gives -0.2; W +10 at L 0 -0.6 */
+  run(m, &u); /* +4.1 at L -1: W -10 gives -0.2; W +10 at L 0 -0.6 */
   g_assert_cmpint(u.l[0], ==, -1);
   g_assert_cmpstr(verdict(m, 0), ==, "within limit");
   g_string_free(u.trace, TRUE);
@@ -163,8 +164,7 @@ static void test_coarse_before_fine(void) {
   g_autoptr(opc_module) m = make("{ max_pde: 0.5 % }");
   model t = {.n = 2, .offset = {1, 15.2}, .by_l = {-3, -3}, .by_w = {0.6, 0.6}};
   run(m, &t);
-  g_assert_cmpstr(t.trace->str, ==,
-                  "1,0 0,0 0,0 0,0 0,0 0,-1 0,-1 0,-1 ");
+  g_assert_cmpstr(t.trace->str, ==, "1,0 0,0 0,0 0,0 0,0 0,-1 0,-1 0,-1 ");
   g_assert_cmpint(t.l[1], ==, 5);
   g_string_free(t.trace, TRUE);
 }
@@ -195,8 +195,12 @@ static void test_grid(void) {
 /* At L = 2 the gate bridges: back to 1, and on with W down to the limit. */
 static void test_veto(void) {
   g_autoptr(opc_module) m = make("{ max_pde: 0.5 % }");
-  model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8},
-             .veto = {EDA_VETO_LONGER}, .veto_from = {2}};
+  model t = {.n = 1,
+             .offset = {7},
+             .by_l = {-3},
+             .by_w = {0.8},
+             .veto = {EDA_VETO_LONGER},
+             .veto_from = {2}};
   run(m, &t);
   g_assert_cmpint(t.l[0], ==, 1);
   g_assert_cmpint(t.w[0], ==, -5);
@@ -217,7 +221,9 @@ static void test_bias_limit(void) {
 /* Each transistor goes its own way, and the loop ends when the last does. */
 static void test_independent(void) {
   g_autoptr(opc_module) m = make("{ max_pde: 0.5 % }");
-  model t = {.n = 3, .offset = {7, -0.2, -9.2}, .by_l = {-3, -3, -3},
+  model t = {.n = 3,
+             .offset = {7, -0.2, -9.2},
+             .by_l = {-3, -3, -3},
              .by_w = {0.8, 0.8, 0.8}};
   run(m, &t);
   g_assert_cmpint(t.l[0], ==, 2);
@@ -239,9 +245,9 @@ static char *write_table(const char *text) {
 /* Transistors of L 65 and W 200: the nearest length is 65, not 60, and of its
    widths 150 is nearer than 300 by ratio (1.33 to 1.5). */
 static void test_table(void) {
-  g_autofree char *path =
-      write_table("l (nm),w (nm),init_adjust (nm),iterations\n"
-                  "60,200,9,1\n65,300,7,1\n65,150,2,1\n100,200,5,1\n");
+  g_autofree char *path = write_table(
+      "l (nm),w (nm),init_adjust (nm),iterations\n"
+      "60,200,9,1\n65,300,7,1\n65,150,2,1\n100,200,5,1\n");
   g_autofree char *given =
       g_strdup_printf("{ max_pde: 0.5 %%, init_adjust_table: %s }", path);
   g_autoptr(opc_module) m = make(given);
@@ -274,7 +280,8 @@ static void test_table_refused(void) {
       {"l,w,init_adjust\n65,100,x\n", "table.csv:2:8: not a number: 'x'"},
       {"l,w,init_adjust\n65,100,nan\n", "table.csv:2:8: not a number: 'nan'"},
       {"l,w,init_adjust\n65,0,1\n", "table.csv:2:4: not above 0: '0'"},
-      {"l,w,init_adjust\n65,100,101\n", "table.csv:2:8: beyond +-100 nm: '101'"},
+      {"l,w,init_adjust\n65,100,101\n",
+       "table.csv:2:8: beyond +-100 nm: '101'"},
       {"l,w,init_adjust\n65,100\n", "table.csv:2:7: not a number: ''"},
       {"l,w,init_adjust\n65,1,1\n65,1,2\n", "table.csv:3:1: a second row"},
       {"l,w,init_adjust\n", "has no rows"},

@@ -32,9 +32,9 @@ static int32_t length_of(eda_box b) {
 /* A bar as the rule has it, before others cut it. */
 typedef struct wish {
   eda_box box;
-  uint32_t number;         /* in the order of the edges */
+  uint32_t number; /* in the order of the edges */
   uint8_t upright;
-  size_t first, end;       /* what came of it, in `bars` */
+  size_t first, end; /* what came of it, in `bars` */
 } wish;
 
 typedef struct planner {
@@ -43,9 +43,9 @@ typedef struct planner {
   wish *wishes;
   size_t count;
   eda_index *of_drawn, *of_wishes;
-  eda_box *drawn;          /* rectangles of the drawn shapes */
+  eda_box *drawn; /* rectangles of the drawn shapes */
   size_t drawn_count;
-  eda_box_list parts, next;   /* of the wish at hand */
+  eda_box_list parts, next; /* of the wish at hand */
   eda_box_list bars;
 } planner;
 
@@ -76,8 +76,10 @@ static void cut_parts(planner *p, eda_box keep_out, int upright) {
       eda_box_list_add(&p->next, b);
       continue;
     }
-    if (upright) low.y1 = keep_out.y0, high.y0 = keep_out.y1;
-    else low.x1 = keep_out.x0, high.x0 = keep_out.x1;
+    if (upright)
+      low.y1 = keep_out.y0, high.y0 = keep_out.y1;
+    else
+      low.x1 = keep_out.x0, high.x0 = keep_out.x1;
     if (low.y1 > low.y0 && low.x1 > low.x0) eda_box_list_add(&p->next, low);
     if (high.y1 > high.y0 && high.x1 > high.x0)
       eda_box_list_add(&p->next, high);
@@ -145,7 +147,7 @@ static void make_wishes(planner *p) {
     for (size_t e = 0; e < l->edges; e++) {
       wish w = wish_of(p, e, row);
       w.number = (uint32_t)p->count;
-      w.first = (size_t)row;   /* by_rank */
+      w.first = (size_t)row; /* by_rank */
       all[p->count] = w.box;
       p->wishes[p->count++] = w;
     }
@@ -180,9 +182,8 @@ static void leave_room(epe_layer *l, const eda_index *bars, uint32_t i) {
 }
 
 static void leave_rooms(epe_layer *l) {
-  eda_index *bars =
-      eda_index_new(l->bars.box, l->bars.count,
-                    l->rules->max_shift + l->rules->min_space);
+  eda_index *bars = eda_index_new(l->bars.box, l->bars.count,
+                                  l->rules->max_shift + l->rules->min_space);
   for (uint32_t i = 0; i < l->count; i++) leave_room(l, bars, i);
   eda_index_free(bars);
 }
@@ -232,15 +233,9 @@ typedef struct job {
   uint8_t *bad;
 } job;
 
-enum { BARS_PER_BLOCK = 64 };
-
-static void look_at_block(void *data, size_t block) {
+static void look_at_bar(void *data, size_t i) {
   const job *j = data;
-  size_t end = (block + 1) * BARS_PER_BLOCK;
-  if (end > j->layer->bars.count) end = j->layer->bars.count;
-  for (size_t i = block * BARS_PER_BLOCK; i < end; i++)
-    j->bad[i] = brightest(j->print, j->layer->bars.box[i], j->grid) >
-                -j->margin;
+  j->bad[i] = brightest(j->print, j->layer->bars.box[i], j->grid) > -j->margin;
 }
 
 size_t epe_drop_bars(epe_layer *l, const eda_field *print, double grid,
@@ -248,8 +243,7 @@ size_t epe_drop_bars(epe_layer *l, const eda_field *print, double grid,
   size_t all = l->bars.count, kept = 0;
   if (!all || !print) return 0;
   job j = {l, print, grid, margin, eda_alloc(all, 1)};
-  opc_parallel(l->context, (all + BARS_PER_BLOCK - 1) / BARS_PER_BLOCK,
-               look_at_block, &j);
+  opc_parallel(l->context, all, look_at_bar, &j);
   for (size_t i = 0; i < all; i++)
     if (!j.bad[i]) l->bars.box[kept++] = l->bars.box[i];
   l->bars.count = kept;

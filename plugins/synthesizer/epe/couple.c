@@ -10,10 +10,6 @@
 
 #include "tuning.h"
 
-static double length_of(const epe_piece *p) {
-  return abs(p->to.x - p->from.x) + abs(p->to.y - p->from.y);
-}
-
 /* What a unit move of fragment j does at a site at (x, y): the part of the
    Gaussian along an infinite straight edge that lies on j. */
 static double weight_at(const epe_layer *l, double x, double y, uint32_t j) {
@@ -28,7 +24,7 @@ static double weight_at(const epe_layer *l, double x, double y, uint32_t j) {
 
 typedef struct coupler {
   epe_layer *layer;
-  eda_index *index;        /* of the middles of the fragments */
+  eda_index *index; /* of the middles of the fragments */
   double grid, longest;
 } coupler;
 
@@ -46,11 +42,13 @@ static int is_near(const epe_piece *p, double x, double y, double reach) {
 }
 
 /* The row of site i: count what is near, or (weight not NULL) put it down. */
-static void couple_site(const coupler *c, uint32_t i) {
+static void couple_site(void *data, size_t i) {
+  const coupler *c = data;
   epe_layer *l = c->layer;
   epe_coupling *m = &l->coupling;
   double x = l->site[2 * i] / c->grid, y = l->site[2 * i + 1] / c->grid;
-  double reach = tuned.coupling_reach * l->rules->blur, far = reach + c->longest / 2;
+  double reach = tuned.coupling_reach * l->rules->blur,
+         far = reach + c->longest / 2;
   eda_finder f = eda_index_find(
       c->index, (eda_box){(int32_t)floor(x - far), (int32_t)floor(y - far),
                           (int32_t)ceil(x + far), (int32_t)ceil(y + far)});
@@ -64,12 +62,6 @@ static void couple_site(const coupler *c, uint32_t i) {
     n++;
   }
   if (!m->weight) m->start[i + 1] = n;
-}
-
-static void couple_block(void *data, size_t block) {
-  const coupler *c = data;
-  size_t end = epe_block_end(block, c->layer->count);
-  for (size_t i = block * EPE_BLOCK; i < end; i++) couple_site(c, (uint32_t)i);
 }
 
 /* Room for the rows whose lengths are in start[1] and on. */
@@ -102,14 +94,13 @@ void epe_couple(epe_layer *l, double grid) {
     int32_t x = p->from.x + (p->to.x - p->from.x) / 2;
     int32_t y = p->from.y + (p->to.y - p->from.y) / 2;
     boxes[i] = (eda_box){x, y, x, y};
-    c.longest = epe_max(c.longest, length_of(p));
+    c.longest = epe_max(c.longest, epe_length(p));
   }
   c.index = eda_index_new(boxes, l->count,
                           (int32_t)ceil(tuned.coupling_reach * l->rules->blur));
-  size_t blocks = epe_blocks(l->count);
-  opc_parallel(l->context, blocks, couple_block, &c);
+  opc_parallel(l->context, l->count, couple_site, &c);
   make_rows(&l->coupling, l->count);
-  opc_parallel(l->context, blocks, couple_block, &c);
+  opc_parallel(l->context, l->count, couple_site, &c);
   transpose(&l->coupling, l->count, &l->transposed);
   eda_index_free(c.index);
   free(boxes);

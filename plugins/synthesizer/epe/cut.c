@@ -11,18 +11,18 @@
 typedef struct cutter {
   epe_layer *layer;
   const eda_shapes *drawn;
-  eda_index *corners;      /* of all polygons */
-  size_t room;             /* for pieces */
-  int32_t *marks;          /* where one edge is cut */
+  eda_index *corners; /* of all polygons */
+  size_t room;        /* for pieces */
+  int32_t *marks;     /* where one edge is cut */
   size_t n_marks, marks_room;
-  uint8_t *convex;         /* each point of `drawn` */
+  uint8_t *convex; /* each point of `drawn` */
 } cutter;
 
 /* An edge as drawn: from a corner along a direction. */
 typedef struct drawn_edge {
   eda_point a, b;
   int32_t length;
-  uint8_t axis;            /* of its normal */
+  uint8_t axis; /* of its normal */
   int8_t sign;
   uint8_t convex[2];
 } drawn_edge;
@@ -41,8 +41,10 @@ static drawn_edge edge_of(const cutter *c, uint32_t i, uint32_t next) {
 
 static eda_point point_at(const drawn_edge *e, int32_t t) {
   eda_point p = e->a;
-  if (e->axis == EDA_X) p.y += e->b.y > e->a.y ? t : -t;
-  else p.x += e->b.x > e->a.x ? t : -t;
+  if (e->axis == EDA_X)
+    p.y += e->b.y > e->a.y ? t : -t;
+  else
+    p.x += e->b.x > e->a.x ? t : -t;
   return p;
 }
 
@@ -78,13 +80,9 @@ static void mark_ripples(cutter *c, const drawn_edge *e) {
   const epe_rules *r = c->layer->rules;
   if (r->ripple_reach <= 0) return;
   int32_t out = e->sign * r->ripple_reach;
-  eda_point p = e->a, q = e->b;
-  if (e->axis == EDA_X) q.x += out;
-  else q.y += out;
-  eda_finder f = eda_index_find(
-      c->corners,
-      (eda_box){p.x < q.x ? p.x : q.x, p.y < q.y ? p.y : q.y,
-                p.x < q.x ? q.x : p.x, p.y < q.y ? q.y : p.y});
+  eda_point sight[] = {e->a, e->b}; /* corners of what is seen */
+  *(e->axis == EDA_X ? &sight[1].x : &sight[1].y) += out;
+  eda_finder f = eda_index_find(c->corners, eda_bounds(sight, 2));
   for (uint32_t k; eda_index_next(&f, &k);)
     mark_corner(c, e, c->drawn->points[k]);
 }
@@ -225,8 +223,8 @@ static void set_owners(epe_layer *l, const eda_edges *e) {
     for (; i < end; i++) {
       int64_t length = distance(l->pieces[i].from, l->pieces[i].to);
       while (k + 1 < last) {
-        int64_t next = begins + distance(e->fragments[k].from,
-                                         e->fragments[k + 1].from);
+        int64_t next =
+            begins + distance(e->fragments[k].from, e->fragments[k + 1].from);
         if (2 * next > 2 * at + length) break;
         begins = next;
         k++;

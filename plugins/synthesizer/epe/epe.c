@@ -7,7 +7,7 @@
 
 #include <eda/memory.h>
 #include <math.h>
-#include <opcflow/plugin.h>
+#include <opcflow/table.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -40,11 +40,11 @@ typedef struct epe {
   epe_layer *layers;
   size_t n_layers;
   double grid;
-  size_t count;            /* transistors */
+  size_t count; /* transistors */
   uint8_t *verdict;
-  double best;             /* the least cost, INFINITY: none yet */
-  size_t dropped;          /* bars that printed */
-  int still;               /* iterations since a fragment moved last */
+  double best;    /* the least cost, INFINITY: none yet */
+  size_t dropped; /* bars that printed */
+  int still;      /* iterations since a fragment moved last */
 } epe;
 
 /* ---- work: begin and cut ---- */
@@ -116,8 +116,7 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
 /* Layers beside poly and active go with poly. */
 static int wants(const epe *d, int layer) {
   return d->which_layers == LAYERS_BOTH ||
-         d->which_layers ==
-             (layer == EDA_ACTIVE ? LAYERS_ACTIVE : LAYERS_POLY);
+         d->which_layers == (layer == EDA_ACTIVE ? LAYERS_ACTIVE : LAYERS_POLY);
 }
 
 static int cut(void *self, const eda_gates *gates, int layer, eda_cuts *cuts,
@@ -153,7 +152,7 @@ static void take(epe_layer *l, const double *nm, const int32_t *shift,
     l->shift[i] = shift[i];
     if (print && isnan(nm[i]))
       eda_field_sample(print, &l->site[2 * i], &l->site[2 * i + 1], 1,
-                               &l->side[i]);
+                       &l->side[i]);
   }
 }
 
@@ -163,8 +162,7 @@ static double mean_epe(const epe *d) {
   for (size_t k = 0; k < d->n_layers; k++) {
     const epe_layer *l = &d->layers[k];
     for (size_t i = 0; i < l->count; i++) {
-      const epe_piece *p = &l->pieces[i];
-      double along = abs(p->to.x - p->from.x) + abs(p->to.y - p->from.y);
+      double along = epe_length(&l->pieces[i]);
       sum += along * l->cost[i];
       length += along;
     }
@@ -191,11 +189,11 @@ static void judge_gate(epe *d, const epe_layer *l, size_t i) {
   int32_t gate = l->pieces[i].gate;
   if (gate < 0 || (size_t)gate >= d->count) return;
   int32_t shift = l->shift[i];
-  int why = isnan(l->error[i])                         ? LOST
-            : fabs(l->error[i]) * d->grid <= 1         ? WITHIN
-            : abs(shift) >= d->rules.max_shift         ? LIMIT
+  int why = isnan(l->error[i])                          ? LOST
+            : fabs(l->error[i]) * d->grid <= 1          ? WITHIN
+            : abs(shift) >= d->rules.max_shift          ? LIMIT
             : shift == l->low[i] || shift == l->high[i] ? RULE
-                                                       : GRID;
+                                                        : GRID;
   if (d->verdict[gate] == UNMOVED || why > d->verdict[gate])
     d->verdict[gate] = (uint8_t)why;
 }
@@ -229,9 +227,9 @@ static int tell_of_bars(const epe *d, opc_error *error) {
   if (!d->assist.rows) return OPC_OK;
   size_t n = 0;
   for (size_t k = 0; k < d->n_layers; k++) n += d->layers[k].bars.count;
-  int code = d->host->metric(d->host, "assists", (double)n, error);
-  if (code) return code;
-  return d->host->metric(d->host, "assists_dropped", (double)d->dropped, error);
+  const opc_value values[] = {{"assists", (double)n},
+                              {"assists_dropped", (double)d->dropped}};
+  return opc_put_values(d->host, OPC_ARRAY(values), error);
 }
 
 static int update(void *self, const eda_feedback *f, eda_moves *moves,
@@ -278,11 +276,11 @@ static const char *verdict(const void *self, size_t gate) {
 /* ---- parameters ---- */
 
 #define LENGTH(NAME, MEMBER, FLAG, PRESET, SUMMARY)                         \
-  {.name = (NAME), .type = OPC_REAL, .flags = (FLAG), .unit = "nm",         \
-   .preset = (PRESET), .summary = (SUMMARY), OPC_FIELD(epe, MEMBER)}
+  OPC_PARAMETER_NAMED(NAME, epe, MEMBER, .type = OPC_REAL, .flags = (FLAG), \
+                      .unit = "nm", .preset = (PRESET), .summary = (SUMMARY))
 #define NUMBER(NAME, MEMBER, FLAG, MAX, PRESET, SUMMARY)                    \
-  {.name = (NAME), .type = OPC_REAL, .flags = (FLAG), .max = (MAX),         \
-   .preset = (PRESET), .summary = (SUMMARY), OPC_FIELD(epe, MEMBER)}
+  OPC_PARAMETER_NAMED(NAME, epe, MEMBER, .type = OPC_REAL, .flags = (FLAG), \
+                      .max = (MAX), .preset = (PRESET), .summary = (SUMMARY))
 
 static const opc_parameter parameters[] = {
     LENGTH("fragment", fragment, OPC_ABOVE, "40 nm",
@@ -322,19 +320,20 @@ static const opc_parameter parameters[] = {
     LENGTH("blur", blur, OPC_ABOVE, "40 nm",
            "how far a move spreads in the print, as the standard deviation of "
            "a Gaussian; about a fifth of wavelength / NA"),
-    {.name = "iterations", .type = OPC_INT, .flags = OPC_AT_LEAST,
-     .preset = "20", .summary = "moves at most", OPC_FIELD(epe, iterations)},
-    {.name = "layers", .type = OPC_CHOICE, .preset = "both",
-     .choices = "both|poly|active", .summary = "what to correct",
-     OPC_FIELD(epe, which_layers)},
-    {.name = "best", .type = OPC_CHOICE, .preset = "epe",
-     .choices = "epe|ion",
-     .summary = "the iteration to keep: that of the least mean |EPE|, or of "
-                "the least mean |Ion deviation|",
-     OPC_FIELD(epe, which_best)},
-    {.name = "assist", .type = OPC_INT, .flags = OPC_AT_LEAST | OPC_AT_MOST,
-     .preset = "0", .max = 4, .summary = "rows of assist bars beside open edges",
-     OPC_FIELD(epe, bar_rows)},
+    OPC_PARAMETER(epe, iterations, .type = OPC_INT, .flags = OPC_AT_LEAST,
+                  .preset = "20", .summary = "moves at most"),
+    OPC_PARAMETER_NAMED("layers", epe, which_layers, .type = OPC_CHOICE,
+                        .preset = "both", .choices = "both|poly|active",
+                        .summary = "what to correct"),
+    OPC_PARAMETER_NAMED(
+        "best", epe, which_best, .type = OPC_CHOICE, .preset = "epe",
+        .choices = "epe|ion",
+        .summary = "the iteration to keep: that of the least mean |EPE|, or of "
+                   "the least mean |Ion deviation|"),
+    OPC_PARAMETER_NAMED("assist", epe, bar_rows, .type = OPC_INT,
+                        .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0",
+                        .max = 4,
+                        .summary = "rows of assist bars beside open edges"),
     LENGTH("assist_width", bar_width, OPC_ABOVE, "50 nm",
            "width of an assist bar"),
     LENGTH("assist_distance", bar_distance, OPC_ABOVE, "150 nm",
@@ -356,10 +355,9 @@ static const opc_parameter parameters[] = {
 };
 
 static const opc_metric metrics[] = {
-    {.name = "assists", .summary = "assist bars of the mask"},
-    {.name = "assists_dropped",
-     .better = OPC_LOWER,
-     .summary = "assist bars that were taken away as they printed"},
+    {"assists", NULL, OPC_NEUTRAL, 0, "assist bars of the mask"},
+    {"assists_dropped", NULL, OPC_LOWER, 0,
+     "assist bars that were taken away as they printed"},
 };
 
 static int check(void *self, opc_error *error) {
@@ -377,8 +375,9 @@ static const eda_synthesizer functions = {
 
 OPC_PLUGIN(epe, .id = "synthesizer.epe", .kind = "synthesizer",
            .version = "0.2.0", .licence = "BSD-3-Clause",
-           .summary = "edge placement error OPC: fragments that move until "
-                      "the print meets the drawn edge",
+           .summary =
+               "edge placement error OPC: fragments that move until "
+               "the print meets the drawn edge",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
            .clear = clear, OPC_FUNCTIONS(functions));

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the files of synthesizer.epe share. Coordinates and lengths are in steps of
-   the mask grid where they are not said to be in nm. */
+/* What the files of synthesizer.epe share. Coordinates and lengths are in steps
+   of the mask grid where they are not said to be in nm. */
 #ifndef SYNTHESIZER_EPE_H
 #define SYNTHESIZER_EPE_H
 
 #include <eda/index.h>
 #include <eda/synthesizer.h>
+#include <stdlib.h>
 
 /* How edges are cut, where errors are measured (grid steps), and the rules of
    the mask. */
@@ -13,7 +14,7 @@ typedef struct epe_rules {
   int32_t fragment, concave_corner, corner_edge, line_end, ripple;
   int32_t ripple_reach, min_edge, tangency;
   int32_t min_width, min_space, min_jog, max_shift;
-  double blur;             /* of the coupling between fragments */
+  double blur; /* of the coupling between fragments */
 } epe_rules;
 
 /* Where bars are placed. */
@@ -22,7 +23,7 @@ typedef struct epe_assist {
   int32_t width, distance; /* of a bar; from drawn shapes */
   int32_t space;           /* between bars */
   int32_t min_length;
-  int32_t overhang;        /* past the ends of the edge */
+  int32_t overhang; /* past the ends of the edge */
 } epe_assist;
 
 /* A fragment of an edge as drawn. It moves outwards along `axis`, towards
@@ -34,9 +35,9 @@ typedef struct epe_piece {
   int32_t gate;            /* the transistor it belongs to, -1: none */
   uint8_t axis;            /* EDA_X, EDA_Y */
   int8_t sign;
-  uint8_t corner;          /* EPE_FROM, EPE_TO: which of its ends are corners */
-  uint8_t still;           /* too short to be moved */
-  uint8_t hole;            /* its polygon is one */
+  uint8_t corner; /* EPE_FROM, EPE_TO: which of its ends are corners */
+  uint8_t still;  /* too short to be moved */
+  uint8_t hole;   /* its polygon is one */
 } epe_piece;
 
 enum { EPE_FROM = 1, EPE_TO = 2 };
@@ -45,13 +46,8 @@ enum { EPE_FROM = 1, EPE_TO = 2 };
    run of it is too short; it moves in one piece. */
 enum { EPE_NARROWED = 1, EPE_SHORT = 2, EPE_WHOLE = 4 };
 
-/* Work is cut into blocks of so many items for all threads. */
-enum { EPE_BLOCK = 2048 };
-static inline size_t epe_blocks(size_t n) {
-  return (n + EPE_BLOCK - 1) / EPE_BLOCK;
-}
-static inline size_t epe_block_end(size_t block, size_t n) {
-  return (block + 1) * EPE_BLOCK < n ? (block + 1) * EPE_BLOCK : n;
+static inline double epe_length(const epe_piece *p) {
+  return abs(p->to.x - p->from.x) + abs(p->to.y - p->from.y);
 }
 
 /* Fragments of an edge that move alike. */
@@ -59,7 +55,7 @@ typedef struct epe_run {
   uint32_t first, end;
   double weighted, length; /* sum of wanted * length, and of lengths */
   int32_t low, high, shift;
-  int32_t before, after;   /* its neighbours among the runs, -1: none */
+  int32_t before, after; /* its neighbours among the runs, -1: none */
 } epe_run;
 
 /* Two fragments that face each other, through the mask's inside or across a
@@ -88,39 +84,39 @@ static inline double epe_within(double x, double low, double high) {
 typedef struct epe_layer {
   const opc_context *context;
   const epe_rules *rules;
-  size_t count;            /* fragments; 0: this layer is not moved */
+  size_t count; /* fragments; 0: this layer is not moved */
   epe_piece *pieces;
   size_t polygons;
-  uint32_t *start;         /* the first fragment of each polygon, and the end */
+  uint32_t *start; /* the first fragment of each polygon, and the end */
   eda_point *from;
-  double *site;            /* nm */
+  double *site; /* nm */
   size_t edges;
-  uint32_t *edge;          /* the first fragment of each edge, and the end */
-  uint8_t *state;          /* EPE_NARROWED and so on, of each edge */
+  uint32_t *edge; /* the first fragment of each edge, and the end */
+  uint8_t *state; /* EPE_NARROWED and so on, of each edge */
   epe_pair *pairs;
   size_t pair_count;
 
   /* Of each fragment, in two blocks of memory: */
   double *reals;
   int32_t *integers;
-  double *wanted;          /* where feedback puts each fragment */
-  double *gain;            /* of the coupling, measured */
+  double *wanted; /* where feedback puts each fragment */
+  double *gain;   /* of the coupling, measured */
   epe_coupling coupling, transposed;
-  double *work[5];         /* of steer.c */
-  double *step;            /* how far each may move at once */
-  double *side;            /* the sign of the last error that there was, or of
-                              the print at a site that has no edge near */
-  double *error, *before;  /* of the last print and of the one before it, in
-                              grid steps; NAN: no edge near the site */
-  double *cost;            /* |EPE| as it was measured, nm */
-  int32_t *shift, *last;   /* measured, and measured before */
+  double *work[5];        /* of steer.c */
+  double *step;           /* how far each may move at once */
+  double *side;           /* the sign of the last error that there was, or of
+                             the print at a site that has no edge near */
+  double *error, *before; /* of the last print and of the one before it, in
+                             grid steps; NAN: no edge near the site */
+  double *cost;           /* |EPE| as it was measured, nm */
+  int32_t *shift, *last;  /* measured, and measured before */
   int32_t *best;
-  int32_t *low, *high;     /* what the rules leave each fragment */
-  int32_t *most;           /* how far outwards each fragment may go */
-  eda_box_list bars;       /* assist features */
-  epe_run *runs;           /* of each edge, where its fragments are */
-  int32_t *settled;        /* shifts while rules.c makes them */
-  uint8_t *broken;         /* pairs that are too near */
+  int32_t *low, *high; /* what the rules leave each fragment */
+  int32_t *most;       /* how far outwards each fragment may go */
+  eda_box_list bars;   /* assist features */
+  epe_run *runs;       /* of each edge, where its fragments are */
+  int32_t *settled;    /* shifts while rules.c makes them */
+  uint8_t *broken;     /* pairs that are too near */
 } epe_layer;
 
 /* cut.c: the fragments of the drawn shapes of a layer, their sites and
@@ -147,8 +143,8 @@ size_t epe_part(epe_layer *layer, const int32_t *shift, int hard);
 void epe_settle(epe_layer *layer, int32_t *shift);
 
 /* window.c: weigh the errors that were measured, and their costs, with those of
-   other doses, which print where the level set is `level` more or less. `weight`
-   is that of the others; 0: they are not looked at. */
+   other doses, which print where the level set is `level` more or less.
+   `weight` is that of the others; 0: they are not looked at. */
 void epe_weigh(epe_layer *layer, const eda_field *print, double weight,
                double level, double grid);
 
@@ -157,9 +153,9 @@ void epe_couple(epe_layer *layer, double grid);
 
 /* steer.c: move layer->wanted against the errors. */
 typedef struct epe_steering {
-  double step;             /* the largest move */
-  double damping;          /* the part of an error that it is to take away */
-  double stiffness;        /* what a move costs against an error */
+  double step;      /* the largest move */
+  double damping;   /* the part of an error that it is to take away */
+  double stiffness; /* what a move costs against an error */
 } epe_steering;
 void epe_steer(epe_layer *layer, const epe_steering *by);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Width, space and edges of the mask: pairs of fragments that face each other, found
-   once, and kept apart at every move. Distances are Euclidean, as a mask shop
-   checks them; a pair that is drawn too near may not come nearer. */
+/* Width, space and edges of the mask: pairs of fragments that face each other,
+   found once, and kept apart at every move. Distances are Euclidean, as a mask
+   shop checks them; a pair that is drawn too near may not come nearer. */
 #include "epe.h"
 
 #include <eda/memory.h>
@@ -10,8 +10,8 @@
 
 /* From fragment a to b, which lies on the side of the larger coordinate. */
 typedef struct gap {
-  double across;  /* along their axis */
-  double along;   /* between their ends; 0 or less if they overlap */
+  double across; /* along their axis */
+  double along;  /* between their ends; 0 or less if they overlap */
 } gap;
 
 static gap gap_of(const epe_piece *p, const int32_t *shift, uint32_t a,
@@ -63,15 +63,13 @@ static void consider(finder *f, uint32_t i, uint32_t j) {
       !p[j].hole)
     return;
   double drawn = g.along > 0 ? hypot(g.across, g.along) : g.across;
-  add_pair(f, (epe_pair){a, b, (uint16_t)inside, 0,
-                         (float)epe_min(limit, drawn)});
+  add_pair(f,
+           (epe_pair){a, b, (uint16_t)inside, 0, (float)epe_min(limit, drawn)});
 }
 
 static eda_box box_of(const epe_piece *p, int32_t grown) {
-  eda_box b = {p->from.x < p->to.x ? p->from.x : p->to.x,
-               p->from.y < p->to.y ? p->from.y : p->to.y,
-               p->from.x < p->to.x ? p->to.x : p->from.x,
-               p->from.y < p->to.y ? p->to.y : p->from.y};
+  const eda_point ends[] = {p->from, p->to};
+  eda_box b = eda_bounds(ends, 2);
   return (eda_box){b.x0 - grown, b.y0 - grown, b.x1 + grown, b.y1 + grown};
 }
 
@@ -136,17 +134,13 @@ void epe_find_pairs(epe_layer *l) {
 
 /* ---- keeping them apart ---- */
 
-static void keep_below(epe_layer *l, uint32_t i, int32_t most) {
-  if (most < 0) most = 0;
-  if (l->high[i] <= most) return;
-  l->high[i] = most;
-  l->state[l->pieces[i].edge] |= EPE_NARROWED;
-}
-
-static void keep_above(epe_layer *l, uint32_t i, int32_t least) {
-  if (least > 0) least = 0;
-  if (l->low[i] >= least) return;
-  l->low[i] = least;
+/* Fragment i goes back towards where it is drawn, by so many steps. */
+static void go_back(epe_layer *l, const int32_t *shift, uint32_t i,
+                    int32_t by) {
+  int32_t out = shift[i] > 0, left = abs(shift[i]) - by;
+  if (left < 0) left = 0;
+  if (!shift[i] || (out ? l->high[i] <= left : l->low[i] >= -left)) return;
+  *(out ? &l->high[i] : &l->low[i]) = out ? left : -left;
   l->state[l->pieces[i].edge] |= EPE_NARROWED;
 }
 
@@ -154,13 +148,8 @@ static void keep_above(epe_layer *l, uint32_t i, int32_t least) {
    back by a step. */
 static void draw_in(epe_layer *l, const int32_t *shift, uint32_t i) {
   const epe_piece *p = &l->pieces[i];
-  uint32_t around[2] = {p->previous, p->next};
-  for (int k = 0; k < 2; k++) {
-    if (!(p->corner & (k ? EPE_TO : EPE_FROM))) continue;
-    uint32_t n = around[k];
-    if (shift[n] > 0) keep_below(l, n, shift[n] - 1);
-    if (shift[n] < 0) keep_above(l, n, shift[n] + 1);
-  }
+  if (p->corner & EPE_FROM) go_back(l, shift, p->previous, 1);
+  if (p->corner & EPE_TO) go_back(l, shift, p->next, 1);
 }
 
 static void leave_as_drawn(epe_layer *l, uint32_t i) {
@@ -175,15 +164,13 @@ static void leave_as_drawn(epe_layer *l, uint32_t i) {
 /* Both go back by their part of what is missing. */
 static void give_way(epe_layer *l, const int32_t *shift, const epe_pair *pair,
                      double missing) {
-  int sign = pair->inside ? -1 : 1;   /* of the moves that close the gap */
+  int sign = pair->inside ? -1 : 1; /* of the moves that close the gap */
   uint32_t who[2] = {pair->a, pair->b};
   double part[2], all = 0;
   for (int k = 0; k < 2; k++) all += part[k] = epe_max(0, sign * shift[who[k]]);
   for (int k = 0; k < 2; k++) {
     if (part[k] <= 0) continue;
-    int32_t back = (int32_t)ceil(missing * part[k] / all);
-    if (sign > 0) keep_below(l, who[k], shift[who[k]] - back);
-    else keep_above(l, who[k], shift[who[k]] + back);
+    go_back(l, shift, who[k], (int32_t)ceil(missing * part[k] / all));
   }
   if (all >= missing) return;
   for (int k = 0; k < 2; k++) draw_in(l, shift, who[k]);
@@ -224,21 +211,10 @@ typedef struct search {
   const int32_t *shift;
 } search;
 
-static void search_block(void *data, size_t block) {
+static void look_at_pair(void *data, size_t k) {
   const search *s = data;
   epe_layer *l = s->layer;
-  size_t end = epe_block_end(block, l->pair_count);
-  for (size_t k = block * EPE_BLOCK; k < end; k++)
-    l->broken[k] = (uint8_t)too_near(l, s->shift, &l->pairs[k]);
-}
-
-/* The fragment that moved a corner by `off`, the wrong way, goes back by its
-   part of what is missing. */
-static void yield(epe_layer *l, const int32_t *shift, uint32_t i, double off,
-                  double part) {
-  int32_t back = (int32_t)ceil(off * part);
-  if (shift[i] > 0) keep_below(l, i, shift[i] - back);
-  if (shift[i] < 0) keep_above(l, i, shift[i] + back);
+  l->broken[k] = (uint8_t)too_near(l, s->shift, &l->pairs[k]);
 }
 
 /* An edge whose corners have come too near to each other, or have changed
@@ -261,15 +237,17 @@ static int lengthen(epe_layer *l, const int32_t *shift, size_t e, int hard) {
   }
   double from = epe_max(0, way * (begin - drawn_begin));
   double to = epe_max(0, way * (drawn_end - end));
-  yield(l, shift, p[first].previous, from, missing / (from + to));
-  yield(l, shift, p[last].next, to, missing / (from + to));
+  /* Each goes back by its part of what is missing. */
+  double part = missing / (from + to);
+  go_back(l, shift, p[first].previous, (int32_t)ceil(from * part));
+  go_back(l, shift, p[last].next, (int32_t)ceil(to * part));
   return 1;
 }
 
 size_t epe_part(epe_layer *l, const int32_t *shift, int hard) {
   search s = {l, shift};
   size_t found = 0;
-  opc_parallel(l->context, epe_blocks(l->pair_count), search_block, &s);
+  opc_parallel(l->context, l->pair_count, look_at_pair, &s);
   for (size_t k = 0; k < l->pair_count; k++) {
     if (!l->broken[k]) continue;
     const epe_pair *pair = &l->pairs[k];

@@ -14,10 +14,6 @@ static int32_t clamp(double value, int32_t low, int32_t high) {
   return (int32_t)lround(epe_within(value, low, high));
 }
 
-static double length_of(const epe_piece *p) {
-  return abs(p->to.x - p->from.x) + abs(p->to.y - p->from.y);
-}
-
 /* ---- the runs of an edge ---- */
 
 static void set_shift(epe_run *r) {
@@ -32,9 +28,10 @@ static void begin_runs(const epe_layer *l, size_t e, epe_run *runs) {
   double missing = 0, worth = l->rules->blur / tuned.jog_part;
   for (int32_t k = 0; k < n; k++) {
     uint32_t i = l->edge[e] + (uint32_t)k;
-    double length = length_of(&l->pieces[i]);
-    runs[k] = (epe_run){i, i + 1, l->wanted[i] * length, length, l->low[i],
-                           l->high[i], 0, k - 1, k + 1 < n ? k + 1 : -1};
+    double length = epe_length(&l->pieces[i]);
+    runs[k] = (epe_run){i,      i + 1,     l->wanted[i] * length,
+                        length, l->low[i], l->high[i],
+                        0,      k - 1,     k + 1 < n ? k + 1 : -1};
     epe_run *r = &runs[k];
     set_shift(r);
     if (k) {
@@ -73,10 +70,12 @@ static int differ(const epe_run *runs, int32_t k, int32_t n) {
 static int32_t absorb(epe_run *runs, int32_t k, int32_t jog) {
   for (;;) {
     int32_t before = runs[k].before, after = runs[k].after;
-    if (after >= 0 && differ(runs, k, after) <= jog) merge(runs, k);
+    if (after >= 0 && differ(runs, k, after) <= jog)
+      merge(runs, k);
     else if (before >= 0 && differ(runs, k, before) <= jog)
       merge(runs, k = before);
-    else return k;
+    else
+      return k;
   }
 }
 
@@ -124,7 +123,8 @@ static int32_t join(epe_run *runs, int32_t k) {
   return k;
 }
 
-/* The shifts of an edge, into l->settled; `shift` says where its corners are. */
+/* The shifts of an edge, into l->settled; `shift` says where its corners are.
+ */
 static void settle_edge(epe_layer *l, size_t e, const int32_t *shift) {
   int32_t jog = l->rules->min_jog > 1 ? l->rules->min_jog - 1 : 0;
   epe_run *runs = l->runs + l->edge[e];
@@ -156,8 +156,11 @@ static void find_runs(const epe_layer *l, size_t e, const int32_t *shift,
       continue;
     }
     if (n) runs[n - 1].after = n;
-    runs[n] = (epe_run){.first = i, .end = i + 1, .shift = shift[i],
-                        .before = n - 1, .after = -1};
+    runs[n] = (epe_run){.first = i,
+                        .end = i + 1,
+                        .shift = shift[i],
+                        .before = n - 1,
+                        .after = -1};
     n++;
   }
 }
@@ -179,35 +182,31 @@ typedef struct round_state {
   int32_t *shift;
 } round_state;
 
-static void settle_block(void *data, size_t block) {
+static void settle_if_needed(void *data, size_t e) {
   const round_state *r = data;
   epe_layer *l = r->layer;
-  size_t end = epe_block_end(block, l->edges);
-  for (size_t e = block * EPE_BLOCK; e < end; e++) {
-    if (l->state[e] & (EPE_NARROWED | EPE_SHORT)) settle_edge(l, e, r->shift);
-    else
-      memcpy(l->settled + l->edge[e], r->shift + l->edge[e],
-             (l->edge[e + 1] - l->edge[e]) * sizeof *r->shift);
-  }
+  uint32_t first = l->edge[e], n = l->edge[e + 1] - first;
+  if (l->state[e] & (EPE_NARROWED | EPE_SHORT))
+    settle_edge(l, e, r->shift);
+  else
+    memcpy(l->settled + first, r->shift + first, n * sizeof *r->shift);
 }
 
-static void check_block(void *data, size_t block) {
+static void check_edge(void *data, size_t e) {
   const round_state *r = data;
-  epe_layer *l = r->layer;
-  size_t end = epe_block_end(block, l->edges);
-  for (size_t e = block * EPE_BLOCK; e < end; e++)
-    l->state[e] = (uint8_t)((l->state[e] & EPE_WHOLE) |
-                            (has_short(l, e, r->shift) ? EPE_SHORT : 0));
+  uint8_t *state = &r->layer->state[e];
+  *state &= EPE_WHOLE;
+  if (has_short(r->layer, e, r->shift)) *state |= EPE_SHORT;
 }
 
 /* Settle the edges that are to be; how many have a run that is too short then.
    `whole`: they are to move in one piece from now on. */
 static size_t settle_edges(epe_layer *l, int32_t *shift, int whole) {
   round_state r = {l, shift};
-  size_t blocks = epe_blocks(l->edges), found = 0;
-  opc_parallel(l->context, blocks, settle_block, &r);
+  size_t found = 0;
+  opc_parallel(l->context, l->edges, settle_if_needed, &r);
   memcpy(shift, l->settled, l->count * sizeof *shift);
-  opc_parallel(l->context, blocks, check_block, &r);
+  opc_parallel(l->context, l->edges, check_edge, &r);
   for (size_t e = 0; e < l->edges; e++) {
     if (!(l->state[e] & EPE_SHORT)) continue;
     found++;

@@ -27,13 +27,12 @@ static double dot(const double *a, const double *b, size_t n) {
   return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
-/* ---- products with the coupling, block by block ---- */
+/* ---- products with the coupling ---- */
 
 typedef struct product {
-  const epe_layer *layer;
   const epe_coupling *matrix;
   const double *in;
-  const double *gain;      /* on each number of the result; NULL: 1 */
+  const double *gain; /* on each number of the result; NULL: 1 */
   double *out;
 } product;
 
@@ -49,19 +48,16 @@ static double row_times(const epe_coupling *m, size_t i, const double *in) {
   return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
-static void multiply_block(void *data, size_t block) {
+static void multiply_row(void *data, size_t i) {
   const product *p = data;
-  size_t end = epe_block_end(block, p->layer->count);
-  for (size_t i = block * EPE_BLOCK; i < end; i++) {
-    double sum = row_times(p->matrix, i, p->in);
-    p->out[i] = p->gain ? p->gain[i] * sum : sum;
-  }
+  double sum = row_times(p->matrix, i, p->in);
+  p->out[i] = p->gain ? p->gain[i] * sum : sum;
 }
 
 static void multiply(const epe_layer *l, const epe_coupling *m,
                      const double *in, const double *gain, double *out) {
-  product p = {l, m, in, gain, out};
-  opc_parallel(l->context, epe_blocks(l->count), multiply_block, &p);
+  product p = {m, in, gain, out};
+  opc_parallel(l->context, l->count, multiply_row, &p);
 }
 
 /* ---- gains ---- */
@@ -71,7 +67,8 @@ static double measured_gain(const epe_layer *l, uint32_t i) {
   double along = 0, square = 0;
   uint32_t k = i;
   for (int n = 0; n < tuned.neighbours; n++) k = l->pieces[k].previous;
-  for (int n = -tuned.neighbours; n <= tuned.neighbours; n++, k = l->pieces[k].next) {
+  for (int n = -tuned.neighbours; n <= tuned.neighbours;
+       n++, k = l->pieces[k].next) {
     double ds = l->work[IMAGE][k], de = l->error[k] - l->before[k];
     double weight = tuned.neighbours + 1 - (n < 0 ? -n : n);
     if (isnan(de)) continue;
@@ -79,8 +76,7 @@ static double measured_gain(const epe_layer *l, uint32_t i) {
     square += weight * ds * ds;
   }
   if (square < tuned.neighbours + 1) return l->gain[i];
-  return epe_within(along / square, tuned.least_gain,
-                    tuned.most_gain);
+  return epe_within(along / square, tuned.least_gain, tuned.most_gain);
 }
 
 static void measure_gains(epe_layer *l) {
@@ -143,11 +139,11 @@ void epe_steer(epe_layer *l, const epe_steering *by) {
   }
   solve(l, by->stiffness, l->side);
   for (uint32_t i = 0; i < l->count; i++) {
-    double move = epe_within(by->damping * l->work[PUSH][i], -l->step[i],
-                             l->step[i]);
+    double move =
+        epe_within(by->damping * l->work[PUSH][i], -l->step[i], l->step[i]);
     /* What the rules did not allow is not to pile up. */
-    double from = epe_within(l->wanted[i], l->shift[i] - slack,
-                             l->shift[i] + slack);
+    double from =
+        epe_within(l->wanted[i], l->shift[i] - slack, l->shift[i] + slack);
     l->wanted[i] = from + move;
   }
 }

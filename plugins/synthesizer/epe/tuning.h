@@ -3,9 +3,8 @@
    comes from, and what half and twice of it do. Where no source is told, the
    value was chosen by us on the cases below.
 
-   Figures are the mean |EPE| in nm, the mean |Ion deviation| in %, and shots, of
-   flows/epe.yaml. As it is:
-     SRAM (the flow as it is)                     0.749, 0.55,  10760
+   Figures are the mean |EPE| in nm, the mean |Ion deviation| in %, and shots,
+   of flows/epe.yaml. As it is: SRAM (the flow as it is) 0.749, 0.55,  10760
      NAND2_X1 of the NanGate library at scale 1.3 0.619, 0.60,    590
      c432                                         0.707, 0.476, 106635
      WINDOW c432, window.weight 0.5, assist 1     0.768, 0.404, 106842
@@ -55,30 +54,31 @@ static const struct {
      */
     .lost = 2,
 
-    /* nm: its cost, which is how far the loop looks for an edge. All print: none
-       differs. */
+    /* nm: its cost, which is how far the loop looks for an edge. All print:
+       none differs. */
     .lost_cost = 100,
 
-    /* Steps of conjugate gradients; what takes more is not worth its jogs. Half:
-       0.786, 0.51, 10661; 0.691, 0.69, 555; 0.774, 0.673, 102850. Twice: 0.722,
-       0.68, 10886; 0.595, 0.56, 612; 0.674, 0.510, 110461 and 6 sites lost. */
+    /* Steps of conjugate gradients; what takes more is not worth its jogs.
+       Half: 0.786, 0.51, 10661; 0.691, 0.69, 555; 0.774, 0.673, 102850. Twice:
+       0.722, 0.68, 10886; 0.595, 0.56, 612; 0.674, 0.510, 110461 and 6 sites
+       lost. */
     .descents = 8,
 
     /* ... or until so much of the squared residual is left. Half and twice:
        NAND2_X1 0.60, 576 shots; c432 0.475, 106850 at twice. */
     .enough = 1e-4,
 
-    /* Standard deviations from which on coupling is left out. Half: 0.723, 0.47;
-       0.626, 0.24, 477; c432 0.629, 0.805, 102776, largest EPE 22 nm. Twice, at
-       four times the work: 0.699, 0.52; 0.729, 0.57; 0.679, 0.496. */
+    /* Standard deviations from which on coupling is left out. Half: 0.723,
+       0.47; 0.626, 0.24, 477; c432 0.629, 0.805, 102776, largest EPE 22 nm.
+       Twice, at four times the work: 0.699, 0.52; 0.729, 0.57; 0.679, 0.496. */
     .coupling_reach = 2,
 
     /* ---- the rules of the mask: rules.c ---- */
 
     /* What the grid does not give is carried on along an edge until it is worth
-       a jog: one grid step over `blur` divided by this. Half: 0.742, 0.62, 9820;
-       0.597, 0.44, 549; 0.695, 0.454, 97742. Twice: 0.719, 0.54, 10977; 0.636,
-       0.39, 589; 0.708, 0.479, 109326. */
+       a jog: one grid step over `blur` divided by this. Half: 0.742, 0.62,
+       9820; 0.597, 0.44, 549; 0.695, 0.454, 97742. Twice: 0.719, 0.54, 10977;
+       0.636, 0.39, 589; 0.708, 0.479, 109326. */
     .jog_part = 4,
 
     /* Rounds until edges that do not come to rest move in one piece, and until

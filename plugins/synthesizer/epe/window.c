@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The process window in the feedback: another dose prints another level of the
-   same level set. Where its contours are far off, as features are about to merge
-   or to vanish, the edge is worth moving though the print itself is right. */
+   same level set. Where its contours are far off, as features are about to
+   merge or to vanish, the edge is worth moving though the print itself is
+   right. */
 #include "epe.h"
 
 #include <math.h>
 
 #include "tuning.h"
 
-/* The edge placement error of the contour where the level set is `level`, nm; at
-   most tuned.window_reach. */
+/* The edge placement error of the contour where the level set is `level`, nm;
+   at most tuned.window_reach. */
 static double error_at(const epe_layer *l, uint32_t i, const eda_field *print,
                        double level) {
   const epe_piece *p = &l->pieces[i];
@@ -36,22 +37,19 @@ typedef struct job {
   double weight, level, grid;
 } job;
 
-static void weigh_block(void *data, size_t block) {
+static void weigh_site(void *data, size_t i) {
   const job *j = data;
   epe_layer *l = j->layer;
   double w = j->weight;
-  size_t end = epe_block_end(block, l->count);
-  for (size_t i = block * EPE_BLOCK; i < end; i++) {
-    double outer = error_at(l, (uint32_t)i, j->print, -j->level);
-    double inner = error_at(l, (uint32_t)i, j->print, j->level);
-    l->cost[i] = (1 - w) * l->cost[i] + w * (fabs(outer) + fabs(inner)) / 2;
-    l->error[i] = (1 - w) * l->error[i] + w * (outer + inner) / 2 / j->grid;
-  }
+  double outer = error_at(l, (uint32_t)i, j->print, -j->level);
+  double inner = error_at(l, (uint32_t)i, j->print, j->level);
+  l->cost[i] = (1 - w) * l->cost[i] + w * (fabs(outer) + fabs(inner)) / 2;
+  l->error[i] = (1 - w) * l->error[i] + w * (outer + inner) / 2 / j->grid;
 }
 
 void epe_weigh(epe_layer *l, const eda_field *print, double weight,
                double level, double grid) {
   if (!print || weight <= 0) return;
   job j = {l, print, weight, level, grid};
-  opc_parallel(l->context, epe_blocks(l->count), weigh_block, &j);
+  opc_parallel(l->context, l->count, weigh_site, &j);
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* synthesizer.ic: hybrid Ion and capacitance based OPC (thesis chapter 5, figure 5.2):
-   each transistor's L or W is changed by one grid step as the signs of its
-   current and area deviations say (figure 5.3), while their weighted sum
-   falls. */
+/* synthesizer.ic: hybrid Ion and capacitance based OPC (thesis chapter 5,
+   figure 5.2): each transistor's L or W is changed by one grid step as the
+   signs of its current and area deviations say (figure 5.3), while their
+   weighted sum falls. */
 #include <eda/memory.h>
 #include <eda/synthesizer.h>
 #include <math.h>
@@ -29,14 +29,14 @@ static const struct {
                 [NARROWER] = {0, -1, EDA_VETO_NARROWER}};
 
 typedef struct transistor {
-  double eff;            /* effective deviation when last measured */
+  double eff; /* effective deviation when last measured */
   /* CONTINUE: of its best state. */
   double best_eff, best_di, best_da;
   int32_t best_l, best_w;
-  int8_t moved;          /* the way of its last correction, -1: none */
-  uint8_t tried;         /* CONTINUE: ways from the best state that failed */
+  int8_t moved;  /* the way of its last correction, -1: none */
+  uint8_t tried; /* CONTINUE: ways from the best state that failed */
   uint8_t ended;
-  uint8_t why;           /* it ended, if it is not within the limits */
+  uint8_t why; /* it ended, if it is not within the limits */
   uint8_t verdict;
   int64_t retries;
 } transistor;
@@ -54,10 +54,10 @@ typedef struct ic {
 
 /* What is measured of a transistor. */
 typedef struct measured {
-  double di, da;         /* signed, %: lines 7 and 8 */
-  double eff;            /* line 9 */
-  double length, width;  /* drawn, in grid steps */
-  int32_t most;          /* of L */
+  double di, da;        /* signed, %: lines 7 and 8 */
+  double eff;           /* line 9 */
+  double length, width; /* drawn, in grid steps */
+  int32_t most;         /* of L */
   int32_t most_w;
   uint32_t veto;
 } measured;
@@ -117,7 +117,8 @@ static void make(transistor *t, const measured *m, int way, int32_t *l,
   if (way < 0) return;
   if (m->veto & ways[way].veto) {
     end(t, BRIDGING);
-  } else if (abs(*l + ways[way].l) > m->most || abs(*w + ways[way].w) > m->most_w) {
+  } else if (abs(*l + ways[way].l) > m->most ||
+             abs(*w + ways[way].w) > m->most_w) {
     end(t, BIAS);
   } else {
     *l += ways[way].l;
@@ -144,7 +145,8 @@ static void step_or_freeze(const ic *c, transistor *t, const measured *m,
 /* The effective deviation after a correction, if Ion goes with W / L and the
    area with W L. */
 static double predicted(const ic *c, const measured *m, int way) {
-  double by_l = 100 * ways[way].l / m->length, by_w = 100 * ways[way].w / m->width;
+  double by_l = 100 * ways[way].l / m->length,
+         by_w = 100 * ways[way].w / m->width;
   return c->alpha_i * fabs(m->di - by_l + by_w) +
          c->alpha_a * fabs(m->da + by_l + by_w);
 }
@@ -223,37 +225,34 @@ static const char *verdict(const void *self, size_t gate) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    {.name = "alpha_i", .type = OPC_REAL, .preset = "1",
-     .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 0, .max = 1e6,
-     .summary = "weight of |Ion deviation| in the effective one",
-     OPC_FIELD(ic, alpha_i)},
-    {.name = "alpha_a", .type = OPC_REAL, .preset = "1",
-     .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 0, .max = 1e6,
-     .summary = "weight of |gate area deviation|", OPC_FIELD(ic, alpha_a)},
-    {.name = "max_di", .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
-     .preset = "0.5 %",
-     .summary = "limit of |Ion deviation|; the thesis gives no value",
-     OPC_FIELD(ic, max_di)},
-    {.name = "max_da", .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
-     .preset = "0.5 %",
-     .summary = "limit of |gate area deviation|; a transistor within both is "
-                "left alone",
-     OPC_FIELD(ic, max_da)},
-    {.name = "stall", .type = OPC_CHOICE, .preset = "freeze",
-     .choices = "freeze|continue",
-     .summary = "when the effective deviation does not fall: restore the "
-                "transistor and end it, as the thesis has it, or try other "
-                "ways from its best state",
-     OPC_FIELD(ic, stall)},
-    {.name = "retries", .type = OPC_INT, .preset = "8",
-     .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 0, .max = 100000,
-     .summary = "corrections of a transistor that may fail before it ends at "
-                "its best state (stall: continue)",
-     OPC_FIELD(ic, retries)},
-    {.name = "max_bias", .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
-     .unit = "nm", .preset = "80 nm", .max = 10000,
-     .summary = "largest correction of L or of W, and no more than half of W",
-     OPC_FIELD(ic, max_bias)},
+    OPC_PARAMETER(ic, alpha_i, .type = OPC_REAL, .preset = "1",
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 0, .max = 1e6,
+                  .summary = "weight of |Ion deviation| in the effective one"),
+    OPC_PARAMETER(ic, alpha_a, .type = OPC_REAL, .preset = "1",
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 0, .max = 1e6,
+                  .summary = "weight of |gate area deviation|"),
+    OPC_PARAMETER(
+        ic, max_di, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
+        .preset = "0.5 %",
+        .summary = "limit of |Ion deviation|; the thesis gives no value"),
+    OPC_PARAMETER(ic, max_da, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
+                  .preset = "0.5 %",
+                  .summary = "limit of |gate area deviation|; a transistor "
+                             "within both is left alone"),
+    OPC_PARAMETER(ic, stall, .type = OPC_CHOICE, .preset = "freeze",
+                  .choices = "freeze|continue",
+                  .summary = "when the effective deviation does not fall: "
+                             "restore the transistor and end it, as the thesis "
+                             "has it, or try other ways from its best state"),
+    OPC_PARAMETER(ic, retries, .type = OPC_INT, .preset = "8",
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 0, .max = 100000,
+                  .summary = "corrections of a transistor that may fail before "
+                             "it ends at its best state (stall: continue)"),
+    OPC_PARAMETER(
+        ic, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
+        .unit = "nm", .preset = "80 nm", .max = 10000,
+        .summary =
+            "largest correction of L or of W, and no more than half of W"),
 };
 
 static int check(void *self, opc_error *error) {
@@ -272,8 +271,9 @@ static const eda_synthesizer functions = {
 
 OPC_PLUGIN(ic, .id = "synthesizer.ic", .kind = "synthesizer",
            .version = "0.2.0", .licence = "BSD-3-Clause",
-           .summary = "Ion and capacitance based OPC: steps by a decision "
-                      "matrix",
+           .summary =
+               "Ion and capacitance based OPC: steps by a decision "
+               "matrix",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), .check = check, .clear = clear,
            OPC_FUNCTIONS(functions));

@@ -14,10 +14,10 @@ typedef struct model {
   double i, i_by_l, i_by_w;
   double a, a_by_l, a_by_w;
   double bend;
-  uint32_t veto;             /* from l = veto_from on */
+  uint32_t veto; /* from l = veto_from on */
   int32_t veto_from;
   int32_t l, w;
-  GString *trace;            /* "l,w " after each update */
+  GString *trace; /* "l,w " after each update */
   int updates;
 } model;
 
@@ -34,12 +34,11 @@ static void run(opc_module *m, model *t) {
   const eda_synthesizer *s = m->functions;
   double one = 1, ion, area, length = 65, width = 200;
   uint32_t flags = 0, veto = 0;
-  eda_gates gates = {.grid = 1, .count = 1,
-                     .length = &length, .width = &width};
+  eda_gates gates = {.grid = 1, .count = 1, .length = &length, .width = &width};
   eda_performance drawn = {.count = 1, .ion = &one, .area = &one};
   eda_performance printed = {.count = 1, .ion = &ion, .area = &area};
-  eda_feedback f = {.gates = &gates, .design = &drawn,
-                    .flags = &flags, .vetoes = &veto};
+  eda_feedback f = {
+      .gates = &gates, .design = &drawn, .flags = &flags, .vetoes = &veto};
   eda_moves moves = {.l = &t->l, .w = &t->w};
   opc_error error;
   t->l = t->w = t->updates = 0;
@@ -101,8 +100,12 @@ static void test_matrix(void) {
    4  2,0   +1.0  -1.0   2.0   it has ended
    5  2,0   nothing has changed: line 22 */
 static void test_freeze(void) {
-  const model t = {.i = 7, .i_by_l = -3, .i_by_w = 0.5,
-                   .a = -4, .a_by_l = 1.5, .a_by_w = 0.5};
+  const model t = {.i = 7,
+                   .i_by_l = -3,
+                   .i_by_w = 0.5,
+                   .a = -4,
+                   .a_by_l = 1.5,
+                   .a_by_w = 0.5};
   follow("{}", t, "1,0 2,0 3,0 2,0 2,0 2,0 ", "stalled");
 }
 
@@ -117,11 +120,15 @@ static void test_freeze(void) {
    8  2,-2   0.0  -1.6   1.6   falls */
 static void test_continue(void) {
   g_autoptr(opc_module) m = make("{ stall: continue }");
-  model t = {.i = 7, .i_by_l = -3, .i_by_w = 0.5,
-             .a = -4, .a_by_l = 1.5, .a_by_w = 0.3};
+  model t = {.i = 7,
+             .i_by_l = -3,
+             .i_by_w = 0.5,
+             .a = -4,
+             .a_by_l = 1.5,
+             .a_by_w = 0.3};
   run(m, &t);
-  g_assert_true(g_str_has_prefix(
-      t.trace->str, "1,0 2,0 3,0 2,1 2,-1 3,-1 2,0 2,-2 "));
+  g_assert_true(
+      g_str_has_prefix(t.trace->str, "1,0 2,0 3,0 2,1 2,-1 3,-1 2,0 2,-2 "));
   /* It ends where it was best. */
   g_assert_cmpfloat(fabs(di(&t)) + fabs(da(&t)), <, 1.6 + 1e-9);
   g_assert_cmpstr(verdict(m), ==, "stalled");
@@ -132,8 +139,13 @@ static void test_continue(void) {
    made narrower; after two steps the area rises. Frozen there; the variant goes
    on with L, and ends nearer. */
 static void test_continue_is_better(void) {
-  const model t = {.i = 3, .i_by_l = -1, .i_by_w = 0.5,
-                   .a = 3, .a_by_l = 0.1, .a_by_w = 0.5, .bend = 2};
+  const model t = {.i = 3,
+                   .i_by_l = -1,
+                   .i_by_w = 0.5,
+                   .a = 3,
+                   .a_by_l = 0.1,
+                   .a_by_w = 0.5,
+                   .bend = 2};
   g_autoptr(opc_module) freeze = make("{}");
   g_autoptr(opc_module) go_on = make("{ stall: continue }");
   model a = t, b = t;
@@ -149,8 +161,12 @@ static void test_continue_is_better(void) {
 
 /* So many failed corrections, no more; none is as freezing. */
 static void test_retries(void) {
-  const model t = {.i = 7, .i_by_l = -3, .i_by_w = 0.5,
-                   .a = -4, .a_by_l = 1.5, .a_by_w = 0.5};
+  const model t = {.i = 7,
+                   .i_by_l = -3,
+                   .i_by_w = 0.5,
+                   .a = -4,
+                   .a_by_l = 1.5,
+                   .a_by_w = 0.5};
   follow("{ stall: continue, retries: 0 }", t, "1,0 2,0 3,0 2,0 2,0 2,0 ",
          "stalled");
 }
@@ -176,8 +192,12 @@ static void test_weights(void) {
 
 /* A length that the regulator forbids is taken back. */
 static void test_veto(void) {
-  const model t = {.i = 9, .i_by_l = -1, .a = -9, .a_by_l = 1,
-                   .veto = EDA_VETO_LONGER, .veto_from = 2};
+  const model t = {.i = 9,
+                   .i_by_l = -1,
+                   .a = -9,
+                   .a_by_l = 1,
+                   .veto = EDA_VETO_LONGER,
+                   .veto_from = 2};
   follow("{}", t, "1,0 2,0 1,0 1,0 1,0 ", "bridging");
 }
 
@@ -188,7 +208,8 @@ static void test_bias_limit(void) {
 
 static void test_refused(void) {
   opc_error error = {0};
-  g_assert_null(opc_test_module("synthesizer.ic", "{ alpha_i: 0, alpha_a: 0 }", &error));
+  g_assert_null(
+      opc_test_module("synthesizer.ic", "{ alpha_i: 0, alpha_a: 0 }", &error));
   g_assert_nonnull(strstr(error.message, "both 0"));
 }
 

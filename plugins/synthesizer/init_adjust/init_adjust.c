@@ -6,6 +6,7 @@
 #include <eda/memory.h>
 #include <math.h>
 #include <opcflow/step.h>
+#include <opcflow/table.h>
 #include <stdlib.h>
 
 #include "../control.h"
@@ -15,8 +16,8 @@
 
 /* What became of one transistor. */
 typedef struct trial {
-  double pde;             /* %, at the end */
-  int64_t iterations;     /* moves of its mask */
+  double pde;         /* %, at the end */
+  int64_t iterations; /* moves of its mask */
 } trial;
 
 typedef struct characterize {
@@ -38,8 +39,8 @@ typedef struct work {
   control_rules rules;
   int32_t first;
   size_t sizes, starts;
-  trial *trials;          /* [size * (starts + 1) + start] */
-  opc_error *failures;    /* of each size */
+  trial *trials;       /* [size * (starts + 1) + start] */
+  opc_error *failures; /* of each size */
 } work;
 
 /* ---- work: one size ---- */
@@ -61,10 +62,10 @@ static void step_all(const work *k, row *r, control *state, trial *trials,
     control_input in = {.error = 100 * (r->ion[i] - r->design) / r->design,
                         .width = r->width / k->row.grid};
     int32_t start = i < k->starts ? k->first + (int32_t)i : 0;
-    int by_l = iteration == 0
-                   ? control_first(&k->rules, &state[i], &in, start, &r->l[i])
-                   : control_length(&k->rules, &state[i], &in, &r->l[i],
-                                    r->w[i]);
+    int by_l =
+        iteration == 0
+            ? control_first(&k->rules, &state[i], &in, start, &r->l[i])
+            : control_length(&k->rules, &state[i], &in, &r->l[i], r->w[i]);
     int by_w = iteration > 0 && !by_l &&
                control_width(&k->rules, &state[i], &in, &r->w[i]);
     state[i].error = in.error;
@@ -84,7 +85,8 @@ static int correct_row(const work *k, row *r, control *state, trial *trials,
     if (opc_cancelled(k->row.context))
       return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
     step_all(k, r, state, trials, iteration, changed);
-    if (iteration >= k->by->max_iterations || (!changed[EDA_POLY] && !changed[EDA_ACTIVE]))
+    if (iteration >= k->by->max_iterations ||
+        (!changed[EDA_POLY] && !changed[EDA_ACTIVE]))
       return OPC_OK;
   }
 }
@@ -111,7 +113,8 @@ static int is_better(const work *k, size_t size, size_t a, size_t b) {
   double tie = k->by->tie;
   double pde_a = fmax(fabs(t[a].pde), tie), pde_b = fmax(fabs(t[b].pde), tie);
   if (pde_a != pde_b) return pde_a < pde_b;
-  if (t[a].iterations != t[b].iterations) return t[a].iterations < t[b].iterations;
+  if (t[a].iterations != t[b].iterations)
+    return t[a].iterations < t[b].iterations;
   return abs(k->first + (int32_t)a) < abs(k->first + (int32_t)b);
 }
 
@@ -122,62 +125,68 @@ static size_t choose(const work *k, size_t size) {
   return best;
 }
 
+/* What a first correction of a size led to. */
+typedef struct told {
+  double l, w, init_adjust, pde, iterations, by_one;
+} told;
+
+static told tell(const work *k, size_t size, size_t s) {
+  const trial *t = k->trials + size * (k->starts + 1);
+  return (told){length_of(k, size),
+                width_of(k, size),
+                (k->first + (double)s) * k->row.grid,
+                t[s].pde,
+                (double)t[s].iterations,
+                (double)t[k->starts].iterations};
+}
+
+/* The last column is that of the choice. */
+static int publish(const work *k, const char *name, uint32_t flags,
+                   const told *first, size_t rows, size_t columns,
+                   opc_error *error) {
+  const opc_column all[] = {
+      {"l", "nm", OPC_REAL, -1, &first->l},
+      {"w", "nm", OPC_REAL, -1, &first->w},
+      {"init_adjust", "nm", OPC_REAL, -1, &first->init_adjust},
+      {"pde", "%", OPC_REAL, 4, &first->pde},
+      {"iterations", NULL, OPC_REAL, 0, &first->iterations},
+      {"iterations_by_one", NULL, OPC_REAL, 0, &first->by_one}};
+  return opc_put_rows(k->by->host, name, flags, rows, sizeof *first, all,
+                      columns, error);
+}
+
 static int publish_trials(const work *k, opc_error *error) {
   size_t rows = k->sizes * k->starts;
-  double *c = eda_alloc(5 * rows, sizeof *c);
-  for (size_t i = 0; i < rows; i++) {
-    size_t size = i / k->starts, s = i % k->starts;
-    const trial *t = &k->trials[size * (k->starts + 1) + s];
-    const double all[] = {length_of(k, size), width_of(k, size),
-                          (k->first + (double)s) * k->row.grid, t->pde,
-                          (double)t->iterations};
-    for (size_t q = 0; q < 5; q++) c[q * rows + i] = all[q];
-  }
-  const opc_column columns[] = {{"l", "nm", OPC_REAL, -1, c},
-                                {"w", "nm", OPC_REAL, -1, c + rows},
-                                {"init_adjust", "nm", OPC_REAL, -1, c + 2 * rows},
-                                {"pde", "%", OPC_REAL, 4, c + 3 * rows},
-                                {"iterations", NULL, OPC_REAL, 0, c + 4 * rows}};
-  const opc_host *host = k->by->host;
-  int code = host->table(host, "init_adjust_trials", 0, rows,
-                                columns, 5, error);
-  free(c);
+  told *all = eda_alloc(rows, sizeof *all);
+  for (size_t i = 0; i < rows; i++)
+    all[i] = tell(k, i / k->starts, i % k->starts);
+  int code = publish(k, "init_adjust_trials", 0, all, rows, 5, error);
+  free(all);
   return code;
 }
 
 static int publish_choice(const work *k, opc_error *error) {
   const opc_host *host = k->by->host;
   size_t n = k->sizes, border = 0;
-  double *c = eda_alloc(6 * n, sizeof *c), sooner = 0, plain = 0;
+  told *all = eda_alloc(n, sizeof *all);
+  double sooner = 0, plain = 0;
   for (size_t i = 0; i < n; i++) {
     size_t s = choose(k, i);
-    const trial *t = k->trials + i * (k->starts + 1);
-    const double all[] = {length_of(k, i), width_of(k, i),
-                          (k->first + (double)s) * k->row.grid, t[s].pde,
-                          (double)t[s].iterations,
-                          (double)t[k->starts].iterations};
-    for (size_t q = 0; q < 6; q++) c[q * n + i] = all[q];
+    all[i] = tell(k, i, s);
     border += s == 0 || s + 1 == k->starts;
-    sooner += (double)t[s].iterations / (double)n;
-    plain += (double)t[k->starts].iterations / (double)n;
+    sooner += all[i].iterations / (double)n;
+    plain += all[i].by_one / (double)n;
   }
   if (border)
     host->log(host, OPC_LOG_WARNING,
               "%zu of %zu sizes take the first or last correction that was "
-              "tried: a wider range may have a better one", border, n);
-  const opc_column columns[] = {
-      {"l", "nm", OPC_REAL, -1, c},
-      {"w", "nm", OPC_REAL, -1, c + n},
-      {"init_adjust", "nm", OPC_REAL, -1, c + 2 * n},
-      {"pde", "%", OPC_REAL, 4, c + 3 * n},
-      {"iterations", NULL, OPC_REAL, 0, c + 4 * n},
-      {"iterations_by_one", NULL, OPC_REAL, 0, c + 5 * n}};
-  int code =
-      host->table(host, "init_adjust", OPC_TABLE_PRINT, n, columns, 6, error);
-  free(c);
-  if (!code) code = host->metric(host, "iterations_mean", sooner, error);
-  if (!code) code = host->metric(host, "iterations_mean_by_one", plain, error);
-  return code;
+              "tried: a wider range may have a better one",
+              border, n);
+  const opc_value values[] = {{"iterations_mean", sooner},
+                              {"iterations_mean_by_one", plain}};
+  int code = publish(k, "init_adjust", OPC_TABLE_PRINT, all, n, 6, error);
+  free(all);
+  return code ? code : opc_put_values(host, OPC_ARRAY(values), error);
 }
 
 /* ---- work: a run ---- */
@@ -224,13 +233,17 @@ static int run(void *self, void **outputs, opc_error *error) {
 
 /* ---- parameters ---- */
 
-#define SLOT(NAME, SUMMARY)                                                 \
-  {.name = #NAME, .type = OPC_SLOT, .flags = OPC_REQUIRED,                  \
-   .choices = #NAME, .summary = (SUMMARY), OPC_FIELD(characterize, NAME)}
-#define NUMBER(NAME, TYPE, UNIT, FLAGS, MIN, MAX, PRESET, SUMMARY)          \
-  {.name = #NAME, .type = (TYPE), .flags = (FLAGS), .unit = (UNIT),         \
-   .min = (MIN), .max = (MAX), .preset = (PRESET), .summary = (SUMMARY),    \
-   OPC_FIELD(characterize, NAME)}
+#define SLOT(NAME, SUMMARY)                                                   \
+  {                                                                           \
+    .name = #NAME, .type = OPC_SLOT, .flags = OPC_REQUIRED, .choices = #NAME, \
+    .summary = (SUMMARY), OPC_FIELD(characterize, NAME)                       \
+  }
+#define NUMBER(NAME, TYPE, UNIT, FLAGS, MIN, MAX, PRESET, SUMMARY)        \
+  {                                                                       \
+    .name = #NAME, .type = (TYPE), .flags = (FLAGS), .unit = (UNIT),      \
+    .min = (MIN), .max = (MAX), .preset = (PRESET), .summary = (SUMMARY), \
+    OPC_FIELD(characterize, NAME)                                         \
+  }
 enum { BETWEEN = OPC_AT_LEAST | OPC_AT_MOST };
 
 static const opc_parameter parameters[] = {
@@ -243,9 +256,8 @@ static const opc_parameter parameters[] = {
     NUMBER(widths, OPC_REALS, "nm", BETWEEN, 10, 10000,
            "[100 nm, 150 nm, 200 nm, 300 nm, 500 nm, 1000 nm]",
            "drawn widths, multiples of the grid"),
-    {.name = "type", .type = OPC_CHOICE, .preset = "nmos",
-     .choices = "nmos|pmos", .summary = "of the transistors",
-     OPC_FIELD(characterize, type)},
+    OPC_PARAMETER(characterize, type, .type = OPC_CHOICE, .preset = "nmos",
+                  .choices = "nmos|pmos", .summary = "of the transistors"),
     NUMBER(from, OPC_REAL, "nm", BETWEEN, -100, 100, "-4 nm",
            "first correction of L to begin with"),
     NUMBER(to, OPC_REAL, "nm", BETWEEN, -100, 100, "15 nm",
@@ -257,9 +269,10 @@ static const opc_parameter parameters[] = {
            "as of synthesizer.dpb"),
     NUMBER(max_bias, OPC_REAL, "nm", OPC_ABOVE | OPC_AT_MOST, 0, 1000, "80 nm",
            "as of synthesizer.dpb"),
-    {.name = "w_step", .type = OPC_CHOICE, .preset = "unit",
-     .choices = "unit|proportional", .summary = "as of synthesizer.dpb",
-     OPC_FIELD(characterize, proportional)},
+    OPC_PARAMETER_NAMED("w_step", characterize, proportional,
+                        .type = OPC_CHOICE, .preset = "unit",
+                        .choices = "unit|proportional",
+                        .summary = "as of synthesizer.dpb"),
     NUMBER(max_iterations, OPC_INT, NULL, BETWEEN, 0, 100000, "100",
            "stop each correction after so many moves"),
     NUMBER(grid, OPC_REAL, "nm", BETWEEN, 0.1, 10, "1 nm",
@@ -273,12 +286,10 @@ static const opc_parameter parameters[] = {
 };
 
 static const opc_metric metrics[] = {
-    {.name = "iterations_mean",
-     .better = OPC_LOWER,
-     .tolerance = 0.01,
-     .summary = "moves from the chosen first corrections, mean of all sizes"},
-    {.name = "iterations_mean_by_one",
-     .summary = "moves if the first correction is one grid step, mean"},
+    {"iterations_mean", NULL, OPC_LOWER, 0.01,
+     "moves from the chosen first corrections, mean of all sizes"},
+    {"iterations_mean_by_one", NULL, OPC_NEUTRAL, 0,
+     "moves if the first correction is one grid step, mean"},
 };
 
 /* Every size must lie on the grid. */
@@ -308,8 +319,8 @@ static int check(void *self, opc_error *error) {
                     "%zu lengths and %zu widths are more than 10000 sizes",
                     c->lengths.count, c->widths.count);
   if (c->from > c->to)
-    return opc_fail(error, OPC_INVALID, "from",
-                    "'%g nm' is above 'to', %g nm", c->from, c->to);
+    return opc_fail(error, OPC_INVALID, "from", "'%g nm' is above 'to', %g nm",
+                    c->from, c->to);
   return OPC_OK;
 }
 
@@ -319,8 +330,9 @@ static const opc_step functions = {.run = run};
 
 OPC_PLUGIN(characterize, .id = "characterize.init_adjust", .kind = "step",
            .version = "0.2.0", .licence = "BSD-3-Clause",
-           .summary = "table of the first corrections of synthesizer.dpb over "
-                      "L and W",
+           .summary =
+               "table of the first corrections of synthesizer.dpb over "
+               "L and W",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
            OPC_FUNCTIONS(functions));

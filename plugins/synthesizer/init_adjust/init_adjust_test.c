@@ -8,10 +8,10 @@
 #include <math.h>
 #include <string.h>
 
-#define OPTICS                                                                \
+#define OPTICS                                                                 \
   "litho: { use: litho.hopkins, wavelength: 193 nm, na: 0.75, sigma: 0.75 }, " \
-  "resist: { use: resist.threshold, "                                         \
-  "anchor: { line: 65 nm, pitch: 250 nm } }, "                                \
+  "resist: { use: resist.threshold, "                                          \
+  "anchor: { line: 65 nm, pitch: 250 nm } }, "                                 \
   "extractor: { use: extractor.plain, devices: %s/data/devices/ptm65.yaml }, "
 
 static char *with_optics(const char *rest) {
@@ -68,24 +68,34 @@ static void draw(figure_3_5 *f, int32_t length, int32_t width) {
   static uint8_t corrected[] = {1, 1};
   f->name = none;
   f->number = 1;
-  f->gates = (eda_gates){.name = top, .grid = 1,
+  f->gates = (eda_gates){.name = top,
+                         .grid = 1,
                          .extent = {-98, -84, length + 98, width + 84},
-                         .layers = 2, .layer = names, .corrected = corrected,
-                         .drawn = f->drawn, .edges = f->edges,
-                         .count = 1, .box = &f->box, .type = &f->type,
-                         .axis = &f->axis, .length = &f->length,
-                         .width = &f->width, .space = f->space,
-                         .extension = f->extension, .instance = &f->name,
-                         .cell = &f->name, .number = &f->number};
+                         .layers = 2,
+                         .layer = names,
+                         .corrected = corrected,
+                         .drawn = f->drawn,
+                         .edges = f->edges,
+                         .count = 1,
+                         .box = &f->box,
+                         .type = &f->type,
+                         .axis = &f->axis,
+                         .length = &f->length,
+                         .width = &f->width,
+                         .space = f->space,
+                         .extension = f->extension,
+                         .instance = &f->name,
+                         .cell = &f->name,
+                         .number = &f->number};
   for (int layer = 0; layer < 2; layer++) {
     int32_t x = layer ? 98 : 0, y = layer ? 0 : 84;
-    const eda_point p[] = {{-x, -y}, {length + x, -y},
-                           {length + x, width + y}, {-x, width + y}};
+    const eda_point p[] = {
+        {-x, -y}, {length + x, -y}, {length + x, width + y}, {-x, width + y}};
     memcpy(f->points[layer], p, sizeof p);
     for (int k = 0; k < 4; k++) {
       int owned = roles[layer][k] != EDA_FIXED;
-      f->fragments[layer][k] = (eda_fragment){p[k], owned ? 0 : -1,
-                                              roles[layer][k]};
+      f->fragments[layer][k] =
+          (eda_fragment){p[k], owned ? 0 : -1, roles[layer][k]};
     }
     f->drawn[layer] = (eda_shapes){1, f->start, f->points[layer], NULL};
     f->edges[layer] = (eda_edges){1, f->start, f->fragments[layer]};
@@ -101,7 +111,8 @@ static double by_loop(int32_t length, int32_t width, int adjust,
   void *outputs[1] = {NULL};
   draw(&f, length, width);
   g_autofree char *rest = g_strdup_printf(
-      "synthesizer: { use: synthesizer.dpb, w_step: proportional, init_adjust: %d nm }",
+      "synthesizer: { use: synthesizer.dpb, w_step: proportional, init_adjust: "
+      "%d nm }",
       adjust);
   g_autofree char *text = with_optics(rest);
   opc_module *m = opc_test_module("correct", text, &error);
@@ -120,18 +131,22 @@ static double by_loop(int32_t length, int32_t width, int adjust,
    iterations of the loop count two more, which move nothing. And the chosen one
    is the best of all of them. */
 static void test_brute_force(void) {
-  characterize("lengths: [70 nm], widths: [150 nm], w_step: proportional, "
-               "from: -9 nm, to: 3 nm");
+  characterize(
+      "lengths: [70 nm], widths: [150 nm], w_step: proportional, "
+      "from: -9 nm, to: 3 nm");
   g_assert_cmpuint(opc_test_rows("init_adjust_trials"), ==, 13);
-  double best = INFINITY, chosen = opc_test_number("init_adjust", "init_adjust", 0);
+  double best = INFINITY,
+         chosen = opc_test_number("init_adjust", "init_adjust", 0);
   double at_chosen = NAN;
   for (size_t k = 0; k < 13; k++) {
     int adjust = (int)k - 9;
     double told = opc_test_number("init_adjust_trials", "pde", k), iterations;
     double steps = opc_test_number("init_adjust_trials", "iterations", k);
-    if (adjust == 0) continue;   /* which is another thing to synthesizer.dpb: see there */
+    if (adjust == 0)
+      continue; /* which is another thing to synthesizer.dpb: see there */
     double pde = by_loop(70, 150, adjust, &iterations);
-    g_test_message("%d: %.4f in %g, %.4f in %g", adjust, told, steps, pde, iterations);
+    g_test_message("%d: %.4f in %g, %.4f in %g", adjust, told, steps, pde,
+                   iterations);
     g_assert_cmpfloat(fabs(pde - told), <, 0.02);
     g_assert_cmpfloat(iterations, ==, steps + 2);
     best = fmin(best, fabs(pde));
@@ -144,8 +159,9 @@ static void test_brute_force(void) {
    anchor's 65 nm is: the first correction falls with L. It cannot say less than
    the print: at W 200 the line is off by about twice as much. */
 static void test_falls_with_length(void) {
-  characterize("lengths: [65 nm, 70 nm, 80 nm], widths: [200 nm, 300 nm], "
-               "w_step: proportional, from: -16 nm, to: 2 nm, tie: 1 %");
+  characterize(
+      "lengths: [65 nm, 70 nm, 80 nm], widths: [200 nm, 300 nm], "
+      "w_step: proportional, from: -16 nm, to: 2 nm, tie: 1 %");
   for (size_t w = 0; w < 2; w++) {
     double last = 0;
     for (size_t l = 0; l < 3; l++) {
@@ -162,18 +178,20 @@ static void test_falls_with_length(void) {
 static void test_tie(void) {
   double pde[2], iterations[2];
   for (int k = 0; k < 2; k++) {
-    g_autofree char *text =
-        g_strdup_printf("lengths: [70 nm], widths: [200 nm], w_step: "
-                        "proportional, from: -8 nm, to: 2 nm, tie: %s",
-                        k ? "0.5 %" : "0 %");
+    g_autofree char *text = g_strdup_printf(
+        "lengths: [70 nm], widths: [200 nm], w_step: "
+        "proportional, from: -8 nm, to: 2 nm, tie: %s",
+        k ? "0.5 %" : "0 %");
     characterize(text);
     pde[k] = fabs(opc_test_number("init_adjust", "pde", 0));
     iterations[k] = opc_test_number("init_adjust", "iterations", 0);
     for (size_t i = 0; i < opc_test_rows("init_adjust_trials"); i++) {
       double p = fabs(opc_test_number("init_adjust_trials", "pde", i));
       double n = opc_test_number("init_adjust_trials", "iterations", i);
-      if (k) g_assert_true(p > 0.5 || n >= iterations[1]);
-      else g_assert_cmpfloat(p, >=, pde[0]);
+      if (k)
+        g_assert_true(p > 0.5 || n >= iterations[1]);
+      else
+        g_assert_cmpfloat(p, >=, pde[0]);
     }
   }
   g_assert_cmpfloat(iterations[1], <=, iterations[0]);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Rows of evaluation transistors: their mask, its print, and what they draw. The
-   print is measured as the correction loop does it. */
+/* Rows of evaluation transistors: their mask, its print, and what they draw.
+   The print is measured as the correction loop does it. */
 #include "row.h"
 
 #include <eda/memory.h>
@@ -24,7 +24,8 @@ static eda_frame frame_of(const row *r) {
   const row_rules *k = r->rules;
   double past = fmax(k->extension, 0) + k->margin;
   return (eda_frame){-k->enclosure - k->margin, -past,
-                     (double)r->count * pitch(r) * k->grid, r->width + 2 * past};
+                     (double)r->count * pitch(r) * k->grid,
+                     r->width + 2 * past};
 }
 
 /* Transistor i of a layer: its gate's low corner is at (i * pitch, 0). As in
@@ -56,10 +57,9 @@ static int print_layer(row *r, int layer, opc_error *error) {
   const eda_resist *resist = k->resist->functions;
   eda_field *print = &r->print[layer];
   eda_spectrum spectrum = {0};
-  eda_shapes mask = {
-      .count = r->count,
-      .start = eda_alloc(r->count + 1, sizeof *mask.start),
-      .points = eda_alloc(4 * r->count, sizeof *mask.points)};
+  eda_shapes mask = {.count = r->count,
+                     .start = eda_alloc(r->count + 1, sizeof *mask.start),
+                     .points = eda_alloc(4 * r->count, sizeof *mask.points)};
   fill_mask(r, layer, &mask);
   eda_field_clear(print);
   int code = eda_mask_spectrum(k->context, &mask, k->grid, frame_of(r),
@@ -77,8 +77,8 @@ static int print_layer(row *r, int layer, opc_error *error) {
 /* One printed transistor. */
 typedef struct printed {
   const row *row;
-  double middle;             /* x */
-  double low, high;          /* y of the active's printed edges */
+  double middle;    /* x */
+  double low, high; /* y of the active's printed edges */
 } printed;
 
 static double value(const row *r, int layer, double x, double y) {
@@ -100,7 +100,7 @@ static double length_at(const printed *p, double y) {
   if (!(value(r, EDA_POLY, p->middle, y) > 0)) return 0;
   double low = edge(r, EDA_POLY, EDA_X, p->middle - r->length / 2, y);
   double high = edge(r, EDA_POLY, EDA_X, p->middle + r->length / 2, y);
-  return high > low ? high - low : 0;   /* 0: NAN as well */
+  return high > low ? high - low : 0; /* 0: NAN as well */
 }
 
 static double length_of_gate(const eda_printed_gate *gate, double place) {
@@ -145,8 +145,8 @@ static int check_print(const row *r, double middle, opc_error *error) {
       isfinite(value(r, EDA_ACTIVE, middle, r->width / 2)))
     return OPC_OK;
   return opc_fail(error, OPC_FAILED, "litho",
-                    "the print of L %g, W %g nm is not a number", r->length,
-                    r->width);
+                  "the print of L %g, W %g nm is not a number", r->length,
+                  r->width);
 }
 
 /* The slices of transistor i. */
@@ -156,8 +156,7 @@ static int slice(row *r, size_t i, const double *place, const double *share,
   const eda_extractor *model = extractor->functions;
   size_t n = r->slices, first = i * n, all = r->count * n;
   printed p = {.row = r,
-               .middle =
-                   (double)i * pitch(r) * r->rules->grid + r->length / 2};
+               .middle = (double)i * pitch(r) * r->rules->grid + r->length / 2};
   int code = check_print(r, p.middle, error);
   if (code) return code;
   measure_width(&p);
@@ -208,8 +207,7 @@ static int extract(row *r, opc_error *error) {
     for (size_t k = 0; k < r->slices; k++)
       if (!(in.length[i * r->slices + k] > 0)) r->ion[i] = 0;
     if (!(r->ion[i] >= 0) || !isfinite(r->ion[i]))
-      return opc_fail(error, OPC_FAILED, "extractor", "Ion of %g A",
-                      r->ion[i]);
+      return opc_fail(error, OPC_FAILED, "extractor", "Ion of %g A", r->ion[i]);
   }
   return code;
 }

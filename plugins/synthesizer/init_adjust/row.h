@@ -13,24 +13,24 @@ enum { ROW_LAYERS = 2 };
 /* What all rows share. Lengths in nm; `grid` is the mask's. */
 typedef struct row_rules {
   const opc_context *context;
-  const opc_module *litho, *resist, *extractor;   /* prepared */
+  const opc_module *litho, *resist, *extractor; /* prepared */
   double grid, extension, enclosure, margin;
-  uint8_t type;              /* EDA_NMOS, EDA_PMOS */
+  uint8_t type; /* EDA_NMOS, EDA_PMOS */
 } row_rules;
 
 typedef struct row {
   const row_rules *rules;
-  double length, width;      /* drawn */
+  double length, width; /* drawn */
   size_t count;
-  int32_t *l, *w;            /* biases of each, in grid steps */
-  double design;             /* Ion as drawn, A */
-  double *ion;               /* as printed; 0 where nothing prints */
+  int32_t *l, *w; /* biases of each, in grid steps */
+  double design;  /* Ion as drawn, A */
+  double *ion;    /* as printed; 0 where nothing prints */
   eda_field print[ROW_LAYERS];
   size_t slices;
-  double *slice;             /* widths, lengths, edge distances */
-  double *own;               /* where and how wide one transistor's slices are */
+  double *slice; /* widths, lengths, edge distances */
+  double *own;   /* where and how wide one transistor's slices are */
   uint8_t *type;
-  double *other;             /* what is extracted beside Ion */
+  double *other; /* what is extracted beside Ion */
 } row;
 
 /* A row as drawn. Cleared with row_clear, also on failure. [any] */

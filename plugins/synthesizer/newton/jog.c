@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a jog is worth: an edge that is moved over a part of its length moves the
-   gate by the part of the edge's effect that lies there. */
+/* What a jog is worth: an edge that is moved over a part of its length moves
+   the gate by the part of the edge's effect that lies there. */
 #include "jog.h"
 
 #include <math.h>
@@ -75,8 +75,10 @@ length length_nearest(const sides *s, double value, int32_t least) {
   double part = value - x.l;
   while (high - low > 1) {
     int32_t middle = low + (high - low) / 2;
-    if (share(s, side, middle) < part) low = middle;
-    else high = middle;
+    if (share(s, side, middle) < part)
+      low = middle;
+    else
+      high = middle;
   }
   double below = share(s, side, low), above = share(s, side, high);
   x.jog = part - below < above - part ? low : high;

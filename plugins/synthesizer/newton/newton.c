@@ -36,16 +36,16 @@ typedef struct transistor {
   double size;          /* of them; INFINITY if it did not print */
   biases best;          /* of the mask with the least size so far */
   double best_size;
-  double rest_size;     /* the least size since its last move */
+  double rest_size;         /* the least size since its last move */
   response response, first; /* as learnt, and as estimated at first */
-  int32_t end[2];       /* its line ends in the mask measured last */
-  double surprise;      /* by how much the next print's log Ion may differ from
-                           what the response says, as its line ends and its
-                           neighbours have moved */
-  uint8_t disturbed;    /* the last print changed for reasons other than its
-                           own moves */
-  uint8_t worse;        /* prints in a row that were no better than the best */
-  uint8_t odd;          /* prints that contradicted its moves */
+  int32_t end[2];           /* its line ends in the mask measured last */
+  double surprise;   /* by how much the next print's log Ion may differ from
+                        what the response says, as its line ends and its
+                        neighbours have moved */
+  uint8_t disturbed; /* the last print changed for reasons other than its
+                        own moves */
+  uint8_t worse;     /* prints in a row that were no better than the best */
+  uint8_t odd;       /* prints that contradicted its moves */
   uint8_t verdict;
 } transistor;
 
@@ -54,16 +54,16 @@ enum { JOG, WIDTH, NONE };
 typedef struct newton {
   const opc_host *host;
   double weight[ERRORS];
-  double tolerance, limit;  /* % */
+  double tolerance, limit; /* % */
   double gain[MOVES];
   double max_bias, min_jog; /* nm */
   int fine;
   int64_t iterations;
   const char *wishes_path;
-  double mean;        /* of all sizes at the print before; while all rest, the
-                         least so far */
-  int rest;           /* nothing was moved at the print before */
-  wish *wish;         /* of each transistor */
+  double mean; /* of all sizes at the print before; while all rest, the
+                  least so far */
+  int rest;    /* nothing was moved at the print before */
+  wish *wish;  /* of each transistor */
   transistor *state;
   sides *sides;
   size_t count;
@@ -288,8 +288,8 @@ static double expected(const newton *t, size_t i, biases next) {
 }
 
 /* Newton's step of one transistor. W moves if its weights ask for it, and else
-   only where L is of no use: forbidden, at its bound, or mended by the regulator
-   whatever it is. */
+   only where L is of no use: forbidden, at its bound, or mended by the
+   regulator whatever it is. */
 static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
                           double enough, uint8_t *why) {
   static const int only_w[MOVES] = {0, 1};
@@ -306,9 +306,9 @@ static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
                      veto & EDA_VETO_SHORTER, why);
   if (mended || (*why != MOVING && fabs(dx[BY_L]) < tuned.w_alone))
     solve(&s->response, s->error, t->weight, only_w, dx);
-  dx[BY_W] = bounded(s->x[BY_W], dx[BY_W], tuned.longest[BY_W] / g->grid,
-                     most_w, veto & EDA_VETO_WIDER, veto & EDA_VETO_NARROWER,
-                     why);
+  dx[BY_W] =
+      bounded(s->x[BY_W], dx[BY_W], tuned.longest[BY_W] / g->grid, most_w,
+              veto & EDA_VETO_WIDER, veto & EDA_VETO_NARROWER, why);
   if (mended)
     return (biases){s->now.l, s->now.w + (int32_t)lround(dx[BY_W]), s->now.jog};
   return on_grid(t, f, i, dx, enough);
@@ -380,8 +380,8 @@ static void fit(const newton *t, const eda_feedback *f, const eda_moves *moves,
     double error[ERRORS];
     if (!errors_of(f, i, target, error) || isinf(s->size)) continue;
     line *k = &of[f->gates->type[i] == EDA_PMOS];
-    double x = s->response.by[ION][BY_L] *
-               (length_in_steps(t, i, next) - s->x[BY_L]);
+    double x =
+        s->response.by[ION][BY_L] * (length_in_steps(t, i, next) - s->x[BY_L]);
     double by_w = s->response.by[ION][BY_W] * (moves->w[i] - s->x[BY_W]);
     double y = error[ION] - s->error[ION] - by_w;
     k->xx += x * x, k->xy += x * y, k->x += x, k->y += y, k->n++;
@@ -421,9 +421,9 @@ static void foresee(newton *t, const eda_feedback *f, const eda_moves *moves) {
   for (size_t i = 0; i < t->count; i++) {
     const transistor *s = &t->state[i];
     const biases next = {moves->l[i], moves->w[i], moves->jog[i]};
-    double d = s->response.by[ION][BY_L] *
-                   (length_in_steps(t, i, next) - s->x[BY_L]) +
-               s->response.by[ION][BY_W] * (next.w - s->x[BY_W]);
+    double d =
+        s->response.by[ION][BY_L] * (length_in_steps(t, i, next) - s->x[BY_L]) +
+        s->response.by[ION][BY_W] * (next.w - s->x[BY_W]);
     sum += d * d;
   }
   double mean = sqrt(sum / fmax((double)t->count, 1));
@@ -514,54 +514,53 @@ static const char *verdict(const void *self, size_t gate) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    {.name = "weight.ion", .type = OPC_REAL, .flags = OPC_AT_LEAST,
-     .preset = "1", .summary = "weight of the squared deviation of Ion",
-     OPC_FIELD(newton, weight[ION])},
-    {.name = "weight.ioff", .type = OPC_REAL, .flags = OPC_AT_LEAST,
-     .preset = "0",
-     .summary = "weight of that of Ioff; W moves, too, if it is not 0",
-     OPC_FIELD(newton, weight[IOFF])},
-    {.name = "weight.area", .type = OPC_REAL, .flags = OPC_AT_LEAST,
-     .preset = "0",
-     .summary = "weight of that of the gate area, its capacitance; W moves, "
-                "too, if it is not 0",
-     OPC_FIELD(newton, weight[AREA])},
-    {.name = "tolerance", .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
-     .preset = "0.05 %",
-     .summary = "a transistor whose weighted deviations are at most this is "
-                "left alone",
-     OPC_FIELD(newton, tolerance)},
-    {.name = "limit", .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "%",
-     .preset = "0.5 %",
-     .summary = "the end, once no transistor deviates by more",
-     OPC_FIELD(newton, limit)},
-    {.name = "fine", .type = OPC_CHOICE, .preset = "jog",
-     .choices = "jog|width|none",
-     .summary = "what takes away the grid's quantum of L: a jog in the poly, "
-                "the width of the active, nothing",
-     OPC_FIELD(newton, fine)},
-    {.name = "min_jog", .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "nm",
-     .preset = "40 nm",
-     .summary = "a jog stays this far from both ends of its edge",
-     OPC_FIELD(newton, min_jog)},
-    {.name = "iterations", .type = OPC_INT,
-     .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "10", .min = 1,
-     .max = 1000, .summary = "moves at most", OPC_FIELD(newton, iterations)},
-    {.name = "max_bias", .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "nm",
-     .preset = "80 nm",
-     .summary = "largest correction of L or of W, and no more than half of W",
-     OPC_FIELD(newton, max_bias)},
-    {.name = "gain.l", .type = OPC_REAL, .flags = OPC_ABOVE, .preset = "2.6",
-     .summary = "printed change of L for a change of the mask's, as a first "
-                "guess (the mask error factor)",
-     OPC_FIELD(newton, gain[BY_L])},
-    {.name = "gain.w", .type = OPC_REAL, .flags = OPC_ABOVE, .preset = "1.2",
-     .summary = "printed change of W for a change of the mask's, as a first "
-                "guess",
-     OPC_FIELD(newton, gain[BY_W])},
-    {.name = "wishes", .type = OPC_FILE,
-     .summary = "what single transistors want: CSV of transistor, weight, ion",
-     OPC_FIELD(newton, wishes_path)},
+    OPC_PARAMETER_NAMED("weight.ion", newton, weight[ION], .type = OPC_REAL,
+                        .flags = OPC_AT_LEAST, .preset = "1",
+                        .summary = "weight of the squared deviation of Ion"),
+    OPC_PARAMETER_NAMED(
+        "weight.ioff", newton, weight[IOFF], .type = OPC_REAL,
+        .flags = OPC_AT_LEAST, .preset = "0",
+        .summary = "weight of that of Ioff; W moves, too, if it is not 0"),
+    OPC_PARAMETER_NAMED("weight.area", newton, weight[AREA], .type = OPC_REAL,
+                        .flags = OPC_AT_LEAST, .preset = "0",
+                        .summary = "weight of that of the gate area, its "
+                                   "capacitance; W moves, too, if it is not 0"),
+    OPC_PARAMETER(newton, tolerance, .type = OPC_REAL, .flags = OPC_ABOVE,
+                  .unit = "%", .preset = "0.05 %",
+                  .summary = "a transistor whose weighted deviations are at "
+                             "most this is left alone"),
+    OPC_PARAMETER(newton, limit, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+                  .unit = "%", .preset = "0.5 %",
+                  .summary = "the end, once no transistor deviates by more"),
+    OPC_PARAMETER(newton, fine, .type = OPC_CHOICE, .preset = "jog",
+                  .choices = "jog|width|none",
+                  .summary = "what takes away the grid's quantum of L: a jog "
+                             "in the poly, the width of the active, nothing"),
+    OPC_PARAMETER(newton, min_jog, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+                  .unit = "nm", .preset = "40 nm",
+                  .summary = "a jog stays this far from both ends of its edge"),
+    OPC_PARAMETER(newton, iterations, .type = OPC_INT,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "10", .min = 1,
+                  .max = 1000, .summary = "moves at most"),
+    OPC_PARAMETER(
+        newton, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "nm",
+        .preset = "80 nm",
+        .summary =
+            "largest correction of L or of W, and no more than half of W"),
+    OPC_PARAMETER_NAMED(
+        "gain.l", newton, gain[BY_L], .type = OPC_REAL, .flags = OPC_ABOVE,
+        .preset = "2.6",
+        .summary = "printed change of L for a change of the mask's, as a first "
+                   "guess (the mask error factor)"),
+    OPC_PARAMETER_NAMED(
+        "gain.w", newton, gain[BY_W], .type = OPC_REAL, .flags = OPC_ABOVE,
+        .preset = "1.2",
+        .summary =
+            "printed change of W for a change of the mask's, as a first guess"),
+    OPC_PARAMETER_NAMED(
+        "wishes", newton, wishes_path, .type = OPC_FILE,
+        .summary =
+            "what single transistors want: CSV of transistor, weight, ion"),
 };
 
 static int check(void *self, opc_error *error) {

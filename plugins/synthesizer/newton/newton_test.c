@@ -15,18 +15,18 @@ enum { MOST = 40, WIDTH = 400 };
 typedef struct model {
   size_t n;
   double gain_l, gain_w, coupling;
-  double spread;          /* of the gain by L, as a part of it */
-  double off_l[MOST], off_w[MOST];   /* printed minus drawn of the drawn mask */
-  double thin[MOST];      /* a short line end: current that the mean length does
-                             not tell of, as a logarithm, */
-  int32_t grow;           /* gone once the regulator has moved it so far */
-  int knows_ends;         /* the loop tells of that before it prints it */
+  double spread;                   /* of the gain by L, as a part of it */
+  double off_l[MOST], off_w[MOST]; /* printed minus drawn of the drawn mask */
+  double thin[MOST]; /* a short line end: current that the mean length does
+                        not tell of, as a logarithm, */
+  int32_t grow;      /* gone once the regulator has moved it so far */
+  int knows_ends;    /* the loop tells of that before it prints it */
   uint32_t veto[MOST];
   int32_t l[MOST], w[MOST], jog[MOST];
-  double ion[MOST], area[MOST], ioff[MOST];   /* deviations at the end */
-  double second;          /* the worst of Ion in the second print */
+  double ion[MOST], area[MOST], ioff[MOST]; /* deviations at the end */
+  double second; /* the worst of Ion in the second print */
   int prints;
-  int late;               /* a print after which transistor 3 draws 2 % less */
+  int late; /* a print after which transistor 3 draws 2 % less */
 } model;
 
 static const double length = 65;
@@ -41,7 +41,8 @@ static double ramp(double x) {
 
 static double part(int32_t jog) {
   double at = CLAMP(jog, 0, WIDTH + 120) - 60;
-  double none = ramp(-60) - ramp(-60 - WIDTH), all = ramp(WIDTH + 60) - ramp(60);
+  double none = ramp(-60) - ramp(-60 - WIDTH),
+         all = ramp(WIDTH + 60) - ramp(60);
   return (ramp(at) - ramp(at - WIDTH) - none) / (all - none);
 }
 
@@ -49,7 +50,8 @@ static double part(int32_t jog) {
 static void print(model *t, const int32_t *end, eda_performance *p) {
   for (size_t i = 0; i < t->n; i++) {
     size_t next = (i + 1) % t->n;
-    double l = t->l[i] + part(t->jog[i]), beside = t->l[next] + part(t->jog[next]);
+    double l = t->l[i] + part(t->jog[i]),
+           beside = t->l[next] + part(t->jog[next]);
     double gain = t->gain_l * (1 + t->spread * sin((double)i));
     double printed = length + t->off_l[i] + gain * (l + t->coupling * beside);
     double weq = WIDTH + t->off_w[i] + t->gain_w * t->w[i];
@@ -106,15 +108,27 @@ static void run(opc_module *m, model *t) {
   }
   start[t->n] = (uint32_t)(4 * t->n);
   eda_edges edges[2] = {{t->n, start, sides}, {0}};
-  eda_gates gates = {.grid = 1, .count = t->n,
-                     .box = box, .type = type, .axis = axis, .length = long_,
-                     .width = wide, .extension = extension, .instance = none,
-                     .cell = name, .number = number,
-                     .note = notes, .layers = 2, .edges = edges};
+  eda_gates gates = {.grid = 1,
+                     .count = t->n,
+                     .box = box,
+                     .type = type,
+                     .axis = axis,
+                     .length = long_,
+                     .width = wide,
+                     .extension = extension,
+                     .instance = none,
+                     .cell = name,
+                     .number = number,
+                     .note = notes,
+                     .layers = 2,
+                     .edges = edges};
   eda_performance drawn = {t->n, d[0], d[1], d[2], d[3], d[4], d[5]};
   eda_performance printed = {t->n, p[0], p[1], p[2], p[3], p[4], p[5]};
-  eda_feedback f = {.gates = &gates, .design = &drawn,
-                    .flags = flags, .vetoes = t->veto, .end = end,
+  eda_feedback f = {.gates = &gates,
+                    .design = &drawn,
+                    .flags = flags,
+                    .vetoes = t->veto,
+                    .end = end,
                     .next_end = t->knows_ends ? next : end};
   eda_moves moves = {.l = t->l, .w = t->w, .jog = t->jog};
   opc_error error;
@@ -150,7 +164,8 @@ static opc_module *make(const char *parameters) {
 
 /* A wrong first guess of the gain, and still all are there after 4 moves. */
 static void test_ion(void) {
-  g_autoptr(opc_module) m = make("{ tolerance: 0.05 %, limit: 0 %, gain: { l: 2 } }");
+  g_autoptr(opc_module) m =
+      make("{ tolerance: 0.05 %, limit: 0 %, gain: { l: 2 } }");
   model t = made_up(MOST);
   run(m, &t);
   g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.05);
@@ -212,7 +227,7 @@ static void test_line_ends(void) {
   run(m, &t);
   g_assert_cmpfloat(t.second, <, 1.5);
   g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.5);
-  run(m, &u);   /* a loop that does not tell: too large by all of it */
+  run(m, &u); /* a loop that does not tell: too large by all of it */
   g_assert_cmpfloat(u.second, >, 10);
   g_assert_cmpfloat(worst(u.ion, u.n), <=, 0.5);
   g_assert_cmpint(t.prints, <, u.prints);
@@ -258,7 +273,8 @@ static void test_jog(void) {
   int some = 0;
   for (size_t i = 0; i < t.n; i++) {
     some += t.jog[i] > 0;
-    g_assert_true(t.jog[i] == 0 || (t.jog[i] >= 150 && t.jog[i] <= WIDTH + 120 - 150));
+    g_assert_true(t.jog[i] == 0 ||
+                  (t.jog[i] >= 150 && t.jog[i] <= WIDTH + 120 - 150));
   }
   g_assert_cmpint(some, >, MOST / 2);
 }
@@ -298,8 +314,8 @@ static opc_module *with_wishes(const char *text, char **path) {
 static void refused_wishes(opc_module *bad, const char *message) {
   char *cell[] = {"cell"}, *none[] = {""};
   uint32_t number[] = {1};
-  eda_gates gates = {.grid = 1, .count = 1, .cell = cell,
-                     .instance = none, .number = number};
+  eda_gates gates = {
+      .grid = 1, .count = 1, .cell = cell, .instance = none, .number = number};
   eda_feedback f = {.gates = &gates};
   const eda_synthesizer *s = bad->functions;
   opc_error error;
@@ -310,9 +326,11 @@ static void refused_wishes(opc_module *bad, const char *message) {
 
 /* One wants 2 % more, one any error below 5 %, one nothing. */
 static void test_wishes(void) {
-  g_autofree char *path = g_build_filename(g_get_tmp_dir(), "newton-wishes.csv", NULL);
+  g_autofree char *path =
+      g_build_filename(g_get_tmp_dir(), "newton-wishes.csv", NULL);
   g_autoptr(opc_module) m = with_wishes(
-      "# slack\ntransistor, ion, weight\ncell:1,1.02\ncell:2,,0.01\ncell:3,,0\n",
+      "# slack\ntransistor, ion, "
+      "weight\ncell:1,1.02\ncell:2,,0.01\ncell:3,,0\n",
       &path);
   model t = {.n = 4, .gain_l = 2.6, .gain_w = 1.05, .off_l = {3, 2, 7, -4}};
   run(m, &t);
@@ -357,31 +375,47 @@ static int begin_with(const char *note, opc_error *error) {
   char *cell[] = {"INV", "INV"}, *path[] = {"XU7", ""};
   char *both[] = {NULL, (char *)note};
   uint32_t number[] = {1, 3};
-  eda_gates gates = {.grid = 1, .count = 2, .cell = cell,
-                     .instance = path, .number = number, .note = both};
+  eda_gates gates = {.grid = 1,
+                     .count = 2,
+                     .cell = cell,
+                     .instance = path,
+                     .number = number,
+                     .note = both};
   eda_feedback f = {.gates = &gates};
   path[1] = note && *note == '!' ? (both[1]++, "XU7") : "";
   return s->begin(m->self, &f, error);
 }
 
 static void test_note_words(void) {
-  static const char *const good[] = {
-      NULL, "", " ", "weight=10", "ion=1.02,weight=0", "weight=1 \tion=1",
-      "# critical path", "sta.slack=3ps", "weight=2 sta.slack=3ps", "my.own"};
+  static const char *const good[] = {NULL,
+                                     "",
+                                     " ",
+                                     "weight=10",
+                                     "ion=1.02,weight=0",
+                                     "weight=1 \tion=1",
+                                     "# critical path",
+                                     "sta.slack=3ps",
+                                     "weight=2 sta.slack=3ps",
+                                     "my.own"};
   static const struct {
     const char *text, *message;
   } bad[] = {
-      {"!wieght=2", "note of 'XU7:3': unknown word 'wieght', did you mean 'weight'?"},
+      {"!wieght=2",
+       "note of 'XU7:3': unknown word 'wieght', did you mean 'weight'?"},
       {"iom=1.02", "note of 'INV:3': unknown word 'iom', did you mean 'ion'?"},
-      {"M1", "note of 'INV:3': unknown word 'M1'; there are weight=..., ion=..."},
-      {"a-longer-word-than-any", "note of 'INV:3': unknown word 'a-longer-word-than-any'; "
-                                 "there are weight=..., ion=..."},
+      {"M1",
+       "note of 'INV:3': unknown word 'M1'; there are weight=..., ion=..."},
+      {"a-longer-word-than-any",
+       "note of 'INV:3': unknown word 'a-longer-word-than-any'; "
+       "there are weight=..., ion=..."},
       {"weight", "note of 'INV:3': 'weight' lacks its value: weight=..."},
       {"weight=", "note of 'INV:3': '' is no weight"},
       {"weight=-1", "note of 'INV:3': '-1' is no weight"},
       {"weight=1 weight=2", "note of 'INV:3': 'weight' is there twice"},
-      {"ion=2%", "note of 'INV:3': '2%' is no multiple of a current from 0.1 to 10"},
-      {"ion=nan", "note of 'INV:3': 'nan' is no multiple of a current from 0.1 to 10"},
+      {"ion=2%",
+       "note of 'INV:3': '2%' is no multiple of a current from 0.1 to 10"},
+      {"ion=nan",
+       "note of 'INV:3': 'nan' is no multiple of a current from 0.1 to 10"},
   };
   opc_error error;
   for (size_t i = 0; i < G_N_ELEMENTS(good); i++)
@@ -395,7 +429,8 @@ static void test_note_words(void) {
 /* What the table says goes before the note; what it leaves out does not. */
 static void test_notes(void) {
   static char *written[] = {"ion=1.02", "weight=0", NULL, "weight=0,ion=1.05"};
-  g_autofree char *path = g_build_filename(g_get_tmp_dir(), "newton-notes.csv", NULL);
+  g_autofree char *path =
+      g_build_filename(g_get_tmp_dir(), "newton-notes.csv", NULL);
   g_autoptr(opc_module) m =
       with_wishes("transistor,ion,weight\ncell:2,,1\ncell:4,,1\n", &path);
   model t = {.n = 4, .gain_l = 2.6, .gain_w = 1.05, .off_l = {3, 2, 7, -4}};

@@ -54,8 +54,8 @@ int errors_of(const eda_feedback *f, size_t i, const double target[ERRORS],
 }
 
 /* A short line end makes the gate short over a small part of its width only,
-   which carries much of the current. The mean length has little to do with that:
-   what it misses there it gets back as the line end grows. */
+   which carries much of the current. The mean length has little to do with
+   that: what it misses there it gets back as the line end grows. */
 void with_line_ends(const eda_feedback *f, size_t i, const curve *of_type,
                     double error[ERRORS]) {
   const eda_performance *p = f->printed;
@@ -102,7 +102,8 @@ void learn(response *r, const response *first, const double dx[MOVES],
                            first->by[k][m], tuned.trust[m]);
     }
   }
-  for (int m = 0; m < MOVES; m++) r->doubt[m] = fmax(doubt[m], tuned.least_doubt);
+  for (int m = 0; m < MOVES; m++)
+    r->doubt[m] = fmax(doubt[m], tuned.least_doubt);
 }
 
 void solve(const response *r, const double error[ERRORS],

@@ -71,8 +71,8 @@ static const struct {
        another. None of the three; IOFF and SMALL alone differ. */
     .longest = {20, 60},
 
-    /* Grid steps: a blocked L leaves the error to W if less than this is left of
-       its step. No case differs. */
+    /* Grid steps: a blocked L leaves the error to W if less than this is left
+       of its step. No case differs. */
     .w_alone = 0.5,
 
     /* nm: how much wider a line gets at a time that does not print at all. None

@@ -100,14 +100,18 @@ static char *take_word(wish *w, char *word, int *seen) {
   if (strchr(word, '.')) return NULL;
   int c = WEIGHT, nearest = WEIGHT;
   while (c < COLUMNS && strcmp(word, columns[c].name)) c++;
-  if (distance(word, columns[ION].name) < distance(word, columns[WEIGHT].name)) nearest = ION;
+  if (distance(word, columns[ION].name) < distance(word, columns[WEIGHT].name))
+    nearest = ION;
   if (c == COLUMNS && distance(word, columns[nearest].name) <= 2)
     return g_strdup_printf("unknown word '%.100s', did you mean '%s'?", word,
                            columns[nearest].name);
   if (c == COLUMNS)
-    return g_strdup_printf("unknown word '%.100s'; there are weight=..., "
-                           "ion=...", word);
-  if (!value) return g_strdup_printf("'%s' lacks its value: %s=...", word, word);
+    return g_strdup_printf(
+        "unknown word '%.100s'; there are weight=..., "
+        "ion=...",
+        word);
+  if (!value)
+    return g_strdup_printf("'%s' lacks its value: %s=...", word, word);
   if ((*seen >> c) & 1) return g_strdup_printf("'%s' is there twice", word);
   *seen |= 1 << c;
   const char *fault = take(w, c, value);
@@ -124,8 +128,8 @@ int read_notes(const eda_gates *gates, wish *out, opc_error *error) {
       g_autofree char *fault = **word ? take_word(&out[i], *word, &seen) : NULL;
       if (!fault) continue;
       g_autofree char *name = name_of(gates, i);
-      return opc_fail(error, OPC_INVALID, NULL, "note of '%.300s': %s",
-                        name, fault);
+      return opc_fail(error, OPC_INVALID, NULL, "note of '%.300s': %s", name,
+                      fault);
     }
   }
   return OPC_OK;

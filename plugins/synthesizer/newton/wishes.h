@@ -7,8 +7,8 @@
 #include <eda/gates.h>
 
 typedef struct wish {
-  double weight;   /* the tolerance is divided by it; 0: leave it as drawn */
-  double ion;      /* the drive current wanted, as a multiple of the drawn one */
+  double weight; /* the tolerance is divided by it; 0: leave it as drawn */
+  double ion;    /* the drive current wanted, as a multiple of the drawn one */
 } wish;
 
 /* Read `path` into wish[gates->count], which holds the defaults. The first line

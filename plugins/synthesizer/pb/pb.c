@@ -85,20 +85,19 @@ static const char *verdict(const void *self, size_t gate) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    {.name = "mode", .type = OPC_CHOICE, .preset = "ion",
-     .choices = "ion|ioff|ioffion",
-     .summary = "what is driven (thesis table 2.1); ioffion: Ioff by L, and "
-                "afterwards Ion by W",
-     OPC_FIELD(pb, mode)},
-    {.name = "max_tpe", .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
-     .preset = "0.5 %",
-     .summary = "a transistor whose |deviation| of the current that is driven "
-                "is at most this is left alone",
-     OPC_FIELD(pb, max_tpe)},
-    {.name = "max_bias", .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
-     .unit = "nm", .preset = "80 nm", .max = 10000,
-     .summary = "largest correction of L or of W, and no more than half of W",
-     OPC_FIELD(pb, max_bias)},
+    OPC_PARAMETER(pb, mode, .type = OPC_CHOICE, .preset = "ion",
+                  .choices = "ion|ioff|ioffion",
+                  .summary = "what is driven (thesis table 2.1); ioffion: Ioff "
+                             "by L, and afterwards Ion by W"),
+    OPC_PARAMETER(pb, max_tpe, .type = OPC_REAL, .flags = OPC_ABOVE,
+                  .unit = "%", .preset = "0.5 %",
+                  .summary = "a transistor whose |deviation| of the current "
+                             "that is driven is at most this is left alone"),
+    OPC_PARAMETER(
+        pb, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
+        .unit = "nm", .preset = "80 nm", .max = 10000,
+        .summary =
+            "largest correction of L or of W, and no more than half of W"),
 };
 
 static void clear(void *self) { descent_clear(&((pb *)self)->descent); }
@@ -110,8 +109,9 @@ static const eda_synthesizer functions = {
 
 OPC_PLUGIN(pb, .id = "synthesizer.pb", .kind = "synthesizer",
            .version = "0.2.0", .licence = "BSD-3-Clause",
-           .summary = "performance-based OPC: by effective length, then by "
-                      "steps",
+           .summary =
+               "performance-based OPC: by effective length, then by "
+               "steps",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), .clear = clear,
            OPC_FUNCTIONS(functions));

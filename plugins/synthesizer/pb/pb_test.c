@@ -14,9 +14,9 @@ typedef struct model {
   size_t n;
   double ion[MOST], ion_by_l, ion_by_w;
   double ioff[MOST], ioff_by_l, ioff_by_w;
-  double leq_ion[MOST], leq_ioff[MOST];   /* as drawn */
+  double leq_ion[MOST], leq_ioff[MOST]; /* as drawn */
   int32_t l[MOST], w[MOST];
-  GString *trace;                         /* of the first, "l,w " */
+  GString *trace; /* of the first, "l,w " */
   int updates;
 } model;
 
@@ -25,13 +25,16 @@ static void run(opc_module *m, model *t) {
   double one[MOST], ion[MOST], ioff[MOST], length[MOST], width[MOST];
   uint32_t flags[MOST] = {0}, vetoes[MOST] = {0};
   for (size_t i = 0; i < t->n; i++) one[i] = 1, length[i] = 65, width[i] = 200;
-  eda_gates gates = {.grid = 1, .count = t->n,
-                     .length = length, .width = width};
+  eda_gates gates = {
+      .grid = 1, .count = t->n, .length = length, .width = width};
   eda_performance drawn = {.count = t->n, .ion = one, .ioff = one};
-  eda_performance printed = {.count = t->n, .ion = ion, .ioff = ioff,
-                             .leq_ion = t->leq_ion, .leq_ioff = t->leq_ioff};
-  eda_feedback f = {.gates = &gates, .design = &drawn,
-                    .flags = flags, .vetoes = vetoes};
+  eda_performance printed = {.count = t->n,
+                             .ion = ion,
+                             .ioff = ioff,
+                             .leq_ion = t->leq_ion,
+                             .leq_ioff = t->leq_ioff};
+  eda_feedback f = {
+      .gates = &gates, .design = &drawn, .flags = flags, .vetoes = vetoes};
   eda_moves moves = {.l = t->l, .w = t->w};
   opc_error error;
   t->trace = g_string_new(NULL);
@@ -40,8 +43,11 @@ static void run(opc_module *m, model *t) {
   f.printed = &printed;
   for (int done = 0; !done && t->updates < 200; t->updates++) {
     for (size_t i = 0; i < t->n; i++) {
-      ion[i] = 1 + (t->ion[i] + t->ion_by_l * t->l[i] + t->ion_by_w * t->w[i]) / 100;
-      ioff[i] = 1 + (t->ioff[i] + t->ioff_by_l * t->l[i] + t->ioff_by_w * t->w[i]) / 100;
+      ion[i] =
+          1 + (t->ion[i] + t->ion_by_l * t->l[i] + t->ion_by_w * t->w[i]) / 100;
+      ioff[i] =
+          1 +
+          (t->ioff[i] + t->ioff_by_l * t->l[i] + t->ioff_by_w * t->w[i]) / 100;
     }
     g_assert_cmpint(s->update(m->self, &f, &moves, &done, &error), ==, OPC_OK);
     f.iteration++;
@@ -52,7 +58,8 @@ static void run(opc_module *m, model *t) {
 static void follow(const char *parameters, model t, const char *trace,
                    const char *why) {
   opc_error error;
-  g_autoptr(opc_module) m = opc_test_module("synthesizer.pb", parameters, &error);
+  g_autoptr(opc_module) m =
+      opc_test_module("synthesizer.pb", parameters, &error);
   g_assert_nonnull(m);
   run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, trace);
@@ -61,9 +68,15 @@ static void follow(const char *parameters, model t, const char *trace,
   g_string_free(t.trace, TRUE);
 }
 
-static const model both = {.n = 1, .ion = {7}, .ion_by_l = -3, .ion_by_w = 0.8,
-                           .ioff = {90}, .ioff_by_l = -50, .ioff_by_w = 1,
-                           .leq_ion = {63.1}, .leq_ioff = {61.6}};
+static const model both = {.n = 1,
+                           .ion = {7},
+                           .ion_by_l = -3,
+                           .ion_by_w = 0.8,
+                           .ioff = {90},
+                           .ioff_by_l = -50,
+                           .ioff_by_w = 1,
+                           .leq_ion = {63.1},
+                           .leq_ioff = {61.6}};
 
 /* 65 - 63.1 is 1.9: L 2 at once.
    0  +7.0  L 2
@@ -96,13 +109,14 @@ static void test_ioffion(void) {
 /* Ion does not touch what Ioff has made of L, however far off it is. */
 static void test_ioffion_keeps_length(void) {
   model t = both;
-  t.ion[0] = 16;   /* +10 at L 2, more than three steps of L */
+  t.ion[0] = 16; /* +10 at L 2, more than three steps of L */
   opc_error error;
-  g_autoptr(opc_module) m = opc_test_module("synthesizer.pb", "{ mode: ioffion }", &error);
+  g_autoptr(opc_module) m =
+      opc_test_module("synthesizer.pb", "{ mode: ioffion }", &error);
   g_assert_nonnull(m);
   run(m, &t);
   g_assert_cmpint(t.l[0], ==, 2);
-  g_assert_cmpint(t.w[0], ==, -12);   /* 10 - 9.6 */
+  g_assert_cmpint(t.w[0], ==, -12); /* 10 - 9.6 */
   g_string_free(t.trace, TRUE);
 }
 
@@ -125,7 +139,8 @@ static void test_tolerance(void) {
   t.leq_ion[1] = 64.5;
   t.leq_ion[2] = 68;
   opc_error error;
-  g_autoptr(opc_module) m = opc_test_module("synthesizer.pb", "{ max_tpe: 1.5 % }", &error);
+  g_autoptr(opc_module) m =
+      opc_test_module("synthesizer.pb", "{ max_tpe: 1.5 % }", &error);
   g_assert_nonnull(m);
   run(m, &t);
   g_assert_cmpint(t.l[0], ==, 2);

@@ -90,31 +90,25 @@ static int as_fraction(double v, int64_t *a, int64_t *b) {
   return 0;
 }
 
-static int begin(void *self, const eda_layout *layout, double unit,
-                 opc_error *error) {
+static void begin(void *self, const eda_layout *layout, double unit) {
   cif *w = self;
   w->layout = layout;
   w->calls = 0;
   w->changed = 0;
   if (!(unit < 1e9) || !as_fraction(unit / 10, &w->a, &w->b))
-    return opc_fail(error, OPC_FAILED, NULL,
-                    "a unit of %.17g nm cannot be said in CIF", unit);
-  return OPC_OK;
+    writer_fail(&w->w, "a unit of %.17g nm cannot be said in CIF", unit);
 }
 
 /* ---- work: cells ---- */
 
-static int begin_cell(void *self, int32_t cell, const char *name,
-                      opc_error *error) {
+static void begin_cell(void *self, int32_t cell, const char *name) {
   cif *w = self;
   size_t n = strlen(name);
   if (!n || name[0] == ' ' || name[n - 1] == ' ' || strchr(name, ';'))
-    return opc_fail(error, OPC_FAILED, NULL,
-                    "'%.200s': CIF has no cells of such a name", name);
+    writer_fail(&w->w, "'%.200s': CIF has no cells of such a name", name);
   fprintf(w->w.file, "DS %d %" PRId64 " %" PRId64 ";\n9 %s;\n", cell + 1, w->a,
           w->b, name);
   w->written[0] = '\0';
-  return OPC_OK;
 }
 
 /* Whether p is a rectangle whose middle is on the grid. */
@@ -146,10 +140,8 @@ static void put_polygon(void *self, const eda_point *p, size_t n) {
 }
 
 /* A text is one word. */
-static int put_text(void *self, eda_point at, const char *text,
-                    opc_error *error) {
+static void put_text(void *self, eda_point at, const char *text) {
   cif *w = self;
-  (void)error;
   at_layer(w); /* not said with the text: readers differ in what follows */
   fputs("94 ", w->w.file);
   if (!*text) fputc('_', w->w.file);
@@ -157,15 +149,12 @@ static int put_text(void *self, eda_point at, const char *text,
   for (const char *c = text; *c; c++)
     fputc(*c <= ' ' || *c > '~' || strchr(";()", *c) ? '_' : *c, w->w.file);
   fprintf(w->w.file, " %d %d;\n", at.x, at.y);
-  return OPC_OK;
 }
 
 /* ---- work: placements ---- */
 
-static int refuse(cif *w, const char *child, opc_error *error,
-                  const char *what) {
-  return opc_fail(error, OPC_FAILED, NULL, "'%.200s' in '%.200s': %s", child,
-                  w->w.cell, what);
+static void refuse(cif *w, const char *child, const char *what) {
+  writer_fail(&w->w, "'%.200s' in '%.200s': %s", child, w->w.cell, what);
 }
 
 static void put_call(cif *w, int32_t child, const eda_placement *p, int turns,
@@ -178,32 +167,28 @@ static void put_call(cif *w, int32_t child, const eda_placement *p, int turns,
 }
 
 /* An array becomes a call for each member. */
-static int put_placement(void *self, int32_t child, const char *child_name,
-                         const eda_placement *p, const char *name,
-                         opc_error *error) {
+static void put_placement(void *self, int32_t child, const char *child_name,
+                          const eda_placement *p, const char *name) {
   cif *w = self;
   (void)name;
   double turns = fmod(p->angle / 90, 4);
   if (turns < 0) turns += 4;
-  if (p->magnification != 1)
-    return refuse(w, child_name, error, "CIF cannot magnify a cell");
-  if (turns != floor(turns))
-    return refuse(w, child_name, error,
-                  "a cell can only be turned by right angles here");
   w->calls += (uint64_t)p->columns * p->rows;
-  if (w->calls > MAX_CALLS || (uint64_t)p->columns * p->rows > MAX_CALLS)
-    return refuse(w, child_name, error,
-                  "CIF knows no arrays, and their members are too many");
-  for (uint32_t r = 0; r < p->rows; r++)
-    for (uint32_t c = 0; c < p->columns; c++) {
+  if (p->magnification != 1)
+    refuse(w, child_name, "CIF cannot magnify a cell");
+  else if (turns != floor(turns))
+    refuse(w, child_name, "a cell can only be turned by right angles here");
+  else if (w->calls > MAX_CALLS || (uint64_t)p->columns * p->rows > MAX_CALLS)
+    refuse(w, child_name,
+           "CIF knows no arrays, and their members are too many");
+  for (uint32_t r = 0; r < p->rows && !w->w.failed; r++)
+    for (uint32_t c = 0; c < p->columns && !w->w.failed; c++) {
       eda_point row, at;
       if (!writer_along(p->origin, r, p->row_step, &row) ||
           !writer_along(row, c, p->column_step, &at))
-        return refuse(w, child_name, error,
-                      "the array leaves the range of coordinates");
+        refuse(w, child_name, "the array leaves the range of coordinates");
       put_call(w, child, p, (int)turns, at);
     }
-  return OPC_OK;
 }
 
 static void end_cell(void *self) { fputs("DF;\n", ((cif *)self)->w.file); }

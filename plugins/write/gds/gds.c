@@ -46,18 +46,18 @@ static void put_real(gds *w, uint32_t type, double v) {
   put_record(w, type, EDA_GDS_REAL8, 8);
 }
 
-static int put_string(gds *w, uint32_t type, const char *text,
-                      opc_error *error) {
+static void put_string(gds *w, uint32_t type, const char *text) {
   size_t n = strlen(text);
-  if (n > MAX_STRING)
-    return opc_fail(error, OPC_FAILED, NULL,
-                    "a name or text of %zu characters is too long for "
-                    "GDSII: '%.60s...'",
-                    n, text);
+  if (n > MAX_STRING) {
+    writer_fail(&w->w,
+                "a name or text of %zu characters is too long for "
+                "GDSII: '%.60s...'",
+                n, text);
+    return;
+  }
   memcpy(w->record + 4, text, n);
   w->record[4 + n] = 0;
   put_record(w, type, EDA_GDS_ASCII, n + n % 2);
-  return OPC_OK;
 }
 
 static void put_date(gds *w, uint32_t type) {
@@ -78,11 +78,9 @@ static int set_layer(void *self, const char *layer) {
   return eda_layer_number_read(layer, UINT16_MAX, &w->to, NULL);
 }
 
-static int begin(void *self, const eda_layout *layout, double unit,
-                 opc_error *error) {
+static void begin(void *self, const eda_layout *layout, double unit) {
   gds *w = self;
   (void)layout;
-  (void)error;
   put_u16(w, EDA_GDS_HEADER, EDA_GDS_INT2, 600);
   put_date(w, EDA_GDS_BGNLIB);
   memcpy(w->record + 4, "OPCFLOW", 8);
@@ -91,15 +89,13 @@ static int begin(void *self, const eda_layout *layout, double unit,
   eda_gds_put_real(w->record + 4, writer_decimal(unit * 1e-3));
   eda_gds_put_real(w->record + 12, writer_decimal(unit * 1e-9));
   put_record(w, EDA_GDS_UNITS, EDA_GDS_REAL8, 16);
-  return OPC_OK;
 }
 
-static int begin_cell(void *self, int32_t cell, const char *name,
-                      opc_error *error) {
+static void begin_cell(void *self, int32_t cell, const char *name) {
   gds *w = self;
   (void)cell;
   put_date(w, EDA_GDS_BGNSTR);
-  return put_string(w, EDA_GDS_STRNAME, name, error);
+  put_string(w, EDA_GDS_STRNAME, name);
 }
 
 static void put_polygon(void *self, const eda_point *points, size_t n) {
@@ -113,30 +109,31 @@ static void put_polygon(void *self, const eda_point *points, size_t n) {
   put_empty(w, EDA_GDS_ENDEL);
 }
 
-static int put_text(void *self, eda_point at, const char *text,
-                    opc_error *error) {
+static void put_text(void *self, eda_point at, const char *text) {
   gds *w = self;
   put_empty(w, EDA_GDS_TEXT);
   put_u16(w, EDA_GDS_LAYER, EDA_GDS_INT2, w->to.layer);
   put_u16(w, EDA_GDS_TEXTTYPE, EDA_GDS_INT2, w->to.datatype);
   put_point(w, 0, at);
   put_record(w, EDA_GDS_XY, EDA_GDS_INT4, 8);
-  if (put_string(w, EDA_GDS_STRING, text, error)) return error->code;
+  put_string(w, EDA_GDS_STRING, text);
   put_empty(w, EDA_GDS_ENDEL);
-  return OPC_OK;
 }
 
-static int put_array(gds *w, const char *child, const eda_placement *p,
-                     const char *name, opc_error *error) {
+static void beyond(gds *w, const char *child) {
+  writer_fail(&w->w, "an array of '%s' leaves the range of coordinates", child);
+}
+
+static void put_array(gds *w, const char *child, const eda_placement *p,
+                      const char *name) {
   int array = p->columns > 1 || p->rows > 1;
   eda_point corner[3] = {p->origin};
   if (array &&
       (!writer_along(p->origin, p->columns, p->column_step, &corner[1]) ||
        !writer_along(p->origin, p->rows, p->row_step, &corner[2])))
-    return opc_fail(error, OPC_FAILED, NULL,
-                    "an array of '%s' leaves the range of coordinates", child);
+    beyond(w, child);
   put_empty(w, array ? EDA_GDS_AREF : EDA_GDS_SREF);
-  if (put_string(w, EDA_GDS_SNAME, child, error)) return error->code;
+  put_string(w, EDA_GDS_SNAME, child);
   if (p->mirror || p->magnification != 1 || p->angle != 0)
     put_u16(w, EDA_GDS_STRANS, EDA_GDS_BITS, p->mirror ? 0x8000 : 0);
   if (p->magnification != 1) put_real(w, EDA_GDS_MAG, p->magnification);
@@ -151,43 +148,34 @@ static int put_array(gds *w, const char *child, const eda_placement *p,
   put_record(w, EDA_GDS_XY, EDA_GDS_INT4, 8 * n);
   if (name) {
     put_u16(w, EDA_GDS_PROPATTR, EDA_GDS_INT2, EDA_GDS_INSTANCE_NAME);
-    if (put_string(w, EDA_GDS_PROPVALUE, name, error)) return error->code;
+    put_string(w, EDA_GDS_PROPVALUE, name);
   }
   put_empty(w, EDA_GDS_ENDEL);
-  return OPC_OK;
 }
 
 /* An array larger than its record can say is written in parts. */
-static int put_placement(void *self, int32_t number, const char *child,
-                         const eda_placement *whole, const char *name,
-                         opc_error *error) {
+static void put_placement(void *self, int32_t number, const char *child,
+                          const eda_placement *whole, const char *name) {
   gds *w = self;
   (void)number;
   uint64_t parts = (whole->columns / MAX_ARRAY + (uint64_t)1) *
                    (whole->rows / MAX_ARRAY + (uint64_t)1);
-  if (parts > MAX_PARTS)
-    return opc_fail(error, OPC_FAILED, NULL,
-                    "an array of '%s' is too large for GDSII", child);
+  if (parts > MAX_PARTS) {
+    writer_fail(&w->w, "an array of '%s' is too large for GDSII", child);
+    return;
+  }
   for (uint64_t r = 0; r < whole->rows; r += MAX_ARRAY)
     for (uint64_t c = 0; c < whole->columns; c += MAX_ARRAY) {
       eda_placement p = *whole;
       eda_point row;
+      uint64_t columns = whole->columns - c, rows = whole->rows - r;
       if (!writer_along(whole->origin, r, whole->row_step, &row) ||
           !writer_along(row, c, whole->column_step, &p.origin))
-        return opc_fail(error, OPC_FAILED, NULL,
-                        "an array of '%s' leaves the range of coordinates",
-                        child);
-      if (p.columns - c > MAX_ARRAY)
-        p.columns = MAX_ARRAY;
-      else
-        p.columns -= (uint32_t)c;
-      if (p.rows - r > MAX_ARRAY)
-        p.rows = MAX_ARRAY;
-      else
-        p.rows -= (uint32_t)r;
-      if (put_array(w, child, &p, name, error)) return error->code;
+        beyond(w, child);
+      p.columns = columns > MAX_ARRAY ? MAX_ARRAY : (uint32_t)columns;
+      p.rows = rows > MAX_ARRAY ? MAX_ARRAY : (uint32_t)rows;
+      put_array(w, child, &p, name);
     }
-  return OPC_OK;
 }
 
 static void end_cell(void *self) { put_empty(self, EDA_GDS_ENDSTR); }

@@ -63,10 +63,8 @@ static int set_layer(void *self, const char *layer) {
   return eda_layer_number_read(layer, UINT32_MAX, &w->layer, NULL);
 }
 
-static int begin(void *self, const eda_layout *layout, double unit,
-                 opc_error *error) {
+static void begin(void *self, const eda_layout *layout, double unit) {
   oasis *w = self;
-  (void)error;
   w->layout = layout;
   w->n_places = layout ? eda_layout_cells(layout) : 1;
   w->places = eda_alloc(w->n_places, sizeof *w->places);
@@ -81,20 +79,15 @@ static int begin(void *self, const eda_layout *layout, double unit,
   eda_oasis_real(w->out, writer_decimal(1000 / unit));
   eda_oasis_uint(w->out, 1); /* the tables' places are told at the end */
   eda_oasis_end_plain(w->out);
-  return OPC_OK;
 }
 
-static int begin_cell(void *self, int32_t cell, const char *name,
-                      opc_error *error) {
+static void begin_cell(void *self, int32_t cell, const char *name) {
   oasis *w = self;
-  if (!name[0])
-    return opc_fail(error, OPC_FAILED, NULL,
-                    "OASIS has no cells without a name");
+  if (!name[0]) writer_fail(&w->w, "OASIS has no cells without a name");
   w->places[cell] = eda_oasis_place(w->out);
   eda_oasis_uint(w->out, EDA_OASIS_CELL_NUMBER);
   eda_oasis_uint(w->out, (uint64_t)cell);
   eda_oasis_end_plain(w->out);
-  return OPC_OK;
 }
 
 static void put_polygon(void *self, const eda_point *points, size_t n) {
@@ -102,10 +95,8 @@ static void put_polygon(void *self, const eda_point *points, size_t n) {
   eda_oasis_polygon(w->out, w->layer, points, n);
 }
 
-static int put_text(void *self, eda_point at, const char *text,
-                    opc_error *error) {
+static void put_text(void *self, eda_point at, const char *text) {
   oasis *w = self;
-  (void)error;
   eda_oasis_end_shapes(w->out);
   eda_oasis_uint(w->out, EDA_OASIS_TEXT);
   eda_oasis_byte(w->out, 0x7b);
@@ -115,7 +106,6 @@ static int put_text(void *self, eda_point at, const char *text,
   eda_oasis_sint(w->out, at.x);
   eda_oasis_sint(w->out, at.y);
   eda_oasis_end_record(w->out);
-  return OPC_OK;
 }
 
 /* ---- work: placements ---- */
@@ -154,16 +144,14 @@ static void put_name(oasis *w, const char *name) {
   eda_oasis_uint(w->out, number_of(&w->names, name));
 }
 
-static int put_placement(void *self, int32_t child, const char *child_name,
-                         const eda_placement *p, const char *name,
-                         opc_error *error) {
+static void put_placement(void *self, int32_t child, const char *child_name,
+                          const eda_placement *p, const char *name) {
   oasis *w = self;
   eda_oasis *out = w->out;
   int turns = quarters(p->angle), array = p->columns > 1 || p->rows > 1;
   int plain = p->magnification == 1 && turns >= 0;
   uint32_t info = 0xf0 | (array ? 8u : 0) | (p->mirror ? 1u : 0);
   (void)child_name;
-  (void)error;
   eda_oasis_end_shapes(out);
   eda_oasis_uint(out, plain ? EDA_OASIS_PLACEMENT : EDA_OASIS_PLACEMENT_REAL);
   eda_oasis_byte(out, plain ? info | (uint32_t)turns << 1 : info | 6);
@@ -177,7 +165,6 @@ static int put_placement(void *self, int32_t child, const char *child_name,
   if (array) put_array(w, p);
   if (name) put_name(w, name);
   eda_oasis_end_record(out);
-  return OPC_OK;
 }
 
 static void end_cell(void *self) {
@@ -191,22 +178,13 @@ static void end_cell(void *self) {
 /* Names of cells are printable and have no blanks: what else there is becomes
    "\x20". */
 static void put_cell_name(oasis *w, const char *name) {
-  static const char hex[] = "0123456789ABCDEF";
-  char *plain = eda_alloc(4 * strlen(name) + 1, 1), *c = plain;
-  for (; *name; name++) {
-    uint8_t byte = (uint8_t)*name;
-    if (byte > 0x20 && byte < 0x7f) {
-      *c++ = *name;
-      continue;
-    }
-    *c++ = '\\';
-    *c++ = 'x';
-    *c++ = hex[byte >> 4];
-    *c++ = hex[byte & 15];
-  }
-  *c = '\0';
-  eda_oasis_string(w->out, plain);
-  free(plain);
+  g_autoptr(GString) plain = g_string_new(NULL);
+  for (; *name; name++)
+    if (*name > 0x20 && *name < 0x7f)
+      g_string_append_c(plain, *name);
+    else
+      g_string_append_printf(plain, "\\x%02X", (uint8_t)*name);
+  eda_oasis_string(w->out, plain->str);
 }
 
 static void put_cell_names(oasis *w) {

@@ -2,6 +2,7 @@
 /* Reading device tables, which docs/devices.md describes. All faults of a file
    are found; the first one is told, and how many more there are. */
 #include <eda/devices.h>
+#include <eda/memory.h>
 #include <glib.h>
 #include <math.h>
 #include <stdlib.h>
@@ -11,60 +12,42 @@
 
 enum { LARGEST_FILE = 16 << 20 /* bytes */ };
 
-/* An eda_devices and what it points to. */
-typedef struct table {
-  eda_devices devices; /* first: what the caller gets */
-  GPtrArray *owned;
-} table;
-
-typedef struct fault {
-  yaml_mark_t at;
-  char *text;
-} fault;
-
 typedef struct reader {
-  table *table;
+  eda_devices *devices;
   yaml_document_t document;
   GRegex *number; /* number, its exponent, and a unit */
-  GPtrArray *faults;
+  unsigned faults;
+  yaml_mark_t at; /* of the first one in the file */
+  char *fault;
 } reader;
 
 /* ---- faults ---- */
 
-static void fault_free(void *item) {
-  fault *f = item;
-  g_free(f->text);
-  g_free(f);
+static gboolean is_before(const yaml_mark_t *a, const yaml_mark_t *b) {
+  return a->line < b->line || (a->line == b->line && a->column < b->column);
 }
 
 G_GNUC_PRINTF(3, 4)
-static gboolean wrong(const reader *r, const yaml_mark_t *at,
-                      const char *format, ...) {
+static gboolean wrong(reader *r, const yaml_mark_t *at, const char *format,
+                      ...) {
+  if (r->faults++ && !is_before(at, &r->at)) return FALSE;
   va_list arguments;
   va_start(arguments, format);
-  fault *f = g_new(fault, 1);
-  *f = (fault){*at, g_strdup_vprintf(format, arguments)};
+  g_free(r->fault);
+  r->fault = g_strdup_vprintf(format, arguments);
+  r->at = *at;
   va_end(arguments);
-  g_ptr_array_add(r->faults, f);
   return FALSE;
 }
 
-static int by_place(const void *a, const void *b) {
-  const fault *p = *(fault *const *)a, *q = *(fault *const *)b;
-  if (p->at.line != q->at.line) return p->at.line < q->at.line ? -1 : 1;
-  return (p->at.column > q->at.column) - (p->at.column < q->at.column);
-}
-
 /* The code, and what there is to tell. */
-static int settle(const reader *r, const char *path, opc_error *error) {
-  guint n = r->faults->len;
-  if (!n) return OPC_OK;
-  g_ptr_array_sort(r->faults, by_place);
-  const fault *first = r->faults->pdata[0];
-  g_autofree char *more =
-      n > 1 ? g_strdup_printf(" (and %u more)", n - 1) : g_strdup("");
+static int settle(reader *r, const char *path, opc_error *error) {
+  if (!r->faults) return OPC_OK;
+  char more[32] = "";
+  if (r->faults > 1)
+    g_snprintf(more, sizeof more, " (and %u more)", r->faults - 1);
   return opc_fail(error, OPC_INVALID, NULL, "%s:%zu:%zu: %s%s", path,
-                  first->at.line + 1, first->at.column + 1, first->text, more);
+                  r->at.line + 1, r->at.column + 1, r->fault, more);
 }
 
 /* How many letters to add, drop or change to make `b` of `a`. */
@@ -99,8 +82,8 @@ static char *suggestion(const char *word, const char *const *known) {
 
 /* ---- pieces of the file ---- */
 
-static yaml_node_t *node_of(const reader *r, int index) {
-  return yaml_document_get_node((yaml_document_t *)&r->document, index);
+static yaml_node_t *node_of(reader *r, int index) {
+  return yaml_document_get_node(&r->document, index);
 }
 
 static const char *text_of(const yaml_node_t *node) {
@@ -114,7 +97,7 @@ static const char *noun(const yaml_node_t *node) {
 }
 
 /* The value of a key, NULL if the map has none. */
-static yaml_node_t *look_up(const reader *r, const yaml_node_t *map,
+static yaml_node_t *look_up(reader *r, const yaml_node_t *map,
                             const char *key) {
   const yaml_node_pair_t *pair = map->data.mapping.pairs.start;
   for (; pair < map->data.mapping.pairs.top; pair++) {
@@ -127,7 +110,7 @@ static yaml_node_t *look_up(const reader *r, const yaml_node_t *map,
 
 /* Complain about keys that stand twice or that `known` (NULL-terminated) does
    not have. */
-static void check_keys(const reader *r, const yaml_node_t *map,
+static void check_keys(reader *r, const yaml_node_t *map,
                        const char *const *known) {
   g_autoptr(GHashTable) seen = g_hash_table_new(g_str_hash, g_str_equal);
   const yaml_node_pair_t *pair = map->data.mapping.pairs.start;
@@ -150,7 +133,7 @@ static void check_keys(const reader *r, const yaml_node_t *map,
 }
 
 /* The map `key` of `parent` with the keys `known`, NULL and a fault. */
-static const yaml_node_t *get_map(const reader *r, const yaml_node_t *parent,
+static const yaml_node_t *get_map(reader *r, const yaml_node_t *parent,
                                   const char *key, const char *const *known) {
   const yaml_node_t *node = look_up(r, parent, key);
   if (node && node->type == YAML_MAPPING_NODE) {
@@ -162,12 +145,13 @@ static const yaml_node_t *get_map(const reader *r, const yaml_node_t *parent,
   return NULL;
 }
 
-/* Whether a value is there and a text; `wanted` is what it should be. */
-static gboolean is_text(const reader *r, const yaml_node_t *node,
-                        const char *key, const char *wanted) {
+/* Whether a value is there and a text, of what should be `wanted` and the
+   `rest` of its name. */
+static gboolean is_text(reader *r, const yaml_node_t *node, const char *key,
+                        const char *wanted, const char *rest) {
   if (node->type != YAML_SCALAR_NODE)
-    return wrong(r, &node->start_mark, "'%s' needs %s, not %s", key, wanted,
-                 noun(node));
+    return wrong(r, &node->start_mark, "'%s' needs %s%s, not %s", key, wanted,
+                 rest, noun(node));
   if (*text_of(node) || node->data.scalar.style != YAML_PLAIN_SCALAR_STYLE)
     return TRUE;
   return wrong(r, &node->start_mark, "'%s' has no value", key);
@@ -201,10 +185,9 @@ static const unit *find_unit(const char *name) {
 }
 
 /* The unit of a text that is to have one as `wanted`; NULL and a fault. */
-static const unit *check_unit(const reader *r, const yaml_mark_t *at,
-                              const char *key, const char *text,
-                              const char *number, const char *name,
-                              const unit *wanted) {
+static const unit *check_unit(reader *r, const yaml_mark_t *at, const char *key,
+                              const char *text, const char *number,
+                              const char *name, const unit *wanted) {
   const unit *found = find_unit(name);
   if (found && found->noun == wanted->noun) return found;
   if (!*name) {
@@ -221,12 +204,17 @@ static const unit *check_unit(const reader *r, const yaml_mark_t *at,
   return NULL;
 }
 
-/* A number with its unit, in the unit called `in`. Powers of ten are part of
-   the number before it is rounded. */
-static gboolean read_number(const reader *r, const yaml_mark_t *at,
-                            const char *key, const char *text, const char *in,
-                            double *out) {
+/* A number with its unit, or with the unit `given` to all of a column, in the
+   unit called `in`. Powers of ten are part of the number before it is rounded.
+ */
+static gboolean read_number(reader *r, const yaml_node_t *node, const char *key,
+                            const char *given, const char *in,
+                            gboolean positive, double *out) {
   const unit *wanted = find_unit(in);
+  const yaml_mark_t *at = &node->start_mark;
+  if (!is_text(r, node, key, wanted->noun, " with its unit")) return FALSE;
+  g_autofree char *text =
+      g_strjoin(given ? " " : NULL, text_of(node), given, NULL);
   g_autoptr(GMatchInfo) match = NULL;
   if (!g_regex_match(r->number, text, 0, &match))
     return wrong(r, at, "'%s' needs %s with its unit, not '%s'", key,
@@ -243,21 +231,15 @@ static gboolean read_number(const reader *r, const yaml_mark_t *at,
   *out = g_ascii_strtod(whole, NULL);
   if (!isfinite(*out))
     return wrong(r, at, "'%s' is too large: '%s'", key, text);
+  if (positive && !(*out > 0))
+    return wrong(r, at, "'%s' must be above 0 %s, not '%s'", key, in, text);
   return TRUE;
-}
-
-static gboolean read_positive(const reader *r, const yaml_mark_t *at,
-                              const char *key, const char *text, const char *in,
-                              double *out) {
-  if (!read_number(r, at, key, text, in, out)) return FALSE;
-  if (*out > 0) return TRUE;
-  return wrong(r, at, "'%s' must be above 0 %s, not '%s'", key, in, text);
 }
 
 /* `{ unit: nm, values: [...] }` in the unit `in`, each above 0; NULL and a
    fault. The numbers get the unit of the column before they are read. */
-static double *get_column(const reader *r, const yaml_node_t *parent,
-                          const char *key, const char *in, size_t *count) {
+static double *get_column(reader *r, const yaml_node_t *parent, const char *key,
+                          const char *in, size_t *count) {
   static const char *const known[] = {"unit", "values", NULL};
   const yaml_node_t *map = get_map(r, parent, key, known);
   if (!map) return NULL;
@@ -271,28 +253,20 @@ static double *get_column(const reader *r, const yaml_node_t *parent,
   }
   const yaml_node_item_t *item = list->data.sequence.items.start;
   *count = (size_t)(list->data.sequence.items.top - item);
-  double *column = g_new0(double, MAX(*count, 1));
-  g_ptr_array_add(r->table->owned, column);
+  double *column = eda_alloc(*count, sizeof *column);
   gboolean good = TRUE;
-  for (size_t i = 0; i < *count; i++) {
-    const yaml_node_t *node = node_of(r, item[i]);
-    g_autofree char *wanted =
-        g_strdup_printf("%s with its unit", find_unit(in)->noun);
-    if (!is_text(r, node, key, wanted)) {
-      good = FALSE;
-      continue;
-    }
-    g_autofree char *text =
-        g_strdup_printf("%s %s", text_of(node), text_of(given));
-    good &= read_positive(r, &node->start_mark, key, text, in, &column[i]);
-  }
-  return good ? column : NULL;
+  for (size_t i = 0; i < *count; i++)
+    good &= read_number(r, node_of(r, item[i]), key, text_of(given), in, TRUE,
+                        &column[i]);
+  if (good) return column;
+  free(column);
+  return NULL;
 }
 
 /* ---- the table ---- */
 
-static void read_lengths(const reader *r, const yaml_node_t *root) {
-  eda_devices *d = &r->table->devices;
+static void read_lengths(reader *r, const yaml_node_t *root) {
+  eda_devices *d = r->devices;
   double *lengths = get_column(r, root, "length", "nm", &d->count);
   if (!lengths) return;
   const yaml_node_t *list = look_up(r, look_up(r, root, "length"), "values");
@@ -307,10 +281,10 @@ static void read_lengths(const reader *r, const yaml_node_t *root) {
 }
 
 /* The currents of one type, per width. */
-static void read_type(const reader *r, const yaml_node_t *root, const char *key,
+static void read_type(reader *r, const yaml_node_t *root, const char *key,
                       int type) {
   static const char *const known[] = {"ion", "ioff", NULL};
-  eda_devices *d = &r->table->devices;
+  eda_devices *d = r->devices;
   const yaml_node_t *map = get_map(r, root, key, known);
   for (int i = 0; map && i < 2; i++) {
     size_t count = 0;
@@ -324,20 +298,8 @@ static void read_type(const reader *r, const yaml_node_t *root, const char *key,
   }
 }
 
-/* The text of a key, NULL where there is none; `wanted` is what it should be.
- */
-static const yaml_node_t *get_text(const reader *r, const yaml_node_t *root,
-                                   const char *key, const char *wanted,
-                                   gboolean required) {
-  const yaml_node_t *node = look_up(r, root, key);
-  if (!node && required) wrong(r, &root->start_mark, "missing '%s'", key);
-  return node && is_text(r, node, key, wanted) ? node : NULL;
-}
-
-static void read_version(const reader *r, const yaml_node_t *root) {
-  static const char key[] = "opcflow-devices";
-  const yaml_node_t *node = get_text(r, root, key, "a whole number", TRUE);
-  if (!node) return;
+static void read_version(reader *r, const yaml_node_t *node, const char *key) {
+  if (!is_text(r, node, key, "a whole number", "")) return;
   const char *text = text_of(node), *digits = text + (*text == '-');
   if (!*digits || strspn(digits, "0123456789") != strlen(digits))
     wrong(r, &node->start_mark, "'%s' needs a whole number, not '%s'", key,
@@ -347,33 +309,39 @@ static void read_version(const reader *r, const yaml_node_t *root) {
           strtoll(text, NULL, 10) < 1 ? "least" : "most", text);
 }
 
-static void read_head(const reader *r, const yaml_node_t *root) {
-  static const char *const notes[] = {"source", "ion", "ioff"};
-  eda_devices *d = &r->table->devices;
-  read_version(r, root);
-  const yaml_node_t *node = get_text(r, root, "name", "a text", TRUE);
-  if (node) {
-    d->name = g_strdup(text_of(node));
-    g_ptr_array_add(r->table->owned, (char *)d->name);
-  }
-  node = get_text(r, root, "supply", "a voltage with its unit", TRUE);
-  if (node)
-    read_positive(r, &node->start_mark, "supply", text_of(node), "V",
-                  &d->supply);
-  node = get_text(r, root, "width", "a length with its unit", TRUE);
-  if (node)
-    read_positive(r, &node->start_mark, "width", text_of(node), "nm",
-                  &d->width);
+/* What is not a column. */
+static void read_head(reader *r, const yaml_node_t *root) {
+  eda_devices *d = r->devices;
   double ignored;
-  node = get_text(r, root, "temperature", "a temperature with its unit", FALSE);
-  if (node)
-    read_number(r, &node->start_mark, "temperature", text_of(node), "C",
-                &ignored);
-  for (size_t i = 0; i < G_N_ELEMENTS(notes); i++)
-    get_text(r, root, notes[i], "a text", FALSE);
+  const struct {
+    const char *key;
+    char **text; /* where the text goes; NULL: nowhere, */
+    const char *unit;
+    double *number; /* or the number in this unit */
+    gboolean optional;
+  } entries[] = {
+      {"name", .text = &d->name},
+      {"supply", .unit = "V", .number = &d->supply},
+      {"width", .unit = "nm", .number = &d->width},
+      {"temperature", .unit = "C", .number = &ignored, .optional = 1},
+      {"source", .optional = 1},
+      {"ion", .optional = 1},
+      {"ioff", .optional = 1}};
+  for (size_t i = 0; i < G_N_ELEMENTS(entries); i++) {
+    const char *key = entries[i].key, *in = entries[i].unit;
+    const yaml_node_t *node = look_up(r, root, key);
+    if (!node && !entries[i].optional)
+      wrong(r, &root->start_mark, "missing '%s'", key);
+    if (!node) continue;
+    if (in)
+      read_number(r, node, key, NULL, in, !entries[i].optional,
+                  entries[i].number);
+    else if (is_text(r, node, key, "a text", "") && entries[i].text)
+      *entries[i].text = g_strdup(text_of(node));
+  }
 }
 
-static void read_table(const reader *r, const yaml_node_t *root) {
+static void read_table(reader *r, const yaml_node_t *root) {
   static const char *const known[] = {
       "opcflow-devices", "name",  "source", "supply",
       "temperature",     "width", "ion",    "ioff",
@@ -383,6 +351,11 @@ static void read_table(const reader *r, const yaml_node_t *root) {
     return;
   }
   check_keys(r, root, known);
+  const yaml_node_t *version = look_up(r, root, known[0]);
+  if (version)
+    read_version(r, version, known[0]);
+  else
+    wrong(r, &root->start_mark, "missing '%s'", known[0]);
   read_head(r, root);
   read_lengths(r, root);
   read_type(r, root, "nmos", EDA_NMOS);
@@ -458,24 +431,26 @@ eda_devices *eda_devices_read(const char *path, opc_error *error) {
   size_t n;
   g_autofree char *text = read_file(path, &n, error);
   if (!text) return NULL;
-  reader r = {.table = g_new0(table, 1),
-              .faults = g_ptr_array_new_with_free_func(fault_free)};
-  r.table->owned = g_ptr_array_new_with_free_func(g_free);
+  reader r = {.devices = eda_alloc(1, sizeof *r.devices)};
   r.number = g_regex_new(
       "^(([+-]?(?:[0-9]+\\.?[0-9]*|\\.[0-9]+))(?:[eE]([+-]?[0-9]+))?) *(.*)$",
       G_REGEX_DOTALL | G_REGEX_RAW, 0, NULL);
   read_text(&r, text, n);
   int code = settle(&r, path, error);
   g_regex_unref(r.number);
-  g_ptr_array_free(r.faults, TRUE);
-  if (!code) return &r.table->devices;
-  eda_devices_free(&r.table->devices);
+  g_free(r.fault);
+  if (!code) return r.devices;
+  eda_devices_free(r.devices);
   return NULL;
 }
 
-void eda_devices_free(eda_devices *devices) {
-  if (!devices) return;
-  table *t = (table *)devices;
-  g_ptr_array_free(t->owned, TRUE);
-  g_free(t);
+void eda_devices_free(eda_devices *d) {
+  if (!d) return;
+  for (int type = 0; type < 2; type++) {
+    free(d->ion[type]);
+    free(d->ioff[type]);
+  }
+  free(d->length);
+  free(d->name);
+  free(d);
 }

@@ -6,12 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Holes are lists by number, counted from 1: 0 ends one. */
 typedef struct sorting {
   const eda_shapes *shapes;
   eda_box *box;    /* of each polygon */
-  uint32_t *owner; /* of each hole */
-  uint32_t *first; /* of each outline: its holes in `holes` */
-  uint32_t *holes;
+  uint32_t *first; /* of each outline: its first hole */
+  uint32_t *next;  /* of each hole: the next of the same outline */
 } sorting;
 
 /* The lowest, then leftmost point: the unit square up and right of it lies in
@@ -58,59 +58,51 @@ static int64_t outline_of(const sorting *o, size_t h) {
   return best;
 }
 
-/* first[i] .. first[i + 1] - 1 are the places of the holes of outline i. */
 static int sort_holes(sorting *o, opc_error *error) {
   const eda_shapes *s = o->shapes;
-  uint32_t total = 0;
   for (size_t i = 0; i < s->count; i++)
     o->box[i] =
         eda_bounds(s->points + s->start[i], s->start[i + 1] - s->start[i]);
-  for (size_t h = 0; h < s->count; h++) {
+  for (size_t h = s->count; h-- > 0;) {
     if (!s->hole[h]) continue;
     int64_t owner = outline_of(o, h);
     if (owner < 0)
       return opc_fail(error, OPC_FAILED, NULL,
                       "a hole at (%d, %d) lies in no polygon", o->box[h].x0,
                       o->box[h].y0);
-    o->owner[h] = (uint32_t)owner;
-    o->first[owner + 1]++;
-    total++;
+    o->next[h] = o->first[owner];
+    o->first[owner] = (uint32_t)h + 1;
   }
-  for (size_t i = 0; i < s->count; i++) o->first[i + 1] += o->first[i];
-  for (size_t h = s->count; h-- > 0;)
-    if (s->hole[h]) o->holes[--o->first[o->owner[h] + 1]] = (uint32_t)h;
-  /* first[i + 1] has come down to where the holes of outline i begin. */
-  for (size_t i = 0; i < s->count; i++) o->first[i] = o->first[i + 1];
-  o->first[s->count] = total;
   return OPC_OK;
 }
 
+/* One polygon more, which there is room for: an outline, then its holes. */
+static void add(eda_shapes *out, const eda_shapes *s, size_t from) {
+  uint32_t n = s->start[from + 1] - s->start[from];
+  uint32_t begin = out->start[out->count];
+  memcpy(out->points + begin, s->points + s->start[from],
+         n * sizeof *out->points);
+  out->hole[out->count] = s->hole[from];
+  out->start[++out->count] = begin + n;
+}
+
 /* An outline with its holes as shapes of their own. */
-static eda_shapes gather(const sorting *o, size_t i, uint32_t n_holes) {
+static eda_shapes gather(const sorting *o, size_t i) {
   const eda_shapes *s = o->shapes;
-  size_t points = s->start[i + 1] - s->start[i];
-  for (uint32_t k = 0; k < n_holes; k++) {
-    uint32_t h = o->holes[o->first[i] + k];
-    points += s->start[h + 1] - s->start[h];
-  }
-  eda_shapes out = {.count = n_holes + 1,
-                    .start = eda_alloc(n_holes + 2, sizeof *out.start),
+  size_t points = s->start[i + 1] - s->start[i], n = 1;
+  for (uint32_t h = o->first[i]; h; h = o->next[h - 1], n++)
+    points += s->start[h] - s->start[h - 1];
+  eda_shapes out = {.start = eda_alloc(n + 1, sizeof *out.start),
                     .points = eda_alloc(points, sizeof *out.points),
-                    .hole = eda_alloc(n_holes + 1, 1)};
-  for (uint32_t k = 0; k <= n_holes; k++) {
-    size_t from = k ? o->holes[o->first[i] + k - 1] : i;
-    uint32_t n = s->start[from + 1] - s->start[from];
-    memcpy(out.points + out.start[k], s->points + s->start[from],
-           n * sizeof *out.points);
-    out.start[k + 1] = out.start[k] + n;
-    out.hole[k] = k > 0;
-  }
+                    .hole = eda_alloc(n, 1)};
+  add(&out, s, i);
+  for (uint32_t h = o->first[i]; h; h = o->next[h - 1]) add(&out, s, h - 1);
   return out;
 }
 
-static int put_boxes(const sorting *o, size_t i, uint32_t n_holes,
-                     const eda_polygon_taker *take, opc_error *error) {
-  eda_shapes one = gather(o, i, n_holes);
+static int put_boxes(const sorting *o, size_t i, const eda_polygon_taker *take,
+                     opc_error *error) {
+  eda_shapes one = gather(o, i);
   eda_box *boxes = NULL;
   size_t n = 0;
   int code = eda_fracture(&one, &boxes, &n, error);
@@ -137,9 +129,8 @@ static int put_all(sorting *o, const eda_polygon_taker *take,
   if (sort_holes(o, error)) return error->code;
   for (size_t i = 0; i < s->count; i++) {
     if (s->hole[i]) continue;
-    uint32_t n_holes = o->first[i + 1] - o->first[i];
-    int code = n_holes ? put_boxes(o, i, n_holes, take, error)
-                       : put_outline(s, i, take, error);
+    int code = o->first[i] ? put_boxes(o, i, take, error)
+                           : put_outline(s, i, take, error);
     if (code) return code;
   }
   return OPC_OK;
@@ -154,13 +145,11 @@ int eda_polygons_without_holes(const eda_shapes *shapes,
   if (!shapes->hole) return OPC_OK;
   sorting o = {.shapes = shapes,
                .box = eda_alloc(n, sizeof *o.box),
-               .owner = eda_alloc(n, sizeof *o.owner),
-               .first = eda_alloc(n + 1, sizeof *o.first),
-               .holes = eda_alloc(n, sizeof *o.holes)};
+               .first = eda_alloc(n, sizeof *o.first),
+               .next = eda_alloc(n, sizeof *o.next)};
   int code = put_all(&o, take, error);
   free(o.box);
-  free(o.owner);
   free(o.first);
-  free(o.holes);
+  free(o.next);
   return code;
 }

@@ -2,8 +2,10 @@
 /* What plugins hand back, before it is used: sound, or an error that names
    what is wrong with it. Whose error it is, eda_blame says. */
 #include <eda/check.h>
+#include <eda/memory.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -13,6 +15,9 @@ enum {
   OUTERMOST = 1 << 30,  /* coordinate */
   ALL_VETOES = 15
 };
+
+/* All faults that are found here. */
+#define unsound(error, ...) opc_fail(error, OPC_FAILED, NULL, __VA_ARGS__)
 
 const char *eda_enter(const opc_context *context, const opc_module *module,
                       opc_error *error) {
@@ -32,6 +37,29 @@ int eda_blame(opc_error *error, int code, const char *slot) {
   if (code < OPC_INVALID || code > OPC_CANCELLED) code = OPC_FAILED;
   return opc_fail(error, code, parameter, "%s",
                   *message ? message : "gave no reason");
+}
+
+typedef struct tasks {
+  int (*task)(void *data, size_t i, opc_error *error);
+  void *data;
+  opc_error *error; /* of each */
+} tasks;
+
+static void try_one(void *data, size_t i) {
+  tasks *t = data;
+  t->error[i].code = t->task(t->data, i, &t->error[i]);
+}
+
+int eda_try_all(const opc_context *context, size_t n,
+                int (*task)(void *data, size_t i, opc_error *error), void *data,
+                opc_error *error) {
+  tasks t = {task, data, eda_alloc(n, sizeof *t.error)};
+  opc_parallel(context, n, try_one, &t);
+  int code = OPC_OK;
+  for (size_t i = 0; i < n && !code; i++)
+    if ((code = t.error[i].code)) *error = t.error[i];
+  free(t.error);
+  return code;
 }
 
 /* ---- fields ---- */
@@ -54,25 +82,23 @@ static int wild_field(const eda_field *f, const char *what, opc_error *error) {
   double x = f->frame.x0 + f->frame.width / f->nx * (double)(i % nx);
   size_t row = i / nx;
   double y = f->frame.y0 + f->frame.height / f->ny * (double)row;
-  return opc_fail(error, OPC_FAILED, NULL, "%s is %s at (%.1f, %.1f) nm", what,
-                  isnan(f->coefficients[i]) ? "not a number" : "infinite", x,
-                  y);
+  return unsound(error, "%s is %s at (%.1f, %.1f) nm", what,
+                 isnan(f->coefficients[i]) ? "not a number" : "infinite", x, y);
 }
 
 int eda_check_field(const eda_field *f, const eda_frame *frame,
                     const char *what, opc_error *error) {
   if (!f->coefficients || f->nx < 1 || f->ny < 1)
-    return opc_fail(error, OPC_FAILED, NULL,
-                    "%s is a field of %d x %d without values", what, f->nx,
-                    f->ny);
+    return unsound(error, "%s is a field of %d x %d without values", what,
+                   f->nx, f->ny);
   const eda_frame *g = &f->frame;
   if (g->x0 != frame->x0 || g->y0 != frame->y0 || g->width != frame->width ||
       g->height != frame->height)
-    return opc_fail(error, OPC_FAILED, NULL,
-                    "%s has the frame (%g, %g) %g x %g nm, its mask (%g, %g) "
-                    "%g x %g nm",
-                    what, g->x0, g->y0, g->width, g->height, frame->x0,
-                    frame->y0, frame->width, frame->height);
+    return unsound(error,
+                   "%s has the frame (%g, %g) %g x %g nm, its mask (%g, %g) "
+                   "%g x %g nm",
+                   what, g->x0, g->y0, g->width, g->height, frame->x0,
+                   frame->y0, frame->width, frame->height);
   if (!has_wild(f->coefficients, (size_t)f->nx * (size_t)f->ny)) return OPC_OK;
   return wild_field(f, what, error);
 }
@@ -82,23 +108,21 @@ int eda_check_field(const eda_field *f, const eda_frame *frame,
 int eda_check_slicing(size_t n, const double *place, const double *width,
                       opc_error *error) {
   if (n < 1 || n > MOST_SLICES || !place || !width)
-    return opc_fail(error, OPC_FAILED, NULL, "cuts a gate into %zu slices", n);
+    return unsound(error, "cuts a gate into %zu slices", n);
   double sum = 0;
   for (size_t i = 0; i < n; i++) {
     double least = i ? place[i - 1] : 0;
     if (!(place[i] >= least && place[i] <= 1))
-      return opc_fail(error, OPC_FAILED, NULL,
-                      "slice %zu is at %g of the width, not within %g to 1",
-                      i + 1, place[i], least);
+      return unsound(error,
+                     "slice %zu is at %g of the width, not within %g to 1",
+                     i + 1, place[i], least);
     if (!(width[i] >= 0))
-      return opc_fail(error, OPC_FAILED, NULL, "slice %zu is %g wide", i + 1,
-                      width[i]);
+      return unsound(error, "slice %zu is %g wide", i + 1, width[i]);
     sum += width[i];
   }
   if (fabs(sum - 1) < 1e-9) return OPC_OK;
-  return opc_fail(error, OPC_FAILED, NULL,
-                  "the slices have %.9g of the width of a gate, not all of it",
-                  sum);
+  return unsound(
+      error, "the slices have %.9g of the width of a gate, not all of it", sum);
 }
 
 int eda_check_performance(const eda_gates *gates, size_t first,
@@ -114,9 +138,9 @@ int eda_check_performance(const eda_gates *gates, size_t first,
       int bad = flags && flags[i] & ~(uint32_t)EDA_PRINT_NOTES;
       if (isfinite(x) && (x > 0 || (bad && x == 0))) continue;
       const char *instance = gates->instance[first + i];
-      return opc_fail(error, OPC_FAILED, NULL, "%s of transistor '%s:%u' is %g",
-                      names[k], *instance ? instance : gates->cell[first + i],
-                      gates->number[first + i], x);
+      return unsound(error, "%s of transistor '%s:%u' is %g", names[k],
+                     *instance ? instance : gates->cell[first + i],
+                     gates->number[first + i], x);
     }
   return OPC_OK;
 }
@@ -128,17 +152,16 @@ static int check_boxes(const char *what, const char *layer,
                        const eda_boxes *boxes, opc_error *error) {
   size_t n = boxes->count;
   if (n > MOST_BOXES || (n && !boxes->box))
-    return opc_fail(error, OPC_FAILED, NULL, "gives %zu %s of %s%s", n, what,
-                    layer, n > MOST_BOXES ? "" : " without their boxes");
+    return unsound(error, "gives %zu %s of %s%s", n, what, layer,
+                   n > MOST_BOXES ? "" : " without their boxes");
   for (size_t i = 0; i < n; i++) {
     eda_box b = boxes->box[i];
     if (b.x0 < b.x1 && b.y0 < b.y1 && b.x0 >= -OUTERMOST &&
         b.y0 >= -OUTERMOST && b.x1 <= OUTERMOST && b.y1 <= OUTERMOST)
       continue;
-    return opc_fail(
-        error, OPC_FAILED, NULL,
-        "number %zu of the %s of %s is no box: (%d, %d) to (%d, %d)", i + 1,
-        what, layer, (int)b.x0, (int)b.y0, (int)b.x1, (int)b.y1);
+    return unsound(
+        error, "number %zu of the %s of %s is no box: (%d, %d) to (%d, %d)",
+        i + 1, what, layer, (int)b.x0, (int)b.y0, (int)b.x1, (int)b.y1);
   }
   return OPC_OK;
 }
@@ -157,10 +180,10 @@ static int check_all_boxes(const eda_gates *gates, const char *what,
 
 static int far_move(const char *what, size_t gate, int32_t steps,
                     opc_error *error) {
-  return opc_fail(error, OPC_FAILED, NULL,
-                  "moves the %s of transistor %zu by %d steps, at most %d are "
-                  "possible",
-                  what, gate + 1, (int)steps, FURTHEST);
+  return unsound(error,
+                 "moves the %s of transistor %zu by %d steps, at most %d are "
+                 "possible",
+                 what, gate + 1, (int)steps, FURTHEST);
 }
 
 static int is_far(int32_t steps) {
@@ -177,11 +200,11 @@ int eda_check_moves(const eda_gates *gates, const eda_moves *moves,
   for (size_t k = 0; k < gates->layers; k++)
     for (size_t i = 0; i < fragments[k]; i++)
       if (is_far(moves->shift[k][i]))
-        return opc_fail(error, OPC_FAILED, NULL,
-                        "moves fragment %zu of %s by %d steps, at most %d are "
-                        "possible",
-                        i + 1, gates->layer[k], (int)moves->shift[k][i],
-                        FURTHEST);
+        return unsound(error,
+                       "moves fragment %zu of %s by %d steps, at most %d are "
+                       "possible",
+                       i + 1, gates->layer[k], (int)moves->shift[k][i],
+                       FURTHEST);
   return check_all_boxes(gates, "assists", moves->assists, error);
 }
 
@@ -189,9 +212,8 @@ int eda_check_ruling(const eda_gates *gates, const eda_ruling *r,
                      opc_error *error) {
   for (size_t i = 0; i < gates->count; i++) {
     if (r->vetoes[i] & ~(uint32_t)ALL_VETOES)
-      return opc_fail(error, OPC_FAILED, NULL,
-                      "the veto %#x of transistor %zu is unknown",
-                      (unsigned)r->vetoes[i], i + 1);
+      return unsound(error, "the veto %#x of transistor %zu is unknown",
+                     (unsigned)r->vetoes[i], i + 1);
     for (size_t side = 0; side < 2; side++)
       if (is_far(r->end[2 * i + side]))
         return far_move("line end", i, r->end[2 * i + side], error);
@@ -203,13 +225,10 @@ int eda_check_ruling(const eda_gates *gates, const eda_ruling *r,
 int eda_check_violations(const eda_violation *v, size_t n, size_t gates,
                          opc_error *error) {
   for (size_t i = 0; i < n; i++) {
-    if (!v[i].rule)
-      return opc_fail(error, OPC_FAILED, NULL, "violation %zu has no rule",
-                      i + 1);
+    if (!v[i].rule) return unsound(error, "violation %zu has no rule", i + 1);
     if (v[i].gate < -1 || (v[i].gate >= 0 && (size_t)v[i].gate >= gates))
-      return opc_fail(error, OPC_FAILED, NULL,
-                      "violation %zu is of transistor %d, there are %zu", i + 1,
-                      (int)v[i].gate + 1, gates);
+      return unsound(error, "violation %zu is of transistor %d, there are %zu",
+                     i + 1, (int)v[i].gate + 1, gates);
   }
   return OPC_OK;
 }
@@ -227,11 +246,11 @@ typedef struct cut_place {
 
 static int misplaced(const cut_place *c, const char *what, double x, double y,
                      opc_error *error) {
-  return opc_fail(error, OPC_FAILED, NULL,
-                  "cuts %s: %s of fragment %u, (%g, %g) nm, is not on the edge "
-                  "from (%g, %g) to (%g, %g) nm, or not in its order",
-                  c->layer, what, c->fragment + 1, x, y, c->a.x * c->grid,
-                  c->a.y * c->grid, c->b.x * c->grid, c->b.y * c->grid);
+  return unsound(error,
+                 "cuts %s: %s of fragment %u, (%g, %g) nm, is not on the edge "
+                 "from (%g, %g) to (%g, %g) nm, or not in its order",
+                 c->layer, what, c->fragment + 1, x, y, c->a.x * c->grid,
+                 c->a.y * c->grid, c->b.x * c->grid, c->b.y * c->grid);
 }
 
 /* The place along the edge from a to b, if it is on it: from 0 to its length;
@@ -276,9 +295,9 @@ static int check_cut_polygon(cut_place c, const eda_shapes *drawn, size_t p,
     double at = 0;
     do {
       if (used == n || first == n)
-        return opc_fail(error, OPC_FAILED, NULL,
-                        "cuts %s: no fragment begins at the corner (%g, %g) nm",
-                        c.layer, c.a.x * c.grid, c.a.y * c.grid);
+        return unsound(error,
+                       "cuts %s: no fragment begins at the corner (%g, %g) nm",
+                       c.layer, c.a.x * c.grid, c.a.y * c.grid);
       c.fragment = start + (first + used) % n;
       next = from[(first + ++used) % n];
       int code = check_cut(&c, at, next, &at, error);
@@ -286,9 +305,9 @@ static int check_cut_polygon(cut_place c, const eda_shapes *drawn, size_t p,
     } while (next.x != c.b.x || next.y != c.b.y);
   }
   if (used == n) return OPC_OK;
-  return opc_fail(error, OPC_FAILED, NULL,
-                  "cuts %s: polygon %zu has %u fragments, %u go around it",
-                  c.layer, p + 1, n, used);
+  return unsound(error,
+                 "cuts %s: polygon %zu has %u fragments, %u go around it",
+                 c.layer, p + 1, n, used);
 }
 
 int eda_check_cuts(const eda_gates *gates, int layer, const eda_cuts *cuts,
@@ -299,19 +318,17 @@ int eda_check_cuts(const eda_gates *gates, int layer, const eda_cuts *cuts,
   if (code) return code;
   if (!cuts->polygons) return OPC_OK;
   if (cuts->polygons != drawn->count)
-    return opc_fail(error, OPC_FAILED, NULL,
-                    "cuts %zu polygons of %s, there are %zu", cuts->polygons,
-                    name, drawn->count);
+    return unsound(error, "cuts %zu polygons of %s, there are %zu",
+                   cuts->polygons, name, drawn->count);
   if (!cuts->start || !cuts->from || !cuts->site || cuts->start[0])
-    return opc_fail(error, OPC_FAILED, NULL, "cuts %s: fragments are missing",
-                    name);
+    return unsound(error, "cuts %s: fragments are missing", name);
   cut_place place = {.cuts = cuts, .layer = name, .grid = gates->grid};
   for (size_t p = 0; p < cuts->polygons && !code; p++)
     if (cuts->start[p + 1] < cuts->start[p])
-      code = opc_fail(error, OPC_FAILED, NULL,
-                      "cuts %s: the fragments of polygon %zu end before they "
-                      "begin",
-                      name, p + 1);
+      code = unsound(error,
+                     "cuts %s: the fragments of polygon %zu end before they "
+                     "begin",
+                     name, p + 1);
     else
       code = check_cut_polygon(place, drawn, p, error);
   return code;
@@ -326,26 +343,26 @@ static int check_shapes(const eda_shapes *s, const char *what,
   for (size_t i = 0; sound && i < s->count; i++)
     sound = s->start[i + 1] >= s->start[i];
   if (sound) return OPC_OK;
-  return opc_fail(error, OPC_FAILED, NULL, "%s are not sound", what);
+  return unsound(error, "%s are not sound", what);
 }
 
 static int check_edges(const eda_gates *g, size_t layer, opc_error *error) {
   const eda_edges *e = &g->edges[layer];
   if (!e->polygons) return OPC_OK;
   if (!e->start || !e->fragments || e->start[0])
-    return opc_fail(error, OPC_FAILED, NULL, "edges are missing");
+    return unsound(error, "edges are missing");
   for (size_t i = 0; i < e->polygons; i++)
     if (e->start[i + 1] < e->start[i])
-      return opc_fail(error, OPC_FAILED, NULL,
-                      "the edges of polygon %zu end before they begin", i + 1);
+      return unsound(error, "the edges of polygon %zu end before they begin",
+                     i + 1);
   for (uint32_t i = 0; i < e->start[e->polygons]; i++) {
     const eda_fragment *f = &e->fragments[i];
     int owned = f->gate >= 0 && (size_t)f->gate < g->count;
     if (f->role > EDA_END_HIGH || (f->role != EDA_FIXED && !owned))
-      return opc_fail(error, OPC_FAILED, NULL,
-                      "edge fragment %u of role %u is of transistor %d, there "
-                      "are %zu",
-                      i + 1, f->role, (int)f->gate + 1, g->count);
+      return unsound(error,
+                     "edge fragment %u of role %u is of transistor %d, there "
+                     "are %zu",
+                     i + 1, f->role, (int)f->gate + 1, g->count);
   }
   return OPC_OK;
 }
@@ -358,24 +375,20 @@ static int check_gate(const eda_gates *g, size_t i, opc_error *error) {
       g->cell[i] && g->space[2 * i] >= 0 && g->space[2 * i + 1] >= 0 &&
       !isnan(g->extension[2 * i]) && !isnan(g->extension[2 * i + 1]))
     return OPC_OK;
-  return opc_fail(error, OPC_FAILED, NULL, "transistor %zu is not sound",
-                  i + 1);
+  return unsound(error, "transistor %zu is not sound", i + 1);
 }
 
 /* The layers: those that transistors need, each with a name of its own. */
 static int check_layers(const eda_gates *g, opc_error *error) {
   if (g->layers && !(g->layer && g->corrected && g->drawn && g->edges))
-    return opc_fail(error, OPC_FAILED, NULL,
-                    "an array of the layers is missing");
+    return unsound(error, "an array of the layers is missing");
   if (g->count && g->layers <= EDA_ACTIVE)
-    return opc_fail(error, OPC_FAILED, NULL,
-                    "%zu layers are too few for transistors", g->layers);
+    return unsound(error, "%zu layers are too few for transistors", g->layers);
   for (size_t k = 0; k < g->layers; k++)
     if (!g->layer[k])
-      return opc_fail(error, OPC_FAILED, NULL, "layer %zu has no name", k + 1);
+      return unsound(error, "layer %zu has no name", k + 1);
     else if (eda_gates_layer(g, g->layer[k]) != (int)k)
-      return opc_fail(error, OPC_FAILED, NULL, "two layers are called '%s'",
-                      g->layer[k]);
+      return unsound(error, "two layers are called '%s'", g->layer[k]);
   int code = OPC_OK;
   for (size_t k = 0; k < g->layers && !code; k++)
     code = check_shapes(&g->drawn[k], "drawn shapes", error);
@@ -387,13 +400,11 @@ static int check_layers(const eda_gates *g, opc_error *error) {
 int eda_gates_check(const void *gates, opc_error *error) {
   const eda_gates *g = gates;
   if (!(g->grid > 0) || !isfinite(g->grid))
-    return opc_fail(error, OPC_FAILED, NULL, "gates have a grid of %g nm",
-                    g->grid);
+    return unsound(error, "gates have a grid of %g nm", g->grid);
   if (g->count &&
       !(g->box && g->type && g->axis && g->length && g->width && g->space &&
         g->extension && g->instance && g->cell && g->number))
-    return opc_fail(error, OPC_FAILED, NULL,
-                    "an array of the gates is missing");
+    return unsound(error, "an array of the gates is missing");
   int code = OPC_OK;
   for (size_t i = 0; i < g->count && !code; i++) code = check_gate(g, i, error);
   return code ? code : check_layers(g, error);
@@ -401,16 +412,15 @@ int eda_gates_check(const void *gates, opc_error *error) {
 
 int eda_mask_check(const void *mask, opc_error *error) {
   const eda_mask *m = mask;
-  if (!m->gates)
-    return opc_fail(error, OPC_FAILED, NULL, "a mask has no gates");
+  if (!m->gates) return unsound(error, "a mask has no gates");
   const eda_performance *const all[] = {&m->design, &m->before, &m->after};
   for (size_t i = 0; i < 3; i++)
     if (all[i]->count != m->gates->count ||
         (all[i]->count &&
          !(all[i]->ion && all[i]->ioff && all[i]->leq_ion && all[i]->leq_ioff &&
            all[i]->weq && all[i]->area && m->flags)))
-      return opc_fail(error, OPC_FAILED, NULL,
-                      "a mask has not the performance of its transistors");
+      return unsound(error,
+                     "a mask has not the performance of its transistors");
   int code = OPC_OK;
   for (size_t k = 0; k < m->gates->layers && !code; k++) {
     const eda_field *print = &m->print[k];

@@ -18,7 +18,6 @@ static const double step = 10, corner = -600;
 typedef double level(double l, double w);
 
 static eda_field field(level *f, int across) {
-  opc_error error;
   eda_field out = {.frame = {corner, corner, step * NODES, step * NODES},
                    .nx = NODES,
                    .ny = NODES};
@@ -28,7 +27,7 @@ static eda_field field(level *f, int across) {
       double x = corner + step * i, y = corner + step * j;
       out.coefficients[j * NODES + i] = (float)(across ? f(y, x) : f(x, y));
     }
-  g_assert_cmpint(eda_field_from_samples(context, &out, &error), ==, OPC_OK);
+  eda_field_from_samples(context, &out);
   return out;
 }
 

@@ -91,7 +91,6 @@ typedef struct job {
   const eda_field *print;
   const opc_module *extractor;
   eda_measurement *out;
-  opc_error *failures; /* of each block */
 } job;
 
 /* The gates from `first` on. */
@@ -105,9 +104,8 @@ static eda_performance part(const eda_performance *p, size_t first, size_t n) {
                            .area = p->area + first};
 }
 
-static void measure_block(void *data, size_t block) {
+static int measure_block(void *data, size_t block, opc_error *error) {
   const job *j = data;
-  opc_error *error = &j->failures[block];
   size_t first = block * BLOCK, n = j->gates->count - first;
   if (n > BLOCK) n = BLOCK;
   slices s;
@@ -123,23 +121,19 @@ static void measure_block(void *data, size_t block) {
   }
   if (!code) {
     eda_performance p = part(&j->out->performance, first, n);
-    slices_extract(&s, j->gates, first, j->out->flags + first, &p, error);
+    code =
+        slices_extract(&s, j->gates, first, j->out->flags + first, &p, error);
   }
   free(s.width);
+  return code;
 }
 
 int eda_measure(const opc_context *context, const eda_gates *gates,
                 const eda_field *print, const opc_module *extractor,
                 eda_measurement *out, opc_error *error) {
-  size_t blocks = (gates->count + BLOCK - 1) / BLOCK;
-  job j = {context,   gates, print,
-           extractor, out,   eda_alloc(blocks, sizeof *j.failures)};
-  opc_parallel(context, blocks, measure_block, &j);
-  int code = OPC_OK;
-  for (size_t b = 0; b < blocks && !code; b++)
-    if ((code = j.failures[b].code)) *error = j.failures[b];
-  free(j.failures);
-  return code;
+  job j = {context, gates, print, extractor, out};
+  return eda_try_all(context, (gates->count + BLOCK - 1) / BLOCK, measure_block,
+                     &j, error);
 }
 
 /* ---- the design ---- */

@@ -17,8 +17,7 @@ static eda_field level(double a, double b, double c) {
     for (int i = 0; i < 40; i++)
       f.coefficients[40 * j + i] =
           (float)(a + b * cos(M_PI * i / 20) + c * cos(M_PI * j / 20));
-  opc_error error;
-  g_assert_cmpint(eda_field_from_samples(NULL, &f, &error), ==, OPC_OK);
+  eda_field_from_samples(NULL, &f);
   return f;
 }
 

@@ -70,30 +70,24 @@ static int print_layer(eda_printer *p, int layer, const eda_shapes *mask,
 typedef struct prints {
   eda_printer *printer;
   const eda_shapes *mask;
-  size_t n;
-  int *layer;       /* [n] */
-  opc_error *error; /* [n] */
+  int *layer; /* those to print */
 } prints;
 
-static void print_one(void *data, size_t i) {
+static int print_one(void *data, size_t i, opc_error *error) {
   prints *all = data;
   int layer = all->layer[i];
-  print_layer(all->printer, layer, &all->mask[layer], &all->error[i]);
+  return print_layer(all->printer, layer, &all->mask[layer], error);
 }
 
 int eda_printer_print(eda_printer *p, const uint8_t *layers,
                       const eda_shapes *mask, opc_error *error) {
-  prints all = {p, mask, 0, eda_alloc(p->layers, sizeof *all.layer),
-                eda_alloc(p->layers, sizeof *all.error)};
+  prints all = {p, mask, eda_alloc(p->layers, sizeof *all.layer)};
+  size_t n = 0;
   for (size_t k = 0; k < p->layers; k++)
-    if (layers[k]) all.layer[all.n++] = (int)k;
-  p->simulations += (uint32_t)all.n;
-  opc_parallel(p->context, all.n, print_one, &all);
-  int code = OPC_OK;
-  for (size_t i = 0; i < all.n && !code; i++)
-    if ((code = all.error[i].code)) *error = all.error[i];
+    if (layers[k]) all.layer[n++] = (int)k;
+  p->simulations += (uint32_t)n;
+  int code = eda_try_all(p->context, n, print_one, &all, error);
   free(all.layer);
-  free(all.error);
   return code;
 }
 

@@ -64,8 +64,7 @@ static int add_wall(sweep *s, uint32_t x, uint32_t r0, uint32_t r1, int left,
   if (s->n_walls == MOST_WALLS)
     return opc_fail(error, OPC_FAILED, NULL,
                     "the result has more than 2^31 edges");
-  eda_grow(&s->walls, &s->walls_room, s->n_walls + 1, sizeof *s->walls);
-  s->walls[s->n_walls++] = wall;
+  EDA_PUSH(s->walls, s->n_walls, s->walls_room, wall);
   return OPC_OK;
 }
 
@@ -116,11 +115,9 @@ static int change_range(sweep *s, uint32_t x, uint32_t r0, uint32_t r1,
 }
 
 static void prepare(sweep *s) {
-  eda_event *scratch = g_new(eda_event, s->n + 1);
   uint32_t ranks = 0;
-  s->y = eda_rank_minor(s->events, scratch, s->n, &ranks);
-  eda_sort_major(s->events, scratch, s->n);
-  g_free(scratch);
+  s->y = eda_rank_minor(s->events, s->n, &ranks);
+  eda_sort(s->events, s->n, EDA_MAJOR);
   s->wind = g_malloc0_n((gsize)ranks + 1, sizeof *s->wind);
   eda_rankset_init(&s->breaks, ranks);
 }
@@ -147,9 +144,10 @@ static int run(sweep *s, opc_error *error) {
 static void add_edge(sweep *s, int32_t x, int32_t y0, int32_t y1,
                      uint32_t operand) {
   if (y0 == y1) return;
-  eda_grow(&s->events, &s->room, s->n + 2, sizeof *s->events);
-  s->events[s->n++] = (eda_event){eda_bias(x), eda_bias(y0), operand | MINUS};
-  s->events[s->n++] = (eda_event){eda_bias(x), eda_bias(y1), operand};
+  EDA_PUSH(s->events, s->n, s->room,
+           (eda_event){eda_bias(x), eda_bias(y0), operand | MINUS});
+  EDA_PUSH(s->events, s->n, s->room,
+           (eda_event){eda_bias(x), eda_bias(y1), operand});
 }
 
 /* As outline (interior inside), or as hole. */

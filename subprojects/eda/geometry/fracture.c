@@ -96,8 +96,8 @@ static size_t collect(fracture *f, eda_event *events) {
 }
 
 /* Rank the ends, then sort the edges by x and lower end. */
-static void rank_sides(fracture *f, eda_event *events, eda_event *scratch) {
-  uint32_t *keys = eda_rank_minor(events, scratch, 2 * f->n_sides, &f->ranks);
+static void rank_sides(fracture *f, eda_event *events) {
+  uint32_t *keys = eda_rank_minor(events, 2 * f->n_sides, &f->ranks);
   side *sorted = g_new(side, f->n_sides + 1);
   f->y = g_new(int32_t, (gsize)f->ranks + 1);
   for (uint32_t r = 0; r < f->ranks; r++) f->y[r] = eda_unbias(keys[r]);
@@ -106,7 +106,7 @@ static void rank_sides(fracture *f, eda_event *events, eda_event *scratch) {
     side *s = &f->sides[events[i].payload >> 1];
     *(events[i].payload & 1 ? &s->r1 : &s->r0) = events[i].minor;
   }
-  eda_sort_major(events, scratch, 2 * f->n_sides);
+  eda_sort(events, 2 * f->n_sides, EDA_MAJOR);
   size_t n = 0;
   for (size_t i = 0; i < 2 * f->n_sides; i++)
     if (!(events[i].payload & 1))
@@ -122,22 +122,15 @@ static void forget_sweep(fracture *f) {
   g_free(f->closed);
   g_free(f->ends);
   eda_rankset_clear(&f->open);
-  f->sides = NULL;
-  f->y = NULL;
-  f->slabs = NULL;
-  f->closed = NULL;
-  f->ends = NULL;
 }
 
 static void prepare_sweep(fracture *f) {
   size_t most = f->shapes->start[f->shapes->count];
   eda_event *events = g_new(eda_event, 2 * most + 1);
-  eda_event *scratch = g_new(eda_event, 2 * most + 1);
   f->sides = g_new(side, most + 1);
   f->n_sides = collect(f, events);
-  rank_sides(f, events, scratch);
+  rank_sides(f, events);
   g_free(events);
-  g_free(scratch);
   f->slabs = g_new(slab, (gsize)f->ranks + 1);
   f->closed = g_new(span, (gsize)f->ranks + 1);
   f->ends = g_new(uint32_t, 2 * ((gsize)f->ranks + f->n_sides) + 1);
@@ -148,11 +141,10 @@ static void prepare_sweep(fracture *f) {
 
 static void add_piece(fracture *f, const span *s, int32_t x0, int32_t x1) {
   int way = f->transpose;
-  eda_grow(&f->pieces[way], &f->room[way], f->n_pieces[way] + 1,
-           sizeof *f->pieces[way]);
   int32_t y0 = f->y[s->r0], y1 = f->y[s->r1];
-  f->pieces[way][f->n_pieces[way]++] = (piece){
-      way ? (eda_box){y0, x0, y1, x1} : (eda_box){x0, y0, x1, y1}, s->contour};
+  eda_box box = way ? (eda_box){y0, x0, y1, x1} : (eda_box){x0, y0, x1, y1};
+  EDA_PUSH(f->pieces[way], f->n_pieces[way], f->room[way],
+           (piece){box, s->contour});
 }
 
 /* End the open slabs that [r0, r1] touches. */

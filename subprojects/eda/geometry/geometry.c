@@ -55,6 +55,5 @@ void eda_shapes_clear(eda_shapes *shapes) {
 }
 
 void eda_box_list_add(eda_box_list *list, eda_box box) {
-  eda_grow(&list->box, &list->room, list->count + 1, sizeof box);
-  list->box[list->count++] = box;
+  EDA_PUSH(list->box, list->count, list->room, box);
 }

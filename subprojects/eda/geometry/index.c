@@ -23,19 +23,18 @@ struct eda_index {
 
 static int is_empty(eda_box b) { return b.x0 > b.x1 || b.y0 > b.y1; }
 
-static int32_t column_of(const eda_index *x, int32_t at) {
-  int64_t k = ((int64_t)at - x->extent.x0) / x->cell;
-  return at < x->extent.x0 ? 0 : (int32_t)MIN(k, x->columns - 1);
-}
-
-static int32_t row_of(const eda_index *x, int32_t at) {
-  int64_t k = ((int64_t)at - x->extent.y0) / x->cell;
-  return at < x->extent.y0 ? 0 : (int32_t)MIN(k, x->rows - 1);
+/* Which of n columns or rows from `first` on. */
+static int32_t cell_of(const eda_index *x, int32_t at, int32_t first,
+                       int32_t n) {
+  int64_t k = ((int64_t)at - first) / x->cell;
+  return at < first ? 0 : (int32_t)MIN(k, n - 1);
 }
 
 static eda_box cells_of(const eda_index *x, eda_box b) {
-  return (eda_box){column_of(x, b.x0), row_of(x, b.y0), column_of(x, b.x1),
-                   row_of(x, b.y1)};
+  eda_box e = x->extent;
+  return (eda_box){
+      cell_of(x, b.x0, e.x0, x->columns), cell_of(x, b.y0, e.y0, x->rows),
+      cell_of(x, b.x1, e.x0, x->columns), cell_of(x, b.y1, e.y0, x->rows)};
 }
 
 /* ---- making ---- */

@@ -6,23 +6,15 @@
 
 void eda_rankset_init(eda_rankset *set, uint32_t n) {
   *set = (eda_rankset){0};
-  size_t words[6] = {0}, total = 0, size = n;
+  size_t words = n;
   do {
-    size = (size + 63) / 64;
-    if (size == 0) size = 1;
-    words[set->levels++] = size;
-    total += size;
-  } while (size > 1);
-  set->memory = g_new0(uint64_t, total);
-  uint64_t *at = set->memory;
-  for (unsigned l = 0; l < set->levels; l++) {
-    set->level[l] = at;
-    at += words[l];
-  }
+    words = MAX(1, (words + 63) / 64);
+    set->level[set->levels++] = g_new0(uint64_t, words);
+  } while (words > 1);
 }
 
 void eda_rankset_clear(eda_rankset *set) {
-  g_free(set->memory);
+  for (unsigned l = 0; l < set->levels; l++) g_free(set->level[l]);
   *set = (eda_rankset){0};
 }
 

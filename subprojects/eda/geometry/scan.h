@@ -22,15 +22,13 @@ typedef struct eda_event {
   uint32_t major, minor, payload;
 } eda_event;
 
-/* Sort by one of the two keys; equal ones keep their order. `scratch` has room
-   for n as well. Linear in n. */
-void eda_sort_major(eda_event *events, eda_event *scratch, size_t n);
-void eda_sort_minor(eda_event *events, eda_event *scratch, size_t n);
+/* Sort by one of the two keys; equal ones keep their order. Linear in n. */
+enum { EDA_MAJOR, EDA_MINOR };
+void eda_sort(eda_event *events, size_t n, int key);
 
 /* Replace the minor keys by their ranks 0 .. ranks-1. Leaves the events sorted
    by it. Returns the ranks' keys (g_free). */
-uint32_t *eda_rank_minor(eda_event *events, eda_event *scratch, size_t n,
-                         uint32_t *ranks);
+uint32_t *eda_rank_minor(eda_event *events, size_t n, uint32_t *ranks);
 
 /* ---- rankset.c ---- */
 
@@ -39,7 +37,6 @@ uint32_t *eda_rank_minor(eda_event *events, eda_event *scratch, size_t n,
 typedef struct eda_rankset {
   unsigned levels;
   uint64_t *level[6];
-  uint64_t *memory;
 } eda_rankset;
 
 #define EDA_NO_RANK UINT32_MAX

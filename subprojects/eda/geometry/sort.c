@@ -5,17 +5,19 @@
 
 #include "geometry/scan.h"
 
-enum { DIGIT = 11, BUCKETS = 1 << DIGIT };
+enum { DIGIT = 11, BUCKETS = 1 << DIGIT, FEW = 96 };
+
+static uint32_t key_of(const eda_event *e, int key) {
+  return key == EDA_MINOR ? e->minor : e->major;
+}
 
 /* One pass over a digit of the key; 0 if the digit is the same in all, and so
    nothing was moved. */
-static int pass(const eda_event *from, eda_event *to, size_t n, int minor,
+static int pass(const eda_event *from, eda_event *to, size_t n, int key,
                 unsigned shift) {
   size_t place[BUCKETS] = {0};
-  for (size_t i = 0; i < n; i++) {
-    uint32_t key = minor ? from[i].minor : from[i].major;
-    place[(key >> shift) & (BUCKETS - 1)]++;
-  }
+  for (size_t i = 0; i < n; i++)
+    place[(key_of(&from[i], key) >> shift) & (BUCKETS - 1)]++;
   size_t sum = 0;
   for (size_t d = 0; d < BUCKETS; d++) {
     size_t here = place[d];
@@ -23,35 +25,40 @@ static int pass(const eda_event *from, eda_event *to, size_t n, int minor,
     place[d] = sum;
     sum += here;
   }
-  for (size_t i = 0; i < n; i++) {
-    uint32_t key = minor ? from[i].minor : from[i].major;
-    to[place[(key >> shift) & (BUCKETS - 1)]++] = from[i];
-  }
+  for (size_t i = 0; i < n; i++)
+    to[place[(key_of(&from[i], key) >> shift) & (BUCKETS - 1)]++] = from[i];
   return 1;
 }
 
-static void sort(eda_event *events, eda_event *scratch, size_t n, int minor) {
-  eda_event *from = events, *to = scratch;
-  for (unsigned shift = 0; shift < 32 && n > 1; shift += DIGIT) {
-    if (!pass(from, to, n, minor, shift)) continue;
+/* Few are put in their places one by one, in the order that passes give too. */
+static void insert(eda_event *events, size_t n, int key) {
+  for (size_t i = 1; i < n; i++) {
+    eda_event e = events[i];
+    size_t at = i;
+    for (; at && key_of(&events[at - 1], key) > key_of(&e, key); at--)
+      events[at] = events[at - 1];
+    events[at] = e;
+  }
+}
+
+void eda_sort(eda_event *events, size_t n, int key) {
+  if (n <= FEW) {
+    insert(events, n, key);
+    return;
+  }
+  eda_event *scratch = g_new(eda_event, n), *from = events, *to = scratch;
+  for (unsigned shift = 0; shift < 32; shift += DIGIT) {
+    if (!pass(from, to, n, key, shift)) continue;
     eda_event *swap = from;
     from = to;
     to = swap;
   }
   if (from != events) memcpy(events, from, n * sizeof *events);
+  g_free(scratch);
 }
 
-void eda_sort_major(eda_event *events, eda_event *scratch, size_t n) {
-  sort(events, scratch, n, 0);
-}
-
-void eda_sort_minor(eda_event *events, eda_event *scratch, size_t n) {
-  sort(events, scratch, n, 1);
-}
-
-uint32_t *eda_rank_minor(eda_event *events, eda_event *scratch, size_t n,
-                         uint32_t *ranks) {
-  sort(events, scratch, n, 1);
+uint32_t *eda_rank_minor(eda_event *events, size_t n, uint32_t *ranks) {
+  eda_sort(events, n, EDA_MINOR);
   uint32_t count = 0;
   for (size_t i = 0; i < n; i++)
     count += i == 0 || events[i].minor != events[i - 1].minor;

@@ -43,7 +43,6 @@ static void order_corner(const trace *t, eda_event *lower) {
 static void link_walls(trace *t) {
   size_t ends = 2 * t->n;
   eda_event *events = g_new(eda_event, ends + 1);
-  eda_event *scratch = g_new(eda_event, ends + 1);
   t->next = g_new(uint32_t, t->n + 1);
   for (size_t i = 0; i < t->n; i++) {
     const eda_wall *w = &t->walls[i];
@@ -51,14 +50,13 @@ static void link_walls(trace *t) {
     events[2 * i] = (eda_event){eda_bias(w->y0), x, payload};
     events[2 * i + 1] = (eda_event){eda_bias(w->y1), x, payload | 1};
   }
-  eda_sort_major(events, scratch, ends);
+  eda_sort(events, ends, EDA_MAJOR);
   /* The second end of one pair and the first one of the next are those that
      can share a corner. */
   for (size_t i = 1; i + 1 < ends; i += 2) order_corner(t, &events[i]);
   for (size_t i = 0; i + 1 < ends; i += 2)
     link_pair(t, events[i].payload, events[i + 1].payload);
   g_free(events);
-  g_free(scratch);
 }
 
 /* Each contour's lowest, then leftmost point, sorted by it. */
@@ -66,7 +64,6 @@ static void find_contours(trace *t) {
   uint8_t *seen = g_new0(uint8_t, t->n + 1);
   /* A contour has two walls or more. */
   t->contours = g_new(eda_event, t->n / 2 + 1);
-  eda_event *scratch = g_new(eda_event, t->n / 2 + 1);
   for (size_t first = 0; first < t->n; first++) {
     if (seen[first]) continue;
     uint32_t best = (uint32_t)first;
@@ -79,10 +76,9 @@ static void find_contours(trace *t) {
     t->contours[t->n_contours++] =
         (eda_event){eda_bias(b->y0), eda_bias(b->x), best};
   }
-  eda_sort_minor(t->contours, scratch, t->n_contours);
-  eda_sort_major(t->contours, scratch, t->n_contours);
+  eda_sort(t->contours, t->n_contours, EDA_MINOR);
+  eda_sort(t->contours, t->n_contours, EDA_MAJOR);
   g_free(seen);
-  g_free(scratch);
 }
 
 static void write_contour(const trace *t, size_t c, eda_shapes *out) {

@@ -48,15 +48,29 @@ static void filter_lines(void *data, size_t block) {
   eda_fft_free(half);
 }
 
-/* The factor of frequency k of a line of n numbers and of length `length`. */
-typedef double gain_function(int k, int n, int m, double length, double value);
+/* What is done, and how much of it. */
+enum { DIFFUSE, TO_SAMPLES, FROM_SAMPLES, RESAMPLE };
+typedef struct deed {
+  int what;
+  double sigma; /* of DIFFUSE, nm */
+} deed;
 
-static float *gains(gain_function *function, int n, int m, double length,
-                    double value) {
+/* The factor of frequency k of a line of n numbers, which become m, and of
+   length `length`. */
+static double gain_of(const deed *d, int k, int n, int m, double length) {
+  double w = 2 * M_PI * k / length * d->sigma;
+  if (d->what == DIFFUSE) return exp(-w * w / 2);
+  double sampled = eda_spline_sampled((double)k / n);
+  if (d->what == TO_SAMPLES) return sampled;
+  if (d->what == FROM_SAMPLES) return 1 / sampled;
+  return sampled / eda_spline_sampled((double)k / m);
+}
+
+static float *gains(const deed *d, int n, int m, double length) {
   int kept = (n < m ? n : m) / 2;
   float *gain = eda_alloc((size_t)kept + 1, sizeof *gain);
   for (int k = 0; k <= kept; k++) {
-    double g = function(k, n, m, length, value) / n;
+    double g = gain_of(d, k, n, m, length) / n;
     /* On another grid the highest frequency of an even number of nodes is two
        (k and -k), or none. */
     if (m != n && 2 * k == n) g /= 2;
@@ -68,9 +82,9 @@ static float *gains(gain_function *function, int n, int m, double length,
 
 /* Filter the field, which gets nx x ny nodes. */
 static void apply(const opc_context *context, eda_field *field, int nx, int ny,
-                  gain_function *function, double value) {
-  float *gx = gains(function, field->nx, nx, field->frame.width, value);
-  float *gy = gains(function, field->ny, ny, field->frame.height, value);
+                  deed d) {
+  float *gx = gains(&d, field->nx, nx, field->frame.width);
+  float *gy = gains(&d, field->ny, ny, field->frame.height);
   float *wide = eda_fft_alloc(sizeof *wide * (size_t)nx * (size_t)field->ny);
   int same = nx == field->nx && ny == field->ny;
   float *out = same ? field->coefficients
@@ -110,34 +124,12 @@ static void apply(const opc_context *context, eda_field *field, int nx, int ny,
   eda_fft_free(wide);
 }
 
-static double gaussian(int k, int n, int m, double length, double sigma) {
-  (void)n;
-  (void)m;
-  double w = 2 * M_PI * k / length * sigma;
-  return exp(-w * w / 2);
-}
-
-static double sampled(int k, int n, int m, double length, double value) {
-  (void)m;
-  (void)length;
-  (void)value;
-  return eda_spline_sampled((double)k / n);
-}
-
-static double prefilter(int k, int n, int m, double length, double value) {
-  return 1 / sampled(k, n, m, length, value);
-}
-
-static double regrid(int k, int n, int m, double length, double value) {
-  return sampled(k, n, m, length, value) / eda_spline_sampled((double)k / m);
-}
-
 int eda_field_diffuse(const opc_context *context, eda_field *field,
                       double sigma, opc_error *error) {
   if (!(sigma >= 0) || isinf(sigma))
     return opc_fail(error, OPC_INVALID, NULL, "no diffusion of %g nm", sigma);
   if (sigma == 0) return OPC_OK;
-  apply(context, field, field->nx, field->ny, gaussian, sigma);
+  apply(context, field, field->nx, field->ny, (deed){DIFFUSE, sigma});
   return OPC_OK;
 }
 
@@ -150,32 +142,16 @@ int eda_field_resample(const opc_context *context, eda_field *field,
                     f->width / 1e3, f->height / 1e3, step);
   int nx = eda_fft_size(f->width / step), ny = eda_fft_size(f->height / step);
   if (nx == field->nx && ny == field->ny) return OPC_OK;
-  apply(context, field, nx, ny, regrid, 0);
+  apply(context, field, nx, ny, (deed){RESAMPLE, 0});
   return OPC_OK;
 }
 
-int eda_field_samples(const opc_context *context, eda_field *field,
-                      opc_error *error) {
-  (void)error;
-  apply(context, field, field->nx, field->ny, sampled, 0);
-  return OPC_OK;
+void eda_field_samples(const opc_context *context, eda_field *field) {
+  apply(context, field, field->nx, field->ny, (deed){TO_SAMPLES, 0});
 }
 
-int eda_field_from_samples(const opc_context *context, eda_field *field,
-                           opc_error *error) {
-  (void)error;
-  apply(context, field, field->nx, field->ny, prefilter, 0);
-  return OPC_OK;
-}
-
-/* Six indices from `first` on, in 0 .. n - 1. */
-static void wrapped(int first, int n, int out[EDA_SPLINE_TAPS]) {
-  int i = first % n;
-  if (i < 0) i += n;
-  for (int k = 0; k < EDA_SPLINE_TAPS; k++) {
-    out[k] = i;
-    if (++i == n) i = 0;
-  }
+void eda_field_from_samples(const opc_context *context, eda_field *field) {
+  apply(context, field, field->nx, field->ny, (deed){FROM_SAMPLES, 0});
 }
 
 void eda_field_gradient(const eda_field *field, const double *x,
@@ -186,16 +162,18 @@ void eda_field_gradient(const eda_field *field, const double *x,
   for (size_t i = 0; i < n; i++) {
     double wx[EDA_SPLINE_TAPS], wy[EDA_SPLINE_TAPS];
     double sx[EDA_SPLINE_TAPS], sy[EDA_SPLINE_TAPS];
-    int column[EDA_SPLINE_TAPS], row[EDA_SPLINE_TAPS];
+    int column[EDA_SPLINE_TAPS];
     double px = (x[i] - field->frame.x0) / step_x;
     double py = (y[i] - field->frame.y0) / step_y;
-    wrapped(eda_spline_weights(px, wx), field->nx, column);
-    wrapped(eda_spline_weights(py, wy), field->ny, row);
+    int first = eda_spline_weights(px, wx), row = eda_spline_weights(py, wy);
+    for (int k = 0; k < EDA_SPLINE_TAPS; k++)
+      column[k] = eda_wrap(first + k, field->nx);
     eda_spline_slopes(px, sx);
     eda_spline_slopes(py, sy);
     double sum[3] = {0};
     for (int j = 0; j < EDA_SPLINE_TAPS; j++) {
-      const float *c = field->coefficients + (size_t)row[j] * field->nx;
+      const float *c = field->coefficients +
+                       (size_t)eda_wrap(row + j, field->ny) * field->nx;
       double line = 0, slope = 0;
       for (int k = 0; k < EDA_SPLINE_TAPS; k++) {
         line += wx[k] * c[column[k]];

@@ -39,7 +39,6 @@ static void truth(double x, double y, double sigma, double out[3]) {
 /* From values at nodes; the count of nodes need not be even. */
 static eda_field waves(int nx, int ny) {
   eda_field f = {.frame = frame, .nx = nx, .ny = ny};
-  opc_error error;
   f.coefficients = eda_alloc((size_t)nx * (size_t)ny, sizeof(float));
   for (int j = 0; j < ny; j++)
     for (int i = 0; i < nx; i++) {
@@ -48,7 +47,7 @@ static eda_field waves(int nx, int ny) {
             0, v);
       f.coefficients[j * nx + i] = (float)v[0];
     }
-  g_assert_cmpint(eda_field_from_samples(context, &f, &error), ==, OPC_OK);
+  eda_field_from_samples(context, &f);
   return f;
 }
 
@@ -137,11 +136,10 @@ static void test_resample(void) {
 /* Samples are the values at the nodes. */
 static void test_samples(void) {
   eda_field f = waves(71, 64), samples = f;
-  opc_error error;
   size_t n = (size_t)f.nx * (size_t)f.ny;
   samples.coefficients = eda_alloc(n, sizeof(float));
   memcpy(samples.coefficients, f.coefficients, n * sizeof(float));
-  g_assert_cmpint(eda_field_samples(context, &samples, &error), ==, OPC_OK);
+  eda_field_samples(context, &samples);
   for (size_t i = 0; i < n; i++) {
     double x = frame.x0 + frame.width * (double)(i % 71) / 71, v;
     int row = i / 71;

@@ -231,37 +231,20 @@ EDA_WIDE static void radix8(const stage *g) {
   END_BUTTERFLIES
 }
 
-static void run_stage(int radix, const stage *g) {
-  switch (radix) {
-    case 2:
-      radix2(g);
-      break;
-    case 3:
-      radix3(g);
-      break;
-    case 4:
-      radix4(g);
-      break;
-    case 5:
-      radix5(g);
-      break;
-    default:
-      radix8(g);
-  }
-}
-
 /* ---- lines ---- */
 
 /* A part, from `in` to `out`; `work` has room for two. */
 static void run_part(const part *p, const eda_lanes *in, size_t in_stride,
                      eda_lanes *out, size_t out_stride, eda_lanes *work) {
+  void (*const stages[])(const stage *) = {
+      [2] = radix2, [3] = radix3, [4] = radix4, [5] = radix5, [8] = radix8};
   stage g = {.length = p->n, .step = 1, .in = in, .in_stride = in_stride};
   for (int s = 0; s < p->stages; s++) {
     int last = s + 1 == p->stages;
     g.roots = p->roots[s];
     g.out = last ? out : work + (s % 2 ? p->n : 0);
     g.out_stride = last ? out_stride : 1;
-    run_stage(p->radix[s], &g);
+    stages[p->radix[s]](&g);
     g.in = g.out;
     g.in_stride = 1;
     g.length /= p->radix[s];

@@ -127,14 +127,8 @@ static void place_polygons(laying *l) {
   eda_frame f = l->frame;
   double w = f.width, h = f.height;
   for (size_t p = 0; p < s->count; p++) {
-    eda_box b = {INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
-    for (uint32_t i = s->start[p]; i < s->start[p + 1]; i++) {
-      eda_point v = s->points[i];
-      b.x0 = v.x < b.x0 ? v.x : b.x0;
-      b.y0 = v.y < b.y0 ? v.y : b.y0;
-      b.x1 = v.x > b.x1 ? v.x : b.x1;
-      b.y1 = v.y > b.y1 ? v.y : b.y1;
-    }
+    eda_box b =
+        eda_bounds(s->points + s->start[p], s->start[p + 1] - s->start[p]);
     place *o = &l->places[p];
     o->x = f.x0 + f.width * floor((b.x0 * l->grid - f.x0) / f.width);
     o->y = f.y0 + f.height * floor((b.y0 * l->grid - f.y0) / f.height);

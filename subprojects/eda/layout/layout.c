@@ -69,6 +69,12 @@ static int32_t find(GHashTable *numbers, const char *name) {
   return GPOINTER_TO_INT(g_hash_table_lookup(numbers, name)) - 1;
 }
 
+/* The last of n is called so. */
+static int32_t keep_number(GHashTable *numbers, char *name, size_t n) {
+  g_hash_table_insert(numbers, name, GSIZE_TO_POINTER(n));
+  return (int32_t)n - 1;
+}
+
 int32_t eda_layout_cell(eda_layout *layout, const char *name,
                         opc_error *error) {
   int32_t known = find(layout->cell_of, name);
@@ -77,14 +83,10 @@ int32_t eda_layout_cell(eda_layout *layout, const char *name,
     too_many("cells", error);
     return -1;
   }
-  char *copy = g_strdup(name);
-  eda_grow(&layout->cells, &layout->room_cells, layout->n_cells + 1,
-           sizeof(cell));
-  int32_t number = (int32_t)layout->n_cells++;
-  layout->cells[number] = (cell){.name = copy};
-  g_hash_table_insert(layout->cell_of, copy, GINT_TO_POINTER(number + 1));
+  cell new = {.name = g_strdup(name)};
+  EDA_PUSH(layout->cells, layout->n_cells, layout->room_cells, new);
   changed(layout);
-  return number;
+  return keep_number(layout->cell_of, new.name, layout->n_cells);
 }
 
 int32_t eda_layout_layer(eda_layout *layout, const char *name,
@@ -96,12 +98,8 @@ int32_t eda_layout_layer(eda_layout *layout, const char *name,
     return -1;
   }
   char *copy = g_strdup(name);
-  eda_grow(&layout->layers, &layout->room_layers, layout->n_layers + 1,
-           sizeof(char *));
-  int32_t number = (int32_t)layout->n_layers++;
-  layout->layers[number] = copy;
-  g_hash_table_insert(layout->layer_of, copy, GINT_TO_POINTER(number + 1));
-  return number;
+  EDA_PUSH(layout->layers, layout->n_layers, layout->room_layers, copy);
+  return keep_number(layout->layer_of, copy, layout->n_layers);
 }
 
 int32_t eda_layout_find_cell(const eda_layout *layout, const char *name) {
@@ -153,9 +151,8 @@ static sheet *sheet_for(cell *c, int32_t layer) {
     return &c->sheets[c->last_sheet];
   sheet *s = eda_layout_sheet(c, layer);
   if (!s) {
-    eda_grow(&c->sheets, &c->room_sheets, c->n_sheets + 1, sizeof *s);
-    s = &c->sheets[c->n_sheets++];
-    *s = (sheet){.layer = layer};
+    EDA_PUSH(c->sheets, c->n_sheets, c->room_sheets, (sheet){.layer = layer});
+    s = &c->sheets[c->n_sheets - 1];
     if (c->n_sheets > FEW_SHEETS && !c->sheet_of) {
       c->sheet_of = g_hash_table_new(NULL, NULL);
       for (size_t i = 0; i < c->n_sheets; i++)
@@ -173,13 +170,11 @@ static sheet *sheet_for(cell *c, int32_t layer) {
 static void put_box(sheet *s, eda_box box) {
   int64_t width = (int64_t)box.x1 - box.x0, height = (int64_t)box.y1 - box.y0;
   if (width <= UINT16_MAX && height <= UINT16_MAX) {
-    eda_grow(&s->small, &s->room_small, s->n_small + 1, sizeof *s->small);
-    s->small[s->n_small++] =
-        (small_box){box.x0, box.y0, (uint16_t)width, (uint16_t)height};
-    return;
+    small_box small = {box.x0, box.y0, (uint16_t)width, (uint16_t)height};
+    EDA_PUSH(s->small, s->n_small, s->room_small, small);
+  } else {
+    EDA_PUSH(s->boxes, s->n_boxes, s->room_boxes, box);
   }
-  eda_grow(&s->boxes, &s->room_boxes, s->n_boxes + 1, sizeof box);
-  s->boxes[s->n_boxes++] = box;
 }
 
 int eda_layout_add_box(eda_layout *layout, int32_t number, int32_t layer,
@@ -214,10 +209,9 @@ int eda_layout_add_polygon(eda_layout *layout, int32_t number, int32_t layer,
   sheet *s = sheet_for(&layout->cells[number], layer);
   if (n > UINT32_MAX - s->n_points) return too_many("points", error);
   eda_grow(&s->points, &s->room_points, s->n_points + n, sizeof *points);
-  eda_grow(&s->end, &s->room_polygons, s->n_polygons + 1, sizeof *s->end);
   memcpy(s->points + s->n_points, points, n * sizeof *points);
   s->n_points += n;
-  s->end[s->n_polygons++] = (uint32_t)s->n_points;
+  EDA_PUSH(s->end, s->n_polygons, s->room_polygons, (uint32_t)s->n_points);
   changed(layout);
   return OPC_OK;
 }
@@ -244,8 +238,7 @@ int eda_layout_add_text(eda_layout *layout, int32_t number, int32_t layer,
   cell *c = &layout->cells[number];
   uint32_t kept = keep_string(layout, text);
   if (!kept) return too_many("texts", error);
-  eda_grow(&c->labels, &c->room_labels, c->n_labels + 1, sizeof *c->labels);
-  c->labels[c->n_labels++] = (label){at, layer, kept};
+  EDA_PUSH(c->labels, c->n_labels, c->room_labels, (label){at, layer, kept});
   return OPC_OK;
 }
 
@@ -266,9 +259,8 @@ int eda_layout_add_instance(eda_layout *layout, int32_t number, int32_t child,
   cell *c = &layout->cells[number];
   uint32_t kept = name ? keep_string(layout, name) : 0;
   if (name && !kept) return too_many("names", error);
-  eda_grow(&c->instances, &c->room_instances, c->n_instances + 1,
-           sizeof *c->instances);
-  c->instances[c->n_instances++] = (instance){*placement, child, kept};
+  EDA_PUSH(c->instances, c->n_instances, c->room_instances,
+           (instance){*placement, child, kept});
   changed(layout);
   return OPC_OK;
 }

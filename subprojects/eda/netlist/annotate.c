@@ -116,8 +116,8 @@ static void put_model(writer *w, int type, long dlc) {
   fprintf(w->out, " %s dlc=%.9ge-9", m->kind, m->dlc + (double)dlc * DLC_STEP);
   for (size_t i = 0; i < m->count; i++) {
     const char *quote = is_plain(m->value[i]) ? "" : "'";
-    fprintf(w->out, "%s%s=%s%s%s", i % 6 ? " " : "\n+ ", m->key[i], quote, m->value[i],
-        quote);
+    fprintf(w->out, "%s%s=%s%s%s", i % 6 ? " " : "\n+ ", m->key[i], quote,
+            m->value[i], quote);
   }
   fprintf(w->out, "\n");
   w->counts.models++;

@@ -29,16 +29,16 @@ static int take(card_reader *r, const word *key, const word *value, int *has) {
     const char *end = netlist_number(value->text, &number);
     if (!end || *end)
       return lines_refuse(&r->lines, value->at, "'%.100s' is not a number",
-                            value->text);
+                          value->text);
     if (!isfinite(number * 1e9))
       return lines_refuse(&r->lines, value->at, "'%.100s' is too large",
-                            value->text);
+                          value->text);
   }
   /* BSIM3 and BSIM4 know DLC. */
   if (is_level && number != 8 && number != 49 && number != 14 && number != 54)
     return lines_refuse(&r->lines, value->at,
-                          "a model of level %g has no DLC: 8, 49, 14 and 54 do",
-                          number);
+                        "a model of level %g has no DLC: 8, 49, 14 and 54 do",
+                        number);
   has[0] |= is_level;
   if (is_dlc || (is_lint && !has[1])) m->dlc = number * 1e9;
   has[1] |= is_dlc;
@@ -80,7 +80,8 @@ static double oxide_capacitance(const eda_card *m, double level) {
 }
 
 /* A model without CGSO and CGDO derives them from XJ; once a DLC is written
-   into its card, from that. They stay what they were if they are written, too. */
+   into its card, from that. They stay what they were if they are written, too.
+ */
 static int keep_overlaps(card_reader *r, const line *l, int has_dlc) {
   static const char *const names[2][2] = {{"cgso", "cgsl"}, {"cgdo", "cgdl"}};
   eda_card *m = r->out;
@@ -92,15 +93,15 @@ static int keep_overlaps(card_reader *r, const line *l, int has_dlc) {
     if (!(cox > 0) || !number_of(m, "xj", 1.5e-7, &xj) ||
         !number_of(m, names[k][1], 0, &less))
       return lines_refuse(&r->lines, l->word[0].at,
-                            "model '%.100s' has no %s: with a DLC it would be "
-                            "another",
-                            m->name, names[k][0]);
-    double overlap = has_dlc && m->dlc > 0 ? m->dlc * 1e-9 * cox - less
-                                           : 0.6 * xj * cox;
+                          "model '%.100s' has no %s: with a DLC it would be "
+                          "another",
+                          m->name, names[k][0]);
+    double overlap =
+        has_dlc && m->dlc > 0 ? m->dlc * 1e-9 * cox - less : 0.6 * xj * cox;
     if (!isfinite(overlap))
       return lines_refuse(&r->lines, l->word[0].at,
-                            "%s of model '%.100s' would not be finite",
-                            names[k][0], m->name);
+                          "%s of model '%.100s' would not be finite",
+                          names[k][0], m->name);
     char text[32];
     int n = snprintf(text, sizeof text, "%.9g", overlap);
     m->key[m->count] = names[k][0];
@@ -114,10 +115,10 @@ static int read_model(card_reader *r, const line *l) {
   int has[2] = {0, 0};
   if (m->name)
     return lines_refuse(&r->lines, l->word[1].at, "there is a '%.100s' already",
-                          m->name);
+                        m->name);
   if (!eda_same_name(l->word[2].text, r->kind))
     return lines_refuse(&r->lines, l->word[2].at, "model '%.100s' is no %s",
-                          l->word[1].text, r->kind);
+                        l->word[1].text, r->kind);
   *m = (eda_card){.name = l->word[1].text, .kind = l->word[2].text};
   /* Two more may come. */
   m->key = eda_pool_alloc(r->lines.pool, l->words + 2, sizeof *m->key);
@@ -127,12 +128,12 @@ static int read_model(card_reader *r, const line *l) {
     if (equals_at(l, i) || !equals_at(l, i + 1) || i + 2 >= l->words ||
         equals_at(l, i + 2))
       return lines_refuse(&r->lines, key->at, "'%.100s' is no NAME=VALUE",
-                            key->text);
+                          key->text);
     if (take(r, key, &key[2], has)) return r->lines.error->code;
   }
   if (has[0]) return keep_overlaps(r, l, has[1]);
   return lines_refuse(&r->lines, l->word[0].at, "model '%.100s' has no level",
-                        m->name);
+                      m->name);
 }
 
 static int take_line(void *data, const line *l) {
@@ -154,7 +155,7 @@ int eda_card_read(eda_pool *pool, const char *path, const char *name, int type,
   *out = (eda_card){0};
   int code = lines_read(&r.lines, path);
   if (!code && !out->name)
-    code = opc_fail(error, OPC_INVALID, NULL,
-                    "'%.300s' has no model '%.100s'", path, name);
+    code = opc_fail(error, OPC_INVALID, NULL, "'%.300s' has no model '%.100s'",
+                    path, name);
   return code;
 }

@@ -16,7 +16,7 @@ const char *eda_netlist_where(const eda_netlist *n, const eda_element *e,
 }
 
 int64_t eda_netlist_find(eda_netlist *n, const char *name) {
-  uint32_t *at = eda_names_find(&n->subcircuit_of, name, strlen(name));
+  uint32_t *at = eda_names_find(&n->subcircuit_of, name);
   if (at) return *at;
   char list[500] = "";
   size_t used = 0, i = 0;
@@ -24,8 +24,8 @@ int64_t eda_netlist_find(eda_netlist *n, const char *name) {
     used += (size_t)snprintf(list + used, sizeof list - used, "%s'%.100s'",
                              i ? ", " : "", n->subcircuit[i].name);
   opc_fail(n->error, OPC_INVALID, "top",
-           "'%.200s' has no subcircuit '%.100s'%s%s%s", n->lines->file[0],
-           name, n->subcircuits ? "; it has " : "", list,
+           "'%.200s' has no subcircuit '%.100s'%s%s%s", n->lines->file[0], name,
+           n->subcircuits ? "; it has " : "", list,
            i < n->subcircuits ? " and more" : "");
   return -1;
 }
@@ -85,8 +85,9 @@ static int prepare(eda_netlist *n, uint32_t number, int depth) {
     eda_element *e = &s->element[i];
     uint32_t *before = eda_names_add(&seen, e->name);
     if (*before != UINT32_MAX)
-      return lines_refuse(n->lines, e->at, "there is a '%.100s' already, in line %u",
-                            e->name, s->element[*before].at.line);
+      return lines_refuse(n->lines, e->at,
+                          "there is a '%.100s' already, in line %u", e->name,
+                          s->element[*before].at.line);
     *before = (uint32_t)i;
     if (!e->is_transistor && prepare_call(n, e, depth)) return n->error->code;
     s->devices += e->is_transistor ? 1 : n->subcircuit[e->child].devices;
@@ -98,7 +99,7 @@ static int prepare(eda_netlist *n, uint32_t number, int depth) {
 }
 
 static int prepare_call(eda_netlist *n, eda_element *e, int depth) {
-  uint32_t *child = eda_names_find(&n->subcircuit_of, e->model, strlen(e->model));
+  uint32_t *child = eda_names_find(&n->subcircuit_of, e->model);
   if (!child && is_wrapped(e)) {
     int type = netlist_type(n, e->model);
     e->is_transistor = type >= 0;
@@ -106,22 +107,25 @@ static int prepare_call(eda_netlist *n, eda_element *e, int depth) {
     if (type >= 0) return OPC_OK;
   }
   if (!child)
-    return lines_refuse(n->lines, e->model_at, "no subcircuit '%.100s'", e->model);
+    return lines_refuse(n->lines, e->model_at, "no subcircuit '%.100s'",
+                        e->model);
   e->child = *child;
   eda_subcircuit *s = &n->subcircuit[*child];
   if (s->state == 1 || depth == MAX_DEPTH)
     return lines_refuse(n->lines, e->model_at,
-                          s->state == 1 ? "subcircuit '%.100s' leads to itself"
-                                        : "calls go too deep at '%.100s'",
-                          e->model);
+                        s->state == 1 ? "subcircuit '%.100s' leads to itself"
+                                      : "calls go too deep at '%.100s'",
+                        e->model);
   if (s->ports != e->nodes)
     return lines_refuse(n->lines, e->at,
-                          "'%.100s' has %zu nodes, '%.100s' %zu ports", e->name,
-                          e->nodes, s->name, s->ports);
+                        "'%.100s' has %zu nodes, '%.100s' %zu ports", e->name,
+                        e->nodes, s->name, s->ports);
   return prepare(n, *child, depth + 1);
 }
 
-int eda_netlist_prepare(eda_netlist *n, uint32_t top) { return prepare(n, top, 0); }
+int eda_netlist_prepare(eda_netlist *n, uint32_t top) {
+  return prepare(n, top, 0);
+}
 
 /* ---- devices ---- */
 
@@ -134,47 +138,49 @@ typedef struct walk {
 
 /* Sizes and multiples by name; *value stays as it is if nothing says so. */
 static int look_up(eda_netlist *n, const eda_scope *in, const eda_element *e,
-                   const char *name, double *value, int *given) {
-  *given = 0;
+                   const char *name, double *value) {
   for (size_t i = 0; i < e->settings; i++) {
     if (!eda_same_name(e->setting[i].name, name)) continue;
-    *given = 1;
     if (netlist_value(n, in, &e->setting[i], value)) return n->error->code;
     if (!(*value > 0))
       return lines_refuse(n->lines, e->setting[i].at,
-                            "%s of '%.100s' is not above 0: '%.100s'", name,
-                            e->name, e->setting[i].value);
+                          "%s of '%.100s' is not above 0: '%.100s'", name,
+                          e->name, e->setting[i].value);
   }
   return OPC_OK;
 }
 
-/* A whole number of fingers or multiples. */
-static int look_up_count(eda_netlist *n, const eda_scope *in, const eda_element *e,
-                         const char *name, double *value, int *given) {
-  if (look_up(n, in, e, name, value, given)) return n->error->code;
+/* A whole number of fingers or multiples; 1 if nothing says so. */
+static int look_up_count(eda_netlist *n, const eda_scope *in,
+                         const eda_element *e, const char *name, double *value,
+                         int *given) {
+  double said = NAN;
+  if (look_up(n, in, e, name, &said)) return n->error->code;
+  *given |= !isnan(said);
+  *value = isnan(said) ? 1 : said;
   if (*value != floor(*value) || *value > 1e6)
-    return lines_refuse(n->lines, e->at, "%s of '%.100s' is no whole number: %g",
-                          name, e->name, *value);
+    return lines_refuse(n->lines, e->at,
+                        "%s of '%.100s' is no whole number: %g", name, e->name,
+                        *value);
   return OPC_OK;
 }
 
-static int size_device(eda_netlist *n, const eda_scope *in, const eda_element *e,
-                       double multiple, eda_transistor *d) {
-  double w = 0, l = 0, m = 1, nf = 1;
-  int has_w, has_l, has_m, has_nf;
-  if (look_up(n, in, e, "w", &w, &has_w) ||
-      look_up(n, in, e, "l", &l, &has_l) ||
-      look_up_count(n, in, e, "m", &m, &has_m) ||
-      look_up_count(n, in, e, "nf", &nf, &has_nf))
+static int size_device(eda_netlist *n, const eda_scope *in,
+                       const eda_element *e, double multiple,
+                       eda_transistor *d) {
+  double w = NAN, l = NAN, m = 1, nf = 1;
+  int given = multiple > 1;
+  if (look_up(n, in, e, "w", &w) || look_up(n, in, e, "l", &l) ||
+      look_up_count(n, in, e, "m", &m, &given) ||
+      look_up_count(n, in, e, "nf", &nf, &given))
     return n->error->code;
-  if (!has_w || !has_l)
+  if (isnan(w) || isnan(l))
     return lines_refuse(n->lines, e->at, "'%.100s' has no %s", e->name,
-                          has_w ? "l" : "w");
+                        isnan(w) ? "w" : "l");
   double nm = 1e9 * n->unit * n->scale;
   d->length = l * nm;
   d->width = w * nm * m * multiple;
-  if (has_m || has_nf || multiple > 1)
-    d->fingers = (uint32_t)fmin(m * nf * multiple, 1e6);
+  if (given) d->fingers = (uint32_t)fmin(m * nf * multiple, 1e6);
   return OPC_OK;
 }
 
@@ -190,7 +196,7 @@ static uint32_t inner_net(walk *w, const eda_subcircuit *s, size_t k,
                           const char *path) {
   const char *name = s->node[k];
   uint32_t *shared = NULL;
-  uint32_t *number = eda_names_find(&w->n->global_of, name, strlen(name));
+  uint32_t *number = eda_names_find(&w->n->global_of, name);
   if (number) {
     shared = &w->global[*number];
     name = w->n->global[*number];
@@ -232,7 +238,7 @@ static int go_down(walk *w, const eda_scope *in, const char *path,
       continue;
     }
     double m = 1;
-    int given;
+    int given = 0;
     if (!w->n->subcircuit[e->child].devices) continue;
     if (look_up_count(w->n, in, e, "m", &m, &given)) return w->n->error->code;
     const char *below = eda_pool_path(pool, path, e->name);
@@ -261,8 +267,7 @@ static int list_ports(walk *w, const eda_subcircuit *s) {
     *at = (uint32_t)i;
   }
   for (size_t i = 0; i < s->ports; i++)
-    out->port[out->ports++] =
-        *eda_names_find(&first, s->port[i], strlen(s->port[i]));
+    out->port[out->ports++] = *eda_names_find(&first, s->port[i]);
   for (size_t i = 0; i < n->globals; i++) {
     int is_port = 0;
     for (size_t k = 0; k < s->ports; k++)

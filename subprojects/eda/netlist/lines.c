@@ -3,12 +3,14 @@
 #include "netlist/lines.h"
 
 #include <errno.h>
+#include <glib.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 
 enum { MAX_INCLUDES = 16 };
 #define MAX_BYTES ((long)1 << 28)
@@ -39,29 +41,22 @@ static int is_gap(char c) {
 /* "x=250.5 y=400 nm" of a comment. Other comments are left alone. */
 static void read_position(const char *s, const char *end, line *l) {
   double at[2] = {NAN, NAN};
-  for (; s < end; s++) {
-    if ((s[0] != 'x' && s[0] != 'X' && s[0] != 'y' && s[0] != 'Y') ||
-        s + 1 >= end || s[1] != '=')
-      continue;
-    int d = s[0] == 'y' || s[0] == 'Y';
-    char number[40];
-    size_t n = 0;
-    for (s += 2;
-         s < end && n + 1 < sizeof number && strchr("+-.0123456789eE", *s);)
-      number[n++] = *s++;
-    number[n] = '\0';
-    if (!n) return;
-    at[d] = strtod(number, NULL);
-    while (s < end && *s == ' ') s++;
-    double unit = end - s >= 2 && !strncasecmp(s, "nm", 2)   ? 1
-                  : end - s >= 2 && !strncasecmp(s, "um", 2) ? 1e3
-                                                             : 0;
+  for (; s + 2 < end; s++) {
+    int d = *s == 'y' || *s == 'Y';
+    if ((!d && *s != 'x' && *s != 'X') || s[1] != '=') continue;
+    char *after;
+    at[d] = strtod(s + 2, &after);
+    if (after == s + 2 || after > end) return;
+    while (*after == ' ') after++;
+    double unit = !strncasecmp(after, "nm", 2)   ? 1
+                  : !strncasecmp(after, "um", 2) ? 1e3
+                                                 : 0;
     if (d && unit > 0 && isfinite(at[0] * unit) && isfinite(at[1] * unit)) {
       l->x = at[0] * unit;
       l->y = at[1] * unit;
       return;
     }
-    s--;
+    s = after - 1;
   }
 }
 
@@ -71,7 +66,7 @@ static int add_word(lines *r, line *l, const char *text, size_t length,
   for (size_t i = 0; i < length; i++)
     if ((text[i] < 32 && !(quoted && text[i] == '\t')) || text[i] > 126)
       return lines_refuse(r, at, "byte 0x%02x in a word",
-                            (unsigned char)text[i]);
+                          (unsigned char)text[i]);
   l->word[l->words++] =
       (word){eda_pool_text(r->pool, text, length), at, quoted};
   return OPC_OK;
@@ -115,28 +110,16 @@ static int split(lines *r, line *l, const char *from, const char *end,
 /* ---- files ---- */
 
 static char *read_whole(lines *r, const char *path, size_t *length) {
-  FILE *f = fopen(path, "rb");
+  g_autoptr(GError) why = NULL;
+  struct stat about;
   char *text = NULL;
-  if (!f || fseek(f, 0, SEEK_END)) {
+  if (stat(path, &about))
     opc_fail(r->error, OPC_IO, NULL, "'%.300s': %s", path, strerror(errno));
-    if (f) fclose(f);
-    return NULL;
-  }
-  long bytes = ftell(f);
-  rewind(f);
-  if (bytes < 0 || bytes > MAX_BYTES) {
-    opc_fail(r->error, OPC_IO, NULL,
-             "'%.300s': no file, or larger than 256 MB", path);
-  } else {
-    *length = (size_t)bytes;
-    text = eda_alloc(*length + 1, 1);
-    if (fread(text, 1, *length, f) != *length) {
-      opc_fail(r->error, OPC_IO, NULL, "'%.300s': cannot be read", path);
-      free(text);
-      text = NULL;
-    }
-  }
-  fclose(f);
+  else if (!S_ISREG(about.st_mode) || about.st_size > MAX_BYTES)
+    opc_fail(r->error, OPC_IO, NULL, "'%.300s': no file, or larger than 256 MB",
+             path);
+  else if (!g_file_get_contents(path, &text, length, &why))
+    opc_fail(r->error, OPC_IO, NULL, "'%.300s': %s", path, why->message);
   return text;
 }
 
@@ -178,13 +161,11 @@ static int read_lines(lines *r, const char *text, size_t length,
 
 int lines_read(lines *r, const char *path) {
   size_t length = 0;
-  char *text = read_whole(r, path, &length);
+  g_autofree char *text = read_whole(r, path, &length);
   if (!text) return r->error->code;
   eda_pool_grow(r->pool, &r->file, &r->room, r->files + 1, sizeof *r->file);
   r->file[r->files++] = eda_pool_text(r->pool, path, strlen(path));
-  int code = read_lines(r, text, length, (uint32_t)r->files - 1);
-  free(text);
-  return code;
+  return read_lines(r, text, length, (uint32_t)r->files - 1);
 }
 
 int lines_is_include(const line *l) {

@@ -17,7 +17,7 @@ typedef struct line {
   double x, y; /* of a comment, nm; or NAN */
 } line;
 
-typedef struct lines {
+typedef struct eda_lines {
   opc_error *error;
   eda_pool *pool;
   /* What to do with a line that is not empty, and with what. */

@@ -16,15 +16,16 @@ static size_t plain_words(const line *l) {
 }
 
 /* NAME = VALUE NAME = VALUE ... from word `from` on. */
-static int read_settings(eda_netlist *n, const line *l, size_t from, eda_assignment **out,
-                         size_t *count) {
+static int read_settings(eda_netlist *n, const line *l, size_t from,
+                         eda_assignment **out, size_t *count) {
   size_t room = 0;
   for (size_t i = from; i < l->words; i += 3) {
     const word *w = &l->word[i];
-    if (is_equals(w)) return lines_refuse(n->lines, w->at, "no name before '='");
+    if (is_equals(w))
+      return lines_refuse(n->lines, w->at, "no name before '='");
     if (i + 1 >= l->words || !is_equals(&w[1]))
       return lines_refuse(n->lines, w->at, "'%.100s' is not followed by '='",
-                            w->text);
+                          w->text);
     if (i + 2 >= l->words || is_equals(&w[2]))
       return lines_refuse(n->lines, w[1].at, "no value behind '='");
     eda_pool_grow(&n->pool, out, &room, *count + 1, sizeof **out);
@@ -51,7 +52,7 @@ int netlist_type(const eda_netlist *n, const char *model) {
                {"pfet", EDA_PMOS}, {"nch", EDA_NMOS},  {"pch", EDA_PMOS}};
   if (eda_in_list(n->n_models, model)) return EDA_NMOS;
   if (eda_in_list(n->p_models, model)) return EDA_PMOS;
-  uint32_t *said = eda_names_find(&n->type_of, model, strlen(model));
+  uint32_t *said = eda_names_find(&n->type_of, model);
   if (said) return (int)*said;
   for (size_t i = 0; i < sizeof usual / sizeof *usual; i++)
     if (strcasestr(model, usual[i].part)) return usual[i].type;
@@ -63,9 +64,9 @@ static int fill_transistor(eda_netlist *n, eda_element *e) {
   int type = netlist_type(n, e->model);
   if (type < 0)
     return lines_refuse(n->lines, e->model_at,
-                          "is model '%.100s' of n or of p type? say so with "
-                          "'nmos' or 'pmos'",
-                          e->model);
+                        "is model '%.100s' of n or of p type? say so with "
+                        "'nmos' or 'pmos'",
+                        e->model);
   e->type = (uint8_t)type;
   e->is_transistor = 1;
   return OPC_OK;
@@ -104,7 +105,7 @@ static int begin_subcircuit(eda_netlist *n, const line *l) {
   size_t plain = plain_words(l);
   if (n->current != UINT32_MAX)
     return lines_refuse(n->lines, l->word[0].at, ".subckt inside of '%.100s'",
-                          n->subcircuit[n->current].name);
+                        n->subcircuit[n->current].name);
   if (plain < 2)
     return lines_refuse(n->lines, l->word[0].at, ".subckt without a name");
   const word *name = &l->word[1];
@@ -114,8 +115,8 @@ static int begin_subcircuit(eda_netlist *n, const line *l) {
   if (*number != UINT32_MAX) {
     eda_place before = n->subcircuit[*number].at;
     return lines_refuse(n->lines, name->at,
-                          "there is a '%.100s' already, in line %u", name->text,
-                          before.line);
+                        "there is a '%.100s' already, in line %u", name->text,
+                        before.line);
   }
   *number = (uint32_t)n->subcircuits++;
   eda_subcircuit *s = &n->subcircuit[n->current = *number];
@@ -130,8 +131,9 @@ static int end_subcircuit(eda_netlist *n, const line *l) {
     return lines_refuse(n->lines, l->word[0].at, ".ends without .subckt");
   const eda_subcircuit *s = &n->subcircuit[n->current];
   if (l->words > 1 && !eda_same_name(l->word[1].text, s->name))
-    return lines_refuse(n->lines, l->word[1].at, ".ends of '%.100s' in '%.100s'",
-                          l->word[1].text, s->name);
+    return lines_refuse(n->lines, l->word[1].at,
+                        ".ends of '%.100s' in '%.100s'", l->word[1].text,
+                        s->name);
   n->current = UINT32_MAX;
   return OPC_OK;
 }
@@ -158,7 +160,8 @@ static int read_options(eda_netlist *n, const line *l) {
     eda_assignment s = {"scale", l->word[i + 2].text, l->word[i + 2].at};
     if (netlist_value(n, NULL, &s, &n->unit)) return n->error->code;
     if (!(n->unit > 0))
-      return lines_refuse(n->lines, s.at, "scale '%.100s' is not above 0", s.value);
+      return lines_refuse(n->lines, s.at, "scale '%.100s' is not above 0",
+                          s.value);
   }
   return OPC_OK;
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Pools: blocks that things are cut from one after another. Maps of names: open
-   addressing. */
+/* Pools: blocks that things are cut from one after another. Maps of names: hash
+   tables that their pool frees. */
 #include <eda/pool.h>
 
-#include <ctype.h>
+#include <glib.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -52,6 +52,8 @@ char *eda_pool_path(eda_pool *pool, const char *a, const char *b) {
 }
 
 void eda_pool_clear(eda_pool *pool) {
+  g_slist_free_full(pool->tables, (GDestroyNotify)g_hash_table_unref);
+  pool->tables = NULL;
   while (pool->last) {
     eda_pool_block *block = pool->last;
     pool->last = block->before;
@@ -71,50 +73,37 @@ void eda_pool_grow(eda_pool *pool, void *array, size_t *room, size_t need,
 
 /* ---- names ---- */
 
-static size_t hash(const char *key, size_t n) {
+uint64_t eda_name_hash(const char *name) {
   uint64_t h = 14695981039346656037u;
-  for (size_t i = 0; i < n; i++)
-    h = (h ^ (uint64_t)tolower((unsigned char)key[i])) * 1099511628211u;
-  return (size_t)(h ^ h >> 29);
+  for (; *name; name++)
+    h = (h ^ (uint64_t)g_ascii_tolower(*name)) * 1099511628211u;
+  return h;
 }
 
-/* Where the key is or would be. */
-static size_t slot(const eda_names *m, const char *key, size_t n) {
-  size_t i = hash(key, n) & (m->room - 1);
-  while (m->key[i] && (strncasecmp(m->key[i], key, n) || m->key[i][n] != '\0'))
-    i = (i + 1) & (m->room - 1);
-  return i;
+static guint fold(const void *name) {
+  uint64_t h = eda_name_hash(name);
+  return (guint)(h ^ h >> 29);
 }
 
-uint32_t *eda_names_find(const eda_names *names, const char *key, size_t n) {
-  if (!names->room) return NULL;
-  size_t i = slot(names, key, n);
-  return names->key[i] ? &names->value[i] : NULL;
+static gboolean same(const void *a, const void *b) {
+  return eda_same_name(a, b);
 }
 
-static void widen(eda_names *m) {
-  eda_names wider = {.pool = m->pool, .room = m->room ? 2 * m->room : 32};
-  wider.key = eda_pool_alloc(m->pool, wider.room, sizeof *wider.key);
-  wider.value = eda_pool_alloc(m->pool, wider.room, sizeof *wider.value);
-  for (size_t i = 0; i < m->room; i++) {
-    if (!m->key[i]) continue;
-    size_t at = slot(&wider, m->key[i], strlen(m->key[i]));
-    wider.key[at] = m->key[i];
-    wider.value[at] = m->value[i];
-  }
-  wider.count = m->count;
-  *m = wider;
+uint32_t *eda_names_find(const eda_names *names, const char *key) {
+  return names->table ? g_hash_table_lookup(names->table, key) : NULL;
 }
 
 uint32_t *eda_names_add(eda_names *names, const char *key) {
-  if (names->count >= names->room / 2) widen(names);
-  size_t i = slot(names, key, strlen(key));
-  if (!names->key[i]) {
-    names->key[i] = key;
-    names->value[i] = UINT32_MAX;
-    names->count++;
+  uint32_t *value = eda_names_find(names, key);
+  if (value) return value;
+  if (!names->table) {
+    names->table = g_hash_table_new(fold, same);
+    names->pool->tables = g_slist_prepend(names->pool->tables, names->table);
   }
-  return &names->value[i];
+  value = eda_pool_alloc(names->pool, 1, sizeof *value);
+  *value = UINT32_MAX;
+  g_hash_table_insert(names->table, (void *)(uintptr_t)key, value);
+  return value;
 }
 
 int eda_same_name(const char *a, const char *b) { return !strcasecmp(a, b); }

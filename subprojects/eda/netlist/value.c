@@ -8,7 +8,6 @@
 #include <string.h>
 #include <strings.h>
 
-
 /* Steps of one expression with all parameters in it, and how deep they go. */
 enum { MAX_STEPS = 10000, MAX_DEPTH = 64 };
 
@@ -41,28 +40,40 @@ const char *netlist_number(const char *text, double *out) {
 
 /* ---- expressions ---- */
 
+/* One expression. What goes wrong is kept in `code`, and the rest of the text
+   is then read for nothing. */
 typedef struct reader {
   const eda_netlist *n;
   const eda_scope *in;
   const eda_assignment *whole;
   const char *s;
-  int *steps;
-  int depth;
+  int *steps; /* shared with the expressions of its parameters */
+  int depth, code;
 } reader;
 
-static int evaluate(const eda_netlist *n, const eda_scope *in, const eda_assignment *s, int *steps,
-                    int depth, double *out);
+static double sum(reader *r);
 
-static int refuse(reader *r, const char *what) {
-  return lines_refuse(r->n->lines, r->whole->at, "%s in '%.200s'", what,
-                        r->whole->value);
+/* The first fault counts. */
+static double refuse(reader *r, const char *what) {
+  if (!r->code)
+    r->code = lines_refuse(r->n->lines, r->whole->at, "%s in '%.200s'", what,
+                           r->whole->value);
+  return 0;
+}
+
+static double evaluate(reader *r) {
+  double value = sum(r);
+  if (*r->s) refuse(r, "something that is no expression");
+  if (!isfinite(value)) refuse(r, "a number without bounds");
+  return value;
 }
 
 static void blanks(reader *r) {
   while (*r->s == ' ' || *r->s == '\t') r->s++;
 }
 
-static const eda_assignment *among(const eda_assignment *s, size_t n, const char *name) {
+static const eda_assignment *among(const eda_assignment *s, size_t n,
+                                   const char *name) {
   for (size_t i = 0; i < n; i++)
     if (eda_same_name(s[i].name, name)) return &s[i];
   return NULL;
@@ -70,24 +81,31 @@ static const eda_assignment *among(const eda_assignment *s, size_t n, const char
 
 /* What a name means: set by the call, else by the subcircuit, else by .param.
    A call's value is meant where the call stands. */
-static int parameter(reader *r, const char *name, double *out) {
-  const eda_scope *in = r->in;
+static double parameter(reader *r, const char *name) {
+  const eda_scope *in = r->in, *meant = in ? in->caller : NULL;
   const eda_assignment *s = NULL;
-  if (in && in->call)
-    if ((s = among(in->call->setting, in->call->settings, name)))
-      return evaluate(r->n, in->caller, s, r->steps, r->depth + 1, out);
-  if (in && (s = among(in->of->setting, in->of->settings, name)))
-    return evaluate(r->n, in, s, r->steps, r->depth + 1, out);
-  uint32_t *global = eda_names_find(&r->n->setting_of, name, strlen(name));
-  if (global)
-    return evaluate(r->n, NULL, &r->n->setting[*global], r->steps, r->depth + 1,
-                    out);
-  return lines_refuse(r->n->lines, r->whole->at, "unknown parameter '%.100s'", name);
+  if (in && in->call) s = among(in->call->setting, in->call->settings, name);
+  if (!s && in) {
+    meant = in;
+    s = among(in->of->setting, in->of->settings, name);
+  }
+  uint32_t *global = s ? NULL : eda_names_find(&r->n->setting_of, name);
+  if (global) {
+    meant = NULL;
+    s = &r->n->setting[*global];
+  }
+  if (!s) {
+    r->code = lines_refuse(r->n->lines, r->whole->at,
+                           "unknown parameter '%.100s'", name);
+    return 0;
+  }
+  reader of = {r->n, meant, s, s->value, r->steps, r->depth + 1, OPC_OK};
+  double value = evaluate(&of);
+  r->code = of.code;
+  return value;
 }
 
-static int sum(reader *r, double *out);
-
-static int name(reader *r, double *out) {
+static double named(reader *r) {
   char text[128];
   size_t n = 0;
   while (isalnum((unsigned char)*r->s) || *r->s == '_') {
@@ -95,75 +113,58 @@ static int name(reader *r, double *out) {
     text[n++] = *r->s++;
   }
   text[n] = '\0';
-  return parameter(r, text, out);
+  return parameter(r, text);
 }
 
-static int primary(reader *r, double *out) {
+static double primary(reader *r) {
+  double value;
+  if (r->code) return 0;
   if (++*r->steps > MAX_STEPS || r->depth > MAX_DEPTH)
     return refuse(r, "parameters go too deep or in a circle");
   blanks(r);
   if (*r->s == '-' || *r->s == '+') {
     int minus = *r->s++ == '-';
     r->depth++;
-    int code = primary(r, out);
+    value = primary(r);
     r->depth--;
-    if (minus) *out = -*out;
-    return code;
+    return minus ? -value : value;
   }
   if (*r->s == '(') {
     r->s++;
     r->depth++;
-    int code = sum(r, out);
+    value = sum(r);
     r->depth--;
-    if (code) return code;
     if (*r->s != ')') return refuse(r, "a bracket is not closed");
     r->s++;
   } else if (isalpha((unsigned char)*r->s) || *r->s == '_') {
-    int code = name(r, out);
-    if (code) return code;
+    value = named(r);
   } else {
-    const char *end = netlist_number(r->s, out);
+    const char *end = netlist_number(r->s, &value);
     if (!end) return refuse(r, "a number is missing");
     r->s = end;
   }
   blanks(r);
-  return OPC_OK;
+  return value;
 }
 
-static int product(reader *r, double *out) {
-  int code = primary(r, out);
-  while (!code && ((*r->s == '*' && r->s[1] != '*') || *r->s == '/')) {
-    int divide = *r->s++ == '/';
-    double by = 0;
-    code = primary(r, &by);
-    *out = divide ? *out / by : *out * by;
-  }
-  return code;
+static double product(reader *r) {
+  double value = primary(r);
+  while (!r->code && ((*r->s == '*' && r->s[1] != '*') || *r->s == '/'))
+    value = *r->s++ == '/' ? value / primary(r) : value * primary(r);
+  return value;
 }
 
-static int sum(reader *r, double *out) {
-  int code = product(r, out);
-  while (!code && (*r->s == '+' || *r->s == '-')) {
-    int minus = *r->s++ == '-';
-    double more = 0;
-    code = product(r, &more);
-    *out += minus ? -more : more;
-  }
-  return code;
+static double sum(reader *r) {
+  double value = product(r);
+  while (!r->code && (*r->s == '+' || *r->s == '-'))
+    value = *r->s++ == '-' ? value - product(r) : value + product(r);
+  return value;
 }
 
-static int evaluate(const eda_netlist *n, const eda_scope *in, const eda_assignment *s, int *steps,
-                    int depth, double *out) {
-  reader r = {n, in, s, s->value, steps, depth};
-  *out = 0;
-  int code = sum(&r, out);
-  if (code) return code;
-  if (*r.s) return refuse(&r, "something that is no expression");
-  if (!isfinite(*out)) return refuse(&r, "a number without bounds");
-  return OPC_OK;
-}
-
-int netlist_value(const eda_netlist *n, const eda_scope *in, const eda_assignment *s, double *out) {
+int netlist_value(const eda_netlist *n, const eda_scope *in,
+                  const eda_assignment *s, double *out) {
   int steps = 0;
-  return evaluate(n, in, s, &steps, 0, out);
+  reader r = {n, in, s, s->value, &steps, 0, OPC_OK};
+  *out = evaluate(&r);
+  return r.code;
 }

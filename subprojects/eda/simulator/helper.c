@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* opcflow-simulator FOLDER SECONDS PARENT: runs one deck in ngspice, which is a
    library that keeps its state in globals, calls exit() and prints. So whatever
-   it does to its process is done to one that is thrown away. record.h tells what
-   passes in and out. It is linked with the C library alone, as it is started
-   once a deck. */
+   it does to its process is done to one that is thrown away. record.h tells
+   what passes in and out. It is linked with the C library alone, as it is
+   started once a deck. */
 #include <stdbool.h> /* which sharedspice.h takes for granted */
 
 #include "simulator/record.h"
@@ -14,6 +14,7 @@
 #include <locale.h>
 #include <ngspice/sharedspice.h>
 #include <signal.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -51,10 +52,14 @@ _Noreturn static void end_with(int kind, const char *what) {
   _exit(0);
 }
 
-static void *grown(void *memory, size_t bytes) {
-  void *more = realloc(memory, bytes);
-  if (!more) end_with(TROUBLE, "out of memory");
-  return more;
+__attribute__((format(printf, 1, 2))) static char *text_of(const char *format,
+                                                           ...) {
+  char *text;
+  va_list args;
+  va_start(args, format);
+  if (vasprintf(&text, format, args) < 0) end_with(TROUBLE, "out of memory");
+  va_end(args);
+  return text;
 }
 
 /* ---- what ngspice says ---- */
@@ -131,18 +136,11 @@ static void obey(const char *seconds, const char *parent) {
   reset_signals();
 }
 
-/* Standard input whole, with a zero behind it. */
-static char *read_all(size_t *bytes) {
-  size_t room = 0;
+/* Standard input up to the next zero byte, or to its end. */
+static char *read_text(void) {
   char *text = NULL;
-  for (*bytes = 0;;) {
-    if (*bytes + 2 > room) text = grown(text, room = 2 * room + 65536);
-    ssize_t n = read(0, text + *bytes, room - *bytes - 1);
-    if (n <= 0) break;
-    *bytes += (size_t)n;
-  }
-  text[*bytes] = 0;
-  return text;
+  size_t room = 0;
+  return getdelim(&text, &room, 0, stdin) < 0 ? text_of("%s", "") : text;
 }
 
 /* Nothing of the parent's is left open or asked, and the user's start-up files
@@ -198,18 +196,14 @@ static library load(void) {
 
 /* Cut a text into its lines, which stay in it. NULL-terminated. */
 static char **lines_of(char *text) {
-  size_t count = 2;
-  for (const char *c = text; *c; c++) count += *c == '\n';
-  char **lines = grown(NULL, count * sizeof *lines);
-  size_t i = 0;
-  for (; text; i++) {
-    char *end = strchr(text, '\n');
-    lines[i] = text;
-    if (end) *end++ = 0;
-    lines[i][strcspn(lines[i], "\r")] = 0;
-    text = end && *end ? end : NULL;
+  size_t n = 0, most = 2;
+  for (const char *c = text; *c; c++) most += *c == '\n';
+  char **lines = calloc(most, sizeof *lines);
+  if (!lines) end_with(TROUBLE, "out of memory");
+  while (text && (*text || !n)) {
+    char *line = lines[n++] = strsep(&text, "\n");
+    line[strcspn(line, "\r")] = 0;
   }
-  lines[i] = NULL;
   return lines;
 }
 
@@ -223,13 +217,10 @@ static size_t length_of(char **list) {
    "vdd#branch". */
 static void send_name(const char *name, int voltage) {
   size_t n = strlen(name);
-  char *own = grown(NULL, n + 4);
-  if (n > 7 && !strcmp(name + n - 7, "#branch"))
-    sprintf(own, "i(%.*s)", (int)n - 7, name);
-  else if (voltage && !strpbrk(name, "(@") && !strstr(name, "-sweep"))
-    sprintf(own, "v(%s)", name);
-  else
-    strcpy(own, name);
+  int branch = n > 7 && !strcmp(name + n - 7, "#branch");
+  int node = voltage && !strpbrk(name, "(@") && !strstr(name, "-sweep");
+  char *own = branch ? text_of("i(%.*s)", (int)n - 7, name)
+                     : text_of(node ? "v(%s)" : "%s", name);
   for (char *c = own; *c; c++) *c = (char)tolower((unsigned char)*c);
   send_text(NAME, own);
   free(own);
@@ -252,8 +243,7 @@ static size_t send_plot(const library *l, char *plot) {
   char **names = l->vectors(plot);
   size_t sent = 0;
   for (size_t i = length_of(names); i-- > 0;) {
-    char *path = grown(NULL, strlen(plot) + strlen(names[i]) + 2);
-    sprintf(path, "%s.%s", plot, names[i]);
+    char *path = text_of("%s.%s", plot, names[i]);
     const vector_info *v = l->vector(path);
     free(path);
     if (!v || v->v_length <= 0 || !(v->v_realdata || v->v_compdata)) continue;
@@ -276,7 +266,7 @@ static size_t send_plots(const library *l, size_t before) {
 }
 
 static void command(const library *l, const char *text) {
-  char *own = strcpy(grown(NULL, strlen(text) + 1), text);
+  char *own = text_of("%s", text);
   l->command(own);
   free(own);
 }
@@ -305,11 +295,8 @@ int main(int argc, char **argv) {
           stderr);
     return 2;
   }
-  size_t bytes;
   obey(argv[2], argv[3]);
-  char *deck = read_all(&bytes);
-  size_t n = strlen(deck);
-  char *commands = n < bytes ? deck + n + 1 : deck + n;
+  char *deck = read_text(), *commands = read_text();
   stand_alone(argv[1]);
   library l = load();
   /* From here on nothing is opened but what the deck names. */

@@ -179,8 +179,8 @@ static char *find_program(void) {
   return g_strdup(built ? EDA_SIMULATOR_BUILT : EDA_SIMULATOR_INSTALLED);
 }
 
-/* The request as an open file: whoever reads it cannot make us wait, nor kill us
-   by reading no more. */
+/* The request as an open file: whoever reads it cannot make us wait, nor kill
+   us by reading no more. */
 static int open_request(const char *deck, const char *commands,
                         opc_error *error) {
   int file = memfd_create("deck", MFD_CLOEXEC);

@@ -150,7 +150,8 @@ static void test_missing(void) {
   fails(rc, "op", LIMIT, OPC_NO_PLUGIN, "package 'libngspice0'", 0);
   g_unsetenv("OPCFLOW_NGSPICE");
   g_setenv("OPCFLOW_SIMULATOR", "/nowhere/opcflow-simulator", TRUE);
-  fails(rc, "op", LIMIT, OPC_NO_PLUGIN, "program that loads ngspice is not installed", 0);
+  fails(rc, "op", LIMIT, OPC_NO_PLUGIN,
+        "program that loads ngspice is not installed", 0);
   g_unsetenv("OPCFLOW_SIMULATOR");
 }
 
@@ -161,7 +162,8 @@ static void test_orphan(void) {
                        EDA_SIMULATOR_BUILT, "/tmp", "10", "1", NULL);
   g_autoptr(GBytes) answer = NULL;
   g_assert_nonnull(child);
-  g_assert_true(g_subprocess_communicate(child, NULL, NULL, &answer, NULL, NULL));
+  g_assert_true(
+      g_subprocess_communicate(child, NULL, NULL, &answer, NULL, NULL));
   g_assert_cmpuint(g_bytes_get_size(answer), ==, 0);
   g_assert_cmpint(g_subprocess_get_exit_status(child), ==, 1);
 }

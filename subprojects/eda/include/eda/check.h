@@ -31,6 +31,12 @@ OPC_EXPORT const char *eda_enter(const opc_context *context,
    that says so. Returns the code; nothing happens if that is OPC_OK. */
 OPC_EXPORT int eda_blame(opc_error *error, int code, const char *slot);
 
+/* opc_parallel for tasks that may fail: the error of the first one, by its
+   number, that did. */
+OPC_EXPORT int eda_try_all(const opc_context *context, size_t n,
+                           int (*task)(void *data, size_t i, opc_error *error),
+                           void *data, opc_error *error);
+
 /* A field that has values, all finite, in that very frame; `what` is its name
    in the message. */
 OPC_EXPORT int eda_check_field(const eda_field *field, const eda_frame *frame,

@@ -15,12 +15,12 @@ enum { EDA_NMOS = 0, EDA_PMOS = 1 };
 /* Currents per width, A/nm, against L in nm, increasing. [type][i] */
 typedef struct eda_devices {
   size_t count;
-  const double *length;
-  const double *ion[2];
-  const double *ioff[2];
+  double *length;
+  double *ion[2];
+  double *ioff[2];
   double supply; /* V */
   double width;  /* nm, of the transistors that were simulated */
-  const char *name;
+  char *name;
 } eda_devices;
 
 /* Read a table (docs/devices.md tells the format). Errors carry

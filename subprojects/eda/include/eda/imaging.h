@@ -133,8 +133,8 @@ OPC_EXPORT void eda_field_gradient(const eda_field *field, const double *x,
                                    const double *y, size_t n, double *value,
                                    double *dx, double *dy);
 
-/* The next four work in place, and fail for nothing but a `sigma` or `step`
-   that is no length (OPC_INVALID); the field then stays as it is.
+/* The next four work in place. A `sigma` or `step` that is no length is refused
+   with OPC_INVALID; the field then stays as it is.
 
    Convolve a field with a Gaussian of standard deviation `sigma` (nm, 0: as
    it is) in both directions, around the period. */
@@ -150,10 +150,9 @@ OPC_EXPORT int eda_field_resample(const opc_context *context, eda_field *field,
 /* From coefficients to the values at the nodes (x0 + i dx, y0 + j dy), in
    their place, and from such values to the coefficients of the field that
    goes through them. */
-OPC_EXPORT int eda_field_samples(const opc_context *context, eda_field *field,
-                                 opc_error *error);
-OPC_EXPORT int eda_field_from_samples(const opc_context *context,
-                                      eda_field *field, opc_error *error);
+OPC_EXPORT void eda_field_samples(const opc_context *context, eda_field *field);
+OPC_EXPORT void eda_field_from_samples(const opc_context *context,
+                                       eda_field *field);
 
 /* The nearest sign change of a field on the line through (x, y), nm, along x
    (axis 0) or y (1): its distance from that point, nm, positive towards larger

@@ -26,6 +26,12 @@ OPC_UNUSED static inline void eda_grow(void *array, size_t *room, size_t need,
   if (need > *room) eda_grow_to(array, room, need, size);
 }
 
+/* Add an element at the end of an array of `count` with room for `room`; after
+   the array, the count and the room comes the new element. */
+#define EDA_PUSH(array, count, room, ...)                     \
+  (eda_grow(&(array), &(room), (count) + 1, sizeof *(array)), \
+   (void)((array)[(count)++] = __VA_ARGS__))
+
 #ifdef __cplusplus
 }
 #endif

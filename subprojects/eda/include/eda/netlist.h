@@ -61,13 +61,13 @@ typedef struct eda_subcircuit {
 typedef struct eda_netlist {
   /* What the caller sets, the rest being zero. All faults go to *error. */
   opc_error *error;
-  double scale;                     /* a factor on sizes */
-  const char *n_models, *p_models;  /* names with blanks between, or NULL */
+  double scale;                    /* a factor on sizes */
+  const char *n_models, *p_models; /* names with blanks between, or NULL */
 
   eda_pool pool;
-  struct lines *lines; /* the reader, for what is told of places */
-  uint32_t current;    /* while it is read: the subcircuit, UINT32_MAX outside */
-  int control;         /* between .control and .endc */
+  struct eda_lines *lines; /* the reader, for what is told of places */
+  uint32_t current; /* while it is read: the subcircuit, UINT32_MAX outside */
+  int control;      /* between .control and .endc */
   size_t subcircuits, room_subcircuits;
   eda_subcircuit *subcircuit;
   eda_names subcircuit_of;
@@ -145,16 +145,15 @@ typedef struct eda_card {
 
 /* Read the model of that name, EDA_NMOS or EDA_PMOS, from a file and those that
    it includes. */
-OPC_EXPORT int eda_card_read(eda_pool *pool, const char *path,
-                             const char *name, int type, eda_card *out,
-                             opc_error *error);
+OPC_EXPORT int eda_card_read(eda_pool *pool, const char *path, const char *name,
+                             int type, eda_card *out, opc_error *error);
 
 /* Which sizes: as drawn, as printed before and after the correction. */
 enum { EDA_DRAWN = 0, EDA_BEFORE = 1, EDA_AFTER = 2, EDA_STATES = 3 };
 
 typedef struct eda_annotation {
   const eda_circuit *circuit;
-  const eda_mask *mask;    /* may be NULL for EDA_DRAWN */
+  const eda_mask *mask; /* may be NULL for EDA_DRAWN */
   int state;
   const char *model[2];    /* names: [EDA_NMOS], [EDA_PMOS] */
   const eda_card *card[2]; /* for DLC; NULL: no correction of it */

@@ -13,6 +13,7 @@ extern "C" {
 /* All zeros is an empty one. */
 typedef struct eda_pool {
   struct eda_pool_block *last;
+  struct _GSList *tables; /* of all eda_names */
 } eda_pool;
 
 /* Zeroed memory, never NULL; it lives until the pool is cleared. */
@@ -31,18 +32,17 @@ OPC_EXPORT void eda_pool_clear(eda_pool *pool);
    copied. */
 typedef struct eda_names {
   eda_pool *pool;
-  const char **key;
-  uint32_t *value;
-  size_t room, count; /* room is a power of two, or 0 */
+  struct _GHashTable *table;
 } eda_names;
 
-/* The value of a key of n bytes, NULL if it is not there. */
-OPC_EXPORT uint32_t *eda_names_find(const eda_names *names, const char *key,
-                                    size_t n);
+/* The value of a key, NULL if it is not there. It stays at its place. */
+OPC_EXPORT uint32_t *eda_names_find(const eda_names *names, const char *key);
 /* That of a key that is put in if it is not there, with the value UINT32_MAX.
  */
 OPC_EXPORT uint32_t *eda_names_add(eda_names *names, const char *key);
 
+/* A name's number, which is that of all equal names and hardly of others. */
+OPC_EXPORT uint64_t eda_name_hash(const char *name);
 OPC_EXPORT int eda_same_name(const char *a, const char *b);
 /* Whether a list with blanks or commas between (NULL: empty) has that name. */
 OPC_EXPORT int eda_in_list(const char *list, const char *name);

@@ -11,22 +11,22 @@ extern "C" {
 
 /* One vector of a finished analysis. */
 typedef struct eda_spice_vector {
-  char *name;                /* "v(out)", "time", "i(vdd)", lower case */
+  char *name; /* "v(out)", "time", "i(vdd)", lower case */
   size_t count;
-  double *value;             /* real; the real part of a complex one */
+  double *value; /* real; the real part of a complex one */
 } eda_spice_vector;
 
 /* What an analysis left. */
 typedef struct eda_spice_plot {
-  char *name;                /* ngspice's: "tran1", "dc2" */
+  char *name; /* ngspice's: "tran1", "dc2" */
   size_t count, room;
   eda_spice_vector *vector;
 } eda_spice_plot;
 
 typedef struct eda_spice_result {
   size_t count, room;
-  eda_spice_plot *plot;      /* in the order they were made; not "const" */
-  char *words;               /* what the simulator said, whole; or NULL */
+  eda_spice_plot *plot; /* in the order they were made; not "const" */
+  char *words;          /* what the simulator said, whole; or NULL */
 } eda_spice_result;
 
 /* Run a deck (the text of a netlist file; the first line is its title, it ends
@@ -37,10 +37,10 @@ typedef struct eda_spice_result {
    installed. Several may run at once. [any]
 
    The simulator stands in an empty folder that is removed: names of files in a
-   deck are absolute. No start-up file of ngspice is read. `out` is to be cleared
-   also after a failure; it then has the plots of the commands before, and the
-   words. The environment variable OPCFLOW_NGSPICE names another library than
-   libngspice.so.0, OPCFLOW_SIMULATOR another program to load it. */
+   deck are absolute. No start-up file of ngspice is read. `out` is to be
+   cleared also after a failure; it then has the plots of the commands before,
+   and the words. The environment variable OPCFLOW_NGSPICE names another library
+   than libngspice.so.0, OPCFLOW_SIMULATOR another program to load it. */
 OPC_EXPORT int eda_spice_run(const opc_context *context, const char *deck,
                              const char *commands, double limit,
                              eda_spice_result *out, opc_error *error);

@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Names, a netlist that is read and made flat, and circuits that are not sound.
+   netlist.match's tests have the syntax and its faults. */
+#include <eda/netlist.h>
+#include <glib.h>
+#include <glib/gstdio.h>
+#include <math.h>
+
+/* ---- names ---- */
+
+static void test_names(void) {
+  enum { MANY = 3000 };
+  eda_pool pool = {0};
+  eda_names names = {.pool = &pool};
+  g_assert_null(eda_names_find(&names, "a"));
+  for (uint32_t i = 0; i < MANY; i++) {
+    g_autofree char *text = g_strdup_printf("Net%u", i);
+    const char *own = eda_pool_text(&pool, text, strlen(text));
+    *eda_names_add(&names, own) = i;
+  }
+  for (uint32_t i = 0; i < MANY; i++) {
+    g_autofree char *text = g_strdup_printf("nET%u", i);
+    g_autofree char *more = g_strconcat(text, "/more", NULL);
+    g_assert_cmpuint(*eda_names_find(&names, text), ==, i);
+    g_assert_null(eda_names_find(&names, more));
+  }
+  g_assert_cmpuint(*eda_names_add(&names, "new"), ==, UINT32_MAX);
+  g_assert_true(eda_in_list("VDD vcc,Vss", "VSS"));
+  g_assert_true(eda_in_list("VDD vcc,Vss", "VCC"));
+  g_assert_false(eda_in_list("VDD vcc,Vss", "vs"));
+  g_assert_false(eda_in_list(NULL, "vs"));
+  g_assert_cmpstr(eda_pool_path(&pool, "", "b"), ==, "b");
+  g_assert_cmpstr(eda_pool_path(&pool, "a", "b"), ==, "a/b");
+  eda_pool_clear(&pool);
+}
+
+static void test_grow(void) {
+  eda_pool pool = {0};
+  size_t room = 0;
+  double *list = NULL;
+  for (size_t i = 0; i < 40000; i++) {
+    eda_pool_grow(&pool, &list, &room, i + 1, sizeof *list);
+    g_assert_cmpfloat(list[i], ==, 0);
+    list[i] = (double)i;
+  }
+  for (size_t i = 0; i < 40000; i++) g_assert_cmpfloat(list[i], ==, (double)i);
+  eda_pool_clear(&pool);
+}
+
+/* ---- flat ---- */
+
+static const char deck[] =
+    "* title\n.param wide='2*small' small=100n\n.global gnd!\n"
+    ".subckt inv a y vdd params: w=1u m=1\n"
+    "Mn y a gnd! gnd! nch w='w' l=60n $ x=250.5 y=400 nm\n"
+    "Mp y a vdd vdd pch w={2*w}\n+ l=60n nf=2\n.ends\n"
+    ".subckt buf A Y vdd\nXone A n vdd inv w=wide\nC1 n 0 1f\n"
+    "Xtwo n Y vdd / inv m=3\n.ends buf\n";
+
+/* Sizes, multiples, inner nets and globals, by hand. */
+static void test_flat(void) {
+  static const struct {
+    const char *name, *net[3];
+    double width;
+    uint32_t fingers;
+  } want[] = {{"Xone/Mn", {"n", "A", "gnd!"}, 200, 0},
+              {"Xone/Mp", {"n", "A", "vdd"}, 400, 2},
+              {"Xtwo/Mn", {"Y", "n", "gnd!"}, 3000, 3},
+              {"Xtwo/Mp", {"Y", "n", "vdd"}, 6000, 6}};
+  g_autofree char *folder = g_dir_make_tmp("netlist-test-XXXXXX", NULL);
+  g_autofree char *path = g_build_filename(folder, "buf.sp", NULL);
+  g_assert_true(g_file_set_contents(path, deck, -1, NULL));
+  opc_error error;
+  eda_netlist n = {.error = &error, .scale = 1};
+  if (eda_netlist_read(&n, path)) g_error("%s", error.message);
+  int64_t top = eda_netlist_find(&n, "BUF");
+  g_assert_cmpint(top, >=, 0);
+  if (eda_netlist_prepare(&n, (uint32_t)top)) g_error("%s", error.message);
+  const eda_scope scope = {NULL, &n.subcircuit[top], NULL};
+  eda_flat_netlist f = {.pool = &n.pool};
+  if (eda_netlist_flatten(&n, &scope, &f)) g_error("%s", error.message);
+  g_assert_cmpuint(n.left_out, ==, 1);
+  g_assert_cmpuint(f.nets, ==, 5);
+  g_assert_cmpuint(f.ports, ==, 4);
+  g_assert_cmpstr(f.net[f.port[3]], ==, "gnd!");
+  g_assert_cmpuint(f.devices, ==, G_N_ELEMENTS(want));
+  for (size_t i = 0; i < f.devices; i++) {
+    const eda_transistor *d = &f.device[i];
+    g_assert_cmpstr(d->name, ==, want[i].name);
+    g_assert_cmpstr(f.net[d->drain], ==, want[i].net[0]);
+    g_assert_cmpstr(f.net[d->gate], ==, want[i].net[1]);
+    g_assert_cmpstr(f.net[d->source], ==, want[i].net[2]);
+    g_assert_cmpfloat(fabs(d->width - want[i].width), <, 1e-9);
+    g_assert_cmpfloat(fabs(d->length - 60), <, 1e-9);
+    g_assert_cmpuint(d->fingers, ==, want[i].fingers);
+  }
+  g_assert_cmpfloat(f.device[0].from->x, ==, 250.5);
+  char where[256];
+  g_assert_true(g_str_has_suffix(
+      eda_netlist_where(&n, f.device[1].from, where, sizeof where), ":6"));
+  eda_netlist_clear(&n);
+  g_unlink(path);
+  g_rmdir(folder);
+}
+
+/* ---- circuits ---- */
+
+static eda_circuit *sound(void) {
+  static const uint32_t gate[2] = {0, 1};
+  eda_circuit *c = eda_circuit_new(eda_gates_sample(), "pair", 3, 1, 2);
+  for (int i = 0; i < 3; i++) c->net[i] = "net";
+  for (uint32_t i = 0; i < 2; i++)
+    c->device[i] = (eda_device){.name = "M",
+                                .gate = 1,
+                                .source = 2,
+                                .length = 60,
+                                .width = 200,
+                                .fingers = 1,
+                                .finger = &gate[i]};
+  return c;
+}
+
+static void refused(eda_circuit *c, const char *words) {
+  opc_error error;
+  g_assert_cmpint(eda_circuit_check(c, &error), ==, OPC_FAILED);
+  if (!strstr(error.message, words))
+    g_error("'%s' is not '%s'", error.message, words);
+  eda_circuit_free(c);
+}
+
+static void test_check(void) {
+  static const uint32_t far = 2, both[2] = {0, 1};
+  opc_error error;
+  eda_circuit *c = sound();
+  if (eda_circuit_check(c, &error)) g_error("%s", error.message);
+  g_assert_cmpint(eda_circuit_role(c, 0), ==, EDA_PIN_INPUT);
+  g_assert_cmpint(eda_circuit_role(c, 1), ==, -1);
+  eda_circuit_free(c);
+  eda_circuit_free(NULL);
+  refused(NULL, "not whole");
+#define SPOILED(change, words) \
+  c = sound();                 \
+  change;                      \
+  refused(c, words)
+  SPOILED(c->net[2] = NULL, "net 2 has no name");
+  SPOILED(c->port[0] = 3, "port 0");
+  SPOILED(c->role[0] = 4, "port 0");
+  SPOILED(c->device[1].name = NULL, "device 1, '', has no name");
+  SPOILED(c->device[1].bulk = 3, "device 1, 'M', is at a net");
+  SPOILED(c->device[0].type = 2, "is of no type");
+  SPOILED(c->device[0].width = NAN, "has no size");
+  SPOILED(c->device[0].length = 0, "has no size");
+  SPOILED(c->device[0].fingers = 0, "has no gate");
+  SPOILED(c->device[0].finger = &far, "has a gate that is not there");
+  SPOILED((c->device[0].fingers = 2, c->device[0].finger = both),
+          "device 1, 'M', has the gate of another one");
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/netlist/names", test_names);
+  g_test_add_func("/netlist/grow", test_grow);
+  g_test_add_func("/netlist/flat", test_flat);
+  g_test_add_func("/netlist/check", test_check);
+  return g_test_run();
+}
