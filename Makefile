@@ -4,7 +4,7 @@
 # make bench   the benchmarks; results in build/bench/NAME.json
 # make sanitize  every test under AddressSanitizer and UBSan
 # make fuzz [TARGET=gds] [RUNS=10000000]  libFuzzer on the parsers, with clang
-# make lint    clang-tidy over all code
+# make lint    clang-format and clang-tidy over all code
 # make install [PREFIX=/usr/local] [DESTDIR=]  says where things went
 
 BUILD ?= build
@@ -25,7 +25,7 @@ $(BUILD)/build.ninja:
 	@rm -f $(BUILD).log
 
 test: build
-	@tools/install-packages zsh
+	@tools/install-packages zsh qemu-user
 	@tools/run-tests $(BUILD)
 
 bench: build
@@ -44,7 +44,8 @@ fuzz:
 	@tools/fuzz build-fuzz $(TARGET) $(RUNS)
 
 lint: build
-	@tools/install-packages clang-tidy
+	@tools/install-packages clang-format clang-tidy
+	@tools/format --check
 	@tools/lint $(BUILD)
 
 install: build

@@ -44,7 +44,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   g_ptr_array_add(sets, NULL);
   g_ptr_array_add(sweeps, NULL);
   g_autoptr(opc_sweep) sweep =
-      opc_sweep_new(recipe, (const char *const *)sets->pdata,
+      opc_sweep_new(recipe, (const char *const *)sets->pdata, NULL,
                     (const char *const *)sweeps->pdata, problems);
   const opc_choice choice = {.sweep = sweep,
                              .sets = (const char *const *)sets->pdata};

@@ -275,8 +275,9 @@ static gboolean run_emulated(const char *processor, const char *run) {
 }
 
 /* The same bits with AVX-512 (if this machine has it) and with AVX2 and FMA.
-   Without FMA, FFTW and the C library take other ways, and figures differ in
-   their last places; the mask does not. */
+   Without FMA, FFTW and the C library take other ways: currents and areas
+   differ by less than 1e-5 of themselves (the figures are deviations in %), the
+   mask does not. */
 static void test_processors(void) {
   if (!run_emulated("Haswell", "haswell")) {
     g_test_skip("no qemu-x86_64, or a build that it cannot run");
@@ -292,9 +293,8 @@ static void test_processors(void) {
   expect_equal("native", "nehalem", "mask.gds");
   const char *figures[] = {"ion_mean", "ion_max", "area_mean", "ioff_mean"};
   for (size_t i = 0; i < G_N_ELEMENTS(figures); i++) {
-    double a = metric("native", "mask", figures[i]);
-    g_assert_cmpfloat_with_epsilon(metric("nehalem", "mask", figures[i]), a,
-                                   1e-5 * a);
+    g_assert_cmpfloat_with_epsilon(metric("nehalem", "mask", figures[i]),
+                                   metric("native", "mask", figures[i]), 1e-3);
   }
 }
 

@@ -22,7 +22,7 @@ static void take_log(void *data, const char *path, int level,
 static void check_all(const opc_recipe *recipe, opc_problems *problems) {
   static const opc_watch watch = {.log = take_log};
   g_autoptr(opc_sweep) sweep =
-      opc_sweep_new(recipe, cli_list(sets), cli_list(sweeps), problems);
+      opc_sweep_new(recipe, cli_list(sets), NULL, cli_list(sweeps), problems);
   opc_choice choice = {.sweep = sweep, .sets = cli_list(sets)};
   opc_flow_check(recipe, &choice, cli_registry(), &watch, problems);
   for (guint i = 0; i < recipe->variants->keys->len; i++) {

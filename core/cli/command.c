@@ -10,7 +10,6 @@
 #include "core/flow/layers.h"
 #include "core/flow/run.h"
 #include "core/plugin/declaration.h"
-#include "core/plugin/guard.h"
 
 /* What the user wants: of each parameter of the plugin a text, or of an
    OPC_BOOL whether it was given as --NAME or as --no-NAME. */
@@ -23,7 +22,6 @@ static GString *shown;   /* tables */
 static GPtrArray *cells; /* char *: metric, value, unit, metric ... */
 static JsonArray *tables, *messages;
 static JsonObject *metrics;
-static GPtrArray *paths; /* char *: that were given out */
 
 /* ---- options ---- */
 
@@ -108,18 +106,18 @@ static int take_metric(const opc_host *host, const char *name, double value,
 /* A command has no run folder: a new file in the present one. */
 static const char *give_path(const opc_host *host, const char *name,
                              opc_error *error) {
-  (void)host;
+  char *path = g_strdup(name);
   g_autofree char *folder = g_path_get_dirname(name);
-  error->code = OPC_OK;
+  g_ptr_array_add(((const opc_binding *)host->data)->owned, path);
   if (!opc_name_is_inside(name))
     opc_fail(error, OPC_INVALID, NULL, "'%s' leaves the folder", name);
   else if (g_file_test(name, G_FILE_TEST_EXISTS))
     opc_fail(error, OPC_IO, NULL, "'%s' exists", name);
   else if (g_mkdir_with_parents(folder, 0777))
     opc_fail(error, OPC_IO, NULL, "'%s': %s", folder, g_strerror(errno));
-  if (error->code) return NULL;
-  g_ptr_array_add(paths, g_strdup(name));
-  return paths->pdata[paths->len - 1];
+  else
+    return path;
+  return NULL;
 }
 
 static const opc_watch watch = {.data = &progress,
@@ -173,13 +171,10 @@ static void call(opc_binding *b, const GPtrArray *arguments,
                  opc_problems *problems) {
   const opc_command *command = b->module.functions;
   opc_error error = {0};
-  g_autofree char *label = opc_binding_label(b);
-  opc_guard_where(label, OPC_CRASH_RUNNING);
-  const char *before = opc_guard_enter(b->plugin->id);
+  const char *before = opc_binding_enter(b);
   int code = command->run(b->module.self, arguments->len,
                           (const char *const *)arguments->pdata, &error);
-  opc_guard_leave(before);
-  opc_guard_where(NULL, 0);
+  opc_binding_leave(before);
   error.parameter[sizeof error.parameter - 1] = 0;
   error.message[sizeof error.message - 1] = 0;
   if (code)
@@ -255,7 +250,6 @@ const cli_verb *cli_plugin_verb(const char *name, opc_error *error) {
   g_array_append_vals(options, common, G_N_ELEMENTS(common));
   shown = g_string_new(NULL);
   cells = g_ptr_array_new_with_free_func(g_free);
-  paths = g_ptr_array_new_with_free_func(g_free);
   tables = json_array_new();
   messages = json_array_new();
   metrics = json_object_new();

@@ -108,8 +108,7 @@ static void offer_values(const line *l, const opc_parameter *p) {
   if (p->type == OPC_CHOICE) offer_words(&behind, p->choices);
 }
 
-static void offer_settings(opc_binding *binding, void *data) {
-  const line *l = data;
+static void offer_settings(const line *l, const opc_binding *binding) {
   const char *equals = strchr(l->current, '=');
   for (size_t i = 0; i < binding->plugin->n_parameters; i++) {
     const opc_parameter *p = &binding->plugin->parameters[i];
@@ -128,10 +127,12 @@ static void offer_sets(line *l) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_flow) flow =
       opc_flow_load(l->flow, NULL, cli_registry(), problems);
+  g_autoptr(GPtrArray) all = g_ptr_array_new();
   for (guint i = 0; flow && i < flow->steps->len; i++) {
     const opc_flow_step *step = flow->steps->pdata[i];
-    if (step->binding) opc_binding_visit(step->binding, offer_settings, l);
+    if (step->binding) opc_binding_list(step->binding, all);
   }
+  for (guint i = 0; i < all->len; i++) offer_settings(l, all->pdata[i]);
 }
 
 static void offer_argument(line *l, const char *name) {

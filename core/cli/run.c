@@ -248,7 +248,7 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
   series s = {recipe, NULL, chosen, list};
   if (recipe) {
     s.sweep = sweep =
-        opc_sweep_new(recipe, cli_list(sets), cli_list(sweeps), problems);
+        opc_sweep_new(recipe, cli_list(sets), NULL, cli_list(sweeps), problems);
     choose_variants(&s, problems);
   }
   for (guint i = 0; i < chosen->len; i++) {

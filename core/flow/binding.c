@@ -30,8 +30,7 @@ static opc_binding *bind_use(const binder *like, const opc_node *map,
 /* ---- one value ---- */
 
 static opc_node *parse_preset(const binder *b, const opc_parameter *p) {
-  static const opc_source source = {.name = (char *)"default"};
-  opc_node *node = opc_preset_parse(p, &source, b->problems);
+  opc_node *node = opc_preset_parse(p, b->problems);
   if (node) g_ptr_array_add(b->binding->presets, node);
   return node;
 }
@@ -152,17 +151,6 @@ static void bind_map(const binder *b, const opc_node *map, const char *prefix) {
   }
 }
 
-static gboolean same(const opc_node *a, const opc_node *b) {
-  if (a->type != b->type || g_strcmp0(a->text, b->text)) return FALSE;
-  if (!a->items) return TRUE;
-  if (a->items->len != b->items->len) return FALSE;
-  for (guint i = 0; i < a->items->len; i++)
-    if ((a->keys && !same(a->keys->pdata[i], b->keys->pdata[i])) ||
-        !same(a->items->pdata[i], b->items->pdata[i]))
-      return FALSE;
-  return TRUE;
-}
-
 /* To write a default out is to give nothing: a resolved flow does it. */
 static void forget_defaults(const binder *b) {
   opc_binding *binding = b->binding;
@@ -170,8 +158,9 @@ static void forget_defaults(const binder *b) {
     const opc_parameter *p = &binding->plugin->parameters[i];
     if (!binding->origin[i] || !p->preset || p->type == OPC_SLOT) continue;
     const opc_node *preset = parse_preset(b, p);
-    if (preset && same(preset, binding->origin[i]))
-      binding->values[i].given = FALSE;
+    g_autofree char *given = opc_node_line(binding->origin[i]);
+    g_autofree char *written = preset ? opc_node_line(preset) : NULL;
+    if (!g_strcmp0(given, written)) binding->values[i].given = FALSE;
   }
 }
 
@@ -379,10 +368,8 @@ gboolean opc_binding_fail(const opc_binding *b, gboolean run, int code,
                          "%s%s: %s", label, trail->str, error->message);
 }
 
-void opc_binding_visit(opc_binding *b,
-                       void (*visit)(opc_binding *binding, void *data),
-                       void *data) {
+void opc_binding_list(const opc_binding *b, GPtrArray *list) {
   for (size_t i = 0; i < b->plugin->n_parameters; i++)
-    if (b->slots[i]) opc_binding_visit(b->slots[i], visit, data);
-  visit(b, data);
+    if (b->slots[i]) opc_binding_list(b->slots[i], list);
+  g_ptr_array_add(list, (opc_binding *)b);
 }

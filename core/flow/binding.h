@@ -85,9 +85,7 @@ const opc_place *opc_binding_place(const opc_binding *binding,
 void opc_binding_set(opc_binding *binding, size_t parameter,
                      const void *object);
 
-/* Call `visit` for a binding and all in its slots, slots first. */
-void opc_binding_visit(opc_binding *binding,
-                       void (*visit)(opc_binding *binding, void *data),
-                       void *data);
+/* Add a binding and all in its slots to `list`, slots first. */
+void opc_binding_list(const opc_binding *binding, GPtrArray *list);
 
 #endif

@@ -6,7 +6,7 @@
 #include "core/plugin/declaration.h"
 #include "core/text/suggest.h"
 
-/* What a visit of the bindings of one step needs. */
+/* What the references of one step need. */
 typedef struct connector {
   opc_flow *flow;
   opc_flow_step *step;
@@ -24,74 +24,68 @@ opc_flow_step *opc_flow_find(const opc_flow *flow, const char *path) {
   return NULL;
 }
 
-static void unknown_step(const connector *c, const opc_node *node,
-                         const char *name) {
+static gboolean unknown_step(const connector *c, const opc_node *node,
+                             const char *name) {
   g_autoptr(GPtrArray) names = g_ptr_array_new();
   for (guint i = 0; i < c->flow->steps->len; i++) {
     const opc_flow_step *step = c->flow->steps->pdata[i];
     if (step != c->step) g_ptr_array_add(names, (char *)step->name);
   }
   g_autofree char *suggestion = opc_suggestion(name, names);
-  opc_problem_add(c->problems, OPC_INVALID, &node->at,
-                  "unknown step '%s' in '%s'%s", name, node->text, suggestion);
+  return opc_wrong(c->problems, node, "unknown step '%s' in '%s'%s", name,
+                   node->text, suggestion);
 }
 
-/* The number of the output that is meant; -1 and a problem. */
-static int find_port(const connector *c, const opc_node *node,
-                     const opc_flow_step *from, const char *name) {
+/* The output of that name, the first one for NULL, that is meant. */
+static gboolean find_port(const connector *c, const opc_node *node,
+                          const opc_flow_step *from, const char *name,
+                          size_t *port) {
   const opc_plugin *plugin = from->binding->plugin;
   size_t n = opc_port_count(plugin);
-  if (!n) {
-    opc_problem_add(c->problems, OPC_INVALID, &node->at,
-                    "step '%s' (%s) has no output", from->name, plugin->id);
-    return -1;
-  }
-  if (!name) return 0;
   g_autoptr(GPtrArray) names = g_ptr_array_new();
-  for (size_t i = 0; i < n; i++) {
-    if (!strcmp(opc_port_at(plugin, i)->name, name)) return (int)i;
-    g_ptr_array_add(names, (char *)opc_port_at(plugin, i)->name);
+  if (!n)
+    return opc_wrong(c->problems, node, "step '%s' (%s) has no output",
+                     from->name, plugin->id);
+  for (*port = 0; *port < n; ++*port) {
+    const char *its = opc_port_at(plugin, *port)->name;
+    if (!name || !strcmp(its, name)) return TRUE;
+    g_ptr_array_add(names, (char *)its);
   }
   g_autofree char *suggestion = opc_suggestion(name, names);
-  opc_problem_add(c->problems, OPC_INVALID, &node->at,
-                  "step '%s' (%s) has no output '%s'%s", from->name, plugin->id,
-                  name, suggestion);
-  return -1;
+  return opc_wrong(c->problems, node, "step '%s' (%s) has no output '%s'%s",
+                   from->name, plugin->id, name, suggestion);
 }
 
-static void connect_input(const connector *c, opc_binding *binding,
-                          size_t parameter) {
+static gboolean connect_input(const connector *c, opc_binding *binding,
+                              size_t parameter) {
   const opc_parameter *p = &binding->plugin->parameters[parameter];
   const opc_node *node = binding->origin[parameter];
   g_auto(GStrv) parts =
       g_strsplit(binding->values[parameter].reference, ".", 2);
   const opc_flow_step *from = opc_flow_find(c->flow, parts[0]);
-  if (!from) {
-    unknown_step(c, node, parts[0]);
-    return;
-  }
   opc_flow_input input = {binding, parameter, from, 0};
+  if (!from) return unknown_step(c, node, parts[0]);
   if (from->binding) {
-    int port = find_port(c, node, from, parts[1]);
-    if (port < 0) return;
-    input.port = (size_t)port;
+    if (!find_port(c, node, from, parts[1], &input.port)) return FALSE;
     const char *kind = opc_port_at(from->binding->plugin, input.port)->kind;
     g_auto(GStrv) wanted = opc_choice_list(p->choices);
-    if (!g_strv_contains((const char *const *)wanted, kind)) {
-      opc_problem_add(c->problems, OPC_INVALID, &node->at,
-                      "'%s' needs data of the kind '%s', '%s' is '%s'", p->name,
-                      p->choices, node->text, kind);
-      return;
-    }
+    if (!g_strv_contains((const char *const *)wanted, kind))
+      return opc_wrong(c->problems, node,
+                       "'%s' needs data of the kind '%s', '%s' is '%s'",
+                       p->name, p->choices, node->text, kind);
   }
   g_array_append_val(c->step->inputs, input);
+  return TRUE;
 }
 
-static void connect_binding(opc_binding *binding, void *data) {
-  for (size_t i = 0; i < binding->plugin->n_parameters; i++)
-    if (binding->plugin->parameters[i].type == OPC_INPUT &&
-        binding->values[i].reference)
-      connect_input(data, binding, i);
+static void connect_step(const connector *c) {
+  g_autoptr(GPtrArray) all = g_ptr_array_new();
+  opc_binding_list(c->step->binding, all);
+  for (guint k = 0; k < all->len; k++) {
+    opc_binding *b = all->pdata[k];
+    for (size_t i = 0; i < b->plugin->n_parameters; i++)
+      if (b->values[i].reference) connect_input(c, b, i);
+  }
 }
 
 /* ---- order ---- */
@@ -155,9 +149,8 @@ static void find_order(opc_flow *flow, opc_problems *problems) {
 
 void opc_flow_connect(opc_flow *flow, opc_problems *problems) {
   for (guint i = 0; i < flow->steps->len; i++) {
-    connector c = {flow, flow->steps->pdata[i], problems};
-    if (c.step->binding)
-      opc_binding_visit(c.step->binding, connect_binding, &c);
+    const connector c = {flow, flow->steps->pdata[i], problems};
+    if (c.step->binding) connect_step(&c);
   }
   find_order(flow, problems);
 }

@@ -38,14 +38,6 @@ static void read_step(opc_flow *flow, const opc_node *key, const opc_node *node,
                              &key->at, flags, problems);
 }
 
-static void read_steps(opc_flow *flow, opc_registry *registry, unsigned flags,
-                       opc_problems *problems) {
-  const opc_node *steps = flow->nodes;
-  for (guint i = 0; i < steps->items->len && !opc_problems_full(problems); i++)
-    read_step(flow, steps->keys->pdata[i], steps->items->pdata[i], registry,
-              flags, problems);
-}
-
 /* ---- the whole ---- */
 
 /* Lay a map of paths and values over the steps. */
@@ -75,10 +67,8 @@ opc_flow *opc_flow_make(const opc_recipe *recipe, const opc_choice *choice,
   const char *variant = choice ? choice->variant : NULL;
   opc_flow *flow = g_new0(opc_flow, 1);
   flow->recipe = recipe;
-  flow->path = g_strdup(recipe->path);
-  flow->variant = g_strdup(variant);
+  flow->variant = variant;
   flow->name = g_strconcat(recipe->name, variant ? "-" : NULL, variant, NULL);
-  flow->description = g_strdup(recipe->description);
   flow->sources =
       g_ptr_array_new_with_free_func((GDestroyNotify)opc_source_free);
   flow->steps = g_ptr_array_new_with_free_func(step_free);
@@ -88,7 +78,10 @@ opc_flow *opc_flow_make(const opc_recipe *recipe, const opc_choice *choice,
   if (choice) lay_choice(flow, choice, problems);
   if (!flow->nodes->items->len)
     opc_wrong(problems, flow->nodes, "no step is left");
-  read_steps(flow, registry, choice ? choice->bind : 0, problems);
+  const GPtrArray *keys = flow->nodes->keys, *items = flow->nodes->items;
+  for (guint i = 0; i < keys->len && !opc_problems_full(problems); i++)
+    read_step(flow, keys->pdata[i], items->pdata[i], registry,
+              choice ? choice->bind : 0, problems);
   opc_flow_connect(flow, problems);
   return flow;
 }
@@ -110,10 +103,7 @@ void opc_flow_free(opc_flow *flow) {
   opc_node_free(flow->nodes);
   g_ptr_array_free(flow->sources, TRUE);
   opc_recipe_free(flow->owned);
-  g_free(flow->path);
   g_free(flow->name);
-  g_free(flow->description);
-  g_free(flow->variant);
   g_free(flow);
 }
 
@@ -127,4 +117,11 @@ gboolean opc_flow_create(const opc_flow *flow, const gboolean *left_out,
       good &= opc_binding_create(step->binding, watch, like, problems);
   }
   return good;
+}
+
+GPtrArray *opc_flow_bindings(const opc_flow *flow) {
+  GPtrArray *list = g_ptr_array_new();
+  for (guint i = 0; i < flow->order->len; i++)
+    opc_binding_list(((opc_flow_step *)flow->order->pdata[i])->binding, list);
+  return list;
 }

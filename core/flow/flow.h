@@ -26,9 +26,8 @@ struct opc_flow_step {
 };
 
 typedef struct opc_flow {
-  char *path;               /* as given */
-  char *name, *description; /* description may be NULL */
-  char *variant;            /* NULL: none */
+  char *name;
+  const char *variant; /* NULL: none */
   const opc_recipe *recipe;
   opc_recipe *owned;  /* the same, if it is the flow's own */
   opc_node *nodes;    /* the map of steps */
@@ -85,6 +84,10 @@ const opc_parameter *opc_flow_parameter(const opc_flow *flow, const char *path);
 
 /* The step that a path ("step", "step.slot.parameter") begins with, or NULL. */
 opc_flow_step *opc_flow_find(const opc_flow *flow, const char *path);
+
+/* The bindings of all steps of a good flow (opc_binding *), as they run, each
+   after those in its slots. */
+GPtrArray *opc_flow_bindings(const opc_flow *flow);
 
 /* Find out what the steps of `flow` need of each other, and the order in which
    they run. */

@@ -379,7 +379,7 @@ static void test_resolved(void) {
       opc_flow_load("other/flow.yaml", NULL, registry(), problems);
   g_autofree char *found = opc_problems_text(problems);
   g_assert_cmpstr(found, ==, "");
-  g_assert_cmpstr(again->description, ==, flow->description);
+  g_assert_cmpstr(again->recipe->description, ==, flow->recipe->description);
   g_assert_cmpstr(value_of(again, 1, "note")->field.text, ==,
                   "line\nbreak \\ ~ [");
   g_assert_cmpstr(value_of(again, 1, "names")->field.map.pairs[0].value, ==,

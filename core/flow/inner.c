@@ -50,20 +50,6 @@ static void choose_variant(opc_inner *inner, const opc_binding *b,
                  opc_binding_origin(b, (size_t)i), problems);
 }
 
-/* What is set is not swept by the flow itself. */
-static void choose_sweep(opc_inner *inner, const opc_node *swept,
-                         opc_problems *problems) {
-  const opc_node *set = inner->choice.over;
-  g_autoptr(GPtrArray) fixed = g_ptr_array_new_with_free_func(g_free);
-  for (guint i = 0; set && i < set->keys->len; i++)
-    g_ptr_array_add(fixed, g_strconcat(opc_node_key(set, i), "=", NULL));
-  g_ptr_array_add(fixed, NULL);
-  inner->sweep = opc_sweep_new(inner->recipe, (const char *const *)fixed->pdata,
-                               NULL, problems);
-  if (swept) opc_sweep_lay_over(inner->sweep, swept, problems);
-  inner->choice.sweep = inner->sweep;
-}
-
 /* ---- reading: files ---- */
 
 /* Of a value, of those of a list, and of what is in a map. As deep as files
@@ -93,9 +79,12 @@ static void open_recipe(opc_inner *inner, const opc_binding *b,
                         opc_problems *problems) {
   guint before = problems->list->len;
   const opc_node *set = find_map(b, "set"), *sweep = find_map(b, "sweep");
-  inner->choice = (opc_choice){.over = set, .bind = OPC_BIND_INNER};
+  /* What is set is not swept by the flow itself. */
+  inner->sweep = opc_sweep_new(inner->recipe, NULL, set, NULL, problems);
+  if (sweep) opc_sweep_lay_over(inner->sweep, sweep, problems);
+  inner->choice =
+      (opc_choice){.over = set, .sweep = inner->sweep, .bind = OPC_BIND_INNER};
   choose_variant(inner, b, problems);
-  choose_sweep(inner, sweep, problems);
   if (problems->list->len > before) return;
   opc_flow_check(inner->recipe, &inner->choice, inner->registry, NULL,
                  problems);
@@ -161,32 +150,20 @@ static opc_inner *inner_of(const opc_host *host) {
   return ((const opc_binding *)host->data)->inner;
 }
 
-/* A binding by its path, or all paths. */
-typedef struct lookup {
-  const char *path;
-  const opc_binding *found;
-  GPtrArray *paths;
-} lookup;
-
-static void look_at(opc_binding *b, void *data) {
-  lookup *l = data;
-  if (!strcmp(b->path, l->path)) l->found = b;
-  g_ptr_array_add(l->paths, b->path);
-}
-
 /* A step by its name, or a plugin in a slot of one by its path. */
 static const opc_binding *find_binding(const opc_flow *flow, const char *path,
                                        opc_error *error) {
+  g_autoptr(GPtrArray) all = opc_flow_bindings(flow);
   g_autoptr(GPtrArray) paths = g_ptr_array_new();
-  lookup l = {path, NULL, paths};
-  for (guint i = 0; i < flow->steps->len; i++)
-    opc_binding_visit(((opc_flow_step *)flow->steps->pdata[i])->binding,
-                      look_at, &l);
+  for (guint i = 0; i < all->len; i++) {
+    const opc_binding *b = all->pdata[i];
+    if (!strcmp(b->path, path)) return b;
+    g_ptr_array_add(paths, b->path);
+  }
   g_autofree char *suggestion = opc_suggestion(path, paths);
-  if (!l.found)
-    opc_fail(error, OPC_INVALID, NULL, "there is no '%s' in '%s'%s", path,
-             flow->path, suggestion);
-  return l.found;
+  opc_fail(error, OPC_INVALID, NULL, "there is no '%s' in '%s'%s", path,
+           flow->recipe->path, suggestion);
+  return NULL;
 }
 
 static const opc_metric *get_metric(const opc_host *host, const char *path,

@@ -43,7 +43,7 @@ static made make(const char *path, const char *variant, size_t point,
   made m = {.recipe = opc_recipe_read(path, problems)};
   g_autofree char *faults = opc_problems_text(problems);
   g_assert_cmpstr(faults, ==, "");
-  m.sweep = opc_sweep_new(m.recipe, sets, NULL, problems);
+  m.sweep = opc_sweep_new(m.recipe, sets, NULL, NULL, problems);
   opc_choice choice = {.sweep = m.sweep, .point = point, .sets = sets};
   if (*variant && opc_recipe_has(m.recipe, variant, NULL, problems))
     choice.variant = variant;
@@ -82,7 +82,8 @@ static void check_faults(const char *path, const char *expected) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_recipe) recipe = opc_recipe_read(path, problems);
   if (recipe) {
-    g_autoptr(opc_sweep) sweep = opc_sweep_new(recipe, NULL, NULL, problems);
+    g_autoptr(opc_sweep) sweep =
+        opc_sweep_new(recipe, NULL, NULL, NULL, problems);
     opc_choice choice = {.sweep = sweep};
     opc_flow_check(recipe, &choice, registry(), NULL, problems);
     for (guint i = 0; i < recipe->variants->keys->len; i++) {

@@ -9,30 +9,14 @@
 
 /* ---- state ---- */
 
-/* A metric that some point has, and its values at all of them. */
-typedef struct metric_column {
-  char *name;       /* "mask.litho.kernels" */
-  const char *unit; /* of the plugin, which stays loaded */
-  double *values;
-} metric_column;
-
 typedef struct sweeper {
-  opc_run *trunk; /* the steps that run once; the folder */
+  opc_run *trunk; /* the steps that run once; the folder, the table */
   const opc_choice *choice;
   const opc_sweep *sweep;
   size_t done;
-  GPtrArray *columns;  /* metric_column * */
-  GHashTable *by_name; /* name and unit -> metric_column */
-  GPtrArray *results;  /* of each point: "good", or what went wrong */
-  double *seconds;     /* of each */
+  double *seconds; /* of each point */
+  char **results;  /* of each: "good", or what went wrong */
 } sweeper;
-
-static void column_free(gpointer item) {
-  metric_column *column = item;
-  g_free(column->name);
-  g_free(column->values);
-  g_free(column);
-}
 
 /* ---- what depends on the sweep ---- */
 
@@ -56,30 +40,53 @@ void opc_run_find_swept(const opc_flow *flow, const opc_sweep *sweep,
   }
 }
 
-/* ---- metrics ---- */
+/* ---- the table: point, the parameters, the metrics, seconds, result ---- */
 
-static metric_column *column_of(sweeper *s, const opc_inner_metric *m) {
-  const char *unit = m->metric->unit;
-  g_autofree char *name = g_strdup_printf("%s.%s", m->path, m->metric->name);
-  g_autofree char *key = g_strdup_printf("%s (%s)", name, unit ? unit : "");
-  metric_column *column = g_hash_table_lookup(s->by_name, key);
-  if (column) return column;
-  column = g_new0(metric_column, 1);
-  column->name = g_steal_pointer(&name);
-  column->unit = unit;
-  column->values = g_new(double, s->sweep->points);
-  for (size_t i = 0; i < s->sweep->points; i++) column->values[i] = NAN;
-  g_ptr_array_add(s->columns, column);
-  g_hash_table_insert(s->by_name, g_steal_pointer(&key), column);
-  return column;
+static void add_axes(const sweeper *s, opc_table *table) {
+  int64_t *numbers = opc_table_add(table, "point", NULL, OPC_INT, 0);
+  for (size_t i = 0; i < table->rows; i++) numbers[i] = (int64_t)i + 1;
+  for (guint a = 0; a < s->sweep->axes->len; a++) {
+    const opc_inner_axis *axis = &((opc_axis *)s->sweep->axes->pdata[a])->told;
+    void *data = opc_table_add(table, axis->path, axis->unit,
+                               axis->values ? OPC_REAL : OPC_TEXT, -1);
+    for (size_t i = 0; i < table->rows; i++) {
+      guint k = opc_sweep_index(s->sweep, a, i);
+      if (axis->values)
+        ((double *)data)[i] = axis->values[k];
+      else
+        ((char **)data)[i] = g_strdup(axis->texts[k]);
+    }
+  }
 }
 
-static void take_metrics(sweeper *s, const opc_run *run, size_t point) {
+/* The values of "mask.litho.kernels" at all points. */
+static double *metric_column(const sweeper *s, const opc_inner_metric *m) {
+  opc_table *table = s->trunk->points;
+  g_autofree char *name = g_strdup_printf("%s.%s", m->path, m->metric->name);
+  for (size_t i = 1 + s->sweep->axes->len; i < table->n_columns; i++)
+    if (!strcmp(table->columns[i].name, name) &&
+        !g_strcmp0(table->columns[i].unit, m->metric->unit))
+      return (double *)table->columns[i].data;
+  double *values = opc_table_add(table, name, m->metric->unit, OPC_REAL, -1);
+  for (size_t i = 0; i < table->rows; i++) values[i] = NAN;
+  return values;
+}
+
+static void take_metrics(const sweeper *s, const opc_run *run, size_t point) {
   for (guint i = 0; i < run->metrics->len; i++) {
     const opc_inner_metric *m =
         &g_array_index(run->metrics, opc_inner_metric, i);
-    column_of(s, m)->values[point] = m->value;
+    metric_column(s, m)[point] = m->value;
   }
+}
+
+/* Of the points that are done; takes the results. */
+static void finish_table(const sweeper *s, opc_table *table) {
+  double *seconds = opc_table_add(table, "seconds", NULL, OPC_REAL, 3);
+  char **results = opc_table_add(table, "result", NULL, OPC_TEXT, 0);
+  memcpy(seconds, s->seconds, s->done * sizeof *seconds);
+  memcpy(results, s->results, s->done * sizeof *results);
+  table->rows = s->done;
 }
 
 /* ---- one point ---- */
@@ -135,9 +142,7 @@ static gboolean do_point(sweeper *s, size_t point) {
   s->seconds[point] = (double)(g_get_monotonic_time() - start) * 1e-6;
   int code = opc_problems_code(problems);
   if (code == OPC_CANCELLED) return FALSE;
-  char *result = code ? opc_problems_text(problems) : g_strdup("good");
-  g_ptr_array_add(s->results, result);
-  s->done++;
+  s->results[s->done++] = code ? opc_problems_text(problems) : g_strdup("good");
   if (!code) return TRUE;
   gboolean differs = trunk->failed_points && trunk->points_code != code;
   trunk->points_code = differs || code != OPC_LIMIT ? OPC_FAILED : code;
@@ -145,74 +150,21 @@ static gboolean do_point(sweeper *s, size_t point) {
   return TRUE;
 }
 
-/* ---- the table ---- */
-
-/* The values of an axis at the points that are done; what they lie in is put
-   into `owned`. */
-static opc_column axis_column(const sweeper *s, guint a, GPtrArray *owned) {
-  const opc_inner_axis *axis = &((opc_axis *)s->sweep->axes->pdata[a])->told;
-  double *reals = g_new(double, s->done);
-  const char **texts = g_new(const char *, s->done);
-  for (size_t i = 0; i < s->done; i++) {
-    guint k = opc_sweep_index(s->sweep, a, i);
-    reals[i] = axis->values ? axis->values[k] : NAN;
-    texts[i] = axis->texts[k];
-  }
-  g_ptr_array_add(owned, reals);
-  g_ptr_array_add(owned, texts);
-  if (axis->values)
-    return (opc_column){axis->path, axis->unit, OPC_REAL, -1, reals};
-  return (opc_column){axis->path, NULL, OPC_TEXT, -1, texts};
-}
-
-/* point, the parameters, the metrics, seconds, result */
-static opc_table *make_table(const sweeper *s) {
-  g_autoptr(GArray) columns = g_array_new(FALSE, FALSE, sizeof(opc_column));
-  g_autoptr(GPtrArray) owned = g_ptr_array_new_with_free_func(g_free);
-  g_autofree int64_t *numbers = g_new(int64_t, s->done);
-  for (size_t i = 0; i < s->done; i++) numbers[i] = (int64_t)i + 1;
-  opc_column column = {"point", NULL, OPC_INT, 0, numbers};
-  g_array_append_val(columns, column);
-  for (guint a = 0; a < s->sweep->axes->len; a++) {
-    column = axis_column(s, a, owned);
-    g_array_append_val(columns, column);
-  }
-  for (guint i = 0; i < s->columns->len; i++) {
-    const metric_column *m = s->columns->pdata[i];
-    column = (opc_column){m->name, m->unit, OPC_REAL, -1, m->values};
-    g_array_append_val(columns, column);
-  }
-  const opc_column last[] = {{"seconds", NULL, OPC_REAL, 3, s->seconds},
-                             {"result", NULL, OPC_TEXT, 0, s->results->pdata}};
-  g_array_append_vals(columns, last, G_N_ELEMENTS(last));
-  opc_error error;
-  return opc_table_new("sweep", OPC_TABLE_PRINT, s->done,
-                       (const opc_column *)(void *)columns->data, columns->len,
-                       &error);
-}
-
-/* ---- the sweep ---- */
-
 void opc_run_points(opc_run *trunk, const opc_choice *choice,
                     opc_problems *problems) {
-  g_autoptr(GPtrArray) columns = g_ptr_array_new_with_free_func(column_free);
-  g_autoptr(GHashTable) by_name =
-      g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
-  g_autoptr(GPtrArray) results = g_ptr_array_new_with_free_func(g_free);
-  g_autofree double *seconds = g_new0(double, trunk->sweep->points);
-  sweeper s = {.trunk = trunk,
-               .choice = choice,
-               .sweep = trunk->sweep,
-               .columns = columns,
-               .by_name = by_name,
-               .results = results,
-               .seconds = seconds};
+  size_t n = trunk->sweep->points;
+  g_autofree double *seconds = g_new0(double, n);
+  g_autofree char **results = g_new0(char *, n);
+  sweeper s = {trunk, choice, trunk->sweep, 0, seconds, results};
+  opc_error error;
   gboolean going = TRUE;
-  while (going && s.done < s.sweep->points) going = do_point(&s, s.done);
-  trunk->points = make_table(&s);
+  trunk->points = opc_table_new("sweep", OPC_TABLE_PRINT, n, NULL, 0, &error);
+  add_axes(&s, trunk->points);
+  while (going && s.done < n) going = do_point(&s, s.done);
+  finish_table(&s, trunk->points);
   if (going)
     opc_run_write(trunk, "sweep.csv", opc_table_csv(trunk->points), problems);
   else
     opc_problem_add(problems, OPC_CANCELLED, NULL,
-                    "stopped after %zu of %zu points", s.done, s.sweep->points);
+                    "stopped after %zu of %zu points", s.done, n);
 }

@@ -88,42 +88,25 @@ JsonNode *opc_run_metrics_json(const opc_run *run) {
 
 /* ---- manifest ---- */
 
-typedef struct plugin_list {
-  JsonArray *list;
-  const opc_run *run;
-  GHashTable *done; /* opc_plugin * */
-} plugin_list;
-
-static void add_flow(const opc_flow *flow, plugin_list *plugins);
-
-static void add_plugin(opc_binding *binding, void *data) {
-  plugin_list *plugins = data;
-  if (binding->inner) add_flow(opc_inner_flow(binding->inner), plugins);
-  if (!g_hash_table_add(plugins->done, (gpointer)binding->plugin)) return;
-  const char *path = opc_registry_path(plugins->run->registry, binding->plugin);
-  g_autofree char *whole = path ? g_canonicalize_filename(path, NULL) : NULL;
-  opc_error error;
-  g_autofree char *sum = path ? opc_file_sha256(path, &error) : NULL;
-  JsonObject *o = json_object_new();
-  set_text(o, "id", binding->plugin->id);
-  set_text(o, "version", binding->plugin->version);
-  set_text(o, "path", whole);
-  set_text(o, "sha256", sum);
-  json_array_add_object_element(plugins->list, o);
-}
-
-static void add_flow(const opc_flow *flow, plugin_list *plugins) {
-  for (guint i = 0; i < flow->order->len; i++) {
-    const opc_flow_step *step = flow->order->pdata[i];
-    opc_binding_visit(step->binding, add_plugin, plugins);
+/* Each once; `done`: opc_plugin *. */
+static void add_plugins(JsonArray *list, GHashTable *done, const opc_run *run,
+                        const opc_flow *flow) {
+  g_autoptr(GPtrArray) all = opc_flow_bindings(flow);
+  for (guint i = 0; i < all->len; i++) {
+    const opc_binding *b = all->pdata[i];
+    if (b->inner) add_plugins(list, done, run, opc_inner_flow(b->inner));
+    if (!g_hash_table_add(done, (gpointer)b->plugin)) continue;
+    const char *path = opc_registry_path(run->registry, b->plugin);
+    g_autofree char *whole = path ? g_canonicalize_filename(path, NULL) : NULL;
+    opc_error error;
+    g_autofree char *sum = path ? opc_file_sha256(path, &error) : NULL;
+    JsonObject *o = json_object_new();
+    set_text(o, "id", b->plugin->id);
+    set_text(o, "version", b->plugin->version);
+    set_text(o, "path", whole);
+    set_text(o, "sha256", sum);
+    json_array_add_object_element(list, o);
   }
-}
-
-static JsonArray *plugins_json(const opc_run *run) {
-  g_autoptr(GHashTable) done = g_hash_table_new(NULL, NULL);
-  plugin_list plugins = {json_array_new(), run, done};
-  add_flow(run->flow, &plugins);
-  return plugins.list;
 }
 
 static JsonArray *inputs_json(const opc_run *run) {
@@ -161,9 +144,12 @@ static JsonObject *seconds_json(const opc_run *run) {
 
 JsonNode *opc_run_manifest_json(const opc_run *run) {
   JsonObject *o = json_object_new();
+  JsonArray *plugins = json_array_new();
+  g_autoptr(GHashTable) done = g_hash_table_new(NULL, NULL);
   g_autofree char *started = g_date_time_format_iso8601(run->started);
+  add_plugins(plugins, done, run, run->flow);
   set_text(o, "opcflow", OPC_VERSION);
-  set_text(o, "flow", run->flow->path);
+  set_text(o, "flow", run->flow->recipe->path);
   if (run->flow->variant) set_text(o, "variant", run->flow->variant);
   set_text(o, "result", run->failure ? "failed" : "complete");
   if (run->failure) set_text(o, "failure", run->failure);
@@ -177,7 +163,7 @@ JsonNode *opc_run_manifest_json(const opc_run *run) {
   json_object_set_object_member(o, "steps", seconds_json(run));
   json_object_set_int_member(o, "threads", opc_threads());
   json_object_set_object_member(o, "host", machine_json());
-  json_object_set_array_member(o, "plugins", plugins_json(run));
+  json_object_set_array_member(o, "plugins", plugins);
   json_object_set_array_member(o, "inputs", inputs_json(run));
   return as_node(o);
 }

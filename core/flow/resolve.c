@@ -47,9 +47,8 @@ static void append_value(GString *out, const opc_binding *b, size_t i,
   } else if (b->origin[i]) {
     opc_node_append(out, b->origin[i]);
   } else {
-    opc_source source = {.name = NULL};
     g_autoptr(opc_problems) problems = opc_problems_new();
-    g_autoptr(opc_node) preset = opc_preset_parse(p, &source, problems);
+    g_autoptr(opc_node) preset = opc_preset_parse(p, problems);
     opc_node_append(out, preset);
   }
   end_line(out, start, origin);
@@ -87,22 +86,13 @@ static void append_binding(GString *out, const opc_binding *b, int indent) {
 
 const opc_parameter *opc_flow_parameter(const opc_flow *flow,
                                         const char *path) {
-  const opc_flow_step *step = opc_flow_find(flow, path);
-  const opc_binding *b = step ? step->binding : NULL;
-  const char *dot = strchr(path, '.'), *rest = dot ? dot + 1 : "";
-  while (b) {
-    int found = opc_parameter_find(b->plugin, rest);
-    if (found >= 0) return &b->plugin->parameters[(size_t)found];
-    const opc_binding *next = NULL;
-    for (size_t i = 0; i < b->plugin->n_parameters && !next; i++) {
-      const char *slot = b->plugin->parameters[i].name;
-      size_t length = strlen(slot);
-      if (!b->slots[i] || strncmp(slot, rest, length) || rest[length] != '.')
-        continue;
-      next = b->slots[i];
-      rest += length + 1;
-    }
-    b = next;
+  g_autoptr(GPtrArray) all = opc_flow_bindings(flow);
+  for (guint i = 0; i < all->len; i++) {
+    const opc_binding *b = all->pdata[i];
+    size_t n = strlen(b->path);
+    if (strncmp(b->path, path, n) != 0 || path[n] != '.') continue;
+    int found = opc_parameter_find(b->plugin, path + n + 1);
+    if (found >= 0) return &b->plugin->parameters[found];
   }
   return NULL;
 }
@@ -143,9 +133,9 @@ char *opc_flow_resolved(const opc_flow *flow, const opc_sweep *sweep) {
       "opcflow: 1\nname: ");
   opc_text_append(out, flow->name);
   g_string_append_c(out, '\n');
-  if (flow->description) {
+  if (flow->recipe->description) {
     g_string_append(out, "description: ");
-    opc_text_append(out, flow->description);
+    opc_text_append(out, flow->recipe->description);
     g_string_append_c(out, '\n');
   }
   g_string_append(out, "steps:\n");

@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "core/flow/files.h"
-#include "core/flow/folder.h"
 #include "core/flow/inner.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/guard.h"
@@ -82,51 +81,37 @@ void opc_run_free(opc_run *run) {
 
 /* ---- inputs ---- */
 
-/* What a visit of all bindings needs. */
-typedef struct summer {
-  opc_run *run;
-  opc_problems *problems;
-} summer;
-
-static void add_input(summer *s, const char *file, const opc_place *at) {
+static void add_input(opc_run *run, const char *file, const opc_place *at,
+                      opc_problems *problems) {
   g_autofree char *path = g_canonicalize_filename(file, NULL);
-  if (!g_hash_table_add(s->run->summed, g_strdup(path))) return;
+  if (!g_hash_table_add(run->summed, g_strdup(path))) return;
   opc_error error;
   char *sum = opc_file_sha256(path, &error);
   if (!sum) {
-    opc_problem_add(s->problems, error.code, at, "%s", error.message);
+    opc_problem_add(problems, error.code, at, "%s", error.message);
     return;
   }
-  g_ptr_array_add(s->run->inputs, g_steal_pointer(&path));
-  g_ptr_array_add(s->run->inputs, sum);
-}
-
-static void sum_flow(const opc_flow *flow, summer *s);
-
-static void sum_files(opc_binding *b, void *data) {
-  for (size_t i = 0; i < b->plugin->n_parameters; i++)
-    if (b->plugin->parameters[i].type == OPC_FILE && b->values[i].field.text)
-      add_input(data, b->values[i].field.text, opc_binding_origin(b, i));
-  if (b->inner) sum_flow(opc_inner_flow(b->inner), data);
-}
-
-static void sum_flow(const opc_flow *flow, summer *s) {
-  const GPtrArray *files = flow->recipe->sources;
-  for (guint i = 0; i < files->len; i++)
-    add_input(s, ((const opc_source *)files->pdata[i])->name, NULL);
-  for (guint i = 0; i < flow->order->len; i++) {
-    const opc_flow_step *step = flow->order->pdata[i];
-    opc_binding_visit(step->binding, sum_files, s);
-  }
+  g_ptr_array_add(run->inputs, g_steal_pointer(&path));
+  g_ptr_array_add(run->inputs, sum);
 }
 
 /* Add the sums of all files that `flow` reads, before any step may change one.
  */
 static gboolean sum_inputs(opc_run *run, const opc_flow *flow,
                            opc_problems *problems) {
-  summer s = {run, problems};
   guint before = problems->list->len;
-  sum_flow(flow, &s);
+  const GPtrArray *files = flow->recipe->sources;
+  g_autoptr(GPtrArray) all = opc_flow_bindings(flow);
+  for (guint i = 0; i < files->len; i++)
+    add_input(run, ((const opc_source *)files->pdata[i])->name, NULL, problems);
+  for (guint k = 0; k < all->len; k++) {
+    const opc_binding *b = all->pdata[k];
+    for (size_t i = 0; i < b->plugin->n_parameters; i++)
+      if (b->plugin->parameters[i].type == OPC_FILE && b->values[i].field.text)
+        add_input(run, b->values[i].field.text, opc_binding_origin(b, i),
+                  problems);
+    if (b->inner) sum_inputs(run, opc_inner_flow(b->inner), problems);
+  }
   return problems->list->len == before;
 }
 

@@ -169,11 +169,12 @@ static opc_axis *axis_new(const char *path, const opc_place *at,
   return axis;
 }
 
-static gboolean is_fixed(const char *path, const char *const *sets) {
+static gboolean is_fixed(const char *path, const char *const *sets,
+                         const opc_node *over) {
   size_t n = strlen(path);
   for (; sets && *sets; sets++)
     if (!strncmp(*sets, path, n) && (*sets)[n] == '=') return TRUE;
-  return FALSE;
+  return over && opc_node_find(over, path) >= 0;
 }
 
 /* Takes the axis, in place of one of the same path. One without values, which
@@ -191,6 +192,14 @@ static void put_axis(opc_sweep *sweep, opc_axis *axis) {
     return;
   }
   g_ptr_array_add(sweep->axes, axis);
+}
+
+/* The axis of that path, which is the value of a map. */
+static void add_axis(opc_sweep *sweep, const char *path, const opc_node *map,
+                     guint i, opc_problems *problems) {
+  const opc_node *key = map->keys->pdata[i], *value = map->items->pdata[i];
+  opc_source *source = opc_source_layer(value->source, "sweep");
+  put_axis(sweep, axis_new(path, &key->at, source, value, problems));
 }
 
 static void add_argument(opc_sweep *sweep, const char *text,
@@ -218,38 +227,39 @@ static void count_points(opc_sweep *sweep, opc_problems *problems) {
                   most_points);
 }
 
-/* What `map` sweeps. `sets` are fixed. A map that is no range is, for `deep`,
-   what stands behind the dots of its path. */
-static void take_axes(opc_sweep *sweep, const char *prefix, const opc_node *map,
-                      gboolean deep, const char *const *sets,
-                      opc_problems *problems) {
-  for (guint i = 0; i < map->items->len; i++) {
-    const opc_node *key = map->keys->pdata[i], *value = map->items->pdata[i];
-    g_autofree char *path = g_strconcat(prefix, key->text, NULL);
-    if (deep && value->type == OPC_NODE_MAP && !opc_node_get(value, "from") &&
-        !opc_node_get(value, "to") && !opc_node_get(value, "step")) {
-      g_autofree char *deeper = g_strconcat(path, ".", NULL);
-      take_axes(sweep, deeper, value, deep, sets, problems);
-    } else if (!is_fixed(path, sets)) {
-      opc_source *source = opc_source_layer(value->source, "sweep");
-      put_axis(sweep, axis_new(path, &key->at, source, value, problems));
-    }
-  }
-}
-
 opc_sweep *opc_sweep_new(const opc_recipe *recipe, const char *const *sets,
-                         const char *const *sweeps, opc_problems *problems) {
+                         const opc_node *over, const char *const *sweeps,
+                         opc_problems *problems) {
   opc_sweep *sweep = g_new0(opc_sweep, 1);
   sweep->axes = g_ptr_array_new_with_free_func(axis_free);
-  take_axes(sweep, "", recipe->sweep, FALSE, sets, problems);
+  for (guint i = 0; i < recipe->sweep->items->len; i++) {
+    const char *path = opc_node_key(recipe->sweep, i);
+    if (!is_fixed(path, sets, over))
+      add_axis(sweep, path, recipe->sweep, i, problems);
+  }
   for (; sweeps && *sweeps; sweeps++) add_argument(sweep, *sweeps, problems);
   count_points(sweep, problems);
   return sweep;
 }
 
+/* A map that is no range is what stands behind the dots of its path. */
+static void add_axes(opc_sweep *sweep, const char *prefix, const opc_node *map,
+                     opc_problems *problems) {
+  for (guint i = 0; i < map->items->len; i++) {
+    const opc_node *value = map->items->pdata[i];
+    g_autofree char *path = g_strconcat(prefix, opc_node_key(map, i), NULL);
+    g_autofree char *deeper = g_strconcat(path, ".", NULL);
+    if (value->type == OPC_NODE_MAP && !opc_node_get(value, "from") &&
+        !opc_node_get(value, "to") && !opc_node_get(value, "step"))
+      add_axes(sweep, deeper, value, problems);
+    else
+      add_axis(sweep, path, map, i, problems);
+  }
+}
+
 void opc_sweep_lay_over(opc_sweep *sweep, const opc_node *map,
                         opc_problems *problems) {
-  take_axes(sweep, "", map, TRUE, NULL, problems);
+  add_axes(sweep, "", map, problems);
   count_points(sweep, problems);
 }
 

@@ -20,11 +20,13 @@ typedef struct opc_sweep {
   size_t points;   /* 1 where there is nothing to sweep */
 } opc_sweep;
 
-/* What a recipe sweeps, less the parameters of `sets` ("a.b=value"), which are
-   then fixed; `sweeps` ("a.b=[...]") come in place of the same parameter or
-   behind. Both are NULL-terminated or NULL. Never NULL. */
+/* What a recipe sweeps, less the parameters of `sets` ("a.b=value") and of
+   `over` (a map of paths), which are then fixed; `sweeps` ("a.b=[...]") come in
+   place of the same parameter or behind. Lists end with NULL; all three may be
+   NULL. Never NULL. */
 opc_sweep *opc_sweep_new(const opc_recipe *recipe, const char *const *sets,
-                         const char *const *sweeps, opc_problems *problems);
+                         const opc_node *over, const char *const *sweeps,
+                         opc_problems *problems);
 void opc_sweep_free(opc_sweep *sweep);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_sweep, opc_sweep_free)
 

@@ -13,45 +13,36 @@ enum { MOST_DECIMALS = 20 };
 
 /* ---- keeping ---- */
 
-static gboolean check_columns(const char *name, size_t rows,
-                              const opc_column *columns, size_t n,
-                              opc_error *error) {
-  for (size_t i = 0; i < n; i++) {
-    const opc_column *c = &columns[i];
-    if (!c->name || (rows && !c->data) ||
-        (c->type != OPC_TEXT && c->type != OPC_REAL && c->type != OPC_INT)) {
-      opc_fail(error, OPC_FAILED, NULL, "table '%s': column %zu is not sound",
-               name, i + 1);
-      return FALSE;
-    }
-  }
-  return TRUE;
-}
-
-static const void *copy_data(const opc_column *c, size_t rows) {
-  if (c->type != OPC_TEXT) return g_memdup2(c->data, rows * 8);
-  const char *const *from = c->data;
-  char **to = g_new0(char *, rows + 1);
-  for (size_t i = 0; i < rows; i++) to[i] = g_strdup(from[i] ? from[i] : "");
-  return to;
+void *opc_table_add(opc_table *table, const char *name, const char *unit,
+                    uint32_t type, int32_t decimals) {
+  void *data = g_malloc0_n(table->rows + 1, 8);
+  table->columns = g_renew(opc_column, table->columns, table->n_columns + 1);
+  table->columns[table->n_columns++] =
+      (opc_column){g_strdup(name), g_strdup(unit), type, decimals, data};
+  return data;
 }
 
 opc_table *opc_table_new(const char *name, uint32_t flags, size_t rows,
                          const opc_column *columns, size_t n_columns,
                          opc_error *error) {
-  if (!check_columns(name, rows, columns, n_columns, error)) return NULL;
   opc_table *table = g_new0(opc_table, 1);
   table->name = g_strdup(name);
   table->flags = flags;
   table->rows = rows;
-  table->n_columns = n_columns;
-  table->columns = g_new0(opc_column, MAX(n_columns, 1));
   for (size_t i = 0; i < n_columns; i++) {
-    opc_column *c = &table->columns[i];
-    *c = columns[i];
-    c->name = g_strdup(columns[i].name);
-    c->unit = g_strdup(columns[i].unit);
-    c->data = copy_data(&columns[i], rows);
+    const opc_column *c = &columns[i];
+    if (!c->name || (rows && !c->data) ||
+        (c->type != OPC_TEXT && c->type != OPC_REAL && c->type != OPC_INT)) {
+      opc_fail(error, OPC_FAILED, NULL, "table '%s': column %zu is not sound",
+               name, i + 1);
+      opc_table_free(table);
+      return NULL;
+    }
+    void *data = opc_table_add(table, c->name, c->unit, c->type, c->decimals);
+    const char *const *texts = c->data;
+    for (size_t k = 0; c->type == OPC_TEXT && k < rows; k++)
+      ((char **)data)[k] = g_strdup(texts[k] ? texts[k] : "");
+    if (c->type != OPC_TEXT && rows) memcpy(data, c->data, rows * 8);
   }
   return table;
 }
@@ -112,16 +103,12 @@ static char *heading(const opc_column *c) {
 /* ---- CSV ---- */
 
 static void append_field(GString *out, const char *text) {
-  if (!strpbrk(text, ",\"\r\n")) {
+  g_autoptr(GString) quoted = g_string_new(text);
+  g_string_replace(quoted, "\"", "\"\"", 0);
+  if (strpbrk(text, ",\"\r\n"))
+    g_string_append_printf(out, "\"%s\"", quoted->str);
+  else
     g_string_append(out, text);
-    return;
-  }
-  g_string_append_c(out, '"');
-  for (; *text; text++) {
-    if (*text == '"') g_string_append_c(out, '"');
-    g_string_append_c(out, *text);
-  }
-  g_string_append_c(out, '"');
 }
 
 char *opc_table_csv(const opc_table *table) {

@@ -19,6 +19,11 @@ opc_table *opc_table_new(const char *name, uint32_t flags, size_t rows,
                          opc_error *error);
 void opc_table_free(opc_table *table);
 
+/* Add a column: its data, room for all rows, filled with zeros. Texts in it are
+   freed with the table. */
+void *opc_table_add(opc_table *table, const char *name, const char *unit,
+                    uint32_t type, int32_t decimals);
+
 /* The column of that name, NULL if there is none. */
 const opc_column *opc_table_column(const opc_table *table, const char *name);
 

@@ -59,47 +59,41 @@ gboolean opc_is_id(const char *name) {
 
 /* ---- soundness ---- */
 
-static char *choices_fault(const opc_parameter *p) {
-  if (!p->choices) {
-    if (p->type == OPC_CHOICE || p->type == OPC_SLOT || p->type == OPC_INPUT)
-      return g_strdup_printf("parameter '%s' has no choices", p->name);
-    return NULL;
-  }
-  g_auto(GStrv) words = opc_choice_list(p->choices);
-  for (guint i = 0; words[i]; i++)
-    if (!*words[i])
-      return g_strdup_printf("parameter '%s' has an empty choice", p->name);
-  if (p->type == OPC_SLOT && !opc_is_id(p->choices))
-    return g_strdup_printf("parameter '%s': '%s' is no kind of plugin", p->name,
-                           p->choices);
-  return NULL;
-}
-
-static char *bounds_fault(const opc_parameter *p) {
+/* What is wrong with a parameter and needs no figures to tell, as it stands
+   behind its name. */
+static const char *parameter_flaw(const opc_plugin *plugin,
+                                  const opc_parameter *p) {
   uint32_t low = p->flags & (OPC_AT_LEAST | OPC_ABOVE);
   uint32_t high = p->flags & (OPC_AT_MOST | OPC_BELOW);
+  size_t size = plugin->instance_size;
+  g_auto(GStrv) words = opc_choice_list(p->choices);
+  if (!p->summary) return " has no summary";
+  /* Inside the instance, behind `host`. */
+  if (p->offset < sizeof(opc_host *) || p->offset > size ||
+      size - p->offset < p->width)
+    return ": its field is not in the instance";
+  if (p->given && (p->given > size || size - p->given < sizeof(int)))
+    return ": its 'given' is not in the instance";
+  if (!p->choices &&
+      (p->type == OPC_CHOICE || p->type == OPC_SLOT || p->type == OPC_INPUT))
+    return " has no choices";
+  if (g_strv_contains((const char *const *)words, ""))
+    return " has an empty choice";
   if (low == (OPC_AT_LEAST | OPC_ABOVE) || high == (OPC_AT_MOST | OPC_BELOW) ||
       (low && high && !(p->min <= p->max)))
-    return g_strdup_printf("parameter '%s' has bounds that fit no value",
-                           p->name);
-  return NULL;
+    return " has bounds that fit no value";
+  if (p->preset && p->flags & OPC_REQUIRED)
+    return " is required and has a default";
+  return p->preset && p->type == OPC_INPUT ? ": an input has no default" : NULL;
 }
 
 static char *preset_fault(const opc_parameter *p) {
-  if (!p->preset) return NULL;
-  if (p->flags & OPC_REQUIRED)
-    return g_strdup_printf("parameter '%s' is required and has a default",
-                           p->name);
-  if (p->type == OPC_INPUT)
-    return g_strdup_printf("parameter '%s': an input has no default", p->name);
-  opc_source source = {.name = NULL};
   g_autoptr(opc_problems) problems = opc_problems_new();
-  g_autoptr(opc_node) node = opc_preset_parse(p, &source, problems);
-  if (node && p->type != OPC_SLOT) {
-    g_autoptr(GPtrArray) owned = g_ptr_array_new_with_free_func(g_free);
-    opc_setting value = {0};
+  g_autoptr(opc_node) node = p->preset ? opc_preset_parse(p, problems) : NULL;
+  g_autoptr(GPtrArray) owned = g_ptr_array_new_with_free_func(g_free);
+  opc_setting value = {0};
+  if (node && p->type != OPC_SLOT)
     opc_setting_convert(p, node, FALSE, owned, problems, &value);
-  }
   if (!problems->list->len) return NULL;
   const opc_problem *first = problems->list->pdata[0];
   return g_strdup_printf("default of parameter '%s': %s", p->name,
@@ -110,25 +104,6 @@ static char *preset_fault(const opc_parameter *p) {
 static gboolean are_nested(const char *a, const char *b) {
   return (g_str_has_prefix(a, b) && a[strlen(b)] == '.') ||
          (g_str_has_prefix(b, a) && b[strlen(a)] == '.');
-}
-
-/* Where the value goes has to be inside the instance, behind `host`, and as
-   large as the type says. */
-static char *field_fault(const opc_plugin *plugin, const opc_parameter *p) {
-  size_t width = opc_setting_width(p->type), size = plugin->instance_size;
-  if (p->width != width)
-    return g_strdup_printf(
-        "parameter '%s': its field has %zu bytes, a value of the type '%s' has "
-        "%zu",
-        p->name, p->width, opc_type_name(p->type), width);
-  if (p->offset < sizeof(opc_host *) || p->offset > size ||
-      size - p->offset < width)
-    return g_strdup_printf("parameter '%s': its field is not in the instance",
-                           p->name);
-  if (p->given && (p->given > size || size - p->given < sizeof(int)))
-    return g_strdup_printf("parameter '%s': its 'given' is not in the instance",
-                           p->name);
-  return NULL;
 }
 
 static char *parameter_fault(const opc_plugin *plugin, size_t i) {
@@ -149,13 +124,17 @@ static char *parameter_fault(const opc_plugin *plugin, size_t i) {
   if (p->unit && !opc_unit_find(p->unit))
     return g_strdup_printf("parameter '%s' has the unknown unit '%s'", p->name,
                            p->unit);
-  if (!p->summary)
-    return g_strdup_printf("parameter '%s' has no summary", p->name);
-  char *fault = field_fault(plugin, p);
-  if (!fault) fault = choices_fault(p);
-  if (!fault) fault = bounds_fault(p);
-  if (!fault) fault = preset_fault(p);
-  return fault;
+  if (p->width != opc_setting_width(p->type))
+    return g_strdup_printf(
+        "parameter '%s': its field has %zu bytes, a value of the type '%s' has "
+        "%zu",
+        p->name, p->width, opc_type_name(p->type), opc_setting_width(p->type));
+  const char *flaw = parameter_flaw(plugin, p);
+  if (flaw) return g_strdup_printf("parameter '%s'%s", p->name, flaw);
+  if (p->type == OPC_SLOT && !opc_is_id(p->choices))
+    return g_strdup_printf("parameter '%s': '%s' is no kind of plugin", p->name,
+                           p->choices);
+  return preset_fault(p);
 }
 
 static char *metric_fault(const opc_plugin *plugin, size_t i) {

@@ -13,13 +13,6 @@
 #include "core/plugin/host.h"
 #include "core/text/value.h"
 
-/* What opc_test_module returns the first member of. */
-typedef struct tested {
-  opc_module module;
-  opc_binding *binding;
-  opc_node *map;
-} tested;
-
 static struct {
   opc_registry *registry;
   opc_source *source;
@@ -34,21 +27,12 @@ static struct {
 
 /* ---- where it all goes ---- */
 
-static void clean_up(void) {
+static void remove_folder(void) {
   if (state.folder) opc_remove_tree(state.folder);
-  opc_registry_free(state.registry);
-  opc_source_free(state.source);
-  g_free(state.folder);
-  g_free(state.cell);
-  g_hash_table_destroy(state.metrics);
-  g_hash_table_destroy(state.tables);
-  g_string_free(state.log, TRUE);
-  g_ptr_array_free(state.paths, TRUE);
 }
 
-static void start(void) {
-  if (state.metrics) return;
-  state.registry = opc_registry_new(NULL);
+/* Before main. The folders of plugins may still change. */
+__attribute__((constructor)) static void start(void) {
   state.source = opc_source_new("test", "");
   state.metrics =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, g_free);
@@ -56,7 +40,7 @@ static void start(void) {
                                        (GDestroyNotify)opc_table_free);
   state.log = g_string_new(NULL);
   state.paths = g_ptr_array_new_with_free_func(g_free);
-  atexit(clean_up);
+  atexit(remove_folder);
 }
 
 static void take_log(void *data, const char *path, int level,
@@ -87,12 +71,7 @@ static int take_table(const opc_host *host, const char *name, uint32_t flags,
 static int take_metric(const opc_host *host, const char *name, double value,
                        opc_error *error) {
   const opc_binding *b = host->data;
-  if (b && !opc_metric_find(b->plugin, name))
-    return opc_fail(error, OPC_FAILED, NULL, "'%s' declares no metric '%s'",
-                    b->plugin->id, name);
-  if (!isfinite(value))
-    return opc_fail(error, OPC_FAILED, NULL, "metric '%s' is not a number",
-                    name);
+  if (b && !opc_metric_check(b->plugin, name, value, error)) return error->code;
   g_hash_table_replace(state.metrics, g_strdup(name),
                        g_memdup2(&value, sizeof value));
   return OPC_OK;
@@ -100,16 +79,16 @@ static int take_metric(const opc_host *host, const char *name, double value,
 
 static const char *give_path(const opc_host *host, const char *name,
                              opc_error *error) {
-  (void)host;
-  if (!opc_name_is_inside(name)) {
-    opc_fail(error, OPC_INVALID, NULL, "'%s' leaves the run folder", name);
-    return NULL;
-  }
   char *path = g_build_filename(opc_test_folder(), name, NULL);
-  g_ptr_array_add(state.paths, path);
   g_autofree char *folder = g_path_get_dirname(path);
-  if (!g_mkdir_with_parents(folder, 0777)) return path;
-  opc_fail(error, OPC_IO, NULL, "'%s': %s", folder, g_strerror(errno));
+  (void)host;
+  g_ptr_array_add(state.paths, path);
+  if (!opc_name_is_inside(name))
+    opc_fail(error, OPC_INVALID, NULL, "'%s' leaves the run folder", name);
+  else if (g_mkdir_with_parents(folder, 0777))
+    opc_fail(error, OPC_IO, NULL, "'%s': %s", folder, g_strerror(errno));
+  else
+    return path;
   return NULL;
 }
 
@@ -120,59 +99,53 @@ static const opc_host publisher = {
 
 const opc_host *opc_test_host(void) {
   static opc_host *host;
-  start();
   if (!host) host = opc_host_new("test", &watch, &publisher);
   return host;
 }
 
 const char *opc_test_folder(void) {
-  start();
   if (!state.folder) state.folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
   return state.folder;
 }
 
 /* ---- modules ---- */
 
+static opc_binding *binding_of(opc_module *module) {
+  return (opc_binding *)((char *)module - offsetof(opc_binding, module));
+}
+
 opc_module *opc_test_module(const char *id, const char *mapping,
                             opc_error *error) {
-  start();
+  if (!state.registry) state.registry = opc_registry_new(NULL);
   const opc_plugin *plugin = opc_registry_find(state.registry, id, error);
   if (!plugin) return NULL;
   g_autoptr(opc_problems) problems = opc_problems_new();
-  tested *t = g_new0(tested, 1);
-  t->map = opc_node_parse(state.source, mapping, strlen(mapping), problems);
-  if (t->map && t->map->type != OPC_NODE_MAP)
-    opc_problem_add(problems, OPC_INVALID, &t->map->at, "not a map");
+  g_autoptr(opc_binding) b = NULL;
+  g_autoptr(opc_node) map =
+      opc_node_parse(state.source, mapping, strlen(mapping), problems);
+  if (map && map->type != OPC_NODE_MAP) opc_wrong(problems, map, "not a map");
   if (!problems->list->len)
-    t->binding = opc_bind_plugin(state.registry, plugin, t->map, id,
-                                 &t->map->at, OPC_BIND_NO_INPUTS, problems);
-  if (!problems->list->len)
-    opc_binding_create(t->binding, &watch, &publisher, problems);
-  if (!problems->list->len) {
-    t->module = t->binding->module;
-    return &t->module;
-  }
+    b = opc_bind_plugin(state.registry, plugin, map, id, &map->at,
+                        OPC_BIND_NO_INPUTS, problems);
+  if (b) g_ptr_array_add(b->presets, g_steal_pointer(&map)); /* lives as long */
+  if (!problems->list->len) opc_binding_create(b, &watch, &publisher, problems);
+  if (!problems->list->len) return &g_steal_pointer(&b)->module;
   g_autofree char *text = opc_problems_text(problems);
   opc_fail(error, opc_problems_code(problems), NULL, "%s", text);
-  opc_test_module_free(&t->module);
   return NULL;
 }
 
 void opc_test_module_free(opc_module *module) {
-  if (!module) return;
-  tested *t = (tested *)module;
-  opc_binding_free(t->binding);
-  opc_node_free(t->map);
-  g_free(t);
+  if (module) opc_binding_free(binding_of(module));
 }
 
 void opc_test_input(opc_module *module, const char *name, void *object) {
-  const tested *t = (tested *)module;
-  int i = opc_parameter_find(t->binding->plugin, name);
-  uint32_t type = i < 0 ? 0 : t->binding->plugin->parameters[i].type;
+  opc_binding *b = binding_of(module);
+  int i = opc_parameter_find(b->plugin, name);
+  uint32_t type = i < 0 ? 0 : b->plugin->parameters[i].type;
   if (type != OPC_INPUT && type != OPC_SLOT)
     g_error("'%s' has no input or slot '%s'", module->id, name);
-  opc_binding_set(t->binding, (size_t)i, object);
+  opc_binding_set(b, (size_t)i, object);
 }
 
 int opc_test_run(opc_module *module, void **outputs, opc_error *error) {
@@ -196,23 +169,17 @@ void opc_test_release(opc_module *module, void **outputs) {
 /* ---- what it said ---- */
 
 double opc_test_metric(const char *name) {
-  start();
   const double *value = g_hash_table_lookup(state.metrics, name);
   return value ? *value : NAN;
 }
 
 const opc_table *opc_test_table(const char *name) {
-  start();
   return g_hash_table_lookup(state.tables, name);
 }
 
-const char *opc_test_log(void) {
-  start();
-  return state.log->str;
-}
+const char *opc_test_log(void) { return state.log->str; }
 
 void opc_test_forget(void) {
-  start();
   g_hash_table_remove_all(state.metrics);
   g_hash_table_remove_all(state.tables);
   g_string_truncate(state.log, 0);

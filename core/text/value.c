@@ -363,12 +363,13 @@ gboolean opc_setting_convert(const opc_parameter *parameter,
 }
 
 opc_node *opc_preset_parse(const opc_parameter *parameter,
-                           const opc_source *source, opc_problems *problems) {
+                           opc_problems *problems) {
+  static const opc_source source = {.name = (char *)"default"};
   const char *text = parameter->preset;
   if (is_structured(parameter))
-    return opc_node_parse(source, text, strlen(text), problems);
+    return opc_node_parse(&source, text, strlen(text), problems);
   /* Not plain: an empty preset is an empty text, not a missing value. */
-  return opc_node_text_new(source, text);
+  return opc_node_text_new(&source, text);
 }
 
 void opc_setting_store(const opc_parameter *parameter, const opc_setting *value,

@@ -48,7 +48,7 @@ const char *opc_type_name(uint32_t type);
 
 /* The tree of a parameter's preset. */
 opc_node *opc_preset_parse(const opc_parameter *parameter,
-                           const opc_source *source, opc_problems *problems);
+                           opc_problems *problems);
 
 /* "a length with its unit", "true or false" ... (g_free) */
 char *opc_setting_noun(const opc_parameter *parameter);

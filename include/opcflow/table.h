@@ -18,15 +18,15 @@ extern "C" {
 /* ---- metrics ---- */
 
 /* The name is NULL for a metric that has no value this time. */
-typedef struct opc_value {
+typedef struct opc_metric_value {
   const char *name;
   double value;
-} opc_value;
+} opc_metric_value;
 
-/* `return opc_put_values(host, OPC_ARRAY(values), error);` [main] */
-OPC_UNUSED static int opc_put_values(const opc_host *host,
-                                     const opc_value *values, size_t n,
-                                     opc_error *error) {
+/* `return opc_put_metrics(host, OPC_ARRAY(values), error);` [main] */
+OPC_UNUSED static int opc_put_metrics(const opc_host *host,
+                                      const opc_metric_value *values, size_t n,
+                                      opc_error *error) {
   int code = OPC_OK;
   size_t i;
   for (i = 0; i < n && !code; i++)

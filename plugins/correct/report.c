@@ -356,7 +356,7 @@ static int metrics(const opc_host *host, const report *r, const summary *s,
     count(&changes, change(r, i));
   const int gates = m->gates->count > 0, corrects = !r->corrected;
   const int edges = s->sites > s->lost;
-  const opc_value values[] = {
+  const opc_metric_value values[] = {
       {corrects ? "transistors" : NULL, (double)m->gates->count},
       {gates ? "ion_mean" : NULL, s->ion_mean},
       {gates ? "ion_max" : NULL, s->ion_max},
@@ -375,7 +375,7 @@ static int metrics(const opc_host *host, const report *r, const summary *s,
       {corrects ? "simulations" : NULL, m->simulations},
       {"failed", (double)s->failed},
   };
-  return opc_put_values(host, OPC_ARRAY(values), error);
+  return opc_put_metrics(host, OPC_ARRAY(values), error);
 }
 
 /* ---- all of it ---- */

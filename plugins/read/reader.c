@@ -5,43 +5,59 @@
 #include <eda/formats.h>
 #include <eda/memory.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
+#include <sys/stat.h>
 
 #define CONTEXT_CELL "$$$CONTEXT_INFO$$$"
 
 /* Bytes between two looks at what the user wants. */
 enum { STRETCH = 1 << 20 };
 
+/* 8 GiB: more than any layout that fits into memory once it is read. */
+#define MOST_BYTES ((size_t)1 << 33)
+
 char *reader_string(const void *bytes, size_t n) {
-  const uint8_t *from = bytes;
+  const char *from = bytes;
   GString *out = g_string_sized_new(n);
-  for (size_t i = 0; i < n; i++)
-    if (from[i] >= 0x20 && from[i] < 0x7f)
-      g_string_append_c(out, (char)from[i]);
-    else
-      g_string_append_printf(out, "\\x%02X", from[i]);
+  for (size_t i = 0; i < n; i++) {
+    size_t start = i;
+    while (i < n && from[i] >= 0x20 && from[i] < 0x7f) i++;
+    g_string_append_len(out, from + start, (gssize)(i - start));
+    if (i < n) g_string_append_printf(out, "\\x%02X", (uint8_t)from[i]);
+  }
   return g_string_free(out, FALSE);
 }
 
 /* ---- the file ---- */
 
-static void open_file(reading *b) {
-  int descriptor = open(b->r->file, O_RDONLY | O_CLOEXEC);
-  /* A folder can be opened, but not read. */
-  if (descriptor >= 0 && read(descriptor, NULL, 0) == 0)
-    b->file = g_mapped_file_new_from_fd(descriptor, FALSE, NULL);
-  if (b->file) {
-    b->n = g_mapped_file_get_length(b->file);
-    b->text = b->n ? g_mapped_file_get_contents(b->file) : "";
-  } else {
+/* The whole file at once, as one that changes while it is read must not end the
+   process; what goes on for ever (/dev/zero) ends here. */
+static void load_file(reading *b) {
+  FILE *file = fopen(b->r->file, "rb");
+  struct stat about;
+  size_t room = 0, got = 1;
+  if (file && !fstat(fileno(file), &about) && S_ISREG(about.st_mode))
+    eda_grow(&b->bytes, &room, (size_t)about.st_size + 1, 1);
+  while (file && got && b->n < MOST_BYTES) {
+    if (opc_cancelled(b->r->host->context)) {
+      b->failed = opc_fail(b->error, OPC_CANCELLED, NULL, "cancelled");
+      break;
+    }
+    eda_grow(&b->bytes, &room, b->n + 1, 1);
+    got = fread(b->bytes + b->n, 1, MIN(room - b->n, STRETCH), file);
+    b->n += got;
+  }
+  if (!file || ferror(file))
     b->failed = opc_fail(b->error, OPC_IO, NULL, "'%s': %s", b->r->file,
                          strerror(errno));
-  }
-  if (descriptor >= 0) close(descriptor);
+  else if (b->n >= MOST_BYTES)
+    b->failed = opc_fail(b->error, OPC_IO, NULL, "'%s': more than %zu bytes",
+                         b->r->file, MOST_BYTES);
+  if (file) fclose(file);
+  b->text = b->n ? b->bytes : "";
 }
 
 int reading_goes_on(reading *b, size_t at, int show) {
@@ -246,7 +262,7 @@ int reading_run(void *state, void *self, void **outputs, opc_error *error,
   b->cell = b->top = -1;
   b->seen = eda_alloc(b->r->layers.count, 1);
   b->layers = g_hash_table_new_full(g_int64_hash, g_int64_equal, free, NULL);
-  open_file(b);
+  load_file(b);
   if (!b->failed) read(b);
   if (!b->failed) b->failed = check_layers(b);
   if (!b->failed) {
@@ -254,7 +270,7 @@ int reading_run(void *state, void *self, void **outputs, opc_error *error,
     b->failed = keep(b);
   }
   outputs[0] = b->layout;
-  g_clear_pointer(&b->file, g_mapped_file_unref);
+  g_clear_pointer(&b->bytes, free);
   g_clear_pointer(&b->there, g_array_unref);
   g_hash_table_unref(b->layers);
   free(b->seen);

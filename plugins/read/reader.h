@@ -55,8 +55,8 @@ typedef struct reading {
   /* Fail, if nothing did yet: OPC_IO, with the place in the file. */
   void (*refuse)(void *reading, const char *what);
 
-  GMappedFile *file;
-  const char *text; /* its n bytes */
+  char *bytes;      /* of the file */
+  const char *text; /* the same n bytes */
   size_t n, told;   /* from which byte on there is progress to tell */
 
   eda_layout *layout;

@@ -97,7 +97,7 @@ static int best_table(const search *s, const eda_settings *all,
 }
 
 int search_report(const search *s, const eda_settings *all, opc_error *error) {
-  const opc_value values[] = {
+  const opc_metric_value values[] = {
       {s->plan.greatest ? "greatest" : "least", s->figure[s->best]},
       {"setting", (double)s->best + 1},
       {"settings", (double)s->count},
@@ -106,7 +106,7 @@ int search_report(const search *s, const eda_settings *all, opc_error *error) {
       {"simulations", s->simulations}};
   int code = settings_table(s, all, error);
   if (!code) code = best_table(s, all, error);
-  if (!code) code = opc_put_values(s->host, OPC_ARRAY(values), error);
+  if (!code) code = opc_put_metrics(s->host, OPC_ARRAY(values), error);
   if (!code && s->failed)
     s->host->log(s->host, OPC_LOG_WARNING,
                  "%zu of %zu settings failed: see settings.csv", s->failed,

@@ -185,14 +185,14 @@ static int publish_metrics(const opc_host *host, const row *rows, size_t n,
       drawn[i] += (double)rows[k].drawn.figure[i];
       now[i] += (double)rows[k].now.figure[i];
     }
-  const opc_value values[] = {
+  const opc_metric_value values[] = {
       {"rectangles", now[RECTANGLES]}, {"rectangles_drawn", drawn[RECTANGLES]},
       {"shots", now[SHOTS]},           {"shots_drawn", drawn[SHOTS]},
       {"slivers", now[SLIVERS]},       {"vertices", now[VERTICES]},
       {"gdsii_bytes", now[GDSII]},     {"oasis_bytes", now[OASIS]},
       {"mebes_bytes", now[MEBES]},     {"mebes_bytes_drawn", drawn[MEBES]},
   };
-  return opc_put_values(host, OPC_ARRAY(values), error);
+  return opc_put_metrics(host, OPC_ARRAY(values), error);
 }
 
 /* ---- work: all of it ---- */

@@ -125,11 +125,11 @@ static int summary_table(const fitter *f, opc_error *error) {
       {"plain_max", "%", OPC_REAL, 3, &rows->plain},
       {"gamma_max", "%", OPC_REAL, 3, &rows->fitted},
   };
-  const opc_value values[] = {{"ion_max", worst[EDA_ION]},
-                              {"ioff_max", worst[EDA_IOFF]}};
+  const opc_metric_value values[] = {{"ion_max", worst[EDA_ION]},
+                                     {"ioff_max", worst[EDA_IOFF]}};
   int code = opc_put_rows(f->host, "gamma", OPC_TABLE_PRINT, n, sizeof *rows,
                           OPC_ARRAY(columns), error);
-  return code ? code : opc_put_values(f->host, OPC_ARRAY(values), error);
+  return code ? code : opc_put_metrics(f->host, OPC_ARRAY(values), error);
 }
 
 static int run(void *self, void **outputs, opc_error *error) {

@@ -49,10 +49,10 @@ static int tell_reference(const plan *p, const currents *c, opc_error *error) {
     row[t].on_slope = table_slope(p, c, t, EDA_ION, p->reference_length);
     row[t].off_slope = table_slope(p, c, t, EDA_IOFF, p->reference_length);
   }
-  const opc_value values[] = {{"ion_n", n[EDA_ION]},
-                              {"ioff_n", n[EDA_IOFF]},
-                              {"ion_p", pm[EDA_ION]},
-                              {"ioff_p", pm[EDA_IOFF]}};
+  const opc_metric_value values[] = {{"ion_n", n[EDA_ION]},
+                                     {"ioff_n", n[EDA_IOFF]},
+                                     {"ion_p", pm[EDA_ION]},
+                                     {"ioff_p", pm[EDA_IOFF]}};
   const opc_column columns[] = {
       {"type", NULL, OPC_TEXT, 0, &row->type},
       {"L", "nm", OPC_REAL, 1, &row->length},
@@ -62,7 +62,7 @@ static int tell_reference(const plan *p, const currents *c, opc_error *error) {
       {"Ioff", "nA", OPC_REAL, 3, &row->ioff},
       {"dIoff/dL", "%/nm", OPC_REAL, 1, &row->off_slope},
   };
-  int code = opc_put_values(p->host, OPC_ARRAY(values), error);
+  int code = opc_put_metrics(p->host, OPC_ARRAY(values), error);
   return code ? code
               : opc_put_rows(p->host, "reference", OPC_TABLE_PRINT, TYPES,
                              sizeof *row, OPC_ARRAY(columns), error);

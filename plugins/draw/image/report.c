@@ -64,8 +64,8 @@ int image_report(image_run *r, opc_error *error) {
     rms = fmax(rms, r->model[k].distance.rms); /* what is not NAN */
     max = fmax(max, r->model[k].distance.max);
   }
-  const opc_value values[] = {{isnan(rms) ? NULL : "rms", rms},
-                              {isnan(max) ? NULL : "max", max}};
+  const opc_metric_value values[] = {{isnan(rms) ? NULL : "rms", rms},
+                                     {isnan(max) ? NULL : "max", max}};
   int code = table(r, error);
-  return code ? code : opc_put_values(r->host, OPC_ARRAY(values), error);
+  return code ? code : opc_put_metrics(r->host, OPC_ARRAY(values), error);
 }

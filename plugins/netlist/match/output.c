@@ -107,10 +107,10 @@ static int publish_table(job *j, const eda_circuit *c) {
 }
 
 int match_publish(job *j, const eda_circuit *c) {
-  const opc_value values[] = {{"devices", (double)c->count},
-                              {"gates", (double)j->gates->count},
-                              {"nets", (double)c->nets},
-                              {"by_order", (double)j->by_order}};
+  const opc_metric_value values[] = {{"devices", (double)c->count},
+                                     {"gates", (double)j->gates->count},
+                                     {"nets", (double)c->nets},
+                                     {"by_order", (double)j->by_order}};
   int code = publish_table(j, c);
-  return code ? code : opc_put_values(j->host, OPC_ARRAY(values), j->error);
+  return code ? code : opc_put_metrics(j->host, OPC_ARRAY(values), j->error);
 }

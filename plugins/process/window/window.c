@@ -206,11 +206,11 @@ static int report(const window *w, opc_error *error) {
   int code = window_table(w, error);
   if (!code) code = latitude_table(w, error);
   if (!code && w->cut_lines) code = cut_table(w, error);
-  const opc_value values[] = {{"exposure_latitude", most},
-                              {"depth_of_focus", depth},
-                              {isfinite(nils) ? "nils_min" : NULL, nils},
-                              {"failed_max", failed}};
-  return code ? code : opc_put_values(w->host, OPC_ARRAY(values), error);
+  const opc_metric_value values[] = {{"exposure_latitude", most},
+                                     {"depth_of_focus", depth},
+                                     {isfinite(nils) ? "nils_min" : NULL, nils},
+                                     {"failed_max", failed}};
+  return code ? code : opc_put_metrics(w->host, OPC_ARRAY(values), error);
 }
 
 /* ---- work: a run ---- */

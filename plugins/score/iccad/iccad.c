@@ -124,13 +124,13 @@ static int publish(const score *s, const figures *f, opc_error *error) {
       {"pvb", "nm^2", OPC_INT, 0, &f->pvb},
       {"shots", NULL, OPC_INT, 0, &f->shots},
   };
-  const opc_value values[] = {{"epe", (double)epe},
-                              {"l2", (double)f->l2},
-                              {"pvb", (double)f->pvb},
-                              {"shots", (double)f->shots}};
+  const opc_metric_value values[] = {{"epe", (double)epe},
+                                     {"l2", (double)f->l2},
+                                     {"pvb", (double)f->pvb},
+                                     {"shots", (double)f->shots}};
   int code = s->host->table(s->host, "iccad", OPC_TABLE_PRINT, 1,
                             OPC_ARRAY(columns), error);
-  return code ? code : opc_put_values(s->host, OPC_ARRAY(values), error);
+  return code ? code : opc_put_metrics(s->host, OPC_ARRAY(values), error);
 }
 
 static int run(void *self, void **outputs, opc_error *error) {

@@ -227,9 +227,9 @@ static int tell_of_bars(const epe *d, opc_error *error) {
   if (!d->assist.rows) return OPC_OK;
   size_t n = 0;
   for (size_t k = 0; k < d->n_layers; k++) n += d->layers[k].bars.count;
-  const opc_value values[] = {{"assists", (double)n},
-                              {"assists_dropped", (double)d->dropped}};
-  return opc_put_values(d->host, OPC_ARRAY(values), error);
+  const opc_metric_value values[] = {{"assists", (double)n},
+                                     {"assists_dropped", (double)d->dropped}};
+  return opc_put_metrics(d->host, OPC_ARRAY(values), error);
 }
 
 static int update(void *self, const eda_feedback *f, eda_moves *moves,

@@ -182,11 +182,11 @@ static int publish_choice(const work *k, opc_error *error) {
               "%zu of %zu sizes take the first or last correction that was "
               "tried: a wider range may have a better one",
               border, n);
-  const opc_value values[] = {{"iterations_mean", sooner},
-                              {"iterations_mean_by_one", plain}};
+  const opc_metric_value values[] = {{"iterations_mean", sooner},
+                                     {"iterations_mean_by_one", plain}};
   int code = publish(k, "init_adjust", OPC_TABLE_PRINT, all, n, 6, error);
   free(all);
-  return code ? code : opc_put_values(host, OPC_ARRAY(values), error);
+  return code ? code : opc_put_metrics(host, OPC_ARRAY(values), error);
 }
 
 /* ---- work: a run ---- */
