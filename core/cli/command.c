@@ -158,13 +158,12 @@ static void take_value(const cli_verb *verb, const opc_parameter *p,
   g_autofree char *option = g_strconcat("--", name, NULL);
   g_autofree char *path = g_strconcat(verb->name, ".", p->name, NULL);
   opc_source *source = opc_source_new(option, NULL);
-  const opc_place at = {source->name, 0, 0};
   g_ptr_array_add(sources, source);
   g_autoptr(opc_node) value =
       verbatim ? opc_node_text_new(source, text)
                : opc_node_parse(source, text, strlen(text), problems);
   if (!value) return;
-  opc_lay_at(steps, path, &at, value, source, problems);
+  opc_lay_at(steps, path, &value->at, value, problems);
 }
 
 static void call(opc_binding *b, const GPtrArray *arguments,

@@ -41,7 +41,7 @@ static const opc_node *over_default(const binder *b, const opc_parameter *p,
   if (!p->preset || opc_node_get(node, "use")) return node;
   opc_node *preset = parse_preset(b, p);
   if (!preset || preset->type != OPC_NODE_MAP) return node;
-  opc_lay(preset, node, NULL, b->problems);
+  opc_lay(preset, node, b->problems);
   return preset;
 }
 
@@ -106,13 +106,6 @@ static GPtrArray *level_names(const opc_plugin *plugin, const char *prefix) {
   return names;
 }
 
-static gboolean is_group(const opc_plugin *plugin, const char *name) {
-  g_autofree char *prefix = g_strconcat(name, ".", NULL);
-  for (size_t i = 0; i < plugin->n_parameters; i++)
-    if (g_str_has_prefix(plugin->parameters[i].name, prefix)) return TRUE;
-  return FALSE;
-}
-
 static void unknown_parameter(const binder *b, const opc_node *key,
                               const char *prefix, const char *name) {
   g_autoptr(GPtrArray) names = level_names(b->binding->plugin, prefix);
@@ -133,19 +126,20 @@ static void bind_map(const binder *b, const opc_node *map, const char *prefix) {
     const opc_node *key = map->keys->pdata[k], *node = map->items->pdata[k];
     if (!*prefix && !strcmp(key->text, "use")) continue;
     g_autofree char *name = g_strconcat(prefix, key->text, NULL);
+    g_autofree char *deeper = g_strconcat(name, ".", NULL);
+    g_autoptr(GPtrArray) group = level_names(binding->plugin, deeper);
     gboolean dotted = strchr(key->text, '.') != NULL;
     int i = dotted ? -1 : opc_parameter_find(binding->plugin, name);
     if (i >= 0) {
       binding->origin[i] = node;
       binding->values[i].given = TRUE;
       bind_value(b, (size_t)i, node, &key->at);
-    } else if (dotted || !is_group(binding->plugin, name)) {
+    } else if (dotted || !group->len) {
       unknown_parameter(b, key, prefix, name);
     } else if (node->type != OPC_NODE_MAP) {
       opc_wrong(b->problems, node, "'%s' is a group, as '%s: { ... }'", name,
                 key->text);
     } else {
-      g_autofree char *deeper = g_strconcat(name, ".", NULL);
       bind_map(b, node, deeper);
     }
   }
@@ -215,10 +209,10 @@ static opc_binding *bind_use(const binder *like, const opc_node *map,
 }
 
 opc_binding *opc_bind(opc_registry *registry, const opc_node *map,
-                      const char *kind, const char *path, const opc_place *at,
-                      unsigned flags, opc_problems *problems) {
+                      const char *path, const opc_place *at, unsigned flags,
+                      opc_problems *problems) {
   const binder b = {.registry = registry, .flags = flags, .problems = problems};
-  return bind_use(&b, map, kind, path, at);
+  return bind_use(&b, map, OPC_KIND_STEP, path, at);
 }
 
 opc_binding *opc_bind_plugin(opc_registry *registry, const opc_plugin *plugin,

@@ -31,13 +31,13 @@ enum {
   OPC_BIND_INNER = 1 << 1      /* of a flow that a step runs */
 };
 
-/* Find the plugin that the map names with `use` and check all parameters.
-   `kind` is what its place needs, `path` its name, `at` its place. NULL if
-   there is no plugin to go on with; otherwise a binding that is good if no
-   problem was added. `map` outlives it. */
+/* Find the step that the map names with `use` and check all parameters. `path`
+   is its name, `at` its place. NULL if there is no plugin to go on with;
+   otherwise a binding that is good if no problem was added. `map` outlives it.
+ */
 opc_binding *opc_bind(opc_registry *registry, const opc_node *map,
-                      const char *kind, const char *path, const opc_place *at,
-                      unsigned flags, opc_problems *problems);
+                      const char *path, const opc_place *at, unsigned flags,
+                      opc_problems *problems);
 
 /* The same for a map without `use`. */
 opc_binding *opc_bind_plugin(opc_registry *registry, const opc_plugin *plugin,

@@ -6,25 +6,18 @@
 /* Of an axis; of more values the first ones and the last one are looked at. */
 enum { MOST_VALUES = 1000 };
 
-/* What all checks of one recipe need. */
-typedef struct checker {
-  const opc_recipe *recipe;
-  opc_registry *registry;
-  const opc_watch *watch;
-  opc_problems *problems;
-} checker;
-
-static void check_one(const checker *c, const opc_choice *choice) {
-  if (opc_problems_full(c->problems)) return;
+static void check_one(const opc_recipe *recipe, const opc_choice *choice,
+                      opc_registry *registry, const opc_watch *watch,
+                      opc_problems *problems) {
+  if (opc_problems_full(problems)) return;
   g_autoptr(opc_problems) found = opc_problems_new();
-  g_autoptr(opc_flow) flow =
-      opc_flow_make(c->recipe, choice, c->registry, found);
-  if (!found->list->len && c->watch)
-    opc_flow_create(flow, NULL, c->watch, NULL, found);
+  g_autoptr(opc_flow) flow = opc_flow_make(recipe, choice, registry, found);
+  if (!found->list->len && watch)
+    opc_flow_create(flow, NULL, watch, NULL, found);
   g_autofree char *note =
       choice->variant ? g_strdup_printf(" (variant '%s')", choice->variant)
                       : NULL;
-  opc_problems_merge(c->problems, found, note);
+  opc_problems_merge(problems, found, note);
 }
 
 /* Each value of each axis once: a fault of one combination alone is rare, and
@@ -32,17 +25,16 @@ static void check_one(const checker *c, const opc_choice *choice) {
 void opc_flow_check(const opc_recipe *recipe, const opc_choice *choice,
                     opc_registry *registry, const opc_watch *watch,
                     opc_problems *problems) {
-  const checker c = {recipe, registry, watch, problems};
   opc_choice at = *choice;
   at.point = 0;
-  check_one(&c, &at);
+  check_one(recipe, &at, registry, watch, problems);
   const GPtrArray *axes = choice->sweep ? choice->sweep->axes : NULL;
   for (guint a = 0; axes && a < axes->len; a++) {
     guint n = ((const opc_axis *)axes->pdata[a])->values->len;
     for (guint i = 1; i < n; i++) {
       if (i == MOST_VALUES - 1) i = n - 1;
       at.point = opc_sweep_point(choice->sweep, a, i);
-      check_one(&c, &at);
+      check_one(recipe, &at, registry, watch, problems);
     }
   }
 }

@@ -90,43 +90,35 @@ static void connect_step(const connector *c) {
 
 /* ---- order ---- */
 
-static gboolean is_ready(const opc_flow_step *step, const gboolean *placed) {
-  for (guint i = 0; i < step->inputs->len; i++)
-    if (!placed[g_array_index(step->inputs, opc_flow_input, i).from->number])
-      return FALSE;
-  return TRUE;
+/* The first step without a place that this one needs; NULL: it can run. */
+static opc_flow_step *awaited(const opc_flow_step *step,
+                              const gboolean *placed) {
+  for (guint i = 0; i < step->inputs->len; i++) {
+    const opc_flow_step *from =
+        g_array_index(step->inputs, opc_flow_input, i).from;
+    if (!placed[from->number]) return (opc_flow_step *)from;
+  }
+  return NULL;
 }
 
 /* A circle among the steps that have no place: go from step to input until one
    comes again. */
 static void report_circle(const opc_flow *flow, const gboolean *placed,
                           opc_problems *problems) {
-  guint n = flow->steps->len;
-  const opc_flow_step *step = NULL;
-  for (guint i = n; i-- > 0;)
-    if (!placed[i]) step = flow->steps->pdata[i];
-  g_autofree const opc_flow_step **trail = g_new0(const opc_flow_step *, n + 1);
-  g_autofree gboolean *visited = g_new0(gboolean, n);
-  guint length = 0;
-  while (!visited[step->number]) {
-    visited[step->number] = TRUE;
-    trail[length++] = step;
-    for (guint i = 0; i < step->inputs->len; i++) {
-      const opc_flow_step *from =
-          g_array_index(step->inputs, opc_flow_input, i).from;
-      if (placed[from->number]) continue;
-      step = from;
-      break;
-    }
-  }
   guint first = 0;
-  while (trail[first] != step) first++;
-  GString *text = g_string_new(NULL);
-  for (guint i = first; i < length; i++)
-    g_string_append_printf(text, "%s -> ", trail[i]->name);
-  opc_problem_add(problems, OPC_INVALID, &step->key->at,
-                  "steps that need each other: %s%s", text->str, step->name);
-  g_string_free(text, TRUE);
+  while (placed[first]) first++;
+  opc_flow_step *step = flow->steps->pdata[first];
+  g_autoptr(GPtrArray) trail = g_ptr_array_new();
+  while (!g_ptr_array_find(trail, step, &first)) {
+    g_ptr_array_add(trail, step);
+    step = awaited(step, placed);
+  }
+  g_autoptr(GString) text = g_string_new(NULL);
+  for (guint i = first; i < trail->len; i++)
+    g_string_append_printf(text, "%s -> ",
+                           ((opc_flow_step *)trail->pdata[i])->name);
+  opc_wrong(problems, step->key, "steps that need each other: %s%s", text->str,
+            step->name);
 }
 
 /* Always the first of the file that can run. */
@@ -136,7 +128,7 @@ static void find_order(opc_flow *flow, opc_problems *problems) {
   while (flow->order->len < n) {
     opc_flow_step *next = NULL;
     for (guint i = 0; i < n && !next; i++)
-      if (!placed[i] && is_ready(flow->steps->pdata[i], placed))
+      if (!placed[i] && !awaited(flow->steps->pdata[i], placed))
         next = flow->steps->pdata[i];
     if (!next) {
       report_circle(flow, placed, problems);
@@ -155,11 +147,13 @@ void opc_flow_connect(opc_flow *flow, opc_problems *problems) {
   find_order(flow, problems);
 }
 
-void opc_flow_find_needed(const opc_flow *flow, gboolean *needed) {
+gboolean *opc_flow_needed(const opc_flow *flow, const gboolean *wanted) {
+  gboolean *needed = g_memdup2(wanted, flow->steps->len * sizeof *needed);
   for (guint i = flow->order->len; i-- > 0;) {
     const opc_flow_step *step = flow->order->pdata[i];
     for (guint k = 0; needed[step->number] && k < step->inputs->len; k++)
       needed[g_array_index(step->inputs, opc_flow_input, k).from->number] =
           TRUE;
   }
+  return needed;
 }

@@ -22,7 +22,6 @@ static void read_step(opc_flow *flow, const opc_node *key, const opc_node *node,
   opc_flow_step *step = g_new0(opc_flow_step, 1);
   step->name = key->text;
   step->key = key;
-  step->node = node;
   step->inputs = g_array_new(FALSE, TRUE, sizeof(opc_flow_input));
   step->number = flow->steps->len;
   g_ptr_array_add(flow->steps, step);
@@ -34,8 +33,8 @@ static void read_step(opc_flow *flow, const opc_node *key, const opc_node *node,
     opc_wrong(problems, node, "the step '%s' needs a map, as '{ use: PLUGIN }'",
               key->text);
   else
-    step->binding = opc_bind(registry, node, OPC_KIND_STEP, step->name,
-                             &key->at, flags, problems);
+    step->binding =
+        opc_bind(registry, node, step->name, &key->at, flags, problems);
 }
 
 /* ---- the whole ---- */
@@ -45,7 +44,7 @@ static void lay_paths(opc_flow *flow, const opc_node *map,
                       opc_problems *problems) {
   for (guint i = 0; map && i < map->keys->len; i++) {
     const opc_node *key = map->keys->pdata[i];
-    opc_lay_at(flow->nodes, key->text, &key->at, map->items->pdata[i], NULL,
+    opc_lay_at(flow->nodes, key->text, &key->at, map->items->pdata[i],
                problems);
   }
 }
@@ -57,8 +56,14 @@ static void lay_choice(opc_flow *flow, const opc_choice *choice,
               problems);
   if (choice->sweep)
     opc_sweep_lay(choice->sweep, choice->point, flow->nodes, problems);
-  for (const char *const *set = choice->sets; set && *set; set++)
-    opc_lay_set(flow->nodes, *set, flow->sources, problems);
+  for (const char *const *set = choice->sets; set && *set; set++) {
+    g_autofree char *path = NULL;
+    opc_source *source;
+    g_autoptr(opc_node) value =
+        opc_argument_parse("--set", *set, &path, &source, problems);
+    g_ptr_array_add(flow->sources, source);
+    if (value) opc_lay_at(flow->nodes, path, &value->at, value, problems);
+  }
   lay_paths(flow, choice->over, problems);
 }
 

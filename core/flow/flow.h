@@ -19,7 +19,7 @@ typedef struct opc_flow_input {
 
 struct opc_flow_step {
   const char *name;
-  const opc_node *key, *node;
+  const opc_node *key;
   opc_binding *binding; /* NULL if there is no plugin to go on with */
   GArray *inputs;       /* opc_flow_input */
   guint number;         /* in the file */
@@ -93,7 +93,8 @@ GPtrArray *opc_flow_bindings(const opc_flow *flow);
    they run. */
 void opc_flow_connect(opc_flow *flow, opc_problems *problems);
 
-/* Mark all steps that those which are marked need; by their numbers. */
-void opc_flow_find_needed(const opc_flow *flow, gboolean *needed);
+/* Of each step: whether it is wanted, or one that is wanted needs it (g_free);
+   by their numbers. */
+gboolean *opc_flow_needed(const opc_flow *flow, const gboolean *wanted);
 
 #endif

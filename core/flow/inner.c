@@ -11,6 +11,7 @@
 #include "core/text/suggest.h"
 
 struct opc_inner {
+  const opc_binding *binding; /* whose flow it is */
   opc_recipe *recipe;
   opc_sweep *sweep;
   opc_choice choice; /* of the first point */
@@ -19,8 +20,7 @@ struct opc_inner {
   opc_inner_axis *axes;
   gboolean *wanted; /* steps that were asked for, by number */
 
-  const opc_binding *binding; /* while the step runs, from here on */
-  opc_watch watch;
+  opc_watch watch; /* while the step runs, from here on */
   char *folder;
   opc_run *trunk, *run; /* what all points share; the last one */
   size_t runs, done, share;
@@ -115,6 +115,7 @@ void opc_inner_open(opc_binding *binding, opc_registry *registry,
     return;
   }
   opc_inner *inner = binding->inner = g_new0(opc_inner, 1);
+  inner->binding = binding;
   inner->registry = registry;
   inner->recipe = opc_recipe_read(binding->values[i].field.text, problems);
   if (inner->recipe) open_recipe(inner, binding, problems);
@@ -215,9 +216,7 @@ static const char *get_output(const opc_host *host, const char *name,
 
 static const opc_inner_axis *get_axes(const opc_host *host, size_t *count) {
   opc_inner *in = inner_of(host);
-  g_autofree gboolean *needed =
-      g_memdup2(in->wanted, in->flow->steps->len * sizeof *needed);
-  opc_flow_find_needed(in->flow, needed);
+  g_autofree gboolean *needed = opc_flow_needed(in->flow, in->wanted);
   *count = in->sweep->axes->len;
   for (size_t i = 0; i < *count; i++)
     in->axes[i].used =
@@ -283,7 +282,6 @@ static int begin(const opc_host *host, opc_error *error) {
   if (!outer)
     return opc_fail(error, OPC_FAILED, NULL, "a %s runs in a flow only",
                     b->plugin->id);
-  in->binding = b;
   in->watch = (opc_watch){.data = in,
                           .log = take_log,
                           .progress = take_progress,
@@ -313,10 +311,9 @@ static void copy_claim(gpointer name, gpointer owner, gpointer claims) {
 
 /* Leave out what nobody asked for. */
 static void prune(const opc_inner *in, opc_run *run) {
-  guint n = run->flow->steps->len;
-  g_autofree gboolean *needed = g_memdup2(in->wanted, n * sizeof *needed);
-  opc_flow_find_needed(run->flow, needed);
-  for (guint i = 0; i < n; i++) run->left_out[i] |= !needed[i];
+  g_autofree gboolean *needed = opc_flow_needed(run->flow, in->wanted);
+  for (guint i = 0; i < run->flow->steps->len; i++)
+    run->left_out[i] |= !needed[i];
 }
 
 static int run_point(const opc_host *host, size_t point, int keep, size_t share,

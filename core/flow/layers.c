@@ -5,14 +5,11 @@
 
 #include <string.h>
 
-#include "core/text/suggest.h"
-
 /* Of a path: as many words as a file may nest. */
 enum { DEEPEST = 64 };
 
 /* What all of one lay() needs. */
 typedef struct layer {
-  const opc_source *source;
   opc_problems *problems;
   const opc_node *steps; /* the map whose new entries need `use`, or NULL */
 } layer;
@@ -23,11 +20,8 @@ static void lay_map(const layer *l, opc_node *under, const opc_node *over);
 
 /* Maps are laid over nothing: what they want to remove cannot be there. */
 static opc_node *copy(const layer *l, const opc_node *node) {
-  if (node->type != OPC_NODE_MAP) return opc_node_copy(node, l->source);
-  const opc_source *source = l->source ? l->source : node->source;
-  opc_place at = node->at;
-  at.file = source->name;
-  opc_node *map = opc_node_map_new(source, &at);
+  if (node->type != OPC_NODE_MAP) return opc_node_copy(node, NULL);
+  opc_node *map = opc_node_map_new(node->source, &node->at);
   lay_map(l, map, node);
   return map;
 }
@@ -36,31 +30,19 @@ static opc_node *copy(const layer *l, const opc_node *node) {
 static gboolean is_other(const opc_node *under, const opc_node *over) {
   const opc_node *new = opc_node_get(over, "use");
   const opc_node *old = opc_node_get(under, "use");
-  if (!new) return FALSE;
-  return !old || g_strcmp0(old->text, new->text);
-}
-
-/* A key that is not below, where it must be. */
-static void report(const layer *l, const opc_node *under, const opc_node *key,
-                   const char *before, const char *after) {
-  g_autoptr(GPtrArray) names = g_ptr_array_new();
-  for (guint i = 0; i < under->keys->len; i++)
-    g_ptr_array_add(names, (char *)opc_node_key(under, i));
-  g_autofree char *suggestion = opc_suggestion(key->text, names);
-  opc_place at = key->at;
-  if (l->source) at.file = l->source->name;
-  opc_problem_add(l->problems, OPC_INVALID, &at, "%s '%s'%s%s", before,
-                  key->text, after, suggestion);
+  return new && (!old || g_strcmp0(old->text, new->text));
 }
 
 static void add_key(const layer *l, opc_node *under, const opc_node *key,
                     const opc_node *value) {
   if (opc_node_is_null(value))
-    report(l, under, key, "there is no", " to remove");
+    opc_node_missing(under, key->text, &key->at, "there is no", " to remove",
+                     l->problems);
   else if (under == l->steps && !opc_node_get(value, "use"))
-    report(l, under, key, "unknown step", "");
+    opc_node_missing(under, key->text, &key->at, "unknown step", "",
+                     l->problems);
   else
-    opc_node_add(under, opc_node_copy(key, l->source), copy(l, value));
+    opc_node_add(under, opc_node_copy(key, NULL), copy(l, value));
 }
 
 /* The same for a key that is there with `*old`: both become NULL if it goes. */
@@ -75,7 +57,7 @@ static void lay_key(const layer *l, gpointer *old_key, gpointer *old,
   gboolean stays = !opc_node_is_null(value);
   opc_node_free(*old_key);
   opc_node_free(*old);
-  *old_key = stays ? opc_node_copy(key, l->source) : NULL;
+  *old_key = stays ? opc_node_copy(key, NULL) : NULL;
   *old = stays ? copy(l, value) : NULL;
 }
 
@@ -109,16 +91,15 @@ static void lay_map(const layer *l, opc_node *under, const opc_node *over) {
       add_key(l, under, over->keys->pdata[k], over->items->pdata[k]);
 }
 
-void opc_lay(opc_node *under, const opc_node *over, const opc_source *source,
-             opc_problems *problems) {
-  const layer l = {source, problems, NULL};
+void opc_lay(opc_node *under, const opc_node *over, opc_problems *problems) {
+  const layer l = {problems, NULL};
   lay_map(&l, under, over);
 }
 
 /* Where there are no steps yet, all are new. */
 void opc_lay_steps(opc_node *steps, const opc_node *over,
-                   const opc_source *source, opc_problems *problems) {
-  const layer l = {source, problems, steps->keys->len ? steps : NULL};
+                   opc_problems *problems) {
+  const layer l = {problems, steps->keys->len ? steps : NULL};
   lay_map(&l, steps, over);
 }
 
@@ -138,22 +119,18 @@ static gboolean check_path(char **words, const char *path, const opc_place *at,
 }
 
 void opc_lay_at(opc_node *steps, const char *path, const opc_place *key,
-                const opc_node *value, const opc_source *source,
-                opc_problems *problems) {
+                const opc_node *value, opc_problems *problems) {
   g_auto(GStrv) words = g_strsplit(path, ".", DEEPEST + 1);
-  const opc_source *whose = source ? source : value->source;
-  opc_place at = *key;
-  if (source) at.file = source->name;
-  if (!check_path(words, path, &at, problems)) return;
-  opc_node *tree = opc_node_copy(value, source);
+  if (!check_path(words, path, key, problems)) return;
+  opc_node *tree = opc_node_copy(value, NULL);
   for (guint i = g_strv_length(words); i-- > 0;) {
-    opc_node *map = opc_node_map_new(whose, &at);
-    opc_node *word = opc_node_text_new(whose, words[i]);
-    word->at = at;
+    opc_node *map = opc_node_map_new(value->source, key);
+    opc_node *word = opc_node_text_new(value->source, words[i]);
+    word->at = *key;
     opc_node_add(map, word, tree);
     tree = map;
   }
-  opc_lay_steps(steps, tree, source, problems);
+  opc_lay_steps(steps, tree, problems);
   opc_node_free(tree);
 }
 
@@ -192,15 +169,4 @@ opc_node *opc_argument_parse(const char *option, const char *text, char **path,
                   "needs the form 'step.parameter=value'");
   opc_node_free(value);
   return NULL;
-}
-
-void opc_lay_set(opc_node *steps, const char *set, GPtrArray *sources,
-                 opc_problems *problems) {
-  g_autofree char *path = NULL;
-  opc_source *source;
-  g_autoptr(opc_node) value =
-      opc_argument_parse("--set", set, &path, &source, problems);
-  g_ptr_array_add(sources, source);
-  const opc_place at = {source->name, 0, 0};
-  if (value) opc_lay_at(steps, path, &at, value, source, problems);
 }

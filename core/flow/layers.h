@@ -8,30 +8,22 @@
 
 /* Lay a map over the map `under`. Maps merge key by key; a map that names
    another plugin with `use`, a list or a text takes the place of what is there;
-   `~` removes it. What is taken over is copied, and belongs to `source` (NULL:
-   to whom it did), which outlives `under`. */
-void opc_lay(opc_node *under, const opc_node *over, const opc_source *source,
-             opc_problems *problems);
+   `~` removes it. What is taken over is copied; its source outlives `under`. */
+void opc_lay(opc_node *under, const opc_node *over, opc_problems *problems);
 
 /* The same for maps of steps, where one that is not there needs `use`. */
 void opc_lay_steps(opc_node *steps, const opc_node *over,
-                   const opc_source *source, opc_problems *problems);
+                   opc_problems *problems);
 
 /* The same for one value, at `path`: "step", "step.parameter" or deeper. `key`
-   is where the path was written. `source` may be NULL, as in opc_lay. */
+   is where the path was written. */
 void opc_lay_at(opc_node *steps, const char *path, const opc_place *key,
-                const opc_node *value, const opc_source *source,
-                opc_problems *problems);
+                const opc_node *value, opc_problems *problems);
 
 /* "path=value" of a command line: its value, which belongs to the new
  *source, and its path (g_free). NULL and a problem if it is not sound;
  *source, which is named "OPTION PATH", is there all the same. */
 opc_node *opc_argument_parse(const char *option, const char *text, char **path,
                              opc_source **source, opc_problems *problems);
-
-/* Lay "step.parameter=value" of --set over steps. The new source is added to
-   `sources`. */
-void opc_lay_set(opc_node *steps, const char *set, GPtrArray *sources,
-                 opc_problems *problems);
 
 #endif

@@ -20,23 +20,17 @@ typedef struct sweeper {
 
 /* ---- what depends on the sweep ---- */
 
-static gboolean is_swept(const opc_sweep *sweep, const opc_flow_step *step) {
-  size_t n = strlen(step->name);
-  for (guint i = 0; i < sweep->axes->len; i++) {
-    const char *path = ((const opc_axis *)sweep->axes->pdata[i])->told.path;
-    if (!strncmp(path, step->name, n) && path[n] == '.') return TRUE;
-  }
-  return FALSE;
-}
-
 void opc_run_find_swept(const opc_flow *flow, const opc_sweep *sweep,
                         gboolean *swept) {
+  for (guint i = 0; i < sweep->axes->len; i++) {
+    const opc_axis *axis = sweep->axes->pdata[i];
+    swept[opc_flow_find(flow, axis->told.path)->number] = TRUE;
+  }
   for (guint i = 0; i < flow->order->len; i++) {
     const opc_flow_step *step = flow->order->pdata[i];
-    gboolean is = is_swept(sweep, step);
     for (guint k = 0; k < step->inputs->len; k++)
-      is |= swept[g_array_index(step->inputs, opc_flow_input, k).from->number];
-    swept[step->number] = is;
+      swept[step->number] |=
+          swept[g_array_index(step->inputs, opc_flow_input, k).from->number];
   }
 }
 

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "core/flow/layers.h"
-#include "core/text/suggest.h"
 
 enum {
   MOST_FILES = 16,   /* that extend each other */
@@ -13,8 +12,9 @@ enum {
   MOST_VARIANTS = 100
 };
 
+static const char letters[] = G_CSET_a_2_z G_CSET_A_2_Z G_CSET_DIGITS "_-.";
+
 gboolean opc_is_name(const char *text, gboolean dots) {
-  static const char letters[] = G_CSET_a_2_z G_CSET_A_2_Z G_CSET_DIGITS "_-.";
   return *text && !strchr("-.", *text) && !text[strspn(text, letters)] &&
          (dots || !strchr(text, '.'));
 }
@@ -43,8 +43,7 @@ static char *flow_name(const opc_node *root, const char *path,
   char *base = g_path_get_basename(path);
   char *dot = strrchr(base, '.');
   if (dot && dot > base) *dot = 0;
-  for (char *c = base; *c; c++)
-    if (!g_ascii_isalnum(*c) && !strchr("._-", *c)) *c = '_';
+  g_strcanon(base, letters, '_');
   if (*base == '.' || *base == '-') *base = '_';
   return base;
 }
@@ -59,21 +58,6 @@ static char *flow_description(const opc_node *root, opc_problems *problems) {
 }
 
 /* ---- files ---- */
-
-/* FALSE and a problem: at `from`, which extends it, where there is one. */
-static gboolean read_file(opc_recipe *recipe, const char *path,
-                          const opc_node *from, opc_problems *problems) {
-  g_autofree char *folder = g_path_get_dirname(path);
-  opc_source *source = opc_source_new(path, strcmp(folder, ".") ? folder : "");
-  g_ptr_array_add(recipe->sources, source);
-  opc_node *root =
-      opc_node_read(source, path, from ? &from->at : NULL, problems);
-  if (!root) return FALSE;
-  g_ptr_array_add(recipe->roots, root);
-  return root->type == OPC_NODE_MAP ||
-         opc_wrong(problems, root, "a flow is a map, not %s",
-                   opc_node_noun(root));
-}
 
 /* The number of the file among those read, -1 if it is not there. */
 static int find_file(const opc_recipe *recipe, const char *path) {
@@ -96,8 +80,7 @@ static void report_circle(const opc_recipe *recipe, guint first,
             ((opc_source *)recipe->sources->pdata[first])->name);
 }
 
-/* What the last file read extends: its path (g_free), NULL if there is nothing
-   more to read. */
+/* The path of what the last file read extends (g_free); NULL and a problem. */
 static char *next_file(const opc_recipe *recipe, const opc_node *extends,
                        opc_problems *problems) {
   if (extends->type != OPC_NODE_TEXT || !*extends->text ||
@@ -117,19 +100,24 @@ static char *next_file(const opc_recipe *recipe, const opc_node *extends,
   return NULL;
 }
 
-/* Read the file and what it extends. */
-static gboolean read_chain(opc_recipe *recipe, opc_problems *problems) {
-  g_autofree char *path = g_strdup(recipe->path);
-  const opc_node *from = NULL;
-  while (path) {
-    if (!read_file(recipe, path, from, problems)) return FALSE;
-    const opc_node *root = recipe->roots->pdata[recipe->roots->len - 1];
-    from = opc_node_get(root, "extends");
-    g_free(path);
-    path = from ? next_file(recipe, from, problems) : NULL;
-    if (from && !path) return FALSE;
-  }
-  return TRUE;
+/* Read the file and what it extends, as deep as files may. FALSE and a problem:
+   at `from`, which extends it, where there is one. */
+static gboolean read_file(opc_recipe *recipe, const char *path,
+                          const opc_node *from, opc_problems *problems) {
+  g_autofree char *folder = g_path_get_dirname(path);
+  opc_source *source = opc_source_new(path, strcmp(folder, ".") ? folder : "");
+  g_ptr_array_add(recipe->sources, source);
+  opc_node *root =
+      opc_node_read(source, path, from ? &from->at : NULL, problems);
+  if (!root) return FALSE;
+  g_ptr_array_add(recipe->roots, root);
+  if (root->type != OPC_NODE_MAP)
+    return opc_wrong(problems, root, "a flow is a map, not %s",
+                     opc_node_noun(root));
+  const opc_node *extends = opc_node_get(root, "extends");
+  if (!extends) return TRUE;
+  g_autofree char *next = next_file(recipe, extends, problems);
+  return next && read_file(recipe, next, extends, problems);
 }
 
 /* ---- what is in them ---- */
@@ -138,13 +126,12 @@ static gboolean read_chain(opc_recipe *recipe, opc_problems *problems) {
 static const opc_node *section(const opc_node *root, const char *name,
                                guint most, opc_problems *problems) {
   const opc_node *node = opc_node_get(root, name);
+  const char *noun = strcmp(name, "sweep") ? name : "parameters";
   if (!node) return NULL;
   if (node->type != OPC_NODE_MAP || !node->items->len)
-    opc_wrong(problems, node, "'%s' needs a map of %s", name,
-              strcmp(name, "sweep") ? name : "parameters");
+    opc_wrong(problems, node, "'%s' needs a map of %s", name, noun);
   else if (node->items->len > most)
-    opc_wrong(problems, node, "more than %u %s", most,
-              strcmp(name, "sweep") ? name : "parameters");
+    opc_wrong(problems, node, "more than %u %s", most, noun);
   else
     return node;
   return NULL;
@@ -156,14 +143,7 @@ static void take_steps(opc_recipe *recipe, const opc_node *root,
   if (!steps) return;
   if (!recipe->steps)
     recipe->steps = opc_node_map_new(steps->source, &steps->at);
-  opc_lay_steps(recipe->steps, steps, NULL, problems);
-}
-
-static char *suggest_variant(const opc_recipe *recipe, const char *name) {
-  g_autoptr(GPtrArray) names = g_ptr_array_new();
-  for (guint i = 0; i < recipe->variants->keys->len; i++)
-    g_ptr_array_add(names, (char *)opc_node_key(recipe->variants, i));
-  return opc_suggestion(name, names);
+  opc_lay_steps(recipe->steps, steps, problems);
 }
 
 /* FALSE if there is no such key. */
@@ -173,14 +153,6 @@ static gboolean remove_key(opc_node *map, const char *key) {
   g_ptr_array_remove_index(map->keys, (guint)i);
   g_ptr_array_remove_index(map->items, (guint)i);
   return TRUE;
-}
-
-static void remove_variant(opc_recipe *recipe, const opc_node *key,
-                           opc_problems *problems) {
-  if (remove_key(recipe->variants, key->text)) return;
-  g_autofree char *suggestion = suggest_variant(recipe, key->text);
-  opc_wrong(problems, key, "there is no variant '%s' to remove%s", key->text,
-            suggestion);
 }
 
 static void add_variant(opc_recipe *recipe, const opc_node *key,
@@ -204,19 +176,22 @@ static void take_variants(opc_recipe *recipe, const opc_node *root,
   for (guint i = 0; all && i < all->items->len; i++) {
     const opc_node *key = all->keys->pdata[i], *value = all->items->pdata[i];
     if (!opc_is_name(key->text, FALSE) || !strcmp(key->text, "all") ||
-        !strcmp(key->text, "base"))
+        !strcmp(key->text, "base")) {
       opc_wrong(problems, key,
                 "a variant needs a name of letters, digits, '_' and '-', other "
                 "than 'all' and 'base', not '%s'",
                 key->text);
-    else if (opc_node_is_null(value))
-      remove_variant(recipe, key, problems);
-    else if (value->type != OPC_NODE_MAP || value->items->len > MOST_STEPS)
+    } else if (opc_node_is_null(value)) {
+      if (!remove_key(recipe->variants, key->text))
+        opc_node_missing(recipe->variants, key->text, &key->at,
+                         "there is no variant", " to remove", problems);
+    } else if (value->type != OPC_NODE_MAP || value->items->len > MOST_STEPS) {
       opc_wrong(problems, value,
                 "the variant '%s' needs a map of at most %d parameters",
                 key->text, MOST_STEPS);
-    else
+    } else {
       add_variant(recipe, key, value);
+    }
   }
 }
 
@@ -253,7 +228,7 @@ opc_recipe *opc_recipe_read(const char *path, opc_problems *problems) {
   recipe->sources =
       g_ptr_array_new_with_free_func((GDestroyNotify)opc_source_free);
   recipe->roots = g_ptr_array_new_with_free_func((GDestroyNotify)opc_node_free);
-  if (!read_chain(recipe, problems)) return NULL;
+  if (!read_file(recipe, path, NULL, problems)) return NULL;
   const opc_node *root = recipe->roots->pdata[0];
   recipe->variants = opc_node_map_new(root->source, NULL);
   recipe->sweep = opc_node_map_new(root->source, NULL);
@@ -292,8 +267,7 @@ void opc_recipe_free(opc_recipe *recipe) {
 gboolean opc_recipe_has(const opc_recipe *recipe, const char *variant,
                         const opc_place *at, opc_problems *problems) {
   const opc_place file = {recipe->path, 0, 0};
-  g_autofree char *suggestion = suggest_variant(recipe, variant);
   return opc_node_find(recipe->variants, variant) >= 0 ||
-         opc_problem_add(problems, OPC_INVALID, at ? at : &file,
-                         "unknown variant '%s'%s", variant, suggestion);
+         opc_node_missing(recipe->variants, variant, at ? at : &file,
+                          "unknown variant", "", problems);
 }

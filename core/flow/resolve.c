@@ -26,6 +26,18 @@ static char *origin_text(const opc_node *node) {
 
 /* ---- parameters ---- */
 
+/* A value; the name of a file is good in any folder. `p` may be NULL. */
+static void append_node(GString *out, const opc_parameter *p,
+                        const opc_node *node) {
+  if (!p || p->type != OPC_FILE || node->type != OPC_NODE_TEXT) {
+    opc_node_append(out, node);
+    return;
+  }
+  g_autofree char *path = opc_node_path(node);
+  g_autofree char *whole = g_canonicalize_filename(path, NULL);
+  opc_text_append(out, whole);
+}
+
 static void append_binding(GString *out, const opc_binding *b, int indent);
 
 static void append_value(GString *out, const opc_binding *b, size_t i,
@@ -40,17 +52,10 @@ static void append_value(GString *out, const opc_binding *b, size_t i,
     return;
   }
   g_string_append_c(out, ' ');
-  if (p->type == OPC_FILE) {
-    g_autofree char *path =
-        g_canonicalize_filename(b->values[i].field.text, NULL);
-    opc_text_append(out, path);
-  } else if (b->origin[i]) {
-    opc_node_append(out, b->origin[i]);
-  } else {
-    g_autoptr(opc_problems) problems = opc_problems_new();
-    g_autoptr(opc_node) preset = opc_preset_parse(p, problems);
-    opc_node_append(out, preset);
-  }
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  g_autoptr(opc_node) preset =
+      b->origin[i] ? NULL : opc_preset_parse(p, problems);
+  append_node(out, p, preset ? preset : b->origin[i]);
   end_line(out, start, origin);
 }
 
@@ -97,17 +102,6 @@ const opc_parameter *opc_flow_parameter(const opc_flow *flow,
   return NULL;
 }
 
-static void append_swept(GString *out, const opc_parameter *p,
-                         const opc_node *node) {
-  if (!p || p->type != OPC_FILE || node->type != OPC_NODE_TEXT) {
-    opc_node_append(out, node);
-    return;
-  }
-  g_autofree char *path = opc_node_path(node);
-  g_autofree char *whole = g_canonicalize_filename(path, NULL);
-  opc_text_append(out, whole);
-}
-
 /* Lists of values, also for what was a range. */
 static void append_sweep(GString *out, const opc_flow *flow,
                          const opc_sweep *sweep) {
@@ -119,7 +113,7 @@ static void append_sweep(GString *out, const opc_flow *flow,
     g_string_append_printf(out, "  %s: [", axis->told.path);
     for (guint i = 0; i < axis->values->len; i++) {
       if (i) g_string_append(out, ", ");
-      append_swept(out, p, axis->values->pdata[i]);
+      append_node(out, p, axis->values->pdata[i]);
     }
     g_string_append_c(out, ']');
     g_autofree char *origin = opc_place_text(&axis->at);

@@ -257,15 +257,13 @@ static gboolean run_steps(opc_run *run, opc_problems *problems) {
 
 void opc_run_in(opc_run *run, opc_run *main_run, const char *path,
                 opc_problems *problems) {
-  if (!opc_flow_create(run->flow, run->left_out, run->watch, &run->like,
-                       problems) ||
-      !sum_inputs(main_run, run->flow, problems))
-    return;
-  if (g_mkdir_with_parents(path, 0777)) {
-    opc_problem_add(problems, OPC_IO, NULL, "'%s': %s", path,
-                    g_strerror(errno));
-    return;
-  }
+  gboolean good = opc_flow_create(run->flow, run->left_out, run->watch,
+                                  &run->like, problems) &&
+                  sum_inputs(main_run, run->flow, problems) &&
+                  (!g_mkdir_with_parents(path, 0777) ||
+                   opc_problem_add(problems, OPC_IO, NULL, "'%s': %s", path,
+                                   g_strerror(errno)));
+  if (!good) return;
   run->work = g_strdup(path);
   reserve_names(run);
   run_steps(run, problems);

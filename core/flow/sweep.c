@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "core/flow/layers.h"
-#include "core/text/suggest.h"
 #include "core/text/unit.h"
 #include "core/text/value.h"
 
@@ -110,36 +109,28 @@ static void axis_free(gpointer item) {
   g_free(axis);
 }
 
-/* Whether all values are numbers with the same unit, or none: *unit is "" or
-   the name of one. */
-static gboolean is_numeric(const opc_axis *axis, const char **unit) {
-  *unit = "";
-  for (guint i = 0; i < axis->values->len; i++) {
-    const opc_node *node = axis->values->pdata[i];
-    size_t n = node->type == OPC_NODE_TEXT ? opc_number_length(node->text) : 0;
-    if (!n) return FALSE;
-    const char *rest = node->text + n + strspn(node->text + n, " ");
-    if (i && strcmp(rest, *unit)) return FALSE;
-    *unit = rest;
-  }
-  return !**unit || opc_unit_find(*unit);
-}
-
+/* Numbers where all values are some with the same unit, or without one. */
 static void describe(opc_axis *axis) {
-  const char *unit;
-  gboolean numeric = is_numeric(axis, &unit);
   guint n = axis->values->len;
-  double *values = numeric ? g_new(double, n) : NULL;
+  g_autofree double *values = g_new(double, n);
   char **texts = g_new0(char *, n + 1);
+  const char *unit = "";
+  gboolean numeric = TRUE;
   for (guint i = 0; i < n; i++) {
     const opc_node *node = axis->values->pdata[i];
+    const char *text = node->type == OPC_NODE_TEXT ? node->text : "";
+    size_t length = opc_number_length(text);
+    const char *rest = text + length + strspn(text + length, " ");
+    numeric &= length && (!i || !strcmp(rest, unit));
+    unit = rest;
     texts[i] = opc_node_line(node);
-    if (numeric) values[i] = g_ascii_strtod(node->text, NULL);
+    values[i] = g_ascii_strtod(text, NULL);
   }
-  axis->told.unit = numeric && *unit ? unit : NULL;
   axis->told.count = n;
-  axis->told.values = values;
   axis->told.texts = (const char *const *)texts;
+  if (!numeric || (*unit && !opc_unit_find(unit))) return;
+  axis->told.unit = *unit ? unit : NULL;
+  axis->told.values = g_steal_pointer(&values);
 }
 
 /* Takes the source. */
@@ -208,9 +199,8 @@ static void add_argument(opc_sweep *sweep, const char *text,
   opc_source *source;
   g_autoptr(opc_node) values =
       opc_argument_parse("--sweep", text, &path, &source, problems);
-  const opc_place at = {source->name, 0, 0};
   if (values)
-    put_axis(sweep, axis_new(path, &at, source, values, problems));
+    put_axis(sweep, axis_new(path, &values->at, source, values, problems));
   else
     opc_source_free(source);
 }
@@ -282,8 +272,7 @@ void opc_sweep_lay(const opc_sweep *sweep, size_t point, opc_node *steps,
   for (guint i = 0; i < sweep->axes->len; i++) {
     const opc_axis *axis = sweep->axes->pdata[i];
     opc_lay_at(steps, axis->told.path, &axis->at,
-               axis->values->pdata[opc_sweep_index(sweep, i, point)],
-               axis->source, problems);
+               axis->values->pdata[opc_sweep_index(sweep, i, point)], problems);
   }
 }
 

@@ -15,7 +15,7 @@ enum { OPC_CHILD_ENDED = 0, OPC_CHILD_LATE = -1, OPC_CHILD_NONE = -2 };
 GString *opc_child_run(void (*work)(int out, void *data), void *data,
                        double seconds, int *end);
 
-/* For `work`: write all of it. */
+/* Write all of it. For `work`, and for handlers of signals. */
 void opc_child_write(int out, const char *bytes, size_t n);
 
 #endif

@@ -36,13 +36,14 @@ const opc_metric *opc_metric_find(const opc_plugin *plugin, const char *name) {
 const opc_metric *opc_metric_check(const opc_plugin *plugin, const char *name,
                                    double value, opc_error *error) {
   const opc_metric *metric = opc_metric_find(plugin, name);
-  if (!metric)
-    opc_fail(error, OPC_FAILED, NULL, "'%s' declares no metric '%s'",
-             plugin->id, name);
-  else if (!isfinite(value))
+  if (metric && isfinite(value)) return metric;
+  if (metric)
     opc_fail(error, OPC_FAILED, NULL, "the metric '%s' of '%s' is %g", name,
              plugin->id, value);
-  return metric && isfinite(value) ? metric : NULL;
+  else
+    opc_fail(error, OPC_FAILED, NULL, "'%s' declares no metric '%s'",
+             plugin->id, name);
+  return NULL;
 }
 
 gboolean opc_is_id(const char *name) {

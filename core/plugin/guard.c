@@ -11,6 +11,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "core/plugin/child.h"
+
 enum { STACK = 32768, MOST_RUNS = 10000 };
 
 /* ---- which plugin ---- */
@@ -75,14 +77,7 @@ static const struct {
 };
 
 static void say(const char *text) {
-  size_t left = strlen(text);
-  while (left) {
-    ssize_t n = write(STDERR_FILENO, text, left);
-    if (n < 0 && errno != EINTR) return;
-    if (n <= 0) continue;
-    text += n;
-    left -= (size_t)n;
-  }
+  opc_child_write(STDERR_FILENO, text, strlen(text));
 }
 
 /* "-N" in decimal. */

@@ -9,7 +9,7 @@
 
 /* A plugin that is in a folder, good or not. */
 typedef struct opc_candidate {
-  char *id;              /* what its file is called */
+  char *id; /* what its file is called */
   char *path;
   char *reason;          /* why it cannot be used; NULL if it can */
   const char *hidden_by; /* path of the earlier one of that id, or NULL */

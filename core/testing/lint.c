@@ -75,15 +75,9 @@ static double sample_number(const opc_parameter *p) {
   return high ? p->max - 1 : 1;
 }
 
-static char *number_text(const opc_parameter *p, double number) {
-  g_autofree char *text = opc_number_text(number);
-  return g_strdup_printf("%s%s%s", text, p->unit ? " " : "",
-                         p->unit ? p->unit : "");
-}
-
 /* NULL for what cannot be made up. */
 static char *sample_text(const opc_lint *lint, const opc_parameter *p) {
-  g_autofree char *number = number_text(p, sample_number(p));
+  g_autofree char *number = opc_quantity_text(p, sample_number(p));
   g_auto(GStrv) words = opc_choice_list(p->choices);
   switch (p->type) {
     case OPC_BOOL:
@@ -119,7 +113,7 @@ static void put(opc_node *map, const opc_source *source, const char *name,
   }
   g_autoptr(opc_node) over =
       opc_node_parse(source, flow->str, flow->len, problems);
-  if (over) opc_lay(map, over, NULL, problems);
+  if (over) opc_lay(map, over, problems);
 }
 
 /* An instance, with one parameter set to a number if `p` is not NULL. */
@@ -153,9 +147,9 @@ static gboolean instance_make(const inspector *in, const opc_parameter *p,
   made->given = opc_node_parse(made->source, lint->parameters,
                                strlen(lint->parameters), problems);
   if (made->given && made->given->type == OPC_NODE_MAP)
-    opc_lay(made->map, made->given, NULL, problems);
+    opc_lay(made->map, made->given, problems);
   if (p) {
-    g_autofree char *text = number_text(p, number);
+    g_autofree char *text = opc_quantity_text(p, number);
     put(made->map, made->source, p->name, text, problems);
   }
   if (!problems->list->len)

@@ -128,6 +128,17 @@ gboolean opc_node_check_keys(const opc_node *map, const char *words,
   return good;
 }
 
+gboolean opc_node_missing(const opc_node *map, const char *key,
+                          const opc_place *at, const char *before,
+                          const char *after, opc_problems *problems) {
+  g_autoptr(GPtrArray) names = g_ptr_array_new();
+  for (guint i = 0; i < map->keys->len; i++)
+    g_ptr_array_add(names, (char *)opc_node_key(map, i));
+  g_autofree char *suggestion = opc_suggestion(key, names);
+  return opc_problem_add(problems, OPC_INVALID, at, "%s '%s'%s%s", before, key,
+                         after, suggestion);
+}
+
 char *opc_node_path(const opc_node *node) {
   const char *folder = node->source->folder;
   return g_path_is_absolute(node->text) || !folder || !*folder

@@ -65,6 +65,12 @@ void opc_node_add(opc_node *map, opc_node *key, opc_node *value);
 gboolean opc_node_check_keys(const opc_node *map, const char *words,
                              const char *where, opc_problems *problems);
 
+/* A fault of a key that is not in a map: `before` 'key' `after`, and what may
+   be meant. FALSE. */
+gboolean opc_node_missing(const opc_node *map, const char *key,
+                          const opc_place *at, const char *before,
+                          const char *after, opc_problems *problems);
+
 /* The file that a text names, as its source means it (g_free). */
 char *opc_node_path(const opc_node *node);
 

@@ -12,6 +12,7 @@ enum {
 
 static void problem_free(gpointer item) {
   opc_problem *problem = item;
+  g_free((char *)problem->at.file);
   g_free(problem->message);
   g_free(problem);
 }
@@ -47,7 +48,7 @@ gboolean opc_problem_add(opc_problems *problems, int code,
   va_list args;
   va_start(args, format);
   if (place && !last) problem->at = *place;
-  problem->at.file = g_intern_string(problem->at.file);
+  problem->at.file = g_strdup(problem->at.file);
   problem->code = code;
   problem->message = last ? g_strdup("there is more that is wrong")
                           : g_strdup_vprintf(format, args);
@@ -63,7 +64,7 @@ static gboolean is_known(const opc_problems *problems, guint n,
   for (guint i = 0; i < n; i++) {
     const opc_problem *q = problems->list->pdata[i];
     if (p->at.line == q->at.line && p->at.column == q->at.column &&
-        p->at.file == q->at.file &&
+        !g_strcmp0(p->at.file, q->at.file) &&
         (!strcmp(p->message, q->message) || !strcmp(noted, q->message)))
       return TRUE;
   }
@@ -87,10 +88,15 @@ char *opc_place_text(const opc_place *place) {
   return g_strdup_printf("%s:%u:%u", place->file, place->line, place->column);
 }
 
+static gboolean same_file(gconstpointer a, gconstpointer b) {
+  return !g_strcmp0(a, b); /* either may be NULL */
+}
+
 /* The number of its file among those, as many as there are if it is new. */
 static guint file_rank(const GPtrArray *files, const opc_problem *problem) {
   guint rank = files->len;
-  g_ptr_array_find((GPtrArray *)files, problem->at.file, &rank);
+  g_ptr_array_find_with_equal_func((GPtrArray *)files, problem->at.file,
+                                   same_file, &rank);
   return MIN(rank, files->len);
 }
 

@@ -15,7 +15,7 @@ typedef struct opc_place {
 } opc_place;
 
 typedef struct opc_problem {
-  opc_place at; /* `file` stays as long as the process */
+  opc_place at; /* with a `file` of its own */
   int code;     /* OPC_INVALID, OPC_NO_PLUGIN, OPC_IO ... */
   char *message;
 } opc_problem;

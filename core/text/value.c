@@ -104,61 +104,40 @@ char *opc_number_text(double number) {
   return g_strdup(buffer);
 }
 
-static char *with_unit(const opc_parameter *p, double number) {
+char *opc_quantity_text(const opc_parameter *p, double number) {
   g_autofree char *text = opc_number_text(number);
   return p->unit ? g_strdup_printf("%s %s", text, p->unit) : g_strdup(text);
 }
 
-static const struct {
-  uint32_t flag;
-  const char *sign, *rule;
-} bounds[] = {{OPC_AT_LEAST, ">=", "at least"},
-              {OPC_ABOVE, ">", "above"},
-              {OPC_AT_MOST, "<=", "at most"},
-              {OPC_BELOW, "<", "below"}};
-
-static double bound_of(const opc_parameter *p, uint32_t flag) {
-  return flag & (OPC_AT_LEAST | OPC_ABOVE) ? p->min : p->max;
-}
-
 char *opc_bounds_text(const opc_parameter *p) {
+  g_autofree char *low = opc_quantity_text(p, p->min),
+                  *high = opc_quantity_text(p, p->max);
   GString *text = g_string_new(NULL);
-  for (size_t i = 0; i < G_N_ELEMENTS(bounds); i++) {
-    if (!(p->flags & bounds[i].flag)) continue;
-    g_autofree char *bound = with_unit(p, bound_of(p, bounds[i].flag));
-    g_string_append_printf(text, "%s%s %s", text->len ? ", " : "",
-                           bounds[i].sign, bound);
-  }
+  if (p->flags & OPC_AT_LEAST) g_string_append_printf(text, ">= %s", low);
+  if (p->flags & OPC_ABOVE) g_string_append_printf(text, "> %s", low);
+  if (text->len && p->flags & (OPC_AT_MOST | OPC_BELOW))
+    g_string_append(text, ", ");
+  if (p->flags & OPC_AT_MOST) g_string_append_printf(text, "<= %s", high);
+  if (p->flags & OPC_BELOW) g_string_append_printf(text, "< %s", high);
   return g_string_free(text, FALSE);
 }
 
 /* ---- numbers ---- */
 
-static gboolean is_kept(uint32_t flag, double value, double bound) {
-  switch (flag) {
-    case OPC_AT_LEAST:
-      return value >= bound;
-    case OPC_ABOVE:
-      return value > bound;
-    case OPC_AT_MOST:
-      return value <= bound;
-    default:
-      return value < bound;
-  }
-}
-
 static gboolean check_bounds(const conversion *c, const opc_node *node,
                              double value) {
   const opc_parameter *p = c->parameter;
-  for (size_t i = 0; i < G_N_ELEMENTS(bounds); i++) {
-    double bound = bound_of(p, bounds[i].flag);
-    if (!(p->flags & bounds[i].flag) || is_kept(bounds[i].flag, value, bound))
-      continue;
-    g_autofree char *limit = with_unit(p, bound);
-    return WRONG(c, node, "'%s' must be %s %s, not '%s'", p->name,
-                 bounds[i].rule, limit, node->text);
-  }
-  return TRUE;
+  const char *rule = NULL;
+  double bound = p->min;
+  if (p->flags & OPC_AT_LEAST && !(value >= p->min)) rule = "at least";
+  if (p->flags & OPC_ABOVE && !(value > p->min)) rule = "above";
+  if (!rule) bound = p->max;
+  if (p->flags & OPC_AT_MOST && !(value <= p->max)) rule = "at most";
+  if (p->flags & OPC_BELOW && !(value < p->max)) rule = "below";
+  if (!rule) return TRUE;
+  g_autofree char *limit = opc_quantity_text(p, bound);
+  return WRONG(c, node, "'%s' must be %s %s, not '%s'", p->name, rule, limit,
+               node->text);
 }
 
 static gboolean need_text(const conversion *c, const opc_node *node) {

@@ -63,6 +63,9 @@ gboolean opc_unknown_unit(const opc_node *node, const char *name,
 /* The shortest text that reads back as the same number. */
 char *opc_number_text(double number);
 
+/* The same with the unit of a parameter behind. */
+char *opc_quantity_text(const opc_parameter *parameter, double number);
+
 /* Whether a file name stays inside the folder that it is relative to. */
 gboolean opc_name_is_inside(const char *name);
 

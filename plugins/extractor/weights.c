@@ -46,6 +46,7 @@ static int read_row(const eda_csv *c, size_t row, point *p, opc_error *error) {
 /* A grid of points that are all there, once. */
 static int make_grid(const eda_csv *c, const point *p, size_t n, grid *g,
                      opc_error *error) {
+  g->edges = 1;
   while (g->edges < n && p[g->edges].width == p[0].width) g->edges++;
   g->widths = (n + g->edges - 1) / g->edges;
   g->width = eda_alloc(g->widths, sizeof *g->width);

@@ -81,11 +81,12 @@ static int plan_mask(search *s, opc_error *error) {
   s->plan.mask = inner->output(s->host, step, "mask", error);
   if (s->plan.mask) return OPC_OK;
   const char *other = inner->output(s->host, NULL, "mask", &none);
-  g_autofree char *why = g_strdup(error->message);
+  const opc_error why = *error;
   if (other)
     opc_fail(error, OPC_INVALID, NULL,
-             "%s: 'mask' names the step whose mask is wanted, such as '%s'",
-             why, other);
+             "%.800s: 'mask' names the step whose mask is wanted, such as "
+             "'%.80s'",
+             why.message, other);
   return s->mask ? blame(error, "mask", NULL) : error->code;
 }
 
@@ -94,7 +95,7 @@ static int check_axes(search *s, opc_error *error) {
   s->axes = s->host->inner->axes(s->host, &s->n_axes);
   for (size_t i = 0; i < s->n_axes; i++) {
     const char *path = s->axes[i].path;
-    if (s->axes[i].used) continue;
+    if (s->axes[i].used || !path) continue;
     opc_fail(error, OPC_INVALID, NULL,
              "'%s' changes nothing: step '%.*s' comes after the figure", path,
              (int)strcspn(path, "."), path);

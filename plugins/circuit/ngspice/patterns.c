@@ -16,7 +16,7 @@ static uint64_t draw(uint64_t *state) {
 
 /* From 0 to n - 1; n is far below 2^64. */
 static uint64_t draw_below(uint64_t *state, uint64_t n) {
-  return draw(state) % n;
+  return n ? draw(state) % n : 0;
 }
 
 /* ---- all of them ---- */

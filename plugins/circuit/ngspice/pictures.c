@@ -87,6 +87,7 @@ static int draw_arrival(bench *b, const patterns *p, const delays *d,
            patterns_say(b, p, t));
   c->title = title;
   eda_chart_axes(c);
+  c->title = NULL;
   draw_inputs(b, p, t, c);
   for (int s = 0; s < EDA_STATES; s++) {
     wave w;

@@ -30,6 +30,7 @@ static void draw_chart(eda_chart *c, const plan *p, const currents *all,
                  p->bias[current].gate, p->bias[current].drain);
   c->title = title;
   eda_chart_axes(c);
+  c->title = NULL;
   const double x[] = {p->reference_length, p->reference_length};
   const double y[] = {c->y.low, c->y.high};
   eda_chart_line(c, eda_ink, 1, 4, x, y, 2);

@@ -110,8 +110,9 @@ static void draw_map(eda_chart *c, const eda_settings *s,
   place_chart(c, 7 * c->paper->font);
   eda_chart_field(c, scale, figure);
   eda_chart_axes(c);
-  eda_ring(c->paper, eda_chart_x(c, (double)(s->best / block)),
-           eda_chart_y(c, (double)(s->best % rows)));
+  const size_t column = s->best / block, row = s->best % rows;
+  eda_ring(c->paper, eda_chart_x(c, (double)column),
+           eda_chart_y(c, (double)row));
   clear_axis(&c->y);
   free(figure);
 }

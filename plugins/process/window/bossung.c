@@ -64,6 +64,7 @@ static void draw_doses(eda_chart *c, const window *w) {
   eda_axis_widen(&c->y, share, least);
   c->title = title;
   eda_chart_axes(c);
+  c->title = NULL;
   eda_chart_band(c, eda_diverging(0.3), w->focus.values, w->low, w->high,
                  w->focus.count);
   for (size_t f = 0; f < w->focus.count; f++) {

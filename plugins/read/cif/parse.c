@@ -170,7 +170,7 @@ static double turned(double angle) {
 /* One step of a call's transformation, done after those before it. With M for
    y -> -y and R(a) for a turn, x -> -x is R(180) M, and M R(a) = R(-a) M. */
 static void take_step(cif *c, cif_transform *t) {
-  int kind = c->b.text[c->at++];
+  int kind = (unsigned char)c->b.text[c->at++];
   int64_t x, y;
   if (kind == 'T') {
     t->x += (double)take_number(c);
