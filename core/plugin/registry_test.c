@@ -158,7 +158,7 @@ static void test_distance(void) {
 }
 
 static void test_ids(void) {
-  g_assert_true(opc_is_id("mask.dpb"));
+  g_assert_true(opc_is_id("litho.abbe"));
   g_assert_true(opc_is_id("a.b_2.c"));
   g_assert_false(opc_is_id(""));
   g_assert_false(opc_is_id("."));

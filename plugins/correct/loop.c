@@ -289,6 +289,26 @@ static int cut_layer(loop *l, size_t layer, opc_error *error) {
   return OPC_OK;
 }
 
+/* A layer that nobody moves is in the mask as drawn, and `edges` that move
+   nothing are not what was meant: the user hears of both. */
+static void tell_of_idle(const loop *l) {
+  const opc_host *host = l->host;
+  int edges = 0;
+  for (size_t k = 0; k < l->gates->layers; k++) {
+    if (!l->gates->corrected[k]) continue;
+    if (l->now.shift[k])
+      edges |= l->driver_of[k] == EDGES;
+    else if (!has_gates(l->gates, k))
+      host->log(host, OPC_LOG_WARNING,
+                "layer '%s' stays as drawn: neither 'synthesizer' nor 'edges' "
+                "moves its edges",
+                l->gates->layer[k]);
+  }
+  if (l->drivers[EDGES].module && !edges)
+    host->log(host, OPC_LOG_WARNING, "'edges' (%s) moves no layer",
+              l->drivers[EDGES].module->id);
+}
+
 static int begin(loop *l, opc_error *error) {
   int code = OPC_OK;
   for (int which = 0; which < DRIVERS; which++) {
@@ -306,6 +326,7 @@ static int begin(loop *l, opc_error *error) {
   }
   for (size_t k = 0; k < l->gates->layers && !code; k++)
     code = cut_layer(l, k, error);
+  if (!code) tell_of_idle(l);
   return code;
 }
 

@@ -122,8 +122,8 @@ static void test_edge(void) {
   for (size_t k = 0; k < 4; k++) {
     double a = opc_test_number("gamma", "edge", k);
     double decay = opc_test_number("gamma", "decay", k);
-    g_test_message("%s %s: %.4f at %.3f nm, plain is %.1f %% off",
-                   opc_test_text("gamma", "type", k),
+    g_autofree char *type = g_strdup(opc_test_text("gamma", "type", k));
+    g_test_message("%s %s: %.4f at %.3f nm, plain is %.1f %% off", type,
                    opc_test_text("gamma", "current", k), a, decay,
                    opc_test_number("gamma", "plain_max", k));
     g_assert_cmpfloat(fabs(a / truth[k][0] - 1), <, 0.01);

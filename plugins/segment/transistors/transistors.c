@@ -226,13 +226,31 @@ static const opc_metric metrics[] = {
     {"snapped_worst", "nm", OPC_LOWER, 0, "how far it moved one at most"},
 };
 
+/* Whether files can carry the name of a further layer: one word. NAME_drawn is
+   what writers call the drawn shapes of NAME. */
+static int is_layer_name(const char *name) {
+  size_t n = strlen(name);
+  static const char drawn[] = "_drawn";
+  size_t end = sizeof drawn - 1;
+  return n &&
+         strspn(name,
+                "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                "0123456789_") == n &&
+         (n < end || strcmp(name + n - end, drawn) != 0);
+}
+
 /* Names are told apart, and so are the layers that they stand for. */
 static int check(void *self, opc_error *error) {
   transistors *t = self;
   segment s = {0};
   get_sources(t, &s);
   int code = OPC_OK;
-  for (size_t i = KNOWN; !code && i < s.sources; i++)
+  for (size_t i = KNOWN; !code && i < s.sources; i++) {
+    if (!is_layer_name(s.source[i].name))
+      code = opc_fail(error, OPC_INVALID, "also",
+                      "'%.200s' is no name of a layer: letters, digits and "
+                      "'_', not ending in '_drawn'",
+                      s.source[i].name);
     for (size_t j = 0; !code && j < i; j++) {
       const source *a = &s.source[i], *b = &s.source[j];
       if (!strcmp(a->name, b->name))
@@ -244,6 +262,7 @@ static int check(void *self, opc_error *error) {
                         "'%.200s': layer %.200s is '%.200s' already", a->name,
                         a->from, b->name);
     }
+  }
   free(s.source);
   return code;
 }

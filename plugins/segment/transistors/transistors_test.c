@@ -598,6 +598,9 @@ static void test_also_refused(void) {
       {"contact: M1", "'contact': there is a layer of that name already"},
       {"gates: poly", "'gates': layer poly is 'poly' already"},
       {"a: M1, b: M1", "'b': layer M1 is 'a' already"},
+      {"poly_drawn: M1", "'poly_drawn' is no name of a layer"},
+      {"'a b': M1", "'a b' is no name of a layer"},
+      {"'': M1", "'' is no name of a layer"},
   };
   opc_error error;
   for (size_t i = 0; i < G_N_ELEMENTS(bad); i++) {
