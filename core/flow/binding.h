@@ -13,7 +13,7 @@ typedef struct opc_inner opc_inner; /* inner.h */
 typedef struct opc_binding opc_binding;
 struct opc_binding {
   const opc_plugin *plugin;
-  char *path;              /* "mask", "mask.litho": step and slots */
+  char *path;              /* "first", "first.model": step and slots */
   opc_place at;            /* of its name in the flow */
   opc_setting *values;     /* of each parameter; value.h */
   const opc_node **origin; /* of each: where it was given; NULL: default */
@@ -51,7 +51,7 @@ opc_binding *opc_bind_plugin(opc_registry *registry, const opc_plugin *plugin,
 gboolean opc_binding_create(opc_binding *binding, const opc_watch *watch,
                             const opc_host *like, opc_problems *problems);
 
-/* "step 'mask' (correct)", "'mask.litho' (litho.hopkins)"; of a verb
+/* "step 'first' (sum)", "'first.model' (model.wide)"; of a verb
    "command 'hello' (command.hello)" */
 char *opc_binding_label(const opc_binding *binding);
 
@@ -62,8 +62,8 @@ void opc_binding_leave(const char *before);
 
 /* Add the problem that such a function gave as *error, which becomes sound. The
    label is followed, for `run`, by the plugins in the slots that the error's
-   parameter leads to: "step 'mask' (correct), litho (litho.hopkins)" for
-   "litho" and "litho.sigma". FALSE. */
+   parameter leads to: "step 'first' (sum), model (model.wide)" for
+   "model" and "model.width". FALSE. */
 gboolean opc_binding_fail(const opc_binding *binding, gboolean run, int code,
                           opc_error *error, opc_problems *problems);
 

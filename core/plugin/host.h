@@ -6,7 +6,7 @@
 #include <opcflow/opcflow.h>
 
 /* Who looks on while instances work. log, progress and cancelled may come from
-   any thread; `path` is that of the instance ("mask.litho"). Functions may be
+   any thread; `path` is that of the instance ("first.model"). Functions may be
    NULL. */
 typedef struct opc_watch {
   void *data;

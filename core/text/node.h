@@ -9,7 +9,7 @@
 
 /* Where nodes came from. */
 typedef struct opc_source {
-  char *name;   /* for messages: "flow.yaml", "--set mask.max_pde" */
+  char *name;   /* for messages: "flow.yaml", "--set first.width" */
   char *folder; /* relative file names start here; NULL: of an argument, whose
                    nodes have no lines */
   char *layer;  /* "variant epe", "sweep"; NULL for the file as such */

@@ -8,7 +8,7 @@
 #include <opcflow/plugin.h>
 
 /* A place in a file; lines and columns (characters) from 1, line 0 for a place
-   that has none ("--set mask.max_pde"). `file` may be NULL. */
+   that has none ("--set first.width"). `file` may be NULL. */
 typedef struct opc_place {
   const char *file;
   unsigned line, column;
