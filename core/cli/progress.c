@@ -77,7 +77,7 @@ void cli_progress_point(void *data, size_t number, size_t count) {
   g_mutex_unlock(&p->lock);
 }
 
-/* "point 3/12 [2/5] mask" */
+/* "point 3/12 [2/5] first" */
 static void append_step(GString *line, const cli_progress *p) {
   if (p->points)
     g_string_append_printf(line, "point %zu/%zu ", p->point, p->points);

@@ -53,7 +53,7 @@ static void add_axes(const sweeper *s, opc_table *table) {
   }
 }
 
-/* The values of "mask.litho.kernels" at all points. */
+/* The values of "first.model.terms" at all points. */
 static double *metric_column(const sweeper *s, const opc_inner_metric *m) {
   opc_table *table = s->trunk->points;
   g_autofree char *name = g_strdup_printf("%s.%s", m->path, m->metric->name);

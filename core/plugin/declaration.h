@@ -23,7 +23,7 @@ const opc_metric *opc_metric_find(const opc_plugin *plugin, const char *name);
 const opc_metric *opc_metric_check(const opc_plugin *plugin, const char *name,
                                    double value, opc_error *error);
 
-/* lower_case words with dots between them: "litho.abbe", "anchor.line" */
+/* lower_case words with dots between them: "model.wide", "anchor.line" */
 gboolean opc_is_id(const char *name);
 
 /* Whether the host can work with a descriptor, but for its functions (kind.h);
