@@ -95,18 +95,10 @@ static const opc_metric metrics[] = {
     {"area_mean", "%", OPC_LOWER, 0.01, "mean of |gate area deviation|"},
     {"area_max", "%", OPC_LOWER, 0.01, "largest |gate area deviation|"},
     {"ioff_mean", "%", OPC_LOWER, 0.1, "mean of |Ioff deviation|"},
-    {.name = "ion_change_mean",
-     .unit = "%",
-     .better = OPC_LOWER,
-     .tolerance = 0.01,
-     .summary =
-         "mean of |difference| of the Ion deviation to that in the loop"},
-    {.name = "ion_change_max",
-     .unit = "%",
-     .better = OPC_LOWER,
-     .tolerance = 0.01,
-     .summary =
-         "largest |difference| of the Ion deviation to that in the loop"},
+    {"ion_change_mean", "%", OPC_LOWER, 0.01,
+     "mean of |difference| of the Ion deviation to that in the loop"},
+    {"ion_change_max", "%", OPC_LOWER, 0.01,
+     "largest |difference| of the Ion deviation to that in the loop"},
     {"failed", NULL, OPC_LOWER, 0,
      "transistors that do not print as one of their own"},
 };
