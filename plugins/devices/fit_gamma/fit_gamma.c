@@ -2,12 +2,14 @@
 /* devices.fit_gamma: the weights of extractor.gamma (thesis eq. 3.2) from
    transistors whose currents are known, of TCAD or measured. */
 #include <eda/memory.h>
+#include <errno.h>
 #include <gsl/gsl_errno.h>
 #include <math.h>
 #include <opcflow/step.h>
 #include <opcflow/table.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "fit.h"
 
@@ -59,9 +61,10 @@ static int write_table(const fitter *f, opc_error *error) {
       good = fprintf(file, "%s,%s,1000,%.10g,%.10g\n", types[k / EDA_CURRENTS],
                      currents[k % EDA_CURRENTS], f->fitted[k].edge[i],
                      f->fitted[k].gamma[i]) > 0;
-  if (file && fclose(file)) good = 0;
+  int why = errno;
+  if (file && fclose(file)) good = 0, why = errno;
   if (good) return OPC_OK;
-  return opc_fail(error, OPC_IO, "table", "'%s' could not be written", path);
+  return opc_fail(error, OPC_IO, "table", "'%s': %s", path, strerror(why));
 }
 
 static int residual_table(const fitter *f, opc_error *error) {

@@ -152,6 +152,7 @@ int eda_card_read(eda_pool *pool, const char *path, const char *name, int type,
                    .kind = type == EDA_PMOS ? "pmos" : "nmos",
                    .out = out};
   r.lines.data = &r;
+  r.lines.root = lines_folder(pool, path);
   *out = (eda_card){0};
   int code = lines_read(&r.lines, path);
   if (!code && !out->name)

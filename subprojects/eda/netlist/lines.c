@@ -12,8 +12,10 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-enum { MAX_INCLUDES = 16 };
-#define MAX_BYTES ((long)1 << 28)
+/* How deep files include each other, and how many: a library has tens. */
+enum { MAX_INCLUDES = 16, MAX_FILES = 10000 };
+/* Of all files. */
+#define MAX_BYTES ((size_t)1 << 28)
 
 int lines_refuse(const lines *s, eda_place at, const char *format, ...) {
   char what[700];
@@ -72,6 +74,21 @@ static int add_word(lines *r, line *l, const char *text, size_t length,
   return OPC_OK;
 }
 
+/* Blanks for tabs and carriage returns, and none at the end. */
+static void keep_text(lines *r, line *l, const char *from, const char *end) {
+  while (end > from && is_blank(end[-1])) end--;
+  const char *joint = l->length ? "\n+ " : "";
+  size_t n = (size_t)(end - from), joined = strlen(joint);
+  eda_pool_grow(r->pool, &l->text, &l->text_room, l->length + joined + n + 1,
+                1);
+  char *at = l->text + l->length;
+  memcpy(at, joint, joined);
+  for (size_t i = 0; i < n; i++)
+    at[joined + i] = is_blank(from[i]) ? ' ' : from[i];
+  at[joined + n] = '\0';
+  l->length += joined + n;
+}
+
 /* One line of the file, from `from` up to `end`, into words. */
 static int split(lines *r, line *l, const char *from, const char *end,
                  uint32_t file, uint32_t number, const char *begin) {
@@ -83,7 +100,7 @@ static int split(lines *r, line *l, const char *from, const char *end,
     }
     if (*s == ';' || *s == '$') {
       read_position(s, end, l);
-      return OPC_OK;
+      break;
     }
     eda_place at = {file, number, (uint32_t)(s - begin) + 1};
     if (*s == '=') {
@@ -93,10 +110,11 @@ static int split(lines *r, line *l, const char *from, const char *end,
     if (*s == '\'' || *s == '"' || *s == '{') {
       char close = *s == '{' ? '}' : *s;
       const char *to = memchr(s + 1, close, (size_t)(end - s - 1));
+      if (!to && *s == '{' && r->wraps) to = end;
       if (!to) return lines_refuse(r, at, "'%c' is not closed", *s);
       if (add_word(r, l, s + 1, (size_t)(to - s - 1), at, 1))
         return r->error->code;
-      s = to + 1;
+      s = to + (to < end);
       continue;
     }
     const char *to = s;
@@ -104,6 +122,7 @@ static int split(lines *r, line *l, const char *from, const char *end,
     if (add_word(r, l, s, (size_t)(to - s), at, 0)) return r->error->code;
     s = to;
   }
+  keep_text(r, l, from, s);
   return OPC_OK;
 }
 
@@ -115,9 +134,15 @@ static char *read_whole(lines *r, const char *path, size_t *length) {
   char *text = NULL;
   if (stat(path, &about))
     opc_fail(r->error, OPC_IO, NULL, "'%.300s': %s", path, strerror(errno));
-  else if (!S_ISREG(about.st_mode) || about.st_size > MAX_BYTES)
-    opc_fail(r->error, OPC_IO, NULL, "'%.300s': no file, or larger than 256 MB",
-             path);
+  else if (!S_ISREG(about.st_mode))
+    opc_fail(r->error, OPC_IO, NULL, "'%.300s': is not a regular file", path);
+  else if (r->bytes + (size_t)about.st_size > MAX_BYTES)
+    opc_fail(r->error, OPC_IO, NULL,
+             "'%.300s': larger than %zu MB, alone or with those before it",
+             path, MAX_BYTES >> 20);
+  else if (r->files == MAX_FILES)
+    opc_fail(r->error, OPC_IO, NULL, "'%.300s': more than %d files", path,
+             MAX_FILES);
   else if (!g_file_get_contents(path, &text, length, &why))
     opc_fail(r->error, OPC_IO, NULL, "'%.300s': %s", path, why->message);
   return text;
@@ -125,7 +150,7 @@ static char *read_whole(lines *r, const char *path, size_t *length) {
 
 static int flush(lines *r, line *l) {
   int code = l->words ? r->take(r->data, l) : OPC_OK;
-  l->words = 0;
+  l->words = l->length = 0;
   l->x = l->y = NAN;
   return code;
 }
@@ -159,13 +184,24 @@ static int read_lines(lines *r, const char *text, size_t length,
   return code ? code : flush(r, &l);
 }
 
+int lines_read_text(lines *r, const char *name, const char *text,
+                    size_t length) {
+  eda_pool_grow(r->pool, &r->file, &r->room, r->files + 1, sizeof *r->file);
+  r->file[r->files++] = eda_pool_text(r->pool, name, strlen(name));
+  r->bytes += length;
+  return read_lines(r, text, length, (uint32_t)r->files - 1);
+}
+
 int lines_read(lines *r, const char *path) {
   size_t length = 0;
   g_autofree char *text = read_whole(r, path, &length);
-  if (!text) return r->error->code;
-  eda_pool_grow(r->pool, &r->file, &r->room, r->files + 1, sizeof *r->file);
-  r->file[r->files++] = eda_pool_text(r->pool, path, strlen(path));
-  return read_lines(r, text, length, (uint32_t)r->files - 1);
+  return text ? lines_read_text(r, path, text, length) : r->error->code;
+}
+
+const char *lines_folder(eda_pool *pool, const char *path) {
+  g_autofree char *real = realpath(path, NULL);
+  char *slash = real ? strrchr(real, '/') : NULL;
+  return slash ? eda_pool_text(pool, real, (size_t)(slash + 1 - real)) : NULL;
 }
 
 int lines_is_include(const line *l) {
@@ -185,11 +221,17 @@ int lines_include(lines *r, const line *l) {
                slash && *name != '/' ? (int)(slash + 1 - from) : 0, from, name);
   if (used < 0 || (size_t)used >= sizeof path)
     return lines_refuse(r, l->word[1].at, "the path is too long");
+  g_autofree char *real = r->root ? realpath(path, NULL) : NULL;
+  if (real && strncmp(real, r->root, strlen(r->root)) != 0)
+    return lines_refuse(r, l->word[1].at,
+                        "'%.200s' lies outside of '%.300s', the folder of the "
+                        "file that was given",
+                        name, r->root);
   if (r->depth == MAX_INCLUDES)
     return lines_refuse(r, l->word[0].at,
                         "files that include each other go too deep");
   r->depth++;
-  int code = lines_read(r, path);
+  int code = lines_read(r, real ? real : path);
   r->depth--;
   r->ended = 0;
   if (code == OPC_IO) {

@@ -14,6 +14,8 @@ typedef struct word {
 typedef struct line {
   size_t words, room;
   word *word;
+  size_t length, text_room;
+  char *text;  /* as it is written, without comments; "\n+ " between pieces */
   double x, y; /* of a comment, nm; or NAN */
 } line;
 
@@ -28,10 +30,20 @@ typedef struct eda_lines {
   const char **file;
   int ended; /* set by `take` after .end */
   int depth; /* of .include */
+  size_t bytes;
+  int wraps; /* whether a '{' may be closed in a continuation */
+  /* The real path, with a '/' at its end, of the folder that what is included
+     must lie in; NULL: it may lie anywhere. */
+  const char *root;
 } lines;
 
-/* Read a file, and have each of its lines taken. */
+/* Read a file, or the text of one, and have each of its lines taken. */
 int lines_read(lines *s, const char *path);
+int lines_read_text(lines *s, const char *name, const char *text,
+                    size_t length);
+
+/* The folder of a file, as a root; NULL if it is not there. */
+const char *lines_folder(eda_pool *pool, const char *path);
 
 /* Whether it is .include, or .inc; and what that asks for: to read another
    file, beside the one that the line stands in. */

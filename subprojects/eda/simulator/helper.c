@@ -1,18 +1,21 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* opcflow-simulator FOLDER SECONDS PARENT: runs one deck in ngspice, which is a
+/* opcflow-simulator SECONDS PARENT: runs one deck in ngspice, which is a
    library that keeps its state in globals, calls exit() and prints. So whatever
-   it does to its process is done to one that is thrown away. record.h tells
-   what passes in and out. It is linked with the C library alone, as it is
-   started once a deck. */
+   it does to its process is done to one that is thrown away, and that can do
+   nothing to others (sandbox.h). record.h tells what passes in and out. It is
+   linked with little, as it is started once a deck. */
 #include <stdbool.h> /* which sharedspice.h takes for granted */
 
 #include "simulator/record.h"
+#include "simulator/sandbox.h"
 
 #include <ctype.h>
 #include <dlfcn.h>
+#include <errno.h>
 #include <fcntl.h>
 #include <locale.h>
 #include <ngspice/sharedspice.h>
+#include <pwd.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -125,8 +128,8 @@ static void limit_to(int resource, rlim_t most) {
 }
 
 /* It dies with the thread that has started it, and after some seconds of work
-   even if nobody waits any more. Its group is its own, so that what it starts
-   can be killed with it. */
+   even if nobody waits any more. Its group is its own, so that a Ctrl-C is for
+   who has started it. */
 static void obey(const char *seconds, const char *parent) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -143,9 +146,8 @@ static char *read_text(void) {
   return getdelim(&text, &room, 0, stdin) < 0 ? text_of("%s", "") : text;
 }
 
-/* Nothing of the parent's is left open or asked, and the user's start-up files
-   are not read: ngspice sees an empty folder and three times /dev/null. */
-static void stand_alone(const char *folder) {
+/* Nothing of the parent's is left open: ngspice sees three times /dev/null. */
+static void stand_alone(void) {
   int out = dup(1);
   if (out != 3) dup2(out, 3);
   closefrom(4);
@@ -155,14 +157,43 @@ static void stand_alone(const char *folder) {
   int nothing = open("/dev/null", O_RDWR);
   for (int i = 0; i < 3; i++) dup2(nothing, i);
   close(nothing);
-  if (chdir(folder)) end_with(TROUBLE, "it cannot enter its folder");
-  setenv("SPICE_SCRIPTS", folder, 1);
-  setenv("HOME", folder, 1);
   setenv("OMP_NUM_THREADS", "1", 1);
   setlocale(LC_ALL, "C");
 }
 
+/* After this it can open no file, so that none of ngspice's start-up files are
+   read; nor does it see the user's environment. */
+static void lock_in(void) {
+  clearenv();
+  const char *open = sandbox_enter();
+  if (!open) return;
+  char *text = text_of("it cannot be locked in: %s: %s", open, strerror(errno));
+  end_with(TROUBLE, text);
+}
+
 /* ---- ngspice ---- */
+
+/* In place of the C library's, for ngspice (also where the compiler calls the C
+   library's fopen64). Models leave logs where they stand, and look at their
+   parameters only if they can: what is written goes nowhere, and nothing is
+   there to be read. And it does not ask whether it has a user. */
+#define FOR_NGSPICE __attribute__((visibility("default")))
+
+FOR_NGSPICE FILE *open_nothing(const char *path,
+                               const char *mode) __asm__("fopen");
+FOR_NGSPICE FILE *open_nothing(const char *path, const char *mode) {
+  (void)path;
+  if (*mode != 'r') return fopencookie(NULL, "w", (cookie_io_functions_t){0});
+  errno = EACCES;
+  return NULL;
+}
+
+FOR_NGSPICE struct passwd *getpwuid(uid_t user) {
+  static char nobody[] = "nobody", nowhere[] = "/";
+  static struct passwd entry = {.pw_name = nobody, .pw_dir = nowhere};
+  entry.pw_uid = user;
+  return &entry;
+}
 
 typedef struct library {
   int (*init)(SendChar *, SendStat *, ControlledExit *, SendData *,
@@ -290,16 +321,16 @@ static void work(const library *l, char *deck, char *commands) {
 }
 
 int main(int argc, char **argv) {
-  if (argc != 4) {
+  if (argc != 3) {
     fputs("opcflow starts this program for circuits; see circuit.ngspice\n",
           stderr);
     return 2;
   }
-  obey(argv[2], argv[3]);
+  obey(argv[1], argv[2]);
   char *deck = read_text(), *commands = read_text();
-  stand_alone(argv[1]);
+  stand_alone();
   library l = load();
-  /* From here on nothing is opened but what the deck names. */
+  lock_in();
   work(&l, deck, commands);
   end_with(DONE, "");
 }

@@ -7,7 +7,6 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <ftw.h>
 #include <gio/gio.h>
 #include <math.h>
 #include <poll.h>
@@ -16,6 +15,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "simulator/deck.h"
 #include "simulator/paths.h"
 #include "simulator/record.h"
 
@@ -133,6 +133,7 @@ static int listen_to(reading *r, int in, double limit, opc_error *error) {
 
 /* The last of what was said, on one line. */
 static char *last_words(const GString *words) {
+  if (!words->len) return g_strdup("nothing");
   gsize n = MIN(words->len, MOST_SAID);
   return g_strdelimit(g_strchomp(g_strdup(words->str + words->len - n)), "\n",
                       ' ');
@@ -149,6 +150,12 @@ static int judge(const reading *r, GSubprocess *child, opc_error *error) {
                     r->trouble);
   if (r->done) return OPC_OK;
   g_autofree char *said = last_words(r->words);
+  if (g_subprocess_get_if_signaled(child) &&
+      g_subprocess_get_term_sig(child) == SIGSYS)
+    return opc_fail(error, OPC_FAILED, NULL,
+                    "'ngspice' was ended: it went to start a program or to "
+                    "write a file, which no simulation may; it last said: %s",
+                    said);
   if (g_subprocess_get_if_signaled(child))
     return opc_fail(error, OPC_FAILED, NULL,
                     "'ngspice' crashed (%s); it last said: %s",
@@ -196,9 +203,8 @@ static int open_request(const char *deck, const char *commands,
 }
 
 /* The running program, whose answer comes out of *answer. */
-static GSubprocess *start(const char *folder, const char *deck,
-                          const char *commands, double limit, int *answer,
-                          opc_error *error) {
+static GSubprocess *start(const char *deck, const char *commands, double limit,
+                          int *answer, opc_error *error) {
   g_autofree char *program = find_program();
   g_autofree char *seconds = g_strdup_printf("%.0f", ceil(limit) + 1);
   g_autofree char *parent = g_strdup_printf("%ld", (long)getpid());
@@ -220,8 +226,8 @@ static GSubprocess *start(const char *folder, const char *deck,
       G_SUBPROCESS_FLAGS_INHERIT_FDS | G_SUBPROCESS_FLAGS_STDERR_SILENCE);
   g_subprocess_launcher_take_stdin_fd(launcher, request);
   g_subprocess_launcher_take_stdout_fd(launcher, ends[1]);
-  GSubprocess *child = g_subprocess_launcher_spawn(
-      launcher, &why, program, folder, seconds, parent, NULL);
+  GSubprocess *child = g_subprocess_launcher_spawn(launcher, &why, program,
+                                                   seconds, parent, NULL);
   if (child) {
     *answer = ends[0];
     return child;
@@ -231,20 +237,15 @@ static GSubprocess *start(const char *folder, const char *deck,
   return NULL;
 }
 
-static int run_in(const opc_context *context, const char *folder,
-                  const char *deck, const char *commands, double limit,
-                  eda_spice_result *out, opc_error *error) {
+static int run(const opc_context *context, const char *deck,
+               const char *commands, double limit, eda_spice_result *out,
+               opc_error *error) {
   int answer;
-  g_autoptr(GSubprocess) child =
-      start(folder, deck, commands, limit, &answer, error);
+  g_autoptr(GSubprocess) child = start(deck, commands, limit, &answer, error);
   if (!child) return error->code;
-  const char *id = g_subprocess_get_identifier(child);
-  pid_t group = id ? (pid_t)g_ascii_strtoll(id, NULL, 10) : 0;
   reading r = {.context = context, .out = out, .words = g_string_new(NULL)};
   int code = listen_to(&r, answer, limit, error);
   close(answer);
-  /* Also what it has started itself. */
-  if (group > 0) kill(-group, SIGKILL);
   g_subprocess_force_exit(child);
   g_subprocess_wait(child, NULL, NULL);
   if (!code) code = judge(&r, child, error);
@@ -254,26 +255,14 @@ static int run_in(const opc_context *context, const char *folder,
   return code;
 }
 
-static int remove_one(const char *path, const struct stat *info, int type,
-                      struct FTW *place) {
-  (void)info, (void)type, (void)place;
-  (void)remove(path);
-  return 0;
-}
-
 int eda_spice_run(const opc_context *context, const char *deck,
                   const char *commands, double limit, eda_spice_result *out,
                   opc_error *error) {
-  const char *parent = g_getenv("TMPDIR");
-  /* For the log files that models leave where they stand. */
-  g_autofree char *folder = g_build_filename(
-      parent && *parent == '/' ? parent : "/tmp", "opcflow-spice-XXXXXX", NULL);
   *out = (eda_spice_result){0};
-  if (!g_mkdtemp(folder))
-    return opc_fail(error, OPC_IO, NULL, "cannot make '%s': %s", folder,
-                    g_strerror(errno));
-  int code = run_in(context, folder, deck, commands, limit, out, error);
-  nftw(folder, remove_one, 16, FTW_DEPTH | FTW_PHYS);
+  char *harmless = deck_write(deck, error);
+  if (!harmless) return error->code;
+  int code = run(context, harmless, commands, limit, out, error);
+  free(harmless);
   return code;
 }
 

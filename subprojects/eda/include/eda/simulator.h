@@ -31,13 +31,17 @@ typedef struct eda_spice_result {
 
 /* Run a deck (the text of a netlist file; the first line is its title, it ends
    with .end) and then commands, one a line ("dc v1 0 1.1 0.01"). A command that
-   fails ends the run. Fails with OPC_FAILED and the simulator's own first words
-   of trouble if it fails, crashes or takes longer than `limit` seconds; with
-   OPC_NO_PLUGIN if the library of ngspice or the program that loads it is not
-   installed. Several may run at once. [any]
+   fails ends the run. Fails with OPC_INVALID and FILE:LINE:COLUMN, the deck
+   itself being "deck", if it or a file that it includes says anything but what
+   circuits are made of (simulator/README.md); with OPC_FAILED and the
+   simulator's own first words of trouble if it fails, crashes or takes longer
+   than `limit` seconds; with OPC_NO_PLUGIN if the library of ngspice or the
+   program that loads it is not installed. Several may run at once. [any]
 
-   The simulator stands in an empty folder that is removed: names of files in a
-   deck are absolute. No start-up file of ngspice is read. `out` is to be
+   Commands are not looked at: nothing that comes from a file may stand in them
+   but numbers and names. The simulator can open, write and start nothing
+   whatever they say. Names of files in a deck are absolute; what those include
+   lies in their folder. No start-up file of ngspice is read. `out` is to be
    cleared also after a failure; it then has the plots of the commands before,
    and the words. The environment variable OPCFLOW_NGSPICE names another library
    than libngspice.so.0, OPCFLOW_SIMULATOR another program to load it. */

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What becomes of a deck, and of a file that it names: each line is a title, a
+   continuation or a statement that is known. */
+#include <glib.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fuzz/fuzz.h"
+#include "simulator/deck.h"
+
+/* As in the simulator's manual, and not as in the code that is tried. */
+static int is_known(const char *line) {
+  static const char *const begins[] = {
+      ".model",  ".param",  ".subckt",  ".ends",  ".global", ".func",
+      ".if",     ".elseif", ".else",    ".endif", ".save",   ".end",
+      ".option", ".opt",    ".options", "+"};
+  size_t n = strcspn(line, " (,='\"{\n");
+  if (g_ascii_isalpha(*line)) return !strchr("AaNnUuYyPp", *line);
+  for (size_t i = 0; i < G_N_ELEMENTS(begins); i++)
+    if (strlen(begins[i]) == n && !g_ascii_strncasecmp(line, begins[i], n))
+      return 1;
+  return 0;
+}
+
+static void check(const char *deck) {
+  opc_error error;
+  char *out = deck_write(deck, &error);
+  if (!out) return;
+  g_assert_true(g_str_has_prefix(out, "opcflow\n"));
+  for (const char *at = out; *at; at = strchr(at, '\n') + 1)
+    if (!is_known(at)) g_error("'%s' came through", at);
+  for (const char *c = out; *c; c++)
+    g_assert_true(*c == '\n' || (*c >= 32 && *c < 127 && *c != '`'));
+  free(out);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+  g_autofree char *text = g_strndup((const char *)data, size);
+  g_autofree char *deck =
+      g_strdup_printf("title\n.include '%s'\n.end\n", fuzz_file(data, size));
+  check(text);
+  check(deck);
+  return 0;
+}

@@ -1,0 +1,233 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the simulator gets to see: statements that describe a circuit. Its
+   language has others, which run commands, open and write files or load code
+   (.control, "*ng_script", "*#", .csparam, .osdi, code models, tables in
+   files), and more with each version: so what is not known here is refused.
+   Files are read here, and only where the given ones lie. */
+#include "simulator/deck.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "netlist/lines.h"
+
+typedef struct deck {
+  lines lines;
+  FILE *out;
+  /* Of the file that is read. */
+  const char *wanted; /* its section of that name; NULL: what is in none */
+  int found;
+  const char *section; /* where we are; NULL: in none */
+  eda_place section_at;
+} deck;
+
+/* ---- what is known ---- */
+
+/* Sources, controlled ones with expressions, passive devices, transistors,
+   subcircuits. Not A, N and U, which are code. */
+static const char devices[] = "bcdefghijklmqrvx";
+
+/* Not those of CIDER and of code models, which read and write files. */
+static const char model_kinds[] =
+    "nmos pmos npn pnp njf pjf nmf pmf d r res c l";
+
+/* Others set the simulator's variables, among them programs and paths. "parser"
+   is for another simulator, and means nothing here. */
+static const char options[] =
+    "abstol chgtol defad defas defl defw gmin itl1 itl2 itl4 parser pivrel "
+    "pivtol reltol scale tnom trtol vntol";
+
+/* In any statement: what a source or a model has from a file. */
+static const char file_words[] = "file sound";
+
+static int is_own(const line *l) { return l->word[0].at.file == 0; }
+
+/* ---- statements ---- */
+
+static int pass(deck *d, const line *l) {
+  for (size_t i = 0; i < l->words; i++)
+    if (!l->word[i].quoted && eda_in_list(file_words, l->word[i].text))
+      return lines_refuse(&d->lines, l->word[i].at,
+                          "'%s': a deck opens no file", l->word[i].text);
+  for (const char *c = l->text; *c; c++) {
+    /* The simulator would join the next statement to this one. */
+    if (*c == '\\' && (!c[1] || c[1] == '\n'))
+      return lines_refuse(&d->lines, l->word[0].at,
+                          "a line of this statement ends in '\\'");
+    if (*c == '`')
+      return lines_refuse(&d->lines, l->word[0].at, "a '`' in this statement");
+  }
+  fprintf(d->out, "%s\n", l->text);
+  return OPC_OK;
+}
+
+static int take_model(deck *d, const line *l) {
+  if (l->words < 3)
+    return lines_refuse(&d->lines, l->word[0].at,
+                        ".model without a name and a kind");
+  const word *kind = &l->word[2];
+  if (kind->quoted || !eda_in_list(model_kinds, kind->text))
+    return lines_refuse(&d->lines, kind->at,
+                        "models of kind '%.100s' are not taken; known: %s",
+                        kind->text, model_kinds);
+  return pass(d, l);
+}
+
+/* NAME=NUMBER, or a NAME alone. */
+static int take_options(deck *d, const line *l) {
+  double number;
+  for (size_t i = 1; i < l->words; i++) {
+    const word *w = &l->word[i];
+    /* A card's temperature would overrule the step's. */
+    int good = eda_in_list(options, w->text) ||
+               (is_own(l) && eda_same_name(w->text, "temp"));
+    if (w->quoted || !good)
+      return lines_refuse(&d->lines, w->at,
+                          "option '%.100s' is not taken; known: %s", w->text,
+                          options);
+    if (i + 1 == l->words || !is_equals(&w[1])) continue;
+    const char *end = i + 2 < l->words && !w[2].quoted
+                          ? netlist_number(w[2].text, &number)
+                          : NULL;
+    if (!end || *end)
+      return lines_refuse(&d->lines, w->at, "option '%s' needs a number",
+                          w->text);
+    i += 2;
+  }
+  return pass(d, l);
+}
+
+/* The statements of another file, or of one of its sections. */
+static int read_file(deck *d, const line *l, const char *section) {
+  const deck outer = *d;
+  line file = *l;
+  file.words = 2;
+  d->wanted = section;
+  d->section = NULL;
+  d->found = 0;
+  if (is_own(l)) d->lines.root = lines_folder(d->lines.pool, l->word[1].text);
+  int code = lines_include(&d->lines, &file);
+  if (!code && d->section)
+    code = lines_refuse(&d->lines, d->section_at,
+                        "section '%.100s' has no .endl", d->section);
+  if (!code && section && !d->found)
+    code = lines_refuse(&d->lines, l->word[2].at,
+                        "'%.300s' has no section '%.100s'", l->word[1].text,
+                        section);
+  d->wanted = outer.wanted;
+  d->section = outer.section;
+  d->section_at = outer.section_at;
+  d->found = outer.found;
+  d->lines.root = outer.lines.root;
+  return code;
+}
+
+static int take_include(deck *d, const line *l) {
+  if (l->words != 2)
+    return lines_refuse(&d->lines, l->word[0].at, "%s takes one file",
+                        l->word[0].text);
+  return read_file(d, l, NULL);
+}
+
+/* .lib FILE SECTION; .lib SECTION begins one. */
+static int take_library(deck *d, const line *l) {
+  if (l->words == 3) return read_file(d, l, l->word[2].text);
+  if (l->words != 2 || d->section || is_own(l))
+    return lines_refuse(&d->lines, l->word[0].at,
+                        ".lib takes a file and a section");
+  d->section = l->word[1].text;
+  d->section_at = l->word[0].at;
+  if (d->wanted && eda_same_name(d->section, d->wanted)) d->found = 1;
+  return OPC_OK;
+}
+
+static int take_end(deck *d, const line *l) {
+  if (is_own(l)) fputs(".end\n", d->out);
+  d->lines.ended = 1;
+  return OPC_OK;
+}
+
+/* ---- any statement ---- */
+
+static const struct {
+  const char *name;
+  int (*take)(deck *d, const line *l);
+  int own; /* in the deck itself only */
+} statements[] = {
+    {".model", take_model, 0},
+    {".param", pass, 0},
+    {".subckt", pass, 0},
+    {".ends", pass, 0},
+    {".global", pass, 0},
+    {".func", pass, 0},
+    {".if", pass, 0},
+    {".elseif", pass, 0},
+    {".else", pass, 0},
+    {".endif", pass, 0},
+    {".option", take_options, 0},
+    {".options", take_options, 0},
+    {".opt", take_options, 0},
+    {".include", take_include, 0},
+    {".inc", take_include, 0},
+    {".lib", take_library, 0},
+    {".end", take_end, 0},
+    {".save", pass, 1},
+};
+
+/* Whether the section that is being read is meant. */
+static int is_meant(const deck *d) {
+  if (!d->wanted) return !d->section;
+  return d->section && eda_same_name(d->section, d->wanted);
+}
+
+static int refuse(deck *d, const word *w) {
+  return lines_refuse(
+      &d->lines, w->at,
+      "'%.100s' is refused: only models, parameters, subcircuits, devices "
+      "(%s), options, includes and libraries may reach the simulator",
+      w->text, devices);
+}
+
+static int take_line(void *data, const line *l) {
+  deck *d = data;
+  const word *first = &l->word[0];
+  if (eda_same_name(first->text, ".endl")) {
+    d->section = NULL;
+    return OPC_OK;
+  }
+  int is_section = l->words == 2 && eda_same_name(first->text, ".lib");
+  if (!is_meant(d) && !is_section) return OPC_OK;
+  /* Not "(.control". */
+  if (strncmp(l->text, first->text, strlen(first->text)) != 0)
+    return refuse(d, first);
+  if (first->text[0] != '.')
+    return isalpha((unsigned char)first->text[0]) &&
+                   strchr(devices, tolower((unsigned char)first->text[0]))
+               ? pass(d, l)
+               : refuse(d, first);
+  for (size_t i = 0; i < sizeof statements / sizeof *statements; i++)
+    if (eda_same_name(first->text, statements[i].name) &&
+        (!statements[i].own || is_own(l)))
+      return statements[i].take(d, l);
+  return refuse(d, first);
+}
+
+char *deck_write(const char *text, opc_error *error) {
+  eda_pool pool = {0};
+  char *out = NULL;
+  size_t size;
+  deck d = {
+      .lines = {.error = error, .pool = &pool, .take = take_line, .wraps = 1},
+      .out = open_memstream(&out, &size)};
+  d.lines.data = &d;
+  /* The first line is a title whatever it says, also "*ng_script". */
+  fputs("opcflow\n", d.out);
+  int code = lines_read_text(&d.lines, "deck", text, strlen(text));
+  fclose(d.out);
+  eda_pool_clear(&pool);
+  if (!code) return out;
+  free(out);
+  return NULL;
+}

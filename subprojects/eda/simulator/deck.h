@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a deck and the files that it names come to. Inside the library only. */
+#ifndef EDA_SIMULATOR_DECK_H
+#define EDA_SIMULATOR_DECK_H
+
+#include <eda/base.h>
+
+/* The deck written anew: of what it says and of what it includes, the
+   statements that are known to be harmless. To be freed with free(); NULL and
+   *error, OPC_INVALID with FILE:LINE:COLUMN, if there is any other. The deck
+   itself is called "deck". [any] */
+char *deck_write(const char *deck, opc_error *error);
+
+#endif

@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What may reach the simulator, and every way around it that we know. */
+#include "simulator/deck.h"
+
+#include <glib.h>
+#include <glib/gstdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static char *folder; /* of all files; removed at the end */
+
+static char *place(const char *name) {
+  return g_build_filename(folder, name, NULL);
+}
+
+static void put(const char *name, const char *text, gssize length) {
+  g_autofree char *path = place(name);
+  g_assert_true(g_file_set_contents(path, text, length, NULL));
+}
+
+/* A deck with that file. */
+static char *deck_of(const char *name) {
+  g_autofree char *path = place(name);
+  return g_strdup_printf("title\n.include \"%s\"\n.end\n", path);
+}
+
+static void refused_file(const char *name, const char *where,
+                         const char *words) {
+  opc_error error;
+  g_autofree char *deck = deck_of(name);
+  char *out = deck_write(deck, &error);
+  if (out) g_error("'%s' came through as '%s'", name, out);
+  g_assert_cmpint(error.code, ==, OPC_INVALID);
+  g_test_message("%s", error.message);
+  if (!strstr(error.message, where) || !strstr(error.message, words))
+    g_error("'%s', expected '%s' and '%s'", error.message, where, words);
+}
+
+/* These bytes, as a file, are refused at LINE:COLUMN. */
+static void refused(const char *bytes, gssize length, const char *where,
+                    const char *words) {
+  g_autofree char *at = g_strdup_printf("/evil.pm:%s: ", where);
+  put("evil.pm", bytes, length);
+  refused_file("evil.pm", at, words);
+}
+
+static char *taken(const char *text) {
+  opc_error error;
+  put("good.pm", text, -1);
+  g_autofree char *deck = deck_of("good.pm");
+  char *out = deck_write(deck, &error);
+  if (!out) g_error("%s", error.message);
+  return out;
+}
+
+static void becomes(const char *text, const char *want) {
+  char *got = taken(text);
+  g_autofree char *all = g_strdup_printf("opcflow\n%s.end\n", want);
+  g_assert_cmpstr(got, ==, all);
+  free(got);
+}
+
+static void test_taken(void) {
+  becomes(
+      "* a comment \xc3\xa9\n\n.MODEL n NMOS (level=54\r\n"
+      "  * between\n\t+\ttox = '1n*(1+x)' ) ; why\r\n",
+      ".MODEL n NMOS (level=54\n+  tox = '1n*(1+x)' )\n");
+  becomes(
+      ".param a=1 b={2*a} $ c\n.subckt f d g s b w=1u l=60n\n"
+      "m1 d g s b n w={w} l='l'\nr1 d s 1k\n.ends f\n.global vdd\n"
+      ".func sq(x) {x*x}\n.options tnom=27 scale=1u reltol = 1e-3\n"
+      "b1 a 0 v=v(d)*2\n.end\n.control\nshell false\n",
+      ".param a=1 b={2*a}\n.subckt f d g s b w=1u l=60n\n"
+      "m1 d g s b n w={w} l='l'\nr1 d s 1k\n.ends f\n.global vdd\n"
+      ".func sq(x) {x*x}\n.options tnom=27 scale=1u reltol = 1e-3\n"
+      "b1 a 0 v=v(d)*2\n");
+  becomes(".param a={1+\n+ 2*(3+4)} b=1\n", ".param a={1+\n+  2*(3+4)} b=1\n");
+  becomes("*#shell false\n*ng_script\n  *#shell false\n", "");
+}
+
+/* The deck's own: its title is none, whatever it says. */
+static void test_own(void) {
+  opc_error error;
+  char *out = deck_write(
+      "*ng_script\nv1 a 0 1\n.options temp=27\n"
+      ".save v(a)\n.end\nshell false\n",
+      &error);
+  g_assert_cmpstr(out, ==,
+                  "opcflow\nv1 a 0 1\n.options temp=27\n.save v(a)\n.end\n");
+  free(out);
+  g_assert_null(deck_write("t\nv1 a 0 1\n.control\nop\n.endc\n.end", &error));
+  g_assert_nonnull(strstr(error.message, "deck:3:1: '.control' is refused"));
+}
+
+static void test_statements(void) {
+  static const char *const evil[] = {
+      ".control", ".CONTROL",   ".endc",     ".controlx",  ".csparam",
+      ".exec",    ".shell",     ".save",     ".print",     ".plot",
+      ".measure", ".meas",      ".write",    ".tran",      ".temp",
+      ".title",   ".hdl",       ".biaschk",  ".incpslt",   ".libsave",
+      ".osdi",    ".codemodel", ".lib",      ".prot",      ".sndprint",
+      ".width",   ".ic",        ".data",     ".",          "shell",
+      "system",   "set",        "source",    "write",      "a1",
+      "n1",       "u1",         "p1",        "@",          "1",
+      "#",        "=",          "\"shell\"", "'.control'", "{shell}",
+      "%shell",   "!",          "&",         "_x",         ".include",
+      "unset",    "alias",      "pre_osdi",  "y1"};
+  for (size_t i = 0; i < G_N_ELEMENTS(evil); i++) {
+    g_autofree char *text =
+        g_strdup_printf(".param a=1\n \t%s touch x y z\n.endc\n", evil[i]);
+    refused(text, -1, "2:3", "");
+  }
+  refused(".param a=1\n  .control\nshell touch x\n", -1, "2:3",
+          "'.control' is refused");
+  refused("\r\n\t.Control\r\n", -1, "2:2", "'.Control' is refused");
+  refused(".param a=1\n(.control)\n", -1, "2:2", "'.control' is refused");
+  refused("(.param a=1)\n", -1, "1:2", "'.param' is refused");
+  refused("'.param' a=1\n", -1, "1:1", "'.param' is refused");
+  refused(",.control\n", -1, "1:2", "'.control' is refused");
+  refused("shell touch x\n", -1, "1:1", "'shell' is refused");
+}
+
+/* What hides in statements that are taken. */
+static void test_hidden(void) {
+  refused(".options editor=ed\n", -1, "1:10", "option 'editor'");
+  refused(".options reltol=1e-3\n+ spicepath=/tmp\n", -1, "2:3", "'spicepath'");
+  refused(".option temp=125\n", -1, "1:9", "option 'temp'");
+  refused(".option reltol=`touch x`\n", -1, "1:9", "needs a number");
+  refused(".option reltol='1'\n", -1, "1:9", "needs a number");
+  refused(".option reltol=1\"x\"\n", -1, "1:9", "needs a number");
+  refused(".option reltol=\n", -1, "1:9", "needs a number");
+  refused(".model m filesource(file=\"x\")\n", -1, "1:10", "'filesource'");
+  refused(".model m d_source (input_file=x)\n", -1, "1:10", "'d_source'");
+  refused(".model m numos\n+ output file=x\n", -1, "1:10", "'numos'");
+  refused(".model m 'nmos'\n", -1, "1:10", "models of kind");
+  refused(".model m\n", -1, "1:1", "without a name and a kind");
+  refused(".model m r(r=1 file=\"x\")\n", -1, "1:16", "opens no file");
+  refused("v1 a 0 dc 0 FILE=\"x\"\n", -1, "1:13", "opens no file");
+  refused("r1 a b `touch x`\n", -1, "1:1", "'`'");
+  refused(".param a=1 \\\\\n.control\n", -1, "1:1", "ends in");
+  refused(".param a=1 \\\\\t\r\n+ b=1\n", -1, "1:1", "ends in");
+  refused("+ .control\n", -1, "1:1", "continues nothing");
+  refused(".param a={1\n.control\n", -1, "2:1", "'.control' is refused");
+  refused(".options reltol={1\n+ } editor=x\n", -1, "1:10", "needs a number");
+}
+
+static void test_bytes(void) {
+  refused(".param a\0=1\n", 12, "1:8", "byte 0x00");
+  refused("\0.control\n", 10, "1:1", "byte 0x00");
+  refused(".par\xc3\xa9m a=1\n", -1, "1:1", "byte 0xc3");
+  refused(".param a=\xff\n", -1, "1:10", "byte 0xff");
+  refused(".param a=1\n\f.control\n", -1, "2:1", "byte 0x0c");
+  refused(".param a=1\n\v.control\n", -1, "2:1", "byte 0x0b");
+  refused(".param a='1\x1b'\n", -1, "1:10", "byte 0x1b");
+  refused(".param a='1\n", -1, "1:10", "not closed");
+  /* A lone carriage return is a blank. */
+  becomes(".param a=1\r.control\n", ".param a=1 .control\n");
+}
+
+/* ---- files ---- */
+
+static void test_folder(void) {
+  g_autofree char *inner = place("inner"), *link = place("inner/link");
+  g_autofree char *into = place("inner/into"), *fifo = place("inner/fifo");
+  g_assert_cmpint(g_mkdir(inner, 0700), ==, 0);
+  g_assert_cmpint(symlink("../outer.pm", link), ==, 0);
+  g_assert_cmpint(symlink("/", into), ==, 0);
+  g_assert_cmpint(mkfifo(fifo, 0600), ==, 0);
+  put("outer.pm", ".param outer=1\n", -1);
+  put("inner/beside.pm", ".param beside=1\n.end\n.param no=1\n", -1);
+  static const char *const outside[] = {"../outer.pm", "link", "/etc/hostname",
+                                        "into/etc/hostname",
+                                        "../inner/../outer.pm"};
+  for (size_t i = 0; i < G_N_ELEMENTS(outside); i++) {
+    g_autofree char *text = g_strdup_printf("\n.include '%s'\n", outside[i]);
+    put("inner/a.pm", text, -1);
+    refused_file("inner/a.pm", "inner/a.pm:2:10: ", "lies outside of");
+  }
+  static const char *const absent[] = {"nowhere", "~/x", "$HOME/x", "fifo",
+                                       "."};
+  for (size_t i = 0; i < G_N_ELEMENTS(absent); i++) {
+    g_autofree char *text = g_strdup_printf("\n.include '%s'\n", absent[i]);
+    put("inner/a.pm", text, -1);
+    refused_file("inner/a.pm", "inner/a.pm:2:10: ", absent[i]);
+  }
+  put("inner/a.pm", ".inc 'a.pm'\n", -1);
+  refused_file("inner/a.pm", "inner/a.pm:1:", "too deep");
+  put("inner/a.pm", ".inc 'beside.pm'\n.param a=1\n", -1);
+  opc_error error;
+  g_autofree char *deck = deck_of("inner/a.pm");
+  char *out = deck_write(deck, &error);
+  g_assert_cmpstr(out, ==, "opcflow\n.param beside=1\n.param a=1\n.end\n");
+  free(out);
+  g_unlink(link), g_unlink(into), g_unlink(fifo);
+}
+
+/* Two includes in each file are 2^16 of them. */
+static void test_bomb(void) {
+  for (int i = 0; i < 16; i++) {
+    g_autofree char *name = g_strdup_printf("b%d.pm", i);
+    g_autofree char *text =
+        i < 15 ? g_strdup_printf(".inc b%d.pm\n.inc b%d.pm\n", i + 1, i + 1)
+               : g_strdup(".param a=1\n");
+    put(name, text, -1);
+  }
+  refused_file("b0.pm", ".pm:", "more than 10000 files");
+}
+
+static void test_library(void) {
+  opc_error error;
+  put("l.lib",
+      ".param all=1\n.lib tt\n.param a=1\n.endl\n.lib ss\n.shell x\n"
+      ".param a=2\n.endl ss\n.lib open\n",
+      -1);
+  put("use.pm", ".lib 'l.lib' TT\n", -1);
+  g_autofree char *deck = deck_of("use.pm");
+  char *out = deck_write(deck, &error);
+  g_assert_null(out);
+  g_assert_nonnull(strstr(error.message, "l.lib:9:1: section 'open'"));
+  put("l.lib",
+      ".param all=1\n.lib tt\n.param a=1\n.endl\n.lib ss\n.shell x\n.endl ss\n",
+      -1);
+  out = deck_write(deck, &error);
+  g_assert_cmpstr(out, ==, "opcflow\n.param a=1\n.end\n");
+  free(out);
+  put("use.pm", ".lib 'l.lib' ss\n", -1);
+  refused_file("use.pm", "l.lib:6:1: ", "'.shell' is refused");
+  put("use.pm", ".lib 'l.lib' ff\n", -1);
+  refused_file("use.pm", "use.pm:1:14: ", "no section 'ff'");
+  put("use.pm", ".lib '../l.lib' ff\n", -1);
+  refused_file("use.pm", "use.pm:1:6: ", "");
+  put("use.pm", ".include l.lib\n", -1);
+  out = deck_write(deck, &error);
+  g_assert_cmpstr(out, ==, "opcflow\n.param all=1\n.end\n");
+  free(out);
+}
+
+static void clear_folder(const char *path) {
+  GDir *dir = g_dir_open(path, 0, NULL);
+  const char *name;
+  while (dir && (name = g_dir_read_name(dir))) {
+    g_autofree char *child = g_build_filename(path, name, NULL);
+    clear_folder(child);
+  }
+  if (dir) g_dir_close(dir);
+  g_remove(path);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  folder = g_dir_make_tmp("deck-test-XXXXXX", NULL);
+  g_test_add_func("/deck/taken", test_taken);
+  g_test_add_func("/deck/own", test_own);
+  g_test_add_func("/deck/statements", test_statements);
+  g_test_add_func("/deck/hidden", test_hidden);
+  g_test_add_func("/deck/bytes", test_bytes);
+  g_test_add_func("/deck/folder", test_folder);
+  g_test_add_func("/deck/bomb", test_bomb);
+  g_test_add_func("/deck/library", test_library);
+  int code = g_test_run();
+  clear_folder(folder);
+  g_free(folder);
+  return code;
+}
