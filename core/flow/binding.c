@@ -118,8 +118,11 @@ static void unknown_parameter(const binder *b, const opc_node *key,
             b->binding->plugin->id, suggestion);
 }
 
+static void bind_map(const binder *b, const opc_node *map, const char *prefix);
+
 /* As deep as parameter names have dots. */
-static void bind_map(const binder *b, const opc_node *map, const char *prefix) {
+static void bind_group(const binder *b, const opc_node *map,
+                       const char *prefix) {
   opc_binding *binding = b->binding;
   for (guint k = 0; k < map->keys->len && !opc_problems_full(b->problems);
        k++) {
@@ -128,13 +131,12 @@ static void bind_map(const binder *b, const opc_node *map, const char *prefix) {
     g_autofree char *name = g_strconcat(prefix, key->text, NULL);
     g_autofree char *deeper = g_strconcat(name, ".", NULL);
     g_autoptr(GPtrArray) group = level_names(binding->plugin, deeper);
-    gboolean dotted = strchr(key->text, '.') != NULL;
-    int i = dotted ? -1 : opc_parameter_find(binding->plugin, name);
+    int i = opc_parameter_find(binding->plugin, name);
     if (i >= 0) {
       binding->origin[i] = node;
       binding->values[i].given = TRUE;
       bind_value(b, (size_t)i, node, &key->at);
-    } else if (dotted || !group->len) {
+    } else if (!group->len) {
       unknown_parameter(b, key, prefix, name);
     } else if (node->type != OPC_NODE_MAP) {
       opc_wrong(b->problems, node, "'%s' is a group, as '%s: { ... }'", name,
@@ -143,6 +145,13 @@ static void bind_map(const binder *b, const opc_node *map, const char *prefix) {
       bind_map(b, node, deeper);
     }
   }
+}
+
+/* `anchor.line: ...` is `anchor: { line: ... }`. */
+static void bind_map(const binder *b, const opc_node *map, const char *prefix) {
+  opc_node *undotted = opc_undot(map, FALSE, b->problems);
+  g_ptr_array_add(b->binding->presets, undotted);
+  bind_group(b, undotted, prefix);
 }
 
 /* To write a default out is to give nothing: a resolved flow does it. */

@@ -19,7 +19,7 @@ struct opc_binding {
   const opc_node **origin; /* of each: where it was given; NULL: default */
   opc_binding **slots;     /* of each: the plugin in the slot, or NULL */
   GPtrArray *owned;        /* what values point to */
-  GPtrArray *presets;      /* opc_node * */
+  GPtrArray *presets;      /* opc_node *: defaults, maps without dots */
   opc_host *host;          /* from create on; its `data` is the binding */
   void *run;               /* `data` of the host that it is like */
   opc_module module;       /* self is NULL before create */

@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reads and writes whole files; makes, renames and removes folders. */
+/* Reads and writes whole files; walks and removes folders. */
 #include "core/flow/files.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <ftw.h>
+#include <glib/gstdio.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-enum { MOST_RUNS = 100000 };
 
 static int remove_entry(const char *path, const struct stat *about, int type,
                         struct FTW *walk) {
@@ -24,119 +23,130 @@ gboolean opc_remove_tree(const char *path) {
   return !nftw(path, remove_entry, 16, FTW_DEPTH | FTW_PHYS | FTW_MOUNT);
 }
 
-char *opc_file_sha256(const char *path, opc_error *error) {
-  FILE *file = fopen(path, "rb");
-  if (!file) {
-    opc_fail(error, OPC_IO, NULL, "'%s': %s", path, g_strerror(errno));
-    return NULL;
-  }
-  g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
-  guchar buffer[65536];
-  size_t n;
-  while ((n = fread(buffer, 1, sizeof buffer, file)) > 0)
-    g_checksum_update(sum, buffer, (gssize)n);
-  char *text = g_strdup(g_checksum_get_string(sum));
-  if (ferror(file)) {
-    opc_fail(error, OPC_IO, NULL, "'%s': cannot be read", path);
-    g_clear_pointer(&text, g_free);
-  }
-  fclose(file);
-  return text;
+/* An open regular file; -1 and *error. Opening a pipe does not wait. */
+static int open_regular(const char *path, struct stat *about,
+                        opc_error *error) {
+  int file = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (file >= 0 && !fstat(file, about) && S_ISREG(about->st_mode)) return file;
+  opc_fail(error, OPC_IO, NULL, "'%s': %s", path,
+           file < 0 ? g_strerror(errno) : "is not a regular file");
+  if (file >= 0) close(file);
+  return -1;
 }
 
-int opc_write_file(const char *path, const char *text, opc_error *error) {
-  FILE *file = fopen(path, "wb");
-  gboolean good = file && fwrite(text, 1, strlen(text), file) == strlen(text);
-  int why = errno;
-  if (file && fclose(file)) {
-    why = errno;
-    good = FALSE;
+char *opc_file_sha256(const char *path, const opc_context *context,
+                      opc_error *error) {
+  struct stat about;
+  int file = open_regular(path, &about, error);
+  if (file < 0) return NULL;
+  g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
+  guchar buffer[65536];
+  int code = OPC_OK;
+  /* What is written to its end meanwhile is left out: it may never stop. */
+  for (off_t left = about.st_size; left > 0 && !code;) {
+    ssize_t n = read(file, buffer, (size_t)MIN(left, (off_t)sizeof buffer));
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0)
+      code = opc_fail(error, OPC_IO, NULL, "'%s': %s", path, g_strerror(errno));
+    else if (n == 0)
+      code = opc_fail(error, OPC_IO, NULL,
+                      "'%s': became shorter while it was read", path);
+    else if (opc_cancelled(context))
+      code = opc_fail(error, OPC_CANCELLED, NULL, "stopped");
+    if (n > 0) g_checksum_update(sum, buffer, n);
+    left -= n;
   }
-  if (good) return OPC_OK;
+  close(file);
+  return code ? NULL : g_strdup(g_checksum_get_string(sum));
+}
+
+/* Write and close; 0 or an errno. */
+static int put_text(int file, const char *text) {
+  size_t left = strlen(text);
+  int why = 0;
+  while (left && !why) {
+    ssize_t n = write(file, text, left);
+    if (n < 0 && errno != EINTR) why = errno;
+    if (n <= 0) continue;
+    text += n;
+    left -= (size_t)n;
+  }
+  if (close(file) && !why) why = errno;
+  return why;
+}
+
+/* A file comes to be under another name, so that its own is only ever that of a
+   whole one. What is no plain file (/dev/stdout) is written as it is. */
+int opc_write_file(const char *path, const char *text, opc_error *error) {
+  struct stat about;
+  gboolean plain = lstat(path, &about) || S_ISREG(about.st_mode);
+  g_autofree char *fresh = g_strconcat(path, ".XXXXXX", NULL);
+  int file = plain ? g_mkstemp_full(fresh, O_WRONLY | O_CLOEXEC, 0666)
+                   : open(path, O_WRONLY | O_TRUNC | O_CLOEXEC);
+  int why = file < 0 ? errno : put_text(file, text);
+  if (plain && !why && rename(fresh, path)) why = errno;
+  if (plain && why && file >= 0) unlink(fresh);
+  if (!why) return OPC_OK;
   return opc_fail(error, OPC_IO, NULL, "'%s': %s", path, g_strerror(why));
 }
 
-/* ---- run folders ---- */
+/* ---- folders ---- */
 
-static gboolean is_there(const char *path) {
-  struct stat about;
-  return !lstat(path, &about);
+static int by_name(gconstpointer a, gconstpointer b) {
+  return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-/* Only what a run left is ever replaced. */
-static gboolean is_run(const char *path) {
-  g_autofree char *manifest = g_build_filename(path, "manifest.json", NULL);
-  g_autofree char *flow = g_build_filename(path, "flow.yaml", NULL);
-  if (is_there(manifest) && is_there(flow)) return TRUE;
-  GDir *dir = g_dir_open(path, 0, NULL);
-  gboolean empty = dir && !g_dir_read_name(dir);
-  if (dir) g_dir_close(dir);
-  return empty;
-}
-
-int opc_folder_allowed(const char *target, gboolean force, opc_error *error) {
-  if (!is_there(target)) return OPC_OK;
-  if (!force)
-    return opc_fail(error, OPC_IO, NULL,
-                    "'%s': already exists, --force replaces it", target);
-  if (is_run(target)) return OPC_OK;
-  return opc_fail(error, OPC_IO, NULL,
-                  "'%s': is not the folder of a run, and is not replaced",
-                  target);
-}
-
-char *opc_folder_open(const char *target, opc_error *error) {
-  g_autofree char *parent = g_path_get_dirname(target);
-  g_autofree char *name = g_path_get_basename(target);
-  if (g_mkdir_with_parents(parent, 0777)) {
-    opc_fail(error, OPC_IO, NULL, "'%s': %s", parent, g_strerror(errno));
-    return NULL;
+/* `start`: how long the part of a path is that is not inside. */
+static int walk(const char *folder, size_t start, opc_visit *visit, void *data,
+                opc_error *error) {
+  GError *fault = NULL;
+  GDir *dir = g_dir_open(folder, 0, &fault);
+  if (!dir) {
+    opc_fail(error, OPC_IO, NULL, "%s", fault->message);
+    g_error_free(fault);
+    return OPC_IO;
   }
-  g_autofree char *hidden = g_strdup_printf(".%s.XXXXXX", name);
-  char *work = g_build_filename(parent, hidden, NULL);
-  if (!g_mkdtemp_full(work, 0777)) {
-    opc_fail(error, OPC_IO, NULL, "'%s': %s", parent, g_strerror(errno));
-    g_clear_pointer(&work, g_free);
+  g_autoptr(GPtrArray) paths = g_ptr_array_new_with_free_func(g_free);
+  for (const char *name; (name = g_dir_read_name(dir));)
+    g_ptr_array_add(paths, g_build_filename(folder, name, NULL));
+  g_dir_close(dir);
+  g_ptr_array_sort(paths, by_name);
+  int code = OPC_OK;
+  for (guint i = 0; i < paths->len && !code; i++) {
+    const char *path = paths->pdata[i];
+    struct stat about;
+    if (lstat(path, &about))
+      return opc_fail(error, OPC_IO, NULL, "'%s': %s", path, g_strerror(errno));
+    if (S_ISDIR(about.st_mode)) code = walk(path, start, visit, data, error);
+    if (!code) code = visit(data, path, path + start, &about, error);
   }
-  return work;
+  return code;
 }
 
-/* Rename, but never onto something. */
-static int move(const char *from, const char *to) {
-  if (!renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE)) return 0;
-  if (errno != EINVAL && errno != ENOSYS) return -1;
-  if (is_there(to)) {
-    errno = EEXIST;
-    return -1;
-  }
-  return rename(from, to);
+int opc_walk(const char *folder, opc_visit *visit, void *data,
+             opc_error *error) {
+  g_autofree char *whole = g_build_filename(folder, "x", NULL);
+  return walk(folder, strlen(whole) - 1, visit, data, error);
 }
 
-/* The earlier run goes aside first, and away when the new one is there. */
-static int replace_run(const char *work, const char *target) {
-  g_autofree char *aside = g_strdup_printf("%s.old", work);
-  if (move(target, aside)) return -1;
-  if (move(work, target)) {
-    int why = errno;
-    move(aside, target);
-    errno = why;
-    return -1;
-  }
-  opc_remove_tree(aside);
-  return 0;
+int opc_sync(const char *path, opc_error *error) {
+  int file = open(path, O_RDONLY | O_CLOEXEC);
+  int why = file < 0 || fsync(file) ? errno : 0;
+  if (file >= 0) close(file);
+  /* What cannot be synced at all is as safe as it can be. */
+  if (!why || why == EINVAL || why == EROFS) return OPC_OK;
+  return opc_fail(error, OPC_IO, NULL, "'%s': %s", path, g_strerror(why));
 }
 
-char *opc_folder_close(const char *work, const char *target, gboolean replace,
-                       gboolean number, opc_error *error) {
-  if (replace && is_there(target) && is_run(target) &&
-      !replace_run(work, target))
-    return g_strdup(target);
-  for (int i = 1; i < MOST_RUNS; i++) {
-    g_autofree char *name =
-        i == 1 ? g_strdup(target) : g_strdup_printf("%s-%d", target, i);
-    if (!move(work, name)) return g_steal_pointer(&name);
-    if (!number || errno != EEXIST) break;
-  }
-  opc_fail(error, OPC_IO, NULL, "'%s': %s", target, g_strerror(errno));
-  return NULL;
+static int sync_entry(void *unused, const char *path, const char *name,
+                      const struct stat *about, opc_error *error) {
+  (void)unused;
+  (void)name;
+  gboolean is_ours = S_ISREG(about->st_mode) || S_ISDIR(about->st_mode);
+  return is_ours ? opc_sync(path, error) : OPC_OK;
+}
+
+int opc_sync_tree(const char *folder, opc_error *error) {
+  int code = opc_walk(folder, sync_entry, NULL, error);
+  return code ? code : opc_sync(folder, error);
 }

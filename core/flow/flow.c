@@ -6,6 +6,7 @@
 
 #include "core/flow/layers.h"
 #include "core/plugin/declaration.h"
+#include "core/text/suggest.h"
 
 /* ---- steps ---- */
 
@@ -25,6 +26,8 @@ static void read_step(opc_flow *flow, const opc_node *key, const opc_node *node,
   step->inputs = g_array_new(FALSE, TRUE, sizeof(opc_flow_input));
   step->number = flow->steps->len;
   g_ptr_array_add(flow->steps, step);
+  if (!strcmp(key->text, "require") || !strcmp(key->text, "findings"))
+    opc_wrong(problems, key, "a step cannot be called '%s'", key->text);
   if (!opc_is_name(key->text, FALSE))
     opc_wrong(problems, key,
               "the step '%s' needs a name of letters, digits, '_' and '-'",
@@ -39,13 +42,24 @@ static void read_step(opc_flow *flow, const opc_node *key, const opc_node *node,
 
 /* ---- the whole ---- */
 
-/* Lay a map of paths and values over the steps. */
+/* Lay a value over the steps, or over what is required. */
+static void lay_one(opc_flow *flow, const char *path, const opc_place *key,
+                    const opc_node *value, opc_problems *problems) {
+  size_t word = strcspn(path, ".");
+  gboolean demand =
+      word == strlen("require") && g_str_has_prefix(path, "require");
+  if (demand)
+    opc_lay_demands(flow->demands, path, key, value, problems);
+  else
+    opc_lay_at(flow->nodes, path, key, value, problems);
+}
+
+/* Lay a map of paths and values. */
 static void lay_paths(opc_flow *flow, const opc_node *map,
                       opc_problems *problems) {
   for (guint i = 0; map && i < map->keys->len; i++) {
     const opc_node *key = map->keys->pdata[i];
-    opc_lay_at(flow->nodes, key->text, &key->at, map->items->pdata[i],
-               problems);
+    lay_one(flow, key->text, &key->at, map->items->pdata[i], problems);
   }
 }
 
@@ -62,7 +76,7 @@ static void lay_choice(opc_flow *flow, const opc_choice *choice,
     g_autoptr(opc_node) value =
         opc_argument_parse("--set", *set, &path, &source, problems);
     g_ptr_array_add(flow->sources, source);
-    if (value) opc_lay_at(flow->nodes, path, &value->at, value, problems);
+    if (value) lay_one(flow, path, &value->at, value, problems);
   }
   lay_paths(flow, choice->over, problems);
 }
@@ -70,6 +84,7 @@ static void lay_choice(opc_flow *flow, const opc_choice *choice,
 opc_flow *opc_flow_make(const opc_recipe *recipe, const opc_choice *choice,
                         opc_registry *registry, opc_problems *problems) {
   const char *variant = choice ? choice->variant : NULL;
+  guint before = problems->list->len;
   opc_flow *flow = g_new0(opc_flow, 1);
   flow->recipe = recipe;
   flow->variant = variant;
@@ -79,6 +94,7 @@ opc_flow *opc_flow_make(const opc_recipe *recipe, const opc_choice *choice,
   flow->steps = g_ptr_array_new_with_free_func(step_free);
   flow->order = g_ptr_array_new();
   if (!recipe->steps) return flow;
+  flow->demands = opc_node_copy(recipe->demands, NULL);
   flow->nodes = opc_node_copy(recipe->steps, NULL);
   if (choice) lay_choice(flow, choice, problems);
   if (!flow->nodes->items->len)
@@ -88,6 +104,9 @@ opc_flow *opc_flow_make(const opc_recipe *recipe, const opc_choice *choice,
     read_step(flow, keys->pdata[i], items->pdata[i], registry,
               choice ? choice->bind : 0, problems);
   opc_flow_connect(flow, problems);
+  if (problems->list->len > before) return flow;
+  g_hash_table_destroy(opc_flow_outputs(flow, problems));
+  opc_flow_require(flow, problems);
   return flow;
 }
 
@@ -106,6 +125,8 @@ void opc_flow_free(opc_flow *flow) {
   g_ptr_array_free(flow->steps, TRUE);
   g_ptr_array_free(flow->order, TRUE);
   opc_node_free(flow->nodes);
+  opc_node_free(flow->demands);
+  if (flow->requirements) g_ptr_array_free(flow->requirements, TRUE);
   g_ptr_array_free(flow->sources, TRUE);
   opc_recipe_free(flow->owned);
   g_free(flow->name);
@@ -129,4 +150,44 @@ GPtrArray *opc_flow_bindings(const opc_flow *flow) {
   for (guint i = 0; i < flow->order->len; i++)
     opc_binding_list(((opc_flow_step *)flow->order->pdata[i])->binding, list);
   return list;
+}
+
+/* ---- looking into it ---- */
+
+const opc_binding *opc_flow_binding(const opc_flow *flow, const char *path,
+                                    opc_error *error) {
+  g_autoptr(GPtrArray) all = opc_flow_bindings(flow);
+  g_autoptr(GPtrArray) paths = g_ptr_array_new();
+  for (guint i = 0; i < all->len; i++) {
+    const opc_binding *b = all->pdata[i];
+    if (!strcmp(b->path, path)) return b;
+    g_ptr_array_add(paths, b->path);
+  }
+  g_autofree char *suggestion = opc_suggestion(path, paths);
+  opc_fail(error, OPC_INVALID, NULL, "there is no '%s' in '%s'%s", path,
+           flow->recipe->path, suggestion);
+  return NULL;
+}
+
+const opc_metric *opc_flow_metric(const opc_flow *flow, const char *path,
+                                  const opc_binding **binding,
+                                  opc_error *error) {
+  const char *dot = strrchr(path, '.');
+  if (!dot) {
+    opc_fail(error, OPC_INVALID, NULL, "'%s' is no figure, as 'step.metric'",
+             path);
+    return NULL;
+  }
+  g_autofree char *of = g_strndup(path, (gsize)(dot - path));
+  const opc_binding *b = *binding = opc_flow_binding(flow, of, error);
+  if (!b) return NULL;
+  const opc_metric *metric = opc_metric_find(b->plugin, dot + 1);
+  if (metric) return metric;
+  g_autoptr(GPtrArray) names = g_ptr_array_new();
+  for (size_t i = 0; i < b->plugin->n_metrics; i++)
+    g_ptr_array_add(names, (char *)b->plugin->metrics[i].name);
+  g_autofree char *suggestion = opc_suggestion(dot + 1, names);
+  opc_fail(error, OPC_INVALID, NULL, "'%s' (%s) has no metric '%s'%s", of,
+           b->plugin->id, dot + 1, suggestion);
+  return NULL;
 }

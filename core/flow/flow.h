@@ -25,15 +25,29 @@ struct opc_flow_step {
   guint number;         /* in the file */
 };
 
+/* What a metric must be. */
+typedef struct opc_requirement {
+  char *path;            /* "mask.synthesizer.terms" */
+  opc_place at;          /* of its key */
+  const opc_node *value; /* as written */
+  const opc_binding *binding;
+  const opc_metric *metric;
+  double least, most; /* in its unit; infinite: no bound */
+  gboolean open;      /* the bounds themselves are not good */
+  char *text;         /* "at most 1 %" */
+} opc_requirement;
+
 typedef struct opc_flow {
   char *name;
   const char *variant; /* NULL: none */
   const opc_recipe *recipe;
-  opc_recipe *owned;  /* the same, if it is the flow's own */
-  opc_node *nodes;    /* the map of steps */
-  GPtrArray *sources; /* opc_source *: of each --set */
-  GPtrArray *steps;   /* opc_flow_step *, as in the file */
-  GPtrArray *order;   /* the same, as they run */
+  opc_recipe *owned;       /* the same, if it is the flow's own */
+  opc_node *nodes;         /* the map of steps */
+  GPtrArray *sources;      /* opc_source *: of each --set */
+  GPtrArray *steps;        /* opc_flow_step *, as in the file */
+  GPtrArray *order;        /* the same, as they run */
+  opc_node *demands;       /* "require", if anything is */
+  GPtrArray *requirements; /* opc_requirement * */
 } opc_flow;
 
 /* What is laid over the steps of a recipe, in this order. */
@@ -88,6 +102,27 @@ opc_flow_step *opc_flow_find(const opc_flow *flow, const char *path);
 /* The bindings of all steps of a good flow (opc_binding *), as they run, each
    after those in its slots. */
 GPtrArray *opc_flow_bindings(const opc_flow *flow);
+
+/* The files that parameters name: name -> path of the instance that writes it
+   (freed with the table). With `problems`, add those that two write, that lie
+   in another, or that the run itself writes. */
+GHashTable *opc_flow_outputs(const opc_flow *flow, opc_problems *problems);
+
+/* The files that a run itself writes. */
+enum { OPC_RESERVED = 4 };
+extern const char *const opc_reserved[OPC_RESERVED];
+
+/* The plugin that a path ("step", "step.slot") means, and a metric of one
+   ("step.metric"), with whose it is in *binding; NULL and *error if there is
+   none. */
+const opc_binding *opc_flow_binding(const opc_flow *flow, const char *path,
+                                    opc_error *error);
+const opc_metric *opc_flow_metric(const opc_flow *flow, const char *path,
+                                  const opc_binding **binding,
+                                  opc_error *error);
+
+/* Read what a flow with sound steps requires. */
+void opc_flow_require(opc_flow *flow, opc_problems *problems);
 
 /* Find out what the steps of `flow` need of each other, and the order in which
    they run. */

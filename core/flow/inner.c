@@ -151,44 +151,13 @@ static opc_inner *inner_of(const opc_host *host) {
   return ((const opc_binding *)host->data)->inner;
 }
 
-/* A step by its name, or a plugin in a slot of one by its path. */
-static const opc_binding *find_binding(const opc_flow *flow, const char *path,
-                                       opc_error *error) {
-  g_autoptr(GPtrArray) all = opc_flow_bindings(flow);
-  g_autoptr(GPtrArray) paths = g_ptr_array_new();
-  for (guint i = 0; i < all->len; i++) {
-    const opc_binding *b = all->pdata[i];
-    if (!strcmp(b->path, path)) return b;
-    g_ptr_array_add(paths, b->path);
-  }
-  g_autofree char *suggestion = opc_suggestion(path, paths);
-  opc_fail(error, OPC_INVALID, NULL, "there is no '%s' in '%s'%s", path,
-           flow->recipe->path, suggestion);
-  return NULL;
-}
-
 static const opc_metric *get_metric(const opc_host *host, const char *path,
                                     opc_error *error) {
   opc_inner *in = inner_of(host);
-  const char *dot = strrchr(path, '.');
-  if (!dot) {
-    opc_fail(error, OPC_INVALID, NULL, "'%s' is no figure, as 'step.metric'",
-             path);
-    return NULL;
-  }
-  g_autofree char *of = g_strndup(path, (gsize)(dot - path));
-  const opc_binding *b = find_binding(in->flow, of, error);
-  if (!b) return NULL;
-  const opc_metric *metric = opc_metric_find(b->plugin, dot + 1);
-  in->wanted[opc_flow_find(in->flow, path)->number] = TRUE;
-  if (metric) return metric;
-  g_autoptr(GPtrArray) names = g_ptr_array_new();
-  for (size_t i = 0; i < b->plugin->n_metrics; i++)
-    g_ptr_array_add(names, (char *)b->plugin->metrics[i].name);
-  g_autofree char *suggestion = opc_suggestion(dot + 1, names);
-  opc_fail(error, OPC_INVALID, NULL, "'%s' (%s) has no metric '%s'%s", of,
-           b->plugin->id, dot + 1, suggestion);
-  return NULL;
+  const opc_binding *b;
+  const opc_metric *metric = opc_flow_metric(in->flow, path, &b, error);
+  if (metric) in->wanted[opc_flow_find(in->flow, path)->number] = TRUE;
+  return metric;
 }
 
 /* The port of that kind, -1 if there is none. */
@@ -201,7 +170,7 @@ static int find_port(const opc_plugin *plugin, const char *kind) {
 static const char *get_output(const opc_host *host, const char *name,
                               const char *kind, opc_error *error) {
   opc_inner *in = inner_of(host);
-  const opc_binding *b = name ? find_binding(in->flow, name, error) : NULL;
+  const opc_binding *b = name ? opc_flow_binding(in->flow, name, error) : NULL;
   for (guint i = 0; !name && i < in->flow->steps->len; i++) {
     b = ((const opc_flow_step *)in->flow->steps->pdata[i])->binding;
     if (find_port(b->plugin, kind) >= 0) break;
@@ -242,8 +211,8 @@ static int find_axis(const opc_host *host, const char *path, opc_error *error) {
 static void take_log(void *data, const char *path, int level,
                      const char *message) {
   const opc_inner *in = data;
-  const opc_watch *watch = ((const opc_run *)in->binding->run)->watch;
-  if (!watch->log || (!in->telling && level >= OPC_LOG_INFO)) return;
+  const opc_watch *watch = &((const opc_run *)in->binding->run)->watch;
+  if (!in->telling && level >= OPC_LOG_INFO) return;
   g_autofree char *whole = g_strdup_printf("%s.%s", in->binding->path, path);
   watch->log(watch->data, whole, level, message);
 }
@@ -316,6 +285,16 @@ static void prune(const opc_inner *in, opc_run *run) {
     run->left_out[i] |= !needed[i];
 }
 
+/* What is handed on must keep what its flow requires; other points are there to
+   be worse. */
+static void judge(const opc_inner *in) {
+  g_autofree char *prefix = g_strconcat(in->binding->path, ".", NULL);
+  opc_run_judge(in->trunk);
+  opc_run_judge(in->run);
+  opc_run_take_verdicts(in->run, in->trunk, 0, "");
+  opc_run_take_verdicts(in->binding->run, in->run, 0, prefix);
+}
+
 static int run_point(const opc_host *host, size_t point, int keep, size_t share,
                      opc_error *error) {
   opc_inner *in = inner_of(host);
@@ -333,6 +312,7 @@ static int run_point(const opc_host *host, size_t point, int keep, size_t share,
     g_hash_table_foreach(in->trunk->claims, copy_claim, in->run->claims);
     prune(in, in->run);
     opc_run_in(in->run, in->binding->run, folder, problems);
+    if (keep && !problems->list->len) judge(in);
     opc_run_branch_close(in->run, keep || in->run->options->keep, problems);
   }
   int code = opc_problems_code(problems);

@@ -61,10 +61,90 @@ static void lay_key(const layer *l, gpointer *old_key, gpointer *old,
   *old = stays ? copy(l, value) : NULL;
 }
 
+/* ---- keys with dots ---- */
+
+static void put(opc_node *map, const opc_node *key, const char *path,
+                const opc_node *value, gboolean deep, opc_problems *problems);
+
+/* Of a map in a map whose keys with dots are to go, too. */
+static void put_all(opc_node *map, const opc_node *from, gboolean deep,
+                    opc_problems *problems) {
+  for (guint i = 0; i < from->keys->len; i++)
+    put(map, from->keys->pdata[i], opc_node_key(from, i), from->items->pdata[i],
+        deep, problems);
+}
+
+/* As deep as the path has dots, and as the value. */
+static void put(opc_node *map, const opc_node *key, const char *path,
+                const opc_node *value, gboolean deep, opc_problems *problems) {
+  size_t n = strcspn(path, ".");
+  gboolean last = !path[n], is_map = value->type == OPC_NODE_MAP;
+  g_autofree char *word = g_strndup(path, n);
+  int i = opc_node_find(map, word);
+  opc_node *there = i < 0 ? NULL : map->items->pdata[i];
+  if (there && (there->type != OPC_NODE_MAP || (last && !is_map))) {
+    const opc_node *first = map->keys->pdata[i];
+    g_autofree char *place = opc_place_text(&first->at);
+    opc_wrong(problems, key, "'%s' is given here and at %s", key->text, place);
+    return;
+  }
+  gboolean whole = last && !(is_map && (deep || there));
+  if (!there) {
+    opc_node *name = opc_node_copy(key, NULL);
+    g_free(name->text);
+    name->text = g_steal_pointer(&word);
+    there = whole
+                ? opc_node_copy(value, NULL)
+                : opc_node_map_new(value->source, last ? &value->at : &key->at);
+    opc_node_add(map, name, there);
+  }
+  if (!last)
+    put(there, key, path + n + 1, value, deep, problems);
+  else if (!whole)
+    put_all(there, value, deep, problems);
+}
+
+opc_node *opc_undot(const opc_node *map, gboolean deep,
+                    opc_problems *problems) {
+  opc_node *copy = opc_node_map_new(map->source, &map->at);
+  put_all(copy, map, deep, problems);
+  return copy;
+}
+
+/* Whether a key of `map` goes on behind the dots of one in `other`, which is a
+   map: "a: { b: ... }" and "a.b: ...". */
+static gboolean meets(const opc_node *map, const opc_node *other) {
+  for (guint i = 0; i < map->keys->len; i++) {
+    g_autofree char *path = g_strdup(opc_node_key(map, i));
+    for (char *dot; (dot = strrchr(path, '.'));) {
+      *dot = 0;
+      const opc_node *value = opc_node_get(other, path);
+      if (value && value->type == OPC_NODE_MAP) return TRUE;
+    }
+  }
+  return FALSE;
+}
+
+/* Both forms of a key in two layers become one. */
+static opc_node *undot_both(opc_node *under, const opc_node *over,
+                            opc_problems *problems) {
+  opc_node *flat = opc_undot(under, FALSE, problems);
+  GPtrArray *keys = under->keys, *items = under->items;
+  under->keys = flat->keys;
+  under->items = flat->items;
+  flat->keys = keys;
+  flat->items = items;
+  opc_node_free(flat);
+  return opc_undot(over, FALSE, problems);
+}
+
 /* ---- maps ---- */
 
 /* As deep as the trees; in time proportional to them. */
 static void lay_map(const layer *l, opc_node *under, const opc_node *over) {
+  g_autoptr(opc_node) undotted = NULL;
+  if (under != l->steps && (meets(over, under) || meets(under, over)))
+    over = undotted = undot_both(under, over, l->problems);
   /* Of each key above, its number and one; what is below leaves it. */
   g_autoptr(GHashTable) left = g_hash_table_new(g_str_hash, g_str_equal);
   gpointer *keys = under->keys->pdata, *items = under->items->pdata;
@@ -118,10 +198,11 @@ static gboolean check_path(char **words, const char *path, const opc_place *at,
   return good;
 }
 
-void opc_lay_at(opc_node *steps, const char *path, const opc_place *key,
-                const opc_node *value, opc_problems *problems) {
+/* The maps in maps that a path means; NULL and a problem. */
+static opc_node *path_tree(const char *path, const opc_place *key,
+                           const opc_node *value, opc_problems *problems) {
   g_auto(GStrv) words = g_strsplit(path, ".", DEEPEST + 1);
-  if (!check_path(words, path, key, problems)) return;
+  if (!check_path(words, path, key, problems)) return NULL;
   opc_node *tree = opc_node_copy(value, NULL);
   for (guint i = g_strv_length(words); i-- > 0;) {
     opc_node *map = opc_node_map_new(value->source, key);
@@ -130,11 +211,31 @@ void opc_lay_at(opc_node *steps, const char *path, const opc_place *key,
     opc_node_add(map, word, tree);
     tree = map;
   }
-  opc_lay_steps(steps, tree, problems);
-  opc_node_free(tree);
+  return tree;
+}
+
+void opc_lay_at(opc_node *steps, const char *path, const opc_place *key,
+                const opc_node *value, opc_problems *problems) {
+  g_autoptr(opc_node) tree = path_tree(path, key, value, problems);
+  if (tree) opc_lay_steps(steps, tree, problems);
+}
+
+void opc_lay_demands(opc_node *demands, const char *path, const opc_place *key,
+                     const opc_node *value, opc_problems *problems) {
+  g_autoptr(opc_node) undotted = value->type == OPC_NODE_MAP
+                                     ? opc_undot(value, TRUE, problems)
+                                     : opc_node_copy(value, NULL);
+  g_autoptr(opc_node) tree = path_tree(path, key, undotted, problems);
+  if (tree) opc_lay(demands, tree, problems);
 }
 
 /* ---- the command line ---- */
+
+/* An unquoted ~ comes as the home folder, which no value is meant to be. */
+static gboolean is_expanded(const char *text) {
+  const char *home = g_getenv("HOME");
+  return home && *home == '/' && home[1] && !strcmp(text, home);
+}
 
 /* Its problems have no line. */
 static opc_node *parse_value(const char *text, const opc_source *source,
@@ -142,7 +243,12 @@ static opc_node *parse_value(const char *text, const opc_source *source,
   g_autoptr(opc_problems) found = opc_problems_new();
   const opc_place at = {source->name, 0, 0};
   opc_node *value = NULL;
-  if (*text)
+  if (is_expanded(text))
+    opc_problem_add(problems, OPC_INVALID, &at,
+                    "the shell turned ~ into '%s': quote it, or write '%s/' "
+                    "for the folder",
+                    text, text);
+  else if (*text)
     value = opc_node_parse(source, text, strlen(text), found);
   else
     opc_problem_add(problems, OPC_INVALID, &at, "has no value");
@@ -163,7 +269,7 @@ opc_node *opc_argument_parse(const char *option, const char *text, char **path,
   gboolean good = equals && **path;
   if (good && value && !strchr(*path, '.'))
     good = value->type == OPC_NODE_MAP || opc_node_is_null(value);
-  if (good) return value;
+  if (good || (equals && is_expanded(equals + 1))) return value;
   const opc_place at = {(*source)->name, 0, 0};
   opc_problem_add(problems, OPC_INVALID, &at,
                   "needs the form 'step.parameter=value'");

@@ -20,6 +20,15 @@ void opc_lay_steps(opc_node *steps, const opc_node *over,
 void opc_lay_at(opc_node *steps, const char *path, const opc_place *key,
                 const opc_node *value, opc_problems *problems);
 
+/* The same for what is required, "require" or "require.step.metric", in the map
+   whose key "require" has it all, without dots. */
+void opc_lay_demands(opc_node *demands, const char *path, const opc_place *key,
+                     const opc_node *value, opc_problems *problems);
+
+/* A copy of a map in which keys with dots are maps in maps, `deep`: also in the
+   maps in it. What is given in both forms is a problem. */
+opc_node *opc_undot(const opc_node *map, gboolean deep, opc_problems *problems);
+
 /* "path=value" of a command line: its value, which belongs to the new
  *source, and its path (g_free). NULL and a problem if it is not sound;
  *source, which is named "OPTION PATH", is there all the same. */

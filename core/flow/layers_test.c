@@ -283,7 +283,7 @@ static void test_grid(void) {
 
 static void test_ranges(void) {
   write_file("flow.yaml", STEP
-             "sweep: { a.size: { from: 20 nm, to: 0.005 um, step: -4 nm } "
+             "sweep: { a.size: { from: 20 nm, to: 0.008 um, step: -4 nm } "
              "}\n");
   made m = make("flow.yaml", "", 3, NULL);
   g_assert_cmpuint(m.sweep->points, ==, 4);
@@ -295,7 +295,8 @@ static void test_ranges(void) {
              "  a.share: { from: 1 %, to: 5 nm, step: 1 % }\n"
              "  a.plain: { from: 1, to: 2e6, step: 1 }\n"
              "  a.note: word\n  a: [1]\n"
-             "  a.anchor.line: { from: 1 nn, to: 2 nm, step: 1 nm }\n",
+             "  a.anchor.line: { from: 1 nn, to: 2 nm, step: 1 nm }\n"
+             "  a.anchor.pitch: { from: 1 nm, to: 2 nm, step: 0.3 nm }\n",
              "flow.yaml:5:41: 'step' does not lead from '1 nm' to '5 nm'\n"
              "flow.yaml:6:12: a range needs '{ from: A, to: B, step: C }'\n"
              "flow.yaml:6:30: unknown key 'stpe' of a range, did you mean "
@@ -308,7 +309,9 @@ static void test_ranges(void) {
              "to: B, step: C }'\n"
              "flow.yaml:10:3: 'a' is a step; a sweep needs 'step.parameter'\n"
              "flow.yaml:11:26: unknown unit 'nn' in '1 nn', did you mean "
-             "'nm'?");
+             "'nm'?\n"
+             "flow.yaml:12:49: 'step' does not lead from '1 nm' to '2 nm', but "
+             "to 1.9 nm");
   check_text(STEP
              "sweep:\n  a.plain: { from: 1, to: 1000, step: 1 }\n"
              "  a.share: { from: 1 %, to: 1000 %, step: 1 % }\n",
@@ -318,6 +321,68 @@ static void test_ranges(void) {
   check_text(STEP "sweep: { a.size: [1 nm, 2 nm, 3 V], a.plain: [1, x] }\n",
              "flow.yaml:4:31: 'size' needs a length, not '3 V'\n"
              "flow.yaml:4:50: 'plain' needs a number, not 'x'");
+}
+
+/* ---- keys with dots ---- */
+
+/* Groups and slots in one word, in every layer, over and under maps. */
+static void test_dots(void) {
+  write_file("base.yaml",
+             "opcflow: 1\nsteps:\n"
+             "  a: { use: test.numbers, size: 1 nm, anchor.line: 60 nm, "
+             "names.poly: 1/0 }\n"
+             "  b: { use: test.numbers, size: 1 nm, anchor: { line: 61 nm, "
+             "pitch: 201 nm } }\n"
+             "  s: { use: test.slotted, rule.size: 30 nm }\n");
+  write_file("flow.yaml",
+             "opcflow: 1\nextends: base.yaml\nsteps:\n"
+             "  a: { anchor: { pitch: 202 nm } }\n"
+             "  b: { anchor.pitch: 203 nm, anchor.line: ~ }\n"
+             "variants: { x: { a: { anchor.line: 62 nm }, s: { rule: { "
+             "size: 31 nm } } } }\n");
+  made m = make("flow.yaml", "", 0, NULL);
+  g_assert_true(real_of(&m, "a", "anchor.line") == 60);
+  g_assert_true(real_of(&m, "a", "anchor.pitch") == 202);
+  g_assert_true(real_of(&m, "b", "anchor.line") == 65); /* the default */
+  g_assert_true(real_of(&m, "b", "anchor.pitch") == 203);
+  g_assert_cmpstr(value_of(step_of(m.flow, "a"), "names")->field.map.pairs->key,
+                  ==, "poly");
+  const opc_binding *model = step_of(m.flow, "s")->slots[0];
+  g_assert_true(value_of(model, "size")->field.real == 30);
+  g_autofree char *text = opc_flow_resolved(m.flow, NULL);
+  g_assert_nonnull(strstr(text, "# base.yaml:3:52\n"));
+  made_free(&m);
+  const char *const sets[] = {"a.anchor.line=63 nm", NULL};
+  m = make("flow.yaml", "x", 0, sets);
+  g_assert_true(real_of(&m, "a", "anchor.line") == 63);
+  g_assert_true(real_of(&m, "a", "anchor.pitch") == 202);
+  model = step_of(m.flow, "s")->slots[0];
+  g_assert_true(value_of(model, "size")->field.real == 31);
+  made_free(&m);
+}
+
+static void test_wrong_dots(void) {
+  check_text(
+      "opcflow: 1\nsteps:\n"
+      "  a: { use: test.numbers, size: 1 nm, anchor: { line: 60 nm },\n"
+      "       anchor.line: 61 nm }\n"
+      "  b: { use: test.numbers, size: 1 nm, anchor.lien: 61 nm }\n"
+      "  c: { use: test.numbers, size: 1 nm, size.line: 61 nm }\n",
+      "flow.yaml:4:8: 'anchor.line' is given here and at "
+      "flow.yaml:3:49\n"
+      "flow.yaml:5:39: unknown parameter 'anchor.lien' of "
+      "'test.numbers', did you mean 'anchor.line'?\n"
+      "flow.yaml:6:39: 'size.line' is given here and at flow.yaml:6:27");
+}
+
+static void test_byte_order_mark(void) {
+  check_text("\xEF\xBB\xBF" STEP, "");
+  check_text(
+      "\xEF\xBB\xBF"
+      "opcflow: 2\nsteps: {}\n",
+      "flow.yaml:1:10: 'opcflow' must be 1, the version of the format\n"
+      "flow.yaml:2:8: 'steps' needs a map of steps");
+  check_text("\xEF\xBB\xBF", "flow.yaml:1:1: there is nothing in it");
 }
 
 /* ---- slots with a default ---- */
@@ -437,6 +502,9 @@ int main(int argc, char **argv) {
   g_test_add_func("/layers/wrong-variants", test_wrong_variants);
   g_test_add_func("/layers/grid", test_grid);
   g_test_add_func("/layers/ranges", test_ranges);
+  g_test_add_func("/layers/dots", test_dots);
+  g_test_add_func("/layers/wrong-dots", test_wrong_dots);
+  g_test_add_func("/layers/byte-order-mark", test_byte_order_mark);
   g_test_add_func("/layers/default-slot", test_default_slot);
   g_test_add_func("/layers/sets", test_sets);
   g_test_add_func("/layers/again", test_again);

@@ -94,7 +94,7 @@ opc_run *opc_run_branch(const opc_run *trunk, const opc_choice *choice,
     return NULL;
   }
   opc_run *run =
-      opc_run_new(flow, trunk->registry, trunk->options, trunk->watch);
+      opc_run_new(flow, trunk->registry, trunk->options, &trunk->watch);
   run->own = flow;
   for (guint i = 0; i < flow->steps->len; i++) {
     run->left_out[i] = !trunk->left_out[i];
@@ -111,16 +111,16 @@ void opc_run_branch_close(const opc_run *run, gboolean keep,
     return;
   }
   opc_run_write(run, "flow.yaml", opc_flow_resolved(run->flow, NULL), problems);
-  opc_run_write(run, "metrics.json", opc_json_text(opc_run_metrics_json(run)),
-                problems);
+  opc_run_write(run, "metrics.json", opc_run_metrics_text(run), problems);
 }
 
 /* FALSE if the user wants to stop. */
 static gboolean do_point(sweeper *s, size_t point) {
   opc_run *trunk = s->trunk;
-  const opc_watch *watch = trunk->watch;
-  if (watch->point) watch->point(watch->data, point + 1, s->sweep->points);
+  trunk->point = point + 1;
+  trunk->watch.point(trunk, point + 1, s->sweep->points);
   g_autoptr(opc_problems) problems = opc_problems_new();
+  g_autoptr(opc_problems) broken = opc_problems_new();
   g_autofree char *name = g_strdup_printf("%04zu", point + 1);
   g_autofree char *folder = g_build_filename(trunk->work, name, NULL);
   gint64 start = g_get_monotonic_time();
@@ -131,11 +131,16 @@ static gboolean do_point(sweeper *s, size_t point) {
     opc_run_in(run, trunk, folder, problems);
     take_metrics(s, trunk, point);
     take_metrics(s, run, point);
+    if (!problems->list->len) opc_run_judge(run);
+    opc_run_take_verdicts(trunk, run, point + 1, "");
+    opc_run_add_broken(run, broken);
     opc_run_branch_close(run, trunk->options->keep, problems);
   }
   s->seconds[point] = (double)(g_get_monotonic_time() - start) * 1e-6;
   int code = opc_problems_code(problems);
   if (code == OPC_CANCELLED) return FALSE;
+  opc_problems_merge(problems, broken, NULL);
+  code = opc_problems_code(problems);
   s->results[s->done++] = code ? opc_problems_text(problems) : g_strdup("good");
   if (!code) return TRUE;
   gboolean differs = trunk->failed_points && trunk->points_code != code;

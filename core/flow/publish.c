@@ -14,16 +14,24 @@ static int refuse(opc_run *run, const opc_error *error) {
   return error->code;
 }
 
+/* Who has a file of the run folder, or will: NULL, or a path. */
+static const char *owner_of(const opc_run *run, const char *name) {
+  const char *owner = g_hash_table_lookup(run->claims, name);
+  return owner ? owner : g_hash_table_lookup(run->outputs, name);
+}
+
 /* Take a name in the run folder, unless it is taken or leaves that. */
 static int claim(opc_run *run, const opc_binding *b, const char *name,
                  opc_error *error) {
-  const char *owner = g_hash_table_lookup(run->claims, name);
+  const char *owner = owner_of(run, name);
+  gboolean taken = g_hash_table_contains(run->claims, name) ||
+                   (owner && strcmp(owner, b->path));
   if (!run->work)
     return opc_fail(error, OPC_FAILED, NULL, "'%s': no step is running", name);
   if (!opc_name_is_inside(name))
     return opc_fail(error, OPC_INVALID, NULL, "'%s' leaves the run folder",
                     name);
-  if (owner)
+  if (taken)
     return opc_fail(error, OPC_INVALID, NULL, "'%s' is already written by '%s'",
                     name, owner);
   g_hash_table_insert(run->claims, g_strdup(name), g_strdup(b->path));
@@ -40,17 +48,22 @@ static const char *give_path(const opc_host *host, const char *name,
   g_ptr_array_add(b->owned, path);
   if (!code && g_mkdir_with_parents(folder, 0777))
     code = opc_fail(error, OPC_IO, NULL, "'%s': %s", folder, g_strerror(errno));
-  if (!code) return path;
+  if (!code) {
+    g_ptr_array_add(run->given, g_strdup(path));
+    return path;
+  }
   refuse(run, error);
   return NULL;
 }
 
-/* NAME.csv; where an earlier step has that, STEP.NAME.csv. */
+/* NAME.csv; where another step or a parameter has that, STEP.NAME.csv. */
 static char *table_file(const opc_run *run, const opc_binding *b,
                         const char *name) {
   char *file = g_strdup_printf("%s.csv", name);
-  const char *owner = g_hash_table_lookup(run->claims, file);
-  if (!owner || !strcmp(owner, b->path)) return file;
+  const char *owner = owner_of(run, file);
+  if (!owner ||
+      (!strcmp(owner, b->path) && !g_hash_table_contains(run->outputs, file)))
+    return file;
   g_free(file);
   return g_strdup_printf("%s.%s.csv", b->path, name);
 }

@@ -195,6 +195,15 @@ static void take_variants(opc_recipe *recipe, const opc_node *root,
   }
 }
 
+static void take_demands(opc_recipe *recipe, const opc_node *root,
+                         opc_problems *problems) {
+  int i = opc_node_find(root, "require");
+  if (i < 0) return;
+  const opc_node *key = root->keys->pdata[i];
+  opc_lay_demands(recipe->demands, "require", &key->at, root->items->pdata[i],
+                  problems);
+}
+
 /* What extends a flow gives other values in the same place. */
 static void take_sweep(opc_recipe *recipe, const opc_node *root,
                        opc_problems *problems) {
@@ -232,17 +241,19 @@ opc_recipe *opc_recipe_read(const char *path, opc_problems *problems) {
   const opc_node *root = recipe->roots->pdata[0];
   recipe->variants = opc_node_map_new(root->source, NULL);
   recipe->sweep = opc_node_map_new(root->source, NULL);
+  recipe->demands = opc_node_map_new(root->source, NULL);
   recipe->name = flow_name(root, path, problems);
   recipe->description = flow_description(root, problems);
   for (guint i = recipe->roots->len; i-- > 0;) {
     const opc_node *file = recipe->roots->pdata[i];
-    opc_node_check_keys(file,
-                        "opcflow|name|description|extends|steps|variants|sweep",
-                        "", problems);
+    opc_node_check_keys(
+        file, "opcflow|name|description|extends|steps|variants|sweep|require",
+        "", problems);
     check_version(file, problems);
     take_steps(recipe, file, problems);
     take_variants(recipe, file, problems);
     take_sweep(recipe, file, problems);
+    take_demands(recipe, file, problems);
   }
   if (!recipe->steps && !opc_node_get(root, "steps"))
     opc_wrong(problems, root, "missing 'steps'");
@@ -256,6 +267,7 @@ void opc_recipe_free(opc_recipe *recipe) {
   opc_node_free(recipe->steps);
   opc_node_free(recipe->variants);
   opc_node_free(recipe->sweep);
+  opc_node_free(recipe->demands);
   g_ptr_array_free(recipe->roots, TRUE);
   g_ptr_array_free(recipe->sources, TRUE);
   g_free(recipe->path);

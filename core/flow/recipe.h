@@ -15,6 +15,7 @@ typedef struct opc_recipe {
   opc_node *variants; /* name to path to value: those of the base first, then
                          those of what extends it, perhaps of the same path */
   opc_node *sweep;    /* path to values */
+  opc_node *demands;  /* "require", laid over each other, if it is given */
 } opc_recipe;
 
 /* NULL if a file cannot be read at all; otherwise it is good if no problem was

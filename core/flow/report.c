@@ -8,6 +8,7 @@
 #include "core/flow/inner.h"
 #include "core/flow/run.h"
 #include "core/plugin/declaration.h"
+#include "core/text/shown.h"
 #include "core/text/unit.h"
 #include "core/text/value.h"
 
@@ -56,7 +57,8 @@ char *opc_json_text(JsonNode *node) {
   g_autofree char *text = json_to_string(node, TRUE);
   json_node_unref(node);
   g_autofree char *better = shorten_numbers(text);
-  return g_strconcat(better, "\n", NULL);
+  g_autofree char *shown = opc_shown_json(better);
+  return g_strconcat(shown, "\n", NULL);
 }
 
 /* ---- metrics ---- */
@@ -69,6 +71,51 @@ JsonNode *opc_metric_json(const opc_metric *metric, double value) {
   set_text(o, "better", better[metric->better]);
   json_object_set_double_member(o, "tolerance", metric->tolerance);
   return as_node(o);
+}
+
+static JsonArray *findings_json(const opc_run *run) {
+  JsonArray *list = json_array_new();
+  for (guint i = 0; i < run->findings->len; i++) {
+    const opc_finding *f = run->findings->pdata[i];
+    JsonObject *o = json_object_new();
+    if (f->point) json_object_set_int_member(o, "point", (gint64)f->point);
+    set_text(o, "step", f->path);
+    set_text(o, "text", f->text);
+    json_array_add_object_element(list, o);
+  }
+  return list;
+}
+
+static void set_number(JsonObject *o, const char *key, double number) {
+  if (isfinite(number))
+    json_object_set_double_member(o, key, number);
+  else
+    json_object_set_null_member(o, key);
+}
+
+static JsonArray *verdicts_json(const opc_run *run) {
+  JsonArray *list = json_array_new();
+  for (guint i = 0; i < run->verdicts->len; i++) {
+    const opc_verdict *v = run->verdicts->pdata[i];
+    JsonObject *o = json_object_new();
+    if (v->point) json_object_set_int_member(o, "point", (gint64)v->point);
+    set_text(o, "metric", v->path);
+    set_text(o, "required", v->required);
+    set_number(o, "least", v->least);
+    set_number(o, "most", v->most);
+    set_number(o, "value", v->value);
+    set_text(o, "unit", v->unit);
+    json_object_set_boolean_member(o, "kept", v->kept);
+    json_array_add_object_element(list, o);
+  }
+  return list;
+}
+
+void opc_run_add_findings(JsonObject *o, const opc_run *run) {
+  json_object_set_array_member(o, "require", verdicts_json(run));
+  json_object_set_array_member(o, "findings", findings_json(run));
+  if (run->more_findings)
+    json_object_set_int_member(o, "more_findings", (gint64)run->more_findings);
 }
 
 /* By instance, in the order in which they came. */
@@ -86,6 +133,12 @@ JsonNode *opc_run_metrics_json(const opc_run *run) {
   return as_node(all);
 }
 
+char *opc_run_metrics_text(const opc_run *run) {
+  JsonNode *all = opc_run_metrics_json(run);
+  opc_run_add_findings(json_node_get_object(all), run);
+  return opc_json_text(all);
+}
+
 /* ---- manifest ---- */
 
 /* Each once; `done`: opc_plugin *. */
@@ -99,7 +152,7 @@ static void add_plugins(JsonArray *list, GHashTable *done, const opc_run *run,
     const char *path = opc_registry_path(run->registry, b->plugin);
     g_autofree char *whole = path ? g_canonicalize_filename(path, NULL) : NULL;
     opc_error error;
-    g_autofree char *sum = path ? opc_file_sha256(path, &error) : NULL;
+    g_autofree char *sum = path ? opc_file_sha256(path, NULL, &error) : NULL;
     JsonObject *o = json_object_new();
     set_text(o, "id", b->plugin->id);
     set_text(o, "version", b->plugin->version);

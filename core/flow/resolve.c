@@ -121,6 +121,18 @@ static void append_sweep(GString *out, const opc_flow *flow,
   }
 }
 
+static void append_requirements(GString *out, const opc_flow *flow) {
+  if (flow->requirements->len) g_string_append(out, "require:\n");
+  for (guint i = 0; i < flow->requirements->len; i++) {
+    const opc_requirement *r = flow->requirements->pdata[i];
+    g_autofree char *origin = origin_text(r->value);
+    size_t start = out->len;
+    g_string_append_printf(out, "  %s: ", r->path);
+    opc_node_append(out, r->value);
+    end_line(out, start, origin);
+  }
+}
+
 char *opc_flow_resolved(const opc_flow *flow, const opc_sweep *sweep) {
   GString *out = g_string_new(
       "# The flow as it ran: every parameter, and where its value came from.\n"
@@ -141,6 +153,7 @@ char *opc_flow_resolved(const opc_flow *flow, const opc_sweep *sweep) {
     end_line(out, start, origin);
     append_binding(out, step->binding, 4);
   }
+  append_requirements(out, flow);
   if (sweep) append_sweep(out, flow, sweep);
   return g_string_free(out, FALSE);
 }

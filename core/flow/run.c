@@ -7,13 +7,11 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/flow/contents.h"
 #include "core/flow/files.h"
 #include "core/flow/inner.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/guard.h"
-
-/* Names in a run folder that steps cannot have. */
-enum { RESERVED = 4 };
 
 /* ---- state ---- */
 
@@ -23,13 +21,16 @@ opc_run *opc_run_new(opc_flow *flow, opc_registry *registry,
   guint n = flow->steps->len;
   run->flow = flow;
   run->registry = registry;
-  run->watch = watch;
+  opc_run_listen(run, watch);
+  run->verdicts = opc_verdicts_new();
   run->options = options;
   run->like = opc_run_publisher;
   run->like.data = run;
   run->tables = g_ptr_array_new_with_free_func((GDestroyNotify)opc_table_free);
   run->metrics = g_array_new(FALSE, TRUE, sizeof(opc_inner_metric));
   run->claims = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, g_free);
+  run->outputs = opc_flow_outputs(flow, NULL);
+  run->given = g_ptr_array_new_with_free_func(g_free);
   run->inputs = g_ptr_array_new_with_free_func(g_free);
   run->summed = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
   run->seconds = g_new(double, n);
@@ -40,7 +41,7 @@ opc_run *opc_run_new(opc_flow *flow, opc_registry *registry,
   return run;
 }
 
-static void release_outputs(const opc_run *run, const opc_flow_step *step) {
+void opc_run_release(opc_run *run, const opc_flow_step *step) {
   const opc_plugin *plugin = step->binding->plugin;
   void **objects = run->objects[step->number];
   const char *before = opc_guard_enter(plugin->id);
@@ -52,22 +53,26 @@ static void release_outputs(const opc_run *run, const opc_flow_step *step) {
 }
 
 /* Later steps may point into the outputs of earlier ones. */
-static void release_all(const opc_run *run) {
+static void release_all(opc_run *run) {
   for (guint i = run->flow->order->len; i-- > 0;) {
     const opc_flow_step *step = run->flow->order->pdata[i];
-    if (!run->left_out[step->number]) release_outputs(run, step);
+    if (!run->left_out[step->number]) opc_run_release(run, step);
   }
 }
 
 void opc_run_free(opc_run *run) {
   if (!run) return;
   release_all(run);
+  opc_run_listen_end(run);
+  g_ptr_array_free(run->verdicts, TRUE);
   g_free(run->folder);
   g_free(run->work);
   g_free(run->failure);
   g_ptr_array_free(run->tables, TRUE);
   g_array_free(run->metrics, TRUE);
   g_hash_table_destroy(run->claims);
+  g_hash_table_destroy(run->outputs);
+  g_ptr_array_free(run->given, TRUE);
   g_ptr_array_free(run->inputs, TRUE);
   g_hash_table_destroy(run->summed);
   g_free(run->seconds);
@@ -81,12 +86,18 @@ void opc_run_free(opc_run *run) {
 
 /* ---- inputs ---- */
 
+/* That of any of its instances: all look at the same signals. */
+static const opc_context *run_context(const opc_run *run) {
+  const opc_flow_step *first = run->flow->order->pdata[0];
+  return first->binding->host ? first->binding->host->context : NULL;
+}
+
 static void add_input(opc_run *run, const char *file, const opc_place *at,
                       opc_problems *problems) {
   g_autofree char *path = g_canonicalize_filename(file, NULL);
   if (!g_hash_table_add(run->summed, g_strdup(path))) return;
   opc_error error;
-  char *sum = opc_file_sha256(path, &error);
+  char *sum = opc_file_sha256(path, run_context(run), &error);
   if (!sum) {
     opc_problem_add(problems, error.code, at, "%s", error.message);
     return;
@@ -117,8 +128,8 @@ static gboolean sum_inputs(opc_run *run, const opc_flow *flow,
 
 /* ---- steps ---- */
 
-static void set_inputs(const opc_run *run, const opc_flow_step *step,
-                       gboolean present) {
+void opc_run_set_inputs(const opc_run *run, const opc_flow_step *step,
+                        gboolean present) {
   for (guint i = 0; i < step->inputs->len; i++) {
     const opc_flow_input *input =
         &g_array_index(step->inputs, opc_flow_input, i);
@@ -139,7 +150,9 @@ static int check_outputs(const opc_run *run, const opc_flow_step *step,
     if (!object)
       return opc_fail(error, OPC_FAILED, NULL, "gave no output '%s'",
                       port->name);
+    const char *before = opc_binding_enter(step->binding);
     int code = port->check(object, &fault);
+    opc_binding_leave(before);
     if (code)
       return opc_fail(error, code, NULL, "output '%s': %s", port->name,
                       fault.message);
@@ -147,19 +160,18 @@ static int check_outputs(const opc_run *run, const opc_flow_step *step,
   return OPC_OK;
 }
 
-static int call_step(opc_run *run, const opc_flow_step *step,
-                     opc_error *error) {
+int opc_run_call(opc_run *run, const opc_flow_step *step, opc_error *error) {
   const opc_binding *b = step->binding;
   const opc_step *functions = b->plugin->functions;
   void **objects = g_new0(void *, functions->n_outputs + 1);
   run->objects[step->number] = objects;
-  set_inputs(run, step, TRUE);
+  opc_run_set_inputs(run, step, TRUE);
   gint64 start = g_get_monotonic_time();
   const char *before = opc_binding_enter(b);
   int code = functions->run(b->module.self, objects, error);
   opc_binding_leave(before);
   run->seconds[step->number] = (double)(g_get_monotonic_time() - start) * 1e-6;
-  set_inputs(run, step, FALSE);
+  opc_run_set_inputs(run, step, FALSE);
   if (!code && run->refusal.code) {
     *error = run->refusal;
     code = error->code;
@@ -167,12 +179,22 @@ static int call_step(opc_run *run, const opc_flow_step *step,
   return code ? code : check_outputs(run, step, error);
 }
 
+/* What a step could not write to its end is not left as if it were whole. */
+static void remove_given(const opc_run *run) {
+  for (guint i = 0; i < run->given->len; i++)
+    (void)remove(run->given->pdata[i]);
+}
+
 static gboolean run_step(opc_run *run, const opc_flow_step *step,
                          opc_problems *problems) {
   const opc_binding *b = step->binding;
   opc_error error = {0};
-  int code = call_step(run, step, &error);
+  opc_forecast wanted;
+  g_ptr_array_set_size(run->given, 0);
+  int code = opc_run_ask(run, step, &wanted, &error);
+  if (!code) code = opc_run_call(run, step, &error);
   if (!code) return TRUE;
+  if (code == OPC_IO) remove_given(run);
   /* Only the user stops a run. */
   if (code == OPC_CANCELLED && !opc_cancelled(b->host->context))
     code = OPC_FAILED;
@@ -193,35 +215,49 @@ gboolean opc_run_write(const opc_run *run, const char *name, char *text,
   return !code;
 }
 
-static gboolean write_reports(const opc_run *run, opc_problems *problems) {
-  JsonNode *metrics = opc_run_metrics_json(run);
+/* The files of the folder, which are all there. */
+static gboolean list_files(const opc_run *run, JsonNode *manifest,
+                           opc_problems *problems) {
+  opc_error error;
+  JsonArray *files = opc_contents_json(run->work, &error);
+  if (!files)
+    return opc_problem_add(problems, error.code, NULL, "%s", error.message);
+  json_object_set_array_member(json_node_get_object(manifest), "files", files);
+  return TRUE;
+}
+
+/* `last`: nothing will be written after them. */
+static gboolean write_reports(const opc_run *run, gboolean last,
+                              opc_problems *problems) {
+  char *metrics = opc_run_metrics_text(run);
   JsonNode *manifest = opc_run_manifest_json(run);
   char *flow = opc_flow_resolved(run->flow, run->sweep);
   gboolean good = opc_run_write(run, "flow.yaml", flow, problems);
-  good &= opc_run_write(run, "metrics.json", opc_json_text(metrics), problems);
+  good &= opc_run_write(run, "metrics.json", metrics, problems);
+  if (last) good &= list_files(run, manifest, problems);
   good &=
       opc_run_write(run, "manifest.json", opc_json_text(manifest), problems);
   return good;
 }
 
 static void reserve_names(opc_run *run) {
-  static const char *const names[RESERVED] = {"flow.yaml", "manifest.json",
-                                              "metrics.json", "sweep.csv"};
-  for (size_t i = 0; i < RESERVED; i++)
-    g_hash_table_insert(run->claims, g_strdup(names[i]), g_strdup("opcflow"));
+  for (size_t i = 0; i < OPC_RESERVED; i++)
+    g_hash_table_insert(run->claims, g_strdup(opc_reserved[i]),
+                        g_strdup("opcflow"));
 }
 
 static gboolean open_folder(opc_run *run, const char *target,
                             opc_problems *problems) {
   opc_error error;
-  int code = run->options->output
-                 ? opc_folder_allowed(target, run->options->force, &error)
-                 : OPC_OK;
-  if (!code) run->work = opc_folder_open(target, &error);
-  if (!run->work)
-    return opc_problem_add(problems, error.code, NULL, "%s", error.message);
+  gboolean given = run->options->output != NULL;
+  run->slot = opc_folder_open(target, given, &error);
+  int code = !run->slot ? error.code
+             : given ? opc_folder_allowed(target, run->options->force, &error)
+                     : OPC_OK;
+  if (code) return opc_problem_add(problems, code, NULL, "%s", error.message);
   g_autofree char *failed = g_strconcat(target, ".failed", NULL);
-  opc_guard_folder(run->work, failed);
+  run->work = g_strdup(run->slot->work);
+  opc_guard_folder(run->work, failed, run->slot->lock);
   run->guarded = TRUE;
   reserve_names(run);
   return TRUE;
@@ -230,16 +266,15 @@ static gboolean open_folder(opc_run *run, const char *target,
 /* Before a step that may crash: what the folder says if it does. An empty
    folder stays so, as nothing is kept of it. */
 static void prepare_for_crash(opc_run *run, const opc_flow_step *step) {
-  if (!run->guarded || g_hash_table_size(run->claims) <= RESERVED) return;
+  if (!run->guarded || g_hash_table_size(run->claims) <= OPC_RESERVED) return;
   g_autoptr(opc_problems) problems = opc_problems_new();
   run->failure = g_strdup_printf("ended while step '%s' ran", step->name);
-  write_reports(run, problems);
+  write_reports(run, FALSE, problems);
   g_clear_pointer(&run->failure, g_free);
 }
 
 static gboolean run_steps(opc_run *run, opc_problems *problems) {
   const GPtrArray *order = run->flow->order;
-  const opc_watch *watch = run->watch;
   for (guint i = 0; i < order->len; i++) {
     const opc_flow_step *step = order->pdata[i];
     if (run->left_out[step->number]) continue;
@@ -248,7 +283,7 @@ static gboolean run_steps(opc_run *run, opc_problems *problems) {
       return opc_problem_add(problems, OPC_CANCELLED, &step->binding->at,
                              "stopped");
     }
-    if (watch->step) watch->step(watch->data, step->name, i + 1, order->len);
+    run->watch.step(run, step->name, i + 1, order->len);
     prepare_for_crash(run, step);
     if (!run_step(run, step, problems)) return FALSE;
   }
@@ -257,7 +292,7 @@ static gboolean run_steps(opc_run *run, opc_problems *problems) {
 
 void opc_run_in(opc_run *run, opc_run *main_run, const char *path,
                 opc_problems *problems) {
-  gboolean good = opc_flow_create(run->flow, run->left_out, run->watch,
+  gboolean good = opc_flow_create(run->flow, run->left_out, &run->watch,
                                   &run->like, problems) &&
                   sum_inputs(main_run, run->flow, problems) &&
                   (!g_mkdir_with_parents(path, 0777) ||
@@ -274,23 +309,21 @@ void opc_run_in(opc_run *run, opc_run *main_run, const char *path,
    one it has. */
 static void close_folder(opc_run *run, const char *target,
                          opc_problems *problems) {
-  opc_guard_folder(NULL, NULL);
+  opc_guard_folder(NULL, NULL, NULL);
   gboolean stopped = opc_problems_code(problems) == OPC_CANCELLED;
   gboolean failed = problems->list->len > 0;
-  if (stopped || (failed && g_hash_table_size(run->claims) <= RESERVED)) {
-    opc_remove_tree(run->work);
+  if (stopped || (failed && g_hash_table_size(run->claims) <= OPC_RESERVED))
     return;
-  }
-  failed |= !write_reports(run, problems);
+  opc_error error;
+  failed |= !write_reports(run, TRUE, problems);
+  if (opc_sync_tree(run->work, &error))
+    failed = !opc_problem_add(problems, error.code, NULL, "%s", error.message);
   g_autofree char *name =
       failed ? g_strconcat(target, ".failed", NULL) : g_strdup(target);
   gboolean given = run->options->output && !failed;
-  opc_error error;
-  run->folder = opc_folder_close(run->work, name, given && run->options->force,
-                                 !given, &error);
-  if (run->folder) return;
-  opc_problem_add(problems, error.code, NULL, "%s", error.message);
-  run->folder = g_strdup(run->work);
+  int code = opc_folder_close(run->slot, name, given && run->options->force,
+                              !given, &run->folder, &error);
+  if (code) opc_problem_add(problems, code, NULL, "%s", error.message);
 }
 
 static char *target_of(const opc_run *run) {
@@ -310,13 +343,15 @@ opc_run *opc_run_flow(opc_flow *flow, const opc_choice *choice,
   g_autofree char *target = target_of(run);
   if (choice->sweep->axes->len) run->sweep = choice->sweep;
   if (run->sweep) opc_run_find_swept(flow, run->sweep, run->left_out);
-  if (opc_flow_create(flow, run->left_out, watch, &run->like, problems) &&
+  if (opc_flow_create(flow, run->left_out, &run->watch, &run->like, problems) &&
       sum_inputs(run, flow, problems) && open_folder(run, target, problems)) {
     if (run_steps(run, problems) && run->sweep)
       opc_run_points(run, choice, problems);
+    if (!problems->list->len) opc_run_judge(run);
     release_all(run);
     run->total = (double)(g_get_monotonic_time() - start) * 1e-6;
     close_folder(run, target, problems);
   }
+  g_clear_pointer(&run->slot, opc_folder_free);
   return run;
 }

@@ -4,8 +4,10 @@
 #define OPCFLOW_CORE_RUN_H
 
 #include <json-glib/json-glib.h>
+#include <opcflow/step.h>
 
 #include "core/flow/flow.h"
+#include "core/flow/folder.h"
 #include "core/flow/table.h"
 
 typedef struct opc_run_options {
@@ -15,18 +17,52 @@ typedef struct opc_run_options {
   const char *const *command; /* for the manifest; may be NULL */
 } opc_run_options;
 
+/* What a step found that the user must not miss. */
+typedef struct opc_finding {
+  size_t point;     /* of a sweep, from 1; 0: of all */
+  char *path;       /* of the instance: "mask.synthesizer" */
+  char *text;
+} opc_finding;
+
+/* Findings that a run keeps. More are counted only. */
+enum { OPC_MOST_FINDINGS = 100 };
+
+/* What came of a requirement. All its own. */
+typedef struct opc_verdict {
+  size_t point;         /* of a sweep, from 1; 0: of all */
+  char *path;           /* "mask.ion_max" */
+  char *required;       /* "at most 1 %" */
+  char *unit;           /* NULL: a plain number */
+  double least, most;   /* infinite: no bound */
+  double value;         /* NAN: not measured */
+  gboolean kept;
+  opc_place at;
+} opc_verdict;
+
+/* A run takes no more from its points: each tells of its own in sweep.csv. */
+enum { OPC_MOST_VERDICTS = 1000 };
+
 /* A run, and what came of it. */
 typedef struct opc_run {
   opc_flow *flow, *own; /* `own`: the same, if it is freed with the run */
   opc_registry *registry;
-  const opc_watch *watch;
+  opc_watch watch;       /* of its instances: keeps findings, tells `told` */
+  const opc_watch *told; /* who looks on */
+  GMutex lock;           /* of the findings */
+  GPtrArray *findings;   /* opc_finding * */
+  size_t more_findings;  /* that were not kept */
+  size_t point;          /* of a sweep, that runs now; 0: none */
+  GPtrArray *verdicts;   /* opc_verdict * */
   const opc_run_options *options;
   opc_host like;      /* what the hosts of its instances are like */
   char *folder;       /* where the result is; NULL: nothing was kept */
-  char *work;         /* its name until it is done */
+  opc_folder *slot;   /* where it is until it is done; NULL: in another run's */
+  char *work;         /* its name until then */
   GPtrArray *tables;  /* opc_table * */
   GArray *metrics;    /* opc_inner_metric */
   GHashTable *claims; /* file in the run folder -> path of who has it */
+  GHashTable *outputs; /* the same of files that parameters name */
+  GPtrArray *given;   /* paths of files that the step at work writes */
   GPtrArray *inputs;  /* files read: path, SHA-256, path ... */
   GHashTable *summed; /* their paths */
   double *seconds;    /* of each step; NAN: it did not run */
@@ -71,6 +107,63 @@ void opc_run_in(opc_run *run, opc_run *main_run, const char *path,
 gboolean opc_run_write(const opc_run *run, const char *name, char *text,
                        opc_problems *problems);
 
+/* Run a step and look at its outputs, which `run` then holds. */
+int opc_run_call(opc_run *run, const opc_flow_step *step, opc_error *error);
+void opc_run_release(opc_run *run, const opc_flow_step *step);
+
+/* Put the outputs it needs into the instances of a step, or take them away. */
+void opc_run_set_inputs(const opc_run *run, const opc_flow_step *step,
+                        gboolean present);
+
+/* ---- forecast.c ---- */
+
+/* Ask a step whose inputs are there what it will want; refuses, too, if that is
+   more memory than there is. All is 0 if it has nothing to say. */
+int opc_run_ask(const opc_run *run, const opc_flow_step *step,
+                opc_forecast *out, opc_error *error);
+
+typedef struct opc_outlook {
+  char *step; /* its name (g_free) */
+  opc_forecast forecast;
+} opc_outlook;
+
+/* Make the flow, run its light steps, which write nothing, and add what the
+   steps that then have their inputs will want (opc_outlook), where they say so.
+   Faults are added as by opc_flow_check. */
+void opc_run_forecast(const opc_recipe *recipe, const opc_choice *choice,
+                      opc_registry *registry, const opc_watch *watch,
+                      GArray *outlooks, opc_problems *problems);
+
+/* "work, 1.2 GB" (g_free) */
+char *opc_forecast_text(const opc_forecast *forecast);
+
+/* ---- findings.c ---- */
+
+/* Begin to keep what its instances find, and pass all on to `told` (NULL:
+   nobody). */
+void opc_run_listen(opc_run *run, const opc_watch *told);
+/* Instances that outlive the run tell nobody any more. */
+void opc_run_listen_end(opc_run *run);
+
+/* All of them (char *, freed with the array): "mask: text", "point 3: mask:
+   text", and at last how many more there were. */
+GPtrArray *opc_run_findings(const opc_run *run);
+
+/* ---- judge.c ---- */
+
+GPtrArray *opc_verdicts_new(void);
+
+/* Judge all that is required of the steps that are not left out. */
+void opc_run_judge(opc_run *run);
+
+/* Take what another run did not keep; `point`: where that was, `prefix`: what
+   comes before its paths. */
+void opc_run_take_verdicts(opc_run *run, const opc_run *from, size_t point,
+                           const char *prefix);
+
+/* Add what was not kept. */
+void opc_run_add_broken(const opc_run *run, opc_problems *problems);
+
 /* ---- publish.c ---- */
 
 /* The functions that instances of a run call back; `data` is for the run. */
@@ -100,6 +193,10 @@ void opc_run_branch_close(const opc_run *run, gboolean keep,
 /* ---- report.c: JSON ---- */
 
 JsonNode *opc_run_metrics_json(const opc_run *run);
+/* Add "findings" and "require". */
+void opc_run_add_findings(JsonObject *object, const opc_run *run);
+/* Both, as metrics.json has them. */
+char *opc_run_metrics_text(const opc_run *run);
 JsonNode *opc_metric_json(const opc_metric *metric, double value);
 JsonNode *opc_run_manifest_json(const opc_run *run);
 JsonNode *opc_table_json(const opc_table *table);

@@ -212,6 +212,7 @@ static JsonObject *home(JsonObject *plugin, const char *name,
     g_autofree char *word = g_strndup(name, (size_t)(dot - name));
     at = member(member(at, "properties"), word);
     set_text(at, "type", "object");
+    member(member(at, "patternProperties"), "\\.");
     json_object_set_boolean_member(at, "additionalProperties", FALSE);
   }
   *last = name;
@@ -221,7 +222,8 @@ static JsonObject *home(JsonObject *plugin, const char *name,
 static JsonObject *plugin_schema(const opc_plugin *plugin) {
   JsonObject *o = piece(
       "{ type: object, description: '', properties: "
-      "{ use: {} }, additionalProperties: false }");
+      "{ use: {} }, patternProperties: { '\\.': {} }, additionalProperties: "
+      "false }");
   JsonObject *use = member(member(o, "properties"), "use");
   set_text(o, "description", plugin->summary);
   set_text(use, "const", plugin->id);
@@ -236,28 +238,14 @@ static JsonObject *plugin_schema(const opc_plugin *plugin) {
   return o;
 }
 
-/* Once. */
-static void add_word(JsonArray *words, const char *word) {
-  for (guint i = 0; i < json_array_get_length(words); i++)
-    if (!strcmp(json_array_get_string_element(words, i), word)) return;
-  json_array_add_string_element(words, word);
-}
-
-/* What must be there: `use`, the required parameters, the groups they are in.
- */
+/* What must be there: `use` and the required parameters, but for those in
+   groups, which may be written with dots. */
 static JsonObject *needs(const opc_plugin *plugin) {
   JsonObject *o = piece("{ required: [use] }");
   for (size_t i = 0; i < plugin->n_parameters; i++) {
     const opc_parameter *p = &plugin->parameters[i];
-    if (!(p->flags & OPC_REQUIRED) || p->preset) continue;
-    JsonObject *at = o;
-    const char *name = p->name;
-    for (const char *dot; (dot = strchr(name, '.')); name = dot + 1) {
-      g_autofree char *word = g_strndup(name, (size_t)(dot - name));
-      add_word(list(at, "required"), word);
-      at = member(member(at, "properties"), word);
-    }
-    add_word(list(at, "required"), name);
+    if (p->flags & OPC_REQUIRED && !p->preset && !strchr(p->name, '.'))
+      json_array_add_string_element(list(o, "required"), p->name);
   }
   return o;
 }

@@ -60,16 +60,24 @@ static guint range_count(const opc_node *range, const quantity *from,
   double steps = (to->number - from->number) / step->number;
   /* A step that divides the range but for rounding reaches its end. */
   double count = floor(steps * (1 + 1e-12) + 1e-9) + 1;
-  if (count >= 1 && count <= most_points) return (guint)count;
+  double short_of = steps - (count - 1);
+  if (count >= 1 && count <= most_points && short_of <= steps * 1e-12 + 1e-9)
+    return (guint)count;
+  /* What it would lead to: the end may be mistyped as well as the step. */
+  double end = from->number + (count - 1) * step->number;
+  g_autofree char *last =
+      count > 1 ? g_strdup_printf(", but to %.12g%s%s", end,
+                                  *from->unit ? " " : "", from->unit)
+                : g_strdup("");
   if (count > most_points && isfinite(count))
     opc_wrong(problems, range,
               "a range of %.0f values; at most %.0f are possible", count,
               most_points);
   else
     opc_wrong(problems, opc_node_get(range, "step"),
-              "'step' does not lead from '%s' to '%s'",
+              "'step' does not lead from '%s' to '%s'%s",
               opc_node_get(range, "from")->text,
-              opc_node_get(range, "to")->text);
+              opc_node_get(range, "to")->text, last);
   return 0;
 }
 

@@ -2,6 +2,7 @@
 /* Builds trees from the events of libyaml, and looks into them. */
 #include "core/text/node.h"
 
+#include <errno.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <yaml.h>
@@ -343,8 +344,15 @@ static opc_node *read_document(builder *b) {
   return root;
 }
 
+/* What some editors put before UTF-8. */
+static const char byte_order_mark[] = "\xEF\xBB\xBF";
+
 opc_node *opc_node_parse(const opc_source *source, const char *text,
                          size_t length, opc_problems *problems) {
+  if (length >= 3 && !memcmp(text, byte_order_mark, 3)) {
+    text += 3;
+    length -= 3;
+  }
   if (!check_bytes(source, text, length, problems)) return NULL;
   g_autofree char *hidden = hide_braces(text, length);
   builder b = {.source = source, .problems = problems};
@@ -362,24 +370,39 @@ opc_node *opc_node_parse(const opc_source *source, const char *text,
   return g_steal_pointer(&root);
 }
 
+const char *opc_file_fault(const char *path, size_t *size) {
+  struct stat about;
+  if (stat(path, &about))
+    return errno == ENOENT ? "no such file" : g_strerror(errno);
+  if (size) *size = (size_t)about.st_size;
+  switch (about.st_mode & S_IFMT) {
+    case S_IFREG:
+      return NULL;
+    case S_IFDIR:
+      return "is a folder, not a regular file";
+    case S_IFIFO:
+      return "is a pipe, not a regular file";
+    case S_IFSOCK:
+      return "is a socket, not a regular file";
+    default:
+      return "is a device, not a regular file";
+  }
+}
+
 opc_node *opc_node_read(const opc_source *source, const char *path,
                         const opc_place *at, opc_problems *problems) {
   g_autoptr(GError) fault = NULL;
   g_autofree char *text = NULL;
   gsize length = 0;
-  struct stat about = {0};
-  if (!stat(path, &about) && !S_ISREG(about.st_mode)) {
-    opc_problem_add(problems, OPC_IO, at, "'%s': not a file", path);
-  } else if (about.st_size > LARGEST_FILE) {
+  const char *why = opc_file_fault(path, &length);
+  if (why)
+    opc_problem_add(problems, OPC_IO, at, "'%s': %s", path, why);
+  else if (length > LARGEST_FILE)
     opc_problem_add(problems, OPC_INVALID, at, "'%s': larger than %d bytes",
                     path, LARGEST_FILE);
-  } else if (!g_file_get_contents(path, &text, &length, &fault)) {
-    const char *why = g_error_matches(fault, G_FILE_ERROR, G_FILE_ERROR_NOENT)
-                          ? "no such file"
-                          : fault->message;
-    opc_problem_add(problems, OPC_IO, at, "'%s': %s", path, why);
-  } else {
+  else if (!g_file_get_contents(path, &text, &length, &fault))
+    opc_problem_add(problems, OPC_IO, at, "'%s': %s", path, fault->message);
+  else
     return opc_node_parse(source, text, length, problems);
-  }
   return NULL;
 }

@@ -37,6 +37,11 @@ void opc_source_free(opc_source *source);
 opc_node *opc_node_parse(const opc_source *source, const char *text,
                          size_t length, opc_problems *problems);
 
+/* Why what lies at `path` cannot be read from its beginning to an end: "no such
+   file", "is a pipe, not a regular file". Nothing is opened, as that may wait
+   for ever. NULL: it can; then its size is in *size, which may be NULL. */
+const char *opc_file_fault(const char *path, size_t *size);
+
 /* The tree of a file; its problems carry the name of `source`, those of the
    file as such the place `at`, which may be NULL. */
 opc_node *opc_node_read(const opc_source *source, const char *path,

@@ -5,6 +5,8 @@
 
 #include <string.h>
 
+#include "core/text/shown.h"
+
 enum {
   MOST_PROBLEMS = 1000,
   LONGEST_MESSAGE = 1000 /* bytes */
@@ -50,9 +52,10 @@ gboolean opc_problem_add(opc_problems *problems, int code,
   if (place && !last) problem->at = *place;
   problem->at.file = g_strdup(problem->at.file);
   problem->code = code;
-  problem->message = last ? g_strdup("there is more that is wrong")
-                          : g_strdup_vprintf(format, args);
+  g_autofree char *message =
+      g_strdup_vprintf(last ? "there is more that is wrong" : format, args);
   va_end(args);
+  problem->message = opc_shown(message, "");
   cut(problem->message);
   g_ptr_array_add(problems->list, problem);
   return FALSE;
@@ -84,8 +87,11 @@ void opc_problems_merge(opc_problems *problems, const opc_problems *from,
 
 char *opc_place_text(const opc_place *place) {
   if (!place->file) return g_strdup("");
-  if (!place->line) return g_strdup(place->file);
-  return g_strdup_printf("%s:%u:%u", place->file, place->line, place->column);
+  char *file = opc_shown(place->file, "");
+  if (!place->line) return file;
+  char *text = g_strdup_printf("%s:%u:%u", file, place->line, place->column);
+  g_free(file);
+  return text;
 }
 
 static gboolean same_file(gconstpointer a, gconstpointer b) {

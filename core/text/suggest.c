@@ -53,3 +53,21 @@ char *opc_suggestion_of(const char *word, char *const *words) {
   for (; *words; words++) g_ptr_array_add(list, *words);
   return opc_suggestion(word, list);
 }
+
+char *opc_suggestion_of_id(const char *id, const GPtrArray *ids) {
+  const char *dot = strchr(id, '.'), *best = NULL;
+  unsigned least = G_MAXUINT;
+  g_autofree char *turned =
+      dot ? g_strdup_printf("%s.%.*s", dot + 1, (int)(dot - id), id) : NULL;
+  for (guint i = 0; dot && i < ids->len && least; i++) {
+    const char *other = ids->pdata[i], *its = strchr(other, '.');
+    gboolean same = !strcmp(other, turned);
+    if (!same && (!its || strcmp(its, dot) != 0)) continue;
+    unsigned distance = same ? 0 : opc_edit_distance(id, other);
+    if (distance >= least) continue;
+    least = distance;
+    best = other;
+  }
+  return best ? g_strdup_printf(", did you mean '%s'?", best)
+              : opc_suggestion(id, ids);
+}

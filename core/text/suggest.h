@@ -14,6 +14,11 @@ unsigned opc_edit_distance(const char *a, const char *b);
    of equals. */
 const char *opc_nearest(const char *word, const GPtrArray *words);
 
+/* The same for names of two words with a dot between, which may have been
+   called otherwise before: one of the words in the other order, else the
+   nearest of those with the same last word, comes first. */
+char *opc_suggestion_of_id(const char *id, const GPtrArray *ids);
+
 /* ", did you mean 'x'?" or "". */
 char *opc_suggestion(const char *word, const GPtrArray *words);
 /* The same, of words that end with NULL. */

@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "core/text/suggest.h"
@@ -293,14 +292,8 @@ static gboolean read_file(const conversion *c, const opc_node *node,
                           opc_setting *value) {
   const char *path = value->field.text = own(c, opc_node_path(node));
   if (!c->check_files) return TRUE;
-  struct stat about;
-  const char *why = NULL;
-  if (stat(path, &about))
-    why = errno == ENOENT ? "no such file" : g_strerror(errno);
-  else if (S_ISDIR(about.st_mode))
-    why = "is a folder";
-  else if (access(path, R_OK))
-    why = g_strerror(errno);
+  const char *why = opc_file_fault(path, NULL);
+  if (!why && access(path, R_OK)) why = g_strerror(errno);
   return !why ||
          opc_problem_add(c->problems, OPC_IO, &node->at, "'%s': %s", path, why);
 }

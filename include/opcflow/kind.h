@@ -28,7 +28,7 @@ struct opc_inspector {
   /* Bytes of a result: the same input must give the same ones again, in
      another instance and on any number of threads. */
   void (*add)(opc_inspector *inspector, const void *data, size_t size);
-  /* A fault; and something worth knowing that is none. */
+  /* A fault; and what could not be tried, with the reason. */
   void (*find)(opc_inspector *inspector, const char *format, ...)
       OPC_PRINTF(2, 3);
   void (*note)(opc_inspector *inspector, const char *format, ...)
@@ -43,6 +43,22 @@ typedef struct opc_template {
   const char *text;
 } opc_template;
 
+/* A small file for plugins that must be given one: what its form is, only the
+   plugin knows. */
+typedef struct opc_sample {
+  const char *name; /* "table.yaml" */
+  const void *bytes;
+  size_t size;
+} opc_sample;
+
+/* Data for an input of a step, by its data kind. */
+typedef struct opc_example {
+  const char *kind;
+  /* Made at the first call and then constant; NULL and *error if it cannot be.
+     [main] */
+  const void *(*give)(opc_error *error);
+} opc_example;
+
 typedef struct opc_kind {
   size_t functions_size; /* of the struct of a plugin of this kind */
   size_t n_functions;
@@ -54,19 +70,33 @@ typedef struct opc_kind {
 
   size_t n_templates;
   const opc_template *templates;
+
+  /* What lint gives to plugins of this kind that must have a file, each in turn
+     until the plugin works with it, and to the inputs of steps. A plugin
+     "kind.step" has them for steps. */
+  size_t n_samples;
+  const opc_sample *samples;
+  size_t n_examples;
+  const opc_example *examples;
 } opc_kind;
 
 /* The end of a kind's file, after `static const opc_function required[]`, a
    function `exercise` and the `templates` that are embedded: the plugin
-   "kind.NAME" for modules whose functions are a `type`. */
-#define OPC_KIND(kind_name, type, text)                                      \
+   "kind.NAME" for modules whose functions are a `type`; what else there is as
+   designated initialisers (OPC_SAMPLES). */
+#define OPC_SAMPLES(array) \
+  .n_samples = sizeof(array) / sizeof((array)[0]), .samples = (array)
+#define OPC_EXAMPLES(array) \
+  .n_examples = sizeof(array) / sizeof((array)[0]), .examples = (array)
+#define OPC_KIND(kind_name, type, text, ...)                                 \
   static const opc_kind functions = {                                        \
       .functions_size = sizeof(type),                                        \
       .n_functions = sizeof required / sizeof *required,                     \
       .functions = required,                                                 \
       .exercise = exercise,                                                  \
       .n_templates = sizeof templates / sizeof *templates,                   \
-      .templates = templates};                                               \
+      .templates = templates,                                                \
+      __VA_ARGS__};                                                          \
   typedef struct kind_state {                                                \
     const opc_host *host;                                                    \
   } kind_state;                                                              \

@@ -24,7 +24,7 @@ extern "C" {
 
 /* While the major number is 0, a plugin built for another minor is refused. */
 #define OPC_ABI_MAJOR 0u
-#define OPC_ABI_MINOR 2u
+#define OPC_ABI_MINOR 3u
 
 /* ---- parameters ------------------------------------------------------- */
 
@@ -126,7 +126,15 @@ typedef struct opc_metric {
 
 /* ---- the host --------------------------------------------------------- */
 
-enum { OPC_LOG_DEBUG = 0, OPC_LOG_INFO = 1, OPC_LOG_WARNING = 2 };
+/* Levels of what is said. A finding is about the result, and must not be
+   missed: it is shown as a warning at once, again as a last line of the run,
+   and kept in metrics.json. */
+enum {
+  OPC_LOG_DEBUG = 0,
+  OPC_LOG_INFO = 1,
+  OPC_LOG_WARNING = 2,
+  OPC_LOG_FINDING = 3
+};
 
 /* What a long step tells while it works. NAN where there is nothing to say. */
 typedef struct opc_progress {

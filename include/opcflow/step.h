@@ -24,6 +24,22 @@ typedef struct opc_port {
   void (*release)(void *object);
 } opc_port;
 
+/* What a run of a step is about to want. Texts are for the user, plain and on
+   one line; they may stay empty. */
+typedef struct opc_forecast {
+  double memory;  /* bytes at its height, beyond what its inputs have; 0: it
+                     cannot be said. Rather too low: what wants more than there
+                     is, is refused */
+  char work[200]; /* "at least 36 simulations of 2048 x 1024 points" */
+  char help[200]; /* what would take less: "a smaller 'na'" */
+} opc_forecast;
+
+enum {
+  OPC_STEP_LIGHT = 1 << 0 /* takes a few seconds at most, writes no file: run
+                             by `opcflow check`, too, so that later steps have
+                             inputs for their forecast */
+};
+
 typedef struct opc_step {
   /* The first one is what `${step}` means. Inputs are parameters of the type
      OPC_INPUT. An output may point into the inputs of its step: they live as
@@ -35,6 +51,12 @@ typedef struct opc_step {
      `outputs` (which is NULL-filled); on failure those that are there are
      released. [main] */
   int (*run)(void *self, void **outputs, opc_error *error);
+
+  /* Say what `run` will want, without the work, with the inputs there; *out is
+     zero-filled. May warn by host->log and refuse as `run` would. Called before
+     `run`, and by `opcflow check`. NULL: nothing to say. [main] */
+  int (*forecast)(void *self, opc_forecast *out, opc_error *error);
+  uint32_t flags; /* OPC_STEP_* */
 } opc_step;
 
 #define OPC_OUTPUTS(array) \
