@@ -94,7 +94,7 @@ static void test_usage(void) {
   g_assert_cmpint(call("help run"), ==, 0);
   g_assert_nonnull(strstr(out, "--threads N"));
   g_assert_cmpint(call("--version"), ==, 0);
-  g_assert_cmpstr(out, ==, "opcflow " OPC_VERSION " (plugin interface 0.2)\n");
+  g_assert_cmpstr(out, ==, "opcflow " OPC_VERSION " (plugin interface 0.3)\n");
 }
 
 static void test_tell(void) {
@@ -113,7 +113,7 @@ static void test_tell(void) {
                   "error: unknown plugin 'test.number', did you mean "
                   "'test.numbers'?\n");
   g_assert_cmpint(call("inspect bad.major"), ==, 3);
-  g_assert_nonnull(strstr(err, "built for plugin interface 9.2, this is 0.2"));
+  g_assert_nonnull(strstr(err, "built for plugin interface 9.3, this is 0.3"));
 }
 
 /* What inspect gives to paste is a flow but for the values. */
@@ -144,6 +144,42 @@ static void test_check(void) {
   g_assert_cmpint(call("check two.yaml --set a.input=none"), ==, 5);
   g_assert_cmpint(call("check none.yaml"), ==, 5);
   g_assert_cmpstr(err, ==, "error: 'none.yaml': no such file\n");
+}
+
+/* Light steps run, so that the others can tell what they will want. */
+static void test_forecast(void) {
+  write_flow("wants.yaml",
+             "opcflow: 1\nsteps:\n"
+             "  a: { use: test.light }\n"
+             "  b: { use: test.heavy, from: ${a}, memory: 2e-3 }\n"
+             "  c: { use: test.heavy, from: ${b} }\n"
+             "variants:\n  big: { b.memory: 1e9 }\n  bad: { b.memory: -1 }\n");
+  g_assert_cmpint(call("check wants.yaml"), ==, 2);
+  g_assert_cmpstr(out, ==,
+                  "a: 1 sums\nb: 2 sums, 2 MB\n"
+                  "big/a: 1 sums\nbig/b: 2 sums, 1000000000.0 GB\n"
+                  "bad/a: 1 sums\nbad/b: 2 sums\n");
+  g_assert_true(g_str_has_prefix(
+      err,
+      "warning: a: ran with 1\n"
+      "wants.yaml:4:3: step 'b' (test.heavy): wants 1000000000.0 GB of memory "
+      "for 2 sums, but "));
+  g_assert_nonnull(strstr(err,
+                          " left; less with a smaller 'memory' (variant 'big')"
+                          "\nwants.yaml:8:20: step 'b' (test.heavy): less than "
+                          "nothing (variant 'bad')\n"));
+  g_assert_null(strstr(err, "ran with 2"));
+  g_assert_cmpint(call("check wants.yaml --quick"), ==, 0);
+  g_assert_cmpstr(out, ==, "");
+  g_assert_cmpint(call("check wants.yaml --json --set b.memory=3"), ==, 0);
+  g_assert_nonnull(strstr(out, "\"work\" : \"2 sums\""));
+  g_assert_nonnull(strstr(out, "\"memory\" : 3000000000.0"));
+  g_assert_cmpint(call("run wants.yaml --output wants"), ==, 0);
+  g_assert_nonnull(strstr(err, "ran with 4"));
+  g_assert_true(opc_remove_tree("wants"));
+  g_assert_cmpint(call("run wants.yaml --variant big"), ==, 4);
+  g_assert_nonnull(strstr(err, "wants 1000000000.0 GB of memory"));
+  g_assert_null(strstr(err, "ran with 2"));
 }
 
 /* ---- verbs of plugins ---- */
@@ -181,7 +217,7 @@ static void test_verb(void) {
 
 static void test_verb_help(void) {
   g_assert_cmpint(call("help"), ==, 0);
-  g_assert_nonnull(strstr(out, "\nVerbs of plugins:\n  tell "));
+  g_assert_nonnull(strstr(strstr(out, "\nVerbs of plugins:\n"), "\n  tell "));
   g_assert_cmpint(call("help tell"), ==, 0);
   g_autofree char *help = g_strdup(out);
   g_assert_true(
@@ -321,16 +357,14 @@ static void test_folders(void) {
   g_assert_cmpint(call("run two.yaml --output runs/two"), ==, 5);
   g_assert_cmpstr(err, ==,
                   "error: 'runs/two': already exists, --force replaces it\n");
-  write_flow("runs/two/mine.txt", "");
   g_assert_cmpint(call("run two.yaml --output runs/two/ --force"), ==, 0);
-  g_assert_false(is_there("runs/two/mine.txt"));
   /* Only runs are replaced. */
   g_assert_cmpint(g_mkdir("precious", 0777), ==, 0);
   write_flow("precious/mine.txt", "");
   g_assert_cmpint(call("run two.yaml --output precious --force"), ==, 5);
   g_assert_cmpstr(err, ==,
-                  "error: 'precious': is not the folder of a run, and is not "
-                  "replaced\n");
+                  "error: 'precious': is not the folder of a run (it has no "
+                  "manifest.json that can be read), and is not replaced\n");
   g_assert_true(is_there("precious/mine.txt"));
   g_assert_cmpuint(entries("runs"), ==, 3);
 }
@@ -364,9 +398,270 @@ static void test_taken(void) {
   g_assert_cmpint(
       call("run two.yaml --output taken --set b.output=deep/er/out.txt"), ==,
       2);
-  g_assert_nonnull(strstr(err, "'deep/er/out.txt' is already written by 'a'"));
-  g_assert_cmpint(call("run two.yaml --output taken --set b.output=flow.yaml"),
+  g_assert_cmpstr(err, ==,
+                  "--set b.output: step 'b' (test.numbers): 'output' is "
+                  "'deep/er/out.txt', but 'a' already writes "
+                  "'deep/er/out.txt'\n");
+}
+
+/* ---- findings ---- */
+
+static JsonArray *list_of(const char *text, const char *name, JsonNode **root) {
+  *root = json_from_string(text, NULL);
+  g_assert_nonnull(*root);
+  return json_object_get_array_member(json_node_get_object(*root), name);
+}
+
+static void expect_finding(JsonArray *list, guint i, const char *step,
+                           const char *text) {
+  g_assert_cmpuint(json_array_get_length(list), >, i);
+  JsonObject *o = json_array_get_object_element(list, i);
+  g_assert_cmpstr(json_object_get_string_member(o, "step"), ==, step);
+  g_assert_cmpstr(json_object_get_string_member(o, "text"), ==, text);
+}
+
+/* Said when it comes and as the last line, once each time, however often the
+   step says it. */
+static void test_findings(void) {
+  g_autoptr(JsonNode) file = NULL, json = NULL, none = NULL;
+  g_assert_cmpint(
+      call("run two.yaml --quiet --output found --set b.behave=find"), ==, 0);
+  g_assert_true(g_str_has_suffix(err, "\nfinding: b: 2 nm is odd\n"));
+  g_assert_true(g_str_has_prefix(err, "warning: b: 2 nm is odd\n"));
+  g_autofree char *metrics = read_text("found/metrics.json");
+  expect_finding(list_of(metrics, "findings", &file), 0, "b", "2 nm is odd");
+  g_assert_cmpint(call("run two.yaml --json --output found-json --set "
+                       "b.behave=find"),
+                  ==, 0);
+  JsonArray *list = list_of(out, "findings", &json);
+  expect_finding(list, 0, "b", "2 nm is odd");
+  g_assert_cmpuint(json_array_get_length(list), ==, 1);
+  g_assert_cmpint(call("run two.yaml --json --output found-none"), ==, 0);
+  g_assert_cmpuint(json_array_get_length(list_of(out, "findings", &none)), ==,
+                   0);
+  g_assert_null(strstr(err, "finding"));
+}
+
+/* In one stream, too, findings and what was not kept come last. */
+static void test_last_lines(void) {
+  g_autofree char *line = g_strdup_printf(
+      "'%s' run two.yaml --output last --set b.behave=find "
+      "--set 'require.b.sum=70 nm' 2>&1",
+      command);
+  const char *argv[] = {"sh", "-c", line, NULL};
+  g_autofree char *all = NULL;
+  g_assert_true(g_spawn_sync(NULL, (char **)argv, NULL, G_SPAWN_SEARCH_PATH,
+                             NULL, NULL, &all, NULL, NULL, NULL));
+  g_assert_true(g_str_has_suffix(
+      all,
+      " s\nfinding: b: 2 nm is odd\n"
+      "--set require.b.sum: 'b.sum' is 75 nm, required is at most 70 nm\n"));
+}
+
+/* Many come from all threads, and from a step that then fails. */
+static void test_many_findings(void) {
+  g_autoptr(JsonNode) file = NULL;
+  g_assert_cmpint(call("run two.yaml --output many --set a.behave=many --set "
+                       "b.behave=fail"),
+                  ==, 4);
+  g_assert_nonnull(strstr(err, "\nfinding: and 150 more findings\nnote: "));
+  g_autofree char *metrics = read_text("many.failed/metrics.json");
+  JsonArray *list = list_of(metrics, "findings", &file);
+  g_assert_cmpuint(json_array_get_length(list), ==, 100);
+  JsonObject *root = json_node_get_object(file);
+  g_assert_cmpint(json_object_get_int_member(root, "more_findings"), ==, 150);
+}
+
+/* Of each point, and in the folder of each. */
+static void test_findings_of_points(void) {
+  g_autoptr(JsonNode) file = NULL, one = NULL;
+  g_assert_cmpint(call("run two.yaml --keep --output points --sweep "
+                       "b.size=[3~nm,4~nm] --set b.behave=find --set "
+                       "a.behave=find"),
+                  ==, 0);
+  g_assert_true(g_str_has_suffix(err,
+                                 "\nfinding: a: 65 nm is odd\n"
+                                 "finding: point 1: b: 3 nm is odd\n"
+                                 "finding: point 2: b: 4 nm is odd\n"));
+  g_autofree char *all = read_text("points/metrics.json");
+  JsonArray *list = list_of(all, "findings", &file);
+  expect_finding(list, 2, "b", "4 nm is odd");
+  g_assert_cmpint(json_object_get_int_member(
+                      json_array_get_object_element(list, 2), "point"),
                   ==, 2);
+  g_autofree char *point = read_text("points/0002/metrics.json");
+  expect_finding(list_of(point, "findings", &one), 0, "b", "4 nm is odd");
+}
+
+/* ---- what is required ---- */
+
+/* a.sum is 69 nm, b.sum is 75 nm; which of the bounds are kept. */
+static void test_bounds(void) {
+  static const struct {
+    const char *bound, *text; /* of what is not kept; NULL: it is */
+  } cases[] = {{"75~nm", NULL},
+               {"0.075~um", NULL},
+               {"74.9~nm", "at most 74.9 nm"},
+               {"<=75~nm", NULL},
+               {"<75~nm", "less than 75 nm"},
+               {">=75~nm", NULL},
+               {">75~nm", "more than 75 nm"},
+               {">=76~nm", "at least 76 nm"},
+               {"=75.05~nm", NULL}, /* its tolerance is 0.1 nm */
+               {"=75.2~nm", "75.2 nm"},
+               {"[75~nm,75~nm]", NULL},
+               {"[75.1~nm,80~nm]", "from 75.1 nm to 80 nm"},
+               {"[60~nm,74~nm]", "from 60 nm to 74 nm"}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_autofree char *list = NULL, *quoted = NULL, *line = NULL;
+    quoted = *cases[i].bound == '[' ? g_strdup(cases[i].bound)
+                                    : g_strdup_printf("'%s'", cases[i].bound);
+    line = g_strdup_printf(
+        "run two.yaml --quiet --output bounds-%zu --set require.b.sum=%s", i,
+        quoted);
+    g_assert_cmpint(call(line), ==, cases[i].text ? 1 : 0);
+    list = cases[i].text ? g_strdup_printf(
+                               "--set require.b.sum: 'b.sum' is 75 nm, "
+                               "required is %s\n",
+                               cases[i].text)
+                         : g_strdup("");
+    g_assert_cmpstr(err, ==, list);
+  }
+}
+
+/* All is written, under its own name, and the last line tells it. */
+static void test_require(void) {
+  write_flow("must.yaml",
+             "opcflow: 1\nextends: two.yaml\nrequire:\n  b.sum: 70 nm\n"
+             "  a: { sum: '>= 0.069 um' }\n"
+             "variants: { less: { b.size: 0.5 nm, require.b.sum: 74 nm }, "
+             "none: { require: ~ } }\n");
+  g_assert_cmpint(call("check must.yaml"), ==, 0);
+  g_assert_cmpint(call("run must.yaml --output must"), ==, 1);
+  g_assert_cmpstr(err, ==,
+                  "must.yaml:4:3: 'b.sum' is 75 nm, required is at most 70 "
+                  "nm\n");
+  g_assert_nonnull(strstr(out, "\nmust: "));
+  g_assert_false(is_there("must.failed"));
+  g_autoptr(JsonNode) file = NULL, json = NULL;
+  g_autofree char *text = read_text("must/metrics.json");
+  JsonArray *list = list_of(text, "require", &file);
+  g_assert_cmpuint(json_array_get_length(list), ==, 2);
+  JsonObject *first = json_array_get_object_element(list, 0);
+  g_assert_cmpstr(json_object_get_string_member(first, "metric"), ==, "b.sum");
+  g_assert_cmpfloat(json_object_get_double_member(first, "value"), ==, 75);
+  g_assert_cmpfloat(json_object_get_double_member(first, "most"), ==, 70);
+  g_assert_false(json_object_get_boolean_member(first, "kept"));
+  g_assert_true(json_object_get_boolean_member(
+      json_array_get_object_element(list, 1), "kept"));
+  /* The resolved flow requires the same. */
+  g_assert_cmpint(call("run must/flow.yaml --json --output must-again"), ==, 1);
+  JsonArray *problems = list_of(out, "problems", &json);
+  g_assert_cmpint(json_object_get_int_member(
+                      json_array_get_object_element(problems, 0), "exit"),
+                  ==, 1);
+  /* A layer over it, and one that takes it away. */
+  g_assert_cmpint(call("run must.yaml --variant less --output must-less"), ==,
+                  0);
+  g_assert_cmpint(call("run must.yaml --variant none --output must-none"), ==,
+                  0);
+  g_assert_cmpint(call("run must.yaml --output must-set --set require.b=null"),
+                  ==, 0);
+}
+
+static void test_require_faults(void) {
+  write_flow("musty.yaml",
+             "opcflow: 1\nextends: two.yaml\nrequire:\n  c.sum: 1 nm\n"
+             "  a.smu: 1 nm\n  b.sum: 1\n  a.sum: 1 V\n  sum: 3\n");
+  g_assert_cmpint(call("check musty.yaml"), ==, 2);
+  g_assert_cmpstr(
+      err, ==,
+      "musty.yaml:4:3: there is no 'c' in 'musty.yaml'\n"
+      "musty.yaml:5:3: 'a' (test.numbers) has no metric 'smu', did you mean "
+      "'sum'?\n"
+      "musty.yaml:6:10: 'b.sum' needs a length with its unit, e.g. '1 nm'\n"
+      "musty.yaml:7:10: 'a.sum' needs a length, not '1 V'\n"
+      "musty.yaml:8:3: 'sum' is no figure, as 'step.metric'\n");
+  write_flow("musty.yaml",
+             "opcflow: 1\nextends: two.yaml\nrequire:\n  a.sum: 1 nm\n"
+             "  a: { sum: 2 nm }\n");
+  g_assert_cmpint(call("check musty.yaml"), ==, 2);
+  g_assert_cmpstr(err, ==,
+                  "musty.yaml:5:8: 'sum' is given here and at "
+                  "musty.yaml:4:3\n");
+  g_assert_cmpint(call("check two.yaml --set require.a.sum=[2~nm,1~nm]"), ==,
+                  2);
+  g_assert_cmpint(call("check two.yaml --set require.a.sum=[2~nm]"), ==, 2);
+  g_assert_cmpint(call("check two.yaml --set require=~"), ==, 2);
+  write_flow("musty.yaml",
+             "opcflow: 1\nsteps: { require: { use: test.numbers, size: 1 nm } "
+             "}\n");
+  g_assert_cmpint(call("check musty.yaml"), ==, 2);
+  g_assert_cmpstr(err, ==,
+                  "musty.yaml:2:10: a step cannot be called 'require'\n");
+}
+
+/* A metric that did not come is not good. */
+static void test_not_measured(void) {
+  g_assert_cmpint(call("run two.yaml --output unmeasured --set b.behave=quiet "
+                       "--set require.b.sum=100~nm"),
+                  ==, 1);
+  g_assert_cmpstr(err, ==,
+                  "--set require.b.sum: 'b.sum' was not measured, required is "
+                  "at most 100 nm\n");
+}
+
+/* Each point is judged; what all share, once. */
+static void test_require_of_points(void) {
+  g_autoptr(JsonNode) file = NULL;
+  g_assert_cmpint(call("run two.yaml --output judged --sweep "
+                       "b.size=[3~nm,4~nm,5~nm] --set require.b.sum=77~nm "
+                       "--set require.a.sum=68~nm"),
+                  ==, 1);
+  g_assert_true(g_str_has_suffix(
+      err,
+      "error: 1 of 3 points failed\n"
+      "--set require.b.sum: point 3: 'b.sum' is 78 nm, required is at most 77 "
+      "nm\n"
+      "--set require.a.sum: 'a.sum' is 69 nm, required is at most 68 nm\n"));
+  g_autofree char *csv = read_text("judged/sweep.csv");
+  g_assert_nonnull(strstr(csv, "--set require.b.sum: 'b.sum' is 78 nm"));
+  g_autofree char *text = read_text("judged/metrics.json");
+  g_assert_cmpuint(json_array_get_length(list_of(text, "require", &file)), ==,
+                   2);
+}
+
+/* ---- the command line ---- */
+
+/* As a shell gives ~ without quotes. */
+static void test_tilde(void) {
+  g_setenv("HOME", folder, TRUE);
+  const char *const paths[] = {"b", "b.note"};
+  for (size_t i = 0; i < G_N_ELEMENTS(paths); i++) {
+    g_autofree char *line =
+        g_strdup_printf("check two.yaml --set %s=%s", paths[i], folder);
+    g_autofree char *message = g_strdup_printf(
+        "--set %s: the shell turned ~ into '%s': quote it, or write '%s/' for "
+        "the folder\n",
+        paths[i], folder, folder);
+    g_assert_cmpint(call(line), ==, 2);
+    g_assert_cmpstr(err, ==, message);
+  }
+  g_assert_cmpint(call("check two.yaml --set b=null"), ==, 0);
+}
+
+static void test_log(void) {
+  g_assert_cmpint(call("run two.yaml --output log-debug --log debug"), ==, 0);
+  g_assert_nonnull(strstr(err, "b: debug: 2 numbers\n"));
+  g_assert_cmpint(call("run two.yaml --output log-info"), ==, 0);
+  g_assert_cmpstr(err, ==, "");
+  g_assert_cmpint(call("run two.yaml --output log-warning --log warning --set "
+                       "b.behave=find"),
+                  ==, 0);
+  g_assert_nonnull(strstr(err, "warning: b: 2 nm is odd\n"));
+  g_assert_cmpint(call("run two.yaml --log loud"), ==, 2);
+  g_assert_cmpstr(err, ==,
+                  "error: '--log' is debug, info or warning, not 'loud'\n");
 }
 
 /* ---- variants and sweeps ---- */
@@ -566,6 +861,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/command/tell", test_tell);
   g_test_add_func("/command/stanza", test_stanza);
   g_test_add_func("/command/check", test_check);
+  g_test_add_func("/command/forecast", test_forecast);
   g_test_add_func("/command/verb", test_verb);
   g_test_add_func("/command/verb-help", test_verb_help);
   g_test_add_func("/command/verb-faults", test_verb_faults);
@@ -577,6 +873,17 @@ int main(int argc, char **argv) {
   g_test_add_func("/command/folders", test_folders);
   g_test_add_func("/command/failures", test_failures);
   g_test_add_func("/command/taken", test_taken);
+  g_test_add_func("/command/findings", test_findings);
+  g_test_add_func("/command/last-lines", test_last_lines);
+  g_test_add_func("/command/many-findings", test_many_findings);
+  g_test_add_func("/command/findings-of-points", test_findings_of_points);
+  g_test_add_func("/command/bounds", test_bounds);
+  g_test_add_func("/command/require", test_require);
+  g_test_add_func("/command/require-faults", test_require_faults);
+  g_test_add_func("/command/not-measured", test_not_measured);
+  g_test_add_func("/command/require-of-points", test_require_of_points);
+  g_test_add_func("/command/tilde", test_tilde);
+  g_test_add_func("/command/log", test_log);
   g_test_add_func("/command/variants", test_variants);
   g_test_add_func("/command/sweep", test_sweep);
   g_test_add_func("/command/failing-points", test_failing_points);

@@ -146,6 +146,7 @@ static void expect_kept(const char *reason) {
   g_assert_true(has_text("x.failed/manifest.json", reason));
   g_assert_false(is_there("x.failed/after.numbers.csv"));
   g_assert_false(is_there("x"));
+  g_assert_false(is_there(".x.opcflow-1"));
   g_assert_true(opc_remove_tree("x.failed"));
 }
 
@@ -263,13 +264,15 @@ static void expect_end(GSubprocess *process, int first, int second,
 static void test_loops(void) {
   write_correction("synthesizer_loop");
   expect_end(start_loop("bad.yaml"), SIGINT, SIGTERM,
-             "bad.yaml:8:3: step 'mask' (correct): stopped\n"
+             "bad.yaml:8:3: step 'mask' (correct): stopped in plugin "
+             "'bad.synthesizer_loop'\n"
              "note: what was written so far is in 'x.failed'\n");
   expect_kept("ended while step 'mask' ran");
   /* Nothing was written: nothing is kept. */
   write_flow("loop.yaml", "opcflow: 1\nsteps:\n  a: { use: bad.step_loop }\n");
   expect_end(start_loop("loop.yaml"), SIGTERM, SIGINT,
-             "loop.yaml:3:3: step 'a' (bad.step_loop): stopped\n");
+             "loop.yaml:3:3: step 'a' (bad.step_loop): stopped in plugin "
+             "'bad.step_loop'\n");
   g_assert_false(is_there("x.failed"));
 }
 

@@ -458,6 +458,51 @@ static void test_bad_input(void) {
   expect(3, "litho.hopkin", "mask.litho.use=litho.hopkin");
 }
 
+static void simulate_evil(const char *name, const char *parameter,
+                          const char *path, const char *say) {
+  g_autofree char *file = g_strdup_printf("flows/%s.yaml", name);
+  g_autofree char *flow = source(file), *out = place("evil"), *errors = NULL;
+  g_autofree char *set = g_strdup_printf("%s=%s", parameter, path);
+  int code = opcflow(&errors, "run", flow, "--set", set, "--output", out, NULL);
+  g_test_message("%s", errors);
+  if (code != 2 || !strstr(errors, say))
+    g_error("exit code %d, want 2; '%s' is not in:\n%s", code, say, errors);
+  g_assert_false(g_file_test(out, G_FILE_TEST_EXISTS));
+}
+
+/* Model files that would run commands or have others read, through the flows
+   that simulate: refused with their place, and nothing is run or written. */
+static void test_model_files(void) {
+  static const struct {
+    const char *text, *say;
+  } evil[] = {
+      {"\n.control\nshell touch %s\n.endc\n", "evil.pm:29:1: '.control' is"},
+      {"\r\n\t.CONTROL\r\nshell touch %s\r\n", "evil.pm:29:2: '.CONTROL' is"},
+      {"shell touch %s\n", "evil.pm:28:1: 'shell' is refused"},
+      {".csparam x=`touch %s`\n", "evil.pm:28:1: '.csparam' is refused"},
+      {".param x=\"`touch %s`\" y=`a`\n", "evil.pm:28:1: a '`'"},
+      {"a1 [x] [y] m\n.model m d_process(process_file=\"%s\")\n",
+       "evil.pm:28:1: 'a1' is refused"},
+      {".model m filesource(file=\"%s\")\n", "evil.pm:28:10: models of kind"},
+      {".options rawfile=%s\n", "evil.pm:28:10: option 'rawfile'"},
+      {".include '../../%s'\n", "evil.pm:28:10: "},
+      {".include /etc/hostname\n", "evil.pm:28:10: '/etc/hostname' lies"},
+      {".lib '/dev/zero' tt\n", "evil.pm:28:6: '/dev/zero' lies outside"}};
+  if (!have("devices.ngspice")) return;
+  g_autofree char *own = source("data/devices/opcflow65.pm"), *card = NULL;
+  g_autofree char *path = place("evil.pm"), *made = place("made");
+  g_assert_true(g_file_get_contents(own, &card, NULL, NULL));
+  for (size_t i = 0; i < G_N_ELEMENTS(evil); i++) {
+    g_auto(GStrv) parts = g_strsplit(evil[i].text, "%s", -1);
+    g_autofree char *more = g_strjoinv(made, parts);
+    g_autofree char *text = g_strconcat(card, more, NULL);
+    g_assert_true(g_file_set_contents(path, text, -1, NULL));
+    simulate_evil("devices", "devices.card", path, evil[i].say);
+    if (!i) simulate_evil("circuit", "circuit.models", path, evil[i].say);
+    g_assert_false(g_file_test(made, G_FILE_TEST_EXISTS));
+  }
+}
+
 /* Poly and active that never meet. */
 static void test_no_transistor(void) {
   g_autofree char *cif = place("apart.cif");
@@ -528,6 +573,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/flows/notes", test_notes);
   g_test_add_func("/flows/bad-note", test_bad_note);
   g_test_add_func("/flows/bad-input", test_bad_input);
+  g_test_add_func("/flows/model-files", test_model_files);
   g_test_add_func("/flows/no-transistor", test_no_transistor);
   g_test_add_func("/flows/truncated", test_truncated);
   g_test_add_func("/flows/typo", test_typo);

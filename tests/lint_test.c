@@ -2,8 +2,11 @@
 /* `opcflow lint`: what it finds in plugins that are made to be found, and that
    it finds nothing in ours. */
 #include <glib.h>
+#include <poll.h>
+#include <signal.h>
 #include <string.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 static char *out, *err;
 
@@ -13,8 +16,8 @@ static int lint(const char *folder, const char *id, const char *with) {
   g_autofree char *command = g_build_filename(build, "opcflow", NULL);
   g_autofree char *file = g_strconcat(id, ".so", NULL);
   g_autofree char *path = g_build_filename(build, folder, file, NULL);
-  const char *argv[] = {command, "lint", path, with ? "--with" : NULL,
-                        with,    NULL};
+  const char *argv[] = {
+      command, "lint", "--strict", path, with ? "--with" : NULL, with, NULL};
   g_clear_pointer(&out, g_free);
   g_clear_pointer(&err, g_free);
   int status;
@@ -29,7 +32,7 @@ static const struct {
 } bad[] = {
     {"bad.crash", "crashes (Aborted): loading"},
     {"bad.exit", "ends the process: loading"},
-    {"bad.major", "built for plugin interface 9.2, this is 0.2"},
+    {"bad.major", "built for plugin interface 9.3, this is 0.3"},
     {"bad.step_check", "crashes (Segmentation fault): check"},
     {"bad.step_refuse", "check fails without a message"},
     {"bad.litho_segv", "crashes (Segmentation fault): work"},
@@ -43,6 +46,17 @@ static const struct {
     {"bad.extractor_negative", "extract: ion of transistor 'sample:1' is -1"},
     {"bad.synthesizer_moves",
      "update: moves the width of transistor 2 by -2147483648"},
+    {"bad.litho_dim", "image: the clear field has the intensity 0.9, not 1"},
+    {"bad.resist_sign", "print: nothing prints in the dark"},
+    {"bad.extractor_milli",
+     "extract: Ion of a gate of L 60, W 200 nm is 0.333333 A; 1e-08 to 0.01 "
+     "are plausible"},
+    {"bad.extractor_narrow", "extract: twice the width has 1 times the Ion"},
+    {"bad.extractor_scratch",
+     "extract gives other bits while other threads call it; it is [any]"},
+    {"bad.synthesizer_restless", "update is not done after 500 iterations"},
+    {"bad.regulator_place",
+     "violations: 'space' at (-5000, 40) nm is not in the layout"},
     {"bad.regulator_ends",
      "rule: moves the line end of transistor 1 by 16777216"},
 };
@@ -73,47 +87,96 @@ static void test_untidy(void) {
 #endif
 }
 
-/* What is said of a plugin without a fault: of one that was tried at work, and
-   of one that its kind does not know how to try. */
+/* The last line of a plugin without a fault, and the exit code with --strict:
+   of one that was tried at work, of one that may not be tried twice at once,
+   and of one that its kind does not know how to try. */
+#define WORK                                                                 \
+  "note: checked: exports, loading, check, work, the same work again, work " \
+  "on several threads, "
 static const char tried[] =
-    "note: checked: exports, loading, check, work, the same work again, work "
-    "on several threads, being made and freed\n";
+    WORK "two instances at once, being made and freed; not checked: nothing\n";
+static const char alone[] = WORK
+    "being made and freed; not checked: two instances at once: it is not "
+    "OPC_REENTRANT\n";
 static const char untried[] =
-    "note: checked: exports, loading, check, being made and freed\n"
-    "note: not checked: work: the kind '*' does not say how to try it\n";
+    "note: checked: exports, loading, check, being made and freed; not "
+    "checked: work: the kind '*' does not say how to try it\n";
+
+static const struct {
+  const char *folder, *id, *said;
+  int code;
+} good[] = {
+    {"plugins", "synthesizer.dpb", tried, 0},
+    {"plugins", "synthesizer.newton", tried, 0},
+    {"plugins", "regulator.drc", tried, 0},
+    {"plugins", "resist.threshold", tried, 0},
+    {"plugins", "resist.vtr", tried, 0},
+    {"plugins", "litho.abbe", tried, 0},
+    {"plugins", "extractor.plain", tried, 0},
+    {"plugins", "extractor.gamma", tried, 0},
+    {"plugins", "read.gds", tried, 0},
+    {"plugins", "read.oasis", tried, 0},
+    {"plugins", "read.cif", tried, 0},
+    {"plugins", "write.cif", tried, 0},
+    {"plugins", "netlist.match", tried, 0},
+    {"plugins", "draw.mask", tried, 0},
+    {"plugins", "segment.transistors", tried, 0},
+    {"tests", "bad.litho_none", alone, 1},
+    {"plugins", "kind.litho", untried, 1},
+    {"tests", "command.tell", untried, 1},
+};
 
 static void test_good(void) {
-  static const struct {
-    const char *folder, *id, *said;
-  } good[] = {
-      {"plugins", "synthesizer.dpb", tried},
-      {"plugins", "regulator.drc", tried},
-      {"plugins", "resist.threshold", tried},
-      {"tests", "bad.litho_none", tried},
-      {"plugins", "read.gds", untried},
-      {"plugins", "kind.litho", untried},
-      {"tests", "command.tell", untried},
-      {"tests", "test.numbers", untried},
-  };
   for (size_t i = 0; i < G_N_ELEMENTS(good); i++) {
     int code = lint(good[i].folder, good[i].id, NULL);
     g_test_message("%s", good[i].id);
     g_assert_cmpstr(out, ==, "");
     if (!g_pattern_match_simple(good[i].said, err))
       g_assert_cmpstr(err, ==, good[i].said);
-    g_assert_cmpint(code, ==, 0);
+    g_assert_cmpint(code, ==, good[i].code);
   }
 }
 
-/* What is wanted can be given, and what cannot be checked is told. */
+/* What is wanted can be given, and what cannot be checked is told: with
+   --strict, it fails. */
 static void test_with(void) {
-  g_assert_cmpint(lint("plugins", "extractor.plain", NULL), ==, 0);
-  g_assert_nonnull(strstr(err, "note: not checked: prepare: "));
+  g_assert_cmpint(
+      lint("plugins", "extractor.plain", "{ devices: /proc/self/exe }"), ==, 1);
+  g_assert_cmpstr(out, ==, "");
+  g_assert_nonnull(
+      strstr(err, "check, being made and freed; not checked: prepare: "));
   g_autofree char *with = g_strdup_printf(
       "{ devices: %s/data/devices/ptm65.yaml }", g_getenv("OPCFLOW_SOURCE"));
   g_assert_cmpint(lint("plugins", "extractor.plain", with), ==, 0);
   g_assert_cmpstr(err, ==, tried);
+  g_assert_cmpint(lint("plugins", "correct", NULL), ==, 1);
+  g_assert_nonnull(strstr(err, "not checked: check: "));
+  g_assert_cmpint(lint("plugins", "litho.kernels", NULL), ==, 1);
+  g_assert_nonnull(
+      strstr(err, "work: wants a file 'focus', none that is made up suits"));
   g_assert_cmpint(lint("plugins", "none", NULL), ==, 5);
+}
+
+/* A child that works for ever ends with its parent, however that ends. */
+static void test_killed(void) {
+  const char *build = g_getenv("OPCFLOW_BUILD");
+  g_autofree char *command = g_build_filename(build, "opcflow", NULL);
+  g_autofree char *path = g_build_filename(build, "tests", "bad.hang.so", NULL);
+  const char *argv[] = {command, "lint", path, NULL};
+  GPid pid;
+  int output;
+  g_assert_true(g_spawn_async_with_pipes(NULL, (char **)argv, NULL,
+                                         G_SPAWN_DO_NOT_REAP_CHILD, NULL, NULL,
+                                         &pid, NULL, &output, NULL, NULL));
+  g_usleep(G_USEC_PER_SEC);
+  g_assert_cmpint(kill(pid, SIGKILL), ==, 0);
+  g_assert_cmpint(waitpid(pid, NULL, 0), ==, pid);
+  /* The child has the other end, too: the pipe ends when it does. */
+  struct pollfd end = {output, POLLIN, 0};
+  char byte;
+  g_assert_cmpint(poll(&end, 1, 5000), ==, 1);
+  g_assert_cmpint(read(output, &byte, 1), ==, 0);
+  close(output);
 }
 
 /* Where there is no nm, that is said. */
@@ -123,8 +186,7 @@ static void test_without_nm(void) {
   g_assert_cmpint(lint("tests", "test.untidy", NULL), ==, 1);
   g_setenv("PATH", path, TRUE);
   g_assert_null(strstr(out, "exports"));
-  g_assert_nonnull(
-      strstr(err, "note: not checked: exports: there is no nm here\n"));
+  g_assert_nonnull(strstr(err, "; not checked: exports: there is no nm here"));
 }
 
 int main(int argc, char **argv) {
@@ -133,6 +195,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/lint/untidy", test_untidy);
   g_test_add_func("/lint/good", test_good);
   g_test_add_func("/lint/with", test_with);
+  g_test_add_func("/lint/killed", test_killed);
   g_test_add_func("/lint/without-nm", test_without_nm);
   int failed = g_test_run();
   g_free(out);

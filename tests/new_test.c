@@ -161,6 +161,10 @@ static void test_refusals(void) {
   g_assert_cmpint(CALL(command, "new", "plugin", "mine"), ==, 2);
   g_assert_cmpstr(err, ==,
                   "error: 'new plugin' needs --kind, see 'opcflow help new'\n");
+  g_assert_cmpint(CALL(command, "new", "plugin", "command.run"), ==, 2);
+  g_assert_cmpstr(err, ==,
+                  "error: 'opcflow run' is there already: a plugin "
+                  "'command.run' would never be called\n");
   g_assert_cmpint(CALL(command, "new", "plugin", "--kind", "lithos", "mine"),
                   ==, 2);
   g_assert_cmpstr(err, ==,

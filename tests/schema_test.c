@@ -120,6 +120,16 @@ static void test_good(void) {
     g_ptr_array_add(names, g_strdup(name));
   }
   g_assert_cmpuint(names->len, >=, 3);
+  save_flow("dots.json",
+            "opcflow: 1\nsteps:\n  one: { use: read.gds, file: a.gds }\n"
+            "  two: { use: correct, gates: '${g}', litho: { use: "
+            "litho.hopkins, na: 0.7 }, resist: { use: resist.threshold, "
+            "anchor.line: 65 nm }, extractor: { use: extractor.plain, devices: "
+            "d.yaml }, synthesizer: { use: synthesizer.dpb }, "
+            "synthesizer.max_pde: 1 % }\n"
+            "require: { two.failed: 0, two: { ion_max: 1 %, synthesizer: { x: "
+            "[1, 2] } } }\n");
+  g_ptr_array_add(names, g_strdup("dots.json"));
   g_auto(GStrv) lines = validate(names);
   for (guint i = 0; lines && i < names->len; i++)
     if (strcmp(lines[i], "good"))
@@ -142,6 +152,8 @@ static void test_wrong(void) {
       "{ file: a.gds }",
       "{ use: correct, gates: '${g}', litho: { use: synthesizer.dpb } }",
       "12",
+      "{ use: read.gds, file: a.gds }\nrequire: { one.x: true }",
+      "{ use: read.gds, file: a.gds }\nrequire: { one.x: [1] }",
   };
   static const char *const slots[] = {
       "litho: { use: litho.hopkins, na: 1.5 }",

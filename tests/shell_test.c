@@ -67,6 +67,8 @@ static void test_completion(void) {
       {"opcflow run first.yaml --set mask.extractor.rule=",
        "contour gauss equal "},
       {"opcflow run first.yaml --output ", " "},
+      {"opcflow run first.yaml --log d", "debug "},
+      {"opcflow run first.yaml --set require.mask.fa", "require.mask.failed= "},
   };
   make_flows();
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {

@@ -4,30 +4,75 @@
 #include "core/flow/run.h"
 
 static GPtrArray *sets, *sweeps;
-static gboolean json;
+static gboolean json, quick;
 
 static const cli_option options[] = {
     {"set", "over what the flow says", "STEP.PARAMETER=VALUE", .list = &sets},
     {"sweep", "also at these values", "STEP.PARAMETER=[...]", .list = &sweeps},
+    {"quick", "without reading inputs and asking steps what they will want",
+     .flag = &quick},
     {"json", "what is wrong as JSON, too", .flag = &json},
     {0}};
 
-/* What instances say while they are made. */
+/* What instances say, each thing once, however many variants say it. */
 static void take_log(void *data, const char *path, int level,
                      const char *message) {
-  (void)data;
-  if (level >= OPC_LOG_WARNING) cli_message("warning", "%s: %s", path, message);
+  static GMutex lock;
+  if (level < OPC_LOG_WARNING) return;
+  char *line = g_strdup_printf("%s: %s", path, message);
+  g_mutex_lock(&lock);
+  if (g_hash_table_add(data, line)) cli_message("warning", "%s", line);
+  g_mutex_unlock(&lock);
 }
 
-static void check_all(const opc_recipe *recipe, opc_problems *problems) {
-  static const opc_watch watch = {.log = take_log};
+/* ---- what a run will want ---- */
+
+static void forecast(const opc_recipe *recipe, const opc_choice *choice,
+                     const opc_watch *watch, JsonArray *told,
+                     opc_problems *problems) {
+  g_autoptr(GArray) list = g_array_new(FALSE, TRUE, sizeof(opc_outlook));
+  opc_run_forecast(recipe, choice, cli_registry(), watch, list, problems);
+  for (guint i = 0; i < list->len; i++) {
+    const opc_outlook *o = &g_array_index(list, opc_outlook, i);
+    g_autofree char *text = opc_forecast_text(&o->forecast);
+    JsonObject *object = json_object_new();
+    if (choice->variant)
+      json_object_set_string_member(object, "variant", choice->variant);
+    json_object_set_string_member(object, "step", o->step);
+    json_object_set_string_member(object, "work", o->forecast.work);
+    if (o->forecast.memory > 0)
+      json_object_set_double_member(object, "memory", o->forecast.memory);
+    json_array_add_object_element(told, object);
+    if (!json)
+      cli_print("%s%s%s: %s\n", choice->variant ? choice->variant : "",
+                choice->variant ? "/" : "", o->step, text);
+    g_free(o->step);
+  }
+}
+
+/* ---- the work ---- */
+
+static void check_one(const opc_recipe *recipe, const opc_choice *choice,
+                      const opc_watch *watch, JsonArray *told,
+                      opc_problems *problems) {
+  guint before = problems->list->len;
+  opc_flow_check(recipe, choice, cli_registry(), watch, problems);
+  if (!quick && problems->list->len == before)
+    forecast(recipe, choice, watch, told, problems);
+}
+
+static void check_all(const opc_recipe *recipe, JsonArray *told,
+                      opc_problems *problems) {
+  g_autoptr(GHashTable) said =
+      g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
+  const opc_watch watch = {.data = said, .log = take_log};
   g_autoptr(opc_sweep) sweep =
       opc_sweep_new(recipe, cli_list(sets), NULL, cli_list(sweeps), problems);
   opc_choice choice = {.sweep = sweep, .sets = cli_list(sets)};
-  opc_flow_check(recipe, &choice, cli_registry(), &watch, problems);
+  check_one(recipe, &choice, &watch, told, problems);
   for (guint i = 0; i < recipe->variants->keys->len; i++) {
     choice.variant = opc_node_key(recipe->variants, i);
-    opc_flow_check(recipe, &choice, cli_registry(), &watch, problems);
+    check_one(recipe, &choice, &watch, told, problems);
   }
 }
 
@@ -36,11 +81,13 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
   const char *path = arguments->pdata[0];
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_recipe) recipe = opc_recipe_read(path, problems);
-  if (recipe) check_all(recipe, problems);
+  g_autoptr(JsonArray) told = json_array_new();
+  if (recipe) check_all(recipe, told, problems);
   if (json) {
     JsonObject *o = json_object_new();
     json_object_set_string_member(o, "flow", path);
     json_object_set_boolean_member(o, "valid", !problems->list->len);
+    json_object_set_array_member(o, "forecast", json_array_ref(told));
     cli_add_problems(o, problems);
     cli_print_object(o);
   }

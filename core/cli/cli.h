@@ -102,8 +102,8 @@ opc_registry *cli_registry(void);
 
 /* ---- stopping ---- */
 
-/* From now on the first SIGINT or SIGTERM asks to stop; a second one, of either
-   kind, ends what does not heed it. */
+/* From now on the first SIGINT, SIGTERM or SIGHUP asks to stop; a second one, of
+   any kind, ends what does not heed it. */
 void cli_catch_signals(void);
 int cli_is_stopped(void *unused);
 
@@ -126,6 +126,13 @@ gboolean cli_is_terminal(void);
 
 /* ---- standard output ---- */
 
+/* Standard output becomes the command's alone: what others print, plugins and
+   what they start, goes to standard error. First of all. */
+void cli_keep_output(void);
+
+/* Before this process becomes another program: as it was. */
+void cli_return_output(void);
+
 void cli_print(const char *format, ...) OPC_PRINTF(1, 2);
 
 /* A table of texts under `names`: `cells` has its rows, one after another. */
@@ -143,6 +150,9 @@ void cli_add_problems(JsonObject *object, opc_problems *problems);
 /* Add a list of texts. */
 void cli_add_texts(JsonObject *object, const char *name,
                    const GPtrArray *texts);
+
+/* What was printed comes before the messages that follow. */
+void cli_flush(void);
 
 /* CLI_GOOD, or CLI_IO and a message if standard output could not take it all.
  */

@@ -66,8 +66,8 @@ static char *option_help(const opc_parameter *p) {
 
 static void take_log(void *data, const char *path, int level,
                      const char *message) {
-  static const char *const levels[] = {"debug", "info", "warning"};
-  if (level < OPC_LOG_INFO || level > OPC_LOG_WARNING) return;
+  static const char *const levels[] = {"debug", "info", "warning", "finding"};
+  if (level < OPC_LOG_INFO || level > OPC_LOG_FINDING) return;
   cli_progress_log(data, path, level, message);
   JsonObject *o = json_object_new();
   json_object_set_string_member(o, "level", levels[level]);
@@ -103,6 +103,8 @@ static int take_metric(const opc_host *host, const char *name, double value,
   return OPC_OK;
 }
 
+static GPtrArray *given; /* paths of files that it writes */
+
 /* A command has no run folder: a new file in the present one. */
 static const char *give_path(const opc_host *host, const char *name,
                              opc_error *error) {
@@ -115,8 +117,10 @@ static const char *give_path(const opc_host *host, const char *name,
     opc_fail(error, OPC_IO, NULL, "'%s' exists", name);
   else if (g_mkdir_with_parents(folder, 0777))
     opc_fail(error, OPC_IO, NULL, "'%s': %s", folder, g_strerror(errno));
-  else
+  else {
+    g_ptr_array_add(given, path);
     return path;
+  }
   return NULL;
 }
 
@@ -174,6 +178,9 @@ static void call(opc_binding *b, const GPtrArray *arguments,
   int code = command->run(b->module.self, arguments->len,
                           (const char *const *)arguments->pdata, &error);
   opc_binding_leave(before);
+  /* What could not be written to its end is not left as if it were whole. */
+  for (guint i = 0; code == OPC_IO && i < given->len; i++)
+    (void)remove(given->pdata[i]);
   error.parameter[sizeof error.parameter - 1] = 0;
   error.message[sizeof error.message - 1] = 0;
   if (code)
@@ -203,7 +210,7 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
       opc_bind_plugin(cli_registry(), plugin, opc_node_get(steps, verb->name),
                       verb->name, &at, 0, problems);
   cli_catch_signals();
-  cli_progress_start(&progress, FALSE);
+  cli_progress_start(&progress, OPC_LOG_INFO);
   cli_progress_step(&progress, verb->name, 1, 1);
   if (!problems->list->len &&
       opc_binding_create(b, &watch, &publisher, problems))
@@ -249,6 +256,7 @@ const cli_verb *cli_plugin_verb(const char *name, opc_error *error) {
   g_array_append_vals(options, common, G_N_ELEMENTS(common));
   shown = g_string_new(NULL);
   cells = g_ptr_array_new_with_free_func(g_free);
+  given = g_ptr_array_new();
   tables = json_array_new();
   messages = json_array_new();
   metrics = json_object_new();

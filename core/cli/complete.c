@@ -119,6 +119,11 @@ static void offer_settings(const line *l, const opc_binding *binding) {
     else if (!strncmp(word, l->current, strlen(word)))
       offer_values(l, p);
   }
+  for (size_t i = 0; !equals && i < binding->plugin->n_metrics; i++) {
+    g_autofree char *word = g_strdup_printf("require.%s.%s=", binding->path,
+                                            binding->plugin->metrics[i].name);
+    if (g_str_has_prefix(l->current, "require.")) offer(l, word);
+  }
 }
 
 /* STEP.PARAMETER= of the flow that the line names. */
@@ -142,7 +147,7 @@ static void offer_argument(line *l, const char *name) {
   if (!strcmp(name, "FLOW")) offer_flows(l);
   if (!strcmp(name, "ID")) offer_plugins(l);
   if (!strcmp(name, "[VERB]")) offer_verbs(l);
-  if (l->verb && l->verb->plugin && strchr(name, '|')) offer_words(l, name);
+  if (l->awaited && strchr(name, '|')) offer_words(l, name);
 }
 
 /* ---- entry ---- */

@@ -23,6 +23,7 @@ static void begin_anew(void) {
     g_ptr_array_add(argv, (char *)word);
   g_ptr_array_add(argv, NULL);
   g_setenv("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0", TRUE);
+  cli_return_output();
   execv("/proc/self/exe", (char **)argv->pdata); /* else go on as it is */
 }
 
@@ -35,24 +36,30 @@ static void print_json(const opc_lint *lint) {
   cli_print_object(o);
 }
 
+static void append_all(GString *line, const GPtrArray *texts, const char *gap) {
+  if (!texts->len) g_string_append(line, "nothing");
+  for (guint i = 0; i < texts->len; i++)
+    g_string_append_printf(line, "%s%s", i ? gap : "", (char *)texts->pdata[i]);
+}
+
+/* The last line tells what was looked at and what was not. */
 static void print_text(const opc_lint *lint) {
   for (guint i = 0; i < lint->findings->len; i++)
     cli_print("%s: %s\n", lint->path, (char *)lint->findings->pdata[i]);
-  g_autoptr(GString) checked = g_string_new(NULL);
-  for (guint i = 0; i < lint->checked->len; i++)
-    g_string_append_printf(checked, "%s%s", i ? ", " : "",
-                           (char *)lint->checked->pdata[i]);
-  cli_message("note", "checked: %s", checked->str);
-  for (guint i = 0; i < lint->notes->len; i++)
-    cli_message("note", "not checked: %s", (char *)lint->notes->pdata[i]);
+  g_autoptr(GString) line = g_string_new("checked: ");
+  append_all(line, lint->checked, ", ");
+  g_string_append(line, "; not checked: ");
+  append_all(line, lint->notes, "; ");
+  cli_message("note", "%s", line->str);
 }
 
-static gboolean json;
+static gboolean json, strict;
 static const char *parameters = "{}";
 
 static const cli_option options[] = {
     {"with", "parameters, as in a flow", "{ PARAMETER: VALUE }",
      .text = &parameters},
+    {"strict", "fail if anything could not be checked", .flag = &strict},
     {"json", "as JSON", .flag = &json},
     {0}};
 
@@ -71,7 +78,8 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
     print_json(lint);
   else
     print_text(lint);
-  return lint->findings->len ? CLI_LIMIT : CLI_GOOD;
+  gboolean bad = lint->findings->len || (strict && lint->notes->len);
+  return bad ? CLI_LIMIT : CLI_GOOD;
 }
 
 const cli_verb cli_lint = {.name = "lint",

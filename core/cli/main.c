@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The opcflow command: finds the verb and lets it work. */
 #include <locale.h>
+#include <signal.h>
 #include <string.h>
 
 #include "core/cli/cli.h"
@@ -41,6 +42,8 @@ const cli_verb *cli_find_verb(const char *name, opc_error *error) {
    as if it stood behind. */
 int main(int argc, char **argv) {
   setlocale(LC_CTYPE, "");
+  cli_keep_output();
+  signal(SIGXFSZ, SIG_IGN); /* a file that is too large is a failed write */
   opc_guard_install(cli_is_terminal() ? "\r\033[K" : NULL);
   int at = 1;
   while (at < argc && *argv[at] == '-') {

@@ -70,6 +70,12 @@ static char **own_names(const char *group) {
 
 /* ---- a plugin ---- */
 
+static gboolean is_own_verb(const char *word) {
+  for (size_t i = 0; cli_verbs[i]; i++)
+    if (!strcmp(cli_verbs[i]->name, word)) return TRUE;
+  return FALSE;
+}
+
 /* Name, id and kind from what was given of them; -1 or the exit code. */
 static int settle_names(const char *given) {
   if (!opc_is_id(given))
@@ -82,6 +88,11 @@ static int settle_names(const char *given) {
   kind = wanted ? g_strdup(wanted) : g_strndup(given, strcspn(given, "."));
   id = dot ? g_strdup(given) : g_strconcat(kind, ".", given, NULL);
   name = g_strdup(dot ? dot + 1 : given);
+  if (!strcmp(kind, OPC_KIND_COMMAND) && is_own_verb(name))
+    return cli_error(CLI_USAGE,
+                     "'opcflow %s' is there already: a plugin '%s' would never "
+                     "be called",
+                     name, id);
   if (g_ptr_array_find_with_equal_func(kinds, kind, g_str_equal, NULL))
     return -1;
   if (!wanted)

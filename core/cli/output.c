@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the command says on standard error and on standard output. */
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "core/cli/cli.h"
 #include "core/flow/run.h"
+#include "core/text/shown.h"
 
 int cli_exit_code(int code) {
   switch (code) {
@@ -40,8 +42,9 @@ static gboolean has_colour(void) {
 void cli_message(const char *kind, const char *format, ...) {
   va_list args;
   va_start(args, format);
-  g_autofree char *text = g_strdup_vprintf(format, args);
+  g_autofree char *said = g_strdup_vprintf(format, args);
   va_end(args);
+  g_autofree char *text = opc_shown(said, "");
   const char *colour = strcmp(kind, "error") ? "\033[33m" : "\033[31m";
   gboolean coloured = has_colour();
   fprintf(stderr, "%s%s:%s %s\n", coloured ? colour : "", kind,
@@ -68,11 +71,35 @@ int cli_problems(opc_problems *problems) {
 
 /* ---- standard output ---- */
 
+enum { FIRST_OWN = 100 }; /* of descriptors: above those that others count on */
+
+static FILE *out;
+
+void cli_keep_output(void) {
+  int kept = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, FIRST_OWN);
+  out = kept < 0 ? NULL : fdopen(kept, "w");
+  if (!out) out = stdout; /* nobody listens */
+  if (out == stdout) return;
+  if (dup2(STDERR_FILENO, STDOUT_FILENO) < 0) {
+    int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    dup2(nowhere, STDOUT_FILENO);
+    close(nowhere);
+  }
+  setvbuf(stdout, NULL, _IOLBF, 0);
+}
+
+void cli_return_output(void) {
+  fflush(out);
+  dup2(fileno(out), STDOUT_FILENO);
+}
+
 void cli_print(const char *format, ...) {
   va_list args;
   va_start(args, format);
-  vprintf(format, args);
+  g_autofree char *said = g_strdup_vprintf(format, args);
   va_end(args);
+  g_autofree char *text = opc_shown(said, "\n\t");
+  fputs(text, out);
 }
 
 void cli_print_rows(const char *const *names, size_t n,
@@ -95,7 +122,7 @@ void cli_print_rows(const char *const *names, size_t n,
 
 static void print_json(JsonNode *node) {
   g_autofree char *text = opc_json_text(node);
-  fputs(text, stdout);
+  fputs(text, out);
 }
 
 void cli_print_object(JsonObject *object) {
@@ -137,8 +164,10 @@ void cli_add_texts(JsonObject *object, const char *name,
   json_object_set_array_member(object, name, list);
 }
 
+void cli_flush(void) { fflush(out); }
+
 int cli_finish(int code) {
-  if (!fflush(stdout) && !ferror(stdout)) return code;
+  if (!fflush(out) && !ferror(out)) return code;
   cli_message("error", "standard output: %s", g_strerror(errno));
   return code ? code : CLI_IO;
 }

@@ -3,27 +3,53 @@
 #include "core/cli/progress.h"
 
 #include <math.h>
+#include <pthread.h>
+#include <semaphore.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "core/cli/cli.h"
 #include "core/plugin/guard.h"
+#include "core/plugin/process.h"
 
 /* ---- stopping ---- */
 
+/* What does not stop by itself within this time is ended, s: the whole is to
+   take no more than one. */
+static const struct timespec patience = {0, 800000000};
+
 static volatile sig_atomic_t stopped;
+static sem_t asked; /* to stop; posted by a handler */
 
 static void stop(int number) {
   (void)number;
   if (stopped) opc_guard_end(CLI_STOPPED);
   stopped = 1;
+  sem_post(&asked);
+}
+
+static void *end_the_stubborn(void *unused) {
+  while (sem_wait(&asked)) continue; /* a signal came in between */
+  struct timespec left = patience;
+  while (clock_nanosleep(CLOCK_MONOTONIC, 0, &left, &left)) continue;
+  opc_guard_end(CLI_STOPPED);
+  return unused;
 }
 
 void cli_catch_signals(void) {
   struct sigaction action = {.sa_handler = stop};
+  struct sigaction before;
+  pthread_t watcher;
+  sem_init(&asked, 0, 0);
+  if (!pthread_create(&watcher, NULL, end_the_stubborn, NULL))
+    pthread_detach(watcher);
   sigaction(SIGINT, &action, NULL);
   sigaction(SIGTERM, &action, NULL);
+  /* The terminal is gone; under nohup that does not matter. */
+  if (!sigaction(SIGHUP, NULL, &before) && before.sa_handler != SIG_IGN)
+    sigaction(SIGHUP, &action, NULL);
+  opc_process_settle();
 }
 
 int cli_is_stopped(void *unused) {
@@ -36,11 +62,11 @@ int cli_is_stopped(void *unused) {
 /* At most ten lines a second. */
 enum { PAUSE = 100000 };
 
-void cli_progress_start(cli_progress *p, gboolean quiet) {
+void cli_progress_start(cli_progress *p, int level) {
   memset(p, 0, sizeof *p);
   g_mutex_init(&p->lock);
-  p->quiet = quiet;
-  p->shown = !quiet && cli_is_terminal();
+  p->level = level;
+  p->shown = level <= OPC_LOG_INFO && cli_is_terminal();
 }
 
 /* Take the line away, and put another in its place. */
@@ -59,13 +85,14 @@ void cli_progress_end(cli_progress *p) {
 void cli_progress_log(void *data, const char *path, int level,
                       const char *message) {
   cli_progress *p = data;
-  if (level < OPC_LOG_INFO || (p->quiet && level < OPC_LOG_WARNING)) return;
+  if (level < p->level) return;
   g_mutex_lock(&p->lock);
   show(p, "");
   if (level >= OPC_LOG_WARNING)
     cli_message("warning", "%s: %s", path, message);
   else
-    fprintf(stderr, "%s: %s\n", path, message);
+    fprintf(stderr, "%s: %s%s\n", path,
+            level == OPC_LOG_DEBUG ? "debug: " : "", message);
   g_mutex_unlock(&p->lock);
 }
 

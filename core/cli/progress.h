@@ -7,7 +7,7 @@
 
 typedef struct cli_progress {
   gboolean shown; /* whether to show it at all */
-  gboolean quiet; /* only warnings */
+  int level;      /* OPC_LOG_*: the least that is told */
   GMutex lock;
   char *step;
   size_t number, count;
@@ -16,7 +16,7 @@ typedef struct cli_progress {
 } cli_progress;
 
 /* `shown` is left FALSE where standard error is no terminal. */
-void cli_progress_start(cli_progress *progress, gboolean quiet);
+void cli_progress_start(cli_progress *progress, int level);
 void cli_progress_end(cli_progress *progress);
 
 /* The functions of an opc_watch whose data is a cli_progress. */

@@ -11,9 +11,10 @@
 
 /* What the user wants. */
 static GPtrArray *sets, *variants, *sweeps;
-static const char *threads;
+static const char *threads, *level_word;
 static opc_run_options wanted;
 static gboolean json, quiet;
+static int level = OPC_LOG_INFO; /* the least that is told */
 
 static const cli_option options[] = {
     {"set", "over what the flow says", "STEP.PARAMETER=VALUE", .list = &sets},
@@ -24,10 +25,14 @@ static const cli_option options[] = {
     {"keep", "keep what each point of a sweep writes", .flag = &wanted.keep},
     {"output", "the run folder (default: runs/NAME)", "DIR",
      .text = &wanted.output},
-    {"force", "replace an earlier run in DIR", .flag = &wanted.force},
+    {"force",
+     "replace an earlier run in DIR, if all of it is as it was written",
+     .flag = &wanted.force},
     {"threads", "default: as many as there are processors", "N",
      .text = &threads},
     {"json", "the result as JSON", .flag = &json},
+    {"log", "what steps say while they run (default: info)",
+     "debug|info|warning", .text = &level_word},
     {"quiet", "nothing but warnings and errors", .flag = &quiet},
     {0}};
 
@@ -104,14 +109,16 @@ static JsonArray *tables_json(const opc_run *run) {
   return list;
 }
 
-static JsonObject *run_json(const opc_run *run) {
+static JsonObject *run_json(const opc_run *run, opc_problems *broken) {
   JsonObject *o = json_object_new();
   json_object_set_string_member(o, "folder", run->folder);
   json_object_set_double_member(o, "seconds", run->total);
   json_object_set_member(o, "metrics", opc_run_metrics_json(run));
+  opc_run_add_findings(o, run);
   json_object_set_array_member(o, "tables", tables_json(run));
   if (run->points)
     json_object_set_member(o, "sweep", opc_table_json(run->points));
+  if (broken->list->len) cli_add_problems(o, broken);
   return o;
 }
 
@@ -138,31 +145,46 @@ static void print_json(const series *s, JsonObject *object) {
     cli_print_object(object);
 }
 
-/* A run that came to nothing, or to a part: `folder` may be NULL. */
-static JsonObject *failure_json(const char *folder, opc_problems *problems) {
+/* A run that came to nothing, or to a part; `run` may be NULL. */
+static JsonObject *failure_json(const opc_run *run, opc_problems *problems) {
   JsonObject *o = json_object_new();
-  if (folder) json_object_set_string_member(o, "folder", folder);
+  if (run && run->folder)
+    json_object_set_string_member(o, "folder", run->folder);
+  if (run) opc_run_add_findings(o, run);
   cli_add_problems(o, problems);
   return o;
 }
 
+/* The last lines, whatever else was printed and wherever to. */
+static void tell_findings(const opc_run *run) {
+  g_autoptr(GPtrArray) lines = opc_run_findings(run);
+  cli_flush();
+  for (guint i = 0; i < lines->len; i++)
+    cli_message("finding", "%s", (char *)lines->pdata[i]);
+}
+
 static int tell(const series *s, const opc_run *run, opc_problems *problems) {
   if (problems->list->len) {
-    if (json) print_json(s, failure_json(run->folder, problems));
+    if (json) print_json(s, failure_json(run, problems));
     int code = cli_problems(problems);
     if (run->points && run->points->rows && !quiet) print_text(run);
+    tell_findings(run);
     if (run->folder)
       cli_message("note", "what was written so far is in '%s'", run->folder);
     return cli_is_stopped(NULL) ? CLI_STOPPED : code;
   }
+  g_autoptr(opc_problems) broken = opc_problems_new();
+  opc_run_add_broken(run, broken);
   if (json)
-    print_json(s, run_json(run));
+    print_json(s, run_json(run, broken));
   else if (!quiet)
     print_text(run);
+  tell_findings(run);
   if (run->failed_points)
     cli_message("error", "%zu of %zu points failed", run->failed_points,
                 run->sweep->points);
-  return cli_exit_code(run->points_code);
+  int code = cli_problems(broken);
+  return run->points_code ? cli_exit_code(run->points_code) : code;
 }
 
 static int run_one(const series *s, const char *variant) {
@@ -182,7 +204,7 @@ static int run_one(const series *s, const char *variant) {
   if (s->chosen->len > 1) its.output = output;
   if (s->chosen->len > 1 && !json && !quiet) cli_print("variant %s\n\n", name);
   cli_progress progress;
-  cli_progress_start(&progress, quiet);
+  cli_progress_start(&progress, level);
   const opc_watch watch = {&progress,         cli_progress_log,
                            cli_progress_step, cli_progress_show,
                            cli_is_stopped,    cli_progress_point};
@@ -233,9 +255,25 @@ static void keep_memory(void) {
   mallopt(M_TRIM_THRESHOLD, INT_MAX);
 }
 
+/* -1, or the exit code. */
+static int set_level(void) {
+  static const char *const words[] = {"debug", "info", "warning", NULL};
+  if (quiet) level = OPC_LOG_WARNING;
+  for (int i = 0; level_word && words[i]; i++)
+    if (!strcmp(words[i], level_word)) {
+      level = i;
+      return -1;
+    }
+  return level_word ? cli_error(CLI_USAGE,
+                                "'--log' is debug, info or warning, not '%s'",
+                                level_word)
+                    : -1;
+}
+
 /* All variants are checked before the first one runs. */
 static int run(const cli_verb *verb, const GPtrArray *arguments) {
   int code = cli_set_threads(threads);
+  if (code < 0) code = set_level();
   if (code >= 0) return code;
   (void)verb;
   keep_memory();

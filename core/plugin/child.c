@@ -7,6 +7,8 @@
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -38,6 +40,19 @@ static gboolean read_report(int in, gint64 deadline, GString *report) {
   }
 }
 
+/* In the child: end with the parent, however that ends, and of itself where
+   processor time runs on that nobody waits for: what it has started in its turn
+   inherits the limit. A second more than was granted, so that the parent is the
+   one to tell. */
+static void bind_to_parent(pid_t parent, double seconds) {
+  enum { SPARE = 1 /* s */ };
+  rlim_t most = (rlim_t)(seconds * g_get_num_processors()) + SPARE;
+  struct rlimit limit = {most, most};
+  setrlimit(RLIMIT_CPU, &limit);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(1); /* it ended in between */
+}
+
 GString *opc_child_run(void (*work)(int out, void *data), void *data,
                        double seconds, int *end) {
   GString *report = g_string_new(NULL);
@@ -45,8 +60,9 @@ GString *opc_child_run(void (*work)(int out, void *data), void *data,
   *end = OPC_CHILD_NONE;
   if (pipe2(ends, O_CLOEXEC)) return report;
   fflush(NULL);
-  pid_t pid = fork();
+  pid_t parent = getpid(), pid = fork();
   if (!pid) {
+    bind_to_parent(parent, seconds);
     close(ends[0]);
     opc_guard_remove();
     work(ends[1], data);

@@ -10,8 +10,9 @@
 enum { OPC_CHILD_ENDED = 0, OPC_CHILD_LATE = -1, OPC_CHILD_NONE = -2 };
 
 /* Call work(out, data) in a child of this process, in which the guard is off,
-   and grant it that many seconds. What it wrote to `out`; how it ended is put
-   into *end. OPC_CHILD_NONE: there could be none (errno). */
+   and grant it that many seconds. It ends with this process. What it wrote to
+   `out`; how it ended is put into *end. OPC_CHILD_NONE: there could be none
+   (errno). */
 GString *opc_child_run(void (*work)(int out, void *data), void *data,
                        double seconds, int *end);
 

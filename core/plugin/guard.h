@@ -1,23 +1,34 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What becomes of a crash: whose it was is said, what was written is kept, and
-   the command ends with an exit code; and of a run that does not stop when
-   asked. docs/architecture.md tells why this is a
-   signal handler. */
+/* What becomes of a crash, and of a plugin that ends the process or changes
+   what all of it shares (process.h): whose it was is said, what was written is
+   kept, and the command ends with an exit code; and of a run that does not stop
+   when asked. docs/architecture.md tells why this is a signal handler. */
 #ifndef OPCFLOW_CORE_GUARD_H
 #define OPCFLOW_CORE_GUARD_H
 
 /* Around every call of a plugin's function: the id of the plugin that this
-   thread is in. `before = opc_guard_enter(id); ...; opc_guard_leave(before)`.
-   The text outlives the call. */
+   thread is in, NULL for the command's own work. `before = opc_guard_enter(id);
+   ...; opc_guard_leave(before)`. Both look at what the plugin that this thread
+   was in did to the process, or leave that to the next of them that comes 5 ms
+   later, to another plugin. The text outlives the call. */
 const char *opc_guard_enter(const char *id);
 void opc_guard_leave(const char *before);
+
+/* The same around tasks of a plugin, beside which other threads work for it;
+   before all of them, gather. */
+void opc_guard_gather(void);
+const char *opc_guard_join(const char *id);
+void opc_guard_part(const char *before);
+
+/* This thread was started by that plugin, and is in it as long as it lives. */
+void opc_guard_adopt(const char *id);
 
 /* That id, NULL outside of plugins. */
 const char *opc_guard_inside(void);
 
-/* Catch SIGSEGV, SIGBUS, SIGFPE, SIGILL and SIGABRT while a thread is inside a
-   plugin; elsewhere they do what they always did. `wipe` goes out before the
-   message, NULL for nothing. */
+/* Catch what is a crash (opc_signals) while a thread is inside a plugin, unless
+   another process sent it; elsewhere they do what they always did. Once. `wipe`
+   goes out before the message, NULL for nothing. */
 void opc_guard_install(const char *wipe);
 void opc_guard_remove(void);
 
@@ -30,12 +41,18 @@ enum { OPC_CRASH_LOADING = 3, OPC_CRASH_RUNNING = 4 };
 void opc_guard_where(const char *where, int code);
 
 /* The run folder that is being written, which gets the name `failed` or
-   FAILED-2, -3 ... if the command crashes, or is removed if it is empty.
-   Copied; NULL for none. */
-void opc_guard_folder(const char *work, const char *failed);
+   FAILED-2, -3 ... if the command crashes, or is removed if it is empty; then
+   the file `lock` is removed, and the folder it is in if that is empty. Copied;
+   NULL for none. */
+void opc_guard_folder(const char *work, const char *failed, const char *lock);
 
-/* End the command now, "WHERE: stopped", with that folder kept as after a
+/* End the command now, "WHERE: stopped in
+   plugin 'ID'", with that folder kept as after a
    crash. May be called by a signal handler. */
 _Noreturn void opc_guard_end(int code);
+
+/* The process is about to end by itself: if it is a plugin that ends it, it is
+   blamed, and this does not come back. */
+void opc_guard_exit(void);
 
 #endif

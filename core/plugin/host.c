@@ -6,6 +6,7 @@
 #include <glib.h>
 
 #include "core/plugin/guard.h"
+#include "core/text/shown.h"
 
 static unsigned wanted_threads;
 
@@ -30,15 +31,25 @@ static void host_log(const opc_host *host, int level, const char *format, ...) {
   if (!own->watch->log) return;
   va_list args;
   va_start(args, format);
-  g_autofree char *message = g_strdup_vprintf(format, args);
+  g_autofree char *said = g_strdup_vprintf(format, args);
   va_end(args);
+  g_autofree char *message = opc_shown(said, "");
+  const char *before = opc_guard_enter(NULL);
   own->watch->log(own->watch->data, own->path, level, message);
+  opc_guard_leave(before);
 }
 
 static void host_progress(const opc_host *host, const opc_progress *progress) {
   const instance_host *own = (const instance_host *)host;
-  if (own->watch->progress)
-    own->watch->progress(own->watch->data, own->path, progress);
+  if (!own->watch->progress) return;
+  opc_progress told = *progress; /* read while the plugin is to blame */
+  char unit[16];
+  g_snprintf(unit, sizeof unit, "%s", told.worst_unit ? told.worst_unit : "");
+  g_autofree char *shown = opc_shown(unit, "");
+  told.worst_unit = told.worst_unit ? shown : NULL;
+  const char *before = opc_guard_enter(NULL);
+  own->watch->progress(own->watch->data, own->path, &told);
+  opc_guard_leave(before);
 }
 
 static int is_cancelled(const opc_context *context) {
@@ -81,14 +92,14 @@ typedef struct batch {
 
 static void batch_work(batch *b) {
   size_t first, mine = 0;
-  const char *before = opc_guard_enter(b->inside);
+  const char *before = opc_guard_join(b->inside);
   while ((first = __atomic_fetch_add(&b->next, b->step, __ATOMIC_RELAXED)) <
          b->n) {
     size_t end = MIN(first + b->step, b->n);
     for (size_t i = first; i < end; i++) b->task(b->data, i);
     mine += end - first;
   }
-  opc_guard_leave(before);
+  opc_guard_part(before);
   if (!mine) return;
   g_mutex_lock(&b->lock);
   b->done += mine;
@@ -123,6 +134,7 @@ static void parallel(const opc_context *context, size_t n,
                      void (*task)(void *, size_t), void *data) {
   (void)context;
   size_t workers = MIN(n, opc_threads());
+  opc_guard_gather();
   if (workers <= 1) {
     for (size_t i = 0; i < n; i++) task(data, i);
     return;
@@ -170,9 +182,10 @@ static const char *refuse_path(const opc_host *host, const char *name,
   return NULL;
 }
 
+static const opc_watch nobody;
+
 opc_host *opc_host_new(const char *path, const opc_watch *watch,
                        const opc_host *like) {
-  static const opc_watch nobody = {.data = NULL};
   static const opc_host nowhere = {.table = NULL};
   const opc_host *to = like ? like : &nowhere;
   instance_host *own = g_new(instance_host, 1);
@@ -191,6 +204,10 @@ opc_host *opc_host_new(const char *path, const opc_watch *watch,
       .watch = watch ? watch : &nobody,
   };
   return &own->host;
+}
+
+void opc_host_ignore(opc_host *host) {
+  ((instance_host *)host)->watch = &nobody;
 }
 
 void opc_host_free(opc_host *host) { g_free(host); }

@@ -24,6 +24,8 @@ typedef struct opc_watch {
    three outlive it. */
 opc_host *opc_host_new(const char *path, const opc_watch *watch,
                        const opc_host *like);
+/* From now on it tells nobody. */
+void opc_host_ignore(opc_host *host);
 void opc_host_free(opc_host *host);
 
 /* How many threads opc_host.parallel uses; 0 for as many as there are

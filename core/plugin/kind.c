@@ -42,6 +42,13 @@ static gint compare_names(gconstpointer a, gconstpointer b) {
   return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
+const opc_kind *opc_kind_trials(opc_registry *registry, const char *name) {
+  opc_error none;
+  g_autofree char *id = g_strconcat("kind.", name, NULL);
+  const opc_plugin *plugin = opc_registry_find(registry, id, &none);
+  return plugin ? plugin->functions : opc_kind_of(registry, name, &none);
+}
+
 GPtrArray *opc_kind_names(const opc_registry *registry) {
   GPtrArray *names = opc_registry_ids(registry, "kind.");
   for (guint i = 0; i < names->len; i++) {
@@ -49,7 +56,9 @@ GPtrArray *opc_kind_names(const opc_registry *registry) {
     memmove(id, id + strlen("kind."), strlen(id + strlen("kind.")) + 1);
   }
   for (size_t i = 0; i < G_N_ELEMENTS(own); i++)
-    g_ptr_array_add(names, g_strdup(own[i].name));
+    if (!g_ptr_array_find_with_equal_func(names, own[i].name, g_str_equal,
+                                          NULL))
+      g_ptr_array_add(names, g_strdup(own[i].name));
   g_ptr_array_sort(names, compare_names);
   return names;
 }

@@ -10,6 +10,10 @@
 const opc_kind *opc_kind_of(opc_registry *registry, const char *name,
                             opc_error *error);
 
+/* How plugins of that kind are tried out: the same, or of the kernel's own
+   kinds what a plugin "kind.NAME" has. NULL if there is neither. */
+const opc_kind *opc_kind_trials(opc_registry *registry, const char *name);
+
 /* Whether a plugin has the functions that its kind wants. NULL if so, else the
    reason (g_free). */
 char *opc_functions_fault(opc_registry *registry, const opc_plugin *plugin);

@@ -239,7 +239,7 @@ GPtrArray *opc_registry_ids(const opc_registry *registry, const char *prefix) {
 static void explain_missing(const opc_registry *registry, const char *id,
                             opc_error *error) {
   g_autoptr(GPtrArray) ids = opc_registry_ids(registry, "");
-  g_autofree char *suggestion = opc_suggestion(id, ids);
+  g_autofree char *suggestion = opc_suggestion_of_id(id, ids);
   opc_fail(error, OPC_NO_PLUGIN, NULL, "unknown plugin '%s'%s", id, suggestion);
 }
 

@@ -37,8 +37,8 @@ static const struct {
     {"bad.kind",
      "its kind 'nothing' is not known: unknown plugin 'kind.nothing'"},
     {"bad.licence", "it has no licence"},
-    {"bad.major", "built for plugin interface 9.2, this is 0.2"},
-    {"bad.minor", "built for plugin interface 0.3, this is 0.2"},
+    {"bad.major", "built for plugin interface 9.3, this is 0.3"},
+    {"bad.minor", "built for plugin interface 0.4, this is 0.3"},
     {"bad.name", "its id is 'bad.other', its file is called 'bad.name'"},
     {"bad.null", "opcflow_plugin() returned nothing"},
     {"bad.summary", "it has no summary"},
@@ -92,7 +92,7 @@ static void test_refused(void) {
   g_autofree char *folder = plugin_folder();
   g_autofree char *text = g_strdup_printf(
       "'bad.major': cannot use '%s/bad.major.so': built for "
-      "plugin interface 9.2, this is 0.2",
+      "plugin interface 9.3, this is 0.3",
       folder);
   opc_error error;
   for (int i = 0; i < 2; i++) {
@@ -169,8 +169,31 @@ static void test_ids(void) {
   g_assert_false(opc_is_id("2d"));
 }
 
+/* What plugins were called before, and what is only mistyped. */
+static void test_former_ids(void) {
+  static const char *const ids[] = {
+      "draw.mask", "extractor.plain", "kind.regulator",  "litho.hopkins",
+      "read.cif",  "regulator.drc",   "synthesizer.dpb", "write.cif"};
+  static const char *const cases[][2] = {
+      {"mask.dpb", ", did you mean 'synthesizer.dpb'?"},
+      {"drc.regulator", ", did you mean 'regulator.drc'?"},
+      {"extract.plain", ", did you mean 'extractor.plain'?"},
+      {"wrte.cif", ", did you mean 'write.cif'?"},
+      {"litho.hopkin", ", did you mean 'litho.hopkins'?"},
+      {"litho", ""},
+      {"nothing.like", ""}};
+  g_autoptr(GPtrArray) list = g_ptr_array_new();
+  for (size_t i = 0; i < G_N_ELEMENTS(ids); i++)
+    g_ptr_array_add(list, (char *)ids[i]);
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_autofree char *text = opc_suggestion_of_id(cases[i][0], list);
+    g_assert_cmpstr(text, ==, cases[i][1]);
+  }
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/registry/former-ids", test_former_ids);
   g_test_add_func("/registry/scan", test_scan);
   g_test_add_func("/registry/find", test_find);
   g_test_add_func("/registry/refused", test_refused);

@@ -6,12 +6,17 @@
 
 #include "core/flow/binding.h"
 
+/* No sample file is of the form that a plugin wants. */
+#define OPC_NO_SAMPLE G_MAXSIZE
+
 typedef struct opc_lint {
   const char *path; /* of the shared object, ID.so */
   char *id;
   opc_registry *registry; /* for its kind and the plugins in its slots */
   const char *parameters; /* a map in flow syntax, over what is made up */
   double seconds;         /* that one check may take */
+  char *folder;           /* for sample files and what plugins write */
+  size_t sample;          /* the file that the plugin works with */
   GPtrArray *findings;    /* char *: what is wrong */
   GPtrArray *checked;     /* char *: what was looked at */
   GPtrArray *notes;       /* char *: what could not be, and why */

@@ -3,7 +3,12 @@
    and telling what is wrong with what a plugin hands back. */
 #include "try.h"
 
+#include <pthread.h>
+#include <stdlib.h>
+#include <time.h>
+
 const eda_frame try_frame = {-1000, -1000, 2500, 3000};
+const eda_frame try_other_frame = {-1237, -1111, 2900, 3300};
 
 /* ---- telling ---- */
 
@@ -38,12 +43,14 @@ void try_field(opc_inspector *in, const char *function, const char *what,
 
 /* ---- a mask and a model ---- */
 
-int try_mask(opc_inspector *in, int layer, double band, eda_spectrum *mask) {
+int try_mask(opc_inspector *in, int layer, const eda_frame *frame, double band,
+             eda_spectrum *mask) {
+  static const eda_shapes empty;
   const eda_gates *g = eda_gates_sample();
   opc_error error = {0};
   size_t drawn = (size_t)layer < g->layers ? (size_t)layer : EDA_POLY;
-  if (!eda_mask_spectrum(in->context, &g->drawn[drawn], g->grid, try_frame,
-                         band, mask, &error))
+  if (!eda_mask_spectrum(in->context, layer < 0 ? &empty : &g->drawn[drawn],
+                         g->grid, *frame, band, mask, &error))
     return 1;
   in->find(in, "a mask of its band of %g 1/nm: %s", band, error.message);
   return 0;
@@ -96,8 +103,80 @@ opc_module try_litho(const opc_inspector *in) {
 int try_print(opc_inspector *in, int layer, eda_field *intensity) {
   eda_spectrum mask;
   opc_error error = {0};
-  if (!try_mask(in, layer, limit, &mask)) return 0;
+  if (!try_mask(in, layer, &try_frame, limit, &mask)) return 0;
   int code = image(in, layer, &mask, intensity, &error);
   eda_spectrum_clear(&mask);
   return try_is_sound(in, "the litho model of lint", code, &error);
+}
+
+int try_develop(opc_inspector *in, int layer, eda_field *print) {
+  if (!try_print(in, layer, print)) return 0;
+  for (int i = 0; i < print->nx * print->ny; i++)
+    print->coefficients[i] = 0.3F - print->coefficients[i];
+  return 1;
+}
+
+void try_performance(const eda_gates *g, eda_performance *out) {
+  for (size_t i = 0; i < g->count; i++) {
+    out->ion[i] = 1e-4 * g->width[i] / g->length[i];
+    out->ioff[i] = 1e-9 * g->width[i] / g->length[i];
+    out->leq_ion[i] = out->leq_ioff[i] = g->length[i];
+    out->weq[i] = g->width[i];
+    out->area[i] = g->width[i] * g->length[i];
+  }
+}
+
+/* ---- several callers at once ---- */
+
+/* 0.2 s: many thousand calls of what is quick, and so long that threads which
+   share a processor take turns some dozen times in the middle of them. Half of
+   it would miss what is rare on a busy machine. */
+static const double moment = 0.2;
+
+typedef struct crowd {
+  int (*task)(void *data, size_t i);
+  void *data;
+  pthread_barrier_t start;
+  int bad; /* atomic */
+} crowd;
+
+typedef struct caller {
+  crowd *all;
+  size_t i;
+  pthread_t thread;
+} caller;
+
+static double now(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void *call_often(void *data) {
+  const caller *c = data;
+  crowd *all = c->all;
+  pthread_barrier_wait(&all->start);
+  double end = now() + moment;
+  do {
+    if (!all->task(all->data, c->i))
+      __atomic_store_n(&all->bad, 1, __ATOMIC_RELAXED);
+  } while (!__atomic_load_n(&all->bad, __ATOMIC_RELAXED) && now() < end);
+  return NULL;
+}
+
+int try_at_once(size_t n, int (*task)(void *data, size_t i), void *data) {
+  static int tried; /* atomic */
+  crowd all = {.task = task, .data = data};
+  if (__atomic_exchange_n(&tried, 1, __ATOMIC_RELAXED)) return 1;
+  caller *callers = eda_alloc(n, sizeof *callers);
+  pthread_barrier_init(&all.start, NULL, (unsigned)n);
+  for (size_t i = 0; i < n; i++) {
+    callers[i] = (caller){.all = &all, .i = i};
+    if (pthread_create(&callers[i].thread, NULL, call_often, &callers[i]))
+      abort();
+  }
+  for (size_t i = 0; i < n; i++) pthread_join(callers[i].thread, NULL);
+  pthread_barrier_destroy(&all.start);
+  free(callers);
+  return !all.bad;
 }

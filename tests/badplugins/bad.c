@@ -6,6 +6,12 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "evil.h"
+
+/* ---- before anybody asks ---- */
+
+static void __attribute__((constructor)) construct(void) { evil("construct"); }
+
 /* ---- state ---- */
 
 typedef struct bad {
@@ -114,6 +120,7 @@ static const opc_plugin plugin = {
 
 OPC_EXPORT const opc_plugin *opcflow_plugin(void);
 const opc_plugin *opcflow_plugin(void) {
+  evil("load");
 #ifdef BAD_CRASH
   abort();
 #endif

@@ -5,11 +5,13 @@
 static const double blur = 25, band_limit = 0.02; /* nm, 1/nm */
 
 static int prepare(void *self, opc_error *error) {
+  evil("prepare");
   (void)self, (void)error;
   return OPC_OK;
 }
 
 static double band(const void *self) {
+  evil("band");
   (void)self;
   return does("band") ? NAN : band_limit;
 }
@@ -26,7 +28,8 @@ static void transfer(const void *self, size_t s, const double *fx, double fy,
 
 static int image(const void *self, int layer, const eda_spectrum *mask,
                  eda_field *out, opc_error *error) {
-  static const double one = 1;
+  const double one = does("dim") ? 0.9 : 1;
+  evil("image");
   (void)self, (void)layer;
   int code = misbehave();
   if (code) return code;

@@ -3,6 +3,7 @@
 #include "bad.h"
 
 static int prepare(void *self, const opc_module *litho, opc_error *error) {
+  evil("prepare");
   (void)self, (void)litho, (void)error;
   return OPC_OK;
 }
@@ -11,8 +12,11 @@ static int print(const void *self, int layer, eda_field *field,
                  opc_error *error) {
   (void)self, (void)layer, (void)error;
   size_t n = (size_t)field->nx * (size_t)field->ny;
+  evil("print");
   for (size_t i = 0; i < n; i++)
-    field->coefficients[i] = 0.3f - field->coefficients[i];
+    field->coefficients[i] =
+        (does("sign") ? -1 : 1) * (0.3f - field->coefficients[i]);
+  if (does("overrun")) field->coefficients[n + 2] = 1;
   if (does("nan")) field->coefficients[n - 1] = NAN;
   return misbehave();
 }

@@ -5,6 +5,7 @@
 #include "bad.h"
 
 static void release(void *object) {
+  evil("release");
   if (does("release")) write_wildly(NULL, 7);
   eda_gates_free(object);
 }
@@ -22,15 +23,27 @@ static eda_gates *make_gates(void) {
   return gates;
 }
 
+static int check_gates(const void *gates, opc_error *error) {
+  evil("output");
+  return eda_gates_check(gates, error);
+}
+
 static int run(void *self, void **outputs, opc_error *error) {
   (void)self, (void)error;
+  evil("run");
+  if (does("escape"))
+    return opc_fail(error, OPC_FAILED, NULL, "\033[2Jgone\nerror: not \xFF");
+  if (does("escaped log"))
+    host->log(host, OPC_LOG_WARNING, "\033[2Jgone\nerror: not \xFF");
+  if (does("dangling log")) host->log(host, OPC_LOG_INFO, "%s", (char *)16);
+  if (does("memory")) free(eda_alloc(SIZE_MAX / 4, 1));
+  if (does("thread later")) leave_thread(), sleep(1);
   int code = misbehave();
   if (!code && !does("output")) outputs[0] = make_gates();
   return code;
 }
 
-static const opc_port outputs[] = {
-    {"gates", "gates", eda_gates_check, release}};
+static const opc_port outputs[] = {{"gates", "gates", check_gates, release}};
 
 static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run};
 

@@ -10,7 +10,17 @@
 
 /* ---- state ---- */
 
-enum { WELL, FAIL, NOT_A_NUMBER, LIMIT, WAIT, LEAVE }; /* numbers.behave */
+enum {
+  WELL,
+  FAIL,
+  NOT_A_NUMBER,
+  LIMIT,
+  WAIT,
+  LEAVE,
+  FIND,
+  MANY,
+  QUIET
+}; /* numbers.behave */
 
 typedef struct numbers {
   const opc_host *host;
@@ -53,6 +63,11 @@ static int publish(const numbers *n, double sum, opc_error *error) {
   return n->host->metric(n->host, "sum", sum, error);
 }
 
+static void find_one(void *data, size_t i) {
+  const opc_host *host = ((const numbers *)data)->host;
+  host->log(host, OPC_LOG_FINDING, "odd: %zu", i);
+}
+
 static int misbehave(const numbers *n, opc_error *error) {
   switch (n->behave) {
     case FAIL:
@@ -68,6 +83,13 @@ static int misbehave(const numbers *n, opc_error *error) {
     case LEAVE:
       return n->host->output_path(n->host, "../out", error) ? OPC_OK
                                                             : error->code;
+    case FIND:
+      for (int i = 0; i < 3; i++)
+        n->host->log(n->host, OPC_LOG_FINDING, "%g nm is odd", n->size);
+      return OPC_OK;
+    case MANY:
+      opc_parallel(n->host->context, 250, find_one, (void *)n);
+      return OPC_OK;
     default:
       return OPC_OK;
   }
@@ -79,13 +101,14 @@ static int run(void *self, void **outputs, opc_error *error) {
   outputs[0] = sum;
   *sum = (n->add ? *n->add : 0) + (double)n->whole + n->size;
   for (size_t i = 0; i < n->list.count; i++) *sum += n->list.values[i];
+  n->host->log(n->host, OPC_LOG_DEBUG, "%zu numbers", n->list.count);
   int called = 0;
   opc_parallel(n->host->context, 100, add_one, &called);
   if (called != 100)
     return opc_fail(error, OPC_FAILED, NULL, "%d calls", called);
   int code = n->output ? write_file(n, error) : OPC_OK;
   if (!code) code = misbehave(n, error);
-  return code ? code : publish(n, *sum, error);
+  return code || n->behave == QUIET ? code : publish(n, *sum, error);
 }
 
 static int check_number(const void *object, opc_error *error) {
@@ -130,7 +153,9 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(numbers, model, .type = OPC_SLOT, .choices = "litho",
                   .summary = "a model"),
     OPC_PARAMETER(numbers, behave, .type = OPC_CHOICE, .flags = OPC_NO_EFFECT,
-                  .preset = "well", .choices = "well|fail|nan|limit|wait|leave",
+                  .preset = "well",
+                  .choices = "well|fail|nan|limit|wait|leave|"
+                             "find|many|quiet",
                   .summary = "what to do"),
 };
 

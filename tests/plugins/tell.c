@@ -25,7 +25,8 @@ static int write_words(const tell *t, size_t n, const char *const *words,
   FILE *file = fopen(path, "w");
   if (!file) return opc_fail(error, OPC_IO, "output", "'%s'", path);
   for (size_t i = 0; i < n; i++) fprintf(file, "%s\n", words[i]);
-  fclose(file);
+  if (fclose(file))
+    return opc_fail(error, OPC_IO, "output", "'%s': not written", path);
   return OPC_OK;
 }
 

@@ -4,62 +4,132 @@
 #include <eda/extractor.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "../try.h"
+#include "samples.h"
 #include "templates.h"
 
 enum { SLICES_MOST = 4096 };
 
+/* Prints of the sample: lengths and widths times these factors. 0: nothing
+   printed. */
+enum { CASES = 5, AS_DRAWN = 0, OPEN = 3, TWICE_AS_WIDE = 4, FIGURES = 12 };
+static const double length_factor[CASES] = {1, 0.8, 1.3, 0, 1};
+static const double width_factor[CASES] = {1, 1, 1, 1, 2};
+
+/* A, of a transistor of some hundred nanometres: 50 nA/um to 50 mA/um. Real
+   ones have 0.1 to 3 mA/um at full supply, a thousandth of that near the
+   threshold; what is given in mA, uA or A/m lies beyond. */
+static const double least_ion = 1e-8, most_ion = 1e-2;
+
+/* Twice the width has so many times the current: twice, but for what happens at
+   the edges. */
+static const double least_gain = 1.4, most_gain = 3;
+
 /* ---- work ---- */
 
-/* The slices of the sample's gates, all of their length times a factor; 0: as
-   if nothing had printed. `slice` has width, length and edge one after the
-   other. */
-static eda_slices fill_slices(const eda_gates *g, size_t n, const double *place,
-                              const double *share, double length_factor,
-                              double *slice) {
-  double *width = slice, *length = width + n * g->count;
-  double *edge = length + n * g->count;
+typedef struct cases {
+  const opc_module *m;
+  const eda_gates *gates;
+  eda_slices slices[CASES];
+  double *slice[CASES];          /* what those point into */
+  double figure[CASES][FIGURES]; /* what came out */
+} cases;
+
+/* `slice` has width, length and edge one after the other. */
+static void fill_slices(cases *all, size_t c, size_t n, const double *place,
+                        const double *share) {
+  const eda_gates *g = all->gates;
+  double *width = all->slice[c] = eda_alloc(3 * n * g->count, sizeof *width);
+  double *length = width + n * g->count, *edge = length + n * g->count;
   for (size_t i = 0; i < g->count; i++)
     for (size_t s = 0; s < n; s++) {
       size_t k = i * n + s;
-      width[k] = g->width[i] * share[s];
-      length[k] = g->length[i] * length_factor;
-      edge[k] = g->width[i] * fmin(place[s], 1 - place[s]);
+      double printed = g->width[i] * width_factor[c];
+      width[k] = printed * share[s];
+      length[k] = g->length[i] * length_factor[c];
+      edge[k] = printed * fmin(place[s], 1 - place[s]);
     }
-  return (eda_slices){g->count, n, g->type, width, length, edge};
+  all->slices[c] = (eda_slices){g->count, n, g->type, width, length, edge};
 }
 
 /* NAN in all results shows what is not filled. */
-static int try_extract(opc_inspector *in, const opc_module *m,
-                       const eda_slices *slices, const uint32_t *flags) {
-  const eda_extractor *o = m->functions;
-  double figure[12];
-  for (size_t i = 0; i < 12; i++) figure[i] = NAN;
-  eda_performance out = {2,          figure,     figure + 2, figure + 4,
-                         figure + 6, figure + 8, figure + 10};
+static eda_performance room_in(double *figure) {
+  for (size_t i = 0; i < FIGURES; i++) figure[i] = NAN;
+  return (eda_performance){.count = 2,
+                           .ion = figure,
+                           .ioff = figure + 2,
+                           .leq_ion = figure + 4,
+                           .leq_ioff = figure + 6,
+                           .weq = figure + 8,
+                           .area = figure + 10};
+}
+
+/* `outside` may be NULL, as in a loop that does not ask for it. */
+static int extract(const cases *all, size_t c, double *figure, uint8_t *outside,
+                   eda_performance *out, opc_error *error) {
+  const eda_extractor *o = all->m->functions;
+  *out = room_in(figure);
+  out->outside = outside;
+  return o->extract(all->m->self, &all->slices[c], out, error);
+}
+
+static int try_case(opc_inspector *in, cases *all, size_t c) {
+  static const uint32_t open[] = {EDA_PRINT_OPEN, EDA_PRINT_OPEN};
+  uint8_t outside[2] = {0};
   opc_error error = {0};
-  int code = o->extract(m->self, slices, &out, &error);
+  eda_performance out;
+  int code = extract(all, c, all->figure[c], outside, &out, &error);
   if (!try_went_well(in, "extract", code, &error)) return 0;
-  code = eda_check_performance(eda_gates_sample(), 0, flags, &out, &error);
+  code = eda_check_performance(all->gates, 0, c == OPEN ? open : NULL, &out,
+                               &error);
   if (!try_is_sound(in, "extract", code, &error)) return 0;
-  in->add(in, figure, sizeof figure);
+  in->add(in, all->figure[c], sizeof all->figure[c]);
   return 1;
+}
+
+/* Currents come first, Ion and then Ioff of each gate. */
+static void try_currents(opc_inspector *in, const cases *all) {
+  const double *drawn = all->figure[AS_DRAWN];
+  for (size_t i = 0; i < 2; i++) {
+    const eda_gates *g = all->gates;
+    double ion = drawn[i], ioff = drawn[2 + i];
+    double gain = all->figure[TWICE_AS_WIDE][i] / ion;
+    if (!(ion >= least_ion && ion <= most_ion))
+      in->find(in,
+               "extract: Ion of a gate of L %g, W %g nm is %g A; %g to %g are "
+               "plausible",
+               g->length[i], g->width[i], ion, least_ion, most_ion);
+    if (!(ioff < ion))
+      in->find(in, "extract: Ioff of %g A is not below Ion of %g A", ioff, ion);
+    if (!(gain >= least_gain && gain <= most_gain))
+      in->find(in, "extract: twice the width has %g times the Ion", gain);
+  }
+}
+
+static int same_figures(void *data, size_t c) {
+  const cases *all = data;
+  double figure[FIGURES];
+  eda_performance out;
+  opc_error error = {0};
+  return !extract(all, c, figure, NULL, &out, &error) &&
+         !memcmp(figure, all->figure[c], sizeof figure);
 }
 
 static void try_slices(opc_inspector *in, const opc_module *m, size_t n,
                        const double *place, const double *share) {
   const eda_extractor *o = m->functions;
-  const eda_gates *g = eda_gates_sample();
-  static const double factors[] = {1, 0.8, 1.3, 0};
-  static const uint32_t open[] = {EDA_PRINT_OPEN, EDA_PRINT_OPEN};
-  double *slice = eda_alloc(3 * n * g->count, sizeof *slice);
+  cases all = {.m = m, .gates = eda_gates_sample()};
   int good = 1;
-  for (size_t f = 0; f < 4 && good; f++) {
-    eda_slices slices = fill_slices(g, n, place, share, factors[f], slice);
-    good = try_extract(in, m, &slices, factors[f] == 0 ? open : NULL);
-  }
-  free(slice);
+  for (size_t c = 0; c < CASES; c++) fill_slices(&all, c, n, place, share);
+  for (size_t c = 0; c < CASES && good; c++) good = try_case(in, &all, c);
+  if (good) try_currents(in, &all);
+  if (good && !try_at_once(CASES, same_figures, &all))
+    in->find(in,
+             "extract gives other bits while other threads call it; it is "
+             "[any]");
+  for (size_t c = 0; c < CASES; c++) free(all.slice[c]);
   if (!good) return;
   const eda_slices none = {.slices = n};
   eda_performance nothing = {0};
@@ -99,11 +169,22 @@ static void try_slice(opc_inspector *in, const opc_module *m, size_t n) {
   free(slicing);
 }
 
+static void try_range(opc_inspector *in, const opc_module *m) {
+  const eda_extractor *o = m->functions;
+  for (int type = EDA_NMOS; type <= EDA_PMOS; type++) {
+    double low = NAN, high = NAN;
+    if (o->range(m->self, type, &low, &high) &&
+        !(low > 0 && low < high && isfinite(high)))
+      in->find(in, "range: %g to %g nm", low, high);
+  }
+}
+
 static void exercise(const opc_module *m, opc_inspector *in) {
   const eda_extractor *o = m->functions;
   opc_error error = {0};
   if (!try_went_well(in, "prepare", o->prepare(m->self, &error), &error))
     return;
+  if (o->range) try_range(in, m);
   const double *place = NULL, *share = NULL;
   size_t n = o->slicing(m->self, &place, &share);
   int code = eda_check_slicing(n, place, share, &error);
@@ -118,4 +199,5 @@ static const opc_function required[] = {OPC_FUNCTION(eda_extractor, prepare),
                                         OPC_FUNCTION(eda_extractor, slicing),
                                         OPC_FUNCTION(eda_extractor, extract)};
 OPC_KIND("extractor", eda_extractor,
-         "extractors: from the print of a gate to its performance");
+         "extractors: from the print of a gate to its performance",
+         OPC_SAMPLES(samples));

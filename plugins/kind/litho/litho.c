@@ -3,28 +3,145 @@
    one looks like. */
 #include <eda/litho.h>
 #include <math.h>
+#include <string.h>
 
 #include "../try.h"
 #include "templates.h"
 
-/* ---- work ---- */
+/* Layers past poly and active are there too, as a flow may name any number. */
+enum { LAYERS = 3 };
+
+/* Of the clear field. Models that are cut off at some order lose about 1e-3. */
+static const double clear_tolerance = 0.02;
+/* What a sum of squares may fall below 0, and interference of partially
+   coherent light rise to, in clear fields (2 at an edge at the very most). */
+static const double darkest = -0.05, brightest = 3;
+/* By which an image changes with the period around it: neighbours 1.5 um away.
+ */
+static const double frame_tolerance = 0.05;
+
+/* ---- calls ---- */
+
+static int call(opc_inspector *in, const opc_module *m, int layer,
+                const eda_spectrum *mask, double defocus, eda_field *out) {
+  const eda_litho *o = m->functions;
+  opc_error error = {0};
+  int code = defocus == 0
+                 ? o->image(m->self, layer, mask, out, &error)
+                 : o->image_at(m->self, layer, mask, defocus, out, &error);
+  return try_went_well(in, defocus == 0 ? "image" : "image_at", code, &error);
+}
 
 static void try_image(opc_inspector *in, const opc_module *m, int layer,
                       const eda_spectrum *mask, double defocus) {
-  const eda_litho *o = m->functions;
   eda_field field = {0};
-  opc_error error = {0};
-  int code = defocus == 0
-                 ? o->image(m->self, layer, mask, &field, &error)
-                 : o->image_at(m->self, layer, mask, defocus, &field, &error);
-  if (try_went_well(in, defocus == 0 ? "image" : "image_at", code, &error))
+  if (call(in, m, layer, mask, defocus, &field))
     try_field(in, "image", "intensity", &field, &mask->frame);
   eda_field_clear(&field);
 }
 
-/* Layers past poly and active are there too, as a flow may name any number. */
+/* The intensity at places of the frame, from one side to the other through the
+   transistors. 0 if there is none. */
+enum { PLACES = 64 };
+
+static int sample(opc_inspector *in, const opc_module *m, int layer,
+                  const eda_frame *frame, double *value) {
+  const eda_litho *o = m->functions;
+  eda_spectrum mask;
+  eda_field field = {0};
+  opc_error error = {0};
+  double x[PLACES], y[PLACES];
+  for (int i = 0; i < PLACES; i++) {
+    x[i] = -400 + 900.0 * i / (PLACES - 1);
+    y[i] = 200 + 500.0 * i / (PLACES - 1);
+  }
+  if (!try_mask(in, layer, frame, o->band(m->self), &mask)) return 0;
+  int good = call(in, m, layer < 0 ? EDA_POLY : layer, &mask, 0, &field) &&
+             !eda_check_field(&field, frame, "intensity", &error);
+  if (good) eda_field_sample(&field, x, y, PLACES, value);
+  eda_field_clear(&field);
+  eda_spectrum_clear(&mask);
+  return good;
+}
+
+/* ---- what images have to be ---- */
+
+static void try_clear_field(opc_inspector *in, const opc_module *m) {
+  double value[PLACES];
+  if (!sample(in, m, -1, &try_frame, value)) return;
+  if (fabs(value[0]) <= clear_tolerance) {
+    in->note(in, "the clear field: an empty mask is dark, as of a dark field");
+    return;
+  }
+  for (int i = 0; i < PLACES; i++)
+    if (!(fabs(value[i] - 1) <= clear_tolerance)) {
+      in->find(in, "image: the clear field has the intensity %g, not 1",
+               value[i]);
+      return;
+    }
+}
+
+static void try_range(opc_inspector *in, const opc_module *m) {
+  double value[PLACES], other[PLACES];
+  if (!sample(in, m, EDA_POLY, &try_frame, value)) return;
+  for (int i = 0; i < PLACES; i++)
+    if (value[i] < darkest || value[i] > brightest) {
+      in->find(in, "image: the intensity %g is none, in clear fields",
+               value[i]);
+      return;
+    }
+  if (!sample(in, m, EDA_POLY, &try_other_frame, other)) return;
+  for (int i = 0; i < PLACES; i++)
+    if (fabs(value[i] - other[i]) > frame_tolerance) {
+      in->find(in,
+               "image: the same mask gives the intensity %g in one frame and "
+               "%g in another",
+               value[i], other[i]);
+      return;
+    }
+}
+
+/* ---- several callers ---- */
+
+typedef struct images {
+  const opc_module *m;
+  eda_spectrum mask[LAYERS];
+  eda_field field[LAYERS];
+} images;
+
+static int same_image(void *data, size_t i) {
+  const images *all = data;
+  const eda_litho *o = all->m->functions;
+  const eda_field *was = &all->field[i];
+  eda_field field = {0};
+  opc_error error = {0};
+  int same = !o->image(all->m->self, (int)i, &all->mask[i], &field, &error) &&
+             field.nx == was->nx && field.ny == was->ny &&
+             !memcmp(field.coefficients, was->coefficients,
+                     (size_t)field.nx * (size_t)field.ny * sizeof(float));
+  eda_field_clear(&field);
+  return same;
+}
+
+static void try_callers(opc_inspector *in, const opc_module *m) {
+  const eda_litho *o = m->functions;
+  images all = {.m = m};
+  int good = 1;
+  for (int i = 0; i < LAYERS && good; i++)
+    good = try_mask(in, i, &try_frame, o->band(m->self), &all.mask[i]) &&
+           call(in, m, i, &all.mask[i], 0, &all.field[i]);
+  if (good && !try_at_once(LAYERS, same_image, &all))
+    in->find(in,
+             "image gives other bits while other threads call it; it is [any]");
+  for (int i = 0; i < LAYERS; i++) {
+    eda_spectrum_clear(&all.mask[i]);
+    eda_field_clear(&all.field[i]);
+  }
+}
+
+/* ---- all ---- */
+
 static void exercise(const opc_module *m, opc_inspector *in) {
-  enum { LAYERS = 3 };
   const eda_litho *o = m->functions;
   opc_error error = {0};
   if (!try_went_well(in, "prepare", o->prepare(m->self, &error), &error))
@@ -36,11 +153,14 @@ static void exercise(const opc_module *m, opc_inspector *in) {
   }
   for (int layer = 0; layer < LAYERS; layer++) {
     eda_spectrum mask;
-    if (!try_mask(in, layer, band, &mask)) return;
+    if (!try_mask(in, layer, &try_frame, band, &mask)) return;
     try_image(in, m, layer, &mask, 0);
     if (o->image_at) try_image(in, m, layer, &mask, 50);
     eda_spectrum_clear(&mask);
   }
+  try_clear_field(in, m);
+  try_range(in, m);
+  try_callers(in, m);
 }
 
 /* ---- entry ---- */

@@ -15,12 +15,8 @@ enum { GATES = 2, ROOM = 64 };
 /* What the drawn shapes print as a mask. */
 static int print_drawn(opc_inspector *in, const eda_gates *g,
                        eda_field *print) {
-  for (size_t k = 0; k < g->layers; k++) {
-    eda_field *f = &print[k];
-    if (!try_print(in, (int)k, f)) return 0;
-    for (int i = 0; i < f->nx * f->ny; i++)
-      f->coefficients[i] = 0.3F - f->coefficients[i];
-  }
+  for (size_t k = 0; k < g->layers; k++)
+    if (!try_develop(in, (int)k, &print[k])) return 0;
   return 1;
 }
 
@@ -52,6 +48,23 @@ static int try_rule(opc_inspector *in, const opc_module *m,
   return good;
 }
 
+/* A violation lies where something is drawn or printed: within a micrometre of
+   the shapes. */
+static void try_places(opc_inspector *in, const eda_gates *g,
+                       const eda_violation *list, size_t n) {
+  const double beyond = 1000;
+  const eda_box e = g->extent;
+  for (size_t i = 0; i < n; i++) {
+    const eda_violation *v = &list[i];
+    if (v->x >= e.x0 * g->grid - beyond && v->x <= e.x1 * g->grid + beyond &&
+        v->y >= e.y0 * g->grid - beyond && v->y <= e.y1 * g->grid + beyond)
+      continue;
+    in->find(in, "violations: '%s' at (%g, %g) nm is not in the layout",
+             v->rule, v->x, v->y);
+    return;
+  }
+}
+
 /* Violations are told, and counted alike without room for them. */
 static void try_violations(opc_inspector *in, const opc_module *m,
                            const eda_printed *printed) {
@@ -65,7 +78,8 @@ static void try_violations(opc_inspector *in, const opc_module *m,
   if (!try_went_well(in, "violations without room", code, &error)) return;
   code = eda_check_violations(list, many < ROOM ? many : ROOM,
                               printed->gates->count, &error);
-  try_is_sound(in, "violations", code, &error);
+  if (try_is_sound(in, "violations", code, &error))
+    try_places(in, printed->gates, list, many < ROOM ? many : ROOM);
   if (many != none)
     in->find(in, "violations counts %zu with room and %zu without", many, none);
 }

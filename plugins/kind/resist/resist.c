@@ -2,15 +2,103 @@
 /* kind.resist: what a resist must have, how it is tried out, and what a new one
    looks like. */
 #include <eda/resist.h>
+#include <math.h>
+#include <string.h>
 
 #include "../try.h"
 #include "templates.h"
 
+/* Layers past poly and active are there too, as a flow may name any number. */
+enum { LAYERS = 3, NODES = 16 };
+
 /* ---- work ---- */
 
-/* Layers past poly and active are there too, as a flow may name any number. */
+/* The level set of a field that is the same everywhere; NAN and a note if there
+   is none. */
+static double level_of(opc_inspector *in, const opc_module *m, double value) {
+  const eda_resist *o = m->functions;
+  eda_field field = {try_frame, NODES, NODES,
+                     eda_alloc(NODES * NODES, sizeof(float))};
+  double x = 30, y = 200, level = NAN;
+  opc_error error = {0};
+  for (int i = 0; i < NODES * NODES; i++) field.coefficients[i] = (float)value;
+  int code = o->print(m->self, EDA_POLY, &field, &error);
+  if (try_went_well(in, "print", code, &error) &&
+      !eda_check_field(&field, &try_frame, "level set", &error))
+    eda_field_sample(&field, &x, &y, 1, &level);
+  eda_field_clear(&field);
+  return level;
+}
+
+/* A feature prints in the dark, none in the clear field, and the level falls
+   in between: there is one threshold. */
+static void try_sign(opc_inspector *in, const opc_module *m) {
+  enum { STEPS = 20 };
+  double last = level_of(in, m, 0), clear = level_of(in, m, 1);
+  int signs = 0;
+  if (isnan(last) || isnan(clear)) return;
+  if (!(last > 0)) in->find(in, "print: nothing prints in the dark");
+  if (!(clear < 0)) in->find(in, "print: the clear field prints");
+  for (int i = 1; i <= STEPS; i++) {
+    double level = level_of(in, m, (double)i / STEPS);
+    if (isnan(level)) return;
+    signs += (level > 0) != (last > 0);
+    last = level;
+  }
+  if (signs > 1)
+    in->find(in, "print: %d intensities are its threshold, not one", signs);
+}
+
+typedef struct prints {
+  const opc_module *m;
+  eda_field image[LAYERS], print[LAYERS];
+} prints;
+
+static size_t bytes(const eda_field *f) {
+  return (size_t)f->nx * (size_t)f->ny * sizeof *f->coefficients;
+}
+
+static eda_field copy(const eda_field *from) {
+  eda_field to = *from;
+  to.coefficients = eda_alloc(bytes(from), 1);
+  memcpy(to.coefficients, from->coefficients, bytes(from));
+  return to;
+}
+
+static int same_print(void *data, size_t i) {
+  const prints *all = data;
+  const eda_resist *o = all->m->functions;
+  const eda_field *was = &all->print[i];
+  eda_field field = copy(&all->image[i]);
+  opc_error error = {0};
+  int same = !o->print(all->m->self, (int)i, &field, &error) &&
+             bytes(&field) == bytes(was) &&
+             !memcmp(field.coefficients, was->coefficients, bytes(was));
+  eda_field_clear(&field);
+  return same;
+}
+
+static void try_callers(opc_inspector *in, const opc_module *m) {
+  const eda_resist *o = m->functions;
+  prints all = {.m = m};
+  opc_error error = {0};
+  int good = 1;
+  for (int i = 0; i < LAYERS && good; i++) {
+    good = try_print(in, i, &all.image[i]);
+    if (!good) break;
+    all.print[i] = copy(&all.image[i]);
+    good = !o->print(m->self, i, &all.print[i], &error);
+  }
+  if (good && !try_at_once(LAYERS, same_print, &all))
+    in->find(in,
+             "print gives other bits while other threads call it; it is [any]");
+  for (int i = 0; i < LAYERS; i++) {
+    eda_field_clear(&all.image[i]);
+    eda_field_clear(&all.print[i]);
+  }
+}
+
 static void exercise(const opc_module *m, opc_inspector *in) {
-  enum { LAYERS = 3 };
   const eda_resist *o = m->functions;
   const opc_module litho = try_litho(in);
   opc_error error = {0};
@@ -25,6 +113,8 @@ static void exercise(const opc_module *m, opc_inspector *in) {
       try_field(in, "print", "level set", &field, &try_frame);
     eda_field_clear(&field);
   }
+  try_sign(in, m);
+  try_callers(in, m);
 }
 
 /* ---- entry ---- */

@@ -9,7 +9,8 @@
 #include "../try.h"
 #include "templates.h"
 
-enum { ROUNDS = 6, GATES = 2 };
+/* More than any loop makes. */
+enum { MOST_ROUNDS = 500, GATES = 2 };
 
 /* The fragments that a synthesizer cuts itself, of each layer. */
 typedef struct fragments {
@@ -66,7 +67,14 @@ static int try_cut(opc_inspector *in, const opc_module *m, int layer,
   return 1;
 }
 
-/* Some iterations: a veto in the third, an open gate in the fourth. */
+/* An open gate has no figures. */
+static void open_gate(eda_performance *p, size_t i) {
+  p->ion[i] = p->ioff[i] = p->leq_ion[i] = p->leq_ioff[i] = 0;
+  p->weq[i] = p->area[i] = 0;
+}
+
+/* Some iterations, a veto in the third, an open gate in the fourth; then
+   without faults until it says that it is done. */
 static int try_moves(opc_inspector *in, const opc_module *m, eda_feedback f,
                      eda_performance *printed, fragments *own) {
   const eda_synthesizer *o = m->functions;
@@ -80,11 +88,12 @@ static int try_moves(opc_inspector *in, const opc_module *m, eda_feedback f,
   f.vetoes = vetoes;
   f.epe = (const double *const *)own->epe;
   eda_moves moves = {l, w, jog, own->shift, own->assists};
-  for (; f.iteration < ROUNDS && !done; f.iteration++) {
+  for (; f.iteration < MOST_ROUNDS && !done; f.iteration++) {
     print_gates(g, l, w, printed);
     print_fragments(g, own, f.iteration);
     vetoes[0] = f.iteration == 2 ? EDA_VETO_LONGER : 0;
     flags[1] = f.iteration == 3 ? EDA_PRINT_OPEN : 0;
+    if (flags[1]) open_gate(printed, 1);
     int code = o->update(m->self, &f, &moves, &done, &error);
     if (!try_went_well(in, "update", code, &error)) return 0;
     code = eda_check_moves(g, &moves, own->count, &error);
@@ -98,6 +107,8 @@ static int try_moves(opc_inspector *in, const opc_module *m, eda_feedback f,
       in->add(in, bars->box, bars->count * sizeof(eda_box));
     }
   }
+  if (!done)
+    in->find(in, "update is not done after %d iterations", MOST_ROUNDS);
   return 1;
 }
 
@@ -107,6 +118,15 @@ static void try_verdicts(opc_inspector *in, const opc_module *m) {
     const char *why = o->verdict(m->self, i);
     if (why && !g_utf8_validate(why, -1, NULL))
       in->find(in, "verdict gave a text that is not UTF-8");
+  }
+}
+
+static void try_targets(opc_inspector *in, const opc_module *m) {
+  const eda_synthesizer *o = m->functions;
+  for (size_t i = 0; o->target && i < GATES; i++) {
+    double target = o->target(m->self, i);
+    if (!isnan(target) && !(target > 0 && isfinite(target)))
+      in->find(in, "target of transistor %zu is %g", i + 1, target);
   }
 }
 
@@ -134,6 +154,7 @@ static void exercise(const opc_module *m, opc_inspector *in) {
   int good = try_went_well(in, "begin", o->begin(m->self, &f, &error), &error);
   for (size_t k = 0; k < g->layers && good; k++)
     if (o->cut && g->corrected[k]) good = try_cut(in, m, (int)k, &own);
+  if (good) try_targets(in, m);
   if (good && try_moves(in, m, f, &printed, &own)) try_verdicts(in, m);
   for (size_t k = 0; k < g->layers; k++) {
     free(own.shift[k]);

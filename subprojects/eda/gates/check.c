@@ -125,6 +125,13 @@ int eda_check_slicing(size_t n, const double *place, const double *width,
       error, "the slices have %.9g of the width of a gate, not all of it", sum);
 }
 
+static int wrong_figure(const eda_gates *gates, size_t i, const char *name,
+                        double x, opc_error *error) {
+  const char *instance = gates->instance[i];
+  return unsound(error, "%s of transistor '%s:%u' is %g", name,
+                 *instance ? instance : gates->cell[i], gates->number[i], x);
+}
+
 int eda_check_performance(const eda_gates *gates, size_t first,
                           const uint32_t *flags, const eda_performance *p,
                           opc_error *error) {
@@ -132,16 +139,16 @@ int eda_check_performance(const eda_gates *gates, size_t first,
                                       "leq_ioff", "weq",  "area"};
   const double *const figures[] = {p->ion,      p->ioff, p->leq_ion,
                                    p->leq_ioff, p->weq,  p->area};
-  for (size_t i = 0; i < p->count; i++)
+  for (size_t i = 0; i < p->count; i++) {
+    int bad = flags && flags[i] & ~(uint32_t)EDA_PRINT_NOTES;
     for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
       double x = figures[k][i];
-      int bad = flags && flags[i] & ~(uint32_t)EDA_PRINT_NOTES;
       if (isfinite(x) && (x > 0 || (bad && x == 0))) continue;
-      const char *instance = gates->instance[first + i];
-      return unsound(error, "%s of transistor '%s:%u' is %g", names[k],
-                     *instance ? instance : gates->cell[first + i],
-                     gates->number[first + i], x);
+      return wrong_figure(gates, first + i, names[k], x, error);
     }
+    if (p->outside && p->outside[i] > 1)
+      return wrong_figure(gates, first + i, "outside", p->outside[i], error);
+  }
   return OPC_OK;
 }
 

@@ -5,10 +5,15 @@
 #include <eda/print.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "gates/fence.h"
 #include "gates/gate.h"
 
-enum { BLOCK = 64 }; /* gates that a thread measures at a time */
+enum {
+  BLOCK = 64, /* gates that a thread measures at a time */
+  FIGURES = 6 /* arrays of eda_performance, one after another */
+};
 
 static const char slot[] = "extractor";
 
@@ -19,7 +24,8 @@ typedef struct slices {
   const opc_module *extractor;
   const double *place, *share; /* of every gate that is not sliced by itself */
   size_t n;
-  double *own;                   /* places and shares of one that is; or NULL */
+  double *own;                   /* places and shares of one that is, between
+                                    guard words; or NULL */
   double *width, *length, *edge; /* [gate * n + slice]; one array */
 } slices;
 
@@ -30,15 +36,20 @@ static int slices_init(slices *s, const opc_context *context,
   *s = (slices){.context = context, .extractor = extractor};
   const char *before = eda_enter(context, extractor, error);
   s->n = model->slicing(extractor->self, &s->place, &s->share);
-  opc_leave(context, before);
   int code = eda_check_slicing(s->n, s->place, s->share, error);
+  opc_leave(context, before);
   if (code) return eda_blame(error, code, slot);
-  size_t all = s->n * gates, own = model->slice ? 2 * s->n : 0;
-  s->width = eda_alloc(3 * all + own, sizeof *s->width);
+  size_t all = s->n * gates;
+  s->width = eda_alloc(3 * all, sizeof *s->width);
   s->length = s->width + all;
   s->edge = s->length + all;
-  s->own = own ? s->edge + all : NULL;
+  s->own = model->slice ? fence_new(2 * s->n, sizeof *s->own, NULL) : NULL;
   return OPC_OK;
+}
+
+static void slices_clear(slices *s) {
+  free(s->width);
+  fence_free(s->own);
 }
 
 /* Cut a gate, number k of these. */
@@ -52,7 +63,8 @@ static int slices_cut(const slices *s, size_t k, eda_gate *gate,
     opc_leave(s->context, before);
     place = s->own;
     share = s->own + s->n;
-    int code = eda_check_slicing(s->n, place, share, error);
+    int code = fence_check(s->own, "places and widths", error);
+    if (!code) code = eda_check_slicing(s->n, place, share, error);
     if (code) return eda_blame(error, code, slot);
   }
   for (size_t i = 0; i < s->n; i++) {
@@ -64,21 +76,43 @@ static int slices_cut(const slices *s, size_t k, eda_gate *gate,
   return OPC_OK;
 }
 
+/* The plugin writes into copies between guard words. */
+static int extract(const slices *s, const eda_slices *in, eda_performance *out,
+                   opc_error *error) {
+  const eda_extractor *model = s->extractor->functions;
+  eda_performance lent = {
+      .count = out->count,
+      .outside = fence_new(out->count, sizeof *out->outside, NULL)};
+  for (size_t k = 0; k < FIGURES; k++)
+    (&lent.ion)[k] = fence_new(out->count, sizeof(double), NULL);
+  const eda_performance kept = lent; /* whatever becomes of its pointers */
+  const char *before = eda_enter(s->context, s->extractor, error);
+  int code = model->extract(s->extractor->self, in, &lent, error);
+  opc_leave(s->context, before);
+  for (size_t k = 0; k < FIGURES; k++) {
+    double *figures = (&kept.ion)[k];
+    if (!code) code = fence_check(figures, "figures", error);
+    memcpy((&out->ion)[k], figures, out->count * sizeof(double));
+    fence_free(figures);
+  }
+  if (!code) code = fence_check(kept.outside, "outside", error);
+  memcpy(out->outside, kept.outside, out->count);
+  fence_free(kept.outside);
+  return code;
+}
+
 /* The performance of the gates from `first` on; `flags` of each as in
    eda_check_performance. */
 static int slices_extract(const slices *s, const eda_gates *gates, size_t first,
                           const uint32_t *flags, eda_performance *out,
                           opc_error *error) {
-  const eda_extractor *model = s->extractor->functions;
   eda_slices in = {.count = out->count,
                    .slices = s->n,
                    .type = gates->type + first,
                    .width = s->width,
                    .length = s->length,
                    .edge = s->edge};
-  const char *before = eda_enter(s->context, s->extractor, error);
-  int code = model->extract(s->extractor->self, &in, out, error);
-  opc_leave(s->context, before);
+  int code = extract(s, &in, out, error);
   if (!code) code = eda_check_performance(gates, first, flags, out, error);
   return eda_blame(error, code, slot);
 }
@@ -101,7 +135,25 @@ static eda_performance part(const eda_performance *p, size_t first, size_t n) {
                            .leq_ion = p->leq_ion + first,
                            .leq_ioff = p->leq_ioff + first,
                            .weq = p->weq + first,
-                           .area = p->area + first};
+                           .area = p->area + first,
+                           .outside = p->outside + first};
+}
+
+/* An open line is a short from source to drain, and without active there is
+   nothing to carry a current: whatever the slices add up to, it is not that of
+   a transistor. */
+static void strike(eda_performance *p, size_t i) {
+  p->ion[i] = p->ioff[i] = p->leq_ion[i] = p->leq_ioff[i] = 0;
+  p->weq[i] = p->area[i] = p->outside[i] = 0;
+}
+
+/* What the figures of a print and its flags tell each other. */
+static void settle(eda_performance *p, uint32_t *flags) {
+  for (size_t i = 0; i < p->count; i++)
+    if (flags[i] & (EDA_PRINT_OPEN | EDA_PRINT_NO_ACTIVE))
+      strike(p, i);
+    else if (p->outside[i])
+      flags[i] |= EDA_PRINT_OUTSIDE;
 }
 
 static int measure_block(void *data, size_t block, opc_error *error) {
@@ -121,10 +173,11 @@ static int measure_block(void *data, size_t block, opc_error *error) {
   }
   if (!code) {
     eda_performance p = part(&j->out->performance, first, n);
-    code =
-        slices_extract(&s, j->gates, first, j->out->flags + first, &p, error);
+    uint32_t *flags = j->out->flags + first;
+    code = slices_extract(&s, j->gates, first, flags, &p, error);
+    if (!code) settle(&p, flags);
   }
-  free(s.width);
+  slices_clear(&s);
   return code;
 }
 
@@ -149,7 +202,7 @@ int eda_measure_drawn(const opc_context *context, const eda_gates *gates,
     code = slices_cut(&s, i, &gate, error);
   }
   if (!code) code = slices_extract(&s, gates, 0, NULL, out, error);
-  free(s.width);
+  slices_clear(&s);
   return code;
 }
 

@@ -4,6 +4,8 @@
 #include <eda/print.h>
 #include <stdlib.h>
 
+#include "gates/fence.h"
+
 void eda_printer_init(eda_printer *p, const opc_context *context,
                       const eda_gates *gates, const opc_module *litho,
                       const opc_module *resist, double margin) {
@@ -37,6 +39,14 @@ int eda_printer_prepare(eda_printer *p, opc_error *error) {
   return blame_resist(p, code, error);
 }
 
+eda_image_size eda_printer_forecast(const eda_printer *p, size_t layers) {
+  double band = p->litho.functions.band(&p->litho);
+  if (!(band > 0)) return (eda_image_size){0};
+  eda_image_size one = eda_image_forecast(p->frame, band);
+  one.bytes *= (double)layers;
+  return one;
+}
+
 int eda_printer_spectrum(const eda_printer *p, const eda_shapes *mask,
                          eda_spectrum *out, opc_error *error) {
   return eda_mask_spectrum(p->context, mask, p->grid, p->frame,
@@ -46,9 +56,15 @@ int eda_printer_spectrum(const eda_printer *p, const eda_shapes *mask,
 int eda_printer_develop(const eda_printer *p, int layer, eda_field *field,
                         opc_error *error) {
   const eda_resist *resist = p->resist->functions;
+  fence_field(field);
+  const float *values = field->coefficients;
+  size_t n = (size_t)field->nx * (size_t)field->ny;
   const char *before = eda_enter(p->context, p->resist, error);
   int code = resist->print(p->resist->self, layer, field, error);
   opc_leave(p->context, before);
+  /* It may have put others in their place. */
+  if (!code && field->coefficients == values)
+    code = fence_check_field(values, n, "level sets", error);
   if (!code) code = eda_check_field(field, &p->frame, "level set", error);
   return blame_resist(p, code, error);
 }

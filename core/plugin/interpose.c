@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Functions of the C library that plugins find here first, as they look into
+   the command before it. They are the command's alone: programs that are linked
+   to the kernel keep their own. */
+#include <dlfcn.h>
+#include <opcflow/base.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "core/plugin/guard.h"
+
+/* The next one of that name, as a pointer to a function: `to` points to it. */
+static void find_next(const char *name, void *to) {
+  void *next = dlsym(RTLD_NEXT, name);
+  memcpy(to, &next, sizeof next);
+}
+
+/* ---- the end ---- */
+
+/* The guard hears of exit() and quick_exit() by itself as well, from within the
+   C library; but while one thread is there, another one could end the process.
+ */
+_Noreturn static void leave(const char *name, int code) {
+  void (*next)(int);
+  opc_guard_exit();
+  find_next(name, &next);
+  next(code);
+  abort();
+}
+
+OPC_EXPORT _Noreturn void exit(int code) { leave("exit", code); }
+
+OPC_EXPORT _Noreturn void quick_exit(int code) { leave("quick_exit", code); }
+
+OPC_EXPORT _Noreturn void _exit(int code) { leave("_exit", code); }
+
+OPC_EXPORT _Noreturn void _Exit(int code) { leave("_Exit", code); }
+
+/* ---- threads ---- */
+
+/* One that a plugin starts is in that plugin. */
+typedef struct beginning {
+  void *(*work)(void *);
+  void *data;
+  const char *inside;
+} beginning;
+
+static void *begin(void *data) {
+  beginning b = *(beginning *)data;
+  free(data);
+  opc_guard_adopt(b.inside);
+  return b.work(b.data);
+}
+
+OPC_EXPORT int pthread_create(pthread_t *thread, const pthread_attr_t *how,
+                              void *(*work)(void *), void *data) {
+  int (*next)(pthread_t *, const pthread_attr_t *, void *(*)(void *), void *);
+  find_next("pthread_create", &next);
+  const char *inside = opc_guard_inside();
+  beginning *b = inside ? malloc(sizeof *b) : NULL;
+  if (!b) return next(thread, how, work, data);
+  *b = (beginning){work, data, inside};
+  int code = next(thread, how, begin, b);
+  if (code) free(b);
+  return code;
+}

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The least of what the machine, the control groups and the limits of the
+   process leave; proc(5), getrlimit(2) and the kernel's cgroup-v2. */
+#include "core/plugin/memory.h"
+
+#include <glib.h>
+#include <malloc.h>
+#include <math.h>
+#include <string.h>
+#include <sys/resource.h>
+
+/* The number behind `name` in a file of lines "NAME: 12 kB" or "NAME 12", or
+   the file's only one for ""; NAN if it is not there or "max". */
+static double number_in(const char *path, const char *name) {
+  g_autofree char *text = NULL;
+  if (!g_file_get_contents(path, &text, NULL, NULL)) return NAN;
+  size_t length = strlen(name);
+  for (const char *line = text; line; line = strchr(line, '\n')) {
+    line += *line == '\n';
+    if (strncmp(line, name, length)) continue;
+    char *end;
+    double value = g_ascii_strtod(line + length, &end);
+    if (end == line + length) return NAN;
+    return g_str_has_prefix(end, " kB") ? value * 1024 : value;
+  }
+  return NAN;
+}
+
+static double machine_free(void) {
+  double swap = number_in("/proc/meminfo", "SwapFree:");
+  return number_in("/proc/meminfo", "MemAvailable:") + fmax(swap, 0);
+}
+
+/* Of the group in that folder: its limit, less what it uses; files that are
+   only cached give way. */
+static double group_free(const char *folder) {
+  g_autofree char *most = g_build_filename(folder, "memory.max", NULL);
+  g_autofree char *now = g_build_filename(folder, "memory.current", NULL);
+  g_autofree char *kinds = g_build_filename(folder, "memory.stat", NULL);
+  return number_in(most, "") - number_in(now, "") +
+         fmax(number_in(kinds, "inactive_file "), 0);
+}
+
+/* Of the group of this process and of all that it is in. */
+static double groups_free(void) {
+  g_autofree char *text = NULL;
+  double least = NAN;
+  if (!g_file_get_contents("/proc/self/cgroup", &text, NULL, NULL)) return NAN;
+  char *path = strstr(text, "0::/");
+  if (!path) return NAN;
+  path += strlen("0::");
+  path[strcspn(path, "\n")] = 0;
+  for (;;) {
+    g_autofree char *folder = g_strconcat("/sys/fs/cgroup", path, NULL);
+    least = fmin(least, group_free(folder));
+    char *slash = strrchr(path, '/');
+    if (!slash || !path[1]) return least;
+    slash[slash == path] = 0;
+  }
+}
+
+static double address_space_free(void) {
+  struct rlimit limit;
+  if (getrlimit(RLIMIT_AS, &limit) || limit.rlim_cur == RLIM_INFINITY)
+    return NAN;
+  return (double)limit.rlim_cur - number_in("/proc/self/status", "VmSize:");
+}
+
+double opc_memory_free(const char **source) {
+  const struct {
+    double bytes;
+    const char *source;
+  } all[] = {{machine_free(), "the machine"},
+             {groups_free(), "the control group (cgroup)"},
+             {address_space_free(), "the limit on address space (ulimit -v)"}};
+  double least = INFINITY;
+  *source = all[0].source;
+  for (size_t i = 0; i < G_N_ELEMENTS(all); i++) {
+    if (!(all[i].bytes < least)) continue;
+    least = all[i].bytes;
+    *source = all[i].source;
+  }
+  /* What was freed and is kept for the next time counts as used above. */
+  return fmax(least, 0) + (double)mallinfo2().fordblks;
+}

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What all of the process shares, and plugins have to leave as it was: the
+   working folder, the standard streams, the locale, the modes of new files,
+   handlers of signals; and of each thread its floating-point control and mask
+   of signals. */
+#ifndef OPCFLOW_CORE_PROCESS_H
+#define OPCFLOW_CORE_PROCESS_H
+
+/* A signal that plugins leave alone; `means` is NULL of one that is no crash.
+   The list ends with the number 0. */
+typedef struct opc_signal {
+  int number;
+  const char *name, *means;
+} opc_signal;
+extern const opc_signal opc_signals[];
+
+/* As it is now, it has to stay: again after each change of the command's own.
+   [main] */
+void opc_process_settle(void);
+
+/* What of this thread is not as it was, after the name of who did it: "changed
+   the locale"; NULL if all is. Takes no system call. [any] */
+const char *opc_process_thread_change(void);
+
+/* The same of the process and of which signals this thread takes. `*detail` is
+   more of that text, or empty. [any] */
+const char *opc_process_change(const char **detail);
+
+/* The working folder as it was, whatever became of it: for renameat(). */
+int opc_process_folder(void);
+
+/* Write to standard error as it was, whatever became of it. */
+void opc_process_say(const char *text);
+
+#endif

@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Calls of synthesizers and regulators. Arrays that they write are copies
+   between guard words; what they point to is read while they are to blame. */
+#include <eda/check.h>
+#include <eda/memory.h>
+#include <glib.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "gates/fence.h"
+
+enum { LONGEST_TEXT = 200 }; /* bytes, of a word or few */
+
+/* ---- texts ---- */
+
+/* The text with that content which stays for ever; `what` it is. */
+static const char *keep_text(const char *text, const char *what,
+                             opc_error *error) {
+  size_t n = strnlen(text, LONGEST_TEXT + 1);
+  const char *bad = NULL;
+  if (n > LONGEST_TEXT)
+    opc_fail(error, OPC_FAILED, NULL, "%s is no text of at most %d bytes", what,
+             LONGEST_TEXT);
+  else if (!g_utf8_validate(text, (gssize)n, &bad))
+    opc_fail(error, OPC_FAILED, NULL, "%s is no UTF-8: byte %zu is 0x%02x",
+             what, (size_t)(bad - text) + 1, (unsigned)(unsigned char)*bad);
+  else
+    return g_intern_string(text);
+  return NULL;
+}
+
+int eda_call_verdict(const opc_context *context, const opc_module *synthesizer,
+                     size_t gate, const char **verdict, opc_error *error) {
+  const eda_synthesizer *s = synthesizer->functions;
+  *verdict = "";
+  if (!s->verdict) return OPC_OK;
+  const char *before = eda_enter(context, synthesizer, error);
+  const char *why = s->verdict(synthesizer->self, gate);
+  if (why) *verdict = keep_text(why, "a verdict", error);
+  opc_leave(context, before);
+  return *verdict ? OPC_OK : OPC_FAILED;
+}
+
+/* ---- moves ---- */
+
+/* Array number i of the moves, and how many numbers it has: l, w and jog, then
+   the shifts of layers. */
+static int32_t *array_of(const eda_moves *m, const eda_gates *gates,
+                         const size_t *fragments, size_t i, size_t *n) {
+  int32_t *const first[] = {m->l, m->w, m->jog};
+  *n = i < 3 ? gates->count : fragments[i - 3];
+  return i < 3 ? first[i] : m->shift[i - 3];
+}
+
+/* Whether all arrays `lent` are as they should be. */
+static int check_moves(const eda_gates *gates, const eda_moves *lent,
+                       const size_t *fragments, opc_error *error) {
+  static const char *const names[] = {"moves of L", "moves of W", "jogs"};
+  int code = fence_check(lent->assists, "assists", error);
+  for (size_t i = 0, n; i < 3 + gates->layers && !code; i++) {
+    const int32_t *array = array_of(lent, gates, fragments, i, &n);
+    const char *what = i < 3 ? names[i] : "shifts of fragments";
+    if (array) code = fence_check(array, what, error);
+  }
+  return code ? code : eda_check_moves(gates, lent, fragments, error);
+}
+
+int eda_call_update(const opc_context *context, const opc_module *synthesizer,
+                    const eda_feedback *feedback, const size_t *fragments,
+                    eda_moves *moves, int *done, opc_error *error) {
+  const eda_synthesizer *s = synthesizer->functions;
+  const eda_gates *g = feedback->gates;
+  size_t layers = g->layers, count = g->count;
+  int32_t **shift = eda_alloc(layers, sizeof *shift);
+  for (size_t k = 0; k < layers; k++)
+    if (moves->shift[k])
+      shift[k] = fence_new(fragments[k], sizeof **shift, moves->shift[k]);
+  eda_moves lent = {
+      .l = fence_new(count, sizeof(int32_t), moves->l),
+      .w = fence_new(count, sizeof(int32_t), moves->w),
+      .jog = fence_new(count, sizeof(int32_t), moves->jog),
+      .shift = shift,
+      .assists = fence_new(layers, sizeof(eda_boxes), moves->assists)};
+  const eda_moves kept = lent; /* whatever becomes of its pointers */
+  const char *before = eda_enter(context, synthesizer, error);
+  int code = s->update(synthesizer->self, feedback, &lent, done, error);
+  if (!code) code = check_moves(g, &kept, fragments, error);
+  opc_leave(context, before);
+  for (size_t i = 0, n; i < 3 + layers; i++) {
+    int32_t *to = array_of(moves, g, fragments, i, &n);
+    int32_t *from = array_of(&kept, g, fragments, i, &n);
+    if (!code && to && n) memcpy(to, from, n * sizeof *to);
+    fence_free(from);
+  }
+  if (!code && layers)
+    memcpy(moves->assists, kept.assists, layers * sizeof *kept.assists);
+  fence_free(kept.assists);
+  free(shift);
+  return code;
+}
+
+/* ---- rulings ---- */
+
+int eda_call_rule(const opc_context *context, const opc_module *regulator,
+                  const eda_printed *printed, eda_ruling *ruling,
+                  opc_error *error) {
+  const eda_regulator *r = regulator->functions;
+  const eda_gates *g = printed->gates;
+  size_t layers = g->layers, count = g->count;
+  eda_ruling lent = {
+      .vetoes = fence_new(count, sizeof(uint32_t), ruling->vetoes),
+      .end = fence_new(2 * count, sizeof(int32_t), ruling->end),
+      .patches = fence_new(layers, sizeof(eda_boxes), ruling->patches),
+      .bites = fence_new(layers, sizeof(eda_boxes), ruling->bites)};
+  eda_ruling kept = lent;
+  const char *before = eda_enter(context, regulator, error);
+  int code = r->rule(regulator->self, printed, &lent, error);
+  if (!code) code = fence_check(kept.vetoes, "vetoes", error);
+  if (!code) code = fence_check(kept.end, "line ends", error);
+  if (!code) code = fence_check(kept.patches, "patches", error);
+  if (!code) code = fence_check(kept.bites, "bites", error);
+  if (!code) code = eda_check_ruling(g, &kept, error);
+  opc_leave(context, before);
+  if (!code) {
+    memcpy(ruling->vetoes, kept.vetoes, count * sizeof *kept.vetoes);
+    memcpy(ruling->end, kept.end, 2 * count * sizeof *kept.end);
+    memcpy(ruling->patches, kept.patches, layers * sizeof *kept.patches);
+    memcpy(ruling->bites, kept.bites, layers * sizeof *kept.bites);
+    ruling->transistors = lent.transistors;
+  }
+  fence_free(kept.vetoes);
+  fence_free(kept.end);
+  fence_free(kept.patches);
+  fence_free(kept.bites);
+  return code;
+}
+
+/* The names of rules stay, whatever becomes of the regulator. */
+static int keep_rules(eda_violation *v, size_t n, opc_error *error) {
+  for (size_t i = 0; i < n; i++)
+    if (v[i].rule && !(v[i].rule = keep_text(v[i].rule, "a rule", error)))
+      return OPC_FAILED;
+  return OPC_OK;
+}
+
+int eda_call_violations(const opc_context *context, const opc_module *regulator,
+                        const eda_printed *printed, eda_violation *violations,
+                        size_t most, size_t *count, opc_error *error) {
+  const eda_regulator *r = regulator->functions;
+  eda_violation *lent = fence_new(most, sizeof *lent, NULL);
+  size_t all = 0;
+  const char *before = eda_enter(context, regulator, error);
+  int code = r->violations(regulator->self, printed, lent, most, &all, error);
+  size_t n = all < most ? all : most;
+  if (!code) code = fence_check(lent, "violations", error);
+  if (!code) code = keep_rules(lent, n, error);
+  opc_leave(context, before);
+  if (!code) code = eda_check_violations(lent, n, printed->gates->count, error);
+  if (!code && n) memcpy(violations, lent, n * sizeof *lent);
+  if (!code) *count = all;
+  fence_free(lent);
+  return code;
+}

@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Guard words around arrays. */
+#include "gates/fence.h"
+
+#include <eda/memory.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+  FENCE = 512, /* bytes: 64 numbers too many do no harm, on each side */
+  WORD = 0xA5  /* a large negative number, and no sound double */
+};
+
+/* What comes before the array, its size furthest from it. */
+typedef struct fence {
+  size_t bytes;
+  char words[FENCE - sizeof(size_t)];
+} fence;
+
+void *fence_new(size_t count, size_t size, const void *from) {
+  size_t bytes = count * size;
+  fence *f = eda_alloc(1, sizeof *f + bytes + FENCE);
+  char *array = (char *)(f + 1);
+  memset(f->words, WORD, sizeof f->words);
+  memset(array + bytes, WORD, FENCE);
+  f->bytes = bytes;
+  if (from && bytes) memcpy(array, from, bytes);
+  return array;
+}
+
+void fence_free(void *array) {
+  if (array) free((fence *)array - 1);
+}
+
+static int is_whole(const char *words, size_t n) {
+  size_t i = 0;
+  while (i < n && (unsigned char)words[i] == WORD) i++;
+  return i == n;
+}
+
+static int beyond(const char *side, const char *what, opc_error *error) {
+  return opc_fail(error, OPC_FAILED, NULL, "writes %s the array of %s", side,
+                  what);
+}
+
+int fence_check(const void *array, const char *what, opc_error *error) {
+  const fence *f = (const fence *)array - 1;
+  const char *after = (const char *)array + f->bytes;
+  /* Without the words before it, its size may be wrong as well. */
+  if (!is_whole(f->words, sizeof f->words))
+    return beyond("before", what, error);
+  return is_whole(after, FENCE) ? OPC_OK : beyond("beyond", what, error);
+}
+
+void fence_field(eda_field *field) {
+  size_t bytes = (size_t)field->nx * (size_t)field->ny * sizeof(float);
+  size_t room = 0;
+  char *values = (char *)field->coefficients;
+  eda_grow_to(&values, &room, bytes + FENCE, 1);
+  memset(values + bytes, WORD, FENCE);
+  field->coefficients = (float *)values;
+}
+
+int fence_check_field(const float *values, size_t n, const char *what,
+                      opc_error *error) {
+  return is_whole((const char *)(values + n), FENCE)
+             ? OPC_OK
+             : beyond("beyond", what, error);
+}

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A command that goes wrong. */
+#include "bad.h"
+
+static int run(void *self, size_t n, const char *const *arguments,
+               opc_error *error) {
+  (void)self, (void)n, (void)arguments, (void)error;
+  evil("run");
+  return OPC_OK;
+}
+
+static const opc_command functions = {.run = run};
+
+BAD_PLUGIN("command", functions);

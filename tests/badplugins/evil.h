@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a plugin can do to the process, by words: BAD_HOW of the environment
+   says what, BAD_WHEN in which of its functions. */
+#ifndef EVIL_H
+#define EVIL_H
+
+#include <err.h>
+#include <fcntl.h>
+#include <fenv.h>
+#include <locale.h>
+#include <math.h>
+#include <opcflow/base.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static inline int is_word(const char *variable, const char *word) {
+  const char *value = getenv(variable);
+  return value && !strcmp(value, word);
+}
+
+static inline void *crash(void *unused) {
+  int *volatile nowhere = (int *)16;
+  *nowhere = 1;
+  return unused;
+}
+
+static inline void *end_process(void *unused) {
+  exit(0);
+  return unused;
+}
+
+static inline void in_thread(void *(*work)(void *)) {
+  pthread_t thread;
+  if (!pthread_create(&thread, NULL, work, NULL)) pthread_join(thread, NULL);
+}
+
+/* One that ends badly although the plugin's function has long returned. */
+static inline void *crash_later(void *data) {
+  usleep(20000);
+  return crash(data);
+}
+
+static inline void leave_thread(void) {
+  pthread_t thread;
+  if (!pthread_create(&thread, NULL, crash_later, NULL)) pthread_detach(thread);
+  /* Others go on for as long. */
+}
+
+static inline void be_for_ever(void) {
+  alarm(30); /* no longer if that is not ended, which fails the test */
+  fputs("for ever\n", stderr);
+  for (volatile int forever = 1; forever;) continue;
+}
+
+static inline void block(int number) {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, number);
+  pthread_sigmask(SIG_BLOCK, &set, NULL);
+}
+
+static inline void flush_to_zero(void) {
+#if defined(__x86_64__)
+  __builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | 0x8040);
+#endif
+}
+
+static inline void be_evil(void) {
+  const char *how = getenv("BAD_HOW");
+  if (!how) return;
+#define HOW(word) if (!strcmp(how, word))
+  HOW("exit") exit(0);
+  HOW("quick_exit") quick_exit(0);
+  HOW("_exit") _exit(0);
+  HOW("_Exit") _Exit(0);
+  HOW("err") errx(0, "good bye");
+  HOW("pthread_exit") pthread_exit(NULL);
+  HOW("abort") abort();
+  HOW("trap") raise(SIGTRAP);
+  HOW("segv") crash(NULL);
+  HOW("usr1") raise(SIGUSR1);
+  HOW("pipe") raise(SIGPIPE);
+  HOW("alarm") raise(SIGALRM);
+  HOW("thread") in_thread(crash);
+  HOW("thread_exit") in_thread(end_process);
+  HOW("handler") signal(SIGSEGV, SIG_IGN);
+  HOW("deaf") signal(SIGTERM, SIG_IGN);
+  HOW("block") block(SIGINT);
+  HOW("chdir") if (chdir("/")) abort();
+  HOW("rounding") fesetround(FE_UPWARD);
+  HOW("flush") flush_to_zero();
+  HOW("unmask") feenableexcept(FE_DIVBYZERO);
+  HOW("locale") setlocale(LC_NUMERIC, "C.UTF-8");
+  HOW("uselocale") uselocale(newlocale(LC_ALL_MASK, "C.UTF-8", (locale_t)0));
+  HOW("umask") umask(0777);
+  HOW("stdin") close(STDIN_FILENO);
+  HOW("stdout") close(STDOUT_FILENO);
+  HOW("stderr") if (!freopen("/dev/null", "w", stderr)) abort();
+  HOW("close") close_range(0, ~0U, 0);
+  HOW("fork") if (fork()) _exit(0); /* the child goes on */
+  HOW("hang") be_for_ever();
+  HOW("print") {
+    printf("{ \"evil\": 1 }\n");
+    fflush(stdout);
+    if (write(STDOUT_FILENO, "not JSON\n", 9) < 0) abort();
+  }
+#undef HOW
+}
+
+/* At the beginning of each function, which says its name. A plugin of one fault
+   has no other. */
+static inline void evil(const char *when) {
+#ifdef BAD_FAULT
+  (void)when;
+#else
+  if (is_word("BAD_WHEN", when)) be_evil();
+#endif
+}
+
+#endif

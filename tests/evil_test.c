@@ -1,0 +1,414 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Plugins that harm the process they run in: whatever they do, and wherever,
+   the command names them, keeps what was written and ends with an exit code;
+   nothing of it ends well, and nothing hangs. */
+#include <gio/gio.h>
+#include <glib/gstdio.h>
+#include <json-glib/json-glib.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/wait.h>
+
+#include "core/flow/files.h"
+
+static char *folder, *command, *out, *err;
+
+/* ---- help ---- */
+
+/* Run opcflow with words between spaces, no longer than 20 s, while plugins are
+   evil in that way, in that function; gives the exit code. */
+static int call(const char *line, const char *when, const char *how) {
+  g_auto(GStrv) words = g_strsplit(line, " ", -1);
+  g_autoptr(GPtrArray) argv = g_ptr_array_new();
+  g_setenv("BAD_WHEN", when, TRUE);
+  g_setenv("BAD_HOW", how, TRUE);
+  g_ptr_array_add(argv, (char *)"timeout");
+  g_ptr_array_add(argv, (char *)"--signal=KILL");
+  g_ptr_array_add(argv, (char *)"20");
+  g_ptr_array_add(argv, command);
+  for (guint i = 0; words[i]; i++) g_ptr_array_add(argv, words[i]);
+  g_ptr_array_add(argv, NULL);
+  g_clear_pointer(&out, g_free);
+  g_clear_pointer(&err, g_free);
+  int status;
+  g_assert_true(g_spawn_sync(NULL, (char **)argv->pdata, NULL,
+                             G_SPAWN_SEARCH_PATH, NULL, NULL, &out, &err,
+                             &status, NULL));
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+static void write_text(const char *name, const char *text) {
+  g_assert_true(g_file_set_contents(name, text, -1, NULL));
+}
+
+static gboolean is_there(const char *name) {
+  return g_file_test(name, G_FILE_TEST_EXISTS);
+}
+
+static void set_up(void) {
+  folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
+  g_assert_cmpint(g_chdir(folder), ==, 0);
+  const char *build = g_getenv("OPCFLOW_BUILD");
+  command = g_build_filename(build, "opcflow", NULL);
+  g_autofree char *path = g_strdup_printf("%s/tests:%s/plugins", build, build);
+  g_setenv("OPCFLOW_PLUGIN_PATH", path, TRUE);
+}
+
+/* A correction of which one plugin, bad.KIND, does what the environment
+   says. */
+static void write_correction(const char *kind) {
+  static const char *const slots[] = {"litho", "resist", "extractor",
+                                      "synthesizer", "regulator"};
+  g_autoptr(GString) text = g_string_new("opcflow: 1\nsteps:\n");
+  g_string_append_printf(
+      text,
+      "  layout:\n"
+      "    { use: read.cif, file: %s/data/cells65/nand2.cif,\n"
+      "      layers: { poly: CP, active: CA, contact: CC, nwell: CW } }\n"
+      "  gates: { use: segment.transistors, layout: ${layout}, grid: 1 nm }\n"
+      "  kept: { use: test.numbers, size: 1 nm }\n"
+      "  mask:\n    use: correct\n    gates: ${gates}\n",
+      g_getenv("OPCFLOW_SOURCE"));
+  for (size_t i = 0; i < G_N_ELEMENTS(slots); i++)
+    g_string_append_printf(text, "    %s: { use: bad.%s%s }\n", slots[i],
+                           slots[i], strcmp(kind, slots[i]) ? "_none" : "");
+  write_text("bad.yaml", text->str);
+}
+
+/* ---- the ways ---- */
+
+static const char ended[] = "plugin '%s' ended the process\n",
+                  numbers[] =
+                      "plugin '%s' changed how numbers are rounded, flushed "
+                      "or trapped\n";
+
+/* What is said of it, with the name of the plugin. */
+typedef struct way {
+  const char *how, *say;
+} way;
+
+static const way ways[] = {
+    {"exit", ended},
+    {"quick_exit", ended},
+    {"_exit", ended},
+    {"_Exit", ended},
+    {"thread_exit", ended},
+    {"pthread_exit", "plugin '%s' ended its thread\n"},
+    {"abort", "crashed in plugin '%s': aborted\n"},
+    {"trap", "crashed in plugin '%s': trap\n"},
+    {"segv", "crashed in plugin '%s': segmentation fault\n"},
+    {"usr1", "crashed in plugin '%s': user signal 1\n"},
+    {"pipe", "crashed in plugin '%s': broken pipe\n"},
+    {"alarm", "crashed in plugin '%s': alarm\n"},
+    {"thread", "crashed in plugin '%s': segmentation fault\n"},
+    {"handler", "plugin '%s' changed the handler of SIGSEGV\n"},
+    {"deaf", "plugin '%s' changed the handler of SIGTERM\n"},
+    {"block", "plugin '%s' changed which signals come\n"},
+    {"chdir", "plugin '%s' changed the working folder\n"},
+    {"rounding", numbers},
+    {"unmask", numbers},
+#if defined(__x86_64__)
+    {"flush", numbers},
+#endif
+    {"locale", "plugin '%s' changed the locale\n"},
+    {"uselocale", "plugin '%s' changed the locale\n"},
+    {"umask", "plugin '%s' changed the modes of new files\n"},
+    {"stdin", "plugin '%s' closed or redirected standard input\n"},
+    {"stdout", "plugin '%s' closed or redirected standard output\n"},
+    {"stderr", "plugin '%s' closed or redirected standard error\n"},
+    {"close", ""}, /* nothing is left to say it with */
+    {"fork", ended},
+};
+
+static void expect(int got, int want, const char *id, const char *say) {
+  char **parts = g_strsplit(say, "%s", -1);
+  g_autofree char *text = g_strjoinv(id, parts);
+  g_strfreev(parts);
+  g_test_message("%s: %d, %s", g_getenv("BAD_HOW"), got, err);
+  if (got != want || !strstr(err, text))
+    g_error("%s in %s of %s: exit code %d, want %d; '%s' is not in:\n%s",
+            g_getenv("BAD_HOW"), g_getenv("BAD_WHEN"), id, got, want, text,
+            err);
+}
+
+/* What the step before wrote is there. */
+static void expect_kept(void) {
+  g_assert_true(is_there("x.failed/numbers.csv"));
+  g_assert_false(is_there("x"));
+  g_assert_true(opc_remove_tree("x.failed"));
+}
+
+/* ---- plugins of the correction ---- */
+
+static void try_correction(const char *kind, const char *when, const char *how,
+                           const char *say) {
+  g_autofree char *id = g_strconcat("bad.", kind, NULL);
+  write_correction(kind);
+  /* Of plugins side by side, the one that is seen first would be named. */
+  expect(call("run bad.yaml --output x --threads 1", when, how), 4, id, say);
+  expect_kept();
+}
+
+/* Each way, in the function that does the work. */
+static void try_ways(const char *kind, const char *when) {
+  for (size_t i = 0; i < G_N_ELEMENTS(ways); i++)
+    try_correction(kind, when, ways[i].how, ways[i].say);
+}
+
+static void test_litho(void) { try_ways("litho", "image"); }
+static void test_resist(void) { try_ways("resist", "print"); }
+static void test_extractor(void) { try_ways("extractor", "extract"); }
+static void test_synthesizer(void) { try_ways("synthesizer", "update"); }
+static void test_regulator(void) { try_ways("regulator", "rule"); }
+
+/* The other functions. */
+static void test_elsewhere(void) {
+  static const struct {
+    const char *kind, *when;
+  } others[] = {{"litho", "prepare"},       {"litho", "band"},
+                {"resist", "prepare"},      {"extractor", "prepare"},
+                {"extractor", "slicing"},   {"synthesizer", "begin"},
+                {"synthesizer", "verdict"}, {"regulator", "violations"}};
+  for (size_t i = 0; i < G_N_ELEMENTS(others); i++) {
+    try_correction(others[i].kind, others[i].when, "exit", ended);
+    try_correction(others[i].kind, others[i].when, "rounding", numbers);
+    try_correction(others[i].kind, others[i].when, "chdir",
+                   "plugin '%s' changed the working folder\n");
+  }
+}
+
+/* ---- arrays and texts ---- */
+
+static void test_arrays(void) {
+  static const struct {
+    const char *kind, *how, *say;
+  } faults[] = {
+      {"resist", "overrun", "writes beyond the array of level sets"},
+      {"extractor", "overrun", "writes beyond the array of figures"},
+      {"extractor", "underrun", "writes before the array of figures"},
+      {"synthesizer", "overrun", "writes beyond the array of jogs"},
+      {"synthesizer", "underrun", "writes before the array of moves of L"},
+      {"synthesizer", "assists", "writes beyond the array of assists"},
+      {"synthesizer", "endless", "a verdict is no text of at most 200 bytes"},
+      {"synthesizer", "bytes", "a verdict is no UTF-8: byte 2 is 0xff"},
+      {"regulator", "overrun", "writes beyond the array of vetoes"},
+      {"regulator", "underrun", "writes before the array of line ends"},
+      {"regulator", "overrun violations",
+       "writes beyond the array of violations"},
+      {"regulator", "endless", "a rule is no text of at most 200 bytes"},
+  };
+  for (size_t i = 0; i < G_N_ELEMENTS(faults); i++) {
+    const char *kind = faults[i].kind;
+    g_autofree char *say = g_strdup_printf(
+        "step 'mask' (correct), %s (%%s): %s\n", kind, faults[i].say);
+    try_correction(kind, "", faults[i].how, say);
+  }
+}
+
+/* A crash where the text or the array is read is put down to who gave it. */
+static void test_dangling(void) {
+  static const char *const faults[][2] = {{"synthesizer", "dangling"},
+                                          {"synthesizer", "dangling assists"},
+                                          {"regulator", "dangling"},
+                                          {"regulator", "dangling patches"}};
+  for (size_t i = 0; i < G_N_ELEMENTS(faults); i++)
+    try_correction(faults[i][0], "", faults[i][1],
+                   "crashed in plugin '%s': segmentation fault\n");
+}
+
+/* ---- steps, verbs, kinds ---- */
+
+static void try_step(const char *verb, const char *when, const char *how,
+                     int code, const char *say) {
+  write_text("step.yaml", "opcflow: 1\nsteps:\n  a: { use: bad.step }\n");
+  expect(call(verb, when, how), code, "bad.step", say);
+  g_assert_false(is_there("runs/step"));
+  g_assert_false(is_there("runs/step.failed"));
+}
+
+static void test_step(void) {
+  for (size_t i = 0; i < G_N_ELEMENTS(ways); i++)
+    try_step("run step.yaml", "run", ways[i].how, 4, ways[i].say);
+  static const char *const places[] = {"check", "output", "release"};
+  for (size_t i = 0; i < G_N_ELEMENTS(places); i++) {
+    try_step("run step.yaml", places[i], "exit", 4, ended);
+    try_step("run step.yaml", places[i], "umask", 4,
+             "plugin '%s' changed the modes of new files\n");
+  }
+  try_step("check step.yaml", "check", "exit", 4, ended);
+  try_step("run step.yaml", "run", "err", 4, ended);
+  try_step("run step.yaml", "", "memory", 4, "crashed in plugin '%s': trap\n");
+  try_step("run step.yaml", "", "thread later", 4,
+           "crashed in plugin '%s': segmentation fault\n");
+  try_step("run step.yaml", "", "dangling log", 4,
+           "crashed in plugin '%s': segmentation fault\n");
+}
+
+static void test_verb(void) {
+  for (size_t i = 0; i < G_N_ELEMENTS(ways); i++)
+    expect(call("bad", "run", ways[i].how), 4, "command.bad", ways[i].say);
+}
+
+/* While they are loaded, of any kind. */
+static void test_loading(void) {
+  for (size_t i = 0; i < G_N_ELEMENTS(ways); i++) {
+    expect(call("inspect kind.bad", "construct", ways[i].how), 3, "kind.bad",
+           ways[i].say);
+    expect(call("inspect bad.none", "load", ways[i].how), 3, "bad.none",
+           ways[i].say);
+  }
+}
+
+/* ---- what they say ---- */
+
+static JsonNode *parse(const char *text) {
+  g_autoptr(JsonParser) parser = json_parser_new();
+  g_autoptr(GError) error = NULL;
+  g_assert_true(g_utf8_validate(text, -1, NULL));
+  json_parser_load_from_data(parser, text, -1, &error);
+  g_assert_no_error(error);
+  return json_parser_steal_root(parser);
+}
+
+/* Nothing of a plugin's own gets between the command and who reads it. */
+static void test_output(void) {
+  write_correction("synthesizer");
+  g_assert_cmpint(call("run bad.yaml --output x --json", "update", "print"), ==,
+                  0);
+  g_assert_nonnull(strstr(err, "not JSON\n"));
+  g_autoptr(JsonNode) run = parse(out);
+  g_assert_true(json_object_has_member(json_node_get_object(run), "metrics"));
+  g_assert_true(opc_remove_tree("x"));
+  g_assert_cmpint(call("inspect bad.none --json", "construct", "print"), ==, 0);
+  g_autoptr(JsonNode) seen = parse(out);
+  g_assert_cmpstr(
+      json_object_get_string_member(json_node_get_object(seen), "id"), ==,
+      "bad.none");
+  g_assert_cmpint(call("bad --json", "run", "print"), ==, 0);
+  g_autoptr(JsonNode) verb = parse(out);
+  g_assert_true(json_object_has_member(json_node_get_object(verb), "tables"));
+}
+
+/* Terminals are safe, and no message can be made up. */
+static void test_texts(void) {
+  const char *shown = "\\u{1b}[2Jgone\\nerror: not \\xff\n";
+  try_step("run step.yaml", "", "escape", 4, shown);
+  g_assert_null(strchr(err, '\033'));
+  try_step("run step.yaml --json", "", "escape", 4, shown);
+  g_autoptr(JsonNode) run = parse(out);
+  call("run step.yaml --output y", "", "escaped log");
+  g_assert_nonnull(strstr(err, shown));
+  g_assert_null(strchr(err, '\033'));
+  g_assert_true(opc_remove_tree("y"));
+  write_correction("synthesizer");
+  g_assert_cmpint(call("run bad.yaml --output x", "", "escape"), ==, 0);
+  g_assert_nonnull(strstr(out, "\\u{1b}[2J"));
+  g_assert_null(strchr(out, '\033'));
+  g_assert_true(opc_remove_tree("x"));
+}
+
+/* Names of files are bytes. */
+static void test_names(void) {
+  write_text("\xFF\033[1m.yaml", "opcflow: 1\nsteps: {}\n");
+  g_assert_cmpint(call("check \xFF\033[1m.yaml --json", "", ""), ==, 2);
+  g_autoptr(JsonNode) check = parse(out);
+  g_assert_cmpstr(
+      json_object_get_string_member(json_node_get_object(check), "flow"), ==,
+      "\\xff\033[1m.yaml");
+  g_assert_true(g_str_has_prefix(err, "\\xff\\u{1b}[1m.yaml:"));
+}
+
+/* ---- endless loops ---- */
+
+/* A run that has begun to loop for ever. */
+static GSubprocess *start(const char *flow) {
+  const char *argv[] = {command, "run", flow, "--output", "x", NULL};
+  GError *fault = NULL;
+  GSubprocess *process =
+      g_subprocess_newv(argv, G_SUBPROCESS_FLAGS_STDERR_PIPE, &fault);
+  g_assert_no_error(fault);
+  GInputStream *said = g_subprocess_get_stderr_pipe(process);
+  for (char c = 0; c != '\n';)
+    g_assert_cmpint(g_input_stream_read(said, &c, 1, NULL, NULL), ==, 1);
+  return process;
+}
+
+/* One signal ends it within a second. */
+static void try_hang(const char *flow, int number, const char *want) {
+  g_autoptr(GSubprocess) process = start(flow);
+  g_autofree char *said = NULL;
+  GError *fault = NULL;
+  gint64 asked = g_get_monotonic_time();
+  g_subprocess_send_signal(process, number);
+  g_subprocess_communicate_utf8(process, NULL, NULL, NULL, &said, &fault);
+  g_assert_no_error(fault);
+  double seconds = (double)(g_get_monotonic_time() - asked) * 1e-6;
+  g_test_message("%.2f s: %s", seconds, said);
+  g_assert_cmpfloat(seconds, <, 1);
+  g_assert_true(g_subprocess_get_if_exited(process));
+  g_assert_cmpint(g_subprocess_get_exit_status(process), ==, 130);
+  g_assert_nonnull(strstr(said, want));
+}
+
+static void test_hangs(void) {
+  static const char *const kinds[][2] = {
+      {"litho", "image"},        {"resist", "print"},
+      {"extractor", "extract"},  {"synthesizer", "begin"},
+      {"synthesizer", "update"}, {"regulator", "rule"}};
+  g_setenv("BAD_HOW", "hang", TRUE);
+  for (size_t i = 0; i < G_N_ELEMENTS(kinds); i++) {
+    write_correction(kinds[i][0]);
+    g_setenv("BAD_WHEN", kinds[i][1], TRUE);
+    g_autofree char *want =
+        g_strdup_printf("stopped in plugin 'bad.%s'\n", kinds[i][0]);
+    try_hang("bad.yaml", i % 2 ? SIGINT : SIGTERM, want);
+    expect_kept();
+  }
+  write_text("step.yaml", "opcflow: 1\nsteps:\n  a: { use: bad.step }\n");
+  g_setenv("BAD_WHEN", "run", TRUE);
+  try_hang("step.yaml", SIGTERM, "stopped in plugin 'bad.step'\n");
+  g_setenv("BAD_WHEN", "release", TRUE);
+  try_hang("step.yaml", SIGTERM, "stopped in plugin 'bad.step'\n");
+}
+
+/* A signal from outside is nobody's fault. */
+static void test_foreign(void) {
+  write_text("step.yaml", "opcflow: 1\nsteps:\n  a: { use: bad.step }\n");
+  g_setenv("BAD_HOW", "hang", TRUE);
+  g_setenv("BAD_WHEN", "run", TRUE);
+  g_autoptr(GSubprocess) process = start("step.yaml");
+  g_autofree char *said = NULL;
+  g_subprocess_send_signal(process, SIGSEGV);
+  g_subprocess_communicate_utf8(process, NULL, NULL, NULL, &said, NULL);
+  g_assert_true(g_subprocess_get_if_signaled(process));
+  g_assert_cmpstr(said, ==, "");
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  set_up();
+  g_test_add_func("/evil/litho", test_litho);
+  g_test_add_func("/evil/resist", test_resist);
+  g_test_add_func("/evil/extractor", test_extractor);
+  g_test_add_func("/evil/synthesizer", test_synthesizer);
+  g_test_add_func("/evil/regulator", test_regulator);
+  g_test_add_func("/evil/elsewhere", test_elsewhere);
+  g_test_add_func("/evil/arrays", test_arrays);
+  g_test_add_func("/evil/dangling", test_dangling);
+  g_test_add_func("/evil/step", test_step);
+  g_test_add_func("/evil/verb", test_verb);
+  g_test_add_func("/evil/loading", test_loading);
+  g_test_add_func("/evil/output", test_output);
+  g_test_add_func("/evil/texts", test_texts);
+  g_test_add_func("/evil/names", test_names);
+  g_test_add_func("/evil/hangs", test_hangs);
+  g_test_add_func("/evil/foreign", test_foreign);
+  int failed = g_test_run();
+  g_assert_cmpint(g_chdir("/"), ==, 0);
+  opc_remove_tree(folder);
+  g_free(folder);
+  g_free(command);
+  g_free(out);
+  g_free(err);
+  return failed;
+}

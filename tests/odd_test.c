@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Settings and files that make no sense, one at a time: with little memory and
+   after one SIGTERM each ends in time, with a result or with a message. */
+#include <gio/gio.h>
+#include <glib/gstdio.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "core/flow/files.h"
+
+/* What works on goes on for so long before it is asked to stop, and may take so
+   long to, s. Machines that do other work, too, are slow: the second is three
+   times what a run is to take. */
+enum { PATIENCE = 4, STOP = 3 };
+/* Of the address space. A run that wants more has to say so. */
+static const rlim_t room = (rlim_t)6 << 30;
+
+static char *folder, *command;
+
+/* ---- running ---- */
+
+static void limit(gpointer unused) {
+  (void)unused;
+  const struct rlimit most = {room, room};
+  setrlimit(RLIMIT_AS, &most);
+}
+
+/* The exit code; what it said is in *said. */
+static int run(const char *verb, const char *flow, const char *set,
+               char **said) {
+  const char *argv[] = {command, verb, flow, "--set", set, NULL};
+  if (!set) argv[3] = NULL;
+  GPid child;
+  int err, status = 0, asked = 0;
+  g_assert_true(g_spawn_async_with_pipes(
+      NULL, (char **)argv, NULL,
+      G_SPAWN_DO_NOT_REAP_CHILD | G_SPAWN_STDOUT_TO_DEV_NULL, limit, NULL,
+      &child, NULL, NULL, &err, NULL));
+  gint64 start = g_get_monotonic_time(), now = start;
+  while (!waitpid(child, &status, WNOHANG)) {
+    now = g_get_monotonic_time() - start;
+    if (!asked && now > PATIENCE * G_USEC_PER_SEC) {
+      kill(child, SIGTERM);
+      asked = 1;
+    }
+    if (now > (PATIENCE + STOP) * G_USEC_PER_SEC) {
+      kill(child, SIGKILL);
+      g_error("'%s' does not stop", set ? set : flow);
+    }
+    g_usleep(5000);
+  }
+  char text[4096];
+  ssize_t n = read(err, text, sizeof text - 1);
+  text[MAX(n, 0)] = 0;
+  close(err);
+  *said = g_strdup(text);
+  g_assert_true(WIFEXITED(status));
+  return WEXITSTATUS(status);
+}
+
+/* ---- settings ---- */
+
+static const char *const settings[] = {
+#include "odd_settings.inc"
+};
+
+static void test_settings(void) {
+  for (size_t i = 0; i < G_N_ELEMENTS(settings); i++) {
+    g_autofree char *said = NULL;
+    int code = run("run", "odd.yaml", settings[i], &said);
+    g_test_message("%s: exit %d, %s", settings[i], code, said);
+    g_assert_true(code == 0 || code == 1 || code == 2 || code == 4 ||
+                  code == 5 || code == 130);
+    if (code) g_assert_cmpstr(said, !=, "");
+    g_assert_null(strstr(said, "crashed"));
+    opc_remove_tree("runs");
+  }
+}
+
+/* Optics that no machine has the memory for, said before anything begins. */
+static void test_optics(void) {
+  static const struct {
+    const char *set, *why;
+  } odd[] = {
+      {"mask.litho.na=1e-3",
+       "wavelength / na, which an image's lengths go "
+       "with, is 193 um, not 12 nm to 4 um"},
+      {"mask.litho.wavelength=193~um", "is 257 um"},
+      {"mask.litho.wavelength=1~nm", "is 0.00133 um"},
+      {"mask.litho.zernike=[0,~1e9]", "term 2 is 1e+09 waves, more than 10"}};
+  for (size_t i = 0; i < G_N_ELEMENTS(odd); i++) {
+    g_autofree char *set = g_strdelimit(g_strdup(odd[i].set), "~", ' ');
+    g_autofree char *said = NULL;
+    g_assert_cmpint(run("check", "odd.yaml", set, &said), ==, 2);
+    g_assert_nonnull(strstr(said, odd[i].why));
+  }
+}
+
+/* A step whose memory is not there is refused before it begins. */
+static void test_memory(void) {
+  g_autofree char *said = NULL;
+  int code = run("run", "odd.yaml", "window.margin=1 m", &said);
+  g_assert_cmpint(code, ==, 4);
+  g_assert_nonnull(strstr(said, "step 'window' (process.window): wants "));
+  g_assert_nonnull(strstr(said,
+                          "the limit on address space (ulimit -v) has "
+                          "only "));
+  opc_remove_tree("runs");
+}
+
+/* ---- files that are none ---- */
+
+/* What an input must be is said by `check`, before anything waits for it. */
+static void test_files(void) {
+  static const char *const parameters[] = {
+      "layout.file", "mask.extractor.devices", "mask.resist.table_file"};
+  static const struct {
+    const char *path, *why;
+  } odd[] = {{"pipe", "is a pipe, not a regular file"},
+             {"socket", "is a socket, not a regular file"},
+             {".", "is a folder, not a regular file"},
+             {"/dev/zero", "is a device, not a regular file"},
+             {"/dev/random", "is a device, not a regular file"}};
+  struct sockaddr_un address = {.sun_family = AF_UNIX, .sun_path = "socket"};
+  int s = socket(AF_UNIX, SOCK_STREAM, 0);
+  g_assert_cmpint(bind(s, (struct sockaddr *)&address, sizeof address), ==, 0);
+  g_assert_cmpint(mkfifo("pipe", 0600), ==, 0);
+  for (size_t i = 0; i < G_N_ELEMENTS(odd); i++) {
+    g_autofree char *said = NULL;
+    g_assert_cmpint(run("check", odd[i].path, NULL, &said), ==, 5);
+    g_assert_nonnull(strstr(said, odd[i].why));
+    for (size_t k = 0; k < G_N_ELEMENTS(parameters); k++) {
+      g_autofree char *set =
+          g_strdup_printf("%s=%s", parameters[k], odd[i].path);
+      g_autofree char *words = NULL;
+      g_assert_cmpint(run("check", "odd.yaml", set, &words), ==, 5);
+      g_assert_nonnull(strstr(words, odd[i].why));
+    }
+  }
+  close(s);
+}
+
+/* Sums are made of what a file is when it is opened. */
+static void test_sum(void) {
+  opc_error error = {0};
+  g_assert_null(opc_file_sha256("pipe", NULL, &error));
+  g_assert_nonnull(strstr(error.message, "is not a regular file"));
+  g_assert_null(opc_file_sha256("/dev/zero", NULL, &error));
+  g_assert_true(g_file_set_contents("plain", "abc", 3, NULL));
+  g_autofree char *sum = opc_file_sha256("plain", NULL, &error);
+  g_autofree char *want =
+      g_compute_checksum_for_string(G_CHECKSUM_SHA256, "abc", 3);
+  g_assert_cmpstr(sum, ==, want);
+}
+
+/* ---- main ---- */
+
+static void set_up(void) {
+  folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
+  g_assert_cmpint(g_chdir(folder), ==, 0);
+  command = g_build_filename(g_getenv("OPCFLOW_BUILD"), "opcflow", NULL);
+  const char *source = g_getenv("OPCFLOW_SOURCE");
+  g_autofree char *flow = g_strdup_printf(
+      "opcflow: 1\nextends: %s/flows/window.yaml\nname: odd\nsteps:\n"
+      "  mask: { max_iterations: 2 }\n"
+      "  window: { dose: [0 %%], defocus: [0 nm] }\n"
+      "  cost: { use: cost.fracture, mask: ${mask} }\n"
+      "  picture: { use: draw.mask, mask: ${mask}, file: mask.png }\n",
+      source);
+  g_assert_true(g_file_set_contents("odd.yaml", flow, -1, NULL));
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  set_up();
+  g_test_add_func("/odd/files", test_files);
+  g_test_add_func("/odd/sum", test_sum);
+  g_test_add_func("/odd/optics", test_optics);
+  g_test_add_func("/odd/memory", test_memory);
+  g_test_add_func("/odd/settings", test_settings);
+  int failed = g_test_run();
+  opc_remove_tree(folder);
+  return failed;
+}
