@@ -19,7 +19,7 @@ enum {
   SIZES = 9,
   LARGEST = 128,
   NODES = 32, /* of a piece of the integrals */
-  PIECES = 5,
+  PIECES = 3,
   LANES = 8,   /* of them in a vector */
   MOMENTS = 4, /* width, area and both currents */
   MORE = 2     /* larger sizes, if they do not fit */
@@ -124,26 +124,6 @@ EDA_WIDE static void lengths_at(const shape *h, size_t n, const double *x,
   for (size_t i = 0; i < n; i++) out[i] = sqrt(out[i] > 0 ? out[i] : 0);
 }
 
-static double length_at(const shape *h, double x) {
-  double b1 = 0, b2 = 0;
-  for (int k = h->size - 1; k > 0; k--) {
-    double b = (h->coefficient[k] - b2) + 2 * x * b1;
-    b2 = b1;
-    b1 = b;
-  }
-  return sqrt(fmax(0, h->coefficient[0] + x * b1 - b2));
-}
-
-/* That at -1 or 1, where all terms are the same but for their signs. */
-static double length_at_end(const shape *h, int high) {
-  double even = 0, odd = 0;
-  for (int k = 0; k < h->size; k += 2) {
-    even += h->coefficient[k];
-    odd += h->coefficient[k + 1];
-  }
-  return sqrt(fmax(0, high ? even + odd : even - odd));
-}
-
 /* Measure at the places of a size. Gives what its last terms still add to the
    length, nm, at most; NAN if a length is none. */
 static double measure(const contour *c, int s, shape *h) {
@@ -164,36 +144,6 @@ static double measure(const contour *c, int s, shape *h) {
 }
 
 /* ---- the integrals ---- */
-
-/* Where the length comes within the table, going from an end; that end if it is
-   within. Beyond, currents do not change any more. */
-static double comes_within(const contour *c, int s, const shape *h, int high) {
-  double low = eda_curves_shortest(h->table),
-         top = eda_curves_longest(h->table);
-  double x = high ? 1 : -1, at = length_at_end(h, high), limit, end = x;
-  if (at >= low && at <= top) return end;
-  limit = at < low ? low : top;
-  int j = high ? h->size - 1 : 0, step = high ? -1 : 1;
-  for (; j >= 0 && j < h->size; j += step) {
-    if ((h->length[j] < limit) != (at < limit)) break;
-    x = c->place[s][j];
-  }
-  if (j < 0 || j >= h->size) return end;
-  /* Regula falsi, Illinois variant: `x` is the newest place. */
-  double a = x, fa = length_at(h, a) - limit, fb = h->length[j] - limit;
-  x = c->place[s][j];
-  for (int i = 0; i < 30 && fabs(fb) > 1e-4; i++) {
-    double next = (a * fb - x * fa) / (fb - fa);
-    double f = length_at(h, next) - limit;
-    if ((f > 0) == (fb > 0))
-      fa /= 2;
-    else
-      a = x, fa = fb;
-    x = next;
-    fb = f;
-  }
-  return x;
-}
 
 static inline void functions(const shape *h, double place, double length,
                              double f[MOMENTS]) {
@@ -225,19 +175,16 @@ static void add_places(const shape *h, size_t n, const double *x,
   sum[3] += ioff;
 }
 
-/* The integrals of the functions over the width. */
-static void integrate(const contour *c, int s, const shape *h,
-                      double sum[MOMENTS]) {
-  double low = comes_within(c, s, h, 0), high = comes_within(c, s, h, 1);
-  if (!(low < high)) low = -1, high = 1;
-  double part = fmin((high - low) / 3,
-                     2 * rounding / (h->gate->width * (h->to - h->from)));
-  const double border[PIECES + 1] = {-1, low, low + part, high - part, high, 1};
+/* The integrals of the functions over the width. The currents are smooth where
+   the length leaves the device table, too. */
+static void integrate(const contour *c, const shape *h, double sum[MOMENTS]) {
+  double part =
+      fmin(2.0 / 3, 2 * rounding / (h->gate->width * (h->to - h->from)));
+  const double border[PIECES + 1] = {-1, -1 + part, 1 - part, 1};
   double x[PIECES * NODES], share[PIECES * NODES], length[PIECES * NODES];
   size_t n = 0;
   for (int p = 0; p < PIECES; p++) {
     double span = border[p + 1] - border[p];
-    if (!(span > 0)) continue;
     for (int i = 0; i < NODES; i++) {
       x[n] = border[p] + span * c->node[i];
       share[n++] = c->share[i] * span / 2 * (h->to - h->from);
@@ -404,7 +351,7 @@ int contour_slice(const contour *c, const eda_curves *table,
     double rest = measure(c, s, &h);
     if (isnan(rest)) return 0;
     if (rest > enough && s + 1 < SIZES) continue;
-    integrate(c, s, &h, sum);
+    integrate(c, &h, sum);
     if (try_slices(c, s, &h, sum, MOMENTS, n, place, width)) return 1;
     if (s + 1 == SIZES || !more--) break;
   }

@@ -11,6 +11,7 @@
 
 typedef struct figures {
   double ion, ioff, leq_ion, leq_ioff, weq, area;
+  uint8_t outside;
 } figures;
 
 typedef double shape(double place);
@@ -57,7 +58,7 @@ static inline figures of_gate(const opc_module *m, uint8_t type, double w,
   g_assert_cmpfloat(fabs(sum - 1), <, 1e-12);
   figures f;
   eda_performance out = {1,           &f.ion, &f.ioff, &f.leq_ion,
-                         &f.leq_ioff, &f.weq, &f.area};
+                         &f.leq_ioff, &f.weq, &f.area, &f.outside};
   eda_slices in = {.count = 1,
                    .slices = n,
                    .type = &type,

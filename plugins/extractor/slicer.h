@@ -48,5 +48,6 @@ void slicer_slice(const void *self, const eda_printed_gate *gate, double *place,
                   double *width);
 int slicer_extract(const void *self, const eda_slices *in, eda_performance *out,
                    opc_error *error);
+int slicer_range(const void *self, int type, double *shortest, double *longest);
 
 #endif

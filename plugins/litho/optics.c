@@ -81,6 +81,47 @@ static void amplitude(double transmission, double phase, double out[2]) {
   out[1] = fabs(turn) == 180 || turn == 0 ? 0 : a * sin(turn * M_PI / 180);
 }
 
+/* wavelength / NA, what all lengths of an image go with, nm: from 6.7 nm, after
+   extreme ultraviolet, at an NA of 0.56 to the g line (436 nm) at an NA of
+   0.11. Both ends are where choosing the kernels, or calibrating a resist on
+   lines, begins to take ten seconds; half and double of it take four times as
+   long. */
+static const double least_unit = 12, most_unit = 4000;
+
+/* Waves. A lens is good below 0.05; beyond this, the phase turns too fast for
+   the nodes that kernels are made from. */
+static const double most_waves = 10;
+
+/* The trial patterns of kernels are 30 units long on a grid of 32 nm; the lines
+   that a resist is calibrated on are 4 um, and the mask has six samples for
+   each unit of them. */
+static int check_unit(const optics *o, opc_error *error) {
+  double unit = o->wavelength / o->na;
+  if (unit >= least_unit && unit <= most_unit) return OPC_OK;
+  double points =
+      unit > most_unit ? 32 * pow(unit / 32, 2) : pow(4000 * 6 / unit, 2);
+  return opc_fail(error, OPC_INVALID, unit > most_unit ? "na" : "wavelength",
+                  "wavelength / na, which an image's lengths go with, is %.3g "
+                  "um, not %g nm to %g um: models would be tried on images of "
+                  "%.2g points, %.2g GB for each of about 40 kernels",
+                  unit * 1e-3, least_unit, most_unit * 1e-3, points,
+                  points * 8e-9);
+}
+
+static int check_zernike(const optics *o, opc_error *error) {
+  size_t terms = o->zernike.count;
+  if (o->zernike_given && (!terms || terms > OPTICS_TERMS))
+    return opc_fail(error, OPC_INVALID, "zernike",
+                    "'zernike' has %zu terms, not 1 to %d", terms,
+                    OPTICS_TERMS);
+  for (size_t i = 0; i < terms; i++)
+    if (!(fabs(o->zernike.values[i]) <= most_waves))
+      return opc_fail(error, OPC_INVALID, "zernike",
+                      "'zernike': term %zu is %g waves, more than %g", i + 1,
+                      o->zernike.values[i], most_waves);
+  return OPC_OK;
+}
+
 int optics_check(optics *o, opc_error *error) {
   o->cutoff = o->na / o->wavelength;
   for (int i = 0; i < 2; i++) {
@@ -95,19 +136,15 @@ int optics_check(optics *o, opc_error *error) {
     return opc_fail(error, OPC_INVALID, "na",
                     "'na' of %g is above the index of the medium, %g", o->na,
                     o->index);
-  int code = check_uses(o, error);
+  int code = check_unit(o, error);
+  if (!code) code = check_uses(o, error);
   if (!code && o->source == OPTICS_LIST) code = check_points(&o->points, error);
   if (code) return code;
   if (o->given[OPTICS_SIGMA_IN] && o->sigma_in >= o->sigma)
     return opc_fail(error, OPC_INVALID, "sigma_in",
                     "'sigma_in' of %g is not below sigma, %g", o->sigma_in,
                     o->sigma);
-  size_t terms = o->zernike.count;
-  if (o->zernike_given && (!terms || terms > OPTICS_TERMS))
-    return opc_fail(error, OPC_INVALID, "zernike",
-                    "'zernike' has %zu terms, not 1 to %d", terms,
-                    OPTICS_TERMS);
-  return OPC_OK;
+  return check_zernike(o, error);
 }
 
 /* ---- the source ---- */

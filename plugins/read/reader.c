@@ -4,6 +4,7 @@
 
 #include <eda/formats.h>
 #include <eda/memory.h>
+#include <eda/words.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -34,13 +35,19 @@ char *reader_string(const void *bytes, size_t n) {
 /* ---- the file ---- */
 
 /* The whole file at once, as one that changes while it is read must not end the
-   process; what goes on for ever (/dev/zero) ends here. */
+   process; what is no regular file may go on for ever (/dev/zero). */
 static void load_file(reading *b) {
-  FILE *file = fopen(b->r->file, "rb");
-  struct stat about;
+  struct stat about = {0};
   size_t room = 0, got = 1;
-  if (file && !fstat(fileno(file), &about) && S_ISREG(about.st_mode))
-    eda_grow(&b->bytes, &room, (size_t)about.st_size + 1, 1);
+  if (!stat(b->r->file, &about) &&
+      (!S_ISREG(about.st_mode) || (size_t)about.st_size >= MOST_BYTES)) {
+    b->failed = opc_fail(b->error, OPC_IO, NULL, "'%s': %s", b->r->file,
+                         S_ISREG(about.st_mode) ? "is larger than 8 GiB"
+                                                : "is not a regular file");
+    return;
+  }
+  FILE *file = fopen(b->r->file, "rb");
+  if (file) eda_grow(&b->bytes, &room, (size_t)about.st_size + 1, 1);
   while (file && got && b->n < MOST_BYTES) {
     if (opc_cancelled(b->r->host->context)) {
       b->failed = opc_fail(b->error, OPC_CANCELLED, NULL, "cancelled");
@@ -242,13 +249,26 @@ static void warn(const reading *b) {
                     eda_layout_cell_name(b->layout, first));
 }
 
+/* That the cell of the flow is not there, with the name that may be meant. */
+static int miss_top(const reading *b) {
+  g_autoptr(GPtrArray) names = g_ptr_array_new();
+  for (size_t i = 0; i < eda_layout_cells(b->layout); i++)
+    if (is_there(b, (int32_t)i))
+      g_ptr_array_add(names,
+                      (char *)eda_layout_cell_name(b->layout, (int32_t)i));
+  g_ptr_array_add(names, NULL);
+  const char *near = eda_nearest(b->r->top, (const char *const *)names->pdata);
+  return opc_fail(b->error, OPC_INVALID, "top",
+                  "'%s': there is no cell '%.200s'%s%.200s%s", b->r->file,
+                  b->r->top, near ? ", did you mean '" : "", near ? near : "",
+                  near ? "'?" : "");
+}
+
 /* Keep what the top cell leads to. */
 static int keep(const reading *b) {
   const reader *r = b->r;
   int32_t cell = r->top ? eda_layout_find_cell(b->layout, r->top) : b->top;
-  if (r->top && (cell < 0 || !is_there(b, cell)))
-    return opc_fail(b->error, OPC_INVALID, "top", "'%s': there is no cell '%s'",
-                    r->file, r->top);
+  if (r->top && (cell < 0 || !is_there(b, cell))) return miss_top(b);
   return cell < 0 ? OPC_OK : eda_layout_keep(b->layout, cell, b->error);
 }
 
@@ -263,6 +283,7 @@ int reading_run(void *state, void *self, void **outputs, opc_error *error,
   b->seen = eda_alloc(b->r->layers.count, 1);
   b->layers = g_hash_table_new_full(g_int64_hash, g_int64_equal, free, NULL);
   load_file(b);
+  reading_unzip(b);
   if (!b->failed) read(b);
   if (!b->failed) b->failed = check_layers(b);
   if (!b->failed) {

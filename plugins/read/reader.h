@@ -88,6 +88,9 @@ int32_t reading_number(reading *b, int32_t number);
 int32_t reading_named_layer(reading *b, const char *name);
 int32_t reading_numbered_layer(reading *b, uint32_t layer, uint32_t datatype);
 
+/* Unpack the bytes that were read if gzip has packed them. */
+void reading_unzip(reading *b);
+
 /* A cell's definition begins in a file whose cells may be placed without being
    there: that is b->cell, -1 for one that is no part of the layout (KLayout's
    notes to itself). */

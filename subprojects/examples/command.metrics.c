@@ -65,7 +65,8 @@ static int add_run(const metrics *m, rows *r, size_t run, const char *folder,
   JsonObject *all = json_node_get_object(root);
   GList *names = json_object_get_members(all);
   for (GList *name = names; name; name = name->next)
-    if (!m->step || !strcmp(m->step, name->data))
+    if (JSON_NODE_HOLDS_OBJECT(json_object_get_member(all, name->data)) &&
+        (!m->step || !strcmp(m->step, name->data)))
       add_step(r, run, name->data,
                json_object_get_object_member(all, name->data));
   g_list_free(names);

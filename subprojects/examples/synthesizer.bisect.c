@@ -57,6 +57,8 @@ static int update(void *self, const eda_feedback *f, eda_moves *moves,
   for (size_t i = 0; i < f->gates->count; i++) {
     double drawn = f->design->ion[i];
     double deviation = 100 * (f->printed->ion[i] - drawn) / drawn;
+    /* An open line has no current, and is too thin. */
+    if (f->flags[i] & EDA_PRINT_OPEN) deviation = 100;
     int32_t l = next_length(&b->ranges[i], moves->l[i], deviation, b->max_pde);
     if (l != moves->l[i]) *done = 0;
     moves->l[i] = l;

@@ -7,6 +7,7 @@
 #include <eda/print.h>
 #include <glib.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -106,6 +107,33 @@ static int run(void *self, void **outputs, opc_error *error) {
   return code;
 }
 
+/* What one model after another wants, the largest of them. */
+static int forecast(void *self, opc_forecast *out, opc_error *error) {
+  image_run *r = self;
+  eda_image_size most = {0};
+  const eda_gates *gates =
+      r->asked.mask ? r->asked.mask->gates : r->asked.gates;
+  (void)error;
+  if (!gates) return OPC_OK; /* run says so */
+  choose_models(r);
+  for (size_t k = 0; k < r->n; k++) {
+    eda_printer printer;
+    eda_printer_init(&printer, r->host->context, gates, r->model[k].litho,
+                     r->model[k].resist, r->asked.margin);
+    eda_image_size size = eda_printer_forecast(&printer, 1);
+    if (size.bytes > most.bytes) most = size;
+    eda_printer_clear(&printer);
+  }
+  out->memory = most.bytes;
+  (void)snprintf(out->work, sizeof out->work,
+                 "%zu images of about %.0f x %.0f points", r->n, most.columns,
+                 most.rows);
+  (void)snprintf(out->help, sizeof out->help,
+                 "a smaller 'margin' or part of the layout");
+  release(r);
+  return OPC_OK;
+}
+
 /* ---- parameters ---- */
 
 #define MODEL(group, i, required)                                              \
@@ -167,7 +195,7 @@ static int check(void *self, opc_error *error) {
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = run};
+static const opc_step functions = {.run = run, .forecast = forecast};
 
 OPC_PLUGIN(
     image_run, .id = "draw.image", .kind = "step", .version = "0.2.0",

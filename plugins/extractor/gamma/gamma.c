@@ -103,7 +103,8 @@ static void clear(void *self) {
 static const eda_extractor functions = {.prepare = prepare,
                                         .slicing = slicer_slicing,
                                         .extract = slicer_extract,
-                                        .slice = slicer_slice};
+                                        .slice = slicer_slice,
+                                        .range = slicer_range};
 OPC_PLUGIN(state, .id = "extractor.gamma", .kind = "extractor",
            .version = "0.2.0", .licence = "BSD-3-Clause",
            .summary = "gate slicing with weights for the edges of the active",

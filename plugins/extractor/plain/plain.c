@@ -8,7 +8,8 @@ static const opc_parameter parameters[] = {SLICER_PARAMETERS};
 static const eda_extractor functions = {.prepare = slicer_prepare,
                                         .slicing = slicer_slicing,
                                         .extract = slicer_extract,
-                                        .slice = slicer_slice};
+                                        .slice = slicer_slice,
+                                        .range = slicer_range};
 OPC_PLUGIN(
     slicer, .id = "extractor.plain", .kind = "extractor", .version = "0.2.0",
     .licence = "BSD-3-Clause",

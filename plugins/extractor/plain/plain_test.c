@@ -49,7 +49,11 @@ static opc_module *make(const char *file, const char *more, int expect) {
 static double straight(double t) { return t < 2 ? 71.3 : 0; }
 static double slope(double t) { return 60 + 14 * t; }
 static double two_lengths(double t) { return t < 0.5 ? 60 : 75; }
-static double short_one(double t) { return t < 2 ? 20 : 0; }
+static double middle;
+static double any(double t) { return t < 2 ? middle : 0; }
+/* Wider towards one end, as where the poly goes on. */
+static double flare = 10;
+static double flared(double t) { return middle + flare * pow(t, 20); }
 static double tabulated(double t) { return t < 2 ? 70 : 0; }
 static double no_length(double t) { return t < 2 ? 0 : 1; }
 static double wild(double t) { return t < 2 ? NAN : 1; }
@@ -117,13 +121,11 @@ static void test_trapezoid(void) {
 
 /* The integral of exp(-sqrt(a + b t) / s), with u for the root:
    2 / b times that of u exp(-u / s) = -s (u + s) exp(-u / s); below 40 nm,
-   where the table ends, the current is that of 40 nm. */
+   where the table ends, it goes on. */
 static double rounded_current(int off, double from, double to) {
   double b = to * to - from * from, s = off ? 6 : 30;
-  double u = fmax(from, 40), clamped = (u * u - from * from) / b;
-  return clamped * current(0, off, 40) +
-         2 * s / b *
-             ((u + s) * current(0, off, u) - (to + s) * current(0, off, to));
+  return 2 * s / b *
+         ((from + s) * current(0, off, from) - (to + s) * current(0, off, to));
 }
 
 static void test_rounded(void) {
@@ -176,18 +178,96 @@ static void test_two_lengths(void) {
   near(of_gate(contour, EDA_PMOS, 200, two_lengths, 100).ion, f.ion, 0.02);
 }
 
-/* Slices shorter than the table takes count as its shortest; what is no gate at
-   all is sliced like all others. */
-static void test_clamped(void) {
-  g_autofree char *file = write_table("clamped.yaml", 1);
+/* Beyond the ends of the table its currents go on, to a quarter of its shortest
+   length, and the figures are marked; what is no gate at all is sliced like all
+   others. */
+static void test_outside(void) {
+  g_autofree char *file = write_table("outside.yaml", 1);
+  for (size_t r = 0; r < G_N_ELEMENTS(rules); r++) {
+    g_autoptr(opc_module) m = make_rule(file, rules[r], 12);
+    for (middle = 15; middle < 200; middle += 5) {
+      figures f = of_gate(m, EDA_NMOS, 100, any, 100);
+      /* The table has nine digits. */
+      near(f.ion, 100 * current(0, 0, middle), 1e-6);
+      near(f.ioff, 100 * current(0, 1, middle), 1e-6);
+      near(f.leq_ion, middle, 1e-9);
+      near(f.leq_ioff, middle, 1e-9);
+      g_assert_cmpuint(f.outside, ==, middle < 40 || middle > 120);
+    }
+  }
+  /* As little as that is still another length than the table has. */
   g_autoptr(opc_module) m = make(file, "", OPC_OK);
-  figures f = of_gate(m, EDA_NMOS, 100, short_one, 100);
-  near(f.ion, 100 * current(0, 0, 40), 1e-8);
-  near(f.leq_ion, 40, 1e-9);
-  f = of_gate(m, EDA_NMOS, 100, no_length, 100);
-  near(f.ion, 100 * current(0, 0, 40), 1e-8);
+  middle = 120.05;
+  g_assert_cmpuint(of_gate(m, EDA_NMOS, 100, any, 100).outside, ==, 1);
+  figures f = of_gate(m, EDA_NMOS, 100, no_length, 100);
+  near(f.ion, 100 * current(0, 0, 10), 1e-6);
+  g_assert_cmpuint(f.outside, ==, 1);
   f = of_gate(m, EDA_NMOS, 100, wild, 100);
   g_assert_true(isnan(f.area));
+}
+
+/* How much of what makes a mark rests on what is beyond an end: of 1 % of Ion
+   or 10 % of Ioff the part, over the flare, that the current of the end has
+   not. */
+static double notable_part(double end) {
+  double guess[2] = {0}, sum[2] = {0};
+  for (int off = 0; off < 2; off++)
+    for (double t = 0.5e-4; t < 1; t += 1e-4) {
+      double l = flared(t), i = current(0, off, l);
+      sum[off] += i;
+      if ((l > end) == (flare > 0)) guess[off] += current(0, off, end) - i;
+    }
+  return fmax(fabs(guess[0]) / sum[0] / 0.01, fabs(guess[1]) / sum[1] / 0.1);
+}
+
+static void test_in_part(void) {
+  g_autofree char *file = write_table("part.yaml", 1);
+  g_autoptr(opc_module) m = make(file, "", OPC_OK);
+  g_autoptr(opc_module) many = make_rule(file, "gauss", 1000);
+  int marked = 0, not_marked = 0;
+  for (flare = -20; flare <= 20; flare += 10)
+    for (double from = 0; from < 20 && flare != 0; from += 0.25) {
+      double end = flare > 0 ? 120 : 40;
+      middle = flare > 0 ? end - from : end + from;
+      figures f = of_gate(m, EDA_NMOS, 400, flared, 100);
+      figures g = of_gate(many, EDA_NMOS, 400, flared, 100);
+      near(f.ion, g.ion, 1e-5);
+      near(f.ioff, g.ioff, 1e-4);
+      double part = notable_part(end);
+      if (fabs(part - 1) < 0.2) continue; /* 12 slices know it so well */
+      g_assert_cmpuint(g.outside, ==, part > 1);
+      g_assert_cmpuint(f.outside, ==, part > 1);
+      part > 1 ? marked++ : not_marked++;
+    }
+  g_test_message("%d marked, %d not", marked, not_marked);
+  g_assert_true(marked > 20 && not_marked > 20);
+}
+
+/* A table whose end is so flat that it goes on with another slope, in Ioff. */
+static void test_real_table(void) {
+  const char *source = g_getenv("OPCFLOW_SOURCE");
+  g_autofree char *file = g_build_filename(source ? source : ".", "data",
+                                           "devices", "ptm65.yaml", NULL);
+  g_autoptr(opc_module) m = make(file, "", OPC_OK);
+  g_autoptr(opc_module) many = make_rule(file, "gauss", 1000);
+  for (low = 20; low < 50; low += 3)
+    for (uint8_t type = 0; type < 2; type++) {
+      figures f = of_gate(m, type, 400, rounded, 10);
+      figures g = of_gate(many, type, 400, rounded, 10);
+      g_test_message("from %g nm: Ion %.5f %%, Ioff %.5f %%", low,
+                     100 * (f.ion / g.ion - 1), 100 * (f.ioff / g.ioff - 1));
+      near(f.ion, g.ion, 2e-4);
+      near(f.ioff, g.ioff, 2e-4);
+    }
+}
+
+static void test_range(void) {
+  g_autofree char *file = write_table("range.yaml", 1);
+  g_autoptr(opc_module) m = make(file, "", OPC_OK);
+  const eda_extractor *e = m->functions;
+  double shortest = 0, longest = 0;
+  g_assert_true(e->range(m->self, EDA_PMOS, &shortest, &longest));
+  g_assert_true(shortest == 40 && longest == 120);
 }
 
 static void test_refused(void) {
@@ -218,7 +298,10 @@ int main(int argc, char **argv) {
   g_test_add_func("/plain/many", test_many);
   g_test_add_func("/plain/refused", test_refused);
   g_test_add_func("/plain/two-lengths", test_two_lengths);
-  g_test_add_func("/plain/clamped", test_clamped);
+  g_test_add_func("/plain/outside", test_outside);
+  g_test_add_func("/plain/in-part", test_in_part);
+  g_test_add_func("/plain/real-table", test_real_table);
+  g_test_add_func("/plain/range", test_range);
   g_test_add_func("/plain/rising-table", test_rising_table);
   return g_test_run();
 }

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 enum { HEADER = 24, MOST_KERNELS = 4096 };
 
@@ -114,6 +115,11 @@ static int read_kernel(const char *path, FILE *file, size_t s, kernel_set *set,
 /* ---- sets ---- */
 
 static FILE *open_file(const char *path, opc_error *error) {
+  struct stat about;
+  if (!stat(path, &about) && !S_ISREG(about.st_mode)) {
+    opc_fail(error, OPC_IO, NULL, "'%s': is not a regular file", path);
+    return NULL;
+  }
   FILE *file = fopen(path, "rb");
   if (!file) opc_fail(error, OPC_IO, NULL, "'%s': %s", path, strerror(errno));
   return file;

@@ -8,6 +8,7 @@
 #include <eda/memory.h>
 #include <math.h>
 #include <opcflow/table.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 /* ---- state: window.h ---- */
@@ -239,6 +240,28 @@ static int run(void *self, void **outputs, opc_error *error) {
   return code ? code : window_draw(w, error);
 }
 
+static int forecast(void *self, opc_forecast *out, opc_error *error) {
+  const window *w = self;
+  const eda_gates *gates = w->mask ? w->mask->gates : w->as_drawn;
+  eda_printer printer;
+  (void)error;
+  if (!gates) return OPC_OK; /* run says so */
+  eda_printer_init(&printer, w->host->context, gates, w->litho, w->resist,
+                   w->margin);
+  eda_image_size one = eda_printer_forecast(&printer, 1);
+  eda_printer_clear(&printer);
+  out->memory = one.bytes + (double)(w->dose.count * w->focus.count) *
+                                (double)gates->count * sizeof *w->cuts;
+  (void)snprintf(out->work, sizeof out->work,
+                 "%zu images of about %.0f x %.0f points, %zu prints",
+                 w->focus.count, one.columns, one.rows,
+                 w->focus.count * w->dose.count);
+  (void)snprintf(out->help, sizeof out->help,
+                 "a smaller 'margin', fewer values of 'dose' and 'defocus', or "
+                 "part of the layout");
+  return OPC_OK;
+}
+
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
@@ -320,7 +343,7 @@ static void clear(void *self) {
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = run};
+static const opc_step functions = {.run = run, .forecast = forecast};
 
 OPC_PLUGIN(window, .id = "process.window", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",

@@ -426,7 +426,8 @@ static int check(void *self, opc_error *error) {
 /* ---- entry ---- */
 
 static const opc_port outputs_of[] = {EDA_PORT_LAYOUT("layout")};
-static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run};
+static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run,
+                                   .flags = OPC_STEP_LIGHT};
 
 OPC_PLUGIN(reader, .id = "read.gds", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause", .summary = "Read a GDSII file",

@@ -5,6 +5,7 @@
 #include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
+#include <zlib.h>
 
 #include <eda/layout.h>
 
@@ -124,6 +125,25 @@ static char *finish(GByteArray *file) {
   put_empty(file, EDA_GDS_ENDLIB);
   char *path = save(file);
   g_byte_array_free(file, TRUE);
+  return path;
+}
+
+/* What gzip makes of n bytes, in a file; its first `most` bytes. */
+static char *save_packed(const void *bytes, size_t n, size_t most) {
+  uLong room = compressBound((uLong)n) + 64;
+  g_autofree uint8_t *out = g_malloc(room);
+  z_stream z = {.next_in = (Bytef *)bytes,
+                .avail_in = (uInt)n,
+                .next_out = out,
+                .avail_out = (uInt)room};
+  g_assert_cmpint(
+      deflateInit2(&z, 9, Z_DEFLATED, MAX_WBITS + 16, 8, Z_DEFAULT_STRATEGY),
+      ==, Z_OK);
+  g_assert_cmpint(deflate(&z, Z_FINISH), ==, Z_STREAM_END);
+  char *path = g_build_filename(opc_test_folder(), "packed.gds", NULL);
+  g_assert_true(g_file_set_contents(path, (const char *)out,
+                                    (gssize)MIN(z.total_out, most), NULL));
+  deflateEnd(&z);
   return path;
 }
 
@@ -402,6 +422,8 @@ static void test_parameters(void) {
          "layer 9/0 is 'poly' already");
   refuse(path, ", layers: { '3/0': 9/0 }", OPC_INVALID, "not a name");
   refuse(path, ", top: NONE", OPC_INVALID, "there is no cell 'NONE'");
+  refuse(path, ", top: OTHR", OPC_INVALID,
+         "there is no cell 'OTHR', did you mean 'OTHER'?");
   opc_error e;
   eda_layout *layout = read_good(path, "");
   g_assert_cmpint(eda_layout_top(layout, &e), ==, -1);
@@ -651,11 +673,40 @@ static void test_hostile(void) {
   refuse(path, "", OPC_IO, "too many arrays");
 }
 
+/* The same layout from a packed file; one that ends early, one whose sum is
+   wrong and one that holds a thousand times its size are refused. */
+static void test_packed(void) {
+  GByteArray *file = new_file();
+  put_leaf(file);
+  put_empty(file, EDA_GDS_ENDLIB);
+  char *path = save_packed(file->data, file->len, G_MAXSIZE);
+  eda_layout *layout = read_good(path, "");
+  g_assert_cmpuint(eda_layout_polygons(layout, 0), ==, 1);
+  eda_layout_free(layout);
+  g_autofree char *packed = NULL;
+  gsize n;
+  g_assert_true(g_file_get_contents(path, &packed, &n, NULL));
+  packed[n - 8] ^= 1; /* of its check sum */
+  g_assert_true(g_file_set_contents(path, packed, (gssize)n, NULL));
+  refuse(path, "", OPC_IO, "packed by gzip, incorrect data check");
+  g_free(path);
+  path = save_packed(file->data, file->len, n / 2);
+  refuse(path, "", OPC_IO, "packed by gzip, it ends too early");
+  g_free(path);
+  const size_t many = 120 << 20;
+  g_autofree char *nothing = g_malloc0(many);
+  path = save_packed(nothing, many, G_MAXSIZE);
+  refuse(path, "", OPC_IO, "packed by gzip, it holds far more than a layout");
+  g_free(path);
+  g_byte_array_free(file, TRUE);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/read-gds/corpus", test_corpus);
   g_test_add_func("/read-gds/reals", test_reals);
   g_test_add_func("/read-gds/layers", test_layers);
+  g_test_add_func("/read-gds/packed", test_packed);
   g_test_add_func("/read-gds/parameters", test_parameters);
   g_test_add_func("/read-gds/placements", test_placements);
   g_test_add_func("/read-gds/odd-records", test_odd_records);

@@ -547,6 +547,10 @@ static void test_arrays(void) {
   put(f, "bbuuuuuuuuu", EDA_OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul, 1ul,
       million, million, 20ul, 20ul);
   refuse(finish(f), OPC_IO, "too many shapes for so short a file");
+  f = new_cell(); /* no more than memory and a second can take */
+  put(f, "bbuuuuuuuuu", EDA_OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul, 1ul,
+      2098ul, 2098ul, 20ul, 20ul);
+  refuse(finish(f), OPC_IO, "too many shapes for so short a file");
   f = new_cell();
   put(f, "bbtuuuuuuu", EDA_OASIS_TEXT, 0x47, "T", 1ul, 2ul, 1ul, million,
       million, 0ul, 0ul);

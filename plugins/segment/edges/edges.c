@@ -84,7 +84,8 @@ static const opc_metric metrics[] = {
 /* ---- entry ---- */
 
 static const opc_port outputs_of[] = {EDA_PORT_GATES("gates")};
-static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run};
+static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run,
+                                   .flags = OPC_STEP_LIGHT};
 
 OPC_PLUGIN(edges, .id = "segment.edges", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",

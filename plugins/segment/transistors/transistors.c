@@ -3,6 +3,7 @@
    move them (thesis 2.2.5 and 3.2.2), and further layers, whose edges are of
    no transistor. */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -49,16 +50,23 @@ static int get_dopings(segment *s) {
   return code;
 }
 
+/* The error is about a key of `also`. */
+static int blame(opc_error *error, const char *name) {
+  snprintf(error->parameter, sizeof error->parameter, "also.%.58s", name);
+  return error->code;
+}
+
 /* The layers must be there, but for contacts; further ones with shapes. */
 static int check_layers(segment *s) {
   for (size_t k = 0; k < s->sources; k++) {
     const char *from = s->source[k].from;
     if (k == CONTACT || eda_layout_find_layer(s->layout, from) >= 0) continue;
-    return k < KNOWN
-               ? opc_fail(s->error, OPC_INVALID, NULL,
-                          "no transistor: the layout has no layer '%s'", from)
-               : opc_fail(s->error, OPC_INVALID, "also",
-                          "the layout has no layer '%.200s'", from);
+    if (k < KNOWN)
+      return opc_fail(s->error, OPC_INVALID, NULL,
+                      "no transistor: the layout has no layer '%s'", from);
+    opc_fail(s->error, OPC_INVALID, NULL, "the layout has no layer '%.200s'",
+             from);
+    return blame(s->error, s->source[k].name);
   }
   return OPC_OK;
 }
@@ -83,9 +91,11 @@ static int get_drawn(segment *s) {
       s->active = flat;
     else
       eda_flat_clear(&flat);
-    if (!code && k >= KNOWN && !from->drawn.count)
-      code = opc_fail(s->error, OPC_INVALID, "also", "layer '%.200s' is empty",
-                      from->from);
+    if (!code && k >= KNOWN && !from->drawn.count) {
+      opc_fail(s->error, OPC_INVALID, NULL, "layer '%.200s' is empty",
+               from->from);
+      code = blame(s->error, from->name);
+    }
   }
   if (!code)
     code = s->host->metric(s->host, "snapped", (double)moved, s->error);
@@ -190,6 +200,25 @@ static int run(void *self, void **outputs, opc_error *error) {
   return code;
 }
 
+/* The layers made flat are there side by side, with as much again where they
+   are merged. */
+static int forecast(void *self, opc_forecast *out, opc_error *error) {
+  const transistors *t = self;
+  segment s = {0};
+  int code = segment_top(t->layout, t->top, &s.top, error);
+  if (code) return code;
+  get_sources(t, &s);
+  for (size_t k = 0; k < s.sources; k++) {
+    int32_t layer = eda_layout_find_layer(t->layout, s.source[k].from);
+    if (layer >= 0)
+      out->memory += 2 * eda_layout_flat_bytes(t->layout, s.top, layer);
+  }
+  free(s.source);
+  (void)snprintf(out->help, sizeof out->help,
+                 "a smaller cell as 'top', or smaller arrays");
+  return OPC_OK;
+}
+
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
@@ -247,21 +276,22 @@ static int check(void *self, opc_error *error) {
   int code = OPC_OK;
   for (size_t i = KNOWN; !code && i < s.sources; i++) {
     if (!is_layer_name(s.source[i].name))
-      code = opc_fail(error, OPC_INVALID, "also",
+      code = opc_fail(error, OPC_INVALID, NULL,
                       "'%.200s' is no name of a layer: letters, digits and "
                       "'_', not ending in '_drawn'",
                       s.source[i].name);
     for (size_t j = 0; !code && j < i; j++) {
       const source *a = &s.source[i], *b = &s.source[j];
       if (!strcmp(a->name, b->name))
-        code = opc_fail(error, OPC_INVALID, "also",
+        code = opc_fail(error, OPC_INVALID, NULL,
                         "'%.200s': there is a layer of that name already",
                         a->name);
       else if (!strcmp(a->from, b->from))
-        code = opc_fail(error, OPC_INVALID, "also",
+        code = opc_fail(error, OPC_INVALID, NULL,
                         "'%.200s': layer %.200s is '%.200s' already", a->name,
                         a->from, b->name);
     }
+    if (code) blame(error, s.source[i].name);
   }
   free(s.source);
   return code;
@@ -270,7 +300,9 @@ static int check(void *self, opc_error *error) {
 /* ---- entry ---- */
 
 static const opc_port outputs_of[] = {EDA_PORT_GATES("gates")};
-static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run};
+static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run,
+                                   .forecast = forecast,
+                                   .flags = OPC_STEP_LIGHT};
 
 OPC_PLUGIN(transistors, .id = "segment.transistors", .kind = "step",
            .version = "0.2.0", .licence = "BSD-3-Clause",

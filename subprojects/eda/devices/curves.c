@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Interpolated currents of a device table, and the way back to a length. */
+/* Interpolated currents of a device table, what they are beyond its ends, and
+   the way back to a length. */
 #include <eda/curves.h>
 #include <eda/memory.h>
 #include <gsl/gsl_errno.h>
@@ -10,14 +11,56 @@
 enum { MOST_STEPS = 1 << 16, MOST_TRIES = 60 };
 static const double finest = 1.0 / 32; /* nm */
 
+/* How far a table goes on: these parts of its ends' lengths, below which no
+   print is a gate and above which none is of this one; and this much of the
+   logarithm, so that no sum overflows, whatever the slope. */
+static const double least_part = 0.25, most_part = 4, most_change = 20;
+/* The slope there: within this factor of the mean over that part of the
+   lengths. Ends of tables from PTM and FreePDK45 cards are at 0.65 to 1.4 of
+   it, but for Ioff where the channel is nearly gone, at 0.3. */
+static const double freedom = 2, outermost = 0.1;
+
+enum { LOW, HIGH };
+
+/* Beyond an end of the table. */
+typedef struct beyond {
+  double length, logarithm; /* of the end */
+  double slope;             /* of the logarithm, 1/nm, below 0 */
+  double last;              /* the last length it goes on to */
+} beyond;
+
 /* [type * EDA_CURRENTS + current] */
 struct eda_curve {
   double *logarithm; /* of the currents at the table's lengths */
   gsl_interp *spline;
+  beyond beyond[2];
 };
 
 static const struct eda_curve *find(const eda_curves *c, int type, int k) {
   return &c->exact[type * EDA_CURRENTS + k];
+}
+
+/* Between the end and the first length that is a tenth of all away. */
+static double mean_slope(const eda_devices *d, const double *y, int side) {
+  size_t last = d->count - 1, end = side ? last : 0, i = end;
+  double range = d->length[last] - d->length[0];
+  do i += side ? (size_t)-1 : 1;
+  while (fabs(d->length[i] - d->length[end]) < outermost * range);
+  return (y[i] - y[end]) / (d->length[i] - d->length[end]);
+}
+
+static beyond find_beyond(const eda_devices *d, const struct eda_curve *curve,
+                          int side) {
+  const double *y = curve->logarithm;
+  size_t end = side ? d->count - 1 : 0;
+  beyond b = {.length = d->length[end], .logarithm = y[end]};
+  double mean = mean_slope(d, y, side);
+  b.slope = gsl_interp_eval_deriv(curve->spline, d->length, y, b.length, NULL);
+  b.slope = fmin(fmax(b.slope, mean * freedom), mean / freedom);
+  double reach = most_change / -b.slope;
+  b.last = side ? fmin(most_part * b.length, b.length + reach)
+                : fmax(least_part * b.length, b.length - reach);
+  return b;
 }
 
 static int add_curve(eda_curves *c, int type, int k, const char *path,
@@ -36,6 +79,8 @@ static int add_curve(eda_curves *c, int type, int k, const char *path,
     curve->logarithm[i] = log(current[i]);
   }
   gsl_interp_init(curve->spline, d->length, curve->logarithm, d->count);
+  for (int side = LOW; side <= HIGH; side++)
+    curve->beyond[side] = find_beyond(d, curve, side);
   for (size_t i = 0; i <= c->steps; i++)
     c->quick[type][EDA_CURRENTS * i + (size_t)k] =
         exp(eda_curves_at(c, type, k, d->length[0] + (double)i / c->per_nm));
@@ -94,18 +139,29 @@ double eda_curves_longest(const eda_curves *c) {
 
 double eda_curves_at(const eda_curves *c, int type, int k, double length) {
   const struct eda_curve *curve = find(c, type, k);
-  length = fmin(fmax(length, eda_curves_shortest(c)), eda_curves_longest(c));
+  const beyond *b = curve->beyond;
+  length = fmin(fmax(length, b[LOW].last), b[HIGH].last);
+  for (int side = LOW; side <= HIGH; side++)
+    if (side ? length > b[HIGH].length : length < b[LOW].length)
+      return b[side].logarithm + b[side].slope * (length - b[side].length);
   return gsl_interp_eval(curve->spline, c->devices->length, curve->logarithm,
                          length, NULL);
+}
+
+static double length_beyond(const beyond *b, double logarithm) {
+  double length = b->length + (logarithm - b->logarithm) / b->slope;
+  return b->last < b->length ? fmax(length, b->last) : fmin(length, b->last);
 }
 
 double eda_curves_length(const eda_curves *c, int type, int k,
                          double logarithm) {
   const eda_devices *d = c->devices;
-  const double *y = find(c, type, k)->logarithm;
+  const struct eda_curve *curve = find(c, type, k);
+  const double *y = curve->logarithm;
   size_t low = 0, high = d->count - 1;
-  if (!(logarithm < y[0])) return d->length[0];
-  if (!(logarithm > y[high])) return d->length[high];
+  if (!(logarithm < y[0])) return length_beyond(&curve->beyond[LOW], logarithm);
+  if (!(logarithm > y[high]))
+    return length_beyond(&curve->beyond[HIGH], logarithm);
   while (high - low > 1) {
     size_t middle = (low + high) / 2;
     if (y[middle] > logarithm)

@@ -49,16 +49,66 @@ static void test_values(void) {
                         1e-6);
     }
   }
-  /* Beyond its ends the table counts as they do. */
-  g_assert_cmpfloat(eda_curves_at(&c, 0, 0, 3), ==,
-                    eda_curves_at(&c, 0, 0, 40));
-  g_assert_cmpfloat(eda_curves_length(&c, 0, 0, -100), ==, 80);
-  g_assert_cmpfloat(eda_curves_length(&c, 0, 0, 100), ==, 40);
   eda_devices *once = c.devices;
   g_assert_cmpint(eda_curves_read(&c, "none.yaml", &error), ==, OPC_OK);
   g_assert_true(c.devices == once);
   eda_curves_clear(&c);
   g_assert_null(c.devices);
+}
+
+static void same(double a, double b, double within) {
+  if (!(fabs(a - b) <= within)) g_error("%.12g is not %.12g", a, b);
+}
+
+/* Exponentials go on as they are, and back to their lengths: down to a quarter
+   of the shortest and up to four times the longest, or over e^20. */
+static void test_beyond(void) {
+  static const double last[EDA_CURRENTS] = {320, 80 + 20 * 5 / M_LN2};
+  static const double fall[EDA_CURRENTS] = {50, 5}, unit[] = {1e-3, 1e-6};
+  eda_curves c = {0};
+  opc_error error;
+  if (read_table(21, 1, &c, &error)) g_error("%s", error.message);
+  for (int k = 0; k < EDA_CURRENTS; k++) {
+    for (double l = 10; l < 220; l += l < 40 || l > 80 ? 0.7 : 41) {
+      double at = eda_curves_at(&c, EDA_NMOS, k, l), quick[EDA_CURRENTS];
+      eda_curves_quick(&c, EDA_NMOS, l, quick);
+      same(at, log(unit[k]) - l / fall[k] * M_LN2, 1e-9);
+      same(quick[k] / exp(at), 1, 1e-5);
+      same(eda_curves_length(&c, EDA_NMOS, k, at), l, 1e-6);
+    }
+    double far[] = {eda_curves_at(&c, 0, k, 10),
+                    eda_curves_at(&c, 0, k, last[k])};
+    static const double lengths[] = {0, -5, 9, NAN, 1e12, INFINITY};
+    for (size_t i = 0; i < G_N_ELEMENTS(lengths); i++)
+      same(eda_curves_at(&c, 0, k, lengths[i]), far[i > 3], 1e-9);
+    same(eda_curves_length(&c, 0, k, INFINITY), 10, 0);
+    same(eda_curves_length(&c, 0, k, -INFINITY), last[k], 1e-6);
+  }
+  eda_curves_clear(&c);
+}
+
+/* The slope of log Ion beyond the long end of a table of 41 lengths, whose last
+   current is that many times what it should be; over that of the others. */
+static double slope_beyond(double last) {
+  eda_curves c = {0};
+  opc_error error;
+  if (read_table(41, last, &c, &error)) g_error("%s", error.message);
+  double at[] = {eda_curves_at(&c, EDA_NMOS, EDA_ION, 120),
+                 eda_curves_at(&c, EDA_NMOS, EDA_ION, 130)};
+  same(eda_curves_length(&c, EDA_NMOS, EDA_ION, at[1]), 130, 1e-6);
+  eda_curves_clear(&c);
+  return (at[1] - at[0]) / 10 / (-M_LN2 / 50);
+}
+
+/* The last step of the table gives the slope, but no less than half and no more
+   than twice the mean of its last tenth, which is four steps. */
+static void test_rough_end(void) {
+  const double step = 2 * M_LN2 / 50;
+  same(slope_beyond(1), 1, 1e-9);
+  same(slope_beyond(exp(0.3 * step)), 0.7, 1e-9);
+  same(slope_beyond(exp(0.999 * step)), 3.001 / 4 / 2, 1e-9);
+  same(slope_beyond(exp(-step)), 2, 1e-9);
+  same(slope_beyond(exp(-5 * step)), 9.0 / 4 * 2, 1e-9);
 }
 
 static void test_refused(void) {
@@ -82,6 +132,8 @@ int main(int argc, char **argv) {
   folder = g_dir_make_tmp("eda-XXXXXX", NULL);
   g_assert_cmpint(g_chdir(folder), ==, 0);
   g_test_add_func("/curves/values", test_values);
+  g_test_add_func("/curves/beyond", test_beyond);
+  g_test_add_func("/curves/rough-end", test_rough_end);
   g_test_add_func("/curves/refused", test_refused);
   int failed = g_test_run();
   g_unlink("table.yaml");

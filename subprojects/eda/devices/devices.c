@@ -3,6 +3,7 @@
    are found; the first one is told, and how many more there are. */
 #include <eda/devices.h>
 #include <eda/memory.h>
+#include <eda/words.h>
 #include <glib.h>
 #include <math.h>
 #include <stdlib.h>
@@ -50,33 +51,9 @@ static int settle(reader *r, const char *path, opc_error *error) {
                   r->at.line + 1, r->at.column + 1, r->fault, more);
 }
 
-/* How many letters to add, drop or change to make `b` of `a`. */
-static unsigned distance(const char *a, const char *b) {
-  enum { LONGEST = 32 };
-  unsigned row[LONGEST + 1];
-  size_t n = strnlen(b, LONGEST);
-  for (size_t j = 0; j <= n; j++) row[j] = (unsigned)j;
-  for (size_t i = 0; a[i]; i++) {
-    unsigned corner = row[0]++;
-    for (size_t j = 0; j < n; j++) {
-      unsigned change = corner + (a[i] != b[j]);
-      corner = row[j + 1];
-      row[j + 1] = MIN(change, MIN(row[j], corner) + 1);
-    }
-  }
-  return row[n];
-}
-
 /* ", did you mean '...'?" of a word near by, or nothing. */
 static char *suggestion(const char *word, const char *const *known) {
-  unsigned nearest = MAX(1, (unsigned)strlen(word) / 3) + 1;
-  const char *best = NULL;
-  for (size_t i = 0; known[i]; i++) {
-    unsigned d = distance(word, known[i]);
-    if (d >= nearest || d >= strlen(known[i])) continue;
-    nearest = d;
-    best = known[i];
-  }
+  const char *best = eda_nearest(word, known);
   return best ? g_strdup_printf(", did you mean '%s'?", best) : g_strdup("");
 }
 
@@ -298,6 +275,19 @@ static void read_type(reader *r, const yaml_node_t *root, const char *key,
   }
 }
 
+/* Columns that stand in each other's place: what is off carries less than what
+   is on, but for lengths that are far too short. */
+static void check_currents(reader *r, const yaml_node_t *root, const char *key,
+                           int type) {
+  const eda_devices *d = r->devices;
+  if (r->faults || d->ioff[type][d->count - 1] < d->ion[type][d->count - 1])
+    return;
+  const yaml_node_t *ioff = look_up(r, look_up(r, root, key), "ioff");
+  const yaml_node_t *list = look_up(r, ioff, "values");
+  wrong(r, &node_of(r, list->data.sequence.items.top[-1])->start_mark,
+        "'ioff' at %g nm is not below 'ion'", d->length[d->count - 1]);
+}
+
 static void read_version(reader *r, const yaml_node_t *node, const char *key) {
   if (!is_text(r, node, key, "a whole number", "")) return;
   const char *text = text_of(node), *digits = text + (*text == '-');
@@ -360,6 +350,8 @@ static void read_table(reader *r, const yaml_node_t *root) {
   read_lengths(r, root);
   read_type(r, root, "nmos", EDA_NMOS);
   read_type(r, root, "pmos", EDA_PMOS);
+  check_currents(r, root, "nmos", EDA_NMOS);
+  check_currents(r, root, "pmos", EDA_PMOS);
 }
 
 /* ---- the file ---- */
@@ -415,7 +407,7 @@ static char *read_file(const char *path, size_t *n, opc_error *error) {
   char *text = NULL;
   struct stat about = {0};
   if (!stat(path, &about) && !S_ISREG(about.st_mode))
-    opc_fail(error, OPC_IO, NULL, "'%s': not a file", path);
+    opc_fail(error, OPC_IO, NULL, "'%s': is not a regular file", path);
   else if (about.st_size > LARGEST_FILE)
     opc_fail(error, OPC_INVALID, NULL, "'%s': larger than %d bytes", path,
              LARGEST_FILE);

@@ -74,6 +74,8 @@ static void test_faults(void) {
               "more)");
   check_fault("{ unit: mA, values: [12, 11, 1] }", "[1, 2, 3]",
               "table.yaml:11:8: 'ion' needs a map");
+  check_fault("[30, 20, 1e-3]", "[3e7, 2e7, 1e6]",
+              "table.yaml:12:40: 'ioff' at 1000 nm is not below 'ion'");
   check_fault("width: 10 um", "width: 0 um",
               "table.yaml:6:8: 'width' must be above 0 nm, not '0 um'");
   check_fault(good, "[]",

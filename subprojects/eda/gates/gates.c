@@ -67,15 +67,18 @@ enum { FIGURES = 6 }; /* arrays of eda_performance, one after another */
 void eda_performance_init(eda_performance *p, size_t n) {
   p->count = n;
   for (int k = 0; k < FIGURES; k++) (&p->ion)[k] = eda_alloc(n, sizeof(double));
+  p->outside = eda_alloc(n, sizeof *p->outside);
 }
 
 void eda_performance_copy(eda_performance *to, const eda_performance *from) {
   for (int k = 0; k < FIGURES && from->count; k++)
     memcpy((&to->ion)[k], (&from->ion)[k], from->count * sizeof(double));
+  if (from->count) memcpy(to->outside, from->outside, from->count);
 }
 
 void eda_performance_clear(eda_performance *p) {
   for (int k = 0; k < FIGURES; k++) free((&p->ion)[k]);
+  free(p->outside);
   *p = (eda_performance){0};
 }
 

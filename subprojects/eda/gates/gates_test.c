@@ -95,6 +95,27 @@ static void test_mask(void) {
   eda_mask_free(NULL);
 }
 
+/* Figures and their marks, copied and checked. */
+static void test_performance(void) {
+  const eda_gates *g = eda_gates_sample();
+  eda_performance from, to;
+  opc_error error;
+  eda_performance_init(&from, g->count);
+  eda_performance_init(&to, g->count);
+  for (int k = 0; k < 6; k++)
+    for (size_t i = 0; i < g->count; i++) (&from.ion)[k][i] = k + 1;
+  from.outside[1] = 1;
+  eda_performance_copy(&to, &from);
+  g_assert_true(to.area[1] == 6 && to.outside[1] == 1 && to.outside[0] == 0);
+  g_assert_cmpint(eda_check_performance(g, 0, NULL, &to, &error), ==, OPC_OK);
+  to.outside[1] = 7;
+  g_assert_cmpint(eda_check_performance(g, 0, NULL, &to, &error), ==,
+                  OPC_FAILED);
+  g_assert_cmpstr(error.message, ==, "outside of transistor 'sample:2' is 7");
+  eda_performance_clear(&from);
+  eda_performance_clear(&to);
+}
+
 /* What is added to a mask, and moves, of a third corrected layer. */
 static void test_third_layer(void) {
   eda_gates *g = four_layers();
@@ -140,6 +161,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/gates/layers", test_layers);
   g_test_add_func("/gates/unsound", test_unsound);
   g_test_add_func("/gates/mask", test_mask);
+  g_test_add_func("/gates/performance", test_performance);
   g_test_add_func("/gates/third-layer", test_third_layer);
   g_test_add_func("/gates/blame", test_blame);
   return g_test_run();

@@ -27,6 +27,7 @@ static double wave(double x) { return cos(2 * M_PI * x / period); }
 enum { SLICES = 5 };
 static const double place[SLICES] = {0.05, 0.25, 0.5, 0.8, 1};
 static const double share[SLICES] = {0.1, 0.3, 0.2, 0.3, 0.1};
+static int beyond_table; /* what it says of its figures */
 static double seen_length[SLICES], seen_width[SLICES], seen_edge[SLICES];
 
 static size_t slicing(const void *self, const double **p, const double **s) {
@@ -46,6 +47,7 @@ static int keep(const void *self, const eda_slices *in, eda_performance *out,
     seen_edge[i] = in->edge[i];
   }
   for (int k = 0; k < 6; k++) (&out->ion)[k][0] = 1;
+  if (beyond_table) out->outside[0] = 1;
   return OPC_OK;
 }
 
@@ -54,6 +56,8 @@ static const eda_extractor keeper = {.slicing = slicing, .extract = keep};
 typedef struct result {
   uint32_t flags;
   double extension[2];
+  double figure[6];
+  uint8_t outside;
 } result;
 
 /* Measure a gate of L 60 and W 300 around (0, 0), vertical or horizontal. */
@@ -63,7 +67,6 @@ static result measure(eda_field poly, eda_field active, uint8_t axis,
                               : (eda_box){-150, -30, 150, 30};
   uint8_t type = EDA_NMOS;
   double both_spaces[2] = {space, space}, both[2] = {extension, INFINITY};
-  double figure[6];
   eda_gates gates = {.grid = 1,
                      .layers = 2,
                      .count = 1,
@@ -74,11 +77,12 @@ static result measure(eda_field poly, eda_field active, uint8_t axis,
                      .extension = both};
   eda_field print[] = {poly, active};
   const opc_module module = {&keeper, NULL, "extractor.keeper"};
-  result r;
+  result r = {.outside = 1}; /* of another print */
+  double *figure = r.figure;
   eda_measurement out = {&r.flags,
                          r.extension,
                          {1, &figure[0], &figure[1], &figure[2], &figure[3],
-                          &figure[4], &figure[5]}};
+                          &figure[4], &figure[5], &r.outside}};
   opc_error error;
   g_assert_cmpint(eda_measure(NULL, &gates, print, &module, &out, &error), ==,
                   OPC_OK);
@@ -123,6 +127,29 @@ static void test_extension(void) {
   g_assert_true(r.flags & EDA_PRINT_OPEN); /* its outer slices */
 }
 
+/* Figures from beyond the device table are marked; those of no transistor are
+   0, whatever the extractor makes of its slices. */
+static void test_figures(void) {
+  for (beyond_table = 0; beyond_table < 2; beyond_table++) {
+    uint32_t mark = beyond_table ? EDA_PRINT_OUTSIDE : 0;
+    result r = measure(level(-wave(30), 1, 0), level(-wave(145), 0, 1), EDA_X,
+                       400, 84);
+    g_assert_cmpuint(r.flags & EDA_PRINT_OUTSIDE, ==, mark);
+    g_assert_cmpuint(r.outside, ==, beyond_table);
+    g_assert_cmpuint(r.flags & ~(uint32_t)EDA_PRINT_NOTES, ==, 0);
+    for (int k = 0; k < 6; k++) g_assert_cmpfloat(r.figure[k], ==, 1);
+    const result none[] = {
+        measure(level(-2, 1, 0), level(-wave(145), 0, 1), EDA_X, 400, 84),
+        measure(level(-wave(30), 1, 0), level(-2, 0, 1), EDA_X, 400, 84)};
+    for (int i = 0; i < 2; i++) {
+      g_assert_cmpuint(none[i].flags & EDA_PRINT_OUTSIDE, ==, 0);
+      g_assert_cmpuint(none[i].outside, ==, 0);
+      for (int k = 0; k < 6; k++) g_assert_cmpfloat(none[i].figure[k], ==, 0);
+    }
+  }
+  beyond_table = 0;
+}
+
 static void test_trouble(void) {
   /* Nothing prints in the middle. */
   result r = measure(level(-2, 1, 0), level(-wave(145), 0, 1), EDA_X, 400, 84);
@@ -140,6 +167,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/measure/slices", test_slices);
   g_test_add_func("/measure/extension", test_extension);
+  g_test_add_func("/measure/figures", test_figures);
   g_test_add_func("/measure/trouble", test_trouble);
   return g_test_run();
 }

@@ -18,6 +18,7 @@ static const double oversampling = 3.1;
 enum { MAX_SAMPLES = 1 << 28, LINES = 16 };
 
 typedef struct job {
+  const opc_context *context;
   eda_spectrum *out;
   int nx, ny;
   float *samples;           /* [y][x] */
@@ -27,6 +28,7 @@ typedef struct job {
 
 static void forth_along_x(void *data, size_t block) {
   job *j = data;
+  if (opc_cancelled(j->context)) return;
   int y = (int)block * LINES, lines = j->ny - y < LINES ? j->ny - y : LINES;
   int width = j->nx / 2 + 1, columns = j->out->columns;
   float complex *half =
@@ -42,6 +44,7 @@ static void forth_along_x(void *data, size_t block) {
 /* Some columns along y; keep the band, without the smoothing. */
 static void forth_along_y(void *data, size_t block) {
   job *j = data;
+  if (opc_cancelled(j->context)) return;
   eda_spectrum *s = j->out;
   int k = (int)block * LINES,
       lines = s->columns - k < LINES ? s->columns - k : LINES;
@@ -100,7 +103,8 @@ int eda_mask_spectrum(const opc_context *context, const eda_shapes *shapes,
     return opc_fail(error, OPC_INVALID, NULL,
                     "a frame of %g x %g um is too large for one field",
                     frame.width / 1e3, frame.height / 1e3);
-  job j = {.out = out,
+  job j = {.context = context,
+           .out = out,
            .nx = eda_fft_size(frame.width * band * oversampling),
            .ny = eda_fft_size(frame.height * band * oversampling)};
   *out = (eda_spectrum){.frame = frame, .band = band};
@@ -115,5 +119,7 @@ int eda_mask_spectrum(const opc_context *context, const eda_shapes *shapes,
   eda_raster_clear(&raster);
   transform(context, &j);
   eda_fft_free(j.samples);
-  return OPC_OK;
+  if (!opc_cancelled(context)) return OPC_OK;
+  eda_spectrum_clear(out);
+  return opc_fail(error, OPC_CANCELLED, NULL, "cancelled");
 }

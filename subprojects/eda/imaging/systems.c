@@ -246,6 +246,7 @@ static void turn_lines(eda_lanes *from, int n, lines *to, size_t column) {
 
 static void field_along_y(void *data, size_t index) {
   job *j = data;
+  if (opc_cancelled(j->context)) return;
   lines *field = &j->field[index / strips(j)];
   strip s = {.system = j->system + index / strips(j),
              .first = (int)(index % strips(j)) * STRIP};
@@ -275,6 +276,7 @@ EDA_WIDE static void add_square(const eda_lanes *restrict field, float weight,
 /* Squares of the systems that are there, one after another. */
 static void square_along_x(void *data, size_t block) {
   job *j = data;
+  if (opc_cancelled(j->context)) return;
   eda_lanes *a = borrow(j);
   size_t reach = (size_t)j->reach, n = (size_t)j->nx;
   for (size_t i = 0; i < j->together; i++) {
@@ -311,7 +313,8 @@ static void make_fields(job *j, size_t count) {
 static void add_systems(job *j) {
   size_t count = j->systems.count + (j->systems.residual != NULL);
   make_fields(j, count);
-  for (j->system = 0; j->system < count; j->system += j->together) {
+  for (j->system = 0; j->system < count && !opc_cancelled(j->context);
+       j->system += j->together) {
     j->together = MIN(j->room_for, count - j->system);
     opc_parallel(j->context, j->together * strips(j), field_along_y, j);
     opc_parallel(j->context, j->rows, square_along_x, j);
@@ -336,6 +339,7 @@ EDA_WIDE static void split(const eda_lanes *a, int n, int k, eda_lanes *first,
 /* Transform two blocks of rows of a sum along x; keep columns 0 .. top_x. */
 static void forth_along_x(void *data, size_t pair) {
   job *j = data;
+  if (opc_cancelled(j->context)) return;
   eda_lanes *a = borrow(j), *tile = a + j->nx;
   size_t n = (size_t)j->nx, one = 2 * pair, other = MIN(one + 1, j->rows - 1);
   for (int part = 0; part < 2 && j->sum[part]; part++) {
@@ -387,6 +391,7 @@ static void coefficient(const job *j, int first, int l, const eda_lanes *sum,
 /* A block of columns: forth along y, and back as the result's. */
 static void columns_to_fine(void *data, size_t block) {
   job *j = data;
+  if (opc_cancelled(j->context)) return;
   size_t n = (size_t)j->ny;
   eda_lanes *fine = borrow(j);
   eda_lanes *sum = j->spectrum[0].at + block * j->spectrum[0].n, *rest = NULL;
@@ -434,6 +439,7 @@ static void write_rows(const job *j, const eda_vector *points, size_t block) {
 
 static void back_along_x(void *data, size_t pair) {
   job *j = data;
+  if (opc_cancelled(j->context)) return;
   eda_lanes *a = borrow(j);
   size_t all = blocks(j->fine_y), one = 2 * pair, other = MIN(one + 1, all - 1);
   join(j->fine.at + one * j->fine.n, j->fine.at + other * j->fine.n, j->top_x,
@@ -475,6 +481,21 @@ static void to_spline(job *j) {
 }
 
 /* ---- grids ---- */
+
+/* Of make_fields and to_spline, with the least that there can be: an intensity
+   of the mask's band, all systems through one field. */
+eda_image_size eda_image_forecast(eda_frame f, double band) {
+  double x = f.width * band, y = f.height * band; /* frequencies on one side */
+  double nx = fmax(0.85 * 3, 2) * x, ny = fmax(0.85 * 3, 2) * y;
+  double fine_x = fmax(2 * x, f.width / default_step);
+  double fine_y = fmax(2 * y, f.height / default_step);
+  double spectrum = x * 2 * y * sizeof(float complex);
+  double sums = 2 * nx * ny * sizeof(float);
+  double along_y = 2 * x * ny * sizeof(float complex);
+  double fine = x * fine_y * sizeof(float complex);
+  double out = fine_x * fine_y * sizeof(float);
+  return (eda_image_size){nx, ny, spectrum + sums + along_y + fine + out};
+}
 
 /* Samples along a side for fields, and nodes for the result. */
 static int field_size(const eda_systems *s, double side) {
@@ -536,5 +557,7 @@ int eda_coherent_sum(const opc_context *context, const eda_spectrum *mask,
   g_ptr_array_free(j.scratch, TRUE);
   g_mutex_clear(&j.lock);
   *out = (eda_field){mask->frame, j.fine_x, j.fine_y, j.out};
-  return OPC_OK;
+  if (!opc_cancelled(context)) return OPC_OK;
+  eda_field_clear(out);
+  return opc_fail(error, OPC_CANCELLED, NULL, "cancelled");
 }

@@ -407,7 +407,7 @@ static void walk(flattener *f, int32_t top) {
   free(stack);
 }
 
-static int run(flattener *f, int32_t top, opc_error *error) {
+static void count_all(flattener *f) {
   size_t n = f->layout->n_cells, edges = n;
   for (size_t i = 0; i < n; i++) edges += f->layout->cells[i].n_instances;
   f->shapes = eda_alloc(n, sizeof *f->shapes);
@@ -415,6 +415,10 @@ static int run(flattener *f, int32_t top, opc_error *error) {
   f->first = eda_alloc(n, sizeof *f->first);
   f->useful = eda_alloc(edges, sizeof *f->useful);
   count(f);
+}
+
+static int run(flattener *f, int32_t top, opc_error *error) {
+  count_all(f);
   int code = allocate(f, top, error);
   if (code || !f->out->shapes.count) return code;
   walk(f, top);
@@ -456,6 +460,22 @@ static int flatten(const eda_layout *layout, int32_t top, int32_t layer,
   free(f.first);
   free(f.useful);
   return code;
+}
+
+double eda_layout_flat_bytes(const eda_layout *layout, int32_t top,
+                             int32_t layer) {
+  flattener f = {.layout = layout, .layer = layer};
+  eda_layout_order(layout);
+  for (size_t i = 0; i < layout->n_cells; i++)
+    if (layout->cells[i].circular) return 0;
+  count_all(&f);
+  double shapes = (double)f.shapes[top], points = (double)f.points[top];
+  free(f.shapes);
+  free(f.points);
+  free(f.first);
+  free(f.useful);
+  return shapes * (sizeof *f.out->shapes.start + sizeof *f.out->placement) +
+         points * sizeof *f.out->shapes.points;
 }
 
 int eda_layout_flatten(const eda_layout *layout, int32_t top, int32_t layer,

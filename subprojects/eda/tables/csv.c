@@ -5,6 +5,7 @@
 #include <glib.h>
 #include <math.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* A row of some 60 letters for each of a million transistors. */
 enum { MOST_BYTES = 64 << 20 };
@@ -127,6 +128,14 @@ static int read_row(eda_csv *c, line *l, char *text, opc_error *error) {
 static int read_text(eda_csv *c, opc_error *error) {
   size_t size = 0;
   g_autoptr(GError) trouble = NULL;
+  struct stat about = {0};
+  if (!stat(c->path, &about) && !S_ISREG(about.st_mode))
+    return opc_fail(error, OPC_IO, c->parameter, "'%s': is not a regular file",
+                    c->path);
+  if (about.st_size > MOST_BYTES)
+    return opc_fail(error, OPC_INVALID, c->parameter,
+                    "'%s' has %jd bytes, more than 64 MB", c->path,
+                    (intmax_t)about.st_size);
   if (!g_file_get_contents(c->path, &c->text, &size, &trouble))
     return opc_fail(error, OPC_IO, c->parameter, "%s", trouble->message);
   const char *nul = memchr(c->text, 0, size);
@@ -134,9 +143,6 @@ static int read_text(eda_csv *c, opc_error *error) {
     return opc_fail(error, OPC_INVALID, c->parameter,
                     "'%s' is no text: byte %zu is 0", c->path,
                     (size_t)(nul - c->text));
-  if (size > MOST_BYTES)
-    return opc_fail(error, OPC_INVALID, c->parameter,
-                    "'%s' has %zu bytes, more than 64 MB", c->path, size);
   return OPC_OK;
 }
 

@@ -47,7 +47,7 @@ OPC_EXPORT int eda_check_slicing(size_t n, const double *place,
                                  const double *width, opc_error *error);
 
 /* Performance of the gates from `first` on: above 0, or 0 where `flags` (NULL:
-   none) says that the print is bad. */
+   none) says that the print is bad; `outside` 0 or 1, or NULL. */
 OPC_EXPORT int eda_check_performance(const eda_gates *gates, size_t first,
                                      const uint32_t *flags,
                                      const eda_performance *performance,
@@ -64,6 +64,35 @@ OPC_EXPORT int eda_check_ruling(const eda_gates *gates,
                                 const eda_ruling *ruling, opc_error *error);
 OPC_EXPORT int eda_check_violations(const eda_violation *violations, size_t n,
                                     size_t gates, opc_error *error);
+
+/* Calls of modules with all that is checked of them. They write into copies
+   between guard words, and who writes beyond them is found; texts are copied
+   for ever while the module is to blame for them, and must be UTF-8 of at most
+   200 bytes. OPC_OK and what it gave, or a code and *error, for eda_blame, with
+   nothing changed but *done. */
+
+/* eda_synthesizer.update; `fragments` as for eda_check_moves. */
+OPC_EXPORT int eda_call_update(const opc_context *context,
+                               const opc_module *synthesizer,
+                               const eda_feedback *feedback,
+                               const size_t *fragments, eda_moves *moves,
+                               int *done, opc_error *error);
+
+/* eda_synthesizer.verdict; "" for none. */
+OPC_EXPORT int eda_call_verdict(const opc_context *context,
+                                const opc_module *synthesizer, size_t gate,
+                                const char **verdict, opc_error *error);
+
+/* eda_regulator.rule, and violations: no more than `most` of all *count. */
+OPC_EXPORT int eda_call_rule(const opc_context *context,
+                             const opc_module *regulator,
+                             const eda_printed *printed, eda_ruling *ruling,
+                             opc_error *error);
+OPC_EXPORT int eda_call_violations(const opc_context *context,
+                                   const opc_module *regulator,
+                                   const eda_printed *printed,
+                                   eda_violation *violations, size_t most,
+                                   size_t *count, opc_error *error);
 
 #ifdef __cplusplus
 }

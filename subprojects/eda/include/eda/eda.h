@@ -29,5 +29,6 @@
 #include <eda/simd.h>
 #include <eda/simulator.h>
 #include <eda/synthesizer.h>
+#include <eda/words.h>
 
 #endif

@@ -52,7 +52,8 @@ typedef struct eda_extractor {
                     const double **width);
 
   /* The performance of all gates in `in`, into the arrays of `out`, which has
-     room for in->count. [any] */
+     room for in->count; `outside` is zeroed before, and NULL where nobody asks
+     for it. [any] */
   int (*extract)(const void *self, const eda_slices *in, eda_performance *out,
                  opc_error *error);
 
@@ -62,6 +63,11 @@ typedef struct eda_extractor {
      is the same everywhere. [any] */
   void (*slice)(const void *self, const eda_printed_gate *gate, double *place,
                 double *width);
+
+  /* NULL: it knows no ends. The shortest and the longest length, nm, of a type
+     that its figures hold for, after `prepare`: 1; 0 if there are none. [any]
+   */
+  int (*range)(const void *self, int type, double *shortest, double *longest);
 } eda_extractor;
 
 #ifdef __cplusplus

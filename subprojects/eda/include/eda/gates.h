@@ -121,22 +121,29 @@ enum {
   EDA_PRINT_MERGED = 1 << 2,    /* it reaches a neighbour */
   EDA_PRINT_SHORT = 1 << 3,     /* the line end stops before the active does */
   EDA_PRINT_ISLAND = 1 << 4,    /* poly or active prints in pieces there */
-  /* The last three are worth a look, no failure. */
-  EDA_PRINT_NECK = 1 << 5, /* a slice is far shorter than the drawn gate */
-  EDA_PRINT_WIDE = 1 << 6, /* a slice is far longer than the drawn gate */
-  EDA_PRINT_BITE = 1 << 7, /* the active's edge is not straight in the
-                              channel */
-  EDA_PRINT_NOTES = 7 << 5 /* the flags that are no failure */
+  /* The last four are worth a look, no failure. */
+  EDA_PRINT_NECK = 1 << 5,    /* a slice is far shorter than the drawn gate */
+  EDA_PRINT_WIDE = 1 << 6,    /* a slice is far longer than the drawn gate */
+  EDA_PRINT_BITE = 1 << 7,    /* the active's edge is not straight in the
+                                 channel */
+  EDA_PRINT_OUTSIDE = 1 << 8, /* eda_performance.outside */
+  EDA_PRINT_NOTES = 15 << 5   /* the flags that are no failure */
 };
 
 /* Performance of transistors, arrays of `count`. Currents A, lengths nm, area
-   nm^2. */
+   nm^2. A print that is open or has no active is no transistor: all its figures
+   are 0. Whoever compares figures asks the flags first: of a 0 a deviation is
+   -100 %, as if it were weak, while the line is too thin. Those of the other
+   prints that fail tell which way to go, and no more. */
 typedef struct eda_performance {
   size_t count;
   double *ion, *ioff;
   double *leq_ion, *leq_ioff; /* length of the rectangle with that current */
   double *weq;                /* its width */
   double *area;
+  /* 1: figures come from beyond the ends of the device table, so that they are
+     good for steering only; else 0. */
+  uint8_t *outside;
 } eda_performance;
 
 /* Zeroed arrays of n in *performance; freeing them, and zeroing the struct;

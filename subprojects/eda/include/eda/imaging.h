@@ -85,7 +85,7 @@ typedef struct eda_systems {
    threads and give the same bits for any number of them, and on all processors
    with AVX2 and FMA (eda/simd.h). A result is the caller's, who clears it; it
    is zeroed on failure. Frames without area or too large for a field are
-   refused with OPC_INVALID. */
+   refused with OPC_INVALID; OPC_CANCELLED once the user stops the work. */
 
 /* The spectrum of a mask up to `band`, 1/nm: clear, dark in `shapes` (merged,
    in units of `grid` nm; those that leave the frame come in again on the other
@@ -104,6 +104,14 @@ OPC_EXPORT int eda_coherent_sum(const opc_context *context,
                                 const eda_spectrum *mask,
                                 const eda_systems *systems, double step,
                                 eda_field *out, opc_error *error);
+
+/* What an image of a mask takes at least, with models of that band (1/nm): the
+   points of its Fourier transforms, and bytes, its spectrum and itself among
+   them. */
+typedef struct eda_image_size {
+  double columns, rows, bytes;
+} eda_image_size;
+OPC_EXPORT eda_image_size eda_image_forecast(eda_frame frame, double band);
 
 /* The values of a field at n points (nm). */
 OPC_EXPORT void eda_field_sample(const eda_field *field, const double *x,

@@ -129,6 +129,10 @@ OPC_EXPORT const char *eda_layout_instance(const eda_layout *layout,
 OPC_EXPORT int eda_layout_flatten(const eda_layout *layout, int32_t cell,
                                   int32_t layer, double grid, eda_flat *out,
                                   opc_error *error);
+/* The bytes that this takes, without doing it; for a step's forecast. Of cells
+   in a circle 0: flattening refuses them. */
+OPC_EXPORT double eda_layout_flat_bytes(const eda_layout *layout, int32_t cell,
+                                        int32_t layer);
 OPC_EXPORT void eda_flat_clear(eda_flat *flat);
 
 /* The instances from `cell` down to placement number p of its flattening

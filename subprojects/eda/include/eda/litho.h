@@ -13,7 +13,8 @@ typedef struct eda_litho {
   /* Once, before any image: kernels and the like. [main] */
   int (*prepare)(void *self, opc_error *error);
 
-  /* Up to which frequency (1/nm) the mask matters; after prepare. [any] */
+  /* Up to which frequency (1/nm) the mask matters. Asked before prepare, too,
+     for a forecast: 0 if it is not known yet. [any] */
   double (*band)(const void *self);
 
   /* The intensity that the mask of a layer gives; `layer` is its number

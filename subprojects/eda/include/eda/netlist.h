@@ -144,7 +144,7 @@ typedef struct eda_card {
 } eda_card;
 
 /* Read the model of that name, EDA_NMOS or EDA_PMOS, from a file and those that
-   it includes. */
+   it includes, which must lie in its folder. */
 OPC_EXPORT int eda_card_read(eda_pool *pool, const char *path, const char *name,
                              int type, eda_card *out, opc_error *error);
 

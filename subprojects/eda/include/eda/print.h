@@ -51,6 +51,13 @@ OPC_EXPORT void eda_printer_clear(eda_printer *printer);
 /* Prepare both models. Errors name the slots "litho" and "resist". [main] */
 OPC_EXPORT int eda_printer_prepare(eda_printer *printer, opc_error *error);
 
+/* What a print of `layers` of them, side by side, takes at least, beside the
+   prints that are there: points of each Fourier transform, and bytes. For a
+   step's forecast, which may call it before eda_printer_prepare; all is 0 if
+   the model does not know its band yet. [any] */
+OPC_EXPORT eda_image_size eda_printer_forecast(const eda_printer *printer,
+                                               size_t layers);
+
 /* The steps of a print, for those who vary them: the spectrum of a mask
    (merged) as the model of the optics wants it, whose functions then give the
    intensity; and from that, in place, the level set. [any] */

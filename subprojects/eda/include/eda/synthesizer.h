@@ -116,6 +116,11 @@ typedef struct eda_synthesizer {
              opc_error *error);
 
   uint32_t flags; /* EDA_SYNTHESIZER_* */
+
+  /* NULL: 1 for all. The Ion that it steers a gate to, as a factor of the drawn
+     one; NAN: it leaves that gate alone. The loop judges by it which mask of
+     the gate is better. [main] */
+  double (*target)(const void *self, size_t gate);
 } eda_synthesizer;
 
 #ifdef __cplusplus

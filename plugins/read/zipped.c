@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Files that gzip has packed (RFC 1952): they begin with 1f 8b, as no layout
+   does. Compiled into each reader. */
+#include <eda/memory.h>
+#include <stdlib.h>
+#include <string.h>
+#include <zlib.h>
+
+#include "reader.h"
+
+/* A file may hold so many bytes for each of its own, and so many more: layouts
+   pack to a tenth, bombs to a thousandth. Half of it would do as well; with
+   twice of it a file of 1 GB could fill 0.5 TB. */
+#define MOST_RATIO 256
+#define MOST_MORE ((size_t)1 << 26)
+
+/* zlib counts in 32 bits; also the bytes between two looks at what the user
+   wants. */
+enum { PIECE = 1 << 22 };
+
+static void spoil(reading *b, const char *what) {
+  if (!b->failed)
+    b->failed = opc_fail(b->error, OPC_IO, NULL, "'%s': packed by gzip, %s",
+                         b->r->file, what);
+}
+
+/* Unpack the next bytes of the file into *out, which has room for more; the
+   members of a file follow each other. 0 at the end. */
+static int unpack(reading *b, z_stream *z, size_t *at) {
+  if (!z->avail_in) {
+    size_t n = MIN(b->n - *at, (size_t)PIECE);
+    z->next_in = (Bytef *)b->bytes + *at;
+    z->avail_in = (uInt)n;
+    *at += n;
+  }
+  int dry = !z->avail_in;
+  int code = inflate(z, Z_NO_FLUSH);
+  if (code == Z_STREAM_END) {
+    int more = z->avail_in || *at < b->n;
+    if (more) inflateReset(z);
+    return more;
+  }
+  if (code == Z_BUF_ERROR && dry)
+    spoil(b, "it ends too early");
+  else if (code != Z_OK && code != Z_BUF_ERROR)
+    spoil(b, z->msg ? z->msg : "it is damaged");
+  return !b->failed;
+}
+
+void reading_unzip(reading *b) {
+  const size_t most = b->n * MOST_RATIO + MOST_MORE;
+  char *out = NULL;
+  size_t n = 0, room = 0, at = 0;
+  z_stream z = {0};
+  int more = 1;
+  if (b->failed || b->n < 2 || memcmp(b->bytes, "\x1f\x8b", 2) != 0) return;
+  if (inflateInit2(&z, MAX_WBITS + 16) != Z_OK) spoil(b, "zlib has no memory");
+  while (more && !b->failed) {
+    if (opc_cancelled(b->r->host->context))
+      b->failed = opc_fail(b->error, OPC_CANCELLED, NULL, "cancelled");
+    if (n >= most) spoil(b, "it holds far more than a layout would");
+    eda_grow(&out, &room, n + PIECE, 1);
+    z.next_out = (Bytef *)out + n;
+    z.avail_out = PIECE;
+    more = !b->failed && unpack(b, &z, &at);
+    n += PIECE - z.avail_out;
+  }
+  inflateEnd(&z);
+  free(b->bytes);
+  b->bytes = out;
+  b->n = n;
+  b->text = n ? out : "";
+}
