@@ -12,84 +12,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { ROOM_FOR_VIOLATIONS = 10000, ROOM_OF_GATE = 16 };
+
 static const char *const slots[DRIVERS] = {"synthesizer", "edges"};
 
-/* ---- trials ---- */
+/* ---- what changed ---- */
 
-/* Numbers of a gate: w; l, jog and both line ends. */
-enum { POLY_BIASES = 4, ALL_BIASES = 5 };
-
-static void trial_init(trial *t, size_t layers, size_t gates) {
-  int32_t *all = eda_alloc(ALL_BIASES * gates, sizeof *all);
-  t->biases = (biases){all, all + gates, all + 2 * gates, all + 3 * gates};
-  t->shift = eda_alloc(layers, sizeof *t->shift);
-  t->patches = eda_alloc(layers, sizeof *t->patches);
-  t->bites = eda_alloc(layers, sizeof *t->bites);
-  t->assists = eda_alloc(layers, sizeof *t->assists);
-}
-
-static void trial_clear(trial *t, size_t layers) {
-  free(t->biases.w);
-  for (size_t k = 0; t->shift && k < layers; k++) {
-    free(t->shift[k]);
-    free((eda_box *)t->patches[k].box);
-    free((eda_box *)t->bites[k].box);
-    free((eda_box *)t->assists[k].box);
-  }
-  free(t->shift);
-  free(t->patches);
-  free(t->bites);
-  free(t->assists);
-}
-
-/* `to` owns its boxes and becomes a copy of `from`, which may be a part of
-   it. */
-static void set_boxes(eda_boxes *to, eda_boxes from) {
-  if (from.count == to->count) {
-    if (from.count)
-      memmove((eda_box *)to->box, from.box, from.count * sizeof *from.box);
-    return;
-  }
-  eda_box *copy = eda_alloc(from.count, sizeof *copy);
-  if (from.count) memcpy(copy, from.box, from.count * sizeof *copy);
-  free((eda_box *)to->box);
-  *to = (eda_boxes){copy, from.count};
-}
-
-static void copy_trial(const loop *l, trial *to, const trial *from) {
-  memcpy(to->biases.w, from->biases.w,
-         ALL_BIASES * l->gates->count * sizeof(int32_t));
-  for (size_t k = 0; k < l->gates->layers; k++) {
-    set_boxes(&to->patches[k], from->patches[k]);
-    set_boxes(&to->bites[k], from->bites[k]);
-    set_boxes(&to->assists[k], from->assists[k]);
-    if (to->shift[k])
-      memcpy(to->shift[k], from->shift[k], l->sites[k].count * sizeof(int32_t));
-  }
-}
-
-static int differ(const int32_t *a, const int32_t *b, size_t n) {
-  return memcmp(a, b, n * sizeof *a) != 0;
-}
-
-static int other_boxes(eda_boxes a, eda_boxes b) {
-  return a.count != b.count ||
-         (a.count && memcmp(a.box, b.box, a.count * sizeof *a.box) != 0);
-}
-
-/* Would `next` print another mask of that layer? */
 static int changed(const loop *l, size_t layer) {
-  const trial *now = &l->now, *next = &l->next;
-  const biases *a = &now->biases, *b = &next->biases;
-  size_t n = l->gates->count;
-  if (other_boxes(now->patches[layer], next->patches[layer]) ||
-      other_boxes(now->bites[layer], next->bites[layer]) ||
-      other_boxes(now->assists[layer], next->assists[layer]))
-    return 1;
-  if (now->shift[layer])
-    return differ(now->shift[layer], next->shift[layer], l->sites[layer].count);
-  if (layer == EDA_ACTIVE) return differ(a->w, b->w, n);
-  return layer == EDA_POLY && differ(a->l, b->l, POLY_BIASES * n);
+  return trial_differs(&l->now, &l->next, layer);
 }
 
 /* Of the layers that a driver moves. */
@@ -104,7 +34,7 @@ static void drop_biases(loop *l) {
   size_t n = l->gates->count * sizeof(int32_t), layers = l->gates->layers;
   biases *b = &l->next.biases;
   if (layers > EDA_ACTIVE && l->next.shift[EDA_ACTIVE]) memset(b->w, 0, n);
-  if (layers && l->next.shift[EDA_POLY]) memset(b->l, 0, POLY_BIASES * n);
+  if (layers && l->next.shift[EDA_POLY]) memset(b->l, 0, TRIAL_POLY_BIASES * n);
 }
 
 /* ---- one print ---- */
@@ -149,14 +79,12 @@ static int measure(loop *l, const uint8_t *printed, opc_error *error) {
                      &l->measured, error);
 }
 
-/* Print and measure the mask of `next`, which becomes `now`. Only layers that
-   changed are printed again. */
-static int print_next(loop *l, int all, opc_error *error) {
+int loop_print(loop *l, int all, opc_error *error) {
   size_t layers = l->gates->layers;
   uint8_t *printed = eda_alloc(layers, 1);
   for (size_t k = 0; k < layers; k++)
     printed[k] = l->gates->corrected[k] && (all || changed(l, k));
-  copy_trial(l, &l->now, &l->next);
+  trial_copy(&l->now, &l->next);
   int code = OPC_OK;
   for (size_t k = 0; k < layers && !code; k++)
     if (printed[k]) code = make_mask(l, k, error);
@@ -170,12 +98,14 @@ static int print_next(loop *l, int all, opc_error *error) {
   l->summary = summarize(l->gates, &l->design, &l->measured.performance,
                          l->measured.flags, l->sites);
   history_add(&l->history, &l->summary, l->iterations, l->printer.simulations);
+  guard_watch(l);
+  if (l->traced) trace_add(&l->trace, l);
   return OPC_OK;
 }
 
 /* ---- what plugins see and say ---- */
 
-eda_printed loop_printed(const loop *l) {
+static eda_printed loop_printed(const loop *l) {
   return (eda_printed){.iteration = l->iterations,
                        .gates = l->gates,
                        .flags = l->measured.flags,
@@ -187,18 +117,27 @@ eda_printed loop_printed(const loop *l) {
 }
 
 static int rule(loop *l, eda_ruling *ruling, opc_error *error) {
-  const eda_regulator *r = l->regulator->functions;
   eda_printed p = loop_printed(l);
-  const char *before = eda_enter(l->host->context, l->regulator, error);
-  int code = r->rule(l->regulator->self, &p, ruling, error);
-  opc_leave(l->host->context, before);
-  if (!code) code = eda_check_ruling(l->gates, ruling, error);
+  int code = eda_call_rule(l->host->context, l->regulator, &p, ruling, error);
   if (code) return eda_blame(error, code, "regulator");
   for (size_t k = 0; k < l->gates->layers; k++) {
-    set_boxes(&l->next.patches[k], ruling->patches[k]);
-    set_boxes(&l->next.bites[k], ruling->bites[k]);
+    trial_set_boxes(&l->next.patches[k], ruling->patches[k]);
+    trial_set_boxes(&l->next.bites[k], ruling->bites[k]);
   }
   return OPC_OK;
+}
+
+/* There is room for more than there have ever been; what is not used costs
+   nothing. */
+int loop_violations(loop *l, eda_violation **out, size_t *count,
+                    opc_error *error) {
+  size_t room = ROOM_FOR_VIOLATIONS + ROOM_OF_GATE * l->gates->count;
+  eda_printed p = loop_printed(l);
+  *out = eda_alloc(room, sizeof **out);
+  int code = eda_call_violations(l->host->context, l->regulator, &p, *out, room,
+                                 count, error);
+  if (*count > room) *count = room;
+  return eda_blame(error, code, "regulator");
 }
 
 /* Let the regulator set vetoes, and line ends, patches and bites of `next`. */
@@ -246,8 +185,8 @@ static void take_cuts(loop *l, size_t layer, int which, const eda_cuts *cuts) {
   pieces_of_cuts(cuts, &l->pieces[layer]);
   sites_init(&l->sites[layer], cuts);
   size_t n = d->fragments[layer] = l->sites[layer].count;
-  l->now.shift[layer] = eda_alloc(n, sizeof(int32_t));
-  l->next.shift[layer] = eda_alloc(n, sizeof(int32_t));
+  trial_cut(&l->now, layer, n);
+  trial_cut(&l->next, layer, n);
   l->driver_of[layer] = (uint8_t)which;
   d->shift[layer] = l->next.shift[layer];
   d->epe[layer] = l->sites[layer].epe;
@@ -261,10 +200,10 @@ static int ask_for_cuts(loop *l, size_t layer, int which, opc_error *error) {
   if (!s || !s->cut) return OPC_OK;
   const char *before = eda_enter(l->host->context, module, error);
   int code = s->cut(module->self, l->gates, (int)layer, &cuts, error);
-  opc_leave(l->host->context, before);
   if (!code) code = eda_check_cuts(l->gates, (int)layer, &cuts, error);
+  opc_leave(l->host->context, before);
   if (code) return eda_blame(error, code, slots[which]);
-  set_boxes(&l->next.assists[layer], cuts.assists);
+  trial_set_boxes(&l->next.assists[layer], cuts.assists);
   if (cuts.polygons) take_cuts(l, layer, which, &cuts);
   return OPC_OK;
 }
@@ -333,16 +272,13 @@ static int begin(loop *l, opc_error *error) {
 /* The moves of a synthesizer into `next`; only of its own layers. */
 static int move(loop *l, int which, eda_moves *moves, opc_error *error) {
   driver *d = &l->drivers[which];
-  const eda_synthesizer *s = d->module->functions;
   eda_feedback f = feedback(l, d);
-  const char *before = eda_enter(l->host->context, d->module, error);
-  int code = s->update(d->module->self, &f, moves, &d->done, error);
-  opc_leave(l->host->context, before);
-  if (!code) code = eda_check_moves(l->gates, moves, d->fragments, error);
+  int code = eda_call_update(l->host->context, d->module, &f, d->fragments,
+                             moves, &d->done, error);
   if (code) return eda_blame(error, code, slots[which]);
   for (size_t k = 0; k < l->gates->layers; k++)
     if (l->driver_of[k] == which)
-      set_boxes(&l->next.assists[k], moves->assists[k]);
+      trial_set_boxes(&l->next.assists[k], moves->assists[k]);
   return OPC_OK;
 }
 
@@ -415,7 +351,7 @@ static int all_done(const loop *l) {
 static int iterate(loop *l, opc_error *error) {
   int code = OPC_OK;
   int64_t prints = 0;
-  for (; !code; code = print_next(l, 0, error)) {
+  for (; !code; code = loop_print(l, 0, error)) {
     if (told_to_stop(l)) return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
     if ((code = judge(l, error))) return code;
     int ruled[DRIVERS], wait = 0;
@@ -461,27 +397,34 @@ static void loop_init(loop *l) {
   eda_measurement_init(&l->measured, n);
   eda_performance_init(&l->design, n);
   eda_performance_init(&l->before, n);
+  guard_init(&l->guard, n);
 }
 
 int loop_run(loop *l, opc_error *error) {
   const opc_context *context = l->host->context;
   loop_init(l);
   int code = eda_printer_prepare(&l->printer, error);
-  if (!code) code = eda_extractor_prepare(context, l->extractor, error);
+  if (!code && !l->prepared)
+    code = eda_extractor_prepare(context, l->extractor, error);
   if (!code)
     code =
         eda_measure_drawn(context, l->gates, l->extractor, &l->design, error);
   if (!code) code = begin(l, error);
-  if (!code) code = print_next(l, 1, error);
+  if (!code) code = loop_print(l, 1, error);
   if (code) return code;
   eda_performance_copy(&l->before, &l->measured.performance);
-  return iterate(l, error);
+  code = guard_begin(l, error);
+  if (!code) code = iterate(l, error);
+  if (code || !l->gates->count) return code;
+  if (l->hold) return guard_hold(l, error);
+  guard_count(l);
+  return OPC_OK;
 }
 
 void loop_clear(loop *l) {
   size_t layers = l->gates->layers;
-  trial_clear(&l->now, layers);
-  trial_clear(&l->next, layers);
+  trial_clear(&l->now);
+  trial_clear(&l->next);
   eda_measurement_clear(&l->measured);
   eda_performance_clear(&l->design);
   eda_performance_clear(&l->before);
@@ -504,5 +447,7 @@ void loop_clear(loop *l) {
   free(l->unused);
   free(l->vetoes);
   history_clear(&l->history);
+  guard_clear(&l->guard);
+  trace_clear(&l->trace);
   eda_printer_clear(&l->printer);
 }

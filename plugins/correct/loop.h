@@ -5,16 +5,10 @@
 
 #include <eda/print.h>
 
+#include "guard.h"
 #include "report.h"
-
-/* All that makes a mask of the drawn shapes; arrays by layer but `biases`. */
-typedef struct trial {
-  biases biases;
-  int32_t **shift;    /* of layers that a synthesizer cut; else NULL */
-  eda_boxes *patches; /* of the regulator */
-  eda_boxes *bites;   /* what it takes away */
-  eda_boxes *assists; /* of the synthesizers */
-} trial;
+#include "trace.h"
+#include "trial.h"
 
 /* Who moves a layer: the synthesizer of transistors, or the one of the edges
    of layers that no transistor moves. */
@@ -30,13 +24,17 @@ typedef struct driver {
   int done;
 } driver;
 
-/* Arrays are by layer, of gates or of pieces, made once. Set the first four,
+/* Arrays are by layer, of gates or of pieces, made once. Set the first eight,
    the drivers' modules and `printer`; clear the rest. */
 typedef struct loop {
   const opc_host *host;
   const eda_gates *gates;
   const opc_module *extractor, *regulator;
   int64_t max_iterations;
+  int prepared; /* the extractor is */
+  int traced;   /* each print into `trace` */
+  int hold;     /* the guard takes back what is worse than drawn */
+  double limit; /* %: |Ion deviation| that is good, for the guard */
   driver drivers[DRIVERS];
   eda_printer printer;
   uint8_t *driver_of;   /* MAIN or EDGES */
@@ -50,12 +48,22 @@ typedef struct loop {
   eda_performance design, before;
   summary summary; /* of what was measured */
   history history;
+  guard guard;
+  trace trace;
   uint32_t *vetoes;
   uint32_t iterations;
 } loop;
 
 int loop_run(loop *loop, opc_error *error);
-eda_printed loop_printed(const loop *loop);
+
+/* Print and measure the mask of `next`, which becomes `now`; only layers that
+   changed, if not all. */
+int loop_print(loop *loop, int all, opc_error *error);
+
+/* All rules of the regulator that the last print does not keep; freed with
+   free(). */
+int loop_violations(loop *loop, eda_violation **violations, size_t *count,
+                    opc_error *error);
 void loop_clear(loop *loop);
 
 #endif

@@ -2,127 +2,7 @@
 /* The loop with models and plugins of a few lines: a synthesizer that cuts a
    layer itself, patches, and what there is no transistor for. Edge placement
    errors against contours that are known in closed form. */
-#include "loop.h"
-
-#include <eda/memory.h>
-#include <glib.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-/* ---- a host ---- */
-
-static GString *told; /* metrics, tables and their columns */
-
-static void hear_nothing(const opc_host *h, int level, const char *format,
-                         ...) {
-  (void)h, (void)level, (void)format;
-}
-
-static void see_nothing(const opc_host *h, const opc_progress *progress) {
-  (void)h;
-  g_assert_true(isfinite(progress->worst));
-}
-
-static int keep_metric(const opc_host *h, const char *name, double value,
-                       opc_error *error) {
-  (void)h, (void)error;
-  g_assert_true(isfinite(value));
-  g_string_append_printf(told, "%s ", name);
-  return OPC_OK;
-}
-
-static int keep_table(const opc_host *h, const char *name, uint32_t flags,
-                      size_t rows, const opc_column *columns, size_t n,
-                      opc_error *error) {
-  (void)h, (void)flags, (void)error;
-  g_string_append_printf(told, "%s[%zu]", name, rows);
-  if (!strcmp(name, "history"))
-    for (size_t i = 0; i < n; i++)
-      g_string_append_printf(told, ",%s", columns[i].name);
-  g_string_append_c(told, ' ');
-  return OPC_OK;
-}
-
-static const opc_host host = {.log = hear_nothing,
-                              .progress = see_nothing,
-                              .table = keep_table,
-                              .metric = keep_metric};
-
-/* ---- models ---- */
-
-/* One coherent system without edges. */
-static const double cut_off = 60, limit = 4 / 60.0;
-
-static int nothing(void *self, opc_error *error) {
-  (void)self, (void)error;
-  return OPC_OK;
-}
-
-static double band(const void *self) {
-  (void)self;
-  return limit;
-}
-
-static void transfer(const void *self, size_t s, const double *fx, double fy,
-                     size_t n, float *out) {
-  (void)self, (void)s;
-  for (size_t i = 0; i < n; i++) {
-    double r = (fx[i] * fx[i] + fy * fy) * cut_off * cut_off;
-    out[2 * i] = (float)exp(-r);
-    out[2 * i + 1] = 0;
-  }
-}
-
-static int image(const void *self, int layer, const eda_spectrum *mask,
-                 eda_field *out, opc_error *error) {
-  static const double one = 1;
-  (void)self, (void)layer;
-  const eda_systems systems = {.count = 1,
-                               .weight = &one,
-                               .band = limit,
-                               .intensity_band = 2 * limit,
-                               .transfer = transfer,
-                               .scale = {1, 0}};
-  return eda_coherent_sum(NULL, mask, &systems, 0, out, error);
-}
-
-static int calibrate(void *self, const opc_module *litho, opc_error *error) {
-  (void)self, (void)litho, (void)error;
-  return OPC_OK;
-}
-
-static int print(const void *self, int layer, eda_field *f, opc_error *error) {
-  (void)self, (void)layer, (void)error;
-  for (int i = 0; i < f->nx * f->ny; i++)
-    f->coefficients[i] = 0.6F - f->coefficients[i];
-  return OPC_OK;
-}
-
-static size_t slicing(const void *self, const double **p, const double **s) {
-  static const double middle = 0.5, all = 1;
-  (void)self;
-  *p = &middle;
-  *s = &all;
-  return 1;
-}
-
-static int extract(const void *self, const eda_slices *in, eda_performance *out,
-                   opc_error *error) {
-  (void)self, (void)error;
-  for (size_t i = 0; i < in->count; i++)
-    out->ion[i] = out->ioff[i] = out->leq_ion[i] = out->leq_ioff[i] =
-        out->weq[i] = out->area[i] = 1;
-  return OPC_OK;
-}
-
-static const eda_litho litho = {
-    .prepare = nothing, .band = band, .image = image};
-static const eda_resist resist = {.prepare = calibrate, .print = print};
-static const eda_extractor extractor = {
-    .prepare = nothing, .slicing = slicing, .extract = extract};
-#define MODULE(functions_, self_) \
-  (&(const opc_module){(functions_), (self_), "test.module"})
+#include "models_test.h"
 
 /* ---- a layout without transistors: an L and a bar, grid 2 nm ---- */
 
@@ -270,7 +150,15 @@ static int rule(void *self, const eda_printed *p, eda_ruling *r,
   return OPC_OK;
 }
 
-static const eda_regulator regulator = {.rule = rule};
+static int none_broken(void *self, const eda_printed *p, eda_violation *v,
+                       size_t most, size_t *count, opc_error *error) {
+  (void)self, (void)p, (void)v, (void)most, (void)error;
+  *count = 0;
+  return OPC_OK;
+}
+
+static const eda_regulator regulator = {.rule = rule,
+                                        .violations = none_broken};
 
 /* ---- the loop ---- */
 
@@ -600,7 +488,8 @@ static int rule_metal(void *self, const eda_printed *p, eda_ruling *r,
   return OPC_OK;
 }
 
-static const eda_regulator metal_regulator = {.rule = rule_metal};
+static const eda_regulator metal_regulator = {.rule = rule_metal,
+                                              .violations = none_broken};
 
 static void test_edges_ruled(void) {
   loop l;

@@ -26,12 +26,15 @@ static void count(statistics *s, double x) {
   s->max = fmax(s->max, fabs(x));
 }
 
+/* Of nothing there is no figure. */
 static double mean_of(const statistics *s) {
-  return s->n ? s->absolute / s->n : 0;
+  return s->n ? s->absolute / s->n : NAN;
 }
 
+static double max_of(const statistics *s) { return s->n ? s->max : NAN; }
+
 static double stdv(const statistics *s) {
-  if (!s->n) return 0;
+  if (!s->n) return NAN;
   double mean = s->sum / s->n;
   return sqrt(fmax(0, s->square / s->n - mean * mean));
 }
@@ -41,10 +44,16 @@ typedef struct groups {
   statistics ion[3], area[3], ioff[3];
 } groups;
 
+/* What does not print as a transistor has no figures. */
+static int failed(const uint32_t *flags, size_t i) {
+  return flags && (flags[i] & ~(uint32_t)EDA_PRINT_NOTES) != 0;
+}
+
 static groups gather(const eda_gates *g, const eda_performance *design,
-                     const eda_performance *printed) {
+                     const eda_performance *printed, const uint32_t *flags) {
   groups out = {0};
   for (size_t i = 0; i < g->count; i++) {
+    if (failed(flags, i)) continue;
     double ion = eda_deviation(printed->ion[i], design->ion[i]);
     double area = eda_deviation(printed->area[i], design->area[i]);
     double ioff = eda_deviation(printed->ioff[i], design->ioff[i]);
@@ -61,17 +70,19 @@ static groups gather(const eda_gates *g, const eda_performance *design,
 summary summarize(const eda_gates *gates, const eda_performance *design,
                   const eda_performance *printed, const uint32_t *flags,
                   const sites *places) {
-  groups g = gather(gates, design, printed);
+  groups g = gather(gates, design, printed, flags);
   statistics epe = {0};
   summary out = {.ion_mean = mean_of(&g.ion[2]),
-                 .ion_max = g.ion[2].max,
+                 .ion_max = max_of(&g.ion[2]),
                  .ion_stdv = stdv(&g.ion[2]),
                  .area_mean = mean_of(&g.area[2]),
-                 .area_max = g.area[2].max,
+                 .area_max = max_of(&g.area[2]),
                  .ioff_mean = mean_of(&g.ioff[2]),
                  .gates = gates->count};
-  for (size_t i = 0; i < gates->count; i++)
-    out.failed += (flags[i] & ~(uint32_t)EDA_PRINT_NOTES) != 0;
+  for (size_t i = 0; i < gates->count; i++) {
+    out.failed += (size_t)failed(flags, i);
+    out.outside += (flags[i] & EDA_PRINT_OUTSIDE) != 0;
+  }
   for (size_t k = 0; places && k < gates->layers; k++) {
     out.sites += places[k].count;
     for (size_t i = 0; i < places[k].count; i++)
@@ -81,7 +92,7 @@ summary summarize(const eda_gates *gates, const eda_performance *design,
         count(&epe, places[k].epe[i]);
   }
   out.epe_mean = mean_of(&epe);
-  out.epe_max = epe.max;
+  out.epe_max = max_of(&epe);
   return out;
 }
 
@@ -130,10 +141,11 @@ static const struct {
                 {EDA_PRINT_SHORT, "short line end"},
                 {EDA_PRINT_NECK, "neck"},
                 {EDA_PRINT_WIDE, "wide"},
-                {EDA_PRINT_BITE, "bite"}};
+                {EDA_PRINT_BITE, "bite"},
+                {EDA_PRINT_OUTSIDE, "outside the table"}};
 
 /* The first of the findings. */
-static const char *trouble(uint32_t flags) {
+const char *report_trouble(uint32_t flags) {
   for (size_t k = 0; k < G_N_ELEMENTS(findings); k++)
     if (flags & findings[k].flag) return findings[k].name;
   return "";
@@ -161,8 +173,7 @@ static int finding_table(const opc_host *host, const eda_mask *m,
               : OPC_OK;
 }
 
-/* "XU1:3", or "NAND2:3" at the top. */
-static char *gate_name(const eda_gates *g, size_t i) {
+char *report_gate_name(const eda_gates *g, size_t i) {
   const char *where = *g->instance[i] ? g->instance[i] : g->cell[i];
   return g_strdup_printf("%s:%u", where, g->number[i]);
 }
@@ -179,39 +190,50 @@ typedef struct gate_row {
 /* How far the deviation of a gate's Ion is from that in the loop. */
 static double change(const report *r, size_t i) {
   const eda_mask *m = r->mask, *c = r->corrected;
+  if (failed(m->flags, i) || failed(c->flags, i)) return NAN;
   return eda_deviation(m->after.ion[i], m->design.ion[i]) -
          eda_deviation(c->after.ion[i], c->design.ion[i]);
 }
 
-static const char *verdict_of(const opc_context *context,
-                              const opc_module *synthesizer, size_t gate) {
-  const eda_synthesizer *s = synthesizer->functions;
-  const char *before = opc_enter(context, synthesizer->id);
-  const char *why = s->verdict ? s->verdict(synthesizer->self, gate) : NULL;
-  opc_leave(context, before);
-  return why ? why : "";
+/* What the figures are worth comes before what the synthesizer says of them. */
+static int verdict_of(const opc_context *context, const report *r, size_t gate,
+                      const char **verdict, opc_error *error) {
+  *verdict = failed(r->mask->flags, gate)               ? "does not print"
+             : r->held[gate]                            ? r->held[gate]
+             : r->mask->flags[gate] & EDA_PRINT_OUTSIDE ? "outside the table"
+                                                        : NULL;
+  if (*verdict) return OPC_OK;
+  int code = eda_call_verdict(context, r->synthesizer, gate, verdict, error);
+  return eda_blame(error, code, "synthesizer");
 }
 
-static gate_row row_of(const opc_context *context, const report *r, size_t i) {
+/* How far a figure of a gate is off; NAN where there is none. */
+static double deviation(const uint32_t *flags, size_t i, const double *printed,
+                        const double *design) {
+  return failed(flags, i) ? NAN : eda_deviation(printed[i], design[i]);
+}
+
+static gate_row row_of(const report *r, size_t i) {
   const eda_mask *m = r->mask;
   const eda_gates *g = m->gates;
   const biases *b = r->biases;
+  const eda_performance *now = &m->after, *drawn = &m->design;
+  int none = failed(m->flags, i);
   gate_row row = {
-      .name = gate_name(g, i),
+      .name = report_gate_name(g, i),
       .cell = g->cell[i],
       .type = g->type[i] == EDA_PMOS ? "p" : "n",
-      .print = trouble(m->flags[i]),
+      .print = report_trouble(m->flags[i]),
       .l = g->length[i],
       .w = g->width[i],
       .x = ((double)g->box[i].x0 + g->box[i].x1) / 2 * g->grid,
       .y = ((double)g->box[i].y0 + g->box[i].y1) / 2 * g->grid,
-      .ion_before = eda_deviation(m->before.ion[i], m->design.ion[i]),
-      .ion = eda_deviation(m->after.ion[i], m->design.ion[i]),
-      .ioff = eda_deviation(m->after.ioff[i], m->design.ioff[i]),
-      .area = eda_deviation(m->after.area[i], m->design.area[i]),
-      .leq = m->after.leq_ion[i],
-      .weq = m->after.weq[i]};
-  if (r->synthesizer) row.verdict = verdict_of(context, r->synthesizer, i);
+      .ion_before = deviation(r->flags_before, i, m->before.ion, drawn->ion),
+      .ion = deviation(m->flags, i, now->ion, drawn->ion),
+      .ioff = deviation(m->flags, i, now->ioff, drawn->ioff),
+      .area = deviation(m->flags, i, now->area, drawn->area),
+      .leq = none ? NAN : now->leq_ion[i],
+      .weq = none ? NAN : now->weq[i]};
   if (r->corrected) row.change = change(r, i);
   if (b) {
     row.mask_l = b->l[i] * g->grid;
@@ -274,8 +296,11 @@ static int put_gates(const opc_host *host, const report *r, const gate_row *row,
 static int gate_table(const opc_host *host, const report *r, opc_error *error) {
   size_t n = r->mask->gates->count;
   gate_row *row = eda_alloc(n, sizeof *row);
-  for (size_t i = 0; i < n; i++) row[i] = row_of(host->context, r, i);
-  int code = put_gates(host, r, row, error);
+  int code = OPC_OK;
+  for (size_t i = 0; i < n; i++) row[i] = row_of(r, i);
+  for (size_t i = 0; i < n && !code && r->synthesizer; i++)
+    code = verdict_of(host->context, r, i, &row[i].verdict, error);
+  if (!code) code = put_gates(host, r, row, error);
   for (size_t i = 0; i < n; i++) g_free(row[i].name);
   free(row);
   return code;
@@ -291,15 +316,16 @@ static int summary_table(const opc_host *host, const report *r,
     double ion_mean, ion_max, ion_stdv, area_mean, area_max;
   } row[3];
   const eda_mask *m = r->mask;
-  const groups before = gather(m->gates, &m->design, &m->before);
-  const groups after = gather(m->gates, &m->design, &m->after);
+  const groups before =
+      gather(m->gates, &m->design, &m->before, r->flags_before);
+  const groups after = gather(m->gates, &m->design, &m->after, m->flags);
   size_t rows = 0;
   for (int t = 0; t < 3; t++) {
     if (!after.ion[t].n) continue;
     row[rows].name = names[t];
     row[rows].count = (int64_t)after.ion[t].n;
     row[rows].ion_mean_before = mean_of(&before.ion[t]);
-    row[rows].ion_max_before = before.ion[t].max;
+    row[rows].ion_max_before = max_of(&before.ion[t]);
     row[rows].area_mean_before = mean_of(&before.area[t]);
     row[rows].ion_mean = mean_of(&after.ion[t]);
     row[rows].ion_max = after.ion[t].max;
@@ -349,31 +375,33 @@ static int effort_table(const opc_host *host, const eda_mask *mask,
 static int metrics(const opc_host *host, const report *r, const summary *s,
                    opc_error *error) {
   const eda_mask *m = r->mask;
-  const summary drawn =
-      summarize(m->gates, &m->design, &m->before, m->flags, NULL);
+  const groups before =
+      gather(m->gates, &m->design, &m->before, r->flags_before);
+  const statistics *drawn = &before.ion[2];
   statistics changes = {0};
   for (size_t i = 0; r->corrected && i < m->gates->count; i++)
-    count(&changes, change(r, i));
-  const int gates = m->gates->count > 0, corrects = !r->corrected;
+    if (!isnan(change(r, i))) count(&changes, change(r, i));
+  const int gates = m->gates->count > s->failed, corrects = !r->corrected;
   const int edges = s->sites > s->lost;
   const opc_metric_value values[] = {
       {corrects ? "transistors" : NULL, (double)m->gates->count},
       {gates ? "ion_mean" : NULL, s->ion_mean},
       {gates ? "ion_max" : NULL, s->ion_max},
       {gates ? "ion_stdv" : NULL, s->ion_stdv},
-      {gates && corrects ? "ion_mean_drawn" : NULL, drawn.ion_mean},
-      {gates && corrects ? "ion_max_drawn" : NULL, drawn.ion_max},
+      {drawn->n && corrects ? "ion_mean_drawn" : NULL, mean_of(drawn)},
+      {drawn->n && corrects ? "ion_max_drawn" : NULL, drawn->max},
       {gates ? "area_mean" : NULL, s->area_mean},
       {gates ? "area_max" : NULL, s->area_max},
       {gates ? "ioff_mean" : NULL, s->ioff_mean},
-      {gates && !corrects ? "ion_change_mean" : NULL, mean_of(&changes)},
-      {gates && !corrects ? "ion_change_max" : NULL, changes.max},
+      {changes.n ? "ion_change_mean" : NULL, mean_of(&changes)},
+      {changes.n ? "ion_change_max" : NULL, changes.max},
       {edges ? "epe_mean" : NULL, s->epe_mean},
       {edges ? "epe_max" : NULL, s->epe_max},
       {s->sites ? "epe_lost" : NULL, (double)s->lost},
       {corrects ? "iterations" : NULL, m->iterations},
       {corrects ? "simulations" : NULL, m->simulations},
       {"failed", (double)s->failed},
+      {m->gates->count ? "outside" : NULL, (double)s->outside},
   };
   return opc_put_metrics(host, OPC_ARRAY(values), error);
 }
@@ -393,20 +421,19 @@ int report_mask(const opc_host *host, const report *r, opc_error *error) {
 }
 
 int report_violations(const opc_host *host, const eda_gates *gates,
-                      const eda_violation *v, size_t n, size_t total,
-                      opc_error *error) {
-  int code = host->metric(host, "violations", (double)total, error);
+                      const eda_violation *v, size_t n, opc_error *error) {
+  int code = host->metric(host, "violations", (double)n, error);
   if (code || !n) return code;
-  host->log(host, OPC_LOG_WARNING, "%zu rule%s not kept: see violations.csv",
-            total, total == 1 ? " is" : "s are");
+  host->log(host, OPC_LOG_WARNING, "%zu rule%s not kept: see violations.csv", n,
+            n == 1 ? " is" : "s are");
   struct {
     char *gate;
     eda_violation v;
   } *row = eda_alloc(n, sizeof *row);
   for (size_t i = 0; i < n; i++) {
     row[i].v = v[i];
-    row[i].gate =
-        v[i].gate >= 0 ? gate_name(gates, (size_t)v[i].gate) : g_strdup("");
+    row[i].gate = v[i].gate >= 0 ? report_gate_name(gates, (size_t)v[i].gate)
+                                 : g_strdup("");
   }
   const opc_column columns[] = {
       {"rule", NULL, OPC_TEXT, 0, &row->v.rule},

@@ -13,15 +13,20 @@
 typedef struct summary {
   double ion_mean, ion_max, ion_stdv; /* of |deviation|, %; eq. 3.3 to 3.5 */
   double area_mean, area_max, ioff_mean;
-  size_t gates, failed;
-  double epe_mean, epe_max; /* of |edge placement error|, nm */
-  size_t sites, lost;       /* lost: those without an edge near */
+  size_t gates, failed, outside; /* figures are of those that did not fail */
+  double epe_mean, epe_max;      /* of |edge placement error|, nm */
+  size_t sites, lost;            /* lost: those without an edge near */
 } summary;
 
 /* `sites`, [gates->layers], may be NULL. */
 summary summarize(const eda_gates *gates, const eda_performance *design,
                   const eda_performance *printed, const uint32_t *flags,
                   const sites *sites);
+
+/* "XU1:3", or "NAND2:3" at the top; freed with g_free. The gravest that was
+   found of a print, "" for nothing. */
+char *report_gate_name(const eda_gates *gates, size_t gate);
+const char *report_trouble(uint32_t flags);
 
 /* One line for each print of a loop. */
 typedef struct history_line {
@@ -48,13 +53,15 @@ typedef struct report {
   const sites *sites; /* [gates->layers] */
   const biases *biases;
   const opc_module *synthesizer;
-  const eda_mask *corrected; /* the same one as its loop printed it */
+  char *const *held;            /* what the guard did to each; NULL: nothing */
+  const uint32_t *flags_before; /* EDA_PRINT_* of the mask as drawn */
+  const eda_mask *corrected;    /* the same one as its loop printed it */
 } report;
 
 /* Its tables and metrics. */
 int report_mask(const opc_host *host, const report *report, opc_error *error);
 int report_violations(const opc_host *host, const eda_gates *gates,
-                      const eda_violation *violations, size_t n, size_t total,
+                      const eda_violation *violations, size_t n,
                       opc_error *error);
 
 #endif

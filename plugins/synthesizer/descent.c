@@ -5,6 +5,10 @@
 #include <eda/memory.h>
 #include <stdlib.h>
 
+/* %, of a line that does not print all across, which has no current to compare:
+   it is too thin, so it counts as far too strong until it does. */
+static const double open = 100;
+
 void descent_clear(descent *d) {
   free(d->state);
   free(d->moved);
@@ -19,7 +23,8 @@ void descent_reset(descent *d, size_t count) {
 }
 
 static control_input input(const descent *d, const eda_feedback *f, size_t i) {
-  return (control_input){.error = d->error(d->self, f, i),
+  int prints = !(f->flags[i] & EDA_PRINT_OPEN);
+  return (control_input){.error = prints ? d->error(d->self, f, i) : open,
                          .width = f->gates->width[i] / f->gates->grid,
                          .veto = f->vetoes[i]};
 }

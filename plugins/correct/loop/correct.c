@@ -2,12 +2,17 @@
 /* The step `correct`: the correction loop (../loop.c), its result and its
    report. */
 #include <eda/memory.h>
+#include <glib.h>
+#include <inttypes.h>
 #include <opcflow/step.h>
+#include <opcflow/table.h>
 #include <stdlib.h>
 
+#include "../findings.h"
+#include "../forecast.h"
 #include "../loop.h"
 
-enum { ROOM_FOR_VIOLATIONS = 10000 };
+enum { ON, OFF }; /* `guard` */
 
 /* ---- state ---- */
 
@@ -18,6 +23,9 @@ typedef struct correct {
       *regulator;
   int64_t max_iterations;
   double margin; /* nm */
+  double limit;  /* % */
+  int guard, trace;
+  int prepared; /* the extractor is */
 } correct;
 
 /* ---- work ---- */
@@ -53,21 +61,45 @@ static eda_mask *hand_over(loop *l) {
   return out;
 }
 
-static int tell_of_violations(const loop *l, opc_error *error) {
+static int tell_of_violations(loop *l, opc_error *error) {
   if (!l->regulator) return OPC_OK;
-  const eda_regulator *r = l->regulator->functions;
-  eda_violation *v = eda_alloc(ROOM_FOR_VIOLATIONS, sizeof *v);
-  eda_printed p = loop_printed(l);
-  size_t total = 0;
-  const char *before = eda_enter(l->host->context, l->regulator, error);
-  int code = r->violations(l->regulator->self, &p, v, ROOM_FOR_VIOLATIONS,
-                           &total, error);
-  opc_leave(l->host->context, before);
-  size_t n = total < ROOM_FOR_VIOLATIONS ? total : ROOM_FOR_VIOLATIONS;
-  if (!code) code = eda_check_violations(v, n, l->gates->count, error);
-  code = eda_blame(error, code, "regulator");
-  if (!code) code = report_violations(l->host, l->gates, v, n, total, error);
+  eda_violation *v = NULL;
+  size_t n = 0;
+  int code = loop_violations(l, &v, &n, error);
+  if (!code) code = report_violations(l->host, l->gates, v, n, error);
   free(v);
+  return code;
+}
+
+static int tell_of_guard(const loop *l, opc_error *error) {
+  const guard *g = &l->guard;
+  if (!l->gates->count) return OPC_OK;
+  findings_of_print(l->host, l->gates, l->measured.flags, g->flags);
+  findings_of_guard(l->host, g, l->hold);
+  const opc_metric_value values[] = {{"went_back", (double)g->back},
+                                     {"worse", (double)g->worse},
+                                     {"lost", (double)g->lost}};
+  return opc_put_metrics(l->host, OPC_ARRAY(values), error);
+}
+
+/* All tables, metrics and findings. What the loop measured has become the
+   mask's, but for what is of no transistor. */
+static int tell(const correct *c, loop *l, eda_mask *mask, opc_error *error) {
+  size_t n = c->gates->count;
+  char **held = eda_alloc(n, sizeof *held);
+  for (size_t i = 0; i < n; i++) held[i] = guard_verdict(&l->guard, i);
+  const report told = {.mask = mask,
+                       .extension = l->measured.extension,
+                       .sites = l->sites,
+                       .biases = &l->now.biases,
+                       .synthesizer = l->drivers[MAIN].module,
+                       .held = held,
+                       .flags_before = l->guard.flags};
+  int code = report_mask(c->host, &told, error);
+  for (size_t i = 0; i < n; i++) g_free(held[i]);
+  free(held);
+  if (!code) code = history_report(&l->history, c->host, error);
+  if (!code && l->traced) code = trace_report(&l->trace, l, error);
   return code;
 }
 
@@ -79,6 +111,10 @@ static int run(void *self, void **outputs, opc_error *error) {
       .extractor = c->extractor,
       .regulator = c->regulator,
       .max_iterations = c->max_iterations,
+      .prepared = c->prepared,
+      .traced = c->trace,
+      .hold = c->guard == ON,
+      .limit = c->limit,
       .drivers = {[MAIN].module = c->synthesizer, [EDGES].module = c->edges}};
   eda_printer_init(&l.printer, c->host->context, c->gates, c->litho, c->resist,
                    c->margin);
@@ -87,19 +123,28 @@ static int run(void *self, void **outputs, opc_error *error) {
     tell_of_overlaps(&l);
     code = tell_of_violations(&l, error);
   }
+  if (!code) code = tell_of_guard(&l, error);
   if (!code) {
     eda_mask *mask = hand_over(&l);
     outputs[0] = mask; /* released by the host if the report fails */
-    const report told = {.mask = mask,
-                         .extension = l.measured.extension,
-                         .sites = l.sites,
-                         .biases = &l.now.biases,
-                         .synthesizer = l.drivers[MAIN].module};
-    code = report_mask(c->host, &told, error);
-    if (!code) code = history_report(&l.history, c->host, error);
+    code = tell(c, &l, mask, error);
   }
   loop_clear(&l);
   return code;
+}
+
+static int forecast(void *self, opc_forecast *out, opc_error *error) {
+  correct *c = self;
+  char prints[40];
+  (void)snprintf(prints, sizeof prints, "at most %" PRId64 " prints",
+                 c->max_iterations + 1);
+  forecast_prints(c->host->context, c->gates, c->litho, c->resist, c->margin,
+                  prints, out);
+  int code = eda_extractor_prepare(c->host->context, c->extractor, error);
+  if (code) return code;
+  c->prepared = 1;
+  findings_of_drawing(c->host, c->gates, c->extractor);
+  return OPC_OK;
 }
 
 /* ---- parameters ---- */
@@ -130,6 +175,16 @@ static const opc_parameter parameters[] = {
         correct, margin, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "nm",
         .preset = "1000 nm", .min = 0,
         .summary = "clear field around the layout, which repeats beyond"),
+    OPC_PARAMETER(correct, guard, .type = OPC_CHOICE, .preset = "on",
+                  .choices = "on|off",
+                  .summary = "take back what ends worse than the drawn mask; "
+                             "off: the synthesizer's result as it is"),
+    OPC_PARAMETER(correct, limit, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+                  .unit = "%", .preset = "0.5 %",
+                  .summary = "|Ion deviation| that the guard takes for good, "
+                             "whatever the drawn mask's is"),
+    OPC_PARAMETER(correct, trace, .type = OPC_BOOL, .preset = "false",
+                  .summary = "write trace.csv: each transistor at each print"),
 };
 
 static const opc_metric metrics[] = {
@@ -164,6 +219,14 @@ static const opc_metric metrics[] = {
     {"simulations", NULL, OPC_LOWER, 0, "litho simulations, of one layer each"},
     {"failed", NULL, OPC_LOWER, 0,
      "transistors that do not print as one of their own"},
+    {"outside", NULL, OPC_LOWER, 0,
+     "transistors with figures from beyond the device table"},
+    {"went_back", NULL, OPC_LOWER, 0,
+     "transistors that the guard has taken back towards the drawn mask"},
+    {"worse", NULL, OPC_LOWER, 0,
+     "transistors whose Ion is further off than drawn and than the limit"},
+    {"lost", NULL, OPC_LOWER, 0,
+     "transistors that printed as drawn and do so no more"},
     {"violations", NULL, OPC_LOWER, 0,
      "rules of the regulator that the print does not keep"},
 };
@@ -171,7 +234,8 @@ static const opc_metric metrics[] = {
 /* ---- entry ---- */
 
 static const opc_port outputs[] = {EDA_PORT_MASK("mask")};
-static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run};
+static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
+                                   .forecast = forecast};
 
 OPC_PLUGIN(
     correct, .id = "correct", .kind = "step", .version = OPC_VERSION,

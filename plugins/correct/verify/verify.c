@@ -5,6 +5,8 @@
 #include <opcflow/step.h>
 #include <stdlib.h>
 
+#include "../findings.h"
+#include "../forecast.h"
 #include "../report.h"
 
 /* ---- state ---- */
@@ -63,10 +65,19 @@ static int run(void *self, void **outputs, opc_error *error) {
   out->simulations = printer.simulations;
   const report told = {
       .mask = out, .extension = measured.extension, .corrected = v->mask};
+  if (!code) findings_of_print(v->host, gates, out->flags, NULL);
   if (!code) code = report_mask(v->host, &told, error);
   eda_printer_clear(&printer);
   free(measured.extension);
   return code;
+}
+
+static int forecast(void *self, opc_forecast *out, opc_error *error) {
+  const verify *v = self;
+  (void)error;
+  forecast_prints(v->host->context, v->mask->gates, v->litho, v->resist,
+                  v->margin, "one print", out);
+  return OPC_OK;
 }
 
 /* ---- parameters ---- */
@@ -101,12 +112,15 @@ static const opc_metric metrics[] = {
      "largest |difference| of the Ion deviation to that in the loop"},
     {"failed", NULL, OPC_LOWER, 0,
      "transistors that do not print as one of their own"},
+    {"outside", NULL, OPC_LOWER, 0,
+     "transistors with figures from beyond the device table"},
 };
 
 /* ---- entry ---- */
 
 static const opc_port outputs[] = {EDA_PORT_MASK("mask")};
-static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run};
+static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
+                                   .forecast = forecast};
 
 OPC_PLUGIN(verify, .id = "verify", .kind = "step", .version = OPC_VERSION,
            .licence = "BSD-3-Clause",

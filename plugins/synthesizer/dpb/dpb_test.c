@@ -16,6 +16,7 @@ typedef struct model {
   double offset[MOST], by_l[MOST], by_w[MOST];
   uint32_t veto[MOST]; /* EDA_VETO_LONGER from this l on */
   int32_t veto_from[MOST];
+  int32_t prints_from[MOST]; /* l, if not 0: thinner lines are open */
   int32_t l[MOST], w[MOST];
   GString *trace; /* of the first: "l,w " after each update */
   int updates;
@@ -45,7 +46,9 @@ static void run(opc_module *m, model *t) {
   while (!done && t->updates < 200) {
     for (size_t i = 0; i < t->n; i++) {
       double pde = t->offset[i] + t->by_l[i] * t->l[i] + t->by_w[i] * t->w[i];
-      ion[i] = design[i] * (1 + pde / 100);
+      int is_open = t->prints_from[i] && t->l[i] < t->prints_from[i];
+      flags[i] = is_open ? EDA_PRINT_OPEN : 0;
+      ion[i] = is_open ? 0 : design[i] * (1 + pde / 100);
       vetoes[i] = t->veto[i] && t->l[i] >= t->veto_from[i] ? t->veto[i] : 0;
     }
     g_assert_cmpint(s->update(m->self, &f, &moves, &done, &error), ==, OPC_OK);
@@ -219,6 +222,17 @@ static void test_bias_limit(void) {
 }
 
 /* Each transistor goes its own way, and the loop ends when the last does. */
+/* An open line has no current; it gets thicker until it has. */
+static void test_open(void) {
+  g_autoptr(opc_module) m = make("{}");
+  model t = {
+      .n = 1, .offset = {12}, .by_l = {-3}, .by_w = {1}, .prints_from = {3}};
+  run(m, &t);
+  g_assert_true(g_str_has_prefix(t.trace->str, "1,0 2,0 3,0 4,0 4,0 "));
+  g_assert_cmpstr(verdict(m, 0), ==, "within limit");
+  g_string_free(t.trace, TRUE);
+}
+
 static void test_independent(void) {
   g_autoptr(opc_module) m = make("{ max_pde: 0.5 % }");
   model t = {.n = 3,
@@ -310,5 +324,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/dpb/veto", test_veto);
   g_test_add_func("/dpb/bias-limit", test_bias_limit);
   g_test_add_func("/dpb/independent", test_independent);
+  g_test_add_func("/dpb/open", test_open);
   return g_test_run();
 }

@@ -87,6 +87,7 @@ static measured measure(const ic *c, const eda_feedback *f, size_t i) {
                 .most = (int32_t)(c->max_bias / g->grid),
                 .veto = f->vetoes[i]};
   m.eff = c->alpha_i * fabs(m.di) + c->alpha_a * fabs(m.da);
+  if (f->flags[i] & EDA_PRINT_OPEN) m.eff = INFINITY; /* has no figures */
   m.most_w = (int32_t)fmin(m.most, m.width / 2);
   return m;
 }
@@ -207,7 +208,9 @@ static int update(void *self, const eda_feedback *f, eda_moves *moves,
     measured m = measure(c, f, i);
     int32_t l = moves->l[i], w = moves->w[i];
     if (t->eff != m.eff && isfinite(t->eff)) *done = 0;
-    if (!t->ended)
+    if (!t->ended && isinf(m.eff) && isinf(t->eff))
+      make(t, &m, LONGER, &moves->l[i], &moves->w[i]); /* it is too thin */
+    else if (!t->ended)
       (c->stall == FREEZE ? step_or_freeze : step_or_retry)(
           c, t, &m, &moves->l[i], &moves->w[i]);
     if (l != moves->l[i] || w != moves->w[i]) *done = 0;

@@ -16,6 +16,7 @@ typedef struct model {
   double bend;
   uint32_t veto; /* from l = veto_from on */
   int32_t veto_from;
+  int32_t prints_from; /* l, if not 0: thinner lines are open */
   int32_t l, w;
   GString *trace; /* "l,w " after each update */
   int updates;
@@ -46,8 +47,10 @@ static void run(opc_module *m, model *t) {
   g_assert_cmpint(s->begin(m->self, &f, &error), ==, OPC_OK);
   f.printed = &printed;
   for (int done = 0; !done && t->updates < 100; t->updates++) {
-    ion = 1 + di(t) / 100;
-    area = 1 + da(t) / 100;
+    int is_open = t->prints_from && t->l < t->prints_from;
+    flags = is_open ? EDA_PRINT_OPEN : 0;
+    ion = is_open ? 0 : 1 + di(t) / 100;
+    area = is_open ? 0 : 1 + da(t) / 100;
     veto = t->veto && t->l >= t->veto_from ? t->veto : 0;
     g_assert_cmpint(s->update(m->self, &f, &moves, &done, &error), ==, OPC_OK);
     f.iteration++;
@@ -206,6 +209,13 @@ static void test_bias_limit(void) {
   follow("{ max_bias: 2 nm }", t, "1,0 2,0 2,0 2,0 ", "bias limit");
 }
 
+/* An open line has no figures; it gets thicker until it has, by either rule. */
+static void test_open(void) {
+  model t = {.i = 12, .i_by_l = -3, .a = -12, .a_by_l = 3, .prints_from = 3};
+  follow("{ stall: freeze }", t, "1,0 2,0 3,0 4,0 4,0 4,0 ", "within limit");
+  follow("{ stall: continue }", t, "1,0 2,0 3,0 4,0 4,0 4,0 ", "within limit");
+}
+
 static void test_refused(void) {
   opc_error error = {0};
   g_assert_null(
@@ -224,6 +234,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/ic/weights", test_weights);
   g_test_add_func("/ic/veto", test_veto);
   g_test_add_func("/ic/bias-limit", test_bias_limit);
+  g_test_add_func("/ic/open", test_open);
   g_test_add_func("/ic/refused", test_refused);
   return g_test_run();
 }

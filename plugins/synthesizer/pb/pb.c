@@ -82,6 +82,12 @@ static const char *verdict(const void *self, size_t gate) {
   return descent_verdict(&((const pb *)self)->descent, gate);
 }
 
+/* Whoever asks for Ioff has given Ion up. */
+static double target(const void *self, size_t gate) {
+  (void)gate;
+  return ((const pb *)self)->mode == MODE_IOFF ? NAN : 1;
+}
+
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
@@ -105,7 +111,7 @@ static void clear(void *self) { descent_clear(&((pb *)self)->descent); }
 /* ---- entry ---- */
 
 static const eda_synthesizer functions = {
-    .begin = begin, .update = update, .verdict = verdict};
+    .begin = begin, .update = update, .verdict = verdict, .target = target};
 
 OPC_PLUGIN(pb, .id = "synthesizer.pb", .kind = "synthesizer",
            .version = "0.2.0", .licence = "BSD-3-Clause",

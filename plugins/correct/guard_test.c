@@ -1,0 +1,261 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The guard, with synthesizers that follow a script of bad moves, on two
+   transistors of one poly line. A line of 60 nm prints 80 nm wide here, so that
+   a bias of -14 corrects its Ion, and one of -60 and less opens it. */
+#include "models_test.h"
+
+enum { GATES = 2, MOVES = 2 };
+
+/* ---- a synthesizer with a script ---- */
+
+typedef struct script {
+  int32_t l[MOVES][GATES];
+  int moves;
+  double target[GATES];
+} script;
+
+static int begin(void *self, const eda_feedback *f, opc_error *error) {
+  (void)self, (void)error;
+  g_assert_cmpuint(f->gates->count, ==, GATES);
+  return OPC_OK;
+}
+
+static int update(void *self, const eda_feedback *f, eda_moves *m, int *done,
+                  opc_error *error) {
+  const script *s = self;
+  (void)error;
+  for (int i = 0; i < GATES && (int)f->iteration < s->moves; i++)
+    m->l[i] = s->l[f->iteration][i];
+  *done = (int)f->iteration + 1 >= s->moves;
+  return OPC_OK;
+}
+
+static double target(const void *self, size_t gate) {
+  return ((const script *)self)->target[gate];
+}
+
+static const eda_synthesizer scripted = {
+    .begin = begin, .update = update, .target = target};
+#define SCRIPTED(s) MODULE(&scripted, &(s))
+
+/* ---- a regulator that finds what a test wants ---- */
+
+/* A rule that transistor 0 breaks if `drawn`, or if any mask is not as drawn.
+ */
+static int drawn, moved;
+
+static int rule(void *self, const eda_printed *p, eda_ruling *r,
+                opc_error *error) {
+  (void)self, (void)p, (void)r, (void)error;
+  return OPC_OK;
+}
+
+static int violations(void *self, const eda_printed *p, eda_violation *v,
+                      size_t most, size_t *count, opc_error *error) {
+  (void)self, (void)error;
+  int biased = p->l[0] || p->l[1];
+  *count = drawn || (moved && biased);
+  g_assert_cmpuint(most, >, 1);
+  if (*count)
+    v[0] = (eda_violation){
+        .rule = biased ? "width: too much" : "width", .x = 30, .y = 200};
+  return OPC_OK;
+}
+
+static const eda_regulator finder = {.rule = rule, .violations = violations};
+
+/* ---- an extractor by which one transistor hangs on the other ---- */
+
+/* Transistor 0 has half of its current unless transistor 1 prints as it does as
+   drawn. The first call is for the design. */
+static int calls;
+
+static int extract_coupled(const void *self, const eda_slices *in,
+                           eda_performance *out, opc_error *error) {
+  int code = extract(self, in, out, error);
+  if (calls++ && !(in->length[1] > 70)) out->ion[0] /= 2;
+  return code;
+}
+
+static const eda_extractor coupled = {
+    .prepare = nothing, .slicing = slicing, .extract = extract_coupled};
+
+/* ---- the loop ---- */
+
+static void run(loop *l, const opc_module *synthesizer, const eda_extractor *e,
+                const opc_module *regulator, int hold) {
+  opc_error error = {0};
+  *l = (loop){.host = &host,
+              .gates = eda_gates_sample(),
+              .extractor = MODULE(e, NULL),
+              .regulator = regulator,
+              .max_iterations = 10,
+              .hold = hold,
+              .limit = 0.5,
+              .drivers[MAIN].module = synthesizer};
+  calls = 0;
+  eda_printer_init(&l->printer, NULL, l->gates, MODULE(&litho, NULL),
+                   MODULE(&resist, NULL), 300);
+  g_assert_cmpint(loop_run(l, &error), ==, OPC_OK);
+}
+
+static double off(const loop *l, const eda_performance *p, size_t i) {
+  return fabs(eda_deviation(p->ion[i], l->design.ion[i]));
+}
+
+/* What `gate` came to: its bias and what is said of it. */
+static void expect(const loop *l, size_t gate, int32_t bias, const char *text) {
+  g_autofree char *verdict = guard_verdict(&l->guard, gate);
+  g_assert_cmpint(l->now.biases.l[gate], ==, bias);
+  g_assert_cmpstr(verdict, ==, text);
+}
+
+static void test_good(void) {
+  script s = {.l = {{-14, -14}}, .moves = 1, .target = {1, 1}};
+  loop l;
+  run(&l, SCRIPTED(s), &extractor, NULL, 1);
+  g_assert_cmpfloat(off(&l, &l.before, 0), >, 15);
+  g_assert_cmpfloat(off(&l, &l.measured.performance, 0), <, 2);
+  expect(&l, 0, -14, NULL);
+  expect(&l, 1, -14, NULL);
+  g_assert_cmpuint(l.guard.prints, ==, 0);
+  g_assert_cmpuint(l.guard.back + l.guard.worse + l.guard.lost, ==, 0);
+  loop_clear(&l);
+}
+
+/* A gate that opens goes back to the best mask that it has had, the other one
+   stays. */
+static void test_open(void) {
+  script s = {.l = {{-12, -14}, {-62, -14}}, .moves = 2, .target = {1, 1}};
+  loop l;
+  for (int hold = 0; hold < 2; hold++) {
+    run(&l, SCRIPTED(s), &extractor, NULL, hold);
+    int open = (l.measured.flags[0] & EDA_PRINT_OPEN) != 0;
+    g_assert_cmpint(open, ==, !hold);
+    g_assert_cmpuint(l.guard.lost, ==, !hold);
+    g_assert_cmpuint(l.guard.back, ==, hold);
+    expect(&l, 0, hold ? -12 : -62, hold ? "went back: its best mask" : NULL);
+    expect(&l, 1, -14, NULL);
+    loop_clear(&l);
+  }
+}
+
+/* Further off than drawn: the drawn mask was the best. */
+static void test_worse(void) {
+  script s = {.l = {{40, -14}}, .moves = 1, .target = {1, 1}};
+  loop l;
+  run(&l, SCRIPTED(s), &extractor, NULL, 0);
+  g_assert_cmpuint(l.guard.worse, ==, 1);
+  expect(&l, 0, 40, NULL);
+  loop_clear(&l);
+  run(&l, SCRIPTED(s), &extractor, NULL, 1);
+  expect(&l, 0, 0, "went back: its best mask");
+  expect(&l, 1, -14, NULL);
+  g_assert_cmpuint(l.guard.worse, ==, 0);
+  g_assert_cmpuint(l.guard.prints, ==, 1);
+  loop_clear(&l);
+}
+
+/* What is wanted of Ion decides what is worse; NAN: nothing is wanted. */
+static void test_target(void) {
+  script s = {.l = {{-14, 40}}, .moves = 1, .target = {0.82, NAN}};
+  loop l;
+  run(&l, SCRIPTED(s), &extractor, NULL, 1);
+  expect(&l, 0, 0, "went back: its best mask");
+  expect(&l, 1, 40, NULL);
+  loop_clear(&l);
+}
+
+/* A rule that was kept as drawn is kept; one that was not may stay broken. The
+   rule here hangs on both transistors, so that the one that breaks it must take
+   the other with it. */
+static void test_rules(void) {
+  script s = {.l = {{-14, -14}}, .moves = 1, .target = {1, 1}};
+  loop l;
+  drawn = moved = 1;
+  run(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
+  expect(&l, 0, -14, NULL);
+  loop_clear(&l);
+  drawn = 0;
+  run(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
+  expect(&l, 0, 0, "went back: as drawn, with all around");
+  g_assert_cmpint(l.now.biases.l[1], ==, 0);
+  g_assert_cmpuint(l.guard.back, ==, 1);
+  loop_clear(&l);
+}
+
+/* Nothing that a transistor does itself helps: its neighbour is named, and both
+   stay as they are best. */
+static void test_neighbour(void) {
+  script s = {.l = {{-14, -14}}, .moves = 1, .target = {1, 1}};
+  loop l;
+  run(&l, SCRIPTED(s), &coupled, NULL, 1);
+  g_assert_cmpuint(l.guard.worse, ==, 1);
+  expect(&l, 0, -14, "neighbour at (30, 750) nm");
+  expect(&l, 1, -14, NULL);
+  g_assert_cmpfloat(off(&l, &l.measured.performance, 0), >,
+                    off(&l, &l.before, 0));
+  loop_clear(&l);
+}
+
+/* A layer that the synthesizer cuts itself goes back by its fragments. */
+static int cut(void *self, const eda_gates *g, int layer, eda_cuts *cuts,
+               opc_error *error) {
+  static const uint32_t start[] = {0, 12};
+  static eda_point from[12];
+  static double site[24];
+  (void)self, (void)error;
+  if (layer != EDA_POLY) return OPC_OK;
+  const eda_fragment *f = g->edges[EDA_POLY].fragments;
+  for (int i = 0; i < 12; i++) {
+    eda_point next = f[(i + 1) % 12].from;
+    from[i] = f[i].from;
+    site[2 * i] = (from[i].x + next.x) / 2.0;
+    site[2 * i + 1] = (from[i].y + next.y) / 2.0;
+  }
+  *cuts = (eda_cuts){.polygons = 1, .start = start, .from = from, .site = site};
+  return OPC_OK;
+}
+
+/* Both sides of transistor 0 too far inwards, of transistor 1 as it should be.
+ */
+static int update_fragments(void *self, const eda_feedback *f, eda_moves *m,
+                            int *done, opc_error *error) {
+  const eda_fragment *e = f->gates->edges[EDA_POLY].fragments;
+  (void)self, (void)error;
+  for (int i = 0; i < 12; i++)
+    if (e[i].gate >= 0 && (e[i].role == EDA_L_LOW || e[i].role == EDA_L_HIGH))
+      m->shift[EDA_POLY][i] = e[i].gate ? -7 : -16;
+  *done = 1;
+  return OPC_OK;
+}
+
+static const eda_synthesizer cutter = {
+    .begin = begin, .update = update_fragments, .cut = cut};
+
+static void test_fragments(void) {
+  loop l;
+  run(&l, MODULE(&cutter, NULL), &extractor, NULL, 1);
+  const eda_fragment *e = l.gates->edges[EDA_POLY].fragments;
+  for (int i = 0; i < 12; i++)
+    if (e[i].role == EDA_L_LOW || e[i].role == EDA_L_HIGH)
+      g_assert_cmpint(l.now.shift[EDA_POLY][i], ==, e[i].gate ? -7 : -8);
+  g_assert_cmpuint(l.measured.flags[0] & EDA_PRINT_OPEN, ==, 0);
+  g_assert_cmpuint(l.guard.back, ==, 1);
+  loop_clear(&l);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  told = g_string_new(NULL);
+  g_test_add_func("/guard/good", test_good);
+  g_test_add_func("/guard/open", test_open);
+  g_test_add_func("/guard/worse", test_worse);
+  g_test_add_func("/guard/target", test_target);
+  g_test_add_func("/guard/rules", test_rules);
+  g_test_add_func("/guard/neighbour", test_neighbour);
+  g_test_add_func("/guard/fragments", test_fragments);
+  int failed = g_test_run();
+  g_string_free(told, TRUE);
+  return failed;
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* All that makes a mask of the drawn shapes. */
+#ifndef CORRECT_TRIAL_H
+#define CORRECT_TRIAL_H
+
+#include "edges.h"
+
+/* Numbers of a gate in `biases`: w; l, jog and both line ends. */
+enum { TRIAL_POLY_BIASES = 4, TRIAL_BIASES = 5 };
+
+/* Arrays by layer but `biases`. */
+typedef struct trial {
+  size_t layers, gates;
+  biases biases;
+  size_t *fragments;  /* of `shift` */
+  int32_t **shift;    /* of layers that a synthesizer cut; else NULL */
+  eda_boxes *patches; /* of the regulator */
+  eda_boxes *bites;   /* what it takes away */
+  eda_boxes *assists; /* of the synthesizers */
+} trial;
+
+/* The mask as drawn. */
+void trial_init(trial *trial, size_t layers, size_t gates);
+void trial_clear(trial *trial);
+
+/* A layer is cut into so many fragments, where they are drawn. */
+void trial_cut(trial *trial, size_t layer, size_t fragments);
+
+/* `to` becomes what `from` is. */
+void trial_copy(trial *to, const trial *from);
+
+/* `to`, of a trial, becomes a copy of `from`, which may be a part of it. */
+void trial_set_boxes(eda_boxes *to, eda_boxes from);
+
+/* Take those of `boxes` away that touch a window. */
+void trial_drop_boxes(eda_boxes *boxes, eda_box window);
+
+/* Would the two print other masks of that layer? */
+int trial_differs(const trial *a, const trial *b, size_t layer);
+
+#endif
