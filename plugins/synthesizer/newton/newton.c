@@ -10,85 +10,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "jog.h"
-#include "response.h"
+#include "observe.h"
 #include "tuning.h"
-#include "wishes.h"
 
 /* ---- state ---- */
 
-enum { WITHIN, GRID, BLOCKED, BIAS, NO_PRINT, WORSE, MOVING, VERDICTS };
+enum { WITHIN, GRID, BLOCKED, BIAS, NO_PRINT, OUTSIDE, MOVING, VERDICTS };
 static const char *const verdicts[VERDICTS] = {
-    "within limit",   "grid",      "bridging", "bias limit",
-    "does not print", "no better", "not done"};
-
-typedef struct biases {
-  int32_t l, w, jog;
-} biases;
-
-/* An error is the logarithm of what is printed over what is wanted; the size of
-   a transistor's errors is one figure for all three of them (size_of). */
-typedef struct transistor {
-  biases now;           /* of the mask that was measured last */
-  double x[MOVES];      /* its moves in grid steps, the jog as a part of one */
-  double error[ERRORS]; /* its errors; at first as they will be once the line
-                           ends have moved */
-  double size;          /* of them; INFINITY if it did not print */
-  biases best;          /* of the mask with the least size so far */
-  double best_size;
-  double rest_size;         /* the least size since its last move */
-  response response, first; /* as learnt, and as estimated at first */
-  int32_t end[2];           /* its line ends in the mask measured last */
-  double surprise;   /* by how much the next print's log Ion may differ from
-                        what the response says, as its line ends and its
-                        neighbours have moved */
-  uint8_t disturbed; /* the last print changed for reasons other than its
-                        own moves */
-  uint8_t worse;     /* prints in a row that were no better than the best */
-  uint8_t odd;       /* prints that contradicted its moves */
-  uint8_t verdict;
-} transistor;
+    "within limit",      "grid",    "bridging", "bias limit", "does not print",
+    "outside the table", "not done"};
 
 enum { JOG, WIDTH, NONE };
-
-typedef struct newton {
-  const opc_host *host;
-  double weight[ERRORS];
-  double tolerance, limit; /* % */
-  double gain[MOVES];
-  double max_bias, min_jog; /* nm */
-  int fine;
-  int64_t iterations;
-  const char *wishes_path;
-  double mean; /* of all sizes at the print before; while all rest, the
-                  least so far */
-  int rest;    /* nothing was moved at the print before */
-  wish *wish;  /* of each transistor */
-  transistor *state;
-  sides *sides;
-  size_t count;
-} newton;
 
 /* ---- work: sizes ---- */
 
 static double tolerance(const newton *t) { return t->tolerance / 100; }
-static double limit(const newton *t) { return t->limit / 100; }
-
-static int same(biases a, biases b) {
-  return a.l == b.l && a.w == b.w && a.jog == b.jog;
-}
-
-/* The weighted errors as one figure; it is |error| of one that weighs 1. */
-static double size_of(const newton *t, const double error[ERRORS]) {
-  double sum = 0;
-  for (int k = 0; k < ERRORS; k++) sum += t->weight[k] * error[k] * error[k];
-  return sqrt(sum);
-}
-
-static double length_in_steps(const newton *t, size_t i, biases b) {
-  return length_value(&t->sides[i], (length){b.l, b.jog});
-}
-
 static void clear(void *self) {
   newton *t = self;
   free(t->state);
@@ -110,91 +46,11 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
   return read_wishes(t->wishes_path, f->gates, t->wish, error);
 }
 
-/* ---- work: taking in a print ---- */
-
-/* What changed from one print to the next. */
-typedef struct change {
-  double dx[MOVES], de[ERRORS];
-} change;
-
-/* Whether the line ends a and b, [2] each, differ so much that it matters. */
-static int ends_moved(const eda_gates *g, const int32_t *a, const int32_t *b) {
-  return abs(a[0] - b[0]) * g->grid > tuned.still ||
-         abs(a[1] - b[1]) * g->grid > tuned.still;
-}
-
-/* Whether a print contradicts the moves. A transistor that was not moved has
-   changed by more than could be expected; or a move that should have changed it
-   visibly has changed next to nothing. Something else has a hold on it then,
-   such as the regulator's mending of its poly. */
-static int is_odd(const newton *t, const transistor *s, const change *c) {
-  const double *by = s->response.by[ION];
-  double visible = limit(t) * tuned.odd_limit, did = fabs(c->de[ION]);
-  double due = fabs(by[BY_L] * c->dx[BY_L] + by[BY_W] * c->dx[BY_W]);
-  if (due == 0) return did > fmax(visible, tuned.odd_surprise * s->surprise);
-  return due > visible && did < due / tuned.unanswered;
-}
-
-/* Whether a transistor has changed by more than its moves explain even with the
-   largest response that is believed: a patch or a neighbour has changed it. */
-static int is_foreign(const newton *t, const transistor *s, const change *c) {
-  double most = limit(t) * tuned.odd_limit + tuned.odd_surprise * s->surprise;
-  for (int m = 0; m < MOVES; m++)
-    most += tuned.trust[m] * fabs(s->first.by[ION][m] * c->dx[m]);
-  return fabs(c->de[ION]) > most;
-}
-
-/* Keep the best mask. What was the best is so no more if something else has
-   changed the transistor since; and if neighbours have made the best one worse,
-   the moves away from it were not to blame. */
-static void keep_best(const newton *t, transistor *s, int first) {
-  if (!first && !s->disturbed && s->size >= s->best_size &&
-      !same(s->now, s->best)) {
-    s->worse++;
-    return;
-  }
-  if (!same(s->now, s->best) || s->size > s->best_size + tolerance(t))
-    s->worse = 0;
-  s->best_size = s->size;
-  s->best = s->now;
-}
-
-/* Take in what the moves to `now` have printed. `common` is by how much the log
-   Ion of all transistors of its type changed alike. */
-static void observe(const newton *t, transistor *s, const eda_feedback *f,
-                    size_t i, biases now, double common) {
-  const double target[ERRORS] = {t->wish[i].ion, 1, 1};
-  const double x[MOVES] = {length_in_steps(t, i, now), now.w};
-  double error[ERRORS];
-  change c;
-  int first = f->iteration == 0, moved = !same(now, s->now);
-  int prints = errors_of(f, i, target, error), printed = isfinite(s->size);
-  for (int m = 0; m < MOVES; m++) c.dx[m] = x[m] - s->x[m];
-  for (int k = 0; k < ERRORS; k++) c.de[k] = error[k] - s->error[k];
-  c.de[ION] -= common;
-  int ends = !first && ends_moved(f->gates, s->end, f->end + 2 * i);
-  s->odd += f->iteration > tuned.settling && !ends && is_odd(t, s, &c);
-  int foreign = f->iteration > 1 && printed && is_foreign(t, s, &c);
-  if (foreign)
-    s->response = s->first;
-  else if (!first && prints && printed && moved)
-    learn(&s->response, &s->first, c.dx, c.de, s->surprise);
-  s->disturbed = (uint8_t)(ends | foreign);
-  memcpy(s->end, f->end + 2 * i, sizeof s->end);
-  memcpy(s->x, x, sizeof x);
-  memcpy(s->error, error, sizeof error);
-  s->now = now;
-  s->size = prints ? size_of(t, error) : INFINITY;
-  s->rest_size = first || moved ? s->size : fmin(s->rest_size, s->size);
-  keep_best(t, s, first);
-}
-
 /* ---- work: the next mask of one transistor ---- */
 
 /* What the regulator and the bounds leave of a step; *why if that is less. */
-static double bounded(double x, double dx, double longest, double most,
-                      uint32_t veto_up, uint32_t veto_down, uint8_t *why) {
-  dx = fmin(fmax(dx, -longest), longest);
+static double bounded(double x, double dx, double most, uint32_t veto_up,
+                      uint32_t veto_down, uint8_t *why) {
   if ((dx > 0 && veto_up) || (dx < 0 && veto_down)) {
     *why = BLOCKED;
     return 0;
@@ -255,7 +111,7 @@ static biases with_width(const newton *t, const eda_feedback *f, size_t i,
 /* The mask on the grid for a wanted move of L and W. L makes good what rounding
    W leaves; a jog or W makes good what rounding L leaves, as `fine` says. */
 static biases on_grid(const newton *t, const eda_feedback *f, size_t i,
-                      const double dx[MOVES], double enough) {
+                      const double dx[MOVES], double enough, int cut) {
   static const int only_l[MOVES] = {1, 0}, only_w[MOVES] = {0, 1};
   const transistor *s = &t->state[i];
   double rest[ERRORS], more[MOVES];
@@ -263,13 +119,13 @@ static biases on_grid(const newton *t, const eda_feedback *f, size_t i,
   double l = s->x[BY_L] + dx[BY_L];
   left_after(s, l, w, rest);
   solve(&s->response, rest, t->weight, only_l, more);
-  if (dx[BY_L] != 0) l += fmin(fmax(more[BY_L], -1), 1);
+  if (dx[BY_L] != 0 && !cut) l += fmin(fmax(more[BY_L], -1), 1);
   int32_t whole = (int32_t)lround(l);
   left_after(s, whole, w, rest);
   if (t->fine == NONE || (t->fine == JOG && size_of(t, rest) <= enough))
     return (biases){whole, w, 0};
-  if (t->fine == JOG)
-    return with_width(t, f, i, with_jog(t, f->gates, i, l, w));
+  biases near = with_jog(t, f->gates, i, l, w);
+  if (t->fine == JOG) return cut ? near : with_width(t, f, i, near);
   solve(&s->response, rest, t->weight, only_w, more);
   return (biases){whole, w + (int32_t)lround(more[BY_W]), 0};
 }
@@ -291,38 +147,43 @@ static double expected(const newton *t, size_t i, biases next) {
    only where L is of no use: forbidden, at its bound, or mended by the
    regulator whatever it is. */
 static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
-                          double enough, uint8_t *why) {
+                          double enough, uint8_t *why, int *cut) {
   static const int only_w[MOVES] = {0, 1};
   const transistor *s = &t->state[i];
   const eda_gates *g = f->gates;
   uint32_t veto = f->vetoes[i];
   double most_w = fmin(t->max_bias, g->width[i] / 2) / g->grid;
-  int free[MOVES] = {1, t->weight[IOFF] > 0 || t->weight[AREA] > 0};
-  int mended = s->odd >= tuned.most_odd;
-  double dx[MOVES];
+  int free[MOVES], mended;
+  double dx[MOVES], wanted;
+  free_moves(t, free);
+  mended = !free[BY_W] && s->trust.radius < tuned.w_alone;
   solve(&s->response, s->error, t->weight, free, dx);
-  dx[BY_L] = bounded(s->x[BY_L], dx[BY_L], tuned.longest[BY_L] / g->grid,
-                     t->max_bias / g->grid, veto & EDA_VETO_LONGER,
-                     veto & EDA_VETO_SHORTER, why);
+  wanted = dx[BY_L];
+  dx[BY_L] = trust_step(&s->trust, s->x[BY_L], wanted);
+  *cut = dx[BY_L] != wanted;
+  dx[BY_L] = bounded(s->x[BY_L], dx[BY_L], t->max_bias / g->grid,
+                     veto & EDA_VETO_LONGER, veto & EDA_VETO_SHORTER, why);
   if (mended || (*why != MOVING && fabs(dx[BY_L]) < tuned.w_alone))
     solve(&s->response, s->error, t->weight, only_w, dx);
-  dx[BY_W] =
-      bounded(s->x[BY_W], dx[BY_W], tuned.longest[BY_W] / g->grid, most_w,
-              veto & EDA_VETO_WIDER, veto & EDA_VETO_NARROWER, why);
+  dx[BY_W] = bounded(s->x[BY_W], dx[BY_W], most_w, veto & EDA_VETO_WIDER,
+                     veto & EDA_VETO_NARROWER, why);
   if (mended)
-    return (biases){s->now.l, s->now.w + (int32_t)lround(dx[BY_W]), s->now.jog};
-  return on_grid(t, f, i, dx, enough);
+    return (biases){s->good.l, s->good.w + (int32_t)lround(dx[BY_W]),
+                    s->good.jog};
+  return on_grid(t, f, i, dx, enough, *cut && !free[BY_W]);
 }
 
-/* The next mask of a transistor that does not print: a wider line, if it is the
-   poly that is open. */
-static biases widen(const newton *t, const eda_feedback *f, size_t i) {
+/* The next mask of a transistor of which no print is known: away from the side
+   on which it is lost, half the way to the other one if that is known. */
+static biases seek(const newton *t, const eda_feedback *f, size_t i) {
   const transistor *s = &t->state[i];
-  double grid = f->gates->grid;
-  int32_t step = (int32_t)ceil(tuned.open_step / grid);
-  if (!(f->flags[i] & EDA_PRINT_OPEN) || s->now.l + step > t->max_bias / grid)
-    return s->now;
-  return (biases){s->now.l + step, s->now.w, 0};
+  double grid = f->gates->grid, step = ceil(tuned.open_step / grid);
+  int longer = (f->flags[i] & EDA_PRINT_OPEN) != 0;
+  if (!longer && !(f->flags[i] & EDA_PRINT_MERGED)) return s->now;
+  uint32_t veto = longer ? EDA_VETO_LONGER : EDA_VETO_SHORTER;
+  double l = s->now.l + trust_step(&s->trust, s->now.l, longer ? step : -step);
+  if (f->vetoes[i] & veto || fabs(l) > t->max_bias / grid) return s->now;
+  return (biases){(int32_t)lround(l), s->now.w, 0};
 }
 
 /* What to try next of one transistor. */
@@ -330,111 +191,26 @@ static biases propose(const newton *t, const eda_feedback *f, size_t i) {
   transistor *s = &t->state[i];
   double enough = tolerance(t) / t->wish[i].weight;
   s->verdict = WITHIN;
-  if (s->size <= enough || t->wish[i].weight == 0) return s->now;
+  if (t->wish[i].weight == 0 || (!s->lost && s->size <= enough)) return s->now;
   s->verdict = NO_PRINT;
-  if (isinf(s->size)) return widen(t, f, i);
-  s->verdict = WORSE;
-  if (s->worse >= tuned.most_worse) return s->best;
+  if (s->lost && (isinf(s->size) || same(s->now, s->good)))
+    return seek(t, f, i);
   uint8_t why = MOVING;
-  biases next = newton_step(t, f, i, enough, &why);
+  int cut;
+  biases next = newton_step(t, f, i, enough, &why, &cut);
+  if (s->lost) return next;
   double hope = expected(t, i, next);
   s->verdict = MOVING;
+  int held = cut && s->size > limit(t) && trust_holds(&s->trust, s->x[BY_L]);
+  if (held && !same(next, s->now)) return next;
   if (s->best_size <= hope && !same(s->best, s->now)) return s->best;
-  if (hope <= tuned.worthwhile * s->size) return next;
+  double worth = cut && s->size > limit(t) ? 1 : tuned.worthwhile;
+  if (hope <= worth * s->size) return next;
   s->verdict = why == MOVING ? GRID : why;
   return s->now;
 }
 
 /* ---- work: all transistors ---- */
-
-/* The first responses, and the errors as they will be once the line ends have
-   moved: the regulator moves them together with the first moves. */
-static void start(newton *t, const eda_feedback *f) {
-  curve curves[2];
-  curves_from(f, curves);
-  for (size_t i = 0; i < t->count; i++) {
-    transistor *s = &t->state[i];
-    const curve *c = &curves[f->gates->type[i] == EDA_PMOS];
-    s->first = first_response(f->gates, i, c, t->gain);
-    s->response = s->first;
-    if (!ends_moved(f->gates, s->end, f->next_end + 2 * i)) continue;
-    double before = s->error[ION];
-    with_line_ends(f, i, c, s->error);
-    s->size = size_of(t, s->error);
-    s->surprise = tuned.unforeseen * fabs(s->error[ION] - before);
-  }
-}
-
-/* A straight line through what the first moves should have done to log Ion by
-   the response to L (x) and what they did (y), of one type. */
-typedef struct line {
-  double n, x, y, xx, xy;
-} line;
-
-static void fit(const newton *t, const eda_feedback *f, const eda_moves *moves,
-                line of[2]) {
-  for (size_t i = 0; i < t->count; i++) {
-    const transistor *s = &t->state[i];
-    const double target[ERRORS] = {t->wish[i].ion, 1, 1};
-    const biases next = {moves->l[i], moves->w[i], moves->jog[i]};
-    double error[ERRORS];
-    if (!errors_of(f, i, target, error) || isinf(s->size)) continue;
-    line *k = &of[f->gates->type[i] == EDA_PMOS];
-    double x =
-        s->response.by[ION][BY_L] * (length_in_steps(t, i, next) - s->x[BY_L]);
-    double by_w = s->response.by[ION][BY_W] * (moves->w[i] - s->x[BY_W]);
-    double y = error[ION] - s->error[ION] - by_w;
-    k->xx += x * x, k->xy += x * y, k->x += x, k->y += y, k->n++;
-  }
-}
-
-/* After the first moves all transistors of a type learn together: the slope of
-   their line becomes a factor on all responses to L, and what it says of no
-   move, common[type], is what happened to all of them alike. */
-static void learn_together(newton *t, const eda_feedback *f,
-                           const eda_moves *moves, double common[2]) {
-  line of[2] = {{0}};
-  fit(t, f, moves, of);
-  for (int type = 0; type < 2; type++) {
-    line *k = &of[type];
-    if (k->n < tuned.many) continue;
-    k->xx -= k->x * k->x / k->n;
-    k->xy -= k->x * k->y / k->n;
-    double factor = k->xx > 0 ? k->xy / k->xx : 1;
-    factor = fmin(fmax(factor, 1 / tuned.gain_bound), tuned.gain_bound);
-    common[type] = (k->y - factor * k->x) / k->n;
-    for (size_t i = 0; i < t->count; i++) {
-      if ((f->gates->type[i] == EDA_PMOS) != type) continue;
-      response *r = &t->state[i].response;
-      for (int e = 0; e < ERRORS; e++) r->by[e][BY_L] *= factor;
-      r->doubt[BY_L] = tuned.doubt_of_many;
-    }
-  }
-  for (size_t i = 0; i < t->count; i++)
-    t->state[i].first = t->state[i].response;
-}
-
-/* How much the moves to come may surprise: neighbours share a part of the mean
-   change of log Ion that they make, and line ends may move. */
-static void foresee(newton *t, const eda_feedback *f, const eda_moves *moves) {
-  double sum = 0;
-  for (size_t i = 0; i < t->count; i++) {
-    const transistor *s = &t->state[i];
-    const biases next = {moves->l[i], moves->w[i], moves->jog[i]};
-    double d =
-        s->response.by[ION][BY_L] * (length_in_steps(t, i, next) - s->x[BY_L]) +
-        s->response.by[ION][BY_W] * (next.w - s->x[BY_W]);
-    sum += d * d;
-  }
-  double mean = sqrt(sum / fmax((double)t->count, 1));
-  double noise = tuned.coupling * mean + tuned.noise_floor;
-  for (size_t i = 0; i < t->count; i++) {
-    transistor *s = &t->state[i];
-    int late = ends_moved(f->gates, s->end, f->next_end + 2 * i);
-    if (f->iteration > 0) s->surprise = late ? tuned.late : 0;
-    s->surprise += noise;
-  }
-}
 
 /* Whether something else has made a transistor worse while it was at rest. */
 static int has_drifted(const newton *t, const transistor *s, double weight) {
@@ -450,7 +226,8 @@ static int is_good(newton *t, int first) {
   int drifted = 0;
   for (size_t i = 0; i < t->count; i++) {
     const transistor *s = &t->state[i];
-    double weight = fmin(t->wish[i].weight, 1), size = s->size * weight;
+    double weight = fmin(t->wish[i].weight, 1);
+    double size = weight > 0 && s->lost ? INFINITY : s->size * weight;
     worst = fmax(worst, size);
     mean += size / (double)t->count;
     drifted |= has_drifted(t, s, weight);
@@ -474,7 +251,7 @@ static biases decide(const newton *t, const eda_feedback *f, size_t i, int good,
   if (k > t->iterations) {
     /* The regulator is not done: those that it moved follow, for a while. */
     double most = tuned.patience * (double)t->iterations;
-    return s->disturbed && (double)k <= most ? next : s->now;
+    return (s->disturbed || s->lost) && (double)k <= most ? next : s->now;
   }
   if (!same(next, s->now)) *done = 0;
   return next;
@@ -483,15 +260,9 @@ static biases decide(const newton *t, const eda_feedback *f, size_t i, int good,
 static int update(void *self, const eda_feedback *f, eda_moves *moves,
                   int *done, opc_error *error) {
   newton *t = self;
-  double common[2] = {0};
   (void)error;
   if (f->iteration == 0) sides_find(f->gates, t->sides);
-  if (f->iteration == 1) learn_together(t, f, moves, common);
-  for (size_t i = 0; i < t->count; i++)
-    observe(t, &t->state[i], f, i,
-            (biases){moves->l[i], moves->w[i], moves->jog[i]},
-            common[f->gates->type[i] == EDA_PMOS]);
-  if (f->iteration == 0) start(t, f);
+  observe(t, f, moves);
   *done = 1;
   int good = is_good(t, f->iteration == 0);
   for (size_t i = 0; i < t->count; i++) {
@@ -508,7 +279,14 @@ static const char *verdict(const void *self, size_t gate) {
   const newton *t = self;
   if (gate >= t->count) return NULL;
   const transistor *s = &t->state[gate];
+  if (s->outside && isfinite(s->best_size)) return verdicts[OUTSIDE];
   return verdicts[s->best_size <= limit(t) ? WITHIN : s->verdict];
+}
+
+static double target(const void *self, size_t gate) {
+  const newton *t = self;
+  if (gate >= t->count || t->wish[gate].weight == 0) return NAN;
+  return t->wish[gate].ion;
 }
 
 /* ---- parameters ---- */
@@ -571,11 +349,11 @@ static int check(void *self, opc_error *error) {
 
 /* ---- entry ---- */
 
-static const eda_synthesizer functions = {
-    .begin = begin,
-    .update = update,
-    .verdict = verdict,
-    .flags = EDA_SYNTHESIZER_ENDS_ANYTIME};
+static const eda_synthesizer functions = {.begin = begin,
+                                          .update = update,
+                                          .verdict = verdict,
+                                          .flags = EDA_SYNTHESIZER_ENDS_ANYTIME,
+                                          .target = target};
 
 OPC_PLUGIN(newton, .id = "synthesizer.newton", .kind = "synthesizer",
            .version = "0.2.0", .licence = "BSD-3-Clause",

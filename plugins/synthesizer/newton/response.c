@@ -8,6 +8,10 @@
 
 #include "tuning.h"
 
+/* Prints whose figures tell nothing. */
+static const uint32_t lost =
+    EDA_PRINT_OPEN | EDA_PRINT_NO_ACTIVE | EDA_PRINT_MERGED | EDA_PRINT_ISLAND;
+
 static int has_performance(const eda_performance *p, size_t i) {
   return p->ion[i] > 0 && p->ioff[i] > 0 && p->weq[i] > 0 && p->area[i] > 0;
 }
@@ -42,11 +46,16 @@ void curves_from(const eda_feedback *f, curve out[2]) {
   }
 }
 
+point point_of(const eda_performance *p, size_t i) {
+  if (!has_performance(p, i)) return (point){NAN, NAN};
+  return (point){p->leq_ion[i], log(p->ion[i] / p->weq[i])};
+}
+
 int errors_of(const eda_feedback *f, size_t i, const double target[ERRORS],
               double out[ERRORS]) {
   const eda_performance *d = f->design, *p = f->printed;
   memset(out, 0, sizeof(double) * ERRORS);
-  if (!has_performance(p, i)) return 0;
+  if (!has_performance(p, i) || f->flags[i] & lost) return 0;
   out[ION] = log(p->ion[i] / d->ion[i] / target[ION]);
   out[IOFF] = log(p->ioff[i] / d->ioff[i] / target[IOFF]);
   out[AREA] = log(p->area[i] / d->area[i] / target[AREA]);
@@ -67,13 +76,23 @@ void with_line_ends(const eda_feedback *f, size_t i, const curve *of_type,
 
 response first_response(const eda_gates *g, size_t i, const curve *of_type,
                         const double gain[MOVES]) {
-  response r = {.doubt = {tuned.doubt[BY_L], tuned.doubt[BY_W]}};
+  response r = {.doubt = {tuned.doubt[BY_L], tuned.doubt[BY_W]},
+                .slope = of_type->slope[ION]};
   for (int k = 0; k < ERRORS; k++) {
     double slope = k == AREA ? 1 / g->length[i] : of_type->slope[k];
     r.by[k][BY_L] = slope * gain[BY_L] * g->grid;
     r.by[k][BY_W] = gain[BY_W] * g->grid / g->width[i];
   }
   return r;
+}
+
+void bend(response *r, response *first, point from, point to, double least) {
+  double apart = to.length - from.length;
+  double slope = (to.drive - from.drive) / apart;
+  if (!(fabs(apart) >= least && slope < 0)) return;
+  r->by[ION][BY_L] *= slope / r->slope;
+  first->by[ION][BY_L] *= slope / first->slope;
+  r->slope = first->slope = slope;
 }
 
 static double within(double x, double first, double trust) {

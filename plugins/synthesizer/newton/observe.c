@@ -1,0 +1,274 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Taking in a print: how each transistor answers to its moves, and how far the
+   next one may go. */
+#include "observe.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tuning.h"
+
+/* ---- work: sizes ---- */
+
+double limit(const newton *t) { return t->limit / 100; }
+
+int same(biases a, biases b) {
+  return a.l == b.l && a.w == b.w && a.jog == b.jog;
+}
+
+double size_of(const newton *t, const double error[ERRORS]) {
+  double sum = 0;
+  for (int k = 0; k < ERRORS; k++) sum += t->weight[k] * error[k] * error[k];
+  return sqrt(sum);
+}
+
+double length_in_steps(const newton *t, size_t i, biases b) {
+  return length_value(&t->sides[i], (length){b.l, b.jog});
+}
+
+void free_moves(const newton *t, int free[MOVES]) {
+  free[BY_L] = 1;
+  free[BY_W] = t->weight[IOFF] > 0 || t->weight[AREA] > 0;
+}
+
+/* ---- work: one transistor ---- */
+
+/* What changed from one print to the next. */
+typedef struct change {
+  double dx[MOVES], de[ERRORS];
+} change;
+
+/* Whether the line ends a and b, [2] each, differ so much that it matters. */
+static int ends_moved(const eda_gates *g, const int32_t *a, const int32_t *b) {
+  return abs(a[0] - b[0]) * g->grid > tuned.still ||
+         abs(a[1] - b[1]) * g->grid > tuned.still;
+}
+
+/* What a change of log Ion has to exceed to be told from what neighbours do. */
+static double visible(const newton *t, const transistor *s) {
+  return limit(t) * tuned.odd_limit + tuned.odd_surprise * s->surprise;
+}
+
+/* Whether a transistor has changed by more than its moves explain even with the
+   largest response that is believed: a patch or a neighbour has changed it. */
+static int is_foreign(const newton *t, const transistor *s, const change *c) {
+  double most = visible(t, s);
+  for (int m = 0; m < MOVES; m++)
+    most += tuned.trust[m] * fabs(s->first.by[ION][m] * c->dx[m]);
+  return fabs(c->de[ION]) > most;
+}
+
+/* Keep the best mask. What was the best is so no more if something else has
+   changed the transistor since. */
+static void keep_best(transistor *s, uint32_t flags, int first) {
+  if (!first && !s->disturbed && s->size >= s->best_size &&
+      !same(s->now, s->best))
+    return;
+  s->best_size = s->size;
+  s->best = s->now;
+  s->outside = (flags & EDA_PRINT_OUTSIDE) != 0;
+}
+
+/* The error of Ion alone that would ask for the same move of L. */
+static double pull_of(const newton *t, const transistor *s) {
+  int free[MOVES];
+  double dx[MOVES];
+  free_moves(t, free);
+  solve(&s->response, s->error, t->weight, free, dx);
+  return -dx[BY_L] * s->response.by[ION][BY_L];
+}
+
+/* What a step of W does to it: nothing, if W moves for errors of its own. */
+static double pull_by_w(const newton *t, const transistor *s) {
+  int free[MOVES];
+  free_moves(t, free);
+  return free[BY_W] ? 0 : s->response.by[ION][BY_W];
+}
+
+static void never_printed(transistor *s, biases drawn) {
+  s->good = s->best = drawn;
+  s->size = s->best_size = INFINITY;
+  s->point = (point){NAN, NAN};
+}
+
+/* Take in a print that is lost: the end of a bracket, whose side its flags
+   tell, or else the move that lost it. */
+static void lose(transistor *s, const double x[MOVES], uint32_t flags) {
+  double dx = x[BY_L] - s->x[BY_L];
+  int open = flags & EDA_PRINT_OPEN || (!(flags & EDA_PRINT_MERGED) && dx < 0);
+  s->lost = 1;
+  if (isfinite(s->size) && dx != 0) s->trust.radius = fabs(dx) / 2;
+  if (same(s->now, s->best)) s->best_size = INFINITY;
+  trust_see(&s->trust, x[BY_L], open ? INFINITY : -INFINITY);
+}
+
+/* Take in what a print, whose errors are `error`, tells of the way to the L
+   that is wanted. `foreseen` is what the pull should have become. */
+static void find_way(const newton *t, transistor *s, const change *c,
+                     double foreseen) {
+  double before = s->pull, due = foreseen - before;
+  s->pull = pull_of(t, s);
+  int against = !(due * (s->pull - before) > 0);
+  double drift = s->disturbed && against ? INFINITY : visible(t, s);
+  s->trust.slow = 0;
+  trust_drift(&s->trust, pull_by_w(t, s) * c->dx[BY_W], drift);
+  if (!s->disturbed && before * s->pull > 0 &&
+      fabs(before) - fabs(foreseen) > visible(t, s))
+    trust_judge(&s->trust, c->dx[BY_L], fabs(before), fabs(foreseen),
+                fabs(s->pull));
+  trust_see(&s->trust, s->x[BY_L], s->pull);
+}
+
+/* Take in what the moves to `now` have printed. `common` is by how much the log
+   Ion of all transistors of its type changed alike. */
+static void take_in(const newton *t, transistor *s, const eda_feedback *f,
+                    size_t i, biases now, double common) {
+  const double target[ERRORS] = {t->wish[i].ion, 1, 1};
+  const double x[MOVES] = {length_in_steps(t, i, now), now.w};
+  double error[ERRORS];
+  change c;
+  int first = f->iteration == 0, moved = !same(now, s->good);
+  int prints = errors_of(f, i, target, error);
+  int printed = !first && isfinite(s->size);
+  int ends = !first && ends_moved(f->gates, s->end, f->end + 2 * i);
+  memcpy(s->end, f->end + 2 * i, sizeof s->end);
+  s->now = now;
+  s->disturbed = (uint8_t)ends;
+  if (first) never_printed(s, now);
+  if (!prints) {
+    lose(s, x, f->flags[i]);
+    return;
+  }
+  for (int m = 0; m < MOVES; m++) c.dx[m] = x[m] - s->x[m];
+  for (int k = 0; k < ERRORS; k++) c.de[k] = error[k] - s->error[k];
+  c.de[ION] -= common;
+  int foreign = f->iteration > 1 && printed && is_foreign(t, s, &c);
+  double by_w = pull_by_w(t, s) * c.dx[BY_W];
+  double foreseen = s->pull + s->response.by[ION][BY_L] * c.dx[BY_L] + by_w;
+  if (foreign)
+    s->response = s->first;
+  else if (printed && moved)
+    learn(&s->response, &s->first, c.dx, c.de, s->surprise);
+  s->disturbed |= (uint8_t)foreign;
+  s->lost = 0;
+  s->good = now;
+  memcpy(s->x, x, sizeof x);
+  memcpy(s->error, error, sizeof error);
+  s->size = size_of(t, error);
+  s->rest_size = first || moved ? s->size : fmin(s->rest_size, s->size);
+  s->point = point_of(f->printed, i);
+  bend(&s->response, &s->first, s->point, point_of(f->design, i),
+       f->gates->grid);
+  if (!first) find_way(t, s, &c, f->iteration > 1 ? foreseen : NAN);
+  keep_best(s, f->flags[i], first);
+}
+
+/* ---- work: all transistors ---- */
+
+/* The first responses, and the errors as they will be once the line ends have
+   moved: the regulator moves them together with the first moves. */
+static void start(newton *t, const eda_feedback *f) {
+  curve curves[2];
+  curves_from(f, curves);
+  for (size_t i = 0; i < t->count; i++) {
+    transistor *s = &t->state[i];
+    const curve *c = &curves[f->gates->type[i] == EDA_PMOS];
+    s->first = first_response(f->gates, i, c, t->gain);
+    s->response = s->first;
+    s->trust.radius = tuned.longest / f->gates->grid;
+    if (s->lost) continue;
+    if (ends_moved(f->gates, s->end, f->next_end + 2 * i)) {
+      double before = s->error[ION];
+      with_line_ends(f, i, c, s->error);
+      s->size = size_of(t, s->error);
+      s->surprise = tuned.unforeseen * fabs(s->error[ION] - before);
+    }
+    s->pull = pull_of(t, s);
+    trust_see(&s->trust, s->x[BY_L], s->pull);
+  }
+}
+
+/* A straight line through what the first moves should have done to log Ion by
+   the response to L (x) and what they did (y), of one type. */
+typedef struct line {
+  double n, x, y, xx, xy;
+} line;
+
+static void fit(const newton *t, const eda_feedback *f, const eda_moves *moves,
+                line of[2]) {
+  for (size_t i = 0; i < t->count; i++) {
+    const transistor *s = &t->state[i];
+    const double target[ERRORS] = {t->wish[i].ion, 1, 1};
+    const biases next = {moves->l[i], moves->w[i], moves->jog[i]};
+    double error[ERRORS];
+    if (!errors_of(f, i, target, error) || isinf(s->size)) continue;
+    line *k = &of[f->gates->type[i] == EDA_PMOS];
+    double x =
+        s->response.by[ION][BY_L] * (length_in_steps(t, i, next) - s->x[BY_L]);
+    double by_w = s->response.by[ION][BY_W] * (moves->w[i] - s->x[BY_W]);
+    double y = error[ION] - s->error[ION] - by_w;
+    k->xx += x * x, k->xy += x * y, k->x += x, k->y += y, k->n++;
+  }
+}
+
+/* After the first moves all transistors of a type learn together: the slope of
+   their line becomes a factor on all responses to L, and what it says of no
+   move, common[type], is what happened to all of them alike. */
+static void learn_together(newton *t, const eda_feedback *f,
+                           const eda_moves *moves, double common[2]) {
+  line of[2] = {{0}};
+  fit(t, f, moves, of);
+  for (int type = 0; type < 2; type++) {
+    line *k = &of[type];
+    if (k->n < tuned.many) continue;
+    k->xx -= k->x * k->x / k->n;
+    k->xy -= k->x * k->y / k->n;
+    double factor = k->xx > 0 ? k->xy / k->xx : 1;
+    factor = fmin(fmax(factor, 1 / tuned.gain_bound), tuned.gain_bound);
+    common[type] = (k->y - factor * k->x) / k->n;
+    for (size_t i = 0; i < t->count; i++) {
+      if ((f->gates->type[i] == EDA_PMOS) != type) continue;
+      response *r = &t->state[i].response;
+      for (int e = 0; e < ERRORS; e++) r->by[e][BY_L] *= factor;
+      r->doubt[BY_L] = tuned.doubt_of_many;
+    }
+  }
+  for (size_t i = 0; i < t->count; i++)
+    t->state[i].first = t->state[i].response;
+}
+
+void observe(newton *t, const eda_feedback *f, const eda_moves *moves) {
+  double common[2] = {0};
+  for (size_t i = 0; f->iteration > 0 && i < t->count; i++)
+    bend(&t->state[i].response, &t->state[i].first, t->state[i].point,
+         point_of(f->printed, i), f->gates->grid);
+  if (f->iteration == 1) learn_together(t, f, moves, common);
+  for (size_t i = 0; i < t->count; i++)
+    take_in(t, &t->state[i], f, i,
+            (biases){moves->l[i], moves->w[i], moves->jog[i]},
+            common[f->gates->type[i] == EDA_PMOS]);
+  if (f->iteration == 0) start(t, f);
+}
+
+/* Neighbours share a part of the mean change of log Ion that they make, and
+   line ends may move. */
+void foresee(newton *t, const eda_feedback *f, const eda_moves *moves) {
+  double sum = 0;
+  for (size_t i = 0; i < t->count; i++) {
+    const transistor *s = &t->state[i];
+    const biases next = {moves->l[i], moves->w[i], moves->jog[i]};
+    double d =
+        s->response.by[ION][BY_L] * (length_in_steps(t, i, next) - s->x[BY_L]) +
+        s->response.by[ION][BY_W] * (next.w - s->x[BY_W]);
+    sum += d * d;
+  }
+  double mean = sqrt(sum / fmax((double)t->count, 1));
+  double noise = tuned.coupling * mean + tuned.noise_floor;
+  for (size_t i = 0; i < t->count; i++) {
+    transistor *s = &t->state[i];
+    int late = ends_moved(f->gates, s->end, f->next_end + 2 * i);
+    if (f->iteration > 0) s->surprise = late ? tuned.late : 0;
+    s->surprise += noise;
+  }
+}

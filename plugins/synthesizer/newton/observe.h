@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What synthesizer.newton knows of each transistor, and how prints teach it. */
+#ifndef SYNTHESIZER_NEWTON_OBSERVE_H
+#define SYNTHESIZER_NEWTON_OBSERVE_H
+
+#include <opcflow/plugin.h>
+
+#include "jog.h"
+#include "response.h"
+#include "trust.h"
+#include "wishes.h"
+
+typedef struct biases {
+  int32_t l, w, jog;
+} biases;
+
+/* An error is the logarithm of what is printed over what is wanted; the size of
+   a transistor's errors is one figure for all three of them (size_of). */
+typedef struct transistor {
+  biases now;           /* of the mask that was measured last */
+  int lost;             /* it did not print; what follows is of the last print
+                           of it that did */
+  biases good;          /* the mask */
+  double x[MOVES];      /* its moves in grid steps, the jog as a part of one */
+  point point;          /* on its device curve */
+  double error[ERRORS]; /* its errors; at first as they will be once the line
+                           ends have moved */
+  double size;          /* of them; INFINITY if it never printed */
+  double pull;          /* the error of Ion that asks for the same L */
+  biases best;          /* of the mask with the least size so far */
+  double best_size;
+  double rest_size;         /* the least size since its last move */
+  response response, first; /* as learnt, and as estimated at first */
+  trust trust;              /* how far its next L may go */
+  int32_t end[2];           /* its line ends in the mask measured last */
+  double surprise;   /* by how much the next print's log Ion may differ from
+                        what the response says, as its line ends and its
+                        neighbours have moved */
+  uint8_t disturbed; /* the last print changed for reasons other than its
+                        own moves */
+  uint8_t outside;   /* the figures of the best mask come from beyond the ends
+                        of the device table */
+  uint8_t verdict;
+} transistor;
+
+typedef struct newton {
+  const opc_host *host;
+  double weight[ERRORS];
+  double tolerance, limit; /* % */
+  double gain[MOVES];
+  double max_bias, min_jog; /* nm */
+  int fine;
+  int64_t iterations;
+  const char *wishes_path;
+  double mean; /* of all sizes at the print before; while all rest, the
+                  least so far */
+  int rest;    /* nothing was moved at the print before */
+  wish *wish;  /* of each transistor */
+  transistor *state;
+  sides *sides;
+  size_t count;
+} newton;
+
+int same(biases a, biases b);
+
+/* `limit` as an error. */
+double limit(const newton *t);
+
+/* The weighted errors as one figure; it is |error| of one that weighs 1. */
+double size_of(const newton *t, const double error[ERRORS]);
+
+/* The length of that mask of transistor i, its jog as a part of a step. */
+double length_in_steps(const newton *t, size_t i, biases b);
+
+/* Which moves serve the weights at all. */
+void free_moves(const newton *t, int free[MOVES]);
+
+/* Take in what the mask of `moves` has printed, for all transistors. */
+void observe(newton *t, const eda_feedback *f, const eda_moves *moves);
+
+/* How much the print of `moves` may surprise each transistor. */
+void foresee(newton *t, const eda_feedback *f, const eda_moves *moves);
+
+#endif

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The bracket on curves whose root is known, with steps ten times too long. */
+#include "trust.c"
+
+#include <glib.h>
+
+/* Steep below the root at -7, and the same beyond -9: a table that ends. */
+static double ion(double x) {
+  return x < -9 ? 0.4 : x < -7 ? -0.2 * (x + 7) : -0.01 * (x + 7);
+}
+
+static void test_bracket(void) {
+  trust t = {.radius = 20};
+  double x = 0, seen[ENDS] = {-INFINITY, INFINITY};
+  int n = 0;
+  for (; fabs(ion(x)) > 1e-3; n++) {
+    trust_see(&t, x, ion(x));
+    seen[ion(x) > 0 ? SHORT : LONG] = x;
+    g_assert_cmpint(n, <, 20);
+    x += trust_step(&t, x, ion(x) / 0.002);
+    g_assert_true(seen[SHORT] < x && x < seen[LONG]);
+  }
+}
+
+static void test_radius(void) {
+  trust t = {.radius = 20};
+  trust_judge(&t, -8, 0.2, 0.1, 0.21);
+  g_assert_cmpfloat(t.radius, ==, 2);
+  trust_judge(&t, -2, 0.2, 0.1, 0.1);
+  g_assert_cmpfloat(t.radius, ==, 4);
+  trust_see(&t, 0, -0.1);
+  trust_see(&t, -9, INFINITY);
+  trust_drift(&t, 0, 0.2); /* the end at 0 may have crossed zero */
+  g_assert_cmpfloat(trust_step(&t, 0, -30), ==, -4);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/trust/bracket", test_bracket);
+  g_test_add_func("/trust/radius", test_radius);
+  return g_test_run();
+}
