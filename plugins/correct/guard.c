@@ -29,9 +29,8 @@ static const struct {
        width of a gate, so that its two ends are told apart. */
     .near = 100,
 
-    /* What is as near as this to a gate belongs to it: fragments of its edges
-       and of its line ends, rules without a transistor. About a resolution at
-       193 nm, NA 0.75. */
+    /* Fragments of edges as near as this to a gate are its own, its line ends'
+       too. About a resolution at 193 nm, NA 0.75. */
     .reach = 150,
 
     /* How far around a gate all goes back at first; twice as far each time.
@@ -170,26 +169,17 @@ static int fault_of(const loop *l, size_t i, double margin) {
   return off(l, &l->measured.performance, i, target) <= most ? GOOD : WORSE;
 }
 
-/* New violations are faults of their transistors, or of those beside them. */
-static int find_broken(loop *l, const eda_index *index, opc_error *error) {
+/* New violations are faults of their transistors. Those that have none, as of
+   the mask's own edges, make no transistor worse. */
+static int find_broken(loop *l, opc_error *error) {
   guarded *state = l->guard.state;
   eda_violation *v = NULL;
   size_t n = 0;
   if (!l->regulator) return OPC_OK;
   int code = loop_violations(l, &v, &n, error);
-  for (size_t k = 0; k < n && !code; k++) {
-    if (was_broken(&l->guard, &v[k])) continue;
-    if (v[k].gate >= 0) {
-      guarded *s = &state[v[k].gate];
-      s->fault = MAX(s->fault, RULE);
-      continue;
-    }
-    eda_box window =
-        grown(place_of(l, v[k].x, v[k].y), tuned.reach / l->gates->grid);
-    eda_finder f = eda_index_find(index, window);
-    for (uint32_t i; eda_index_next(&f, &i);)
-      state[i].fault = MAX(state[i].fault, RULE);
-  }
+  for (size_t k = 0; k < n && !code; k++)
+    if (v[k].gate >= 0 && !was_broken(&l->guard, &v[k]))
+      state[v[k].gate].fault = MAX(state[v[k].gate].fault, RULE);
   free(v);
   return code;
 }
@@ -205,12 +195,11 @@ static void keep_least(loop *l, size_t i) {
 
 /* How many transistors of the last print have a fault, and no cause for it that
    is known already. */
-static int find_faults(loop *l, const eda_index *index, size_t *count,
-                       opc_error *error) {
+static int find_faults(loop *l, size_t *count, opc_error *error) {
   *count = 0;
   for (size_t i = 0; i < l->gates->count; i++)
     l->guard.state[i].fault = (uint8_t)fault_of(l, i, tuned.worse);
-  int code = find_broken(l, index, error);
+  int code = find_broken(l, error);
   for (size_t i = 0; i < l->gates->count; i++) {
     guarded *s = &l->guard.state[i];
     if (s->fault != WORSE) s->cause = NULL;
@@ -473,7 +462,7 @@ static int find_causes(hold *h, opc_error *error) {
 
 static int take_back(hold *h, opc_error *error) {
   size_t faults = 0;
-  int code = find_faults(h->l, h->gates, &faults, error);
+  int code = find_faults(h->l, &faults, error);
   for (int round = 0; faults && !code; round++) {
     int gone = 1;
     if (round == tuned.rounds)
@@ -482,7 +471,7 @@ static int take_back(hold *h, opc_error *error) {
       gone = go_back(h) > 0;
     code = gone ? print(h->l, error) : find_causes(h, error);
     if (code || round == tuned.rounds) break;
-    code = find_faults(h->l, h->gates, &faults, error);
+    code = find_faults(h->l, &faults, error);
   }
   return code;
 }

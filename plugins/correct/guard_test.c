@@ -40,9 +40,9 @@ static const eda_synthesizer scripted = {
 
 /* ---- a regulator that finds what a test wants ---- */
 
-/* A rule that transistor 0 breaks if `drawn`, or if any mask is not as drawn.
- */
-static int drawn, moved;
+/* A rule that transistor 0 breaks, or nobody, if `drawn`, or `moved` and any
+   mask is not as drawn. */
+static int drawn, moved, nobodys;
 
 static int rule(void *self, const eda_printed *p, eda_ruling *r,
                 opc_error *error) {
@@ -59,6 +59,7 @@ static int violations(void *self, const eda_printed *p, eda_violation *v,
   if (*count)
     v[0] = (eda_violation){
         .rule = biased ? "width: too much" : "width", .x = 30, .y = 200};
+  if (*count && nobodys) v[0].gate = -1;
   return OPC_OK;
 }
 
@@ -181,6 +182,10 @@ static void test_rules(void) {
   expect(&l, 0, 0, "went back: as drawn, with all around");
   g_assert_cmpint(l.now.biases.l[1], ==, 0);
   g_assert_cmpuint(l.guard.back, ==, 1);
+  loop_clear(&l);
+  nobodys = 1;
+  run(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
+  expect(&l, 0, -14, NULL);
   loop_clear(&l);
 }
 
