@@ -97,7 +97,9 @@ int loop_print(loop *l, int all, opc_error *error) {
   if (code) return code;
   l->summary = summarize(l->gates, &l->design, &l->measured.performance,
                          l->measured.flags, l->sites);
-  history_add(&l->history, &l->summary, l->iterations, l->printer.simulations);
+  if (!l->guard.prints)
+    history_add(&l->history, &l->summary, l->iterations,
+                l->printer.simulations);
   guard_watch(l);
   if (l->traced) trace_add(&l->trace, l);
   return OPC_OK;
