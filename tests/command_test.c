@@ -589,6 +589,11 @@ static void test_require_faults(void) {
   g_assert_cmpstr(err, ==,
                   "musty.yaml:5:8: 'sum' is given here and at "
                   "musty.yaml:4:3\n");
+  write_flow("musty.yaml",
+             "opcflow: 1\nextends: two.yaml\nrequire: { .a.sum: 1 nm }\n");
+  g_assert_cmpint(call("check musty.yaml"), ==, 2);
+  g_assert_cmpstr(err, ==,
+                  "musty.yaml:3:12: there is no '.a' in 'musty.yaml'\n");
   g_assert_cmpint(call("check two.yaml --set require.a.sum=[2~nm,1~nm]"), ==,
                   2);
   g_assert_cmpint(call("check two.yaml --set require.a.sum=[2~nm]"), ==, 2);
@@ -682,6 +687,7 @@ static void test_variants(void) {
   g_assert_cmpint(call("run var.yaml --variant all --output v"), ==, 4);
   g_assert_true(is_there("v/big/flow.yaml"));
   g_assert_true(is_there("v/bad.failed/flow.yaml"));
+  g_assert_nonnull(strstr(err, " (variant 'bad')\n"));
   g_assert_true(is_there("v/less/flow.yaml"));
   g_autofree char *less = read_text("v/less/numbers.csv");
   g_assert_nonnull(strstr(less, "plain,6.00,1\r\n"));
@@ -700,6 +706,17 @@ static void test_variants(void) {
                   "wrong.yaml:3:26: 'size' needs a length, not '1 V' (variant "
                   "'x')\n");
   g_assert_cmpint(call("run wrong.yaml"), ==, 0);
+  /* In two forms: wrong in one file, laid over each other in two. */
+  write_flow("wrong.yaml",
+             "opcflow: 1\nextends: two.yaml\nvariants:\n"
+             "  x: { b.size: 1 nm, b: { size: 2 nm } }\n");
+  g_assert_cmpint(call("check wrong.yaml"), ==, 2);
+  g_assert_cmpstr(
+      err, ==, "wrong.yaml:4:27: 'size' is given here and at wrong.yaml:4:8\n");
+  write_flow("over.yaml",
+             "opcflow: 1\nextends: var.yaml\nvariants:\n"
+             "  big: { b: { size: 2 nm } }\n");
+  g_assert_cmpint(call("check over.yaml"), ==, 0);
 }
 
 /* b depends on a, which is not swept: a runs once. */
@@ -840,18 +857,33 @@ static void test_colour(void) {
   g_assert_null(strchr(plain, '\033'));
 }
 
-static void test_full(void) {
-  if (!is_there("/dev/full")) {
-    g_test_skip("there is no /dev/full");
-    return;
-  }
-  g_autofree char *line = g_strdup_printf("%s help > /dev/full", command);
+/* opcflow as a shell starts it. */
+static int shell(const char *words) {
+  g_autofree char *line = g_strdup_printf("%s %s", command, words);
   const char *argv[] = {"/bin/sh", "-c", line, NULL};
   int status;
   g_assert_true(g_spawn_sync(NULL, (char **)argv, NULL,
                              G_SPAWN_STDERR_TO_DEV_NULL, NULL, NULL, NULL, NULL,
                              &status, NULL));
-  g_assert_cmpint(WEXITSTATUS(status), ==, 5);
+  g_assert_true(WIFEXITED(status));
+  return WEXITSTATUS(status);
+}
+
+static void test_full(void) {
+  if (is_there("/dev/full"))
+    g_assert_cmpint(shell("help > /dev/full"), ==, 5);
+  else
+    g_test_skip("there is no /dev/full");
+}
+
+/* No plugin is blamed for streams that came closed, and no file becomes one. */
+static void test_closed(void) {
+  g_assert_cmpint(shell("run two.yaml --output closed >&-"), ==, 5);
+  g_assert_true(is_there("closed/manifest.json"));
+  g_assert_cmpint(shell("run two.yaml --output closed2 2>&-"), ==, 0);
+  g_assert_cmpint(shell("run two.yaml --output closed3 <&- 2>&-"), ==, 0);
+  g_assert_cmpint(shell("run two.yaml --output closed4 --quiet <&- >&- 2>&-"),
+                  ==, 0);
 }
 
 int main(int argc, char **argv) {
@@ -890,6 +922,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/command/interrupt", test_interrupt);
   g_test_add_func("/command/colour", test_colour);
   g_test_add_func("/command/full", test_full);
+  g_test_add_func("/command/closed", test_closed);
   int failed = g_test_run();
   g_assert_cmpint(g_chdir("/"), ==, 0);
   opc_remove_tree(folder);

@@ -100,6 +100,8 @@ static const way ways[] = {
     {"usr1", "crashed in plugin '%s': user signal 1\n"},
     {"pipe", "crashed in plugin '%s': broken pipe\n"},
     {"alarm", "crashed in plugin '%s': alarm\n"},
+    {"profile", "crashed in plugin '%s': alarm\n"},
+    {"timer", "plugin '%s' left an alarm set\n"},
     {"thread", "crashed in plugin '%s': segmentation fault\n"},
     {"handler", "plugin '%s' changed the handler of SIGSEGV\n"},
     {"deaf", "plugin '%s' changed the handler of SIGTERM\n"},
@@ -207,13 +209,36 @@ static void test_arrays(void) {
 
 /* A crash where the text or the array is read is put down to who gave it. */
 static void test_dangling(void) {
-  static const char *const faults[][2] = {{"synthesizer", "dangling"},
-                                          {"synthesizer", "dangling assists"},
-                                          {"regulator", "dangling"},
-                                          {"regulator", "dangling patches"}};
+  static const char *const faults[][2] = {
+      {"litho", "dangling"},       {"resist", "dangling"},
+      {"synthesizer", "dangling"}, {"synthesizer", "dangling assists"},
+      {"regulator", "dangling"},   {"regulator", "dangling patches"}};
   for (size_t i = 0; i < G_N_ELEMENTS(faults); i++)
     try_correction(faults[i][0], "", faults[i][1],
                    "crashed in plugin '%s': segmentation fault\n");
+}
+
+/* Values that are not of the heap are put down to who gave them, too. */
+static void test_static(void) {
+  try_correction("litho", "", "static", "crashed in plugin '%s': aborted\n");
+}
+
+/* ---- side by side ---- */
+
+/* What belongs to no thread can have been any plugin that is at work: the one
+   that did it is among those that are named. */
+static void test_beside(void) {
+  static const char *const kinds[][2] = {
+      {"litho", "image"}, {"resist", "print"}, {"extractor", "extract"}};
+  for (size_t i = 0; i < G_N_ELEMENTS(kinds); i++)
+    for (int again = 0; again < 4; again++) {
+      g_autofree char *id = g_strdup_printf("'bad.%s'", kinds[i][0]);
+      write_correction(kinds[i][0]);
+      expect(call("run bad.yaml --output x --threads 4", kinds[i][1], "chdir"),
+             4, id, " changed the working folder\n");
+      g_assert_nonnull(strstr(err, id));
+      expect_kept();
+    }
 }
 
 /* ---- steps, verbs, kinds ---- */
@@ -236,7 +261,16 @@ static void test_step(void) {
              "plugin '%s' changed the modes of new files\n");
   }
   try_step("check step.yaml", "check", "exit", 4, ended);
+  try_step("check step.yaml", "forecast", "exit", 4, ended);
+  try_step("run step.yaml", "forecast", "chdir", 4,
+           "plugin '%s' changed the working folder\n");
+  try_step("run step.yaml", "", "endless error", 4, "xxxx");
   try_step("run step.yaml", "run", "err", 4, ended);
+  /* Whatever ends it in the end, the exit code is the command's. */
+  try_step("run step.yaml", "run", "atexit", 4, "(bad.step): gave no reason");
+  expect(call("run step.yaml --output z", "run", "atexit crash"), 4, "",
+         "crashed while the command ended: segmentation fault\n");
+  g_assert_true(opc_remove_tree("z"));
   try_step("run step.yaml", "", "memory", 4, "crashed in plugin '%s': trap\n");
   try_step("run step.yaml", "", "thread later", 4,
            "crashed in plugin '%s': segmentation fault\n");
@@ -395,6 +429,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/evil/elsewhere", test_elsewhere);
   g_test_add_func("/evil/arrays", test_arrays);
   g_test_add_func("/evil/dangling", test_dangling);
+  g_test_add_func("/evil/static", test_static);
+  g_test_add_func("/evil/beside", test_beside);
   g_test_add_func("/evil/step", test_step);
   g_test_add_func("/evil/verb", test_verb);
   g_test_add_func("/evil/loading", test_loading);

@@ -532,6 +532,18 @@ static void test_truncated(void) {
   g_assert_nonnull(strstr(errors, "byte"));
 }
 
+/* Nothing else is wrong with it: it prints, and comes as near as can be. */
+static void test_wrong_scale(void) {
+  g_autofree char *flow = source("flows/demo.yaml"), *errors = NULL;
+  g_autofree char *run = place("scale");
+  g_assert_cmpint(opcflow(&errors, "run", flow, "--output", run, "--set",
+                          "layout.scale=3", "--quiet", NULL),
+                  ==, 1);
+  g_assert_nonnull(strstr(errors, "is the layout's 'scale' right"));
+  g_assert_nonnull(
+      strstr(errors, "'mask.outside' is 4, required is at most 0\n"));
+}
+
 static void test_typo(void) {
   g_autofree char *flow = place("typo.yaml"), *errors = NULL;
   g_assert_true(g_file_set_contents(
@@ -576,6 +588,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/flows/model-files", test_model_files);
   g_test_add_func("/flows/no-transistor", test_no_transistor);
   g_test_add_func("/flows/truncated", test_truncated);
+  g_test_add_func("/flows/wrong-scale", test_wrong_scale);
   g_test_add_func("/flows/typo", test_typo);
   int code = g_test_run();
   remove_tree(folder);

@@ -109,6 +109,18 @@ static void test_places(void) {
                   ==, 5);
   g_assert_cmpstr(err, ==,
                   "error: 'p/file': is a file, and a run needs a folder\n");
+  static const char *const nameless[] = {"''", ".", "..", "/", "p/.", "p/x/.."};
+  for (guint i = 0; i < G_N_ELEMENTS(nameless); i++) {
+    g_autofree char *line =
+        g_strdup_printf("$O run two.yaml --force --output %s", nameless[i]);
+    g_assert_cmpint(sh(line), ==, 2);
+    g_assert_nonnull(strstr(err, "' does not end in a name"));
+  }
+  expect_names("p", "file link x");
+  g_assert_cmpint(sh("$O run two.yaml --force"), ==, 2);
+  g_assert_cmpstr(err, ==,
+                  "error: '--force' needs '--output', which names what it "
+                  "replaces\n");
   g_assert_cmpint(sh("$O run two.yaml --output p/file/x"), ==, 5);
   g_assert_cmpstr(err, ==,
                   "error: 'p/file': cannot be made: Not a directory\n");

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* `opcflow lint`: what it finds in plugins that are made to be found, and that
    it finds nothing in ours. */
-#include <glib.h>
+#include <gio/gio.h>
+#include <glib/gstdio.h>
 #include <poll.h>
 #include <signal.h>
 #include <string.h>
@@ -47,6 +48,7 @@ static const struct {
     {"bad.synthesizer_moves",
      "update: moves the width of transistor 2 by -2147483648"},
     {"bad.litho_dim", "image: the clear field has the intensity 0.9, not 1"},
+    {"bad.litho_dark", "image: the clear field has the intensity 0.9, not 1"},
     {"bad.resist_sign", "print: nothing prints in the dark"},
     {"bad.extractor_milli",
      "extract: Ion of a gate of L 60, W 200 nm is 0.333333 A; 1e-08 to 0.01 "
@@ -121,6 +123,7 @@ static const struct {
     {"plugins", "netlist.match", tried, 0},
     {"plugins", "draw.mask", tried, 0},
     {"plugins", "segment.transistors", tried, 0},
+    {"plugins", "process.window", tried, 0},
     {"tests", "bad.litho_none", alone, 1},
     {"plugins", "kind.litho", untried, 1},
     {"tests", "command.tell", untried, 1},
@@ -149,7 +152,7 @@ static void test_with(void) {
       "{ devices: %s/data/devices/ptm65.yaml }", g_getenv("OPCFLOW_SOURCE"));
   g_assert_cmpint(lint("plugins", "extractor.plain", with), ==, 0);
   g_assert_cmpstr(err, ==, tried);
-  g_assert_cmpint(lint("plugins", "correct", NULL), ==, 1);
+  g_assert_cmpint(lint("plugins", "correct", "{ litho: {} }"), ==, 1);
   g_assert_nonnull(strstr(err, "not checked: check: "));
   g_assert_cmpint(lint("plugins", "litho.kernels", NULL), ==, 1);
   g_assert_nonnull(
@@ -157,8 +160,11 @@ static void test_with(void) {
   g_assert_cmpint(lint("plugins", "none", NULL), ==, 5);
 }
 
-/* A child that works for ever ends with its parent, however that ends. */
+/* A child that works for ever ends with its parent, however that ends, and
+   nothing is left of either. */
 static void test_killed(void) {
+  g_autofree char *folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
+  g_setenv("TMPDIR", folder, TRUE);
   const char *build = g_getenv("OPCFLOW_BUILD");
   g_autofree char *command = g_build_filename(build, "opcflow", NULL);
   g_autofree char *path = g_build_filename(build, "tests", "bad.hang.so", NULL);
@@ -177,6 +183,34 @@ static void test_killed(void) {
   g_assert_cmpint(poll(&end, 1, 5000), ==, 1);
   g_assert_cmpint(read(output, &byte, 1), ==, 0);
   close(output);
+  g_unsetenv("TMPDIR");
+  g_assert_cmpint(g_rmdir(folder), ==, 0);
+}
+
+/* What takes long is no fault, if it can be stopped. All the other tests go on
+   while this one waits. */
+static GSubprocess *slow;
+
+static void start_slow(void) {
+  const char *build = g_getenv("OPCFLOW_BUILD");
+  g_autofree char *command = g_build_filename(build, "opcflow", NULL);
+  g_autofree char *path =
+      g_build_filename(build, "tests", "bad.step_slow.so", NULL);
+  slow = g_subprocess_new(
+      G_SUBPROCESS_FLAGS_STDERR_PIPE | G_SUBPROCESS_FLAGS_STDOUT_SILENCE, NULL,
+      command, "lint", path, NULL);
+  g_assert_nonnull(slow);
+}
+
+static void test_slow(void) {
+  g_autofree char *said = NULL;
+  g_subprocess_communicate_utf8(slow, NULL, NULL, NULL, &said, NULL);
+  g_assert_cmpint(g_subprocess_get_exit_status(slow), ==, 0);
+  g_assert_cmpstr(said, ==,
+                  "note: checked: exports, loading, check, being made and "
+                  "freed; not checked: run: takes longer than 15 s, see "
+                  "--with\n");
+  g_object_unref(slow);
 }
 
 /* Where there is no nm, that is said. */
@@ -191,12 +225,14 @@ static void test_without_nm(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
+  start_slow();
   g_test_add_func("/lint/bad", test_bad);
   g_test_add_func("/lint/untidy", test_untidy);
   g_test_add_func("/lint/good", test_good);
   g_test_add_func("/lint/with", test_with);
   g_test_add_func("/lint/killed", test_killed);
   g_test_add_func("/lint/without-nm", test_without_nm);
+  g_test_add_func("/lint/slow", test_slow);
   int failed = g_test_run();
   g_free(out);
   g_free(err);

@@ -4,6 +4,9 @@
 
 static const double blur = 25, band_limit = 0.02; /* nm, 1/nm */
 
+/* Values that nobody can free. */
+static float fixed[1 << 20];
+
 static int prepare(void *self, opc_error *error) {
   evil("prepare");
   (void)self, (void)error;
@@ -28,7 +31,8 @@ static void transfer(const void *self, size_t s, const double *fx, double fy,
 
 static int image(const void *self, int layer, const eda_spectrum *mask,
                  eda_field *out, opc_error *error) {
-  const double one = does("dim") ? 0.9 : 1;
+  const int dark = does("dark");
+  const double one = does("dim") || dark ? 0.9 : 1;
   evil("image");
   (void)self, (void)layer;
   int code = misbehave();
@@ -38,7 +42,8 @@ static int image(const void *self, int layer, const eda_spectrum *mask,
                                .band = band_limit,
                                .intensity_band = 2 * band_limit,
                                .transfer = transfer,
-                               .scale = {1, 0}};
+                               .offset = {dark, 0},
+                               .scale = {dark ? -1 : 1, 0}};
   code = eda_coherent_sum(host->context, mask, &systems, 0, out, error);
   if (code) return code;
   if (does("nan")) out->coefficients[out->nx + 2] = NAN;
@@ -46,6 +51,8 @@ static int image(const void *self, int layer, const eda_spectrum *mask,
   if (does("shape")) out->nx = 0;
   if (does("frame")) out->frame.width *= 2;
   if (does("empty")) eda_field_clear(out);
+  if (does("dangling")) out->coefficients = (float *)16;
+  if (does("static")) out->coefficients = fixed;
   return OPC_OK;
 }
 

@@ -17,6 +17,7 @@ static int print(const void *self, int layer, eda_field *field,
     field->coefficients[i] =
         (does("sign") ? -1 : 1) * (0.3f - field->coefficients[i]);
   if (does("overrun")) field->coefficients[n + 2] = 1;
+  if (does("dangling")) field->coefficients = (float *)16;
   if (does("nan")) field->coefficients[n - 1] = NAN;
   return misbehave();
 }

@@ -38,13 +38,26 @@ static int run(void *self, void **outputs, opc_error *error) {
   if (does("dangling log")) host->log(host, OPC_LOG_INFO, "%s", (char *)16);
   if (does("memory")) free(eda_alloc(SIZE_MAX / 4, 1));
   if (does("thread later")) leave_thread(), sleep(1);
+  while (does("slow") && !opc_cancelled(host->context)) usleep(10000);
+  if (does("slow")) return OPC_CANCELLED;
   int code = misbehave();
   if (!code && !does("output")) outputs[0] = make_gates();
   return code;
 }
 
+static int forecast(void *self, opc_forecast *out, opc_error *error) {
+  (void)self;
+  evil("forecast");
+  if (does("endless")) memset(out->work, 'x', sizeof out->work);
+  if (does("no number")) out->memory = NAN;
+  if (!does("endless error")) return OPC_OK;
+  memset(error, 'x', sizeof *error);
+  return OPC_FAILED;
+}
+
 static const opc_port outputs[] = {{"gates", "gates", check_gates, release}};
 
-static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run};
+static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
+                                   .forecast = forecast};
 
 BAD_PLUGIN("step", functions);

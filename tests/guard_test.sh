@@ -1,0 +1,62 @@
+#!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
+# What the guard of `correct` promises, read off the tables of runs of each method:
+# no transistor is further off than drawn and than the limit, or its row names a rule or
+# a neighbour. Without the guard, some are.
+set -u
+opcflow=$OPCFLOW_BUILD/opcflow
+cells=$OPCFLOW_SOURCE/data/cells65
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+
+# correct METHOD CELL.gds|.cif [--set ...]: its transistors in gates.csv
+correct() {
+  local method=$1 layout=$2
+  shift 2
+  "$opcflow" run "$OPCFLOW_SOURCE/flows/$method.yaml" --quiet --force --output "$work/run" \
+    --set 'picture=~' --set 'gds=~' --set 'cost=~' --set "layout=$layout" "$@" >"$work/said" 2>&1
+  [ $? -le 1 ] || { sed 's/^/# /' "$work/said"; return 1; }
+}
+
+# How many transistors are worse, and how many of them have no reason.
+count() {
+  awk -F, '
+    NR == 1 { for (i = 1; i <= NF; i++) { sub(/ .*/, "", $i); at[$i] = i }; next }
+    { was = $at["ion_before"]; is = $at["ion_after"]
+      lost = is == "" && was != ""
+      if (was < 0) was = -was
+      if (is < 0) is = -is
+      if (was < 0.5) was = 0.5
+      if (!lost && (was == "" || is <= was + 0.0015)) next
+      worse++
+      # The verdict has a comma in it and is quoted.
+      if (lost || $0 !~ /"(rule: |neighbour )[^"]*at \(/) unnamed++ }
+    END { print worse + 0, unnamed + 0, NR - 1 }' "$work/run/gates.csv"
+}
+
+sram="{ use: read.gds, file: $cells/sram4.gds, layers: { poly: 9/0, active: 1/0, contact: 10/0, nwell: 3/0 } }"
+chain="{ use: read.cif, file: $cells/inverter_chain.cif, layers: { poly: CP, active: CA, contact: CC, nimplant: CSN, pimplant: CSP } }"
+
+echo 1..6
+n=0
+tell() { # RESULT NAME
+  n=$((n + 1))
+  [ "$1" = 0 ] && echo "ok $n - $2" || echo "not ok $n - $2"
+}
+
+for method in pb dpb ic epe newton; do
+  result=0
+  for layout in "$sram" "$chain"; do
+    correct $method "$layout" || { result=1; continue; }
+    read -r worse unnamed all < <(count)
+    echo "# $method: $worse of $all worse than drawn, $unnamed of them without a reason"
+    [ "$all" -ge 100 ] && [ "$unnamed" = 0 ] || result=1
+  done
+  tell $result "$method holds to the drawn mask"
+done
+
+correct ic "$sram" --set mask.guard=off
+read -r worse unnamed all < <(count)
+[ "$worse" -gt 0 ] && [ "$unnamed" = "$worse" ] &&
+  grep -q "guard: off: $worse transistors are worse than drawn" "$work/said"
+tell $? "without the guard some are worse, and that is said ($worse of $all)"
