@@ -83,6 +83,8 @@ static const eda_extractor coupled = {
 
 /* ---- the loop ---- */
 
+static double limit_of_guard = 0.5; /* % */
+
 static void run(loop *l, const opc_module *synthesizer, const eda_extractor *e,
                 const opc_module *regulator, int hold) {
   opc_error error = {0};
@@ -92,7 +94,7 @@ static void run(loop *l, const opc_module *synthesizer, const eda_extractor *e,
               .regulator = regulator,
               .max_iterations = 10,
               .hold = hold,
-              .limit = 0.5,
+              .limit = limit_of_guard,
               .drivers[MAIN].module = synthesizer};
   calls = 0;
   eda_printer_init(&l->printer, NULL, l->gates, MODULE(&litho, NULL),
@@ -157,6 +159,43 @@ static void test_worse(void) {
   loop_clear(&l);
 }
 
+/* Further off than drawn, but within the limit. */
+static void test_limit(void) {
+  script s = {.l = {{-1, -14}}, .moves = 1, .target = {0.822, 1}};
+  loop l;
+  for (int good = 0; good < 2; good++) {
+    limit_of_guard = good ? 5 : 0.5;
+    run(&l, SCRIPTED(s), &extractor, NULL, 1);
+    expect(&l, 0, good ? -1 : 0, good ? NULL : "went back: its best mask");
+    loop_clear(&l);
+  }
+  limit_of_guard = 0.5;
+}
+
+/* A mask that was good with other line ends is none to go back to. */
+static int move_end(void *self, const eda_printed *p, eda_ruling *r,
+                    opc_error *error) {
+  (void)self, (void)p, (void)error;
+  r->end[0] = 20;
+  return OPC_OK;
+}
+
+static const eda_synthesizer hasty = {.begin = begin,
+                                      .update = update,
+                                      .target = target,
+                                      .flags = EDA_SYNTHESIZER_ENDS_ANYTIME};
+static const eda_regulator mover = {.rule = move_end, .violations = violations};
+
+static void test_ends(void) {
+  script s = {.l = {{-30, -14}}, .moves = 1, .target = {1, 1}};
+  loop l;
+  drawn = moved = 0;
+  run(&l, MODULE(&hasty, &s), &extractor, MODULE(&mover, NULL), 1);
+  expect(&l, 0, -15, "went back: half of its best mask");
+  expect(&l, 1, -14, NULL);
+  loop_clear(&l);
+}
+
 /* What is wanted of Ion decides what is worse; NAN: nothing is wanted. */
 static void test_target(void) {
   script s = {.l = {{-14, 40}}, .moves = 1, .target = {0.82, NAN}};
@@ -192,9 +231,10 @@ static void test_rules(void) {
 /* Nothing that a transistor does itself helps: its neighbour is named, and both
    stay as they are best. */
 static void test_neighbour(void) {
-  script s = {.l = {{-14, -14}}, .moves = 1, .target = {1, 1}};
+  script s = {.l = {{-14, -14}, {-8, -14}}, .moves = 2, .target = {1, 1}};
   loop l;
-  run(&l, SCRIPTED(s), &coupled, NULL, 1);
+  drawn = moved = 0;
+  run(&l, MODULE(&hasty, &s), &coupled, MODULE(&mover, NULL), 1);
   g_assert_cmpuint(l.guard.worse, ==, 1);
   expect(&l, 0, -14, "neighbour at (30, 750) nm");
   expect(&l, 1, -14, NULL);
@@ -256,6 +296,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/guard/good", test_good);
   g_test_add_func("/guard/open", test_open);
   g_test_add_func("/guard/worse", test_worse);
+  g_test_add_func("/guard/limit", test_limit);
+  g_test_add_func("/guard/ends", test_ends);
   g_test_add_func("/guard/target", test_target);
   g_test_add_func("/guard/rules", test_rules);
   g_test_add_func("/guard/neighbour", test_neighbour);
