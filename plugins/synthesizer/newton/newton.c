@@ -151,7 +151,8 @@ static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
   static const int only_w[MOVES] = {0, 1};
   const transistor *s = &t->state[i];
   const eda_gates *g = f->gates;
-  uint32_t veto = f->vetoes[i];
+  /* What is forbidden a lost mask is not so from the last good one. */
+  uint32_t veto = s->lost ? 0 : f->vetoes[i];
   double most_w = fmin(t->max_bias, g->width[i] / 2) / g->grid;
   int free[MOVES], mended;
   double dx[MOVES], wanted;

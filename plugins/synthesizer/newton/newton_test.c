@@ -26,11 +26,13 @@ typedef struct model {
   double ion[MOST], area[MOST], ioff[MOST]; /* deviations at the end */
   double second; /* the worst of Ion in the second print */
   int prints;
-  int late;     /* a print after which transistor 3 draws 2 % less */
-  double steep; /* log Ion falls by so much more a nm for each nm shorter, */
-  double table; /* down to a printed length where the device table ends; */
-  double open;  /* below this one the poly is open: no figures; */
-  double merge; /* above this one it is merged; 0: never */
+  int late;      /* a print after which transistor 3 draws 2 % less */
+  double steep;  /* log Ion falls by so much more a nm for each nm shorter, */
+  double table;  /* down to a printed length where the device table ends; */
+  double open;   /* below this one the poly is open: no figures; */
+  double merge;  /* above this one it is merged; 0: never */
+  int ends_open; /* so is it while a line end is too short */
+  int regulated; /* an open line may get neither shorter nor narrower */
   uint32_t flags[MOST];
   double bracket[MOST][2]; /* lengths that were open, too long */
   int held;                /* moves that a bracket of two ends held */
@@ -64,10 +66,11 @@ static void print(model *t, const int32_t *end, eda_performance *p) {
     double printed = length + t->off_l[i] + gain * (l + t->coupling * beside);
     double weq = WIDTH + t->off_w[i] + t->gain_w * t->w[i];
     double thin = end[2 * i + 1] < t->grow ? t->thin[i] : 0;
-    int lost = printed < t->open || (t->merge > 0 && printed > t->merge);
-    t->flags[i] = !lost               ? 0
-                  : printed < t->open ? EDA_PRINT_OPEN
-                                      : EDA_PRINT_MERGED;
+    int open = printed < t->open || (t->ends_open && thin > 0);
+    int merged = t->merge > 0 && printed > t->merge;
+    t->flags[i] = open ? EDA_PRINT_OPEN : merged ? EDA_PRINT_MERGED : 0;
+    if (t->regulated)
+      t->veto[i] = open ? EDA_VETO_SHORTER | EDA_VETO_NARROWER : 0;
     double known = fmax(printed, t->table);
     p->leq_ion[i] = known - thin / 0.022;
     p->leq_ioff[i] = printed;
@@ -241,6 +244,7 @@ static void test_near_resolution(void) {
                    .table = 57,
                    .open = 55,
                    .merge = 100,
+                   .regulated = 1,
                    .guarded = 1};
         for (size_t i = 0; i < n; i++) {
           t.off_l[i] = 12 + 10.0 * (double)i / MOST;
@@ -248,7 +252,10 @@ static void test_near_resolution(void) {
         }
         run(m, &t);
         held += t.held;
-        for (size_t i = 0; i < n; i++) g_assert_cmpint(t.flags[i], ==, 0);
+        for (size_t i = 0; i < n; i++) {
+          g_assert_cmpint(t.flags[i], ==, 0);
+          g_assert_cmpint(abs(t.w[i]), <=, 1); /* L alone does it */
+        }
         g_assert_cmpfloat(worst(t.ion, n), <=, 0.5);
         g_test_message("guess %g, gain %g, %zu: %d prints", guess[k],
                        true_gain[j], n, t.prints);
@@ -269,6 +276,21 @@ static void test_lost_as_drawn(void) {
   run(m, &t);
   g_assert_cmpint(t.flags[0], ==, 0);
   g_assert_cmpint(t.flags[1], ==, 0);
+  g_assert_cmpfloat(worst(t.ion, 2), <=, 0.5);
+}
+
+/* A line that was open for its short line end alone is as long as it was, once
+   that has grown. */
+static void test_open_by_its_end(void) {
+  g_autoptr(opc_module) m = make("{}");
+  model t = {.n = 2,
+             .gain_l = 2,
+             .gain_w = 1.05,
+             .thin = {0.3, 0.3},
+             .grow = 40,
+             .ends_open = 1,
+             .off_l = {0, 4}};
+  run(m, &t);
   g_assert_cmpfloat(worst(t.ion, 2), <=, 0.5);
 }
 
@@ -562,6 +584,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/newton/ion", test_ion);
   g_test_add_func("/newton/near-resolution", test_near_resolution);
   g_test_add_func("/newton/lost-as-drawn", test_lost_as_drawn);
+  g_test_add_func("/newton/open-by-its-end", test_open_by_its_end);
   g_test_add_func("/newton/out-of-reach", test_out_of_reach);
   g_test_add_func("/newton/limit", test_limit);
   g_test_add_func("/newton/late", test_late);

@@ -135,6 +135,7 @@ static void take_in(const newton *t, transistor *s, const eda_feedback *f,
   memcpy(s->end, f->end + 2 * i, sizeof s->end);
   s->now = now;
   s->disturbed = (uint8_t)ends;
+  if (ends) trust_forget_lost(&s->trust);
   if (first) never_printed(s, now);
   if (!prints) {
     lose(s, x, f->flags[i]);

@@ -16,6 +16,11 @@ void trust_drift(trust *t, double shift, double noise) {
   }
 }
 
+void trust_forget_lost(trust *t) {
+  for (int end = 0; end < ENDS; end++)
+    if (isinf(t->error[end])) t->error[end] = 0;
+}
+
 void trust_see(trust *t, double x, double error) {
   int end = error > 0 ? SHORT : LONG, other = !end;
   double sign = end == SHORT ? 1 : -1;

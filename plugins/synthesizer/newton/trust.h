@@ -19,8 +19,11 @@ typedef struct trust {
 /* What else has changed the transistor since the last print changes log Ion at
    the ends by `shift`, known to `noise`; an end that this may have moved across
    zero is dropped. A length that was lost stays lost until one beyond it
-   prints. */
+   prints, or is forgotten. */
 void trust_drift(trust *t, double shift, double noise);
+
+/* What was lost may have been so for another reason, as a short line end. */
+void trust_forget_lost(trust *t);
 
 /* A print of length x has that error; infinite: it is lost, too short or too
    long. An end on the wrong side of x is dropped. */
