@@ -14,7 +14,7 @@ static int is_known(const char *line) {
       ".model",  ".param",  ".subckt",  ".ends",  ".global", ".func",
       ".if",     ".elseif", ".else",    ".endif", ".save",   ".end",
       ".option", ".opt",    ".options", "+"};
-  size_t n = strcspn(line, " (,='\"{\n");
+  size_t n = strcspn(line, " (),='\"{\n");
   if (g_ascii_isalpha(*line)) return !strchr("AaNnUuYyPp", *line);
   for (size_t i = 0; i < G_N_ELEMENTS(begins); i++)
     if (strlen(begins[i]) == n && !g_ascii_strncasecmp(line, begins[i], n))

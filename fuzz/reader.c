@@ -27,10 +27,27 @@ static opc_binding *bind(const char *path) {
   return binding;
 }
 
+/* Of the layers that are flattened, and their bytes: more is allowed, and takes
+   its time. */
+enum { MOST_LAYERS = 4, MOST_FLAT = 1 << 22 };
+
+static void flatten(const eda_layout *layout, int32_t top) {
+  size_t layers = MIN(eda_layout_layers(layout), MOST_LAYERS);
+  for (size_t l = 0; l < layers; l++) {
+    opc_error error;
+    eda_flat flat;
+    if (eda_layout_flat_bytes(layout, top, (int32_t)l) > MOST_FLAT ||
+        eda_layout_flatten(layout, top, (int32_t)l, 1, &flat, &error))
+      continue;
+    eda_flat_clear(&flat);
+  }
+}
+
 /* What a layout may be asked. */
 static void look_at(const eda_layout *layout) {
   opc_error error;
-  eda_layout_top(layout, &error);
+  int32_t top = eda_layout_top(layout, &error);
+  if (top >= 0) flatten(layout, top);
   for (size_t c = 0; c < eda_layout_cells(layout); c++) {
     size_t n, polygons = eda_layout_polygons(layout, (int32_t)c);
     int32_t layer;

@@ -397,9 +397,9 @@ static void test_notes(void) {
   g_autofree char *flow = source("flows/newton.yaml");
   for (int i = 0; i < 3; i++) {
     g_autofree char *out = place(runs[i]);
-    g_assert_cmpint(
-        opcflow(NULL, "run", flow, "--set", sets[i], "--output", out, NULL), ==,
-        0);
+    g_assert_cmpint(opcflow(NULL, "run", flow, "--set", sets[i], "--set",
+                            "require.mask.ion_max=6 %", "--output", out, NULL),
+                    ==, 0);
     expect_equal("note-cif", runs[i], "gates.csv");
   }
   double ion[4];
@@ -430,9 +430,10 @@ static void test_bad_note(void) {
   g_autofree char *good = noted_layout("read.cif", cif, 0),
                   *over = place("over");
   g_autofree char *file = g_strdup_printf("mask.synthesizer.wishes=%s", wishes);
-  g_assert_cmpint(opcflow(NULL, "run", flow, "--set", good, "--set", file,
-                          "--output", over, NULL),
-                  ==, 0);
+  g_assert_cmpint(
+      opcflow(NULL, "run", flow, "--set", good, "--set", file, "--set",
+              "require.mask.ion_max=6 %", "--output", over, NULL),
+      ==, 0);
   double ion[4];
   read_ion("over", ion);
   g_assert_cmpfloat_with_epsilon(ion[0], 0, 0.6);

@@ -27,6 +27,9 @@ static void take_log(void *data, const char *path, int level,
 
 /* ---- what a run will want ---- */
 
+/* Bytes that are worth no line by themselves. */
+static const double little = 1e6;
+
 static void forecast(const opc_recipe *recipe, const opc_choice *choice,
                      const opc_watch *watch, JsonArray *told,
                      opc_problems *problems) {
@@ -43,7 +46,7 @@ static void forecast(const opc_recipe *recipe, const opc_choice *choice,
     if (o->forecast.memory > 0)
       json_object_set_double_member(object, "memory", o->forecast.memory);
     json_array_add_object_element(told, object);
-    if (!json)
+    if (!json && (*o->forecast.work || o->forecast.memory >= little))
       cli_print("%s%s%s: %s\n", choice->variant ? choice->variant : "",
                 choice->variant ? "/" : "", o->step, text);
     g_free(o->step);

@@ -40,11 +40,7 @@ const cli_verb *cli_find_verb(const char *name, opc_error *error) {
 
 /* The verb is the first word that is no option; what comes before it is read
    as if it stood behind. */
-int main(int argc, char **argv) {
-  setlocale(LC_CTYPE, "");
-  cli_keep_output();
-  signal(SIGXFSZ, SIG_IGN); /* a file that is too large is a failed write */
-  opc_guard_install(cli_is_terminal() ? "\r\033[K" : NULL);
+static int work(int argc, char **argv) {
   int at = 1;
   while (at < argc && *argv[at] == '-') {
     gboolean path = !strcmp(argv[at], "--plugin-path");
@@ -70,4 +66,14 @@ int main(int argc, char **argv) {
   int code = cli_parse(verb, command_line->len - 2,
                        (char **)command_line->pdata + 2, rest);
   return cli_finish(code < 0 ? verb->run(verb, rest) : code);
+}
+
+int main(int argc, char **argv) {
+  setlocale(LC_CTYPE, "");
+  cli_keep_output();
+  signal(SIGXFSZ, SIG_IGN); /* a file that is too large is a failed write */
+  opc_guard_install(cli_is_terminal() ? "\r\033[K" : NULL);
+  int code = work(argc, argv);
+  opc_guard_done(code);
+  return code;
 }

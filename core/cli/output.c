@@ -75,16 +75,21 @@ enum { FIRST_OWN = 100 }; /* of descriptors: above those that others count on */
 
 static FILE *out;
 
+/* A stream that came closed would be the next file that somebody opens. It
+   still can be neither read nor written. */
+static void hold_places(void) {
+  for (int i = STDIN_FILENO; i <= STDERR_FILENO; i++)
+    if (fcntl(i, F_GETFD) < 0)
+      (void)open("/dev/null", i == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+}
+
 void cli_keep_output(void) {
+  hold_places();
   int kept = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, FIRST_OWN);
   out = kept < 0 ? NULL : fdopen(kept, "w");
-  if (!out) out = stdout; /* nobody listens */
+  if (!out) out = stdout; /* so few files may be open */
   if (out == stdout) return;
-  if (dup2(STDERR_FILENO, STDOUT_FILENO) < 0) {
-    int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
-    dup2(nowhere, STDOUT_FILENO);
-    close(nowhere);
-  }
+  dup2(STDERR_FILENO, STDOUT_FILENO);
   setvbuf(stdout, NULL, _IOLBF, 0);
 }
 

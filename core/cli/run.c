@@ -156,34 +156,39 @@ static JsonObject *failure_json(const opc_run *run, opc_problems *problems) {
 }
 
 /* The last lines, whatever else was printed and wherever to. */
-static void tell_findings(const opc_run *run) {
+static void tell_findings(const opc_run *run, const char *note) {
   g_autoptr(GPtrArray) lines = opc_run_findings(run);
   cli_flush();
   for (guint i = 0; i < lines->len; i++)
-    cli_message("finding", "%s", (char *)lines->pdata[i]);
+    cli_message("finding", "%s%s", (char *)lines->pdata[i], note);
 }
 
-static int tell(const series *s, const opc_run *run, opc_problems *problems) {
+/* `note`: which variant it is, where there are several, or "". */
+static int tell(const series *s, const opc_run *run, const char *note,
+                const opc_problems *found) {
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  opc_problems_merge(problems, found, note);
   if (problems->list->len) {
     if (json) print_json(s, failure_json(run, problems));
     int code = cli_problems(problems);
     if (run->points && run->points->rows && !quiet) print_text(run);
-    tell_findings(run);
+    tell_findings(run, note);
     if (run->folder)
       cli_message("note", "what was written so far is in '%s'", run->folder);
     return cli_is_stopped(NULL) ? CLI_STOPPED : code;
   }
-  g_autoptr(opc_problems) broken = opc_problems_new();
-  opc_run_add_broken(run, broken);
+  g_autoptr(opc_problems) missed = opc_problems_new();
+  opc_run_add_broken(run, missed);
+  opc_problems_merge(problems, missed, note);
   if (json)
-    print_json(s, run_json(run, broken));
+    print_json(s, run_json(run, problems));
   else if (!quiet)
     print_text(run);
-  tell_findings(run);
+  tell_findings(run, note);
   if (run->failed_points)
     cli_message("error", "%zu of %zu points failed", run->failed_points,
                 run->sweep->points);
-  int code = cli_problems(broken);
+  int code = cli_problems(problems);
   return run->points_code ? cli_exit_code(run->points_code) : code;
 }
 
@@ -211,7 +216,10 @@ static int run_one(const series *s, const char *variant) {
   g_autoptr(opc_run) run =
       opc_run_flow(flow, &choice, cli_registry(), &its, &watch, problems);
   cli_progress_end(&progress);
-  return tell(s, run, problems);
+  g_autofree char *note = s->chosen->len > 1
+                              ? g_strdup_printf(" (variant '%s')", name)
+                              : g_strdup("");
+  return tell(s, run, note, problems);
 }
 
 /* The exit code of the first run that is not good. */
@@ -274,6 +282,10 @@ static int set_level(void) {
 static int run(const cli_verb *verb, const GPtrArray *arguments) {
   int code = cli_set_threads(threads);
   if (code < 0) code = set_level();
+  if (code < 0 && wanted.force && !wanted.output)
+    code = cli_error(CLI_USAGE,
+                     "'--force' needs '--output', which names what "
+                     "it replaces");
   if (code >= 0) return code;
   (void)verb;
   keep_memory();

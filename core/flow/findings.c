@@ -27,17 +27,20 @@ static gboolean is_known(const opc_run *run, const char *path,
   return FALSE;
 }
 
+static void add(opc_run *run, const char *path, const char *text) {
+  opc_finding *f = g_new(opc_finding, 1);
+  *f = (opc_finding){run->point, g_strdup(path), g_strdup(text)};
+  g_ptr_array_add(run->findings, f);
+}
+
 /* A step may find the same again and again; once is enough. */
 static void keep(opc_run *run, const char *path, const char *text) {
   g_mutex_lock(&run->lock);
-  if (is_known(run, path, text)) {
-  } else if (run->findings->len == OPC_MOST_FINDINGS) {
-    run->more_findings++;
-  } else {
-    opc_finding *f = g_new(opc_finding, 1);
-    *f = (opc_finding){run->point, g_strdup(path), g_strdup(text)};
-    g_ptr_array_add(run->findings, f);
-  }
+  gboolean known = is_known(run, path, text);
+  if (!known && run->findings->len < OPC_MOST_FINDINGS)
+    add(run, path, text);
+  else
+    run->more_findings += !known;
   g_mutex_unlock(&run->lock);
 }
 

@@ -91,9 +91,10 @@ static void test_not_yaml(void) {
   g_assert_null(opc_flow_load("none.yaml", NULL, registry(), problems));
   g_assert_null(opc_flow_load(".", NULL, registry(), problems));
   g_autofree char *found = opc_problems_text(problems);
-  g_assert_cmpstr(found, ==,
-                  "flow.yaml:1:4: not YAML: a NUL byte\n"
-                  "'none.yaml': no such file\n'.': is a folder, not a regular file");
+  g_assert_cmpstr(
+      found, ==,
+      "flow.yaml:1:4: not YAML: a NUL byte\n"
+      "'none.yaml': no such file\n'.': is a folder, not a regular file");
 }
 
 static void test_aliases(void) {
@@ -327,9 +328,11 @@ static void test_sets(void) {
 }
 
 static void test_wrong_sets(void) {
-  const char *const sets[] = {
-      "acb.size=2 nm", "abc.siez=2 nm", "abc.word=",     "abc=1", "abc.size",
-      "abc.size=2",    "abc.list=[",    "abc.plain.x=1", NULL};
+  const char *const sets[] = {"acb.size=2 nm", "abc.siez=2 nm",
+                              "abc.word=",     "abc=1",
+                              "abc.size",      "abc.size=2",
+                              "abc.list=[",    "abc.plain.x=1",
+                              "abc.\xe7=1",    NULL};
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_flow) flow = load_with(simple, -1, sets, problems);
   g_autofree char *found = opc_problems_text(problems);
@@ -342,6 +345,7 @@ static void test_wrong_sets(void) {
       "--set abc.size: 'size' needs a length with its unit, e.g. '2 nm'\n"
       "--set abc.list: not YAML: did not find expected node content while "
       "parsing a flow node\n"
+      "--set abc.\\xe7: its name is not UTF-8 text\n"
       "--set abc.siez: unknown parameter 'siez' of 'test.numbers', did you "
       "mean 'size'?\n"
       "--set abc.plain.x: 'plain' needs a number, not a map");

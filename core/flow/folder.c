@@ -181,6 +181,12 @@ opc_folder *opc_folder_open(const char *target, gboolean sole,
   g_autofree char *parent = g_path_get_dirname(target);
   g_autofree char *base = g_path_get_basename(target);
   g_autofree char *start = g_strdup_printf(".%s.opcflow-", base);
+  if (!*target || !strcmp(base, ".") || !strcmp(base, "..") ||
+      strchr(base, '/')) {
+    opc_fail(error, OPC_INVALID, NULL,
+             "'%s' does not end in a name, which a run folder needs", target);
+    return NULL;
+  }
   if (g_mkdir_with_parents(parent, 0777)) {
     opc_fail(error, OPC_IO, NULL, "'%s': cannot be made: %s", parent,
              g_strerror(errno));
@@ -267,9 +273,11 @@ int opc_folder_close(opc_folder *f, const char *target, gboolean replace,
     code = replace_run(f, target, error);
     if (!code) *got = g_strdup(target);
   }
-  if (!*got)
-    code = code ? (find_name(f, target, TRUE, got, &second), code)
-                : find_name(f, target, number, got, error);
+  /* What may not replace the earlier run gets a number; the fault is that. */
+  if (code)
+    (void)find_name(f, target, TRUE, got, &second);
+  else if (!*got)
+    code = find_name(f, target, number, got, error);
   g_autofree char *parent = g_path_get_dirname(target);
   return code ? code : opc_sync(parent, error);
 }

@@ -17,6 +17,7 @@ static void make_sound(char *text, size_t size) {
 }
 
 static char *bytes_text(double bytes) {
+  if (bytes < 1e6) return g_strdup("less than 1 MB");
   return g_strdup_printf(bytes < 1e9 ? "%.0f MB" : "%.1f GB",
                          bytes < 1e9 ? bytes * 1e-6 : bytes * 1e-9);
 }

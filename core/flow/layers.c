@@ -264,13 +264,17 @@ opc_node *opc_argument_parse(const char *option, const char *text, char **path,
   *path = equals ? g_strndup(text, (gsize)(equals - text)) : g_strdup(text);
   g_autofree char *name = g_strdup_printf("%s %s", option, *path);
   *source = opc_source_new(name, NULL);
+  const opc_place at = {(*source)->name, 0, 0};
+  if (!g_utf8_validate(*path, -1, NULL)) {
+    opc_problem_add(problems, OPC_INVALID, &at, "its name is not UTF-8 text");
+    return NULL;
+  }
   opc_node *value = equals ? parse_value(equals + 1, *source, problems) : NULL;
   /* A whole step can be removed or changed, but is no value. */
   gboolean good = equals && **path;
   if (good && value && !strchr(*path, '.'))
     good = value->type == OPC_NODE_MAP || opc_node_is_null(value);
   if (good || (equals && is_expanded(equals + 1))) return value;
-  const opc_place at = {(*source)->name, 0, 0};
   opc_problem_add(problems, OPC_INVALID, &at,
                   "needs the form 'step.parameter=value'");
   opc_node_free(value);

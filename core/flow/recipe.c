@@ -155,8 +155,11 @@ static gboolean remove_key(opc_node *map, const char *key) {
   return TRUE;
 }
 
+/* Both forms of a parameter are wrong in one file; of two files, one is laid
+   over the other. */
 static void add_variant(opc_recipe *recipe, const opc_node *key,
-                        const opc_node *value) {
+                        const opc_node *value, opc_problems *problems) {
+  opc_node_free(opc_undot(value, FALSE, problems));
   g_autofree char *layer = g_strdup_printf("variant %s", key->text);
   opc_source *source = opc_source_layer(value->source, layer);
   g_ptr_array_add(recipe->sources, source);
@@ -190,7 +193,7 @@ static void take_variants(opc_recipe *recipe, const opc_node *root,
                 "the variant '%s' needs a map of at most %d parameters",
                 key->text, MOST_STEPS);
     } else {
-      add_variant(recipe, key, value);
+      add_variant(recipe, key, value, problems);
     }
   }
 }

@@ -136,13 +136,13 @@ static void read_one(const reader *in, const char *path, const opc_node *key,
     requirement_free(r);
 }
 
-/* As deep as the tree. */
+/* As deep as the tree; `prefix` is NULL at its top. */
 static void read_map(const reader *in, const char *prefix,
                      const opc_node *map) {
   for (guint i = 0; i < map->items->len; i++) {
     const opc_node *key = map->keys->pdata[i], *value = map->items->pdata[i];
-    g_autofree char *path =
-        g_strdup_printf("%s%s%s", prefix, *prefix ? "." : "", key->text);
+    g_autofree char *path = prefix ? g_strconcat(prefix, ".", key->text, NULL)
+                                   : g_strdup(key->text);
     if (value->type == OPC_NODE_MAP)
       read_map(in, path, value);
     else
@@ -160,5 +160,5 @@ void opc_flow_require(opc_flow *flow, opc_problems *problems) {
               "'require' needs a map, as '{ STEP.METRIC: BOUND }'");
     return;
   }
-  read_map(&in, "", given);
+  read_map(&in, NULL, given);
 }

@@ -93,14 +93,23 @@ static void remove_slot(void) {
   unlinkat(here, slot, AT_REMOVEDIR);
 }
 
+/* In one piece, as another process, or thread, may speak at the same time. */
+static char said[4 * PATH_MAX];
+
+static void add_text(const char *text) {
+  size_t n = strlen(said), more = strlen(text), room = sizeof said - 1 - n;
+  memcpy(said + n, text, more < room ? more : room);
+}
+
 /* Says where, and the words, which end with NULL. */
 _Noreturn static void end(const char *const *words, int code) {
   static int taken;
   /* The first thread speaks; others wait for the end. */
   while (__atomic_exchange_n(&taken, 1, __ATOMIC_SEQ_CST)) pause();
-  opc_process_say(wipe);
-  opc_process_say(*where ? where : "error");
-  while (*words) opc_process_say(*words++);
+  add_text(wipe);
+  add_text(*where ? where : "error");
+  while (*words) add_text(*words++);
+  opc_process_say(said);
   /* A copy that a plugin made of the process keeps nothing. */
   if (getpid() == guarded && keep_folder()) {
     opc_process_say("note: what was written so far is in '");
@@ -120,10 +129,65 @@ _Noreturn static void blame(const char *id, const char *what,
 
 /* ---- which plugin ---- */
 
-static _Thread_local const char *inside;
+/* What a thread is at, which others read. */
+typedef struct worker {
+  const char *inside;  /* the plugin */
+  const char *suspect; /* the one that was in it after the last look */
+  int waits;           /* others work for it */
+  struct worker *next;
+} worker;
+
+static _Thread_local worker me;
 static _Thread_local int calls; /* enter without its leave */
-static const char **inside_main = &(const char *){NULL};
+static worker *main_worker = &(worker){NULL, NULL, 0, NULL}, *workers;
+static pthread_mutex_t workers_lock = PTHREAD_MUTEX_INITIALIZER;
 static pthread_key_t ending;
+
+static void set(const char **field, const char *id) {
+  __atomic_store_n(field, id, __ATOMIC_RELAXED);
+}
+
+/* "'A', 'B'": each name once; the number of names. */
+static int add_name(char *list, size_t room, int n, const char *id) {
+  char name[256];
+  size_t length = strlen(list);
+  if (!id) return n;
+  snprintf(name, sizeof name, "'%s'", id);
+  if (strstr(list, name)) return n;
+  snprintf(list + length, room - length, "%s%s", n ? ", " : "", name);
+  return n + 1;
+}
+
+/* Adds the plugins that other threads are in, or were since they were looked
+   at, where `suspects` count as well. */
+static int add_others(char *list, size_t room, int n, int suspects) {
+  for (worker *w = workers; w; w = w->next) {
+    if (w == &me) continue;
+    if (!__atomic_load_n(&w->waits, __ATOMIC_RELAXED))
+      n = add_name(list, room, n,
+                   __atomic_load_n(&w->inside, __ATOMIC_RELAXED));
+    if (suspects)
+      n = add_name(list, room, n,
+                   __atomic_load_n(&w->suspect, __ATOMIC_RELAXED));
+  }
+  return n;
+}
+
+/* For what belongs to no thread: it may have been any that is at work. */
+static void blame_all(const char *id, const char *what, const char *detail) {
+  char list[1024] = "";
+  int n = add_name(list, sizeof list, 0, id);
+  pthread_mutex_lock(&workers_lock);
+  n = add_others(list, sizeof list, n, 1);
+  const char *const words[] = {n > 1 ? ": one of the plugins " : ": plugin ",
+                               list,
+                               " ",
+                               what,
+                               detail,
+                               "\n",
+                               NULL};
+  end(words, exit_code);
+}
 
 /* A handler needs a stack of its own, as that of the thread may be used up. */
 static _Thread_local char stack[STACK];
@@ -141,13 +205,23 @@ static void give_stack(void) {
    wait for it, or the command ends well. */
 static void thread_ended(void *unused) {
   (void)unused;
-  if (guarded && calls > 0) blame(inside, "ended its thread", "");
+  if (guarded && calls > 0) blame(me.inside, "ended its thread", "");
+  pthread_mutex_lock(&workers_lock);
+  worker **at = &workers;
+  while (*at && *at != &me) at = &(*at)->next;
+  if (*at) *at = me.next;
+  pthread_mutex_unlock(&workers_lock);
 }
 
 static void begin_thread(void) {
   if (has_stack) return;
   give_stack();
-  if (guarded) pthread_setspecific(ending, "known");
+  if (!guarded) return;
+  pthread_setspecific(ending, "known");
+  pthread_mutex_lock(&workers_lock);
+  me.next = workers;
+  workers = &me;
+  pthread_mutex_unlock(&workers_lock);
 }
 
 /* ---- what it did ---- */
@@ -160,9 +234,7 @@ static const double pause_of_looks = 5e-3;
    when they are done. */
 static _Thread_local int in_batch;
 
-/* The plugin that was in this thread after the last look; and when that was. */
-static _Thread_local const char *suspect;
-static _Thread_local double looked;
+static _Thread_local double looked; /* when, s */
 
 static double now(void) {
   struct timespec t;
@@ -173,81 +245,103 @@ static double now(void) {
 /* What costs nothing, after each call. */
 static void glance(void) {
   const char *what = opc_process_thread_change();
-  if (forked) blame(inside, "forked and went on", "");
-  if (what) blame(inside, what, "");
+  if (forked) blame(me.inside, "forked and went on", "");
+  if (what) blame(me.inside, what, "");
 }
 
-/* Whatever is not as it was, that plugin did. */
+/* Whatever is not as it was, that plugin did, or one beside it. */
 static void look(const char *id) {
   const char *detail;
+  if (opc_process_signals_change()) blame(id, "changed which signals come", "");
   const char *what = opc_process_change(&detail);
-  if (what) blame(id, what, detail);
-  suspect = NULL;
+  if (what) blame_all(id, what, detail);
+  set(&me.suspect, NULL);
   looked = now();
 }
 
 const char *opc_guard_enter(const char *id) {
-  const char *before = inside;
-  const char *who = suspect || in_batch ? suspect : inside;
+  const char *before = me.inside;
+  const char *who = me.suspect || in_batch ? me.suspect : before;
   begin_thread();
-  if (guarded && inside) glance();
+  if (guarded && before) glance();
   /* Before another one can be taken for it. */
   if (guarded && id && who && id != who) look(who);
   calls++;
-  inside = id;
+  set(&me.inside, id);
   return before;
 }
 
 void opc_guard_leave(const char *before) {
-  int last = !before && &inside == inside_main;
-  if (guarded && inside) glance();
-  if (guarded && inside && !suspect) suspect = inside;
-  if (guarded && suspect && (last || now() - looked > pause_of_looks))
-    look(suspect);
+  int last = !before && &me == main_worker;
+  if (guarded && me.inside) glance();
+  if (guarded && me.inside && !me.suspect) set(&me.suspect, me.inside);
+  if (guarded && me.suspect && (last || now() - looked > pause_of_looks))
+    look(me.suspect);
   calls--;
-  inside = before;
+  set(&me.inside, before);
 }
 
 void opc_guard_gather(void) {
-  if (guarded && suspect) look(suspect);
+  if (guarded && me.suspect) look(me.suspect);
 }
 
 const char *opc_guard_join(const char *id) {
-  const char *before = inside;
+  const char *before = me.inside;
   begin_thread();
   calls++;
   in_batch++;
-  inside = id;
+  set(&me.inside, id);
   return before;
 }
 
 void opc_guard_part(const char *before) {
-  if (guarded && inside) glance();
+  if (guarded && me.inside) glance();
   opc_guard_gather();
   in_batch--;
   calls--;
-  inside = before;
+  set(&me.inside, before);
+}
+
+void opc_guard_wait(int waits) {
+  __atomic_store_n(&me.waits, waits, __ATOMIC_RELAXED);
 }
 
 void opc_guard_adopt(const char *id) {
   begin_thread();
-  inside = id;
+  set(&me.inside, id);
 }
 
-const char *opc_guard_inside(void) { return inside; }
+const char *opc_guard_inside(void) { return me.inside; }
 
 /* ---- what ends it ---- */
 
+/* Of a thread that is ending now nothing is read: a handler cannot wait for the
+   lock, and then names the first thread's plugin only. */
 void opc_guard_end(int code) {
-  const char *id = *inside_main;
-  const char *const words[] = {id ? ": stopped in plugin '" : ": stopped",
-                               id ? id : "", id ? "'\n" : "\n", NULL};
+  static char list[1024];
+  int alone = pthread_mutex_trylock(&workers_lock);
+  int n = add_name(list, sizeof list, 0, me.inside);
+  if (alone)
+    n = add_name(list, sizeof list, n, main_worker->inside);
+  else
+    n = add_others(list, sizeof list, n, 0);
+  const char *const words[] = {n > 1   ? ": stopped in one of the plugins "
+                               : n > 0 ? ": stopped in plugin "
+                                       : ": stopped",
+                               list, "\n", NULL};
   end(words, code);
 }
 
 void opc_guard_exit(void) {
-  if (inside && getpid() == guarded) blame(inside, "ended the process", "");
+  if (me.inside && getpid() == guarded)
+    blame(me.inside, "ended the process", "");
 }
+
+static int done = -1; /* exit code */
+
+void opc_guard_done(int code) { done = code; }
+
+int opc_guard_code(int code) { return done < 0 ? code : done; }
 
 /* Sent by another process, which no plugin can help. */
 static int is_foreign(const siginfo_t *info) {
@@ -260,13 +354,16 @@ static void crashed(int number, siginfo_t *info, void *unused) {
   (void)unused;
   const opc_signal *s = opc_signals;
   while (s->number != number) s++;
-  if (!inside || is_foreign(info)) { /* as if there were no handler */
+  const char *const late[] = {": crashed while the command ended: ", s->means,
+                              "\n", NULL};
+  if (!me.inside && done >= 0 && !is_foreign(info)) end(late, exit_code);
+  if (!me.inside || is_foreign(info)) { /* as if there were no handler */
     signal(number, SIG_DFL);
     raise(number);
     return;
   }
   const char *const words[] = {
-      ": crashed in plugin '", inside, "': ", s->means, "\n", NULL};
+      ": crashed in plugin '", me.inside, "': ", s->means, "\n", NULL};
   end(words, exit_code);
 }
 
@@ -289,6 +386,6 @@ void opc_guard_install(const char *text) {
   pthread_atfork(NULL, NULL, has_forked);
   atexit(opc_guard_exit);
   at_quick_exit(opc_guard_exit);
-  inside_main = &inside;
+  main_worker = &me;
   guarded = getpid();
 }

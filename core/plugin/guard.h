@@ -20,6 +20,9 @@ void opc_guard_gather(void);
 const char *opc_guard_join(const char *id);
 void opc_guard_part(const char *before);
 
+/* This thread waits for tasks that others do (1), and works again (0). */
+void opc_guard_wait(int waits);
+
 /* This thread was started by that plugin, and is in it as long as it lives. */
 void opc_guard_adopt(const char *id);
 
@@ -46,13 +49,21 @@ void opc_guard_where(const char *where, int code);
    NULL for none. */
 void opc_guard_folder(const char *work, const char *failed, const char *lock);
 
-/* End the command now, "WHERE: stopped in
-   plugin 'ID'", with that folder kept as after a
-   crash. May be called by a signal handler. */
+/* End the command now, "WHERE: stopped in plugin 'ID'", with that folder kept
+   as after a crash. Where threads are in several plugins, all are named. May be
+   called by a signal handler. */
 _Noreturn void opc_guard_end(int code);
 
 /* The process is about to end by itself: if it is a plugin that ends it, it is
    blamed, and this does not come back. */
 void opc_guard_exit(void);
+
+/* The work is done, with that exit code, and only functions for the end of the
+   process are still called, those of plugins among them: whatever they do, the
+   code stays. */
+void opc_guard_done(int code);
+
+/* The exit code instead of that one. */
+int opc_guard_code(int code);
 
 #endif

@@ -148,14 +148,19 @@ static void parallel(const opc_context *context, size_t n,
   g_atomic_ref_count_init(&b->references);
   g_mutex_init(&b->lock);
   g_cond_init(&b->finished);
+  /* Threads that the pool starts here are nobody's. */
+  const char *before = opc_guard_enter(NULL);
   for (size_t i = 1; i < workers; i++) {
     g_atomic_ref_count_inc(&b->references);
     g_thread_pool_push(pool(), b, NULL);
   }
+  opc_guard_leave(before);
   batch_work(b);
+  opc_guard_wait(1);
   g_mutex_lock(&b->lock);
   while (b->done < b->n) g_cond_wait(&b->finished, &b->lock);
   g_mutex_unlock(&b->lock);
+  opc_guard_wait(0);
   batch_release(b);
 }
 

@@ -26,7 +26,7 @@ _Noreturn static void leave(const char *name, int code) {
   void (*next)(int);
   opc_guard_exit();
   find_next(name, &next);
-  next(code);
+  next(opc_guard_code(code));
   abort();
 }
 

@@ -11,13 +11,14 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include "core/plugin/child.h"
 
 enum {
   STREAMS = 3,
-  SIGNALS = 16,         /* room for opc_signals */
+  SIGNALS = 20,         /* room for opc_signals */
   LONGEST_LOCALE = 512, /* all categories, each with its name */
   FIRST_OWN = 100 /* descriptors of our own: above those that others count on */
 };
@@ -31,6 +32,9 @@ const opc_signal opc_signals[] = {{SIGSEGV, "SIGSEGV", "segmentation fault"},
                                   {SIGSYS, "SIGSYS", "bad system call"},
                                   {SIGPIPE, "SIGPIPE", "broken pipe"},
                                   {SIGALRM, "SIGALRM", "alarm"},
+                                  {SIGVTALRM, "SIGVTALRM", "alarm"},
+                                  {SIGPROF, "SIGPROF", "alarm"},
+                                  {SIGPOLL, "SIGPOLL", "input or output"},
                                   {SIGUSR1, "SIGUSR1", "user signal 1"},
                                   {SIGUSR2, "SIGUSR2", "user signal 2"},
                                   {SIGHUP, "SIGHUP", NULL},
@@ -142,11 +146,21 @@ const char *opc_process_thread_change(void) {
                                                     : "changed the locale";
 }
 
+int opc_process_signals_change(void) {
+  return blocked_now() != settled.blocked;
+}
+
+/* An alarm that rings when another plugin's turn has come. */
+static int has_alarm(void) {
+  struct itimerval left;
+  getitimer(ITIMER_REAL, &left);
+  return left.it_value.tv_sec || left.it_value.tv_usec;
+}
+
 const char *opc_process_change(const char **detail) {
   *detail = "";
   if (strncmp(setlocale(LC_ALL, NULL), settled.locale, LONGEST_LOCALE - 1) != 0)
     return "changed the locale";
-  if (blocked_now() != settled.blocked) return "changed which signals come";
   for (int i = 0; opc_signals[i].number; i++)
     if (handler_now(opc_signals[i].number) != settled.handler[i]) {
       *detail = opc_signals[i].name;
@@ -156,6 +170,7 @@ const char *opc_process_change(const char **detail) {
   /* That it is set to what it should be hurts no other thread. */
   if (umask(settled.modes) != settled.modes)
     return "changed the modes of new files";
+  if (has_alarm()) return "left an alarm set";
   return stream_change();
 }
 

@@ -22,8 +22,11 @@ void opc_process_settle(void);
    the locale"; NULL if all is. Takes no system call. [any] */
 const char *opc_process_thread_change(void);
 
-/* The same of the process and of which signals this thread takes. `*detail` is
-   more of that text, or empty. [any] */
+/* Whether this thread takes other signals than it did. [any] */
+int opc_process_signals_change(void);
+
+/* What of the process is not as it was. `*detail` is more of that text, or
+   empty. [any] */
 const char *opc_process_change(const char **detail);
 
 /* The working folder as it was, whatever became of it: for renameat(). */

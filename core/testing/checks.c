@@ -15,6 +15,9 @@
 #include "core/testing/instance.h"
 #include "core/testing/published.h"
 
+/* Of the time of a check, after which work is asked to stop. */
+static const double part = 0.25;
+
 enum {
   THREADS = 4,
   TOGETHER = 2, /* instances at the same time */
@@ -71,6 +74,16 @@ static void note(opc_inspector *hears, const char *format, ...) {
 
 /* ---- instances ---- */
 
+/* Work that would go on for longer is asked to stop, at that time. */
+static gint64 deadline;
+
+static int is_late(void *unused) {
+  (void)unused;
+  return g_get_monotonic_time() > deadline;
+}
+
+static const opc_watch hurry = {.cancelled = is_late};
+
 static char *sample_path(const inspector *in, size_t i) {
   return i < in->kind->n_samples
              ? g_build_filename(in->lint->folder, in->kind->samples[i].name,
@@ -83,9 +96,13 @@ static gboolean make(const inspector *in, const opc_parameter *changed,
                      opc_problems *problems, opc_instance *made) {
   g_autofree char *file = sample_path(in, in->sample);
   /* A check looks at no content: the plugin itself is a file, too. */
-  const opc_making making = {
-      in->lint->registry,   in->plugin, file ? file : in->lint->path,
-      in->lint->parameters, changed,    number};
+  const opc_making making = {in->lint->registry,
+                             in->plugin,
+                             file ? file : in->lint->path,
+                             in->lint->parameters,
+                             changed,
+                             number,
+                             &hurry};
   return opc_instance_make(&making, like, problems, made);
 }
 
@@ -189,7 +206,10 @@ static void run_step(inspector *in, const opc_module *m) {
   opc_error error = {0};
   int code = step->run(m->self, outputs, &error);
   error.message[sizeof error.message - 1] = 0;
-  if (code && !*error.message)
+  if (code == OPC_CANCELLED && is_late(NULL))
+    note(&in->hears, "run: takes longer than %g s, see --with",
+         in->lint->seconds * part);
+  else if (code && !*error.message)
     find(&in->hears, "run failed without a message");
   else if (code)
     note(&in->hears, "run: %s", error.message);
@@ -265,7 +285,8 @@ static void say_digest(inspector *in) {
   if (digest) say(in, 'D', digest);
 }
 
-/* Which of the sample files it works with; a note if none. */
+/* Which of the sample files it works with, or went on with until it was late; a
+   note if none. */
 static void choose_sample(inspector *in, const char *parameter) {
   inspector nowhere = *in;
   nowhere.out = -1;
@@ -273,7 +294,7 @@ static void choose_sample(inspector *in, const char *parameter) {
   for (size_t i = 0; i < in->kind->n_samples; i++) {
     nowhere.sample = i;
     g_autofree char *digest = work(&nowhere);
-    if (!digest) continue;
+    if (!digest && !is_late(NULL)) continue;
     in->sample = i;
     break;
   }
@@ -287,24 +308,17 @@ static void choose_sample(inspector *in, const char *parameter) {
 
 /* The first parameter that must be a file and that nobody has given; NULL if
    there is none, or no instance. */
-static const char *wanted_file(const inspector *in) {
+static char *wanted_file(const inspector *in) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   opc_instance made;
-  const char *found = NULL;
   gboolean good = make(in, NULL, 0, NULL, problems, &made);
-  for (size_t i = 0; good && i < in->plugin->n_parameters && !found; i++) {
-    const opc_parameter *p = &in->plugin->parameters[i];
-    g_autofree char *word = g_strndup(p->name, strcspn(p->name, "."));
-    if (p->type == OPC_FILE && p->flags & OPC_REQUIRED &&
-        !opc_node_get(made.given, word))
-      found = p->name;
-  }
+  char *found = good ? g_steal_pointer(&made.file) : NULL;
   opc_instance_clear(&made);
   return found;
 }
 
 static void check_work(inspector *in) {
-  const char *file = can_try(in) ? wanted_file(in) : NULL;
+  g_autofree char *file = can_try(in) ? wanted_file(in) : NULL;
   if (!can_try(in))
     note(&in->hears, "work: the kind '%s' does not say how to try it",
          in->plugin->kind);
@@ -349,14 +363,14 @@ static void check_together(inspector *in) {
 /* ---- memory ---- */
 
 /* By how many bytes each life of an instance makes the memory in use grow, of
-   up to CYCLES lives in SEGMENT seconds; 0 where it is little. */
-static double growth(const inspector *in, gboolean working) {
+   up to `most` lives in SEGMENT seconds; 0 where it is little. */
+static double growth(const inspector *in, gboolean working, int most) {
   inspector nowhere = *in;
   nowhere.out = -1;
   gint64 end = g_get_monotonic_time() + SEGMENT * G_USEC_PER_SEC;
   struct mallinfo2 before = mallinfo2();
   int n = 0;
-  for (; n < CYCLES && g_get_monotonic_time() < end; n++) {
+  for (; n < most && g_get_monotonic_time() < end; n++) {
     if (working) {
       g_free(work(&nowhere));
       continue;
@@ -375,9 +389,10 @@ static double growth(const inspector *in, gboolean working) {
 /* What grows again and again, after a start, goes on growing. */
 static void check_leaks(inspector *in) {
   for (int working = 0; working < 2; working++) {
-    growth(in, working);
-    double one = growth(in, working);
-    double two = one > 0 ? growth(in, working) : 0;
+    growth(in, working, 1);
+    if (is_late(NULL)) return;
+    double one = growth(in, working, CYCLES);
+    double two = one > 0 ? growth(in, working, CYCLES) : 0;
     if (!(two > 0)) continue;
     find(&in->hears, "leaks %.0f bytes each time it is made%s and freed",
          MIN(one, two), working ? ", used" : "");
@@ -426,6 +441,7 @@ void opc_check_do(const opc_lint *lint, size_t i, int out) {
                   .lint = lint,
                   .sample = lint->sample,
                   .out = out};
+  deadline = g_get_monotonic_time() + (gint64)(lint->seconds * part * 1e6);
   opc_set_threads(1);
   in.plugin = opc_registry_find(lint->registry, lint->id, &error);
   in.kind = in.plugin ? opc_kind_trials(lint->registry, in.plugin->kind) : NULL;

@@ -60,14 +60,42 @@ static void put(opc_node *map, const opc_source *source, const char *name,
   if (over) opc_lay(map, over, problems);
 }
 
-static void make_up(const opc_making *making, opc_instance *made,
+/* Slots in plugins of slots, as deep as we follow. */
+enum { DEEPEST = 3 };
+
+/* The first plugin of that kind that can be loaded; NULL if none. */
+static const opc_plugin *first_of(opc_registry *registry, const char *kind) {
+  g_autofree char *prefix = g_strconcat(kind, ".", NULL);
+  g_autoptr(GPtrArray) ids = opc_registry_ids(registry, prefix);
+  const opc_plugin *found = NULL;
+  opc_error none;
+  for (guint i = 0; i < ids->len && !found; i++)
+    found = opc_registry_find(registry, ids->pdata[i], &none);
+  return found;
+}
+
+static gboolean is_given(const opc_instance *made, const char *name) {
+  g_autofree char *word = g_strndup(name, strcspn(name, "."));
+  return made->given && opc_node_get(made->given, word);
+}
+
+/* What `plugin`, in the slots that `inside` names, must be given. */
+static void make_up(const opc_making *making, const opc_plugin *plugin,
+                    const char *inside, int depth, opc_instance *made,
                     opc_problems *problems) {
-  const opc_plugin *plugin = making->plugin;
   for (size_t i = 0; i < plugin->n_parameters; i++) {
     const opc_parameter *p = &plugin->parameters[i];
-    g_autofree char *text =
-        p->flags & OPC_REQUIRED ? sample_text(making->file, p) : NULL;
-    if (text) put(made->map, made->source, p->name, text, problems);
+    g_autofree char *name = g_strconcat(inside, p->name, NULL);
+    if (!(p->flags & OPC_REQUIRED) || is_given(made, name)) continue;
+    const opc_plugin *inner = p->type == OPC_SLOT && depth < DEEPEST
+                                  ? first_of(making->registry, p->choices)
+                                  : NULL;
+    g_autofree char *text = inner ? g_strdup_printf("{ use: %s }", inner->id)
+                                  : sample_text(making->file, p);
+    if (text) put(made->map, made->source, name, text, problems);
+    if (text && p->type == OPC_FILE && !made->file) made->file = g_strdup(name);
+    g_autofree char *slot = g_strconcat(name, ".", NULL);
+    if (inner) make_up(making, inner, slot, depth + 1, made, problems);
   }
 }
 
@@ -76,6 +104,7 @@ void opc_instance_clear(opc_instance *made) {
   opc_node_free(made->map);
   opc_node_free(made->given);
   opc_source_free(made->source);
+  g_free(made->file);
 }
 
 gboolean opc_instance_make(const opc_making *making, const opc_host *like,
@@ -83,9 +112,9 @@ gboolean opc_instance_make(const opc_making *making, const opc_host *like,
   const opc_place at = {NULL, 0, 0};
   *made = (opc_instance){.source = opc_source_new("lint", "")};
   made->map = opc_node_map_new(made->source, &at);
-  make_up(making, made, problems);
   made->given = opc_node_parse(made->source, making->parameters,
                                strlen(making->parameters), problems);
+  make_up(making, making->plugin, "", 0, made, problems);
   if (made->given && made->given->type == OPC_NODE_MAP)
     opc_lay(made->map, made->given, problems);
   if (making->changed) {
@@ -97,5 +126,5 @@ gboolean opc_instance_make(const opc_making *making, const opc_host *like,
         opc_bind_plugin(making->registry, making->plugin, made->map,
                         making->plugin->id, &at, OPC_BIND_NO_INPUTS, problems);
   return !problems->list->len &&
-         opc_binding_create(made->binding, NULL, like, problems);
+         opc_binding_create(made->binding, making->watch, like, problems);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* An instance of a plugin for `opcflow lint`: parameters that must be given are
-   made up where nobody gives them. */
+   made up where nobody gives them; a slot gets the first plugin of its kind
+   that there is. */
 #ifndef OPCFLOW_CORE_INSTANCE_H
 #define OPCFLOW_CORE_INSTANCE_H
 
@@ -13,12 +14,14 @@ typedef struct opc_making {
   const char *parameters;       /* a map in flow syntax, over what is made up */
   const opc_parameter *changed; /* one with another number; NULL: none */
   double number;
+  const opc_watch *watch; /* who may stop it; NULL: nobody */
 } opc_making;
 
 typedef struct opc_instance {
   opc_source *source;
   opc_node *map, *given;
   opc_binding *binding;
+  char *file; /* the first parameter that got making.file, "slot.name"; NULL */
 } opc_instance;
 
 /* Make it, with hosts like `like` (NULL: that do nothing). FALSE and problems

@@ -16,10 +16,11 @@ typedef struct opc_lint {
   const char *parameters; /* a map in flow syntax, over what is made up */
   double seconds;         /* that one check may take */
   char *folder;           /* for sample files and what plugins write */
-  size_t sample;          /* the file that the plugin works with */
-  GPtrArray *findings;    /* char *: what is wrong */
-  GPtrArray *checked;     /* char *: what was looked at */
-  GPtrArray *notes;       /* char *: what could not be, and why */
+  int alive, janitor;  /* a pipe's end; who removes the folder when it ends */
+  size_t sample;       /* the file that the plugin works with */
+  GPtrArray *findings; /* char *: what is wrong */
+  GPtrArray *checked;  /* char *: what was looked at */
+  GPtrArray *notes;    /* char *: what could not be, and why */
 } opc_lint;
 
 opc_lint *opc_lint_new(const char *path, opc_registry *registry,

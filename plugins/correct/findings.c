@@ -124,18 +124,20 @@ void findings_of_print(const opc_host *host, const eda_gates *g,
 /* ---- held ---- */
 
 void findings_of_guard(const opc_host *host, const guard *g, int held) {
+  const char *are = g->worse == 1 ? " is" : "s are";
   if (!held)
     host->log(host, OPC_LOG_FINDING,
               "guard: off: %zu transistor%s worse than drawn and than the "
-              "limit, %zu that printed as drawn do so no more",
-              g->worse, g->worse == 1 ? " is" : "s are", g->lost);
+              "limit, %zu that printed as drawn %s so no more",
+              g->worse, are, g->lost, verb(g->lost));
   else if (g->worse)
     host->log(host, OPC_LOG_FINDING,
               "%zu transistor%s worse than drawn, as neighbours or rules stand "
               "in the way: 'verdict' in gates.csv names them",
-              g->worse, g->worse == 1 ? " is" : "s are");
+              g->worse, are);
   if (g->back)
     host->log(host, OPC_LOG_INFO,
-              "%zu transistor%s back towards the drawn mask, which was better",
-              g->back, g->back == 1 ? " went" : "s went");
+              "%zu transistor%s went back towards the drawn mask, which was "
+              "better",
+              g->back, plural(g->back));
 }

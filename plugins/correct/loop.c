@@ -367,8 +367,9 @@ static int iterate(loop *l, opc_error *error) {
     if (l->iterations == 0 && wait && prints++ < l->max_iterations) continue;
     if (l->iterations == l->max_iterations) {
       l->host->log(l->host, OPC_LOG_WARNING,
-                   "not done after %d iterations: worst deviation %.3g %s",
-                   (int)l->max_iterations, worst(l), worst_unit(l));
+                   "not done after %d iteration%s: worst deviation %.3g %s",
+                   (int)l->max_iterations, l->max_iterations == 1 ? "" : "s",
+                   worst(l), worst_unit(l));
       return OPC_OK;
     }
     if ((code = move_all(l, ruled, error))) return code;

@@ -3,6 +3,7 @@
    and telling what is wrong with what a plugin hands back. */
 #include "try.h"
 
+#include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <time.h>
@@ -45,11 +46,19 @@ void try_field(opc_inspector *in, const char *function, const char *what,
 
 int try_mask(opc_inspector *in, int layer, const eda_frame *frame, double band,
              eda_spectrum *mask) {
-  static const eda_shapes empty;
   const eda_gates *g = eda_gates_sample();
   opc_error error = {0};
   size_t drawn = (size_t)layer < g->layers ? (size_t)layer : EDA_POLY;
-  if (!eda_mask_spectrum(in->context, layer < 0 ? &empty : &g->drawn[drawn],
+  int32_t x0 = (int32_t)lround(frame->x0 / g->grid),
+          y0 = (int32_t)lround(frame->y0 / g->grid),
+          x1 = x0 + (int32_t)lround(frame->width / g->grid),
+          y1 = y0 + (int32_t)lround(frame->height / g->grid);
+  const eda_shapes all = {
+      .count = layer == TRY_FULL,
+      .start = (uint32_t[]){0, 4},
+      .points = (eda_point[]){{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}},
+      .hole = (uint8_t[]){0}};
+  if (!eda_mask_spectrum(in->context, layer < 0 ? &all : &g->drawn[drawn],
                          g->grid, *frame, band, mask, &error))
     return 1;
   in->find(in, "a mask of its band of %g 1/nm: %s", band, error.message);

@@ -24,8 +24,9 @@ int try_is_sound(opc_inspector *in, const char *what, int code,
                  const opc_error *error);
 
 /* The spectrum of a layer of the sample as drawn; what there is no layer for
-   has the shapes of the poly; below 0: an empty mask. 0 and a finding if it
-   cannot be made. */
+   has the shapes of the poly; TRY_EMPTY: no shape, TRY_FULL: one over all of
+   the frame. 0 and a finding if it cannot be made. */
+enum { TRY_EMPTY = -1, TRY_FULL = -2 };
 int try_mask(opc_inspector *in, int layer, const eda_frame *frame, double band,
              eda_spectrum *mask);
 

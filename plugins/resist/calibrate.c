@@ -18,8 +18,19 @@ static const char *const sources[RESIST_SETS][3] = {
     {"anchor", "table", "table_file"},
     {"active_anchor", "active_table", "active_table_file"}};
 
+/* Of lines and pitches, nm: a hundred times what light still notices. With
+   twice of it calibration is slower still; 2 mm overflow its coordinates. */
+static const double most = 1e5;
+
+static const char too_far[] = "lines and pitches go up to 100 um";
+
+static int is_far(const resist_line *l) {
+  return fmax(l->pitch, fmax(l->line, l->cd)) > most;
+}
+
 /* Why a line cannot be used, NULL if it can. */
 static const char *fault(const resist_line *l) {
+  if (is_far(l)) return too_far;
   if (!(l->line > 0 && l->cd > 0)) return "widths must be above 0";
   if (!(l->pitch >= 0)) return "a pitch must be 0 (isolated) or above";
   if (l->pitch > 0 && fmax(l->line, l->cd) >= l->pitch)
@@ -61,6 +72,9 @@ int resist_layer_check(resist_layer *r, int set, opc_error *error) {
   r->lines = eda_alloc(1, sizeof *r->lines);
   r->count = 1;
   *r->lines = *a;
+  if (is_far(a))
+    return opc_fail(error, OPC_INVALID, r->source, "'%s': %s", r->source,
+                    too_far);
   if (a->pitch > 0 && fmax(a->line, a->cd) >= a->pitch)
     return opc_fail(error, OPC_INVALID, r->source,
                     "'%s' has no space between its lines: %g nm every %g nm",

@@ -64,6 +64,14 @@ static inline void be_for_ever(void) {
   abort();
 }
 
+/* The first thread that comes; others have time to be elsewhere. */
+static inline void chdir_slowly(void) {
+  static int taken;
+  if (__atomic_exchange_n(&taken, 1, __ATOMIC_SEQ_CST)) return;
+  if (chdir("/")) abort();
+  usleep(300000);
+}
+
 static inline void block(int number) {
   sigset_t set;
   sigemptyset(&set);
@@ -103,6 +111,7 @@ static inline void be_evil(void) {
   HOW("deaf") signal(SIGTERM, SIG_IGN);
   HOW("block") block(SIGINT);
   HOW("chdir") if (chdir("/")) abort();
+  HOW("chdir slowly") chdir_slowly();
   HOW("rounding") fesetround(FE_UPWARD);
   HOW("flush") flush_to_zero();
   HOW("unmask") feenableexcept(FE_DIVBYZERO);
@@ -115,6 +124,10 @@ static inline void be_evil(void) {
   HOW("close") close_range(0, ~0U, 0);
   HOW("fork") if (fork()) _exit(0); /* the child goes on */
   HOW("hang") be_for_ever();
+  HOW("hang aside") {
+    if (gettid() != getpid()) be_for_ever();
+    usleep(200000); /* for another thread to begin */
+  }
   HOW("print") {
     printf("{ \"evil\": 1 }\n");
     fflush(stdout);

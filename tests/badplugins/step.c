@@ -49,7 +49,7 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
   (void)self;
   evil("forecast");
   if (does("endless")) memset(out->work, 'x', sizeof out->work);
-  if (does("no number")) out->memory = NAN;
+  if (does("bytes")) memcpy(out->work, "so\xFF", 3);
   if (!does("endless error")) return OPC_OK;
   memset(error, 'x', sizeof *error);
   return OPC_FAILED;

@@ -31,8 +31,9 @@ static void currents(const opc_module *m, uint8_t type, double width,
     slice[2][i] = width * MIN(t, 1 - t);
   }
   double other[4];
-  eda_performance out = {1,         ion,       ioff,     &other[0],
-                         &other[1], &other[2], &other[3]};
+  uint8_t outside;
+  eda_performance out = {1,         ion,       ioff,      &other[0],
+                         &other[1], &other[2], &other[3], &outside};
   eda_slices in = {.count = 1,
                    .slices = SLICES,
                    .type = &type,

@@ -272,8 +272,9 @@ static void sum_slices(const char *table, double current[2]) {
                              .length = slice_length,
                              .edge = edge};
   double leq[2], weq, area;
+  uint8_t outside;
   eda_performance out = {1,       &current[0], &current[1], &leq[0],
-                         &leq[1], &weq,        &area};
+                         &leq[1], &weq,        &area,       &outside};
   g_autofree char *mapping =
       g_strdup_printf("{ devices: %s/%s, slices: %d, rule: gauss }",
                       opc_test_folder(), table, SLICES);

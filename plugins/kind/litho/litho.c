@@ -68,11 +68,11 @@ static int sample(opc_inspector *in, const opc_module *m, int layer,
 
 static void try_clear_field(opc_inspector *in, const opc_module *m) {
   double value[PLACES];
-  if (!sample(in, m, -1, &try_frame, value)) return;
-  if (fabs(value[0]) <= clear_tolerance) {
-    in->note(in, "the clear field: an empty mask is dark, as of a dark field");
+  if (!sample(in, m, TRY_EMPTY, &try_frame, value)) return;
+  /* Of a dark field, shapes are what is clear. */
+  if (fabs(value[0]) <= clear_tolerance &&
+      !sample(in, m, TRY_FULL, &try_frame, value))
     return;
-  }
   for (int i = 0; i < PLACES; i++)
     if (!(fabs(value[i] - 1) <= clear_tolerance)) {
       in->find(in, "image: the clear field has the intensity %g, not 1",

@@ -430,6 +430,12 @@ static void test_refused(void) {
   g_assert_null(opc_test_module("litho.hopkins", "{ error: 9e-5 }", &error));
   g_assert_null(
       opc_test_module("litho.hopkins", "{ wavelength: 193 }", &error));
+  GString *many = g_string_new("{ source: points, points: [0, 0, 1");
+  for (int i = 0; i < 800; i++) g_string_append(many, ", 0, 0.1, 1");
+  g_string_append(many, "] }");
+  g_assert_null(opc_test_module("litho.hopkins", many->str, &error));
+  g_assert_nonnull(strstr(error.message, "has 801 points, more than 800"));
+  g_string_free(many, TRUE);
 }
 
 int main(int argc, char **argv) {

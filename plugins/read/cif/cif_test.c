@@ -312,6 +312,22 @@ static void test_own_cells(void) {
   }
 }
 
+/* Symbols of one name whose numbered names other symbols have. */
+static void test_names(void) {
+  enum { MANY = 30000 };
+  g_autoptr(GString) text = g_string_new(NULL);
+  for (int i = 1; i < 2 * MANY; i++)
+    g_string_append_printf(
+        text, i < MANY ? "DS %d;9 x$%d;DF;" : "DS %d;9 x;DF;", i, i + MANY);
+  g_string_append_c(text, 'E');
+  opc_error e;
+  gint64 start = g_get_monotonic_time();
+  eda_layout *layout = read_more(text->str, (gssize)text->len, "", &e);
+  g_assert_cmpint(g_get_monotonic_time() - start, <, 5 * G_USEC_PER_SEC);
+  g_assert_cmpuint(eda_layout_cells(layout), ==, 2 * MANY - 1);
+  eda_layout_free(layout);
+}
+
 /* Anything is a layout or an error with its place. OPCFLOW_FUZZ asks for more
    rounds than a test should take. */
 static void test_flipped(void) {
@@ -362,6 +378,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/read-cif/top", test_top);
   g_test_add_func("/read-cif/refusals", test_refusals);
   g_test_add_func("/read-cif/own-cells", test_own_cells);
+  g_test_add_func("/read-cif/names", test_names);
   g_test_add_func("/read-cif/flipped", test_flipped);
   return g_test_run();
 }

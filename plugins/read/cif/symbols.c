@@ -128,24 +128,28 @@ static double choose_unit(cif *c) {
   return c->b.r->scale * 10 / (double)(halves ? 2 * divisor : divisor);
 }
 
-/* A cell of that name, or of one like it if there is such a cell already. */
-static void make_cell(cif *c, size_t i, const char *name) {
+/* A cell of that name, or of one like it if there is such a cell already; the
+   numbers below tried[name] are taken. */
+static void make_cell(cif *c, size_t i, const char *name, GHashTable *tried) {
   g_autofree char *unique = g_strdup(name);
-  for (size_t k = i; eda_layout_find_cell(c->b.layout, unique) >= 0; k++) {
+  size_t k = MAX(i, GPOINTER_TO_SIZE(g_hash_table_lookup(tried, name)));
+  for (; eda_layout_find_cell(c->b.layout, unique) >= 0; k++) {
     g_free(unique);
     unique = g_strdup_printf("%s$%zu", name, k);
   }
+  if (strcmp(unique, name) != 0)
+    g_hash_table_insert(tried, g_strdup(name), GSIZE_TO_POINTER(k));
   cif_symbol_at(c, i)->cell =
       reading_number(&c->b, eda_layout_cell(c->b.layout, unique, &c->b.said));
 }
 
 /* "inverter" of "cells/inverter.cif" */
-static void make_top(cif *c) {
+static void make_top(cif *c, GHashTable *tried) {
   const char *slash = strrchr(c->b.r->file, '/');
   g_autofree char *name = g_strdup(slash ? slash + 1 : c->b.r->file);
   char *dot = strrchr(name, '.');
   if (dot && dot != name) *dot = '\0';
-  make_cell(c, 0, name);
+  make_cell(c, 0, name, tried);
 }
 
 void cif_make_cells(cif *c) {
@@ -153,11 +157,14 @@ void cif_make_cells(cif *c) {
   if (c->b.failed) return;
   c->b.layout = eda_layout_new(unit, &c->b.said);
   reading_told(&c->b, c->b.layout ? OPC_OK : c->b.said.code);
+  g_autoptr(GHashTable) tried =
+      g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
   for (size_t i = 1; i < c->symbols->len && !c->b.failed; i++) {
     const cif_symbol *s = cif_symbol_at(c, i);
     char number[32];
     snprintf(number, sizeof number, "%lld", (long long)s->number);
-    make_cell(c, i, s->name ? s->name : number);
+    make_cell(c, i, s->name ? s->name : number, tried);
   }
-  if (!c->b.failed && (c->loose || c->calls > 1 || c->moved)) make_top(c);
+  if (!c->b.failed && (c->loose || c->calls > 1 || c->moved))
+    make_top(c, tried);
 }

@@ -3,11 +3,13 @@
 #include <eda/gds.h>
 #include <eda/memory.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "../reader.h"
 
-/* Instances that arrays off the unit may be taken apart into, in one file. */
-enum { MAX_APART = 1 << 22 };
+/* Instances that arrays off the unit may be taken apart into, in one file, and
+   as many times 64 bytes of their names. */
+enum { MAX_APART = 1 << 20 };
 
 /* ---- state ---- */
 
@@ -234,7 +236,8 @@ static void add_apart(gds *g, int32_t child, eda_placement p,
   uint32_t columns = whole[0] ? 1 : full_columns;
   uint32_t rows = whole[1] ? 1 : full_rows;
   eda_point origin = p.origin;
-  g->apart += (size_t)columns * rows;
+  size_t name = g->e.instance ? strlen(g->e.instance) : 0;
+  g->apart += (size_t)columns * rows * (1 + name / 64);
   if (g->apart > MAX_APART) {
     refuse(g, "too many arrays with steps off the unit, the last");
     return;

@@ -671,6 +671,19 @@ static void test_hostile(void) {
   put_empty(file, EDA_GDS_ENDEL);
   g_free(finish(file));
   refuse(path, "", OPC_IO, "too many arrays");
+  file = new_file(); /* fewer, with a long name each */
+  put_leaf(file);
+  put_cell(file, "TOP");
+  put_empty(file, EDA_GDS_AREF);
+  put_text(file, EDA_GDS_SNAME, "LEAF");
+  put_u16s(file, EDA_GDS_COLROW, 2, (uint32_t[]){1024, 512});
+  put_i32s(file, EDA_GDS_XY, 6, (int32_t[]){0, 0, 1025, 0, 0, 513});
+  put_u16s(file, EDA_GDS_PROPATTR, 1, (uint32_t[]){61});
+  g_autofree char *name = g_strnfill(200, 'n');
+  put_text(file, EDA_GDS_PROPVALUE, name);
+  put_empty(file, EDA_GDS_ENDEL);
+  g_free(finish(file));
+  refuse(path, "", OPC_IO, "too many arrays");
 }
 
 /* The same layout from a packed file; one that ends early, one whose sum is
@@ -686,6 +699,9 @@ static void test_packed(void) {
   g_autofree char *packed = NULL;
   gsize n;
   g_assert_true(g_file_get_contents(path, &packed, &n, NULL));
+  g_free(path);
+  path = save_packed(packed, n, G_MAXSIZE);
+  refuse(path, "", OPC_IO, "packed by gzip, and what it holds is so again");
   packed[n - 8] ^= 1; /* of its check sum */
   g_assert_true(g_file_set_contents(path, packed, (gssize)n, NULL));
   refuse(path, "", OPC_IO, "packed by gzip, incorrect data check");

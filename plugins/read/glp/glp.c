@@ -98,7 +98,9 @@ static word take_name(clip *c, char out[256]) {
   for (size_t i = 0; i < w.n; i++)
     if (w.s[i] < 33 || w.s[i] > 126)
       refuse_at(c, w.s + i, "name with a letter that is not ASCII");
-  g_strlcpy(out, w.s, MIN(w.n, 255) + 1);
+  size_t n = MIN(w.n, 255); /* the text does not end with a zero */
+  memcpy(out, w.s, n);
+  out[n] = 0;
   return w;
 }
 

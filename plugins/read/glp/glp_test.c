@@ -150,6 +150,22 @@ static void test_damaged(void) {
   g_rand_free(random);
 }
 
+/* Each word is looked at once, not all that follows it: 200000 lines. */
+static void test_many(void) {
+  enum { MANY = 200000 };
+  opc_error error;
+  g_autoptr(GString) text = g_string_new("CELL T\n");
+  for (int i = 0; i < MANY; i++)
+    g_string_append(text, "RECT N M1 10 20 30 40\n");
+  g_string_append(text, "ENDMSG\n");
+  g_autofree char *path = write_clip(text->str, -1);
+  gint64 start = g_get_monotonic_time();
+  eda_layout *l = read_clip(path, "", &error);
+  g_assert_cmpint(g_get_monotonic_time() - start, <, 5 * G_USEC_PER_SEC);
+  g_assert_cmpuint(eda_layout_polygons(l, 0), ==, MANY);
+  eda_layout_free(l);
+}
+
 /* Areas of the contest's targets as published with them. */
 static void test_contest(void) {
   static const double areas[] = {215344, 169280, 213504, 82560,  282044,
@@ -181,6 +197,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/glp/parameters", test_parameters);
   g_test_add_func("/glp/refused", test_refused);
   g_test_add_func("/glp/damaged", test_damaged);
+  g_test_add_func("/glp/many", test_many);
   g_test_add_func("/glp/contest", test_contest);
   return g_test_run();
 }

@@ -549,11 +549,19 @@ static void test_arrays(void) {
   refuse(finish(f), OPC_IO, "too many shapes for so short a file");
   f = new_cell(); /* no more than memory and a second can take */
   put(f, "bbuuuuuuuuu", EDA_OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul, 1ul,
-      2098ul, 2098ul, 20ul, 20ul);
+      1030ul, 1030ul, 20ul, 20ul);
   refuse(finish(f), OPC_IO, "too many shapes for so short a file");
   f = new_cell();
   put(f, "bbtuuuuuuu", EDA_OASIS_TEXT, 0x47, "T", 1ul, 2ul, 1ul, million,
       million, 0ul, 0ul);
+  refuse(finish(f), OPC_IO, "too many shapes for so short a file");
+  f = new_cell(); /* a long name, over and over again */
+  g_autofree char *name = g_strnfill(100000, 'n');
+  put(f, "bbt", EDA_OASIS_PLACEMENT, 0x80, "A");
+  put(f, "bbtuuut", EDA_OASIS_PROPERTY, 0x24, "S_GDS_PROPERTY", 8ul, 61ul, 10ul,
+      name);
+  for (int i = 0; i < 1000; i++)
+    put(f, "bbb", EDA_OASIS_PLACEMENT, 0, EDA_OASIS_PROPERTY_AGAIN);
   refuse(finish(f), OPC_IO, "too many shapes for so short a file");
   f = new_cell(); /* a long polygon, over and over again */
   put(f, "bbuuuu", EDA_OASIS_POLYGON, 0x23, 1ul, 2ul, 4ul, 100000ul);

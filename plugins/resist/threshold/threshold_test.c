@@ -204,6 +204,7 @@ static void test_bad_tables(void) {
       {"pitch,cd\n250,0\n", ":2:1: widths must be above 0"},
       {"pitch,cd\n-250,65\n", ":2:1: a pitch must be"},
       {"pitch,cd\n60,65\n", ":2:1: there is no space between"},
+      {"pitch,cd\n813718,65\n", ":2:1: lines and pitches go up to 100 um"},
       {"line,pitch,cd\n65,250,65\n,250,65\n", ":3:1: not a number: ''"}};
   g_autoptr(opc_module) litho = lines_litho("{}");
   g_autofree char *path = g_build_filename(opc_test_folder(), "bad.csv", NULL);

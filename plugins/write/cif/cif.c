@@ -187,7 +187,8 @@ static void put_placement(void *self, int32_t child, const char *child_name,
       if (!writer_along(p->origin, r, p->row_step, &row) ||
           !writer_along(row, c, p->column_step, &at))
         refuse(w, child_name, "the array leaves the range of coordinates");
-      put_call(w, child, p, (int)turns, at);
+      else
+        put_call(w, child, p, (int)turns, at);
     }
 }
 

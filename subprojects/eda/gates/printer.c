@@ -61,11 +61,11 @@ int eda_printer_develop(const eda_printer *p, int layer, eda_field *field,
   size_t n = (size_t)field->nx * (size_t)field->ny;
   const char *before = eda_enter(p->context, p->resist, error);
   int code = resist->print(p->resist->self, layer, field, error);
-  opc_leave(p->context, before);
   /* It may have put others in their place. */
   if (!code && field->coefficients == values)
     code = fence_check_field(values, n, "level sets", error);
   if (!code) code = eda_check_field(field, &p->frame, "level set", error);
+  opc_leave(p->context, before);
   return blame_resist(p, code, error);
 }
 

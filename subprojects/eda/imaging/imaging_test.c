@@ -10,6 +10,7 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
+#include <sys/resource.h>
 
 #include "testing/testing.h"
 
@@ -445,6 +446,36 @@ static void test_contours(void) {
   free(field.coefficients);
 }
 
+/* ---- memory ---- */
+
+/* What an image is said to take at least, against the growth of a process of
+   its own that makes larger and larger ones. */
+static void test_forecast(void) {
+  if (!g_test_subprocess()) {
+    g_test_trap_subprocess(NULL, 0, G_TEST_SUBPROCESS_INHERIT_STDERR);
+    g_test_trap_assert_passed();
+    return;
+  }
+  const eda_box box = {1000, 1000, 1130, 5000};
+  struct rusage before, after;
+  eda_field field;
+  image_of(box, (eda_frame){0, 0, 8000, 8000}, &field);
+  eda_field_clear(&field);
+  getrusage(RUSAGE_SELF, &before);
+  for (double side = 4e4; side < 2.5e5; side *= 1.5) {
+    eda_frame f = {0, 0, side, side};
+    image_of(box, f, &field);
+    getrusage(RUSAGE_SELF, &after);
+    double grown = 1024.0 * (double)(after.ru_maxrss - before.ru_maxrss);
+    double said = eda_image_forecast(f, 0.0065).bytes;
+    g_test_message("%g um: %g MB, said %g MB", side * 1e-3, grown * 1e-6,
+                   said * 1e-6);
+    g_assert_cmpfloat(said, <=, grown);
+    g_assert_cmpfloat(grown, <=, 1.8 * said);
+    eda_field_clear(&field);
+  }
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   context = eda_test_context_new(4);
@@ -456,6 +487,9 @@ int main(int argc, char **argv) {
   g_test_add_func("/imaging/mirrored", test_mirrored);
   g_test_add_func("/imaging/threads", test_threads);
   g_test_add_func("/imaging/contours", test_contours);
+#ifndef __SANITIZE_ADDRESS__ /* it takes memory of its own */
+  g_test_add_func("/imaging/forecast", test_forecast);
+#endif
   int failed = g_test_run();
   eda_test_context_free(context);
   return failed;

@@ -12,6 +12,11 @@
 #include "layout/layout.h"
 
 #define MAX_SHAPES ((uint64_t)1 << 28)
+/* Placements that may be gone through for each shape, and so many more: cells
+   that only place one other lie a few deep in layouts, and in a hostile file a
+   thousand. Twice of it are 0.7 s more for such a file under a sanitizer. */
+#define STEPS_A_SHAPE 8
+#define STEPS_MORE ((uint64_t)1 << 19)
 #define MAX_POINTS ((uint64_t)1 << 30)
 #define MAX_COORDINATE 1073741824.0 /* 2^30 */
 
@@ -230,9 +235,10 @@ typedef struct flattener {
   const eda_layout *layout;
   int32_t layer;
   double ratio, grid;
-  uint64_t *shapes, *points; /* of each cell, with those below */
-  uint32_t *useful;          /* instances that draw on the layer */
-  size_t *first;             /* of each cell: its place in useful */
+  /* Of each cell, with those below; steps are placements gone through. */
+  uint64_t *shapes, *points, *steps;
+  uint32_t *useful; /* instances that draw on the layer */
+  size_t *first;    /* of each cell: its place in useful */
   eda_flat *out;
   eda_flat_texts *texts; /* NULL: shapes are wanted */
   uint32_t n_shapes, n_points;
@@ -317,7 +323,7 @@ static void count(flattener *f) {
   for (size_t k = 0; k < f->layout->n_cells; k++) {
     int32_t number = f->layout->order[k];
     const cell *c = &f->layout->cells[number];
-    uint64_t shapes, points;
+    uint64_t shapes, points, steps = 1;
     count_own(f, c, &shapes, &points);
     f->first[number] = n_useful;
     for (size_t i = 0; i < c->n_instances; i++) {
@@ -328,10 +334,13 @@ static void count(flattener *f) {
                            UINT64_MAX / 2);
       points = add_product(points, members(in), f->points[in->child],
                            UINT64_MAX / 2);
+      steps =
+          add_product(steps, members(in), f->steps[in->child], UINT64_MAX / 2);
     }
     f->useful[n_useful++] = UINT32_MAX; /* the end of its list */
     f->shapes[number] = shapes;
     f->points[number] = points;
+    f->steps[number] = steps;
   }
 }
 
@@ -342,7 +351,8 @@ static int allocate(flattener *f, int32_t top, opc_error *error) {
   const char *cell_name = f->layout->cells[top].name;
   const char *layer_name = f->layout->layers[f->layer];
   if (n > MAX_SHAPES || f->points[top] > MAX_POINTS ||
-      f->layout->cells[top].placements >= EDA_MANY)
+      f->layout->cells[top].placements >= EDA_MANY ||
+      f->steps[top] > n * STEPS_A_SHAPE + STEPS_MORE)
     return opc_fail(error, OPC_INVALID, NULL,
                     "'%s': too large to flatten: %" G_GUINT64_FORMAT
                     " shapes, %" G_GUINT64_FORMAT
@@ -412,9 +422,18 @@ static void count_all(flattener *f) {
   for (size_t i = 0; i < n; i++) edges += f->layout->cells[i].n_instances;
   f->shapes = eda_alloc(n, sizeof *f->shapes);
   f->points = eda_alloc(n, sizeof *f->points);
+  f->steps = eda_alloc(n, sizeof *f->steps);
   f->first = eda_alloc(n, sizeof *f->first);
   f->useful = eda_alloc(edges, sizeof *f->useful);
   count(f);
+}
+
+static void clear(flattener *f) {
+  free(f->shapes);
+  free(f->points);
+  free(f->steps);
+  free(f->first);
+  free(f->useful);
 }
 
 static int run(flattener *f, int32_t top, opc_error *error) {
@@ -455,10 +474,7 @@ static int flatten(const eda_layout *layout, int32_t top, int32_t layer,
                  .out = out,
                  .texts = texts};
   int code = run(&f, top, error);
-  free(f.shapes);
-  free(f.points);
-  free(f.first);
-  free(f.useful);
+  clear(&f);
   return code;
 }
 
@@ -470,10 +486,7 @@ double eda_layout_flat_bytes(const eda_layout *layout, int32_t top,
     if (layout->cells[i].circular) return 0;
   count_all(&f);
   double shapes = (double)f.shapes[top], points = (double)f.points[top];
-  free(f.shapes);
-  free(f.points);
-  free(f.first);
-  free(f.useful);
+  clear(&f);
   return shapes * (sizeof *f.out->shapes.start + sizeof *f.out->placement) +
          points * sizeof *f.out->shapes.points;
 }

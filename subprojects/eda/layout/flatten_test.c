@@ -430,6 +430,10 @@ static void test_hostile(void) {
   g_assert_cmpint(refused(&f, "many", "too large to flatten: 10000000000"), ==,
                   OPC_INVALID);
   g_assert_cmpint(refused(&f, "most", "too large to flatten"), ==, OPC_INVALID);
+  /* a hundred shapes, two million placements */
+  place(&f, "deep", "19999", (eda_placement){.columns = 100, .rows = 1}, NULL);
+  g_assert_cmpint(refused(&f, "deep", "100 shapes, 400 points"), ==,
+                  OPC_INVALID);
   /* nothing is drawn in all of these */
   place(&f, "void", "hole", many, NULL);
   place(&f, "voids", "void", many, NULL);

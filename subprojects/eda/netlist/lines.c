@@ -65,10 +65,13 @@ static void read_position(const char *s, const char *end, line *l) {
 static int add_word(lines *r, line *l, const char *text, size_t length,
                     eda_place at, int quoted) {
   eda_pool_grow(r->pool, &l->word, &l->room, l->words + 1, sizeof *l->word);
-  for (size_t i = 0; i < length; i++)
-    if ((text[i] < 32 && !(quoted && text[i] == '\t')) || text[i] > 126)
-      return lines_refuse(r, at, "byte 0x%02x in a word",
-                          (unsigned char)text[i]);
+  for (size_t i = 0; i < length; i++) {
+    unsigned char c = (unsigned char)text[i];
+    /* Names of files have any letters. */
+    if (quoted && (c == '\t' || c > 127)) continue;
+    if (c < 32 || c > 126)
+      return lines_refuse(r, at, "byte 0x%02x in a word", c);
+  }
   l->word[l->words++] =
       (word){eda_pool_text(r->pool, text, length), at, quoted};
   return OPC_OK;
@@ -160,6 +163,8 @@ static int read_lines(lines *r, const char *text, size_t length,
   line l = {.x = NAN, .y = NAN};
   const char *end = text + length, *s = text;
   int code = OPC_OK;
+  /* What some editors put before UTF-8. */
+  if (length >= 3 && !memcmp(s, "\xEF\xBB\xBF", 3)) s += 3;
   for (uint32_t number = 1; !code && s < end && !r->ended; number++) {
     const char *begin = s, *stop = memchr(s, '\n', (size_t)(end - s));
     if (!stop) stop = end;

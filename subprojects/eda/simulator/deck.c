@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "netlist/lines.h"
 
@@ -39,18 +40,33 @@ static const char options[] =
     "abstol chgtol defad defas defl defw gmin itl1 itl2 itl4 parser pivrel "
     "pivtol reltol scale tnom trtol vntol";
 
-/* In any statement: what a source or a model has from a file. */
-static const char file_words[] = "file sound";
+/* In any statement, also within quotes: what a source or a model has from a
+   file. */
+static const char *const file_words[] = {"file", "sound"};
+static const char letters[] =
+    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_";
 
 static int is_own(const line *l) { return l->word[0].at.file == 0; }
 
 /* ---- statements ---- */
 
+/* The simulator may pair quotes and braces in another way than we do. */
+static int names_file(const char *text) {
+  while (*text) {
+    size_t n = strspn(text, letters);
+    for (size_t i = 0; i < sizeof file_words / sizeof *file_words; i++)
+      if (n == strlen(file_words[i]) && !strncasecmp(text, file_words[i], n))
+        return 1;
+    text += n ? n : 1;
+  }
+  return 0;
+}
+
 static int pass(deck *d, const line *l) {
   for (size_t i = 0; i < l->words; i++)
-    if (!l->word[i].quoted && eda_in_list(file_words, l->word[i].text))
+    if (names_file(l->word[i].text))
       return lines_refuse(&d->lines, l->word[i].at,
-                          "'%s': a deck opens no file", l->word[i].text);
+                          "'%.100s': a deck opens no file", l->word[i].text);
   for (const char *c = l->text; *c; c++) {
     /* The simulator would join the next statement to this one. */
     if (*c == '\\' && (!c[1] || c[1] == '\n'))
@@ -58,6 +74,9 @@ static int pass(deck *d, const line *l) {
                           "a line of this statement ends in '\\'");
     if (*c == '`')
       return lines_refuse(&d->lines, l->word[0].at, "a '`' in this statement");
+    if ((unsigned char)*c > 126)
+      return lines_refuse(&d->lines, l->word[0].at,
+                          "byte 0x%02x in this statement", (unsigned char)*c);
   }
   fprintf(d->out, "%s\n", l->text);
   return OPC_OK;

@@ -138,6 +138,8 @@ static void test_hidden(void) {
   refused(".model m\n", -1, "1:1", "without a name and a kind");
   refused(".model m r(r=1 file=\"x\")\n", -1, "1:16", "opens no file");
   refused("v1 a 0 dc 0 FILE=\"x\"\n", -1, "1:13", "opens no file");
+  refused("v1 a 0 pwl {'} ' file=\"x\" '\n", -1, "1:16", "opens no file");
+  refused(".param f='file'\n", -1, "1:10", "opens no file");
   refused("r1 a b `touch x`\n", -1, "1:1", "'`'");
   refused(".param a=1 \\\\\n.control\n", -1, "1:1", "ends in");
   refused(".param a=1 \\\\\t\r\n+ b=1\n", -1, "1:1", "ends in");
@@ -153,8 +155,12 @@ static void test_bytes(void) {
   refused(".param a=\xff\n", -1, "1:10", "byte 0xff");
   refused(".param a=1\n\f.control\n", -1, "2:1", "byte 0x0c");
   refused(".param a=1\n\v.control\n", -1, "2:1", "byte 0x0b");
+  refused(".param a='\xc3\xa9'\n", -1, "1:1", "byte 0xc3");
   refused(".param a='1\x1b'\n", -1, "1:10", "byte 0x1b");
   refused(".param a='1\n", -1, "1:10", "not closed");
+  becomes("\xEF\xBB\xBF.param a=1\n", ".param a=1\n");
+  refused("\xEF\xBB\xBF.control\n", -1, "1:1", "'.control' is refused");
+  refused(".param a=1\n\xEF\xBB\xBF.control\n", -1, "2:1", "byte 0xef");
   /* A lone carriage return is a blank. */
   becomes(".param a=1\r.control\n", ".param a=1 .control\n");
 }
@@ -187,9 +193,10 @@ static void test_folder(void) {
   }
   put("inner/a.pm", ".inc 'a.pm'\n", -1);
   refused_file("inner/a.pm", "inner/a.pm:1:", "too deep");
-  put("inner/a.pm", ".inc 'beside.pm'\n.param a=1\n", -1);
+  put("inner/b\xc3\xa9side.pm", ".include beside.pm\n", -1);
+  put("inner/\xc3\xa4.pm", ".inc 'b\xc3\xa9side.pm'\n.param a=1\n", -1);
   opc_error error;
-  g_autofree char *deck = deck_of("inner/a.pm");
+  g_autofree char *deck = deck_of("inner/\xc3\xa4.pm");
   char *out = deck_write(deck, &error);
   g_assert_cmpstr(out, ==, "opcflow\n.param beside=1\n.param a=1\n.end\n");
   free(out);

@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The opcflow command as tests call it, in a folder of their own. */
+#ifndef OPCFLOW_TESTS_COMMAND_H
+#define OPCFLOW_TESTS_COMMAND_H
+
+#include <glib/gstdio.h>
+#include <sys/wait.h>
+
+#include "core/flow/files.h"
+
+static char *folder, *command;
+
+/* What a command gave. */
+static char *out, *err;
+
+/* Run opcflow with words that have no spaces but where '~' stands for one;
+   gives the exit code. */
+static inline int call(const char *line) {
+  g_auto(GStrv) words = g_strsplit(line, " ", -1);
+  g_autoptr(GPtrArray) argv = g_ptr_array_new();
+  g_ptr_array_add(argv, command);
+  for (guint i = 0; words[i]; i++)
+    g_ptr_array_add(argv, g_strdelimit(words[i], "~", ' '));
+  g_ptr_array_add(argv, NULL);
+  g_clear_pointer(&out, g_free);
+  g_clear_pointer(&err, g_free);
+  int status;
+  g_assert_true(g_spawn_sync(NULL, (char **)argv->pdata, NULL, G_SPAWN_DEFAULT,
+                             NULL, NULL, &out, &err, &status, NULL));
+  g_assert_true(WIFEXITED(status));
+  return WEXITSTATUS(status);
+}
+
+static inline void write_flow(const char *name, const char *text) {
+  g_assert_true(g_file_set_contents(name, text, -1, NULL));
+}
+
+static inline char *read_text(const char *name) {
+  char *text = NULL;
+  g_assert_true(g_file_get_contents(name, &text, NULL, NULL));
+  return text;
+}
+
+static inline gboolean is_there(const char *name) {
+  return g_file_test(name, G_FILE_TEST_EXISTS);
+}
+
+/* How many entries, hidden ones too, a folder has. */
+static inline guint entries(const char *name) {
+  guint n = 0;
+  GDir *dir = g_dir_open(name, 0, NULL);
+  while (dir && g_dir_read_name(dir)) n++;
+  if (dir) g_dir_close(dir);
+  return n;
+}
+
+static inline void set_up(void) {
+  folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
+  g_assert_cmpint(g_chdir(folder), ==, 0);
+  command = g_build_filename(g_getenv("OPCFLOW_BUILD"), "opcflow", NULL);
+  g_autofree char *plugins =
+      g_build_filename(g_getenv("OPCFLOW_BUILD"), "tests", NULL);
+  g_setenv("OPCFLOW_PLUGIN_PATH", plugins, TRUE);
+  write_flow("in.txt", "some input\n");
+  write_flow("two.yaml",
+             "opcflow: 1\nname: two\nsteps:\n"
+             "  b: { use: test.numbers, size: 2 nm, add: ${a} }\n"
+             "  a: { use: test.numbers, size: 0.065 um, input: in.txt, output: "
+             "deep/er/out.txt }\n");
+}
+
+/* Run the tests that were added, and leave nothing. */
+static inline int run_all(void) {
+  int failed = g_test_run();
+  g_assert_cmpint(g_chdir("/"), ==, 0);
+  opc_remove_tree(folder);
+  g_free(folder);
+  g_free(command);
+  g_free(out);
+  g_free(err);
+  return failed;
+}
+
+#endif
