@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
-# What the guard of `correct` promises, read off the tables of runs of each method:
-# no transistor is further off than drawn and than the limit, or its row names a rule or
+# What `correct` says when something went wrong, and what its guard promises, read off
+# the tables of runs of each method: no transistor is further off than drawn and than the limit, or its row names a rule or
 # a neighbour. Without the guard, some are.
 set -u
 opcflow=$OPCFLOW_BUILD/opcflow
@@ -37,7 +37,7 @@ count() {
 sram="{ use: read.gds, file: $cells/sram4.gds, layers: { poly: 9/0, active: 1/0, contact: 10/0, nwell: 3/0 } }"
 chain="{ use: read.cif, file: $cells/inverter_chain.cif, layers: { poly: CP, active: CA, contact: CC, nimplant: CSN, pimplant: CSP } }"
 
-echo 1..6
+echo 1..10
 n=0
 tell() { # RESULT NAME
   n=$((n + 1))
@@ -60,3 +60,22 @@ read -r worse unnamed all < <(count)
 [ "$worse" -gt 0 ] && [ "$unnamed" = "$worse" ] &&
   grep -q "guard: off: $worse transistors are worse than drawn" "$work/said"
 tell $? "without the guard some are worse, and that is said ($worse of $all)"
+
+# says TEXT NAME: the run before said that.
+says() {
+  grep -q "$1" "$work/said"
+  tell $? "$2"
+}
+
+exchanged="{ use: read.gds, file: $cells/sram4.gds, layers: { poly: 1/0, active: 9/0, contact: 10/0, nwell: 3/0 } }"
+small="{ use: read.gds, file: $cells/sram4.gds, scale: 0.6, layers: { poly: 9/0, active: 1/0, contact: 10/0, nwell: 3/0 } }"
+correct newton "$exchanged"
+says 'transistors are drawn longer than wide: are the layers poly and active exchanged?' \
+  'exchanged layers are told'
+correct newton "$small"
+says 'are drawn with lengths (39 to 39 nm) beyond the device table.s 44 to 120 nm: is the layout.s .scale. right' \
+  'a scale that was forgotten is told'
+says '^finding: mask: no transistor prints as drawn: is the layout.s .scale. right' \
+  'so it is when nothing prints as drawn'
+says "^finding: mask: figures of [0-9]* of 192 transistors are from beyond the device table" \
+  'and figures that are none'
