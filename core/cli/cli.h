@@ -102,8 +102,8 @@ opc_registry *cli_registry(void);
 
 /* ---- stopping ---- */
 
-/* From now on the first SIGINT, SIGTERM or SIGHUP asks to stop; a second one, of
-   any kind, ends what does not heed it. */
+/* From now on the first SIGINT, SIGTERM or SIGHUP asks to stop; a second one,
+   of any kind, ends what does not heed it. */
 void cli_catch_signals(void);
 int cli_is_stopped(void *unused);
 

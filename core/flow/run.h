@@ -19,8 +19,8 @@ typedef struct opc_run_options {
 
 /* What a step found that the user must not miss. */
 typedef struct opc_finding {
-  size_t point;     /* of a sweep, from 1; 0: of all */
-  char *path;       /* of the instance: "mask.synthesizer" */
+  size_t point; /* of a sweep, from 1; 0: of all */
+  char *path;   /* of the instance: "mask.synthesizer" */
   char *text;
 } opc_finding;
 
@@ -29,12 +29,12 @@ enum { OPC_MOST_FINDINGS = 100 };
 
 /* What came of a requirement. All its own. */
 typedef struct opc_verdict {
-  size_t point;         /* of a sweep, from 1; 0: of all */
-  char *path;           /* "mask.ion_max" */
-  char *required;       /* "at most 1 %" */
-  char *unit;           /* NULL: a plain number */
-  double least, most;   /* infinite: no bound */
-  double value;         /* NAN: not measured */
+  size_t point;       /* of a sweep, from 1; 0: of all */
+  char *path;         /* "mask.ion_max" */
+  char *required;     /* "at most 1 %" */
+  char *unit;         /* NULL: a plain number */
+  double least, most; /* infinite: no bound */
+  double value;       /* NAN: not measured */
   gboolean kept;
   opc_place at;
 } opc_verdict;
@@ -62,13 +62,13 @@ typedef struct opc_run {
   GArray *metrics;    /* opc_inner_metric */
   GHashTable *claims; /* file in the run folder -> path of who has it */
   GHashTable *outputs; /* the same of files that parameters name */
-  GPtrArray *given;   /* paths of files that the step at work writes */
-  GPtrArray *inputs;  /* files read: path, SHA-256, path ... */
-  GHashTable *summed; /* their paths */
-  double *seconds;    /* of each step; NAN: it did not run */
-  void ***objects;    /* of each step, of each output */
-  gboolean *left_out; /* of each step: not of this run, though its objects may
-                         be there */
+  GPtrArray *given;    /* paths of files that the step at work writes */
+  GPtrArray *inputs;   /* files read: path, SHA-256, path ... */
+  GHashTable *summed;  /* their paths */
+  double *seconds;     /* of each step; NAN: it did not run */
+  void ***objects;     /* of each step, of each output */
+  gboolean *left_out;  /* of each step: not of this run, though its objects may
+                          be there */
   const opc_sweep *sweep; /* NULL: none */
   opc_table *points;      /* of a sweep: parameters and metrics of all points */
   size_t failed_points;

@@ -124,8 +124,9 @@ OPC_EXPORT const char *eda_layout_instance(const eda_layout *layout,
 /* All shapes of a layer below `cell`, with every transform applied, on a
    grid of `grid` nm: a coordinate becomes floor(x * unit / grid + 1/2), so
    that equal lengths that move equally stay equal. OPC_INVALID for more than
-   2^28 shapes or 8 placements for each and 2^19 more, coordinates beyond 2^30 and circles among the cells. *out is the
-   caller's, who clears it; it is empty on failure. */
+   2^28 shapes or 8 placements for each and 2^19 more, coordinates beyond 2^30
+   and circles among the cells. *out is the caller's, who clears it; it is empty
+   on failure. */
 OPC_EXPORT int eda_layout_flatten(const eda_layout *layout, int32_t cell,
                                   int32_t layer, double grid, eda_flat *out,
                                   opc_error *error);
