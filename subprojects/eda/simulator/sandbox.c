@@ -111,7 +111,7 @@ static int add_rules(scmp_filter_ctx f) {
       SCMP_A3(SCMP_CMP_MASKED_EQ, AT_EMPTY_PATH, AT_EMPTY_PATH));
   /* abort() */
   bad |= seccomp_rule_add(f, SCMP_ACT_ALLOW, SCMP_SYS(tgkill), 1,
-                          SCMP_A0(SCMP_CMP_EQ, (scmp_datum_t)getpid()));
+                          SCMP_A0(SCMP_CMP_EQ, (scmp_datum_t)getpid(), 0));
   return bad;
 }
 
