@@ -49,11 +49,18 @@ void oasis_read_layer(oasis *o, uint32_t info, uint32_t has, uint32_t *layer,
   o->m.has |= has * (info & 3);
 }
 
+/* A coordinate; one that no number can hold is out of range all the same. */
+static int64_t read_place(oasis *o, int64_t from) {
+  int64_t by = oasis_sint(o), to;
+  if (!o->m.relative) return by;
+  return __builtin_add_overflow(from, by, &to) ? INT64_MAX : to;
+}
+
 /* INFO bits of x and y are those of every element but placements, whose are
    one further up. */
 static void read_xy(oasis *o, int has_x, int has_y, int64_t *x, int64_t *y) {
-  if (has_x) *x = oasis_sint(o) + (o->m.relative ? *x : 0);
-  if (has_y) *y = oasis_sint(o) + (o->m.relative ? *y : 0);
+  if (has_x) *x = read_place(o, *x);
+  if (has_y) *y = read_place(o, *y);
   if (*x < INT32_MIN || *x > INT32_MAX || *y < INT32_MIN || *y > INT32_MAX) {
     oasis_refuse(o, "a coordinate beyond 32 bits");
     *x = *y = 0;
