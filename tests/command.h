@@ -13,6 +13,16 @@ static char *folder, *command;
 /* What a command gave. */
 static char *out, *err;
 
+/* Run a program; gives its exit code, or 128 and the signal that ended it. */
+static inline int spawn(const char *const *argv) {
+  int status;
+  g_clear_pointer(&out, g_free);
+  g_clear_pointer(&err, g_free);
+  g_assert_true(g_spawn_sync(NULL, (char **)argv, NULL, G_SPAWN_SEARCH_PATH,
+                             NULL, NULL, &out, &err, &status, NULL));
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
 /* Run opcflow with words that have no spaces but where '~' stands for one;
    gives the exit code. */
 static inline int call(const char *line) {
@@ -22,16 +32,10 @@ static inline int call(const char *line) {
   for (guint i = 0; words[i]; i++)
     g_ptr_array_add(argv, g_strdelimit(words[i], "~", ' '));
   g_ptr_array_add(argv, NULL);
-  g_clear_pointer(&out, g_free);
-  g_clear_pointer(&err, g_free);
-  int status;
-  g_assert_true(g_spawn_sync(NULL, (char **)argv->pdata, NULL, G_SPAWN_DEFAULT,
-                             NULL, NULL, &out, &err, &status, NULL));
-  g_assert_true(WIFEXITED(status));
-  return WEXITSTATUS(status);
+  return spawn((const char *const *)argv->pdata);
 }
 
-static inline void write_flow(const char *name, const char *text) {
+static inline void write_text(const char *name, const char *text) {
   g_assert_true(g_file_set_contents(name, text, -1, NULL));
 }
 
@@ -54,15 +58,22 @@ static inline guint entries(const char *name) {
   return n;
 }
 
-static inline void set_up(void) {
+/* With the plugins of the tests; and those of opcflow, if asked for. */
+static inline void set_up(gboolean with_own) {
   folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
   g_assert_cmpint(g_chdir(folder), ==, 0);
-  command = g_build_filename(g_getenv("OPCFLOW_BUILD"), "opcflow", NULL);
-  g_autofree char *plugins =
-      g_build_filename(g_getenv("OPCFLOW_BUILD"), "tests", NULL);
-  g_setenv("OPCFLOW_PLUGIN_PATH", plugins, TRUE);
-  write_flow("in.txt", "some input\n");
-  write_flow("two.yaml",
+  const char *build = g_getenv("OPCFLOW_BUILD");
+  command = g_build_filename(build, "opcflow", NULL);
+  g_autofree char *own = g_strdup_printf(":%s/plugins", build);
+  g_autofree char *path =
+      g_strdup_printf("%s/tests%s", build, with_own ? own : "");
+  g_setenv("OPCFLOW_PLUGIN_PATH", path, TRUE);
+}
+
+/* A flow of two steps, of which the second one works first. */
+static inline void write_two(void) {
+  write_text("in.txt", "some input\n");
+  write_text("two.yaml",
              "opcflow: 1\nname: two\nsteps:\n"
              "  b: { use: test.numbers, size: 2 nm, add: ${a} }\n"
              "  a: { use: test.numbers, size: 0.065 um, input: in.txt, output: "

@@ -83,7 +83,7 @@ static void test_check(void) {
 
 /* Light steps run, so that the others can tell what they will want. */
 static void test_forecast(void) {
-  write_flow("wants.yaml",
+  write_text("wants.yaml",
              "opcflow: 1\nsteps:\n"
              "  a: { use: test.light }\n"
              "  b: { use: test.heavy, from: ${a}, memory: 2e-3 }\n"
@@ -106,7 +106,7 @@ static void test_forecast(void) {
   g_assert_null(strstr(err, "ran with 2"));
   g_assert_cmpint(call("check wants.yaml --quick"), ==, 0);
   g_assert_cmpstr(out, ==, "");
-  write_flow("little.yaml",
+  write_text("little.yaml",
              "opcflow: 1\nsteps:\n"
              "  a: { use: test.light }\n"
              "  b: { use: test.heavy, from: ${a}, memory: 1e-5 }\n");
@@ -301,7 +301,7 @@ static void test_folders(void) {
   g_assert_cmpint(call("run two.yaml --output runs/two/ --force"), ==, 0);
   /* Only runs are replaced. */
   g_assert_cmpint(g_mkdir("precious", 0777), ==, 0);
-  write_flow("precious/mine.txt", "");
+  write_text("precious/mine.txt", "");
   g_assert_cmpint(call("run two.yaml --output precious --force"), ==, 5);
   g_assert_cmpstr(err, ==,
                   "error: 'precious': is not the folder of a run (it has no "
@@ -327,7 +327,7 @@ static void test_failures(void) {
   g_assert_nonnull(strstr(err, "'../out' leaves the run folder"));
   g_assert_cmpuint(entries("f"), ==, 4);
   /* Nothing was written: nothing is kept. */
-  write_flow("bare.yaml",
+  write_text("bare.yaml",
              "opcflow: 1\nsteps:\n  a: { use: test.numbers, size: 1 nm, "
              "behave: fail }\n");
   g_assert_cmpint(call("run bare.yaml --output f/bare"), ==, 4);
@@ -447,13 +447,7 @@ static void test_colour(void) {
 /* opcflow as a shell starts it. */
 static int shell(const char *words) {
   g_autofree char *line = g_strdup_printf("%s %s", command, words);
-  const char *argv[] = {"/bin/sh", "-c", line, NULL};
-  int status;
-  g_assert_true(g_spawn_sync(NULL, (char **)argv, NULL,
-                             G_SPAWN_STDERR_TO_DEV_NULL, NULL, NULL, NULL, NULL,
-                             &status, NULL));
-  g_assert_true(WIFEXITED(status));
-  return WEXITSTATUS(status);
+  return spawn((const char *const[]){"/bin/sh", "-c", line, NULL});
 }
 
 static void test_full(void) {
@@ -475,7 +469,8 @@ static void test_closed(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  set_up();
+  set_up(FALSE);
+  write_two();
   g_test_add_func("/command/usage", test_usage);
   g_test_add_func("/command/tell", test_tell);
   g_test_add_func("/command/stanza", test_stanza);

@@ -8,35 +8,9 @@
 #include <string.h>
 #include <sys/wait.h>
 
-#include "core/flow/files.h"
-
-static char *folder, *command, *out, *err;
+#include "tests/command.h"
 
 /* ---- help ---- */
-
-/* Run opcflow with words between spaces; gives the exit code. */
-static int call(const char *line) {
-  g_auto(GStrv) words = g_strsplit(line, " ", -1);
-  g_autoptr(GPtrArray) argv = g_ptr_array_new();
-  g_ptr_array_add(argv, command);
-  for (guint i = 0; words[i]; i++) g_ptr_array_add(argv, words[i]);
-  g_ptr_array_add(argv, NULL);
-  g_clear_pointer(&out, g_free);
-  g_clear_pointer(&err, g_free);
-  int status;
-  g_assert_true(g_spawn_sync(NULL, (char **)argv->pdata, NULL, G_SPAWN_DEFAULT,
-                             NULL, NULL, &out, &err, &status, NULL));
-  g_assert_true(WIFEXITED(status));
-  return WEXITSTATUS(status);
-}
-
-static void write_flow(const char *name, const char *text) {
-  g_assert_true(g_file_set_contents(name, text, -1, NULL));
-}
-
-static gboolean is_there(const char *name) {
-  return g_file_test(name, G_FILE_TEST_EXISTS);
-}
 
 static gboolean has_text(const char *name, const char *text) {
   g_autofree char *content = NULL;
@@ -47,15 +21,6 @@ static gboolean has_text(const char *name, const char *text) {
 /* Of a message, '*' stands for anything. */
 static void expect_error(const char *want) {
   if (!g_pattern_match_simple(want, err)) g_assert_cmpstr(err, ==, want);
-}
-
-static void set_up(void) {
-  folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
-  g_assert_cmpint(g_chdir(folder), ==, 0);
-  const char *build = g_getenv("OPCFLOW_BUILD");
-  command = g_build_filename(build, "opcflow", NULL);
-  g_autofree char *path = g_strdup_printf("%s/tests:%s/plugins", build, build);
-  g_setenv("OPCFLOW_PLUGIN_PATH", path, TRUE);
 }
 
 /* ---- the correction loop ---- */
@@ -88,7 +53,7 @@ static void write_correction(const char *bad) {
       "    regulator: { use: bad.%s }\n"
       "  after: { use: test.numbers, size: 1 nm, add: ${kept} }\n",
       g_getenv("OPCFLOW_SOURCE"), used[0], used[1], used[2], used[3], used[4]);
-  write_flow("bad.yaml", text);
+  write_text("bad.yaml", text);
   for (size_t i = 0; i < G_N_ELEMENTS(slots); i++) g_free(used[i]);
 }
 
@@ -269,7 +234,7 @@ static void test_loops(void) {
              "note: what was written so far is in 'x.failed'\n");
   expect_kept("ended while step 'mask' ran");
   /* Nothing was written: nothing is kept. */
-  write_flow("loop.yaml", "opcflow: 1\nsteps:\n  a: { use: bad.step_loop }\n");
+  write_text("loop.yaml", "opcflow: 1\nsteps:\n  a: { use: bad.step_loop }\n");
   expect_end(start_loop("loop.yaml"), SIGTERM, SIGINT,
              "loop.yaml:3:3: step 'a' (bad.step_loop): stopped in plugin "
              "'bad.step_loop'\n");
@@ -282,7 +247,7 @@ static void test_loops(void) {
 static int call_step(const char *verb, const char *fault) {
   g_autofree char *text =
       g_strdup_printf("opcflow: 1\nsteps:\n  a: { use: bad.step_%s }\n", fault);
-  write_flow("step.yaml", text);
+  write_text("step.yaml", text);
   g_autofree char *line = g_strdup_printf("%s step.yaml", verb);
   int code = call(line);
   g_assert_false(is_there("runs/step"));
@@ -330,7 +295,7 @@ static void test_steps(void) {
 
 /* One that crashes when all is done: the run is there. */
 static void test_clear(void) {
-  write_flow("clear.yaml",
+  write_text("clear.yaml",
              "opcflow: 1\nsteps:\n  a: { use: bad.step_clear }\n");
   g_assert_cmpint(call("run clear.yaml --output cleared"), ==, 4);
   g_assert_cmpstr(err, ==,
@@ -341,7 +306,7 @@ static void test_clear(void) {
 
 /* One that crashes while it is loaded. */
 static void test_loading(void) {
-  write_flow("load.yaml", "opcflow: 1\nsteps:\n  a: { use: bad.crash }\n");
+  write_text("load.yaml", "opcflow: 1\nsteps:\n  a: { use: bad.crash }\n");
   g_assert_cmpint(call("run load.yaml"), ==, 3);
   expect_error(
       "error: 'bad.crash': cannot use '*/tests/bad.crash.so': crashed "
@@ -351,7 +316,7 @@ static void test_loading(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  set_up();
+  set_up(TRUE);
   g_test_add_func("/contract/failures", test_failures);
   g_test_add_func("/contract/code", test_code);
   g_test_add_func("/contract/good", test_good);
@@ -361,12 +326,5 @@ int main(int argc, char **argv) {
   g_test_add_func("/contract/steps", test_steps);
   g_test_add_func("/contract/clear", test_clear);
   g_test_add_func("/contract/loading", test_loading);
-  int failed = g_test_run();
-  g_assert_cmpint(g_chdir("/"), ==, 0);
-  opc_remove_tree(folder);
-  g_free(folder);
-  g_free(command);
-  g_free(out);
-  g_free(err);
-  return failed;
+  return run_all();
 }

@@ -9,15 +9,13 @@
 #include <string.h>
 #include <sys/wait.h>
 
-#include "core/flow/files.h"
-
-static char *folder, *command, *out, *err;
+#include "tests/command.h"
 
 /* ---- help ---- */
 
 /* Run opcflow with words between spaces, no longer than 20 s, while plugins are
    evil in that way, in that function; gives the exit code. */
-static int call(const char *line, const char *when, const char *how) {
+static int call_while(const char *line, const char *when, const char *how) {
   g_auto(GStrv) words = g_strsplit(line, " ", -1);
   g_autoptr(GPtrArray) argv = g_ptr_array_new();
   g_setenv("BAD_WHEN", when, TRUE);
@@ -28,30 +26,7 @@ static int call(const char *line, const char *when, const char *how) {
   g_ptr_array_add(argv, command);
   for (guint i = 0; words[i]; i++) g_ptr_array_add(argv, words[i]);
   g_ptr_array_add(argv, NULL);
-  g_clear_pointer(&out, g_free);
-  g_clear_pointer(&err, g_free);
-  int status;
-  g_assert_true(g_spawn_sync(NULL, (char **)argv->pdata, NULL,
-                             G_SPAWN_SEARCH_PATH, NULL, NULL, &out, &err,
-                             &status, NULL));
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
-
-static void write_text(const char *name, const char *text) {
-  g_assert_true(g_file_set_contents(name, text, -1, NULL));
-}
-
-static gboolean is_there(const char *name) {
-  return g_file_test(name, G_FILE_TEST_EXISTS);
-}
-
-static void set_up(void) {
-  folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
-  g_assert_cmpint(g_chdir(folder), ==, 0);
-  const char *build = g_getenv("OPCFLOW_BUILD");
-  command = g_build_filename(build, "opcflow", NULL);
-  g_autofree char *path = g_strdup_printf("%s/tests:%s/plugins", build, build);
-  g_setenv("OPCFLOW_PLUGIN_PATH", path, TRUE);
+  return spawn((const char *const *)argv->pdata);
 }
 
 /* A correction of which one plugin, bad.KIND, does what the environment
@@ -147,7 +122,8 @@ static void try_correction(const char *kind, const char *when, const char *how,
   g_autofree char *id = g_strconcat("bad.", kind, NULL);
   write_correction(kind);
   /* Of plugins side by side, the one that is seen first would be named. */
-  expect(call("run bad.yaml --output x --threads 1", when, how), 4, id, say);
+  expect(call_while("run bad.yaml --output x --threads 1", when, how), 4, id,
+         say);
   expect_kept();
 }
 
@@ -238,8 +214,8 @@ static void test_beside(void) {
     for (int again = 0; again < 4; again++) {
       g_autofree char *id = g_strdup_printf("'bad.%s'", kinds[i][0]);
       write_correction(kinds[i][0]);
-      expect(call("run bad.yaml --output x --threads 4", kinds[i][1],
-                  "chdir slowly"),
+      expect(call_while("run bad.yaml --output x --threads 4", kinds[i][1],
+                        "chdir slowly"),
              4, id, " changed the working folder\n");
       g_assert_nonnull(strstr(err, id));
       expect_kept();
@@ -260,7 +236,7 @@ static JsonNode *parse(const char *text) {
 static void try_step(const char *verb, const char *when, const char *how,
                      int code, const char *say) {
   write_text("step.yaml", "opcflow: 1\nsteps:\n  a: { use: bad.step }\n");
-  expect(call(verb, when, how), code, "bad.step", say);
+  expect(call_while(verb, when, how), code, "bad.step", say);
   g_assert_false(is_there("runs/step"));
   g_assert_false(is_there("runs/step.failed"));
 }
@@ -286,7 +262,7 @@ static void test_step(void) {
   try_step("run step.yaml", "run", "err", 4, ended);
   /* Whatever ends it in the end, the exit code is the command's. */
   try_step("run step.yaml", "run", "atexit", 4, "(bad.step): gave no reason");
-  expect(call("run step.yaml --output z", "run", "atexit crash"), 4, "",
+  expect(call_while("run step.yaml --output z", "run", "atexit crash"), 4, "",
          "crashed while the command ended: segmentation fault\n");
   g_assert_true(opc_remove_tree("z"));
   try_step("run step.yaml", "", "memory", 4, "crashed in plugin '%s': trap\n");
@@ -298,15 +274,16 @@ static void test_step(void) {
 
 static void test_verb(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(ways); i++)
-    expect(call("bad", "run", ways[i].how), 4, "command.bad", ways[i].say);
+    expect(call_while("bad", "run", ways[i].how), 4, "command.bad",
+           ways[i].say);
 }
 
 /* While they are loaded, of any kind. */
 static void test_loading(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(ways); i++) {
-    expect(call("inspect kind.bad", "construct", ways[i].how), 3, "kind.bad",
-           ways[i].say);
-    expect(call("inspect bad.none", "load", ways[i].how), 3, "bad.none",
+    expect(call_while("inspect kind.bad", "construct", ways[i].how), 3,
+           "kind.bad", ways[i].say);
+    expect(call_while("inspect bad.none", "load", ways[i].how), 3, "bad.none",
            ways[i].say);
   }
 }
@@ -316,18 +293,19 @@ static void test_loading(void) {
 /* Nothing of a plugin's own gets between the command and who reads it. */
 static void test_output(void) {
   write_correction("synthesizer");
-  g_assert_cmpint(call("run bad.yaml --output x --json", "update", "print"), ==,
-                  0);
+  g_assert_cmpint(
+      call_while("run bad.yaml --output x --json", "update", "print"), ==, 0);
   g_assert_nonnull(strstr(err, "not JSON\n"));
   g_autoptr(JsonNode) run = parse(out);
   g_assert_true(json_object_has_member(json_node_get_object(run), "metrics"));
   g_assert_true(opc_remove_tree("x"));
-  g_assert_cmpint(call("inspect bad.none --json", "construct", "print"), ==, 0);
+  g_assert_cmpint(call_while("inspect bad.none --json", "construct", "print"),
+                  ==, 0);
   g_autoptr(JsonNode) seen = parse(out);
   g_assert_cmpstr(
       json_object_get_string_member(json_node_get_object(seen), "id"), ==,
       "bad.none");
-  g_assert_cmpint(call("bad --json", "run", "print"), ==, 0);
+  g_assert_cmpint(call_while("bad --json", "run", "print"), ==, 0);
   g_autoptr(JsonNode) verb = parse(out);
   g_assert_true(json_object_has_member(json_node_get_object(verb), "tables"));
 }
@@ -339,12 +317,12 @@ static void test_texts(void) {
   g_assert_null(strchr(err, '\033'));
   try_step("run step.yaml --json", "", "escape", 4, shown);
   g_autoptr(JsonNode) run = parse(out);
-  call("run step.yaml --output y", "", "escaped log");
+  call_while("run step.yaml --output y", "", "escaped log");
   g_assert_nonnull(strstr(err, shown));
   g_assert_null(strchr(err, '\033'));
   g_assert_true(opc_remove_tree("y"));
   write_correction("synthesizer");
-  g_assert_cmpint(call("run bad.yaml --output x", "", "escape"), ==, 0);
+  g_assert_cmpint(call_while("run bad.yaml --output x", "", "escape"), ==, 0);
   g_assert_nonnull(strstr(out, "\\u{1b}[2J"));
   g_assert_null(strchr(out, '\033'));
   g_assert_true(opc_remove_tree("x"));
@@ -353,7 +331,7 @@ static void test_texts(void) {
 /* Names of files are bytes. */
 static void test_names(void) {
   write_text("\xFF\033[1m.yaml", "opcflow: 1\nsteps: {}\n");
-  g_assert_cmpint(call("check \xFF\033[1m.yaml --json", "", ""), ==, 2);
+  g_assert_cmpint(call_while("check \xFF\033[1m.yaml --json", "", ""), ==, 2);
   g_autoptr(JsonNode) check = parse(out);
   g_assert_cmpstr(
       json_object_get_string_member(json_node_get_object(check), "flow"), ==,
@@ -436,7 +414,7 @@ static void test_foreign(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  set_up();
+  set_up(TRUE);
   g_test_add_func("/evil/litho", test_litho);
   g_test_add_func("/evil/resist", test_resist);
   g_test_add_func("/evil/extractor", test_extractor);
@@ -455,12 +433,5 @@ int main(int argc, char **argv) {
   g_test_add_func("/evil/names", test_names);
   g_test_add_func("/evil/hangs", test_hangs);
   g_test_add_func("/evil/foreign", test_foreign);
-  int failed = g_test_run();
-  g_assert_cmpint(g_chdir("/"), ==, 0);
-  opc_remove_tree(folder);
-  g_free(folder);
-  g_free(command);
-  g_free(out);
-  g_free(err);
-  return failed;
+  return run_all();
 }

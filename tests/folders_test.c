@@ -8,30 +8,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "core/flow/files.h"
+#include "tests/command.h"
 
 /* ---- help ---- */
 
-static char *folder, *command, *out, *err;
-
 /* Run a shell script in which $O is opcflow; the exit code. */
 static int sh(const char *script) {
-  const char *const argv[] = {"/bin/sh", "-c", script, NULL};
-  g_clear_pointer(&out, g_free);
-  g_clear_pointer(&err, g_free);
-  int status;
-  g_assert_true(g_spawn_sync(NULL, (char **)argv, NULL, G_SPAWN_DEFAULT, NULL,
-                             NULL, &out, &err, &status, NULL));
-  g_assert_true(WIFEXITED(status));
-  return WEXITSTATUS(status);
-}
-
-static void put(const char *name, const char *text) {
-  g_assert_true(g_file_set_contents(name, text, -1, NULL));
-}
-
-static gboolean is_there(const char *name) {
-  return g_file_test(name, G_FILE_TEST_EXISTS);
+  return spawn((const char *const[]){"/bin/sh", "-c", script, NULL});
 }
 
 /* All names in the folder, hidden ones too, with spaces between. */
@@ -41,16 +24,12 @@ static void expect_names(const char *name, const char *want) {
   g_assert_cmpstr(g_strchomp(out), ==, want);
 }
 
-static void set_up(void) {
-  folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
-  g_assert_cmpint(g_chdir(folder), ==, 0);
-  command = g_build_filename(g_getenv("OPCFLOW_BUILD"), "opcflow", NULL);
-  g_autofree char *plugins =
-      g_build_filename(g_getenv("OPCFLOW_BUILD"), "tests", NULL);
-  g_setenv("OPCFLOW_PLUGIN_PATH", plugins, TRUE);
+static void set_up_runs(void) {
+  set_up(FALSE);
   g_setenv("O", command, TRUE);
-  put("in.txt", "some input\n");
-  put("two.yaml",
+  write_text("in.txt", "some input\n");
+  write_text(
+      "two.yaml",
       "opcflow: 1\nname: two\nsteps:\n"
       "  a: { use: test.numbers, size: 65 nm, output: deep/er/out.txt }\n"
       "  b: { use: test.numbers, size: 2 nm, add: ${a} }\n");
@@ -235,7 +214,7 @@ static void test_full(void) {
 
 static void expect_fault(const char *steps, const char *want) {
   g_autofree char *text = g_strdup_printf("opcflow: 1\nsteps:\n%s", steps);
-  put("names.yaml", text);
+  write_text("names.yaml", text);
   g_assert_cmpint(sh("$O check names.yaml"), ==, 2);
   g_assert_cmpstr(err, ==, want);
   g_assert_cmpint(sh("$O run names.yaml --output names"), ==, 2);
@@ -269,9 +248,9 @@ static void test_names(void) {
 /* A table makes room for a file that a parameter names, of its own step and of
    one that comes later. */
 static void test_tables(void) {
-  put("names.yaml",
-      "opcflow: 1\nsteps:\n  a: { use: test.numbers, size: 1 nm }\n"
-      "  b: { use: test.numbers, size: 1 nm, output: numbers.csv }\n");
+  write_text("names.yaml",
+             "opcflow: 1\nsteps:\n  a: { use: test.numbers, size: 1 nm }\n"
+             "  b: { use: test.numbers, size: 1 nm, output: numbers.csv }\n");
   g_assert_cmpint(sh("$O run names.yaml --output n/x"), ==, 0);
   expect_names("n/x",
                "a.numbers.csv b.numbers.csv flow.yaml manifest.json "
@@ -284,7 +263,7 @@ static void test_tables(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  set_up();
+  set_up_runs();
   g_test_add_func("/folders/force", test_force);
   g_test_add_func("/folders/places", test_places);
   g_test_add_func("/folders/busy", test_busy);
@@ -293,12 +272,5 @@ int main(int argc, char **argv) {
   g_test_add_func("/folders/full", test_full);
   g_test_add_func("/folders/names", test_names);
   g_test_add_func("/folders/tables", test_tables);
-  int failed = g_test_run();
-  g_assert_cmpint(g_chdir("/"), ==, 0);
-  opc_remove_tree(folder);
-  g_free(folder);
-  g_free(command);
-  g_free(out);
-  g_free(err);
-  return failed;
+  return run_all();
 }

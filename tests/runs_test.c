@@ -132,7 +132,7 @@ static void test_bounds(void) {
 
 /* All is written, under its own name, and the last line tells it. */
 static void test_require(void) {
-  write_flow("must.yaml",
+  write_text("must.yaml",
              "opcflow: 1\nextends: two.yaml\nrequire:\n  b.sum: 70 nm\n"
              "  a: { sum: '>= 0.069 um' }\n"
              "variants: { less: { b.size: 0.5 nm, require.b.sum: 74 nm }, "
@@ -171,7 +171,7 @@ static void test_require(void) {
 }
 
 static void test_require_faults(void) {
-  write_flow("musty.yaml",
+  write_text("musty.yaml",
              "opcflow: 1\nextends: two.yaml\nrequire:\n  c.sum: 1 nm\n"
              "  a.smu: 1 nm\n  b.sum: 1\n  a.sum: 1 V\n  sum: 3\n");
   g_assert_cmpint(call("check musty.yaml"), ==, 2);
@@ -183,14 +183,14 @@ static void test_require_faults(void) {
       "musty.yaml:6:10: 'b.sum' needs a length with its unit, e.g. '1 nm'\n"
       "musty.yaml:7:10: 'a.sum' needs a length, not '1 V'\n"
       "musty.yaml:8:3: 'sum' is no figure, as 'step.metric'\n");
-  write_flow("musty.yaml",
+  write_text("musty.yaml",
              "opcflow: 1\nextends: two.yaml\nrequire:\n  a.sum: 1 nm\n"
              "  a: { sum: 2 nm }\n");
   g_assert_cmpint(call("check musty.yaml"), ==, 2);
   g_assert_cmpstr(err, ==,
                   "musty.yaml:5:8: 'sum' is given here and at "
                   "musty.yaml:4:3\n");
-  write_flow("musty.yaml",
+  write_text("musty.yaml",
              "opcflow: 1\nextends: two.yaml\nrequire: { .a.sum: 1 nm }\n");
   g_assert_cmpint(call("check musty.yaml"), ==, 2);
   g_assert_cmpstr(err, ==,
@@ -199,7 +199,7 @@ static void test_require_faults(void) {
                   2);
   g_assert_cmpint(call("check two.yaml --set require.a.sum=[2~nm]"), ==, 2);
   g_assert_cmpint(call("check two.yaml --set require=~"), ==, 2);
-  write_flow("musty.yaml",
+  write_text("musty.yaml",
              "opcflow: 1\nsteps: { require: { use: test.numbers, size: 1 nm } "
              "}\n");
   g_assert_cmpint(call("check musty.yaml"), ==, 2);
@@ -240,7 +240,7 @@ static void test_require_of_points(void) {
 /* ---- variants and sweeps ---- */
 
 static void test_variants(void) {
-  write_flow("var.yaml",
+  write_text("var.yaml",
              "opcflow: 1\nextends: two.yaml\nvariants:\n"
              "  big: { b.size: 20 nm }\n  bad: { b.behave: fail }\n"
              "  less: { b.add: ~ }\n");
@@ -266,7 +266,7 @@ static void test_variants(void) {
                   0);
   g_autoptr(JsonNode) node = json_from_string(out, NULL);
   g_assert_cmpuint(json_array_get_length(json_node_get_array(node)), ==, 2);
-  write_flow("wrong.yaml",
+  write_text("wrong.yaml",
              "opcflow: 1\nextends: two.yaml\nvariants: { x: { b.size: 1 V } "
              "}\n");
   g_assert_cmpint(call("check wrong.yaml"), ==, 2);
@@ -275,13 +275,13 @@ static void test_variants(void) {
                   "'x')\n");
   g_assert_cmpint(call("run wrong.yaml"), ==, 0);
   /* In two forms: wrong in one file, laid over each other in two. */
-  write_flow("wrong.yaml",
+  write_text("wrong.yaml",
              "opcflow: 1\nextends: two.yaml\nvariants:\n"
              "  x: { b.size: 1 nm, b: { size: 2 nm } }\n");
   g_assert_cmpint(call("check wrong.yaml"), ==, 2);
   g_assert_cmpstr(
       err, ==, "wrong.yaml:4:27: 'size' is given here and at wrong.yaml:4:8\n");
-  write_flow("over.yaml",
+  write_text("over.yaml",
              "opcflow: 1\nextends: var.yaml\nvariants:\n"
              "  big: { b: { size: 2 nm } }\n");
   g_assert_cmpint(call("check over.yaml"), ==, 0);
@@ -289,7 +289,7 @@ static void test_variants(void) {
 
 /* b depends on a, which is not swept: a runs once. */
 static void test_sweep(void) {
-  write_flow("sweep.yaml",
+  write_text("sweep.yaml",
              "opcflow: 1\nextends: two.yaml\nsweep:\n"
              "  b.size: [1 nm, 2 nm]\n"
              "  b.whole: { from: 10, to: 30, step: 10 }\n");
@@ -363,7 +363,8 @@ static void test_failing_points(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  set_up();
+  set_up(FALSE);
+  write_two();
   g_test_add_func("/runs/findings", test_findings);
   g_test_add_func("/runs/last-lines", test_last_lines);
   g_test_add_func("/runs/many-findings", test_many_findings);

@@ -27,7 +27,7 @@ struct opc_flow_step {
 
 /* What a metric must be. */
 typedef struct opc_requirement {
-  char *path;            /* "mask.synthesizer.terms" */
+  char *path;            /* "step.slot.count" */
   opc_place at;          /* of its key */
   const opc_node *value; /* as written */
   const opc_binding *binding;

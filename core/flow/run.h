@@ -20,7 +20,7 @@ typedef struct opc_run_options {
 /* What a step found that the user must not miss. */
 typedef struct opc_finding {
   size_t point; /* of a sweep, from 1; 0: of all */
-  char *path;   /* of the instance: "mask.synthesizer" */
+  char *path;   /* of the instance: "step.slot" */
   char *text;
 } opc_finding;
 
@@ -30,7 +30,7 @@ enum { OPC_MOST_FINDINGS = 100 };
 /* What came of a requirement. All its own. */
 typedef struct opc_verdict {
   size_t point;       /* of a sweep, from 1; 0: of all */
-  char *path;         /* "mask.ion_max" */
+  char *path;         /* "step.largest" */
   char *required;     /* "at most 1 %" */
   char *unit;         /* NULL: a plain number */
   double least, most; /* infinite: no bound */
@@ -145,7 +145,7 @@ void opc_run_listen(opc_run *run, const opc_watch *told);
 /* Instances that outlive the run tell nobody any more. */
 void opc_run_listen_end(opc_run *run);
 
-/* All of them (char *, freed with the array): "mask: text", "point 3: mask:
+/* All of them (char *, freed with the array): "step: text", "point 3: step:
    text", and at last how many more there were. */
 GPtrArray *opc_run_findings(const opc_run *run);
 

@@ -227,7 +227,7 @@ static void begin_thread(void) {
 /* ---- what it did ---- */
 
 /* Between two looks at the same plugin, s: one takes 4 us, where system calls
-   are slow 25, and extractors are called for each transistor. */
+   are slow 25, and some plugins are called a thousand times a second. */
 static const double pause_of_looks = 5e-3;
 
 /* Tasks of a plugin, beside which others may do harm: it is looked at by itself

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What all of the process shares, and plugins have to leave as it was: the
    working folder, the standard streams, the locale, the modes of new files,
-   handlers of signals; and of each thread its floating-point control and mask
-   of signals. */
+   handlers of signals; and of each thread its floating-point control and the
+   signals that it blocks. */
 #ifndef OPCFLOW_CORE_PROCESS_H
 #define OPCFLOW_CORE_PROCESS_H
 
