@@ -392,12 +392,14 @@ static void name_rule(hold *h, size_t gate) {
     s->x = (high ? b.x1 : b.x0) * g->grid;
 }
 
-/* The nearest transistor whose mask is another than drawn. */
+/* The nearest transistor whose mask is another than drawn. If none is, what the
+   regulator did beside one. */
 static void name_neighbour(hold *h, size_t gate, double nm) {
   const eda_gates *g = h->l->gates;
   const biases *b = &h->ended.biases;
   guarded *s = &h->l->guard.state[gate];
   double x, y, cx, cy, least = INFINITY;
+  name_rule(h, gate);
   centre_of(g, gate, &x, &y);
   eda_finder f = eda_index_find(h->gates, window_of(h, gate, nm));
   for (uint32_t i; eda_index_next(&f, &i);) {
@@ -463,15 +465,14 @@ static int find_causes(hold *h, opc_error *error) {
 static int take_back(hold *h, opc_error *error) {
   size_t faults = 0;
   int code = find_faults(h->l, &faults, error);
-  for (int round = 0; faults && !code; round++) {
+  for (int round = 0; faults && round <= tuned.rounds && !code; round++) {
     int gone = 1;
     if (round == tuned.rounds)
       all_drawn(h);
     else
       gone = go_back(h) > 0;
     code = gone ? print(h->l, error) : find_causes(h, error);
-    if (code || round == tuned.rounds) break;
-    code = find_faults(h->l, &faults, error);
+    if (!code) code = find_faults(h->l, &faults, error);
   }
   return code;
 }

@@ -243,6 +243,29 @@ static void test_neighbour(void) {
   loop_clear(&l);
 }
 
+/* No transistor moved that stands in the way, but something of the regulator's
+   beside another one does. */
+static int bite_neighbour(void *self, const eda_printed *p, eda_ruling *r,
+                          opc_error *error) {
+  static const eda_box sides[] = {{0, 600, 7, 900}, {53, 600, 60, 900}};
+  (void)self, (void)p, (void)error;
+  r->bites[EDA_POLY] = (eda_boxes){sides, 2};
+  return OPC_OK;
+}
+
+static void test_rule_beside(void) {
+  static const eda_regulator biter = {.rule = bite_neighbour,
+                                      .violations = violations};
+  script s = {.l = {{-14, 0}}, .moves = 1, .target = {1, 1}};
+  loop l;
+  drawn = moved = 0;
+  run(&l, MODULE(&hasty, &s), &coupled, MODULE(&biter, NULL), 1);
+  expect(&l, 0, -14, "rule: patch beside at (30, 200) nm");
+  g_assert_cmpuint(l.now.bites[EDA_POLY].count, ==, 2);
+  g_assert_cmpuint(l.guard.worse, ==, 1);
+  loop_clear(&l);
+}
+
 /* A layer that the synthesizer cuts itself goes back by its fragments. */
 static int cut(void *self, const eda_gates *g, int layer, eda_cuts *cuts,
                opc_error *error) {
@@ -301,6 +324,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/guard/target", test_target);
   g_test_add_func("/guard/rules", test_rules);
   g_test_add_func("/guard/neighbour", test_neighbour);
+  g_test_add_func("/guard/rule-beside", test_rule_beside);
   g_test_add_func("/guard/fragments", test_fragments);
   int failed = g_test_run();
   g_string_free(told, TRUE);
