@@ -70,8 +70,6 @@ static const void *give_mask(opc_error *error) {
   const eda_gates *g = eda_gates_sample();
   if (mask) return mask;
   mask = eda_mask_new(g);
-  mask->shapes = eda_alloc(g->layers, sizeof *mask->shapes);
-  mask->print = eda_alloc(g->layers, sizeof *mask->print);
   mask->flags = eda_alloc(g->count, sizeof *mask->flags);
   for (size_t k = 0; k < g->layers; k++) {
     mask->shapes[k] = copy_shapes(&g->drawn[k]);
