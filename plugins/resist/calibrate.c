@@ -178,8 +178,8 @@ static int image_line(const fitting *f, const resist_line *l, eda_field *field,
   uint32_t start[2] = {0, 4};
   eda_shapes line = {.count = 1, .start = start, .points = points};
   eda_spectrum mask;
-  int code = eda_mask_spectrum(context, &line, unit, frame,
-                               model->band(litho->self), &mask, error);
+  int code =
+      eda_litho_spectrum(context, litho, &line, unit, frame, &mask, error);
   if (code) return code;
   /* Of all the model has, not of what it is cut to for speed. */
   code = model->image_fine
