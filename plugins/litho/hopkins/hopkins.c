@@ -14,7 +14,7 @@
 
 enum {
   CUTS = 32,
-  ALL = 600, /* systems that stand for all */
+  ALL = 600, /* systems that stand for all: more change images by 1e-5 */
   /* Finding kernels takes 10 s for 300 points, by the square of their number;
      other sources are cut into 400. */
   MOST_LISTED = 800
@@ -117,6 +117,9 @@ static int trial_init(const hopkins *h, kernels *k, trial *t,
   return code;
 }
 
+/* Whether there are no more; some come in pairs. */
+static int is_all(const kernels *k) { return k->all || k->count + 1 >= ALL; }
+
 /* The largest error that the kernels as they are kept make. */
 static int try_kernels(const hopkins *h, cut *c, trial *t, opc_error *error) {
   const kernels *k = c->kernels;
@@ -130,7 +133,7 @@ static int try_kernels(const hopkins *h, cut *c, trial *t, opc_error *error) {
     double off = code ? 0 : margin * difference(whole, &part);
     if (!(off <= c->error)) c->error = off;
     eda_field_clear(&part);
-    if (c->error > c->wanted && c->fixed < 0 && !k->all) break;
+    if (c->error > c->wanted && c->fixed < 0 && !is_all(k)) break;
   }
   return code;
 }
@@ -140,7 +143,7 @@ static int try_kernels(const hopkins *h, cut *c, trial *t, opc_error *error) {
 static size_t more_systems(const cut *c, size_t n) {
   double one = 2 + (double)n + (double)n / 6;
   double guess = 0.6 * (double)n * c->error / c->wanted;
-  return (size_t)fmax(one, fmin(guess, 3 * (double)n));
+  return (size_t)fmin(ALL, fmax(one, fmin(guess, 3 * (double)n)));
 }
 
 /* About the fewest systems whose images of all patterns are within the error of
@@ -155,7 +158,7 @@ static int choose(const hopkins *h, cut *c, opc_error *error) {
     if ((code = try_kernels(h, c, &t, error))) break;
     if (!isfinite(c->error))
       code = opc_fail(error, OPC_FAILED, NULL, "the kernels are not finite");
-    if (c->fixed > 0 || c->error <= c->wanted || k->all) break;
+    if (c->fixed > 0 || c->error <= c->wanted || is_all(k)) break;
   }
   trial_clear(&t);
   return code;
@@ -274,7 +277,7 @@ static const opc_parameter parameters[] = {
     OPTICS_PARAMETERS(hopkins),
     OPC_PARAMETER_NAMED(
         "error", hopkins, wanted, .type = OPC_REAL,
-        .flags = OPC_AT_LEAST | OPC_BELOW, .preset = "1.5e-3", .min = 1e-5,
+        .flags = OPC_AT_LEAST | OPC_BELOW, .preset = "1.5e-3", .min = 5e-5,
         .max = 0.1,
         .summary = "largest error of the intensity, clear field 1, that "
                    "leaving out kernels may make",

@@ -533,7 +533,7 @@ static void test_refused(void) {
   opc_error error;
   g_assert_null(opc_test_module("litho.hopkins", "{ na: 1.2 }", &error));
   g_assert_null(opc_test_module("litho.hopkins", "{ sigma: 0 }", &error));
-  g_assert_null(opc_test_module("litho.hopkins", "{ error: 9e-6 }", &error));
+  g_assert_null(opc_test_module("litho.hopkins", "{ error: 4e-5 }", &error));
   g_assert_null(
       opc_test_module("litho.hopkins", "{ kernels: 24, error: 1e-3 }", &error));
   g_assert_nonnull(strstr(error.message, "exclude each other"));

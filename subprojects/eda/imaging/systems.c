@@ -500,7 +500,7 @@ eda_image_size eda_image_forecast(eda_frame f, double band) {
   double fine_x = fmax(2 * x, f.width / default_step);
   double fine_y = fmax(2 * y, f.height / default_step);
   double spectrum = x * 2 * y * sizeof(float complex);
-  double sums = SUMS * nx * ny * sizeof(float);
+  double sums = 2 * nx * ny * sizeof(float);
   double along_y = 2 * x * ny * sizeof(float complex);
   double fine = x * fine_y * sizeof(float complex);
   double out = fine_x * fine_y * sizeof(float);
