@@ -87,8 +87,8 @@ static double difference(const eda_field *a, const eda_field *b) {
   return worst;
 }
 
-/* Layouts show errors up to so much larger than the patterns. */
-static const double margin = 1.1;
+/* Layouts show errors up to so much larger than the patterns (README.md). */
+static const double margin = 1.35;
 
 /* The patterns' spectra and true images; some coefficients may be NULL yet. */
 typedef struct trial {
