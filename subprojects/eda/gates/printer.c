@@ -11,15 +11,15 @@ void eda_printer_init(eda_printer *p, const opc_context *context,
                       const opc_module *resist, double margin) {
   eda_box b = gates->extent;
   double grid = gates->grid;
-  *p = (eda_printer){.context = context,
-                     .resist = resist,
-                     .grid = grid,
-                     .layers = gates->layers,
-                     .print = eda_alloc(gates->layers, sizeof *p->print),
-                     .image = eda_alloc(gates->layers, sizeof *p->image),
-                     .difference =
-                         eda_alloc(gates->layers, sizeof *p->difference),
-                     .is_fine = eda_alloc(gates->layers, 1)};
+  *p = (eda_printer){
+      .context = context,
+      .resist = resist,
+      .grid = grid,
+      .layers = gates->layers,
+      .print = eda_alloc(gates->layers, sizeof *p->print),
+      .image = eda_alloc(gates->layers, sizeof *p->image),
+      .difference = eda_alloc(gates->layers, sizeof *p->difference),
+      .is_fine = eda_alloc(gates->layers, 1)};
   p->frame = (eda_frame){b.x0 * grid - margin, b.y0 * grid - margin,
                          ((double)b.x1 - b.x0) * grid + 2 * margin,
                          ((double)b.y1 - b.y0) * grid + 2 * margin};
@@ -79,8 +79,7 @@ static void add(eda_field *to, const eda_field *from, float sign,
                 const eda_field *by) {
   size_t n = (size_t)by->nx * (size_t)by->ny;
   for (size_t i = 0; i < n; i++)
-    to->coefficients[i] =
-        from->coefficients[i] + sign * by->coefficients[i];
+    to->coefficients[i] = from->coefficients[i] + sign * by->coefficients[i];
 }
 
 static eda_field copy_of(const eda_field *field) {
@@ -109,13 +108,23 @@ static int learn(eda_printer *p, int layer, const eda_field *fine,
   return OPC_OK;
 }
 
+static void add_difference(const eda_printer *p, int layer, eda_field *image) {
+  const eda_field *difference = &p->difference[layer];
+  if (difference->coefficients) add(image, image, 1, difference);
+}
+
+int eda_printer_correct(const eda_printer *p, int layer, eda_field *image,
+                        opc_error *error) {
+  add_difference(p, layer, image);
+  return eda_printer_develop(p, layer, image, error);
+}
+
 /* From a new image of a layer to its print, in place. */
 static int settle(eda_printer *p, int layer, int fine, eda_field *print,
                   opc_error *error) {
-  const eda_field *difference = &p->difference[layer];
   int code = fine ? learn(p, layer, print, error) : OPC_OK;
   if (code) return code;
-  if (!fine && difference->coefficients) add(print, print, 1, difference);
+  if (!fine) add_difference(p, layer, print);
   if (p->fine > 0) {
     eda_field_clear(&p->image[layer]);
     p->image[layer] = copy_of(print);
@@ -156,8 +165,8 @@ static int print_one(void *data, size_t i, opc_error *error) {
 }
 
 static int print_all(prints *all, opc_error *error) {
-  int code = eda_try_all(all->printer->context, all->count, print_one, all,
-                         error);
+  int code =
+      eda_try_all(all->printer->context, all->count, print_one, all, error);
   free(all->layer);
   return code;
 }

@@ -91,6 +91,12 @@ OPC_EXPORT int eda_printer_print(eda_printer *printer, const uint8_t *layers,
 OPC_EXPORT int eda_printer_refine(eda_printer *printer, const uint8_t *layers,
                                   const eda_shapes *mask, opc_error *error);
 
+/* From an intensity that eda_printer_print had of a layer before there was a
+   difference to the level set that it gives with the present one, in place.
+   [any] */
+OPC_EXPORT int eda_printer_correct(const eda_printer *printer, int layer,
+                                   eda_field *image, opc_error *error);
+
 /* ---- measuring -------------------------------------------------------- */
 
 /* What is measured of the gates of a print. */
