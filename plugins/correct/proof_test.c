@@ -138,6 +138,13 @@ static void test_end(void) {
   g_assert_cmpint(fine_prints[EDA_POLY], ==, 2);
   g_assert_cmpint(fine_prints[EDA_ACTIVE], ==, 1);
   g_assert_cmpuint(l.printer.fine_simulations, ==, 3);
+  /* A line for each mask: the drawn one, that of the first moves ... */
+  const history_line *line = l.history.line, *last = line + l.history.count - 1;
+  g_assert_cmpuint(l.history.count, ==, l.printer.simulations - 1);
+  for (size_t i = 0; i < l.history.count; i++)
+    g_assert_cmpstr(line[i].model, ==,
+                    i == 1 || line + i == last ? "fine" : "cheap");
+  g_assert_true(last->print.ion_mean == l.summary.ion_mean);
   measure_truth(&l, l.gates->drawn, 0.03, before);
   for (size_t i = 0; i < 2; i++) {
     g_assert_cmpfloat(fabs(l.before.ion[i] / before[i] - 1), <, 1e-5);
