@@ -148,12 +148,13 @@ static int transistors_hold(const loop *l, const seen *before,
     count++;
   }
   double mean = count > 0 ? sum / count : 0;
-  l->host->log(l->host, OPC_LOG_INFO,
+  int holds = !crossed && mean <= tuned.part * l->limit;
+  l->host->log(l->host, holds ? OPC_LOG_DEBUG : OPC_LOG_INFO,
                "fine print: Ion is off by %.3f %% in the mean and %.3f %% at "
                "most from what the loop saw; %zu transistor%s beyond the limit "
                "by that",
                mean, most, crossed, crossed == 1 ? "" : "s");
-  return !crossed && mean <= tuned.part * l->limit;
+  return holds;
 }
 
 static int edges_hold(const loop *l, const seen *before) {
