@@ -118,7 +118,7 @@ static void try_range(opc_inspector *in, const opc_module *m) {
 static void try_fine(opc_inspector *in, const opc_module *m, int layer,
                      const eda_spectrum *mask) {
   const eda_litho *o = m->functions;
-  eda_field field[2] = {{0}}, away = {0};
+  eda_field field[2] = {{.nx = 0}}, away = {0};
   opc_error error = {0};
   double x[PLACES], y[PLACES], value[2][PLACES];
   for (int i = 0; i < PLACES; i++) {
@@ -149,6 +149,28 @@ static void try_fine(opc_inspector *in, const opc_module *m, int layer,
     try_field(in, "image_fine", "intensity", &away, &mask->frame);
   for (int k = 0; k < 2; k++) eda_field_clear(&field[k]);
   eda_field_clear(&away);
+}
+
+/* A mask through the model's own transform is one it can make an image of. */
+static void try_transform(opc_inspector *in, const opc_module *m) {
+  const eda_litho *o = m->functions;
+  const eda_gates *g = eda_gates_sample();
+  eda_spectrum mask = {0}, usual;
+  opc_error error = {0};
+  int code = o->transform(m->self, &g->drawn[EDA_POLY], g->grid, try_frame,
+                          &mask, &error);
+  if (!try_mask(in, EDA_POLY, &try_frame, o->band(m->self), &usual)) return;
+  if (try_went_well(in, "transform", code, &error)) {
+    if (!mask.data || mask.columns != usual.columns || mask.rows != usual.rows)
+      in->find(in,
+               "transform: a mask has %d x %d frequencies, not %d x %d as its "
+               "band says",
+               mask.columns, mask.rows, usual.columns, usual.rows);
+    else
+      try_image(in, m, EDA_POLY, &mask, 0);
+  }
+  eda_spectrum_clear(&mask);
+  eda_spectrum_clear(&usual);
 }
 
 /* ---- several callers ---- */
@@ -219,6 +241,7 @@ static void exercise(const opc_module *m, opc_inspector *in) {
     if (o->image_fine) try_fine(in, m, layer, &mask);
     eda_spectrum_clear(&mask);
   }
+  if (o->transform) try_transform(in, m);
   try_clear_field(in, m);
   try_range(in, m);
   try_callers(in, m);

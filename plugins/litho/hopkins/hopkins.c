@@ -54,19 +54,6 @@ static double step_of(const hopkins *h) {
   return fmin(32, 0.25 / (2 * h->optics.cutoff));
 }
 
-/* What the rest is filtered by: D. */
-static void residual(const void *self, const double *fx, double fy, size_t n,
-                     float *out) {
-  const kernels *kept = self;
-  for (size_t i = 0; i < n; i++) {
-    double shift = sqrt(fx[i] * fx[i] + fy * fy) / kept->cutoff;
-    double place = shift * SHIFTS / 2;
-    int k = place < SHIFTS ? (int)place : SHIFTS;
-    const float *d = kept->d_table + k;
-    out[i] = d[0] + (float)(place - k) * (d[1] - d[0]);
-  }
-}
-
 /* The image of a layer's mask, or of a binary one. */
 enum { BINARY = -1 };
 static int image_by(const hopkins *h, const kernels *k, int layer,
@@ -77,7 +64,8 @@ static int image_by(const hopkins *h, const kernels *k, int layer,
                          .band = k->radius * k->cutoff,
                          .intensity_band = 2 * k->cutoff,
                          .transfer = k->transfer,
-                         .residual = residual,
+                         .residuals = k->rests,
+                         .residual = k->filter,
                          .self = k,
                          .mirror = k->mirror};
   if (layer != BINARY)
@@ -147,13 +135,22 @@ static int try_kernels(const hopkins *h, cut *c, trial *t, opc_error *error) {
   return code;
 }
 
-/* The fewest systems whose images of all patterns are within the error of those
-   of T itself or, where that is not known, of all systems. */
+/* How many systems to try next. The error falls about as one over their number,
+   for small sources faster: what that leads to is neared from below. */
+static size_t more_systems(const cut *c, size_t n) {
+  double one = 2 + (double)n + (double)n / 6;
+  double guess = 0.6 * (double)n * c->error / c->wanted;
+  return (size_t)fmax(one, fmin(guess, 3 * (double)n));
+}
+
+/* About the fewest systems whose images of all patterns are within the error of
+   those of T itself or, where that is not known, of all systems. */
 static int choose(const hopkins *h, cut *c, opc_error *error) {
   kernels *k = c->kernels;
   trial t;
   int code = trial_init(h, k, &t, error);
-  for (size_t n = c->fixed > 0 ? (size_t)c->fixed : 4; !code; n += 2 + n / 6) {
+  size_t n = c->fixed > 0 ? (size_t)c->fixed : 4;
+  for (; !code; n = more_systems(c, n)) {
     k->keep(k, n);
     if ((code = try_kernels(h, c, &t, error))) break;
     if (!isfinite(c->error))
@@ -172,7 +169,7 @@ static int make_kernels(const hopkins *h, cut *c, opc_error *error) {
   if (optics_is_radial(o)) {
     int real = c->defocus == 0 && optics_is_real(o) && optics_real_masks(o);
     /* So many systems reach about so much. */
-    double wanted = c->fixed > 0 ? 0.04 / (double)c->fixed : c->wanted;
+    double wanted = c->fixed > 0 ? 0.01 / (double)c->fixed : c->wanted;
     c->kernels = radial_new(context, o, c->defocus, real, wanted);
   } else {
     c->kernels = plane_new(context, o, c->defocus, error);
