@@ -48,16 +48,19 @@ static double length_of(const window *w, const window_print *p) {
   return window_summarise(w, p).mean;
 }
 
-static double ion_mean_of(const window *w, const window_print *p) {
-  return window_perform(w, p).ion_mean;
+static double ion_of(const window *w, const window_print *p) {
+  return 1 + window_perform(w, p).ion_mean[WINDOW_ALL] / 100;
 }
 
+/* Of the type that has more. */
 static double ion_sd_of(const window *w, const window_print *p) {
-  return window_perform(w, p).ion_sd;
+  window_performance all = window_perform(w, p);
+  double sd = fmax(all.ion_sd[EDA_NMOS], all.ion_sd[EDA_PMOS]);
+  return sd > 0 ? sd : NAN; /* the axis is logarithmic */
 }
 
 static double leakage_of(const window *w, const window_print *p) {
-  return window_perform(w, p).leakage[2];
+  return window_perform(w, p).leakage[WINDOW_ALL];
 }
 
 static void draw_curves(eda_chart *c, const window *w, const char *title,
@@ -152,9 +155,10 @@ static void draw_areas(eda_chart *c, const window *w) {
 static void draw_currents(eda_chart *c, const window *w) {
   c->top += ROW;
   c->left = LEFT;
-  draw_curves(c, w, "mean deviation of Ion, %, by dose", ion_mean_of, 0);
+  draw_curves(c, w, "mean of Ion over drawn, by dose", ion_of, 1);
   c->left = RIGHT;
-  draw_curves(c, w, "standard deviation of Ion, %, by dose", ion_sd_of, 0);
+  draw_curves(c, w, "standard deviation of Ion of n or p, %, by dose",
+              ion_sd_of, 0);
   c->top += ROW;
   c->left = LEFT;
   draw_curves(c, w, "total leakage over drawn, by dose", leakage_of, 1);

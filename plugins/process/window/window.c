@@ -145,7 +145,8 @@ static const opc_metric metrics[] = {
     {"both_window", "%nm", OPC_HIGHER, 0.5,
      "area of dose and focus where all transistors keep both limits"},
     {"ion_sd_max", "%", OPC_LOWER, 0.01,
-     "standard deviation of Ion, in the worst print"},
+     "standard deviation of Ion of the n- or the p-transistors, in the "
+     "worst print"},
     {"ion_worst", "%", OPC_LOWER, 0.01,
      "largest |Ion deviation| of all prints"},
     {"leakage_max", NULL, OPC_LOWER, 0.01,

@@ -58,11 +58,12 @@ void window_limits(window *w);
 /* ---- performance.c ---- */
 
 /* What the transistors of a print have, those that failed left out; NAN where
-   none is left. */
+   none is left. Of EDA_NMOS, of EDA_PMOS, and of all. */
+enum { WINDOW_ALL = 2, WINDOW_TYPES = 3 };
 typedef struct window_performance {
-  double ion_mean, ion_sd, ion_worst; /* deviation from drawn, % */
-  double leakage[3]; /* sum over that of the same ones as drawn: of EDA_NMOS,
-                        EDA_PMOS, and of all */
+  double ion_mean[WINDOW_TYPES], ion_sd[WINDOW_TYPES]; /* of the deviation, % */
+  double ion_worst;             /* the largest deviation of all, % */
+  double leakage[WINDOW_TYPES]; /* sum over that of the same ones as drawn */
   double failed;
 } window_performance;
 
