@@ -526,12 +526,13 @@ static void test_report(void) {
   g_assert_cmpint(report_mask(&host, &told_of, &error), ==, OPC_OK);
   g_assert_cmpstr(told->str, ==,
                   "gates[0] effort[1] transistors epe_mean epe_max epe_lost "
-                  "iterations simulations failed ");
+                  "iterations simulations fine_simulations failed ");
   g_string_truncate(told, 0);
   g_assert_cmpint(history_report(&l.history, &host, &error), ==, OPC_OK);
-  g_autofree char *want =
-      g_strdup_printf("history[%u],iteration,epe_mean,epe_max,simulations ",
-                      l.printer.simulations - 1);
+  g_autofree char *want = g_strdup_printf(
+      "history[%u],iteration,epe_mean,epe_max,simulations,"
+      "fine_simulations,model ",
+      l.printer.simulations - 1);
   g_assert_cmpstr(told->str, ==, want);
   g_string_free(told, TRUE);
   loop_clear(&l);

@@ -39,16 +39,10 @@ static double band(const void *self) {
   return value;
 }
 
-static int image_at(const void *self, int layer, const eda_spectrum *mask,
-                    double defocus, eda_field *out, opc_error *error) {
-  eda_model *m = (eda_model *)self;
-  const eda_litho *litho = inner(m);
-  memset(out, 0, sizeof *out);
-  const char *before = eda_enter(m->context, m->litho, error);
-  int code =
-      defocus == 0
-          ? litho->image(m->litho->self, layer, mask, out, error)
-          : litho->image_at(m->litho->self, layer, mask, defocus, out, error);
+/* What a call of an image gave, checked. */
+static int take_image(eda_model *m, int code, const char *before,
+                      const eda_spectrum *mask, eda_field *out,
+                      opc_error *error) {
   if (!code) code = eda_check_field(out, &mask->frame, "intensity", error);
   /* Values that are not of the heap end here, where it is to blame. */
   if (!code) fence_field(out);
@@ -58,15 +52,43 @@ static int image_at(const void *self, int layer, const eda_spectrum *mask,
 
 static int image(const void *self, int layer, const eda_spectrum *mask,
                  eda_field *out, opc_error *error) {
-  return image_at(self, layer, mask, 0, out, error);
+  eda_model *m = (eda_model *)self;
+  memset(out, 0, sizeof *out);
+  const char *before = eda_enter(m->context, m->litho, error);
+  int code = inner(m)->image(m->litho->self, layer, mask, out, error);
+  return take_image(m, code, before, mask, out, error);
+}
+
+static int image_at(const void *self, int layer, const eda_spectrum *mask,
+                    double defocus, eda_field *out, opc_error *error) {
+  eda_model *m = (eda_model *)self;
+  if (defocus == 0) return image(self, layer, mask, out, error);
+  memset(out, 0, sizeof *out);
+  const char *before = eda_enter(m->context, m->litho, error);
+  int code =
+      inner(m)->image_at(m->litho->self, layer, mask, defocus, out, error);
+  return take_image(m, code, before, mask, out, error);
+}
+
+static int image_fine(const void *self, int layer, const eda_spectrum *mask,
+                      double defocus, double wanted, eda_field *out,
+                      opc_error *error) {
+  eda_model *m = (eda_model *)self;
+  memset(out, 0, sizeof *out);
+  const char *before = eda_enter(m->context, m->litho, error);
+  int code = inner(m)->image_fine(m->litho->self, layer, mask, defocus, wanted,
+                                  out, error);
+  return take_image(m, code, before, mask, out, error);
 }
 
 void eda_model_init(eda_model *m, const opc_context *context,
                     const opc_module *litho) {
   *m = (eda_model){.litho = litho, .context = context};
-  m->functions = (eda_litho){.prepare = prepare,
-                             .band = band,
-                             .image = image,
-                             .image_at = inner(m)->image_at ? image_at : NULL};
+  m->functions =
+      (eda_litho){.prepare = prepare,
+                  .band = band,
+                  .image = image,
+                  .image_at = inner(m)->image_at ? image_at : NULL,
+                  .image_fine = inner(m)->image_fine ? image_fine : NULL};
   m->module = (opc_module){&m->functions, m, litho->id};
 }
