@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Currents through dose and focus: figures of a print, and where all
-   transistors keep their limits. */
+/* Where in dose and focus all transistors keep their limits, and how they
+   follow errors of the mask. */
 #include <math.h>
 
 #include "window.h"
@@ -9,43 +9,6 @@
    (the midpoint rule). In one step of 140 nm, where a limit enters and leaves,
    32 are off by 0.005 % of the area, 16 by 0.012 %. */
 enum { LINES = 32 };
-
-/* ---- one print ---- */
-
-typedef struct sums {
-  double n, off, square, printed, drawn;
-} sums;
-
-static void add(sums *s, double off, double printed, double drawn) {
-  s->n++;
-  s->off += off;
-  s->square += off * off;
-  s->printed += printed;
-  s->drawn += drawn;
-}
-
-window_performance window_perform(const window *w, const window_print *p) {
-  window_performance out = {.ion_worst = NAN};
-  sums of[WINDOW_TYPES] = {{0}};
-  for (size_t i = 0; i < w->gates->count; i++) {
-    if (isnan(p->ion[i]) || isnan(p->ioff[i])) {
-      out.failed++;
-      continue;
-    }
-    double off = 100 * expm1(p->ion[i]), ioff = w->design.ioff[i];
-    if (!(fabs(off) <= fabs(out.ion_worst))) out.ion_worst = off;
-    add(&of[w->gates->type[i]], off, ioff * exp(p->ioff[i]), ioff);
-    add(&of[WINDOW_ALL], off, ioff * exp(p->ioff[i]), ioff);
-  }
-  for (int t = 0; t < WINDOW_TYPES; t++) {
-    double mean = of[t].off / of[t].n; /* NAN of none */
-    out.ion_mean[t] = mean;
-    out.ion_sd[t] = sqrt(fmax(0, of[t].square / of[t].n - mean * mean));
-    out.leakage[t] = of[t].printed / of[t].drawn;
-    if (of[t].n == 0) out.ion_sd[t] = NAN;
-  }
-  return out;
-}
 
 /* ---- where limits are kept ---- */
 

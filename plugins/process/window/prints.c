@@ -52,8 +52,9 @@ static int perform(exposure *e, window_print *out, opc_error *error) {
     int failed = (flags & ~(uint32_t)EDA_PRINT_NOTES) != 0;
     out->ion[i] = log_ratio(p->ion[i], w->design.ion[i], failed);
     out->ioff[i] = log_ratio(p->ioff[i], w->design.ioff[i], failed);
-    out->outside += !failed && (flags & EDA_PRINT_OUTSIDE);
   }
+  if (!code)
+    out->spread = eda_spread_of(w->gates, &w->design, p, e->measured.flags);
   return code;
 }
 

@@ -116,16 +116,13 @@ static int cut_table(const window *w, opc_error *error) {
 
 typedef struct performance_row {
   double a, b; /* the place: defocus and dose, or mask error and length */
-  window_performance p;
+  eda_spread p;
   int64_t failed, outside;
 } performance_row;
 
-static performance_row row_of(const window *w, const window_print *print,
-                              double a, double b) {
-  performance_row r = {.a = a, .b = b, .p = window_perform(w, print)};
-  r.failed = (int64_t)r.p.failed;
-  r.outside = (int64_t)print->outside;
-  return r;
+static performance_row row_of(const window_print *print, double a, double b) {
+  const eda_spread *p = &print->spread;
+  return (performance_row){a, b, *p, (int64_t)p->failed, (int64_t)p->outside};
 }
 
 static int put_performance(const window *w, const char *name, opc_column a,
@@ -141,7 +138,7 @@ static int put_performance(const window *w, const char *name, opc_column a,
       {"ion_worst", "%", OPC_REAL, 3, &r->p.ion_worst},
       {"leakage_n", NULL, OPC_REAL, 4, &r->p.leakage[EDA_NMOS]},
       {"leakage_p", NULL, OPC_REAL, 4, &r->p.leakage[EDA_PMOS]},
-      {"leakage", NULL, OPC_REAL, 4, &r->p.leakage[WINDOW_ALL]},
+      {"leakage", NULL, OPC_REAL, 4, &r->p.leakage[2]},
       {"failed", NULL, OPC_INT, 0, &r->failed},
       {"outside", NULL, OPC_INT, 0, &r->outside}};
   return opc_put_rows(w->host, name, OPC_TABLE_PRINT, n, sizeof *r,
@@ -152,7 +149,7 @@ static int performance_table(const window *w, opc_error *error) {
   size_t n = w->focus.count * w->dose.count;
   performance_row *r = eda_alloc(n, sizeof *r);
   for (size_t k = 0; k < n; k++)
-    r[k] = row_of(w, &w->print[k], w->focus.values[k / w->dose.count],
+    r[k] = row_of(&w->print[k], w->focus.values[k / w->dose.count],
                   w->dose.values[k % w->dose.count]);
   int code = put_performance(w, "performance_window",
                              (opc_column){"defocus", "nm", OPC_REAL, -1, &r->a},
@@ -167,9 +164,7 @@ static int mask_error_table(const window *w, opc_error *error) {
   performance_row *r = eda_alloc(n, sizeof *r);
   for (size_t k = 0; k < n; k++) {
     double length = window_summarise(w, &w->wrong[k]).mean;
-    r[k] = w->extractor
-               ? row_of(w, &w->wrong[k], w->mask_error.values[k], length)
-               : (performance_row){.a = w->mask_error.values[k], .b = length};
+    r[k] = row_of(&w->wrong[k], w->mask_error.values[k], length);
   }
   const opc_column error_column = {"mask_error", "nm", OPC_REAL, -1, &r->a};
   const opc_column length = {"mean", "nm", OPC_REAL, 3, &r->b};
@@ -205,12 +200,12 @@ static int kept_table(const window *w, opc_error *error) {
 static int currents(const window *w, opc_error *error) {
   double sd = 0, worst = 0, leakage = 0, failed = 0, outside = 0;
   for (size_t k = 0; k < w->focus.count * w->dose.count; k++) {
-    window_performance p = window_perform(w, &w->print[k]);
+    eda_spread p = w->print[k].spread;
     sd = fmax(sd, fmax(p.ion_sd[EDA_NMOS], p.ion_sd[EDA_PMOS]));
     worst = fmax(worst, fabs(p.ion_worst));
-    leakage = fmax(leakage, p.leakage[WINDOW_ALL]);
-    failed = fmax(failed, p.failed);
-    outside = fmax(outside, (double)w->print[k].outside);
+    leakage = fmax(leakage, p.leakage[2]);
+    failed = fmax(failed, (double)p.failed);
+    outside = fmax(outside, (double)p.outside);
   }
   int area = w->focus.count > 1 && w->dose.count > 1;
   const opc_metric_value values[] = {

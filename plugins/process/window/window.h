@@ -11,7 +11,7 @@ typedef struct window_print {
   eda_section *cuts;
   double *ion, *ioff; /* logarithms of printed over drawn; NAN: failed. NULL
                          without an extractor */
-  size_t outside;     /* figures from beyond the device table */
+  eda_spread spread;  /* of the currents */
 } window_print;
 
 typedef struct window {
@@ -56,18 +56,6 @@ int window_expose(window *w, opc_error *error);
 void window_limits(window *w);
 
 /* ---- performance.c ---- */
-
-/* What the transistors of a print have, those that failed left out; NAN where
-   none is left. Of EDA_NMOS, of EDA_PMOS, and of all. */
-enum { WINDOW_ALL = 2, WINDOW_TYPES = 3 };
-typedef struct window_performance {
-  double ion_mean[WINDOW_TYPES], ion_sd[WINDOW_TYPES]; /* of the deviation, % */
-  double ion_worst;             /* the largest deviation of all, % */
-  double leakage[WINDOW_TYPES]; /* sum over that of the same ones as drawn */
-  double failed;
-} window_performance;
-
-window_performance window_perform(const window *w, const window_print *print);
 
 /* Limits that all transistors keep, any of them or both. */
 enum { WINDOW_ION = 1, WINDOW_IOFF = 2, WINDOW_BOTH = 3 };
