@@ -5,6 +5,7 @@
 
 #include <eda/print.h>
 
+#include "assists.h"
 #include "corners.h"
 #include "guard.h"
 #include "proof.h"
@@ -49,6 +50,7 @@ typedef struct loop {
   eda_measurement measured;
   eda_performance design, before; /* with corners: the mean of all */
   corners corners;
+  gate_bars assists;
   summary summary; /* of what was measured */
   history history;
   guard guard;

@@ -28,6 +28,7 @@ typedef struct correct {
   double margin; /* nm */
   double limit;  /* % */
   corners_wish corners;
+  gate_bars assists;
   int guard, trace;
   int prepared; /* the extractor is */
 } correct;
@@ -129,12 +130,14 @@ static int run(void *self, void **outputs, opc_error *error) {
                    c->margin);
   l.printer.fine = c->fine;
   l.corners.wish = c->corners;
+  l.assists = c->assists;
   int code = loop_run(&l, error);
   if (!code) {
     tell_of_overlaps(&l);
     code = tell_of_violations(&l, error);
   }
   if (!code) code = corners_report(&l, error);
+  if (!code) code = assists_report(&l, error);
   if (!code) code = tell_of_guard(&l, error);
   if (!code) {
     eda_mask *mask = hand_over(&l);
@@ -190,6 +193,7 @@ static const opc_parameter parameters[] = {
                       "'fine' needs it"),
     FINE_PARAMETER(correct),
     CORNERS_PARAMETERS(correct),
+    ASSISTS_PARAMETERS(correct),
     OPC_PARAMETER(correct, guard, .type = OPC_CHOICE, .preset = "on",
                   .choices = "on|off",
                   .summary = "take back what ends worse than the drawn mask; "
@@ -252,6 +256,9 @@ static const opc_metric metrics[] = {
     {"violations", NULL, OPC_LOWER, 0,
      "rules of the regulator that the print does not keep"},
     CORNERS_METRICS,
+    {"assists", NULL, OPC_NEUTRAL, 0, "assist bars beside gates"},
+    {"assists_dropped", NULL, OPC_LOWER, 0,
+     "assist bars that were taken away as they printed"},
 };
 
 static int check(void *self, opc_error *error) {
