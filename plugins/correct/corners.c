@@ -32,6 +32,10 @@ static size_t count_of(const corners_wish *w) {
   return list(w->dose).count * list(w->focus).count * list(w->mask_error).count;
 }
 
+size_t corners_images(const corners_wish *w) {
+  return list(w->focus).count * list(w->mask_error).count;
+}
+
 static double share_of(opc_reals values, size_t i) {
   double most = 0;
   for (size_t k = 0; k < values.count; k++)
@@ -134,7 +138,7 @@ int corners_begin(loop *l, opc_error *error) {
   if (!n)
     return opc_fail(error, OPC_INVALID, "corners_dose",
                     "corners are for transistors, and there are none");
-  c->exposures = list(c->wish.focus).count * list(c->wish.mask_error).count;
+  c->exposures = corners_images(&c->wish);
   c->corner = eda_alloc(c->count, sizeof *c->corner);
   c->exposure = eda_alloc(c->exposures, sizeof *c->exposure);
   l->printer.keeps = 1;

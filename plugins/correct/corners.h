@@ -48,6 +48,9 @@ typedef struct corners {
 /* Whether the wish can be. */
 int corners_check(const corners_wish *wish, opc_error *error);
 
+/* How many images of a layer each print takes, 1 if there are no corners. */
+size_t corners_images(const corners_wish *wish);
+
 /* The printer of the loop is prepared. */
 int corners_begin(struct loop *loop, opc_error *error);
 void corners_clear(struct loop *loop);

@@ -14,9 +14,9 @@
 static const struct {
   double part, edge;
 } tuned = {
-    /* Of the loop's `limit`: what a fine print may change. The error of the
-       fine model itself comes to as much; more, and figures that are within
-       the limit in the loop are not so elsewhere. */
+    /* Of the loop's `limit`: what a fine print may change in the mean. The
+       error of the fine model itself comes to as much; more, and the loop has
+       worked on something else than what it tells. */
     .part = 0.1,
 
     /* Grid steps: an edge that prints further off than that from where the loop
@@ -136,11 +136,11 @@ static void seen_clear(const loop *l, seen *s) {
    print; or if the mean does not hold. */
 static int transistors_hold(const loop *l, const seen *before,
                             const seen *now) {
-  double sum = 0, most = 0, count = 0, apart = tuned.part * l->limit;
+  double sum = 0, most = 0, count = 0;
   size_t crossed = 0;
   for (size_t i = 0; i < l->gates->count; i++) {
     if (isnan(before->off[i])) continue;
-    double good = before->off[i] <= l->limit ? l->limit + apart : INFINITY;
+    double good = before->off[i] <= l->limit ? l->limit : INFINITY;
     crossed += !(now->off[i] <= good);
     if (isnan(now->off[i])) continue;
     double d = fabs(now->ion[i] - before->ion[i]);
@@ -149,12 +149,13 @@ static int transistors_hold(const loop *l, const seen *before,
     count++;
   }
   double mean = count > 0 ? sum / count : 0;
-  l->host->log(l->host, OPC_LOG_INFO,
+  int holds = !crossed && mean <= tuned.part * l->limit;
+  l->host->log(l->host, holds ? OPC_LOG_DEBUG : OPC_LOG_INFO,
                "fine print: Ion is off by %.3f %% in the mean and %.3f %% at "
                "most from what the loop saw; %zu transistor%s beyond the limit "
                "by that",
                mean, most, crossed, crossed == 1 ? "" : "s");
-  return !crossed && mean <= apart;
+  return holds;
 }
 
 static int edges_hold(const loop *l, const seen *before) {

@@ -107,6 +107,11 @@ summary summarize(const eda_gates *gates, const eda_performance *design,
 
 void history_add(history *h, const summary *print, uint32_t iteration,
                  const eda_printer *printer, int fine) {
+  const history_line *last = h->line + h->count - 1;
+  if (fine && last->simulations == printer->simulations) {
+    iteration = (uint32_t)last->iteration;
+    h->count--;
+  }
   eda_grow(&h->line, &h->room, h->count + 1, sizeof *h->line);
   h->line[h->count++] =
       (history_line){*print, iteration, printer->simulations,

@@ -31,7 +31,8 @@ summary summarize(const eda_gates *gates, const eda_performance *design,
 char *report_gate_name(const eda_gates *gates, size_t gate);
 const char *report_trouble(uint32_t flags);
 
-/* One line for each print of a loop. */
+/* One line for each mask of a loop; a fine print takes the place of the cheap
+   one of the same mask. */
 typedef struct history_line {
   summary print;
   int64_t iteration, simulations, fine_simulations;

@@ -150,11 +150,14 @@ static int run(void *self, void **outputs, opc_error *error) {
 
 static int forecast(void *self, opc_forecast *out, opc_error *error) {
   correct *c = self;
-  char prints[40];
+  char prints[40], fine_prints[80];
   (void)snprintf(prints, sizeof prints, "at most %" PRId64 " prints",
                  c->max_iterations + 1);
+  (void)snprintf(fine_prints, sizeof fine_prints, "%s and %d fine ones", prints,
+                 PROOFS + 1);
   forecast_prints(c->host->context, c->gates, c->litho, c->resist, c->margin,
-                  prints, out);
+                  c->fine, prints, fine_prints, out);
+  out->memory *= (double)corners_images(&c->corners);
   int code = eda_extractor_prepare(c->host->context, c->extractor, error);
   if (code) return code;
   c->prepared = 1;

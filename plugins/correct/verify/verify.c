@@ -82,7 +82,7 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
   const verify *v = self;
   (void)error;
   forecast_prints(v->host->context, v->mask->gates, v->litho, v->resist,
-                  v->margin, "one print", out);
+                  v->margin, v->fine, "one print", "one fine print", out);
   return OPC_OK;
 }
 

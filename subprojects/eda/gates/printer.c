@@ -48,7 +48,10 @@ eda_image_size eda_printer_forecast(const eda_printer *p, size_t layers) {
   double band = p->litho.functions.band(&p->litho);
   if (!(band > 0)) return (eda_image_size){0};
   eda_image_size one = eda_image_forecast(p->frame, band);
+  /* What was developed last, and the difference. */
+  if (p->fine > 0 && p->litho.functions.image_fine) one.bytes += 2 * one.field;
   one.bytes *= (double)layers;
+  one.field *= (double)layers;
   return one;
 }
 
