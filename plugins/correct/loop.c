@@ -75,8 +75,9 @@ static int measure(loop *l, const uint8_t *printed, opc_error *error) {
   for (size_t k = 0; k <= EDA_ACTIVE && k < l->gates->layers; k++)
     again |= printed[k];
   if (!again) return OPC_OK;
-  return eda_measure(l->host->context, l->gates, l->printer.print, l->extractor,
-                     &l->measured, error);
+  int code = eda_measure(l->host->context, l->gates, l->printer.print,
+                         l->extractor, &l->measured, error);
+  return code ? code : corners_measure(l, error);
 }
 
 /* Take in a print of the layers that are marked. */
@@ -99,6 +100,7 @@ static int take_in(loop *l, const uint8_t *printed, int fine,
 int loop_refine(loop *l, opc_error *error) {
   const uint8_t *all = l->gates->corrected;
   int code = eda_printer_refine(&l->printer, all, l->mask, error);
+  if (!code) code = corners_refine(l, all, error);
   return code ? code : take_in(l, all, 1, error);
 }
 
@@ -112,6 +114,7 @@ int loop_print(loop *l, int all, opc_error *error) {
   for (size_t k = 0; k < layers && !code; k++)
     if (printed[k]) code = make_mask(l, k, error);
   if (!code) code = eda_printer_print(&l->printer, printed, l->mask, error);
+  if (!code) code = corners_print(l, printed, error);
   if (!code)
     code = proof_is_early(l) ? loop_refine(l, error)
                              : take_in(l, printed, 0, error);
@@ -280,6 +283,7 @@ static int begin(loop *l, opc_error *error) {
   }
   for (size_t k = 0; k < l->gates->layers && !code; k++)
     code = cut_layer(l, k, error);
+  if (!code) code = assists_begin(l, error);
   if (!code) tell_of_idle(l);
   return code;
 }
@@ -369,6 +373,7 @@ static int iterate(loop *l, opc_error *error) {
   for (; !code; code = loop_print(l, 0, error)) {
     if (told_to_stop(l)) return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
     if ((code = judge(l, error))) return code;
+    assists_watch(l);
     int ruled[DRIVERS], wait = 0;
     for (int which = 0; which < DRIVERS; which++) {
       ruled[which] = any_changed(l, which);
@@ -433,6 +438,7 @@ int loop_run(loop *l, opc_error *error) {
   const opc_context *context = l->host->context;
   loop_init(l);
   int code = eda_printer_prepare(&l->printer, error);
+  if (!code) code = corners_begin(l, error);
   if (!code && !l->prepared)
     code = eda_extractor_prepare(context, l->extractor, error);
   if (!code)
@@ -442,6 +448,8 @@ int loop_run(loop *l, opc_error *error) {
   if (!code) code = loop_print(l, 1, error);
   if (code) return code;
   eda_performance_copy(&l->before, &l->measured.performance);
+  if (l->corners.count)
+    eda_performance_copy(&l->corners.before, &l->corners.nominal);
   eda_printed drawn = loop_printed(l);
   code = guard_begin(l, &drawn, error);
   if (!code) code = proof_begin(l, error);
@@ -481,5 +489,7 @@ void loop_clear(loop *l) {
   guard_clear(&l->guard);
   proof_clear(l);
   trace_clear(&l->trace);
+  corners_clear(l);
+  assists_clear(l);
   eda_printer_clear(&l->printer);
 }

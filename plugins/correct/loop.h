@@ -5,6 +5,8 @@
 
 #include <eda/print.h>
 
+#include "assists.h"
+#include "corners.h"
 #include "guard.h"
 #include "proof.h"
 #include "report.h"
@@ -46,7 +48,9 @@ typedef struct loop {
   trial now, next;      /* printed and measured; to try next */
   int32_t *unused;      /* biases that EDGES may write */
   eda_measurement measured;
-  eda_performance design, before;
+  eda_performance design, before; /* with corners: the mean of all */
+  corners corners;
+  gate_bars assists;
   summary summary; /* of what was measured */
   history history;
   guard guard;

@@ -5,14 +5,14 @@
 
 /* ---- a layout without transistors: an L and a bar, grid 2 nm ---- */
 
-static eda_point corners[] = {{0, 0},     {200, 0},  {200, 60},  {60, 60},
+static eda_point outline[] = {{0, 0},     {200, 0},  {200, 60},  {60, 60},
                               {60, 300},  {0, 300},  {120, 120}, {300, 120},
                               {300, 300}, {120, 300}};
 static uint32_t starts[] = {0, 6, 10};
 static uint8_t all_corrected[] = {1, 1, 1, 1};
 static char *names[] = {"poly", "active", "metal1", "metal2"};
 static eda_edges no_edges[4];
-static eda_shapes drawn_poly[] = {{2, starts, corners, NULL}, {0}};
+static eda_shapes drawn_poly[] = {{2, starts, outline, NULL}, {0}};
 static const eda_gates metal = {.name = (char *)"metal",
                                 .grid = 2,
                                 .extent = {0, 0, 300, 300},
@@ -400,7 +400,7 @@ static const eda_gates *stack(void) {
   memcpy(edges, g.edges, METAL * sizeof *edges);
   drawn[METAL] = drawn[POWER] = (eda_shapes){2, starts, large, NULL};
   for (int i = 0; i < 10; i++) {
-    large[i] = (eda_point){2 * corners[i].x, 2 * corners[i].y};
+    large[i] = (eda_point){2 * outline[i].x, 2 * outline[i].y};
     fragments[i] = (eda_fragment){.from = large[i], .gate = -1};
   }
   edges[METAL] = edges[POWER] = (eda_edges){2, starts, fragments};

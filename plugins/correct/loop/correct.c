@@ -27,6 +27,8 @@ typedef struct correct {
   double fine;   /* error, clear field 1; 0: no fine prints */
   double margin; /* nm */
   double limit;  /* % */
+  corners_wish corners;
+  gate_bars assists;
   int guard, trace;
   int prepared; /* the extractor is */
 } correct;
@@ -53,10 +55,13 @@ static eda_mask *hand_over(loop *l) {
     l->mask[k] = (eda_shapes){0};
     l->printer.print[k] = (eda_field){0};
   }
+  corners *c = &l->corners; /* the result has figures of the nominal print */
+  eda_performance *before = c->count ? &c->before : &l->before;
+  eda_performance *after = c->count ? &c->nominal : &l->measured.performance;
   out->design = l->design;
-  out->before = l->before;
-  out->after = l->measured.performance;
-  l->design = l->before = l->measured.performance = (eda_performance){0};
+  out->before = *before;
+  out->after = *after;
+  l->design = *before = *after = (eda_performance){0};
   out->flags = l->measured.flags;
   l->measured.flags = NULL;
   out->iterations = l->iterations;
@@ -124,11 +129,15 @@ static int run(void *self, void **outputs, opc_error *error) {
   eda_printer_init(&l.printer, c->host->context, c->gates, c->litho, c->resist,
                    c->margin);
   l.printer.fine = c->fine;
+  l.corners.wish = c->corners;
+  l.assists = c->assists;
   int code = loop_run(&l, error);
   if (!code) {
     tell_of_overlaps(&l);
     code = tell_of_violations(&l, error);
   }
+  if (!code) code = corners_report(&l, error);
+  if (!code) code = assists_report(&l, error);
   if (!code) code = tell_of_guard(&l, error);
   if (!code) {
     eda_mask *mask = hand_over(&l);
@@ -148,6 +157,7 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
                  PROOFS + 1);
   forecast_prints(c->host->context, c->gates, c->litho, c->resist, c->margin,
                   c->fine, prints, fine_prints, out);
+  out->memory *= (double)corners_images(&c->corners);
   int code = eda_extractor_prepare(c->host->context, c->extractor, error);
   if (code) return code;
   c->prepared = 1;
@@ -185,6 +195,8 @@ static const opc_parameter parameters[] = {
                       "clear field around the layout, which repeats beyond; as "
                       "'fine' needs it"),
     FINE_PARAMETER(correct),
+    CORNERS_PARAMETERS(correct),
+    ASSISTS_PARAMETERS(correct),
     OPC_PARAMETER(correct, guard, .type = OPC_CHOICE, .preset = "on",
                   .choices = "on|off",
                   .summary = "take back what ends worse than the drawn mask; "
@@ -246,13 +258,17 @@ static const opc_metric metrics[] = {
      "transistors that printed as drawn and do so no more"},
     {"violations", NULL, OPC_LOWER, 0,
      "rules of the regulator that the print does not keep"},
+    CORNERS_METRICS,
+    {"assists", NULL, OPC_NEUTRAL, 0, "assist bars beside gates"},
+    {"assists_dropped", NULL, OPC_LOWER, 0,
+     "assist bars that were taken away as they printed"},
 };
 
 static int check(void *self, opc_error *error) {
   correct *c = self;
   int code = fine_error(c->fine_text, c->limit, &c->fine, error);
   c->margin = fine_margin(c->margin, c->fine);
-  return code;
+  return code ? code : corners_check(&c->corners, error);
 }
 
 /* ---- entry ---- */

@@ -18,9 +18,8 @@ typedef struct walk {
 static double at(const walk *k, size_t i, size_t gate) {
   const window *w = k->w;
   size_t focus = k->along_focus ? i : k->focus;
-  size_t dose = k->along_focus ? w->nominal : i;
-  size_t print = focus * w->dose.count + dose;
-  return eda_deviation(w->cuts[print * w->gates->count + gate].length,
+  size_t dose = k->along_focus ? w->nominal_dose : i;
+  return eda_deviation(window_at(w, focus, dose)->cuts[gate].length,
                        w->gates->length[gate]);
 }
 

@@ -51,6 +51,7 @@ typedef struct segment {
   eda_shapes regions;         /* poly and active together */
   edge_index index[2];        /* of poly and active */
   uint32_t *placement;        /* of each region */
+  size_t moved;               /* vertices of poly and active, by the grid */
   eda_gates *gates;
 } segment;
 
@@ -80,6 +81,9 @@ void segment_find(const doubled *points, size_t n, const eda_shapes *shapes,
 /* recognise.c: box and axis of each region, or why it is no transistor; then
    its type. */
 int segment_recognise(segment *s);
+
+/* drawn.c: L and W of each gate as drawn, which the grid has moved. */
+int segment_drawn(segment *s);
 
 /* cut.c: the fragments of poly and active, and how far poly goes past active.
  */

@@ -87,6 +87,7 @@ static int get_drawn(segment *s) {
                    "segment.transistors: the grid of %g nm moved %zu of %zu "
                    "vertices of layer '%s', by %.3g nm at most",
                    s->grid, flat.moved, flat.vertices, from->from, flat.worst);
+    if (k <= EDA_ACTIVE) s->moved += flat.moved;
     if (k == EDA_ACTIVE)
       s->active = flat;
     else
@@ -131,7 +132,7 @@ static int make_gates(segment *s) {
 static int find_gates(segment *s) {
   segment_locate(s);
   segment_index(s);
-  if (segment_recognise(s)) return s->error->code;
+  if (segment_recognise(s) || segment_drawn(s)) return s->error->code;
   segment_cut(s);
   segment_space(s);
   segment_name(s);

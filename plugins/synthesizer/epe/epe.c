@@ -36,7 +36,7 @@ typedef struct epe {
   double bar_margin, window_level, window_weight;
 
   epe_rules rules;
-  epe_assist assist;
+  eda_bar_rule assist;
   epe_layer *layers;
   size_t n_layers;
   double grid;
@@ -87,12 +87,12 @@ static void set_rules(epe *d) {
                          .max_shift = steps(d, d->max_shift),
                          .blur = d->blur / d->grid};
   d->assist =
-      (epe_assist){.rows = (int32_t)d->bar_rows,
-                   .width = at_least(steps(d, d->bar_width), 1),
-                   .distance = steps(d, d->bar_distance),
-                   .space = steps(d, d->bar_space),
-                   .min_length = at_least(steps(d, d->bar_min_length), 1),
-                   .overhang = steps(d, d->bar_overhang)};
+      (eda_bar_rule){.rows = (int32_t)d->bar_rows,
+                     .width = at_least(steps(d, d->bar_width), 1),
+                     .distance = steps(d, d->bar_distance),
+                     .space = steps(d, d->bar_space),
+                     .min_length = at_least(steps(d, d->bar_min_length), 1),
+                     .overhang = steps(d, d->bar_overhang)};
 }
 
 static int begin(void *self, const eda_feedback *f, opc_error *error) {
@@ -216,8 +216,9 @@ static const eda_field *print_of(const eda_feedback *f, size_t layer) {
 /* Bars that print go for good. What was best had them: look anew. */
 static void drop_bars(epe *d, const eda_feedback *f) {
   size_t all = 0;
-  for (size_t k = 0; k < d->n_layers; k++)
-    all += epe_drop_bars(&d->layers[k], print_of(f, k), d->grid, d->bar_margin);
+  for (size_t k = 0; k < d->n_layers && f->print; k++)
+    all += eda_bars_drop(d->host->context, &d->layers[k].bars, print_of(f, k),
+                         d->grid, d->bar_margin);
   if (all) d->best = INFINITY;
   d->dropped += all;
 }

@@ -4,6 +4,7 @@
 #ifndef SYNTHESIZER_EPE_H
 #define SYNTHESIZER_EPE_H
 
+#include <eda/bars.h>
 #include <eda/index.h>
 #include <eda/synthesizer.h>
 #include <stdlib.h>
@@ -16,15 +17,6 @@ typedef struct epe_rules {
   int32_t min_width, min_space, min_jog, max_shift;
   double blur; /* of the coupling between fragments */
 } epe_rules;
-
-/* Where bars are placed. */
-typedef struct epe_assist {
-  int32_t rows;            /* beside an edge; 0: none */
-  int32_t width, distance; /* of a bar; from drawn shapes */
-  int32_t space;           /* between bars */
-  int32_t min_length;
-  int32_t overhang; /* past the ends of the edge */
-} epe_assist;
 
 /* A fragment of an edge as drawn. It moves outwards along `axis`, towards
    larger coordinates if `sign` is 1, else -1. */
@@ -125,12 +117,8 @@ void epe_cut(epe_layer *layer, const eda_gates *gates, int which);
 void epe_clear(epe_layer *layer);
 
 /* assist.c: place the bars and leave the fragments room beside them. */
-int epe_place_bars(epe_layer *layer, const epe_assist *rule,
+int epe_place_bars(epe_layer *layer, const eda_bar_rule *rule,
                    const eda_shapes *drawn, opc_error *error);
-/* Drop those that print, or come nearer to it than `margin` of the level set;
-   how many. */
-size_t epe_drop_bars(epe_layer *layer, const eda_field *print, double grid,
-                     double margin);
 
 /* pairs.c: find the fragments that may come too near to each other. */
 void epe_find_pairs(epe_layer *layer);

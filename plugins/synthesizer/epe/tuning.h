@@ -17,7 +17,7 @@
 static const struct {
   double least_gain, most_gain, ignored, least_step, growth, lost, lost_cost;
   double enough, coupling_reach, jog_part;
-  double window_step, window_reach, bar_step;
+  double window_step, window_reach;
   int neighbours, descents, whole_after, drawn_after, still;
 } tuned = {
     /* ---- feedback: steer.c, couple.c ---- */
@@ -91,17 +91,13 @@ static const struct {
        differs. */
     .still = 4,
 
-    /* ---- other doses and bars: window.c, assist.c ---- */
+    /* ---- other doses: window.c ---- */
 
     /* nm: between places where the level set is looked at for the contour of
        another dose, and how far. step: half WINDOW 0.706, 0.428; twice 0.820,
        0.456. reach: half WINDOW 0.739, 0.378; twice 0.748, 0.421. */
     .window_step = 4,
     .window_reach = 60,
-
-    /* nm: between places where a bar is looked at for light; optics resolve no
-       less than 100 nm. None differs, WINDOW neither. */
-    .bar_step = 10,
 };
 
 #endif

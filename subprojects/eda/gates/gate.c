@@ -221,8 +221,8 @@ static void begin(const eda_gates *gates, size_t i, eda_gate *g) {
   g->flags = 0;
   g->known = 0;
   g->shown = (eda_printed_gate){.type = gates->type[i],
-                                .design_length = g->high[0] - g->low[0],
-                                .design_width = g->high[1] - g->low[1],
+                                .design_length = gates->length[i],
+                                .design_width = gates->width[i],
                                 .data = g};
 }
 
@@ -247,8 +247,6 @@ void eda_gate_measure(const eda_gates *gates, size_t i, const eda_field *print,
 
 void eda_gate_draw(const eda_gates *gates, size_t i, eda_gate *g) {
   begin(gates, i, g);
-  g->shown.design_length = gates->length[i];
-  g->shown.design_width = gates->width[i];
   g->from = 0;
   g->to = gates->width[i];
   for (int side = 0; side < 2; side++)

@@ -43,11 +43,14 @@ static result look(level *poly, level *active, double space, int across) {
       across ? (eda_box){-150, -30, 150, 30} : (eda_box){-30, -150, 30, 150};
   uint8_t type = EDA_NMOS, axis = across ? EDA_Y : EDA_X;
   double both[2] = {space, space}, extension[2] = {80, INFINITY};
+  double length = 60.3, width = 299.6; /* as drawn, before the grid */
   const eda_gates gates = {.grid = 1,
                            .count = 1,
                            .box = &box,
                            .type = &type,
                            .axis = &axis,
+                           .length = &length,
+                           .width = &width,
                            .space = both,
                            .extension = extension};
   eda_field print[2] = {field(poly, across), field(active, across)};
@@ -60,6 +63,8 @@ static result look(level *poly, level *active, double space, int across) {
   eda_gate_lengths(&gate, 2, (double[]){-0.1, NAN}, none);
   g_assert_true(isnan(none[0]) && isnan(none[1]));
   g_assert_cmpfloat(gate.shown.length(&gate.shown, 0.5), ==, r.length[20]);
+  g_assert_cmpfloat(gate.shown.design_length, ==, length);
+  g_assert_cmpfloat(gate.shown.design_width, ==, width);
   r.flags = gate.flags;
   r.from = gate.from;
   r.to = gate.to;

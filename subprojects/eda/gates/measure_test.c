@@ -66,6 +66,7 @@ static result measure(eda_field poly, eda_field active, uint8_t axis,
   eda_box box = axis == EDA_X ? (eda_box){-30, -150, 30, 150}
                               : (eda_box){-150, -30, 150, 30};
   uint8_t type = EDA_NMOS;
+  double length = 60, width = 300;
   double both_spaces[2] = {space, space}, both[2] = {extension, INFINITY};
   eda_gates gates = {.grid = 1,
                      .layers = 2,
@@ -73,6 +74,8 @@ static result measure(eda_field poly, eda_field active, uint8_t axis,
                      .box = &box,
                      .type = &type,
                      .axis = &axis,
+                     .length = &length,
+                     .width = &width,
                      .space = both_spaces,
                      .extension = both};
   eda_field print[] = {poly, active};

@@ -122,13 +122,19 @@ int eda_printer_correct(const eda_printer *p, int layer, eda_field *image,
   return eda_printer_develop(p, layer, image, error);
 }
 
+int eda_printer_at_dose(const eda_printer *p, int layer, double factor,
+                        eda_field *out, opc_error *error) {
+  *out = eda_field_scaled(&p->image[layer], factor);
+  return eda_printer_develop(p, layer, out, error);
+}
+
 /* From a new image of a layer to its print, in place. */
 static int settle(eda_printer *p, int layer, int fine, eda_field *print,
                   opc_error *error) {
   int code = fine ? learn(p, layer, print, error) : OPC_OK;
   if (code) return code;
   if (!fine) add_difference(p, layer, print);
-  if (p->fine > 0) {
+  if (p->fine > 0 || p->keeps) {
     eda_field_clear(&p->image[layer]);
     p->image[layer] = copy_of(print);
   }
@@ -144,9 +150,14 @@ static int print_layer(eda_printer *p, int layer, const eda_shapes *mask,
   eda_spectrum spectrum;
   int code = eda_printer_spectrum(p, mask, &spectrum, error);
   if (code) return code;
-  code = fine ? litho->image_fine(&p->litho, layer, &spectrum, 0, p->fine,
-                                  print, error)
-              : litho->image(&p->litho, layer, &spectrum, print, error);
+  if (fine)
+    code = litho->image_fine(&p->litho, layer, &spectrum, p->defocus, p->fine,
+                             print, error);
+  else if (p->defocus == 0)
+    code = litho->image(&p->litho, layer, &spectrum, print, error);
+  else
+    code =
+        litho->image_at(&p->litho, layer, &spectrum, p->defocus, print, error);
   eda_spectrum_clear(&spectrum);
   return code ? code : settle(p, layer, fine, print, error);
 }

@@ -3,6 +3,7 @@
 #ifndef EDA_EDA_H
 #define EDA_EDA_H
 
+#include <eda/bars.h>
 #include <eda/base.h>
 #include <eda/check.h>
 #include <eda/circuit.h>

@@ -65,10 +65,12 @@ typedef struct eda_gates {
   eda_edges *edges;   /* of drawn; empty if not corrected */
 
   size_t count;
-  eda_box *box;           /* the drawn gate: poly and active together */
+  eda_box *box;           /* the drawn gate: poly and active together, on
+                             the grid */
   uint8_t *type;          /* EDA_NMOS, EDA_PMOS */
   uint8_t *axis;          /* EDA_X, EDA_Y */
-  double *length, *width; /* nm */
+  double *length, *width; /* nm, as drawn: what performance is held against.
+                             The grid may have given `box` others */
   /* The free space, nm, on the LOW and HIGH side along L, seen from the middle
      of W: to the next poly edge, but at most twice the distance to the end of
      the active there, or 2 L if that is more; [2 * i + side]. A print that

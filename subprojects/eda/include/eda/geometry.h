@@ -75,6 +75,12 @@ enum { EDA_OR = 0, EDA_AND = 1, EDA_NOT = 2, EDA_XOR = 3 };
 OPC_EXPORT int eda_boolean(int op, const eda_shapes *a, const eda_shapes *b,
                            eda_shapes *out, opc_error *error);
 
+/* All edges of merged shapes moved outwards by `by`, inwards if that is below
+   0; *out is as of eda_boolean. Corners stay square; spaces or shapes of at
+   most twice as much vanish. */
+OPC_EXPORT int eda_shapes_grow(const eda_shapes *shapes, int32_t by,
+                               eda_shapes *out, opc_error *error);
+
 /* Cut merged shapes into rectangles that do not overlap; of horizontal and
    vertical cuts, each polygon (with its holes) takes the way that gives
    fewer. The boxes come by lowest, then leftmost corner; *boxes is freed with

@@ -47,6 +47,12 @@ typedef struct eda_printer {
   eda_field *image, *difference;
   uint8_t *is_fine;
   uint32_t fine_simulations;
+
+  /* To be set like `fine`: how far from the focus of the model it prints, nm,
+     which only a model with image_at can; and whether it keeps `image` without
+     fine prints, too. */
+  double defocus;
+  int keeps;
 } eda_printer;
 
 /* A printer of all shapes of the gates, with a clear field of `margin` nm
@@ -97,6 +103,12 @@ OPC_EXPORT int eda_printer_refine(eda_printer *printer, const uint8_t *layers,
 OPC_EXPORT int eda_printer_correct(const eda_printer *printer, int layer,
                                    eda_field *image, opc_error *error);
 
+/* The level set of a layer at `factor` times the dose, from `image`, which the
+   last print has kept. The caller clears *out. [any] */
+OPC_EXPORT int eda_printer_at_dose(const eda_printer *printer, int layer,
+                                   double factor, eda_field *out,
+                                   opc_error *error);
+
 /* ---- measuring -------------------------------------------------------- */
 
 /* What is measured of the gates of a print. */
@@ -125,6 +137,21 @@ OPC_EXPORT int eda_measure_drawn(const opc_context *context,
                                  const eda_gates *gates,
                                  const opc_module *extractor,
                                  eda_performance *out, opc_error *error);
+
+/* How far transistors of a print are off the design, those that failed left
+   out; NAN where none is left. Arrays: of EDA_NMOS, of EDA_PMOS, of all. */
+typedef struct eda_spread {
+  double ion_mean[3], ion_sd[3]; /* of the deviation, % */
+  double ion_worst;              /* the largest deviation, % */
+  double leakage[3]; /* sum of Ioff, over that of the same ones as drawn */
+  size_t failed, outside;
+} eda_spread;
+
+/* [any] */
+OPC_EXPORT eda_spread eda_spread_of(const eda_gates *gates,
+                                    const eda_performance *design,
+                                    const eda_performance *printed,
+                                    const uint32_t *flags);
 
 /* A section through the middle of a gate. */
 typedef struct eda_section {

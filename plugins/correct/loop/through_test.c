@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A correction for several doses and foci, through the plugins of a real flow:
+   one transistor, whose mask process.window then prints at the same places. */
+#include <eda/print.h>
+#include <glib.h>
+#include <math.h>
+
+#include "core/testing/testing.h"
+
+enum { DOSES = 3, FOCI = 2, ALL = DOSES * FOCI };
+
+static char *source(const char *name) {
+  return g_build_filename(g_getenv("OPCFLOW_SOURCE"), name, NULL);
+}
+
+static opc_module *make(const char *id, const char *mapping) {
+  opc_error error = {0};
+  opc_module *m = opc_test_module(id, mapping, &error);
+  if (!m) g_error("%s %s: %s", id, mapping, error.message);
+  return m;
+}
+
+/* Run a step with an input; its first output. */
+static void *run(opc_module *m, const char *input, void *object) {
+  static void *outputs[4];
+  opc_error error = {0};
+  if (input) opc_test_input(m, input, object);
+  opc_test_forget();
+  if (opc_test_run(m, outputs, &error)) g_error("%s: %s", m->id, error.message);
+  return outputs[0];
+}
+
+static void drop(opc_module *m, void *object) {
+  void *outputs[4] = {object};
+  opc_test_release(m, outputs);
+  opc_test_module_free(m);
+}
+
+static double cell(const char *table, const char *name, size_t row) {
+  const opc_column *c = opc_table_column(opc_test_table(table), name);
+  g_assert_nonnull(c);
+  return ((const double *)c->data)[row];
+}
+
+static char *models(void) {
+  g_autofree char *devices = source("data/devices/ptm65.yaml");
+  return g_strdup_printf(
+      "margin: 1000 nm, litho: { use: litho.hopkins, wavelength: 193 nm, na: "
+      "0.75, sigma: 0.75 }, resist: { use: resist.threshold, anchor: { line: "
+      "65 "
+      "nm, pitch: 250 nm } }, extractor: { use: extractor.plain, devices: '%s' "
+      "}",
+      devices);
+}
+
+/* The drawn currents are the weighted mean of those at all corners, within the
+   loop's limit, as far as one step of the grid lets it; and process.window
+   finds the same currents there. */
+static void test_one(void) {
+  g_autofree char *path = source("data/cells65/nmos.cif");
+  g_autofree char *text = models();
+  g_autofree char *read = g_strdup_printf(
+      "{ file: '%s', layers: { poly: CP, active: CA, nimplant: "
+      "CSN } }",
+      path);
+  g_autofree char *correct = g_strdup_printf(
+      "{ %s, fine: off, synthesizer: { use: synthesizer.newton }, "
+      "corners_dose: [-3 %%, 0 %%, 3 %%], corners_focus: [0 nm, 60 nm] }",
+      text);
+  g_autofree char *window = g_strdup_printf(
+      "{ %s, dose: [-3 %%, 0 %%, 3 %%], defocus: [0 nm, 60 nm] }", text);
+  opc_module *reader = make("read.cif", read);
+  void *layout = run(reader, NULL, NULL);
+  opc_module *segments = make("segment.transistors", "{}");
+  void *gates = run(segments, "layout", layout);
+  opc_module *loop = make("correct", correct);
+  eda_mask *mask = run(loop, "gates", gates);
+  g_assert_cmpuint(mask->gates->count, ==, 1);
+  double mean = 0, ion[ALL], leakage[ALL];
+  for (size_t k = 0; k < ALL; k++) {
+    ion[k] = cell("corners", "ion_n", k);
+    leakage[k] = cell("corners", "leakage_n", k);
+    mean += cell("corners", "weight", k) * log1p(ion[k] / 100);
+  }
+  g_test_message("mean %.4f %%, nominal %.3f %%, at +3 %% %.3f %%", 100 * mean,
+                 ion[1], ion[2]);
+  g_assert_cmpfloat(fabs(mean), <, 0.005);
+  g_assert_cmpfloat(ion[1], <, -2);
+  double nominal = eda_deviation(mask->after.ion[0], mask->design.ion[0]);
+  g_assert_cmpfloat(fabs(nominal - ion[1]), <, 1e-4);
+  opc_module *windows = make("process.window", window);
+  run(windows, "mask", mask);
+  for (size_t k = 0; k < ALL; k++) {
+    g_assert_cmpfloat(fabs(cell("performance_window", "ion_n", k) - ion[k]), <,
+                      1e-3);
+    g_assert_cmpfloat(
+        fabs(cell("performance_window", "leakage_n", k) / leakage[k] - 1), <,
+        1e-4);
+  }
+  opc_test_module_free(windows);
+  drop(loop, mask);
+  drop(segments, gates);
+  drop(reader, layout);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/through/one", test_one);
+  return g_test_run();
+}

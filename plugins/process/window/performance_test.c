@@ -1,0 +1,302 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Currents through dose, focus and mask errors: of images and devices that have
+   closed forms. */
+#include <eda/extractor.h>
+
+#include "waves_test.h"
+
+/* ---- devices ---- */
+
+/* Ion = W / L, Ioff = W exp(-L / 10 nm). */
+static int no_devices(void *self, opc_error *error) {
+  (void)self;
+  (void)error;
+  return OPC_OK;
+}
+
+static size_t in_the_middle(const void *self, const double **place,
+                            const double **width) {
+  static const double half = 0.5, all = 1;
+  (void)self;
+  *place = &half;
+  *width = &all;
+  return 1;
+}
+
+static double ion_of(double width, double length) { return width / length; }
+
+static double ioff_of(double width, double length) {
+  return width * exp(-length / 10);
+}
+
+static int extract(const void *self, const eda_slices *in, eda_performance *out,
+                   opc_error *error) {
+  (void)self;
+  (void)error;
+  for (size_t i = 0; i < in->count; i++) {
+    double w = in->width[i], l = in->length[i];
+    out->ion[i] = l > 0 ? ion_of(w, l) : 0;
+    out->ioff[i] = l > 0 ? ioff_of(w, l) : 0;
+    out->leq_ion[i] = out->leq_ioff[i] = l;
+    out->weq[i] = w;
+    out->area[i] = w * l;
+  }
+  return OPC_OK;
+}
+
+static const eda_extractor devices = {
+    .prepare = no_devices, .slicing = in_the_middle, .extract = extract};
+static opc_module extractor = {&devices, NULL, "extractor.simple"};
+
+static void run(const char *mapping, const eda_litho *litho, lines *l) {
+  opc_error error;
+  if (run_with(mapping, litho, &extractor, l, &error))
+    g_error("%s", error.message);
+}
+
+/* ---- closed forms ---- */
+
+static double width_at(double dose) {
+  double level = 0.2 / (1 + dose / 100);
+  return active_pitch / M_PI * acos((0.5 - level) / contrast(0));
+}
+
+/* Logarithms of printed over drawn, of a gate drawn so long. */
+static double log_ion(double defocus, double dose, double length) {
+  double ils, printed = length_at(defocus, dose, &ils);
+  return log(ion_of(width_at(dose), printed) / ion_of(drawn_width, length));
+}
+
+static double log_ioff(double defocus, double dose, double length) {
+  double ils, printed = length_at(defocus, dose, &ils);
+  return log(ioff_of(width_at(dose), printed) / ioff_of(drawn_width, length));
+}
+
+/* ---- tests ---- */
+
+static void near(double got, double want, double error) {
+  if (!(fabs(got - want) <= error)) g_error("%.10g, not %.10g", got, want);
+}
+
+/* Two lengths of each type: their mean, spread, worst and sums. */
+static void test_places(void) {
+  lines l;
+  make(&l);
+  const double lengths[] = {65, 70, 66, 75}; /* n, p, n, p */
+  memcpy(l.length, lengths, sizeof lengths);
+  run("{ " LITHO ", " RESIST
+      ", dose: [-4 %, 0 %, 3 %], defocus: [-90 nm, 0 nm] }",
+      &with_focus, &l);
+  const double focus[] = {-90, 0}, dose[] = {-4, 0, 3};
+  double sd_max = 0, worst_max = 0, leakage_max = 0;
+  for (int k = 0; k < 6; k++) {
+    double off[4], printed[3] = {0}, as_drawn[3] = {0}, worst = 0;
+    for (int i = 0; i < 4; i++) {
+      double ioff = ioff_of(drawn_width, lengths[i]);
+      off[i] = 100 * expm1(log_ion(focus[k / 3], dose[k % 3], lengths[i]));
+      if (fabs(off[i]) > fabs(worst)) worst = off[i];
+      as_drawn[i % 2] += ioff;
+      as_drawn[2] += ioff;
+      printed[i % 2] +=
+          ioff * exp(log_ioff(focus[k / 3], dose[k % 3], lengths[i]));
+    }
+    printed[2] = printed[0] + printed[1];
+    near(column("performance_window", "ion_n")[k], (off[0] + off[2]) / 2, 1e-3);
+    near(column("performance_window", "ion_p")[k], (off[1] + off[3]) / 2, 1e-3);
+    near(column("performance_window", "sd_n")[k], fabs(off[0] - off[2]) / 2,
+         1e-3);
+    near(column("performance_window", "sd_p")[k], fabs(off[1] - off[3]) / 2,
+         1e-3);
+    near(column("performance_window", "ion_worst")[k], worst, 1e-3);
+    near(column("performance_window", "leakage_n")[k], printed[0] / as_drawn[0],
+         1e-4);
+    near(column("performance_window", "leakage_p")[k], printed[1] / as_drawn[1],
+         1e-4);
+    near(column("performance_window", "leakage")[k], printed[2] / as_drawn[2],
+         1e-4);
+    sd_max = fmax(sd_max, fabs(off[1] - off[3]) / 2);
+    worst_max = fmax(worst_max, fabs(worst));
+    leakage_max = fmax(leakage_max, printed[2] / as_drawn[2]);
+  }
+  near(opc_test_metric("ion_sd_max"), sd_max, 1e-3);
+  near(opc_test_metric("ion_worst"), worst_max, 1e-3);
+  near(opc_test_metric("leakage_max"), leakage_max, 1e-3);
+  g_assert_cmpfloat(opc_test_metric("transistors_failed_max"), ==, 0);
+  g_assert_cmpfloat(opc_test_metric("outside_max"), ==, 0);
+}
+
+/* The doses from -8 % to 8 % and foci from -120 to 120 nm that both lengths
+   keep, by trying a million of them. */
+static double count_area(int ion, int ioff, double a, double b) {
+  enum { N = 1000 };
+  size_t good = 0;
+  double most = log(1.05), least = log(0.95), leak = log(1.4);
+  for (int i = 0; i < N; i++)
+    for (int k = 0; k < N; k++) {
+      double f = -120 + 240 * (i + 0.5) / N, d = -8 + 16 * (k + 0.5) / N;
+      double x = log_ion(f, d, a), y = log_ion(f, d, b);
+      double u = log_ioff(f, d, a), v = log_ioff(f, d, b);
+      good += (!ion || (fmin(x, y) >= least && fmax(x, y) <= most)) &&
+              (!ioff || fmax(u, v) <= leak);
+    }
+  return 16. * 240 * (double)good / N / N;
+}
+
+static void test_area(void) {
+  lines l;
+  double ils, length = length_at(60, 0, &ils);
+  make(&l);
+  for (int i = 0; i < GATES; i++) {
+    l.length[i] = i == 2 ? 1.03 * length : length;
+  }
+  GString *mapping = g_string_new(
+      "{ " LITHO ", " RESIST ", ion_limit: 5 %, ioff_limit: 40 %, dose: [");
+  for (int d = -16; d <= 16; d++)
+    g_string_append_printf(mapping, "%s%g %%", d > -16 ? ", " : "", 0.5 * d);
+  g_string_append(mapping, "], defocus: [");
+  for (int f = -12; f <= 12; f++)
+    g_string_append_printf(mapping, "%s%d nm", f > -12 ? ", " : "", 10 * f);
+  g_string_append(mapping, "] }");
+  run(mapping->str, &with_focus, &l);
+  static const struct {
+    int ion, ioff;
+    const char *name;
+  } kinds[] = {
+      {1, 0, "ion_window"}, {0, 1, "ioff_window"}, {1, 1, "both_window"}};
+  for (int k = 0; k < 3; k++) {
+    double want =
+        count_area(kinds[k].ion, kinds[k].ioff, length, 1.03 * length);
+    double got = opc_test_metric(kinds[k].name);
+    g_test_message("%s %.1f, expected %.1f %% nm", kinds[k].name, got, want);
+    g_assert_cmpfloat(want, >, 100);
+    g_assert_cmpfloat(fabs(got / want - 1), <, 0.005);
+  }
+  g_string_free(mapping, TRUE);
+}
+
+/* Logarithms between four prints, by sampling them. */
+static void test_between(void) {
+  enum { N = 1500 };
+  lines l;
+  double ils, length = length_at(0, 0, &ils);
+  make(&l);
+  for (int i = 0; i < GATES; i++) l.length[i] = length;
+  run("{ " LITHO ", " RESIST
+      ", ion_limit: 4 %, ioff_limit: 20 %, dose: [-7 %, 6 %], "
+      "defocus: [0 nm, 140 nm] }",
+      &with_focus, &l);
+  size_t good[3] = {0};
+  for (int i = 0; i < N; i++)
+    for (int k = 0; k < N; k++) {
+      double f = (i + 0.5) / N, d = (k + 0.5) / N, on = 0, off = 0;
+      for (int c = 0; c < 4; c++) {
+        double share = (c & 1 ? f : 1 - f) * (c & 2 ? d : 1 - d);
+        on += share * log_ion(c & 1 ? 140 : 0, c & 2 ? 6 : -7, length);
+        off += share * log_ioff(c & 1 ? 140 : 0, c & 2 ? 6 : -7, length);
+      }
+      int ion = on >= log(0.96) && on <= log(1.04), ioff = off <= log(1.2);
+      good[0] += ion;
+      good[1] += ioff;
+      good[2] += ion && ioff;
+    }
+  static const char *const names[] = {"ion_window", "ioff_window",
+                                      "both_window"};
+  for (int k = 0; k < 3; k++) {
+    double want = 13. * 140 * (double)good[k] / N / N;
+    double got = opc_test_metric(names[k]);
+    g_test_message("%s %.2f, sampled %.2f %% nm", names[k], got, want);
+    g_assert_cmpfloat(want, >, 50);
+    g_assert_cmpfloat(fabs(got - want), <, 1e-3 * want);
+  }
+}
+
+/* How the length follows a mask whose shapes are all larger or smaller. */
+static void test_mask_error(void) {
+  lines l;
+  double ils, length[3], on[3];
+  make(&l);
+  run("{ " LITHO ", " RESIST
+      ", dose: [0 %], defocus: [0 nm], mask_error: [-1 nm, 0 nm, 1.5 nm] }",
+      &with_focus, &l);
+  const double by[] = {-1, 0, 1.5};
+  double sxx = 0, meef = 0, ion = 0, mean = 0.5 / 3;
+  for (int k = 0; k < 3; k++) {
+    length[k] = length_of(0, 0, by[k], &ils);
+    on[k] = log(ion_of(width_at(0), length[k]));
+    near(column("mask_error", "mean")[k], length[k] - drawn, 1e-3);
+    sxx += (by[k] - mean) * (by[k] - mean);
+    meef += (by[k] - mean) * length[k] / 2;
+    ion += (by[k] - mean) * on[k] * 100;
+  }
+  g_test_message("MEEF %.4f, Ion %.3f %% per nm", meef / sxx, ion / sxx);
+  g_assert_cmpfloat(meef / sxx, >, 0.1);
+  near(opc_test_metric("meef_mean"), meef / sxx, 1e-3);
+  near(opc_test_metric("meef_max"), meef / sxx, 1e-3);
+  near(opc_test_metric("ion_per_nm_mean"), fabs(ion / sxx), 3e-3);
+  near(opc_test_metric("ion_per_nm_max"), fabs(ion / sxx), 3e-3);
+}
+
+/* The optics of the thesis: lines of 65 nm at 250 nm, MEEF 2.2 to 2.6 by a
+   prototype with other code. */
+static void test_meef(void) {
+  lines l;
+  opc_error error;
+  make(&l);
+  if (run_step("{ " LITHO ", resist: { use: resist.threshold }, margin: 0 nm, "
+               "dose: [0 %], defocus: [0 nm], mask_error: [-1 nm, 1 nm] }",
+               NULL, &l, &error))
+    g_error("%s", error.message);
+  g_test_message("MEEF %.3f", opc_test_metric("meef_mean"));
+  g_assert_cmpfloat(opc_test_metric("meef_mean"), >, 2.2);
+  g_assert_cmpfloat(opc_test_metric("meef_max"), <, 2.6);
+}
+
+/* What fails has no current, and nothing is kept beside it. */
+static void test_failing(void) {
+  lines l;
+  make(&l);
+  for (int i = 0; i < GATES; i++) l.length[i] = 85;
+  run("{ " LITHO ", " RESIST
+      ", ion_limit: 500 %, ioff_limit: 1e9 %, "
+      "dose: [0 %, 5 %, 200 %], defocus: [0 nm, 10 nm], file: failing.png }",
+      &with_focus, &l);
+  const int64_t *failed =
+      (const int64_t *)(const void *)column("performance_window", "failed");
+  g_assert_cmpint(failed[0], ==, 0);
+  g_assert_cmpint(failed[2], ==, GATES);
+  g_assert_true(isnan(column("performance_window", "ion_n")[2]));
+  g_assert_cmpfloat(opc_test_metric("transistors_failed_max"), ==, GATES);
+  near(column("kept_doses", "both")[0], 5, 1e-9);
+  near(opc_test_metric("both_window"), 50, 1e-9);
+}
+
+static void refused(const char *mapping, const char *why) {
+  lines l;
+  opc_error error;
+  make(&l);
+  g_assert_cmpint(run_with(mapping, &with_focus, &extractor, &l, &error), ==,
+                  OPC_INVALID);
+  if (!strstr(error.message, why))
+    g_error("'%s' does not say '%s'", error.message, why);
+}
+
+static void test_refused(void) {
+  refused("{ " LITHO ", " RESIST ", mask_error: [-1 nm, 0.7 nm] }",
+          "0.7 nm is no multiple of the mask grid of 0.5 nm");
+  refused("{ " LITHO ", " RESIST ", mask_error: [1 nm] }",
+          "needs two values at least");
+  refused("{ " LITHO ", " RESIST ", mask_error: [1 nm, 0 nm] }",
+          "must increase");
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/performance/places", test_places);
+  g_test_add_func("/performance/area", test_area);
+  g_test_add_func("/performance/between", test_between);
+  g_test_add_func("/performance/mask-error", test_mask_error);
+  g_test_add_func("/performance/meef", test_meef);
+  g_test_add_func("/performance/failing", test_failing);
+  g_test_add_func("/performance/refused", test_refused);
+  return g_test_run();
+}

@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* L and W of each gate as they are drawn. The mask grid has moved the edges of
+   its box, so that the gates are cut out once more, on a grid that moves none:
+   the layout's own. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "segment.h"
+
+/* Of the layout's unit. Cells that are magnified have corners between two
+   units: L and W are then 1/16 of a unit off at most. */
+static const double part = 1.0 / 16;
+
+/* Coordinates, 2^30. */
+static const double most = 1073741824;
+
+/* Twice as coarse as often as the layout is too large for coordinates. */
+static double find_grid(const segment *s) {
+  const eda_box *e = &s->gates->extent;
+  double far = fmax(fmax(fabs((double)e->x0), fabs((double)e->x1)),
+                    fmax(fabs((double)e->y0), fabs((double)e->y1)));
+  double grid = part * eda_layout_unit(s->layout);
+  while ((far + 1) * s->grid / grid > most) grid *= 2;
+  return grid;
+}
+
+/* Poly and active together. */
+static int cut_out(const segment *s, double grid, eda_shapes *regions) {
+  eda_shapes drawn[2] = {{0}};
+  int code = OPC_OK;
+  for (int k = 0; k < 2 && !code; k++) {
+    eda_flat flat;
+    int32_t layer = eda_layout_find_layer(s->layout, s->source[k].from);
+    code = segment_flatten(s->layout, s->top, layer, grid, &flat, &drawn[k],
+                           s->error);
+    eda_flat_clear(&flat);
+  }
+  if (!code)
+    code = eda_boolean(EDA_AND, &drawn[0], &drawn[1], regions, s->error);
+  for (int k = 0; k < 2; k++) eda_shapes_clear(&drawn[k]);
+  return code;
+}
+
+/* The region that contains the middle of each gate. */
+static uint32_t *find_regions(const segment *s, double grid,
+                              const eda_shapes *regions) {
+  const eda_gates *g = s->gates;
+  double ratio = g->grid / grid;
+  doubled *middle = eda_alloc(g->count, sizeof *middle);
+  uint32_t *which = eda_alloc(g->count, sizeof *which);
+  for (size_t i = 0; i < g->count; i++) {
+    eda_box b = g->box[i];
+    middle[i].x = llround(((double)b.x0 + b.x1) * ratio);
+    middle[i].y = llround(((double)b.y0 + b.y1) * ratio);
+  }
+  segment_find(middle, g->count, regions, which);
+  free(middle);
+  return which;
+}
+
+/* Edges that the grid has put in one line were drawn in several: then there is
+   no other W than that on the grid. */
+static int measure(eda_gates *g, size_t i, double grid,
+                   const eda_shapes *regions, uint32_t region) {
+  if (region == UINT32_MAX) return 0;
+  const eda_point *p = regions->points + regions->start[region];
+  if (regions->start[region + 1] - regions->start[region] != 4) return 0;
+  eda_box b = eda_bounds(p, 4);
+  int d = g->axis[i];
+  g->length[i] = grid * ((double)box_side(&b, d, HIGH) - box_side(&b, d, LOW));
+  g->width[i] = grid * ((double)box_side(&b, !d, HIGH) - box_side(&b, !d, LOW));
+  return 1;
+}
+
+int segment_drawn(segment *s) {
+  eda_gates *g = s->gates;
+  eda_shapes regions;
+  double grid = find_grid(s);
+  if (!s->moved) return OPC_OK;
+  int code = cut_out(s, grid, &regions);
+  if (code) return code;
+  uint32_t *which = find_regions(s, grid, &regions);
+  size_t others = 0;
+  for (size_t i = 0; i < g->count; i++)
+    others += !measure(g, i, grid, &regions, which[i]);
+  if (others)
+    s->host->log(s->host, OPC_LOG_WARNING,
+                 "segment.transistors: %zu gate%s not drawn as a rectangle, "
+                 "but on the grid of %g nm: L and W are those on the grid",
+                 others, others == 1 ? " is" : "s are", s->grid);
+  free(which);
+  eda_shapes_clear(&regions);
+  return OPC_OK;
+}

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* All edges of shapes moved outwards or inwards: what lies within a square
+   around a point of the outline is added or taken away (dilation and erosion;
+   J. Serra, "Image Analysis and Mathematical Morphology", 1982). */
+#include <eda/geometry.h>
+#include <eda/memory.h>
+#include <stdlib.h>
+
+/* A box around each edge, `by` in all directions. */
+static eda_shapes boxes_of_edges(const eda_shapes *s, int32_t by) {
+  size_t n = s->count ? s->start[s->count] : 0;
+  eda_shapes out = {.count = n};
+  out.start = eda_alloc(n + 1, sizeof *out.start);
+  out.points = eda_alloc(n, 4 * sizeof *out.points);
+  for (size_t p = 0; p < s->count; p++)
+    for (uint32_t i = s->start[p]; i < s->start[p + 1]; i++) {
+      uint32_t next = i + 1 < s->start[p + 1] ? i + 1 : s->start[p];
+      const eda_point ends[] = {s->points[i], s->points[next]};
+      eda_box b = eda_bounds(ends, 2);
+      const eda_point corners[] = {{b.x0 - by, b.y0 - by},
+                                   {b.x1 + by, b.y0 - by},
+                                   {b.x1 + by, b.y1 + by},
+                                   {b.x0 - by, b.y1 + by}};
+      for (size_t k = 0; k < 4; k++) out.points[4 * i + k] = corners[k];
+      out.start[i + 1] = 4 * (i + 1);
+    }
+  return out;
+}
+
+int eda_shapes_grow(const eda_shapes *shapes, int32_t by, eda_shapes *out,
+                    opc_error *error) {
+  if (by == 0) return eda_boolean(EDA_OR, shapes, NULL, out, error);
+  eda_shapes boxes = boxes_of_edges(shapes, abs(by));
+  int code = eda_boolean(by > 0 ? EDA_OR : EDA_NOT, shapes, &boxes, out, error);
+  eda_shapes_clear(&boxes);
+  return code;
+}
