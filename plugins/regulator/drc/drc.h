@@ -52,6 +52,7 @@ typedef struct line_end {
   eda_box tip;           /* as drawn, flat */
   int side;              /* that it faces; -1: the gate has none */
   int32_t most, by;      /* how far it may go out, and was sent */
+  int32_t share;         /* so far whatever moves before it */
   int32_t start;         /* of its head, inwards of the tip */
   int32_t widest, wider; /* the same on each flank */
   response length, width;
@@ -64,6 +65,7 @@ typedef struct repair {
   uint32_t site;
   int32_t edge[SIDES], from[SIDES], to[SIDES];
   int32_t room[SIDES], grow[SIDES];
+  uint8_t whole[SIDES]; /* that piece is the whole edge */
   /* What moves the corners at both ends of that piece, NULL for nothing. */
   const eda_fragment *corner[SIDES][2];
   uint32_t back[SIDES]; /* the round in which it last went back */
@@ -111,6 +113,7 @@ typedef struct drc {
   places pads;                /* contacts that poly must cover */
   places widths;              /* edges of active that a gate's width moves */
   const eda_fragment **width; /* of each of them */
+  places mask; /* edges of the poly that is looked at, once they are needed */
   char **bridging;            /* [layers]: the rule that a gap of it breaks */
   site *sites;
   size_t n_sites, sites_room;
@@ -157,6 +160,12 @@ eda_box window_at(eda_box box, int side, int32_t from, int32_t to,
    nearer. */
 int32_t nearest(const places *p, eda_box window, int side, int32_t none,
                 eda_box *which);
+
+/* How far the mask's poly may go out from `edge`, a flat box of it, towards
+   `side`: half of what is free before it now, as what is there may come as far;
+   at most `most`. */
+int32_t room_now(drc *r, const eda_printed *p, eda_box edge, int side,
+                 int32_t most);
 
 /* ---- rules.c ---- */
 

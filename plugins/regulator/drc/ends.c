@@ -12,8 +12,8 @@ static int32_t steps(double room, double most, double grid) {
   return (int32_t)floor(fmax(0, fmin(most, room)) / grid + 1e-9);
 }
 
-/* How far it may go: half of what is free before it, as another line end may
-   come from there; contacts that poly must not touch stay. */
+/* How far it may go: contacts that poly must not touch stay. Half of what is
+   drawn free before it is its own, as another line end may come from there. */
 static void find_length(const drc *r, line_end *e) {
   double grid = r->grid;
   int32_t range = (int32_t)ceil((2 * r->max_growth + r->min_space) / grid) + 1;
@@ -22,9 +22,8 @@ static void find_length(const drc *r, line_end *e) {
       window_at(e->tip, e->side, 1, range, (int32_t)ceil(r->min_space / grid));
   double own = nearest(&r->edges[EDA_POLY], window, e->side, range - 1, NULL);
   double contact = nearest(&r->contacts, window, e->side, range - 1, NULL);
-  e->most = steps(fmin(((own + 1) * grid - r->min_space) / 2,
-                       (contact + 1) * grid - r->min_space),
-                  r->max_growth, grid);
+  e->most = steps((contact + 1) * grid - r->min_space, r->max_growth, grid);
+  e->share = steps(((own + 1) * grid - r->min_space) / 2, e->most * grid, grid);
 }
 
 /* The head, as wide as it goes on each flank. */
@@ -66,7 +65,8 @@ void ends_find(drc *r) {
   r->ends = eda_alloc(2 * g->count, sizeof *r->ends);
   for (size_t i = 0; i < 2 * g->count; i++) {
     r->ends[i].side = -1;
-    r->ends[i].most = steps(r->max_growth, r->max_growth, r->grid);
+    r->ends[i].most = r->ends[i].share =
+        steps(r->max_growth, r->max_growth, r->grid);
   }
   for (size_t p = 0; p < edges->polygons; p++)
     for (uint32_t i = edges->start[p]; i < edges->start[p + 1]; i++) {
@@ -106,6 +106,15 @@ static int is_clear(const eda_printed *p, const line_end *e) {
   return 1;
 }
 
+/* How far it may be now: what others do not take is for who needs it. */
+static int32_t limit_of(drc *r, const eda_printed *p, line_end *e,
+                        int32_t bias) {
+  if (e->share > e->most) e->share = e->most;
+  if (!p->shapes || e->side < 0 || bias < e->share) return e->share;
+  eda_box now = window_at(e->tip, e->side, bias, bias, 0);
+  return bias + room_now(r, p, now, e->side, e->most - bias);
+}
+
 void ends_advance(drc *r, const eda_printed *p, size_t end, int32_t *bias) {
   line_end *one = &r->ends[end];
   double extension = p->extension[end], wanted = r->min_extension;
@@ -117,7 +126,10 @@ void ends_advance(drc *r, const eda_printed *p, size_t end, int32_t *bias) {
   if (extension < wanted) {
     int32_t to =
         rules_advance(&one->length, before, extension, wanted, 1, r->grid);
-    if (to > one->most) to = one->most;
+    if (to > one->share) {
+      one->share = limit_of(r, p, one, before);
+      if (to > one->share) to = one->share;
+    }
     if (to > before) {
       *bias = to;
     } else if (one->side >= 0) {
@@ -165,9 +177,9 @@ void ends_heads(drc *r) {
 
 const char *ends_reason(const drc *r, size_t end) {
   const line_end *one = &r->ends[end];
-  if (one->by < one->most || one->wider < one->widest)
+  if (one->by < one->share || one->wider < one->widest)
     return "extension: could still move";
-  return one->most < steps(r->max_growth, r->max_growth, r->grid)
+  return one->by < steps(r->max_growth, r->max_growth, r->grid)
              ? "extension: no room before the line end"
              : "extension: max_growth reached";
 }
