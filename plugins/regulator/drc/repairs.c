@@ -345,12 +345,10 @@ static int meet(eda_box a, eda_box b) {
   return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
 }
 
-/* Patches that close a gap, or touch a contact, go back and stay there: those
-   that face it, or all that are near. Whether there were any. */
+/* Patches that close a gap, or touch a contact, go back by `step` and stay
+   there: those that face it, or all that are near. Whether there were any. */
 static int take_back(drc *r, const eda_printed *p, const site *wrong,
-                     int facing) {
-  int32_t near = (int32_t)(tuned.reach / r->grid);
-  int32_t step = (int32_t)ceil(tuned.back / r->grid);
+                     int32_t near, int32_t step, int facing) {
   int32_t flank = (int32_t)(tuned.corner / r->grid);
   int found = 0;
   for (size_t i = 0; i < r->n_repairs; i++) {
@@ -383,13 +381,36 @@ static int take_back(drc *r, const eda_printed *p, const site *wrong,
 /* What must not print: patches before it go back, or else edges of poly as
    drawn, or else what is near. */
 static void clear_away(drc *r, const eda_printed *p, site *wrong) {
-  if (take_back(r, p, wrong, 1) || wrong->layer != EDA_POLY) return;
+  int32_t near = (int32_t)(tuned.reach / r->grid);
+  int32_t step = (int32_t)ceil(tuned.back / r->grid);
+  if (take_back(r, p, wrong, near, step, 1) || wrong->layer != EDA_POLY) return;
   if (wrong->kind == SITE_GAP && trims_deepen(r, wrong)) return;
-  take_back(r, p, wrong, 0);
+  take_back(r, p, wrong, near, step, 0);
+}
+
+/* Patches that come too near to each other, as their corners do: each by half
+   of what is missing. */
+static void make_space(drc *r, const eda_printed *p, size_t layer) {
+  int32_t near = (int32_t)ceil(r->min_space / r->grid);
+  violations found = {0};
+  mrc_check(r, &p->shapes[layer], &found);
+  found.v = eda_alloc(found.room = found.count, sizeof *found.v);
+  found.count = 0;
+  mrc_check(r, &p->shapes[layer], &found);
+  for (size_t i = 0; i < found.count; i++) {
+    const eda_violation *v = &found.v[i];
+    int32_t x = (int32_t)(v->x / r->grid), y = (int32_t)(v->y / r->grid);
+    site place = {.box = {x, y, x, y}, .layer = (uint16_t)layer};
+    int32_t step = (int32_t)ceil((v->limit - v->value) / 2 / r->grid);
+    if (v->limit == r->min_space) take_back(r, p, &place, near, step, 1);
+  }
+  free(found.v);
 }
 
 void repairs_grow(drc *r, const eda_printed *p) {
   r->round++;
+  for (size_t layer = 0; layer < r->layers; layer++)
+    if (r->patch[layer].count) make_space(r, p, layer);
   for (size_t i = 0; i < r->n_sites; i++)
     if (r->sites[i].failing && !wanted(&r->sites[i]))
       clear_away(r, p, &r->sites[i]);
@@ -399,14 +420,65 @@ void repairs_grow(drc *r, const eda_printed *p) {
   }
 }
 
+/* A patch of one side, by the line that its edge lies on. */
+typedef struct strip {
+  size_t layer;
+  int side;
+  int32_t line, from, to, grow;
+} strip;
+
+static int by_line(const void *a, const void *b) {
+  const strip *p = a, *q = b;
+  if (p->layer != q->layer) return p->layer < q->layer ? -1 : 1;
+  if (p->side != q->side) return p->side - q->side;
+  if (p->line != q->line) return p->line < q->line ? -1 : 1;
+  return (p->from > q->from) - (p->from < q->from);
+}
+
+static strip strip_of(const drc *r, const repair *one, int side, eda_box b) {
+  int flat = upright(side);
+  strip s = {.layer = r->sites[one->site].layer,
+             .side = side,
+             .from = flat ? b.y0 : b.x0,
+             .to = flat ? b.y1 : b.x1,
+             .grow = one->grow[side]};
+  s.line = side == LEFT    ? b.x0 + s.grow
+           : side == RIGHT ? b.x1 - s.grow
+           : side == BELOW ? b.y0 + s.grow
+                           : b.y1 - s.grow;
+  return s;
+}
+
+/* Between patches of one edge no notch is left. */
+static void join(drc *r, strip *s, size_t n) {
+  qsort(s, n, sizeof *s, by_line);
+  for (size_t i = 0; i + 1 < n; i++) {
+    strip a = s[i], b = s[i + 1];
+    if (a.layer != b.layer || a.side != b.side || a.line != b.line ||
+        b.from <= a.to || (b.from - a.to) * r->grid >= r->min_space)
+      continue;
+    int flat = upright(a.side);
+    eda_box edge = {flat ? a.line : a.to, flat ? a.to : a.line,
+                    flat ? a.line : b.from, flat ? b.from : a.line};
+    int32_t out = a.grow < b.grow ? a.grow : b.grow;
+    eda_box_list_add(&r->patch[a.layer], window_at(edge, a.side, 0, out, 0));
+  }
+}
+
 void repairs_patches(drc *r, const eda_printed *p) {
+  strip *strips = eda_alloc(r->n_repairs * SIDES, sizeof *strips);
+  size_t n = 0;
   for (size_t i = 0; i < r->n_repairs; i++) {
     const repair *one = &r->repairs[i];
-    for (int k = 0; k < SIDES; k++)
-      if (one->grow[k])
-        eda_box_list_add(&r->patch[r->sites[one->site].layer],
-                         patch_of(r, p, one, k));
+    for (int k = 0; k < SIDES; k++) {
+      if (!one->grow[k]) continue;
+      eda_box b = patch_of(r, p, one, k);
+      eda_box_list_add(&r->patch[r->sites[one->site].layer], b);
+      strips[n++] = strip_of(r, one, k, b);
+    }
   }
+  if (n) join(r, strips, n);
+  free(strips);
 }
 
 /* ---- telling ---- */
