@@ -52,7 +52,8 @@ typedef struct line_end {
   eda_box tip;           /* as drawn, flat */
   int side;              /* that it faces; -1: the gate has none */
   int32_t most, by;      /* how far it may go out, and was sent */
-  int32_t share;         /* so far whatever moves before it */
+  int32_t share;         /* half of what is drawn free before it */
+  int32_t room;          /* how far the others leave room now */
   int32_t start;         /* of its head, inwards of the tip */
   int32_t widest, wider; /* the same on each flank */
   response length, width;
@@ -114,7 +115,7 @@ typedef struct drc {
   places widths;              /* edges of active that a gate's width moves */
   const eda_fragment **width; /* of each of them */
   places mask; /* edges of the poly that is looked at, once they are needed */
-  char **bridging;            /* [layers]: the rule that a gap of it breaks */
+  char **bridging; /* [layers]: the rule that a gap of it breaks */
   site *sites;
   size_t n_sites, sites_room;
 
@@ -161,9 +162,8 @@ eda_box window_at(eda_box box, int side, int32_t from, int32_t to,
 int32_t nearest(const places *p, eda_box window, int side, int32_t none,
                 eda_box *which);
 
-/* How far the mask's poly may go out from `edge`, a flat box of it, towards
-   `side`: half of what is free before it now, as what is there may come as far;
-   at most `most`. */
+/* How far the mask's poly could go out from `edge`, a flat box of it, towards
+   `side`, if nothing else moved; at most `most`. */
 int32_t room_now(drc *r, const eda_printed *p, eda_box edge, int side,
                  int32_t most);
 
@@ -214,6 +214,9 @@ void repairs_report(const drc *r, const eda_printed *p, violations *out);
 /* Let both sides of a gap that fails go back a little, at most once a print.
    Whether one could. */
 int trims_deepen(drc *r, site *gap);
+/* A line is pinched where its edges went back: they come out again, and stay.
+   Whether there were any. */
+int trims_back(drc *r, const site *line);
 /* Whether a side of the gap could still go back. */
 int trims_could(const drc *r, const site *gap);
 /* Add what they take away. */
@@ -225,6 +228,9 @@ void trims_bites(drc *r);
 /* Smooth the masks of a print, which have what was smoothed before: shallow
    notches are filled, shallow bumps taken away. */
 void smooth_follow(drc *r, const eda_printed *p);
+/* What was smoothed at a place of the mask that does not keep its rules is
+   looked at anew. */
+void smooth_drop(drc *r, size_t layer, eda_box place);
 /* Add what is added to the masks and what is taken away. */
 void smooth_boxes(drc *r);
 

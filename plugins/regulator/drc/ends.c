@@ -23,7 +23,8 @@ static void find_length(const drc *r, line_end *e) {
   double own = nearest(&r->edges[EDA_POLY], window, e->side, range - 1, NULL);
   double contact = nearest(&r->contacts, window, e->side, range - 1, NULL);
   e->most = steps((contact + 1) * grid - r->min_space, r->max_growth, grid);
-  e->share = steps(((own + 1) * grid - r->min_space) / 2, e->most * grid, grid);
+  e->share = e->room =
+      steps(((own + 1) * grid - r->min_space) / 2, e->most * grid, grid);
 }
 
 /* The head, as wide as it goes on each flank. */
@@ -65,7 +66,7 @@ void ends_find(drc *r) {
   r->ends = eda_alloc(2 * g->count, sizeof *r->ends);
   for (size_t i = 0; i < 2 * g->count; i++) {
     r->ends[i].side = -1;
-    r->ends[i].most = r->ends[i].share =
+    r->ends[i].most = r->ends[i].share = r->ends[i].room =
         steps(r->max_growth, r->max_growth, r->grid);
   }
   for (size_t p = 0; p < edges->polygons; p++)
@@ -106,13 +107,17 @@ static int is_clear(const eda_printed *p, const line_end *e) {
   return 1;
 }
 
-/* How far it may be now: what others do not take is for who needs it. */
-static int32_t limit_of(drc *r, const eda_printed *p, line_end *e,
-                        int32_t bias) {
-  if (e->share > e->most) e->share = e->most;
-  if (!p->shapes || e->side < 0 || bias < e->share) return e->share;
+/* How far it may be now. Two that face each other may move at once: one within
+   its share takes two thirds of what is free at most, one beyond it a third. */
+static int32_t room_of(drc *r, const eda_printed *p, const line_end *e,
+                       int32_t bias) {
+  int32_t share = e->share < e->most ? e->share : e->most;
   eda_box now = window_at(e->tip, e->side, bias, bias, 0);
-  return bias + room_now(r, p, now, e->side, e->most - bias);
+  if (e->side < 0 || bias >= e->most) return e->most;
+  int32_t left = room_now(r, p, now, e->side, 3 * (e->most - bias));
+  if (bias >= share) return bias + left / 3;
+  left -= left / 3;
+  return bias + left < share ? bias + left : share;
 }
 
 void ends_advance(drc *r, const eda_printed *p, size_t end, int32_t *bias) {
@@ -126,10 +131,8 @@ void ends_advance(drc *r, const eda_printed *p, size_t end, int32_t *bias) {
   if (extension < wanted) {
     int32_t to =
         rules_advance(&one->length, before, extension, wanted, 1, r->grid);
-    if (to > one->share) {
-      one->share = limit_of(r, p, one, before);
-      if (to > one->share) to = one->share;
-    }
+    one->room = room_of(r, p, one, before);
+    if (to > one->room) to = one->room;
     if (to > before) {
       *bias = to;
     } else if (one->side >= 0) {
@@ -177,7 +180,7 @@ void ends_heads(drc *r) {
 
 const char *ends_reason(const drc *r, size_t end) {
   const line_end *one = &r->ends[end];
-  if (one->by < one->share || one->wider < one->widest)
+  if (one->by < one->room || one->wider < one->widest)
     return "extension: could still move";
   return one->by < steps(r->max_growth, r->max_growth, r->grid)
              ? "extension: no room before the line end"

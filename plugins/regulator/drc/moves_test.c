@@ -19,7 +19,7 @@ static char *names[] = {"poly", "active", "contact"};
 static uint8_t corrected[] = {1, 1, 0};
 
 typedef struct chip {
-  eda_point points[4 * MOST];
+  eda_point points[4 * MOST], moved[4 * MOST];
   uint32_t start[MOST + 1];
   eda_fragment fragments[4 * MOST];
   eda_point contact[4];
@@ -236,6 +236,13 @@ static double line_ends(const chip *c, double x, double y) {
   return fmax(fmin(low, y), fmin(fmin(x, 65 - x), y - 520));
 }
 
+/* The mask as the last ruling sent the line end. */
+static void follow(chip *c) {
+  memcpy(c->moved, c->points, sizeof c->moved);
+  c->moved[2].y = c->moved[3].y += c->end[1];
+  c->mask[EDA_POLY].points = c->moved;
+}
+
 /* How much further a head goes out than the line, on each side; 0 for none. */
 static int32_t head(const chip *c) {
   if (!c->ruling.patches[EDA_POLY].count) return 0;
@@ -248,32 +255,37 @@ static int32_t head(const chip *c) {
 }
 
 /* A line end that prints by 0.7 of its own length, and by 3 nm for each nm of
-   its head: length first, and as much width as is then missing. */
+   its head: length first, of the 40 nm that there are as much as thirds give,
+and as much width as is then missing. */
 static void test_heads(void) {
   static const struct {
     const char *parameters;
     int32_t gap, length;
     int widens;
   } cases[] = {
-      {"{ min_extension: 20 nm, want_extension: 40 nm, max_head: 10 nm }", 120,
+      {"{ min_extension: 20 nm, want_extension: 40 nm, max_head: 10 nm }", 80,
        40, 1},
-      {"{ min_extension: 20 nm, want_extension: 40 nm }", 120, 40, 0},
+      {"{ min_extension: 20 nm, want_extension: 40 nm }", 80, 40, 0},
       {"{ min_extension: 20 nm, want_extension: 30 nm, max_head: 10 nm }", 120,
        0, 0},
-      {"{ min_extension: 38 nm, max_head: 10 nm }", 120, 40, 1},
+      {"{ min_extension: 38 nm, max_head: 10 nm }", 80, 40, 1},
   };
   for (size_t k = 0; k < G_N_ELEMENTS(cases); k++) {
     g_autoptr(opc_module) m = make(cases[k].parameters);
     chip c = {0};
     add_end(&c, cases[k].gap);
     begin(&c);
-    for (int i = 0; i < 8; i++) {
+    for (int i = 0; i < 16; i++) {
       c.extension[0] = INFINITY;
       c.extension[1] = 2 + 0.7 * c.end[1] + 3 * head(&c);
       print(&c, line_ends);
+      follow(&c);
       judge(m, &c);
     }
-    if (cases[k].length) g_assert_cmpint(c.end[1], ==, cases[k].length);
+    if (cases[k].length) {
+      g_assert_cmpint(c.end[1], >=, cases[k].length - 2);
+      g_assert_cmpint(c.end[1], <=, cases[k].length);
+    }
     g_assert_cmpint(head(&c) > 0, ==, cases[k].widens);
     if (cases[k].widens) {
       g_assert_cmpfloat(c.extension[1], >=, 38);

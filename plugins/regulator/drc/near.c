@@ -80,7 +80,7 @@ int32_t nearest(const places *p, eda_box w, int side, int32_t none,
 int32_t room_now(drc *r, const eda_printed *p, eda_box edge, int side,
                  int32_t most) {
   int32_t space = (int32_t)ceil(r->min_space / r->grid - 1e-9);
-  int32_t range = 2 * most + space;
+  int32_t range = most + space;
   if (most < 1) return 0;
   if (!r->mask.index) {
     size_t n;
@@ -89,5 +89,5 @@ int32_t room_now(drc *r, const eda_printed *p, eda_box edge, int side,
   }
   eda_box window = window_at(edge, side, 1, range, space);
   int32_t left = nearest(&r->mask, window, side, range - 1, NULL) + 1 - space;
-  return left > 0 ? left / 2 : 0;
+  return left < 0 ? 0 : left < most ? left : most;
 }

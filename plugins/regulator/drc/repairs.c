@@ -388,9 +388,10 @@ static void clear_away(drc *r, const eda_printed *p, site *wrong) {
   take_back(r, p, wrong, near, step, 0);
 }
 
-/* Patches that come too near to each other, as their corners do: each by half
-   of what is missing. */
-static void make_space(drc *r, const eda_printed *p, size_t layer) {
+/* Where the mask does not keep its rules: what was smoothed there is looked at
+   anew, and patches that came too near to each other, as their corners do, go
+   back, each by half of what is missing. */
+static void mend_mask(drc *r, const eda_printed *p, size_t layer) {
   int32_t near = (int32_t)ceil(r->min_space / r->grid);
   violations found = {0};
   mrc_check(r, &p->shapes[layer], &found);
@@ -402,6 +403,9 @@ static void make_space(drc *r, const eda_printed *p, size_t layer) {
     int32_t x = (int32_t)(v->x / r->grid), y = (int32_t)(v->y / r->grid);
     site place = {.box = {x, y, x, y}, .layer = (uint16_t)layer};
     int32_t step = (int32_t)ceil((v->limit - v->value) / 2 / r->grid);
+    if (r->round < tuned.anew)
+      smooth_drop(r, layer,
+                  widened(place.box, (int32_t)ceil(v->value / r->grid)));
     if (v->limit == r->min_space) take_back(r, p, &place, near, step, 1);
   }
   free(found.v);
@@ -410,13 +414,16 @@ static void make_space(drc *r, const eda_printed *p, size_t layer) {
 void repairs_grow(drc *r, const eda_printed *p) {
   r->round++;
   for (size_t layer = 0; layer < r->layers; layer++)
-    if (r->patch[layer].count) make_space(r, p, layer);
+    if (r->patch[layer].count || r->bite[layer].count) mend_mask(r, p, layer);
   for (size_t i = 0; i < r->n_sites; i++)
     if (r->sites[i].failing && !wanted(&r->sites[i]))
       clear_away(r, p, &r->sites[i]);
   for (size_t i = 0; i < r->n_repairs; i++) {
     const site *s = &r->sites[r->repairs[i].site];
-    if (s->failing) grow(r, s, &r->repairs[i]);
+    if (!s->failing ||
+        (s->kind == SITE_LINE && s->layer == EDA_POLY && trims_back(r, s)))
+      continue;
+    grow(r, s, &r->repairs[i]);
   }
 }
 
