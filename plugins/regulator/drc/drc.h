@@ -6,6 +6,7 @@
 
 #include <eda/index.h>
 #include <eda/regulator.h>
+#include <eda/rules.h>
 #include <opcflow/plugin.h>
 
 /* The sides of a box, and of what is looked for from there. */
@@ -236,9 +237,11 @@ void smooth_boxes(drc *r);
 
 /* ---- mrc.c: the rules of the mask itself ---- */
 
-/* Places of merged shapes that are narrower than min_mask_width, or closer
-   together than min_space (also within a polygon): edges that face each other
-   with nothing between them, and corners that do so diagonally. */
+/* Where merged shapes are narrower than min_mask_width, or closer together than
+   min_space; `fault` is freed with free(). Their number. */
+size_t mrc_faults(const drc *r, const eda_shapes *shapes,
+                  eda_rule_fault **fault);
+/* The same as violations. */
 void mrc_check(const drc *r, const eda_shapes *shapes, violations *out);
 
 #endif

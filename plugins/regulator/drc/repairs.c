@@ -393,22 +393,20 @@ static void clear_away(drc *r, const eda_printed *p, site *wrong) {
    back, each by half of what is missing. */
 static void mend_mask(drc *r, const eda_printed *p, size_t layer) {
   int32_t near = (int32_t)ceil(r->min_space / r->grid);
-  violations found = {0};
-  mrc_check(r, &p->shapes[layer], &found);
-  found.v = eda_alloc(found.room = found.count, sizeof *found.v);
-  found.count = 0;
-  mrc_check(r, &p->shapes[layer], &found);
-  for (size_t i = 0; i < found.count; i++) {
-    const eda_violation *v = &found.v[i];
-    int32_t x = (int32_t)(v->x / r->grid), y = (int32_t)(v->y / r->grid);
+  eda_rule_fault *fault;
+  size_t n = mrc_faults(r, &p->shapes[layer], &fault);
+  for (size_t i = 0; i < n; i++) {
+    double value = fault[i].value;
+    int32_t x = (int32_t)lround(fault[i].x / r->grid);
+    int32_t y = (int32_t)lround(fault[i].y / r->grid);
     site place = {.box = {x, y, x, y}, .layer = (uint16_t)layer};
-    int32_t step = (int32_t)ceil((v->limit - v->value) / 2 / r->grid);
+    int32_t step = (int32_t)ceil((r->min_space - value) / 2 / r->grid);
     if (r->round < tuned.anew)
-      smooth_drop(r, layer,
-                  widened(place.box, (int32_t)ceil(v->value / r->grid)));
-    if (v->limit == r->min_space) take_back(r, p, &place, near, step, 1);
+      smooth_drop(r, layer, widened(place.box, (int32_t)ceil(value / r->grid)));
+    if (fault[i].rule == EDA_RULE_SPACE)
+      take_back(r, p, &place, near, step, 1);
   }
-  free(found.v);
+  free(fault);
 }
 
 void repairs_grow(drc *r, const eda_printed *p) {
