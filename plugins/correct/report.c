@@ -9,6 +9,7 @@
 #include <math.h>
 #include <opcflow/table.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { SHORT_TABLE = 24 }; /* as many rows are shown rather than only filed */
 
@@ -422,10 +423,15 @@ int report_mask(const opc_host *host, const report *r, opc_error *error) {
 
 int report_violations(const opc_host *host, const eda_gates *gates,
                       const eda_violation *v, size_t n, opc_error *error) {
-  int code = host->metric(host, "violations", (double)n, error);
+  size_t unexplained = 0;
+  for (size_t i = 0; i < n; i++) unexplained += !strchr(v[i].rule, ';');
+  const opc_metric_value values[] = {
+      {"violations", (double)n}, {"violations_unexplained", (double)unexplained}};
+  int code = opc_put_metrics(host, OPC_ARRAY(values), error);
   if (code || !n) return code;
-  host->log(host, OPC_LOG_WARNING, "%zu rule%s not kept: see violations.csv", n,
-            n == 1 ? " is" : "s are");
+  host->log(host, OPC_LOG_WARNING,
+            "%zu rule%s not kept, %zu without a reason: see violations.csv", n,
+            n == 1 ? " is" : "s are", unexplained);
   struct {
     char *gate;
     eda_violation v;

@@ -252,6 +252,8 @@ static const opc_metric metrics[] = {
      "transistors that printed as drawn and do so no more"},
     {"violations", NULL, OPC_LOWER, 0,
      "rules of the regulator that the print does not keep"},
+    {"violations_unexplained", NULL, OPC_LOWER, 0,
+     "those for which neither the drawn layout nor a parameter is the reason"},
     {"mask_violations", NULL, OPC_LOWER, 0,
      "places where the mask does not keep its rules: the next four"},
     {"mask_space", NULL, OPC_LOWER, 0, "spaces below min_space"},

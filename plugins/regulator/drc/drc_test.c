@@ -237,7 +237,7 @@ static void test_violations(void) {
   for (int i = 0; i < 5; i++) rule(m, &f); /* 5 nm of room */
   violations(m, &p, v, 3);
   g_assert_cmpint(f.end[1], ==, 5);
-  g_assert_cmpstr(v[0].rule, ==, "extension: no room before the line end");
+  g_assert_cmpstr(v[0].rule, ==, "extension; no room before the line end");
 }
 
 /* ---- prints ---- */
@@ -381,7 +381,7 @@ static void test_near_neighbour(void) {
   for (size_t i = 0; i < 3; i++)
     g_assert_cmpint(c.ruling.patches[EDA_ACTIVE].box[i].x1, ==, 109);
   g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 1);
-  g_assert_cmpstr(v.rule, ==, "enclosure: too near a neighbour");
+  g_assert_cmpstr(v.rule, ==, "enclosure; too near a neighbour");
   end(&c);
 }
 

@@ -183,6 +183,6 @@ const char *ends_reason(const drc *r, size_t end) {
   if (one->by < one->room || one->wider < one->widest)
     return "extension: could still move";
   return one->by < steps(r->max_growth, r->max_growth, r->grid)
-             ? "extension: no room before the line end"
-             : "extension: max_growth reached";
+             ? "extension; no room before the line end"
+             : "extension; max_growth reached";
 }

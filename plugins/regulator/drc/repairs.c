@@ -491,11 +491,11 @@ void repairs_patches(drc *r, const eda_printed *p) {
 enum { UNDONE, NEIGHBOUR, GROWTH, REASONS };
 
 static const char *const enclosure[REASONS] = {
-    "enclosure: could still move", "enclosure: too near a neighbour",
-    "enclosure: max_growth reached"};
+    "enclosure: could still move", "enclosure; too near a neighbour",
+    "enclosure; max_growth reached"};
 static const char *const pinching[REASONS] = {"pinching: could still move",
-                                              "pinching: too near a neighbour",
-                                              "pinching: max_growth reached"};
+                                              "pinching; too near a neighbour",
+                                              "pinching; max_growth reached"};
 
 static int reason(const drc *r, const repair *one, int side) {
   int32_t most = (int32_t)floor(r->max_growth / r->grid + 1e-9);
@@ -542,7 +542,7 @@ static void report_bridging(const drc *r, const eda_printed *p, const site *s,
            : s->layer != EDA_POLY ? r->bridging[s->layer]
            : trims_could(r, s)
                ? "bridging: poly: could still move"
-               : "bridging: poly: drawn too near for its edges to go back";
+               : "bridging: poly; drawn too near for its edges to go back";
   if (s->kind == SITE_CONTACT) {
     v.value = INFINITY;
     for (int k = 0; k < SIDES; k++)
