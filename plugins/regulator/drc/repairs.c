@@ -425,65 +425,14 @@ void repairs_grow(drc *r, const eda_printed *p) {
   }
 }
 
-/* A patch of one side, by the line that its edge lies on. */
-typedef struct strip {
-  size_t layer;
-  int side;
-  int32_t line, from, to, grow;
-} strip;
-
-static int by_line(const void *a, const void *b) {
-  const strip *p = a, *q = b;
-  if (p->layer != q->layer) return p->layer < q->layer ? -1 : 1;
-  if (p->side != q->side) return p->side - q->side;
-  if (p->line != q->line) return p->line < q->line ? -1 : 1;
-  return (p->from > q->from) - (p->from < q->from);
-}
-
-static strip strip_of(const drc *r, const repair *one, int side, eda_box b) {
-  int flat = upright(side);
-  strip s = {.layer = r->sites[one->site].layer,
-             .side = side,
-             .from = flat ? b.y0 : b.x0,
-             .to = flat ? b.y1 : b.x1,
-             .grow = one->grow[side]};
-  s.line = side == LEFT    ? b.x0 + s.grow
-           : side == RIGHT ? b.x1 - s.grow
-           : side == BELOW ? b.y0 + s.grow
-                           : b.y1 - s.grow;
-  return s;
-}
-
-/* Between patches of one edge no notch is left. */
-static void join(drc *r, strip *s, size_t n) {
-  qsort(s, n, sizeof *s, by_line);
-  for (size_t i = 0; i + 1 < n; i++) {
-    strip a = s[i], b = s[i + 1];
-    if (a.layer != b.layer || a.side != b.side || a.line != b.line ||
-        b.from <= a.to || (b.from - a.to) * r->grid >= r->min_space)
-      continue;
-    int flat = upright(a.side);
-    eda_box edge = {flat ? a.line : a.to, flat ? a.to : a.line,
-                    flat ? a.line : b.from, flat ? b.from : a.line};
-    int32_t out = a.grow < b.grow ? a.grow : b.grow;
-    eda_box_list_add(&r->patch[a.layer], window_at(edge, a.side, 0, out, 0));
-  }
-}
-
 void repairs_patches(drc *r, const eda_printed *p) {
-  strip *strips = eda_alloc(r->n_repairs * SIDES, sizeof *strips);
-  size_t n = 0;
   for (size_t i = 0; i < r->n_repairs; i++) {
     const repair *one = &r->repairs[i];
-    for (int k = 0; k < SIDES; k++) {
-      if (!one->grow[k]) continue;
-      eda_box b = patch_of(r, p, one, k);
-      eda_box_list_add(&r->patch[r->sites[one->site].layer], b);
-      strips[n++] = strip_of(r, one, k, b);
-    }
+    for (int k = 0; k < SIDES; k++)
+      if (one->grow[k])
+        eda_box_list_add(&r->patch[r->sites[one->site].layer],
+                         patch_of(r, p, one, k));
   }
-  if (n) join(r, strips, n);
-  free(strips);
 }
 
 /* ---- telling ---- */
