@@ -16,8 +16,9 @@ typedef struct row {
   double least, x, y;
 } row;
 
-static void count_layer(const eda_gates *g, size_t layer, const eda_shapes *mask,
-                        const double limit[EDA_RULES], row out[EDA_RULES]) {
+static void count_layer(const eda_gates *g, size_t layer,
+                        const eda_shapes *mask, const double limit[EDA_RULES],
+                        row out[EDA_RULES]) {
   eda_rule_fault *fault;
   for (int i = 0; i < EDA_RULES; i++)
     out[i] = (row){.layer = g->layer[layer],

@@ -23,8 +23,8 @@ typedef struct correct {
   const opc_module *litho, *resist, *extractor, *synthesizer, *edges,
       *regulator;
   int64_t max_iterations;
-  double margin; /* nm */
-  double limit;  /* % */
+  double margin;                                       /* nm */
+  double limit;                                        /* % */
   double min_space, min_mask_width, min_edge, min_jog; /* of the mask, nm */
   int guard, trace;
   int prepared; /* the extractor is */
@@ -161,9 +161,9 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
 /* ---- parameters ---- */
 
 /* A rule of the mask that is only counted. */
-#define RULE(NAME, PRESET, SUMMARY)                                        \
-  OPC_PARAMETER(correct, NAME, .type = OPC_REAL, .flags = OPC_AT_LEAST,    \
-                .unit = "nm", .preset = (PRESET), .min = 0,                \
+#define RULE(NAME, PRESET, SUMMARY)                                     \
+  OPC_PARAMETER(correct, NAME, .type = OPC_REAL, .flags = OPC_AT_LEAST, \
+                .unit = "nm", .preset = (PRESET), .min = 0,             \
                 .summary = (SUMMARY))
 
 static const opc_parameter parameters[] = {
@@ -202,9 +202,10 @@ static const opc_parameter parameters[] = {
                              "whatever the drawn mask's is"),
     RULE(min_space, "40 nm", "least space of the mask"),
     RULE(min_mask_width, "40 nm", "least width of the mask"),
-    RULE(min_edge, "20 nm",
-         "least length of an edge of the mask beside a shorter one, as of steps "
-         "that follow each other"),
+    RULE(
+        min_edge, "20 nm",
+        "least length of an edge of the mask beside a shorter one, as of steps "
+        "that follow each other"),
     RULE(min_jog, "1 nm", "least height of a jog of the mask"),
     OPC_PARAMETER(correct, trace, .type = OPC_BOOL, .preset = "false",
                   .summary = "write trace.csv: each transistor at each print"),

@@ -111,8 +111,8 @@ static int count_shots(const counter *c, const ruler *r, const eda_box *boxes,
   return OPC_OK;
 }
 
-/* The writer's shots are cut so as to leave no slivers, the figures of a file as
-   few as can be. */
+/* The writer's shots are cut so as to leave no slivers, the figures of a file
+   as few as can be. */
 static int count_figures(const counter *c, const ruler *r,
                          const eda_shapes *shapes, int64_t f[FIGURES],
                          opc_error *error) {

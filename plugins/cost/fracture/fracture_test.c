@@ -354,8 +354,8 @@ static void test_chord(void) {
 }
 
 /* A line of 65 nm with a strip of 1 nm along a part of it, as a jog leaves it,
-   and a step of 1 nm: cut across, no shot is narrow, and there are less of them;
-   files have the fewest rectangles, of which two are slivers. */
+   and a step of 1 nm: cut across, no shot is narrow, and there are less of
+   them; files have the fewest rectangles, of which two are slivers. */
 static void test_slivers(void) {
   drawing none[LAYERS] = {0}, mask[LAYERS] = {0};
   ADD(&mask[EDA_POLY], 0, {0, 0}, {65, 0}, {65, 400}, {66, 400}, {66, 1000},

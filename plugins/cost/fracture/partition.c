@@ -92,15 +92,14 @@ static int32_t beside(chord c, int32_t at, int32_t from, int32_t to,
   return d > 0 && d < least && low < c.to && high > c.from ? d : least;
 }
 
-/* How far the next edge, or one of the first `cuts` cuts of its way, lies beside
-   a cut, at most `sliver`. */
+/* How far the next edge, or one of the first `cuts` cuts of its way, lies
+   beside a cut, at most `sliver`. */
 static int32_t thickness(const work *w, chord c, int way, int cuts,
                          int32_t sliver) {
   for (int k = 0; k < w->n; k++) {
     eda_point a = point(w, k), b = point(w, k + 1);
     if (across(a, way) == across(b, way))
-      sliver =
-          beside(c, across(a, way), along(a, way), along(b, way), sliver);
+      sliver = beside(c, across(a, way), along(a, way), along(b, way), sliver);
   }
   for (int k = 0; k < cuts; k++) {
     chord o = w->chord[way][k];
@@ -215,8 +214,9 @@ static void cut_corners(work *w, int32_t sliver) {
       c[way] = cut_from(w, i, way);
       thick[way] = thickness(w, c[way], way, w->chords[way], sliver);
     }
-    int upright = thick[1] != thick[0] ? thick[1] > thick[0]
-                                       : c[1].to - c[1].from < c[0].to - c[0].from;
+    int upright = thick[1] != thick[0]
+                      ? thick[1] > thick[0]
+                      : c[1].to - c[1].from < c[0].to - c[0].from;
     w->chord[upright][w->chords[upright]++] = c[upright];
   }
 }

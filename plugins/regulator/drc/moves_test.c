@@ -222,8 +222,8 @@ static double weak_bars(const chip *c, double x, double y) {
   return two_bars(c, x, y);
 }
 
-/* A line that is pinched where its edge went back gets that again, and the other
-   side of the gap makes the room. */
+/* A line that is pinched where its edge went back gets that again, and the
+   other side of the gap makes the room. */
 static void test_pinched(void) {
   g_autoptr(opc_module) m = make("{}");
   chip c = {0};
@@ -256,8 +256,8 @@ static int32_t grown(const chip *c, int32_t x, double y) {
 /* Two bars side by side that face each other above y 300, and join there where
    the left one grows. The contact is below. */
 static double beside(const chip *c, double x, double y) {
-  double left = fmin(fmin(x + 20, 104 + grown(c, 106, y) - x),
-                     fmin(y + 20, 620 - y));
+  double left =
+      fmin(fmin(x + 20, 104 + grown(c, 106, y) - x), fmin(y + 20, 620 - y));
   double right = fmin(fmin(x - 310, 500 - x), fmin(y - 300, 600 - y));
   double bridge = fmin(fmin(x, 500 - x), fmin(y - 350, 450 - y));
   double bars = fmax(left, right);
@@ -295,7 +295,8 @@ static double short_bar(const chip *c, double x, double y) {
     if (b.x1 < 100) left = MAX(left, -b.x0);
     if (b.x1 > 100) below = MAX(below, -b.y0);
   }
-  double bar = fmin(fmin(x - 55 + left, 320 - x), fmin(y - 15 + below, 160 - y));
+  double bar =
+      fmin(fmin(x - 55 + left, 320 - x), fmin(y - 15 + below, 160 - y));
   return fmax(bar, fmin(fmin(x + 80, 15 - x), fmin(y + 85, -45 - y)));
 }
 
@@ -325,8 +326,8 @@ static void test_corner(void) {
 }
 
 static double plain_bar(const chip *c, double x, double y) {
-  double bar = fmin(fmin(x + 20, 104 + grown(c, 106, y) - x),
-                    fmin(y + 20, 160 - y));
+  double bar =
+      fmin(fmin(x + 20, 104 + grown(c, 106, y) - x), fmin(y + 20, 160 - y));
   return fmax(bar, fmin(fmin(x - 160, 300 - x), fmin(y - 145, 300 - y)));
 }
 

@@ -6,14 +6,14 @@
 
 size_t mrc_faults(const drc *r, const eda_shapes *shapes,
                   eda_rule_fault **fault) {
-  const double limit[EDA_RULES] = {[EDA_RULE_SPACE] = r->min_space,
-                                   [EDA_RULE_WIDTH] = r->min_mask_width};
+  const double limit[EDA_RULES] = {
+      [EDA_RULE_SPACE] = r->min_space, [EDA_RULE_WIDTH] = r->min_mask_width};
   return eda_rules_check(shapes, r->grid, limit, fault);
 }
 
 void mrc_check(const drc *r, const eda_shapes *shapes, violations *out) {
-  static const char *const names[] = {[EDA_RULE_SPACE] = "mask space",
-                                      [EDA_RULE_WIDTH] = "mask width"};
+  static const char *const names[] = {
+      [EDA_RULE_SPACE] = "mask space", [EDA_RULE_WIDTH] = "mask width"};
   eda_rule_fault *fault;
   size_t n = mrc_faults(r, shapes, &fault);
   for (size_t i = 0; i < n; i++) {

@@ -372,7 +372,7 @@ static int take_back(drc *r, const eda_printed *p, const site *wrong,
         continue;
       }
       one->grow[k] -= one->grow[k] < step ? one->grow[k] : step;
-      one->room[k] = one->grow[k];
+      one->room[k] = one->grow[k] + step / 2;
     }
   }
   return found;
@@ -403,8 +403,7 @@ static void mend_mask(drc *r, const eda_printed *p, size_t layer) {
     int32_t step = (int32_t)ceil((r->min_space - value) / 2 / r->grid);
     if (r->round < tuned.anew)
       smooth_drop(r, layer, widened(place.box, (int32_t)ceil(value / r->grid)));
-    if (fault[i].rule == EDA_RULE_SPACE)
-      take_back(r, p, &place, near, step, 1);
+    if (fault[i].rule == EDA_RULE_SPACE) take_back(r, p, &place, near, step, 1);
   }
   free(fault);
 }

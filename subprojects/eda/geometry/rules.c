@@ -24,8 +24,8 @@ typedef struct mask {
   const eda_shapes *shapes;
   eda_box *edge; /* of each point, to the next one: flat */
   eda_index *edges, *points;
-  uint8_t *inwards;      /* of each edge, the side its shape lies on */
-  uint8_t *corner;       /* of each point, see corner_of */
+  uint8_t *inwards; /* of each edge, the side its shape lies on */
+  uint8_t *corner;  /* of each point, see corner_of */
   double grid;
   const double *limit;
   eda_rule_fault *fault;

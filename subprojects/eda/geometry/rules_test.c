@@ -103,7 +103,8 @@ static void test_bars(void) {
     int32_t x = 0;
     for (int i = 0; i < 12; i++) {
       seed = seed * 1664525u + 1013904223u;
-      int32_t gap = 1 + (int32_t)(seed >> 28), w = 1 + (int32_t)(seed >> 24 & 15);
+      int32_t gap = 1 + (int32_t)(seed >> 28),
+              w = 1 + (int32_t)(seed >> 24 & 15);
       near += i && gap < 8;
       narrow += w < 8;
       x += gap;

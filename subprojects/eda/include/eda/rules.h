@@ -31,9 +31,9 @@ typedef struct eda_rule_fault {
   double x, y, value;
 } eda_rule_fault;
 
-/* All places of merged shapes with horizontal and vertical edges where a rule is
-   not kept: *faults, freed with free(); how many there are. `limit` is the least
-   value of each rule, nm, 0 for none. [any] */
+/* All places of merged shapes with horizontal and vertical edges where a rule
+   is not kept: *faults, freed with free(); how many there are. `limit` is the
+   least value of each rule, nm, 0 for none. [any] */
 OPC_EXPORT size_t eda_rules_check(const eda_shapes *shapes, double grid,
                                   const double limit[EDA_RULES],
                                   eda_rule_fault **faults);
