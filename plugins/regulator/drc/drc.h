@@ -57,6 +57,8 @@ typedef struct line_end {
   int32_t room;          /* how far the others leave room now */
   int32_t start;         /* of its head, inwards of the tip */
   int32_t widest, wider; /* the same on each flank */
+  double asked; /* nm: what widest was found for; INFINITY: it went back
+                   and stays so */
   response length, width;
 } line_end;
 

@@ -39,10 +39,12 @@ static eda_box head_of(const line_end *e, int32_t by, int32_t wider) {
 
 /* How wide its head may be: it begins clear of the active, and shares what is
    free beside it with what lies there. */
-static void find_width(const drc *r, line_end *e, double extension) {
-  double grid = r->grid, room = r->max_head;
+static void find_width(const drc *r, line_end *e, double most,
+                       double extension) {
+  double grid = r->grid, room = most;
   int32_t space = (int32_t)ceil(r->min_space / grid);
-  int32_t range = (int32_t)ceil((2 * r->max_head + r->min_space) / grid) + 1;
+  int32_t range = (int32_t)ceil((2 * most + r->min_space) / grid) + 1;
+  e->asked = most;
   e->start = (int32_t)floor((extension - 2 * r->overlay) / grid);
   if (e->start * grid < r->min_mask_width) return;
   eda_box line = head_of(e, e->most, 0);
@@ -57,7 +59,7 @@ static void find_width(const drc *r, line_end *e, double extension) {
     room = fmin(room, fmin(((own + 1) * grid - r->min_space) / 2,
                            (other + 1) * grid - r->min_space));
   }
-  e->widest = steps(room, r->max_head, grid);
+  e->widest = steps(room, most, grid);
 }
 
 void ends_find(drc *r) {
@@ -80,7 +82,8 @@ void ends_find(drc *r) {
       one->side = g->axis[f->gate] == EDA_Y ? (high ? RIGHT : LEFT)
                                             : (high ? ABOVE : BELOW);
       find_length(r, one);
-      if (g->extension) find_width(r, one, g->extension[2 * f->gate + high]);
+      if (g->extension)
+        find_width(r, one, r->max_head, g->extension[2 * f->gate + high]);
     }
 }
 
@@ -120,14 +123,26 @@ static int32_t room_of(drc *r, const eda_printed *p, const line_end *e,
   return bias + left < share ? bias + left : share;
 }
 
+/* How long it should print: what must be, and where there is room before it
+   what is wished. A synthesizer that asks for a length knows of its effect, so
+   that there is no end to that. */
+static double wanted_of(const drc *r, const eda_printed *p, size_t end) {
+  const line_end *one = &r->ends[end];
+  double extension = p->extension[end], wish = r->min_extension;
+  if (p->iteration < tuned.wishes_until) wish = r->want_extension;
+  if (p->want_extension) wish = fmax(wish, p->want_extension[end]);
+  int may = extension >= r->min_extension && extension < wish && p->print &&
+            one->side >= 0 && is_clear(p, one);
+  return may ? wish : r->min_extension;
+}
+
 void ends_advance(drc *r, const eda_printed *p, size_t end, int32_t *bias) {
   line_end *one = &r->ends[end];
-  double extension = p->extension[end], wanted = r->min_extension;
+  double extension = p->extension[end], wanted = wanted_of(r, p, end);
   int32_t before = *bias, wider = one->wider;
-  if (extension >= wanted && extension < r->want_extension &&
-      p->iteration < tuned.wishes_until && p->print && one->side >= 0 &&
-      is_clear(p, one))
-    wanted = r->want_extension;
+  if (p->want_head && p->want_head[end] > one->asked && one->side >= 0 &&
+      p->gates->extension)
+    find_width(r, one, p->want_head[end], p->gates->extension[end]);
   if (extension < wanted) {
     int32_t to =
         rules_advance(&one->length, before, extension, wanted, 1, r->grid);
@@ -160,6 +175,7 @@ int ends_back(drc *r, const site *wrong, int32_t *bias) {
   if (one->wider > 0) {
     one->wider -= one->wider < step ? one->wider : step;
     one->widest = one->wider;
+    one->asked = INFINITY;
     return 1;
   }
   int32_t to = one->length.bias - step;

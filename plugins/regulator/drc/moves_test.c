@@ -439,6 +439,35 @@ static void test_heads(void) {
   }
 }
 
+/* What the synthesizer asks for is given at any time: length, and a head where
+   there is no length; but not more than it asks for. */
+static void test_asked(void) {
+  for (int k = 0; k < 3; k++) {
+    g_autoptr(opc_module) m = make("{ min_extension: 20 nm }");
+    const double want[2] = {0, 38}, wide[2] = {0, k == 2 ? 2 : 10};
+    chip c = {0};
+    add_end(&c, 80);
+    begin(&c);
+    if (k) c.p.want_extension = want, c.p.want_head = wide;
+    for (int i = 0; i < 20; i++) {
+      c.p.iteration = 10 + (uint32_t)i;
+      c.extension[0] = INFINITY;
+      c.extension[1] = 2 + 0.7 * c.end[1] + 3 * head(&c);
+      print(&c, line_ends);
+      follow(&c);
+      judge(m, &c);
+    }
+    if (k)
+      g_assert_cmpint(c.end[1], >=, 38);
+    else
+      g_assert_cmpfloat(c.extension[1], <, 25);
+    if (k == 1) g_assert_cmpfloat(c.extension[1], >=, 38);
+    g_assert_cmpint(head(&c), <=, k ? k == 2 ? 2 : 6 : 0);
+    g_assert_cmpint(head(&c) > 0, ==, k > 0);
+    end(&c);
+  }
+}
+
 /* More than `min_extension` is not striven for where a neighbour prints within
    30 nm, and not once the synthesizer has moved its lengths. */
 static void test_wishes(void) {
@@ -563,6 +592,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/regulator/corner", test_corner);
   g_test_add_func("/regulator/too-near", test_too_near);
   g_test_add_func("/regulator/heads", test_heads);
+  g_test_add_func("/regulator/asked", test_asked);
   g_test_add_func("/regulator/wishes", test_wishes);
   g_test_add_func("/regulator/jogs", test_jogs);
   return g_test_run();
