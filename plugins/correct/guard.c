@@ -134,8 +134,8 @@ void guard_watch(loop *l) {
 
 /* The first word of two rules, without what is told of a place. */
 static int same_rule(const char *a, const char *b) {
-  size_t n = strcspn(a, ":");
-  return n == strcspn(b, ":") && !strncmp(a, b, n);
+  size_t n = strcspn(a, ":;");
+  return n == strcspn(b, ":;") && !strncmp(a, b, n);
 }
 
 /* Was that rule broken there as drawn? */

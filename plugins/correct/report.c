@@ -9,6 +9,7 @@
 #include <math.h>
 #include <opcflow/table.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { SHORT_TABLE = 24 }; /* as many rows are shown rather than only filed */
 
@@ -447,12 +448,36 @@ int report_mask(const opc_host *host, const report *r, opc_error *error) {
   return code;
 }
 
+/* Violations that have a reason are told once for each. How many have none. */
+static size_t tell_reasons(const opc_host *host, const eda_violation *v,
+                           size_t n) {
+  size_t without = 0;
+  for (size_t i = 0; i < n; i++) {
+    size_t before = 0, count = 0;
+    without += !strchr(v[i].rule, ';');
+    for (size_t k = 0; k < n && strchr(v[i].rule, ';') && !before; k++) {
+      before = k < i && !strcmp(v[i].rule, v[k].rule);
+      count += !strcmp(v[i].rule, v[k].rule);
+    }
+    if (count && !before)
+      host->log(host, OPC_LOG_FINDING,
+                "%zu place%s cannot keep a rule: %s; first at (%g, %g) nm",
+                count, count == 1 ? "" : "s", v[i].rule, v[i].x, v[i].y);
+  }
+  return without;
+}
+
 int report_violations(const opc_host *host, const eda_gates *gates,
                       const eda_violation *v, size_t n, opc_error *error) {
-  int code = host->metric(host, "violations", (double)n, error);
+  size_t unexplained = tell_reasons(host, v, n);
+  const opc_metric_value values[] = {
+      {"violations", (double)n},
+      {"violations_unexplained", (double)unexplained}};
+  int code = opc_put_metrics(host, OPC_ARRAY(values), error);
   if (code || !n) return code;
-  host->log(host, OPC_LOG_WARNING, "%zu rule%s not kept: see violations.csv", n,
-            n == 1 ? " is" : "s are");
+  host->log(host, OPC_LOG_WARNING,
+            "%zu rule%s not kept, %zu without a reason: see violations.csv", n,
+            n == 1 ? " is" : "s are", unexplained);
   struct {
     char *gate;
     eda_violation v;

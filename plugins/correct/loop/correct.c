@@ -12,6 +12,7 @@
 #include "../fine.h"
 #include "../forecast.h"
 #include "../loop.h"
+#include "../rules.h"
 
 enum { ON, OFF }; /* `guard` */
 
@@ -29,6 +30,7 @@ typedef struct correct {
   double limit;  /* % */
   corners_wish corners;
   gate_bars assists;
+  double min_space, min_mask_width, min_edge, min_jog; /* of the mask, nm */
   int guard, trace;
   int prepared; /* the extractor is */
 } correct;
@@ -79,6 +81,14 @@ static int tell_of_violations(loop *l, opc_error *error) {
   if (!code) code = report_violations(l->host, l->gates, v, n, error);
   free(v);
   return code;
+}
+
+static int tell_of_rules(const correct *c, const loop *l, opc_error *error) {
+  const double limit[EDA_RULES] = {[EDA_RULE_SPACE] = c->min_space,
+                                   [EDA_RULE_WIDTH] = c->min_mask_width,
+                                   [EDA_RULE_EDGE] = c->min_edge,
+                                   [EDA_RULE_JOG] = c->min_jog};
+  return rules_report(c->host, c->gates, l->mask, limit, error);
 }
 
 static int tell_of_guard(const loop *l, opc_error *error) {
@@ -138,6 +148,7 @@ static int run(void *self, void **outputs, opc_error *error) {
   }
   if (!code) code = corners_report(&l, error);
   if (!code) code = assists_report(&l, error);
+  if (!code) code = tell_of_rules(c, &l, error);
   if (!code) code = tell_of_guard(&l, error);
   if (!code) {
     eda_mask *mask = hand_over(&l);
@@ -166,6 +177,12 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
 }
 
 /* ---- parameters ---- */
+
+/* A rule of the mask that is only counted. */
+#define RULE(NAME, PRESET, SUMMARY)                                     \
+  OPC_PARAMETER(correct, NAME, .type = OPC_REAL, .flags = OPC_AT_LEAST, \
+                .unit = "nm", .preset = (PRESET), .min = 0,             \
+                .summary = (SUMMARY))
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(correct, gates, .type = OPC_INPUT, .flags = OPC_REQUIRED,
@@ -205,6 +222,13 @@ static const opc_parameter parameters[] = {
                   .unit = "%", .preset = "0.5 %",
                   .summary = "|Ion deviation| that the guard takes for good, "
                              "whatever the drawn mask's is"),
+    RULE(min_space, "40 nm", "least space of the mask"),
+    RULE(min_mask_width, "40 nm", "least width of the mask"),
+    RULE(
+        min_edge, "20 nm",
+        "least length of an edge of the mask beside a shorter one, as of steps "
+        "that follow each other"),
+    RULE(min_jog, "1 nm", "least height of a jog of the mask"),
     OPC_PARAMETER(correct, trace, .type = OPC_BOOL, .preset = "false",
                   .summary = "write trace.csv: each transistor at each print"),
 };
@@ -262,6 +286,14 @@ static const opc_metric metrics[] = {
     {"assists", NULL, OPC_NEUTRAL, 0, "assist bars beside gates"},
     {"assists_dropped", NULL, OPC_LOWER, 0,
      "assist bars that were taken away as they printed"},
+    {"violations_unexplained", NULL, OPC_LOWER, 0,
+     "those for which neither the drawn layout nor a parameter is the reason"},
+    {"mask_violations", NULL, OPC_LOWER, 0,
+     "places where the mask does not keep its rules: the next four"},
+    {"mask_space", NULL, OPC_LOWER, 0, "spaces below min_space"},
+    {"mask_width", NULL, OPC_LOWER, 0, "widths below min_mask_width"},
+    {"mask_edge", NULL, OPC_LOWER, 0, "edges below min_edge"},
+    {"mask_jog", NULL, OPC_LOWER, 0, "jogs below min_jog"},
 };
 
 static int check(void *self, opc_error *error) {

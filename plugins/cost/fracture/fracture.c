@@ -111,19 +111,27 @@ static int count_shots(const counter *c, const ruler *r, const eda_box *boxes,
   return OPC_OK;
 }
 
+/* The writer's shots are cut so as to leave no slivers, the figures of a file
+   as few as can be. */
 static int count_figures(const counter *c, const ruler *r,
                          const eda_shapes *shapes, int64_t f[FIGURES],
                          opc_error *error) {
-  eda_box *boxes = NULL;
-  size_t n = 0;
-  int code = partition(shapes, &boxes, &n, error);
-  if (!code) code = check_copies(r, boxes, n, error);
-  if (!code) code = count_shots(c, r, boxes, n, &f[SHOTS], &f[SLIVERS], error);
+  double sliver = ceil(c->sliver / (r->grid * c->magnification) - 1e-9);
+  eda_box *few = NULL, *wide = NULL;
+  size_t n = 0, n_wide = 0;
+  int code = partition(shapes, 0, &few, &n, error);
+  if (!code) code = check_copies(r, few, n, error);
+  if (!code)
+    code = partition(shapes, (int32_t)fmin(sliver, INT32_MAX), &wide, &n_wide,
+                     error);
+  if (!code)
+    code = count_shots(c, r, wide, n_wide, &f[SHOTS], &f[SLIVERS], error);
   if (!code) {
     f[RECTANGLES] = (int64_t)n;
-    f[MEBES] = mebes_bytes(boxes, n, r->extent, &r->array);
+    f[MEBES] = mebes_bytes(few, n, r->extent, &r->array);
   }
-  free(boxes);
+  free(few);
+  free(wide);
   return code;
 }
 

@@ -353,6 +353,61 @@ static void test_chord(void) {
                   65 * 712 + 247 * 97 + 85 * 8 + 65 * 1062 + 9 * 85);
 }
 
+/* A line of 65 nm with a strip of 1 nm along a part of it, as a jog leaves it,
+   and a step of 1 nm: cut across, no shot is narrow, and there are less of
+   them; files have the fewest rectangles, of which two are slivers. */
+static void test_slivers(void) {
+  drawing none[LAYERS] = {0}, mask[LAYERS] = {0};
+  ADD(&mask[EDA_POLY], 0, {0, 0}, {65, 0}, {65, 400}, {66, 400}, {66, 1000},
+      {0, 1000}, {0, 800}, {-1, 800}, {-1, 200}, {0, 200});
+  eda_box extent = {-1, 0, 66, 1000};
+  count_as(none, mask, 1, extent, "{}");
+  g_assert_cmpint(integer("rectangles", EDA_POLY), ==, 3);
+  g_assert_cmpint(integer("slivers", EDA_POLY), ==, 0);
+  /* 65 x 200, 66 x 200, 67 x 400, 66 x 200 by shots of 250 nm. */
+  g_assert_cmpint(integer("shots", EDA_POLY), ==, 5);
+  count_as(none, mask, 1, extent, "{ sliver: 1 nm }");
+  g_assert_cmpint(integer("rectangles", EDA_POLY), ==, 3);
+  /* Too small as a whole for what is asked: still all of it is written. */
+  count_as(none, mask, 1, extent,
+           "{ sliver: 1 um, max_shot: 10 nm, magnification: 10 }");
+  g_assert_cmpint(integer("shots", EDA_POLY), ==, 65 * 1000 + 600 + 600);
+}
+
+/* Shots of one grid step tell the area of all rectangles: none overlap, and
+   nothing is missing, of ragged towers of bars, which have chords of both
+   ways. */
+static void test_ragged(void) {
+  guint32 seed = 7;
+  for (int run = 0; run < 200; run++) {
+    drawing none[LAYERS] = {0}, mask[LAYERS] = {0};
+    enum { BARS = 12 };
+    int32_t left[BARS], right[BARS], xy[4 * BARS][2];
+    int64_t area = 0;
+    for (int i = 0; i < BARS; i++) {
+      seed = seed * 1664525u + 1013904223u;
+      left[i] = -(int32_t)(seed >> 28);
+      right[i] = 1 + (int32_t)(seed >> 24 & 15);
+      if (i && left[i] == left[i - 1]) left[i]--;
+      if (i && right[i] == right[i - 1]) right[i]++;
+      area += 3 * (right[i] - left[i]);
+    }
+    for (int i = 0; i < BARS; i++)
+      for (int k = 0; k < 2; k++) {
+        int up = 2 * i + k, down = 4 * BARS - 1 - up;
+        xy[up][0] = right[i], xy[down][0] = left[i];
+        xy[up][1] = xy[down][1] = 3 * (i + k);
+      }
+    add(&mask[EDA_POLY], 0, (const int32_t(*)[2])xy, 4 * BARS);
+    for (int sliver = 1; sliver < 8; sliver += 2) {
+      g_autofree char *text = g_strdup_printf(
+          "{ max_shot: 10 nm, magnification: 10, sliver: %d nm }", 10 * sliver);
+      count_as(none, mask, 1, (eda_box){-20, 0, 20, 36}, text);
+      g_assert_cmpint(integer("shots", EDA_POLY), ==, area);
+    }
+  }
+}
+
 /* Copies that touch each other are no array of copies. */
 static void test_touching(void) {
   opc_error error;
@@ -532,6 +587,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/fracture/shots", test_shots);
   g_test_add_func("/fracture/chord", test_chord);
   g_test_add_func("/fracture/mebes", test_mebes);
+  g_test_add_func("/fracture/slivers", test_slivers);
+  g_test_add_func("/fracture/ragged", test_ragged);
   g_test_add_func("/fracture/touching", test_touching);
   g_test_add_func("/fracture/files", test_files);
   g_test_add_func("/fracture/klayout", test_klayout);

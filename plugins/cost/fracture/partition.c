@@ -3,8 +3,9 @@
    regions", ISCAS 1982): each concave corner costs a cut, but a chord between
    two of them serves both. Of the chords as many are taken as do not touch each
    other: a largest independent set of a bipartite graph, from a largest
-   matching. The horizontal ones of these are barriers to a line that sweeps
-   over the polygon from left to right and cuts at all other corners. */
+   matching. Every other corner is cut one way or the other, which makes as many
+   rectangles: the way that leaves no sliver, or else the shorter one. A chord
+   that cuts a sliver off is not taken: a rectangle more is cheaper. */
 #include "partition.h"
 
 #include <eda/memory.h>
@@ -15,28 +16,28 @@
    which one is looked for in each polygon. */
 enum { MOST = 512, MOST_HOLES = 1000 };
 
-/* `at` is its y if it is horizontal, and from .. to its extent along x. */
+/* A cut: `at` is its y if it is horizontal, and from .. to its extent along x;
+   the other way round if it is upright. */
 typedef struct chord {
   int32_t at, from, to;
 } chord;
 
-typedef struct interval {
-  int32_t low, high, since; /* y, y, and x where it began */
-} interval;
+enum { EDGE = 1, CUT = 2 }; /* what stands beside a cell */
 
 typedef struct work {
   eda_point p[MOST];
   uint8_t concave[MOST];
   int n;
-  chord chord[2][MOST]; /* horizontal, vertical */
+  chord chord[2][MOST]; /* horizontal, upright */
   int chords[2];
   int match[2][MOST]; /* the partner of each, -1 for none */
   uint8_t seen[2][MOST];
-  int32_t x[MOST]; /* of vertical edges, sorted */
-  int columns;
-  interval open[MOST];
-  int opens;
-  int32_t y[2 * MOST];
+  int32_t line[2][MOST]; /* x of the upright edges, y of the others, sorted */
+  int lines[2];
+  /* The cells between these lines, and what is to the left of each and below
+     it. */
+  uint8_t left[MOST / 2][MOST / 2], below[MOST / 2][MOST / 2];
+  uint8_t done[MOST / 2][MOST / 2];
 } work;
 
 /* ---- chords ---- */
@@ -82,6 +83,45 @@ static void find_chords(work *w, int way) {
   }
 }
 
+/* ---- slivers ---- */
+
+static int32_t beside(chord c, int32_t at, int32_t from, int32_t to,
+                      int32_t least) {
+  int32_t d = at > c.at ? at - c.at : c.at - at;
+  int32_t low = from < to ? from : to, high = from < to ? to : from;
+  return d > 0 && d < least && low < c.to && high > c.from ? d : least;
+}
+
+/* How far the next edge, or one of the first `cuts` cuts of its way, lies
+   beside a cut, at most `sliver`. */
+static int32_t thickness(const work *w, chord c, int way, int cuts,
+                         int32_t sliver) {
+  for (int k = 0; k < w->n; k++) {
+    eda_point a = point(w, k), b = point(w, k + 1);
+    if (across(a, way) == across(b, way))
+      sliver = beside(c, across(a, way), along(a, way), along(b, way), sliver);
+  }
+  for (int k = 0; k < cuts; k++) {
+    chord o = w->chord[way][k];
+    sliver = beside(c, o.at, o.from, o.to, sliver);
+  }
+  return sliver;
+}
+
+/* Leave only chords beside which no sliver is cut off. */
+static void drop_thin(work *w, int32_t sliver) {
+  uint8_t thin[2][MOST];
+  for (int way = 0; way < 2; way++)
+    for (int i = 0; i < w->chords[way]; i++)
+      thin[way][i] = thickness(w, w->chord[way][i], way, 0, sliver) < sliver;
+  for (int way = 0; way < 2; way++) {
+    int kept = 0;
+    for (int i = 0; i < w->chords[way]; i++)
+      if (!thin[way][i]) w->chord[way][kept++] = w->chord[way][i];
+    w->chords[way] = kept;
+  }
+}
+
 /* ---- those that do not touch ---- */
 
 static int touch(const work *w, int h, int v) {
@@ -113,7 +153,7 @@ static void visit(work *w, int h) {
   }
 }
 
-/* Keep the horizontal chords of a largest independent set. */
+/* Keep the chords of a largest independent set. */
 static void choose(work *w) {
   memset(w->match, -1, sizeof w->match);
   for (int h = 0; h < w->chords[0]; h++) {
@@ -123,72 +163,146 @@ static void choose(work *w) {
   memset(w->seen, 0, sizeof w->seen);
   for (int h = 0; h < w->chords[0]; h++)
     if (w->match[0][h] < 0) visit(w, h);
-  int kept = 0;
-  for (int h = 0; h < w->chords[0]; h++)
-    if (w->seen[0][h]) w->chord[0][kept++] = w->chord[0][h];
-  w->chords[0] = kept;
+  for (int way = 0; way < 2; way++) {
+    int kept = 0;
+    for (int i = 0; i < w->chords[way]; i++)
+      if (w->seen[way][i] == !way) w->chord[way][kept++] = w->chord[way][i];
+    w->chords[way] = kept;
+  }
 }
 
-/* ---- sweeping ---- */
+/* ---- the other corners ---- */
+
+static int is_served(const work *w, int i) {
+  for (int way = 0; way < 2; way++)
+    for (int k = 0; k < w->chords[way]; k++) {
+      chord c = w->chord[way][k];
+      int32_t at = along(w->p[i], way);
+      if (c.at == across(w->p[i], way) && (c.from == at || c.to == at))
+        return 1;
+    }
+  return 0;
+}
+
+/* The cut from a corner on to the next edge or cut. */
+static chord cut_from(const work *w, int i, int way) {
+  int32_t at = across(w->p[i], way), from = along(w->p[i], way);
+  int sign = onwards(w, i, way);
+  int64_t found = INT64_MAX;
+  for (int k = 0; k < w->n; k++) {
+    eda_point a = point(w, k), b = point(w, k + 1);
+    int32_t s = across(a, way), t = across(b, way);
+    int64_t d = sign * ((int64_t)along(a, way) - from);
+    if (along(b, way) != along(a, way) || d <= 0 || d >= found) continue;
+    if ((s <= at && t >= at) || (t <= at && s >= at)) found = d;
+  }
+  for (int k = 0; k < w->chords[!way]; k++) {
+    chord c = w->chord[!way][k];
+    int64_t d = sign * ((int64_t)c.at - from);
+    if (d > 0 && d < found && c.from <= at && c.to >= at) found = d;
+  }
+  int32_t end = (int32_t)(from + sign * found);
+  return sign > 0 ? (chord){at, from, end} : (chord){at, end, from};
+}
+
+static void cut_corners(work *w, int32_t sliver) {
+  for (int i = 0; i < w->n; i++) {
+    if (!w->concave[i] || is_served(w, i)) continue;
+    chord c[2];
+    int32_t thick[2];
+    for (int way = 0; way < 2; way++) {
+      c[way] = cut_from(w, i, way);
+      thick[way] = thickness(w, c[way], way, w->chords[way], sliver);
+    }
+    int upright = thick[1] != thick[0]
+                      ? thick[1] > thick[0]
+                      : c[1].to - c[1].from < c[0].to - c[0].from;
+    w->chord[upright][w->chords[upright]++] = c[upright];
+  }
+}
+
+/* ---- from cuts to rectangles ---- */
 
 static int by_value(const void *a, const void *b) {
   int32_t p = *(const int32_t *)a, q = *(const int32_t *)b;
   return (p > q) - (p < q);
 }
 
-/* The y at which what is inside just right of x begins and ends, in pairs, cut
-   by the chords that go on there. */
-static int cross(work *w, int32_t x) {
-  int n = 0;
+static void find_lines(work *w) {
+  for (int way = 0; way < 2; way++) {
+    int32_t *line = w->line[way];
+    int n = 0, kept = 0;
+    for (int i = 0; i < w->n; i++)
+      if (along(point(w, i), way) == along(point(w, i + 1), way))
+        line[n++] = along(point(w, i), way);
+    qsort(line, (size_t)n, sizeof *line, by_value);
+    for (int i = 0; i < n; i++)
+      if (!i || line[i] != line[i - 1]) line[kept++] = line[i];
+    w->lines[way] = kept;
+  }
+}
+
+static int number_of(const work *w, int way, int32_t value) {
+  const int32_t *line = w->line[way];
+  return (int)((const int32_t *)bsearch(&value, line, (size_t)w->lines[way],
+                                        sizeof *line, by_value) -
+               line);
+}
+
+/* Put a piece of an edge or a cut between the cells beside it. */
+static void put_wall(work *w, int way, chord c, uint8_t what) {
+  int at = number_of(w, !way, c.at);
+  int from = number_of(w, way, c.from), to = number_of(w, way, c.to);
+  for (int i = from; i < to; i++)
+    if (way)
+      w->left[i][at] |= what;
+    else
+      w->below[at][i] |= what;
+}
+
+static void put_walls(work *w) {
+  int columns = w->lines[0], rows = w->lines[1];
+  for (int j = 0; j < rows; j++) {
+    memset(w->left[j], 0, (size_t)columns);
+    memset(w->below[j], 0, (size_t)columns);
+    memset(w->done[j], 0, (size_t)columns);
+  }
   for (int i = 0; i < w->n; i++) {
     eda_point a = point(w, i), b = point(w, i + 1);
-    if (a.y == b.y && (a.x <= x) != (b.x <= x)) w->y[n++] = a.y;
+    int way = a.x == b.x;
+    int32_t s = along(a, way), t = along(b, way);
+    put_wall(w, way, (chord){across(a, way), s < t ? s : t, s < t ? t : s},
+             EDGE);
   }
-  for (int h = 0; h < w->chords[0]; h++)
-    if (w->chord[0][h].from <= x && w->chord[0][h].to > x) {
-      w->y[n++] = w->chord[0][h].at; /* ends one, begins the next */
-      w->y[n++] = w->chord[0][h].at;
+  for (int way = 0; way < 2; way++)
+    for (int i = 0; i < w->chords[way]; i++)
+      put_wall(w, way, w->chord[way][i], CUT);
+}
+
+/* The rectangle with its lower left corner in a cell. */
+static void take(work *w, int i, int j, eda_box_list *out) {
+  int right = i + 1, top = j + 1;
+  while (!w->left[j][right]) right++;
+  while (!w->below[top][i]) top++;
+  for (int y = j; y < top; y++) memset(w->done[y] + i, 1, (size_t)(right - i));
+  eda_box_list_add(out, (eda_box){w->line[0][i], w->line[1][j],
+                                  w->line[0][right], w->line[1][top]});
+}
+
+static void take_all(work *w, eda_box_list *out) {
+  for (int j = 0; j + 1 < w->lines[1]; j++) {
+    int inside = 0;
+    for (int i = 0; i + 1 < w->lines[0]; i++) {
+      inside ^= w->left[j][i] & EDGE;
+      if (inside && !w->done[j][i]) take(w, i, j, out);
     }
-  qsort(w->y, (size_t)n, sizeof *w->y, by_value);
-  return n;
-}
-
-static void sweep_to(work *w, int32_t x, eda_box_list *out) {
-  int n = cross(w, x), kept = 0, k = 0;
-  interval next[MOST];
-  for (int i = 0; i < w->opens; i++) { /* both are in order of y */
-    interval o = w->open[i];
-    while (k < n && w->y[k] < o.low) k += 2;
-    if (k < n && w->y[k] == o.low && w->y[k + 1] == o.high) continue;
-    eda_box_list_add(out, (eda_box){o.since, o.low, x, o.high});
   }
-  k = 0;
-  for (int i = 0; i < n; i += 2) {
-    while (k < w->opens && w->open[k].low < w->y[i]) k++;
-    int goes_on = k < w->opens && w->open[k].low == w->y[i] &&
-                  w->open[k].high == w->y[i + 1];
-    next[kept++] =
-        (interval){w->y[i], w->y[i + 1], goes_on ? w->open[k].since : x};
-  }
-  memcpy(w->open, next, (size_t)kept * sizeof *next);
-  w->opens = kept;
 }
 
-static void sweep(work *w, eda_box_list *out) {
-  w->columns = w->opens = 0;
-  for (int i = 0; i < w->n; i++)
-    if (point(w, i).x == point(w, i + 1).x) w->x[w->columns++] = w->p[i].x;
-  qsort(w->x, (size_t)w->columns, sizeof *w->x, by_value);
-  for (int i = 0; i < w->columns; i++)
-    if (!i || w->x[i] != w->x[i - 1]) sweep_to(w, w->x[i], out);
-}
-
-/* Cut the polygon or, turned over, its mirror image. */
-static void cut(work *w, const eda_point *p, int n, int turned,
+static void cut(work *w, const eda_point *p, int n, int32_t sliver,
                 eda_box_list *out) {
   w->n = n;
-  for (int i = 0; i < n; i++)
-    w->p[i] = turned ? (eda_point){p[n - 1 - i].y, p[n - 1 - i].x} : p[i];
+  memcpy(w->p, p, (size_t)n * sizeof *p);
   for (int i = 0; i < n; i++) {
     eda_point a = point(w, i - 1), b = point(w, i), c = point(w, i + 1);
     w->concave[i] = ((int64_t)b.x - a.x) * ((int64_t)c.y - b.y) -
@@ -196,27 +310,12 @@ static void cut(work *w, const eda_point *p, int n, int turned,
                     0;
   }
   for (int way = 0; way < 2; way++) find_chords(w, way);
+  drop_thin(w, sliver);
   choose(w);
-  sweep(w, out);
-}
-
-/* Both ways give as few; the one with the shorter cuts leaves less slivers. */
-static void cut_well(work *w, const eda_point *p, int n, eda_box_list *out) {
-  size_t before = out->count, first;
-  int64_t around[2] = {0, 0};
-  cut(w, p, n, 0, out);
-  first = out->count;
-  cut(w, p, n, 1, out);
-  for (size_t i = before; i < out->count; i++) {
-    eda_box b = out->box[i];
-    around[i >= first] += (int64_t)b.x1 - b.x0 + ((int64_t)b.y1 - b.y0);
-  }
-  if (around[1] < around[0])
-    for (size_t i = first; i < out->count; i++) {
-      eda_box b = out->box[i];
-      out->box[before + i - first] = (eda_box){b.y0, b.x0, b.y1, b.x1};
-    }
-  out->count = first;
+  cut_corners(w, sliver);
+  find_lines(w);
+  put_walls(w);
+  take_all(w, out);
 }
 
 /* ---- all polygons ---- */
@@ -244,7 +343,7 @@ static int is_plain(const eda_shapes *s, size_t i, const eda_box *holes,
 }
 
 /* Cut the plain polygons; the others are gathered in `rest`. */
-static void cut_plain(const eda_shapes *s, eda_shapes *rest,
+static void cut_plain(const eda_shapes *s, int32_t sliver, eda_shapes *rest,
                       eda_box_list *out) {
   work *w = eda_alloc(1, sizeof *w);
   eda_box *holes = eda_alloc(s->count, sizeof *holes);
@@ -255,7 +354,7 @@ static void cut_plain(const eda_shapes *s, eda_shapes *rest,
     uint32_t n = s->start[i + 1] - s->start[i];
     const eda_point *p = s->points + s->start[i];
     if (is_plain(s, i, holes, n_holes)) {
-      cut_well(w, p, (int)n, out);
+      cut(w, p, (int)n, sliver, out);
       continue;
     }
     memcpy(rest->points + rest->start[rest->count], p, n * sizeof *p);
@@ -267,15 +366,15 @@ static void cut_plain(const eda_shapes *s, eda_shapes *rest,
   free(holes);
 }
 
-int partition(const eda_shapes *s, eda_box **boxes, size_t *count,
-              opc_error *error) {
+int partition(const eda_shapes *s, int32_t sliver, eda_box **boxes,
+              size_t *count, opc_error *error) {
   size_t points = s->count ? s->start[s->count] : 0, n = 0;
   eda_shapes rest = {.start = eda_alloc(s->count + 1, sizeof *rest.start),
                      .points = eda_alloc(points, sizeof *rest.points),
                      .hole = eda_alloc(s->count, 1)};
   eda_box_list out = {0};
   eda_box *others = NULL;
-  cut_plain(s, &rest, &out);
+  cut_plain(s, sliver, &rest, &out);
   int code = eda_fracture(&rest, &others, &n, error);
   for (size_t i = 0; i < n && !code; i++) eda_box_list_add(&out, others[i]);
   free(others);

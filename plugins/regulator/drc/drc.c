@@ -31,6 +31,7 @@ static void clear(void *self) {
   places_clear(&r->contacts);
   places_clear(&r->pads);
   places_clear(&r->widths);
+  places_clear(&r->mask);
   free(r->width);
   free(r->sites);
   free(r->ends);
@@ -116,6 +117,7 @@ static int rule(void *self, const eda_printed *p, eda_ruling *ruling,
   drc *r = self;
   int code = look_around(r, p, error);
   if (code) return code;
+  places_clear(&r->mask);
   ruling->transistors = 0;
   for (size_t i = 0; i < p->gates->count; i++) {
     ruling->vetoes[i] = vetoes(r, p, i);

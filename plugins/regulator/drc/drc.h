@@ -6,6 +6,7 @@
 
 #include <eda/index.h>
 #include <eda/regulator.h>
+#include <eda/rules.h>
 #include <opcflow/plugin.h>
 
 /* The sides of a box, and of what is looked for from there. */
@@ -52,8 +53,12 @@ typedef struct line_end {
   eda_box tip;           /* as drawn, flat */
   int side;              /* that it faces; -1: the gate has none */
   int32_t most, by;      /* how far it may go out, and was sent */
+  int32_t share;         /* half of what is drawn free before it */
+  int32_t room;          /* how far the others leave room now */
   int32_t start;         /* of its head, inwards of the tip */
   int32_t widest, wider; /* the same on each flank */
+  double asked; /* nm: what widest was found for; INFINITY: it went back
+                   and stays so */
   response length, width;
 } line_end;
 
@@ -64,6 +69,7 @@ typedef struct repair {
   uint32_t site;
   int32_t edge[SIDES], from[SIDES], to[SIDES];
   int32_t room[SIDES], grow[SIDES];
+  uint8_t whole[SIDES]; /* that piece is the whole edge */
   /* What moves the corners at both ends of that piece, NULL for nothing. */
   const eda_fragment *corner[SIDES][2];
   uint32_t back[SIDES]; /* the round in which it last went back */
@@ -111,7 +117,8 @@ typedef struct drc {
   places pads;                /* contacts that poly must cover */
   places widths;              /* edges of active that a gate's width moves */
   const eda_fragment **width; /* of each of them */
-  char **bridging;            /* [layers]: the rule that a gap of it breaks */
+  places mask; /* edges of the poly that is looked at, once they are needed */
+  char **bridging; /* [layers]: the rule that a gap of it breaks */
   site *sites;
   size_t n_sites, sites_room;
 
@@ -157,6 +164,11 @@ eda_box window_at(eda_box box, int side, int32_t from, int32_t to,
    nearer. */
 int32_t nearest(const places *p, eda_box window, int side, int32_t none,
                 eda_box *which);
+
+/* How far the mask's poly could go out from `edge`, a flat box of it, towards
+   `side`, if nothing else moved; at most `most`. */
+int32_t room_now(drc *r, const eda_printed *p, eda_box edge, int side,
+                 int32_t most);
 
 /* ---- rules.c ---- */
 
@@ -205,6 +217,9 @@ void repairs_report(const drc *r, const eda_printed *p, violations *out);
 /* Let both sides of a gap that fails go back a little, at most once a print.
    Whether one could. */
 int trims_deepen(drc *r, site *gap);
+/* A line is pinched where its edges went back: they come out again, and stay.
+   Whether there were any. */
+int trims_back(drc *r, const site *line);
 /* Whether a side of the gap could still go back. */
 int trims_could(const drc *r, const site *gap);
 /* Add what they take away. */
@@ -216,14 +231,19 @@ void trims_bites(drc *r);
 /* Smooth the masks of a print, which have what was smoothed before: shallow
    notches are filled, shallow bumps taken away. */
 void smooth_follow(drc *r, const eda_printed *p);
+/* What was smoothed at a place of the mask that does not keep its rules is
+   looked at anew. */
+void smooth_drop(drc *r, size_t layer, eda_box place);
 /* Add what is added to the masks and what is taken away. */
 void smooth_boxes(drc *r);
 
 /* ---- mrc.c: the rules of the mask itself ---- */
 
-/* Places of merged shapes that are narrower than min_mask_width, or closer
-   together than min_space (also within a polygon): edges that face each other
-   with nothing between them, and corners that do so diagonally. */
+/* Where merged shapes are narrower than min_mask_width, or closer together than
+   min_space; `fault` is freed with free(). Their number. */
+size_t mrc_faults(const drc *r, const eda_shapes *shapes,
+                  eda_rule_fault **fault);
+/* The same as violations. */
 void mrc_check(const drc *r, const eda_shapes *shapes, violations *out);
 
 #endif

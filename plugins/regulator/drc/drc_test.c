@@ -19,7 +19,7 @@ static uint8_t corrected[] = {1, 1, 0, 1};
 /* Lower line x 0..65, y 0..400; upper one y 400 + gap .. 900 + gap. The gates
    are at y 100..300 and, above, at gap + 500..700. */
 typedef struct fixture {
-  eda_point points[8];
+  eda_point points[8], moved[8];
   uint32_t start[3];
   eda_fragment fragments[8];
   eda_box box[2];
@@ -28,7 +28,7 @@ typedef struct fixture {
   uint32_t flags[2], vetoes[2];
   int32_t l[2], w[2], end[4];
   eda_boxes patches[LAYERS], bites[LAYERS];
-  eda_shapes drawn[LAYERS];
+  eda_shapes drawn[LAYERS], mask[LAYERS];
   eda_edges edges[LAYERS];
   eda_gates gates;
 } fixture;
@@ -66,8 +66,14 @@ static void setup(fixture *f, int32_t gap) {
   f->edges[EDA_POLY] = (eda_edges){2, f->start, f->fragments};
 }
 
+/* The mask has the line ends where the last ruling sent them. */
 static eda_printed print_of(fixture *f) {
+  memcpy(f->moved, f->points, sizeof f->moved);
+  f->moved[2].y = f->moved[3].y += f->end[1];
+  f->moved[4].y = f->moved[5].y -= f->end[2];
+  f->mask[EDA_POLY] = (eda_shapes){2, f->start, f->moved, NULL};
   return (eda_printed){.gates = &f->gates,
+                       .shapes = f->mask,
                        .flags = f->flags,
                        .l = f->l,
                        .w = f->w,
@@ -142,6 +148,41 @@ static void test_facing(void) {
   g_assert_cmpint(f.end[2], ==, 15);
 }
 
+/* If only one of them is too short, it gets what the other does not need, but
+   for what a third of it rounds to. */
+static void test_alone(void) {
+  g_autoptr(opc_module) m = make("{ min_space: 60 nm }");
+  fixture f;
+  setup(&f, 90);
+  f.extension[1] = 0;
+  f.extension[2] = 100;
+  for (int i = 0; i < 10; i++) rule(m, &f);
+  g_assert_cmpint(f.end[1], >=, 28);
+  g_assert_cmpint(f.end[1], <=, 30);
+  g_assert_cmpint(f.end[2], ==, 0);
+}
+
+/* Whoever needs how much and when, the space between them is kept, and nearly
+   all of it is used if both need all. */
+static void test_turns(void) {
+  guint32 seed = 1;
+  for (int run = 0; run < 200; run++) {
+    g_autoptr(opc_module) m = make("{ min_space: 60 nm }");
+    fixture f;
+    int32_t gap = 60 + run;
+    setup(&f, gap);
+    for (int i = 0; i < 30; i++) {
+      for (int end = 1; end <= 2; end++) {
+        seed = seed * 1664525u + 1013904223u;
+        f.extension[end] = i > 20 ? 0 : (double)(seed >> 24) / 8;
+      }
+      rule(m, &f);
+      g_assert_cmpint(gap - f.end[1] - f.end[2], >=, 60);
+    }
+    g_assert_cmpint(f.end[1] + f.end[2], >=, MIN(gap - 60, 120) - 5);
+  }
+}
+
 static void test_vetoes(void) {
   g_autoptr(opc_module) m = make("{ min_space: 60 nm }");
   fixture f;
@@ -196,7 +237,7 @@ static void test_violations(void) {
   for (int i = 0; i < 5; i++) rule(m, &f); /* 5 nm of room */
   violations(m, &p, v, 3);
   g_assert_cmpint(f.end[1], ==, 5);
-  g_assert_cmpstr(v[0].rule, ==, "extension: no room before the line end");
+  g_assert_cmpstr(v[0].rule, ==, "extension; no room before the line end");
 }
 
 /* ---- prints ---- */
@@ -340,7 +381,7 @@ static void test_near_neighbour(void) {
   for (size_t i = 0; i < 3; i++)
     g_assert_cmpint(c.ruling.patches[EDA_ACTIVE].box[i].x1, ==, 109);
   g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 1);
-  g_assert_cmpstr(v.rule, ==, "enclosure: too near a neighbour");
+  g_assert_cmpstr(v.rule, ==, "enclosure; too near a neighbour");
   end(&c);
 }
 
@@ -687,6 +728,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/regulator/extension", test_extension);
   g_test_add_func("/regulator/default_extension", test_default_extension);
   g_test_add_func("/regulator/facing", test_facing);
+  g_test_add_func("/regulator/alone", test_alone);
+  g_test_add_func("/regulator/turns", test_turns);
   g_test_add_func("/regulator/vetoes", test_vetoes);
   g_test_add_func("/regulator/violations", test_violations);
   g_test_add_func("/regulator/enclosure", test_enclosure);

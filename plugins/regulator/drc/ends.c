@@ -12,8 +12,8 @@ static int32_t steps(double room, double most, double grid) {
   return (int32_t)floor(fmax(0, fmin(most, room)) / grid + 1e-9);
 }
 
-/* How far it may go: half of what is free before it, as another line end may
-   come from there; contacts that poly must not touch stay. */
+/* How far it may go: contacts that poly must not touch stay. Half of what is
+   drawn free before it is its own, as another line end may come from there. */
 static void find_length(const drc *r, line_end *e) {
   double grid = r->grid;
   int32_t range = (int32_t)ceil((2 * r->max_growth + r->min_space) / grid) + 1;
@@ -22,9 +22,9 @@ static void find_length(const drc *r, line_end *e) {
       window_at(e->tip, e->side, 1, range, (int32_t)ceil(r->min_space / grid));
   double own = nearest(&r->edges[EDA_POLY], window, e->side, range - 1, NULL);
   double contact = nearest(&r->contacts, window, e->side, range - 1, NULL);
-  e->most = steps(fmin(((own + 1) * grid - r->min_space) / 2,
-                       (contact + 1) * grid - r->min_space),
-                  r->max_growth, grid);
+  e->most = steps((contact + 1) * grid - r->min_space, r->max_growth, grid);
+  e->share = e->room =
+      steps(((own + 1) * grid - r->min_space) / 2, e->most * grid, grid);
 }
 
 /* The head, as wide as it goes on each flank. */
@@ -39,10 +39,12 @@ static eda_box head_of(const line_end *e, int32_t by, int32_t wider) {
 
 /* How wide its head may be: it begins clear of the active, and shares what is
    free beside it with what lies there. */
-static void find_width(const drc *r, line_end *e, double extension) {
-  double grid = r->grid, room = r->max_head;
+static void find_width(const drc *r, line_end *e, double most,
+                       double extension) {
+  double grid = r->grid, room = most;
   int32_t space = (int32_t)ceil(r->min_space / grid);
-  int32_t range = (int32_t)ceil((2 * r->max_head + r->min_space) / grid) + 1;
+  int32_t range = (int32_t)ceil((2 * most + r->min_space) / grid) + 1;
+  e->asked = most;
   e->start = (int32_t)floor((extension - 2 * r->overlay) / grid);
   if (e->start * grid < r->min_mask_width) return;
   eda_box line = head_of(e, e->most, 0);
@@ -57,7 +59,7 @@ static void find_width(const drc *r, line_end *e, double extension) {
     room = fmin(room, fmin(((own + 1) * grid - r->min_space) / 2,
                            (other + 1) * grid - r->min_space));
   }
-  e->widest = steps(room, r->max_head, grid);
+  e->widest = steps(room, most, grid);
 }
 
 void ends_find(drc *r) {
@@ -66,7 +68,8 @@ void ends_find(drc *r) {
   r->ends = eda_alloc(2 * g->count, sizeof *r->ends);
   for (size_t i = 0; i < 2 * g->count; i++) {
     r->ends[i].side = -1;
-    r->ends[i].most = steps(r->max_growth, r->max_growth, r->grid);
+    r->ends[i].most = r->ends[i].share = r->ends[i].room =
+        steps(r->max_growth, r->max_growth, r->grid);
   }
   for (size_t p = 0; p < edges->polygons; p++)
     for (uint32_t i = edges->start[p]; i < edges->start[p + 1]; i++) {
@@ -79,7 +82,8 @@ void ends_find(drc *r) {
       one->side = g->axis[f->gate] == EDA_Y ? (high ? RIGHT : LEFT)
                                             : (high ? ABOVE : BELOW);
       find_length(r, one);
-      if (g->extension) find_width(r, one, g->extension[2 * f->gate + high]);
+      if (g->extension)
+        find_width(r, one, r->max_head, g->extension[2 * f->gate + high]);
     }
 }
 
@@ -106,18 +110,44 @@ static int is_clear(const eda_printed *p, const line_end *e) {
   return 1;
 }
 
+/* How far it may be now. Two that face each other may move at once: one within
+   its share takes two thirds of what is free at most, one beyond it a third. */
+static int32_t room_of(drc *r, const eda_printed *p, const line_end *e,
+                       int32_t bias) {
+  int32_t share = e->share < e->most ? e->share : e->most;
+  eda_box now = window_at(e->tip, e->side, bias, bias, 0);
+  if (e->side < 0 || bias >= e->most) return e->most;
+  int32_t left = room_now(r, p, now, e->side, 3 * (e->most - bias));
+  if (bias >= share) return bias + left / 3;
+  left -= left / 3;
+  return bias + left < share ? bias + left : share;
+}
+
+/* How long it should print: what must be, and where there is room before it
+   what is wished. A synthesizer that asks for a length knows of its effect, so
+   that there is no end to that. */
+static double wanted_of(const drc *r, const eda_printed *p, size_t end) {
+  const line_end *one = &r->ends[end];
+  double extension = p->extension[end], wish = r->min_extension;
+  if (p->iteration < tuned.wishes_until) wish = r->want_extension;
+  if (p->want_extension) wish = fmax(wish, p->want_extension[end]);
+  int may = extension >= r->min_extension && extension < wish && p->print &&
+            one->side >= 0 && is_clear(p, one);
+  return may ? wish : r->min_extension;
+}
+
 void ends_advance(drc *r, const eda_printed *p, size_t end, int32_t *bias) {
   line_end *one = &r->ends[end];
-  double extension = p->extension[end], wanted = r->min_extension;
+  double extension = p->extension[end], wanted = wanted_of(r, p, end);
   int32_t before = *bias, wider = one->wider;
-  if (extension >= wanted && extension < r->want_extension &&
-      p->iteration < tuned.wishes_until && p->print && one->side >= 0 &&
-      is_clear(p, one))
-    wanted = r->want_extension;
+  if (p->want_head && p->want_head[end] > one->asked && one->side >= 0 &&
+      p->gates->extension)
+    find_width(r, one, p->want_head[end], p->gates->extension[end]);
   if (extension < wanted) {
     int32_t to =
         rules_advance(&one->length, before, extension, wanted, 1, r->grid);
-    if (to > one->most) to = one->most;
+    one->room = room_of(r, p, one, before);
+    if (to > one->room) to = one->room;
     if (to > before) {
       *bias = to;
     } else if (one->side >= 0) {
@@ -145,6 +175,7 @@ int ends_back(drc *r, const site *wrong, int32_t *bias) {
   if (one->wider > 0) {
     one->wider -= one->wider < step ? one->wider : step;
     one->widest = one->wider;
+    one->asked = INFINITY;
     return 1;
   }
   int32_t to = one->length.bias - step;
@@ -165,9 +196,9 @@ void ends_heads(drc *r) {
 
 const char *ends_reason(const drc *r, size_t end) {
   const line_end *one = &r->ends[end];
-  if (one->by < one->most || one->wider < one->widest)
+  if (one->by < one->room || one->wider < one->widest)
     return "extension: could still move";
-  return one->most < steps(r->max_growth, r->max_growth, r->grid)
-             ? "extension: no room before the line end"
-             : "extension: max_growth reached";
+  return one->by < steps(r->max_growth, r->max_growth, r->grid)
+             ? "extension; no room before the line end"
+             : "extension; max_growth reached";
 }

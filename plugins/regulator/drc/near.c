@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Boxes and edges near a place, by the library's index. */
 #include <eda/memory.h>
+#include <math.h>
 #include <stdlib.h>
 
 #include "drc.h"
@@ -74,4 +75,19 @@ int32_t nearest(const places *p, eda_box w, int side, int32_t none,
     if (which) *which = e;
   }
   return found;
+}
+
+int32_t room_now(drc *r, const eda_printed *p, eda_box edge, int side,
+                 int32_t most) {
+  int32_t space = (int32_t)ceil(r->min_space / r->grid - 1e-9);
+  int32_t range = most + space;
+  if (most < 1) return 0;
+  if (!r->mask.index) {
+    size_t n;
+    eda_box *edges = edges_of(&p->shapes[EDA_POLY], &n);
+    places_init(&r->mask, edges, n, 4 * r->min_space, r->grid);
+  }
+  eda_box window = window_at(edge, side, 1, range, space);
+  int32_t left = nearest(&r->mask, window, side, range - 1, NULL) + 1 - space;
+  return left < 0 ? 0 : left < most ? left : most;
 }

@@ -138,24 +138,42 @@ static int32_t moved(const eda_printed *p, const eda_fragment *f) {
   return f->role == EDA_W_LOW ? low : w - low;
 }
 
+/* Whether the piece on a side reaches the edge on the next one. */
+static int reaches(const drc *r, const repair *one, int side, int next) {
+  eda_box b = r->sites[one->site].box;
+  switch (next) {
+    case LEFT:
+      return one->from[side] == b.x0 - one->edge[next];
+    case RIGHT:
+      return one->to[side] == b.x1 + one->edge[next];
+    case BELOW:
+      return one->from[side] == b.y0 - one->edge[next];
+    default:
+      return one->to[side] == b.y1 + one->edge[next];
+  }
+}
+
+/* How far the end of a patch goes on because the one on the next side meets it
+   in a corner: both cover it. */
+static int32_t met(const drc *r, const repair *one, int side, int next) {
+  return reaches(r, one, side, next) && reaches(r, one, next, side)
+             ? one->grow[next]
+             : 0;
+}
+
 /* The patch on a side: the piece of the drawn edge as far out as it grows, and
-   as far in as a mask may be narrow. Its ends go with the corners; where two
-   patches meet in a corner, both cover it. */
+   as far in as a mask may be narrow. Its ends go with the corners. */
 static eda_box patch_of(const drc *r, const eda_printed *printed,
                         const repair *one, int side) {
   int32_t in = (int32_t)ceil(r->min_mask_width / r->grid - 1e-9);
   int32_t out = one->edge[side] + one->grow[side];
-  int low = upright(side) ? BELOW : LEFT, high = low + 1;
+  int low = upright(side) ? BELOW : LEFT;
   eda_box b = r->sites[one->site].box;
   eda_box p = window_at(b, side, one->edge[side] - in, out, 0);
-  int32_t b0 = upright(side) ? b.y0 : b.x0, b1 = upright(side) ? b.y1 : b.x1;
-  int32_t from = one->from[side], to = one->to[side];
-  int meets_low = from == b0 - one->edge[low];
-  int meets_high = to == b1 + one->edge[high];
-  from -= moved(printed, one->corner[side][0]);
-  from -= meets_low ? one->grow[low] : 0;
-  to += moved(printed, one->corner[side][1]);
-  to += meets_high ? one->grow[high] : 0;
+  int32_t from = one->from[side] - moved(printed, one->corner[side][0]) -
+                 met(r, one, side, low);
+  int32_t to = one->to[side] + moved(printed, one->corner[side][1]) +
+               met(r, one, side, low + 1);
   if (upright(side))
     p.y0 = from, p.y1 = to;
   else
@@ -201,39 +219,67 @@ static const eda_fragment *corner_at(const drc *r, int side, int32_t x,
   return found;
 }
 
-/* What may be moved on a side. The whole edge that is drawn there makes no jog;
-   where it has less room, only what the site needs of it is, and its corner if
-   that is near. */
-static void find_edge(const drc *r, const site *s, repair *one, int side) {
+/* What the site needs of the edge that is drawn on a side, and its corner if
+   that is near. The edge in `edge`; whether there is one of that way. */
+static int find_piece(const drc *r, const site *s, repair *one, int side,
+                      eda_box *edge) {
   double grid = r->grid;
   int32_t far = (int32_t)(2 * tuned.reach / grid), more = 0;
-  eda_box edge = {0}, b = s->box;
+  eda_box b = s->box;
   /* From one step inside, so as to see one at the side of the box. */
   one->edge[side] = nearest(&r->edges[s->layer], window_at(b, side, -1, far, 0),
-                            side, far + 1, &edge) -
+                            side, far + 1, edge) -
                     1;
   if (s->kind == SITE_LINE) more = (int32_t)(tuned.half_patch / grid);
   one->from[side] = (upright(side) ? b.y0 : b.x0) - more;
   one->to[side] = (upright(side) ? b.y1 : b.x1) + more;
-  one->room[side] = room_of(r, s, one, side);
   if (s->kind == SITE_LINE || one->edge[side] == far ||
-      (upright(side) ? edge.x0 != edge.x1 : edge.y0 != edge.y1))
-    return;
-  int32_t low = upright(side) ? edge.y0 : edge.x0;
-  int32_t high = upright(side) ? edge.y1 : edge.x1;
+      (upright(side) ? edge->x0 != edge->x1 : edge->y0 != edge->y1))
+    return 0;
+  int32_t low = upright(side) ? edge->y0 : edge->x0;
+  int32_t high = upright(side) ? edge->y1 : edge->x1;
   int32_t near = (int32_t)(tuned.corner / grid);
   if (one->from[side] - low <= near) one->from[side] = low;
   if (high - one->to[side] <= near) one->to[side] = high;
-  one->room[side] = room_of(r, s, one, side);
-  repair whole = *one;
-  whole.from[side] = low;
-  whole.to[side] = high;
-  whole.room[side] = room_of(r, s, &whole, side);
-  if (whole.room[side] < one->room[side]) return;
-  *one = whole;
+  return 1;
+}
+
+/* What moves the corners at the ends of the piece. */
+static void find_corners(const drc *r, const site *s, repair *one, int side,
+                         eda_box edge) {
+  int32_t low = upright(side) ? edge.y0 : edge.x0;
+  int32_t high = upright(side) ? edge.y1 : edge.x1;
   if (s->layer != EDA_ACTIVE) return;
-  one->corner[side][0] = corner_at(r, side, edge.x0, edge.y0);
-  one->corner[side][1] = corner_at(r, side, edge.x1, edge.y1);
+  one->corner[side][0] =
+      one->from[side] == low ? corner_at(r, side, edge.x0, edge.y0) : NULL;
+  one->corner[side][1] =
+      one->to[side] == high ? corner_at(r, side, edge.x1, edge.y1) : NULL;
+}
+
+/* What may be moved on a side. The whole edge makes no jog; where it has less
+   room, only what the site needs of it. */
+static void find_edge(const drc *r, const site *s, repair *one, int side) {
+  eda_box edge = {0};
+  int straight = find_piece(r, s, one, side, &edge);
+  one->room[side] = room_of(r, s, one, side);
+  if (!straight) return;
+  repair whole = *one;
+  whole.from[side] = upright(side) ? edge.y0 : edge.x0;
+  whole.to[side] = upright(side) ? edge.y1 : edge.x1;
+  whole.whole[side] =
+      whole.from[side] < one->from[side] || whole.to[side] > one->to[side];
+  whole.room[side] = room_of(r, s, &whole, side);
+  if (whole.room[side] >= one->room[side]) *one = whole;
+  find_corners(r, s, one, side, edge);
+}
+
+/* A whole edge has closed a gap: only what the site needs of it stays. */
+static void leave_piece(const drc *r, const site *s, repair *one, int side) {
+  eda_box edge = {0};
+  find_piece(r, s, one, side, &edge);
+  find_corners(r, s, one, side, edge);
+  one->whole[side] = 0;
+  one->room[side] = room_of(r, s, one, side);
 }
 
 void repairs_look(drc *r, const eda_printed *p) {
@@ -299,12 +345,10 @@ static int meet(eda_box a, eda_box b) {
   return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
 }
 
-/* Patches that close a gap, or touch a contact, go back and stay there: those
-   that face it, or all that are near. Whether there were any. */
+/* Patches that close a gap, or touch a contact, go back by `step` and stay
+   there: those that face it, or all that are near. Whether there were any. */
 static int take_back(drc *r, const eda_printed *p, const site *wrong,
-                     int facing) {
-  int32_t near = (int32_t)(tuned.reach / r->grid);
-  int32_t step = (int32_t)ceil(tuned.back / r->grid);
+                     int32_t near, int32_t step, int facing) {
   int32_t flank = (int32_t)(tuned.corner / r->grid);
   int found = 0;
   for (size_t i = 0; i < r->n_repairs; i++) {
@@ -322,9 +366,13 @@ static int take_back(drc *r, const eda_printed *p, const site *wrong,
         continue;
       found = 1;
       if (one->back[k] == r->round) continue; /* once a print */
-      one->grow[k] -= one->grow[k] < step ? one->grow[k] : step;
-      one->room[k] = one->grow[k];
       one->back[k] = r->round;
+      if (one->whole[k]) {
+        leave_piece(r, of, one, k);
+        continue;
+      }
+      one->grow[k] -= one->grow[k] < step ? one->grow[k] : step;
+      one->room[k] = one->grow[k] + step / 2;
     }
   }
   return found;
@@ -333,19 +381,46 @@ static int take_back(drc *r, const eda_printed *p, const site *wrong,
 /* What must not print: patches before it go back, or else edges of poly as
    drawn, or else what is near. */
 static void clear_away(drc *r, const eda_printed *p, site *wrong) {
-  if (take_back(r, p, wrong, 1) || wrong->layer != EDA_POLY) return;
+  int32_t near = (int32_t)(tuned.reach / r->grid);
+  int32_t step = (int32_t)ceil(tuned.back / r->grid);
+  if (take_back(r, p, wrong, near, step, 1) || wrong->layer != EDA_POLY) return;
   if (wrong->kind == SITE_GAP && trims_deepen(r, wrong)) return;
-  take_back(r, p, wrong, 0);
+  take_back(r, p, wrong, near, step, 0);
+}
+
+/* Where the mask does not keep its rules: what was smoothed there is looked at
+   anew, and patches that came too near to each other, as their corners do, go
+   back, each by half of what is missing. */
+static void mend_mask(drc *r, const eda_printed *p, size_t layer) {
+  int32_t near = (int32_t)ceil(r->min_space / r->grid);
+  eda_rule_fault *fault;
+  size_t n = mrc_faults(r, &p->shapes[layer], &fault);
+  for (size_t i = 0; i < n; i++) {
+    double value = fault[i].value;
+    int32_t x = (int32_t)lround(fault[i].x / r->grid);
+    int32_t y = (int32_t)lround(fault[i].y / r->grid);
+    site place = {.box = {x, y, x, y}, .layer = (uint16_t)layer};
+    int32_t step = (int32_t)ceil((r->min_space - value) / 2 / r->grid);
+    if (r->round < tuned.anew)
+      smooth_drop(r, layer, widened(place.box, (int32_t)ceil(value / r->grid)));
+    if (fault[i].rule == EDA_RULE_SPACE) take_back(r, p, &place, near, step, 1);
+  }
+  free(fault);
 }
 
 void repairs_grow(drc *r, const eda_printed *p) {
   r->round++;
+  for (size_t layer = 0; layer < r->layers; layer++)
+    if (r->patch[layer].count || r->bite[layer].count) mend_mask(r, p, layer);
   for (size_t i = 0; i < r->n_sites; i++)
     if (r->sites[i].failing && !wanted(&r->sites[i]))
       clear_away(r, p, &r->sites[i]);
   for (size_t i = 0; i < r->n_repairs; i++) {
     const site *s = &r->sites[r->repairs[i].site];
-    if (s->failing) grow(r, s, &r->repairs[i]);
+    if (!s->failing ||
+        (s->kind == SITE_LINE && s->layer == EDA_POLY && trims_back(r, s)))
+      continue;
+    grow(r, s, &r->repairs[i]);
   }
 }
 
@@ -364,11 +439,11 @@ void repairs_patches(drc *r, const eda_printed *p) {
 enum { UNDONE, NEIGHBOUR, GROWTH, REASONS };
 
 static const char *const enclosure[REASONS] = {
-    "enclosure: could still move", "enclosure: too near a neighbour",
-    "enclosure: max_growth reached"};
+    "enclosure: could still move", "enclosure; too near a neighbour",
+    "enclosure; max_growth reached"};
 static const char *const pinching[REASONS] = {"pinching: could still move",
-                                              "pinching: too near a neighbour",
-                                              "pinching: max_growth reached"};
+                                              "pinching; too near a neighbour",
+                                              "pinching; max_growth reached"};
 
 static int reason(const drc *r, const repair *one, int side) {
   int32_t most = (int32_t)floor(r->max_growth / r->grid + 1e-9);
@@ -415,7 +490,7 @@ static void report_bridging(const drc *r, const eda_printed *p, const site *s,
            : s->layer != EDA_POLY ? r->bridging[s->layer]
            : trims_could(r, s)
                ? "bridging: poly: could still move"
-               : "bridging: poly: drawn too near for its edges to go back";
+               : "bridging: poly; drawn too near for its edges to go back";
   if (s->kind == SITE_CONTACT) {
     v.value = INFINITY;
     for (int k = 0; k < SIDES; k++)

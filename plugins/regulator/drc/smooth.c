@@ -152,6 +152,16 @@ void smooth_follow(drc *r, const eda_printed *p) {
   }
 }
 
+void smooth_drop(drc *r, size_t layer, eda_box place) {
+  mends *s = &r->mends[layer];
+  size_t kept = 0;
+  for (size_t i = 0; i < s->n; i++) {
+    const mend other = {.box = place};
+    if (!touch(&s->at[i], &other)) s->at[kept++] = s->at[i];
+  }
+  s->n = kept;
+}
+
 void smooth_boxes(drc *r) {
   for (size_t layer = 0; layer < r->layers; layer++)
     for (size_t i = 0; i < r->mends[layer].n; i++) {

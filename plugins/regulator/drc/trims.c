@@ -149,6 +149,26 @@ int trims_deepen(drc *r, site *gap) {
   return moved;
 }
 
+int trims_back(drc *r, const site *line) {
+  int32_t step = (int32_t)ceil(tuned.back / r->grid);
+  int32_t far = (int32_t)(tuned.wide / 2 / r->grid);
+  int moved = 0;
+  for (size_t i = 0; i < r->n_trims; i++) {
+    trim *t = &r->trims[i];
+    eda_box on = window_at(t->wall, opposite(t->side), 0, far, 0);
+    eda_box b = line->box;
+    if (!t->depth || b.x0 > on.x1 || b.x1 < on.x0 || b.y0 > on.y1 ||
+        b.y1 < on.y0)
+      continue;
+    moved = 1;
+    if (t->round == r->round) continue;
+    t->depth -= t->depth < step ? t->depth : step;
+    t->room = t->depth;
+    t->round = r->round;
+  }
+  return moved;
+}
+
 int trims_could(const drc *r, const site *gap) {
   if (gap->repair < 0) return 1; /* never tried */
   for (int i = 0; i < 2; i++) {

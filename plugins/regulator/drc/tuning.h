@@ -27,7 +27,7 @@ static const struct {
   double half_patch, corner, flank_step, flank_part;
   double steep, ahead, sought, end_step;
   double of_gate, beside, shallow;
-  uint32_t wishes_until;
+  uint32_t wishes_until, anew;
   int patience;
 } tuned = {
     /* ---- how an edge of the mask is moved: rules.c ---- */
@@ -154,6 +154,10 @@ static const struct {
     /* How often one mend may make way for another, so that it comes to an end.
        No case differs. */
     .patience = 1000,
+
+    /* Prints after which what was smoothed stays also where the mask breaks its
+       rules, so that it comes to an end. */
+    .anew = 12,
 };
 
 #endif

@@ -26,6 +26,7 @@
 #include <eda/print.h>
 #include <eda/regulator.h>
 #include <eda/resist.h>
+#include <eda/rules.h>
 #include <eda/settings.h>
 #include <eda/simd.h>
 #include <eda/simulator.h>

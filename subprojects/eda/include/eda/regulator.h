@@ -11,7 +11,10 @@ extern "C" {
 
 /* A rule that the print does not keep. */
 typedef struct eda_violation {
-  const char *rule; /* constant: "bridging", "extension", ... */
+  /* Constant: "bridging", "extension", ... After "; " comes the reason why
+     nothing can be moved to keep it: what is drawn, or a parameter, stands in
+     the way. Without one it is a fault of the correction. */
+  const char *rule;
   int32_t gate;
   double x, y;         /* nm */
   double value, limit; /* nm, or a count */
@@ -29,6 +32,12 @@ typedef struct eda_printed {
   const eda_shapes
       *shapes;            /* [layers]: that mask, merged, on the gates' grid */
   const eda_field *print; /* [layers]: positive where it prints */
+
+  /* What the synthesizer asks for, nm, [2 * i + side]: how far the printed line
+     end should reach past the active, and how much wider its head may get on
+     each flank. The regulator gives what its rules allow, and no less than by
+     its own parameters. NULL: nobody asks. Since 0.2. */
+  const double *want_extension, *want_head;
 } eda_printed;
 
 /* What it answers. `vetoes` comes zeroed, `end` with the present biases of the
