@@ -1,92 +1,124 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Whole runs of the command, as a user starts them, from file to file: our
-   NAND2, and circuits where there are test data. How long they take, how far
-   drive currents are from their design values, and what a finer model says of
-   that. */
+   NAND2, and circuits where there are test data. How long they take, beside
+   what cheap prints alone would take, how far the currents are from their
+   design values, and what a model of another kind says of that.
+
+   OPCFLOW_BEFORE=FOLDER, the source of another version with its build in
+   FOLDER/build, has that one run its flow in turns with this one's, where
+   there is something to compare with. */
 #include <glib.h>
 #include <json-glib/json-glib.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "bench/bench.h"
 #include "core/flow/files.h"
 
-enum { MAX_REPEATS = 9, MAX_SETS = 8, MAX_FIGURES = 5 };
+enum { MAX_REPEATS = 9, MAX_SETS = 8, MAX_FIGURES = 8 };
 
 typedef struct figure {
-  const char *step, *metric;
-  double reach; /* % */
+  const char *step, *metric; /* "seconds": the step's own, of the manifest */
+  double reach;              /* 0: not told */
+  const char *unit;          /* NULL: a number */
 } figure;
+
+/* The version that is measured, or another one. */
+typedef struct version {
+  const char *command, *source;
+  char **environment;
+} version;
 
 typedef struct job {
   const char *name;           /* of its figures */
   const char *flow;           /* in flows/ */
-  const char *variant;        /* of it, or "base" */
+  const char *variant;        /* of it; NULL: none */
   const char *circuit;        /* of ISCAS'85, NULL: what the flow has */
   size_t repeats;             /* the median counts */
   double seconds;             /* to reach; 0: not told */
   const char *sets[MAX_SETS]; /* STEP.PARAMETER=VALUE */
   figure figures[MAX_FIGURES];
+  /* What it is compared with, in turns: the same with cheap prints alone, or
+     the other version; and how many times its seconds it may take. */
+  const char *cheap[MAX_SETS];
+  double times;
 } job;
 
+#define SCANNER "wavelength: 193 nm, na: 0.75, sigma: 0.75"
+
 static const job jobs[] = {
-    {"demo",
-     "demo.yaml",
-     "base",
-     NULL,
-     3,
-     2,
-     {NULL},
-     {{"mask", "ion_max", 0.5}}},
-    {"c432.dpb",
-     "dpb.yaml",
-     "base",
-     "c432",
-     3,
-     10,
-     {"picture=~"},
-     {{"mask", "ion_mean", 0}, {"mask", "ion_max", 0.5}}},
-    {"c432.newton",
-     "newton.yaml",
-     "base",
-     "c432",
-     3,
-     0,
-     {"picture=~"},
-     {{"mask", "ion_mean", 0.05}, {"mask", "ion_max", 0.5}}},
-    {"c432.newton_area",
-     "newton.yaml",
-     "base",
-     "c432",
-     1,
-     0,
-     {"picture=~", "mask.synthesizer.weight.area=1"},
-     {{"mask", "ion_mean", 0.2}, {"mask", "area_mean", 0.2}}},
-    {"c432.verified",
-     "newton.yaml",
-     "verified",
-     "c432",
-     1,
-     0,
-     {"picture=~"},
-     {{"verify", "ion_mean", 0.2}, {"verify", "ion_max", 0}}},
-    {"c7552.newton",
-     "newton.yaml",
-     "base",
-     "c7552",
-     3,
-     1.5,
-     {"picture=~"},
-     {{"mask", "ion_mean", 0.05}, {"mask", "ion_max", 0.5}}},
-    {"c7552.dpb",
-     "dpb.yaml",
-     "base",
-     "c7552",
-     1,
-     8,
-     {"picture=~"},
-     {{"mask", "ion_mean", 0}, {"mask", "ion_max", 0.5}}},
+    {.name = "demo",
+     .flow = "demo.yaml",
+     .repeats = 3,
+     .seconds = 2,
+     .figures = {{"mask", "ion_max", 0.5, "%"}}},
+    {.name = "c432.dpb",
+     .flow = "dpb.yaml",
+     .circuit = "c432",
+     .repeats = 3,
+     .seconds = 10,
+     .figures = {{"mask", "ion_mean", 0, "%"}, {"mask", "ion_max", 0.5, "%"}}},
+    {.name = "c432.newton",
+     .flow = "newton.yaml",
+     .circuit = "c432",
+     .repeats = 3,
+     .figures = {{"mask", "ion_mean", 0.04, "%"},
+                 {"mask", "ion_max", 0.4, "%"},
+                 {"mask", "ioff_mean", 3, "%"},
+                 {"mask", "ioff_total", 2, "%"}}},
+    /* The same mask by a model of another kind. */
+    {.name = "c432.verified",
+     .flow = "newton.yaml",
+     .variant = "verified",
+     .sets = {"verify.litho={ use: litho.abbe, " SCANNER
+              ", points_across: 120 }",
+              "verify.margin=4 um"},
+     .circuit = "c432",
+     .repeats = 1,
+     .figures = {{"verify", "ion_mean", 0.04, "%"},
+                 {"verify", "ion_max", 0.4, "%"},
+                 {"verify", "ion_change_max", 0.1, "%"}}},
+    {.name = "c7552.newton",
+     .flow = "newton.yaml",
+     .circuit = "c7552",
+     .repeats = 3,
+     .figures = {{"mask", "ion_mean", 0.04, "%"},
+                 {"mask", "ion_max", 0.4, "%"},
+                 {"mask", "ioff_mean", 3, "%"},
+                 {"mask", "ioff_max", 30, "%"},
+                 {"mask", "ioff_total", 2, "%"},
+                 {"mask", "area_mean", 3, "%"},
+                 {"mask", "simulations", 16, NULL}, /* of two layers */
+                 {"mask", "fine_simulations", 4, NULL}},
+     .cheap = {"mask.synthesizer.target=plain", "mask.fine=off",
+               "mask.margin=1 um"},
+     .times = 2},
+    {.name = "c7552.newton_full",
+     .flow = "newton.yaml",
+     .circuit = "c7552",
+     .repeats = 1,
+     .sets = {"mask.synthesizer.target=full"},
+     .figures = {{"mask", "ion_mean", 0.04, "%"},
+                 {"mask", "ioff_mean", 3, "%"},
+                 {"mask", "ioff_total", 2, "%"},
+                 {"mask", "area_mean", 0.5, "%"}}},
+    /* One fine print of both layers, with what it prepares. */
+    {.name = "c7552.fine",
+     .flow = "newton.yaml",
+     .circuit = "c7552",
+     .repeats = 1,
+     .variant = "verified",
+     .sets = {"verify.litho={ use: litho.hopkins, " SCANNER " }",
+              "verify.fine=1e-4"},
+     .figures = {{"verify", "seconds", 2.25, "s"}}},
+    {.name = "c7552.dpb",
+     .flow = "dpb.yaml",
+     .circuit = "c7552",
+     .repeats = 1,
+     .seconds = 8,
+     .figures = {{"mask", "ion_mean", 0, "%"}, {"mask", "ion_max", 0.5, "%"}}},
 };
 
 static const char *setting(const char *name, const char *preset) {
@@ -94,50 +126,71 @@ static const char *setting(const char *name, const char *preset) {
   return value ? value : preset;
 }
 
-/* Run a flow into `folder`; the seconds it took, or -1. */
-static double run_once(const job *j, const char *layout, const char *folder) {
+static version this_version(void) {
+  return (version){setting("OPCFLOW_COMMAND", "opcflow"),
+                   setting("OPCFLOW_SOURCE", "."), g_get_environ()};
+}
+
+/* NULL without OPCFLOW_BEFORE. */
+static const version *other_version(void) {
+  static version before;
+  const char *source = g_getenv("OPCFLOW_BEFORE");
+  if (!source || before.command) return source ? &before : NULL;
+  char *plugins = g_build_filename(source, "build", "plugins", NULL);
+  before = (version){
+      g_build_filename(source, "build", "opcflow", NULL), source,
+      g_environ_setenv(g_get_environ(), "OPCFLOW_PLUGIN_PATH", plugins, TRUE)};
+  g_free(plugins);
+  return &before;
+}
+
+static void add_sets(GPtrArray *argv, const char *const *sets) {
+  for (size_t i = 0; i < MAX_SETS && sets[i]; i++) {
+    g_ptr_array_add(argv, (char *)"--set");
+    g_ptr_array_add(argv, (char *)sets[i]);
+  }
+}
+
+/* Run a flow into `folder`, `more` set beside what the job sets; the seconds it
+   took, or -1. A run that does not keep what its flow requires is one, too. */
+static double run_once(const job *j, const version *v, const char *const *more,
+                       const char *layout, const char *folder) {
   g_autoptr(GPtrArray) argv = g_ptr_array_new();
-  g_autofree char *flow =
-      g_build_filename(setting("OPCFLOW_SOURCE", "."), "flows", j->flow, NULL);
-  g_ptr_array_add(argv, (char *)setting("OPCFLOW_COMMAND", "opcflow"));
-  g_ptr_array_add(argv, (char *)"run");
-  g_ptr_array_add(argv, flow);
-  g_ptr_array_add(argv, (char *)"--quiet");
-  g_ptr_array_add(argv, (char *)"--output");
-  g_ptr_array_add(argv, (char *)folder);
-  g_ptr_array_add(argv, (char *)"--variant");
-  g_ptr_array_add(argv, (char *)j->variant);
+  g_autofree char *flow = g_build_filename(v->source, "flows", j->flow, NULL);
+  const char *start[] = {v->command, "run",  flow,        "--quiet",
+                         "--output", folder, "--variant", j->variant};
+  for (size_t i = 0; i < G_N_ELEMENTS(start); i++)
+    g_ptr_array_add(argv, (char *)start[i]);
   g_autofree char *file = g_strdup_printf("layout.file=%s", layout);
-  const char *of_circuit[] = {file, "layout.scale=1.3"};
-  for (size_t i = 0; layout && i < G_N_ELEMENTS(of_circuit); i++) {
-    g_ptr_array_add(argv, (char *)"--set");
-    g_ptr_array_add(argv, (char *)of_circuit[i]);
-  }
-  for (size_t i = 0; i < MAX_SETS && j->sets[i]; i++) {
-    g_ptr_array_add(argv, (char *)"--set");
-    g_ptr_array_add(argv, (char *)j->sets[i]);
-  }
+  const char *of_circuit[MAX_SETS] = {file, "layout.scale=1.3"};
+  if (layout) add_sets(argv, of_circuit);
+  add_sets(argv, j->sets);
+  if (more) add_sets(argv, more);
   g_ptr_array_add(argv, NULL);
   g_autoptr(GError) error = NULL;
   int status;
   gint64 before = g_get_monotonic_time();
-  gboolean good =
-      g_spawn_sync(NULL, (char **)argv->pdata, NULL, G_SPAWN_SEARCH_PATH, NULL,
-                   NULL, NULL, NULL, &status, &error) &&
-      g_spawn_check_wait_status(status, &error);
+  gboolean good = g_spawn_sync(NULL, (char **)argv->pdata, v->environment,
+                               G_SPAWN_SEARCH_PATH, NULL, NULL, NULL, NULL,
+                               &status, &error) &&
+                  g_spawn_check_wait_status(status, &error);
   double seconds = (double)(g_get_monotonic_time() - before) / 1e6;
   if (good) return seconds;
-  fprintf(stderr, "error: %s: %s\n", j->name, error->message);
-  return -1;
+  fprintf(stderr, "%s: %s\n", j->name, error->message);
+  return g_error_matches(error, G_SPAWN_EXIT_ERROR, 1) ? seconds : -1;
 }
 
-/* A metric of a run, from its metrics.json. */
+/* A metric of a run, from its metrics.json; seconds from its manifest. */
 static gboolean read_metric(const char *folder, const figure *f,
                             double *value) {
-  g_autofree char *path = g_build_filename(folder, "metrics.json", NULL);
+  gboolean time = !strcmp(f->metric, "seconds");
+  g_autofree char *path =
+      g_build_filename(folder, time ? "manifest.json" : "metrics.json", NULL);
   g_autoptr(JsonParser) parser = json_parser_new();
   g_autoptr(GError) error = NULL;
-  g_autofree char *where = g_strdup_printf("$.%s.%s.value", f->step, f->metric);
+  g_autofree char *where =
+      time ? g_strdup_printf("$.steps.%s", f->step)
+           : g_strdup_printf("$.%s.%s.value", f->step, f->metric);
   g_autoptr(JsonNode) found = NULL;
   if (json_parser_load_from_file(parser, path, &error))
     found = json_path_query(where, json_parser_get_root(parser), &error);
@@ -171,19 +224,34 @@ static gboolean measure(const job *j, const char *folder) {
     fprintf(stderr, "%s: skipped, no '%s'\n", j->name, layout);
     return TRUE;
   }
-  double seconds[MAX_REPEATS];
+  const version this = this_version(), *other = other_version();
+  double seconds[MAX_REPEATS], beside_it[MAX_REPEATS];
   for (size_t i = 0; i < j->repeats; i++) {
     g_autofree char *name = g_strdup_printf("%s-%zu", j->name, i);
+    g_autofree char *cheap = g_strdup_printf("%s-beside-%zu", j->name, i);
+    g_autofree char *second = g_build_filename(folder, cheap, NULL);
     g_free(run);
     run = g_build_filename(folder, name, NULL);
-    seconds[i] = run_once(j, layout, run);
+    seconds[i] = run_once(j, &this, NULL, layout, run);
     if (seconds[i] < 0) return FALSE;
+    if (!j->cheap[0]) continue;
+    beside_it[i] = other ? run_once(j, other, NULL, layout, second)
+                         : run_once(j, &this, j->cheap, layout, second);
+    if (beside_it[i] < 0) return FALSE;
   }
-  tell(j, "seconds", bench_median(seconds, j->repeats), "s", j->seconds);
+  double median = bench_median(seconds, j->repeats);
+  tell(j, "seconds", median, "s", j->seconds);
+  if (j->cheap[0]) {
+    double cheap = bench_median(beside_it, j->repeats);
+    tell(j, other ? "seconds_before" : "seconds_cheap", cheap, "s", 0);
+    tell(j, other ? "times_before" : "times_cheap", median / cheap, "",
+         j->times);
+  }
   for (size_t i = 0; i < MAX_FIGURES && j->figures[i].step; i++) {
+    const figure *f = &j->figures[i];
     double value;
-    if (!read_metric(run, &j->figures[i], &value)) return FALSE;
-    tell(j, j->figures[i].metric, value, "%", j->figures[i].reach);
+    if (!read_metric(run, f, &value)) return FALSE;
+    tell(j, f->metric, value, f->unit ? f->unit : "", f->reach);
   }
   return TRUE;
 }
