@@ -325,6 +325,46 @@ static void test_corner(void) {
   end(&c);
 }
 
+/* A pad beside a line, printed 4 nm over its contact, or as far as a patch
+   goes. */
+static double pad(const chip *c, double x, double y) {
+  int32_t top = 0;
+  for (size_t i = 0; i < c->ruling.patches[EDA_POLY].count; i++)
+    top = MAX(top, c->ruling.patches[EDA_POLY].box[i].y1 - 140);
+  double box = fmin(fmin(x + 20, 171 - x), fmin(y + 20, 138 + top - y));
+  return fmax(box, fmin(fmin(x - 100, 180 - x), fmin(y + 320, 520 - y)));
+}
+
+/* An edge that ends in a concave corner is no nearer to a neighbour for that:
+   its patch fills the corner, and reaches into the line, which may have become
+   narrower. */
+static void test_concave(void) {
+  static const int32_t xy[8][2] = {{0, 0},      {106, 0},   {106, -300},
+                                   {171, -300}, {171, 500}, {106, 500},
+                                   {106, 140},  {0, 140}};
+  g_autoptr(opc_module) m = make("{}");
+  chip c = {0};
+  for (int i = 0; i < 8; i++) {
+    c.points[i] = (eda_point){xy[i][0], xy[i][1]};
+    c.fragments[i] = (eda_fragment){.from = c.points[i], .gate = -1};
+  }
+  c.start[1] = 8;
+  c.shapes[EDA_POLY].count = 1;
+  add_contact(&c, 20, 30, 96, 134);
+  begin(&c);
+  for (int i = 0; i < 3; i++) {
+    print(&c, pad);
+    judge(m, &c);
+  }
+  g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 1);
+  eda_box b = c.ruling.patches[EDA_POLY].box[0];
+  g_assert_cmpint(b.y1, >=, 146);
+  g_assert_cmpint(b.x0, ==, 0);
+  g_assert_cmpint(b.x1, >, 106);
+  g_assert_cmpint(b.x1, <, 171);
+  end(&c);
+}
+
 static double plain_bar(const chip *c, double x, double y) {
   double bar =
       fmin(fmin(x + 20, 104 + grown(c, 106, y) - x), fmin(y + 20, 160 - y));
@@ -590,6 +630,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/regulator/pinched", test_pinched);
   g_test_add_func("/regulator/piece", test_piece);
   g_test_add_func("/regulator/corner", test_corner);
+  g_test_add_func("/regulator/concave", test_concave);
   g_test_add_func("/regulator/too-near", test_too_near);
   g_test_add_func("/regulator/heads", test_heads);
   g_test_add_func("/regulator/asked", test_asked);

@@ -161,6 +161,29 @@ static int32_t met(const drc *r, const repair *one, int side, int next) {
              : 0;
 }
 
+/* How far the end of a patch goes on into the shape in a concave corner, where
+   the edge that it meets may lie further in than drawn. */
+static int32_t into_corner(const drc *r, const repair *one, int side,
+                           int32_t at) {
+  eda_box c = r->sites[one->site].box;
+  const places *edges = &r->edges[r->sites[one->site].layer];
+  c = window_at(c, side, one->edge[side], one->edge[side], 0);
+  if (upright(side))
+    c.y0 = c.y1 = at;
+  else
+    c.x0 = c.x1 = at;
+  eda_finder f = eda_index_find(edges->index, c);
+  for (uint32_t i; eda_index_next(&f, &i);) {
+    eda_box e = edges->box[i];
+    if (side == LEFT    ? e.x0 < c.x0
+        : side == RIGHT ? e.x1 > c.x0
+        : side == BELOW ? e.y0 < c.y0
+                        : e.y1 > c.y0)
+      return (int32_t)ceil(tuned.shallow / r->grid);
+  }
+  return 0;
+}
+
 /* The patch on a side: the piece of the drawn edge as far out as it grows, and
    as far in as a mask may be narrow. Its ends go with the corners. */
 static eda_box patch_of(const drc *r, const eda_printed *printed,
@@ -171,14 +194,34 @@ static eda_box patch_of(const drc *r, const eda_printed *printed,
   eda_box b = r->sites[one->site].box;
   eda_box p = window_at(b, side, one->edge[side] - in, out, 0);
   int32_t from = one->from[side] - moved(printed, one->corner[side][0]) -
-                 met(r, one, side, low);
+                 met(r, one, side, low) -
+                 into_corner(r, one, side, one->from[side]);
   int32_t to = one->to[side] + moved(printed, one->corner[side][1]) +
-               met(r, one, side, low + 1);
+               met(r, one, side, low + 1) +
+               into_corner(r, one, side, one->to[side]);
   if (upright(side))
     p.y0 = from, p.y1 = to;
   else
     p.x0 = from, p.x1 = to;
   return p;
+}
+
+/* How far the next edge of the layer itself lies before an edge. One that goes
+   out from its end is of a concave corner, which the mask may fill. */
+static int32_t own_space(const places *edges, eda_box window, int side,
+                         int32_t none) {
+  eda_finder f = eda_index_find(edges->index, window);
+  int32_t found = none;
+  for (uint32_t i; eda_index_next(&f, &i);) {
+    eda_box e = edges->box[i], w = window;
+    if (e.x0 >= w.x1 || e.x1 <= w.x0 || e.y0 >= w.y1 || e.y1 <= w.y0) continue;
+    int32_t d = side == LEFT    ? w.x1 - e.x1
+                : side == RIGHT ? e.x0 - w.x0
+                : side == BELOW ? w.y1 - e.y1
+                                : e.y0 - w.y0;
+    if (d >= 0 && d < found) found = d;
+  }
+  return found;
 }
 
 /* How far the mask may go past what is drawn on a side: what it faces may come
@@ -195,7 +238,7 @@ static int32_t room_of(const drc *r, const site *s, const repair *one,
   else
     edge.x0 = one->from[side], edge.x1 = one->to[side];
   eda_box window = window_at(edge, side, 1, range, beside);
-  double own = nearest(&r->edges[s->layer], window, side, range, NULL) + 1;
+  double own = own_space(&r->edges[s->layer], window, side, range) + 1;
   double other = range;
   window = window_at(edge, side, 0, range, beside);
   if (s->layer <= EDA_ACTIVE && r->layers > EDA_ACTIVE)
