@@ -49,8 +49,8 @@ eda_image_size eda_printer_forecast(const eda_printer *p, size_t layers) {
 
 int eda_printer_spectrum(const eda_printer *p, const eda_shapes *mask,
                          eda_spectrum *out, opc_error *error) {
-  return eda_mask_spectrum(p->context, mask, p->grid, p->frame,
-                           p->litho.functions.band(&p->litho), out, error);
+  return eda_litho_spectrum(p->context, &p->litho.module, mask, p->grid,
+                            p->frame, out, error);
 }
 
 int eda_printer_develop(const eda_printer *p, int layer, eda_field *field,

@@ -2,6 +2,7 @@
 /* Values of fields, and freeing fields and spectra. */
 #include <eda/imaging.h>
 #include <eda/memory.h>
+#include <math.h>
 #include <stdlib.h>
 
 #include <eda/simd.h>
@@ -34,6 +35,10 @@ EDA_WIDE static void sample_points(const eda_field *field, const double *x,
 void eda_field_sample(const eda_field *field, const double *x, const double *y,
                       size_t n, double *out) {
   sample_points(field, x, y, n, out);
+}
+
+double eda_margin(double band, double error) {
+  return sqrt(0.05 / error) / band;
 }
 
 void eda_spectrum_clear(eda_spectrum *spectrum) {
