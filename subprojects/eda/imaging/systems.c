@@ -504,7 +504,7 @@ eda_image_size eda_image_forecast(eda_frame f, double band) {
   double along_y = 2 * x * ny * sizeof(float complex);
   double fine = x * fine_y * sizeof(float complex);
   double out = fine_x * fine_y * sizeof(float);
-  return (eda_image_size){nx, ny, spectrum + sums + along_y + fine + out};
+  return (eda_image_size){nx, ny, spectrum + sums + along_y + fine + out, out};
 }
 
 /* Samples along a side for fields, and nodes for the result. */

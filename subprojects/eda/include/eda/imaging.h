@@ -111,9 +111,9 @@ OPC_EXPORT int eda_coherent_sum(const opc_context *context,
 
 /* What an image of a mask takes at least, with models of that band (1/nm): the
    points of its Fourier transforms, and bytes, its spectrum and itself among
-   them. */
+   them; and how many of these are itself. */
 typedef struct eda_image_size {
-  double columns, rows, bytes;
+  double columns, rows, bytes, field;
 } eda_image_size;
 OPC_EXPORT eda_image_size eda_image_forecast(eda_frame frame, double band);
 

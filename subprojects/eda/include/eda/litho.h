@@ -31,9 +31,10 @@ typedef struct eda_litho {
 
      The image within `wanted` (clear field 1, at most that far off) of what the
      model gives with all it has, `defocus` nm from the focus that the
-     parameters say. What it needs for that is found when it is first asked for.
-     If all it has does not reach it, the log says so. May be NULL: `image` and
-     `image_at` are as good as the model gets. [any] */
+     parameters say, on the grid of `image`. What it needs for that is found
+     when it is first asked for. If all it has does not reach it, the log says
+     so. May be NULL: `image` and `image_at` are as good as the model gets.
+     [any] */
   int (*image_fine)(const void *self, int layer, const eda_spectrum *mask,
                     double defocus, double wanted, eda_field *out,
                     opc_error *error);
