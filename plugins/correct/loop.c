@@ -9,6 +9,7 @@
 #include <eda/check.h>
 #include <eda/memory.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -293,12 +294,16 @@ static int update(loop *l, int which, opc_error *error) {
   eda_moves moves = {.l = b->l,
                      .w = b->w,
                      .jog = b->jog,
+                     .part = b->part,
                      .shift = l->drivers[which].shift,
                      .assists = assists};
   if (which == EDGES) {
-    moves.w = memcpy(l->unused, l->now.biases.w, 3 * n * sizeof(int32_t));
+    const trial *t = &l->now;
+    size_t all = TRIAL_BIASES * n * sizeof(int32_t);
+    moves.w = memcpy(l->unused, t->biases.w, all);
     moves.l = moves.w + n;
     moves.jog = moves.l + n;
+    moves.part = (eda_part *)(moves.w + 5 * n);
   }
   int code = move(l, which, &moves, error);
   free(assists);
@@ -365,6 +370,14 @@ static int iterate(loop *l, opc_error *error) {
     /* Line ends first, so that their effect is not taken for that of the
        first moves. */
     if (l->iterations == 0 && wait && prints++ < l->max_iterations) continue;
+    if (getenv("NWL")) {
+      for (size_t i = 0; i < l->gates->count; i++)
+        for (int q = 0; q < 2; q++)
+          if (l->now.biases.end[2 * i + q] != l->next.biases.end[2 * i + q])
+            fprintf(stderr, "END it %u gate %zu %d: %d -> %d (ext %.2f)\n", l->iterations, i, q, l->now.biases.end[2 * i + q], l->next.biases.end[2 * i + q], l->measured.extension[2 * i + q]);
+      for (int q = 0; q < 2; q++)
+      fprintf(stderr, "BOX it %u patches %zu->%zu bites %zu->%zu differ %d\n", l->iterations, l->now.patches[q].count, l->next.patches[q].count, l->now.bites[q].count,l->next.bites[q].count, changed(l, q));
+    }
     if (l->iterations == l->max_iterations) {
       l->host->log(l->host, OPC_LOG_WARNING,
                    "not done after %d iteration%s: worst deviation %.3g %s",
@@ -393,7 +406,7 @@ static void loop_init(loop *l) {
   l->polygons = eda_alloc(layers, sizeof *l->polygons);
   l->mask = eda_alloc(layers, sizeof *l->mask);
   l->sites = eda_alloc(layers, sizeof *l->sites);
-  l->unused = eda_alloc(3 * n, sizeof *l->unused);
+  l->unused = eda_alloc(TRIAL_BIASES * n, sizeof *l->unused);
   l->vetoes = eda_alloc(n, sizeof *l->vetoes);
   trial_init(&l->now, layers, n);
   trial_init(&l->next, layers, n);

@@ -29,6 +29,7 @@ static void clear(void *self) {
   newton *t = self;
   free(t->state);
   free(t->sides);
+  free(t->parts);
   free(t->wish);
 }
 
@@ -39,6 +40,7 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
   t->rest = 0;
   t->state = eda_alloc(t->count, sizeof *t->state);
   t->sides = eda_alloc(t->count, sizeof *t->sides);
+  t->parts = eda_alloc(t->count, sizeof *t->parts);
   t->wish = eda_alloc(t->count, sizeof *t->wish);
   for (size_t i = 0; i < t->count; i++) t->wish[i] = (wish){1, 1};
   int code = read_notes(f->gates, t->wish, error);
@@ -68,12 +70,20 @@ static void left_after(const transistor *s, double l, double w,
               s->response.by[k][BY_W] * (w - s->x[BY_W]);
 }
 
-/* The nearest mask with a jog, for a wanted L. */
+/* The nearest mask with a jog, for a wanted L. Parts that end where it lies add
+   to L what they did not before. */
 static biases with_jog(const newton *t, const eda_gates *g, size_t i, double l,
                        int32_t w) {
   int32_t least = (int32_t)ceil(t->min_jog / g->grid);
-  length x = length_nearest(&t->sides[i], l, least);
-  return (biases){x.l, w, x.jog};
+  biases b = {.w = w, .shape = t->state[i].next.shape};
+  double shaped = shape_value(&t->parts[i], &t->sides[i], &b.shape);
+  for (int k = 0; k < 3; k++) {
+    length x = length_nearest(&t->sides[i], l - shaped, least);
+    b.l = x.l;
+    b.jog = x.jog;
+    shaped = length_in_steps(t, i, b) - length_value(&t->sides[i], x);
+  }
+  return b;
 }
 
 /* A gate may be so narrow that its nearest jog leaves too much. `best` is the
@@ -95,7 +105,7 @@ static biases with_width(const newton *t, const eda_feedback *f, size_t i,
     int32_t w = best.w + step;
     if (f->vetoes[i] & veto || abs(w) > most) continue;
     left_after(s, s->x[BY_L], w, rest);
-    solve(&s->response, rest, t->weight, only_l, more);
+    solve(&s->response, rest, t->steer, only_l, more);
     veto = more[BY_L] > 0 ? EDA_VETO_LONGER : EDA_VETO_SHORTER;
     double l = s->x[BY_L] + more[BY_L];
     if (f->vetoes[i] & veto || fabs(l) > t->max_bias / grid) continue;
@@ -118,16 +128,18 @@ static biases on_grid(const newton *t, const eda_feedback *f, size_t i,
   int32_t w = (int32_t)lround(s->x[BY_W] + dx[BY_W]);
   double l = s->x[BY_L] + dx[BY_L];
   left_after(s, l, w, rest);
-  solve(&s->response, rest, t->weight, only_l, more);
+  solve(&s->response, rest, t->steer, only_l, more);
   if (dx[BY_L] != 0 && !cut) l += fmin(fmax(more[BY_L], -1), 1);
-  int32_t whole = (int32_t)lround(l);
-  left_after(s, whole, w, rest);
+  const shape *shape = &s->next.shape;
+  double shaped = shape_value(&t->parts[i], &t->sides[i], shape);
+  int32_t whole = (int32_t)lround(l - shaped);
+  left_after(s, whole + shaped, w, rest);
   if (t->fine == NONE || (t->fine == JOG && size_of(t, rest) <= enough))
-    return (biases){whole, w, 0};
+    return (biases){whole, w, 0, *shape};
   biases near = with_jog(t, f->gates, i, l, w);
   if (t->fine == JOG) return cut ? near : with_width(t, f, i, near);
   solve(&s->response, rest, t->weight, only_w, more);
-  return (biases){whole, w + (int32_t)lround(more[BY_W]), 0};
+  return (biases){whole, w + (int32_t)lround(more[BY_W]), 0, *shape};
 }
 
 /* The size of the errors that a mask is expected to have: what the response
@@ -141,6 +153,33 @@ static double expected(const newton *t, size_t i, biases next) {
     wrong[k] = hypot(r->doubt[BY_L] * r->by[k][BY_L] * (l - s->x[BY_L]),
                      r->doubt[BY_W] * r->by[k][BY_W] * (next.w - s->x[BY_W]));
   return hypot(size_of(t, rest), size_of(t, wrong));
+}
+
+/* The W that leaves the drawn Ioff once L makes good for it, and that L. */
+static void with_leakage(const newton *t, const eda_feedback *f, size_t i,
+                         uint32_t veto, double dx[MOVES]) {
+  static const int both[MOVES] = {1, 1}, only_l[MOVES] = {1, 0};
+  const transistor *s = &t->state[i];
+  double grid = f->gates->grid, step[MOVES], rest[ERRORS], more[MOVES];
+  double most = fmin(t->max_bias, f->gates->width[i] / 2) / grid;
+  uint8_t why;
+  const double(*by)[MOVES] = s->response.by;
+  /* What W does to Ioff while L keeps Ion; where thin ends of the gate print on
+     a wider active, nothing. */
+  double useful =
+      by[IOFF][BY_W] - by[IOFF][BY_L] / by[ION][BY_L] * by[ION][BY_W];
+  if (!(useful <
+        -tuned.useless * by[IOFF][BY_L] / by[ION][BY_L] * by[ION][BY_W]))
+    return;
+  solve(&s->response, s->error, t->weight, both, step);
+  double w =
+      fmin(fmax(step[BY_W], -tuned.longest / grid), tuned.longest / grid);
+  dx[BY_W] = round(bounded(s->x[BY_W], w, most, veto & EDA_VETO_WIDER,
+                           veto & EDA_VETO_NARROWER, &why));
+  left_after(s, s->x[BY_L], s->x[BY_W] + dx[BY_W], rest);
+  for (int k = 0; k < ERRORS; k++) rest[k] -= s->error[k];
+  solve(&s->response, rest, t->steer, only_l, more);
+  dx[BY_L] += more[BY_L];
 }
 
 /* Newton's step of one transistor. W moves if its weights ask for it, and else
@@ -158,10 +197,11 @@ static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
   double dx[MOVES], wanted;
   free_moves(t, free);
   mended = !free[BY_W] && s->trust.radius < tuned.w_alone;
-  solve(&s->response, s->error, t->weight, free, dx);
+  solve(&s->response, s->error, t->steer, free, dx);
   wanted = dx[BY_L];
   dx[BY_L] = trust_step(&s->trust, s->x[BY_L], wanted);
   *cut = dx[BY_L] != wanted;
+  if (t->target != PLAIN && f->iteration > 0) with_leakage(t, f, i, veto, dx);
   dx[BY_L] = bounded(s->x[BY_L], dx[BY_L], t->max_bias / g->grid,
                      veto & EDA_VETO_LONGER, veto & EDA_VETO_SHORTER, why);
   if (mended || (*why != MOVING && fabs(dx[BY_L]) < tuned.w_alone))
@@ -170,7 +210,7 @@ static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
                      veto & EDA_VETO_NARROWER, why);
   if (mended)
     return (biases){s->good.l, s->good.w + (int32_t)lround(dx[BY_W]),
-                    s->good.jog};
+                    s->good.jog, s->good.shape};
   return on_grid(t, f, i, dx, enough, *cut && !free[BY_W]);
 }
 
@@ -184,22 +224,40 @@ static biases seek(const newton *t, const eda_feedback *f, size_t i) {
   uint32_t veto = longer ? EDA_VETO_LONGER : EDA_VETO_SHORTER;
   double l = s->now.l + trust_step(&s->trust, s->now.l, longer ? step : -step);
   if (f->vetoes[i] & veto || fabs(l) > t->max_bias / grid) return s->now;
-  return (biases){(int32_t)lround(l), s->now.w, 0};
+  return (biases){(int32_t)lround(l), s->now.w, 0, s->now.shape};
+}
+
+/* Make the edges flatter; whether that moves any. */
+static int reform(newton *t, const eda_feedback *f, size_t i) {
+  transistor *s = &t->state[i];
+  if (t->target == PLAIN || f->iteration < 1 || f->iteration > tuned.shapes)
+    return 0;
+  const eda_gates *g = f->gates;
+  const curve *c = &t->curve[g->type[i] == EDA_PMOS];
+  s->next.shape =
+      shape_flat(&t->parts[i], &s->ripple, &s->now.shape, c->slope[IOFF],
+                 t->gain[BY_L] * g->grid, tuned.smooth / g->grid,
+                 t->price / 100 / ripple_cost(g->length[i], c),
+                 (f->vetoes[i] & EDA_VETO_LONGER) != 0);
+  if (!memcmp(&s->next.shape, &s->now.shape, sizeof s->next.shape)) return 0;
+  reshape(t, i, &s->next.shape);
+  return 1;
 }
 
 /* What to try next of one transistor. */
-static biases propose(const newton *t, const eda_feedback *f, size_t i) {
+static biases propose(newton *t, const eda_feedback *f, size_t i) {
   transistor *s = &t->state[i];
   double enough = tolerance(t) / t->wish[i].weight;
   s->verdict = WITHIN;
+  s->next = s->now;
   if (t->wish[i].weight == 0 || (!s->lost && s->size <= enough)) return s->now;
   s->verdict = NO_PRINT;
   if (s->lost && (isinf(s->size) || same(s->now, s->good)))
     return seek(t, f, i);
   uint8_t why = MOVING;
-  int cut;
+  int cut, shaped = !s->lost && reform(t, f, i);
   biases next = newton_step(t, f, i, enough, &why, &cut);
-  if (s->lost) return next;
+  if (s->lost || shaped) return next;
   double hope = expected(t, i, next);
   s->verdict = MOVING;
   int held = cut && s->size > limit(t) && trust_holds(&s->trust, s->x[BY_L]);
@@ -242,7 +300,7 @@ static int is_good(newton *t, int first) {
 
 /* What becomes of transistor i, `good` being what is_good says. *done = 0 if it
    is not settled. */
-static biases decide(const newton *t, const eda_feedback *f, size_t i, int good,
+static biases decide(newton *t, const eda_feedback *f, size_t i, int good,
                      int *done) {
   const transistor *s = &t->state[i];
   biases next = propose(t, f, i);
@@ -262,7 +320,12 @@ static int update(void *self, const eda_feedback *f, eda_moves *moves,
                   int *done, opc_error *error) {
   newton *t = self;
   (void)error;
-  if (f->iteration == 0) sides_find(f->gates, t->sides);
+  t->gates = f->gates;
+  if (f->iteration == 0) {
+    sides_find(f->gates, t->sides);
+    for (size_t i = 0; i < t->count; i++)
+      t->parts[i] = parts_of(f->gates, i, &t->sides[i]);
+  }
   observe(t, f, moves);
   *done = 1;
   int good = is_good(t, f->iteration == 0);
@@ -271,6 +334,10 @@ static int update(void *self, const eda_feedback *f, eda_moves *moves,
     moves->l[i] = next.l;
     moves->w[i] = next.w;
     moves->jog[i] = next.jog;
+    t->state[i].next = next;
+    if (!moves->part) continue;
+    parts p = parts_of_mask(t, i, next);
+    shape_write(&p, &next.shape, moves->part + EDA_PARTS * i);
   }
   foresee(t, f, moves);
   return OPC_OK;
@@ -293,6 +360,15 @@ static double target(const void *self, size_t gate) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
+    OPC_PARAMETER(newton, target, .type = OPC_CHOICE, .preset = "balanced",
+                  .choices = "plain|balanced|full",
+                  .summary =
+                      "what is corrected: what `weight` says, Ion alone; "
+                      "Ion and Ioff; those and the gate area"),
+    OPC_PARAMETER(
+        newton, price, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "%",
+        .summary = "what a jog that makes the length even has to save "
+                   "of the gate area's deviation; default: by target"),
     OPC_PARAMETER_NAMED("weight.ion", newton, weight[ION], .type = OPC_REAL,
                         .flags = OPC_AT_LEAST, .preset = "1",
                         .summary = "weight of the squared deviation of Ion"),
@@ -343,7 +419,15 @@ static const opc_parameter parameters[] = {
 };
 
 static int check(void *self, opc_error *error) {
-  const newton *t = self;
+  static const double prices[TARGETS] = {INFINITY, 3, 0.1};
+  newton *t = self;
+  if (isnan(t->price)) t->price = prices[t->target];
+  if (t->target != PLAIN) {
+    t->weight[ION] = t->steer[ION] = 1;
+    t->weight[IOFF] = 0.01;
+    return OPC_OK;
+  }
+  memcpy(t->steer, t->weight, sizeof t->steer);
   if (t->weight[ION] + t->weight[IOFF] + t->weight[AREA] > 0) return OPC_OK;
   return opc_fail(error, OPC_INVALID, "weight.ion", "all weights are 0");
 }

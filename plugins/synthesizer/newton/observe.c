@@ -4,6 +4,7 @@
 #include "observe.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,7 +15,8 @@
 double limit(const newton *t) { return t->limit / 100; }
 
 int same(biases a, biases b) {
-  return a.l == b.l && a.w == b.w && a.jog == b.jog;
+  return a.l == b.l && a.w == b.w && a.jog == b.jog &&
+         !memcmp(&a.shape, &b.shape, sizeof a.shape);
 }
 
 double size_of(const newton *t, const double error[ERRORS]) {
@@ -23,13 +25,21 @@ double size_of(const newton *t, const double error[ERRORS]) {
   return sqrt(sum);
 }
 
+parts parts_of_mask(const newton *t, size_t i, biases b) {
+  double at = length_jog(&t->sides[i], (length){b.l, b.jog});
+  return parts_beside(&t->parts[i], at, ceil(t->min_jog / t->gates->grid));
+}
+
 double length_in_steps(const newton *t, size_t i, biases b) {
-  return length_value(&t->sides[i], (length){b.l, b.jog});
+  parts p = parts_of_mask(t, i, b);
+  return length_value(&t->sides[i], (length){b.l, b.jog}) +
+         shape_value(&p, &t->sides[i], &b.shape);
 }
 
 void free_moves(const newton *t, int free[MOVES]) {
   free[BY_L] = 1;
-  free[BY_W] = t->weight[IOFF] > 0 || t->weight[AREA] > 0;
+  free[BY_W] =
+      t->target == PLAIN && (t->weight[IOFF] > 0 || t->weight[AREA] > 0);
 }
 
 /* ---- work: one transistor ---- */
@@ -75,7 +85,7 @@ static double pull_of(const newton *t, const transistor *s) {
   int free[MOVES];
   double dx[MOVES];
   free_moves(t, free);
-  solve(&s->response, s->error, t->weight, free, dx);
+  solve(&s->response, s->error, t->steer, free, dx);
   return -dx[BY_L] * s->response.by[ION][BY_L];
 }
 
@@ -120,6 +130,19 @@ static void find_way(const newton *t, transistor *s, const change *c,
   trust_see(&s->trust, s->x[BY_L], s->pull);
 }
 
+/* What a strip more of W brings depends on the length beside it. */
+static void see_strips(const newton *t, transistor *s, size_t i) {
+  const curve *c = &t->curve[t->gates->type[i] == EDA_PMOS];
+  for (int k = ION; k <= IOFF; k++) {
+    double now = ripple_strip(&s->ripple, c->slope[k]);
+    now = fmin(fmax(now, 1 / tuned.strip), tuned.strip);
+    double factor = now / (s->strip[k] > 0 ? s->strip[k] : 1);
+    s->response.by[k][BY_W] *= factor;
+    s->first.by[k][BY_W] *= factor;
+    s->strip[k] = now;
+  }
+}
+
 /* Take in what the moves to `now` have printed. `common` is by how much the log
    Ion of all transistors of its type changed alike. */
 static void take_in(const newton *t, transistor *s, const eda_feedback *f,
@@ -159,8 +182,36 @@ static void take_in(const newton *t, transistor *s, const eda_feedback *f,
   s->size = size_of(t, error);
   s->rest_size = first || moved ? s->size : fmin(s->rest_size, s->size);
   s->point = point_of(f->printed, i);
+  ripple expect = s->expect;
+  if (t->target != PLAIN) s->ripple = ripple_of(f, i, &t->parts[i]);
+  if (getenv("NWD") && s->ripple.count) {
+    double a = 0, b = 0, d = 0;
+    int n = s->ripple.count;
+    for (int j = 0; j < n; j++) {
+      a += s->ripple.off[j] * s->ripple.off[j];
+      b += expect.off[j] * expect.off[j];
+      double q = expect.off[j] - s->ripple.off[j];
+      d += q * q;
+    }
+    fprintf(stderr,
+            "RIP %u %zu %d now %.2f expected %.2f diff %.2f err %.4f %.4f x "
+            "%.2f %.0f\n",
+            f->iteration, i, f->gates->type[i], sqrt(a / n), sqrt(b / n),
+            sqrt(d / n), error[0], error[1], x[0], x[1]);
+    if (atoi(getenv("NWD")) == (int)i) {
+      for (int j = 0; j < n; j++)
+        fprintf(stderr, "%.1f/%.1f%s", s->ripple.off[j], expect.off[j],
+                j % 3 == 2 ? " | " : " ");
+      fprintf(stderr, "\n");
+      for (int k = 0; k < n / 3 + 2; k++)
+        fprintf(stderr, " %d", now.shape.by[k]);
+      fprintf(stderr, " l %d jog %d w %d end %d %d\n", now.l, now.jog, now.w,
+              f->end[2 * i], f->end[2 * i + 1]);
+    }
+  }
   bend(&s->response, &s->first, s->point, point_of(f->design, i),
        f->gates->grid);
+  if (!first && t->target != PLAIN) see_strips(t, s, i);
   if (!first) find_way(t, s, &c, f->iteration > 1 ? foreseen : NAN);
   keep_best(s, f->flags[i], first);
 }
@@ -170,7 +221,7 @@ static void take_in(const newton *t, transistor *s, const eda_feedback *f,
 /* The first responses, and the errors as they will be once the line ends have
    moved: the regulator moves them together with the first moves. */
 static void start(newton *t, const eda_feedback *f) {
-  curve curves[2];
+  curve *curves = t->curve;
   curves_from(f, curves);
   for (size_t i = 0; i < t->count; i++) {
     transistor *s = &t->state[i];
@@ -201,7 +252,7 @@ static void fit(const newton *t, const eda_feedback *f, const eda_moves *moves,
   for (size_t i = 0; i < t->count; i++) {
     const transistor *s = &t->state[i];
     const double target[ERRORS] = {t->wish[i].ion, 1, 1};
-    const biases next = {moves->l[i], moves->w[i], moves->jog[i]};
+    const biases next = t->state[i].next;
     double error[ERRORS];
     if (!errors_of(f, i, target, error) || isinf(s->size)) continue;
     line *k = &of[f->gates->type[i] == EDA_PMOS];
@@ -239,6 +290,12 @@ static void learn_together(newton *t, const eda_feedback *f,
     t->state[i].first = t->state[i].response;
 }
 
+/* The loop may have gone back to another mask than was asked for. */
+static biases as_printed(const newton *t, const eda_moves *moves, size_t i) {
+  biases b = {moves->l[i], moves->w[i], moves->jog[i], t->state[i].next.shape};
+  return b;
+}
+
 void observe(newton *t, const eda_feedback *f, const eda_moves *moves) {
   double common[2] = {0};
   for (size_t i = 0; f->iteration > 0 && i < t->count; i++)
@@ -246,10 +303,25 @@ void observe(newton *t, const eda_feedback *f, const eda_moves *moves) {
          point_of(f->printed, i), f->gates->grid);
   if (f->iteration == 1) learn_together(t, f, moves, common);
   for (size_t i = 0; i < t->count; i++)
-    take_in(t, &t->state[i], f, i,
-            (biases){moves->l[i], moves->w[i], moves->jog[i]},
+    take_in(t, &t->state[i], f, i, as_printed(t, moves, i),
             common[f->gates->type[i] == EDA_PMOS]);
   if (f->iteration == 0) start(t, f);
+}
+
+void reshape(newton *t, size_t i, const shape *to) {
+  transistor *s = &t->state[i];
+  const curve *c = &t->curve[t->gates->type[i] == EDA_PMOS];
+  ripple after = ripple_after(&t->parts[i], &s->ripple, &s->now.shape, to,
+                              t->gain[BY_L] * t->gates->grid,
+                              tuned.smooth / t->gates->grid);
+  s->expect = after;
+  for (int k = ION; k <= IOFF; k++)
+    s->error[k] += ripple_excess(&after, c->slope[k]) -
+                   ripple_excess(&s->ripple, c->slope[k]);
+  double before = s->pull;
+  s->pull = pull_of(t, s);
+  s->surprise += tuned.unforeseen * fabs(s->pull - before);
+  trust_drift(&s->trust, s->pull - before, s->surprise);
 }
 
 /* Neighbours share a part of the mean change of log Ion that they make, and
@@ -258,7 +330,7 @@ void foresee(newton *t, const eda_feedback *f, const eda_moves *moves) {
   double sum = 0;
   for (size_t i = 0; i < t->count; i++) {
     const transistor *s = &t->state[i];
-    const biases next = {moves->l[i], moves->w[i], moves->jog[i]};
+    const biases next = s->next;
     double d =
         s->response.by[ION][BY_L] * (length_in_steps(t, i, next) - s->x[BY_L]) +
         s->response.by[ION][BY_W] * (next.w - s->x[BY_W]);

@@ -7,12 +7,18 @@
 
 #include "jog.h"
 #include "response.h"
+#include "shape.h"
 #include "trust.h"
 #include "wishes.h"
 
 typedef struct biases {
   int32_t l, w, jog;
+  shape shape;
 } biases;
+
+/* What is corrected: as the weights say; Ion and Ioff, by L and W; those and
+   the area, by flat edges. */
+enum { PLAIN, BALANCED, FULL, TARGETS };
 
 /* An error is the logarithm of what is printed over what is wanted; the size of
    a transistor's errors is one figure for all three of them (size_of). */
@@ -26,8 +32,11 @@ typedef struct transistor {
   double error[ERRORS]; /* its errors; at first as they will be once the line
                            ends have moved */
   double size;          /* of them; INFINITY if it never printed */
-  double pull;          /* the error of Ion that asks for the same L */
-  biases best;          /* of the mask with the least size so far */
+  ripple expect;
+  ripple ripple; /* of its length along W */
+  double pull;   /* the error of Ion that asks for the same L */
+  biases next;   /* that was asked for */
+  biases best;   /* of the mask with the least size so far */
   double best_size;
   double rest_size;         /* the least size since its last move */
   response response, first; /* as learnt, and as estimated at first */
@@ -40,12 +49,19 @@ typedef struct transistor {
                         own moves */
   uint8_t outside;   /* the figures of the best mask come from beyond the ends
                         of the device table */
+  double strip[ERRORS]; /* of a strip of W: its part of a current (shape.h) */
   uint8_t verdict;
 } transistor;
 
 typedef struct newton {
   const opc_host *host;
-  double weight[ERRORS];
+  int target;            /* PLAIN ... */
+  double weight[ERRORS]; /* of the size of errors */
+  double steer[ERRORS];  /* for the L that goes with a W */
+  double price;          /* % of the area that a jog has to save */
+  const eda_gates *gates;
+  parts *parts;            /* of each transistor */
+  curve curve[2];          /* of wide transistors, by type */
   double tolerance, limit; /* % */
   double gain[MOVES];
   double max_bias, min_jog; /* nm */
@@ -69,6 +85,9 @@ double limit(const newton *t);
 /* The weighted errors as one figure; it is |error| of one that weighs 1. */
 double size_of(const newton *t, const double error[ERRORS]);
 
+/* The parts of that mask of transistor i: its jog may have moved their ends. */
+parts parts_of_mask(const newton *t, size_t i, biases b);
+
 /* The length of that mask of transistor i, its jog as a part of a step. */
 double length_in_steps(const newton *t, size_t i, biases b);
 
@@ -77,6 +96,10 @@ void free_moves(const newton *t, int free[MOVES]);
 
 /* Take in what the mask of `moves` has printed, for all transistors. */
 void observe(newton *t, const eda_feedback *f, const eda_moves *moves);
+
+/* Take in that the next mask of transistor i will have that shape: what that
+   does to its currents is foreseen. */
+void reshape(newton *t, size_t i, const shape *to);
 
 /* How much the print of `moves` may surprise each transistor. */
 void foresee(newton *t, const eda_feedback *f, const eda_moves *moves);

@@ -28,6 +28,8 @@ static const struct {
   double odd_limit, odd_surprise, unanswered;
   double coarse, worthwhile, mean_part, patience;
   double blur, short_end, past_end, before_end;
+  double smooth, firm, local, tail, strip, useless;
+  uint32_t shapes;
 } tuned = {
     /* ---- the first estimate of a response ---- */
 
@@ -157,6 +159,16 @@ static const struct {
     .short_end = 2,
     .past_end = 1 / 2.0,
     .before_end = 3,
+
+    /* ---- flat edges: shape.c ---- */
+
+    .smooth = 50,
+    .firm = 0.15,
+    .local = 0.5,
+    .tail = 40,
+    .strip = 10,
+    .useless = 0.3,
+    .shapes = 3,
 };
 
 #endif
