@@ -45,8 +45,7 @@ static eda_shapes moved(moves m, int across) {
                      .box = &box,
                      .axis = &axis};
   int32_t w = 0, end[2] = {m.low, m.high};
-  biases by = {
-      .w = &w, .l = &m.l, .jog = &m.jog, .end = end, .part = m.part};
+  biases by = {.w = &w, .l = &m.l, .jog = &m.jog, .end = end, .part = m.part};
   pieces p;
   eda_shapes out;
   pieces_of_edges(&edges, &p);

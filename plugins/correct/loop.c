@@ -9,7 +9,6 @@
 #include <eda/check.h>
 #include <eda/memory.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -370,14 +369,6 @@ static int iterate(loop *l, opc_error *error) {
     /* Line ends first, so that their effect is not taken for that of the
        first moves. */
     if (l->iterations == 0 && wait && prints++ < l->max_iterations) continue;
-    if (getenv("NWL")) {
-      for (size_t i = 0; i < l->gates->count; i++)
-        for (int q = 0; q < 2; q++)
-          if (l->now.biases.end[2 * i + q] != l->next.biases.end[2 * i + q])
-            fprintf(stderr, "END it %u gate %zu %d: %d -> %d (ext %.2f)\n", l->iterations, i, q, l->now.biases.end[2 * i + q], l->next.biases.end[2 * i + q], l->measured.extension[2 * i + q]);
-      for (int q = 0; q < 2; q++)
-      fprintf(stderr, "BOX it %u patches %zu->%zu bites %zu->%zu differ %d\n", l->iterations, l->now.patches[q].count, l->next.patches[q].count, l->now.bites[q].count,l->next.bites[q].count, changed(l, q));
-    }
     if (l->iterations == l->max_iterations) {
       l->host->log(l->host, OPC_LOG_WARNING,
                    "not done after %d iteration%s: worst deviation %.3g %s",

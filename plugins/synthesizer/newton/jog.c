@@ -60,14 +60,13 @@ static double share(const sides *s, int side, int32_t jog) {
   return (weight(s, s->from[side] + jog) - from) / all;
 }
 
-double length_share(const sides *s, double from, double to) {
+double length_share(const sides *s, double to) {
   double sum = 0;
   for (int side = 0; side < 2; side++) {
-    double low = s->from[side], high = s->to[side];
-    double all = weight(s, high) - weight(s, low);
-    if (!(all > 0)) continue;
-    double a = fmin(fmax(from, low), high), b = fmin(fmax(to, low), high);
-    sum += (weight(s, b) - weight(s, a)) / all / 2;
+    double from = weight(s, s->from[side]);
+    double all = weight(s, s->to[side]) - from;
+    double at = fmin(fmax(to, s->from[side]), s->to[side]);
+    sum += all > 0 ? (weight(s, at) - from) / all / 2 : 0;
   }
   return sum;
 }

@@ -25,9 +25,9 @@ typedef struct length {
 /* What a length is worth, as a number of steps. */
 double length_value(const sides *s, length x);
 
-/* The part of the whole length's effect that a step from `from` to `to` has,
-   grid steps from the gate's box; it is cut off where the edges end. */
-double length_share(const sides *s, double from, double to);
+/* The part of the whole length's effect that a step of both edges up to `to`
+   has, grid steps from the gate's box; it is cut off where the edges end. */
+double length_share(const sides *s, double to);
 
 /* Where its jog lies, grid steps from the gate's box; NAN if it has none. */
 double length_jog(const sides *s, length x);

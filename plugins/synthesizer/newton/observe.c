@@ -4,7 +4,6 @@
 #include "observe.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,14 +26,17 @@ double size_of(const newton *t, const double error[ERRORS]) {
 
 parts parts_of_mask(const newton *t, size_t i, biases b) {
   double at = length_jog(&t->sides[i], (length){b.l, b.jog});
-  return parts_beside(&t->parts[i], at, ceil(t->min_jog / t->gates->grid));
+  return parts_beside(&t->parts[i], &t->sides[i], at,
+                      ceil(t->min_jog / t->gates->grid));
 }
 
 double length_in_steps(const newton *t, size_t i, biases b) {
   parts p = parts_of_mask(t, i, b);
   return length_value(&t->sides[i], (length){b.l, b.jog}) +
-         shape_value(&p, &t->sides[i], &b.shape);
+         shape_value(&p, &b.shape);
 }
+
+int for_ioff(const newton *t) { return t->target != PLAIN && !t->settled; }
 
 void free_moves(const newton *t, int free[MOVES]) {
   free[BY_L] = 1;
@@ -130,17 +132,14 @@ static void find_way(const newton *t, transistor *s, const change *c,
   trust_see(&s->trust, s->x[BY_L], s->pull);
 }
 
-/* What a strip more of W brings depends on the length beside it. */
-static void see_strips(const newton *t, transistor *s, size_t i) {
-  const curve *c = &t->curve[t->gates->type[i] == EDA_PMOS];
-  for (int k = ION; k <= IOFF; k++) {
-    double now = ripple_strip(&s->ripple, c->slope[k]);
-    now = fmin(fmax(now, 1 / tuned.strip), tuned.strip);
-    double factor = now / (s->strip[k] > 0 ? s->strip[k] : 1);
-    s->response.by[k][BY_W] *= factor;
-    s->first.by[k][BY_W] *= factor;
-    s->strip[k] = now;
-  }
+/* A step of W that made things worse is followed by shorter ones: where it has
+   taken thin ends of the gate into the channel, W is of no use. */
+static void judge_width(transistor *s, double dx, double before) {
+  if (dx == 0 || !isfinite(before)) return;
+  if (s->size > before)
+    s->reach = fmin(s->reach, fabs(dx) / 4);
+  else
+    s->reach = fmax(s->reach, 2 * fabs(dx));
 }
 
 /* Take in what the moves to `now` have printed. `common` is by how much the log
@@ -175,43 +174,18 @@ static void take_in(const newton *t, transistor *s, const eda_feedback *f,
   else if (printed && moved)
     learn(&s->response, &s->first, c.dx, c.de, s->surprise);
   s->disturbed |= (uint8_t)foreign;
+  double before = s->size;
   s->lost = 0;
   s->good = now;
   memcpy(s->x, x, sizeof x);
   memcpy(s->error, error, sizeof error);
   s->size = size_of(t, error);
+  judge_width(s, c.dx[BY_W], before);
   s->rest_size = first || moved ? s->size : fmin(s->rest_size, s->size);
   s->point = point_of(f->printed, i);
-  ripple expect = s->expect;
   if (t->target != PLAIN) s->ripple = ripple_of(f, i, &t->parts[i]);
-  if (getenv("NWD") && s->ripple.count) {
-    double a = 0, b = 0, d = 0;
-    int n = s->ripple.count;
-    for (int j = 0; j < n; j++) {
-      a += s->ripple.off[j] * s->ripple.off[j];
-      b += expect.off[j] * expect.off[j];
-      double q = expect.off[j] - s->ripple.off[j];
-      d += q * q;
-    }
-    fprintf(stderr,
-            "RIP %u %zu %d now %.2f expected %.2f diff %.2f err %.4f %.4f x "
-            "%.2f %.0f\n",
-            f->iteration, i, f->gates->type[i], sqrt(a / n), sqrt(b / n),
-            sqrt(d / n), error[0], error[1], x[0], x[1]);
-    if (atoi(getenv("NWD")) == (int)i) {
-      for (int j = 0; j < n; j++)
-        fprintf(stderr, "%.1f/%.1f%s", s->ripple.off[j], expect.off[j],
-                j % 3 == 2 ? " | " : " ");
-      fprintf(stderr, "\n");
-      for (int k = 0; k < n / 3 + 2; k++)
-        fprintf(stderr, " %d", now.shape.by[k]);
-      fprintf(stderr, " l %d jog %d w %d end %d %d\n", now.l, now.jog, now.w,
-              f->end[2 * i], f->end[2 * i + 1]);
-    }
-  }
   bend(&s->response, &s->first, s->point, point_of(f->design, i),
        f->gates->grid);
-  if (!first && t->target != PLAIN) see_strips(t, s, i);
   if (!first) find_way(t, s, &c, f->iteration > 1 ? foreseen : NAN);
   keep_best(s, f->flags[i], first);
 }
@@ -228,7 +202,7 @@ static void start(newton *t, const eda_feedback *f) {
     const curve *c = &curves[f->gates->type[i] == EDA_PMOS];
     s->first = first_response(f->gates, i, c, t->gain);
     s->response = s->first;
-    s->trust.radius = tuned.longest / f->gates->grid;
+    s->trust.radius = s->reach = tuned.longest / f->gates->grid;
     if (s->lost) continue;
     if (ends_moved(f->gates, s->end, f->next_end + 2 * i)) {
       double before = s->error[ION];
@@ -314,7 +288,6 @@ void reshape(newton *t, size_t i, const shape *to) {
   ripple after = ripple_after(&t->parts[i], &s->ripple, &s->now.shape, to,
                               t->gain[BY_L] * t->gates->grid,
                               tuned.smooth / t->gates->grid);
-  s->expect = after;
   for (int k = ION; k <= IOFF; k++)
     s->error[k] += ripple_excess(&after, c->slope[k]) -
                    ripple_excess(&s->ripple, c->slope[k]);
@@ -326,7 +299,7 @@ void reshape(newton *t, size_t i, const shape *to) {
 
 /* Neighbours share a part of the mean change of log Ion that they make, and
    line ends may move. */
-void foresee(newton *t, const eda_feedback *f, const eda_moves *moves) {
+void foresee(newton *t, const eda_feedback *f) {
   double sum = 0;
   for (size_t i = 0; i < t->count; i++) {
     const transistor *s = &t->state[i];

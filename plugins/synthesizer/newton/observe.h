@@ -32,15 +32,15 @@ typedef struct transistor {
   double error[ERRORS]; /* its errors; at first as they will be once the line
                            ends have moved */
   double size;          /* of them; INFINITY if it never printed */
-  ripple expect;
-  ripple ripple; /* of its length along W */
-  double pull;   /* the error of Ion that asks for the same L */
-  biases next;   /* that was asked for */
-  biases best;   /* of the mask with the least size so far */
+  ripple ripple;        /* of its length along W */
+  double pull;          /* the error of Ion that asks for the same L */
+  biases next;          /* that was asked for */
+  biases best;          /* of the mask with the least size so far */
   double best_size;
   double rest_size;         /* the least size since its last move */
   response response, first; /* as learnt, and as estimated at first */
   trust trust;              /* how far its next L may go */
+  double reach;             /* how far its next W may go */
   int32_t end[2];           /* its line ends in the mask measured last */
   double surprise;   /* by how much the next print's log Ion may differ from
                         what the response says, as its line ends and its
@@ -49,7 +49,6 @@ typedef struct transistor {
                         own moves */
   uint8_t outside;   /* the figures of the best mask come from beyond the ends
                         of the device table */
-  double strip[ERRORS]; /* of a strip of W: its part of a current (shape.h) */
   uint8_t verdict;
 } transistor;
 
@@ -70,6 +69,7 @@ typedef struct newton {
   const char *wishes_path;
   double mean; /* of all sizes at the print before; while all rest, the
                   least so far */
+  int settled; /* shapes and W stay; L goes on for Ion alone */
   int rest;    /* nothing was moved at the print before */
   wish *wish;  /* of each transistor */
   transistor *state;
@@ -91,6 +91,9 @@ parts parts_of_mask(const newton *t, size_t i, biases b);
 /* The length of that mask of transistor i, its jog as a part of a step. */
 double length_in_steps(const newton *t, size_t i, biases b);
 
+/* Whether W and shapes move for Ioff. */
+int for_ioff(const newton *t);
+
 /* Which moves serve the weights at all. */
 void free_moves(const newton *t, int free[MOVES]);
 
@@ -101,7 +104,7 @@ void observe(newton *t, const eda_feedback *f, const eda_moves *moves);
    does to its currents is foreseen. */
 void reshape(newton *t, size_t i, const shape *to);
 
-/* How much the print of `moves` may surprise each transistor. */
-void foresee(newton *t, const eda_feedback *f, const eda_moves *moves);
+/* How much the next print may surprise each transistor. */
+void foresee(newton *t, const eda_feedback *f);
 
 #endif

@@ -11,12 +11,12 @@
 
 /* ---- parts ---- */
 
-parts parts_of(const eda_gates *g, size_t i, const sides *sides) {
+parts parts_of(const eda_gates *g, size_t i, const sides *s) {
   eda_box b = g->box[i];
   int32_t width = g->axis[i] == EDA_X ? b.y1 - b.y0 : b.x1 - b.x0;
   double step = tuned.blur / g->grid, least = tuned.tail / g->grid;
-  double low = fmin(sides->from[0], sides->from[1]);
-  double high = fmax(sides->to[0], sides->to[1]);
+  double low = fmin(s->from[0], s->from[1]);
+  double high = fmax(s->to[0], s->to[1]);
   int n = (int)fmin(floor(width / step), EDA_PARTS - 2), m = 0;
   parts p = {0};
   if (n < 1) return p;
@@ -31,10 +31,12 @@ parts parts_of(const eda_gates *g, size_t i, const sides *sides) {
   p.last = m - 1;
   if (high >= width + least) p.edge[m++] = high;
   p.count = m - 1;
+  for (int k = 1; k < p.count; k++) p.share[k] = length_share(s, p.edge[k]);
+  p.share[p.count] = 1;
   return p;
 }
 
-parts parts_beside(const parts *p, double at, double least) {
+parts parts_beside(const parts *p, const sides *s, double at, double least) {
   parts out = *p;
   int nearest = 0;
   if (isnan(at)) return out;
@@ -44,6 +46,7 @@ parts parts_beside(const parts *p, double at, double least) {
   for (int k = 1; k < p->count; k++) {
     if (fabs(p->edge[k] - at) >= least) continue;
     out.edge[k] = k == nearest ? at : at + (k > nearest ? least : -least);
+    out.share[k] = length_share(s, out.edge[k]);
   }
   return out;
 }
@@ -62,13 +65,10 @@ void shape_write(const parts *p, const shape *s, eda_part out[EDA_PARTS]) {
   }
 }
 
-double shape_value(const parts *p, const sides *sides, const shape *s) {
+double shape_value(const parts *p, const shape *s) {
   double sum = 0;
   for (int k = 0; k < p->count; k++)
-    if (s->by[k])
-      sum +=
-          s->by[k] * length_share(sides, k ? p->edge[k] : -INFINITY,
-                                  k + 1 < p->count ? p->edge[k + 1] : INFINITY);
+    sum += s->by[k] * (p->share[k + 1] - p->share[k]);
   return sum;
 }
 
@@ -79,14 +79,10 @@ static void less_mean(ripple *r) {
   for (int j = 0; j < r->count; j++) sum += r->off[j];
   double mean = sum / r->count;
   for (int j = 0; j < r->count; j++) r->off[j] -= mean;
-  for (int side = 0; side < 2; side++) r->edge[side] -= mean;
 }
 
-/* Where sample j lies, grid steps from the LOW end; after the last one the
-   active's edges. */
+/* Where sample j lies, grid steps from the LOW end. */
 static double place(const parts *p, int j) {
-  int n = SAMPLES * (p->last - p->first);
-  if (j >= n) return p->edge[j > n ? p->last : p->first];
   const double *edge = p->edge + p->first + j / SAMPLES;
   double part = (j % SAMPLES + 0.5) / SAMPLES;
   return edge[0] + part * (edge[1] - edge[0]);
@@ -116,12 +112,7 @@ ripple ripple_of(const eda_feedback *f, size_t i, const parts *p) {
     r.off[j] = length_off(f, i, place(p, j));
     if (isnan(r.off[j])) return (ripple){0};
   }
-  if (!r.count) return r;
-  for (int side = 0; side < 2; side++) {
-    r.edge[side] = length_off(f, i, place(p, r.count + side));
-    if (isnan(r.edge[side])) r.edge[side] = r.off[side ? r.count - 1 : 0];
-  }
-  less_mean(&r);
+  if (r.count) less_mean(&r);
   return r;
 }
 
@@ -142,8 +133,6 @@ ripple ripple_after(const parts *p, const ripple *now, const shape *from,
     int by = to->by[k] - from->by[k];
     for (int j = 0; by && j < r.count; j++)
       r.off[j] += by * effect(p, k, j, gain, blur);
-    for (int side = 0; by && side < 2; side++)
-      r.edge[side] += by * effect(p, k, r.count + side, gain, blur);
   }
   less_mean(&r);
   return r;
@@ -156,17 +145,11 @@ double ripple_excess(const ripple *r, double slope) {
   return log(sum / r->count);
 }
 
-double ripple_strip(const ripple *r, double slope) {
-  if (!r->count) return 1;
-  double sum = exp(slope * r->edge[0]) + exp(slope * r->edge[1]);
-  return sum / 2 / exp(ripple_excess(r, slope));
-}
-
 /* Both currents grow by half of the square of their slopes; two equations for L
    and W. */
-double ripple_cost(double length, const curve *c) {
+double ripple_cost(double drawn, const curve *c) {
   double ion = -c->slope[ION], ioff = -c->slope[IOFF];
-  return (ion + ioff) / 2 / length + ion * ioff / 2;
+  return (ion + ioff) / 2 / drawn + ion * ioff / 2;
 }
 
 /* ---- flat edges ---- */

@@ -21,7 +21,6 @@ enum { SAMPLES = 3 };
 typedef struct ripple {
   int count; /* of places; 0: not known */
   double off[SAMPLES * EDA_PARTS];
-  double edge[2]; /* at the printed active's LOW and HIGH edge */
 } ripple;
 
 /* The parts of a gate: part k from edge[k] to edge[k + 1], grid steps from the
@@ -31,19 +30,20 @@ typedef struct ripple {
 typedef struct parts {
   int count, first, last; /* 0: the gate is too narrow */
   double edge[EDA_PARTS + 1];
+  double share[EDA_PARTS + 1]; /* what a step up to there adds to the length */
 } parts;
 
-parts parts_of(const eda_gates *gates, size_t i, const sides *sides);
+parts parts_of(const eda_gates *gates, size_t i, const sides *edges);
 
 /* Parts that keep `least` clear of a jog, or end where it lies: `at`, grid
    steps from the LOW end of the gate's box; NAN: there is none. */
-parts parts_beside(const parts *p, double at, double least);
+parts parts_beside(const parts *p, const sides *edges, double at, double least);
 
 /* As the loop has it: neighbours that move alike are one. */
 void shape_write(const parts *p, const shape *s, eda_part out[EDA_PARTS]);
 
 /* What it adds to the gate's length, grid steps. */
-double shape_value(const parts *p, const sides *sides, const shape *s);
+double shape_value(const parts *p, const shape *s);
 
 /* The ripple of a print; no parts where it cannot be seen. */
 ripple ripple_of(const eda_feedback *f, size_t i, const parts *p);
@@ -57,13 +57,9 @@ ripple ripple_after(const parts *p, const ripple *now, const shape *from,
    mean length; `slope` is d log I / d L, 1/nm. */
 double ripple_excess(const ripple *r, double slope);
 
-/* The current of a strip at the active's edges, for its width, over that of the
-   mean one. */
-double ripple_strip(const ripple *r, double slope);
-
 /* What of the area a nm^2 of mean square ripple costs: by so much are L and W
    too large that give such a gate its drawn Ion and Ioff. */
-double ripple_cost(double length, const curve *of_type);
+double ripple_cost(double drawn, const curve *of_type);
 
 /* The shape that makes the sum of the squared ripple, in terms of what it
    `costs`, and of `price` for each step of the edges least. What is `blocked`
