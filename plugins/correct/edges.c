@@ -7,6 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Places where a side's length changes: ends of parts, and the jog. */
+enum { CUTS = 2 * EDA_PARTS + 1 };
+
 /* ---- room ---- */
 
 static void make_room(size_t polygons, size_t count, pieces *out) {
@@ -18,11 +21,11 @@ static void make_room(size_t polygons, size_t count, pieces *out) {
 }
 
 void pieces_of_edges(const eda_edges *edges, pieces *out) {
-  size_t n = edges->polygons ? edges->start[edges->polygons] : 0, jogs = 0;
+  size_t n = edges->polygons ? edges->start[edges->polygons] : 0, sides = 0;
   for (size_t i = 0; i < n; i++)
-    jogs += edges->fragments[i].role == EDA_L_LOW ||
-            edges->fragments[i].role == EDA_L_HIGH;
-  make_room(edges->polygons, n + jogs, out);
+    sides += edges->fragments[i].role == EDA_L_LOW ||
+             edges->fragments[i].role == EDA_L_HIGH;
+  make_room(edges->polygons, n + CUTS * sides, out);
 }
 
 void pieces_of_cuts(const eda_cuts *cuts, pieces *out) {
@@ -72,12 +75,9 @@ static int32_t part(int32_t all, int high) {
   return high ? all - low : low;
 }
 
-/* How far a fragment moves outwards. */
+/* How far a fragment that is no side along L moves outwards. */
 static int32_t move_of(const eda_fragment *f, const biases *b) {
   switch (f->role) {
-    case EDA_L_LOW:
-    case EDA_L_HIGH:
-      return part(b->l[f->gate], f->role == EDA_L_HIGH);
     case EDA_W_LOW:
     case EDA_W_HIGH:
       return part(b->w[f->gate], f->role == EDA_W_HIGH);
@@ -94,26 +94,72 @@ static void put(pieces *out, uint32_t *n, eda_point from, int32_t by) {
   out->by[(*n)++] = by;
 }
 
-/* The side that a step more of length would move. */
-static int takes_jog(const eda_fragment *f, const biases *b) {
-  int32_t odd = b->l[f->gate] & 1;
-  return f->role == (odd ? EDA_L_LOW : EDA_L_HIGH) && b->jog[f->gate] > 0;
+/* A side along L, from `low` to `high` along W. */
+typedef struct side {
+  int32_t low, high, box; /* the gate's LOW end */
+  int32_t l, jog;
+  const eda_part *part;
+} side;
+
+static side side_of(const eda_gates *g, const eda_fragment *f, eda_point next,
+                    const biases *b) {
+  int32_t from = along_w(g, f->gate, f->from), to = along_w(g, f->gate, next);
+  eda_box box = g->box[f->gate];
+  return (side){.low = from < to ? from : to,
+                .high = from < to ? to : from,
+                .box = g->axis[f->gate] == EDA_X ? box.y0 : box.x0,
+                .l = b->l[f->gate],
+                .jog = b->jog[f->gate],
+                .part = b->part + (size_t)EDA_PARTS * (size_t)f->gate};
 }
 
-/* A side along L of which so much, from its LOW end along W, lies one step
-   further out. */
-static void put_jog(const eda_gates *g, const eda_fragment *f, eda_point next,
-                    int32_t jog_length, int32_t by, pieces *out, uint32_t *n) {
-  int32_t from = along_w(g, f->gate, f->from), to = along_w(g, f->gate, next);
-  int rising = to > from;
-  int32_t high = rising ? to : from, at = (rising ? from : to) + jog_length;
-  eda_point jog = g->axis[f->gate] == EDA_X ? (eda_point){f->from.x, at}
-                                            : (eda_point){at, f->from.y};
-  if (at >= high) {
-    put(out, n, f->from, by + 1);
-  } else {
-    put(out, n, f->from, by + rising);
-    put(out, n, jog, by + !rising);
+static int is_part(const side *s, int k) {
+  return k < EDA_PARTS && s->part[k].from < s->part[k].to;
+}
+
+/* The gate's bias of length beside that place of the side. */
+static int32_t length_at(const side *s, int32_t at) {
+  int32_t l = s->l + (at - s->low < s->jog);
+  for (int k = 0; is_part(s, k); k++)
+    if (s->part[k].from <= at - s->box && at - s->box < s->part[k].to)
+      l += s->part[k].by;
+  return l;
+}
+
+/* Take in a place where the length changes; the list is kept sorted. */
+static int cut_at(const side *s, int32_t at, int32_t *cut, int n) {
+  int k = n;
+  if (at <= s->low || at >= s->high) return n;
+  for (; k > 0 && cut[k - 1] > at; k--) cut[k] = cut[k - 1];
+  cut[k] = at;
+  return n + 1;
+}
+
+/* A side along L, cut where its length changes. */
+static void put_side(const eda_gates *g, const eda_fragment *f, eda_point next,
+                     const biases *b, pieces *out, uint32_t *n) {
+  int32_t cut[CUTS + 2];
+  side s = side_of(g, f, next, b);
+  int upright = g->axis[f->gate] == EDA_X, high = f->role == EDA_L_HIGH;
+  int rising = along_w(g, f->gate, f->from) == s.low, cuts = 1;
+  cut[0] = s.low;
+  for (int k = 0; is_part(&s, k); k++) {
+    cuts = cut_at(&s, s.box + s.part[k].from, cut, cuts);
+    cuts = cut_at(&s, s.box + s.part[k].to, cut, cuts);
+  }
+  if (s.jog > 0 && s.jog < s.high - s.low)
+    cuts = cut_at(&s, s.low + s.jog, cut, cuts);
+  cut[cuts] = s.high;
+  int32_t before = INT32_MAX;
+  for (int i = 0; i < cuts; i++) {
+    int k = rising ? i : cuts - 1 - i;
+    int32_t by = part(length_at(&s, cut[k]), high);
+    int32_t at = rising ? cut[k] : cut[k + 1];
+    if (by != before)
+      put(out, n,
+          upright ? (eda_point){f->from.x, at} : (eda_point){at, f->from.y},
+          by);
+    before = by;
   }
 }
 
@@ -126,12 +172,10 @@ void pieces_follow(const eda_gates *g, size_t layer, const biases *b,
     uint32_t count = e->start[p + 1] - e->start[p];
     out->start[p] = n;
     for (uint32_t i = 0; i < count; i++) {
-      int32_t by = move_of(&f[i], b);
-      if (f[i].role != EDA_FIXED && takes_jog(&f[i], b))
-        put_jog(g, &f[i], f[(i + 1) % count].from, b->jog[f[i].gate], by, out,
-                &n);
+      if (f[i].role == EDA_L_LOW || f[i].role == EDA_L_HIGH)
+        put_side(g, &f[i], f[(i + 1) % count].from, b, out, &n);
       else
-        put(out, &n, f[i].from, by);
+        put(out, &n, f[i].from, move_of(&f[i], b));
     }
   }
   out->start[e->polygons] = n;

@@ -7,10 +7,12 @@
 #include <eda/synthesizer.h>
 
 /* What moves the mask of each gate, in grid steps (synthesizer.h): width,
-   length, the jog, and the line ends, [2 * i + side]. They lie one after the
-   other: first what moves active, then what moves poly. */
+   length, the jog, the line ends, [2 * i + side], and parts of the length,
+   [EDA_PARTS * i + k]. They lie one after the other: first what moves
+   active, then what moves poly. */
 typedef struct biases {
   int32_t *w, *l, *jog, *end;
+  eda_part *part;
 } biases;
 
 /* The edges of a layer, cut into pieces. Polygon p has the pieces start[p] ..

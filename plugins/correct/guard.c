@@ -127,6 +127,7 @@ void guard_watch(loop *l) {
     s->l = b->l[i];
     s->w = b->w[i];
     s->jog = b->jog[i];
+    memcpy(s->part, b->part + EDA_PARTS * i, sizeof s->part);
   }
 }
 
@@ -279,11 +280,18 @@ static eda_box window_of(const hold *h, size_t gate, double nm) {
   return grown(h->l->gates->box[gate], nm / h->l->gates->grid);
 }
 
-static void set_gate(hold *h, size_t i, int32_t l, int32_t w, int32_t jog) {
+/* `part`: EDA_PARTS of them, NULL for none. */
+static void set_gate(hold *h, size_t i, int32_t l, int32_t w, int32_t jog,
+                     const eda_part *part) {
   biases *b = &h->l->next.biases;
+  size_t size = EDA_PARTS * sizeof *part;
   b->l[i] = l;
   b->w[i] = w;
   b->jog[i] = jog;
+  if (part)
+    memcpy(b->part + EDA_PARTS * i, part, size);
+  else
+    memset(b->part + EDA_PARTS * i, 0, size);
 }
 
 /* What the regulator did to a gate and within some nm of it, undone; but not in
@@ -305,7 +313,7 @@ static void set_around(hold *h, size_t gate, double nm) {
   eda_box window = window_of(h, gate, nm);
   eda_finder f = eda_index_find(h->gates, window);
   for (uint32_t i; eda_index_next(&f, &i);) {
-    set_gate(h, i, 0, 0, 0);
+    set_gate(h, i, 0, 0, 0, NULL);
     l->next.biases.end[2 * i] = l->next.biases.end[2 * i + 1] = 0;
   }
   set_fragments(h, window, 0);
@@ -324,14 +332,14 @@ static void set_level(hold *h, size_t i) {
   eda_box own = window_of(h, i, tuned.reach);
   switch (s->level) {
     case GUARD_BEST:
-      set_gate(h, i, s->l, s->w, s->jog);
+      set_gate(h, i, s->l, s->w, s->jog, s->part);
       break;
     case GUARD_HALF:
-      set_gate(h, i, s->l / 2, s->w / 2, 0);
+      set_gate(h, i, s->l / 2, s->w / 2, 0, NULL);
       set_fragments(h, own, 0.5);
       break;
     case GUARD_DRAWN:
-      set_gate(h, i, 0, 0, 0);
+      set_gate(h, i, 0, 0, 0, NULL);
       set_fragments(h, own, 0);
       break;
     default:
@@ -444,7 +452,7 @@ static int try_cause(hold *h, int t, uint8_t *open, opc_error *error) {
       set_around(h, i, nm);
       continue;
     }
-    set_gate(h, i, 0, 0, 0);
+    set_gate(h, i, 0, 0, 0, NULL);
     set_fragments(h, window_of(h, i, tuned.reach), 0);
     drop_rules(h, i, nm);
   }

@@ -31,6 +31,7 @@ enum {
 
 typedef struct guarded {
   int32_t l, w, jog; /* of the best mask with the line ends `end` */
+  eda_part part[EDA_PARTS];
   int32_t end[2];    /* grid steps */
   double off;        /* |Ion deviation| of that, %; INFINITY: none printed */
   double least;      /* of what the guard has tried, */

@@ -310,12 +310,16 @@ static int update(loop *l, int which, opc_error *error) {
   eda_moves moves = {.l = b->l,
                      .w = b->w,
                      .jog = b->jog,
+                     .part = b->part,
                      .shift = l->drivers[which].shift,
                      .assists = assists};
   if (which == EDGES) {
-    moves.w = memcpy(l->unused, l->now.biases.w, 3 * n * sizeof(int32_t));
+    const trial *t = &l->now;
+    size_t all = TRIAL_BIASES * n * sizeof(int32_t);
+    moves.w = memcpy(l->unused, t->biases.w, all);
     moves.l = moves.w + n;
     moves.jog = moves.l + n;
+    moves.part = (eda_part *)(moves.w + 5 * n);
   }
   int code = move(l, which, &moves, error);
   free(assists);
@@ -424,7 +428,7 @@ static void loop_init(loop *l) {
   l->polygons = eda_alloc(layers, sizeof *l->polygons);
   l->mask = eda_alloc(layers, sizeof *l->mask);
   l->sites = eda_alloc(layers, sizeof *l->sites);
-  l->unused = eda_alloc(3 * n, sizeof *l->unused);
+  l->unused = eda_alloc(TRIAL_BIASES * n, sizeof *l->unused);
   l->vetoes = eda_alloc(n, sizeof *l->vetoes);
   trial_init(&l->now, layers, n);
   trial_init(&l->next, layers, n);

@@ -108,8 +108,8 @@ summary summarize(const eda_gates *gates, const eda_performance *design,
 
 void history_add(history *h, const summary *print, uint32_t iteration,
                  const eda_printer *printer, int fine) {
-  const history_line *last = h->line + h->count - 1;
-  if (fine && last->simulations == printer->simulations) {
+  const history_line *last = h->count ? &h->line[h->count - 1] : NULL;
+  if (fine && last && last->simulations == printer->simulations) {
     iteration = (uint32_t)last->iteration;
     h->count--;
   }

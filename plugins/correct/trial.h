@@ -5,8 +5,11 @@
 
 #include "edges.h"
 
-/* Numbers of a gate in `biases`: w; l, jog and both line ends. */
-enum { TRIAL_POLY_BIASES = 4, TRIAL_BIASES = 5 };
+/* Numbers of a gate in `biases`: w; l, jog, both line ends, and parts. */
+enum {
+  TRIAL_POLY_BIASES = 4 + 3 * EDA_PARTS,
+  TRIAL_BIASES = 1 + TRIAL_POLY_BIASES
+};
 
 /* Arrays by layer but `biases`. */
 typedef struct trial {

@@ -60,11 +60,28 @@ static double share(const sides *s, int side, int32_t jog) {
   return (weight(s, s->from[side] + jog) - from) / all;
 }
 
+double length_share(const sides *s, double to) {
+  double sum = 0;
+  for (int side = 0; side < 2; side++) {
+    double from = weight(s, s->from[side]);
+    double all = weight(s, s->to[side]) - from;
+    double at = fmin(fmax(to, s->from[side]), s->to[side]);
+    sum += all > 0 ? (weight(s, at) - from) / all / 2 : 0;
+  }
+  return sum;
+}
+
 /* The edge that takes the next step: HIGH after an even number of them. */
 static int edge_of(int32_t l) { return !(l & 1); }
 
 double length_value(const sides *s, length x) {
   return x.l + share(s, edge_of(x.l), x.jog);
+}
+
+double length_jog(const sides *s, length x) {
+  int side = edge_of(x.l);
+  int has = x.jog > 0 && x.jog < s->to[side] - s->from[side];
+  return has ? s->from[side] + x.jog : NAN;
 }
 
 length length_nearest(const sides *s, double value, int32_t least) {

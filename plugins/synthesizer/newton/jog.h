@@ -25,6 +25,13 @@ typedef struct length {
 /* What a length is worth, as a number of steps. */
 double length_value(const sides *s, length x);
 
+/* The part of the whole length's effect that a step of both edges up to `to`
+   has, grid steps from the gate's box; it is cut off where the edges end. */
+double length_share(const sides *s, double to);
+
+/* Where its jog lies, grid steps from the gate's box; NAN if it has none. */
+double length_jog(const sides *s, length x);
+
 /* The nearest there is to that value; the jog stays `least` steps away from
    both ends of its edge. */
 length length_nearest(const sides *s, double value, int32_t least);

@@ -29,6 +29,7 @@ static void clear(void *self) {
   newton *t = self;
   free(t->state);
   free(t->sides);
+  free(t->parts);
   free(t->wish);
 }
 
@@ -36,9 +37,11 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
   newton *t = self;
   clear(t);
   t->count = f->gates->count;
-  t->rest = 0;
+  t->rest = t->settled = 0;
+  if (t->target != PLAIN) t->weight[IOFF] = tuned.leak;
   t->state = eda_alloc(t->count, sizeof *t->state);
   t->sides = eda_alloc(t->count, sizeof *t->sides);
+  t->parts = eda_alloc(t->count, sizeof *t->parts);
   t->wish = eda_alloc(t->count, sizeof *t->wish);
   for (size_t i = 0; i < t->count; i++) t->wish[i] = (wish){1, 1};
   int code = read_notes(f->gates, t->wish, error);
@@ -68,12 +71,45 @@ static void left_after(const transistor *s, double l, double w,
               s->response.by[k][BY_W] * (w - s->x[BY_W]);
 }
 
-/* The nearest mask with a jog, for a wanted L. */
+/* Where a part ends beside the jog, it adds to L what it did not before, so
+   that no jog there may give what is wanted: then one clear of it is taken. */
+static biases clear_jog(const newton *t, size_t i, double l, int32_t least,
+                        biases b) {
+  const parts *p = &t->parts[i];
+  const sides *s = &t->sides[i];
+  double off = fabs(length_in_steps(t, i, b) - l);
+  biases found = b;
+  int32_t first = b.l - 1;
+  for (int32_t whole = first; whole <= first + 2; whole++)
+    for (int k = 1; k < 3 * p->count && off > tuned.near_jog; k++) {
+      int side = whole & 1 ? 0 : 1;
+      double at = p->edge[k / 3] + (k % 3 - 1) * least;
+      int32_t jog = (int32_t)at - s->from[side];
+      if (jog < least || jog > s->to[side] - s->from[side] - least) continue;
+      b.l = whole;
+      b.jog = jog;
+      double next = fabs(length_in_steps(t, i, b) - l);
+      if (next >= off) continue;
+      off = next;
+      found = b;
+    }
+  return found;
+}
+
+/* The nearest mask with a jog, for a wanted L. Parts that end where it lies add
+   to L what they did not before. */
 static biases with_jog(const newton *t, const eda_gates *g, size_t i, double l,
                        int32_t w) {
   int32_t least = (int32_t)ceil(t->min_jog / g->grid);
-  length x = length_nearest(&t->sides[i], l, least);
-  return (biases){x.l, w, x.jog};
+  biases b = {.w = w, .shape = t->state[i].next.shape};
+  double shaped = shape_value(&t->parts[i], &b.shape);
+  for (int k = 0; k < 3; k++) {
+    length x = length_nearest(&t->sides[i], l - shaped, least);
+    b.l = x.l;
+    b.jog = x.jog;
+    shaped = length_in_steps(t, i, b) - length_value(&t->sides[i], x);
+  }
+  return clear_jog(t, i, l, least, b);
 }
 
 /* A gate may be so narrow that its nearest jog leaves too much. `best` is the
@@ -85,17 +121,19 @@ static biases with_width(const newton *t, const eda_feedback *f, size_t i,
   const transistor *s = &t->state[i];
   double rest[ERRORS], more[MOVES], grid = f->gates->grid;
   double most = fmin(t->max_bias, f->gates->width[i] / 2) / grid;
-  double enough = fmax(limit(t), tuned.coarse * tolerance(t));
+  int any = for_ioff(t); /* W moves anyhow */
+  double enough =
+      any ? tolerance(t) : fmax(limit(t), tuned.coarse * tolerance(t));
   biases found = best;
   left_after(s, length_in_steps(t, i, best), best.w, rest);
   double least = size_of(t, rest);
   if (least <= enough / t->wish[i].weight) return best;
-  for (int step = -1; step <= 1; step += 2) {
+  for (int step = any ? -2 : -1; step <= (any ? 2 : 1); step++) {
     uint32_t veto = step > 0 ? EDA_VETO_WIDER : EDA_VETO_NARROWER;
     int32_t w = best.w + step;
-    if (f->vetoes[i] & veto || abs(w) > most) continue;
+    if (!step || f->vetoes[i] & veto || abs(w) > most) continue;
     left_after(s, s->x[BY_L], w, rest);
-    solve(&s->response, rest, t->weight, only_l, more);
+    solve(&s->response, rest, t->steer, only_l, more);
     veto = more[BY_L] > 0 ? EDA_VETO_LONGER : EDA_VETO_SHORTER;
     double l = s->x[BY_L] + more[BY_L];
     if (f->vetoes[i] & veto || fabs(l) > t->max_bias / grid) continue;
@@ -118,16 +156,18 @@ static biases on_grid(const newton *t, const eda_feedback *f, size_t i,
   int32_t w = (int32_t)lround(s->x[BY_W] + dx[BY_W]);
   double l = s->x[BY_L] + dx[BY_L];
   left_after(s, l, w, rest);
-  solve(&s->response, rest, t->weight, only_l, more);
+  solve(&s->response, rest, t->steer, only_l, more);
   if (dx[BY_L] != 0 && !cut) l += fmin(fmax(more[BY_L], -1), 1);
-  int32_t whole = (int32_t)lround(l);
-  left_after(s, whole, w, rest);
+  const shape *edges = &s->next.shape;
+  double shaped = shape_value(&t->parts[i], edges);
+  int32_t whole = (int32_t)lround(l - shaped);
+  left_after(s, whole + shaped, w, rest);
   if (t->fine == NONE || (t->fine == JOG && size_of(t, rest) <= enough))
-    return (biases){whole, w, 0};
+    return (biases){whole, w, 0, *edges};
   biases near = with_jog(t, f->gates, i, l, w);
   if (t->fine == JOG) return cut ? near : with_width(t, f, i, near);
   solve(&s->response, rest, t->weight, only_w, more);
-  return (biases){whole, w + (int32_t)lround(more[BY_W]), 0};
+  return (biases){whole, w + (int32_t)lround(more[BY_W]), 0, *edges};
 }
 
 /* The size of the errors that a mask is expected to have: what the response
@@ -141,6 +181,24 @@ static double expected(const newton *t, size_t i, biases next) {
     wrong[k] = hypot(r->doubt[BY_L] * r->by[k][BY_L] * (l - s->x[BY_L]),
                      r->doubt[BY_W] * r->by[k][BY_W] * (next.w - s->x[BY_W]));
   return hypot(size_of(t, rest), size_of(t, wrong));
+}
+
+/* The W that leaves the drawn Ioff once L makes good for it, and that L. */
+static void with_leakage(const newton *t, const eda_feedback *f, size_t i,
+                         uint32_t veto, double dx[MOVES]) {
+  static const int both[MOVES] = {1, 1}, only_l[MOVES] = {1, 0};
+  const transistor *s = &t->state[i];
+  double grid = f->gates->grid, step[MOVES], rest[ERRORS], more[MOVES];
+  double most = fmin(t->max_bias, f->gates->width[i] / 2) / grid;
+  uint8_t why;
+  solve(&s->response, s->error, t->weight, both, step);
+  double w = fmin(fmax(step[BY_W], -s->reach), s->reach);
+  dx[BY_W] = round(bounded(s->x[BY_W], w, most, veto & EDA_VETO_WIDER,
+                           veto & EDA_VETO_NARROWER, &why));
+  left_after(s, s->x[BY_L], s->x[BY_W] + dx[BY_W], rest);
+  for (int k = 0; k < ERRORS; k++) rest[k] -= s->error[k];
+  solve(&s->response, rest, t->steer, only_l, more);
+  dx[BY_L] += more[BY_L];
 }
 
 /* Newton's step of one transistor. W moves if its weights ask for it, and else
@@ -158,10 +216,11 @@ static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
   double dx[MOVES], wanted;
   free_moves(t, free);
   mended = !free[BY_W] && s->trust.radius < tuned.w_alone;
-  solve(&s->response, s->error, t->weight, free, dx);
+  solve(&s->response, s->error, t->steer, free, dx);
   wanted = dx[BY_L];
   dx[BY_L] = trust_step(&s->trust, s->x[BY_L], wanted);
   *cut = dx[BY_L] != wanted;
+  if (for_ioff(t) && f->iteration > 0) with_leakage(t, f, i, veto, dx);
   dx[BY_L] = bounded(s->x[BY_L], dx[BY_L], t->max_bias / g->grid,
                      veto & EDA_VETO_LONGER, veto & EDA_VETO_SHORTER, why);
   if (mended || (*why != MOVING && fabs(dx[BY_L]) < tuned.w_alone))
@@ -170,7 +229,7 @@ static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
                      veto & EDA_VETO_NARROWER, why);
   if (mended)
     return (biases){s->good.l, s->good.w + (int32_t)lround(dx[BY_W]),
-                    s->good.jog};
+                    s->good.jog, s->good.shape};
   return on_grid(t, f, i, dx, enough, *cut && !free[BY_W]);
 }
 
@@ -184,28 +243,48 @@ static biases seek(const newton *t, const eda_feedback *f, size_t i) {
   uint32_t veto = longer ? EDA_VETO_LONGER : EDA_VETO_SHORTER;
   double l = s->now.l + trust_step(&s->trust, s->now.l, longer ? step : -step);
   if (f->vetoes[i] & veto || fabs(l) > t->max_bias / grid) return s->now;
-  return (biases){(int32_t)lround(l), s->now.w, 0};
+  return (biases){(int32_t)lround(l), s->now.w, 0, s->now.shape};
+}
+
+/* Make the edges flatter; whether that moves any. */
+static int reform(newton *t, const eda_feedback *f, size_t i) {
+  transistor *s = &t->state[i];
+  if (!for_ioff(t) || f->iteration < 1 ||
+      f->iteration > tuned.shapes[t->target])
+    return 0;
+  const eda_gates *g = f->gates;
+  const curve *c = &t->curve[g->type[i] == EDA_PMOS];
+  s->next.shape =
+      shape_flat(&t->parts[i], &s->ripple, &s->now.shape, c->slope[IOFF],
+                 t->gain[BY_L] * g->grid, tuned.smooth / g->grid,
+                 t->price / 100 / ripple_cost(g->length[i], c),
+                 (f->vetoes[i] & EDA_VETO_LONGER) != 0);
+  if (!memcmp(&s->next.shape, &s->now.shape, sizeof s->next.shape)) return 0;
+  reshape(t, i, &s->next.shape);
+  return 1;
 }
 
 /* What to try next of one transistor. */
-static biases propose(const newton *t, const eda_feedback *f, size_t i) {
+static biases propose(newton *t, const eda_feedback *f, size_t i) {
   transistor *s = &t->state[i];
   double enough = tolerance(t) / t->wish[i].weight;
   s->verdict = WITHIN;
+  s->next = s->now;
   if (t->wish[i].weight == 0 || (!s->lost && s->size <= enough)) return s->now;
   s->verdict = NO_PRINT;
   if (s->lost && (isinf(s->size) || same(s->now, s->good)))
     return seek(t, f, i);
   uint8_t why = MOVING;
-  int cut;
+  int cut, shaped = !s->lost && reform(t, f, i);
   biases next = newton_step(t, f, i, enough, &why, &cut);
-  if (s->lost) return next;
+  if (s->lost || shaped) return next;
   double hope = expected(t, i, next);
   s->verdict = MOVING;
   int held = cut && s->size > limit(t) && trust_holds(&s->trust, s->x[BY_L]);
   if (held && !same(next, s->now)) return next;
   if (s->best_size <= hope && !same(s->best, s->now)) return s->best;
-  double worth = cut && s->size > limit(t) ? 1 : tuned.worthwhile;
+  double worth =
+      for_ioff(t) || (cut && s->size > limit(t)) ? 1 : tuned.worthwhile;
   if (hope <= worth * s->size) return next;
   s->verdict = why == MOVING ? GRID : why;
   return s->now;
@@ -242,12 +321,16 @@ static int is_good(newton *t, int first) {
 
 /* What becomes of transistor i, `good` being what is_good says. *done = 0 if it
    is not settled. */
-static biases decide(const newton *t, const eda_feedback *f, size_t i, int good,
+static biases decide(newton *t, const eda_feedback *f, size_t i, int good,
                      int *done) {
   const transistor *s = &t->state[i];
   biases next = propose(t, f, i);
   int64_t k = f->iteration;
   if (good) return s->now;
+  if (for_ioff(t) && k == tuned.settled[t->target]) {
+    *done = 0;
+    return s->best;
+  }
   if (k == t->iterations) return s->best;
   if (k > t->iterations) {
     /* The regulator is not done: those that it moved follow, for a while. */
@@ -258,11 +341,24 @@ static biases decide(const newton *t, const eda_feedback *f, size_t i, int good,
   return next;
 }
 
+/* What L and W do for Ioff is done: the best of it stays, and L alone takes Ion
+   to its end. */
+static void settle(newton *t) {
+  t->settled = 1;
+  t->weight[IOFF] = 0;
+  for (size_t i = 0; i < t->count; i++) t->state[i].best_size = INFINITY;
+}
+
 static int update(void *self, const eda_feedback *f, eda_moves *moves,
                   int *done, opc_error *error) {
   newton *t = self;
   (void)error;
-  if (f->iteration == 0) sides_find(f->gates, t->sides);
+  t->gates = f->gates;
+  if (f->iteration == 0) {
+    sides_find(f->gates, t->sides);
+    for (size_t i = 0; i < t->count; i++)
+      t->parts[i] = parts_of(f->gates, i, &t->sides[i]);
+  }
   observe(t, f, moves);
   *done = 1;
   int good = is_good(t, f->iteration == 0);
@@ -271,8 +367,13 @@ static int update(void *self, const eda_feedback *f, eda_moves *moves,
     moves->l[i] = next.l;
     moves->w[i] = next.w;
     moves->jog[i] = next.jog;
+    t->state[i].next = next;
+    if (!moves->part) continue;
+    parts p = parts_of_mask(t, i, next);
+    shape_write(&p, &next.shape, moves->part + EDA_PARTS * i);
   }
-  foresee(t, f, moves);
+  if (for_ioff(t) && f->iteration == tuned.settled[t->target]) settle(t);
+  foresee(t, f);
   return OPC_OK;
 }
 
@@ -293,15 +394,25 @@ static double target(const void *self, size_t gate) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    OPC_PARAMETER_NAMED("weight.ion", newton, weight[ION], .type = OPC_REAL,
-                        .flags = OPC_AT_LEAST, .preset = "1",
-                        .summary = "weight of the squared deviation of Ion"),
+    OPC_PARAMETER(newton, target, .type = OPC_CHOICE, .preset = "balanced",
+                  .choices = "plain|balanced|full",
+                  .summary =
+                      "what is corrected: what `weight` says, Ion alone; "
+                      "Ion and Ioff; those and the gate area"),
+    OPC_PARAMETER(
+        newton, price, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "%",
+        .summary = "what a jog that makes the length even has to save "
+                   "of the gate area's deviation; default: by target"),
+    OPC_PARAMETER_NAMED(
+        "weight.ion", newton, weight[ION], .type = OPC_REAL,
+        .flags = OPC_AT_LEAST,
+        .summary = "weight of the squared deviation of Ion; default: 1"),
     OPC_PARAMETER_NAMED(
         "weight.ioff", newton, weight[IOFF], .type = OPC_REAL,
-        .flags = OPC_AT_LEAST, .preset = "0",
+        .flags = OPC_AT_LEAST,
         .summary = "weight of that of Ioff; W moves, too, if it is not 0"),
     OPC_PARAMETER_NAMED("weight.area", newton, weight[AREA], .type = OPC_REAL,
-                        .flags = OPC_AT_LEAST, .preset = "0",
+                        .flags = OPC_AT_LEAST,
                         .summary = "weight of that of the gate area, its "
                                    "capacitance; W moves, too, if it is not 0"),
     OPC_PARAMETER(newton, tolerance, .type = OPC_REAL, .flags = OPC_ABOVE,
@@ -319,7 +430,7 @@ static const opc_parameter parameters[] = {
                   .unit = "nm", .preset = "40 nm",
                   .summary = "a jog stays this far from both ends of its edge"),
     OPC_PARAMETER(newton, iterations, .type = OPC_INT,
-                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "10", .min = 1,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "16", .min = 1,
                   .max = 1000, .summary = "moves at most"),
     OPC_PARAMETER(
         newton, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "nm",
@@ -342,9 +453,22 @@ static const opc_parameter parameters[] = {
             "what single transistors want: CSV of transistor, weight, ion"),
 };
 
+/* Weights are of the plain target; the others have theirs. */
 static int check(void *self, opc_error *error) {
-  const newton *t = self;
-  if (t->weight[ION] + t->weight[IOFF] + t->weight[AREA] > 0) return OPC_OK;
+  static const double prices[TARGETS] = {INFINITY, 1, 0.02};
+  static const double weights[ERRORS] = {1, 0, 0};
+  newton *t = self;
+  double sum = 0;
+  if (isnan(t->price)) t->price = prices[t->target];
+  for (int k = 0; k < ERRORS; k++) {
+    if (t->target != PLAIN && !isnan(t->weight[k]))
+      return opc_fail(error, OPC_INVALID, "target",
+                      "weights are for 'target: plain' only");
+    if (isnan(t->weight[k])) t->weight[k] = weights[k];
+    t->steer[k] = t->weight[k];
+    sum += t->weight[k];
+  }
+  if (sum > 0) return OPC_OK;
   return opc_fail(error, OPC_INVALID, "weight.ion", "all weights are 0");
 }
 

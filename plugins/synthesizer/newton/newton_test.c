@@ -24,6 +24,7 @@ typedef struct model {
   uint32_t veto[MOST];
   int32_t l[MOST], w[MOST], jog[MOST];
   double ion[MOST], area[MOST], ioff[MOST]; /* deviations at the end */
+  double leaky;                             /* log of what leaks besides */
   double second; /* the worst of Ion in the second print */
   int prints;
   int late;      /* a print after which transistor 3 draws 2 % less */
@@ -80,7 +81,7 @@ static void print(model *t, const int32_t *end, eda_performance *p) {
     p->ion[i] = 1e-6 * weq * exp(-0.022 * off + t->steep * bent * bent / 2);
     if (t->flags[i] & EDA_PRINT_OPEN) p->ion[i] = p->area[i] = 0;
     if (t->late && t->prints > t->late && i == 3) p->ion[i] *= 0.98;
-    p->ioff[i] = 1e-10 * weq * exp(-0.3 * (printed - length));
+    p->ioff[i] = 1e-10 * weq * exp(t->leaky - 0.3 * (printed - length));
     t->ion[i] = 100 * (p->ion[i] / (1e-6 * WIDTH) - 1);
     t->ioff[i] = 100 * (p->ioff[i] / (1e-10 * WIDTH) - 1);
     t->area[i] = 100 * (p->area[i] / (WIDTH * length) - 1);
@@ -199,12 +200,18 @@ static model made_up(size_t n) {
   return t;
 }
 
-static opc_module *make(const char *parameters) {
+static opc_module *make_any(const char *parameters) {
   opc_error error;
   opc_module *m = opc_test_module("synthesizer.newton", parameters, &error);
   if (!m) g_printerr("%s\n", error.message);
   g_assert_nonnull(m);
   return m;
+}
+
+/* Of the target that weights are for. */
+static opc_module *make(const char *parameters) {
+  g_autofree char *all = g_strconcat("{ target: plain, ", parameters + 1, NULL);
+  return make_any(all);
 }
 
 /* A wrong first guess of the gain, and still all are there after 4 moves. */
@@ -393,6 +400,28 @@ static void test_ioff(void) {
   run(m, &t);
   g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.2);
   g_assert_cmpfloat(worst(t.ioff, t.n), <=, 2);
+}
+
+/* Leakage that L alone cannot take away, as a ripple makes it: L and W get both
+   currents to where they were drawn. With Ion alone it stays. */
+static void test_balanced(void) {
+  g_autoptr(opc_module) both = make_any("{ target: balanced }");
+  g_autoptr(opc_module) plain = make("{}");
+  model t = made_up(MOST), u = made_up(MOST);
+  t.leaky = u.leaky = 0.3;
+  run(both, &t);
+  run(plain, &u);
+  g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.2);
+  g_assert_cmpfloat(worst(t.ioff, t.n), <=, 5);
+  g_assert_cmpfloat(worst(u.ioff, u.n), >, 30);
+  g_assert_cmpint(t.prints, <=, 12);
+}
+
+static void test_weights_of_plain(void) {
+  opc_error error;
+  g_assert_null(opc_test_module(
+      "synthesizer.newton", "{ target: full, weight: { area: 1 } }", &error));
+  g_assert_nonnull(strstr(error.message, "weights are for 'target: plain'"));
 }
 
 /* A jog keeps its distance from both ends of the gate. */
@@ -593,6 +622,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/newton/quantum", test_quantum);
   g_test_add_func("/newton/area", test_area);
   g_test_add_func("/newton/ioff", test_ioff);
+  g_test_add_func("/newton/balanced", test_balanced);
+  g_test_add_func("/newton/weights-of-plain", test_weights_of_plain);
   g_test_add_func("/newton/jog", test_jog);
   g_test_add_func("/newton/veto", test_veto);
   g_test_add_func("/newton/wishes", test_wishes);

@@ -14,7 +14,8 @@
 double limit(const newton *t) { return t->limit / 100; }
 
 int same(biases a, biases b) {
-  return a.l == b.l && a.w == b.w && a.jog == b.jog;
+  return a.l == b.l && a.w == b.w && a.jog == b.jog &&
+         !memcmp(&a.shape, &b.shape, sizeof a.shape);
 }
 
 double size_of(const newton *t, const double error[ERRORS]) {
@@ -23,13 +24,24 @@ double size_of(const newton *t, const double error[ERRORS]) {
   return sqrt(sum);
 }
 
-double length_in_steps(const newton *t, size_t i, biases b) {
-  return length_value(&t->sides[i], (length){b.l, b.jog});
+parts parts_of_mask(const newton *t, size_t i, biases b) {
+  double at = length_jog(&t->sides[i], (length){b.l, b.jog});
+  return parts_beside(&t->parts[i], &t->sides[i], at,
+                      ceil(t->min_jog / t->gates->grid));
 }
+
+double length_in_steps(const newton *t, size_t i, biases b) {
+  parts p = parts_of_mask(t, i, b);
+  return length_value(&t->sides[i], (length){b.l, b.jog}) +
+         shape_value(&p, &b.shape);
+}
+
+int for_ioff(const newton *t) { return t->target != PLAIN && !t->settled; }
 
 void free_moves(const newton *t, int free[MOVES]) {
   free[BY_L] = 1;
-  free[BY_W] = t->weight[IOFF] > 0 || t->weight[AREA] > 0;
+  free[BY_W] =
+      t->target == PLAIN && (t->weight[IOFF] > 0 || t->weight[AREA] > 0);
 }
 
 /* ---- work: one transistor ---- */
@@ -75,7 +87,7 @@ static double pull_of(const newton *t, const transistor *s) {
   int free[MOVES];
   double dx[MOVES];
   free_moves(t, free);
-  solve(&s->response, s->error, t->weight, free, dx);
+  solve(&s->response, s->error, t->steer, free, dx);
   return -dx[BY_L] * s->response.by[ION][BY_L];
 }
 
@@ -120,6 +132,16 @@ static void find_way(const newton *t, transistor *s, const change *c,
   trust_see(&s->trust, s->x[BY_L], s->pull);
 }
 
+/* A step of W that made things worse is followed by shorter ones: where it has
+   taken thin ends of the gate into the channel, W is of no use. */
+static void judge_width(transistor *s, double dx, double before) {
+  if (dx == 0 || !isfinite(before)) return;
+  if (s->size > before)
+    s->reach = fmin(s->reach, fabs(dx) / 4);
+  else
+    s->reach = fmax(s->reach, 2 * fabs(dx));
+}
+
 /* Take in what the moves to `now` have printed. `common` is by how much the log
    Ion of all transistors of its type changed alike. */
 static void take_in(const newton *t, transistor *s, const eda_feedback *f,
@@ -152,13 +174,16 @@ static void take_in(const newton *t, transistor *s, const eda_feedback *f,
   else if (printed && moved)
     learn(&s->response, &s->first, c.dx, c.de, s->surprise);
   s->disturbed |= (uint8_t)foreign;
+  double before = s->size;
   s->lost = 0;
   s->good = now;
   memcpy(s->x, x, sizeof x);
   memcpy(s->error, error, sizeof error);
   s->size = size_of(t, error);
+  judge_width(s, c.dx[BY_W], before);
   s->rest_size = first || moved ? s->size : fmin(s->rest_size, s->size);
   s->point = point_of(f->printed, i);
+  if (t->target != PLAIN) s->ripple = ripple_of(f, i, &t->parts[i]);
   bend(&s->response, &s->first, s->point, point_of(f->design, i),
        f->gates->grid);
   if (!first) find_way(t, s, &c, f->iteration > 1 ? foreseen : NAN);
@@ -170,14 +195,14 @@ static void take_in(const newton *t, transistor *s, const eda_feedback *f,
 /* The first responses, and the errors as they will be once the line ends have
    moved: the regulator moves them together with the first moves. */
 static void start(newton *t, const eda_feedback *f) {
-  curve curves[2];
+  curve *curves = t->curve;
   curves_from(f, curves);
   for (size_t i = 0; i < t->count; i++) {
     transistor *s = &t->state[i];
     const curve *c = &curves[f->gates->type[i] == EDA_PMOS];
     s->first = first_response(f->gates, i, c, t->gain);
     s->response = s->first;
-    s->trust.radius = tuned.longest / f->gates->grid;
+    s->trust.radius = s->reach = tuned.longest / f->gates->grid;
     if (s->lost) continue;
     if (ends_moved(f->gates, s->end, f->next_end + 2 * i)) {
       double before = s->error[ION];
@@ -201,7 +226,7 @@ static void fit(const newton *t, const eda_feedback *f, const eda_moves *moves,
   for (size_t i = 0; i < t->count; i++) {
     const transistor *s = &t->state[i];
     const double target[ERRORS] = {t->wish[i].ion, 1, 1};
-    const biases next = {moves->l[i], moves->w[i], moves->jog[i]};
+    const biases next = t->state[i].next;
     double error[ERRORS];
     if (!errors_of(f, i, target, error) || isinf(s->size)) continue;
     line *k = &of[f->gates->type[i] == EDA_PMOS];
@@ -239,6 +264,12 @@ static void learn_together(newton *t, const eda_feedback *f,
     t->state[i].first = t->state[i].response;
 }
 
+/* The loop may have gone back to another mask than was asked for. */
+static biases as_printed(const newton *t, const eda_moves *moves, size_t i) {
+  biases b = {moves->l[i], moves->w[i], moves->jog[i], t->state[i].next.shape};
+  return b;
+}
+
 void observe(newton *t, const eda_feedback *f, const eda_moves *moves) {
   double common[2] = {0};
   for (size_t i = 0; f->iteration > 0 && i < t->count; i++)
@@ -246,19 +277,33 @@ void observe(newton *t, const eda_feedback *f, const eda_moves *moves) {
          point_of(f->printed, i), f->gates->grid);
   if (f->iteration == 1) learn_together(t, f, moves, common);
   for (size_t i = 0; i < t->count; i++)
-    take_in(t, &t->state[i], f, i,
-            (biases){moves->l[i], moves->w[i], moves->jog[i]},
+    take_in(t, &t->state[i], f, i, as_printed(t, moves, i),
             common[f->gates->type[i] == EDA_PMOS]);
   if (f->iteration == 0) start(t, f);
 }
 
+void reshape(newton *t, size_t i, const shape *to) {
+  transistor *s = &t->state[i];
+  const curve *c = &t->curve[t->gates->type[i] == EDA_PMOS];
+  ripple after = ripple_after(&t->parts[i], &s->ripple, &s->now.shape, to,
+                              t->gain[BY_L] * t->gates->grid,
+                              tuned.smooth / t->gates->grid);
+  for (int k = ION; k <= IOFF; k++)
+    s->error[k] += ripple_excess(&after, c->slope[k]) -
+                   ripple_excess(&s->ripple, c->slope[k]);
+  double before = s->pull;
+  s->pull = pull_of(t, s);
+  s->surprise += tuned.unforeseen * fabs(s->pull - before);
+  trust_drift(&s->trust, s->pull - before, s->surprise);
+}
+
 /* Neighbours share a part of the mean change of log Ion that they make, and
    line ends may move. */
-void foresee(newton *t, const eda_feedback *f, const eda_moves *moves) {
+void foresee(newton *t, const eda_feedback *f) {
   double sum = 0;
   for (size_t i = 0; i < t->count; i++) {
     const transistor *s = &t->state[i];
-    const biases next = {moves->l[i], moves->w[i], moves->jog[i]};
+    const biases next = s->next;
     double d =
         s->response.by[ION][BY_L] * (length_in_steps(t, i, next) - s->x[BY_L]) +
         s->response.by[ION][BY_W] * (next.w - s->x[BY_W]);

@@ -7,12 +7,18 @@
 
 #include "jog.h"
 #include "response.h"
+#include "shape.h"
 #include "trust.h"
 #include "wishes.h"
 
 typedef struct biases {
   int32_t l, w, jog;
+  shape shape;
 } biases;
+
+/* What is corrected: as the weights say; Ion and Ioff, by L and W; those and
+   the area, by flat edges. */
+enum { PLAIN, BALANCED, FULL, TARGETS };
 
 /* An error is the logarithm of what is printed over what is wanted; the size of
    a transistor's errors is one figure for all three of them (size_of). */
@@ -26,12 +32,15 @@ typedef struct transistor {
   double error[ERRORS]; /* its errors; at first as they will be once the line
                            ends have moved */
   double size;          /* of them; INFINITY if it never printed */
+  ripple ripple;        /* of its length along W */
   double pull;          /* the error of Ion that asks for the same L */
+  biases next;          /* that was asked for */
   biases best;          /* of the mask with the least size so far */
   double best_size;
   double rest_size;         /* the least size since its last move */
   response response, first; /* as learnt, and as estimated at first */
   trust trust;              /* how far its next L may go */
+  double reach;             /* how far its next W may go */
   int32_t end[2];           /* its line ends in the mask measured last */
   double surprise;   /* by how much the next print's log Ion may differ from
                         what the response says, as its line ends and its
@@ -45,7 +54,13 @@ typedef struct transistor {
 
 typedef struct newton {
   const opc_host *host;
-  double weight[ERRORS];
+  int target;            /* PLAIN ... */
+  double weight[ERRORS]; /* of the size of errors */
+  double steer[ERRORS];  /* for the L that goes with a W */
+  double price;          /* % of the area that a jog has to save */
+  const eda_gates *gates;
+  parts *parts;            /* of each transistor */
+  curve curve[2];          /* of wide transistors, by type */
   double tolerance, limit; /* % */
   double gain[MOVES];
   double max_bias, min_jog; /* nm */
@@ -54,6 +69,7 @@ typedef struct newton {
   const char *wishes_path;
   double mean; /* of all sizes at the print before; while all rest, the
                   least so far */
+  int settled; /* shapes and W stay; L goes on for Ion alone */
   int rest;    /* nothing was moved at the print before */
   wish *wish;  /* of each transistor */
   transistor *state;
@@ -69,8 +85,14 @@ double limit(const newton *t);
 /* The weighted errors as one figure; it is |error| of one that weighs 1. */
 double size_of(const newton *t, const double error[ERRORS]);
 
+/* The parts of that mask of transistor i: its jog may have moved their ends. */
+parts parts_of_mask(const newton *t, size_t i, biases b);
+
 /* The length of that mask of transistor i, its jog as a part of a step. */
 double length_in_steps(const newton *t, size_t i, biases b);
+
+/* Whether W and shapes move for Ioff. */
+int for_ioff(const newton *t);
 
 /* Which moves serve the weights at all. */
 void free_moves(const newton *t, int free[MOVES]);
@@ -78,7 +100,11 @@ void free_moves(const newton *t, int free[MOVES]);
 /* Take in what the mask of `moves` has printed, for all transistors. */
 void observe(newton *t, const eda_feedback *f, const eda_moves *moves);
 
-/* How much the print of `moves` may surprise each transistor. */
-void foresee(newton *t, const eda_feedback *f, const eda_moves *moves);
+/* Take in that the next mask of transistor i will have that shape: what that
+   does to its currents is foreseen. */
+void reshape(newton *t, size_t i, const shape *to);
+
+/* How much the next print may surprise each transistor. */
+void foresee(newton *t, const eda_feedback *f);
 
 #endif

@@ -28,6 +28,8 @@ static const struct {
   double odd_limit, odd_surprise, unanswered;
   double coarse, worthwhile, mean_part, patience;
   double blur, short_end, past_end, before_end;
+  double smooth, firm, local, tail, leak, near_jog;
+  uint32_t shapes[3], settled[3];
 } tuned = {
     /* ---- the first estimate of a response ---- */
 
@@ -157,6 +159,17 @@ static const struct {
     .short_end = 2,
     .past_end = 1 / 2.0,
     .before_end = 3,
+
+    /* ---- flat edges: shape.c ---- */
+
+    .smooth = 50,
+    .firm = 0.15,
+    .local = 0.5,
+    .tail = 40,
+    .near_jog = 0.02,
+    .leak = 0.003,
+    .shapes = {0, 3, 6},
+    .settled = {0, 7, 9},
 };
 
 #endif

@@ -125,7 +125,8 @@ static void test_third_layer(void) {
   const eda_box good = {0, 0, 5, 5}, none = {0, 0, 5, 0};
   eda_boxes assists[LAYERS] = {[METAL] = {&good, 1}};
   size_t fragments[LAYERS] = {[METAL] = 1};
-  const eda_moves moves = {zero, zero, zero, shift, assists};
+  const eda_moves moves = {
+      .l = zero, .w = zero, .jog = zero, .shift = shift, .assists = assists};
   g_assert_cmpint(eda_check_moves(g, &moves, fragments, &error), ==, OPC_OK);
   assists[METAL].box = &none;
   g_assert_cmpint(eda_check_moves(g, &moves, fragments, &error), ==,

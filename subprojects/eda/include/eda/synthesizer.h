@@ -42,6 +42,17 @@ typedef struct eda_feedback {
   const eda_field *print;
 } eda_feedback;
 
+/* A part of a gate's width, from `from` to `to` grid steps along W from the LOW
+   end of its box, in which the mask's length is `by` grid steps more. */
+typedef struct eda_part {
+  int32_t from, to, by;
+} eda_part;
+
+enum { EDA_PARTS = 18 }; /* of a gate at most */
+
+/* As far as the fragments go, on either side. */
+enum { EDA_PART_END = 1 << 20 };
+
 /* The biases of each gate's mask, in grid steps against the drawn one. They
    hold what was measured; the synthesizer writes what to try next. */
 typedef struct eda_moves {
@@ -66,6 +77,13 @@ typedef struct eda_moves {
      measured. Others in their place, which belong to the synthesizer until its
      next update, are those of the next mask. */
   eda_boxes *assists;
+
+  /* The parts of each gate, [EDA_PARTS * i + k], in their order, none
+     over another; the first that is empty (from >= to) ends them. They may
+     reach past the gate, and are cut off where its fragments end. What `by`
+     adds to `l` is shared by both sides as `l` is, and `jog` comes upon that.
+     Since 0.2; NULL in a loop that has none. */
+  eda_part *part;
 } eda_moves;
 
 /* Edge fragments of a synthesizer's own. Polygon p of the layer's drawn shapes

@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Flat edges: the mask's moves that undo the ripple best are a least-squares
+   problem, as a print is smooth; whole steps with as few jogs as their price
+   allows are then the nearest by dynamic programming (a Potts functional). */
+#include "shape.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "tuning.h"
+
+/* ---- parts ---- */
+
+parts parts_of(const eda_gates *g, size_t i, const sides *s) {
+  eda_box b = g->box[i];
+  int32_t width = g->axis[i] == EDA_X ? b.y1 - b.y0 : b.x1 - b.x0;
+  double step = tuned.blur / g->grid, least = tuned.tail / g->grid;
+  double low = fmin(s->from[0], s->from[1]);
+  double high = fmax(s->to[0], s->to[1]);
+  int n = (int)fmin(floor(width / step), EDA_PARTS - 2), m = 0;
+  parts p = {0};
+  if (n < 1) return p;
+  int all = n < EDA_PARTS - 2; /* a wide gate ripples near its ends */
+  if (all) step = (double)width / n;
+  if (low <= -least) p.edge[m++] = low;
+  p.first = m;
+  for (int k = 0; k <= n; k++)
+    p.edge[m++] = floor(!all && 2 * k == n ? width / 2.0
+                        : 2 * k <= n       ? k * step
+                                           : width - (n - k) * step);
+  p.last = m - 1;
+  if (high >= width + least) p.edge[m++] = high;
+  p.count = m - 1;
+  for (int k = 1; k < p.count; k++) p.share[k] = length_share(s, p.edge[k]);
+  p.share[p.count] = 1;
+  return p;
+}
+
+parts parts_beside(const parts *p, const sides *s, double at, double least) {
+  parts out = *p;
+  int nearest = 0;
+  if (isnan(at)) return out;
+  for (int k = 1; k < p->count; k++)
+    if (!nearest || fabs(p->edge[k] - at) < fabs(p->edge[nearest] - at))
+      nearest = k;
+  for (int k = 1; k < p->count; k++) {
+    if (fabs(p->edge[k] - at) >= least) continue;
+    out.edge[k] = k == nearest ? at : at + (k > nearest ? least : -least);
+    out.share[k] = length_share(s, out.edge[k]);
+  }
+  return out;
+}
+
+void shape_write(const parts *p, const shape *s, eda_part out[EDA_PARTS]) {
+  int m = 0;
+  memset(out, 0, EDA_PARTS * sizeof *out);
+  for (int k = 0; k < p->count; k++) {
+    if (!s->by[k]) continue;
+    int32_t from = k ? (int32_t)p->edge[k] : -EDA_PART_END;
+    int32_t to = k + 1 < p->count ? (int32_t)p->edge[k + 1] : EDA_PART_END;
+    if (m && out[m - 1].to == from && out[m - 1].by == s->by[k])
+      out[m - 1].to = to;
+    else
+      out[m++] = (eda_part){from, to, s->by[k]};
+  }
+}
+
+double shape_value(const parts *p, const shape *s) {
+  double sum = 0;
+  for (int k = 0; k < p->count; k++)
+    sum += s->by[k] * (p->share[k + 1] - p->share[k]);
+  return sum;
+}
+
+/* ---- the ripple ---- */
+
+static void less_mean(ripple *r) {
+  double sum = 0;
+  for (int j = 0; j < r->count; j++) sum += r->off[j];
+  double mean = sum / r->count;
+  for (int j = 0; j < r->count; j++) r->off[j] -= mean;
+}
+
+/* Where sample j lies, grid steps from the LOW end. */
+static double place(const parts *p, int j) {
+  const double *edge = p->edge + p->first + j / SAMPLES;
+  double part = (j % SAMPLES + 0.5) / SAMPLES;
+  return edge[0] + part * (edge[1] - edge[0]);
+}
+
+/* The printed length there, less the drawn one. */
+static double length_off(const eda_feedback *f, size_t i, double place) {
+  const eda_gates *g = f->gates;
+  eda_box b = g->box[i];
+  int upright = g->axis[i] == EDA_X;
+  double middle = (upright ? b.x0 + b.x1 : b.y0 + b.y1) / 2.0 * g->grid;
+  double along = (upright ? b.y0 + b.y1 : b.x0 + b.x1) / 2.0 * g->grid;
+  double half = g->length[i] / 2, sum = 0;
+  along +=
+      f->printed->weq[i] / g->width[i] * (place * g->grid - g->width[i] / 2);
+  for (int out = -1; out <= 1; out += 2) {
+    double at = middle + out * half;
+    sum += eda_field_epe(&f->print[EDA_POLY], upright ? EDA_X : EDA_Y, out,
+                         upright ? at : along, upright ? along : at, half);
+  }
+  return sum;
+}
+
+ripple ripple_of(const eda_feedback *f, size_t i, const parts *p) {
+  ripple r = {.count = f->print ? SAMPLES * (p->last - p->first) : 0};
+  for (int j = 0; j < r.count; j++) {
+    r.off[j] = length_off(f, i, place(p, j));
+    if (isnan(r.off[j])) return (ripple){0};
+  }
+  if (r.count) less_mean(&r);
+  return r;
+}
+
+/* The normal distribution. */
+static double normal(double z) { return 0.5 * erfc(-z * M_SQRT1_2); }
+
+/* What a step of part k does to the printed length at sample j, nm. */
+static double effect(const parts *p, int k, int j, double gain, double blur) {
+  double at = place(p, j);
+  return gain * (normal((p->edge[k + 1] - at) / blur) -
+                 normal((p->edge[k] - at) / blur));
+}
+
+ripple ripple_after(const parts *p, const ripple *now, const shape *from,
+                    const shape *to, double gain, double blur) {
+  ripple r = *now;
+  for (int k = 0; k < p->count; k++) {
+    int by = to->by[k] - from->by[k];
+    for (int j = 0; by && j < r.count; j++)
+      r.off[j] += by * effect(p, k, j, gain, blur);
+  }
+  less_mean(&r);
+  return r;
+}
+
+double ripple_excess(const ripple *r, double slope) {
+  double sum = 0;
+  if (!r->count) return 0;
+  for (int j = 0; j < r->count; j++) sum += exp(slope * r->off[j]);
+  return log(sum / r->count);
+}
+
+/* Both currents grow by half of the square of their slopes; two equations for L
+   and W. */
+double ripple_cost(double drawn, const curve *c) {
+  double ion = -c->slope[ION], ioff = -c->slope[IOFF];
+  return (ion + ioff) / 2 / drawn + ion * ioff / 2;
+}
+
+/* ---- flat edges ---- */
+
+/* Solve a x = b, symmetric and positive definite; both are lost. */
+static void cholesky(int n, double a[EDA_PARTS][EDA_PARTS],
+                     double x[EDA_PARTS]) {
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j <= i; j++) {
+      double sum = a[i][j];
+      for (int k = 0; k < j; k++) sum -= a[i][k] * a[j][k];
+      a[i][j] = i == j ? sqrt(sum) : sum / a[j][j];
+    }
+  for (int i = 0; i < n; i++) {
+    for (int k = 0; k < i; k++) x[i] -= a[i][k] * x[k];
+    x[i] /= a[i][i];
+  }
+  for (int i = n - 1; i >= 0; i--) {
+    for (int k = i + 1; k < n; k++) x[i] -= a[k][i] * x[k];
+    x[i] /= a[i][i];
+  }
+}
+
+/* The moves of parts, no whole steps yet, that make the ripple least, what
+   leaks most first; Tikhonov's term keeps small what a print does not answer
+   to. */
+static void least_squares(const parts *p, const ripple *r, double leak,
+                          double gain, double blur, double x[EDA_PARTS]) {
+  double a[EDA_PARTS][EDA_PARTS] = {{0}}, row[EDA_PARTS];
+  int n = p->count;
+  memset(x, 0, EDA_PARTS * sizeof *x);
+  for (int j = 0; j < r->count; j++) {
+    double weight = fmin(fmax(exp(leak * r->off[j]), 0.1), 4);
+    for (int k = 0; k < n; k++) row[k] = effect(p, k, j, gain, blur);
+    for (int k = 0; k < n; k++) {
+      x[k] -= weight * row[k] * r->off[j];
+      for (int m = 0; m <= k; m++) a[k][m] += weight * row[k] * row[m];
+    }
+  }
+  for (int k = 0; k < n; k++)
+    a[k][k] += SAMPLES * tuned.firm * tuned.firm * gain * gain;
+  cholesky(n, a, x);
+}
+
+enum { MOST = 12, VALUES = 2 * MOST + 1 };
+
+/* The whole steps v[k] from low to high[k] that make the sum of (x[k] - v[k])^2
+   and of `jump` for each change of v least. */
+static void potts(int n, const double *x, const int *high, double jump,
+                  int8_t *v) {
+  double cost[EDA_PARTS][VALUES];
+  int best[EDA_PARTS] = {0}, which[EDA_PARTS][VALUES];
+  for (int k = 0; k < n; k++) {
+    for (int s = 0; s < VALUES; s++) {
+      double off = x[k] - (s - MOST), stay = 0, change = 0;
+      if (k) {
+        stay = cost[k - 1][s];
+        change = cost[k - 1][best[k - 1]] + jump;
+      }
+      which[k][s] = k && change < stay ? best[k - 1] : s;
+      cost[k][s] =
+          s - MOST > high[k] ? INFINITY : off * off + fmin(stay, change);
+      if (cost[k][s] < cost[k][best[k]] || isinf(cost[k][best[k]])) best[k] = s;
+    }
+  }
+  for (int k = n - 1, s = n ? best[n - 1] : 0; k >= 0; k--) {
+    v[k] = (int8_t)(s - MOST);
+    s = which[k][s];
+  }
+}
+
+shape shape_flat(const parts *p, const ripple *now, const shape *from,
+                 double leak, double gain, double blur, double price,
+                 int blocked) {
+  double x[EDA_PARTS], sum = 0;
+  int high[EDA_PARTS], n = p->last - p->first;
+  shape s = *from;
+  if (!now->count) return s;
+  least_squares(p, now, leak, gain, blur, x);
+  for (int k = 0; k < p->count; k++) {
+    high[k] = blocked ? from->by[k] : MOST;
+    x[k] += from->by[k];
+    if (p->first <= k && k < p->last) sum += x[k];
+  }
+  for (int k = 0; k < p->count; k++) x[k] -= sum / n; /* L makes it good */
+  double nm = gain * tuned.local;
+  potts(p->count, x, high, price * n / (nm * nm), s.by);
+  return s;
+}

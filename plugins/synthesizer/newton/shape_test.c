@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Shapes that flatten ripples of which the cause is known: a mask whose steps a
+   Gaussian has smoothed, by sums over its width. */
+#include "shape.c"
+
+#include <glib.h>
+#include <math.h>
+#include <string.h>
+
+#include "jog.c"
+
+enum { WIDTH = 600, PART = 60, PAST = 80 };
+static const double gain = 2.6, leak = -0.39;
+
+static const sides edges = {.from = {-PAST, -PAST},
+                            .to = {WIDTH + PAST, WIDTH + PAST},
+                            .high = WIDTH,
+                            .blur = 60};
+
+static parts parts_here(int32_t width, const sides *s) {
+  eda_box box = {0, 0, 65, width};
+  uint8_t axis = EDA_X;
+  eda_gates g = {.grid = 1, .count = 1, .box = &box, .axis = &axis};
+  return parts_of(&g, 0, s);
+}
+
+/* What a mask prints that is by[k] longer in part k. */
+static ripple printed(const parts *p, const int *by) {
+  ripple r = {.count = SAMPLES * (p->last - p->first)};
+  double mean = 0;
+  for (int j = 0; j < r.count; j++) {
+    int k = p->first + j / SAMPLES;
+    double part = (p->edge[k + 1] - p->edge[k]) / SAMPLES;
+    double at = p->edge[k] + part * (j % SAMPLES + 0.5), sum = 0, all = 0;
+    for (double x = -400; x < WIDTH + 400; x += 0.25) {
+      double z = (x - at) / tuned.smooth, weight = exp(-z * z / 2);
+      for (int m = 0; m < p->count; m++)
+        if (p->edge[m] <= x && x < p->edge[m + 1]) sum += by[m] * weight;
+      all += weight;
+    }
+    r.off[j] = gain * sum / all;
+    mean += r.off[j] / r.count;
+  }
+  for (int j = 0; j < r.count; j++) r.off[j] -= mean;
+  return r;
+}
+
+static int jogs_of(const parts *p, const shape *s) {
+  int n = 0;
+  for (int k = 1; k < p->count; k++) n += s->by[k] != s->by[k - 1];
+  return n;
+}
+
+static double rms(const ripple *r) {
+  double sum = 0;
+  for (int j = 0; j < r->count; j++) sum += r->off[j] * r->off[j];
+  return sqrt(sum / r->count);
+}
+
+/* What is expected of a step of the mask is what sums over the width say. */
+static void test_effect(void) {
+  parts p = parts_here(WIDTH, &edges);
+  shape none = {{0}}, s = {{0}};
+  int by[EDA_PARTS] = {0};
+  s.by[0] = 5, s.by[3] = -2, s.by[p.count - 1] = 1;
+  for (int k = 0; k < p.count; k++) by[k] = s.by[k];
+  ripple flat = {.count = SAMPLES * (p.last - p.first)};
+  ripple want = printed(&p, by),
+         r = ripple_after(&p, &flat, &none, &s, gain, tuned.smooth);
+  for (int j = 0; j < r.count; j++)
+    g_assert_cmpfloat(fabs(r.off[j] - want.off[j]), <, 0.02);
+}
+
+/* Ten parts in the gate, one on each side where the poly goes on far enough. */
+static void test_parts(void) {
+  parts p = parts_here(WIDTH, &edges);
+  g_assert_cmpint(p.count, ==, WIDTH / PART + 2);
+  g_assert_cmpint(p.first, ==, 1);
+  g_assert_cmpfloat(p.edge[0], ==, -PAST);
+  g_assert_cmpfloat(p.edge[1], ==, 0);
+  g_assert_cmpfloat(p.edge[p.last], ==, WIDTH);
+  sides near = edges;
+  near.from[0] = -20;
+  near.from[1] = -20;
+  p = parts_here(WIDTH, &near);
+  g_assert_cmpint(p.first, ==, 0);
+  g_assert_cmpint(p.last, ==, WIDTH / PART);
+  near.to[0] = near.to[1] = 10000 + PAST;
+  p = parts_here(10000, &near); /* one long part in the middle, or two */
+  g_assert_cmpint(p.count, <=, EDA_PARTS);
+  for (int k = 0; k < p.count; k++)
+    g_assert_cmpfloat(p.edge[k + 1] - p.edge[k], >=, PART);
+  g_assert_cmpint(parts_here(59, &edges).count, ==, 0);
+}
+
+/* A jog has no other step within 40 of it, but such as lie where it does. */
+static void test_beside(void) {
+  parts p = parts_here(WIDTH, &edges);
+  for (int at = 40; at < WIDTH - 40; at++) {
+    parts q = parts_beside(&p, &edges, at, 40);
+    for (int k = 1; k < q.count; k++) {
+      double off = fabs(q.edge[k] - at);
+      g_assert_true(off == 0 || off >= 40);
+      g_assert_cmpfloat(q.edge[k] - q.edge[k - 1], >=, 19);
+      g_assert_cmpfloat(fabs(q.edge[k] - p.edge[k]), <=, 40);
+    }
+  }
+}
+
+/* Neighbours that move alike are one piece of the edge; the outer ones go as
+   far as it does. */
+static void test_write(void) {
+  parts p = parts_here(WIDTH, &edges);
+  shape s = {{0}};
+  eda_part out[EDA_PARTS];
+  s.by[0] = s.by[1] = 2, s.by[4] = -1;
+  shape_write(&p, &s, out);
+  g_assert_cmpint(out[0].from, ==, -EDA_PART_END);
+  g_assert_cmpint(out[0].to, ==, 60);
+  g_assert_cmpint(out[0].by, ==, 2);
+  g_assert_cmpint(out[1].from, ==, 180);
+  g_assert_cmpint(out[1].to, ==, 240);
+  g_assert_cmpint(out[2].from, ==, out[2].to);
+  /* All of it by one step is a length of one more. */
+  memset(&s, 1, sizeof s);
+  g_assert_cmpfloat(fabs(shape_value(&p, &s) - 1), <, 1e-9);
+}
+
+/* A ripple that a mask has made is undone, but for a part that is dear; without
+   a price at all to a third, at half of it with fewer jogs, at any without. */
+static void test_flat(void) {
+  parts p = parts_here(WIDTH, &edges);
+  const int by[EDA_PARTS] = {-6, -4, -2, 0, 0, 0, 3, 3, 0, 0, 0, 2};
+  ripple r = printed(&p, by);
+  shape none = {{0}};
+  int before = EDA_PARTS;
+  double left = 0;
+  static const double price[] = {0, 0.5, 2, 1e6};
+  for (size_t k = 0; k < G_N_ELEMENTS(price); k++) {
+    shape s = shape_flat(&p, &r, &none, leak, gain, tuned.smooth, price[k], 0);
+    ripple after = ripple_after(&p, &r, &none, &s, gain, tuned.smooth);
+    g_test_message("price %g: %d jogs, %.2f of %.2f nm", price[k],
+                   jogs_of(&p, &s), rms(&after), rms(&r));
+    g_assert_cmpint(jogs_of(&p, &s), <=, before);
+    g_assert_cmpfloat(rms(&after), >=, left);
+    before = jogs_of(&p, &s);
+    left = rms(&after) - 0.3;
+    if (k == 0) g_assert_cmpfloat(rms(&after), <, rms(&r) / 3);
+  }
+  g_assert_cmpint(before, ==, 0);
+  shape s = shape_flat(&p, &r, &none, leak, gain, tuned.smooth, 0, 1);
+  for (int k = 0; k < p.count; k++) g_assert_cmpint(s.by[k], <=, 0);
+}
+
+/* Two halves, a nm long and a nm short: cosh of the slope. What it costs is
+   what L and W that balance both currents take, to second order. */
+static void test_excess(void) {
+  ripple r = {.count = SAMPLES * 4};
+  for (int j = 0; j < r.count; j++) r.off[j] = j < r.count / 2 ? 1 : -1;
+  g_assert_cmpfloat(fabs(ripple_excess(&r, -0.3) - log(cosh(0.3))), <, 1e-12);
+  const curve c = {{-0.05, -0.39, 0}};
+  double ion = 0.05 * 0.05 / 2, ioff = 0.39 * 0.39 / 2;
+  double l = (ioff - ion) / (0.39 - 0.05), w = 0.05 * l - ion;
+  g_assert_cmpfloat(fabs(ripple_cost(65, &c) - (l / 65 + w)), <, 1e-12);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/shape/parts", test_parts);
+  g_test_add_func("/shape/beside", test_beside);
+  g_test_add_func("/shape/write", test_write);
+  g_test_add_func("/shape/effect", test_effect);
+  g_test_add_func("/shape/flat", test_flat);
+  g_test_add_func("/shape/excess", test_excess);
+  return g_test_run();
+}
