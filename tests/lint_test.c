@@ -49,6 +49,7 @@ static const struct {
      "update: moves the width of transistor 2 by -2147483648"},
     {"bad.litho_dim", "image: the clear field has the intensity 0.9, not 1"},
     {"bad.litho_dark", "image: the clear field has the intensity 0.9, not 1"},
+    {"bad.litho_fine", "image_fine: within 0.002 it gives the intensity"},
     {"bad.resist_sign", "print: nothing prints in the dark"},
     {"bad.extractor_milli",
      "extract: Ion of a gate of L 60, W 200 nm is 0.333333 A; 1e-08 to 0.01 "

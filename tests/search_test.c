@@ -101,7 +101,8 @@ static char *inner_text(void) {
       "  layout:\n    use: read.cif\n    file: %s\n"
       "    layers: { poly: CP, active: CA, contact: CC, nwell: CW }\n"
       "  gates: { use: segment.transistors, layout: ${layout}, grid: 1 nm }\n"
-      "  mask:\n    use: correct\n    gates: ${gates}\n"
+      /* A fine print would change the figures of one of a run's settings. */
+      "  mask:\n    use: correct\n    gates: ${gates}\n    fine: off\n"
       "    litho: { use: litho.hopkins, wavelength: 193 nm, na: 0.75, sigma: "
       "0.75 }\n"
       "    resist: { use: resist.threshold, anchor: { line: 65 nm, pitch: 250 "

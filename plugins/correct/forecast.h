@@ -6,10 +6,12 @@
 #include <eda/print.h>
 #include <opcflow/step.h>
 
-/* All corrected layers side by side, as the printer does them, and `prints` of
-   them ("at most 101 prints"). */
+/* All corrected layers side by side, as the printer does them. `prints` says
+   how many there are ("at most 101 prints"), and `fine_prints` if they are of
+   the error `fine`, which the model has to have. */
 void forecast_prints(const opc_context *context, const eda_gates *gates,
                      const opc_module *litho, const opc_module *resist,
-                     double margin, const char *prints, opc_forecast *out);
+                     double margin, double fine, const char *prints,
+                     const char *fine_prints, opc_forecast *out);
 
 #endif

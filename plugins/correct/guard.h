@@ -54,9 +54,14 @@ typedef struct guard {
 void guard_init(guard *guard, size_t gates);
 void guard_clear(guard *guard);
 
-/* The mask as drawn was printed; and any mask was. */
-int guard_begin(struct loop *loop, opc_error *error);
+/* The mask as drawn was printed, `before` of the loop has its figures; it may
+   be so twice, the better print later. And any mask was. */
+int guard_begin(struct loop *loop, const eda_printed *drawn, opc_error *error);
 void guard_watch(struct loop *loop);
+
+/* |Ion deviation| of a gate of the last print from what is wanted of it, %;
+   NAN: it does not print, or nothing is. */
+double guard_off(const struct loop *loop, size_t gate);
 
 /* Look at the last print, and take back what is worse than drawn until nothing
    is; count what went back and what is worse still. */

@@ -79,6 +79,29 @@ static int measure(loop *l, const uint8_t *printed, opc_error *error) {
                      &l->measured, error);
 }
 
+/* Take in a print of the layers that are marked. */
+static int take_in(loop *l, const uint8_t *printed, int fine,
+                   opc_error *error) {
+  int code = measure(l, printed, error);
+  for (size_t k = 0; k < l->gates->layers && !code; k++)
+    if (printed[k])
+      sites_measure(l->host->context, &l->sites[k], &l->printer.print[k]);
+  if (code) return code;
+  l->summary = summarize(l->gates, &l->design, &l->measured.performance,
+                         l->measured.flags, l->sites);
+  if (!l->guard.prints)
+    history_add(&l->history, &l->summary, l->iterations, &l->printer, fine);
+  guard_watch(l);
+  if (l->traced) trace_add(&l->trace, l);
+  return fine ? proof_of_drawn(l, error) : OPC_OK;
+}
+
+int loop_refine(loop *l, opc_error *error) {
+  const uint8_t *all = l->gates->corrected;
+  int code = eda_printer_refine(&l->printer, all, l->mask, error);
+  return code ? code : take_in(l, all, 1, error);
+}
+
 int loop_print(loop *l, int all, opc_error *error) {
   size_t layers = l->gates->layers;
   uint8_t *printed = eda_alloc(layers, 1);
@@ -89,25 +112,16 @@ int loop_print(loop *l, int all, opc_error *error) {
   for (size_t k = 0; k < layers && !code; k++)
     if (printed[k]) code = make_mask(l, k, error);
   if (!code) code = eda_printer_print(&l->printer, printed, l->mask, error);
-  if (!code) code = measure(l, printed, error);
-  for (size_t k = 0; k < layers && !code; k++)
-    if (printed[k])
-      sites_measure(l->host->context, &l->sites[k], &l->printer.print[k]);
+  if (!code)
+    code = proof_is_early(l) ? loop_refine(l, error)
+                             : take_in(l, printed, 0, error);
   free(printed);
-  if (code) return code;
-  l->summary = summarize(l->gates, &l->design, &l->measured.performance,
-                         l->measured.flags, l->sites);
-  if (!l->guard.prints)
-    history_add(&l->history, &l->summary, l->iterations,
-                l->printer.simulations);
-  guard_watch(l);
-  if (l->traced) trace_add(&l->trace, l);
-  return OPC_OK;
+  return code;
 }
 
 /* ---- what plugins see and say ---- */
 
-static eda_printed loop_printed(const loop *l) {
+eda_printed loop_printed(const loop *l) {
   return (eda_printed){.iteration = l->iterations,
                        .gates = l->gates,
                        .flags = l->measured.flags,
@@ -131,13 +145,12 @@ static int rule(loop *l, eda_ruling *ruling, opc_error *error) {
 
 /* There is room for more than there have ever been; what is not used costs
    nothing. */
-int loop_violations(loop *l, eda_violation **out, size_t *count,
-                    opc_error *error) {
+int loop_violations(loop *l, const eda_printed *printed, eda_violation **out,
+                    size_t *count, opc_error *error) {
   size_t room = ROOM_FOR_VIOLATIONS + ROOM_OF_GATE * l->gates->count;
-  eda_printed p = loop_printed(l);
   *out = eda_alloc(room, sizeof **out);
-  int code = eda_call_violations(l->host->context, l->regulator, &p, *out, room,
-                                 count, error);
+  int code = eda_call_violations(l->host->context, l->regulator, printed, *out,
+                                 room, count, error);
   if (*count > room) *count = room;
   return eda_blame(error, code, "regulator");
 }
@@ -384,6 +397,19 @@ static int iterate(loop *l, opc_error *error) {
   return code;
 }
 
+/* Iterate until a fine print of the end shows what the loop saw. */
+static int iterate_to_proof(loop *l, opc_error *error) {
+  int code = OPC_OK, holds = 0;
+  for (int k = 0; k < PROOFS && !holds && !code; k++) {
+    for (int which = 0; which < DRIVERS; which++)
+      l->drivers[which].done = !l->drivers[which].module;
+    code = iterate(l, error);
+    if (!code) code = proof_of_end(l, &holds, error);
+    if (l->iterations == l->max_iterations) break;
+  }
+  return code;
+}
+
 static void loop_init(loop *l) {
   size_t n = l->gates->count, layers = l->gates->layers;
   for (int which = 0; which < DRIVERS; which++) {
@@ -420,8 +446,10 @@ int loop_run(loop *l, opc_error *error) {
   if (!code) code = loop_print(l, 1, error);
   if (code) return code;
   eda_performance_copy(&l->before, &l->measured.performance);
-  code = guard_begin(l, error);
-  if (!code) code = iterate(l, error);
+  eda_printed drawn = loop_printed(l);
+  code = guard_begin(l, &drawn, error);
+  if (!code) code = proof_begin(l, error);
+  if (!code) code = iterate_to_proof(l, error);
   if (code || !l->gates->count) return code;
   if (l->hold) return guard_hold(l, error);
   guard_count(l);
@@ -455,6 +483,7 @@ void loop_clear(loop *l) {
   free(l->vetoes);
   history_clear(&l->history);
   guard_clear(&l->guard);
+  proof_clear(l);
   trace_clear(&l->trace);
   eda_printer_clear(&l->printer);
 }

@@ -6,6 +6,7 @@
 #include <eda/print.h>
 
 #include "guard.h"
+#include "proof.h"
 #include "report.h"
 #include "trace.h"
 #include "trial.h"
@@ -34,7 +35,7 @@ typedef struct loop {
   int prepared; /* the extractor is */
   int traced;   /* each print into `trace` */
   int hold;     /* the guard takes back what is worse than drawn */
-  double limit; /* %: |Ion deviation| that is good, for the guard */
+  double limit; /* %: |Ion deviation| that is good, for guard and proof */
   driver drivers[DRIVERS];
   eda_printer printer;
   uint8_t *driver_of;   /* MAIN or EDGES */
@@ -49,6 +50,7 @@ typedef struct loop {
   summary summary; /* of what was measured */
   history history;
   guard guard;
+  proof proof;
   trace trace;
   uint32_t *vetoes;
   uint32_t iterations;
@@ -60,9 +62,16 @@ int loop_run(loop *loop, opc_error *error);
    changed, if not all. */
 int loop_print(loop *loop, int all, opc_error *error);
 
-/* All rules of the regulator that the last print does not keep; freed with
-   free(). */
-int loop_violations(loop *loop, eda_violation **violations, size_t *count,
+/* Print `now` again with the fine model, and measure; only layers of which
+   there is no fine print. */
+int loop_refine(loop *loop, opc_error *error);
+
+/* The last print as a regulator sees it. */
+eda_printed loop_printed(const loop *loop);
+
+/* All rules of the regulator that a print does not keep; freed with free(). */
+int loop_violations(loop *loop, const eda_printed *printed,
+                    eda_violation **violations, size_t *count,
                     opc_error *error);
 void loop_clear(loop *loop);
 

@@ -161,6 +161,8 @@ static const eda_regulator regulator = {.rule = rule,
 
 /* ---- the loop ---- */
 
+static const eda_litho *optics = &litho;
+
 /* A loop of what a correction needs; `edges` may be NULL. */
 static int run_loop(loop *l, const eda_gates *gates, const opc_module *main_one,
                     const opc_module *edges, const opc_module *drc,
@@ -171,8 +173,9 @@ static int run_loop(loop *l, const eda_gates *gates, const opc_module *main_one,
               .extractor = MODULE(&extractor, NULL),
               .drivers = {[MAIN].module = main_one, [EDGES].module = edges},
               .max_iterations = 60};
-  eda_printer_init(&l->printer, NULL, gates, MODULE(&litho, NULL),
+  eda_printer_init(&l->printer, NULL, gates, MODULE(optics, NULL),
                    MODULE(&resist, NULL), 400);
+  l->printer.fine = 1e-4;
   own.printer = &l->printer;
   int code = loop_run(l, error);
   l->printer.litho.litho = NULL; /* the modules end here */
@@ -201,6 +204,26 @@ static void test_fragments(void) {
   /* The other layer was printed once. */
   g_assert_cmpuint(l.iterations, >, 2);
   g_assert_cmpuint(l.printer.simulations, <=, 2 + l.iterations);
+  loop_clear(&l);
+}
+
+/* Edges that a fine print of the end finds elsewhere are moved again. */
+static void test_proof(void) {
+  const eda_litho finer = {.prepare = nothing,
+                           .band = band,
+                           .image = image,
+                           .image_fine = image_fine};
+  loop l;
+  opc_error error = {0};
+  own.spoil = NULL;
+  optics = &finer;
+  for (int n = 0; n < FINE_PRINTS; n++) fine_adds[n] = n ? 0.1 : 0;
+  memset(fine_prints, 0, sizeof fine_prints);
+  g_assert_cmpint(run(&l, &cutter, NULL, &error), ==, OPC_OK);
+  g_assert_cmpint(fine_prints[EDA_POLY], ==, 3);
+  g_assert_cmpint(fine_prints[EDA_ACTIVE], ==, 1);
+  g_assert_cmpfloat(l.summary.epe_max, <, 2);
+  optics = &litho;
   loop_clear(&l);
 }
 
@@ -526,12 +549,13 @@ static void test_report(void) {
   g_assert_cmpint(report_mask(&host, &told_of, &error), ==, OPC_OK);
   g_assert_cmpstr(told->str, ==,
                   "gates[0] effort[1] transistors epe_mean epe_max epe_lost "
-                  "iterations simulations failed ");
+                  "iterations simulations fine_simulations failed ");
   g_string_truncate(told, 0);
   g_assert_cmpint(history_report(&l.history, &host, &error), ==, OPC_OK);
-  g_autofree char *want =
-      g_strdup_printf("history[%u],iteration,epe_mean,epe_max,simulations ",
-                      l.printer.simulations - 1);
+  g_autofree char *want = g_strdup_printf(
+      "history[%u],iteration,epe_mean,epe_max,simulations,"
+      "fine_simulations,model ",
+      l.printer.simulations - 1);
   g_assert_cmpstr(told->str, ==, want);
   g_string_free(told, TRUE);
   loop_clear(&l);
@@ -540,6 +564,7 @@ static void test_report(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/loop/fragments", test_fragments);
+  g_test_add_func("/loop/proof", test_proof);
   g_test_add_func("/loop/patches", test_patches);
   g_test_add_func("/loop/bites", test_bites);
   g_test_add_func("/loop/assists", test_assists);

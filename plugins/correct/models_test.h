@@ -16,9 +16,12 @@
 
 static GString *told; /* metrics, tables and their columns */
 
-static void hear_nothing(const opc_host *h, int level, const char *format,
-                         ...) {
-  (void)h, (void)level, (void)format;
+static int warnings;
+
+static void hear_warnings(const opc_host *h, int level, const char *format,
+                          ...) {
+  (void)h, (void)format;
+  warnings += level == OPC_LOG_WARNING;
 }
 
 static void see_nothing(const opc_host *h, const opc_progress *progress) {
@@ -46,7 +49,7 @@ static int keep_table(const opc_host *h, const char *name, uint32_t flags,
   return OPC_OK;
 }
 
-static const opc_host host = {.log = hear_nothing,
+static const opc_host host = {.log = hear_warnings,
                               .progress = see_nothing,
                               .table = keep_table,
                               .metric = keep_metric};
@@ -87,6 +90,33 @@ static int image(const void *self, int layer, const eda_spectrum *mask,
                                .transfer = transfer,
                                .scale = {1, 0}};
   return eda_coherent_sum(NULL, mask, &systems, 0, out, error);
+}
+
+/* The fine model adds to that a wave across the frame, `fine_adds[n]` high at
+   the fine print number n of poly, fine_adds[0] at any of active, and half as
+   much to all of it. */
+enum { FINE_PRINTS = 8 };
+static double fine_adds[FINE_PRINTS];
+static int fine_prints[2]; /* of poly and active */
+
+static double wave(double height, double x, double width) {
+  return height * (0.5 + sin(2 * G_PI * x / width));
+}
+
+G_GNUC_UNUSED static int image_fine(const void *self, int layer,
+                                    const eda_spectrum *mask, double defocus,
+                                    double wanted, eda_field *out,
+                                    opc_error *error) {
+  int n = fine_prints[layer]++;
+  double height = fine_adds[layer == EDA_POLY ? n : 0];
+  g_assert_cmpfloat(defocus, ==, 0);
+  g_assert_cmpfloat(wanted, ==, 1e-4);
+  g_assert_cmpint(n, <, FINE_PRINTS);
+  if (image(self, layer, mask, out, error)) return error->code;
+  for (int j = 0; j < out->ny; j++)
+    for (int i = 0; i < out->nx; i++)
+      out->coefficients[j * out->nx + i] += (float)wave(height, i, out->nx);
+  return OPC_OK;
 }
 
 static int calibrate(void *self, const opc_module *litho, opc_error *error) {

@@ -42,6 +42,7 @@ static double stdv(const statistics *s) {
 /* Of gates: n, p and all. */
 typedef struct groups {
   statistics ion[3], area[3], ioff[3];
+  double leakage[3], leakage_drawn[3]; /* sums, A */
 } groups;
 
 /* What does not print as a transistor has no figures. */
@@ -62,6 +63,8 @@ static groups gather(const eda_gates *g, const eda_performance *design,
       count(&out.ion[group], ion);
       count(&out.area[group], area);
       count(&out.ioff[group], ioff);
+      out.leakage[group] += printed->ioff[i];
+      out.leakage_drawn[group] += design->ioff[i];
     }
   }
   return out;
@@ -78,7 +81,11 @@ summary summarize(const eda_gates *gates, const eda_performance *design,
                  .area_mean = mean_of(&g.area[2]),
                  .area_max = max_of(&g.area[2]),
                  .ioff_mean = mean_of(&g.ioff[2]),
+                 .ioff_max = max_of(&g.ioff[2]),
                  .gates = gates->count};
+  for (int t = 0; t < 3; t++)
+    out.ioff_total[t] =
+        g.ioff[t].n ? eda_deviation(g.leakage[t], g.leakage_drawn[t]) : NAN;
   for (size_t i = 0; i < gates->count; i++) {
     out.failed += (size_t)failed(flags, i);
     out.outside += (flags[i] & EDA_PRINT_OUTSIDE) != 0;
@@ -99,9 +106,16 @@ summary summarize(const eda_gates *gates, const eda_performance *design,
 /* ---- history ---- */
 
 void history_add(history *h, const summary *print, uint32_t iteration,
-                 uint32_t simulations) {
+                 const eda_printer *printer, int fine) {
+  const history_line *last = h->line + h->count - 1;
+  if (fine && last->simulations == printer->simulations) {
+    iteration = (uint32_t)last->iteration;
+    h->count--;
+  }
   eda_grow(&h->line, &h->room, h->count + 1, sizeof *h->line);
-  h->line[h->count++] = (history_line){*print, iteration, simulations};
+  h->line[h->count++] =
+      (history_line){*print, iteration, printer->simulations,
+                     printer->fine_simulations, fine ? "fine" : "cheap"};
 }
 
 void history_clear(history *h) { free(h->line); }
@@ -109,7 +123,7 @@ void history_clear(history *h) { free(h->line); }
 int history_report(const history *h, const opc_host *host, opc_error *error) {
   const history_line *line = h->line;
   const summary *s = &line->print;
-  opc_column columns[9] = {{"iteration", NULL, OPC_INT, 0, &line->iteration}};
+  opc_column columns[11] = {{"iteration", NULL, OPC_INT, 0, &line->iteration}};
   size_t n = 1;
   const opc_column of_gates[] = {{"ion_mean", "%", OPC_REAL, 4, &s->ion_mean},
                                  {"ion_max", "%", OPC_REAL, 4, &s->ion_max},
@@ -124,6 +138,9 @@ int history_report(const history *h, const opc_host *host, opc_error *error) {
     columns[n++] = of_sites[k];
   columns[n++] =
       (opc_column){"simulations", NULL, OPC_INT, 0, &line->simulations};
+  columns[n++] = (opc_column){"fine_simulations", NULL, OPC_INT, 0,
+                              &line->fine_simulations};
+  columns[n++] = (opc_column){"model", NULL, OPC_TEXT, 0, &line->model};
   return opc_put_rows(host, "history", 0, h->count, sizeof *line, columns, n,
                       error);
 }
@@ -313,7 +330,7 @@ static int summary_table(const opc_host *host, const report *r,
     const char *name;
     int64_t count;
     double ion_mean_before, ion_max_before, area_mean_before;
-    double ion_mean, ion_max, ion_stdv, area_mean, area_max;
+    double ion_mean, ion_max, ion_stdv, area_mean, area_max, ioff_total;
   } row[3];
   const eda_mask *m = r->mask;
   const groups before =
@@ -331,6 +348,8 @@ static int summary_table(const opc_host *host, const report *r,
     row[rows].ion_max = after.ion[t].max;
     row[rows].ion_stdv = stdv(&after.ion[t]);
     row[rows].area_mean = mean_of(&after.area[t]);
+    row[rows].ioff_total =
+        eda_deviation(after.leakage[t], after.leakage_drawn[t]);
     row[rows++].area_max = after.area[t].max;
   }
   const opc_column all[] = {
@@ -344,6 +363,7 @@ static int summary_table(const opc_host *host, const report *r,
       {"area_mean_before", "%", OPC_REAL, 2, &row->area_mean_before},
       {"area_mean_after", "%", OPC_REAL, 2, &row->area_mean},
       {"area_max_after", "%", OPC_REAL, 2, &row->area_max},
+      {"ioff_total_after", "%", OPC_REAL, 1, &row->ioff_total},
   };
   opc_column columns[G_N_ELEMENTS(all)];
   size_t n = 0;
@@ -357,17 +377,19 @@ static int summary_table(const opc_host *host, const report *r,
 static int effort_table(const opc_host *host, const eda_mask *mask,
                         const summary *s, opc_error *error) {
   int64_t iterations = mask->iterations, simulations = mask->simulations;
+  int64_t fine = mask->fine_simulations;
   int64_t unsound = (int64_t)s->failed, fragments = (int64_t)s->sites;
   opc_column columns[] = {
       {"iterations", NULL, OPC_INT, 0, &iterations},
       {"litho_simulations", NULL, OPC_INT, 0, &simulations},
+      {"fine_simulations", NULL, OPC_INT, 0, &fine},
       {"failed_transistors", NULL, OPC_INT, 0, &unsound},
       {"fragments", NULL, OPC_INT, 0, &fragments},
       {"epe_mean", "nm", OPC_REAL, 3, &s->epe_mean},
       {"epe_max", "nm", OPC_REAL, 3, &s->epe_max},
   };
   return host->table(host, "effort", OPC_TABLE_PRINT, 1, columns,
-                     s->sites ? 6 : 3, error);
+                     s->sites ? 7 : 4, error);
 }
 
 /* ---- metrics ---- */
@@ -393,6 +415,10 @@ static int metrics(const opc_host *host, const report *r, const summary *s,
       {gates ? "area_mean" : NULL, s->area_mean},
       {gates ? "area_max" : NULL, s->area_max},
       {gates ? "ioff_mean" : NULL, s->ioff_mean},
+      {gates ? "ioff_max" : NULL, s->ioff_max},
+      {gates ? "ioff_total" : NULL, s->ioff_total[2]},
+      {isnan(s->ioff_total[0]) ? NULL : "ioff_total_n", s->ioff_total[0]},
+      {isnan(s->ioff_total[1]) ? NULL : "ioff_total_p", s->ioff_total[1]},
       {changes.n ? "ion_change_mean" : NULL, mean_of(&changes)},
       {changes.n ? "ion_change_max" : NULL, changes.max},
       {edges ? "epe_mean" : NULL, s->epe_mean},
@@ -400,6 +426,7 @@ static int metrics(const opc_host *host, const report *r, const summary *s,
       {s->sites ? "epe_lost" : NULL, (double)s->lost},
       {corrects ? "iterations" : NULL, m->iterations},
       {corrects ? "simulations" : NULL, m->simulations},
+      {corrects ? "fine_simulations" : NULL, m->fine_simulations},
       {"failed", (double)s->failed},
       {m->gates->count ? "outside" : NULL, (double)s->outside},
   };

@@ -3,6 +3,7 @@
 #ifndef CORRECT_REPORT_H
 #define CORRECT_REPORT_H
 
+#include <eda/print.h>
 #include <eda/regulator.h>
 #include <opcflow/plugin.h>
 
@@ -12,7 +13,9 @@
 /* How far a print is from the design. */
 typedef struct summary {
   double ion_mean, ion_max, ion_stdv; /* of |deviation|, %; eq. 3.3 to 3.5 */
-  double area_mean, area_max, ioff_mean;
+  double area_mean, area_max, ioff_mean, ioff_max;
+  double ioff_total[3]; /* sums of printed Ioff over those of drawn, minus
+                           1, %: n, p, all; NAN without such gates */
   size_t gates, failed, outside; /* figures are of those that did not fail */
   double epe_mean, epe_max;      /* of |edge placement error|, nm */
   size_t sites, lost;            /* lost: those without an edge near */
@@ -28,10 +31,12 @@ summary summarize(const eda_gates *gates, const eda_performance *design,
 char *report_gate_name(const eda_gates *gates, size_t gate);
 const char *report_trouble(uint32_t flags);
 
-/* One line for each print of a loop. */
+/* One line for each mask of a loop; a fine print takes the place of the cheap
+   one of the same mask. */
 typedef struct history_line {
   summary print;
-  int64_t iteration, simulations;
+  int64_t iteration, simulations, fine_simulations;
+  const char *model; /* of this print: "fine" or "cheap" */
 } history_line;
 
 typedef struct history {
@@ -40,7 +45,7 @@ typedef struct history {
 } history;
 
 void history_add(history *history, const summary *print, uint32_t iteration,
-                 uint32_t simulations);
+                 const eda_printer *printer, int fine);
 void history_clear(history *history);
 int history_report(const history *history, const opc_host *host,
                    opc_error *error);

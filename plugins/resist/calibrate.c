@@ -158,6 +158,11 @@ static const double unit = 1e-3;
 /* An isolated line is one whose neighbours are this far away, nm. */
 static const double isolation = 4000;
 
+/* Lines are imaged within this, clear field 1, what a fine print is asked for
+   by default, so that its kernels are found once. Half of it moves thresholds
+   by 3e-6 of the clear field, a twentieth of a picometre of a line's width. */
+static const double image_error = 1e-4;
+
 /* The image of a vertical line in the middle of the frame, whole height, x = 0
    its middle. */
 static int image_line(const fitting *f, const resist_line *l, eda_field *field,
@@ -173,10 +178,14 @@ static int image_line(const fitting *f, const resist_line *l, eda_field *field,
   uint32_t start[2] = {0, 4};
   eda_shapes line = {.count = 1, .start = start, .points = points};
   eda_spectrum mask;
-  int code = eda_mask_spectrum(context, &line, unit, frame,
-                               model->band(litho->self), &mask, error);
+  int code =
+      eda_litho_spectrum(context, litho, &line, unit, frame, &mask, error);
   if (code) return code;
-  code = model->image(litho->self, f->layer->set, &mask, field, error);
+  /* Of all the model has, not of what it is cut to for speed. */
+  code = model->image_fine
+             ? model->image_fine(litho->self, f->layer->set, &mask, 0,
+                                 image_error, field, error)
+             : model->image(litho->self, f->layer->set, &mask, field, error);
   eda_spectrum_clear(&mask);
   if (code) return code;
   return eda_field_diffuse(context, field, f->resist->diffusion, error);

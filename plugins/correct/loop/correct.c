@@ -9,6 +9,7 @@
 #include <stdlib.h>
 
 #include "../findings.h"
+#include "../fine.h"
 #include "../forecast.h"
 #include "../loop.h"
 
@@ -22,6 +23,8 @@ typedef struct correct {
   const opc_module *litho, *resist, *extractor, *synthesizer, *edges,
       *regulator;
   int64_t max_iterations;
+  const char *fine_text;
+  double fine;   /* error, clear field 1; 0: no fine prints */
   double margin; /* nm */
   double limit;  /* % */
   int guard, trace;
@@ -58,6 +61,7 @@ static eda_mask *hand_over(loop *l) {
   l->measured.flags = NULL;
   out->iterations = l->iterations;
   out->simulations = l->printer.simulations;
+  out->fine_simulations = l->printer.fine_simulations;
   return out;
 }
 
@@ -65,7 +69,8 @@ static int tell_of_violations(loop *l, opc_error *error) {
   if (!l->regulator) return OPC_OK;
   eda_violation *v = NULL;
   size_t n = 0;
-  int code = loop_violations(l, &v, &n, error);
+  eda_printed p = loop_printed(l);
+  int code = loop_violations(l, &p, &v, &n, error);
   if (!code) code = report_violations(l->host, l->gates, v, n, error);
   free(v);
   return code;
@@ -118,6 +123,7 @@ static int run(void *self, void **outputs, opc_error *error) {
       .drivers = {[MAIN].module = c->synthesizer, [EDGES].module = c->edges}};
   eda_printer_init(&l.printer, c->host->context, c->gates, c->litho, c->resist,
                    c->margin);
+  l.printer.fine = c->fine;
   int code = loop_run(&l, error);
   if (!code) {
     tell_of_overlaps(&l);
@@ -135,11 +141,13 @@ static int run(void *self, void **outputs, opc_error *error) {
 
 static int forecast(void *self, opc_forecast *out, opc_error *error) {
   correct *c = self;
-  char prints[40];
+  char prints[40], fine_prints[80];
   (void)snprintf(prints, sizeof prints, "at most %" PRId64 " prints",
                  c->max_iterations + 1);
+  (void)snprintf(fine_prints, sizeof fine_prints, "%s and %d fine ones", prints,
+                 PROOFS + 1);
   forecast_prints(c->host->context, c->gates, c->litho, c->resist, c->margin,
-                  prints, out);
+                  c->fine, prints, fine_prints, out);
   int code = eda_extractor_prepare(c->host->context, c->extractor, error);
   if (code) return code;
   c->prepared = 1;
@@ -171,10 +179,12 @@ static const opc_parameter parameters[] = {
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "100",
                   .min = 0, .max = 100000,
                   .summary = "stop after so many moves"),
-    OPC_PARAMETER(
-        correct, margin, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "nm",
-        .preset = "1000 nm", .min = 0,
-        .summary = "clear field around the layout, which repeats beyond"),
+    OPC_PARAMETER(correct, margin, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+                  .unit = "nm", .min = 0,
+                  .summary =
+                      "clear field around the layout, which repeats beyond; as "
+                      "'fine' needs it"),
+    FINE_PARAMETER(correct),
     OPC_PARAMETER(correct, guard, .type = OPC_CHOICE, .preset = "on",
                   .choices = "on|off",
                   .summary = "take back what ends worse than the drawn mask; "
@@ -205,6 +215,11 @@ static const opc_metric metrics[] = {
      "largest |gate area deviation| after correction"},
     {"ioff_mean", "%", OPC_LOWER, 0.1,
      "mean of |Ioff deviation| after correction"},
+    {"ioff_max", "%", OPC_LOWER, 0.1, "largest |Ioff deviation|"},
+    {"ioff_total", "%", OPC_LOWER, 0.1,
+     "deviation of the sum of all Ioff, what is drawn being 0"},
+    {"ioff_total_n", "%", OPC_LOWER, 0.1, "that of all n-transistors"},
+    {"ioff_total_p", "%", OPC_LOWER, 0.1, "that of all p-transistors"},
     {.name = "epe_mean",
      .unit = "nm",
      .better = OPC_LOWER,
@@ -217,6 +232,8 @@ static const opc_metric metrics[] = {
     {"iterations", NULL, OPC_LOWER, 0,
      "times that the synthesizer moved edges"},
     {"simulations", NULL, OPC_LOWER, 0, "litho simulations, of one layer each"},
+    {"fine_simulations", NULL, OPC_LOWER, 0,
+     "those of the fine model, beside them"},
     {"failed", NULL, OPC_LOWER, 0,
      "transistors that do not print as one of their own"},
     {"outside", NULL, OPC_LOWER, 0,
@@ -231,6 +248,13 @@ static const opc_metric metrics[] = {
      "rules of the regulator that the print does not keep"},
 };
 
+static int check(void *self, opc_error *error) {
+  correct *c = self;
+  int code = fine_error(c->fine_text, c->limit, &c->fine, error);
+  c->margin = fine_margin(c->margin, c->fine);
+  return code;
+}
+
 /* ---- entry ---- */
 
 static const opc_port outputs[] = {EDA_PORT_MASK("mask")};
@@ -242,4 +266,4 @@ OPC_PLUGIN(
     .licence = "BSD-3-Clause",
     .summary = "move mask edges until every transistor performs as drawn",
     .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
-    OPC_METRICS(metrics), OPC_FUNCTIONS(functions));
+    OPC_METRICS(metrics), .check = check, OPC_FUNCTIONS(functions));

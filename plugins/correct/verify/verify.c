@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "../findings.h"
+#include "../fine.h"
 #include "../forecast.h"
 #include "../report.h"
 
@@ -15,6 +16,8 @@ typedef struct verify {
   const opc_host *host;
   const eda_mask *mask;
   const opc_module *litho, *resist, *extractor;
+  const char *fine_text;
+  double fine;   /* error, clear field 1; 0: as the model is by itself */
   double margin; /* nm */
 } verify;
 
@@ -37,7 +40,8 @@ static int look_again(const verify *v, eda_printer *printer, eda_mask *out,
   for (size_t k = 0; k < gates->layers && !code; k++)
     code = eda_boolean(EDA_OR, &in->shapes[k], NULL, &out->shapes[k], error);
   if (!code)
-    code = eda_printer_print(printer, gates->corrected, out->shapes, error);
+    code = (printer->fine > 0 ? eda_printer_refine : eda_printer_print)(
+        printer, gates->corrected, out->shapes, error);
   if (!code)
     code = eda_measure(context, gates, printer->print, v->extractor, measured,
                        error);
@@ -55,6 +59,7 @@ static int run(void *self, void **outputs, opc_error *error) {
   eda_printer printer;
   eda_printer_init(&printer, v->host->context, gates, v->litho, v->resist,
                    v->margin);
+  printer.fine = v->fine;
   int code = look_again(v, &printer, out, &measured, error);
   for (size_t k = 0; k < gates->layers; k++) {
     out->print[k] = printer.print[k];
@@ -63,6 +68,7 @@ static int run(void *self, void **outputs, opc_error *error) {
   out->after = measured.performance;
   out->flags = measured.flags;
   out->simulations = printer.simulations;
+  out->fine_simulations = printer.fine_simulations;
   const report told = {
       .mask = out, .extension = measured.extension, .corrected = v->mask};
   if (!code) findings_of_print(v->host, gates, out->flags, NULL);
@@ -76,7 +82,7 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
   const verify *v = self;
   (void)error;
   forecast_prints(v->host->context, v->mask->gates, v->litho, v->resist,
-                  v->margin, "one print", out);
+                  v->margin, v->fine, "one print", "one fine print", out);
   return OPC_OK;
 }
 
@@ -92,10 +98,12 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(verify, extractor, .type = OPC_SLOT, .flags = OPC_REQUIRED,
                   .choices = "extractor",
                   .summary = "performance of a printed transistor"),
-    OPC_PARAMETER(
-        verify, margin, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "nm",
-        .preset = "1000 nm", .min = 0,
-        .summary = "clear field around the layout, which repeats beyond"),
+    OPC_PARAMETER(verify, margin, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+                  .unit = "nm", .min = 0,
+                  .summary =
+                      "clear field around the layout, which repeats beyond; as "
+                      "'fine' needs it"),
+    FINE_PARAMETER(verify),
 };
 
 static const opc_metric metrics[] = {
@@ -106,6 +114,11 @@ static const opc_metric metrics[] = {
     {"area_mean", "%", OPC_LOWER, 0.01, "mean of |gate area deviation|"},
     {"area_max", "%", OPC_LOWER, 0.01, "largest |gate area deviation|"},
     {"ioff_mean", "%", OPC_LOWER, 0.1, "mean of |Ioff deviation|"},
+    {"ioff_max", "%", OPC_LOWER, 0.1, "largest |Ioff deviation|"},
+    {"ioff_total", "%", OPC_LOWER, 0.1,
+     "deviation of the sum of all Ioff, what is drawn being 0"},
+    {"ioff_total_n", "%", OPC_LOWER, 0.1, "that of all n-transistors"},
+    {"ioff_total_p", "%", OPC_LOWER, 0.1, "that of all p-transistors"},
     {"ion_change_mean", "%", OPC_LOWER, 0.01,
      "mean of |difference| of the Ion deviation to that in the loop"},
     {"ion_change_max", "%", OPC_LOWER, 0.01,
@@ -115,6 +128,16 @@ static const opc_metric metrics[] = {
     {"outside", NULL, OPC_LOWER, 0,
      "transistors with figures from beyond the device table"},
 };
+
+/* %, of Ion: what figures are to be good for, as the loop's `limit`. */
+static const double limit = 0.5;
+
+static int check(void *self, opc_error *error) {
+  verify *v = self;
+  int code = fine_error(v->fine_text, limit, &v->fine, error);
+  v->margin = fine_margin(v->margin, v->fine);
+  return code;
+}
 
 /* ---- entry ---- */
 
@@ -126,5 +149,5 @@ OPC_PLUGIN(verify, .id = "verify", .kind = "step", .version = OPC_VERSION,
            .licence = "BSD-3-Clause",
            .summary = "print and measure a corrected mask with other models",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
            OPC_FUNCTIONS(functions));

@@ -4,6 +4,7 @@
 #include <eda/gates.h>
 #include <eda/print.h>
 #include <math.h>
+#include <string.h>
 
 #include "core/testing/testing.h"
 
@@ -11,15 +12,20 @@
   "resist: { use: resist.threshold, anchor: { line: 65 nm, pitch: 250 nm " \
   "} }"
 
-static opc_module *make(const char *id, const char *litho, const char *more) {
-  opc_error error = {0};
+static opc_module *try_to_make(const char *id, const char *litho,
+                               const char *more, opc_error *error) {
   g_autofree char *devices = g_build_filename(
       g_getenv("OPCFLOW_SOURCE"), "data", "devices", "ptm65.yaml", NULL);
   g_autofree char *map = g_strdup_printf(
       "{ litho: { use: %s }, " RESIST
       ", extractor: { use: extractor.plain, devices: '%s' }%s }",
       litho, devices, more);
-  opc_module *m = opc_test_module(id, map, &error);
+  return opc_test_module(id, map, error);
+}
+
+static opc_module *make(const char *id, const char *litho, const char *more) {
+  opc_error error = {0};
+  opc_module *m = try_to_make(id, litho, more, &error);
   if (!m) g_error("%s: %s", id, error.message);
   return m;
 }
@@ -66,8 +72,81 @@ static void test_again(void) {
   release(loop, mask);
 }
 
+/* Total leakage is that of the sums of what each transistor has. */
+static void test_leakage(void) {
+  opc_module *loop = make("correct", "litho.hopkins",
+                          ", synthesizer: { use: synthesizer.dpb }, "
+                          "max_iterations: 1, fine: off");
+  opc_test_forget();
+  eda_mask *mask = run(loop, "gates", eda_gates_sample());
+  g_assert_cmpuint(mask->gates->count, ==, 2);
+  const double *now = mask->after.ioff, *drawn = mask->design.ioff;
+  double by[2], all = 100 * ((now[0] + now[1]) / (drawn[0] + drawn[1]) - 1);
+  for (size_t i = 0; i < 2; i++) /* an n-transistor and a p-transistor */
+    by[i] = 100 * (now[i] / drawn[i] - 1);
+  const struct {
+    const char *name;
+    double value;
+  } expected[] = {{"ioff_total", all},
+                  {"ioff_total_n", by[0]},
+                  {"ioff_total_p", by[1]},
+                  {"ioff_mean", (fabs(by[0]) + fabs(by[1])) / 2},
+                  {"ioff_max", fmax(fabs(by[0]), fabs(by[1]))}};
+  g_assert_cmpfloat(fabs(by[0] - by[1]), >, 1);
+  for (size_t k = 0; k < G_N_ELEMENTS(expected); k++)
+    g_assert_cmpfloat_with_epsilon(opc_test_metric(expected[k].name),
+                                   expected[k].value, 1e-6);
+  release(loop, mask);
+}
+
+/* What the fine model says of a mask is what its errors allow; without it, what
+   the cheap one says. */
+static void test_fine(void) {
+  static const char *const fines[] = {"", ", fine: 3e-4", ", fine: off"};
+  double ion[3][2];
+  opc_module *loop = make("correct", "litho.hopkins, kernels: 4",
+                          ", synthesizer: { use: synthesizer.dpb }, "
+                          "max_iterations: 0, margin: 1000 nm");
+  opc_test_forget();
+  eda_mask *mask = run(loop, "gates", eda_gates_sample());
+  g_assert_true(opc_test_metric("fine_simulations") == 2);
+  g_assert_cmpuint(mask->fine_simulations, ==, 2);
+  for (int k = 0; k < 3; k++) {
+    g_autofree char *more = g_strdup_printf(", margin: 1000 nm%s", fines[k]);
+    opc_module *again = make("verify", "litho.hopkins, kernels: 4", more);
+    eda_mask *out = run(again, "mask", mask);
+    memcpy(ion[k], out->after.ion, sizeof ion[k]);
+    g_assert_cmpuint(out->fine_simulations, ==, k == 2 ? 0 : 2);
+    g_assert_cmpuint(out->simulations, ==, k == 2 ? 2 : 0);
+    release(again, out);
+  }
+  for (size_t i = 0; i < 2; i++) {
+    double other = fabs(ion[1][i] / ion[0][i] - 1),
+           cheap = fabs(ion[2][i] / ion[0][i] - 1);
+    g_assert_true(ion[0][i] == mask->after.ion[i]);
+    g_assert_cmpfloat(other, <, 3e-3);
+    g_assert_cmpfloat(cheap, >, 4 * other);
+  }
+  release(loop, mask);
+}
+
+static void test_words(void) {
+  static const char *const wrong[] = {"0", "-1e-4", "0.1", "fast", "1e-4 nm"};
+  for (size_t k = 0; k < G_N_ELEMENTS(wrong); k++) {
+    opc_error error = {0};
+    g_autofree char *more = g_strdup_printf(", fine: %s", wrong[k]);
+    g_assert_null(try_to_make("verify", "litho.hopkins", more, &error));
+    g_autofree char *text = g_strdup_printf(
+        "'fine' is %s: a number above 0 and below 0.1, or off", wrong[k]);
+    g_assert_nonnull(strstr(error.message, text));
+  }
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/verify/again", test_again);
+  g_test_add_func("/verify/leakage", test_leakage);
+  g_test_add_func("/verify/fine", test_fine);
+  g_test_add_func("/verify/words", test_words);
   return g_test_run();
 }

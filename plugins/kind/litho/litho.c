@@ -20,6 +20,10 @@ static const double darkest = -0.05, brightest = 3;
  */
 static const double frame_tolerance = 0.05;
 
+/* Errors that fine images are asked for, clear field 1; and what single
+   precision may add to their difference. */
+static const double coarse_error = 2e-3, fine_error = 5e-4, rounding = 2e-5;
+
 /* ---- calls ---- */
 
 static int call(opc_inspector *in, const opc_module *m, int layer,
@@ -30,6 +34,14 @@ static int call(opc_inspector *in, const opc_module *m, int layer,
                  ? o->image(m->self, layer, mask, out, &error)
                  : o->image_at(m->self, layer, mask, defocus, out, &error);
   return try_went_well(in, defocus == 0 ? "image" : "image_at", code, &error);
+}
+
+static int call_fine(opc_inspector *in, const opc_module *m, int layer,
+                     const eda_spectrum *mask, double wanted, eda_field *out) {
+  const eda_litho *o = m->functions;
+  opc_error error = {0};
+  int code = o->image_fine(m->self, layer, mask, 0, wanted, out, &error);
+  return try_went_well(in, "image_fine", code, &error);
 }
 
 static void try_image(opc_inspector *in, const opc_module *m, int layer,
@@ -101,22 +113,87 @@ static void try_range(opc_inspector *in, const opc_module *m) {
     }
 }
 
+/* Two fine images of one mask differ by no more than their errors; and one out
+   of focus is sound. */
+static void try_fine(opc_inspector *in, const opc_module *m, int layer,
+                     const eda_spectrum *mask) {
+  const eda_litho *o = m->functions;
+  eda_field field[2] = {{.nx = 0}}, away = {0};
+  opc_error error = {0};
+  double x[PLACES], y[PLACES], value[2][PLACES];
+  for (int i = 0; i < PLACES; i++) {
+    x[i] = mask->frame.x0 + mask->frame.width * i / PLACES;
+    y[i] = mask->frame.y0 + mask->frame.height * (i * 5 % PLACES) / PLACES;
+  }
+  for (int k = 0; k < 2; k++) {
+    if (call_fine(in, m, layer, mask, k ? fine_error : coarse_error,
+                  &field[k]) &&
+        !eda_check_field(&field[k], &mask->frame, "intensity", &error))
+      eda_field_sample(&field[k], x, y, PLACES, value[k]);
+    else
+      value[k][0] = NAN;
+    try_field(in, "image_fine", "intensity", &field[k], &mask->frame);
+  }
+  double allowed = coarse_error + fine_error + rounding;
+  for (int i = 0; i < PLACES && !isnan(value[0][0] + value[1][0]); i++)
+    if (!(fabs(value[0][i] - value[1][i]) <= allowed)) {
+      in->find(in,
+               "image_fine: within %g it gives the intensity %g, within %g %g",
+               coarse_error, value[0][i], fine_error, value[1][i]);
+      break;
+    }
+  if (o->image_at && try_went_well(in, "image_fine",
+                                   o->image_fine(m->self, layer, mask, 50,
+                                                 coarse_error, &away, &error),
+                                   &error))
+    try_field(in, "image_fine", "intensity", &away, &mask->frame);
+  for (int k = 0; k < 2; k++) eda_field_clear(&field[k]);
+  eda_field_clear(&away);
+}
+
+/* A mask through the model's own transform is one it can make an image of. */
+static void try_transform(opc_inspector *in, const opc_module *m) {
+  const eda_litho *o = m->functions;
+  const eda_gates *g = eda_gates_sample();
+  eda_spectrum mask = {0}, usual;
+  opc_error error = {0};
+  int code = o->transform(m->self, &g->drawn[EDA_POLY], g->grid, try_frame,
+                          &mask, &error);
+  if (!try_mask(in, EDA_POLY, &try_frame, o->band(m->self), &usual)) return;
+  if (try_went_well(in, "transform", code, &error)) {
+    if (!mask.data || mask.columns != usual.columns || mask.rows != usual.rows)
+      in->find(in,
+               "transform: a mask has %d x %d frequencies, not %d x %d as its "
+               "band says",
+               mask.columns, mask.rows, usual.columns, usual.rows);
+    else
+      try_image(in, m, EDA_POLY, &mask, 0);
+  }
+  eda_spectrum_clear(&mask);
+  eda_spectrum_clear(&usual);
+}
+
 /* ---- several callers ---- */
 
+/* Of each layer, and the fine ones of each, if there are any. */
 typedef struct images {
   const opc_module *m;
   eda_spectrum mask[LAYERS];
-  eda_field field[LAYERS];
+  eda_field field[2 * LAYERS];
 } images;
 
 static int same_image(void *data, size_t i) {
   const images *all = data;
   const eda_litho *o = all->m->functions;
   const eda_field *was = &all->field[i];
+  const eda_spectrum *mask = &all->mask[i % LAYERS];
+  int layer = (int)(i % LAYERS);
   eda_field field = {0};
   opc_error error = {0};
-  int same = !o->image(all->m->self, (int)i, &all->mask[i], &field, &error) &&
-             field.nx == was->nx && field.ny == was->ny &&
+  int code = i < LAYERS ? o->image(all->m->self, layer, mask, &field, &error)
+                        : o->image_fine(all->m->self, layer, mask, 0,
+                                        coarse_error, &field, &error);
+  int same = !code && field.nx == was->nx && field.ny == was->ny &&
              !memcmp(field.coefficients, was->coefficients,
                      (size_t)field.nx * (size_t)field.ny * sizeof(float));
   eda_field_clear(&field);
@@ -127,15 +204,20 @@ static void try_callers(opc_inspector *in, const opc_module *m) {
   const eda_litho *o = m->functions;
   images all = {.m = m};
   int good = 1;
+  size_t n = o->image_fine ? 2 * LAYERS : LAYERS;
   for (int i = 0; i < LAYERS && good; i++)
     good = try_mask(in, i, &try_frame, o->band(m->self), &all.mask[i]) &&
            call(in, m, i, &all.mask[i], 0, &all.field[i]);
-  if (good && !try_at_once(LAYERS, same_image, &all))
+  for (int i = 0; i < LAYERS && good && o->image_fine; i++)
+    good =
+        call_fine(in, m, i, &all.mask[i], coarse_error, &all.field[LAYERS + i]);
+  if (good && !try_at_once(n, same_image, &all))
     in->find(in,
              "image gives other bits while other threads call it; it is [any]");
   for (int i = 0; i < LAYERS; i++) {
     eda_spectrum_clear(&all.mask[i]);
     eda_field_clear(&all.field[i]);
+    eda_field_clear(&all.field[LAYERS + i]);
   }
 }
 
@@ -156,8 +238,10 @@ static void exercise(const opc_module *m, opc_inspector *in) {
     if (!try_mask(in, layer, &try_frame, band, &mask)) return;
     try_image(in, m, layer, &mask, 0);
     if (o->image_at) try_image(in, m, layer, &mask, 50);
+    if (o->image_fine) try_fine(in, m, layer, &mask);
     eda_spectrum_clear(&mask);
   }
+  if (o->transform) try_transform(in, m);
   try_clear_field(in, m);
   try_range(in, m);
   try_callers(in, m);

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 
 #include "../optics.h"
+#include "transform.h"
 
 /* ---- state ---- */
 
@@ -59,6 +60,13 @@ static int prepare(void *self, opc_error *error) {
 static double band(const void *self) {
   const abbe *a = self;
   return (1 + optics_source_radius(&a->optics)) * a->optics.cutoff;
+}
+
+static int transform(const void *self, const eda_shapes *mask, double grid,
+                     eda_frame frame, eda_spectrum *out, opc_error *error) {
+  const abbe *a = self;
+  return transform_mask(a->host->context, mask, grid, frame, band(self), out,
+                        error);
 }
 
 static void transfer(const void *self, size_t s, const double *fx, double fy,
@@ -119,8 +127,11 @@ static int check(void *self, opc_error *error) {
 
 /* ---- entry ---- */
 
-static const eda_litho functions = {
-    .prepare = prepare, .band = band, .image = image, .image_at = image_at};
+static const eda_litho functions = {.prepare = prepare,
+                                    .band = band,
+                                    .image = image,
+                                    .image_at = image_at,
+                                    .transform = transform};
 OPC_PLUGIN(abbe, .id = "litho.abbe", .kind = "litho", .version = "0.2.0",
            .licence = "BSD-3-Clause",
            .summary =

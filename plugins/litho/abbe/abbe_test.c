@@ -40,9 +40,9 @@ static eda_field image_of(opc_module *m, int layer, double defocus,
   eda_spectrum mask;
   eda_field field;
   opc_error error;
-  g_assert_cmpint(eda_mask_spectrum(host->context, &shapes, 0.1, f,
-                                    litho->band(m->self), &mask, &error),
-                  ==, OPC_OK);
+  g_assert_cmpint(
+      eda_litho_spectrum(host->context, m, &shapes, 0.1, f, &mask, &error), ==,
+      OPC_OK);
   int code = defocus != 0 ? litho->image_at(m->self, layer, &mask, defocus,
                                             &field, &error)
                           : litho->image(m->self, layer, &mask, &field, &error);
@@ -89,6 +89,109 @@ static void assert_beams(const eda_field *f, int from, int to,
     g_assert_cmpfloat(
         fabs(value_at(f, x, 31) - beams(from, to, waves, x, width, pitch)), <,
         3e-5);
+}
+
+/* ---- the mask ---- */
+
+static eda_spectrum spectrum_of(opc_module *m, const eda_shapes *shapes,
+                                eda_frame f) {
+  const eda_litho *litho = m->functions;
+  eda_spectrum s;
+  opc_error error;
+  g_assert_cmpint(litho->transform(m->self, shapes, 0.5, f, &s, &error), ==,
+                  OPC_OK);
+  g_assert_cmpfloat(s.band, ==, litho->band(m->self));
+  return s;
+}
+
+static double complex coefficient(const eda_spectrum *s, int k, int l) {
+  const float *c =
+      s->data +
+      2 * ((size_t)(l < 0 ? l + s->rows : l) * (size_t)s->columns + (size_t)k);
+  return (double)c[0] + I * (double)c[1];
+}
+
+/* One coefficient of the interval from a to b of a period. */
+static double complex interval(int k, double a, double b) {
+  return k ? (cexp(-2 * M_PI * I * k * b) - cexp(-2 * M_PI * I * k * a)) /
+                 (-2 * M_PI * I * k)
+           : b - a;
+}
+
+/* Rectangles, one of them a hole and one over the border of the frame: products
+   of sincs; and nothing beyond the band. */
+static void test_rectangles(void) {
+  g_autoptr(opc_module) m = prepared("litho.abbe", "{}");
+  const eda_frame f = {-300, -200, 1500, 2300};
+  const eda_box box[3] = {/* on a grid of 0.5 nm */
+                          {-100, 300, 1700, 3900},
+                          {200, 500, 330, 2001},
+                          {2200, -900, 2701, 11}};
+  eda_point points[12];
+  uint32_t start[] = {0, 4, 8, 12};
+  uint8_t hole[] = {0, 1, 0};
+  for (int i = 0; i < 3; i++) {
+    eda_box b = box[i];
+    eda_point p[] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
+    for (int c = 0; c < 4; c++) points[4 * i + c] = p[hole[i] ? 3 - c : c];
+  }
+  eda_shapes shapes = {3, start, points, hole};
+  eda_spectrum s = spectrum_of(m, &shapes, f);
+  double worst = 0;
+  int inside = 0, half = (s.rows - 1) / 2;
+  for (int l = -half; l <= half; l++)
+    for (int k = 0; k < s.columns; k++) {
+      double complex want = !k && !l;
+      for (int i = 0; i < 3; i++) {
+        eda_box b = box[i];
+        want -= (hole[i] ? -1 : 1) *
+                interval(k, (b.x0 / 2.0 - f.x0) / f.width,
+                         (b.x1 / 2.0 - f.x0) / f.width) *
+                interval(l, (b.y0 / 2.0 - f.y0) / f.height,
+                         (b.y1 / 2.0 - f.y0) / f.height);
+      }
+      int in = hypot(k / f.width, l / f.height) <= s.band;
+      inside += in;
+      worst = fmax(worst, cabs(coefficient(&s, k, l) - (in ? want : 0)));
+    }
+  g_test_message("%d coefficients, %.2g off", inside, worst);
+  g_assert_cmpint(inside, >, 100);
+  g_assert_cmpfloat(worst, <, 6e-8); /* single precision, of at most 1 */
+  eda_spectrum_clear(&s);
+}
+
+/* A polygon without any upright edge, against the sum of thin rows of it: exact
+   along x, by the midpoint rule along y. */
+static void test_polygon(void) {
+  enum { CORNERS = 5, ROWS = 26000 };
+  g_autoptr(opc_module) m = prepared("litho.abbe", "{}");
+  const eda_frame f = {0, 0, 1000, 900};
+  eda_point points[CORNERS] = {
+      {700, 200}, {1500, 900}, {1100, 1500}, {500, 1500}, {200, 1000}};
+  uint32_t start[] = {0, CORNERS};
+  eda_shapes shapes = {1, start, points, NULL};
+  eda_spectrum s = spectrum_of(m, &shapes, f);
+  double worst = 0;
+  for (int l = -4; l <= 4; l++)
+    for (int k = 0; k <= 4; k++) {
+      double complex want = !k && !l;
+      for (int r = 0; r < ROWS; r++) {
+        double y = 200 + 1300 * (r + 0.5) / ROWS, x[2] = {INFINITY, -INFINITY};
+        for (int i = 0; i < CORNERS; i++) {
+          eda_point a = points[i], b = points[(i + 1) % CORNERS];
+          if ((a.y > y) == (b.y > y)) continue;
+          double at = a.x + (b.x - a.x) * (y - a.y) / (b.y - a.y);
+          x[0] = fmin(x[0], at);
+          x[1] = fmax(x[1], at);
+        }
+        want -= interval(k, x[0] / 2 / f.width, x[1] / 2 / f.width) *
+                cexp(-M_PI * I * l * y / f.height) * 650 / ROWS / f.height;
+      }
+      worst = fmax(worst, cabs(coefficient(&s, k, l) - want));
+    }
+  g_test_message("a polygon: %.2g off", worst);
+  g_assert_cmpfloat(worst, <, 1e-7);
+  eda_spectrum_clear(&s);
 }
 
 /* ---- points ---- */
@@ -420,6 +523,8 @@ static void test_refused(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   host = opc_test_host();
+  g_test_add_func("/abbe/rectangles", test_rectangles);
+  g_test_add_func("/abbe/polygon", test_polygon);
   g_test_add_func("/abbe/three-beams", test_three_beams);
   g_test_add_func("/abbe/two-beams", test_two_beams);
   g_test_add_func("/abbe/immersion", test_immersion);

@@ -13,27 +13,33 @@
 /* ---- state ---- */
 
 enum {
-  FOCI = 16,
+  CUTS = 32,
   ALL = 600, /* systems that stand for all */
   /* Finding kernels takes 10 s for 300 points, by the square of their number;
      other sources are cut into 400. */
   MOST_LISTED = 800
 };
 
+/* The kernels for a focus, as many as an error needs. */
+typedef struct cut {
+  double defocus; /* nm */
+  double wanted;  /* error, clear field 1 */
+  int64_t fixed;  /* systems; OPC_NO_INT: as the error needs */
+  double error;   /* measured */
+  kernels *kernels;
+} cut;
+
 typedef struct hopkins {
   const opc_host *host;
   optics optics;
-  double wanted; /* error, clear field 1 */
-  int64_t fixed; /* systems; OPC_NO_INT: as the error needs */
-  double error;  /* measured */
-  kernels *focus;
-  /* Kernels away from the focus, made when first asked for. */
+  double wanted;
+  int wanted_given;
+  int64_t fixed;
+  /* Cuts are made when first asked for; the first one by `prepare`. They stay
+     as they are and where they are: the lock is for those that are added. */
   pthread_mutex_t lock;
-  struct {
-    double defocus;
-    kernels *kernels;
-  } foci[FOCI];
-  size_t n_foci;
+  cut cuts[CUTS];
+  size_t n_cuts;
 } hopkins;
 
 /* ---- work: images ---- */
@@ -48,19 +54,6 @@ static double step_of(const hopkins *h) {
   return fmin(32, 0.25 / (2 * h->optics.cutoff));
 }
 
-/* What the rest is filtered by: D. */
-static void residual(const void *self, const double *fx, double fy, size_t n,
-                     float *out) {
-  const kernels *kept = self;
-  for (size_t i = 0; i < n; i++) {
-    double shift = sqrt(fx[i] * fx[i] + fy * fy) / kept->cutoff;
-    double place = shift * SHIFTS / 2;
-    int k = place < SHIFTS ? (int)place : SHIFTS;
-    const float *d = kept->d_table + k;
-    out[i] = d[0] + (float)(place - k) * (d[1] - d[0]);
-  }
-}
-
 /* The image of a layer's mask, or of a binary one. */
 enum { BINARY = -1 };
 static int image_by(const hopkins *h, const kernels *k, int layer,
@@ -71,7 +64,8 @@ static int image_by(const hopkins *h, const kernels *k, int layer,
                          .band = k->radius * k->cutoff,
                          .intensity_band = 2 * k->cutoff,
                          .transfer = k->transfer,
-                         .residual = residual,
+                         .residuals = k->rests,
+                         .residual = k->filter,
                          .self = k,
                          .mirror = k->mirror};
   if (layer != BINARY)
@@ -124,111 +118,154 @@ static int trial_init(const hopkins *h, kernels *k, trial *t,
 }
 
 /* The largest error that the kernels as they are kept make. */
-static int try_kernels(hopkins *h, const kernels *k, trial *t,
-                       opc_error *error) {
+static int try_kernels(const hopkins *h, cut *c, trial *t, opc_error *error) {
+  const kernels *k = c->kernels;
   int code = OPC_OK;
-  h->error = 0;
+  c->error = 0;
   for (int p = 0; p < PATTERNS && !code; p++) {
     eda_field part = {0}, *whole = &t->whole[p];
     code = image_by(h, k, BINARY, &t->mask[p], &part, error);
     if (!code && !whole->coefficients)
       pattern_image(k, &t->mask[p], &part, whole);
     double off = code ? 0 : margin * difference(whole, &part);
-    if (!(off <= h->error)) h->error = off;
+    if (!(off <= c->error)) c->error = off;
     eda_field_clear(&part);
-    if (h->error > h->wanted && h->fixed < 0 && !k->all) break;
+    if (c->error > c->wanted && c->fixed < 0 && !k->all) break;
   }
   return code;
 }
 
-/* The fewest systems whose images of all patterns are within the error of those
-   of T itself or, where that is not known, of all systems. */
-static int choose(hopkins *h, kernels *k, opc_error *error) {
+/* How many systems to try next. The error falls about as one over their number,
+   for small sources faster: what that leads to is neared from below. */
+static size_t more_systems(const cut *c, size_t n) {
+  double one = 2 + (double)n + (double)n / 6;
+  double guess = 0.6 * (double)n * c->error / c->wanted;
+  return (size_t)fmax(one, fmin(guess, 3 * (double)n));
+}
+
+/* About the fewest systems whose images of all patterns are within the error of
+   those of T itself or, where that is not known, of all systems. */
+static int choose(const hopkins *h, cut *c, opc_error *error) {
+  kernels *k = c->kernels;
   trial t;
   int code = trial_init(h, k, &t, error);
-  for (size_t n = h->fixed > 0 ? (size_t)h->fixed : 4; !code; n += 2 + n / 6) {
+  size_t n = c->fixed > 0 ? (size_t)c->fixed : 4;
+  for (; !code; n = more_systems(c, n)) {
     k->keep(k, n);
-    if ((code = try_kernels(h, k, &t, error))) break;
-    if (!isfinite(h->error))
+    if ((code = try_kernels(h, c, &t, error))) break;
+    if (!isfinite(c->error))
       code = opc_fail(error, OPC_FAILED, NULL, "the kernels are not finite");
-    if (h->fixed > 0 || h->error <= h->wanted || k->all) break;
+    if (c->fixed > 0 || c->error <= c->wanted || k->all) break;
   }
   trial_clear(&t);
   return code;
 }
 
-/* ---- work: foci ---- */
+/* ---- work: cuts ---- */
 
-static kernels *make_kernels(hopkins *h, double defocus, opc_error *error) {
+static int make_kernels(const hopkins *h, cut *c, opc_error *error) {
   const optics *o = &h->optics;
   const opc_context *context = h->host->context;
-  kernels *k;
   if (optics_is_radial(o)) {
-    int real = defocus == 0 && optics_is_real(o) && optics_real_masks(o);
+    int real = c->defocus == 0 && optics_is_real(o) && optics_real_masks(o);
     /* So many systems reach about so much. */
-    double wanted = h->fixed > 0 ? 0.04 / (double)h->fixed : h->wanted;
-    k = radial_new(context, o, defocus, real, wanted);
+    double wanted = c->fixed > 0 ? 0.01 / (double)c->fixed : c->wanted;
+    c->kernels = radial_new(context, o, c->defocus, real, wanted);
   } else {
-    k = plane_new(context, o, defocus, error);
+    c->kernels = plane_new(context, o, c->defocus, error);
+    if (!c->kernels) return error->code;
   }
-  if (k && choose(h, k, error)) {
-    k->free(k);
-    k = NULL;
+  int code = choose(h, c, error);
+  if (code) {
+    c->kernels->free(c->kernels);
+    c->kernels = NULL;
   }
-  return k;
+  return code;
+}
+
+static void tell(const hopkins *h, const cut *c) {
+  char focus[48] = "";
+  if (c->defocus != 0)
+    (void)snprintf(focus, sizeof focus, ", %g nm from the focus", c->defocus);
+  h->host->log(h->host, OPC_LOG_INFO,
+               "litho.hopkins: %zu systems and the rest%s, error %.1e of the "
+               "clear field",
+               c->kernels->count, focus, c->error);
+  if (c->fixed < 0 && c->error > c->wanted)
+    h->host->log(h->host, OPC_LOG_WARNING,
+                 "litho.hopkins: all %zu systems give an error of %.1e, more "
+                 "than the %.1e asked for%s",
+                 c->kernels->count, c->error, c->wanted, focus);
+}
+
+/* One more; the lock is held, or nobody else knows of the instance. */
+static const cut *add_cut(hopkins *h, double defocus, double wanted,
+                          int64_t fixed, opc_error *error) {
+  if (h->n_cuts == CUTS) {
+    opc_fail(error, OPC_INVALID, NULL,
+             "images at more than %d values of defocus and error", CUTS);
+    return NULL;
+  }
+  cut *c = &h->cuts[h->n_cuts];
+  *c = (cut){.defocus = defocus, .wanted = wanted, .fixed = fixed};
+  if (make_kernels(h, c, error)) return NULL;
+  tell(h, c);
+  h->n_cuts++;
+  return c;
+}
+
+/* The one that is as asked for. (One with less error would do, but which ones
+   are there already depends on who came first, and so would the bits.) */
+static const cut *find_cut(hopkins *h, double defocus, double wanted,
+                           int64_t fixed, opc_error *error) {
+  const cut *found = NULL;
+  if (!(wanted > 0)) {
+    opc_fail(error, OPC_INVALID, NULL, "an image within an error of %g",
+             wanted);
+    return NULL;
+  }
+  pthread_mutex_lock(&h->lock);
+  for (size_t i = 0; i < h->n_cuts && !found; i++) {
+    const cut *c = &h->cuts[i];
+    if (c->defocus == defocus && c->wanted == wanted && c->fixed == fixed)
+      found = c;
+  }
+  if (!found) found = add_cut(h, defocus, wanted, fixed, error);
+  pthread_mutex_unlock(&h->lock);
+  return found;
 }
 
 static int prepare(void *self, opc_error *error) {
   hopkins *h = self;
-  if (h->focus) return OPC_OK;
-  h->focus = make_kernels(h, 0, error);
-  if (!h->focus) return error->code;
-  h->host->log(h->host, OPC_LOG_INFO,
-               "litho.hopkins: %zu systems and the rest, error %.1e of the "
-               "clear field",
-               h->focus->count, h->error);
+  if (h->n_cuts) return OPC_OK;
+  const cut *c = add_cut(h, 0, h->wanted, h->fixed, error);
+  if (!c) return error->code;
   int code =
-      h->host->metric(h->host, "systems", (double)h->focus->count, error);
-  if (!code) code = h->host->metric(h->host, "error", h->error, error);
+      h->host->metric(h->host, "systems", (double)c->kernels->count, error);
+  if (!code) code = h->host->metric(h->host, "error", c->error, error);
   if (!code) code = h->host->metric(h->host, "grid", step_of(h), error);
-  if (code) return code;
-  if (h->fixed < 0 && h->error > h->wanted)
-    h->host->log(h->host, OPC_LOG_WARNING,
-                 "litho.hopkins: all %zu systems give an error of %.1e, more "
-                 "than the %.1e asked for",
-                 h->focus->count, h->error, h->wanted);
-  return OPC_OK;
+  return code;
 }
 
 static int image(const void *self, int layer, const eda_spectrum *mask,
                  eda_field *out, opc_error *error) {
   const hopkins *h = self;
-  return image_by(h, h->focus, layer, mask, out, error);
-}
-
-/* The kernels for a focus; h->lock is held. */
-static kernels *find_focus(hopkins *h, double defocus, opc_error *error) {
-  for (size_t i = 0; i < h->n_foci; i++)
-    if (h->foci[i].defocus == defocus) return h->foci[i].kernels;
-  if (h->n_foci == FOCI) {
-    opc_fail(error, OPC_INVALID, NULL, "more than %d values of defocus", FOCI);
-    return NULL;
-  }
-  kernels *k = make_kernels(h, defocus, error);
-  if (!k) return NULL;
-  h->foci[h->n_foci].defocus = defocus;
-  h->foci[h->n_foci++].kernels = k;
-  return k;
+  return image_by(h, h->cuts[0].kernels, layer, mask, out, error);
 }
 
 static int image_at(const void *self, int layer, const eda_spectrum *mask,
                     double defocus, eda_field *out, opc_error *error) {
-  if (defocus == 0) return image(self, layer, mask, out, error);
   hopkins *h = (hopkins *)self; /* what changes is under the lock */
-  pthread_mutex_lock(&h->lock);
-  const kernels *k = find_focus(h, defocus, error);
-  pthread_mutex_unlock(&h->lock);
-  return k ? image_by(h, k, layer, mask, out, error) : error->code;
+  const cut *c = find_cut(h, defocus, h->wanted, h->fixed, error);
+  return c ? image_by(h, c->kernels, layer, mask, out, error) : error->code;
+}
+
+static int image_fine(const void *self, int layer, const eda_spectrum *mask,
+                      double defocus, double wanted, eda_field *out,
+                      opc_error *error) {
+  hopkins *h = (hopkins *)self; /* what changes is under the lock */
+  const cut *c = find_cut(h, defocus, wanted, OPC_NO_INT, error);
+  return c ? image_by(h, c->kernels, layer, mask, out, error) : error->code;
 }
 
 /* ---- parameters ---- */
@@ -237,10 +274,11 @@ static const opc_parameter parameters[] = {
     OPTICS_PARAMETERS(hopkins),
     OPC_PARAMETER_NAMED(
         "error", hopkins, wanted, .type = OPC_REAL,
-        .flags = OPC_AT_LEAST | OPC_BELOW, .preset = "1.5e-3", .min = 1e-4,
+        .flags = OPC_AT_LEAST | OPC_BELOW, .preset = "1.5e-3", .min = 1e-5,
         .max = 0.1,
         .summary = "largest error of the intensity, clear field 1, that "
-                   "leaving out kernels may make"),
+                   "leaving out kernels may make",
+        .given = offsetof(hopkins, wanted_given)),
     OPC_PARAMETER_NAMED(
         "kernels", hopkins, fixed, .type = OPC_INT,
         .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 1, .max = 2000,
@@ -259,6 +297,10 @@ static int check(void *self, opc_error *error) {
   hopkins *h = self;
   pthread_mutex_init(&h->lock, NULL);
   int code = optics_check(&h->optics, error);
+  if (!code && h->wanted_given && h->fixed > 0)
+    code = opc_fail(error, OPC_INVALID, "kernels",
+                    "'kernels' and 'error' exclude each other: so many "
+                    "systems, or as many as the error needs");
   size_t listed = h->optics.points.count / 3;
   if (code || listed <= MOST_LISTED) return code;
   return opc_fail(error, OPC_INVALID, "points",
@@ -269,16 +311,18 @@ static int check(void *self, opc_error *error) {
 
 static void clear(void *self) {
   hopkins *h = self;
-  if (h->focus) h->focus->free(h->focus);
-  for (size_t i = 0; i < h->n_foci; i++)
-    h->foci[i].kernels->free(h->foci[i].kernels);
+  for (size_t i = 0; i < h->n_cuts; i++)
+    h->cuts[i].kernels->free(h->cuts[i].kernels);
   pthread_mutex_destroy(&h->lock);
 }
 
 /* ---- entry ---- */
 
-static const eda_litho functions = {
-    .prepare = prepare, .band = band, .image = image, .image_at = image_at};
+static const eda_litho functions = {.prepare = prepare,
+                                    .band = band,
+                                    .image = image,
+                                    .image_at = image_at,
+                                    .image_fine = image_fine};
 OPC_PLUGIN(hopkins, .id = "litho.hopkins", .kind = "litho", .version = "0.2.0",
            .licence = "BSD-3-Clause",
            .summary = "partially coherent imaging by Hopkins kernels",

@@ -74,8 +74,10 @@ static void direct(eda_box b, const double *x, const double *y, size_t n,
     }
 }
 
-static void image(const char *parameters, const eda_shapes *shapes, eda_frame f,
-                  eda_field *field) {
+/* As the model gives it, or within `wanted` if that is above 0. */
+static void image_within(double wanted, const char *parameters,
+                         const eda_shapes *shapes, eda_frame f,
+                         eda_field *field) {
   opc_error error;
   g_autoptr(opc_module) m =
       opc_test_module("litho.hopkins", parameters, &error);
@@ -87,8 +89,16 @@ static void image(const char *parameters, const eda_shapes *shapes, eda_frame f,
   g_assert_cmpint(eda_mask_spectrum(host->context, shapes, 1, f,
                                     litho->band(m->self), &mask, &error),
                   ==, OPC_OK);
-  g_assert_cmpint(litho->image(m->self, 0, &mask, field, &error), ==, OPC_OK);
+  int code = wanted > 0 ? litho->image_fine(m->self, 0, &mask, 0, wanted, field,
+                                            &error)
+                        : litho->image(m->self, 0, &mask, field, &error);
+  g_assert_cmpint(code, ==, OPC_OK);
   eda_spectrum_clear(&mask);
+}
+
+static void image(const char *parameters, const eda_shapes *shapes, eda_frame f,
+                  eda_field *field) {
+  image_within(0, parameters, shapes, f, field);
 }
 
 static void test_definition(void) {
@@ -107,16 +117,16 @@ static void test_definition(void) {
   eda_shapes shapes = {1, start, points, NULL};
   const struct {
     const char *parameters;
-    double reach;
-  } cases[] = {{"{ kernels: 2 }", 1e-2},
-               {"{ error: 4e-3 }", 4e-3},
-               {"{}", 1.5e-3},
-               {"{ error: 5e-4 }", 5e-4},
-               {"{ error: 1e-4 }", 1e-4}};
+    double reach, fine;
+  } cases[] = {{"{ kernels: 2 }", 1e-2, 0},
+               {"{ error: 4e-3 }", 4e-3, 0},
+               {"{}", 1.5e-3, 0},
+               {"{ kernels: 2 }", 5e-4, 5e-4},
+               {"{ error: 1e-4 }", 1e-4, 0}};
   double before = 1;
   for (size_t c = 0; c < G_N_ELEMENTS(cases); c++) {
     eda_field field;
-    image(cases[c].parameters, &shapes, frame, &field);
+    image_within(cases[c].fine, cases[c].parameters, &shapes, frame, &field);
     eda_field_sample(&field, x, y, PLACES, got);
     eda_field_clear(&field);
     double worst = 0, mean = 0;
@@ -130,6 +140,53 @@ static void test_definition(void) {
     g_assert_cmpfloat(worst, <, before);
     before = worst;
   }
+}
+
+/* Fine images leave the model as it is, are the same for the same error, and
+   the kernels that the parameters ask for serve none of them. */
+static void test_fine(void) {
+  opc_error error;
+  g_autoptr(opc_module) m =
+      opc_test_module("litho.hopkins", "{ kernels: 4 }", &error);
+  g_assert_nonnull(m);
+  const eda_litho *litho = m->functions;
+  g_assert_cmpint(litho->prepare(m->self, &error), ==, OPC_OK);
+  eda_point points[] = {{-130, -170}, {90, -170}, {90, 230}, {-130, 230}};
+  uint32_t start[] = {0, 4};
+  eda_shapes shapes = {1, start, points, NULL};
+  eda_spectrum mask;
+  g_assert_cmpint(eda_mask_spectrum(opc_test_host()->context, &shapes, 1, frame,
+                                    litho->band(m->self), &mask, &error),
+                  ==, OPC_OK);
+  /* The model, fine images in focus and 80 nm away, and all of these again. */
+  static const double wanted[] = {0, 3e-4, 1.5e-3, 3e-4, 1.5e-3};
+  static const double defocus[] = {0, 0, 0, 80, 80};
+  enum { KINDS = 5 };
+  eda_field field[2 * KINDS];
+  double off[KINDS] = {0};
+  for (int i = 0; i < 2 * KINDS; i++) {
+    int k = i % KINDS;
+    int code = wanted[k] > 0
+                   ? litho->image_fine(m->self, 0, &mask, defocus[k], wanted[k],
+                                       &field[i], &error)
+                   : litho->image(m->self, 0, &mask, &field[i], &error);
+    g_assert_cmpint(code, ==, OPC_OK);
+    const float *finest = field[k < 3 ? 1 : 3].coefficients;
+    for (int n = 0; i >= KINDS && n < field[i].nx * field[i].ny; n++) {
+      double now = field[i].coefficients[n];
+      g_assert_true(now == field[k].coefficients[n]);
+      off[k] = fmax(off[k], fabs(now - finest[n]));
+    }
+  }
+  g_assert_cmpfloat(off[0], >, 1.8e-3); /* 4 systems */
+  g_assert_cmpfloat(off[2], <, 1.8e-3);
+  g_assert_cmpfloat(off[4], <, 1.8e-3);
+  g_assert_cmpfloat(off[4], >, 0);
+  eda_field none = {0};
+  g_assert_cmpint(litho->image_fine(m->self, 0, &mask, 0, 0, &none, &error), ==,
+                  OPC_INVALID);
+  for (int i = 0; i < 2 * KINDS; i++) eda_field_clear(&field[i]);
+  eda_spectrum_clear(&mask);
 }
 
 /* Nothing on the mask: the clear field is 1. */
@@ -201,7 +258,7 @@ static eda_field wide_image(double x, double y, int mirror) {
   uint32_t start[] = {0, 4, 8};
   eda_shapes shapes = {2, start, points, NULL};
   eda_field field;
-  image("{}", &shapes, (eda_frame){0, 0, w, h}, &field);
+  image("{ error: 5e-4 }", &shapes, (eda_frame){0, 0, w, h}, &field);
   return field;
 }
 
@@ -427,7 +484,10 @@ static void test_refused(void) {
   opc_error error;
   g_assert_null(opc_test_module("litho.hopkins", "{ na: 1.2 }", &error));
   g_assert_null(opc_test_module("litho.hopkins", "{ sigma: 0 }", &error));
-  g_assert_null(opc_test_module("litho.hopkins", "{ error: 9e-5 }", &error));
+  g_assert_null(opc_test_module("litho.hopkins", "{ error: 9e-6 }", &error));
+  g_assert_null(
+      opc_test_module("litho.hopkins", "{ kernels: 24, error: 1e-3 }", &error));
+  g_assert_nonnull(strstr(error.message, "exclude each other"));
   g_assert_null(
       opc_test_module("litho.hopkins", "{ wavelength: 193 }", &error));
   GString *many = g_string_new("{ source: points, points: [0, 0, 1");
@@ -441,6 +501,7 @@ static void test_refused(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/hopkins/definition", test_definition);
+  g_test_add_func("/hopkins/fine", test_fine);
   g_test_add_func("/hopkins/clear-field", test_clear);
   g_test_add_func("/hopkins/too-fine", test_too_fine);
   g_test_add_func("/hopkins/symmetry", test_symmetry);

@@ -10,9 +10,6 @@
 
 #include "../optics.h"
 
-/* Intervals of the table of D, over shifts of 0 to 2. */
-enum { SHIFTS = 64 };
-
 typedef struct kernels kernels;
 struct kernels {
   const opc_context *context;
@@ -21,14 +18,15 @@ struct kernels {
   size_t count;         /* systems that are used; by keep */
   int all;              /* there are no more */
   const double *weight; /* of each used one */
-  /* The rest is there as one incoherent system: S(f1) S(f2) D(|f1 - f2|). */
-  float d_table[SHIFTS + 2];
+  size_t rests; /* incoherent systems that what is left out is put back by */
 
   /* Use at most n systems, the strongest. [main] */
   void (*keep)(kernels *self, size_t n);
   /* As eda_systems has them, `self` being the kernels. [any] */
   void (*transfer)(const void *self, size_t s, const double *fx, double fy,
                    size_t n, float *out);
+  void (*filter)(const void *self, size_t rest, const double *fx, double fy,
+                 size_t n, float *out);
   eda_mirrored (*mirror)(const void *self, size_t s); /* or NULL */
   /* T of frequencies in units of the cutoff, exact; NULL if it is not known
      other than by its kernels. [any] */

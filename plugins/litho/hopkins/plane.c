@@ -26,7 +26,8 @@ enum {
   MOST = 120,   /* kernels */
   SPARE = 20,   /* more vectors than kernels, to find them by */
   CELLS = 128,  /* of the tables, each way */
-  THIN = 5      /* D is taken from every so manieth node each way */
+  THIN = 5,     /* D is taken from every so manieth node each way */
+  SHIFTS = 64   /* intervals of its table, over shifts of 0 to 2 */
 };
 
 typedef struct plane {
@@ -44,6 +45,7 @@ typedef struct plane {
   double *weights;
   float *diagonal; /* T(f, f): [node] */
   float *s_table;  /* S: [node] */
+  float d_table[SHIFTS + 2];
 } plane;
 
 /* ---- work ---- */
@@ -256,9 +258,9 @@ static void find_shifts(plane *p) {
     }
   }
   for (int i = 0; i < SHIFTS + 2; i++)
-    p->base.d_table[i] =
+    p->d_table[i] =
         i <= SHIFTS && below[i] > 0 ? (float)(above[i] / below[i]) : 0;
-  p->base.d_table[0] = 1;
+  p->d_table[0] = 1;
 }
 
 static void keep(kernels *base, size_t n) {
@@ -305,6 +307,19 @@ static void transfer(const void *self, size_t s, const double *fx, double fy,
   }
 }
 
+static void filter(const void *self, size_t rest, const double *fx, double fy,
+                   size_t n, float *out) {
+  const plane *p = self;
+  (void)rest; /* there is one */
+  for (size_t i = 0; i < n; i++) {
+    double shift = sqrt(fx[i] * fx[i] + fy * fy) / p->base.cutoff;
+    double place = shift * SHIFTS / 2;
+    int k = place < SHIFTS ? (int)place : SHIFTS;
+    const float *d = p->d_table + k;
+    out[i] = d[0] + (float)(place - k) * (d[1] - d[0]);
+  }
+}
+
 /* ---- entry ---- */
 
 static void plane_free(kernels *base) {
@@ -342,7 +357,9 @@ kernels *plane_new(const opc_context *context, const optics *o, double defocus,
                       .cutoff = o->cutoff,
                       .radius = 1 + optics_source_radius(o),
                       .keep = keep,
+                      .rests = 1,
                       .transfer = transfer,
+                      .filter = filter,
                       .free = plane_free};
   p->o = o;
   p->defocus = defocus;

@@ -399,7 +399,9 @@ kernels *radial_new(const opc_context *context, const optics *o, double defocus,
                       .cutoff = o->cutoff,
                       .radius = 1 + o->sigma,
                       .keep = radial_keep,
+                      .rests = 2,
                       .transfer = radial_transfer,
+                      .filter = radial_filter,
                       .cross = real ? cross : NULL,
                       .mirror = radial_mirror,
                       .free = radial_free};
@@ -407,7 +409,7 @@ kernels *radial_new(const opc_context *context, const optics *o, double defocus,
   r->defocus = defocus;
   r->real = real;
   /* Measured: fewer leave larger errors, however many kernels are kept. */
-  r->other = error < 2e-4 && real ? OTHER : error < 6e-4 ? 40 : 24;
+  r->other = error < 6e-5 && real ? OTHER : error < 1e-3 ? 40 : 24;
   r->sigma = o->sigma;
   r->sigma_in = o->source == OPTICS_ANNULAR ? o->sigma_in : 0;
   place_nodes(r);

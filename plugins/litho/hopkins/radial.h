@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kernels of a rotationally symmetric T: their eigenfunctions (radial.c) and
-   the systems that are made of them (systems.c). */
+   the systems that are made of them (systems.c, rest.c). */
 #ifndef OPCFLOW_HOPKINS_RADIAL_H
 #define OPCFLOW_HOPKINS_RADIAL_H
 
@@ -14,7 +14,9 @@ enum {
   RINGS = 4, /* nodes of the source's radius between two breaks */
   SOURCE = (NODES + 1) * RINGS,
   ARC = 48,    /* nodes of an arc of a pupil that is not real */
-  ANGLES = 48, /* of D's mean over half a turn */
+  ANGLES = 48, /* between the pairs that D is fitted to, over half a turn */
+  SHIFTS = 32, /* intervals of the table of D, along h; */
+  TURNS = 5,   /* values in all directions */
   ORDERS = 32, /* angular orders */
   TABLE = 1024 /* intervals of a radial function's table */
 };
@@ -65,6 +67,7 @@ typedef struct radial {
   coherent *systems;
   double *weights;
   float s_table[TABLE + 2];
+  float d_table[(SHIFTS + 1) * TURNS];
 } radial;
 
 /* ---- radial.c ---- */
@@ -85,9 +88,6 @@ static inline const double *radial_function(const radial *r, const eigen *e,
 /* T in closed form: in focus. */
 double radial_cross(const radial *r, double a, double b, double angle);
 
-/* T of every other pair of nodes, those with node 2 i. */
-void radial_evaluate_pairs(void *self, size_t i);
-
 /* As in kernels.h. */
 void radial_keep(kernels *base, size_t n);
 void radial_transfer(const void *self, size_t s, const double *fx, double fy,
@@ -96,5 +96,21 @@ eda_mirrored radial_mirror(const void *self, size_t s);
 
 /* Drop the systems that are used. */
 void radial_drop(radial *r);
+
+/* ---- rest.c ---- */
+
+/* T of every other pair of nodes, those with node 2 i. */
+void radial_evaluate_pairs(void *self, size_t i);
+
+/* S and D of what is left when the first `kept` eigenfunctions are used. */
+void radial_find_rest(radial *r, size_t kept);
+
+/* The transfer function of system `rest` of them, as `transfer`. */
+void radial_rest(const radial *r, size_t rest, const double *fx, double fy,
+                 size_t n, float *out);
+
+/* As in kernels.h. */
+void radial_filter(const void *self, size_t rest, const double *fx, double fy,
+                   size_t n, float *out);
 
 #endif

@@ -20,6 +20,34 @@ static void test_anchor(void) {
   eda_field_clear(&f);
 }
 
+/* What a resist makes of no light. */
+static double threshold_of(opc_module *resist, int layer) {
+  const eda_resist *develop = resist->functions;
+  opc_error error;
+  eda_field f = {.frame = {0, 0, 100, 100}, .nx = 16, .ny = 16};
+  f.coefficients = eda_alloc(256, sizeof(float));
+  g_assert_cmpint(develop->print(resist->self, layer, &f, &error), ==, OPC_OK);
+  double value = lines_value(&f, 0);
+  eda_field_clear(&f);
+  return value;
+}
+
+/* Thresholds are those of the optics, whatever the loop's own prints are cut
+   to: the exact sum over the three disks of Hopkins' coefficient, by other
+   code. */
+static void test_truth(void) {
+  static const char *const cut[] = {"{}", "{ kernels: 3 }", "{ error: 5e-4 }"};
+  for (size_t i = 0; i < G_N_ELEMENTS(cut); i++) {
+    g_autoptr(opc_module) litho = lines_litho(cut[i]);
+    g_autoptr(opc_module) resist = prepared("{}", litho);
+    double poly = threshold_of(resist, EDA_POLY);
+    double active = threshold_of(resist, EDA_ACTIVE);
+    g_test_message("%s: %.6f, %.6f", cut[i], poly, active);
+    g_assert_cmpfloat(fabs(poly - 0.40394), <, 2e-5);
+    g_assert_cmpfloat(fabs(active - 0.27115), <, 2e-5);
+  }
+}
+
 /* Thresholds and widths through pitch as a prototype with other code (tile
    sums of the exact cross coefficient) gave them. */
 static void test_through_pitch(void) {
@@ -124,19 +152,6 @@ static double squares(opc_module *litho, opc_module *resist) {
   return sum;
 }
 
-/* What a resist makes of no light. */
-static double threshold_of(opc_module *resist) {
-  const eda_resist *develop = resist->functions;
-  opc_error error;
-  eda_field f = {.frame = {0, 0, 100, 100}, .nx = 16, .ny = 16};
-  f.coefficients = eda_alloc(256, sizeof(float));
-  g_assert_cmpint(develop->print(resist->self, EDA_POLY, &f, &error), ==,
-                  OPC_OK);
-  double value = lines_value(&f, 0);
-  eda_field_clear(&f);
-  return value;
-}
-
 /* A table gives the threshold with the least squares: those beside it are
    worse, and equally so. From a file it gives the same. */
 static void test_table(void) {
@@ -149,7 +164,8 @@ static void test_table(void) {
   g_test_message("%s", opc_test_log());
   g_assert_nonnull(
       strstr(opc_test_log(), "poly, line 65 nm, pitch 250 nm: prints "));
-  double threshold = threshold_of(fitted), least = squares(litho, fitted);
+  double threshold = threshold_of(fitted, EDA_POLY),
+         least = squares(litho, fitted);
   double beside[2], h = 0.0005;
   for (int side = 0; side < 2; side++) {
     g_autofree char *mapping =
@@ -231,6 +247,7 @@ static void test_bad_tables(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/threshold/anchor", test_anchor);
+  g_test_add_func("/threshold/truth", test_truth);
   g_test_add_func("/threshold/through-pitch", test_through_pitch);
   g_test_add_func("/threshold/given", test_given);
   g_test_add_func("/threshold/refused", test_refused);

@@ -39,16 +39,10 @@ static double band(const void *self) {
   return value;
 }
 
-static int image_at(const void *self, int layer, const eda_spectrum *mask,
-                    double defocus, eda_field *out, opc_error *error) {
-  eda_model *m = (eda_model *)self;
-  const eda_litho *litho = inner(m);
-  memset(out, 0, sizeof *out);
-  const char *before = eda_enter(m->context, m->litho, error);
-  int code =
-      defocus == 0
-          ? litho->image(m->litho->self, layer, mask, out, error)
-          : litho->image_at(m->litho->self, layer, mask, defocus, out, error);
+/* What a call of an image gave, checked. */
+static int take_image(eda_model *m, int code, const char *before,
+                      const eda_spectrum *mask, eda_field *out,
+                      opc_error *error) {
   if (!code) code = eda_check_field(out, &mask->frame, "intensity", error);
   /* Values that are not of the heap end here, where it is to blame. */
   if (!code) fence_field(out);
@@ -58,15 +52,86 @@ static int image_at(const void *self, int layer, const eda_spectrum *mask,
 
 static int image(const void *self, int layer, const eda_spectrum *mask,
                  eda_field *out, opc_error *error) {
-  return image_at(self, layer, mask, 0, out, error);
+  eda_model *m = (eda_model *)self;
+  memset(out, 0, sizeof *out);
+  const char *before = eda_enter(m->context, m->litho, error);
+  int code = inner(m)->image(m->litho->self, layer, mask, out, error);
+  return take_image(m, code, before, mask, out, error);
+}
+
+static int image_at(const void *self, int layer, const eda_spectrum *mask,
+                    double defocus, eda_field *out, opc_error *error) {
+  eda_model *m = (eda_model *)self;
+  if (defocus == 0) return image(self, layer, mask, out, error);
+  memset(out, 0, sizeof *out);
+  const char *before = eda_enter(m->context, m->litho, error);
+  int code =
+      inner(m)->image_at(m->litho->self, layer, mask, defocus, out, error);
+  return take_image(m, code, before, mask, out, error);
+}
+
+static int image_fine(const void *self, int layer, const eda_spectrum *mask,
+                      double defocus, double wanted, eda_field *out,
+                      opc_error *error) {
+  eda_model *m = (eda_model *)self;
+  memset(out, 0, sizeof *out);
+  const char *before = eda_enter(m->context, m->litho, error);
+  int code = inner(m)->image_fine(m->litho->self, layer, mask, defocus, wanted,
+                                  out, error);
+  return take_image(m, code, before, mask, out, error);
+}
+
+/* What a transform made is one that images can be made of. */
+static int check_spectrum(const eda_spectrum *s, const eda_frame *f,
+                          opc_error *error) {
+  const eda_frame *g = &s->frame;
+  if (!s->data || g->x0 != f->x0 || g->y0 != f->y0 || g->width != f->width ||
+      g->height != f->height || !(s->band > 0) ||
+      !(s->columns == floor(f->width * s->band) + 1) ||
+      !(s->rows == 2 * floor(f->height * s->band) + 1))
+    return opc_fail(error, OPC_FAILED, NULL,
+                    "the spectrum of a mask has %d x %d frequencies and the "
+                    "band %g 1/nm, for a frame of %g x %g nm",
+                    s->columns, s->rows, s->band, f->width, f->height);
+  size_t n = 2 * (size_t)s->columns * (size_t)s->rows;
+  for (size_t i = 0; i < n; i++)
+    if (!isfinite(s->data[i]))
+      return opc_fail(error, OPC_FAILED, NULL,
+                      "the spectrum of a mask is not finite");
+  return OPC_OK;
+}
+
+static int transform(const void *self, const eda_shapes *mask, double grid,
+                     eda_frame frame, eda_spectrum *out, opc_error *error) {
+  eda_model *m = (eda_model *)self;
+  memset(out, 0, sizeof *out);
+  const char *before = eda_enter(m->context, m->litho, error);
+  int code = inner(m)->transform(m->litho->self, mask, grid, frame, out, error);
+  if (!code) code = check_spectrum(out, &frame, error);
+  opc_leave(m->context, before);
+  return settle(m, code, error);
+}
+
+int eda_litho_spectrum(const opc_context *context, const opc_module *litho,
+                       const eda_shapes *mask, double grid, eda_frame frame,
+                       eda_spectrum *out, opc_error *error) {
+  const eda_litho *l = litho->functions;
+  if (l->transform)
+    return l->transform(litho->self, mask, grid, frame, out, error);
+  return eda_mask_spectrum(context, mask, grid, frame, l->band(litho->self),
+                           out, error);
 }
 
 void eda_model_init(eda_model *m, const opc_context *context,
                     const opc_module *litho) {
   *m = (eda_model){.litho = litho, .context = context};
-  m->functions = (eda_litho){.prepare = prepare,
-                             .band = band,
-                             .image = image,
-                             .image_at = inner(m)->image_at ? image_at : NULL};
+  const eda_litho *there = inner(m);
+  m->functions =
+      (eda_litho){.prepare = prepare,
+                  .band = band,
+                  .image = image,
+                  .image_at = there->image_at ? image_at : NULL,
+                  .image_fine = there->image_fine ? image_fine : NULL,
+                  .transform = there->transform ? transform : NULL};
   m->module = (opc_module){&m->functions, m, litho->id};
 }

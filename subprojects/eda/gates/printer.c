@@ -11,11 +11,15 @@ void eda_printer_init(eda_printer *p, const opc_context *context,
                       const opc_module *resist, double margin) {
   eda_box b = gates->extent;
   double grid = gates->grid;
-  *p = (eda_printer){.context = context,
-                     .resist = resist,
-                     .grid = grid,
-                     .layers = gates->layers,
-                     .print = eda_alloc(gates->layers, sizeof *p->print)};
+  *p = (eda_printer){
+      .context = context,
+      .resist = resist,
+      .grid = grid,
+      .layers = gates->layers,
+      .print = eda_alloc(gates->layers, sizeof *p->print),
+      .image = eda_alloc(gates->layers, sizeof *p->image),
+      .difference = eda_alloc(gates->layers, sizeof *p->difference),
+      .is_fine = eda_alloc(gates->layers, 1)};
   p->frame = (eda_frame){b.x0 * grid - margin, b.y0 * grid - margin,
                          ((double)b.x1 - b.x0) * grid + 2 * margin,
                          ((double)b.y1 - b.y0) * grid + 2 * margin};
@@ -33,6 +37,7 @@ int eda_printer_prepare(eda_printer *p, opc_error *error) {
   const eda_resist *resist = p->resist->functions;
   int code = p->litho.functions.prepare(&p->litho, error);
   if (code) return code;
+  if (!p->litho.functions.image_fine) p->fine = 0;
   const char *before = eda_enter(p->context, p->resist, error);
   code = resist->prepare(p->resist->self, &p->litho.module, error);
   opc_leave(p->context, before);
@@ -43,14 +48,17 @@ eda_image_size eda_printer_forecast(const eda_printer *p, size_t layers) {
   double band = p->litho.functions.band(&p->litho);
   if (!(band > 0)) return (eda_image_size){0};
   eda_image_size one = eda_image_forecast(p->frame, band);
+  /* What was developed last, and the difference. */
+  if (p->fine > 0 && p->litho.functions.image_fine) one.bytes += 2 * one.field;
   one.bytes *= (double)layers;
+  one.field *= (double)layers;
   return one;
 }
 
 int eda_printer_spectrum(const eda_printer *p, const eda_shapes *mask,
                          eda_spectrum *out, opc_error *error) {
-  return eda_mask_spectrum(p->context, mask, p->grid, p->frame,
-                           p->litho.functions.band(&p->litho), out, error);
+  return eda_litho_spectrum(p->context, &p->litho.module, mask, p->grid,
+                            p->frame, out, error);
 }
 
 int eda_printer_develop(const eda_printer *p, int layer, eda_field *field,
@@ -69,16 +77,78 @@ int eda_printer_develop(const eda_printer *p, int layer, eda_field *field,
   return blame_resist(p, code, error);
 }
 
+/* to = from + sign * by, coefficient by coefficient; `to` may be either. */
+static void add(eda_field *to, const eda_field *from, float sign,
+                const eda_field *by) {
+  size_t n = (size_t)by->nx * (size_t)by->ny;
+  for (size_t i = 0; i < n; i++)
+    to->coefficients[i] = from->coefficients[i] + sign * by->coefficients[i];
+}
+
+static eda_field copy_of(const eda_field *field) {
+  return eda_field_scaled(field, 1);
+}
+
+/* What the last image lacked of the fine one of the same mask is part of the
+   difference from now on. */
+static int learn(eda_printer *p, int layer, const eda_field *fine,
+                 opc_error *error) {
+  eda_field *last = &p->image[layer], *difference = &p->difference[layer];
+  if (!last->coefficients) return OPC_OK;
+  if (last->nx != fine->nx || last->ny != fine->ny) {
+    opc_fail(error, OPC_FAILED, NULL,
+             "its fine image has %d x %d nodes, its other one %d x %d",
+             (int)fine->nx, (int)fine->ny, (int)last->nx, (int)last->ny);
+    return eda_blame(error, error->code, "litho");
+  }
+  add(last, fine, -1, last);
+  if (!difference->coefficients) {
+    *difference = *last;
+    *last = (eda_field){0};
+  } else {
+    add(difference, difference, 1, last);
+  }
+  return OPC_OK;
+}
+
+static void add_difference(const eda_printer *p, int layer, eda_field *image) {
+  const eda_field *difference = &p->difference[layer];
+  if (difference->coefficients) add(image, image, 1, difference);
+}
+
+int eda_printer_correct(const eda_printer *p, int layer, eda_field *image,
+                        opc_error *error) {
+  add_difference(p, layer, image);
+  return eda_printer_develop(p, layer, image, error);
+}
+
+/* From a new image of a layer to its print, in place. */
+static int settle(eda_printer *p, int layer, int fine, eda_field *print,
+                  opc_error *error) {
+  int code = fine ? learn(p, layer, print, error) : OPC_OK;
+  if (code) return code;
+  if (!fine) add_difference(p, layer, print);
+  if (p->fine > 0) {
+    eda_field_clear(&p->image[layer]);
+    p->image[layer] = copy_of(print);
+  }
+  p->is_fine[layer] = (uint8_t)fine;
+  return eda_printer_develop(p, layer, print, error);
+}
+
 static int print_layer(eda_printer *p, int layer, const eda_shapes *mask,
-                       opc_error *error) {
+                       int fine, opc_error *error) {
+  const eda_litho *litho = &p->litho.functions;
   eda_field *print = &p->print[layer];
   eda_field_clear(print);
   eda_spectrum spectrum;
   int code = eda_printer_spectrum(p, mask, &spectrum, error);
   if (code) return code;
-  code = p->litho.functions.image(&p->litho, layer, &spectrum, print, error);
+  code = fine ? litho->image_fine(&p->litho, layer, &spectrum, 0, p->fine,
+                                  print, error)
+              : litho->image(&p->litho, layer, &spectrum, print, error);
   eda_spectrum_clear(&spectrum);
-  return code ? code : eda_printer_develop(p, layer, print, error);
+  return code ? code : settle(p, layer, fine, print, error);
 }
 
 /* The layers to print, side by side: what of a print is not for several
@@ -86,30 +156,53 @@ static int print_layer(eda_printer *p, int layer, const eda_shapes *mask,
 typedef struct prints {
   eda_printer *printer;
   const eda_shapes *mask;
+  int fine;
+  size_t count;
   int *layer; /* those to print */
 } prints;
 
 static int print_one(void *data, size_t i, opc_error *error) {
   prints *all = data;
   int layer = all->layer[i];
-  return print_layer(all->printer, layer, &all->mask[layer], error);
+  return print_layer(all->printer, layer, &all->mask[layer], all->fine, error);
+}
+
+static int print_all(prints *all, opc_error *error) {
+  int code =
+      eda_try_all(all->printer->context, all->count, print_one, all, error);
+  free(all->layer);
+  return code;
 }
 
 int eda_printer_print(eda_printer *p, const uint8_t *layers,
                       const eda_shapes *mask, opc_error *error) {
-  prints all = {p, mask, eda_alloc(p->layers, sizeof *all.layer)};
-  size_t n = 0;
+  prints all = {p, mask, 0, 0, eda_alloc(p->layers, sizeof *all.layer)};
   for (size_t k = 0; k < p->layers; k++)
-    if (layers[k]) all.layer[n++] = (int)k;
-  p->simulations += (uint32_t)n;
-  int code = eda_try_all(p->context, n, print_one, &all, error);
-  free(all.layer);
-  return code;
+    if (layers[k]) all.layer[all.count++] = (int)k;
+  p->simulations += (uint32_t)all.count;
+  return print_all(&all, error);
+}
+
+int eda_printer_refine(eda_printer *p, const uint8_t *layers,
+                       const eda_shapes *mask, opc_error *error) {
+  prints all = {p, mask, 1, 0, eda_alloc(p->layers, sizeof *all.layer)};
+  for (size_t k = 0; k < p->layers && p->fine > 0; k++)
+    if (layers[k] && !p->is_fine[k]) all.layer[all.count++] = (int)k;
+  p->fine_simulations += (uint32_t)all.count;
+  return print_all(&all, error);
 }
 
 void eda_printer_clear(eda_printer *p) {
-  for (size_t k = 0; k < p->layers; k++) eda_field_clear(&p->print[k]);
+  for (size_t k = 0; k < p->layers; k++) {
+    eda_field_clear(&p->print[k]);
+    eda_field_clear(&p->image[k]);
+    eda_field_clear(&p->difference[k]);
+  }
   free(p->print);
-  p->print = NULL;
+  free(p->image);
+  free(p->difference);
+  free(p->is_fine);
+  p->print = p->image = p->difference = NULL;
+  p->is_fine = NULL;
   p->layers = 0;
 }

@@ -29,7 +29,8 @@ enum {
   STRIP = 32, /* columns of a field's spectrum at a time, on each side */
   BLOCKS = STRIP / EDA_LANES,
   TOGETHER = 4, /* systems, at most; fewer if their fields take more than */
-  FIELDS_ROOM = 64 << 20 /* so many bytes */
+  FIELDS_ROOM = 64 << 20, /* so many bytes */
+  SUMS = 1 + EDA_RESIDUALS
 };
 
 static const double default_step = 32; /* nm */
@@ -53,14 +54,14 @@ typedef struct job {
   lines field[TOGETHER]; /* rows y side by side; column k at k or, if it is
                             negative, at left - k */
   size_t left;
-  size_t rows, columns; /* blocks of rows y, of columns k >= 0 of the sums */
-  eda_vector *sum[2];   /* [row block][x]; the second of the residual system */
+  size_t rows, columns;  /* blocks of rows y, of columns k >= 0 of the sums */
+  eda_vector *sum[SUMS]; /* [row block][x]; of residual k the one at 1 + k */
 
-  int top_x, top_y;   /* of the intensity, k <= top_x, |l| <= top_y count */
-  lines spectrum[2];  /* of the sums, columns k side by side, along y */
-  int fine_x, fine_y; /* the grid of the result */
-  float *by_x, *by_y; /* from samples to coefficients: [k], [l] */
-  lines fine;         /* the result before x, rows side by side */
+  int top_x, top_y;     /* of the intensity, k <= top_x, |l| <= top_y count */
+  lines spectrum[SUMS]; /* of the sums, columns k side by side, along y */
+  int fine_x, fine_y;   /* the grid of the result */
+  float *by_x, *by_y;   /* from samples to coefficients: [k], [l] */
+  lines fine;           /* the result before x, rows side by side */
   float *out;
 
   size_t room; /* points of a scratch array */
@@ -286,9 +287,10 @@ static void square_along_x(void *data, size_t block) {
     memset(a + reach + 1, 0, sizeof *a * (n - 2 * reach - 1));
     for (size_t k = 1; k <= reach; k++) a[n - k] = row[j->left + k];
     eda_lanes_backward(eda_lanes_plan_for(j->nx), a, a + n);
-    int rest = system == j->systems.count;
-    add_square(a, rest ? 1 : (float)j->systems.weight[system], j->nx,
-               j->sum[rest] + block * n);
+    size_t count = j->systems.count;
+    float weight = system < count ? (float)j->systems.weight[system] : 1;
+    add_square(a, weight, j->nx,
+               j->sum[system < count ? 0 : system - count + 1] + block * n);
   }
   give_back(j, a);
 }
@@ -304,14 +306,14 @@ static void make_fields(job *j, size_t count) {
     field->n = 2 * j->left;
     field->at = eda_fft_alloc(each);
   }
-  for (int i = 0; i <= (j->systems.residual != NULL); i++) {
+  for (size_t i = 0; i <= j->systems.residuals; i++) {
     j->sum[i] = eda_fft_alloc(n * sizeof *j->sum[i]);
     memset(j->sum[i], 0, n * sizeof *j->sum[i]);
   }
 }
 
 static void add_systems(job *j) {
-  size_t count = j->systems.count + (j->systems.residual != NULL);
+  size_t count = j->systems.count + j->systems.residuals;
   make_fields(j, count);
   for (j->system = 0; j->system < count && !opc_cancelled(j->context);
        j->system += j->together) {
@@ -342,7 +344,7 @@ static void forth_along_x(void *data, size_t pair) {
   if (opc_cancelled(j->context)) return;
   eda_lanes *a = borrow(j), *tile = a + j->nx;
   size_t n = (size_t)j->nx, one = 2 * pair, other = MIN(one + 1, j->rows - 1);
-  for (int part = 0; part < 2 && j->sum[part]; part++) {
+  for (size_t part = 0; part <= j->systems.residuals; part++) {
     const eda_vector *re = j->sum[part] + one * n,
                      *im = j->sum[part] + other * n;
     for (size_t x = 0; x < n; x++) a[x] = (eda_lanes){im[x], re[x]};
@@ -365,27 +367,35 @@ static void forth_along_x(void *data, size_t pair) {
   give_back(j, a);
 }
 
-/* Number l of columns k of the result: of the sum and the filtered rest, as
-   coefficients of the spline. `sum` and `rest` have their parts exchanged. */
-static void coefficient(const job *j, int first, int l, const eda_lanes *sum,
-                        const eda_lanes *rest, eda_lanes *to) {
+/* Number l of columns k of the result: of the sum and the filtered residuals,
+   as coefficients of the spline. The sums[k][at] have their parts exchanged. */
+static void coefficient(const job *j, int first, int l,
+                        const eda_lanes *const *sums, size_t at,
+                        eda_lanes *to) {
+  const eda_systems *s = &j->systems;
   const eda_frame *f = &j->mask->frame;
-  double band = j->systems.intensity_band, fy = l / f->height;
+  double band = s->intensity_band, fy = l / f->height;
   double left = band * band - fy * fy, fx[EDA_LANES];
   int last = left < 0 ? -1 : (int)floor(f->width * sqrt(left));
   int n = MIN(EDA_LANES, last - first + 1);
-  float by[EDA_LANES] = {0}, filter[EDA_LANES] = {0};
+  float by[EDA_LANES] = {0};
   for (int i = 0; i < n; i++) {
     fx[i] = (first + i) / f->width;
     by[i] = j->by_x[first + i] * j->by_y[abs(l)];
   }
-  if (rest && n > 0)
-    j->systems.residual(j->systems.self, fx, fy, (size_t)n, filter);
-  eda_vector b, r;
+  eda_vector b;
+  eda_lanes sum = sums[0][at];
   memcpy(&b, by, sizeof b);
-  memcpy(&r, filter, sizeof r);
-  to->re = b * (rest ? sum->im + r * rest->im : sum->im);
-  to->im = b * (rest ? sum->re + r * rest->re : sum->re);
+  for (size_t k = 0; k < s->residuals && n > 0; k++) {
+    float filter[EDA_LANES] = {0};
+    eda_vector r;
+    s->residual(s->self, k, fx, fy, (size_t)n, filter);
+    memcpy(&r, filter, sizeof r);
+    sum.re += r * sums[k + 1][at].re;
+    sum.im += r * sums[k + 1][at].im;
+  }
+  to->re = b * sum.im;
+  to->im = b * sum.re;
 }
 
 /* A block of columns: forth along y, and back as the result's. */
@@ -394,18 +404,18 @@ static void columns_to_fine(void *data, size_t block) {
   if (opc_cancelled(j->context)) return;
   size_t n = (size_t)j->ny;
   eda_lanes *fine = borrow(j);
-  eda_lanes *sum = j->spectrum[0].at + block * j->spectrum[0].n, *rest = NULL;
+  const eda_lanes *sums[SUMS];
   eda_lanes *work = fine + blocks(j->fine_y) * EDA_LANES;
   const eda_lanes_plan *plan = eda_lanes_plan_for(j->ny);
-  eda_lanes_backward(plan, sum, work);
-  if (j->spectrum[1].at) {
-    rest = j->spectrum[1].at + block * j->spectrum[1].n;
-    eda_lanes_backward(plan, rest, work);
+  for (size_t k = 0; k <= j->systems.residuals; k++) {
+    eda_lanes *sum = j->spectrum[k].at + block * j->spectrum[k].n;
+    eda_lanes_backward(plan, sum, work);
+    sums[k] = sum;
   }
   memset(fine, 0, sizeof *fine * (size_t)j->fine_y);
   for (int l = -j->top_y; l <= j->top_y; l++) {
     size_t at = l < 0 ? n - (size_t)-l : (size_t)l;
-    coefficient(j, (int)block * EDA_LANES, l, sum + at, rest ? rest + at : NULL,
+    coefficient(j, (int)block * EDA_LANES, l, sums, at,
                 fine + (l < 0 ? l + j->fine_y : l));
   }
   eda_lanes_backward(eda_lanes_plan_for(j->fine_y), fine, work);
@@ -464,7 +474,7 @@ static void to_spline(job *j) {
   size_t fine = blocks(j->fine_y);
   j->by_x = over_samples(j->top_x, j->fine_x, 1.0 / j->nx);
   j->by_y = over_samples(j->top_y, j->fine_y, 1.0 / j->ny);
-  for (int i = 0; i < 2 && j->sum[i]; i++) {
+  for (size_t i = 0; i <= j->systems.residuals; i++) {
     lines *s = &j->spectrum[i];
     s->n = j->rows * EDA_LANES;
     s->at = eda_fft_alloc(j->columns * s->n * sizeof *s->at);
@@ -474,7 +484,7 @@ static void to_spline(job *j) {
   opc_parallel(j->context, (j->rows + 1) / 2, forth_along_x, j);
   opc_parallel(j->context, j->columns, columns_to_fine, j);
   opc_parallel(j->context, (fine + 1) / 2, back_along_x, j);
-  for (int i = 0; i < 2; i++) eda_fft_free(j->spectrum[i].at);
+  for (int i = 0; i < SUMS; i++) eda_fft_free(j->spectrum[i].at);
   eda_fft_free(j->fine.at);
   free(j->by_x);
   free(j->by_y);
@@ -490,11 +500,11 @@ eda_image_size eda_image_forecast(eda_frame f, double band) {
   double fine_x = fmax(2 * x, f.width / default_step);
   double fine_y = fmax(2 * y, f.height / default_step);
   double spectrum = x * 2 * y * sizeof(float complex);
-  double sums = 2 * nx * ny * sizeof(float);
+  double sums = SUMS * nx * ny * sizeof(float);
   double along_y = 2 * x * ny * sizeof(float complex);
   double fine = x * fine_y * sizeof(float complex);
   double out = fine_x * fine_y * sizeof(float);
-  return (eda_image_size){nx, ny, spectrum + sums + along_y + fine + out};
+  return (eda_image_size){nx, ny, spectrum + sums + along_y + fine + out, out};
 }
 
 /* Samples along a side for fields, and nodes for the result. */
@@ -542,8 +552,11 @@ int eda_coherent_sum(const opc_context *context, const eda_spectrum *mask,
                      opc_error *error) {
   job j = {.context = context, .mask = mask, .systems = *systems};
   memset(out, 0, sizeof *out);
-  if (!systems->count || !(systems->band > 0 && systems->intensity_band > 0))
-    return opc_fail(error, OPC_INVALID, NULL, "an image needs a system");
+  if (!systems->count || systems->residuals > EDA_RESIDUALS ||
+      !(systems->band > 0 && systems->intensity_band > 0))
+    return opc_fail(error, OPC_INVALID, NULL,
+                    "an image needs a system, and at most %d residuals",
+                    EDA_RESIDUALS);
   j.offset = complex_of(j.systems.offset);
   j.scale = complex_of(j.systems.scale);
   if (j.scale == 0) j.scale = 1;
@@ -553,7 +566,7 @@ int eda_coherent_sum(const opc_context *context, const eda_spectrum *mask,
   j.out = eda_alloc((size_t)j.fine_x * (size_t)j.fine_y, sizeof *j.out);
   add_systems(&j);
   to_spline(&j);
-  for (int i = 0; i < 2; i++) eda_fft_free(j.sum[i]);
+  for (int i = 0; i < SUMS; i++) eda_fft_free(j.sum[i]);
   g_ptr_array_free(j.scratch, TRUE);
   g_mutex_clear(&j.lock);
   *out = (eda_field){mask->frame, j.fine_x, j.fine_y, j.out};

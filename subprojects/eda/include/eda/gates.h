@@ -163,7 +163,8 @@ typedef struct eda_mask {
   eda_performance design, before, after;
   uint32_t *flags; /* EDA_PRINT_* of each gate, at the end */
   uint32_t iterations;
-  uint32_t simulations; /* litho simulations, of one layer each */
+  uint32_t simulations;      /* litho simulations, of one layer each */
+  uint32_t fine_simulations; /* those of a finer model, beside them */
 } eda_mask;
 
 /* A mask of these gates without shapes, prints, performance and flags: whoever

@@ -56,6 +56,8 @@ typedef struct eda_mirrored {
   int32_t conjugate, odd;
 } eda_mirrored;
 
+enum { EDA_RESIDUALS = 2 };
+
 /* A sum of coherent systems: intensity = sum over s of weight[s] |E_s|^2, E_s
    the mask seen through the transfer function of s. */
 typedef struct eda_systems {
@@ -71,11 +73,13 @@ typedef struct eda_systems {
   /* The transmission of the mask is offset + scale * (its spectrum), complex;
      1 for scale and 0 for offset where it is as given. */
   double offset[2], scale[2];
-  /* If residual is not NULL, one more system, number `count`, is squared by
-     itself and filtered before it is added: its spectrum at (fx[i], fy) is
-     multiplied by out[i]. What is left of a sum that was cut off. [any] */
-  void (*residual)(const void *self, const double *fx, double fy, size_t n,
-                   float *out);
+  /* What is left of a sum that was cut off: so many more systems (at most
+     EDA_RESIDUALS) from number `count` on, each squared by itself and filtered
+     before it is added: the spectrum of the square of system count + k at
+     (fx[i], fy) is multiplied by out[i], the same for -fx and -fy. [any] */
+  size_t residuals;
+  void (*residual)(const void *self, size_t k, const double *fx, double fy,
+                   size_t n, float *out);
   /* How system s is mirrored; NULL if it is not known. `transfer` is
      then asked for fx >= 0 and fy >= 0 only: a quarter of the work. [any] */
   eda_mirrored (*mirror)(const void *self, size_t s);
@@ -107,9 +111,9 @@ OPC_EXPORT int eda_coherent_sum(const opc_context *context,
 
 /* What an image of a mask takes at least, with models of that band (1/nm): the
    points of its Fourier transforms, and bytes, its spectrum and itself among
-   them. */
+   them; and how many of these are itself. */
 typedef struct eda_image_size {
-  double columns, rows, bytes;
+  double columns, rows, bytes, field;
 } eda_image_size;
 OPC_EXPORT eda_image_size eda_image_forecast(eda_frame frame, double band);
 

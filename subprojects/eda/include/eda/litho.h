@@ -26,7 +26,33 @@ typedef struct eda_litho {
      May be NULL: the model has one focus. [any] */
   int (*image_at)(const void *self, int layer, const eda_spectrum *mask,
                   double defocus, eda_field *out, opc_error *error);
+
+  /* The struct grows at its end only; what was there stays where it is.
+
+     The image within `wanted` (clear field 1, at most that far off) of what the
+     model gives with all it has, `defocus` nm from the focus that the
+     parameters say, on the grid of `image`. What it needs for that is found
+     when it is first asked for. If all it has does not reach it, the log says
+     so. May be NULL: `image` and `image_at` are as good as the model gets.
+     [any] */
+  int (*image_fine)(const void *self, int layer, const eda_spectrum *mask,
+                    double defocus, double wanted, eda_field *out,
+                    opc_error *error);
+
+  /* The spectrum of a mask (merged, in units of `grid` nm) up to the model's
+     band, made its own way. May be NULL: eda_mask_spectrum does it. The caller
+     clears *out. [any] */
+  int (*transform)(const void *self, const eda_shapes *mask, double grid,
+                   eda_frame frame, eda_spectrum *out, opc_error *error);
 } eda_litho;
+
+/* The spectrum of a mask as a model wants it, by its own `transform` or by
+   eda_mask_spectrum. [any] */
+OPC_EXPORT int eda_litho_spectrum(const opc_context *context,
+                                  const opc_module *litho,
+                                  const eda_shapes *mask, double grid,
+                                  eda_frame frame, eda_spectrum *out,
+                                  opc_error *error);
 
 #ifdef __cplusplus
 }

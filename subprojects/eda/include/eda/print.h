@@ -37,10 +37,20 @@ typedef struct eda_printer {
   size_t layers;
   eda_field *print; /* level sets, positive where it prints */
   uint32_t simulations;
+
+  /* Fine prints. `fine` is their error (clear field 1), to be set between
+     eda_printer_init and eda_printer_prepare, which makes it 0 where the model
+     has none finer than its own. The rest, [layers], is empty if it is 0: the
+     intensity that was developed last, fine ones less cheap ones, and whether
+     the print is a fine one. */
+  double fine;
+  eda_field *image, *difference;
+  uint8_t *is_fine;
+  uint32_t fine_simulations;
 } eda_printer;
 
 /* A printer of all shapes of the gates, with a clear field of `margin` nm
-   around them. Stays where it is made. [main] */
+   around them; without fine prints. Stays where it is made. [main] */
 OPC_EXPORT void eda_printer_init(eda_printer *printer,
                                  const opc_context *context,
                                  const eda_gates *gates,
@@ -68,9 +78,24 @@ OPC_EXPORT int eda_printer_develop(const eda_printer *printer, int layer,
                                    eda_field *field, opc_error *error);
 
 /* Print the masks (merged) of the layers that are marked into printer->print,
-   replacing what is there; side by side. [main] */
+   replacing what is there; side by side. What a fine print of a layer has found
+   to be missing in the cheap image of its mask is added to all that follow:
+   cutting off a model's smallest terms takes away a smooth field, which two
+   masks that are nearly the same have in common. [main] */
 OPC_EXPORT int eda_printer_print(eda_printer *printer, const uint8_t *layers,
                                  const eda_shapes *mask, opc_error *error);
+
+/* Print again, with the fine model, those of the layers that are marked whose
+   print is not a fine one; from the masks that eda_printer_print had last, or
+   any if it had none of that layer. Does nothing if `fine` is 0. [main] */
+OPC_EXPORT int eda_printer_refine(eda_printer *printer, const uint8_t *layers,
+                                  const eda_shapes *mask, opc_error *error);
+
+/* From an intensity that eda_printer_print had of a layer before there was a
+   difference to the level set that it gives with the present one, in place.
+   [any] */
+OPC_EXPORT int eda_printer_correct(const eda_printer *printer, int layer,
+                                   eda_field *image, opc_error *error);
 
 /* ---- measuring -------------------------------------------------------- */
 

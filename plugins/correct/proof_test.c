@@ -1,0 +1,279 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Fine prints in a loop of cheap ones, with a fine model that differs from the
+   cheap one by a known field. What it ends with is compared with prints of the
+   fine model that the loop has no part in. */
+#include "models_test.h"
+
+/* ---- a synthesizer that seeks the drawn Ion ---- */
+
+typedef struct seeker {
+  int32_t spoil; /* bias of transistor 1, instead of what it should have */
+} seeker;
+
+static int begin(void *self, const eda_feedback *f, opc_error *error) {
+  (void)self, (void)f, (void)error;
+  return OPC_OK;
+}
+
+/* The length that is missing in the print, by half of it, as a step of the mask
+   does more in the print. */
+static int update(void *self, const eda_feedback *f, eda_moves *m, int *done,
+                  opc_error *error) {
+  const seeker *s = self;
+  (void)error;
+  *done = 1;
+  for (size_t i = 0; i < f->gates->count; i++) {
+    double d = f->printed->ion[i] / f->design->ion[i] - 1;
+    int32_t step =
+        (int32_t)lround(0.5 * f->gates->length[i] * d / f->gates->grid);
+    if (i == 1 && s->spoil) step = s->spoil - m->l[i];
+    m->l[i] += step;
+    if (step) *done = 0;
+  }
+  return OPC_OK;
+}
+
+static const eda_synthesizer seeking = {.begin = begin, .update = update};
+
+/* ---- the loop ---- */
+
+static const eda_litho with_fine = {
+    .prepare = nothing, .band = band, .image = image, .image_fine = image_fine};
+static const double fine_is = 1e-4;
+
+/* fine_adds[0] for the first fine print, fine_adds[1] for the second, and so
+   on; the last of them for all that follow. */
+static void let_add(size_t n, const double *heights) {
+  for (size_t i = 0; i < FINE_PRINTS; i++)
+    fine_adds[i] = heights[MIN(i, n - 1)];
+  fine_prints[0] = fine_prints[1] = 0;
+}
+#define ADD(...)                                            \
+  let_add(sizeof((double[]){__VA_ARGS__}) / sizeof(double), \
+          (const double[]){__VA_ARGS__})
+
+static int try_to_run(loop *l, const eda_litho *model, double fine,
+                      int32_t spoil, int64_t iterations, opc_error *error) {
+  seeker s = {spoil};
+  *l = (loop){.host = &host,
+              .gates = eda_gates_sample(),
+              .extractor = MODULE(&extractor, NULL),
+              .max_iterations = iterations,
+              .hold = 1,
+              .limit = 3,
+              .drivers[MAIN].module = MODULE(&seeking, &s)};
+  eda_printer_init(&l->printer, NULL, l->gates, MODULE(model, NULL),
+                   MODULE(&resist, NULL), 300);
+  l->printer.fine = fine;
+  warnings = 0;
+  return loop_run(l, error);
+}
+
+static void run(loop *l, const eda_litho *model, double fine, int32_t spoil,
+                int64_t iterations) {
+  opc_error error = {0};
+  g_assert_cmpint(try_to_run(l, model, fine, spoil, iterations, &error), ==,
+                  OPC_OK);
+}
+
+/* ---- the truth ---- */
+
+/* Ion of a mask by the model that adds `height` to poly, by a printer of its
+   own whose level sets are less by the wave. */
+static void measure_truth(const loop *l, const eda_shapes *mask, double height,
+                          double *ion) {
+  opc_error error = {0};
+  eda_printer p;
+  eda_measurement m;
+  eda_printer_init(&p, NULL, l->gates, MODULE(&litho, NULL),
+                   MODULE(&resist, NULL), 300);
+  eda_measurement_init(&m, l->gates->count);
+  g_assert_cmpint(eda_printer_prepare(&p, &error), ==, OPC_OK);
+  g_assert_cmpint(eda_printer_print(&p, l->gates->corrected, mask, &error), ==,
+                  OPC_OK);
+  for (size_t k = 0; k < 2; k++) {
+    double by = k == EDA_POLY ? height : l->printer.fine > 0 ? fine_adds[0] : 0;
+    for (int j = 0; j < p.print[k].ny; j++)
+      for (int i = 0; i < p.print[k].nx; i++)
+        p.print[k].coefficients[j * p.print[k].nx + i] -=
+            (float)wave(by, i, p.print[k].nx);
+  }
+  g_assert_cmpint(eda_measure(NULL, l->gates, p.print, MODULE(&extractor, NULL),
+                              &m, &error),
+                  ==, OPC_OK);
+  memcpy(ion, m.performance.ion, 2 * sizeof *ion);
+  eda_measurement_clear(&m);
+  eda_printer_clear(&p);
+}
+
+static double off(const loop *l, const double *ion, size_t i) {
+  return fabs(eda_deviation(ion[i], l->design.ion[i]));
+}
+
+/* Figures are those of a model, and of no other. */
+static void expect(const loop *l, double height, double other) {
+  double fine[2], cheap[2];
+  measure_truth(l, l->mask, height, fine);
+  measure_truth(l, l->mask, other, cheap);
+  for (size_t i = 0; i < 2; i++) {
+    double ion = l->measured.performance.ion[i];
+    g_assert_cmpfloat(fabs(ion / fine[i] - 1), <, 1e-5);
+    g_assert_cmpfloat(fabs(ion / cheap[i] - 1), >, 1e-3);
+  }
+  for (size_t k = 0; k < 2; k++)
+    g_assert_true(l->printer.is_fine[k] == (l->printer.fine > 0));
+}
+
+/* ---- the tests ---- */
+
+/* One fine print after the first moves, one at the end; the layer that nobody
+   moves needs only the first. What the drawn mask did is told by the fine
+   model, too. */
+static void test_end(void) {
+  loop l;
+  double before[2];
+  ADD(0.03);
+  run(&l, &with_fine, fine_is, 0, 10);
+  expect(&l, 0.03, 0);
+  g_assert_cmpint(fine_prints[EDA_POLY], ==, 2);
+  g_assert_cmpint(fine_prints[EDA_ACTIVE], ==, 1);
+  g_assert_cmpuint(l.printer.fine_simulations, ==, 3);
+  /* A line for each mask: the drawn one, that of the first moves ... */
+  const history_line *line = l.history.line, *last = line + l.history.count - 1;
+  g_assert_cmpuint(l.history.count, ==, l.printer.simulations - 1);
+  for (size_t i = 0; i < l.history.count; i++)
+    g_assert_cmpstr(line[i].model, ==,
+                    i == 1 || line + i == last ? "fine" : "cheap");
+  g_assert_true(last->print.ion_mean == l.summary.ion_mean);
+  measure_truth(&l, l.gates->drawn, 0.03, before);
+  for (size_t i = 0; i < 2; i++) {
+    g_assert_cmpfloat(fabs(l.before.ion[i] / before[i] - 1), <, 1e-5);
+    g_assert_cmpfloat(off(&l, l.before.ion, i), >, 10);
+    g_assert_cmpfloat(off(&l, l.measured.performance.ion, i), <, 3);
+  }
+  loop_clear(&l);
+}
+
+/* The fine model says something else at the end: the loop goes on until it is
+   content with that. Without the proof it would end before. */
+static void test_goes_on(void) {
+  loop l, without;
+  ADD(0.02);
+  run(&without, &with_fine, fine_is, 0, 20);
+  ADD(0.02, 0.25);
+  run(&l, &with_fine, fine_is, 0, 20);
+  expect(&l, 0.25, 0.02);
+  for (size_t i = 0; i < 2; i++)
+    g_assert_cmpfloat(off(&l, l.measured.performance.ion, i), <, 3);
+  g_assert_cmpint(fine_prints[EDA_POLY], ==, 3);
+  g_assert_cmpuint(l.iterations, >, without.iterations);
+  loop_clear(&without);
+  g_assert_cmpint(warnings, ==, 0);
+  /* A mask that has no moves left is told as it is. */
+  ADD(0.02, 0.25);
+  run(&without, &with_fine, fine_is, 0, 2);
+  loop_clear(&l);
+  expect(&without, 0.25, 0.02);
+  g_assert_cmpint(warnings, ==, 1);
+  loop_clear(&without);
+}
+
+/* A model that never says the same is not asked for ever. */
+static void test_bound(void) {
+  loop l;
+  ADD(0.02, 0.25, 0.02, 0.25, 0.02, 0.25);
+  run(&l, &with_fine, fine_is, 0, 60);
+  expect(&l, 0.25, 0.02);
+  g_assert_cmpint(fine_prints[EDA_POLY], ==, 1 + PROOFS);
+  loop_clear(&l);
+}
+
+/* No moves: the drawn mask is proved. */
+static void test_drawn(void) {
+  loop l;
+  ADD(0.03);
+  run(&l, &with_fine, fine_is, 0, 0);
+  expect(&l, 0.03, 0);
+  for (size_t i = 0; i < 2; i++)
+    g_assert_cmpfloat(fabs(l.before.ion[i] / l.measured.performance.ion[i] - 1),
+                      <, 1e-5);
+  g_assert_cmpuint(l.printer.fine_simulations, ==, 2);
+  loop_clear(&l);
+}
+
+/* What the guard takes back is printed finely once more. */
+static void test_guard(void) {
+  loop l;
+  ADD(0.03);
+  run(&l, &with_fine, fine_is, 45, 3);
+  expect(&l, 0.03, 0);
+  g_assert_cmpint(l.now.biases.l[1], <, 45);
+  g_assert_cmpuint(l.guard.back, ==, 1);
+  g_assert_cmpint(fine_prints[EDA_POLY], ==, 3);
+  loop_clear(&l);
+}
+
+/* The drawn mask, to which a transistor goes back, has come out a bit worse
+   than the difference of the first moves has it: no fault of a rule or
+   neighbour. */
+static void test_margin(void) {
+  loop l;
+  ADD(0.03, 0.027);
+  run(&l, &with_fine, fine_is, 45, 3);
+  g_autofree char *verdict = guard_verdict(&l.guard, 1);
+  g_assert_cmpstr(verdict, ==, "went back: its best mask");
+  g_assert_cmpint(l.now.biases.l[1], ==, 0);
+  double more =
+      off(&l, l.measured.performance.ion, 1) - off(&l, l.before.ion, 1);
+  g_assert_cmpfloat(more, >, 0.01);
+  loop_clear(&l);
+}
+
+/* A fine image on a grid of its own. */
+static int image_elsewhere(const void *self, int layer,
+                           const eda_spectrum *mask, double defocus,
+                           double wanted, eda_field *out, opc_error *error) {
+  int code = image_fine(self, layer, mask, defocus, wanted, out, error);
+  return code ? code : eda_field_resample(NULL, out, 8, error);
+}
+
+static void test_grid(void) {
+  const eda_litho elsewhere = {.prepare = nothing,
+                               .band = band,
+                               .image = image,
+                               .image_fine = image_elsewhere};
+  loop l;
+  opc_error error = {0};
+  ADD(0.03);
+  g_assert_cmpint(try_to_run(&l, &elsewhere, fine_is, 0, 10, &error), ==,
+                  OPC_FAILED);
+  g_assert_cmpstr(error.parameter, ==, "litho");
+  g_assert_true(g_str_has_prefix(error.message, "its fine image has "));
+  loop_clear(&l);
+}
+
+/* Without a fine model, or if none is wanted, all is as without it. */
+static void test_none(void) {
+  loop l;
+  ADD(0.03);
+  for (int wanted = 0; wanted < 2; wanted++) {
+    run(&l, wanted ? &litho : &with_fine, wanted ? fine_is : 0, 0, 10);
+    expect(&l, 0, 0.03);
+    g_assert_cmpuint(l.printer.fine_simulations, ==, 0);
+    g_assert_null(l.printer.difference[EDA_POLY].coefficients);
+    loop_clear(&l);
+  }
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/proof/end", test_end);
+  g_test_add_func("/proof/goes-on", test_goes_on);
+  g_test_add_func("/proof/bound", test_bound);
+  g_test_add_func("/proof/drawn", test_drawn);
+  g_test_add_func("/proof/guard", test_guard);
+  g_test_add_func("/proof/margin", test_margin);
+  g_test_add_func("/proof/grid", test_grid);
+  g_test_add_func("/proof/none", test_none);
+  return g_test_run();
+}
