@@ -15,10 +15,24 @@
 
 /* ---- state ---- */
 
-enum { WITHIN, GRID, BLOCKED, BIAS, NO_PRINT, OUTSIDE, MOVING, VERDICTS };
+enum {
+  WITHIN,
+  GRID,
+  BLOCKED,
+  BIAS,
+  NO_PRINT,
+  OUTSIDE,
+  MOVING,
+  LEAKS,
+  LEAKS_AT_BOUND,
+  VERDICTS
+};
 static const char *const verdicts[VERDICTS] = {
-    "within limit",      "grid",    "bridging", "bias limit", "does not print",
-    "outside the table", "not done"};
+    "within limit",    "grid",
+    "bridging",        "bias limit",
+    "does not print",  "outside the table",
+    "not done",        "Ioff: uneven length",
+    "Ioff: bias limit"};
 
 enum { JOG, WIDTH, NONE };
 
@@ -382,7 +396,12 @@ static const char *verdict(const void *self, size_t gate) {
   if (gate >= t->count) return NULL;
   const transistor *s = &t->state[gate];
   if (s->outside && isfinite(s->best_size)) return verdicts[OUTSIDE];
-  return verdicts[s->best_size <= limit(t) ? WITHIN : s->verdict];
+  if (!(s->best_size <= limit(t))) return verdicts[s->verdict];
+  if (t->target == PLAIN || fabs(s->error[IOFF]) <= tuned.leaks)
+    return verdicts[WITHIN];
+  double most = fmin(t->max_bias, t->gates->width[gate] / 2);
+  int bound = fabs(s->x[BY_W]) * t->gates->grid >= most - t->gates->grid;
+  return verdicts[bound ? LEAKS_AT_BOUND : LEAKS];
 }
 
 static double target(const void *self, size_t gate) {

@@ -16,7 +16,7 @@ typedef struct shape {
 } shape;
 
 /* How a gate prints along its width: the length less its mean, nm, at SAMPLES
-   places of each part. */
+   places of each part, from the LOW end on. */
 enum { SAMPLES = 3 };
 typedef struct ripple {
   int count; /* of places; 0: not known */
@@ -61,9 +61,10 @@ double ripple_excess(const ripple *r, double slope);
    too large that give such a gate its drawn Ion and Ioff. */
 double ripple_cost(double drawn, const curve *of_type);
 
-/* The shape that makes the sum of the squared ripple, in terms of what it
-   `costs`, and of `price` for each step of the edges least. What is `blocked`
-   gets no longer. */
+/* The shape for which the squared ripple, nm^2 as a mean over the gate, and
+   `price` (of the same unit) for each step of the edges come to the least.
+   `leak` is the slope of log Ioff, 1/nm: what leaks counts most. What is
+   `blocked` gets no longer. */
 shape shape_flat(const parts *p, const ripple *now, const shape *from,
                  double leak, double gain, double blur, double price,
                  int blocked);

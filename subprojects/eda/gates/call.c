@@ -57,8 +57,7 @@ static int check_moves(const eda_gates *gates, const eda_moves *lent,
                        const size_t *fragments, opc_error *error) {
   static const char *const names[] = {"moves of L", "moves of W", "jogs"};
   int code = fence_check(lent->assists, "assists", error);
-  if (!code && lent->part)
-    code = fence_check(lent->part, "parts", error);
+  if (!code && lent->part) code = fence_check(lent->part, "parts", error);
   for (size_t i = 0, n; i < 3 + gates->layers && !code; i++) {
     const int32_t *array = array_of(lent, gates, fragments, i, &n);
     const char *what = i < 3 ? names[i] : "shifts of fragments";
@@ -84,8 +83,7 @@ int eda_call_update(const opc_context *context, const opc_module *synthesizer,
       .shift = shift,
       .assists = fence_new(layers, sizeof(eda_boxes), moves->assists)};
   size_t parts = moves->part ? EDA_PARTS * count : 0;
-  if (moves->part)
-    lent.part = fence_new(parts, sizeof(eda_part), moves->part);
+  if (moves->part) lent.part = fence_new(parts, sizeof(eda_part), moves->part);
   const eda_moves kept = lent; /* whatever becomes of its pointers */
   const char *before = eda_enter(context, synthesizer, error);
   int code = s->update(synthesizer->self, feedback, &lent, done, error);
@@ -100,8 +98,7 @@ int eda_call_update(const opc_context *context, const opc_module *synthesizer,
   if (!code && layers)
     memcpy(moves->assists, kept.assists, layers * sizeof *kept.assists);
   fence_free(kept.assists);
-  if (!code && parts)
-    memcpy(moves->part, kept.part, parts * sizeof *kept.part);
+  if (!code && parts) memcpy(moves->part, kept.part, parts * sizeof *kept.part);
   if (kept.part) fence_free(kept.part);
   free(shift);
   return code;

@@ -202,11 +202,10 @@ static int check_parts(const eda_part *s, size_t gate, opc_error *error) {
   for (int k = 0; k < EDA_PARTS && s[k].from < s[k].to; k++) {
     if (is_far(s[k].by)) return far_move("part", gate, s[k].by, error);
     if (k && s[k].from < s[k - 1].to)
-      return unsound(
-          error,
-          "part %d of transistor %zu begins at %d, before the one "
-          "before it ends (%d)",
-          k + 1, gate + 1, (int)s[k].from, (int)s[k - 1].to);
+      return unsound(error,
+                     "part %d of transistor %zu begins at %d, before the one "
+                     "before it ends (%d)",
+                     k + 1, gate + 1, (int)s[k].from, (int)s[k - 1].to);
   }
   return OPC_OK;
 }
@@ -217,9 +216,8 @@ int eda_check_moves(const eda_gates *gates, const eda_moves *moves,
     if (is_far(moves->l[i])) return far_move("length", i, moves->l[i], error);
     if (is_far(moves->w[i])) return far_move("width", i, moves->w[i], error);
     if (is_far(moves->jog[i])) return far_move("jog", i, moves->jog[i], error);
-    int code = moves->part
-                   ? check_parts(moves->part + EDA_PARTS * i, i, error)
-                   : OPC_OK;
+    int code = moves->part ? check_parts(moves->part + EDA_PARTS * i, i, error)
+                           : OPC_OK;
     if (code) return code;
   }
   for (size_t k = 0; k < gates->layers; k++)
