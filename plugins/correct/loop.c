@@ -451,9 +451,8 @@ int loop_run(loop *l, opc_error *error) {
   if (!code) code = begin(l, error);
   if (!code) code = loop_print(l, 1, error);
   if (code) return code;
-  eda_performance_copy(&l->before, &l->measured.performance);
-  if (l->corners.count)
-    eda_performance_copy(&l->corners.before, &l->corners.nominal);
+  eda_performance_copy(&l->before, l->corners.count ? &l->corners.nominal
+                                                    : &l->measured.performance);
   eda_printed drawn = loop_printed(l);
   code = guard_begin(l, &drawn, error);
   if (!code) code = proof_begin(l, error);

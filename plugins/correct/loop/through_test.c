@@ -65,7 +65,8 @@ static void test_one(void) {
       path);
   g_autofree char *correct = g_strdup_printf(
       "{ %s, fine: off, synthesizer: { use: synthesizer.newton }, "
-      "corners_dose: [-3 %%, 0 %%, 3 %%], corners_focus: [0 nm, 60 nm] }",
+      "corners_dose: [-3 %%, 0 %%, 3 %%], corners_focus: [0 nm, 60 nm], "
+      "corners_free: true }",
       text);
   g_autofree char *window = g_strdup_printf(
       "{ %s, dose: [-3 %%, 0 %%, 3 %%], defocus: [0 nm, 60 nm] }", text);
