@@ -73,7 +73,7 @@ int corners_check(const corners_wish *w, opc_error *error) {
                     "%zu weights for %zu corners", w->weight.count, n);
   for (size_t i = 0; i < n; i++) {
     double v = w->weight.values[i];
-    if (!(v >= 0) || !isfinite(v))
+    if (!(v >= 0) || v > 1e6)
       return opc_fail(error, OPC_INVALID, "corners_weight",
                       "a weight of %g is not possible", v);
     sum += v;
@@ -374,11 +374,29 @@ static int put_all(const loop *l, const row *r, opc_error *error) {
   return code ? code : opc_put_metrics(l->host, OPC_ARRAY(values), error);
 }
 
+/* What counts for nothing in the means is not to look as if it did. */
+static void tell_of_failed(const loop *l, const row *r) {
+  size_t n = l->gates->count, at = 0;
+  int64_t most = 0;
+  for (size_t k = 0; k < l->corners.count; k++) {
+    if (r[k].failed <= most) continue;
+    most = r[k].failed;
+    at = k;
+  }
+  if (most)
+    l->host->log(l->host, OPC_LOG_WARNING,
+                 "corners: %d of %zu transistors do not print at %g %% dose, "
+                 "%g nm focus, %g nm mask, and count for nothing there: see "
+                 "corners.csv",
+                 (int)most, n, r[at].dose, r[at].focus, r[at].mask_error);
+}
+
 int corners_report(const loop *l, opc_error *error) {
   const corners *c = &l->corners;
   if (!c->count) return OPC_OK;
   row *r = eda_alloc(c->count, sizeof *r);
   for (size_t k = 0; k < c->count; k++) r[k] = row_of(l, &c->corner[k]);
+  tell_of_failed(l, r);
   int code = put_rows(l, r, error);
   if (!code) code = put_all(l, r, error);
   free(r);

@@ -316,6 +316,9 @@ static void test_lost(void) {
                      0);
     check_near(l.measured.performance.ion[i], l.corners.nominal.ion[i], 1e-12);
   }
+  warnings = 0;
+  g_assert_false(corners_report(&l, &error));
+  g_assert_cmpint(warnings, ==, 1);
   loop_clear(&l);
 }
 
@@ -330,7 +333,8 @@ static void refused(corners_wish w, const eda_litho *model, const char *why) {
 }
 
 static void test_refused(void) {
-  static const double some[] = {0, 1.5, 1.5}, low[] = {-100}, minus[] = {1, -1};
+  static const double some[] = {0, 1.5, 1.5}, low[] = {-100}, minus[] = {1, -1},
+                      much[] = {1e308, 1e308};
   refused((corners_wish){.focus = {some, 2}}, &litho, "has one focus only");
   refused((corners_wish){.mask_error = {some, 2}}, &with_focus,
           "1.5 nm is no multiple of the mask grid of 1 nm");
@@ -340,6 +344,8 @@ static void test_refused(void) {
           "3 weights for 2 corners");
   refused((corners_wish){.dose = {some, 2}, .weight = {minus, 2}}, NULL,
           "a weight of -1");
+  refused((corners_wish){.dose = {some, 2}, .weight = {much, 2}}, NULL,
+          "a weight of 1e+308");
   refused((corners_wish){.dose = {some, 1}, .weight = {some, 1}}, NULL,
           "all weights are 0");
   refused((corners_wish){.weight = {some, 1}}, NULL, "1 weights for 0 corners");

@@ -284,6 +284,7 @@ static int begin(loop *l, opc_error *error) {
   for (size_t k = 0; k < l->gates->layers && !code; k++)
     code = cut_layer(l, k, error);
   if (!code) code = assists_begin(l, error);
+  if (!code) code = assists_check(l, error);
   if (!code) tell_of_idle(l);
   return code;
 }

@@ -4,6 +4,7 @@
 #include <eda/print.h>
 #include <glib.h>
 #include <math.h>
+#include <string.h>
 
 #include "core/testing/testing.h"
 
@@ -104,8 +105,16 @@ static void test_one(void) {
   drop(reader, layout);
 }
 
+/* A list is asked for in its own unit. */
+static void test_unit(void) {
+  opc_error error = {0};
+  g_assert_null(opc_test_module("correct", "{ corners_dose: 3 % }", &error));
+  g_assert_nonnull(strstr(error.message, "as '[1 %, ...]'"));
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/through/one", test_one);
+  g_test_add_func("/through/unit", test_unit);
   return g_test_run();
 }
