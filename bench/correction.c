@@ -74,9 +74,6 @@ static const job jobs[] = {
     {.name = "c432.verified",
      .flow = "newton.yaml",
      .variant = "verified",
-     .sets = {"verify.litho={ use: litho.abbe, " SCANNER
-              ", points_across: 120 }",
-              "verify.margin=4 um"},
      .circuit = "c432",
      .repeats = 1,
      .figures = {{"verify", "ion_mean", 0.04, "%"},
