@@ -60,26 +60,26 @@ static int check_list(const char *name, opc_reals values, double above,
 int corners_check(const corners_wish *w, opc_error *error) {
   size_t n = count_of(w);
   double sum = 0;
-  if (check_list("corners_dose", w->dose, -100, error) ||
-      check_list("corners_focus", w->focus, -1e6, error) ||
-      check_list("corners_mask", w->mask_error, -1e3, error))
+  if (check_list("corners.dose", w->dose, -100, error) ||
+      check_list("corners.focus", w->focus, -1e6, error) ||
+      check_list("corners.mask", w->mask_error, -1e3, error))
     return error->code;
   if (n > MAX_CORNERS)
-    return opc_fail(error, OPC_INVALID, "corners_dose",
+    return opc_fail(error, OPC_INVALID, "corners.dose",
                     "%zu corners, and %d are the most", n, MAX_CORNERS);
   if (!w->weight.count) return OPC_OK;
   if (w->weight.count != n)
-    return opc_fail(error, OPC_INVALID, "corners_weight",
+    return opc_fail(error, OPC_INVALID, "corners.weight",
                     "%zu weights for %zu corners", w->weight.count, n);
   for (size_t i = 0; i < n; i++) {
     double v = w->weight.values[i];
     if (!(v >= 0) || v > 1e6)
-      return opc_fail(error, OPC_INVALID, "corners_weight",
+      return opc_fail(error, OPC_INVALID, "corners.weight",
                       "a weight of %g is not possible", v);
     sum += v;
   }
   if (sum > 0) return OPC_OK;
-  return opc_fail(error, OPC_INVALID, "corners_weight", "all weights are 0");
+  return opc_fail(error, OPC_INVALID, "corners.weight", "all weights are 0");
 }
 
 static void list_corners(corners *c) {
@@ -109,11 +109,11 @@ static int begin_exposure(loop *l, exposure *e, const corner *first,
                           opc_error *error) {
   double grid = l->gates->grid, steps = first->mask_error / grid;
   if (fabs(steps - round(steps)) > 1e-6)
-    return opc_fail(error, OPC_INVALID, "corners_mask",
+    return opc_fail(error, OPC_INVALID, "corners.mask",
                     "%g nm is no multiple of the mask grid of %g nm",
                     first->mask_error, grid);
   if (first->focus != 0 && !l->printer.litho.functions.image_at)
-    return opc_fail(error, OPC_INVALID, "corners_focus",
+    return opc_fail(error, OPC_INVALID, "corners.focus",
                     "'%s' has one focus only", l->printer.litho.litho->id);
   e->by = (int32_t)lround(steps);
   e->printer = &l->printer;
@@ -136,7 +136,7 @@ int corners_begin(loop *l, opc_error *error) {
   c->count = count_of(&c->wish);
   if (!c->count) return OPC_OK;
   if (!n)
-    return opc_fail(error, OPC_INVALID, "corners_dose",
+    return opc_fail(error, OPC_INVALID, "corners.dose",
                     "corners are for transistors, and there are none");
   c->exposures = corners_images(&c->wish);
   c->corner = eda_alloc(c->count, sizeof *c->corner);

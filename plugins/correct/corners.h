@@ -72,33 +72,33 @@ int corners_measure(struct loop *loop, opc_error *error);
 int corners_report(const struct loop *loop, opc_error *error);
 
 #define CORNERS_PARAMETERS(state)                                             \
-  OPC_PARAMETER_NAMED("corners_dose", state, corners.dose, .type = OPC_REALS, \
+  OPC_PARAMETER_NAMED("corners.dose", state, corners.dose, .type = OPC_REALS, \
                       .unit = "%", .preset = "[]",                            \
                       .summary = "correct for all of these doses"),           \
-      OPC_PARAMETER_NAMED("corners_focus", state, corners.focus,              \
+      OPC_PARAMETER_NAMED("corners.focus", state, corners.focus,              \
                           .type = OPC_REALS, .unit = "nm", .preset = "[]",    \
                           .summary =                                          \
                               "correct for all of these distances from the "  \
                               "focus of litho"),                              \
-      OPC_PARAMETER_NAMED("corners_mask", state, corners.mask_error,          \
+      OPC_PARAMETER_NAMED("corners.mask", state, corners.mask_error,          \
                           .type = OPC_REALS, .unit = "nm", .preset = "[]",    \
                           .summary =                                          \
                               "correct for masks whose edges have all "       \
                               "moved out by these"),                          \
-      OPC_PARAMETER_NAMED("corners_weight", state, corners.weight,            \
+      OPC_PARAMETER_NAMED("corners.weight", state, corners.weight,            \
                           .type = OPC_REALS, .preset = "[]",                  \
                           .summary =                                          \
                               "one for each corner, doses first, then foci, " \
                               "then masks; if not given, that of a normal "   \
                               "distribution whose sqrt(3) sigma the "         \
                               "outermost values are"),                        \
-      OPC_PARAMETER_NAMED("corners_limit", state, corners.limit,              \
+      OPC_PARAMETER_NAMED("corners.limit", state, corners.limit,              \
                           .type = OPC_REAL, .flags = OPC_AT_LEAST,            \
                           .unit = "%", .preset = "0.5 %",                     \
                           .summary =                                          \
                               "|nominal Ion deviation| that corners may "     \
                               "cost a transistor"),                           \
-      OPC_PARAMETER_NAMED("corners_free", state, corners.free,                \
+      OPC_PARAMETER_NAMED("corners.free", state, corners.free,                \
                           .type = OPC_BOOL, .preset = "false",                \
                           .summary =                                          \
                               "no such limit: the mean over the corners "     \

@@ -66,8 +66,8 @@ static void test_one(void) {
       path);
   g_autofree char *correct = g_strdup_printf(
       "{ %s, fine: off, synthesizer: { use: synthesizer.newton }, "
-      "corners_dose: [-3 %%, 0 %%, 3 %%], corners_focus: [0 nm, 60 nm], "
-      "corners_free: true }",
+      "corners: { dose: [-3 %%, 0 %%, 3 %%], focus: [0 nm, 60 nm], "
+      "free: true } }",
       text);
   g_autofree char *window = g_strdup_printf(
       "{ %s, dose: [-3 %%, 0 %%, 3 %%], defocus: [0 nm, 60 nm] }", text);
@@ -108,7 +108,8 @@ static void test_one(void) {
 /* A list is asked for in its own unit. */
 static void test_unit(void) {
   opc_error error = {0};
-  g_assert_null(opc_test_module("correct", "{ corners_dose: 3 % }", &error));
+  g_assert_null(
+      opc_test_module("correct", "{ corners: { dose: 3 % } }", &error));
   g_assert_nonnull(strstr(error.message, "as '[1 %, ...]'"));
 }
 
