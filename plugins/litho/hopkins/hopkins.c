@@ -13,7 +13,7 @@
 /* ---- state ---- */
 
 enum {
-  CUTS = 32,
+  CUTS = 256,
   ALL = 600, /* systems that stand for all: more change images by 1e-5 */
   /* Finding kernels takes 10 s for 300 points, by the square of their number;
      other sources are cut into 400. */
