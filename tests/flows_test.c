@@ -8,6 +8,7 @@
 #include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
+#include <sys/wait.h>
 
 static char *folder; /* of all runs; removed at the end */
 
@@ -217,7 +218,8 @@ static void test_circuit(void) {
   g_assert_cmpfloat(metric("circuit", "circuit", "transitions"), ==, 4);
   g_assert_cmpfloat(metric("circuit", "circuit", "unmeasured"), ==, 0);
   g_assert_cmpfloat(metric("circuit", "circuit", "tp_worst_before"), >, 10);
-  g_assert_cmpfloat(metric("circuit", "circuit", "tp_worst"), <, 1.5);
+  /* Ion within 0.5 %, and areas larger by 1.6 and 2.8 %, to be charged. */
+  g_assert_cmpfloat(metric("circuit", "circuit", "tp_worst"), <, 2);
   expect_file("circuit", "circuit.png", 1000);
   expect_file("circuit", "delays.csv", 100);
 }
@@ -251,27 +253,36 @@ static void test_metal(void) {
   g_assert_nonnull(strstr(g_bytes_get_data(cost, NULL), "metal1,"));
 }
 
-/* Runs the demo on a processor that is emulated; FALSE if nothing emulates one,
-   as under a sanitizer. */
-static gboolean run_emulated(const char *processor, const char *run) {
+/* Starts the demo on a processor that is emulated; 0 if nothing emulates one,
+   as under a sanitizer. Emulated, kernels take a minute: fine prints are
+   coarse, and processors are emulated side by side. */
+#define LIGHT "--set", "mask.fine=1e-3", "--set", "mask.margin=1 um"
+
+static GPid start_emulated(const char *processor, const char *run) {
   g_autofree char *qemu = g_find_program_in_path("qemu-x86_64");
   g_autofree char *out = place(run), *flow = source("flows/demo.yaml");
   g_autofree char *command =
       g_build_filename(g_getenv("OPCFLOW_BUILD"), "opcflow", NULL);
-  const char *argv[] = {qemu,        "-cpu", processor,  command, "run", flow,
-                        "--threads", "1",    "--output", out,     NULL};
+  const char *argv[] = {qemu,  "-cpu",      processor, command,    "run", flow,
+                        LIGHT, "--threads", "1",       "--output", out,   NULL};
 #if defined(__SANITIZE_ADDRESS__) || !defined(__x86_64__)
-  return FALSE;
+  return 0;
 #endif
-  if (!qemu) return FALSE;
-  int status;
+  if (!qemu) return 0;
+  GPid pid = 0;
   g_autoptr(GError) error = NULL;
-  g_spawn_sync(NULL, (char **)argv, NULL,
-               G_SPAWN_STDOUT_TO_DEV_NULL | G_SPAWN_STDERR_TO_DEV_NULL, NULL,
-               NULL, NULL, NULL, &status, &error);
+  g_spawn_async(NULL, (char **)argv, NULL,
+                G_SPAWN_DO_NOT_REAP_CHILD | G_SPAWN_STDOUT_TO_DEV_NULL |
+                    G_SPAWN_STDERR_TO_DEV_NULL,
+                NULL, NULL, &pid, &error);
   g_assert_no_error(error);
+  return pid;
+}
+
+static void expect_success(GPid pid) {
+  int status;
+  g_assert_cmpint(waitpid(pid, &status, 0), ==, pid);
   g_assert_cmpint(status, ==, 0);
-  return TRUE;
 }
 
 /* The same bits with AVX-512 (if this machine has it) and with AVX2 and FMA.
@@ -279,17 +290,21 @@ static gboolean run_emulated(const char *processor, const char *run) {
    differ by less than 1e-5 of themselves (the figures are deviations in %), the
    mask does not. */
 static void test_processors(void) {
-  if (!run_emulated("Haswell", "haswell")) {
+  GPid haswell = start_emulated("Haswell", "haswell");
+  if (!haswell) {
     g_test_skip("no qemu-x86_64, or a build that it cannot run");
     return;
   }
+  GPid nehalem = start_emulated("Nehalem", "nehalem");
   g_autofree char *flow = source("flows/demo.yaml"), *out = place("native");
-  g_assert_cmpint(opcflow(NULL, "run", flow, "--output", out, NULL), ==, 0);
+  g_assert_cmpint(opcflow(NULL, "run", flow, LIGHT, "--output", out, NULL), ==,
+                  0);
+  expect_success(haswell);
+  expect_success(nehalem);
   const char *files[] = {"gates.csv", "history.csv", "metrics.json",
                          "mask.gds"};
   for (size_t i = 0; i < G_N_ELEMENTS(files); i++)
     expect_equal("native", "haswell", files[i]);
-  g_assert_true(run_emulated("Nehalem", "nehalem"));
   expect_equal("native", "nehalem", "mask.gds");
   const char *figures[] = {"ion_mean", "ion_max", "area_mean", "ioff_mean"};
   for (size_t i = 0; i < G_N_ELEMENTS(figures); i++) {

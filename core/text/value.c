@@ -193,8 +193,8 @@ static gboolean read_reals(const conversion *c, const opc_node *node,
                            opc_setting *value) {
   const opc_parameter *p = c->parameter;
   if (node->type != OPC_NODE_LIST)
-    return WRONG(c, node, "'%s' needs a list, as '[%s, ...]'", p->name,
-                 p->unit ? "1 nm" : "1");
+    return WRONG(c, node, "'%s' needs a list, as '[1%s%s, ...]'", p->name,
+                 p->unit ? " " : "", p->unit ? p->unit : "");
   guint n = node->items->len;
   double *reals = own(c, g_new0(double, MAX(n, 1)));
   gboolean good = TRUE;

@@ -28,6 +28,29 @@ static void show(loop *l) {
                   (eda_boxes){l->assists.bars.box, l->assists.bars.count});
 }
 
+/* Beyond the clear field the layout repeats: a bar that reaches past it lies
+   on the next copy, where light of one shape twice is none. */
+int assists_check(const loop *l, opc_error *error) {
+  const eda_frame *f = &l->printer.frame;
+  double g = l->gates->grid;
+  for (size_t k = 0; k < l->gates->layers; k++) {
+    eda_boxes bars = l->next.assists[k];
+    for (size_t i = 0; i < bars.count; i++) {
+      eda_box b = bars.box[i];
+      if (b.x0 * g >= f->x0 && b.x1 * g <= f->x0 + f->width &&
+          b.y0 * g >= f->y0 && b.y1 * g <= f->y0 + f->height)
+        continue;
+      return opc_fail(error, OPC_INVALID, "margin",
+                      "an assist bar of layer '%s', from (%g, %g) to (%g, %g) "
+                      "nm, reaches past the clear field, into the next copy "
+                      "of the layout",
+                      l->gates->layer[k], b.x0 * g, b.y0 * g, b.x1 * g,
+                      b.y1 * g);
+    }
+  }
+  return OPC_OK;
+}
+
 int assists_begin(loop *l, opc_error *error) {
   gate_bars *a = &l->assists;
   size_t n = l->gates->count;

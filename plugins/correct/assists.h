@@ -22,6 +22,9 @@ typedef struct gate_bars {
 int assists_begin(struct loop *loop, opc_error *error);
 void assists_clear(struct loop *loop);
 
+/* Whether bars of the next trial, whoever placed them, are within the frame. */
+int assists_check(const struct loop *loop, opc_error *error);
+
 /* Take those out of the next trial that have printed. */
 void assists_watch(struct loop *loop);
 

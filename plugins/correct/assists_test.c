@@ -125,6 +125,12 @@ static void test_refused(void) {
   g_assert_cmpint(run(&l, &mover, rule(1, 0.3, 0.02), &error), ==, OPC_INVALID);
   g_assert_nonnull(strstr(error.message, "less than the mask grid"));
   loop_clear(&l);
+  /* From 150 nm beside the line to the end of 500 nm beside the active. */
+  g_assert_cmpint(run(&l, &mover, rule(1, 550, 0.02), &error), ==, OPC_OK);
+  loop_clear(&l);
+  g_assert_cmpint(run(&l, &mover, rule(1, 551, 0.02), &error), ==, OPC_INVALID);
+  g_assert_nonnull(strstr(error.message, "into the next copy of the layout"));
+  loop_clear(&l);
 }
 
 int main(int argc, char **argv) {

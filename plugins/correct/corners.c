@@ -60,26 +60,26 @@ static int check_list(const char *name, opc_reals values, double above,
 int corners_check(const corners_wish *w, opc_error *error) {
   size_t n = count_of(w);
   double sum = 0;
-  if (check_list("corners_dose", w->dose, -100, error) ||
-      check_list("corners_focus", w->focus, -1e6, error) ||
-      check_list("corners_mask", w->mask_error, -1e3, error))
+  if (check_list("corners.dose", w->dose, -100, error) ||
+      check_list("corners.focus", w->focus, -1e6, error) ||
+      check_list("corners.mask", w->mask_error, -1e3, error))
     return error->code;
   if (n > MAX_CORNERS)
-    return opc_fail(error, OPC_INVALID, "corners_dose",
+    return opc_fail(error, OPC_INVALID, "corners.dose",
                     "%zu corners, and %d are the most", n, MAX_CORNERS);
   if (!w->weight.count) return OPC_OK;
   if (w->weight.count != n)
-    return opc_fail(error, OPC_INVALID, "corners_weight",
+    return opc_fail(error, OPC_INVALID, "corners.weight",
                     "%zu weights for %zu corners", w->weight.count, n);
   for (size_t i = 0; i < n; i++) {
     double v = w->weight.values[i];
-    if (!(v >= 0) || !isfinite(v))
-      return opc_fail(error, OPC_INVALID, "corners_weight",
+    if (!(v >= 0) || v > 1e6)
+      return opc_fail(error, OPC_INVALID, "corners.weight",
                       "a weight of %g is not possible", v);
     sum += v;
   }
   if (sum > 0) return OPC_OK;
-  return opc_fail(error, OPC_INVALID, "corners_weight", "all weights are 0");
+  return opc_fail(error, OPC_INVALID, "corners.weight", "all weights are 0");
 }
 
 static void list_corners(corners *c) {
@@ -109,11 +109,11 @@ static int begin_exposure(loop *l, exposure *e, const corner *first,
                           opc_error *error) {
   double grid = l->gates->grid, steps = first->mask_error / grid;
   if (fabs(steps - round(steps)) > 1e-6)
-    return opc_fail(error, OPC_INVALID, "corners_mask",
+    return opc_fail(error, OPC_INVALID, "corners.mask",
                     "%g nm is no multiple of the mask grid of %g nm",
                     first->mask_error, grid);
   if (first->focus != 0 && !l->printer.litho.functions.image_at)
-    return opc_fail(error, OPC_INVALID, "corners_focus",
+    return opc_fail(error, OPC_INVALID, "corners.focus",
                     "'%s' has one focus only", l->printer.litho.litho->id);
   e->by = (int32_t)lround(steps);
   e->printer = &l->printer;
@@ -136,7 +136,7 @@ int corners_begin(loop *l, opc_error *error) {
   c->count = count_of(&c->wish);
   if (!c->count) return OPC_OK;
   if (!n)
-    return opc_fail(error, OPC_INVALID, "corners_dose",
+    return opc_fail(error, OPC_INVALID, "corners.dose",
                     "corners are for transistors, and there are none");
   c->exposures = corners_images(&c->wish);
   c->corner = eda_alloc(c->count, sizeof *c->corner);
@@ -144,7 +144,6 @@ int corners_begin(loop *l, opc_error *error) {
   l->printer.keeps = 1;
   list_corners(c);
   eda_performance_init(&c->nominal, n);
-  eda_performance_init(&c->before, n);
   for (size_t k = 0; k < c->count; k++)
     eda_measurement_init(&c->corner[k].measured, n);
   for (size_t e = 0; e < c->exposures && !code; e++)
@@ -167,7 +166,6 @@ void corners_clear(loop *l) {
   free(c->corner);
   free(c->exposure);
   eda_performance_clear(&c->nominal);
-  eda_performance_clear(&c->before);
 }
 
 static int move_edges(loop *l, exposure *e, const uint8_t *layers,
@@ -228,32 +226,68 @@ static int measure_corner(loop *l, corner *c, eda_field *print,
   return code;
 }
 
-/* The weighted mean of a figure over the corners where a transistor prints, or
-   of its logarithm. NAN if it prints at none. */
-static double mean_of(const corners *c, size_t i, size_t figure, int log_of) {
+enum { ION, IOFF, LEQ_ION, LEQ_IOFF, WEQ, AREA, FIGURES };
+
+static int is_ratio(size_t k) { return k == ION || k == IOFF || k == AREA; }
+
+/* A figure, or the logarithm of one whose ratio to the drawn one counts. */
+static double figure_of(const eda_performance *p, size_t k, size_t i) {
+  double v = (&p->ion)[k][i];
+  return is_ratio(k) ? log(v) : v;
+}
+
+/* How far the weighted mean of a figure, over the corners where a transistor
+   prints, is from the nominal one; 0 if it prints at none. */
+static double pull_of(const corners *c, const eda_performance *nominal,
+                      size_t k, size_t i) {
   double sum = 0, weight = 0;
-  for (size_t k = 0; k < c->count; k++) {
-    const corner *one = &c->corner[k];
-    double v = (&one->measured.performance.ion)[figure][i];
-    if (!is_good(&one->measured, i) || !(v > 0)) continue;
-    sum += one->weight * (log_of ? log(v) : v);
+  for (size_t j = 0; j < c->count; j++) {
+    const corner *one = &c->corner[j];
+    const eda_performance *p = &one->measured.performance;
+    if (!is_good(&one->measured, i) || !((&p->ion)[k][i] > 0)) continue;
+    sum += one->weight * figure_of(p, k, i);
     weight += one->weight;
   }
-  if (!(weight > 0)) return NAN;
-  return log_of ? exp(sum / weight) : sum / weight;
+  double pull = sum / weight - figure_of(nominal, k, i);
+  return isfinite(pull) ? pull : 0;
+}
+
+/* What all transistors of a type have in common is what another dose does, and
+   left to it. Of the rest, each takes as much as leaves its nominal Ion within
+   the limit: as if the nominal print counted the more. */
+static void bound_pulls(const loop *l, double (*pull)[FIGURES]) {
+  double sum[2][FIGURES] = {{0}}, count[2] = {0};
+  double most = log1p(l->corners.wish.limit / 100);
+  const uint8_t *type = l->gates->type;
+  for (size_t i = 0; i < l->gates->count; i++) {
+    if (!is_good(&l->measured, i)) continue;
+    count[type[i]]++;
+    for (size_t k = 0; k < FIGURES; k++) sum[type[i]][k] += pull[i][k];
+  }
+  for (size_t i = 0; i < l->gates->count; i++) {
+    if (!is_good(&l->measured, i)) continue;
+    for (size_t k = 0; k < FIGURES; k++)
+      pull[i][k] -= sum[type[i]][k] / count[type[i]];
+    double part = fmin(1, most / fabs(pull[i][ION]));
+    for (size_t k = 0; k < FIGURES; k++) pull[i][k] *= part;
+  }
 }
 
 /* What failed nominally keeps its figures, which tell which way to go. */
-static void combine(const corners *c, const uint32_t *flags,
-                    eda_performance *out) {
-  enum { ION, IOFF, LEQ_ION, LEQ_IOFF, WEQ, AREA, FIGURES };
-  for (size_t i = 0; i < out->count; i++) {
-    if (flags[i] & ~(uint32_t)EDA_PRINT_NOTES) continue;
-    for (size_t k = 0; k < FIGURES; k++) {
-      double mean = mean_of(c, i, k, k == ION || k == IOFF || k == AREA);
-      if (!isnan(mean)) (&out->ion)[k][i] = mean;
+static void combine(loop *l) {
+  const corners *c = &l->corners;
+  eda_performance *out = &l->measured.performance;
+  double(*pull)[FIGURES] = eda_alloc(l->gates->count, sizeof *pull);
+  for (size_t i = 0; i < out->count; i++)
+    for (size_t k = 0; k < FIGURES && is_good(&l->measured, i); k++)
+      pull[i][k] = pull_of(c, &c->nominal, k, i);
+  if (!c->wish.free) bound_pulls(l, pull);
+  for (size_t i = 0; i < out->count; i++)
+    for (size_t k = 0; k < FIGURES && is_good(&l->measured, i); k++) {
+      double *v = &(&out->ion)[k][i];
+      *v = is_ratio(k) ? *v * exp(pull[i][k]) : *v + pull[i][k];
     }
-  }
+  free(pull);
 }
 
 int corners_measure(loop *l, opc_error *error) {
@@ -266,7 +300,7 @@ int corners_measure(loop *l, opc_error *error) {
   free(print);
   if (code) return code;
   eda_performance_copy(&c->nominal, &l->measured.performance);
-  combine(c, l->measured.flags, &l->measured.performance);
+  combine(l);
   return OPC_OK;
 }
 
@@ -340,11 +374,29 @@ static int put_all(const loop *l, const row *r, opc_error *error) {
   return code ? code : opc_put_metrics(l->host, OPC_ARRAY(values), error);
 }
 
+/* What counts for nothing in the means is not to look as if it did. */
+static void tell_of_failed(const loop *l, const row *r) {
+  size_t n = l->gates->count, at = 0;
+  int64_t most = 0;
+  for (size_t k = 0; k < l->corners.count; k++) {
+    if (r[k].failed <= most) continue;
+    most = r[k].failed;
+    at = k;
+  }
+  if (most)
+    l->host->log(l->host, OPC_LOG_WARNING,
+                 "corners: %d of %zu transistors do not print at %g %% dose, "
+                 "%g nm focus, %g nm mask, and count for nothing there: see "
+                 "corners.csv",
+                 (int)most, n, r[at].dose, r[at].focus, r[at].mask_error);
+}
+
 int corners_report(const loop *l, opc_error *error) {
   const corners *c = &l->corners;
   if (!c->count) return OPC_OK;
   row *r = eda_alloc(c->count, sizeof *r);
   for (size_t k = 0; k < c->count; k++) r[k] = row_of(l, &c->corner[k]);
+  tell_of_failed(l, r);
   int code = put_rows(l, r, error);
   if (!code) code = put_all(l, r, error);
   free(r);

@@ -6,8 +6,10 @@
    weighted geometric mean of its currents and of its area over the corners.
    Where the logarithm of a current answers to a move alike at all corners, a
    mean that is as drawn is the least sum of squares of its logarithmic
-   deviations. Flags, prints and line ends are those of the nominal print, and
-   so are the figures of the result. */
+   deviations. Unless that is free, it is so only for what transistors of a type
+   do not have in common, and as far as nominal Ion stays within a limit. Flags,
+   prints and line ends are those of the nominal print, and so are the figures
+   of the result. */
 #ifndef CORRECT_CORNERS_H
 #define CORRECT_CORNERS_H
 
@@ -20,6 +22,8 @@ struct loop;
 typedef struct corners_wish {
   opc_reals dose, focus, mask_error; /* %, nm, nm */
   opc_reals weight;
+  double limit; /* %: what corners may make nominal Ion deviate, */
+  int free;     /* unless this is set */
 } corners_wish;
 
 typedef struct corner {
@@ -42,7 +46,7 @@ typedef struct corners {
   size_t count, exposures; /* 0: there are none */
   corner *corner;
   exposure *exposure;
-  eda_performance nominal, before; /* of the last print, of the drawn mask */
+  eda_performance nominal; /* of the last print */
 } corners;
 
 /* Whether the wish can be. */
@@ -68,26 +72,37 @@ int corners_measure(struct loop *loop, opc_error *error);
 int corners_report(const struct loop *loop, opc_error *error);
 
 #define CORNERS_PARAMETERS(state)                                             \
-  OPC_PARAMETER_NAMED("corners_dose", state, corners.dose, .type = OPC_REALS, \
+  OPC_PARAMETER_NAMED("corners.dose", state, corners.dose, .type = OPC_REALS, \
                       .unit = "%", .preset = "[]",                            \
                       .summary = "correct for all of these doses"),           \
-      OPC_PARAMETER_NAMED("corners_focus", state, corners.focus,              \
+      OPC_PARAMETER_NAMED("corners.focus", state, corners.focus,              \
                           .type = OPC_REALS, .unit = "nm", .preset = "[]",    \
                           .summary =                                          \
                               "correct for all of these distances from the "  \
                               "focus of litho"),                              \
-      OPC_PARAMETER_NAMED("corners_mask", state, corners.mask_error,          \
+      OPC_PARAMETER_NAMED("corners.mask", state, corners.mask_error,          \
                           .type = OPC_REALS, .unit = "nm", .preset = "[]",    \
                           .summary =                                          \
                               "correct for masks whose edges have all "       \
                               "moved out by these"),                          \
-      OPC_PARAMETER_NAMED("corners_weight", state, corners.weight,            \
+      OPC_PARAMETER_NAMED("corners.weight", state, corners.weight,            \
                           .type = OPC_REALS, .preset = "[]",                  \
                           .summary =                                          \
                               "one for each corner, doses first, then foci, " \
                               "then masks; if not given, that of a normal "   \
                               "distribution whose sqrt(3) sigma the "         \
-                              "outermost values are")
+                              "outermost values are"),                        \
+      OPC_PARAMETER_NAMED("corners.limit", state, corners.limit,              \
+                          .type = OPC_REAL, .flags = OPC_AT_LEAST,            \
+                          .unit = "%", .preset = "0.5 %",                     \
+                          .summary =                                          \
+                              "|nominal Ion deviation| that corners may "     \
+                              "cost a transistor"),                           \
+      OPC_PARAMETER_NAMED("corners.free", state, corners.free,                \
+                          .type = OPC_BOOL, .preset = "false",                \
+                          .summary =                                          \
+                              "no such limit: the mean over the corners "     \
+                              "is to be as drawn")
 
 #define CORNERS_METRICS                                                      \
   {"corners_ion_sd", "%", OPC_LOWER, 0.01,                                   \

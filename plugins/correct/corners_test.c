@@ -136,13 +136,14 @@ static corners_wish wish(const double *weight) {
   return (corners_wish){{dose_of, DOSES},
                         {focus_of, FOCI},
                         {mask_of, MASKS},
-                        {weight, weight ? ALL : 0}};
+                        {weight, weight ? ALL : 0},
+                        .free = 1};
 }
 
-static int run(loop *l, const eda_litho *model, corners_wish w, double fine,
-               opc_error *error) {
+static int run_on(const eda_gates *gates, loop *l, const eda_litho *model,
+                  corners_wish w, double fine, opc_error *error) {
   *l = (loop){.host = &host,
-              .gates = eda_gates_sample(),
+              .gates = gates,
               .extractor = MODULE(&extractor, NULL),
               .max_iterations = 10,
               .limit = 0.5,
@@ -153,6 +154,11 @@ static int run(loop *l, const eda_litho *model, corners_wish w, double fine,
   l->printer.fine = fine;
   g_assert_false(corners_check(&w, error));
   return loop_run(l, error);
+}
+
+static int run(loop *l, const eda_litho *model, corners_wish w, double fine,
+               opc_error *error) {
+  return run_on(eda_gates_sample(), l, model, w, fine, error);
 }
 
 static void check_near(double got, double want, double part) {
@@ -180,9 +186,7 @@ static void check_figures(const loop *l, const double *weight, double bias) {
                close_to);
     check_near(l->corners.nominal.ion[i], ion_of(i, 1 + DOSES * FOCI, bias),
                close_to);
-    check_near(l->corners.before.ion[i], ion_of(i, 1 + DOSES * FOCI, 0),
-               close_to);
-    check_near(l->before.ion[i], mean_of_gate(i, weight, 0), close_to);
+    check_near(l->before.ion[i], ion_of(i, 1 + DOSES * FOCI, 0), close_to);
   }
 }
 
@@ -220,6 +224,41 @@ static void test_weights(void) {
   g_assert_false(run(&l, &with_focus, wish(NULL), 0, &error));
   check_figures(&l, weight, 0);
   loop_clear(&l);
+}
+
+/* With a limit, what two of a type have in common is not held against them, and
+   of the rest no more than the limit. Ours differ by 0.6 %. */
+static void test_limit(void) {
+  static const double limits[] = {0, 0.2, 50};
+  uint8_t same[] = {EDA_NMOS, EDA_NMOS};
+  eda_gates pair = *eda_gates_sample();
+  double pull[GATES], weight[ALL];
+  loop l;
+  opc_error error = {0};
+  wanted_bias = 0;
+  pair.type = same;
+  for (size_t k = 0; k < ALL; k++) weight[k] = 1 + (double)(k % 5);
+  for (size_t i = 0; i < GATES; i++)
+    pull[i] = log(mean_of_gate(i, weight, 0) / ion_of(i, 1 + DOSES * FOCI, 0));
+  double apart = (pull[0] - pull[1]) / 2;
+  g_assert_cmpfloat(fabs(apart), >, 0.003);
+  for (size_t k = 0; k < G_N_ELEMENTS(limits); k++) {
+    double most = log1p(limits[k] / 100), own = CLAMP(apart, -most, most);
+    corners_wish w = wish(weight);
+    w.free = 0;
+    w.limit = limits[k];
+    g_assert_false(run_on(&pair, &l, &with_focus, w, 0, &error));
+    for (size_t i = 0; i < GATES; i++)
+      check_near(l.measured.performance.ion[i],
+                 l.corners.nominal.ion[i] * exp(i ? -own : own), close_to);
+    loop_clear(&l);
+    /* One of each type has nothing to be unlike. */
+    g_assert_false(run(&l, &with_focus, w, 0, &error));
+    for (size_t i = 0; i < GATES; i++)
+      check_near(l.measured.performance.ion[i], l.corners.nominal.ion[i],
+                 1e-12);
+    loop_clear(&l);
+  }
 }
 
 /* The nominal one alone is no corner at all. */
@@ -277,6 +316,9 @@ static void test_lost(void) {
                      0);
     check_near(l.measured.performance.ion[i], l.corners.nominal.ion[i], 1e-12);
   }
+  warnings = 0;
+  g_assert_false(corners_report(&l, &error));
+  g_assert_cmpint(warnings, ==, 1);
   loop_clear(&l);
 }
 
@@ -291,7 +333,8 @@ static void refused(corners_wish w, const eda_litho *model, const char *why) {
 }
 
 static void test_refused(void) {
-  static const double some[] = {0, 1.5, 1.5}, low[] = {-100}, minus[] = {1, -1};
+  static const double some[] = {0, 1.5, 1.5}, low[] = {-100}, minus[] = {1, -1},
+                      much[] = {1e308, 1e308};
   refused((corners_wish){.focus = {some, 2}}, &litho, "has one focus only");
   refused((corners_wish){.mask_error = {some, 2}}, &with_focus,
           "1.5 nm is no multiple of the mask grid of 1 nm");
@@ -301,6 +344,8 @@ static void test_refused(void) {
           "3 weights for 2 corners");
   refused((corners_wish){.dose = {some, 2}, .weight = {minus, 2}}, NULL,
           "a weight of -1");
+  refused((corners_wish){.dose = {some, 2}, .weight = {much, 2}}, NULL,
+          "a weight of 1e+308");
   refused((corners_wish){.dose = {some, 1}, .weight = {some, 1}}, NULL,
           "all weights are 0");
   refused((corners_wish){.weight = {some, 1}}, NULL, "1 weights for 0 corners");
@@ -311,6 +356,7 @@ int main(int argc, char **argv) {
   told = g_string_new(NULL);
   g_test_add_func("/corners/figures", test_figures);
   g_test_add_func("/corners/weights", test_weights);
+  g_test_add_func("/corners/limit", test_limit);
   g_test_add_func("/corners/nominal", test_nominal);
   g_test_add_func("/corners/fine", test_fine);
   g_test_add_func("/corners/lost", test_lost);

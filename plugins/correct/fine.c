@@ -36,7 +36,8 @@ int fine_error(const char *text, double limit, double *fine, opc_error *error) {
   *fine = g_ascii_strtod(text, &end);
   if (end != text && !*end && *fine > 0 && *fine < 0.1) return OPC_OK;
   return opc_fail(error, OPC_INVALID, "fine",
-                  "'fine' is %s: a number above 0 and below 0.1, or off", text);
+                  "'fine' is '%s': a number above 0 and below 0.1, or off",
+                  text);
 }
 
 double fine_margin(double margin, double fine) {

@@ -284,6 +284,7 @@ static int begin(loop *l, opc_error *error) {
   for (size_t k = 0; k < l->gates->layers && !code; k++)
     code = cut_layer(l, k, error);
   if (!code) code = assists_begin(l, error);
+  if (!code) code = assists_check(l, error);
   if (!code) tell_of_idle(l);
   return code;
 }
@@ -451,9 +452,8 @@ int loop_run(loop *l, opc_error *error) {
   if (!code) code = begin(l, error);
   if (!code) code = loop_print(l, 1, error);
   if (code) return code;
-  eda_performance_copy(&l->before, &l->measured.performance);
-  if (l->corners.count)
-    eda_performance_copy(&l->corners.before, &l->corners.nominal);
+  eda_performance_copy(&l->before, l->corners.count ? &l->corners.nominal
+                                                    : &l->measured.performance);
   eda_printed drawn = loop_printed(l);
   code = guard_begin(l, &drawn, error);
   if (!code) code = proof_begin(l, error);

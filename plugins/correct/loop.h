@@ -48,7 +48,7 @@ typedef struct loop {
   trial now, next;      /* printed and measured; to try next */
   int32_t *unused;      /* biases that EDGES may write */
   eda_measurement measured;
-  eda_performance design, before; /* with corners: the mean of all */
+  eda_performance design, before; /* as drawn: of the gates, of the print */
   corners corners;
   gate_bars assists;
   summary summary; /* of what was measured */

@@ -77,8 +77,7 @@ int proof_of_drawn(loop *l, opc_error *error) {
                                .extension = m.extension,
                                .shapes = l->proof.mask,
                                .print = l->proof.image};
-    eda_performance_copy(l->corners.count ? &l->corners.before : &l->before,
-                         &m.performance);
+    eda_performance_copy(&l->before, &m.performance);
     code = guard_begin(l, &drawn, error);
   }
   eda_measurement_clear(&m);

@@ -229,7 +229,10 @@ static void test_margin(void) {
   loop_clear(&l);
 }
 
-/* A fine image on a grid of its own. */
+/* Fine images, or the others once there was a fine one, on a grid of their
+   own. */
+static int was_fine;
+
 static int image_elsewhere(const void *self, int layer,
                            const eda_spectrum *mask, double defocus,
                            double wanted, eda_field *out, opc_error *error) {
@@ -237,19 +240,38 @@ static int image_elsewhere(const void *self, int layer,
   return code ? code : eda_field_resample(NULL, out, 8, error);
 }
 
+static int image_then(const void *self, int layer, const eda_spectrum *mask,
+                      double defocus, double wanted, eda_field *out,
+                      opc_error *error) {
+  was_fine = 1;
+  return image_fine(self, layer, mask, defocus, wanted, out, error);
+}
+
+static int image_moved(const void *self, int layer, const eda_spectrum *mask,
+                       eda_field *out, opc_error *error) {
+  int code = image(self, layer, mask, out, error);
+  return code || !was_fine ? code : eda_field_resample(NULL, out, 8, error);
+}
+
 static void test_grid(void) {
-  const eda_litho elsewhere = {.prepare = nothing,
-                               .band = band,
-                               .image = image,
-                               .image_fine = image_elsewhere};
-  loop l;
-  opc_error error = {0};
-  ADD(0.03);
-  g_assert_cmpint(try_to_run(&l, &elsewhere, fine_is, 0, 10, &error), ==,
-                  OPC_FAILED);
-  g_assert_cmpstr(error.parameter, ==, "litho");
-  g_assert_true(g_str_has_prefix(error.message, "its fine image has "));
-  loop_clear(&l);
+  const eda_litho wrong[] = {{.prepare = nothing,
+                              .band = band,
+                              .image = image,
+                              .image_fine = image_elsewhere},
+                             {.prepare = nothing,
+                              .band = band,
+                              .image = image_moved,
+                              .image_fine = image_then}};
+  for (size_t k = 0; k < G_N_ELEMENTS(wrong); k++) {
+    loop l;
+    opc_error error = {0};
+    ADD(0.03);
+    g_assert_cmpint(try_to_run(&l, &wrong[k], fine_is, 0, 10, &error), ==,
+                    OPC_FAILED);
+    g_assert_cmpstr(error.parameter, ==, "litho");
+    g_assert_true(g_str_has_prefix(error.message, "its images of one frame "));
+    loop_clear(&l);
+  }
 }
 
 /* Without a fine model, or if none is wanted, all is as without it. */

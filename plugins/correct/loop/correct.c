@@ -58,12 +58,11 @@ static eda_mask *hand_over(loop *l) {
     l->printer.print[k] = (eda_field){0};
   }
   corners *c = &l->corners; /* the result has figures of the nominal print */
-  eda_performance *before = c->count ? &c->before : &l->before;
   eda_performance *after = c->count ? &c->nominal : &l->measured.performance;
   out->design = l->design;
-  out->before = *before;
+  out->before = l->before;
   out->after = *after;
-  l->design = *before = *after = (eda_performance){0};
+  l->design = l->before = *after = (eda_performance){0};
   out->flags = l->measured.flags;
   l->measured.flags = NULL;
   out->iterations = l->iterations;

@@ -4,6 +4,7 @@
 #include <eda/print.h>
 #include <glib.h>
 #include <math.h>
+#include <string.h>
 
 #include "core/testing/testing.h"
 
@@ -65,7 +66,8 @@ static void test_one(void) {
       path);
   g_autofree char *correct = g_strdup_printf(
       "{ %s, fine: off, synthesizer: { use: synthesizer.newton }, "
-      "corners_dose: [-3 %%, 0 %%, 3 %%], corners_focus: [0 nm, 60 nm] }",
+      "corners: { dose: [-3 %%, 0 %%, 3 %%], focus: [0 nm, 60 nm], "
+      "free: true } }",
       text);
   g_autofree char *window = g_strdup_printf(
       "{ %s, dose: [-3 %%, 0 %%, 3 %%], defocus: [0 nm, 60 nm] }", text);
@@ -103,8 +105,17 @@ static void test_one(void) {
   drop(reader, layout);
 }
 
+/* A list is asked for in its own unit. */
+static void test_unit(void) {
+  opc_error error = {0};
+  g_assert_null(
+      opc_test_module("correct", "{ corners: { dose: 3 % } }", &error));
+  g_assert_nonnull(strstr(error.message, "as '[1 %, ...]'"));
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/through/one", test_one);
+  g_test_add_func("/through/unit", test_unit);
   return g_test_run();
 }

@@ -267,7 +267,9 @@ static int image_fine(const void *self, int layer, const eda_spectrum *mask,
                       double defocus, double wanted, eda_field *out,
                       opc_error *error) {
   hopkins *h = (hopkins *)self; /* what changes is under the lock */
-  const cut *c = find_cut(h, defocus, wanted, OPC_NO_INT, error);
+  /* What the model gives by itself is never better. */
+  double own = h->fixed > 0 ? h->cuts[0].error : h->wanted;
+  const cut *c = find_cut(h, defocus, fmin(wanted, own), OPC_NO_INT, error);
   return c ? image_by(h, c->kernels, layer, mask, out, error) : error->code;
 }
 

@@ -189,6 +189,31 @@ static void test_fine(void) {
   eda_spectrum_clear(&mask);
 }
 
+/* A fine image is no worse than the model's own, whatever is asked for. */
+static void test_coarse(void) {
+  static const char *const parameters[] = {"{}", "{ error: 3e-4 }",
+                                           "{ kernels: 60 }"};
+  eda_point points[] = {{-130, -170}, {90, -170}, {90, 230}, {-130, 230}};
+  uint32_t start[] = {0, 4};
+  eda_shapes shapes = {1, start, points, NULL};
+  for (size_t k = 0; k < G_N_ELEMENTS(parameters); k++) {
+    eda_field best, own, fine;
+    image("{ error: 5e-5 }", &shapes, frame, &best);
+    image(parameters[k], &shapes, frame, &own);
+    image_within(0.09, parameters[k], &shapes, frame, &fine);
+    double off[2] = {0};
+    for (int n = 0; n < best.nx * best.ny; n++) {
+      double value = best.coefficients[n];
+      off[0] = fmax(off[0], fabs(own.coefficients[n] - value));
+      off[1] = fmax(off[1], fabs(fine.coefficients[n] - value));
+    }
+    g_assert_cmpfloat(off[1], <, 1.3 * off[0]);
+    eda_field_clear(&best);
+    eda_field_clear(&own);
+    eda_field_clear(&fine);
+  }
+}
+
 /* Nothing on the mask: the clear field is 1. */
 static void test_clear(void) {
   eda_shapes none = {0};
@@ -551,6 +576,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/hopkins/definition", test_definition);
   g_test_add_func("/hopkins/fine", test_fine);
+  g_test_add_func("/hopkins/coarse", test_coarse);
   g_test_add_func("/hopkins/clear-field", test_clear);
   g_test_add_func("/hopkins/too-fine", test_too_fine);
   g_test_add_func("/hopkins/symmetry", test_symmetry);

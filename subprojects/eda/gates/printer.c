@@ -89,18 +89,22 @@ static eda_field copy_of(const eda_field *field) {
   return eda_field_scaled(field, 1);
 }
 
+/* Images that are to be added to each other have the same nodes. */
+static int match(const eda_field *a, const eda_field *b, opc_error *error) {
+  if (a->nx == b->nx && a->ny == b->ny) return OPC_OK;
+  opc_fail(error, OPC_FAILED, NULL,
+           "its images of one frame have %d x %d and %d x %d nodes", (int)a->nx,
+           (int)a->ny, (int)b->nx, (int)b->ny);
+  return eda_blame(error, error->code, "litho");
+}
+
 /* What the last image lacked of the fine one of the same mask is part of the
    difference from now on. */
 static int learn(eda_printer *p, int layer, const eda_field *fine,
                  opc_error *error) {
   eda_field *last = &p->image[layer], *difference = &p->difference[layer];
   if (!last->coefficients) return OPC_OK;
-  if (last->nx != fine->nx || last->ny != fine->ny) {
-    opc_fail(error, OPC_FAILED, NULL,
-             "its fine image has %d x %d nodes, its other one %d x %d",
-             (int)fine->nx, (int)fine->ny, (int)last->nx, (int)last->ny);
-    return eda_blame(error, error->code, "litho");
-  }
+  if (match(fine, last, error)) return error->code;
   add(last, fine, -1, last);
   if (!difference->coefficients) {
     *difference = *last;
@@ -111,15 +115,19 @@ static int learn(eda_printer *p, int layer, const eda_field *fine,
   return OPC_OK;
 }
 
-static void add_difference(const eda_printer *p, int layer, eda_field *image) {
+static int add_difference(const eda_printer *p, int layer, eda_field *image,
+                          opc_error *error) {
   const eda_field *difference = &p->difference[layer];
-  if (difference->coefficients) add(image, image, 1, difference);
+  if (!difference->coefficients) return OPC_OK;
+  if (match(image, difference, error)) return error->code;
+  add(image, image, 1, difference);
+  return OPC_OK;
 }
 
 int eda_printer_correct(const eda_printer *p, int layer, eda_field *image,
                         opc_error *error) {
-  add_difference(p, layer, image);
-  return eda_printer_develop(p, layer, image, error);
+  int code = add_difference(p, layer, image, error);
+  return code ? code : eda_printer_develop(p, layer, image, error);
 }
 
 int eda_printer_at_dose(const eda_printer *p, int layer, double factor,
@@ -131,9 +139,9 @@ int eda_printer_at_dose(const eda_printer *p, int layer, double factor,
 /* From a new image of a layer to its print, in place. */
 static int settle(eda_printer *p, int layer, int fine, eda_field *print,
                   opc_error *error) {
-  int code = fine ? learn(p, layer, print, error) : OPC_OK;
+  int code = fine ? learn(p, layer, print, error)
+                  : add_difference(p, layer, print, error);
   if (code) return code;
-  if (!fine) add_difference(p, layer, print);
   if (p->fine > 0 || p->keeps) {
     eda_field_clear(&p->image[layer]);
     p->image[layer] = copy_of(print);
