@@ -97,7 +97,8 @@ static void put(pieces *out, uint32_t *n, eda_point from, int32_t by) {
 /* A side along L, from `low` to `high` along W. */
 typedef struct side {
   int32_t low, high, box; /* the gate's LOW end */
-  int32_t l, jog;
+  int32_t l, jog;         /* 0: the jog is in the other side */
+  int upper;              /* it is the HIGH one */
   const eda_part *part;
 } side;
 
@@ -105,11 +106,13 @@ static side side_of(const eda_gates *g, const eda_fragment *f, eda_point next,
                     const biases *b) {
   int32_t from = along_w(g, f->gate, f->from), to = along_w(g, f->gate, next);
   eda_box box = g->box[f->gate];
+  int high = f->role == EDA_L_HIGH, takes = high == !(b->l[f->gate] & 1);
   return (side){.low = from < to ? from : to,
                 .high = from < to ? to : from,
                 .box = g->axis[f->gate] == EDA_X ? box.y0 : box.x0,
                 .l = b->l[f->gate],
-                .jog = b->jog[f->gate],
+                .jog = takes ? b->jog[f->gate] : 0,
+                .upper = high,
                 .part = b->part + (size_t)EDA_PARTS * (size_t)f->gate};
 }
 
@@ -117,13 +120,15 @@ static int is_part(const side *s, int k) {
   return k < EDA_PARTS && s->part[k].from < s->part[k].to;
 }
 
-/* The gate's bias of length beside that place of the side. */
-static int32_t length_at(const side *s, int32_t at) {
-  int32_t l = s->l + (at - s->low < s->jog);
+/* How far the side moves at that place: its part of the gate's bias of length
+   there, and the jog, which stays in one side whatever parts add: the sides
+   begin elsewhere. */
+static int32_t move_at(const side *s, int32_t at) {
+  int32_t l = s->l;
   for (int k = 0; is_part(s, k); k++)
     if (s->part[k].from <= at - s->box && at - s->box < s->part[k].to)
       l += s->part[k].by;
-  return l;
+  return part(l, s->upper) + (at - s->low < s->jog);
 }
 
 /* Take in a place where the length changes; the list is kept sorted. */
@@ -140,7 +145,7 @@ static void put_side(const eda_gates *g, const eda_fragment *f, eda_point next,
                      const biases *b, pieces *out, uint32_t *n) {
   int32_t cut[CUTS + 2];
   side s = side_of(g, f, next, b);
-  int upright = g->axis[f->gate] == EDA_X, high = f->role == EDA_L_HIGH;
+  int upright = g->axis[f->gate] == EDA_X;
   int rising = along_w(g, f->gate, f->from) == s.low, cuts = 1;
   cut[0] = s.low;
   for (int k = 0; is_part(&s, k); k++) {
@@ -153,7 +158,7 @@ static void put_side(const eda_gates *g, const eda_fragment *f, eda_point next,
   int32_t before = INT32_MAX;
   for (int i = 0; i < cuts; i++) {
     int k = rising ? i : cuts - 1 - i;
-    int32_t by = part(length_at(&s, cut[k]), high);
+    int32_t by = move_at(&s, cut[k]);
     int32_t at = rising ? cut[k] : cut[k + 1];
     if (by != before)
       put(out, n,

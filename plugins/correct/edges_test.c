@@ -90,7 +90,7 @@ static void test_biases(void) {
       {{4, 0, -200, 0, {{0}}}, "0,0 60,0 60,100 0,100 "},
       {{0, 0, -300, 0, {{0}}}, ""},
       /* Parts, from the gate's LOW end at y = 120 on: both sides, one side,
-         as far as the side goes, with a jog in one of them. */
+         as far as the side goes, and with a jog, which stays in its side. */
       {{.part = {{20, 60, 2}}},
        "0,0 60,0 60,140 61,140 61,180 60,180 60,300 0,300 0,180 -1,180 -1,140 "
        "0,140 "},
@@ -101,8 +101,8 @@ static void test_biases(void) {
        "0,0 60,0 60,100 62,100 62,120 60,120 60,300 0,300 0,120 -1,120 -1,100 "
        "0,100 "},
       {{.jog = 50, .part = {{20, 60, 1}}},
-       "0,0 60,0 60,100 61,100 61,180 60,180 60,300 0,300 0,150 -1,150 -1,140 "
-       "0,140 "},
+       "0,0 60,0 60,100 61,100 61,140 62,140 62,150 61,150 61,180 60,180 "
+       "60,300 0,300 "},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     eda_shapes s = moved(cases[i].m, 0);

@@ -263,9 +263,7 @@ static biases seek(const newton *t, const eda_feedback *f, size_t i) {
 /* Make the edges flatter; whether that moves any. */
 static int reform(newton *t, const eda_feedback *f, size_t i) {
   transistor *s = &t->state[i];
-  if (!for_ioff(t) || f->iteration < 1 ||
-      f->iteration > tuned.shapes[t->target])
-    return 0;
+  if (!reshapes(t, f)) return 0;
   const eda_gates *g = f->gates;
   const curve *c = &t->curve[g->type[i] == EDA_PMOS];
   s->next.shape =
@@ -297,11 +295,29 @@ static biases propose(newton *t, const eda_feedback *f, size_t i) {
   int held = cut && s->size > limit(t) && trust_holds(&s->trust, s->x[BY_L]);
   if (held && !same(next, s->now)) return next;
   if (s->best_size <= hope && !same(s->best, s->now)) return s->best;
-  double worth =
-      for_ioff(t) || (cut && s->size > limit(t)) ? 1 : tuned.worthwhile;
-  if (hope <= worth * s->size) return next;
+  double worth = for_ioff(t) || s->size > limit(t) ? 1 : tuned.worthwhile;
+  if (!same(next, s->now) && hope <= worth * s->size) return next;
   s->verdict = why == MOVING ? GRID : why;
   return s->now;
+}
+
+/* ---- work: the end ---- */
+
+/* The print after which all that is not good goes back to its best. */
+static int64_t last_move(const newton *t) {
+  int64_t most = tuned.settled[t->target] + tuned.polish + tuned.rest;
+  return t->target == PLAIN || t->iterations < most ? t->iterations : most;
+}
+
+/* Ion alone has had its moves: what more would do is next to nothing, and what
+   moves keeps its neighbours and the regulator moving. */
+static int is_late(const newton *t, int64_t print) {
+  return t->settled && print >= tuned.settled[t->target] + tuned.polish;
+}
+
+static int is_within(const newton *t, size_t i) {
+  const transistor *s = &t->state[i];
+  return !s->lost && s->size * fmin(t->wish[i].weight, 1) <= limit(t);
 }
 
 /* ---- work: all transistors ---- */
@@ -315,8 +331,8 @@ static int has_drifted(const newton *t, const transistor *s, double weight) {
 /* Whether to rest: all transistors are within the limit, none has drifted off,
    and their mean is good or has hardly fallen since the print before. Once they
    rest they go on resting unless the mean has risen as much. */
-static int is_good(newton *t, int first) {
-  double worst = 0, mean = 0, before = first ? INFINITY : t->mean;
+static int is_good(newton *t, int64_t print) {
+  double worst = 0, mean = 0, before = print ? t->mean : INFINITY;
   int drifted = 0;
   for (size_t i = 0; i < t->count; i++) {
     const transistor *s = &t->state[i];
@@ -329,38 +345,52 @@ static int is_good(newton *t, int first) {
   int stands = t->rest ? tuned.worthwhile * mean < before
                        : mean > tuned.worthwhile * before;
   t->mean = t->rest ? fmin(mean, before) : mean;
+  if (is_late(t, print)) return worst <= limit(t);
   return t->rest = worst <= limit(t) && !drifted &&
                    (mean <= limit(t) / tuned.mean_part || stands);
 }
 
-/* What becomes of transistor i, `good` being what is_good says. *done = 0 if it
-   is not settled. */
-static biases decide(newton *t, const eda_feedback *f, size_t i, int good,
-                     int *done) {
-  const transistor *s = &t->state[i];
-  biases next = propose(t, f, i);
-  int64_t k = f->iteration;
-  if (good) return s->now;
-  if (for_ioff(t) && k == tuned.settled[t->target]) {
-    *done = 0;
-    return s->best;
-  }
-  if (k == t->iterations) return s->best;
-  if (k > t->iterations) {
-    /* The regulator is not done: those that it moved follow, for a while. */
-    double most = tuned.patience * (double)t->iterations;
-    return (s->disturbed || s->lost) && (double)k <= most ? next : s->now;
-  }
-  if (!same(next, s->now)) *done = 0;
-  return next;
-}
-
-/* What L and W do for Ioff is done: the best of it stays, and L alone takes Ion
-   to its end. */
+/* What L and W do for Ioff is done: L alone takes Ion to its end, from the best
+   mask of both currents. */
 static void settle(newton *t) {
   t->settled = 1;
   t->weight[IOFF] = 0;
-  for (size_t i = 0; i < t->count; i++) t->state[i].best_size = INFINITY;
+  for (size_t i = 0; i < t->count; i++) {
+    transistor *s = &t->state[i];
+    s->back = !same(s->now, s->best);
+    s->best_size = s->back ? INFINITY : size_of(t, s->error);
+    s->size = s->rest_size = size_of(t, s->error);
+  }
+}
+
+/* All transistors, at once in several threads. */
+typedef struct job {
+  newton *t;
+  const eda_feedback *f;
+  int good; /* what is_good says */
+} job;
+
+/* What becomes of transistor i. */
+static void decide(void *data, size_t i) {
+  const job *j = data;
+  newton *t = j->t;
+  transistor *s = &t->state[i];
+  int64_t k = j->f->iteration, last = last_move(t);
+  if (s->back) {
+    s->next = s->best;
+    s->back = 0;
+    return;
+  }
+  biases next = propose(t, j->f, i);
+  if (k > last) {
+    /* The regulator is not done: those that it moved follow, for a while. */
+    double most = tuned.patience * (double)last;
+    if (!(s->disturbed || s->lost) || (double)k > most) next = s->now;
+  }
+  if (j->good || (is_late(t, k) && is_within(t, i)))
+    s->next = s->now;
+  else
+    s->next = k == last ? s->best : next;
 }
 
 static int update(void *self, const eda_feedback *f, eda_moves *moves,
@@ -374,19 +404,21 @@ static int update(void *self, const eda_feedback *f, eda_moves *moves,
       t->parts[i] = parts_of(f->gates, i, &t->sides[i]);
   }
   observe(t, f, moves);
+  int settles = for_ioff(t) && f->iteration == tuned.settled[t->target];
+  if (settles) settle(t);
+  job j = {t, f, is_good(t, f->iteration) && !settles};
+  opc_parallel(t->host->context, t->count, decide, &j);
   *done = 1;
-  int good = is_good(t, f->iteration == 0);
   for (size_t i = 0; i < t->count; i++) {
-    biases next = decide(t, f, i, good, done);
+    biases next = t->state[i].next;
+    if (f->iteration < last_move(t) && !same(next, t->state[i].now)) *done = 0;
     moves->l[i] = next.l;
     moves->w[i] = next.w;
     moves->jog[i] = next.jog;
-    t->state[i].next = next;
     if (!moves->part) continue;
     parts p = parts_of_mask(t, i, next);
     shape_write(&p, &next.shape, moves->part + EDA_PARTS * i);
   }
-  if (for_ioff(t) && f->iteration == tuned.settled[t->target]) settle(t);
   foresee(t, f);
   return OPC_OK;
 }

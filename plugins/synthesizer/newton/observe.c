@@ -38,6 +38,10 @@ double length_in_steps(const newton *t, size_t i, biases b) {
 
 int for_ioff(const newton *t) { return t->target != PLAIN && !t->settled; }
 
+int reshapes(const newton *t, const eda_feedback *f) {
+  return f->iteration > 0 && f->iteration <= tuned.shapes[t->target];
+}
+
 void free_moves(const newton *t, int free[MOVES]) {
   free[BY_L] = 1;
   free[BY_W] =
@@ -183,7 +187,7 @@ static void take_in(const newton *t, transistor *s, const eda_feedback *f,
   judge_width(s, c.dx[BY_W], before);
   s->rest_size = first || moved ? s->size : fmin(s->rest_size, s->size);
   s->point = point_of(f->printed, i);
-  if (t->target != PLAIN) s->ripple = ripple_of(f, i, &t->parts[i]);
+  if (reshapes(t, f)) s->ripple = ripple_of(f, i, &t->parts[i]);
   bend(&s->response, &s->first, s->point, point_of(f->design, i),
        f->gates->grid);
   if (!first) find_way(t, s, &c, f->iteration > 1 ? foreseen : NAN);
@@ -270,15 +274,27 @@ static biases as_printed(const newton *t, const eda_moves *moves, size_t i) {
   return b;
 }
 
+/* A print of all transistors. */
+typedef struct print {
+  newton *t;
+  const eda_feedback *f;
+  const eda_moves *moves;
+  double common[2]; /* by type */
+} print;
+
+static void take_in_one(void *data, size_t i) {
+  const print *p = data;
+  take_in(p->t, &p->t->state[i], p->f, i, as_printed(p->t, p->moves, i),
+          p->common[p->f->gates->type[i] == EDA_PMOS]);
+}
+
 void observe(newton *t, const eda_feedback *f, const eda_moves *moves) {
-  double common[2] = {0};
+  print p = {.t = t, .f = f, .moves = moves};
   for (size_t i = 0; f->iteration > 0 && i < t->count; i++)
     bend(&t->state[i].response, &t->state[i].first, t->state[i].point,
          point_of(f->printed, i), f->gates->grid);
-  if (f->iteration == 1) learn_together(t, f, moves, common);
-  for (size_t i = 0; i < t->count; i++)
-    take_in(t, &t->state[i], f, i, as_printed(t, moves, i),
-            common[f->gates->type[i] == EDA_PMOS]);
+  if (f->iteration == 1) learn_together(t, f, moves, p.common);
+  opc_parallel(t->host->context, t->count, take_in_one, &p);
   if (f->iteration == 0) start(t, f);
 }
 

@@ -49,6 +49,7 @@ typedef struct transistor {
                         own moves */
   uint8_t outside;   /* the figures of the best mask come from beyond the ends
                         of the device table */
+  uint8_t back;      /* its next mask is its best one */
   uint8_t verdict;
 } transistor;
 
@@ -93,6 +94,9 @@ double length_in_steps(const newton *t, size_t i, biases b);
 
 /* Whether W and shapes move for Ioff. */
 int for_ioff(const newton *t);
+
+/* Whether edges are made flatter after that print. */
+int reshapes(const newton *t, const eda_feedback *f);
 
 /* Which moves serve the weights at all. */
 void free_moves(const newton *t, int free[MOVES]);

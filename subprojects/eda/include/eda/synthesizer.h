@@ -81,7 +81,8 @@ typedef struct eda_moves {
   /* The parts of each gate, [EDA_PARTS * i + k], in their order, none
      over another; the first that is empty (from >= to) ends them. They may
      reach past the gate, and are cut off where its fragments end. What `by`
-     adds to `l` is shared by both sides as `l` is, and `jog` comes upon that.
+     adds to `l` is shared by both sides as `l` is, and `jog` comes upon that,
+     in the side that `l` alone says.
      Since 0.2; NULL in a loop that has none. */
   eda_part *part;
 } eda_moves;
