@@ -129,7 +129,8 @@ static void find_way(const newton *t, transistor *s, const change *c,
   double drift = s->disturbed && against ? INFINITY : visible(t, s);
   s->trust.slow = 0;
   trust_drift(&s->trust, pull_by_w(t, s) * c->dx[BY_W], drift);
-  if (!s->disturbed && before * s->pull > 0 &&
+  int by_l = !for_ioff(t) || c->dx[BY_W] == 0; /* W has answered as well */
+  if (by_l && !s->disturbed && before * s->pull > 0 &&
       fabs(before) - fabs(foreseen) > visible(t, s))
     trust_judge(&s->trust, c->dx[BY_L], fabs(before), fabs(foreseen),
                 fabs(s->pull));
