@@ -23,8 +23,8 @@ extern "C" {
 #endif
 
 /* While the major number is 0, a plugin built for another minor is refused: the
-   minor is raised when a struct grows that plugins have or are given, here or in
-   the library of their kinds. */
+   minor is raised when a struct grows that plugins have or are given, here or
+   in the library of their kinds. */
 #define OPC_ABI_MAJOR 0u
 #define OPC_ABI_MINOR 4u
 
