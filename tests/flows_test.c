@@ -154,6 +154,22 @@ static void test_nangate(void) {
   g_assert_cmpfloat(metric("nangate", "mask", "ion_max"), <=, 0.5);
 }
 
+/* A flip-flop whose line ends have little room: where a wider gate takes a thin
+   one into the channel, newton leaves W, and the worst gate leaks three times
+   as drawn, not seven times. */
+static void test_flip_flop(void) {
+  g_autofree char *file = test_data("nangate45/NangateOpenCellLibrary.gds");
+  if (!file) return;
+  g_autofree char *flow = source("flows/newton.yaml"), *out = place("flipflop");
+  g_autofree char *set = g_strdup_printf("layout.file=%s", file);
+  g_assert_cmpint(
+      opcflow(NULL, "run", flow, "--set", set, "--set", "layout.scale=1.3",
+              "--set", "layout.top=DFF_X1", "--output", out, NULL),
+      ==, 0);
+  g_assert_cmpfloat(metric("flipflop", "mask", "ion_max"), <=, 0.5);
+  g_assert_cmpfloat(metric("flipflop", "mask", "ioff_max"), <=, 300);
+}
+
 /* The mask again, by the models of its loop and by others. */
 static void test_verify(void) {
   g_autofree char *flow = place("verify.yaml"), *out = place("verify");
@@ -591,6 +607,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/flows/metal", test_metal);
   g_test_add_func("/flows/orientation", test_orientation);
   g_test_add_func("/flows/nangate", test_nangate);
+  g_test_add_func("/flows/flip-flop", test_flip_flop);
   g_test_add_func("/flows/verify", test_verify);
   g_test_add_func("/flows/circuit", test_circuit);
   g_test_add_func("/flows/margins", test_margins);

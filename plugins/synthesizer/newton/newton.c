@@ -207,6 +207,7 @@ static void with_leakage(const newton *t, const eda_feedback *f, size_t i,
   uint8_t why;
   solve(&s->response, s->error, t->weight, both, step);
   double w = fmin(fmax(step[BY_W], -s->reach), s->reach);
+  w = fmin(w, s->widest - s->x[BY_W]);
   dx[BY_W] = round(bounded(s->x[BY_W], w, most, veto & EDA_VETO_WIDER,
                            veto & EDA_VETO_NARROWER, &why));
   left_after(s, s->x[BY_L], s->x[BY_W] + dx[BY_W], rest);
@@ -360,6 +361,7 @@ static void settle(newton *t) {
     s->back = !same(s->now, s->best);
     s->best_size = s->back ? INFINITY : size_of(t, s->error);
     s->size = s->rest_size = size_of(t, s->error);
+    s->trust.error[SHORT] = s->trust.error[LONG] = 0; /* of other widths */
   }
 }
 

@@ -137,10 +137,14 @@ static void find_way(const newton *t, transistor *s, const change *c,
   trust_see(&s->trust, s->x[BY_L], s->pull);
 }
 
-/* A step of W that made things worse is followed by shorter ones: where it has
-   taken thin ends of the gate into the channel, W is of no use. */
-static void judge_width(transistor *s, double dx, double before) {
+/* A step of W that made things worse is followed by shorter ones. Where a wider
+   gate leaks more, as it has taken thin line ends into the channel, it gets no
+   wider than before. */
+static void judge_width(transistor *s, double dx, double before,
+                        double leaked) {
   if (dx == 0 || !isfinite(before)) return;
+  if (dx > 0 && fmin(leaked, s->error[IOFF]) > tuned.thin_end)
+    s->widest = s->x[BY_W] - dx;
   if (s->size > before)
     s->reach = fmin(s->reach, fabs(dx) / 4);
   else
@@ -174,6 +178,7 @@ static void take_in(const newton *t, transistor *s, const eda_feedback *f,
   int foreign = f->iteration > 1 && printed && is_foreign(t, s, &c);
   double by_w = pull_by_w(t, s) * c.dx[BY_W];
   double foreseen = s->pull + s->response.by[ION][BY_L] * c.dx[BY_L] + by_w;
+  double leaked = c.de[IOFF] - s->response.by[IOFF][BY_L] * c.dx[BY_L];
   if (foreign)
     s->response = s->first;
   else if (printed && moved)
@@ -185,7 +190,8 @@ static void take_in(const newton *t, transistor *s, const eda_feedback *f,
   memcpy(s->x, x, sizeof x);
   memcpy(s->error, error, sizeof error);
   s->size = size_of(t, error);
-  judge_width(s, c.dx[BY_W], before);
+  judge_width(s, c.dx[BY_W], before,
+              f->iteration > tuned.shapes[t->target] ? leaked : 0);
   s->rest_size = first || moved ? s->size : fmin(s->rest_size, s->size);
   s->point = point_of(f->printed, i);
   if (reshapes(t, f)) s->ripple = ripple_of(f, i, &t->parts[i]);
@@ -208,6 +214,7 @@ static void start(newton *t, const eda_feedback *f) {
     s->first = first_response(f->gates, i, c, t->gain);
     s->response = s->first;
     s->trust.radius = s->reach = tuned.longest / f->gates->grid;
+    s->widest = INFINITY;
     if (s->lost) continue;
     if (ends_moved(f->gates, s->end, f->next_end + 2 * i)) {
       double before = s->error[ION];

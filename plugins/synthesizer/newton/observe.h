@@ -41,6 +41,7 @@ typedef struct transistor {
   response response, first; /* as learnt, and as estimated at first */
   trust trust;              /* how far its next L may go */
   double reach;             /* how far its next W may go */
+  double widest;            /* and to which, at most */
   int32_t end[2];           /* its line ends in the mask measured last */
   double surprise;   /* by how much the next print's log Ion may differ from
                         what the response says, as its line ends and its
