@@ -120,7 +120,7 @@ def try_tutorial(report, path):
     try:
         for line, mark, text in blocks(path):
             name, fault = "%s:%d" % (os.path.relpath(path, ROOT), line), None
-            if mark.startswith("yaml "):
+            if len(mark.split()) == 2:
                 with open(os.path.join(folder, mark.split()[1]), "w") as f:
                     f.write(text)
                 continue
