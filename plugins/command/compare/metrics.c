@@ -158,9 +158,9 @@ int metrics_publish(comparison *c, opc_error *error) {
       {"base", NULL, OPC_REAL, -1, &r->base},
       {"value", NULL, OPC_REAL, -1, &r->value},
       {"change", NULL, OPC_REAL, -1, &r->change},
+      {"verdict", NULL, OPC_TEXT, 0, &r->word},
       {"tolerance", NULL, OPC_REAL, -1, &r->tolerance},
-      {"better", NULL, OPC_TEXT, 0, &r->better},
-      {"verdict", NULL, OPC_TEXT, 0, &r->word}};
+      {"better", NULL, OPC_TEXT, 0, &r->better}};
   return put_table(c, "metrics", shown->len, sizeof *r, columns,
                    G_N_ELEMENTS(columns), error);
 }

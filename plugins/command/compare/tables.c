@@ -34,8 +34,9 @@ static int put_of_methods(comparison *c, const char *name, size_t rows,
 /* ---- runs ---- */
 
 typedef struct run_row {
-  const char *label, *folder, *flow, *variant, *version, *started;
+  const char *label, *folder, *variant, *version;
   double seconds;
+  const char *started;
 } run_row;
 
 int runs_publish(comparison *c, opc_error *error) {
@@ -44,15 +45,15 @@ int runs_publish(comparison *c, opc_error *error) {
   for (guint i = 0; i < f->runs->len; i++) {
     const eda_run_facts *t = eda_run_told(f->runs->pdata[i]);
     r[i] = (run_row){f->labels->pdata[i], t->folder,  t->name,   t->variant,
-                     t->version,          t->started, t->seconds};
+                     t->version,          t->seconds, t->started};
   }
   const opc_column columns[] = {{"run", NULL, OPC_TEXT, 0, &r->label},
                                 {"folder", NULL, OPC_TEXT, 0, &r->folder},
-                                {"flow", NULL, OPC_TEXT, 0, &r->flow},
+
                                 {"variant", NULL, OPC_TEXT, 0, &r->variant},
                                 {"opcflow", NULL, OPC_TEXT, 0, &r->version},
-                                {"started", NULL, OPC_TEXT, 0, &r->started},
-                                {"seconds", "s", OPC_REAL, 2, &r->seconds}};
+                                {"seconds", "s", OPC_REAL, 2, &r->seconds},
+                                {"started", NULL, OPC_TEXT, 0, &r->started}};
   return opc_put_rows(c->host, "runs", OPC_TABLE_PRINT, f->runs->len, sizeof *r,
                       columns, G_N_ELEMENTS(columns), error);
 }
@@ -187,16 +188,16 @@ int transistors_publish(comparison *c, opc_error *error) {
   const transistor_row *r = (const transistor_row *)(void *)c->intervals->data;
   const opc_column columns[] = {{"run", NULL, OPC_TEXT, 0, &r->method},
                                 {"figure", NULL, OPC_TEXT, 0, &r->figure},
-                                {"transistors", NULL, OPC_INT, 0, &r->n},
                                 {"base", "%", OPC_REAL, 4, &r->base},
                                 {"value", "%", OPC_REAL, 4, &r->value},
                                 {"change", "%", OPC_REAL, 4, &r->change},
                                 {"low", "%", OPC_REAL, 4, &r->low},
                                 {"high", "%", OPC_REAL, 4, &r->high},
+                                {"verdict", NULL, OPC_TEXT, 0, &r->word},
                                 {"better", NULL, OPC_INT, 0, &r->better},
                                 {"worse", NULL, OPC_INT, 0, &r->worse},
                                 {"same", NULL, OPC_INT, 0, &r->same},
-                                {"verdict", NULL, OPC_TEXT, 0, &r->word}};
+                                {"transistors", NULL, OPC_INT, 0, &r->n}};
   return code ? code
               : put_of_methods(c, "transistors", c->intervals->len, sizeof *r,
                                columns, G_N_ELEMENTS(columns), error);
