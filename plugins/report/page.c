@@ -19,9 +19,9 @@
 static const char *const tables[] = {"gates", "history", "corners",
                                      "violations"};
 static const char *const gate_columns[] = {
-    "transistor", "cell",       "type",   "l",      "w",     "ion_before",
-    "ion_after",  "ioff_after", "area_after", "mask_l", "mask_w", "print",
-    "verdict"};
+    "transistor", "cell",      "type",       "l",          "w",
+    "ion_before", "ion_after", "ioff_after", "area_after", "mask_l",
+    "mask_w",     "print",     "verdict"};
 
 /* ---- work: pieces of JSON ---- */
 
@@ -186,23 +186,26 @@ static int add_view(page *p, GString *out, const char *folder,
   g_autoptr(GError) fault = NULL;
   gsize size;
   if (!g_file_test(path, G_FILE_TEST_EXISTS)) {
-    page_lacks(p, "%s: no view.json, which the step report.view writes, and "
-               "so no pictures", label);
+    page_lacks(p,
+               "%s: no view.json, which the step report.view writes, and "
+               "so no pictures",
+               label);
     return OPC_OK;
   }
   if (!g_file_get_contents(path, &text, &size, &fault))
     return opc_fail(error, OPC_IO, NULL, "%s", fault->message);
   if ((double)size > p->room) {
-    page_lacks(p, "%s: its pictures, %.1f MB, would make the page larger than "
-               "it may be", label, (double)size / 1e6);
+    page_lacks(p,
+               "%s: its pictures, %.1f MB, would make the page larger than "
+               "it may be",
+               label, (double)size / 1e6);
     return OPC_OK;
   }
   if (!json_parser_load_from_data(parser, text, (gssize)size, &fault))
-    return opc_fail(error, OPC_INVALID, NULL, "'%s': %s", path,
-                    fault->message);
+    return opc_fail(error, OPC_INVALID, NULL, "'%s': %s", path, fault->message);
   JsonNode *root = json_parser_get_root(parser);
-  JsonObject *o = root && JSON_NODE_HOLDS_OBJECT(root)
-                      ? json_node_get_object(root) : NULL;
+  JsonObject *o =
+      root && JSON_NODE_HOLDS_OBJECT(root) ? json_node_get_object(root) : NULL;
   if (!o || json_object_get_int_member_with_default(o, "view", 0) != 1)
     return opc_fail(error, OPC_INVALID, NULL,
                     "'%s' is no view of a mask of form 1", path);
@@ -247,7 +250,9 @@ static int add_facts(page *p, GString *out, eda_run *run, const char *label,
   text_member(out, "version", f->version);
   text_member(out, "started", f->started);
   text_member(out, "failure", running ? NULL : f->failure);
-  number_member(out, "seconds", f->seconds);
+  member(out, "running");
+  g_string_append(out, running ? "true" : "false");
+  number_member(out, "seconds", running ? NAN : f->seconds);
   number_member(out, "threads", (double)f->threads);
   add_metrics(out, f);
   add_parameters(out, f);
@@ -255,8 +260,10 @@ static int add_facts(page *p, GString *out, eda_run *run, const char *label,
   add_origins(out, f);
   int code = add_tables(out, run, error);
   if (!code && !eda_run_has_table(run, "gates"))
-    page_lacks(p, "%s: no table of transistors (gates.csv), and so no charts "
-               "of them", label);
+    page_lacks(p,
+               "%s: no table of transistors (gates.csv), and so no charts "
+               "of them",
+               label);
   return code ? code : add_view(p, out, f->folder, label, error);
 }
 
@@ -274,8 +281,7 @@ int page_add_run(page *p, const char *folder, const char *of_case,
   int code = add_facts(p, out, run, label, method, running, error);
   eda_run_free(run);
   if (code) return code;
-  g_string_append_printf(p->runs, "%s%s}", p->runs->len ? ",\n" : "",
-                         out->str);
+  g_string_append_printf(p->runs, "%s%s}", p->runs->len ? ",\n" : "", out->str);
   return OPC_OK;
 }
 
@@ -287,8 +293,8 @@ static int add_experiment(page *p, const char *folder, opc_error *error) {
   int code = OPC_OK;
   for (size_t i = 0; i < n && !code; i++)
     if (all[i].folder)
-      code = page_add_run(p, all[i].folder, all[i].name, all[i].method, 0,
-                          error);
+      code =
+          page_add_run(p, all[i].folder, all[i].name, all[i].method, 0, error);
     else
       page_lacks(p, "%s, %s: %s", all[i].name, all[i].method, all[i].result);
   eda_run_cases_free(cases);

@@ -26,8 +26,7 @@ static int run(void *self, size_t n, const char *const *arguments,
     code = page_add(&p, arguments[i], error);
   if (!code) code = page_write(&p, r->title, r->output, error);
   page_clear(&p);
-  if (!code)
-    r->host->log(r->host, OPC_LOG_INFO, "the page is '%s'", r->output);
+  if (!code) r->host->log(r->host, OPC_LOG_INFO, "the page is '%s'", r->output);
   return code;
 }
 
