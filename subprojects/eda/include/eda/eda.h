@@ -10,6 +10,7 @@
 #include <eda/csv.h>
 #include <eda/curves.h>
 #include <eda/devices.h>
+#include <eda/experiment.h>
 #include <eda/extractor.h>
 #include <eda/formats.h>
 #include <eda/gates.h>
