@@ -44,7 +44,7 @@ int runs_publish(comparison *c, opc_error *error) {
   g_autofree run_row *r = g_new0(run_row, f->runs->len);
   for (guint i = 0; i < f->runs->len; i++) {
     const eda_run_facts *t = eda_run_told(f->runs->pdata[i]);
-    r[i] = (run_row){f->labels->pdata[i], t->folder,  t->name,   t->variant,
+    r[i] = (run_row){f->labels->pdata[i], t->folder,  t->variant,
                      t->version,          t->seconds, t->started};
   }
   const opc_column columns[] = {{"run", NULL, OPC_TEXT, 0, &r->label},
