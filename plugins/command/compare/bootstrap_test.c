@@ -44,9 +44,9 @@ static void test_skewed(void) {
   g_test_message("%g %g, shift %g", (got.low - mean) / error,
                  (got.high - mean) / error, shift / error);
   g_assert_cmpfloat_with_epsilon(got.low, mean - 1.96 * error + shift,
-                                 0.1 * error);
+                                 0.045 * error);
   g_assert_cmpfloat_with_epsilon(got.high, mean + 1.96 * error + shift,
-                                 0.1 * error);
+                                 0.045 * error);
 }
 
 /* How often the interval has the mean that the values were drawn with. 300
