@@ -13,7 +13,14 @@ static const cli_option options[] = {
 
 /* "1.2 GB" (g_free) */
 static char *size_text(guint64 bytes) {
-  return g_format_size_full(bytes, G_FORMAT_SIZE_DEFAULT);
+  static const char *const units[] = {"kB", "MB", "GB", "TB"};
+  double size = (double)bytes / 1e3;
+  size_t i = 0;
+  while (size >= 999.95 && i + 1 < G_N_ELEMENTS(units)) {
+    size /= 1e3;
+    i++;
+  }
+  return g_strdup_printf("%.1f %s", size, units[i]);
 }
 
 static void print_size(const opc_store *store) {
