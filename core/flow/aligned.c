@@ -119,16 +119,29 @@ static void drop_constants(const sheet *s, GArray *list, size_t width,
   if (note->len) g_string_append_c(note, '\n');
 }
 
-/* How many columns say what a row is: texts at its beginning, while they leave
-   half of the width. */
+/* Whether the first k columns of a list tell all rows apart. */
+static gboolean tells_apart(const sheet *s, const GArray *list, guint k) {
+  g_autoptr(GHashTable) seen =
+      g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
+  for (size_t row = 1; row < s->rows; row++) {
+    GString *key = g_string_new(NULL);
+    for (guint i = 0; i < k; i++)
+      g_string_append_printf(key, "%s\n",
+                             cell_of(s, row, g_array_index(list, size_t, i)));
+    if (!g_hash_table_add(seen, g_string_free(key, FALSE))) return FALSE;
+  }
+  return TRUE;
+}
+
+/* How many columns say what a row is: the first one, and texts behind it while
+   rows look alike, as far as half of the width. */
 static guint count_keys(const sheet *s, const GArray *list, size_t width) {
-  size_t total = 0;
-  guint k = 0;
-  for (; k < list->len; k++) {
+  size_t total = s->widths[g_array_index(list, size_t, 0)];
+  guint k = 1;
+  for (; k < list->len && !tells_apart(s, list, k); k++) {
     size_t i = g_array_index(list, size_t, k);
     total += s->widths[i] + GAP;
-    if (k && (s->table->columns[i].type != OPC_TEXT || total > width / 2))
-      break;
+    if (s->table->columns[i].type != OPC_TEXT || total > width / 2) break;
   }
   return k;
 }
@@ -151,6 +164,46 @@ static void append_blocks(GString *out, const sheet *s, const GArray *list,
   } while (k < list->len);
 }
 
+/* A line for each column, which begins with its head; rows side by side. */
+static void append_turned(GString *out, const sheet *s, const GArray *list,
+                          const size_t *widths) {
+  for (guint k = 0; k < list->len; k++) {
+    size_t i = g_array_index(list, size_t, k);
+    for (size_t row = 0; row < s->rows; row++) {
+      const char *text = cell_of(s, row, i);
+      int pad = (int)(widths[row] - width_of(text));
+      if (row) g_string_append_printf(out, "%*s%*s", GAP, "", pad, "");
+      g_string_append(out, text);
+      if (!row) g_string_append_printf(out, "%*s", pad, "");
+    }
+    g_string_append_c(out, '\n');
+  }
+}
+
+/* Few rows of many columns are turned, if they fit then. */
+static gboolean append_if_turned(GString *out, const sheet *s,
+                                 const GArray *list, size_t width) {
+  if (s->rows > list->len) return FALSE;
+  g_autofree size_t *widths = g_new0(size_t, s->rows);
+  size_t total = (s->rows - 1) * GAP;
+  for (size_t row = 0; row < s->rows; row++) {
+    for (guint k = 0; k < list->len; k++)
+      widths[row] =
+          MAX(widths[row],
+              width_of(cell_of(s, row, g_array_index(list, size_t, k))));
+    total += widths[row];
+  }
+  if (total > width) return FALSE;
+  append_turned(out, s, list, widths);
+  return TRUE;
+}
+
+static void append_narrow(GString *out, const sheet *s, const GArray *list,
+                          size_t width) {
+  if (!append_if_turned(out, s, list, width))
+    append_blocks(out, s, list, width);
+}
+
 char *opc_table_text(const opc_table *table, size_t width) {
   sheet s = sheet_of(table, !width);
   GString *out = g_string_new(NULL);
@@ -160,7 +213,7 @@ char *opc_table_text(const opc_table *table, size_t width) {
   if (width && total_of(&s, list) > width)
     drop_constants(&s, list, width, note);
   if (width && total_of(&s, list) > width)
-    append_blocks(out, &s, list, width);
+    append_narrow(out, &s, list, width);
   else
     append_block(out, &s, list);
   g_string_append(out, note->str);

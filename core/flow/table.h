@@ -38,9 +38,10 @@ char *opc_table_heading(const opc_column *column);
 
 /* Aligned columns, numbers to the right and with six digits, the first line
    with "name (unit)". What is wider than `width`: columns that are the same in
-   all rows are told once, in a last line, and if that is not enough, the others
-   stand in blocks below each other, each with the columns that say what a row
-   is. 0: one line a row, and all digits. */
+   all rows are told once, in a last line; if that is not enough, a table of few
+   rows is turned, so that each column is a line, and the columns of others
+   stand in blocks below each other, each with those that say what a row is. 0:
+   one line a row, and all digits. */
 char *opc_table_text(const opc_table *table, size_t width);
 
 /* As a table in Markdown. */

@@ -144,9 +144,20 @@ static void test_narrow(void) {
        "nor2            2       4          6\n"
        "in all rows: kind n, print (nothing)\n"},
       {26,
-       "name   first (nm)  second\n"
-       "nand2           1   30000\n"
-       "nor2            2       4\n"
+       "name        nand2  nor2\n"
+       "first (nm)      1     2\n"
+       "second      30000     4\n"
+       "third (%)       5     6\n"
+       "in all rows: kind n,\n"
+       "  print (nothing)\n"},
+      {22,
+       "name   first (nm)\n"
+       "nand2           1\n"
+       "nor2            2\n"
+       "\n"
+       "name   second\n"
+       "nand2   30000\n"
+       "nor2        4\n"
        "\n"
        "name   third (%)\n"
        "nand2          5\n"
@@ -174,6 +185,34 @@ static void test_narrow(void) {
     g_autofree char *text = opc_table_text(table, cases[i].width);
     g_assert_cmpstr(text, ==, cases[i].text);
   }
+  opc_table_free(table);
+}
+
+/* Blocks have as many of the first columns as tell rows apart. */
+static void test_keys(void) {
+  static const char *const run[] = {"x", "x", "y", "y"},
+                           *const metric[] = {"ion", "off", "ion", "off"},
+                           *const note[] = {"what is to be seen", "", "", "z"};
+  static const int64_t a[] = {1, 2, 3, 4};
+  const opc_column columns[] = {{"run", NULL, OPC_TEXT, 0, run},
+                                {"metric", NULL, OPC_TEXT, 0, metric},
+                                {"note", NULL, OPC_TEXT, 0, note},
+                                {"a", NULL, OPC_INT, 0, a}};
+  opc_error error;
+  opc_table *table = opc_table_new("t", 0, 4, columns, 4, &error);
+  g_autofree char *text = opc_table_text(table, 30);
+  g_assert_cmpstr(text, ==,
+                  "run  metric  note\n"
+                  "x    ion     what is to be seen\n"
+                  "x    off     \n"
+                  "y    ion     \n"
+                  "y    off     z\n"
+                  "\n"
+                  "run  metric  a\n"
+                  "x    ion     1\n"
+                  "x    off     2\n"
+                  "y    ion     3\n"
+                  "y    off     4\n");
   opc_table_free(table);
 }
 
@@ -232,6 +271,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/table/text", test_text);
   g_test_add_func("/table/digits", test_digits);
   g_test_add_func("/table/narrow", test_narrow);
+  g_test_add_func("/table/keys", test_keys);
   g_test_add_func("/table/markdown", test_markdown);
   g_test_add_func("/table/json", test_json);
   g_test_add_func("/table/unsound", test_unsound);
