@@ -361,8 +361,7 @@ static void make_experiment(const char *name, const char *nand,
                      .target = k ? "full" : NULL});
       g_string_append_printf(table, "%s,%s,%s,%s,1.5,%s\r\n", cases[i],
                              k ? "pb" : "epe", failed ? "" : its,
-                             failed ? "no light" : "complete",
-                             failed ? "" : ion);
+                             failed ? "no light" : "good", failed ? "" : ion);
     }
   put(name, "experiment.csv", table->str);
 }

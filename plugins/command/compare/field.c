@@ -163,14 +163,19 @@ static int case_run(field *f, const opc_host *host, GHashTable *runs,
                     const eda_run_case *c, eda_run **run, opc_error *error) {
   *run = c->folder ? g_hash_table_lookup(runs, c->folder) : NULL;
   if (*run) return OPC_OK;
-  if (!c->folder || strcmp(c->result, "complete") != 0) {
+  const char *fault = c->folder ? NULL : *c->result ? c->result : "has no run";
+  if (!fault) {
+    g_autofree char *label = g_strdup_printf("%s, %s", c->name, c->method);
+    *run = open_run(f, c->folder, label, error);
+    if (!*run) return error->code;
+    fault = eda_run_told(*run)->failure;
+  }
+  if (fault) {
     host->log(host, OPC_LOG_WARNING, "%s, %s: left out: %s", c->name, c->method,
-              *c->result ? c->result : "has no run");
+              fault);
+    *run = NULL;
     return OPC_OK;
   }
-  g_autofree char *label = g_strdup_printf("%s, %s", c->name, c->method);
-  *run = open_run(f, c->folder, label, error);
-  if (!*run) return error->code;
   g_hash_table_insert(runs, (char *)c->folder, *run);
   return OPC_OK;
 }
