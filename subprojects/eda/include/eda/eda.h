@@ -28,6 +28,7 @@
 #include <eda/regulator.h>
 #include <eda/resist.h>
 #include <eda/rules.h>
+#include <eda/runs.h>
 #include <eda/settings.h>
 #include <eda/simd.h>
 #include <eda/simulator.h>
