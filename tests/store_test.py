@@ -239,6 +239,28 @@ def test_kills():
     assert not os.listdir("store/new"), os.listdir("store/new")
 
 
+def test_real():
+    """A mask that is read back, and a search, are worth the same as when they ran."""
+    paths = dict(OPCFLOW_PLUGIN_PATH=os.path.join(BUILD, "plugins"))
+    flows = os.path.join(os.environ["OPCFLOW_SOURCE"], "flows")
+    write("chain.yaml", """opcflow: 1
+extends: %s/search.yaml
+steps:
+  best: { sweep: { mask.synthesizer.fragment: [30 nm], mask.max_iterations: [1, 2] } }
+  judged: { fine: off }
+  again: { use: cost.fracture, mask: ${judged} }
+""" % flows)
+    truth, _ = run("--no-cache", **paths)
+    with_search = ("--set", "surface=~", "--set", "cost=~", "--set", "gds=~", "--set", "picture=~", "--set", "again=~")
+    run(*with_search, **paths)
+    folder, _ = run(**paths)
+    assert set(ran(folder)) == {"best", "best.layout", "best.gates", "surface", "cost", "gds", "picture", "again"}, ran(folder)
+    same(truth, folder)
+    folder, _ = run("--set", "best.sweep.mask.synthesizer.fragment=[30 nm, 60 nm]", **paths)
+    assert ran(folder)["best.mask"].startswith("mask.synthesizer.fragment changed from "), ran(folder)["best.mask"]
+    assert manifest(folder)["store"]["reused"] >= 1
+
+
 # ---- damage ----
 
 def entries(ending=""):
