@@ -134,6 +134,22 @@ def test_file():
     assert "a" in ran(run()[0])
 
 
+def test_file_meanwhile():
+    """Of a file that changes before its step runs, nothing is kept."""
+    write("chain.yaml", "opcflow: 1\nname: x\nsteps:\n  a: { use: test.kept, wait: 400 }\n"
+          "  b: { use: test.numbers, size: 1 nm, input: in.txt, add: ${a} }\n")
+    env = dict(os.environ, OPCFLOW_STORE=os.path.abspath("store"))
+    child = subprocess.Popen([OPCFLOW, "run", "chain.yaml", "--quiet", "--output", "runs/slow"], env=env)
+    while not glob.glob("runs/.slow*"):
+        time.sleep(0.01)
+    time.sleep(0.1)
+    write("in.txt", "another one\n")
+    assert child.wait() == 0
+    write("in.txt", "some input\n")
+    assert set(ran(run()[0])) == {"b"}
+    assert ran(run()[0]) == {}
+
+
 def test_plugin():
     own = os.path.abspath("own")
     shutil.rmtree(own, ignore_errors=True)
