@@ -23,6 +23,21 @@ GPtrArray *opc_histories_new(void) {
   return g_ptr_array_new_with_free_func(history_free);
 }
 
+void opc_run_take_histories(opc_run *run, const opc_run *from) {
+  run->steps_done += from->steps_done;
+  run->steps_reused += from->steps_reused;
+  for (guint i = 0; i < from->histories->len; i++) {
+    opc_history *h = g_memdup2(from->histories->pdata[i], sizeof *h);
+    h->path = g_strdup(h->path);
+    h->key = g_strdup(h->key);
+    h->reason = g_strdup(h->reason);
+    if (run->histories->len < OPC_MOST_HISTORIES)
+      g_ptr_array_insert(run->histories, (gint)i, h);
+    else
+      history_free(h);
+  }
+}
+
 static void tell_complaint(opc_run *run) {
   g_autofree char *text = opc_store_complaint(run->options->store);
   if (text) run->watch.log(run, "store", OPC_LOG_WARNING, text);
@@ -138,8 +153,28 @@ static const opc_flow_step *step_of_base(const opc_run *run,
   return run->base ? opc_flow_find(run->base->flow, step->name) : NULL;
 }
 
+/* Steps of a flow inside of a step whose places its own inputs take: what these
+   are depends on the steps of the outer flow. */
+static void take_given(opc_run *run) {
+  const opc_flow_step *outer = run->main ? run->main->at : NULL;
+  for (guint i = 0; outer && i < outer->inputs->len; i++) {
+    const opc_flow_input *in = &g_array_index(outer->inputs, opc_flow_input, i);
+    const opc_plugin *plugin = in->binding->plugin;
+    const opc_flow_step *step =
+        opc_flow_find(run->flow, plugin->parameters[in->parameter].name);
+    const opc_key *known = &run->main->keys[in->from->number];
+    if (!step || !run->objects[step->number]) continue;
+    opc_key *key = &run->keys[step->number];
+    if (known->sum)
+      key->sum = g_strdup_printf("%s %zu", known->sum, in->port);
+    else
+      key->why = g_strdup(known->why);
+  }
+}
+
 void opc_reuse_begin(opc_run *run) {
   if (!run->options->store) return;
+  if (!run->base) take_given(run);
   for (guint i = 0; run->base && i < run->flow->steps->len; i++) {
     const opc_flow_step *its = step_of_base(run, run->flow->steps->pdata[i]);
     if (!run->left_out[i] || !its) continue;
