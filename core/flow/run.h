@@ -203,6 +203,8 @@ void opc_reuse_keep(opc_run *run, const opc_flow_step *step, guint tables);
 gboolean opc_run_provide(opc_run *run, const opc_flow_step *step,
                          const char *whom, opc_problems *problems);
 GPtrArray *opc_histories_new(void);
+/* Take those of another run. */
+void opc_run_take_histories(opc_run *run, const opc_run *from);
 
 /* ---- forecast.c ---- */
 
