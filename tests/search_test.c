@@ -384,7 +384,8 @@ static void test_inner_faults(void) {
   expect(
       "opcflow: 1\nsteps:\n  best:\n    use: search\n    flow: bad.yaml\n"
       "    sweep: { mask.max_iterations: [1] }\n" LEAST,
-      "bad.yaml:3:3: 'search' cannot stand in a flow that a step of a flow runs that a step runs\n"
+      "bad.yaml:3:3: 'search' cannot stand in a flow that a step of a flow "
+      "runs that a step runs\n"
       "bad.yaml:6:14: unknown step 'mask'\n");
   expect(
       HEAD "    set: { mask.synthesizer.min_edge: 50 nm }\n" AXES LEAST,
