@@ -77,7 +77,7 @@ static void finish_table(const sweeper *s, opc_table *table) {
 
 /* ---- one point ---- */
 
-opc_run *opc_run_branch(const opc_run *trunk, const opc_choice *choice,
+opc_run *opc_run_branch(opc_run *trunk, const opc_choice *choice,
                         opc_problems *problems) {
   opc_flow *flow =
       opc_flow_make(trunk->flow->recipe, choice, trunk->registry, problems);
@@ -92,7 +92,8 @@ opc_run *opc_run_branch(const opc_run *trunk, const opc_choice *choice,
   return run;
 }
 
-void opc_run_borrow(opc_run *run, const opc_run *from) {
+void opc_run_borrow(opc_run *run, opc_run *from) {
+  run->base = from;
   for (guint i = 0; i < run->flow->steps->len; i++) {
     opc_flow_step *step = run->flow->steps->pdata[i];
     const opc_flow_step *its = opc_flow_find(from->flow, step->name);
