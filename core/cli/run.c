@@ -181,7 +181,7 @@ static int tell(const series *s, const opc_run *run, const char *note,
   else if (!quiet)
     print_text(run);
   tell_findings(run, note);
-  if (run->failed_points)
+  if (run->failed_points && run->sweep)
     cli_message("error", "%zu of %zu points failed", run->failed_points,
                 run->sweep->points);
   int code = cli_problems(problems);
