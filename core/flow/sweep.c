@@ -66,9 +66,10 @@ static guint range_count(const opc_node *range, const quantity *from,
   /* What it would lead to: the end may be mistyped as well as the step. */
   double end = from->number + (count - 1) * step->number;
   g_autofree char *last =
-      count > 1 ? g_strdup_printf(", but to %.12g%s%s", end,
-                                  *from->unit ? " " : "", from->unit)
-                : g_strdup("");
+      count > 1 && isfinite(end)
+          ? g_strdup_printf(", but to %.12g%s%s", end, *from->unit ? " " : "",
+                            from->unit)
+          : g_strdup("");
   if (count > most_points && isfinite(count))
     opc_wrong(problems, range,
               "a range of %.0f values; at most %.0f are possible", count,
