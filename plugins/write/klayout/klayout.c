@@ -17,12 +17,12 @@ static const struct {
        finer. A tenth of what masks are written with. */
     .unit = 0.1,
 
-    /* nm between points of a contour; an arc of 40 nm radius is 1.2 nm off
+    /* nm between points of a contour; an arc of 40 nm radius is 0.3 nm off
        between them. Half of it takes twice the file. */
-    .step = 20,
+    .step = 10,
 
     /* Of the grid in which contours are looked for: what takes a tenth of a
-       second. Above 40 x 40 um, the step grows with the layout. */
+       second. Above 20 x 20 um, the step grows with the layout. */
     .nodes = 4e6,
 };
 
@@ -223,7 +223,8 @@ int klayout_put_text(const klayout *k, const char *name, const GString *text,
 static int put_shapes_file(klayout *k, opc_error *error) {
   const char **names = eda_alloc(k->n_sheets, sizeof *names);
   eda_layout *layout = build(k, error);
-  for (size_t i = 0; i < k->n_sheets; i++) names[i] = k->sheets[i].name;
+  for (size_t i = 0; i < k->n_sheets; i++)
+    names[i] = k->sheets[i].empty ? NULL : k->sheets[i].name;
   k->file.w.layout = layout;
   k->file.layer_names = names;
   int code = layout ? writer_run(k, NULL, error) : error->code;

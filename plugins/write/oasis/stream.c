@@ -195,7 +195,8 @@ static void put_layer_names(oasis *w) {
   for (size_t i = 0; w->layer_names && i < eda_layout_layers(w->layout); i++) {
     eda_layer_number n;
     const char *of = eda_layout_layer_name(w->layout, (int32_t)i);
-    if (!eda_layer_number_read(of, UINT32_MAX, &n, NULL)) continue;
+    if (!w->layer_names[i] || !eda_layer_number_read(of, UINT32_MAX, &n, NULL))
+      continue;
     eda_oasis_uint(w->out, EDA_OASIS_LAYERNAME);
     eda_oasis_string(w->out, w->layer_names[i]);
     eda_oasis_uint(w->out, 3); /* one number, not an interval */

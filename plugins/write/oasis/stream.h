@@ -23,8 +23,8 @@ typedef struct oasis {
   const eda_layout *layout;
   uint64_t *places; /* of the cells in the file */
   size_t n_places;
-  /* Of the layout's layers, in its order, printable and without blanks; NULL:
-     the file names none. */
+  /* Of the layout's layers, in its order, printable and without blanks, or
+     NULL for none; NULL: the file names no layer. */
   const char *const *layer_names;
 } oasis;
 
