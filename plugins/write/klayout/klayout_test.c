@@ -44,7 +44,7 @@ static const char script[] =
     "while not it.at_end():\n"
     "  p = it.current()\n"
     "  if not p.has_children():\n"
-    "    print('look', p.name, p.source.split('@')[0], '%06x' % "
+    "    print('look', p.name, p.source.split('@')[0].split(' ')[-1], '%06x' % "
     "(p.eff_frame_color(True) & 0xffffff))\n"
     "  it.next()\n"
     "print('end')\n";
