@@ -123,23 +123,24 @@ static void frame(const view *v, double x, double y, double width,
 
 /* ---- what they show ---- */
 
-/* A letter on white, right above a place of the window. */
+/* A frame around what an inset shows, and its letter above on white. */
 static void put_letter(const drawer *d, size_t place) {
   const view *v = &d->view;
-  double font = v->paper->font, side = 1.3 * font;
+  double font = v->paper->font, side = floor(1.3 * font);
   size_t i = d->worst[place];
-  double x = view_x(v, middle_x(d, i)), y = view_y(v, middle_y(d, i));
+  double wide = fmax(side_of(d, i) * v->scale, 0.5 * side);
+  double x = view_x(v, middle_x(d, i)) - wide / 2;
+  double y = view_y(v, middle_y(d, i)) - wide / 2;
   char letter[2] = {(char)('A' + (int)place), 0};
-  double left = fmin(fmax(x - side / 2, v->left), v->left + v->width - side);
-  double top = fmax(y - 1.6 * side, v->top);
-  eda_ring(v->paper, x, y);
-  cairo_rectangle(v->paper->cairo, floor(left), floor(top), floor(side),
-                  floor(side));
+  double left = fmin(fmax(x, v->left), v->left + v->width - side);
+  double top = fmax(y - side - 1, v->top);
+  frame(v, x, y, wide, wide);
+  cairo_rectangle(v->paper->cairo, floor(left), floor(top), side, side);
   cairo_set_source_rgb(v->paper->cairo, 1, 1, 1);
   cairo_fill(v->paper->cairo);
-  frame(v, left, top, floor(side), floor(side));
-  eda_text(v->paper, floor(left) + floor(side) / 2,
-           floor(top) + side - 0.3 * font, EDA_MIDDLE, INFINITY, letter);
+  frame(v, left, top, side, side);
+  eda_text(v->paper, floor(left) + side / 2, floor(top) + side - 0.3 * font,
+           EDA_MIDDLE, INFINITY, letter);
 }
 
 static void put_texts(const drawer *d, const view *v, size_t place) {
@@ -152,18 +153,19 @@ static void put_texts(const drawer *d, const view *v, size_t place) {
   g_autofree char *name =
       g_strdup_printf("%c  %s:%u", (char)('A' + (int)place), where,
                       g->number ? (unsigned)g->number[i] : (unsigned)i + 1);
-  g_autofree char *size =
-      g_strdup_printf("%g nm across; %s", side_of(d, i),
-                      drawer_fails(d, i) ? "does not print as one" : "Ion");
-  g_autofree char *figures =
-      g_strdup_printf("as drawn %+.2f %%, by the mask %+.2f %%",
-                      drawer_deviation(d, &d->mask->before, i),
-                      drawer_deviation(d, &d->mask->after, i));
+  g_autofree char *before =
+      g_strdup_printf("Ion as drawn %+.2f %%; %.4g nm",
+                      drawer_deviation(d, &d->mask->before, i), side_of(d, i));
+  g_autofree char *after =
+      drawer_fails(d, i)
+          ? g_strdup("does not print well")
+          : g_strdup_printf("by the mask %+.2f %%",
+                            drawer_deviation(d, &d->mask->after, i));
   eda_text(v->paper, v->left, floor(base), EDA_LEFT, v->width, name);
   eda_text(v->paper, v->left, floor(base + 1.3 * font), EDA_LEFT, v->width,
-           size);
+           before);
   eda_text(v->paper, v->left, floor(base + 2.6 * font), EDA_LEFT, v->width,
-           figures);
+           after);
 }
 
 int drawer_put_insets(const drawer *d, opc_error *error) {

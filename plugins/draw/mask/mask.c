@@ -113,15 +113,29 @@ static size_t violations(const drawer *d) {
   return d->state == BEFORE ? 0 : d->mask->n_violations;
 }
 
-static void ring_violations(const drawer *d) {
-  for (size_t i = 0; i < violations(d); i++) {
-    const eda_violation *v = &d->mask->violations[i];
-    if (view_contains(&d->view, v->x, v->y))
-      eda_ring(d->view.paper, view_x(&d->view, v->x), view_y(&d->view, v->y));
+/* Rings, or where there are so many that they would cover the layout, dots that
+   take a tenth of it. */
+static void mark_violations(const drawer *d) {
+  const view *v = &d->view;
+  cairo_t *cairo = v->paper->cairo;
+  size_t n = 0;
+  for (size_t i = 0; i < violations(d); i++)
+    n += (size_t)view_contains(v, d->mask->violations[i].x,
+                               d->mask->violations[i].y);
+  double radius = sqrt(0.1 * v->width * v->height / (M_PI * (double)n));
+  for (size_t i = 0; n && i < violations(d); i++) {
+    const eda_violation *at = &d->mask->violations[i];
+    double x = view_x(v, at->x), y = view_y(v, at->y);
+    if (!view_contains(v, at->x, at->y)) continue;
+    if (radius > 0.55 * v->paper->font) {
+      eda_ring(v->paper, x, y);
+      continue;
+    }
+    cairo_rectangle(cairo, x - radius, y - radius, 2 * radius, 2 * radius);
+    eda_use(cairo, eda_ring_colour);
+    cairo_fill(cairo);
   }
 }
-
-/* ---- work: the parts of the view ---- */
 
 int drawer_paint(const drawer *d, opc_error *error) {
   const eda_gates *g = d->mask->gates;
@@ -138,7 +152,7 @@ int drawer_paint(const drawer *d, opc_error *error) {
   if (!code && opc_cancelled(d->view.context))
     code = opc_fail(error, OPC_CANCELLED, NULL, "stopped");
   if (!code && lines) code = draw_prints(d, error);
-  if (!code) ring_violations(d);
+  if (!code) mark_violations(d);
   return code;
 }
 
