@@ -162,6 +162,18 @@ static int run(void *self, void **outputs, opc_error *error) {
   return code;
 }
 
+static int save(void *self, void *const *outputs, const char *folder,
+                opc_error *error) {
+  (void)self;
+  return eda_mask_save(outputs[0], folder, error);
+}
+
+static int restore(void *self, const char *folder, void **outputs,
+                   opc_error *error) {
+  const given *s = self;
+  return eda_mask_restore(s->take.gates, folder, &outputs[0], error);
+}
+
 static int forecast(void *self, opc_forecast *out, opc_error *error) {
   const given *s = self;
   (void)error;
@@ -275,7 +287,8 @@ static int check(void *self, opc_error *error) {
 
 static const opc_port outputs[] = {EDA_PORT_MASK("mask")};
 static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
-                                   .forecast = forecast};
+                                   .forecast = forecast, .save = save,
+                                   .restore = restore};
 
 OPC_PLUGIN(given, .id = "given", .kind = "step", .version = OPC_VERSION,
            .licence = "BSD-3-Clause",

@@ -9,9 +9,11 @@ function make(node, attributes, children) {
     if (name.startsWith('on')) node.addEventListener(name.slice(2), value);
     else if (value !== null && value !== undefined && value !== false)
       node.setAttribute(name, value === true ? '' : value);
-  node.append(...children.flat(Infinity).filter(c => c !== null && c !== undefined));
+  node.append(...some(children));
   return node;
 }
+/* Of nested lists, what is there. */
+const some = list => list.flat(Infinity).filter(c => c !== null && c !== undefined && c !== false);
 const el = (tag, attributes, ...children) =>
   make(document.createElement(tag), attributes, children);
 const svg = (tag, attributes, ...children) =>

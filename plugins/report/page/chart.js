@@ -72,13 +72,17 @@ function counts(values, range) {
 }
 
 /* How values are spread over -range .. range: bars, and as a line what they were
-   before. What lies beyond is in the last bars, and is told. */
+   before, if half of that is in the range. What lies beyond is in the last bars,
+   and is told. */
 function histogram(title, unit, k, values, before, range) {
-  const bars = counts(values, range), line = before.length ? counts(before, range) : null;
+  const in_range = before.filter(v => Math.abs(v) <= range).length;
+  const bars = counts(values, range), line = 2 * in_range > before.length ? counts(before, range) : null;
   const high = Math.max(1, ...bars), beyond = values.filter(v => Math.abs(v) > range).length;
   const about = values.length ? `${number(values.length)} transistors, mean ${number(mean(values))} ${unit}, ` +
     `standard deviation ${number(stdv(values))} ${unit}` +
-    (beyond ? `; ${number(beyond)} beyond ±${number(range)} ${unit}` : '') : 'no transistor';
+    (beyond ? `; ${number(beyond)} beyond ±${number(range)} ${unit}` : '') +
+    (before.length ? `. As drawn: mean ${number(mean(before))} ${unit}, standard deviation ${number(stdv(before))} ${unit}` +
+      (line ? ', dashed' : '') : '') : 'no transistor';
   return chart({title, about, height: 170, x: {label: unit, low: -range, high: range, wanted: 4},
     y: {label: 'transistors', low: 0, high, wanted: 3},
     draw: p => {

@@ -63,6 +63,9 @@ function violations_of(run) {
 
 /* ---- painting ---- */
 
+/* Pixels per nm from which on outlines are drawn: a gate of 65 nm is 2.6 pixels. */
+const OUTLINES = 0.04;
+
 /* What is painted: { scene, state, values, range, show, chosen }. A window is
    { x, y, scale }: its centre in nm and pixels per nm. */
 function paint(canvas, what, window) {
@@ -81,8 +84,8 @@ function paint(canvas, what, window) {
   if (what.show.image && what.scene.image && what.state !== 'before') paint_image(p, what.scene.image);
   paint_shapes(p, what, 'drawn', 'fill');
   paint_gates(p, what);
-  if (what.show.mask && p.scale > 0.012) paint_shapes(p, what, what.state === 'before' ? 'drawn' : 'mask', 'outline');
-  if (what.show.print && p.scale > 0.02 && what.state !== 'before') paint_shapes(p, what, 'print', 'print');
+  if (what.show.mask && p.scale > OUTLINES) paint_shapes(p, what, what.state === 'before' ? 'drawn' : 'mask', 'outline');
+  if (what.show.print && p.scale > OUTLINES && what.state !== 'before') paint_shapes(p, what, 'print', 'print');
   if (what.show.violations && what.state !== 'before') paint_violations(p, what.scene.violations);
   if (what.chosen >= 0) paint_chosen(p, what.scene, what.chosen);
   scale_bar(p);
@@ -142,21 +145,26 @@ function trace(p, s) {
   }
 }
 
-/* By levels of colour, so that each is one path; where transistors are smaller
+/* By levels of colour, so that each is one path, the largest deviations last. A
+   box has 2.4 pixels at least, to be seen; where transistors are many and smaller
    than a pixel, each pixel shows the worst of its own. */
+const MANY = 30000;
 function paint_gates(p, what) {
   const {boxes, count} = what.scene, colours = diverging(), [x0, y0, x1, y1] = p.box;
-  if (60 * p.scale < 1.2) return paint_pixels(p, what, colours);
-  const paths = new Map(), broken = [];
+  if (count > MANY && 60 * p.scale < 1.2) return paint_pixels(p, what, colours);
+  const found = new Map(), broken = [], least = 2.4 / p.scale;
   for (let i = 0, k = 0; i < count; i++, k += 4) {
     if (boxes[k] > x1 || boxes[k + 2] < x0 || boxes[k + 1] > y1 || boxes[k + 3] < y0) continue;
     const value = what.values[i];
     if (value === undefined) continue;
     const level = is(value) ? level_of(value, what.range) : -1;
-    if (!paths.has(level)) paths.set(level, new Path2D());
-    paths.get(level).rect(boxes[k], boxes[k + 1], boxes[k + 2] - boxes[k], boxes[k + 3] - boxes[k + 1]);
+    if (!found.has(level)) found.set(level, new Path2D());
+    const w = Math.max(least, boxes[k + 2] - boxes[k]), h = Math.max(least, boxes[k + 3] - boxes[k + 1]);
+    found.get(level).rect((boxes[k] + boxes[k + 2] - w) / 2, (boxes[k + 1] + boxes[k + 3] - h) / 2, w, h);
     if (level < 0) broken.push(k);
   }
+  const far = level => (level < 0 ? Infinity : Math.abs(level - LEVELS));
+  const paths = [...found].sort((a, b) => far(a[0]) - far(b[0]));
   p.layout();
   p.pen.lineWidth = 0.8 / p.scale;
   p.pen.strokeStyle = style('--ink-soft');

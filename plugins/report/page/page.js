@@ -8,7 +8,7 @@ const methods = [...new Set(runs.map(r => r.method))], cases = [...new Set(runs.
 const series_of = run => methods.indexOf(run.method);
 
 function section(id, title, ...content) {
-  const there = content.flat(Infinity).filter(c => c);
+  const there = some(content);
   if (!there.length) return;
   main.append(el('section', {id, 'aria-labelledby': id + '-title'}, el('h2', {id: id + '-title'}, title), there));
   document.getElementById('contents').append(el('li', null, el('a', {href: '#' + id}, title)));
@@ -30,10 +30,9 @@ function table(caption, columns, rows) {
 
 /* Of the metrics of all steps, those that most is asked for. */
 const CHOSEN = [['transistors', 'transistors'], ['ion_mean_drawn', '|Ion| mean, drawn'], ['ion_mean', '|Ion| mean'],
-  ['ion_max', '|Ion| max'], ['ion_stdv', 'Ion stdv'], ['area_mean', '|area| mean'], ['area_max', '|area| max'],
+  ['ion_max', '|Ion| max'], ['area_mean', '|area| mean'],
   ['ioff_mean', '|Ioff| mean'], ['ioff_total', 'Ioff total'], ['epe_mean', 'EPE mean'], ['failed', 'do not print'],
-  ['worse', 'worse than drawn'], ['violations', 'violations'], ['shots', 'shots'], ['iterations', 'iterations'],
-  ['simulations', 'simulations']];
+  ['worse', 'worse than drawn'], ['violations', 'violations'], ['shots', 'shots'], ['simulations', 'simulations']];
 
 /* The first one called so: of `mask`, not of a step that looks again. */
 const metric_named = (run, name) => Object.keys(run.metrics).find(m => m.endsWith('.' + name)) || '';
@@ -47,10 +46,10 @@ function summary() {
   const used = CHOSEN.filter(([name]) => runs.some(r => metric_named(r, name)));
   const unit = name => { const r = runs.find(r => metric_named(r, name)); return r.metrics[metric_named(r, name)].unit; };
   const columns = [{name: cases.length > 1 || runs.length > methods.length ? 'method' : 'run', text: true,
-    cell: r => [el('span', {class: 'swatch', style: 'background:' + colour_of(series_of(r))}), r.method]},
+    cell: r => el('th', {scope: 'row', class: 'name'}, el('span', {class: 'swatch', style: 'background:' + colour_of(series_of(r))}), r.method)},
   ...(cases.length > 1 ? [{name: 'case', text: true, cell: r => r.case}] : []),
   ...used.map(([name, label]) => ({name: label, unit: unit(name), cell: r => metric_cell(r, metric_named(r, name))})),
-  {name: 'time', unit: 's', cell: r => number(r.seconds)},
+  {name: 'time', unit: 's', cell: r => number(r.seconds ?? NaN)},
   {name: 'result', text: true, cell: result_of}];
   const each = table('Each run: metrics as in its metrics.json', columns, runs);
   const pooled = cases.length > 1 ? by_method() : null;
@@ -61,6 +60,7 @@ function summary() {
 
 function result_of(run) {
   const broken = run.requirements.filter(q => !q.kept).length;
+  if (run.running) return 'this run, not yet at its end';
   if (run.failure) return 'failed: ' + run.failure;
   return broken ? `${broken} of ${run.requirements.length} requirements not kept` : 'complete';
 }
@@ -81,7 +81,7 @@ function pool(method, only) {
     for (const v of deviations(r, 'ioff_after')) if (is(v)) out.ioff.push(v);
     for (const v of deviations(r, 'ion_before')) if (is(v)) out.before.push(v);
     const shots = r.metrics[metric_named(r, 'shots')];
-    out.shots += shots ? shots.value : 0, out.seconds += r.seconds;
+    out.shots += shots ? shots.value : 0, out.seconds += r.seconds || 0;
   }
   return out;
 }
@@ -119,7 +119,7 @@ function findings() {
 
 function charts() {
   if (!runs.some(r => deviations(r, 'ion_after').length)) return;
-  const place = el('div'), show = only => place.replaceChildren(...charts_of(only));
+  const place = el('div'), show = only => place.replaceChildren(...some(charts_of(only)));
   const choice = cases.length > 1 ? el('label', null, 'Case ', el('select', {onchange: e => show(e.target.value)},
     el('option', {value: ''}, 'all'), cases.map(c => el('option', null, c)))) : null;
   show('');
@@ -168,19 +168,19 @@ function means_chart(pools) {
     }}), methods.length > 1 ? legend(methods) : null);
 }
 
-/* Means in up to 12 groups of equally many transistors, by width. */
+/* Means by width; of more than GROUPS widths, in as many groups of about equally
+   many transistors. */
+const GROUPS = 16;
 function against_width(pools) {
   const of = (p, k, what) => {
-    const order = p.w.map((w, i) => [w, size(p[what][i])]).sort((a, b) => a[0] - b[0]);
-    const groups = Math.min(12, new Set(p.w).size), out = [];
-    for (let g = 0, from = 0; g < groups && from < order.length; g++) {
-      let to = Math.max(from + 1, Math.round((g + 1) * order.length / groups));
-      while (to < order.length && order[to][0] === order[to - 1][0]) to++;
+    const order = p.w.map((w, i) => [w, size(p[what][i])]).sort((a, b) => a[0] - b[0]), points = [];
+    const least = new Set(p.w).size > GROUPS ? order.length / GROUPS : 1;
+    for (let from = 0, to; from < order.length; from = to) {
+      for (to = from + 1; to < order.length && (to - from < least || order[to][0] === order[to - 1][0]);) to++;
       const part = order.slice(from, to);
-      out.push([mean(part.map(q => q[0])), mean(part.map(q => q[1]))]);
-      from = to;
+      points.push([mean(part.map(q => q[0])), mean(part.map(q => q[1]))]);
     }
-    return {k, points: out};
+    return {k, points};
   };
   const one = (what, word) => lines('Mean |' + word + ' deviation|', '', {label: 'W as drawn, nm'}, {label: '%'},
     pools.map((p, k) => of(p.w.length ? {...p, ion: p.pairs.map(q => q[1])} : p, k, what)).filter(s => s.points.length));
@@ -292,7 +292,7 @@ function facts() {
   const short = sum => (sum ? el('code', {title: sum}, sum.slice(0, 12)) : '');
   const each = runs.map(r => el('details', {open: runs.length === 1}, el('summary', null, r.label),
     el('dl', {class: 'facts long'}, [['folder', r.folder], ['flow', r.name], ['variant', r.variant], ['opcflow', r.version],
-      ['started', r.started], ['time', quantity(r.seconds, 's')], ['threads', r.threads]].filter(f => f[1]).map(([a, b]) =>
+      ['started', r.started], ['time', is(r.seconds) ? quantity(r.seconds, 's') : ''], ['threads', r.threads]].filter(f => f[1]).map(([a, b]) =>
       el('div', null, el('dt', null, a), el('dd', null, String(b))))),
     table('Inputs', [{name: 'file', text: true, cell: f => f.path}, {name: 'SHA-256', text: true, cell: f => short(f.sha256)}], r.inputs),
     table('Steps', [{name: 'step', text: true, cell: s => s.name}, {name: 'time', unit: 's', cell: s => number(s.seconds)}], r.steps),
