@@ -235,7 +235,7 @@ class Viewer {
 }
 
 /* Whether two runs have the same transistors in the same places. */
-const is_like = (a, b) => a.view.boxes === b.view.boxes && a.view.cell === b.view.cell;
+const is_like = (a, b) => a.view.boxes === b.view.boxes;
 
 function colour_key(what) {
   const colours = diverging(), end = what.range, sign = what.state === 'change' ? ' points' : ' %';
