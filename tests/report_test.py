@@ -106,8 +106,8 @@ class Browser:
 
     def open(self, path):
         self.call('Page.navigate', url='file://' + path)
-        self.until('document.documentElement.dataset.ready === "1" && document.querySelector(".viewer") ?'
-                   ' !!document.querySelector(".viewer").dataset.scale : document.readyState === "complete"')
+        self.until('document.documentElement?.dataset.ready === "1" &&'
+                   ' (!document.querySelector(".viewer") || !!document.querySelector(".viewer").dataset.scale)')
 
     def mouse(self, kind, x, y, **more):
         self.call('Input.dispatchMouseEvent', type=kind, x=x, y=y, **more)
@@ -363,4 +363,5 @@ def main():
     return failed
 
 
-sys.exit(main())
+if __name__ == '__main__':
+    sys.exit(main())

@@ -102,11 +102,12 @@ function paint_image(p, image) {
   p.pen.restore();
 }
 
-/* Layers from the last to the first: poly lies on active. */
+/* Layers from the last to the first, as poly lies on active, and contacts on top. */
 function paint_shapes(p, what, role, as) {
-  const all = what.scene.shapes.filter(s => s.role === role).sort((a, b) => b.layer - a.layer);
+  const is_contact = s => what.scene.layers[s.layer] === 'contact', height = s => (is_contact(s) ? -1 : s.layer);
+  const all = what.scene.shapes.filter(s => s.role === role).sort((a, b) => height(b) - height(a));
   for (const s of all) {
-    const colour = style(`--layer-${s.layer % 6}-${as}`);
+    const colour = style(is_contact(s) && as === 'fill' ? '--contact' : `--layer-${s.layer % 6}-${as}`);
     if (as === 'fill' && !what.show.drawn) continue;
     if (as === 'outline' && !all_corrected(what.scene, s.layer)) continue;
     p.layout();

@@ -317,7 +317,14 @@ function theme() {
   choice.addEventListener('change', () => set(choice.value));
   if (location.hash === '#dark' || location.hash === '#light') set(choice.value = location.hash.slice(1));
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => repaint());
-  const print = to => () => { printing = to; root.classList.toggle('printing', to); repaint(); };
+  let folded = [];
+  const print = to => () => {
+    if (to) folded = [...document.querySelectorAll('details:not([open])')];
+    for (const d of folded) d.open = to;
+    printing = to;
+    root.classList.toggle('printing', to);
+    repaint();
+  };
   addEventListener('beforeprint', print(true));
   addEventListener('afterprint', print(false));
 }
