@@ -132,7 +132,8 @@ function paint_shapes(p, what, role, as) {
 const all_corrected = (scene, layer) => scene.shapes.some(s => s.layer === layer && s.role === 'mask');
 
 /* The outlines of those shapes that are in the window and larger than half a
-   pixel, as one path. */
+   pixel, as one path. Without closePath, for which browsers go through all of the
+   path so far: 17 s for 16,000 contacts. */
 function trace(p, s) {
   const {start, points, bounds: b} = s, [x0, y0, x1, y1] = p.box, least = 0.5 / p.scale;
   for (let i = 0; i < start.length; i++) {
@@ -142,7 +143,7 @@ function trace(p, s) {
     const end = i + 1 < start.length ? 2 * start[i + 1] : points.length;
     p.pen.moveTo(points[2 * start[i]], points[2 * start[i] + 1]);
     for (let k = 2 * start[i] + 2; k < end; k += 2) p.pen.lineTo(points[k], points[k + 1]);
-    if (s.closed) p.pen.closePath();
+    if (s.closed) p.pen.lineTo(points[2 * start[i]], points[2 * start[i] + 1]);
   }
 }
 
