@@ -145,6 +145,23 @@ int opc_inner_check(const opc_inner *inner, opc_error *error) {
 
 const opc_flow *opc_inner_flow(const opc_inner *inner) { return inner->flow; }
 
+void opc_inner_visit(const opc_inner *inner,
+                     void (*visit)(void *data, const opc_flow *flow),
+                     void *data) {
+  visit(data, inner->flow);
+  for (guint a = 0; a < inner->sweep->axes->len; a++) {
+    const opc_axis *axis = inner->sweep->axes->pdata[a];
+    for (guint i = 1; i < axis->values->len; i++) {
+      opc_choice choice = inner->choice;
+      choice.point = opc_sweep_point(inner->sweep, a, i);
+      g_autoptr(opc_problems) told = opc_problems_new();
+      g_autoptr(opc_flow) flow =
+          opc_flow_make(inner->recipe, &choice, inner->registry, told);
+      visit(data, flow);
+    }
+  }
+}
+
 /* ---- asking: what there is ---- */
 
 static opc_inner *inner_of(const opc_host *host) {
@@ -371,8 +388,12 @@ static const opc_column *get_column(const opc_host *host, const char *step,
 
 static void *get_object(const opc_host *host, const char *name,
                         const char *kind) {
-  const opc_run *run = inner_of(host)->run;
+  opc_inner *in = inner_of(host);
+  opc_run *run = in->run;
   const opc_flow_step *step = opc_flow_find(run->flow, name);
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  if (!opc_run_provide(run, step, in->binding->path, problems))
+    opc_problems_error(problems, &((opc_run *)in->binding->run)->refusal);
   void **objects = run->objects[step->number];
   return objects ? objects[find_port(step->binding->plugin, kind)] : NULL;
 }

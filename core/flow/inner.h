@@ -20,6 +20,11 @@ int opc_inner_check(const opc_inner *inner, opc_error *error);
 /* At the first point of its sweep. */
 const opc_flow *opc_inner_flow(const opc_inner *inner);
 
+/* Call `visit` with it there and at each value of each axis. */
+void opc_inner_visit(const opc_inner *inner,
+                     void (*visit)(void *data, const opc_flow *flow),
+                     void *data);
+
 /* For the host of an instance with an inner flow; its `data` is the binding. */
 extern const opc_inner_service opc_inner_functions;
 

@@ -85,7 +85,7 @@ static void finish_table(const sweeper *s, opc_table *table) {
 
 /* ---- one point ---- */
 
-opc_run *opc_run_branch(const opc_run *trunk, const opc_choice *choice,
+opc_run *opc_run_branch(opc_run *trunk, const opc_choice *choice,
                         opc_problems *problems) {
   opc_flow *flow =
       opc_flow_make(trunk->flow->recipe, choice, trunk->registry, problems);
@@ -96,6 +96,7 @@ opc_run *opc_run_branch(const opc_run *trunk, const opc_choice *choice,
   opc_run *run =
       opc_run_new(flow, trunk->registry, trunk->options, &trunk->watch);
   run->own = flow;
+  run->base = trunk;
   for (guint i = 0; i < flow->steps->len; i++) {
     run->left_out[i] = !trunk->left_out[i];
     run->objects[i] = trunk->objects[i];

@@ -37,6 +37,8 @@ opc_run *opc_run_new(opc_flow *flow, opc_registry *registry,
   for (guint i = 0; i < n; i++) run->seconds[i] = NAN;
   run->objects = g_new0(void **, n);
   run->left_out = g_new0(gboolean, n);
+  run->keys = g_new0(opc_key, n);
+  run->histories = opc_histories_new();
   run->started = g_date_time_new_now_local();
   return run;
 }
@@ -64,6 +66,10 @@ void opc_run_free(opc_run *run) {
   if (!run) return;
   release_all(run);
   opc_run_listen_end(run);
+  for (guint i = 0; i < run->flow->steps->len; i++)
+    opc_key_clear(&run->keys[i]);
+  g_free(run->keys);
+  g_ptr_array_free(run->histories, TRUE);
   g_ptr_array_free(run->verdicts, TRUE);
   g_free(run->folder);
   g_free(run->work);
@@ -97,7 +103,8 @@ static void add_input(opc_run *run, const char *file, const opc_place *at,
   g_autofree char *path = g_canonicalize_filename(file, NULL);
   if (!g_hash_table_add(run->summed, g_strdup(path))) return;
   opc_error error;
-  char *sum = opc_file_sha256(path, run_context(run), &error);
+  char *sum =
+      opc_store_sum(run->options->store, path, run_context(run), &error);
   if (!sum) {
     opc_problem_add(problems, error.code, at, "%s", error.message);
     return;
@@ -140,8 +147,8 @@ void opc_run_set_inputs(const opc_run *run, const opc_flow_step *step,
 }
 
 /* Each kind of data brings its own check. */
-static int check_outputs(const opc_run *run, const opc_flow_step *step,
-                         opc_error *error) {
+int opc_run_check(const opc_run *run, const opc_flow_step *step,
+                  opc_error *error) {
   const opc_plugin *plugin = step->binding->plugin;
   for (size_t i = 0; i < opc_port_count(plugin); i++) {
     const opc_port *port = opc_port_at(plugin, i);
@@ -176,7 +183,7 @@ int opc_run_call(opc_run *run, const opc_flow_step *step, opc_error *error) {
     *error = run->refusal;
     code = error->code;
   }
-  return code ? code : check_outputs(run, step, error);
+  return code ? code : opc_run_check(run, step, error);
 }
 
 /* What a step could not write to its end is not left as if it were whole. */
@@ -185,8 +192,8 @@ static void remove_given(const opc_run *run) {
     (void)remove(run->given->pdata[i]);
 }
 
-static gboolean run_step(opc_run *run, const opc_flow_step *step,
-                         opc_problems *problems) {
+gboolean opc_run_step(opc_run *run, const opc_flow_step *step,
+                      opc_problems *problems) {
   const opc_binding *b = step->binding;
   opc_error error = {0};
   opc_forecast wanted;
@@ -273,7 +280,27 @@ static void prepare_for_crash(opc_run *run, const opc_flow_step *step) {
   g_clear_pointer(&run->failure, g_free);
 }
 
+/* Let it run with what it takes, or take what it gave before. */
+static gboolean do_step(opc_run *run, const opc_flow_step *step,
+                        opc_problems *problems) {
+  if (opc_reuse_take(run, step, problems)) return !problems->list->len;
+  for (guint i = 0; i < step->inputs->len; i++)
+    if (!opc_run_provide(run,
+                         g_array_index(step->inputs, opc_flow_input, i).from,
+                         step->name, problems))
+      return FALSE;
+  guint tables = run->tables->len;
+  prepare_for_crash(run, step);
+  opc_result_begin(run);
+  run->at = step;
+  gboolean good = opc_run_step(run, step, problems);
+  run->at = NULL;
+  if (good) opc_reuse_keep(run, step, tables);
+  return good;
+}
+
 static gboolean run_steps(opc_run *run, opc_problems *problems) {
+  opc_reuse_begin(run);
   const GPtrArray *order = run->flow->order;
   for (guint i = 0; i < order->len; i++) {
     const opc_flow_step *step = order->pdata[i];
@@ -284,8 +311,7 @@ static gboolean run_steps(opc_run *run, opc_problems *problems) {
                              "stopped");
     }
     run->watch.step(run, step->name, i + 1, order->len);
-    prepare_for_crash(run, step);
-    if (!run_step(run, step, problems)) return FALSE;
+    if (!do_step(run, step, problems)) return FALSE;
   }
   return TRUE;
 }
@@ -300,6 +326,7 @@ void opc_run_in(opc_run *run, opc_run *main_run, const char *path,
                                    g_strerror(errno)));
   if (!good) return;
   run->work = g_strdup(path);
+  run->main = main_run;
   reserve_names(run);
   run_steps(run, problems);
 }

@@ -26,7 +26,7 @@ extern "C" {
    minor is raised when a struct grows that plugins have or are given, here or
    in the library of their kinds. */
 #define OPC_ABI_MAJOR 0u
-#define OPC_ABI_MINOR 4u
+#define OPC_ABI_MINOR 5u
 
 /* ---- parameters ------------------------------------------------------- */
 
