@@ -26,7 +26,7 @@ static const double around = 400; /* of a window of one of the worst, nm */
 /* An image of an optics of NA 0.75 at 193 nm has no period below 129 nm: pixels
    of more than a third of that show it coarsely. So many pixels take 0.05 s and
    0.4 MB. */
-static const double finest_pixel = 8, coarsest_pixel = 48, pixels = 6e5;
+static const double finest_pixel = 16, coarsest_pixel = 48, pixels = 6e5;
 
 /* Numbers that become more. */
 typedef struct numbers {
