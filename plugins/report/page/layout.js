@@ -17,7 +17,7 @@ async function unpack_view(run) {
     const sizes = await unpack(s.sizes, 1), points = Float32Array.from(await unpack(s.points, 2), v => v * s.unit);
     let size = 0;
     sizes.forEach((v, i) => { const n = v; sizes[i] = size; size += n; }); /* now: where each begins */
-    return {layer: s.layer, role: s.role, closed: s.role !== 'print', start: sizes, points, bounds: bounds(sizes, points)};
+    return {layer: s.layer, role: s.role, closed: !s.role.endsWith('print'), start: sizes, points, bounds: bounds(sizes, points)};
   }));
   return {run, boxes, shapes, count: view.transistors, layers: view.layers,
     extent: view.extent.map(v => v * view.grid), image: view.image ? await picture(view.image) : null,
@@ -85,7 +85,7 @@ function paint(canvas, what, window) {
   paint_shapes(p, what, 'drawn', 'fill');
   paint_gates(p, what);
   if (what.show.mask && p.scale > OUTLINES) paint_shapes(p, what, what.state === 'before' ? 'drawn' : 'mask', 'outline');
-  if (what.show.print && p.scale > OUTLINES && what.state !== 'before') paint_shapes(p, what, 'print', 'print');
+  if (what.show.print && p.scale > OUTLINES) paint_shapes(p, what, what.state === 'before' ? 'drawn print' : 'print', 'print');
   if (what.show.violations && what.state !== 'before') paint_violations(p, what.scene.violations);
   if (what.chosen >= 0) paint_chosen(p, what.scene, what.chosen);
   scale_bar(p);
