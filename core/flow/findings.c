@@ -44,6 +44,14 @@ static void keep(opc_run *run, const char *path, const char *text) {
   g_mutex_unlock(&run->lock);
 }
 
+void opc_run_take_findings(opc_run *run, const opc_run *from) {
+  for (guint i = 0; i < from->findings->len; i++) {
+    const opc_finding *f = from->findings->pdata[i];
+    keep(run, f->path, f->text);
+  }
+  run->more_findings += from->more_findings;
+}
+
 GPtrArray *opc_run_findings(const opc_run *run) {
   GPtrArray *lines = g_ptr_array_new_with_free_func(g_free);
   for (guint i = 0; i < run->findings->len; i++) {

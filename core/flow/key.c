@@ -144,7 +144,7 @@ typedef struct inner_sum {
 static void take_flow(void *data, const opc_flow *flow) {
   const inner_sum *in = data;
   g_autofree opc_key *keys = g_new0(opc_key, flow->steps->len);
-  opc_flow_keys(flow, in->keyer->store, NULL, keys);
+  opc_flow_keys(flow, in->keyer->store, keys);
   for (guint i = 0; i < flow->steps->len; i++) {
     const opc_flow_step *step = flow->steps->pdata[i];
     if (!keys[i].sum)
@@ -220,13 +220,12 @@ static void make_key(keyer *k) {
     k->key->sum = sum_facts(k->key->facts);
 }
 
-void opc_flow_keys(const opc_flow *flow, opc_store *store,
-                   const gboolean *known, opc_key *keys) {
+void opc_flow_keys(const opc_flow *flow, opc_store *store, opc_key *keys) {
   for (guint i = 0; i < flow->order->len; i++) {
     const opc_flow_step *step = flow->order->pdata[i];
     keyer k = {
         .store = store, .keys = keys, .key = &keys[step->number], .step = step};
-    if (!known || !known[step->number]) make_key(&k);
+    if (!k.key->sum && !k.key->why) make_key(&k);
   }
 }
 

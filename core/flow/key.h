@@ -30,10 +30,9 @@ typedef struct opc_key {
 
 void opc_key_clear(opc_key *key);
 
-/* The keys of a flow's steps, by their numbers. Those that are `known` (NULL:
-   none; NULL in it: not) are left as they are. */
-void opc_flow_keys(const opc_flow *flow, opc_store *store,
-                   const gboolean *known, opc_key *keys);
+/* The keys of a flow's steps, by their numbers. Those that have a sum, or a
+   reason to have none, are left as they are. */
+void opc_flow_keys(const opc_flow *flow, opc_store *store, opc_key *keys);
 
 /* How two results of a step differ: "mask.limit changed from 1 % to 2 %";
    `count`: in how many facts (g_free). */

@@ -142,16 +142,22 @@ static void keep_facts(opc_store *store, const opc_flow_step *step,
 
 /* ---- keys ---- */
 
+/* The same step of the run that this one borrows from; NULL: it has none. */
+static const opc_flow_step *step_of_base(const opc_run *run,
+                                         const opc_flow_step *step) {
+  return run->base ? opc_flow_find(run->base->flow, step->name) : NULL;
+}
+
 void opc_reuse_begin(opc_run *run) {
   if (!run->options->store) return;
   for (guint i = 0; run->base && i < run->flow->steps->len; i++) {
-    const opc_key *known = &run->base->keys[i];
-    if (!run->left_out[i]) continue;
+    const opc_flow_step *its = step_of_base(run, run->flow->steps->pdata[i]);
+    if (!run->left_out[i] || !its) continue;
+    const opc_key *known = &run->base->keys[its->number];
     run->keys[i].sum = g_strdup(known->sum);
     run->keys[i].why = g_strdup(known->why);
   }
-  opc_flow_keys(run->flow, run->options->store,
-                run->base ? run->left_out : NULL, run->keys);
+  opc_flow_keys(run->flow, run->options->store, run->keys);
 }
 
 static char *name_of(const opc_key *key, const char *ending) {
@@ -303,10 +309,10 @@ gboolean opc_run_provide(opc_run *run, const opc_flow_step *step,
                          const char *whom, opc_problems *problems) {
   guint n = step->number;
   if (run->objects[n]) return TRUE;
-  if (run->left_out[n] && run->base) {
-    const opc_flow_step *its = run->base->flow->steps->pdata[n];
+  const opc_flow_step *its = step_of_base(run, step);
+  if (run->left_out[n] && its) {
     gboolean good = opc_run_provide(run->base, its, whom, problems);
-    run->objects[n] = run->base->objects[n];
+    run->objects[n] = run->base->objects[its->number];
     return good;
   }
   for (guint i = 0; i < step->inputs->len; i++)

@@ -101,10 +101,13 @@ static const opc_context *run_context(const opc_run *run) {
 static void add_input(opc_run *run, const char *file, const opc_place *at,
                       opc_problems *problems) {
   g_autofree char *path = g_canonicalize_filename(file, NULL);
-  if (!g_hash_table_add(run->summed, g_strdup(path))) return;
+  if (g_hash_table_contains(run->summed, path)) return;
   opc_error error;
   char *sum =
-      opc_store_sum(run->options->store, path, run_context(run), &error);
+      run->known ? g_strdup(g_hash_table_lookup(run->known, path)) : NULL;
+  if (!sum)
+    sum = opc_store_sum(run->options->store, path, run_context(run), &error);
+  g_hash_table_insert(run->summed, g_strdup(path), sum);
   if (!sum) {
     opc_problem_add(problems, error.code, at, "%s", error.message);
     return;
@@ -131,6 +134,12 @@ static gboolean sum_inputs(opc_run *run, const opc_flow *flow,
     if (b->inner) sum_inputs(run, opc_inner_flow(b->inner), problems);
   }
   return problems->list->len == before;
+}
+
+void opc_run_take_inputs(opc_run *run, const opc_run *from,
+                         opc_problems *problems) {
+  run->known = from->summed;
+  sum_inputs(run, run->flow, problems);
 }
 
 /* ---- steps ---- */
@@ -177,6 +186,7 @@ int opc_run_call(opc_run *run, const opc_flow_step *step, opc_error *error) {
   const char *before = opc_binding_enter(b);
   int code = functions->run(b->module.self, objects, error);
   opc_binding_leave(before);
+  if (b->inner) opc_inner_end(b->inner);
   run->seconds[step->number] = (double)(g_get_monotonic_time() - start) * 1e-6;
   opc_run_set_inputs(run, step, FALSE);
   if (!code && run->refusal.code) {
@@ -233,9 +243,8 @@ static gboolean list_files(const opc_run *run, JsonNode *manifest,
   return TRUE;
 }
 
-/* `last`: nothing will be written after them. */
-static gboolean write_reports(const opc_run *run, gboolean last,
-                              opc_problems *problems) {
+gboolean opc_run_write_reports(const opc_run *run, gboolean last,
+                               opc_problems *problems) {
   char *metrics = opc_run_metrics_text(run);
   JsonNode *manifest = opc_run_manifest_json(run);
   char *flow = opc_flow_resolved(run->flow, run->sweep);
@@ -276,7 +285,7 @@ static void prepare_for_crash(opc_run *run, const opc_flow_step *step) {
   if (!run->guarded || g_hash_table_size(run->claims) <= OPC_RESERVED) return;
   g_autoptr(opc_problems) problems = opc_problems_new();
   run->failure = g_strdup_printf("ended while step '%s' ran", step->name);
-  write_reports(run, FALSE, problems);
+  opc_run_write_reports(run, FALSE, problems);
   g_clear_pointer(&run->failure, g_free);
 }
 
@@ -342,7 +351,7 @@ static void close_folder(opc_run *run, const char *target,
   if (stopped || (failed && g_hash_table_size(run->claims) <= OPC_RESERVED))
     return;
   opc_error error;
-  failed |= !write_reports(run, TRUE, problems);
+  failed |= !opc_run_write_reports(run, TRUE, problems);
   if (opc_sync_tree(run->work, &error))
     failed = !opc_problem_add(problems, error.code, NULL, "%s", error.message);
   g_autofree char *name =

@@ -86,13 +86,17 @@ struct opc_run {
   GHashTable *outputs; /* the same of files that parameters name */
   GPtrArray *given;    /* paths of files that the step at work writes */
   GPtrArray *inputs;   /* files read: path, SHA-256, path ... */
-  GHashTable *summed;  /* their paths */
+  GHashTable *summed;  /* path -> SHA-256 of these */
+  GHashTable *known;   /* the same of another run, which need not be found
+                          again; NULL: none */
   double *seconds;     /* of each step; NAN: it did not run */
   void ***objects;     /* of each step, of each output */
   gboolean *left_out;  /* of each step: not of this run, though its objects may
                           be there */
-  opc_key *keys;       /* of each step; empty without a store */
-  opc_run *base;       /* whose steps are left out here; NULL: nobody's */
+  opc_key *keys;       /* of each step; empty without a store. What stands here
+                          before it runs stays: of what others gave */
+  opc_run *base;       /* whose steps, found by their names, are left out here;
+                          NULL: nobody's */
   opc_run *main;       /* that it is a part of; NULL: of none */
   const opc_flow_step *at; /* the step that runs */
   gboolean silent;         /* it runs again, for its outputs alone */
@@ -134,9 +138,18 @@ opc_run *opc_run_new(opc_flow *flow, opc_registry *registry,
 void opc_run_in(opc_run *run, opc_run *main_run, const char *path,
                 opc_problems *problems);
 
+/* Write flow.yaml, metrics.json and manifest.json; `last`: nothing will be
+   written after them. */
+gboolean opc_run_write_reports(const opc_run *run, gboolean last,
+                               opc_problems *problems);
+
 /* Write a file of the run folder; takes the text. */
 gboolean opc_run_write(const opc_run *run, const char *name, char *text,
                        opc_problems *problems);
+
+/* Say what the files of its flow are, whose sums another run has. */
+void opc_run_take_inputs(opc_run *run, const opc_run *from,
+                         opc_problems *problems);
 
 /* Run a step and look at its outputs, which `run` then holds. */
 int opc_run_call(opc_run *run, const opc_flow_step *step, opc_error *error);
@@ -221,6 +234,9 @@ void opc_run_listen(opc_run *run, const opc_watch *told);
 /* Instances that outlive the run tell nobody any more. */
 void opc_run_listen_end(opc_run *run);
 
+/* Take those of another run. */
+void opc_run_take_findings(opc_run *run, const opc_run *from);
+
 /* All of them (char *, freed with the array): "step: text", "point 3: step:
    text", and at last how many more there were. */
 GPtrArray *opc_run_findings(const opc_run *run);
@@ -261,6 +277,11 @@ void opc_run_find_swept(const opc_flow *flow, const opc_sweep *sweep,
  */
 opc_run *opc_run_branch(opc_run *trunk, const opc_choice *choice,
                         opc_problems *problems);
+
+/* Leave out the steps that `from` ran, and take what these and those it took
+   from others made. They are found by their names: a layer may add some, or
+   take some away. */
+void opc_run_borrow(opc_run *run, opc_run *from);
 
 /* Write its resolved flow and metrics into its folder, or remove that. */
 void opc_run_branch_close(const opc_run *run, gboolean keep,
