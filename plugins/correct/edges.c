@@ -80,7 +80,8 @@ static int32_t move_of(const eda_fragment *f, const biases *b) {
   switch (f->role) {
     case EDA_W_LOW:
     case EDA_W_HIGH:
-      return part(b->w[f->gate], f->role == EDA_W_HIGH);
+      return f->role == EDA_W_HIGH ? part(b->w[f->gate], 1) + b->aside[f->gate]
+                                   : part(b->w[f->gate], 0) - b->aside[f->gate];
     case EDA_END_LOW:
     case EDA_END_HIGH:
       return b->end[2 * f->gate + (f->role == EDA_END_HIGH)];

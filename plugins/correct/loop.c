@@ -33,7 +33,8 @@ static int any_changed(const loop *l, int which) {
 static void drop_biases(loop *l) {
   size_t n = l->gates->count * sizeof(int32_t), layers = l->gates->layers;
   biases *b = &l->next.biases;
-  if (layers > EDA_ACTIVE && l->next.shift[EDA_ACTIVE]) memset(b->w, 0, n);
+  if (layers > EDA_ACTIVE && l->next.shift[EDA_ACTIVE])
+    memset(b->w, 0, TRIAL_ACTIVE_BIASES * n);
   if (layers && l->next.shift[EDA_POLY]) memset(b->l, 0, TRIAL_POLY_BIASES * n);
 }
 
@@ -312,15 +313,18 @@ static int update(loop *l, int which, opc_error *error) {
                      .w = b->w,
                      .jog = b->jog,
                      .part = b->part,
+                     .aside = b->aside,
                      .shift = l->drivers[which].shift,
                      .assists = assists};
   if (which == EDGES) {
     const trial *t = &l->now;
     size_t all = TRIAL_BIASES * n * sizeof(int32_t);
-    moves.w = memcpy(l->unused, t->biases.w, all);
-    moves.l = moves.w + n;
-    moves.jog = moves.l + n;
-    moves.part = (eda_part *)(moves.w + 5 * n);
+    biases idle = biases_in(memcpy(l->unused, t->biases.w, all), n);
+    moves.l = idle.l;
+    moves.w = idle.w;
+    moves.jog = idle.jog;
+    moves.part = idle.part;
+    moves.aside = idle.aside;
   }
   int code = move(l, which, &moves, error);
   free(assists);
@@ -437,6 +441,13 @@ static void loop_init(loop *l) {
   eda_performance_init(&l->design, n);
   eda_performance_init(&l->before, n);
   guard_init(&l->guard, n);
+  l->drawn_print = eda_alloc(layers, sizeof *l->drawn_print);
+}
+
+static void keep_drawn_print(loop *l) {
+  for (size_t k = 0; k < l->gates->layers; k++)
+    if (l->gates->corrected[k])
+      l->drawn_print[k] = eda_field_scaled(&l->printer.print[k], 1);
 }
 
 int loop_run(loop *l, opc_error *error) {
@@ -454,6 +465,7 @@ int loop_run(loop *l, opc_error *error) {
   if (code) return code;
   eda_performance_copy(&l->before, l->corners.count ? &l->corners.nominal
                                                     : &l->measured.performance);
+  keep_drawn_print(l);
   eda_printed drawn = loop_printed(l);
   code = guard_begin(l, &drawn, error);
   if (!code) code = proof_begin(l, error);
@@ -476,7 +488,9 @@ void loop_clear(loop *l) {
     sites_clear(&l->sites[k]);
     eda_shapes_clear(&l->polygons[k]);
     eda_shapes_clear(&l->mask[k]);
+    eda_field_clear(&l->drawn_print[k]);
   }
+  free(l->drawn_print);
   for (int which = 0; which < DRIVERS; which++) {
     free(l->drivers[which].epe);
     free(l->drivers[which].shift);
