@@ -185,6 +185,20 @@ def make_runs(folder):
         raise RuntimeError(done.stderr)
 
 
+def make_experiment(folder):
+    """The two runs as methods on a case, a second case with one of them, and a failure."""
+    top = folder + '/experiment/'
+    for case, name in (('A', 'one'), ('A', 'two'), ('B', 'one')):
+        shutil.copytree(folder + '/' + name, top + case + '/' + name)
+    rows = [['case', 'method', 'folder', 'result', 'seconds (s)'],
+            ['A', 'one', 'A/one', 'complete', '1'], ['A', 'two', 'A/two', 'complete', '1'],
+            ['B', 'one', 'B/one', 'complete', '1'], ['B', 'two', '', 'no litho ' + EVIL, '0']]
+    csv.writer(open(top + 'experiment.csv', 'w', newline='')).writerows(rows)
+    done = opcflow('report', top, '--output', folder + '/experiment.html')
+    if done.returncode:
+        raise RuntimeError(done.stderr)
+
+
 # ---- tests ----
 
 def expect(found, wanted, what):
@@ -328,6 +342,20 @@ def test_narrow(b, runs):
     expect(wide <= 390, True, 'width of the page on a telephone, %d' % wide)
 
 
+def test_experiment(b, runs, folder):
+    """Methods over all cases: means as Python takes them; what failed is said."""
+    make_experiment(folder)
+    b.open(folder + '/experiment.html')
+    rows = b.value('''[...document.querySelectorAll('#summary table')[0].rows].map(r => [...r.cells].map(c => c.innerText.trim()))''')
+    expect([r[0] for r in rows[1:]], ['one', 'two'], 'methods')
+    ion = [abs(float(g['ion_after'])) for g in runs[0].gates]
+    expect(int(rows[1][1]), 2 * len(ion), 'transistors')
+    at = [k for k, name in enumerate(rows[0]) if name.startswith('|Ion| mean')][0]
+    expect(abs(float(rows[1][at]) - sum(ion) / len(ion)) < 1e-3 * max(ion), True, 'mean, ' + rows[1][at])
+    expect('B, two: no litho ' + EVIL in b.value('document.getElementById("summary").innerText'), True, 'the failure')
+    b.open(folder + '/page.html')
+
+
 def test_print(b, runs):
     pdf = base64.b64decode(b.call('Page.printToPDF', printBackground=True)['data'])
     expect(pdf[:5], b'%PDF-', 'what is printed')
@@ -350,7 +378,7 @@ def main():
             b.open(folder + '/page.html')
             for number, test in enumerate(tests, 1):
                 try:
-                    test(b, runs)
+                    test(*(b, runs, folder)[:test.__code__.co_argcount])
                     print('ok %d %s' % (number, test.__name__), flush=True)
                 except (AssertionError, RuntimeError) as fault:
                     failed = 1

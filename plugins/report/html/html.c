@@ -20,15 +20,22 @@ typedef struct writer {
 
 /* ---- work ---- */
 
-/* Of the run at work: the folder that its files are written in. */
-static int add_this_run(const writer *w, page *p, const char *path,
-                        opc_error *error) {
-  const char *view = w->host->output_path(w->host, w->view, error);
-  if (!view) return error->code;
-  int code = drawing_file(w->host->context, w->mask, &w->limits, view, error);
-  if (code) return code;
-  g_autofree char *folder = g_path_get_dirname(path);
-  return page_add_run(p, folder, NULL, NULL, 1, error);
+/* Whether the run at work tells of itself yet: inside of a step that runs flows
+   it does so at its end. */
+static int tells(const writer *w, const char *folder) {
+  g_autofree char *manifest = g_build_filename(folder, "manifest.json", NULL);
+  if (g_file_test(manifest, G_FILE_TEST_EXISTS)) return 1;
+  w->host->log(w->host, OPC_LOG_WARNING,
+               "no page of a run inside of another one; '%s' is kept for a "
+               "page of all",
+               w->view);
+  return 0;
+}
+
+static int keep_view(const writer *w, opc_error *error) {
+  const char *path = w->host->output_path(w->host, w->view, error);
+  if (!path) return error->code;
+  return drawing_file(w->host->context, w->mask, &w->limits, path, error);
 }
 
 static int add_experiment(const eda_experiment *e, page *p, opc_error *error) {
@@ -52,10 +59,13 @@ static int run(void *self, void **outputs, opc_error *error) {
     return opc_fail(error, OPC_INVALID, "mask",
                     "one of 'mask' and 'experiment' is to be given");
   const char *path = w->host->output_path(w->host, w->file, error);
-  if (!path) return error->code;
+  int code = !path ? error->code : w->mask ? keep_view(w, error) : OPC_OK;
+  if (code) return code;
+  g_autofree char *folder = g_path_get_dirname(path);
+  if (w->mask && !tells(w, folder)) return OPC_OK;
   page_init(&p, w->limit);
-  int code = w->mask ? add_this_run(w, &p, path, error)
-                     : add_experiment(w->experiment, &p, error);
+  code = w->mask ? page_add_run(&p, folder, NULL, NULL, 1, error)
+                 : add_experiment(w->experiment, &p, error);
   if (!code) code = page_write(&p, w->title, path, error);
   page_clear(&p);
   return code;

@@ -29,10 +29,10 @@ function scale(axis, from, to) {
 }
 
 /* A chart: { title, about, x, y, width, height, draw }; an axis is { label, low,
-   high, log }. `draw(plot)` gets the two scales and adds to plot.body. */
+   high, log }, or { bare } for a margin of so much. `draw(plot)` gets the two scales and adds to plot.body. */
 function chart(c) {
   const width = c.width || 360, height = c.height || 230;
-  const left = c.y.bare ? 10 : 52, right = 12, top = 8, bottom = 38;
+  const left = c.y.bare || 52, right = 18, top = 8, bottom = 38;
   const x = scale(c.x, left, width - right), y = scale(c.y, height - bottom, top);
   const body = svg('g'), axes = svg('g', {class: 'axes'});
   for (const v of x.marks)

@@ -4,6 +4,7 @@
 const data = JSON.parse(document.getElementById('data').textContent);
 const runs = data.runs;
 const main = document.getElementById('main');
+const FEW = 20; /* runs that are told of at length */
 const methods = [...new Set(runs.map(r => r.method))], cases = [...new Set(runs.map(r => r.case))];
 const series_of = run => methods.indexOf(run.method);
 
@@ -221,13 +222,12 @@ function convergence(only) {
 /* ---- corners ---- */
 
 function corners() {
-  const there = runs.filter(r => r.tables.corners);
-  if (!there.length) return;
-  const name = (r, i) => ['dose', 'focus', 'mask'].map(n => { const v = column(r, 'corners', n);
-    return v && is(v[i]) ? `${n} ${number(v[i])}` : null; }).filter(t => t).join(', ');
-  section('corners', 'Corners of the process', there.map(r => {
-    const factor = ['ioff', 'ioff_n', 'ioff_p'].map(n => [n, column(r, 'corners', n)]).filter(c => c[1]);
-    return [el('h3', null, r.label), ...factor.map(([n, values]) => bars_of(n.replace('_', ' of ') + ', times the drawn', values, i => name(r, i), series_of(r))),
+  const differ = c => new Set(c.values).size > 1;
+  const name = (r, i) => r.tables.corners.columns.filter(c => ['dose', 'focus', 'mask'].includes(c.name) && differ(c))
+    .map(c => c.name + ' ' + quantity(c.values[i], c.unit)).join(', ');
+  section('corners', 'Corners of the process', runs.filter(r => r.tables.corners).slice(0, FEW).map(r => {
+    const one = (what, of) => bars_of(`Leakage of ${of}, over that as drawn`, column(r, 'corners', what) || [], i => name(r, i), series_of(r));
+    return [el('h3', null, r.label), el('div', {class: 'charts'}, one('leakage', 'all'), one('leakage_n', 'n'), one('leakage_p', 'p')),
       plain_table(r, 'corners')];
   }));
 }
@@ -237,12 +237,12 @@ function bars_of(title, values, name, k) {
   const good = values.filter(v => is(v) && v > 0);
   if (!good.length) return null;
   const low = Math.min(1, ...good) / 1.1, high = Math.max(1, ...good) * 1.1, step = 20;
-  return chart({title, about: values.map((v, i) => `${name(i)}: ${number(v)}`).join('; '), height: 50 + step * values.length,
-    x: {label: 'times', log: true, low, high}, y: {bare: true, low: 0, high: 1}, draw: p => values.forEach((v, i) => {
+  return chart({title, height: 50 + step * values.length,
+    x: {label: 'factor', log: true, low, high}, y: {bare: 158, low: 0, high: 1}, draw: p => values.forEach((v, i) => {
       if (!(v > 0)) return;
       const a = p.x(1), b = p.x(v), y = p.top + i * step;
       p.body.append(svg('rect', {class: 'bar', x: Math.min(a, b), y: y + 3, width: Math.max(1, size(a - b)), height: step - 8, style: 'fill:' + colour_of(k)}),
-        svg('text', {x: p.left + 2, y: y + 14, class: 'over'}, name(i)));
+        svg('text', {x: p.left - 6, y: y + 14, 'text-anchor': 'end'}, name(i)));
     })});
 }
 
@@ -319,7 +319,6 @@ function facts() {
 }
 
 /* What is made when it is unfolded; of few runs at once, so that it is printed. */
-const FEW = 20;
 function folded(title, open, content) {
   const d = el('details', {open}, el('summary', null, title));
   if (runs.length <= FEW) d.append(...some(content()));
