@@ -399,6 +399,8 @@ static int write_shapes(drawing *d, opc_error *error) {
     write_polygons(d, k, "drawn", &m->gates->drawn[k]);
     write_polygons(d, k, "mask", &m->shapes[k]);
     code = write_print(d, k, "print", &m->print[k], error);
+    if (!code && m->drawn_print)
+      code = write_print(d, k, "drawn print", &m->drawn_print[k], error);
   }
   g_string_append(d->out, "]");
   return code;
