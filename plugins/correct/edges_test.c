@@ -48,7 +48,7 @@ static eda_shapes moved(moves m, int across) {
   biases by = {.w = &w, .l = &m.l, .jog = &m.jog, .end = end, .part = m.part};
   pieces p;
   eda_shapes out;
-  pieces_of_edges(&edges, &p);
+  pieces_of_edges(&edges, 0, &p);
   pieces_room(&p, &out);
   pieces_follow(&gates, EDA_POLY, &by, &p);
   pieces_build(&p, &out);

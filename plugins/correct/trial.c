@@ -9,8 +9,11 @@
 void trial_init(trial *t, size_t layers, size_t gates) {
   int32_t *all = eda_alloc(TRIAL_BIASES * gates, sizeof *all);
   *t = (trial){.layers = layers, .gates = gates};
-  t->biases = (biases){all, all + gates, all + 2 * gates, all + 3 * gates,
-                       (eda_part *)(all + 5 * gates)};
+  t->biases = (biases){.w = all,
+                       .l = all + gates,
+                       .jog = all + 2 * gates,
+                       .end = all + 3 * gates,
+                       .part = (eda_part *)(all + 5 * gates)};
   t->fragments = eda_alloc(layers, sizeof *t->fragments);
   t->shift = eda_alloc(layers, sizeof *t->shift);
   t->patches = eda_alloc(layers, sizeof *t->patches);
