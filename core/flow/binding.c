@@ -5,6 +5,7 @@
 
 #include <string.h>
 
+#include "core/flow/identity.h"
 #include "core/flow/inner.h"
 #include "core/flow/layers.h"
 #include "core/plugin/declaration.h"
@@ -279,6 +280,7 @@ gboolean opc_binding_create(opc_binding *b, const opc_watch *watch,
   b->run = like ? like->data : NULL;
   b->host = opc_host_new(b->path, watch, like);
   b->host->data = b;
+  b->host->identity = opc_identity;
   if (b->inner) b->host->inner = &opc_inner_functions;
   fill(b);
   opc_error error = {0};

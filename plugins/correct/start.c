@@ -45,6 +45,32 @@ int start_from(const opc_host *host, const eda_gates *gates,
   return host->metric(host, "refined", (double)refined, error);
 }
 
+int start_mask(const eda_gates *g, const eda_moved *moved, size_t layer,
+               eda_shapes *out, opc_error *error) {
+  trial none;
+  pieces p;
+  eda_shapes polygons;
+  const eda_box_list *patch = &moved->patch[layer], *bite = &moved->bite[layer];
+  const eda_boxes added = {patch->box, patch->count},
+                  bites = {bite->box, bite->count};
+  trial_init(&none, g->layers, g->count);
+  none.biases.base = moved;
+  pieces_of_edges(&g->edges[layer], 1, &p);
+  pieces_room(&p, &polygons);
+  if (g->drawn[layer].hole && polygons.count) {
+    polygons.hole = eda_alloc(polygons.count, 1);
+    memcpy(polygons.hole, g->drawn[layer].hole, polygons.count);
+  }
+  pieces_follow(g, layer, &none.biases, &p);
+  pieces_build(&p, &polygons);
+  int code = mask_merge(&polygons, (boxes_lists){&added, 1},
+                        (boxes_lists){&bites, 1}, out, error);
+  eda_shapes_clear(&polygons);
+  pieces_clear(&p);
+  trial_clear(&none);
+  return code;
+}
+
 /* ---- to a mask ---- */
 
 static eda_box_list copy_of(eda_boxes from) {

@@ -22,6 +22,10 @@ int start_from(const opc_host *host, const eda_gates *gates,
                const eda_mask *mask, double max_diff, start *out,
                opc_error *error);
 
+/* The mask of a layer that moves make of the drawn edges. As of eda_boolean. */
+int start_mask(const eda_gates *gates, const eda_moved *moved, size_t layer,
+               eda_shapes *out, opc_error *error);
+
 /* What `now` of a loop has moved; NULL if that is more than a start can have.
  */
 eda_moved *moved_of(const struct loop *loop);
