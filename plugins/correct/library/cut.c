@@ -148,34 +148,74 @@ static eda_box bounds_of(const eda_layout *layout, int32_t cell) {
   return all;
 }
 
+/* A box of an instance on the sheet, in grid steps outwards. */
+static eda_box on_sheet(eda_box b, const eda_placement *p, double steps) {
+  double low = p->mirror ? -(double)b.y1 : b.y0,
+         high = p->mirror ? -(double)b.y0 : b.y1;
+  return (eda_box){(int32_t)floor((p->origin.x + (double)b.x0) * steps) - 1,
+                   (int32_t)floor((p->origin.y + low) * steps) - 1,
+                   (int32_t)ceil((p->origin.x + (double)b.x1) * steps) + 1,
+                   (int32_t)ceil((p->origin.y + high) * steps) + 1};
+}
+
+/* A neighbour's name is NAME~1. */
+static int is_neighbour(const char *name) { return strchr(name, '~') != NULL; }
+
+static void cut_window(cutter *c, const eda_layout *layout, int32_t top,
+                       const char *name, cut_out *out) {
+  eda_box all = c->window;
+  for (size_t i = 0; i < eda_layout_instances(layout, top); i++) {
+    int32_t cell;
+    eda_placement p;
+    const char *other = eda_layout_instance(layout, top, i, &cell, &p);
+    if (cell != out->cell || !other || !is_neighbour(other)) continue;
+    join(&all, on_sheet(bounds_of(layout, cell), &p,
+                        eda_layout_unit(layout) / c->sheet->grid));
+  }
+  c->window = all;
+  size_t count = 0, own = 0;
+  c->number = eda_alloc(c->sheet->count, sizeof *c->number);
+  for (size_t k = 0; k < c->sheet->count; k++) {
+    int is_own = !strcmp(c->sheet->instance[k], name);
+    int is_in = is_own || is_within(c, c->sheet->box[k]);
+    c->number[k] = is_in ? (int32_t)count++ : -1;
+    own += (size_t)is_own;
+  }
+  if (!own) return;
+  out->gates = cut(c, eda_layout_cell_name(layout, out->cell), count);
+  out->own = eda_alloc(count, 1);
+  for (size_t k = 0; k < c->sheet->count; k++)
+    if (c->number[k] >= 0)
+      out->own[c->number[k]] = !strcmp(c->sheet->instance[k], name);
+}
+
 int cut_cell(const eda_gates *sheet, const eda_layout *layout, int32_t top,
-             size_t i, int32_t *cell, eda_gates **out, opc_error *error) {
+             size_t i, cut_out *out, opc_error *error) {
   eda_placement p;
-  const char *name = eda_layout_instance(layout, top, i, cell, &p);
+  *out = (cut_out){0};
+  const char *name = eda_layout_instance(layout, top, i, &out->cell, &p);
   double steps = eda_layout_unit(layout) / sheet->grid;
   double x = p.origin.x * steps, y = p.origin.y * steps;
-  *out = NULL;
+  if (name && is_neighbour(name)) return OPC_OK;
   if (!name || p.mirror || p.angle != 0 || fabs(x - round(x)) > 1e-3 ||
       fabs(y - round(y)) > 1e-3)
     return opc_fail(error, OPC_INVALID, "sheet",
                     "cell '%s' does not stand on the mask grid: 'sheet' wants "
                     "the layout of library.sheet",
-                    eda_layout_cell_name(layout, *cell));
-  eda_box b = bounds_of(layout, *cell);
-  eda_point at = {(int32_t)lround(x), (int32_t)lround(y)};
+                    eda_layout_cell_name(layout, out->cell));
   cutter c = {.sheet = sheet,
-              .origin = at,
-              .window = {at.x + (int32_t)floor(b.x0 * steps) - 1,
-                         at.y + (int32_t)floor(b.y0 * steps) - 1,
-                         at.x + (int32_t)ceil(b.x1 * steps) + 1,
-                         at.y + (int32_t)ceil(b.y1 * steps) + 1}};
-  size_t count = 0;
-  c.number = eda_alloc(sheet->count, sizeof *c.number);
-  for (size_t k = 0; k < sheet->count; k++)
-    c.number[k] = is_within(&c, sheet->box[k]) ? (int32_t)count++ : -1;
-  if (count) *out = cut(&c, eda_layout_cell_name(layout, *cell), count);
+              .origin = {(int32_t)lround(x), (int32_t)lround(y)},
+              .window = on_sheet(bounds_of(layout, out->cell), &p, steps)};
+  out->box = moved_box(&c, c.window);
+  cut_window(&c, layout, top, name, out);
   free(c.number);
   return OPC_OK;
+}
+
+void cut_clear(cut_out *out) {
+  eda_gates_free(out->gates);
+  free(out->own);
+  *out = (cut_out){0};
 }
 
 char *cut_sum(const eda_gates *g) {

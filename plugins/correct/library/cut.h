@@ -6,11 +6,19 @@
 #include <eda/gates.h>
 #include <eda/layout.h>
 
-/* Instance i of the sheet's top: its cell, and in *out its transistors with all
-   its shapes, in coordinates of its own; *out is NULL if it has none.
+/* A cell with what stands around it, in coordinates of its own. */
+typedef struct cut_out {
+  int32_t cell;
+  eda_gates *gates; /* NULL: the cell has no transistor */
+  uint8_t *own;     /* 1: of the cell, 0: of a neighbour (free) */
+  eda_box box;      /* around the cell's shapes */
+} cut_out;
+
+/* The cell of instance i of the sheet's top; a neighbour has no gates.
    OPC_INVALID if the gates are no sheet's. */
 int cut_cell(const eda_gates *sheet, const eda_layout *layout, int32_t top,
-             size_t i, int32_t *cell, eda_gates **out, opc_error *error);
+             size_t i, cut_out *out, opc_error *error);
+void cut_clear(cut_out *out);
 
 /* The sum of how its edges were cut into fragments (g_free). */
 char *cut_sum(const eda_gates *cell);

@@ -17,28 +17,37 @@ static GVariant *pack_parts(const eda_part *part) {
   return g_variant_builder_end(&parts);
 }
 
-static GVariant *pack_boxes(const eda_box_list *lists, size_t layers) {
+static gboolean is_in(eda_box cell, eda_box b) {
+  return b.x0 + b.x1 >= 2 * cell.x0 && b.x0 + b.x1 <= 2 * cell.x1 &&
+         b.y0 + b.y1 >= 2 * cell.y0 && b.y0 + b.y1 <= 2 * cell.y1;
+}
+
+static GVariant *pack_boxes(const eda_box_list *lists, size_t layers,
+                            eda_box cell) {
   GVariantBuilder all;
   g_variant_builder_init(&all, G_VARIANT_TYPE("aa(iiii)"));
   for (size_t k = 0; k < layers; k++) {
     g_variant_builder_open(&all, G_VARIANT_TYPE("a(iiii)"));
     for (size_t i = 0; i < lists[k].count; i++) {
       eda_box b = lists[k].box[i];
-      g_variant_builder_add(&all, "(iiii)", b.x0, b.y0, b.x1, b.y1);
+      if (is_in(cell, b))
+        g_variant_builder_add(&all, "(iiii)", b.x0, b.y0, b.x1, b.y1);
     }
     g_variant_builder_close(&all);
   }
   return g_variant_builder_end(&all);
 }
 
-GVariant *entry_pack(const eda_gates *g, const eda_performance *design,
+GVariant *entry_pack(const cut_out *cell, const eda_performance *design,
                      const eda_performance *after, const uint32_t *flags,
                      const eda_moved *m) {
+  const eda_gates *g = cell->gates;
   GVariantBuilder all;
   g_variant_builder_init(&all,
                          G_VARIANT_TYPE("a(iiiiyydddddddddyuiiiiia(iii))"));
   for (size_t i = 0; i < g->count; i++) {
     eda_box b = g->box[i];
+    if (!cell->own[i]) continue;
     g_variant_builder_add(
         &all, "(iiiiyydddddddddyuiiiii@a(iii))", b.x0, b.y0, b.x1, b.y1,
         g->type[i], g->axis[i], g->length[i], g->width[i], design->ion[i],
@@ -50,8 +59,8 @@ GVariant *entry_pack(const eda_gates *g, const eda_performance *design,
   return g_variant_new(
       "(@as@a(iiiiyydddddddddyuiiiiia(iii))@aa(iiii)@aa(iiii))",
       g_variant_new_strv((const char *const *)g->layer, (gssize)g->layers),
-      g_variant_builder_end(&all), pack_boxes(m->patch, g->layers),
-      pack_boxes(m->bite, g->layers));
+      g_variant_builder_end(&all), pack_boxes(m->patch, g->layers, cell->box),
+      pack_boxes(m->bite, g->layers, cell->box));
 }
 
 /* ---- from bytes ---- */

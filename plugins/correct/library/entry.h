@@ -7,6 +7,8 @@
 #include <eda/gates.h>
 #include <glib.h>
 
+#include "cut.h"
+
 #define ENTRY_TYPE \
   G_VARIANT_TYPE("(asa(iiiiyydddddddddyuiiiiia(iii))aa(iiii)aa(iiii))")
 
@@ -22,8 +24,9 @@ typedef struct entry {
   eda_moved *moved;
 } entry;
 
-/* All of a cell's mask; floating. */
-GVariant *entry_pack(const eda_gates *gates, const eda_performance *design,
+/* Of the transistors that are the cell's own, and of what is added to the mask
+   within its box; floating. */
+GVariant *entry_pack(const cut_out *cell, const eda_performance *design,
                      const eda_performance *after, const uint32_t *flags,
                      const eda_moved *moved);
 

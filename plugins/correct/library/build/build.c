@@ -64,7 +64,7 @@ static double cpu_seconds(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static GVariant *pack(const builder *r, const loop *l) {
+static GVariant *pack(const builder *r, const cut_out *cell, const loop *l) {
   eda_moved *moved = moved_of(l);
   if (!moved) {
     opc_fail(r->error, OPC_INVALID, "synthesizer",
@@ -73,19 +73,32 @@ static GVariant *pack(const builder *r, const loop *l) {
              r->b->synthesizer->id);
     return NULL;
   }
-  GVariant *data = entry_pack(l->gates, &l->design, &l->measured.performance,
+  GVariant *data = entry_pack(cell, &l->design, &l->measured.performance,
                               l->measured.flags, moved);
   eda_moved_free(moved);
   return g_variant_ref_sink(data);
 }
 
-static int keep(builder *r, const loop *l, shelf_row *row, line *told) {
-  g_autoptr(GVariant) data = pack(r, l);
+/* What is told of a cell is told of its own transistors. */
+static void sum_up(GVariant *data, double *mean, double *max) {
+  g_autoptr(entry) e = entry_unpack(data);
+  *mean = *max = 0;
+  for (size_t i = 0; e && i < e->gates; i++) {
+    double off = fabs(eda_deviation(e->after.ion[i], e->design[i]));
+    *max = fmax(*max, off);
+    *mean += off / (double)e->gates;
+  }
+}
+
+static int keep(builder *r, const cut_out *cell, const loop *l, shelf_row *row,
+                line *told) {
+  g_autoptr(GVariant) data = pack(r, cell, l);
   if (!data) return r->error->code;
+  sum_up(data, &row->ion_mean, &row->ion_max);
   row->simulations = l->printer.simulations + l->printer.fine_simulations;
-  row->ion_mean = l->summary.ion_mean;
-  row->ion_max = l->summary.ion_max;
   told->simulations = row->simulations;
+  told->ion_mean = row->ion_mean;
+  told->ion_max = row->ion_max;
   told->state = "corrected";
   r->corrected++;
   r->simulations += (size_t)row->simulations;
@@ -93,30 +106,30 @@ static int keep(builder *r, const loop *l, shelf_row *row, line *told) {
 }
 
 /* Correct a cell as `correct` does, and keep it. */
-static int correct_cell(builder *r, const eda_gates *cell, shelf_row *row,
+static int correct_cell(builder *r, const cut_out *cell, shelf_row *row,
                         line *told) {
   const build *b = r->b;
   double before = cpu_seconds();
   loop l = {.host = b->host,
-            .gates = cell,
+            .gates = cell->gates,
             .extractor = b->extractor,
             .regulator = b->regulator,
             .max_iterations = b->max_iterations,
             .hold = b->guard == ON,
             .limit = b->limit,
             .drivers = {[MAIN].module = b->synthesizer}};
-  eda_printer_init(&l.printer, b->host->context, cell, b->litho, b->resist,
-                   b->margin);
+  eda_printer_init(&l.printer, b->host->context, cell->gates, b->litho,
+                   b->resist, b->margin);
   l.printer.fine = b->fine;
   int code = loop_run(&l, r->error);
   row->seconds = cpu_seconds() - before;
-  if (!code) code = keep(r, &l, row, told);
+  if (!code) code = keep(r, cell, &l, row, told);
   loop_clear(&l);
   return code;
 }
 
 /* What is there already, or else what is made now. */
-static int take_cell(builder *r, const eda_gates *cell, shelf_row *row,
+static int take_cell(builder *r, const cut_out *cell, shelf_row *row,
                      line *told) {
   gboolean damaged;
   GVariant *data;
@@ -128,23 +141,22 @@ static int take_cell(builder *r, const eda_gates *cell, shelf_row *row,
                     "cell '%s' is damaged in '%s': it is corrected anew",
                     row->cell, r->out->database);
   g_autoptr(entry) e = data ? entry_unpack(data) : NULL;
+  if (e) sum_up(data, &told->ion_mean, &told->ion_max);
   if (data) g_variant_unref(data);
   return e ? OPC_OK : correct_cell(r, cell, row, told);
 }
 
-static double mean_of(const builder *r, const char *key, line *told);
-
 static int add_cell(builder *r, int32_t top, size_t i, const char *settings) {
   const build *b = r->b;
-  eda_gates *cell;
-  int32_t number;
-  int code = cut_cell(b->gates, b->sheet, top, i, &number, &cell, r->error);
-  if (code || !cell) return code;
-  library_cell c = {.name = g_strdup(cell->name),
-                    .geometry = units_sum(b->sheet, number, r->error)};
-  line told = {
-      .cell = c.name, .state = "kept", .transistors = (int64_t)cell->count};
-  c.key = c.geometry ? key_of(r, c.geometry, settings, cell) : NULL;
+  cut_out cell;
+  int code = cut_cell(b->gates, b->sheet, top, i, &cell, r->error);
+  if (code || !cell.gates) return code;
+  library_cell c = {.name = g_strdup(cell.gates->name),
+                    .geometry = units_sum(b->sheet, cell.cell, r->error)};
+  line told = {.cell = c.name, .state = "kept"};
+  for (size_t k = 0; k < cell.gates->count; k++)
+    told.transistors += cell.own[k];
+  c.key = c.geometry ? key_of(r, c.geometry, settings, cell.gates) : NULL;
   g_array_append_val(r->out->cells, c);
   shelf_row row = {.key = c.key,
                    .cell = c.name,
@@ -153,31 +165,14 @@ static int add_cell(builder *r, int32_t top, size_t i, const char *settings) {
                    .settings = settings,
                    .method = b->synthesizer->id,
                    .made = g_get_real_time() / G_USEC_PER_SEC,
-                   .transistors = (gint64)cell->count};
-  code = c.key ? take_cell(r, cell, &row, &told) : r->error->code;
-  if (!code) told.ion_mean = mean_of(r, c.key, &told);
+                   .transistors = told.transistors};
+  code = c.key ? take_cell(r, &cell, &row, &told) : r->error->code;
   g_array_append_val(r->lines, told);
-  eda_gates_free(cell);
+  cut_clear(&cell);
   return code;
 }
 
 /* ---- all of them ---- */
-
-/* From what is kept, so that both ways tell the same; and the largest. */
-static double mean_of(const builder *r, const char *key, line *told) {
-  gboolean damaged;
-  g_autoptr(GVariant) data = NULL;
-  if (shelf_get(r->shelf, key, ENTRY_TYPE, &data, &damaged, r->error) || !data)
-    return NAN;
-  g_autoptr(entry) e = entry_unpack(data);
-  double sum = 0;
-  for (size_t i = 0; e && i < e->gates; i++) {
-    double off = fabs(eda_deviation(e->after.ion[i], e->design[i]));
-    told->ion_max = fmax(told->ion_max, off);
-    sum += off;
-  }
-  return e ? sum / (double)e->gates : NAN;
-}
 
 static int tell(const builder *r) {
   const opc_host *host = r->b->host;

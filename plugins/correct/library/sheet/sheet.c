@@ -14,8 +14,11 @@
 typedef struct sheet {
   const opc_host *host;
   const eda_layout *layout;
-  const char *top, *cells;
+  const char *top, *cells, *boundary;
+  int neighbours;
 } sheet;
+
+enum { NONE, ITSELF }; /* `neighbours` */
 
 /* Ours: free space between two cells, nm. More than segment.transistors looks
    for neighbours at; the light of one does not matter to another, as each is
@@ -37,8 +40,19 @@ typedef struct maker {
   opc_error *error;
 } maker;
 
+static void join(eda_box *all, eda_box b) {
+  *all = (eda_box){MIN(all->x0, b.x0), MIN(all->y0, b.y0), MAX(all->x1, b.x1),
+                   MAX(all->y1, b.y1)};
+}
+
+/* What a cell takes up: of all its shapes, and of those that say where it
+   abuts. */
+typedef struct extents {
+  eda_box shapes, boundary;
+} extents;
+
 static int copy_layer(const maker *m, int32_t from, int32_t to, int32_t layer,
-                      eda_box *around) {
+                      extents *of) {
   const eda_layout *in = m->sheet->layout;
   const char *name = eda_layout_layer_name(in, layer);
   double fine = eda_layout_unit(in);
@@ -51,8 +65,8 @@ static int copy_layer(const maker *m, int32_t from, int32_t to, int32_t layer,
     const eda_point *p = s->points + s->start[i];
     size_t n = s->start[i + 1] - s->start[i];
     eda_box b = eda_bounds(p, n);
-    *around = (eda_box){MIN(around->x0, b.x0), MIN(around->y0, b.y0),
-                        MAX(around->x1, b.x1), MAX(around->y1, b.y1)};
+    join(&of->shapes, b);
+    if (!strcmp(name, m->sheet->boundary)) join(&of->boundary, b);
     code = eda_layout_add_polygon(m->out, to, into, p, n, m->error);
   }
   eda_flat_clear(&flat);
@@ -68,9 +82,9 @@ static int copy_layer(const maker *m, int32_t from, int32_t to, int32_t layer,
 
 static int64_t step_up(double x) { return (int64_t)ceil(x / STEP) * STEP; }
 
-/* In rows from left to right; the corner of its shapes does not matter, its
-   origin lies on a step. */
-static int place(maker *m, int32_t cell, const char *name, eda_box b) {
+/* In rows from left to right: where the origin of shapes in that box goes, on a
+   step. */
+static int find_place(maker *m, eda_box b, eda_point *out) {
   double clear = gap / eda_layout_unit(m->sheet->layout);
   int64_t wide = step_up((double)b.x1 - b.x0 + clear),
           high = step_up((double)b.y1 - b.y0 + clear);
@@ -85,26 +99,70 @@ static int place(maker *m, int32_t cell, const char *name, eda_box b) {
     return opc_fail(m->error, OPC_INVALID, NULL,
                     "the cells are too many for one sheet: choose some by "
                     "'cells'");
-  eda_placement p = {.origin = {(int32_t)x, (int32_t)y},
-                     .magnification = 1,
-                     .columns = 1,
-                     .rows = 1};
+  *out = (eda_point){(int32_t)x, (int32_t)y};
   m->x += wide;
   m->row = MAX(m->row, high);
+  return OPC_OK;
+}
+
+static int put(const maker *m, int32_t cell, const char *name, eda_point at,
+               uint32_t mirror) {
+  eda_placement p = {.origin = at,
+                     .magnification = 1,
+                     .mirror = mirror,
+                     .columns = 1,
+                     .rows = 1};
   return eda_layout_add_instance(m->out, m->top, cell, &p, name, m->error);
 }
 
+/* Around it as in rows of cells: beside it as it is, above and below mirrored,
+   so that supply lines meet. Called NAME~1 to NAME~8. */
+static int put_neighbours(const maker *m, int32_t cell, const char *name,
+                          eda_point at, eda_box b) {
+  int code = OPC_OK;
+  int32_t wide = b.x1 - b.x0;
+  for (int k = 0, n = 0; k < 9 && !code; k++) {
+    int column = k % 3 - 1, row = k / 3 - 1;
+    if (!column && !row) continue;
+    int32_t up = row > 0 ? 2 * b.y1 : row < 0 ? 2 * b.y0 : 0;
+    eda_point there = {at.x + column * wide, at.y + up};
+    g_autofree char *label = g_strdup_printf("%s~%d", name, ++n);
+    code = put(m, cell, label, there, row != 0);
+  }
+  return code;
+}
+
+static int place(maker *m, int32_t cell, const char *name, const extents *of) {
+  eda_box b = of->boundary, room = of->shapes;
+  int around = m->sheet->neighbours == ITSELF;
+  eda_point at = {0, 0};
+  if (around && b.x0 > b.x1)
+    return opc_fail(m->error, OPC_INVALID, "boundary",
+                    "cell '%s' draws nothing on layer '%s': where it abuts is "
+                    "not known",
+                    name, m->sheet->boundary);
+  if (around) {
+    int32_t wide = b.x1 - b.x0, high = b.y1 - b.y0;
+    room = (eda_box){room.x0 - wide, room.y0 - high, room.x1 + wide,
+                     room.y1 + high};
+  }
+  int code = find_place(m, room, &at);
+  if (!code) code = put(m, cell, name, at, 0);
+  return code || !around ? code : put_neighbours(m, cell, name, at, b);
+}
+
 static int add_cell(maker *m, int32_t from) {
+  static const eda_box nothing = {INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
   const eda_layout *in = m->sheet->layout;
   const char *name = eda_layout_cell_name(in, from);
   int32_t to = eda_layout_cell(m->out, name, m->error);
-  eda_box around = {INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
+  extents of = {nothing, nothing};
   int code = to < 0 ? m->error->code : OPC_OK;
   for (size_t k = 0; k < eda_layout_layers(in) && !code; k++)
-    code = copy_layer(m, from, to, (int32_t)k, &around);
-  if (code || around.x0 > around.x1) return code;
+    code = copy_layer(m, from, to, (int32_t)k, &of);
+  if (code || of.shapes.x0 > of.shapes.x1) return code;
   m->count++;
-  return place(m, to, name, around);
+  return place(m, to, name, &of);
 }
 
 static int is_wanted(const sheet *s, const char *name) {
@@ -171,6 +229,12 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(sheet, cells, .type = OPC_TEXT,
                   .summary = "names of cells, * and ? in them, with spaces "
                              "between; if not given, all"),
+    OPC_PARAMETER(sheet, neighbours, .type = OPC_CHOICE, .preset = "none",
+                  .choices = "none|itself",
+                  .summary = "what stands around a cell while it is corrected: "
+                             "nothing; copies of itself, as in rows"),
+    OPC_PARAMETER(sheet, boundary, .type = OPC_TEXT, .preset = "outline",
+                  .summary = "the layer whose shapes say where cells abut"),
 };
 
 static const opc_metric metrics[] = {
