@@ -39,13 +39,8 @@ static void drop_biases(loop *l) {
 
 /* ---- one print ---- */
 
-static eda_boxes listed(const eda_box_list *list) {
-  return (eda_boxes){list->box, list->count};
-}
-
 /* The mask of a layer as `now` has it. */
 static int make_mask(loop *l, size_t layer, opc_error *error) {
-  const eda_moved *base = l->base;
   pieces *p = &l->pieces[layer];
   if (l->now.shift[layer])
     memcpy(p->by, l->now.shift[layer], l->sites[layer].count * sizeof *p->by);
@@ -53,13 +48,10 @@ static int make_mask(loop *l, size_t layer, opc_error *error) {
     pieces_follow(l->gates, layer, &l->now.biases, p);
   pieces_build(p, &l->polygons[layer]);
   eda_shapes_clear(&l->mask[layer]);
-  const eda_boxes none = {0};
-  const eda_boxes added[] = {l->now.patches[layer], l->now.assists[layer],
-                             base ? listed(&base->patch[layer]) : none};
-  const eda_boxes bites[] = {l->now.bites[layer],
-                             base ? listed(&base->bite[layer]) : none};
-  return mask_merge(&l->polygons[layer], (boxes_lists){added, 3},
-                    (boxes_lists){bites, 2}, &l->mask[layer], error);
+  const eda_boxes added[] = {l->now.patches[layer], l->now.assists[layer]};
+  return mask_merge(&l->polygons[layer], (boxes_lists){added, 2},
+                    (boxes_lists){&l->now.bites[layer], 1}, &l->mask[layer],
+                    error);
 }
 
 /* Transistors are of the first two layers. */
@@ -438,6 +430,23 @@ static int iterate_to_proof(loop *l, opc_error *error) {
   return code;
 }
 
+eda_boxes loop_begun(const loop *l, size_t layer, int bites) {
+  if (!l->base) return (eda_boxes){0};
+  const eda_box_list *list = bites ? l->base->bite : l->base->patch;
+  return (eda_boxes){list[layer].box, list[layer].count};
+}
+
+/* It begins with the base's patches and bites; the regulator says with which it
+   goes on. */
+static void begin_with(loop *l) {
+  if (!l->base) return;
+  l->now.biases.base = l->next.biases.base = l->base;
+  for (size_t k = 0; k < l->gates->layers; k++) {
+    trial_set_boxes(&l->next.patches[k], loop_begun(l, k, 0));
+    trial_set_boxes(&l->next.bites[k], loop_begun(l, k, 1));
+  }
+}
+
 static void loop_init(loop *l) {
   size_t n = l->gates->count, layers = l->gates->layers;
   for (int which = 0; which < DRIVERS; which++) {
@@ -455,7 +464,7 @@ static void loop_init(loop *l) {
   l->vetoes = eda_alloc(n, sizeof *l->vetoes);
   trial_init(&l->now, layers, n);
   trial_init(&l->next, layers, n);
-  l->now.biases.base = l->next.biases.base = l->base;
+  begin_with(l);
   eda_measurement_init(&l->measured, n);
   eda_measurement_init(&l->shown, n);
   eda_performance_init(&l->design, n);

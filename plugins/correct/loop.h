@@ -74,6 +74,9 @@ int loop_print(loop *loop, int all, opc_error *error);
    there is no fine print. */
 int loop_refine(loop *loop, opc_error *error);
 
+/* What is added to the mask that it begins with, or taken away. */
+eda_boxes loop_begun(const loop *l, size_t layer, int bites);
+
 /* The last print as a regulator sees it. */
 eda_printed loop_printed(const loop *loop);
 
