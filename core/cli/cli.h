@@ -49,8 +49,9 @@ struct cli_verb {
   const opc_plugin *plugin; /* that brings the verb; NULL: the command's own */
 };
 
-extern const cli_verb cli_run, cli_check, cli_plugins, cli_inspect, cli_lint,
-    cli_schema, cli_new, cli_version, cli_help, cli_complete;
+extern const cli_verb cli_run, cli_check, cli_explain, cli_cache, cli_plugins,
+    cli_inspect, cli_lint, cli_schema, cli_new, cli_version, cli_help,
+    cli_complete;
 
 /* The command's own verbs, NULL-terminated; the hidden ones come last. */
 extern const cli_verb *const cli_verbs[];

@@ -13,7 +13,7 @@
 static GPtrArray *sets, *variants, *sweeps;
 static const char *threads, *level_word;
 static opc_run_options wanted;
-static gboolean json, quiet;
+static gboolean json, quiet, no_cache;
 static int level = OPC_LOG_INFO; /* the least that is told */
 
 static const cli_option options[] = {
@@ -28,6 +28,7 @@ static const cli_option options[] = {
     {"force",
      "replace an earlier run in DIR, if all of it is as it was written",
      .flag = &wanted.force},
+    {"no-cache", "run every step, and keep no result", .flag = &no_cache},
     {"threads", "default: as many as there are processors", "N",
      .text = &threads},
     {"json", "the result as JSON", .flag = &json},
@@ -94,7 +95,11 @@ static void print_text(const opc_run *run) {
     g_autofree char *text = sweep_text(run);
     cli_print("%s\n", text);
   }
-  if (run->folder) cli_print("%s: %.2f s\n", run->folder, run->total);
+  if (!run->folder) return;
+  cli_print("%s: %.2f s", run->folder, run->total);
+  if (run->steps_reused)
+    cli_print(", %zu of %zu steps reused", run->steps_reused, run->steps_done);
+  cli_print("\n");
 }
 
 static JsonArray *tables_json(const opc_run *run) {
@@ -113,6 +118,10 @@ static JsonObject *run_json(const opc_run *run, opc_problems *broken) {
   JsonObject *o = json_object_new();
   json_object_set_string_member(o, "folder", run->folder);
   json_object_set_double_member(o, "seconds", run->total);
+  if (wanted.store) {
+    json_object_set_int_member(o, "steps", (gint64)run->steps_done);
+    json_object_set_int_member(o, "reused", (gint64)run->steps_reused);
+  }
   json_object_set_member(o, "metrics", opc_run_metrics_json(run));
   opc_run_add_findings(o, run);
   json_object_set_array_member(o, "tables", tables_json(run));
@@ -278,6 +287,15 @@ static int set_level(void) {
                     : -1;
 }
 
+/* Without one, all steps run. */
+static opc_store *open_store(void) {
+  opc_error error = {0};
+  opc_store *store = no_cache ? NULL : opc_store_open(&error);
+  if (error.code)
+    cli_message("warning", "no results are kept or reused: %s", error.message);
+  return store;
+}
+
 /* All variants are checked before the first one runs. */
 static int run(const cli_verb *verb, const GPtrArray *arguments) {
   int code = cli_set_threads(threads);
@@ -305,7 +323,11 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
     const opc_choice choice = choice_of(&s, chosen->pdata[i]);
     opc_flow_check(recipe, &choice, cli_registry(), NULL, problems);
   }
-  if (!problems->list->len) return run_all(&s);
+  if (!problems->list->len) {
+    g_autoptr(opc_store) store = open_store();
+    wanted.store = store;
+    return run_all(&s);
+  }
   if (json) cli_print_object(failure_json(NULL, problems));
   return cli_problems(problems);
 }
