@@ -67,8 +67,9 @@ static int32_t move_of(const eda_fragment *f, const biases *b) {
   int32_t i = f->gate, by = 0;
   if (f->role == EDA_W_LOW || f->role == EDA_W_HIGH) {
     int high = f->role == EDA_W_HIGH;
+    int32_t aside = b->aside[i] + (base ? base->aside[i] : 0);
     if (base) by = part(base->w[i], high != !!(base->flip[i] & EDA_FLIP_W));
-    return by + part(b->w[i], high);
+    return by + part(b->w[i], high) + (high ? aside : -aside);
   }
   if (f->role != EDA_END_LOW && f->role != EDA_END_HIGH) return 0;
   int32_t end = 2 * i + (f->role == EDA_END_HIGH);

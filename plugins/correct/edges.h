@@ -6,12 +6,12 @@
 #include <eda/gates.h>
 #include <eda/synthesizer.h>
 
-/* What moves the mask of each gate, in grid steps (synthesizer.h): width,
-   length, the jog, the line ends, [2 * i + side], and parts of the length,
-   [EDA_PARTS * i + k]. They lie one after the other: first what moves
+/* What moves the mask of each gate, in grid steps (synthesizer.h): width, that
+   aside, length, the jog, the line ends, [2 * i + side], and parts of the
+   length, [EDA_PARTS * i + k]. They lie one after the other: first what moves
    active, then what moves poly. */
 typedef struct biases {
-  int32_t *w, *l, *jog, *end;
+  int32_t *w, *aside, *l, *jog, *end;
   eda_part *part;
   /* What they come upon: where the mask's edges lie if all of them are 0. NULL:
      where they are drawn. */

@@ -33,7 +33,8 @@ static int any_changed(const loop *l, int which) {
 static void drop_biases(loop *l) {
   size_t n = l->gates->count * sizeof(int32_t), layers = l->gates->layers;
   biases *b = &l->next.biases;
-  if (layers > EDA_ACTIVE && l->next.shift[EDA_ACTIVE]) memset(b->w, 0, n);
+  if (layers > EDA_ACTIVE && l->next.shift[EDA_ACTIVE])
+    memset(b->w, 0, TRIAL_ACTIVE_BIASES * n);
   if (layers && l->next.shift[EDA_POLY]) memset(b->l, 0, TRIAL_POLY_BIASES * n);
 }
 
@@ -85,7 +86,8 @@ static void keep_still(loop *l) {
   biases *b = &l->next.biases;
   for (size_t i = 0; l->still && i < l->gates->count; i++) {
     if (!l->still[i]) continue;
-    b->w[i] = b->l[i] = b->jog[i] = b->end[2 * i] = b->end[2 * i + 1] = 0;
+    b->w[i] = b->aside[i] = b->l[i] = b->jog[i] = 0;
+    b->end[2 * i] = b->end[2 * i + 1] = 0;
     b->part[EDA_PARTS * i] = (eda_part){0};
   }
 }
@@ -325,15 +327,18 @@ static int update(loop *l, int which, opc_error *error) {
                      .w = b->w,
                      .jog = b->jog,
                      .part = b->part,
+                     .aside = b->aside,
                      .shift = l->drivers[which].shift,
                      .assists = assists};
   if (which == EDGES) {
     const trial *t = &l->now;
     size_t all = TRIAL_BIASES * n * sizeof(int32_t);
-    moves.w = memcpy(l->unused, t->biases.w, all);
-    moves.l = moves.w + n;
-    moves.jog = moves.l + n;
-    moves.part = (eda_part *)(moves.w + 5 * n);
+    biases idle = biases_in(memcpy(l->unused, t->biases.w, all), n);
+    moves.l = idle.l;
+    moves.w = idle.w;
+    moves.jog = idle.jog;
+    moves.part = idle.part;
+    moves.aside = idle.aside;
   }
   int code = move(l, which, &moves, error);
   free(assists);

@@ -89,6 +89,7 @@ eda_moved *moved_of(const loop *l) {
     if (t->shift[k] || t->assists[k].count) return NULL;
   eda_moved *m = eda_moved_new(layers, n);
   memcpy(m->w, t->biases.w, n * sizeof *m->w);
+  memcpy(m->aside, t->biases.aside, n * sizeof *m->aside);
   memcpy(m->l, t->biases.l, n * sizeof *m->l);
   memcpy(m->jog, t->biases.jog, n * sizeof *m->jog);
   memcpy(m->end, t->biases.end, 2 * n * sizeof *m->end);

@@ -6,14 +6,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+biases biases_in(int32_t *all, size_t n) {
+  return (biases){.w = all,
+                  .aside = all + n,
+                  .l = all + 2 * n,
+                  .jog = all + 3 * n,
+                  .end = all + 4 * n,
+                  .part = (eda_part *)(all + 6 * n)};
+}
+
 void trial_init(trial *t, size_t layers, size_t gates) {
   int32_t *all = eda_alloc(TRIAL_BIASES * gates, sizeof *all);
   *t = (trial){.layers = layers, .gates = gates};
-  t->biases = (biases){.w = all,
-                       .l = all + gates,
-                       .jog = all + 2 * gates,
-                       .end = all + 3 * gates,
-                       .part = (eda_part *)(all + 5 * gates)};
+  t->biases = biases_in(all, gates);
   t->fragments = eda_alloc(layers, sizeof *t->fragments);
   t->shift = eda_alloc(layers, sizeof *t->shift);
   t->patches = eda_alloc(layers, sizeof *t->patches);
@@ -106,7 +111,8 @@ int trial_differs(const trial *a, const trial *b, size_t layer) {
     return 1;
   if (a->shift[layer])
     return differ(a->shift[layer], b->shift[layer], a->fragments[layer]);
-  if (layer == EDA_ACTIVE) return differ(a->biases.w, b->biases.w, n);
+  if (layer == EDA_ACTIVE)
+    return differ(a->biases.w, b->biases.w, TRIAL_ACTIVE_BIASES * n);
   return layer == EDA_POLY &&
          differ(a->biases.l, b->biases.l, TRIAL_POLY_BIASES * n);
 }

@@ -86,6 +86,7 @@ static void take(stitch *s, const entry *e, const turn *t, size_t j, size_t i) {
   eda_box b = s->gates->box[i];
   int32_t width = s->gates->axis[i] == EDA_X ? b.y1 - b.y0 : b.x1 - b.x0;
   to->w[i] = from->w[j];
+  to->aside[i] = w_back ? -from->aside[j] : from->aside[j];
   to->l[i] = from->l[j];
   to->jog[i] = from->jog[j];
   to->end[2 * i] = from->end[2 * j + (size_t)w_back];

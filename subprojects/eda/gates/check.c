@@ -216,6 +216,8 @@ int eda_check_moves(const eda_gates *gates, const eda_moves *moves,
     if (is_far(moves->l[i])) return far_move("length", i, moves->l[i], error);
     if (is_far(moves->w[i])) return far_move("width", i, moves->w[i], error);
     if (is_far(moves->jog[i])) return far_move("jog", i, moves->jog[i], error);
+    if (moves->aside && is_far(moves->aside[i]))
+      return far_move("active", i, moves->aside[i], error);
     int code = moves->part ? check_parts(moves->part + EDA_PARTS * i, i, error)
                            : OPC_OK;
     if (code) return code;

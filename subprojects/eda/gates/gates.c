@@ -94,6 +94,7 @@ eda_moved *eda_moved_new(size_t layers, size_t gates) {
   eda_moved *m = eda_alloc(1, sizeof *m);
   *m = (eda_moved){.layers = layers, .gates = gates};
   m->w = eda_alloc(gates, sizeof *m->w);
+  m->aside = eda_alloc(gates, sizeof *m->aside);
   m->l = eda_alloc(gates, sizeof *m->l);
   m->jog = eda_alloc(gates, sizeof *m->jog);
   m->end = eda_alloc(2 * gates, sizeof *m->end);
@@ -111,6 +112,7 @@ void eda_moved_free(eda_moved *m) {
     free(m->bite[k].box);
   }
   free(m->w);
+  free(m->aside);
   free(m->l);
   free(m->jog);
   free(m->end);

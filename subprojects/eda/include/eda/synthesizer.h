@@ -74,6 +74,11 @@ typedef struct eda_moves {
      in the side that `l` alone says.
      Since 0.2; NULL in a loop that has none. */
   eda_part *part;
+
+  /* How far both sides of each gate's active lie towards HIGH of where `w` has
+     them, in grid steps: a gate gets wider on one side alone where a line end
+     is thin on the other one. Since 0.5; NULL in a loop that has none. */
+  int32_t *aside;
 } eda_moves;
 
 /* Edge fragments of a synthesizer's own. Polygon p of the layer's drawn shapes
