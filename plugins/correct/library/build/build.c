@@ -304,7 +304,8 @@ static int check(void *self, opc_error *error) {
 /* ---- entry ---- */
 
 static const opc_port outputs_of[] = {LIBRARY_PORT("library")};
-static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run};
+static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run,
+                                   .flags = OPC_STEP_OUTSIDE};
 
 OPC_PLUGIN(build, .id = "library.build", .kind = "step", .version = OPC_VERSION,
            .licence = "BSD-3-Clause",

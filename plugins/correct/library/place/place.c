@@ -348,7 +348,8 @@ static int check(void *self, opc_error *error) {
 
 static const opc_port outputs[] = {EDA_PORT_MASK("mask")};
 static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
-                                   .forecast = forecast};
+                                   .forecast = forecast,
+                                   .flags = OPC_STEP_OUTSIDE};
 
 OPC_PLUGIN(place, .id = "library.place", .kind = "step", .version = OPC_VERSION,
            .licence = "BSD-3-Clause",

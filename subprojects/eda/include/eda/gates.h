@@ -176,9 +176,9 @@ enum { EDA_PART_END = 1 << 20 };
 enum { EDA_FLIP_L = 1 << 0, EDA_FLIP_W = 1 << 1 };
 
 /* How the edges of a mask were moved from where they are drawn, in grid steps:
-   what another correction can begin with. `w`, `aside`, `l`, `jog` and `part` as
-   eda_moves (synthesizer.h), `end` as eda_ruling (regulator.h), all along the
-   axes of the gates as they lie, but for `flip`. */
+   what another correction can begin with. `w`, `aside`, `l`, `jog` and `part`
+   as eda_moves (synthesizer.h), `end` as eda_ruling (regulator.h), all along
+   the axes of the gates as they lie, but for `flip`. */
 typedef struct eda_moved {
   size_t layers, gates;
   int32_t *w, *aside, *l, *jog;
