@@ -173,7 +173,7 @@ static void test_wrong(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(slots); i++) {
     g_autoptr(GString) text = g_string_new(
         "opcflow: 1\nsteps:\n  m:\n    use: correct\n    gates: ${g}\n"
-        "    litho: { use: litho.hopkins }\n"
+        "    litho: { use: litho.hopkins, defocus: 0 }\n"
         "    resist: { use: resist.threshold }\n"
         "    extractor: { use: extractor.plain, devices: d.yaml }\n"
         "    synthesizer: { use: synthesizer.dpb }\n"

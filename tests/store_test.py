@@ -64,7 +64,7 @@ def ran(folder):
 def same(a, b):
     """All files but the manifest, to the byte."""
     def files(folder):
-        return {f["path"]: f["sha256"] for f in manifest(folder)["files"]}
+        return {f["path"]: f["sha256"] for f in manifest(folder)["files"] if not f["path"].endswith("manifest.json")}
     assert files(a) == files(b), (files(a), files(b))
 
 
@@ -132,6 +132,22 @@ def test_file():
     write("in.txt", "some INPUT\n")
     os.utime("in.txt", ns=(about.st_atime_ns, about.st_mtime_ns))
     assert "a" in ran(run()[0])
+
+
+def test_file_meanwhile():
+    """Of a file that changes before its step runs, nothing is kept."""
+    write("chain.yaml", "opcflow: 1\nname: x\nsteps:\n  a: { use: test.kept, wait: 400 }\n"
+          "  b: { use: test.numbers, size: 1 nm, input: in.txt, add: ${a} }\n")
+    env = dict(os.environ, OPCFLOW_STORE=os.path.abspath("store"))
+    child = subprocess.Popen([OPCFLOW, "run", "chain.yaml", "--quiet", "--output", "runs/slow"], env=env)
+    while not glob.glob("runs/.slow*"):
+        time.sleep(0.01)
+    time.sleep(0.1)
+    write("in.txt", "another one\n")
+    assert child.wait() == 0
+    write("in.txt", "some input\n")
+    assert set(ran(run()[0])) == {"b"}
+    assert ran(run()[0]) == {}
 
 
 def test_plugin():
@@ -237,6 +253,28 @@ def test_kills():
                     assert a.read() == b.read(), name
     assert reused
     assert not os.listdir("store/new"), os.listdir("store/new")
+
+
+def test_real():
+    """A mask that is read back, and a search, are worth the same as when they ran."""
+    paths = dict(OPCFLOW_PLUGIN_PATH=os.path.join(BUILD, "plugins"))
+    flows = os.path.join(os.environ["OPCFLOW_SOURCE"], "flows")
+    write("chain.yaml", """opcflow: 1
+extends: %s/search.yaml
+steps:
+  best: { sweep: { mask.synthesizer.fragment: [30 nm], mask.max_iterations: [1, 2] } }
+  judged: { fine: off }
+  again: { use: cost.fracture, mask: ${judged} }
+""" % flows)
+    truth, _ = run("--no-cache", **paths)
+    with_search = ("--set", "surface=~", "--set", "cost=~", "--set", "gds=~", "--set", "picture=~", "--set", "again=~")
+    run(*with_search, **paths)
+    folder, _ = run(**paths)
+    assert set(ran(folder)) == {"best", "best.layout", "best.gates", "surface", "cost", "gds", "picture", "again"}, ran(folder)
+    same(truth, folder)
+    folder, _ = run("--set", "best.sweep.mask.synthesizer.fragment=[30 nm, 60 nm]", **paths)
+    assert ran(folder)["best.mask"].startswith("mask.synthesizer.fragment changed from "), ran(folder)["best.mask"]
+    assert manifest(folder)["store"]["reused"] >= 1
 
 
 # ---- damage ----

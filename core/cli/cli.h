@@ -5,6 +5,7 @@
 
 #include <json-glib/json-glib.h>
 
+#include "core/flow/table.h"
 #include "core/plugin/registry.h"
 #include "core/text/problem.h"
 
@@ -135,6 +136,11 @@ void cli_keep_output(void);
 void cli_return_output(void);
 
 void cli_print(const char *format, ...) OPC_PRINTF(1, 2);
+
+/* A table that fits the terminal; of any width if `cli_wide`, as --wide says.
+ */
+extern gboolean cli_wide;
+void cli_print_table(const opc_table *table);
 
 /* A table of texts under `names`: `cells` has its rows, one after another. */
 void cli_print_rows(const char *const *names, size_t n, const GPtrArray *cells);

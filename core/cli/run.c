@@ -49,37 +49,23 @@ static gboolean varies(const opc_column *c, size_t rows) {
   return FALSE;
 }
 
-/* What to look at: the parameters and the metrics that they change, to six
-   digits. */
-static char *sweep_text(const opc_run *run) {
+/* What to look at: the parameters and the metrics that they change. */
+static void print_sweep(const opc_run *run) {
   const opc_table *all = run->points;
   guint parameters = run->sweep->axes->len;
   g_autofree opc_column *shown = g_new(opc_column, all->n_columns);
-  g_autoptr(GPtrArray) rounded = g_ptr_array_new_with_free_func(g_free);
   size_t n = 0;
   for (size_t i = 0; i < all->n_columns; i++) {
     const opc_column *c = &all->columns[i];
-    if (i > parameters &&
-        (!varies(c, all->rows) || !strcmp(c->name, "seconds")) &&
-        !(i + 1 == all->n_columns && run->failed_points))
-      continue;
-    shown[n++] = *c;
-    if (c->type != OPC_REAL) continue;
-    double *reals = g_new(double, MAX(all->rows, 1));
-    for (size_t row = 0; row < all->rows; row++) {
-      char digits[40];
-      g_ascii_formatd(digits, sizeof digits, "%.6g",
-                      ((const double *)c->data)[row]);
-      reals[row] = g_ascii_strtod(digits, NULL);
-    }
-    g_ptr_array_add(rounded, reals);
-    shown[n - 1].data = reals;
+    if (i <= parameters ||
+        (varies(c, all->rows) && strcmp(c->name, "seconds")) ||
+        (i + 1 == all->n_columns && run->failed_points))
+      shown[n++] = *c;
   }
   opc_error error;
   opc_table *table = opc_table_new("sweep", 0, all->rows, shown, n, &error);
-  char *text = opc_table_text(table);
+  cli_print_table(table);
   opc_table_free(table);
-  return text;
 }
 
 /* ---- what came of it ---- */
@@ -88,12 +74,13 @@ static void print_text(const opc_run *run) {
   for (guint i = 0; i < run->tables->len; i++) {
     const opc_table *t = run->tables->pdata[i];
     if (!(t->flags & OPC_TABLE_PRINT)) continue;
-    g_autofree char *text = opc_table_text(t);
-    cli_print("%s.%s\n%s\n", t->step, t->name, text);
+    cli_print("%s.%s\n", t->step, t->name);
+    cli_print_table(t);
+    cli_print("\n");
   }
   if (run->points) {
-    g_autofree char *text = sweep_text(run);
-    cli_print("%s\n", text);
+    print_sweep(run);
+    cli_print("\n");
   }
   if (!run->folder) return;
   cli_print("%s: %.2f s", run->folder, run->total);
@@ -194,7 +181,7 @@ static int tell(const series *s, const opc_run *run, const char *note,
   else if (!quiet)
     print_text(run);
   tell_findings(run, note);
-  if (run->failed_points)
+  if (run->failed_points && run->sweep)
     cli_message("error", "%zu of %zu points failed", run->failed_points,
                 run->sweep->points);
   int code = cli_problems(problems);

@@ -340,13 +340,15 @@ static void add_label(GString *to, const char *label) {
   g_string_append(to, label);
 }
 
-/* Of the first value that has one. */
+/* Of the first text, or else of the first value that has one. */
 static char *first_label(const opc_node *map) {
-  for (guint i = 0; i < map->items->len; i++) {
-    char *label = label_of(map->items->pdata[i]);
-    if (*label) return label;
-    g_free(label);
-  }
+  for (int any = 0; any < 2; any++)
+    for (guint i = 0; i < map->items->len; i++) {
+      const opc_node *value = map->items->pdata[i];
+      g_autofree char *label = label_of(value);
+      if (*label && (any || value->type == OPC_NODE_TEXT))
+        return g_steal_pointer(&label);
+    }
   return g_strdup("");
 }
 

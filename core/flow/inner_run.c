@@ -287,6 +287,7 @@ static void take_shared(opc_inner *in, opc_run *run, opc_problems *problems) {
     if (!from) continue;
     g_array_append_vals(run->metrics, from->metrics->data, from->metrics->len);
     opc_run_take_findings(run, from);
+    opc_run_take_histories(run, from);
     for (guint i = 0; i < from->flow->steps->len; i++) {
       const opc_flow_step *step = from->flow->steps->pdata[i];
       const opc_flow_step *its = opc_flow_find(run->flow, step->name);

@@ -23,65 +23,70 @@ GPtrArray *opc_histories_new(void) {
   return g_ptr_array_new_with_free_func(history_free);
 }
 
+void opc_run_take_histories(opc_run *run, const opc_run *from) {
+  run->steps_done += from->steps_done;
+  run->steps_reused += from->steps_reused;
+  for (guint i = 0; i < from->histories->len; i++) {
+    opc_history *h = g_memdup2(from->histories->pdata[i], sizeof *h);
+    h->path = g_strdup(h->path);
+    h->key = g_strdup(h->key);
+    h->reason = g_strdup(h->reason);
+    if (run->histories->len < OPC_MOST_HISTORIES)
+      g_ptr_array_insert(run->histories, (gint)i, h);
+    else
+      history_free(h);
+  }
+}
+
 static void tell_complaint(opc_run *run) {
   g_autofree char *text = opc_store_complaint(run->options->store);
   if (text) run->watch.log(run, "store", OPC_LOG_WARNING, text);
 }
 
-/* The run that it is a part of; and its path there, behind the names of the
-   steps whose flows it is in (g_free). */
-static opc_run *whole_of(opc_run *run, const opc_flow_step *step, char **path,
-                         size_t *point) {
-  opc_run *to = run;
-  *path = g_strdup(step->name);
-  *point = run->point;
-  for (; to->main; to = to->main) {
-    if (to->main->at) {
-      char *longer = g_strconcat(to->main->at->name, ".", *path, NULL);
-      g_free(*path);
-      *path = longer;
-    }
-    if (to->main->point) *point = to->main->point;
-  }
-  return to;
+/* Behind the name of the step whose flow it is in, if it is in one. */
+static void climb(opc_run **run, char **path) {
+  *run = (*run)->main;
+  if (!*run || !(*run)->at) return;
+  char *longer = g_strconcat((*run)->at->name, ".", *path, NULL);
+  g_free(*path);
+  *path = longer;
 }
 
+/* To the run, and to all that it is a part of. */
 static void tell(opc_run *run, const opc_flow_step *step, gboolean reused,
                  const char *reason) {
-  char *path;
-  size_t point;
-  opc_run *to = whole_of(run, step, &path, &point);
-  to->steps_done++;
-  to->steps_reused += reused;
-  if (to->histories->len >= OPC_MOST_HISTORIES) {
-    g_free(path);
-    return;
+  char *path = g_strdup(step->name);
+  for (opc_run *to = run; to; climb(&to, &path)) {
+    to->steps_done++;
+    to->steps_reused += reused;
+    if (to->histories->len >= OPC_MOST_HISTORIES) continue;
+    opc_history *h = g_new(opc_history, 1);
+    *h = (opc_history){to->point,        g_strdup(path),
+                       reused,           g_strdup(run->keys[step->number].sum),
+                       g_strdup(reason), run->seconds[step->number]};
+    g_ptr_array_add(to->histories, h);
   }
-  opc_history *h = g_new(opc_history, 1);
-  *h = (opc_history){point,
-                     path,
-                     reused,
-                     g_strdup(run->keys[step->number].sum),
-                     g_strdup(reason),
-                     run->seconds[step->number]};
-  g_ptr_array_add(to->histories, h);
+  g_free(path);
 }
 
 /* What was reused has run after all. */
 static void tell_again(opc_run *run, const opc_flow_step *step,
                        const char *whom) {
-  g_autofree char *path = NULL;
-  size_t point;
-  opc_run *to = whole_of(run, step, &path, &point);
-  to->steps_reused--;
-  for (guint i = to->histories->len; i-- > 0;) {
-    opc_history *h = to->histories->pdata[i];
-    if (strcmp(h->path, path) || !h->reused) continue;
+  char *path = g_strdup(step->name);
+  for (opc_run *to = run; to; climb(&to, &path)) {
+    guint i = to->histories->len;
+    opc_history *h = NULL;
+    to->steps_reused--;
+    while (i-- > 0 && !h) {
+      h = to->histories->pdata[i];
+      if (strcmp(h->path, path) || !h->reused) h = NULL;
+    }
+    if (!h) continue;
     h->reused = FALSE;
     h->reason = g_strdup_printf("its output was wanted by step '%s'", whom);
     h->seconds = run->seconds[step->number];
-    return;
   }
+  g_free(path);
 }
 
 /* ---- why ---- */
@@ -148,8 +153,28 @@ static const opc_flow_step *step_of_base(const opc_run *run,
   return run->base ? opc_flow_find(run->base->flow, step->name) : NULL;
 }
 
+/* Steps of a flow inside of a step whose places its own inputs take: what these
+   are depends on the steps of the outer flow. */
+static void take_given(opc_run *run) {
+  const opc_flow_step *outer = run->main ? run->main->at : NULL;
+  for (guint i = 0; outer && i < outer->inputs->len; i++) {
+    const opc_flow_input *in = &g_array_index(outer->inputs, opc_flow_input, i);
+    const opc_plugin *plugin = in->binding->plugin;
+    const opc_flow_step *step =
+        opc_flow_find(run->flow, plugin->parameters[in->parameter].name);
+    const opc_key *known = &run->main->keys[in->from->number];
+    if (!step || !run->objects[step->number]) continue;
+    opc_key *key = &run->keys[step->number];
+    if (known->sum)
+      key->sum = g_strdup_printf("%s %zu", known->sum, in->port);
+    else
+      key->why = g_strdup(known->why);
+  }
+}
+
 void opc_reuse_begin(opc_run *run) {
   if (!run->options->store) return;
+  if (!run->base) take_given(run);
   for (guint i = 0; run->base && i < run->flow->steps->len; i++) {
     const opc_flow_step *its = step_of_base(run, run->flow->steps->pdata[i]);
     if (!run->left_out[i] || !its) continue;

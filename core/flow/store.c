@@ -156,7 +156,8 @@ gboolean opc_store_put(opc_store *store, const char *key, GVariant *given) {
                  ? -1
                  : g_mkstemp_full(fresh, O_WRONLY | O_CLOEXEC, 0600);
   gboolean good = file >= 0 && write_value(fresh, file, path, value);
-  if (!good && !store->told) {
+  /* One that clears at this moment may have taken it for a remain. */
+  if (!good && errno != ENOENT && !store->told) {
     store->told = TRUE;
     complain(store, store->folder, g_strerror(errno));
   }

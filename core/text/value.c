@@ -171,7 +171,10 @@ static gboolean number(const conversion *c, const opc_node *node,
                  to ? " with its unit" : "", text);
   if (!to && *name)
     return WRONG(c, node, "'%s' takes a plain number, not '%s'", p->name, text);
-  if (to && !*name)
+  if (to && !*name && opc_unit_shares_zero(to) &&
+      opc_number_in(text, length, to, to) == 0)
+    from = to;
+  else if (to && !*name)
     return WRONG(c, node, "'%s' needs %s with its unit, e.g. '%.*s %s'",
                  p->name, opc_unit_noun(to), (int)length, text, p->unit);
   if (to && !from) return opc_unknown_unit(node, name, c->problems);

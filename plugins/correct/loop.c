@@ -475,6 +475,13 @@ static void loop_init(loop *l) {
   eda_performance_init(&l->design, n);
   eda_performance_init(&l->before, n);
   guard_init(&l->guard, n);
+  l->drawn_print = eda_alloc(layers, sizeof *l->drawn_print);
+}
+
+static void keep_drawn_print(loop *l) {
+  for (size_t k = 0; k < l->gates->layers; k++)
+    if (l->gates->corrected[k])
+      l->drawn_print[k] = eda_field_scaled(&l->printer.print[k], 1);
 }
 
 int loop_run(loop *l, opc_error *error) {
@@ -492,6 +499,7 @@ int loop_run(loop *l, opc_error *error) {
   if (code) return code;
   eda_performance_copy(&l->before, l->corners.count ? &l->corners.nominal
                                                     : &l->measured.performance);
+  keep_drawn_print(l);
   eda_printed drawn = loop_printed(l);
   code = guard_begin(l, &drawn, error);
   if (!code) code = proof_begin(l, error);
@@ -515,7 +523,9 @@ void loop_clear(loop *l) {
     sites_clear(&l->sites[k]);
     eda_shapes_clear(&l->polygons[k]);
     eda_shapes_clear(&l->mask[k]);
+    eda_field_clear(&l->drawn_print[k]);
   }
+  free(l->drawn_print);
   for (int which = 0; which < DRIVERS; which++) {
     free(l->drivers[which].epe);
     free(l->drivers[which].shift);

@@ -62,6 +62,7 @@ typedef struct loop {
   trace trace;
   uint32_t *vetoes;
   uint32_t iterations;
+  eda_field *drawn_print; /* of the drawn mask, as `before` has it */
 } loop;
 
 int loop_run(loop *loop, opc_error *error);

@@ -79,7 +79,7 @@ static int write_runs(const experiment *e, opc_error *error) {
   columns[1] = (opc_column){"method", NULL, OPC_TEXT, 0, methods};
   columns[2] = (opc_column){"folder", NULL, OPC_TEXT, 0, folders};
   columns[3] = (opc_column){"result", NULL, OPC_TEXT, 0, e->results};
-  columns[4] = (opc_column){"seconds", NULL, OPC_REAL, 3, e->seconds};
+  columns[4] = (opc_column){"seconds", NULL, OPC_REAL, 6, e->seconds};
   for (guint i = 0; i < e->figures->len; i++) {
     const figure *f = e->figures->pdata[i];
     columns[HEAD + i] = (opc_column){f->name, f->unit, OPC_REAL, -1, f->values};

@@ -23,9 +23,10 @@ static const double unit = 0.5; /* of points of contours, nm */
    nearer to the line between their neighbours are left out; nm. */
 static const double straight = 0.4;
 static const double around = 400; /* of a window of one of the worst, nm */
-/* An image of an optics of NA 0.75 at 193 nm has no period below 129 nm; a
-   pixel of half of that is as much as it has. */
-static const double finest_pixel = 8, coarsest_pixel = 64, pixels = 1e6;
+/* An image of an optics of NA 0.75 at 193 nm has no period below 129 nm: pixels
+   of more than a third of that show it coarsely. So many pixels take 0.05 s and
+   0.4 MB. */
+static const double finest_pixel = 16, coarsest_pixel = 48, pixels = 6e5;
 
 /* Numbers that become more. */
 typedef struct numbers {
@@ -372,6 +373,17 @@ static void write_polygons(drawing *d, size_t layer, const char *role,
   clear(&o);
 }
 
+/* Nothing of a print that is not there. */
+static int write_print(drawing *d, size_t layer, const char *role,
+                       const eda_field *print, opc_error *error) {
+  outlines o = {0};
+  if (!print->coefficients) return OPC_OK;
+  int code = contours(d, print, &o, error);
+  if (!code) write_outlines(d, layer, role, unit, &o);
+  clear(&o);
+  return code;
+}
+
 /* What transistors need, what is corrected, and contacts. */
 static int is_shown(const eda_gates *g, size_t layer) {
   return layer <= EDA_ACTIVE || g->corrected[layer] ||
@@ -383,14 +395,10 @@ static int write_shapes(drawing *d, opc_error *error) {
   int code = OPC_OK;
   g_string_append(d->out, ",\n \"shapes\": [");
   for (size_t k = 0; k < m->layers && !code; k++) {
-    outlines o = {0};
     if (!is_shown(m->gates, k)) continue;
     write_polygons(d, k, "drawn", &m->gates->drawn[k]);
     write_polygons(d, k, "mask", &m->shapes[k]);
-    if (!m->print[k].coefficients) continue;
-    code = contours(d, &m->print[k], &o, error);
-    if (!code) write_outlines(d, k, "print", unit, &o);
-    clear(&o);
+    code = write_print(d, k, "print", &m->print[k], error);
   }
   g_string_append(d->out, "]");
   return code;

@@ -52,13 +52,13 @@ static void tell_of_overlaps(const loop *l) {
 }
 
 /* Move what outlives the run from the loop to its result. */
-static eda_mask *hand_over(loop *l) {
-  eda_mask *out = eda_mask_new(l->gates);
+static void hand_over(loop *l, eda_mask *out) {
   for (size_t k = 0; k < l->gates->layers; k++) {
     out->shapes[k] = l->mask[k];
     out->print[k] = l->printer.print[k];
+    out->drawn_print[k] = l->drawn_print[k];
     l->mask[k] = (eda_shapes){0};
-    l->printer.print[k] = (eda_field){0};
+    l->printer.print[k] = l->drawn_print[k] = (eda_field){0};
   }
   corners *c = &l->corners; /* the result has figures of the nominal print */
   eda_performance *after = c->count ? &c->nominal : &l->measured.performance;
@@ -72,16 +72,16 @@ static eda_mask *hand_over(loop *l) {
   out->simulations = l->printer.simulations;
   out->fine_simulations = l->printer.fine_simulations;
   out->moved = moved_of(l);
-  return out;
 }
 
-static int tell_of_violations(loop *l, opc_error *error) {
+static int tell_of_violations(loop *l, eda_mask *out, opc_error *error) {
   if (!l->regulator) return OPC_OK;
   eda_violation *v = NULL;
   size_t n = 0;
   eda_printed p = loop_printed(l);
   int code = loop_violations(l, &p, &v, &n, error);
   if (!code) code = report_violations(l->host, l->gates, v, n, error);
+  if (!code) eda_mask_set_violations(out, v, n);
   free(v);
   return code;
 }
@@ -150,18 +150,19 @@ static int run(void *self, void **outputs, opc_error *error) {
   l.printer.fine = c->fine;
   l.corners.wish = c->corners;
   l.assists = c->assists;
+  eda_mask *mask = eda_mask_new(c->gates);
+  outputs[0] = mask; /* released by the host if this fails */
   code = loop_run(&l, error);
   if (!code) {
     tell_of_overlaps(&l);
-    code = tell_of_violations(&l, error);
+    code = tell_of_violations(&l, mask, error);
   }
   if (!code) code = corners_report(&l, error);
   if (!code) code = assists_report(&l, error);
   if (!code) code = tell_of_rules(c, &l, error);
   if (!code) code = tell_of_guard(&l, error);
   if (!code) {
-    eda_mask *mask = hand_over(&l);
-    outputs[0] = mask; /* released by the host if the report fails */
+    hand_over(&l, mask);
     code = tell(c, &l, mask, error);
   }
   loop_clear(&l);

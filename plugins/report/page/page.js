@@ -62,11 +62,14 @@ function result_of(run) {
   const broken = run.requirements.filter(q => !q.kept).length;
   if (run.running) return 'this run, not yet at its end';
   if (run.failure) return 'failed: ' + run.failure;
-  return broken ? `${broken} of ${run.requirements.length} requirements not kept` : 'complete';
+  return broken ? `${broken} of ${run.requirements.length} required not kept` : 'complete';
 }
 
+/* Of many texts the first ones, and how many more there are. */
+const first_of = texts => (texts.length > 12 ? [...texts.slice(0, 10), `and ${texts.length - 10} more`] : texts);
+
 const notes = () => (data.missing.length
-  ? el('div', {class: 'note'}, el('h3', null, 'What is not here'), el('ul', null, data.missing.map(m => el('li', null, m)))) : null);
+  ? el('div', {class: 'note'}, el('h3', null, 'What is not here'), el('ul', null, first_of(data.missing).map(m => el('li', null, m)))) : null);
 
 /* All transistors of a method, in all cases that are asked for. */
 function pool(method, only) {
@@ -111,27 +114,29 @@ function requirements() {
 }
 
 function findings() {
-  const all = runs.flatMap(r => r.findings.map(f => el('li', null, (runs.length > 1 ? r.label + ', ' : '') + f.step + ': ' + f.text)));
-  return all.length ? el('div', {class: 'note'}, el('h3', null, 'Findings'), el('ul', null, all)) : null;
+  const all = runs.flatMap(r => r.findings.map(f => (runs.length > 1 ? r.label + ', ' : '') + f.step + ': ' + f.text));
+  return all.length ? el('div', {class: 'note'}, el('h3', null, 'Findings'),
+    el('ul', null, first_of(all).map(text => el('li', null, text)))) : null;
 }
 
 /* ---- charts ---- */
 
 function charts() {
-  if (!runs.some(r => deviations(r, 'ion_after').length)) return;
+  if (!runs.some(r => r.tables.gates || r.tables.history)) return;
   const place = el('div'), show = only => place.replaceChildren(...some(charts_of(only)));
   const choice = cases.length > 1 ? el('label', null, 'Case ', el('select', {onchange: e => show(e.target.value)},
     el('option', {value: ''}, 'all'), cases.map(c => el('option', null, c)))) : null;
   show('');
-  section('transistors', 'Transistors', choice, place);
+  section('transistors', 'Transistors and convergence', choice, place);
 }
 
 function charts_of(only) {
   const pools = methods.map(m => pool(m, only));
-  return [el('h3', null, 'Deviation from the design'), histograms(pools), el('h3', null, 'Drive current against gate area'),
+  const performance = [el('h3', null, 'Deviation from the design'), histograms(pools), el('h3', null, 'Drive current against gate area'),
     el('p', {class: 'about'}, 'To first order, a gate’s delay is off by its load’s capacitance, which goes as the area of gates, ' +
       'less its drive current (Δt/t ≈ ΔC/C − ΔIon/Ion): on the line where both are equal, the delay is as designed.'),
     scatters(pools), el('h3', null, 'Deviation against width'), against_width(pools)];
+  return [pools.some(p => p.ion.length) ? performance : null, convergence(only)];
 }
 
 function histograms(pools) {
@@ -187,17 +192,30 @@ function against_width(pools) {
   return el('div', null, el('div', {class: 'charts'}, one('area', 'area'), one('ion', 'Ion')), methods.length > 1 ? legend(methods) : null);
 }
 
-function loops() {
-  const of = name => runs.map(r => ({k: series_of(r), points: (column(r, 'history', name) || [])
-    .map((v, i) => [column(r, 'history', 'iteration')[i], v]).filter(q => is(q[1]))})).filter(s => s.points.length);
+/* A figure of history.csv by iteration, of each method the mean over its runs; one
+   that ended earlier stays as it was. */
+function mean_history(method, only, name) {
+  const all = runs.filter(r => r.method === method && (!only || r.case === only) && column(r, 'history', name))
+    .map(r => new Map(column(r, 'history', 'iteration').map((n, i) => [n, column(r, 'history', name)[i]])));
+  const last = Math.max(-1, ...all.flatMap(h => [...h.keys()])), points = [];
+  const now = all.map(() => NaN);
+  for (let n = 0; n <= last; n++) {
+    all.forEach((h, i) => { if (is(h.get(n))) now[i] = h.get(n); });
+    const known = finite(now);
+    if (known.length && all.some(h => h.has(n))) points.push([n, mean(known)]);
+  }
+  return points;
+}
+
+function convergence(only) {
   const one = (name, title, unit) => {
-    const s = of(name);
-    return s.length ? lines(title, '', {label: 'iteration'}, {label: unit, log: true}, s) : null;
+    const series = methods.map((m, k) => ({k, points: mean_history(m, only, name)})).filter(s => s.points.length);
+    return series.length ? lines(title, '', {label: 'iteration'}, {label: unit, log: true}, series) : null;
   };
-  const all = [one('ion_mean', 'Mean |Ion deviation|', '%'), one('ion_max', 'Largest |Ion deviation|', '%'),
-    one('area_mean', 'Mean |area deviation|', '%'), one('epe_mean', 'Mean |edge placement error|', 'nm')];
-  if (all.some(c => c))
-    section('convergence', 'Convergence', el('div', {class: 'charts'}, all), methods.length > 1 ? legend(methods) : null);
+  const all = some([one('ion_mean', 'Mean |Ion deviation|', '%'), one('ion_max', 'Largest |Ion deviation|', '%'),
+    one('area_mean', 'Mean |area deviation|', '%'), one('epe_mean', 'Mean |edge placement error|', 'nm')]);
+  return all.length ? [el('h3', null, 'Convergence' + (cases.length > 1 && !only ? ', means over the cases' : '')),
+    el('div', {class: 'charts'}, all), methods.length > 1 ? legend(methods) : null] : null;
 }
 
 /* ---- corners ---- */
@@ -290,15 +308,23 @@ function parameters() {
 
 function facts() {
   const short = sum => (sum ? el('code', {title: sum}, sum.slice(0, 12)) : '');
-  const each = runs.map(r => el('details', {open: runs.length === 1}, el('summary', null, r.label),
-    el('dl', {class: 'facts long'}, [['folder', r.folder], ['flow', r.name], ['variant', r.variant], ['opcflow', r.version],
+  const inside = r => [el('dl', {class: 'facts long'}, [['folder', r.folder], ['flow', r.name], ['variant', r.variant], ['opcflow', r.version],
       ['started', r.started], ['time', is(r.seconds) ? quantity(r.seconds, 's') : ''], ['threads', r.threads]].filter(f => f[1]).map(([a, b]) =>
       el('div', null, el('dt', null, a), el('dd', null, String(b))))),
     table('Inputs', [{name: 'file', text: true, cell: f => f.path}, {name: 'SHA-256', text: true, cell: f => short(f.sha256)}], r.inputs),
     table('Steps', [{name: 'step', text: true, cell: s => s.name}, {name: 'time', unit: 's', cell: s => number(s.seconds)}], r.steps),
     table('Plugins', [{name: 'plugin', text: true, cell: p => p.id}, {name: 'version', text: true, cell: p => p.version},
-      {name: 'SHA-256', text: true, cell: p => short(p.sha256)}], r.plugins)));
-  section('facts', 'Facts of the runs', parameters(), all_metrics(), each);
+      {name: 'SHA-256', text: true, cell: p => short(p.sha256)}], r.plugins)];
+  section('facts', 'Facts of the runs', parameters(), all_metrics(), runs.map(r => folded(r.label, runs.length === 1, () => inside(r))));
+}
+
+/* What is made when it is unfolded; of few runs at once, so that it is printed. */
+const FEW = 20;
+function folded(title, open, content) {
+  const d = el('details', {open}, el('summary', null, title));
+  if (runs.length <= FEW) d.append(...some(content()));
+  else d.addEventListener('toggle', () => d.append(...some(content())), {once: true});
+  return d;
 }
 
 function all_metrics() {
@@ -317,13 +343,20 @@ function theme() {
   choice.addEventListener('change', () => set(choice.value));
   if (location.hash === '#dark' || location.hash === '#light') set(choice.value = location.hash.slice(1));
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => repaint());
-  const print = to => () => { printing = to; root.classList.toggle('printing', to); repaint(); };
+  let folded = [];
+  const print = to => () => {
+    if (to) folded = [...document.querySelectorAll('details:not([open])')];
+    for (const d of folded) d.open = to;
+    printing = to;
+    root.classList.toggle('printing', to);
+    repaint();
+  };
   addEventListener('beforeprint', print(true));
   addEventListener('afterprint', print(false));
 }
 
 function head() {
-  const title = data.title || runs.map(r => r.label).join(', ');
+  const title = data.title || (runs.length > 4 ? methods : runs.map(r => r.label)).join(', ');
   document.title = title + ' · opcflow report';
   document.getElementById('title').textContent = title;
   document.getElementById('subtitle').textContent = [
@@ -336,7 +369,6 @@ main.replaceChildren();
 head();
 summary();
 charts();
-loops();
 corners();
 layout();
 violations();

@@ -18,7 +18,7 @@ class Viewer {
     this.element = el('div', {class: 'viewer'}, this.controls(),
       el('p', {class: 'about', id: 'viewer-help'}, HELP),
       el('div', {class: 'panes'}, this.panes.map(p => p.element)), this.told, this.tip);
-    new ResizeObserver(() => this.draw()).observe(this.element);
+    new ResizeObserver(() => (this.fits ? this.fit() : this.draw())).observe(this.element);
   }
 
   /* ---- its parts ---- */
@@ -117,6 +117,7 @@ class Viewer {
   }
 
   draw_now() {
+    if (!this.window) return; /* not open yet */
     const range = Math.max(...this.panes.map(p => p.what.range));
     for (const pane of this.panes) {
       if (pane.element.hidden) continue;
@@ -136,6 +137,7 @@ class Viewer {
     this.window = {x: (x0 + x1) / 2, y: (y0 + y1) / 2,
       scale: 0.94 * Math.min((c.clientWidth || 400) / (x1 - x0), (c.clientHeight || 360) / (y1 - y0))};
     this.least = this.window.scale / 4;
+    this.fits = true; /* until somebody moves it */
     this.draw();
   }
 
@@ -144,11 +146,13 @@ class Viewer {
     w.x = about.x + (w.x - about.x) * w.scale / scale;
     w.y = about.y + (w.y - about.y) * w.scale / scale;
     w.scale = scale;
+    this.fits = false;
     this.draw();
   }
 
   move(dx, dy) {
     this.window.x += dx, this.window.y += dy;
+    this.fits = false;
     this.draw();
   }
 
@@ -197,6 +201,7 @@ class Viewer {
       if (near) w.scale = Math.max(w.scale, 0.25);
       const half = {x: this.canvas().clientWidth / 2.4 / w.scale, y: this.canvas().clientHeight / 2.4 / w.scale};
       if (near || Math.abs(c.x - w.x) > half.x || Math.abs(c.y - w.y) > half.y) w.x = c.x, w.y = c.y;
+      this.fits = false;
     }
     this.draw();
   }
@@ -235,7 +240,7 @@ class Viewer {
 }
 
 /* Whether two runs have the same transistors in the same places. */
-const is_like = (a, b) => a.view.boxes === b.view.boxes && a.view.cell === b.view.cell;
+const is_like = (a, b) => a.view.boxes === b.view.boxes;
 
 function colour_key(what) {
   const colours = diverging(), end = what.range, sign = what.state === 'change' ? ' points' : ' %';

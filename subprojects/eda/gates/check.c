@@ -455,6 +455,11 @@ int eda_mask_check(const void *mask, opc_error *error) {
     code = check_shapes(&m->shapes[k], "mask shapes", error);
     if (!code && m->gates->corrected[k])
       code = eda_check_field(print, &print->frame, "print", error);
+    if (!code && m->drawn_print && m->drawn_print[k].coefficients)
+      code = eda_check_field(&m->drawn_print[k], &print->frame, "drawn print",
+                             error);
   }
-  return code;
+  return code ? code
+              : eda_check_violations(m->violations, m->n_violations,
+                                     m->gates->count, error);
 }

@@ -129,7 +129,25 @@ eda_mask *eda_mask_new(const eda_gates *gates) {
   m->layers = gates->layers;
   m->shapes = eda_alloc(gates->layers, sizeof *m->shapes);
   m->print = eda_alloc(gates->layers, sizeof *m->print);
+  m->drawn_print = eda_alloc(gates->layers, sizeof *m->drawn_print);
   return m;
+}
+
+static void drop_violations(eda_mask *m) {
+  for (size_t i = 0; i < m->n_violations; i++)
+    free((char *)m->violations[i].rule);
+  free(m->violations);
+}
+
+void eda_mask_set_violations(eda_mask *m, const eda_violation *v, size_t n) {
+  drop_violations(m);
+  m->violations = eda_alloc(n, sizeof *v);
+  m->n_violations = n;
+  for (size_t i = 0; i < n; i++) {
+    size_t bytes = strlen(v[i].rule) + 1;
+    m->violations[i] = v[i];
+    m->violations[i].rule = memcpy(eda_alloc(bytes, 1), v[i].rule, bytes);
+  }
 }
 
 void eda_mask_free(void *mask) {
@@ -138,9 +156,12 @@ void eda_mask_free(void *mask) {
   for (size_t k = 0; k < m->layers; k++) {
     eda_shapes_clear(&m->shapes[k]);
     eda_field_clear(&m->print[k]);
+    eda_field_clear(&m->drawn_print[k]);
   }
   free(m->shapes);
   free(m->print);
+  free(m->drawn_print);
+  drop_violations(m);
   eda_performance_clear(&m->design);
   eda_performance_clear(&m->before);
   eda_performance_clear(&m->after);

@@ -86,6 +86,35 @@ static void move_performance(stream *s, eda_performance *p) {
   move_array(s, &p->outside, p->count, sizeof *p->outside);
 }
 
+static void move_text(stream *s, const char **text) {
+  size_t n = s->writing ? strlen(*text) : 0;
+  char *copy = (char *)*text;
+  move_count(s, &n);
+  if (!s->writing && n > s->left) s->failed = 1;
+  if (!s->writing) *text = copy = eda_alloc(s->failed ? 1 : n + 1, 1);
+  move(s, copy, n);
+}
+
+static void move_violations(stream *s, eda_mask *m) {
+  size_t n = m->n_violations;
+  move_count(s, &n);
+  if (s->failed || (!s->writing && n > s->left)) {
+    s->failed = 1;
+    return;
+  }
+  if (!s->writing) m->violations = eda_alloc(n, sizeof *m->violations);
+  for (size_t i = 0; i < n && !s->failed; i++) {
+    eda_violation *v = &m->violations[i];
+    m->n_violations = s->writing ? n : i + 1;
+    move_text(s, &v->rule);
+    move(s, &v->gate, sizeof v->gate);
+    move(s, &v->x, sizeof v->x);
+    move(s, &v->y, sizeof v->y);
+    move(s, &v->value, sizeof v->value);
+    move(s, &v->limit, sizeof v->limit);
+  }
+}
+
 static void move_list(stream *s, eda_box_list *list) {
   move_count(s, &list->count);
   move_array(s, &list->box, list->count, sizeof *list->box);
@@ -124,6 +153,7 @@ static void move_mask(stream *s, eda_mask *m) {
   for (size_t k = 0; k < m->layers && !s->failed; k++) {
     move_shapes(s, &m->shapes[k]);
     move_field(s, &m->print[k]);
+    move_field(s, &m->drawn_print[k]);
   }
   move_performance(s, &m->design);
   move_performance(s, &m->before);
@@ -132,6 +162,7 @@ static void move_mask(stream *s, eda_mask *m) {
   move(s, &m->iterations, sizeof m->iterations);
   move(s, &m->simulations, sizeof m->simulations);
   move(s, &m->fine_simulations, sizeof m->fine_simulations);
+  move_violations(s, m);
   move_moved(s, m);
 }
 

@@ -39,6 +39,10 @@ static eda_mask *make(void) {
   m->iterations = 3;
   m->simulations = 9;
   m->fine_simulations = 2;
+  m->drawn_print[1] = eda_field_scaled(&m->print[1], 0.5);
+  const eda_violation found[] = {{"extension; drawn so", 1, 2.5, -3, 12, 40},
+                                 {"bridging", -1, 0, 0, 1, 2}};
+  eda_mask_set_violations(m, found, G_N_ELEMENTS(found));
   return m;
 }
 
@@ -101,6 +105,14 @@ static void test_equal(void) {
   g_assert_cmpuint(b->iterations, ==, 3);
   g_assert_cmpuint(b->simulations, ==, 9);
   g_assert_cmpuint(b->fine_simulations, ==, 2);
+  g_assert_null(b->drawn_print[0].coefficients);
+  g_assert_cmpmem(a->drawn_print[1].coefficients, 60,
+                  b->drawn_print[1].coefficients, 60);
+  g_assert_cmpuint(b->n_violations, ==, 2);
+  g_assert_cmpstr(b->violations[0].rule, ==, "extension; drawn so");
+  g_assert_cmpint(b->violations[0].gate, ==, 1);
+  g_assert_true(b->violations[0].x == 2.5 && b->violations[0].limit == 40);
+  g_assert_cmpint(b->violations[1].gate, ==, -1);
   eda_mask_free(made);
   eda_mask_free(a);
   g_assert_cmpint(g_remove(path), ==, 0);

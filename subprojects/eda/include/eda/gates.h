@@ -193,6 +193,17 @@ typedef struct eda_moved {
 OPC_EXPORT eda_moved *eda_moved_new(size_t layers, size_t gates);
 OPC_EXPORT void eda_moved_free(eda_moved *moved);
 
+/* A rule that a print does not keep. */
+typedef struct eda_violation {
+  /* "bridging", "extension", ... After "; " comes the reason why nothing can be
+     moved to keep it: what is drawn, or a parameter, stands in the way. Without
+     one it is a fault of the correction. Of a regulator: constant. */
+  const char *rule;
+  int32_t gate;        /* -1: none */
+  double x, y;         /* nm */
+  double value, limit; /* nm, or a count */
+} eda_violation;
+
 /* A corrected mask. The gates it was made from outlive it. What is added here
    is added to eda_mask_save, too. */
 typedef struct eda_mask {
@@ -206,6 +217,12 @@ typedef struct eda_mask {
   uint32_t iterations;
   uint32_t simulations;      /* litho simulations, of one layer each */
   uint32_t fine_simulations; /* those of a finer model, beside them */
+  /* [layers]: level set of the drawn mask's print; empty or NULL where
+     it was not kept. Since 0.5. */
+  eda_field *drawn_print;
+  /* What a regulator found of the print, in its order. Since 0.5. */
+  eda_violation *violations;
+  size_t n_violations;
   /* What moved its edges; NULL if more than that did: edges that were cut into
      fragments, assist features, or a mask from elsewhere. Since 0.5. */
   eda_moved *moved;
@@ -218,6 +235,11 @@ typedef struct eda_mask {
 OPC_EXPORT eda_mask *eda_mask_new(const eda_gates *gates);
 OPC_EXPORT void eda_mask_free(void *mask);
 OPC_EXPORT int eda_mask_check(const void *mask, opc_error *error);
+
+/* Copies of violations, in place of those that the mask has. [main] */
+OPC_EXPORT void eda_mask_set_violations(eda_mask *mask,
+                                        const eda_violation *violations,
+                                        size_t n);
 
 /* Write all of a mask but its gates into FOLDER/mask, and make it again with
    equal gates: the same to the last bit, on this machine. OPC_IO, or OPC_FAILED
