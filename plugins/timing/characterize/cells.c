@@ -21,8 +21,7 @@ static int same_place(const eda_timing_device *a, const eda_timing_device *b) {
 static void take_devices(study *s, const eda_flat_netlist *flat,
                          eda_timing_cell *c) {
   c->devices = flat->devices;
-  c->device =
-      eda_pool_alloc(&s->timing->memory, c->devices, sizeof *c->device);
+  c->device = eda_pool_alloc(&s->timing->memory, c->devices, sizeof *c->device);
   for (size_t i = 0; i < c->devices; i++) {
     const eda_transistor *t = &flat->device[i];
     eda_timing_device *d = &c->device[i];
@@ -41,8 +40,7 @@ static void take_devices(study *s, const eda_flat_netlist *flat,
   for (size_t i = 0; i < c->devices; i++) {
     double all = 0;
     for (size_t k = 0; k < c->devices; k++)
-      if (c->device[k].bundle == c->device[i].bundle)
-        all += c->device[k].width;
+      if (c->device[k].bundle == c->device[i].bundle) all += c->device[k].width;
     c->device[i].share = c->device[i].width / all;
   }
 }
@@ -96,7 +94,8 @@ static const char *take_pins(study *s, const eda_flat_netlist *flat,
 
 enum { LOW, HIGH, UNKNOWN };
 
-/* Which nets are held by 0 [0] and 1 [1], for certain [.][0], perhaps [.][1]. */
+/* Which nets are held by 0 [0] and 1 [1], for certain [.][0], perhaps [.][1].
+ */
 typedef struct reach {
   uint8_t *by[2][2];
 } reach;
@@ -109,8 +108,7 @@ static int conducts(const eda_timing_device *d, const uint8_t *value) {
 
 /* Pass what holds one end of a channel on to the other, unless that is fixed.
    Whether anything is new. */
-static int spread(uint8_t *held, const uint8_t *fixed, uint32_t a,
-                  uint32_t b) {
+static int spread(uint8_t *held, const uint8_t *fixed, uint32_t a, uint32_t b) {
   int news = 0;
   if (held[a] && !held[b] && !fixed[b]) news = held[b] = 1;
   if (held[b] && !held[a] && !fixed[a]) news = held[a] = 1;
@@ -141,8 +139,7 @@ static void evaluate(const eda_timing_cell *c, const uint8_t *fixed,
     news = 0;
     memset(all, 0, 4 * n);
     for (size_t i = 0; i < n; i++)
-      if (fixed[i])
-        r.by[value[i]][0][i] = r.by[value[i]][1][i] = 1;
+      if (fixed[i]) r.by[value[i]][0][i] = r.by[value[i]][1][i] = 1;
     settle(c, fixed, value, &r);
     for (size_t i = 0; i < n; i++) {
       if (fixed[i] || value[i] != UNKNOWN) continue;
@@ -160,8 +157,7 @@ static const char *find_levels(study *s, eda_timing_cell *c) {
   const size_t patterns = (size_t)1 << c->inputs;
   const char *trouble = NULL;
   uint8_t *fixed = eda_alloc(2 * c->nets, 1), *value = fixed + c->nets;
-  c->level =
-      eda_pool_alloc(&s->timing->memory, c->outputs * patterns, 1);
+  c->level = eda_pool_alloc(&s->timing->memory, c->outputs * patterns, 1);
   for (size_t p = 0; p < patterns && !trouble; p++) {
     memset(fixed, 0, c->nets);
     memset(value, UNKNOWN, c->nets);
@@ -228,9 +224,10 @@ static void make_grid(study *s, eda_timing_cell *c) {
   for (size_t i = 0; i < c->slews; i++) c->at_slew[i] = s->slews.values[i];
   for (size_t i = 0; i < c->loads; i++)
     c->at_load[i] = s->loads.values[i] * most;
-  /* Circuits are within; the outermost points are for the odd one. */
-  c->near_slew[1] = c->slews > 2 ? c->slews / 2 : 1;
-  c->near_load[1] = c->loads > 2 ? c->loads / 2 : 1;
+  c->near_slew[0] = c->slews > 3;
+  c->near_slew[1] = c->slews > 3 ? c->slews - 2 : c->slews - 1;
+  c->near_load[0] = c->loads > 3;
+  c->near_load[1] = c->loads > 3 ? c->loads - 2 : c->loads - 1;
 }
 
 /* ---- all ---- */

@@ -263,7 +263,7 @@ static const opc_parameter parameters[] = {
                   .min = -200, .max = 300,
                   .summary = "temperature of the transistors"),
     OPC_PARAMETER(study, slews, .type = OPC_REALS, .unit = "s",
-                  .preset = "[2 ps, 6 ps, 15 ps, 35 ps, 90 ps]",
+                  .preset = "[2 ps, 5 ps, 10 ps, 22 ps, 70 ps]",
                   .summary = "times of the inputs between the edges"),
     OPC_PARAMETER(study, loads, .type = OPC_REALS, .unit = "F",
                   .preset = "[0.3 fF, 1.2 fF, 3 fF, 7 fF, 16 fF]",

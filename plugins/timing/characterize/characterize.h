@@ -15,7 +15,7 @@ typedef struct study {
   const char *file, *top, *cells;
   double scale;
   const char *models[2], *model[2]; /* files ([1] NULL: the same), names */
-  const char *n_models, *p_models;  /* of the netlist, whose type is not shown */
+  const char *n_models, *p_models; /* of the netlist, whose type is not shown */
   const char *supplies, *grounds;
   int dlc;
   double supply, temperature;
@@ -55,6 +55,7 @@ typedef struct copy {
 typedef struct deck {
   study *s;
   double slew;
+  int rough; /* for differences between copies only */
   size_t count, room;
   copy *copy;
   int code;
@@ -62,7 +63,7 @@ typedef struct deck {
 } deck;
 
 /* The time of the whole ramp for a slew between the edges. */
-double ramp_time(const study *s, double slew);
+double ramp_time(const study *s, double slew, int rises);
 
 /* Simulate until every output is there. [any] */
 void deck_run(deck *d);

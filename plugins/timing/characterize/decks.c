@@ -9,39 +9,30 @@
 
 #include "characterize.h"
 
-/* The input is a straight line to the middle of the supply, then an exponential
-   of the same slope: the shape that outputs of gates have. Of the whole time T
-   of the line, prolonged: v = t / T up to the middle, then 1 - exp(1 - 2 t /
-   T) / 2. It ends at 99.5 %, with a step of 0.5 %. */
-static const double tail[] = {0.55, 0.6,  0.65, 0.7,  0.75, 0.8, 0.85,
-                              0.9,  0.94, 0.97, 0.985, 0.995};
-enum { TAIL = sizeof tail / sizeof *tail, TRIES = 7 };
+enum { TRIES = 7 };
 
 static const double start = 2e-12; /* s, when inputs begin to change */
 
-/* Steps are at most this share of the window: 120 are within 0.1 % of 1000. */
-static const double share = 1.0 / 120;
+/* How many steps a window has at least: for delays, and for differences of
+   delays, of which copies in a run have the same error. */
+enum { STEPS = 100, ROUGH_STEPS = 50 };
 
 /* ---- the input ---- */
 
-/* When the ramp passes a level, in T. */
-static double time_of(double level) {
-  return level <= 0.5 ? level : 0.5 + 0.5 * log(0.5 / (1 - level));
-}
-
-double ramp_time(const study *s, double slew) {
-  return slew / (time_of(s->timing->high) - time_of(s->timing->low));
+double ramp_time(const study *s, double slew, int rises) {
+  return slew / (eda_timing_ramp(rises, s->timing->high) -
+                 eda_timing_ramp(rises, s->timing->low));
 }
 
 static void put_source(const deck *d, FILE *out, const char *name, int rises) {
-  double t = ramp_time(d->s, d->slew), v = d->s->supply;
-#define AT(level) ((rises ? (level) : 1 - (level)) * v)
-  fprintf(out, "v%s i%s 0 pwl(0 %.17g %.17g %.17g %.17g %.17g", name, name,
-          AT(0), start, AT(0), start + t / 2, AT(0.5));
-  for (int i = 0; i < TAIL; i++)
-    fprintf(out, "\n+ %.17g %.17g", start + t * time_of(tail[i]), AT(tail[i]));
-  fprintf(out, "\n+ %.17g %.17g)\n", start + t * (time_of(0.995) + 0.1), AT(1));
-#undef AT
+  double whole = ramp_time(d->s, d->slew, rises), v = d->s->supply;
+  double t[EDA_TIMING_RAMP], level[EDA_TIMING_RAMP];
+  eda_timing_ramp_points(rises, t, level);
+  fprintf(out, "v%s i%s 0 pwl(0 %.17g", name, name, rises ? 0 : v);
+  for (int i = 0; i < EDA_TIMING_RAMP; i++)
+    fprintf(out, "\n+ %.17g %.17g", start + whole * t[i],
+            v * (rises ? level[i] : 1 - level[i]));
+  fputs(")\n", out);
 }
 
 /* ---- the cards ---- */
@@ -138,9 +129,9 @@ static char *deck_text(const deck *d) {
   for (int i = 0; i < 2; i++)
     if (s->cards[i]) fprintf(out, ".include \"%s\"\n", s->cards[i]);
   fprintf(out,
-          ".options temp=%.17g gmin=1e-15 reltol=3e-4 abstol=1e-14 "
+          ".options temp=%.17g gmin=1e-15 reltol=%g abstol=1e-14 "
           "chgtol=1e-18\nvs vdd 0 %.17g\n",
-          s->temperature, s->supply);
+          s->temperature, d->rough ? 1e-3 : 3e-4, s->supply);
   put_source(d, out, "r", 1);
   put_source(d, out, "f", 0);
   for (size_t k = 0; k < d->count; k++) put_copy(d, out, k, &o);
@@ -183,8 +174,7 @@ static const double *vector_of(const eda_spice_plot *plot, const char *format,
 static int measure_output(const deck *d, copy *c, const double *t,
                           const double *v, size_t n) {
   const eda_timing *of = d->s->timing;
-  size_t before = c->from,
-         after = c->from ^ (size_t)1 << c->input,
+  size_t before = c->from, after = c->from ^ (size_t)1 << c->input,
          at = (size_t)c->output << c->cell->inputs;
   int rises = c->cell->level[at + after];
   if (rises == c->cell->level[at + before]) return 1;
@@ -196,7 +186,8 @@ static int measure_output(const deck *d, copy *c, const double *t,
   while (high + 1 < n && h[high + 1] < of->high) high++;
   int there = low < n && high + 1 < n && h[n - 1] > 0.97;
   if (there) {
-    double middle = start + ramp_time(d->s, d->slew) / 2;
+    int up = !(c->from >> c->input & 1);
+    double middle = start + ramp_time(d->s, d->slew, up) / 2;
     c->delay = passes(t, h, half, 0.5) - middle;
     c->slew = passes(t, h, high, of->high) - passes(t, h, low, of->low);
   }
@@ -208,8 +199,9 @@ static int measure_output(const deck *d, copy *c, const double *t,
    difference. */
 static double charge(const deck *d, const double *t, const double *i, size_t n,
                      int rises, double from, double to) {
-  double whole = ramp_time(d->s, d->slew), sum = 0,
-         a = start + whole * time_of(from), b = start + whole * time_of(to);
+  double whole = ramp_time(d->s, d->slew, rises), sum = 0,
+         a = start + whole * eda_timing_ramp(rises, from),
+         b = start + whole * eda_timing_ramp(rises, to);
   for (size_t k = 0; k + 1 < n; k++) {
     double x = fmax(t[k], a), y = fmin(t[k + 1], b), h = t[k + 1] - t[k];
     if (!(y > x)) continue;
@@ -247,7 +239,7 @@ static int measure_copy(const deck *d, copy *c, size_t k,
 static double first_window(const deck *d) {
   double load = 0;
   for (size_t k = 0; k < d->count; k++) load = fmax(load, d->copy[k].load);
-  return start + 2.9 * ramp_time(d->s, d->slew) + 30e-12 + 8e3 * load;
+  return start + 2.8 * ramp_time(d->s, d->slew, 1) + 30e-12 + 8e3 * load;
 }
 
 void deck_run(deck *d) {
@@ -257,7 +249,7 @@ void deck_run(deck *d) {
   for (int i = 0; i < TRIES && missing && !d->code; i++, window *= 2) {
     char command[120];
     eda_spice_result r = {0};
-    double step = fmin(window * share, d->slew / 2 + 1e-12);
+    double step = window / (d->rough ? ROUGH_STEPS : STEPS);
     snprintf(command, sizeof command, "tran %.17g %.17g 0 %.17g\n", step,
              window, step);
     d->code = eda_spice_run(d->s->host->context, text, command, d->s->limit, &r,

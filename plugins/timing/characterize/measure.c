@@ -8,9 +8,9 @@
 #include "characterize.h"
 
 enum {
-  SOME = 64,   /* copies of a run, about: more share its steps, but wait */
-  POINTS = 4,  /* at which sizes are changed */
-  SIDES = 4    /* patterns of the other inputs for which pins' changes are */
+  SOME = 64,  /* copies of a run, about: more share its steps, but wait */
+  POINTS = 3, /* at which sizes are changed */
+  SIDES = 4   /* patterns of the other inputs for which pins' changes are */
 };
 
 /* By how much a size is changed: a derivative of a secant of 1 % is off by 1 %
@@ -27,11 +27,13 @@ typedef struct plan {
   double *unit; /* changes of one size each: [k * n + k] is the nudge */
 } plan;
 
-static deck *deck_for(plan *p, double slew, size_t need) {
+static deck *deck_for(plan *p, double slew, int rough, size_t need) {
   deck *last = p->count ? &p->deck[p->count - 1] : NULL;
-  if (last && last->slew == slew && last->count + need <= SOME) return last;
-  if (last && last->slew == slew && !last->count) return last;
-  EDA_PUSH(p->deck, p->count, p->room, (deck){.s = p->s, .slew = slew});
+  if (last && last->slew == slew && last->rough == rough &&
+      (!last->count || last->count + need <= SOME))
+    return last;
+  EDA_PUSH(p->deck, p->count, p->room,
+           (deck){.s = p->s, .slew = slew, .rough = rough});
   return &p->deck[p->count - 1];
 }
 
@@ -52,25 +54,31 @@ static int is_size(const plan *p, size_t k) {
   return p->s->dlc || k % EDA_SIZES != EDA_SIZE_C;
 }
 
-/* Which of the four points a place of the grid is; -1. */
-static int point_of(const eda_timing_cell *c, size_t i, size_t j) {
-  for (int p = 0; p < POINTS; p++)
-    if (i == c->near_slew[p / 2] && j == c->near_load[p % 2]) return p;
-  return -1;
+static copy copy_of(const eda_timing_cell *c, const eda_timing_arc *a,
+                    size_t load) {
+  return (copy){.cell = c,
+                .from = a->from,
+                .input = a->input,
+                .output = a->output,
+                .load = c->at_load[load]};
 }
 
-/* ---- arcs ---- */
-
-static void plan_arc(plan *p, const eda_timing_arc *a, size_t i, size_t j) {
+/* As drawn, in all loads at a slew. */
+static void plan_grid(plan *p, size_t slew) {
   const eda_timing_cell *cell = p->cell;
-  int point = point_of(cell, i, j);
-  copy c = {.cell = cell,
-            .from = a->from,
-            .input = a->input,
-            .output = a->output,
-            .load = cell->at_load[j]};
-  size_t n = point < 0 ? 0 : changes_of(p);
-  deck *d = deck_for(p, cell->at_slew[i], 1 + n);
+  for (size_t j = 0; j < cell->loads; j++)
+    for (size_t k = 0; k < cell->arcs; k++) {
+      copy c = copy_of(cell, &cell->arc[k], j);
+      add(deck_for(p, cell->at_slew[slew], 0, 1), &c);
+    }
+}
+
+/* As drawn and with each size changed, side by side. */
+static void plan_changes(plan *p, const eda_timing_arc *a, int point) {
+  const eda_timing_cell *cell = p->cell;
+  copy c = copy_of(cell, a, cell->near_load[point == 1]);
+  size_t n = changes_of(p);
+  deck *d = deck_for(p, cell->at_slew[cell->near_slew[point == 2]], 1, 1 + n);
   add(d, &c);
   for (size_t k = 0; k < n; k++) {
     if (!is_size(p, k)) continue;
@@ -79,28 +87,49 @@ static void plan_arc(plan *p, const eda_timing_arc *a, size_t i, size_t j) {
   }
 }
 
-static const copy *take_arc(const plan *p, eda_timing_arc *a, size_t i,
-                            size_t j, const copy *c) {
-  const eda_timing_cell *cell = p->cell;
-  const size_t n = changes_of(p), at = i * cell->loads + j;
-  int point = point_of(cell, i, j);
-  const copy *base = c++;
-  a->delay[at] = base->delay;
-  a->slew[at] = base->slew;
-  for (size_t k = 0; point >= 0 && k < n; k++) {
-    if (!is_size(p, k)) continue;
-    a->delay_by[(size_t)point * n + k] = (c->delay - base->delay) / nudge;
-    a->slew_by[(size_t)point * n + k] = (c->slew - base->slew) / nudge;
-    c++;
+/* Where the copies are taken from again, in the same order. */
+typedef struct reader {
+  plan plan;
+  size_t deck, at;
+  const copy *base;
+} reader;
+
+static const copy *next(reader *r) {
+  while (r->at == r->plan.deck[r->deck].count) {
+    r->deck++;
+    r->at = 0;
   }
-  return c;
+  return &r->plan.deck[r->deck].copy[r->at++];
+}
+
+static void take_grid(reader *r, size_t slew) {
+  eda_timing_cell *cell = r->plan.cell;
+  for (size_t j = 0; j < cell->loads; j++)
+    for (size_t k = 0; k < cell->arcs; k++) {
+      const copy *c = next(r);
+      cell->arc[k].delay[slew * cell->loads + j] = c->delay;
+      cell->arc[k].slew[slew * cell->loads + j] = c->slew;
+    }
+}
+
+static void take_changes(reader *r, eda_timing_arc *a, int point) {
+  const plan *p = &r->plan;
+  const size_t n = changes_of(p), at = (size_t)point * n;
+  const copy *base = next(r);
+  for (size_t k = 0; k < n; k++) {
+    if (!is_size(p, k)) continue;
+    const copy *c = next(r);
+    a->delay_by[at + k] = (c->delay - base->delay) / nudge;
+    a->slew_by[at + k] = (c->slew - base->slew) / nudge;
+  }
 }
 
 /* ---- pins ---- */
 
 static int is_on(const eda_timing_cell *c, size_t bundle, size_t input) {
   for (size_t i = 0; i < c->devices; i++)
-    if (c->device[i].bundle == bundle) return c->device[i].gate == c->port[input];
+    if (c->device[i].bundle == bundle)
+      return c->device[i].gate == c->port[input];
   return 0;
 }
 
@@ -141,22 +170,7 @@ static double pin_slew(const eda_timing_cell *c) {
 
 static void plan_pin(plan *p, const copy *c, size_t change) {
   (void)change;
-  add(deck_for(p, pin_slew(p->cell), 1), c);
-}
-
-/* Where the copies of pins are taken from again. */
-typedef struct reader {
-  plan plan;
-  size_t deck, at;
-  const copy *base;
-} reader;
-
-static const copy *next(reader *r) {
-  while (r->at == r->plan.deck[r->deck].count) {
-    r->deck++;
-    r->at = 0;
-  }
-  return &r->plan.deck[r->deck].copy[r->at++];
+  add(deck_for(p, pin_slew(p->cell), 0, 1), c);
 }
 
 static void take_pin(plan *p, const copy *c, size_t change) {
@@ -202,22 +216,18 @@ static void plan_clear(plan *p) {
 
 static void plan_all(plan *p) {
   eda_timing_cell *c = p->cell;
-  for (size_t i = 0; i < c->slews; i++)
-    for (size_t j = 0; j < c->loads; j++)
-      for (size_t k = 0; k < c->arcs; k++) plan_arc(p, &c->arc[k], i, j);
+  for (size_t i = 0; i < c->slews; i++) plan_grid(p, i);
+  for (int point = 0; point < POINTS; point++)
+    for (size_t k = 0; k < c->arcs; k++) plan_changes(p, &c->arc[k], point);
   each_pin(p, plan_pin);
 }
 
 static void take_all(plan *p) {
   eda_timing_cell *c = p->cell;
   reader r = {.plan = *p};
-  for (size_t i = 0; i < c->slews; i++)
-    for (size_t j = 0; j < c->loads; j++)
-      for (size_t k = 0; k < c->arcs; k++) {
-        const copy *base = next(&r);
-        const copy *after = take_arc(p, &c->arc[k], i, j, base);
-        r.at += (size_t)(after - base) - 1;
-      }
+  for (size_t i = 0; i < c->slews; i++) take_grid(&r, i);
+  for (int point = 0; point < POINTS; point++)
+    for (size_t k = 0; k < c->arcs; k++) take_changes(&r, &c->arc[k], point);
   each_pin(&r.plan, take_pin);
 }
 
@@ -251,6 +261,13 @@ static size_t below(uint64_t *state, size_t n) {
   return (size_t)(draw(state) * (double)n);
 }
 
+/* Within the grid but for its first and last steps, which are for the odd case;
+   all decades alike. */
+static double draw_between(uint64_t *state, const double *at, size_t n) {
+  double low = at[n > 3], high = at[n > 3 ? n - 2 : n - 1];
+  return low * pow(high / low, draw(state));
+}
+
 /* A point between those of the grid, as drawn and with all sizes changed. */
 static void plan_check(study *s, uint64_t *seed, deck *d) {
   const eda_timing *t = s->timing;
@@ -263,10 +280,8 @@ static void plan_check(study *s, uint64_t *seed, deck *d) {
   for (size_t k = 0; k < n; k++)
     if (s->dlc || k % EDA_SIZES != EDA_SIZE_C)
       change[k] = spread * (2 * draw(seed) - 1);
-  double slew = c->at_slew[0] * pow(c->at_slew[c->slews - 1] / c->at_slew[0],
-                                    draw(seed)),
-         load = c->at_load[0] * pow(c->at_load[c->loads - 1] / c->at_load[0],
-                                    draw(seed));
+  double slew = draw_between(seed, c->at_slew, c->slews),
+         load = draw_between(seed, c->at_load, c->loads);
   *d = (deck){.s = s, .slew = slew};
   copy k = {.cell = c,
             .from = a->from,
@@ -293,8 +308,7 @@ static void at_point(const deck *d, const copy *k, double *delay,
 
 static void judge(const deck *d, verdict *v) {
   double delay[2], slew[2];
-  for (int i = 0; i < 2; i++)
-    at_point(d, &d->copy[i], &delay[i], &slew[i]);
+  for (int i = 0; i < 2; i++) at_point(d, &d->copy[i], &delay[i], &slew[i]);
   const copy *drawn = &d->copy[0], *other = &d->copy[1];
   double by_delay = 100 * fabs(delay[1] / other->delay - 1),
          by_slew = 100 * fabs(slew[1] / other->slew - 1),

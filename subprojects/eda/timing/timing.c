@@ -28,7 +28,7 @@ const eda_timing_cell *eda_timing_find(const eda_timing *timing,
   return NULL;
 }
 
-enum { POINTS = 4 };
+enum { POINTS = 3 };
 
 void eda_timing_cell_figures(eda_pool *pool, eda_timing_cell *c) {
   const size_t grid = c->slews * c->loads,
@@ -127,14 +127,11 @@ static double at_load(const eda_timing_cell *c, const double *row,
 /* Where a value lies between the two at which changes were simulated: 0 to 1,
    or beyond. */
 static double between(const double *at, const size_t near[2], double value) {
-  double low = at[near[0]], high = at[near[1]];
-  return high > low ? (value - low) / (high - low) : 0;
+  return (value - at[near[0]]) / (at[near[1]] - at[near[0]]);
 }
 
-/* The sum of changes at each of the points, then bilinear. */
-static double moved(const double sum[POINTS], double s, double l) {
-  return (1 - s) * ((1 - l) * sum[0] + l * sum[1]) +
-         s * ((1 - l) * sum[2] + l * sum[3]);
+static double plane(const double at[POINTS], double load, double slew) {
+  return at[0] + load * (at[1] - at[0]) + slew * (at[2] - at[0]);
 }
 
 static void sum_changes(const eda_timing_cell *c, const double *by,
@@ -142,7 +139,8 @@ static void sum_changes(const eda_timing_cell *c, const double *by,
   const size_t n = c->bundles * (size_t)EDA_SIZES;
   for (size_t p = 0; p < POINTS; p++) {
     sum[p] = 0;
-    for (size_t k = 0; k < n && change; k++) sum[p] += by[p * n + k] * change[k];
+    for (size_t k = 0; k < n && change; k++)
+      sum[p] += by[p * n + k] * change[k];
   }
 }
 
@@ -150,16 +148,16 @@ void eda_timing_at(const eda_timing_cell *c, const eda_timing_arc *a,
                    double delay_load, double slew_load, const double *change,
                    double *delay, double *slew) {
   double by_delay[POINTS], by_slew[POINTS];
-  double dl = between(c->at_load, c->near_load, delay_load),
-         sl = between(c->at_load, c->near_load, slew_load);
+  double d = between(c->at_load, c->near_load, delay_load),
+         l = between(c->at_load, c->near_load, slew_load);
   sum_changes(c, a->delay_by, change, by_delay);
   sum_changes(c, a->slew_by, change, by_slew);
   for (size_t i = 0; i < c->slews; i++) {
     double s = between(c->at_slew, c->near_slew, c->at_slew[i]);
-    delay[i] = at_load(c, a->delay + i * c->loads, delay_load) +
-               moved(by_delay, s, dl);
+    delay[i] =
+        at_load(c, a->delay + i * c->loads, delay_load) + plane(by_delay, d, s);
     slew[i] =
-        at_load(c, a->slew + i * c->loads, slew_load) + moved(by_slew, s, sl);
+        at_load(c, a->slew + i * c->loads, slew_load) + plane(by_slew, l, s);
   }
 }
 
@@ -171,4 +169,32 @@ double eda_timing_capacitance(const eda_timing_cell *c, size_t input, int rises,
   for (size_t k = 0; k < n && change; k++)
     sum += c->capacitance_by[i * n + k] * change[k];
   return sum;
+}
+
+/* ---- the input ---- */
+
+/* Where the line ends: of what came out of inverters and NAND gates of 65 nm,
+   with 0 to 8 fF, the time from 50 to 90 % was 1.4 to 1.8 (rising) and 1.1 to
+   1.3 (falling) of that from 30 to 70 %; here it is 1.7 and 1.3. With 0.5 for
+   both, falling outputs of a chain come 5 % too early and rising ones too late.
+ */
+static const double bend[] = {0.7, 0.55};
+
+double eda_timing_ramp(int rises, double level) {
+  double b = bend[!!rises];
+  return level <= b ? level : b + (1 - b) * log((1 - b) / (1 - level));
+}
+
+void eda_timing_ramp_points(int rises, double time[EDA_TIMING_RAMP],
+                            double level[EDA_TIMING_RAMP]) {
+  const double first = bend[!!rises], last = 0.99;
+  level[0] = time[0] = 0;
+  for (int i = 1; i < EDA_TIMING_RAMP - 1; i++) {
+    /* Equal steps of the exponential's logarithm. */
+    double part = (double)(i - 1) / (EDA_TIMING_RAMP - 3);
+    level[i] = 1 - (1 - first) * pow((1 - last) / (1 - first), part);
+    time[i] = eda_timing_ramp(rises, level[i]);
+  }
+  level[EDA_TIMING_RAMP - 1] = 1; /* the last percent is a step */
+  time[EDA_TIMING_RAMP - 1] = time[EDA_TIMING_RAMP - 2] + 0.1;
 }

@@ -41,8 +41,7 @@ typedef struct eda_timing_arc {
   /* [slew * loads + load] */
   double *delay, *slew;
   /* By how many s for each unit of change (1 nm of 100: 0.01):
-     [(point * bundles + bundle) * EDA_SIZES + size], points as in
-     eda_timing_cell. */
+     [(point * bundles + bundle) * EDA_SIZES + size], at three points. */
   double *delay_by, *slew_by;
 } eda_timing_arc;
 
@@ -50,17 +49,18 @@ typedef struct eda_timing_cell {
   const char *name;
   const char *trouble; /* why it has no arcs, or NULL */
   size_t inputs, outputs;
-  const char **pin;     /* inputs, then outputs */
-  uint32_t *port; /* of each pin: its net */
-  uint8_t *level;       /* [output << inputs | pattern] */
+  const char **pin; /* inputs, then outputs */
+  uint32_t *port;   /* of each pin: its net */
+  uint8_t *level;   /* [output << inputs | pattern] */
   size_t nets;
   int8_t *rail; /* of each net: 1 supply, -1 ground, else 0 */
   size_t devices, bundles;
   eda_timing_device *device;
   size_t slews, loads;
   double *at_slew, *at_load; /* the grid */
-  /* The points at which changes of size were simulated: the first and the last
-     of the slews and loads here; point = slew number * 2 + load number. */
+  /* Where changes of size were simulated, by numbers in the grid: at the first
+     slew and load here, then with the second load, then with the second slew.
+     By how much a delay moves is taken as a plane through them. */
   size_t near_slew[2], near_load[2];
   size_t arcs;
   eda_timing_arc *arc;
@@ -113,6 +113,16 @@ OPC_EXPORT void eda_timing_cubic(const double *x, const double *y, size_t n,
 OPC_EXPORT double eda_timing_cubic_at(const double *x,
                                       const double *coefficient, size_t n,
                                       double at);
+
+/* The input that cells are characterised with has the shape that outputs of
+   gates have: a straight line up to a level, then an exponential of the same
+   slope. The time, in that of the whole line, when it passes a level (0 where
+   it begins, below 1 where it ends); and its points for a simulator, the last
+   level 1. */
+OPC_EXPORT double eda_timing_ramp(int rises, double level);
+enum { EDA_TIMING_RAMP = 8 };
+OPC_EXPORT void eda_timing_ramp_points(int rises, double time[EDA_TIMING_RAMP],
+                                       double level[EDA_TIMING_RAMP]);
 
 /* For the initialiser of an opc_port (opcflow/step.h). */
 #define EDA_PORT_TIMING(port)                                  \
