@@ -155,6 +155,8 @@ static JsonObject *value_schema(const opc_parameter *p) {
       json_object_set_object_member(o, "items", number(p));
       return o;
     case OPC_MAP:
+      if (p->flags & OPC_INNER_AXIS)
+        return piece("{ type: [ object, array ] }");
       o = piece("{ type: object }");
       if (!(p->flags & OPC_MAP_OF_ANY))
         json_object_set_object_member(o, "additionalProperties", any_text());

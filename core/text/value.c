@@ -254,16 +254,18 @@ static gboolean read_map(const conversion *c, const opc_node *node,
                          opc_setting *value) {
   const opc_parameter *p = c->parameter;
   gboolean any = (p->flags & OPC_MAP_OF_ANY) != 0, good = TRUE;
-  if (node->type != OPC_NODE_MAP)
+  gboolean list = p->flags & OPC_INNER_AXIS && node->type == OPC_NODE_LIST;
+  if (node->type != OPC_NODE_MAP && !list)
     return WRONG(c, node, "'%s' needs a map, as '{ key: value }'", p->name);
   g_autofree char *where = g_strdup_printf(" in '%s'", p->name);
-  if (p->choices)
+  if (p->choices && !list)
     good = opc_node_check_keys(node, p->choices, where, c->problems);
   guint n = node->items->len;
   opc_pair *pairs = own(c, g_new0(opc_pair, MAX(n, 1)));
   for (guint i = 0; i < n; i++) {
     const opc_node *item = node->items->pdata[i];
-    const char *key = opc_node_key(node, i);
+    g_autofree char *key =
+        list ? g_strdup_printf("%u", i + 1) : g_strdup(opc_node_key(node, i));
     if ((item->type != OPC_NODE_TEXT && !any) || opc_node_is_empty(item)) {
       good = WRONG(c, item, "'%s' of '%s' needs a %s", key, p->name,
                    any ? "value" : "text");

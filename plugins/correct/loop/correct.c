@@ -175,6 +175,20 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
   return OPC_OK;
 }
 
+/* ---- for the next time ---- */
+
+static int save(void *self, void *const *outputs, const char *folder,
+                opc_error *error) {
+  (void)self;
+  return eda_mask_save(outputs[0], folder, error);
+}
+
+static int restore(void *self, const char *folder, void **outputs,
+                   opc_error *error) {
+  const correct *c = self;
+  return eda_mask_restore(c->gates, folder, &outputs[0], error);
+}
+
 /* ---- parameters ---- */
 
 /* A rule of the mask that is only counted. */
@@ -306,7 +320,8 @@ static int check(void *self, opc_error *error) {
 
 static const opc_port outputs[] = {EDA_PORT_MASK("mask")};
 static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
-                                   .forecast = forecast};
+                                   .forecast = forecast, .save = save,
+                                   .restore = restore};
 
 OPC_PLUGIN(
     correct, .id = "correct", .kind = "step", .version = OPC_VERSION,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What each instance's transistors print as: from a mask, or from the table
    gates.csv of a run. */
-#include <eda/csv.h>
+#include <eda/runs.h>
 #include <glib.h>
 #include <math.h>
 #include <stdlib.h>
@@ -120,36 +120,51 @@ static int from_mask(paths *p, state *s, opc_error *error) {
 
 /* ---- from a table ---- */
 
-enum { GATE, LEQ, WEQ, AREA };
-static const eda_csv_column columns[] = {[GATE] = {"transistor", NULL, 0},
-                                         [LEQ] = {"leq_ion", "nm", 0},
-                                         [WEQ] = {"weq", "nm", 0},
-                                         [AREA] = {"area_after", "%", 0}};
+/* The columns of gates.csv that are wanted. */
+enum { GATE, LEQ, WEQ, AREA, COLUMNS };
+static const char *const names[COLUMNS] = {"transistor", "leq_ion", "weq",
+                                           "area_after"};
 
-static int take_rows(const paths *p, const eda_csv *csv, GHashTable *gates,
-                     printed *q, opc_error *error) {
+static int find_columns(eda_table *t, const char *path, size_t at[COLUMNS],
+                        const double *value[COLUMNS], opc_error *error) {
+  for (int k = 0; k < COLUMNS; k++) {
+    int found = eda_table_find(t, names[k]);
+    if (found < 0)
+      return opc_fail(error, OPC_INVALID, "prints",
+                      "'%.300s' has no column '%s': it is no table of gates",
+                      path, names[k]);
+    at[k] = (size_t)found;
+    value[k] = k == GATE ? NULL : eda_table_numbers(t, at[k]);
+    if (k != GATE && !value[k])
+      return eda_table_fail(t, 0, at[k], "no column of numbers:", error);
+  }
+  return OPC_OK;
+}
+
+/* What is not there does not print: it is told when it is wanted. */
+static int take_rows(const paths *p, eda_table *t, const char *path,
+                     GHashTable *gates, printed *q, opc_error *error) {
   const eda_gates *g = p->circuit->gates;
-  for (size_t r = 0; r < eda_csv_rows(csv); r++) {
-    gpointer at = g_hash_table_lookup(gates, eda_csv_text(csv, r, GATE));
-    if (!at) return eda_csv_fail(csv, r, GATE, "no such transistor:", error);
-    size_t i = GPOINTER_TO_SIZE(at) - 1;
-    double area;
-    if (!*eda_csv_text(csv, r, LEQ)) continue; /* it does not print */
-    if (eda_csv_number(csv, r, LEQ, 0, &q->leq[i], error) ||
-        eda_csv_number(csv, r, WEQ, 0, &q->weq[i], error) ||
-        eda_csv_number(csv, r, AREA, -100, &area, error))
-      return error->code;
-    q->area[i] = g->length[i] * g->width[i] * (1 + area / 100);
+  size_t at[COLUMNS];
+  const double *value[COLUMNS];
+  if (find_columns(t, path, at, value, error)) return error->code;
+  for (size_t r = 0; r < eda_table_rows(t); r++) {
+    gpointer gate = g_hash_table_lookup(gates, eda_table_text(t, r, at[GATE]));
+    if (!gate)
+      return eda_table_fail(t, r, at[GATE],
+                            "no transistor of this circuit:", error);
+    size_t i = GPOINTER_TO_SIZE(gate) - 1;
+    q->leq[i] = value[LEQ][r];
+    q->weq[i] = value[WEQ][r];
+    q->area[i] = g->length[i] * g->width[i] * (1 + value[AREA][r] / 100);
   }
   return OPC_OK;
 }
 
 static int from_table(paths *p, state *s, const char *path, opc_error *error) {
   const eda_gates *g = p->circuit->gates;
-  eda_csv *csv =
-      eda_csv_read(path, "prints", columns, sizeof columns / sizeof *columns,
-                   EDA_CSV_OTHERS, error);
-  if (!csv) return error->code;
+  eda_table *t = eda_table_read(path, error);
+  if (!t) return error->code;
   g_autoptr(GHashTable) gates =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
   printed q = {eda_pool_alloc(&p->pool, g->count, sizeof(double)),
@@ -159,8 +174,8 @@ static int from_table(paths *p, state *s, const char *path, opc_error *error) {
     g_hash_table_insert(
         gates, g_strdup_printf("%s:%u", gate_where(g, i), g->number[i]),
         GSIZE_TO_POINTER(i + 1));
-  int code = take_rows(p, csv, gates, &q, error);
-  eda_csv_free(csv);
+  int code = take_rows(p, t, path, gates, &q, error);
+  eda_table_free(t);
   return code ? code : apply(p, s, &q, error);
 }
 

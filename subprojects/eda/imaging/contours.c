@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Contours by marching squares (Lorensen, Cline 1987, in the plane), each
    crossing then refined on the field itself. */
+#include "imaging/spline.h"
+
 #include <eda/imaging.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -35,13 +37,59 @@ static double at(const squares *s, double x, double y) {
   return v;
 }
 
+/* A place on an axis of the field: where its splines begin, and their values.
+ */
+typedef struct place {
+  int first;
+  double weight[EDA_SPLINE_TAPS];
+} place;
+
+static place place_of(double x, double x0, double step) {
+  place p;
+  p.first = eda_spline_weights((x - x0) / step, p.weight);
+  return p;
+}
+
+/* One row of the field's columns `from` and on, `n` of them, at a place along
+   y. */
+static void weigh_rows(const eda_field *f, const place *y, int from, int n,
+                       double *out) {
+  memset(out, 0, (size_t)n * sizeof *out);
+  for (int k = 0; k < EDA_SPLINE_TAPS; k++) {
+    const float *c =
+        f->coefficients + (size_t)eda_wrap(y->first + k, f->ny) * f->nx;
+    int column = eda_wrap(from, f->nx);
+    for (int i = 0; i < n; i++) {
+      out[i] += y->weight[k] * c[column];
+      column = column + 1 < f->nx ? column + 1 : 0;
+    }
+  }
+}
+
+/* The nodes of a row share their splines along y, those of a column along x:
+   a tenth of the work of as many single places. */
 static void evaluate(squares *s) {
-  for (int j = 0; j < s->ny; j++)
+  const eda_field *f = s->field;
+  double dx = f->frame.width / f->nx, dy = f->frame.height / f->ny;
+  place *x = eda_alloc((size_t)s->nx, sizeof *x);
+  for (int i = 0; i < s->nx; i++)
+    x[i] = place_of(node_x(s, i), f->frame.x0, dx);
+  int from = x[0].first, n = x[s->nx - 1].first - from + EDA_SPLINE_TAPS;
+  double *row = eda_alloc((size_t)n, sizeof *row);
+  for (int j = 0; j < s->ny; j++) {
+    place y = place_of(node_y(s, j), f->frame.y0, dy);
+    double *value = s->value + (size_t)j * s->nx;
+    weigh_rows(f, &y, from, n, row);
     for (int i = 0; i < s->nx; i++) {
       int ring = i == 0 || j == 0 || i == s->nx - 1 || j == s->ny - 1;
-      s->value[(size_t)j * s->nx + i] =
-          ring ? -1 : at(s, node_x(s, i), node_y(s, j));
+      double sum = 0;
+      for (int k = 0; k < EDA_SPLINE_TAPS; k++)
+        sum += x[i].weight[k] * row[x[i].first - from + k];
+      value[i] = ring ? -1 : sum;
     }
+  }
+  free(row);
+  free(x);
 }
 
 /* Join the crossings of a square: with the positive side on the left, a line

@@ -10,6 +10,7 @@
 #include <eda/csv.h>
 #include <eda/curves.h>
 #include <eda/devices.h>
+#include <eda/experiment.h>
 #include <eda/extractor.h>
 #include <eda/formats.h>
 #include <eda/gates.h>
@@ -27,6 +28,7 @@
 #include <eda/regulator.h>
 #include <eda/resist.h>
 #include <eda/rules.h>
+#include <eda/runs.h>
 #include <eda/settings.h>
 #include <eda/simd.h>
 #include <eda/simulator.h>

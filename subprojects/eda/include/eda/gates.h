@@ -155,7 +155,8 @@ OPC_EXPORT void eda_performance_clear(eda_performance *performance);
 OPC_EXPORT void eda_performance_copy(eda_performance *to,
                                      const eda_performance *from);
 
-/* A corrected mask. The gates it was made from outlive it. */
+/* A corrected mask. The gates it was made from outlive it. What is added here
+   is added to eda_mask_save, too. */
 typedef struct eda_mask {
   const eda_gates *gates;
   size_t layers; /* gates->layers */
@@ -176,6 +177,15 @@ typedef struct eda_mask {
 OPC_EXPORT eda_mask *eda_mask_new(const eda_gates *gates);
 OPC_EXPORT void eda_mask_free(void *mask);
 OPC_EXPORT int eda_mask_check(const void *mask, opc_error *error);
+
+/* Write all of a mask but its gates into FOLDER/mask, and make it again with
+   equal gates: the same to the last bit, on this machine. OPC_IO, or OPC_FAILED
+   for what is no such file, and *error; for `save` and `restore` of steps
+   (opcflow/step.h). [any] */
+OPC_EXPORT int eda_mask_save(const eda_mask *mask, const char *folder,
+                             opc_error *error);
+OPC_EXPORT int eda_mask_restore(const eda_gates *gates, const char *folder,
+                                void **mask, opc_error *error);
 
 /* For the initialiser of an opc_port (opcflow/step.h). */
 #define EDA_PORT_GATES(port)                                 \

@@ -1,0 +1,279 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The step `given`: a mask that another tool has made, printed and measured as
+   the end of a correction is. */
+#include <eda/memory.h>
+#include <eda/print.h>
+#include <math.h>
+#include <opcflow/step.h>
+#include <opcflow/table.h>
+#include <stdlib.h>
+
+#include "../findings.h"
+#include "../fine.h"
+#include "../forecast.h"
+#include "../report.h"
+#include "../rules.h"
+#include "take.h"
+
+/* ---- state ---- */
+
+typedef struct given {
+  const opc_host *host;
+  take take;
+  const opc_module *litho, *resist, *extractor, *regulator;
+  const char *fine_text;
+  double fine;   /* error, clear field 1; 0: as the model is by itself */
+  double margin; /* nm */
+  double limit;  /* % */
+  double min_space, min_mask_width, min_edge, min_jog; /* of the mask, nm */
+} given;
+
+/* ---- work ---- */
+
+/* Print masks, whatever was printed before, and measure the transistors. The
+   models differ from those of a correction's last print in nothing. */
+static int print(const given *s, eda_printer *p, const eda_shapes *mask,
+                 eda_measurement *out, opc_error *error) {
+  const eda_gates *g = s->take.gates;
+  for (size_t k = 0; k < g->layers; k++) {
+    eda_field_clear(&p->image[k]);
+    p->is_fine[k] = 0;
+  }
+  int code = (p->fine > 0 ? eda_printer_refine : eda_printer_print)(
+      p, g->corrected, mask, error);
+  return code ? code
+              : eda_measure(s->host->context, g, p->print, s->extractor, out,
+                            error);
+}
+
+static int prepare(const given *s, eda_printer *p, eda_mask *out,
+                   opc_error *error) {
+  const opc_context *context = s->host->context;
+  eda_performance_init(&out->design, s->take.gates->count);
+  int code = eda_printer_prepare(p, error);
+  if (!code) code = eda_extractor_prepare(context, s->extractor, error);
+  if (!code)
+    code = eda_measure_drawn(context, s->take.gates, s->extractor, &out->design,
+                             error);
+  return code;
+}
+
+static int failed(uint32_t flags) {
+  return (flags & ~(uint32_t)EDA_PRINT_NOTES) != 0;
+}
+
+/* By the words of the guard of `correct`: transistors whose Ion is further off
+   than drawn and than the limit, and those that print no more. */
+static int tell_of_worse(const given *s, const eda_mask *m,
+                         const uint32_t *before, opc_error *error) {
+  size_t worse = 0, lost = 0;
+  if (!m->gates->count) return OPC_OK;
+  for (size_t i = 0; i < m->gates->count; i++) {
+    if (failed(before[i])) continue;
+    double design = m->design.ion[i];
+    double drawn = fabs(eda_deviation(m->before.ion[i], design));
+    double now = fabs(eda_deviation(m->after.ion[i], design));
+    lost += (size_t)failed(m->flags[i]);
+    worse += !failed(m->flags[i]) && now > fmax(drawn, s->limit);
+  }
+  const opc_metric_value values[] = {{"worse", (double)worse},
+                                     {"lost", (double)lost}};
+  return opc_put_metrics(s->host, OPC_ARRAY(values), error);
+}
+
+static int tell_of_violations(const given *s, const eda_mask *m,
+                              const double *extension, opc_error *error) {
+  enum { ROOM = 10000, ROOM_OF_GATE = 16 };
+  const eda_gates *g = m->gates;
+  if (!s->regulator) return OPC_OK;
+  size_t room = ROOM + ROOM_OF_GATE * g->count, n = 0;
+  int32_t *none = eda_alloc(g->count, sizeof *none);
+  eda_violation *v = eda_alloc(room, sizeof *v);
+  const eda_printed printed = {.gates = g,
+                               .flags = m->flags,
+                               .l = none,
+                               .w = none,
+                               .extension = extension,
+                               .shapes = m->shapes,
+                               .print = m->print};
+  int code = eda_call_violations(s->host->context, s->regulator, &printed, v,
+                                 room, &n, error);
+  if (n > room) n = room;
+  code = code ? eda_blame(error, code, "regulator")
+              : report_violations(s->host, g, v, n, error);
+  free(v);
+  free(none);
+  return code;
+}
+
+static int tell(const given *s, const eda_mask *m, const double *extension,
+                const uint32_t *before, opc_error *error) {
+  const double limit[EDA_RULES] = {[EDA_RULE_SPACE] = s->min_space,
+                                   [EDA_RULE_WIDTH] = s->min_mask_width,
+                                   [EDA_RULE_EDGE] = s->min_edge,
+                                   [EDA_RULE_JOG] = s->min_jog};
+  const report told = {
+      .mask = m, .extension = extension, .flags_before = before};
+  int code = tell_of_violations(s, m, extension, error);
+  if (!code) code = rules_report(s->host, m->gates, m->shapes, limit, error);
+  if (!code) code = tell_of_worse(s, m, before, error);
+  if (!code) findings_of_print(s->host, m->gates, m->flags, before);
+  return code ? code : report_mask(s->host, &told, error);
+}
+
+static int run(void *self, void **outputs, opc_error *error) {
+  given *s = self;
+  const eda_gates *g = s->take.gates;
+  eda_mask *out = eda_mask_new(g);
+  outputs[0] = out; /* released by the host if this fails */
+  s->take.host = s->host;
+  s->take.margin = s->margin;
+  eda_measurement before, after;
+  eda_measurement_init(&before, g->count);
+  eda_measurement_init(&after, g->count);
+  eda_printer printer;
+  eda_printer_init(&printer, s->host->context, g, s->litho, s->resist,
+                   s->margin);
+  printer.fine = s->fine;
+  int code = take_shapes(&s->take, out, error);
+  if (!code) code = prepare(s, &printer, out, error);
+  if (!code) code = print(s, &printer, g->drawn, &before, error);
+  if (!code) code = print(s, &printer, out->shapes, &after, error);
+  for (size_t k = 0; k < g->layers; k++) {
+    out->print[k] = printer.print[k];
+    printer.print[k] = (eda_field){0};
+  }
+  out->before = before.performance;
+  out->after = after.performance;
+  out->flags = after.flags;
+  out->simulations = printer.simulations;
+  out->fine_simulations = printer.fine_simulations;
+  if (!code) code = tell(s, out, after.extension, before.flags, error);
+  eda_printer_clear(&printer);
+  free(before.flags);
+  free(before.extension);
+  free(after.extension);
+  return code;
+}
+
+static int forecast(void *self, opc_forecast *out, opc_error *error) {
+  const given *s = self;
+  (void)error;
+  forecast_prints(s->host->context, s->take.gates, s->litho, s->resist,
+                  s->margin, s->fine, "two prints", "two fine prints", out);
+  return OPC_OK;
+}
+
+/* ---- parameters ---- */
+
+/* A rule of the mask that is only counted, as by `correct`. */
+#define RULE(NAME, PRESET, SUMMARY)                                   \
+  OPC_PARAMETER(given, NAME, .type = OPC_REAL, .flags = OPC_AT_LEAST, \
+                .unit = "nm", .preset = (PRESET), .min = 0,           \
+                .summary = (SUMMARY))
+
+static const opc_parameter parameters[] = {
+    OPC_PARAMETER_NAMED("gates", given, take.gates, .type = OPC_INPUT,
+                        .flags = OPC_REQUIRED, .choices = "gates",
+                        .summary = "what is drawn"),
+    OPC_PARAMETER_NAMED("mask_layout", given, take.layout, .type = OPC_INPUT,
+                        .flags = OPC_REQUIRED, .choices = "layout",
+                        .summary = "where the mask is"),
+    OPC_PARAMETER_NAMED("layers", given, take.layers, .type = OPC_MAP,
+                        .flags = OPC_REQUIRED,
+                        .summary = "its layers: { poly: poly_opc }; others are "
+                                   "as drawn"),
+    OPC_PARAMETER_NAMED("top", given, take.top, .type = OPC_TEXT,
+                        .summary = "its cell; if not given, that of the gates' "
+                                   "name, or the only one that no other "
+                                   "places"),
+    OPC_PARAMETER(given, litho, .type = OPC_SLOT, .flags = OPC_REQUIRED,
+                  .choices = "litho", .summary = "model of the optics"),
+    OPC_PARAMETER(given, resist, .type = OPC_SLOT, .flags = OPC_REQUIRED,
+                  .choices = "resist", .summary = "model of the resist"),
+    OPC_PARAMETER(given, extractor, .type = OPC_SLOT, .flags = OPC_REQUIRED,
+                  .choices = "extractor",
+                  .summary = "performance of a printed transistor"),
+    OPC_PARAMETER(given, regulator, .type = OPC_SLOT, .choices = "regulator",
+                  .summary = "whose rules the print is held against"),
+    OPC_PARAMETER(given, margin, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+                  .unit = "nm", .min = 0,
+                  .summary =
+                      "clear field around the layout, which repeats beyond; as "
+                      "'fine' needs it"),
+    FINE_PARAMETER(given),
+    OPC_PARAMETER(given, limit, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+                  .unit = "%", .preset = "0.5 %",
+                  .summary = "|Ion deviation| that is no worse than drawn, "
+                             "whatever the drawn mask's is"),
+    RULE(min_space, "40 nm", "least space of the mask"),
+    RULE(min_mask_width, "40 nm", "least width of the mask"),
+    RULE(min_edge, "20 nm",
+         "least length of an edge of the mask beside a shorter one, as of "
+         "steps that follow each other"),
+    RULE(min_jog, "1 nm", "least height of a jog of the mask"),
+};
+
+static const opc_metric metrics[] = {
+    {"transistors", NULL, OPC_NEUTRAL, 0, "how many are measured"},
+    {"ion_mean", "%", OPC_LOWER, 0.01, "mean of |Ion deviation|"},
+    {"ion_max", "%", OPC_LOWER, 0.01, "largest |Ion deviation|"},
+    {"ion_stdv", "%", OPC_LOWER, 0.01,
+     "standard deviation of the Ion deviation, thesis eq. 3.5"},
+    {"ion_mean_drawn", "%", OPC_NEUTRAL, 0,
+     "mean of |Ion deviation| of the mask as drawn"},
+    {"ion_max_drawn", "%", OPC_NEUTRAL, 0,
+     "largest |Ion deviation| of the mask as drawn"},
+    {"area_mean", "%", OPC_LOWER, 0.01, "mean of |gate area deviation|"},
+    {"area_max", "%", OPC_LOWER, 0.01, "largest |gate area deviation|"},
+    {"ioff_mean", "%", OPC_LOWER, 0.1, "mean of |Ioff deviation|"},
+    {"ioff_max", "%", OPC_LOWER, 0.1, "largest |Ioff deviation|"},
+    {"ioff_total", "%", OPC_LOWER, 0.1,
+     "deviation of the sum of all Ioff, what is drawn being 0"},
+    {"ioff_total_n", "%", OPC_LOWER, 0.1, "that of all n-transistors"},
+    {"ioff_total_p", "%", OPC_LOWER, 0.1, "that of all p-transistors"},
+    {"iterations", NULL, OPC_NEUTRAL, 0, "none: the mask is as it came"},
+    {"simulations", NULL, OPC_LOWER, 0, "litho simulations, of one layer each"},
+    {"fine_simulations", NULL, OPC_LOWER, 0,
+     "those of the fine model, beside them"},
+    {"failed", NULL, OPC_LOWER, 0,
+     "transistors that do not print as one of their own"},
+    {"outside", NULL, OPC_LOWER, 0,
+     "transistors with figures from beyond the device table"},
+    {"worse", NULL, OPC_LOWER, 0,
+     "transistors whose Ion is further off than drawn and than the limit"},
+    {"lost", NULL, OPC_LOWER, 0,
+     "transistors that print as drawn and by this mask do not"},
+    {"violations", NULL, OPC_LOWER, 0,
+     "rules of the regulator that the print does not keep"},
+    {"violations_unexplained", NULL, OPC_LOWER, 0,
+     "those for which neither the drawn layout nor a parameter is the reason"},
+    {"mask_violations", NULL, OPC_LOWER, 0,
+     "places where the mask does not keep its rules: the next four"},
+    {"mask_space", NULL, OPC_LOWER, 0, "spaces below min_space"},
+    {"mask_width", NULL, OPC_LOWER, 0, "widths below min_mask_width"},
+    {"mask_edge", NULL, OPC_LOWER, 0, "edges below min_edge"},
+    {"mask_jog", NULL, OPC_LOWER, 0, "jogs below min_jog"},
+    {"snapped", NULL, OPC_LOWER, 0, "vertices of the mask that the grid moved"},
+    {"snapped_worst", "nm", OPC_LOWER, 0, "by how much at most"},
+};
+
+static int check(void *self, opc_error *error) {
+  given *s = self;
+  int code = fine_error(s->fine_text, s->limit, &s->fine, error);
+  s->margin = fine_margin(s->margin, s->fine);
+  return code;
+}
+
+/* ---- entry ---- */
+
+static const opc_port outputs[] = {EDA_PORT_MASK("mask")};
+static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
+                                   .forecast = forecast};
+
+OPC_PLUGIN(given, .id = "given", .kind = "step", .version = OPC_VERSION,
+           .licence = "BSD-3-Clause",
+           .summary = "print and measure a mask that another tool has made",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
+           OPC_FUNCTIONS(functions));

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The parameters of a resolved flow. */
+#ifndef EDA_RUNS_PARAMETERS_H
+#define EDA_RUNS_PARAMETERS_H
+
+#include <glib.h>
+
+#include "runs/text.h"
+
+/* Add all to `out` (eda_run_parameter); their texts belong to `texts`
+   (char *). */
+int runs_parameters(runs_tree *flow, GArray *out, GPtrArray *texts,
+                    opc_error *error);
+
+#endif

@@ -1,0 +1,302 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A run folder: its manifest, metrics and resolved flow as plain arrays. */
+#include <glib.h>
+#include <math.h>
+#include <string.h>
+
+#include "runs/parameters.h"
+
+/* ---- state ---- */
+
+struct eda_run {
+  runs_tree manifest, metrics, flow;
+  eda_run_facts told;
+  GPtrArray *texts;   /* char *: those that are in no tree */
+  GHashTable *tables; /* name: eda_table */
+};
+
+/* The arrays that are being made of a tree. */
+typedef struct reading {
+  eda_run *run;
+  runs_tree *tree;
+  opc_error *error;
+} reading;
+
+/* ---- lists ---- */
+
+/* Of each element of the list `key` of a map, one element of `size` bytes, as
+   `read` makes it; *n: how many. NULL: *error, or there are none. */
+static void *read_list(reading *r, const char *key, size_t size, size_t *n,
+                       int (*read)(reading *r, yaml_node_t *node, void *to)) {
+  yaml_node_t *list = runs_get(r->tree, runs_root(r->tree), key);
+  r->error->code = OPC_OK;
+  *n = 0;
+  if (!list) return NULL;
+  if (list->type != YAML_SEQUENCE_NODE) {
+    runs_fail(r->tree, list, r->error, "'%s' is no list", key);
+    return NULL;
+  }
+  const yaml_node_item_t *item = list->data.sequence.items.start;
+  size_t count = (size_t)(list->data.sequence.items.top - item);
+  char *all = g_malloc0_n(MAX(count, 1), size);
+  for (size_t i = 0; i < count && !r->error->code; i++)
+    read(r, runs_node(r->tree, item[i]), all + i * size);
+  *n = count;
+  return all;
+}
+
+/* The text of a member, which must be there. */
+static int need(reading *r, yaml_node_t *map, const char *key,
+                const char **text) {
+  *text = runs_word(runs_get(r->tree, map, key));
+  return *text
+             ? OPC_OK
+             : runs_fail(r->tree, map, r->error, "there is no text '%s'", key);
+}
+
+static int read_file(reading *r, yaml_node_t *node, void *to) {
+  eda_run_file *f = to;
+  double bytes = runs_number(runs_get(r->tree, node, "bytes"));
+  f->bytes = bytes >= 0 && bytes < 9e15 ? (int64_t)bytes : -1;
+  return need(r, node, "path", &f->path) || need(r, node, "sha256", &f->sha256)
+             ? r->error->code
+             : OPC_OK;
+}
+
+static int read_plugin(reading *r, yaml_node_t *node, void *to) {
+  eda_run_plugin *p = to;
+  return need(r, node, "id", &p->id) || need(r, node, "version", &p->version) ||
+                 need(r, node, "sha256", &p->sha256)
+             ? r->error->code
+             : OPC_OK;
+}
+
+static int read_finding(reading *r, yaml_node_t *node, void *to) {
+  eda_run_finding *f = to;
+  return need(r, node, "step", &f->step) || need(r, node, "text", &f->text)
+             ? r->error->code
+             : OPC_OK;
+}
+
+static int read_requirement(reading *r, yaml_node_t *node, void *to) {
+  eda_run_requirement *q = to;
+  const char *kept;
+  if (need(r, node, "metric", &q->metric) ||
+      need(r, node, "required", &q->required) || need(r, node, "kept", &kept))
+    return r->error->code;
+  q->unit = runs_word(runs_get(r->tree, node, "unit"));
+  q->value = runs_number(runs_get(r->tree, node, "value"));
+  q->kept = !strcmp(kept, "true");
+  return OPC_OK;
+}
+
+/* ---- metrics ---- */
+
+static int read_metric(reading *r, const char *step, const yaml_node_pair_t *at,
+                       GArray *out) {
+  static const char *const words[] = {"neutral", "lower", "higher", NULL};
+  yaml_node_t *node = runs_node(r->tree, at->value);
+  const char *name = runs_word(runs_node(r->tree, at->key)), *better;
+  if (!name || node->type != YAML_MAPPING_NODE)
+    return runs_fail(r->tree, node, r->error, "is no metric");
+  if (need(r, node, "better", &better)) return r->error->code;
+  eda_run_metric m = {
+      .name = g_strdup_printf("%s.%s", step, name),
+      .unit = runs_word(runs_get(r->tree, node, "unit")),
+      .value = runs_number(runs_get(r->tree, node, "value")),
+      .tolerance = runs_number(runs_get(r->tree, node, "tolerance"))};
+  g_ptr_array_add(r->run->texts, (char *)m.name);
+  while (words[m.better] && strcmp(words[m.better], better) != 0) m.better++;
+  if (!words[m.better])
+    return runs_fail(r->tree, node, r->error,
+                     "'better' is neutral, lower or higher, not '%.40s'",
+                     better);
+  if (!(m.tolerance >= 0)) /* also NAN */
+    return runs_fail(r->tree, node, r->error, "'tolerance' is no number");
+  g_array_append_val(out, m);
+  return OPC_OK;
+}
+
+/* Members that are no maps are not of steps. */
+static int read_metrics(reading *r) {
+  GArray *out = g_array_new(FALSE, FALSE, sizeof(eda_run_metric));
+  const yaml_node_t *root = runs_root(r->tree);
+  const yaml_node_pair_t *step = root->data.mapping.pairs.start;
+  int code = OPC_OK;
+  for (; !code && step < root->data.mapping.pairs.top; step++) {
+    const char *name = runs_word(runs_node(r->tree, step->key));
+    const yaml_node_t *map = runs_node(r->tree, step->value);
+    if (!name || map->type != YAML_MAPPING_NODE) continue;
+    const yaml_node_pair_t *at = map->data.mapping.pairs.start;
+    for (; !code && at < map->data.mapping.pairs.top; at++)
+      code = read_metric(r, name, at, out);
+  }
+  eda_run_facts *f = &r->run->told;
+  f->n_metrics = out->len;
+  f->metrics = (eda_run_metric *)(void *)g_array_free(out, FALSE);
+  if (code) return code;
+  f->findings = read_list(r, "findings", sizeof *f->findings, &f->n_findings,
+                          read_finding);
+  if (!r->error->code)
+    f->requirements = read_list(r, "require", sizeof *f->requirements,
+                                &f->n_requirements, read_requirement);
+  return r->error->code;
+}
+
+/* ---- manifest ---- */
+
+static void read_steps(reading *r) {
+  const yaml_node_t *map = runs_get(r->tree, runs_root(r->tree), "steps");
+  if (!map || map->type != YAML_MAPPING_NODE) return;
+  const yaml_node_pair_t *at = map->data.mapping.pairs.start;
+  size_t n = (size_t)(map->data.mapping.pairs.top - at);
+  eda_run_step *steps = g_new0(eda_run_step, n);
+  for (size_t i = 0; i < n; i++) {
+    const char *name = runs_word(runs_node(r->tree, at[i].key));
+    steps[i] = (eda_run_step){name ? name : "",
+                              runs_number(runs_node(r->tree, at[i].value))};
+  }
+  r->run->told.steps = steps;
+  r->run->told.n_steps = n;
+}
+
+static int64_t whole_number(reading *r, const char *key) {
+  double n = runs_number(runs_get(r->tree, runs_root(r->tree), key));
+  return n >= 0 && n < 9e15 ? (int64_t)n : 0;
+}
+
+static int read_manifest(reading *r) {
+  eda_run_facts *f = &r->run->told;
+  yaml_node_t *root = runs_root(r->tree);
+  const char *result;
+  if (need(r, root, "opcflow", &f->version) || need(r, root, "result", &result))
+    return r->error->code;
+  f->variant = runs_word(runs_get(r->tree, root, "variant"));
+  f->started = runs_word(runs_get(r->tree, root, "started"));
+  f->failure = runs_word(runs_get(r->tree, root, "failure"));
+  if (!f->started) f->started = "";
+  if (!f->failure && strcmp(result, "complete") != 0) f->failure = result;
+  f->seconds = runs_number(runs_get(r->tree, root, "seconds"));
+  f->threads = whole_number(r, "threads");
+  f->points = whole_number(r, "points");
+  read_steps(r);
+  f->inputs =
+      read_list(r, "inputs", sizeof *f->inputs, &f->n_inputs, read_file);
+  if (!r->error->code)
+    f->files = read_list(r, "files", sizeof *f->files, &f->n_files, read_file);
+  if (!r->error->code)
+    f->plugins =
+        read_list(r, "plugins", sizeof *f->plugins, &f->n_plugins, read_plugin);
+  return r->error->code;
+}
+
+/* ---- the flow ---- */
+
+static int read_flow(reading *r) {
+  eda_run_facts *f = &r->run->told;
+  yaml_node_t *root = runs_root(r->tree);
+  yaml_node_t *format = runs_get(r->tree, root, "opcflow");
+  if (!format || g_strcmp0(runs_word(format), "1") != 0)
+    return runs_fail(r->tree, format ? format : root, r->error,
+                     "is a flow of the format '%.20s', and '1' is known here",
+                     format && runs_word(format) ? runs_word(format) : "");
+  if (need(r, root, "name", &f->name)) return r->error->code;
+  GArray *all = g_array_new(FALSE, FALSE, sizeof(eda_run_parameter));
+  int code = runs_parameters(r->tree, all, r->run->texts, r->error);
+  f->n_parameters = all->len;
+  f->parameters = (eda_run_parameter *)(void *)g_array_free(all, FALSE);
+  return code;
+}
+
+/* ---- opening ---- */
+
+static int open_all(eda_run *run, opc_error *error) {
+  const struct {
+    const char *file;
+    runs_tree *tree;
+    int (*read)(reading *r);
+  } parts[] = {{"manifest.json", &run->manifest, read_manifest},
+               {"metrics.json", &run->metrics, read_metrics},
+               {"flow.yaml", &run->flow, read_flow}};
+  const char *folder = run->told.folder;
+  int code = OPC_OK;
+  for (size_t i = 0; i < G_N_ELEMENTS(parts) && !code; i++) {
+    g_autofree char *path = g_build_filename(folder, parts[i].file, NULL);
+    reading r = {run, parts[i].tree, error};
+    if (!g_file_test(path, G_FILE_TEST_EXISTS))
+      return opc_fail(error, OPC_IO, NULL,
+                      "'%s' is no run folder: it has no %s", folder,
+                      parts[i].file);
+    code = runs_tree_open(r.tree, path, error);
+    if (!code) code = parts[i].read(&r);
+  }
+  return code;
+}
+
+eda_run *eda_run_open(const char *folder, opc_error *error) {
+  eda_run *run = g_new0(eda_run, 1);
+  run->texts = g_ptr_array_new_with_free_func(g_free);
+  run->tables = g_hash_table_new_full(g_str_hash, g_str_equal, g_free,
+                                      (GDestroyNotify)eda_table_free);
+  run->told.folder = g_strdup(folder);
+  if (!open_all(run, error)) return run;
+  eda_run_free(run);
+  return NULL;
+}
+
+void eda_run_free(eda_run *run) {
+  if (!run) return;
+  eda_run_facts *f = &run->told;
+  g_free((char *)f->folder);
+  g_free((void *)f->metrics);
+  g_free((void *)f->parameters);
+  g_free((void *)f->inputs);
+  g_free((void *)f->files);
+  g_free((void *)f->plugins);
+  g_free((void *)f->steps);
+  g_free((void *)f->findings);
+  g_free((void *)f->requirements);
+  runs_tree_close(&run->manifest);
+  runs_tree_close(&run->metrics);
+  runs_tree_close(&run->flow);
+  g_ptr_array_free(run->texts, TRUE);
+  g_hash_table_unref(run->tables);
+  g_free(run);
+}
+
+/* ---- looking ---- */
+
+const eda_run_facts *eda_run_told(const eda_run *run) { return &run->told; }
+
+const eda_run_metric *eda_run_metric_of(const eda_run *run, const char *name) {
+  for (size_t i = 0; i < run->told.n_metrics; i++)
+    if (!strcmp(run->told.metrics[i].name, name)) return &run->told.metrics[i];
+  return NULL;
+}
+
+const eda_run_parameter *eda_run_parameter_of(const eda_run *run,
+                                              const char *name) {
+  for (size_t i = 0; i < run->told.n_parameters; i++)
+    if (!strcmp(run->told.parameters[i].name, name))
+      return &run->told.parameters[i];
+  return NULL;
+}
+
+static char *table_path(const eda_run *run, const char *name) {
+  g_autofree char *file = g_strconcat(name, ".csv", NULL);
+  return g_build_filename(run->told.folder, file, NULL);
+}
+
+int eda_run_has_table(const eda_run *run, const char *name) {
+  g_autofree char *path = table_path(run, name);
+  return g_file_test(path, G_FILE_TEST_IS_REGULAR);
+}
+
+eda_table *eda_run_table(eda_run *run, const char *name, opc_error *error) {
+  eda_table *table = g_hash_table_lookup(run->tables, name);
+  if (table) return table;
+  g_autofree char *path = table_path(run, name);
+  table = eda_table_read(path, error);
+  if (table) g_hash_table_insert(run->tables, g_strdup(name), table);
+  return table;
+}

@@ -1,0 +1,151 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""What documents show, tried.
+
+A block of a document that begins with `opcflow: 1` is a flow: it is checked, and if the
+next block has lines `NAME.yaml:LINE:COLUMN: ...`, it must give just these. In
+docs/tutorial.md, blocks marked `sh` are run, one after another in one folder, blocks
+marked `yaml NAME` are written there before, and what a block marked `text` has must be
+said by the commands before it, line by line; `...` stands for anything.
+"""
+import glob
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+OPCFLOW = os.path.join(os.environ["OPCFLOW_BUILD"], "opcflow")
+
+
+def blocks(path):
+    """(line, mark, text) of each fenced block, and of indented ones of flows."""
+    with open(path) as f:
+        lines = f.read().split("\n")
+    i = 0
+    while i < len(lines):
+        fence = re.match(r"(```+)(.*)", lines[i])
+        if fence:
+            end = lines.index(fence[1], i + 1)
+            yield i + 1, fence[2].strip(), "\n".join(lines[i + 1:end]) + "\n"
+            i = end
+        elif lines[i] == "    opcflow: 1":
+            end = next(k for k in range(i, len(lines)) if lines[k] and not lines[k].startswith("    "))
+            yield i + 1, "yaml", "\n".join(line[4:] for line in lines[i:end]) + "\n"
+            i = end - 1
+        i += 1
+
+
+def room():
+    """A folder in which flows find what they name as from the top of the tree."""
+    folder = tempfile.mkdtemp(prefix="opcflow-documents-")
+    for name in ("flows", "data"):
+        os.symlink(os.path.join(ROOT, name), os.path.join(folder, name))
+    # Ready flows name their files from flows/; so do flows that are like them.
+    os.mkdir(os.path.join(folder, "here"))
+    for flow in glob.glob(os.path.join(ROOT, "flows", "*.yaml")):
+        os.symlink(flow, os.path.join(folder, "here", os.path.basename(flow)))
+    return folder
+
+
+def ask(words, folder, **more):
+    return subprocess.run(words, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True, **more)
+
+
+def check_flow(text, expected):
+    """What is wrong with a flow of a document; '' if it is as the document says."""
+    named = re.match(r"([\w-]+\.yaml):\d+", expected)
+    folder = room()
+    try:
+        place = "." if "flows/" in text else "here"
+        name = os.path.join(place, named[1] if named else "its-flow.yaml")
+        with open(os.path.join(folder, name), "w") as f:
+            f.write(text)
+        said = ask([OPCFLOW, "check", os.path.basename(name)], os.path.join(folder, place))
+    finally:
+        shutil.rmtree(folder)
+    if not named:
+        return "" if said.returncode == 0 else said.stdout
+    # Besides faults, it tells what a run would want.
+    faults = [line for line in said.stdout.split("\n") if re.match(r"[\w./-]+:\d+:", line)]
+    return "" if faults == expected.strip().split("\n") else said.stdout
+
+
+def like(expected, said):
+    """The first line of `expected` that `said` does not have, in this order."""
+    rest = said.split("\n")
+    for line in filter(None, expected.split("\n")):
+        if line.strip() == "...":
+            continue
+        pattern = ".*".join(re.escape(part.strip()) for part in line.split("..."))
+        while rest and not re.search(re.sub(r"(\\ )+", r"\\s+", pattern), rest[0]):
+            rest.pop(0)
+        if not rest:
+            return line
+        rest.pop(0)
+    return None
+
+
+class Report:
+    def __init__(self):
+        self.number, self.failed = 0, 0
+
+    def tell(self, name, fault):
+        self.number += 1
+        self.failed += bool(fault)
+        print("%sok %d - %s" % ("not " if fault else "", self.number, name))
+        for line in (fault or "").strip().split("\n"):
+            if line:
+                print("#   " + line)
+        sys.stdout.flush()
+
+
+def try_flows(report):
+    for path in [os.path.join(ROOT, "README.md"), *sorted(glob.glob(os.path.join(ROOT, "docs", "*.md")))]:
+        found = list(blocks(path))
+        for k, (line, mark, text) in enumerate(found):
+            if not mark.startswith("yaml") or len(mark.split()) > 1 or not re.search("^opcflow: 1", text, re.M):
+                continue
+            expected = found[k + 1][2] if k + 1 < len(found) else ""
+            report.tell("%s:%d" % (os.path.relpath(path, ROOT), line), check_flow(text, expected))
+
+
+def try_tutorial(report, path):
+    folder = tempfile.mkdtemp(prefix="opcflow-tutorial-")
+    path_of = "%s:%s" % (os.path.dirname(os.path.abspath(OPCFLOW)), os.environ["PATH"])
+    said = ""
+    try:
+        for line, mark, text in blocks(path):
+            name, fault = "%s:%d" % (os.path.relpath(path, ROOT), line), None
+            if mark.startswith("yaml "):
+                with open(os.path.join(folder, mark.split()[1]), "w") as f:
+                    f.write(text)
+                continue
+            if mark == "sh":
+                answer = ask(["sh", "-ec", text], folder, env={**os.environ, "PATH": path_of, "OPCFLOW_TOP": ROOT})
+                said = answer.stdout
+                # A command whose failure is shown says so: `|| echo "exit code $?"`.
+                fault = answer.returncode and "exit code %d\n%s" % (answer.returncode, said)
+            elif mark == "text":
+                missing = like(text, said)
+                fault = missing and "not said: %s\nsaid:\n%s" % (missing, said)
+            else:
+                continue
+            report.tell(name, fault)
+    finally:
+        shutil.rmtree(folder)
+
+
+def main():
+    report = Report()
+    try_flows(report)
+    for path in sorted(glob.glob(os.path.join(ROOT, "docs", "tutorial*.md"))):
+        try_tutorial(report, path)
+    print("1..%d" % report.number)
+    return report.failed > 0
+
+
+sys.exit(main())
