@@ -31,7 +31,8 @@ static const char more_cells[] =
     "M1 Q A VSS VSS nmos w=400n l=65n\nM2 Q QN VSS VSS nmos w=400n l=65n\n"
     "M3 x A VDD VDD pmos w=400n l=65n\nM4 Q QN x VDD pmos w=400n l=65n\n"
     "M5 QN B VSS VSS nmos w=400n l=65n\nM6 QN Q VSS VSS nmos w=400n l=65n\n"
-    "M7 y B VDD VDD pmos w=400n l=65n\nM8 QN Q y VDD pmos w=400n l=65n\n.ends\n";
+    "M7 y B VDD VDD pmos w=400n l=65n\nM8 QN Q y VDD pmos w=400n "
+    "l=65n\n.ends\n";
 
 static eda_timing *run(const char *file, const char *more, opc_error *error) {
   g_autofree char *card = data("devices/opcflow65.pm");
@@ -55,8 +56,7 @@ static eda_timing *run_well(const char *file, const char *more) {
 }
 
 /* Few points, as each is simulated. */
-#define GRID                                    \
-  "slews: [5 ps, 15 ps, 40 ps], loads: [1 fF, 3 fF, 9 fF]"
+#define GRID "slews: [5 ps, 15 ps, 40 ps], loads: [1 fF, 3 fF, 9 fF]"
 
 static const eda_timing_arc *arc(const eda_timing_cell *c, uint32_t input,
                                  uint32_t from) {
@@ -86,12 +86,12 @@ static void same_logic(const eda_timing_cell *c, int (*f)(int, int, int)) {
 }
 
 static void test_logic(void) {
-  g_autofree char *file =
-      g_build_filename(opc_test_folder(), "cells.sp", NULL);
+  g_autofree char *file = g_build_filename(opc_test_folder(), "cells.sp", NULL);
   g_assert_true(g_file_set_contents(file, more_cells, -1, NULL));
-  eda_timing *t = run_well(
-      file, "kept: none, slews: [5 ps, 6 ps, 7 ps], "
-            "loads: [1 fF, 2 fF, 3 fF], cells: aoi21 latch, dlc: false");
+  eda_timing *t =
+      run_well(file,
+               "kept: none, slews: [5 ps, 6 ps, 7 ps], "
+               "loads: [1 fF, 2 fF, 3 fF], cells: aoi21 latch, dlc: false");
   g_assert_cmpuint(t->count, ==, 2);
   const eda_timing_cell *c = eda_timing_find(t, "AOI21");
   same_logic(c, aoi21);
@@ -190,8 +190,7 @@ static void test_delays(void) {
 
 static void test_kept(void) {
   g_autofree char *file = data("cells65/inverter.sp");
-  g_autofree char *folder =
-      g_build_filename(opc_test_folder(), "kept", NULL);
+  g_autofree char *folder = g_build_filename(opc_test_folder(), "kept", NULL);
   g_autofree char *more = g_strdup_printf("kept: '%s', " GRID, folder);
   g_autofree char *other =
       g_strdup_printf("kept: '%s', temperature: 28 C, " GRID, folder);
@@ -219,8 +218,8 @@ static void test_kept(void) {
   again = run_well(file, more);
   g_assert_nonnull(strstr(opc_test_log(), "is damaged"));
   g_assert_cmpfloat(opc_test_metric("kept"), ==, 0);
-  g_assert_cmpmem(a->figure, a->figures * sizeof(double),
-                  again->cell[0].figure, a->figures * sizeof(double));
+  g_assert_cmpmem(a->figure, a->figures * sizeof(double), again->cell[0].figure,
+                  a->figures * sizeof(double));
   eda_timing_free(again);
   eda_timing_free(first);
 }

@@ -67,7 +67,7 @@ char *keep_key(const study *s, const eda_timing_cell *c, opc_error *error) {
   for (size_t i = 0; i < c->nets; i++) hash_number(sum, c->rail[i]);
   for (size_t i = 0; i < c->devices; i++) {
     const eda_timing_device *d = &c->device[i];
-    const double n[] = {d->type,   d->drain, d->gate,  d->source,
+    const double n[] = {d->type, d->drain,  d->gate, d->source,
                         d->bulk, d->length, d->width};
     hash_numbers(sum, n, sizeof n / sizeof *n);
   }
@@ -123,6 +123,6 @@ void keep_save(const study *s, const eda_timing_cell *c, const char *key) {
   g_mkdir_with_parents(folder, 0700);
   /* Written beside it and renamed: whoever reads it meanwhile has all. */
   if (!g_file_set_contents(path, text->str, (gssize)text->len, &fault))
-    s->host->log(s->host, OPC_LOG_WARNING, "cell '%s' is not kept: %s",
-                 c->name, fault->message);
+    s->host->log(s->host, OPC_LOG_WARNING, "cell '%s' is not kept: %s", c->name,
+                 fault->message);
 }

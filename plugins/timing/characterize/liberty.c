@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Cells as a Liberty file (Liberty User Guide, version 2007.03), for who goes on
-   with a static timing analyser: time ns, capacitance fF. */
+/* Cells as a Liberty file (Liberty User Guide, version 2007.03), for who goes
+   on with a static timing analyser: time ns, capacitance fF. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -24,8 +24,7 @@ static void put_table(FILE *out, const eda_timing_cell *c, const char *name,
   for (size_t i = 0; i < c->slews; i++) {
     fprintf(out, "%s\"", i ? ", \\\n          " : "");
     for (size_t j = 0; j < c->loads; j++)
-      fprintf(out, "%s%.6g", j ? ", " : "",
-              value[i * c->loads + j] * 1e9);
+      fprintf(out, "%s%.6g", j ? ", " : "", value[i * c->loads + j] * 1e9);
     fputc('"', out);
   }
   fputs(");\n      }\n", out);
@@ -109,11 +108,12 @@ static void put_cell(FILE *out, const eda_timing_cell *c) {
 
 static void put_library(FILE *out, const study *s) {
   const eda_timing *t = s->timing;
-  fputs("library (opcflow) {\n  delay_model : table_lookup;\n"
-        "  time_unit : \"1ns\";\n  voltage_unit : \"1V\";\n"
-        "  current_unit : \"1mA\";\n  pulling_resistance_unit : \"1kohm\";\n"
-        "  leakage_power_unit : \"1nW\";\n  capacitive_load_unit (1, ff);\n",
-        out);
+  fputs(
+      "library (opcflow) {\n  delay_model : table_lookup;\n"
+      "  time_unit : \"1ns\";\n  voltage_unit : \"1V\";\n"
+      "  current_unit : \"1mA\";\n  pulling_resistance_unit : \"1kohm\";\n"
+      "  leakage_power_unit : \"1nW\";\n  capacitive_load_unit (1, ff);\n",
+      out);
   fprintf(out,
           "  nom_process : 1;\n  nom_voltage : %g;\n  nom_temperature : %g;\n",
           t->supply, t->temperature);
@@ -125,10 +125,11 @@ static void put_library(FILE *out, const study *s) {
             "  input_threshold_pct_%s : 50;\n  output_threshold_pct_%s : 50;\n",
             way, 100 * t->low, way, 100 * t->high, way, way);
   }
-  fputs("  slew_derate_from_library : 1;\n  lu_table_template (grid) {\n"
-        "    variable_1 : input_net_transition;\n"
-        "    variable_2 : total_output_net_capacitance;\n",
-        out);
+  fputs(
+      "  slew_derate_from_library : 1;\n  lu_table_template (grid) {\n"
+      "    variable_1 : input_net_transition;\n"
+      "    variable_2 : total_output_net_capacitance;\n",
+      out);
   put_list(out, "index_1", s->slews.values, s->slews.count, 1e9);
   put_list(out, "index_2", s->loads.values, s->loads.count, 1e15);
   fputs("  }\n", out);
