@@ -229,17 +229,26 @@ typedef struct histogram {
   double from, to, share;
 } histogram;
 
-/* All sets of sizes on the same bins: from the least to the largest deviation
-   of all but a thousandth at each end. */
+static int by_value(const void *a, const void *b) {
+  double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* All sets of sizes on the same bins: of each, all but a hundredth at both
+   ends, which are of pulses that pass with one set and not with another. They
+   count to the outermost bins. */
 static void find_range(const delays *d, size_t states, double *low,
                        double *high) {
+  double *x = eda_alloc(d->count, sizeof *x);
   *low = INFINITY;
   *high = -INFINITY;
   for (size_t s = 1; s < states; s++) {
-    spread r = spread_of(d, s);
-    *low = fmin(*low, r.lowest);
-    *high = fmax(*high, r.highest);
+    for (size_t i = 0; i < d->count; i++) x[i] = deviation(d, s, i);
+    qsort(x, d->count, sizeof *x, by_value);
+    *low = fmin(*low, x[d->count / 100]);
+    *high = fmax(*high, x[d->count - 1 - d->count / 100]);
   }
+  free(x);
   double room = fmax(1e-3, 0.02 * (*high - *low));
   *low -= room;
   *high += room;
