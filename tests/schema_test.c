@@ -126,7 +126,7 @@ static void test_good(void) {
             "litho.hopkins, na: 0.7 }, resist: { use: resist.threshold, "
             "anchor.line: 65 nm }, extractor: { use: extractor.plain, devices: "
             "d.yaml }, synthesizer: { use: synthesizer.dpb }, "
-            "synthesizer.max_pde: 1 % }\n"
+            "synthesizer.limit: 1 % }\n"
             "require: { two.failed: 0, two: { ion_max: 1 %, synthesizer: { x: "
             "[1, 2] } } }\n");
   g_ptr_array_add(names, g_strdup("dots.json"));
@@ -173,7 +173,7 @@ static void test_wrong(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(slots); i++) {
     g_autoptr(GString) text = g_string_new(
         "opcflow: 1\nsteps:\n  m:\n    use: correct\n    gates: ${g}\n"
-        "    litho: { use: litho.hopkins }\n"
+        "    litho: { use: litho.hopkins, defocus: 0 }\n"
         "    resist: { use: resist.threshold }\n"
         "    extractor: { use: extractor.plain, devices: d.yaml }\n"
         "    synthesizer: { use: synthesizer.dpb }\n"

@@ -222,12 +222,11 @@ static void test_threads(void) {
 /* Other plugins' parameters, another figure, the greatest one, a variant and
    another plugin that is set. */
 static void test_others(void) {
-  write_file(
-      "others.yaml", HEAD
-      "    variant: few\n    set:\n"
-      "      mask.synthesizer: { use: synthesizer.dpb, max_pde: 0.5 % }\n"
-      "    sweep: { mask.litho.na: [0.7, 0.75, 0.8] }\n"
-      "    maximise: cost.shots\n    mask: mask\n" GDS);
+  write_file("others.yaml", HEAD
+             "    variant: few\n    set:\n"
+             "      mask.synthesizer: { use: synthesizer.dpb, limit: 0.5 % }\n"
+             "    sweep: { mask.litho.na: [0.7, 0.75, 0.8] }\n"
+             "    maximise: cost.shots\n    mask: mask\n" GDS);
   g_autofree char *errors = NULL;
   int code = opcflow(&errors, "run", "others.yaml", "--output", "others", NULL);
   if (code) g_error("%s", errors);
@@ -246,7 +245,7 @@ static void test_others(void) {
   g_autofree char *flow = g_strdup_printf("na-%d.yaml", greatest);
   g_autofree char *alone_text = g_strdup_printf(
       "opcflow: 1\nextends: inner.yaml\nsteps:\n  mask: { max_iterations: 2, "
-      "litho: { na: %g }, synthesizer: { use: synthesizer.dpb, max_pde: 0.5 %% "
+      "litho: { na: %g }, synthesizer: { use: synthesizer.dpb, limit: 0.5 %% "
       "} }\n",
       0.7 + 0.05 * greatest);
   write_file(flow, alone_text);
@@ -385,7 +384,8 @@ static void test_inner_faults(void) {
   expect(
       "opcflow: 1\nsteps:\n  best:\n    use: search\n    flow: bad.yaml\n"
       "    sweep: { mask.max_iterations: [1] }\n" LEAST,
-      "bad.yaml:3:3: 'search' cannot stand in a flow that a step runs\n"
+      "bad.yaml:3:3: 'search' cannot stand in a flow that a step of a flow "
+      "runs that a step runs\n"
       "bad.yaml:6:14: unknown step 'mask'\n");
   expect(
       HEAD "    set: { mask.synthesizer.min_edge: 50 nm }\n" AXES LEAST,

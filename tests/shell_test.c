@@ -49,7 +49,7 @@ static void make_flows(void) {
 
 static void test_completion(void) {
   static const char *const cases[][2] = {
-      {"opcflow r", "run "},
+      {"opcflow ru", "run "},
       {"opcflow run --qu", "--quiet "},
       {"opcflow --plugin-path x ch", "check "},
       {"opcflow inspect synthesizer.d", "synthesizer.dpb "},
@@ -81,7 +81,7 @@ static void test_completion(void) {
 /* A line, what Tab makes of it, and what is offered. */
 static void test_zsh(void) {
   static const char *const cases[][2] = {
-      {"opcflow r", "opcflow run |run"},
+      {"opcflow ru", "opcflow run |run"},
       {"opcflow run --qu", "opcflow run --quiet |--quiet"},
       {"opcflow --plugin-path x ch", "opcflow --plugin-path x check |check"},
       {"opcflow --plugin-path own te", "opcflow --plugin-path own tell |tell"},

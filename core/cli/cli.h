@@ -5,6 +5,7 @@
 
 #include <json-glib/json-glib.h>
 
+#include "core/flow/table.h"
 #include "core/plugin/registry.h"
 #include "core/text/problem.h"
 
@@ -49,8 +50,9 @@ struct cli_verb {
   const opc_plugin *plugin; /* that brings the verb; NULL: the command's own */
 };
 
-extern const cli_verb cli_run, cli_check, cli_plugins, cli_inspect, cli_lint,
-    cli_schema, cli_new, cli_version, cli_help, cli_complete;
+extern const cli_verb cli_run, cli_check, cli_explain, cli_cache, cli_plugins,
+    cli_inspect, cli_lint, cli_schema, cli_new, cli_version, cli_help,
+    cli_complete;
 
 /* The command's own verbs, NULL-terminated; the hidden ones come last. */
 extern const cli_verb *const cli_verbs[];
@@ -134,6 +136,11 @@ void cli_keep_output(void);
 void cli_return_output(void);
 
 void cli_print(const char *format, ...) OPC_PRINTF(1, 2);
+
+/* A table that fits the terminal; of any width if `cli_wide`, as --wide says.
+ */
+extern gboolean cli_wide;
+void cli_print_table(const opc_table *table);
 
 /* A table of texts under `names`: `cells` has its rows, one after another. */
 void cli_print_rows(const char *const *names, size_t n, const GPtrArray *cells);

@@ -10,17 +10,19 @@
 #include "core/flow/layers.h"
 #include "core/flow/run.h"
 #include "core/plugin/declaration.h"
+#include "core/text/suggest.h"
 
 /* What the user wants: of each parameter of the plugin a text, or of an
    OPC_BOOL whether it was given as --NAME or as --no-NAME. */
-static const char **texts, *threads;
-static gboolean *yes, *no, json;
+static GPtrArray **texts;
+static const char *threads, *wanted;
+static gboolean *yes, *no, json, csv, markdown;
 
 /* What comes of it, as text and as JSON. */
 static cli_progress progress;
-static GString *shown;   /* tables */
-static GPtrArray *cells; /* char *: metric, value, unit, metric ... */
-static JsonArray *tables, *messages;
+static GPtrArray *tables; /* opc_table * */
+static GPtrArray *cells;  /* char *: metric, value, unit, metric ... */
+static JsonArray *messages;
 static JsonObject *metrics;
 
 /* ---- options ---- */
@@ -84,10 +86,7 @@ static int take_table(const opc_host *host, const char *name, uint32_t flags,
   opc_table *table =
       opc_table_new(name, flags, rows, columns, n_columns, error);
   if (!table) return error->code;
-  g_autofree char *text = opc_table_text(table);
-  g_string_append_printf(shown, "%s\n%s\n", name, text);
-  json_array_add_element(tables, opc_table_json(table));
-  opc_table_free(table);
+  g_ptr_array_add(tables, table);
   return OPC_OK;
 }
 
@@ -132,19 +131,57 @@ static const opc_watch watch = {.data = &progress,
 static const opc_host publisher = {
     .table = take_table, .metric = take_metric, .output_path = give_path};
 
+static void show_json(opc_problems *problems) {
+  JsonObject *o = json_object_new();
+  JsonArray *list = json_array_new();
+  for (guint i = 0; i < tables->len; i++)
+    json_array_add_element(list, opc_table_json(tables->pdata[i]));
+  json_object_set_object_member(o, "metrics", json_object_ref(metrics));
+  json_object_set_array_member(o, "tables", list);
+  json_object_set_array_member(o, "messages", json_array_ref(messages));
+  if (problems->list->len) cli_add_problems(o, problems);
+  cli_print_object(o);
+}
+
+/* Its name stands over each table, but over one that is CSV. */
+static void show_table(const opc_table *table) {
+  if (markdown) {
+    g_autofree char *text = opc_table_markdown(table);
+    cli_print("### %s\n\n%s\n", table->name, text);
+  } else if (csv) {
+    g_autofree char *text = opc_table_csv(table);
+    g_auto(GStrv) lines = g_strsplit(text, "\r\n", -1);
+    if (tables->len > 1) cli_print("# %s\n", table->name);
+    for (char **line = lines; *line && line[1]; line++)
+      cli_print("%s\n", *line);
+    if (tables->len > 1) cli_print("\n");
+  } else {
+    cli_print("%s\n", table->name);
+    cli_print_table(table);
+    cli_print("\n");
+  }
+}
+
+/* The one that is wanted; all others are dropped. */
+static void choose_table(opc_problems *problems) {
+  g_autoptr(GPtrArray) names = g_ptr_array_new_with_free_func(g_free);
+  for (guint i = tables->len; i-- > 0;) {
+    const char *name = ((const opc_table *)tables->pdata[i])->name;
+    g_ptr_array_add(names, g_strdup(name));
+    if (strcmp(name, wanted)) g_ptr_array_remove_index(tables, i);
+  }
+  if (tables->len || problems->list->len) return;
+  g_autofree char *near = opc_suggestion(wanted, names);
+  opc_problem_add(problems, OPC_INVALID, NULL,
+                  "--table: there is no table '%s'%s", wanted, near);
+}
+
 static int show(opc_problems *problems) {
   static const char *const names[] = {"metric", "value", "unit"};
-  if (json) {
-    JsonObject *o = json_object_new();
-    json_object_set_object_member(o, "metrics", json_object_ref(metrics));
-    json_object_set_array_member(o, "tables", json_array_ref(tables));
-    json_object_set_array_member(o, "messages", json_array_ref(messages));
-    if (problems->list->len) cli_add_problems(o, problems);
-    cli_print_object(o);
-  } else {
-    cli_print("%s", shown->str);
-    cli_print_rows(names, 3, cells);
-  }
+  if (wanted) choose_table(problems);
+  if (json) show_json(problems);
+  for (guint i = 0; !json && i < tables->len; i++) show_table(tables->pdata[i]);
+  if (!json && !csv && !markdown && !wanted) cli_print_rows(names, 3, cells);
   int code = cli_problems(problems);
   return code && cli_is_stopped(NULL) ? CLI_STOPPED : code;
 }
@@ -202,7 +239,9 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
   opc_node_add(steps, opc_node_text_new(source, verb->name),
                opc_node_map_new(source, &at));
   for (size_t i = 0; i < plugin->n_parameters; i++) {
-    const char *text = yes[i] ? "true" : no[i] ? "false" : texts[i];
+    g_autofree char *given_text =
+        texts[i] ? g_strjoinv(",", (char **)cli_list(texts[i])) : NULL;
+    const char *text = yes[i] ? "true" : no[i] ? "false" : given_text;
     if (text)
       take_value(verb, &plugin->parameters[i], text, steps, sources, problems);
   }
@@ -226,7 +265,7 @@ static void add_options(GArray *list, const opc_plugin *plugin, size_t i) {
   if (p->type == OPC_INPUT) return;
   char *name = option_name(p);
   cli_option option = {name, option_help(p), option_argument(p),
-                       .text = &texts[i]};
+                       .list = &texts[i]};
   if (p->type == OPC_BOOL) option.flag = &yes[i];
   g_array_append_val(list, option);
   if (p->type != OPC_BOOL) return;
@@ -240,6 +279,9 @@ const cli_verb *cli_plugin_verb(const char *name, opc_error *error) {
   static const cli_option common[] = {
       {"threads", "default: as many as there are processors", "N",
        .text = &threads},
+      {"table", "this table alone", "NAME", .text = &wanted},
+      {"csv", "tables as CSV", .flag = &csv},
+      {"markdown", "tables as Markdown", .flag = &markdown},
       {"json", "the result as JSON", .flag = &json}};
   static cli_verb verb;
   static GArray *options;
@@ -249,15 +291,14 @@ const cli_verb *cli_plugin_verb(const char *name, opc_error *error) {
   const opc_command *command = plugin->functions;
   size_t n = plugin->n_parameters;
   options = g_array_new(TRUE, FALSE, sizeof(cli_option));
-  texts = g_new0(const char *, n);
+  texts = g_new0(GPtrArray *, n);
   yes = g_new0(gboolean, n);
   no = g_new0(gboolean, n);
   for (size_t i = 0; i < n; i++) add_options(options, plugin, i);
   g_array_append_vals(options, common, G_N_ELEMENTS(common));
-  shown = g_string_new(NULL);
   cells = g_ptr_array_new_with_free_func(g_free);
   given = g_ptr_array_new();
-  tables = json_array_new();
+  tables = g_ptr_array_new_with_free_func((GDestroyNotify)opc_table_free);
   messages = json_array_new();
   metrics = json_object_new();
   verb = (cli_verb){.name = plugin->id + strlen("command."),

@@ -9,8 +9,9 @@
 #include "core/text/suggest.h"
 
 const cli_verb *const cli_verbs[] = {
-    &cli_run, &cli_check,   &cli_plugins, &cli_inspect,  &cli_lint, &cli_schema,
-    &cli_new, &cli_version, &cli_help,    &cli_complete, NULL};
+    &cli_run,     &cli_check,    &cli_explain, &cli_cache, &cli_plugins,
+    &cli_inspect, &cli_lint,     &cli_schema,  &cli_new,   &cli_version,
+    &cli_help,    &cli_complete, NULL};
 
 static GPtrArray *command_line;
 

@@ -39,6 +39,8 @@ static const char *taken; /* --plugin-path has been read before */
 
 const cli_option cli_common_options[] = {
     {"plugin-path", "look for plugins here first", "DIR", .text = &taken},
+    {"wide", "tables with all columns side by side, and all digits",
+     .flag = &cli_wide},
     {"help", "show this", .flag = &help},
     {"version", "tell the version", .flag = &version},
     {0}};

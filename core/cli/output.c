@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include "core/cli/cli.h"
@@ -107,6 +108,28 @@ void cli_print(const char *format, ...) {
   fputs(text, out);
 }
 
+gboolean cli_wide;
+
+/* COLUMNS, or the terminal's; what is no terminal takes any width. */
+static size_t width_of_output(void) {
+  const char *columns = g_getenv("COLUMNS");
+  struct winsize size;
+  guint64 told;
+  if (columns &&
+      g_ascii_string_to_unsigned(columns, 10, 1, 100000, &told, NULL))
+    return (size_t)told;
+  if (isatty(fileno(out)) && !ioctl(fileno(out), TIOCGWINSZ, &size) &&
+      size.ws_col)
+    return size.ws_col;
+  return SIZE_MAX;
+}
+
+void cli_print_table(const opc_table *table) {
+  g_autofree char *text =
+      opc_table_text(table, cli_wide ? 0 : width_of_output());
+  cli_print("%s", text);
+}
+
 void cli_print_rows(const char *const *names, size_t n,
                     const GPtrArray *cells) {
   size_t rows = cells->len / n;
@@ -120,9 +143,8 @@ void cli_print_rows(const char *const *names, size_t n,
   if (!rows) return;
   opc_error error;
   opc_table *table = opc_table_new("rows", 0, rows, columns, n, &error);
-  g_autofree char *text = opc_table_text(table);
+  cli_print_table(table);
   opc_table_free(table);
-  cli_print("%s", text);
 }
 
 static void print_json(JsonNode *node) {

@@ -13,7 +13,7 @@
 static GPtrArray *sets, *variants, *sweeps;
 static const char *threads, *level_word;
 static opc_run_options wanted;
-static gboolean json, quiet;
+static gboolean json, quiet, no_cache;
 static int level = OPC_LOG_INFO; /* the least that is told */
 
 static const cli_option options[] = {
@@ -28,6 +28,7 @@ static const cli_option options[] = {
     {"force",
      "replace an earlier run in DIR, if all of it is as it was written",
      .flag = &wanted.force},
+    {"no-cache", "run every step, and keep no result", .flag = &no_cache},
     {"threads", "default: as many as there are processors", "N",
      .text = &threads},
     {"json", "the result as JSON", .flag = &json},
@@ -48,37 +49,23 @@ static gboolean varies(const opc_column *c, size_t rows) {
   return FALSE;
 }
 
-/* What to look at: the parameters and the metrics that they change, to six
-   digits. */
-static char *sweep_text(const opc_run *run) {
+/* What to look at: the parameters and the metrics that they change. */
+static void print_sweep(const opc_run *run) {
   const opc_table *all = run->points;
   guint parameters = run->sweep->axes->len;
   g_autofree opc_column *shown = g_new(opc_column, all->n_columns);
-  g_autoptr(GPtrArray) rounded = g_ptr_array_new_with_free_func(g_free);
   size_t n = 0;
   for (size_t i = 0; i < all->n_columns; i++) {
     const opc_column *c = &all->columns[i];
-    if (i > parameters &&
-        (!varies(c, all->rows) || !strcmp(c->name, "seconds")) &&
-        !(i + 1 == all->n_columns && run->failed_points))
-      continue;
-    shown[n++] = *c;
-    if (c->type != OPC_REAL) continue;
-    double *reals = g_new(double, MAX(all->rows, 1));
-    for (size_t row = 0; row < all->rows; row++) {
-      char digits[40];
-      g_ascii_formatd(digits, sizeof digits, "%.6g",
-                      ((const double *)c->data)[row]);
-      reals[row] = g_ascii_strtod(digits, NULL);
-    }
-    g_ptr_array_add(rounded, reals);
-    shown[n - 1].data = reals;
+    if (i <= parameters ||
+        (varies(c, all->rows) && strcmp(c->name, "seconds")) ||
+        (i + 1 == all->n_columns && run->failed_points))
+      shown[n++] = *c;
   }
   opc_error error;
   opc_table *table = opc_table_new("sweep", 0, all->rows, shown, n, &error);
-  char *text = opc_table_text(table);
+  cli_print_table(table);
   opc_table_free(table);
-  return text;
 }
 
 /* ---- what came of it ---- */
@@ -87,14 +74,19 @@ static void print_text(const opc_run *run) {
   for (guint i = 0; i < run->tables->len; i++) {
     const opc_table *t = run->tables->pdata[i];
     if (!(t->flags & OPC_TABLE_PRINT)) continue;
-    g_autofree char *text = opc_table_text(t);
-    cli_print("%s.%s\n%s\n", t->step, t->name, text);
+    cli_print("%s.%s\n", t->step, t->name);
+    cli_print_table(t);
+    cli_print("\n");
   }
   if (run->points) {
-    g_autofree char *text = sweep_text(run);
-    cli_print("%s\n", text);
+    print_sweep(run);
+    cli_print("\n");
   }
-  if (run->folder) cli_print("%s: %.2f s\n", run->folder, run->total);
+  if (!run->folder) return;
+  cli_print("%s: %.2f s", run->folder, run->total);
+  if (run->steps_reused)
+    cli_print(", %zu of %zu steps reused", run->steps_reused, run->steps_done);
+  cli_print("\n");
 }
 
 static JsonArray *tables_json(const opc_run *run) {
@@ -113,6 +105,10 @@ static JsonObject *run_json(const opc_run *run, opc_problems *broken) {
   JsonObject *o = json_object_new();
   json_object_set_string_member(o, "folder", run->folder);
   json_object_set_double_member(o, "seconds", run->total);
+  if (wanted.store) {
+    json_object_set_int_member(o, "steps", (gint64)run->steps_done);
+    json_object_set_int_member(o, "reused", (gint64)run->steps_reused);
+  }
   json_object_set_member(o, "metrics", opc_run_metrics_json(run));
   opc_run_add_findings(o, run);
   json_object_set_array_member(o, "tables", tables_json(run));
@@ -185,7 +181,7 @@ static int tell(const series *s, const opc_run *run, const char *note,
   else if (!quiet)
     print_text(run);
   tell_findings(run, note);
-  if (run->failed_points)
+  if (run->failed_points && run->sweep)
     cli_message("error", "%zu of %zu points failed", run->failed_points,
                 run->sweep->points);
   int code = cli_problems(problems);
@@ -278,6 +274,15 @@ static int set_level(void) {
                     : -1;
 }
 
+/* Without one, all steps run. */
+static opc_store *open_store(void) {
+  opc_error error = {0};
+  opc_store *store = no_cache ? NULL : opc_store_open(&error);
+  if (error.code)
+    cli_message("warning", "no results are kept or reused: %s", error.message);
+  return store;
+}
+
 /* All variants are checked before the first one runs. */
 static int run(const cli_verb *verb, const GPtrArray *arguments) {
   int code = cli_set_threads(threads);
@@ -305,7 +310,11 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
     const opc_choice choice = choice_of(&s, chosen->pdata[i]);
     opc_flow_check(recipe, &choice, cli_registry(), NULL, problems);
   }
-  if (!problems->list->len) return run_all(&s);
+  if (!problems->list->len) {
+    g_autoptr(opc_store) store = open_store();
+    wanted.store = store;
+    return run_all(&s);
+  }
   if (json) cli_print_object(failure_json(NULL, problems));
   return cli_problems(problems);
 }

@@ -5,6 +5,7 @@
 
 #include <string.h>
 
+#include "core/flow/identity.h"
 #include "core/flow/inner.h"
 #include "core/flow/layers.h"
 #include "core/plugin/declaration.h"
@@ -118,6 +119,22 @@ static void unknown_parameter(const binder *b, const opc_node *key,
             b->binding->plugin->id, suggestion);
 }
 
+/* The parameter that had that name before; -1 if there is none. */
+static int find_former(const binder *b, const opc_node *key, const char *name) {
+  const opc_plugin *plugin = b->binding->plugin;
+  for (size_t i = 0; i < plugin->n_parameters; i++) {
+    const opc_parameter *p = &plugin->parameters[i];
+    g_auto(GStrv) names = opc_choice_list(p->former);
+    if (!g_strv_contains((const char *const *)names, name)) continue;
+    g_autofree char *place = opc_place_text(&key->at);
+    g_ptr_array_add(
+        b->binding->renamed,
+        g_strdup_printf("%s: '%s' is now called '%s'", place, name, p->name));
+    return (int)i;
+  }
+  return -1;
+}
+
 static void bind_map(const binder *b, const opc_node *map, const char *prefix);
 
 /* As deep as parameter names have dots. */
@@ -132,7 +149,11 @@ static void bind_group(const binder *b, const opc_node *map,
     g_autofree char *deeper = g_strconcat(name, ".", NULL);
     g_autoptr(GPtrArray) group = level_names(binding->plugin, deeper);
     int i = opc_parameter_find(binding->plugin, name);
-    if (i >= 0) {
+    if (i < 0) i = find_former(b, key, name);
+    if (i >= 0 && binding->origin[i]) {
+      opc_wrong(b->problems, key, "'%s' is '%s', which is given, too", name,
+                binding->plugin->parameters[i].name);
+    } else if (i >= 0) {
       binding->origin[i] = node;
       binding->values[i].given = TRUE;
       bind_value(b, (size_t)i, node, &key->at);
@@ -181,6 +202,7 @@ static opc_binding *bind_plugin(const binder *like, const opc_plugin *plugin,
   binding->origin = g_new0(const opc_node *, n);
   binding->slots = g_new0(opc_binding *, n);
   binding->owned = g_ptr_array_new_with_free_func(g_free);
+  binding->renamed = g_ptr_array_new_with_free_func(g_free);
   binding->presets =
       g_ptr_array_new_with_free_func((GDestroyNotify)opc_node_free);
   guint before = b.problems->list->len;
@@ -279,7 +301,10 @@ gboolean opc_binding_create(opc_binding *b, const opc_watch *watch,
   b->run = like ? like->data : NULL;
   b->host = opc_host_new(b->path, watch, like);
   b->host->data = b;
+  b->host->identity = opc_identity;
   if (b->inner) b->host->inner = &opc_inner_functions;
+  for (guint i = 0; i < b->renamed->len; i++)
+    b->host->log(b->host, OPC_LOG_WARNING, "%s", (char *)b->renamed->pdata[i]);
   fill(b);
   opc_error error = {0};
   const char *before = opc_binding_enter(b);
@@ -308,6 +333,7 @@ void opc_binding_free(opc_binding *b) {
   g_free(b->slots);
   g_ptr_array_free(b->owned, TRUE);
   g_ptr_array_free(b->presets, TRUE);
+  g_ptr_array_free(b->renamed, TRUE);
   g_free(b);
 }
 

@@ -20,6 +20,7 @@ struct opc_binding {
   opc_binding **slots;     /* of each: the plugin in the slot, or NULL */
   GPtrArray *owned;        /* what values point to */
   GPtrArray *presets;      /* opc_node *: defaults, maps without dots */
+  GPtrArray *renamed;      /* char *: what was given by a former name */
   opc_host *host;          /* from create on; its `data` is the binding */
   void *run;               /* `data` of the host that it is like */
   opc_module module;       /* self is NULL before create */
@@ -28,7 +29,8 @@ struct opc_binding {
 
 enum {
   OPC_BIND_NO_INPUTS = 1 << 0, /* a required OPC_INPUT may be missing */
-  OPC_BIND_INNER = 1 << 1      /* of a flow that a step runs */
+  OPC_BIND_INNER = 1 << 1      /* of a flow that a step runs; twice that of one
+                                  in such a flow */
 };
 
 /* Find the step that the map names with `use` and check all parameters. `path`

@@ -147,10 +147,12 @@ void opc_flow_connect(opc_flow *flow, opc_problems *problems) {
   find_order(flow, problems);
 }
 
-gboolean *opc_flow_needed(const opc_flow *flow, const gboolean *wanted) {
+gboolean *opc_flow_needed(const opc_flow *flow, const gboolean *wanted,
+                          const gboolean *given) {
   gboolean *needed = g_memdup2(wanted, flow->steps->len * sizeof *needed);
   for (guint i = flow->order->len; i-- > 0;) {
     const opc_flow_step *step = flow->order->pdata[i];
+    needed[step->number] &= !given[step->number];
     for (guint k = 0; needed[step->number] && k < step->inputs->len; k++)
       needed[g_array_index(step->inputs, opc_flow_input, k).from->number] =
           TRUE;

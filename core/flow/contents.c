@@ -51,7 +51,7 @@ static const char *text_member(JsonNode *node, const char *name) {
   return found ? json_node_get_string(found) : NULL;
 }
 
-static JsonNode *parse(const char *text) {
+JsonNode *opc_contents_parse(const char *text) {
   int depth = 0;
   for (const char *c = text; *c; c++) {
     depth += (*c == '[' || *c == '{') - (*c == ']' || *c == '}');
@@ -134,7 +134,7 @@ int opc_contents_check(const char *folder, opc_error *error) {
                     "'%s': is not the folder of a run (it has no manifest.json "
                     "that can be read), and is not replaced",
                     folder);
-  g_autoptr(JsonNode) manifest = parse(text);
+  g_autoptr(JsonNode) manifest = opc_contents_parse(text);
   g_autoptr(GHashTable) known = read_list(manifest);
   comparison c = {folder, known};
   if (known) return opc_walk(folder, compare_entry, &c, error);

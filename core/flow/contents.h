@@ -11,6 +11,9 @@
    and *error. */
 JsonArray *opc_contents_json(const char *folder, opc_error *error);
 
+/* The tree of a manifest's text, NULL if it is none or too deep. */
+JsonNode *opc_contents_parse(const char *text);
+
 /* Whether a folder is empty, or a run of which every file is listed in its
    manifest and is as it was written; files may be missing. OPC_IO and *error,
    which names the first thing that is not of the run. */

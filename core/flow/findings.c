@@ -44,6 +44,14 @@ static void keep(opc_run *run, const char *path, const char *text) {
   g_mutex_unlock(&run->lock);
 }
 
+void opc_run_take_findings(opc_run *run, const opc_run *from) {
+  for (guint i = 0; i < from->findings->len; i++) {
+    const opc_finding *f = from->findings->pdata[i];
+    keep(run, f->path, f->text);
+  }
+  run->more_findings += from->more_findings;
+}
+
 GPtrArray *opc_run_findings(const opc_run *run) {
   GPtrArray *lines = g_ptr_array_new_with_free_func(g_free);
   for (guint i = 0; i < run->findings->len; i++) {
@@ -59,11 +67,45 @@ GPtrArray *opc_run_findings(const opc_run *run) {
   return lines;
 }
 
+/* ---- for the next time ---- */
+
+static void said_free(gpointer item) {
+  opc_said *said = item;
+  g_free(said->path);
+  g_free(said->text);
+  g_free(said);
+}
+
+void opc_result_begin(opc_run *run) {
+  g_mutex_lock(&run->lock);
+  if (run->said) g_ptr_array_free(run->said, TRUE);
+  run->said = g_ptr_array_new_with_free_func(said_free);
+  g_mutex_unlock(&run->lock);
+}
+
+/* A result with more than so many warnings is not kept. */
+enum { MOST_SAID = 1000 };
+
+static void note(opc_run *run, const char *path, int level, const char *text) {
+  g_mutex_lock(&run->lock);
+  if (run->said && run->said->len == MOST_SAID)
+    g_clear_pointer(&run->said, g_ptr_array_unref);
+  if (run->said) {
+    opc_said *said = g_new(opc_said, 1);
+    *said = (opc_said){level, g_strdup(path), g_utf8_make_valid(text, -1)};
+    g_ptr_array_add(run->said, said);
+  }
+  g_mutex_unlock(&run->lock);
+}
+
 /* ---- passing on ---- */
 
+/* A step that runs again for its outputs has said it all. */
 static void take_log(void *data, const char *path, int level,
                      const char *message) {
   opc_run *run = data;
+  if (run->silent) return;
+  if (level >= OPC_LOG_WARNING) note(run, path, level, message);
   if (level >= OPC_LOG_FINDING) keep(run, path, message);
   if (run->told->log) run->told->log(run->told->data, path, level, message);
 }
@@ -110,5 +152,6 @@ void opc_run_listen_end(opc_run *run) {
     if (b->host) opc_host_ignore(b->host);
   }
   g_ptr_array_free(run->findings, TRUE);
+  if (run->said) g_ptr_array_free(run->said, TRUE);
   g_mutex_clear(&run->lock);
 }

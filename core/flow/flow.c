@@ -63,13 +63,31 @@ static void lay_paths(opc_flow *flow, const opc_node *map,
   }
 }
 
+static void lay_variant(opc_flow *flow, const char *variant,
+                        opc_problems *problems) {
+  lay_paths(flow, opc_node_get(flow->recipe->variants, variant), problems);
+}
+
+/* Lay the values of the axes at a point. */
+static void lay_point(opc_flow *flow, const opc_sweep *sweep, size_t point,
+                      opc_problems *problems) {
+  for (guint a = 0; a < sweep->axes->len; a++) {
+    const opc_axis *axis = sweep->axes->pdata[a];
+    guint i = opc_sweep_index(sweep, a, point);
+    const opc_node *value = axis->values->pdata[i];
+    if (axis->variants) {
+      lay_variant(flow, axis->variants[i], problems);
+      lay_paths(flow, value, problems);
+    } else {
+      opc_lay_at(flow->nodes, axis->told.path, &axis->at, value, problems);
+    }
+  }
+}
+
 static void lay_choice(opc_flow *flow, const opc_choice *choice,
                        opc_problems *problems) {
-  if (choice->variant)
-    lay_paths(flow, opc_node_get(flow->recipe->variants, choice->variant),
-              problems);
-  if (choice->sweep)
-    opc_sweep_lay(choice->sweep, choice->point, flow->nodes, problems);
+  if (choice->variant) lay_variant(flow, choice->variant, problems);
+  if (choice->sweep) lay_point(flow, choice->sweep, choice->point, problems);
   for (const char *const *set = choice->sets; set && *set; set++) {
     g_autofree char *path = NULL;
     opc_source *source;

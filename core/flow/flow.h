@@ -37,7 +37,8 @@ typedef struct opc_requirement {
   char *text;         /* "at most 1 %" */
 } opc_requirement;
 
-typedef struct opc_flow {
+typedef struct opc_flow opc_flow;
+struct opc_flow {
   char *name;
   const char *variant; /* NULL: none */
   const opc_recipe *recipe;
@@ -48,7 +49,7 @@ typedef struct opc_flow {
   GPtrArray *order;        /* the same, as they run */
   opc_node *demands;       /* "require", if anything is */
   GPtrArray *requirements; /* opc_requirement * */
-} opc_flow;
+};
 
 /* What is laid over the steps of a recipe, in this order. */
 typedef struct opc_choice {
@@ -128,8 +129,9 @@ void opc_flow_require(opc_flow *flow, opc_problems *problems);
    they run. */
 void opc_flow_connect(opc_flow *flow, opc_problems *problems);
 
-/* Of each step: whether it is wanted, or one that is wanted needs it (g_free);
-   by their numbers. */
-gboolean *opc_flow_needed(const opc_flow *flow, const gboolean *wanted);
+/* Of each step: whether it is wanted, or one that is wanted needs it, and it is
+   not given (g_free); all by their numbers. */
+gboolean *opc_flow_needed(const opc_flow *flow, const gboolean *wanted,
+                          const gboolean *given);
 
 #endif

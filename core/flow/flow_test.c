@@ -211,6 +211,8 @@ static void test_numbers(void) {
              "list");
   check_step("{ use: test.numbers, size: 0 nm }",
              "flow.yaml:3:33: 'size' must be above 0 nm, not '0 nm'");
+  check_step("{ use: test.numbers, size: 0 }",
+             "flow.yaml:3:33: 'size' must be above 0 nm, not '0'");
   check_step("{ use: test.numbers, size: 1 um }",
              "flow.yaml:3:33: 'size' must be below 1000 nm, not '1 um'");
   check_step("{ use: test.numbers, size: 1e999 nm }",
@@ -222,8 +224,8 @@ static void test_numbers(void) {
              "flow.yaml:3:58: 'share' must be at least 0 %, not '-1 %'");
   check_step("{ use: test.numbers, size: 1 nm, whole: 101 }",
              "flow.yaml:3:46: 'whole' must be at most 100, not '101'");
-  check_step("{ use: test.numbers, size: 1 nm, list: [1 nm, 2] }",
-             "flow.yaml:3:52: 'list' needs a length with its unit, e.g. "
+  check_step("{ use: test.numbers, size: 1 nm, list: [1 nm, 0, 2] }",
+             "flow.yaml:3:55: 'list' needs a length with its unit, e.g. "
              "'2 nm'");
 }
 

@@ -1,31 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Flows that steps run inside of them: reading and checking one, and running it
-   at points of its sweep. */
+/* Flows that steps run inside of them: reading and checking one, and what a
+   step may ask of it. inner_run.c runs it. */
 #include "core/flow/inner.h"
 
-#include <math.h>
 #include <string.h>
 
+#include "core/flow/expand.h"
 #include "core/flow/run.h"
 #include "core/plugin/declaration.h"
 #include "core/text/suggest.h"
 
-struct opc_inner {
-  const opc_binding *binding; /* whose flow it is */
-  opc_recipe *recipe;
-  opc_sweep *sweep;
-  opc_choice choice; /* of the first point */
-  opc_flow *flow;    /* there */
-  opc_registry *registry;
-  opc_inner_axis *axes;
-  gboolean *wanted; /* steps that were asked for, by number */
-
-  opc_watch watch; /* while the step runs, from here on */
-  char *folder;
-  opc_run *trunk, *run; /* what all points share; the last one */
-  size_t runs, done, share;
-  gboolean telling; /* messages are passed on */
-};
+/* Flows that steps of such a flow run: an experiment with searches. */
+enum { DEEPEST = 2 };
 
 /* ---- reading: what is laid over it ---- */
 
@@ -73,6 +59,49 @@ static void make_files_absolute(const opc_flow *flow, const char *path,
   }
 }
 
+/* ---- reading: layers, and steps that are given ---- */
+
+static void add_layers(opc_inner *inner, const opc_binding *b,
+                       opc_problems *problems) {
+  for (size_t i = 0; i < b->plugin->n_parameters; i++) {
+    const opc_parameter *p = &b->plugin->parameters[i];
+    if (p->flags & OPC_INNER_AXIS && b->origin[i])
+      opc_expand(inner->sweep, p->name, b->origin[i], inner->recipe,
+                 &inner->choice, inner->registry, problems);
+  }
+}
+
+/* Of files that lists and layers name. */
+static void make_layers_absolute(const opc_flow *flow, opc_node *all) {
+  for (guint i = 0; i < all->items->len; i++) {
+    opc_node *layer = all->items->pdata[i], *list = opc_node_get(layer, "list");
+    make_files_absolute(flow, "", layer);
+    if (!list || list->type != OPC_NODE_TEXT) continue;
+    g_autofree char *file = opc_node_path(list);
+    g_free(list->text);
+    list->text = g_canonicalize_filename(file, NULL);
+  }
+}
+
+static void find_steps(opc_inner *inner, const opc_binding *b,
+                       opc_problems *problems) {
+  for (size_t i = 0; i < b->plugin->n_parameters; i++) {
+    const opc_parameter *p = &b->plugin->parameters[i];
+    if (p->flags & OPC_INNER_AXIS && b->origin[i])
+      make_layers_absolute(inner->flow, (opc_node *)b->origin[i]);
+    if (!(p->flags & OPC_INNER_STEP) || !b->values[i].present) continue;
+    const opc_flow_step *step = opc_flow_find(inner->flow, p->name);
+    const opc_plugin *plugin = step ? step->binding->plugin : NULL;
+    if (!plugin || opc_port_count(plugin) != 1 ||
+        strcmp(opc_port_at(plugin, 0)->kind, p->choices) != 0)
+      opc_problem_add(problems, OPC_INVALID, opc_binding_origin(b, i),
+                      "'%s' has no step '%s' that gives %s and nothing else",
+                      inner->recipe->path, p->name, p->choices);
+    else
+      g_hash_table_insert(inner->given, g_strdup(p->name), g_new0(void *, 1));
+  }
+}
+
 /* ---- reading: all of it ---- */
 
 static void open_recipe(opc_inner *inner, const opc_binding *b,
@@ -82,9 +111,10 @@ static void open_recipe(opc_inner *inner, const opc_binding *b,
   /* What is set is not swept by the flow itself. */
   inner->sweep = opc_sweep_new(inner->recipe, NULL, set, NULL, problems);
   if (sweep) opc_sweep_lay_over(inner->sweep, sweep, problems);
-  inner->choice =
-      (opc_choice){.over = set, .sweep = inner->sweep, .bind = OPC_BIND_INNER};
+  inner->choice.over = set;
+  inner->choice.sweep = inner->sweep;
   choose_variant(inner, b, problems);
+  if (problems->list->len == before) add_layers(inner, b, problems);
   if (problems->list->len > before) return;
   opc_flow_check(inner->recipe, &inner->choice, inner->registry, NULL,
                  problems);
@@ -94,7 +124,7 @@ static void open_recipe(opc_inner *inner, const opc_binding *b,
       opc_flow_make(inner->recipe, &inner->choice, inner->registry, told);
   if (set) make_files_absolute(inner->flow, "", (opc_node *)set);
   if (sweep) make_files_absolute(inner->flow, "", (opc_node *)sweep);
-  inner->wanted = g_new0(gboolean, inner->flow->steps->len);
+  find_steps(inner, b, problems);
   const GPtrArray *axes = inner->sweep->axes;
   inner->axes = g_new0(opc_inner_axis, axes->len + 1);
   for (guint i = 0; i < axes->len; i++)
@@ -109,27 +139,32 @@ void opc_inner_open(opc_binding *binding, opc_registry *registry,
          !(plugin->parameters[i].flags & OPC_INNER_FLOW))
     i++;
   if (i == plugin->n_parameters || !binding->values[i].present) return;
-  if (flags & OPC_BIND_INNER) {
+  if (flags / OPC_BIND_INNER >= DEEPEST) {
     opc_problem_add(problems, OPC_INVALID, &binding->at,
-                    "'%s' cannot stand in a flow that a step runs", plugin->id);
+                    "'%s' cannot stand in a flow that a step of a flow runs "
+                    "that a step runs",
+                    plugin->id);
     return;
   }
   opc_inner *inner = binding->inner = g_new0(opc_inner, 1);
   inner->binding = binding;
   inner->registry = registry;
+  inner->wanted = g_hash_table_new(g_str_hash, g_str_equal);
+  inner->given = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, g_free);
+  inner->choice.bind = flags + OPC_BIND_INNER;
   inner->recipe = opc_recipe_read(binding->values[i].field.text, problems);
   if (inner->recipe) open_recipe(inner, binding, problems);
 }
 
 void opc_inner_free(opc_inner *inner) {
   if (!inner) return;
-  opc_run_free(inner->run);
-  opc_run_free(inner->trunk);
+  opc_inner_release(inner);
   opc_flow_free(inner->flow);
   opc_sweep_free(inner->sweep);
   opc_recipe_free(inner->recipe);
   g_free(inner->axes);
-  g_free(inner->wanted);
+  g_hash_table_destroy(inner->wanted);
+  g_hash_table_destroy(inner->given);
   g_free(inner->folder);
   g_free(inner);
 }
@@ -145,18 +180,36 @@ int opc_inner_check(const opc_inner *inner, opc_error *error) {
 
 const opc_flow *opc_inner_flow(const opc_inner *inner) { return inner->flow; }
 
+void opc_inner_visit(const opc_inner *inner,
+                     void (*visit)(void *data, const opc_flow *flow),
+                     void *data) {
+  visit(data, inner->flow);
+  for (guint a = 0; a < inner->sweep->axes->len; a++) {
+    const opc_axis *axis = inner->sweep->axes->pdata[a];
+    for (guint i = 1; i < axis->values->len; i++) {
+      opc_choice choice = inner->choice;
+      choice.point = opc_sweep_point(inner->sweep, a, i);
+      g_autoptr(opc_problems) told = opc_problems_new();
+      g_autoptr(opc_flow) flow =
+          opc_flow_make(inner->recipe, &choice, inner->registry, told);
+      visit(data, flow);
+    }
+  }
+}
+
 /* ---- asking: what there is ---- */
 
-static opc_inner *inner_of(const opc_host *host) {
+opc_inner *opc_inner_of(const opc_host *host) {
   return ((const opc_binding *)host->data)->inner;
 }
 
 static const opc_metric *get_metric(const opc_host *host, const char *path,
                                     opc_error *error) {
-  opc_inner *in = inner_of(host);
+  opc_inner *in = opc_inner_of(host);
   const opc_binding *b;
   const opc_metric *metric = opc_flow_metric(in->flow, path, &b, error);
-  if (metric) in->wanted[opc_flow_find(in->flow, path)->number] = TRUE;
+  if (metric)
+    g_hash_table_add(in->wanted, (char *)opc_flow_find(in->flow, path)->name);
   return metric;
 }
 
@@ -169,14 +222,14 @@ static int find_port(const opc_plugin *plugin, const char *kind) {
 
 static const char *get_output(const opc_host *host, const char *name,
                               const char *kind, opc_error *error) {
-  opc_inner *in = inner_of(host);
+  opc_inner *in = opc_inner_of(host);
   const opc_binding *b = name ? opc_flow_binding(in->flow, name, error) : NULL;
   for (guint i = 0; !name && i < in->flow->steps->len; i++) {
     b = ((const opc_flow_step *)in->flow->steps->pdata[i])->binding;
     if (find_port(b->plugin, kind) >= 0) break;
   }
   if (!b) return NULL;
-  in->wanted[opc_flow_find(in->flow, b->path)->number] = TRUE;
+  g_hash_table_add(in->wanted, (char *)opc_flow_find(in->flow, b->path)->name);
   if (find_port(b->plugin, kind) >= 0) return b->path;
   g_autofree char *label = opc_binding_label(b);
   opc_fail(error, OPC_INVALID, NULL, "%s makes no %s", label, kind);
@@ -184,17 +237,23 @@ static const char *get_output(const opc_host *host, const char *name,
 }
 
 static const opc_inner_axis *get_axes(const opc_host *host, size_t *count) {
-  opc_inner *in = inner_of(host);
-  g_autofree gboolean *needed = opc_flow_needed(in->flow, in->wanted);
+  opc_inner *in = opc_inner_of(host);
+  g_autofree gboolean *needed = opc_inner_needed(in, in->flow);
   *count = in->sweep->axes->len;
-  for (size_t i = 0; i < *count; i++)
-    in->axes[i].used =
-        needed[opc_flow_find(in->flow, in->axes[i].path)->number];
+  for (size_t i = 0; i < *count; i++) {
+    const opc_axis *axis = in->sweep->axes->pdata[i];
+    in->axes[i].used = FALSE;
+    for (guint k = 0; k < in->flow->steps->len; k++) {
+      const opc_flow_step *step = in->flow->steps->pdata[k];
+      in->axes[i].used |=
+          needed[k] && opc_axis_touches(axis, in->recipe, step->name);
+    }
+  }
   return in->axes;
 }
 
 static int find_axis(const opc_host *host, const char *path, opc_error *error) {
-  const opc_inner *in = inner_of(host);
+  const opc_inner *in = opc_inner_of(host);
   g_autoptr(GPtrArray) paths = g_ptr_array_new();
   for (guint i = 0; i < in->sweep->axes->len; i++) {
     if (!strcmp(in->axes[i].path, path)) return (int)i;
@@ -205,131 +264,12 @@ static int find_axis(const opc_host *host, const char *path, opc_error *error) {
   return -1;
 }
 
-/* ---- running: who looks on ---- */
-
-/* Each point has the same to say: the last one says it. */
-static void take_log(void *data, const char *path, int level,
-                     const char *message) {
-  const opc_inner *in = data;
-  const opc_watch *watch = &((const opc_run *)in->binding->run)->watch;
-  if (!in->telling && level >= OPC_LOG_INFO) return;
-  g_autofree char *whole = g_strdup_printf("%s.%s", in->binding->path, path);
-  watch->log(watch->data, whole, level, message);
-}
-
-/* Points that are done, with the part that is of those of this run. */
-static void tell_progress(const opc_inner *in, double part) {
-  const opc_progress progress = {
-      .done = (double)in->done + floor(part * (double)in->share),
-      .total = (double)in->sweep->points,
-      .worst = NAN};
-  in->binding->host->progress(in->binding->host, &progress);
-}
-
-static void take_progress(void *data, const char *path,
-                          const opc_progress *at) {
-  const opc_inner *in = data;
-  (void)path;
-  gboolean known = at->total > 0 && at->done >= 0 && at->done < at->total;
-  if (in->share) tell_progress(in, known ? at->done / at->total : 0);
-}
-
-static int is_cancelled(void *data) {
-  const opc_inner *in = data;
-  return opc_cancelled(in->binding->host->context);
-}
-
-/* ---- running ---- */
-
-/* Steps without an output are needed for nothing but their metrics; which of
-   the others a point needs may depend on it. What they write lies in a folder
-   of the step's name. */
-static int begin(const opc_host *host, opc_error *error) {
-  const opc_binding *b = host->data;
-  opc_inner *in = b->inner;
-  opc_run *outer = b->run;
-  if (!outer)
-    return opc_fail(error, OPC_FAILED, NULL, "a %s runs in a flow only",
-                    b->plugin->id);
-  in->watch = (opc_watch){.data = in,
-                          .log = take_log,
-                          .progress = take_progress,
-                          .cancelled = is_cancelled};
-  g_autofree char *name = g_build_filename(b->path, "flow.yaml", NULL);
-  const char *path = host->output_path(host, name, error);
-  if (!path) return error->code;
-  in->folder = g_path_get_dirname(path);
-  in->trunk = opc_run_new(in->flow, in->registry, outer->options, &in->watch);
-  opc_run_find_swept(in->flow, in->sweep, in->trunk->left_out);
-  for (guint i = 0; i < in->flow->steps->len; i++) {
-    const opc_flow_step *step = in->flow->steps->pdata[i];
-    in->trunk->left_out[i] |=
-        !opc_port_count(step->binding->plugin) && !in->wanted[i];
-  }
-  g_autoptr(opc_problems) problems = opc_problems_new();
-  in->telling = TRUE;
-  opc_run_in(in->trunk, outer, in->folder, problems);
-  tell_progress(in, 0);
-  return opc_problems_error(problems, error);
-}
-
-/* Files are called as in a run of the whole flow. */
-static void copy_claim(gpointer name, gpointer owner, gpointer claims) {
-  g_hash_table_insert(claims, g_strdup(name), g_strdup(owner));
-}
-
-/* Leave out what nobody asked for. */
-static void prune(const opc_inner *in, opc_run *run) {
-  g_autofree gboolean *needed = opc_flow_needed(run->flow, in->wanted);
-  for (guint i = 0; i < run->flow->steps->len; i++)
-    run->left_out[i] |= !needed[i];
-}
-
-/* What is handed on must keep what its flow requires; other points are there to
-   be worse. */
-static void judge(const opc_inner *in) {
-  g_autofree char *prefix = g_strconcat(in->binding->path, ".", NULL);
-  opc_run_judge(in->trunk);
-  opc_run_judge(in->run);
-  opc_run_take_verdicts(in->run, in->trunk, 0, "");
-  opc_run_take_verdicts(in->binding->run, in->run, 0, prefix);
-}
-
-static int run_point(const opc_host *host, size_t point, int keep, size_t share,
-                     opc_error *error) {
-  opc_inner *in = inner_of(host);
-  opc_choice choice = in->choice;
-  choice.point = point;
-  in->share = share;
-  in->telling = keep;
-  g_autofree char *name = g_strdup_printf("%04zu", ++in->runs);
-  g_autofree char *folder =
-      keep ? g_strdup(in->folder) : g_build_filename(in->folder, name, NULL);
-  g_autoptr(opc_problems) problems = opc_problems_new();
-  opc_run_free(in->run);
-  in->run = opc_run_branch(in->trunk, &choice, problems);
-  if (in->run) {
-    g_hash_table_foreach(in->trunk->claims, copy_claim, in->run->claims);
-    prune(in, in->run);
-    opc_run_in(in->run, in->binding->run, folder, problems);
-    if (keep && !problems->list->len) judge(in);
-    opc_run_branch_close(in->run, keep || in->run->options->keep, problems);
-  }
-  int code = opc_problems_code(problems);
-  if (code == OPC_CANCELLED) return opc_fail(error, code, NULL, "stopped");
-  in->done += share;
-  in->share = 0;
-  if (share) tell_progress(in, 0);
-  g_autofree char *text = opc_problems_text(problems);
-  return code ? opc_fail(error, code, NULL, "%s", text) : OPC_OK;
-}
-
 /* ---- asking: what came of it ---- */
 
 static const opc_inner_metric *get_metrics(const opc_host *host, int shared,
                                            size_t *count) {
-  const opc_inner *in = inner_of(host);
-  const opc_run *run = shared ? in->trunk : in->run;
+  const opc_inner *in = opc_inner_of(host);
+  const opc_run *run = shared ? in->levels[0] : in->run;
   *count = run ? run->metrics->len : 0;
   return run ? (const opc_inner_metric *)(const void *)run->metrics->data
              : NULL;
@@ -354,7 +294,7 @@ static const opc_column *get_column(const opc_host *host, const char *step,
                                     const char *table_name, const char *name,
                                     size_t *rows, opc_error *error) {
   const opc_table *table =
-      find_table(inner_of(host)->run, step, table_name, error);
+      find_table(opc_inner_of(host)->run, step, table_name, error);
   if (!table) return NULL;
   const opc_column *column = opc_table_column(table, name);
   *rows = table->rows;
@@ -371,8 +311,12 @@ static const opc_column *get_column(const opc_host *host, const char *step,
 
 static void *get_object(const opc_host *host, const char *name,
                         const char *kind) {
-  const opc_run *run = inner_of(host)->run;
+  opc_inner *in = opc_inner_of(host);
+  opc_run *run = in->run;
   const opc_flow_step *step = opc_flow_find(run->flow, name);
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  if (!opc_run_provide(run, step, in->binding->path, problems))
+    opc_problems_error(problems, &((opc_run *)in->binding->run)->refusal);
   void **objects = run->objects[step->number];
   return objects ? objects[find_port(step->binding->plugin, kind)] : NULL;
 }
@@ -382,9 +326,10 @@ const opc_inner_service opc_inner_functions = {
     .axis = find_axis,
     .metric = get_metric,
     .output = get_output,
-    .begin = begin,
-    .run = run_point,
+    .begin = opc_inner_begin,
+    .run = opc_inner_run_point,
     .metrics = get_metrics,
     .column = get_column,
     .object = get_object,
+    .run_whole = opc_inner_run_whole,
 };

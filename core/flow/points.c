@@ -22,16 +22,8 @@ typedef struct sweeper {
 
 void opc_run_find_swept(const opc_flow *flow, const opc_sweep *sweep,
                         gboolean *swept) {
-  for (guint i = 0; i < sweep->axes->len; i++) {
-    const opc_axis *axis = sweep->axes->pdata[i];
-    swept[opc_flow_find(flow, axis->told.path)->number] = TRUE;
-  }
-  for (guint i = 0; i < flow->order->len; i++) {
-    const opc_flow_step *step = flow->order->pdata[i];
-    for (guint k = 0; k < step->inputs->len; k++)
-      swept[step->number] |=
-          swept[g_array_index(step->inputs, opc_flow_input, k).from->number];
-  }
+  g_autofree unsigned *levels = opc_sweep_levels(sweep, flow);
+  for (guint i = 0; i < flow->steps->len; i++) swept[i] = levels[i] > 0;
 }
 
 /* ---- the table: point, the parameters, the metrics, seconds, result ---- */
@@ -85,7 +77,7 @@ static void finish_table(const sweeper *s, opc_table *table) {
 
 /* ---- one point ---- */
 
-opc_run *opc_run_branch(const opc_run *trunk, const opc_choice *choice,
+opc_run *opc_run_branch(opc_run *trunk, const opc_choice *choice,
                         opc_problems *problems) {
   opc_flow *flow =
       opc_flow_make(trunk->flow->recipe, choice, trunk->registry, problems);
@@ -96,11 +88,19 @@ opc_run *opc_run_branch(const opc_run *trunk, const opc_choice *choice,
   opc_run *run =
       opc_run_new(flow, trunk->registry, trunk->options, &trunk->watch);
   run->own = flow;
-  for (guint i = 0; i < flow->steps->len; i++) {
-    run->left_out[i] = !trunk->left_out[i];
-    run->objects[i] = trunk->objects[i];
-  }
+  opc_run_borrow(run, trunk);
   return run;
+}
+
+void opc_run_borrow(opc_run *run, opc_run *from) {
+  run->base = from;
+  for (guint i = 0; i < run->flow->steps->len; i++) {
+    opc_flow_step *step = run->flow->steps->pdata[i];
+    const opc_flow_step *its = opc_flow_find(from->flow, step->name);
+    void **objects = its ? from->objects[its->number] : NULL;
+    run->left_out[i] = its && !from->left_out[its->number];
+    run->objects[i] = objects;
+  }
 }
 
 void opc_run_branch_close(const opc_run *run, gboolean keep,

@@ -73,6 +73,7 @@ static int take_table(const opc_host *host, const char *name, uint32_t flags,
                       opc_error *error) {
   const opc_binding *b = host->data;
   opc_run *run = b->run;
+  if (run->silent) return OPC_OK;
   opc_table *table =
       opc_table_new(name, flags, rows, columns, n_columns, error);
   if (!table) return refuse(run, error);
@@ -99,6 +100,7 @@ static int take_metric(const opc_host *host, const char *name, double value,
   opc_inner_metric entry = {
       b->path, opc_metric_check(b->plugin, name, value, error), value};
   if (!entry.metric) return refuse(run, error);
+  if (run->silent) return OPC_OK;
   for (guint i = 0; i < run->metrics->len; i++) {
     opc_inner_metric *old = &g_array_index(run->metrics, opc_inner_metric, i);
     if (old->path == b->path && old->metric == entry.metric) {

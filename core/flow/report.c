@@ -152,7 +152,8 @@ static void add_plugins(JsonArray *list, GHashTable *done, const opc_run *run,
     const char *path = opc_registry_path(run->registry, b->plugin);
     g_autofree char *whole = path ? g_canonicalize_filename(path, NULL) : NULL;
     opc_error error;
-    g_autofree char *sum = path ? opc_file_sha256(path, NULL, &error) : NULL;
+    g_autofree char *sum =
+        whole ? opc_store_sum(run->options->store, whole, NULL, &error) : NULL;
     JsonObject *o = json_object_new();
     set_text(o, "id", b->plugin->id);
     set_text(o, "version", b->plugin->version);
@@ -185,6 +186,29 @@ static JsonObject *machine_json(void) {
   return o;
 }
 
+/* NULL without a store. */
+static JsonObject *store_json(const opc_run *run) {
+  if (!run->options->store) return NULL;
+  JsonObject *o = json_object_new();
+  JsonArray *list = json_array_new();
+  set_text(o, "folder", opc_store_folder(run->options->store));
+  json_object_set_int_member(o, "steps", (gint64)run->steps_done);
+  json_object_set_int_member(o, "reused", (gint64)run->steps_reused);
+  for (guint i = 0; i < run->histories->len; i++) {
+    const opc_history *h = run->histories->pdata[i];
+    JsonObject *one = json_object_new();
+    if (h->point) json_object_set_int_member(one, "point", (gint64)h->point);
+    set_text(one, "step", h->path);
+    set_text(one, "result", h->reused ? "reused" : "ran");
+    set_text(one, "key", h->key);
+    set_text(one, "reason", h->reason);
+    json_object_set_double_member(one, "seconds", h->seconds);
+    json_array_add_object_element(list, one);
+  }
+  json_object_set_array_member(o, "results", list);
+  return o;
+}
+
 static JsonObject *seconds_json(const opc_run *run) {
   JsonObject *o = json_object_new();
   for (guint i = 0; i < run->flow->order->len; i++) {
@@ -214,6 +238,8 @@ JsonNode *opc_run_manifest_json(const opc_run *run) {
   set_text(o, "started", started);
   json_object_set_double_member(o, "seconds", run->total);
   json_object_set_object_member(o, "steps", seconds_json(run));
+  JsonObject *store = store_json(run);
+  if (store) json_object_set_object_member(o, "store", store);
   json_object_set_int_member(o, "threads", opc_threads());
   json_object_set_object_member(o, "host", machine_json());
   json_object_set_array_member(o, "plugins", plugins);

@@ -37,6 +37,8 @@ opc_run *opc_run_new(opc_flow *flow, opc_registry *registry,
   for (guint i = 0; i < n; i++) run->seconds[i] = NAN;
   run->objects = g_new0(void **, n);
   run->left_out = g_new0(gboolean, n);
+  run->keys = g_new0(opc_key, n);
+  run->histories = opc_histories_new();
   run->started = g_date_time_new_now_local();
   return run;
 }
@@ -64,6 +66,10 @@ void opc_run_free(opc_run *run) {
   if (!run) return;
   release_all(run);
   opc_run_listen_end(run);
+  for (guint i = 0; i < run->flow->steps->len; i++)
+    opc_key_clear(&run->keys[i]);
+  g_free(run->keys);
+  g_ptr_array_free(run->histories, TRUE);
   g_ptr_array_free(run->verdicts, TRUE);
   g_free(run->folder);
   g_free(run->work);
@@ -95,9 +101,13 @@ static const opc_context *run_context(const opc_run *run) {
 static void add_input(opc_run *run, const char *file, const opc_place *at,
                       opc_problems *problems) {
   g_autofree char *path = g_canonicalize_filename(file, NULL);
-  if (!g_hash_table_add(run->summed, g_strdup(path))) return;
+  if (g_hash_table_contains(run->summed, path)) return;
   opc_error error;
-  char *sum = opc_file_sha256(path, run_context(run), &error);
+  char *sum =
+      run->known ? g_strdup(g_hash_table_lookup(run->known, path)) : NULL;
+  if (!sum)
+    sum = opc_store_sum(run->options->store, path, run_context(run), &error);
+  g_hash_table_insert(run->summed, g_strdup(path), sum);
   if (!sum) {
     opc_problem_add(problems, error.code, at, "%s", error.message);
     return;
@@ -126,6 +136,12 @@ static gboolean sum_inputs(opc_run *run, const opc_flow *flow,
   return problems->list->len == before;
 }
 
+void opc_run_take_inputs(opc_run *run, const opc_run *from,
+                         opc_problems *problems) {
+  run->known = from->summed;
+  sum_inputs(run, run->flow, problems);
+}
+
 /* ---- steps ---- */
 
 void opc_run_set_inputs(const opc_run *run, const opc_flow_step *step,
@@ -140,8 +156,8 @@ void opc_run_set_inputs(const opc_run *run, const opc_flow_step *step,
 }
 
 /* Each kind of data brings its own check. */
-static int check_outputs(const opc_run *run, const opc_flow_step *step,
-                         opc_error *error) {
+int opc_run_check(const opc_run *run, const opc_flow_step *step,
+                  opc_error *error) {
   const opc_plugin *plugin = step->binding->plugin;
   for (size_t i = 0; i < opc_port_count(plugin); i++) {
     const opc_port *port = opc_port_at(plugin, i);
@@ -170,13 +186,14 @@ int opc_run_call(opc_run *run, const opc_flow_step *step, opc_error *error) {
   const char *before = opc_binding_enter(b);
   int code = functions->run(b->module.self, objects, error);
   opc_binding_leave(before);
+  if (b->inner) opc_inner_end(b->inner);
   run->seconds[step->number] = (double)(g_get_monotonic_time() - start) * 1e-6;
   opc_run_set_inputs(run, step, FALSE);
   if (!code && run->refusal.code) {
     *error = run->refusal;
     code = error->code;
   }
-  return code ? code : check_outputs(run, step, error);
+  return code ? code : opc_run_check(run, step, error);
 }
 
 /* What a step could not write to its end is not left as if it were whole. */
@@ -185,8 +202,8 @@ static void remove_given(const opc_run *run) {
     (void)remove(run->given->pdata[i]);
 }
 
-static gboolean run_step(opc_run *run, const opc_flow_step *step,
-                         opc_problems *problems) {
+gboolean opc_run_step(opc_run *run, const opc_flow_step *step,
+                      opc_problems *problems) {
   const opc_binding *b = step->binding;
   opc_error error = {0};
   opc_forecast wanted;
@@ -226,9 +243,8 @@ static gboolean list_files(const opc_run *run, JsonNode *manifest,
   return TRUE;
 }
 
-/* `last`: nothing will be written after them. */
-static gboolean write_reports(const opc_run *run, gboolean last,
-                              opc_problems *problems) {
+gboolean opc_run_write_reports(const opc_run *run, gboolean last,
+                               opc_problems *problems) {
   char *metrics = opc_run_metrics_text(run);
   JsonNode *manifest = opc_run_manifest_json(run);
   char *flow = opc_flow_resolved(run->flow, run->sweep);
@@ -269,11 +285,31 @@ static void prepare_for_crash(opc_run *run, const opc_flow_step *step) {
   if (!run->guarded || g_hash_table_size(run->claims) <= OPC_RESERVED) return;
   g_autoptr(opc_problems) problems = opc_problems_new();
   run->failure = g_strdup_printf("ended while step '%s' ran", step->name);
-  write_reports(run, FALSE, problems);
+  opc_run_write_reports(run, FALSE, problems);
   g_clear_pointer(&run->failure, g_free);
 }
 
+/* Let it run with what it takes, or take what it gave before. */
+static gboolean do_step(opc_run *run, const opc_flow_step *step,
+                        opc_problems *problems) {
+  if (opc_reuse_take(run, step, problems)) return !problems->list->len;
+  for (guint i = 0; i < step->inputs->len; i++)
+    if (!opc_run_provide(run,
+                         g_array_index(step->inputs, opc_flow_input, i).from,
+                         step->name, problems))
+      return FALSE;
+  guint tables = run->tables->len;
+  prepare_for_crash(run, step);
+  opc_result_begin(run);
+  run->at = step;
+  gboolean good = opc_run_step(run, step, problems);
+  run->at = NULL;
+  if (good) opc_reuse_keep(run, step, tables);
+  return good;
+}
+
 static gboolean run_steps(opc_run *run, opc_problems *problems) {
+  opc_reuse_begin(run);
   const GPtrArray *order = run->flow->order;
   for (guint i = 0; i < order->len; i++) {
     const opc_flow_step *step = order->pdata[i];
@@ -284,8 +320,7 @@ static gboolean run_steps(opc_run *run, opc_problems *problems) {
                              "stopped");
     }
     run->watch.step(run, step->name, i + 1, order->len);
-    prepare_for_crash(run, step);
-    if (!run_step(run, step, problems)) return FALSE;
+    if (!do_step(run, step, problems)) return FALSE;
   }
   return TRUE;
 }
@@ -300,6 +335,7 @@ void opc_run_in(opc_run *run, opc_run *main_run, const char *path,
                                    g_strerror(errno)));
   if (!good) return;
   run->work = g_strdup(path);
+  run->main = main_run;
   reserve_names(run);
   run_steps(run, problems);
 }
@@ -315,7 +351,7 @@ static void close_folder(opc_run *run, const char *target,
   if (stopped || (failed && g_hash_table_size(run->claims) <= OPC_RESERVED))
     return;
   opc_error error;
-  failed |= !write_reports(run, TRUE, problems);
+  failed |= !opc_run_write_reports(run, TRUE, problems);
   if (opc_sync_tree(run->work, &error))
     failed = !opc_problem_add(problems, error.code, NULL, "%s", error.message);
   g_autofree char *name =

@@ -8,6 +8,7 @@
 
 #include "core/flow/flow.h"
 #include "core/flow/folder.h"
+#include "core/flow/key.h"
 #include "core/flow/table.h"
 
 typedef struct opc_run_options {
@@ -15,6 +16,7 @@ typedef struct opc_run_options {
   gboolean force;     /* an earlier run may be replaced */
   gboolean keep;      /* of a sweep: what each point writes stays */
   const char *const *command; /* for the manifest; may be NULL */
+  opc_store *store; /* of earlier results; NULL: none, and nothing is kept */
 } opc_run_options;
 
 /* What a step found that the user must not miss. */
@@ -42,8 +44,28 @@ typedef struct opc_verdict {
 /* A run takes no more from its points: each tells of its own in sweep.csv. */
 enum { OPC_MOST_VERDICTS = 1000 };
 
+/* What a step said that is said again when its result is used again. */
+typedef struct opc_said {
+  int level;
+  char *path, *text;
+} opc_said;
+
+/* How the result of a step came to be. */
+typedef struct opc_history {
+  size_t point; /* of a sweep, from 1; 0: of all */
+  char *path;   /* of the step; in a flow that step 'a' runs: "a.step" */
+  gboolean reused;
+  char *key;      /* NULL: it is not kept */
+  char *reason;   /* why it ran; NULL: it was reused */
+  double seconds; /* that it took, then or now */
+} opc_history;
+
+/* A manifest lists no more of them. The others are counted. */
+enum { OPC_MOST_HISTORIES = 1000 };
+
 /* A run, and what came of it. */
-typedef struct opc_run {
+typedef struct opc_run opc_run;
+struct opc_run {
   opc_flow *flow, *own; /* `own`: the same, if it is freed with the run */
   opc_registry *registry;
   opc_watch watch;       /* of its instances: keeps findings, tells `told` */
@@ -64,21 +86,34 @@ typedef struct opc_run {
   GHashTable *outputs; /* the same of files that parameters name */
   GPtrArray *given;    /* paths of files that the step at work writes */
   GPtrArray *inputs;   /* files read: path, SHA-256, path ... */
-  GHashTable *summed;  /* their paths */
+  GHashTable *summed;  /* path -> SHA-256 of these */
+  GHashTable *known;   /* the same of another run, which need not be found
+                          again; NULL: none */
   double *seconds;     /* of each step; NAN: it did not run */
   void ***objects;     /* of each step, of each output */
   gboolean *left_out;  /* of each step: not of this run, though its objects may
                           be there */
-  const opc_sweep *sweep; /* NULL: none */
-  opc_table *points;      /* of a sweep: parameters and metrics of all points */
-  size_t failed_points;
-  int points_code;   /* OPC_LIMIT if they all failed so, OPC_FAILED */
-  gboolean guarded;  /* the folder is kept if a plugin crashes */
-  opc_error refusal; /* of something that a step published */
-  char *failure;     /* why a step failed */
+  opc_key *keys;       /* of each step; empty without a store. What stands here
+                          before it runs stays: of what others gave */
+  opc_run *base;       /* whose steps, found by their names, are left out here;
+                          NULL: nobody's */
+  opc_run *main;       /* that it is a part of; NULL: of none */
+  const opc_flow_step *at; /* the step that runs */
+  gboolean silent;         /* it runs again, for its outputs alone */
+  GPtrArray *said;         /* opc_said * of the step that runs; NULL: more than
+                              is kept */
+  GPtrArray *histories;    /* opc_history *, of its parts, too */
+  size_t steps_done, steps_reused; /* the same, counted */
+  const opc_sweep *sweep;          /* NULL: none */
+  opc_table *points;    /* of a sweep: parameters and metrics of all points */
+  size_t failed_points; /* also of those that a step runs as points */
+  int points_code;      /* OPC_LIMIT if they all failed so, OPC_FAILED */
+  gboolean guarded;     /* the folder is kept if a plugin crashes */
+  opc_error refusal;    /* of something that a step published */
+  char *failure;        /* why a step failed */
   GDateTime *started;
   double total; /* seconds */
-} opc_run;
+};
 
 /* Run a flow that has no problem: `flow` is the first point of what `choice`
    sweeps. Steps that no swept parameter touches, nor any step they depend on,
@@ -103,17 +138,73 @@ opc_run *opc_run_new(opc_flow *flow, opc_registry *registry,
 void opc_run_in(opc_run *run, opc_run *main_run, const char *path,
                 opc_problems *problems);
 
+/* Write flow.yaml, metrics.json and manifest.json; `last`: nothing will be
+   written after them. */
+gboolean opc_run_write_reports(const opc_run *run, gboolean last,
+                               opc_problems *problems);
+
 /* Write a file of the run folder; takes the text. */
 gboolean opc_run_write(const opc_run *run, const char *name, char *text,
                        opc_problems *problems);
 
+/* Say what the files of its flow are, whose sums another run has. */
+void opc_run_take_inputs(opc_run *run, const opc_run *from,
+                         opc_problems *problems);
+
 /* Run a step and look at its outputs, which `run` then holds. */
 int opc_run_call(opc_run *run, const opc_flow_step *step, opc_error *error);
+/* The same after its forecast; FALSE and a problem if it fails. */
+gboolean opc_run_step(opc_run *run, const opc_flow_step *step,
+                      opc_problems *problems);
+/* Hold outputs against what their kinds say. */
+int opc_run_check(const opc_run *run, const opc_flow_step *step,
+                  opc_error *error);
 void opc_run_release(opc_run *run, const opc_flow_step *step);
 
 /* Put the outputs it needs into the instances of a step, or take them away. */
 void opc_run_set_inputs(const opc_run *run, const opc_flow_step *step,
                         gboolean present);
+
+/* ---- result.c: what a step did, as the store has it ---- */
+
+/* The step begins: what it says is listened to. */
+void opc_result_begin(opc_run *run);
+
+/* Of the step that ended, since `tables` and `metrics` of the run; NULL if it
+   cannot be kept. Floating. */
+GVariant *opc_result_new(const opc_run *run, const opc_flow_step *step,
+                         guint tables);
+
+/* Do all of it again: files, tables, metrics, warnings. */
+int opc_result_publish(opc_run *run, const opc_flow_step *step,
+                       GVariant *result, opc_error *error);
+extern const char opc_result_type[];
+
+/* The files of a folder, and back. NULL or OPC_IO if one cannot be read or
+   written. */
+GVariant *opc_files_pack(const char *folder, guint64 most);
+int opc_files_unpack(GVariant *files, const char *folder, opc_error *error);
+
+/* ---- reuse.c: steps whose results are there ---- */
+
+/* Find the keys of the steps that are not left out. */
+void opc_reuse_begin(opc_run *run);
+
+/* Whether the step need not run: its result was there and is published. TRUE
+   and a problem, too, if that failed. */
+gboolean opc_reuse_take(opc_run *run, const opc_flow_step *step,
+                        opc_problems *problems);
+
+/* Keep what it gave. */
+void opc_reuse_keep(opc_run *run, const opc_flow_step *step, guint tables);
+
+/* See to it that the outputs of a step are there; it may run for that. `whom`:
+   who wants them. */
+gboolean opc_run_provide(opc_run *run, const opc_flow_step *step,
+                         const char *whom, opc_problems *problems);
+GPtrArray *opc_histories_new(void);
+/* Take those of another run. */
+void opc_run_take_histories(opc_run *run, const opc_run *from);
 
 /* ---- forecast.c ---- */
 
@@ -144,6 +235,9 @@ char *opc_forecast_text(const opc_forecast *forecast);
 void opc_run_listen(opc_run *run, const opc_watch *told);
 /* Instances that outlive the run tell nobody any more. */
 void opc_run_listen_end(opc_run *run);
+
+/* Take those of another run. */
+void opc_run_take_findings(opc_run *run, const opc_run *from);
 
 /* All of them (char *, freed with the array): "step: text", "point 3: step:
    text", and at last how many more there were. */
@@ -183,8 +277,13 @@ void opc_run_find_swept(const opc_flow *flow, const opc_sweep *sweep,
 /* A run at the point of a sweep that `choice` says: of the steps that `trunk`
    left out, with what its own gave. NULL and problems if its flow is not good.
  */
-opc_run *opc_run_branch(const opc_run *trunk, const opc_choice *choice,
+opc_run *opc_run_branch(opc_run *trunk, const opc_choice *choice,
                         opc_problems *problems);
+
+/* Leave out the steps that `from` ran, and take what these and those it took
+   from others made. They are found by their names: a layer may add some, or
+   take some away. */
+void opc_run_borrow(opc_run *run, opc_run *from);
 
 /* Write its resolved flow and metrics into its folder, or remove that. */
 void opc_run_branch_close(const opc_run *run, gboolean keep,

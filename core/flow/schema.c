@@ -84,8 +84,9 @@ static JsonObject *new_reference(const char *prefix, const char *name) {
 
 /* ---- values ---- */
 
-/* Any number with a unit of the same dimension as `unit`. */
+/* Any number with a unit of the same dimension as `unit`, or 0. */
 static JsonObject *number_with_unit(const char *unit) {
+  int zero = opc_unit_shares_zero(opc_unit_find(unit));
   const char *noun = opc_unit_noun(opc_unit_find(unit));
   g_autoptr(GString) pattern = g_string_new("^" NUMBER " *(");
   g_autoptr(GPtrArray) names = opc_unit_names();
@@ -98,8 +99,12 @@ static JsonObject *number_with_unit(const char *unit) {
     between = "|";
   }
   g_string_append(pattern, ")$");
-  JsonObject *o = piece("{ type: string }");
+  JsonObject *o =
+      piece(zero ? "{ type: [string, number] }" : "{ type: string }");
   set_text(o, "pattern", pattern->str);
+  if (!zero) return o;
+  json_object_set_double_member(o, "minimum", 0);
+  json_object_set_double_member(o, "maximum", 0);
   return o;
 }
 
@@ -155,6 +160,8 @@ static JsonObject *value_schema(const opc_parameter *p) {
       json_object_set_object_member(o, "items", number(p));
       return o;
     case OPC_MAP:
+      if (p->flags & OPC_INNER_AXIS)
+        return piece("{ type: [ object, array ] }");
       o = piece("{ type: object }");
       if (!(p->flags & OPC_MAP_OF_ANY))
         json_object_set_object_member(o, "additionalProperties", any_text());

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/flow/flow.h"
 #include "core/flow/layers.h"
 #include "core/text/unit.h"
 #include "core/text/value.h"
@@ -113,6 +114,7 @@ static void axis_free(gpointer item) {
   g_free((char *)axis->told.path);
   g_free((double *)axis->told.values);
   g_strfreev((char **)axis->told.texts);
+  g_strfreev(axis->variants);
   g_ptr_array_free(axis->values, TRUE);
   opc_source_free(axis->source);
   g_free(axis);
@@ -226,11 +228,17 @@ static void count_points(opc_sweep *sweep, opc_problems *problems) {
                   most_points);
 }
 
+opc_sweep *opc_sweep_none(void) {
+  opc_sweep *sweep = g_new0(opc_sweep, 1);
+  sweep->axes = g_ptr_array_new_with_free_func(axis_free);
+  sweep->points = 1;
+  return sweep;
+}
+
 opc_sweep *opc_sweep_new(const opc_recipe *recipe, const char *const *sets,
                          const opc_node *over, const char *const *sweeps,
                          opc_problems *problems) {
-  opc_sweep *sweep = g_new0(opc_sweep, 1);
-  sweep->axes = g_ptr_array_new_with_free_func(axis_free);
+  opc_sweep *sweep = opc_sweep_none();
   for (guint i = 0; i < recipe->sweep->items->len; i++) {
     const char *path = opc_node_key(recipe->sweep, i);
     if (!is_fixed(path, sets, over))
@@ -262,10 +270,81 @@ void opc_sweep_lay_over(opc_sweep *sweep, const opc_node *map,
   count_points(sweep, problems);
 }
 
+/* They come first. */
+static guint count_layers(const opc_sweep *sweep) {
+  guint n = 0;
+  while (n < sweep->axes->len &&
+         ((const opc_axis *)sweep->axes->pdata[n])->variants)
+    n++;
+  return n;
+}
+
+void opc_sweep_add_layers(opc_sweep *sweep, const char *path,
+                          const opc_place *at, opc_source *source,
+                          GPtrArray *layers, char **names, char **variants,
+                          opc_problems *problems) {
+  opc_axis *axis = g_new0(opc_axis, 1);
+  axis->told.path = g_strdup(path);
+  axis->told.count = layers->len;
+  axis->told.texts = (const char *const *)names;
+  axis->at = *at;
+  axis->at.file = source->name;
+  axis->source = source;
+  axis->values = layers;
+  axis->variants = variants;
+  g_ptr_array_insert(sweep->axes, (gint)count_layers(sweep), axis);
+  count_points(sweep, problems);
+}
+
 void opc_sweep_free(opc_sweep *sweep) {
   if (!sweep) return;
   g_ptr_array_free(sweep->axes, TRUE);
   g_free(sweep);
+}
+
+/* ---- what depends on it ---- */
+
+static gboolean begins_with(const char *path, const char *step) {
+  size_t n = strcspn(path, ".");
+  return strlen(step) == n && !strncmp(path, step, n);
+}
+
+static gboolean map_touches(const opc_node *map, const char *step) {
+  for (guint i = 0; map && i < map->keys->len; i++)
+    if (begins_with(opc_node_key(map, i), step)) return TRUE;
+  return FALSE;
+}
+
+gboolean opc_axis_touches(const opc_axis *axis, const opc_recipe *recipe,
+                          const char *step) {
+  if (!axis->variants) return begins_with(axis->told.path, step);
+  for (guint i = 0; i < axis->values->len; i++)
+    if (map_touches(axis->values->pdata[i], step) ||
+        map_touches(opc_node_get(recipe->variants, axis->variants[i]), step))
+      return TRUE;
+  return FALSE;
+}
+
+unsigned opc_sweep_depth(const opc_sweep *sweep) {
+  guint layers = count_layers(sweep);
+  return layers + (sweep->axes->len > layers);
+}
+
+unsigned *opc_sweep_levels(const opc_sweep *sweep, const opc_flow *flow) {
+  unsigned *levels = g_new0(unsigned, flow->steps->len + 1);
+  unsigned deepest = opc_sweep_depth(sweep);
+  for (guint i = 0; i < flow->order->len; i++) {
+    const opc_flow_step *step = flow->order->pdata[i];
+    unsigned *level = &levels[step->number];
+    for (guint a = 0; a < sweep->axes->len; a++)
+      if (opc_axis_touches(sweep->axes->pdata[a], flow->recipe, step->name))
+        *level = MIN(a + 1, deepest);
+    for (guint k = 0; k < step->inputs->len; k++)
+      *level = MAX(
+          *level,
+          levels[g_array_index(step->inputs, opc_flow_input, k).from->number]);
+  }
+  return levels;
 }
 
 /* ---- points ---- */
@@ -274,15 +353,6 @@ guint opc_sweep_index(const opc_sweep *sweep, guint a, size_t point) {
   for (guint i = sweep->axes->len - 1; i > a; i--)
     point /= ((const opc_axis *)sweep->axes->pdata[i])->values->len;
   return point % ((const opc_axis *)sweep->axes->pdata[a])->values->len;
-}
-
-void opc_sweep_lay(const opc_sweep *sweep, size_t point, opc_node *steps,
-                   opc_problems *problems) {
-  for (guint i = 0; i < sweep->axes->len; i++) {
-    const opc_axis *axis = sweep->axes->pdata[i];
-    opc_lay_at(steps, axis->told.path, &axis->at,
-               axis->values->pdata[opc_sweep_index(sweep, i, point)], problems);
-  }
 }
 
 size_t opc_sweep_point(const opc_sweep *sweep, guint a, guint value) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Copies tables, and writes them as CSV and as text. */
+/* Copies tables, and writes them as CSV. */
 #include "core/flow/table.h"
 
 #include <inttypes.h>
@@ -95,7 +95,7 @@ char *opc_table_cell(const opc_column *c, size_t row) {
   }
 }
 
-static char *heading(const opc_column *c) {
+char *opc_table_heading(const opc_column *c) {
   return c->unit && *c->unit ? g_strdup_printf("%s (%s)", c->name, c->unit)
                              : g_strdup(c->name);
 }
@@ -116,47 +116,12 @@ char *opc_table_csv(const opc_table *table) {
   for (size_t row = 0; row <= table->rows; row++) {
     for (size_t i = 0; i < table->n_columns; i++) {
       const opc_column *c = &table->columns[i];
-      g_autofree char *text = row ? opc_table_cell(c, row - 1) : heading(c);
+      g_autofree char *text =
+          row ? opc_table_cell(c, row - 1) : opc_table_heading(c);
       if (i) g_string_append_c(out, ',');
       append_field(out, text);
     }
     g_string_append(out, "\r\n");
-  }
-  return g_string_free(out, FALSE);
-}
-
-/* ---- aligned text ---- */
-
-static size_t width_of(const char *text) {
-  return g_utf8_validate(text, -1, NULL) ? (size_t)g_utf8_strlen(text, -1)
-                                         : strlen(text);
-}
-
-char *opc_table_text(const opc_table *table) {
-  size_t n = table->n_columns;
-  g_autofree size_t *widths = g_new0(size_t, MAX(n, 1));
-  g_autoptr(GPtrArray) cells = g_ptr_array_new_with_free_func(g_free);
-  for (size_t row = 0; row <= table->rows; row++) {
-    for (size_t i = 0; i < n; i++) {
-      const opc_column *c = &table->columns[i];
-      char *text = row ? opc_table_cell(c, row - 1) : heading(c);
-      g_strdelimit(text, "\r\n\t", ' ');
-      widths[i] = MAX(widths[i], width_of(text));
-      g_ptr_array_add(cells, text);
-    }
-  }
-  GString *out = g_string_new(NULL);
-  for (size_t row = 0; row <= table->rows; row++) {
-    for (size_t i = 0; i < n; i++) {
-      const char *text = cells->pdata[row * n + i];
-      gboolean left = table->columns[i].type == OPC_TEXT;
-      int pad = (int)(widths[i] - width_of(text));
-      if (i) g_string_append(out, "  ");
-      if (!left) g_string_append_printf(out, "%*s", pad, "");
-      g_string_append(out, text);
-      if (left && i + 1 < n) g_string_append_printf(out, "%*s", pad, "");
-    }
-    g_string_append_c(out, '\n');
   }
   return g_string_free(out, FALSE);
 }

@@ -33,7 +33,18 @@ char *opc_table_cell(const opc_column *column, size_t row);
 /* RFC 4180, lines ended by CR LF, the first with "name (unit)". */
 char *opc_table_csv(const opc_table *table);
 
-/* Aligned columns, numbers to the right, the first line with "name (unit)". */
-char *opc_table_text(const opc_table *table);
+/* "name (unit)" (g_free) */
+char *opc_table_heading(const opc_column *column);
+
+/* Aligned columns, numbers to the right and with six digits, the first line
+   with "name (unit)". What is wider than `width`: columns that are the same in
+   all rows are told once, in a last line; if that is not enough, a table of few
+   rows is turned, so that each column is a line, and the columns of others
+   stand in blocks below each other, each with those that say what a row is. 0:
+   one line a row, and all digits. */
+char *opc_table_text(const opc_table *table, size_t width);
+
+/* As a table in Markdown. */
+char *opc_table_markdown(const opc_table *table);
 
 #endif

@@ -92,7 +92,7 @@ static void test_csv(void) {
 
 static void test_text(void) {
   opc_table *table = sample();
-  g_autofree char *text = opc_table_text(table);
+  g_autofree char *text = opc_table_text(table, 0);
   g_assert_cmpstr(
       text, ==,
       "name            size (nm)              count           exact (%)\n"
@@ -100,6 +100,136 @@ static void test_text(void) {
       "comma, \"quote\"       0.00                -20              1e-300\n"
       "new  line                                300  0.3333333333333333\n"
       "                      inf  -9007199254740993                  -7\n");
+  opc_table_free(table);
+}
+
+/* Six digits, but of whole numbers all, and of those that were given decimals
+   these. */
+static void test_digits(void) {
+  static const double some[] = {1.0 / 3, 123456789, 1.23456789e-12, INFINITY};
+  const opc_column columns[] = {{"a", NULL, OPC_REAL, -1, some},
+                                {"b", NULL, OPC_REAL, 3, some}};
+  opc_error error;
+  opc_table *table = opc_table_new("t", 0, 4, columns, 2, &error);
+  g_autofree char *text = opc_table_text(table, 80);
+  g_assert_cmpstr(text, ==,
+                  "          a              b\n"
+                  "   0.333333          0.333\n"
+                  "  123456789  123456789.000\n"
+                  "1.23457e-12          0.000\n"
+                  "        inf            inf\n");
+  opc_table_free(table);
+}
+
+/* What does not fit: the same once, the rest in blocks; no cell is lost. */
+static void test_narrow(void) {
+  static const char *const who[] = {"nand2", "nor2"}, *const none[] = {"", ""},
+                           *const kind[] = {"n", "n"};
+  static const int64_t a[] = {1, 2}, b[] = {30000, 4}, c[] = {5, 6};
+  const opc_column columns[] = {
+      {"kind", NULL, OPC_TEXT, 0, kind}, {"name", NULL, OPC_TEXT, 0, who},
+      {"first", "nm", OPC_INT, 0, a},    {"print", NULL, OPC_TEXT, 0, none},
+      {"second", NULL, OPC_INT, 0, b},   {"third", "%", OPC_INT, 0, c}};
+  static const struct {
+    size_t width;
+    const char *text;
+  } cases[] = {
+      {49,
+       "kind  name   first (nm)  print  second  third (%)\n"
+       "n     nand2           1          30000          5\n"
+       "n     nor2            2              4          6\n"},
+      {36,
+       "name   first (nm)  second  third (%)\n"
+       "nand2           1   30000          5\n"
+       "nor2            2       4          6\n"
+       "in all rows: kind n, print (nothing)\n"},
+      {26,
+       "name        nand2  nor2\n"
+       "first (nm)      1     2\n"
+       "second      30000     4\n"
+       "third (%)       5     6\n"
+       "in all rows: kind n,\n"
+       "  print (nothing)\n"},
+      {22,
+       "name   first (nm)\n"
+       "nand2           1\n"
+       "nor2            2\n"
+       "\n"
+       "name   second\n"
+       "nand2   30000\n"
+       "nor2        4\n"
+       "\n"
+       "name   third (%)\n"
+       "nand2          5\n"
+       "nor2           6\n"
+       "in all rows: kind n,\n"
+       "  print (nothing)\n"},
+      {1,
+       "name   first (nm)\n"
+       "nand2           1\n"
+       "nor2            2\n"
+       "\n"
+       "name   second\n"
+       "nand2   30000\n"
+       "nor2        4\n"
+       "\n"
+       "name   third (%)\n"
+       "nand2          5\n"
+       "nor2           6\n"
+       "in all rows: kind n,\n"
+       "  print (nothing)\n"},
+  };
+  opc_error error;
+  opc_table *table = opc_table_new("t", 0, 2, columns, 6, &error);
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_autofree char *text = opc_table_text(table, cases[i].width);
+    g_assert_cmpstr(text, ==, cases[i].text);
+  }
+  opc_table_free(table);
+}
+
+/* Blocks have as many of the first columns as tell rows apart. */
+static void test_keys(void) {
+  static const char *const run[] = {"x", "x", "y", "y"},
+                           *const metric[] = {"ion", "off", "ion", "off"},
+                           *const note[] = {"what is to be seen", "", "", "z"};
+  static const int64_t a[] = {1, 2, 3, 4};
+  const opc_column columns[] = {{"run", NULL, OPC_TEXT, 0, run},
+                                {"metric", NULL, OPC_TEXT, 0, metric},
+                                {"note", NULL, OPC_TEXT, 0, note},
+                                {"a", NULL, OPC_INT, 0, a}};
+  opc_error error;
+  opc_table *table = opc_table_new("t", 0, 4, columns, 4, &error);
+  g_autofree char *text = opc_table_text(table, 30);
+  g_assert_cmpstr(text, ==,
+                  "run  metric  note\n"
+                  "x    ion     what is to be seen\n"
+                  "x    off     \n"
+                  "y    ion     \n"
+                  "y    off     z\n"
+                  "\n"
+                  "run  metric  a\n"
+                  "x    ion     1\n"
+                  "x    off     2\n"
+                  "y    ion     3\n"
+                  "y    off     4\n");
+  opc_table_free(table);
+}
+
+static void test_markdown(void) {
+  opc_table *table = sample();
+  g_autofree char *text = opc_table_markdown(table);
+  g_assert_true(g_str_has_prefix(
+      text,
+      "| name | size (nm) | count | exact (%) |\n|---|--:|--:|--:|\n"
+      "| plain | 65.00 | 1 | 0.1 |\n"));
+  opc_table_free(table);
+  static const char *const bad[] = {"a|b\nc"};
+  const opc_column column = {"x", NULL, OPC_TEXT, 0, bad};
+  opc_error error;
+  table = opc_table_new("t", 0, 1, &column, 1, &error);
+  g_autofree char *escaped = opc_table_markdown(table);
+  g_assert_cmpstr(escaped, ==, "| x |\n|---|\n| a\\|b c |\n");
   opc_table_free(table);
 }
 
@@ -139,6 +269,10 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/table/csv", test_csv);
   g_test_add_func("/table/text", test_text);
+  g_test_add_func("/table/digits", test_digits);
+  g_test_add_func("/table/narrow", test_narrow);
+  g_test_add_func("/table/keys", test_keys);
+  g_test_add_func("/table/markdown", test_markdown);
   g_test_add_func("/table/json", test_json);
   g_test_add_func("/table/unsound", test_unsound);
   return g_test_run();

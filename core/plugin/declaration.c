@@ -75,6 +75,8 @@ static const char *parameter_flaw(const opc_plugin *plugin,
     return ": its field is not in the instance";
   if (p->given && (p->given > size || size - p->given < sizeof(int)))
     return ": its 'given' is not in the instance";
+  if (p->flags & OPC_LISTED && (p->type != OPC_TEXT || !plugin->choices))
+    return " has nobody who lists it";
   if (!p->choices &&
       (p->type == OPC_CHOICE || p->type == OPC_SLOT || p->type == OPC_INPUT))
     return " has no choices";

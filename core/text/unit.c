@@ -50,6 +50,12 @@ const opc_unit *opc_unit_find(const char *name) {
 
 const char *opc_unit_noun(const opc_unit *unit) { return unit->noun; }
 
+int opc_unit_shares_zero(const opc_unit *unit) {
+  for (size_t i = 0; i < G_N_ELEMENTS(units); i++)
+    if (units[i].noun == unit->noun && units[i].offset != 0) return 0;
+  return 1;
+}
+
 GPtrArray *opc_unit_names(void) {
   GPtrArray *names = g_ptr_array_new();
   for (size_t i = 0; i < G_N_ELEMENTS(units); i++)

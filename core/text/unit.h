@@ -14,6 +14,9 @@ const opc_unit *opc_unit_find(const char *name);
    pointer. */
 const char *opc_unit_noun(const opc_unit *unit);
 
+/* Whether 0 is the same in all units of that dimension: not of temperatures. */
+int opc_unit_shares_zero(const opc_unit *unit);
+
 /* All names, const char *, for suggestions. */
 GPtrArray *opc_unit_names(void);
 

@@ -59,6 +59,14 @@ static void test_numbers(void) {
   g_assert_true(opc_number_in("1e-99999999999999999999", 23, NULL, NULL) == 0);
 }
 
+static void test_zero(void) {
+  static const char *const same[] = {"nm", "um^2", "1/um", "%", "mV", "rad"};
+  for (size_t i = 0; i < G_N_ELEMENTS(same); i++)
+    g_assert_true(opc_unit_shares_zero(opc_unit_find(same[i])));
+  g_assert_false(opc_unit_shares_zero(opc_unit_find("C")));
+  g_assert_false(opc_unit_shares_zero(opc_unit_find("K")));
+}
+
 static void test_text(void) {
   static const double numbers[] = {0.1, 1e300, 1.0 / 3, 65, -0.5, 5e-324};
   for (size_t i = 0; i < G_N_ELEMENTS(numbers); i++) {
@@ -85,6 +93,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/unit/exact", test_exact);
   g_test_add_func("/unit/other", test_other);
   g_test_add_func("/unit/numbers", test_numbers);
+  g_test_add_func("/unit/zero", test_zero);
   g_test_add_func("/unit/text", test_text);
   g_test_add_func("/unit/inside", test_inside);
   return g_test_run();

@@ -171,7 +171,10 @@ static gboolean number(const conversion *c, const opc_node *node,
                  to ? " with its unit" : "", text);
   if (!to && *name)
     return WRONG(c, node, "'%s' takes a plain number, not '%s'", p->name, text);
-  if (to && !*name)
+  if (to && !*name && opc_unit_shares_zero(to) &&
+      opc_number_in(text, length, to, to) == 0)
+    from = to;
+  else if (to && !*name)
     return WRONG(c, node, "'%s' needs %s with its unit, e.g. '%.*s %s'",
                  p->name, opc_unit_noun(to), (int)length, text, p->unit);
   if (to && !from) return opc_unknown_unit(node, name, c->problems);
@@ -254,16 +257,18 @@ static gboolean read_map(const conversion *c, const opc_node *node,
                          opc_setting *value) {
   const opc_parameter *p = c->parameter;
   gboolean any = (p->flags & OPC_MAP_OF_ANY) != 0, good = TRUE;
-  if (node->type != OPC_NODE_MAP)
+  gboolean list = p->flags & OPC_INNER_AXIS && node->type == OPC_NODE_LIST;
+  if (node->type != OPC_NODE_MAP && !list)
     return WRONG(c, node, "'%s' needs a map, as '{ key: value }'", p->name);
   g_autofree char *where = g_strdup_printf(" in '%s'", p->name);
-  if (p->choices)
+  if (p->choices && !list)
     good = opc_node_check_keys(node, p->choices, where, c->problems);
   guint n = node->items->len;
   opc_pair *pairs = own(c, g_new0(opc_pair, MAX(n, 1)));
   for (guint i = 0; i < n; i++) {
     const opc_node *item = node->items->pdata[i];
-    const char *key = opc_node_key(node, i);
+    g_autofree char *key =
+        list ? g_strdup_printf("%u", i + 1) : g_strdup(opc_node_key(node, i));
     if ((item->type != OPC_NODE_TEXT && !any) || opc_node_is_empty(item)) {
       good = WRONG(c, item, "'%s' of '%s' needs a %s", key, p->name,
                    any ? "value" : "text");

@@ -1,12 +1,23 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A flow that a step runs inside of it, at points of a sweep.
+/* A flow that a step runs inside of it, at points of a sweep or of axes of
+   layers.
 
    A step has one if a parameter of the type OPC_FILE carries OPC_INNER_FLOW: it
    names the flow. What is laid over that flow is in the step's parameters
    `variant` (OPC_TEXT), `set` and `sweep` (OPC_MAP with OPC_MAP_OF_ANY), where
    it declares them. The host reads the flow and checks it at each value that is
-   swept, with its instances, before the step's own `check`; a step of that flow
-   cannot have one itself.
+   swept, with its instances, before the step's own `check`.
+
+   A parameter with OPC_INNER_AXIS is an axis whose values are layers: variants
+   of that flow, or maps of paths and values, with lists, patterns and files
+   that the host expands (docs/flow.md). These axes come before those of a
+   sweep, in the order of the declaration; a later one is laid over an earlier
+   one. Steps that only the first axes touch run once for all points that have
+   the same values of these.
+
+   An OPC_INPUT with OPC_INNER_STEP takes the place of the step of that flow
+   that is called as the parameter is, if it is given: what the other step made
+   is what that one gives, and it does not run.
 
    The step asks through `host->inner`, NULL if it has no such flow. What is
    returned belongs to the host and is valid until the next call of `run`, if
@@ -26,7 +37,8 @@ typedef struct opc_inner_axis {
   const char *unit; /* NULL: plain numbers, or texts */
   size_t count;
   const double *values;     /* in that unit; NULL: not numbers of one unit */
-  const char *const *texts; /* as written */
+  const char *const *texts; /* as written; of layers: their names, no two the
+                               same, each good as that of a folder */
   int used;                 /* by what `metric` and `output` were asked for */
 } opc_inner_axis;
 
@@ -36,6 +48,13 @@ typedef struct opc_inner_metric {
   const opc_metric *metric;
   double value;
 } opc_inner_metric;
+
+/* A run that is kept whole. */
+typedef struct opc_inner_run {
+  const char *folder; /* its path, while the step runs */
+  double seconds;     /* of all its steps, those that it shares included */
+  size_t findings;    /* of all its steps */
+} opc_inner_run;
 
 struct opc_inner_service {
   /* ---- from `check` on ---- */
@@ -47,7 +66,7 @@ struct opc_inner_service {
 
   /* The declaration of "step.metric"; and the name of `step` if it makes data
      of that kind, or of the first step that does for NULL. Only steps that were
-     asked for here, and what they need, will run. */
+     asked for here, and what they need, will run; all, if none was. */
   const opc_metric *(*metric)(const opc_host *host, const char *path,
                               opc_error *error);
   const char *(*output)(const opc_host *host, const char *step,
@@ -77,6 +96,15 @@ struct opc_inner_service {
   /* What `output` was asked for, as the last run made it. If there is no later
      run, it is valid as long as the instance. */
   void *(*object)(const opc_host *host, const char *step, const char *kind);
+
+  /* As `run`, and what it and the steps it shares have written is a complete
+     run folder, of the name `folder` in one of the step's name: with flow.yaml,
+     metrics.json and manifest.json; `metrics` then has all of them. OPC_LIMIT:
+     the run is there and does not keep what its flow requires. After another
+     failure there is no folder. What failed counts for the exit code, as a
+     point of a sweep does. */
+  int (*run_whole)(const opc_host *host, size_t point, const char *folder,
+                   size_t share, opc_inner_run *out, opc_error *error);
 };
 
 #ifdef __cplusplus

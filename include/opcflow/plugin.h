@@ -26,7 +26,7 @@ extern "C" {
    minor is raised when a struct grows that plugins have or are given, here or
    in the library of their kinds. */
 #define OPC_ABI_MAJOR 0u
-#define OPC_ABI_MINOR 4u
+#define OPC_ABI_MINOR 5u
 
 /* ---- parameters ------------------------------------------------------- */
 
@@ -78,8 +78,14 @@ enum {
   OPC_NO_EFFECT = 1 << 5,  /* does not change the result (threads, verbosity) */
   OPC_MAP_OF_ANY = 1 << 6, /* of an OPC_MAP: values of any form, as the flow
                               writes them on one line */
-  OPC_INNER_FLOW = 1 << 7  /* of an OPC_FILE: a flow that the step runs;
+  OPC_INNER_FLOW = 1 << 7, /* of an OPC_FILE: a flow that the step runs;
                               inner.h */
+  OPC_INNER_AXIS = 1 << 8, /* of an OPC_MAP of any: layers that are laid over
+                              that flow one after another, also as a list */
+  OPC_INNER_STEP = 1 << 9, /* of an OPC_INPUT: stands in place of the step of
+                              that flow that is called as the parameter */
+  OPC_LISTED = 1 << 10     /* of an OPC_TEXT: `choices` of the plugin tells
+                              what it may be */
 };
 
 /* A parameter, declared with OPC_PARAMETER. Names are lower_case; a dot makes a
@@ -101,6 +107,8 @@ typedef struct opc_parameter {
   const char *choices; /* words with | between them */
   const char *summary; /* one line, no full stop */
   size_t offset, width, given;
+  const char *former; /* names it had before, with | between them; told when
+                         they are used. NULL: none */
 } opc_parameter;
 
 /* The elements of an array of parameters: the field `member` of an instance of
@@ -189,6 +197,14 @@ struct opc_host {
                              opc_error *error);
 
   const opc_inner_service *inner; /* flows that a step runs; inner.h */
+
+  /* What the results of the plugin in a slot, or of this one for NULL, depend
+     on but for inputs, as one sum (SHA-256 in hexadecimal): its build, its
+     parameters, the contents of files, and what stands in its slots. For
+     whoever keeps results beyond a run. Valid as long as the instance; NULL and
+     *error if a file cannot be read. [main], while a step runs. Since 0.5. */
+  const char *(*identity)(const opc_host *host, const char *slot,
+                          opc_error *error);
 };
 
 /* ---- the descriptor --------------------------------------------------- */
@@ -233,6 +249,14 @@ typedef struct opc_plugin {
   /* The kind's struct of functions, and its size. */
   const void *functions;
   size_t functions_size;
+
+  /* Call `take` with each value that the parameter of that name, one that is
+     OPC_LISTED, may have where the others are as they are: the cells of a file.
+     In an order of its own; the texts may go when `take` is done. Also before
+     any input is there. [main] */
+  int (*choices)(void *self, const char *parameter,
+                 void (*take)(void *data, const char *value), void *data,
+                 opc_error *error);
 } opc_plugin;
 
 #define OPC_PARAMETERS(array) \

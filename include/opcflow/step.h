@@ -35,9 +35,13 @@ typedef struct opc_forecast {
 } opc_forecast;
 
 enum {
-  OPC_STEP_LIGHT = 1 << 0 /* takes a few seconds at most, writes no file: run
+  OPC_STEP_LIGHT = 1 << 0,  /* takes a few seconds at most, writes no file: run
                              by `opcflow check`, too, so that later steps have
                              inputs for their forecast */
+  OPC_STEP_OUTSIDE = 1 << 1 /* what it does depends on more than parameters,
+                               files they name, and inputs: on files that those
+                               files name, on other programs. Its result is
+                               never used again */
 };
 
 typedef struct opc_step {
@@ -57,6 +61,17 @@ typedef struct opc_step {
      `run`, and by `opcflow check`. NULL: nothing to say. [main] */
   int (*forecast)(void *self, opc_forecast *out, opc_error *error);
   uint32_t flags; /* OPC_STEP_* */
+
+  /* Write the outputs into an empty folder, and make them again from what
+     `save` wrote there, on this machine: the same to the last bit for whoever
+     takes them. Inputs are there, for `restore` equal ones; it may be called in
+     place of `run`, on an instance that did nothing, and leaves in `outputs`
+     what is to be released if it fails. The step then runs. NULL, both: the
+     step runs when a later one that runs wants its outputs. [main] */
+  int (*save)(void *self, void *const *outputs, const char *folder,
+              opc_error *error);
+  int (*restore)(void *self, const char *folder, void **outputs,
+                 opc_error *error);
 } opc_step;
 
 #define OPC_OUTPUTS(array) \

@@ -44,11 +44,16 @@ static eda_shapes moved(moves m, int across) {
                      .count = 1,
                      .box = &box,
                      .axis = &axis};
-  int32_t w = 0, end[2] = {m.low, m.high};
-  biases by = {.w = &w, .l = &m.l, .jog = &m.jog, .end = end, .part = m.part};
+  int32_t none = 0, end[2] = {m.low, m.high};
+  biases by = {.w = &none,
+               .aside = &none,
+               .l = &m.l,
+               .jog = &m.jog,
+               .end = end,
+               .part = m.part};
   pieces p;
   eda_shapes out;
-  pieces_of_edges(&edges, &p);
+  pieces_of_edges(&edges, 0, &p);
   pieces_room(&p, &out);
   pieces_follow(&gates, EDA_POLY, &by, &p);
   pieces_build(&p, &out);
@@ -112,6 +117,43 @@ static void test_biases(void) {
   }
 }
 
+/* An active of 200 x 100 whose middle is a gate's: both ends of the gate's
+   width move by their part of w, and towards HIGH by `aside`. */
+static void test_aside(void) {
+  static const eda_fragment active[] = {
+      {{0, 0}, -1, EDA_FIXED},     {{60, 0}, 0, EDA_W_LOW},
+      {{140, 0}, -1, EDA_FIXED},   {{200, 0}, -1, EDA_FIXED},
+      {{200, 100}, -1, EDA_FIXED}, {{140, 100}, 0, EDA_W_HIGH},
+      {{60, 100}, -1, EDA_FIXED},  {{0, 100}, -1, EDA_FIXED},
+  };
+  static const struct {
+    int32_t w, aside, low, high;
+  } cases[] = {{4, 0, -2, 102},  {5, 0, -2, 103}, {4, 2, 0, 104},
+               {5, -3, -5, 100}, {0, -7, -7, 93}, {-4, 2, 4, 100}};
+  uint32_t start[] = {0, G_N_ELEMENTS(active)};
+  eda_box box = {60, 0, 140, 100};
+  uint8_t axis = EDA_X;
+  eda_edges edges[] = {{0}, {1, start, (eda_fragment *)active}};
+  eda_gates gates = {.grid = 1,
+                     .layers = 2,
+                     .edges = edges,
+                     .count = 1,
+                     .box = &box,
+                     .axis = &axis};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    int32_t w = cases[i].w, aside = cases[i].aside;
+    biases by = {.w = &w, .aside = &aside};
+    pieces p;
+    pieces_of_edges(&edges[EDA_ACTIVE], 0, &p);
+    pieces_follow(&gates, EDA_ACTIVE, &by, &p);
+    g_assert_cmpint(-p.by[1], ==, cases[i].low);
+    g_assert_cmpint(100 + p.by[5], ==, cases[i].high);
+    for (uint32_t k = 0; k < p.start[1]; k++)
+      g_assert_true(k == 1 || k == 5 || p.by[k] == 0);
+    pieces_clear(&p);
+  }
+}
+
 /* What nothing is left of can be merged all the same. */
 static void test_nothing(void) {
   eda_shapes s = moved((moves){.high = -300}, 0), merged;
@@ -153,6 +195,7 @@ static void test_areas(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/edges/biases", test_biases);
+  g_test_add_func("/edges/aside", test_aside);
   g_test_add_func("/edges/nothing", test_nothing);
   g_test_add_func("/edges/areas", test_areas);
   return g_test_run();

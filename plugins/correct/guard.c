@@ -124,10 +124,9 @@ void guard_watch(loop *l) {
     double now = guard_off(l, i);
     if (!(now < s->off)) continue;
     s->off = now;
-    s->l = b->l[i];
-    s->w = b->w[i];
-    s->jog = b->jog[i];
-    memcpy(s->part, b->part + EDA_PARTS * i, sizeof s->part);
+    s->best = (gate_moves){
+        .l = b->l[i], .w = b->w[i], .aside = b->aside[i], .jog = b->jog[i]};
+    memcpy(s->best.part, b->part + EDA_PARTS * i, sizeof s->best.part);
   }
 }
 
@@ -280,18 +279,15 @@ static eda_box window_of(const hold *h, size_t gate, double nm) {
   return grown(h->l->gates->box[gate], nm / h->l->gates->grid);
 }
 
-/* `part`: EDA_PARTS of them, NULL for none. */
-static void set_gate(hold *h, size_t i, int32_t l, int32_t w, int32_t jog,
-                     const eda_part *part) {
+static const gate_moves as_drawn;
+
+static void set_gate(hold *h, size_t i, const gate_moves *to) {
   biases *b = &h->l->next.biases;
-  size_t size = EDA_PARTS * sizeof *part;
-  b->l[i] = l;
-  b->w[i] = w;
-  b->jog[i] = jog;
-  if (part)
-    memcpy(b->part + EDA_PARTS * i, part, size);
-  else
-    memset(b->part + EDA_PARTS * i, 0, size);
+  b->l[i] = to->l;
+  b->w[i] = to->w;
+  b->aside[i] = to->aside;
+  b->jog[i] = to->jog;
+  memcpy(b->part + EDA_PARTS * i, to->part, sizeof to->part);
 }
 
 /* What the regulator did to a gate and within some nm of it, undone; but not in
@@ -302,8 +298,8 @@ static void drop_rules(hold *h, size_t gate, double nm) {
   l->next.biases.end[2 * gate] = l->next.biases.end[2 * gate + 1] = 0;
   for (size_t k = 0; k < l->gates->layers; k++) {
     if (l->driver_of[k] != MAIN) continue;
-    trial_drop_boxes(&l->next.patches[k], window);
-    trial_drop_boxes(&l->next.bites[k], window);
+    trial_reset_boxes(&l->next.patches[k], window, loop_begun(l, k, 0));
+    trial_reset_boxes(&l->next.bites[k], window, loop_begun(l, k, 1));
   }
 }
 
@@ -313,7 +309,7 @@ static void set_around(hold *h, size_t gate, double nm) {
   eda_box window = window_of(h, gate, nm);
   eda_finder f = eda_index_find(h->gates, window);
   for (uint32_t i; eda_index_next(&f, &i);) {
-    set_gate(h, i, 0, 0, 0, NULL);
+    set_gate(h, i, &as_drawn);
     l->next.biases.end[2 * i] = l->next.biases.end[2 * i + 1] = 0;
   }
   set_fragments(h, window, 0);
@@ -329,17 +325,19 @@ static double around(int level) {
 
 static void set_level(hold *h, size_t i) {
   const guarded *s = &h->l->guard.state[i];
+  const gate_moves half = {
+      .l = s->best.l / 2, .w = s->best.w / 2, .aside = s->best.aside / 2};
   eda_box own = window_of(h, i, tuned.reach);
   switch (s->level) {
     case GUARD_BEST:
-      set_gate(h, i, s->l, s->w, s->jog, s->part);
+      set_gate(h, i, &s->best);
       break;
     case GUARD_HALF:
-      set_gate(h, i, s->l / 2, s->w / 2, 0, NULL);
+      set_gate(h, i, &half);
       set_fragments(h, own, 0.5);
       break;
     case GUARD_DRAWN:
-      set_gate(h, i, 0, 0, 0, NULL);
+      set_gate(h, i, &as_drawn);
       set_fragments(h, own, 0);
       break;
     default:
@@ -382,7 +380,9 @@ static void all_drawn(hold *h) {
     h->l->guard.state[i].level = GUARD_SURROUNDED;
   for (size_t k = 0; k < next->layers; k++) {
     if (h->l->driver_of[k] != MAIN) continue;
-    next->patches[k].count = next->bites[k].count = next->assists[k].count = 0;
+    next->assists[k].count = 0;
+    trial_set_boxes(&next->patches[k], loop_begun(h->l, k, 0));
+    trial_set_boxes(&next->bites[k], loop_begun(h->l, k, 1));
     if (next->shift[k])
       memset(next->shift[k], 0, next->fragments[k] * sizeof(int32_t));
   }
@@ -452,7 +452,7 @@ static int try_cause(hold *h, int t, uint8_t *open, opc_error *error) {
       set_around(h, i, nm);
       continue;
     }
-    set_gate(h, i, 0, 0, 0, NULL);
+    set_gate(h, i, &as_drawn);
     set_fragments(h, window_of(h, i, tuned.reach), 0);
     drop_rules(h, i, nm);
   }

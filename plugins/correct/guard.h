@@ -29,9 +29,14 @@ enum {
   GUARD_SURROUNDED /* all around it, too, from here on */
 };
 
-typedef struct guarded {
-  int32_t l, w, jog; /* of the best mask with the line ends `end` */
+/* What a synthesizer says of one gate: eda_moves. */
+typedef struct gate_moves {
+  int32_t l, w, aside, jog;
   eda_part part[EDA_PARTS];
+} gate_moves;
+
+typedef struct guarded {
+  gate_moves best;   /* the best mask with the line ends `end` */
   int32_t end[2];    /* grid steps */
   double off;        /* |Ion deviation| of that, %; INFINITY: none printed */
   double least;      /* of what the guard has tried, */

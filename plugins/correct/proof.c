@@ -62,6 +62,16 @@ static int measure_drawn(loop *l, eda_measurement *m, opc_error *error) {
   return code;
 }
 
+/* The print that the figures of the drawn mask are of now. */
+static void keep_print(loop *l) {
+  for (size_t k = 0; k < l->gates->layers; k++) {
+    if (!l->proof.image[k].coefficients) continue;
+    eda_field_clear(&l->drawn_print[k]);
+    l->drawn_print[k] = l->proof.image[k];
+    l->proof.image[k] = (eda_field){0};
+  }
+}
+
 int proof_of_drawn(loop *l, opc_error *error) {
   eda_measurement m;
   if (!l->proof.mask) return OPC_OK;
@@ -79,6 +89,7 @@ int proof_of_drawn(loop *l, opc_error *error) {
                                .print = l->proof.image};
     eda_performance_copy(&l->before, &m.performance);
     code = guard_begin(l, &drawn, error);
+    keep_print(l);
   }
   eda_measurement_clear(&m);
   free(none);

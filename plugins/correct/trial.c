@@ -6,11 +6,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+biases biases_in(int32_t *all, size_t n) {
+  return (biases){.w = all,
+                  .aside = all + n,
+                  .l = all + 2 * n,
+                  .jog = all + 3 * n,
+                  .end = all + 4 * n,
+                  .part = (eda_part *)(all + 6 * n)};
+}
+
 void trial_init(trial *t, size_t layers, size_t gates) {
   int32_t *all = eda_alloc(TRIAL_BIASES * gates, sizeof *all);
   *t = (trial){.layers = layers, .gates = gates};
-  t->biases = (biases){all, all + gates, all + 2 * gates, all + 3 * gates,
-                       (eda_part *)(all + 5 * gates)};
+  t->biases = biases_in(all, gates);
   t->fragments = eda_alloc(layers, sizeof *t->fragments);
   t->shift = eda_alloc(layers, sizeof *t->shift);
   t->patches = eda_alloc(layers, sizeof *t->patches);
@@ -62,6 +70,17 @@ void trial_drop_boxes(eda_boxes *boxes, eda_box window) {
   boxes->count = n;
 }
 
+void trial_reset_boxes(eda_boxes *boxes, eda_box window, eda_boxes begun) {
+  eda_box_list all = {0};
+  trial_drop_boxes(boxes, window);
+  for (size_t i = 0; i < boxes->count; i++)
+    eda_box_list_add(&all, boxes->box[i]);
+  for (size_t i = 0; i < begun.count; i++)
+    if (touch(begun.box[i], window)) eda_box_list_add(&all, begun.box[i]);
+  free((eda_box *)boxes->box);
+  *boxes = (eda_boxes){all.box, all.count};
+}
+
 void trial_copy(trial *to, const trial *from) {
   memcpy(to->biases.w, from->biases.w,
          TRIAL_BIASES * from->gates * sizeof(int32_t));
@@ -92,7 +111,8 @@ int trial_differs(const trial *a, const trial *b, size_t layer) {
     return 1;
   if (a->shift[layer])
     return differ(a->shift[layer], b->shift[layer], a->fragments[layer]);
-  if (layer == EDA_ACTIVE) return differ(a->biases.w, b->biases.w, n);
+  if (layer == EDA_ACTIVE)
+    return differ(a->biases.w, b->biases.w, TRIAL_ACTIVE_BIASES * n);
   return layer == EDA_POLY &&
          differ(a->biases.l, b->biases.l, TRIAL_POLY_BIASES * n);
 }

@@ -5,10 +5,13 @@
 
 #include "edges.h"
 
-/* Numbers of a gate in `biases`: w; l, jog, both line ends, and parts. */
+/* Numbers of a gate in `biases`: w and aside; l, jog, both line ends, and
+ * parts.
+ */
 enum {
+  TRIAL_ACTIVE_BIASES = 2,
   TRIAL_POLY_BIASES = 4 + 3 * EDA_PARTS,
-  TRIAL_BIASES = 1 + TRIAL_POLY_BIASES
+  TRIAL_BIASES = TRIAL_ACTIVE_BIASES + TRIAL_POLY_BIASES
 };
 
 /* Arrays by layer but `biases`. */
@@ -21,6 +24,9 @@ typedef struct trial {
   eda_boxes *bites;   /* what it takes away */
   eda_boxes *assists; /* of the synthesizers */
 } trial;
+
+/* The biases of n gates in `all`, room for TRIAL_BIASES * n numbers. */
+biases biases_in(int32_t *all, size_t n);
 
 /* The mask as drawn. */
 void trial_init(trial *trial, size_t layers, size_t gates);
@@ -37,6 +43,9 @@ void trial_set_boxes(eda_boxes *to, eda_boxes from);
 
 /* Take those of `boxes` away that touch a window. */
 void trial_drop_boxes(eda_boxes *boxes, eda_box window);
+
+/* The same, and those of `begun` that touch it are in their place. */
+void trial_reset_boxes(eda_boxes *boxes, eda_box window, eda_boxes begun);
 
 /* Would the two print other masks of that layer? */
 int trial_differs(const trial *a, const trial *b, size_t layer);

@@ -64,9 +64,15 @@ eda_box view_clip(const view *v) {
                    clamped(ceil((v->y1 + y) / grid) + 1)};
 }
 
+/* The part of shapes that may be seen: a copy, or themselves. */
 static int cut(const view *v, const eda_shapes *shapes, eda_shapes *out,
                opc_error *error) {
   eda_box b = view_clip(v);
+  eda_box all = eda_bounds(shapes->points,
+                           shapes->count ? shapes->start[shapes->count] : 0);
+  *out = *shapes;
+  if (all.x0 >= b.x0 && all.y0 >= b.y0 && all.x1 <= b.x1 && all.y1 <= b.y1)
+    return OPC_OK;
   eda_point points[] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
   uint32_t start[] = {0, 4};
   eda_shapes window = {.count = 1, .start = start, .points = points};
@@ -92,7 +98,7 @@ int view_fill(const view *v, const eda_shapes *shapes, eda_colour colour,
   eda_use(v->paper->cairo, colour);
   cairo_set_fill_rule(v->paper->cairo, CAIRO_FILL_RULE_EVEN_ODD);
   cairo_fill(v->paper->cairo);
-  eda_shapes_clear(&s);
+  if (s.points != shapes->points) eda_shapes_clear(&s);
   return OPC_OK;
 }
 
@@ -110,7 +116,7 @@ int view_outline(const view *v, const eda_shapes *shapes, eda_colour colour,
     cairo_stroke(
         v->paper->cairo); /* one by one: cairo's time grows with a path's */
   }
-  eda_shapes_clear(&s);
+  if (s.points != shapes->points) eda_shapes_clear(&s);
   return OPC_OK;
 }
 

@@ -26,7 +26,7 @@ typedef struct reader {
       OPC_PARAMETER(reader, scale, .type = OPC_REAL, .flags = OPC_ABOVE, \
                     .preset = "1", .min = 0,                             \
                     .summary = "A factor on the unit of the file"),      \
-      OPC_PARAMETER(reader, top, .type = OPC_TEXT,                       \
+      OPC_PARAMETER(reader, top, .type = OPC_TEXT, .flags = OPC_LISTED,  \
                     .summary =                                           \
                         "The top cell; those it does not lead to "       \
                         "are dropped")
@@ -34,6 +34,11 @@ typedef struct reader {
 /* Whether the map of layers can be understood: names of the file or, where
    `most` is not 0, numbers up to that. For a reader's check. */
 int reader_check(const reader *r, uint32_t most, opc_error *error);
+
+/* A reader's `choices`: the cells of its file, as `run` reads it. */
+int reader_choices(void *self, const opc_step *functions,
+                   void (*take)(void *data, const char *value), void *data,
+                   opc_error *error);
 
 /* n bytes as a string, freed with g_free; bytes that are not printable ASCII as
    "\xE4", so that names stay different and harmless. */

@@ -263,6 +263,10 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(search, flow, .type = OPC_FILE,
                   .flags = OPC_REQUIRED | OPC_INNER_FLOW,
                   .summary = "the flow whose parameters are searched"),
+    OPC_PARAMETER(search, gates, .type = OPC_INPUT, .flags = OPC_INNER_STEP,
+                  .choices = "gates",
+                  .summary = "what that flow corrects; what its own step "
+                             "'gates' makes"),
     OPC_PARAMETER(search, variant, .type = OPC_TEXT,
                   .summary = "a variant of that flow"),
     OPC_PARAMETER(search, set, .type = OPC_MAP, .flags = OPC_MAP_OF_ANY,

@@ -25,6 +25,7 @@ typedef struct plan {
 typedef struct search {
   const opc_host *host;
   const char *flow, *variant, *minimise, *maximise, *mask;
+  const void *gates; /* taken by the host */
   opc_map set, sweep, along;
   const opc_inner_axis *axes;
   size_t n_axes;

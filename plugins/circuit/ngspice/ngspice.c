@@ -317,7 +317,8 @@ static int check(void *self, opc_error *error) {
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = run};
+/* Models include others, and the simulator is another program. */
+static const opc_step functions = {.run = run, .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(bench, .id = "circuit.ngspice", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",
            .summary =

@@ -81,7 +81,7 @@ static int tell_of_worse(const given *s, const eda_mask *m,
   return opc_put_metrics(s->host, OPC_ARRAY(values), error);
 }
 
-static int tell_of_violations(const given *s, const eda_mask *m,
+static int tell_of_violations(const given *s, eda_mask *m,
                               const double *extension, opc_error *error) {
   enum { ROOM = 10000, ROOM_OF_GATE = 16 };
   const eda_gates *g = m->gates;
@@ -101,12 +101,13 @@ static int tell_of_violations(const given *s, const eda_mask *m,
   if (n > room) n = room;
   code = code ? eda_blame(error, code, "regulator")
               : report_violations(s->host, g, v, n, error);
+  if (!code) eda_mask_set_violations(m, v, n);
   free(v);
   free(none);
   return code;
 }
 
-static int tell(const given *s, const eda_mask *m, const double *extension,
+static int tell(const given *s, eda_mask *m, const double *extension,
                 const uint32_t *before, opc_error *error) {
   const double limit[EDA_RULES] = {[EDA_RULE_SPACE] = s->min_space,
                                    [EDA_RULE_WIDTH] = s->min_mask_width,
@@ -119,6 +120,13 @@ static int tell(const given *s, const eda_mask *m, const double *extension,
   if (!code) code = tell_of_worse(s, m, before, error);
   if (!code) findings_of_print(s->host, m->gates, m->flags, before);
   return code ? code : report_mask(s->host, &told, error);
+}
+
+static void take_prints(eda_printer *p, eda_field *out) {
+  for (size_t k = 0; k < p->layers; k++) {
+    out[k] = p->print[k];
+    p->print[k] = (eda_field){0};
+  }
 }
 
 static int run(void *self, void **outputs, opc_error *error) {
@@ -138,11 +146,9 @@ static int run(void *self, void **outputs, opc_error *error) {
   int code = take_shapes(&s->take, out, error);
   if (!code) code = prepare(s, &printer, out, error);
   if (!code) code = print(s, &printer, g->drawn, &before, error);
+  take_prints(&printer, out->drawn_print);
   if (!code) code = print(s, &printer, out->shapes, &after, error);
-  for (size_t k = 0; k < g->layers; k++) {
-    out->print[k] = printer.print[k];
-    printer.print[k] = (eda_field){0};
-  }
+  take_prints(&printer, out->print);
   out->before = before.performance;
   out->after = after.performance;
   out->flags = after.flags;
@@ -154,6 +160,18 @@ static int run(void *self, void **outputs, opc_error *error) {
   free(before.extension);
   free(after.extension);
   return code;
+}
+
+static int save(void *self, void *const *outputs, const char *folder,
+                opc_error *error) {
+  (void)self;
+  return eda_mask_save(outputs[0], folder, error);
+}
+
+static int restore(void *self, const char *folder, void **outputs,
+                   opc_error *error) {
+  const given *s = self;
+  return eda_mask_restore(s->take.gates, folder, &outputs[0], error);
 }
 
 static int forecast(void *self, opc_forecast *out, opc_error *error) {
@@ -269,7 +287,8 @@ static int check(void *self, opc_error *error) {
 
 static const opc_port outputs[] = {EDA_PORT_MASK("mask")};
 static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
-                                   .forecast = forecast};
+                                   .forecast = forecast, .save = save,
+                                   .restore = restore};
 
 OPC_PLUGIN(given, .id = "given", .kind = "step", .version = OPC_VERSION,
            .licence = "BSD-3-Clause",

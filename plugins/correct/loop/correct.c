@@ -13,6 +13,7 @@
 #include "../forecast.h"
 #include "../loop.h"
 #include "../rules.h"
+#include "../start.h"
 
 enum { ON, OFF }; /* `guard` */
 
@@ -21,6 +22,8 @@ enum { ON, OFF }; /* `guard` */
 typedef struct correct {
   const opc_host *host;
   const eda_gates *gates;
+  const eda_mask *start;
+  double max_diff; /* %; NAN: all may move */
   const opc_module *litho, *resist, *extractor, *synthesizer, *edges,
       *regulator;
   int64_t max_iterations;
@@ -39,7 +42,7 @@ typedef struct correct {
 
 static void tell_of_overlaps(const loop *l) {
   for (size_t k = 0; k < l->gates->layers; k++)
-    if (!l->now.patches[k].count && !l->now.bites[k].count &&
+    if (!l->base && !l->now.patches[k].count && !l->now.bites[k].count &&
         !l->now.assists[k].count &&
         eda_area2(&l->polygons[k]) != eda_area2(&l->mask[k])) {
       l->host->log(l->host, OPC_LOG_WARNING,
@@ -49,13 +52,13 @@ static void tell_of_overlaps(const loop *l) {
 }
 
 /* Move what outlives the run from the loop to its result. */
-static eda_mask *hand_over(loop *l) {
-  eda_mask *out = eda_mask_new(l->gates);
+static void hand_over(loop *l, eda_mask *out) {
   for (size_t k = 0; k < l->gates->layers; k++) {
     out->shapes[k] = l->mask[k];
     out->print[k] = l->printer.print[k];
+    out->drawn_print[k] = l->drawn_print[k];
     l->mask[k] = (eda_shapes){0};
-    l->printer.print[k] = (eda_field){0};
+    l->printer.print[k] = l->drawn_print[k] = (eda_field){0};
   }
   corners *c = &l->corners; /* the result has figures of the nominal print */
   eda_performance *after = c->count ? &c->nominal : &l->measured.performance;
@@ -68,16 +71,17 @@ static eda_mask *hand_over(loop *l) {
   out->iterations = l->iterations;
   out->simulations = l->printer.simulations;
   out->fine_simulations = l->printer.fine_simulations;
-  return out;
+  out->moved = moved_of(l);
 }
 
-static int tell_of_violations(loop *l, opc_error *error) {
+static int tell_of_violations(loop *l, eda_mask *out, opc_error *error) {
   if (!l->regulator) return OPC_OK;
   eda_violation *v = NULL;
   size_t n = 0;
   eda_printed p = loop_printed(l);
   int code = loop_violations(l, &p, &v, &n, error);
   if (!code) code = report_violations(l->host, l->gates, v, n, error);
+  if (!code) eda_mask_set_violations(out, v, n);
   free(v);
   return code;
 }
@@ -124,9 +128,15 @@ static int tell(const correct *c, loop *l, eda_mask *mask, opc_error *error) {
 
 static int run(void *self, void **outputs, opc_error *error) {
   const correct *c = self;
+  start begun;
+  int code =
+      start_from(c->host, c->gates, c->start, c->max_diff, &begun, error);
+  if (code) return code;
   loop l = {
       .host = c->host,
       .gates = c->gates,
+      .base = begun.base,
+      .still = begun.still,
       .extractor = c->extractor,
       .regulator = c->regulator,
       .max_iterations = c->max_iterations,
@@ -140,21 +150,23 @@ static int run(void *self, void **outputs, opc_error *error) {
   l.printer.fine = c->fine;
   l.corners.wish = c->corners;
   l.assists = c->assists;
-  int code = loop_run(&l, error);
+  eda_mask *mask = eda_mask_new(c->gates);
+  outputs[0] = mask; /* released by the host if this fails */
+  code = loop_run(&l, error);
   if (!code) {
     tell_of_overlaps(&l);
-    code = tell_of_violations(&l, error);
+    code = tell_of_violations(&l, mask, error);
   }
   if (!code) code = corners_report(&l, error);
   if (!code) code = assists_report(&l, error);
   if (!code) code = tell_of_rules(c, &l, error);
   if (!code) code = tell_of_guard(&l, error);
   if (!code) {
-    eda_mask *mask = hand_over(&l);
-    outputs[0] = mask; /* released by the host if the report fails */
+    hand_over(&l, mask);
     code = tell(c, &l, mask, error);
   }
   loop_clear(&l);
+  free(begun.still);
   return code;
 }
 
@@ -175,6 +187,20 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
   return OPC_OK;
 }
 
+/* ---- for the next time ---- */
+
+static int save(void *self, void *const *outputs, const char *folder,
+                opc_error *error) {
+  (void)self;
+  return eda_mask_save(outputs[0], folder, error);
+}
+
+static int restore(void *self, const char *folder, void **outputs,
+                   opc_error *error) {
+  const correct *c = self;
+  return eda_mask_restore(c->gates, folder, &outputs[0], error);
+}
+
 /* ---- parameters ---- */
 
 /* A rule of the mask that is only counted. */
@@ -186,6 +212,13 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(correct, gates, .type = OPC_INPUT, .flags = OPC_REQUIRED,
                   .choices = "gates", .summary = "the transistors to correct"),
+    OPC_PARAMETER(correct, start, .type = OPC_INPUT, .choices = "mask",
+                  .summary = "the mask to begin with, of the same gates; if "
+                             "not given, the drawn one"),
+    OPC_PARAMETER(correct, max_diff, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+                  .unit = "%", .min = 0,
+                  .summary = "of `start`: only transistors whose |Ion "
+                             "deviation| it has made worse by more are moved"),
     OPC_PARAMETER(correct, litho, .type = OPC_SLOT, .flags = OPC_REQUIRED,
                   .choices = "litho", .summary = "model of the optics"),
     OPC_PARAMETER(correct, resist, .type = OPC_SLOT, .flags = OPC_REQUIRED,
@@ -264,6 +297,7 @@ static const opc_metric metrics[] = {
     {"epe_max", "nm", OPC_LOWER, 0.01, "largest |edge placement error|"},
     {"epe_lost", NULL, OPC_LOWER, 0,
      "fragments without a printed edge within 100 nm"},
+    {"refined", NULL, OPC_NEUTRAL, 0, "transistors that 'max_diff' lets move"},
     {"iterations", NULL, OPC_LOWER, 0,
      "times that the synthesizer moved edges"},
     {"simulations", NULL, OPC_LOWER, 0, "litho simulations, of one layer each"},
@@ -306,7 +340,8 @@ static int check(void *self, opc_error *error) {
 
 static const opc_port outputs[] = {EDA_PORT_MASK("mask")};
 static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
-                                   .forecast = forecast};
+                                   .forecast = forecast, .save = save,
+                                   .restore = restore};
 
 OPC_PLUGIN(
     correct, .id = "correct", .kind = "step", .version = OPC_VERSION,

@@ -86,6 +86,20 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
   return OPC_OK;
 }
 
+/* ---- for the next time ---- */
+
+static int save(void *self, void *const *outputs, const char *folder,
+                opc_error *error) {
+  (void)self;
+  return eda_mask_save(outputs[0], folder, error);
+}
+
+static int restore(void *self, const char *folder, void **outputs,
+                   opc_error *error) {
+  const verify *v = self;
+  return eda_mask_restore(v->mask->gates, folder, &outputs[0], error);
+}
+
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
@@ -143,7 +157,8 @@ static int check(void *self, opc_error *error) {
 
 static const opc_port outputs[] = {EDA_PORT_MASK("mask")};
 static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
-                                   .forecast = forecast};
+                                   .forecast = forecast, .save = save,
+                                   .restore = restore};
 
 OPC_PLUGIN(verify, .id = "verify", .kind = "step", .version = OPC_VERSION,
            .licence = "BSD-3-Clause",

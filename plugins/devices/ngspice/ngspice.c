@@ -261,7 +261,8 @@ static void clear(void *self) {
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = run};
+/* Cards include others, and the simulator is another program. */
+static const opc_step functions = {.run = run, .flags = OPC_STEP_OUTSIDE};
 
 OPC_PLUGIN(plan, .id = "devices.ngspice", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",

@@ -2,65 +2,35 @@
 /* draw.mask: a picture of a corrected mask: what was drawn, the mask, what it
    prints, and how far each transistor is from its drive current. */
 #include <eda/memory.h>
-#include <eda/print.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
-#include "../view.h"
+#include "drawer.h"
 
 /* ---- state ---- */
 
-typedef struct drawer {
-  const opc_host *host;
-  view view;
-  const eda_mask *mask;
-  double range; /* the deviation at the ends of the scale, % */
-} drawer;
+/* Pixels per nm below which no line is drawn: of 65 nm, three pixels are left,
+   and the lines beside them would cover them. */
+static const double coarse = 0.05;
 
-static const double least_range = 2; /* of the scale of deviations, % */
+/* ---- work: what is shown ---- */
 
-/* ---- work: deviations ---- */
+int drawer_is_coarse(const view *v) { return v->scale < coarse; }
 
-/* Of the drive current of a transistor; NAN where it has none. */
-static double deviation_of(const eda_performance *p, const eda_mask *mask,
-                           size_t gate) {
-  double d = eda_deviation(p->ion[gate], mask->design.ion[gate]);
-  return isfinite(d) ? d : NAN;
+/* Lines are seen in the window, or in an inset. */
+static int shows_lines(const drawer *d) {
+  return !drawer_is_coarse(&d->view) || d->n_worst;
 }
 
-/* Whether it does not print as a transistor of its own; notes on its print are
-   no failure. */
-static int fails(const eda_mask *mask, size_t gate) {
-  return (mask->flags[gate] & ~(uint32_t)EDA_PRINT_NOTES) != 0;
+static const eda_field *drawn_print(const drawer *d, size_t layer) {
+  const eda_field *all = d->mask->drawn_print;
+  return all && d->state != AFTER && all[layer].coefficients ? &all[layer]
+                                                             : NULL;
 }
 
-/* The largest deviation of those that print, rounded up; what lies beyond has
-   the colour of the end. */
-static double deviation_range(const eda_mask *mask) {
-  static const double steps[] = {2, 5, 10, 20};
-  double worst = least_range;
-  for (size_t i = 0; i < mask->gates->count; i++)
-    if (!fails(mask, i))
-      worst = fmax(worst, fabs(deviation_of(&mask->after, mask, i)));
-  size_t k = 0;
-  while (k + 1 < sizeof steps / sizeof steps[0] && steps[k] < worst - 1e-9) k++;
-  return steps[k];
-}
-
-/* Mean and largest deviation, of those that have one. */
-static void deviations(const eda_mask *mask, const eda_performance *of,
-                       double *mean, double *max) {
-  size_t n = 0;
-  *mean = *max = 0;
-  for (size_t i = 0; i < mask->gates->count; i++) {
-    double d = fabs(deviation_of(of, mask, i));
-    if (isnan(d)) continue;
-    *mean += d;
-    *max = fmax(*max, d);
-    n++;
-  }
-  if (n) *mean /= (double)n;
+static const eda_field *print_of(const drawer *d, size_t layer) {
+  const eda_field *print = &d->mask->print[layer];
+  return d->state != BEFORE && print->coefficients ? print : NULL;
 }
 
 /* ---- work: layers ---- */
@@ -95,61 +65,100 @@ static void draw_gate(const drawer *d, size_t i, eda_box clip) {
   double x = view_x(v, b.x0 * g->grid), y = view_y(v, b.y1 * g->grid);
   double width = view_x(v, b.x1 * g->grid) - x;
   double height = view_y(v, b.y0 * g->grid) - y;
-  double deviation = deviation_of(&d->mask->after, d->mask, i);
+  double deviation = drawer_figure(d, i);
   eda_use(v->paper->cairo, isnan(deviation)
                                ? eda_unknown
                                : eda_diverging((deviation / d->range + 1) / 2));
   cairo_rectangle(v->paper->cairo, x, y, width, height);
   cairo_fill(v->paper->cairo);
-  if (fails(d->mask, i)) eda_cross(v->paper, x, y, width, height);
+  if (drawer_fails(d, i)) eda_cross(v->paper, x, y, width, height);
 }
 
+/* The prints of the drawn mask, then those of the corrected one. */
 typedef struct contours {
   const drawer *drawer;
-  view_contours *of; /* each layer */
+  view_contours *of; /* [2 * layer + corrected] */
   opc_error *error;
 } contours;
 
-static void find_contours(void *data, size_t layer) {
+static void find_contours(void *data, size_t i) {
   contours *c = data;
   const drawer *d = c->drawer;
-  view_find_contours(&d->view, &d->mask->print[layer], &c->of[layer],
-                     &c->error[layer]);
+  const eda_field *print = i % 2 ? print_of(d, i / 2) : drawn_print(d, i / 2);
+  if (print) view_find_contours(&d->view, print, &c->of[i], &c->error[i]);
 }
 
+/* Beside the corrected one, the print of the drawn mask is dashed. */
 static int draw_prints(const drawer *d, opc_error *error) {
-  size_t layers = d->mask->gates->layers;
-  contours c = {d, eda_alloc(layers, sizeof *c.of),
-                eda_alloc(layers, sizeof *c.error)};
-  opc_parallel(d->view.context, layers, find_contours, &c);
+  const double dash = 0.5 * d->view.paper->font;
+  cairo_t *cairo = d->view.paper->cairo;
+  size_t n = 2 * d->mask->gates->layers;
+  contours c = {d, eda_alloc(n, sizeof *c.of), eda_alloc(n, sizeof *c.error)};
+  opc_parallel(d->view.context, n, find_contours, &c);
   int code = OPC_OK;
-  for (size_t k = layers; k-- > 0;) { /* poly on top */
+  for (size_t k = n; k-- > 0;) { /* poly on top */
     if (!code && (code = c.error[k].code)) *error = c.error[k];
-    if (!code) view_draw_contours(&d->view, &c.of[k], eda_layer_contour(k));
+    cairo_set_dash(cairo, &dash, d->state == DIFFERENCE && k % 2 == 0, 0);
+    if (!code) view_draw_contours(&d->view, &c.of[k], eda_layer_contour(k / 2));
     view_clear_contours(&c.of[k]);
   }
+  cairo_set_dash(cairo, NULL, 0, 0);
   free(c.of);
   free(c.error);
   return code;
 }
 
-/* ---- work: the parts of the view ---- */
+/* What a regulator has found is of the corrected print. */
+static size_t violations(const drawer *d) {
+  return d->state == BEFORE ? 0 : d->mask->n_violations;
+}
 
-static int content(const void *self, opc_error *error) {
-  const drawer *d = self;
+/* Rings, or where there are so many that they would cover the layout, dots that
+   take a tenth of it. */
+static void mark_violations(const drawer *d) {
+  const view *v = &d->view;
+  cairo_t *cairo = v->paper->cairo;
+  size_t n = 0;
+  for (size_t i = 0; i < violations(d); i++)
+    n += (size_t)view_contains(v, d->mask->violations[i].x,
+                               d->mask->violations[i].y);
+  double radius = sqrt(0.1 * v->width * v->height / (M_PI * (double)n));
+  for (size_t i = 0; n && i < violations(d); i++) {
+    const eda_violation *at = &d->mask->violations[i];
+    double x = view_x(v, at->x), y = view_y(v, at->y);
+    if (!view_contains(v, at->x, at->y)) continue;
+    if (radius > 0.55 * v->paper->font) {
+      eda_ring(v->paper, x, y);
+      continue;
+    }
+    cairo_rectangle(cairo, x - radius, y - radius, 2 * radius, 2 * radius);
+    eda_use(cairo, eda_ring_colour);
+    cairo_fill(cairo);
+  }
+}
+
+int drawer_paint(const drawer *d, opc_error *error) {
   const eda_gates *g = d->mask->gates;
   eda_box clip = view_clip(&d->view);
   int code = OPC_OK, contact = eda_gates_layer(g, "contact");
+  int lines = !drawer_is_coarse(&d->view);
   for (size_t k = g->layers; k-- > 0 && !code;) /* poly above active */
     if (is_shown(g, k) && !is_contact(g, k)) code = fill(d, k, error);
   for (size_t i = 0; i < g->count && !code; i++) draw_gate(d, i, clip);
   if (!code && contact >= 0) code = fill(d, (size_t)contact, error);
-  for (size_t k = g->layers; k-- > 0 && !code;)
+  for (size_t k = g->layers; k-- > 0 && !code && lines && d->state != BEFORE;)
     code = view_outline(&d->view, &d->mask->shapes[k], eda_layer_outline(k),
                         error);
   if (!code && opc_cancelled(d->view.context))
     code = opc_fail(error, OPC_CANCELLED, NULL, "stopped");
-  return code ? code : draw_prints(d, error);
+  if (!code && lines) code = draw_prints(d, error);
+  if (!code) mark_violations(d);
+  return code;
+}
+
+static int content(const void *self, opc_error *error) {
+  int code = drawer_paint(self, error);
+  return code ? code : drawer_put_insets(self, error);
 }
 
 static const char *plural(size_t n) { return n == 1 ? "" : "s"; }
@@ -166,12 +175,16 @@ static double title(const void *self, double top) {
   eda_legend_add(&l, NULL, "%zu transistor%s", count, plural(count));
   if (count) {
     double mean, max;
-    deviations(mask, &mask->before, &mean, &max);
+    drawer_statistics(d, &mask->before, &mean, &max);
     eda_legend_add(&l, NULL, "|Ion deviation| as drawn: mean %.2f, max %.2f %%",
                    mean, max);
-    deviations(mask, &mask->after, &mean, &max);
-    eda_legend_add(&l, NULL, "after %u iteration%s: mean %.2f, max %.2f %%",
-                   mask->iterations, plural(mask->iterations), mean, max);
+    drawer_statistics(d, &mask->after, &mean, &max);
+    if (mask->iterations)
+      eda_legend_add(&l, NULL, "after %u iteration%s: mean %.2f, max %.2f %%",
+                     mask->iterations, plural(mask->iterations), mean, max);
+    else /* nobody moved it: it came as it is */
+      eda_legend_add(&l, NULL, "by this mask: mean %.2f, max %.2f %%", mean,
+                     max);
   }
   return height + l.height + 0.4 * paper->font;
 }
@@ -187,39 +200,50 @@ static void add_layer(const drawer *d, size_t k, eda_legend *l) {
   sign = (eda_sign){.kind = EDA_SIGN_LINE,
                     .colour = eda_layer_outline(k),
                     .line = fmax(least, view_outline_width(&d->view))};
-  if (d->mask->shapes[k].count)
+  if (d->mask->shapes[k].count && d->state != BEFORE && shows_lines(d))
     eda_legend_add(l, &sign, "%s mask", g->layer[k]);
   sign.colour = eda_layer_contour(k);
   sign.line = fmax(least, view_contour_width(&d->view));
-  if (d->mask->print[k].coefficients)
+  if (print_of(d, k) && shows_lines(d))
     eda_legend_add(l, &sign, "printed %s", g->layer[k]);
+  if (d->state == DIFFERENCE) sign.dash = 0.3 * d->view.paper->font;
+  if (drawn_print(d, k) && shows_lines(d))
+    eda_legend_add(l, &sign, "%s printed as drawn", g->layer[k]);
+}
+
+static void add_scale(const drawer *d, eda_legend *l) {
+  static const char *const texts[] = {
+      "Ion deviation as drawn", "Ion deviation after correction",
+      "|Ion deviation|, after less before: below 0 is better"};
+  char low[32], high[32];
+  (void)snprintf(low, sizeof low, "-%g %%", d->range);
+  (void)snprintf(high, sizeof high, "+%g %%", d->range);
+  const eda_sign sign = {
+      .kind = EDA_SIGN_RAMP, .ramp = eda_diverging, .low = low, .high = high};
+  if (d->beyond)
+    eda_legend_add(l, &sign, "%s; %zu beyond", texts[d->state], d->beyond);
+  else
+    eda_legend_add(l, &sign, "%s", texts[d->state]);
 }
 
 static double legend(const void *self, double top) {
   const drawer *d = self;
   const eda_gates *g = d->mask->gates;
-  double gap = 0.6 * d->view.paper->font;
+  double gap = 0.6 * d->view.paper->font + drawer_insets_height(d);
   size_t failing = 0;
   eda_legend l;
   eda_legend_init(&l, d->view.paper, top + gap);
   for (size_t k = 0; k < g->layers; k++) add_layer(d, k, &l);
   view_add_scale_bar(&d->view, &l);
-  if (g->count) {
-    char low[16], high[16];
-    snprintf(low, sizeof low, "-%g %%", d->range);
-    snprintf(high, sizeof high, "+%g %%", d->range);
-    eda_legend_add(&l,
-                   &(eda_sign){.kind = EDA_SIGN_RAMP,
-                               .ramp = eda_diverging,
-                               .low = low,
-                               .high = high},
-                   "Ion deviation after correction");
-  }
-  for (size_t i = 0; i < g->count; i++) failing += (size_t)fails(d->mask, i);
+  if (g->count) add_scale(d, &l);
+  for (size_t i = 0; i < g->count; i++) failing += (size_t)drawer_fails(d, i);
   if (failing)
     eda_legend_add(&l,
                    &(eda_sign){.kind = EDA_SIGN_CROSS, .colour = eda_unknown},
                    "does not print well");
+  if (violations(d))
+    eda_legend_add(&l, &(eda_sign){.kind = EDA_SIGN_RING},
+                   "rule not kept (%zu)", violations(d));
   return gap + l.height;
 }
 
@@ -227,9 +251,14 @@ static int run(void *self, void **outputs, opc_error *error) {
   static const view_parts parts = {title, legend, content};
   drawer *d = self;
   (void)outputs;
-  d->range = deviation_range(d->mask);
   int code = view_init(&d->view, d->host, d->mask->gates, "mask", error);
-  return code ? code : view_write(&d->view, &parts, d, error);
+  if (code) return code;
+  drawer_set_range(d);
+  drawer_choose_insets(d);
+  code = view_write(&d->view, &parts, d, error);
+  free(d->worst);
+  d->worst = NULL;
+  return code;
 }
 
 /* ---- parameters ---- */
@@ -238,10 +267,24 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(drawer, mask, .type = OPC_INPUT, .flags = OPC_REQUIRED,
                   .choices = "mask", .summary = "The mask to draw"),
     VIEW_PARAMETERS(drawer, "mask.png"),
+    OPC_PARAMETER(drawer, state, .type = OPC_CHOICE, .preset = "after",
+                  .choices = "before|after|difference",
+                  .summary = "The drawn mask, the corrected one, or what the "
+                             "correction has changed"),
+    OPC_PARAMETER(drawer, scale, .type = OPC_TEXT, .preset = "auto",
+                  .summary = "The deviation at the ends of the colours, as in "
+                             "2 %; auto: what holds 98 % of the transistors"),
+    OPC_PARAMETER(drawer, insets, .type = OPC_INT,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "4", .min = 0,
+                  .max = 8,
+                  .summary = "How many of the worst transistors are shown "
+                             "close up, where the layout is shown small"),
 };
 
 static int check(void *self, opc_error *error) {
-  return view_check(&((drawer *)self)->view, error);
+  drawer *d = self;
+  int code = view_check(&d->view, error);
+  return code ? code : drawer_check_scale(d, error);
 }
 
 /* ---- entry ---- */

@@ -193,6 +193,15 @@ static double darkest_near(const image *m, double x, double y, int reach,
   return least;
 }
 
+/* Darker than a mask, where the cosine is -1/2. */
+static void check_print(const image *m) {
+  int where;
+  g_assert_cmpfloat(darkest_near(m, 1000.0 / 3, 500, 8, &where), <, 100);
+  g_assert_cmpint(ABS(where), <=, 1);
+  g_assert_cmpfloat(darkest_near(m, 2000.0 / 3, 500, 8, &where), <, 100);
+  g_assert_cmpint(ABS(where), <=, 1);
+}
+
 static void check_lines(const image *m) {
   int where;
   /* The poly mask's left edge and the active mask's: thin, of two hues. */
@@ -203,11 +212,7 @@ static void check_lines(const image *m) {
   uint32_t poly = at(m, SIDE, 430, 870), active = at(m, SIDE, 120, 650);
   g_assert_cmpuint(poly >> 16, >, poly & 255);     /* orange */
   g_assert_cmpuint(active >> 16, <, active & 255); /* green */
-  /* The print: darker than both, where the cosine is -1/2. */
-  g_assert_cmpfloat(darkest_near(m, 1000.0 / 3, 500, 8, &where), <, 100);
-  g_assert_cmpint(ABS(where), <=, 1);
-  g_assert_cmpfloat(darkest_near(m, 2000.0 / 3, 500, 8, &where), <, 100);
-  g_assert_cmpint(ABS(where), <=, 1);
+  check_print(m);
 }
 
 /* The longest dark run below the window is the scale bar, a sixth of the
@@ -310,6 +315,106 @@ static void test_failing(void) {
                   OPC_OK);
   m = load("failing.png");
   g_assert_cmpfloat(brightness(at(&m, SIDE, 500, 400)), >, 60);
+  cairo_surface_destroy(m.surface);
+  clear(&d);
+}
+
+/* How many pixels of a colour there are from a row on downwards. */
+static int count_colour(const image *m, int from, uint32_t colour) {
+  int n = 0;
+  for (int y = from; y < m->height; y++)
+    for (int x = 0; x < m->width; x++) n += pixel(m, x, y) == colour;
+  return n;
+}
+
+static image draw_and_load(drawing *d, const char *more) {
+  opc_error error;
+  g_autofree char *map = g_strdup_printf("{ %s, file: state.png }", more);
+  if (draw(d, map, &error)) g_error("%s", error.message);
+  return load("state.png");
+}
+
+/* Both transistors, in Brewer's colours. */
+static void check_gates(drawing *d, const char *more, uint32_t first,
+                        uint32_t second) {
+  g_autofree char *map = g_strdup_printf(WINDOW ", %s", more);
+  image m = draw_and_load(d, map);
+  g_assert_cmphex(at(&m, SIDE, 480, 400), ==, first);
+  g_assert_cmphex(at(&m, SIDE, 520, 600), ==, second);
+  cairo_surface_destroy(m.surface);
+}
+
+/* +2 and -1 %, -20 % as drawn: on scales that put them on stops. */
+static void test_states(void) {
+  drawing d;
+  make(&d);
+  check_gates(&d, "scale: auto", 0xb2182b, 0x92c5de);
+  check_gates(&d, "scale: 4 %", 0xf4a582, 0xd1e5f0);
+  check_gates(&d, "scale: 0.5 %", 0xb2182b, 0x2166ac);
+  check_gates(&d, "state: before", 0x2166ac, 0x2166ac);
+  d.after[1] = d.after[0]; /* 2 less 20 */
+  check_gates(&d, "state: difference, scale: 36 %", 0x92c5de, 0x92c5de);
+  clear(&d);
+}
+
+/* The drawn mask has no outline of its own, and its own print. */
+static void test_drawn_print(void) {
+  drawing d;
+  int where;
+  make(&d);
+  eda_field drawn[LAYERS] = {[EDA_POLY] = d.print[EDA_POLY]};
+  d.print[EDA_POLY] = (eda_field){0};
+  d.mask.drawn_print = drawn;
+  image m = draw_and_load(&d, WINDOW ", state: before");
+  check_print(&m);
+  g_assert_cmpfloat(darkest_near(&m, 430, 200, 4, &where), >, 250);
+  cairo_surface_destroy(m.surface);
+  m = draw_and_load(&d, WINDOW ", state: after");
+  g_assert_cmpfloat(darkest_near(&m, 430, 200, 4, &where), <, 200);
+  cairo_surface_destroy(m.surface);
+  d.print[EDA_POLY] = drawn[EDA_POLY];
+  clear(&d);
+}
+
+/* In a window of 10 um a gate has a few pixels; in an inset, hundreds. */
+static void test_insets(void) {
+  static const char window[] = "window: [0 nm, 0 nm, 10 um, 10 um], width: 600";
+  drawing d;
+  make(&d);
+  image with = draw_and_load(&d, window);
+  g_autofree char *none = g_strdup_printf("%s, insets: 0", window);
+  image without = draw_and_load(&d, none);
+  g_assert_cmpint(with.height - without.height, >, 600 / 5);
+  /* 100 x 200 nm of 1000 nm and 140 pixels. */
+  g_assert_cmpint(count_colour(&with, with.bottom + 2, 0xb2182b), >, 200);
+  g_assert_cmpint(count_colour(&without, without.bottom + 2, 0xb2182b), <, 60);
+  cairo_surface_destroy(with.surface);
+  cairo_surface_destroy(without.surface);
+  clear(&d);
+}
+
+/* One has a ring about it; where there are very many, the layout is seen. */
+static void test_violations(void) {
+  enum { MANY = 20000 };
+  drawing d;
+  make(&d);
+  g_autofree eda_violation *v = g_new0(eda_violation, MANY);
+  for (int i = 0; i < MANY; i++)
+    v[i] = (eda_violation){"extension",       -1, 5 + 10 * (i % 100),
+                           5 + 5 * (i / 100), 0,  0};
+  v[0].x = 200, v[0].y = 600;
+  d.mask.violations = v;
+  d.mask.n_violations = 1;
+  image m = draw_and_load(&d, WINDOW);
+  g_assert_cmpint(count_colour(&m, m.top, 0xd94019), >, 50);
+  cairo_surface_destroy(m.surface);
+  m = draw_and_load(&d, WINDOW ", state: before"); /* none of its print */
+  g_assert_cmpint(count_colour(&m, m.top, 0xd94019), ==, 0);
+  cairo_surface_destroy(m.surface);
+  d.mask.n_violations = MANY;
+  m = draw_and_load(&d, WINDOW);
+  int white = count_colour(&m, m.top, 0xffffff);
+  g_assert_cmpint(white, >, (m.right - m.left) * (m.bottom - m.top) / 4);
   cairo_surface_destroy(m.surface);
   clear(&d);
 }
@@ -419,6 +524,10 @@ static void test_refused(void) {
   refused("{ window: [1 um, 0 nm, 0 nm, 1 um] }", "window", "at least 1 nm");
   refused("{ window: [-1e30 nm, 0 nm, 0 nm, 1 um] }", "window", "too far");
   refused("{ width: 100 }", "width", "200");
+  refused("{ scale: 2 }", "scale", "a percentage above 0");
+  refused("{ scale: -2 % }", "scale", "a percentage above 0");
+  refused("{ scale: some }", "scale", "a percentage above 0");
+  refused("{ state: now }", "state", "before");
 }
 
 static void test_nothing_there(void) {
@@ -476,6 +585,10 @@ int main(int argc, char **argv) {
   g_test_add_func("/mask/window", test_window);
   g_test_add_func("/mask/all", test_all);
   g_test_add_func("/mask/failing", test_failing);
+  g_test_add_func("/mask/states", test_states);
+  g_test_add_func("/mask/drawn-print", test_drawn_print);
+  g_test_add_func("/mask/insets", test_insets);
+  g_test_add_func("/mask/violations", test_violations);
   g_test_add_func("/mask/layers", test_layers);
   g_test_add_func("/mask/formats", test_formats);
   g_test_add_func("/mask/names", test_names);

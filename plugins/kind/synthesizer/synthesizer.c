@@ -81,6 +81,7 @@ static int try_moves(opc_inspector *in, const opc_module *m, eda_feedback f,
   const eda_gates *g = f.gates;
   uint32_t flags[GATES] = {0}, vetoes[GATES] = {0};
   int32_t l[GATES] = {0}, w[GATES] = {0}, jog[GATES] = {0};
+  int32_t aside[GATES] = {0};
   eda_part part[GATES * EDA_PARTS] = {{0}};
   opc_error error = {0};
   int done = 0;
@@ -88,7 +89,7 @@ static int try_moves(opc_inspector *in, const opc_module *m, eda_feedback f,
   f.flags = flags;
   f.vetoes = vetoes;
   f.epe = (const double *const *)own->epe;
-  eda_moves moves = {l, w, jog, own->shift, own->assists, part};
+  eda_moves moves = {l, w, jog, own->shift, own->assists, part, aside};
   for (; f.iteration < MOST_ROUNDS && !done; f.iteration++) {
     print_gates(g, l, w, printed);
     print_fragments(g, own, f.iteration);
@@ -103,6 +104,7 @@ static int try_moves(opc_inspector *in, const opc_module *m, eda_feedback f,
     in->add(in, w, sizeof w);
     in->add(in, jog, sizeof jog);
     in->add(in, part, sizeof part);
+    in->add(in, aside, sizeof aside);
     for (size_t k = 0; k < g->layers; k++) {
       const eda_boxes *bars = &own->assists[k];
       in->add(in, own->shift[k], own->count[k] * sizeof(int32_t));

@@ -6,8 +6,9 @@
 #include <eda/litho.h>
 #include <math.h>
 #include <pthread.h>
+#include <string.h>
 
-#include "kernels.h"
+#include "kept.h"
 #include "patterns.h"
 
 /* ---- state ---- */
@@ -27,6 +28,7 @@ typedef struct cut {
   int64_t fixed;  /* systems; OPC_NO_INT: as the error needs */
   double error;   /* measured */
   kernels *kernels;
+  kept *kept; /* who has them for others, too; NULL: they are its own */
 } cut;
 
 typedef struct hopkins {
@@ -186,6 +188,35 @@ static int make_kernels(const hopkins *h, cut *c, opc_error *error) {
   return code;
 }
 
+/* The same, but for what another instance has found already. */
+static int get_kernels(const hopkins *h, cut *c, opc_error *error) {
+  const optics *o = &h->optics;
+  if (!optics_is_radial(o) || o->zernike.count)
+    return make_kernels(h, c, error);
+  kept_key key;
+  memset(&key, 0, sizeof key);
+  key.wavelength = o->wavelength;
+  key.na = o->na;
+  key.index = o->index;
+  key.sigma = o->sigma;
+  key.sigma_in = o->source == OPTICS_ANNULAR ? o->sigma_in : 0;
+  key.defocus = o->defocus;
+  key.aside = c->defocus;
+  key.wanted = c->wanted;
+  key.fixed = c->fixed;
+  key.source = o->source;
+  key.real = optics_real_masks(o);
+  c->kept = kept_find(&key);
+  if (!c->kept) {
+    int code = make_kernels(h, c, error);
+    if (code) return code;
+    c->kernels->settle(c->kernels);
+    c->kept = kept_put(&key, c->kernels, c->error);
+  }
+  c->kernels = kept_kernels(c->kept, &c->error);
+  return OPC_OK;
+}
+
 static void tell(const hopkins *h, const cut *c) {
   char focus[48] = "";
   if (c->defocus != 0)
@@ -211,7 +242,7 @@ static const cut *add_cut(hopkins *h, double defocus, double wanted,
   }
   cut *c = &h->cuts[h->n_cuts];
   *c = (cut){.defocus = defocus, .wanted = wanted, .fixed = fixed};
-  if (make_kernels(h, c, error)) return NULL;
+  if (get_kernels(h, c, error)) return NULL;
   tell(h, c);
   h->n_cuts++;
   return c;
@@ -317,7 +348,10 @@ static int check(void *self, opc_error *error) {
 static void clear(void *self) {
   hopkins *h = self;
   for (size_t i = 0; i < h->n_cuts; i++)
-    h->cuts[i].kernels->free(h->cuts[i].kernels);
+    if (h->cuts[i].kept)
+      kept_drop(h->cuts[i].kept);
+    else
+      h->cuts[i].kernels->free(h->cuts[i].kernels);
   pthread_mutex_destroy(&h->lock);
 }
 

@@ -22,6 +22,9 @@ struct kernels {
 
   /* Use at most n systems, the strongest. [main] */
   void (*keep)(kernels *self, size_t n);
+  /* There will be no more `keep`, and optics and context may go: free what only
+     that needs. NULL: cannot be done. [main] */
+  void (*settle)(kernels *self);
   /* As eda_systems has them, `self` being the kernels. [any] */
   void (*transfer)(const void *self, size_t s, const double *fx, double fy,
                    size_t n, float *out);

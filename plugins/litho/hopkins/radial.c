@@ -359,19 +359,33 @@ static double cross(const kernels *base, double x1, double y1, double x2,
                       angle);
 }
 
+static void drop(double **array) {
+  free(*array);
+  *array = NULL;
+}
+
+/* What the systems were found by. */
+static void settle(kernels *base) {
+  radial *r = (radial *)base;
+  for (int part = 0; part < 2; part++) {
+    drop(&r->g[part]);
+    drop(&r->t[part]);
+    drop(&r->functions[part]);
+  }
+  drop(&r->pairs);
+  drop(&r->blend);
+  free(r->sorted);
+  r->sorted = NULL;
+  r->o = NULL;
+  base->context = NULL;
+}
+
 static void radial_free(kernels *base) {
   radial *r = (radial *)base;
   radial_drop(r);
-  for (int part = 0; part < 2; part++) {
-    free(r->g[part]);
-    free(r->t[part]);
-    free(r->functions[part]);
-  }
-  free(r->pairs);
-  free(r->blend);
+  settle(base);
   free(r->systems);
   free(r->weights);
-  free(r->sorted);
   free(r);
 }
 
@@ -399,6 +413,7 @@ kernels *radial_new(const opc_context *context, const optics *o, double defocus,
                       .cutoff = o->cutoff,
                       .radius = 1 + o->sigma,
                       .keep = radial_keep,
+                      .settle = settle,
                       .rests = 2,
                       .transfer = radial_transfer,
                       .filter = radial_filter,

@@ -203,7 +203,9 @@ static const opc_metric metrics[] = {
 /* ---- entry ---- */
 
 static const opc_port outputs_of[] = {EDA_PORT_CIRCUIT("circuit")};
-static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run};
+/* A netlist includes others. */
+static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run,
+                                   .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(matcher, .id = "netlist.match", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",
            .summary = "find the transistors of a netlist in a layout",

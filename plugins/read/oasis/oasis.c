@@ -230,8 +230,15 @@ static const opc_port outputs_of[] = {EDA_PORT_LAYOUT("layout")};
 static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run,
                                    .flags = OPC_STEP_LIGHT};
 
+static int choices(void *self, const char *parameter,
+                   void (*take)(void *data, const char *value), void *data,
+                   opc_error *error) {
+  (void)parameter;
+  return reader_choices(self, &functions, take, data, error);
+}
+
 OPC_PLUGIN(reader, .id = "read.oasis", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause", .summary = "Read an OASIS file",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = check,
-           OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), .check = check, OPC_FUNCTIONS(functions),
+           .choices = choices);

@@ -13,7 +13,7 @@
 
 typedef struct dpb {
   const opc_host *host;
-  double max_pde;         /* % */
+  double limit;           /* % */
   double init_adjust;     /* nm; 0: one step towards the smaller error */
   const char *table_path; /* NULL: that for all */
   first_table table;
@@ -42,8 +42,8 @@ static int32_t first(const void *self, const eda_feedback *f, size_t i) {
 
 static int begin(void *self, const eda_feedback *f, opc_error *error) {
   dpb *d = self;
-  d->descent.rules = control_rules_for(d->max_pde, d->max_bias, f->gates->grid,
-                                       d->proportional);
+  d->descent.rules =
+      control_rules_for(d->limit, d->max_bias, f->gates->grid, d->proportional);
   d->descent.error = pde;
   d->descent.first = first;
   d->descent.self = d;
@@ -70,8 +70,8 @@ static const char *verdict(const void *self, size_t gate) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(
-        dpb, max_pde, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
-        .preset = "0.5 %",
+        dpb, limit, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
+        .preset = "0.5 %", .former = "max_pde",
         .summary =
             "a transistor whose |Ion deviation| is at most this is left alone"),
     OPC_PARAMETER(dpb, init_adjust, .type = OPC_REAL,

@@ -80,7 +80,7 @@ static const char *verdict(opc_module *m, size_t i) {
    5  +0.2  within the limit: no correction
    6  +0.2  nothing has changed since: done */
 static void test_by_hand(void) {
-  g_autoptr(opc_module) m = make("{ max_pde: 0.5 % }");
+  g_autoptr(opc_module) m = make("{ limit: 0.5 % }");
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8}};
   run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, "1,0 2,0 3,0 2,0 2,-1 2,-1 2,-1 ");
@@ -91,7 +91,7 @@ static void test_by_hand(void) {
 /* The same with too little current: W grows by steps of one, -6.5 % from L -2;
    -1, and L -3 would give +2. */
 static void test_by_hand_shorter(void) {
-  g_autoptr(opc_module) m = make("{ max_pde: 0.5 % }");
+  g_autoptr(opc_module) m = make("{ limit: 0.5 % }");
   model t = {.n = 1, .offset = {-7}, .by_l = {-3}, .by_w = {0.2}};
   run(m, &t);
   g_assert_cmpstr(t.trace->str, ==,
@@ -102,12 +102,12 @@ static void test_by_hand_shorter(void) {
 /* Signed, applied as it is: 3 steps shorter at once, and 2 longer where it
    should have been shorter, which steps of one then undo. */
 static void test_init_adjust(void) {
-  g_autoptr(opc_module) m = make("{ max_pde: 0.5 %, init_adjust: -3 nm }");
+  g_autoptr(opc_module) m = make("{ limit: 0.5 %, init_adjust: -3 nm }");
   model t = {.n = 1, .offset = {-9.2}, .by_l = {-3}, .by_w = {0.8}};
   run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, "-3,0 -3,0 -3,0 ");
   g_string_free(t.trace, TRUE);
-  g_autoptr(opc_module) wrong = make("{ max_pde: 0.5 %, init_adjust: 2 nm }");
+  g_autoptr(opc_module) wrong = make("{ limit: 0.5 %, init_adjust: 2 nm }");
   model u = {.n = 1, .offset = {-3.2}, .by_l = {-3}, .by_w = {0.8}};
   run(wrong, &u);
   g_assert_cmpstr(u.trace->str, ==, "2,0 1,0 0,0 -1,0 -1,0 -1,0 ");
@@ -117,7 +117,7 @@ static void test_init_adjust(void) {
 /* A first correction of several steps that goes past the minimum is followed by
    single ones; it is not taken back whole. */
 static void test_init_adjust_too_far(void) {
-  g_autoptr(opc_module) m = make("{ max_pde: 0.5 %, init_adjust: 5 nm }");
+  g_autoptr(opc_module) m = make("{ limit: 0.5 %, init_adjust: 5 nm }");
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8}};
   run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, "5,0 4,0 3,0 2,0 2,-1 2,-1 2,-1 ");
@@ -128,14 +128,14 @@ static void test_init_adjust_too_far(void) {
    of what is expected, so that it comes in a few steps, the last ones single;
    and where it is twice as much, a change of sign halves the steps. */
 static void test_proportional(void) {
-  g_autoptr(opc_module) m = make("{ max_pde: 0.1 %, w_step: proportional }");
+  g_autoptr(opc_module) m = make("{ limit: 0.1 %, w_step: proportional }");
   model t = {.n = 1, .offset = {-4}, .by_l = {-9}, .by_w = {0.25}};
   run(m, &t);
   /* L -1 gives +5, back to 0; W 8: -2, 12: -1, 14: -0.5, 15: -0.25, 16: 0. */
   g_assert_cmpstr(t.trace->str, ==,
                   "-1,0 0,0 0,8 0,12 0,14 0,15 0,16 0,16 0,16 ");
   g_string_free(t.trace, TRUE);
-  g_autoptr(opc_module) n = make("{ max_pde: 0.1 %, w_step: proportional }");
+  g_autoptr(opc_module) n = make("{ limit: 0.1 %, w_step: proportional }");
   model u = {.n = 1, .offset = {-4}, .by_l = {-9}, .by_w = {1}};
   run(n, &u);
   /* W 8: +4; 4: 0. */
@@ -146,7 +146,7 @@ static void test_proportional(void) {
 /* Where W can go no further, L takes one more step, and W comes back. */
 static void test_exchange(void) {
   g_autoptr(opc_module) m =
-      make("{ max_pde: 0.3 %, w_step: proportional, max_bias: 10 nm }");
+      make("{ limit: 0.3 %, w_step: proportional, max_bias: 10 nm }");
   model t = {.n = 1, .offset = {-4.5}, .by_l = {-10}, .by_w = {0.4}};
   run(m, &t);
   g_assert_cmpint(t.l[0], ==, -1);
@@ -164,7 +164,7 @@ static void test_exchange(void) {
 
 /* No width moves while any length does. */
 static void test_coarse_before_fine(void) {
-  g_autoptr(opc_module) m = make("{ max_pde: 0.5 % }");
+  g_autoptr(opc_module) m = make("{ limit: 0.5 % }");
   model t = {.n = 2, .offset = {1, 15.2}, .by_l = {-3, -3}, .by_w = {0.6, 0.6}};
   run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, "1,0 0,0 0,0 0,0 0,0 0,-1 0,-1 0,-1 ");
@@ -174,7 +174,7 @@ static void test_coarse_before_fine(void) {
 
 /* A transistor within the limit is not touched. */
 static void test_within(void) {
-  g_autoptr(opc_module) m = make("{ max_pde: 0.5 % }");
+  g_autoptr(opc_module) m = make("{ limit: 0.5 % }");
   model t = {.n = 1, .offset = {-0.49}, .by_l = {-3}, .by_w = {0.8}};
   run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, "0,0 ");
@@ -186,7 +186,7 @@ static void test_within(void) {
    so. PDE 7, 4, 1, -2, 1; W: -2 % a step, 1 -> -1 (no better, not worse) ->
    -3 rises -> back. */
 static void test_grid(void) {
-  g_autoptr(opc_module) m = make("{ max_pde: 0.1 % }");
+  g_autoptr(opc_module) m = make("{ limit: 0.1 % }");
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {2}};
   run(m, &t);
   g_assert_cmpint(t.l[0], ==, 2);
@@ -197,7 +197,7 @@ static void test_grid(void) {
 
 /* At L = 2 the gate bridges: back to 1, and on with W down to the limit. */
 static void test_veto(void) {
-  g_autoptr(opc_module) m = make("{ max_pde: 0.5 % }");
+  g_autoptr(opc_module) m = make("{ limit: 0.5 % }");
   model t = {.n = 1,
              .offset = {7},
              .by_l = {-3},
@@ -212,7 +212,7 @@ static void test_veto(void) {
 }
 
 static void test_bias_limit(void) {
-  g_autoptr(opc_module) m = make("{ max_pde: 0.5 %, max_bias: 2 nm }");
+  g_autoptr(opc_module) m = make("{ limit: 0.5 %, max_bias: 2 nm }");
   model t = {.n = 1, .offset = {30}, .by_l = {-3}, .by_w = {0.8}};
   run(m, &t);
   g_assert_cmpint(t.l[0], ==, 2);
@@ -234,7 +234,7 @@ static void test_open(void) {
 }
 
 static void test_independent(void) {
-  g_autoptr(opc_module) m = make("{ max_pde: 0.5 % }");
+  g_autoptr(opc_module) m = make("{ limit: 0.5 % }");
   model t = {.n = 3,
              .offset = {7, -0.2, -9.2},
              .by_l = {-3, -3, -3},
@@ -263,7 +263,7 @@ static void test_table(void) {
       "l (nm),w (nm),init_adjust (nm),iterations\n"
       "60,200,9,1\n65,300,7,1\n65,150,2,1\n100,200,5,1\n");
   g_autofree char *given =
-      g_strdup_printf("{ max_pde: 0.5 %%, init_adjust_table: %s }", path);
+      g_strdup_printf("{ limit: 0.5 %%, init_adjust_table: %s }", path);
   g_autoptr(opc_module) m = make(given);
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8}};
   run(m, &t);

@@ -44,8 +44,8 @@ typedef struct transistor {
 typedef struct ic {
   const opc_host *host;
   double alpha_i, alpha_a;
-  double max_di, max_da; /* % */
-  double max_bias;       /* nm */
+  double limit, area_limit; /* % */
+  double max_bias;          /* nm */
   int stall;
   int64_t retries;
   transistor *state;
@@ -93,7 +93,7 @@ static measured measure(const ic *c, const eda_feedback *f, size_t i) {
 }
 
 static int outside(const ic *c, const measured *m) {
-  return fabs(m->di) > c->max_di || fabs(m->da) > c->max_da;
+  return fabs(m->di) > c->limit || fabs(m->da) > c->area_limit;
 }
 
 /* The decision matrix, lines 12 to 19; -1 where a deviation is exactly 0. */
@@ -235,11 +235,11 @@ static const opc_parameter parameters[] = {
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 0, .max = 1e6,
                   .summary = "weight of |gate area deviation|"),
     OPC_PARAMETER(
-        ic, max_di, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
-        .preset = "0.5 %",
+        ic, limit, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
+        .preset = "0.5 %", .former = "max_di",
         .summary = "limit of |Ion deviation|; the thesis gives no value"),
-    OPC_PARAMETER(ic, max_da, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
-                  .preset = "0.5 %",
+    OPC_PARAMETER(ic, area_limit, .type = OPC_REAL, .flags = OPC_ABOVE,
+                  .unit = "%", .preset = "0.5 %", .former = "max_da",
                   .summary = "limit of |gate area deviation|; a transistor "
                              "within both is left alone"),
     OPC_PARAMETER(ic, stall, .type = OPC_CHOICE, .preset = "freeze",

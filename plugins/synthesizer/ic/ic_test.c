@@ -177,16 +177,17 @@ static void test_retries(void) {
 /* Within both limits nothing moves, outside of one it does. */
 static void test_limits(void) {
   const model t = {.i = 0.9, .i_by_l = -0.5, .a = -1.9, .a_by_l = 0.5};
-  follow("{ max_di: 1 %, max_da: 2 % }", t, "0,0 ", "within limit");
-  follow("{ max_di: 0.5 %, max_da: 2 % }", t, "1,0 1,0 1,0 ", "within limit");
+  follow("{ limit: 1 %, area_limit: 2 % }", t, "0,0 ", "within limit");
+  follow("{ limit: 0.5 %, area_limit: 2 % }", t, "1,0 1,0 1,0 ",
+         "within limit");
 }
 
 /* The weights: -1.5 % of area are worth giving up for 1 % of current only if
    that counts more. I +2, A -1: longer. */
 static void test_weights(void) {
   const model t = {.i = 2, .i_by_l = -1, .a = -0.2, .a_by_l = 1.5};
-  follow("{ max_di: 0.1 % }", t, "1,0 0,0 0,0 0,0 ", "stalled");
-  g_autoptr(opc_module) m = make("{ alpha_i: 3, max_di: 0.1 % }");
+  follow("{ limit: 0.1 % }", t, "1,0 0,0 0,0 0,0 ", "stalled");
+  g_autoptr(opc_module) m = make("{ alpha_i: 3, limit: 0.1 % }");
   model u = t;
   run(m, &u);
   g_assert_true(g_str_has_prefix(u.trace->str, "1,0 1,-1 "));

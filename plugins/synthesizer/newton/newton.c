@@ -207,7 +207,7 @@ static void with_leakage(const newton *t, const eda_feedback *f, size_t i,
   uint8_t why;
   solve(&s->response, s->error, t->weight, both, step);
   double w = fmin(fmax(step[BY_W], -s->reach), s->reach);
-  w = fmin(w, s->widest - s->x[BY_W]);
+  w = fmin(w - s->given, s->furthest[0] + s->furthest[1] - s->x[BY_W]);
   dx[BY_W] = round(bounded(s->x[BY_W], w, most, veto & EDA_VETO_WIDER,
                            veto & EDA_VETO_NARROWER, &why));
   left_after(s, s->x[BY_L], s->x[BY_W] + dx[BY_W], rest);
@@ -417,6 +417,7 @@ static int update(void *self, const eda_feedback *f, eda_moves *moves,
     moves->l[i] = next.l;
     moves->w[i] = next.w;
     moves->jog[i] = next.jog;
+    if (moves->aside) moves->aside[i] = aside_of(&t->state[i], next.w);
     if (!moves->part) continue;
     parts p = parts_of_mask(t, i, next);
     shape_write(&p, &next.shape, moves->part + EDA_PARTS * i);

@@ -137,14 +137,44 @@ static void find_way(const newton *t, transistor *s, const change *c,
   trust_see(&s->trust, s->x[BY_L], s->pull);
 }
 
-/* A step of W that made things worse is followed by shorter ones. Where a wider
-   gate leaks more, as it has taken thin line ends into the channel, it gets no
-   wider than before. */
-static void judge_width(transistor *s, double dx, double before,
-                        double leaked) {
+int32_t aside_of(const transistor *s, int32_t w) {
+  int32_t low = w >> 1, high = w - low; /* as eda_moves shares w */
+  int32_t up = low - s->furthest[0], down = high - s->furthest[1];
+  return up > 0 ? up : down > 0 ? -down : 0;
+}
+
+/* The ends of the width go no further out than to where the poly gets thin, and
+   none further than half of the largest correction. A gate that leaks twice as
+   much as drawn gives up what of its ends does. */
+static void bound_ends(const newton *t, transistor *s, const eda_feedback *f,
+                       size_t i) {
+  double grid = f->gates->grid;
+  double leak = t->curve[f->gates->type[i] == EDA_PMOS].slope[IOFF];
+  int32_t range = (int32_t)(tuned.longest / grid);
+  int32_t most = (int32_t)ceil(t->max_bias / 2 / grid);
+  int32_t low = (s->now.w >> 1) - aside_of(s, s->now.w);
+  const int32_t at[2] = {low, s->now.w - low};
+  int leaks = s->error[IOFF] > tuned.thin_end[0];
+  s->given = 0;
+  for (int high = 0; high < 2; high++) {
+    int32_t far = at[high] + range, *to = &s->furthest[high];
+    int32_t thin = thin_end(f, i, high, far, range, tuned.thin_end[1] / leak);
+    *to = thin ? far - thin : most;
+    thin = leaks
+               ? thin_end(f, i, high, at[high], range, tuned.thin_end[0] / leak)
+               : 0;
+    if (!thin || thin == range) continue; /* all of it is */
+    *to = at[high] - thin;
+    s->given += thin;
+  }
+  if (!s->given) return;
+  s->error[IOFF] = 0; /* as is foreseen */
+  s->best_size = INFINITY;
+}
+
+/* A step of W that made things worse is followed by shorter ones. */
+static void judge_width(transistor *s, double dx, double before) {
   if (dx == 0 || !isfinite(before)) return;
-  if (dx > 0 && fmin(leaked, s->error[IOFF]) > tuned.thin_end)
-    s->widest = s->x[BY_W] - dx;
   if (s->size > before)
     s->reach = fmin(s->reach, fabs(dx) / 4);
   else
@@ -178,7 +208,6 @@ static void take_in(const newton *t, transistor *s, const eda_feedback *f,
   int foreign = f->iteration > 1 && printed && is_foreign(t, s, &c);
   double by_w = pull_by_w(t, s) * c.dx[BY_W];
   double foreseen = s->pull + s->response.by[ION][BY_L] * c.dx[BY_L] + by_w;
-  double leaked = c.de[IOFF] - s->response.by[IOFF][BY_L] * c.dx[BY_L];
   if (foreign)
     s->response = s->first;
   else if (printed && moved)
@@ -190,8 +219,7 @@ static void take_in(const newton *t, transistor *s, const eda_feedback *f,
   memcpy(s->x, x, sizeof x);
   memcpy(s->error, error, sizeof error);
   s->size = size_of(t, error);
-  judge_width(s, c.dx[BY_W], before,
-              f->iteration > tuned.shapes[t->target] ? leaked : 0);
+  judge_width(s, c.dx[BY_W], before);
   s->rest_size = first || moved ? s->size : fmin(s->rest_size, s->size);
   s->point = point_of(f->printed, i);
   if (reshapes(t, f)) s->ripple = ripple_of(f, i, &t->parts[i]);
@@ -199,6 +227,9 @@ static void take_in(const newton *t, transistor *s, const eda_feedback *f,
        f->gates->grid);
   if (!first) find_way(t, s, &c, f->iteration > 1 ? foreseen : NAN);
   keep_best(s, f->flags[i], first);
+  if (t->target == BALANCED && for_ioff(t) &&
+      f->iteration >= tuned.shapes[BALANCED])
+    bound_ends(t, s, f, i);
 }
 
 /* ---- work: all transistors ---- */
@@ -214,7 +245,8 @@ static void start(newton *t, const eda_feedback *f) {
     s->first = first_response(f->gates, i, c, t->gain);
     s->response = s->first;
     s->trust.radius = s->reach = tuned.longest / f->gates->grid;
-    s->widest = INFINITY;
+    s->furthest[0] = s->furthest[1] =
+        (int32_t)ceil(t->max_bias / 2 / f->gates->grid);
     if (s->lost) continue;
     if (ends_moved(f->gates, s->end, f->next_end + 2 * i)) {
       double before = s->error[ION];

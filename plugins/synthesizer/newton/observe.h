@@ -41,7 +41,9 @@ typedef struct transistor {
   response response, first; /* as learnt, and as estimated at first */
   trust trust;              /* how far its next L may go */
   double reach;             /* how far its next W may go */
-  double widest;            /* and to which, at most */
+  int32_t furthest[2];      /* how far the LOW and the HIGH end of its width
+                               may go out, grid steps */
+  int32_t given;            /* what its ends give up in the next mask */
   int32_t end[2];           /* its line ends in the mask measured last */
   double surprise;   /* by how much the next print's log Ion may differ from
                         what the response says, as its line ends and its
@@ -103,6 +105,10 @@ int reshapes(const newton *t, const eda_feedback *f);
 void free_moves(const newton *t, int free[MOVES]);
 
 /* Take in what the mask of `moves` has printed, for all transistors. */
+/* How far the active of transistor i goes to HIGH with that W: an end that may
+   go no further out leaves the rest to the other one. */
+int32_t aside_of(const transistor *s, int32_t w);
+
 void observe(newton *t, const eda_feedback *f, const eda_moves *moves);
 
 /* Take in that the next mask of transistor i will have that shape: what that

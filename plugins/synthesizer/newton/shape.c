@@ -88,16 +88,16 @@ static double place(const parts *p, int j) {
   return edge[0] + part * (edge[1] - edge[0]);
 }
 
-/* The printed length there, less the drawn one. */
-static double length_off(const eda_feedback *f, size_t i, double place) {
+/* The printed length there, less the drawn one; `from_middle` is along W, nm.
+ */
+static double length_off(const eda_feedback *f, size_t i, double from_middle) {
   const eda_gates *g = f->gates;
   eda_box b = g->box[i];
   int upright = g->axis[i] == EDA_X;
   double middle = (upright ? b.x0 + b.x1 : b.y0 + b.y1) / 2.0 * g->grid;
   double along = (upright ? b.y0 + b.y1 : b.x0 + b.x1) / 2.0 * g->grid;
   double half = g->length[i] / 2, sum = 0;
-  along +=
-      f->printed->weq[i] / g->width[i] * (place * g->grid - g->width[i] / 2);
+  along += from_middle;
   for (int out = -1; out <= 1; out += 2) {
     double at = middle + out * half;
     sum += eda_field_epe(&f->print[EDA_POLY], upright ? EDA_X : EDA_Y, out,
@@ -106,10 +106,24 @@ static double length_off(const eda_feedback *f, size_t i, double place) {
   return sum;
 }
 
+int32_t thin_end(const eda_feedback *f, size_t i, int high, int32_t from,
+                 int32_t most, double least) {
+  const eda_gates *g = f->gates;
+  int32_t k = 0;
+  if (!f->print) return 0;
+  for (; k < most; k++) {
+    double at = g->width[i] / 2 + (from - k) * g->grid;
+    if (!(length_off(f, i, high ? at : -at) < least)) break;
+  }
+  return k;
+}
+
 ripple ripple_of(const eda_feedback *f, size_t i, const parts *p) {
   ripple r = {.count = f->print ? SAMPLES * (p->last - p->first) : 0};
+  double grid = f->gates->grid, width = f->gates->width[i];
   for (int j = 0; j < r.count; j++) {
-    r.off[j] = length_off(f, i, place(p, j));
+    double at = place(p, j) * grid - width / 2;
+    r.off[j] = length_off(f, i, f->printed->weq[i] / width * at);
     if (isnan(r.off[j])) return (ripple){0};
   }
   if (r.count) less_mean(&r);

@@ -53,6 +53,12 @@ ripple ripple_of(const eda_feedback *f, size_t i, const parts *p);
 ripple ripple_after(const parts *p, const ripple *now, const shape *from,
                     const shape *to, double gain, double blur);
 
+/* How far inwards, grid steps, from the end of the width that lies `from` steps
+   out of where it is drawn, the print is shorter than drawn by `least`, nm
+   (below 0), or more; at most `most`. */
+int32_t thin_end(const eda_feedback *f, size_t i, int high, int32_t from,
+                 int32_t most, double least);
+
 /* log of the current of such a gate over that of a straight one of the same
    mean length; `slope` is d log I / d L, 1/nm. */
 double ripple_excess(const ripple *r, double slope);

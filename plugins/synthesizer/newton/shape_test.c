@@ -5,6 +5,7 @@
 
 #include <glib.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "jog.c"
@@ -164,6 +165,43 @@ static void test_excess(void) {
   g_assert_cmpfloat(fabs(ripple_cost(65, &c) - (l / 65 + w)), <, 1e-12);
 }
 
+/* A line along y that gets shorter by half a nm for each nm from 30 nm before
+   the HIGH end of the width on: linear functions are their own coefficients. */
+static void test_thin_end(void) {
+  enum { NX = 80, NY = 240, NODE = 2, LENGTH = 64, HIGH = 320 };
+  eda_field print = {.frame = {0, 0, NX * NODE, NY * NODE}, .nx = NX, .ny = NY};
+  print.coefficients = g_new(float, (size_t)NX *NY);
+  for (int y = 0; y < NY; y++)
+    for (int x = 0; x < NX; x++)
+      print.coefficients[y * NX + x] =
+          (float)(LENGTH / 2.0 - fmax(0, y * NODE - HIGH + 30) / 4 -
+                  abs(x * NODE - 80));
+  eda_box box = {48, 80, 112, HIGH};
+  uint8_t axis = EDA_X;
+  double l = LENGTH, w = HIGH - 80;
+  eda_gates g = {.grid = 1,
+                 .count = 1,
+                 .box = &box,
+                 .axis = &axis,
+                 .length = &l,
+                 .width = &w};
+  eda_feedback f = {.gates = &g, .print = &print};
+  static const struct {
+    int high, from, most;
+    double least, want;
+  } cases[] = {{1, 0, 99, -5, 20},  {1, 0, 99, -10, 10}, {1, 15, 99, -5, 35},
+               {1, -15, 99, -5, 5}, {1, -25, 99, -5, 0}, {1, 0, 8, -5, 8},
+               {0, 0, 99, -5, 0},   {0, 20, 99, -5, 0}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    int32_t k = thin_end(&f, 0, cases[i].high, cases[i].from, cases[i].most,
+                         cases[i].least);
+    g_assert_cmpfloat_with_epsilon(k, cases[i].want, 1.5);
+  }
+  f.print = NULL;
+  g_assert_cmpint(thin_end(&f, 0, 1, 0, 99, -5), ==, 0);
+  g_free(print.coefficients);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/shape/parts", test_parts);
@@ -171,6 +209,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/shape/write", test_write);
   g_test_add_func("/shape/effect", test_effect);
   g_test_add_func("/shape/flat", test_flat);
+  g_test_add_func("/shape/thin-end", test_thin_end);
   g_test_add_func("/shape/excess", test_excess);
   return g_test_run();
 }

@@ -14,7 +14,7 @@ enum { ION, IOFF };
 
 typedef struct pb {
   const opc_host *host;
-  double max_tpe;  /* % */
+  double limit;    /* % */
   double max_bias; /* nm */
   int mode;
   int driven; /* by ION or IOFF */
@@ -48,7 +48,7 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
   (void)error;
   p->driven = p->mode == MODE_ION ? ION : IOFF;
   p->descent.rules =
-      control_rules_for(p->max_tpe, p->max_bias, f->gates->grid, 0);
+      control_rules_for(p->limit, p->max_bias, f->gates->grid, 0);
   p->descent.error = tpe;
   p->descent.first = first;
   p->descent.self = p;
@@ -95,8 +95,8 @@ static const opc_parameter parameters[] = {
                   .choices = "ion|ioff|ioffion",
                   .summary = "what is driven (thesis table 2.1); ioffion: Ioff "
                              "by L, and afterwards Ion by W"),
-    OPC_PARAMETER(pb, max_tpe, .type = OPC_REAL, .flags = OPC_ABOVE,
-                  .unit = "%", .preset = "0.5 %",
+    OPC_PARAMETER(pb, limit, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
+                  .preset = "0.5 %", .former = "max_tpe",
                   .summary = "a transistor whose |deviation| of the current "
                              "that is driven is at most this is left alone"),
     OPC_PARAMETER(

@@ -10,6 +10,7 @@
 const eda_colour eda_ink = EDA_COLOUR(0x202020),
                  eda_faint = EDA_COLOUR(0x9a9a9a),
                  eda_unknown = EDA_COLOUR(0x8c8c8c),
+                 eda_ring_colour = EDA_COLOUR(0xd94019),
                  eda_contact_fill = EDA_COLOUR(0xbcbcbc);
 
 /* Poly, active, then those that a flow adds. They begin again after the last

@@ -73,8 +73,7 @@ void eda_cross(const eda_paper *p, double x, double y, double width,
 }
 
 void eda_ring(const eda_paper *p, double x, double y) {
-  static const eda_colour white_red[] = {EDA_COLOUR(0xffffff),
-                                         EDA_COLOUR(0xd94019)};
+  const eda_colour white_red[] = {EDA_COLOUR(0xffffff), eda_ring_colour};
   static const double lines[] = {0.32, 0.17};
   for (int i = 0; i < 2; i++) {
     cairo_arc(p->cairo, x, y, 0.55 * p->font, 0, 2 * M_PI);

@@ -43,24 +43,27 @@ int eda_call_verdict(const opc_context *context, const opc_module *synthesizer,
 
 /* ---- moves ---- */
 
-/* Array number i of the moves, and how many numbers it has: l, w and jog, then
-   the shifts of layers. */
+/* Array number i of the moves, and how many numbers it has: those of gates,
+   then the shifts of layers. NULL: there is none. */
+enum { OF_GATES = 4 };
+
 static int32_t *array_of(const eda_moves *m, const eda_gates *gates,
                          const size_t *fragments, size_t i, size_t *n) {
-  int32_t *const first[] = {m->l, m->w, m->jog};
-  *n = i < 3 ? gates->count : fragments[i - 3];
-  return i < 3 ? first[i] : m->shift[i - 3];
+  int32_t *const first[] = {m->l, m->w, m->jog, m->aside};
+  *n = i < OF_GATES ? gates->count : fragments[i - OF_GATES];
+  return i < OF_GATES ? first[i] : m->shift[i - OF_GATES];
 }
 
 /* Whether all arrays `lent` are as they should be. */
 static int check_moves(const eda_gates *gates, const eda_moves *lent,
                        const size_t *fragments, opc_error *error) {
-  static const char *const names[] = {"moves of L", "moves of W", "jogs"};
+  static const char *const names[] = {"moves of L", "moves of W", "jogs",
+                                      "moves aside"};
   int code = fence_check(lent->assists, "assists", error);
   if (!code && lent->part) code = fence_check(lent->part, "parts", error);
-  for (size_t i = 0, n; i < 3 + gates->layers && !code; i++) {
+  for (size_t i = 0, n; i < OF_GATES + gates->layers && !code; i++) {
     const int32_t *array = array_of(lent, gates, fragments, i, &n);
-    const char *what = i < 3 ? names[i] : "shifts of fragments";
+    const char *what = i < OF_GATES ? names[i] : "shifts of fragments";
     if (array) code = fence_check(array, what, error);
   }
   return code ? code : eda_check_moves(gates, lent, fragments, error);
@@ -84,12 +87,14 @@ int eda_call_update(const opc_context *context, const opc_module *synthesizer,
       .assists = fence_new(layers, sizeof(eda_boxes), moves->assists)};
   size_t parts = moves->part ? EDA_PARTS * count : 0;
   if (moves->part) lent.part = fence_new(parts, sizeof(eda_part), moves->part);
+  if (moves->aside)
+    lent.aside = fence_new(count, sizeof(int32_t), moves->aside);
   const eda_moves kept = lent; /* whatever becomes of its pointers */
   const char *before = eda_enter(context, synthesizer, error);
   int code = s->update(synthesizer->self, feedback, &lent, done, error);
   if (!code) code = check_moves(g, &kept, fragments, error);
   opc_leave(context, before);
-  for (size_t i = 0, n; i < 3 + layers; i++) {
+  for (size_t i = 0, n; i < OF_GATES + layers; i++) {
     int32_t *to = array_of(moves, g, fragments, i, &n);
     int32_t *from = array_of(&kept, g, fragments, i, &n);
     if (!code && to && n) memcpy(to, from, n * sizeof *to);

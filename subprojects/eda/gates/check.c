@@ -216,6 +216,8 @@ int eda_check_moves(const eda_gates *gates, const eda_moves *moves,
     if (is_far(moves->l[i])) return far_move("length", i, moves->l[i], error);
     if (is_far(moves->w[i])) return far_move("width", i, moves->w[i], error);
     if (is_far(moves->jog[i])) return far_move("jog", i, moves->jog[i], error);
+    if (moves->aside && is_far(moves->aside[i]))
+      return far_move("active", i, moves->aside[i], error);
     int code = moves->part ? check_parts(moves->part + EDA_PARTS * i, i, error)
                            : OPC_OK;
     if (code) return code;
@@ -444,12 +446,20 @@ int eda_mask_check(const void *mask, opc_error *error) {
            all[i]->weq && all[i]->area && m->flags)))
       return unsound(error,
                      "a mask has not the performance of its transistors");
+  if (m->moved && (m->moved->gates != m->gates->count ||
+                   m->moved->layers != m->gates->layers))
+    return unsound(error, "a mask's moves are of other gates");
   int code = OPC_OK;
   for (size_t k = 0; k < m->gates->layers && !code; k++) {
     const eda_field *print = &m->print[k];
     code = check_shapes(&m->shapes[k], "mask shapes", error);
     if (!code && m->gates->corrected[k])
       code = eda_check_field(print, &print->frame, "print", error);
+    if (!code && m->drawn_print && m->drawn_print[k].coefficients)
+      code = eda_check_field(&m->drawn_print[k], &print->frame, "drawn print",
+                             error);
   }
-  return code;
+  return code ? code
+              : eda_check_violations(m->violations, m->n_violations,
+                                     m->gates->count, error);
 }

@@ -76,6 +76,12 @@ void eda_performance_copy(eda_performance *to, const eda_performance *from) {
   if (from->count) memcpy(to->outside, from->outside, from->count);
 }
 
+void eda_performance_one(eda_performance *to, const eda_performance *from,
+                         size_t i) {
+  for (int k = 0; k < FIGURES; k++) (&to->ion)[k][i] = (&from->ion)[k][i];
+  to->outside[i] = from->outside[i];
+}
+
 void eda_performance_clear(eda_performance *p) {
   for (int k = 0; k < FIGURES; k++) free((&p->ion)[k]);
   free(p->outside);
@@ -84,13 +90,64 @@ void eda_performance_clear(eda_performance *p) {
 
 /* ---- masks ---- */
 
+eda_moved *eda_moved_new(size_t layers, size_t gates) {
+  eda_moved *m = eda_alloc(1, sizeof *m);
+  *m = (eda_moved){.layers = layers, .gates = gates};
+  m->w = eda_alloc(gates, sizeof *m->w);
+  m->aside = eda_alloc(gates, sizeof *m->aside);
+  m->l = eda_alloc(gates, sizeof *m->l);
+  m->jog = eda_alloc(gates, sizeof *m->jog);
+  m->end = eda_alloc(2 * gates, sizeof *m->end);
+  m->part = eda_alloc(EDA_PARTS * gates, sizeof *m->part);
+  m->flip = eda_alloc(gates, sizeof *m->flip);
+  m->patch = eda_alloc(layers, sizeof *m->patch);
+  m->bite = eda_alloc(layers, sizeof *m->bite);
+  return m;
+}
+
+void eda_moved_free(eda_moved *m) {
+  if (!m) return;
+  for (size_t k = 0; k < m->layers; k++) {
+    free(m->patch[k].box);
+    free(m->bite[k].box);
+  }
+  free(m->w);
+  free(m->aside);
+  free(m->l);
+  free(m->jog);
+  free(m->end);
+  free(m->part);
+  free(m->flip);
+  free(m->patch);
+  free(m->bite);
+  free(m);
+}
+
 eda_mask *eda_mask_new(const eda_gates *gates) {
   eda_mask *m = eda_alloc(1, sizeof *m);
   m->gates = gates;
   m->layers = gates->layers;
   m->shapes = eda_alloc(gates->layers, sizeof *m->shapes);
   m->print = eda_alloc(gates->layers, sizeof *m->print);
+  m->drawn_print = eda_alloc(gates->layers, sizeof *m->drawn_print);
   return m;
+}
+
+static void drop_violations(eda_mask *m) {
+  for (size_t i = 0; i < m->n_violations; i++)
+    free((char *)m->violations[i].rule);
+  free(m->violations);
+}
+
+void eda_mask_set_violations(eda_mask *m, const eda_violation *v, size_t n) {
+  drop_violations(m);
+  m->violations = eda_alloc(n, sizeof *v);
+  m->n_violations = n;
+  for (size_t i = 0; i < n; i++) {
+    size_t bytes = strlen(v[i].rule) + 1;
+    m->violations[i] = v[i];
+    m->violations[i].rule = memcpy(eda_alloc(bytes, 1), v[i].rule, bytes);
+  }
 }
 
 void eda_mask_free(void *mask) {
@@ -99,12 +156,16 @@ void eda_mask_free(void *mask) {
   for (size_t k = 0; k < m->layers; k++) {
     eda_shapes_clear(&m->shapes[k]);
     eda_field_clear(&m->print[k]);
+    eda_field_clear(&m->drawn_print[k]);
   }
   free(m->shapes);
   free(m->print);
+  free(m->drawn_print);
+  drop_violations(m);
   eda_performance_clear(&m->design);
   eda_performance_clear(&m->before);
   eda_performance_clear(&m->after);
   free(m->flags);
+  eda_moved_free(m->moved);
   free(m);
 }

@@ -125,9 +125,16 @@ static void test_third_layer(void) {
   const eda_box good = {0, 0, 5, 5}, none = {0, 0, 5, 0};
   eda_boxes assists[LAYERS] = {[METAL] = {&good, 1}};
   size_t fragments[LAYERS] = {[METAL] = 1};
-  const eda_moves moves = {
+  eda_moves moves = {
       .l = zero, .w = zero, .jog = zero, .shift = shift, .assists = assists};
   g_assert_cmpint(eda_check_moves(g, &moves, fragments, &error), ==, OPC_OK);
+  moves.aside = far;
+  g_assert_cmpint(eda_check_moves(g, &moves, fragments, &error), ==,
+                  OPC_FAILED);
+  g_assert_cmpstr(error.message, ==,
+                  "moves the active of transistor 2 by 2097152 steps, at most "
+                  "1048576 are possible");
+  moves.aside = zero;
   assists[METAL].box = &none;
   g_assert_cmpint(eda_check_moves(g, &moves, fragments, &error), ==,
                   OPC_FAILED);

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Contours by marching squares (Lorensen, Cline 1987, in the plane), each
    crossing then refined on the field itself. */
+#include "imaging/spline.h"
+
 #include <eda/imaging.h>
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_NODES = 1 << 26, NONE = -1 };
+enum { MAX_NODES = 1 << 26, BITS = 64 };
 
 /* Nodes of the grid with a ring of negative ones around the window, which
    closes every line along the border. Edge 2 * node goes from the node to its
@@ -18,7 +20,8 @@ typedef struct squares {
   double dx, dy;
   int nx, ny; /* nodes with the ring */
   double *value;
-  int32_t *next; /* of each edge that a line leaves a square through */
+  int32_t *next;    /* of each edge that a line leaves a square through */
+  uint64_t *leaves; /* a bit of each edge: whether it is one of those */
 } squares;
 
 static double node_x(const squares *s, int i) {
@@ -35,13 +38,59 @@ static double at(const squares *s, double x, double y) {
   return v;
 }
 
+/* A place on an axis of the field: where its splines begin, and their values.
+ */
+typedef struct place {
+  int first;
+  double weight[EDA_SPLINE_TAPS];
+} place;
+
+static place place_of(double x, double x0, double step) {
+  place p;
+  p.first = eda_spline_weights((x - x0) / step, p.weight);
+  return p;
+}
+
+/* One row of the field's columns `from` and on, `n` of them, at a place along
+   y. */
+static void weigh_rows(const eda_field *f, const place *y, int from, int n,
+                       double *out) {
+  memset(out, 0, (size_t)n * sizeof *out);
+  for (int k = 0; k < EDA_SPLINE_TAPS; k++) {
+    const float *c =
+        f->coefficients + (size_t)eda_wrap(y->first + k, f->ny) * f->nx;
+    int column = eda_wrap(from, f->nx);
+    for (int i = 0; i < n; i++) {
+      out[i] += y->weight[k] * c[column];
+      column = column + 1 < f->nx ? column + 1 : 0;
+    }
+  }
+}
+
+/* The nodes of a row share their splines along y, those of a column along x:
+   a tenth of the work of as many single places. */
 static void evaluate(squares *s) {
-  for (int j = 0; j < s->ny; j++)
+  const eda_field *f = s->field;
+  double dx = f->frame.width / f->nx, dy = f->frame.height / f->ny;
+  place *x = eda_alloc((size_t)s->nx, sizeof *x);
+  for (int i = 0; i < s->nx; i++)
+    x[i] = place_of(node_x(s, i), f->frame.x0, dx);
+  int from = x[0].first, n = x[s->nx - 1].first - from + EDA_SPLINE_TAPS;
+  double *row = eda_alloc((size_t)n, sizeof *row);
+  for (int j = 0; j < s->ny; j++) {
+    place y = place_of(node_y(s, j), f->frame.y0, dy);
+    double *value = s->value + (size_t)j * s->nx;
+    weigh_rows(f, &y, from, n, row);
     for (int i = 0; i < s->nx; i++) {
       int ring = i == 0 || j == 0 || i == s->nx - 1 || j == s->ny - 1;
-      s->value[(size_t)j * s->nx + i] =
-          ring ? -1 : at(s, node_x(s, i), node_y(s, j));
+      double sum = 0;
+      for (int k = 0; k < EDA_SPLINE_TAPS; k++)
+        sum += x[i].weight[k] * row[x[i].first - from + k];
+      value[i] = ring ? -1 : sum;
     }
+  }
+  free(row);
+  free(x);
 }
 
 /* Join the crossings of a square: with the positive side on the left, a line
@@ -59,6 +108,7 @@ static void join(squares *s, int i, int j) {
     int turn = centre ? 1 : 3, to = (k + turn) % 4;
     while (v[to] > 0 || !(v[(to + 1) % 4] > 0)) to = (to + turn) % 4;
     s->next[edge[k]] = edge[to];
+    s->leaves[edge[k] / BITS] |= 1ULL << edge[k] % BITS;
   }
 }
 
@@ -81,26 +131,49 @@ static void crossing(const squares *s, int32_t edge, double *point) {
   point[1] = ya + t * (yb - ya);
 }
 
-/* Walk all lines; with points NULL, only count. Leaves next marked. */
-static void walk(squares *s, double *points, uint32_t *start, size_t *lines,
-                 size_t *length) {
-  *lines = *length = 0;
-  size_t edges = 2 * (size_t)s->nx * s->ny;
-  for (size_t e = 0; e < edges; e++) {
-    if (s->next[e] < 0) continue;
-    if (start) start[*lines] = (uint32_t)*length;
-    for (int32_t k = (int32_t)e; s->next[k] >= 0;) {
-      if (points) crossing(s, k, points + 2 * *length);
-      int32_t to = s->next[k];
-      s->next[k] = -2 - to; /* taken */
-      k = to;
-      ++*length;
+/* Most squares are on one side. */
+static void join_all(squares *s) {
+  for (int j = 0; j + 1 < s->ny; j++) {
+    const double *v = s->value + (size_t)j * s->nx, *up = v + s->nx;
+    for (int i = 0; i + 1 < s->nx; i++) {
+      int positive =
+          (v[i] > 0) + (v[i + 1] > 0) + (up[i] > 0) + (up[i + 1] > 0);
+      if (positive % 4) join(s, i, j);
     }
-    ++*lines;
   }
+}
+
+static size_t words(const squares *s) {
+  return 2 * (size_t)s->nx * (size_t)s->ny / BITS + 1;
+}
+
+/* Whether a line leaves through an edge that was not taken yet; takes it. */
+static int take(uint64_t *left, int32_t edge) {
+  uint64_t bit = 1ULL << edge % BITS, *word = &left[edge / BITS];
+  if (!(*word & bit)) return 0;
+  *word &= ~bit;
+  return 1;
+}
+
+/* Walk all lines; with points NULL, only count. */
+static void walk(const squares *s, double *points, uint32_t *start,
+                 size_t *lines, size_t *length) {
+  *lines = *length = 0;
+  size_t n = words(s);
+  uint64_t *left = eda_alloc(n, sizeof *left);
+  memcpy(left, s->leaves, n * sizeof *left);
+  for (size_t w = 0; w < n; w++)
+    while (left[w]) {
+      if (start) start[*lines] = (uint32_t)*length;
+      int32_t k = (int32_t)(w * BITS) + __builtin_ctzll(left[w]);
+      for (; take(left, k); k = s->next[k]) {
+        if (points) crossing(s, k, points + 2 * *length);
+        ++*length;
+      }
+      ++*lines;
+    }
   if (start) start[*lines] = (uint32_t)*length;
-  for (size_t e = 0; e < edges; e++)
-    if (s->next[e] < NONE) s->next[e] = -2 - s->next[e];
+  free(left);
 }
 
 int eda_contours(const eda_field *field, eda_frame window, double step,
@@ -123,15 +196,15 @@ int eda_contours(const eda_field *field, eda_frame window, double step,
   size_t nodes = (size_t)s.nx * s.ny, length;
   s.value = eda_alloc(nodes, sizeof *s.value);
   s.next = eda_alloc(2 * nodes, sizeof *s.next);
-  memset(s.next, 0xff, 2 * nodes * sizeof *s.next);
+  s.leaves = eda_alloc(words(&s), sizeof *s.leaves);
   evaluate(&s);
-  for (int j = 0; j + 1 < s.ny; j++)
-    for (int i = 0; i + 1 < s.nx; i++) join(&s, i, j);
+  join_all(&s);
   walk(&s, NULL, NULL, count, &length);
   *points = eda_alloc(2 * length, sizeof **points);
   *start = eda_alloc(*count + 1, sizeof **start);
   walk(&s, *points, *start, count, &length);
   free(s.value);
   free(s.next);
+  free(s.leaves);
   return OPC_OK;
 }

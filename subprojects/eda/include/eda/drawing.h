@@ -26,7 +26,8 @@ typedef struct eda_colour {
         ((hex)&255) / 255.0                                  \
   }
 
-OPC_EXPORT extern const eda_colour eda_ink, eda_faint, eda_unknown;
+OPC_EXPORT extern const eda_colour eda_ink, eda_faint, eda_unknown,
+    eda_ring_colour;
 
 /* Of a layer, by its number: what is drawn (a fill), its mask (an outline),
    its print (a contour). */

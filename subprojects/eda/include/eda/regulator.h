@@ -9,17 +9,6 @@
 extern "C" {
 #endif
 
-/* A rule that the print does not keep. */
-typedef struct eda_violation {
-  /* Constant: "bridging", "extension", ... After "; " comes the reason why
-     nothing can be moved to keep it: what is drawn, or a parameter, stands in
-     the way. Without one it is a fault of the correction. */
-  const char *rule;
-  int32_t gate;
-  double x, y;         /* nm */
-  double value, limit; /* nm, or a count */
-} eda_violation;
-
 /* What the regulator sees. */
 typedef struct eda_printed {
   uint32_t iteration;

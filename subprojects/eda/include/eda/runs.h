@@ -156,7 +156,7 @@ typedef struct eda_run_case {
   const char *name, *method;
   const char *folder; /* of its run: the experiment's folder and below; NULL
                          where there is none */
-  const char *result; /* "complete", or why there is none */
+  const char *result; /* "good", or what is not */
   double seconds;
 } eda_run_case;
 

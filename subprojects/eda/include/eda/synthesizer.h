@@ -42,17 +42,6 @@ typedef struct eda_feedback {
   const eda_field *print;
 } eda_feedback;
 
-/* A part of a gate's width, from `from` to `to` grid steps along W from the LOW
-   end of its box, in which the mask's length is `by` grid steps more. */
-typedef struct eda_part {
-  int32_t from, to, by;
-} eda_part;
-
-enum { EDA_PARTS = 18 }; /* of a gate at most */
-
-/* As far as the fragments go, on either side. */
-enum { EDA_PART_END = 1 << 20 };
-
 /* The biases of each gate's mask, in grid steps against the drawn one. They
    hold what was measured; the synthesizer writes what to try next. */
 typedef struct eda_moves {
@@ -85,6 +74,11 @@ typedef struct eda_moves {
      in the side that `l` alone says.
      Since 0.2; NULL in a loop that has none. */
   eda_part *part;
+
+  /* How far both sides of each gate's active lie towards HIGH of where `w` has
+     them, in grid steps: a gate gets wider on one side alone where a line end
+     is thin on the other one. Since 0.5; NULL in a loop that has none. */
+  int32_t *aside;
 } eda_moves;
 
 /* Edge fragments of a synthesizer's own. Polygon p of the layer's drawn shapes

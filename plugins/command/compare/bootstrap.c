@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The bootstrap of a mean: means of samples drawn from the values with
+   replacement, and which of them bound the interval. */
+#include "bootstrap.h"
+
+#include <glib.h>
+#include <gsl/gsl_cdf.h>
+#include <math.h>
+
+/* How many samples: Efron and Tibshirani (An Introduction to the Bootstrap,
+   1993, 14.3) want at least 1000 for BCa. A bound is uncertain by some 4 % of
+   the standard error with 10,000, and by half as much again with half as many.
+ */
+enum { FEWEST = 1000, MOST = 10000, LEAST_VALUES = 2 };
+
+/* Values that are drawn in all, about a second: what is many has bounds that
+   samples hardly move. */
+static const double DRAWS = 2e8;
+
+static const double confidence = 0.95;
+
+typedef struct drawing {
+  const double *values;
+  size_t n, samples;
+  double mean[MOST];
+} drawing;
+
+/* Splitmix64 (G. Steele et al., OOPSLA 2014): each sample has a sequence of its
+   own, whichever thread draws it. */
+static uint64_t next(uint64_t *state) {
+  uint64_t z = *state += 0x9e3779b97f4a7c15u;
+  z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+  return z ^ z >> 31;
+}
+
+static void draw(void *data, size_t i) {
+  drawing *d = data;
+  uint64_t start = i, state = next(&start);
+  double sum = 0;
+  for (size_t k = 0; k < d->n; k++)
+    sum += d->values[(size_t)((next(&state) >> 32) * d->n >> 32)];
+  d->mean[i] = sum / (double)d->n;
+}
+
+static int by_size(const void *a, const void *b) {
+  double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* Of a mean, by the jackknife: a sixth of the skewness of what leaving one out
+   does. */
+static double acceleration(const double *values, size_t n, double mean) {
+  double square = 0, cube = 0;
+  for (size_t i = 0; i < n; i++) {
+    double d = values[i] - mean;
+    square += d * d;
+    cube += d * d * d;
+  }
+  return cube / (6 * pow(square, 1.5));
+}
+
+/* The sample's mean below which a share of them lies. */
+static double quantile(const drawing *d, double share) {
+  double at = share * (double)(d->samples - 1);
+  size_t i = (size_t)fmin(fmax(floor(at), 0), (double)(d->samples - 2));
+  const double *sorted = d->mean;
+  return sorted[i] + (sorted[i + 1] - sorted[i]) * (at - (double)i);
+}
+
+/* BCa, equation 14.10 of the book. */
+static double bound(const drawing *d, double bias, double a, double z) {
+  double moved = bias + z;
+  return quantile(d, gsl_cdf_ugaussian_P(bias + moved / (1 - a * moved)));
+}
+
+static void find_bounds(drawing *d, interval *out) {
+  double below = 0, z = gsl_cdf_ugaussian_Pinv((1 + confidence) / 2);
+  qsort(d->mean, d->samples, sizeof *d->mean, by_size);
+  for (size_t i = 0; i < d->samples; i++)
+    below += d->mean[i] < out->mean ? 1 : d->mean[i] > out->mean ? 0 : 0.5;
+  /* None below, or all, would be an infinite bias. */
+  double share = (below + 0.5) / ((double)d->samples + 1);
+  double bias = gsl_cdf_ugaussian_Pinv(share);
+  double a = acceleration(d->values, d->n, out->mean);
+  out->low = bound(d, bias, a, -z);
+  out->high = bound(d, bias, a, z);
+}
+
+interval bootstrap_mean(const double *values, size_t n,
+                        const opc_context *context) {
+  interval out = {NAN, NAN, NAN};
+  double sum = 0, least = INFINITY, most = -INFINITY;
+  for (size_t i = 0; i < n; i++) {
+    sum += values[i];
+    least = fmin(least, values[i]);
+    most = fmax(most, values[i]);
+  }
+  if (n) out.mean = sum / (double)n;
+  if (n >= LEAST_VALUES && least == most) out.low = out.high = out.mean = least;
+  if (n < LEAST_VALUES || least == most) return out;
+  drawing *d = g_new(drawing, 1);
+  d->values = values;
+  d->n = n;
+  d->samples = (size_t)fmin(fmax(DRAWS / (double)n, FEWEST), MOST);
+  opc_parallel(context, d->samples, draw, d);
+  find_bounds(d, &out);
+  g_free(d);
+  return out;
+}

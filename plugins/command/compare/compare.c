@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* command.compare: the verb `opcflow compare A B [...]`, which says what is
+   better, and how sure that is. */
+#include <opcflow/command.h>
+#include <opcflow/table.h>
+#include <string.h>
+
+#include "same.h"
+#include "tables.h"
+
+/* ---- work: whether it may be compared ---- */
+
+/* Reasons that are told; the rest is counted. */
+enum { TOLD = 5 };
+
+static int refuse(const GPtrArray *why, opc_error *error) {
+  g_autoptr(GString) text = g_string_new("not comparable: ");
+  for (guint i = 0; i < MIN(why->len, TOLD); i++)
+    g_string_append_printf(text, "%s%.150s", i ? "; " : "",
+                           (char *)why->pdata[i]);
+  if (why->len > TOLD)
+    g_string_append_printf(text, "; and %u more", why->len - TOLD);
+  return opc_fail(error, OPC_INVALID, NULL, "%s (--anyway compares them)",
+                  text->str);
+}
+
+static int check_pairs(const comparison *c, opc_error *error) {
+  const field *f = &c->field;
+  g_autoptr(GPtrArray) all = g_ptr_array_new_with_free_func(g_free);
+  g_autoptr(GHashTable) told = g_hash_table_new(g_str_hash, g_str_equal);
+  for (guint i = 0; i < f->pairs->len; i++) {
+    const pair *p = &g_array_index(f->pairs, pair, i);
+    g_autoptr(GPtrArray) why = g_ptr_array_new_with_free_func(g_free);
+    if (same_check(p, why, error)) return error->code;
+    for (guint k = 0; k < why->len; k++) {
+      char *text = g_strdup_printf("%s%s%s: %s", p->name, *p->name ? ", " : "",
+                                   p->method, (char *)why->pdata[k]);
+      g_ptr_array_add(all, text);
+      if (c->anyway && g_hash_table_add(told, text))
+        c->host->log(c->host, OPC_LOG_WARNING, "%s", text);
+    }
+  }
+  return all->len && !c->anyway ? refuse(all, error) : OPC_OK;
+}
+
+/* ---- work: what is to fail ---- */
+
+static int check_word(const char *word, opc_error *error) {
+  if (!strcmp(word, "worse") || g_str_has_prefix(word, "worse:")) return OPC_OK;
+  return opc_fail(error, OPC_INVALID, "fail_on",
+                  "'%s': is 'worse' or 'worse:METRIC'", word);
+}
+
+/* Add what is worse and meant by a word; whether the word means anything. */
+static int add_worse(const comparison *c, const char *word, GHashTable *seen,
+                     GPtrArray *worse) {
+  const char *metric = strchr(word, ':');
+  int meant = !metric;
+  for (guint i = 0; i < c->rows->len; i++) {
+    const metric_row *r = &g_array_index(c->rows, metric_row, i);
+    if (metric && !is_chosen(metric + 1, r->metric)) continue;
+    meant = 1;
+    if (r->verdict == WORSE && g_hash_table_add(seen, (gpointer)r))
+      g_ptr_array_add(
+          worse, g_strdup_printf("%s%s%s: %s", r->name, *r->name ? ", " : "",
+                                 r->method, r->metric));
+  }
+  for (guint i = 0; i < c->intervals->len; i++) {
+    const transistor_row *r = &g_array_index(c->intervals, transistor_row, i);
+    g_autofree char *name = g_strconcat("transistors.", r->figure, NULL);
+    if (metric && strcmp(metric + 1, name) != 0) continue;
+    meant = 1;
+    if (r->verdict == WORSE && g_hash_table_add(seen, (gpointer)r))
+      g_ptr_array_add(worse, g_strdup_printf("%s: %s", r->method, name));
+  }
+  return meant;
+}
+
+static int judge(const comparison *c, opc_error *error) {
+  if (!c->fail_on) return OPC_OK;
+  g_auto(GStrv) words = g_strsplit(c->fail_on, ",", -1);
+  g_autoptr(GHashTable) seen = g_hash_table_new(NULL, NULL);
+  g_autoptr(GPtrArray) worse = g_ptr_array_new_with_free_func(g_free);
+  for (char **word = words; *word; word++)
+    if (!add_worse(c, g_strstrip(*word), seen, worse))
+      return opc_fail(error, OPC_INVALID, "fail_on",
+                      "'%s': there is no such metric", *word);
+  if (!worse->len) return OPC_OK;
+  guint shown = MIN(worse->len, TOLD);
+  g_autoptr(GString) text = g_string_new(NULL);
+  for (guint i = 0; i < shown; i++)
+    g_string_append_printf(text, "%s%.150s", i ? "; " : "",
+                           (char *)worse->pdata[i]);
+  if (worse->len > shown)
+    g_string_append_printf(text, "; and %u more", worse->len - shown);
+  return opc_fail(error, OPC_LIMIT, NULL, "worse: %s", text->str);
+}
+
+/* ---- work ---- */
+
+static int publish_counts(const comparison *c, opc_error *error) {
+  double count[VERDICTS] = {0};
+  for (guint i = 0; i < c->rows->len; i++)
+    count[g_array_index(c->rows, metric_row, i).verdict]++;
+  const opc_metric_value values[] = {{"better", count[BETTER]},
+                                     {"worse", count[WORSE]},
+                                     {"same", count[SAME]},
+                                     {"differs", count[DIFFERS]},
+                                     {"missing", count[MISSING]}};
+  return opc_put_metrics(c->host, OPC_ARRAY(values), error);
+}
+
+static int publish(comparison *c, opc_error *error) {
+  int code = OPC_OK, experiment = c->field.experiment;
+  if (!experiment) code = runs_publish(c, error);
+  if (!code) code = parameters_publish(c, error);
+  if (!code) code = metrics_collect(c, error);
+  if (!code && experiment) code = cases_publish(c, error);
+  if (!code && (!experiment || c->cases)) code = metrics_publish(c, error);
+  if (!code) code = transistors_publish(c, error);
+  if (!code) code = masks_publish(c, error);
+  return code ? code : publish_counts(c, error);
+}
+
+static int run(void *self, size_t n, const char *const *arguments,
+               opc_error *error) {
+  comparison *c = self;
+  c->rows = g_array_new(FALSE, FALSE, sizeof(metric_row));
+  c->intervals = g_array_new(FALSE, FALSE, sizeof(transistor_row));
+  int code = field_open(&c->field, c->host, n, arguments, c->variant, error);
+  if (!code) code = check_pairs(c, error);
+  if (!code && *c->field.base)
+    c->host->log(c->host, OPC_LOG_INFO, "base: %s", c->field.base);
+  if (!code) code = publish(c, error);
+  if (!code) code = judge(c, error);
+  field_clear(&c->field);
+  g_array_free(c->rows, TRUE);
+  g_array_free(c->intervals, TRUE);
+  return code;
+}
+
+/* ---- parameters ---- */
+
+static const opc_parameter parameters[] = {
+    OPC_PARAMETER(comparison, variant, .type = OPC_TEXT,
+                  .summary = "runs of this variant of a flow, 'base' for that "
+                             "without one; several times, the first is the "
+                             "base"),
+    OPC_PARAMETER_NAMED("metrics", comparison, chosen, .type = OPC_TEXT,
+                        .summary = "these metrics alone: names, their last "
+                                   "parts, or patterns, with commas between"),
+    OPC_PARAMETER(comparison, sort, .type = OPC_CHOICE, .preset = "file",
+                  .choices = "file|name|change|verdict",
+                  .summary = "the order of metrics"),
+    OPC_PARAMETER(comparison, all, .type = OPC_BOOL, .preset = "false",
+                  .summary = "also what is equal"),
+    OPC_PARAMETER(comparison, cases, .type = OPC_BOOL, .preset = "false",
+                  .summary = "of an experiment, also the metrics of each case"),
+    OPC_PARAMETER(comparison, anyway, .type = OPC_BOOL, .preset = "false",
+                  .summary = "compare what has other inputs, models or "
+                             "transistors"),
+    OPC_PARAMETER(comparison, fail_on, .type = OPC_TEXT,
+                  .summary = "'worse' or 'worse:METRIC': exit code 1 if there "
+                             "is such; may be repeated"),
+};
+
+static const opc_metric metrics[] = {
+    {"better", NULL, OPC_HIGHER, 0, "Metrics that are better than the base's"},
+    {"worse", NULL, OPC_LOWER, 0, "Metrics that are worse"},
+    {"same", NULL, OPC_NEUTRAL, 0,
+     "Metrics that are the same within tolerance"},
+    {"differs", NULL, OPC_NEUTRAL, 0,
+     "Metrics without a direction that are not the same"},
+    {"missing", NULL, OPC_NEUTRAL, 0, "Metrics that one of them lacks"},
+};
+
+static int check(void *self, opc_error *error) {
+  const comparison *c = self;
+  if (!c->fail_on) return OPC_OK;
+  g_auto(GStrv) words = g_strsplit(c->fail_on, ",", -1);
+  for (char **word = words; *word; word++)
+    if (check_word(g_strstrip(*word), error)) return error->code;
+  return OPC_OK;
+}
+
+/* ---- entry ---- */
+
+static const opc_command functions = {
+    .arguments = "RUN RUN ... | FLOW | EXPERIMENT [EXPERIMENT]", .run = run};
+
+OPC_PLUGIN(comparison, .id = "command.compare", .kind = "command",
+           .version = "0.2.0", .licence = "BSD-3-Clause",
+           .summary = "Compare runs, variants of a flow, or experiments",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
+           OPC_FUNCTIONS(functions));

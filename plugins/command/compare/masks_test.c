@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* GDSII files made here, byte by byte, of rectangles whose difference is
+   plain. */
+#include "masks.h"
+
+#include <eda/gds.h>
+#include <glib.h>
+#include <glib/gstdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void put(GByteArray *to, uint32_t type, uint32_t kind, const void *data,
+                size_t n) {
+  uint8_t head[4];
+  eda_gds_put_u16(head, (uint32_t)n + 4);
+  head[2] = (uint8_t)type;
+  head[3] = (uint8_t)kind;
+  g_byte_array_append(to, head, 4);
+  g_byte_array_append(to, data, (guint)n);
+}
+
+static void put_number(GByteArray *to, uint32_t type, uint32_t number) {
+  uint8_t data[2];
+  eda_gds_put_u16(data, number);
+  put(to, type, EDA_GDS_INT2, data, 2);
+}
+
+static GByteArray *begin(double unit) {
+  GByteArray *to = g_byte_array_new();
+  uint8_t units[16];
+  eda_gds_put_real(units, unit * 1e-3);
+  eda_gds_put_real(units + 8, unit * 1e-9);
+  put_number(to, EDA_GDS_HEADER, 600);
+  put(to, EDA_GDS_UNITS, EDA_GDS_REAL8, units, 16);
+  put(to, EDA_GDS_BGNSTR, EDA_GDS_INT2, units, 0);
+  return to;
+}
+
+static void put_box(GByteArray *to, uint32_t layer, int x0, int y0, int x1,
+                    int y1) {
+  const int xy[10] = {x0, y0, x1, y0, x1, y1, x0, y1, x0, y0};
+  uint8_t data[40];
+  for (int i = 0; i < 10; i++) eda_gds_put_i32(data + 4 * i, xy[i]);
+  put(to, EDA_GDS_BOUNDARY, EDA_GDS_NOTHING, data, 0);
+  put_number(to, EDA_GDS_LAYER, layer);
+  put_number(to, EDA_GDS_DATATYPE, 0);
+  put(to, EDA_GDS_XY, EDA_GDS_INT4, data, 40);
+  put(to, EDA_GDS_ENDEL, EDA_GDS_NOTHING, data, 0);
+}
+
+/* The path of a file with that (g_free). */
+static char *end(GByteArray *to, gboolean whole) {
+  char *path = NULL;
+  g_assert_cmpint(g_file_open_tmp("mask-XXXXXX", &path, NULL), >=, 0);
+  put(to, EDA_GDS_ENDSTR, EDA_GDS_NOTHING, "", 0);
+  if (whole) put(to, EDA_GDS_ENDLIB, EDA_GDS_NOTHING, "", 0);
+  g_assert_true(
+      g_file_set_contents(path, (char *)to->data, (gssize)to->len, NULL));
+  g_byte_array_unref(to);
+  return path;
+}
+
+/* Compare two files, which are removed. */
+static int compare(char *a, char *b, mask_difference **out, size_t *n,
+                   opc_error *error) {
+  int code = masks_compare(a, b, out, n, error);
+  g_test_message("%s", code ? error->message : "good");
+  g_unlink(a);
+  g_unlink(b);
+  g_free(a);
+  g_free(b);
+  return code;
+}
+
+static void test_areas(void) {
+  GByteArray *a = begin(1), *b = begin(1);
+  /* Layer 9: the box grows by 100 nm at the left and the right, its upper part
+     is a polygon of its own there. */
+  put_box(a, 9, 0, 0, 1000, 2000);
+  put_box(b, 9, -100, 0, 1100, 1000);
+  put_box(b, 9, -100, 1000, 1100, 2000);
+  /* Layer 1: equal but for how it is cut. */
+  put_box(a, 1, 0, 0, 500, 500);
+  put_box(b, 1, 0, 0, 250, 500);
+  put_box(b, 1, 250, 0, 500, 500);
+  /* Layer 3: in one of them alone. */
+  put_box(b, 3, 0, 0, 1000, 1000);
+  put_box(b, 3, 2000, 0, 3000, 500);
+  mask_difference *d;
+  opc_error error = {0};
+  size_t n;
+  g_assert_false(compare(end(a, TRUE), end(b, TRUE), &d, &n, &error));
+  g_assert_cmpuint(n, ==, 3);
+  g_assert_cmpuint(d[0].layer, ==, 1);
+  g_assert_cmpfloat(d[0].area, ==, 0);
+  g_assert_cmpint(d[0].places, ==, 0);
+  g_assert_cmpuint(d[1].layer, ==, 3);
+  g_assert_cmpfloat_with_epsilon(d[1].base, 0, 1e-12);
+  g_assert_cmpfloat_with_epsilon(d[1].area, 1.5, 1e-12);
+  g_assert_cmpint(d[1].places, ==, 2);
+  g_assert_cmpuint(d[2].layer, ==, 9);
+  g_assert_cmpfloat_with_epsilon(d[2].base, 2, 1e-12);
+  g_assert_cmpfloat_with_epsilon(d[2].other, 2.4, 1e-12);
+  g_assert_cmpfloat_with_epsilon(d[2].area, 0.4, 1e-12);
+  g_assert_cmpint(d[2].places, ==, 2);
+  g_assert_cmpint(d[2].rectangles, ==, 2);
+  free(d);
+}
+
+/* A frame is one place, not two. */
+static void test_hole(void) {
+  GByteArray *a = begin(2), *b = begin(2);
+  put_box(a, 9, 0, 0, 500, 500);
+  put_box(b, 9, 100, 100, 400, 400);
+  mask_difference *d;
+  opc_error error = {0};
+  size_t n;
+  g_assert_false(compare(end(a, TRUE), end(b, TRUE), &d, &n, &error));
+  g_assert_cmpuint(n, ==, 1);
+  g_assert_cmpint(d->places, ==, 1);
+  g_assert_cmpint(d->rectangles, ==, 4);
+  g_assert_cmpfloat_with_epsilon(d->area, 1 - 0.36, 1e-12);
+  free(d);
+}
+
+static void test_bad(void) {
+  mask_difference *d;
+  opc_error error = {0};
+  size_t n;
+  g_assert_cmpint(
+      compare(end(begin(1), TRUE), end(begin(2), TRUE), &d, &n, &error), ==,
+      OPC_INVALID);
+  g_assert_nonnull(strstr(error.message, "grids of 1 nm and 2 nm"));
+  g_assert_null(d);
+  compare(end(begin(1), TRUE), end(begin(1), FALSE), &d, &n, &error);
+  g_assert_nonnull(strstr(error.message, "byte 34: not GDSII, or cut short"));
+  GByteArray *a = begin(1);
+  put(a, EDA_GDS_SREF, EDA_GDS_NOTHING, "", 0);
+  compare(end(a, TRUE), end(begin(1), TRUE), &d, &n, &error);
+  g_assert_nonnull(strstr(error.message, "more than the polygons"));
+  a = begin(1);
+  put(a, EDA_GDS_LAYER, EDA_GDS_INT2, "", 1);
+  compare(end(a, TRUE), end(begin(1), TRUE), &d, &n, &error);
+  g_assert_nonnull(strstr(error.message, "byte 30: a record is too short"));
+  g_assert_cmpint(masks_compare("/nowhere", "/nowhere", &d, &n, &error), ==,
+                  OPC_IO);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/masks/areas", test_areas);
+  g_test_add_func("/masks/hole", test_hole);
+  g_test_add_func("/masks/bad", test_bad);
+  return g_test_run();
+}

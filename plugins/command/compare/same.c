@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Two runs can be compared if they were given the same layout, and if the same
+   models of optics, resist and transistors say how good a mask is. The rest, a
+   correction and its parameters, is what is compared. */
+#include "same.h"
+
+#include <string.h>
+
+#include "transistors.h"
+
+/* Slots that say what a print is and what a transistor carries. */
+static const char *const judges[] = {"litho", "resist", "extractor", NULL};
+
+/* Families of steps that make what is corrected. */
+static const char *const sources[] = {"read.", "segment.", NULL};
+
+int same_is_shared(const eda_run *run, const char *name) {
+  g_auto(GStrv) parts = g_strsplit(name, ".", -1);
+  for (char **part = parts; *part; part++)
+    if (part > parts && g_strv_contains(judges, *part)) return 1;
+  g_autofree char *use = g_strconcat(parts[0], ".use", NULL);
+  const eda_run_parameter *plugin = eda_run_parameter_of(run, use);
+  for (int i = 0; plugin && sources[i]; i++)
+    if (g_str_has_prefix(plugin->value, sources[i])) return 1;
+  return 0;
+}
+
+const char *same_content(const eda_run *run, const eda_run_parameter *p) {
+  const eda_run_facts *f = eda_run_told(run);
+  if (!g_path_is_absolute(p->value)) return NULL;
+  for (size_t i = 0; i < f->n_inputs; i++) {
+    g_autofree char *path = g_canonicalize_filename(f->inputs[i].path, NULL);
+    if (!strcmp(path, p->value)) return f->inputs[i].sha256;
+  }
+  return NULL;
+}
+
+static char *step_use(const char *name) {
+  return g_strdup_printf("%.*s.use", (int)strcspn(name, "."), name);
+}
+
+/* What one has to say of a parameter that the other must share. */
+static void check_parameter(const pair *p, const eda_run_parameter *a,
+                            GPtrArray *why) {
+  const eda_run_parameter *b = eda_run_parameter_of(p->other, a->name);
+  if (!b) {
+    g_ptr_array_add(
+        why, g_strdup_printf("only the base has %s: %s", a->name, a->value));
+    return;
+  }
+  const char *x = same_content(p->base, a), *y = same_content(p->other, b);
+  if (x && y && strcmp(x, y) != 0)
+    g_ptr_array_add(why, g_strdup_printf("%s has another content (%.8s, %.8s)",
+                                         a->name, x, y));
+  else if (!(x && y) && strcmp(a->value, b->value) != 0)
+    g_ptr_array_add(
+        why, g_strdup_printf("%s is %s and %s", a->name, a->value, b->value));
+}
+
+/* A step that one of them lacks says nothing of the others. */
+static void check_parameters(const pair *p, GPtrArray *why) {
+  const eda_run_facts *a = eda_run_told(p->base), *b = eda_run_told(p->other);
+  for (size_t i = 0; i < a->n_parameters; i++) {
+    const eda_run_parameter *one = &a->parameters[i];
+    g_autofree char *step = step_use(one->name);
+    if (same_is_shared(p->base, one->name) &&
+        eda_run_parameter_of(p->other, step))
+      check_parameter(p, one, why);
+  }
+  for (size_t i = 0; i < b->n_parameters; i++) {
+    const eda_run_parameter *one = &b->parameters[i];
+    g_autofree char *step = step_use(one->name);
+    if (same_is_shared(p->other, one->name) &&
+        eda_run_parameter_of(p->base, step) &&
+        !eda_run_parameter_of(p->base, one->name))
+      g_ptr_array_add(why, g_strdup_printf("only the other has %s: %s",
+                                           one->name, one->value));
+  }
+}
+
+int same_check(const pair *p, GPtrArray *why, opc_error *error) {
+  const eda_run *const runs[] = {p->base, p->other};
+  for (int i = 0; i < 2; i++) {
+    const eda_run_facts *f = eda_run_told(runs[i]);
+    if (f->failure)
+      g_ptr_array_add(
+          why, g_strdup_printf("'%s' failed: %s", f->folder, f->failure));
+  }
+  check_parameters(p, why);
+  transistors t;
+  int code = transistors_join(p, &t, error);
+  if (!code && t.fault) g_ptr_array_add(why, g_strdup(t.fault));
+  transistors_clear(&t);
+  return code;
+}

@@ -1,0 +1,341 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Runs, parameters, transistors and masks of a comparison as tables. */
+#include "tables.h"
+
+#include <math.h>
+#include <opcflow/table.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bootstrap.h"
+#include "masks.h"
+#include "same.h"
+#include "transistors.h"
+
+int put_table(comparison *c, const char *name, size_t rows, size_t size,
+              const opc_column *columns, size_t n, opc_error *error) {
+  size_t skip = !c->field.experiment;       /* no cases */
+  skip += skip && c->field.pairs->len == 1; /* one run against the base */
+  return rows ? opc_put_rows(c->host, name, OPC_TABLE_PRINT, rows, size,
+                             columns + skip, n - skip, error)
+              : OPC_OK;
+}
+
+/* The same of a table that begins with the method. */
+static int put_of_methods(comparison *c, const char *name, size_t rows,
+                          size_t size, const opc_column *columns, size_t n,
+                          opc_error *error) {
+  size_t skip = !c->field.experiment && c->field.pairs->len == 1;
+  return rows ? opc_put_rows(c->host, name, OPC_TABLE_PRINT, rows, size,
+                             columns + skip, n - skip, error)
+              : OPC_OK;
+}
+
+/* ---- runs ---- */
+
+typedef struct run_row {
+  const char *label, *folder, *variant, *version;
+  double seconds;
+  const char *started;
+} run_row;
+
+int runs_publish(comparison *c, opc_error *error) {
+  const field *f = &c->field;
+  g_autofree run_row *r = g_new0(run_row, f->runs->len);
+  for (guint i = 0; i < f->runs->len; i++) {
+    const eda_run_facts *t = eda_run_told(f->runs->pdata[i]);
+    r[i] = (run_row){f->labels->pdata[i], t->folder,  t->variant,
+                     t->version,          t->seconds, t->started};
+  }
+  const opc_column columns[] = {{"run", NULL, OPC_TEXT, 0, &r->label},
+                                {"folder", NULL, OPC_TEXT, 0, &r->folder},
+
+                                {"variant", NULL, OPC_TEXT, 0, &r->variant},
+                                {"opcflow", NULL, OPC_TEXT, 0, &r->version},
+                                {"seconds", "s", OPC_REAL, 2, &r->seconds},
+                                {"started", NULL, OPC_TEXT, 0, &r->started}};
+  return opc_put_rows(c->host, "runs", OPC_TABLE_PRINT, f->runs->len, sizeof *r,
+                      columns, G_N_ELEMENTS(columns), error);
+}
+
+/* ---- parameters ---- */
+
+typedef struct parameter_row {
+  const char *method, *name, *base, *value;
+} parameter_row;
+
+/* Of what one of them lacks: a step or plugin as such, and what was given. */
+static int is_worth(const eda_run *without, const eda_run_parameter *p) {
+  g_autofree char *step =
+      g_strdup_printf("%.*s.use", (int)strcspn(p->name, "."), p->name);
+  if (!eda_run_parameter_of(without, step)) return !strcmp(p->name, step);
+  return p->given || g_str_has_suffix(p->name, ".use");
+}
+
+static int differ(const pair *p, const eda_run_parameter *a,
+                  const eda_run_parameter *b) {
+  const char *x = same_content(p->base, a), *y = same_content(p->other, b);
+  return x && y ? strcmp(x, y) != 0 : strcmp(a->value, b->value) != 0;
+}
+
+static void add_parameters(GArray *out, const pair *p) {
+  const eda_run_facts *a = eda_run_told(p->base), *b = eda_run_told(p->other);
+  for (size_t i = 0; i < a->n_parameters; i++) {
+    const eda_run_parameter *x = &a->parameters[i];
+    const eda_run_parameter *y = eda_run_parameter_of(p->other, x->name);
+    if (y ? !differ(p, x, y) : !is_worth(p->other, x)) continue;
+    const parameter_row row = {p->method, x->name, x->value,
+                               y ? y->value : NULL};
+    g_array_append_val(out, row);
+  }
+  for (size_t i = 0; i < b->n_parameters; i++) {
+    const eda_run_parameter *y = &b->parameters[i];
+    if (eda_run_parameter_of(p->base, y->name) || !is_worth(p->base, y))
+      continue;
+    const parameter_row row = {p->method, y->name, NULL, y->value};
+    g_array_append_val(out, row);
+  }
+}
+
+/* Whether an earlier pair is of the same method. */
+static int is_repeated(const field *f, guint i) {
+  const char *method = g_array_index(f->pairs, pair, i).method;
+  while (i-- > 0)
+    if (!strcmp(method, g_array_index(f->pairs, pair, i).method)) return 1;
+  return 0;
+}
+
+/* Of an experiment: those of the first case that a method has. */
+int parameters_publish(comparison *c, opc_error *error) {
+  const field *f = &c->field;
+  g_autoptr(GArray) all = g_array_new(FALSE, FALSE, sizeof(parameter_row));
+  for (guint i = 0; i < f->pairs->len; i++)
+    if (!is_repeated(f, i))
+      add_parameters(all, &g_array_index(f->pairs, pair, i));
+  const parameter_row *r = (const parameter_row *)(void *)all->data;
+  const opc_column columns[] = {{"run", NULL, OPC_TEXT, 0, &r->method},
+                                {"parameter", NULL, OPC_TEXT, 0, &r->name},
+                                {"base", NULL, OPC_TEXT, 0, &r->base},
+                                {"value", NULL, OPC_TEXT, 0, &r->value}};
+  return put_of_methods(c, "parameters", all->len, sizeof *r, columns,
+                        G_N_ELEMENTS(columns), error);
+}
+
+/* ---- transistors ---- */
+
+/* As gates.csv writes figures, two or three decimals of a percent. */
+static const double EQUAL = 1e-9;
+
+static transistor_row row_of(const comparison *c, const char *method,
+                             int figure, const double *base, double *other,
+                             size_t n) {
+  transistor_row r = {
+      .method = method, .figure = figure_names[figure], .n = (int64_t)n};
+  for (size_t i = 0; i < n; i++) {
+    r.base += base[i] / (double)n;
+    r.value += other[i] / (double)n;
+    other[i] -= base[i];
+    r.better += other[i] < -EQUAL;
+    r.worse += other[i] > EQUAL;
+  }
+  r.same = r.n - r.better - r.worse;
+  interval in = bootstrap_mean(other, n, c->host->context);
+  r.change = in.mean;
+  r.low = in.low;
+  r.high = in.high;
+  r.verdict = in.high < 0 ? BETTER : in.low > 0 ? WORSE : SAME;
+  r.word = verdict_words[r.verdict];
+  return r;
+}
+
+/* All transistors of all cases that a method has. */
+static int add_transistors(comparison *c, const char *method,
+                           opc_error *error) {
+  const field *f = &c->field;
+  GArray *values[FIGURES][2];
+  int code = OPC_OK;
+  for (int i = 0; i < FIGURES; i++)
+    for (int k = 0; k < 2; k++)
+      values[i][k] = g_array_new(FALSE, FALSE, sizeof(double));
+  for (guint i = 0; i < f->pairs->len && !code; i++) {
+    const pair *p = &g_array_index(f->pairs, pair, i);
+    transistors t;
+    if (strcmp(p->method, method) != 0) continue;
+    code = transistors_join(p, &t, error);
+    for (int k = 0; k < FIGURES && !code; k++)
+      transistors_add(&t, k, values[k][0], values[k][1]);
+    transistors_clear(&t);
+  }
+  for (int i = 0; i < FIGURES; i++) {
+    guint n = values[i][0]->len;
+    if (n && !code) {
+      const transistor_row row =
+          row_of(c, method, i, (double *)(void *)values[i][0]->data,
+                 (double *)(void *)values[i][1]->data, n);
+      g_array_append_val(c->intervals, row);
+    }
+    for (int k = 0; k < 2; k++) g_array_free(values[i][k], TRUE);
+  }
+  return code;
+}
+
+int transistors_publish(comparison *c, opc_error *error) {
+  const field *f = &c->field;
+  int code = OPC_OK;
+  for (guint i = 0; i < f->pairs->len && !code; i++)
+    if (!is_repeated(f, i))
+      code = add_transistors(c, g_array_index(f->pairs, pair, i).method, error);
+  const transistor_row *r = (const transistor_row *)(void *)c->intervals->data;
+  const opc_column columns[] = {{"run", NULL, OPC_TEXT, 0, &r->method},
+                                {"figure", NULL, OPC_TEXT, 0, &r->figure},
+                                {"base", "%", OPC_REAL, 4, &r->base},
+                                {"value", "%", OPC_REAL, 4, &r->value},
+                                {"change", "%", OPC_REAL, 4, &r->change},
+                                {"low", "%", OPC_REAL, 4, &r->low},
+                                {"high", "%", OPC_REAL, 4, &r->high},
+                                {"verdict", NULL, OPC_TEXT, 0, &r->word},
+                                {"better", NULL, OPC_INT, 0, &r->better},
+                                {"worse", NULL, OPC_INT, 0, &r->worse},
+                                {"same", NULL, OPC_INT, 0, &r->same},
+                                {"transistors", NULL, OPC_INT, 0, &r->n}};
+  return code ? code
+              : put_of_methods(c, "transistors", c->intervals->len, sizeof *r,
+                               columns, G_N_ELEMENTS(columns), error);
+}
+
+/* ---- masks ---- */
+
+typedef struct mask_row {
+  const char *method, *layer;
+  mask_difference d;
+  double shots_base, shots; /* NAN: not counted */
+} mask_row;
+
+/* What the flow calls the layer of that number; NULL: nothing. */
+static const char *layer_name(const eda_run *run, const mask_difference *d) {
+  const eda_run_facts *f = eda_run_told(run);
+  g_autofree char *number = g_strdup_printf("%u/%u", d->layer, d->datatype);
+  for (size_t i = 0; i < f->n_parameters; i++) {
+    const char *at = strstr(f->parameters[i].name, ".layers.");
+    if (at && !strcmp(f->parameters[i].value, number))
+      return at + strlen(".layers.");
+  }
+  return NULL;
+}
+
+/* The shots of a layer by the table cost; NAN if it was not counted. */
+static double shots_of(eda_run *run, const char *layer) {
+  opc_error error;
+  eda_table *t = eda_run_has_table(run, "cost")
+                     ? eda_run_table(run, "cost", &error)
+                     : NULL;
+  int name = t ? eda_table_find(t, "layer") : -1;
+  int shots = t ? eda_table_find(t, "shots") : -1;
+  const double *numbers =
+      name < 0 || shots < 0 ? NULL : eda_table_numbers(t, (size_t)shots);
+  for (size_t i = 0; numbers && i < eda_table_rows(t); i++)
+    if (!strcmp(eda_table_text(t, i, (size_t)name), layer)) return numbers[i];
+  return NAN;
+}
+
+/* A method's row of a layer; sums over cases are made in it. */
+static void add_mask(GArray *out, const pair *p, const mask_difference *d) {
+  const char *name = layer_name(p->base, d);
+  mask_row row = {.method = p->method,
+                  .layer = name ? name : "",
+                  .d = *d,
+                  .shots_base = name ? shots_of(p->base, name) : NAN,
+                  .shots = name ? shots_of(p->other, name) : NAN};
+  for (guint i = 0; i < out->len; i++) {
+    mask_row *r = &g_array_index(out, mask_row, i);
+    if (strcmp(r->method, row.method) != 0 || r->d.layer != d->layer ||
+        r->d.datatype != d->datatype)
+      continue;
+    r->d.base += d->base;
+    r->d.other += d->other;
+    r->d.area += d->area;
+    r->d.places += d->places;
+    r->d.rectangles += d->rectangles;
+    r->shots_base += row.shots_base;
+    r->shots += row.shots;
+    return;
+  }
+  g_array_append_val(out, row);
+}
+
+static int add_masks(GArray *out, const pair *p, const char *base,
+                     const char *other, opc_error *error) {
+  const char *from = eda_run_told(p->base)->folder;
+  const char *to = eda_run_told(p->other)->folder;
+  g_autofree char *one = g_build_filename(from, base, NULL);
+  g_autofree char *two = g_build_filename(to, other, NULL);
+  mask_difference *d;
+  size_t n;
+  if (masks_compare(one, two, &d, &n, error)) return error->code;
+  for (size_t i = 0; i < n; i++) add_mask(out, p, &d[i]);
+  free(d);
+  return OPC_OK;
+}
+
+/* The file that a step write.gds has made of a mask; NULL: it did not. */
+static const char *mask_file(const eda_run *run, const char *step) {
+  g_autofree char *use = g_strconcat(step, ".use", NULL);
+  g_autofree char *mask = g_strconcat(step, ".mask", NULL);
+  g_autofree char *file = g_strconcat(step, ".file", NULL);
+  const eda_run_parameter *plugin = eda_run_parameter_of(run, use);
+  const eda_run_parameter *name = eda_run_parameter_of(run, file);
+  if (!plugin || !name || strcmp(plugin->value, "write.gds") != 0 ||
+      !eda_run_parameter_of(run, mask))
+    return NULL;
+  const eda_run_facts *f = eda_run_told(run);
+  for (size_t i = 0; i < f->n_files; i++)
+    if (!strcmp(f->files[i].path, name->value)) return name->value;
+  return NULL;
+}
+
+/* The first step of both that writes a mask. */
+static int compare_masks(GArray *out, const pair *p, opc_error *error) {
+  const eda_run_facts *f = eda_run_told(p->base);
+  for (size_t i = 0; i < f->n_parameters; i++) {
+    const char *name = f->parameters[i].name;
+    const char *dot = strchr(name, '.');
+    if (!dot || strcmp(dot, ".use") != 0) continue;
+    g_autofree char *step = g_strndup(name, (gsize)(dot - name));
+    const char *a = mask_file(p->base, step), *b = mask_file(p->other, step);
+    if (a && b) return add_masks(out, p, a, b, error);
+  }
+  return OPC_OK;
+}
+
+int masks_publish(comparison *c, opc_error *error) {
+  const field *f = &c->field;
+  g_autoptr(GArray) all = g_array_new(FALSE, FALSE, sizeof(mask_row));
+  int code = OPC_OK;
+  for (guint i = 0; i < f->pairs->len && !code; i++)
+    code = compare_masks(all, &g_array_index(f->pairs, pair, i), error);
+  if (code) return code;
+  /* What was drawn, and layers that nobody corrects. */
+  for (guint i = all->len; i-- > 0;)
+    if (!c->all && g_array_index(all, mask_row, i).d.area == 0)
+      g_array_remove_index(all, i);
+  g_autoptr(GPtrArray) numbers = g_ptr_array_new_with_free_func(g_free);
+  for (guint i = 0; i < all->len; i++) {
+    mask_row *m = &g_array_index(all, mask_row, i);
+    if (*m->layer) continue;
+    m->layer = g_strdup_printf("%u/%u", m->d.layer, m->d.datatype);
+    g_ptr_array_add(numbers, (char *)m->layer);
+  }
+  const mask_row *r = (const mask_row *)(void *)all->data;
+  const opc_column columns[] = {
+      {"run", NULL, OPC_TEXT, 0, &r->method},
+      {"layer", NULL, OPC_TEXT, 0, &r->layer},
+      {"area_base", "um^2", OPC_REAL, 4, &r->d.base},
+      {"area", "um^2", OPC_REAL, 4, &r->d.other},
+      {"differs", "um^2", OPC_REAL, 4, &r->d.area},
+      {"places", NULL, OPC_INT, 0, &r->d.places},
+      {"rectangles", NULL, OPC_INT, 0, &r->d.rectangles},
+      {"shots_base", NULL, OPC_REAL, 0, &r->shots_base},
+      {"shots", NULL, OPC_REAL, 0, &r->shots}};
+  return put_of_methods(c, "masks", all->len, sizeof *r, columns,
+                        G_N_ELEMENTS(columns), error);
+}

@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The step `experiment`: a flow by several methods on several cases, each run
+   kept whole, and all figures as one table. */
+#include "experiment.h"
+
+#include <eda/experiment.h>
+#include <math.h>
+#include <opcflow/step.h>
+#include <string.h>
+
+/* ---- the axes ---- */
+
+static const opc_inner_axis *find_axis(const experiment *e, const char *name,
+                                       opc_error *error) {
+  size_t n;
+  const opc_inner_axis *axes = e->host->inner->axes(e->host, &n);
+  int i = e->host->inner->axis(e->host, name, error);
+  return i < 0 ? NULL : &axes[i];
+}
+
+/* A flow with a sweep of its own would have as many runs of a method. */
+static int check_sweep(const experiment *e, opc_error *error) {
+  size_t n;
+  const opc_inner_axis *axes = e->host->inner->axes(e->host, &n);
+  for (size_t i = 0; i < n; i++)
+    if (strcmp(axes[i].path, "cases") && strcmp(axes[i].path, "methods"))
+      return opc_fail(error, OPC_INVALID, "flow",
+                      "'%s' sweeps '%s': fix it by 'set', or make methods of "
+                      "its values",
+                      e->flow, axes[i].path);
+  return OPC_OK;
+}
+
+/* Figures that the summary is to show must be there at the first point, or be
+   written as some. */
+static int check_columns(const experiment *e, opc_error *error) {
+  for (size_t i = 0; i < e->columns.count; i++)
+    if (!strchr(e->columns.pairs[i].key, '.')) {
+      g_snprintf(error->parameter, sizeof error->parameter, "columns.%s",
+                 e->columns.pairs[i].key);
+      g_snprintf(error->message, sizeof error->message,
+                 "'%s' is no figure, as 'step.metric'",
+                 e->columns.pairs[i].key);
+      return error->code = OPC_INVALID;
+    }
+  return OPC_OK;
+}
+
+static int check(void *self, opc_error *error) {
+  experiment *e = self;
+  int code = check_sweep(e, error);
+  const opc_inner_axis *cases = code ? NULL : find_axis(e, "cases", error);
+  const opc_inner_axis *methods = cases ? find_axis(e, "methods", error) : NULL;
+  if (!methods) return error->code;
+  e->n_cases = cases->count;
+  e->n_methods = methods->count;
+  e->count = e->n_cases * e->n_methods;
+  e->case_names = cases->texts;
+  e->method_names = methods->texts;
+  return check_columns(e, error);
+}
+
+/* ---- the runs ---- */
+
+/* OPC_CANCELLED, or OPC_OK also for a run that fails. */
+static int run_one(experiment *e, size_t i, opc_error *error) {
+  opc_error why = {0};
+  opc_inner_run out;
+  g_autofree char *place = g_build_filename(
+      e->case_names[i / e->n_methods], e->method_names[i % e->n_methods], NULL);
+  int code = e->host->inner->run_whole(e->host, i, place, 1, &out, &why);
+  if (code == OPC_CANCELLED) {
+    *error = why;
+    return code;
+  }
+  e->results[i] = g_strdup(code ? why.message : "good");
+  e->seconds[i] = out.folder ? out.seconds : NAN;
+  if (!out.folder) {
+    e->failed++;
+    e->places[i] = g_strdup("");
+    return OPC_OK;
+  }
+  e->folders[i] = g_strdup(out.folder);
+  e->places[i] = g_steal_pointer(&place);
+  e->missed += code == OPC_LIMIT;
+  e->with_findings += out.findings > 0;
+  take_figures(e, i);
+  return OPC_OK;
+}
+
+static int run(void *self, void **outputs, opc_error *error) {
+  experiment *e = self;
+  e->folders = g_new0(char *, e->count);
+  e->places = g_new0(char *, e->count);
+  e->results = g_new0(char *, e->count);
+  e->seconds = g_new(double, e->count);
+  e->figures = g_ptr_array_new_with_free_func(figure_free);
+  int code = e->host->inner->begin(e->host, error);
+  for (size_t i = 0; i < e->count && !code; i++) code = run_one(e, i, error);
+  if (code) return code;
+  if (e->failed == e->count)
+    return opc_fail(error, OPC_FAILED, NULL, "no run is good: %s",
+                    e->results[0]);
+  outputs[0] =
+      eda_experiment_new(e->n_cases, e->case_names, e->n_methods,
+                         e->method_names, (const char *const *)e->folders);
+  return experiment_report(e, error);
+}
+
+/* ---- parameters ---- */
+
+static const opc_parameter parameters[] = {
+    OPC_PARAMETER(experiment, flow, .type = OPC_FILE,
+                  .flags = OPC_REQUIRED | OPC_INNER_FLOW,
+                  .summary = "the flow that is run"),
+    OPC_PARAMETER(experiment, variant, .type = OPC_TEXT,
+                  .summary = "a variant of that flow, below all methods"),
+    OPC_PARAMETER(experiment, cases, .type = OPC_MAP,
+                  .flags = OPC_REQUIRED | OPC_MAP_OF_ANY | OPC_INNER_AXIS,
+                  .summary = "what is worked on: [{ step.parameter: value }], "
+                             "with lists, patterns, { list: FILE }"),
+    OPC_PARAMETER(experiment, methods, .type = OPC_MAP,
+                  .flags = OPC_REQUIRED | OPC_MAP_OF_ANY | OPC_INNER_AXIS,
+                  .summary = "what is compared: [variant], or { name: { "
+                             "step.parameter: value } }"),
+    OPC_PARAMETER(experiment, set, .type = OPC_MAP, .flags = OPC_MAP_OF_ANY,
+                  .summary = "step.parameter: value, over all of them"),
+    OPC_PARAMETER(experiment, columns, .type = OPC_MAP,
+                  .summary = "step.metric: heading, what the summary shows; "
+                             "what differs between methods"),
+};
+
+static const opc_metric metrics[] = {
+    {"cases", NULL, OPC_NEUTRAL, 0, "how many there are"},
+    {"methods", NULL, OPC_NEUTRAL, 0, "how many there are"},
+    {"failed", NULL, OPC_LOWER, 0, "runs that could not be done"},
+    {"missed", NULL, OPC_LOWER, 0, "runs that do not keep their requirements"},
+};
+
+static void free_texts(char **texts, size_t n) {
+  for (size_t i = 0; texts && i < n; i++) g_free(texts[i]);
+  g_free(texts);
+}
+
+static void clear(void *self) {
+  experiment *e = self;
+  free_texts(e->folders, e->count);
+  free_texts(e->places, e->count);
+  free_texts(e->results, e->count);
+  g_free(e->seconds);
+  if (e->figures) g_ptr_array_free(e->figures, TRUE);
+}
+
+/* ---- entry ---- */
+
+static const opc_port outputs[] = {EDA_PORT_EXPERIMENT("experiment")};
+static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run};
+
+OPC_PLUGIN(experiment, .id = "experiment", .kind = "step",
+           .version = OPC_VERSION, .licence = "BSD-3-Clause",
+           .summary = "run a flow by several methods on several cases",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
+           .clear = clear, OPC_FUNCTIONS(functions));

@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What an experiment tells: all figures of all runs, and their means by
+   method. */
+#include <math.h>
+#include <opcflow/table.h>
+#include <string.h>
+
+#include "experiment.h"
+
+/* Columns of a terminal that the summary is to fit. */
+enum { WIDEST = 100 };
+
+/* ---- figures ---- */
+
+void figure_free(void *object) {
+  figure *f = object;
+  g_free(f->name);
+  g_free(f->values);
+  g_free(f);
+}
+
+static figure *find_figure(const experiment *e, const char *name) {
+  for (guint i = 0; i < e->figures->len; i++) {
+    figure *f = e->figures->pdata[i];
+    if (!strcmp(f->name, name)) return f;
+  }
+  return NULL;
+}
+
+/* One of the same name has the same unit but where methods put different
+   plugins there: these have columns of their own. */
+static figure *get_figure(experiment *e, const opc_inner_metric *m) {
+  g_autofree char *name = g_strdup_printf("%s.%s", m->path, m->metric->name);
+  for (guint i = 0; i < e->figures->len; i++) {
+    figure *f = e->figures->pdata[i];
+    if (!strcmp(f->name, name) && !g_strcmp0(f->unit, m->metric->unit))
+      return f;
+  }
+  figure *f = g_new(figure, 1);
+  *f = (figure){g_steal_pointer(&name), m->metric->unit, m->metric->better,
+                g_new(double, e->count)};
+  for (size_t i = 0; i < e->count; i++) f->values[i] = NAN;
+  g_ptr_array_add(e->figures, f);
+  return f;
+}
+
+void take_figures(experiment *e, size_t run) {
+  size_t n;
+  const opc_inner_metric *m = e->host->inner->metrics(e->host, 0, &n);
+  for (size_t i = 0; i < n; i++) get_figure(e, &m[i])->values[run] = m[i].value;
+}
+
+/* ---- experiment.csv ---- */
+
+static int write_runs(const experiment *e, opc_error *error) {
+  enum { HEAD = 5 };
+  size_t n = HEAD + e->figures->len;
+  g_autofree opc_column *columns = g_new0(opc_column, n);
+  g_autofree const char **cases = g_new(const char *, e->count);
+  g_autofree const char **methods = g_new(const char *, e->count);
+  for (size_t i = 0; i < e->count; i++) {
+    cases[i] = e->case_names[i / e->n_methods];
+    methods[i] = e->method_names[i % e->n_methods];
+  }
+  const char *step = NULL;
+  g_auto(GStrv) folders = g_new0(char *, e->count + 1);
+  for (size_t i = 0; i < e->count; i++) {
+    /* Of the outer run folder: that of the step, and in it the run. */
+    if (!step && e->folders[i]) {
+      size_t whole = strlen(e->folders[i]), inside = strlen(e->places[i]);
+      g_autofree char *own = g_strndup(e->folders[i], whole - inside - 1);
+      step = g_intern_string(strrchr(own, '/') + 1);
+    }
+  }
+  for (size_t i = 0; i < e->count; i++)
+    folders[i] = *e->places[i] ? g_build_filename(step, e->places[i], NULL)
+                               : g_strdup("");
+  columns[0] = (opc_column){"case", NULL, OPC_TEXT, 0, cases};
+  columns[1] = (opc_column){"method", NULL, OPC_TEXT, 0, methods};
+  columns[2] = (opc_column){"folder", NULL, OPC_TEXT, 0, folders};
+  columns[3] = (opc_column){"result", NULL, OPC_TEXT, 0, e->results};
+  columns[4] = (opc_column){"seconds", NULL, OPC_REAL, 6, e->seconds};
+  for (guint i = 0; i < e->figures->len; i++) {
+    const figure *f = e->figures->pdata[i];
+    columns[HEAD + i] = (opc_column){f->name, f->unit, OPC_REAL, -1, f->values};
+  }
+  return e->host->table(e->host, "experiment", 0, e->count, columns, n, error);
+}
+
+/* ---- the summary ---- */
+
+/* Over the cases that this method has a figure of; NAN if there is none. */
+static double mean_of(const experiment *e, const double *values,
+                      size_t method) {
+  double sum = 0, n = 0;
+  for (size_t i = method; i < e->count; i += e->n_methods)
+    if (!isnan(values[i])) {
+      sum += values[i];
+      n++;
+    }
+  return n > 0 ? sum / n : NAN;
+}
+
+static gboolean differs(const experiment *e, const figure *f) {
+  double first = mean_of(e, f->values, 0);
+  for (size_t m = 1; m < e->n_methods; m++)
+    if (mean_of(e, f->values, m) != first) return TRUE;
+  return FALSE;
+}
+
+/* To four digits that count. */
+static double shorten(double value) {
+  char digits[40];
+  g_ascii_formatd(digits, sizeof digits, "%.4g", value);
+  return g_ascii_strtod(digits, NULL);
+}
+
+/* A table on its way, and how wide it would be printed. */
+typedef struct summary {
+  const experiment *e;
+  GArray *columns;
+  GPtrArray *cells; /* freed with it */
+  size_t width;
+} summary;
+
+/* FALSE if it would be too wide; `must`: it is wanted all the same. */
+static gboolean add_means(summary *s, const char *head, const char *unit,
+                          const double *values, gboolean must) {
+  const experiment *e = s->e;
+  enum { LARGEST = 9 }; /* digits and a point */
+  size_t width = strlen(head) + (unit ? strlen(unit) + 3 : 0);
+  width = MAX(width, LARGEST) + 2;
+  if (!must && s->width + width > WIDEST) return FALSE;
+  s->width += width;
+  double *means = g_new(double, e->n_methods);
+  g_ptr_array_add(s->cells, means);
+  for (size_t m = 0; m < e->n_methods; m++)
+    means[m] = shorten(mean_of(e, values, m));
+  const opc_column column = {head, unit, OPC_REAL, -1, means};
+  g_array_append_val(s->columns, column);
+  return TRUE;
+}
+
+/* Those that are asked for, or all that have a better direction and are not the
+   same for all methods, while there is room. */
+static void add_figures(summary *s) {
+  const experiment *e = s->e;
+  for (size_t i = 0; i < e->columns.count; i++) {
+    const opc_pair *pair = &e->columns.pairs[i];
+    const figure *f = find_figure(e, pair->key);
+    if (f)
+      add_means(s, pair->value, f->unit, f->values, TRUE);
+    else
+      e->host->log(e->host, OPC_LOG_WARNING, "no run gave '%s'", pair->key);
+  }
+  for (guint i = 0; !e->columns.count && i < e->figures->len; i++) {
+    const figure *f = e->figures->pdata[i];
+    if (f->better != OPC_NEUTRAL && differs(e, f))
+      add_means(s, f->name, f->unit, f->values, FALSE);
+  }
+}
+
+/* By method: how many runs, their means, and how many failed. */
+static int print_summary(const experiment *e, opc_error *error) {
+  summary s = {e, g_array_new(FALSE, TRUE, sizeof(opc_column)),
+               g_ptr_array_new_with_free_func(g_free), 0};
+  int64_t *runs = g_new0(int64_t, e->n_methods);
+  g_ptr_array_add(s.cells, runs);
+  for (size_t i = 0; i < e->count; i++)
+    runs[i % e->n_methods] += e->folders[i] != NULL;
+  const opc_column head[] = {{"method", NULL, OPC_TEXT, 0, e->method_names},
+                             {"cases", NULL, OPC_INT, 0, runs}};
+  g_array_append_vals(s.columns, head, G_N_ELEMENTS(head));
+  for (size_t m = 0; m < e->n_methods; m++)
+    s.width = MAX(s.width, strlen(e->method_names[m]));
+  s.width += strlen("cases") + strlen("seconds") + 6;
+  add_figures(&s);
+  add_means(&s, "seconds", NULL, e->seconds, TRUE);
+  int code = e->host->table(e->host, "summary", OPC_TABLE_PRINT, e->n_methods,
+                            (const opc_column *)(void *)s.columns->data,
+                            s.columns->len, error);
+  g_array_free(s.columns, TRUE);
+  g_ptr_array_free(s.cells, TRUE);
+  return code;
+}
+
+/* ---- all of it ---- */
+
+static void tell(const experiment *e) {
+  const opc_host *host = e->host;
+  for (size_t i = 0; i < e->count; i++)
+    if (!e->folders[i])
+      host->log(host, OPC_LOG_FINDING, "%s by %s failed: %s",
+                e->case_names[i / e->n_methods],
+                e->method_names[i % e->n_methods], e->results[i]);
+  if (e->with_findings)
+    host->log(host, OPC_LOG_FINDING,
+              "%zu of %zu runs have findings of their own: see metrics.json in "
+              "their folders",
+              e->with_findings, e->count);
+}
+
+int experiment_report(experiment *e, opc_error *error) {
+  const opc_metric_value values[] = {{"cases", (double)e->n_cases},
+                                     {"methods", (double)e->n_methods},
+                                     {"failed", (double)e->failed},
+                                     {"missed", (double)e->missed}};
+  int code = write_runs(e, error);
+  if (!code) code = print_summary(e, error);
+  if (!code) code = opc_put_metrics(e->host, OPC_ARRAY(values), error);
+  if (!code) tell(e);
+  return code;
+}

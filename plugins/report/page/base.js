@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Elements, numbers, statistics, colours, and reading what is packed. Texts of
+   the data become text nodes, never markup. */
+
+/* ---- elements ---- */
+
+function make(node, attributes, children) {
+  for (const [name, value] of Object.entries(attributes || {}))
+    if (name.startsWith('on')) node.addEventListener(name.slice(2), value);
+    else if (value !== null && value !== undefined && value !== false)
+      node.setAttribute(name, value === true ? '' : value);
+  node.append(...some(children));
+  return node;
+}
+/* Of nested lists, what is there. */
+const some = list => list.flat(Infinity).filter(c => c !== null && c !== undefined && c !== false);
+const el = (tag, attributes, ...children) =>
+  make(document.createElement(tag), attributes, children);
+const svg = (tag, attributes, ...children) =>
+  make(document.createElementNS('http://www.w3.org/2000/svg', tag), attributes, children);
+
+/* ---- numbers ---- */
+
+const is = Number.isFinite;
+const minus = text => text.replace(/^-/, '\u2212');
+
+/* Four significant digits, thousands apart. */
+function number(x) {
+  if (!is(x)) return '\u2013';
+  const size = Math.abs(x);
+  if (Number.isInteger(x) && size < 1e15)
+    return minus(String(x).replace(/\B(?=(\d{3})+$)/g, '\u202f'));
+  if (size >= 1e6 || (size < 1e-4 && size > 0)) return minus(x.toExponential(2));
+  return minus(String(Number(x.toPrecision(4))));
+}
+const quantity = (x, unit) => number(x) + (is(x) && unit ? '\u202f' + unit : '');
+
+/* The same number of decimals for all of a kind. */
+const fixed = (x, decimals) => (is(x) ? minus(x.toFixed(decimals)) : '\u2013');
+
+/* The least of 1, 2, 5 times a power of ten that is not below x. */
+function round_up(x) {
+  if (!(x > 0)) return 1;
+  const power = 10 ** Math.floor(Math.log10(x));
+  return [1, 2, 5, 10].find(f => f * power >= x * (1 - 1e-9)) * power;
+}
+
+function ticks(low, high, wanted) {
+  const step = round_up((high - low) / wanted), out = [];
+  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + step * 1e-9; k++)
+    out.push(Number((k * step).toPrecision(10)));
+  return out;
+}
+
+/* ---- statistics ---- */
+
+const finite = values => values.filter(is);
+const mean = values => values.reduce((a, b) => a + b, 0) / values.length; /* NaN of none */
+const stdv = values => {
+  const m = mean(values);
+  return Math.sqrt(mean(values.map(v => (v - m) ** 2)));
+};
+const largest = values => values.reduce((a, b) => Math.max(a, b), 0);
+function quantile(values, q) {
+  const sorted = Float64Array.from(values).sort();
+  return sorted.length ? sorted[Math.min(sorted.length - 1, Math.floor(q * sorted.length))] : NaN;
+}
+
+/* A round range that holds all but one in fifty of the values. */
+const range_of = values => round_up(quantile(values.map(Math.abs), 0.98) || 0);
+
+/* ---- tables ---- */
+
+/* The values of a column of a run's table; null where there is none. */
+function column(run, table, name) {
+  const t = run.tables[table], c = t && t.columns.find(c => c.name === name);
+  return c ? c.values : null;
+}
+const deviations = (run, name) => column(run, 'gates', name) || [];
+
+/* ---- packed ---- */
+
+async function inflate(text) {
+  const letters = atob(text), bytes = new Uint8Array(letters.length);
+  for (let i = 0; i < bytes.length; i++) bytes[i] = letters.charCodeAt(i);
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'));
+  return new Response(stream).arrayBuffer();
+}
+
+/* Integers, as json.h tells. */
+async function unpack(text, stride) {
+  const numbers = new Int32Array(await inflate(text));
+  for (let i = stride; i < numbers.length; i++) numbers[i] += numbers[i - stride];
+  return numbers;
+}
+
+/* ---- colours ---- */
+
+const style = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+let printing = false;
+const dark = () => !printing && style('--is-dark') === '1';
+
+/* Oklch to sRGB (Ottosson 2020). */
+function oklch(lightness, chroma, hue) {
+  const a = chroma * Math.cos(hue), b = chroma * Math.sin(hue);
+  const l = (lightness + 0.3963377774 * a + 0.2158037573 * b) ** 3;
+  const m = (lightness - 0.1055613458 * a - 0.0638541728 * b) ** 3;
+  const s = (lightness - 0.0894841775 * a - 1.291485548 * b) ** 3;
+  const channel = v => {
+    const c = Math.min(1, Math.max(0, v));
+    return Math.round(255 * (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055));
+  };
+  return [channel(4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s),
+    channel(-1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s),
+    channel(-0.0041960863 * l - 0.7034186147 * m + 1.707614701 * s)];
+}
+
+/* From blue by the paper's colour to orange, lightness in even steps: 2 LEVELS + 1
+   colours, told apart by lightness and by the axis of colour that all but the
+   rarest of the colour-blind see. */
+const LEVELS = 32;
+function diverging() {
+  const from = dark() ? 0.30 : 0.97, to = dark() ? 0.80 : 0.47, out = [];
+  for (let k = -LEVELS; k <= LEVELS; k++) {
+    const t = Math.abs(k) / LEVELS, hue = k < 0 ? 4.5 : 0.95;
+    out.push(oklch(from + t * (to - from), 0.005 + 0.135 * t, hue));
+  }
+  return out;
+}
+const level_of = (value, range) =>
+  LEVELS + Math.round(LEVELS * Math.max(-1, Math.min(1, value / range)));
+const rgb = c => 'rgb(' + c.join(',') + ')';

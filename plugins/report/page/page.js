@@ -1,0 +1,376 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The sections of the page, from the data to the document. */
+
+const data = JSON.parse(document.getElementById('data').textContent);
+const runs = data.runs;
+const main = document.getElementById('main');
+const FEW = 20; /* runs that are told of at length */
+const methods = [...new Set(runs.map(r => r.method))], cases = [...new Set(runs.map(r => r.case))];
+const series_of = run => methods.indexOf(run.method);
+
+function section(id, title, ...content) {
+  const there = some(content);
+  if (!there.length) return;
+  main.append(el('section', {id, 'aria-labelledby': id + '-title'}, el('h2', {id: id + '-title'}, title), there));
+  document.getElementById('contents').append(el('li', null, el('a', {href: '#' + id}, title)));
+}
+
+/* A table from columns { name, unit, cell(row), text } and rows. */
+function table(caption, columns, rows) {
+  const head = c => el('th', {scope: 'col', class: c.text ? null : 'number'}, c.name, c.unit ? el('span', {class: 'unit'}, ' ' + c.unit) : null);
+  return el('div', {class: 'wide', role: 'region', tabindex: 0, 'aria-label': caption}, el('table', null,
+    el('caption', null, caption), el('thead', null, el('tr', null, columns.map(head))),
+    el('tbody', null, rows.map(row => el('tr', null, columns.map((c, k) => {
+      const cell = c.cell(row);
+      if (cell instanceof Element && (cell.tagName === 'TD' || cell.tagName === 'TH')) return cell;
+      return k ? el('td', {class: c.text ? null : 'number'}, cell) : el('th', {scope: 'row'}, cell);
+    }))))));
+}
+
+/* ---- summary ---- */
+
+/* Of the metrics of all steps, those that most is asked for. */
+const CHOSEN = [['transistors', 'transistors'], ['ion_mean_drawn', '|Ion| mean, drawn'], ['ion_mean', '|Ion| mean'],
+  ['ion_max', '|Ion| max'], ['area_mean', '|area| mean'],
+  ['ioff_mean', '|Ioff| mean'], ['ioff_total', 'Ioff total'], ['epe_mean', 'EPE mean'], ['failed', 'do not print'],
+  ['worse', 'worse than drawn'], ['violations', 'violations'], ['shots', 'shots'], ['simulations', 'simulations']];
+
+/* The first one called so: of `mask`, not of a step that looks again. */
+const metric_named = (run, name) => Object.keys(run.metrics).find(m => m.endsWith('.' + name)) || '';
+
+function metric_cell(run, name) {
+  const m = run.metrics[name];
+  return el('td', {class: 'number', 'data-metric': name, 'data-value': m ? m.value : null}, number(m ? m.value : NaN));
+}
+
+function summary() {
+  const used = CHOSEN.filter(([name]) => runs.some(r => metric_named(r, name)));
+  const unit = name => { const r = runs.find(r => metric_named(r, name)); return r.metrics[metric_named(r, name)].unit; };
+  const columns = [{name: cases.length > 1 || runs.length > methods.length ? 'method' : 'run', text: true,
+    cell: r => el('th', {scope: 'row', class: 'name'}, el('span', {class: 'swatch', style: 'background:' + colour_of(series_of(r))}), r.method)},
+  ...(cases.length > 1 ? [{name: 'case', text: true, cell: r => r.case}] : []),
+  ...used.map(([name, label]) => ({name: label, unit: unit(name), cell: r => metric_cell(r, metric_named(r, name))})),
+  {name: 'time', unit: 's', cell: r => number(r.seconds ?? NaN)},
+  {name: 'result', text: true, cell: result_of}];
+  const each = table('Each run: metrics as in its metrics.json', columns, runs);
+  const pooled = cases.length > 1 ? by_method() : null;
+  section('summary', 'Summary', notes(), pooled,
+    pooled && runs.length > 24 ? el('details', null, el('summary', null, `Each of the ${runs.length} runs`), each) : each,
+    requirements(), findings());
+}
+
+function result_of(run) {
+  const broken = run.requirements.filter(q => !q.kept).length;
+  if (run.running) return 'this run, not yet at its end';
+  if (run.failure) return 'failed: ' + run.failure;
+  return broken ? `${broken} of ${run.requirements.length} required not kept` : 'complete';
+}
+
+/* Of many texts the first ones, and how many more there are. */
+const first_of = texts => (texts.length > 12 ? [...texts.slice(0, 10), `and ${texts.length - 10} more`] : texts);
+
+const notes = () => (data.missing.length
+  ? el('div', {class: 'note'}, el('h3', null, 'What is not here'), el('ul', null, first_of(data.missing).map(m => el('li', null, m)))) : null);
+
+/* All transistors of a method, in all cases that are asked for. */
+function pool(method, only) {
+  const out = {ion: [], ioff: [], area: [], before: [], w: [], pairs: [], shots: 0, seconds: 0};
+  for (const r of runs.filter(r => r.method === method && (!only || r.case === only))) {
+    const [ion, area, w] = ['ion_after', 'area_after', 'w'].map(n => deviations(r, n));
+    ion.forEach((v, i) => {
+      if (!is(v)) return;
+      out.ion.push(v);
+      if (is(area[i])) out.area.push(area[i]), out.pairs.push([area[i], v]), out.w.push(w[i]);
+    });
+    for (const v of deviations(r, 'ioff_after')) if (is(v)) out.ioff.push(v);
+    for (const v of deviations(r, 'ion_before')) if (is(v)) out.before.push(v);
+    const shots = r.metrics[metric_named(r, 'shots')];
+    out.shots += shots ? shots.value : 0, out.seconds += r.seconds || 0;
+  }
+  return out;
+}
+
+const size = Math.abs;
+const off_line = p => mean(p.pairs.map(q => size(q[0] - q[1])));
+
+function by_method() {
+  return table(`Each method, all transistors of ${cases.length} cases`, [
+    {name: 'method', text: true, cell: m => m.name}, {name: 'transistors', cell: m => number(m.ion.length)},
+    {name: '|Ion| mean', unit: '%', cell: m => number(mean(m.ion.map(size)))},
+    {name: '|Ion| max', unit: '%', cell: m => number(largest(m.ion.map(size)))},
+    {name: 'Ion stdv', unit: '%', cell: m => number(stdv(m.ion))},
+    {name: '|area| mean', unit: '%', cell: m => number(mean(m.area.map(size)))},
+    {name: '|Ioff| mean', unit: '%', cell: m => number(mean(m.ioff.map(size)))},
+    {name: '|area − Ion| mean', unit: '%', cell: m => number(off_line(m))},
+    {name: 'shots', cell: m => number(m.shots)}, {name: 'time', unit: 's', cell: m => number(m.seconds)},
+  ], methods.map(name => ({name, ...pool(name)})));
+}
+
+function requirements() {
+  const broken = runs.flatMap(r => r.requirements.filter(q => !q.kept).map(q => ({run: r.label, ...q})));
+  if (!broken.length) return null;
+  return table('Requirements that were not kept', [{name: 'run', text: true, cell: q => q.run},
+    {name: 'metric', text: true, cell: q => q.metric}, {name: 'required', text: true, cell: q => q.required},
+    {name: 'is', cell: q => quantity(q.value, q.unit)}], broken);
+}
+
+function findings() {
+  const all = runs.flatMap(r => r.findings.map(f => (runs.length > 1 ? r.label + ', ' : '') + f.step + ': ' + f.text));
+  return all.length ? el('div', {class: 'note'}, el('h3', null, 'Findings'),
+    el('ul', null, first_of(all).map(text => el('li', null, text)))) : null;
+}
+
+/* ---- charts ---- */
+
+function charts() {
+  if (!runs.some(r => r.tables.gates || r.tables.history)) return;
+  const place = el('div'), show = only => place.replaceChildren(...some(charts_of(only)));
+  const choice = cases.length > 1 ? el('label', null, 'Case ', el('select', {onchange: e => show(e.target.value)},
+    el('option', {value: ''}, 'all'), cases.map(c => el('option', null, c)))) : null;
+  show('');
+  section('transistors', 'Transistors and convergence', choice, place);
+}
+
+function charts_of(only) {
+  const pools = methods.map(m => pool(m, only));
+  const performance = [el('h3', null, 'Deviation from the design'), histograms(pools), el('h3', null, 'Drive current against gate area'),
+    el('p', {class: 'about'}, 'To first order, a gate’s delay is off by its load’s capacitance, which goes as the area of gates, ' +
+      'less its drive current (Δt/t ≈ ΔC/C − ΔIon/Ion): on the line where both are equal, the delay is as designed.'),
+    scatters(pools), el('h3', null, 'Deviation against width'), against_width(pools)];
+  return [pools.some(p => p.ion.length) ? performance : null, convergence(only)];
+}
+
+function histograms(pools) {
+  const kinds = [['ion', 'Ion'], ['ioff', 'Ioff'], ['area', 'gate area']];
+  const range = kinds.map(([k]) => range_of(pools.flatMap(p => p[k])));
+  return methods.map((name, k) => el('div', {class: 'row'}, el('h4', null, name), el('div', {class: 'charts'},
+    kinds.map(([kind, word], j) => pools[k][kind].length
+      ? histogram(word, '%', k, pools[k][kind], kind === 'ion' ? pools[k].before : [], range[j]) : null))));
+}
+
+function scatters(pools) {
+  const of = i => range_of(pools.flatMap(p => p.pairs.map(q => q[i])));
+  const [area, ion] = [of(0), of(1)];
+  const each = methods.map((name, k) => scatter(name, `mean of |area − Ion|: ${number(off_line(pools[k]))} %`,
+    {label: 'gate area, %', low: -area, high: area}, {label: 'Ion, %', low: -ion, high: ion}, k, pools[k].pairs));
+  return [el('div', {class: 'charts'}, means_chart(pools), each)];
+}
+
+/* Figure 5.5 of the thesis: mean and standard deviation, one against the other. */
+function means_chart(pools) {
+  const at = [];
+  pools.forEach((p, k) => p.pairs.length && at.push([k, mean(p.area.map(size)), mean(p.ion.map(size)), stdv(p.area), stdv(p.ion)]));
+  const values = at.flatMap(v => v.slice(1)).filter(v => v > 0);
+  if (!values.length) return null;
+  const axis = {log: true, low: Math.min(...values) / 1.5, high: largest(values) * 1.5};
+  return el('div', null, chart({title: 'Means and standard deviations',
+    about: 'Mean of the size as a filled mark, standard deviation as a ring around it.', height: 250,
+    x: {...axis, label: 'gate area, %'}, y: {...axis, label: 'Ion, %'}, draw: p => {
+      iso(p, axis, axis);
+      for (const [k, a, i, sa, si] of at)
+        p.body.append(svg('path', {class: 'tie', style: 'stroke:' + colour_of(k), d: `M${p.x(a)} ${p.y(i)}L${p.x(sa)} ${p.y(si)}`}),
+          svg('circle', {class: 'ring', cx: p.x(sa), cy: p.y(si), r: 6.5, style: 'stroke:' + colour_of(k)}),
+          marker(k, p.x(a), p.y(i), 4.5), marker(k, p.x(sa), p.y(si), 3));
+    }}), methods.length > 1 ? legend(methods) : null);
+}
+
+/* Means by width; of more than GROUPS widths, in as many groups of about equally
+   many transistors. */
+const GROUPS = 16;
+function against_width(pools) {
+  const of = (p, k, what) => {
+    const order = p.w.map((w, i) => [w, size(p[what][i])]).sort((a, b) => a[0] - b[0]), points = [];
+    const least = new Set(p.w).size > GROUPS ? order.length / GROUPS : 1;
+    for (let from = 0, to; from < order.length; from = to) {
+      for (to = from + 1; to < order.length && (to - from < least || order[to][0] === order[to - 1][0]);) to++;
+      const part = order.slice(from, to);
+      points.push([mean(part.map(q => q[0])), mean(part.map(q => q[1]))]);
+    }
+    return {k, points};
+  };
+  const one = (what, word) => lines('Mean |' + word + ' deviation|', '', {label: 'W as drawn, nm'}, {label: '%'},
+    pools.map((p, k) => of(p.w.length ? {...p, ion: p.pairs.map(q => q[1])} : p, k, what)).filter(s => s.points.length));
+  return el('div', null, el('div', {class: 'charts'}, one('area', 'area'), one('ion', 'Ion')), methods.length > 1 ? legend(methods) : null);
+}
+
+/* A figure of history.csv by iteration, of each method the mean over its runs; one
+   that ended earlier stays as it was. */
+function mean_history(method, only, name) {
+  const all = runs.filter(r => r.method === method && (!only || r.case === only) && column(r, 'history', name))
+    .map(r => new Map(column(r, 'history', 'iteration').map((n, i) => [n, column(r, 'history', name)[i]])));
+  const last = Math.max(-1, ...all.flatMap(h => [...h.keys()])), points = [];
+  const now = all.map(() => NaN);
+  for (let n = 0; n <= last; n++) {
+    all.forEach((h, i) => { if (is(h.get(n))) now[i] = h.get(n); });
+    const known = finite(now);
+    if (known.length && all.some(h => h.has(n))) points.push([n, mean(known)]);
+  }
+  return points;
+}
+
+function convergence(only) {
+  const one = (name, title, unit) => {
+    const series = methods.map((m, k) => ({k, points: mean_history(m, only, name)})).filter(s => s.points.length);
+    return series.length ? lines(title, '', {label: 'iteration'}, {label: unit, log: true}, series) : null;
+  };
+  const all = some([one('ion_mean', 'Mean |Ion deviation|', '%'), one('ion_max', 'Largest |Ion deviation|', '%'),
+    one('area_mean', 'Mean |area deviation|', '%'), one('epe_mean', 'Mean |edge placement error|', 'nm')]);
+  return all.length ? [el('h3', null, 'Convergence' + (cases.length > 1 && !only ? ', means over the cases' : '')),
+    el('div', {class: 'charts'}, all), methods.length > 1 ? legend(methods) : null] : null;
+}
+
+/* ---- corners ---- */
+
+function corners() {
+  const differ = c => new Set(c.values).size > 1;
+  const name = (r, i) => r.tables.corners.columns.filter(c => ['dose', 'focus', 'mask'].includes(c.name) && differ(c))
+    .map(c => c.name + ' ' + quantity(c.values[i], c.unit)).join(', ');
+  section('corners', 'Corners of the process', runs.filter(r => r.tables.corners).slice(0, FEW).map(r => {
+    const one = (what, of) => bars_of(`Leakage of ${of}, over that as drawn`, column(r, 'corners', what) || [], i => name(r, i), series_of(r));
+    return [el('h3', null, r.label), el('div', {class: 'charts'}, one('leakage', 'all'), one('leakage_n', 'n'), one('leakage_p', 'p')),
+      plain_table(r, 'corners')];
+  }));
+}
+
+/* Horizontal bars on a scale of powers, from 1. */
+function bars_of(title, values, name, k) {
+  const good = values.filter(v => is(v) && v > 0);
+  if (!good.length) return null;
+  const low = Math.min(1, ...good) / 1.1, high = Math.max(1, ...good) * 1.1, step = 20;
+  return chart({title, height: 50 + step * values.length,
+    x: {label: 'factor', log: true, low, high}, y: {bare: 158, low: 0, high: 1}, draw: p => values.forEach((v, i) => {
+      if (!(v > 0)) return;
+      const a = p.x(1), b = p.x(v), y = p.top + i * step;
+      p.body.append(svg('rect', {class: 'bar', x: Math.min(a, b), y: y + 3, width: Math.max(1, size(a - b)), height: step - 8, style: 'fill:' + colour_of(k)}),
+        svg('text', {x: p.left - 6, y: y + 14, 'text-anchor': 'end'}, name(i)));
+    })});
+}
+
+function plain_table(run, name) {
+  const t = run.tables[name], rows = [...Array(t.rows).keys()];
+  return table(`${name}.csv of ${run.label}`, t.columns.map(c => ({name: c.name, unit: c.unit, text: c.values.some(v => typeof v === 'string'),
+    cell: i => (typeof c.values[i] === 'string' ? c.values[i] : number(c.values[i] ?? NaN))})), rows);
+}
+
+/* ---- layout ---- */
+
+function layout() {
+  const shown = runs.filter(r => r.view);
+  if (!shown.length) return;
+  const viewer = new Viewer(shown), worst = el('div');
+  section('layout', 'Layout', shown.some(r => !r.view.whole)
+    ? el('p', {class: 'about'}, 'Of layouts with many transistors, all of them are here as boxes, and all shapes around the worst.') : null, viewer.element);
+  section('worst', 'The worst ten', worst);
+  const show = () => viewer.open().then(() => worst_ten(worst, viewer));
+  viewer.first.addEventListener('change', show);
+  repaint = () => { viewer.draw_now(); worst.querySelectorAll('canvas').forEach(c => c.dispatchEvent(new Event('repaint'))); };
+  show();
+}
+let repaint = () => {};
+
+function worst_ten(place, viewer) {
+  const scene = viewer.scene, ten = worst_first(scene.value.after).slice(0, 10);
+  const ranges = {before: range_of(finite(Array.from(scene.value.before))), after: range_of(finite(Array.from(scene.value.after)))};
+  const close_up = (i, state) => {
+    const canvas = el('canvas', {class: 'close', role: 'img', 'aria-label': `${STATES[state]}, ${facts_of(scene.run, i)[0][1]}`});
+    const c = viewer.centre(i), k = 4 * i, b = scene.boxes;
+    const wide = Math.max(b[k + 2] - b[k], b[k + 3] - b[k + 1]) + 300;
+    const draw = () => paint(canvas, {scene, state, values: scene.value[state], range: ranges[state], chosen: -1, show: {...viewer.show, image: false}},
+      {...c, scale: (canvas.clientWidth || 150) / wide});
+    canvas.addEventListener('repaint', draw);
+    requestAnimationFrame(draw);
+    return el('figure', null, canvas, el('figcaption', null, STATES[state]));
+  };
+  place.replaceChildren(el('p', {class: 'about'}, `Of ${scene.run.label}, by the size of the Ion deviation; those that do not print come first.`),
+    el('ol', {class: 'cards'}, ten.map(i => el('li', null, el('div', {class: 'pair'},
+      scene.value.before.length ? close_up(i, 'before') : null, close_up(i, 'after')), facts_list(scene.run, i),
+    el('button', {type: 'button', onclick: () => { viewer.element.scrollIntoView(); viewer.choose(i, true); viewer.canvas().focus({preventScroll: true}); }}, 'Show in the layout')))));
+}
+
+/* ---- violations, facts ---- */
+
+function violations() {
+  const there = runs.filter(r => r.tables.violations);
+  section('violations', 'Violations of rules', there.map(r => plain_table(r, 'violations')));
+}
+
+/* Of what differs between runs, a row each; what they share, folded away. */
+function parameters() {
+  if (runs.length < 2) return null;
+  const names = [...new Set(runs.flatMap(r => Object.keys(r.parameters)))];
+  const differ = names.filter(n => new Set(runs.map(r => r.parameters[n])).size > 1);
+  const first = cases.length > 1 ? runs.filter(r => r.case === cases[0]) : runs;
+  return differ.length ? table('Parameters that differ' + (cases.length > 1 ? `, in the case ${cases[0]}` : ''),
+    [{name: 'parameter', text: true, cell: n => n},
+      ...first.map(r => ({name: r.method, text: true, cell: n => r.parameters[n] ?? '\u2013'}))], differ)
+    : el('p', null, 'All parameters are the same.');
+}
+
+function facts() {
+  const short = sum => (sum ? el('code', {title: sum}, sum.slice(0, 12)) : '');
+  const inside = r => [el('dl', {class: 'facts long'}, [['folder', r.folder], ['flow', r.name], ['variant', r.variant], ['opcflow', r.version],
+      ['started', r.started], ['time', is(r.seconds) ? quantity(r.seconds, 's') : ''], ['threads', r.threads]].filter(f => f[1]).map(([a, b]) =>
+      el('div', null, el('dt', null, a), el('dd', null, String(b))))),
+    table('Inputs', [{name: 'file', text: true, cell: f => f.path}, {name: 'SHA-256', text: true, cell: f => short(f.sha256)}], r.inputs),
+    table('Steps', [{name: 'step', text: true, cell: s => s.name}, {name: 'time', unit: 's', cell: s => number(s.seconds)}], r.steps),
+    table('Plugins', [{name: 'plugin', text: true, cell: p => p.id}, {name: 'version', text: true, cell: p => p.version},
+      {name: 'SHA-256', text: true, cell: p => short(p.sha256)}], r.plugins)];
+  section('facts', 'Facts of the runs', parameters(), all_metrics(), runs.map(r => folded(r.label, runs.length === 1, () => inside(r))));
+}
+
+/* What is made when it is unfolded; of few runs at once, so that it is printed. */
+function folded(title, open, content) {
+  const d = el('details', {open}, el('summary', null, title));
+  if (runs.length <= FEW) d.append(...some(content()));
+  else d.addEventListener('toggle', () => d.append(...some(content())), {once: true});
+  return d;
+}
+
+function all_metrics() {
+  const names = [...new Set(runs.flatMap(r => Object.keys(r.metrics)))], few = runs.slice(0, 12);
+  const any = n => runs.find(r => r.metrics[n]).metrics[n];
+  return el('details', null, el('summary', null, 'All metrics' + (few.length < runs.length ? ` of the first ${few.length} runs` : '')),
+    table('All metrics', [{name: 'metric', text: true, cell: n => n}, {name: 'unit', text: true, cell: n => any(n).unit || ''},
+      {name: 'better', text: true, cell: n => any(n).better}, ...few.map(r => ({name: r.label, cell: n => metric_cell(r, n)}))], names));
+}
+
+/* ---- the page ---- */
+
+function theme() {
+  const choice = document.getElementById('theme'), root = document.documentElement;
+  const set = to => { if (to) root.dataset.theme = to; else delete root.dataset.theme; repaint(); };
+  choice.addEventListener('change', () => set(choice.value));
+  if (location.hash === '#dark' || location.hash === '#light') set(choice.value = location.hash.slice(1));
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => repaint());
+  let folded = [];
+  const print = to => () => {
+    if (to) folded = [...document.querySelectorAll('details:not([open])')];
+    for (const d of folded) d.open = to;
+    printing = to;
+    root.classList.toggle('printing', to);
+    repaint();
+  };
+  addEventListener('beforeprint', print(true));
+  addEventListener('afterprint', print(false));
+}
+
+function head() {
+  const title = data.title || (runs.length > 4 ? methods : runs.map(r => r.label)).join(', ');
+  document.title = title + ' · opcflow report';
+  document.getElementById('title').textContent = title;
+  document.getElementById('subtitle').textContent = [
+    runs.length > 1 ? `${runs.length} runs` : null, cases.length > 1 ? `${cases.length} cases, ${methods.length} methods` : null,
+    runs[0] && runs[0].started ? 'started ' + runs[0].started.slice(0, 16).replace('T', ' ') + ' UTC' : null,
+    'opcflow ' + data.opcflow].filter(t => t).join(' · ');
+}
+
+main.replaceChildren();
+head();
+summary();
+charts();
+corners();
+layout();
+violations();
+facts();
+theme();
+document.documentElement.dataset.ready = '1';

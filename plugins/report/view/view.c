@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* report.view: what a page needs to draw a mask, as a file of the run folder.
+ */
+#include <opcflow/step.h>
+
+#include "../drawing.h"
+
+/* ---- state ---- */
+
+typedef struct viewer {
+  const opc_host *host;
+  const eda_mask *mask;
+  const char *file;
+  drawing_limits limits;
+} viewer;
+
+/* ---- work ---- */
+
+static int run(void *self, void **outputs, opc_error *error) {
+  const viewer *v = self;
+  (void)outputs;
+  const char *path = v->host->output_path(v->host, v->file, error);
+  if (!path) return error->code;
+  return drawing_file(v->host->context, v->mask, &v->limits, path, error);
+}
+
+/* ---- parameters ---- */
+
+static const opc_parameter parameters[] = {
+    OPC_PARAMETER(viewer, mask, .type = OPC_INPUT, .flags = OPC_REQUIRED,
+                  .choices = "mask", .summary = "The mask to show"),
+    OPC_PARAMETER(viewer, file, .type = OPC_OUTPUT, .preset = "view.json",
+                  .summary = "What 'opcflow report' draws pictures from"),
+    DRAWING_PARAMETERS(viewer, limits),
+};
+
+/* ---- entry ---- */
+
+static const opc_step functions = {.run = run};
+
+OPC_PLUGIN(viewer, .id = "report.view", .kind = "step", .version = "0.1.0",
+           .licence = "BSD-3-Clause",
+           .summary = "Write a mask and its print as data for a report",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_FUNCTIONS(functions));

@@ -1,0 +1,283 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* write.klayout: a corrected mask as three files that KLayout opens together:
+   shapes and printed contours as layers of an OASIS file, how these look, and
+   what is worth a look as a marker database. */
+#include "klayout.h"
+
+#include <eda/memory.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Ours. */
+static const struct {
+  double unit, step, nodes;
+} tuned = {
+    /* nm: places of contours are rounded to that; the mask grid, if that is
+       finer. A tenth of what masks are written with. */
+    .unit = 0.1,
+
+    /* nm between points of a contour; an arc of 40 nm radius is 0.3 nm off
+       between them. Half of it takes twice the file. */
+    .step = 10,
+
+    /* Of the grid in which contours are looked for: what takes a tenth of a
+       second. Above 20 x 20 um, the step grows with the layout. */
+    .nodes = 4e6,
+};
+
+static const char *const suffix[GROUPS] = {"drawn", "mask", "before", "after"};
+
+/* ---- work: sheets ---- */
+
+static const eda_field *print_of(const eda_mask *m, int group, size_t layer) {
+  const eda_field *prints = group == AFTER ? m->print : m->drawn_print;
+  return prints && prints[layer].coefficients ? &prints[layer] : NULL;
+}
+
+static int has_sheet(const eda_mask *m, int group, size_t layer) {
+  if (group == DRAWN) return m->gates->drawn[layer].count > 0;
+  if (group == MASK) return m->shapes[layer].count > 0;
+  return print_of(m, group, layer) != NULL;
+}
+
+/* Names in OASIS are printable and have no blanks. */
+static void name_sheet(const eda_gates *g, sheet *s) {
+  snprintf(s->name, sizeof s->name, "%.40s.%s%s", g->layer[s->layer],
+           suffix[s->group], s->holes ? ".holes" : "");
+  for (char *c = s->name; *c; c++)
+    if (*c <= ' ' || *c >= 0x7f) *c = '_';
+}
+
+/* The mask has the numbers that write.oasis gives it, and what is drawn, too;
+   prints follow in the same steps. */
+static void add_sheet(klayout *k, int group, size_t layer, int holes) {
+  static const uint32_t step[GROUPS] = {1, 0, 2, 3};
+  const eda_gates *g = k->mask->gates;
+  sheet *s = &k->sheets[k->n_sheets++];
+  uint32_t n = eda_gates_number(g, layer);
+  if (g->corrected[layer]) n += step[group] * EDA_DRAWN_NUMBER;
+  *s = (sheet){.group = group, .layer = layer, .holes = holes};
+  (void)snprintf(s->number, sizeof s->number, "%u/%d", (unsigned)n, holes);
+  name_sheet(g, s);
+}
+
+/* Poly above active, and contacts above both. */
+static void list_sheets(klayout *k) {
+  const eda_mask *m = k->mask;
+  k->sheets = eda_alloc(GROUPS * 2 * m->gates->layers, sizeof *k->sheets);
+  k->n_sheets = 0;
+  for (int group = 0; group < GROUPS; group++)
+    for (int only_drawn = 0; only_drawn < 2; only_drawn++)
+      for (size_t i = m->gates->layers; i-- > 0;) {
+        if (only_drawn == m->gates->corrected[i] || !has_sheet(m, group, i))
+          continue;
+        add_sheet(k, group, i, 0);
+        if (group >= BEFORE) add_sheet(k, group, i, 1);
+      }
+}
+
+/* ---- work: shapes ---- */
+
+typedef struct target {
+  eda_layout *layout;
+  int32_t cell, layer;
+  int32_t times; /* units of the file in a step of the mask's grid */
+  double unit;   /* nm */
+  eda_point *points;
+  size_t room;
+} target;
+
+static int put_polygon(void *data, const eda_point *points, size_t n,
+                       opc_error *error) {
+  target *t = data;
+  eda_grow(&t->points, &t->room, n, sizeof *t->points);
+  for (size_t i = 0; i < n; i++)
+    t->points[i] = (eda_point){t->times * points[i].x, t->times * points[i].y};
+  return eda_layout_add_polygon(t->layout, t->cell, t->layer, t->points, n,
+                                error);
+}
+
+static int put_shapes(target *t, const eda_shapes *shapes, opc_error *error) {
+  const eda_polygon_taker take = {put_polygon, t, oasis_stream.most_points};
+  return eda_polygons_without_holes(shapes, &take, error);
+}
+
+typedef struct contours {
+  const eda_field *print;
+  double *points;
+  uint32_t *start;
+  size_t count;
+  opc_error error;
+} contours;
+
+static void find_contours(void *data, size_t i) {
+  contours *c = (contours *)data + i;
+  if (!c->print) return;
+  eda_frame f = c->print->frame;
+  double step = fmax(tuned.step, sqrt(f.width * f.height / tuned.nodes));
+  eda_contours(c->print, f, step, &c->points, &c->start, &c->count, &c->error);
+}
+
+/* Outlines go counter-clockwise, holes clockwise. */
+static int put_contours(target *t, const contours *c, int holes,
+                        opc_error *error) {
+  for (size_t i = 0; i < c->count; i++) {
+    const double *p = c->points + 2 * (size_t)c->start[i];
+    size_t n = c->start[i + 1] - c->start[i], used = 0;
+    double area = 0;
+    eda_grow(&t->points, &t->room, n, sizeof *t->points);
+    for (size_t k = 0; k < n; k++) {
+      const double *q = p + 2 * ((k + 1) % n);
+      eda_point at = {(int32_t)lround(p[2 * k] / t->unit),
+                      (int32_t)lround(p[2 * k + 1] / t->unit)};
+      area += p[2 * k] * q[1] - q[0] * p[2 * k + 1];
+      if (used && t->points[used - 1].x == at.x &&
+          t->points[used - 1].y == at.y)
+        continue;
+      t->points[used++] = at;
+    }
+    if (used < 3 || (area < 0) != holes) continue;
+    int code = eda_layout_add_polygon(t->layout, t->cell, t->layer, t->points,
+                                      used, error);
+    if (code) return code;
+  }
+  return OPC_OK;
+}
+
+/* Of all sheets that are prints, side by side; those of holes share them. */
+static contours *find_all_contours(const klayout *k) {
+  contours *all = eda_alloc(k->n_sheets, sizeof *all);
+  for (size_t i = 0; i < k->n_sheets; i++) {
+    const sheet *s = &k->sheets[i];
+    if (s->group >= BEFORE && !s->holes)
+      all[i].print = print_of(k->mask, s->group, s->layer);
+  }
+  opc_parallel(k->file.w.host->context, k->n_sheets, find_contours, all);
+  return all;
+}
+
+static int put_sheet(klayout *k, size_t i, const contours *found, target *t,
+                     opc_error *error) {
+  sheet *s = &k->sheets[i];
+  const eda_mask *m = k->mask;
+  const contours *c = &found[i - (size_t)s->holes];
+  if (c->error.code) return *error = c->error, error->code;
+  t->layer = eda_layout_layer(t->layout, s->number, error);
+  if (t->layer < 0) return error->code;
+  size_t before = eda_layout_polygons(t->layout, t->cell);
+  int code = s->group == DRAWN
+                 ? put_shapes(t, &m->gates->drawn[s->layer], error)
+             : s->group == MASK ? put_shapes(t, &m->shapes[s->layer], error)
+                                : put_contours(t, c, s->holes, error);
+  s->empty = eda_layout_polygons(t->layout, t->cell) == before;
+  return code;
+}
+
+/* Units of the file in a step of the mask's grid, within the range of
+   coordinates. */
+static int32_t fineness(const eda_gates *g) {
+  const double most = 1 << 29;
+  const eda_box *e = &g->extent;
+  double far = fmax(fmax(fabs((double)e->x0), fabs((double)e->x1)),
+                    fmax(fabs((double)e->y0), fabs((double)e->y1)));
+  double times = fmin(ceil(g->grid / tuned.unit - 1e-6), floor(most / far));
+  return (int32_t)fmax(1, times);
+}
+
+static eda_layout *build(klayout *k, opc_error *error) {
+  const eda_gates *g = k->mask->gates;
+  target t = {.times = fineness(g)};
+  t.unit = g->grid / t.times;
+  t.layout = eda_layout_new(t.unit, error);
+  if (!t.layout) return NULL;
+  t.cell = eda_layout_cell(t.layout, g->name, error);
+  contours *found = find_all_contours(k);
+  int code = t.cell < 0 ? error->code : OPC_OK;
+  for (size_t i = 0; i < k->n_sheets && !code; i++)
+    code = put_sheet(k, i, found, &t, error);
+  for (size_t i = 0; i < k->n_sheets; i++) {
+    free(found[i].points);
+    free(found[i].start);
+  }
+  free(found);
+  free(t.points);
+  if (!code) return t.layout;
+  eda_layout_free(t.layout);
+  return NULL;
+}
+
+/* ---- work: the files ---- */
+
+int klayout_put_text(const klayout *k, const char *name, const GString *text,
+                     opc_error *error) {
+  const opc_host *host = k->file.w.host;
+  const char *path = host->output_path(host, name, error);
+  g_autoptr(GError) failed = NULL;
+  if (!path) return error->code;
+  if (g_file_set_contents(path, text->str, (gssize)text->len, &failed))
+    return OPC_OK;
+  return opc_fail(error, OPC_IO, NULL, "%s", failed->message);
+}
+
+static int put_shapes_file(klayout *k, opc_error *error) {
+  const char **names = eda_alloc(k->n_sheets, sizeof *names);
+  eda_layout *layout = build(k, error);
+  for (size_t i = 0; i < k->n_sheets; i++)
+    names[i] = k->sheets[i].empty ? NULL : k->sheets[i].name;
+  k->file.w.layout = layout;
+  k->file.layer_names = names;
+  int code = layout ? writer_run(k, NULL, error) : error->code;
+  k->file.w.layout = NULL;
+  k->file.layer_names = NULL;
+  eda_layout_free(layout);
+  free(names);
+  return code;
+}
+
+static int run(void *self, void **outputs, opc_error *error) {
+  klayout *k = self;
+  (void)outputs;
+  list_sheets(k);
+  int code = put_shapes_file(k, error);
+  if (!code) code = klayout_put_style(k, error);
+  if (!code) code = klayout_put_markers(k, error);
+  free(k->sheets);
+  k->sheets = NULL;
+  return code;
+}
+
+/* ---- parameters ---- */
+
+static const opc_parameter parameters[] = {
+    OPC_PARAMETER(klayout, mask, .type = OPC_INPUT, .flags = OPC_REQUIRED,
+                  .choices = "mask", .summary = "The mask to look at"),
+    OPC_PARAMETER_NAMED("file", klayout, file.w.name, .type = OPC_OUTPUT,
+                        .preset = "run.oas",
+                        .summary = "The shapes and prints, OASIS"),
+    OPC_PARAMETER_NAMED("style", klayout, style_name, .type = OPC_OUTPUT,
+                        .preset = "run.lyp", .summary = "How its layers look"),
+    OPC_PARAMETER_NAMED("markers", klayout, markers_name, .type = OPC_OUTPUT,
+                        .preset = "run.lyrdb",
+                        .summary = "What is worth a look, as markers"),
+    OPC_PARAMETER(klayout, worst, .type = OPC_INT,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "20", .min = 0,
+                  .max = 10000,
+                  .summary = "Of each figure, how many of the worst "
+                             "transistors are marked"),
+};
+
+static int check(void *self, opc_error *error) {
+  return writer_check(self, &oasis_stream, error);
+}
+
+/* ---- entry ---- */
+
+static const opc_step functions = {.run = run};
+
+OPC_PLUGIN(klayout, .id = "write.klayout", .kind = "step", .version = "0.2.0",
+           .licence = "BSD-3-Clause",
+           .summary = "Write a mask, its prints and what is worst for KLayout",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), .check = check,
+           OPC_FUNCTIONS(functions));

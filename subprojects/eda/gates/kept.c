@@ -1,0 +1,202 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A mask as a file, and back. One walk over its fields does both, so that
+   neither can know more than the other. */
+#include <eda/gates.h>
+#include <eda/memory.h>
+#include <glib.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What this file does not know would be lost. */
+G_STATIC_ASSERT(sizeof(eda_mask) ==
+                G_STRUCT_OFFSET(eda_mask, moved) + sizeof(eda_moved *));
+
+typedef struct stream {
+  FILE *file;
+  int writing, failed;
+  uint64_t left; /* bytes to be read */
+} stream;
+
+/* ---- bytes ---- */
+
+static void move(stream *s, void *data, size_t size) {
+  if (s->failed || !size) return;
+  if (!s->writing && size > s->left)
+    s->failed = 1;
+  else if (s->writing)
+    s->failed = fwrite(data, size, 1, s->file) != 1;
+  else
+    s->failed = fread(data, size, 1, s->file) != 1;
+  if (!s->writing) s->left -= MIN(size, s->left);
+}
+
+/* An array of n elements, or NULL. */
+static void move_array(stream *s, void *address, size_t n, size_t size) {
+  void **array = address;
+  uint8_t is_there = *array != NULL;
+  move(s, &is_there, 1);
+  if (s->failed || !is_there) return;
+  if (!s->writing && n > s->left / size) {
+    s->failed = 1;
+    return;
+  }
+  if (!s->writing) *array = eda_alloc(n, size);
+  move(s, *array, n * size);
+}
+
+static void move_count(stream *s, size_t *count) {
+  uint64_t n = *count;
+  move(s, &n, sizeof n);
+  *count = (size_t)n;
+}
+
+/* ---- a mask ---- */
+
+/* What points lie in the last array follows from the first. */
+static void move_shapes(stream *s, eda_shapes *shapes) {
+  move_count(s, &shapes->count);
+  if (!s->writing && shapes->count > s->left) s->failed = 1;
+  if (s->failed || !shapes->count) return;
+  move_array(s, &shapes->start, shapes->count + 1, sizeof *shapes->start);
+  if (s->failed || !shapes->start) {
+    s->failed = 1;
+    return;
+  }
+  move_array(s, &shapes->points, shapes->start[shapes->count],
+             sizeof *shapes->points);
+  move_array(s, &shapes->hole, shapes->count, sizeof *shapes->hole);
+}
+
+static void move_field(stream *s, eda_field *f) {
+  move(s, &f->frame, sizeof f->frame);
+  move(s, &f->nx, sizeof f->nx);
+  move(s, &f->ny, sizeof f->ny);
+  if (f->nx < 0 || f->ny < 0) s->failed = 1;
+  if (!s->failed)
+    move_array(s, &f->coefficients, (size_t)f->nx * (size_t)f->ny,
+               sizeof *f->coefficients);
+}
+
+static void move_performance(stream *s, eda_performance *p) {
+  double **const arrays[] = {&p->ion,      &p->ioff, &p->leq_ion,
+                             &p->leq_ioff, &p->weq,  &p->area};
+  move_count(s, &p->count);
+  for (size_t k = 0; k < G_N_ELEMENTS(arrays); k++)
+    move_array(s, arrays[k], p->count, sizeof(double));
+  move_array(s, &p->outside, p->count, sizeof *p->outside);
+}
+
+static void move_text(stream *s, const char **text) {
+  size_t n = s->writing ? strlen(*text) : 0;
+  char *copy = (char *)*text;
+  move_count(s, &n);
+  if (!s->writing && n > s->left) s->failed = 1;
+  if (!s->writing) *text = copy = eda_alloc(s->failed ? 1 : n + 1, 1);
+  move(s, copy, n);
+}
+
+static void move_violations(stream *s, eda_mask *m) {
+  size_t n = m->n_violations;
+  move_count(s, &n);
+  if (s->failed || (!s->writing && n > s->left)) {
+    s->failed = 1;
+    return;
+  }
+  if (!s->writing) m->violations = eda_alloc(n, sizeof *m->violations);
+  for (size_t i = 0; i < n && !s->failed; i++) {
+    eda_violation *v = &m->violations[i];
+    m->n_violations = s->writing ? n : i + 1;
+    move_text(s, &v->rule);
+    move(s, &v->gate, sizeof v->gate);
+    move(s, &v->x, sizeof v->x);
+    move(s, &v->y, sizeof v->y);
+    move(s, &v->value, sizeof v->value);
+    move(s, &v->limit, sizeof v->limit);
+  }
+}
+
+static void move_list(stream *s, eda_box_list *list) {
+  move_count(s, &list->count);
+  move_array(s, &list->box, list->count, sizeof *list->box);
+  if (!list->box) list->count = 0;
+  list->room = list->count;
+}
+
+/* What eda_moved_new made when it is read. */
+static void move_fields(stream *s, eda_moved *m) {
+  int32_t *const numbers[] = {m->w, m->aside, m->l, m->jog};
+  for (size_t k = 0; k < G_N_ELEMENTS(numbers); k++)
+    move(s, numbers[k], m->gates * sizeof(int32_t));
+  move(s, m->end, 2 * m->gates * sizeof *m->end);
+  move(s, m->part, EDA_PARTS * m->gates * sizeof *m->part);
+  move(s, m->flip, m->gates);
+  for (size_t k = 0; k < m->layers && !s->failed; k++) {
+    move_list(s, &m->patch[k]);
+    move_list(s, &m->bite[k]);
+  }
+}
+
+static void move_moved(stream *s, eda_mask *m) {
+  uint8_t is_there = m->moved != NULL;
+  move(s, &is_there, 1);
+  if (s->failed || !is_there) return;
+  if (!s->writing) m->moved = eda_moved_new(m->layers, m->gates->count);
+  move_fields(s, m->moved);
+}
+
+static void move_mask(stream *s, eda_mask *m) {
+  size_t layers = m->layers, count = m->gates->count;
+  move_count(s, &layers);
+  move_count(s, &count);
+  /* Of other gates. */
+  if (layers != m->layers || count != m->gates->count) s->failed = 1;
+  for (size_t k = 0; k < m->layers && !s->failed; k++) {
+    move_shapes(s, &m->shapes[k]);
+    move_field(s, &m->print[k]);
+    move_field(s, &m->drawn_print[k]);
+  }
+  move_performance(s, &m->design);
+  move_performance(s, &m->before);
+  move_performance(s, &m->after);
+  move_array(s, &m->flags, count, sizeof *m->flags);
+  move(s, &m->iterations, sizeof m->iterations);
+  move(s, &m->simulations, sizeof m->simulations);
+  move(s, &m->fine_simulations, sizeof m->fine_simulations);
+  move_violations(s, m);
+  move_moved(s, m);
+}
+
+/* ---- files ---- */
+
+/* The result of a walk; closes the file. */
+static int close_stream(stream *s, const char *path, opc_error *error) {
+  int code = OPC_OK;
+  if (s->file && fclose(s->file)) s->failed = 1;
+  if (!s->file || (s->writing && s->failed))
+    code = opc_fail(error, OPC_IO, NULL, "'%s': cannot be %s", path,
+                    s->writing ? "written" : "read");
+  else if (s->failed || s->left)
+    code = opc_fail(error, OPC_FAILED, NULL, "'%s': is not that mask", path);
+  return code;
+}
+
+int eda_mask_save(const eda_mask *mask, const char *folder, opc_error *error) {
+  g_autofree char *path = g_build_filename(folder, "mask", NULL);
+  stream s = {.file = fopen(path, "wbe"), .writing = 1};
+  if (s.file) move_mask(&s, (eda_mask *)mask);
+  return close_stream(&s, path, error);
+}
+
+int eda_mask_restore(const eda_gates *gates, const char *folder, void **mask,
+                     opc_error *error) {
+  g_autofree char *path = g_build_filename(folder, "mask", NULL);
+  stream s = {.file = fopen(path, "rbe")};
+  eda_mask *m = eda_mask_new(gates);
+  *mask = m;
+  if (s.file && !fseek(s.file, 0, SEEK_END)) {
+    s.left = (uint64_t)ftell(s.file);
+    rewind(s.file);
+    move_mask(&s, m);
+  }
+  return close_stream(&s, path, error);
+}

@@ -1,0 +1,426 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* opcflow compare, of run folders that are written here, so that what is
+   better, and by how much, is known without it. */
+#include <json-glib/json-glib.h>
+#include <math.h>
+#include <string.h>
+
+#include "tests/command.h"
+
+/* ---- run folders ---- */
+
+/* What is told of a run; members that are NULL take the good ones. */
+typedef struct made {
+  const char *folder;
+  const char *metrics; /* { "step": { ... } } */
+  const char *gates;   /* CSV */
+  const char *layout;  /* the SHA-256 of the layout */
+  const char *na, *target, *variant, *started;
+  const char *more; /* of the manifest, with a comma behind */
+} made;
+
+#define METRIC(name, value, better, tolerance) \
+  "\"" name "\" : { \"value\" : " value        \
+  ", \"unit\" : \"%\", \"better\" : \"" better \
+  "\", \"tolerance\" : " tolerance " }"
+
+#define ION(value) "{ \"mask\" : { " METRIC("ion", value, "lower", "0.1") " } }"
+
+static const char head[] =
+    "transistor,type,l (nm),w (nm),ion_after (%),ioff_after (%)\r\n";
+
+static void put(const char *run, const char *file, const char *text) {
+  g_autofree char *path = g_build_filename(run, file, NULL);
+  write_text(path, text);
+}
+
+static const char *or_else(const char *text, const char *preset) {
+  return text ? text : preset;
+}
+
+static void make(const made *m) {
+  g_assert_false(g_mkdir_with_parents(m->folder, 0777));
+  g_autofree char *manifest = g_strdup_printf(
+      "{ %s \"opcflow\" : \"0.2.0\", %s%s%s \"result\" : \"complete\", "
+      "\"started\" : \"%s\", \"seconds\" : 1.0, \"threads\" : 2, "
+      "\"inputs\" : [ { \"path\" : \"/in/cell.gds\", \"sha256\" : \"%s\" } ], "
+      "\"plugins\" : [], \"files\" : [] }",
+      or_else(m->more, ""), m->variant ? "\"variant\" : \"" : "",
+      or_else(m->variant, ""), m->variant ? "\"," : "",
+      or_else(m->started, "2026-01-01T00:00:00Z"), or_else(m->layout, "aa"));
+  g_autofree char *flow = g_strdup_printf(
+      "opcflow: 1\nname: demo\nsteps:\n"
+      "  layout:\n    use: read.gds\n    file: /in/cell.gds\n"
+      "  mask:\n    use: correct\n"
+      "    litho:\n      use: litho.hopkins\n      na: %s\n"
+      "    synthesizer:\n      use: synthesizer.newton\n      target: %s\n",
+      or_else(m->na, "0.75"), or_else(m->target, "plain"));
+  put(m->folder, "manifest.json", manifest);
+  put(m->folder, "flow.yaml", flow);
+  put(m->folder, "metrics.json",
+      or_else(m->metrics,
+              "{ \"mask\" : { " METRIC("ion", "1.0", "lower", "0.1") " } }"));
+  if (m->gates) put(m->folder, "gates.csv", m->gates);
+}
+
+/* ---- what was printed ---- */
+
+static JsonParser *parser;
+
+/* Run with --json; the exit code. */
+static int compare(const char *line) {
+  g_autofree char *whole = g_strconcat("compare --json ", line, NULL);
+  int code = call(whole);
+  g_clear_object(&parser);
+  parser = json_parser_new();
+  g_assert_true(json_parser_load_from_data(parser, out, -1, NULL));
+  return code;
+}
+
+static JsonObject *table_of(const char *name) {
+  JsonObject *all = json_node_get_object(json_parser_get_root(parser));
+  JsonArray *tables = json_object_get_array_member(all, "tables");
+  for (guint i = 0; i < json_array_get_length(tables); i++) {
+    JsonObject *t = json_array_get_object_element(tables, i);
+    if (!strcmp(json_object_get_string_member(t, "name"), name)) return t;
+  }
+  return NULL;
+}
+
+static guint rows_of(const char *table) {
+  JsonObject *t = table_of(table);
+  return t ? json_array_get_length(json_object_get_array_member(t, "rows")) : 0;
+}
+
+/* A cell. */
+static JsonNode *cell(const char *table, guint row, const char *column) {
+  JsonObject *t = table_of(table);
+  JsonArray *columns = json_object_get_array_member(t, "columns");
+  JsonArray *rows = json_object_get_array_member(t, "rows");
+  for (guint i = 0; i < json_array_get_length(columns); i++) {
+    JsonObject *c = json_array_get_object_element(columns, i);
+    if (!strcmp(json_object_get_string_member(c, "name"), column))
+      return json_array_get_element(json_array_get_array_element(rows, row), i);
+  }
+  g_error("no column '%s' in '%s'", column, table);
+}
+
+static const char *text(const char *table, guint row, const char *column) {
+  return json_node_get_string(cell(table, row, column));
+}
+
+static double number(const char *table, guint row, const char *column) {
+  JsonNode *node = cell(table, row, column);
+  return JSON_NODE_HOLDS_NULL(node) ? NAN : json_node_get_double(node);
+}
+
+/* The row of a metric, by its column `metric`, of the run or method `who`. */
+static guint row_of(const char *table, const char *column, const char *who,
+                    const char *metric) {
+  for (guint i = 0; i < rows_of(table); i++)
+    if (!strcmp(text(table, i, "metric"), metric) &&
+        (!who || !strcmp(text(table, i, column), who)))
+      return i;
+  g_error("no row '%s'", metric);
+}
+
+static const char *verdict(const char *metric) {
+  return text("metrics", row_of("metrics", NULL, NULL, metric), "verdict");
+}
+
+/* ---- tests ---- */
+
+static void test_verdicts(void) {
+  make(&(made){
+      .folder = "a",
+      .metrics =
+          "{ \"mask\" : { " METRIC("low", "1.0", "lower", "0.1") ", " METRIC(
+              "high", "1.0", "higher",
+              "0.1") ", " METRIC("near", "1.0", "lower",
+                                 "0.1") ", " METRIC("free", "1.0", "neutral",
+                                                    "0.0") ", " METRIC("same",
+                                                                       "1.0",
+                                                                       "lower",
+                                                                       "0.0") ", " METRIC("gone",
+                                                                                          "1.0",
+                                                                                          "lower",
+                                                                                          "0.0") " } }"});
+  make(&(made){
+      .folder = "b",
+      .target = "full",
+      .metrics =
+          "{ \"mask\" : { " METRIC("low", "1.25", "lower", "0.1") ", " METRIC(
+              "high", "1.25", "higher",
+              "0.1") ", " METRIC("near", "1.0625", "lower",
+                                 "0.1") ", " METRIC("free", "2.0", "neutral",
+                                                    "0.0") ", " METRIC("same",
+                                                                       "1.0",
+                                                                       "lower",
+                                                                       "0.0") ", " METRIC("new",
+                                                                                          "1.0",
+                                                                                          "lower",
+                                                                                          "0.0") " } }"});
+  g_assert_cmpint(compare("a b --all"), ==, 0);
+  g_assert_cmpstr(verdict("mask.low"), ==, "worse");
+  g_assert_cmpstr(verdict("mask.high"), ==, "better");
+  g_assert_cmpstr(verdict("mask.near"), ==, "same");
+  g_assert_cmpstr(verdict("mask.free"), ==, "differs");
+  g_assert_cmpstr(verdict("mask.same"), ==, "same");
+  g_assert_cmpstr(verdict("mask.gone"), ==, "missing");
+  g_assert_cmpstr(verdict("mask.new"), ==, "missing");
+  guint low = row_of("metrics", NULL, NULL, "mask.low");
+  g_assert_cmpfloat(number("metrics", low, "base"), ==, 1);
+  g_assert_cmpfloat(number("metrics", low, "value"), ==, 1.25);
+  g_assert_cmpfloat(number("metrics", low, "change"), ==, 0.25);
+  /* Only what differs, unless asked for. */
+  g_assert_cmpuint(rows_of("metrics"), ==, 7);
+  compare("a b");
+  g_assert_cmpuint(rows_of("metrics"), ==, 6);
+  compare("b a --metrics low,same --sort verdict");
+  g_assert_cmpuint(rows_of("metrics"), ==, 2);
+  g_assert_cmpstr(verdict("mask.low"), ==, "better");
+  compare("a b --metrics mask.* --sort verdict");
+  g_assert_cmpstr(text("metrics", 0, "metric"), ==, "mask.low");
+  compare("a b --sort name");
+  g_assert_cmpstr(text("metrics", 0, "metric"), ==, "mask.free");
+  compare("a b --metrics low,free --sort change");
+  g_assert_cmpstr(text("metrics", 0, "metric"), ==, "mask.free");
+  g_assert_cmpuint(rows_of("parameters"), ==, 1);
+  g_assert_cmpstr(text("parameters", 0, "parameter"), ==,
+                  "mask.synthesizer.target");
+  g_assert_cmpstr(text("parameters", 0, "value"), ==, "full");
+}
+
+static void test_exit(void) {
+  static const struct {
+    const char *line;
+    int code;
+    const char *said;
+  } cases[] = {
+      {"compare a b --fail-on worse", 1, "error: worse: b: mask.low\n"},
+      {"compare a b --fail-on worse:mask.low", 1, "worse: b: mask.low"},
+      {"compare a b --fail-on worse:high --fail-on worse:low", 1, "mask.low"},
+      {"compare a b --fail-on worse:high", 0, ""},
+      {"compare b a --fail-on worse:low", 0, ""},
+      {"compare b a --fail-on worse", 1, "mask.high"},
+      {"compare a b --fail-on worse:lwo", 2, "no such metric"},
+      {"compare a b --fail-on better", 2, "'better': is 'worse' or"},
+      {"compare a b --metrics mask.lwo", 2, "did you mean 'mask.low'?"},
+      {"compare a", 2, "needs two runs or more"},
+      {"compare a nowhere", 5, "'nowhere' is no run folder"},
+      {"compare a b --table mask", 2, "there is no table 'mask'"},
+      {"compare a b --variant x", 2, "goes with one flow file"},
+  };
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_test_message("%s", cases[i].line);
+    g_assert_cmpint(call(cases[i].line), ==, cases[i].code);
+    if (!strstr(err, cases[i].said)) g_error("%s", err);
+  }
+}
+
+static void test_forms(void) {
+  call("compare a b --metrics low --table metrics --csv");
+  g_assert_cmpstr(out, ==,
+                  "metric,unit,base,value,change,verdict,tolerance,better\n"
+                  "mask.low,%,1,1.25,0.25,worse,0.1,lower\n");
+  call("compare a b --metrics low --table metrics --markdown");
+  g_assert_nonnull(strstr(
+      out, "\n| mask.low | % | 1 | 1.25 | 0.25 | worse | 0.1 | lower |\n"));
+  call("compare a b --metrics low --table metrics");
+  g_assert_nonnull(
+      strstr(out, "mask.low  %        1   1.25    0.25  worse          0.1  "));
+}
+
+/* What is not to be compared is named, and is compared if one insists. */
+static void test_refusals(void) {
+  static const struct {
+    made other;
+    const char *said;
+  } cases[] = {
+      {{.layout = "bb"}, "layout.file has another content (aa, bb)"},
+      {{.na = "0.85"}, "mask.litho.na is 0.75 and 0.85"},
+      {{.gates = "a:1,n,65,100,1,1\r\na:3,n,65,100,1,1\r\n"},
+       "only the base has a transistor 'a:2'"},
+      {{.gates = "a:1,n,65,100,1,1\r\na:2,n,65,130,1,1\r\n"},
+       "transistor 'a:2' was drawn otherwise"},
+      {{.gates = "a:2,n,65,100,1,1\r\na:1,n,65,100,1,1\r\na:3,n,65,100,1,1"
+                 "\r\n"},
+       "there are 2 and 3 transistors"},
+      {{.more = "\"failure\" : \"no light\","}, "'other' failed: no light"},
+  };
+  g_autofree char *gates =
+      g_strconcat(head, "a:1,n,65,100,1,1\r\na:2,n,65,100,1,1\r\n", NULL);
+  make(&(made){.folder = "base", .gates = gates});
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    made m = cases[i].other;
+    g_autofree char *its =
+        m.gates ? g_strconcat(head, m.gates, NULL) : g_strdup(gates);
+    m.folder = "other";
+    m.gates = its;
+    make(&m);
+    g_test_message("%s", cases[i].said);
+    g_assert_cmpint(call("compare base other"), ==, 2);
+    g_assert_nonnull(strstr(err, "not comparable: other: "));
+    if (!strstr(err, cases[i].said)) g_error("%s", err);
+    g_assert_cmpstr(out, ==, "");
+    g_assert_cmpint(call("compare base other --anyway"), ==, 0);
+    if (!strstr(err, cases[i].said)) g_error("%s", err);
+  }
+  make(&(made){.folder = "other", .more = "\"points\" : 3,"});
+  g_assert_cmpint(call("compare base other --anyway"), ==, 2);
+  g_assert_nonnull(strstr(err, "is a sweep of 3 points"));
+  /* Another target of the same plugin is what is compared. */
+  make(&(made){.folder = "other", .target = "full"});
+  g_assert_cmpint(call("compare base other"), ==, 0);
+}
+
+/* Joined by name, whatever the order; without sign; what does not print in one
+   of them is left out. */
+static void test_transistors(void) {
+  g_autofree char *a =
+      g_strconcat(head,
+                  "p,n,65,100,1,-8\r\nq,n,65,100,-2,8\r\nr,n,65,100,3,8\r\n"
+                  "s,n,65,100,,8\r\n",
+                  NULL);
+  g_autofree char *b =
+      g_strconcat(head,
+                  "s,n,65,100,4,8\r\nr,n,65,100,-1,8\r\nq,n,65,100,2,8\r\n"
+                  "p,n,65,100,-0.5,8\r\n",
+                  NULL);
+  make(&(made){.folder = "x", .gates = a});
+  make(&(made){.folder = "y", .gates = b});
+  g_assert_cmpint(compare("x y"), ==, 0);
+  g_assert_cmpuint(rows_of("transistors"), ==, 2);
+  g_assert_cmpstr(text("transistors", 0, "figure"), ==, "ion");
+  g_assert_cmpfloat(number("transistors", 0, "transistors"), ==, 3);
+  g_assert_cmpfloat_with_epsilon(number("transistors", 0, "base"), 2, 1e-12);
+  g_assert_cmpfloat_with_epsilon(number("transistors", 0, "change"), -2.5 / 3,
+                                 1e-12);
+  g_assert_cmpfloat(number("transistors", 0, "better"), ==, 2);
+  g_assert_cmpfloat(number("transistors", 0, "worse"), ==, 0);
+  g_assert_cmpfloat(number("transistors", 0, "same"), ==, 1);
+  double low = number("transistors", 0, "low");
+  double high = number("transistors", 0, "high");
+  g_assert_true(-2 <= low && low < -2.5 / 3 && -2.5 / 3 < high && high <= 0);
+  g_assert_cmpstr(text("transistors", 1, "verdict"), ==, "same");
+  g_assert_cmpfloat(number("transistors", 1, "low"), ==, 0);
+}
+
+/* Two runs and more of variants; the latest one counts. */
+static void test_variants(void) {
+  write_text("demo.yaml", "opcflow: 1\nname: demo # its name\n");
+  make(&(made){.folder = "runs/demo", .metrics = ION("4.0")});
+  make(&(made){.folder = "runs/demo-2",
+               .metrics = ION("3.0"),
+               .started = "2026-01-03T00:00:00Z"});
+  make(&(made){
+      .folder = "runs/demo-fast", .metrics = ION("2.0"), .variant = "fast"});
+  g_assert_cmpint(compare("demo.yaml --variant base --variant fast"), ==, 0);
+  g_assert_cmpuint(rows_of("metrics"), ==, 1);
+  g_assert_cmpfloat(number("metrics", 0, "base"), ==, 3);
+  g_assert_cmpfloat(number("metrics", 0, "value"), ==, 2);
+  g_assert_cmpint(call("compare demo.yaml --variant fast --variant slow"), ==,
+                  2);
+  g_assert_nonnull(strstr(err, "'opcflow run demo.yaml --variant slow' makes"));
+  compare("runs/demo runs/demo-2 runs/demo-fast");
+  g_assert_cmpuint(rows_of("metrics"), ==, 2);
+  g_assert_cmpfloat(
+      number("metrics", row_of("metrics", "run", "demo-fast", "mask.ion"),
+             "change"),
+      ==, -2);
+}
+
+/* ---- experiments ---- */
+
+/* ION of a value that is not known before. */
+static char *ion_metrics(const char *value) {
+  g_autoptr(GString) text = g_string_new(ION("@"));
+  g_string_replace(text, "@", value, 0);
+  return g_strdup(text->str);
+}
+
+/* An experiment of two methods on three cases, of which the third fails with
+   the second method; metrics are 1 but for those told. */
+static void make_experiment(const char *name, const char *nand,
+                            const char *nor) {
+  static const char *const cases[] = {"nand", "nor", "inv"};
+  g_autoptr(GString) table =
+      g_string_new("case,method,folder,result,seconds (s),mask.ion (%)\r\n");
+  for (int i = 0; i < 3; i++)
+    for (int k = 0; k < 2; k++) {
+      const char *ion = !k || i == 2 ? "1.0" : i ? nor : nand;
+      g_autofree char *its =
+          g_strdup_printf("cmp/%s/%s", cases[i], k ? "pb" : "epe");
+      g_autofree char *run = g_build_filename(name, its, NULL);
+      g_autofree char *metrics = ion_metrics(ion);
+      int failed = i == 2 && k;
+      if (!failed)
+        make(&(made){.folder = run,
+                     .metrics = metrics,
+                     .layout = cases[i],
+                     .target = k ? "full" : NULL});
+      g_string_append_printf(table, "%s,%s,%s,%s,1.5,%s\r\n", cases[i],
+                             k ? "pb" : "epe", failed ? "" : its,
+                             failed ? "no light" : "good", failed ? "" : ion);
+    }
+  put(name, "experiment.csv", table->str);
+}
+
+static void test_experiment(void) {
+  make_experiment("one", "0.5", "1.25");
+  g_assert_cmpint(compare("one"), ==, 0);
+  g_assert_cmpuint(rows_of("cases"), ==, 1);
+  g_assert_cmpstr(text("cases", 0, "method"), ==, "pb");
+  g_assert_cmpfloat(number("cases", 0, "cases"), ==, 2);
+  g_assert_cmpfloat(number("cases", 0, "wins"), ==, 1);
+  g_assert_cmpfloat(number("cases", 0, "losses"), ==, 1);
+  g_assert_cmpfloat(number("cases", 0, "ties"), ==, 0);
+  g_assert_cmpfloat_with_epsilon(number("cases", 0, "change"), -0.125, 1e-12);
+  g_assert_nonnull(strstr(err, "inv, pb: left out: no light"));
+  g_assert_null(table_of("metrics"));
+  compare("one --cases");
+  g_assert_cmpuint(rows_of("metrics"), ==, 2);
+  g_assert_cmpstr(text("metrics", 0, "case"), ==, "nand");
+  g_assert_cmpint(call("compare one --fail-on worse"), ==, 1);
+  g_assert_nonnull(strstr(err, "worse: nor, pb: mask.ion\n"));
+  make_experiment("one", "0.5", "1.0625"); /* within the tolerance */
+  compare("one");
+  g_assert_cmpfloat(number("cases", 0, "ties"), ==, 1);
+}
+
+/* Case by case, and each method with itself. */
+static void test_experiments(void) {
+  make_experiment("one", "0.5", "1.0");
+  make_experiment("two", "2.0", "0.25");
+  g_assert_cmpint(compare("one two"), ==, 0);
+  g_assert_cmpuint(rows_of("cases"), ==, 1);
+  g_assert_cmpstr(text("cases", 0, "method"), ==, "pb");
+  g_assert_cmpfloat(number("cases", 0, "wins"), ==, 1);
+  g_assert_cmpfloat(number("cases", 0, "losses"), ==, 1);
+  g_assert_cmpfloat_with_epsilon(number("cases", 0, "base"), 0.75, 1e-12);
+  g_assert_cmpfloat_with_epsilon(number("cases", 0, "value"), 1.125, 1e-12);
+  compare("one two --all");
+  g_assert_cmpuint(rows_of("cases"), ==, 2);
+  g_assert_cmpint(call("compare one a"), ==, 2);
+  g_assert_nonnull(strstr(err, "an experiment is held against another one"));
+  g_assert_cmpint(call("compare one two one"), ==, 2);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  command = g_build_filename(g_getenv("OPCFLOW_BUILD"), "opcflow", NULL);
+  folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
+  g_assert_false(g_chdir(folder));
+  g_test_add_func("/compare/verdicts", test_verdicts);
+  g_test_add_func("/compare/exit", test_exit);
+  g_test_add_func("/compare/forms", test_forms);
+  g_test_add_func("/compare/refusals", test_refusals);
+  g_test_add_func("/compare/transistors", test_transistors);
+  g_test_add_func("/compare/variants", test_variants);
+  g_test_add_func("/compare/experiment", test_experiment);
+  g_test_add_func("/compare/experiments", test_experiments);
+  int failed = g_test_run();
+  g_assert_true(!g_chdir("/") && opc_remove_tree(folder));
+  g_clear_object(&parser);
+  return failed;
+}

@@ -1,0 +1,355 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The step `experiment` through the command: each run against the same run
+   alone; what lists, patterns and files come to; what is refused. */
+#include <gio/gio.h>
+#include <glib.h>
+#include <json-glib/json-glib.h>
+#include <string.h>
+
+#include "core/flow/files.h"
+
+static char *folder; /* of all files and runs; removed at the end */
+
+/* ---- help ---- */
+
+/* opcflow ARGS...; its exit code and its standard error. */
+static int opcflow(char **errors, const char *first, ...) {
+  g_autoptr(GPtrArray) argv = g_ptr_array_new_with_free_func(g_free);
+  g_ptr_array_add(argv,
+                  g_build_filename(g_getenv("OPCFLOW_BUILD"), "opcflow", NULL));
+  va_list args;
+  va_start(args, first);
+  for (const char *a = first; a; a = va_arg(args, const char *))
+    g_ptr_array_add(argv, g_strdup(a));
+  va_end(args);
+  g_ptr_array_add(argv, NULL);
+  g_autoptr(GError) error = NULL;
+  g_autofree char *out = NULL;
+  int status;
+  g_spawn_sync(folder, (char **)argv->pdata, NULL, 0, NULL, NULL, &out, errors,
+               &status, &error);
+  g_assert_no_error(error);
+  g_assert_true(WIFEXITED(status)); /* no signal */
+  return WEXITSTATUS(status);
+}
+
+static void write_file(const char *name, const char *text) {
+  g_autofree char *path = g_build_filename(folder, name, NULL);
+  g_autofree char *parent = g_path_get_dirname(path);
+  g_assert_cmpint(g_mkdir_with_parents(parent, 0777), ==, 0);
+  g_assert_true(g_file_set_contents(path, text, -1, NULL));
+}
+
+static char *read_file(const char *run, const char *name) {
+  g_autofree char *path = g_build_filename(folder, run, name, NULL);
+  char *text = NULL;
+  if (!g_file_get_contents(path, &text, NULL, NULL))
+    g_error("'%s' is not there", path);
+  return text;
+}
+
+/* A cell of ours under another name. */
+static void copy_cell(const char *cell, const char *name) {
+  g_autofree char *path = g_strdup_printf("%s/data/cells65/%s.cif",
+                                          g_getenv("OPCFLOW_SOURCE"), cell);
+  g_autofree char *text = NULL;
+  g_assert_true(g_file_get_contents(path, &text, NULL, NULL));
+  write_file(name, text);
+}
+
+/* The flow inside: light steps, one that writes a file. */
+static const char inner[] =
+    "opcflow: 1\nname: inner\nsteps:\n"
+    "  layout: { use: read.cif, file: cells/nand2.cif, layers: { poly: CP, "
+    "active: CA, nwell: CW } }\n"
+    "  gates: { use: segment.transistors, layout: ${layout}, grid: 1 nm }\n"
+    "  cif: { use: write.cif, layout: ${layout}, file: out.cif }\n"
+    "variants:\n  coarse: { gates.grid: 5 nm }\n";
+
+#define HEAD                                                     \
+  "opcflow: 1\nname: outer\nsteps:\n  e:\n    use: experiment\n" \
+  "    flow: inner.yaml\n"
+#define METHODS "    methods: { fine: base, coarse: coarse }\n"
+#define CASES \
+  "    cases: [{ layout.file: [cells/nand2.cif, cells/nor2.cif] }]\n"
+
+/* Check the flow: its exit code, and that all of `words` is said. */
+static void expect(const char *flow, const char *words) {
+  g_autofree char *errors = NULL;
+  write_file("bad.yaml", flow);
+  g_assert_cmpint(opcflow(&errors, "check", "--quick", "bad.yaml", NULL), !=,
+                  0);
+  if (!strstr(errors, words)) g_error("'%s' does not say '%s'", errors, words);
+}
+
+/* The names of the cases of a flow that runs: the first column, each once. */
+static void expect_cases(const char *cases, const char *names) {
+  g_autofree char *errors = NULL;
+  g_autofree char *flow = g_strconcat(HEAD METHODS, cases, NULL);
+  write_file("good.yaml", flow);
+  int code =
+      opcflow(&errors, "run", "good.yaml", "--output", "good", "--force", NULL);
+  if (code) g_error("exit code %d: %s", code, errors);
+  g_autofree char *csv = read_file("good", "experiment.csv");
+  g_auto(GStrv) lines = g_strsplit(csv, "\r\n", -1);
+  g_autoptr(GString) found = g_string_new(NULL);
+  for (guint i = 1; lines[i] && *lines[i]; i += 2) {
+    g_autofree char *name = g_strndup(lines[i], strcspn(lines[i], ","));
+    g_string_append_printf(found, "%s ", name);
+  }
+  g_assert_cmpstr(found->str, ==, names);
+}
+
+static JsonObject *read_json(const char *run, const char *name,
+                             JsonParser *parser) {
+  g_autofree char *text = read_file(run, name);
+  g_assert_true(json_parser_load_from_data(parser, text, -1, NULL));
+  return json_node_get_object(json_parser_get_root(parser));
+}
+
+/* ---- runs ---- */
+
+static void run_outer(void) {
+  static gboolean done;
+  g_autofree char *errors = NULL;
+  if (done) return;
+  write_file("outer.yaml", HEAD METHODS CASES);
+  int code = opcflow(&errors, "run", "outer.yaml", "--output", "outer", NULL);
+  if (code) g_error("exit code %d: %s", code, errors);
+  done = TRUE;
+}
+
+static void expect_equal(const char *one, const char *other, const char *name) {
+  g_autofree char *a = g_build_filename(folder, one, name, NULL);
+  g_autofree char *b = g_build_filename(folder, other, name, NULL);
+  char *text[2];
+  gsize n[2];
+  g_assert_true(g_file_get_contents(a, &text[0], &n[0], NULL));
+  g_assert_true(g_file_get_contents(b, &text[1], &n[1], NULL));
+  if (n[0] != n[1] || memcmp(text[0], text[1], n[0]))
+    g_error("'%s' and '%s' differ", a, b);
+  g_free(text[0]);
+  g_free(text[1]);
+}
+
+/* Each run is what its own resolved flow gives alone, to the byte. */
+static void test_alone(void) {
+  static const char *const runs[] = {"nand2/fine", "nand2/coarse", "nor2/fine",
+                                     "nor2/coarse"};
+  run_outer();
+  for (guint i = 0; i < G_N_ELEMENTS(runs); i++) {
+    g_autofree char *errors = NULL;
+    g_autofree char *run = g_strdup_printf("outer/e/%s", runs[i]);
+    g_autofree char *flow = g_strdup_printf("%s/flow.yaml", run);
+    g_assert_cmpint(
+        opcflow(&errors, "run", flow, "--output", "alone", "--force", NULL), ==,
+        0);
+    expect_equal(run, "alone", "metrics.json");
+    expect_equal(run, "alone", "out.cif");
+    g_autoptr(JsonParser) parser = json_parser_new();
+    JsonObject *o = read_json(run, "manifest.json", parser);
+    g_assert_cmpstr(json_object_get_string_member(o, "result"), ==, "complete");
+    g_assert_cmpuint(
+        json_array_get_length(json_object_get_array_member(o, "inputs")), ==,
+        2);
+    g_assert_cmpuint(
+        json_array_get_length(json_object_get_array_member(o, "plugins")), ==,
+        3);
+  }
+}
+
+static void test_table(void) {
+  run_outer();
+  g_autofree char *csv = read_file("outer", "experiment.csv");
+  g_auto(GStrv) lines = g_strsplit(csv, "\r\n", -1);
+  g_assert_true(
+      g_str_has_prefix(lines[0], "case,method,folder,result,seconds,"));
+  g_assert_true(strstr(lines[0], "gates.snapped_worst (nm)"));
+  g_assert_true(g_str_has_prefix(lines[1], "nand2,fine,e/nand2/fine,good,"));
+  g_assert_true(g_str_has_prefix(lines[4], "nor2,coarse,e/nor2/coarse,good,"));
+  g_assert_cmpuint(g_strv_length(lines), ==, 6);
+}
+
+/* What only the case touches runs once for all methods: it has the time of one
+   and the same run. */
+static void test_sharing(void) {
+  static const char *const cases[] = {"nand2", "nor2"};
+  run_outer();
+  for (guint i = 0; i < 2; i++) {
+    double seconds[2][2];
+    for (guint k = 0; k < 2; k++) {
+      g_autoptr(JsonParser) parser = json_parser_new();
+      g_autofree char *run =
+          g_strdup_printf("outer/e/%s/%s", cases[i], k ? "coarse" : "fine");
+      JsonObject *o = read_json(run, "manifest.json", parser);
+      o = json_object_get_object_member(o, "steps");
+      seconds[k][0] = json_object_get_double_member(o, "layout");
+      seconds[k][1] = json_object_get_double_member(o, "cif");
+    }
+    g_assert_cmpfloat(seconds[0][0], ==, seconds[1][0]);
+    g_assert_cmpfloat(seconds[0][1], ==, seconds[1][1]);
+  }
+}
+
+/* A run that fails is told, the others go on; a sweep's exit code. */
+static void test_failing(void) {
+  g_autofree char *errors = NULL;
+  write_file(
+      "fails.yaml", HEAD METHODS
+      "    cases: [{ layout.file: [cells/nmos.cif, cells/nor2.cif] }]\n");
+  g_assert_cmpint(
+      opcflow(&errors, "run", "fails.yaml", "--output", "fails", NULL), ==, 4);
+  g_assert_true(strstr(errors, "finding: e: nmos by coarse failed: "));
+  g_assert_true(strstr(errors, "there is no layer CW for 'nwell'"));
+  g_autofree char *csv = read_file("fails", "experiment.csv");
+  g_assert_true(strstr(csv, "nmos,fine,,"));
+  g_assert_true(strstr(csv, "nor2,fine,e/nor2/fine,good,"));
+  g_autofree char *gone = g_build_filename(folder, "fails/e/nmos", NULL);
+  g_autoptr(GDir) left = g_dir_open(gone, 0, NULL);
+  g_assert_true(!left || !g_dir_read_name(left));
+}
+
+/* What the flow inside requires is told by run, with exit code 1. */
+static void test_requirements(void) {
+  g_autofree char *errors = NULL;
+  write_file("strict.yaml",
+             HEAD METHODS CASES "    set: { require.gates.transistors: 5 }\n");
+  g_assert_cmpint(
+      opcflow(&errors, "run", "strict.yaml", "--output", "strict", NULL), ==,
+      1);
+  g_assert_true(strstr(errors, "'e/nand2/fine: gates.transistors' is 4"));
+  g_autofree char *metrics = read_file("strict/e/nor2/fine", "metrics.json");
+  g_assert_true(strstr(metrics, "\"kept\" : false"));
+}
+
+/* ---- layers ---- */
+
+static void test_files(void) {
+  expect_cases("    cases: [{ layout.file: 'cells/n*2.cif' }]\n",
+               "nand2 nor2 ");
+  expect_cases("    cases: [{ layout.file: ['cells/n*.cif', '!nm*'] }]\n",
+               "nand2 nor2 ");
+  expect_cases(
+      "    cases: [{ layout.file: cells/nand2.cif, layout.scale: [1, 2] }, { "
+      "name: other, layout.file: cells/nor2.cif }]\n",
+      "1 2 other ");
+  /* All combinations, the last one first. */
+  expect_cases(
+      "    cases: [{ layout.file: 'cells/n*2.cif', layout.scale: [1, 2] }]\n",
+      "nand2-1 nand2-2 nor2-1 nor2-2 ");
+  expect(HEAD METHODS "    cases: [{ layout.file: 'cells/x*.cif' }]\n",
+         "bad.yaml:8:28: no file is called as 'cells/x*.cif'");
+}
+
+/* Two files of one case, by what the star stands for. */
+static void test_pairs(void) {
+  write_file("plain.yaml", inner);
+  write_file("inner.yaml",
+             "opcflow: 1\nname: inner\nextends: plain.yaml\nsteps:\n"
+             "  other: { use: read.cif, file: cells/nand2.cif }\n");
+  expect_cases(
+      "    cases: [{ layout.file: 'cells/n*2.cif', other.file: 'more/n*2.CIF' "
+      "}]\n",
+      "nand2 nor2 ");
+  g_autofree char *resolved = read_file("good/e/nor2/fine", "flow.yaml");
+  g_assert_true(strstr(resolved, "more/nor2.CIF"));
+  expect(HEAD METHODS
+         "    cases: [{ layout.file: 'cells/n*2.cif', other.file: "
+         "'none/n*2.cif' }]\n",
+         "bad.yaml:8:57: 'none/nand2.cif': no such file");
+  write_file("inner.yaml", inner);
+}
+
+/* Cells of a file, which its reader lists. */
+static void test_cells(void) {
+  g_autofree char *errors = NULL;
+  write_file("two.cif",
+             "DS 1 1 10;\n9 ALPHA;\nL CP;\nB 100 100 0 0;\nDF;\n"
+             "DS 2 1 10;\n9 ALSO;\nL CP;\nB 100 100 0 0;\nDF;\n"
+             "DS 3 1 10;\n9 BETA;\nL CP;\nB 100 100 0 0;\nDF;\n"
+             "C 1; C 2 T 1000 0; C 3 T 2000 0;\nE\n");
+  write_file("cells.yaml",
+             "opcflow: 1\nname: cells\nsteps:\n"
+             "  layout: { use: read.cif, file: two.cif }\n"
+             "  cif: { use: write.cif, layout: ${layout}, file: out.cif }\n");
+  write_file("tops.yaml",
+             "opcflow: 1\nname: outer\nsteps:\n  e:\n    use: experiment\n"
+             "    flow: cells.yaml\n    methods: [base]\n"
+             "    cases: [{ layout.top: ['AL*', 'B*', '!ALSO'] }]\n");
+  int code = opcflow(&errors, "run", "tops.yaml", "--output", "tops", NULL);
+  if (code) g_error("exit code %d: %s", code, errors);
+  g_autofree char *csv = read_file("tops", "experiment.csv");
+  g_assert_true(strstr(csv, "\nALPHA,base,e/ALPHA/base,good,"));
+  g_assert_true(strstr(csv, "\nBETA,base,"));
+  g_assert_false(strstr(csv, "ALSO"));
+  expect(
+      "opcflow: 1\nname: outer\nsteps:\n  e:\n    use: experiment\n"
+      "    flow: cells.yaml\n    methods: [base]\n"
+      "    cases: [{ layout.top: 'GAM*' }]\n",
+      "bad.yaml:8:27: none of ");
+}
+
+static void test_lists(void) {
+  write_file("lists/cases.csv",
+             "name,layout.file,layout.scale\r\n"
+             "\"first\",../cells/nand2.cif,1\nsecond,../cells/nor2.cif,\n");
+  expect_cases("    cases: [{ list: lists/cases.csv }]\n", "first second ");
+  write_file("lists/cases.yaml",
+             "a: { layout.file: ../cells/nand2.cif }\n"
+             "b: { layout.file: ../cells/nor2.cif }\n");
+  expect_cases("    cases: [{ list: lists/cases.yaml, layout.scale: 1.0 }]\n",
+               "a b ");
+  expect(HEAD METHODS "    cases: [{ list: none.csv }]\n",
+         "bad.yaml:8:21: 'none.csv': no such file");
+  write_file("lists/cases.csv", "name,layout.file\na\n");
+  expect(HEAD METHODS "    cases: [{ list: lists/cases.csv }]\n",
+         "lists/cases.csv:2:1: 1 cells, the first line has 2");
+  write_file("lists/cases.csv", "name,layout.file\n\"a,b\n");
+  expect(HEAD METHODS "    cases: [{ list: lists/cases.csv }]\n",
+         "lists/cases.csv:2:1: a quote that does not end");
+}
+
+static void test_refusals(void) {
+  expect(HEAD METHODS
+         "    cases: [{ layout.file: cells/nand2.cif }, { layout.file: "
+         "cells/nand2.cif, layout.scale: 2 }]\n",
+         "two of 'cases' are called 'nand2', the other one at bad.yaml:8:13");
+  expect(HEAD CASES "    methods: [coarse, corse]\n",
+         "bad.yaml:8:23: unknown variant 'corse', did you mean 'coarse'?");
+  expect(HEAD METHODS CASES "    set: { layout.file: cells/nor2.cif }\n",
+         "bad.yaml:8:15: 'layout.file' is what 'set' says at bad.yaml:9:12");
+  expect(HEAD METHODS "    cases: [{ layout.fiel: cells/nor2.cif }]\n",
+         "unknown parameter 'fiel'");
+  expect(HEAD METHODS "    cases: []\n", "'cases' has nothing in it");
+  expect(HEAD METHODS
+         "    cases: [{ name: a/b, layout.file: cells/nor2.cif }]\n",
+         "'a/b' is no name for a folder");
+  expect(HEAD CASES, "missing parameter 'methods'");
+}
+
+int main(int argc, char **argv) {
+  static const char *const cells[] = {"nand2", "nor2", "nmos"};
+  g_test_init(&argc, &argv, NULL);
+  folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
+  write_file("inner.yaml", inner);
+  for (guint i = 0; i < G_N_ELEMENTS(cells); i++) {
+    g_autofree char *name = g_strdup_printf("cells/%s.cif", cells[i]);
+    g_autofree char *more = g_strdup_printf("more/%s.CIF", cells[i]);
+    copy_cell(cells[i], name);
+    copy_cell(cells[i], more);
+  }
+  g_test_add_func("/experiment/alone", test_alone);
+  g_test_add_func("/experiment/table", test_table);
+  g_test_add_func("/experiment/sharing", test_sharing);
+  g_test_add_func("/experiment/failing", test_failing);
+  g_test_add_func("/experiment/requirements", test_requirements);
+  g_test_add_func("/experiment/files", test_files);
+  g_test_add_func("/experiment/pairs", test_pairs);
+  g_test_add_func("/experiment/cells", test_cells);
+  g_test_add_func("/experiment/lists", test_lists);
+  g_test_add_func("/experiment/refusals", test_refusals);
+  int code = g_test_run();
+  opc_remove_tree(folder);
+  g_free(folder);
+  return code;
+}

@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* test.kept: a step whose output can be kept: a number and its input's. It says
+   whether it ran or was read back, and takes its time. */
+#include <opcflow/step.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+/* ---- state ---- */
+
+typedef struct kept {
+  const opc_host *host;
+  double number;
+  int64_t wait; /* ms */
+  const double *add;
+  const char *file;
+} kept;
+
+/* ---- work ---- */
+
+static int run(void *self, void **outputs, opc_error *error) {
+  const kept *k = self;
+  double *sum = malloc(sizeof *sum);
+  outputs[0] = sum;
+  *sum = k->number / 3 + (k->add ? *k->add : 0);
+  (void)usleep((useconds_t)k->wait * 1000);
+  k->host->log(k->host, OPC_LOG_INFO, "ran");
+  const opc_column columns[] = {{"sum", NULL, OPC_REAL, -1, sum}};
+  int code = k->host->table(k->host, "kept", 0, 1, columns, 1, error);
+  if (!code) code = k->host->metric(k->host, "sum", *sum, error);
+  if (code || !k->file) return code;
+  const char *path = k->host->output_path(k->host, k->file, error);
+  FILE *out = path ? fopen(path, "w") : NULL;
+  if (!out) return opc_fail(error, OPC_IO, NULL, "not written");
+  (void)fprintf(out, "%a\n", *sum);
+  return fclose(out) ? opc_fail(error, OPC_IO, NULL, "not written") : OPC_OK;
+}
+
+static int number_file(const char *folder, const char *mode, double *number) {
+  char path[4096];
+  (void)snprintf(path, sizeof path, "%s/number", folder);
+  FILE *file = fopen(path, mode);
+  if (!file) return 0;
+  size_t n = *mode == 'w' ? fwrite(number, sizeof *number, 1, file)
+                          : fread(number, sizeof *number, 1, file);
+  return !fclose(file) && n == 1;
+}
+
+static int save(void *self, void *const *outputs, const char *folder,
+                opc_error *error) {
+  (void)self;
+  return number_file(folder, "wb", outputs[0])
+             ? OPC_OK
+             : opc_fail(error, OPC_IO, NULL, "not saved");
+}
+
+static int restore(void *self, const char *folder, void **outputs,
+                   opc_error *error) {
+  const kept *k = self;
+  outputs[0] = malloc(sizeof(double));
+  if (!number_file(folder, "rb", outputs[0]))
+    return opc_fail(error, OPC_IO, NULL, "not restored");
+  k->host->log(k->host, OPC_LOG_INFO, "restored");
+  return OPC_OK;
+}
+
+static int check_number(const void *object, opc_error *error) {
+  (void)object;
+  (void)error;
+  return OPC_OK;
+}
+
+/* ---- parameters ---- */
+
+static const opc_parameter parameters[] = {
+    OPC_PARAMETER(kept, number, .type = OPC_REAL, .preset = "1",
+                  .summary = "a number"),
+    OPC_PARAMETER(kept, wait, .type = OPC_INT, .flags = OPC_NO_EFFECT,
+                  .preset = "0", .summary = "ms"),
+    OPC_PARAMETER(kept, add, .type = OPC_INPUT, .choices = "number",
+                  .summary = "another number"),
+    OPC_PARAMETER(kept, file, .type = OPC_OUTPUT, .summary = "a file"),
+};
+
+static const opc_metric metrics[] = {
+    {"sum", NULL, OPC_LOWER, 0, "the sum"},
+};
+
+/* ---- entry ---- */
+
+static const opc_port outputs[] = {{"sum", "number", check_number, free}};
+static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
+                                   .save = save, .restore = restore};
+
+OPC_PLUGIN(kept, .id = TEST_ID, .kind = "step", .version = "1.0.0",
+           .licence = "BSD-3-Clause", .summary = "A number that is kept",
+           .flags = TEST_FLAGS, OPC_PARAMETERS(parameters),
+           OPC_METRICS(metrics), OPC_FUNCTIONS(functions));

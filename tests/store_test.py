@@ -1,0 +1,421 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The store of results, through the command: what runs and what is reused after
+each kind of change, that a reused run is as one that ran, and that neither
+damage, other processes, kills nor a full disk do harm. Runs with `--no-cache` are
+what is compared with."""
+import glob
+import json
+import os
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import traceback
+
+BUILD = os.environ["OPCFLOW_BUILD"]
+OPCFLOW = os.path.join(BUILD, "opcflow")
+FLOW = """opcflow: 1
+name: chain
+steps:
+  a: { use: test.numbers, size: 2 nm, input: in.txt, behave: find }
+  b: { use: test.kept, number: 5, add: ${a}, file: b.txt }
+  c: { use: test.kept, number: 7, add: ${b} }
+  d: { use: test.kept, number: 9, add: ${c}, file: d.txt }
+  e: { use: test.numbers, size: 1 nm, output: deep/e.txt }
+"""
+ALL = {"a", "b", "c", "d", "e"}
+number = 0
+
+
+def write(name, text):
+    with open(name, "w") as f:
+        f.write(text)
+
+
+def call(*words, store="store", code=0, **more):
+    env = dict(os.environ, OPCFLOW_STORE=os.path.abspath(store) if store else "", **more)
+    done = subprocess.run([OPCFLOW, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env)
+    assert code is None or done.returncode == code, (words, done.returncode, done.stderr)
+    return done
+
+
+def run(*words, flow="chain.yaml", **more):
+    """A new run folder, and what the command said."""
+    global number
+    number += 1
+    folder = "runs/%d" % number
+    done = call("run", flow, "--quiet", "--output", folder, *words, **more)
+    return folder, done
+
+
+def manifest(folder):
+    with open(os.path.join(folder, "manifest.json")) as f:
+        return json.load(f)
+
+
+def ran(folder):
+    """The steps that ran, with the reasons."""
+    return {r["step"]: r["reason"] for r in manifest(folder)["store"]["results"] if r["result"] == "ran"}
+
+
+def same(a, b):
+    """All files but the manifest, to the byte."""
+    def files(folder):
+        return {f["path"]: f["sha256"] for f in manifest(folder)["files"] if not f["path"].endswith("manifest.json")}
+    assert files(a) == files(b), (files(a), files(b))
+
+
+def fresh():
+    for name in ("store", "runs"):
+        shutil.rmtree(name, ignore_errors=True)
+    write("in.txt", "some input\n")
+    write("chain.yaml", FLOW)
+    os.makedirs("runs")
+
+
+# ---- what runs ----
+
+def test_again():
+    truth, _ = run("--no-cache")
+    first, said = run()
+    second, again = run()
+    assert set(ran(first)) == ALL and set(ran(first).values()) == {"not seen before"}
+    assert ran(second) == {}
+    same(truth, first)
+    same(first, second)
+    assert said.stderr == again.stderr and "finding: a: 2 nm is odd" in again.stderr
+    shown = call("run", "chain.yaml", "--output", "runs/x")
+    assert "5 of 5 steps reused" in shown.stdout and "a: reused" in shown.stderr
+    told = json.loads(call("run", "chain.yaml", "--json", "--output", "runs/y").stdout)
+    assert (told["steps"], told["reused"]) == (5, 5)
+    results = manifest(second)["store"]["results"]
+    before = manifest(first)["store"]["results"]
+    assert [r["key"] for r in results] == [r["key"] for r in before]
+    assert [r["seconds"] for r in results] == [r["seconds"] for r in before]
+
+
+def test_parameter():
+    run()
+    folder, _ = run("--set", "c.number=8")
+    # b's output is read back, and needs its input's, which cannot be kept.
+    assert ran(folder) == {"a": "its output was wanted by step 'b'", "c": "c.number changed from 7 to 8",
+                           "d": "what it takes as d.add changed"}, ran(folder)
+    same(folder, run("--set", "c.number=8", "--no-cache")[0])
+    text = call("explain", folder).stdout
+    assert "c.number changed from 7 to 8" in text and "2 of 5 steps reused" in text, text
+    assert json.loads(call("explain", folder, "--json").stdout)["reused"] == 2
+    folder, _ = run("--set", "d.file=other.txt")
+    assert set(ran(folder)) == {"a", "d"} and os.path.exists(folder + "/other.txt")
+
+
+def test_no_effect():
+    run()
+    folder, _ = run("--set", "b.wait=1", "--set", "e.behave=find", "--threads", "1")
+    assert ran(folder) == {}, ran(folder)
+
+
+def test_file():
+    run()
+    write("in.txt", "SOME input\n")  # as long, in the same instant
+    folder, _ = run()
+    assert ran(folder)["a"] == "file in.txt (a.input) changed" and set(ran(folder)) == {"a", "b", "c", "d"}
+    os.utime("in.txt")
+    assert ran(run()[0]) == {}
+    # A sum that is remembered is not believed of another file.
+    os.utime("in.txt", (1e9, 1e9))
+    time.sleep(2.1)
+    run()
+    about = os.stat("in.txt")
+    write("in.txt", "some INPUT\n")
+    os.utime("in.txt", ns=(about.st_atime_ns, about.st_mtime_ns))
+    assert "a" in ran(run()[0])
+
+
+def test_file_meanwhile():
+    """Of a file that changes before its step runs, nothing is kept."""
+    write("chain.yaml", "opcflow: 1\nname: x\nsteps:\n  a: { use: test.kept, wait: 400 }\n"
+          "  b: { use: test.numbers, size: 1 nm, input: in.txt, add: ${a} }\n")
+    env = dict(os.environ, OPCFLOW_STORE=os.path.abspath("store"))
+    child = subprocess.Popen([OPCFLOW, "run", "chain.yaml", "--quiet", "--output", "runs/slow"], env=env)
+    while not glob.glob("runs/.slow*"):
+        time.sleep(0.01)
+    time.sleep(0.1)
+    write("in.txt", "another one\n")
+    assert child.wait() == 0
+    write("in.txt", "some input\n")
+    assert set(ran(run()[0])) == {"b"}
+    assert ran(run()[0]) == {}
+
+
+def test_plugin():
+    own = os.path.abspath("own")
+    shutil.rmtree(own, ignore_errors=True)
+    os.mkdir(own)
+    shutil.copy(os.path.join(BUILD, "tests/test.kept.so"), own)
+    words = ("--plugin-path", own)
+    run(*words)
+    assert ran(run(*words)[0]) == {}
+    shutil.copy(os.path.join(BUILD, "tests/test.kept.so"), own + "/new")
+    with open(own + "/new", "ab") as f:
+        f.write(b"!")
+    os.rename(own + "/new", own + "/test.kept.so")
+    folder, _ = run(*words)
+    assert set(ran(folder)) == {"a", "b", "c", "d"}, ran(folder)
+    assert "plugin test.kept was rebuilt" in ran(folder)["b"]
+
+
+def test_fickle():
+    """What promises nothing is not kept, nor is what takes from it."""
+    write("chain.yaml", FLOW.replace("c: { use: test.kept", "c: { use: test.fickle"))
+    run()
+    folder, _ = run()
+    assert set(ran(folder)) == {"a", "c", "d"}, ran(folder)
+    assert "does not promise" in ran(folder)["c"] and "'c'" in ran(folder)["d"]
+
+
+def test_moved():
+    first, _ = run()
+    os.makedirs("elsewhere", exist_ok=True)
+    shutil.move("chain.yaml", "elsewhere/renamed.yaml")
+    shutil.move("in.txt", "elsewhere/in.txt")
+    second, _ = run(flow="elsewhere/renamed.yaml")
+    assert ran(second) == {}, ran(second)
+    # A step of another name, which writes its table under that.
+    write("in.txt", "some input\n")
+    write("chain.yaml", FLOW.replace(" d: ", " z: "))
+    assert ran(run()[0]) == {}
+
+
+def test_required():
+    write("chain.yaml", FLOW + "require: { d.sum: 1 }\n")
+    _, first = run(code=1)
+    folder, second = run(code=1)
+    assert ran(folder) == {} and first.stderr == second.stderr and "required is at most 1" in second.stderr
+
+
+def test_failure():
+    """What fails is not kept."""
+    for _ in range(2):
+        done = call("run", "chain.yaml", "--quiet", "--set", "c.file=in/../../x", code=None)
+        assert done.returncode
+    folder, _ = run()
+    assert "c" in ran(folder)
+
+
+# ---- sweeps ----
+
+SWEEP = FLOW.replace("number: 7", "number: 7, wait: 10") + "sweep: { c.number: [1, 2, 3, 4, 5, 6, 7, 8] }\n"
+
+
+def test_sweep():
+    write("chain.yaml", SWEEP)
+    truth, _ = run("--no-cache", "--keep")
+    first, _ = run("--keep")
+    second, _ = run("--keep")
+    reasons = [r["reason"] for r in manifest(first)["store"]["results"] if r["step"] == "c"]
+    assert reasons[1] == "c.number changed from 1 to 2" and len(reasons) == 8
+    assert ran(second) == {}
+
+    def files(folder):
+        return {f["path"]: f["sha256"] for f in manifest(folder)["files"] if f["path"] != "sweep.csv"}
+    assert files(truth) == files(first) == files(second)
+    # One value more: only that point, with what it takes from the trunk.
+    third, _ = run("--sweep", "c.number=[1, 2, 3, 4, 5, 6, 7, 8, 9]")
+    assert set(ran(third)) == {"a", "c", "d"}
+    assert [r["point"] for r in manifest(third)["store"]["results"] if r["result"] == "ran" and r["step"] == "c"] == [9]
+
+
+def test_kills():
+    """Killed at any moment, a sweep goes on, and its result is the same."""
+    write("chain.yaml", SWEEP)
+    truth, _ = run("--no-cache", "--keep")
+    dice = random.Random(int(os.environ.get("KILL_SEED", 1)))
+    reused = 0
+    for _ in range(int(os.environ.get("KILLS", 12))):
+        env = dict(os.environ, OPCFLOW_STORE=os.path.abspath("store"))
+        if dice.random() < 0.3:
+            call("cache", "clear")
+        child = subprocess.Popen([OPCFLOW, "run", "chain.yaml", "--quiet", "--output", "runs/killed"], env=env,
+                                 stderr=subprocess.DEVNULL)
+        time.sleep(dice.uniform(0.005, 0.12))
+        child.kill()
+        child.wait()
+        shutil.rmtree("runs/killed", ignore_errors=True)
+        folder, done = run("--keep")
+        reused += manifest(folder)["store"]["reused"]
+        assert "damaged" not in done.stderr
+        for name in glob.glob(truth + "/0*/**/*.*", recursive=True) + [truth + "/metrics.json"]:
+            if os.path.isfile(name) and not name.endswith("flow.yaml"):
+                with open(name, "rb") as a, open(folder + name[len(truth):], "rb") as b:
+                    assert a.read() == b.read(), name
+    assert reused
+    assert not os.listdir("store/new"), os.listdir("store/new")
+
+
+def test_real():
+    """A mask that is read back, and a search, are worth the same as when they ran."""
+    paths = dict(OPCFLOW_PLUGIN_PATH=os.path.join(BUILD, "plugins"))
+    flows = os.path.join(os.environ["OPCFLOW_SOURCE"], "flows")
+    write("chain.yaml", """opcflow: 1
+extends: %s/search.yaml
+steps:
+  best: { sweep: { mask.synthesizer.fragment: [30 nm], mask.max_iterations: [1, 2] } }
+  judged: { fine: off }
+  again: { use: cost.fracture, mask: ${judged} }
+""" % flows)
+    truth, _ = run("--no-cache", **paths)
+    with_search = ("--set", "surface=~", "--set", "cost=~", "--set", "gds=~", "--set", "picture=~", "--set", "again=~")
+    run(*with_search, **paths)
+    folder, _ = run(**paths)
+    assert set(ran(folder)) == {"best", "best.layout", "best.gates", "surface", "cost", "gds", "picture", "again"}, ran(folder)
+    same(truth, folder)
+    folder, _ = run("--set", "best.sweep.mask.synthesizer.fragment=[30 nm, 60 nm]", **paths)
+    assert ran(folder)["best.mask"].startswith("mask.synthesizer.fragment changed from "), ran(folder)["best.mask"]
+    assert manifest(folder)["store"]["reused"] >= 1
+
+
+# ---- damage ----
+
+def entries(ending=""):
+    return sorted(glob.glob("store/entries/*/*" + ending))
+
+
+def test_damaged():
+    first, _ = run()
+    for spoil in (lambda d: d[:len(d) // 2], lambda d: b"", lambda d: d[:-1] + bytes([d[-1] ^ 1]),
+                  lambda d: d[:90] + b"x" + d[91:]):
+        for name in entries(".result") + entries(".outputs") + entries(".facts"):
+            with open(name, "rb") as f:
+                data = f.read()
+            with open(name, "wb") as f:
+                f.write(spoil(data))
+        folder, done = run()
+        same(first, folder)
+        assert set(ran(folder)) == ALL and "is damaged, and was dropped" in done.stderr
+        assert ran(run()[0]) == {}
+
+
+def test_outputs_gone():
+    """Outputs that are not there are made again."""
+    run()
+    for name in entries(".outputs"):
+        os.unlink(name)
+    folder, _ = run("--set", "d.number=10")
+    assert set(ran(folder)) == {"a", "b", "c", "d"}
+    assert ran(folder)["c"] == "its output was wanted by step 'd'", ran(folder)
+    same(folder, run("--set", "d.number=10", "--no-cache")[0])
+
+
+def test_edited():
+    """What is done to a run folder does no harm to the store."""
+    first, _ = run()
+    second, _ = run()
+    with open(second + "/b.txt", "a") as f:
+        f.write("mine\n")
+    third, _ = run()
+    assert ran(third) == {}
+    same(first, third)
+
+
+def test_together():
+    """Several processes at once, and one that clears."""
+    write("chain.yaml", SWEEP)
+    truth, _ = run("--no-cache", "--keep")
+    env = dict(os.environ, OPCFLOW_STORE=os.path.abspath("store"))
+    many = [subprocess.Popen([OPCFLOW, "run", "chain.yaml", "--quiet", "--keep", "--output", "runs/t%d" % i],
+                             env=env, stderr=subprocess.PIPE, text=True) for i in range(4)]
+    while any(m.poll() is None for m in many):
+        call("cache", "clear")
+        call("cache")
+    for i, m in enumerate(many):
+        _, err = m.communicate()
+        assert m.returncode == 0 and "damaged" not in err and "store:" not in err, err
+        for name in ("metrics.json", "0003/d.txt", "0008/c.kept.csv"):
+            if os.path.exists(os.path.join(truth, name)):
+                with open(os.path.join(truth, name), "rb") as a, open("runs/t%d/%s" % (i, name), "rb") as b:
+                    assert a.read() == b.read(), name
+
+
+def test_place():
+    """No place for it, or none to write: a warning, and the run goes on."""
+    write("file", "")
+    folder, done = run(store="file/store")
+    assert "no results are kept or reused" in done.stderr and "store" not in manifest(folder)
+    first, _ = run()
+    shutil.copytree("store", "full")
+    # Files of more than 512 bytes fail as on a full disk; what is there is used.
+    env = dict(os.environ, OPCFLOW_STORE=os.path.abspath("full"))
+    shutil.rmtree("full/new")
+    write("full/new", "")  # nothing can be written
+    done = subprocess.run([OPCFLOW, "run", "chain.yaml", "--quiet", "--output", "runs/full", "--set", "d.number=3"],
+                          env=env, stderr=subprocess.PIPE, text=True)
+    assert done.returncode == 0 and done.stderr.count("warning: store:") == 1, done.stderr
+    assert {"b", "c", "e"}.isdisjoint(ran("runs/full"))
+    os.unlink("full/new")
+    shutil.rmtree("full")
+    same(first, run()[0])
+    done = call("run", "chain.yaml", "--quiet", "--output", "runs/off", store=None)
+    assert "store" not in manifest("runs/off") and not done.stdout
+
+
+def test_limit():
+    run()
+    size = json.loads(call("cache", "--json").stdout)
+    assert size["entries"] > 5 and size["limit"] == 2000000000
+    assert size["bytes"] == sum(os.path.getsize(e) for e in entries())
+    keep = sorted(entries(".result"), key=os.path.getmtime)
+    for age, name in enumerate(entries()):
+        os.utime(name, (age + 1, age + 1))
+    os.utime(keep[0])  # used last
+    call("cache", "limit", "%d B" % (size["bytes"] // 2))
+    left = json.loads(call("cache", "--json").stdout)
+    assert 0 < left["bytes"] <= left["limit"] == size["bytes"] // 2
+    assert os.path.exists(keep[0])
+    assert json.loads(call("cache", "--json", OPCFLOW_STORE_LIMIT="3 MB").stdout)["limit"] == 3000000
+    call("cache", "limit", "5 GB")
+    assert "5.0 GB" in call("cache").stdout
+    for wrong in (("limit", "much"), ("limit",), ("limit", "-1 GB"), ("wipe",), ("clear", "all")):
+        call("cache", *wrong, code=2)
+    call("cache", "clear")
+    assert entries() == [] and json.loads(call("cache", "--json").stdout)["bytes"] == 0
+    # Nothing is kept that is too large for the limit.
+    call("cache", "limit", "0")
+    run()
+    assert set(ran(run()[0])) == ALL
+
+
+def test_explain():
+    folder, _ = run("--no-cache")
+    assert "--no-cache" in call("explain", folder, code=2).stderr
+    call("explain", "nowhere", code=5)
+    write("runs/manifest.json", "[1")
+    call("explain", "runs", code=2)
+    write("runs/manifest.json", '{"store": {"results": [1, {"step": 2}, {}], "steps": "x"}}')
+    call("explain", "runs")
+
+
+def main():
+    home = tempfile.mkdtemp(prefix="opcflow-store-")
+    os.chdir(home)
+    os.environ["OPCFLOW_PLUGIN_PATH"] = os.path.join(BUILD, "tests")
+    tests = [(n[5:], t) for n, t in globals().items() if n.startswith("test_") and n[5:].startswith(tuple(sys.argv[1:]) or "")]
+    print("1..%d" % len(tests))
+    bad = 0
+    for i, (name, test) in enumerate(tests):
+        fresh()
+        try:
+            test()
+            print("ok %d %s" % (i + 1, name), flush=True)
+        except Exception:
+            print("# " + traceback.format_exc().replace("\n", "\n# "))
+            print("not ok %d %s" % (i + 1, name), flush=True)
+            bad += 1
+    os.chdir("/")
+    shutil.rmtree(home)
+    return bad > 0
+
+
+sys.exit(main())
