@@ -11,7 +11,7 @@
 
 /* Ours. */
 static const struct {
-  double unit, step, nodes;
+  double unit, step, nodes, coarsest, most;
 } tuned = {
     /* nm: places of contours are rounded to that; the mask grid, if that is
        finer. A tenth of what masks are written with. */
@@ -21,9 +21,16 @@ static const struct {
        between them. Half of it takes twice the file. */
     .step = 10,
 
-    /* Of the grid in which contours are looked for: what takes a tenth of a
-       second. Above 20 x 20 um, the step grows with the layout. */
+    /* Of the grid in which contours are looked for, to keep the file small:
+       above 20 x 20 um, the step grows with the layout, */
     .nodes = 4e6,
+
+    /* nm: but not beyond that, as lines of 65 nm come in pieces at double it,
+     */
+    .coarsest = 30,
+
+    /* unless eda_contours has no room: above 240 x 240 um. */
+    .most = 6.4e7,
 };
 
 static const char *const suffix[GROUPS] = {"drawn", "mask", "before", "after"};
@@ -116,7 +123,9 @@ static void find_contours(void *data, size_t i) {
   contours *c = (contours *)data + i;
   if (!c->print) return;
   eda_frame f = c->print->frame;
-  double step = fmax(tuned.step, sqrt(f.width * f.height / tuned.nodes));
+  double area = f.width * f.height;
+  double step = fmax(tuned.step, sqrt(area / tuned.nodes));
+  step = fmax(fmin(step, tuned.coarsest), sqrt(area / tuned.most));
   eda_contours(c->context, c->print, f, step, &c->points, &c->start, &c->count,
                &c->error);
 }
