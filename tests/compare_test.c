@@ -210,6 +210,7 @@ static void test_exit(void) {
       {"compare a b --fail-on better", 2, "'better': is 'worse' or"},
       {"compare a b --metrics mask.lwo", 2, "did you mean 'mask.low'?"},
       {"compare a", 2, "needs two runs or more"},
+      {"compare a a", 0, ""}, /* tables without a row */
       {"compare a nowhere", 5, "'nowhere' is no run folder"},
       {"compare a b --table mask", 2, "there is no table 'mask'"},
       {"compare a b --variant x", 2, "goes with one flow file"},

@@ -356,6 +356,31 @@ def test_experiment(b, runs, folder):
     b.open(folder + '/page.html')
 
 
+def test_few(b, runs, folder):
+    """One transistor, which has no spread; none; figures of nobody; a history that is exact."""
+    def change(name, table, edit):
+        rows = list(csv.reader(open(folder + '/one/' + table, newline='')))
+        target = folder + '/' + name
+        shutil.copytree(folder + '/one', target)
+        os.unlink(target + '/view.json')
+        csv.writer(open(target + '/' + table, 'w', newline='')).writerows(edit(rows))
+        done = opcflow('report', target, '--output', target + '.html')
+        expect(done.returncode, 0, name + done.stderr)
+        b.open(target + '.html')
+        expect(b.value("document.querySelectorAll('svg [d*=NaN], svg [d*=Infinity], svg [cx*=Infinity]').length"), 0, name)
+        expect(b.faults(), '', name)
+
+    def without(rows, words, value):
+        gone = [any(w in name for w in words) for name in rows[0]]
+        return rows[:1] + [[value if g else v for g, v in zip(gone, row)] for row in rows[1:]]
+    change('single', 'gates.csv', lambda rows: rows[:2])
+    change('nobody', 'gates.csv', lambda rows: rows[:1])
+    change('failing', 'gates.csv', lambda rows: without(rows, ('before', 'after'), ''))
+    change('equal', 'gates.csv', lambda rows: without(rows, ('before', 'after'), '0'))
+    change('exact', 'history.csv', lambda rows: without(rows, ('ion', 'area', 'epe'), '0'))
+    b.open(folder + '/page.html')
+
+
 def test_print(b, runs):
     pdf = base64.b64decode(b.call('Page.printToPDF', printBackground=True)['data'])
     expect(pdf[:5], b'%PDF-', 'what is printed')

@@ -112,6 +112,23 @@ def test_parameter():
     assert set(ran(folder)) == {"a", "d"} and os.path.exists(folder + "/other.txt")
 
 
+def test_told_apart():
+    """A default that is written, another output of the same step, a value of a map."""
+    write("chain.yaml", """opcflow: 1
+steps:
+  a: { use: test.kept }
+  b: { use: test.kept, add: "${a}" }
+  m: { use: test.numbers, size: 2 nm, names: { poly: one, active: two } }
+""")
+    run()
+    assert ran(run()[0]) == {}
+    assert ran(run("--set", "a.number=1.0")[0])["a"] == "whether a.number was given, as 1"
+    folder, _ = run("--set", "b.add=${a.twice}")
+    assert "b" in ran(folder)
+    same(folder, run("--set", "b.add=${a.twice}", "--no-cache")[0])
+    assert "m" in ran(run("--set", "m.names.active=three")[0])
+
+
 def test_no_effect():
     run()
     folder, _ = run("--set", "b.wait=1", "--set", "e.behave=find", "--threads", "1")

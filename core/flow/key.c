@@ -323,6 +323,10 @@ static char *tell(guchar about, const char *step, const char *path,
       if (before && now && !strcmp(before, now))
         return g_strdup_printf("file %s (%s) changed", now, whole);
       break;
+    case OPC_FACT_PARAMETER:
+      if (before && now && !strcmp(before, now))
+        return g_strdup_printf("whether %s was given, as %s", whole, now);
+      break;
     case OPC_FACT_INPUT:
       return g_strdup_printf("what it takes as %s changed", whole);
     case OPC_FACT_INNER:

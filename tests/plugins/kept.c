@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* test.kept: a step whose output can be kept: a number and its input's. It says
-   whether it ran or was read back, and takes its time. */
+/* test.kept: a step whose outputs can be kept: a number and its input's, and
+   twice that. It says whether it ran or was read back, and takes its time. */
 #include <opcflow/step.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,6 +11,7 @@
 typedef struct kept {
   const opc_host *host;
   double number;
+  int number_given;
   int64_t wait; /* ms */
   const double *add;
   const char *file;
@@ -20,9 +21,10 @@ typedef struct kept {
 
 static int run(void *self, void **outputs, opc_error *error) {
   const kept *k = self;
-  double *sum = malloc(sizeof *sum);
-  outputs[0] = sum;
+  double *sum = outputs[0] = malloc(sizeof *sum);
+  double *twice = outputs[1] = malloc(sizeof *twice);
   *sum = k->number / 3 + (k->add ? *k->add : 0);
+  *twice = 2 * *sum;
   (void)usleep((useconds_t)k->wait * 1000);
   k->host->log(k->host, OPC_LOG_INFO, "ran");
   const opc_column columns[] = {{"sum", NULL, OPC_REAL, -1, sum}};
@@ -60,6 +62,8 @@ static int restore(void *self, const char *folder, void **outputs,
   outputs[0] = malloc(sizeof(double));
   if (!number_file(folder, "rb", outputs[0]))
     return opc_fail(error, OPC_IO, NULL, "not restored");
+  double *twice = outputs[1] = malloc(sizeof *twice);
+  *twice = 2 * *(double *)outputs[0];
   k->host->log(k->host, OPC_LOG_INFO, "restored");
   return OPC_OK;
 }
@@ -74,7 +78,7 @@ static int check_number(const void *object, opc_error *error) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(kept, number, .type = OPC_REAL, .preset = "1",
-                  .summary = "a number"),
+                  .summary = "a number", .given = offsetof(kept, number_given)),
     OPC_PARAMETER(kept, wait, .type = OPC_INT, .flags = OPC_NO_EFFECT,
                   .preset = "0", .summary = "ms"),
     OPC_PARAMETER(kept, add, .type = OPC_INPUT, .choices = "number",
@@ -88,7 +92,8 @@ static const opc_metric metrics[] = {
 
 /* ---- entry ---- */
 
-static const opc_port outputs[] = {{"sum", "number", check_number, free}};
+static const opc_port outputs[] = {{"sum", "number", check_number, free},
+                                   {"twice", "number", check_number, free}};
 static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
                                    .save = save, .restore = restore};
 

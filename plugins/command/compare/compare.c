@@ -134,7 +134,7 @@ static int run(void *self, size_t n, const char *const *arguments,
                opc_error *error) {
   comparison *c = self;
   c->rows = g_array_new(FALSE, FALSE, sizeof(metric_row));
-  c->intervals = g_array_new(FALSE, FALSE, sizeof(transistor_row));
+  c->intervals = ROWS(transistor_row);
   int code = field_open(&c->field, c->host, n, arguments, c->variant, error);
   if (!code) code = check_pairs(c, error);
   if (!code && *c->field.base)

@@ -143,7 +143,7 @@ int metrics_collect(comparison *c, opc_error *error) {
 }
 
 int metrics_publish(comparison *c, opc_error *error) {
-  g_autoptr(GArray) shown = g_array_new(FALSE, FALSE, sizeof(metric_row));
+  g_autoptr(GArray) shown = ROWS(metric_row);
   for (guint i = 0; i < c->rows->len; i++) {
     const metric_row r = g_array_index(c->rows, metric_row, i);
     if (c->all || c->chosen || r.verdict == MISSING || r.change != 0)
@@ -211,7 +211,7 @@ static void finish_case(const comparison *c, case_row *row) {
 }
 
 int cases_publish(comparison *c, opc_error *error) {
-  g_autoptr(GArray) all = g_array_new(FALSE, FALSE, sizeof(case_row));
+  g_autoptr(GArray) all = ROWS(case_row);
   g_autoptr(GHashTable) index =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
   for (guint i = 0; i < c->rows->len; i++)

@@ -109,7 +109,7 @@ static int is_repeated(const field *f, guint i) {
    methods than two it is a long table, which is not shown beside others. */
 int parameters_publish(comparison *c, opc_error *error) {
   const field *f = &c->field;
-  g_autoptr(GArray) all = g_array_new(FALSE, FALSE, sizeof(parameter_row));
+  g_autoptr(GArray) all = ROWS(parameter_row);
   for (guint i = 0; i < f->pairs->len; i++)
     if (!is_repeated(f, i))
       add_parameters(all, &g_array_index(f->pairs, pair, i));
@@ -338,7 +338,7 @@ static int compare_masks(GArray *out, const pair *p, opc_error *error) {
 
 int masks_publish(comparison *c, opc_error *error) {
   const field *f = &c->field;
-  g_autoptr(GArray) all = g_array_new(FALSE, FALSE, sizeof(mask_row));
+  g_autoptr(GArray) all = ROWS(mask_row);
   int code = OPC_OK;
   for (guint i = 0; i < f->pairs->len && !code; i++)
     code = compare_masks(all, &g_array_index(f->pairs, pair, i), error);

@@ -20,6 +20,9 @@ typedef struct comparison {
   GArray *intervals; /* transistor_row */
 } comparison;
 
+/* For rows of a type, with `data` that is there also if no row is. */
+#define ROWS(type) g_array_sized_new(FALSE, FALSE, sizeof(type), 1)
+
 /* A metric of a pair. */
 typedef struct metric_row {
   const char *name, *method, *metric, *unit, *better, *word;

@@ -99,8 +99,8 @@ function histogram(title, unit, k, values, before, range) {
 /* Lines: each { name, points: [[x, y]] } with a marker at its points. */
 function lines(title, about, x, y, series) {
   const all = series.flatMap(s => s.points);
-  if (!all.length) return null;
   const values = all.map(p => p[1]).filter(v => !y.log || v > 0);
+  if (!values.length) return null;
   const low = y.log ? Math.min(...values) : 0, high = largest(values);
   const xs = all.map(p => p[0]);
   return chart({title, about,

@@ -167,10 +167,13 @@ function means_chart(pools) {
     about: 'Mean of the size as a filled mark, standard deviation as a ring around it.', height: 250,
     x: {...axis, label: 'gate area, %'}, y: {...axis, label: 'Ion, %'}, draw: p => {
       iso(p, axis, axis);
-      for (const [k, a, i, sa, si] of at)
-        p.body.append(svg('path', {class: 'tie', style: 'stroke:' + colour_of(k), d: `M${p.x(a)} ${p.y(i)}L${p.x(sa)} ${p.y(si)}`}),
-          svg('circle', {class: 'ring', cx: p.x(sa), cy: p.y(si), r: 6.5, style: 'stroke:' + colour_of(k)}),
-          marker(k, p.x(a), p.y(i), 4.5), marker(k, p.x(sa), p.y(si), 3));
+      for (const [k, a, i, sa, si] of at) { /* nothing is 0 on such a scale */
+        const means = a > 0 && i > 0, spread = sa > 0 && si > 0;
+        p.body.append(...some([
+          means && spread && svg('path', {class: 'tie', style: 'stroke:' + colour_of(k), d: `M${p.x(a)} ${p.y(i)}L${p.x(sa)} ${p.y(si)}`}),
+          spread && svg('circle', {class: 'ring', cx: p.x(sa), cy: p.y(si), r: 6.5, style: 'stroke:' + colour_of(k)}),
+          means && marker(k, p.x(a), p.y(i), 4.5), spread && marker(k, p.x(sa), p.y(si), 3)]));
+      }
     }}), methods.length > 1 ? legend(methods) : null);
 }
 
