@@ -56,6 +56,11 @@ static double step_of(const hopkins *h) {
   return fmin(32, 0.25 / (2 * h->optics.cutoff));
 }
 
+/* The intensity has nothing at the end of its band, twice the cutoff; kernels
+   that are not all have, and rounding must not say whether a frequency there
+   counts: of a grating of pitch wavelength / NA it does much harm. */
+static const double rim = 1e-9;
+
 /* The image of a layer's mask, or of a binary one. */
 enum { BINARY = -1 };
 static int image_by(const hopkins *h, const kernels *k, int layer,
@@ -64,7 +69,7 @@ static int image_by(const hopkins *h, const kernels *k, int layer,
   eda_systems systems = {.count = k->count,
                          .weight = k->weight,
                          .band = k->radius * k->cutoff,
-                         .intensity_band = 2 * k->cutoff,
+                         .intensity_band = 2 * (1 - rim) * k->cutoff,
                          .transfer = k->transfer,
                          .residuals = k->rests,
                          .residual = k->filter,
