@@ -543,6 +543,7 @@ static void test_reached(void) {
       {"{ source: annular, sigma: 0.8, sigma_in: 0.5 }", 1.5e-3},
       {"{ source: annular, sigma: 0.9, sigma_in: 0.85, error: 5e-4 }", 5e-4},
       {"{ defocus: 150 nm, error: 1e-3 }", 1e-3},
+      {"{ error: 6e-5 }", 6e-5},
       {"{ na: 0.7, error: 1e-4 }", 1e-4},
       {"{ na: 0.8, error: 1e-4 }", 1e-4}};
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
