@@ -141,24 +141,30 @@ void waves_clear(waves *w);
 /* All nets' events for one pattern of the inputs (w->before, w->after). */
 void waves_run(waves *w, const state *s);
 
-/* When the output with that number gets where it ends, ps; NAN: it ends as it
-   began. */
-double waves_arrival(const waves *w, size_t output);
+/* What an output does after a pattern. */
+typedef struct arrival {
+  double time;      /* ps, when it gets where it ends; NAN: it ends as it began */
+  uint32_t changes; /* those of pulses before that, too */
+} arrival;
+arrival waves_arrival(const waves *w, size_t output);
 
 /* ---- deviations.c: all patterns ---- */
 
 typedef struct delays {
-  size_t count; /* of outputs that follow a pattern */
-  double **at;  /* [state][count], ps */
+  size_t count;      /* of outputs that follow a pattern */
+  arrival **arrival; /* [state][count] */
 } delays;
 
 int delays_find(paths *p, delays *out, opc_error *error);
 void delays_clear(delays *d, size_t states);
 
-/* What deviates, in %, of the delays of state s (thesis eq. 3.15). */
+/* What deviates, in %, of the delays of state s (thesis eq. 3.15). An output
+   that does not change as often as it does as drawn has a pulse more or less:
+   its last change is not the same transition, and is no delay to compare. */
 typedef struct spread {
+  size_t compared;
   double mean, stdv, lowest, highest; /* mean and stdv of absolute values */
-  double longest, shortest;           /* of the delays, their deviation */
+  double longest, shortest;           /* of all delays, their deviation */
 } spread;
 spread spread_of(const delays *d, size_t s);
 int tell_delays(paths *p, const delays *d, opc_error *error);

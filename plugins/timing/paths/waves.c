@@ -178,9 +178,8 @@ void waves_run(waves *w, const state *s) {
   }
 }
 
-double waves_arrival(const waves *w, size_t output) {
+arrival waves_arrival(const waves *w, size_t output) {
   uint32_t net = w->p->graph.output[output];
   uint32_t n = w->last[net] - w->first[net];
-  if (n % 2 == 0) return (double)NAN;
-  return w->event[w->last[net] - 1].time;
+  return (arrival){n % 2 ? w->event[w->last[net] - 1].time : (double)NAN, n};
 }
