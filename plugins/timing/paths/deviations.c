@@ -83,7 +83,7 @@ void delays_clear(delays *d, size_t states) {
 /* ---- figures ---- */
 
 static int same(const delays *d, size_t s, size_t i) {
-  return d->arrival[s][i].changes == d->arrival[0][i].changes;
+  return d->arrival[s][i].path == d->arrival[0][i].path;
 }
 
 static double deviation(const delays *d, size_t s, size_t i) {
@@ -128,7 +128,7 @@ spread spread_of(const delays *d, size_t s) {
 
 typedef struct row {
   const char *name;
-  int64_t delays, pulses;
+  int64_t delays, others;
   double delay, longest, shortest, statically, static_by;
   spread by;
 } row;
@@ -154,7 +154,7 @@ static row row_of(const paths *p, const delays *d, size_t s, double drawn) {
   if (!s) drawn = r.statically;
   r.static_by = 100 * (r.statically / drawn - 1);
   r.by = spread_of(d, s);
-  r.pulses = (int64_t)(d->count - r.by.compared);
+  r.others = (int64_t)(d->count - r.by.compared);
   return r;
 }
 
@@ -171,7 +171,7 @@ static int tell_metrics(paths *p, const delays *d, const row *r, size_t n,
       {"delay_max", r->longest},
       {"delay_min", r->shortest},
       {"static", r->statically},
-      {n > 1 ? "pulses" : NULL, n > 1 ? (double)r[1].pulses : 0},
+      {n > 1 ? "others" : NULL, n > 1 ? (double)r[1].others : 0},
       {PRINTED("mean"), first ? first->by.mean : 0},
       {PRINTED("stdv"), first ? first->by.stdv : 0},
       {PRINTED("lowest"), first ? first->by.lowest : 0},
@@ -218,7 +218,7 @@ int tell_delays(paths *p, const delays *d, opc_error *error) {
   const opc_column columns[] = {
       {"sizes", NULL, OPC_TEXT, 0, &r->name},
       {"delays", NULL, OPC_INT, 0, &r->delays},
-      {"pulses", NULL, OPC_INT, 0, &r->pulses},
+      {"others", NULL, OPC_INT, 0, &r->others},
       {"delay", "ps", OPC_REAL, 2, &r->delay},
       {"delay_max", "ps", OPC_REAL, 2, &r->longest},
       {"delay_min", "ps", OPC_REAL, 2, &r->shortest},
@@ -252,8 +252,8 @@ static int by_value(const void *a, const void *b) {
 }
 
 /* All sets of sizes on the same bins: of each, all but a hundredth at both
-   ends, which are of pulses that pass with one set and not with another. They
-   count to the outermost bins. */
+   ends, so that a few far ones do not flatten the rest. They count to the
+   outermost bins. */
 static void find_range(const delays *d, size_t states, double *low,
                        double *high) {
   double *x = eda_alloc(d->count, sizeof *x);
@@ -287,15 +287,17 @@ int draw_histogram(const paths *p, const delays *d, const char *path,
     bin[k] = (histogram){p->state[1 + k / BINS].name,
                          low + step * (double)(k % BINS),
                          low + step * (double)(k % BINS + 1), 0};
-  for (size_t s = 0; s < states; s++)
+  for (size_t s = 0; s < states; s++) {
+    double unit = 100 / (double)spread_of(d, s + 1).compared;
     for (size_t i = 0; i < d->count; i++) {
       if (!same(d, s + 1, i)) continue;
       double at = (deviation(d, s + 1, i) - low) / step;
       size_t b = at > 0 ? (size_t)at : 0;
       histogram *h = &bin[s * BINS + (b < BINS ? b : BINS - 1)];
-      h->share += 100 / (double)d->count;
+      h->share += unit;
       most = fmax(most, h->share);
     }
+  }
   const opc_column columns[] = {{"sizes", NULL, OPC_TEXT, 0, &bin->sizes},
                                 {"from", "%", OPC_REAL, 4, &bin->from},
                                 {"to", "%", OPC_REAL, 4, &bin->to},

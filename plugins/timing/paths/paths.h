@@ -38,6 +38,7 @@ typedef struct graph {
 /* What a pattern of the inputs does at a net: changes in turn from `level`. */
 typedef struct event {
   double time, slew; /* ps */
+  uint64_t path;     /* a hash of the nets through which it came */
 } event;
 
 /* A set of sizes: as drawn, or as a method printed them. */
@@ -143,8 +144,8 @@ void waves_run(waves *w, const state *s);
 
 /* What an output does after a pattern. */
 typedef struct arrival {
-  double time;      /* ps, when it gets where it ends; NAN: it ends as it began */
-  uint32_t changes; /* those of pulses before that, too */
+  double time;   /* ps, when it gets where it ends; NAN: it ends as it began */
+  uint64_t path; /* of that event; with one delay an arc 0 */
 } arrival;
 arrival waves_arrival(const waves *w, size_t output);
 
@@ -158,9 +159,10 @@ typedef struct delays {
 int delays_find(paths *p, delays *out, opc_error *error);
 void delays_clear(delays *d, size_t states);
 
-/* What deviates, in %, of the delays of state s (thesis eq. 3.15). An output
-   that does not change as often as it does as drawn has a pulse more or less:
-   its last change is not the same transition, and is no delay to compare. */
+/* What deviates, in %, of the delays of state s (thesis eq. 3.15). Where
+   the output's last change comes through other nets than as drawn, as a pulse
+   passes in one of both or another of two inputs is the later, it is not the
+   same transition, and is not compared. */
 typedef struct spread {
   size_t compared;
   double mean, stdv, lowest, highest; /* mean and stdv of absolute values */
