@@ -201,15 +201,20 @@ static void test_others(void) {
   }
 }
 
-static void refused(const char *ports, const char *instances,
-                    const char *words) {
+static void refused_with(const char *ports, const char *instances,
+                         const char *more, const char *words) {
   opc_error error;
   eda_timing *t = library();
-  int code = run_paths(t, ports, instances, "", NULL, NULL, &error);
+  int code = run_paths(t, ports, instances, more, NULL, NULL, &error);
   g_assert_cmpint(code, ==, OPC_INVALID);
   if (!strstr(error.message, words))
     g_error("'%s' does not say '%s'", error.message, words);
   eda_timing_free(t);
+}
+
+static void refused(const char *ports, const char *instances,
+                    const char *words) {
+  refused_with(ports, instances, "", words);
 }
 
 static void test_refused(void) {
@@ -221,6 +226,11 @@ static void test_refused(void) {
           "is on a loop");
   refused("a z", "XU1 a z VDD VSS INV\nM1 z a VSS VSS nmos w=1u l=1u\n",
           "'M1' is a transistor");
+  /* Any file: it is not read before the circuit is wanted. */
+  g_autofree char *more =
+      g_strdup_printf(", spice: 1, models: %s/circuit.sp", opc_test_folder());
+  refused_with("a z", "XU1 a z VDD VSS INV\n", more,
+               "'spice' simulates its transistors");
 }
 
 int main(int argc, char **argv) {
