@@ -15,7 +15,7 @@ enum { BLOCK = 128 }; /* patterns; fixed, so that threads change no result */
 
 typedef struct block {
   size_t count, room;
-  double *at; /* [arrival * states + state], ps */
+  arrival *arrival; /* [delay * states + state] */
 } block;
 
 typedef struct work {
@@ -40,13 +40,14 @@ static void run_block(void *data, size_t index) {
       pattern_at(p, i, w.before, w.after);
       waves_run(&w, &p->state[s]);
       for (size_t o = 0; o < g->outputs; o++) {
-        double at = waves_arrival(&w, o);
-        if (isnan(at)) continue;
+        arrival a = waves_arrival(&w, o);
+        if (isnan(a.time)) continue;
         if (!s) {
-          eda_grow(&b->at, &b->room, (k + 1) * p->states, sizeof *b->at);
+          eda_grow(&b->arrival, &b->room, (k + 1) * p->states,
+                   sizeof *b->arrival);
           b->count = k + 1;
         }
-        b->at[k++ * p->states + s] = at;
+        b->arrival[k++ * p->states + s] = a;
       }
     }
   }
@@ -58,14 +59,14 @@ int delays_find(paths *p, delays *out, opc_error *error) {
   work all = {p, eda_alloc(blocks, sizeof *all.block)};
   opc_parallel(p->host->context, blocks, run_block, &all);
   for (size_t i = 0; i < blocks; i++) n += all.block[i].count;
-  *out = (delays){n, eda_alloc(p->states, sizeof *out->at)};
+  *out = (delays){n, eda_alloc(p->states, sizeof *out->arrival)};
   for (size_t s = 0; s < p->states; s++) {
-    double *to = out->at[s] = eda_alloc(n, sizeof *to);
+    arrival *to = out->arrival[s] = eda_alloc(n, sizeof *to);
     for (size_t i = 0; i < blocks; i++)
       for (size_t k = 0; k < all.block[i].count; k++)
-        *to++ = all.block[i].at[k * p->states + s];
+        *to++ = all.block[i].arrival[k * p->states + s];
   }
-  for (size_t i = 0; i < blocks; i++) free(all.block[i].at);
+  for (size_t i = 0; i < blocks; i++) free(all.block[i].arrival);
   free(all.block);
   if (opc_cancelled(p->host->context))
     return opc_fail(error, OPC_CANCELLED, NULL, "cancelled");
@@ -74,37 +75,52 @@ int delays_find(paths *p, delays *out, opc_error *error) {
 }
 
 void delays_clear(delays *d, size_t states) {
-  for (size_t s = 0; d->at && s < states; s++) free(d->at[s]);
-  free(d->at);
+  for (size_t s = 0; d->arrival && s < states; s++) free(d->arrival[s]);
+  free(d->arrival);
   *d = (delays){0};
 }
 
 /* ---- figures ---- */
 
+static int same(const delays *d, size_t s, size_t i) {
+  return d->arrival[s][i].path == d->arrival[0][i].path;
+}
+
 static double deviation(const delays *d, size_t s, size_t i) {
-  return 100 * (d->at[s][i] - d->at[0][i]) / d->at[0][i];
+  double drawn = d->arrival[0][i].time;
+  return 100 * (d->arrival[s][i].time - drawn) / drawn;
+}
+
+/* The longest and the shortest of the delays of state s, ps. */
+static void find_ends(const delays *d, size_t s, double *longest,
+                      double *shortest) {
+  *longest = 0;
+  *shortest = INFINITY;
+  for (size_t i = 0; i < d->count; i++) {
+    *longest = fmax(*longest, d->arrival[s][i].time);
+    *shortest = fmin(*shortest, d->arrival[s][i].time);
+  }
 }
 
 spread spread_of(const delays *d, size_t s) {
-  spread r = {.lowest = INFINITY, .highest = -INFINITY};
-  double n = (double)d->count, squares = 0, longest[2] = {0, 0},
-         shortest[2] = {INFINITY, INFINITY};
+  spread r = {.lowest = (double)NAN, .highest = (double)NAN};
+  double sum = 0, squares = 0, longest[2], shortest[2];
   for (size_t i = 0; i < d->count; i++) {
+    if (!same(d, s, i)) continue;
     double x = deviation(d, s, i);
-    r.mean += fabs(x) / n;
+    r.compared++;
+    sum += fabs(x);
     r.lowest = fmin(r.lowest, x);
     r.highest = fmax(r.highest, x);
-    for (int k = 0; k < 2; k++) {
-      double at = d->at[k ? s : 0][i];
-      longest[k] = fmax(longest[k], at);
-      shortest[k] = fmin(shortest[k], at);
-    }
   }
+  r.mean = r.compared ? sum / (double)r.compared : (double)NAN;
   for (size_t i = 0; i < d->count; i++) {
     double x = fabs(deviation(d, s, i)) - r.mean;
-    squares += x * x;
+    if (same(d, s, i)) squares += x * x;
   }
-  r.stdv = d->count > 1 ? sqrt(squares / (n - 1)) : 0;
+  if (r.compared > 1) r.stdv = sqrt(squares / (double)(r.compared - 1));
+  find_ends(d, 0, &longest[0], &shortest[0]);
+  find_ends(d, s, &longest[1], &shortest[1]);
   r.longest = 100 * (longest[1] / longest[0] - 1);
   r.shortest = 100 * (shortest[1] / shortest[0] - 1);
   return r;
@@ -112,7 +128,7 @@ spread spread_of(const delays *d, size_t s) {
 
 typedef struct row {
   const char *name;
-  int64_t delays;
+  int64_t delays, others;
   double delay, longest, shortest, statically, static_by;
   spread by;
 } row;
@@ -132,21 +148,20 @@ static row row_of(const paths *p, const delays *d, size_t s, double drawn) {
            .delays = (int64_t)d->count,
            .shortest = INFINITY,
            .statically = worst_path(p, &p->state[s])};
-  for (size_t i = 0; i < d->count; i++) {
-    r.delay += d->at[s][i] / (double)d->count;
-    r.longest = fmax(r.longest, d->at[s][i]);
-    r.shortest = fmin(r.shortest, d->at[s][i]);
-  }
+  for (size_t i = 0; i < d->count; i++)
+    r.delay += d->arrival[s][i].time / (double)d->count;
+  find_ends(d, s, &r.longest, &r.shortest);
   if (!s) drawn = r.statically;
   r.static_by = 100 * (r.statically / drawn - 1);
   r.by = spread_of(d, s);
+  r.others = (int64_t)(d->count - r.by.compared);
   return r;
 }
 
 static int tell_metrics(paths *p, const delays *d, const row *r, size_t n,
                         opc_error *error) {
   /* Of the mask, else of the first of the prints. */
-  const row *first = n > 1 ? &r[1] : NULL;
+  const row *first = n > 1 && r[1].by.compared ? &r[1] : NULL;
 #define PRINTED(name) (first ? (name) : NULL)
   const opc_metric_value values[] = {
       {"cells", (double)p->graph.instances},
@@ -156,6 +171,7 @@ static int tell_metrics(paths *p, const delays *d, const row *r, size_t n,
       {"delay_max", r->longest},
       {"delay_min", r->shortest},
       {"static", r->statically},
+      {n > 1 ? "others" : NULL, n > 1 ? (double)r[1].others : 0},
       {PRINTED("mean"), first ? first->by.mean : 0},
       {PRINTED("stdv"), first ? first->by.stdv : 0},
       {PRINTED("lowest"), first ? first->by.lowest : 0},
@@ -202,6 +218,7 @@ int tell_delays(paths *p, const delays *d, opc_error *error) {
   const opc_column columns[] = {
       {"sizes", NULL, OPC_TEXT, 0, &r->name},
       {"delays", NULL, OPC_INT, 0, &r->delays},
+      {"others", NULL, OPC_INT, 0, &r->others},
       {"delay", "ps", OPC_REAL, 2, &r->delay},
       {"delay_max", "ps", OPC_REAL, 2, &r->longest},
       {"delay_min", "ps", OPC_REAL, 2, &r->shortest},
@@ -235,20 +252,24 @@ static int by_value(const void *a, const void *b) {
 }
 
 /* All sets of sizes on the same bins: of each, all but a hundredth at both
-   ends, which are of pulses that pass with one set and not with another. They
-   count to the outermost bins. */
+   ends, so that a few far ones do not flatten the rest. They count to the
+   outermost bins. */
 static void find_range(const delays *d, size_t states, double *low,
                        double *high) {
   double *x = eda_alloc(d->count, sizeof *x);
   *low = INFINITY;
   *high = -INFINITY;
   for (size_t s = 1; s < states; s++) {
-    for (size_t i = 0; i < d->count; i++) x[i] = deviation(d, s, i);
-    qsort(x, d->count, sizeof *x, by_value);
-    *low = fmin(*low, x[d->count / 100]);
-    *high = fmax(*high, x[d->count - 1 - d->count / 100]);
+    size_t n = 0;
+    for (size_t i = 0; i < d->count; i++)
+      if (same(d, s, i)) x[n++] = deviation(d, s, i);
+    if (!n) continue;
+    qsort(x, n, sizeof *x, by_value);
+    *low = fmin(*low, x[n / 100]);
+    *high = fmax(*high, x[n - 1 - n / 100]);
   }
   free(x);
+  if (!(*low <= *high)) *low = *high = 0; /* nothing is compared */
   double room = fmax(1e-3, 0.02 * (*high - *low));
   *low -= room;
   *high += room;
@@ -266,14 +287,17 @@ int draw_histogram(const paths *p, const delays *d, const char *path,
     bin[k] = (histogram){p->state[1 + k / BINS].name,
                          low + step * (double)(k % BINS),
                          low + step * (double)(k % BINS + 1), 0};
-  for (size_t s = 0; s < states; s++)
+  for (size_t s = 0; s < states; s++) {
+    double unit = 100 / (double)spread_of(d, s + 1).compared;
     for (size_t i = 0; i < d->count; i++) {
+      if (!same(d, s + 1, i)) continue;
       double at = (deviation(d, s + 1, i) - low) / step;
       size_t b = at > 0 ? (size_t)at : 0;
       histogram *h = &bin[s * BINS + (b < BINS ? b : BINS - 1)];
-      h->share += 100 / (double)d->count;
+      h->share += unit;
       most = fmax(most, h->share);
     }
+  }
   const opc_column columns[] = {{"sizes", NULL, OPC_TEXT, 0, &bin->sizes},
                                 {"from", "%", OPC_REAL, 4, &bin->from},
                                 {"to", "%", OPC_REAL, 4, &bin->to},

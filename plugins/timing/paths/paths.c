@@ -151,6 +151,9 @@ static const opc_metric metrics[] = {
     FIGURE("delay_max", "ps", "largest delay as drawn"),
     FIGURE("delay_min", "ps", "smallest delay as drawn"),
     FIGURE("static", "ps", "latest arrival of static analysis as drawn"),
+    FIGURE("others", NULL,
+           "delays that are not compared: as printed, the last change comes "
+           "through other nets"),
     FAULT("mean",
           "mean of the absolute deviations of delays (thesis eq. 3.15)"),
     FAULT("stdv", "their standard deviation"),

@@ -38,6 +38,7 @@ typedef struct graph {
 /* What a pattern of the inputs does at a net: changes in turn from `level`. */
 typedef struct event {
   double time, slew; /* ps */
+  uint64_t path;     /* a hash of the nets through which it came */
 } event;
 
 /* A set of sizes: as drawn, or as a method printed them. */
@@ -141,24 +142,31 @@ void waves_clear(waves *w);
 /* All nets' events for one pattern of the inputs (w->before, w->after). */
 void waves_run(waves *w, const state *s);
 
-/* When the output with that number gets where it ends, ps; NAN: it ends as it
-   began. */
-double waves_arrival(const waves *w, size_t output);
+/* What an output does after a pattern. */
+typedef struct arrival {
+  double time;   /* ps, when it gets where it ends; NAN: it ends as it began */
+  uint64_t path; /* of that event; with one delay an arc 0 */
+} arrival;
+arrival waves_arrival(const waves *w, size_t output);
 
 /* ---- deviations.c: all patterns ---- */
 
 typedef struct delays {
-  size_t count; /* of outputs that follow a pattern */
-  double **at;  /* [state][count], ps */
+  size_t count;      /* of outputs that follow a pattern */
+  arrival **arrival; /* [state][count] */
 } delays;
 
 int delays_find(paths *p, delays *out, opc_error *error);
 void delays_clear(delays *d, size_t states);
 
-/* What deviates, in %, of the delays of state s (thesis eq. 3.15). */
+/* What deviates, in %, of the delays of state s (thesis eq. 3.15). Where
+   the output's last change comes through other nets than as drawn, as a pulse
+   passes in one of both or another of two inputs is the later, it is not the
+   same transition, and is not compared. */
 typedef struct spread {
+  size_t compared;
   double mean, stdv, lowest, highest; /* mean and stdv of absolute values */
-  double longest, shortest;           /* of the delays, their deviation */
+  double longest, shortest;           /* of all delays, their deviation */
 } spread;
 spread spread_of(const delays *d, size_t s);
 int tell_delays(paths *p, const delays *d, opc_error *error);

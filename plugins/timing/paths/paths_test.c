@@ -93,33 +93,45 @@ static void test_pulse(void) {
   }
 }
 
-/* An inverter prints longer, wider and with a larger area: each moves the delay
-   as the library says, and eq. 3.15 of both edges. */
-static void test_printed(void) {
-  opc_error error;
+/* What XU1, the inverter from a to `out`, prints as. */
+static double leq[2], weq[2], area[2];
+
+static eda_mask *printed(const char *out, eda_circuit *circuit) {
   static const uint32_t finger[2] = {0, 1};
-  static const char *nets[] = {"a", "z", "VDD", "VSS"};
-  static uint32_t port[] = {0, 1, 2, 3};
+  static const char *nets[] = {"a", NULL, "VDD", "VSS"};
+  static uint32_t port[] = {0, 1, 2, 3}, flags[2];
   static uint8_t role[] = {EDA_PIN_INPUT, EDA_PIN_OUTPUT, EDA_PIN_SUPPLY,
                            EDA_PIN_GROUND};
   static eda_device device[2] = {
       {"XU1/MN", 1, 0, 3, 3, 60, 200, EDA_NMOS, 1, &finger[0]},
       {"XU1/MP", 1, 0, 2, 2, 60, 300, EDA_PMOS, 1, &finger[1]}};
-  eda_circuit circuit = {.name = "top",
-                         .gates = eda_gates_sample(),
-                         .nets = 4,
-                         .net = nets,
-                         .ports = 4,
-                         .port = port,
-                         .role = role,
-                         .count = 2,
-                         .device = device};
-  double leq[2] = {62, 60}, weq[2] = {210, 297}, area[2] = {57 * 210, 60 * 297};
-  uint32_t flags[2] = {0};
-  eda_mask mask = {
-      .gates = circuit.gates,
+  static eda_mask mask;
+  nets[1] = out;
+  *circuit = (eda_circuit){.name = "top",
+                           .gates = eda_gates_sample(),
+                           .nets = 4,
+                           .net = nets,
+                           .ports = 4,
+                           .port = port,
+                           .role = role,
+                           .count = 2,
+                           .device = device};
+  mask = (eda_mask){
+      .gates = circuit->gates,
       .flags = flags,
       .after = {.count = 2, .leq_ion = leq, .weq = weq, .area = area}};
+  return &mask;
+}
+
+/* An inverter prints longer, wider and with a larger area: each moves the delay
+   as the library says, and eq. 3.15 of both edges. */
+static void test_printed(void) {
+  opc_error error;
+  eda_circuit circuit;
+  const eda_mask *mask = printed("z", &circuit);
+  memcpy(leq, (double[]){62, 60}, sizeof leq);
+  memcpy(weq, (double[]){210, 297}, sizeof weq);
+  memcpy(area, (double[]){57 * 210, 60 * 297}, sizeof area);
   eda_timing *t = library();
   eda_timing_cell *c = &t->cell[0];
   /* The delay moves by so many ps for each size; at all three points alike. */
@@ -128,7 +140,7 @@ static void test_printed(void) {
     for (size_t k = 0; k < 18; k++)
       c->arc[a].delay_by[k] = by[k % 6] * (a ? 1 : -0.5);
   good(run_paths(t, "a z", "XU1 a z VDD VSS INV\n", ", slew: 8 ps, load: 4 fF",
-                 &circuit, &mask, &error),
+                 &circuit, mask, &error),
        &error);
   double moved = by[0] * log(62.0 / 60) + by[1] * log(210.0 / 200) +
                  by[2] * log(57.0 / 60) + by[4] * log(297.0 / 300);
@@ -148,21 +160,61 @@ static void test_printed(void) {
   /* Twice the length is told, not only a small change. */
   weq[1] = 0;
   int code =
-      run_paths(t, "a z", "XU1 a z VDD VSS INV\n", "", &circuit, &mask, &error);
+      run_paths(t, "a z", "XU1 a z VDD VSS INV\n", "", &circuit, mask, &error);
   g_assert_cmpint(code, ==, OPC_FAILED);
   g_assert_nonnull(strstr(error.message, "'XU1/MP' has no size"));
   eda_timing_free(t);
 }
 
-static void refused(const char *ports, const char *instances,
-                    const char *words) {
+/* z is the NAND of m and n, both inverted a; n has more load, so that m changes
+   first, and last where XU1, which drives m, prints longer by enough. Then each
+   change of z comes through the other of both: it is told, and not compared. */
+static void test_others(void) {
+  opc_error error;
+  eda_circuit circuit;
+  const eda_mask *mask = printed("m", &circuit);
+  memcpy(weq, (double[]){200, 300}, sizeof weq);
+  memcpy(area, (double[]){60 * 200, 60 * 300}, sizeof area);
+  for (int swap = 0; swap < 2; swap++) {
+    eda_timing *t = library();
+    eda_timing_cell *c = &t->cell[0];
+    for (size_t k = 0; k < 2 * 18; k++) /* by ln of the length */
+      c->arc[k / 18].delay_by[k % 18] = k % 6 ? 0 : swap ? 200e-12 : 1e-12;
+    leq[0] = leq[1] = 62;
+    good(run_paths(t, "a z y",
+                   "XU1 a m VDD VSS INV\nXU2 a n VDD VSS INV\n"
+                   "XU3 n y VDD VSS INV\nXU4 m n z VDD VSS NAND2\n",
+                   ", slew: 8 ps, load: 4 fF", &circuit, mask, &error),
+         &error);
+    close_to(opc_test_metric("delays"), 4, 0);
+    close_to(opc_test_metric("others"), swap ? 2 : 0, 0);
+    close_to(opc_test_number("paths", "others", 1), swap ? 2 : 0, 0);
+    if (swap) close_to(opc_test_metric("mean"), 0, 0); /* y: as drawn */
+    g_assert_cmpint(opc_test_metric("mean") > 0, ==, !swap);
+    g_assert_cmpfloat(opc_test_metric("longest"), >=, 0);
+    /* The histogram has all that are compared. */
+    double share = 0;
+    for (size_t i = 0; i < opc_test_rows("histogram"); i++)
+      share += opc_test_number("histogram", "share", i);
+    close_to(share, 100, 0.05);
+    eda_timing_free(t);
+  }
+}
+
+static void refused_with(const char *ports, const char *instances,
+                         const char *more, const char *words) {
   opc_error error;
   eda_timing *t = library();
-  int code = run_paths(t, ports, instances, "", NULL, NULL, &error);
+  int code = run_paths(t, ports, instances, more, NULL, NULL, &error);
   g_assert_cmpint(code, ==, OPC_INVALID);
   if (!strstr(error.message, words))
     g_error("'%s' does not say '%s'", error.message, words);
   eda_timing_free(t);
+}
+
+static void refused(const char *ports, const char *instances,
+                    const char *words) {
+  refused_with(ports, instances, "", words);
 }
 
 static void test_refused(void) {
@@ -174,6 +226,11 @@ static void test_refused(void) {
           "is on a loop");
   refused("a z", "XU1 a z VDD VSS INV\nM1 z a VSS VSS nmos w=1u l=1u\n",
           "'M1' is a transistor");
+  /* Any file: it is not read before the circuit is wanted. */
+  g_autofree char *more =
+      g_strdup_printf(", spice: 1, models: %s/circuit.sp", opc_test_folder());
+  refused_with("a z", "XU1 a z VDD VSS INV\n", more,
+               "'spice' simulates its transistors");
 }
 
 int main(int argc, char **argv) {
@@ -181,6 +238,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/paths/chain", test_chain);
   g_test_add_func("/paths/pulse", test_pulse);
   g_test_add_func("/paths/printed", test_printed);
+  g_test_add_func("/paths/others", test_others);
   g_test_add_func("/paths/refused", test_refused);
   return g_test_run();
 }

@@ -171,7 +171,7 @@ static int take(referee *r, size_t sizes, size_t pattern, const waves *w,
   for (size_t o = 0; o < g->outputs && t; o++) {
     line *l = &r->line[pattern * g->outputs + o];
     char name[32];
-    double ours = waves_arrival(w, o);
+    double ours = waves_arrival(w, o).time;
     if (isnan(ours)) continue;
     snprintf(name, sizeof name, "v(n%u)", r->port[g->inputs + o]);
     const eda_spice_vector *v = eda_spice_vector_find(plot, name);
@@ -201,7 +201,7 @@ static void run_one(void *data, size_t index) {
   pattern_at(p, pattern, w.before, w.after);
   waves_run(&w, &p->state[sizes]);
   for (size_t o = 0; o < p->graph.outputs; o++)
-    longest = fmax(longest, waves_arrival(&w, o));
+    longest = fmax(longest, waves_arrival(&w, o).time);
   char *text = deck_text(r, sizes, w.before, w.after);
   double window =
       middle_of(p) + 3 * ramp_time(p, 1) + 1.2 * longest * 1e-12 + 60e-12;

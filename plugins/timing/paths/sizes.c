@@ -189,6 +189,9 @@ int states_find(paths *p, opc_error *error) {
   if ((p->mask || p->prints.count) && !p->circuit)
     return opc_fail(error, OPC_INVALID, "circuit",
                     "missing: printed sizes are of a circuit's transistors");
+  if (p->spice && !p->circuit)
+    return opc_fail(error, OPC_INVALID, "circuit",
+                    "missing: 'spice' simulates its transistors");
   if (p->mask) {
     state *s = &p->state[p->states++];
     s->name = p->label;

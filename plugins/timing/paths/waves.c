@@ -26,8 +26,13 @@ void waves_clear(waves *w) {
   free(w->change);
 }
 
-static void push(waves *w, double time, double slew) {
-  EDA_PUSH(w->event, w->count, w->room, (event){time, slew});
+static void push(waves *w, double time, double slew, uint64_t path) {
+  EDA_PUSH(w->event, w->count, w->room, (event){time, slew, path});
+}
+
+/* FNV-1a over the numbers of nets. */
+static uint64_t path_on(uint64_t path, uint32_t net) {
+  return (path ^ (net + 1)) * 0x100000001b3u;
 }
 
 /* ---- the inputs of a node, in the order of time ---- */
@@ -84,7 +89,8 @@ static void by_slews(waves *w, const node *n, const state *s) {
   }
   w->level[n->net] = level[m.now];
   for (int i; (i = merge_next(&m, &time)) >= 0;) {
-    double slew = w->event[m.next[i]++].slew, delay, out;
+    const event cause = w->event[m.next[i]++];
+    double delay, out;
     uint32_t from = m.now;
     m.now ^= (uint32_t)1 << i;
     if (level[from] == level[m.now]) continue;
@@ -93,12 +99,12 @@ static void by_slews(waves *w, const node *n, const state *s) {
       w->count--;
       continue;
     }
-    arc_at(n, s, (size_t)arc_of[((size_t)i << c->inputs) + from], slew, &delay,
-           &out);
+    arc_at(n, s, (size_t)arc_of[((size_t)i << c->inputs) + from], cause.slew,
+           &delay, &out);
     if (before && time + delay <= before->time)
       w->count--;
     else
-      push(w, time + delay, out);
+      push(w, time + delay, out, path_on(cause.path, n->net));
   }
 }
 
@@ -148,7 +154,7 @@ static void by_arcs(waves *w, const node *n, const state *s) {
       if (change[k].at < time) last = k;
     if (change[last].value == value) continue;
     value = change[last].value;
-    push(w, time, 0);
+    push(w, time, 0, 0);
   }
 }
 
@@ -164,7 +170,7 @@ void waves_run(waves *w, const state *s) {
     uint32_t net = g->input[i];
     w->level[net] = w->before[i];
     w->first[net] = (uint32_t)w->count;
-    if (w->before[i] != w->after[i]) push(w, 0, slew);
+    if (w->before[i] != w->after[i]) push(w, 0, slew, path_on(0, net));
     w->last[net] = (uint32_t)w->count;
   }
   for (size_t i = 0; i < g->nodes; i++) {
@@ -178,9 +184,10 @@ void waves_run(waves *w, const state *s) {
   }
 }
 
-double waves_arrival(const waves *w, size_t output) {
+arrival waves_arrival(const waves *w, size_t output) {
   uint32_t net = w->p->graph.output[output];
   uint32_t n = w->last[net] - w->first[net];
-  if (n % 2 == 0) return (double)NAN;
-  return w->event[w->last[net] - 1].time;
+  if (n % 2 == 0) return (arrival){.time = (double)NAN};
+  const event *e = &w->event[w->last[net] - 1];
+  return (arrival){e->time, e->path};
 }
