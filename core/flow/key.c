@@ -290,17 +290,31 @@ void opc_key_clear(opc_key *key) {
 
 /* ---- differences ---- */
 
-/* The fact of that kind and path; NULL and "" if there is none. */
-static gboolean find_fact(GVariant *facts, guchar about, const char *path,
-                          const char **shown, const char **sum) {
-  GVariantIter all;
-  guchar other;
-  const char *its_path;
-  g_variant_iter_init(&all, facts);
-  while (g_variant_iter_next(&all, "(y&s&s&s)", &other, &its_path, shown, sum))
-    if (other == about && !strcmp(its_path, path)) return TRUE;
-  *shown = *sum = NULL;
-  return FALSE;
+typedef struct fact {
+  guchar about;
+  const char *path, *shown, *sum; /* of the variant */
+} fact;
+
+static guint fact_hash(gconstpointer f) {
+  return g_str_hash(((const fact *)f)->path) + ((const fact *)f)->about;
+}
+
+static gboolean fact_equal(gconstpointer a, gconstpointer b) {
+  return ((const fact *)a)->about == ((const fact *)b)->about &&
+         !strcmp(((const fact *)a)->path, ((const fact *)b)->path);
+}
+
+/* In their order; to be found by kind and path in the table. */
+static fact *read_facts(GVariant *facts, gsize *n, GHashTable *all) {
+  *n = g_variant_n_children(facts);
+  fact *list = g_new(fact, *n);
+  for (gsize i = 0; i < *n; i++) {
+    fact *f = &list[i];
+    g_variant_get_child(facts, i, "(y&s&s&s)", &f->about, &f->path, &f->shown,
+                        &f->sum);
+    g_hash_table_insert(all, f, f);
+  }
+  return list;
 }
 
 static char *tell(guchar about, const char *step, const char *path,
@@ -337,22 +351,20 @@ static char *tell(guchar about, const char *step, const char *path,
 }
 
 /* What is in `a` and not, or otherwise, in `b`. */
-static guint compare(const char *step, GVariant *a, GVariant *b,
+static guint compare(const char *step, const fact *a, gsize n_a, GHashTable *b,
                      gboolean forward, GString *out) {
   enum { MOST = 3 }; /* told; the others are counted */
-  GVariantIter all;
-  guchar about;
-  const char *path, *shown, *sum, *its_shown, *its_sum;
   guint n = 0;
-  g_variant_iter_init(&all, a);
-  while (g_variant_iter_next(&all, "(y&s&s&s)", &about, &path, &shown, &sum)) {
-    gboolean there = find_fact(b, about, path, &its_shown, &its_sum);
-    if (there &&
-        (!forward || (!strcmp(shown, its_shown) && !strcmp(sum, its_sum))))
+  for (gsize i = 0; i < n_a; i++) {
+    const fact *f = &a[i], *its = g_hash_table_lookup(b, f);
+    if (its && (!forward ||
+                (!strcmp(f->shown, its->shown) && !strcmp(f->sum, its->sum))))
       continue;
     if (n++ >= MOST) continue;
-    g_autofree char *text = tell(about, step, path, forward ? its_shown : shown,
-                                 forward ? shown : its_shown);
+    const char *other = its ? its->shown : NULL;
+    g_autofree char *text =
+        tell(f->about, step, f->path, forward ? other : f->shown,
+             forward ? f->shown : other);
     g_string_append_printf(out, "%s%s", out->len ? "; " : "", text);
   }
   if (n > MOST) g_string_append_printf(out, "; and %u more", n - MOST);
@@ -362,7 +374,12 @@ static guint compare(const char *step, GVariant *a, GVariant *b,
 char *opc_facts_difference(const char *step, GVariant *before, GVariant *now,
                            guint *count) {
   GString *out = g_string_new(NULL);
-  *count = compare(step, now, before, TRUE, out);
-  *count += compare(step, before, now, FALSE, out);
+  g_autoptr(GHashTable) old = g_hash_table_new(fact_hash, fact_equal);
+  g_autoptr(GHashTable) new = g_hash_table_new(fact_hash, fact_equal);
+  gsize n_old, n_new;
+  g_autofree fact *olds = read_facts(before, &n_old, old);
+  g_autofree fact *news = read_facts(now, &n_new, new);
+  *count = compare(step, news, n_new, old, TRUE, out);
+  *count += compare(step, olds, n_old, new, FALSE, out);
   return g_string_free(out, FALSE);
 }
