@@ -9,6 +9,7 @@ import json
 import os
 import random
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -132,6 +133,39 @@ def test_file():
     write("in.txt", "some INPUT\n")
     os.utime("in.txt", ns=(about.st_atime_ns, about.st_mtime_ns))
     assert "a" in ran(run()[0])
+
+
+def test_beside():
+    """Files that no parameter names: kernels beside their weights."""
+    paths = dict(OPCFLOW_PLUGIN_PATH=os.path.join(BUILD, "plugins"))
+    flows = os.path.join(os.environ["OPCFLOW_SOURCE"], "flows")
+
+    def kernel(value):  # 5 x 5, nothing but orders of at most 1
+        rows = [value if abs(i % 5 - 2) + abs(i // 5 - 2) < 2 else 0.0 for i in range(25)]
+        with open("set/fh0.bin", "wb") as f:
+            f.write(struct.pack(">6i", 5, 5, 2, 2, 2, 2) + b"".join(struct.pack(">2f", v, 0) for v in rows))
+
+    os.makedirs("set", exist_ok=True)
+    write("set/scales.txt", "1\n1\n")
+    kernel(1.0)
+    write("chain.yaml", """opcflow: 1
+extends: %s/models.yaml
+steps:
+  picture:
+    first: { litho: { use: litho.kernels, focus: set/scales.txt, period: 400 nm },
+             resist: { use: resist.threshold, threshold: 0.3, active_threshold: 0.3 } }
+    second: ~
+    third: ~
+    fourth: ~
+""" % flows)
+    first, _ = run(**paths)
+    assert ran(run(**paths)[0]) == {}
+    kernel(0.9)
+    folder, _ = run(**paths)
+    assert "file fh0.bin (picture.fh0.bin beside first.litho.focus) changed" in ran(folder)["picture"], ran(folder)
+    same(folder, run("--no-cache", **paths)[0])
+    os.unlink("set/fh0.bin")
+    run(code=5, **paths)
 
 
 def test_file_meanwhile():

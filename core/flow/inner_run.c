@@ -44,25 +44,6 @@ static void choose_steps(const opc_inner *in, opc_run *run, unsigned level) {
     run->left_out[i] = levels[i] != level || !needed[i];
 }
 
-/* What the input `i` of the step itself takes, as a key. */
-static void put_key(const opc_inner *in, size_t i, opc_key *key) {
-  const opc_binding *b = in->binding;
-  const opc_run *outer = b->run;
-  for (guint k = 0; k < outer->flow->steps->len; k++) {
-    const GArray *inputs =
-        ((const opc_flow_step *)outer->flow->steps->pdata[k])->inputs;
-    for (guint n = 0; n < inputs->len; n++) {
-      const opc_flow_input *input = &g_array_index(inputs, opc_flow_input, n);
-      const opc_key *its = &outer->keys[input->from->number];
-      if (input->binding != b || input->parameter != i) continue;
-      if (its->sum)
-        key->sum = g_strdup_printf("%s.%zu", its->sum, input->port);
-      else
-        key->why = g_strdup(its->why);
-    }
-  }
-}
-
 /* What the outer flow's steps gave. */
 static void put_given(const opc_inner *in, opc_run *run) {
   const opc_binding *b = in->binding;
@@ -71,9 +52,7 @@ static void put_given(const opc_inner *in, opc_run *run) {
     void **objects = g_hash_table_lookup(in->given, name);
     if (!objects) continue;
     objects[0] = (void *)b->values[i].field.object;
-    guint number = opc_flow_find(run->flow, name)->number;
-    run->objects[number] = objects;
-    put_key(in, i, &run->keys[number]);
+    run->objects[opc_flow_find(run->flow, name)->number] = objects;
   }
 }
 

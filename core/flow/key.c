@@ -83,6 +83,36 @@ static void add_file(keyer *k, const char *path, const char *file) {
   g_ptr_array_add(k->key->files, sum);
 }
 
+static gint by_name(gconstpointer a, gconstpointer b) {
+  return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+/* All files of the folder of `file`. */
+static void add_beside(keyer *k, const char *path, const char *file) {
+  enum { MOST = 1000 }; /* a set of kernels has tens */
+  g_autofree char *folder = g_path_get_dirname(file);
+  g_autoptr(GPtrArray) names = g_ptr_array_new_with_free_func(g_free);
+  GDir *dir = g_dir_open(folder, 0, NULL);
+  for (const char *name; dir && (name = g_dir_read_name(dir));) {
+    char *one = g_build_filename(folder, name, NULL);
+    if (g_file_test(one, G_FILE_TEST_IS_REGULAR))
+      g_ptr_array_add(names, one);
+    else
+      g_free(one);
+  }
+  if (!dir || names->len > MOST)
+    spoil(k, g_strdup_printf("'%s' has too many files", folder));
+  else
+    g_ptr_array_sort(names, by_name);
+  for (guint i = 0; i < names->len && names->len <= MOST; i++) {
+    const char *one = names->pdata[i];
+    g_autofree char *name = g_path_get_basename(one);
+    g_autofree char *its = g_strdup_printf("%s beside %s", name, path);
+    add_file(k, its, one);
+  }
+  if (dir) g_dir_close(dir);
+}
+
 /* Texts of a list or map, of which none can be taken for two. */
 static void append(GString *out, const char *text) {
   g_autofree char *quoted = g_strescape(text, NULL);
@@ -129,6 +159,7 @@ static void add_value(keyer *k, const opc_binding *b, size_t i) {
     return;
   if (p->type == OPC_FILE) {
     add_file(k, path, v->field.text);
+    if (p->flags & OPC_BESIDE) add_beside(k, path, v->field.text);
     return;
   }
   g_autofree char *text = value_text(p, &v->field);

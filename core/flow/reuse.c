@@ -163,7 +163,8 @@ static void take_given(opc_run *run) {
     const opc_flow_step *step =
         opc_flow_find(run->flow, plugin->parameters[in->parameter].name);
     const opc_key *known = &run->main->keys[in->from->number];
-    if (!step || !run->objects[step->number]) continue;
+    if (in->binding != outer->binding || !step || !run->objects[step->number])
+      continue;
     opc_key *key = &run->keys[step->number];
     if (known->sum)
       key->sum = g_strdup_printf("%s %zu", known->sum, in->port);

@@ -84,8 +84,9 @@ enum {
                               that flow one after another, also as a list */
   OPC_INNER_STEP = 1 << 9, /* of an OPC_INPUT: stands in place of the step of
                               that flow that is called as the parameter */
-  OPC_LISTED = 1 << 10     /* of an OPC_TEXT: `choices` of the plugin tells
+  OPC_LISTED = 1 << 10,    /* of an OPC_TEXT: `choices` of the plugin tells
                               what it may be */
+  OPC_BESIDE = 1 << 11     /* of an OPC_FILE: others beside it are read, too */
 };
 
 /* A parameter, declared with OPC_PARAMETER. Names are lower_case; a dot makes a

@@ -143,6 +143,7 @@ eda_printed loop_printed(const loop *l) {
                        .flags = l->measured.flags,
                        .l = l->now.biases.l,
                        .w = l->now.biases.w,
+                       .aside = l->now.biases.aside,
                        .extension = l->measured.extension,
                        .shapes = l->mask,
                        .print = l->printer.print};

@@ -256,8 +256,8 @@ static void find_contours(void *data, size_t i) {
     opc_fail(&s->error[i], OPC_CANCELLED, NULL, "stopped");
     return;
   }
-  if (eda_contours(s->print, w, s->drawing->step, &points, &start, &count,
-                   &s->error[i]))
+  if (eda_contours(s->drawing->context, s->print, w, s->drawing->step, &points,
+                   &start, &count, &s->error[i]))
     return;
   for (size_t k = 0; k < count; k++)
     add_contour(&s->found[i], s->print, w, points + 2 * (size_t)start[k],

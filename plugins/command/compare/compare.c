@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* command.compare: the verb `opcflow compare A B [...]`, which says what is
    better, and how sure that is. */
+#include <math.h>
 #include <opcflow/command.h>
 #include <opcflow/table.h>
 #include <string.h>
@@ -51,6 +52,12 @@ static int check_word(const char *word, opc_error *error) {
                   "'%s': is 'worse' or 'worse:METRIC'", word);
 }
 
+/* What is asked for by its name is to be there, or it is as good as worse. */
+static const char *fault_of(const metric_row *r, int named) {
+  if (r->verdict == WORSE) return "";
+  return named && !isnan(r->base) && isnan(r->value) ? " is missing" : NULL;
+}
+
 /* Add what is worse and meant by a word; whether the word means anything. */
 static int add_worse(const comparison *c, const char *word, GHashTable *seen,
                      GPtrArray *worse) {
@@ -59,11 +66,12 @@ static int add_worse(const comparison *c, const char *word, GHashTable *seen,
   for (guint i = 0; i < c->rows->len; i++) {
     const metric_row *r = &g_array_index(c->rows, metric_row, i);
     if (metric && !is_chosen(metric + 1, r->metric)) continue;
+    const char *fault = fault_of(r, metric != NULL);
     meant = 1;
-    if (r->verdict == WORSE && g_hash_table_add(seen, (gpointer)r))
+    if (fault && g_hash_table_add(seen, (gpointer)r))
       g_ptr_array_add(
-          worse, g_strdup_printf("%s%s%s: %s", r->name, *r->name ? ", " : "",
-                                 r->method, r->metric));
+          worse, g_strdup_printf("%s%s%s: %s%s", r->name, *r->name ? ", " : "",
+                                 r->method, r->metric, fault));
   }
   for (guint i = 0; i < c->intervals->len; i++) {
     const transistor_row *r = &g_array_index(c->intervals, transistor_row, i);
@@ -177,6 +185,7 @@ static const opc_metric metrics[] = {
 static int check(void *self, opc_error *error) {
   const comparison *c = self;
   if (!c->fail_on) return OPC_OK;
+  if (!*c->fail_on) return check_word("", error);
   g_auto(GStrv) words = g_strsplit(c->fail_on, ",", -1);
   for (char **word = words; *word; word++)
     if (check_word(g_strstrip(*word), error)) return error->code;

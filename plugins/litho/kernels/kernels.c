@@ -161,10 +161,11 @@ static int image_at(const void *self, int layer, const eda_spectrum *mask,
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER_NAMED("focus", model, path[FOCUS], .type = OPC_FILE,
-                        .flags = OPC_REQUIRED,
+                        .flags = OPC_REQUIRED | OPC_BESIDE,
                         .summary = "text of the weights of the kernels in "
                                    "focus; fh0.bin ... are beside it"),
     OPC_PARAMETER_NAMED("defocus", model, path[DEFOCUS], .type = OPC_FILE,
+                        .flags = OPC_BESIDE,
                         .summary = "the same for images at any other focus"),
     OPC_PARAMETER(
         model, period, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "nm",

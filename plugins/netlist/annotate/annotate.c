@@ -112,7 +112,8 @@ static const opc_metric metrics[] = {
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = run};
+/* Model cards may lie in files that `models` includes. */
+static const opc_step functions = {.run = run, .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(annotator, .id = "netlist.annotate", .kind = "step",
            .version = "0.2.0", .licence = "BSD-3-Clause",
            .summary =

@@ -104,6 +104,7 @@ static int put_shapes(target *t, const eda_shapes *shapes, opc_error *error) {
 }
 
 typedef struct contours {
+  const opc_context *context;
   const eda_field *print;
   double *points;
   uint32_t *start;
@@ -116,7 +117,8 @@ static void find_contours(void *data, size_t i) {
   if (!c->print) return;
   eda_frame f = c->print->frame;
   double step = fmax(tuned.step, sqrt(f.width * f.height / tuned.nodes));
-  eda_contours(c->print, f, step, &c->points, &c->start, &c->count, &c->error);
+  eda_contours(c->context, c->print, f, step, &c->points, &c->start, &c->count,
+               &c->error);
 }
 
 /* Outlines go counter-clockwise, holes clockwise. */
@@ -150,6 +152,7 @@ static contours *find_all_contours(const klayout *k) {
   contours *all = eda_alloc(k->n_sheets, sizeof *all);
   for (size_t i = 0; i < k->n_sheets; i++) {
     const sheet *s = &k->sheets[i];
+    all[i].context = k->file.w.host->context;
     if (s->group >= BEFORE && !s->holes)
       all[i].print = print_of(k->mask, s->group, s->layer);
   }
