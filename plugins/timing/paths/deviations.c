@@ -304,7 +304,9 @@ int draw_histogram(const paths *p, const delays *d, const char *path,
                                 {"share", "%", OPC_REAL, 4, &bin->share}};
   int code = opc_put_rows(p->host, "histogram", 0, n, sizeof *bin,
                           OPC_ARRAY(columns), error);
-  eda_paper *paper = code ? NULL : eda_paper_open(path, 900, 560, 14, error);
+  /* The legend has two sets of sizes a line, or one. */
+  double height = 530 + 22 * (double)states;
+  eda_paper *paper = code ? NULL : eda_paper_open(path, 900, height, 14, error);
   if (paper) {
     eda_legend legend;
     paper->margin = 70;
