@@ -44,7 +44,7 @@ static void show(const char *name) {
   opc_table *table =
       opc_table_new(name, 0, all.n, columns, G_N_ELEMENTS(columns), &error);
   if (!table) g_error("%s", error.message);
-  g_autofree char *text = opc_table_text(table);
+  g_autofree char *text = opc_table_text(table, 0);
   printf("%s\n%s", name, text);
   opc_table_free(table);
 }

@@ -395,7 +395,8 @@ static void compare_edges(const char *name, const eda_field *field,
   uint32_t *start;
   size_t lines;
   opc_error error;
-  must(eda_contours(fine, window, 8, &points, &start, &lines, &error), &error);
+  must(eda_contours(NULL, fine, window, 8, &points, &start, &lines, &error),
+       &error);
   for (uint32_t i = 0; i < start[lines]; i++) {
     double v, w, dx, dy, *p = points + (size_t)2 * i;
     eda_field_gradient(fine, p, p + 1, 1, &w, &dx, &dy);

@@ -392,6 +392,41 @@ static void test_experiment(void) {
   g_assert_cmpfloat(number("cases", 0, "ties"), ==, 1);
 }
 
+static int count_of(const char *text, const char *word) {
+  int n = 0;
+  while ((text = strstr(text, word))) n++, text += strlen(word);
+  return n;
+}
+
+/* A base that failed is told once, however many methods it is missed by; and
+   the parameters of many are shown when asked for. */
+static void test_many_methods(void) {
+  static const char *const methods[] = {"epe", "a", "b", "c"};
+  g_autoptr(GString) table =
+      g_string_new("case,method,folder,result,seconds (s),mask.ion (%)\r\n");
+  for (int i = 0; i < 2; i++)
+    for (int k = 0; k < 4; k++) {
+      const char *name = i ? "inv" : "nand";
+      g_autofree char *its = g_strdup_printf("cmp/%s/%s", name, methods[k]);
+      g_autofree char *run = g_build_filename("many", its, NULL);
+      int failed = i && !k;
+      if (!failed)
+        make(&(made){.folder = run,
+                     .metrics = ION("1.0"),
+                     .layout = name,
+                     .target = k ? "full" : NULL});
+      g_string_append_printf(table, "%s,%s,%s,%s,1.5,%s\r\n", name, methods[k],
+                             failed ? "" : its, failed ? "no light" : "good",
+                             failed ? "" : "1.0");
+    }
+  put("many", "experiment.csv", table->str);
+  g_assert_cmpint(call("compare many"), ==, 0);
+  g_assert_cmpint(count_of(err, "inv, epe: left out: no light"), ==, 1);
+  g_assert_null(strstr(out, "parameters\n"));
+  g_assert_cmpint(call("compare many --table parameters"), ==, 0);
+  g_assert_cmpint(count_of(out, "full"), ==, 3);
+}
+
 /* Case by case, and each method with itself. */
 static void test_experiments(void) {
   make_experiment("one", "0.5", "1.0");
@@ -422,6 +457,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/compare/transistors", test_transistors);
   g_test_add_func("/compare/variants", test_variants);
   g_test_add_func("/compare/experiment", test_experiment);
+  g_test_add_func("/compare/many-methods", test_many_methods);
   g_test_add_func("/compare/experiments", test_experiments);
   int failed = g_test_run();
   g_assert_true(!g_chdir("/") && opc_remove_tree(folder));

@@ -116,16 +116,17 @@ def try_flows(report):
 def try_tutorial(report, path):
     folder = tempfile.mkdtemp(prefix="opcflow-tutorial-")
     path_of = "%s:%s" % (os.path.dirname(os.path.abspath(OPCFLOW)), os.environ["PATH"])
+    env = {**os.environ, "PATH": path_of, "OPCFLOW_TOP": ROOT, "OPCFLOW_STORE": os.path.join(folder, ".store")}
     said = ""
     try:
         for line, mark, text in blocks(path):
             name, fault = "%s:%d" % (os.path.relpath(path, ROOT), line), None
-            if mark.startswith("yaml "):
+            if len(mark.split()) == 2:
                 with open(os.path.join(folder, mark.split()[1]), "w") as f:
                     f.write(text)
                 continue
             if mark == "sh":
-                answer = ask(["sh", "-ec", text], folder, env={**os.environ, "PATH": path_of, "OPCFLOW_TOP": ROOT})
+                answer = ask(["sh", "-ec", text], folder, env=env)
                 said = answer.stdout
                 # A command whose failure is shown says so: `|| echo "exit code $?"`.
                 fault = answer.returncode and "exit code %d\n%s" % (answer.returncode, said)

@@ -327,6 +327,29 @@ static void test_refusals(void) {
   expect(HEAD CASES, "missing parameter 'methods'");
 }
 
+/* A parameter's earlier name is taken for it, and told; not both. */
+static void test_former(void) {
+  g_autofree char *flow =
+      g_build_filename(g_getenv("OPCFLOW_SOURCE"), "flows/newton.yaml", NULL);
+  g_autofree char *err = NULL, *both = NULL;
+  g_assert_cmpint(
+      opcflow(&err, "run", flow, "--output", "former", "--set", "picture=~",
+              "--set", "mask.max_iterations=1", "--set",
+              "mask.synthesizer={ use: synthesizer.dpb, max_pde: 3 % }", NULL),
+      ==, 1); /* one iteration does not keep what the flow requires */
+  g_assert_nonnull(strstr(err, "'max_pde' is now called 'limit'"));
+  g_autofree char *text = read_file("former", "flow.yaml");
+  g_assert_nonnull(strstr(text, "limit: 3 %"));
+  g_assert_null(strstr(text, "max_pde"));
+  g_assert_cmpint(
+      opcflow(&both, "check", flow, "--set",
+              "mask.synthesizer={ use: synthesizer.dpb, max_pde: 2 %, limit: 1 "
+              "% }",
+              NULL),
+      ==, 2);
+  g_assert_nonnull(strstr(both, "which is given, too"));
+}
+
 int main(int argc, char **argv) {
   static const char *const cells[] = {"nand2", "nor2", "nmos"};
   g_test_init(&argc, &argv, NULL);
@@ -347,6 +370,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/experiment/pairs", test_pairs);
   g_test_add_func("/experiment/cells", test_cells);
   g_test_add_func("/experiment/lists", test_lists);
+  g_test_add_func("/experiment/former", test_former);
   g_test_add_func("/experiment/refusals", test_refusals);
   int code = g_test_run();
   opc_remove_tree(folder);

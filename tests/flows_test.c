@@ -372,6 +372,32 @@ static void test_characterize(void) {
   g_assert_cmpfloat(metric("adjusted", "mask", "ion_max"), <=, 0.5);
 }
 
+/* Path delays of a NAND2, one input at a time, each cell simulated anew: as
+   ngspice has them of the whole circuit, as drawn and as printed. */
+static void test_timing(void) {
+  if (!have("timing.characterize")) return;
+  g_autofree char *flow = source("flows/timing.yaml"),
+                  *cards = source("data/devices/opcflow65.pm");
+  g_autofree char *set = g_strdup_printf("paths.models=%s", cards);
+  const char *threads[] = {"1", "3"}, *runs[] = {"timing1", "timing3"};
+  for (int i = 0; i < 2; i++) {
+    g_autofree char *out = place(runs[i]);
+    g_assert_cmpint(
+        opcflow(NULL, "run", flow, "--output", out, "--threads", threads[i],
+                "--no-cache", "--set", "cells.kept=none", "--set", set, "--set",
+                "paths.changes=single", "--set", "paths.spice=8", NULL),
+        ==, 0);
+  }
+  const char *files[] = {"cells.lib", "circuit.printed.sdf", "paths.csv",
+                         "static_path.csv"};
+  for (size_t i = 0; i < G_N_ELEMENTS(files); i++)
+    expect_equal(runs[0], runs[1], files[i]);
+  g_assert_cmpfloat(metric(runs[0], "paths", "spice_delays"), ==, 4);
+  g_assert_cmpfloat(metric(runs[0], "paths", "spice_error_max"), <, 0.5);
+  g_assert_cmpfloat(metric(runs[0], "paths", "spice_deviation_max"), <, 0.2);
+  g_assert_cmpfloat(metric(runs[0], "paths", "lowest"), >, 0.5);
+}
+
 /* ---- notes on transistors ---- */
 
 /* A transistor that wants 5 % more, four ways round, one of which is told
@@ -618,6 +644,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/flows/models", test_models);
   g_test_add_func("/flows/window", test_window);
   g_test_add_func("/flows/characterize", test_characterize);
+  g_test_add_func("/flows/timing", test_timing);
   g_test_add_func("/flows/notes", test_notes);
   g_test_add_func("/flows/bad-note", test_bad_note);
   g_test_add_func("/flows/bad-input", test_bad_input);

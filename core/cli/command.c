@@ -143,8 +143,10 @@ static void show_json(opc_problems *problems) {
   cli_print_object(o);
 }
 
-/* Its name stands over each table, but over one that is CSV. */
+/* Its name stands over each table, but over one that is CSV. What a command
+   does not print by itself is for programs, or asked for by its name. */
 static void show_table(const opc_table *table) {
+  if (!csv && !wanted && !(table->flags & OPC_TABLE_PRINT)) return;
   if (markdown) {
     g_autofree char *text = opc_table_markdown(table);
     cli_print("### %s\n\n%s\n", table->name, text);

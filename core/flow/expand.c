@@ -2,11 +2,10 @@
 /* Expands lists, patterns and files into layers, and names these. */
 #include "core/flow/expand.h"
 
-#include <fnmatch.h>
-#include <glob.h>
 #include <string.h>
 
 #include "core/flow/list.h"
+#include "core/flow/match.h"
 #include "core/plugin/declaration.h"
 
 enum {
@@ -131,95 +130,7 @@ static const opc_parameter *pattern_parameter(const expander *e, const item *it,
                                                                          : NULL;
 }
 
-/* ---- patterns ---- */
-
-/* The values of a key in one layer. */
-typedef struct values {
-  GPtrArray *nodes; /* opc_node * */
-  GPtrArray *stars; /* char *, of each; "": none */
-} values;
-
-static void values_init(values *v) {
-  v->nodes = g_ptr_array_new_with_free_func((GDestroyNotify)opc_node_free);
-  v->stars = g_ptr_array_new_with_free_func(g_free);
-}
-
-static void values_clear(values *v) {
-  g_ptr_array_free(v->nodes, TRUE);
-  g_ptr_array_free(v->stars, TRUE);
-}
-
-static int find_text(const values *v, const char *text) {
-  for (guint i = 0; i < v->nodes->len; i++)
-    if (!g_strcmp0(((const opc_node *)v->nodes->pdata[i])->text, text))
-      return (int)i;
-  return -1;
-}
-
-/* Of what several patterns give, each is there once. */
-static void add_text(values *v, const opc_node *like, const char *text,
-                     char *star) {
-  if (find_text(v, text) >= 0) {
-    g_free(star);
-    return;
-  }
-  opc_node *node = opc_node_text_new(like->source, text);
-  node->at = like->at;
-  g_ptr_array_add(v->nodes, node);
-  g_ptr_array_add(v->stars, star);
-}
-
-/* Of files, by the name without the folder. */
-static void remove_matches(values *v, const char *pattern, gboolean files) {
-  for (guint i = v->nodes->len; i-- > 0;) {
-    const char *text = ((const opc_node *)v->nodes->pdata[i])->text;
-    if (!text) continue;
-    g_autofree char *base = files ? g_path_get_basename(text) : g_strdup(text);
-    if (fnmatch(pattern, base, 0)) continue;
-    g_ptr_array_remove_index(v->nodes, i);
-    g_ptr_array_remove_index(v->stars, i);
-  }
-}
-
-/* What the only wildcard of a pattern, a star, stands for in a path (g_free);
-   "" if there are others. */
-static char *star_of(const char *pattern, const char *path) {
-  const char *star = strchr(pattern, '*');
-  if (!star || strpbrk(star + 1, "*?[") ||
-      strcspn(pattern, "?[") < (size_t)(star - pattern))
-    return g_strdup("");
-  size_t before = (size_t)(star - pattern), after = strlen(star + 1);
-  return g_strndup(path + before, strlen(path) - before - after);
-}
-
-static gboolean match_files(const expander *e, const opc_node *node,
-                            values *out) {
-  g_autofree char *pattern = opc_node_path(node);
-  glob_t found;
-  int code = glob(pattern, 0, NULL, &found);
-  for (size_t i = 0; !code && i < found.gl_pathc; i++) {
-    g_autofree char *path = g_canonicalize_filename(found.gl_pathv[i], NULL);
-    add_text(out, node, path, star_of(pattern, found.gl_pathv[i]));
-  }
-  if (!code) globfree(&found);
-  return !code ||
-         opc_wrong(e->problems, node, "no file is called as '%s'", pattern);
-}
-
-/* The file that belongs to the one whose name's star stood for `star`. */
-static gboolean pair_file(const expander *e, const opc_node *node,
-                          const char *star, values *out) {
-  g_autofree char *pattern = opc_node_path(node);
-  g_auto(GStrv) pieces = g_strsplit(pattern, "*", -1);
-  g_autofree char *path = g_strjoinv(star, pieces);
-  const char *why = opc_file_fault(path, NULL);
-  if (why)
-    return opc_problem_add(e->problems, OPC_IO, &node->at, "'%s': %s", path,
-                           why);
-  g_autofree char *whole = g_canonicalize_filename(path, NULL);
-  add_text(out, node, whole, g_strdup(star));
-  return TRUE;
-}
+/* ---- what a plugin lists ---- */
 
 static void take_choice(void *data, const char *value) {
   g_ptr_array_add(data, g_strdup(value));
@@ -249,18 +160,6 @@ static GPtrArray *list_choices(const expander *e, const item *it,
   return good ? g_steal_pointer(&list) : NULL;
 }
 
-static gboolean match_choices(const expander *e, const opc_node *node,
-                              const GPtrArray *list, values *out) {
-  gboolean any = FALSE;
-  for (guint i = 0; i < list->len; i++) {
-    if (fnmatch(node->text, list->pdata[i], 0)) continue;
-    add_text(out, node, list->pdata[i], g_strdup(""));
-    any = TRUE;
-  }
-  return any || opc_wrong(e->problems, node, "none of %u is called as '%s'",
-                          list->len, node->text);
-}
-
 /* ---- one key ---- */
 
 /* The number of what may be chosen from, and each. */
@@ -283,7 +182,7 @@ static gboolean has_pattern(const opc_node *value) {
 static gboolean find_values(const expander *e, const item *it,
                             const part *under, const char *path,
                             const opc_node *value,
-                            const opc_parameter *parameter, values *out) {
+                            const opc_parameter *parameter, opc_values *out) {
   gboolean good = TRUE, file = parameter && parameter->type == OPC_FILE;
   g_autoptr(GPtrArray) list = NULL;
   if (parameter && !file) {
@@ -296,13 +195,13 @@ static gboolean find_values(const expander *e, const item *it,
       g_ptr_array_add(out->nodes, opc_node_copy(node, NULL));
       g_ptr_array_add(out->stars, g_strdup(""));
     } else if (*node->text == '!') {
-      remove_matches(out, node->text + 1, file);
+      opc_values_remove(out, node->text + 1, file);
     } else if (!file) {
-      good = match_choices(e, node, list, out);
+      good = opc_match_choices(node, list, out, e->problems);
     } else if (under->star) {
-      good = pair_file(e, node, under->star, out);
+      good = opc_pair_file(node, under->star, out, e->problems);
     } else {
-      good = match_files(e, node, out);
+      good = opc_match_files(node, out, e->problems);
     }
   }
   if (good && !out->nodes->len)
@@ -414,8 +313,8 @@ static GPtrArray *multiply(const expander *e, const item *it, GPtrArray *parts,
   gboolean good = TRUE;
   *several |= count_of(value) > 1 || parameter;
   for (guint i = 0; i < parts->len && good; i++) {
-    values v;
-    values_init(&v);
+    opc_values v;
+    opc_values_init(&v);
     good = find_values(e, it, parts->pdata[i], key->text, value, parameter, &v);
     if (good && out->len + v.nodes->len > MOST)
       good = opc_wrong(e->problems, value, "more than %d layers", MOST);
@@ -429,7 +328,7 @@ static GPtrArray *multiply(const expander *e, const item *it, GPtrArray *parts,
         p->star = g_strdup(v.stars->pdata[k]);
       g_ptr_array_add(out, p);
     }
-    values_clear(&v);
+    opc_values_clear(&v);
   }
   return good ? g_steal_pointer(&out) : NULL;
 }

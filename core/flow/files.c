@@ -129,24 +129,46 @@ int opc_walk(const char *folder, opc_visit *visit, void *data,
   return walk(folder, strlen(whole) - 1, visit, data, error);
 }
 
-int opc_sync(const char *path, opc_error *error) {
+static int sync_by(int sync(int file), const char *path, opc_error *error) {
   int file = open(path, O_RDONLY | O_CLOEXEC);
-  int why = file < 0 || fsync(file) ? errno : 0;
+  int why = file < 0 || sync(file) ? errno : 0;
   if (file >= 0) close(file);
   /* What cannot be synced at all is as safe as it can be. */
   if (!why || why == EINVAL || why == EROFS) return OPC_OK;
   return opc_fail(error, OPC_IO, NULL, "'%s': %s", path, g_strerror(why));
 }
 
+int opc_sync(const char *path, opc_error *error) {
+  return sync_by(fsync, path, error);
+}
+
+static gboolean is_ours(const struct stat *about) {
+  return S_ISREG(about->st_mode) || S_ISDIR(about->st_mode);
+}
+
 static int sync_entry(void *unused, const char *path, const char *name,
                       const struct stat *about, opc_error *error) {
   (void)unused;
   (void)name;
-  gboolean is_ours = S_ISREG(about->st_mode) || S_ISDIR(about->st_mode);
-  return is_ours ? opc_sync(path, error) : OPC_OK;
+  return is_ours(about) ? opc_sync(path, error) : OPC_OK;
 }
 
+static int count_entry(void *count, const char *path, const char *name,
+                       const struct stat *about, opc_error *error) {
+  (void)path, (void)name, (void)error;
+  *(guint *)count += is_ours(about);
+  return OPC_OK;
+}
+
+/* 800 files take 2 to 3 s one by one on ext4, and 0.05 s with the whole file
+   system; but that has to write what others have left there, too. */
+enum { FEW = 50 };
+
 int opc_sync_tree(const char *folder, opc_error *error) {
-  int code = opc_walk(folder, sync_entry, NULL, error);
+  guint count = 0;
+  int code = opc_walk(folder, count_entry, &count, error);
+  if (code) return code;
+  if (count > FEW) return sync_by(syncfs, folder, error);
+  code = opc_walk(folder, sync_entry, NULL, error);
   return code ? code : opc_sync(folder, error);
 }

@@ -52,6 +52,12 @@ int fsync(int file) {
   return -1;
 }
 
+int syncfs(int file) {
+  if (!failing_sync) return (int)syscall(SYS_syncfs, file);
+  errno = EIO;
+  return -1;
+}
+
 /* ---- runs ---- */
 
 static void put(const char *folder, const char *name, const char *text) {
@@ -326,9 +332,16 @@ static void test_write(void) {
   g_assert_cmpint(opc_write_file("w/none/file.txt", "", &error), ==, OPC_IO);
   failing_sync = TRUE;
   g_assert_cmpint(opc_sync_tree("w", &error), ==, OPC_IO);
-  failing_sync = FALSE;
   g_assert_cmpstr(error.message, ==, "'w/file.txt': Input/output error");
   g_assert_cmpuint(entries("w"), ==, 1);
+  for (int i = 0; i < 100; i++) {
+    g_autofree char *name = g_strdup_printf("%d.txt", i);
+    put("w", name, "");
+  }
+  g_assert_cmpint(opc_sync_tree("w", &error), ==, OPC_IO);
+  g_assert_cmpstr(error.message, ==, "'w': Input/output error");
+  failing_sync = FALSE;
+  g_assert_cmpint(opc_sync_tree("w", &error), ==, OPC_OK);
   opc_remove_tree("w");
 }
 

@@ -12,16 +12,17 @@
 
 typedef struct keyer {
   opc_store *store;
-  opc_key *keys, *key; /* of all, of this step */
-  const opc_flow_step *step;
+  opc_key *keys, *key;       /* of all, of this step */
+  const opc_flow_step *step; /* NULL: of an instance alone */
+  const char *root;          /* the path of the step or instance */
   GVariantBuilder facts;
 } keyer;
 
 /* ---- facts ---- */
 
-/* The path of an instance behind that of its step: "" or "slot.". */
+/* The path of an instance behind that of the root: "" or "slot.". */
 static char *place_of(const keyer *k, const opc_binding *b, const char *name) {
-  const char *rest = b->path + strlen(k->step->name);
+  const char *rest = b->path + strlen(k->root);
   rest += *rest == '.';
   return g_strdup_printf("%s%s%s", rest, *rest && *name ? "." : "", name);
 }
@@ -254,10 +255,29 @@ static void make_key(keyer *k) {
 void opc_flow_keys(const opc_flow *flow, opc_store *store, opc_key *keys) {
   for (guint i = 0; i < flow->order->len; i++) {
     const opc_flow_step *step = flow->order->pdata[i];
-    keyer k = {
-        .store = store, .keys = keys, .key = &keys[step->number], .step = step};
+    keyer k = {.store = store,
+               .keys = keys,
+               .key = &keys[step->number],
+               .step = step,
+               .root = step->name};
     if (!k.key->sum && !k.key->why) make_key(&k);
   }
+}
+
+char *opc_binding_key(const opc_binding *binding, opc_store *store,
+                      opc_error *error) {
+  opc_key key = {.files = g_ptr_array_new_with_free_func(g_free)};
+  keyer k = {.store = store, .key = &key, .root = binding->path};
+  g_autoptr(GPtrArray) instances = g_ptr_array_new();
+  g_variant_builder_init(&k.facts, OPC_FACTS_TYPE);
+  opc_binding_list(binding, instances);
+  for (guint i = 0; i < instances->len; i++)
+    add_instance(&k, instances->pdata[i]);
+  key.facts = g_variant_ref_sink(g_variant_builder_end(&k.facts));
+  char *sum = key.why ? NULL : sum_facts(key.facts);
+  if (!sum) opc_fail(error, OPC_FAILED, NULL, "%s", key.why);
+  opc_key_clear(&key);
+  return sum;
 }
 
 void opc_key_clear(opc_key *key) {

@@ -34,6 +34,11 @@ void opc_key_clear(opc_key *key);
    reason to have none, are left as they are. */
 void opc_flow_keys(const opc_flow *flow, opc_store *store, opc_key *keys);
 
+/* The same of an instance alone, with what stands in its slots, but without its
+   inputs and the command (g_free); NULL and *error if it cannot be told. */
+char *opc_binding_key(const opc_binding *binding, opc_store *store,
+                      opc_error *error);
+
 /* How two results of a step differ: "mask.limit changed from 1 % to 2 %";
    `count`: in how many facts (g_free). */
 char *opc_facts_difference(const char *step, GVariant *before, GVariant *now,

@@ -105,12 +105,12 @@ struct opc_run {
   GPtrArray *histories;    /* opc_history *, of its parts, too */
   size_t steps_done, steps_reused; /* the same, counted */
   const opc_sweep *sweep;          /* NULL: none */
-  opc_table *points; /* of a sweep: parameters and metrics of all points */
+  opc_table *points;    /* of a sweep: parameters and metrics of all points */
   size_t failed_points; /* also of those that a step runs as points */
-  int points_code;   /* OPC_LIMIT if they all failed so, OPC_FAILED */
-  gboolean guarded;  /* the folder is kept if a plugin crashes */
-  opc_error refusal; /* of something that a step published */
-  char *failure;     /* why a step failed */
+  int points_code;      /* OPC_LIMIT if they all failed so, OPC_FAILED */
+  gboolean guarded;     /* the folder is kept if a plugin crashes */
+  opc_error refusal;    /* of something that a step published */
+  char *failure;        /* why a step failed */
   GDateTime *started;
   double total; /* seconds */
 };

@@ -72,7 +72,8 @@ char *opc_store_sum(opc_store *store, const char *path,
 gboolean opc_store_same(opc_store *store, const char *path, const char *sum);
 
 /* The sum of a plugin's shared object and all objects that it needs; of the
-   command for NULL. Belongs to the store; NULL if one cannot be read. */
+   command for NULL. Lives as long as the process; NULL if one cannot be read.
+   `store` may be NULL. */
 const char *opc_store_build(opc_store *store, const opc_plugin *plugin);
 
 #endif

@@ -14,7 +14,6 @@ struct opc_store {
   GHashTable *sums;   /* path -> opc_sum */
   gboolean sums_read; /* those that were kept */
   gboolean sums_new;  /* there are others than those */
-  GHashTable *builds; /* opc_plugin * -> sum */
 };
 
 void opc_sums_init(opc_store *store);

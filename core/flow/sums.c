@@ -38,7 +38,6 @@ static void sum_free(gpointer item) {
 void opc_sums_init(opc_store *store) {
   store->sums =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, sum_free);
-  store->builds = g_hash_table_new_full(NULL, NULL, NULL, g_free);
 }
 
 static void read_kept(opc_store *store) {
@@ -75,7 +74,6 @@ static void keep(opc_store *store) {
 void opc_sums_clear(opc_store *store) {
   if (store->sums_new) keep(store);
   g_hash_table_destroy(store->sums);
-  g_hash_table_destroy(store->builds);
 }
 
 /* ---- files ---- */
@@ -171,17 +169,26 @@ static struct link_map *object_of(const opc_plugin *plugin) {
   return map;
 }
 
+/* Loaded objects stay what they are: their sums hold for the whole process, and
+   so do those of plugins. */
+static const char *sum_object(opc_store *store, const struct link_map *object) {
+  static GHashTable *known; /* path -> sum */
+  const char *path = *object->l_name ? object->l_name : "/proc/self/exe";
+  if (!known) known = g_hash_table_new(g_str_hash, g_str_equal);
+  char *sum = g_hash_table_lookup(known, path);
+  opc_error none;
+  if (!sum && (sum = opc_store_sum(store, path, NULL, &none)))
+    g_hash_table_insert(known, g_strdup(path), sum);
+  return sum;
+}
+
 static char *sum_objects(opc_store *store, const opc_plugin *plugin) {
   g_autoptr(GPtrArray) all = g_ptr_array_new();
   g_autoptr(GChecksum) whole = g_checksum_new(G_CHECKSUM_SHA256);
   struct link_map *first = object_of(plugin);
   if (!first || !add_object(all, first)) return NULL;
   for (guint i = 0; i < all->len; i++) {
-    const struct link_map *object = all->pdata[i];
-    opc_error none;
-    g_autofree char *sum = opc_store_sum(
-        store, *object->l_name ? object->l_name : "/proc/self/exe", NULL,
-        &none);
+    const char *sum = sum_object(store, all->pdata[i]);
     if (!sum) return NULL;
     g_checksum_update(whole, (const guchar *)sum, -1);
   }
@@ -189,10 +196,12 @@ static char *sum_objects(opc_store *store, const opc_plugin *plugin) {
 }
 
 const char *opc_store_build(opc_store *store, const opc_plugin *plugin) {
+  static GHashTable *known; /* opc_plugin * -> sum */
   gpointer sum;
-  if (!g_hash_table_lookup_extended(store->builds, plugin, NULL, &sum)) {
+  if (!known) known = g_hash_table_new(NULL, NULL);
+  if (!g_hash_table_lookup_extended(known, plugin, NULL, &sum)) {
     sum = sum_objects(store, plugin);
-    g_hash_table_insert(store->builds, (gpointer)plugin, sum);
+    g_hash_table_insert(known, (gpointer)plugin, sum);
   }
   return sum;
 }

@@ -198,6 +198,14 @@ struct opc_host {
                              opc_error *error);
 
   const opc_inner_service *inner; /* flows that a step runs; inner.h */
+
+  /* What the results of the plugin in a slot, or of this one for NULL, depend
+     on but for inputs, as one sum (SHA-256 in hexadecimal): its build, its
+     parameters, the contents of files, and what stands in its slots. For
+     whoever keeps results beyond a run. Valid as long as the instance; NULL and
+     *error if a file cannot be read. [main], while a step runs. Since 0.5. */
+  const char *(*identity)(const opc_host *host, const char *slot,
+                          opc_error *error);
 };
 
 /* ---- the descriptor --------------------------------------------------- */

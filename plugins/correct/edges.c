@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Places where a side's length changes: ends of parts, and the jog. */
-enum { CUTS = 2 * EDA_PARTS + 1 };
+/* Places where a side's length changes: ends of parts, and of the jog. */
+enum { CUTS = 2 * EDA_PARTS + 2 };
 
 /* ---- room ---- */
 
@@ -20,12 +20,12 @@ static void make_room(size_t polygons, size_t count, pieces *out) {
   out->by = eda_alloc(count, sizeof *out->by);
 }
 
-void pieces_of_edges(const eda_edges *edges, pieces *out) {
+void pieces_of_edges(const eda_edges *edges, int base, pieces *out) {
   size_t n = edges->polygons ? edges->start[edges->polygons] : 0, sides = 0;
   for (size_t i = 0; i < n; i++)
     sides += edges->fragments[i].role == EDA_L_LOW ||
              edges->fragments[i].role == EDA_L_HIGH;
-  make_room(edges->polygons, n + CUTS * sides, out);
+  make_room(edges->polygons, n + (base ? 2 : 1) * CUTS * sides, out);
 }
 
 void pieces_of_cuts(const eda_cuts *cuts, pieces *out) {
@@ -48,20 +48,6 @@ void pieces_room(const pieces *p, eda_shapes *out) {
   out->points = eda_alloc(2 * p->room, sizeof *out->points);
 }
 
-void shapes_of_boxes(eda_boxes a, eda_boxes b, eda_shapes *out) {
-  size_t n = a.count + b.count;
-  *out = (eda_shapes){.count = n};
-  out->start = eda_alloc(n + 1, sizeof *out->start);
-  out->points = eda_alloc(4 * n, sizeof *out->points);
-  for (size_t i = 0; i < n; i++) {
-    eda_box box = i < a.count ? a.box[i] : b.box[i - a.count];
-    const eda_point corners[] = {
-        {box.x0, box.y0}, {box.x1, box.y0}, {box.x1, box.y1}, {box.x0, box.y1}};
-    memcpy(out->points + 4 * i, corners, sizeof corners);
-    out->start[i + 1] = (uint32_t)(4 * i + 4);
-  }
-}
-
 /* ---- from the biases of gates to pieces ---- */
 
 /* What a gate's width is measured along. */
@@ -77,17 +63,17 @@ static int32_t part(int32_t all, int high) {
 
 /* How far a fragment that is no side along L moves outwards. */
 static int32_t move_of(const eda_fragment *f, const biases *b) {
-  switch (f->role) {
-    case EDA_W_LOW:
-    case EDA_W_HIGH:
-      return f->role == EDA_W_HIGH ? part(b->w[f->gate], 1) + b->aside[f->gate]
-                                   : part(b->w[f->gate], 0) - b->aside[f->gate];
-    case EDA_END_LOW:
-    case EDA_END_HIGH:
-      return b->end[2 * f->gate + (f->role == EDA_END_HIGH)];
-    default:
-      return 0;
+  const eda_moved *base = b->base;
+  int32_t i = f->gate, by = 0;
+  if (f->role == EDA_W_LOW || f->role == EDA_W_HIGH) {
+    int high = f->role == EDA_W_HIGH;
+    int32_t aside = b->aside[i] + (base ? base->aside[i] : 0);
+    if (base) by = part(base->w[i], high != !!(base->flip[i] & EDA_FLIP_W));
+    return by + part(b->w[i], high) + (high ? aside : -aside);
   }
+  if (f->role != EDA_END_LOW && f->role != EDA_END_HIGH) return 0;
+  int32_t end = 2 * i + (f->role == EDA_END_HIGH);
+  return b->end[end] + (base ? base->end[end] : 0);
 }
 
 static void put(pieces *out, uint32_t *n, eda_point from, int32_t by) {
@@ -95,26 +81,36 @@ static void put(pieces *out, uint32_t *n, eda_point from, int32_t by) {
   out->by[(*n)++] = by;
 }
 
-/* A side along L, from `low` to `high` along W. */
+/* A side along L, from `low` to `high` along W, and what moves it. */
 typedef struct side {
   int32_t low, high, box; /* the gate's LOW end */
-  int32_t l, jog;         /* 0: the jog is in the other side */
-  int upper;              /* it is the HIGH one */
+  int32_t l;
+  int32_t jog_from, jog_to; /* empty: the jog is in the other side */
+  int upper;                /* it takes the odd step */
   const eda_part *part;
 } side;
 
+/* `flip` EDA_FLIP_*. */
 static side side_of(const eda_gates *g, const eda_fragment *f, eda_point next,
-                    const biases *b) {
+                    int32_t l, int32_t jog, const eda_part *parts,
+                    uint8_t flip) {
   int32_t from = along_w(g, f->gate, f->from), to = along_w(g, f->gate, next);
   eda_box box = g->box[f->gate];
-  int high = f->role == EDA_L_HIGH, takes = high == !(b->l[f->gate] & 1);
-  return (side){.low = from < to ? from : to,
-                .high = from < to ? to : from,
-                .box = g->axis[f->gate] == EDA_X ? box.y0 : box.x0,
-                .l = b->l[f->gate],
-                .jog = takes ? b->jog[f->gate] : 0,
-                .upper = high,
-                .part = b->part + (size_t)EDA_PARTS * (size_t)f->gate};
+  int upper = (f->role == EDA_L_HIGH) != !!(flip & EDA_FLIP_L);
+  side s = {.low = from < to ? from : to,
+            .high = from < to ? to : from,
+            .box = g->axis[f->gate] == EDA_X ? box.y0 : box.x0,
+            .l = l,
+            .upper = upper,
+            .part = parts + (size_t)EDA_PARTS * (size_t)f->gate};
+  s.jog_from = s.jog_to = s.low;
+  if (upper == (l & 1)) return s;
+  if (jog > s.high - s.low) jog = s.high - s.low;
+  if (flip & EDA_FLIP_W)
+    s.jog_from = s.high - jog, s.jog_to = s.high;
+  else
+    s.jog_to = s.low + jog;
+  return s;
 }
 
 static int is_part(const side *s, int k) {
@@ -129,7 +125,7 @@ static int32_t move_at(const side *s, int32_t at) {
   for (int k = 0; is_part(s, k); k++)
     if (s->part[k].from <= at - s->box && at - s->box < s->part[k].to)
       l += s->part[k].by;
-  return part(l, s->upper) + (at - s->low < s->jog);
+  return part(l, s->upper) + (s->jog_from <= at && at < s->jog_to);
 }
 
 /* Take in a place where the length changes; the list is kept sorted. */
@@ -141,25 +137,36 @@ static int cut_at(const side *s, int32_t at, int32_t *cut, int n) {
   return n + 1;
 }
 
+/* All such places of a side. */
+static int cut_side(const side *s, int32_t *cut, int n) {
+  for (int k = 0; is_part(s, k); k++) {
+    n = cut_at(s, s->box + s->part[k].from, cut, n);
+    n = cut_at(s, s->box + s->part[k].to, cut, n);
+  }
+  n = cut_at(s, s->jog_from, cut, n);
+  return cut_at(s, s->jog_to, cut, n);
+}
+
 /* A side along L, cut where its length changes. */
 static void put_side(const eda_gates *g, const eda_fragment *f, eda_point next,
                      const biases *b, pieces *out, uint32_t *n) {
-  int32_t cut[CUTS + 2];
-  side s = side_of(g, f, next, b);
-  int upright = g->axis[f->gate] == EDA_X;
-  int rising = along_w(g, f->gate, f->from) == s.low, cuts = 1;
+  const eda_moved *base = b->base;
+  int32_t cut[2 * CUTS + 2], i = f->gate;
+  side s = side_of(g, f, next, b->l[i], b->jog[i], b->part, 0), under = {0};
+  int upright = g->axis[i] == EDA_X;
+  int rising = along_w(g, i, f->from) == s.low, cuts;
   cut[0] = s.low;
-  for (int k = 0; is_part(&s, k); k++) {
-    cuts = cut_at(&s, s.box + s.part[k].from, cut, cuts);
-    cuts = cut_at(&s, s.box + s.part[k].to, cut, cuts);
+  cuts = cut_side(&s, cut, 1);
+  if (base) {
+    under = side_of(g, f, next, base->l[i], base->jog[i], base->part,
+                    base->flip[i]);
+    cuts = cut_side(&under, cut, cuts);
   }
-  if (s.jog > 0 && s.jog < s.high - s.low)
-    cuts = cut_at(&s, s.low + s.jog, cut, cuts);
   cut[cuts] = s.high;
   int32_t before = INT32_MAX;
-  for (int i = 0; i < cuts; i++) {
-    int k = rising ? i : cuts - 1 - i;
-    int32_t by = move_at(&s, cut[k]);
+  for (int c = 0; c < cuts; c++) {
+    int k = rising ? c : cuts - 1 - c;
+    int32_t by = move_at(&s, cut[k]) + (base ? move_at(&under, cut[k]) : 0);
     int32_t at = rising ? cut[k] : cut[k + 1];
     if (by != before)
       put(out, n,
@@ -265,4 +272,40 @@ void pieces_build(const pieces *in, eda_shapes *out) {
   }
   out->start[in->polygons] = n;
   out->count = in->polygons;
+}
+
+/* ---- from polygons to the mask ---- */
+
+void shapes_of_boxes(boxes_lists from, eda_shapes *out) {
+  size_t n = 0, i = 0;
+  for (size_t k = 0; k < from.count; k++) n += from.list[k].count;
+  *out = (eda_shapes){.count = n};
+  out->start = eda_alloc(n + 1, sizeof *out->start);
+  out->points = eda_alloc(4 * n, sizeof *out->points);
+  for (size_t k = 0; k < from.count; k++)
+    for (size_t b = 0; b < from.list[k].count; b++, i++) {
+      eda_box box = from.list[k].box[b];
+      const eda_point corners[] = {{box.x0, box.y0},
+                                   {box.x1, box.y0},
+                                   {box.x1, box.y1},
+                                   {box.x0, box.y1}};
+      memcpy(out->points + 4 * i, corners, sizeof corners);
+      out->start[i + 1] = (uint32_t)(4 * i + 4);
+    }
+}
+
+int mask_merge(const eda_shapes *polygons, boxes_lists added, boxes_lists bites,
+               eda_shapes *out, opc_error *error) {
+  eda_shapes more, less, whole;
+  shapes_of_boxes(added, &more);
+  shapes_of_boxes(bites, &less);
+  int code = eda_boolean(EDA_OR, polygons, more.count ? &more : NULL,
+                         less.count ? &whole : out, error);
+  if (!code && less.count) {
+    code = eda_boolean(EDA_NOT, &whole, &less, out, error);
+    eda_shapes_clear(&whole);
+  }
+  eda_shapes_clear(&more);
+  eda_shapes_clear(&less);
+  return code;
 }

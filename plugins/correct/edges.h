@@ -13,6 +13,9 @@
 typedef struct biases {
   int32_t *w, *aside, *l, *jog, *end;
   eda_part *part;
+  /* What they come upon: where the mask's edges lie if all of them are 0. NULL:
+     where they are drawn. */
+  const eda_moved *base;
 } biases;
 
 /* The edges of a layer, cut into pieces. Polygon p has the pieces start[p] ..
@@ -26,9 +29,9 @@ typedef struct pieces {
   int32_t *by;
 } pieces;
 
-/* Room for the pieces of a layer's edges, whatever moves them; or the pieces
-   that a synthesizer cut, not moved. */
-void pieces_of_edges(const eda_edges *edges, pieces *out);
+/* Room for the pieces of a layer's edges, whatever moves them, upon a base if
+   there is one; or the pieces that a synthesizer cut, not moved. */
+void pieces_of_edges(const eda_edges *edges, int base, pieces *out);
 void pieces_of_cuts(const eda_cuts *cuts, pieces *out);
 void pieces_clear(pieces *pieces);
 
@@ -44,7 +47,17 @@ void pieces_room(const pieces *pieces, eda_shapes *out);
    overlap if the moves close a gap. Writes the points and starts of `out`. */
 void pieces_build(const pieces *pieces, eda_shapes *out);
 
-/* The boxes of `a` and then those of `b` as polygons. */
-void shapes_of_boxes(eda_boxes a, eda_boxes b, eda_shapes *out);
+typedef struct boxes_lists {
+  const eda_boxes *list;
+  size_t count;
+} boxes_lists;
+
+/* All boxes as polygons. */
+void shapes_of_boxes(boxes_lists boxes, eda_shapes *out);
+
+/* The mask of a layer: its polygons with what is added to them, less the bites.
+   It is merged, as what overlaps is not twice as dark. As of eda_boolean. */
+int mask_merge(const eda_shapes *polygons, boxes_lists added, boxes_lists bites,
+               eda_shapes *out, opc_error *error);
 
 #endif

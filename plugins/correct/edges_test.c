@@ -53,7 +53,7 @@ static eda_shapes moved(moves m, int across) {
                .part = m.part};
   pieces p;
   eda_shapes out;
-  pieces_of_edges(&edges, &p);
+  pieces_of_edges(&edges, 0, &p);
   pieces_room(&p, &out);
   pieces_follow(&gates, EDA_POLY, &by, &p);
   pieces_build(&p, &out);
@@ -144,7 +144,7 @@ static void test_aside(void) {
     int32_t w = cases[i].w, aside = cases[i].aside;
     biases by = {.w = &w, .aside = &aside};
     pieces p;
-    pieces_of_edges(&edges[EDA_ACTIVE], &p);
+    pieces_of_edges(&edges[EDA_ACTIVE], 0, &p);
     pieces_follow(&gates, EDA_ACTIVE, &by, &p);
     g_assert_cmpint(-p.by[1], ==, cases[i].low);
     g_assert_cmpint(100 + p.by[5], ==, cases[i].high);

@@ -298,8 +298,8 @@ static void drop_rules(hold *h, size_t gate, double nm) {
   l->next.biases.end[2 * gate] = l->next.biases.end[2 * gate + 1] = 0;
   for (size_t k = 0; k < l->gates->layers; k++) {
     if (l->driver_of[k] != MAIN) continue;
-    trial_drop_boxes(&l->next.patches[k], window);
-    trial_drop_boxes(&l->next.bites[k], window);
+    trial_reset_boxes(&l->next.patches[k], window, loop_begun(l, k, 0));
+    trial_reset_boxes(&l->next.bites[k], window, loop_begun(l, k, 1));
   }
 }
 
@@ -380,7 +380,9 @@ static void all_drawn(hold *h) {
     h->l->guard.state[i].level = GUARD_SURROUNDED;
   for (size_t k = 0; k < next->layers; k++) {
     if (h->l->driver_of[k] != MAIN) continue;
-    next->patches[k].count = next->bites[k].count = next->assists[k].count = 0;
+    next->assists[k].count = 0;
+    trial_set_boxes(&next->patches[k], loop_begun(h->l, k, 0));
+    trial_set_boxes(&next->bites[k], loop_begun(h->l, k, 1));
     if (next->shift[k])
       memset(next->shift[k], 0, next->fragments[k] * sizeof(int32_t));
   }

@@ -40,20 +40,7 @@ static void drop_biases(loop *l) {
 
 /* ---- one print ---- */
 
-static int take_bites(loop *l, size_t layer, opc_error *error) {
-  const eda_boxes none = {0};
-  eda_shapes bites, whole = l->mask[layer];
-  if (!l->now.bites[layer].count) return OPC_OK;
-  shapes_of_boxes(l->now.bites[layer], none, &bites);
-  l->mask[layer] = (eda_shapes){0};
-  int code = eda_boolean(EDA_NOT, &whole, &bites, &l->mask[layer], error);
-  eda_shapes_clear(&whole);
-  eda_shapes_clear(&bites);
-  return code;
-}
-
-/* The mask of a layer as `now` has it. It is merged, as what overlaps is not
-   twice as dark. */
+/* The mask of a layer as `now` has it. */
 static int make_mask(loop *l, size_t layer, opc_error *error) {
   pieces *p = &l->pieces[layer];
   if (l->now.shift[layer])
@@ -62,12 +49,10 @@ static int make_mask(loop *l, size_t layer, opc_error *error) {
     pieces_follow(l->gates, layer, &l->now.biases, p);
   pieces_build(p, &l->polygons[layer]);
   eda_shapes_clear(&l->mask[layer]);
-  eda_shapes added;
-  shapes_of_boxes(l->now.patches[layer], l->now.assists[layer], &added);
-  int code = eda_boolean(EDA_OR, &l->polygons[layer],
-                         added.count ? &added : NULL, &l->mask[layer], error);
-  eda_shapes_clear(&added);
-  return code ? code : take_bites(l, layer, error);
+  const eda_boxes added[] = {l->now.patches[layer], l->now.assists[layer]};
+  return mask_merge(&l->polygons[layer], (boxes_lists){added, 2},
+                    (boxes_lists){&l->now.bites[layer], 1}, &l->mask[layer],
+                    error);
 }
 
 /* Transistors are of the first two layers. */
@@ -81,6 +66,32 @@ static int measure(loop *l, const uint8_t *printed, opc_error *error) {
   return code ? code : corners_measure(l, error);
 }
 
+/* Of transistors that keep their masks synthesizers see what was drawn: there
+   is nothing to be done about it. */
+static void show(loop *l) {
+  const eda_performance *drawn = &l->design;
+  eda_measurement *to = &l->shown;
+  if (!l->still) return;
+  eda_performance_copy(&to->performance, &l->measured.performance);
+  memcpy(to->flags, l->measured.flags, l->gates->count * sizeof *to->flags);
+  for (size_t i = 0; i < l->gates->count; i++)
+    if (l->still[i]) {
+      to->flags[i] = 0;
+      eda_performance_one(&to->performance, drawn, i);
+    }
+}
+
+/* What was moved of them all the same is undone. */
+static void keep_still(loop *l) {
+  biases *b = &l->next.biases;
+  for (size_t i = 0; l->still && i < l->gates->count; i++) {
+    if (!l->still[i]) continue;
+    b->w[i] = b->aside[i] = b->l[i] = b->jog[i] = 0;
+    b->end[2 * i] = b->end[2 * i + 1] = 0;
+    b->part[EDA_PARTS * i] = (eda_part){0};
+  }
+}
+
 /* Take in a print of the layers that are marked. */
 static int take_in(loop *l, const uint8_t *printed, int fine,
                    opc_error *error) {
@@ -89,6 +100,7 @@ static int take_in(loop *l, const uint8_t *printed, int fine,
     if (printed[k])
       sites_measure(l->host->context, &l->sites[k], &l->printer.print[k]);
   if (code) return code;
+  show(l);
   l->summary = summarize(l->gates, &l->design, &l->measured.performance,
                          l->measured.flags, l->sites);
   if (!l->guard.prints)
@@ -131,6 +143,7 @@ eda_printed loop_printed(const loop *l) {
                        .flags = l->measured.flags,
                        .l = l->now.biases.l,
                        .w = l->now.biases.w,
+                       .aside = l->now.biases.aside,
                        .extension = l->measured.extension,
                        .shapes = l->mask,
                        .print = l->printer.print};
@@ -173,15 +186,17 @@ static int judge(loop *l, opc_error *error) {
   free(patches);
   free(bites);
   drop_biases(l);
+  keep_still(l);
   return code;
 }
 
 static eda_feedback feedback(const loop *l, const driver *d) {
+  const eda_measurement *m = l->still ? &l->shown : &l->measured;
   return (eda_feedback){.iteration = l->iterations,
                         .gates = l->gates,
                         .design = &l->design,
-                        .printed = &l->measured.performance,
-                        .flags = l->measured.flags,
+                        .printed = &m->performance,
+                        .flags = m->flags,
                         .vetoes = l->vetoes,
                         .epe = d->epe,
                         .end = l->now.biases.end,
@@ -237,7 +252,7 @@ static int cut_layer(loop *l, size_t layer, opc_error *error) {
     code = ask_for_cuts(l, layer, EDGES, error);
   if (code) return code;
   if (!l->now.shift[layer])
-    pieces_of_edges(&g->edges[layer], &l->pieces[layer]);
+    pieces_of_edges(&g->edges[layer], l->base != NULL, &l->pieces[layer]);
   eda_shapes *polygons = &l->polygons[layer];
   pieces_room(&l->pieces[layer], polygons);
   if (!g->drawn[layer].hole) return OPC_OK;
@@ -329,6 +344,7 @@ static int update(loop *l, int which, opc_error *error) {
   int code = move(l, which, &moves, error);
   free(assists);
   drop_biases(l);
+  keep_still(l);
   return code;
 }
 
@@ -420,6 +436,23 @@ static int iterate_to_proof(loop *l, opc_error *error) {
   return code;
 }
 
+eda_boxes loop_begun(const loop *l, size_t layer, int bites) {
+  if (!l->base) return (eda_boxes){0};
+  const eda_box_list *list = bites ? l->base->bite : l->base->patch;
+  return (eda_boxes){list[layer].box, list[layer].count};
+}
+
+/* It begins with the base's patches and bites; the regulator says with which it
+   goes on. */
+static void begin_with(loop *l) {
+  if (!l->base) return;
+  l->now.biases.base = l->next.biases.base = l->base;
+  for (size_t k = 0; k < l->gates->layers; k++) {
+    trial_set_boxes(&l->next.patches[k], loop_begun(l, k, 0));
+    trial_set_boxes(&l->next.bites[k], loop_begun(l, k, 1));
+  }
+}
+
 static void loop_init(loop *l) {
   size_t n = l->gates->count, layers = l->gates->layers;
   for (int which = 0; which < DRIVERS; which++) {
@@ -437,7 +470,9 @@ static void loop_init(loop *l) {
   l->vetoes = eda_alloc(n, sizeof *l->vetoes);
   trial_init(&l->now, layers, n);
   trial_init(&l->next, layers, n);
+  begin_with(l);
   eda_measurement_init(&l->measured, n);
+  eda_measurement_init(&l->shown, n);
   eda_performance_init(&l->design, n);
   eda_performance_init(&l->before, n);
   guard_init(&l->guard, n);
@@ -481,6 +516,7 @@ void loop_clear(loop *l) {
   trial_clear(&l->now);
   trial_clear(&l->next);
   eda_measurement_clear(&l->measured);
+  eda_measurement_clear(&l->shown);
   eda_performance_clear(&l->design);
   eda_performance_clear(&l->before);
   for (size_t k = 0; k < layers; k++) {

@@ -27,16 +27,19 @@ typedef struct driver {
   int done;
 } driver;
 
-/* Arrays are by layer, of gates or of pieces, made once. Set the first eight,
-   the drivers' modules and `printer`; clear the rest. */
+/* Arrays are by layer, of gates or of pieces, made once. Set those up to
+   `limit` that there are, the drivers' modules and `printer`; clear the rest.
+ */
 typedef struct loop {
   const opc_host *host;
   const eda_gates *gates;
   const opc_module *extractor, *regulator;
   int64_t max_iterations;
-  int prepared; /* the extractor is */
-  int traced;   /* each print into `trace` */
-  int hold;     /* the guard takes back what is worse than drawn */
+  const eda_moved *base; /* what it begins with; NULL: the drawn edges */
+  const uint8_t *still; /* 1: that transistor keeps its mask; NULL: none does */
+  int prepared;         /* the extractor is */
+  int traced;           /* each print into `trace` */
+  int hold;             /* the guard takes back what is worse than drawn */
   double limit; /* %: |Ion deviation| that is good, for guard and proof */
   driver drivers[DRIVERS];
   eda_printer printer;
@@ -49,6 +52,7 @@ typedef struct loop {
   int32_t *unused;      /* biases that EDGES may write */
   eda_measurement measured;
   eda_performance design, before; /* as drawn: of the gates, of the print */
+  eda_measurement shown; /* what synthesizers see if `still` is there */
   corners corners;
   gate_bars assists;
   summary summary; /* of what was measured */
@@ -70,6 +74,9 @@ int loop_print(loop *loop, int all, opc_error *error);
 /* Print `now` again with the fine model, and measure; only layers of which
    there is no fine print. */
 int loop_refine(loop *loop, opc_error *error);
+
+/* What is added to the mask that it begins with, or taken away. */
+eda_boxes loop_begun(const loop *l, size_t layer, int bites);
 
 /* The last print as a regulator sees it. */
 eda_printed loop_printed(const loop *loop);

@@ -239,7 +239,7 @@ static void test_patches(void) {
     /* Settled before the first moves, or together with them. */
     g_assert_cmpuint(own.first_simulations, ==, early ? 2 : 3);
     eda_shapes box, outside, both;
-    shapes_of_boxes((eda_boxes){&patch, 1}, (eda_boxes){0}, &box);
+    shapes_of_boxes((boxes_lists){&(eda_boxes){&patch, 1}, 1}, &box);
     g_assert_false(
         eda_boolean(EDA_NOT, &box, &l.mask[EDA_POLY], &outside, &error));
     g_assert_false(eda_boolean(EDA_NOT, &l.mask[EDA_POLY],
@@ -288,7 +288,7 @@ static void test_bites(void) {
                   OPC_OK);
   bite_given = NULL;
   own.spoil = NULL;
-  shapes_of_boxes((eda_boxes){&bite, 1}, (eda_boxes){0}, &box);
+  shapes_of_boxes((boxes_lists){&(eda_boxes){&bite, 1}, 1}, &box);
   g_assert_false(
       eda_boolean(EDA_AND, &box, &with.mask[EDA_POLY], &kept, &error));
   g_assert_cmpuint(kept.count, ==, 0);
@@ -520,7 +520,7 @@ static void test_edges_ruled(void) {
   g_assert_cmpint(mover_updates, ==, 2);
   eda_shapes box, outside;
   opc_error error;
-  shapes_of_boxes((eda_boxes){&metal_patch, 1}, (eda_boxes){0}, &box);
+  shapes_of_boxes((boxes_lists){&(eda_boxes){&metal_patch, 1}, 1}, &box);
   g_assert_false(eda_boolean(EDA_NOT, &box, &l.mask[METAL], &outside, &error));
   g_assert_cmpuint(outside.count, ==, 0);
   g_assert_cmpuint(l.now.assists[EDA_POLY].count, ==, 0);

@@ -287,6 +287,55 @@ static void test_none(void) {
   }
 }
 
+/* The resist is calibrated with what fine prints need, which serves both, or
+   with less error if it asks for that. */
+static double asked, given;
+
+static int image_given(const void *self, int layer, const eda_spectrum *mask,
+                       double defocus, double wanted, eda_field *out,
+                       opc_error *error) {
+  (void)defocus;
+  given = wanted;
+  return image(self, layer, mask, out, error);
+}
+
+static int ask(void *self, const opc_module *model, opc_error *error) {
+  const eda_frame frame = {0, 0, 1000, 1000};
+  const eda_litho *functions = model->functions;
+  eda_shapes none = {0};
+  eda_spectrum mask;
+  eda_field field;
+  (void)self;
+  int code =
+      eda_litho_spectrum(NULL, model, &none, 1, frame, &mask, error) ||
+      functions->image_fine(model->self, 0, &mask, 0, asked, &field, error);
+  eda_field_clear(&field);
+  eda_spectrum_clear(&mask);
+  return code;
+}
+
+static void test_calibration(void) {
+  static const eda_litho there = {.prepare = nothing,
+                                  .band = band,
+                                  .image = image,
+                                  .image_fine = image_given};
+  static const eda_resist asking = {.prepare = ask, .print = print};
+  static const struct {
+    double fine, asked, given;
+  } cases[] = {{0, 1e-4, 1e-4}, {5e-5, 1e-4, 5e-5}, {1e-3, 1e-4, 1e-4}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    eda_printer p;
+    opc_error error = {0};
+    asked = cases[i].asked;
+    eda_printer_init(&p, NULL, eda_gates_sample(), MODULE(&there, NULL),
+                     MODULE(&asking, NULL), 300);
+    p.fine = cases[i].fine;
+    g_assert_cmpint(eda_printer_prepare(&p, &error), ==, OPC_OK);
+    g_assert_cmpfloat(given, ==, cases[i].given);
+    eda_printer_clear(&p);
+  }
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/proof/end", test_end);
@@ -297,5 +346,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/proof/margin", test_margin);
   g_test_add_func("/proof/grid", test_grid);
   g_test_add_func("/proof/none", test_none);
+  g_test_add_func("/proof/calibration", test_calibration);
   return g_test_run();
 }

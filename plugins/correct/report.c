@@ -254,13 +254,17 @@ static gate_row row_of(const report *r, size_t i) {
       .weq = none ? NAN : now->weq[i]};
   if (r->corrected) row.change = change(r, i);
   if (b) {
-    row.mask_l = b->l[i] * g->grid;
-    row.mask_w = b->w[i] * g->grid;
-    row.mask_jog = b->jog[i] * g->grid;
+    const eda_moved *base = b->base;
+    row.mask_l = (b->l[i] + (base ? base->l[i] : 0)) * g->grid;
+    row.mask_w = (b->w[i] + (base ? base->w[i] : 0)) * g->grid;
+    row.mask_jog = (b->jog[i] ? b->jog[i] : base ? base->jog[i] : 0) * g->grid;
   }
   for (size_t side = 0; side < 2; side++) {
     row.extension[side] = r->extension[2 * i + side];
-    if (b) row.end[side] = b->end[2 * i + side] * g->grid;
+    if (!b) continue;
+    const int32_t *under = b->base ? b->base->end : NULL;
+    row.end[side] =
+        (b->end[2 * i + side] + (under ? under[2 * i + side] : 0)) * g->grid;
   }
   return row;
 }

@@ -70,6 +70,17 @@ void trial_drop_boxes(eda_boxes *boxes, eda_box window) {
   boxes->count = n;
 }
 
+void trial_reset_boxes(eda_boxes *boxes, eda_box window, eda_boxes begun) {
+  eda_box_list all = {0};
+  trial_drop_boxes(boxes, window);
+  for (size_t i = 0; i < boxes->count; i++)
+    eda_box_list_add(&all, boxes->box[i]);
+  for (size_t i = 0; i < begun.count; i++)
+    if (touch(begun.box[i], window)) eda_box_list_add(&all, begun.box[i]);
+  free((eda_box *)boxes->box);
+  *boxes = (eda_boxes){all.box, all.count};
+}
+
 void trial_copy(trial *to, const trial *from) {
   memcpy(to->biases.w, from->biases.w,
          TRIAL_BIASES * from->gates * sizeof(int32_t));

@@ -44,6 +44,9 @@ void trial_set_boxes(eda_boxes *to, eda_boxes from);
 /* Take those of `boxes` away that touch a window. */
 void trial_drop_boxes(eda_boxes *boxes, eda_box window);
 
+/* The same, and those of `begun` that touch it are in their place. */
+void trial_reset_boxes(eda_boxes *boxes, eda_box window, eda_boxes begun);
+
 /* Would the two print other masks of that layer? */
 int trial_differs(const trial *a, const trial *b, size_t layer);
 

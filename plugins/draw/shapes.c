@@ -131,8 +131,8 @@ int view_find_contours(const view *v, const eda_field *print,
   if (!(w.width > 0 && w.height > 0)) return OPC_OK;
   double step = fmin(sqrt(0.8 * least_radius / v->scale), max_step);
   step = fmax(step, sqrt(w.width * w.height / MAX_NODES));
-  return eda_contours(print, w, step, &out->points, &out->start, &out->count,
-                      error);
+  return eda_contours(v->context, print, w, step, &out->points, &out->start,
+                      &out->count, error);
 }
 
 /* Points nearer to the last one than that, in pixels, are left out. */

@@ -256,8 +256,8 @@ static void find_contours(void *data, size_t i) {
     opc_fail(&s->error[i], OPC_CANCELLED, NULL, "stopped");
     return;
   }
-  if (eda_contours(s->print, w, s->drawing->step, &points, &start, &count,
-                   &s->error[i]))
+  if (eda_contours(s->drawing->context, s->print, w, s->drawing->step, &points,
+                   &start, &count, &s->error[i]))
     return;
   for (size_t k = 0; k < count; k++)
     add_contour(&s->found[i], s->print, w, points + 2 * (size_t)start[k],
@@ -399,6 +399,8 @@ static int write_shapes(drawing *d, opc_error *error) {
     write_polygons(d, k, "drawn", &m->gates->drawn[k]);
     write_polygons(d, k, "mask", &m->shapes[k]);
     code = write_print(d, k, "print", &m->print[k], error);
+    if (!code && m->drawn_print)
+      code = write_print(d, k, "drawn print", &m->drawn_print[k], error);
   }
   g_string_append(d->out, "]");
   return code;

@@ -158,9 +158,10 @@ static const double unit = 1e-3;
 /* An isolated line is one whose neighbours are this far away, nm. */
 static const double isolation = 4000;
 
-/* Lines are imaged within this, clear field 1, what a fine print is asked for
-   by default, so that its kernels are found once. Half of it moves thresholds
-   by 3e-6 of the clear field, a twentieth of a picometre of a line's width. */
+/* Lines are imaged within this, clear field 1, or within what fine prints are
+   asked for (eda_model.fine), so that kernels are found once. Half of it moves
+   thresholds by 4e-6 of the clear field, a twentieth of a picometre of a line's
+   width. */
 static const double image_error = 1e-4;
 
 /* The image of a vertical line in the middle of the frame, whole height, x = 0

@@ -38,7 +38,8 @@ static int publish(const tell *t, size_t n, const char *const *words,
   for (size_t i = 0; i < t->sizes.count; i++) sum += t->sizes.values[i];
   const opc_column columns[] = {{"word", NULL, OPC_TEXT, 0, words},
                                 {"length", NULL, OPC_INT, 0, lengths}};
-  int code = t->host->table(t->host, "words", 0, n, columns, 2, error);
+  int code =
+      t->host->table(t->host, "words", OPC_TABLE_PRINT, n, columns, 2, error);
   free(lengths);
   return code ? code : t->host->metric(t->host, "sum", sum, error);
 }

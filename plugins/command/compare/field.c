@@ -157,13 +157,13 @@ static const eda_run_case *find_case(const eda_run_cases *in, const char *name,
   return NULL;
 }
 
-/* The run of a case; NULL: there is none, and it is told. `runs`: those that
-   are open, by folder. */
+/* The run of a case; NULL: there is none, and it is told once. `runs`: what was
+   found before, by case. */
 static int case_run(field *f, const opc_host *host, GHashTable *runs,
                     const eda_run_case *c, eda_run **run, opc_error *error) {
-  *run = c->folder ? g_hash_table_lookup(runs, c->folder) : NULL;
-  if (*run) return OPC_OK;
+  if (g_hash_table_lookup_extended(runs, c, NULL, (void **)run)) return OPC_OK;
   const char *fault = c->folder ? NULL : *c->result ? c->result : "has no run";
+  *run = NULL;
   if (!fault) {
     g_autofree char *label = g_strdup_printf("%s, %s", c->name, c->method);
     *run = open_run(f, c->folder, label, error);
@@ -174,9 +174,8 @@ static int case_run(field *f, const opc_host *host, GHashTable *runs,
     host->log(host, OPC_LOG_WARNING, "%s, %s: left out: %s", c->name, c->method,
               fault);
     *run = NULL;
-    return OPC_OK;
   }
-  g_hash_table_insert(runs, (char *)c->folder, *run);
+  g_hash_table_insert(runs, (void *)c, *run);
   return OPC_OK;
 }
 
@@ -185,7 +184,7 @@ static int case_run(field *f, const opc_host *host, GHashTable *runs,
 static int pair_cases(field *f, const opc_host *host, const eda_run_cases *base,
                       const eda_run_cases *others, const char *method,
                       opc_error *error) {
-  g_autoptr(GHashTable) runs = g_hash_table_new(g_str_hash, g_str_equal);
+  g_autoptr(GHashTable) runs = g_hash_table_new(NULL, NULL);
   g_autoptr(GHashTable) names = g_hash_table_new(g_str_hash, g_str_equal);
   g_autoptr(GHashTable) methods = g_hash_table_new(g_str_hash, g_str_equal);
   size_t n;

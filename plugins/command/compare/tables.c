@@ -105,7 +105,8 @@ static int is_repeated(const field *f, guint i) {
   return 0;
 }
 
-/* Of an experiment: those of the first case that a method has. */
+/* Of an experiment: those of the first case that a method has. With more
+   methods than two it is a long table, which is not shown beside others. */
 int parameters_publish(comparison *c, opc_error *error) {
   const field *f = &c->field;
   g_autoptr(GArray) all = ROWS(parameter_row);
@@ -113,12 +114,16 @@ int parameters_publish(comparison *c, opc_error *error) {
     if (!is_repeated(f, i))
       add_parameters(all, &g_array_index(f->pairs, pair, i));
   const parameter_row *r = (const parameter_row *)(void *)all->data;
+  uint32_t flags = f->experiment && f->methods > 2 ? 0 : OPC_TABLE_PRINT;
+  size_t skip = !f->experiment && f->pairs->len == 1;
   const opc_column columns[] = {{"run", NULL, OPC_TEXT, 0, &r->method},
                                 {"parameter", NULL, OPC_TEXT, 0, &r->name},
                                 {"base", NULL, OPC_TEXT, 0, &r->base},
                                 {"value", NULL, OPC_TEXT, 0, &r->value}};
-  return put_of_methods(c, "parameters", all->len, sizeof *r, columns,
-                        G_N_ELEMENTS(columns), error);
+  return all->len
+             ? opc_put_rows(c->host, "parameters", flags, all->len, sizeof *r,
+                            columns + skip, G_N_ELEMENTS(columns) - skip, error)
+             : OPC_OK;
 }
 
 /* ---- transistors ---- */
@@ -211,24 +216,47 @@ typedef struct mask_row {
   double shots_base, shots; /* NAN: not counted */
 } mask_row;
 
-/* What the flow calls the layer of that number; NULL: nothing. */
-static const char *layer_name(const eda_run *run, const mask_difference *d) {
+static eda_table *open_cost(eda_run *run) {
+  opc_error none;
+  return eda_run_has_table(run, "cost") ? eda_run_table(run, "cost", &none)
+                                        : NULL;
+}
+
+/* What the parameters of steps whose path begins so call the layer of that
+   number; NULL: nothing. */
+static const char *named_by(const eda_run *run, const char *start,
+                            const mask_difference *d) {
   const eda_run_facts *f = eda_run_told(run);
   g_autofree char *number = g_strdup_printf("%u/%u", d->layer, d->datatype);
   for (size_t i = 0; i < f->n_parameters; i++) {
-    const char *at = strstr(f->parameters[i].name, ".layers.");
-    if (at && !strcmp(f->parameters[i].value, number))
+    const char *name = f->parameters[i].name;
+    const char *at = strstr(name, ".layers.");
+    if (at && g_str_has_prefix(name, start) &&
+        !strcmp(f->parameters[i].value, number))
       return at + strlen(".layers.");
   }
   return NULL;
 }
 
+/* By the step that wrote it; where that says nothing, the first two layers have
+   their numbers (eda_gates_number) and are those of the table of costs; else as
+   some other step calls it. NULL: not known. */
+static const char *layer_name(eda_run *run, const char *step,
+                              const mask_difference *d) {
+  static const uint32_t numbers[] = {9, 1};
+  g_autofree char *own = g_strconcat(step, ".", NULL);
+  const char *name = named_by(run, own, d);
+  eda_table *t = name || d->datatype ? NULL : open_cost(run);
+  int column = t ? eda_table_find(t, "layer") : -1;
+  for (size_t i = 0; column >= 0 && i < G_N_ELEMENTS(numbers); i++)
+    if (d->layer == numbers[i] && i < eda_table_rows(t))
+      name = eda_table_text(t, i, (size_t)column);
+  return name ? name : named_by(run, "", d);
+}
+
 /* The shots of a layer by the table cost; NAN if it was not counted. */
 static double shots_of(eda_run *run, const char *layer) {
-  opc_error error;
-  eda_table *t = eda_run_has_table(run, "cost")
-                     ? eda_run_table(run, "cost", &error)
-                     : NULL;
+  eda_table *t = open_cost(run);
   int name = t ? eda_table_find(t, "layer") : -1;
   int shots = t ? eda_table_find(t, "shots") : -1;
   const double *numbers =
@@ -239,8 +267,9 @@ static double shots_of(eda_run *run, const char *layer) {
 }
 
 /* A method's row of a layer; sums over cases are made in it. */
-static void add_mask(GArray *out, const pair *p, const mask_difference *d) {
-  const char *name = layer_name(p->base, d);
+static void add_mask(GArray *out, const pair *p, const char *step,
+                     const mask_difference *d) {
+  const char *name = layer_name(p->base, step, d);
   mask_row row = {.method = p->method,
                   .layer = name ? name : "",
                   .d = *d,
@@ -263,8 +292,8 @@ static void add_mask(GArray *out, const pair *p, const mask_difference *d) {
   g_array_append_val(out, row);
 }
 
-static int add_masks(GArray *out, const pair *p, const char *base,
-                     const char *other, opc_error *error) {
+static int add_masks(GArray *out, const pair *p, const char *step,
+                     const char *base, const char *other, opc_error *error) {
   const char *from = eda_run_told(p->base)->folder;
   const char *to = eda_run_told(p->other)->folder;
   g_autofree char *one = g_build_filename(from, base, NULL);
@@ -272,7 +301,7 @@ static int add_masks(GArray *out, const pair *p, const char *base,
   mask_difference *d;
   size_t n;
   if (masks_compare(one, two, &d, &n, error)) return error->code;
-  for (size_t i = 0; i < n; i++) add_mask(out, p, &d[i]);
+  for (size_t i = 0; i < n; i++) add_mask(out, p, step, &d[i]);
   free(d);
   return OPC_OK;
 }
@@ -302,7 +331,7 @@ static int compare_masks(GArray *out, const pair *p, opc_error *error) {
     if (!dot || strcmp(dot, ".use") != 0) continue;
     g_autofree char *step = g_strndup(name, (gsize)(dot - name));
     const char *a = mask_file(p->base, step), *b = mask_file(p->other, step);
-    if (a && b) return add_masks(out, p, a, b, error);
+    if (a && b) return add_masks(out, p, step, a, b, error);
   }
   return OPC_OK;
 }

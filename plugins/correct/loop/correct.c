@@ -13,6 +13,7 @@
 #include "../forecast.h"
 #include "../loop.h"
 #include "../rules.h"
+#include "../start.h"
 
 enum { ON, OFF }; /* `guard` */
 
@@ -21,6 +22,8 @@ enum { ON, OFF }; /* `guard` */
 typedef struct correct {
   const opc_host *host;
   const eda_gates *gates;
+  const eda_mask *start;
+  double max_diff; /* %; NAN: all may move */
   const opc_module *litho, *resist, *extractor, *synthesizer, *edges,
       *regulator;
   int64_t max_iterations;
@@ -39,7 +42,7 @@ typedef struct correct {
 
 static void tell_of_overlaps(const loop *l) {
   for (size_t k = 0; k < l->gates->layers; k++)
-    if (!l->now.patches[k].count && !l->now.bites[k].count &&
+    if (!l->base && !l->now.patches[k].count && !l->now.bites[k].count &&
         !l->now.assists[k].count &&
         eda_area2(&l->polygons[k]) != eda_area2(&l->mask[k])) {
       l->host->log(l->host, OPC_LOG_WARNING,
@@ -68,6 +71,7 @@ static void hand_over(loop *l, eda_mask *out) {
   out->iterations = l->iterations;
   out->simulations = l->printer.simulations;
   out->fine_simulations = l->printer.fine_simulations;
+  out->moved = moved_of(l);
 }
 
 static int tell_of_violations(loop *l, eda_mask *out, opc_error *error) {
@@ -124,9 +128,15 @@ static int tell(const correct *c, loop *l, eda_mask *mask, opc_error *error) {
 
 static int run(void *self, void **outputs, opc_error *error) {
   const correct *c = self;
+  start begun;
+  int code =
+      start_from(c->host, c->gates, c->start, c->max_diff, &begun, error);
+  if (code) return code;
   loop l = {
       .host = c->host,
       .gates = c->gates,
+      .base = begun.base,
+      .still = begun.still,
       .extractor = c->extractor,
       .regulator = c->regulator,
       .max_iterations = c->max_iterations,
@@ -142,7 +152,7 @@ static int run(void *self, void **outputs, opc_error *error) {
   l.assists = c->assists;
   eda_mask *mask = eda_mask_new(c->gates);
   outputs[0] = mask; /* released by the host if this fails */
-  int code = loop_run(&l, error);
+  code = loop_run(&l, error);
   if (!code) {
     tell_of_overlaps(&l);
     code = tell_of_violations(&l, mask, error);
@@ -156,6 +166,7 @@ static int run(void *self, void **outputs, opc_error *error) {
     code = tell(c, &l, mask, error);
   }
   loop_clear(&l);
+  free(begun.still);
   return code;
 }
 
@@ -201,6 +212,13 @@ static int restore(void *self, const char *folder, void **outputs,
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(correct, gates, .type = OPC_INPUT, .flags = OPC_REQUIRED,
                   .choices = "gates", .summary = "the transistors to correct"),
+    OPC_PARAMETER(correct, start, .type = OPC_INPUT, .choices = "mask",
+                  .summary = "the mask to begin with, of the same gates; if "
+                             "not given, the drawn one"),
+    OPC_PARAMETER(correct, max_diff, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+                  .unit = "%", .min = 0,
+                  .summary = "of `start`: only transistors whose |Ion "
+                             "deviation| it has made worse by more are moved"),
     OPC_PARAMETER(correct, litho, .type = OPC_SLOT, .flags = OPC_REQUIRED,
                   .choices = "litho", .summary = "model of the optics"),
     OPC_PARAMETER(correct, resist, .type = OPC_SLOT, .flags = OPC_REQUIRED,
@@ -279,6 +297,7 @@ static const opc_metric metrics[] = {
     {"epe_max", "nm", OPC_LOWER, 0.01, "largest |edge placement error|"},
     {"epe_lost", NULL, OPC_LOWER, 0,
      "fragments without a printed edge within 100 nm"},
+    {"refined", NULL, OPC_NEUTRAL, 0, "transistors that 'max_diff' lets move"},
     {"iterations", NULL, OPC_LOWER, 0,
      "times that the synthesizer moved edges"},
     {"simulations", NULL, OPC_LOWER, 0, "litho simulations, of one layer each"},

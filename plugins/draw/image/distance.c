@@ -86,8 +86,8 @@ static int make_line(const view *v, const eda_field *print, line *l,
   if (!(l->frame.width > 0 && l->frame.height > 0)) return OPC_OK;
   double step =
       fmax(finest, sqrt(l->frame.width * l->frame.height / MAX_NODES));
-  int code =
-      eda_contours(print, l->frame, step, &points, &start, &count, error);
+  int code = eda_contours(v->context, print, l->frame, step, &points, &start,
+                          &count, error);
   if (code) return code;
   size_t n = count ? start[count] : 0;
   l->place = eda_alloc(2 * n, sizeof *l->place);

@@ -87,7 +87,7 @@ static void try_violations(opc_inspector *in, const opc_module *m,
 static void exercise(const opc_module *m, opc_inspector *in) {
   const eda_gates *g = eda_gates_sample();
   const uint32_t flags[GATES] = {0, EDA_PRINT_MERGED};
-  const int32_t l[GATES] = {3, -2}, w[GATES] = {0, 1};
+  const int32_t l[GATES] = {3, -2}, w[GATES] = {0, 1}, aside[GATES] = {2, -1};
   const double extension[2 * GATES] = {60, INFINITY, INFINITY, -5};
   eda_field *print = eda_alloc(g->layers, sizeof *print);
   const eda_printed printed = {.iteration = 1,
@@ -95,6 +95,7 @@ static void exercise(const opc_module *m, opc_inspector *in) {
                                .flags = flags,
                                .l = l,
                                .w = w,
+                               .aside = aside,
                                .extension = extension,
                                .shapes = g->drawn,
                                .print = print};

@@ -385,6 +385,35 @@ static void test_near_neighbour(void) {
   end(&c);
 }
 
+/* The patch on the right side of an active whose lower and upper edges are the
+   ends of a gate's width ends with them, however far they lie aside. */
+static void test_width(void) {
+  static const struct {
+    int32_t w, aside, low, high;
+  } cases[] = {
+      {0, 0, 0, 140}, {9, 0, -4, 145}, {9, 4, 0, 149}, {8, -7, -11, 137}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_autoptr(opc_module) m = make("{ overlay: 10 nm }");
+    uint32_t start[] = {0, 4};
+    eda_fragment active[] = {{{0, 0}, 0, EDA_W_LOW},
+                             {{106, 0}, -1, EDA_FIXED},
+                             {{106, 140}, 0, EDA_W_HIGH},
+                             {{0, 140}, -1, EDA_FIXED}};
+    chip c = {.edges[EDA_ACTIVE] = {1, start, active}};
+    add_box(&c.drawn[EDA_ACTIVE], 0, 0, 106, 140);
+    add_box(&c.drawn[CONTACT], 20, 30, 100, 110);
+    add_box(&c.printed[EDA_ACTIVE], -10, -10, 104, 150);
+    show(&c);
+    c.p.w = &cases[i].w;
+    c.p.aside = &cases[i].aside;
+    judge(m, &c);
+    g_assert_cmpuint(c.ruling.patches[EDA_ACTIVE].count, ==, 1);
+    g_assert_cmpint(c.ruling.patches[EDA_ACTIVE].box[0].y0, ==, cases[i].low);
+    g_assert_cmpint(c.ruling.patches[EDA_ACTIVE].box[0].y1, ==, cases[i].high);
+    end(&c);
+  }
+}
+
 /* A contact in active that poly prints 6 nm away from. */
 static void test_contact(void) {
   g_autoptr(opc_module) m = make("{ overlay: 10 nm }");
@@ -733,6 +762,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/regulator/vetoes", test_vetoes);
   g_test_add_func("/regulator/violations", test_violations);
   g_test_add_func("/regulator/enclosure", test_enclosure);
+  g_test_add_func("/regulator/width", test_width);
   g_test_add_func("/regulator/near_neighbour", test_near_neighbour);
   g_test_add_func("/regulator/contact", test_contact);
   g_test_add_func("/regulator/neck", test_neck);

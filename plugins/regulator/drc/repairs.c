@@ -131,11 +131,12 @@ static void measure(void *data, size_t i) {
 /* ---- what can be mended ---- */
 
 /* How far the width of a gate moves a corner outwards: half its bias, and an
-   odd step on the HIGH side. */
+   odd step on the HIGH side, and how far both ends lie aside of that. */
 static int32_t moved(const eda_printed *p, const eda_fragment *f) {
   if (!f) return 0;
   int32_t w = p->w[f->gate], low = w >> 1;
-  return f->role == EDA_W_LOW ? low : w - low;
+  int32_t aside = p->aside ? p->aside[f->gate] : 0;
+  return f->role == EDA_W_LOW ? low - aside : w - low + aside;
 }
 
 /* Whether the piece on a side reaches the edge on the next one. */

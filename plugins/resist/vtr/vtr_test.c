@@ -147,7 +147,7 @@ static double distance(const eda_field *fine, const eda_field *coarse) {
   opc_error error;
   eda_frame window = {-600, -700, 1200, 1300};
   g_assert_cmpint(
-      eda_contours(fine, window, 4, &points, &start, &lines, &error), ==,
+      eda_contours(NULL, fine, window, 4, &points, &start, &lines, &error), ==,
       OPC_OK);
   g_assert_cmpuint(lines, ==, 2);
   for (uint32_t i = 0; i < start[lines]; i++) {

@@ -11,7 +11,7 @@
 
 /* Ours. */
 static const struct {
-  double unit, step, nodes;
+  double unit, step, nodes, coarsest, most;
 } tuned = {
     /* nm: places of contours are rounded to that; the mask grid, if that is
        finer. A tenth of what masks are written with. */
@@ -21,9 +21,16 @@ static const struct {
        between them. Half of it takes twice the file. */
     .step = 10,
 
-    /* Of the grid in which contours are looked for: what takes a tenth of a
-       second. Above 20 x 20 um, the step grows with the layout. */
+    /* Of the grid in which contours are looked for, to keep the file small:
+       above 20 x 20 um, the step grows with the layout, */
     .nodes = 4e6,
+
+    /* nm: but not beyond that, as lines of 65 nm come in pieces at double it,
+     */
+    .coarsest = 30,
+
+    /* unless eda_contours has no room: above 240 x 240 um. */
+    .most = 6.4e7,
 };
 
 static const char *const suffix[GROUPS] = {"drawn", "mask", "before", "after"};
@@ -104,6 +111,7 @@ static int put_shapes(target *t, const eda_shapes *shapes, opc_error *error) {
 }
 
 typedef struct contours {
+  const opc_context *context;
   const eda_field *print;
   double *points;
   uint32_t *start;
@@ -115,8 +123,11 @@ static void find_contours(void *data, size_t i) {
   contours *c = (contours *)data + i;
   if (!c->print) return;
   eda_frame f = c->print->frame;
-  double step = fmax(tuned.step, sqrt(f.width * f.height / tuned.nodes));
-  eda_contours(c->print, f, step, &c->points, &c->start, &c->count, &c->error);
+  double area = f.width * f.height;
+  double step = fmax(tuned.step, sqrt(area / tuned.nodes));
+  step = fmax(fmin(step, tuned.coarsest), sqrt(area / tuned.most));
+  eda_contours(c->context, c->print, f, step, &c->points, &c->start, &c->count,
+               &c->error);
 }
 
 /* Outlines go counter-clockwise, holes clockwise. */
@@ -150,6 +161,7 @@ static contours *find_all_contours(const klayout *k) {
   contours *all = eda_alloc(k->n_sheets, sizeof *all);
   for (size_t i = 0; i < k->n_sheets; i++) {
     const sheet *s = &k->sheets[i];
+    all[i].context = k->file.w.host->context;
     if (s->group >= BEFORE && !s->holes)
       all[i].print = print_of(k->mask, s->group, s->layer);
   }

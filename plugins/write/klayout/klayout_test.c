@@ -139,7 +139,8 @@ static double area_printed(const eda_field *print) {
   uint32_t *start;
   size_t n;
   opc_error error;
-  g_assert_false(eda_contours(print, print->frame, 4, &p, &start, &n, &error));
+  g_assert_false(
+      eda_contours(NULL, print, print->frame, 4, &p, &start, &n, &error));
   for (size_t i = 0; i < n; i++)
     for (uint32_t k = start[i], end = start[i + 1]; k < end; k++) {
       uint32_t to = k + 1 < end ? k + 1 : start[i];

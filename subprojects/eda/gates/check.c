@@ -446,6 +446,9 @@ int eda_mask_check(const void *mask, opc_error *error) {
            all[i]->weq && all[i]->area && m->flags)))
       return unsound(error,
                      "a mask has not the performance of its transistors");
+  if (m->moved && (m->moved->gates != m->gates->count ||
+                   m->moved->layers != m->gates->layers))
+    return unsound(error, "a mask's moves are of other gates");
   int code = OPC_OK;
   for (size_t k = 0; k < m->gates->layers && !code; k++) {
     const eda_field *print = &m->print[k];

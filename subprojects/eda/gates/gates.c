@@ -76,6 +76,12 @@ void eda_performance_copy(eda_performance *to, const eda_performance *from) {
   if (from->count) memcpy(to->outside, from->outside, from->count);
 }
 
+void eda_performance_one(eda_performance *to, const eda_performance *from,
+                         size_t i) {
+  for (int k = 0; k < FIGURES; k++) (&to->ion)[k][i] = (&from->ion)[k][i];
+  to->outside[i] = from->outside[i];
+}
+
 void eda_performance_clear(eda_performance *p) {
   for (int k = 0; k < FIGURES; k++) free((&p->ion)[k]);
   free(p->outside);
@@ -83,6 +89,39 @@ void eda_performance_clear(eda_performance *p) {
 }
 
 /* ---- masks ---- */
+
+eda_moved *eda_moved_new(size_t layers, size_t gates) {
+  eda_moved *m = eda_alloc(1, sizeof *m);
+  *m = (eda_moved){.layers = layers, .gates = gates};
+  m->w = eda_alloc(gates, sizeof *m->w);
+  m->aside = eda_alloc(gates, sizeof *m->aside);
+  m->l = eda_alloc(gates, sizeof *m->l);
+  m->jog = eda_alloc(gates, sizeof *m->jog);
+  m->end = eda_alloc(2 * gates, sizeof *m->end);
+  m->part = eda_alloc(EDA_PARTS * gates, sizeof *m->part);
+  m->flip = eda_alloc(gates, sizeof *m->flip);
+  m->patch = eda_alloc(layers, sizeof *m->patch);
+  m->bite = eda_alloc(layers, sizeof *m->bite);
+  return m;
+}
+
+void eda_moved_free(eda_moved *m) {
+  if (!m) return;
+  for (size_t k = 0; k < m->layers; k++) {
+    free(m->patch[k].box);
+    free(m->bite[k].box);
+  }
+  free(m->w);
+  free(m->aside);
+  free(m->l);
+  free(m->jog);
+  free(m->end);
+  free(m->part);
+  free(m->flip);
+  free(m->patch);
+  free(m->bite);
+  free(m);
+}
 
 eda_mask *eda_mask_new(const eda_gates *gates) {
   eda_mask *m = eda_alloc(1, sizeof *m);
@@ -127,5 +166,6 @@ void eda_mask_free(void *mask) {
   eda_performance_clear(&m->before);
   eda_performance_clear(&m->after);
   free(m->flags);
+  eda_moved_free(m->moved);
   free(m);
 }

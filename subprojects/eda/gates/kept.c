@@ -9,7 +9,7 @@
 
 /* What this file does not know would be lost. */
 G_STATIC_ASSERT(sizeof(eda_mask) ==
-                G_STRUCT_OFFSET(eda_mask, n_violations) + 8);
+                G_STRUCT_OFFSET(eda_mask, moved) + sizeof(eda_moved *));
 
 typedef struct stream {
   FILE *file;
@@ -115,6 +115,35 @@ static void move_violations(stream *s, eda_mask *m) {
   }
 }
 
+static void move_list(stream *s, eda_box_list *list) {
+  move_count(s, &list->count);
+  move_array(s, &list->box, list->count, sizeof *list->box);
+  if (!list->box) list->count = 0;
+  list->room = list->count;
+}
+
+/* What eda_moved_new made when it is read. */
+static void move_fields(stream *s, eda_moved *m) {
+  int32_t *const numbers[] = {m->w, m->aside, m->l, m->jog};
+  for (size_t k = 0; k < G_N_ELEMENTS(numbers); k++)
+    move(s, numbers[k], m->gates * sizeof(int32_t));
+  move(s, m->end, 2 * m->gates * sizeof *m->end);
+  move(s, m->part, EDA_PARTS * m->gates * sizeof *m->part);
+  move(s, m->flip, m->gates);
+  for (size_t k = 0; k < m->layers && !s->failed; k++) {
+    move_list(s, &m->patch[k]);
+    move_list(s, &m->bite[k]);
+  }
+}
+
+static void move_moved(stream *s, eda_mask *m) {
+  uint8_t is_there = m->moved != NULL;
+  move(s, &is_there, 1);
+  if (s->failed || !is_there) return;
+  if (!s->writing) m->moved = eda_moved_new(m->layers, m->gates->count);
+  move_fields(s, m->moved);
+}
+
 static void move_mask(stream *s, eda_mask *m) {
   size_t layers = m->layers, count = m->gates->count;
   move_count(s, &layers);
@@ -134,6 +163,7 @@ static void move_mask(stream *s, eda_mask *m) {
   move(s, &m->simulations, sizeof m->simulations);
   move(s, &m->fine_simulations, sizeof m->fine_simulations);
   move_violations(s, m);
+  move_moved(s, m);
 }
 
 /* ---- files ---- */

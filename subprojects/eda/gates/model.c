@@ -75,6 +75,7 @@ static int image_fine(const void *self, int layer, const eda_spectrum *mask,
                       opc_error *error) {
   eda_model *m = (eda_model *)self;
   memset(out, 0, sizeof *out);
+  if (m->fine > 0 && m->fine < wanted) wanted = m->fine;
   const char *before = eda_enter(m->context, m->litho, error);
   int code = inner(m)->image_fine(m->litho->self, layer, mask, defocus, wanted,
                                   out, error);

@@ -38,6 +38,7 @@ int eda_printer_prepare(eda_printer *p, opc_error *error) {
   int code = p->litho.functions.prepare(&p->litho, error);
   if (code) return code;
   if (!p->litho.functions.image_fine) p->fine = 0;
+  p->litho.fine = p->fine;
   const char *before = eda_enter(p->context, p->resist, error);
   code = resist->prepare(p->resist->self, &p->litho.module, error);
   opc_leave(p->context, before);

@@ -1,28 +1,55 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Contours by marching squares (Lorensen, Cline 1987, in the plane), each
-   crossing then refined on the field itself. */
+/* Contours by marching squares (Lorensen, Cline 1987, in the plane), strip by
+   strip; each crossing is then found on the field itself, which along a line of
+   the grid is a spline of one variable. */
 #include "imaging/spline.h"
 
 #include <eda/imaging.h>
 #include <eda/memory.h>
+#include <eda/simd.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_NODES = 1 << 26, BITS = 64 };
+/* ---- state ---- */
+
+/* Rows of squares in a strip: one in so many rows is evaluated twice. Lines in
+   a block of them. */
+enum { MAX_NODES = 1 << 26, STRIP = 64, BLOCK = 256 };
 
 /* Nodes of the grid with a ring of negative ones around the window, which
-   closes every line along the border. Edge 2 * node goes from the node to its
-   right, edge 2 * node + 1 upwards. */
+   closes every line along the border. */
 typedef struct squares {
+  const opc_context *context;
   const eda_field *field;
   eda_frame window;
-  double dx, dy;
-  int nx, ny; /* nodes with the ring */
-  double *value;
-  int32_t *next;    /* of each edge that a line leaves a square through */
-  uint64_t *leaves; /* a bit of each edge: whether it is one of those */
+  double dx, dy, field_dx, field_dy;
+  int nx, ny;     /* nodes with the ring */
+  int from, span; /* columns of the field that they need */
+  int *first;     /* of each column of nodes: where its splines begin, - from */
+  double *weight; /* their values, [EDA_SPLINE_TAPS][nx] */
+  struct strip *strip;
+  size_t strips;
 } squares;
+
+/* Crossings of squares of rows j0 .. j1 - 1: those on lines of rows j0 .. j1 -
+   1 and upwards from them, row by row; then, not counted and without places,
+   those on row j1, which are the first of the next strip. */
+typedef struct strip {
+  double *point; /* x, y in turn */
+  int32_t *next; /* where the line goes; -1: another strip knows */
+  size_t count, all, points_room, next_room;
+} strip;
+
+/* A row of nodes. */
+typedef struct row {
+  double *spline;    /* the field's columns there */
+  double *value;     /* of nodes */
+  uint8_t *positive; /* whether they are; some more at the end, 0 */
+  int32_t *crossing; /* to the right of the node; if there is none: anything */
+} row;
+
+/* ---- work: values ---- */
 
 static double node_x(const squares *s, int i) {
   return s->window.x0 + (fmin(fmax(i, 1), s->nx - 2) - 1) * s->dx;
@@ -32,179 +59,383 @@ static double node_y(const squares *s, int j) {
   return s->window.y0 + (fmin(fmax(j, 1), s->ny - 2) - 1) * s->dy;
 }
 
-static double at(const squares *s, double x, double y) {
-  double v;
-  eda_field_sample(s->field, &x, &y, 1, &v);
-  return v;
+/* In steps of the field's grid. */
+static double field_x(const squares *s, int i) {
+  return (node_x(s, i) - s->field->frame.x0) / s->field_dx;
 }
 
-/* A place on an axis of the field: where its splines begin, and their values.
- */
-typedef struct place {
-  int first;
-  double weight[EDA_SPLINE_TAPS];
-} place;
-
-static place place_of(double x, double x0, double step) {
-  place p;
-  p.first = eda_spline_weights((x - x0) / step, p.weight);
-  return p;
+static double field_y(const squares *s, int j) {
+  return (node_y(s, j) - s->field->frame.y0) / s->field_dy;
 }
 
-/* One row of the field's columns `from` and on, `n` of them, at a place along
-   y. */
-static void weigh_rows(const eda_field *f, const place *y, int from, int n,
-                       double *out) {
-  memset(out, 0, (size_t)n * sizeof *out);
-  for (int k = 0; k < EDA_SPLINE_TAPS; k++) {
-    const float *c =
-        f->coefficients + (size_t)eda_wrap(y->first + k, f->ny) * f->nx;
-    int column = eda_wrap(from, f->nx);
-    for (int i = 0; i < n; i++) {
-      out[i] += y->weight[k] * c[column];
-      column = column + 1 < f->nx ? column + 1 : 0;
-    }
+EDA_WIDE static void weigh(const float *const c[EDA_SPLINE_TAPS],
+                           const double w[EDA_SPLINE_TAPS], int n,
+                           double *out) {
+  for (int i = 0; i < n; i++)
+    out[i] = w[0] * c[0][i] + w[1] * c[1][i] + w[2] * c[2][i] + w[3] * c[3][i] +
+             w[4] * c[4][i] + w[5] * c[5][i];
+}
+
+/* The field's columns at a place along y. */
+static void weigh_rows(const squares *s, double y, double *out) {
+  const eda_field *f = s->field;
+  double w[EDA_SPLINE_TAPS];
+  int first = eda_spline_weights(y, w);
+  for (int done = 0, n; done < s->span; done += n) {
+    const float *c[EDA_SPLINE_TAPS];
+    int column = eda_wrap(s->from + done, f->nx);
+    n = s->span - done < f->nx - column ? s->span - done : f->nx - column;
+    for (int k = 0; k < EDA_SPLINE_TAPS; k++)
+      c[k] =
+          f->coefficients + (size_t)eda_wrap(first + k, f->ny) * f->nx + column;
+    weigh(c, w, n, out + done);
   }
 }
 
-/* The nodes of a row share their splines along y, those of a column along x:
-   a tenth of the work of as many single places. */
-static void evaluate(squares *s) {
+EDA_WIDE static void weigh_columns(const double *spline, const int *first,
+                                   const double *w, int n, double *value,
+                                   uint8_t *positive) {
+  for (int i = 0; i < n; i++) {
+    const double *c = spline + first[i];
+    value[i] = w[i] * c[0] + w[i + n] * c[1] + w[i + 2 * n] * c[2] +
+               w[i + 3 * n] * c[3] + w[i + 4 * n] * c[4] + w[i + 5 * n] * c[5];
+  }
+  for (int i = 0; i < n; i++) positive[i] = value[i] > 0;
+}
+
+/* The nodes of a row share their splines along y, those of a column along x. */
+static void evaluate(const squares *s, int j, row *r) {
+  int n = s->nx;
+  if (j == 0 || j == s->ny - 1) {
+    memset(r->positive, 0, (size_t)n);
+    return;
+  }
+  weigh_rows(s, field_y(s, j), r->spline);
+  weigh_columns(r->spline, s->first, s->weight, n, r->value, r->positive);
+  r->positive[0] = r->positive[n - 1] = 0;
+}
+
+/* ---- work: crossings ---- */
+
+/* Where the polynomial of a cell is zero between the fractions t0 and t1, where
+   its signs are those of a and b: Newton's method, halving where that leaves
+   the bracket. */
+static double zero_in_cell(const double *c, double t0, double t1, double a,
+                           double b) {
+  enum { STEPS = 20 };
+  static const double near = 1e-3; /* of 32 nm; what is left is its square */
+  double q[EDA_SPLINE_TAPS] = {0}, t = t0 + (t1 - t0) * (a / (a - b));
+  for (int d = 0; d < EDA_SPLINE_TAPS; d++)
+    for (int k = 0; k < EDA_SPLINE_TAPS; k++)
+      q[d] += eda_spline_power[d][k] * c[k];
+  for (int i = 0; i < STEPS; i++) {
+    double v = q[EDA_SPLINE_TAPS - 1], slope = 0, before = t;
+    for (int d = EDA_SPLINE_TAPS - 2; d >= 0; d--) {
+      slope = v + t * slope;
+      v = q[d] + t * v;
+    }
+    *((v > 0) == (a > 0) ? &t0 : &t1) = t;
+    t -= v / slope;
+    if (!(t >= t0 && t <= t1)) t = (t0 + t1) / 2;
+    if (fabs(t - before) < near) break;
+  }
+  return t;
+}
+
+/* Where a spline, of which the first coefficient is that of node `first`, is
+   zero between u0 and u1 with values a and b of either sign. */
+static double zero(const double *spline, int first, double u0, double u1,
+                   double a, double b) {
+  int cell = (int)floor(u0);
+  for (;; cell++) {
+    const double *c = spline + cell - 2 - first;
+    double end = fmin(u1, cell + 1), v = b;
+    if (end < u1) v = (c[1] + c[5] + 26 * (c[2] + c[4]) + 66 * c[3]) / 120;
+    if (end == u1 || (v > 0) != (a > 0))
+      return cell + zero_in_cell(c, u0 - cell, end - cell, a, v);
+    u0 = end, a = v;
+  }
+}
+
+static void add_point(strip *p, double x, double y) {
+  eda_grow(&p->point, &p->points_room, 2 * p->count + 2, sizeof *p->point);
+  p->point[2 * p->count] = x;
+  p->point[2 * p->count++ + 1] = y;
+}
+
+/* Right of a node of row j. On the ring all places are those of the border. */
+static void cross_row(const squares *s, strip *p, int j, int i, const row *r) {
+  double x = node_x(s, i);
+  if (i > 0 && i < s->nx - 2)
+    x = s->field->frame.x0 +
+        s->field_dx * zero(r->spline, s->from, field_x(s, i), field_x(s, i + 1),
+                           r->value[i], r->value[i + 1]);
+  add_point(p, x, node_y(s, j));
+}
+
+/* Above a node of row j: `column` has room for the field's column there. */
+static void cross_column(const squares *s, strip *p, int j, int i,
+                         const row *low, const row *high, double *column) {
   const eda_field *f = s->field;
-  double dx = f->frame.width / f->nx, dy = f->frame.height / f->ny;
-  place *x = eda_alloc((size_t)s->nx, sizeof *x);
-  for (int i = 0; i < s->nx; i++)
-    x[i] = place_of(node_x(s, i), f->frame.x0, dx);
-  int from = x[0].first, n = x[s->nx - 1].first - from + EDA_SPLINE_TAPS;
-  double *row = eda_alloc((size_t)n, sizeof *row);
-  for (int j = 0; j < s->ny; j++) {
-    place y = place_of(node_y(s, j), f->frame.y0, dy);
-    double *value = s->value + (size_t)j * s->nx;
-    weigh_rows(f, &y, from, n, row);
-    for (int i = 0; i < s->nx; i++) {
-      int ring = i == 0 || j == 0 || i == s->nx - 1 || j == s->ny - 1;
+  double y = node_y(s, j);
+  if (j > 0 && j < s->ny - 2) {
+    double u0 = field_y(s, j), u1 = field_y(s, j + 1);
+    int first = (int)floor(u0) - 2, n = (int)floor(u1) - 2 - first;
+    int x[EDA_SPLINE_TAPS];
+    for (int k = 0; k < EDA_SPLINE_TAPS; k++)
+      x[k] = eda_wrap(s->from + s->first[i] + k, f->nx);
+    for (int m = 0; m < n + EDA_SPLINE_TAPS; m++) {
+      const float *c =
+          f->coefficients + (size_t)eda_wrap(first + m, f->ny) * f->nx;
       double sum = 0;
       for (int k = 0; k < EDA_SPLINE_TAPS; k++)
-        sum += x[i].weight[k] * row[x[i].first - from + k];
-      value[i] = ring ? -1 : sum;
+        sum += s->weight[k * s->nx + i] * c[x[k]];
+      column[m] = sum;
     }
+    y = f->frame.y0 + s->field_dy * zero(column, first, u0, u1, low->value[i],
+                                         high->value[i]);
   }
-  free(row);
-  free(x);
+  add_point(p, node_x(s, i), y);
 }
+
+/* ---- work: strips ---- */
 
 /* Join the crossings of a square: with the positive side on the left, a line
    goes from an edge that leads (counter-clockwise) out of the positive to one
-   that leads into it. */
-static void join(squares *s, int i, int j) {
-  int32_t a = j * s->nx + i, up = a + s->nx;
-  const int32_t edge[4] = {2 * a, 2 * (a + 1) + 1, 2 * up, 2 * a + 1};
-  const double v[4] = {s->value[a], s->value[a + 1], s->value[up + 1],
-                       s->value[up]};
+   that leads into it. Edges are below, right, above, left. */
+static void join(strip *p, const int32_t edge[4], const double v[4], int set) {
   int centre = v[0] + v[1] + v[2] + v[3] > 0;
   for (int k = 0; k < 4; k++) {
-    if (!(v[k] > 0) || v[(k + 1) % 4] > 0) continue;
+    if (!(set >> k & 1) || set >> (k + 1) % 4 & 1) continue;
     /* In a saddle the sign of the centre tells which corner is cut off. */
     int turn = centre ? 1 : 3, to = (k + turn) % 4;
-    while (v[to] > 0 || !(v[(to + 1) % 4] > 0)) to = (to + turn) % 4;
-    s->next[edge[k]] = edge[to];
-    s->leaves[edge[k] / BITS] |= 1ULL << edge[k] % BITS;
+    while (set >> to & 1 || !(set >> (to + 1) % 4 & 1)) to = (to + turn) % 4;
+    p->next[edge[k]] = edge[to];
   }
 }
 
-/* Where the line crosses an edge. */
-static void crossing(const squares *s, int32_t edge, double *point) {
-  int32_t n = edge / 2, m = edge % 2 ? n + s->nx : n + 1;
-  double xa = node_x(s, n % s->nx), ya = node_y(s, n / s->nx);
-  double xb = node_x(s, m % s->nx), yb = node_y(s, m / s->nx);
-  double a = s->value[n], b = s->value[m], low = 0, high = 1, t = 0.5;
-  for (int i = 0; i < 4 && (xa != xb || ya != yb); i++) {
-    t = low + (high - low) * a / (a - b);
-    double v = at(s, xa + t * (xb - xa), ya + t * (yb - ya));
-    if ((v > 0) == (a > 0))
-      low = t, a = v;
-    else
-      high = t, b = v;
-    if (fabs(v) < 1e-9) break;
-  }
-  point[0] = xa + t * (xb - xa);
-  point[1] = ya + t * (yb - ya);
+/* What a strip is made with: two rows, and room for what is between them. */
+typedef struct bench {
+  row low, high;
+  int *mixed;     /* columns of squares that have both signs */
+  int32_t *above; /* the crossing above a node */
+  double *column;
+} bench;
+
+static row new_row(const squares *s) {
+  size_t n = (size_t)s->nx;
+  return (row){.spline = eda_alloc((size_t)s->span, sizeof(double)),
+               .value = eda_alloc(n, sizeof(double)),
+               .positive = eda_alloc(n + 8, 1),
+               .crossing = eda_alloc(n, sizeof(int32_t))};
 }
 
-/* Most squares are on one side. */
-static void join_all(squares *s) {
-  for (int j = 0; j + 1 < s->ny; j++) {
-    const double *v = s->value + (size_t)j * s->nx, *up = v + s->nx;
-    for (int i = 0; i + 1 < s->nx; i++) {
-      int positive =
-          (v[i] > 0) + (v[i + 1] > 0) + (up[i] > 0) + (up[i + 1] > 0);
-      if (positive % 4) join(s, i, j);
+static void free_row(row *r) {
+  free(r->spline);
+  free(r->value);
+  free(r->positive);
+  free(r->crossing);
+}
+
+/* Most squares are on one side: eight of them are looked at at once. */
+static int find_mixed(const squares *s, bench *b) {
+  const uint8_t *low = b->low.positive, *high = b->high.positive;
+  int n = 0;
+  for (int i = 0; i + 1 < s->nx; i += 8) {
+    uint64_t v[4];
+    memcpy(&v[0], low + i, 8);
+    memcpy(&v[1], low + i + 1, 8);
+    memcpy(&v[2], high + i, 8);
+    memcpy(&v[3], high + i + 1, 8);
+    uint64_t differ = (v[0] ^ v[1]) | (v[0] ^ v[2]) | (v[0] ^ v[3]);
+    for (; differ; differ &= differ - 1) {
+      int k = i + __builtin_ctzll(differ) / 8;
+      if (k + 1 < s->nx) b->mixed[n++] = k;
     }
   }
+  return n;
 }
 
-static size_t words(const squares *s) {
-  return 2 * (size_t)s->nx * (size_t)s->ny / BITS + 1;
+/* Number the crossings upwards from row j, which a square has at its left, and
+   those on row j + 1; only those below row `end` are the strip's. */
+static void cross(const squares *s, strip *p, bench *b, int j, int n, int end) {
+  for (int m = 0; m < n; m++) {
+    int i = b->mixed[m];
+    if (b->low.positive[i] == b->high.positive[i]) continue;
+    b->above[i] = (int32_t)p->count;
+    cross_column(s, p, j, i, &b->low, &b->high, b->column);
+  }
+  p->all = p->count;
+  for (int m = 0; m < n; m++) {
+    int i = b->mixed[m];
+    if (b->high.positive[i] == b->high.positive[i + 1]) continue;
+    b->high.crossing[i] = (int32_t)p->all++;
+    if (j + 1 < end) cross_row(s, p, j + 1, i, &b->high);
+  }
+  size_t had = p->next_room;
+  eda_grow(&p->next, &p->next_room, p->all, sizeof *p->next);
+  memset(p->next + had, 0xff, (p->next_room - had) * sizeof *p->next);
 }
 
-/* Whether a line leaves through an edge that was not taken yet; takes it. */
-static int take(uint64_t *left, int32_t edge) {
-  uint64_t bit = 1ULL << edge % BITS, *word = &left[edge / BITS];
-  if (!(*word & bit)) return 0;
-  *word &= ~bit;
-  return 1;
+static void join_row(strip *p, bench *b, int n) {
+  const row *low = &b->low, *high = &b->high;
+  for (int m = 0; m < n; m++) {
+    int i = b->mixed[m];
+    const int32_t edge[4] = {low->crossing[i], b->above[i + 1],
+                             high->crossing[i], b->above[i]};
+    const double v[4] = {low->value[i], low->value[i + 1], high->value[i + 1],
+                         high->value[i]};
+    int set = low->positive[i] | low->positive[i + 1] << 1 |
+              high->positive[i + 1] << 2 | high->positive[i] << 3;
+    join(p, edge, v, set);
+  }
 }
 
-/* Walk all lines; with points NULL, only count. */
-static void walk(const squares *s, double *points, uint32_t *start,
-                 size_t *lines, size_t *length) {
-  *lines = *length = 0;
-  size_t n = words(s);
-  uint64_t *left = eda_alloc(n, sizeof *left);
-  memcpy(left, s->leaves, n * sizeof *left);
-  for (size_t w = 0; w < n; w++)
-    while (left[w]) {
-      if (start) start[*lines] = (uint32_t)*length;
-      int32_t k = (int32_t)(w * BITS) + __builtin_ctzll(left[w]);
-      for (; take(left, k); k = s->next[k]) {
-        if (points) crossing(s, k, points + 2 * *length);
-        ++*length;
-      }
-      ++*lines;
+/* Its first row has no squares of its own below it. */
+static void begin_strip(const squares *s, strip *p, bench *b, int j) {
+  evaluate(s, j, &b->high);
+  for (int i = 0; i + 1 < s->nx; i++)
+    if (b->high.positive[i] != b->high.positive[i + 1]) {
+      b->high.crossing[i] = (int32_t)p->count;
+      cross_row(s, p, j, i, &b->high);
     }
-  if (start) start[*lines] = (uint32_t)*length;
-  free(left);
 }
 
-int eda_contours(const eda_field *field, eda_frame window, double step,
-                 double **points, uint32_t **start, size_t *count,
-                 opc_error *error) {
-  *points = NULL;
-  *start = NULL;
+static void make_strip(void *data, size_t k) {
+  const squares *s = data;
+  strip *p = &s->strip[k];
+  int j = (int)k * STRIP, end = j + STRIP < s->ny - 1 ? j + STRIP : s->ny - 1;
+  size_t n = (size_t)s->nx;
+  if (opc_cancelled(s->context)) return;
+  bench b = {new_row(s), new_row(s), eda_alloc(n, sizeof *b.mixed),
+             eda_alloc(n, sizeof *b.above),
+             eda_alloc((size_t)ceil(s->dy / s->field_dy) + 1 + EDA_SPLINE_TAPS,
+                       sizeof *b.column)};
+  begin_strip(s, p, &b, j);
+  for (; j < end; j++) {
+    row low = b.low;
+    b.low = b.high;
+    b.high = low;
+    evaluate(s, j + 1, &b.high);
+    int mixed = find_mixed(s, &b);
+    cross(s, p, &b, j, mixed, end);
+    join_row(p, &b, mixed);
+  }
+  free_row(&b.low);
+  free_row(&b.high);
+  free(b.mixed);
+  free(b.above);
+  free(b.column);
+}
+
+/* ---- work: lines ---- */
+
+/* All crossings and where lines go from them, and then the lines. */
+typedef struct lines {
+  double *point;
+  int32_t *next;
+  size_t count;
+} lines;
+
+/* What a strip knows of its own and of the first crossings of the next. */
+static void take_strip(lines *all, const strip *p, size_t base) {
+  if (p->count)
+    memcpy(all->point + 2 * base, p->point, 2 * p->count * sizeof *p->point);
+  for (size_t i = 0; i < p->all; i++)
+    if (p->next[i] >= 0) all->next[base + i] = (int32_t)base + p->next[i];
+}
+
+static lines merge(squares *s) {
+  lines all = {0};
+  for (size_t k = 0; k < s->strips; k++) all.count += s->strip[k].count;
+  all.point = eda_alloc(2 * all.count, sizeof *all.point);
+  all.next = eda_alloc(all.count, sizeof *all.next);
+  size_t base = 0;
+  for (size_t k = 0; k < s->strips; k++) {
+    strip *p = &s->strip[k];
+    take_strip(&all, p, base);
+    base += p->count;
+    free(p->point);
+    free(p->next);
+  }
+  return all;
+}
+
+/* Walk all lines; what was taken has no next. */
+static void walk(lines *all, double *points, uint32_t **start, size_t *count) {
+  size_t room = 0, length = 0;
   *count = 0;
-  double columns = ceil(window.width / step), rows = ceil(window.height / step);
+  for (size_t i = 0; i < all->count; i++) {
+    if (all->next[i] < 0) continue;
+    EDA_PUSH(*start, *count, room, (uint32_t)length);
+    for (int32_t k = (int32_t)i; all->next[k] >= 0;) {
+      memcpy(points + 2 * length++, all->point + 2 * (size_t)k,
+             2 * sizeof *points);
+      int32_t from = k;
+      k = all->next[k];
+      all->next[from] = -1;
+    }
+  }
+  eda_grow(start, &room, *count + 1, sizeof **start);
+  (*start)[*count] = (uint32_t)length;
+}
+
+/* ---- work: all of it ---- */
+
+static int size_up(squares *s, double step, opc_error *error) {
+  eda_frame w = s->window;
+  double columns = ceil(w.width / step), rows = ceil(w.height / step);
   if (!(columns >= 1 && rows >= 1 && columns * rows < MAX_NODES))
     return opc_fail(error, OPC_INVALID, NULL,
                     "a window of %g x %g nm does not fit a step of %g nm",
-                    window.width, window.height, step);
-  squares s = {.field = field,
-               .window = window,
-               .dx = window.width / columns,
-               .dy = window.height / rows,
-               .nx = (int)columns + 3,
-               .ny = (int)rows + 3};
-  size_t nodes = (size_t)s.nx * s.ny, length;
-  s.value = eda_alloc(nodes, sizeof *s.value);
-  s.next = eda_alloc(2 * nodes, sizeof *s.next);
-  s.leaves = eda_alloc(words(&s), sizeof *s.leaves);
-  evaluate(&s);
-  join_all(&s);
-  walk(&s, NULL, NULL, count, &length);
-  *points = eda_alloc(2 * length, sizeof **points);
-  *start = eda_alloc(*count + 1, sizeof **start);
-  walk(&s, *points, *start, count, &length);
-  free(s.value);
-  free(s.next);
-  free(s.leaves);
+                    w.width, w.height, step);
+  s->dx = w.width / columns;
+  s->dy = w.height / rows;
+  s->field_dx = s->field->frame.width / s->field->nx;
+  s->field_dy = s->field->frame.height / s->field->ny;
+  s->nx = (int)columns + 3;
+  s->ny = (int)rows + 3;
+  s->strips = ((size_t)s->ny - 2) / STRIP + 1;
   return OPC_OK;
+}
+
+static void weigh_all(squares *s) {
+  int n = s->nx;
+  s->first = eda_alloc((size_t)n, sizeof *s->first);
+  s->weight = eda_alloc(EDA_SPLINE_TAPS * (size_t)n, sizeof *s->weight);
+  for (int i = 0; i < n; i++) {
+    double w[EDA_SPLINE_TAPS];
+    int first = eda_spline_weights(field_x(s, i), w);
+    if (i == 0) s->from = first;
+    s->first[i] = first - s->from;
+    for (int k = 0; k < EDA_SPLINE_TAPS; k++) s->weight[k * n + i] = w[k];
+  }
+  s->span = s->first[n - 1] + EDA_SPLINE_TAPS;
+}
+
+int eda_contours(const opc_context *context, const eda_field *field,
+                 eda_frame window, double step, double **points,
+                 uint32_t **start, size_t *count, opc_error *error) {
+  squares s = {.context = context, .field = field, .window = window};
+  *points = NULL;
+  *start = NULL;
+  *count = 0;
+  if (size_up(&s, step, error)) return error->code;
+  weigh_all(&s);
+  s.strip = eda_alloc(s.strips, sizeof *s.strip);
+  opc_parallel(context, s.strips, make_strip, &s);
+  lines all = merge(&s);
+  free(s.strip);
+  free(s.first);
+  free(s.weight);
+  int code = OPC_OK;
+  if (opc_cancelled(context)) {
+    code = opc_fail(error, OPC_CANCELLED, NULL, "stopped");
+  } else {
+    *points = eda_alloc(2 * all.count, sizeof **points);
+    walk(&all, *points, start, count);
+  }
+  free(all.point);
+  free(all.next);
+  return code;
 }

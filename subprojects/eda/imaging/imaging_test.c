@@ -416,8 +416,8 @@ static void test_contours(void) {
   opc_error error;
   eda_frame window = {250, 250, 500, 500};
   g_assert_cmpint(
-      eda_contours(&field, window, 5, &points, &start, &count, &error), ==,
-      OPC_OK);
+      eda_contours(NULL, &field, window, 5, &points, &start, &count, &error),
+      ==, OPC_OK);
   g_assert_cmpuint(count, ==, 2); /* the border of the window and the hole */
   double border = area_of(points, start[1]);
   const double *hole = points + 2 * start[1];
@@ -443,6 +443,44 @@ static void test_contours(void) {
   }
   free(points);
   free(start);
+  free(field.coefficients);
+}
+
+/* Lines that go through many strips, more often than not parted by their cuts:
+   the same with any number of threads, and with the area that the values at a
+   million places give. */
+static void test_contours_in_strips(void) {
+  eda_field field = waves(-0.3);
+  eda_frame window = {-130, 70, 1900, 1700};
+  double *points[2], area = 0, v, x, y;
+  uint32_t *start[2];
+  size_t count[2], inside = 0;
+  opc_error error;
+  for (int k = 0; k < 2; k++)
+    g_assert_false(eda_contours(k ? context : NULL, &field, window, 3,
+                                &points[k], &start[k], &count[k], &error));
+  g_assert_cmpuint(count[0], ==, count[1]);
+  size_t n = start[0][count[0]];
+  g_assert_cmpmem(start[0], (count[0] + 1) * sizeof **start, start[1],
+                  (count[1] + 1) * sizeof **start);
+  g_assert_cmpmem(points[0], 2 * n * sizeof **points, points[1],
+                  2 * n * sizeof **points);
+  for (size_t i = 0; i < count[0]; i++)
+    area += area_of(points[0] + 2 * (size_t)start[0][i],
+                    start[0][i + 1] - start[0][i]);
+  for (int i = 0; i < 1000000; i++) {
+    x = window.x0 + (i % 1000 + 0.5) * 1.9;
+    y = window.y0 + ((double)(i / 1000) + 0.5) * 1.7;
+    eda_field_sample(&field, &x, &y, 1, &v);
+    inside += v > 0;
+  }
+  g_test_message("%zu lines, area %.0f, by places %.0f", count[0], area,
+                 (double)inside * 1.9 * 1.7);
+  g_assert_cmpfloat(fabs(area / ((double)inside * 1.9 * 1.7) - 1), <, 2e-4);
+  for (int k = 0; k < 2; k++) {
+    free(points[k]);
+    free(start[k]);
+  }
   free(field.coefficients);
 }
 
@@ -493,6 +531,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/imaging/mirrored", test_mirrored);
   g_test_add_func("/imaging/threads", test_threads);
   g_test_add_func("/imaging/contours", test_contours);
+  g_test_add_func("/imaging/contours/strips", test_contours_in_strips);
   g_test_add_func("/imaging/forecast", test_forecast);
   int failed = g_test_run();
   eda_test_context_free(context);

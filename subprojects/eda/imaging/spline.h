@@ -11,16 +11,19 @@ enum {
   EDA_STEP_TAPS = EDA_RASTER_DEGREE + 2
 };
 
-/* The values of the quintic B-splines in a cell, at the fraction t of it: a
-   polynomial each, here by the powers of t. */
+/* The quintic B-splines in a cell, each a polynomial of the fraction of it: by
+   the power, then by the spline. */
+static const double eda_spline_power[EDA_SPLINE_TAPS][EDA_SPLINE_TAPS] = {
+    {1 / 120.0, 26 / 120.0, 66 / 120.0, 26 / 120.0, 1 / 120.0, 0},
+    {-5 / 120.0, -50 / 120.0, 0, 50 / 120.0, 5 / 120.0, 0},
+    {10 / 120.0, 20 / 120.0, -60 / 120.0, 20 / 120.0, 10 / 120.0, 0},
+    {-10 / 120.0, 20 / 120.0, 0, -20 / 120.0, 10 / 120.0, 0},
+    {5 / 120.0, -20 / 120.0, 30 / 120.0, -20 / 120.0, 5 / 120.0, 0},
+    {-1 / 120.0, 5 / 120.0, -10 / 120.0, 10 / 120.0, -5 / 120.0, 1 / 120.0}};
+
+/* Their values at the fraction t. */
 static inline void eda_spline_cell(double t, double weight[EDA_SPLINE_TAPS]) {
-  static const double p[EDA_SPLINE_TAPS][EDA_SPLINE_TAPS] = {
-      {1 / 120.0, 26 / 120.0, 66 / 120.0, 26 / 120.0, 1 / 120.0, 0},
-      {-5 / 120.0, -50 / 120.0, 0, 50 / 120.0, 5 / 120.0, 0},
-      {10 / 120.0, 20 / 120.0, -60 / 120.0, 20 / 120.0, 10 / 120.0, 0},
-      {-10 / 120.0, 20 / 120.0, 0, -20 / 120.0, 10 / 120.0, 0},
-      {5 / 120.0, -20 / 120.0, 30 / 120.0, -20 / 120.0, 5 / 120.0, 0},
-      {-1 / 120.0, 5 / 120.0, -10 / 120.0, 10 / 120.0, -5 / 120.0, 1 / 120.0}};
+  const double(*p)[EDA_SPLINE_TAPS] = eda_spline_power;
   for (int k = 0; k < EDA_SPLINE_TAPS; k++) weight[k] = p[5][k];
   for (int d = 4; d >= 0; d--)
     for (int k = 0; k < EDA_SPLINE_TAPS; k++)

@@ -104,22 +104,12 @@ static void put_model_name(writer *w, int type, long dlc) {
   if (dlc) fprintf(w->out, "_dlc%s%ld", dlc < 0 ? "m" : "", labs(dlc));
 }
 
-static int is_plain(const char *value) {
-  return !strpbrk(value, "+*/() ") ||
-         strspn(value, "+-.0123456789eE") == strlen(value);
-}
-
 static void put_model(writer *w, int type, long dlc) {
   const eda_card *m = w->a->card[type];
-  fprintf(w->out, ".model ");
-  put_model_name(w, type, dlc);
-  fprintf(w->out, " %s dlc=%.9ge-9", m->kind, m->dlc + (double)dlc * DLC_STEP);
-  for (size_t i = 0; i < m->count; i++) {
-    const char *quote = is_plain(m->value[i]) ? "" : "'";
-    fprintf(w->out, "%s%s=%s%s%s", i % 6 ? " " : "\n+ ", m->key[i], quote,
-            m->value[i], quote);
-  }
-  fprintf(w->out, "\n");
+  char name[200];
+  snprintf(name, sizeof name, "%.150s_dlc%s%ld", w->a->model[type],
+           dlc < 0 ? "m" : "", labs(dlc));
+  eda_card_write(w->out, m, name, m->dlc + (double)dlc * DLC_STEP);
   w->counts.models++;
 }
 

@@ -160,3 +160,19 @@ int eda_card_read(eda_pool *pool, const char *path, const char *name, int type,
                     path, name);
   return code;
 }
+
+static int is_plain(const char *value) {
+  return !strpbrk(value, "+*/() ") ||
+         strspn(value, "+-.0123456789eE") == strlen(value);
+}
+
+void eda_card_write(FILE *out, const eda_card *m, const char *name,
+                    double dlc) {
+  fprintf(out, ".model %s %s dlc=%.9ge-9", name, m->kind, dlc);
+  for (size_t i = 0; i < m->count; i++) {
+    const char *quote = is_plain(m->value[i]) ? "" : "'";
+    fprintf(out, "%s%s=%s%s%s", i % 6 ? " " : "\n+ ", m->key[i], quote,
+            m->value[i], quote);
+  }
+  fprintf(out, "\n");
+}

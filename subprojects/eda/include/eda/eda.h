@@ -33,6 +33,7 @@
 #include <eda/simd.h>
 #include <eda/simulator.h>
 #include <eda/synthesizer.h>
+#include <eda/timing.h>
 #include <eda/words.h>
 
 #endif

@@ -154,6 +154,44 @@ OPC_EXPORT void eda_performance_init(eda_performance *performance, size_t n);
 OPC_EXPORT void eda_performance_clear(eda_performance *performance);
 OPC_EXPORT void eda_performance_copy(eda_performance *to,
                                      const eda_performance *from);
+/* The figures of transistor i alone. [any] */
+OPC_EXPORT void eda_performance_one(eda_performance *to,
+                                    const eda_performance *from, size_t i);
+
+/* A part of a gate's width, from `from` to `to` grid steps along W from the LOW
+   end of its box, in which the mask's length is `by` grid steps more. */
+typedef struct eda_part {
+  int32_t from, to, by;
+} eda_part;
+
+enum { EDA_PARTS = 18 }; /* of a gate at most */
+
+/* As far as the fragments go, on either side. */
+enum { EDA_PART_END = 1 << 20 };
+
+/* In which directions a gate's biases are read backwards, as in a mirrored copy
+   of a cell: along L, so that the LOW side takes the odd step of `l` and of
+   parts, and the jog lies in the other side; along W, so that the LOW side
+   takes the odd step of `w`, and the jog begins at the HIGH end. */
+enum { EDA_FLIP_L = 1 << 0, EDA_FLIP_W = 1 << 1 };
+
+/* How the edges of a mask were moved from where they are drawn, in grid steps:
+   what another correction can begin with. `w`, `aside`, `l`, `jog` and `part`
+   as eda_moves (synthesizer.h), `end` as eda_ruling (regulator.h), all along
+   the axes of the gates as they lie, but for `flip`. */
+typedef struct eda_moved {
+  size_t layers, gates;
+  int32_t *w, *aside, *l, *jog;
+  int32_t *end;        /* [2 * i + side] */
+  eda_part *part;      /* [EDA_PARTS * i + k] */
+  uint8_t *flip;       /* EDA_FLIP_*, of each gate */
+  eda_box_list *patch; /* [layers], what is added to the mask */
+  eda_box_list *bite;  /* [layers], what is taken away after that */
+} eda_moved;
+
+/* Nothing is moved; freeing it (NULL: nothing). [any] */
+OPC_EXPORT eda_moved *eda_moved_new(size_t layers, size_t gates);
+OPC_EXPORT void eda_moved_free(eda_moved *moved);
 
 /* A rule that a print does not keep. */
 typedef struct eda_violation {
@@ -185,6 +223,9 @@ typedef struct eda_mask {
   /* What a regulator found of the print, in its order. Since 0.5. */
   eda_violation *violations;
   size_t n_violations;
+  /* What moved its edges; NULL if more than that did: edges that were cut into
+     fragments, assist features, or a mask from elsewhere. Since 0.5. */
+  eda_moved *moved;
 } eda_mask;
 
 /* A mask of these gates without shapes, prints, performance and flags: whoever

@@ -135,11 +135,12 @@ OPC_EXPORT void eda_field_sample(const eda_field *field, const double *x,
    start[i+1]-1, as x, y pairs. Points lie where the contour crosses the
    lines of a grid of `step` nm. Only what lies in `window`; lines are cut
    there along its border. *points and *start ([*count + 1]) are freed with
-   free(); NULL on failure: OPC_INVALID for a window of too many steps. Marching
-   squares (Lorensen, Cline 1987), each point then refined on the field. */
-OPC_EXPORT int eda_contours(const eda_field *field, eda_frame window,
-                            double step, double **points, uint32_t **start,
-                            size_t *count, opc_error *error);
+   free(); NULL on failure: OPC_INVALID for a window of too many steps,
+   OPC_CANCELLED. Marching squares (Lorensen, Cline 1987), each point then
+   found on the field, to 1e-3 nm. */
+OPC_EXPORT int eda_contours(const opc_context *context, const eda_field *field,
+                            eda_frame window, double step, double **points,
+                            uint32_t **start, size_t *count, opc_error *error);
 
 /* Free the array and zero the struct. */
 OPC_EXPORT void eda_spectrum_clear(eda_spectrum *spectrum);

@@ -148,6 +148,10 @@ typedef struct eda_card {
 OPC_EXPORT int eda_card_read(eda_pool *pool, const char *path, const char *name,
                              int type, eda_card *out, opc_error *error);
 
+/* Write it as a .model card of that name, with another DLC (nm). [any] */
+OPC_EXPORT void eda_card_write(FILE *out, const eda_card *card,
+                               const char *name, double dlc);
+
 /* Which sizes: as drawn, as printed before and after the correction. */
 enum { EDA_DRAWN = 0, EDA_BEFORE = 1, EDA_AFTER = 2, EDA_STATES = 3 };
 

@@ -14,7 +14,9 @@ extern "C" {
 
 /* A litho model whose calls are checked, as printers and resists see it: its
    faults are told from those of the resist that calls it while it calibrates.
-   `fault` is its first failure, if `failed`. */
+   `fault` is its first failure, if `failed`. Fine images with an error above
+   `fine` are made with that, if it is not 0: what fine prints need serves the
+   calibration, too. */
 typedef struct eda_model {
   opc_module module; /* to be called in place of `litho` */
   eda_litho functions;
@@ -22,6 +24,7 @@ typedef struct eda_model {
   const opc_module *litho;
   opc_error fault;
   int failed;
+  double fine;
 } eda_model;
 
 /* Stays where it is made: the module points into it. [main] */

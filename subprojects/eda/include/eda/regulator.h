@@ -27,6 +27,10 @@ typedef struct eda_printed {
      each flank. The regulator gives what its rules allow, and no less than by
      its own parameters. NULL: nobody asks. Since 0.2. */
   const double *want_extension, *want_head;
+
+  /* As `w`: how far both sides of each gate's active lie towards HIGH of where
+     `w` has them (eda_moves.aside). NULL: not at all. Since 0.5. */
+  const int32_t *aside;
 } eda_printed;
 
 /* What it answers. `vetoes` comes zeroed, `end` with the present biases of the

@@ -42,17 +42,6 @@ typedef struct eda_feedback {
   const eda_field *print;
 } eda_feedback;
 
-/* A part of a gate's width, from `from` to `to` grid steps along W from the LOW
-   end of its box, in which the mask's length is `by` grid steps more. */
-typedef struct eda_part {
-  int32_t from, to, by;
-} eda_part;
-
-enum { EDA_PARTS = 18 }; /* of a gate at most */
-
-/* As far as the fragments go, on either side. */
-enum { EDA_PART_END = 1 << 20 };
-
 /* The biases of each gate's mask, in grid steps against the drawn one. They
    hold what was measured; the synthesizer writes what to try next. */
 typedef struct eda_moves {

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The disturbance of a placed mask: thesis eq. 4.1 and figures 4.4 to 4.6. */
+#ifndef CORRECT_LIBRARY_DISTURB_H
+#define CORRECT_LIBRARY_DISTURB_H
+
+#include <eda/gates.h>
+#include <opcflow/plugin.h>
+
+/* Table and metrics; `known` marks transistors whose cell is in the library,
+   the others have no disturbance. */
+int disturb_report(const opc_host *host, const eda_mask *mask,
+                   const uint8_t *known, opc_error *error);
+
+/* The chip with each transistor in the colour of its disturbance, and how often
+   there is one of each size. */
+int disturb_draw(const opc_host *host, const eda_mask *mask,
+                 const uint8_t *known, const char *file, double width,
+                 opc_error *error);
+
+#define DISTURB_METRICS                                                       \
+  {"disturbance_mean", "%", OPC_LOWER, 0.01,                                  \
+   "mean growth of |Ion deviation| from the cell alone to the circuit"},      \
+      {"disturbance_max", "%", OPC_LOWER, 0.01, "the largest"}, {             \
+    "disturbed", "%", OPC_LOWER, 0.1,                                         \
+        "share of the transistors whose |Ion deviation| has grown by 0.05 % " \
+        "or more"                                                             \
+  }
+
+#endif

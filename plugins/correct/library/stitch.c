@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Turns the moves of a cell's transistors to where the cell is placed. They are
+   matched one by one: a placed transistor may have been rounded to the grid
+   otherwise than in its cell, and its edges cut otherwise where it meets a
+   neighbour. */
+#include "stitch.h"
+
+#include <eda/index.h>
+#include <eda/memory.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Grid steps, of twice the middle: rounding moves each edge by half a step in
+   the cell and in the circuit. */
+enum { NEAR = 4 };
+
+void stitch_init(stitch *s, const eda_gates *gates, double unit) {
+  *s = (stitch){.gates = gates, .unit = unit};
+  s->moved = eda_moved_new(gates->layers, gates->count);
+  s->known = eda_alloc(gates->count, 1);
+  s->index = eda_index_new(gates->box, gates->count, 0);
+  eda_performance_init(&s->cell, gates->count);
+}
+
+void stitch_clear(stitch *s) {
+  eda_moved_free(s->moved);
+  free(s->known);
+  eda_index_free(s->index);
+  eda_performance_clear(&s->cell);
+}
+
+/* ---- where ---- */
+
+/* A box of a cell, turned about the cell's origin. */
+static eda_box turned(const turn *t, eda_box b) {
+  int32_t x0 = t->xx * b.x0 + t->xy * b.y0, x1 = t->xx * b.x1 + t->xy * b.y1,
+          y0 = t->yx * b.x0 + t->yy * b.y0, y1 = t->yx * b.x1 + t->yy * b.y1;
+  return (eda_box){x0 < x1 ? x0 : x1, y0 < y1 ? y0 : y1, x0 < x1 ? x1 : x0,
+                   y0 < y1 ? y1 : y0};
+}
+
+static int same_size(double a, double b) { return fabs(a - b) < 1e-6 * b; }
+
+/* The transistor of the circuit that is number j of the cell; -1: none. */
+static int64_t find(const stitch *s, const entry *e, const turn *t, size_t j) {
+  const eda_gates *g = s->gates;
+  double steps = s->unit / g->grid;
+  eda_box b = turned(t, e->box[j]);
+  /* Twice the middle. */
+  double x = (double)b.x0 + b.x1 + 2 * steps * (double)t->dx,
+         y = (double)b.y0 + b.y1 + 2 * steps * (double)t->dy;
+  int axis = t->xy ? EDA_X + EDA_Y - e->axis[j] : e->axis[j];
+  int32_t cx = (int32_t)lround(x / 2), cy = (int32_t)lround(y / 2);
+  eda_finder f = eda_index_find(s->index, (eda_box){cx, cy, cx, cy});
+  for (uint32_t i; eda_index_next(&f, &i);) {
+    eda_box o = g->box[i];
+    if (fabs((double)o.x0 + o.x1 - x) <= NEAR &&
+        fabs((double)o.y0 + o.y1 - y) <= NEAR && g->axis[i] == axis &&
+        g->type[i] == e->type[j] && same_size(g->length[i], e->length[j]) &&
+        same_size(g->width[i], e->width[j]))
+      return i;
+  }
+  return -1;
+}
+
+/* ---- moves ---- */
+
+/* Parts are counted from the LOW end, and in their order from there. */
+static void turn_parts(const eda_part *from, int32_t width, int backwards,
+                       eda_part *to) {
+  int n = 0;
+  while (n < EDA_PARTS && from[n].from < from[n].to) n++;
+  for (int k = 0; k < n; k++) {
+    const eda_part *p = &from[backwards ? n - 1 - k : k];
+    to[k] = backwards ? (eda_part){width - p->to, width - p->from, p->by} : *p;
+  }
+}
+
+static void take(stitch *s, const entry *e, const turn *t, size_t j, size_t i) {
+  const eda_moved *from = e->moved;
+  eda_moved *to = s->moved;
+  int upright = e->axis[j] == EDA_X;
+  int x_back = t->xx + t->yx < 0, y_back = t->xy + t->yy < 0;
+  int l_back = upright ? x_back : y_back, w_back = upright ? y_back : x_back;
+  eda_box b = s->gates->box[i];
+  int32_t width = s->gates->axis[i] == EDA_X ? b.y1 - b.y0 : b.x1 - b.x0;
+  to->w[i] = from->w[j];
+  to->aside[i] = w_back ? -from->aside[j] : from->aside[j];
+  to->l[i] = from->l[j];
+  to->jog[i] = from->jog[j];
+  to->end[2 * i] = from->end[2 * j + (size_t)w_back];
+  to->end[2 * i + 1] = from->end[2 * j + !w_back];
+  to->flip[i] =
+      (uint8_t)((l_back ? EDA_FLIP_L : 0) | (w_back ? EDA_FLIP_W : 0));
+  turn_parts(from->part + EDA_PARTS * j, width, w_back,
+             to->part + EDA_PARTS * i);
+  s->known[i] = 1;
+  for (int k = 0; k < 6; k++) (&s->cell.ion)[k][i] = (&e->after.ion)[k][j];
+}
+
+/* ---- patches ---- */
+
+static double distance(eda_box a, eda_box b) {
+  return hypot(0.5 * ((double)a.x0 + a.x1 - b.x0 - b.x1),
+               0.5 * ((double)a.y0 + a.y1 - b.y0 - b.y1));
+}
+
+/* How far an edge of the transistor beside a patch lies from where the turned
+   cell has it: of the one on the patch's side, so that they go on touching. */
+static int32_t offset(int32_t middle, int32_t low, int32_t high, int32_t to_low,
+                      int32_t to_high) {
+  return 2 * (int64_t)middle > (int64_t)low + high ? to_high - high
+                                                   : to_low - low;
+}
+
+/* A patch goes with the nearest of the cell's transistors, as that was rounded
+   to the grid. */
+static void take_box(const stitch *s, const entry *e, const turn *t,
+                     const int64_t *match, eda_box box, eda_box_list *to) {
+  size_t nearest = e->gates;
+  double least = INFINITY;
+  for (size_t j = 0; j < e->gates; j++) {
+    double d = match[j] < 0 ? INFINITY : distance(box, e->box[j]);
+    if (!(d < least)) continue;
+    least = d;
+    nearest = j;
+  }
+  if (nearest == e->gates) return;
+  eda_box b = turned(t, box), from = turned(t, e->box[nearest]),
+          at = s->gates->box[match[nearest]];
+  int32_t dx = offset((b.x0 + b.x1) / 2, from.x0, from.x1, at.x0, at.x1);
+  int32_t dy = offset((b.y0 + b.y1) / 2, from.y0, from.y1, at.y0, at.y1);
+  eda_box_list_add(to, (eda_box){b.x0 + dx, b.y0 + dy, b.x1 + dx, b.y1 + dy});
+}
+
+static void take_boxes(stitch *s, const entry *e, const turn *t,
+                       const int64_t *match) {
+  for (size_t k = 0; k < e->layers; k++) {
+    const eda_box_list *patch = &e->moved->patch[k], *bite = &e->moved->bite[k];
+    int layer = eda_gates_layer(s->gates, e->layer[k]);
+    if (layer < 0) continue;
+    for (size_t i = 0; i < patch->count; i++)
+      take_box(s, e, t, match, patch->box[i], &s->moved->patch[layer]);
+    for (size_t i = 0; i < bite->count; i++)
+      take_box(s, e, t, match, bite->box[i], &s->moved->bite[layer]);
+  }
+}
+
+size_t stitch_place(stitch *s, const entry *e, const turn *t) {
+  size_t lost = 0;
+  int64_t *match = eda_alloc(e->gates, sizeof *match);
+  for (size_t j = 0; j < e->gates; j++) {
+    match[j] = find(s, e, t, j);
+    if (match[j] < 0)
+      lost++;
+    else
+      take(s, e, t, j, (size_t)match[j]);
+  }
+  take_boxes(s, e, t, match);
+  free(match);
+  return lost;
+}

@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* From a subcircuit to a cell: its pins, what it computes (by switches that are
+   open, closed or unknown), and the arcs that follow from that. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "characterize.h"
+
+/* ---- transistors ---- */
+
+static char *own_text(study *s, const char *text) {
+  return eda_pool_text(&s->timing->memory, text, strlen(text));
+}
+
+static int same_place(const eda_timing_device *a, const eda_timing_device *b) {
+  return a->type == b->type && a->gate == b->gate &&
+         ((a->drain == b->drain && a->source == b->source) ||
+          (a->drain == b->source && a->source == b->drain));
+}
+
+static void take_devices(study *s, const eda_flat_netlist *flat,
+                         eda_timing_cell *c) {
+  c->devices = flat->devices;
+  c->device = eda_pool_alloc(&s->timing->memory, c->devices, sizeof *c->device);
+  for (size_t i = 0; i < c->devices; i++) {
+    const eda_transistor *t = &flat->device[i];
+    eda_timing_device *d = &c->device[i];
+    *d = (eda_timing_device){.name = own_text(s, t->name),
+                             .type = t->from->type,
+                             .drain = t->drain,
+                             .gate = t->gate,
+                             .source = t->source,
+                             .bulk = t->bulk,
+                             .length = t->length,
+                             .width = t->width};
+    size_t k = 0;
+    while (k < i && !same_place(&c->device[k], d)) k++;
+    d->bundle = k < i ? c->device[k].bundle : (uint32_t)c->bundles++;
+  }
+  for (size_t i = 0; i < c->devices; i++) {
+    double all = 0;
+    for (size_t k = 0; k < c->devices; k++)
+      if (c->device[k].bundle == c->device[i].bundle) all += c->device[k].width;
+    c->device[i].share = c->device[i].width / all;
+  }
+}
+
+/* ---- pins ---- */
+
+static void take_rails(study *s, const eda_flat_netlist *flat,
+                       eda_timing_cell *c) {
+  c->nets = flat->nets;
+  c->rail = eda_pool_alloc(&s->timing->memory, c->nets, 1);
+  for (size_t i = 0; i < c->nets; i++)
+    c->rail[i] = (int8_t)(eda_in_list(s->supplies, flat->net[i]) -
+                          eda_in_list(s->grounds, flat->net[i]));
+}
+
+static int touches(const eda_timing_cell *c, uint32_t net, int channel) {
+  for (size_t i = 0; i < c->devices; i++) {
+    const eda_timing_device *d = &c->device[i];
+    if (channel ? d->drain == net || d->source == net : d->gate == net)
+      return 1;
+  }
+  return 0;
+}
+
+static const char *take_pins(study *s, const eda_flat_netlist *flat,
+                             eda_timing_cell *c) {
+  eda_pool *pool = &s->timing->memory;
+  int has[3] = {0}; /* ground, other, supply */
+  c->pin = eda_pool_alloc(pool, flat->ports, sizeof *c->pin);
+  c->port = eda_pool_alloc(pool, flat->ports, sizeof *c->port);
+  for (int outputs = 0; outputs < 2; outputs++)
+    for (size_t i = 0; i < flat->ports; i++) {
+      uint32_t net = flat->port[i];
+      has[c->rail[net] + 1] = 1;
+      if (c->rail[net] || touches(c, net, 1) != outputs) continue;
+      if (!outputs && !touches(c, net, 0)) continue;
+      c->pin[c->inputs + c->outputs] = own_text(s, flat->net[net]);
+      c->port[c->inputs + c->outputs] = net;
+      if (outputs)
+        c->outputs++;
+      else
+        c->inputs++;
+    }
+  if (!has[0] || !has[2]) return "it has no supply or no ground";
+  if (!c->inputs || !c->outputs) return "it has no input or no output";
+  if (c->inputs > EDA_TIMING_INPUTS) return "it has too many inputs";
+  return NULL;
+}
+
+/* ---- logic ---- */
+
+enum { LOW, HIGH, UNKNOWN };
+
+/* Which nets are held by 0 [0] and 1 [1], for certain [.][0], perhaps [.][1].
+ */
+typedef struct reach {
+  uint8_t *by[2][2];
+} reach;
+
+static int conducts(const eda_timing_device *d, const uint8_t *value) {
+  int gate = value[d->gate];
+  if (gate == UNKNOWN) return UNKNOWN;
+  return d->type == EDA_NMOS ? gate : !gate;
+}
+
+/* Pass what holds one end of a channel on to the other, unless that is fixed.
+   Whether anything is new. */
+static int spread(uint8_t *held, const uint8_t *fixed, uint32_t a, uint32_t b) {
+  int news = 0;
+  if (held[a] && !held[b] && !fixed[b]) news = held[b] = 1;
+  if (held[b] && !held[a] && !fixed[a]) news = held[a] = 1;
+  return news;
+}
+
+static void settle(const eda_timing_cell *c, const uint8_t *fixed,
+                   const uint8_t *value, reach *r) {
+  for (int news = 1; news;) {
+    news = 0;
+    for (size_t i = 0; i < c->devices; i++) {
+      const eda_timing_device *d = &c->device[i];
+      int on = conducts(d, value);
+      for (int level = 0; level < 2 && on; level++)
+        for (int perhaps = on == UNKNOWN; perhaps < 2; perhaps++)
+          news |= spread(r->by[level][perhaps], fixed, d->drain, d->source);
+    }
+  }
+}
+
+/* The levels of all nets; `fixed` ones are given. */
+static void evaluate(const eda_timing_cell *c, const uint8_t *fixed,
+                     uint8_t *value) {
+  const size_t n = c->nets;
+  uint8_t *all = eda_alloc(4 * n, 1);
+  reach r = {{{all, all + n}, {all + 2 * n, all + 3 * n}}};
+  for (int news = 1; news;) {
+    news = 0;
+    memset(all, 0, 4 * n);
+    for (size_t i = 0; i < n; i++)
+      if (fixed[i]) r.by[value[i]][0][i] = r.by[value[i]][1][i] = 1;
+    settle(c, fixed, value, &r);
+    for (size_t i = 0; i < n; i++) {
+      if (fixed[i] || value[i] != UNKNOWN) continue;
+      for (int level = 0; level < 2; level++)
+        if (r.by[level][0][i] && !r.by[!level][1][i]) {
+          value[i] = (uint8_t)level;
+          news = 1;
+        }
+    }
+  }
+  free(all);
+}
+
+static const char *find_levels(study *s, eda_timing_cell *c) {
+  const size_t patterns = (size_t)1 << c->inputs;
+  const char *trouble = NULL;
+  uint8_t *fixed = eda_alloc(2 * c->nets, 1), *value = fixed + c->nets;
+  c->level = eda_pool_alloc(&s->timing->memory, c->outputs * patterns, 1);
+  for (size_t p = 0; p < patterns && !trouble; p++) {
+    memset(fixed, 0, c->nets);
+    memset(value, UNKNOWN, c->nets);
+    for (size_t i = 0; i < c->nets; i++) {
+      if (!c->rail[i]) continue;
+      fixed[i] = 1;
+      value[i] = c->rail[i] > 0 ? HIGH : LOW;
+    }
+    for (size_t i = 0; i < c->inputs; i++) {
+      fixed[c->port[i]] = 1;
+      value[c->port[i]] = p >> i & 1;
+    }
+    evaluate(c, fixed, value);
+    for (size_t o = 0; o < c->outputs; o++) {
+      uint8_t v = value[c->port[c->inputs + o]];
+      if (v == UNKNOWN) trouble = "it keeps a state, or an output floats";
+      c->level[o * patterns + p] = v;
+    }
+  }
+  free(fixed);
+  return trouble;
+}
+
+/* ---- arcs ---- */
+
+static void list_arcs(study *s, eda_timing_cell *c) {
+  eda_pool *pool = &s->timing->memory;
+  const size_t patterns = (size_t)1 << c->inputs,
+               most = c->outputs * c->inputs * patterns;
+  c->arc = eda_pool_alloc(pool, most, sizeof *c->arc);
+  c->arc_of = eda_pool_alloc(pool, most, sizeof *c->arc_of);
+  for (size_t k = 0; k < most; k++) {
+    size_t from = k % patterns, i = k / patterns % c->inputs,
+           o = k / patterns / c->inputs;
+    const uint8_t *level = c->level + o * patterns;
+    uint8_t after = level[from ^ (size_t)1 << i];
+    c->arc_of[k] = -1;
+    if (level[from] == after) continue;
+    c->arc_of[k] = (int32_t)c->arcs;
+    c->arc[c->arcs++] = (eda_timing_arc){.input = (uint8_t)i,
+                                         .output = (uint8_t)o,
+                                         .rises = after,
+                                         .from = (uint32_t)from};
+  }
+}
+
+/* Loads are told for each um of the channels on the outputs, so that strong
+   cells get larger ones. */
+static void make_grid(study *s, eda_timing_cell *c) {
+  eda_pool *pool = &s->timing->memory;
+  double most = 0;
+  for (size_t o = 0; o < c->outputs; o++) {
+    double width = 0;
+    for (size_t i = 0; i < c->devices; i++)
+      if (c->device[i].drain == c->port[c->inputs + o] ||
+          c->device[i].source == c->port[c->inputs + o])
+        width += c->device[i].width / 1000;
+    if (width > most) most = width;
+  }
+  c->slews = s->slews.count;
+  c->loads = s->loads.count;
+  c->at_slew = eda_pool_alloc(pool, c->slews, sizeof(double));
+  c->at_load = eda_pool_alloc(pool, c->loads, sizeof(double));
+  for (size_t i = 0; i < c->slews; i++) c->at_slew[i] = s->slews.values[i];
+  for (size_t i = 0; i < c->loads; i++)
+    c->at_load[i] = s->loads.values[i] * most;
+  c->near_slew[0] = c->slews > 3;
+  c->near_slew[1] = c->slews > 3 ? c->slews - 2 : c->slews - 1;
+  c->near_load[0] = c->loads > 3;
+  c->near_load[1] = c->loads > 3 ? c->loads - 2 : c->loads - 1;
+}
+
+/* ---- all ---- */
+
+int cell_build(study *s, eda_netlist *n, uint32_t number, eda_timing_cell *c,
+               opc_error *error) {
+  (void)error; /* n has it */
+  eda_flat_netlist flat = {.pool = &s->timing->memory};
+  const eda_subcircuit *of = &n->subcircuit[number];
+  const eda_scope scope = {.of = of};
+  c->name = own_text(s, of->name);
+  int code = eda_netlist_prepare(n, number);
+  if (!code) code = eda_netlist_flatten(n, &scope, &flat);
+  if (code) return code;
+  take_devices(s, &flat, c);
+  take_rails(s, &flat, c);
+  c->trouble = take_pins(s, &flat, c);
+  if (!c->trouble) c->trouble = find_levels(s, c);
+  if (c->trouble) return OPC_OK;
+  list_arcs(s, c);
+  make_grid(s, c);
+  eda_timing_cell_figures(&s->timing->memory, c);
+  return OPC_OK;
+}

@@ -1,0 +1,357 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* timing.characterize: the cells of a netlist by ngspice: delays and slews of
+   all arcs, and how they move with the printed sizes of each transistor. */
+#include "characterize.h"
+
+#include <errno.h>
+#include <math.h>
+#include <opcflow/table.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- work: which cells ---- */
+
+/* A subcircuit of transistors; what has instances is a circuit. */
+static int is_cell(const eda_subcircuit *c) {
+  for (size_t i = 0; i < c->elements; i++)
+    if (!c->element[i].is_transistor) return 0;
+  return c->elements > 0;
+}
+
+static int is_wanted(const study *s, eda_netlist *n, uint32_t number,
+                     int64_t top) {
+  const eda_subcircuit *c = &n->subcircuit[number];
+  if (!is_cell(c)) return 0;
+  if (s->cells && !eda_in_list(s->cells, c->name)) return 0;
+  if (top < 0) return 1;
+  const eda_subcircuit *t = &n->subcircuit[top];
+  for (size_t i = 0; i < t->elements; i++)
+    if (!t->element[i].is_transistor && t->element[i].child == number) return 1;
+  return 0;
+}
+
+static int build_cells(study *s, eda_netlist *n, opc_error *error) {
+  int64_t top = -1;
+  if (s->top) {
+    top = eda_netlist_find(n, s->top);
+    if (top < 0 || eda_netlist_prepare(n, (uint32_t)top)) return error->code;
+  }
+  s->timing = eda_timing_new(n->subcircuits);
+  s->timing->count = 0;
+  s->timing->supply = s->supply;
+  s->timing->temperature = s->temperature;
+  s->timing->low = s->edges.values[0] / 100;
+  s->timing->high = s->edges.values[1] / 100;
+  for (uint32_t i = 0; i < n->subcircuits; i++)
+    if (is_wanted(s, n, i, top) &&
+        cell_build(s, n, i, &s->timing->cell[s->timing->count++], error))
+      return error->code;
+  for (size_t i = 0; i < s->timing->count; i++)
+    if (!s->timing->cell[i].trouble) return OPC_OK;
+  return opc_fail(error, OPC_INVALID, "file",
+                  "'%.300s' has no cell that can be characterised%s", s->file,
+                  s->top || s->cells ? " among those that are wanted" : "");
+}
+
+static int read_cells(study *s, opc_error *error) {
+  eda_netlist n = {.error = error,
+                   .scale = s->scale,
+                   .n_models = s->n_models,
+                   .p_models = s->p_models};
+  int code = eda_netlist_read(&n, s->file);
+  if (!code) code = build_cells(s, &n, error);
+  eda_netlist_clear(&n);
+  return code;
+}
+
+/* The cards' whole paths: the simulator stands elsewhere. */
+static int find_cards(study *s, opc_error *error) {
+  for (int i = 0; i < 2; i++) {
+    const char *name = i ? "pmos_models" : "models";
+    s->cards[i] = NULL;
+    if (!s->models[i]) continue;
+    char *path = realpath(s->models[i], NULL);
+    if (!path)
+      return opc_fail(error, OPC_IO, name, "cannot read '%s': %s", s->models[i],
+                      strerror(errno));
+    s->cards[i] = eda_pool_text(&s->pool, path, strlen(path));
+    free(path);
+    if (strpbrk(s->cards[i], "\"\n"))
+      return opc_fail(error, OPC_INVALID, name,
+                      "'%s': the simulator takes no such name of a file",
+                      s->models[i]);
+  }
+  for (int type = 0; type < 2 && s->dlc; type++)
+    if (eda_card_read(&s->pool, s->cards[type == EDA_PMOS && s->cards[1]],
+                      s->model[type], type, &s->card[type], error))
+      return error->code;
+  return OPC_OK;
+}
+
+/* ---- work: simulating ---- */
+
+static int find_figures(study *s, eda_timing_cell *c, int *kept,
+                        opc_error *error) {
+  char *key = keep_key(s, c, error);
+  if (!key) return error->code;
+  *kept = keep_load(s, c, key);
+  int code = *kept ? OPC_OK : cell_measure(s, c, error);
+  if (!code && !*kept) keep_save(s, c, key);
+  free(key);
+  return code;
+}
+
+static int simulate(study *s, size_t *kept, opc_error *error) {
+  eda_timing *t = s->timing;
+  double arcs = 0, done = 0;
+  for (size_t i = 0; i < t->count; i++) arcs += (double)t->cell[i].arcs;
+  for (size_t i = 0; i < t->count; i++) {
+    eda_timing_cell *c = &t->cell[i];
+    int was_kept = 0;
+    if (c->trouble) {
+      s->host->log(s->host, OPC_LOG_WARNING, "cell '%s' has no arcs: %s",
+                   c->name, c->trouble);
+      continue;
+    }
+    if (find_figures(s, c, &was_kept, error)) return error->code;
+    *kept += (size_t)was_kept;
+    done += (double)c->arcs;
+    const opc_progress p = {done, arcs, (double)NAN, NULL};
+    s->host->progress(s->host, &p);
+  }
+  return OPC_OK;
+}
+
+/* ---- work: what is told ---- */
+
+typedef struct row {
+  const char *cell, *trouble;
+  int64_t inputs, outputs, transistors, arcs;
+  double capacitance, delay, slew;
+} row;
+
+/* Means over all arcs, at the middle of the grid. */
+static row row_of(const eda_timing_cell *c) {
+  row r = {.cell = c->name,
+           .trouble = c->trouble ? c->trouble : "",
+           .inputs = (int64_t)c->inputs,
+           .outputs = (int64_t)c->outputs,
+           .transistors = (int64_t)c->devices,
+           .arcs = (int64_t)c->arcs};
+  size_t at = c->slews / 2 * c->loads + c->loads / 2;
+  for (size_t i = 0; i < c->arcs; i++) {
+    r.delay += c->arc[i].delay[at] * 1e12 / (double)c->arcs;
+    r.slew += c->arc[i].slew[at] * 1e12 / (double)c->arcs;
+  }
+  for (size_t i = 0; i < 2 * c->inputs && !c->trouble; i++)
+    r.capacitance += c->capacitance[i * EDA_CAPS + EDA_CAP_DELAY] * 1e15 / 2 /
+                     (double)c->inputs;
+  return r;
+}
+
+static int tell_cells(const study *s, opc_error *error) {
+  const eda_timing *t = s->timing;
+  row *r = eda_alloc(t->count, sizeof *r);
+  for (size_t i = 0; i < t->count; i++) r[i] = row_of(&t->cell[i]);
+  const opc_column columns[] = {
+      {"cell", NULL, OPC_TEXT, 0, &r->cell},
+      {"inputs", NULL, OPC_INT, 0, &r->inputs},
+      {"outputs", NULL, OPC_INT, 0, &r->outputs},
+      {"transistors", NULL, OPC_INT, 0, &r->transistors},
+      {"arcs", NULL, OPC_INT, 0, &r->arcs},
+      {"capacitance", "fF", OPC_REAL, 3, &r->capacitance},
+      {"delay", "ps", OPC_REAL, 3, &r->delay},
+      {"slew", "ps", OPC_REAL, 3, &r->slew},
+      {"trouble", NULL, OPC_TEXT, 0, &r->trouble},
+  };
+  int code = opc_put_rows(s->host, "cells", 0, t->count, sizeof *r,
+                          OPC_ARRAY(columns), error);
+  free(r);
+  return code;
+}
+
+static int tell(study *s, size_t kept, opc_error *error) {
+  verdict v = {0};
+  size_t arcs = 0, good = 0;
+  for (size_t i = 0; i < s->timing->count; i++) {
+    arcs += s->timing->cell[i].arcs;
+    good += !s->timing->cell[i].trouble;
+  }
+  if (s->checks && cells_check(s, &v, error)) return error->code;
+#define WHERE(is, name) ((is) ? (name) : NULL)
+  const opc_metric_value values[] = {
+      {"cells", (double)good},
+      {"arcs", (double)arcs},
+      {"kept", (double)kept},
+      {"simulated", (double)s->simulated},
+      {WHERE(v.points, "delay_error"), v.delay_rms},
+      {WHERE(v.points, "delay_error_max"), v.delay_max},
+      {WHERE(v.points, "slew_error"), v.slew_rms},
+      {WHERE(v.points, "slew_error_max"), v.slew_max},
+      {WHERE(v.points, "change_error"), v.change_rms}};
+#undef WHERE
+  int code = opc_put_metrics(s->host, OPC_ARRAY(values), error);
+  if (!code) code = tell_cells(s, error);
+  const char *path =
+      code ? NULL : s->host->output_path(s->host, s->liberty, error);
+  if (!path) return error->code;
+  return liberty_write(s, path, error);
+}
+
+static int run(void *self, void **outputs, opc_error *error) {
+  study *s = self;
+  size_t kept = 0;
+  s->simulated = 0;
+  int code = find_cards(s, error);
+  if (!code) code = read_cells(s, error);
+  if (!code) code = simulate(s, &kept, error);
+  if (!code) code = tell(s, kept, error);
+  if (code)
+    eda_timing_free(s->timing);
+  else
+    outputs[0] = s->timing;
+  s->timing = NULL;
+  eda_pool_clear(&s->pool);
+  return code;
+}
+
+/* ---- parameters ---- */
+
+static const opc_parameter parameters[] = {
+    OPC_PARAMETER(study, file, .type = OPC_FILE, .flags = OPC_REQUIRED,
+                  .summary = "SPICE or CDL netlist with the cells"),
+    OPC_PARAMETER(study, top, .type = OPC_TEXT,
+                  .summary = "the circuit whose cells are wanted (default: all "
+                             "cells of the file)"),
+    OPC_PARAMETER(study, cells, .type = OPC_TEXT,
+                  .summary = "names of cells, with blanks between (default: "
+                             "all)"),
+    OPC_PARAMETER(study, scale, .type = OPC_REAL, .preset = "1",
+                  .flags = OPC_ABOVE | OPC_AT_MOST, .min = 0, .max = 1e6,
+                  .summary = "a factor on the sizes of the netlist"),
+    OPC_PARAMETER_NAMED("models", study, models[0], .type = OPC_FILE,
+                        .flags = OPC_REQUIRED,
+                        .summary = "file with the model cards"),
+    OPC_PARAMETER_NAMED("pmos_models", study, models[1], .type = OPC_FILE,
+                        .summary = "that of the p-transistor, if it is "
+                                   "another"),
+    OPC_PARAMETER_NAMED("nmos", study, model[EDA_NMOS], .type = OPC_TEXT,
+                        .preset = "nmos",
+                        .summary = "name of the n-transistor's model"),
+    OPC_PARAMETER_NAMED("pmos", study, model[EDA_PMOS], .type = OPC_TEXT,
+                        .preset = "pmos",
+                        .summary = "name of the p-transistor's model"),
+    OPC_PARAMETER(study, n_models, .type = OPC_TEXT,
+                  .summary = "names of n-transistors' models in the netlist "
+                             "whose type does not show"),
+    OPC_PARAMETER(study, p_models, .type = OPC_TEXT,
+                  .summary = "the same of p-transistors"),
+    OPC_PARAMETER_NAMED("supplies", study, supplies, .type = OPC_TEXT,
+                        .preset = "VDD VDD! VCC VPWR VPB",
+                        .summary = "names of supplies"),
+    OPC_PARAMETER_NAMED("grounds", study, grounds, .type = OPC_TEXT,
+                        .preset = "VSS VSS! GND GND! 0 VGND VNB",
+                        .summary = "names of grounds"),
+    OPC_PARAMETER(study, dlc, .type = OPC_BOOL, .preset = "true",
+                  .summary = "the gate capacitance has a length of its own "
+                             "(thesis eq. 3.11)"),
+    OPC_PARAMETER(study, supply, .type = OPC_REAL, .unit = "V",
+                  .flags = OPC_REQUIRED | OPC_ABOVE | OPC_AT_MOST, .min = 0,
+                  .max = 20, .summary = "supply voltage"),
+    OPC_PARAMETER(study, temperature, .type = OPC_REAL, .unit = "C",
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "27 C",
+                  .min = -200, .max = 300,
+                  .summary = "temperature of the transistors"),
+    OPC_PARAMETER(study, slews, .type = OPC_REALS, .unit = "s",
+                  .preset = "[2 ps, 5 ps, 10 ps, 22 ps, 70 ps]",
+                  .summary = "times of the inputs between the edges"),
+    OPC_PARAMETER(study, loads, .type = OPC_REALS, .unit = "F",
+                  .preset = "[0.3 fF, 1.2 fF, 3 fF, 7 fF, 16 fF]",
+                  .summary = "capacitances at the output, for each um of "
+                             "channels on it"),
+    OPC_PARAMETER(study, edges, .type = OPC_REALS, .unit = "%",
+                  .preset = "[30 %, 70 %]",
+                  .summary = "where slews begin and end"),
+    OPC_PARAMETER(study, checks, .type = OPC_INT,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0", .min = 0,
+                  .max = 10000,
+                  .summary = "random points at which the tables are checked, "
+                             "with all sizes varied"),
+    OPC_PARAMETER(study, seed, .type = OPC_INT, .flags = OPC_AT_LEAST,
+                  .preset = "1", .min = 0,
+                  .summary = "of what is drawn at random"),
+    OPC_PARAMETER(study, kept, .type = OPC_TEXT, .flags = OPC_NO_EFFECT,
+                  .summary = "folder of cells that were simulated before, or "
+                             "'none' (default: the store)"),
+    OPC_PARAMETER(study, liberty, .type = OPC_OUTPUT, .preset = "cells.lib",
+                  .summary = "the cells as drawn"),
+    OPC_PARAMETER(study, limit, .type = OPC_REAL, .unit = "s",
+                  .flags = OPC_ABOVE | OPC_AT_MOST | OPC_NO_EFFECT,
+                  .preset = "600 s", .min = 0, .max = 86400,
+                  .summary = "time that one process of the simulator may take"),
+};
+
+#define FIGURE(id, of, text) \
+  { .name = (id), .unit = (of), .better = OPC_NEUTRAL, .summary = (text) }
+#define FAULT(id, text) \
+  { .name = (id), .unit = "%", .better = OPC_LOWER, .summary = (text) }
+
+static const opc_metric metrics[] = {
+    FIGURE("cells", NULL, "cells with arcs"),
+    FIGURE("arcs", NULL, "transitions of an input that an output follows"),
+    FIGURE("kept", NULL, "cells that were simulated before"),
+    FIGURE("simulated", NULL, "transitions that were simulated"),
+    FAULT("delay_error", "delays by the tables, rms at random points"),
+    FAULT("delay_error_max", "the largest of them"),
+    FAULT("slew_error", "slews by the tables, rms at random points"),
+    FAULT("slew_error_max", "the largest of them"),
+    FAULT("change_error", "changes of delays by printed sizes, rms in points"),
+};
+
+/* What may stand in a deck as a name. */
+static int is_name(const char *text) {
+  return *text && strspn(text,
+                         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                         "0123456789_.-") == strlen(text);
+}
+
+enum { MOST_GRID = 16 };
+
+static int check_grid(const opc_reals *r, const char *name, double least,
+                      opc_error *error) {
+  int good = r->count >= 3 && r->count <= MOST_GRID;
+  for (size_t i = 0; good && i < r->count; i++)
+    good = r->values[i] > (i ? r->values[i - 1] : least) && r->values[i] < 1e-3;
+  if (good) return OPC_OK;
+  return opc_fail(error, OPC_INVALID, name,
+                  "'%s' are 3 to %d values above %g that grow", name, MOST_GRID,
+                  least);
+}
+
+static int check(void *self, opc_error *error) {
+  static const char *const names[] = {[EDA_NMOS] = "nmos", [EDA_PMOS] = "pmos"};
+  const study *s = self;
+  const double *edge = s->edges.values;
+  for (int type = 0; type < 2; type++)
+    if (!is_name(s->model[type]))
+      return opc_fail(error, OPC_INVALID, names[type],
+                      "'%s' is not the name of a model", s->model[type]);
+  if (s->edges.count != 2 || !(edge[0] > 0) || !(edge[0] < 50) ||
+      !(edge[1] > 50) || !(edge[1] < 95))
+    return opc_fail(error, OPC_INVALID, "edges",
+                    "'edges' are one place above 0 and one below 95 %%, with "
+                    "the middle between them");
+  if (check_grid(&s->slews, "slews", 1e-14, error)) return error->code;
+  return check_grid(&s->loads, "loads", 0, error);
+}
+
+/* ---- entry ---- */
+
+static const opc_port ports[] = {EDA_PORT_TIMING("timing")};
+static const opc_step functions = {OPC_OUTPUTS(ports), .run = run};
+OPC_PLUGIN(study, .id = "timing.characterize", .kind = "step",
+           .version = "0.2.0", .licence = "BSD-3-Clause",
+           .summary = "delays and slews of cells by ngspice",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
+           OPC_FUNCTIONS(functions));

@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The pieces of timing.characterize. Times s, voltages V, capacitances F. */
+#ifndef OPCFLOW_TIMING_CHARACTERIZE_H
+#define OPCFLOW_TIMING_CHARACTERIZE_H
+
+#include <eda/netlist.h>
+#include <eda/simulator.h>
+#include <eda/timing.h>
+#include <opcflow/step.h>
+
+typedef struct study {
+  const opc_host *host;
+
+  /* Parameters. */
+  const char *file, *top, *cells;
+  double scale;
+  const char *models[2], *model[2]; /* files ([1] NULL: the same), names */
+  const char *n_models, *p_models; /* of the netlist, whose type is not shown */
+  const char *supplies, *grounds;
+  int dlc;
+  double supply, temperature;
+  opc_reals slews, loads, edges;
+  int64_t checks, seed;
+  const char *kept, *liberty;
+  double limit;
+
+  /* Of a run. */
+  eda_timing *timing;
+  eda_pool pool;
+  const char *cards[2]; /* whole paths; [1] NULL: the same */
+  eda_card card[2];
+  size_t simulated; /* transitions */
+} study;
+
+/* ---- cells.c: what a cell is ---- */
+
+/* The pins, logic and arcs of a subcircuit; cells that cannot be characterised
+   get a `trouble`. */
+int cell_build(study *s, eda_netlist *n, uint32_t number, eda_timing_cell *c,
+               opc_error *error);
+
+/* ---- decks.c: many copies of a cell in one run of the simulator ---- */
+
+typedef struct copy {
+  const eda_timing_cell *cell;
+  uint32_t from; /* the inputs before the change */
+  uint8_t input, output;
+  int of_pin; /* its pin's capacitance is measured, not a delay */
+  double load;
+  const double *change; /* of sizes [bundle * EDA_SIZES + size]; NULL */
+  double delay, slew, capacitance[EDA_CAPS]; /* what was found */
+} copy;
+
+/* Copies that share a slew and a run. */
+typedef struct deck {
+  study *s;
+  double slew;
+  int rough; /* for differences between copies only */
+  size_t count, room;
+  copy *copy;
+  int code;
+  opc_error error;
+} deck;
+
+/* The time of the whole ramp for a slew between the edges. */
+double ramp_time(const study *s, double slew, int rises);
+
+/* Simulate until every output is there. [any] */
+void deck_run(deck *d);
+
+/* ---- measure.c ---- */
+
+int cell_measure(study *s, eda_timing_cell *c, opc_error *error);
+
+/* How far linear changes are off at random points: of delay and slew, in % of
+   the value. */
+typedef struct verdict {
+  size_t points;
+  double delay_rms, delay_max, slew_rms, slew_max, change_rms;
+} verdict;
+int cells_check(study *s, verdict *out, opc_error *error);
+
+/* ---- keep.c: cells that were simulated before ---- */
+
+/* The key of a cell: a hash of all that its figures depend on. To be freed. */
+char *keep_key(const study *s, const eda_timing_cell *c, opc_error *error);
+/* 1 if the figures were there. */
+int keep_load(const study *s, eda_timing_cell *c, const char *key);
+void keep_save(const study *s, const eda_timing_cell *c, const char *key);
+
+/* ---- liberty.c ---- */
+
+int liberty_write(const study *s, const char *path, opc_error *error);
+
+#endif

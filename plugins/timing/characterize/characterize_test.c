@@ -1,0 +1,233 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Our own cells against decks by hand: what they compute, delays, how delays
+   move with sizes, capacitances of pins; and cells that are kept. */
+#include <eda/simulator.h>
+#include <eda/timing.h>
+#include <glib/gstdio.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/testing/testing.h"
+
+static void close_to(double a, double b, double share) {
+  if (!(fabs(a / b - 1) <= share)) g_error("%.6g is not %.6g", a, b);
+}
+
+static char *data(const char *name) {
+  return g_build_filename(g_getenv("OPCFLOW_SOURCE"), "data", name, NULL);
+}
+
+/* ---- running the step ---- */
+
+static const char more_cells[] =
+    "* cells\n"
+    ".subckt aoi21 A B1 B2 Z VDD VSS\n"
+    "M1 Z A VSS VSS nmos w=400n l=65n\nM2 x B1 Z VSS nmos w=200n l=65n\n"
+    "M2b x B1 Z VSS nmos w=200n l=65n\nM3 VSS B2 x VSS nmos w=400n l=65n\n"
+    "M4 y A VDD VDD pmos w=600n l=65n\nM5 Z B1 y VDD pmos w=600n l=65n\n"
+    "M6 y B2 Z VDD pmos w=600n l=65n\n.ends\n"
+    ".subckt latch A B Q QN VDD VSS\n"
+    "M1 Q A VSS VSS nmos w=400n l=65n\nM2 Q QN VSS VSS nmos w=400n l=65n\n"
+    "M3 x A VDD VDD pmos w=400n l=65n\nM4 Q QN x VDD pmos w=400n l=65n\n"
+    "M5 QN B VSS VSS nmos w=400n l=65n\nM6 QN Q VSS VSS nmos w=400n l=65n\n"
+    "M7 y B VDD VDD pmos w=400n l=65n\nM8 QN Q y VDD pmos w=400n "
+    "l=65n\n.ends\n";
+
+static eda_timing *run(const char *file, const char *more, opc_error *error) {
+  g_autofree char *card = data("devices/opcflow65.pm");
+  g_autofree char *text = g_strdup_printf(
+      "{ file: '%s', models: '%s', supply: 1.1 V, %s }", file, card, more);
+  void *outputs[1] = {NULL};
+  opc_test_forget();
+  opc_module *m = opc_test_module("timing.characterize", text, error);
+  if (!m) return NULL;
+  int code = opc_test_run(m, outputs, error);
+  opc_test_module_free(m);
+  return code ? NULL : outputs[0];
+}
+
+static eda_timing *run_well(const char *file, const char *more) {
+  opc_error error;
+  eda_timing *t = run(file, more, &error);
+  if (!t) g_error("%s", error.message);
+  if (eda_timing_check(t, &error)) g_error("%s", error.message);
+  return t;
+}
+
+/* Few points, as each is simulated. */
+#define GRID "slews: [5 ps, 15 ps, 40 ps], loads: [1 fF, 3 fF, 9 fF]"
+
+static const eda_timing_arc *arc(const eda_timing_cell *c, uint32_t input,
+                                 uint32_t from) {
+  int32_t k = c->arc_of[(input << c->inputs) + from];
+  return k < 0 ? NULL : &c->arc[k];
+}
+
+/* ---- what cells compute ---- */
+
+static int aoi21(int a, int b1, int b2) { return !(a | (b1 & b2)); }
+
+static void same_logic(const eda_timing_cell *c, int (*f)(int, int, int)) {
+  size_t arcs = 0;
+  for (uint32_t p = 0; p >> c->inputs == 0; p++) {
+    int v = f(p & 1, p >> 1 & 1, p >> 2 & 1);
+    g_assert_cmpint(c->level[p], ==, v);
+    for (uint32_t i = 0; i < c->inputs; i++) {
+      uint32_t q = p ^ 1u << i;
+      int moves = f(q & 1, q >> 1 & 1, q >> 2 & 1) != v;
+      const eda_timing_arc *a = arc(c, i, p);
+      g_assert_cmpint(a != NULL, ==, moves);
+      if (a) g_assert_cmpint(a->rises, ==, !v);
+      arcs += (size_t)moves;
+    }
+  }
+  g_assert_cmpuint(c->arcs, ==, arcs);
+}
+
+static void test_logic(void) {
+  g_autofree char *file = g_build_filename(opc_test_folder(), "cells.sp", NULL);
+  g_assert_true(g_file_set_contents(file, more_cells, -1, NULL));
+  eda_timing *t =
+      run_well(file,
+               "kept: none, slews: [5 ps, 6 ps, 7 ps], "
+               "loads: [1 fF, 2 fF, 3 fF], cells: aoi21 latch, dlc: false");
+  g_assert_cmpuint(t->count, ==, 2);
+  const eda_timing_cell *c = eda_timing_find(t, "AOI21");
+  same_logic(c, aoi21);
+  g_assert_cmpuint(c->bundles, ==, 6); /* M2 and M2b are one */
+  const eda_timing_cell *l = eda_timing_find(t, "latch");
+  g_assert_nonnull(strstr(l->trouble, "keeps a state"));
+  g_assert_nonnull(strstr(opc_test_log(), "'latch' has no arcs"));
+  eda_timing_free(t);
+  opc_error error;
+  g_assert_null(run(file, "cells: latch", &error));
+  g_assert_nonnull(strstr(error.message, "no cell that can be"));
+}
+
+/* ---- by hand ---- */
+
+/* When v(node) goes through a level for the last time, s. */
+static double passes(const eda_spice_plot *p, const char *node, double level) {
+  const eda_spice_vector *t = eda_spice_vector_find(p, "time"),
+                         *v = eda_spice_vector_find(p, node);
+  for (size_t i = t->count - 1; i-- > 0;)
+    if ((v->value[i] < level) != (v->value[i + 1] < level))
+      return t->value[i] + (level - v->value[i]) /
+                               (v->value[i + 1] - v->value[i]) *
+                               (t->value[i + 1] - t->value[i]);
+  g_error("'%s' does not pass %g V", node, level);
+}
+
+static const double supply = 1.1;
+
+/* nand2 of data/cells65 from the text of its file, with MN1's W; input B rises
+   in the shape of the library. Delay and slew. */
+static void nand_by_hand(double w, double slew, const char *load, double *delay,
+                         double *out) {
+  g_autofree char *card = data("devices/opcflow65.pm");
+  double t[EDA_TIMING_RAMP], level[EDA_TIMING_RAMP];
+  eda_timing_ramp_points(1, t, level);
+  double whole = slew / (eda_timing_ramp(1, 0.7) - eda_timing_ramp(1, 0.3));
+  g_autoptr(GString) deck = g_string_new(NULL);
+  g_string_printf(deck,
+                  "by hand\n.include \"%s\"\n.options reltol=1e-5 "
+                  "abstol=1e-15 chgtol=1e-19\nmn1 0 a x 0 nmos w=%.17g l=65n\n"
+                  "mn2 y b x 0 nmos w=400n l=65n\n"
+                  "mp1 y a s s pmos w=450n l=65n\nmp2 y b s s pmos w=450n "
+                  "l=65n\nvs s 0 1.1\nva a 0 1.1\n%s\n.save v(y) v(b)\n"
+                  "vb b 0 pwl(0 0",
+                  card, w, load);
+  for (int i = 0; i < EDA_TIMING_RAMP; i++)
+    g_string_append_printf(deck, " %.17g %.17g", 5e-12 + whole * t[i],
+                           supply * level[i]);
+  g_string_append(deck, ")\n.end\n");
+  eda_spice_result r = {0};
+  opc_error error;
+  if (eda_spice_run(NULL, deck->str, "tran 2e-13 2e-10 0 2e-13\n", 100, &r,
+                    &error))
+    g_error("%s", error.message);
+  *delay = passes(&r.plot[0], "v(y)", supply / 2) -
+           passes(&r.plot[0], "v(b)", supply / 2);
+  *out = fabs(passes(&r.plot[0], "v(y)", 0.7 * supply) -
+              passes(&r.plot[0], "v(y)", 0.3 * supply));
+  eda_spice_clear(&r);
+}
+
+static void test_delays(void) {
+  g_autofree char *file = data("cells65/nand2.sp");
+  eda_timing *t = run_well(file, "kept: none, checks: 4, " GRID);
+  const eda_timing_cell *c = &t->cell[0];
+  /* um of channels on the output: 0.4 + 2 * 0.45. */
+  close_to(c->at_load[1], 3e-15 * 1.3, 1e-12);
+  const eda_timing_arc *a = arc(c, 1, 1); /* B rises, A is 1 */
+  double d, s, wider, narrower, unused;
+  nand_by_hand(400e-9, 15e-12, "cl y 0 3.9f", &d, &s);
+  close_to(a->delay[1 * 3 + 1], d, 0.004);
+  close_to(a->slew[1 * 3 + 1], s, 0.008);
+  /* The first point of changes is at 5 ps and 1 fF; MN1 is the first bundle. */
+  nand_by_hand(400e-9 * exp(0.02), 5e-12, "cl y 0 1.3f", &wider, &unused);
+  nand_by_hand(400e-9 * exp(-0.02), 5e-12, "cl y 0 1.3f", &narrower, &unused);
+  close_to(a->delay_by[EDA_SIZE_W], (wider - narrower) / 0.04, 0.05);
+  g_assert_cmpfloat(opc_test_metric("delay_error"), <, 3);
+  g_assert_cmpfloat(opc_test_metric("delay_error"), >, 0);
+  /* A gate that the pin is in place of: the capacitance that delays see is that
+     which delays as much. */
+  double pin = c->capacitance[(1 * 2 + 0) * EDA_CAPS + EDA_CAP_DELAY];
+  g_autofree char *same = g_strdup_printf("cl y 0 %.17g", pin);
+  double by_pin;
+  nand_by_hand(400e-9, 5e-12, same, &by_pin, &unused);
+  nand_by_hand(400e-9, 5e-12,
+               "mq1 0 s z 0 nmos w=400n l=65n\nmq2 q y z 0 nmos w=400n "
+               "l=65n\nmq3 q s s s pmos w=450n l=65n\n"
+               "mq4 q y s s pmos w=450n l=65n\ncq q 0 3.9f",
+               &d, &unused);
+  close_to(by_pin, d, 0.03);
+  eda_timing_free(t);
+}
+
+/* ---- kept ---- */
+
+static void test_kept(void) {
+  g_autofree char *file = data("cells65/inverter.sp");
+  g_autofree char *folder = g_build_filename(opc_test_folder(), "kept", NULL);
+  g_autofree char *more = g_strdup_printf("kept: '%s', " GRID, folder);
+  g_autofree char *other =
+      g_strdup_printf("kept: '%s', temperature: 28 C, " GRID, folder);
+  eda_timing *first = run_well(file, more);
+  g_assert_cmpfloat(opc_test_metric("kept"), ==, 0);
+  g_assert_cmpfloat(opc_test_metric("simulated"), >, 0);
+  eda_timing *again = run_well(file, more);
+  g_assert_cmpfloat(opc_test_metric("kept"), ==, 1);
+  g_assert_cmpfloat(opc_test_metric("simulated"), ==, 0);
+  const eda_timing_cell *a = &first->cell[0], *b = &again->cell[0];
+  g_assert_cmpmem(a->figure, a->figures * sizeof(double), b->figure,
+                  b->figures * sizeof(double));
+  eda_timing_free(again);
+  again = run_well(file, other);
+  g_assert_cmpfloat(opc_test_metric("kept"), ==, 0);
+  eda_timing_free(again);
+  /* Each file loses its end. */
+  g_autoptr(GDir) d = g_dir_open(folder, 0, NULL);
+  for (const char *name; (name = g_dir_read_name(d));) {
+    g_autofree char *path = g_build_filename(folder, name, NULL), *text = NULL;
+    gsize n;
+    g_assert_true(g_file_get_contents(path, &text, &n, NULL));
+    g_assert_true(g_file_set_contents(path, text, (gssize)n - 9, NULL));
+  }
+  again = run_well(file, more);
+  g_assert_nonnull(strstr(opc_test_log(), "is damaged"));
+  g_assert_cmpfloat(opc_test_metric("kept"), ==, 0);
+  g_assert_cmpmem(a->figure, a->figures * sizeof(double), again->cell[0].figure,
+                  a->figures * sizeof(double));
+  eda_timing_free(again);
+  eda_timing_free(first);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/characterize/logic", test_logic);
+  g_test_add_func("/characterize/delays", test_delays);
+  g_test_add_func("/characterize/kept", test_kept);
+  return g_test_run();
+}

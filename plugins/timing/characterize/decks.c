@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Many copies of cells in one run of the simulator, with an input that changes
+   for all at once. Copies share time steps, so that what differs between two of
+   them is free of the steps' noise. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "characterize.h"
+
+enum { TRIES = 7 };
+
+static const double start = 2e-12; /* s, when inputs begin to change */
+
+/* How many steps a window has at least: for delays, and for differences of
+   delays, of which copies in a run have the same error. */
+enum { STEPS = 100, ROUGH_STEPS = 50 };
+
+/* ---- the input ---- */
+
+double ramp_time(const study *s, double slew, int rises) {
+  return slew / (eda_timing_ramp(rises, s->timing->high) -
+                 eda_timing_ramp(rises, s->timing->low));
+}
+
+static void put_source(const deck *d, FILE *out, const char *name, int rises) {
+  double whole = ramp_time(d->s, d->slew, rises), v = d->s->supply;
+  double t[EDA_TIMING_RAMP], level[EDA_TIMING_RAMP];
+  eda_timing_ramp_points(rises, t, level);
+  fprintf(out, "v%s i%s 0 pwl(0 %.17g", name, name, rises ? 0 : v);
+  for (int i = 0; i < EDA_TIMING_RAMP; i++)
+    fprintf(out, "\n+ %.17g %.17g", start + whole * t[i],
+            v * (rises ? level[i] : 1 - level[i]));
+  fputs(")\n", out);
+}
+
+/* ---- the cards ---- */
+
+/* Each DLC that occurs, as an offset to the card's. */
+typedef struct offsets {
+  size_t count, room;
+  double *value;
+  uint8_t *type;
+  size_t types_room;
+} offsets;
+
+static size_t offset_of(offsets *o, int type, double value) {
+  size_t i = 0;
+  while (i < o->count && (o->type[i] != type || o->value[i] != value)) i++;
+  if (i < o->count) return i;
+  eda_grow(&o->type, &o->types_room, o->count + 1, 1);
+  o->type[o->count] = (uint8_t)type;
+  EDA_PUSH(o->value, o->count, o->room, value);
+  return i;
+}
+
+static double change_of(const copy *c, const eda_timing_device *d, int size) {
+  return c->change ? c->change[d->bundle * (uint32_t)EDA_SIZES + (uint32_t)size]
+                   : 0;
+}
+
+/* ---- the copies ---- */
+
+static void put_node(FILE *out, const copy *c, size_t k, uint32_t net) {
+  const eda_timing_cell *cell = c->cell;
+  if (cell->rail[net]) {
+    fputs(cell->rail[net] > 0 ? " vdd" : " 0", out);
+    return;
+  }
+  for (size_t i = 0; i < cell->inputs; i++)
+    if (cell->port[i] == net) {
+      int high = c->from >> i & 1;
+      if (i != c->input)
+        fputs(high ? " vdd" : " 0", out);
+      else if (c->of_pin)
+        fprintf(out, " i%zu", k);
+      else
+        fputs(high ? " if" : " ir", out);
+      return;
+    }
+  fprintf(out, " n%zu_%u", k, net);
+}
+
+static void put_device(const deck *d, FILE *out, size_t k, size_t i,
+                       offsets *o) {
+  const copy *c = &d->copy[k];
+  const eda_timing_device *t = &c->cell->device[i];
+  double l = t->length * exp(change_of(c, t, EDA_SIZE_L)),
+         w = t->width * exp(change_of(c, t, EDA_SIZE_W)),
+         mean = t->length * exp(change_of(c, t, EDA_SIZE_C));
+  double dlc = d->s->dlc ? (l - mean) / 2 : 0;
+  fprintf(out, "m%zu_%zu", k, i);
+  put_node(out, c, k, t->drain);
+  put_node(out, c, k, t->gate);
+  put_node(out, c, k, t->source);
+  put_node(out, c, k, t->bulk);
+  fprintf(out, " %s", d->s->model[t->type]);
+  if (dlc != 0) fprintf(out, "_%zu", offset_of(o, t->type, dlc));
+  fprintf(out, " w=%.12ge-9 l=%.12ge-9\n", w, l);
+}
+
+static void put_copy(const deck *d, FILE *out, size_t k, offsets *o) {
+  const copy *c = &d->copy[k];
+  const eda_timing_cell *cell = c->cell;
+  for (size_t i = 0; i < cell->devices; i++) put_device(d, out, k, i, o);
+  for (size_t i = 0; i < cell->outputs; i++)
+    fprintf(out, "c%zu_%zu n%zu_%u 0 %.17g\n", k, i, k,
+            cell->port[cell->inputs + i], c->load);
+  if (c->of_pin) {
+    char name[32];
+    snprintf(name, sizeof name, "%zu", k);
+    put_source(d, out, name, !(c->from >> c->input & 1));
+    fprintf(out, ".save i(v%zu) v(i%zu)\n", k, k);
+  } else {
+    fprintf(out, ".save v(n%zu_%u)\n", k, cell->port[cell->inputs + c->output]);
+  }
+}
+
+/* Charges here are of fF and mV: of the simulator's own bounds for them, 1 uV
+   and 1e-14 C, the second would see none. */
+static char *deck_text(const deck *d) {
+  const study *s = d->s;
+  char *text = NULL;
+  size_t size;
+  FILE *out = open_memstream(&text, &size);
+  offsets o = {0};
+  fputs("timing.characterize\n", out);
+  for (int i = 0; i < 2; i++)
+    if (s->cards[i]) fprintf(out, ".include \"%s\"\n", s->cards[i]);
+  fprintf(out,
+          ".options temp=%.17g gmin=1e-15 reltol=%g abstol=1e-14 "
+          "chgtol=1e-18\nvs vdd 0 %.17g\n",
+          s->temperature, d->rough ? 1e-3 : 3e-4, s->supply);
+  put_source(d, out, "r", 1);
+  put_source(d, out, "f", 0);
+  for (size_t k = 0; k < d->count; k++) put_copy(d, out, k, &o);
+  for (size_t i = 0; i < o.count; i++) {
+    char name[200];
+    snprintf(name, sizeof name, "%.150s_%zu", s->model[o.type[i]], i);
+    eda_card_write(out, &s->card[o.type[i]], name,
+                   s->card[o.type[i]].dlc + o.value[i]);
+  }
+  fputs(".end\n", out);
+  fclose(out);
+  free(o.value);
+  free(o.type);
+  return text;
+}
+
+/* ---- what is measured ---- */
+
+static double passes(const double *t, const double *v, size_t i, double level) {
+  return t[i] + (level - v[i]) / (v[i + 1] - v[i]) * (t[i + 1] - t[i]);
+}
+
+/* The last point before `end` from which v goes up past a level; n: none. */
+static size_t last_rise(const double *v, size_t end, double level, size_t n) {
+  for (size_t i = end; i-- > 0;)
+    if (v[i] < level && v[i + 1] >= level) return i;
+  return n;
+}
+
+static const double *vector_of(const eda_spice_plot *plot, const char *format,
+                               size_t k, uint32_t net, size_t n) {
+  char name[48];
+  snprintf(name, sizeof name, format, k, net);
+  const eda_spice_vector *v = eda_spice_vector_find(plot, name);
+  return v && v->count == n ? v->value : NULL;
+}
+
+/* Of an output that turns back on its way, the last time counts that it goes
+   through the middle. Whether it gets there. */
+static int measure_output(const deck *d, copy *c, const double *t,
+                          const double *v, size_t n) {
+  const eda_timing *of = d->s->timing;
+  size_t before = c->from, after = c->from ^ (size_t)1 << c->input,
+         at = (size_t)c->output << c->cell->inputs;
+  int rises = c->cell->level[at + after];
+  if (rises == c->cell->level[at + before]) return 1;
+  double *h = eda_alloc(n, sizeof *h);
+  for (size_t i = 0; i < n; i++)
+    h[i] = rises ? v[i] / d->s->supply : 1 - v[i] / d->s->supply;
+  size_t half = last_rise(h, n - 1, 0.5, n), low = n, high = half;
+  if (half < n) low = last_rise(h, half + 1, of->low, n);
+  while (high + 1 < n && h[high + 1] < of->high) high++;
+  int there = low < n && high + 1 < n && h[n - 1] > 0.97;
+  if (there) {
+    int up = !(c->from >> c->input & 1);
+    double middle = start + ramp_time(d->s, d->slew, up) / 2;
+    c->delay = passes(t, h, half, 0.5) - middle;
+    c->slew = passes(t, h, high, of->high) - passes(t, h, low, of->low);
+  }
+  free(h);
+  return there;
+}
+
+/* The charge that goes in between two levels of the input, over their
+   difference. */
+static double charge(const deck *d, const double *t, const double *i, size_t n,
+                     int rises, double from, double to) {
+  double whole = ramp_time(d->s, d->slew, rises), sum = 0,
+         a = start + whole * eda_timing_ramp(rises, from),
+         b = start + whole * eda_timing_ramp(rises, to);
+  for (size_t k = 0; k + 1 < n; k++) {
+    double x = fmax(t[k], a), y = fmin(t[k + 1], b), h = t[k + 1] - t[k];
+    if (!(y > x)) continue;
+    double at_x = i[k] + (i[k + 1] - i[k]) * (x - t[k]) / h,
+           at_y = i[k] + (i[k + 1] - i[k]) * (y - t[k]) / h;
+    sum += (y - x) * (at_x + at_y) / 2;
+  }
+  return (rises ? -sum : sum) / ((to - from) * d->s->supply);
+}
+
+static int measure_copy(const deck *d, copy *c, size_t k,
+                        const eda_spice_plot *plot) {
+  const eda_timing *of = d->s->timing;
+  const eda_spice_vector *t = eda_spice_vector_find(plot, "time");
+  if (!t || t->count < 2) return 0;
+  if (!c->of_pin) {
+    const double *v =
+        vector_of(plot, "v(n%zu_%u)", k,
+                  c->cell->port[c->cell->inputs + c->output], t->count);
+    return v && measure_output(d, c, t->value, v, t->count);
+  }
+  const double *i = vector_of(plot, "i(v%zu)", k, 0, t->count);
+  if (!i) return 0;
+  int rises = !(c->from >> c->input & 1);
+  c->capacitance[EDA_CAP_DELAY] =
+      charge(d, t->value, i, t->count, rises, 0, 0.5);
+  c->capacitance[EDA_CAP_SLEW] =
+      charge(d, t->value, i, t->count, rises, of->low, of->high);
+  return 1;
+}
+
+/* ---- a run ---- */
+
+/* A first guess: fF through the channels that a um has takes some ps. */
+static double first_window(const deck *d) {
+  double load = 0;
+  for (size_t k = 0; k < d->count; k++) load = fmax(load, d->copy[k].load);
+  return start + 2.8 * ramp_time(d->s, d->slew, 1) + 30e-12 + 8e3 * load;
+}
+
+void deck_run(deck *d) {
+  char *text = deck_text(d);
+  double window = first_window(d);
+  size_t missing = 1;
+  for (int i = 0; i < TRIES && missing && !d->code; i++, window *= 2) {
+    char command[120];
+    eda_spice_result r = {0};
+    double step = window / (d->rough ? ROUGH_STEPS : STEPS);
+    snprintf(command, sizeof command, "tran %.17g %.17g 0 %.17g\n", step,
+             window, step);
+    d->code = eda_spice_run(d->s->host->context, text, command, d->s->limit, &r,
+                            &d->error);
+    missing = 0;
+    for (size_t k = 0; !d->code && k < d->count; k++)
+      missing += !r.count || !measure_copy(d, &d->copy[k], k, &r.plot[0]);
+    eda_spice_clear(&r);
+  }
+  free(text);
+  if (missing && !d->code)
+    d->code = opc_fail(&d->error, OPC_FAILED, NULL,
+                       "cell '%.100s': an output does not follow its input "
+                       "within %.3g ns",
+                       d->copy[0].cell->name, window * 0.5e9);
+}

@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Cells that were simulated before: a file each, named by a hash of all that
+   its figures depend on. */
+#include <errno.h>
+#include <glib.h>
+#include <glib/gstdio.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "characterize.h"
+
+/* To be raised when figures change for the same circuit. */
+#define FORMAT "opcflow-timing 1"
+
+/* ---- the key ---- */
+
+static void hash_text(GChecksum *sum, const char *text) {
+  g_checksum_update(sum, (const guchar *)text, (gssize)strlen(text) + 1);
+}
+
+static void hash_number(GChecksum *sum, double value) {
+  char text[40];
+  snprintf(text, sizeof text, "%.17g", value);
+  hash_text(sum, text);
+}
+
+static void hash_numbers(GChecksum *sum, const double *value, size_t n) {
+  hash_number(sum, (double)n);
+  for (size_t i = 0; i < n; i++) hash_number(sum, value[i]);
+}
+
+static int hash_cards(GChecksum *sum, const study *s, opc_error *error) {
+  for (int i = 0; i < 2; i++) {
+    g_autofree char *text = NULL;
+    g_autoptr(GError) fault = NULL;
+    gsize n;
+    hash_text(sum, s->model[i]);
+    /* What the file includes is in the card; without DLC there is none. */
+    for (size_t k = 0; s->dlc && k < s->card[i].count; k++) {
+      hash_text(sum, s->card[i].key[k]);
+      hash_text(sum, s->card[i].value[k]);
+    }
+    if (!s->cards[i]) continue;
+    if (!g_file_get_contents(s->cards[i], &text, &n, &fault))
+      return opc_fail(error, OPC_IO, "models", "%s", fault->message);
+    g_checksum_update(sum, (const guchar *)text, (gssize)n);
+  }
+  return OPC_OK;
+}
+
+char *keep_key(const study *s, const eda_timing_cell *c, opc_error *error) {
+  g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
+  hash_text(sum, FORMAT);
+  hash_number(sum, s->dlc);
+  hash_number(sum, s->supply);
+  hash_number(sum, s->temperature);
+  hash_numbers(sum, s->edges.values, s->edges.count);
+  hash_numbers(sum, c->at_slew, c->slews);
+  hash_numbers(sum, c->at_load, c->loads);
+  for (size_t i = 0; i < c->inputs + c->outputs; i++) {
+    hash_text(sum, c->pin[i]);
+    hash_number(sum, c->port[i]);
+  }
+  hash_number(sum, (double)c->inputs);
+  for (size_t i = 0; i < c->nets; i++) hash_number(sum, c->rail[i]);
+  for (size_t i = 0; i < c->devices; i++) {
+    const eda_timing_device *d = &c->device[i];
+    const double n[] = {d->type, d->drain,  d->gate, d->source,
+                        d->bulk, d->length, d->width};
+    hash_numbers(sum, n, sizeof n / sizeof *n);
+  }
+  if (hash_cards(sum, s, error)) return NULL;
+  return g_strndup(g_checksum_get_string(sum), 32);
+}
+
+/* ---- files ---- */
+
+static char *path_of(const study *s, const eda_timing_cell *c,
+                     const char *key) {
+  const char *store = g_getenv("OPCFLOW_STORE");
+  g_autofree char *name = g_strdup_printf("%s-%s", c->name, key);
+  if (s->kept && !strcmp(s->kept, "none")) return NULL;
+  for (char *at = name; *at; at++)
+    if (!g_ascii_isalnum(*at) && !strchr("-_.", *at)) *at = '_';
+  if (s->kept) return g_build_filename(s->kept, name, NULL);
+  if (store) return g_build_filename(store, "timing", name, NULL);
+  return g_build_filename(g_get_user_cache_dir(), "opcflow", "timing", name,
+                          NULL);
+}
+
+int keep_load(const study *s, eda_timing_cell *c, const char *key) {
+  g_autofree char *path = path_of(s, c, key), *text = NULL;
+  if (!path || !g_file_get_contents(path, &text, NULL, NULL)) return 0;
+  g_autofree char *head = g_strdup_printf(FORMAT " %s %zu\n", key, c->figures);
+  int good = g_str_has_prefix(text, head);
+  char *at = text + (good ? strlen(head) : 0);
+  for (size_t i = 0; good && i < c->figures; i++) {
+    char *end;
+    c->figure[i] = g_ascii_strtod(at, &end);
+    good = end > at && *end == '\n' && isfinite(c->figure[i]);
+    at = end + 1;
+  }
+  if (good && !strcmp(at, "end\n")) return 1;
+  s->host->log(s->host, OPC_LOG_WARNING,
+               "'%s' is damaged; cell '%s' is simulated again", path, c->name);
+  memset(c->figure, 0, c->figures * sizeof *c->figure);
+  return 0;
+}
+
+/* A cell that cannot be kept is no fault: it is simulated again next time. */
+void keep_save(const study *s, const eda_timing_cell *c, const char *key) {
+  g_autofree char *path = path_of(s, c, key);
+  g_autoptr(GError) fault = NULL;
+  if (!path) return;
+  g_autofree char *folder = g_path_get_dirname(path);
+  g_autoptr(GString) text = g_string_new(NULL);
+  g_string_printf(text, FORMAT " %s %zu\n", key, c->figures);
+  for (size_t i = 0; i < c->figures; i++)
+    g_string_append_printf(text, "%.17g\n", c->figure[i]);
+  g_string_append(text, "end\n");
+  g_mkdir_with_parents(folder, 0700);
+  /* Written beside it and renamed: whoever reads it meanwhile has all. */
+  if (!g_file_set_contents(path, text->str, (gssize)text->len, &fault))
+    s->host->log(s->host, OPC_LOG_WARNING, "cell '%s' is not kept: %s", c->name,
+                 fault->message);
+}

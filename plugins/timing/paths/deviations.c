@@ -1,0 +1,340 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The delays of all patterns at all sets of sizes, and how they deviate (thesis
+   eq. 3.15, tables 3.5 and 5.1, figures 3.14 and 5.6). */
+#include <eda/drawing.h>
+#include <math.h>
+#include <opcflow/table.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "paths.h"
+
+/* ---- all patterns, in blocks ---- */
+
+enum { BLOCK = 128 }; /* patterns; fixed, so that threads change no result */
+
+typedef struct block {
+  size_t count, room;
+  arrival *arrival; /* [delay * states + state] */
+} block;
+
+typedef struct work {
+  const paths *p;
+  block *block;
+} work;
+
+static void run_block(void *data, size_t index) {
+  const work *all = data;
+  const paths *p = all->p;
+  const graph *g = &p->graph;
+  block *b = &all->block[index];
+  size_t from = index * BLOCK,
+         to = from + BLOCK < p->patterns ? from + BLOCK : p->patterns;
+  waves w;
+  if (opc_cancelled(p->host->context)) return;
+  waves_init(&w, p);
+  /* State by state, so that one state's tables stay in the cache. */
+  for (size_t s = 0; s < p->states; s++) {
+    size_t k = 0;
+    for (size_t i = from; i < to; i++) {
+      pattern_at(p, i, w.before, w.after);
+      waves_run(&w, &p->state[s]);
+      for (size_t o = 0; o < g->outputs; o++) {
+        arrival a = waves_arrival(&w, o);
+        if (isnan(a.time)) continue;
+        if (!s) {
+          eda_grow(&b->arrival, &b->room, (k + 1) * p->states,
+                   sizeof *b->arrival);
+          b->count = k + 1;
+        }
+        b->arrival[k++ * p->states + s] = a;
+      }
+    }
+  }
+  waves_clear(&w);
+}
+
+int delays_find(paths *p, delays *out, opc_error *error) {
+  size_t blocks = (p->patterns + BLOCK - 1) / BLOCK, n = 0;
+  work all = {p, eda_alloc(blocks, sizeof *all.block)};
+  opc_parallel(p->host->context, blocks, run_block, &all);
+  for (size_t i = 0; i < blocks; i++) n += all.block[i].count;
+  *out = (delays){n, eda_alloc(p->states, sizeof *out->arrival)};
+  for (size_t s = 0; s < p->states; s++) {
+    arrival *to = out->arrival[s] = eda_alloc(n, sizeof *to);
+    for (size_t i = 0; i < blocks; i++)
+      for (size_t k = 0; k < all.block[i].count; k++)
+        *to++ = all.block[i].arrival[k * p->states + s];
+  }
+  for (size_t i = 0; i < blocks; i++) free(all.block[i].arrival);
+  free(all.block);
+  if (opc_cancelled(p->host->context))
+    return opc_fail(error, OPC_CANCELLED, NULL, "cancelled");
+  if (n) return OPC_OK;
+  return opc_fail(error, OPC_FAILED, NULL, "no output follows any transition");
+}
+
+void delays_clear(delays *d, size_t states) {
+  for (size_t s = 0; d->arrival && s < states; s++) free(d->arrival[s]);
+  free(d->arrival);
+  *d = (delays){0};
+}
+
+/* ---- figures ---- */
+
+static int same(const delays *d, size_t s, size_t i) {
+  return d->arrival[s][i].path == d->arrival[0][i].path;
+}
+
+static double deviation(const delays *d, size_t s, size_t i) {
+  double drawn = d->arrival[0][i].time;
+  return 100 * (d->arrival[s][i].time - drawn) / drawn;
+}
+
+/* The longest and the shortest of the delays of state s, ps. */
+static void find_ends(const delays *d, size_t s, double *longest,
+                      double *shortest) {
+  *longest = 0;
+  *shortest = INFINITY;
+  for (size_t i = 0; i < d->count; i++) {
+    *longest = fmax(*longest, d->arrival[s][i].time);
+    *shortest = fmin(*shortest, d->arrival[s][i].time);
+  }
+}
+
+spread spread_of(const delays *d, size_t s) {
+  spread r = {.lowest = (double)NAN, .highest = (double)NAN};
+  double sum = 0, squares = 0, longest[2], shortest[2];
+  for (size_t i = 0; i < d->count; i++) {
+    if (!same(d, s, i)) continue;
+    double x = deviation(d, s, i);
+    r.compared++;
+    sum += fabs(x);
+    r.lowest = fmin(r.lowest, x);
+    r.highest = fmax(r.highest, x);
+  }
+  r.mean = r.compared ? sum / (double)r.compared : (double)NAN;
+  for (size_t i = 0; i < d->count; i++) {
+    double x = fabs(deviation(d, s, i)) - r.mean;
+    if (same(d, s, i)) squares += x * x;
+  }
+  if (r.compared > 1) r.stdv = sqrt(squares / (double)(r.compared - 1));
+  find_ends(d, 0, &longest[0], &shortest[0]);
+  find_ends(d, s, &longest[1], &shortest[1]);
+  r.longest = 100 * (longest[1] / longest[0] - 1);
+  r.shortest = 100 * (shortest[1] / shortest[0] - 1);
+  return r;
+}
+
+typedef struct row {
+  const char *name;
+  int64_t delays, others;
+  double delay, longest, shortest, statically, static_by;
+  spread by;
+} row;
+
+static double worst_path(const paths *p, const state *s) {
+  eda_pool pool = {0};
+  arrivals a = static_arrivals(p, s, &pool);
+  double worst = 0;
+  for (size_t o = 0; o < 2 * p->graph.outputs; o++)
+    worst = fmax(worst, a.time[p->graph.output[o / 2] * 2 + o % 2]);
+  eda_pool_clear(&pool);
+  return worst;
+}
+
+static row row_of(const paths *p, const delays *d, size_t s, double drawn) {
+  row r = {.name = p->state[s].name,
+           .delays = (int64_t)d->count,
+           .shortest = INFINITY,
+           .statically = worst_path(p, &p->state[s])};
+  for (size_t i = 0; i < d->count; i++)
+    r.delay += d->arrival[s][i].time / (double)d->count;
+  find_ends(d, s, &r.longest, &r.shortest);
+  if (!s) drawn = r.statically;
+  r.static_by = 100 * (r.statically / drawn - 1);
+  r.by = spread_of(d, s);
+  r.others = (int64_t)(d->count - r.by.compared);
+  return r;
+}
+
+static int tell_metrics(paths *p, const delays *d, const row *r, size_t n,
+                        opc_error *error) {
+  /* Of the mask, else of the first of the prints. */
+  const row *first = n > 1 && r[1].by.compared ? &r[1] : NULL;
+#define PRINTED(name) (first ? (name) : NULL)
+  const opc_metric_value values[] = {
+      {"cells", (double)p->graph.instances},
+      {"transitions", (double)p->patterns},
+      {"delays", (double)d->count},
+      {"delay", r->delay},
+      {"delay_max", r->longest},
+      {"delay_min", r->shortest},
+      {"static", r->statically},
+      {n > 1 ? "others" : NULL, n > 1 ? (double)r[1].others : 0},
+      {PRINTED("mean"), first ? first->by.mean : 0},
+      {PRINTED("stdv"), first ? first->by.stdv : 0},
+      {PRINTED("lowest"), first ? first->by.lowest : 0},
+      {PRINTED("highest"), first ? first->by.highest : 0},
+      {PRINTED("longest"), first ? first->by.longest : 0},
+      {PRINTED("shortest"), first ? first->by.shortest : 0},
+      {PRINTED("static_deviation"), first ? first->static_by : 0}};
+#undef PRINTED
+  return opc_put_metrics(p->host, OPC_ARRAY(values), error);
+}
+
+/* The latest path of static analysis, as drawn. */
+static int tell_path(paths *p, opc_error *error) {
+  const graph *g = &p->graph;
+  arrivals a = static_arrivals(p, &p->state[0], &p->pool);
+  uint32_t at = g->output[0] * 2;
+  for (size_t o = 0; o < 2 * g->outputs; o++) {
+    uint32_t k = g->output[o / 2] * 2 + (uint32_t)(o % 2);
+    if (a.time[k] > a.time[at]) at = k;
+  }
+  struct {
+    const char *net, *edge;
+    double time, slew;
+  } *step = eda_pool_alloc(&p->pool, g->nets + 1, sizeof *step);
+  size_t n = 0;
+  for (; at != UINT32_MAX && n < g->nets; at = a.from[at], n++) {
+    step[n].net = g->net[at / 2];
+    step[n].edge = at % 2 ? "rises" : "falls";
+    step[n].time = a.time[at];
+    step[n].slew = a.slew[at];
+  }
+  const opc_column columns[] = {{"net", NULL, OPC_TEXT, 0, &step->net},
+                                {"edge", NULL, OPC_TEXT, 0, &step->edge},
+                                {"time", "ps", OPC_REAL, 3, &step->time},
+                                {"slew", "ps", OPC_REAL, 3, &step->slew}};
+  return opc_put_rows(p->host, "static_path", 0, n, sizeof *step,
+                      OPC_ARRAY(columns), error);
+}
+
+int tell_delays(paths *p, const delays *d, opc_error *error) {
+  row *r = eda_pool_alloc(&p->pool, p->states, sizeof *r);
+  for (size_t s = 0; s < p->states; s++)
+    r[s] = row_of(p, d, s, r[0].statically);
+  const opc_column columns[] = {
+      {"sizes", NULL, OPC_TEXT, 0, &r->name},
+      {"delays", NULL, OPC_INT, 0, &r->delays},
+      {"others", NULL, OPC_INT, 0, &r->others},
+      {"delay", "ps", OPC_REAL, 2, &r->delay},
+      {"delay_max", "ps", OPC_REAL, 2, &r->longest},
+      {"delay_min", "ps", OPC_REAL, 2, &r->shortest},
+      {"static", "ps", OPC_REAL, 2, &r->statically},
+      {"mean", "%", OPC_REAL, 4, &r->by.mean},
+      {"stdv", "%", OPC_REAL, 4, &r->by.stdv},
+      {"lowest", "%", OPC_REAL, 3, &r->by.lowest},
+      {"highest", "%", OPC_REAL, 3, &r->by.highest},
+      {"longest", "%", OPC_REAL, 3, &r->by.longest},
+      {"shortest", "%", OPC_REAL, 3, &r->by.shortest},
+      {"static_deviation", "%", OPC_REAL, 3, &r->static_by},
+  };
+  int code = opc_put_rows(p->host, "paths", OPC_TABLE_PRINT, p->states,
+                          sizeof *r, OPC_ARRAY(columns), error);
+  if (!code) code = tell_metrics(p, d, r, p->states, error);
+  return code ? code : tell_path(p, error);
+}
+
+/* ---- the histogram ---- */
+
+enum { BINS = 120 };
+
+typedef struct histogram {
+  const char *sizes;
+  double from, to, share;
+} histogram;
+
+static int by_value(const void *a, const void *b) {
+  double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* All sets of sizes on the same bins: of each, all but a hundredth at both
+   ends, so that a few far ones do not flatten the rest. They count to the
+   outermost bins. */
+static void find_range(const delays *d, size_t states, double *low,
+                       double *high) {
+  double *x = eda_alloc(d->count, sizeof *x);
+  *low = INFINITY;
+  *high = -INFINITY;
+  for (size_t s = 1; s < states; s++) {
+    size_t n = 0;
+    for (size_t i = 0; i < d->count; i++)
+      if (same(d, s, i)) x[n++] = deviation(d, s, i);
+    if (!n) continue;
+    qsort(x, n, sizeof *x, by_value);
+    *low = fmin(*low, x[n / 100]);
+    *high = fmax(*high, x[n - 1 - n / 100]);
+  }
+  free(x);
+  if (!(*low <= *high)) *low = *high = 0; /* nothing is compared */
+  double room = fmax(1e-3, 0.02 * (*high - *low));
+  *low -= room;
+  *high += room;
+}
+
+int draw_histogram(const paths *p, const delays *d, const char *path,
+                   opc_error *error) {
+  double low, high, x[2 * BINS + 2], y[2 * BINS + 2];
+  if (p->states < 2) return OPC_OK;
+  find_range(d, p->states, &low, &high);
+  size_t states = p->states - 1, n = states * BINS;
+  histogram *bin = eda_alloc(n, sizeof *bin);
+  double most = 0, step = (high - low) / BINS;
+  for (size_t k = 0; k < n; k++)
+    bin[k] = (histogram){p->state[1 + k / BINS].name,
+                         low + step * (double)(k % BINS),
+                         low + step * (double)(k % BINS + 1), 0};
+  for (size_t s = 0; s < states; s++) {
+    double unit = 100 / (double)spread_of(d, s + 1).compared;
+    for (size_t i = 0; i < d->count; i++) {
+      if (!same(d, s + 1, i)) continue;
+      double at = (deviation(d, s + 1, i) - low) / step;
+      size_t b = at > 0 ? (size_t)at : 0;
+      histogram *h = &bin[s * BINS + (b < BINS ? b : BINS - 1)];
+      h->share += unit;
+      most = fmax(most, h->share);
+    }
+  }
+  const opc_column columns[] = {{"sizes", NULL, OPC_TEXT, 0, &bin->sizes},
+                                {"from", "%", OPC_REAL, 4, &bin->from},
+                                {"to", "%", OPC_REAL, 4, &bin->to},
+                                {"share", "%", OPC_REAL, 4, &bin->share}};
+  int code = opc_put_rows(p->host, "histogram", 0, n, sizeof *bin,
+                          OPC_ARRAY(columns), error);
+  eda_paper *paper = code ? NULL : eda_paper_open(path, 900, 560, 14, error);
+  if (paper) {
+    eda_legend legend;
+    paper->margin = 70;
+    double top = 20 + eda_heading(paper, 20, p->graph.name);
+    eda_legend_init(&legend, paper, top);
+    eda_chart c = {.paper = paper, .left = 70, .width = 800, .height = 360};
+    c.x = (eda_axis){.low = low,
+                     .high = high,
+                     .title = "deviation of path delays from drawn, %"};
+    c.y = (eda_axis){.low = 0, .high = 1.05 * most, .title = "paths, %"};
+    for (size_t s = 0; s < states; s++) {
+      spread r = spread_of(d, s + 1);
+      const eda_sign sign = {
+          .kind = EDA_SIGN_LINE, .colour = eda_layer_contour(s), .line = 2};
+      eda_legend_add(&legend, &sign, "%s: mean %.3g %%, stdv %.3g %%",
+                     p->state[s + 1].name, r.mean, r.stdv);
+    }
+    c.top = top + legend.height + 30;
+    eda_chart_axes(&c);
+    for (size_t s = 0; s < states; s++) {
+      for (size_t b = 0; b < BINS; b++) {
+        const histogram *h = &bin[s * BINS + b];
+        x[2 * b] = h->from;
+        x[2 * b + 1] = h->to;
+        y[2 * b] = y[2 * b + 1] = h->share;
+      }
+      eda_chart_line(&c, eda_layer_contour(s), 2, 0, x, y, 2 * BINS);
+    }
+  }
+  code = paper ? eda_paper_close(paper, OPC_OK, error) : error->code;
+  free(bin);
+  return code;
+}

@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* From a netlist of instances of cells to nodes in the order of signals. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "paths.h"
+
+typedef struct builder {
+  paths *p;
+  eda_netlist *n;
+  const eda_subcircuit *top;
+  const eda_timing_cell **cell; /* of each instance */
+  const uint32_t **port;        /* nets of its ports */
+  int64_t *driver;              /* node of each net, -1 */
+  opc_error *error;
+} builder;
+
+static int refuse(builder *b, const eda_element *e, const char *what) {
+  char where[300];
+  return opc_fail(b->error, OPC_INVALID, "file", "%s: instance '%.100s' %s",
+                  eda_netlist_where(b->n, e, where, sizeof where), e->name,
+                  what);
+}
+
+static char *own_text(paths *p, const char *text) {
+  return eda_pool_text(&p->pool, text, strlen(text));
+}
+
+/* ---- instances ---- */
+
+/* The net of a cell's pin: that of the port of its name. */
+static int64_t net_of(const eda_subcircuit *child, const eda_element *e,
+                      const char *pin) {
+  for (size_t i = 0; i < child->ports && i < e->nodes; i++)
+    if (eda_same_name(child->port[i], pin)) return e->local[i];
+  return -1;
+}
+
+static int add_instance(builder *b, const eda_element *e) {
+  graph *g = &b->p->graph;
+  if (e->is_transistor)
+    return refuse(b, e, "is a transistor: a circuit of cells is wanted");
+  const eda_subcircuit *child = &b->n->subcircuit[e->child];
+  const eda_timing_cell *c = eda_timing_find(b->p->timing, child->name);
+  if (!c) return refuse(b, e, "is of a cell that was not characterised");
+  if (c->trouble) return refuse(b, e, "is of a cell without arcs");
+  uint32_t *net =
+      eda_pool_alloc(&b->p->pool, c->inputs + c->outputs, sizeof *net);
+  for (size_t i = 0; i < c->inputs + c->outputs; i++) {
+    int64_t found = net_of(child, e, c->pin[i]);
+    if (found < 0) return refuse(b, e, "lacks a pin of its cell");
+    net[i] = (uint32_t)found;
+    if (i < c->inputs) g->fanout[found]++;
+  }
+  for (size_t o = 0; o < c->outputs; o++) {
+    uint32_t to = net[c->inputs + o];
+    if (b->driver[to] >= 0) return refuse(b, e, "drives a net twice");
+    b->driver[to] = (int64_t)g->nodes;
+    g->node[g->nodes++] = (node){.cell = c,
+                                 .instance = (uint32_t)g->instances,
+                                 .output = (uint32_t)o,
+                                 .net = to,
+                                 .in = net};
+  }
+  g->instance[g->instances++] = own_text(b->p, e->name);
+  return OPC_OK;
+}
+
+/* ---- the order ---- */
+
+/* Depth first, with a stack of our own. 1: on the way, 2: done. */
+static int sort_nodes(builder *b) {
+  graph *g = &b->p->graph;
+  node *sorted = eda_pool_alloc(&b->p->pool, g->nodes, sizeof *sorted);
+  uint8_t *mark = eda_alloc(g->nodes, 1), *next = eda_alloc(g->nodes, 1);
+  size_t *stack = eda_alloc(g->nodes, sizeof *stack), done = 0;
+  int64_t loop = -1;
+  for (size_t i = 0; i < g->nodes && loop < 0; i++) {
+    size_t depth = 0;
+    if (!mark[i]) stack[depth++] = i;
+    while (depth && loop < 0) {
+      size_t k = stack[depth - 1];
+      const node *n = &g->node[k];
+      mark[k] = 1;
+      if (next[k] == n->cell->inputs) {
+        mark[k] = 2;
+        sorted[done++] = *n;
+        depth--;
+        continue;
+      }
+      int64_t d = b->driver[n->in[next[k]++]];
+      if (d >= 0 && mark[d] == 1) loop = (int64_t)n->net;
+      if (d >= 0 && !mark[d]) stack[depth++] = (size_t)d;
+    }
+  }
+  free(mark);
+  free(next);
+  free(stack);
+  g->node = sorted;
+  for (size_t i = 1; i < done; i++)
+    sorted[i].table = sorted[i - 1].table +
+                      sorted[i - 1].cell->arcs * arc_room(sorted[i - 1].cell);
+  if (loop < 0) return OPC_OK;
+  return opc_fail(b->error, OPC_INVALID, "file",
+                  "'%.100s' keeps a state: net '%.100s' is on a loop", g->name,
+                  g->net[loop]);
+}
+
+/* ---- ports ---- */
+
+/* Rails are ports that are no pin of any cell. */
+static int find_ports(builder *b) {
+  graph *g = &b->p->graph;
+  for (size_t i = 0; i < b->top->ports; i++) {
+    uint32_t net = (uint32_t)i; /* ports are the first nodes */
+    if (b->driver[net] >= 0)
+      g->output[g->outputs++] = net;
+    else if (g->fanout[net])
+      g->input[g->inputs++] = net;
+  }
+  for (size_t i = 0; i < g->nets; i++)
+    if (i >= b->top->ports && g->fanout[i] && b->driver[i] < 0)
+      return opc_fail(b->error, OPC_INVALID, "file",
+                      "nothing drives net '%.100s' of '%.100s'", g->net[i],
+                      g->name);
+  if (g->inputs && g->outputs) return OPC_OK;
+  return opc_fail(b->error, OPC_INVALID, "file",
+                  "'%.100s' has no %s among its ports", g->name,
+                  g->inputs ? "output" : "input");
+}
+
+static int build(builder *b) {
+  paths *p = b->p;
+  graph *g = &p->graph;
+  size_t most = 0;
+  g->name = own_text(p, b->top->name);
+  g->nets = b->top->nodes;
+  g->net = eda_pool_alloc(&p->pool, g->nets, sizeof *g->net);
+  for (size_t i = 0; i < g->nets; i++) g->net[i] = own_text(p, b->top->node[i]);
+  for (size_t i = 0; i < b->top->elements; i++) {
+    const eda_element *e = &b->top->element[i];
+    most += e->is_transistor ? 0 : b->n->subcircuit[e->child].ports;
+  }
+  g->node = eda_pool_alloc(&p->pool, most, sizeof *g->node);
+  g->instance = eda_pool_alloc(&p->pool, b->top->elements, sizeof *g->instance);
+  g->fanout = eda_pool_alloc(&p->pool, g->nets, sizeof *g->fanout);
+  g->input = eda_pool_alloc(&p->pool, b->top->ports, sizeof *g->input);
+  g->output = eda_pool_alloc(&p->pool, b->top->ports, sizeof *g->output);
+  b->driver = eda_alloc(g->nets, sizeof *b->driver);
+  for (size_t i = 0; i < g->nets; i++) b->driver[i] = -1;
+  int code = OPC_OK;
+  for (size_t i = 0; i < b->top->elements && !code; i++)
+    code = add_instance(b, &b->top->element[i]);
+  if (!code) code = find_ports(b);
+  if (!code) code = sort_nodes(b);
+  free(b->driver);
+  return code;
+}
+
+int graph_read(paths *p, opc_error *error) {
+  eda_netlist n = {.error = error, .scale = 1};
+  builder b = {.p = p, .n = &n, .error = error};
+  p->graph = (graph){0};
+  int code = eda_netlist_read(&n, p->file);
+  int64_t top = code ? -1 : eda_netlist_find(&n, p->top);
+  if (top < 0 || eda_netlist_prepare(&n, (uint32_t)top))
+    code = error->code;
+  else
+    b.top = &n.subcircuit[top];
+  if (!code) code = build(&b);
+  eda_netlist_clear(&n);
+  return code;
+}

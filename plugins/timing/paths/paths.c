@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* timing.paths: how long a circuit's outputs take to follow its inputs, as
+   drawn and as printed (thesis 3.3.3, 5.3.1): events through the cells of
+   timing.characterize. */
+#include "paths.h"
+
+#include <eda/drawing.h>
+#include <glib.h>
+#include <math.h>
+#include <opcflow/table.h>
+#include <string.h>
+
+/* ---- work ---- */
+
+static int write_files(paths *p, opc_error *error) {
+  for (size_t s = 0; s < p->states; s++) {
+    g_autofree char *name =
+        g_strdup_printf("%s.%s.sdf", p->graph.name, p->state[s].name);
+    const char *path = p->host->output_path(p->host, name, error);
+    if (!path || write_sdf(p, &p->state[s], path, error)) return error->code;
+  }
+  if (p->verilog) {
+    const char *path = p->host->output_path(p->host, p->verilog, error);
+    if (!path || write_verilog(p, path, error)) return error->code;
+  }
+  return p->events ? tell_events(p, error) : OPC_OK;
+}
+
+static int simulate(paths *p, opc_error *error) {
+  delays d = {0};
+  const char *path = NULL;
+  int code = delays_find(p, &d, error);
+  if (!code) code = tell_delays(p, &d, error);
+  if (!code && p->states > 1) {
+    path = p->host->output_path(p->host, p->picture, error);
+    code = path ? draw_histogram(p, &d, path, error) : error->code;
+  }
+  delays_clear(&d, p->states);
+  return code;
+}
+
+static int run(void *self, void **outputs, opc_error *error) {
+  paths *p = self;
+  (void)outputs;
+  p->states = 0;
+  if (!p->top) p->top = p->circuit ? p->circuit->name : NULL;
+  int code = p->top ? graph_read(p, error)
+                    : opc_fail(error, OPC_INVALID, "top",
+                               "missing: without 'circuit' the netlist's "
+                               "subcircuit has to be named");
+  if (!code) code = states_find(p, error);
+  for (size_t s = 0; s < p->states && !code; s++) state_tables(p, &p->state[s]);
+  if (!code) patterns_count(p);
+  if (!code) code = simulate(p, error);
+  if (!code) code = write_files(p, error);
+  if (!code && p->spice) code = compare_with_spice(p, error);
+  for (size_t s = 0; s < p->states; s++) state_clear(&p->state[s]);
+  eda_pool_clear(&p->pool);
+  return code;
+}
+
+/* ---- parameters ---- */
+
+static const opc_parameter parameters[] = {
+    OPC_PARAMETER(paths, timing, .type = OPC_INPUT, .flags = OPC_REQUIRED,
+                  .choices = "timing", .summary = "the circuit's cells"),
+    OPC_PARAMETER(paths, file, .type = OPC_FILE, .flags = OPC_REQUIRED,
+                  .summary = "SPICE or CDL netlist: instances of cells"),
+    OPC_PARAMETER(paths, top, .type = OPC_TEXT,
+                  .summary = "the subcircuit (default: the circuit's)"),
+    OPC_PARAMETER(paths, circuit, .type = OPC_INPUT, .choices = "circuit",
+                  .summary = "which gates its transistors are, for printed "
+                             "sizes"),
+    OPC_PARAMETER(paths, mask, .type = OPC_INPUT, .choices = "mask",
+                  .summary = "the corrected mask, with what it prints"),
+    OPC_PARAMETER(paths, label, .type = OPC_TEXT, .preset = "printed",
+                  .summary = "what the mask is called in tables"),
+    OPC_PARAMETER(paths, prints, .type = OPC_MAP,
+                  .summary = "further sizes, by tables gates.csv of runs with "
+                             "the same layout: { dpb: runs/dpb/gates.csv }"),
+    OPC_PARAMETER(paths, transitions, .type = OPC_INT,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "22000",
+                  .min = 1, .max = 10000000,
+                  .summary = "of the inputs; of more, so many are drawn at "
+                             "random"),
+    OPC_PARAMETER(paths, seed, .type = OPC_INT, .flags = OPC_AT_LEAST,
+                  .preset = "1", .min = 0,
+                  .summary = "of what is drawn at random"),
+    OPC_PARAMETER(paths, changes, .type = OPC_CHOICE,
+                  .choices = "single|several", .preset = "several",
+                  .summary = "one input changes, or each may"),
+    OPC_PARAMETER(paths, delays, .type = OPC_CHOICE, .choices = "slews|arcs",
+                  .preset = "slews",
+                  .summary = "delays of events by slews, or one delay an arc, "
+                             "as in the SDF files"),
+    OPC_PARAMETER(paths, load, .type = OPC_REAL, .unit = "F",
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "4 fF",
+                  .min = 0, .max = 1e-6,
+                  .summary = "capacitance at each output of the circuit"),
+    OPC_PARAMETER(paths, wire, .type = OPC_REAL, .unit = "F",
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0 fF",
+                  .min = 0, .max = 1e-6,
+                  .summary = "capacitance of wires, for each pin on a net"),
+    OPC_PARAMETER(paths, slew, .type = OPC_REAL, .unit = "s",
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "10 ps",
+                  .min = 1e-14, .max = 1e-3,
+                  .summary = "time of an input between the edges of the cells' "
+                             "slews"),
+    OPC_PARAMETER(paths, picture, .type = OPC_OUTPUT, .preset = "histogram.png",
+                  .summary = "deviations, .png, .svg or .pdf"),
+    OPC_PARAMETER(paths, verilog, .type = OPC_OUTPUT,
+                  .summary = "the circuit in Verilog, with a bench if there "
+                             "are 'events'"),
+    OPC_PARAMETER(paths, events, .type = OPC_INT,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0", .min = 0,
+                  .max = 100000,
+                  .summary = "transitions of which all events of the outputs, "
+                             "as drawn, are told"),
+    OPC_PARAMETER(paths, spice, .type = OPC_INT,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0", .min = 0,
+                  .max = 100000,
+                  .summary = "transitions that the whole circuit is simulated "
+                             "at by ngspice, too"),
+    OPC_PARAMETER_NAMED("models", paths, models[0], .type = OPC_FILE,
+                        .summary = "file with the model cards, for 'spice'"),
+    OPC_PARAMETER_NAMED("pmos_models", paths, models[1], .type = OPC_FILE,
+                        .summary = "that of the p-transistor, if it is "
+                                   "another"),
+    OPC_PARAMETER_NAMED("nmos", paths, model[EDA_NMOS], .type = OPC_TEXT,
+                        .preset = "nmos",
+                        .summary = "name of the n-transistor's model"),
+    OPC_PARAMETER_NAMED("pmos", paths, model[EDA_PMOS], .type = OPC_TEXT,
+                        .preset = "pmos",
+                        .summary = "name of the p-transistor's model"),
+    OPC_PARAMETER(paths, limit, .type = OPC_REAL, .unit = "s",
+                  .flags = OPC_ABOVE | OPC_AT_MOST | OPC_NO_EFFECT,
+                  .preset = "600 s", .min = 0, .max = 86400,
+                  .summary = "time that one process of the simulator may take"),
+};
+
+#define FIGURE(id, of, text) \
+  { .name = (id), .unit = (of), .better = OPC_NEUTRAL, .summary = (text) }
+#define FAULT(id, text) \
+  { .name = (id), .unit = "%", .better = OPC_LOWER, .summary = (text) }
+
+static const opc_metric metrics[] = {
+    FIGURE("cells", NULL, "instances of cells"),
+    FIGURE("transitions", NULL, "transitions of the inputs"),
+    FIGURE("delays", NULL, "outputs that follow them"),
+    FIGURE("delay", "ps", "mean delay as drawn"),
+    FIGURE("delay_max", "ps", "largest delay as drawn"),
+    FIGURE("delay_min", "ps", "smallest delay as drawn"),
+    FIGURE("static", "ps", "latest arrival of static analysis as drawn"),
+    FIGURE("others", NULL,
+           "delays that are not compared: as printed, the last change comes "
+           "through other nets"),
+    FAULT("mean",
+          "mean of the absolute deviations of delays (thesis eq. 3.15)"),
+    FAULT("stdv", "their standard deviation"),
+    FIGURE("lowest", "%", "lowest deviation"),
+    FIGURE("highest", "%", "highest deviation"),
+    FIGURE("longest", "%", "deviation of the largest delay"),
+    FIGURE("shortest", "%", "deviation of the smallest delay"),
+    FIGURE("static_deviation", "%", "deviation of the static latest arrival"),
+    FIGURE("spice_delays", NULL, "delays that ngspice was asked for"),
+    FAULT("spice_error", "delays as drawn against ngspice, rms"),
+    FAULT("spice_error_max", "the largest of them"),
+    FAULT("spice_deviation", "deviations against ngspice, mean in points"),
+    FAULT("spice_deviation_max", "the largest of them"),
+};
+
+static int check(void *self, opc_error *error) {
+  const paths *p = self;
+  if (p->spice && !p->models[0])
+    return opc_fail(error, OPC_INVALID, "models",
+                    "missing: 'spice' needs them");
+  return eda_paper_check(p->picture, "picture", error);
+}
+
+/* ---- entry ---- */
+
+static const opc_step functions = {.run = run};
+OPC_PLUGIN(paths, .id = "timing.paths", .kind = "step", .version = "0.2.0",
+           .licence = "BSD-3-Clause",
+           .summary = "path delays of a circuit as drawn and as printed",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
+           OPC_FUNCTIONS(functions));

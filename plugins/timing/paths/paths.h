@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The pieces of timing.paths. Times s, capacitances F; in waves.c ps. */
+#ifndef OPCFLOW_TIMING_PATHS_H
+#define OPCFLOW_TIMING_PATHS_H
+
+#include <eda/netlist.h>
+#include <eda/timing.h>
+#include <opcflow/step.h>
+
+/* The choices of 'delays' and of 'changes'. */
+enum { BY_SLEWS, ONE_AN_ARC };
+enum { SINGLE, SEVERAL };
+
+/* An output of an instance of a cell. */
+typedef struct node {
+  const eda_timing_cell *cell;
+  uint32_t instance;
+  uint32_t output;    /* of the cell */
+  uint32_t net;       /* that it drives */
+  const uint32_t *in; /* nets of the cell's inputs */
+  size_t table;       /* where its tables begin */
+} node;
+
+/* The circuit: instances of cells, in an order in which each comes after those
+   that drive it. */
+typedef struct graph {
+  const char *name;
+  size_t nets, instances, nodes;
+  const char **net;      /* names */
+  const char **instance; /* names, with their letter */
+  node *node;
+  size_t inputs, outputs;
+  uint32_t *input, *output; /* nets, in the order of the ports */
+  size_t arrivals;          /* of outputs that a node drives */
+  uint32_t *fanout;         /* pins on each net */
+} graph;
+
+/* What a pattern of the inputs does at a net: changes in turn from `level`. */
+typedef struct event {
+  double time, slew; /* ps */
+  uint64_t path;     /* a hash of the nets through which it came */
+} event;
+
+/* A set of sizes: as drawn, or as a method printed them. */
+typedef struct state {
+  const char *name;
+  double **change; /* of each instance, [bundle * EDA_SIZES + size]; or NULL */
+  double *table;   /* cubics of all nodes' arcs, ps; see tables.c */
+  double *one;     /* one delay an arc; see one_delay */
+  const node *nodes;
+  double *load; /* of each net: [(net * 2 + rises) * EDA_CAPS + cap] */
+} state;
+
+typedef struct paths {
+  const opc_host *host;
+
+  /* Parameters. */
+  const eda_timing *timing;
+  const eda_circuit *circuit;
+  const eda_mask *mask;
+  const char *label;
+  opc_map prints;
+  const char *file, *top;
+  int64_t transitions, seed, events, spice;
+  int changes, delays;
+  double load, wire, slew;
+  const char *picture, *verilog;
+  const char *models[2], *model[2];
+  double limit;
+
+  /* Of a run. */
+  eda_pool pool;
+  graph graph;
+  size_t states;
+  state *state; /* [0] as drawn */
+  size_t patterns;
+  int all; /* of them, not drawn at random */
+} paths;
+
+/* ---- graph.c ---- */
+int graph_read(paths *p, opc_error *error);
+
+/* ---- sizes.c ---- */
+int states_find(paths *p, opc_error *error);
+
+/* ---- tables.c: delays at the loads and sizes of a state ---- */
+
+enum { ARC_PARTS = 2 }; /* delay, slew */
+
+void state_tables(const paths *p, state *s);
+void state_clear(state *s);
+
+/* Doubles of the cubics of an arc. */
+size_t arc_room(const eda_timing_cell *cell);
+
+/* Delay (ps) and slew of an arc of a node at a slew of its input. */
+void arc_at(const node *n, const state *s, size_t arc, double slew,
+            double *delay, double *out);
+
+/* One delay an arc, fs: from an input to a node's output that rises or falls;
+   the least, the mean and the largest over what the other inputs are, at the
+   slews of static analysis. NAN: there is no such arc. */
+enum { LEAST, MEAN, LARGEST, KINDS };
+const double *one_delay(const node *n, const state *s, size_t input, int rises);
+
+/* Static analysis: the latest arrival at each net, [net * 2 + rises], ps, and
+   through which [net] it came: net * 2 + rises, or UINT32_MAX. */
+typedef struct arrivals {
+  double *time, *slew;
+  uint32_t *from;
+} arrivals;
+arrivals static_arrivals(const paths *p, const state *s, eda_pool *pool);
+
+/* ---- patterns.c ---- */
+
+/* The inputs before and after pattern `index`, a byte each. [any] */
+void pattern_at(const paths *p, size_t index, uint8_t *before, uint8_t *after);
+void patterns_count(paths *p);
+
+/* ---- waves.c: events ---- */
+
+/* With one delay an arc: when a function's value changes, and when its output
+   is set. */
+typedef struct flip {
+  double at, fires;
+  uint8_t value;
+} flip;
+
+typedef struct waves {
+  const paths *p;
+  size_t count, room;
+  event *event;
+  uint32_t *first, *last; /* of each net */
+  uint8_t *level;         /* before */
+  uint8_t *before, *after;
+  size_t room_changes;
+  flip *change;
+} waves;
+
+void waves_init(waves *w, const paths *p);
+void waves_clear(waves *w);
+/* All nets' events for one pattern of the inputs (w->before, w->after). */
+void waves_run(waves *w, const state *s);
+
+/* What an output does after a pattern. */
+typedef struct arrival {
+  double time;   /* ps, when it gets where it ends; NAN: it ends as it began */
+  uint64_t path; /* of that event; with one delay an arc 0 */
+} arrival;
+arrival waves_arrival(const waves *w, size_t output);
+
+/* ---- deviations.c: all patterns ---- */
+
+typedef struct delays {
+  size_t count;      /* of outputs that follow a pattern */
+  arrival **arrival; /* [state][count] */
+} delays;
+
+int delays_find(paths *p, delays *out, opc_error *error);
+void delays_clear(delays *d, size_t states);
+
+/* What deviates, in %, of the delays of state s (thesis eq. 3.15). Where
+   the output's last change comes through other nets than as drawn, as a pulse
+   passes in one of both or another of two inputs is the later, it is not the
+   same transition, and is not compared. */
+typedef struct spread {
+  size_t compared;
+  double mean, stdv, lowest, highest; /* mean and stdv of absolute values */
+  double longest, shortest;           /* of all delays, their deviation */
+} spread;
+spread spread_of(const delays *d, size_t s);
+int tell_delays(paths *p, const delays *d, opc_error *error);
+int draw_histogram(const paths *p, const delays *d, const char *path,
+                   opc_error *error);
+
+/* ---- formats.c ---- */
+int write_sdf(const paths *p, const state *s, const char *path,
+              opc_error *error);
+int write_verilog(const paths *p, const char *path, opc_error *error);
+int tell_events(const paths *p, opc_error *error);
+
+/* ---- referee.c ---- */
+int compare_with_spice(paths *p, opc_error *error);
+
+#endif

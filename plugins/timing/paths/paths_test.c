@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Circuits whose delays can be told by hand, of cells whose delays are a
+   formula. */
+#include "library_test.h"
+
+static void close_to(double a, double b, double within) {
+  if (!(fabs(a - b) <= within)) g_error("%.12g is not %.12g", a, b);
+}
+
+static void good(int code, const opc_error *error) {
+  if (code) g_error("%s", error->message);
+}
+
+/* The arc of a cell when an input changes. */
+static const eda_timing_arc *arc(const eda_timing *t, size_t cell,
+                                 uint32_t input, uint32_t from) {
+  const eda_timing_cell *c = &t->cell[cell];
+  return &c->arc[c->arc_of[(input << c->inputs) + from]];
+}
+
+/* Delay and slew after one more cell. */
+static void step(const eda_timing *t, size_t cell, uint32_t input,
+                 uint32_t from, double load, double at[2]) {
+  const eda_timing_arc *a = arc(t, cell, input, from);
+  double slew = at[1];
+  at[0] += delay_of(cell, a, slew, load);
+  at[1] = slew_of(cell, a, slew, load);
+}
+
+/* Three inverters, with a wire: each edge by the formulas; the static path is
+   the slower one. */
+static void test_chain(void) {
+  opc_error error;
+  eda_timing *t = library();
+  good(run_paths(t, "a z",
+                 "XU1 a n VDD VSS INV\nXU3 m z VDD VSS INV\n"
+                 "XU2 n m VDD VSS INV\n",
+                 ", load: 7 fF, wire: 1 fF, slew: 8 ps, events: 2", NULL, NULL,
+                 &error),
+       &error);
+  double worst = 0, delay = 0;
+  for (uint32_t high = 0; high < 2; high++) {
+    double at[2] = {0, 8e-12};
+    step(t, 0, 0, high, pin_load + 1e-15, at);
+    step(t, 0, 0, !high, pin_load + 1e-15, at);
+    step(t, 0, 0, high, 7e-15, at);
+    close_to(opc_test_number("events", "time", high), at[0] * 1e12, 6e-4);
+    close_to(opc_test_number("events", "level", high), high, 0);
+    worst = fmax(worst, at[0] * 1e12);
+    delay += at[0] * 1e12 / 2;
+  }
+  close_to(opc_test_metric("transitions"), 2, 0);
+  close_to(opc_test_metric("delays"), 2, 0);
+  close_to(opc_test_metric("delay"), delay, 1e-9);
+  close_to(opc_test_metric("delay_max"), worst, 1e-9);
+  close_to(opc_test_metric("static"), worst, 1e-9);
+  g_assert_cmpuint(opc_test_rows("static_path"), ==, 4);
+  g_assert_cmpstr(opc_test_text("static_path", "net", 3), ==, "a");
+  eda_timing_free(t);
+}
+
+/* NAND of an input and of itself inverted is 1; when it rises, both are 1 for
+   as long as the inverter takes, which is no pulse if the gate is slower. */
+static void test_pulse(void) {
+  opc_error error;
+  static const char *const more[] = {
+      ", slew: 8 ps, events: 2, load: 0.1 fF, wire: 4 fF",
+      ", slew: 8 ps, events: 2, load: 20 fF"};
+  for (int slow = 0; slow < 2; slow++) {
+    eda_timing *t = library();
+    good(run_paths(t, "a z y",
+                   "XU1 a n VDD VSS INV\nXU2 a n z VDD VSS NAND2\n"
+                   "XU3 a y VDD VSS INV\n",
+                   more[slow], NULL, NULL, &error),
+         &error);
+    double wire = slow ? 0 : 4e-15, z = slow ? 20e-15 : 0.1e-15;
+    double up[2] = {0, 8e-12}, down[2] = {0, 8e-12};
+    step(t, 1, 0, 2, z, up); /* a rises, n is still 1: z falls */
+    step(t, 0, 0, 0, pin_load + wire, down);
+    int passes = down[0] >= up[0];
+    step(t, 1, 1, 3, z, down); /* n falls: z rises again */
+    g_assert_cmpint(passes, ==, !slow);
+    g_assert_cmpuint(opc_test_rows("events"), ==, slow ? 2 : 4);
+    for (size_t i = 0; i < opc_test_rows("events") && !slow; i++) {
+      if (strcmp(opc_test_text("events", "output", i), "z")) continue;
+      int rises = (int)opc_test_number("events", "level", i);
+      close_to(opc_test_number("events", "time", i),
+               1e12 * (rises ? down : up)[0], 6e-4);
+    }
+    /* z ends as it began: only y is a delay. */
+    close_to(opc_test_metric("delays"), 2, 0);
+    eda_timing_free(t);
+  }
+}
+
+/* What XU1, the inverter from a to `out`, prints as. */
+static double leq[2], weq[2], area[2];
+
+static eda_mask *printed(const char *out, eda_circuit *circuit) {
+  static const uint32_t finger[2] = {0, 1};
+  static const char *nets[] = {"a", NULL, "VDD", "VSS"};
+  static uint32_t port[] = {0, 1, 2, 3}, flags[2];
+  static uint8_t role[] = {EDA_PIN_INPUT, EDA_PIN_OUTPUT, EDA_PIN_SUPPLY,
+                           EDA_PIN_GROUND};
+  static eda_device device[2] = {
+      {"XU1/MN", 1, 0, 3, 3, 60, 200, EDA_NMOS, 1, &finger[0]},
+      {"XU1/MP", 1, 0, 2, 2, 60, 300, EDA_PMOS, 1, &finger[1]}};
+  static eda_mask mask;
+  nets[1] = out;
+  *circuit = (eda_circuit){.name = "top",
+                           .gates = eda_gates_sample(),
+                           .nets = 4,
+                           .net = nets,
+                           .ports = 4,
+                           .port = port,
+                           .role = role,
+                           .count = 2,
+                           .device = device};
+  mask = (eda_mask){
+      .gates = circuit->gates,
+      .flags = flags,
+      .after = {.count = 2, .leq_ion = leq, .weq = weq, .area = area}};
+  return &mask;
+}
+
+/* An inverter prints longer, wider and with a larger area: each moves the delay
+   as the library says, and eq. 3.15 of both edges. */
+static void test_printed(void) {
+  opc_error error;
+  eda_circuit circuit;
+  const eda_mask *mask = printed("z", &circuit);
+  memcpy(leq, (double[]){62, 60}, sizeof leq);
+  memcpy(weq, (double[]){210, 297}, sizeof weq);
+  memcpy(area, (double[]){57 * 210, 60 * 297}, sizeof area);
+  eda_timing *t = library();
+  eda_timing_cell *c = &t->cell[0];
+  /* The delay moves by so many ps for each size; at all three points alike. */
+  const double by[] = {4e-12, -7e-12, 2e-12, 1e-12, -3e-12, 5e-12};
+  for (size_t a = 0; a < 2; a++)
+    for (size_t k = 0; k < 18; k++)
+      c->arc[a].delay_by[k] = by[k % 6] * (a ? 1 : -0.5);
+  good(run_paths(t, "a z", "XU1 a z VDD VSS INV\n", ", slew: 8 ps, load: 4 fF",
+                 &circuit, mask, &error),
+       &error);
+  double moved = by[0] * log(62.0 / 60) + by[1] * log(210.0 / 200) +
+                 by[2] * log(57.0 / 60) + by[4] * log(297.0 / 300);
+  double sum = 0, low = INFINITY, high = -INFINITY, x[2];
+  for (uint32_t a = 0; a < 2; a++) {
+    double drawn = delay_of(0, &c->arc[a], 8e-12, 4e-15);
+    x[a] = 100 * moved * (a ? 1 : -0.5) / drawn;
+    sum += fabs(x[a]) / 2;
+    low = fmin(low, x[a]);
+    high = fmax(high, x[a]);
+  }
+  close_to(opc_test_metric("mean"), sum, 1e-9);
+  close_to(opc_test_metric("lowest"), low, 1e-9);
+  close_to(opc_test_metric("highest"), high, 1e-9);
+  close_to(opc_test_metric("stdv"), fabs(fabs(x[0]) - fabs(x[1])) / sqrt(2),
+           1e-9);
+  /* Twice the length is told, not only a small change. */
+  weq[1] = 0;
+  int code =
+      run_paths(t, "a z", "XU1 a z VDD VSS INV\n", "", &circuit, mask, &error);
+  g_assert_cmpint(code, ==, OPC_FAILED);
+  g_assert_nonnull(strstr(error.message, "'XU1/MP' has no size"));
+  eda_timing_free(t);
+}
+
+/* z is the NAND of m and n, both inverted a; n has more load, so that m changes
+   first, and last where XU1, which drives m, prints longer by enough. Then each
+   change of z comes through the other of both: it is told, and not compared. */
+static void test_others(void) {
+  opc_error error;
+  eda_circuit circuit;
+  const eda_mask *mask = printed("m", &circuit);
+  memcpy(weq, (double[]){200, 300}, sizeof weq);
+  memcpy(area, (double[]){60 * 200, 60 * 300}, sizeof area);
+  for (int swap = 0; swap < 2; swap++) {
+    eda_timing *t = library();
+    eda_timing_cell *c = &t->cell[0];
+    for (size_t k = 0; k < 2 * 18; k++) /* by ln of the length */
+      c->arc[k / 18].delay_by[k % 18] = k % 6 ? 0 : swap ? 200e-12 : 1e-12;
+    leq[0] = leq[1] = 62;
+    good(run_paths(t, "a z y",
+                   "XU1 a m VDD VSS INV\nXU2 a n VDD VSS INV\n"
+                   "XU3 n y VDD VSS INV\nXU4 m n z VDD VSS NAND2\n",
+                   ", slew: 8 ps, load: 4 fF", &circuit, mask, &error),
+         &error);
+    close_to(opc_test_metric("delays"), 4, 0);
+    close_to(opc_test_metric("others"), swap ? 2 : 0, 0);
+    close_to(opc_test_number("paths", "others", 1), swap ? 2 : 0, 0);
+    if (swap) close_to(opc_test_metric("mean"), 0, 0); /* y: as drawn */
+    g_assert_cmpint(opc_test_metric("mean") > 0, ==, !swap);
+    g_assert_cmpfloat(opc_test_metric("longest"), >=, 0);
+    /* The histogram has all that are compared. */
+    double share = 0;
+    for (size_t i = 0; i < opc_test_rows("histogram"); i++)
+      share += opc_test_number("histogram", "share", i);
+    close_to(share, 100, 0.05);
+    eda_timing_free(t);
+  }
+}
+
+static void refused_with(const char *ports, const char *instances,
+                         const char *more, const char *words) {
+  opc_error error;
+  eda_timing *t = library();
+  int code = run_paths(t, ports, instances, more, NULL, NULL, &error);
+  g_assert_cmpint(code, ==, OPC_INVALID);
+  if (!strstr(error.message, words))
+    g_error("'%s' does not say '%s'", error.message, words);
+  eda_timing_free(t);
+}
+
+static void refused(const char *ports, const char *instances,
+                    const char *words) {
+  refused_with(ports, instances, "", words);
+}
+
+static void test_refused(void) {
+  refused("a z", "XU1 a n VDD VSS INV\nXU2 n b z VDD VSS NAND2\n",
+          "nothing drives net 'b'");
+  refused("a z", "XU1 a z VDD VSS INV\nXU2 a z VDD VSS INV\n",
+          "'XU2' drives a net twice");
+  refused("a z", "XU1 a m z VDD VSS NAND2\nXU2 z m VDD VSS INV\n",
+          "is on a loop");
+  refused("a z", "XU1 a z VDD VSS INV\nM1 z a VSS VSS nmos w=1u l=1u\n",
+          "'M1' is a transistor");
+  /* Any file: it is not read before the circuit is wanted. */
+  g_autofree char *more =
+      g_strdup_printf(", spice: 1, models: %s/circuit.sp", opc_test_folder());
+  refused_with("a z", "XU1 a z VDD VSS INV\n", more,
+               "'spice' simulates its transistors");
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/paths/chain", test_chain);
+  g_test_add_func("/paths/pulse", test_pulse);
+  g_test_add_func("/paths/printed", test_printed);
+  g_test_add_func("/paths/others", test_others);
+  g_test_add_func("/paths/refused", test_refused);
+  return g_test_run();
+}

@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What each instance's transistors print as: from a mask, or from the table
+   gates.csv of a run. */
+#include <eda/runs.h>
+#include <glib.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "paths.h"
+
+/* What the gates of the circuit print as, nm; area nm^2. */
+typedef struct printed {
+  double *leq, *weq, *area; /* NAN: nothing is told */
+} printed;
+
+static const char *gate_where(const eda_gates *g, size_t i) {
+  return *g->instance[i] ? g->instance[i] : g->cell[i];
+}
+
+/* ---- from the gates to the instances ---- */
+
+/* "XU1/M_i_0" is the device M_i_0 of the instance XU1. */
+static const eda_timing_device *find_device(const paths *p, const char *name,
+                                            GHashTable *instances,
+                                            size_t *instance) {
+  const graph *g = &p->graph;
+  const char *slash = strchr(name, '/');
+  if (!slash) return NULL;
+  g_autofree char *head = g_strndup(name, (gsize)(slash - name));
+  gpointer at = g_hash_table_lookup(instances, head);
+  if (!at) return NULL;
+  const node *n = &g->node[GPOINTER_TO_SIZE(at) - 1];
+  *instance = n->instance;
+  for (size_t i = 0; i < n->cell->devices; i++)
+    if (!strcmp(n->cell->device[i].name, slash + 1)) return &n->cell->device[i];
+  return NULL;
+}
+
+/* A device's change of sizes: the mean over its fingers by width, its width's
+   that of their sum. */
+static int change_of(const paths *p, const eda_device *d, const printed *q,
+                     double change[EDA_SIZES], opc_error *error) {
+  const eda_gates *g = p->circuit->gates;
+  double drawn = 0, width = 0, l = 0, c = 0;
+  for (uint32_t k = 0; k < d->fingers; k++) {
+    uint32_t f = d->finger[k];
+    double mean = q->area[f] / q->weq[f];
+    if (!(q->leq[f] > 0 && q->weq[f] > 0 && mean > 0))
+      return opc_fail(error, OPC_FAILED, NULL,
+                      "netlist device '%.100s' has no size: its gate "
+                      "'%.200s:%u' does not print",
+                      d->name, gate_where(g, f), g->number[f]);
+    drawn += g->width[f];
+    width += q->weq[f];
+    l += q->weq[f] * log(q->leq[f] / d->length);
+    c += q->weq[f] * log(mean / d->length);
+  }
+  change[EDA_SIZE_L] = l / width;
+  change[EDA_SIZE_W] = log(width / drawn);
+  change[EDA_SIZE_C] = c / width;
+  return OPC_OK;
+}
+
+static GHashTable *index_instances(const paths *p) {
+  const graph *g = &p->graph;
+  GHashTable *at = g_hash_table_new(g_str_hash, g_str_equal);
+  for (size_t i = 0; i < g->nodes; i++)
+    g_hash_table_insert(at, (gpointer)g->instance[g->node[i].instance],
+                        GSIZE_TO_POINTER(i + 1));
+  return at;
+}
+
+static void make_room(paths *p, state *s) {
+  const graph *g = &p->graph;
+  s->change = eda_pool_alloc(&p->pool, g->instances, sizeof *s->change);
+  for (size_t i = 0; i < g->nodes; i++) {
+    double **c = &s->change[g->node[i].instance];
+    if (!*c)
+      *c = eda_pool_alloc(&p->pool, g->node[i].cell->bundles * EDA_SIZES,
+                          sizeof **c);
+  }
+}
+
+static int apply(paths *p, state *s, const printed *q, opc_error *error) {
+  g_autoptr(GHashTable) instances = index_instances(p);
+  make_room(p, s);
+  for (size_t i = 0; i < p->circuit->count; i++) {
+    const eda_device *d = &p->circuit->device[i];
+    double change[EDA_SIZES] = {0};
+    size_t instance = 0;
+    const eda_timing_device *t = find_device(p, d->name, instances, &instance);
+    if (!t)
+      return opc_fail(error, OPC_INVALID, "circuit",
+                      "device '%.200s' is in no characterised cell of '%.100s'",
+                      d->name, p->graph.name);
+    if (fabs(d->length / t->length - 1) > 0.02 ||
+        fabs(d->width / t->width - 1) > 0.02)
+      return opc_fail(error, OPC_INVALID, "circuit",
+                      "device '%.200s' is %g x %g nm, its cell was "
+                      "characterised with %g x %g nm: another scale?",
+                      d->name, d->length, d->width, t->length, t->width);
+    if (change_of(p, d, q, change, error)) return error->code;
+    for (size_t k = 0; k < EDA_SIZES; k++)
+      s->change[instance][t->bundle * EDA_SIZES + k] += t->share * change[k];
+  }
+  return OPC_OK;
+}
+
+/* ---- from a mask ---- */
+
+static int from_mask(paths *p, state *s, opc_error *error) {
+  const eda_performance *after = &p->mask->after;
+  const printed q = {after->leq_ion, after->weq, after->area};
+  if (p->mask->gates != p->circuit->gates)
+    return opc_fail(error, OPC_INVALID, "mask",
+                    "the mask is of other gates than the circuit");
+  return apply(p, s, &q, error);
+}
+
+/* ---- from a table ---- */
+
+/* The columns of gates.csv that are wanted. */
+enum { GATE, LEQ, WEQ, AREA, COLUMNS };
+static const char *const names[COLUMNS] = {"transistor", "leq_ion", "weq",
+                                           "area_after"};
+
+static int find_columns(eda_table *t, const char *path, size_t at[COLUMNS],
+                        const double *value[COLUMNS], opc_error *error) {
+  for (int k = 0; k < COLUMNS; k++) {
+    int found = eda_table_find(t, names[k]);
+    if (found < 0)
+      return opc_fail(error, OPC_INVALID, "prints",
+                      "'%.300s' has no column '%s': it is no table of gates",
+                      path, names[k]);
+    at[k] = (size_t)found;
+    value[k] = k == GATE ? NULL : eda_table_numbers(t, at[k]);
+    if (k != GATE && !value[k])
+      return eda_table_fail(t, 0, at[k], "no column of numbers:", error);
+  }
+  return OPC_OK;
+}
+
+/* What is not there does not print: it is told when it is wanted. */
+static int take_rows(const paths *p, eda_table *t, const char *path,
+                     GHashTable *gates, printed *q, opc_error *error) {
+  const eda_gates *g = p->circuit->gates;
+  size_t at[COLUMNS];
+  const double *value[COLUMNS];
+  if (find_columns(t, path, at, value, error)) return error->code;
+  for (size_t r = 0; r < eda_table_rows(t); r++) {
+    gpointer gate = g_hash_table_lookup(gates, eda_table_text(t, r, at[GATE]));
+    if (!gate)
+      return eda_table_fail(t, r, at[GATE],
+                            "no transistor of this circuit:", error);
+    size_t i = GPOINTER_TO_SIZE(gate) - 1;
+    q->leq[i] = value[LEQ][r];
+    q->weq[i] = value[WEQ][r];
+    q->area[i] = g->length[i] * g->width[i] * (1 + value[AREA][r] / 100);
+  }
+  return OPC_OK;
+}
+
+static int from_table(paths *p, state *s, const char *path, opc_error *error) {
+  const eda_gates *g = p->circuit->gates;
+  eda_table *t = eda_table_read(path, error);
+  if (!t) return error->code;
+  g_autoptr(GHashTable) gates =
+      g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
+  printed q = {eda_pool_alloc(&p->pool, g->count, sizeof(double)),
+               eda_pool_alloc(&p->pool, g->count, sizeof(double)),
+               eda_pool_alloc(&p->pool, g->count, sizeof(double))};
+  for (size_t i = 0; i < g->count; i++)
+    g_hash_table_insert(
+        gates, g_strdup_printf("%s:%u", gate_where(g, i), g->number[i]),
+        GSIZE_TO_POINTER(i + 1));
+  int code = take_rows(p, t, path, gates, &q, error);
+  eda_table_free(t);
+  return code ? code : apply(p, s, &q, error);
+}
+
+/* ---- all ---- */
+
+int states_find(paths *p, opc_error *error) {
+  size_t most = 2 + p->prints.count;
+  p->state = eda_pool_alloc(&p->pool, most, sizeof *p->state);
+  p->state[0].name = "drawn";
+  p->states = 1;
+  if ((p->mask || p->prints.count) && !p->circuit)
+    return opc_fail(error, OPC_INVALID, "circuit",
+                    "missing: printed sizes are of a circuit's transistors");
+  if (p->spice && !p->circuit)
+    return opc_fail(error, OPC_INVALID, "circuit",
+                    "missing: 'spice' simulates its transistors");
+  if (p->mask) {
+    state *s = &p->state[p->states++];
+    s->name = p->label;
+    if (from_mask(p, s, error)) return error->code;
+  }
+  for (size_t i = 0; i < p->prints.count; i++) {
+    state *s = &p->state[p->states++];
+    s->name = p->prints.pairs[i].key;
+    if (from_table(p, s, p->prints.pairs[i].value, error)) return error->code;
+  }
+  return OPC_OK;
+}

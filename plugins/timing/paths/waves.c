@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a transition of the inputs does, net by net in the order of signals: all
+   events of a net are known before those that it drives are looked at. A pulse
+   that is shorter than the delay of what would make it is swallowed (inertial
+   delay). Times ps, in whole fs with one delay an arc. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "paths.h"
+
+void waves_init(waves *w, const paths *p) {
+  const graph *g = &p->graph;
+  *w = (waves){.p = p};
+  w->first = eda_alloc(2 * g->nets, sizeof *w->first);
+  w->last = w->first + g->nets;
+  w->level = eda_alloc(g->nets + 2 * g->inputs, 1);
+  w->before = w->level + g->nets;
+  w->after = w->before + g->inputs;
+}
+
+void waves_clear(waves *w) {
+  free(w->first);
+  free(w->level);
+  free(w->event);
+  free(w->change);
+}
+
+static void push(waves *w, double time, double slew, uint64_t path) {
+  EDA_PUSH(w->event, w->count, w->room, (event){time, slew, path});
+}
+
+/* FNV-1a over the numbers of nets. */
+static uint64_t path_on(uint64_t path, uint32_t net) {
+  return (path ^ (net + 1)) * 0x100000001b3u;
+}
+
+/* ---- the inputs of a node, in the order of time ---- */
+
+typedef struct merge {
+  const waves *w;
+  const node *n;
+  uint32_t now;                     /* levels of the inputs */
+  uint32_t next[EDA_TIMING_INPUTS]; /* events */
+  uint32_t end[EDA_TIMING_INPUTS];
+} merge;
+
+/* Whether any input changes. */
+static int merge_init(merge *m, const waves *w, const node *n) {
+  int some = 0;
+  m->w = w;
+  m->n = n;
+  m->now = 0;
+  for (size_t i = 0; i < n->cell->inputs; i++) {
+    uint32_t net = n->in[i];
+    m->now |= (uint32_t)w->level[net] << i;
+    m->next[i] = w->first[net];
+    m->end[i] = w->last[net];
+    some |= m->next[i] < m->end[i];
+  }
+  return some;
+}
+
+/* The input that changes next, -1: none. Of equals the first. */
+static int merge_next(const merge *m, double *time) {
+  int found = -1;
+  *time = INFINITY;
+  for (size_t i = 0; i < m->n->cell->inputs; i++)
+    if (m->next[i] < m->end[i] && m->w->event[m->next[i]].time < *time) {
+      *time = m->w->event[m->next[i]].time;
+      found = (int)i;
+    }
+  return found;
+}
+
+/* ---- delays by slews ---- */
+
+static void by_slews(waves *w, const node *n, const state *s) {
+  const eda_timing_cell *c = n->cell;
+  const uint8_t *level = c->level + ((size_t)n->output << c->inputs);
+  const int32_t *arc_of =
+      c->arc_of + ((size_t)n->output * c->inputs << c->inputs);
+  size_t first = w->count;
+  double time;
+  merge m;
+  if (!merge_init(&m, w, n)) {
+    w->level[n->net] = level[m.now];
+    return;
+  }
+  w->level[n->net] = level[m.now];
+  for (int i; (i = merge_next(&m, &time)) >= 0;) {
+    const event cause = w->event[m.next[i]++];
+    double delay, out;
+    uint32_t from = m.now;
+    m.now ^= (uint32_t)1 << i;
+    if (level[from] == level[m.now]) continue;
+    const event *before = w->count > first ? &w->event[w->count - 1] : NULL;
+    if (before && before->time > time) {
+      w->count--;
+      continue;
+    }
+    arc_at(n, s, (size_t)arc_of[((size_t)i << c->inputs) + from], cause.slew,
+           &delay, &out);
+    if (before && time + delay <= before->time)
+      w->count--;
+    else
+      push(w, time + delay, out, path_on(cause.path, n->net));
+  }
+}
+
+/* ---- one delay an arc ---- */
+
+/* As vvp has module paths (its delay.cc, vvp_fun_modpath): of inputs that
+   change at once the least delay counts; each change of the function's value
+   sets a time at which the output gets the value that the function has then. */
+static void by_arcs(waves *w, const node *n, const state *s) {
+  const eda_timing_cell *c = n->cell;
+  const uint8_t *level = c->level + ((size_t)n->output << c->inputs);
+  size_t changes = 0;
+  double time, now;
+  merge m;
+  int some = merge_init(&m, w, n);
+  uint8_t value = level[m.now];
+  w->level[n->net] = value;
+  if (!some) return;
+  for (int i; (i = merge_next(&m, &time)) >= 0;) {
+    uint32_t from = m.now, inputs = 0;
+    for (; i >= 0 && (i = merge_next(&m, &now)) >= 0 && now == time;) {
+      m.next[i]++;
+      m.now ^= (uint32_t)1 << i;
+      inputs |= (uint32_t)1 << i;
+    }
+    if (level[from] == level[m.now]) continue;
+    double least = INFINITY;
+    for (size_t k = 0; k < c->inputs; k++) {
+      double d = one_delay(n, s, k, level[m.now])[MEAN];
+      if (inputs >> k & 1 && d < least) least = d;
+    }
+    EDA_PUSH(w->change, changes, w->room_changes,
+             (flip){time, time + least, level[m.now]});
+  }
+  flip *change = w->change;
+  for (size_t left = changes; left;) {
+    size_t next = changes;
+    for (size_t k = 0; k < changes; k++)
+      if (!isinf(change[k].fires) &&
+          (next == changes || change[k].fires < change[next].fires))
+        next = k;
+    time = change[next].fires;
+    change[next].fires = INFINITY;
+    left--;
+    size_t last = 0;
+    for (size_t k = 0; k < changes; k++)
+      if (change[k].at < time) last = k;
+    if (change[last].value == value) continue;
+    value = change[last].value;
+    push(w, time, 0, 0);
+  }
+}
+
+/* ---- a pattern ---- */
+
+void waves_run(waves *w, const state *s) {
+  const paths *p = w->p;
+  const graph *g = &p->graph;
+  double slew = p->slew * 1e12;
+  w->count = 0;
+  memset(w->first, 0, 2 * g->nets * sizeof *w->first);
+  for (size_t i = 0; i < g->inputs; i++) {
+    uint32_t net = g->input[i];
+    w->level[net] = w->before[i];
+    w->first[net] = (uint32_t)w->count;
+    if (w->before[i] != w->after[i]) push(w, 0, slew, path_on(0, net));
+    w->last[net] = (uint32_t)w->count;
+  }
+  for (size_t i = 0; i < g->nodes; i++) {
+    const node *n = &g->node[i];
+    w->first[n->net] = (uint32_t)w->count;
+    if (p->delays == ONE_AN_ARC)
+      by_arcs(w, n, s);
+    else
+      by_slews(w, n, s);
+    w->last[n->net] = (uint32_t)w->count;
+  }
+}
+
+arrival waves_arrival(const waves *w, size_t output) {
+  uint32_t net = w->p->graph.output[output];
+  uint32_t n = w->last[net] - w->first[net];
+  if (n % 2 == 0) return (arrival){.time = (double)NAN};
+  const event *e = &w->event[w->last[net] - 1];
+  return (arrival){e->time, e->path};
+}

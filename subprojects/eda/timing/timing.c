@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What is known of the timing of cells, and looking it up. */
+#include <eda/timing.h>
+
+#include <math.h>
+#include <stdlib.h>
+
+/* ---- the object ---- */
+
+eda_timing *eda_timing_new(size_t count) {
+  eda_timing *t = eda_alloc(1, sizeof *t);
+  t->count = count;
+  t->cell = eda_pool_alloc(&t->memory, count, sizeof *t->cell);
+  return t;
+}
+
+void eda_timing_free(void *timing) {
+  eda_timing *t = timing;
+  if (!t) return;
+  eda_pool_clear(&t->memory);
+  free(t);
+}
+
+const eda_timing_cell *eda_timing_find(const eda_timing *timing,
+                                       const char *name) {
+  for (size_t i = 0; i < timing->count; i++)
+    if (eda_same_name(timing->cell[i].name, name)) return &timing->cell[i];
+  return NULL;
+}
+
+enum { POINTS = 3 };
+
+void eda_timing_cell_figures(eda_pool *pool, eda_timing_cell *c) {
+  const size_t grid = c->slews * c->loads,
+               changes = c->bundles * (size_t)EDA_SIZES,
+               pins = c->inputs * 2 * EDA_CAPS;
+  c->figures = c->arcs * 2 * (grid + POINTS * changes) + pins * (1 + changes);
+  c->figure = eda_pool_alloc(pool, c->figures, sizeof *c->figure);
+  double *at = c->figure;
+  for (size_t i = 0; i < c->arcs; i++) {
+    eda_timing_arc *a = &c->arc[i];
+    a->delay = at;
+    a->slew = at + grid;
+    a->delay_by = at + 2 * grid;
+    a->slew_by = a->delay_by + POINTS * changes;
+    at = a->slew_by + POINTS * changes;
+  }
+  c->capacitance = at;
+  c->capacitance_by = at + pins;
+}
+
+static int check_cell(const eda_timing_cell *c, opc_error *error) {
+  if (!c->name) return opc_fail(error, OPC_FAILED, NULL, "a cell has no name");
+  if (c->trouble) return OPC_OK;
+  if (!c->inputs || c->inputs > EDA_TIMING_INPUTS || !c->outputs ||
+      c->slews < 2 || c->loads < 2 || !c->level || !c->arc_of || !c->figure)
+    return opc_fail(error, OPC_FAILED, NULL, "cell '%.100s' is incomplete",
+                    c->name);
+  for (size_t i = 0; i < c->figures; i++)
+    if (!isfinite(c->figure[i]))
+      return opc_fail(error, OPC_FAILED, NULL,
+                      "figure %zu of cell '%.100s' is not a number", i,
+                      c->name);
+  return OPC_OK;
+}
+
+int eda_timing_check(const void *timing, opc_error *error) {
+  const eda_timing *t = timing;
+  if (t->count && !t->cell)
+    return opc_fail(error, OPC_FAILED, NULL, "there are no cells");
+  for (size_t i = 0; i < t->count; i++)
+    if (check_cell(&t->cell[i], error)) return error->code;
+  return OPC_OK;
+}
+
+/* ---- interpolation ---- */
+
+/* The slope at a point: that of the parabola through it and its neighbours. */
+static double slope_at(const double *x, const double *y, size_t n, size_t i) {
+  if (n == 2) return (y[1] - y[0]) / (x[1] - x[0]);
+  size_t m = i ? i + 1 < n ? i : n - 2 : 1;
+  double h0 = x[m] - x[m - 1], h1 = x[m + 1] - x[m];
+  double d0 = (y[m] - y[m - 1]) / h0, d1 = (y[m + 1] - y[m]) / h1;
+  double bend = (d1 - d0) / (h0 + h1);
+  return d0 + bend * (2 * x[i] - x[m - 1] - x[m]);
+}
+
+void eda_timing_cubic(const double *x, const double *y, size_t n,
+                      double *coefficient) {
+  for (size_t i = 0; i + 1 < n; i++) {
+    double h = x[i + 1] - x[i], d = (y[i + 1] - y[i]) / h;
+    double s0 = slope_at(x, y, n, i), s1 = slope_at(x, y, n, i + 1);
+    double *c = coefficient + 4 * i;
+    c[0] = y[i];
+    c[1] = s0;
+    c[2] = (3 * d - 2 * s0 - s1) / h;
+    c[3] = (s0 + s1 - 2 * d) / (h * h);
+  }
+}
+
+double eda_timing_cubic_at(const double *x, const double *coefficient, size_t n,
+                           double at) {
+  size_t i = 0;
+  while (i + 2 < n && at > x[i + 1]) i++;
+  const double *c = coefficient + 4 * i;
+  double t = at - x[i], h = x[i + 1] - x[i];
+  if (t < 0) return c[0] + c[1] * t;
+  double over = 0;
+  if (t > h) {
+    over = (t - h) * (c[1] + h * (2 * c[2] + 3 * h * c[3]));
+    t = h;
+  }
+  return c[0] + t * (c[1] + t * (c[2] + t * c[3])) + over;
+}
+
+/* ---- look-up ---- */
+
+enum { MOST_GRID = 16 };
+
+static double at_load(const eda_timing_cell *c, const double *row,
+                      double load) {
+  double coefficient[4 * MOST_GRID];
+  eda_timing_cubic(c->at_load, row, c->loads, coefficient);
+  return eda_timing_cubic_at(c->at_load, coefficient, c->loads, load);
+}
+
+/* Where a value lies between the two at which changes were simulated: 0 to 1,
+   or beyond. */
+static double between(const double *at, const size_t near[2], double value) {
+  return (value - at[near[0]]) / (at[near[1]] - at[near[0]]);
+}
+
+static double plane(const double at[POINTS], double load, double slew) {
+  return at[0] + load * (at[1] - at[0]) + slew * (at[2] - at[0]);
+}
+
+static void sum_changes(const eda_timing_cell *c, const double *by,
+                        const double *change, double sum[POINTS]) {
+  const size_t n = c->bundles * (size_t)EDA_SIZES;
+  for (size_t p = 0; p < POINTS; p++) {
+    sum[p] = 0;
+    for (size_t k = 0; k < n && change; k++)
+      sum[p] += by[p * n + k] * change[k];
+  }
+}
+
+void eda_timing_at(const eda_timing_cell *c, const eda_timing_arc *a,
+                   double delay_load, double slew_load, const double *change,
+                   double *delay, double *slew) {
+  double by_delay[POINTS], by_slew[POINTS];
+  double d = between(c->at_load, c->near_load, delay_load),
+         l = between(c->at_load, c->near_load, slew_load);
+  sum_changes(c, a->delay_by, change, by_delay);
+  sum_changes(c, a->slew_by, change, by_slew);
+  for (size_t i = 0; i < c->slews; i++) {
+    double s = between(c->at_slew, c->near_slew, c->at_slew[i]);
+    delay[i] =
+        at_load(c, a->delay + i * c->loads, delay_load) + plane(by_delay, d, s);
+    slew[i] =
+        at_load(c, a->slew + i * c->loads, slew_load) + plane(by_slew, l, s);
+  }
+}
+
+double eda_timing_capacitance(const eda_timing_cell *c, size_t input, int rises,
+                              int cap, const double *change) {
+  const size_t n = c->bundles * (size_t)EDA_SIZES;
+  size_t i = (input * 2 + (size_t)rises) * EDA_CAPS + (size_t)cap;
+  double sum = c->capacitance[i];
+  for (size_t k = 0; k < n && change; k++)
+    sum += c->capacitance_by[i * n + k] * change[k];
+  return sum;
+}
+
+/* ---- the input ---- */
+
+/* Where the line ends: of what came out of inverters and NAND gates of 65 nm,
+   with 0 to 8 fF, the time from 50 to 90 % was 1.4 to 1.8 (rising) and 1.1 to
+   1.3 (falling) of that from 30 to 70 %; here it is 1.7 and 1.3. With 0.5 for
+   both, falling outputs of a chain come 5 % too early and rising ones too late.
+ */
+static const double bend[] = {0.7, 0.55};
+
+double eda_timing_ramp(int rises, double level) {
+  double b = bend[!!rises];
+  return level <= b ? level : b + (1 - b) * log((1 - b) / (1 - level));
+}
+
+void eda_timing_ramp_points(int rises, double time[EDA_TIMING_RAMP],
+                            double level[EDA_TIMING_RAMP]) {
+  const double first = bend[!!rises], last = 0.99;
+  level[0] = time[0] = 0;
+  for (int i = 1; i < EDA_TIMING_RAMP - 1; i++) {
+    /* Equal steps of the exponential's logarithm. */
+    double part = (double)(i - 1) / (EDA_TIMING_RAMP - 3);
+    level[i] = 1 - (1 - first) * pow((1 - last) / (1 - first), part);
+    time[i] = eda_timing_ramp(rises, level[i]);
+  }
+  level[EDA_TIMING_RAMP - 1] = 1; /* the last percent is a step */
+  time[EDA_TIMING_RAMP - 1] = time[EDA_TIMING_RAMP - 2] + 0.1;
+}

@@ -1,0 +1,181 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# The library of corrected cells: a cell in each of the eight orientations, what
+# is corrected again and what is not, and databases that are no good.
+# library_test.sh OPCFLOW
+set -u
+opcflow=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+number=0 failed=0
+
+# check NAME CONDITION...
+check() {
+  name=$1
+  shift
+  number=$((number + 1))
+  if "$@"; then echo "ok $number $name"; else
+    echo "not ok $number $name"
+    failed=1
+    sed 's/^/# /' "$work/log"
+  fi
+}
+
+# A layout of NAND2 in an orientation, as CIF has it; W of its n-transistors can
+# be changed.
+layout() {
+  sed -e '/^C 1;/,$d' -e "s/ 600 / $2 /;s/ 600 / $2 /;s/ 600;/ $2;/" "$OPCFLOW_SOURCE/data/cells65/nand2.cif"
+  printf 'DS 2 1 10;\n9 top;\nC 1 %s T 1230 4560;\nDF;\nC 2;\nE\n' "$1"
+}
+
+run() {
+  out=$work/run
+  "$opcflow" run "$work/flow.yaml" --no-cache --force --output "$out" \
+    --set "library.database=$work/db" "$@" >"$work/log" 2>&1
+}
+
+# metric STEP NAME: its value
+metric() {
+  python3 -c 'import json,sys; print(json.load(open(sys.argv[1]))[sys.argv[2]][sys.argv[3]]["value"])' \
+    "$out/metrics.json" "$1" "$2"
+}
+
+is() { [ "$(metric "$1" "$2")" = "$3" ]; }
+below() { python3 -c 'import sys; sys.exit(not float(sys.argv[1]) < float(sys.argv[2]))' "$(metric "$1" "$2")" "$3"; }
+says() { grep -q "$1" "$work/log"; }
+exits() { [ "$code" = "$1" ]; }
+
+cat >"$work/flow.yaml" <<FLOW
+opcflow: 1
+extends: $OPCFLOW_SOURCE/flows/library.yaml
+name: test
+steps:
+  layout: { use: read.cif, file: $work/r0.cif, layers: { poly: CP, active: CA, contact: CC, nwell: CW } }
+  sheet: { neighbours: none }
+  library: { fine: off }
+  placed: { fine: off, picture: ~ }
+  mask: ~
+  gds: { use: write.cif, mask: "\${placed}", file: mask.cif }
+FLOW
+
+layout "" 600 >"$work/r0.cif"
+layout "" 610 >"$work/wider.cif"
+run
+check "a cell is corrected" is library corrected 1.0
+cp "$out/mask.cif" "$work/mask.cif"
+
+# Turned back, the placed mask is that of the cell, corner by corner.
+same_mask() {
+  python3 - "$work/mask.cif" "$out/mask.cif" "$1" <<'PY'
+import re, sys
+def turn(text):
+    m = (1, 0, 0, 1)
+    for word in re.findall(r'M [XY]|R -?\d+ -?\d+', text):
+        if word == 'M X': a = (-1, 0, 0, 1)
+        elif word == 'M Y': a = (1, 0, 0, -1)
+        else:
+            x, y = map(int, word.split()[1:])
+            a = (x, -y, y, x)
+        m = (a[0]*m[0]+a[1]*m[2], a[0]*m[1]+a[1]*m[3], a[2]*m[0]+a[3]*m[2], a[2]*m[1]+a[3]*m[3])
+    return m
+def cells(path, m):
+    """The unit squares' edges as sets: vertical edges of each polygon, turned."""
+    shapes, layer, scale = set(), None, 1
+    for command in open(path).read().split(';'):
+        words = command.split()
+        if words[:1] == ['L']: layer = words[1]
+        if words[:1] == ['B']:
+            w, h, x, y = map(int, words[1:5])
+            corners = [(x-w//2, y-h//2), (x-w//2+w, y-h//2), (x-w//2+w, y-h//2+h), (x-w//2, y-h//2+h)]
+        elif words[:1] == ['P']:
+            v = list(map(int, words[1:]))
+            corners = list(zip(v[::2], v[1::2]))
+        else: continue
+        turned = [((m[0]*(x-1230*S)+m[1]*(y-4560*S)), (m[2]*(x-1230*S)+m[3]*(y-4560*S))) for x, y in corners]
+        shapes.add((layer, frozenset(turned)))
+    return shapes
+S = 1
+for command in open(sys.argv[1]).read().split(';'):
+    w = command.split()
+    if w[:1] == ['P'] and max(map(abs, map(int, w[1:]))) > 20000: S = 10
+a, b = cells(sys.argv[1], turn(sys.argv[3])), cells(sys.argv[2], (1, 0, 0, 1))
+if a != b or not a:
+    print(len(a), len(b), len(a ^ b))
+sys.exit(a != b or not a)
+PY
+}
+for turn in "R 0 1" "R -1 0" "R 0 -1" "M X" "M Y" "M X R 0 1" "M Y R 0 1"; do
+  layout "$turn" 600 >"$work/turned.cif"
+  run --set "layout.file=$work/turned.cif"
+  check "$turn: the mask is the cell's, turned" same_mask "$turn"
+  check "$turn: it prints as in the cell" below placed disturbance_max 0.01
+done
+check "the cell was not corrected again" is library kept 1.0
+
+run --set "layout.file=$work/wider.cif"
+check "a changed cell is" is library corrected 1.0
+
+# The library of one layout, the circuit of another.
+sed "s#  layout: {.*#&\n  other: { use: read.cif, file: $work/wider.cif, layers: { poly: CP, active: CA, contact: CC, nwell: CW } }\n  gates: { layout: '\${other}' }#; s#placed: {#placed: { layout: '\${other}',#" \
+  "$work/flow.yaml" >"$work/two.yaml"
+cp "$work/flow.yaml" "$work/one.yaml"
+cp "$work/two.yaml" "$work/flow.yaml"
+run
+code=$?
+check "a cell that is not as in the library: exit 2" exits 2
+check "and says which" says "cell 'nand2' is drawn or cut otherwise"
+run --set placed.missing=drawn
+check "or is as drawn" is placed unknown 4.0
+cp "$work/one.yaml" "$work/flow.yaml"
+run --set placed.litho.na=0.74
+code=$?
+check "another process: exit 2" exits 2
+check "and says what differs" says "made with another litho"
+
+# ---- databases ----
+
+"$opcflow" library list --database "$work/db" >"$work/log" 2>&1
+check "list has both" test "$(grep -c nand2 "$work/log")" = 2
+"$opcflow" library show nand2 --database "$work/db" >"$work/log" 2>&1
+check "show has their transistors" test "$(grep -c '^nand2' "$work/log")" -ge 8
+"$opcflow" library check --database "$work/db" >"$work/log" 2>&1
+check "check finds them sound" test $? = 0
+
+sqlite3 "$work/db" "UPDATE cell SET data = substr(data, 1, 100)"
+"$opcflow" library check --database "$work/db" >"$work/log" 2>&1
+code=$?
+check "a damaged cell: exit 5" exits 5
+run
+check "it is corrected anew" is library corrected 1.0
+check "and that is told" says "is damaged in"
+"$opcflow" library prune --database "$work/db" >"$work/log" 2>&1
+"$opcflow" library check --database "$work/db" >"$work/log" 2>&1
+check "prune takes the other one away" test $? = 0
+
+sqlite3 "$work/db" "PRAGMA user_version = 2"
+run
+code=$?
+check "another version: exit 2" exits 2
+check "and says so" says "is a library of version 2"
+echo nonsense, and enough of it to be no database at all >"$work/db"
+run
+code=$?
+check "no database: exit 2" exits 2
+"$opcflow" library list --database "$work/none" >"$work/log" 2>&1
+code=$?
+check "no file: exit 5" exits 5
+
+# Killed at random moments, the database is whole and has what it had.
+rm -f "$work/db"
+run
+for wait in 0.01 0.05 0.1 0.15 0.2; do
+  timeout -s KILL "$wait" "$opcflow" run "$work/flow.yaml" --no-cache --force --output "$work/killed" \
+    --set "library.database=$work/db" --set "layout.file=$work/wider.cif" >"$work/log" 2>&1
+  "$opcflow" library check --database "$work/db" >"$work/log" 2>&1 || { code=1; break; }
+  code=0
+done
+check "sound after kills" exits 0
+run
+check "and nothing was lost" is library kept 1.0
+echo "1..$number"
+exit $failed
