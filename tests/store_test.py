@@ -323,6 +323,8 @@ steps:
     folder, _ = run(**paths)
     assert set(ran(folder)) == {"best", "best.layout", "best.gates", "surface", "cost", "gds", "picture", "again"}, ran(folder)
     same(truth, folder)
+    told = manifest(folder + "/best")["store"]  # with steps that its points share
+    assert told["reused"] == sum(r["result"] == "reused" for r in told["results"]) > 0, told
     folder, _ = run("--set", "best.sweep.mask.synthesizer.fragment=[30 nm, 60 nm]", **paths)
     assert ran(folder)["best.mask"].startswith("mask.synthesizer.fragment changed from "), ran(folder)["best.mask"]
     assert manifest(folder)["store"]["reused"] >= 1
