@@ -348,7 +348,9 @@ static int check(void *self, opc_error *error) {
 /* ---- entry ---- */
 
 static const opc_port ports[] = {EDA_PORT_TIMING("timing")};
-static const opc_step functions = {OPC_OUTPUTS(ports), .run = run};
+/* It asks ngspice, and files include others. */
+static const opc_step functions = {OPC_OUTPUTS(ports), .run = run,
+                                   .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(study, .id = "timing.characterize", .kind = "step",
            .version = "0.2.0", .licence = "BSD-3-Clause",
            .summary = "delays and slews of cells by ngspice",

@@ -179,7 +179,8 @@ static int check(void *self, opc_error *error) {
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = run};
+/* It asks ngspice, and files include others. */
+static const opc_step functions = {.run = run, .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(paths, .id = "timing.paths", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",
            .summary = "path delays of a circuit as drawn and as printed",
