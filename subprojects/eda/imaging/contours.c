@@ -274,7 +274,8 @@ static void cross(const squares *s, strip *p, bench *b, int j, int n, int end) {
   }
   size_t had = p->next_room;
   eda_grow(&p->next, &p->next_room, p->all, sizeof *p->next);
-  memset(p->next + had, 0xff, (p->next_room - had) * sizeof *p->next);
+  if (p->next_room > had)
+    memset(p->next + had, 0xff, (p->next_room - had) * sizeof *p->next);
 }
 
 static void join_row(strip *p, bench *b, int n) {
