@@ -14,7 +14,7 @@
 typedef struct opc_store opc_store;
 
 /* Bytes, where neither OPCFLOW_STORE_LIMIT nor `opcflow cache limit` says
-   otherwise: some hundred corrections of a thousand transistors. */
+   otherwise: some ten thousand results of 200 kB. */
 #define OPC_STORE_LIMIT G_GUINT64_CONSTANT(2000000000)
 
 /* The store in OPCFLOW_STORE or, where that is not set, opcflow in the user's

@@ -13,4 +13,28 @@ int rules_report(const opc_host *host, const eda_gates *gates,
                  const eda_shapes *mask, const double limit[EDA_RULES],
                  opc_error *error);
 
+/* Rules are only counted. `state` has min_space, min_mask_width, min_edge and
+   min_jog, nm. clang-format off */
+#define RULES_PARAMETER(state, name, given, tells)                    \
+  OPC_PARAMETER(state, name, .type = OPC_REAL, .flags = OPC_AT_LEAST, \
+                .unit = "nm", .preset = (given), .min = 0, .summary = (tells))
+#define RULES_PARAMETERS(state)                                               \
+  RULES_PARAMETER(state, min_space, "40 nm", "least space of the mask"),      \
+      RULES_PARAMETER(state, min_mask_width, "40 nm",                         \
+                      "least width of the mask"),                             \
+      RULES_PARAMETER(state, min_edge, "20 nm",                               \
+                      "least length of an edge of the mask beside a shorter " \
+                      "one, as of steps that follow each other"),             \
+      RULES_PARAMETER(state, min_jog, "1 nm",                                 \
+                      "least height of a jog of the mask")
+#define RULES_METRICS                                                    \
+  {"mask_violations", NULL, OPC_LOWER, 0,                                \
+   "places where the mask does not keep its rules: the next four"},      \
+      {"mask_space", NULL, OPC_LOWER, 0, "spaces below min_space"},      \
+      {"mask_width", NULL, OPC_LOWER, 0, "widths below min_mask_width"}, \
+      {"mask_edge", NULL, OPC_LOWER, 0, "edges below min_edge"}, {       \
+    "mask_jog", NULL, OPC_LOWER, 0, "jogs below min_jog"                 \
+  }
+/* clang-format on */
+
 #endif

@@ -203,12 +203,6 @@ static int restore(void *self, const char *folder, void **outputs,
 
 /* ---- parameters ---- */
 
-/* A rule of the mask that is only counted. */
-#define RULE(NAME, PRESET, SUMMARY)                                     \
-  OPC_PARAMETER(correct, NAME, .type = OPC_REAL, .flags = OPC_AT_LEAST, \
-                .unit = "nm", .preset = (PRESET), .min = 0,             \
-                .summary = (SUMMARY))
-
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(correct, gates, .type = OPC_INPUT, .flags = OPC_REQUIRED,
                   .choices = "gates", .summary = "the transistors to correct"),
@@ -254,40 +248,18 @@ static const opc_parameter parameters[] = {
                   .unit = "%", .preset = "0.5 %",
                   .summary = "|Ion deviation| that the guard takes for good, "
                              "whatever the drawn mask's is"),
-    RULE(min_space, "40 nm", "least space of the mask"),
-    RULE(min_mask_width, "40 nm", "least width of the mask"),
-    RULE(
-        min_edge, "20 nm",
-        "least length of an edge of the mask beside a shorter one, as of steps "
-        "that follow each other"),
-    RULE(min_jog, "1 nm", "least height of a jog of the mask"),
+    RULES_PARAMETERS(correct),
     OPC_PARAMETER(correct, trace, .type = OPC_BOOL, .preset = "false",
                   .summary = "write trace.csv: each transistor at each print"),
 };
 
 static const opc_metric metrics[] = {
     {"transistors", NULL, OPC_NEUTRAL, 0, "how many were corrected"},
-    {"ion_mean", "%", OPC_LOWER, 0.01,
-     "mean of |Ion deviation| after correction"},
-    {"ion_max", "%", OPC_LOWER, 0.01,
-     "largest |Ion deviation| after correction"},
-    {"ion_stdv", "%", OPC_LOWER, 0.01,
-     "standard deviation of the Ion deviation, thesis eq. 3.5"},
+    REPORT_METRICS,
     {"ion_mean_drawn", "%", OPC_NEUTRAL, 0,
      "mean of |Ion deviation| of the mask as drawn"},
     {"ion_max_drawn", "%", OPC_NEUTRAL, 0,
      "largest |Ion deviation| of the mask as drawn"},
-    {"area_mean", "%", OPC_LOWER, 0.01,
-     "mean of |gate area deviation| after correction"},
-    {"area_max", "%", OPC_LOWER, 0.01,
-     "largest |gate area deviation| after correction"},
-    {"ioff_mean", "%", OPC_LOWER, 0.1,
-     "mean of |Ioff deviation| after correction"},
-    {"ioff_max", "%", OPC_LOWER, 0.1, "largest |Ioff deviation|"},
-    {"ioff_total", "%", OPC_NEUTRAL, 0.1,
-     "deviation of the sum of all Ioff, what is drawn being 0"},
-    {"ioff_total_n", "%", OPC_NEUTRAL, 0.1, "that of all n-transistors"},
-    {"ioff_total_p", "%", OPC_NEUTRAL, 0.1, "that of all p-transistors"},
     {.name = "epe_mean",
      .unit = "nm",
      .better = OPC_LOWER,
@@ -303,10 +275,7 @@ static const opc_metric metrics[] = {
     {"simulations", NULL, OPC_LOWER, 0, "litho simulations, of one layer each"},
     {"fine_simulations", NULL, OPC_LOWER, 0,
      "those of the fine model, beside them"},
-    {"failed", NULL, OPC_LOWER, 0,
-     "transistors that do not print as one of their own"},
-    {"outside", NULL, OPC_LOWER, 0,
-     "transistors with figures from beyond the device table"},
+    REPORT_PRINT_METRICS,
     {"went_back", NULL, OPC_LOWER, 0,
      "transistors that the guard has taken back towards the drawn mask"},
     {"worse", NULL, OPC_LOWER, 0,
@@ -321,12 +290,7 @@ static const opc_metric metrics[] = {
      "assist bars that were taken away as they printed"},
     {"violations_unexplained", NULL, OPC_LOWER, 0,
      "those for which neither the drawn layout nor a parameter is the reason"},
-    {"mask_violations", NULL, OPC_LOWER, 0,
-     "places where the mask does not keep its rules: the next four"},
-    {"mask_space", NULL, OPC_LOWER, 0, "spaces below min_space"},
-    {"mask_width", NULL, OPC_LOWER, 0, "widths below min_mask_width"},
-    {"mask_edge", NULL, OPC_LOWER, 0, "edges below min_edge"},
-    {"mask_jog", NULL, OPC_LOWER, 0, "jogs below min_jog"},
+    RULES_METRICS,
 };
 
 static int check(void *self, opc_error *error) {

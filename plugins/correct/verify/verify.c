@@ -121,26 +121,12 @@ static const opc_parameter parameters[] = {
 };
 
 static const opc_metric metrics[] = {
-    {"ion_mean", "%", OPC_LOWER, 0.01, "mean of |Ion deviation|"},
-    {"ion_max", "%", OPC_LOWER, 0.01, "largest |Ion deviation|"},
-    {"ion_stdv", "%", OPC_LOWER, 0.01,
-     "standard deviation of the Ion deviation, thesis eq. 3.5"},
-    {"area_mean", "%", OPC_LOWER, 0.01, "mean of |gate area deviation|"},
-    {"area_max", "%", OPC_LOWER, 0.01, "largest |gate area deviation|"},
-    {"ioff_mean", "%", OPC_LOWER, 0.1, "mean of |Ioff deviation|"},
-    {"ioff_max", "%", OPC_LOWER, 0.1, "largest |Ioff deviation|"},
-    {"ioff_total", "%", OPC_NEUTRAL, 0.1,
-     "deviation of the sum of all Ioff, what is drawn being 0"},
-    {"ioff_total_n", "%", OPC_NEUTRAL, 0.1, "that of all n-transistors"},
-    {"ioff_total_p", "%", OPC_NEUTRAL, 0.1, "that of all p-transistors"},
+    REPORT_METRICS,
     {"ion_change_mean", "%", OPC_LOWER, 0.01,
      "mean of |difference| of the Ion deviation to that in the loop"},
     {"ion_change_max", "%", OPC_LOWER, 0.01,
      "largest |difference| of the Ion deviation to that in the loop"},
-    {"failed", NULL, OPC_LOWER, 0,
-     "transistors that do not print as one of their own"},
-    {"outside", NULL, OPC_LOWER, 0,
-     "transistors with figures from beyond the device table"},
+    REPORT_PRINT_METRICS,
 };
 
 /* %, of Ion: what figures are to be good for, as the loop's `limit`. */
