@@ -124,22 +124,22 @@ static void put_parts(const eda_chip *c, const eda_chip_mask *m, int32_t width,
   }
 }
 
-static void put_boxes(const eda_chip *c, const eda_chip_gate *g,
+static void put_boxes(const eda_chip *c, const eda_chip_gate *g, eda_box at,
                       const eda_chip_mask *m, eda_moved *to) {
   for (uint32_t k = 0; k < m->boxes; k++) {
     const eda_chip_box *b = &c->box[m->box + k];
     eda_box_list *list = b->bite ? to->bite : to->patch;
     eda_box_list_add(&list[b->layer],
-                     eda_chip_place(g->box, g->axis, g->flip, b->box));
+                     eda_chip_place(at, g->axis, g->flip, b->box));
   }
 }
 
-static void put(const eda_chip *c, const eda_chip_gate *g, eda_moved *to,
-                size_t i) {
+void eda_chip_move(const eda_chip *c, size_t gate, eda_box at, eda_moved *to,
+                   size_t i) {
+  const eda_chip_gate *g = &c->gate[gate];
   const eda_chip_mask *m = &c->mask[g->mask];
   int w_back = (g->flip & EDA_FLIP_W) != 0;
-  eda_box b = g->box;
-  int32_t width = g->axis == EDA_X ? b.y1 - b.y0 : b.x1 - b.x0;
+  int32_t width = g->axis == EDA_X ? at.y1 - at.y0 : at.x1 - at.x0;
   to->w[i] = m->w;
   to->aside[i] = w_back ? -m->aside : m->aside;
   to->l[i] = m->l;
@@ -148,14 +148,14 @@ static void put(const eda_chip *c, const eda_chip_gate *g, eda_moved *to,
   to->end[2 * i + 1] = m->end[!w_back];
   to->flip[i] = g->flip;
   put_parts(c, m, width, w_back, to->part + EDA_PARTS * i);
-  put_boxes(c, g, m, to);
+  put_boxes(c, g, at, m, to);
 }
 
 eda_moved *eda_chip_moved(const eda_chip *c, const eda_gates *window) {
   eda_moved *to = eda_moved_new(window->layers, window->count);
   for (size_t i = 0; i < window->count; i++) {
     size_t k = eda_chip_find(c, window->box[i]);
-    if (k != SIZE_MAX) put(c, &c->gate[k], to, i);
+    if (k != SIZE_MAX) eda_chip_move(c, k, window->box[i], to, i);
   }
   return to;
 }

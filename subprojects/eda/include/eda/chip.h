@@ -39,15 +39,10 @@ typedef struct eda_chip_box {
   uint16_t bite;
 } eda_chip_box;
 
-/* As eda_performance has them of a transistor. */
-typedef struct eda_chip_figures {
-  double ion, ioff, leq_ion, leq_ioff, weq, area;
-} eda_chip_figures;
-
 /* A transistor that was printed among its neighbours, all with their masks; it
    stands for all whose surroundings are masked alike. */
 typedef struct eda_chip_print {
-  eda_chip_figures design, before, after; /* drawn; drawn mask's; the mask's */
+  eda_figures design, before, after; /* drawn; drawn mask's; the mask's */
   uint32_t flags_before, flags;           /* EDA_PRINT_* */
   uint32_t violations;                    /* rules that it does not keep */
 } eda_chip_print;
@@ -86,6 +81,11 @@ OPC_EXPORT size_t eda_chip_find(const eda_chip *chip, eda_box box);
    drawn. [any] */
 OPC_EXPORT eda_moved *eda_chip_moved(const eda_chip *chip,
                                      const eda_gates *window);
+
+/* The moves of one transistor of the chip as those of gate i of `to`, whose box
+   stands at `at`: there or, as large, elsewhere. [any] */
+OPC_EXPORT void eda_chip_move(const eda_chip *chip, size_t gate, eda_box at,
+                              eda_moved *to, size_t i);
 
 /* From own coordinates of a gate with that box to those of the layout, and
    back. [any] */
