@@ -328,7 +328,7 @@ static int mend_all(mend *m, opc_error *error) {
                              .work = mend_sheet,
                              .take = take_sheet,
                              .done = tell_done};
-  int code = pieces_run(w->host, &pieces, error);
+  int code = w->host->pieces(w->host, &pieces, error);
   pages_clear(&m->pages);
   cover_clear(&m->cover);
   g_free(m->key);

@@ -292,7 +292,7 @@ int prove_all(work *w, opc_error *error) {
                              .work = prove_sheet,
                              .take = take_sheet,
                              .done = tell_done};
-  int code = pieces_run(w->host, &pieces, error);
+  int code = w->host->pieces(w->host, &pieces, error);
   pages_clear(&p.pages);
   cover_clear(&p.cover);
   g_free(p.key);

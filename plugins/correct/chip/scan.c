@@ -203,7 +203,7 @@ int scan_all(work *w, opc_error *error) {
                              .work = scan_some,
                              .take = take_some,
                              .done = tell_done};
-  code = pieces_run(w->host, &pieces, error);
+  code = w->host->pieces(w->host, &pieces, error);
   if (!code && !w->chip->count)
     code = opc_fail(error, OPC_INVALID, "layout",
                     "no transistor: layers 'poly' and 'active' do not cross");

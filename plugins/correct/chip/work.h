@@ -7,7 +7,6 @@
 #include <eda/chip.h>
 #include <glib.h>
 #include <opcflow/step.h>
-#include "pieces.h"
 
 #include "cover.h"
 #include "surround.h"
