@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "../start.h"
+#include "core/plugin/host.h"
 #include "core/testing/testing.h"
 
 /* ---- drawings ---- */
@@ -187,7 +188,7 @@ static void test_ways(void) {
   g_assert_true(opc_test_metric("prints") == 2);
   g_assert_cmpfloat(opc_test_metric("ion_max"), <, 0.5);
   g_assert_cmpfloat(opc_test_metric("ion_mean_drawn"), >, 2);
-  double most = off_flat(&d, chip, ", fine: off, margin: 1000 nm");
+  double most = off_flat(&d, chip, ", fine: off, margin: 4000 nm");
   g_test_message("off by %.4f %%", most);
   g_assert_cmpfloat(most, <, 0.1);
   release(m, chip);
@@ -283,9 +284,9 @@ static void test_sram(void) {
     g_assert_cmpfloat(opc_test_metric("ion_mean"), <, mean + 0.05);
     g_assert_cmpfloat(opc_test_metric("ion_max"), <, fmax(worst, 0.5));
     g_assert_true(opc_test_metric("worse") == 0);
-    double most = off_flat(&d, chip, ", fine: off, margin: 1000 nm");
+    double most = off_flat(&d, chip, ", fine: off, margin: 4000 nm");
     g_test_message("off by %.4f %%", most);
-    g_assert_cmpfloat(most, <, 0.15);
+    g_assert_cmpfloat(most, <, 0.3);
     release(m, chip);
   }
   release(loop, mask);
@@ -311,7 +312,7 @@ static void expect_refused(const drawing *d, const char *more,
 
 static void test_refused(void) {
   drawing d = eight_ways();
-  expect_refused(&d, NEWTON ", radius: 0 nm", "radius", "0 nm");
+  expect_refused(&d, NEWTON ", radius: 0 nm", "", "above 0 nm");
   expect_refused(&d, NEWTON ", radius: 70 um", "radius", "more than 'window'");
   expect_refused(&d, NEWTON ", window: 100 nm", "window", "100 nm");
   expect_refused(&d, NEWTON ", top: NONE", "top", "NONE");

@@ -4,6 +4,7 @@
 #include <eda/index.h>
 #include <eda/memory.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -174,12 +175,23 @@ static int put_all(const mend *m, const loop *l, const sheet *s,
 
 /* ---- a sheet ---- */
 
-/* The loop's own progress is part of the sheet's; what it says of its prints is
-   of a sheet, which nobody knows. */
+/* The host of a loop: its progress is a part of ours, and what it tells of its
+   prints is of a sheet, which nobody knows. */
 typedef struct inner {
   opc_host host;
   const mend *mend;
 } inner;
+
+OPC_PRINTF(3, 4)
+static void log_inner(const opc_host *host, int level, const char *format,
+                      ...) {
+  const opc_host *outer = ((const inner *)host)->mend->work->host;
+  va_list arguments;
+  va_start(arguments, format);
+  g_autofree char *line = g_strdup_vprintf(format, arguments);
+  va_end(arguments);
+  outer->log(outer, level == OPC_LOG_INFO ? OPC_LOG_DEBUG : level, "%s", line);
+}
 
 static void tell_inner(const opc_host *host, const opc_progress *at) {
   const inner *in = (const inner *)host;
@@ -193,10 +205,12 @@ static int correct(const mend *m, const sheet *s, const start *begun,
                    opc_bytes *out, opc_error *error) {
   const work *w = m->work;
   inner in = {*w->host, m};
+  in.host.log = log_inner;
   in.host.progress = tell_inner;
   loop l = {.host = &in.host,
             .gates = s->gates,
             .extractor = w->extractor,
+            .prepared = 1,
             .regulator = w->regulator,
             .max_iterations = w->max_iterations,
             .base = begun->base,
@@ -320,7 +334,7 @@ static int mend_all(mend *m, opc_error *error) {
   m->mask = eda_alloc(m->count, sizeof *m->mask);
   for (size_t i = 0; i < m->count; i++) m->mask[i] = UINT32_MAX;
   w->sheets += m->pages.count;
-  const opc_pieces pieces = {.data = m,
+  const opc_pieces all = {.data = m,
                              .name = m->stand ? "refine" : "correct",
                              .count = m->pages.count,
                              .key = key_of,
@@ -328,7 +342,7 @@ static int mend_all(mend *m, opc_error *error) {
                              .work = mend_sheet,
                              .take = take_sheet,
                              .done = tell_done};
-  int code = w->host->pieces(w->host, &pieces, error);
+  int code = w->host->pieces(w->host, &all, error);
   pages_clear(&m->pages);
   cover_clear(&m->cover);
   g_free(m->key);

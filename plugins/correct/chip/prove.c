@@ -192,7 +192,6 @@ static int print(const work *w, const eda_gates *g, measured *m,
     code = eda_printer_refine(&m->printer, g->corrected, m->mask, error);
   else if (!code)
     code = eda_printer_print(&m->printer, g->corrected, m->mask, error);
-  if (!code) code = eda_extractor_prepare(w->host->context, w->extractor, error);
   if (!code)
     code = eda_measure_drawn(w->host->context, g, w->extractor, &m->design,
                              error);
@@ -284,7 +283,7 @@ int prove_all(work *w, opc_error *error) {
   pages_make(&p.cover, most, w->gap, &p.pages);
   w->sheets += p.pages.count;
   w->worst = 0;
-  const opc_pieces pieces = {.data = &p,
+  const opc_pieces all = {.data = &p,
                              .name = "prove",
                              .count = p.pages.count,
                              .key = key_of,
@@ -292,7 +291,7 @@ int prove_all(work *w, opc_error *error) {
                              .work = prove_sheet,
                              .take = take_sheet,
                              .done = tell_done};
-  int code = w->host->pieces(w->host, &pieces, error);
+  int code = w->host->pieces(w->host, &all, error);
   pages_clear(&p.pages);
   cover_clear(&p.cover);
   g_free(p.key);

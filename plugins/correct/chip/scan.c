@@ -28,14 +28,10 @@ typedef struct window {
   size_t count;
 } window;
 
-typedef struct some {
+typedef struct batch {
   const work *work;
   window *window;
-} some;
-
-static eda_box grown(eda_box b, int32_t by) {
-  return (eda_box){b.x0 - by, b.y0 - by, b.x1 + by, b.y1 + by};
-}
+} batch;
 
 static int starts_in(eda_box core, eda_box b) {
   return b.x0 >= core.x0 && b.x0 < core.x1 && b.y0 >= core.y0 &&
@@ -43,7 +39,7 @@ static int starts_in(eda_box core, eda_box b) {
 }
 
 static int scan_window(void *data, size_t i, opc_error *error) {
-  const some *s = data;
+  const batch *s = data;
   const work *w = s->work;
   window *to = &s->window[i];
   eda_gates *g;
@@ -79,7 +75,7 @@ static int scan_some(void *data, size_t part, opc_bytes *out,
   window windows[AT_ONCE];
   size_t all = s->columns * s->rows, first = part * AT_ONCE,
          n = MIN(AT_ONCE, all - first);
-  some these = {s->work, windows};
+  batch these = {s->work, windows};
   memset(windows, 0, sizeof windows);
   for (size_t k = 0; k < n; k++) windows[k].core = core_of(s, first + k);
   int code = eda_try_all(s->work->host->context, n, scan_window, &these, error);
@@ -163,7 +159,6 @@ static void find_classes(work *w) {
                                  .axis = f->axis,
                                  .flip = f->around.flip ^ as};
   }
-  w->mask_room = room;
   g_hash_table_destroy(class_of);
 }
 
@@ -196,14 +191,14 @@ int scan_all(work *w, opc_error *error) {
     s.rows = (size_t)((all.y1 - (int64_t)all.y0) / w->window + 1);
   }
   w->windows = s.columns * s.rows;
-  const opc_pieces pieces = {.data = &s,
+  const opc_pieces some = {.data = &s,
                              .name = "scan",
                              .count = (w->windows + AT_ONCE - 1) / AT_ONCE,
                              .key = key_of,
                              .work = scan_some,
                              .take = take_some,
                              .done = tell_done};
-  code = w->host->pieces(w->host, &pieces, error);
+  code = w->host->pieces(w->host, &some, error);
   if (!code && !w->chip->count)
     code = opc_fail(error, OPC_INVALID, "layout",
                     "no transistor: layers 'poly' and 'active' do not cross");

@@ -123,12 +123,12 @@ static ref *find_gates(maker *m, size_t *count) {
   ref *refs = eda_alloc(all, sizeof *refs);
   for (size_t k = 0; k < m->count; k++) {
     piece *p = &m->piece[k];
-    eda_box clip = m->cover->clip[p->clip].box;
+    eda_box shown = m->cover->clip[p->clip].box;
     p->number = eda_alloc(p->gates->count, sizeof *p->number);
     for (size_t i = 0; i < p->gates->count; i++) {
       eda_box b = p->gates->box[i];
       p->number[i] = -1;
-      if (is_within(b, clip, m->rim))
+      if (is_within(b, shown, m->rim))
         refs[n++] =
             (ref){(uint32_t)k, (uint32_t)i, put(p, (eda_point){b.x0, b.y0})};
     }
@@ -296,21 +296,21 @@ static int join(maker *m, opc_error *error) {
 /* ---- a sheet ---- */
 
 int sheet_make(const opc_context *context, const eda_chip *chip,
-               const cover *cover, const uint32_t *number, const pages *pages,
+               const cover *from, const uint32_t *number, const pages *to,
                size_t page, int32_t rim, sheet *out, opc_error *error) {
   *out = (sheet){0};
   maker m = {.chip = chip,
-             .cover = cover,
+             .cover = from,
              .number = number,
              .rim = rim,
-             .piece = eda_alloc(cover->count, sizeof *m.piece),
+             .piece = eda_alloc(from->count, sizeof *m.piece),
              .out = out};
-  for (size_t i = 0; i < cover->count; i++) {
-    eda_box b = cover->clip[i].box;
-    eda_point to = pages->corner[i];
-    if (pages->page[i] == page)
+  for (size_t i = 0; i < from->count; i++) {
+    eda_box b = from->clip[i].box;
+    eda_point at = to->corner[i];
+    if (to->page[i] == page)
       m.piece[m.count++] =
-          (piece){.clip = i, .by = {to.x - b.x0, to.y - b.y0}};
+          (piece){.clip = i, .by = {at.x - b.x0, at.y - b.y0}};
   }
   int code = eda_try_all(context, m.count, cut_one, &m, error);
   if (!code) code = join(&m, error);

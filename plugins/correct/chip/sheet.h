@@ -33,7 +33,7 @@ typedef struct sheet {
    transistor's in the chip. OPC_FAILED if the layout has other transistors
    there than the chip. By all threads. [main] */
 int sheet_make(const opc_context *context, const eda_chip *chip,
-               const cover *cover, const uint32_t *number, const pages *pages,
+               const cover *from, const uint32_t *number, const pages *to,
                size_t page, int32_t rim, sheet *out, opc_error *error);
 void sheet_clear(sheet *sheet);
 
