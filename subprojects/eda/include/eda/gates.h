@@ -159,6 +159,18 @@ OPC_EXPORT void eda_performance_copy(eda_performance *to,
 OPC_EXPORT void eda_performance_one(eda_performance *to,
                                     const eda_performance *from, size_t i);
 
+/* The figures of one transistor, as eda_performance has them. */
+typedef struct eda_figures {
+  double ion, ioff, leq_ion, leq_ioff, weq, area;
+} eda_figures;
+
+OPC_UNUSED static inline eda_figures eda_figures_of(const eda_performance *of,
+                                                    size_t i) {
+  eda_figures f = {of->ion[i],      of->ioff[i], of->leq_ion[i],
+                   of->leq_ioff[i], of->weq[i],  of->area[i]};
+  return f;
+}
+
 /* A part of a gate's width, from `from` to `to` grid steps along W from the LOW
    end of its box, in which the mask's length is `by` grid steps more. */
 typedef struct eda_part {
