@@ -236,7 +236,7 @@ static int mend_sheet(void *data, size_t i, opc_bytes *out, opc_error *error) {
   if (!code) code = correct(m, &s, &begun, out, error);
   eda_moved_free((eda_moved *)begun.base);
   free(begun.still);
-  work_drop(w, &s);
+  sheet_clear(&s);
   return code;
 }
 
