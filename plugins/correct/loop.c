@@ -64,7 +64,9 @@ static int measure(loop *l, const uint8_t *printed, opc_error *error) {
   int code = eda_measure(l->host->context, l->gates, l->printer.print,
                          l->extractor, &l->measured, error);
   if (code) return code;
-  start_correct(l);
+  /* A fine print knows better, and so do the cheap ones after it. */
+  if (l->base && !l->printer.fine_simulations)
+    start_correct(l->base, &l->measured.performance);
   return corners_measure(l, error);
 }
 
@@ -410,7 +412,8 @@ static int iterate(loop *l, opc_error *error) {
     if (all_done(l) && !ruled[MAIN] && !ruled[EDGES]) return OPC_OK;
     /* Line ends first, so that their effect is not taken for that of the
        first moves. */
-    if (l->iterations == 0 && !l->base && wait && prints++ < l->max_iterations) continue;
+    if (l->iterations == 0 && !l->base && wait && prints++ < l->max_iterations)
+      continue;
     if (l->iterations == l->max_iterations) {
       l->host->log(l->host, OPC_LOG_WARNING,
                    "not done after %d iteration%s: worst deviation %.3g %s",

@@ -54,20 +54,16 @@ void start_prune(loop *l) {
   double grid = l->gates->grid;
   for (size_t i = 0; l->base && i < l->guard.rules; i++) {
     const eda_violation *v = &l->guard.drawn[i];
-    eda_box near = {(int32_t)((v->x - beside) / grid),
-                    (int32_t)((v->y - beside) / grid),
-                    (int32_t)((v->x + beside) / grid),
-                    (int32_t)((v->y + beside) / grid)};
+    eda_box near = {
+        (int32_t)((v->x - beside) / grid), (int32_t)((v->y - beside) / grid),
+        (int32_t)((v->x + beside) / grid), (int32_t)((v->y + beside) / grid)};
     for (size_t k = 0; k < 2 * l->gates->layers; k++)
       trial_drop_boxes(&l->begun[k], near);
   }
 }
 
-/* A fine print knows better, and so do the cheap ones after it. */
-void start_correct(loop *l) {
-  if (!l->base || l->printer.fine_simulations) return;
-  for (size_t i = 0; i < l->gates->count; i++)
-    l->measured.performance.ion[i] *= exp(-l->base->seen[i]);
+void start_correct(const eda_moved *m, eda_performance *printed) {
+  for (size_t i = 0; i < m->gates; i++) printed->ion[i] *= exp(-m->seen[i]);
 }
 
 int start_mask(const eda_gates *g, const eda_moved *moved, size_t layer,

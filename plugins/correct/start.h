@@ -18,7 +18,8 @@ typedef struct loop_start {
 } loop_start;
 
 /* OPC_INVALID if that is no start for the gates. */
-int start_check(const loop_start *start, const eda_gates *gates, opc_error *error);
+int start_check(const loop_start *start, const eda_gates *gates,
+                opc_error *error);
 
 /* The start was printed: who keeps his mask. */
 int start_hold(struct loop *loop, opc_error *error);
@@ -30,8 +31,8 @@ int start_hold(struct loop *loop, opc_error *error);
 void start_prune(struct loop *loop);
 
 /* From what the optics' own print shows of Ion to what a fine one would, as far
-   as the start knows. */
-void start_correct(struct loop *loop);
+   as that is known. */
+void start_correct(const eda_moved *moved, eda_performance *printed);
 
 /* The mask of a layer that moves make of the drawn edges. As of eda_boolean. */
 int start_mask(const eda_gates *gates, const eda_moved *moved, size_t layer,

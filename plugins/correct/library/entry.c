@@ -72,12 +72,13 @@ static gboolean unpack_gate(entry *e, size_t i, GVariant *from) {
   GVariantIter *parts;
   eda_part *part = m->part + EDA_PARTS * i, next;
   gboolean good = TRUE;
-  g_variant_get(from, "(iiiiyydddddddddyuiiiiiia(iii)d)", &b->x0, &b->y0, &b->x1,
-                &b->y1, &e->type[i], &e->axis[i], &e->length[i], &e->width[i],
-                &e->design[i], &p->ion[i], &p->ioff[i], &p->leq_ion[i],
-                &p->leq_ioff[i], &p->weq[i], &p->area[i], &p->outside[i],
-                &e->flags[i], &m->w[i], &m->aside[i], &m->l[i], &m->jog[i],
-                &m->end[2 * i], &m->end[2 * i + 1], &parts, &m->seen[i]);
+  g_variant_get(from, "(iiiiyydddddddddyuiiiiiia(iii)d)", &b->x0, &b->y0,
+                &b->x1, &b->y1, &e->type[i], &e->axis[i], &e->length[i],
+                &e->width[i], &e->design[i], &p->ion[i], &p->ioff[i],
+                &p->leq_ion[i], &p->leq_ioff[i], &p->weq[i], &p->area[i],
+                &p->outside[i], &e->flags[i], &m->w[i], &m->aside[i], &m->l[i],
+                &m->jog[i], &m->end[2 * i], &m->end[2 * i + 1], &parts,
+                &m->seen[i]);
   for (int k = 0;
        g_variant_iter_next(parts, "(iii)", &next.from, &next.to, &next.by); k++)
     if (k < EDA_PARTS)

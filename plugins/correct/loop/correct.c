@@ -201,13 +201,15 @@ static int restore(void *self, const char *folder, void **outputs,
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(correct, gates, .type = OPC_INPUT, .flags = OPC_REQUIRED,
                   .choices = "gates", .summary = "the transistors to correct"),
-    OPC_PARAMETER_NAMED("start", correct, start.mask, .type = OPC_INPUT, .choices = "mask",
-                  .summary = "the mask to begin with, of the same gates; if "
-                             "not given, the drawn one"),
-    OPC_PARAMETER_NAMED("max_diff", correct, start.max_diff, .type = OPC_REAL, .flags = OPC_AT_LEAST,
-                  .unit = "%", .min = 0,
-                  .summary = "of `start`: only transistors whose |Ion "
-                             "deviation| it has made worse by more are moved"),
+    OPC_PARAMETER_NAMED(
+        "start", correct, start.mask, .type = OPC_INPUT, .choices = "mask",
+        .summary = "the mask to begin with, of the same gates; if "
+                   "not given, the drawn one"),
+    OPC_PARAMETER_NAMED("max_diff", correct, start.max_diff, .type = OPC_REAL,
+                        .flags = OPC_AT_LEAST, .unit = "%", .min = 0,
+                        .summary =
+                            "of `start`: only transistors whose |Ion "
+                            "deviation| it has made worse by more are moved"),
     OPC_PARAMETER(correct, litho, .type = OPC_SLOT, .flags = OPC_REQUIRED,
                   .choices = "litho", .summary = "model of the optics"),
     OPC_PARAMETER(correct, resist, .type = OPC_SLOT, .flags = OPC_REQUIRED,

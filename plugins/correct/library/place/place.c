@@ -191,6 +191,8 @@ static int print(const placer *r, eda_printer *printer, eda_mask *m,
   if (!code)
     code = eda_measure(p->host->context, g, printer->print, p->extractor,
                        measured, r->error);
+  if (!(printer->fine > 0)) /* what the cells know of their fine prints */
+    start_correct(m->moved, &measured->performance);
   return code;
 }
 
