@@ -39,7 +39,8 @@ void opc_run_take_histories(opc_run *run, const opc_run *from) {
 }
 
 static void tell_complaint(opc_run *run) {
-  g_autofree char *text = opc_store_complaint(run->options->store);
+  opc_store *store = run->options->store;
+  g_autofree char *text = store ? opc_store_complaint(store) : NULL;
   if (text) run->watch.log(run, "store", OPC_LOG_WARNING, text);
 }
 
@@ -204,11 +205,15 @@ static GVariant *find_result(const opc_run *run, const opc_flow_step *step) {
 
 gboolean opc_reuse_take(opc_run *run, const opc_flow_step *step,
                         opc_problems *problems) {
-  if (!run->options->store) return FALSE;
-  g_autoptr(GVariant) result = find_result(run, step);
-  tell_complaint(run);
-  if (!result) return FALSE;
+  opc_ranks *ranks = opc_run_ranks(run);
   opc_error error = {0};
+  g_autoptr(GVariant) result =
+      opc_run_is_first(run) ? find_result(run, step) : NULL;
+  char found = result != NULL;
+  tell_complaint(run);
+  if (ranks && opc_ranks_spread(ranks, &found, 1, 0, &error))
+    return opc_problem_add(problems, error.code, NULL, "%s", error.message);
+  if (!found || !result) return found;
   int code = opc_result_publish(run, step, result, &error);
   if (code)
     opc_binding_fail(step->binding, TRUE, code, &error, problems);
@@ -230,11 +235,11 @@ static void close_scratch(char *folder) {
   g_free(folder);
 }
 
-static void keep_outputs(opc_run *run, const opc_flow_step *step) {
+static gboolean keep_outputs(opc_run *run, const opc_flow_step *step) {
   const opc_binding *b = step->binding;
   const opc_step *functions = b->plugin->functions;
   opc_store *store = run->options->store;
-  if (!functions->save) return;
+  if (!functions->save) return !functions->n_outputs;
   char *folder = open_scratch(run);
   opc_error error = {0};
   opc_run_set_inputs(run, step, TRUE);
@@ -247,12 +252,13 @@ static void keep_outputs(opc_run *run, const opc_flow_step *step) {
   opc_run_set_inputs(run, step, FALSE);
   GVariant *all = code ? NULL : opc_files_pack(folder, opc_store_most(store));
   g_autofree char *name = name_of(&run->keys[step->number], ".outputs");
-  if (all) (void)opc_store_put(store, name, all);
+  gboolean kept = all && opc_store_put(store, name, all);
   close_scratch(folder);
+  return kept;
 }
 
 /* Files that changed while it ran are not what it read. */
-static gboolean is_unchanged(const opc_run *run, const opc_key *key) {
+gboolean opc_reuse_is_unchanged(const opc_run *run, const opc_key *key) {
   for (guint i = 0; i + 1 < key->files->len; i += 2)
     if (!opc_store_same(run->options->store, key->files->pdata[i],
                         key->files->pdata[i + 1]))
@@ -263,7 +269,7 @@ static gboolean is_unchanged(const opc_run *run, const opc_key *key) {
 void opc_reuse_keep(opc_run *run, const opc_flow_step *step, guint tables) {
   opc_store *store = run->options->store;
   const opc_key *key = &run->keys[step->number];
-  if (!store) return;
+  if (!store || !opc_run_is_first(run)) return;
   g_autofree char *reason =
       key->facts ? find_reason(store, step, key->facts) : g_strdup(key->why);
   if (step->binding->inner && key->facts) {
@@ -271,13 +277,16 @@ void opc_reuse_keep(opc_run *run, const opc_flow_step *step, guint tables) {
     reason = g_strdup("runs a flow, whose steps are reused one by one");
   }
   tell(run, step, FALSE, reason);
-  GVariant *result = key->sum && !step->binding->inner && is_unchanged(run, key)
-                         ? opc_result_new(run, step, tables)
-                         : NULL;
+  GVariant *result =
+      key->sum && !step->binding->inner && opc_reuse_is_unchanged(run, key)
+          ? opc_result_new(run, step, tables)
+          : NULL;
   if (result) {
     g_autofree char *name = name_of(key, ".result");
-    keep_outputs(run, step);
-    if (opc_store_put(store, name, result)) keep_facts(store, step, key->facts);
+    gboolean outputs = keep_outputs(run, step);
+    gboolean kept = opc_store_put(store, name, result);
+    if (kept) keep_facts(store, step, key->facts);
+    if (kept && outputs) opc_pieces_drop(run);
   }
   tell_complaint(run);
 }
@@ -331,20 +340,50 @@ static gboolean run_again(opc_run *run, const opc_flow_step *step,
   return good;
 }
 
+/* Whether all ranks say yes, and in *any whether one does. */
+static gboolean do_all(opc_ranks *ranks, gboolean yes, gboolean *any) {
+  gint64 least[2] = {yes, -yes};
+  opc_error stopped;
+  *any = yes;
+  if (!ranks || opc_ranks_least(ranks, least, 2, &stopped)) return yes;
+  *any = least[1] < 0;
+  return least[0] > 0;
+}
+
+/* From the store if all ranks have it there, so that none is missed by those
+   that work. */
+static gboolean restore_all(opc_run *run, const opc_flow_step *step) {
+  gboolean any, here = restore(run, step);
+  gboolean all = do_all(opc_run_ranks(run), here, &any);
+  if (here && !all) opc_run_release(run, step);
+  return all;
+}
+
+static gboolean provide(opc_run *run, const opc_flow_step *step,
+                        const char *whom, opc_problems *problems) {
+  if (run->objects[step->number]) return TRUE;
+  for (guint i = 0; i < step->inputs->len; i++)
+    if (!opc_run_provide(run,
+                         g_array_index(step->inputs, opc_flow_input, i).from,
+                         step->name, problems))
+      return FALSE;
+  return restore_all(run, step) || run_again(run, step, whom, problems);
+}
+
 gboolean opc_run_provide(opc_run *run, const opc_flow_step *step,
                          const char *whom, opc_problems *problems) {
   guint n = step->number;
-  if (run->objects[n]) return TRUE;
   const opc_flow_step *its = step_of_base(run, step);
   if (run->left_out[n] && its) {
     gboolean good = opc_run_provide(run->base, its, whom, problems);
     run->objects[n] = run->base->objects[its->number];
     return good;
   }
-  for (guint i = 0; i < step->inputs->len; i++)
-    if (!opc_run_provide(run,
-                         g_array_index(step->inputs, opc_flow_input, i).from,
-                         step->name, problems))
-      return FALSE;
-  return restore(run, step) || run_again(run, step, whom, problems);
+  /* One that had them for a step of its own leaves the others to themselves. */
+  gboolean any, before = run->apart;
+  if (do_all(opc_run_ranks(run), run->objects[n] != NULL, &any)) return TRUE;
+  run->apart = before || any;
+  gboolean good = provide(run, step, whom, problems);
+  run->apart = before;
+  return good;
 }

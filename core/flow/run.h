@@ -9,6 +9,7 @@
 #include "core/flow/flow.h"
 #include "core/flow/folder.h"
 #include "core/flow/key.h"
+#include "core/flow/ranks.h"
 #include "core/flow/table.h"
 
 typedef struct opc_run_options {
@@ -17,6 +18,7 @@ typedef struct opc_run_options {
   gboolean keep;      /* of a sweep: what each point writes stays */
   const char *const *command; /* for the manifest; may be NULL */
   opc_store *store; /* of earlier results; NULL: none, and nothing is kept */
+  opc_ranks *ranks; /* that run it together; NULL: this process alone */
 } opc_run_options;
 
 /* What a step found that the user must not miss. */
@@ -99,10 +101,14 @@ struct opc_run {
                           NULL: nobody's */
   opc_run *main;       /* that it is a part of; NULL: of none */
   const opc_flow_step *at; /* the step that runs */
+  gboolean apart;          /* it runs in this rank alone */
   gboolean silent;         /* it runs again, for its outputs alone */
   GPtrArray *said;         /* opc_said * of the step that runs; NULL: more than
                               is kept */
-  GPtrArray *histories;    /* opc_history *, of its parts, too */
+  GPtrArray *piece;        /* opc_said * of the piece of work that is done now;
+                              NULL: none is */
+  GPtrArray *pieces;    /* names in the store of those of the step that runs */
+  GPtrArray *histories; /* opc_history *, of its parts, too */
   size_t steps_done, steps_reused; /* the same, counted */
   const opc_sweep *sweep;          /* NULL: none */
   opc_table *points;    /* of a sweep: parameters and metrics of all points */
@@ -151,6 +157,12 @@ gboolean opc_run_write(const opc_run *run, const char *name, char *text,
 void opc_run_take_inputs(opc_run *run, const opc_run *from,
                          opc_problems *problems);
 
+/* The ranks that do now what this one does; NULL: it is alone. */
+opc_ranks *opc_run_ranks(const opc_run *run);
+
+/* Whether this is the rank that finds results, publishes and keeps them. */
+gboolean opc_run_is_first(const opc_run *run);
+
 /* Run a step and look at its outputs, which `run` then holds. */
 int opc_run_call(opc_run *run, const opc_flow_step *step, opc_error *error);
 /* The same after its forecast; FALSE and a problem if it fails. */
@@ -180,6 +192,12 @@ int opc_result_publish(opc_run *run, const opc_flow_step *step,
                        GVariant *result, opc_error *error);
 extern const char opc_result_type[];
 
+/* What was said, as a(uss), and all of it said again; `said` may be NULL. FALSE
+   if some of it was said by another step. */
+gboolean opc_said_pack(GVariantBuilder *all, const GPtrArray *said,
+                       const opc_flow_step *step);
+void opc_said_again(opc_run *run, const opc_flow_step *step, GVariant *said);
+
 /* The files of a folder, and back. NULL or OPC_IO if one cannot be read or
    written. */
 GVariant *opc_files_pack(const char *folder, guint64 most);
@@ -198,6 +216,9 @@ gboolean opc_reuse_take(opc_run *run, const opc_flow_step *step,
 /* Keep what it gave. */
 void opc_reuse_keep(opc_run *run, const opc_flow_step *step, guint tables);
 
+/* Whether all files that a step's key is of are still what they were. */
+gboolean opc_reuse_is_unchanged(const opc_run *run, const opc_key *key);
+
 /* See to it that the outputs of a step are there; it may run for that. `whom`:
    who wants them. */
 gboolean opc_run_provide(opc_run *run, const opc_flow_step *step,
@@ -205,6 +226,15 @@ gboolean opc_run_provide(opc_run *run, const opc_flow_step *step,
 GPtrArray *opc_histories_new(void);
 /* Take those of another run. */
 void opc_run_take_histories(opc_run *run, const opc_run *from);
+
+/* ---- pieces.c ---- */
+
+/* opc_host.pieces, of a run's hosts. */
+int opc_pieces_run(const opc_host *host, const opc_pieces *pieces,
+                   opc_error *error);
+
+/* The step's result is kept: its pieces need not be. */
+void opc_pieces_drop(opc_run *run);
 
 /* ---- forecast.c ---- */
 
@@ -238,6 +268,11 @@ void opc_run_listen_end(opc_run *run);
 
 /* Take those of another run. */
 void opc_run_take_findings(opc_run *run, const opc_run *from);
+
+/* A piece of work begins: what its step warns of and finds is put aside until
+   it ends (opc_said *; to be freed). */
+void opc_piece_begin(opc_run *run);
+GPtrArray *opc_piece_end(opc_run *run);
 
 /* All of them (char *, freed with the array): "step: text", "point 3: step:
    text", and at last how many more there were. */
