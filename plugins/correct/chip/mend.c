@@ -40,8 +40,13 @@ typedef struct head {
 
 /* ---- what the loop starts with ---- */
 
+typedef struct standing {
+  const eda_moved *base;
+  uint8_t *still; /* both freed by their user */
+} standing;
+
 /* The masks of all who stand, on a sheet; those to correct are as drawn. */
-static void stand(const mend *m, const sheet *s, start *out) {
+static void stand(const mend *m, const sheet *s, standing *out) {
   const eda_gates *g = s->gates;
   eda_moved *base = eda_moved_new(g->layers, g->count);
   out->still = eda_alloc(g->count, 1);
@@ -199,7 +204,7 @@ static void tell_inner(const opc_host *host, const opc_progress *at) {
   work_progress(m->work, ((double)m->sheets + part) / (double)m->pages.count);
 }
 
-static int correct(const mend *m, const sheet *s, const start *begun,
+static int correct(const mend *m, const sheet *s, const standing *begun,
                    opc_bytes *out, opc_error *error) {
   const work *w = m->work;
   inner in = {*w->host, m};
@@ -228,7 +233,7 @@ static int correct(const mend *m, const sheet *s, const start *begun,
 static int mend_sheet(void *data, size_t i, opc_bytes *out, opc_error *error) {
   mend *m = data;
   work *w = m->work;
-  start begun = {0};
+  standing begun = {0};
   sheet s;
   int code = sheet_make(w->host->context, w->chip, &m->cover, m->number,
                         &m->pages, i, m->stand ? 0 : w->margin, &s, error);
