@@ -154,6 +154,9 @@ static int rule(loop *l, eda_ruling *ruling, opc_error *error) {
   int code = eda_call_rule(l->host->context, l->regulator, &p, ruling, error);
   if (code) return eda_blame(error, code, "regulator");
   for (size_t k = 0; k < l->gates->layers; k++) {
+    /* Patches mend the drawn edges of transistors. Where a synthesizer moves
+       every edge of theirs, the print is only looked at. */
+    if (l->gates->count && k <= EDA_ACTIVE && l->next.shift[k]) continue;
     trial_set_boxes(&l->next.patches[k], ruling->patches[k]);
     trial_set_boxes(&l->next.bites[k], ruling->bites[k]);
   }

@@ -6,6 +6,7 @@
 #include <eda/bars.h>
 #include <eda/base.h>
 #include <eda/check.h>
+#include <eda/chip.h>
 #include <eda/circuit.h>
 #include <eda/csv.h>
 #include <eda/curves.h>
@@ -29,6 +30,7 @@
 #include <eda/resist.h>
 #include <eda/rules.h>
 #include <eda/runs.h>
+#include <eda/segment.h>
 #include <eda/settings.h>
 #include <eda/simd.h>
 #include <eda/simulator.h>
