@@ -217,7 +217,8 @@ def test_job(place):
                PATH=BUILD + ":" + os.environ["PATH"])
     words = ["shared.yaml", "--set", "b.wait=20", "--output", "runs/job"]
     subprocess.run(["bash", "-n", job], check=True)
-    done = subprocess.run(["bash", job, *words], cwd=place.folder, env=env, stderr=subprocess.PIPE, text=True)
+    done = subprocess.run(["bash", job, *words], cwd=place.folder, env=env, stdout=subprocess.DEVNULL,
+                          stderr=subprocess.PIPE, text=True)
     assert done.returncode == 0, done.stderr
     check(place.path("runs/job"))
     assert len({pid for _, _, pid in place.done()}) == int(n)
