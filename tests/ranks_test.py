@@ -184,9 +184,13 @@ def test_faults(place):
         assert failed.err.count(text) == 1 and failed.err.count("test.pieces") <= 3, failed.err  # and "stopped"
         kept = len(place.pieces())
         assert kept >= 11 or fault == "rank", kept
-        assert not place.hidden(), (fault, place.hidden())
+        if fault == "crash":  # the first rank may not be left the time to tidy up
+            place.number -= 1
+        else:
+            assert not place.hidden(), (fault, place.hidden())
         folder, _, done = place.run(2)
         check(folder)
+        assert not place.hidden(), (fault, place.hidden())
         # What one rank could not take, the first one could, and it kept the result.
         assert len(done) == (24 - kept if fault != "rank" else 0), (kept, done)
         shutil.rmtree(place.path("store"))
