@@ -95,9 +95,7 @@ static void turn(int32_t low, int32_t high, int flip, int32_t *from,
   *to = flip ? high - a : low + b;
 }
 
-static eda_box swapped(eda_box b) {
-  return (eda_box){b.y0, b.x0, b.y1, b.x1};
-}
+static eda_box swapped(eda_box b) { return (eda_box){b.y0, b.x0, b.y1, b.x1}; }
 
 eda_box eda_chip_place(eda_box gate, uint8_t axis, uint8_t flip, eda_box own) {
   eda_box g = axis == EDA_X ? gate : swapped(gate);

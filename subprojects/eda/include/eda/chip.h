@@ -43,8 +43,8 @@ typedef struct eda_chip_box {
    stands for all whose surroundings are masked alike. */
 typedef struct eda_chip_print {
   eda_figures design, before, after; /* drawn; drawn mask's; the mask's */
-  uint32_t flags_before, flags;           /* EDA_PRINT_* */
-  uint32_t violations;                    /* rules that it does not keep */
+  uint32_t flags_before, flags;      /* EDA_PRINT_* */
+  uint32_t violations;               /* rules that it does not keep */
 } eda_chip_print;
 
 typedef struct eda_chip {

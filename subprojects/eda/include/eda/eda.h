@@ -5,8 +5,8 @@
 
 #include <eda/bars.h>
 #include <eda/base.h>
-#include <eda/chip.h>
 #include <eda/check.h>
+#include <eda/chip.h>
 #include <eda/circuit.h>
 #include <eda/csv.h>
 #include <eda/curves.h>
