@@ -36,6 +36,10 @@ static double stdv(const statistics *s) {
   return sqrt(fmax(0, s->square / s->n - mean * mean));
 }
 
+static double rms(const statistics *s) {
+  return s->n ? sqrt(s->square / s->n) : NAN;
+}
+
 /* What does not print as a transistor has no figures. */
 static int failed(const uint32_t *flags, size_t i) {
   return flags && (flags[i] & ~(uint32_t)EDA_PRINT_NOTES) != 0;
@@ -69,6 +73,8 @@ summary groups_sum(const groups *g) {
   summary out = {.ion_mean = mean_of(&g->ion[2]),
                  .ion_max = max_of(&g->ion[2]),
                  .ion_stdv = stdv(&g->ion[2]),
+                 .ion_rms = rms(&g->ion[2]),
+                 .ioff_rms = rms(&g->ioff[2]),
                  .area_mean = mean_of(&g->area[2]),
                  .area_max = max_of(&g->area[2]),
                  .ioff_mean = mean_of(&g->ioff[2]),
@@ -123,11 +129,13 @@ void history_clear(history *h) { free(h->line); }
 int history_report(const history *h, const opc_host *host, opc_error *error) {
   const history_line *line = h->line;
   const summary *s = &line->print;
-  opc_column columns[11] = {{"iteration", NULL, OPC_INT, 0, &line->iteration}};
+  opc_column columns[13] = {{"iteration", NULL, OPC_INT, 0, &line->iteration}};
   size_t n = 1;
   const opc_column of_gates[] = {{"ion_mean", "%", OPC_REAL, 4, &s->ion_mean},
                                  {"ion_max", "%", OPC_REAL, 4, &s->ion_max},
                                  {"ion_stdv", "%", OPC_REAL, 4, &s->ion_stdv},
+                                 {"ion_rms", "%", OPC_REAL, 4, &s->ion_rms},
+                                 {"ioff_rms", "%", OPC_REAL, 4, &s->ioff_rms},
                                  {"area_mean", "%", OPC_REAL, 4, &s->area_mean},
                                  {"area_max", "%", OPC_REAL, 4, &s->area_max}};
   const opc_column of_sites[] = {{"epe_mean", "nm", OPC_REAL, 4, &s->epe_mean},
@@ -420,6 +428,8 @@ static int metrics(const opc_host *host, const report *r, const summary *s,
       {gates ? "ion_mean" : NULL, s->ion_mean},
       {gates ? "ion_max" : NULL, s->ion_max},
       {gates ? "ion_stdv" : NULL, s->ion_stdv},
+      {gates ? "ion_rms" : NULL, s->ion_rms},
+      {gates ? "ioff_rms" : NULL, s->ioff_rms},
       {drawn->n && corrects ? "ion_mean_drawn" : NULL, mean_of(drawn)},
       {drawn->n && corrects ? "ion_max_drawn" : NULL, drawn->max},
       {gates ? "area_mean" : NULL, s->area_mean},

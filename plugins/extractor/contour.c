@@ -15,6 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "edges.h"
+
 enum {
   SIZES = 9,
   LARGEST = 128,
@@ -45,6 +47,8 @@ typedef struct shape {
   contour_weight *weight;
   const void *self;
   const eda_printed_gate *gate;
+  edges edges;
+  int by_place; /* whether slices of one length differ by their places */
   double from, to;
   int size;
   double coefficient[LARGEST], length[LARGEST];
@@ -150,9 +154,16 @@ static inline void functions(const shape *h, double place, double length,
   f[0] = 1;
   f[1] = length;
   eda_curves_quick(h->table, h->gate->type, length, f + 2);
-  if (!h->weight) return;
+  if (!h->by_place) return;
   double edge = h->gate->width * fmin(place, 1 - place);
-  for (int k = 0; k < EDA_CURRENTS; k++)
+  if (!h->edges.width.is_wide) {
+    double narrow[EDA_CURRENTS];
+    eda_curves_narrow_quick(h->table, h->gate->type, length, &h->edges.width,
+                            narrow);
+    for (int k = 0; k < EDA_CURRENTS; k++)
+      f[2 + k] += (narrow[k] - f[2 + k]) * edges_share(&h->edges, k, edge);
+  }
+  for (int k = 0; k < EDA_CURRENTS && h->weight; k++)
     f[2 + k] *= h->weight(h->self, h->gate->type, k, edge, h->gate->width);
 }
 
@@ -163,7 +174,7 @@ static void add_places(const shape *h, size_t n, const double *x,
   double width = 0, area = 0, ion = 0, ioff = 0;
   for (size_t i = 0; i < n; i++) {
     double f[MOMENTS];
-    functions(h, h->weight ? place_of(h, x[i]) : 0, length[i], f);
+    functions(h, h->by_place ? place_of(h, x[i]) : 0, length[i], f);
     width += share[i] * f[0];
     area += share[i] * f[1];
     ion += share[i] * f[2];
@@ -332,13 +343,15 @@ static int try_slices(const contour *c, int s, const shape *h,
   return 0;
 }
 
-int contour_slice(const contour *c, const eda_curves *table,
+int contour_slice(const contour *c, const eda_curves *table, double reach,
                   contour_weight *weight, const void *self,
                   const eda_printed_gate *gate, size_t n, double *place,
                   double *width) {
   shape h = {.table = table, .weight = weight, .self = self, .gate = gate};
   double sum[MOMENTS];
   if (!(gate->width > 0)) return 0;
+  h.edges = edges_of(table, gate->type, gate->width, reach);
+  h.by_place = weight || !h.edges.width.is_wide;
   h.from = fmax(0, -gate->extension[0] / gate->width);
   h.to = 1 - fmax(0, -gate->extension[1] / gate->width);
   if (!(h.to - h.from > 0.1)) return 0;

@@ -19,8 +19,8 @@ contour *contour_new(void);
 void contour_free(contour *c);
 
 /* Where to slice a gate, and how wide, for n slices: 1; 0 if it is too broken
-   for that. `weight` may be NULL: 1. */
-int contour_slice(const contour *c, const eda_curves *table,
+   for that. `weight` may be NULL: 1. `reach`: of the edges' current, nm. */
+int contour_slice(const contour *c, const eda_curves *table, double reach,
                   contour_weight *weight, const void *self,
                   const eda_printed_gate *gate, size_t n, double *place,
                   double *width);

@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "edges.h"
+
 enum { CONTOUR, GAUSS, EQUAL };
 
 /* A gate is marked if more than this part of a current rests on how the device
@@ -45,8 +47,8 @@ void slicer_slice(const void *self, const eda_printed_gate *gate, double *place,
                   double *width) {
   const slicer *s = self;
   size_t n = (size_t)s->slices;
-  if (s->contour && contour_slice(s->contour, &s->curves, s->weight, s, gate, n,
-                                  place, width))
+  if (s->contour && contour_slice(s->contour, &s->curves, s->reach, s->weight,
+                                  s, gate, n, place, width))
     return;
   memcpy(place, s->place, n * sizeof *place);
   memcpy(width, s->width, n * sizeof *width);
@@ -67,40 +69,77 @@ static double guessed(const eda_curves *table, int type, int c, double length,
   return fabs(current - exp(end));
 }
 
-/* The sums of eq. 2.2 and 3.2. An equivalent length is that of the rectangle of
-   the same width and current whose slices have the same weights. */
+/* A gate's slices. */
+typedef struct strips {
+  const slicer *slicer;
+  int type;
+  size_t count;
+  const double *width, *length, *edge; /* of each */
+  double sum, area;                    /* of the widths; nm^2 */
+  edges edges;
+} strips;
+
+/* What brings the shares of the edges' current to 1 over these slices. */
+static double settled(const strips *g, int c) {
+  double sum = 0;
+  for (size_t k = 0; k < g->count; k++)
+    sum += g->width[k] * edges_share(&g->edges, c, g->edge[k]);
+  return g->sum / sum;
+}
+
+/* What the table says of a slice's current per width; `part` is what brings
+   the shares of the edges to 1. */
+static double current_at(const strips *g, int c, size_t k, double part,
+                         double wide) {
+  if (g->edges.width.is_wide) return wide;
+  double narrow = exp(eda_curves_narrow_at(&g->slicer->curves, g->type, c,
+                                           g->length[k], &g->edges.width));
+  return wide + (narrow - wide) * part * edges_share(&g->edges, c, g->edge[k]);
+}
+
+/* One current of a gate, and the length of the rectangle of the same width and
+   current whose slices have the same weights (eq. 2.2 and 3.2). 1: both rest on
+   what the table does not have. */
+static int extract_current(const strips *g, int c, double *current,
+                           double *leq) {
+  const slicer *s = g->slicer;
+  double sum = 0, weight = 0, guess = 0;
+  double part = g->edges.width.is_wide ? 1 : settled(g, c);
+  for (size_t k = 0; k < g->count; k++) {
+    double w = g->width[k];
+    if (s->weight) w *= s->weight(s, g->type, c, g->edge[k], g->sum);
+    double one = exp(eda_curves_at(&s->curves, g->type, c, g->length[k]));
+    sum += w * current_at(g, c, k, part, one);
+    weight += w;
+    guess += w * guessed(&s->curves, g->type, c, g->length[k], one);
+  }
+  *current = sum;
+  *leq = 0;
+  if (g->sum > 0)
+    *leq = eda_curves_narrow_length(&s->curves, g->type, c, log(sum / weight),
+                                    &g->edges.width, g->area / g->sum);
+  return guess > notable[c] * sum || !within(&s->curves, *leq);
+}
+
 static void extract_gate(const slicer *s, const eda_slices *in, size_t i,
                          eda_performance *out) {
-  double current[EDA_CURRENTS] = {0}, weight[EDA_CURRENTS] = {0};
-  double width = 0, area = 0, leq[EDA_CURRENTS] = {0};
-  uint8_t outside = 0;
-  size_t first = i * in->slices, last = first + in->slices;
-  int type = in->type[i];
-  for (size_t k = first; k < last; k++) {
-    width += in->width[k];
-    area += in->width[k] * in->length[k];
+  size_t first = i * in->slices;
+  strips g = {.slicer = s,
+              .type = in->type[i],
+              .count = in->slices,
+              .width = in->width + first,
+              .length = in->length + first,
+              .edge = in->edge + first};
+  for (size_t k = 0; k < g.count; k++) {
+    g.sum += g.width[k];
+    g.area += g.width[k] * g.length[k];
   }
-  for (int c = 0; c < EDA_CURRENTS; c++) {
-    double guess = 0;
-    for (size_t k = first; k < last; k++) {
-      double w = in->width[k];
-      if (s->weight) w *= s->weight(s, type, c, in->edge[k], width);
-      double one = exp(eda_curves_at(&s->curves, type, c, in->length[k]));
-      current[c] += w * one;
-      weight[c] += w;
-      guess += w * guessed(&s->curves, type, c, in->length[k], one);
-    }
-    if (width > 0)
-      leq[c] =
-          eda_curves_length(&s->curves, type, c, log(current[c] / weight[c]));
-    outside |= guess > notable[c] * current[c] || !within(&s->curves, leq[c]);
-  }
-  out->ion[i] = current[EDA_ION];
-  out->ioff[i] = current[EDA_IOFF];
-  out->leq_ion[i] = leq[EDA_ION];
-  out->leq_ioff[i] = leq[EDA_IOFF];
-  out->weq[i] = width;
-  out->area[i] = area;
+  g.edges = edges_of(&s->curves, g.type, g.sum, s->reach);
+  uint8_t outside = eda_curves_narrowest(&s->curves) > g.sum;
+  outside |= extract_current(&g, EDA_ION, &out->ion[i], &out->leq_ion[i]);
+  outside |= extract_current(&g, EDA_IOFF, &out->ioff[i], &out->leq_ioff[i]);
+  out->weq[i] = g.sum;
+  out->area[i] = g.area;
   if (out->outside) out->outside[i] = outside;
 }
 

@@ -18,12 +18,13 @@ typedef struct slicer {
   contour *contour;      /* NULL: all gates are sliced alike */
   eda_curves curves;
   contour_weight *weight; /* NULL: 1 */
+  double reach;           /* of the edges' current, nm */
 } slicer;
 
 /* clang-format off */ /* it takes the elements for nested ones */
 #define SLICER_PARAMETERS                                                \
   {.name = "devices", .type = OPC_FILE, .flags = OPC_REQUIRED,           \
-   .summary = "device table: currents against length",                   \
+   .summary = "device table: currents against length, or length and width", \
    OPC_FIELD(slicer, path)},                                             \
   {.name = "slices", .type = OPC_INT,                                    \
    .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "12", .min = 1,        \
@@ -33,7 +34,13 @@ typedef struct slicer {
    .choices = "contour|gauss|equal",                                     \
    .summary = "slices that follow the contour, at Gauss-Legendre nodes, " \
               "or of equal width",                                       \
-   OPC_FIELD(slicer, rule)}
+   OPC_FIELD(slicer, rule)},                                             \
+  {.name = "edge", .type = OPC_REAL, .unit = "nm", .preset = "30 nm",    \
+   .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 1, .max = 1e6,            \
+   .summary = "with a table of several widths: how far into a "          \
+              "transistor what the edges of its active change falls "    \
+              "off; gates that are rectangles do not depend on it",      \
+   OPC_FIELD(slicer, reach)}
 /* clang-format on */
 
 /* `check` and `clear` of a plugin. */

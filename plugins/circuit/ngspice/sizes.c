@@ -11,8 +11,10 @@
 static double length_of(const eda_curves *c, const eda_gates *g, size_t i,
                         int current, double printed, double drawn) {
   if (!(printed > 0 && drawn > 0) || isinf(printed)) return 0;
-  double is = eda_curves_at(c, g->type[i], current, g->length[i]);
-  return eda_curves_length(c, g->type[i], current, is + log(printed / drawn));
+  eda_curves_width w = eda_curves_among(c, g->width[i]);
+  double is = eda_curves_narrow_at(c, g->type[i], current, g->length[i], &w);
+  return eda_curves_narrow_length(c, g->type[i], current,
+                                  is + log(printed / drawn), &w, g->length[i]);
 }
 
 static void resize(bench *b, const eda_curves *c, eda_performance *p) {

@@ -71,16 +71,15 @@ static drawing eight_ways(void) {
 
 /* ---- steps ---- */
 
-#define MODELS                                                      \
-  "litho: { use: litho.hopkins, kernels: 6 }, resist: { use: "      \
-  "resist.threshold, anchor: { line: 65 nm, pitch: 250 nm } }, "    \
-  "extractor: { use: extractor.plain, devices: "                    \
+#define MODELS                                                   \
+  "litho: { use: litho.hopkins, kernels: 6 }, resist: { use: "   \
+  "resist.threshold, anchor: { line: 65 nm, pitch: 250 nm } }, " \
+  "extractor: { use: extractor.plain, devices: "                 \
   "'%s/data/devices/ptm65.yaml' }"
 
 static opc_module *try_to_make(const char *id, const char *more,
                                opc_error *error) {
-  g_autofree char *models =
-      g_strdup_printf(MODELS, g_getenv("OPCFLOW_SOURCE"));
+  g_autofree char *models = g_strdup_printf(MODELS, g_getenv("OPCFLOW_SOURCE"));
   g_autofree char *map = g_strdup_printf("{ %s%s }", models, more);
   return opc_test_module(id, map, error);
 }
@@ -138,10 +137,9 @@ static eda_layout *mask_of(const eda_chip *chip, const eda_gates *g) {
     eda_shapes s;
     g_assert_false(start_mask(g, moved, k, &s, &error));
     for (size_t i = 0; i < s.count; i++)
-      g_assert_false(eda_layout_add_polygon(out, cell, layer,
-                                            s.points + s.start[i],
-                                            s.start[i + 1] - s.start[i],
-                                            &error));
+      g_assert_false(
+          eda_layout_add_polygon(out, cell, layer, s.points + s.start[i],
+                                 s.start[i + 1] - s.start[i], &error));
     eda_shapes_clear(&s);
   }
   eda_moved_free(moved);
@@ -256,11 +254,12 @@ static eda_layout *read_sram(opc_module **reader) {
   return run(*reader);
 }
 
-#define REGULATOR                                                    \
-  ", regulator: { use: regulator.drc, min_extension: 30 nm, "        \
+#define REGULATOR                                             \
+  ", regulator: { use: regulator.drc, min_extension: 30 nm, " \
   "want_extension: 60 nm }"
 
-/* As good as the flat correction, whatever the windows; and as it says itself. */
+/* As good as the flat correction, whatever the windows; and as it says itself.
+ */
 static void test_sram(void) {
   static const char *const windows[] = {"60 um", "1200 nm"};
   opc_module *reader;
@@ -313,15 +312,16 @@ static void expect_refused(const drawing *d, const char *more,
 static void test_refused(void) {
   drawing d = eight_ways();
   expect_refused(&d, NEWTON ", radius: 0 nm", "", "above 0 nm");
-  expect_refused(&d, NEWTON ", radius: 70 um", "radius", "more than 'window'");
-  expect_refused(&d, NEWTON ", window: 100 nm", "window", "100 nm");
+  expect_refused(&d, NEWTON ", radius: 70 um", "", "more than 'window'");
+  expect_refused(&d, NEWTON ", window: 100 nm", "", "100 nm");
   expect_refused(&d, NEWTON ", top: NONE", "top", "NONE");
-  expect_refused(&d, NEWTON ", also: { metal1: M1 }", "also", "poly and active");
+  expect_refused(&d, NEWTON ", also: { metal1: M1 }", "", "poly and active");
   expect_refused(&d, ", synthesizer: { use: synthesizer.epe }, fine: off",
                  "synthesizer", "moves fragments");
   drawing none = drawing_new();
-  box(&none, none.top, "contact", 0, 0, 10, 10);
-  expect_refused(&none, NEWTON, "layout", "no transistor");
+  box(&none, none.top, "active", 0, 0, 700, 400);
+  box(&none, none.top, "poly", 0, 1000, 700, 1065);
+  expect_refused(&none, NEWTON ", top: TOP", "layout", "no transistor");
   eda_layout_free(none.layout);
   eda_layout_free(d.layout);
 }

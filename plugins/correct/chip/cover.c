@@ -35,8 +35,7 @@ static double area_of(eda_box b) {
 static size_t halve(const maker *m, size_t first, size_t count, eda_box box) {
   uint32_t *place = m->out->place + first;
   int wide = (int64_t)box.x1 - box.x0 >= (int64_t)box.y1 - box.y0;
-  int64_t middle =
-      wide ? (int64_t)box.x0 + box.x1 : (int64_t)box.y0 + box.y1;
+  int64_t middle = wide ? (int64_t)box.x0 + box.x1 : (int64_t)box.y0 + box.y1;
   size_t low = 0, high = 0;
   for (size_t k = 0; k < count; k++) {
     eda_box b = m->places[place[k]];

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Few clips of a layout that show chosen places with all that is around them. */
+/* Few clips of a layout that show chosen places with all that is around them.
+ */
 #ifndef CORRECT_CHIP_COVER_H
 #define CORRECT_CHIP_COVER_H
 

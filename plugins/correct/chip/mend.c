@@ -10,7 +10,6 @@
 
 #include "../loop.h"
 #include "../start.h"
-#include "sheet.h"
 #include "work.h"
 
 typedef struct mend {
@@ -62,8 +61,7 @@ static int failed(uint32_t flags) {
 
 static double off(const loop *l, size_t i) {
   if (failed(l->measured.flags[i])) return INFINITY;
-  return fabs(
-      eda_deviation(l->measured.performance.ion[i], l->design.ion[i]));
+  return fabs(eda_deviation(l->measured.performance.ion[i], l->design.ion[i]));
 }
 
 static double apart(eda_box a, eda_box b) {
@@ -155,8 +153,8 @@ static void put_one(const loop *l, const owned *o, uint32_t place, size_t i,
     out->add(out, &o->box[k - 1], sizeof *o->box);
 }
 
-static int put_all(const mend *m, const loop *l, const sheet *s,
-                   opc_bytes *out, opc_error *error) {
+static int put_all(const mend *m, const loop *l, const sheet *s, opc_bytes *out,
+                   opc_error *error) {
   for (size_t k = 0; k < l->gates->layers; k++)
     if (l->now.shift[k] || l->now.assists[k].count)
       return opc_fail(error, OPC_INVALID, "synthesizer",
@@ -229,7 +227,7 @@ static int correct(const mend *m, const sheet *s, const start *begun,
 
 static int mend_sheet(void *data, size_t i, opc_bytes *out, opc_error *error) {
   mend *m = data;
-  const work *w = m->work;
+  work *w = m->work;
   start begun = {0};
   sheet s;
   int code = sheet_make(w->host->context, w->chip, &m->cover, m->number,
@@ -238,7 +236,7 @@ static int mend_sheet(void *data, size_t i, opc_bytes *out, opc_error *error) {
   if (!code) code = correct(m, &s, &begun, out, error);
   eda_moved_free((eda_moved *)begun.base);
   free(begun.still);
-  sheet_clear(&s);
+  work_drop(w, &s);
   return code;
 }
 
@@ -334,14 +332,15 @@ static int mend_all(mend *m, opc_error *error) {
   m->mask = eda_alloc(m->count, sizeof *m->mask);
   for (size_t i = 0; i < m->count; i++) m->mask[i] = UINT32_MAX;
   w->sheets += m->pages.count;
+  work_tell(w, &m->pages, m->count, m->cover.count);
   const opc_pieces all = {.data = m,
-                             .name = m->stand ? "refine" : "correct",
-                             .count = m->pages.count,
-                             .key = key_of,
-                             .cost = cost_of,
-                             .work = mend_sheet,
-                             .take = take_sheet,
-                             .done = tell_done};
+                          .name = m->stand ? "refine" : "correct",
+                          .count = m->pages.count,
+                          .key = key_of,
+                          .cost = cost_of,
+                          .work = mend_sheet,
+                          .take = take_sheet,
+                          .done = tell_done};
   int code = w->host->pieces(w->host, &all, error);
   pages_clear(&m->pages);
   cover_clear(&m->cover);

@@ -11,7 +11,6 @@
 #include <string.h>
 
 #include "../start.h"
-#include "sheet.h"
 #include "work.h"
 
 enum { SUMS_AT_ONCE = 1024 };
@@ -186,25 +185,23 @@ static int print(const work *w, const eda_gates *g, measured *m,
                  opc_error *error) {
   int code = eda_printer_prepare(&m->printer, error);
   for (size_t k = 0; k < g->layers && !code; k++)
-    if (g->corrected[k])
-      code = start_mask(g, m->moved, k, &m->mask[k], error);
+    if (g->corrected[k]) code = start_mask(g, m->moved, k, &m->mask[k], error);
   if (!code && m->printer.fine > 0)
     code = eda_printer_refine(&m->printer, g->corrected, m->mask, error);
   else if (!code)
     code = eda_printer_print(&m->printer, g->corrected, m->mask, error);
   if (!code)
-    code = eda_measure_drawn(w->host->context, g, w->extractor, &m->design,
-                             error);
+    code =
+        eda_measure_drawn(w->host->context, g, w->extractor, &m->design, error);
   if (!code)
     code = eda_measure(w->host->context, g, m->printer.print, w->extractor,
                        &m->measured, error);
   return code ? code : count_violations(w, g, m, error);
 }
 
-static int prove_sheet(void *data, size_t i, opc_bytes *out,
-                       opc_error *error) {
+static int prove_sheet(void *data, size_t i, opc_bytes *out, opc_error *error) {
   prove *p = data;
-  const work *w = p->work;
+  work *w = p->work;
   sheet s;
   measured m;
   int code = sheet_make(w->host->context, w->chip, &p->cover, p->number,
@@ -222,7 +219,7 @@ static int prove_sheet(void *data, size_t i, opc_bytes *out,
     }
     measured_clear(&m, s.gates);
   }
-  sheet_clear(&s);
+  work_drop(w, &s);
   return code;
 }
 
@@ -282,15 +279,16 @@ int prove_all(work *w, opc_error *error) {
   free(box);
   pages_make(&p.cover, most, w->gap, &p.pages);
   w->sheets += p.pages.count;
+  work_tell(w, &p.pages, p.count, p.cover.count);
   w->worst = 0;
   const opc_pieces all = {.data = &p,
-                             .name = "prove",
-                             .count = p.pages.count,
-                             .key = key_of,
-                             .cost = cost_of,
-                             .work = prove_sheet,
-                             .take = take_sheet,
-                             .done = tell_done};
+                          .name = "prove",
+                          .count = p.pages.count,
+                          .key = key_of,
+                          .cost = cost_of,
+                          .work = prove_sheet,
+                          .take = take_sheet,
+                          .done = tell_done};
   int code = w->host->pieces(w->host, &all, error);
   pages_clear(&p.pages);
   cover_clear(&p.cover);

@@ -34,8 +34,7 @@ typedef struct batch {
 } batch;
 
 static int starts_in(eda_box core, eda_box b) {
-  return b.x0 >= core.x0 && b.x0 < core.x1 && b.y0 >= core.y0 &&
-         b.y0 < core.y1;
+  return b.x0 >= core.x0 && b.x0 < core.x1 && b.y0 >= core.y0 && b.y0 < core.y1;
 }
 
 static int scan_window(void *data, size_t i, opc_error *error) {
@@ -48,7 +47,7 @@ static int scan_window(void *data, size_t i, opc_error *error) {
                               to->core, beyond, &g, error);
   if (code) return code;
   surround *around = eda_alloc(g->count, sizeof *around);
-  code = surround_all(w->host->context, g, w->radius, around, error);
+  code = surround_all(w->host->context, g, w->radius, w->ways, around, error);
   to->found = eda_alloc(g->count, sizeof *to->found);
   for (size_t k = 0; k < g->count && !code; k++)
     if (starts_in(to->core, g->box[k]))
@@ -144,8 +143,8 @@ static void find_classes(work *w) {
   c->gate = eda_alloc(c->count, sizeof *c->gate);
   for (size_t i = 0; i < c->count; i++) {
     const found *f = &w->found[i];
-    guint class = GPOINTER_TO_UINT(
-        g_hash_table_lookup(class_of, f->around.sum));
+    guint class =
+        GPOINTER_TO_UINT(g_hash_table_lookup(class_of, f->around.sum));
     if (!class) {
       EDA_PUSH(w->first, w->classes, room, (uint32_t)i);
       class = (guint)w->classes;
@@ -170,13 +169,11 @@ static int find_extent(work *w, opc_error *error) {
     int32_t layer = eda_layout_find_layer(c->layout, c->layer[k]);
     eda_box b;
     if (layer < 0) continue;
-    int code =
-        eda_layout_bounds(c->layout, c->top, layer, c->grid, &b, error);
+    int code = eda_layout_bounds(c->layout, c->top, layer, c->grid, &b, error);
     if (code) return code;
     if (b.x0 > b.x1) continue;
-    c->extent =
-        (eda_box){MIN(c->extent.x0, b.x0), MIN(c->extent.y0, b.y0),
-                  MAX(c->extent.x1, b.x1), MAX(c->extent.y1, b.y1)};
+    c->extent = (eda_box){MIN(c->extent.x0, b.x0), MIN(c->extent.y0, b.y0),
+                          MAX(c->extent.x1, b.x1), MAX(c->extent.y1, b.y1)};
   }
   return OPC_OK;
 }
@@ -192,12 +189,12 @@ int scan_all(work *w, opc_error *error) {
   }
   w->windows = s.columns * s.rows;
   const opc_pieces some = {.data = &s,
-                             .name = "scan",
-                             .count = (w->windows + AT_ONCE - 1) / AT_ONCE,
-                             .key = key_of,
-                             .work = scan_some,
-                             .take = take_some,
-                             .done = tell_done};
+                           .name = "scan",
+                           .count = (w->windows + AT_ONCE - 1) / AT_ONCE,
+                           .key = key_of,
+                           .work = scan_some,
+                           .take = take_some,
+                           .done = tell_done};
   code = w->host->pieces(w->host, &some, error);
   if (!code && !w->chip->count)
     code = opc_fail(error, OPC_INVALID, "layout",

@@ -247,9 +247,9 @@ static void mark_places(maker *m) {
     const clip *c = &m->cover->clip[p->clip];
     GHashTable *of = g_hash_table_new(NULL, NULL);
     for (size_t j = c->first; j < c->first + c->count; j++)
-      g_hash_table_insert(
-          of, GUINT_TO_POINTER(m->number[m->cover->place[j]] + 1),
-          GUINT_TO_POINTER(m->cover->place[j] + 1));
+      g_hash_table_insert(of,
+                          GUINT_TO_POINTER(m->number[m->cover->place[j]] + 1),
+                          GUINT_TO_POINTER(m->cover->place[j] + 1));
     for (size_t i = 0; i < p->gates->count; i++) {
       int32_t n = p->number[i];
       if (n < 0) continue;
@@ -285,9 +285,8 @@ static int join(maker *m, opc_error *error) {
   g->extent = (eda_box){INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
   for (size_t k = 0; k < m->count; k++) {
     eda_box b = put_box(&m->piece[k], m->cover->clip[m->piece[k].clip].box);
-    g->extent =
-        (eda_box){MIN(g->extent.x0, b.x0), MIN(g->extent.y0, b.y0),
-                  MAX(g->extent.x1, b.x1), MAX(g->extent.y1, b.y1)};
+    g->extent = (eda_box){MIN(g->extent.x0, b.x0), MIN(g->extent.y0, b.y0),
+                          MAX(g->extent.x1, b.x1), MAX(g->extent.y1, b.y1)};
   }
   mark_places(m);
   return OPC_OK;
@@ -309,8 +308,7 @@ int sheet_make(const opc_context *context, const eda_chip *chip,
     eda_box b = from->clip[i].box;
     eda_point at = to->corner[i];
     if (to->page[i] == page)
-      m.piece[m.count++] =
-          (piece){.clip = i, .by = {at.x - b.x0, at.y - b.y0}};
+      m.piece[m.count++] = (piece){.clip = i, .by = {at.x - b.x0, at.y - b.y0}};
   }
   int code = eda_try_all(context, m.count, cut_one, &m, error);
   if (!code) code = join(&m, error);

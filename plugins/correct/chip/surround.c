@@ -33,6 +33,7 @@ typedef struct seen {
   const opc_context *context;
   const eda_gates *gates;
   int32_t radius;
+  int ways;
   edge *edges;
   size_t count;
   eda_index *index;
@@ -118,8 +119,8 @@ static uint64_t number_of(const frame *f, const edge *e, const int *back) {
     low = size_of(f, other) - high;
     high = size_of(f, other) - was;
   }
-  uint64_t head = (uint64_t)e->layer << 2 | (uint64_t)(d ^ f->axis) << 1 |
-                  (uint64_t)side;
+  uint64_t head =
+      (uint64_t)e->layer << 2 | (uint64_t)(d ^ f->axis) << 1 | (uint64_t)side;
   return head << (3 * BITS) | ((uint64_t)at & mask) << (2 * BITS) |
          ((uint64_t)low & mask) << BITS | ((uint64_t)high & mask);
 }
@@ -161,20 +162,20 @@ static void add(numbers *n, const frame *f, const edge *e, uint64_t *sum) {
 
 static int too_large(const seen *s, size_t i, opc_error *error) {
   eda_box b = s->gates->box[i];
-  return opc_fail(error, OPC_INVALID, NULL,
-                  "transistor from (%.10g, %.10g) to (%.10g, %.10g) nm: it is "
-                  "larger than %.10g nm less twice the radius, the most on this "
-                  "grid",
-                  b.x0 * s->gates->grid, b.y0 * s->gates->grid,
-                  b.x1 * s->gates->grid, b.y1 * s->gates->grid,
-                  FURTHEST * s->gates->grid);
+  return opc_fail(
+      error, OPC_INVALID, NULL,
+      "transistor from (%.10g, %.10g) to (%.10g, %.10g) nm: it is "
+      "larger than %.10g nm less twice the radius, the most on this "
+      "grid",
+      b.x0 * s->gates->grid, b.y0 * s->gates->grid, b.x1 * s->gates->grid,
+      b.y1 * s->gates->grid, FURTHEST * s->gates->grid);
 }
 
 /* What is within the radius, cut off there. */
 static void look(const seen *s, size_t i, numbers *n, uint64_t *sum) {
   frame f = {s->gates->box[i], s->gates->axis[i]};
-  eda_box w = {f.box.x0 - s->radius, f.box.y0 - s->radius,
-               f.box.x1 + s->radius, f.box.y1 + s->radius};
+  eda_box w = {f.box.x0 - s->radius, f.box.y0 - s->radius, f.box.x1 + s->radius,
+               f.box.y1 + s->radius};
   eda_finder finder = eda_index_find(s->index, w);
   n->count = 0;
   for (uint32_t k; eda_index_next(&finder, &k);) {
@@ -192,6 +193,7 @@ static void digest(const seen *s, size_t i, const uint64_t *number, size_t n,
   const char *note = g->note && g->note[i] ? g->note[i] : "";
   /* L and W in steps of 1e-3 nm: rounding is not to part what is equal. */
   const int64_t head[] = {g->type[i],
+                          s->ways == 8 ? EDA_X : f.axis,
                           size_of(&f, f.axis),
                           size_of(&f, !f.axis),
                           llround(g->length[i] * 1000),
@@ -215,10 +217,9 @@ static int look_at(const seen *s, size_t i, numbers *n, opc_error *error) {
   if (b.x1 - b.x0 > most || b.y1 - b.y0 > most) return too_large(s, i, error);
   look(s, i, n, sum);
   int least = 0;
-  for (int k = 1; k < FLIPS; k++)
+  for (int k = 1; k < FLIPS && s->ways > 1; k++)
     if (sum[k] < sum[least]) least = k;
-  if (n->count)
-    qsort(n->number[least], n->count, sizeof(uint64_t), by_number);
+  if (n->count) qsort(n->number[least], n->count, sizeof(uint64_t), by_number);
   s->out[i].flip = (uint8_t)least;
   digest(s, i, n->number[least], n->count, s->out[i].sum);
   return OPC_OK;
@@ -238,8 +239,12 @@ static int look_at_some(void *data, size_t part, opc_error *error) {
 }
 
 int surround_all(const opc_context *context, const eda_gates *window,
-                 int32_t radius, surround *out, opc_error *error) {
-  seen s = {.context = context, .gates = window, .radius = radius, .out = out};
+                 int32_t radius, int ways, surround *out, opc_error *error) {
+  seen s = {.context = context,
+            .gates = window,
+            .radius = radius,
+            .ways = ways,
+            .out = out};
   if (window->layers > MOST_LAYERS)
     return opc_fail(error, OPC_INVALID, NULL, "more than %d layers",
                     MOST_LAYERS);
@@ -247,9 +252,8 @@ int surround_all(const opc_context *context, const eda_gates *window,
     return opc_fail(error, OPC_INVALID, "radius", "beyond %.10g nm",
                     FURTHEST / 4 * window->grid);
   find_edges(&s);
-  int code =
-      eda_try_all(context, (window->count + AT_ONCE - 1) / AT_ONCE,
-                  look_at_some, &s, error);
+  int code = eda_try_all(context, (window->count + AT_ONCE - 1) / AT_ONCE,
+                         look_at_some, &s, error);
   eda_index_free(s.index);
   free(s.edges);
   return code;

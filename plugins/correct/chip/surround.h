@@ -17,9 +17,10 @@ typedef struct surround {
 
 /* Of all gates of a window: the shapes of all its layers within `radius` grid
    steps of the gate's box, its sizes, its type and what is written upon it. The
-   window shows that much around the gates that are asked for. OPC_INVALID for
-   a transistor that is too large. By all threads. [main] */
+   window shows that much around the gates that are asked for. `ways`: what is
+   alike, 8: however it lies; 4: but for a swap of x and y; 1: as it is only.
+   OPC_INVALID for a transistor that is too large. By all threads. [any] */
 int surround_all(const opc_context *context, const eda_gates *window,
-                 int32_t radius, surround *out, opc_error *error);
+                 int32_t radius, int ways, surround *out, opc_error *error);
 
 #endif

@@ -154,8 +154,9 @@ static int worst_table(const work *w, opc_error *error) {
       {"ioff_after", "%", OPC_REAL, 2, &row->ioff},
       {"area_after", "%", OPC_REAL, 2, &row->area},
       {"print", NULL, OPC_TEXT, 0, &row->print}};
-  int code = opc_put_rows(w->host, "worst", n <= SHORT_TABLE ? OPC_TABLE_PRINT : 0,
-                          n, sizeof *row, OPC_ARRAY(columns), error);
+  int code =
+      opc_put_rows(w->host, "worst", n <= SHORT_TABLE ? OPC_TABLE_PRINT : 0, n,
+                   sizeof *row, OPC_ARRAY(columns), error);
   free(row);
   return code;
 }

@@ -9,6 +9,7 @@
 #include <opcflow/step.h>
 
 #include "cover.h"
+#include "sheet.h"
 #include "surround.h"
 
 /* A transistor as the scan finds it. */
@@ -26,8 +27,9 @@ typedef struct work {
   int hold;
   int32_t margin; /* how far light counts */
   int32_t radius, along, window, gap;
+  int ways; /* in which a transistor may lie, 1, 4 or 8 */
   int64_t rounds;
-  size_t round; /* of proofs */
+  size_t round;   /* of proofs */
   eda_chip *chip; /* what becomes the result */
 
   /* Of the scan: all transistors, in the order of the chip's. */
@@ -51,11 +53,17 @@ typedef struct work {
 
   /* What was done, for the report. */
   size_t windows, sheets, refined, simulations, fine_simulations;
-  double worst; /* |Ion deviation| so far, % */
+  eda_gates *last;    /* of the sheet before */
+  double worst;       /* |Ion deviation| so far, % */
   double share, done; /* of the progress: of all, and before this phase */
 } work;
 
 void work_clear(work *work);
+
+/* ways.c: in how many of the ways in which a shape can lie a model's image of
+   it lies alike: in all 8, in the 4 without a swap of x and y, or in 1. */
+int ways_find(const opc_context *context, const opc_module *litho, int layer,
+              int *ways, opc_error *error);
 
 /* scan.c: all transistors of the layout, window by window, and their classes.
    Fills chip->gate and `first`. */
@@ -66,8 +74,7 @@ int scan_all(work *work, opc_error *error);
 int mend_classes(work *work, opc_error *error);
 /* Another mask for those of n prints, all others still, where that is better;
    all transistors of these prints take it. */
-int mend_prints(work *work, const uint32_t *prints, size_t n,
-                opc_error *error);
+int mend_prints(work *work, const uint32_t *prints, size_t n, opc_error *error);
 
 /* prove.c: print all that is masked as nothing that was printed before.
    chip->print and the `print` of each transistor. */
@@ -81,6 +88,12 @@ GHashTable *work_sums(void);
 /* tell.c */
 int tell_all(const work *work, opc_error *error);
 
+/* Done with a sheet. Its gates stay until those of the next one are there:
+   plugins tell other gates by their address. */
+void work_drop(work *work, sheet *sheet);
+
+/* How much there is to correct or to print. */
+void work_tell(const work *work, const pages *on, size_t places, size_t clips);
 /* "done of total", of this phase. */
 void work_progress(const work *work, double part);
 

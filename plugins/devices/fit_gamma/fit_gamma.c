@@ -140,6 +140,10 @@ static int run(void *self, void **outputs, opc_error *error) {
   (void)outputs;
   gsl_set_error_handler_off(); /* its default aborts */
   int code = eda_curves_read(&f->curves, f->devices, error);
+  if (!code && f->curves.devices->narrow)
+    code = opc_fail(error, OPC_INVALID, "devices",
+                    "'%s' has several widths, and with them what the edges do",
+                    f->devices);
   if (!code)
     code = reference_read(f->reference_file, &f->curves, &f->reference, error);
   if (!code) code = fit_all(f, error);

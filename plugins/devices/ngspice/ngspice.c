@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* devices.ngspice: from a BSIM4 card to a device table, the on and off currents
-   of wide transistors against their length (thesis 2.2.1). */
+/* devices.ngspice: from a model card or a foundry's library of models to a
+   device table, the on and off currents of transistors against their length,
+   and their width (thesis 2.2.1). */
 #include "ngspice.h"
 
 #include <eda/drawing.h>
@@ -20,16 +21,40 @@ enum { MOST_LENGTHS = 2000, LEAST_LENGTHS = 3 };
 
 static const char *const types[TYPES] = {[EDA_NMOS] = "n", [EDA_PMOS] = "p"};
 
+typedef struct point {
+  double width, length, current[TYPES][EDA_CURRENTS];
+} point;
+
 static int tell_table(const plan *p, const currents *c, opc_error *error) {
+  size_t count = p->count - c->first, n = p->widths * count;
+  point *rows = eda_alloc(n, sizeof *rows);
+  for (size_t i = 0; i < n; i++) {
+    size_t w = i / count, l = c->first + i % count;
+    rows[i].width = p->each_width[w];
+    rows[i].length = p->length[l];
+    for (int k = 0; k < TYPES * EDA_CURRENTS; k++)
+      rows[i].current[k / EDA_CURRENTS][k % EDA_CURRENTS] =
+          c->at[k / EDA_CURRENTS][k % EDA_CURRENTS][w * p->count + l];
+  }
   const opc_column columns[] = {
-      {"length", "nm", OPC_REAL, -1, p->length + c->first},
-      {"ion_n", "A", OPC_REAL, -1, c->at[EDA_NMOS][EDA_ION] + c->first},
-      {"ioff_n", "A", OPC_REAL, -1, c->at[EDA_NMOS][EDA_IOFF] + c->first},
-      {"ion_p", "A", OPC_REAL, -1, c->at[EDA_PMOS][EDA_ION] + c->first},
-      {"ioff_p", "A", OPC_REAL, -1, c->at[EDA_PMOS][EDA_IOFF] + c->first},
+      {"length", "nm", OPC_REAL, -1, &rows->length},
+      {"ion_n", "A", OPC_REAL, -1, &rows->current[EDA_NMOS][EDA_ION]},
+      {"ioff_n", "A", OPC_REAL, -1, &rows->current[EDA_NMOS][EDA_IOFF]},
+      {"ion_p", "A", OPC_REAL, -1, &rows->current[EDA_PMOS][EDA_ION]},
+      {"ioff_p", "A", OPC_REAL, -1, &rows->current[EDA_PMOS][EDA_IOFF]},
+      {"width", "nm", OPC_REAL, -1, &rows->width},
   };
-  return p->host->table(p->host, "devices", 0, p->count - c->first,
-                        OPC_ARRAY(columns), error);
+  int code = opc_put_rows(p->host, "devices", 0, n, sizeof *rows,
+                          OPC_ARRAY(columns), error);
+  free(rows);
+  return code;
+}
+
+/* What is no model's. */
+static void tell_extended(const plan *p, const currents *c) {
+  char text[512];
+  if (table_extended(p, c, text, sizeof text))
+    p->host->log(p->host, OPC_LOG_WARNING, "of the table, %s", text);
 }
 
 /* The reference transistors, and how fast their currents change with length. */
@@ -78,21 +103,42 @@ static int write_all(const plan *p, const currents *c, opc_error *error) {
   if (!code)
     code = p->host->metric(p->host, "shortest", p->length[c->first], error);
   if (!code) code = tell_reference(p, c, error);
+  tell_extended(p, c);
   return code ? code : tell_table(p, c, error);
 }
 
-/* The cards' whole paths: the simulator stands elsewhere. */
-static int find_cards(plan *p, opc_error *error) {
+/* The files' whole paths: the simulator stands elsewhere. */
+static int find_files(plan *p, opc_error *error) {
+  const char *parameter = p->library ? "library" : "card";
+  /* Here, so that a flow may leave it to who runs it. */
+  if (!p->library && !p->card[EDA_NMOS])
+    return opc_fail(error, OPC_INVALID, NULL,
+                    "needs 'card' or 'library', a file of models");
   for (int t = 0; t < TYPES; t++) {
-    const char *card = p->card[t] ? p->card[t] : p->card[EDA_NMOS];
-    p->path[t] = realpath(card, NULL);
+    const char *file = p->library   ? p->library
+                       : p->card[t] ? p->card[t]
+                                    : p->card[EDA_NMOS];
+    p->path[t] = realpath(file, NULL);
     if (!p->path[t])
-      return opc_fail(error, OPC_IO, "card", "cannot read '%s': %s", card,
+      return opc_fail(error, OPC_IO, parameter, "cannot read '%s': %s", file,
                       strerror(errno));
     if (strpbrk(p->path[t], "\"\n"))
-      return opc_fail(error, OPC_INVALID, "card",
-                      "'%s': the simulator takes no such name of a file", card);
+      return opc_fail(error, OPC_INVALID, parameter,
+                      "'%s': the simulator takes no such name of a file", file);
   }
+  return OPC_OK;
+}
+
+static int read_library(plan *p, opc_error *error) {
+  static const char *const parameter[TYPES] = {"nmos", "pmos"};
+  p->models = eda_library_read(p->path[0], p->corner, error);
+  if (!p->models) return error->code;
+  for (int t = 0; t < TYPES; t++)
+    if (!eda_library_kind(p->models, p->model[t]))
+      return opc_fail(error, OPC_INVALID, parameter[t],
+                      "'%s'%s%s has neither a subcircuit nor a model '%s'",
+                      p->library, p->corner ? ", corner " : "",
+                      p->corner ? p->corner : "", p->model[t]);
   return OPC_OK;
 }
 
@@ -102,8 +148,9 @@ static int run(void *self, void **outputs, opc_error *error) {
   (void)outputs;
   for (int k = 0; k < TYPES * EDA_CURRENTS; k++)
     c.at[k / EDA_CURRENTS][k % EDA_CURRENTS] =
-        eda_alloc(p->count, sizeof(double));
-  int code = find_cards(p, error);
+        eda_alloc(p->widths * p->count, sizeof(double));
+  int code = find_files(p, error);
+  if (!code && p->library) code = read_library(p, error);
   if (!code) code = simulate(p, &c, error);
   if (!code) code = write_all(p, &c, error);
   for (int k = 0; k < TYPES * EDA_CURRENTS; k++)
@@ -125,15 +172,23 @@ static int run(void *self, void **outputs, opc_error *error) {
   .summary = (what), OPC_FIELD(plan, field)
 
 static const opc_parameter parameters[] = {
-    {TEXT("card", OPC_FILE, card[EDA_NMOS], "file with the model cards"),
-     .flags = OPC_REQUIRED},
+    {TEXT("card", OPC_FILE, card[EDA_NMOS],
+          "file with the model cards; this or `library` is needed")},
     {TEXT("pmos_card", OPC_FILE, card[EDA_PMOS],
           "that of the p-transistor, if it is another")},
+    {TEXT("library", OPC_FILE, library,
+          "a foundry's models: subcircuits or cards, in sections and bins")},
+    {TEXT("corner", OPC_TEXT, corner,
+          "its section; if not given, what stands in none")},
+    {TEXT("ends", OPC_CHOICE, ends,
+          "where a model ends: the table begins there; an error; the "
+          "outermost bins go on; the currents do, by the slope they have"),
+     .choices = "cut|refuse|extend|slope", .preset = "cut"},
     {TEXT("nmos", OPC_TEXT, model[EDA_NMOS],
-          "name of the n-transistor's model"),
+          "name of the n-transistor's model, or subcircuit"),
      .preset = "nmos"},
     {TEXT("pmos", OPC_TEXT, model[EDA_PMOS],
-          "name of the p-transistor's model"),
+          "name of the p-transistor's model, or subcircuit"),
      .preset = "pmos"},
     {TEXT("overrides", OPC_MAP, overrides,
           "model parameters to be changed in both cards, { igbmod: 0 }")},
@@ -146,6 +201,10 @@ static const opc_parameter parameters[] = {
                   .summary = "temperature of the transistors"),
     {LENGTH("width", width, "drawn width of the transistors of the table"),
      .preset = "10 um"},
+    {TEXT("widths", OPC_REALS, width_list,
+          "for a table of length and width, in place of `width`: the widths, "
+          "increasing, of which slices take the last one's current"),
+     .unit = "nm"},
     {LENGTH("length.from", from, "shortest drawn length to be tried")},
     {LENGTH("length.to", to, "longest drawn length")},
     {LENGTH("length.step", step, "between two lengths"), .preset = "1 nm"},
@@ -216,6 +275,44 @@ static int check_texts(const plan *p, opc_error *error) {
   return OPC_OK;
 }
 
+/* What is given must belong together. */
+static int check_source(const plan *p, opc_error *error) {
+  if (p->card[EDA_NMOS] && p->library)
+    return refuse("library", p->library, "and 'card' are given, one is needed",
+                  error);
+  if (p->library && p->card[EDA_PMOS])
+    return refuse("pmos_card", p->card[EDA_PMOS], "goes with 'card'", error);
+  if (p->library && p->overrides.count)
+    return refuse("overrides", "overrides", "go with 'card'", error);
+  if (p->card[EDA_NMOS] && p->corner)
+    return refuse("corner", p->corner, "goes with 'library'", error);
+  if (p->card[EDA_NMOS] && p->ends == EXTEND)
+    return refuse("ends", "extend", "goes with 'library'", error);
+  if (p->corner && !is_name(p->corner))
+    return refuse("corner", p->corner, "is not the name of a section", error);
+  return OPC_OK;
+}
+
+static int make_widths(plan *p, opc_error *error) {
+  enum { MOST_WIDTHS = 200 };
+  const opc_reals *list = &p->width_list;
+  if (list->count == 1 || list->count > MOST_WIDTHS)
+    return opc_fail(error, OPC_INVALID, "widths",
+                    "a table has 2 to %d widths, not %zu", MOST_WIDTHS,
+                    list->count);
+  p->widths = list->count ? list->count : 1;
+  p->each_width = eda_alloc(p->widths, sizeof *p->each_width);
+  p->each_width[0] = p->width;
+  for (size_t i = 0; i < list->count; i++) {
+    double w = p->each_width[i] = list->values[i];
+    if (!(w > (i ? list->values[i - 1] : 0) && w <= 1e6))
+      return opc_fail(error, OPC_INVALID, "widths",
+                      "widths must increase, above 0: '%g nm'", w);
+  }
+  p->width = p->each_width[p->widths - 1];
+  return OPC_OK;
+}
+
 static int make_lengths(plan *p, opc_error *error) {
   int list = p->list.count > 0;
   const char *parameter = list ? "length.list" : "length.to";
@@ -249,7 +346,9 @@ static int check(void *self, opc_error *error) {
   for (size_t i = 0; i < sizeof voltages / sizeof *voltages; i++)
     if (isnan(*voltages[i])) *voltages[i] = p->supply;
   int code = eda_paper_check(p->picture, "picture", error);
+  if (!code) code = check_source(p, error);
   if (!code) code = check_texts(p, error);
+  if (!code) code = make_widths(p, error);
   return code ? code : make_lengths(p, error);
 }
 
@@ -257,16 +356,18 @@ static void clear(void *self) {
   plan *p = self;
   for (int t = 0; t < TYPES; t++) free(p->path[t]);
   free(p->length);
+  free(p->each_width);
+  eda_library_free(p->models);
 }
 
 /* ---- entry ---- */
 
-/* Cards include others, and the simulator is another program. */
+/* Cards and libraries include others, and the simulator is another program. */
 static const opc_step functions = {.run = run, .flags = OPC_STEP_OUTSIDE};
 
 OPC_PLUGIN(plan, .id = "devices.ngspice", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",
-           .summary = "device table from a BSIM4 model card",
+           .summary = "device table from a model card or a foundry's library",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
            .clear = clear, OPC_FUNCTIONS(functions));

@@ -5,9 +5,19 @@
 #define OPCFLOW_DEVICES_NGSPICE_H
 
 #include <eda/curves.h>
+#include <eda/library.h>
 #include <opcflow/step.h>
 
 enum { TYPES = 2 };
+
+/* Where the models end, or a current that has to rise with decreasing length
+   does not. */
+enum {
+  CUT,    /* the table begins there */
+  REFUSE, /* an error */
+  EXTEND, /* the outermost bins go on; then as CUT */
+  SLOPE   /* the currents go on with the slope that they have there */
+};
 
 typedef struct bias {
   double gate, drain; /* V, of the n-transistor; the p-transistor has -V */
@@ -18,6 +28,9 @@ typedef struct plan {
   const opc_host *host;
   const char *card[TYPES];  /* parameters: files */
   const char *model[TYPES]; /* names in them */
+  const char *library, *corner;
+  int ends;
+  opc_reals width_list;
   opc_map overrides;
   double supply, temperature, width; /* V, C, nm */
   double from, to, step;
@@ -25,27 +38,42 @@ typedef struct plan {
   bias bias[EDA_CURRENTS];
   double reference_length, reference_width; /* NAN: none */
   const char *name, *file, *picture;
-  double limit;      /* s */
-  char *path[TYPES]; /* of the cards, whole */
+  double limit;        /* s */
+  char *path[TYPES];   /* of the cards, or of the library, whole */
+  eda_library *models; /* NULL: cards */
   size_t count;
   double *length; /* increasing */
+  size_t widths;
+  double *each_width; /* increasing; the last is `width` */
 } plan;
 
 typedef struct currents {
-  /* As many as the plan has lengths, from the longest down; 0 where there is
-     none. */
+  /* [width * count + length] */
   double *at[TYPES][EDA_CURRENTS];
   double reference[TYPES][EDA_CURRENTS];
   char simulator[32]; /* "ngspice-39" */
   size_t first;       /* of the plan's lengths that the table begins with */
+  /* The first that was simulated at all widths; before it the slope goes on. */
+  size_t simulated[TYPES];
+  double narrowest[TYPES]; /* nm; narrower ones go on by slope; 0: none does */
 } currents;
+
+/* Those of the widest. */
+static inline const double *widest(const plan *p, const currents *c, int type,
+                                   int current) {
+  return c->at[type][current] + (p->widths - 1) * p->count;
+}
 
 /* ---- simulate.c ---- */
 
-/* Simulate all, and find where the table begins; `out` has the arrays. */
+/* Simulate all, and find where the table begins; `out` has the arrays, which
+   are zero. */
 int simulate(const plan *p, currents *out, opc_error *error);
 
 /* ---- table.c ---- */
+
+/* What of the table is no model's, in words: FALSE if there is nothing. */
+int table_extended(const plan *p, const currents *c, char *text, size_t room);
 
 int table_write(const plan *p, const currents *c, const char *name,
                 opc_error *error);

@@ -2,8 +2,10 @@
 /* Two charts over length: the on and the off currents, on logarithmic axes, as
    both change by their share with each nm. */
 #include <eda/drawing.h>
+#include <eda/memory.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "ngspice.h"
 
@@ -14,17 +16,47 @@ static eda_colour colour_of(int type) {
   return eda_layer_outline(type == EDA_NMOS ? 0 : 1);
 }
 
+/* One curve of `scale` times a current: what is no model's is dashed. */
+static void draw_curve(eda_chart *c, const plan *p, const currents *all,
+                       int type, int current, size_t w) {
+  double scale = p->widths > 1 ? 1000 / p->each_width[w] : 1;
+  double thick = w + 1 == p->widths ? 2.5 : 0.8;
+  size_t first = all->first, from = all->simulated[type];
+  double *y = eda_alloc(p->count, sizeof *y);
+  for (size_t i = first; i < p->count; i++)
+    y[i] = scale * all->at[type][current][w * p->count + i];
+  if (from > first)
+    eda_chart_line(c, colour_of(type), thick, 5, p->length + first, y + first,
+                   from - first + 1);
+  if (from < first) from = first;
+  eda_chart_line(c, colour_of(type), thick, 0, p->length + from, y + from,
+                 p->count - from);
+  free(y);
+}
+
+/* The ends of the axis: of all curves. */
+static void fit_axis(eda_axis *y, const plan *p, const currents *all,
+                     int current) {
+  double ends[2] = {INFINITY, 0};
+  for (int type = 0; type < TYPES; type++)
+    for (size_t i = 0; i < p->widths * p->count; i++) {
+      double scale = p->widths > 1 ? 1000 / p->each_width[i / p->count] : 1;
+      double value = scale * all->at[type][current][i];
+      if (i % p->count < all->first) continue;
+      ends[0] = fmin(ends[0], value);
+      ends[1] = fmax(ends[1], value);
+    }
+  eda_axis_fit(y, ends, 2);
+  eda_axis_widen(y, 0.05, 0.02);
+}
+
 static void draw_chart(eda_chart *c, const plan *p, const currents *all,
                        int current) {
-  char title[96], width[32];
-  size_t first = all->first, count = p->count - first;
-  const double *n = all->at[EDA_NMOS][current];
-  const double *p_type = all->at[EDA_PMOS][current];
-  const double ends[] = {n[first], n[p->count - 1], p_type[first],
-                         p_type[p->count - 1]};
-  eda_axis_fit(&c->y, ends, 4);
-  eda_axis_widen(&c->y, 0.05, 0.02);
-  (void)snprintf(width, sizeof width, "%.6g um", p->width / 1000);
+  char title[128], width[48];
+  fit_axis(&c->y, p, all, current);
+  (void)snprintf(width, sizeof width,
+                 p->widths > 1 ? "%.6g to %.6g um, by um" : "%.6g um",
+                 p->each_width[0] / 1000, p->width / 1000);
   (void)snprintf(title, sizeof title, "%s of W = %s, Vgs %g V, Vds %g V",
                  current == EDA_ION ? "Ion" : "Ioff", width,
                  p->bias[current].gate, p->bias[current].drain);
@@ -35,11 +67,12 @@ static void draw_chart(eda_chart *c, const plan *p, const currents *all,
   const double y[] = {c->y.low, c->y.high};
   eda_chart_line(c, eda_ink, 1, 4, x, y, 2);
   for (int type = 0; type < TYPES; type++)
-    eda_chart_line(c, colour_of(type), 2.5, 0, p->length + first,
-                   all->at[type][current] + first, count);
+    for (size_t w = 0; w < p->widths; w++)
+      draw_curve(c, p, all, type, current, w);
 }
 
-static void draw_key(const eda_paper *paper, const plan *p, double top) {
+static void draw_key(const eda_paper *paper, const plan *p, const currents *all,
+                     double top) {
   eda_legend l;
   eda_legend_init(&l, paper, top);
   for (int type = 0; type < TYPES; type++)
@@ -49,6 +82,12 @@ static void draw_key(const eda_paper *paper, const plan *p, double top) {
             .kind = EDA_SIGN_LINE, .colour = colour_of(type), .line = 2.5},
         "%s-transistor, model %s", type == EDA_NMOS ? "n" : "p",
         p->model[type]);
+  if (all->simulated[EDA_NMOS] || all->simulated[EDA_PMOS])
+    eda_legend_add(
+        &l,
+        &(eda_sign){
+            .kind = EDA_SIGN_LINE, .colour = eda_ink, .line = 2.5, .dash = 5},
+        "beyond the model, by slope");
 }
 
 int picture_draw(const plan *p, const currents *all, const char *name,
@@ -58,7 +97,7 @@ int picture_draw(const plan *p, const currents *all, const char *name,
       path ? eda_paper_open(path, paper_width, paper_height, 15, error) : NULL;
   if (!paper) return error->code;
   paper->margin = 70;
-  draw_key(paper, p, 5 + eda_heading(paper, 5, name));
+  draw_key(paper, p, all, 5 + eda_heading(paper, 5, name));
   eda_chart c = {.paper = paper,
                  .left = 100,
                  .top = 90,
@@ -66,6 +105,8 @@ int picture_draw(const plan *p, const currents *all, const char *name,
                  .height = 410,
                  .x.title = "drawn length, nm",
                  .y = {.log = 1, .unit = "A"}};
+  /* Short ones are looked at closely, too. */
+  c.x.log = p->length[p->count - 1] > 10 * p->length[all->first];
   eda_axis_fit(&c.x, p->length + all->first, p->count - all->first);
   draw_chart(&c, p, all, EDA_ION);
   c.left = 690;

@@ -1,19 +1,25 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* One transistor in a circuit of its own, whose length is altered from the
-   longest down, so that what is simulated before a card fails is kept. */
+/* Of a card: one transistor in a circuit of its own, whose length is altered
+   from the longest down, so that what is simulated before the card fails is
+   kept. Of a library, whose bins and expressions hang on L and W: one for each
+   length, all in one circuit. */
+#include <eda/memory.h>
 #include <eda/simulator.h>
 #include <glib.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "ngspice.h"
 
-/* A type and a current: one process. */
+/* A type, a current and a width: one process. */
 typedef struct job {
   const plan *p;
   currents *out;
   int type, current, code;
-  size_t done; /* lengths that were simulated, from the longest */
+  size_t width; /* its number */
+  size_t done;  /* lengths that were simulated, from the longest */
+  int narrower; /* than any bin: not simulated */
   opc_error error;
 } job;
 
@@ -22,12 +28,25 @@ static const char *const type_names[TYPES] = {
 static const char *const current_names[EDA_CURRENTS] = {
     [EDA_ION] = "Ion", [EDA_IOFF] = "Ioff"};
 
-/* ---- one process ---- */
+static double width_of(const job *j) { return j->p->each_width[j->width]; }
+
+static double *currents_of(const job *j) {
+  return j->out->at[j->type][j->current] + j->width * j->p->count;
+}
+
+/* Whether this one also simulates the reference transistor. */
+static int has_reference(const job *j) {
+  return j->p->reference_length > 0 && j->width + 1 == j->p->widths;
+}
+
+static double sign_of(const job *j) { return j->type == EDA_PMOS ? -1 : 1; }
+
+/* ---- a card ---- */
 
 static char *make_deck(const job *j) {
   const plan *p = j->p;
   const bias *b = &p->bias[j->current];
-  double sign = j->type == EDA_PMOS ? -1 : 1;
+  double sign = sign_of(j);
   return g_strdup_printf(
       "device table\n"
       ".include \"%s\"\n"
@@ -36,7 +55,7 @@ static char *make_deck(const job *j) {
       "vdrain drain 0 %.17g\n"
       "vgate gate 0 %.17g\n"
       ".end\n",
-      p->path[j->type], p->temperature, p->model[j->type], p->width,
+      p->path[j->type], p->temperature, p->model[j->type], width_of(j),
       p->length[p->count - 1], sign * b->drain, sign * b->gate);
 }
 
@@ -48,11 +67,12 @@ static char *make_commands(const job *j) {
     g_string_append_printf(out, "altermod %s %s = %s\n", p->model[j->type],
                            p->overrides.pairs[i].key,
                            p->overrides.pairs[i].value);
-  if (p->reference_length > 0)
+  if (has_reference(j))
     g_string_append_printf(out,
                            "alter @m1[w] = %.17gn\nalter @m1[l] = %.17gn\nop\n"
                            "alter @m1[w] = %.17gn\n",
-                           p->reference_width, p->reference_length, p->width);
+                           p->reference_width, p->reference_length,
+                           width_of(j));
   for (size_t i = p->count; i-- > 0;)
     g_string_append_printf(out, "alter @m1[l] = %.17gn\nop\n", p->length[i]);
   return g_string_free(out, FALSE);
@@ -66,73 +86,228 @@ static double rounded(double x) {
   return g_ascii_strtod(text, NULL);
 }
 
-static double current_of(const job *j, const eda_spice_plot *plot) {
-  const eda_spice_vector *v = eda_spice_vector_find(plot, "i(vdrain)");
+static double current_of(const job *j, const eda_spice_plot *plot,
+                         const char *name) {
+  const eda_spice_vector *v = eda_spice_vector_find(plot, name);
   double into = v && v->count ? -v->value[0] : (double)NAN;
-  return rounded(j->type == EDA_PMOS ? -into : into);
+  return rounded(sign_of(j) * into);
 }
 
-static void keep_simulator(const eda_spice_result *r, char name[32]) {
+static void keep_simulator(const job *j, const eda_spice_result *r) {
   const char *at = r->words ? strstr(r->words, "ngspice-") : NULL;
-  g_snprintf(name, 32, "%.*s", at ? (int)strcspn(at, " \n") : 7,
-             at ? at : "ngspice");
+  if (j->type || j->current || j->width) return;
+  g_snprintf(j->out->simulator, sizeof j->out->simulator, "%.*s",
+             at ? (int)strcspn(at, " \n") : 7, at ? at : "ngspice");
+}
+
+static void run_card(job *j) {
+  eda_spice_result r = {0};
+  g_autofree char *deck = make_deck(j), *commands = make_commands(j);
+  size_t skip = (size_t)has_reference(j), count = j->p->count;
+  j->code = eda_spice_run(j->p->host->context, deck, commands, j->p->limit, &r,
+                          &j->error);
+  if (skip && r.count)
+    j->out->reference[j->type][j->current] =
+        current_of(j, &r.plot[0], "i(vdrain)");
+  for (size_t i = skip; i < r.count && i < skip + count; i++)
+    currents_of(j)[count - 1 + skip - i] =
+        current_of(j, &r.plot[i], "i(vdrain)");
+  j->done = r.count > skip ? r.count - skip : 0;
+  keep_simulator(j, &r);
+  eda_spice_clear(&r);
+}
+
+/* ---- a library ---- */
+
+/* The first length that a bin has, or that one is made to reach. */
+static size_t first_modelled(const job *j) {
+  const plan *p = j->p;
+  eda_sizes bins;
+  size_t i = 0;
+  if (p->ends == EXTEND ||
+      !eda_library_bins(p->models, p->model[j->type], &bins))
+    return 0;
+  while (i < p->count && p->length[i] < bins.length[0] - 1e-3) i++;
+  return i;
+}
+
+/* Whether the width is left to the slope. */
+static int is_narrower(const job *j) {
+  const plan *p = j->p;
+  eda_sizes bins;
+  return p->ends == SLOPE && p->models &&
+         eda_library_bins(p->models, p->model[j->type], &bins) &&
+         width_of(j) < bins.width[0] - 1e-3;
+}
+
+static void put_device(const job *j, GString *out, size_t i, double length,
+                       double width) {
+  const plan *p = j->p;
+  double unit = eda_library_unit(p->models);
+  int kind = eda_library_kind(p->models, p->model[j->type]);
+  g_string_append_printf(out, "%c%zu d%zu gate 0 0 %s w=%.12g l=%.12g\n",
+                         kind == EDA_LIBRARY_SUBCIRCUIT ? 'x' : 'm', i, i,
+                         p->model[j->type], width / unit, length / unit);
+  g_string_append_printf(out, "v%zu d%zu 0 %.17g\n", i, i,
+                         sign_of(j) * p->bias[j->current].drain);
+}
+
+static char *library_deck(const job *j, size_t first) {
+  const plan *p = j->p;
+  double width = width_of(j);
+  eda_sizes sizes = {{p->length[first], p->length[p->count - 1]},
+                     {width, width}};
+  if (has_reference(j)) {
+    sizes.width[0] = fmin(width, p->reference_width);
+    sizes.width[1] = fmax(width, p->reference_width);
+    sizes.length[0] = fmin(sizes.length[0], p->reference_length);
+    sizes.length[1] = fmax(sizes.length[1], p->reference_length);
+  }
+  g_autofree char *models =
+      eda_library_cut(p->models, p->model[j->type], &sizes, p->ends == EXTEND);
+  GString *out = g_string_new("device table\n");
+  g_string_append(out, models);
+  /* Junctions have a gmin each: at 2 V this one adds 2e-20 A to Ioff. */
+  g_string_append_printf(
+      out, ".options temp=%.17g gmin=1e-20 reltol=1e-6 abstol=1e-19\n",
+      p->temperature);
+  g_string_append_printf(out, "vgate gate 0 %.17g\n",
+                         sign_of(j) * p->bias[j->current].gate);
+  for (size_t i = first; i < p->count; i++)
+    put_device(j, out, i, p->length[i], width);
+  if (has_reference(j))
+    put_device(j, out, p->count, p->reference_length, p->reference_width);
+  g_string_append(out, ".end\n");
+  return g_string_free(out, FALSE);
+}
+
+static void run_library(job *j) {
+  const plan *p = j->p;
+  size_t first = first_modelled(j);
+  if (first == p->count) {
+    j->code = opc_fail(&j->error, OPC_FAILED, NULL, "the library has no bin");
+    return;
+  }
+  eda_spice_result r = {0};
+  g_autofree char *deck = library_deck(j, first);
+  j->code =
+      eda_spice_run(p->host->context, deck, "op", p->limit, &r, &j->error);
+  for (size_t i = first; i <= p->count && r.count; i++) {
+    char name[32];
+    g_snprintf(name, sizeof name, "i(v%zu)", i);
+    double *to = i < p->count ? &currents_of(j)[i]
+                              : &j->out->reference[j->type][j->current];
+    if (i < p->count || has_reference(j)) *to = current_of(j, r.plot, name);
+  }
+  j->done = r.count ? p->count - first : 0;
+  if (!j->code)
+    (void)opc_fail(&j->error, OPC_FAILED, NULL, "the library has no bin");
+  keep_simulator(j, &r);
+  eda_spice_clear(&r);
 }
 
 static void run_job(void *data, size_t index) {
   job *j = (job *)data + index;
-  eda_spice_result r = {0};
-  g_autofree char *deck = make_deck(j), *commands = make_commands(j);
-  size_t skip = j->p->reference_length > 0, count = j->p->count;
-  j->code = eda_spice_run(j->p->host->context, deck, commands, j->p->limit, &r,
-                          &j->error);
-  if (skip && r.count)
-    j->out->reference[j->type][j->current] = current_of(j, &r.plot[0]);
-  for (size_t i = skip; i < r.count && i < skip + count; i++)
-    j->out->at[j->type][j->current][count - 1 + skip - i] =
-        current_of(j, &r.plot[i]);
-  j->done = r.count > skip ? r.count - skip : 0;
-  if (!index) keep_simulator(&r, j->out->simulator);
-  eda_spice_clear(&r);
+  j->narrower = is_narrower(j);
+  if (j->narrower) return;
+  if (j->p->models)
+    run_library(j);
+  else
+    run_card(j);
 }
 
 /* ---- where a card ends ---- */
 
+/* Whether this current has to rise with decreasing length, for a length to be
+   told by it: where there are several widths, Ion of the widest does. */
+static int must_rise(const job *j) {
+  return j->p->widths == 1 ||
+         (j->current == EDA_ION && j->width + 1 == j->p->widths);
+}
+
 /* What is wrong with a current at length i, seen from the next longer one;
    NULL if it will do. */
 static const char *fault(const job *j, size_t i) {
-  const double *y = j->out->at[j->type][j->current];
+  const double *y = currents_of(j);
   if (i + j->done < j->p->count) return j->error.message;
   if (!isfinite(y[i])) return "it is not a number";
   if (!(y[i] > 0)) return "it does not flow from drain to source";
-  if (i + 1 < j->p->count && !(y[i] > y[i + 1]))
+  if (must_rise(j) && i + 1 < j->p->count && !(y[i] > y[i + 1]))
     return "it does not rise with decreasing length";
   return NULL;
 }
 
-/* The shortest length from which on a current will do. */
-static int find_end(const job *j, size_t *first, opc_error *error) {
+/* "Ion of the p-transistor at 42 nm", with its width where there are several.
+ */
+static void describe(const job *j, double length, char text[96]) {
+  char width[32] = "";
+  if (j->p->widths > 1)
+    g_snprintf(width, sizeof width, ", W %g nm,", width_of(j));
+  g_snprintf(text, 96, "%s of the %s-transistor%s at %g nm",
+             current_names[j->current], type_names[j->type], width, length);
+}
+
+/* The first length from which on a current will do: 0 and *error if there is
+   none. *why: what is wrong with that before it, or NULL. */
+static int find_end(const job *j, size_t *first, const char **why,
+                    opc_error *error) {
   enum { LEAST = 3 }; /* what an extractor's interpolation needs */
   const plan *p = j->p;
-  const char *why = NULL;
   size_t i = p->count;
-  while (i > 0 && !(why = fault(j, i - 1))) i--;
-  if (!why) return OPC_OK;
-  if (p->count - i < LEAST)
-    return opc_fail(error, OPC_FAILED, j->type == EDA_PMOS ? "pmos" : "nmos",
-                    "model '%s', %s at %g nm: %s", p->model[j->type],
-                    current_names[j->current], p->length[i - 1], why);
+  *why = NULL;
+  while (i > 0 && !(*why = fault(j, i - 1))) i--;
+  *first = i;
+  if (p->count - i >= LEAST && (!*why || p->ends != REFUSE)) return OPC_OK;
+  return opc_fail(error, OPC_FAILED, j->type == EDA_PMOS ? "pmos" : "nmos",
+                  "model '%s', %s at %g nm: %s", p->model[j->type],
+                  current_names[j->current], p->length[i - 1], *why);
+}
+
+/* Lengths before `first` have what a straight line of the logarithm says, by
+   the slope from there to a twentieth more of length: one step of a table is
+   too rough. */
+static int go_on(const job *j, size_t first, opc_error *error) {
+  const double part = 1.05;
+  const double *x = j->p->length;
+  double *y = currents_of(j);
+  size_t to = first + 1;
+  while (to + 1 < j->p->count && x[to] < part * x[first]) to++;
+  double slope = log(y[to] / y[first]) / (x[to] - x[first]);
+  if (must_rise(j) && !(slope < 0)) {
+    char what[96];
+    describe(j, x[first], what);
+    return opc_fail(error, OPC_FAILED, "ends", "%s has no slope to go on with",
+                    what);
+  }
+  for (size_t i = 0; i < first; i++)
+    y[i] = rounded(y[first] * exp(slope * (x[i] - x[first])));
+  return OPC_OK;
+}
+
+/* What one current has to say to where the table begins. */
+static int settle_end(const job *j, opc_error *error) {
+  const plan *p = j->p;
+  currents *out = j->out;
+  const char *why;
+  size_t first;
+  int code = find_end(j, &first, &why, error);
+  if (code || !why) return code;
+  if (p->ends == SLOPE) {
+    if (first > out->simulated[j->type]) out->simulated[j->type] = first;
+    return go_on(j, first, error);
+  }
+  char what[96];
+  describe(j, p->length[first - 1], what);
   p->host->log(p->host, OPC_LOG_WARNING,
-               "model '%s' is good from %g nm on: %s of the %s-transistor at "
-               "%g nm: %s",
-               p->model[j->type], p->length[i], current_names[j->current],
-               type_names[j->type], p->length[i - 1], why);
-  if (i > *first) *first = i;
+               "model '%s' is good from %g nm on: %s: %s", p->model[j->type],
+               p->length[first], what, why);
+  if (first > out->first) out->first = first;
   return OPC_OK;
 }
 
 static int check_reference(const job *j, opc_error *error) {
   double value = j->out->reference[j->type][j->current];
-  if (!(j->p->reference_length > 0)) return OPC_OK;
+  if (!has_reference(j)) return OPC_OK;
   if (isfinite(value) && value > 0) return OPC_OK;
   return opc_fail(error, OPC_FAILED, "reference.length",
                   "model '%s', %s at %g nm: %s", j->p->model[j->type],
@@ -140,24 +315,59 @@ static int check_reference(const job *j, opc_error *error) {
                   j->code ? j->error.message : "no current");
 }
 
-int simulate(const plan *p, currents *out, opc_error *error) {
-  job jobs[TYPES * EDA_CURRENTS];
-  for (int i = 0; i < TYPES * EDA_CURRENTS; i++)
-    jobs[i] = (job){.p = p,
-                    .out = out,
-                    .type = i / EDA_CURRENTS,
-                    .current = i % EDA_CURRENTS};
-  opc_parallel(p->host->context, TYPES * EDA_CURRENTS, run_job, jobs);
-  out->first = 0;
-  for (int i = 0; i < TYPES * EDA_CURRENTS; i++) {
+/* What the edges add to each width's current goes on as it is between the two
+   narrowest that were simulated, of which the second is a tenth wider: the
+   logarithm of the current by width in a straight line against 1 / W. */
+static int go_narrower(const job *j, opc_error *error) {
+  const double part = 1.1;
+  const plan *p = j->p;
+  const job *row = j - j->width; /* of the narrowest */
+  size_t a = 0, b;
+  while (a < p->widths && row[a].narrower) a++;
+  for (b = a + 1; b + 1 < p->widths; b++)
+    if (p->each_width[b] >= part * p->each_width[a]) break;
+  if (b >= p->widths)
+    return opc_fail(error, OPC_FAILED, "widths",
+                    "less than two are in the bins of model '%s'",
+                    p->model[j->type]);
+  double wa = p->each_width[a], wb = p->each_width[b], w = width_of(j);
+  double share = (1 / w - 1 / wa) / (1 / wa - 1 / wb);
+  const double *ya = currents_of(&row[a]), *yb = currents_of(&row[b]);
+  for (size_t i = 0; i < p->count; i++) {
+    double slope = log(ya[i] / wa) - log(yb[i] / wb);
+    currents_of(j)[i] = rounded(w / wa * ya[i] * exp(share * slope));
+  }
+  j->out->narrowest[j->type] = wa;
+  return OPC_OK;
+}
+
+static int settle_all(const job *jobs, size_t count, opc_error *error) {
+  for (size_t i = 0; i < count; i++) {
     const job *j = &jobs[i];
     if (j->code && j->code != OPC_FAILED) {
       *error = j->error;
       return j->code;
     }
     int code = check_reference(j, error);
-    if (!code) code = find_end(j, &out->first, error);
+    if (!code && !j->narrower) code = settle_end(j, error);
     if (code) return code;
   }
+  for (size_t i = 0; i < count; i++)
+    if (jobs[i].narrower && go_narrower(&jobs[i], error)) return error->code;
   return OPC_OK;
+}
+
+int simulate(const plan *p, currents *out, opc_error *error) {
+  size_t count = TYPES * EDA_CURRENTS * p->widths;
+  job *jobs = eda_alloc(count, sizeof *jobs);
+  for (size_t i = 0; i < count; i++)
+    jobs[i] = (job){.p = p,
+                    .out = out,
+                    .width = i % p->widths,
+                    .type = (int)(i / p->widths) / EDA_CURRENTS,
+                    .current = (int)(i / p->widths) % EDA_CURRENTS};
+  opc_parallel(p->host->context, count, run_job, jobs);
+  int code = settle_all(jobs, count, error);
+  free(jobs);
+  return code;
 }

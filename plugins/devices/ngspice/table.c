@@ -27,7 +27,7 @@ static void put_list(FILE *out, const double *value, size_t n, int exponent,
     if (i && i % ROW == 0) fprintf(out, "%*s", indent, "");
     fprintf(out, exponent ? "%.6e" : "%.10g", value[i]);
   }
-  fputs("]}\n", out);
+  fputc(']', out);
 }
 
 static const char *file_name(const char *path) {
@@ -37,9 +37,14 @@ static const char *file_name(const char *path) {
 
 static void put_source(FILE *out, const plan *p, const currents *c) {
   char text[1024];
-  int n = snprintf(text, sizeof text, "%s", file_name(p->path[EDA_NMOS]));
-  if (strcmp(p->path[EDA_NMOS], p->path[EDA_PMOS]))
-    n += snprintf(text + n, sizeof text - (size_t)n, " and %s",
+  int n = snprintf(text, sizeof text, "%.200s", file_name(p->path[EDA_NMOS]));
+  if (p->models)
+    n +=
+        snprintf(text + n, sizeof text - (size_t)n, " %.60s%s%.100s and %.100s",
+                 p->corner ? p->corner : "", p->corner ? ", " : "",
+                 p->model[EDA_NMOS], p->model[EDA_PMOS]);
+  else if (strcmp(p->path[EDA_NMOS], p->path[EDA_PMOS]))
+    n += snprintf(text + n, sizeof text - (size_t)n, " and %.200s",
                   file_name(p->path[EDA_PMOS]));
   for (size_t i = 0; i < p->overrides.count && n < 900; i++)
     n += snprintf(text + n, sizeof text - (size_t)n, "%s%.32s = %.32s",
@@ -50,6 +55,35 @@ static void put_source(FILE *out, const plan *p, const currents *c) {
   fputs("source: ", out);
   put_text(out, text);
   fputc('\n', out);
+}
+
+/* One thing more that is extended, in the buffer. */
+static void add(char *text, size_t room, const char *type, const char *what,
+                double bound, const char *how) {
+  size_t n = strlen(text);
+  (void)snprintf(text + n, room - n, "%s%s %s than %.10g nm by %s",
+                 n ? "; " : "", type, what, bound, how);
+}
+
+int table_extended(const plan *p, const currents *c, char *text, size_t room) {
+  static const char *const names[TYPES] = {"n", "p"};
+  *text = 0;
+  for (int t = 0; t < TYPES; t++) {
+    eda_sizes bins = {{0}, {0}};
+    if (p->ends == EXTEND)
+      (void)eda_library_bins(p->models, p->model[t], &bins);
+    if (c->simulated[t])
+      add(text, room, names[t], "shorter", p->length[c->simulated[t]],
+          "the slope there");
+    if (c->narrowest[t] > 0)
+      add(text, room, names[t], "narrower", c->narrowest[t],
+          "the slope over 1/W there");
+    if (p->length[c->first] < bins.length[0] - 1)
+      add(text, room, names[t], "shorter", bins.length[0], "the last bin");
+    if (p->each_width[0] < bins.width[0] - 1)
+      add(text, room, names[t], "narrower", bins.width[0], "the last bin");
+  }
+  return *text != 0;
 }
 
 static void put_bias(FILE *out, const char *key, const bias *b, double supply) {
@@ -63,13 +97,35 @@ static void put_bias(FILE *out, const char *key, const bias *b, double supply) {
   fputs("\"\n", out);
 }
 
+static void put_widths(FILE *out, const plan *p) {
+  if (p->widths == 1) {
+    fprintf(out, "width: %.10g um\n", p->width / 1000);
+    return;
+  }
+  fputs("width: {unit: nm, values: ", out);
+  put_list(out, p->each_width, p->widths, 0, 27);
+  fputs("}\n", out);
+}
+
+/* All lengths; of several widths, a list for each. */
+static void put_currents(FILE *out, const plan *p, const currents *c,
+                         const double *at) {
+  size_t n = p->count - c->first;
+  fprintf(out, "%11s%s", "", p->widths > 1 ? "[" : "");
+  for (size_t w = 0; w < p->widths; w++) {
+    if (w) fprintf(out, ",\n%12s", "");
+    put_list(out, at + w * p->count + c->first, n, 1, p->widths > 1 ? 13 : 12);
+  }
+  fputs(p->widths > 1 ? "]}\n" : "}\n", out);
+}
+
 static void put_table(FILE *out, const plan *p, const currents *c,
                       const char *name) {
   static const char *const types[TYPES] = {
       [EDA_NMOS] = "nmos", [EDA_PMOS] = "pmos"};
   static const char *const names[EDA_CURRENTS] = {
       [EDA_ION] = "ion", [EDA_IOFF] = "ioff"};
-  size_t n = p->count - c->first;
+  char extended[512];
   fputs(
       "# On and off current against drawn channel length, by the plugin "
       "devices.ngspice.\nopcflow-devices: 1\nname: ",
@@ -77,17 +133,21 @@ static void put_table(FILE *out, const plan *p, const currents *c,
   put_text(out, name);
   fputc('\n', out);
   put_source(out, p, c);
-  fprintf(out, "supply: %.10g V\ntemperature: %.10g C\nwidth: %.10g um\n",
-          p->supply, p->temperature, p->width / 1000);
+  if (table_extended(p, c, extended, sizeof extended))
+    fprintf(out, "extended: \"%s\"\n", extended);
+  fprintf(out, "supply: %.10g V\ntemperature: %.10g C\n", p->supply,
+          p->temperature);
+  put_widths(out, p);
   for (int i = 0; i < EDA_CURRENTS; i++)
     put_bias(out, names[i], &p->bias[i], p->supply);
   fputs("length: {unit: nm, values: ", out);
-  put_list(out, p->length + c->first, n, 0, 28);
+  put_list(out, p->length + c->first, p->count - c->first, 0, 28);
+  fputs("}\n", out);
   for (int type = 0; type < TYPES; type++) {
     fprintf(out, "%s:\n", types[type]);
     for (int i = 0; i < EDA_CURRENTS; i++) {
-      fprintf(out, "  %s: {unit: A, values:\n%11s", names[i], "");
-      put_list(out, c->at[type][i] + c->first, n, 1, 12);
+      fprintf(out, "  %s: {unit: A, values:\n", names[i]);
+      put_currents(out, p, c, c->at[type][i]);
     }
   }
 }
@@ -108,7 +168,7 @@ int table_write(const plan *p, const currents *c, const char *name,
 
 double table_slope(const plan *p, const currents *c, int type, int current,
                    double length) {
-  const double *x = p->length, *y = c->at[type][current];
+  const double *x = p->length, *y = widest(p, c, type, current);
   size_t low = c->first, high;
   if (!(length > x[low] && length < x[p->count - 1])) return NAN;
   while (low + 1 < p->count && x[low + 1] < length) low++;

@@ -290,6 +290,75 @@ static void test_rising_table(void) {
   g_assert_nonnull(strstr(error.message, "does not fall from 75 to 80 nm"));
 }
 
+/* Of a table of two widths, whose edges take as much as DEPTH nm each: a
+   rectangle of any width has (W - 2 DEPTH) j(L), whatever `edge` is. */
+#define DEPTH 15.0
+
+static char *write_widths(void) {
+  static const char *const heads[] = {"nmos: {ion", " ioff", "pmos: {ion",
+                                      " ioff"};
+  g_autoptr(GString) text = g_string_new(
+      "opcflow-devices: 1\nname: test\nsupply: 1 V\n"
+      "width: {unit: nm, values: [120");
+  for (double w = 130; w < 2000; w *= 1.05)
+    g_string_append_printf(text, ", %.10g", w);
+  g_string_append(text, ", 1e7]}\nlength: {unit: nm, values: [40");
+  for (int l = 45; l <= 120; l += 5) g_string_append_printf(text, ", %d", l);
+  g_string_append(text, "]}\n");
+  for (int k = 0; k < 4; k++) {
+    g_string_append_printf(text, "%s: {unit: A, values: [", heads[k]);
+    for (double w = 120; w < 2000; w = w < 125 ? 130 : w * 1.05)
+      for (int l = 40; l <= 120; l += 5)
+        g_string_append_printf(text, "%s%.12g%s", l > 40 ? ", " : "[",
+                               (w - 2 * DEPTH) * current(k / 2, k % 2, l),
+                               l == 120 ? "], " : "");
+    for (int l = 40; l <= 120; l += 5)
+      g_string_append_printf(text, "%s%.12g", l > 40 ? ", " : "[",
+                             1e7 * current(k / 2, k % 2, l));
+    g_string_append_printf(text, "]]}%s", k % 2 ? "}\n" : ",");
+  }
+  char *path = g_build_filename(opc_test_folder(), "widths.yaml", NULL);
+  g_assert_true(g_file_set_contents(path, text->str, -1, NULL));
+  return path;
+}
+
+/* Long in the middle, short at both edges: a quarter of the width each. */
+static double waisted(double place) {
+  return place < 0.25 || place > 0.75 ? 60 : 80;
+}
+
+static void test_widths(void) {
+  g_autofree char *file = write_widths();
+  for (size_t r = 0; r < G_N_ELEMENTS(rules); r++)
+    for (int edge = 10; edge < 2000; edge *= 12) {
+      g_autofree char *more =
+          g_strdup_printf(", edge: %d nm, rule: %s", edge, rules[r]);
+      g_autoptr(opc_module) m = make(file, more, OPC_OK);
+      for (double w = 131; w < 1500; w *= 1.31) {
+        figures f = of_gate(m, EDA_PMOS, w, straight, 100);
+        near(f.ion, (w - 2 * DEPTH) * current(1, 0, 71.3), 1e-4);
+        near(f.ioff, (w - 2 * DEPTH) * current(1, 1, 71.3), 1e-4);
+        near(f.leq_ion, 71.3, 1e-7);
+        g_assert_cmpuint(f.outside, ==, 0);
+      }
+      g_assert_cmpuint(of_gate(m, EDA_PMOS, 119, straight, 100).outside, ==, 1);
+    }
+  /* What the edges take goes by the length that is there: nearly all of it by
+     60 nm, but for what is further from them than a quarter of the width. */
+  g_autoptr(opc_module) m =
+      make(file, ", edge: 30 nm, rule: equal, slices: 2000", OPC_OK);
+  double decay = 2 * 2 * DEPTH / (1 - 2 * DEPTH / 1000); /* edges.h */
+  double far = exp(-250 / decay), all = 1 - exp(-500 / decay);
+  double less = 2 * DEPTH *
+                ((1 - far) * current(0, 0, 60) +
+                 (far - exp(-500 / decay)) * current(0, 0, 80)) /
+                all;
+  double plain = 500 * (current(0, 0, 60) + current(0, 0, 80));
+  figures f = of_gate(m, EDA_NMOS, 1000, waisted, 100);
+  g_test_message("%g of %g", f.ion, plain - less);
+  near(f.ion, plain - less, 1e-4);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/plain/rectangle", test_rectangle);
@@ -302,6 +371,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/plain/in-part", test_in_part);
   g_test_add_func("/plain/real-table", test_real_table);
   g_test_add_func("/plain/range", test_range);
+  g_test_add_func("/plain/widths", test_widths);
   g_test_add_func("/plain/rising-table", test_rising_table);
   return g_test_run();
 }

@@ -137,6 +137,21 @@ static void test_default_extension(void) {
   g_assert_cmpint(f.end[1], ==, 25);
 }
 
+/* Other gates in the same place in memory are others, also before their first
+   iteration. */
+static void test_others(void) {
+  g_autoptr(opc_module) m = make("{ min_space: 60 nm }");
+  fixture f;
+  for (uint64_t serial = 1; serial <= 2; serial++) {
+    setup(&f, serial == 1 ? 1000 : 90);
+    f.gates.serial = serial;
+    f.extension[1] = f.extension[2] = 0;
+    for (int i = 0; i < 10; i++) rule(m, &f);
+  }
+  g_assert_cmpint(f.end[1], ==, 15);
+  g_assert_cmpint(f.end[2], ==, 15);
+}
+
 /* Two line ends 90 nm apart share the 30 nm that a space of 60 leaves. */
 static void test_facing(void) {
   g_autoptr(opc_module) m = make("{ min_space: 60 nm }");
@@ -386,12 +401,14 @@ static void test_near_neighbour(void) {
 }
 
 /* The patch on the right side of an active whose lower and upper edges are the
-   ends of a gate's width ends with them, however far they lie aside. */
+   ends of a gate's width ends with them, however far they lie aside; where they
+   have met there is none. */
 static void test_width(void) {
   static const struct {
     int32_t w, aside, low, high;
-  } cases[] = {
-      {0, 0, 0, 140}, {9, 0, -4, 145}, {9, 4, 0, 149}, {8, -7, -11, 137}};
+  } cases[] = {{0, 0, 0, 140},    {9, 0, -4, 145},   {9, 4, 0, 149},
+               {8, -7, -11, 137}, {-139, 0, 70, 71}, {-140, 0, 0, 0},
+               {-150, 0, 75, 65}};
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_autoptr(opc_module) m = make("{ overlay: 10 nm }");
     uint32_t start[] = {0, 4};
@@ -407,9 +424,11 @@ static void test_width(void) {
     c.p.w = &cases[i].w;
     c.p.aside = &cases[i].aside;
     judge(m, &c);
-    g_assert_cmpuint(c.ruling.patches[EDA_ACTIVE].count, ==, 1);
-    g_assert_cmpint(c.ruling.patches[EDA_ACTIVE].box[0].y0, ==, cases[i].low);
-    g_assert_cmpint(c.ruling.patches[EDA_ACTIVE].box[0].y1, ==, cases[i].high);
+    size_t n = cases[i].low < cases[i].high;
+    g_assert_cmpuint(c.ruling.patches[EDA_ACTIVE].count, ==, n);
+    eda_box b = n ? c.ruling.patches[EDA_ACTIVE].box[0] : (eda_box){0};
+    g_assert_cmpint(b.y0, ==, n ? cases[i].low : 0);
+    g_assert_cmpint(b.y1, ==, n ? cases[i].high : 0);
     end(&c);
   }
 }
@@ -756,6 +775,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/regulator/extension", test_extension);
   g_test_add_func("/regulator/default_extension", test_default_extension);
+  g_test_add_func("/regulator/others", test_others);
   g_test_add_func("/regulator/facing", test_facing);
   g_test_add_func("/regulator/alone", test_alone);
   g_test_add_func("/regulator/turns", test_turns);

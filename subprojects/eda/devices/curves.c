@@ -6,10 +6,18 @@
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_interp.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 enum { MOST_STEPS = 1 << 16, MOST_TRIES = 60 };
 static const double finest = 1.0 / 32; /* nm */
+/* Of narrow transistors, there being many widths: steps of the logarithm, which
+   bends less, and only so many from the shortest length on. */
+enum { NARROW_STEPS = 1 << 13 };
+static const double narrow_finest = 1.0 / 8; /* nm */
+/* Where a current does not fall towards an end of the table it goes on with
+   this, so that longer is still told from shorter: 1/nm. */
+static const double least_slope = 1e-4;
 
 /* How far a table goes on: these parts of its ends' lengths, below which no
    print is a gate and above which none is of this one; and this much of the
@@ -29,15 +37,24 @@ typedef struct beyond {
   double last;              /* the last length it goes on to */
 } beyond;
 
-/* [type * EDA_CURRENTS + current] */
+/* [type * EDA_CURRENTS + current], the widest transistors' first, then those of
+   the narrower ones. */
 struct eda_curve {
   double *logarithm; /* of the currents at the table's lengths */
   gsl_interp *spline;
   beyond beyond[2];
+  int falls;         /* with every length: it tells one */
+  double *quick;     /* of a narrow one: the logarithm at even steps */
+  double least_part; /* of a wide one's current per width */
 };
 
-static const struct eda_curve *find(const eda_curves *c, int type, int k) {
-  return &c->exact[type * EDA_CURRENTS + k];
+enum { CURVES = 2 * EDA_CURRENTS }; /* of a width */
+
+/* Curves of the table's width number i; those of the widest one are first. */
+static const struct eda_curve *of_width(const eda_curves *c, size_t i, int type,
+                                        int k) {
+  size_t at = i < c->devices->narrow ? i + 1 : 0;
+  return &c->exact[at * CURVES + (size_t)(type * EDA_CURRENTS + k)];
 }
 
 /* Between the end and the first length that is a tenth of all away. */
@@ -54,7 +71,7 @@ static beyond find_beyond(const eda_devices *d, const struct eda_curve *curve,
   const double *y = curve->logarithm;
   size_t end = side ? d->count - 1 : 0;
   beyond b = {.length = d->length[end], .logarithm = y[end]};
-  double mean = mean_slope(d, y, side);
+  double mean = fmin(mean_slope(d, y, side), -least_slope);
   b.slope = gsl_interp_eval_deriv(curve->spline, d->length, y, b.length, NULL);
   b.slope = fmin(fmax(b.slope, mean * freedom), mean / freedom);
   double reach = most_change / -b.slope;
@@ -63,27 +80,89 @@ static beyond find_beyond(const eda_devices *d, const struct eda_curve *curve,
   return b;
 }
 
-static int add_curve(eda_curves *c, int type, int k, const char *path,
-                     opc_error *error) {
+static double value_at(const eda_curves *c, const struct eda_curve *curve,
+                       double length) {
+  const beyond *b = curve->beyond;
+  length = fmin(fmax(length, b[LOW].last), b[HIGH].last);
+  for (int side = LOW; side <= HIGH; side++)
+    if (side ? length > b[HIGH].length : length < b[LOW].length)
+      return b[side].logarithm + b[side].slope * (length - b[side].length);
+  return gsl_interp_eval(curve->spline, c->devices->length, curve->logarithm,
+                         length, NULL);
+}
+
+double eda_curves_at(const eda_curves *c, int type, int k, double length) {
+  return value_at(c, &c->exact[type * EDA_CURRENTS + k], length);
+}
+
+/* " of 420 nm" in a table of several widths. */
+typedef struct width_text {
+  char text[48];
+} width_text;
+
+static width_text of_width_text(const eda_devices *d, double width) {
+  width_text out = {""};
+  if (d->narrow)
+    (void)snprintf(out.text, sizeof out.text, " of %g nm wide transistors",
+                   width);
+  return out;
+}
+
+static int set_curve(const eda_curves *c, struct eda_curve *curve,
+                     const double *current, double width, int must,
+                     const char *path, opc_error *error) {
   const eda_devices *d = c->devices;
-  const double *current = k == EDA_ION ? d->ion[type] : d->ioff[type];
-  struct eda_curve *curve = &c->exact[type * EDA_CURRENTS + k];
   curve->logarithm = eda_alloc(d->count, sizeof *curve->logarithm);
   curve->spline = gsl_interp_alloc(gsl_interp_steffen, d->count);
+  curve->falls = 1;
   for (size_t i = 0; i < d->count; i++) {
-    if (i && !(current[i] < current[i - 1]))
+    int falls = !i || current[i] < current[i - 1];
+    curve->falls &= falls;
+    if (!falls && must)
       return opc_fail(error, OPC_INVALID, "devices",
-                      "'%s': a current does not fall from %g to %g nm, so "
+                      "'%s': a current%s does not fall from %g to %g nm, so "
                       "that it tells no length",
-                      path, d->length[i - 1], d->length[i]);
+                      path, of_width_text(d, width).text, d->length[i - 1],
+                      d->length[i]);
     curve->logarithm[i] = log(current[i]);
   }
   gsl_interp_init(curve->spline, d->length, curve->logarithm, d->count);
   for (int side = LOW; side <= HIGH; side++)
     curve->beyond[side] = find_beyond(d, curve, side);
-  for (size_t i = 0; i <= c->steps; i++)
+  return OPC_OK;
+}
+
+static int add_curve(eda_curves *c, int type, int k, const char *path,
+                     opc_error *error) {
+  const eda_devices *d = c->devices;
+  const double *current = k == EDA_ION ? d->ion[type] : d->ioff[type];
+  int code = set_curve(c, &c->exact[type * EDA_CURRENTS + k], current, d->width,
+                       !d->narrow || k == EDA_ION, path, error);
+  for (size_t i = 0; i <= c->steps && !code; i++)
     c->quick[type][EDA_CURRENTS * i + (size_t)k] =
         exp(eda_curves_at(c, type, k, d->length[0] + (double)i / c->per_nm));
+  return code;
+}
+
+/* That of the narrow width number n. */
+static int add_narrow(eda_curves *c, size_t n, int type, int k,
+                      const char *path, opc_error *error) {
+  const eda_devices *d = c->devices;
+  size_t at = (n + 1) * CURVES + (size_t)(type * EDA_CURRENTS + k);
+  struct eda_curve *curve = &c->exact[at];
+  const double *wide = c->exact[type * EDA_CURRENTS + k].logarithm;
+  const double *current =
+      (k == EDA_ION ? d->narrow_ion : d->narrow_ioff)[type] + n * d->count;
+  int code = set_curve(c, curve, current, d->narrow_width[n], 0, path, error);
+  if (code) return code;
+  curve->least_part = 1;
+  for (size_t i = 0; i < d->count; i++)
+    curve->least_part =
+        fmin(curve->least_part, exp(curve->logarithm[i] - wide[i]));
+  curve->quick = eda_alloc(NARROW_STEPS + 1, sizeof *curve->quick);
+  for (size_t i = 0; i <= NARROW_STEPS; i++)
+    curve->quick[i] =
+        value_at(c, curve, d->length[0] + (double)i * narrow_finest);
   return OPC_OK;
 }
 
@@ -99,12 +178,14 @@ static int read_curves(eda_curves *c, const char *path, opc_error *error) {
   double range = d->length[d->count - 1] - d->length[0];
   c->steps = (size_t)fmin(MOST_STEPS, ceil(range / finest));
   c->per_nm = (double)c->steps / range;
-  c->exact = eda_alloc(2 * EDA_CURRENTS, sizeof *c->exact);
+  c->exact = eda_alloc((d->narrow + 1) * CURVES, sizeof *c->exact);
   for (int type = 0; type < 2; type++) {
     /* One step more: of it the last one takes nothing. */
     c->quick[type] = eda_alloc(EDA_CURRENTS * (c->steps + 2), sizeof(double));
     for (int k = 0; k < EDA_CURRENTS; k++) {
       int code = add_curve(c, type, k, path, error);
+      for (size_t n = 0; n < d->narrow && !code; n++)
+        code = add_narrow(c, n, type, k, path, error);
       if (code) return code;
     }
   }
@@ -119,8 +200,10 @@ int eda_curves_read(eda_curves *c, const char *path, opc_error *error) {
 }
 
 void eda_curves_clear(eda_curves *c) {
-  for (int i = 0; c->exact && i < 2 * EDA_CURRENTS; i++) {
+  size_t curves = c->exact ? (c->devices->narrow + 1) * CURVES : 0;
+  for (size_t i = 0; i < curves; i++) {
     free(c->exact[i].logarithm);
+    free(c->exact[i].quick);
     if (c->exact[i].spline) gsl_interp_free(c->exact[i].spline);
   }
   free(c->exact);
@@ -137,17 +220,6 @@ double eda_curves_longest(const eda_curves *c) {
   return c->devices->length[c->devices->count - 1];
 }
 
-double eda_curves_at(const eda_curves *c, int type, int k, double length) {
-  const struct eda_curve *curve = find(c, type, k);
-  const beyond *b = curve->beyond;
-  length = fmin(fmax(length, b[LOW].last), b[HIGH].last);
-  for (int side = LOW; side <= HIGH; side++)
-    if (side ? length > b[HIGH].length : length < b[LOW].length)
-      return b[side].logarithm + b[side].slope * (length - b[side].length);
-  return gsl_interp_eval(curve->spline, c->devices->length, curve->logarithm,
-                         length, NULL);
-}
-
 static double length_beyond(const beyond *b, double logarithm) {
   double length = b->length + (logarithm - b->logarithm) / b->slope;
   return b->last < b->length ? fmax(length, b->last) : fmin(length, b->last);
@@ -156,7 +228,7 @@ static double length_beyond(const beyond *b, double logarithm) {
 double eda_curves_length(const eda_curves *c, int type, int k,
                          double logarithm) {
   const eda_devices *d = c->devices;
-  const struct eda_curve *curve = find(c, type, k);
+  const struct eda_curve *curve = &c->exact[type * EDA_CURRENTS + k];
   const double *y = curve->logarithm;
   size_t low = 0, high = d->count - 1;
   if (!(logarithm < y[0])) return length_beyond(&curve->beyond[LOW], logarithm);
@@ -185,4 +257,110 @@ double eda_curves_length(const eda_curves *c, int type, int k,
     fb = f;
   }
   return x;
+}
+
+/* ---- of several widths ---- */
+
+double eda_curves_narrowest(const eda_curves *c) {
+  return c->devices->narrow ? c->devices->narrow_width[0] : 0;
+}
+
+static double width_of(const eda_devices *d, size_t i) {
+  return i < d->narrow ? d->narrow_width[i] : d->width;
+}
+
+eda_curves_width eda_curves_among(const eda_curves *c, double width) {
+  const eda_devices *d = c->devices;
+  eda_curves_width w = {.width = width,
+                        .is_wide = !d->narrow || !(width < d->width)};
+  if (w.is_wide || !(width > width_of(d, 0))) return w;
+  while (w.low + 1 < d->narrow && width >= width_of(d, w.low + 1)) w.low++;
+  double from = 1 / width_of(d, w.low), to = 1 / width_of(d, w.low + 1);
+  w.part = (from - 1 / width) / (from - to);
+  return w;
+}
+
+double eda_curves_narrow_at(const eda_curves *c, int type, int k, double length,
+                            const eda_curves_width *w) {
+  if (w->is_wide) return eda_curves_at(c, type, k, length);
+  double a = value_at(c, of_width(c, w->low, type, k), length);
+  double b = value_at(c, of_width(c, w->low + 1, type, k), length);
+  return a + w->part * (b - a);
+}
+
+void eda_curves_narrow_quick(const eda_curves *c, int type, double length,
+                             const eda_curves_width *w,
+                             double current[EDA_CURRENTS]) {
+  double x = (length - c->devices->length[0]) / narrow_finest;
+  int inside = x >= 0 && x < NARROW_STEPS;
+  size_t i = inside ? (size_t)x : 0;
+  double part = x - (double)i, wide[EDA_CURRENTS];
+  int high_is_wide = w->low + 1 == c->devices->narrow;
+  if (inside && high_is_wide) eda_curves_quick(c, type, length, wide);
+  for (int k = 0; k < EDA_CURRENTS; k++) {
+    const double *low = of_width(c, w->low, type, k)->quick + i;
+    double y = low[0] + part * (low[1] - low[0]), to;
+    if (!inside) {
+      y = eda_curves_narrow_at(c, type, k, length, w);
+    } else {
+      const double *high = of_width(c, w->low + 1, type, k)->quick;
+      to = high_is_wide ? log(wide[k])
+                        : high[i] + part * (high[i + 1] - high[i]);
+      y += w->part * (to - y);
+    }
+    current[k] = exp(y);
+  }
+}
+
+double eda_curves_least_share(const eda_curves *c, int type, int k,
+                              const eda_curves_width *w) {
+  if (w->is_wide) return 1;
+  const struct eda_curve *low = of_width(c, w->low, type, k),
+                         *high = of_width(c, w->low + 1, type, k);
+  double to = high->quick ? high->least_part : 1;
+  return low->least_part + w->part * (to - low->least_part);
+}
+
+/* Where a curve that falls, between two lengths, has that value. */
+static double crossing(const eda_curves *c, int type, int k, double logarithm,
+                       const eda_curves_width *w, double low, double high) {
+  double sign = eda_curves_narrow_at(c, type, k, low, w) > logarithm ? 1 : -1;
+  for (int i = 0; i < MOST_TRIES && high - low > 1e-11 * high; i++) {
+    double middle = (low + high) / 2;
+    double more = eda_curves_narrow_at(c, type, k, middle, w) - logarithm;
+    if (sign * more > 0)
+      low = middle;
+    else
+      high = middle;
+  }
+  return (low + high) / 2;
+}
+
+/* Step by step away from a length, until the current is passed. */
+static double nearest(const eda_curves *c, int type, int k, double logarithm,
+                      const eda_curves_width *w, double near) {
+  const double step = 1, most = 200; /* nm; further off it says nothing */
+  int is_more = eda_curves_narrow_at(c, type, k, near, w) > logarithm;
+  for (double far = step; far <= most; far += step)
+    for (int side = -1; side < 2; side += 2) {
+      double at = near + side * far, before = at - side * step;
+      if ((eda_curves_narrow_at(c, type, k, at, w) > logarithm) != is_more)
+        return crossing(c, type, k, logarithm, w, fmin(at, before),
+                        fmax(at, before));
+    }
+  return near;
+}
+
+double eda_curves_narrow_length(const eda_curves *c, int type, int k,
+                                double logarithm, const eda_curves_width *w,
+                                double near) {
+  const struct eda_curve *low = of_width(c, w->low, type, k),
+                         *high = of_width(c, w->low + 1, type, k);
+  if (!w->is_wide && low->falls && high->falls)
+    return crossing(c, type, k, logarithm, w,
+                    least_part * eda_curves_shortest(c),
+                    most_part * eda_curves_longest(c));
+  if (w->is_wide && c->exact[type * EDA_CURRENTS + k].falls)
+    return eda_curves_length(c, type, k, logarithm);
+  return nearest(c, type, k, logarithm, w, near);
 }

@@ -111,6 +111,77 @@ static void test_rough_end(void) {
   same(slope_beyond(exp(-5 * step)), 9.0 / 4 * 2, 1e-9);
 }
 
+/* Of three widths, each with exp(b / W) more by width than ion and ioff above;
+   Ioff of the p-transistor rises with length. */
+static const double part[EDA_CURRENTS] = {-40, 90}; /* b, nm */
+
+static double made_up(int type, int k, double length, double width) {
+  double fall = k == EDA_ION ? 50 : type == EDA_PMOS ? -500 : 5;
+  return log(k == EDA_ION ? 1e-3 : 1e-6) - length / fall * M_LN2 +
+         part[k] / width;
+}
+
+static void read_widths(eda_curves *c) {
+  static const double widths[] = {200, 400, 5000};
+  opc_error error;
+  g_autoptr(GString) text = g_string_new(
+      "opcflow-devices: 1\nname: test\nsupply: 1 V\n"
+      "width: { unit: nm, values: [200, 400, 5000] }\n"
+      "length: { unit: nm, values: [40, 50, 60, 70] }\n");
+  for (int t = 0; t < 2; t++)
+    for (int k = 0; k < EDA_CURRENTS; k++) {
+      g_string_append_printf(text, "%s  %s: { unit: A, values: [",
+                             k   ? ""
+                             : t ? "pmos:\n"
+                                 : "nmos:\n",
+                             k ? "ioff" : "ion");
+      for (int w = 0; w < 3; w++)
+        for (int i = 0; i < 4; i++)
+          g_string_append_printf(
+              text, "%s%.17g%s",
+              i   ? ", "
+              : w ? ", ["
+                  : "[",
+              widths[w] * exp(made_up(t, k, 40 + 10 * i, widths[w])),
+              i == 3 ? "]" : "");
+      g_string_append(text, "] }\n");
+    }
+  g_assert_true(g_file_set_contents("table.yaml", text->str, -1, NULL));
+  if (eda_curves_read(c, "table.yaml", &error)) g_error("%s", error.message);
+}
+
+static void test_widths(void) {
+  eda_curves c = {0};
+  read_widths(&c);
+  same(eda_curves_narrowest(&c), 200, 0);
+  for (double width = 200; width < 5000; width *= 1.17) {
+    eda_curves_width w = eda_curves_among(&c, width);
+    g_assert_false(w.is_wide);
+    for (double l = 41.3; l < 70; l += 3.1)
+      for (int t = 0; t < 2; t++) {
+        double quick[EDA_CURRENTS];
+        eda_curves_narrow_quick(&c, t, l, &w, quick);
+        for (int k = 0; k < EDA_CURRENTS; k++) {
+          double want = made_up(t, k, l, width);
+          same(eda_curves_narrow_at(&c, t, k, l, &w), want, 1e-9);
+          same(log(quick[k]), want, 1e-5);
+          /* From 5 nm off, also where the current rises. */
+          same(eda_curves_narrow_length(&c, t, k, want, &w, l + 5), l, 1e-6);
+        }
+      }
+    double least = exp(part[EDA_ION] * (1 / width - 1.0 / 5000));
+    same(eda_curves_least_share(&c, 0, EDA_ION, &w), least, 2e-2);
+    same(eda_curves_least_share(&c, 0, EDA_IOFF, &w), 1, 1e-12);
+  }
+  /* Narrower and wider ones have what is nearest. */
+  eda_curves_width w = eda_curves_among(&c, 90);
+  same(eda_curves_narrow_at(&c, 0, 0, 55, &w), made_up(0, 0, 55, 200), 1e-9);
+  w = eda_curves_among(&c, 5001);
+  g_assert_true(w.is_wide);
+  same(eda_curves_narrow_at(&c, 0, 0, 55, &w), made_up(0, 0, 55, 5000), 1e-9);
+  eda_curves_clear(&c);
+}
+
 static void test_refused(void) {
   eda_curves c = {0};
   opc_error error;
@@ -134,6 +205,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/curves/values", test_values);
   g_test_add_func("/curves/beyond", test_beyond);
   g_test_add_func("/curves/rough-end", test_rough_end);
+  g_test_add_func("/curves/widths", test_widths);
   g_test_add_func("/curves/refused", test_refused);
   int failed = g_test_run();
   g_unlink("table.yaml");

@@ -213,34 +213,98 @@ static gboolean read_number(reader *r, const yaml_node_t *node, const char *key,
   return TRUE;
 }
 
-/* `{ unit: nm, values: [...] }` in the unit `in`, each above 0; NULL and a
-   fault. The numbers get the unit of the column before they are read. */
-static double *get_column(reader *r, const yaml_node_t *parent, const char *key,
-                          const char *in, size_t *count) {
+/* The items of a list, above 0, to *out, which is moved on. */
+static gboolean read_items(reader *r, const yaml_node_t *list, const char *key,
+                           const char *given, const char *in, double **out) {
+  const yaml_node_item_t *item = list->data.sequence.items.start;
+  gboolean good = TRUE;
+  for (; item < list->data.sequence.items.top; item++)
+    good &= read_number(r, node_of(r, *item), key, given, in, TRUE, (*out)++);
+  return good;
+}
+
+static size_t items(const yaml_node_t *list) {
+  return (size_t)(list->data.sequence.items.top -
+                  list->data.sequence.items.start);
+}
+
+static gboolean is_list(const yaml_node_t *node) {
+  return node && node->type == YAML_SEQUENCE_NODE;
+}
+
+/* `{ unit: nm, values: [...] }`: the list of its values and their unit; NULL
+   and a fault. */
+static const yaml_node_t *get_list(reader *r, const yaml_node_t *parent,
+                                   const char *key, const char *in,
+                                   const char **given) {
   static const char *const known[] = {"unit", "values", NULL};
   const yaml_node_t *map = get_map(r, parent, key, known);
   if (!map) return NULL;
-  const yaml_node_t *given = look_up(r, map, "unit");
+  const yaml_node_t *of = look_up(r, map, "unit");
   const yaml_node_t *list = look_up(r, map, "values");
-  if (!given || given->type != YAML_SCALAR_NODE || !list ||
-      list->type != YAML_SEQUENCE_NODE) {
-    wrong(r, &map->start_mark, "'%s' needs '{ unit: %s, values: [...] }'", key,
-          in);
-    return NULL;
+  if (of && of->type == YAML_SCALAR_NODE && is_list(list)) {
+    *given = text_of(of);
+    return list;
   }
-  const yaml_node_item_t *item = list->data.sequence.items.start;
-  *count = (size_t)(list->data.sequence.items.top - item);
-  double *column = eda_alloc(*count, sizeof *column);
-  gboolean good = TRUE;
-  for (size_t i = 0; i < *count; i++)
-    good &= read_number(r, node_of(r, item[i]), key, text_of(given), in, TRUE,
-                        &column[i]);
-  if (good) return column;
+  wrong(r, &map->start_mark, "'%s' needs '{ unit: %s, values: [...] }'", key,
+        in);
+  return NULL;
+}
+
+/* Its values in the unit `in`, each above 0; NULL and a fault. The numbers get
+   the unit of the column before they are read. */
+static double *get_column(reader *r, const yaml_node_t *parent, const char *key,
+                          const char *in, size_t *count) {
+  const char *given;
+  const yaml_node_t *list = get_list(r, parent, key, in, &given);
+  if (!list) return NULL;
+  *count = items(list);
+  double *column = eda_alloc(*count, sizeof *column), *to = column;
+  if (read_items(r, list, key, given, in, &to)) return column;
   free(column);
   return NULL;
 }
 
+/* Such a list of lists, one a row, of `columns` each. */
+static double *get_rows(reader *r, const yaml_node_t *parent, const char *key,
+                        const char *in, size_t rows, size_t columns) {
+  const char *given;
+  const yaml_node_t *list = get_list(r, parent, key, in, &given);
+  if (!list) return NULL;
+  if (items(list) != rows) {
+    wrong(r, &list->start_mark, "'%s' has %zu lists, 'width' has %zu", key,
+          items(list), rows);
+    return NULL;
+  }
+  double *all = eda_alloc(rows * columns, sizeof *all), *to = all;
+  gboolean good = TRUE;
+  for (size_t i = 0; i < rows && good; i++) {
+    const yaml_node_t *row = node_of(r, list->data.sequence.items.start[i]);
+    if (!is_list(row) || items(row) != columns)
+      good =
+          wrong(r, &row->start_mark,
+                "'%s' needs a list of %zu values for each width", key, columns);
+    else
+      good = read_items(r, row, key, given, in, &to);
+  }
+  if (good) return all;
+  free(all);
+  return NULL;
+}
+
 /* ---- the table ---- */
+
+/* Whether the values of a column rise; `what` they are. */
+static void check_rise(reader *r, const yaml_node_t *root, const char *key,
+                       const char *what, const double *x, size_t n) {
+  const yaml_node_t *list = look_up(r, look_up(r, root, key), "values");
+  for (size_t i = 1; i < n; i++) {
+    const yaml_node_t *item = node_of(r, list->data.sequence.items.start[i]);
+    if (x[i] <= x[i - 1])
+      wrong(r, &item->start_mark, "%s must increase: '%s'", what,
+            text_of(item));
+  }
+}
 
 static void read_lengths(reader *r, const yaml_node_t *root) {
   eda_devices *d = r->devices;
@@ -249,12 +313,59 @@ static void read_lengths(reader *r, const yaml_node_t *root) {
   const yaml_node_t *list = look_up(r, look_up(r, root, "length"), "values");
   if (d->count < 2)
     wrong(r, &list->start_mark, "'length' needs two values or more");
-  for (size_t i = 1; i < d->count; i++) {
-    const yaml_node_t *item = node_of(r, list->data.sequence.items.start[i]);
-    if (lengths[i] <= lengths[i - 1])
-      wrong(r, &item->start_mark, "lengths must increase: '%s'", text_of(item));
-  }
+  check_rise(r, root, "length", "lengths", lengths, d->count);
   d->length = lengths;
+}
+
+/* One width, or several, of which the last is the wide one. */
+static void read_widths(reader *r, const yaml_node_t *root) {
+  eda_devices *d = r->devices;
+  const yaml_node_t *node = look_up(r, root, "width");
+  size_t count = 0;
+  if (!node) wrong(r, &root->start_mark, "missing 'width'");
+  if (!node) return;
+  if (node->type != YAML_MAPPING_NODE) {
+    read_number(r, node, "width", NULL, "nm", TRUE, &d->width);
+    return;
+  }
+  double *widths = get_column(r, root, "width", "nm", &count);
+  if (!widths) return;
+  if (count < 2)
+    wrong(r, &node->start_mark, "a list of widths needs two values or more");
+  check_rise(r, root, "width", "widths", widths, count);
+  if (count) d->width = widths[count - 1];
+  d->narrow = count > 1 ? count - 1 : 0;
+  d->narrow_width = widths;
+}
+
+/* A current of one type at all lengths. */
+static double *read_current(reader *r, const yaml_node_t *map,
+                            const char *key) {
+  const eda_devices *d = r->devices;
+  size_t count = 0;
+  double *currents = get_column(r, map, key, "A", &count);
+  if (currents && d->length && count != d->count)
+    wrong(r, &look_up(r, map, key)->start_mark,
+          "'%s' has %zu values, 'length' has %zu", key, count, d->count);
+  for (size_t j = 0; currents && d->width > 0 && j < count; j++)
+    currents[j] /= d->width;
+  return currents;
+}
+
+/* The same at all lengths and widths: the narrow ones, and the wide one. */
+static double *read_currents(reader *r, const yaml_node_t *map, const char *key,
+                             double **narrow) {
+  const eda_devices *d = r->devices;
+  if (!d->length) return NULL; /* that is told already */
+  double *all = get_rows(r, map, key, "A", d->narrow + 1, d->count);
+  if (!all) return NULL;
+  double *wide = eda_alloc(d->count, sizeof *wide);
+  for (size_t i = 0; i < d->narrow * d->count; i++)
+    all[i] /= d->narrow_width[i / d->count];
+  for (size_t i = 0; i < d->count; i++)
+    wide[i] = all[d->narrow * d->count + i] / d->width;
+  *narrow = all;
+  return wide;
 }
 
 /* The currents of one type, per width. */
@@ -264,14 +375,10 @@ static void read_type(reader *r, const yaml_node_t *root, const char *key,
   eda_devices *d = r->devices;
   const yaml_node_t *map = get_map(r, root, key, known);
   for (int i = 0; map && i < 2; i++) {
-    size_t count = 0;
-    double *currents = get_column(r, map, known[i], "A", &count);
-    if (!currents) continue;
-    if (d->length && count != d->count)
-      wrong(r, &look_up(r, map, known[i])->start_mark,
-            "'%s' has %zu values, 'length' has %zu", known[i], count, d->count);
-    for (size_t j = 0; d->width > 0 && j < count; j++) currents[j] /= d->width;
-    (i ? d->ioff : d->ion)[type] = currents;
+    double **wide = i ? &d->ioff[type] : &d->ion[type];
+    double **narrow = i ? &d->narrow_ioff[type] : &d->narrow_ion[type];
+    *wide = d->narrow ? read_currents(r, map, known[i], narrow)
+                      : read_current(r, map, known[i]);
   }
 }
 
@@ -283,9 +390,10 @@ static void check_currents(reader *r, const yaml_node_t *root, const char *key,
   if (r->faults || d->ioff[type][d->count - 1] < d->ion[type][d->count - 1])
     return;
   const yaml_node_t *ioff = look_up(r, look_up(r, root, key), "ioff");
-  const yaml_node_t *list = look_up(r, ioff, "values");
-  wrong(r, &node_of(r, list->data.sequence.items.top[-1])->start_mark,
-        "'ioff' at %g nm is not below 'ion'", d->length[d->count - 1]);
+  const yaml_node_t *last = look_up(r, ioff, "values");
+  while (is_list(last)) last = node_of(r, last->data.sequence.items.top[-1]);
+  wrong(r, &last->start_mark, "'ioff' at %g nm is not below 'ion'",
+        d->length[d->count - 1]);
 }
 
 static void read_version(reader *r, const yaml_node_t *node, const char *key) {
@@ -312,9 +420,9 @@ static void read_head(reader *r, const yaml_node_t *root) {
   } entries[] = {
       {"name", .text = &d->name},
       {"supply", .unit = "V", .number = &d->supply},
-      {"width", .unit = "nm", .number = &d->width},
       {"temperature", .unit = "C", .number = &ignored, .optional = 1},
       {"source", .optional = 1},
+      {"extended", .optional = 1},
       {"ion", .optional = 1},
       {"ioff", .optional = 1}};
   for (size_t i = 0; i < G_N_ELEMENTS(entries); i++) {
@@ -332,10 +440,19 @@ static void read_head(reader *r, const yaml_node_t *root) {
 }
 
 static void read_table(reader *r, const yaml_node_t *root) {
-  static const char *const known[] = {
-      "opcflow-devices", "name",  "source", "supply",
-      "temperature",     "width", "ion",    "ioff",
-      "length",          "nmos",  "pmos",   NULL};
+  static const char *const known[] = {"opcflow-devices",
+                                      "name",
+                                      "source",
+                                      "supply",
+                                      "temperature",
+                                      "width",
+                                      "length",
+                                      "ion",
+                                      "ioff",
+                                      "extended",
+                                      "nmos",
+                                      "pmos",
+                                      NULL};
   if (root->type != YAML_MAPPING_NODE) {
     wrong(r, &root->start_mark, "a device table is a map, not %s", noun(root));
     return;
@@ -347,6 +464,7 @@ static void read_table(reader *r, const yaml_node_t *root) {
   else
     wrong(r, &root->start_mark, "missing '%s'", known[0]);
   read_head(r, root);
+  read_widths(r, root);
   read_lengths(r, root);
   read_type(r, root, "nmos", EDA_NMOS);
   read_type(r, root, "pmos", EDA_PMOS);
@@ -441,7 +559,10 @@ void eda_devices_free(eda_devices *d) {
   for (int type = 0; type < 2; type++) {
     free(d->ion[type]);
     free(d->ioff[type]);
+    free(d->narrow_ion[type]);
+    free(d->narrow_ioff[type]);
   }
+  free(d->narrow_width);
   free(d->length);
   free(d->name);
   free(d);

@@ -37,17 +37,66 @@ static void test_good(void) {
   eda_devices_free(NULL);
 }
 
-/* The good table with one text replaced by another. */
-static void check_fault(const char *old, const char *new,
-                        const char *expected) {
-  const char *at = strstr(good, old);
+/* Two lengths, three widths. */
+static const char wide[] =
+    "opcflow-devices: 1\nname: w\nsupply: 1 V\n"
+    "width: { unit: um, values: [0.5, 1, 10] }\n"
+    "length: { unit: nm, values: [50, 60] }\n"
+    "nmos:\n  ion: { unit: mA, values: [[5, 4], [11, 9], [120, 100]] }\n"
+    "  ioff: { unit: nA, values: [[5, 4], [11, 9], [120, 130]] }\n"
+    "pmos:\n  ion: { unit: mA, values: [[2, 1], [4, 3], [40, 30]] }\n"
+    "  ioff: { unit: nA, values: [[5, 4], [11, 9], [120, 100]] }\n";
+
+static void test_widths(void) {
+  opc_error error;
+  eda_devices *d = load(wide, &error);
+  g_assert_nonnull(d);
+  g_assert_cmpuint(d->narrow, ==, 2);
+  g_assert_true(d->width == 10000);
+  g_assert_true(d->narrow_width[0] == 500 && d->narrow_width[1] == 1000);
+  g_assert_cmpfloat_with_epsilon(d->ion[EDA_NMOS][1], 0.1 / 1e4, 1e-20);
+  g_assert_cmpfloat_with_epsilon(d->narrow_ion[EDA_NMOS][0], 5e-3 / 500, 1e-20);
+  g_assert_cmpfloat_with_epsilon(d->narrow_ion[EDA_NMOS][3], 9e-3 / 1e3, 1e-20);
+  g_assert_cmpfloat_with_epsilon(d->narrow_ioff[EDA_PMOS][1], 4e-9 / 500,
+                                 1e-26);
+  eda_devices_free(d);
+}
+
+/* A table with one text replaced by another. */
+static void check_fault_of(const char *table, const char *old, const char *new,
+                           const char *expected) {
+  const char *at = strstr(table, old);
   g_assert_nonnull(at);
-  g_autofree char *head = g_strndup(good, (gsize)(at - good));
+  g_autofree char *head = g_strndup(table, (gsize)(at - table));
   g_autofree char *text = g_strconcat(head, new, at + strlen(old), NULL);
   opc_error error = {0};
   g_assert_null(load(text, &error));
   g_assert_cmpint(error.code, ==, OPC_INVALID);
   g_assert_cmpstr(error.message, ==, expected);
+}
+
+static void check_fault(const char *old, const char *new,
+                        const char *expected) {
+  check_fault_of(good, old, new, expected);
+}
+
+static void test_width_faults(void) {
+  check_fault_of(wide, "[0.5, 1, 10]", "[1, 1, 10]",
+                 "table.yaml:4:32: widths must increase: '1'");
+  check_fault_of(wide, "[0.5, 1, 10]", "[10]",
+                 "table.yaml:4:8: a list of widths needs two values or more "
+                 "(and 12 more)");
+  check_fault_of(wide, "[[5, 4], [11, 9], [120, 100]]", "[[5, 4], [11, 9]]",
+                 "table.yaml:7:28: 'ion' has 2 lists, 'width' has 3");
+  check_fault_of(wide, "[[5, 4], [11", "[[5, 4, 3], [11",
+                 "table.yaml:7:29: 'ion' needs a list of 2 values for each "
+                 "width");
+  check_fault_of(wide, "[[5, 4], [11", "[4, [11",
+                 "table.yaml:7:29: 'ion' needs a list of 2 values for each "
+                 "width");
+  check_fault_of(wide, "{ unit: um, values: [0.5, 1, 10] }", "1 um",
+                 "table.yaml:7:29: 'ion' needs a current with its unit, not a "
+                 "list (and 11 more)");
 }
 
 static void test_faults(void) {
@@ -96,6 +145,8 @@ int main(int argc, char **argv) {
   g_assert_cmpint(g_chdir(folder), ==, 0);
   g_test_add_func("/devices/good", test_good);
   g_test_add_func("/devices/faults", test_faults);
+  g_test_add_func("/devices/widths", test_widths);
+  g_test_add_func("/devices/width-faults", test_width_faults);
   g_test_add_func("/devices/missing", test_missing);
   int failed = g_test_run();
   g_unlink("table.yaml");

@@ -7,7 +7,12 @@
    tells longer from shorter. It does so down to a quarter of the shortest
    length, up to four times the longest, and over a factor of e^20 at most;
    lengths further out count as that. What comes from there is good for
-   steering: the table knows nothing of it (docs/devices.md has errors). */
+   steering: the table knows nothing of it (docs/devices.md has errors).
+
+   A table of several widths has such curves for each. A rectangular transistor
+   of width W between two of them has, by width, what lies between both in 1 / W
+   in the logarithm: what its edges add or take is told apart from what grows
+   with W. Narrower ones than the narrowest have its current by width. */
 #ifndef EDA_CURVES_H
 #define EDA_CURVES_H
 
@@ -30,9 +35,18 @@ typedef struct eda_curves {
   struct eda_curve *exact; /* eda's own */
 } eda_curves;
 
+/* A width among those of the table. */
+typedef struct eda_curves_width {
+  double width; /* nm */
+  size_t low;   /* of the table's widths: it lies between this and the next */
+  double part;  /* of the way, 0 to 1 */
+  int is_wide;  /* as wide as the widest, or the table has one width only */
+} eda_curves_width;
+
 /* Read a device table into *curves, which is zeroed or was read before: then
    nothing happens. The table needs three lengths or more, and currents that
-   fall with each; what it lacks is told as an error of the parameter "devices".
+   fall with each; of a table of several widths only Ion of the widest needs
+   to. What it lacks is told as an error of the parameter "devices".
    Zeroed again on failure. [main] */
 OPC_EXPORT int eda_curves_read(eda_curves *curves, const char *path,
                                opc_error *error);
@@ -47,8 +61,28 @@ OPC_EXPORT double eda_curves_at(const eda_curves *curves, int type, int current,
 OPC_EXPORT double eda_curves_length(const eda_curves *curves, int type,
                                     int current, double logarithm);
 
+OPC_EXPORT eda_curves_width eda_curves_among(const eda_curves *curves,
+                                             double width);
+/* The same two of a rectangular transistor of a width. Where a current does not
+   fall with every length several have it: the one nearest to `near`, nm, which
+   is also given if no length about it has. */
+OPC_EXPORT double eda_curves_narrow_at(const eda_curves *curves, int type,
+                                       int current, double length,
+                                       const eda_curves_width *width);
+OPC_EXPORT double eda_curves_narrow_length(const eda_curves *curves, int type,
+                                           int current, double logarithm,
+                                           const eda_curves_width *width,
+                                           double near);
+/* The least share, over all lengths of the table, that a transistor of a width
+   has of the current per width of a wide one: 1 if its edges add to it. */
+OPC_EXPORT double eda_curves_least_share(const eda_curves *curves, int type,
+                                         int current,
+                                         const eda_curves_width *width);
+
 OPC_EXPORT double eda_curves_shortest(const eda_curves *curves);
 OPC_EXPORT double eda_curves_longest(const eda_curves *curves);
+/* Of a table of several widths; else 0. */
+OPC_EXPORT double eda_curves_narrowest(const eda_curves *curves);
 
 /* exp of eda_curves_at, of both currents: within 1e-5 of it for a fraction of
    the time, beyond the table exact and slower. */
@@ -67,6 +101,12 @@ static inline void eda_curves_quick(const eda_curves *curves, int type,
   for (int k = 0; k < EDA_CURRENTS; k++)
     current[k] = y[k] + part * (y[EDA_CURRENTS + k] - y[k]);
 }
+
+/* exp of eda_curves_narrow_at, in the same way; not of a wide one. */
+OPC_EXPORT void eda_curves_narrow_quick(const eda_curves *curves, int type,
+                                        double length,
+                                        const eda_curves_width *width,
+                                        double current[EDA_CURRENTS]);
 
 #ifdef __cplusplus
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Device tables: the currents of wide transistors against their length
-   (thesis 2.2.1). */
+   (thesis 2.2.1), and of narrower ones. */
 #ifndef EDA_DEVICES_H
 #define EDA_DEVICES_H
 
@@ -12,7 +12,8 @@ extern "C" {
 
 enum { EDA_NMOS = 0, EDA_PMOS = 1 };
 
-/* Currents per width, A/nm, against L in nm, increasing. [type][i] */
+/* Currents per width, A/nm, against L in nm, increasing. [type][i]; of the
+   widest transistors, if the table has several widths. */
 typedef struct eda_devices {
   size_t count;
   double *length;
@@ -21,6 +22,11 @@ typedef struct eda_devices {
   double supply; /* V */
   double width;  /* nm, of the transistors that were simulated */
   char *name;
+  /* Of a table of several widths: the narrower ones, nm, increasing, below
+     `width`; and their currents per width, [type][narrow * count + i]. */
+  size_t narrow;
+  double *narrow_width;
+  double *narrow_ion[2], *narrow_ioff[2];
 } eda_devices;
 
 /* Read a table (docs/devices.md tells the format). Errors carry

@@ -90,6 +90,11 @@ typedef struct eda_gates {
   char **note;
 
   void *texts; /* what the texts above point into; eda's own */
+
+  /* No two that eda_gates_new made in a process have the same: whoever
+     remembers something of gates sees by it that others have come to their
+     place. 0: not made by that. Since 0.6. */
+  uint64_t serial;
 } eda_gates;
 
 /* Gates of `layers` layers and `count` transistors, all arrays zeroed and

@@ -1,0 +1,282 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Tables from libraries: a small one of our own in all that `ends` can be, and
+   SkyWater's against the plain simulator, as extractor.plain reads it. */
+#include <eda/devices.h>
+#include <eda/extractor.h>
+#include <eda/simulator.h>
+#include <math.h>
+#include <string.h>
+
+#include "core/testing/testing.h"
+
+static int have_ngspice(void) {
+  opc_error error;
+  eda_spice_result r;
+  int code = eda_spice_run(NULL, "t\nv1 a 0 1\n.end", "op", 20, &r, &error);
+  eda_spice_clear(&r);
+  if (code == OPC_NO_PLUGIN) g_test_skip(error.message);
+  return code != OPC_NO_PLUGIN;
+}
+
+/* ---- a library of our own ---- */
+
+/* Two bins, from 100 and 150 nm on and from 1 um of width. */
+#define BINS(kind, vth)                                                \
+  ".subckt " kind                                                      \
+  " d g s b\n.param l=1 w=1\nm1 d g s b c l={l} w={w}\n"               \
+  ".model c.1 " kind                                                   \
+  "mos level=54 version=4.5 toxe=2n lpe0=0 k3=0 lmin=1e-7 lmax=1.5e-7" \
+  " wmin=1e-6 wmax=1e-4 wint=5n vth0=" vth                             \
+  "\n"                                                                 \
+  ".model c.2 " kind                                                   \
+  "mos level=54 version=4.5 toxe=2n lpe0=0 k3=0 lmin=1.5e-7 lmax=1e-6" \
+  " wmin=1e-6 wmax=1e-4 wint=5n vth0=" vth "\n.ends\n"
+
+static const char library[] =
+    ".lib tt\n.option scale=1u\n.param v={agauss(0.4,0.5,1)}\n" BINS("n", "{v}")
+        BINS("p", "{-v}") ".endl\n";
+
+static int make_of(const char *nmos, const char *rest, const char *table,
+                   opc_error *error) {
+  static int n;
+  void *no_outputs[1];
+  g_autofree char *path = g_build_filename(opc_test_folder(), "own.lib", NULL);
+  g_assert_true(g_file_set_contents(path, library, -1, NULL));
+  opc_test_forget();
+  g_autofree char *mapping = g_strdup_printf(
+      "{ library: %s, corner: tt, nmos: %s, pmos: p, supply: 1 V, file: %s, "
+      "picture: l%d.png, %s }",
+      path, nmos, table, n++, rest);
+  g_autoptr(opc_module) m = opc_test_module("devices.ngspice", mapping, error);
+  if (!m) return error->code;
+  return opc_test_run(m, no_outputs, error);
+}
+
+static int make(const char *rest, const char *table, opc_error *error) {
+  return make_of("n", rest, table, error);
+}
+
+static eda_devices *load(const char *table) {
+  opc_error error;
+  g_autofree char *path = g_build_filename(opc_test_folder(), table, NULL);
+  eda_devices *d = eda_devices_read(path, &error);
+  if (!d) g_error("%s", error.message);
+  return d;
+}
+
+#define SHORT "length: { from: 80 nm, to: 200 nm, step: 10 nm }"
+
+static void test_ends(void) {
+  opc_error error;
+  if (!have_ngspice()) return;
+  if (make(SHORT, "cut.yaml", &error)) g_error("%s", error.message);
+  eda_devices *cut = load("cut.yaml");
+  g_assert_cmpfloat(cut->length[0], ==, 100);
+  g_assert_nonnull(strstr(opc_test_log(), "the library has no bin"));
+  g_assert_cmpint(make(SHORT ", ends: refuse", "no.yaml", &error), ==,
+                  OPC_FAILED);
+  g_assert_nonnull(strstr(error.message, "at 90 nm: the library has no bin"));
+  if (make(SHORT ", ends: extend", "more.yaml", &error))
+    g_error("%s", error.message);
+  eda_devices *more = load("more.yaml");
+  g_assert_nonnull(
+      strstr(opc_test_log(), "shorter than 100 nm by the last bin"));
+  if (make(SHORT ", ends: slope", "slope.yaml", &error))
+    g_error("%s", error.message);
+  eda_devices *slope = load("slope.yaml");
+  g_assert_nonnull(strstr(opc_test_log(), "shorter than 100 nm by the slope"));
+  g_assert_cmpfloat(more->length[0], ==, 80);
+  g_assert_cmpfloat(slope->length[0], ==, 80);
+  for (int t = 0; t < 2; t++) {
+    for (size_t i = 0; i < cut->count; i++) {
+      g_assert_cmpfloat(cut->ion[t][i], ==, more->ion[t][i + 2]);
+      g_assert_cmpfloat(cut->ion[t][i], ==, slope->ion[t][i + 2]);
+    }
+    double step = slope->ion[t][2] / slope->ion[t][3];
+    g_assert_cmpfloat(fabs(slope->ion[t][1] / slope->ion[t][2] / step - 1), <,
+                      1e-5);
+    g_assert_cmpfloat(more->ion[t][0], >, more->ion[t][1]);
+    /* The model is no straight line. */
+    g_assert_cmpfloat(fabs(more->ion[t][0] / slope->ion[t][0] - 1), >, 1e-3);
+  }
+  eda_devices_free(cut);
+  eda_devices_free(more);
+  eda_devices_free(slope);
+}
+
+/* wint takes 5 nm from each side of W and nothing else depends on it: the
+   current goes as W - 10 nm, also of widths that no bin has. */
+static void test_widths(void) {
+  static const double widths[] = {500, 1000, 1500, 3000};
+  opc_error error;
+  if (!have_ngspice()) return;
+  if (make("length: { list: [100 nm, 120 nm, 140 nm] }, ends: slope, widths: "
+           "[500 nm, 1000 nm, 1500 nm, 3000 nm]",
+           "w.yaml", &error))
+    g_error("%s", error.message);
+  g_assert_nonnull(
+      strstr(opc_test_log(), "narrower than 1000 nm by the slope"));
+  eda_devices *d = load("w.yaml");
+  g_assert_cmpuint(d->narrow, ==, 3);
+  g_assert_cmpfloat(d->width, ==, 3000);
+  for (int t = 0; t < 2; t++)
+    for (size_t w = 0; w < 3; w++)
+      for (size_t i = 0; i < d->count; i++) {
+        double part = d->narrow_ion[t][w * d->count + i] / d->ion[t][i];
+        double want = (1 - 10 / widths[w]) / (1 - 10 / widths[3]);
+        g_assert_cmpfloat(d->narrow_width[w], ==, widths[w]);
+        if (!(fabs(part / want - 1) < 3e-4))
+          g_error("W %g nm: %g, not %g", widths[w], part, want);
+      }
+  eda_devices_free(d);
+}
+
+static void refused(const char *rest, const char *why) {
+  opc_error error;
+  int code = make(rest, "refused.yaml", &error);
+  if (!code || !strstr(error.message, why))
+    g_error("'%s' does not say '%s'", code ? error.message : "", why);
+}
+
+static void test_refused(void) {
+  refused(SHORT ", widths: [1 um]", "2 to 200 widths, not 1");
+  refused(SHORT ", widths: [2 um, 1 um]", "widths must increase");
+  g_autofree char *both =
+      g_strdup_printf(SHORT ", card: %s/own.lib", opc_test_folder());
+  refused(both, "one is needed");
+  opc_error error;
+  g_assert_cmpint(make_of("q", SHORT, "q.yaml", &error), ==, OPC_INVALID);
+  g_assert_nonnull(
+      strstr(error.message, "neither a subcircuit nor a model 'q'"));
+  refused(SHORT ", overrides: { vth0: 1 }", "'overrides' go with 'card'");
+}
+
+/* ---- SkyWater 130 ---- */
+
+enum { GATES = 40 };
+static const char *const models[2] = {"sky130_fd_pr__nfet_01v8",
+                                      "sky130_fd_pr__pfet_01v8_hvt"};
+static const double supply = 1.8;
+
+/* L and W of the cells and 10 % around; those that the models have. */
+typedef struct gate {
+  uint8_t type;
+  double length, width;
+} gate;
+
+static void make_gates(gate gates[GATES]) {
+  g_autoptr(GRand) lot = g_rand_new_with_seed(130);
+  for (int i = 0; i < GATES; i++)
+    gates[i] = (gate){(uint8_t)(i % 2), g_rand_double_range(lot, 150, 165),
+                      g_rand_double_range(lot, 420, 1100)};
+}
+
+/* Their currents by the command `ngspice` and the whole library: 0 and a skip
+   if something is not there. */
+static int simulate(const gate gates[GATES], double current[2][GATES]) {
+  const char *data = g_getenv("OPCFLOW_TEST_DATA");
+  g_autofree char *program = g_find_program_in_path("ngspice");
+  g_autofree char *lib = g_build_filename(
+      data ? data : "../shared/data", "sky130/models/sky130.lib.spice", NULL);
+  if (!program || !g_file_test(lib, G_FILE_TEST_EXISTS)) {
+    g_test_skip("no ngspice, or no models of sky130");
+    return 0;
+  }
+  g_autoptr(GString) deck = g_string_new("by hand\n");
+  g_string_append_printf(deck,
+                         ".lib \"%s\" tt\n.options gmin=1e-20 reltol=1e-6 "
+                         "abstol=1e-19\nvn n 0 1.8\nvp p 0 -1.8\n",
+                         lib);
+  for (int i = 0; i < GATES; i++) {
+    const char *g = gates[i].type ? "p" : "n";
+    g_string_append_printf(deck,
+                           "x%d d%d %s 0 0 %s l=%.9g w=%.9g\nv%d d%d 0 "
+                           "%g\n",
+                           i, i, g, models[gates[i].type],
+                           gates[i].length / 1000, gates[i].width / 1000, i, i,
+                           gates[i].type ? -supply : supply);
+  }
+  g_string_append(deck, ".control\nset numdgt=12\n");
+  for (int off = 0; off < 2; off++) {
+    g_string_append(deck, off ? "alter vn=0\nalter vp=0\nop\n" : "op\n");
+    for (int i = 0; i < GATES; i++)
+      g_string_append_printf(deck, "print i(v%d)\n", i);
+  }
+  g_string_append(deck, ".endc\n.end\n");
+  g_autofree char *path = g_build_filename(opc_test_folder(), "h.sp", NULL);
+  g_autofree char *out = NULL;
+  g_assert_true(g_file_set_contents(path, deck->str, -1, NULL));
+  const char *argv[] = {program, "-b", path, NULL};
+  g_assert_true(g_spawn_sync(opc_test_folder(), (char **)argv, NULL,
+                             G_SPAWN_STDERR_TO_DEV_NULL, NULL, NULL, &out, NULL,
+                             NULL, NULL));
+  const char *at = out;
+  for (int k = 0; k < 2 * GATES; k++) {
+    at = strstr(at, ") = ");
+    if (!at) g_error("%s", out);
+    current[k / GATES][k % GATES] = fabs(g_ascii_strtod(at += 4, NULL));
+  }
+  return 1;
+}
+
+/* Rectangles by extractor.plain, each in a few slices, and the shipped table.
+ */
+static void extract(const gate gates[GATES], double current[2][GATES]) {
+  enum { SLICES = 12 };
+  opc_error error;
+  uint8_t type[GATES], outside[GATES];
+  double length[GATES * SLICES], width[GATES * SLICES], edge[GATES * SLICES];
+  double rest[4][GATES];
+  const char *source = g_getenv("OPCFLOW_SOURCE");
+  for (int i = 0; i < GATES; i++) {
+    type[i] = gates[i].type;
+    for (int k = 0; k < SLICES; k++) {
+      length[i * SLICES + k] = gates[i].length;
+      width[i * SLICES + k] = gates[i].width / SLICES;
+      edge[i * SLICES + k] =
+          gates[i].width * (0.5 - fabs((k + 0.5) / SLICES - 0.5));
+    }
+  }
+  const eda_slices slices = {GATES, SLICES, type, width, length, edge};
+  eda_performance out = {GATES,   current[0], current[1], rest[0],
+                         rest[1], rest[2],    rest[3],    outside};
+  g_autofree char *mapping = g_strdup_printf(
+      "{ devices: %s/data/devices/sky130.yaml }", source ? source : ".");
+  g_autoptr(opc_module) m = opc_test_module("extractor.plain", mapping, &error);
+  if (!m) g_error("%s", error.message);
+  const eda_extractor *e = m->functions;
+  if (e->prepare(m->self, &error) || e->extract(m->self, &slices, &out, &error))
+    g_error("%s", error.message);
+  for (int i = 0; i < GATES; i++) g_assert_cmpuint(outside[i], ==, 0);
+}
+
+static void test_sky130(void) {
+  static const double within[2] = {1e-3, 2e-2};
+  gate gates[GATES];
+  double want[2][GATES], got[2][GATES], worst[2] = {0};
+  make_gates(gates);
+  if (!simulate(gates, want)) return;
+  extract(gates, got);
+  for (int k = 0; k < 2; k++) {
+    for (int i = 0; i < GATES; i++) {
+      double off = fabs(got[k][i] / want[k][i] - 1);
+      worst[k] = fmax(worst[k], off);
+      if (!(off < within[k]))
+        g_error("%s of gate %d, %c, L %g W %g nm: %g A, not %g A (%+.3f %%)",
+                k ? "Ioff" : "Ion", i, "np"[gates[i].type], gates[i].length,
+                gates[i].width, got[k][i], want[k][i],
+                100 * (got[k][i] / want[k][i] - 1));
+    }
+    g_test_message("%s: at most %.4f %% off", k ? "Ioff" : "Ion",
+                   100 * worst[k]);
+  }
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/library/ends", test_ends);
+  g_test_add_func("/library/widths", test_widths);
+  g_test_add_func("/library/refused", test_refused);
+  g_test_add_func("/library/sky130", test_sky130);
+  return g_test_run();
+}

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A foundry's library of models: sections (corners) of subcircuits and model
+   cards, often binned, cut down to what one device needs, so that a deck of it
+   is small. */
+#ifndef EDA_LIBRARY_H
+#define EDA_LIBRARY_H
+
+#include <eda/base.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct eda_library eda_library;
+
+/* Sizes, nm. */
+typedef struct eda_sizes {
+  double length[2], width[2]; /* from, to */
+} eda_sizes;
+
+enum { EDA_LIBRARY_MODEL = 1, EDA_LIBRARY_SUBCIRCUIT = 2 };
+
+/* Read a file and what it includes, which must lie in its folder or below;
+   `section` NULL: what stands outside of all sections. What is no part of a
+   circuit is refused as eda_spice_run does. Statistical functions (agauss,
+   gauss, aunif, unif) have their nominal value: nothing is drawn by lot. NULL
+   and *error on failure. [any] */
+OPC_EXPORT eda_library *eda_library_read(const char *path, const char *section,
+                                         opc_error *error);
+OPC_EXPORT void eda_library_free(eda_library *library);
+
+/* What a name is: one of the kinds above, 0 if it is not there. [any] */
+OPC_EXPORT int eda_library_kind(const eda_library *library, const char *name);
+
+/* What the number 1 means as a length of its devices, nm, by `.option scale`:
+   1e9 where there is none. [any] */
+OPC_EXPORT double eda_library_unit(const eda_library *library);
+
+/* The sizes that a device's model cards hold for, from the smallest bin to the
+   largest: 1; 0 if they are not binned. [any] */
+OPC_EXPORT int eda_library_bins(const eda_library *library, const char *name,
+                                eda_sizes *out);
+
+/* The statements that a device of some sizes needs, one a line, for a deck of
+   eda_spice_run; of binned models those whose bins touch the sizes, the
+   outermost ones made to reach as far if `extend`. To be freed with free().
+   [any] */
+OPC_EXPORT char *eda_library_cut(const eda_library *library, const char *name,
+                                 const eda_sizes *sizes, int extend);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,345 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The statements of a library as texts, in which names are looked for: a
+   subcircuit that is not named by what is kept is not needed. */
+#include <eda/library.h>
+#include <eda/memory.h>
+#include <glib.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "netlist/lines.h"
+#include "simulator/deck.h"
+
+/* A top-level statement, or a subcircuit from .subckt to its .ends. */
+typedef struct piece {
+  char *name;    /* of the subcircuit, or of the model less its bin; or NULL */
+  int kind;      /* EDA_LIBRARY_MODEL, EDA_LIBRARY_SUBCIRCUIT, 0 */
+  GPtrArray *of; /* char *, its statements */
+} piece;
+
+struct eda_library {
+  GArray *piece;
+  double unit;
+  GRegex *bound; /* lmin = 1e-7 */
+};
+
+/* ---- words of a statement ---- */
+
+static const char blanks[] = " \t\n+=(){}',\"";
+
+/* The first or second word, in lower case. */
+static char *word_of(const char *statement, int second) {
+  const char *s = statement;
+  for (int i = 0; i < second; i++) {
+    s += strcspn(s, " \t\n");
+    s += strspn(s, " \t\n+");
+  }
+  return g_ascii_strdown(s, (gssize)strcspn(s, " \t\n="));
+}
+
+/* "nshort_model.8" is a bin of "nshort_model". */
+static char *without_bin(const char *name) {
+  const char *dot = strrchr(name, '.');
+  int is_bin =
+      dot && dot[1] && strspn(dot + 1, "0123456789") == strlen(dot + 1);
+  return is_bin ? g_strndup(name, (gsize)(dot - name)) : g_strdup(name);
+}
+
+/* ---- nothing by lot ---- */
+
+/* The commas behind the first two arguments, from behind their bracket; the
+   second one, or both, are its end where there are no more. 0 if it is not
+   closed. */
+static int find_arguments(const char *s, const char *comma[2]) {
+  int depth = 0, n = 0;
+  for (; *s; s++) {
+    if (*s == ',' && !depth && n < 2) comma[n++] = s;
+    if (*s == ')' && !depth--) break;
+    if (*s == '(') depth++;
+  }
+  while (n < 2) comma[n++] = s;
+  return *s == ')';
+}
+
+/* agauss(nominal, deviation, sigma) becomes agauss(nominal,0, sigma): the
+   simulator takes some of its expressions only with such a function in them. */
+static char *settle(const char *statement) {
+  static const char *const lots[] = {"agauss", "gauss", "aunif", "unif"};
+  GString *out = g_string_new(NULL);
+  const char *s = statement, *comma[2];
+  while (*s) {
+    size_t n = strspn(s,
+                      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                      "0123456789_");
+    int lot = 0;
+    for (size_t i = 0; i < G_N_ELEMENTS(lots) && n; i++)
+      lot |= n == strlen(lots[i]) && !g_ascii_strncasecmp(s, lots[i], n);
+    const char *open = s + n + (lot ? strspn(s + n, " \t") : 0);
+    if (!n) n = 1;
+    if (lot && *open == '(' && find_arguments(open + 1, comma) &&
+        *comma[0] == ',') {
+      g_autofree char *nominal =
+          g_strndup(open + 1, (gsize)(comma[0] - open - 1));
+      g_autofree char *settled = settle(nominal);
+      g_string_append_len(out, s, (gssize)n);
+      g_string_append_printf(out, "(%s,0", settled);
+      s = comma[1];
+      continue;
+    }
+    g_string_append_len(out, s, (gssize)n);
+    s += n;
+  }
+  return g_string_free(out, FALSE);
+}
+
+/* ---- reading ---- */
+
+static void clear_piece(void *data) {
+  piece *p = data;
+  g_free(p->name);
+  g_ptr_array_unref(p->of);
+}
+
+static int begins_with(const char *statement, const char *want) {
+  g_autofree char *first = word_of(statement, 0);
+  return !strcmp(first, want);
+}
+
+static void take_scale(eda_library *l, const char *statement) {
+  g_autoptr(GMatchInfo) match = NULL;
+  g_autoptr(GRegex) scale =
+      g_regex_new("\\bscale\\s*=\\s*([^\\s]+)", G_REGEX_CASELESS, 0, NULL);
+  double value;
+  if (!g_regex_match(scale, statement, 0, &match)) return;
+  g_autofree char *number = g_match_info_fetch(match, 1);
+  if (netlist_number(number, &value) && value > 0) l->unit = value * 1e9;
+}
+
+/* Add a statement; *depth: subcircuits that are open. */
+static void take(eda_library *l, const char *statement, int *depth) {
+  int opens = begins_with(statement, ".subckt"),
+      closes = begins_with(statement, ".ends"),
+      model = begins_with(statement, ".model");
+  if (begins_with(statement, ".end")) return;
+  if (begins_with(statement, ".option") || begins_with(statement, ".options") ||
+      begins_with(statement, ".opt"))
+    take_scale(l, statement);
+  if (!*depth) {
+    piece p = {.kind = opens   ? EDA_LIBRARY_SUBCIRCUIT
+                       : model ? EDA_LIBRARY_MODEL
+                               : 0,
+               .of = g_ptr_array_new_with_free_func(g_free)};
+    g_autofree char *name = word_of(statement, 1);
+    if (p.kind) p.name = without_bin(name);
+    g_array_append_val(l->piece, p);
+  }
+  piece *last = &g_array_index(l->piece, piece, l->piece->len - 1);
+  g_ptr_array_add(last->of, settle(statement));
+  *depth += opens - (closes && *depth > 0);
+}
+
+/* `text` has the title, then a statement a line with those that go on. */
+static void take_all(eda_library *l, char *text) {
+  int depth = 0;
+  char *s = strchr(text, '\n');
+  while (s && *++s) {
+    char *end = strchr(s, '\n');
+    while (end && end[1] == '+') end = strchr(end + 1, '\n');
+    if (end) *end = 0;
+    take(l, s, &depth);
+    s = end;
+  }
+}
+
+eda_library *eda_library_read(const char *path, const char *section,
+                              opc_error *error) {
+  g_autofree char *deck =
+      section ? g_strdup_printf("t\n.lib \"%s\" %s\n.end\n", path, section)
+              : g_strdup_printf("t\n.include \"%s\"\n.end\n", path);
+  char *text = deck_write(deck, error);
+  if (!text) return NULL;
+  eda_library *l = eda_alloc(1, sizeof *l);
+  l->unit = 1e9;
+  l->piece = g_array_new(FALSE, FALSE, sizeof(piece));
+  g_array_set_clear_func(l->piece, clear_piece);
+  l->bound = g_regex_new("\\b([lw])(min|max)\\s*=\\s*([^\\s]+)",
+                         G_REGEX_CASELESS, 0, NULL);
+  take_all(l, text);
+  free(text);
+  return l;
+}
+
+void eda_library_free(eda_library *l) {
+  if (!l) return;
+  g_array_unref(l->piece);
+  g_regex_unref(l->bound);
+  free(l);
+}
+
+double eda_library_unit(const eda_library *l) { return l->unit; }
+
+static const piece *at(const eda_library *l, guint i) {
+  return &g_array_index(l->piece, piece, i);
+}
+
+int eda_library_kind(const eda_library *l, const char *name) {
+  int kind = 0;
+  for (guint i = 0; i < l->piece->len && !kind; i++)
+    if (at(l, i)->name && !g_ascii_strcasecmp(at(l, i)->name, name))
+      kind = at(l, i)->kind;
+  return kind;
+}
+
+/* ---- what is needed ---- */
+
+/* All words of the kept pieces, added to `words`. */
+static void add_words(GHashTable *words, const piece *p) {
+  for (guint i = 0; i < p->of->len; i++) {
+    const char *s = p->of->pdata[i];
+    while (*s) {
+      s += strspn(s, blanks);
+      size_t n = strcspn(s, blanks);
+      if (n) g_hash_table_add(words, g_ascii_strdown(s, (gssize)n));
+      s += n;
+    }
+  }
+}
+
+/* Which pieces a device needs: those that are named by others that it needs,
+   and all that is neither a model, nor a subcircuit, nor a device. */
+static char *find_needed(const eda_library *l, const char *name) {
+  g_autoptr(GHashTable) words =
+      g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
+  char *keep = eda_alloc(l->piece->len + 1, 1);
+  int more = 1;
+  g_hash_table_add(words, g_ascii_strdown(name, -1));
+  for (guint i = 0; i < l->piece->len; i++) {
+    const char *first = at(l, i)->of->pdata[0];
+    keep[i] = !at(l, i)->kind && *first == '.';
+    if (keep[i]) add_words(words, at(l, i));
+  }
+  while (more) {
+    more = 0;
+    for (guint i = 0; i < l->piece->len; i++) {
+      const piece *p = at(l, i);
+      if (keep[i] || !p->kind || !g_hash_table_contains(words, p->name))
+        continue;
+      keep[i] = 1;
+      more = 1;
+      add_words(words, p);
+    }
+  }
+  return keep;
+}
+
+/* ---- bins ---- */
+
+/* The bounds of a .model statement, nm: 1 if it has all four as numbers. */
+static int read_bin(const eda_library *l, const char *statement,
+                    eda_sizes *out) {
+  g_autoptr(GMatchInfo) match = NULL;
+  int found = 0;
+  if (!begins_with(statement, ".model")) return 0;
+  g_regex_match(l->bound, statement, 0, &match);
+  for (; g_match_info_matches(match); g_match_info_next(match, NULL)) {
+    g_autofree char *axis = g_match_info_fetch(match, 1);
+    g_autofree char *side = g_match_info_fetch(match, 2);
+    g_autofree char *number = g_match_info_fetch(match, 3);
+    double value;
+    const char *end = netlist_number(number, &value);
+    if (!end || *end) return 0;
+    int width = g_ascii_tolower(*axis) == 'w',
+        high = !g_ascii_strcasecmp(side, "max");
+    (width ? out->width : out->length)[high] = value * 1e9;
+    found |= 1 << (2 * width + high);
+  }
+  return found == 15;
+}
+
+static void join(double into[2], const double more[2]) {
+  into[0] = fmin(into[0], more[0]);
+  into[1] = fmax(into[1], more[1]);
+}
+
+/* The outermost bounds of the bins among the kept pieces. */
+static int outermost(const eda_library *l, const char *keep, eda_sizes *out) {
+  int found = 0;
+  *out = (eda_sizes){{INFINITY, 0}, {INFINITY, 0}};
+  for (guint i = 0; i < l->piece->len; i++)
+    for (guint k = 0; keep[i] && k < at(l, i)->of->len; k++) {
+      eda_sizes bin;
+      if (!read_bin(l, at(l, i)->of->pdata[k], &bin)) continue;
+      found = 1;
+      join(out->length, bin.length);
+      join(out->width, bin.width);
+    }
+  return found;
+}
+
+int eda_library_bins(const eda_library *l, const char *name, eda_sizes *out) {
+  char *keep = find_needed(l, name);
+  int found = outermost(l, keep, out);
+  free(keep);
+  return found;
+}
+
+/* As bounds are rounded: 1 pm. */
+static const double same = 1e-3;
+
+static void stretch(double bin[2], const double all[2], const double to[2]) {
+  if (fabs(bin[0] - all[0]) < same) bin[0] = fmin(bin[0], to[0] - 1);
+  if (fabs(bin[1] - all[1]) < same) bin[1] = fmax(bin[1], to[1] + 1);
+}
+
+static int touches(const double bin[2], const double want[2]) {
+  return bin[0] - same <= want[1] && bin[1] + same >= want[0];
+}
+
+static gboolean write_bound(const GMatchInfo *match, GString *out, void *data) {
+  const eda_sizes *bin = data;
+  g_autofree char *axis = g_match_info_fetch(match, 1);
+  g_autofree char *side = g_match_info_fetch(match, 2);
+  int width = g_ascii_tolower(*axis) == 'w',
+      high = !g_ascii_strcasecmp(side, "max");
+  g_string_append_printf(out, "%s%s=%.12g", axis, side,
+                         (width ? bin->width : bin->length)[high] * 1e-9);
+  return FALSE;
+}
+
+/* A statement of a device of those sizes. */
+static void put(const eda_library *l, GString *out, const char *statement,
+                const eda_sizes *all, const eda_sizes *sizes, int extend) {
+  eda_sizes bin;
+  if (!read_bin(l, statement, &bin)) {
+    g_string_append_printf(out, "%s\n", statement);
+    return;
+  }
+  eda_sizes was = bin;
+  if (extend) {
+    stretch(bin.length, all->length, sizes->length);
+    stretch(bin.width, all->width, sizes->width);
+  }
+  if (!touches(bin.length, sizes->length) || !touches(bin.width, sizes->width))
+    return;
+  if (!memcmp(&was, &bin, sizeof bin)) {
+    g_string_append_printf(out, "%s\n", statement);
+    return;
+  }
+  g_autofree char *text = g_regex_replace_eval(l->bound, statement, -1, 0, 0,
+                                               write_bound, &bin, NULL);
+  g_string_append_printf(out, "%s\n", text);
+}
+
+char *eda_library_cut(const eda_library *l, const char *name,
+                      const eda_sizes *sizes, int extend) {
+  GString *out = g_string_new(NULL);
+  eda_sizes all;
+  char *keep = find_needed(l, name);
+  (void)outermost(l, keep, &all);
+  for (guint i = 0; i < l->piece->len; i++)
+    for (guint k = 0; keep[i] && k < at(l, i)->of->len; k++)
+      put(l, out, at(l, i)->of->pdata[k], &all, sizes, extend);
+  free(keep);
+  return g_string_free(out, FALSE);
+}
