@@ -220,13 +220,15 @@ static char *ask_klayout(void) {
   g_autofree char *path = g_build_filename(opc_test_folder(), "ask.py", NULL);
   if (!program) return NULL;
   g_assert_true(g_file_set_contents(path, script, -1, NULL));
-  g_setenv("RUN", opc_test_folder(), TRUE);
-  g_setenv("QT_QPA_PLATFORM", "offscreen", TRUE);
+  g_auto(GStrv) environment = g_get_environ();
+  environment = g_environ_setenv(environment, "RUN", opc_test_folder(), TRUE);
+  environment =
+      g_environ_setenv(environment, "QT_QPA_PLATFORM", "offscreen", TRUE);
   const char *const argv[] = {program, "-zz", "-r", path, NULL};
   char *out = NULL;
   int status = 0;
   GError *e = NULL;
-  if (!g_spawn_sync(NULL, (char **)argv, NULL, 0, NULL, NULL, &out, NULL,
+  if (!g_spawn_sync(NULL, (char **)argv, environment, 0, NULL, NULL, &out, NULL,
                     &status, &e))
     g_error("%s", e->message);
   g_assert_cmpint(status, ==, 0);
