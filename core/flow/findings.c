@@ -86,16 +86,42 @@ void opc_result_begin(opc_run *run) {
 /* A result with more than so many warnings is not kept. */
 enum { MOST_SAID = 1000 };
 
+static void add_said(GPtrArray *list, const char *path, int level,
+                     const char *text) {
+  opc_said *said = g_new(opc_said, 1);
+  *said = (opc_said){level, g_strdup(path), g_utf8_make_valid(text, -1)};
+  g_ptr_array_add(list, said);
+}
+
 static void note(opc_run *run, const char *path, int level, const char *text) {
   g_mutex_lock(&run->lock);
   if (run->said && run->said->len == MOST_SAID)
     g_clear_pointer(&run->said, g_ptr_array_unref);
-  if (run->said) {
-    opc_said *said = g_new(opc_said, 1);
-    *said = (opc_said){level, g_strdup(path), g_utf8_make_valid(text, -1)};
-    g_ptr_array_add(run->said, said);
-  }
+  if (run->said) add_said(run->said, path, level, text);
   g_mutex_unlock(&run->lock);
+}
+
+void opc_piece_begin(opc_run *run) {
+  g_mutex_lock(&run->lock);
+  run->piece = g_ptr_array_new_with_free_func(said_free);
+  g_mutex_unlock(&run->lock);
+}
+
+GPtrArray *opc_piece_end(opc_run *run) {
+  g_mutex_lock(&run->lock);
+  GPtrArray *said = g_steal_pointer(&run->piece);
+  g_mutex_unlock(&run->lock);
+  return said;
+}
+
+/* FALSE: no piece is at work. */
+static gboolean note_in_piece(opc_run *run, const char *path, int level,
+                              const char *text) {
+  g_mutex_lock(&run->lock);
+  gboolean in = run->piece != NULL;
+  if (in) add_said(run->piece, path, level, text);
+  g_mutex_unlock(&run->lock);
+  return in;
 }
 
 /* ---- passing on ---- */
@@ -104,6 +130,8 @@ static void note(opc_run *run, const char *path, int level, const char *text) {
 static void take_log(void *data, const char *path, int level,
                      const char *message) {
   opc_run *run = data;
+  if (level >= OPC_LOG_WARNING && note_in_piece(run, path, level, message))
+    return;
   if (run->silent) return;
   if (level >= OPC_LOG_WARNING) note(run, path, level, message);
   if (level >= OPC_LOG_FINDING) keep(run, path, message);

@@ -14,6 +14,17 @@ static int refuse(opc_run *run, const opc_error *error) {
   return error->code;
 }
 
+/* A piece of work is done in one process of several. */
+static gboolean in_piece(const opc_run *run, const char *name,
+                         opc_error *error) {
+  if (run->piece)
+    opc_fail(error, OPC_FAILED, NULL,
+             "'%s' is published by a piece of work, which may be done in "
+             "another process",
+             name);
+  return run->piece != NULL;
+}
+
 /* Who has a file of the run folder, or will: NULL, or a path. */
 static const char *owner_of(const opc_run *run, const char *name) {
   const char *owner = g_hash_table_lookup(run->claims, name);
@@ -26,6 +37,7 @@ static int claim(opc_run *run, const opc_binding *b, const char *name,
   const char *owner = owner_of(run, name);
   gboolean taken = g_hash_table_contains(run->claims, name) ||
                    (owner && strcmp(owner, b->path));
+  if (in_piece(run, name, error)) return error->code;
   if (!run->work)
     return opc_fail(error, OPC_FAILED, NULL, "'%s': no step is running", name);
   if (!opc_name_is_inside(name))
@@ -73,6 +85,7 @@ static int take_table(const opc_host *host, const char *name, uint32_t flags,
                       opc_error *error) {
   const opc_binding *b = host->data;
   opc_run *run = b->run;
+  if (in_piece(run, name, error)) return refuse(run, error);
   if (run->silent) return OPC_OK;
   opc_table *table =
       opc_table_new(name, flags, rows, columns, n_columns, error);
@@ -99,7 +112,7 @@ static int take_metric(const opc_host *host, const char *name, double value,
   opc_run *run = b->run;
   opc_inner_metric entry = {
       b->path, opc_metric_check(b->plugin, name, value, error), value};
-  if (!entry.metric) return refuse(run, error);
+  if (!entry.metric || in_piece(run, name, error)) return refuse(run, error);
   if (run->silent) return OPC_OK;
   for (guint i = 0; i < run->metrics->len; i++) {
     opc_inner_metric *old = &g_array_index(run->metrics, opc_inner_metric, i);
@@ -112,5 +125,7 @@ static int take_metric(const opc_host *host, const char *name, double value,
   return OPC_OK;
 }
 
-const opc_host opc_run_publisher = {
-    .table = take_table, .metric = take_metric, .output_path = give_path};
+const opc_host opc_run_publisher = {.table = take_table,
+                                    .metric = take_metric,
+                                    .output_path = give_path,
+                                    .pieces = opc_pieces_run};

@@ -133,21 +133,28 @@ static void pack_table(GVariantBuilder *all, const opc_table *t) {
                         (guint64)t->rows, &columns);
 }
 
+gboolean opc_said_pack(GVariantBuilder *all, const GPtrArray *said,
+                       const opc_flow_step *step) {
+  gboolean good = TRUE;
+  g_variant_builder_init(all, G_VARIANT_TYPE("a(uss)"));
+  for (guint i = 0; said && i < said->len; i++) {
+    const opc_said *s = said->pdata[i];
+    gboolean own = is_of(s->path, step);
+    g_variant_builder_add(all, "(uss)", s->level,
+                          own ? behind(s->path, step) : "", s->text);
+    good &= own;
+  }
+  return good;
+}
+
 GVariant *opc_result_new(const opc_run *run, const opc_flow_step *step,
                          guint tables) {
   GVariantBuilder metrics, said, kept, files;
-  gboolean good = run->said != NULL;
+  gboolean good = opc_said_pack(&said, run->said, step) && run->said;
   g_variant_builder_init(&metrics, G_VARIANT_TYPE("a(ssd)"));
-  g_variant_builder_init(&said, G_VARIANT_TYPE("a(uss)"));
   g_variant_builder_init(&kept, G_VARIANT_TYPE("a(suta(smsuiv))"));
   g_variant_builder_init(&files, G_VARIANT_TYPE("a(ayay)"));
   pack_metrics(&metrics, run, step);
-  for (guint i = 0; good && i < run->said->len; i++) {
-    const opc_said *s = run->said->pdata[i];
-    good = is_of(s->path, step);
-    g_variant_builder_add(&said, "(uss)", s->level,
-                          good ? behind(s->path, step) : "", s->text);
-  }
   for (guint i = tables; i < run->tables->len; i++)
     pack_table(&kept, run->tables->pdata[i]);
   guint64 bytes = 0;
@@ -260,7 +267,7 @@ static int publish_files(const opc_flow_step *step, GVariant *files,
   return code;
 }
 
-static void say_again(opc_run *run, const opc_flow_step *step, GVariant *said) {
+void opc_said_again(opc_run *run, const opc_flow_step *step, GVariant *said) {
   GVariantIter all;
   guint level;
   const char *rest, *text;
@@ -279,7 +286,7 @@ int opc_result_publish(opc_run *run, const opc_flow_step *step,
   g_autoptr(GVariant) tables = g_variant_get_child_value(result, 3);
   g_autoptr(GVariant) files = g_variant_get_child_value(result, 4);
   g_variant_get_child(result, 0, "d", &run->seconds[step->number]);
-  say_again(run, step, said);
+  opc_said_again(run, step, said);
   int code = publish_files(step, files, error);
   if (!code) code = publish_tables(step, tables, error);
   return code ? code : publish_metrics(step, metrics, error);

@@ -230,11 +230,11 @@ static void close_scratch(char *folder) {
   g_free(folder);
 }
 
-static void keep_outputs(opc_run *run, const opc_flow_step *step) {
+static gboolean keep_outputs(opc_run *run, const opc_flow_step *step) {
   const opc_binding *b = step->binding;
   const opc_step *functions = b->plugin->functions;
   opc_store *store = run->options->store;
-  if (!functions->save) return;
+  if (!functions->save) return !functions->n_outputs;
   char *folder = open_scratch(run);
   opc_error error = {0};
   opc_run_set_inputs(run, step, TRUE);
@@ -247,12 +247,13 @@ static void keep_outputs(opc_run *run, const opc_flow_step *step) {
   opc_run_set_inputs(run, step, FALSE);
   GVariant *all = code ? NULL : opc_files_pack(folder, opc_store_most(store));
   g_autofree char *name = name_of(&run->keys[step->number], ".outputs");
-  if (all) (void)opc_store_put(store, name, all);
+  gboolean kept = all && opc_store_put(store, name, all);
   close_scratch(folder);
+  return kept;
 }
 
 /* Files that changed while it ran are not what it read. */
-static gboolean is_unchanged(const opc_run *run, const opc_key *key) {
+gboolean opc_reuse_is_unchanged(const opc_run *run, const opc_key *key) {
   for (guint i = 0; i + 1 < key->files->len; i += 2)
     if (!opc_store_same(run->options->store, key->files->pdata[i],
                         key->files->pdata[i + 1]))
@@ -271,13 +272,16 @@ void opc_reuse_keep(opc_run *run, const opc_flow_step *step, guint tables) {
     reason = g_strdup("runs a flow, whose steps are reused one by one");
   }
   tell(run, step, FALSE, reason);
-  GVariant *result = key->sum && !step->binding->inner && is_unchanged(run, key)
-                         ? opc_result_new(run, step, tables)
-                         : NULL;
+  GVariant *result =
+      key->sum && !step->binding->inner && opc_reuse_is_unchanged(run, key)
+          ? opc_result_new(run, step, tables)
+          : NULL;
   if (result) {
     g_autofree char *name = name_of(key, ".result");
-    keep_outputs(run, step);
-    if (opc_store_put(store, name, result)) keep_facts(store, step, key->facts);
+    gboolean outputs = keep_outputs(run, step);
+    gboolean kept = opc_store_put(store, name, result);
+    if (kept) keep_facts(store, step, key->facts);
+    if (kept && outputs) opc_pieces_drop(run);
   }
   tell_complaint(run);
 }

@@ -31,6 +31,7 @@ opc_run *opc_run_new(opc_flow *flow, opc_registry *registry,
   run->claims = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, g_free);
   run->outputs = opc_flow_outputs(flow, NULL);
   run->given = g_ptr_array_new_with_free_func(g_free);
+  run->pieces = g_ptr_array_new_with_free_func(g_free);
   run->inputs = g_ptr_array_new_with_free_func(g_free);
   run->summed = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
   run->seconds = g_new(double, n);
@@ -79,6 +80,7 @@ void opc_run_free(opc_run *run) {
   g_hash_table_destroy(run->claims);
   g_hash_table_destroy(run->outputs);
   g_ptr_array_free(run->given, TRUE);
+  g_ptr_array_free(run->pieces, TRUE);
   g_ptr_array_free(run->inputs, TRUE);
   g_hash_table_destroy(run->summed);
   g_free(run->seconds);
@@ -181,6 +183,7 @@ int opc_run_call(opc_run *run, const opc_flow_step *step, opc_error *error) {
   const opc_step *functions = b->plugin->functions;
   void **objects = g_new0(void *, functions->n_outputs + 1);
   run->objects[step->number] = objects;
+  g_ptr_array_set_size(run->pieces, 0);
   opc_run_set_inputs(run, step, TRUE);
   gint64 start = g_get_monotonic_time();
   const char *before = opc_binding_enter(b);

@@ -102,7 +102,10 @@ struct opc_run {
   gboolean silent;         /* it runs again, for its outputs alone */
   GPtrArray *said;         /* opc_said * of the step that runs; NULL: more than
                               is kept */
-  GPtrArray *histories;    /* opc_history *, of its parts, too */
+  GPtrArray *piece;        /* opc_said * of the piece of work that is done now;
+                              NULL: none is */
+  GPtrArray *pieces;    /* names in the store of those of the step that runs */
+  GPtrArray *histories; /* opc_history *, of its parts, too */
   size_t steps_done, steps_reused; /* the same, counted */
   const opc_sweep *sweep;          /* NULL: none */
   opc_table *points;    /* of a sweep: parameters and metrics of all points */
@@ -180,6 +183,12 @@ int opc_result_publish(opc_run *run, const opc_flow_step *step,
                        GVariant *result, opc_error *error);
 extern const char opc_result_type[];
 
+/* What was said, as a(uss), and all of it said again; `said` may be NULL. FALSE
+   if some of it was said by another step. */
+gboolean opc_said_pack(GVariantBuilder *all, const GPtrArray *said,
+                       const opc_flow_step *step);
+void opc_said_again(opc_run *run, const opc_flow_step *step, GVariant *said);
+
 /* The files of a folder, and back. NULL or OPC_IO if one cannot be read or
    written. */
 GVariant *opc_files_pack(const char *folder, guint64 most);
@@ -198,6 +207,9 @@ gboolean opc_reuse_take(opc_run *run, const opc_flow_step *step,
 /* Keep what it gave. */
 void opc_reuse_keep(opc_run *run, const opc_flow_step *step, guint tables);
 
+/* Whether all files that a step's key is of are still what they were. */
+gboolean opc_reuse_is_unchanged(const opc_run *run, const opc_key *key);
+
 /* See to it that the outputs of a step are there; it may run for that. `whom`:
    who wants them. */
 gboolean opc_run_provide(opc_run *run, const opc_flow_step *step,
@@ -205,6 +217,15 @@ gboolean opc_run_provide(opc_run *run, const opc_flow_step *step,
 GPtrArray *opc_histories_new(void);
 /* Take those of another run. */
 void opc_run_take_histories(opc_run *run, const opc_run *from);
+
+/* ---- pieces.c ---- */
+
+/* opc_host.pieces, of a run's hosts. */
+int opc_pieces_run(const opc_host *host, const opc_pieces *pieces,
+                   opc_error *error);
+
+/* The step's result is kept: its pieces need not be. */
+void opc_pieces_drop(opc_run *run);
 
 /* ---- forecast.c ---- */
 
@@ -238,6 +259,11 @@ void opc_run_listen_end(opc_run *run);
 
 /* Take those of another run. */
 void opc_run_take_findings(opc_run *run, const opc_run *from);
+
+/* A piece of work begins: what its step warns of and finds is put aside until
+   it ends (opc_said *; to be freed). */
+void opc_piece_begin(opc_run *run);
+GPtrArray *opc_piece_end(opc_run *run);
 
 /* All of them (char *, freed with the array): "step: text", "point 3: step:
    text", and at last how many more there were. */

@@ -113,6 +113,11 @@ GVariant *opc_store_get(opc_store *store, const char *key,
   return NULL;
 }
 
+gboolean opc_store_has(const opc_store *store, const char *key) {
+  g_autofree char *path = path_of(store, key);
+  return !access(path, R_OK);
+}
+
 /* ---- writing ---- */
 
 static gboolean write_all(int file, const void *data, gsize n) {
@@ -166,6 +171,11 @@ gboolean opc_store_put(opc_store *store, const char *key, GVariant *given) {
   store->written += good ? n : 0;
   if (store->written > store->limit / 10) trim(store, store->limit);
   return good;
+}
+
+void opc_store_drop(const opc_store *store, const char *key) {
+  g_autofree char *path = path_of(store, key);
+  (void)unlink(path);
 }
 
 /* ---- all of it ---- */

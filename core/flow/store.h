@@ -42,6 +42,12 @@ GVariant *opc_store_get(opc_store *store, const char *key,
    it is not kept: the disk is full or cannot be written, or it is too large. */
 gboolean opc_store_put(opc_store *store, const char *key, GVariant *value);
 
+/* Whether there is a value, be it damaged. */
+gboolean opc_store_has(const opc_store *store, const char *key);
+
+/* It is of no more use. */
+void opc_store_drop(const opc_store *store, const char *key);
+
 /* The most bytes that one value may have: a quarter of all. */
 guint64 opc_store_most(const opc_store *store);
 

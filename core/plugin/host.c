@@ -6,6 +6,7 @@
 #include <glib.h>
 
 #include "core/plugin/guard.h"
+#include "core/plugin/pieces.h"
 #include "core/text/shown.h"
 
 static unsigned wanted_threads;
@@ -204,7 +205,8 @@ opc_host *opc_host_new(const char *path, const opc_watch *watch,
                .progress = host_progress,
                .table = to->table ? to->table : ignore_table,
                .metric = to->metric ? to->metric : ignore_metric,
-               .output_path = to->output_path ? to->output_path : refuse_path},
+               .output_path = to->output_path ? to->output_path : refuse_path,
+               .pieces = to->pieces ? to->pieces : opc_pieces_alone},
       .path = path,
       .watch = watch ? watch : &nobody,
   };

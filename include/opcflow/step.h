@@ -35,13 +35,17 @@ typedef struct opc_forecast {
 } opc_forecast;
 
 enum {
-  OPC_STEP_LIGHT = 1 << 0,  /* takes a few seconds at most, writes no file: run
-                             by `opcflow check`, too, so that later steps have
-                             inputs for their forecast */
-  OPC_STEP_OUTSIDE = 1 << 1 /* what it does depends on more than parameters,
-                               files they name, and inputs: on files that those
-                               files name, on other programs. Its result is
-                               never used again */
+  OPC_STEP_LIGHT = 1 << 0,   /* takes a few seconds at most, writes no file: run
+                              by `opcflow check`, too, so that later steps have
+                              inputs for their forecast */
+  OPC_STEP_OUTSIDE = 1 << 1, /* what it does depends on more than parameters,
+                                files they name, and inputs: on files that those
+                                files name, on other programs. Its result is
+                                never used again */
+  OPC_STEP_PIECES = 1 << 2 /* shares its work by host->pieces with the processes
+                              that run the flow together. It and those that it
+                              takes from run in each of them, all others in the
+                              first one alone. Since 0.6 */
 };
 
 typedef struct opc_step {

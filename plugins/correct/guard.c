@@ -187,8 +187,10 @@ static int fault_of(const loop *l, size_t i, double margin) {
   return off(l, &l->measured.performance, i, target) <= most ? GOOD : WORSE;
 }
 
-/* New violations are faults of their transistors. Those that have none, as of
-   the mask's own edges, make no transistor worse. */
+/* New violations are faults of their transistors, as long as these have own
+   edges to take back for them: drawn surroundings would break more rules than
+   that one. Those that have none, as of the mask's own edges, make no
+   transistor worse. */
 static int find_broken(loop *l, opc_error *error) {
   guarded *state = l->guard.state;
   eda_violation *v = NULL;
@@ -196,9 +198,11 @@ static int find_broken(loop *l, opc_error *error) {
   if (!l->regulator) return OPC_OK;
   eda_printed p = loop_printed(l);
   int code = loop_violations(l, &p, &v, &n, error);
-  for (size_t k = 0; k < n && !code; k++)
-    if (v[k].gate >= 0 && !was_broken(&l->guard, &v[k]))
-      state[v[k].gate].fault = MAX(state[v[k].gate].fault, RULE);
+  for (size_t k = 0; k < n && !code; k++) {
+    guarded *s = v[k].gate < 0 ? NULL : &state[v[k].gate];
+    if (s && s->tries <= GUARD_DRAWN && !was_broken(&l->guard, &v[k]))
+      s->fault = MAX(s->fault, RULE);
+  }
   free(v);
   return code;
 }
@@ -357,14 +361,14 @@ static void set_all(hold *h) {
 }
 
 /* Another try of each transistor with a fault: the next level; or, of one that
-   is only worse, the best of what was tried. How many there were. */
+   does print, the best of what was tried. How many there were. */
 static size_t go_back(hold *h) {
   size_t count = 0;
   for (size_t i = 0; i < h->l->gates->count; i++) {
     guarded *s = &h->l->guard.state[i];
     if (s->fault == GOOD || (s->fault == WORSE && s->tries > GUARD_DRAWN))
       continue;
-    int last = s->fault == WORSE && s->tries == GUARD_DRAWN;
+    int last = s->fault < LOST && s->tries == GUARD_DRAWN;
     s->tries++;
     s->level = last ? s->pick : s->tries;
     count++;

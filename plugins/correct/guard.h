@@ -3,14 +3,14 @@
    the mask that is written is worse than that of the drawn mask.
 
    It prints as one of its own if it did as drawn; it breaks no rule of the
-   regulator that it kept as drawn; and its Ion is no further off what is
-   wanted of it than the larger of the drawn mask's and the loop's limit. What
-   is not so goes back: to the best mask that it has had with its present line
-   ends, to half of that, to the drawn one. One that then still fails takes all
-   around it back to drawn, further and further, so that it ends. One that is
-   only off by more than it was takes the best of these, and tells what stands
-   in the way: a rule or a neighbour without which, as a trial shows, it would
-   be as good as drawn. */
+   regulator that it kept as drawn, if its own edges can do something for it;
+   and its Ion is no further off what is wanted of it than the larger of the
+   drawn mask's and the loop's limit. What is not so goes back: to the best mask
+   that it has had with its present line ends, to half of that, to the drawn
+   one. One that then still does not print takes all around it back to drawn,
+   further and further, so that it ends. One that does takes the best of these;
+   if it is off by more than it was, it tells what stands in the way: a rule or
+   a neighbour without which, as a trial shows, it would be as good as drawn. */
 #ifndef CORRECT_GUARD_H
 #define CORRECT_GUARD_H
 

@@ -40,8 +40,9 @@ static const eda_synthesizer scripted = {
 
 /* ---- a regulator that finds what a test wants ---- */
 
-/* A rule that transistor 0 breaks, or nobody, if `drawn`, or `moved` and any
-   mask is not as drawn. */
+/* A rule that transistor 0 breaks, or nobody, if `drawn`, or if one of `moved`
+   (their bits) has a mask that is not as drawn. */
+enum { OWN = 1, OTHERS = 2 };
 static int drawn, moved, nobodys;
 
 static int rule(void *self, const eda_printed *p, eda_ruling *r,
@@ -54,7 +55,7 @@ static int violations(void *self, const eda_printed *p, eda_violation *v,
                       size_t most, size_t *count, opc_error *error) {
   (void)self, (void)error;
   int biased = p->l[0] || p->l[1];
-  *count = drawn || (moved && biased);
+  *count = drawn || (moved & OWN && p->l[0]) || (moved & OTHERS && p->l[1]);
   g_assert_cmpuint(most, >, 1);
   if (*count)
     v[0] = (eda_violation){
@@ -206,25 +207,64 @@ static void test_target(void) {
   loop_clear(&l);
 }
 
-/* A rule that was kept as drawn is kept; one that was not may stay broken. The
-   rule here hangs on both transistors, so that the one that breaks it must take
-   the other with it. */
+/* A rule that was kept as drawn is kept if the transistor's own edges can keep
+   it; one that was not may stay broken. */
 static void test_rules(void) {
   script s = {.l = {{-14, -14}}, .moves = 1, .target = {1, 1}};
   loop l;
-  drawn = moved = 1;
+  drawn = 1, moved = OWN;
   run(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
   expect(&l, 0, -14, NULL);
   loop_clear(&l);
   drawn = 0;
   run(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
-  expect(&l, 0, 0, "went back: as drawn, with all around");
-  g_assert_cmpint(l.now.biases.l[1], ==, 0);
+  expect(&l, 0, 0, "went back: as drawn");
+  expect(&l, 1, -14, NULL);
   g_assert_cmpuint(l.guard.back, ==, 1);
   loop_clear(&l);
   nobodys = 1;
   run(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
   expect(&l, 0, -14, NULL);
+  loop_clear(&l);
+  nobodys = 0;
+}
+
+/* Where they cannot, as the rule hangs on a neighbour too, nothing goes back:
+   what drawn surroundings would break is more. */
+static void test_rule_of_two(void) {
+  script s = {.l = {{-14, -14}}, .moves = 1, .target = {1, 1}};
+  loop l;
+  drawn = 0, moved = OWN | OTHERS;
+  run(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
+  expect(&l, 0, -14, NULL);
+  expect(&l, 1, -14, NULL);
+  g_assert_cmpuint(l.guard.back + l.guard.worse, ==, 0);
+  g_assert_cmpuint(l.guard.prints, ==, GUARD_DRAWN + 1);
+  loop_clear(&l);
+}
+
+/* What opens a gate whatever its own mask is goes, and with it all around, but
+   not what lies further away. */
+static int bite_through(void *self, const eda_printed *p, eda_ruling *r,
+                        opc_error *error) {
+  static const eda_box all = {0, 150, 60, 250};
+  (void)self, (void)p, (void)error;
+  r->bites[EDA_POLY] = (eda_boxes){&all, 1};
+  return OPC_OK;
+}
+
+static void test_surrounded(void) {
+  static const eda_regulator cuts = {.rule = bite_through,
+                                     .violations = violations};
+  script s = {.l = {{-14, -14}}, .moves = 1, .target = {1, 1}};
+  loop l;
+  drawn = moved = 0;
+  run(&l, MODULE(&hasty, &s), &extractor, MODULE(&cuts, NULL), 1);
+  expect(&l, 0, 0, "went back: as drawn, with all around");
+  expect(&l, 1, -14, NULL);
+  g_assert_cmpuint(l.now.bites[EDA_POLY].count, ==, 0);
+  g_assert_cmpuint(l.guard.back, ==, 1);
+  g_assert_cmpuint(l.guard.lost, ==, 0);
   loop_clear(&l);
 }
 
@@ -323,6 +363,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/guard/ends", test_ends);
   g_test_add_func("/guard/target", test_target);
   g_test_add_func("/guard/rules", test_rules);
+  g_test_add_func("/guard/rule-of-two", test_rule_of_two);
+  g_test_add_func("/guard/surrounded", test_surrounded);
   g_test_add_func("/guard/neighbour", test_neighbour);
   g_test_add_func("/guard/rule-beside", test_rule_beside);
   g_test_add_func("/guard/fragments", test_fragments);

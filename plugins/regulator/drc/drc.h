@@ -228,8 +228,8 @@ void trims_bites(drc *r);
 /* ---- smooth.c: jogs so close together that the mask's own rules do not allow
    what is between them ---- */
 
-/* Smooth the masks of a print, which have what was smoothed before: shallow
-   notches are filled, shallow bumps taken away. */
+/* Smooth the masks of a print, which have what was smoothed before: notches are
+   filled and bumps taken away that are no deeper than they must be wide. */
 void smooth_follow(drc *r, const eda_printed *p);
 /* What was smoothed at a place of the mask that does not keep its rules is
    looked at anew. */

@@ -394,6 +394,45 @@ static void test_too_near(void) {
   end(&c);
 }
 
+/* Two bars as above, whose lower one needs a patch for a contact, while that
+   makes it print as one with the upper one. */
+static double two_pads(const chip *c, double x, double y) {
+  int32_t up = 0;
+  for (size_t i = 0; i < c->ruling.patches[EDA_POLY].count; i++) {
+    eda_box b = c->ruling.patches[EDA_POLY].box[i];
+    if (x >= b.x0 && x <= b.x1) up = MAX(up, b.y1 - 100);
+  }
+  int32_t low = 100 + up - bitten(c, x, 100, 1);
+  int32_t high = 196 + bitten(c, x, 196, 0);
+  double bars = fmax(fmin(y + 30, low - 3 - y), fmin(y - high, 326 - y));
+  if (x < 0 || x > 900) return -60;
+  return high - low < 120 ? fmin(y + 30, 326 - y) : bars;
+}
+
+/* A patch that its contact wants again after it went back does so by less each
+   time, and then edges go back that the contact does not need: the rule that is
+   broken in the end is the contact's, and it has its reason. */
+static void test_contested(void) {
+  g_autoptr(opc_module) m = make("{}");
+  chip c = {0};
+  eda_violation v[10];
+  add_poly(&c, 0, 0, 900, 100);
+  add_poly(&c, 0, 196, 900, 296);
+  add_contact(&c, 400, 14, 480, 94);
+  begin(&c);
+  for (int i = 0; i < 20; i++) {
+    print(&c, two_pads);
+    judge(m, &c);
+  }
+  print(&c, two_pads);
+  size_t n = violations(m, &c, v, 10);
+  g_assert_cmpuint(n, ==, 1);
+  g_assert_cmpstr(v[0].rule, ==, "enclosure; too near a neighbour");
+  g_assert_cmpint(bitten(&c, 440, 196, 0), >=, 20);
+  g_assert_cmpint(bitten(&c, 440, 100, 1), ==, 0);
+  end(&c);
+}
+
 /* ---- heads ---- */
 
 /* A vertical line x 0..65, y 0..400, with a gate at y 100..300 and its line end
@@ -624,6 +663,53 @@ static void test_jogs(void) {
   }
 }
 
+static double bar(const chip *c, double x, double y) {
+  (void)c;
+  return 5 + fmin(fmin(x, 400 - x), fmin(y, 200 - y));
+}
+
+/* A bar with a notch (or a bump) of 30 nm, `depth` deep, in its upper edge. */
+static void notched(eda_point q[8], int bump, int32_t depth) {
+  int32_t bottom = 200 + (bump ? depth : -depth);
+  const eda_point all[] = {{0, 0},        {400, 0},      {400, 200}, {230, 200},
+                           {230, bottom}, {200, bottom}, {200, 200}, {0, 200}};
+  memcpy(q, all, sizeof all);
+}
+
+/* What is mended stays so while the edge within the notch moves on, by what a
+   synthesizer moves at a time: no slit opens behind it, no sliver is left. As
+   deep as it may be wide it is one, deeper it has a meaning. */
+static void test_moving_jogs(void) {
+  for (int bump = 0; bump < 2; bump++)
+    for (int32_t depth = 5; depth <= 46; depth++) {
+      g_autoptr(opc_module) m = make("{ min_space: 40 nm }");
+      uint32_t start[] = {0, 8};
+      eda_point q[8];
+      eda_shapes base = {1, start, q, NULL};
+      chip c = {0};
+      eda_violation v[10];
+      add_poly(&c, 0, 0, 400, 200);
+      begin(&c);
+      print(&c, bar);
+      notched(q, bump, depth);
+      c.mask[EDA_POLY] = base;
+      judge(m, &c);
+      for (int i = 1; i < 3; i++) {
+        notched(q, bump, depth + 9 * i);
+        eda_shapes mask = applied(&base, &c.ruling);
+        c.mask[EDA_POLY] = mask;
+        size_t n = violations(m, &c, v, 10), wrong = 0;
+        for (size_t k = 0; k < MIN(n, 10); k++)
+          wrong += g_str_has_prefix(v[k].rule, "mask");
+        g_assert_cmpint(!wrong, ==, depth <= 40);
+        if (!wrong) g_assert_cmpint(eda_area2(&mask), ==, 2 * 400 * 200);
+        judge(m, &c);
+        eda_shapes_clear(&mask);
+      }
+      end(&c);
+    }
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/regulator/trims", test_trims);
@@ -632,9 +718,11 @@ int main(int argc, char **argv) {
   g_test_add_func("/regulator/corner", test_corner);
   g_test_add_func("/regulator/concave", test_concave);
   g_test_add_func("/regulator/too-near", test_too_near);
+  g_test_add_func("/regulator/contested", test_contested);
   g_test_add_func("/regulator/heads", test_heads);
   g_test_add_func("/regulator/asked", test_asked);
   g_test_add_func("/regulator/wishes", test_wishes);
   g_test_add_func("/regulator/jogs", test_jogs);
+  g_test_add_func("/regulator/moving-jogs", test_moving_jogs);
   return g_test_run();
 }

@@ -180,7 +180,7 @@ static int32_t into_corner(const drc *r, const repair *one, int side,
         : side == RIGHT ? e.x1 > c.x0
         : side == BELOW ? e.y0 < c.y0
                         : e.y1 > c.y0)
-      return (int32_t)ceil(tuned.shallow / r->grid);
+      return (int32_t)ceil(tuned.into / r->grid);
   }
   return 0;
 }
@@ -415,8 +415,9 @@ static int take_back(drc *r, const eda_printed *p, const site *wrong,
         leave_piece(r, of, one, k);
         continue;
       }
-      one->grow[k] -= one->grow[k] < step ? one->grow[k] : step;
-      one->room[k] = one->grow[k] + step / 2;
+      int32_t by = one->grow[k] < step ? one->grow[k] : step;
+      one->grow[k] -= by;
+      one->room[k] = one->grow[k] + by / 2;
     }
   }
   return found;
@@ -471,10 +472,12 @@ void repairs_grow(drc *r, const eda_printed *p) {
 void repairs_patches(drc *r, const eda_printed *p) {
   for (size_t i = 0; i < r->n_repairs; i++) {
     const repair *one = &r->repairs[i];
-    for (int k = 0; k < SIDES; k++)
-      if (one->grow[k])
-        eda_box_list_add(&r->patch[r->sites[one->site].layer],
-                         patch_of(r, p, one, k));
+    for (int k = 0; k < SIDES; k++) {
+      eda_box b = patch_of(r, p, one, k);
+      /* Corners that moved inwards may leave nothing between them. */
+      if (one->grow[k] && b.x0 < b.x1 && b.y0 < b.y1)
+        eda_box_list_add(&r->patch[r->sites[one->site].layer], b);
+    }
   }
 }
 

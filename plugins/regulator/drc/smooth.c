@@ -118,7 +118,7 @@ static void find(drc *r, mends *s, const eda_point q[4], int bump,
   int32_t first = length(q[0], q[1]), last = length(q[2], q[3]);
   int32_t depth = first < last ? first : last;
   if (turns_left(q[0], q[1], q[2]) != bump ||
-      turns_left(q[1], q[2], q[3]) != bump || depth * r->grid > tuned.shallow ||
+      turns_left(q[1], q[2], q[3]) != bump || depth * r->grid > least ||
       length(q[1], q[2]) * r->grid > least - 1e-9)
     return;
   int32_t dx = depth * ((q[0].x > q[1].x) - (q[0].x < q[1].x));
@@ -162,10 +162,25 @@ void smooth_drop(drc *r, size_t layer, eda_box place) {
   s->n = kept;
 }
 
+/* A mend, and as much further as the mask has of shape behind a notch or of
+   space before a bump: the edge there may still move, and is not to leave a
+   slit or a sliver. */
+static eda_box reach(const drc *r, const mend *m) {
+  int32_t by =
+      (int32_t)((m->bump ? -r->min_space : r->min_mask_width) / r->grid);
+  int32_t dx = by * ((m->from.y > m->to.y) - (m->from.y < m->to.y));
+  int32_t dy = by * ((m->from.x < m->to.x) - (m->from.x > m->to.x));
+  eda_box b = m->box;
+  *(dx < 0 ? &b.x0 : &b.x1) += dx;
+  *(dy < 0 ? &b.y0 : &b.y1) += dy;
+  return b;
+}
+
 void smooth_boxes(drc *r) {
   for (size_t layer = 0; layer < r->layers; layer++)
     for (size_t i = 0; i < r->mends[layer].n; i++) {
       const mend *m = &r->mends[layer].at[i];
-      eda_box_list_add(m->bump ? &r->bite[layer] : &r->patch[layer], m->box);
+      eda_box_list_add(m->bump ? &r->bite[layer] : &r->patch[layer],
+                       reach(r, m));
     }
 }

@@ -24,9 +24,9 @@
 static const struct {
   double usual, least, most, largest_step, spare, back;
   double pitch, rounding, wide, near_gate, most_sites, reach, inset;
-  double half_patch, corner, flank_step, flank_part;
+  double half_patch, corner, into, flank_step, flank_part;
   double steep, ahead, sought, end_step;
-  double of_gate, beside, shallow;
+  double of_gate, beside;
   uint32_t wishes_until, anew;
   int patience;
 } tuned = {
@@ -103,6 +103,11 @@ static const struct {
      */
     .corner = 20,
 
+    /* nm: the end of a patch in a concave corner goes on so far into the shape,
+       as the edge that it meets there may have moved inwards: about what a
+       synthesizer takes. No case differs. */
+    .into = 10,
+
     /* nm: the sides beside one that may go no further go out so far at a time.
        Half: c432 6, 0.23, 8593, 1. Twice: c432 6, 0.36, 8579, 1. */
     .flank_step = 15,
@@ -145,11 +150,6 @@ static const struct {
     .beside = 20,
 
     /* ---- jogs: smooth.c ---- */
-
-    /* nm: jogs of synthesizers and steps between patches are so deep; deeper
-       ones have a meaning of their own. None of the three; SMALL 7131 at half,
-       7114 at twice. */
-    .shallow = 10,
 
     /* How often one mend may make way for another, so that it comes to an end.
        No case differs. */

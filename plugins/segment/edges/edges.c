@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* segment.edges: the edges of one drawn layer without any transistors, to be
    corrected by their places alone: metal, contacts, test patterns. */
+#include <eda/segment.h>
 #include <opcflow/step.h>
-
-#include "../layers.h"
 
 /* ---- state ---- */
 
@@ -41,24 +40,14 @@ static int publish(const opc_host *host, const eda_shapes *s, size_t moved,
 
 static int run(void *self, void **outputs, opc_error *error) {
   const edges *e = self;
-  int32_t top, layer;
-  eda_flat flat;
-  eda_shapes drawn;
-  if (segment_top(e->layout, e->top, &top, error) ||
-      find_layer(e, &layer, error) ||
-      segment_flatten(e->layout, top, layer, e->grid, &flat, &drawn, error))
-    return error->code;
-  const char *name = eda_layout_layer_name(e->layout, layer);
-  size_t moved = flat.moved;
-  eda_flat_clear(&flat);
-  if (!drawn.count)
-    return opc_fail(error, OPC_INVALID, NULL, "layer '%s' is empty", name);
-  eda_gates *g = outputs[0] = eda_gates_new(1, 0);
-  g->name = eda_gates_text(g, eda_layout_cell_name(e->layout, top));
-  g->grid = e->grid;
-  segment_set_layer(g, 0, name, 1, &drawn);
-  segment_cut_plain(g, 0);
-  return publish(e->host, &g->drawn[0], moved, error);
+  int32_t layer, top = eda_segment_top(e->layout, e->top, error);
+  if (top < 0 || find_layer(e, &layer, error)) return error->code;
+  eda_gates *gates;
+  size_t moved;
+  int code =
+      eda_segment_edges(e->layout, top, layer, e->grid, &gates, &moved, error);
+  outputs[0] = gates;
+  return code ? code : publish(e->host, &gates->drawn[0], moved, error);
 }
 
 /* ---- parameters ---- */

@@ -1,15 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Everything that goes down the hierarchy: the order of the cells, the number
-   of every placement, and the shapes or texts of a layer made flat.
-
-   Placements are numbered depth first, a cell before those in it, instances in
-   their order, array members row by row. Cells under which nothing is drawn
-   count for nothing, so that no work is ever spent on them. */
+/* The shapes or texts of a layer made flat, with the transforms of all
+   placements above them: all of them, or those that touch a window. Of a window
+   only what may touch it is gone through (reach.c tells). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "layout/layout.h"
+#include "layout/reach.h"
 
 #define MAX_SHAPES ((uint64_t)1 << 28)
 /* Placements that may be gone through for each shape, and so many more: cells
@@ -25,225 +22,44 @@
    is a half, and what comes so near a whole number has not moved. */
 #define EPSILON 1e-6
 
-/* a + b * c, at most `limit` */
-static uint64_t add_product(uint64_t a, uint64_t b, uint64_t c,
-                            uint64_t limit) {
-  uint64_t product;
-  if (__builtin_mul_overflow(b, c, &product) || product > limit) return limit;
-  return MIN(a + product, limit);
-}
+#define BEYOND \
+  "'%s': a coordinate of layer '%s' lies beyond 2^30 units of %g nm"
 
-static uint64_t members(const instance *in) {
-  return (uint64_t)in->placement.columns * in->placement.rows;
-}
+/* ---- what is put ---- */
 
-/* ---- order of the cells, numbers of the placements ---- */
-
-static uint64_t drawn(const cell *c) {
-  uint64_t n = c->n_labels;
-  for (size_t i = 0; i < c->n_sheets; i++)
-    n += sheet_boxes(&c->sheets[i]) + c->sheets[i].n_polygons;
-  return n;
-}
-
-/* All cells below it are done: count its placements. */
-static void number_placements(eda_layout *layout, cell *c) {
-  uint64_t next = 1;
-  for (size_t i = 0; i < c->n_instances; i++) {
-    const cell *child = &layout->cells[c->instances[i].child];
-    c->before[i] = (uint32_t)MIN(next, UINT32_MAX);
-    next = add_product(next, members(&c->instances[i]), child->placements,
-                       EDA_MANY);
-  }
-  c->placements = next == 1 && !drawn(c) ? 0 : next;
-}
-
-typedef struct visit {
-  int32_t cell;
-  size_t next; /* instance */
-} visit;
-
-enum { NEW = 0, OPEN = 1, DONE = 2 };
-
-/* Depth first from `root`, with a stack of its own. An edge to an open cell
-   closes a circle. */
-static void order_below(eda_layout *layout, int32_t root, uint8_t *state,
-                        visit *stack, size_t *done) {
-  size_t depth = 0;
-  stack[depth++] = (visit){root, 0};
-  state[root] = OPEN;
-  while (depth) {
-    visit *top = &stack[depth - 1];
-    cell *c = &layout->cells[top->cell];
-    if (top->next == c->n_instances) {
-      number_placements(layout, c);
-      state[top->cell] = DONE;
-      layout->order[(*done)++] = top->cell;
-      depth--;
-      if (depth && c->circular)
-        layout->cells[stack[depth - 1].cell].circular = true;
-      continue;
-    }
-    int32_t child = c->instances[top->next++].child;
-    if (state[child] == OPEN || layout->cells[child].circular)
-      c->circular = true;
-    if (state[child] != NEW) continue;
-    state[child] = OPEN;
-    stack[depth++] = (visit){child, 0};
-  }
-}
-
-static void order_cells(eda_layout *layout) {
-  size_t n = layout->n_cells, done = 0;
-  uint8_t *state = eda_alloc(n, 1);
-  visit *stack = eda_alloc(n, sizeof *stack);
-  free(layout->order);
-  layout->order = eda_alloc(n, sizeof *layout->order);
-  for (size_t i = 0; i < n; i++) {
-    cell *c = &layout->cells[i];
-    free(c->before);
-    c->before = eda_alloc(c->n_instances, sizeof *c->before);
-    c->placements = 0;
-    c->circular = false;
-  }
-  for (size_t i = 0; i < n; i++)
-    if (state[i] == NEW) order_below(layout, (int32_t)i, state, stack, &done);
-  free(state);
-  free(stack);
-}
-
-void eda_layout_order(const eda_layout *layout) {
-  eda_layout *writable = (eda_layout *)layout;
-  if (g_atomic_int_get(&writable->ordered)) return;
-  g_mutex_lock(&writable->lock);
-  if (!writable->ordered) order_cells(writable);
-  g_atomic_int_set(&writable->ordered, 1);
-  g_mutex_unlock(&writable->lock);
-}
-
-/* ---- the top cell ---- */
-
-/* The names of the cells that `wanted` marks, as many as a message takes. */
-static void list_cells(const eda_layout *layout, const uint8_t *wanted,
-                       GString *out) {
-  size_t left = 0;
-  for (size_t i = 0; i < layout->n_cells; i++) {
-    if (!wanted[i]) continue;
-    if (out->len > 600)
-      left++;
-    else
-      g_string_append_printf(out, "%s'%.100s'", out->len ? ", " : "",
-                             layout->cells[i].name);
-  }
-  if (left) g_string_append_printf(out, " and %zu more", left);
-}
-
-int32_t eda_layout_top(const eda_layout *layout, opc_error *error) {
-  eda_layout_order(layout);
-  uint8_t *mark = eda_alloc(layout->n_cells, 1);
-  size_t tops = 0, circular = 0;
-  int32_t top = -1;
-  for (size_t i = 0; i < layout->n_cells; i++)
-    circular += layout->cells[i].circular;
-  if (circular) {
-    for (size_t i = 0; i < layout->n_cells; i++)
-      mark[i] = layout->cells[i].circular;
-  } else {
-    memset(mark, 1, layout->n_cells);
-    for (size_t i = 0; i < layout->n_cells; i++)
-      for (size_t j = 0; j < layout->cells[i].n_instances; j++)
-        mark[layout->cells[i].instances[j].child] = 0;
-    for (size_t i = 0; i < layout->n_cells; i++)
-      if (mark[i]) {
-        top = (int32_t)i;
-        tops++;
-      }
-  }
-  if (tops != 1) {
-    g_autoptr(GString) names = g_string_new(NULL);
-    list_cells(layout, mark, names);
-    if (circular)
-      opc_fail(error, OPC_INVALID, NULL, "cells lead to a circle: %s",
-               names->str);
-    else if (tops)
-      opc_fail(error, OPC_INVALID, NULL, "there are %zu top cells: %s", tops,
-               names->str);
-    else
-      opc_fail(error, OPC_INVALID, NULL, "the layout has no cells");
-    top = -1;
-  }
-  free(mark);
-  return top;
-}
-
-/* ---- transforms ---- */
-
-/* (x, y) -> (xx x + xy y + dx, yx x + yy y + dy). For turns by right angles
-   all of it are integers, far below 2^53, and so exact. */
-typedef struct transform {
-  double xx, xy, yx, yy, dx, dy;
-} transform;
-
-/* The cosine and sine of `angle` degrees; right angles exactly, and also what
-   is off by what a division does to it. */
-static void turn(double angle, double *cosine, double *sine) {
-  static const double right[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
-  double quarters = nearbyint(angle / 90);
-  if (fabs(angle - 90 * quarters) < 1e-9) {
-    int q = ((int)fmod(quarters, 4) + 4) % 4;
-    *cosine = right[q][0];
-    *sine = right[q][1];
-  } else {
-    double radians = fmod(angle, 360) * (G_PI / 180);
-    *cosine = cos(radians);
-    *sine = sin(radians);
-  }
-}
-
-/* What a placement does to its cell, before it is moved. */
-static transform placed(const eda_placement *p) {
-  double c, s, flip = p->mirror ? -1 : 1;
-  turn(p->angle, &c, &s);
-  c *= p->magnification;
-  s *= p->magnification;
-  return (transform){c, -s * flip, s, c * flip, 0, 0};
-}
-
-/* First `in`, moved by (x, y), then `out`. */
-static transform compose(const transform *out, const transform *in, double x,
-                         double y) {
-  return (transform){
-      out->xx * in->xx + out->xy * in->yx, out->xx * in->xy + out->xy * in->yy,
-      out->yx * in->xx + out->yy * in->yx, out->yx * in->xy + out->yy * in->yy,
-      out->xx * x + out->xy * y + out->dx, out->yx * x + out->yy * y + out->dy};
-}
-
-/* ---- flattening ---- */
-
-/* A placement on the way down. Its instances that draw on the layer are
-   useful[next] up to that of its cell. */
+/* A placement on the way down. The instances that lead to something are
+   useful[first] up to UINT32_MAX; next is the current one, of whose members
+   those are wanted that are in these columns, by each row. */
 typedef struct frame {
   transform at;
   transform child; /* the matrix of the current instance */
+  extent window;   /* as the cell sees it */
   int32_t cell;
   uint32_t number;
-  size_t next;
-  uint64_t member, members; /* of the current instance */
+  size_t first, next;
+  bool begun; /* the current instance */
+  span rows, columns;
 } frame;
 
 typedef struct flattener {
   const eda_layout *layout;
   int32_t layer;
   double ratio, grid;
-  /* Of each cell, with those below; steps are placements gone through. */
+  const eda_box *window; /* NULL: all is wanted */
+  const reach *reach;    /* for a window */
+  /* Of each cell, with those below; steps are placements gone through. Of a
+     window none are known before. */
   uint64_t *shapes, *points, *steps;
   uint32_t *useful; /* instances that draw on the layer */
-  size_t *first;    /* of each cell: its place in useful */
+  size_t n_useful, useful_room;
+  size_t *first; /* of each cell: its place in useful */
   eda_flat *out;
   eda_flat_texts *texts; /* NULL: shapes are wanted */
   uint32_t n_shapes, n_points;
-  double worst2; /* squared, in grid units */
-  bool outside;
+  size_t start_room, placement_room, point_room, text_room, depth_room;
+  uint64_t taken; /* steps */
+  double worst2;  /* squared, in grid units */
+  bool outside, too_many;
 } flattener;
 
 static double snap(double v, double *off) {
@@ -273,47 +89,168 @@ static void put_shape_end(flattener *f, uint32_t placement) {
   f->out->shapes.start[f->n_shapes] = f->n_points;
 }
 
-static void put_texts(flattener *f, const frame *at, uint32_t depth) {
-  const cell *c = &f->layout->cells[at->cell];
-  for (size_t i = 0; i < c->n_labels; i++) {
-    const label *l = &c->labels[i];
-    if (l->layer != f->layer) continue;
-    f->texts->text[f->n_shapes] = f->layout->strings + l->text;
-    f->texts->depth[f->n_shapes] = depth;
-    put_point(f, &at->at, l->at.x, l->at.y);
-    put_shape_end(f, at->number);
-  }
+static void put_text(flattener *f, const frame *at, const label *l,
+                     uint32_t depth) {
+  f->texts->text[f->n_shapes] = f->layout->strings + l->text;
+  f->texts->depth[f->n_shapes] = depth;
+  put_point(f, &at->at, l->at.x, l->at.y);
+  put_shape_end(f, at->number);
 }
 
-static void put_shapes(flattener *f, const frame *at) {
-  const sheet *s = eda_layout_sheet(&f->layout->cells[at->cell], f->layer);
-  if (!s) return;
+static void put_shape(flattener *f, const frame *at, const sheet *s, size_t i) {
   const transform *t = &at->at;
-  for (size_t i = 0; i < sheet_boxes(s); i++) {
+  if (i < sheet_boxes(s)) {
     eda_box b = sheet_box(s, i);
     put_point(f, t, b.x0, b.y0);
     put_point(f, t, b.x1, b.y0);
     put_point(f, t, b.x1, b.y1);
     put_point(f, t, b.x0, b.y1);
-    put_shape_end(f, at->number);
+  } else {
+    i -= sheet_boxes(s);
+    for (size_t j = i ? s->end[i - 1] : 0; j < s->end[i]; j++)
+      put_point(f, t, s->points[j].x, s->points[j].y);
   }
-  for (size_t i = 0, j = 0; i < s->n_polygons; i++) {
-    for (; j < s->end[i]; j++) put_point(f, t, s->points[j].x, s->points[j].y);
-    put_shape_end(f, at->number);
-  }
+  put_shape_end(f, at->number);
 }
+
+/* How many items a cell itself has: its shapes of the layer, or its texts of
+   all layers. */
+static size_t own(const flattener *f, const cell *c, const sheet **s) {
+  *s = f->texts ? NULL : eda_layout_sheet(c, f->layer);
+  if (f->texts) return c->n_labels;
+  return *s ? sheet_boxes(*s) + (*s)->n_polygons : 0;
+}
+
+static void put_all(flattener *f, const frame *at, uint32_t depth) {
+  const cell *c = &f->layout->cells[at->cell];
+  const sheet *s;
+  size_t n = own(f, c, &s);
+  for (size_t i = 0; i < n; i++)
+    if (s)
+      put_shape(f, at, s, i);
+    else if (c->labels[i].layer == f->layer)
+      put_text(f, at, &c->labels[i], depth);
+}
+
+/* ---- a window ---- */
+
+static int by_number(const void *a, const void *b) {
+  uint32_t p = *(const uint32_t *)a, q = *(const uint32_t *)b;
+  return (p > q) - (p < q);
+}
+
+static void push(flattener *f, uint32_t i) {
+  EDA_PUSH(f->useful, f->n_useful, f->useful_room, i);
+}
+
+/* Push those of an index that touch the window, in their order. */
+static void push_found(flattener *f, const eda_index *index, extent window) {
+  size_t from = f->n_useful;
+  eda_finder finder = eda_index_find(index, extent_box(window));
+  for (uint32_t i; eda_index_next(&finder, &i);) push(f, i);
+  if (f->n_useful > from)
+    qsort(f->useful + from, f->n_useful - from, sizeof *f->useful, by_number);
+}
+
+/* The instances that may reach into the window. */
+static void list_instances(flattener *f, frame *at) {
+  const cell *c = &f->layout->cells[at->cell];
+  at->first = at->next = f->n_useful;
+  if (f->reach->instances[at->cell])
+    push_found(f, f->reach->instances[at->cell], at->window);
+  else
+    for (size_t i = 0; i < c->n_instances; i++)
+      if (extents_touch(extent_of_all(f->reach, &c->instances[i]), at->window))
+        push(f, (uint32_t)i);
+  push(f, UINT32_MAX);
+}
+
+/* Room for another shape of n points; there are too many if not. */
+static bool make_room(flattener *f, size_t n) {
+  eda_flat *out = f->out;
+  size_t points = f->n_points + n, shapes = (size_t)f->n_shapes + 1;
+  f->too_many = f->too_many || shapes > MAX_SHAPES || points > MAX_POINTS;
+  if (f->too_many) return false;
+  eda_grow(&out->shapes.points, &f->point_room, points,
+           sizeof *out->shapes.points);
+  eda_grow(&out->shapes.start, &f->start_room, shapes + 1,
+           sizeof *out->shapes.start);
+  eda_grow(&out->placement, &f->placement_room, shapes, sizeof *out->placement);
+  out->shapes.start[0] = 0;
+  if (!f->texts) return true;
+  eda_grow(&f->texts->text, &f->text_room, shapes, sizeof *f->texts->text);
+  eda_grow(&f->texts->depth, &f->depth_room, shapes, sizeof *f->texts->depth);
+  return true;
+}
+
+/* Take what was put last back if it does not touch the window, now that the
+   grid has moved it. */
+static void keep_touching(flattener *f, const flattener *before, size_t moved) {
+  if (f->outside) return; /* an error, wherever it is */
+  const eda_point *p = f->out->shapes.points + before->n_points;
+  eda_box b = eda_bounds(p, f->n_points - before->n_points);
+  const eda_box *w = f->window;
+  if (b.x0 <= w->x1 && w->x0 <= b.x1 && b.y0 <= w->y1 && w->y0 <= b.y1) return;
+  f->n_shapes = before->n_shapes;
+  f->n_points = before->n_points;
+  f->worst2 = before->worst2;
+  f->out->moved = moved;
+}
+
+static void put_touching(flattener *f, const frame *at, const sheet *s,
+                         size_t i, uint32_t depth) {
+  const cell *c = &f->layout->cells[at->cell];
+  const label *l = s ? NULL : &c->labels[i];
+  if (l && l->layer != f->layer) return;
+  extent e =
+      s ? extent_of_shape(s, i) : (extent){l->at.x, l->at.y, l->at.x, l->at.y};
+  if (!extents_touch(e, at->window)) return;
+  size_t boxes = s ? sheet_boxes(s) : 0, n = s ? 4 : 1;
+  if (s && i >= boxes)
+    n = s->end[i - boxes] - (i > boxes ? s->end[i - boxes - 1] : 0);
+  if (!make_room(f, n)) return;
+  flattener before = *f;
+  size_t moved = f->out->moved;
+  if (s)
+    put_shape(f, at, s, i);
+  else
+    put_text(f, at, l, depth);
+  keep_touching(f, &before, moved);
+}
+
+static void put_window(flattener *f, const frame *at, uint32_t depth) {
+  const sheet *s;
+  size_t n = own(f, &f->layout->cells[at->cell], &s);
+  const eda_index *index = f->reach->own[at->cell];
+  if (!n) return;
+  if (!index) {
+    for (size_t i = 0; i < n; i++) put_touching(f, at, s, i, depth);
+    return;
+  }
+  size_t from = f->n_useful;
+  push_found(f, index, at->window);
+  for (size_t k = from; k < f->n_useful; k++)
+    put_touching(f, at, s, f->useful[k], depth);
+  f->n_useful = from;
+}
+
+/* Less is gone through than the limit for all that was found so far. */
+static bool bounded(flattener *f) {
+  if (++f->taken > (uint64_t)f->n_shapes * STEPS_A_SHAPE + STEPS_MORE)
+    f->too_many = true;
+  return !f->too_many;
+}
+
+/* ---- all that there is ---- */
 
 /* What a cell itself has to be put. */
 static void count_own(const flattener *f, const cell *c, uint64_t *shapes,
                       uint64_t *points) {
-  *shapes = *points = 0;
-  const sheet *s = f->texts ? NULL : eda_layout_sheet(c, f->layer);
-  if (s) {
-    *shapes = sheet_boxes(s) + s->n_polygons;
-    *points = 4 * sheet_boxes(s) + s->n_points;
-  }
+  const sheet *s;
+  *shapes = *points = own(f, c, &s);
+  if (s) *points = 4 * sheet_boxes(s) + s->n_points;
   for (size_t i = 0; f->texts && i < c->n_labels; i++)
-    *points = *shapes += c->labels[i].layer == f->layer;
+    *points = *shapes -= c->labels[i].layer != f->layer;
 }
 
 /* Count the shapes and points of every cell, and list the instances that
@@ -370,46 +307,90 @@ static int allocate(flattener *f, int32_t top, opc_error *error) {
   return OPC_OK;
 }
 
+/* ---- down the hierarchy ---- */
+
+static frame enter(flattener *f, int32_t to, uint32_t number,
+                   const transform *at) {
+  frame down = {.at = *at, .cell = to, .number = number};
+  if (f->window) {
+    /* Half a unit is what the grid may move, the other half for what numbers
+       with a point have lost. */
+    const eda_box *w = f->window;
+    extent e = {(w->x0 - 1.0) / f->ratio, (w->y0 - 1.0) / f->ratio,
+                (w->x1 + 1.0) / f->ratio, (w->y1 + 1.0) / f->ratio};
+    down.window = extent_back(at, e);
+    list_instances(f, &down);
+  } else {
+    down.first = down.next = f->first[to];
+  }
+  return down;
+}
+
+/* The wanted members of an instance, none of them passed yet. */
+static void begin(const flattener *f, frame *up, const instance *in) {
+  const eda_placement *p = &in->placement;
+  up->begun = true;
+  up->child = placed(p);
+  up->columns = (span){0, 0};
+  up->rows = f->window
+                 ? extent_rows(p, extent_of_first(f->reach, in), up->window)
+                 : (span){0, p->rows};
+}
+
+/* The next wanted member; columns.from and rows.from - 1 are where it is.
+   False if there is none. */
+static bool next_member(flattener *f, frame *up, const instance *in) {
+  const eda_placement *p = &in->placement;
+  while (up->columns.from == up->columns.to) {
+    if (up->rows.from == up->rows.to || (f->window && !bounded(f)))
+      return false;
+    uint32_t row = up->rows.from++;
+    up->columns = f->window ? extent_columns(p, extent_of_first(f->reach, in),
+                                             up->window, row)
+                            : (span){0, p->columns};
+  }
+  return !f->window || bounded(f);
+}
+
 /* The next member of the current or a further instance: the frame to go down
    to. False if the placement is done. */
-static bool next_child(const flattener *f, frame *up, frame *down) {
+static bool next_child(flattener *f, frame *up, frame *down) {
   const cell *c = &f->layout->cells[up->cell];
-  uint32_t i = f->useful[up->next];
-  if (i == UINT32_MAX) return false;
-  const instance *in = &c->instances[i];
-  const eda_placement *p = &in->placement;
-  if (up->member == 0) {
-    up->members = members(in);
-    up->child = placed(p);
+  for (uint32_t i; (i = f->useful[up->next]) != UINT32_MAX; up->next++) {
+    const instance *in = &c->instances[i];
+    const eda_placement *p = &in->placement;
+    if (!up->begun) begin(f, up, in);
+    if (!next_member(f, up, in)) {
+      up->begun = false;
+      continue;
+    }
+    uint32_t column = up->columns.from++, row = up->rows.from - 1;
+    double x = p->origin.x + (double)column * p->column_step.x +
+               (double)row * p->row_step.x;
+    double y = p->origin.y + (double)column * p->column_step.y +
+               (double)row * p->row_step.y;
+    uint64_t size = f->layout->cells[in->child].placements;
+    uint64_t member = (uint64_t)row * p->columns + column;
+    transform at = compose(&up->at, &up->child, x, y);
+    *down = enter(f, in->child,
+                  (uint32_t)(up->number + c->before[i] + member * size), &at);
+    return true;
   }
-  uint64_t column = up->member % p->columns, row = up->member / p->columns;
-  double x = p->origin.x + (double)column * p->column_step.x +
-             (double)row * p->row_step.x;
-  double y = p->origin.y + (double)column * p->column_step.y +
-             (double)row * p->row_step.y;
-  uint64_t size = f->layout->cells[in->child].placements;
-  *down = (frame){
-      .at = compose(&up->at, &up->child, x, y),
-      .cell = in->child,
-      .number = (uint32_t)(up->number + c->before[i] + up->member * size),
-      .next = f->first[in->child]};
-  if (++up->member == up->members) {
-    up->member = 0;
-    up->next++;
-  }
-  return true;
+  if (f->window) f->n_useful = up->first;
+  return false;
 }
 
 static void walk(flattener *f, int32_t top) {
+  static const transform none = {1, 0, 0, 1, 0, 0};
   size_t depth = 0, room = 0;
   frame *stack = NULL;
-  frame down = {.at = {1, 0, 0, 1, 0, 0}, .cell = top, .next = f->first[top]};
+  frame down = enter(f, top, 0, &none);
   for (;;) {
     eda_grow(&stack, &room, depth + 1, sizeof *stack);
-    if (f->texts)
-      put_texts(f, &down, (uint32_t)depth);
+    if (f->window)
+      put_window(f, &down, (uint32_t)depth);
     else
-      put_shapes(f, &down);
+      put_all(f, &down, (uint32_t)depth);
     stack[depth++] = down;
     while (depth && !next_child(f, &stack[depth - 1], &down)) depth--;
     if (!depth) break;
@@ -436,25 +417,42 @@ static void clear(flattener *f) {
   free(f->useful);
 }
 
-static int run(flattener *f, int32_t top, opc_error *error) {
-  count_all(f);
-  int code = allocate(f, top, error);
-  if (code || !f->out->shapes.count) return code;
-  walk(f, top);
-  if (f->outside)
-    code = opc_fail(error, OPC_INVALID, NULL,
-                    "'%s': a coordinate of layer '%s' lies beyond 2^30 units "
-                    "of %g nm",
-                    f->layout->cells[top].name, f->layout->layers[f->layer],
-                    f->grid);
-  f->out->vertices = f->n_points;
-  f->out->worst = sqrt(f->worst2) * f->grid;
-  return code;
+/* Count and make room for all; of a window, room is made on the way. */
+static int prepare(flattener *f, int32_t top, opc_error *error) {
+  if (!f->window) {
+    count_all(f);
+    return allocate(f, top, error);
+  }
+  f->reach = eda_layout_reach(f->layout, f->layer, f->texts != NULL);
+  if (f->layout->cells[top].placements < EDA_MANY) return OPC_OK;
+  return opc_fail(error, OPC_INVALID, NULL,
+                  "'%s': too large: more than 2^32 placements",
+                  f->layout->cells[top].name);
 }
 
-static int flatten(const eda_layout *layout, int32_t top, int32_t layer,
-                   double grid, eda_flat *out, eda_flat_texts *texts,
-                   opc_error *error) {
+static int run(flattener *f, int32_t top, opc_error *error) {
+  const char *cell_name = f->layout->cells[top].name;
+  const char *layer_name = f->layout->layers[f->layer];
+  int code = prepare(f, top, error);
+  if (code || !(f->window || f->out->shapes.count)) return code;
+  walk(f, top);
+  if (f->too_many)
+    return opc_fail(error, OPC_INVALID, NULL,
+                    "'%s': too large to flatten: in a window more than %u "
+                    "shapes on layer '%s' in %" G_GUINT64_FORMAT " placements",
+                    cell_name, f->n_shapes, layer_name, f->taken);
+  if (f->outside)
+    return opc_fail(error, OPC_INVALID, NULL, BEYOND, cell_name, layer_name,
+                    f->grid);
+  if (!f->n_shapes) eda_flat_clear(f->out); /* what was taken back */
+  f->out->shapes.count = f->n_shapes;
+  f->out->vertices = f->n_points;
+  f->out->worst = sqrt(f->worst2) * f->grid;
+  return OPC_OK;
+}
+
+static int check(const eda_layout *layout, int32_t top, int32_t layer,
+                 double grid, opc_error *error) {
   if (top < 0 || (size_t)top >= layout->n_cells)
     return opc_fail(error, OPC_INVALID, NULL, "there is no cell %d", top);
   if (layer < 0 || (size_t)layer >= layout->n_layers)
@@ -467,13 +465,22 @@ static int flatten(const eda_layout *layout, int32_t top, int32_t layer,
     return opc_fail(error, OPC_INVALID, NULL,
                     "'%s': leads to cells that place each other in a circle",
                     layout->cells[top].name);
+  return OPC_OK;
+}
+
+static int flatten(const eda_layout *layout, int32_t top, int32_t layer,
+                   double grid, const eda_box *window, eda_flat *out,
+                   eda_flat_texts *texts, opc_error *error) {
+  int code = check(layout, top, layer, grid, error);
+  if (code) return code;
   flattener f = {.layout = layout,
                  .layer = layer,
                  .ratio = layout->unit / grid,
                  .grid = grid,
+                 .window = window,
                  .out = out,
                  .texts = texts};
-  int code = run(&f, top, error);
+  code = run(&f, top, error);
   clear(&f);
   return code;
 }
@@ -491,21 +498,54 @@ double eda_layout_flat_bytes(const eda_layout *layout, int32_t top,
          points * sizeof *f.out->shapes.points;
 }
 
+int eda_layout_flatten_window(const eda_layout *layout, int32_t top,
+                              int32_t layer, double grid, const eda_box *window,
+                              eda_flat *out, opc_error *error) {
+  *out = (eda_flat){0};
+  int code = flatten(layout, top, layer, grid, window, out, NULL, error);
+  if (code) eda_flat_clear(out);
+  return code;
+}
+
 int eda_layout_flatten(const eda_layout *layout, int32_t top, int32_t layer,
                        double grid, eda_flat *out, opc_error *error) {
-  *out = (eda_flat){0};
-  int code = flatten(layout, top, layer, grid, out, NULL, error);
-  if (code) eda_flat_clear(out);
+  return eda_layout_flatten_window(layout, top, layer, grid, NULL, out, error);
+}
+
+int eda_layout_flatten_texts_window(const eda_layout *layout, int32_t top,
+                                    int32_t layer, double grid,
+                                    const eda_box *window, eda_flat_texts *out,
+                                    opc_error *error) {
+  *out = (eda_flat_texts){0};
+  int code = flatten(layout, top, layer, grid, window, &out->at, out, error);
+  if (code) eda_flat_texts_clear(out);
   return code;
 }
 
 int eda_layout_flatten_texts(const eda_layout *layout, int32_t top,
                              int32_t layer, double grid, eda_flat_texts *out,
                              opc_error *error) {
-  *out = (eda_flat_texts){0};
-  int code = flatten(layout, top, layer, grid, &out->at, out, error);
-  if (code) eda_flat_texts_clear(out);
-  return code;
+  return eda_layout_flatten_texts_window(layout, top, layer, grid, NULL, out,
+                                         error);
+}
+
+int eda_layout_bounds(const eda_layout *layout, int32_t top, int32_t layer,
+                      double grid, eda_box *box, opc_error *error) {
+  *box = (eda_box){0, 0, -1, -1};
+  int code = check(layout, top, layer, grid, error);
+  if (code) return code;
+  extent e = eda_layout_reach(layout, layer, false)->below[top];
+  if (extent_empty(e)) return OPC_OK;
+  double off, ratio = layout->unit / grid;
+  double v[4] = {e.x0, e.y0, e.x1, e.y1};
+  for (int i = 0; i < 4; i++) {
+    v[i] = snap(v[i] * ratio, &off);
+    if (!(fabs(v[i]) <= MAX_COORDINATE))
+      return opc_fail(error, OPC_INVALID, NULL, BEYOND, layout->cells[top].name,
+                      layout->layers[layer], grid);
+  }
+  *box = (eda_box){(int32_t)v[0], (int32_t)v[1], (int32_t)v[2], (int32_t)v[3]};
+  return OPC_OK;
 }
 
 void eda_flat_clear(eda_flat *flat) {
@@ -519,52 +559,4 @@ void eda_flat_texts_clear(eda_flat_texts *texts) {
   free(texts->text);
   free(texts->depth);
   *texts = (eda_flat_texts){0};
-}
-
-/* ---- paths ---- */
-
-/* The instance of a cell that holds its placement p > 0: the last one that
-   begins at or before p. */
-static size_t instance_with(const cell *c, uint32_t p) {
-  size_t low = 0, high = c->n_instances;
-  while (high - low > 1) {
-    size_t middle = low + (high - low) / 2;
-    if (c->before[middle] <= p)
-      low = middle;
-    else
-      high = middle;
-  }
-  return low;
-}
-
-int32_t eda_layout_path(const eda_layout *layout, int32_t top, uint32_t p,
-                        char *buffer, size_t room) {
-  if (room) buffer[0] = '\0';
-  if (top < 0 || (size_t)top >= layout->n_cells) return -1;
-  eda_layout_order(layout);
-  const cell *c = &layout->cells[top];
-  if (c->circular || c->placements >= EDA_MANY || p >= MAX(c->placements, 1))
-    return -1;
-  int32_t number = top;
-  size_t used = 0;
-  while (p > 0) {
-    size_t i = instance_with(c, p);
-    const instance *in = &c->instances[i];
-    const cell *child = &layout->cells[in->child];
-    uint64_t member = (p - c->before[i]) / child->placements;
-    p = (uint32_t)((p - c->before[i]) % child->placements);
-    char name[64] = "", at[32] = "";
-    if (!in->name) g_snprintf(name, sizeof name, "#%zu", i);
-    if (members(in) > 1)
-      g_snprintf(at, sizeof at, "[%u,%u]",
-                 (unsigned)(member % in->placement.columns),
-                 (unsigned)(member / in->placement.columns));
-    if (used < room)
-      used += (size_t)g_snprintf(
-          buffer + used, room - used, "%s%s%s%s", used ? "/" : "",
-          in->name ? layout->strings + in->name : child->name, name, at);
-    number = in->child;
-    c = child;
-  }
-  return number;
 }

@@ -28,6 +28,14 @@ eda_layout *eda_layout_new(double unit, opc_error *error) {
   return layout;
 }
 
+static void drop_reach(eda_layout *layout) {
+  for (int k = 0; k < 2; k++)
+    if (layout->reach[k]) {
+      g_hash_table_destroy(layout->reach[k]);
+      layout->reach[k] = NULL;
+    }
+}
+
 static void cell_clear(cell *c) {
   for (size_t i = 0; i < c->n_sheets; i++) {
     free(c->sheets[i].small);
@@ -54,6 +62,7 @@ void eda_layout_free(void *object) {
   g_hash_table_destroy(layout->layer_of);
   free(layout->strings);
   free(layout->order);
+  drop_reach(layout);
   g_mutex_clear(&layout->lock);
   free(layout);
 }
@@ -61,6 +70,7 @@ void eda_layout_free(void *object) {
 static void changed(eda_layout *layout) {
   layout->numbered = 0;
   layout->ordered = 0;
+  drop_reach(layout);
 }
 
 /* ---- names ---- */
@@ -239,6 +249,7 @@ int eda_layout_add_text(eda_layout *layout, int32_t number, int32_t layer,
   uint32_t kept = keep_string(layout, text);
   if (!kept) return too_many("texts", error);
   EDA_PUSH(c->labels, c->n_labels, c->room_labels, (label){at, layer, kept});
+  changed(layout);
   return OPC_OK;
 }
 

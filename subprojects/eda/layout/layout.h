@@ -81,6 +81,9 @@ struct eda_layout {
   GMutex lock;
   int numbered, ordered; /* atomic */
   int32_t *order;        /* children before parents: ordered */
+  /* By layer, what a question about a window has found out (reach.h): of
+     shapes, of texts. NULL: nothing yet. */
+  GHashTable *reach[2];
 };
 
 /* All boxes of a sheet, small ones first. */
@@ -92,6 +95,19 @@ static inline eda_box sheet_box(const sheet *s, size_t i) {
   if (i >= s->n_small) return s->boxes[i - s->n_small];
   const small_box *b = &s->small[i];
   return (eda_box){b->x, b->y, b->x + b->width, b->y + b->height};
+}
+
+/* Placements of an array. */
+static inline uint64_t members(const instance *in) {
+  return (uint64_t)in->placement.columns * in->placement.rows;
+}
+
+/* a + b * c, at most `limit` */
+static inline uint64_t add_product(uint64_t a, uint64_t b, uint64_t c,
+                                   uint64_t limit) {
+  uint64_t product;
+  if (__builtin_mul_overflow(b, c, &product) || product > limit) return limit;
+  return MIN(a + product, limit);
 }
 
 /* Fill what `ordered` promises. [any] */

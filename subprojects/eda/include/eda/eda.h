@@ -29,6 +29,7 @@
 #include <eda/resist.h>
 #include <eda/rules.h>
 #include <eda/runs.h>
+#include <eda/segment.h>
 #include <eda/settings.h>
 #include <eda/simd.h>
 #include <eda/simulator.h>

@@ -73,8 +73,9 @@ typedef struct eda_gates {
                              The grid may have given `box` others */
   /* The free space, nm, on the LOW and HIGH side along L, seen from the middle
      of W: to the next poly edge, but at most twice the distance to the end of
-     the active there, or 2 L if that is more; [2 * i + side]. A print that
-     reaches further than half of it has merged. */
+     the active there, or 2 L if that is more, and never more than
+     EDA_SEGMENT_REACH; [2 * i + side]. A print that reaches further than half
+     of it has merged. */
   double *space;
   /* How far the drawn poly goes past the active on the LOW and HIGH side along
      W, nm: to the transistor's own line end, which has a fragment END_LOW or

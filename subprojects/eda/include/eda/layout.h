@@ -130,8 +130,25 @@ OPC_EXPORT const char *eda_layout_instance(const eda_layout *layout,
 OPC_EXPORT int eda_layout_flatten(const eda_layout *layout, int32_t cell,
                                   int32_t layer, double grid, eda_flat *out,
                                   opc_error *error);
-/* The bytes that this takes, without doing it; for a step's forecast. Of cells
-   in a circle 0: flattening refuses them. */
+/* Of these the shapes whose bounding box touches a window, be it in an edge or
+   a corner: the same, in the same order. Only what may touch it is gone
+   through, so that it costs what is there and not what the layout has; the
+   first question about a layer goes through all cells once. NULL: all shapes.
+   The window is in units of the grid. Shapes that lie outside are not looked
+   at: they may be more, and further away, than what can be flattened. [any] */
+OPC_EXPORT int eda_layout_flatten_window(const eda_layout *layout, int32_t cell,
+                                         int32_t layer, double grid,
+                                         const eda_box *window, eda_flat *out,
+                                         opc_error *error);
+/* The box around all shapes of a layer below `cell`, in units of the grid, by
+   the boxes of cells; where angles are not right, those are larger than what is
+   drawn in them. Empty if nothing is drawn. OPC_INVALID beyond 2^30 and for
+   circles. [any] */
+OPC_EXPORT int eda_layout_bounds(const eda_layout *layout, int32_t cell,
+                                 int32_t layer, double grid, eda_box *box,
+                                 opc_error *error);
+/* The bytes that flattening all takes, without doing it; for a step's forecast.
+   Of cells in a circle 0: flattening refuses them. */
 OPC_EXPORT double eda_layout_flat_bytes(const eda_layout *layout, int32_t cell,
                                         int32_t layer);
 OPC_EXPORT void eda_flat_clear(eda_flat *flat);
@@ -156,6 +173,10 @@ OPC_EXPORT int eda_layout_keep(eda_layout *layout, int32_t cell,
 OPC_EXPORT int eda_layout_flatten_texts(const eda_layout *layout, int32_t cell,
                                         int32_t layer, double grid,
                                         eda_flat_texts *out, opc_error *error);
+/* Those within a window, edges included; as eda_layout_flatten_window. */
+OPC_EXPORT int eda_layout_flatten_texts_window(
+    const eda_layout *layout, int32_t cell, int32_t layer, double grid,
+    const eda_box *window, eda_flat_texts *out, opc_error *error);
 OPC_EXPORT void eda_flat_texts_clear(eda_flat_texts *texts);
 
 /* Whether an object of the data kind "layout" is there; eda_layout_free as the

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "segment.h"
+#include "segment/segment.h"
 
 /* A span of an edge, along it: at first what the gate itself covers, then also
    what it owns beyond. */
@@ -77,6 +77,11 @@ static uint32_t next_point(const eda_shapes *shapes, const edge *e) {
                                               : shapes->start[e->polygon];
 }
 
+/* The poly goes on beyond the window. */
+static int is_cut(const segment *s, const edge *e) {
+  return s->window && e->at == box_side(s->window, e->across, e->side);
+}
+
 /* The edge that closes the poly of gate i on a side of its W: both of its long
    sides end there. NULL if the poly turns or goes on. */
 static const edge *closing_edge(const cutter *c, size_t i, int side) {
@@ -90,6 +95,7 @@ static const edge *closing_edge(const cutter *c, size_t i, int side) {
   const edge *from = forward ? low : high, *to = forward ? high : low;
   const eda_shapes *drawn = &g->drawn[EDA_POLY];
   const edge *end = c->edges[next_point(drawn, from)];
+  if (is_cut(c->s, end)) return NULL;
   return next_point(drawn, end) == to->point ? end : NULL;
 }
 
@@ -124,25 +130,28 @@ static void add_ends(cutter *c) {
 
 /* ---- parting an edge ---- */
 
-/* How far a span may go past its gate: all the way, or by the overhang, or to
-   the corner if that is not further than a line end. */
+static int32_t reach_of(const cutter *c) {
+  return c->layer == EDA_ACTIVE ? c->s->reach : c->s->overhang;
+}
+
+/* How far a span may go past its gate: all the way or as far as it reaches; and
+   along poly to the corner if that is not further than a line end. */
 static int32_t grow(const cutter *c, int64_t distance) {
-  const segment *s = c->s;
-  if (c->layer == EDA_ACTIVE || distance <= s->overhang ||
-      distance <= s->line_end)
+  int32_t reach = reach_of(c);
+  if (distance <= reach || (c->layer == EDA_POLY && distance <= c->s->line_end))
     return (int32_t)distance;
-  return s->overhang;
+  return reach;
 }
 
 /* Two neighbours share what is between them. */
 static void part(const cutter *c, span *a, span *b) {
-  int64_t gap = (int64_t)b->low - a->high;
-  if (c->layer == EDA_ACTIVE || gap < 2 * (int64_t)c->s->overhang) {
+  int64_t gap = (int64_t)b->low - a->high, reach = reach_of(c);
+  if (gap < 2 * reach) {
     a->high += (int32_t)(gap / 2);
     b->low = a->high;
   } else {
-    a->high += c->s->overhang;
-    b->low -= c->s->overhang;
+    a->high += (int32_t)reach;
+    b->low -= (int32_t)reach;
   }
 }
 

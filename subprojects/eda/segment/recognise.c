@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "segment.h"
+#include "segment/segment.h"
 
 /* ---- the axis ---- */
 

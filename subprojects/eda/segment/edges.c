@@ -3,7 +3,7 @@
    gate. */
 #include <stdlib.h>
 
-#include "segment.h"
+#include "segment/segment.h"
 
 static int by_place(const void *a, const void *b) {
   const edge *p = a, *q = b;

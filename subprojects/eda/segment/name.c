@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "segment.h"
+#include "segment/segment.h"
 
 /* Longer paths are cut. */
 enum { LONGEST_PATH = 1 << 16 };
@@ -30,6 +30,11 @@ static int by_placement(const void *a, const void *b) {
 void segment_name(segment *s) {
   eda_gates *g = s->gates;
   size_t n = g->count;
+  if (s->window && !s->settings->paths) {
+    char *none = eda_gates_text(g, "");
+    for (size_t i = 0; i < n; i++) g->instance[i] = g->cell[i] = none;
+    return;
+  }
   member *members = eda_alloc(n, sizeof *members);
   for (size_t i = 0; i < n; i++)
     members[i] = (member){s->placement[i], (uint32_t)i};
@@ -49,7 +54,7 @@ void segment_name(segment *s) {
     }
     g->instance[m->gate] = instance;
     g->cell[m->gate] = cell;
-    g->number[m->gate] = ++number;
+    g->number[m->gate] = s->window ? 0 : ++number;
   }
   free(members);
 }

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "segment.h"
+#include "segment/segment.h"
 
 static const char layer_name[] = "notes";
 
@@ -73,9 +73,9 @@ static void warn(const segment *s, const eda_flat_texts *t,
   eda_point p = t->at.shapes.points[first];
   int32_t cell;
   char *path = segment_path(s, t->at.placement[first], &cell);
-  s->host->log(s->host, OPC_LOG_WARNING,
-               "segment.transistors: texts of layer '%s' on no transistor: "
-               "%zu, the first '%.100s' at (%g, %g) nm%s%.200s%s",
+  segment_tell(s, 1,
+               "texts of layer '%s' on no transistor: %zu, the first '%.100s' "
+               "at (%g, %g) nm%s%.200s%s",
                layer_name, beside, t->text[first], p.x * s->grid, p.y * s->grid,
                *path ? ", instance '" : "", path, *path ? "'" : "");
   free(path);
@@ -86,8 +86,8 @@ int segment_notes(segment *s) {
   int32_t layer = eda_layout_find_layer(s->layout, layer_name);
   if (layer < 0) return OPC_OK;
   eda_flat_texts texts;
-  int code = eda_layout_flatten_texts(s->layout, s->top, layer, s->grid, &texts,
-                                      s->error);
+  int code = eda_layout_flatten_texts_window(s->layout, s->top, layer, s->grid,
+                                             s->window, &texts, s->error);
   if (code) return code;
   size_t n = texts.at.shapes.count;
   eda_shapes boxes = get_boxes(g);

@@ -5,7 +5,7 @@
 #include <eda/index.h>
 #include <stdlib.h>
 
-#include "segment.h"
+#include "segment/segment.h"
 
 /* Each place lies in exactly one of shapes that abut. */
 static int contains(const eda_point *p, uint32_t n, doubled at) {

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "segment.h"
+#include "segment/segment.h"
 
 /* One look: across d, towards `side`, at edges of one layer. */
 typedef struct look {
@@ -126,7 +126,7 @@ static void look_both(segment *s, int d, int side, key *keys, double *poly,
   for (size_t k = 0; k < n; k++) {
     size_t i = keys[k].gate;
     double open = 2 * fmax(active[i], g->length[i]);
-    g->space[2 * i + side] = fmin(poly[i], open);
+    g->space[2 * i + side] = fmin(fmin(poly[i], open), EDA_SEGMENT_REACH);
   }
 }
 

@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the files of segment.transistors share. Coordinates are in units of the
-   mask grid. Directions: something "across d" has a constant coordinate along
-   d and extends along the other direction. */
-#ifndef OPCFLOW_SEGMENT_H
-#define OPCFLOW_SEGMENT_H
+/* What the files of this folder share. Coordinates are in units of the mask
+   grid. Directions: something "across d" has a constant coordinate along d and
+   extends along the other direction. */
+#ifndef EDA_SEGMENT_SEGMENT_H
+#define EDA_SEGMENT_SEGMENT_H
 
 #include <eda/memory.h>
-#include <opcflow/step.h>
-
-#include "../layers.h"
+#include <eda/segment.h>
 
 enum { NWELL, PWELL, NIMPLANT, PIMPLANT, DOPINGS };
 enum { LOW = 0, HIGH = 1 }; /* sides */
@@ -34,15 +32,19 @@ typedef struct source {
   const char *name;
   const char *from; /* layer of the layout */
   eda_shapes drawn;
+  int drawn_at_all; /* anywhere in the layout */
 } source;
 
 typedef struct segment {
-  const opc_host *host;
+  const opc_context *context;
   opc_error *error;
   const eda_layout *layout;
   int32_t top;
+  const eda_segment_settings *settings;
+  const eda_box *window; /* NULL: all is seen */
+  eda_box bounds;        /* of the layout's layers */
   double grid;
-  int32_t overhang, line_end;
+  int32_t overhang, line_end, reach;
   source *source; /* poly, active, contact, then those of `also` */
   size_t sources;
   eda_flat active;            /* as drawn, for where gates come from */
@@ -52,12 +54,29 @@ typedef struct segment {
   edge_index index[2];        /* of poly and active */
   uint32_t *placement;        /* of each region */
   size_t moved;               /* vertices of poly and active, by the grid */
+  eda_segment_report report;
   eda_gates *gates;
 } segment;
 
 static inline int32_t box_side(const eda_box *b, int d, int side) {
   return d == EDA_X ? (side ? b->x1 : b->x0) : (side ? b->y1 : b->y0);
 }
+
+/* layers.c: a layer below a cell as drawn and merged, both empty on failure; of
+   a window what touches it as drawn, and merged what lies in it. */
+int segment_flatten(const eda_layout *layout, int32_t top, int32_t layer,
+                    double grid, const eda_box *window, eda_flat *flat,
+                    eda_shapes *merged, opc_error *error);
+
+/* Make a layer of the gates, whose shapes go to them; one fragment an edge, of
+   no transistor. */
+void segment_set_layer(eda_gates *gates, size_t layer, const char *name,
+                       int corrected, eda_shapes *drawn);
+void segment_cut_plain(eda_gates *gates, size_t layer);
+
+/* segment.c: a message for the user, if there is somebody to take it. */
+OPC_PRINTF(3, 4)
+void segment_tell(const segment *s, int warning, const char *format, ...);
 
 /* Those that return int give an OPC_* code, with *s->error filled. */
 
@@ -92,7 +111,8 @@ void segment_cut(segment *s);
 /* space.c: the free space beside each gate. */
 void segment_space(segment *s);
 
-/* name.c: instance, cell and number of each gate. */
+/* name.c: instance, cell and number of each gate; of a window without paths
+   none. */
 void segment_name(segment *s);
 
 /* notes.c: what is written upon each gate. */

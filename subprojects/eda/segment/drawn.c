@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "segment.h"
+#include "segment/segment.h"
 
 /* Of the layout's unit. Cells that are magnified have corners between two
    units: L and W are then 1/16 of a unit off at most. */
@@ -16,7 +16,7 @@ static const double most = 1073741824;
 
 /* Twice as coarse as often as the layout is too large for coordinates. */
 static double find_grid(const segment *s) {
-  const eda_box *e = &s->gates->extent;
+  const eda_box *e = &s->bounds;
   double far = fmax(fmax(fabs((double)e->x0), fabs((double)e->x1)),
                     fmax(fabs((double)e->y0), fabs((double)e->y1)));
   double grid = part * eda_layout_unit(s->layout);
@@ -28,11 +28,19 @@ static double find_grid(const segment *s) {
 static int cut_out(const segment *s, double grid, eda_shapes *regions) {
   eda_shapes drawn[2] = {{0}};
   int code = OPC_OK;
+  double ratio = s->grid / grid;
+  eda_box window = {0};
+  if (s->window)
+    window = (eda_box){(int32_t)(s->window->x0 * ratio - ratio),
+                       (int32_t)(s->window->y0 * ratio - ratio),
+                       (int32_t)(s->window->x1 * ratio + ratio),
+                       (int32_t)(s->window->y1 * ratio + ratio)};
   for (int k = 0; k < 2 && !code; k++) {
     eda_flat flat;
     int32_t layer = eda_layout_find_layer(s->layout, s->source[k].from);
-    code = segment_flatten(s->layout, s->top, layer, grid, &flat, &drawn[k],
-                           s->error);
+    code =
+        segment_flatten(s->layout, s->top, layer, grid,
+                        s->window ? &window : NULL, &flat, &drawn[k], s->error);
     eda_flat_clear(&flat);
   }
   if (!code)
@@ -58,6 +66,16 @@ static uint32_t *find_regions(const segment *s, double grid,
   return which;
 }
 
+static double side_length(const eda_box *b, int d) {
+  return (double)box_side(b, d, HIGH) - box_side(b, d, LOW);
+}
+
+/* What the grid has not moved keeps its size to the last bit, whatever it moved
+   elsewhere. */
+static void set_size(double *size, double drawn, double grid) {
+  if (fabs(*size - drawn) > 1e-6 * grid) *size = drawn;
+}
+
 /* Edges that the grid has put in one line were drawn in several: then there is
    no other W than that on the grid. */
 static int measure(eda_gates *g, size_t i, double grid,
@@ -67,8 +85,8 @@ static int measure(eda_gates *g, size_t i, double grid,
   if (regions->start[region + 1] - regions->start[region] != 4) return 0;
   eda_box b = eda_bounds(p, 4);
   int d = g->axis[i];
-  g->length[i] = grid * ((double)box_side(&b, d, HIGH) - box_side(&b, d, LOW));
-  g->width[i] = grid * ((double)box_side(&b, !d, HIGH) - box_side(&b, !d, LOW));
+  set_size(&g->length[i], grid * side_length(&b, d), g->grid);
+  set_size(&g->width[i], grid * side_length(&b, !d), g->grid);
   return 1;
 }
 
@@ -84,8 +102,8 @@ int segment_drawn(segment *s) {
   for (size_t i = 0; i < g->count; i++)
     others += !measure(g, i, grid, &regions, which[i]);
   if (others)
-    s->host->log(s->host, OPC_LOG_WARNING,
-                 "segment.transistors: %zu gate%s not drawn as a rectangle, "
+    segment_tell(s, 1,
+                 "%zu gate%s not drawn as a rectangle, "
                  "but on the grid of %g nm: L and W are those on the grid",
                  others, others == 1 ? " is" : "s are", s->grid);
   free(which);

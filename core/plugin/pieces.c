@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Pieces of a step's work, one after another. */
+#include "core/plugin/pieces.h"
+
+/* ---- one ---- */
+
+typedef struct buffer {
+  opc_bytes bytes; /* the first member */
+  GByteArray *all;
+  gboolean full; /* there was more */
+} buffer;
+
+static void add(opc_bytes *bytes, const void *from, size_t size) {
+  buffer *own = (buffer *)bytes;
+  own->full |= size > OPC_PIECE_MOST - (size_t)own->all->len;
+  if (!own->full && size) g_byte_array_append(own->all, from, (guint)size);
+}
+
+/* Whose fault it is. */
+static int fail(const opc_pieces *p, size_t i, int code, opc_error *error) {
+  const opc_error own = *error;
+  if (!*own.message) return code;
+  return opc_fail(error, code, own.parameter, "%s %zu: %s", p->name, i,
+                  own.message);
+}
+
+GByteArray *opc_piece_work(const opc_pieces *p, size_t i, opc_error *error) {
+  buffer b = {{add}, g_byte_array_new(), FALSE};
+  *error = (opc_error){0};
+  int code = p->work(p->data, i, &b.bytes, error);
+  if (!code && b.full)
+    code = opc_fail(error, OPC_FAILED, NULL, "gives more than %d bytes",
+                    OPC_PIECE_MOST);
+  if (!code) return b.all;
+  error->code = fail(p, i, code, error);
+  g_byte_array_unref(b.all);
+  return NULL;
+}
+
+int opc_piece_take(const opc_pieces *p, size_t i, const void *bytes,
+                   size_t size, opc_error *error) {
+  *error = (opc_error){0};
+  int code = p->take(p->data, i, bytes, size, error);
+  return code ? fail(p, i, code, error) : OPC_OK;
+}
+
+/* ---- all ---- */
+
+int opc_pieces_alone(const opc_host *host, const opc_pieces *p,
+                     opc_error *error) {
+  int code = OPC_OK;
+  for (size_t i = 0; i < p->count && !code; i++) {
+    if (opc_cancelled(host->context))
+      return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
+    GByteArray *all = opc_piece_work(p, i, error);
+    if (!all) return error->code;
+    if (p->done) p->done(p->data, i + 1);
+    code = opc_piece_take(p, i, all->data, all->len, error);
+    g_byte_array_unref(all);
+  }
+  return code;
+}

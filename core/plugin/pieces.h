@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Pieces of a step's work: one, or all of them, in this process. */
+#ifndef OPCFLOW_CORE_PIECES_H
+#define OPCFLOW_CORE_PIECES_H
+
+#include <glib.h>
+#include <opcflow/plugin.h>
+
+/* The most bytes that a piece may give: what one message of MPI can count. */
+enum { OPC_PIECE_MOST = 1 << 30 };
+
+/* Do piece i: what it gives (g_byte_array_unref), NULL and *error. [main] */
+GByteArray *opc_piece_work(const opc_pieces *pieces, size_t i,
+                           opc_error *error);
+
+/* Hand that back. [main] */
+int opc_piece_take(const opc_pieces *pieces, size_t i, const void *bytes,
+                   size_t size, opc_error *error);
+
+/* opc_host.pieces, where nothing is kept and nobody shares. [main] */
+int opc_pieces_alone(const opc_host *host, const opc_pieces *pieces,
+                     opc_error *error);
+
+#endif

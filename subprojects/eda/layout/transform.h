@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What placements do to points. */
+#ifndef EDA_LAYOUT_TRANSFORM_H
+#define EDA_LAYOUT_TRANSFORM_H
+
+#include <eda/layout.h>
+#include <glib.h>
+#include <math.h>
+
+/* (x, y) -> (xx x + xy y + dx, yx x + yy y + dy). For turns by right angles
+   all of it are integers, far below 2^53, and so exact. */
+typedef struct transform {
+  double xx, xy, yx, yy, dx, dy;
+} transform;
+
+/* The cosine and sine of `angle` degrees; right angles exactly, and also what
+   is off by what a division does to it. */
+static inline void turn(double angle, double *cosine, double *sine) {
+  static const double right[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+  double quarters = nearbyint(angle / 90);
+  if (fabs(angle - 90 * quarters) < 1e-9) {
+    int q = ((int)fmod(quarters, 4) + 4) % 4;
+    *cosine = right[q][0];
+    *sine = right[q][1];
+  } else {
+    double radians = fmod(angle, 360) * (G_PI / 180);
+    *cosine = cos(radians);
+    *sine = sin(radians);
+  }
+}
+
+/* What a placement does to its cell, before it is moved. */
+static inline transform placed(const eda_placement *p) {
+  double c, s, flip = p->mirror ? -1 : 1;
+  turn(p->angle, &c, &s);
+  c *= p->magnification;
+  s *= p->magnification;
+  return (transform){c, -s * flip, s, c * flip, 0, 0};
+}
+
+/* First `in`, moved by (x, y), then `out`. */
+static inline transform compose(const transform *out, const transform *in,
+                                double x, double y) {
+  return (transform){
+      out->xx * in->xx + out->xy * in->yx, out->xx * in->xy + out->xy * in->yy,
+      out->yx * in->xx + out->yy * in->yx, out->yx * in->xy + out->yy * in->yy,
+      out->xx * x + out->xy * y + out->dx, out->yx * x + out->yy * y + out->dy};
+}
+
+#endif

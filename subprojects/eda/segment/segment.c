@@ -1,0 +1,329 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The transistors of a layout and the mask edges that move them (thesis 2.2.5
+   and 3.2.2), and further layers, whose edges are of no transistor: the order
+   of the work, of a whole layout. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "segment/windows.h"
+
+/* What the layout calls them, and the gates. */
+static const char *const known[] = {"poly", "active", "contact"};
+static const char *const dopings[DOPINGS] = {"nwell", "pwell", "nimplant",
+                                             "pimplant"};
+enum { CONTACT = 2, KNOWN = 3 };
+
+void segment_tell(const segment *s, int warning, const char *format, ...) {
+  if (!s->settings->tell || s->window) return;
+  char text[1024];
+  va_list arguments;
+  va_start(arguments, format);
+  (void)vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  s->settings->tell(s->settings->data, warning, text);
+}
+
+/* ---- settings ---- */
+
+static void get_sources(segment *s) {
+  const eda_segment_settings *from = s->settings;
+  s->sources = KNOWN + from->also_count;
+  s->source = eda_alloc(s->sources, sizeof *s->source);
+  for (size_t k = 0; k < s->sources; k++) {
+    const char *const *pair = k < KNOWN ? NULL : &from->also[2 * (k - KNOWN)];
+    s->source[k].name = pair ? pair[0] : known[k];
+    s->source[k].from = pair ? pair[1] : known[k];
+  }
+}
+
+/* The error is about a key of `also`. */
+static int blame(opc_error *error, const char *name) {
+  (void)snprintf(error->parameter, sizeof error->parameter, "also.%.58s", name);
+  return error->code;
+}
+
+/* Whether files can carry the name of a further layer: one word. NAME_drawn is
+   what writers call the drawn shapes of NAME. */
+static int is_layer_name(const char *name) {
+  size_t n = strlen(name);
+  static const char drawn[] = "_drawn";
+  size_t end = sizeof drawn - 1;
+  return n &&
+         strspn(name,
+                "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                "0123456789_") == n &&
+         (n < end || strcmp(name + n - end, drawn) != 0);
+}
+
+static int check_pair(const source *a, const source *b, opc_error *error) {
+  if (!strcmp(a->name, b->name))
+    return opc_fail(error, OPC_INVALID, NULL,
+                    "'%.200s': there is a layer of that name already", a->name);
+  if (!strcmp(a->from, b->from))
+    return opc_fail(error, OPC_INVALID, NULL,
+                    "'%.200s': layer %.200s is '%.200s' already", a->name,
+                    a->from, b->name);
+  return OPC_OK;
+}
+
+int eda_segment_check(const eda_segment_settings *settings, opc_error *error) {
+  segment s = {.settings = settings};
+  get_sources(&s);
+  int code = OPC_OK;
+  for (size_t i = KNOWN; !code && i < s.sources; i++) {
+    if (!is_layer_name(s.source[i].name))
+      code = opc_fail(error, OPC_INVALID, NULL,
+                      "'%.200s' is no name of a layer: letters, digits and "
+                      "'_', not ending in '_drawn'",
+                      s.source[i].name);
+    for (size_t j = 0; !code && j < i; j++)
+      code = check_pair(&s.source[i], &s.source[j], error);
+    if (code) blame(error, s.source[i].name);
+  }
+  free(s.source);
+  return code;
+}
+
+/* ---- layers ---- */
+
+/* The layers must be there, but for contacts; further ones with shapes. */
+static int check_layers(segment *s) {
+  for (size_t k = 0; k < s->sources; k++) {
+    const char *from = s->source[k].from;
+    if (k == CONTACT || eda_layout_find_layer(s->layout, from) >= 0) continue;
+    if (k < KNOWN)
+      return opc_fail(s->error, OPC_INVALID, NULL,
+                      "no transistor: the layout has no layer '%s'", from);
+    opc_fail(s->error, OPC_INVALID, NULL, "the layout has no layer '%.200s'",
+             from);
+    return blame(s->error, s->source[k].name);
+  }
+  return OPC_OK;
+}
+
+/* Which layers have anything drawn, and how far it all goes. */
+static int find_bounds(segment *s) {
+  s->bounds = (eda_box){INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
+  for (size_t k = 0; k < s->sources; k++) {
+    source *from = &s->source[k];
+    int32_t layer = eda_layout_find_layer(s->layout, from->from);
+    eda_box b = {0, 0, -1, -1}, *all = &s->bounds;
+    if (layer >= 0 &&
+        eda_layout_bounds(s->layout, s->top, layer, s->grid, &b, s->error))
+      return s->error->code;
+    from->drawn_at_all = b.x0 <= b.x1;
+    if (from->drawn_at_all)
+      *all = (eda_box){
+          b.x0 < all->x0 ? b.x0 : all->x0, b.y0 < all->y0 ? b.y0 : all->y0,
+          b.x1 > all->x1 ? b.x1 : all->x1, b.y1 > all->y1 ? b.y1 : all->y1};
+    else if (k >= KNOWN) {
+      opc_fail(s->error, OPC_INVALID, NULL, "layer '%.200s' is empty",
+               from->from);
+      return blame(s->error, from->name);
+    }
+  }
+  return OPC_OK;
+}
+
+/* One of the layers that are made flat side by side. */
+typedef struct task {
+  const segment *s;
+  const char *name;
+  eda_flat *flat;
+  eda_shapes *merged;
+  int code;
+  opc_error error;
+} task;
+
+/* Empty if the layout does not have it. */
+static void get_layer(void *data, size_t i) {
+  task *t = (task *)data + i;
+  const segment *s = t->s;
+  int32_t layer = eda_layout_find_layer(s->layout, t->name);
+  if (layer >= 0)
+    t->code = segment_flatten(s->layout, s->top, layer, s->grid, s->window,
+                              t->flat, t->merged, &t->error);
+}
+
+/* What the grid did to a layer of the gates. */
+static void count_moved(segment *s, size_t k, const eda_flat *flat) {
+  s->report.moved += flat->moved;
+  s->report.worst = fmax(s->report.worst, flat->worst);
+  if (k <= EDA_ACTIVE) s->moved += flat->moved;
+  if (flat->moved)
+    segment_tell(
+        s, 0,
+        "the grid of %g nm moved %zu of %zu vertices of layer '%s', by "
+        "%.3g nm at most",
+        s->grid, flat->moved, flat->vertices, s->source[k].from, flat->worst);
+}
+
+int segment_layers(segment *s) {
+  size_t n = s->sources + DOPINGS;
+  task *tasks = eda_alloc(n, sizeof *tasks);
+  eda_flat *flat = eda_alloc(n, sizeof *flat);
+  for (size_t k = 0; k < n; k++) {
+    size_t d = k - s->sources;
+    tasks[k] =
+        (task){.s = s,
+               .name = k < s->sources ? s->source[k].from : dopings[d],
+               .flat = &flat[k],
+               .merged = k < s->sources ? &s->source[k].drawn : &s->doping[d]};
+  }
+  opc_parallel(s->context, n, get_layer, tasks);
+  int code = OPC_OK;
+  for (size_t k = 0; k < n; k++) {
+    if (!code && tasks[k].code) {
+      *s->error = tasks[k].error;
+      code = tasks[k].code;
+    }
+    if (k >= s->sources)
+      s->has_doping[k - s->sources] =
+          eda_layout_find_layer(s->layout, tasks[k].name) >= 0;
+    else if (!code)
+      count_moved(s, k, &flat[k]);
+    if (k == EDA_ACTIVE)
+      s->active = flat[k];
+    else
+      eda_flat_clear(&flat[k]);
+  }
+  free(tasks);
+  free(flat);
+  return code;
+}
+
+/* ---- gates ---- */
+
+int segment_regions(segment *s) {
+  return eda_boolean(EDA_AND, &s->source[EDA_POLY].drawn,
+                     &s->source[EDA_ACTIVE].drawn, &s->regions, s->error);
+}
+
+static int want_regions(segment *s) {
+  if (s->window || s->regions.count) return OPC_OK;
+  return opc_fail(s->error, OPC_INVALID, NULL,
+                  "no transistor: layers 'poly' and 'active' do not cross");
+}
+
+/* The gates, with all layers but contacts where none are drawn. */
+static int make_gates(segment *s) {
+  int contacts = s->source[CONTACT].drawn_at_all;
+  size_t layers = s->sources - !contacts, n = 0;
+  eda_gates *g = s->gates = eda_gates_new(layers, s->regions.count);
+  g->name = eda_gates_text(g, eda_layout_cell_name(s->layout, s->top));
+  g->grid = s->grid;
+  for (size_t k = 0; k < s->sources; k++) {
+    source *from = &s->source[k];
+    if (k == CONTACT && !contacts) continue;
+    segment_set_layer(g, n, from->name, k != CONTACT, &from->drawn);
+    if (k >= KNOWN) segment_cut_plain(g, n);
+    n++;
+  }
+  if (s->window && g->extent.x0 > g->extent.x1) g->extent = *s->window;
+  return OPC_OK;
+}
+
+static int find_gates(segment *s) {
+  segment_locate(s);
+  segment_index(s);
+  if (segment_recognise(s) || segment_drawn(s)) return s->error->code;
+  segment_cut(s);
+  segment_space(s);
+  segment_name(s);
+  return segment_notes(s);
+}
+
+static int go(segment *s, int (*const *steps)(segment *), size_t n) {
+  int code = OPC_OK;
+  for (size_t k = 0; !code && k < n; k++) {
+    code = steps[k](s);
+    if (!code && opc_cancelled(s->context))
+      code = opc_fail(s->error, OPC_CANCELLED, NULL, "cancelled");
+  }
+  return code;
+}
+
+int segment_begin(segment *s) {
+  static int (*const steps[])(segment *) = {check_layers, find_bounds};
+  return go(s, steps, 2);
+}
+
+int segment_finish(segment *s) {
+  static int (*const steps[])(segment *) = {want_regions, make_gates,
+                                            find_gates};
+  return go(s, steps, 3);
+}
+
+/* In grid units, within what coordinates can be. */
+static int32_t in_units(double nm, double grid) {
+  return (int32_t)fmin(floor(nm / grid + 0.5), 1073741824.0);
+}
+
+segment segment_new(const opc_context *context, const eda_layout *layout,
+                    int32_t top, const eda_segment_settings *settings,
+                    opc_error *error) {
+  double grid = settings->grid;
+  segment s = {.context = context,
+               .error = error,
+               .layout = layout,
+               .top = top,
+               .settings = settings,
+               .grid = grid,
+               .overhang = in_units(settings->overhang, grid),
+               .line_end = in_units(settings->line_end, grid),
+               .reach = in_units(EDA_SEGMENT_REACH, grid)};
+  get_sources(&s);
+  return s;
+}
+
+void segment_clear_layers(segment *s) {
+  for (size_t k = 0; k < s->sources; k++) eda_shapes_clear(&s->source[k].drawn);
+  eda_flat_clear(&s->active);
+  for (int k = 0; k < DOPINGS; k++) eda_shapes_clear(&s->doping[k]);
+  eda_shapes_clear(&s->regions);
+  s->moved = 0;
+}
+
+eda_gates *segment_end(segment *s, int code) {
+  segment_clear_layers(s);
+  free(s->source);
+  for (int k = 0; k < 2; k++) free(s->index[k].edges);
+  free(s->placement);
+  if (!code) return s->gates;
+  eda_gates_free(s->gates);
+  return NULL;
+}
+
+/* ---- a whole layout ---- */
+
+int eda_segment(const opc_context *context, const eda_layout *layout,
+                int32_t top, const eda_segment_settings *settings,
+                eda_gates **gates, eda_segment_report *report,
+                opc_error *error) {
+  static int (*const steps[])(segment *) = {segment_begin, segment_layers,
+                                            segment_regions, segment_finish};
+  segment s = segment_new(context, layout, top, settings, error);
+  int code = go(&s, steps, 4);
+  *report = s.report;
+  *gates = segment_end(&s, code);
+  return code;
+}
+
+/* The layers made flat are there side by side, with as much again where they
+   are merged. */
+double eda_segment_bytes(const eda_layout *layout, int32_t top,
+                         const eda_segment_settings *settings) {
+  segment s = {.settings = settings};
+  double sum = 0;
+  get_sources(&s);
+  for (size_t k = 0; k < s.sources + DOPINGS; k++) {
+    const char *name =
+        k < s.sources ? s.source[k].from : dopings[k - s.sources];
+    int32_t layer = eda_layout_find_layer(layout, name);
+    if (layer >= 0) sum += 2 * eda_layout_flat_bytes(layout, top, layer);
+  }
+  free(s.source);
+  return sum;
+}

@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Windows of a layout. What counts for a transistor lies within the reach of
+   it, so that a window that shows that much around a core has all there is to
+   know there; only a transistor that its edge cuts may need more. */
+#include "segment/windows.h"
+
+#include <stdlib.h>
+
+/* nm that a window shows beyond the reach, as most transistors are no larger:
+   those near the core are then seen at once. Ours: at half of it every other
+   window of 65 nm circuits is done twice. */
+#define BEYOND 1000.0
+
+static eda_box grown(eda_box b, int32_t by) {
+  return (eda_box){b.x0 - by, b.y0 - by, b.x1 + by, b.y1 + by};
+}
+
+static int touch(eda_box a, eda_box b) {
+  return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
+}
+
+static eda_box box_of(const eda_shapes *s, size_t i) {
+  return eda_bounds(s->points + s->start[i], s->start[i + 1] - s->start[i]);
+}
+
+/* Beyond the layout there is nothing that could be cut. */
+static void clip(eda_box *w, eda_box bounds) {
+  bounds = grown(bounds, 1);
+  if (w->x0 < bounds.x0) w->x0 = bounds.x0;
+  if (w->y0 < bounds.y0) w->y0 = bounds.y0;
+  if (w->x1 > bounds.x1) w->x1 = bounds.x1;
+  if (w->y1 > bounds.y1) w->y1 = bounds.y1;
+}
+
+/* Forget the regions that the edge of the window cuts. */
+static void drop_cut(segment *s) {
+  eda_shapes *r = &s->regions;
+  eda_box inner = grown(*s->window, -1);
+  uint32_t n = 0, points = 0;
+  for (size_t i = 0; i < r->count; i++) {
+    eda_box b = box_of(r, i);
+    uint32_t from = r->start[i], to = r->start[i + 1];
+    if (b.x0 < inner.x0 || b.y0 < inner.y0 || b.x1 > inner.x1 ||
+        b.y1 > inner.y1)
+      continue;
+    for (uint32_t k = from; k < to; k++) r->points[points++] = r->points[k];
+    r->hole[n] = r->hole[i];
+    r->start[++n] = points;
+  }
+  r->count = n;
+  if (!n) eda_shapes_clear(r);
+}
+
+/* ---- a window ---- */
+
+int eda_segment_window(const eda_layout *layout, int32_t top,
+                       const eda_segment_settings *settings,
+                       const eda_box *window, eda_gates **gates,
+                       opc_error *error) {
+  segment s = segment_new(NULL, layout, top, settings, error);
+  eda_box w = *window;
+  int code = segment_begin(&s);
+  clip(&w, s.bounds);
+  s.window = &w;
+  if (!code) code = segment_layers(&s);
+  if (!code) code = segment_regions(&s);
+  if (!code) drop_cut(&s);
+  if (!code) code = segment_finish(&s);
+  *gates = segment_end(&s, code);
+  return code;
+}
+
+/* ---- a core and what counts for it ---- */
+
+static int32_t most(int32_t a, int32_t b) { return a > b ? a : b; }
+
+/* How far what counts for a transistor is from it. */
+static int32_t reach_of(const segment *s) {
+  return most(s->reach, 2 * most(s->overhang, s->line_end));
+}
+
+int32_t eda_segment_halo(const eda_segment_settings *settings) {
+  opc_error error;
+  segment s = segment_new(NULL, NULL, 0, settings, &error);
+  free(s.source);
+  return reach_of(&s) + (int32_t)(BEYOND / settings->grid) + 1;
+}
+
+/* The least window that would show what counts for region i, if it counts for
+   the core: all around those in the core, all of those near it. */
+static void want(const segment *s, eda_box core, size_t i, eda_box *wanted) {
+  eda_box b = box_of(&s->regions, i);
+  int32_t reach = reach_of(s);
+  if (!touch(b, grown(core, reach))) return;
+  b = grown(b, touch(b, core) ? reach : 1);
+  if (b.x0 < wanted->x0) wanted->x0 = b.x0;
+  if (b.y0 < wanted->y0) wanted->y0 = b.y0;
+  if (b.x1 > wanted->x1) wanted->x1 = b.x1;
+  if (b.y1 > wanted->y1) wanted->y1 = b.y1;
+}
+
+/* Twice as far on the sides where more is wanted; 0 if none is. */
+static int widen(const segment *s, eda_box core, eda_box *window) {
+  eda_box w = *window, wanted = w;
+  for (size_t i = 0; i < s->regions.count; i++) want(s, core, i, &wanted);
+  clip(&wanted, s->bounds);
+  eda_box far = {2 * w.x0 - core.x0, 2 * w.y0 - core.y0, 2 * w.x1 - core.x1,
+                 2 * w.y1 - core.y1};
+  if (wanted.x0 < w.x0) window->x0 = far.x0;
+  if (wanted.y0 < w.y0) window->y0 = far.y0;
+  if (wanted.x1 > w.x1) window->x1 = far.x1;
+  if (wanted.y1 > w.y1) window->y1 = far.y1;
+  clip(window, s->bounds);
+  return window->x0 != w.x0 || window->y0 != w.y0 || window->x1 != w.x1 ||
+         window->y1 != w.y1;
+}
+
+int eda_segment_core(const eda_layout *layout, int32_t top,
+                     const eda_segment_settings *settings, eda_box core,
+                     int32_t halo, eda_gates **gates, opc_error *error) {
+  segment s = segment_new(NULL, layout, top, settings, error);
+  eda_box w = grown(core, most(halo, eda_segment_halo(settings)));
+  int code = segment_begin(&s);
+  clip(&w, s.bounds);
+  s.window = &w;
+  do {
+    segment_clear_layers(&s);
+    if (!code) code = segment_layers(&s);
+    if (!code) code = segment_regions(&s);
+  } while (!code && widen(&s, core, &w));
+  if (!code) drop_cut(&s);
+  if (!code) code = segment_finish(&s);
+  *gates = segment_end(&s, code);
+  return code;
+}
