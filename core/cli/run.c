@@ -292,11 +292,12 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
                      "'--force' needs '--output', which names what "
                      "it replaces");
   if (code >= 0) return code;
-  (void)verb;
+  const char *path = cli_flow(verb, arguments);
+  if (!path) return CLI_USAGE;
   keep_memory();
   wanted.command = cli_command_line();
   g_autoptr(opc_problems) problems = opc_problems_new();
-  g_autoptr(opc_recipe) recipe = opc_recipe_read(arguments->pdata[0], problems);
+  g_autoptr(opc_recipe) recipe = opc_recipe_read(path, problems);
   g_autoptr(opc_sweep) sweep = NULL;
   g_autoptr(GPtrArray) chosen = g_ptr_array_new();
   g_autoptr(JsonArray) list = json_array_new();
@@ -320,9 +321,9 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
 }
 
 const cli_verb cli_run = {.name = "run",
-                          .arguments = "FLOW",
+                          .arguments = "[FLOW]",
                           .summary = "Run a flow",
                           .options = options,
-                          .least = 1,
+                          .least = 0,
                           .most = 1,
                           .run = run};
