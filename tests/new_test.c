@@ -162,9 +162,9 @@ static void test_process(void) {
       g_build_filename(source, "data", "cells65", "sram4.gds", NULL);
   g_autofree char *cif =
       g_build_filename(source, "data", "cells65", "nand2.cif", NULL);
-  g_assert_cmpint(CALL(command, "new", "flow", "--process", "own65", cell,
-                       "sram.yaml"),
-                  ==, 0);
+  g_assert_cmpint(
+      CALL(command, "new", "flow", "--process", "own65", cell, "sram.yaml"), ==,
+      0);
   g_assert_cmpstr(out, ==, "./sram.yaml\n");
   if (CALL(command, "check", "sram.yaml")) g_error("%s%s", out, err);
   g_autofree char *base = g_build_filename(folder, "base.yaml", NULL);
@@ -181,9 +181,9 @@ static void test_process(void) {
                   ==, 0);
   g_assert_cmpstr(out, ==, "./flow.yaml\n");
   if (CALL(command, "check")) g_error("%s", err); /* it is flow.yaml */
-  g_assert_cmpint(CALL(command, "new", "flow", "--process", "mine.yaml", cif,
-                       "no.yaml"),
-                  ==, 2);
+  g_assert_cmpint(
+      CALL(command, "new", "flow", "--process", "mine.yaml", cif, "no.yaml"),
+      ==, 2);
   g_assert_nonnull(strstr(err, "leaves 0 files open"));
   g_assert_cmpint(CALL(command, "new", "flow", "--process", "own56", cell), ==,
                   2);

@@ -184,8 +184,8 @@ static char *find_process(void) {
   g_autofree char *hint = opc_suggestion(process, names);
   g_autoptr(GString) all = g_string_new(NULL);
   for (guint i = 0; i < names->len; i++)
-    g_string_append_printf(all, "%s%s", i ? ", " : "; known: ",
-                           (char *)names->pdata[i]);
+    g_string_append_printf(all, "%s%s",
+                           i ? ", " : "; known: ", (char *)names->pdata[i]);
   cli_message("error", "no process '%s'%s%s", process, hint, all->str);
   return NULL;
 }
@@ -236,8 +236,8 @@ static int extend_process(const char *input, const char *file) {
   char *dot = strchr(open, '.');
   g_autoptr(GString) text = g_string_new("opcflow: 1\nname: @NAME@\nextends: ");
   opc_text_append(text, path);
-  g_string_append_printf(text, "\nsteps:\n  %.*s:\n    %s: ",
-                         (int)(dot - open), open, dot + 1);
+  g_string_append_printf(text, "\nsteps:\n  %.*s:\n    %s: ", (int)(dot - open),
+                         open, dot + 1);
   opc_text_append(text, its);
   g_string_append_c(text, '\n');
   return put(file, text->str, FALSE);
@@ -259,8 +259,9 @@ static int new_flow(const GPtrArray *arguments) {
   guint at = process ? 2 : 1; /* of the flow's own name */
   const char *path = arguments->len > at ? arguments->pdata[at] : "flow.yaml";
   if (process && arguments->len < 2)
-    return cli_error(CLI_USAGE, "'--process' needs INPUT, the file that the "
-                                "flow works on");
+    return cli_error(CLI_USAGE,
+                     "'--process' needs INPUT, the file that the "
+                     "flow works on");
   if (arguments->len > at + 1)
     return cli_error(CLI_USAGE, "'new flow' does not take '%s'",
                      (char *)arguments->pdata[at + 1]);
@@ -306,11 +307,12 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
   return code < 0 ? tell() : code;
 }
 
-const cli_verb cli_new = {.name = "new",
-                          .arguments = "plugin NAME [DIR] | flow [INPUT] [FILE]",
-                          .summary = "Write a plugin or a flow to begin with",
-                          .options = options,
-                          .least = 1,
-                          .most = 3,
-                          .run = run,
-                          .words = "flow|plugin"};
+const cli_verb cli_new = {
+    .name = "new",
+    .arguments = "plugin NAME [DIR] | flow [INPUT] [FILE]",
+    .summary = "Write a plugin or a flow to begin with",
+    .options = options,
+    .least = 1,
+    .most = 3,
+    .run = run,
+    .words = "flow|plugin"};
