@@ -127,6 +127,9 @@ int cli_fail(const opc_error *error);
 /* All problems; the exit code that they stand for. */
 int cli_problems(opc_problems *problems);
 
+/* From now on nothing is said or printed: another process does. */
+void cli_be_silent(void);
+
 /* Whether to move a cursor. */
 gboolean cli_is_terminal(void);
 

@@ -28,6 +28,10 @@ int cli_exit_code(int code) {
   }
 }
 
+static gboolean silent;
+
+void cli_be_silent(void) { silent = TRUE; }
+
 /* ---- standard error ---- */
 
 gboolean cli_is_terminal(void) {
@@ -48,6 +52,7 @@ void cli_message(const char *kind, const char *format, ...) {
   g_autofree char *text = opc_shown(said, "");
   const char *colour = strcmp(kind, "error") ? "\033[33m" : "\033[31m";
   gboolean coloured = has_colour();
+  if (silent) return;
   fprintf(stderr, "%s%s:%s %s\n", coloured ? colour : "", kind,
           coloured ? "\033[0m" : "", text);
 }
@@ -59,7 +64,7 @@ int cli_fail(const opc_error *error) {
 int cli_problems(opc_problems *problems) {
   int code = opc_problems_code(problems);
   opc_problems_sort(problems);
-  for (guint i = 0; i < problems->list->len; i++) {
+  for (guint i = 0; i < problems->list->len && !silent; i++) {
     const opc_problem *problem = problems->list->pdata[i];
     g_autofree char *text = opc_problem_text(problem);
     if (problem->at.file)
@@ -105,7 +110,7 @@ void cli_print(const char *format, ...) {
   g_autofree char *said = g_strdup_vprintf(format, args);
   va_end(args);
   g_autofree char *text = opc_shown(said, "\n\t");
-  fputs(text, out);
+  if (!silent) fputs(text, out);
 }
 
 gboolean cli_wide;
@@ -149,7 +154,7 @@ void cli_print_rows(const char *const *names, size_t n,
 
 static void print_json(JsonNode *node) {
   g_autofree char *text = opc_json_text(node);
-  fputs(text, out);
+  if (!silent) fputs(text, out);
 }
 
 void cli_print_object(JsonObject *object) {

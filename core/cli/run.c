@@ -206,9 +206,11 @@ static int run_one(const series *s, const char *variant) {
   if (s->chosen->len > 1 && !json && !quiet) cli_print("variant %s\n\n", name);
   cli_progress progress;
   cli_progress_start(&progress, level);
-  const opc_watch watch = {&progress,         cli_progress_log,
+  const opc_watch shown = {&progress,         cli_progress_log,
                            cli_progress_step, cli_progress_show,
                            cli_is_stopped,    cli_progress_point};
+  const opc_watch unseen = {.cancelled = cli_is_stopped};
+  const opc_watch watch = opc_ranks_own(wanted.ranks) ? unseen : shown;
   g_autoptr(opc_run) run =
       opc_run_flow(flow, &choice, cli_registry(), &its, &watch, problems);
   cli_progress_end(&progress);
@@ -283,18 +285,35 @@ static opc_store *open_store(void) {
   return store;
 }
 
+/* ---- ranks ---- */
+
+static int is_stopped(void) { return cli_is_stopped(NULL); }
+
+/* Where several processes were started to run the flow: one of them speaks. -1,
+   or the exit code. */
+static int meet_ranks(void) {
+  int rank, size;
+  opc_error error;
+  if (!opc_ranks_told(&rank, &size)) return -1;
+  wanted.ranks = opc_ranks_start(is_stopped, &error);
+  if (!wanted.ranks) return cli_fail(&error);
+  if (opc_ranks_own(wanted.ranks)) cli_be_silent();
+  return -1;
+}
+
+/* mpirun ends all as soon as one ends with another code than 0: the others wait
+   until the first one has said and written all. */
+static int leave_ranks(int code) {
+  gboolean first = !opc_ranks_own(wanted.ranks);
+  cli_flush();
+  opc_ranks_end(wanted.ranks);
+  return first || code == CLI_STOPPED ? code : CLI_GOOD;
+}
+
+/* ---- the verb ---- */
+
 /* All variants are checked before the first one runs. */
-static int run(const cli_verb *verb, const GPtrArray *arguments) {
-  int code = cli_set_threads(threads);
-  if (code < 0) code = set_level();
-  if (code < 0 && wanted.force && !wanted.output)
-    code = cli_error(CLI_USAGE,
-                     "'--force' needs '--output', which names what "
-                     "it replaces");
-  if (code >= 0) return code;
-  const char *path = cli_flow(verb, arguments);
-  if (!path) return CLI_USAGE;
-  keep_memory();
+static int check_and_run(const char *path) {
   wanted.command = cli_command_line();
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_recipe) recipe = opc_recipe_read(path, problems);
@@ -311,13 +330,28 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
     const opc_choice choice = choice_of(&s, chosen->pdata[i]);
     opc_flow_check(recipe, &choice, cli_registry(), NULL, problems);
   }
-  if (!problems->list->len) {
+  if (opc_ranks_agree(wanted.ranks, "the flow", problems)) {
     g_autoptr(opc_store) store = open_store();
     wanted.store = store;
     return run_all(&s);
   }
   if (json) cli_print_object(failure_json(NULL, problems));
   return cli_problems(problems);
+}
+
+static int run(const cli_verb *verb, const GPtrArray *arguments) {
+  int code = cli_set_threads(threads);
+  if (code < 0) code = set_level();
+  if (code < 0 && wanted.force && !wanted.output)
+    code = cli_error(CLI_USAGE,
+                     "'--force' needs '--output', which names what "
+                     "it replaces");
+  const char *path = code < 0 ? cli_flow(verb, arguments) : NULL;
+  if (code < 0 && !path) code = CLI_USAGE;
+  if (code < 0) code = meet_ranks();
+  if (code >= 0) return code;
+  keep_memory();
+  return leave_ranks(check_and_run(path));
 }
 
 const cli_verb cli_run = {.name = "run",

@@ -39,7 +39,8 @@ void opc_run_take_histories(opc_run *run, const opc_run *from) {
 }
 
 static void tell_complaint(opc_run *run) {
-  g_autofree char *text = opc_store_complaint(run->options->store);
+  opc_store *store = run->options->store;
+  g_autofree char *text = store ? opc_store_complaint(store) : NULL;
   if (text) run->watch.log(run, "store", OPC_LOG_WARNING, text);
 }
 
@@ -73,6 +74,12 @@ static void tell(opc_run *run, const opc_flow_step *step, gboolean reused,
 static void tell_again(opc_run *run, const opc_flow_step *step,
                        const char *whom) {
   char *path = g_strdup(step->name);
+  g_autofree char *why =
+      g_strdup_printf("its output was wanted by step '%s'", whom);
+  if (!run->main) {
+    g_autofree char *text = g_strconcat("ran after all: ", why, NULL);
+    run->watch.log(run, step->name, OPC_LOG_INFO, text);
+  }
   for (opc_run *to = run; to; climb(&to, &path)) {
     guint i = to->histories->len;
     opc_history *h = NULL;
@@ -83,7 +90,7 @@ static void tell_again(opc_run *run, const opc_flow_step *step,
     }
     if (!h) continue;
     h->reused = FALSE;
-    h->reason = g_strdup_printf("its output was wanted by step '%s'", whom);
+    h->reason = g_strdup(why);
     h->seconds = run->seconds[step->number];
   }
   g_free(path);
@@ -204,11 +211,15 @@ static GVariant *find_result(const opc_run *run, const opc_flow_step *step) {
 
 gboolean opc_reuse_take(opc_run *run, const opc_flow_step *step,
                         opc_problems *problems) {
-  if (!run->options->store) return FALSE;
-  g_autoptr(GVariant) result = find_result(run, step);
-  tell_complaint(run);
-  if (!result) return FALSE;
+  opc_ranks *ranks = opc_run_ranks(run);
   opc_error error = {0};
+  g_autoptr(GVariant) result =
+      opc_run_is_first(run) ? find_result(run, step) : NULL;
+  char found = result != NULL;
+  tell_complaint(run);
+  if (ranks && opc_ranks_spread(ranks, &found, 1, 0, &error))
+    return opc_problem_add(problems, error.code, NULL, "%s", error.message);
+  if (!found || !result) return found;
   int code = opc_result_publish(run, step, result, &error);
   if (code)
     opc_binding_fail(step->binding, TRUE, code, &error, problems);
@@ -264,7 +275,7 @@ gboolean opc_reuse_is_unchanged(const opc_run *run, const opc_key *key) {
 void opc_reuse_keep(opc_run *run, const opc_flow_step *step, guint tables) {
   opc_store *store = run->options->store;
   const opc_key *key = &run->keys[step->number];
-  if (!store) return;
+  if (!store || !opc_run_is_first(run)) return;
   g_autofree char *reason =
       key->facts ? find_reason(store, step, key->facts) : g_strdup(key->why);
   if (step->binding->inner && key->facts) {
@@ -335,20 +346,50 @@ static gboolean run_again(opc_run *run, const opc_flow_step *step,
   return good;
 }
 
+/* Whether all ranks say yes, and in *any whether one does. */
+static gboolean do_all(opc_ranks *ranks, gboolean yes, gboolean *any) {
+  gint64 least[2] = {yes, -yes};
+  opc_error stopped;
+  *any = yes;
+  if (!ranks || opc_ranks_least(ranks, least, 2, &stopped)) return yes;
+  *any = least[1] < 0;
+  return least[0] > 0;
+}
+
+/* From the store if all ranks have it there, so that none is missed by those
+   that work. */
+static gboolean restore_all(opc_run *run, const opc_flow_step *step) {
+  gboolean any, here = restore(run, step);
+  gboolean all = do_all(opc_run_ranks(run), here, &any);
+  if (here && !all) opc_run_release(run, step);
+  return all;
+}
+
+static gboolean provide(opc_run *run, const opc_flow_step *step,
+                        const char *whom, opc_problems *problems) {
+  if (run->objects[step->number]) return TRUE;
+  for (guint i = 0; i < step->inputs->len; i++)
+    if (!opc_run_provide(run,
+                         g_array_index(step->inputs, opc_flow_input, i).from,
+                         step->name, problems))
+      return FALSE;
+  return restore_all(run, step) || run_again(run, step, whom, problems);
+}
+
 gboolean opc_run_provide(opc_run *run, const opc_flow_step *step,
                          const char *whom, opc_problems *problems) {
   guint n = step->number;
-  if (run->objects[n]) return TRUE;
   const opc_flow_step *its = step_of_base(run, step);
   if (run->left_out[n] && its) {
     gboolean good = opc_run_provide(run->base, its, whom, problems);
     run->objects[n] = run->base->objects[its->number];
     return good;
   }
-  for (guint i = 0; i < step->inputs->len; i++)
-    if (!opc_run_provide(run,
-                         g_array_index(step->inputs, opc_flow_input, i).from,
-                         step->name, problems))
-      return FALSE;
-  return restore(run, step) || run_again(run, step, whom, problems);
+  /* One that had them for a step of its own leaves the others to themselves. */
+  gboolean any, before = run->apart;
+  if (do_all(opc_run_ranks(run), run->objects[n] != NULL, &any)) return TRUE;
+  run->apart = before || any;
+  gboolean good = provide(run, step, whom, problems);
+  run->apart = before;
+  return good;
 }

@@ -223,6 +223,51 @@ gboolean opc_run_step(opc_run *run, const opc_flow_step *step,
   return FALSE;
 }
 
+/* ---- ranks ---- */
+
+/* A flow inside of a step is each rank's own. */
+opc_ranks *opc_run_ranks(const opc_run *run) {
+  for (const opc_run *r = run; r; r = r->main)
+    if (r->apart || (r->main && r->main->at)) return NULL;
+  return run->options->ranks;
+}
+
+gboolean opc_run_is_first(const opc_run *run) {
+  return !opc_ranks_own(run->options->ranks);
+}
+
+/* Of each step (g_free): whether every rank runs it, as it shares its pieces
+   out or gives something to one that does. */
+static gboolean *find_shared(const opc_run *run) {
+  const GPtrArray *order = run->flow->order;
+  gboolean *shared = g_new0(gboolean, run->flow->steps->len);
+  for (guint i = order->len; i-- > 0;) {
+    const opc_flow_step *step = order->pdata[i];
+    const opc_step *functions = step->binding->plugin->functions;
+    if (functions->flags & OPC_STEP_PIECES) shared[step->number] = TRUE;
+    for (guint k = 0; shared[step->number] && k < step->inputs->len; k++)
+      shared[g_array_index(step->inputs, opc_flow_input, k).from->number] =
+          TRUE;
+  }
+  return shared;
+}
+
+/* Whether all may begin: same bits are to be had only from the same files,
+   builds and processors. */
+static gboolean are_alike(opc_run *run, opc_problems *problems) {
+  opc_ranks *ranks = opc_run_ranks(run);
+  guint n = run->flow->steps->len;
+  if (!ranks) return !problems->list->len;
+  g_autoptr(GString) text = g_string_new(run->flow->name);
+  g_autofree opc_key *keys = g_new0(opc_key, n);
+  if (!problems->list->len) opc_flow_keys(run->flow, run->options->store, keys);
+  for (guint i = 0; i < n; i++) {
+    g_string_append_printf(text, " %s", keys[i].sum ? keys[i].sum : "-");
+    opc_key_clear(&keys[i]);
+  }
+  return opc_ranks_agree(ranks, text->str, problems);
+}
+
 /* ---- the folder ---- */
 
 gboolean opc_run_write(const opc_run *run, const char *name, char *text,
@@ -265,9 +310,19 @@ static void reserve_names(opc_run *run) {
                         g_strdup("opcflow"));
 }
 
+/* What other ranks than the first one write goes nowhere. */
+static gboolean open_scratch(opc_run *run, opc_problems *problems) {
+  g_autoptr(GError) fault = NULL;
+  run->work = g_dir_make_tmp("opcflow-XXXXXX", &fault);
+  reserve_names(run);
+  return run->work ||
+         opc_problem_add(problems, OPC_IO, NULL, "%s", fault->message);
+}
+
 static gboolean open_folder(opc_run *run, const char *target,
                             opc_problems *problems) {
   opc_error error;
+  if (!opc_run_is_first(run)) return open_scratch(run, problems);
   gboolean given = run->options->output != NULL;
   run->slot = opc_folder_open(target, given, &error);
   int code = !run->slot ? error.code
@@ -296,6 +351,7 @@ static void prepare_for_crash(opc_run *run, const opc_flow_step *step) {
 static gboolean do_step(opc_run *run, const opc_flow_step *step,
                         opc_problems *problems) {
   if (opc_reuse_take(run, step, problems)) return !problems->list->len;
+  if (problems->list->len) return FALSE;
   for (guint i = 0; i < step->inputs->len; i++)
     if (!opc_run_provide(run,
                          g_array_index(step->inputs, opc_flow_input, i).from,
@@ -311,7 +367,21 @@ static gboolean do_step(opc_run *run, const opc_flow_step *step,
   return good;
 }
 
+/* The same where several ranks run the flow: of what they do not share, the
+   first one does all. */
+static gboolean do_step_together(opc_run *run, const opc_flow_step *step,
+                                 gboolean shared, opc_problems *problems) {
+  opc_ranks *ranks = opc_run_ranks(run);
+  if (!ranks) return do_step(run, step, problems);
+  run->apart = !shared;
+  if (shared || opc_run_is_first(run)) do_step(run, step, problems);
+  run->apart = FALSE;
+  return opc_ranks_agree(ranks, step->name, problems);
+}
+
 static gboolean run_steps(opc_run *run, opc_problems *problems) {
+  g_autofree gboolean *shared = find_shared(run);
+  if (!are_alike(run, problems)) return FALSE;
   opc_reuse_begin(run);
   const GPtrArray *order = run->flow->order;
   for (guint i = 0; i < order->len; i++) {
@@ -323,7 +393,8 @@ static gboolean run_steps(opc_run *run, opc_problems *problems) {
                              "stopped");
     }
     run->watch.step(run, step->name, i + 1, order->len);
-    if (!do_step(run, step, problems)) return FALSE;
+    if (!do_step_together(run, step, shared[step->number], problems))
+      return FALSE;
   }
   return TRUE;
 }
@@ -336,10 +407,11 @@ void opc_run_in(opc_run *run, opc_run *main_run, const char *path,
                   (!g_mkdir_with_parents(path, 0777) ||
                    opc_problem_add(problems, OPC_IO, NULL, "'%s': %s", path,
                                    g_strerror(errno)));
-  if (!good) return;
-  run->work = g_strdup(path);
   run->main = main_run;
-  reserve_names(run);
+  if (good) {
+    run->work = g_strdup(path);
+    reserve_names(run);
+  }
   run_steps(run, problems);
 }
 
@@ -349,6 +421,10 @@ void opc_run_in(opc_run *run, opc_run *main_run, const char *path,
 static void close_folder(opc_run *run, const char *target,
                          opc_problems *problems) {
   opc_guard_folder(NULL, NULL, NULL);
+  if (!opc_run_is_first(run)) {
+    if (run->work) opc_remove_tree(run->work);
+    return;
+  }
   gboolean stopped = opc_problems_code(problems) == OPC_CANCELLED;
   gboolean failed = problems->list->len > 0;
   if (stopped || (failed && g_hash_table_size(run->claims) <= OPC_RESERVED))
@@ -383,14 +459,14 @@ opc_run *opc_run_flow(opc_flow *flow, const opc_choice *choice,
   if (choice->sweep->axes->len) run->sweep = choice->sweep;
   if (run->sweep) opc_run_find_swept(flow, run->sweep, run->left_out);
   if (opc_flow_create(flow, run->left_out, &run->watch, &run->like, problems) &&
-      sum_inputs(run, flow, problems) && open_folder(run, target, problems)) {
-    if (run_steps(run, problems) && run->sweep)
-      opc_run_points(run, choice, problems);
-    if (!problems->list->len) opc_run_judge(run);
-    release_all(run);
-    run->total = (double)(g_get_monotonic_time() - start) * 1e-6;
-    close_folder(run, target, problems);
-  }
+      sum_inputs(run, flow, problems))
+    open_folder(run, target, problems);
+  if (run_steps(run, problems) && run->sweep)
+    opc_run_points(run, choice, problems);
+  if (!problems->list->len) opc_run_judge(run);
+  release_all(run);
+  run->total = (double)(g_get_monotonic_time() - start) * 1e-6;
+  if (run->work) close_folder(run, target, problems);
   g_clear_pointer(&run->slot, opc_folder_free);
   return run;
 }

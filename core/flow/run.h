@@ -9,6 +9,7 @@
 #include "core/flow/flow.h"
 #include "core/flow/folder.h"
 #include "core/flow/key.h"
+#include "core/flow/ranks.h"
 #include "core/flow/table.h"
 
 typedef struct opc_run_options {
@@ -17,6 +18,7 @@ typedef struct opc_run_options {
   gboolean keep;      /* of a sweep: what each point writes stays */
   const char *const *command; /* for the manifest; may be NULL */
   opc_store *store; /* of earlier results; NULL: none, and nothing is kept */
+  opc_ranks *ranks; /* that run it together; NULL: this process alone */
 } opc_run_options;
 
 /* What a step found that the user must not miss. */
@@ -99,6 +101,7 @@ struct opc_run {
                           NULL: nobody's */
   opc_run *main;       /* that it is a part of; NULL: of none */
   const opc_flow_step *at; /* the step that runs */
+  gboolean apart;          /* it runs in this rank alone */
   gboolean silent;         /* it runs again, for its outputs alone */
   GPtrArray *said;         /* opc_said * of the step that runs; NULL: more than
                               is kept */
@@ -153,6 +156,12 @@ gboolean opc_run_write(const opc_run *run, const char *name, char *text,
 /* Say what the files of its flow are, whose sums another run has. */
 void opc_run_take_inputs(opc_run *run, const opc_run *from,
                          opc_problems *problems);
+
+/* The ranks that do now what this one does; NULL: it is alone. */
+opc_ranks *opc_run_ranks(const opc_run *run);
+
+/* Whether this is the rank that finds results, publishes and keeps them. */
+gboolean opc_run_is_first(const opc_run *run);
 
 /* Run a step and look at its outputs, which `run` then holds. */
 int opc_run_call(opc_run *run, const opc_flow_step *step, opc_error *error);

@@ -42,28 +42,45 @@ static void add_folder(opc_registry *registry, char *folder) {
     g_ptr_array_add(registry->folders, folder);
 }
 
-/* The installed folder of plugins, found from the folder of the executable, so
-   that an installation can be moved; NULL if that is not a bindir. */
-static char *installed_folder(const char *executable_folder) {
+/* What is installed in opcflow of the library folder, found from the folder of
+   the executable, so that an installation can be moved; NULL if that is not a
+   bindir. */
+static char *installed(const char *executable_folder, const char *name) {
   if (g_path_is_absolute(OPC_LIBDIR) || g_path_is_absolute(OPC_BINDIR))
-    return g_build_filename(OPC_LIBDIR, "opcflow", "plugins", NULL);
+    return g_build_filename(OPC_LIBDIR, "opcflow", name, NULL);
   if (!g_str_has_suffix(executable_folder, "/" OPC_BINDIR)) return NULL;
   g_autofree char *prefix = g_strndup(
       executable_folder, strlen(executable_folder) - strlen("/" OPC_BINDIR));
-  return g_build_filename(*prefix ? prefix : "/", OPC_LIBDIR, "opcflow",
-                          "plugins", NULL);
+  return g_build_filename(*prefix ? prefix : "/", OPC_LIBDIR, "opcflow", name,
+                          NULL);
+}
+
+static char *executable_folder(void) {
+  g_autofree char *executable = g_file_read_link("/proc/self/exe", NULL);
+  return executable ? g_path_get_dirname(executable) : NULL;
+}
+
+char *opc_find_installed(const char *name) {
+  g_autofree char *folder = executable_folder();
+  g_autofree char *beside =
+      folder ? g_build_filename(folder, name, NULL) : NULL;
+  g_autofree char *other = folder ? installed(folder, name) : NULL;
+  if (beside && g_file_test(beside, G_FILE_TEST_EXISTS))
+    return g_steal_pointer(&beside);
+  return other && g_file_test(other, G_FILE_TEST_EXISTS)
+             ? g_steal_pointer(&other)
+             : NULL;
 }
 
 static void add_standard_folders(opc_registry *registry) {
   gboolean system = !g_getenv("OPCFLOW_NO_SYSTEM_PLUGINS");
-  g_autofree char *executable = g_file_read_link("/proc/self/exe", NULL);
-  g_autofree char *folder = executable ? g_path_get_dirname(executable) : NULL;
+  g_autofree char *folder = executable_folder();
   if (folder) add_folder(registry, g_build_filename(folder, "plugins", NULL));
   if (!system) return;
   add_folder(registry, g_build_filename(g_get_user_data_dir(), "opcflow",
                                         "plugins", NULL));
-  char *installed = folder ? installed_folder(folder) : NULL;
-  if (installed) add_folder(registry, installed);
+  char *own = folder ? installed(folder, "plugins") : NULL;
+  if (own) add_folder(registry, own);
 }
 
 static void loaded_free(gpointer item) {

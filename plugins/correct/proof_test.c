@@ -52,12 +52,15 @@ static void let_add(size_t n, const double *heights) {
   let_add(sizeof((double[]){__VA_ARGS__}) / sizeof(double), \
           (const double[]){__VA_ARGS__})
 
+static const opc_module *regulator;
+
 static int try_to_run(loop *l, const eda_litho *model, double fine,
                       int32_t spoil, int64_t iterations, opc_error *error) {
   seeker s = {spoil};
   *l = (loop){.host = &host,
               .gates = eda_gates_sample(),
               .extractor = MODULE(&extractor, NULL),
+              .regulator = regulator,
               .max_iterations = iterations,
               .hold = 1,
               .limit = 3,
@@ -186,6 +189,61 @@ static void test_bound(void) {
   expect(&l, 0.25, 0.02);
   g_assert_cmpint(fine_prints[EDA_POLY], ==, 1 + PROOFS);
   loop_clear(&l);
+}
+
+/* A regulator that sees a rule broken from a certain fine print on, until it
+   has moved a line end; or that moves it after each fine print, in vain. */
+enum { STAYS, MENDS, TRIES };
+static struct {
+  const char *rule;
+  int from, does, sent;
+} broken;
+
+static int mend(void *self, const eda_printed *p, eda_ruling *r,
+                opc_error *error) {
+  (void)self, (void)p, (void)error;
+  if (!broken.does || fine_prints[EDA_POLY] < broken.from) return OPC_OK;
+  broken.sent = broken.does == MENDS;
+  r->end[0] = 8 * fine_prints[EDA_POLY];
+  return OPC_OK;
+}
+
+static int violations(void *self, const eda_printed *p, eda_violation *v,
+                      size_t room, size_t *count, opc_error *error) {
+  (void)self, (void)p, (void)error;
+  g_assert_cmpuint(room, >, 1);
+  v[0] = (eda_violation){.rule = broken.rule, .gate = -1};
+  *count = fine_prints[EDA_POLY] >= broken.from && !broken.sent;
+  return OPC_OK;
+}
+
+/* A rule that only the fine print of the end breaks has the loop go on, if
+   something can be done for it; one that has its reason, or that was broken
+   before, does not. */
+static void test_rules(void) {
+  static const eda_regulator mender = {.rule = mend, .violations = violations};
+  static const struct {
+    const char *rule;
+    int from, does, prints, end;
+  } cases[] = {{"gap: could still move", 2, MENDS, 3, 16},
+               {"gap; no room", 2, MENDS, 2, 0},
+               {"gap: could still move", 0, TRIES, 2, 8},
+               {"gap: could still move", 2, STAYS, 2, 0}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    loop l;
+    broken.rule = cases[i].rule;
+    broken.from = cases[i].from;
+    broken.does = cases[i].does;
+    broken.sent = 0;
+    regulator = MODULE(&mender, NULL);
+    ADD(0.03);
+    run(&l, &with_fine, fine_is, 0, 60);
+    regulator = NULL;
+    g_assert_cmpint(fine_prints[EDA_POLY], ==, cases[i].prints);
+    g_assert_cmpint(l.now.biases.end[0], ==, cases[i].end);
+    g_assert_true(l.printer.is_fine[EDA_POLY]);
+    loop_clear(&l);
+  }
 }
 
 /* No moves: the drawn mask is proved. */
@@ -341,6 +399,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/proof/end", test_end);
   g_test_add_func("/proof/goes-on", test_goes_on);
   g_test_add_func("/proof/bound", test_bound);
+  g_test_add_func("/proof/rules", test_rules);
   g_test_add_func("/proof/drawn", test_drawn);
   g_test_add_func("/proof/guard", test_guard);
   g_test_add_func("/proof/margin", test_margin);

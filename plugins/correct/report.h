@@ -13,6 +13,7 @@
 /* How far a print is from the design. */
 typedef struct summary {
   double ion_mean, ion_max, ion_stdv; /* of |deviation|, %; eq. 3.3 to 3.5 */
+  double ion_rms, ioff_rms; /* eq. 2.5 is q1 ion_rms^2 + q2 ioff_rms^2 */
   double area_mean, area_max, ioff_mean, ioff_max;
   double ioff_total[3]; /* sums of printed Ioff over those of drawn, minus
                            1, %: n, p, all; NAN without such gates */
@@ -27,6 +28,10 @@ typedef struct summary {
       {"ion_max", "%", OPC_LOWER, 0.01, "largest |Ion deviation|"},           \
       {"ion_stdv", "%", OPC_LOWER, 0.01,                                      \
        "standard deviation of the Ion deviation, thesis eq. 3.5"},            \
+      {"ion_rms", "%", OPC_LOWER, 0.01,                                       \
+       "root of the mean square of the Ion deviation, thesis eq. 2.5"},       \
+      {"ioff_rms", "%", OPC_LOWER, 0.1,                                       \
+       "root of the mean square of the Ioff deviation, thesis eq. 2.5"},      \
       {"area_mean", "%", OPC_LOWER, 0.01, "mean of |gate area deviation|"},   \
       {"area_max", "%", OPC_LOWER, 0.01, "largest |gate area deviation|"},    \
       {"ioff_mean", "%", OPC_LOWER, 0.1, "mean of |Ioff deviation|"},         \
@@ -44,6 +49,25 @@ typedef struct summary {
         "transistors with figures from beyond the device table" \
   }
 /* clang-format on */
+
+typedef struct statistics {
+  double n, sum, absolute, square, max;
+} statistics;
+
+/* Deviations of transistors: n, p and all. Those that fail are not to be
+   added. */
+typedef struct groups {
+  statistics ion[3], area[3], ioff[3];
+  double leakage[3], leakage_drawn[3]; /* sums, A */
+} groups;
+
+void groups_add(groups *to, int type, const eda_figures *drawn,
+                const eda_figures *printed);
+/* The figures of a summary that are of these. */
+summary groups_sum(const groups *groups);
+/* The table `summary`; `drawn`, of the mask as drawn, may be NULL. */
+int groups_table(const opc_host *host, const groups *drawn,
+                 const groups *printed, opc_error *error);
 
 /* `sites`, [gates->layers], may be NULL. */
 summary summarize(const eda_gates *gates, const eda_performance *design,

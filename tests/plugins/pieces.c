@@ -21,7 +21,8 @@ enum {
   HUGE_,   /* gives more than may be */
   PUBLISH, /* a metric, in work */
   WARN,    /* warns and finds in work */
-  NEST     /* works in pieces in a piece */
+  NEST,    /* works in pieces in a piece */
+  RANK     /* the rank `at` alone fails, when it takes */
 };
 
 typedef struct pieces {
@@ -118,12 +119,19 @@ static int work(void *data, size_t i, opc_bytes *out, opc_error *error) {
   return OPC_OK;
 }
 
+static int is_rank(int64_t at) {
+  const char *rank = getenv("OMPI_COMM_WORLD_RANK");
+  return rank && atoi(rank) == at;
+}
+
 static int take(void *data, size_t i, const void *bytes, size_t size,
                 opc_error *error) {
   pieces *p = data;
   const double *values = bytes;
   if (p->fault == TAKE && p->sum > 0 && (int64_t)i == p->at)
     return opc_fail(error, OPC_FAILED, NULL, "is not taken");
+  if (p->fault == RANK && p->sum > 0 && i == 4 && is_rank(p->at))
+    return opc_fail(error, OPC_FAILED, NULL, "is not taken here");
   if (i != p->n || size != (size_t)p->size * sizeof *values ||
       (uintptr_t)bytes % _Alignof(max_align_t))
     return opc_fail(error, OPC_FAILED, NULL, "%zu bytes after %zu pieces", size,
@@ -231,10 +239,11 @@ static const opc_parameter parameters[] = {
 #endif
     OPC_PARAMETER(pieces, journal, .type = OPC_TEXT, .flags = OPC_NO_EFFECT,
                   .summary = "a file to which each piece adds a line"),
-    OPC_PARAMETER(pieces, fault, .type = OPC_CHOICE, .flags = OPC_NO_EFFECT,
-                  .preset = "none",
-                  .choices = "none|work|take|crash|exit|huge|publish|warn|nest",
-                  .summary = "what goes wrong in the second list"),
+    OPC_PARAMETER(
+        pieces, fault, .type = OPC_CHOICE, .flags = OPC_NO_EFFECT,
+        .preset = "none",
+        .choices = "none|work|take|crash|exit|huge|publish|warn|nest|rank",
+        .summary = "what goes wrong in the second list"),
     OPC_PARAMETER(pieces, at, .type = OPC_INT, .flags = OPC_NO_EFFECT,
                   .preset = "7", .summary = "in which piece"),
 };

@@ -12,6 +12,10 @@
 enum { MODE_ION, MODE_IOFF, MODE_IOFFION };
 enum { ION, IOFF };
 
+/* nm: nearer to the drawn length, Leq tells no slope. Half and twice: no first
+   step of our cells differs. */
+static const double least_slope = 0.1;
+
 typedef struct pb {
   const opc_host *host;
   double limit;    /* % */
@@ -34,13 +38,28 @@ static double tpe(const void *self, const eda_feedback *f, size_t i) {
   return 100 * (current(f->printed, which)[i] - design) / design;
 }
 
+/* The length of the rectangle that has the printed current and the drawn width.
+   Leq is that of the printed width: between the two, current per width is taken
+   to be exponential in the length, as between drawn and Leq. Where Leq is the
+   drawn length nothing is known of that, and it is what remains. */
+static double length_at_drawn_width(double drawn, double leq, double width,
+                                    double weq, double current) {
+  double slope = log(current * width / weq) / (leq - drawn);
+  double length = drawn + log(current) / slope;
+  return fabs(leq - drawn) > least_slope && weq > 0 && slope < 0 ? length : leq;
+}
+
 /* L_design - Leq (thesis 3.2.2 (2), of the algorithm of chapter 2). A gate that
    does not print tells none. */
 static int32_t first(const void *self, const eda_feedback *f, size_t i) {
   int which = ((const pb *)self)->driven;
+  const eda_gates *g = f->gates;
   double leq = (which == ION ? f->printed->leq_ion : f->printed->leq_ioff)[i];
-  if (!(leq > 0)) return 0;
-  return (int32_t)lround((f->gates->length[i] - leq) / f->gates->grid);
+  double ratio = current(f->printed, which)[i] / current(f->design, which)[i];
+  if (!(leq > 0 && ratio > 0)) return 0;
+  double length = length_at_drawn_width(g->length[i], leq, g->width[i],
+                                        f->printed->weq[i], ratio);
+  return (int32_t)lround((g->length[i] - length) / g->grid);
 }
 
 static int begin(void *self, const eda_feedback *f, opc_error *error) {

@@ -90,6 +90,11 @@ typedef struct eda_gates {
   char **note;
 
   void *texts; /* what the texts above point into; eda's own */
+
+  /* No two that eda_gates_new made in a process have the same: whoever
+     remembers something of gates sees by it that others have come to their
+     place. 0: not made by that. Since 0.6. */
+  uint64_t serial;
 } eda_gates;
 
 /* Gates of `layers` layers and `count` transistors, all arrays zeroed and
@@ -158,6 +163,18 @@ OPC_EXPORT void eda_performance_copy(eda_performance *to,
 /* The figures of transistor i alone. [any] */
 OPC_EXPORT void eda_performance_one(eda_performance *to,
                                     const eda_performance *from, size_t i);
+
+/* The figures of one transistor, as eda_performance has them. */
+typedef struct eda_figures {
+  double ion, ioff, leq_ion, leq_ioff, weq, area;
+} eda_figures;
+
+OPC_UNUSED static inline eda_figures eda_figures_of(const eda_performance *of,
+                                                    size_t i) {
+  eda_figures f = {of->ion[i],      of->ioff[i], of->leq_ion[i],
+                   of->leq_ioff[i], of->weq[i],  of->area[i]};
+  return f;
+}
 
 /* A part of a gate's width, from `from` to `to` grid steps along W from the LOW
    end of its box, in which the mask's length is `by` grid steps more. */

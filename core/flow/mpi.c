@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The calls of MPI. Its functions that wait spin; here they are asked again and
+   again with naps between, so that an idle rank leaves the processor to others
+   and hears that it is to stop. */
+#include "core/flow/mpi.h"
+
+#include <mpi.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <time.h>
+
+/* ---- state ---- */
+
+static opc_mpi own;
+static int (*is_stopped)(void);
+static MPI_Comm asking; /* of turns; all else is in MPI_COMM_WORLD */
+static pthread_mutex_t lock =
+    PTHREAD_MUTEX_INITIALIZER; /* one call at a time */
+static pthread_t server;
+static int64_t turns; /* atomic; of the first process */
+static int ended;     /* under the lock */
+
+/* ---- waiting ---- */
+
+enum {
+  AT_ONCE = 50,   /* times that it is asked without a nap: what comes at once */
+  SHORTEST = 20,  /* us: a message of a neighbour */
+  LONGEST = 1000, /* us: nothing is noticed of it beside pieces of seconds */
+  SERVING = 200   /* us between looks at who asks for a turn */
+};
+
+static void nap(long us) {
+  const struct timespec t = {0, us * 1000};
+  (void)nanosleep(&t, NULL);
+}
+
+static int wait_for(MPI_Request *request) {
+  long us = SHORTEST;
+  for (int i = 0;; i++) {
+    int done;
+    pthread_mutex_lock(&lock);
+    MPI_Test(request, &done, MPI_STATUS_IGNORE);
+    pthread_mutex_unlock(&lock);
+    if (done) return 0;
+    if (is_stopped()) return -1;
+    if (i < AT_ONCE) continue;
+    nap(us);
+    us = us * 2 < LONGEST ? us * 2 : LONGEST;
+  }
+}
+
+/* ---- all together ---- */
+
+static int least(int64_t *values, size_t n) {
+  MPI_Request request;
+  pthread_mutex_lock(&lock);
+  MPI_Iallreduce(MPI_IN_PLACE, values, (int)n, MPI_INT64_T, MPI_MIN,
+                 MPI_COMM_WORLD, &request);
+  pthread_mutex_unlock(&lock);
+  return wait_for(&request);
+}
+
+static int spread(void *bytes, size_t n, int from) {
+  MPI_Request request;
+  pthread_mutex_lock(&lock);
+  MPI_Ibcast(bytes, (int)n, MPI_BYTE, from, MPI_COMM_WORLD, &request);
+  pthread_mutex_unlock(&lock);
+  return wait_for(&request);
+}
+
+/* ---- turns ---- */
+
+enum { ASK = 1, TELL = 2 };
+
+static int64_t add(int64_t by) {
+  return __atomic_fetch_add(&turns, by, __ATOMIC_RELAXED);
+}
+
+static void restart(void) { __atomic_store_n(&turns, 0, __ATOMIC_RELAXED); }
+
+/* All who ask now; with the lock. */
+static void answer(void) {
+  int asked = 1;
+  while (asked) {
+    MPI_Status status;
+    int64_t value;
+    MPI_Iprobe(MPI_ANY_SOURCE, ASK, asking, &asked, &status);
+    if (!asked) return;
+    MPI_Recv(&value, 1, MPI_INT64_T, status.MPI_SOURCE, ASK, asking,
+             MPI_STATUS_IGNORE);
+    value = add(value);
+    MPI_Send(&value, 1, MPI_INT64_T, status.MPI_SOURCE, TELL, asking);
+  }
+}
+
+static void *serve(void *unused) {
+  for (int going = 1; going;) {
+    pthread_mutex_lock(&lock);
+    going = !ended;
+    if (going) answer();
+    pthread_mutex_unlock(&lock);
+    nap(SERVING);
+  }
+  return unused;
+}
+
+static int64_t turn(int64_t by) {
+  MPI_Request requests[2];
+  int64_t got;
+  if (own.rank == 0) return add(by);
+  pthread_mutex_lock(&lock);
+  MPI_Irecv(&got, 1, MPI_INT64_T, 0, TELL, asking, &requests[1]);
+  MPI_Isend(&by, 1, MPI_INT64_T, 0, ASK, asking, &requests[0]);
+  pthread_mutex_unlock(&lock);
+  return wait_for(&requests[0]) || wait_for(&requests[1]) ? -1 : got;
+}
+
+/* ---- start and end ---- */
+
+/* By then nobody asks any more. */
+static void end(void) {
+  int64_t none = 0;
+  if (least(&none, 1)) return;
+  pthread_mutex_lock(&lock);
+  ended = 1;
+  pthread_mutex_unlock(&lock);
+  if (own.rank == 0) pthread_join(server, NULL);
+  MPI_Finalize();
+}
+
+__attribute__((visibility("default"))) const opc_mpi *opcflow_mpi(
+    int (*stopped)(void));
+const opc_mpi *opcflow_mpi(int (*stopped)(void)) {
+  int level;
+  /* Crashes are the command's own to tell of. */
+  (void)setenv("OMPI_MCA_opal_signal", "", 0);
+  if (MPI_Init_thread(NULL, NULL, MPI_THREAD_SERIALIZED, &level) ||
+      level < MPI_THREAD_SERIALIZED)
+    return NULL;
+  is_stopped = stopped;
+  own = (opc_mpi){.least = least,
+                  .spread = spread,
+                  .turn = turn,
+                  .restart = restart,
+                  .end = end};
+  MPI_Comm_rank(MPI_COMM_WORLD, &own.rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &own.size);
+  MPI_Comm_dup(MPI_COMM_WORLD, &asking);
+  if (own.rank == 0 && pthread_create(&server, NULL, serve, NULL)) return NULL;
+  return &own;
+}
