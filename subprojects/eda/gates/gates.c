@@ -104,6 +104,7 @@ eda_moved *eda_moved_new(size_t layers, size_t gates) {
   m->flip = eda_alloc(gates, sizeof *m->flip);
   m->patch = eda_alloc(layers, sizeof *m->patch);
   m->bite = eda_alloc(layers, sizeof *m->bite);
+  m->seen = eda_alloc(gates, sizeof *m->seen);
   return m;
 }
 
@@ -122,6 +123,7 @@ void eda_moved_free(eda_moved *m) {
   free(m->flip);
   free(m->patch);
   free(m->bite);
+  free(m->seen);
   free(m);
 }
 

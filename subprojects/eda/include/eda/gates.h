@@ -205,6 +205,9 @@ typedef struct eda_moved {
   uint8_t *flip;       /* EDA_FLIP_*, of each gate */
   eda_box_list *patch; /* [layers], what is added to the mask */
   eda_box_list *bite;  /* [layers], what is taken away after that */
+  double *seen; /* [gates], by how much the logarithm of Ion in a print by the
+                   optics' own image is known to be above that of a fine one; 0:
+                   nothing is known. Since 0.6. */
 } eda_moved;
 
 /* Nothing is moved; freeing it (NULL: nothing). [any] */
@@ -229,7 +232,8 @@ typedef struct eda_mask {
   size_t layers; /* gates->layers */
   /* [layers], empty for layers that are not corrected. */
   eda_shapes *shapes; /* on the grid of the gates; merged */
-  eda_field *print;   /* level set of the corrected mask's print */
+  eda_field *print;   /* level set of the corrected mask's print; empty if it
+                         was not printed (since 0.6) */
   eda_performance design, before, after;
   uint32_t *flags; /* EDA_PRINT_* of each gate, at the end */
   uint32_t iterations;
