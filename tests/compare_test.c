@@ -197,7 +197,8 @@ static void test_exit(void) {
     int code;
     const char *said;
   } cases[] = {
-      {"compare a b --fail-on worse", 1, "error: worse: b: mask.low\n"},
+      {"compare a b --fail-on worse", 1,
+       "error: worse: b: mask.low; b: mask.gone is missing\n"},
       {"compare a b --fail-on worse:mask.low", 1, "worse: b: mask.low"},
       {"compare a b --fail-on worse:high --fail-on worse:low", 1, "mask.low"},
       {"compare a b --fail-on worse:high", 0, ""},

@@ -119,6 +119,14 @@ def test_sizes(place):
         check(folder, **sets)
 
 
+def test_said(place):
+    """Once, whoever did the piece."""
+    for n in (1, 3):
+        _, said, _ = place.run(n, "b.fault=warn", "b.at=1", options=["--no-cache", "--log", "debug"])
+        assert said.err.count("warning: b: piece 1 is odd") == said.err.count("finding: b: piece 1 is odd") == 1, said.err
+        assert "24 bytes each" in said.err, said.err
+
+
 def test_again(place):
     """What was kept by several is found by one, and the other way round; outputs
     that vanished come again."""
@@ -180,6 +188,26 @@ def test_others(place):
                            env=dict(place.env, LD_DEBUG="files"), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                            text=True)
     assert alone.returncode == 0 and "libyaml" in alone.stderr and "mpi" not in alone.stderr
+
+
+def test_job(place):
+    """The job for Slurm, by bash with what Slurm would tell it; by Slurm where it answers."""
+    job = os.path.join(os.environ["OPCFLOW_SOURCE"], "data/opcflow.sbatch")
+    n = "2" if os.cpu_count() > 1 else "1"
+    env = dict(place.env, SLURM_NTASKS=n, SLURM_CPUS_PER_TASK="1", SLURM_SUBMIT_DIR=place.folder,
+               PATH=BUILD + ":" + os.environ["PATH"])
+    words = ["shared.yaml", "--set", "b.wait=20", "--output", "runs/job"]
+    subprocess.run(["bash", "-n", job], check=True)
+    done = subprocess.run(["bash", job, *words], cwd=place.folder, env=env, stderr=subprocess.PIPE, text=True)
+    assert done.returncode == 0, done.stderr
+    check(place.path("runs/job"))
+    assert len({pid for _, _, pid in place.done()}) == int(n)
+    assert subprocess.run(["bash", job], env=env, stderr=subprocess.DEVNULL).returncode == 2
+    if shutil.which("sinfo") and subprocess.run(["sinfo"], stdout=subprocess.DEVNULL,
+                                                stderr=subprocess.DEVNULL).returncode == 0:
+        done = subprocess.run(["sbatch", "--test-only", "--nodes=1", "--ntasks-per-node=1", "--cpus-per-task=1", job,
+                               *words], stderr=subprocess.PIPE, text=True)
+        assert done.returncode == 0, done.stderr
 
 
 def test_damage(place):

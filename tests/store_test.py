@@ -105,6 +105,8 @@ def test_parameter():
     assert ran(folder) == {"a": "its output was wanted by step 'b'", "c": "c.number changed from 7 to 8",
                            "d": "what it takes as d.add changed"}, ran(folder)
     same(folder, run("--set", "c.number=8", "--no-cache")[0])
+    shown = call("run", "chain.yaml", "--set", "c.number=9", "--output", "runs/told").stderr
+    assert "a: reused\n" in shown and "a: ran after all: its output was wanted by step 'b'\n" in shown, shown
     text = call("explain", folder).stdout
     assert "c.number changed from 7 to 8" in text and "2 of 5 steps reused" in text, text
     assert json.loads(call("explain", folder, "--json").stdout)["reused"] == 2

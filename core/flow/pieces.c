@@ -16,6 +16,8 @@ typedef struct sharer {
   const opc_pieces *pieces;
   opc_run *run;
   const opc_flow_step *step;
+  size_t found, worked; /* in the store, and here */
+  guint64 bytes;        /* of all results */
 } sharer;
 
 /* ---- in the store ---- */
@@ -80,11 +82,12 @@ static GVariant *work(const sharer *s, size_t i, opc_error *error) {
   return piece ? g_variant_ref_sink(piece) : NULL;
 }
 
-static int take(const sharer *s, size_t i, GVariant *piece, opc_error *error) {
+static int take(sharer *s, size_t i, GVariant *piece, opc_error *error) {
   g_autoptr(GVariant) bytes = g_variant_get_child_value(piece, 0);
   g_autoptr(GVariant) said = g_variant_get_child_value(piece, 1);
   gsize n;
   const void *data = g_variant_get_fixed_array(bytes, &n, 1);
+  s->bytes += n;
   opc_said_again(s->run, s->step, said);
   return opc_piece_take(s->pieces, i, data, n, error);
 }
@@ -94,13 +97,27 @@ static void tell_done(const sharer *s, size_t n) {
 }
 
 /* From the store, or by work. */
-static GVariant *get(const sharer *s, size_t i, opc_error *error) {
+static GVariant *get(sharer *s, size_t i, opc_error *error) {
   g_autofree char *name = name_of(s, i);
   GVariant *piece = find(s, name);
+  s->found += piece != NULL;
   if (piece) return piece;
+  s->worked++;
   piece = work(s, i, error);
   if (piece) keep(s, name, piece);
   return piece;
+}
+
+/* For whoever plans what machines a larger layout wants. */
+static void tell_cost(const sharer *s, gint64 start, gint64 worked) {
+  const opc_pieces *p = s->pieces;
+  double end = (double)(g_get_monotonic_time() - worked) * 1e-6;
+  s->host->log(s->host, OPC_LOG_DEBUG,
+               "%zu of '%s': %zu found and %zu done here in %.2f s, taken in "
+               "%.2f s, %.0f bytes each",
+               p->count, p->name, s->found, s->worked,
+               (double)(worked - start) * 1e-6, end,
+               p->count ? (double)s->bytes / (double)p->count : 0);
 }
 
 static int stop(const sharer *s, opc_error *error) {
@@ -113,6 +130,7 @@ static int stop(const sharer *s, opc_error *error) {
 
 static int do_alone(sharer *s, opc_error *error) {
   int code = OPC_OK;
+  gint64 start = g_get_monotonic_time();
   for (size_t i = 0; i < s->pieces->count && !code; i++) {
     code = stop(s, error);
     g_autoptr(GVariant) piece = code ? NULL : get(s, i, error);
@@ -120,6 +138,7 @@ static int do_alone(sharer *s, opc_error *error) {
     tell_done(s, i + 1);
     code = take(s, i, piece, error);
   }
+  tell_cost(s, start, g_get_monotonic_time());
   return code;
 }
 
@@ -204,8 +223,7 @@ static gint64 size_of(share *all, GVariant *own) {
 }
 
 /* Give piece i to all, or what is wrong with it. NULL and *error. */
-static GVariant *exchange(const sharer *s, share *all, size_t i,
-                          opc_error *error) {
+static GVariant *exchange(sharer *s, share *all, size_t i, opc_error *error) {
   int from = (int)all->holders[i];
   gboolean here = from == all->rank;
   GVariant *own = g_steal_pointer(&all->own[i]);
@@ -248,13 +266,16 @@ static int take_all(sharer *s, share *all, opc_error *error) {
 static int do_together(sharer *s, opc_ranks *ranks, opc_error *error) {
   size_t n = s->pieces->count;
   share all = {.ranks = ranks, .rank = opc_ranks_own(ranks)};
+  gint64 start = g_get_monotonic_time();
   all.holders = g_new0(gint64, n + 1);
   all.own = g_new0(GVariant *, n + 1);
   g_autofree char *what = g_strdup_printf("%zu of %s", n, s->pieces->name);
   int code = opc_ranks_meet(ranks, what, OPC_OK, error);
   if (!code) code = find_holders(s, &all, error);
   if (!code) code = do_turns(s, &all, error);
+  gint64 worked = g_get_monotonic_time();
   if (!code) code = take_all(s, &all, error);
+  tell_cost(s, start, worked);
   for (size_t i = 0; i < n; i++)
     if (all.own[i]) g_variant_unref(all.own[i]);
   g_free(all.own);
@@ -267,7 +288,7 @@ static int do_together(sharer *s, opc_ranks *ranks, opc_error *error) {
 int opc_pieces_run(const opc_host *host, const opc_pieces *pieces,
                    opc_error *error) {
   opc_run *run = ((const opc_binding *)host->data)->run;
-  sharer s = {host, pieces, run, run->at};
+  sharer s = {.host = host, .pieces = pieces, .run = run, .step = run->at};
   if (!run->at || run->piece) return opc_pieces_alone(host, pieces, error);
   const opc_step *functions = run->at->binding->plugin->functions;
   opc_ranks *ranks = opc_run_ranks(run);

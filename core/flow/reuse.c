@@ -74,6 +74,12 @@ static void tell(opc_run *run, const opc_flow_step *step, gboolean reused,
 static void tell_again(opc_run *run, const opc_flow_step *step,
                        const char *whom) {
   char *path = g_strdup(step->name);
+  g_autofree char *why =
+      g_strdup_printf("its output was wanted by step '%s'", whom);
+  if (!run->main) {
+    g_autofree char *text = g_strconcat("ran after all: ", why, NULL);
+    run->watch.log(run, step->name, OPC_LOG_INFO, text);
+  }
   for (opc_run *to = run; to; climb(&to, &path)) {
     guint i = to->histories->len;
     opc_history *h = NULL;
@@ -84,7 +90,7 @@ static void tell_again(opc_run *run, const opc_flow_step *step,
     }
     if (!h) continue;
     h->reused = FALSE;
-    h->reason = g_strdup_printf("its output was wanted by step '%s'", whom);
+    h->reason = g_strdup(why);
     h->seconds = run->seconds[step->number];
   }
   g_free(path);

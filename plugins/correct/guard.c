@@ -182,6 +182,7 @@ static int fault_of(const loop *l, size_t i, double margin) {
   if (failed(l->measured.flags[i])) return failed(g->flags[i]) ? GOOD : LOST;
   double target = target_of(l, i);
   if (isnan(target) || failed(g->flags[i])) return GOOD;
+  if (l->still && l->still[i]) return GOOD; /* others may move past it */
   double drawn = off(l, &l->before, i, target) + model_margin(l);
   double most = fmax(drawn, l->limit) + margin;
   return off(l, &l->measured.performance, i, target) <= most ? GOOD : WORSE;

@@ -63,7 +63,11 @@ static int measure(loop *l, const uint8_t *printed, opc_error *error) {
   if (!again) return OPC_OK;
   int code = eda_measure(l->host->context, l->gates, l->printer.print,
                          l->extractor, &l->measured, error);
-  return code ? code : corners_measure(l, error);
+  if (code) return code;
+  /* A fine print knows better, and so do the cheap ones after it. */
+  if (l->base && !l->printer.fine_simulations)
+    start_correct(l->base, &l->measured.performance);
+  return corners_measure(l, error);
 }
 
 /* Of transistors that keep their masks synthesizers see what was drawn: there
@@ -157,8 +161,9 @@ static int rule(loop *l, eda_ruling *ruling, opc_error *error) {
     /* Patches mend the drawn edges of transistors. Where a synthesizer moves
        every edge of theirs, the print is only looked at. */
     if (l->gates->count && k <= EDA_ACTIVE && l->next.shift[k]) continue;
-    trial_set_boxes(&l->next.patches[k], ruling->patches[k]);
-    trial_set_boxes(&l->next.bites[k], ruling->bites[k]);
+    trial_set_both(&l->next.patches[k], loop_begun(l, k, 0),
+                   ruling->patches[k]);
+    trial_set_both(&l->next.bites[k], loop_begun(l, k, 1), ruling->bites[k]);
   }
   return OPC_OK;
 }
@@ -410,7 +415,8 @@ static int iterate(loop *l, opc_error *error) {
     if (all_done(l) && !ruled[MAIN] && !ruled[EDGES]) return OPC_OK;
     /* Line ends first, so that their effect is not taken for that of the
        first moves. */
-    if (l->iterations == 0 && wait && prints++ < l->max_iterations) continue;
+    if (l->iterations == 0 && !l->base && wait && prints++ < l->max_iterations)
+      continue;
     if (l->iterations == l->max_iterations) {
       l->host->log(l->host, OPC_LOG_WARNING,
                    "not done after %d iteration%s: worst deviation %.3g %s",
@@ -460,17 +466,19 @@ static int iterate_to_proof(loop *l, opc_error *error) {
 }
 
 eda_boxes loop_begun(const loop *l, size_t layer, int bites) {
-  if (!l->base) return (eda_boxes){0};
-  const eda_box_list *list = bites ? l->base->bite : l->base->patch;
-  return (eda_boxes){list[layer].box, list[layer].count};
+  return l->begun[(bites ? l->gates->layers : 0) + layer];
 }
 
-/* It begins with the base's patches and bites; the regulator says with which it
-   goes on. */
 static void begin_with(loop *l) {
-  if (!l->base) return;
+  size_t layers = l->gates->layers;
+  l->begun = eda_alloc(2 * layers, sizeof *l->begun);
+  if (!l->start.mask) return;
+  l->base = l->start.mask->moved;
   l->now.biases.base = l->next.biases.base = l->base;
-  for (size_t k = 0; k < l->gates->layers; k++) {
+  for (size_t k = 0; k < layers; k++) {
+    const eda_box_list *patch = &l->base->patch[k], *bite = &l->base->bite[k];
+    trial_set_boxes(&l->begun[k], (eda_boxes){patch->box, patch->count});
+    trial_set_boxes(&l->begun[layers + k], (eda_boxes){bite->box, bite->count});
     trial_set_boxes(&l->next.patches[k], loop_begun(l, k, 0));
     trial_set_boxes(&l->next.bites[k], loop_begun(l, k, 1));
   }
@@ -520,12 +528,15 @@ int loop_run(loop *l, opc_error *error) {
         eda_measure_drawn(context, l->gates, l->extractor, &l->design, error);
   if (!code) code = begin(l, error);
   if (!code) code = loop_print(l, 1, error);
+  if (!code) code = start_hold(l, error);
   if (code) return code;
+  show(l);
   eda_performance_copy(&l->before, l->corners.count ? &l->corners.nominal
                                                     : &l->measured.performance);
   keep_drawn_print(l);
   eda_printed drawn = loop_printed(l);
   code = guard_begin(l, &drawn, error);
+  start_prune(l);
   if (!code) code = proof_begin(l, error);
   if (!code) code = iterate_to_proof(l, error);
   if (code || !l->gates->count) return code;
@@ -561,7 +572,10 @@ void loop_clear(loop *l) {
   free(l->mask);
   free(l->sites);
   free(l->unused);
+  for (size_t k = 0; k < 2 * layers; k++) free((eda_box *)l->begun[k].box);
+  free(l->begun);
   free(l->vetoes);
+  free(l->still);
   history_clear(&l->history);
   guard_clear(&l->guard);
   proof_clear(l);

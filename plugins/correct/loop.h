@@ -10,6 +10,7 @@
 #include "guard.h"
 #include "proof.h"
 #include "report.h"
+#include "start.h"
 #include "trace.h"
 #include "trial.h"
 
@@ -35,11 +36,15 @@ typedef struct loop {
   const eda_gates *gates;
   const opc_module *extractor, *regulator;
   int64_t max_iterations;
-  const eda_moved *base; /* what it begins with; NULL: the drawn edges */
-  const uint8_t *still; /* 1: that transistor keeps its mask; NULL: none does */
-  int prepared;         /* the extractor is */
-  int traced;           /* each print into `trace` */
-  int hold;             /* the guard takes back what is worse than drawn */
+  loop_start start;      /* what it begins with besides the drawn edges */
+  const eda_moved *base; /* its moves; NULL: there are none */
+  eda_boxes *begun;      /* its patches, by layer, then its bites: those that
+                            stay */
+  uint8_t *still;        /* 1: that transistor keeps its mask; NULL: none does,
+                            or it is not known yet */
+  int prepared;          /* the extractor is */
+  int traced;            /* each print into `trace` */
+  int hold;              /* the guard takes back what is worse than drawn */
   double limit; /* %: |Ion deviation| that is good, for guard and proof */
   driver drivers[DRIVERS];
   eda_printer printer;

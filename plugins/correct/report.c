@@ -15,10 +15,6 @@ enum { SHORT_TABLE = 24 }; /* as many rows are shown rather than only filed */
 
 /* ---- statistics ---- */
 
-typedef struct statistics {
-  double n, sum, absolute, square, max;
-} statistics;
-
 static void count(statistics *s, double x) {
   s->n++;
   s->sum += x;
@@ -44,15 +40,21 @@ static double rms(const statistics *s) {
   return s->n ? sqrt(s->square / s->n) : NAN;
 }
 
-/* Of gates: n, p and all. */
-typedef struct groups {
-  statistics ion[3], area[3], ioff[3];
-  double leakage[3], leakage_drawn[3]; /* sums, A */
-} groups;
-
 /* What does not print as a transistor has no figures. */
 static int failed(const uint32_t *flags, size_t i) {
   return flags && (flags[i] & ~(uint32_t)EDA_PRINT_NOTES) != 0;
+}
+
+void groups_add(groups *to, int type, const eda_figures *drawn,
+                const eda_figures *printed) {
+  for (int k = 0; k < 2; k++) {
+    int group = k ? 2 : type == EDA_PMOS;
+    count(&to->ion[group], eda_deviation(printed->ion, drawn->ion));
+    count(&to->area[group], eda_deviation(printed->area, drawn->area));
+    count(&to->ioff[group], eda_deviation(printed->ioff, drawn->ioff));
+    to->leakage[group] += printed->ioff;
+    to->leakage_drawn[group] += drawn->ioff;
+  }
 }
 
 static groups gather(const eda_gates *g, const eda_performance *design,
@@ -60,18 +62,26 @@ static groups gather(const eda_gates *g, const eda_performance *design,
   groups out = {0};
   for (size_t i = 0; i < g->count; i++) {
     if (failed(flags, i)) continue;
-    double ion = eda_deviation(printed->ion[i], design->ion[i]);
-    double area = eda_deviation(printed->area[i], design->area[i]);
-    double ioff = eda_deviation(printed->ioff[i], design->ioff[i]);
-    for (int k = 0; k < 2; k++) {
-      int group = k ? 2 : g->type[i] == EDA_PMOS;
-      count(&out.ion[group], ion);
-      count(&out.area[group], area);
-      count(&out.ioff[group], ioff);
-      out.leakage[group] += printed->ioff[i];
-      out.leakage_drawn[group] += design->ioff[i];
-    }
+    eda_figures drawn = eda_figures_of(design, i),
+                now = eda_figures_of(printed, i);
+    groups_add(&out, g->type[i], &drawn, &now);
   }
+  return out;
+}
+
+summary groups_sum(const groups *g) {
+  summary out = {.ion_mean = mean_of(&g->ion[2]),
+                 .ion_max = max_of(&g->ion[2]),
+                 .ion_stdv = stdv(&g->ion[2]),
+                 .ion_rms = rms(&g->ion[2]),
+                 .ioff_rms = rms(&g->ioff[2]),
+                 .area_mean = mean_of(&g->area[2]),
+                 .area_max = max_of(&g->area[2]),
+                 .ioff_mean = mean_of(&g->ioff[2]),
+                 .ioff_max = max_of(&g->ioff[2])};
+  for (int t = 0; t < 3; t++)
+    out.ioff_total[t] =
+        g->ioff[t].n ? eda_deviation(g->leakage[t], g->leakage_drawn[t]) : NAN;
   return out;
 }
 
@@ -80,19 +90,8 @@ summary summarize(const eda_gates *gates, const eda_performance *design,
                   const sites *places) {
   groups g = gather(gates, design, printed, flags);
   statistics epe = {0};
-  summary out = {.ion_mean = mean_of(&g.ion[2]),
-                 .ion_max = max_of(&g.ion[2]),
-                 .ion_stdv = stdv(&g.ion[2]),
-                 .ion_rms = rms(&g.ion[2]),
-                 .ioff_rms = rms(&g.ioff[2]),
-                 .area_mean = mean_of(&g.area[2]),
-                 .area_max = max_of(&g.area[2]),
-                 .ioff_mean = mean_of(&g.ioff[2]),
-                 .ioff_max = max_of(&g.ioff[2]),
-                 .gates = gates->count};
-  for (int t = 0; t < 3; t++)
-    out.ioff_total[t] =
-        g.ioff[t].n ? eda_deviation(g.leakage[t], g.leakage_drawn[t]) : NAN;
+  summary out = groups_sum(&g);
+  out.gates = gates->count;
   for (size_t i = 0; i < gates->count; i++) {
     out.failed += (size_t)failed(flags, i);
     out.outside += (flags[i] & EDA_PRINT_OUTSIDE) != 0;
@@ -336,8 +335,8 @@ static int gate_table(const opc_host *host, const report *r, opc_error *error) {
   return code;
 }
 
-static int summary_table(const opc_host *host, const report *r,
-                         opc_error *error) {
+int groups_table(const opc_host *host, const groups *drawn,
+                 const groups *printed, opc_error *error) {
   static const char *const names[3] = {"n", "p", "all"};
   struct {
     const char *name;
@@ -345,10 +344,7 @@ static int summary_table(const opc_host *host, const report *r,
     double ion_mean_before, ion_max_before, area_mean_before;
     double ion_mean, ion_max, ion_stdv, area_mean, area_max, ioff_total;
   } row[3];
-  const eda_mask *m = r->mask;
-  const groups before =
-      gather(m->gates, &m->design, &m->before, r->flags_before);
-  const groups after = gather(m->gates, &m->design, &m->after, m->flags);
+  const groups none = {0}, before = drawn ? *drawn : none, after = *printed;
   size_t rows = 0;
   for (int t = 0; t < 3; t++) {
     if (!after.ion[t].n) continue;
@@ -381,10 +377,19 @@ static int summary_table(const opc_host *host, const report *r,
   opc_column columns[G_N_ELEMENTS(all)];
   size_t n = 0;
   for (size_t k = 0; k < G_N_ELEMENTS(all); k++)
-    if (!r->corrected || !g_str_has_suffix(all[k].name, "_before"))
+    if (drawn || !g_str_has_suffix(all[k].name, "_before"))
       columns[n++] = all[k];
   return opc_put_rows(host, "summary", OPC_TABLE_PRINT, rows, sizeof *row,
                       columns, n, error);
+}
+
+static int summary_table(const opc_host *host, const report *r,
+                         opc_error *error) {
+  const eda_mask *m = r->mask;
+  const groups before =
+      gather(m->gates, &m->design, &m->before, r->flags_before);
+  const groups after = gather(m->gates, &m->design, &m->after, m->flags);
+  return groups_table(host, r->corrected ? NULL : &before, &after, error);
 }
 
 static int effort_table(const opc_host *host, const eda_mask *mask,

@@ -50,6 +50,25 @@ typedef struct summary {
   }
 /* clang-format on */
 
+typedef struct statistics {
+  double n, sum, absolute, square, max;
+} statistics;
+
+/* Deviations of transistors: n, p and all. Those that fail are not to be
+   added. */
+typedef struct groups {
+  statistics ion[3], area[3], ioff[3];
+  double leakage[3], leakage_drawn[3]; /* sums, A */
+} groups;
+
+void groups_add(groups *to, int type, const eda_figures *drawn,
+                const eda_figures *printed);
+/* The figures of a summary that are of these. */
+summary groups_sum(const groups *groups);
+/* The table `summary`; `drawn`, of the mask as drawn, may be NULL. */
+int groups_table(const opc_host *host, const groups *drawn,
+                 const groups *printed, opc_error *error);
+
 /* `sites`, [gates->layers], may be NULL. */
 summary summarize(const eda_gates *gates, const eda_performance *design,
                   const eda_performance *printed, const uint32_t *flags,

@@ -11,38 +11,59 @@
 
 /* ---- from a mask ---- */
 
-double start_disturbance(const eda_mask *m, size_t i) {
-  if (m->flags[i] & ~(uint32_t)EDA_PRINT_NOTES) return NAN;
-  return fabs(eda_deviation(m->after.ion[i], m->design.ion[i])) -
+double start_disturbance(const eda_mask *m, const eda_performance *printed,
+                         const uint32_t *flags, size_t i) {
+  if (flags[i] & ~(uint32_t)EDA_PRINT_NOTES) return NAN;
+  return fabs(eda_deviation(printed->ion[i], m->design.ion[i])) -
          fabs(eda_deviation(m->before.ion[i], m->design.ion[i]));
 }
 
-int start_from(const opc_host *host, const eda_gates *gates,
-               const eda_mask *mask, double max_diff, start *out,
-               opc_error *error) {
-  *out = (start){0};
-  if (!mask && !isnan(max_diff))
+int start_check(const loop_start *s, const eda_gates *gates, opc_error *error) {
+  if (!s->mask && !isnan(s->max_diff))
     return opc_fail(error, OPC_INVALID, "max_diff",
                     "there is no 'start' to differ from");
-  if (!mask) return OPC_OK;
-  if (mask->gates != gates)
+  if (s->mask && s->mask->gates != gates)
     return opc_fail(error, OPC_INVALID, "start",
                     "that mask is of the gates of another step");
-  if (!mask->moved)
+  if (s->mask && !s->mask->moved)
     return opc_fail(error, OPC_INVALID, "start",
                     "how that mask's edges were moved is not known: it is no "
                     "one's that moves transistors from their drawn edges");
-  out->base = mask->moved;
-  if (isnan(max_diff)) return OPC_OK;
-  size_t refined = 0;
-  out->still = eda_alloc(gates->count, 1);
-  for (size_t i = 0; i < gates->count; i++) {
-    out->still[i] = start_disturbance(mask, i) <= max_diff;
-    refined += !out->still[i];
+  return OPC_OK;
+}
+
+int start_hold(loop *l, opc_error *error) {
+  const loop_start *s = &l->start;
+  size_t n = l->gates->count, refined = 0;
+  if (!s->mask || isnan(s->max_diff)) return OPC_OK;
+  l->still = eda_alloc(n, 1);
+  for (size_t i = 0; i < n; i++) {
+    l->still[i] = start_disturbance(s->mask, &l->measured.performance,
+                                    l->measured.flags, i) <= s->max_diff;
+    refined += !l->still[i];
   }
-  host->log(host, OPC_LOG_INFO, "%zu of %zu transistors are to be refined",
-            refined, gates->count);
-  return host->metric(host, "refined", (double)refined, error);
+  l->host->log(l->host, OPC_LOG_INFO,
+               "%zu of %zu transistors are to be refined", refined, n);
+  return l->host->metric(l->host, "refined", (double)refined, error);
+}
+
+/* nm, ours: as far as regulator.drc puts a patch from what it mends. */
+static const double beside = 150;
+
+void start_prune(loop *l) {
+  double grid = l->gates->grid;
+  for (size_t i = 0; l->base && i < l->guard.rules; i++) {
+    const eda_violation *v = &l->guard.drawn[i];
+    eda_box near = {
+        (int32_t)((v->x - beside) / grid), (int32_t)((v->y - beside) / grid),
+        (int32_t)((v->x + beside) / grid), (int32_t)((v->y + beside) / grid)};
+    for (size_t k = 0; k < 2 * l->gates->layers; k++)
+      trial_drop_boxes(&l->begun[k], near);
+  }
+}
+
+void start_correct(const eda_moved *m, eda_performance *printed) {
+  for (size_t i = 0; i < m->gates; i++) printed->ion[i] *= exp(-m->seen[i]);
 }
 
 int start_mask(const eda_gates *g, const eda_moved *moved, size_t layer,

@@ -9,18 +9,30 @@
 
 struct loop;
 
-typedef struct start {
-  const eda_moved *base; /* the mask's own; NULL: as drawn */
-  uint8_t
-      *still; /* 1: that transistor keeps its mask (free); NULL: none does */
-} start;
+typedef struct loop_start {
+  const eda_mask *mask; /* NULL: the drawn edges */
+  /* %, if there is a mask: only transistors move whose |Ion deviation| is
+     greater by more in the first print than it was `before` in the mask (thesis
+     eq. 4.1), or that do not print; NAN: all do. */
+  double max_diff;
+} loop_start;
 
-/* From a mask of these gates, or NULL. `max_diff`, %: only transistors move
-   whose |Ion deviation| has grown by more from before to after, thesis eq. 4.1,
-   or that do not print; NAN: all do. OPC_INVALID if the mask is no start. */
-int start_from(const opc_host *host, const eda_gates *gates,
-               const eda_mask *mask, double max_diff, start *out,
-               opc_error *error);
+/* OPC_INVALID if that is no start for the gates. */
+int start_check(const loop_start *start, const eda_gates *gates,
+                opc_error *error);
+
+/* The start was printed: who keeps his mask. */
+int start_hold(struct loop *loop, opc_error *error);
+
+/* What the regulator of the start has added beside a place where its print does
+   not keep a rule, or taken away, is given up: it was for other neighbours. The
+   rest stays, as a regulator sees what a print needs with it, and not what it
+   would need without. */
+void start_prune(struct loop *loop);
+
+/* From what the optics' own print shows of Ion to what a fine one would, as far
+   as that is known. */
+void start_correct(const eda_moved *moved, eda_performance *printed);
 
 /* The mask of a layer that moves make of the drawn edges. As of eda_boolean. */
 int start_mask(const eda_gates *gates, const eda_moved *moved, size_t layer,
@@ -30,7 +42,9 @@ int start_mask(const eda_gates *gates, const eda_moved *moved, size_t layer,
  */
 eda_moved *moved_of(const struct loop *loop);
 
-/* Thesis eq. 4.1 of transistor i, %; NAN if it does not print. */
-double start_disturbance(const eda_mask *mask, size_t i);
+/* Thesis eq. 4.1 of transistor i of a mask that printed so, %; NAN if it does
+   not print. */
+double start_disturbance(const eda_mask *mask, const eda_performance *printed,
+                         const uint32_t *flags, size_t i);
 
 #endif

@@ -58,6 +58,15 @@ void trial_set_boxes(eda_boxes *to, eda_boxes from) {
   *to = (eda_boxes){copy, from.count};
 }
 
+void trial_set_both(eda_boxes *to, eda_boxes first, eda_boxes second) {
+  eda_box_list all = {0};
+  for (size_t i = 0; i < first.count; i++) eda_box_list_add(&all, first.box[i]);
+  for (size_t i = 0; i < second.count; i++)
+    eda_box_list_add(&all, second.box[i]);
+  trial_set_boxes(to, (eda_boxes){all.box, all.count});
+  free(all.box);
+}
+
 static int touch(eda_box a, eda_box b) {
   return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
 }

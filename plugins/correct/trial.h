@@ -41,6 +41,9 @@ void trial_copy(trial *to, const trial *from);
 /* `to`, of a trial, becomes a copy of `from`, which may be a part of it. */
 void trial_set_boxes(eda_boxes *to, eda_boxes from);
 
+/* The same, of two lists. */
+void trial_set_both(eda_boxes *to, eda_boxes first, eda_boxes second);
+
 /* Take those of `boxes` away that touch a window. */
 void trial_drop_boxes(eda_boxes *boxes, eda_box window);
 

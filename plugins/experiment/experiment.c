@@ -77,6 +77,9 @@ static int run_one(experiment *e, size_t i, opc_error *error) {
   e->seconds[i] = out.folder ? out.seconds : NAN;
   if (!out.folder) {
     e->failed++;
+    e->host->log(e->host, OPC_LOG_WARNING, "%s by %s failed: %s",
+                 e->case_names[i / e->n_methods],
+                 e->method_names[i % e->n_methods], e->results[i]);
     e->places[i] = g_strdup("");
     return OPC_OK;
   }

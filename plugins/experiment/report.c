@@ -188,11 +188,10 @@ static int print_summary(const experiment *e, opc_error *error) {
 
 static void tell(const experiment *e) {
   const opc_host *host = e->host;
-  for (size_t i = 0; i < e->count; i++)
-    if (!e->folders[i])
-      host->log(host, OPC_LOG_FINDING, "%s by %s failed: %s",
-                e->case_names[i / e->n_methods],
-                e->method_names[i % e->n_methods], e->results[i]);
+  if (e->failed)
+    host->log(host, OPC_LOG_FINDING,
+              "%zu of %zu runs failed: 'result' in experiment.csv says why",
+              e->failed, e->count);
   if (e->with_findings)
     host->log(host, OPC_LOG_FINDING,
               "%zu of %zu runs have findings of their own: see metrics.json in "

@@ -67,6 +67,26 @@ static void load_file(reading *b) {
   b->text = b->n ? b->bytes : "";
 }
 
+/* A file of another format than the reader's would be refused for a byte that
+   means nothing to who wrote it. */
+static void check_format(reading *b) {
+  static const struct {
+    const char *start;
+    size_t n;
+    const char *name, *reader;
+  } formats[] = {{"\0\6\0\2", 4, "GDSII", "read.gds"},
+                 {"%SEMI-OASIS\r\n", 13, "OASIS", "read.oasis"},
+                 {"BEGIN", 5, "GLP", "read.glp"}};
+  for (size_t i = 0; i < G_N_ELEMENTS(formats) && !b->failed; i++)
+    if (b->n >= formats[i].n &&
+        !memcmp(b->text, formats[i].start, formats[i].n) &&
+        strcmp(b->format, formats[i].name) != 0)
+      b->failed =
+          opc_fail(b->error, OPC_IO, NULL,
+                   "'%s': is a file of %s, not of %s: 'use: %s' reads it",
+                   b->r->file, formats[i].name, b->format, formats[i].reader);
+}
+
 int reading_goes_on(reading *b, size_t at, int show) {
   if (at < b->told || b->failed) return !b->failed;
   const opc_host *host = b->r->host;
@@ -299,6 +319,7 @@ int reading_run(void *state, void *self, void **outputs, opc_error *error,
   b->layers = g_hash_table_new_full(g_int64_hash, g_int64_equal, free, NULL);
   load_file(b);
   reading_unzip(b);
+  check_format(b);
   if (!b->failed) read(b);
   if (!b->failed) b->failed = check_layers(b);
   if (!b->failed) {

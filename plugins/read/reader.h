@@ -56,7 +56,8 @@ typedef struct layer_node {
 typedef struct reading {
   const reader *r;
   opc_error *error;
-  int failed; /* the code of the failure */
+  int failed;         /* the code of the failure */
+  const char *format; /* that the reader reads */
   /* Fail, if nothing did yet: OPC_IO, with the place in the file. */
   void (*refuse)(void *reading, const char *what);
 

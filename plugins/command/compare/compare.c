@@ -52,10 +52,10 @@ static int check_word(const char *word, opc_error *error) {
                   "'%s': is 'worse' or 'worse:METRIC'", word);
 }
 
-/* What is asked for by its name is to be there, or it is as good as worse. */
-static const char *fault_of(const metric_row *r, int named) {
+/* What the base has is to be there, or it is as good as worse. */
+static const char *fault_of(const metric_row *r) {
   if (r->verdict == WORSE) return "";
-  return named && !isnan(r->base) && isnan(r->value) ? " is missing" : NULL;
+  return !isnan(r->base) && isnan(r->value) ? " is missing" : NULL;
 }
 
 /* Add what is worse and meant by a word; whether the word means anything. */
@@ -66,7 +66,7 @@ static int add_worse(const comparison *c, const char *word, GHashTable *seen,
   for (guint i = 0; i < c->rows->len; i++) {
     const metric_row *r = &g_array_index(c->rows, metric_row, i);
     if (metric && !is_chosen(metric + 1, r->metric)) continue;
-    const char *fault = fault_of(r, metric != NULL);
+    const char *fault = fault_of(r);
     meant = 1;
     if (fault && g_hash_table_add(seen, (gpointer)r))
       g_ptr_array_add(

@@ -10,7 +10,7 @@
 #include "cut.h"
 
 #define ENTRY_TYPE \
-  G_VARIANT_TYPE("(asa(iiiiyydddddddddyuiiiiiia(iii))aa(iiii)aa(iiii))")
+  G_VARIANT_TYPE("(asa(iiiiyydddddddddyuiiiiiia(iii)d)aa(iiii)aa(iiii))")
 
 typedef struct entry {
   size_t gates, layers;

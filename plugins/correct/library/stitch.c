@@ -95,6 +95,7 @@ static void take(stitch *s, const entry *e, const turn *t, size_t j, size_t i) {
       (uint8_t)((l_back ? EDA_FLIP_L : 0) | (w_back ? EDA_FLIP_W : 0));
   turn_parts(from->part + EDA_PARTS * j, width, w_back,
              to->part + EDA_PARTS * i);
+  to->seen[i] = from->seen[j];
   s->known[i] = 1;
   for (int k = 0; k < 6; k++) (&s->cell.ion)[k][i] = (&e->after.ion)[k][j];
 }

@@ -22,8 +22,7 @@ enum { ON, OFF }; /* `guard` */
 typedef struct correct {
   const opc_host *host;
   const eda_gates *gates;
-  const eda_mask *start;
-  double max_diff; /* %; NAN: all may move */
+  loop_start start;
   const opc_module *litho, *resist, *extractor, *synthesizer, *edges,
       *regulator;
   int64_t max_iterations;
@@ -128,15 +127,12 @@ static int tell(const correct *c, loop *l, eda_mask *mask, opc_error *error) {
 
 static int run(void *self, void **outputs, opc_error *error) {
   const correct *c = self;
-  start begun;
-  int code =
-      start_from(c->host, c->gates, c->start, c->max_diff, &begun, error);
+  int code = start_check(&c->start, c->gates, error);
   if (code) return code;
   loop l = {
       .host = c->host,
       .gates = c->gates,
-      .base = begun.base,
-      .still = begun.still,
+      .start = c->start,
       .extractor = c->extractor,
       .regulator = c->regulator,
       .max_iterations = c->max_iterations,
@@ -166,7 +162,6 @@ static int run(void *self, void **outputs, opc_error *error) {
     code = tell(c, &l, mask, error);
   }
   loop_clear(&l);
-  free(begun.still);
   return code;
 }
 
@@ -206,13 +201,15 @@ static int restore(void *self, const char *folder, void **outputs,
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(correct, gates, .type = OPC_INPUT, .flags = OPC_REQUIRED,
                   .choices = "gates", .summary = "the transistors to correct"),
-    OPC_PARAMETER(correct, start, .type = OPC_INPUT, .choices = "mask",
-                  .summary = "the mask to begin with, of the same gates; if "
-                             "not given, the drawn one"),
-    OPC_PARAMETER(correct, max_diff, .type = OPC_REAL, .flags = OPC_AT_LEAST,
-                  .unit = "%", .min = 0,
-                  .summary = "of `start`: only transistors whose |Ion "
-                             "deviation| it has made worse by more are moved"),
+    OPC_PARAMETER_NAMED(
+        "start", correct, start.mask, .type = OPC_INPUT, .choices = "mask",
+        .summary = "the mask to begin with, of the same gates; if "
+                   "not given, the drawn one"),
+    OPC_PARAMETER_NAMED("max_diff", correct, start.max_diff, .type = OPC_REAL,
+                        .flags = OPC_AT_LEAST, .unit = "%", .min = 0,
+                        .summary =
+                            "of `start`: only transistors whose |Ion "
+                            "deviation| it has made worse by more are moved"),
     OPC_PARAMETER(correct, litho, .type = OPC_SLOT, .flags = OPC_REQUIRED,
                   .choices = "litho", .summary = "model of the optics"),
     OPC_PARAMETER(correct, resist, .type = OPC_SLOT, .flags = OPC_REQUIRED,

@@ -33,7 +33,7 @@ static void read_file(void *self) {
 }
 
 static int run(void *self, void **outputs, opc_error *error) {
-  cif c = {.b.refuse = cif_refuse, .layer_number = -1};
+  cif c = {.b.format = "CIF", .b.refuse = cif_refuse, .layer_number = -1};
   cif_open(&c);
   int code = reading_run(&c, self, outputs, error, read_file);
   cif_clear(&c);

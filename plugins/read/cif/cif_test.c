@@ -13,14 +13,17 @@ static char *made(void) {
   return g_build_filename(opc_test_folder(), "made.cif", NULL);
 }
 
+static void write_made(const char *path, const char *text, size_t size) {
+  FILE *f = fopen(path, "wb"); /* g_file_set_contents waits for the disk */
+  g_assert_nonnull(f);
+  g_assert_cmpuint(fwrite(text, 1, size, f), ==, size);
+  fclose(f);
+}
+
 static eda_layout *read_more(const char *text, gssize n, const char *more,
                              opc_error *error) {
   g_autofree char *path = made();
-  FILE *f = fopen(path, "wb"); /* g_file_set_contents waits for the disk */
-  g_assert_nonnull(f);
-  size_t size = n < 0 ? strlen(text) : (size_t)n;
-  g_assert_cmpuint(fwrite(text, 1, size, f), ==, size);
-  fclose(f);
+  write_made(path, text, n < 0 ? strlen(text) : (size_t)n);
   g_autofree char *mapping = g_strdup_printf("{ file: '%s'%s }", path, more);
   g_autoptr(opc_module) module = opc_test_module("read.cif", mapping, error);
   void *output = NULL;
@@ -275,6 +278,36 @@ static void test_refusals(void) {
   }
 }
 
+/* What begins as a file of another format is told as that, also to the readers
+   of others; a byte less is not. */
+static void test_formats(void) {
+  static const struct {
+    const char *text;
+    size_t n;
+    const char *name, *reader;
+  } formats[] = {{"\0\6\0\2\2\130", 6, "GDSII", "read.gds"},
+                 {"%SEMI-OASIS\r\n\1", 14, "OASIS", "read.oasis"},
+                 {"BEGIN /* a clip */\n", 19, "GLP", "read.glp"}};
+  static const char *const readers[] = {"read.cif", "read.gds", "read.oasis",
+                                        "read.glp"};
+  g_autofree char *path = made();
+  for (size_t i = 0; i < G_N_ELEMENTS(formats); i++)
+    for (size_t k = 0; k < G_N_ELEMENTS(readers); k++) {
+      opc_error e = {0};
+      void *output = NULL;
+      g_autofree char *mapping = g_strdup_printf("{ file: '%s' }", path);
+      write_made(path, formats[i].text, formats[i].n);
+      g_autoptr(opc_module) m = opc_test_module(readers[k], mapping, &e);
+      g_assert_cmpint(opc_test_run(m, &output, &e), ==, OPC_IO);
+      g_autofree char *what =
+          g_strdup_printf("is a file of %s, not of ", formats[i].name);
+      g_autofree char *use = g_strdup_printf("'use: %s'", formats[i].reader);
+      int own = !strcmp(readers[k], formats[i].reader);
+      g_assert_cmpint(!strstr(e.message, what), ==, own);
+      g_assert_cmpint(!strstr(e.message, use), ==, own);
+    }
+}
+
 /* Polygons of layer CP in a file of one symbol, a line each. */
 static size_t poly_lines(const char *text) {
   g_auto(GStrv) lines = g_strsplit(text, "\n", -1);
@@ -377,6 +410,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/read-cif/delete", test_delete);
   g_test_add_func("/read-cif/top", test_top);
   g_test_add_func("/read-cif/refusals", test_refusals);
+  g_test_add_func("/read-cif/formats", test_formats);
   g_test_add_func("/read-cif/own-cells", test_own_cells);
   g_test_add_func("/read-cif/names", test_names);
   g_test_add_func("/read-cif/flipped", test_flipped);

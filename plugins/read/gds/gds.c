@@ -408,7 +408,7 @@ static void read_library(void *self) {
 }
 
 static int run(void *self, void **outputs, opc_error *error) {
-  gds g = {.b.refuse = refuse};
+  gds g = {.b.format = "GDSII", .b.refuse = refuse};
   int code = reading_run(&g, self, outputs, error, read_library);
   element_clear(&g.e);
   free(g.e.points);

@@ -209,7 +209,7 @@ static void read_clip(void *self) {
 }
 
 static int run(void *self, void **outputs, opc_error *error) {
-  clip c = {.b.refuse = refuse, .line = 1};
+  clip c = {.b.format = "GLP", .b.refuse = refuse, .line = 1};
   int code = reading_run(&c, self, outputs, error, read_clip);
   free(c.points);
   return code;

@@ -206,7 +206,7 @@ void oasis_read(void *self) {
 }
 
 static int run(void *self, void **outputs, opc_error *error) {
-  oasis o = {.b.refuse = oasis_refuse};
+  oasis o = {.b.format = "OASIS", .b.refuse = oasis_refuse};
   for (int i = 0; i < OASIS_NAMES; i++) o.names[i] = oasis_names_new();
   int code = reading_run(&o, self, outputs, error, oasis_read);
   oasis_clear(&o);

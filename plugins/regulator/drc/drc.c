@@ -45,12 +45,13 @@ static void clear(void *self) {
    than before. */
 static int look_around(drc *r, const eda_printed *p, opc_error *error) {
   const eda_gates *g = p->gates;
-  if (r->gates == g && p->iteration >= r->iteration) {
+  if (r->gates == g && r->serial == g->serial && p->iteration >= r->iteration) {
     r->iteration = p->iteration;
     return OPC_OK;
   }
   clear(r);
   r->gates = g;
+  r->serial = g->serial;
   r->grid = g->grid;
   r->layers = g->layers;
   r->mends = eda_alloc(r->layers, sizeof *r->mends);

@@ -107,6 +107,7 @@ typedef struct drc {
   double min_space, min_width, min_mask_width;
 
   const eda_gates *gates; /* all below is of these; NULL: of none yet */
+  uint64_t serial;
   double grid;
   size_t layers;
   uint32_t iteration; /* the last one seen */

@@ -137,6 +137,21 @@ static void test_default_extension(void) {
   g_assert_cmpint(f.end[1], ==, 25);
 }
 
+/* Other gates in the same place in memory are others, also before their first
+   iteration. */
+static void test_others(void) {
+  g_autoptr(opc_module) m = make("{ min_space: 60 nm }");
+  fixture f;
+  for (uint64_t serial = 1; serial <= 2; serial++) {
+    setup(&f, serial == 1 ? 1000 : 90);
+    f.gates.serial = serial;
+    f.extension[1] = f.extension[2] = 0;
+    for (int i = 0; i < 10; i++) rule(m, &f);
+  }
+  g_assert_cmpint(f.end[1], ==, 15);
+  g_assert_cmpint(f.end[2], ==, 15);
+}
+
 /* Two line ends 90 nm apart share the 30 nm that a space of 60 leaves. */
 static void test_facing(void) {
   g_autoptr(opc_module) m = make("{ min_space: 60 nm }");
@@ -760,6 +775,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/regulator/extension", test_extension);
   g_test_add_func("/regulator/default_extension", test_default_extension);
+  g_test_add_func("/regulator/others", test_others);
   g_test_add_func("/regulator/facing", test_facing);
   g_test_add_func("/regulator/alone", test_alone);
   g_test_add_func("/regulator/turns", test_turns);

@@ -206,7 +206,8 @@ static void with_leakage(const newton *t, const eda_feedback *f, size_t i,
   double most = fmin(t->max_bias, f->gates->width[i] / 2) / grid;
   uint8_t why;
   solve(&s->response, s->error, t->weight, both, step);
-  double w = fmin(fmax(step[BY_W], -s->reach), s->reach);
+  double longest = tuned.longest / grid;
+  double w = fmin(fmax(step[BY_W], -longest), longest);
   w = fmin(w - s->given, s->furthest[0] + s->furthest[1] - s->x[BY_W]);
   dx[BY_W] = round(bounded(s->x[BY_W], w, most, veto & EDA_VETO_WIDER,
                            veto & EDA_VETO_NARROWER, &why));

@@ -172,15 +172,6 @@ static void bound_ends(const newton *t, transistor *s, const eda_feedback *f,
   s->best_size = INFINITY;
 }
 
-/* A step of W that made things worse is followed by shorter ones. */
-static void judge_width(transistor *s, double dx, double before) {
-  if (dx == 0 || !isfinite(before)) return;
-  if (s->size > before)
-    s->reach = fmin(s->reach, fabs(dx) / 4);
-  else
-    s->reach = fmax(s->reach, 2 * fabs(dx));
-}
-
 /* Take in what the moves to `now` have printed. `common` is by how much the log
    Ion of all transistors of its type changed alike. */
 static void take_in(const newton *t, transistor *s, const eda_feedback *f,
@@ -213,13 +204,11 @@ static void take_in(const newton *t, transistor *s, const eda_feedback *f,
   else if (printed && moved)
     learn(&s->response, &s->first, c.dx, c.de, s->surprise);
   s->disturbed |= (uint8_t)foreign;
-  double before = s->size;
   s->lost = 0;
   s->good = now;
   memcpy(s->x, x, sizeof x);
   memcpy(s->error, error, sizeof error);
   s->size = size_of(t, error);
-  judge_width(s, c.dx[BY_W], before);
   s->rest_size = first || moved ? s->size : fmin(s->rest_size, s->size);
   s->point = point_of(f->printed, i);
   if (reshapes(t, f)) s->ripple = ripple_of(f, i, &t->parts[i]);
@@ -244,7 +233,7 @@ static void start(newton *t, const eda_feedback *f) {
     const curve *c = &curves[f->gates->type[i] == EDA_PMOS];
     s->first = first_response(f->gates, i, c, t->gain);
     s->response = s->first;
-    s->trust.radius = s->reach = tuned.longest / f->gates->grid;
+    s->trust.radius = tuned.longest / f->gates->grid;
     s->furthest[0] = s->furthest[1] =
         (int32_t)ceil(t->max_bias / 2 / f->gates->grid);
     if (s->lost) continue;

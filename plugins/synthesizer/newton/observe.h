@@ -40,7 +40,6 @@ typedef struct transistor {
   double rest_size;         /* the least size since its last move */
   response response, first; /* as learnt, and as estimated at first */
   trust trust;              /* how far its next L may go */
-  double reach;             /* how far its next W may go */
   int32_t furthest[2];      /* how far the LOW and the HIGH end of its width
                                may go out, grid steps */
   int32_t given;            /* what its ends give up in the next mask */

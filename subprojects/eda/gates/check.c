@@ -453,7 +453,7 @@ int eda_mask_check(const void *mask, opc_error *error) {
   for (size_t k = 0; k < m->gates->layers && !code; k++) {
     const eda_field *print = &m->print[k];
     code = check_shapes(&m->shapes[k], "mask shapes", error);
-    if (!code && m->gates->corrected[k])
+    if (!code && m->gates->corrected[k] && print->coefficients)
       code = eda_check_field(print, &print->frame, "print", error);
     if (!code && m->drawn_print && m->drawn_print[k].coefficients)
       code = eda_check_field(&m->drawn_print[k], &print->frame, "drawn print",

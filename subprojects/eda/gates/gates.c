@@ -12,7 +12,9 @@ enum { CHUNK = 4096 }; /* bytes of texts at a time */
 /* ---- gates ---- */
 
 eda_gates *eda_gates_new(size_t layers, size_t count) {
+  static uint64_t made; /* atomic */
   eda_gates *g = eda_alloc(1, sizeof *g);
+  g->serial = __atomic_add_fetch(&made, 1, __ATOMIC_RELAXED);
   g->layers = layers;
   g->layer = eda_alloc(layers, sizeof *g->layer);
   g->corrected = eda_alloc(layers, sizeof *g->corrected);
@@ -102,6 +104,7 @@ eda_moved *eda_moved_new(size_t layers, size_t gates) {
   m->flip = eda_alloc(gates, sizeof *m->flip);
   m->patch = eda_alloc(layers, sizeof *m->patch);
   m->bite = eda_alloc(layers, sizeof *m->bite);
+  m->seen = eda_alloc(gates, sizeof *m->seen);
   return m;
 }
 
@@ -120,6 +123,7 @@ void eda_moved_free(eda_moved *m) {
   free(m->flip);
   free(m->patch);
   free(m->bite);
+  free(m->seen);
   free(m);
 }
 

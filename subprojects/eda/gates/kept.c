@@ -130,6 +130,7 @@ static void move_fields(stream *s, eda_moved *m) {
   move(s, m->end, 2 * m->gates * sizeof *m->end);
   move(s, m->part, EDA_PARTS * m->gates * sizeof *m->part);
   move(s, m->flip, m->gates);
+  move(s, m->seen, m->gates * sizeof *m->seen);
   for (size_t k = 0; k < m->layers && !s->failed; k++) {
     move_list(s, &m->patch[k]);
     move_list(s, &m->bite[k]);

@@ -4,6 +4,7 @@
 #include <eda/memory.h>
 #include <math.h>
 #include <opcflow/table.h>
+#include <string.h>
 #include <time.h>
 
 #include "../../fine.h"
@@ -64,7 +65,25 @@ static double cpu_seconds(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static GVariant *pack(const builder *r, const cut_out *cell, const loop *l) {
+/* What cheap prints show that no fine one has told what they lack: so whoever
+   goes on from here can do without. */
+static int look_cheaply(loop *l, const double *ion, double *seen,
+                        opc_error *error) {
+  for (size_t k = 0; k < l->gates->layers; k++)
+    eda_field_clear(&l->printer.difference[k]);
+  trial_copy(&l->next, &l->now);
+  int code = loop_print(l, 1, error);
+  for (size_t i = 0; i < l->gates->count && !code; i++) {
+    int prints = !(l->measured.flags[i] & ~(uint32_t)EDA_PRINT_NOTES);
+    double ratio = l->measured.performance.ion[i] / ion[i];
+    seen[i] = prints && ratio > 0 && isfinite(ratio) ? log(ratio) : 0;
+  }
+  return code;
+}
+
+static GVariant *pack(const builder *r, const cut_out *cell, loop *l) {
+  GVariant *data = NULL;
+  eda_measurement end;
   eda_moved *moved = moved_of(l);
   if (!moved) {
     opc_fail(r->error, OPC_INVALID, "synthesizer",
@@ -73,10 +92,16 @@ static GVariant *pack(const builder *r, const cut_out *cell, const loop *l) {
              r->b->synthesizer->id);
     return NULL;
   }
-  GVariant *data = entry_pack(cell, &l->design, &l->measured.performance,
-                              l->measured.flags, moved);
+  size_t n = l->gates->count;
+  eda_measurement_init(&end, n);
+  eda_performance_copy(&end.performance, &l->measured.performance);
+  memcpy(end.flags, l->measured.flags, n * sizeof *end.flags);
+  if (!look_cheaply(l, end.performance.ion, moved->seen, r->error))
+    data = g_variant_ref_sink(
+        entry_pack(cell, &l->design, &end.performance, end.flags, moved));
+  eda_measurement_clear(&end);
   eda_moved_free(moved);
-  return g_variant_ref_sink(data);
+  return data;
 }
 
 /* What is told of a cell is told of its own transistors. */
@@ -90,7 +115,7 @@ static void sum_up(GVariant *data, double *mean, double *max) {
   }
 }
 
-static int keep(builder *r, const cut_out *cell, const loop *l, shelf_row *row,
+static int keep(builder *r, const cut_out *cell, loop *l, shelf_row *row,
                 line *told) {
   g_autoptr(GVariant) data = pack(r, cell, l);
   if (!data) return r->error->code;

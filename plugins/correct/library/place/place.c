@@ -29,7 +29,7 @@ typedef struct place {
   const library *library;
   const opc_module *litho, *resist, *extractor;
   const char *top, *fine_text, *picture;
-  int missing;
+  int missing, print;
   int64_t width;
   double fine, margin;
 } place;
@@ -164,27 +164,43 @@ static void set_before(const placer *r, eda_mask *m) {
                         r->stitch.known[i] ? &r->stitch.cell : &m->design, i);
 }
 
-static int print(const placer *r, eda_printer *printer, eda_mask *m,
-                 eda_measurement *measured) {
+/* The mask's shapes, and what its cells promise. */
+static int make_mask(const placer *r, eda_mask *m) {
   const place *p = r->p;
   const eda_gates *g = p->gates;
   const opc_context *context = p->host->context;
   eda_performance_init(&m->design, g->count);
-  int code = eda_printer_prepare(printer, r->error);
-  if (!code) code = eda_extractor_prepare(context, p->extractor, r->error);
+  int code = eda_extractor_prepare(context, p->extractor, r->error);
   if (!code)
     code = eda_measure_drawn(context, g, p->extractor, &m->design, r->error);
   set_before(r, m);
   for (size_t k = 0; k < g->layers && !code; k++)
     if (g->corrected[k])
       code = start_mask(g, m->moved, k, &m->shapes[k], r->error);
+  return code;
+}
+
+static int print(const placer *r, eda_printer *printer, eda_mask *m,
+                 eda_measurement *measured) {
+  const place *p = r->p;
+  const eda_gates *g = p->gates;
+  int code = eda_printer_prepare(printer, r->error);
   if (!code)
     code = (printer->fine > 0 ? eda_printer_refine : eda_printer_print)(
         printer, g->corrected, m->shapes, r->error);
   if (!code)
-    code = eda_measure(context, g, printer->print, p->extractor, measured,
-                       r->error);
+    code = eda_measure(p->host->context, g, printer->print, p->extractor,
+                       measured, r->error);
+  if (!(printer->fine > 0)) /* what the cells know of their fine prints */
+    start_correct(m->moved, &measured->performance);
   return code;
+}
+
+static int tell_of_cells(const placer *r) {
+  const opc_metric_value values[] = {{"cells", (double)r->cells},
+                                     {"placed", (double)r->placed},
+                                     {"unknown", (double)r->unknown}};
+  return opc_put_metrics(r->p->host, OPC_ARRAY(values), r->error);
 }
 
 static int tell(placer *r, const eda_mask *m, const double *extension) {
@@ -198,12 +214,8 @@ static int tell(placer *r, const eda_mask *m, const double *extension) {
                        .extension = extension,
                        .biases = &none.biases,
                        .flags_before = good};
-  const opc_metric_value values[] = {{"cells", (double)r->cells},
-                                     {"placed", (double)r->placed},
-                                     {"unknown", (double)r->unknown}};
   findings_of_print(host, m->gates, m->flags, NULL);
   int code = report_mask(host, &told, r->error);
-  if (!code) code = opc_put_metrics(host, OPC_ARRAY(values), r->error);
   if (!code) code = disturb_report(host, m, known, r->error);
   if (!code && r->p->picture)
     code = disturb_draw(host, m, known, r->p->picture, (double)r->p->width,
@@ -236,6 +248,14 @@ static int print_and_tell(placer *r, eda_mask *m) {
   return code;
 }
 
+/* Not printed: its figures are those of the cells, each alone. */
+static void promise(eda_mask *m) {
+  size_t n = m->gates->count;
+  eda_performance_init(&m->after, n);
+  eda_performance_copy(&m->after, &m->before);
+  m->flags = eda_alloc(n, sizeof *m->flags);
+}
+
 static int run(void *self, void **outputs, opc_error *error) {
   const place *p = self;
   placer r = {.p = p, .error = error};
@@ -248,7 +268,12 @@ static int run(void *self, void **outputs, opc_error *error) {
     outputs[0] = mask; /* released by the host if this fails */
     mask->moved = r.stitch.moved;
     r.stitch.moved = NULL;
-    code = print_and_tell(&r, mask);
+    code = make_mask(&r, mask);
+    if (!code) code = tell_of_cells(&r);
+    if (!code && !p->print)
+      promise(mask);
+    else if (!code)
+      code = print_and_tell(&r, mask);
   }
   for (size_t c = 0; r.entry && c < eda_layout_cells(p->layout); c++)
     entry_free(r.entry[c]);
@@ -261,6 +286,7 @@ static int run(void *self, void **outputs, opc_error *error) {
 static int forecast(void *self, opc_forecast *out, opc_error *error) {
   const place *p = self;
   (void)error;
+  if (!p->print) return OPC_OK;
   forecast_prints(p->host->context, p->gates, p->litho, p->resist, p->margin,
                   p->fine, "one print", "one fine print", out);
   return OPC_OK;
@@ -294,6 +320,10 @@ static const opc_parameter parameters[] = {
                   .summary = "clear field around the layout, which repeats "
                              "beyond; as 'fine' needs it"),
     FINE_PARAMETER(place),
+    OPC_PARAMETER(place, print, .type = OPC_BOOL, .preset = "true",
+                  .summary = "print the mask as a whole and tell how its "
+                             "transistors are disturbed; if not, its figures "
+                             "are what the cells promise"),
     OPC_PARAMETER(place, picture, .type = OPC_OUTPUT,
                   .summary = "the chip with the disturbance of each "
                              "transistor: .png, .svg or .pdf"),
@@ -326,6 +356,9 @@ static int check(void *self, opc_error *error) {
   place *p = self;
   int code = fine_error(p->fine_text, limit, &p->fine, error);
   p->margin = fine_margin(p->margin, p->fine);
+  if (!code && p->picture && !p->print)
+    code = opc_fail(error, OPC_INVALID, "picture",
+                    "without 'print' there is no disturbance to draw");
   if (!code && p->picture) code = eda_paper_check(p->picture, "picture", error);
   return code;
 }

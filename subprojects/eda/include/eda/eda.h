@@ -6,6 +6,7 @@
 #include <eda/bars.h>
 #include <eda/base.h>
 #include <eda/check.h>
+#include <eda/chip.h>
 #include <eda/circuit.h>
 #include <eda/csv.h>
 #include <eda/curves.h>

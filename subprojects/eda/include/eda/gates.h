@@ -90,6 +90,11 @@ typedef struct eda_gates {
   char **note;
 
   void *texts; /* what the texts above point into; eda's own */
+
+  /* No two that eda_gates_new made in a process have the same: whoever
+     remembers something of gates sees by it that others have come to their
+     place. 0: not made by that. Since 0.6. */
+  uint64_t serial;
 } eda_gates;
 
 /* Gates of `layers` layers and `count` transistors, all arrays zeroed and
@@ -159,6 +164,18 @@ OPC_EXPORT void eda_performance_copy(eda_performance *to,
 OPC_EXPORT void eda_performance_one(eda_performance *to,
                                     const eda_performance *from, size_t i);
 
+/* The figures of one transistor, as eda_performance has them. */
+typedef struct eda_figures {
+  double ion, ioff, leq_ion, leq_ioff, weq, area;
+} eda_figures;
+
+OPC_UNUSED static inline eda_figures eda_figures_of(const eda_performance *of,
+                                                    size_t i) {
+  eda_figures f = {of->ion[i],      of->ioff[i], of->leq_ion[i],
+                   of->leq_ioff[i], of->weq[i],  of->area[i]};
+  return f;
+}
+
 /* A part of a gate's width, from `from` to `to` grid steps along W from the LOW
    end of its box, in which the mask's length is `by` grid steps more. */
 typedef struct eda_part {
@@ -188,6 +205,9 @@ typedef struct eda_moved {
   uint8_t *flip;       /* EDA_FLIP_*, of each gate */
   eda_box_list *patch; /* [layers], what is added to the mask */
   eda_box_list *bite;  /* [layers], what is taken away after that */
+  double *seen; /* [gates], by how much the logarithm of Ion in a print by the
+                   optics' own image is known to be above that of a fine one; 0:
+                   nothing is known. Since 0.6. */
 } eda_moved;
 
 /* Nothing is moved; freeing it (NULL: nothing). [any] */
@@ -212,7 +232,8 @@ typedef struct eda_mask {
   size_t layers; /* gates->layers */
   /* [layers], empty for layers that are not corrected. */
   eda_shapes *shapes; /* on the grid of the gates; merged */
-  eda_field *print;   /* level set of the corrected mask's print */
+  eda_field *print;   /* level set of the corrected mask's print; empty if it
+                         was not printed (since 0.6) */
   eda_performance design, before, after;
   uint32_t *flags; /* EDA_PRINT_* of each gate, at the end */
   uint32_t iterations;

@@ -1,0 +1,337 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Chips of which it is known what repeats in them, against the mask made of all
+   their moves, printed flat. */
+#include <eda/chip.h>
+#include <eda/memory.h>
+#include <eda/print.h>
+#include <glib.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../start.h"
+#include "core/plugin/host.h"
+#include "core/testing/testing.h"
+
+/* ---- drawings ---- */
+
+typedef struct drawing {
+  eda_layout *layout;
+  int32_t cell, top;
+} drawing;
+
+static void box(const drawing *d, int32_t cell, const char *layer, int32_t x0,
+                int32_t y0, int32_t x1, int32_t y1) {
+  opc_error error;
+  int32_t l = eda_layout_layer(d->layout, layer, &error);
+  eda_box b = {x0, y0, x1, y1};
+  g_assert_false(eda_layout_add_box(d->layout, cell, l, b, &error));
+}
+
+/* Two lines over an active: no way to turn them shows the same. */
+static void draw_cell(const drawing *d) {
+  box(d, d->cell, "active", 0, 0, 700, 400);
+  box(d, d->cell, "poly", 150, -84, 215, 484);
+  box(d, d->cell, "poly", 400, -84, 465, 700);
+  box(d, d->cell, "poly", 465, 600, 600, 700);
+}
+
+static drawing drawing_new(void) {
+  opc_error error;
+  drawing d = {.layout = eda_layout_new(1, &error)};
+  d.cell = eda_layout_cell(d.layout, "CELL", &error);
+  d.top = eda_layout_cell(d.layout, "TOP", &error);
+  box(&d, d.top, "nwell", -20000, -20000, -19000, -19000);
+  draw_cell(&d);
+  return d;
+}
+
+static void place(const drawing *d, int32_t x, int32_t y, int mirror,
+                  double angle, uint32_t columns) {
+  opc_error error;
+  eda_placement p = {.origin = {x, y},
+                     .magnification = 1,
+                     .mirror = (uint32_t)mirror,
+                     .angle = angle,
+                     .columns = columns,
+                     .rows = 1,
+                     .column_step = {4000, 0}};
+  g_assert_false(
+      eda_layout_add_instance(d->layout, d->top, d->cell, &p, NULL, &error));
+}
+
+/* All eight ways, then some more in a row. */
+static drawing eight_ways(void) {
+  drawing d = drawing_new();
+  for (int k = 0; k < 8; k++)
+    place(&d, 4000 * (k % 4), 4000 * (k / 4), k / 4, 90 * (k % 4), 1);
+  place(&d, 0, 9000, 0, 0, 4);
+  return d;
+}
+
+/* ---- steps ---- */
+
+#define MODELS                                                   \
+  "litho: { use: litho.hopkins, kernels: 6 }, resist: { use: "   \
+  "resist.threshold, anchor: { line: 65 nm, pitch: 250 nm } }, " \
+  "extractor: { use: extractor.plain, devices: "                 \
+  "'%s/data/devices/ptm65.yaml' }"
+
+static opc_module *try_to_make(const char *id, const char *more,
+                               opc_error *error) {
+  g_autofree char *models = g_strdup_printf(MODELS, g_getenv("OPCFLOW_SOURCE"));
+  g_autofree char *map = g_strdup_printf("{ %s%s }", models, more);
+  return opc_test_module(id, map, error);
+}
+
+static opc_module *make(const char *id, const char *more) {
+  opc_error error = {0};
+  opc_module *m = try_to_make(id, more, &error);
+  if (!m) g_error("%s: %s: %s", id, error.parameter, error.message);
+  return m;
+}
+
+static void *run(opc_module *m) {
+  opc_error error = {0};
+  void *outputs[1];
+  opc_test_forget();
+  if (opc_test_run(m, outputs, &error)) g_error("%s", error.message);
+  return outputs[0];
+}
+
+static void release(opc_module *m, void *output) {
+  opc_test_release(m, &output);
+  opc_test_module_free(m);
+}
+
+#define NEWTON ", synthesizer: { use: synthesizer.newton, target: plain }"
+#define CHEAP NEWTON ", fine: off"
+
+static opc_module *chip_of(const drawing *d, const char *more) {
+  opc_module *m = make("correct.chip", more);
+  opc_test_input(m, "layout", d->layout);
+  return m;
+}
+
+/* ---- the truth ---- */
+
+static eda_gates *flat(const drawing *d) {
+  const eda_segment_settings settings = {
+      .grid = 1, .overhang = 84, .line_end = 200};
+  eda_gates *g;
+  eda_segment_report report;
+  opc_error error = {0};
+  if (eda_segment(NULL, d->layout, d->top, &settings, &g, &report, &error))
+    g_error("%s", error.message);
+  return g;
+}
+
+/* The mask that a chip's moves make of all gates, as a layout. */
+static eda_layout *mask_of(const eda_chip *chip, const eda_gates *g) {
+  opc_error error = {0};
+  eda_layout *out = eda_layout_new(1, &error);
+  int32_t cell = eda_layout_cell(out, "MASK", &error);
+  eda_moved *moved = eda_chip_moved(chip, g);
+  for (size_t k = 0; k < 2; k++) {
+    int32_t layer = eda_layout_layer(out, g->layer[k], &error);
+    eda_shapes s;
+    g_assert_false(start_mask(g, moved, k, &s, &error));
+    for (size_t i = 0; i < s.count; i++)
+      g_assert_false(
+          eda_layout_add_polygon(out, cell, layer, s.points + s.start[i],
+                                 s.start[i + 1] - s.start[i], &error));
+    eda_shapes_clear(&s);
+  }
+  eda_moved_free(moved);
+  return out;
+}
+
+/* %: how far the figures of a chip are, at most, from those of all its masks in
+   one flat print. */
+static double off_flat(const drawing *d, const eda_chip *chip,
+                       const char *fine) {
+  eda_gates *g = flat(d);
+  eda_layout *layout = mask_of(chip, g);
+  g_autofree char *more =
+      g_strdup_printf(", layers: { poly: poly, active: active }%s", fine);
+  opc_module *given = make("given", more);
+  opc_test_input(given, "gates", g);
+  opc_test_input(given, "mask_layout", layout);
+  eda_mask *mask = run(given);
+  double most = 0;
+  g_assert_cmpuint(g->count, ==, chip->count);
+  for (size_t i = 0; i < g->count; i++) {
+    size_t k = eda_chip_find(chip, g->box[i]);
+    g_assert_cmpuint(k, !=, SIZE_MAX);
+    const eda_chip_print *p = &chip->print[chip->gate[k].print];
+    g_assert_cmpfloat(fabs(p->design.ion / mask->design.ion[i] - 1), <, 1e-9);
+    most = fmax(most, fabs(eda_deviation(p->after.ion, mask->after.ion[i])));
+  }
+  release(given, mask);
+  eda_layout_free(layout);
+  eda_gates_free(g);
+  return most;
+}
+
+/* ---- tests ---- */
+
+/* However a cell lies, its transistors are the same ones; and what the moves
+   make of them prints as the chip says. */
+static void test_ways(void) {
+  drawing d = eight_ways();
+  opc_module *m = chip_of(&d, CHEAP ", radius: 800 nm");
+  eda_chip *chip = run(m);
+  g_assert_cmpuint(chip->count, ==, 24);
+  g_assert_true(opc_test_metric("classes") == 2);
+  g_assert_true(opc_test_metric("prints") == 2);
+  g_assert_cmpfloat(opc_test_metric("ion_max"), <, 0.5);
+  g_assert_cmpfloat(opc_test_metric("ion_mean_drawn"), >, 2);
+  double most = off_flat(&d, chip, ", fine: off, margin: 4000 nm");
+  g_test_message("off by %.4f %%", most);
+  g_assert_cmpfloat(most, <, 0.1);
+  release(m, chip);
+  eda_layout_free(d.layout);
+}
+
+static size_t classes_with(int32_t x, const char *layer) {
+  drawing d = eight_ways();
+  if (layer) box(&d, d.top, layer, x, 9000, x + 100, 9100);
+  opc_module *m = chip_of(&d, CHEAP ", radius: 800 nm, max_iterations: 0");
+  void *chip = run(m);
+  size_t classes = (size_t)opc_test_metric("classes");
+  release(m, chip);
+  eda_layout_free(d.layout);
+  return classes;
+}
+
+/* A shape beside one of the copies: within the radius of its first transistor
+   (at x 150), of none, and of a layer that does not matter. */
+static void test_radius(void) {
+  g_assert_cmpuint(classes_with(0, NULL), ==, 2);
+  g_assert_cmpuint(classes_with(-651 - 100, "poly"), ==, 2);
+  g_assert_cmpuint(classes_with(-649 - 100, "poly"), ==, 3);
+  g_assert_cmpuint(classes_with(-300, "contact"), ==, 4);
+  g_assert_cmpuint(classes_with(-300, "metal1"), ==, 2);
+}
+
+/* The same to the last bit by any number of threads. */
+static void test_threads(void) {
+  drawing d = eight_ways();
+  eda_chip *chip[2];
+  opc_module *m[2];
+  for (int k = 0; k < 2; k++) {
+    opc_set_threads(k ? 3 : 1);
+    m[k] = chip_of(&d, NEWTON ", fine: 1e-3, window: 3000 nm");
+    chip[k] = run(m[k]);
+  }
+  opc_set_threads(0);
+  g_assert_cmpuint(chip[0]->masks, ==, chip[1]->masks);
+  g_assert_cmpuint(chip[0]->prints, ==, chip[1]->prints);
+  g_assert_cmpmem(chip[0]->mask, chip[0]->masks * sizeof(eda_chip_mask),
+                  chip[1]->mask, chip[1]->masks * sizeof(eda_chip_mask));
+  for (size_t k = 0; k < chip[0]->prints; k++) {
+    const eda_chip_print *a = &chip[0]->print[k], *b = &chip[1]->print[k];
+    g_assert_true(a->after.ion == b->after.ion);
+    g_assert_true(a->after.ioff == b->after.ioff);
+    g_assert_true(a->before.ion == b->before.ion);
+  }
+  for (int k = 0; k < 2; k++) release(m[k], chip[k]);
+  eda_layout_free(d.layout);
+}
+
+/* ---- a real one ---- */
+
+static eda_layout *read_sram(opc_module **reader) {
+  g_autofree char *file = g_build_filename(g_getenv("OPCFLOW_SOURCE"), "data",
+                                           "cells65", "sram4.gds", NULL);
+  g_autofree char *map = g_strdup_printf(
+      "{ file: '%s', layers: { poly: 9/0, active: 1/0, contact: 10/0, nwell: "
+      "3/0 } }",
+      file);
+  opc_error error = {0};
+  *reader = opc_test_module("read.gds", map, &error);
+  if (!*reader) g_error("%s", error.message);
+  return run(*reader);
+}
+
+#define REGULATOR                                             \
+  ", regulator: { use: regulator.drc, min_extension: 30 nm, " \
+  "want_extension: 60 nm }"
+
+/* As good as the flat correction, whatever the windows; and as it says itself.
+ */
+static void test_sram(void) {
+  static const char *const windows[] = {"60 um", "1200 nm"};
+  opc_module *reader;
+  drawing d = {.layout = read_sram(&reader)};
+  opc_error error = {0};
+  d.top = eda_layout_top(d.layout, &error);
+  eda_gates *g = flat(&d);
+  opc_module *loop = make("correct", CHEAP REGULATOR);
+  opc_test_input(loop, "gates", g);
+  eda_mask *mask = run(loop);
+  double mean = opc_test_metric("ion_mean"), worst = opc_test_metric("ion_max");
+  for (size_t k = 0; k < G_N_ELEMENTS(windows); k++) {
+    g_autofree char *more =
+        g_strdup_printf(CHEAP REGULATOR ", window: %s", windows[k]);
+    opc_module *m = chip_of(&d, more);
+    eda_chip *chip = run(m);
+    g_test_message("flat %.3f %.3f, chip %.3f %.3f of %g classes", mean, worst,
+                   opc_test_metric("ion_mean"), opc_test_metric("ion_max"),
+                   opc_test_metric("classes"));
+    g_assert_cmpuint(chip->count, ==, g->count);
+    g_assert_cmpfloat(opc_test_metric("ion_mean"), <, mean + 0.05);
+    g_assert_cmpfloat(opc_test_metric("ion_max"), <, fmax(worst, 0.5));
+    g_assert_true(opc_test_metric("worse") == 0);
+    double most = off_flat(&d, chip, ", fine: off, margin: 4000 nm");
+    g_test_message("off by %.4f %%", most);
+    g_assert_cmpfloat(most, <, 0.3);
+    release(m, chip);
+  }
+  release(loop, mask);
+  eda_gates_free(g);
+  release(reader, d.layout);
+}
+
+/* ---- what cannot be right ---- */
+
+static void expect_refused(const drawing *d, const char *more,
+                           const char *parameter, const char *words) {
+  opc_error error = {0};
+  void *outputs[1];
+  opc_module *m = try_to_make("correct.chip", more, &error);
+  if (m) {
+    opc_test_input(m, "layout", d->layout);
+    g_assert_cmpint(opc_test_run(m, outputs, &error), !=, OPC_OK);
+    opc_test_module_free(m);
+  }
+  if (!strstr(error.message, words) || !strstr(error.parameter, parameter))
+    g_error("%s: '%s' instead of '%s'", error.parameter, error.message, words);
+}
+
+static void test_refused(void) {
+  drawing d = eight_ways();
+  expect_refused(&d, NEWTON ", radius: 0 nm", "", "above 0 nm");
+  expect_refused(&d, NEWTON ", radius: 70 um", "", "more than 'window'");
+  expect_refused(&d, NEWTON ", window: 100 nm", "", "100 nm");
+  expect_refused(&d, NEWTON ", top: NONE", "top", "NONE");
+  expect_refused(&d, NEWTON ", also: { metal1: M1 }", "", "poly and active");
+  expect_refused(&d, ", synthesizer: { use: synthesizer.epe }, fine: off",
+                 "synthesizer", "moves fragments");
+  drawing none = drawing_new();
+  box(&none, none.top, "active", 0, 0, 700, 400);
+  box(&none, none.top, "poly", 0, 1000, 700, 1065);
+  expect_refused(&none, NEWTON ", top: TOP", "layout", "no transistor");
+  eda_layout_free(none.layout);
+  eda_layout_free(d.layout);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/chip/ways", test_ways);
+  g_test_add_func("/chip/radius", test_radius);
+  g_test_add_func("/chip/threads", test_threads);
+  g_test_add_func("/chip/sram", test_sram);
+  g_test_add_func("/chip/refused", test_refused);
+  return g_test_run();
+}

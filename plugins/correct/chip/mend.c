@@ -1,0 +1,389 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Masks for chosen transistors, each corrected where it stands, on sheets of
+   clips. */
+#include <eda/index.h>
+#include <eda/memory.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../loop.h"
+#include "../start.h"
+#include "work.h"
+
+typedef struct mend {
+  work *work;
+  const uint32_t *number; /* of each transistor to correct, in the chip */
+  size_t count;
+  int stand; /* all others have the chip's masks, and keep them */
+  cover cover;
+  pages pages;
+  uint32_t *mask; /* of each: its new one */
+  size_t sheets;  /* done */
+  double *better; /* of each: |Ion deviation| that it has to beat; NULL */
+  char *key;
+} mend;
+
+/* What is told of one of them: then come its parts and boxes. */
+typedef struct mended {
+  uint32_t place, flags_before;
+  eda_chip_mask mask;
+  eda_figures before;
+  double off; /* |Ion deviation| with that mask, %; INFINITY: none */
+} mended;
+
+/* Before all that is of a sheet. */
+typedef struct head {
+  uint32_t simulations, fine_simulations;
+} head;
+
+/* ---- what the loop starts with ---- */
+
+/* The masks of all who stand, on a sheet; those to correct are as drawn. */
+static void stand(const mend *m, const sheet *s, start *out) {
+  const eda_gates *g = s->gates;
+  eda_moved *base = eda_moved_new(g->layers, g->count);
+  out->still = eda_alloc(g->count, 1);
+  for (size_t i = 0; i < g->count; i++) {
+    out->still[i] = s->place[i] == UINT32_MAX;
+    if (out->still[i])
+      eda_chip_move(m->work->chip, s->of[i], g->box[i], base, i);
+  }
+  out->base = base;
+}
+
+/* ---- what the loop ends with ---- */
+
+static int failed(uint32_t flags) {
+  return (flags & ~(uint32_t)EDA_PRINT_NOTES) != 0;
+}
+
+static double off(const loop *l, size_t i) {
+  if (failed(l->measured.flags[i])) return INFINITY;
+  return fabs(eda_deviation(l->measured.performance.ion[i], l->design.ion[i]));
+}
+
+static double apart(eda_box a, eda_box b) {
+  return hypot(0.5 * ((double)a.x0 + a.x1 - b.x0 - b.x1),
+               0.5 * ((double)a.y0 + a.y1 - b.y0 - b.y1));
+}
+
+/* The transistor that a patch or a bite belongs to: the nearest of those within
+   the radius, as only these have the same shapes there everywhere. */
+static uint32_t owner_of(const mend *m, const eda_gates *g,
+                         const eda_index *index, eda_box b) {
+  int32_t r = m->work->radius;
+  uint32_t owner = UINT32_MAX;
+  double least = INFINITY;
+  eda_finder f =
+      eda_index_find(index, (eda_box){b.x0 - r, b.y0 - r, b.x1 + r, b.y1 + r});
+  for (uint32_t i; eda_index_next(&f, &i);) {
+    double d = apart(b, g->box[i]);
+    if (d > least || (d == least && i > owner)) continue;
+    least = d;
+    owner = i;
+  }
+  return owner;
+}
+
+/* Patches and bites by their transistor, in its own coordinates. */
+typedef struct owned {
+  eda_chip_box *box;
+  uint32_t *gate, *next; /* of each box; the next one of that gate + 1 */
+  uint32_t *first;       /* of each gate + 1 */
+  size_t count;
+} owned;
+
+static void own(const mend *m, const loop *l, const eda_index *index,
+                size_t layer, int bite, owned *to) {
+  const eda_gates *g = l->gates;
+  eda_boxes b = bite ? l->now.bites[layer] : l->now.patches[layer];
+  for (size_t i = b.count; i-- > 0;) {
+    uint32_t gate = owner_of(m, g, index, b.box[i]);
+    if (gate == UINT32_MAX) continue;
+    to->box[to->count] =
+        (eda_chip_box){eda_chip_own(g->box[gate], g->axis[gate], 0, b.box[i]),
+                       (uint16_t)layer, (uint16_t)bite};
+    to->next[to->count] = to->first[gate];
+    to->first[gate] = (uint32_t)++to->count;
+  }
+}
+
+static void own_all(const mend *m, const loop *l, owned *out) {
+  const eda_gates *g = l->gates;
+  size_t all = 0;
+  for (size_t k = 0; k < g->layers; k++)
+    all += l->now.patches[k].count + l->now.bites[k].count;
+  *out = (owned){.box = eda_alloc(all, sizeof *out->box),
+                 .next = eda_alloc(all, sizeof *out->next),
+                 .first = eda_alloc(g->count, sizeof *out->first)};
+  eda_index *index = eda_index_new(g->box, g->count, 0);
+  for (size_t k = g->layers; k-- > 0;)
+    for (int bite = 1; bite >= 0; bite--) own(m, l, index, k, bite, out);
+  eda_index_free(index);
+}
+
+static void owned_clear(owned *o) {
+  free(o->box);
+  free(o->next);
+  free(o->first);
+}
+
+static void put_one(const loop *l, const owned *o, uint32_t place, size_t i,
+                    opc_bytes *out) {
+  const biases *b = &l->now.biases;
+  const eda_part *part = b->part + EDA_PARTS * i;
+  mended one = {.place = place,
+                .flags_before = l->guard.flags[i],
+                .mask = {.w = b->w[i],
+                         .aside = b->aside[i],
+                         .l = b->l[i],
+                         .jog = b->jog[i],
+                         .end = {b->end[2 * i], b->end[2 * i + 1]}},
+                .before = eda_figures_of(&l->before, i),
+                .off = off(l, i)};
+  while (one.mask.parts < EDA_PARTS &&
+         part[one.mask.parts].from < part[one.mask.parts].to)
+    one.mask.parts++;
+  for (uint32_t k = o->first[i]; k; k = o->next[k - 1]) one.mask.boxes++;
+  out->add(out, &one, sizeof one);
+  out->add(out, part, one.mask.parts * sizeof *part);
+  for (uint32_t k = o->first[i]; k; k = o->next[k - 1])
+    out->add(out, &o->box[k - 1], sizeof *o->box);
+}
+
+static int put_all(const mend *m, const loop *l, const sheet *s, opc_bytes *out,
+                   opc_error *error) {
+  for (size_t k = 0; k < l->gates->layers; k++)
+    if (l->now.shift[k] || l->now.assists[k].count)
+      return opc_fail(error, OPC_INVALID, "synthesizer",
+                      "%s moves fragments of edges, or adds bars: a chip keeps "
+                      "how transistors were moved",
+                      m->work->synthesizer->id);
+  owned o;
+  own_all(m, l, &o);
+  const head h = {l->printer.simulations, l->printer.fine_simulations};
+  out->add(out, &h, sizeof h);
+  for (size_t i = 0; i < l->gates->count; i++)
+    if (s->place[i] != UINT32_MAX) put_one(l, &o, s->place[i], i, out);
+  owned_clear(&o);
+  return OPC_OK;
+}
+
+/* ---- a sheet ---- */
+
+/* The host of a loop: its progress is a part of ours, and what it tells of its
+   prints is of a sheet, which nobody knows. */
+typedef struct inner {
+  opc_host host;
+  const mend *mend;
+} inner;
+
+OPC_PRINTF(3, 4)
+static void log_inner(const opc_host *host, int level, const char *format,
+                      ...) {
+  const opc_host *outer = ((const inner *)host)->mend->work->host;
+  va_list arguments;
+  va_start(arguments, format);
+  g_autofree char *line = g_strdup_vprintf(format, arguments);
+  va_end(arguments);
+  outer->log(outer, level == OPC_LOG_INFO ? OPC_LOG_DEBUG : level, "%s", line);
+}
+
+static void tell_inner(const opc_host *host, const opc_progress *at) {
+  const inner *in = (const inner *)host;
+  const mend *m = in->mend;
+  double part = at->total > 0 ? at->done / at->total : 0;
+  if (isfinite(at->worst)) m->work->worst = at->worst;
+  work_progress(m->work, ((double)m->sheets + part) / (double)m->pages.count);
+}
+
+static int correct(const mend *m, const sheet *s, const start *begun,
+                   opc_bytes *out, opc_error *error) {
+  const work *w = m->work;
+  inner in = {*w->host, m};
+  in.host.log = log_inner;
+  in.host.progress = tell_inner;
+  loop l = {.host = &in.host,
+            .gates = s->gates,
+            .extractor = w->extractor,
+            .prepared = 1,
+            .regulator = w->regulator,
+            .max_iterations = w->max_iterations,
+            .base = begun->base,
+            .still = begun->still,
+            .hold = w->hold,
+            .limit = w->limit,
+            .drivers = {[MAIN].module = w->synthesizer}};
+  eda_printer_init(&l.printer, w->host->context, s->gates, w->litho, w->resist,
+                   w->gap * w->chip->grid);
+  l.printer.fine = w->fine;
+  int code = loop_run(&l, error);
+  if (!code) code = put_all(m, &l, s, out, error);
+  loop_clear(&l);
+  return code;
+}
+
+static int mend_sheet(void *data, size_t i, opc_bytes *out, opc_error *error) {
+  mend *m = data;
+  work *w = m->work;
+  start begun = {0};
+  sheet s;
+  int code = sheet_make(w->host->context, w->chip, &m->cover, m->number,
+                        &m->pages, i, m->stand ? 0 : w->margin, &s, error);
+  if (!code && m->stand) stand(m, &s, &begun);
+  if (!code) code = correct(m, &s, &begun, out, error);
+  eda_moved_free((eda_moved *)begun.base);
+  free(begun.still);
+  work_drop(w, &s);
+  return code;
+}
+
+/* ---- taking them ---- */
+
+/* Room for another mask; its number. */
+static uint32_t add_mask(work *w) {
+  eda_chip *c = w->chip;
+  size_t room = w->mask_room;
+  eda_grow(&c->mask, &room, c->masks + 1, sizeof *c->mask);
+  room = w->mask_room;
+  eda_grow(&w->before, &room, c->masks + 1, sizeof *w->before);
+  room = w->mask_room;
+  eda_grow(&w->flags_before, &room, c->masks + 1, sizeof *w->flags_before);
+  w->mask_room = room;
+  return (uint32_t)c->masks++;
+}
+
+/* A refined mask has what was measured of the drawn one already: its loop has
+   not seen it among drawn ones. */
+static void take_mask(mend *m, const mended *one, const char *bytes) {
+  work *w = m->work;
+  eda_chip *c = w->chip;
+  eda_chip_mask mask = one->mask;
+  size_t parts = mask.parts * sizeof *c->part;
+  mask.part = (uint32_t)c->parts;
+  mask.box = (uint32_t)c->boxes;
+  eda_grow(&c->part, &w->part_room, c->parts + mask.parts, sizeof *c->part);
+  eda_grow(&c->box, &w->box_room, c->boxes + mask.boxes, sizeof *c->box);
+  if (mask.parts) memcpy(c->part + c->parts, bytes, parts);
+  if (mask.boxes)
+    memcpy(c->box + c->boxes, bytes + parts, mask.boxes * sizeof *c->box);
+  c->parts += mask.parts;
+  c->boxes += mask.boxes;
+  uint32_t k = m->mask[one->place] = add_mask(w);
+  uint32_t was = c->gate[m->number[one->place]].mask;
+  c->mask[k] = mask;
+  w->before[k] = m->stand ? w->before[was] : one->before;
+  w->flags_before[k] = m->stand ? w->flags_before[was] : one->flags_before;
+}
+
+static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
+                      opc_error *error) {
+  mend *m = data;
+  const char *at = bytes, *end = at + size;
+  head h;
+  mended one;
+  (void)i, (void)error;
+  memcpy(&h, at, sizeof h);
+  m->work->simulations += h.simulations;
+  m->work->fine_simulations += h.fine_simulations;
+  for (at += sizeof h; at < end;) {
+    memcpy(&one, at, sizeof one);
+    at += sizeof one;
+    if (!m->better || one.off < m->better[one.place]) take_mask(m, &one, at);
+    at += one.mask.parts * sizeof(eda_part) +
+          one.mask.boxes * sizeof(eda_chip_box);
+  }
+  return OPC_OK;
+}
+
+static void tell_done(void *data, size_t done) {
+  mend *m = data;
+  m->sheets = done;
+  work_progress(m->work, (double)done / (double)m->pages.count);
+}
+
+static double cost_of(void *data, size_t i) {
+  const mend *m = data;
+  return m->pages.area[i];
+}
+
+/* ---- all of them ---- */
+
+/* What else it depends on was taken in earlier rounds. */
+static const char *key_of(void *data, size_t i) {
+  mend *m = data;
+  g_free(m->key);
+  m->key = g_strdup_printf("%zu %zu", m->work->round, i);
+  return m->key;
+}
+
+/* The masks of transistors `number`; m->mask tells which they got. */
+static int mend_all(mend *m, opc_error *error) {
+  work *w = m->work;
+  eda_box *box = eda_alloc(m->count, sizeof *box);
+  int32_t reach = w->margin + (m->stand ? 0 : w->along);
+  for (size_t i = 0; i < m->count; i++)
+    box[i] = w->chip->gate[m->number[i]].box;
+  cover_make(box, m->count, reach, w->window + 2 * reach, &m->cover);
+  free(box);
+  pages_make(&m->cover, w->window + 2 * reach, w->gap, &m->pages);
+  m->mask = eda_alloc(m->count, sizeof *m->mask);
+  for (size_t i = 0; i < m->count; i++) m->mask[i] = UINT32_MAX;
+  w->sheets += m->pages.count;
+  work_tell(w, &m->pages, m->count, m->cover.count);
+  const opc_pieces all = {.data = m,
+                          .name = m->stand ? "refine" : "correct",
+                          .count = m->pages.count,
+                          .key = key_of,
+                          .cost = cost_of,
+                          .work = mend_sheet,
+                          .take = take_sheet,
+                          .done = tell_done};
+  int code = w->host->pieces(w->host, &all, error);
+  pages_clear(&m->pages);
+  cover_clear(&m->cover);
+  g_free(m->key);
+  return code;
+}
+
+int mend_classes(work *w, opc_error *error) {
+  mend m = {.work = w, .number = w->first, .count = w->classes};
+  int code = mend_all(&m, error);
+  for (size_t i = 0; i < w->chip->count && !code; i++)
+    w->chip->gate[i].mask = m.mask[w->chip->gate[i].mask];
+  free(m.mask);
+  return code;
+}
+
+int mend_prints(work *w, const uint32_t *prints, size_t n, opc_error *error) {
+  eda_chip *c = w->chip;
+  uint32_t *number = eda_alloc(n, sizeof *number),
+           *place = eda_alloc(c->prints, sizeof *place);
+  uint8_t *flip = eda_alloc(n, 1);
+  double *better = eda_alloc(n, sizeof *better);
+  for (size_t k = 0; k < n; k++) {
+    number[k] = w->print_first[prints[k]];
+    flip[k] = c->gate[number[k]].flip;
+    better[k] = prove_off(&c->print[prints[k]]);
+    place[prints[k]] = (uint32_t)(k + 1);
+  }
+  mend m = {
+      .work = w, .number = number, .count = n, .stand = 1, .better = better};
+  int code = mend_all(&m, error);
+  for (size_t i = 0; i < c->count && !code; i++) {
+    eda_chip_gate *g = &c->gate[i];
+    uint32_t k = place[g->print];
+    if (!k || m.mask[k - 1] == UINT32_MAX) continue;
+    g->mask = m.mask[k - 1];
+    g->flip ^= flip[k - 1];
+    w->refined++;
+  }
+  free(m.mask);
+  free(number);
+  free(place);
+  free(flip);
+  free(better);
+  return code;
+}

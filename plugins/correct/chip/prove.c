@@ -1,0 +1,297 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Prints of what is masked as nothing else is. Each transistor takes its
+   figures from one whose surroundings are masked alike: the same transistors
+   stand there as far as light counts, each with its own mask and so with its
+   own drawn surroundings. */
+#include <eda/index.h>
+#include <eda/memory.h>
+#include <eda/print.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../start.h"
+#include "work.h"
+
+enum { SUMS_AT_ONCE = 1024 };
+
+/* ---- what is masked alike ---- */
+
+typedef struct seen {
+  const work *work;
+  eda_index *index;
+  uint8_t (*sum)[SUM_SIZE];
+} seen;
+
+/* A neighbour in the own coordinates of another. */
+typedef struct neighbour {
+  eda_box box;
+  uint32_t mask, lies; /* axis and flip, as seen by the other */
+} neighbour;
+
+static int by_place(const void *a, const void *b) {
+  const neighbour *p = a, *q = b;
+  if (p->box.y0 != q->box.y0) return p->box.y0 < q->box.y0 ? -1 : 1;
+  return (p->box.x0 > q->box.x0) - (p->box.x0 < q->box.x0);
+}
+
+/* Along its own L and W, which are another's W and L if their axes differ. */
+static uint32_t lies_as(const eda_chip_gate *g, const eda_chip_gate *to) {
+  uint32_t flip = to->flip;
+  if (g->axis != to->axis) flip = (flip & 1) << 1 | flip >> 1;
+  return (g->flip ^ flip) << 1 | (g->axis ^ to->axis);
+}
+
+static void sum_up(const seen *s, size_t i, GArray *list) {
+  const eda_chip *c = s->work->chip;
+  const eda_chip_gate *g = &c->gate[i];
+  int32_t r = s->work->margin;
+  eda_box w = {g->box.x0 - r, g->box.y0 - r, g->box.x1 + r, g->box.y1 + r};
+  eda_finder f = eda_index_find(s->index, w);
+  g_array_set_size(list, 0);
+  for (uint32_t k; eda_index_next(&f, &k);) {
+    const eda_chip_gate *o = &c->gate[k];
+    const neighbour n = {eda_chip_own(g->box, g->axis, g->flip, o->box),
+                         o->mask, lies_as(o, g)};
+    g_array_append_val(list, n);
+  }
+  g_array_sort(list, by_place);
+  uint8_t all[32];
+  gsize size = sizeof all;
+  g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
+  g_checksum_update(sum, (const guchar *)&g->mask, sizeof g->mask);
+  g_checksum_update(sum, (const guchar *)list->data,
+                    (gssize)(list->len * sizeof(neighbour)));
+  g_checksum_get_digest(sum, all, &size);
+  memcpy(s->sum[i], all, SUM_SIZE);
+}
+
+static void sum_some(void *data, size_t part) {
+  const seen *s = data;
+  size_t end = MIN((part + 1) * SUMS_AT_ONCE, s->work->chip->count);
+  g_autoptr(GArray) list = g_array_new(FALSE, FALSE, sizeof(neighbour));
+  for (size_t i = part * SUMS_AT_ONCE; i < end; i++) sum_up(s, i, list);
+}
+
+static void add_print(work *w, const uint8_t *sum, uint32_t first) {
+  eda_chip *c = w->chip;
+  size_t room = w->print_room;
+  eda_grow(&c->print, &room, c->prints + 1, sizeof *c->print);
+  room = w->print_room;
+  eda_grow(&w->print_first, &room, c->prints + 1, sizeof *w->print_first);
+  room = w->print_room;
+  eda_grow(&w->tried, &room, c->prints + 1, 1);
+  w->print_room = room;
+  c->print[c->prints] = (eda_chip_print){0};
+  w->print_first[c->prints] = first;
+  w->tried[c->prints] = 0;
+  gpointer copy = g_memdup2(sum, SUM_SIZE);
+  g_ptr_array_add(w->sums, copy);
+  g_hash_table_insert(w->prints, copy, GUINT_TO_POINTER(++c->prints));
+}
+
+/* The print of each transistor; those that are new have no figures yet. */
+static void find_prints(work *w) {
+  eda_chip *c = w->chip;
+  eda_box *box = eda_alloc(c->count, sizeof *box);
+  for (size_t i = 0; i < c->count; i++) box[i] = c->gate[i].box;
+  seen s = {w, eda_index_new(box, c->count, 0),
+            eda_alloc(c->count, sizeof *s.sum)};
+  free(box);
+  opc_parallel(w->host->context, (c->count + SUMS_AT_ONCE - 1) / SUMS_AT_ONCE,
+               sum_some, &s);
+  for (size_t i = 0; i < c->count; i++) {
+    guint k = GPOINTER_TO_UINT(g_hash_table_lookup(w->prints, s.sum[i]));
+    if (!k) add_print(w, s.sum[i], (uint32_t)i);
+    c->gate[i].print = (k ? k : (guint)c->prints) - 1;
+  }
+  eda_index_free(s.index);
+  free(s.sum);
+}
+
+/* ---- printing ---- */
+
+typedef struct prove {
+  work *work;
+  const uint32_t *number; /* transistors to print, */
+  size_t first, count;    /* of the prints from `first` on */
+  cover cover;
+  pages pages;
+  char *key;
+} prove;
+
+typedef struct proved {
+  uint32_t place, flags, violations, unused;
+  eda_figures design, after;
+} proved;
+
+typedef struct measured {
+  eda_printer printer;
+  eda_shapes *mask;
+  eda_moved *moved;
+  eda_measurement measured;
+  eda_performance design;
+  uint32_t *violations; /* of each gate */
+} measured;
+
+static void measured_init(measured *m, const prove *p, const sheet *s) {
+  const work *w = p->work;
+  const eda_gates *g = s->gates;
+  *m = (measured){.mask = eda_alloc(g->layers, sizeof *m->mask),
+                  .moved = eda_moved_new(g->layers, g->count),
+                  .violations = eda_alloc(g->count, sizeof *m->violations)};
+  for (size_t i = 0; i < g->count; i++)
+    eda_chip_move(w->chip, s->of[i], g->box[i], m->moved, i);
+  eda_printer_init(&m->printer, w->host->context, g, w->litho, w->resist,
+                   w->gap * w->chip->grid);
+  m->printer.fine = w->fine;
+  eda_measurement_init(&m->measured, g->count);
+  eda_performance_init(&m->design, g->count);
+}
+
+static void measured_clear(measured *m, const eda_gates *g) {
+  for (size_t k = 0; k < g->layers; k++) eda_shapes_clear(&m->mask[k]);
+  free(m->mask);
+  eda_moved_free(m->moved);
+  eda_printer_clear(&m->printer);
+  eda_measurement_clear(&m->measured);
+  eda_performance_clear(&m->design);
+  free(m->violations);
+}
+
+/* The rules that the print does not keep, by transistor. */
+static int count_violations(const work *w, const eda_gates *g, measured *m,
+                            opc_error *error) {
+  if (!w->regulator) return OPC_OK;
+  const eda_printed printed = {.gates = g,
+                               .flags = m->measured.flags,
+                               .l = m->moved->l,
+                               .w = m->moved->w,
+                               .aside = m->moved->aside,
+                               .extension = m->measured.extension,
+                               .shapes = m->mask,
+                               .print = m->printer.print};
+  size_t room = 16 * g->count + 1000, n;
+  eda_violation *v = eda_alloc(room, sizeof *v);
+  int code = eda_call_violations(w->host->context, w->regulator, &printed, v,
+                                 room, &n, error);
+  for (size_t i = 0; !code && i < MIN(n, room); i++)
+    if (v[i].gate >= 0) m->violations[v[i].gate]++;
+  free(v);
+  return eda_blame(error, code, "regulator");
+}
+
+static int print(const work *w, const eda_gates *g, measured *m,
+                 opc_error *error) {
+  int code = eda_printer_prepare(&m->printer, error);
+  for (size_t k = 0; k < g->layers && !code; k++)
+    if (g->corrected[k]) code = start_mask(g, m->moved, k, &m->mask[k], error);
+  if (!code && m->printer.fine > 0)
+    code = eda_printer_refine(&m->printer, g->corrected, m->mask, error);
+  else if (!code)
+    code = eda_printer_print(&m->printer, g->corrected, m->mask, error);
+  if (!code)
+    code =
+        eda_measure_drawn(w->host->context, g, w->extractor, &m->design, error);
+  if (!code)
+    code = eda_measure(w->host->context, g, m->printer.print, w->extractor,
+                       &m->measured, error);
+  return code ? code : count_violations(w, g, m, error);
+}
+
+static int prove_sheet(void *data, size_t i, opc_bytes *out, opc_error *error) {
+  prove *p = data;
+  work *w = p->work;
+  sheet s;
+  measured m;
+  int code = sheet_make(w->host->context, w->chip, &p->cover, p->number,
+                        &p->pages, i, 0, &s, error);
+  if (!code) {
+    measured_init(&m, p, &s);
+    code = print(w, s.gates, &m, error);
+    for (size_t k = 0; !code && k < s.gates->count; k++) {
+      const proved one = {.place = s.place[k],
+                          .flags = m.measured.flags[k],
+                          .violations = m.violations[k],
+                          .design = eda_figures_of(&m.design, k),
+                          .after = eda_figures_of(&m.measured.performance, k)};
+      if (one.place != UINT32_MAX) out->add(out, &one, sizeof one);
+    }
+    measured_clear(&m, s.gates);
+  }
+  work_drop(w, &s);
+  return code;
+}
+
+double prove_off(const eda_chip_print *p) {
+  if (p->flags & ~(uint32_t)EDA_PRINT_NOTES) return INFINITY;
+  return fabs(eda_deviation(p->after.ion, p->design.ion));
+}
+
+static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
+                      opc_error *error) {
+  prove *p = data;
+  work *w = p->work;
+  eda_chip *c = w->chip;
+  const proved *one = bytes;
+  (void)i, (void)error;
+  for (size_t k = 0; k < size / sizeof *one; k++) {
+    eda_chip_print *to = &c->print[p->first + one[k].place];
+    uint32_t mask = c->gate[p->number[one[k].place]].mask;
+    *to = (eda_chip_print){.design = one[k].design,
+                           .before = w->before[mask],
+                           .after = one[k].after,
+                           .flags_before = w->flags_before[mask],
+                           .flags = one[k].flags,
+                           .violations = one[k].violations};
+    if (isfinite(prove_off(to))) w->worst = fmax(w->worst, prove_off(to));
+  }
+  return OPC_OK;
+}
+
+static const char *key_of(void *data, size_t i) {
+  prove *p = data;
+  g_free(p->key);
+  p->key = g_strdup_printf("%zu %zu", p->work->round, i);
+  return p->key;
+}
+
+static double cost_of(void *data, size_t i) {
+  const prove *p = data;
+  return p->pages.area[i];
+}
+
+static void tell_done(void *data, size_t done) {
+  const prove *p = data;
+  work_progress(p->work, (double)done / (double)p->pages.count);
+}
+
+int prove_all(work *w, opc_error *error) {
+  eda_chip *c = w->chip;
+  prove p = {.work = w, .first = c->prints};
+  find_prints(w);
+  p.count = c->prints - p.first;
+  p.number = w->print_first + p.first;
+  eda_box *box = eda_alloc(p.count, sizeof *box);
+  for (size_t k = 0; k < p.count; k++) box[k] = c->gate[p.number[k]].box;
+  int32_t most = w->window + 2 * w->margin;
+  cover_make(box, p.count, w->margin, most, &p.cover);
+  free(box);
+  pages_make(&p.cover, most, w->gap, &p.pages);
+  w->sheets += p.pages.count;
+  work_tell(w, &p.pages, p.count, p.cover.count);
+  w->worst = 0;
+  const opc_pieces all = {.data = &p,
+                          .name = "prove",
+                          .count = p.pages.count,
+                          .key = key_of,
+                          .cost = cost_of,
+                          .work = prove_sheet,
+                          .take = take_sheet,
+                          .done = tell_done};
+  int code = w->host->pieces(w->host, &all, error);
+  pages_clear(&p.pages);
+  cover_clear(&p.cover);
+  g_free(p.key);
+  return code;
+}

@@ -1,0 +1,260 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A transistor's surroundings are the edges of what is drawn there, in its own
+   coordinates: each becomes a number of 64 bits. Of the four ways to look at
+   them along L and W the one is taken in which the numbers' sum of hashes is
+   least; a tie is a symmetry, by which all ways that tie look alike. */
+#include "surround.h"
+
+#include <eda/check.h>
+#include <eda/index.h>
+#include <eda/memory.h>
+#include <glib.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Ours: the side of the index's cells, nm, about a tenth of the windows that
+   are looked for; and as many transistors at a time as make a thread's work
+   longer than its start. */
+enum { CELL = 500, AT_ONCE = 256 };
+
+/* Of a coordinate in a number: two of them, and where the edge is. */
+enum { BITS = 19, FURTHEST = (1 << (BITS - 1)) - 1, MOST_LAYERS = 32 };
+
+enum { FLIPS = 4 };
+
+/* An edge of merged shapes: at a constant coordinate along `across`. */
+typedef struct edge {
+  int32_t at, low, high;
+  uint8_t layer, across, high_side;
+} edge;
+
+typedef struct seen {
+  const opc_context *context;
+  const eda_gates *gates;
+  int32_t radius;
+  int ways;
+  edge *edges;
+  size_t count;
+  eda_index *index;
+  surround *out;
+} seen;
+
+/* ---- edges ---- */
+
+static edge edge_of(size_t layer, eda_point a, eda_point b) {
+  edge e = {.layer = (uint8_t)layer};
+  if (a.x == b.x) { /* down on the left side of the interior, up on its right */
+    e.across = EDA_X;
+    e.high_side = a.y < b.y;
+    e.at = a.x;
+    e.low = MIN(a.y, b.y);
+    e.high = MAX(a.y, b.y);
+  } else {
+    e.across = EDA_Y;
+    e.high_side = a.x > b.x;
+    e.at = a.y;
+    e.low = MIN(a.x, b.x);
+    e.high = MAX(a.x, b.x);
+  }
+  return e;
+}
+
+static eda_box box_of(const edge *e) {
+  return e->across == EDA_X ? (eda_box){e->at, e->low, e->at, e->high}
+                            : (eda_box){e->low, e->at, e->high, e->at};
+}
+
+static void find_edges(seen *s) {
+  const eda_gates *g = s->gates;
+  size_t all = 0, n = 0;
+  for (size_t k = 0; k < g->layers; k++)
+    if (g->drawn[k].count) all += g->drawn[k].start[g->drawn[k].count];
+  s->edges = eda_alloc(all, sizeof *s->edges);
+  eda_box *box = eda_alloc(all, sizeof *box);
+  for (size_t k = 0; k < g->layers; k++) {
+    const eda_shapes *d = &g->drawn[k];
+    for (size_t p = 0; p < d->count; p++)
+      for (uint32_t i = d->start[p]; i < d->start[p + 1]; i++, n++) {
+        uint32_t next = i + 1 < d->start[p + 1] ? i + 1 : d->start[p];
+        s->edges[n] = edge_of(k, d->points[i], d->points[next]);
+        box[n] = box_of(&s->edges[n]);
+      }
+  }
+  s->count = n;
+  s->index = eda_index_new(box, n, (int32_t)ceil(CELL / g->grid));
+  free(box);
+}
+
+/* ---- one transistor ---- */
+
+/* What is written in its own coordinates: from the LOW ends of its box, or from
+   the HIGH ends. */
+typedef struct frame {
+  eda_box box;
+  uint8_t axis;
+} frame;
+
+static int32_t low_of(const frame *f, int d) {
+  return d == EDA_X ? f->box.x0 : f->box.y0;
+}
+
+static int32_t size_of(const frame *f, int d) {
+  return d == EDA_X ? f->box.x1 - f->box.x0 : f->box.y1 - f->box.y0;
+}
+
+/* `back`: [2], along x and y. */
+static uint64_t number_of(const frame *f, const edge *e, const int *back) {
+  static const uint64_t mask = ((uint64_t)1 << BITS) - 1;
+  int d = e->across, other = !d;
+  int32_t at = e->at - low_of(f, d), low = e->low - low_of(f, other),
+          high = e->high - low_of(f, other);
+  int side = e->high_side;
+  if (back[d]) {
+    at = size_of(f, d) - at;
+    side = !side;
+  }
+  if (back[other]) {
+    int32_t was = low;
+    low = size_of(f, other) - high;
+    high = size_of(f, other) - was;
+  }
+  uint64_t head =
+      (uint64_t)e->layer << 2 | (uint64_t)(d ^ f->axis) << 1 | (uint64_t)side;
+  return head << (3 * BITS) | ((uint64_t)at & mask) << (2 * BITS) |
+         ((uint64_t)low & mask) << BITS | ((uint64_t)high & mask);
+}
+
+/* As splitmix64 does it. */
+static uint64_t mix(uint64_t x) {
+  x += 0x9E3779B97F4A7C15u;
+  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
+  x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
+  return x ^ (x >> 31);
+}
+
+static int by_number(const void *a, const void *b) {
+  uint64_t p = *(const uint64_t *)a, q = *(const uint64_t *)b;
+  return (p > q) - (p < q);
+}
+
+/* The edges of a transistor, in each of the four ways. */
+typedef struct numbers {
+  uint64_t *number[FLIPS];
+  size_t count, room;
+} numbers;
+
+static void add(numbers *n, const frame *f, const edge *e, uint64_t *sum) {
+  if (n->count == n->room) {
+    n->room = 2 * n->room + 256;
+    for (int k = 0; k < FLIPS; k++)
+      n->number[k] = g_renew(uint64_t, n->number[k], n->room);
+  }
+  for (int k = 0; k < FLIPS; k++) {
+    int l = k & EDA_FLIP_L, w = (k & EDA_FLIP_W) / EDA_FLIP_W;
+    const int back[2] = {f->axis == EDA_X ? l : w, f->axis == EDA_X ? w : l};
+    uint64_t x = number_of(f, e, back);
+    n->number[k][n->count] = x;
+    sum[k] += mix(x);
+  }
+  n->count++;
+}
+
+static int too_large(const seen *s, size_t i, opc_error *error) {
+  eda_box b = s->gates->box[i];
+  return opc_fail(
+      error, OPC_INVALID, NULL,
+      "transistor from (%.10g, %.10g) to (%.10g, %.10g) nm: it is "
+      "larger than %.10g nm less twice the radius, the most on this "
+      "grid",
+      b.x0 * s->gates->grid, b.y0 * s->gates->grid, b.x1 * s->gates->grid,
+      b.y1 * s->gates->grid, FURTHEST * s->gates->grid);
+}
+
+/* What is within the radius, cut off there. */
+static void look(const seen *s, size_t i, numbers *n, uint64_t *sum) {
+  frame f = {s->gates->box[i], s->gates->axis[i]};
+  eda_box w = {f.box.x0 - s->radius, f.box.y0 - s->radius, f.box.x1 + s->radius,
+               f.box.y1 + s->radius};
+  eda_finder finder = eda_index_find(s->index, w);
+  n->count = 0;
+  for (uint32_t k; eda_index_next(&finder, &k);) {
+    edge e = s->edges[k];
+    e.low = MAX(e.low, e.across == EDA_X ? w.y0 : w.x0);
+    e.high = MIN(e.high, e.across == EDA_X ? w.y1 : w.x1);
+    if (e.low < e.high) add(n, &f, &e, sum);
+  }
+}
+
+static void digest(const seen *s, size_t i, const uint64_t *number, size_t n,
+                   uint8_t *out) {
+  const eda_gates *g = s->gates;
+  frame f = {g->box[i], g->axis[i]};
+  const char *note = g->note && g->note[i] ? g->note[i] : "";
+  /* L and W in steps of 1e-3 nm: rounding is not to part what is equal. */
+  const int64_t head[] = {g->type[i],
+                          s->ways == 8 ? EDA_X : f.axis,
+                          size_of(&f, f.axis),
+                          size_of(&f, !f.axis),
+                          llround(g->length[i] * 1000),
+                          llround(g->width[i] * 1000),
+                          (int64_t)n,
+                          (int64_t)strlen(note)};
+  uint8_t all[32];
+  gsize size = sizeof all;
+  g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
+  g_checksum_update(sum, (const guchar *)head, sizeof head);
+  g_checksum_update(sum, (const guchar *)number, (gssize)(n * sizeof *number));
+  g_checksum_update(sum, (const guchar *)note, -1);
+  g_checksum_get_digest(sum, all, &size);
+  memcpy(out, all, SUM_SIZE);
+}
+
+static int look_at(const seen *s, size_t i, numbers *n, opc_error *error) {
+  uint64_t sum[FLIPS] = {0};
+  eda_box b = s->gates->box[i];
+  int32_t most = FURTHEST - 2 * s->radius;
+  if (b.x1 - b.x0 > most || b.y1 - b.y0 > most) return too_large(s, i, error);
+  look(s, i, n, sum);
+  int least = 0;
+  for (int k = 1; k < FLIPS && s->ways > 1; k++)
+    if (sum[k] < sum[least]) least = k;
+  if (n->count) qsort(n->number[least], n->count, sizeof(uint64_t), by_number);
+  s->out[i].flip = (uint8_t)least;
+  digest(s, i, n->number[least], n->count, s->out[i].sum);
+  return OPC_OK;
+}
+
+/* ---- all of them ---- */
+
+static int look_at_some(void *data, size_t part, opc_error *error) {
+  const seen *s = data;
+  size_t end = MIN((part + 1) * AT_ONCE, s->gates->count);
+  numbers n = {0};
+  int code = OPC_OK;
+  for (size_t i = part * AT_ONCE; i < end && !code; i++)
+    code = look_at(s, i, &n, error);
+  for (int k = 0; k < FLIPS; k++) g_free(n.number[k]);
+  return code;
+}
+
+int surround_all(const opc_context *context, const eda_gates *window,
+                 int32_t radius, int ways, surround *out, opc_error *error) {
+  seen s = {.context = context,
+            .gates = window,
+            .radius = radius,
+            .ways = ways,
+            .out = out};
+  if (window->layers > MOST_LAYERS)
+    return opc_fail(error, OPC_INVALID, NULL, "more than %d layers",
+                    MOST_LAYERS);
+  if (radius < 0 || radius > FURTHEST / 4)
+    return opc_fail(error, OPC_INVALID, "radius", "beyond %.10g nm",
+                    FURTHEST / 4 * window->grid);
+  find_edges(&s);
+  int code = eda_try_all(context, (window->count + AT_ONCE - 1) / AT_ONCE,
+                         look_at_some, &s, error);
+  eda_index_free(s.index);
+  free(s.edges);
+  return code;
+}

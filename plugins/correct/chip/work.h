@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the phases of correct.chip share. Lengths in grid steps, unless nm is
+   said. */
+#ifndef CORRECT_CHIP_WORK_H
+#define CORRECT_CHIP_WORK_H
+
+#include <eda/chip.h>
+#include <glib.h>
+#include <opcflow/step.h>
+
+#include "cover.h"
+#include "sheet.h"
+#include "surround.h"
+
+/* A transistor as the scan finds it. */
+typedef struct found {
+  eda_box box;
+  uint8_t type, axis, unused; /* no byte is left out: it is kept as it is */
+  surround around;
+} found;
+
+typedef struct work {
+  const opc_host *host;
+  const opc_module *litho, *resist, *extractor, *synthesizer, *regulator;
+  int64_t max_iterations;
+  double fine, limit; /* as of a loop; limit in % */
+  int hold;
+  int32_t margin; /* how far light counts */
+  int32_t radius, along, window, gap;
+  int ways; /* in which a transistor may lie, 1, 4 or 8 */
+  int64_t rounds;
+  size_t round;   /* of proofs */
+  eda_chip *chip; /* what becomes the result */
+
+  /* Of the scan: all transistors, in the order of the chip's. */
+  found *found;
+  size_t room;
+
+  /* Classes by what is drawn: chip->mask has one mask for each, and refined
+     ones after these. `first` is the transistor that a mask was made for. */
+  uint32_t *first;
+  size_t classes, mask_room, part_room, box_room;
+  eda_figures *before; /* of each mask: with all edges as drawn */
+  uint32_t *flags_before;
+
+  /* Classes by what is masked: `print_first` of each print. */
+  GHashTable *prints; /* from a sum to the number of its print + 1 */
+  GPtrArray *sums;    /* what it points to */
+  uint32_t *print_first;
+  size_t print_room;
+  uint8_t *tried; /* of each print: it was refined already */
+  size_t tried_room;
+
+  /* What was done, for the report. */
+  size_t windows, sheets, refined, simulations, fine_simulations;
+  eda_gates *last;    /* of the sheet before */
+  double worst;       /* |Ion deviation| so far, % */
+  double share, done; /* of the progress: of all, and before this phase */
+} work;
+
+void work_clear(work *work);
+
+/* ways.c: in how many of the ways in which a shape can lie a model's image of
+   it lies alike: in all 8, in the 4 without a swap of x and y, or in 1. */
+int ways_find(const opc_context *context, const opc_module *litho, int layer,
+              int *ways, opc_error *error);
+
+/* scan.c: all transistors of the layout, window by window, and their classes.
+   Fills chip->gate and `first`. */
+int scan_all(work *work, opc_error *error);
+
+/* mend.c: a mask for the first transistor of each class, corrected where it
+   stands. */
+int mend_classes(work *work, opc_error *error);
+/* Another mask for those of n prints, all others still, where that is better;
+   all transistors of these prints take it. */
+int mend_prints(work *work, const uint32_t *prints, size_t n, opc_error *error);
+
+/* prove.c: print all that is masked as nothing that was printed before.
+   chip->print and the `print` of each transistor. */
+int prove_all(work *work, opc_error *error);
+/* |Ion deviation| of a print, %; INFINITY if it is no transistor. */
+double prove_off(const eda_chip_print *print);
+
+/* A table of sums (SUM_SIZE bytes, whose owner keeps them) to numbers. */
+GHashTable *work_sums(void);
+
+/* tell.c */
+int tell_all(const work *work, opc_error *error);
+
+/* Done with a sheet. Its gates stay until those of the next one are there:
+   plugins tell other gates by their address. */
+void work_drop(work *work, sheet *sheet);
+
+/* How much there is to correct or to print. */
+void work_tell(const work *work, const pages *on, size_t places, size_t clips);
+/* "done of total", of this phase. */
+void work_progress(const work *work, double part);
+
+#endif

@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The transistors of a chip, and how those of a window of it are moved. */
+#include <eda/chip.h>
+#include <eda/memory.h>
+#include <stdlib.h>
+
+void eda_chip_free(void *object) {
+  eda_chip *c = object;
+  if (!c) return;
+  for (size_t k = 0; k < c->layers; k++) free(c->layer[k]);
+  free(c->layer);
+  free(c->corrected);
+  free(c->gate);
+  free(c->mask);
+  free(c->print);
+  free(c->part);
+  free(c->box);
+  free(c);
+}
+
+/* ---- check ---- */
+
+#define unsound(error, ...) opc_fail(error, OPC_FAILED, NULL, __VA_ARGS__)
+
+static int before(eda_box a, eda_box b) {
+  return a.y0 < b.y0 || (a.y0 == b.y0 && a.x0 < b.x0);
+}
+
+static int check_gates(const eda_chip *c, opc_error *error) {
+  for (size_t i = 0; i < c->count; i++) {
+    const eda_chip_gate *g = &c->gate[i];
+    if (g->box.x0 >= g->box.x1 || g->box.y0 >= g->box.y1)
+      return unsound(error, "transistor %zu has no size", i);
+    if (i && !before(g[-1].box, g->box))
+      return unsound(error, "transistor %zu is out of order", i);
+    if (g->mask >= c->masks || g->print >= c->prints)
+      return unsound(error, "transistor %zu has no mask or no print", i);
+    if (g->type > EDA_PMOS || g->axis > EDA_Y ||
+        g->flip > (EDA_FLIP_L | EDA_FLIP_W))
+      return unsound(error, "transistor %zu has no type or no direction", i);
+  }
+  return OPC_OK;
+}
+
+static int check_masks(const eda_chip *c, opc_error *error) {
+  for (size_t i = 0; i < c->masks; i++) {
+    const eda_chip_mask *m = &c->mask[i];
+    if (m->parts > EDA_PARTS || (size_t)m->part + m->parts > c->parts ||
+        (size_t)m->box + m->boxes > c->boxes)
+      return unsound(error, "mask %zu has parts or boxes that are not there",
+                     i);
+  }
+  for (size_t i = 0; i < c->boxes; i++)
+    if (c->box[i].layer >= c->layers)
+      return unsound(error, "box %zu is of no layer", i);
+  return OPC_OK;
+}
+
+int eda_chip_check(const void *object, opc_error *error) {
+  const eda_chip *c = object;
+  if (!c) return unsound(error, "there is no chip");
+  if (!c->layout || c->top < 0 || !(c->grid > 0))
+    return unsound(error, "there is no layout or no grid");
+  if (c->layers <= EDA_ACTIVE || !c->layer || !c->corrected || !c->gate ||
+      !c->mask || !c->print)
+    return unsound(error, "an array is missing");
+  int code = check_gates(c, error);
+  return code ? code : check_masks(c, error);
+}
+
+/* ---- a window ---- */
+
+size_t eda_chip_find(const eda_chip *c, eda_box box) {
+  size_t from = 0, to = c->count;
+  while (from < to) {
+    size_t middle = from + (to - from) / 2;
+    if (before(c->gate[middle].box, box))
+      from = middle + 1;
+    else
+      to = middle;
+  }
+  if (from == c->count) return SIZE_MAX;
+  eda_box b = c->gate[from].box;
+  return b.x0 == box.x0 && b.y0 == box.y0 && b.x1 == box.x1 && b.y1 == box.y1
+             ? from
+             : SIZE_MAX;
+}
+
+/* A span of own coordinates between `low` and `high`, or the other way round:
+   each is the way back of itself but for where it begins. */
+static void turn(int32_t low, int32_t high, int flip, int32_t *from,
+                 int32_t *to) {
+  int32_t a = *from, b = *to;
+  *from = flip ? high - b : low + a;
+  *to = flip ? high - a : low + b;
+}
+
+static eda_box swapped(eda_box b) { return (eda_box){b.y0, b.x0, b.y1, b.x1}; }
+
+eda_box eda_chip_place(eda_box gate, uint8_t axis, uint8_t flip, eda_box own) {
+  eda_box g = axis == EDA_X ? gate : swapped(gate);
+  turn(g.x0, g.x1, flip & EDA_FLIP_L, &own.x0, &own.x1);
+  turn(g.y0, g.y1, flip & EDA_FLIP_W, &own.y0, &own.y1);
+  return axis == EDA_X ? own : swapped(own);
+}
+
+eda_box eda_chip_own(eda_box gate, uint8_t axis, uint8_t flip, eda_box placed) {
+  eda_box g = axis == EDA_X ? gate : swapped(gate);
+  eda_box b = axis == EDA_X ? placed : swapped(placed);
+  turn(-g.x0, g.x1, flip & EDA_FLIP_L, &b.x0, &b.x1);
+  turn(-g.y0, g.y1, flip & EDA_FLIP_W, &b.y0, &b.y1);
+  return b;
+}
+
+/* Parts are counted from the LOW end, and in their order from there. */
+static void put_parts(const eda_chip *c, const eda_chip_mask *m, int32_t width,
+                      int backwards, eda_part *to) {
+  const eda_part *from = c->part + m->part;
+  for (uint32_t k = 0; k < m->parts; k++) {
+    const eda_part *p = &from[backwards ? m->parts - 1 - k : k];
+    to[k] = backwards ? (eda_part){width - p->to, width - p->from, p->by} : *p;
+  }
+}
+
+static void put_boxes(const eda_chip *c, const eda_chip_gate *g, eda_box at,
+                      const eda_chip_mask *m, eda_moved *to) {
+  for (uint32_t k = 0; k < m->boxes; k++) {
+    const eda_chip_box *b = &c->box[m->box + k];
+    eda_box_list *list = b->bite ? to->bite : to->patch;
+    eda_box_list_add(&list[b->layer],
+                     eda_chip_place(at, g->axis, g->flip, b->box));
+  }
+}
+
+void eda_chip_move(const eda_chip *c, size_t gate, eda_box at, eda_moved *to,
+                   size_t i) {
+  const eda_chip_gate *g = &c->gate[gate];
+  const eda_chip_mask *m = &c->mask[g->mask];
+  int w_back = (g->flip & EDA_FLIP_W) != 0;
+  int32_t width = g->axis == EDA_X ? at.y1 - at.y0 : at.x1 - at.x0;
+  to->w[i] = m->w;
+  to->aside[i] = w_back ? -m->aside : m->aside;
+  to->l[i] = m->l;
+  to->jog[i] = m->jog;
+  to->end[2 * i] = m->end[w_back];
+  to->end[2 * i + 1] = m->end[!w_back];
+  to->flip[i] = g->flip;
+  put_parts(c, m, width, w_back, to->part + EDA_PARTS * i);
+  put_boxes(c, g, at, m, to);
+}
+
+eda_moved *eda_chip_moved(const eda_chip *c, const eda_gates *window) {
+  eda_moved *to = eda_moved_new(window->layers, window->count);
+  for (size_t i = 0; i < window->count; i++) {
+    size_t k = eda_chip_find(c, window->box[i]);
+    if (k != SIZE_MAX) eda_chip_move(c, k, window->box[i], to, i);
+  }
+  return to;
+}
