@@ -24,6 +24,7 @@ enum { TARGET, NOMINAL, OUTER, INNER, RASTERS };
 typedef struct figures {
   int64_t inner, outer; /* sites whose print ends too early, goes too far */
   int64_t sites, l2, pvb, shots;
+  iccad_features features; /* of the three prints together */
 } figures;
 
 /* ---- work ---- */
@@ -86,6 +87,17 @@ static void count_sites(const score *s, const iccad_tile *t,
   f->sites = (int64_t)n;
 }
 
+static void count_features(const iccad_tile *tile,
+                           uint8_t *const raster[RASTERS], figures *f) {
+  for (int k = NOMINAL; k < RASTERS; k++) {
+    iccad_features one = iccad_compare(tile, raster[TARGET], raster[k]);
+    f->features.lost += one.lost;
+    f->features.broken += one.broken;
+    f->features.bridged += one.bridged;
+    f->features.extra += one.extra;
+  }
+}
+
 static int count_all(const score *s, const iccad_tile *tile,
                      uint8_t *const raster[RASTERS], figures *f,
                      opc_error *error) {
@@ -106,6 +118,7 @@ static int count_all(const score *s, const iccad_tile *tile,
     f->l2 += raster[TARGET][i] != raster[NOMINAL][i];
     f->pvb += raster[OUTER][i] != raster[INNER][i];
   }
+  count_features(tile, raster, f);
   code = eda_fracture(&mask->shapes[EDA_POLY], &boxes, &n, error);
   if (code) return code;
   f->shots = (int64_t)n;
@@ -123,11 +136,19 @@ static int publish(const score *s, const figures *f, opc_error *error) {
       {"l2", "nm^2", OPC_INT, 0, &f->l2},
       {"pvb", "nm^2", OPC_INT, 0, &f->pvb},
       {"shots", NULL, OPC_INT, 0, &f->shots},
+      {"bridged", NULL, OPC_INT, 0, &f->features.bridged},
+      {"broken", NULL, OPC_INT, 0, &f->features.broken},
+      {"lost", NULL, OPC_INT, 0, &f->features.lost},
+      {"extra", NULL, OPC_INT, 0, &f->features.extra},
   };
   const opc_metric_value values[] = {{"epe", (double)epe},
                                      {"l2", (double)f->l2},
                                      {"pvb", (double)f->pvb},
-                                     {"shots", (double)f->shots}};
+                                     {"shots", (double)f->shots},
+                                     {"bridged", (double)f->features.bridged},
+                                     {"broken", (double)f->features.broken},
+                                     {"lost", (double)f->features.lost},
+                                     {"extra", (double)f->features.extra}};
   int code = s->host->table(s->host, "iccad", OPC_TABLE_PRINT, 1,
                             OPC_ARRAY(columns), error);
   return code ? code : opc_put_metrics(s->host, OPC_ARRAY(values), error);
@@ -187,6 +208,14 @@ static const opc_metric metrics[] = {
     {"pvb", "nm^2", OPC_LOWER, 0,
      "between the outermost and the innermost print"},
     {"shots", NULL, OPC_LOWER, 0, "rectangles of the mask"},
+    {"bridged", NULL, OPC_LOWER, 0,
+     "how many times two features print as one, in all three prints"},
+    {"broken", NULL, OPC_LOWER, 0,
+     "pieces more than one that features print in, in all three prints"},
+    {"lost", NULL, OPC_LOWER, 0,
+     "features that do not print at all, in all three prints"},
+    {"extra", NULL, OPC_LOWER, 0,
+     "what prints and touches no feature, in all three prints"},
 };
 
 /* ---- entry ---- */

@@ -39,6 +39,15 @@ int iccad_expose(const iccad_print *print, const eda_spectrum *mask,
 size_t iccad_sites(const eda_shapes *target, double grid, int32_t spacing,
                    iccad_site **sites);
 
+/* Features of the target in a print: those of which no pixel prints, how many
+   more pieces than one the others print in, how many times two of them print as
+   one, and pieces that are of none. */
+typedef struct iccad_features {
+  int64_t lost, broken, bridged, extra;
+} iccad_features;
+iccad_features iccad_compare(const iccad_tile *tile, const uint8_t *target,
+                             const uint8_t *print);
+
 /* A pixel of the tile, which repeats. */
 static inline uint8_t iccad_at(const iccad_tile *t, const uint8_t *pixels,
                                int64_t x, int64_t y) {

@@ -62,6 +62,8 @@ static void test_extremes(void) {
     expect("l2", all ? 1024 * 1024 - 200 * 60 : 200 * 60);
     expect("pvb", 0);
     expect("shots", 1);
+    expect("lost", all ? 0 : 3);
+    expect("bridged", 0);
     g_assert_cmpfloat(opc_test_metric("epe"), ==, 10);
   }
 }

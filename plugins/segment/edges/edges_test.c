@@ -66,6 +66,34 @@ static void test_shapes(void) {
   eda_layout_free(layout);
 }
 
+/* A corner that is a nanometre off, of 200 x 50 nm; by two it is refused. */
+static void test_slanted(void) {
+  for (int32_t off = 2; off <= 4; off += 2) {
+    opc_error error;
+    void *out[1];
+    eda_layout *l = eda_layout_new(0.5, &error);
+    const eda_point p[] = {{0, 0}, {400, 0}, {400 + off, 100}, {0, 100}};
+    int32_t cell = eda_layout_cell(l, "TOP", &error);
+    g_assert_cmpint(
+        eda_layout_add_polygon(l, cell, eda_layout_layer(l, "M1", &error), p, 4,
+                               &error),
+        ==, OPC_OK);
+    g_autoptr(opc_module) m = NULL;
+    int code = segment(l, "{}", out, &m, &error);
+    if (off == 2) {
+      const eda_gates *g = out[0];
+      g_assert_cmpint(code, ==, OPC_OK);
+      g_assert_cmpint(eda_area2(&g->drawn[0]), ==, 2 * 200 * 50);
+      g_assert_cmpfloat(opc_test_metric("snapped"), ==, 1);
+      opc_test_release(m, out);
+    } else {
+      g_assert_cmpint(code, ==, OPC_INVALID);
+      g_assert_nonnull(strstr(error.message, "slanted edge"));
+    }
+    eda_layout_free(l);
+  }
+}
+
 static void refuse(int layers, const char *parameters, const char *message) {
   opc_error error;
   void *out[1];
@@ -88,5 +116,6 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/edges/shapes", test_shapes);
   g_test_add_func("/edges/refused", test_refused);
+  g_test_add_func("/edges/slanted", test_slanted);
   return g_test_run();
 }

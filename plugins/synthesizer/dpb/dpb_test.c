@@ -14,9 +14,10 @@ enum { MOST = 4 };
 typedef struct model {
   size_t n;
   double offset[MOST], by_l[MOST], by_w[MOST];
-  uint32_t veto[MOST]; /* EDA_VETO_LONGER from this l on */
+  uint32_t veto[MOST]; /* from this l on; EDA_VETO_SHORTER: from there down */
   int32_t veto_from[MOST];
   int32_t prints_from[MOST]; /* l, if not 0: thinner lines are open */
+  double width[MOST];        /* 0: 200 */
   int32_t l[MOST], w[MOST];
   GString *trace; /* of the first: "l,w " after each update */
   int updates;
@@ -27,7 +28,8 @@ static void run(opc_module *m, model *t) {
   double design[MOST], ion[MOST], width[MOST], length[MOST];
   uint32_t flags[MOST] = {0}, vetoes[MOST];
   for (size_t i = 0; i < t->n; i++)
-    design[i] = 1e-3, width[i] = 200, length[i] = 65;
+    design[i] = 1e-3, width[i] = t->width[i] > 0 ? t->width[i] : 200,
+    length[i] = 65;
   eda_gates gates = {
       .grid = 1, .count = t->n, .length = length, .width = width};
   eda_performance drawn = {.count = t->n, .ion = design};
@@ -49,7 +51,9 @@ static void run(opc_module *m, model *t) {
       int is_open = t->prints_from[i] && t->l[i] < t->prints_from[i];
       flags[i] = is_open ? EDA_PRINT_OPEN : 0;
       ion[i] = is_open ? 0 : design[i] * (1 + pde / 100);
-      vetoes[i] = t->veto[i] && t->l[i] >= t->veto_from[i] ? t->veto[i] : 0;
+      int beyond = t->veto[i] == EDA_VETO_SHORTER ? t->l[i] <= t->veto_from[i]
+                                                  : t->l[i] >= t->veto_from[i];
+      vetoes[i] = beyond ? t->veto[i] : 0;
     }
     g_assert_cmpint(s->update(m->self, &f, &moves, &done, &error), ==, OPC_OK);
     f.iteration++;
@@ -211,6 +215,60 @@ static void test_veto(void) {
   g_string_free(t.trace, TRUE);
 }
 
+/* The same to the other side: at L = -2 the gate is open. */
+static void test_veto_of_shorter(void) {
+  g_autoptr(opc_module) m = make("{ limit: 0.5 % }");
+  model t = {.n = 1,
+             .offset = {-7},
+             .by_l = {-3},
+             .by_w = {0.8},
+             .veto = {EDA_VETO_SHORTER},
+             .veto_from = {-2}};
+  run(m, &t);
+  g_assert_cmpint(t.l[0], ==, -1);
+  g_assert_cmpint(t.w[0], ==, 5);
+  g_assert_true(g_str_has_prefix(t.trace->str, "-1,0 -2,0 -1,0 -1,1 -1,2 "));
+  g_string_free(t.trace, TRUE);
+}
+
+/* W may not go down: it stays, and that is why. */
+static void test_veto_of_narrower(void) {
+  g_autoptr(opc_module) m = make("{ limit: 0.5 % }");
+  model t = {.n = 1,
+             .offset = {1},
+             .by_l = {-3},
+             .by_w = {0.8},
+             .veto = {EDA_VETO_NARROWER},
+             .veto_from = {-100}};
+  run(m, &t);
+  g_assert_cmpint(t.w[0], ==, 0);
+  g_assert_cmpstr(verdict(m, 0), ==, "bridging");
+  g_string_free(t.trace, TRUE);
+}
+
+/* 25 % too little, half a percent for each of 200 steps of W, L of no use: 20
+   wider at a time at most, 5 % of 240 then, and 1 % of 252 back. */
+static void test_widest(void) {
+  g_autoptr(opc_module) m = make("{ limit: 0.5 %, w_step: proportional }");
+  model t = {.n = 1, .offset = {-25}, .by_l = {-60}, .by_w = {0.5}};
+  run(m, &t);
+  g_assert_true(
+      g_str_has_prefix(t.trace->str, "-1,0 0,0 0,20 0,40 0,52 0,50 0,50 "));
+  g_assert_cmpstr(verdict(m, 0), ==, "within limit");
+  g_string_free(t.trace, TRUE);
+}
+
+/* No more than half of W, whatever max_bias grants. */
+static void test_half_width(void) {
+  g_autoptr(opc_module) m = make("{ limit: 0.5 %, max_bias: 20 nm }");
+  model t = {.n = 1, .offset = {200}, .by_l = {-3}, .by_w = {5}, .width = {13}};
+  run(m, &t);
+  g_assert_cmpint(t.l[0], ==, 20);
+  g_assert_cmpint(t.w[0], ==, -6);
+  g_assert_cmpstr(verdict(m, 0), ==, "bias limit");
+  g_string_free(t.trace, TRUE);
+}
+
 static void test_bias_limit(void) {
   g_autoptr(opc_module) m = make("{ limit: 0.5 %, max_bias: 2 nm }");
   model t = {.n = 1, .offset = {30}, .by_l = {-3}, .by_w = {0.8}};
@@ -322,6 +380,10 @@ int main(int argc, char **argv) {
   g_test_add_func("/dpb/within", test_within);
   g_test_add_func("/dpb/grid", test_grid);
   g_test_add_func("/dpb/veto", test_veto);
+  g_test_add_func("/dpb/veto-of-shorter", test_veto_of_shorter);
+  g_test_add_func("/dpb/veto-of-narrower", test_veto_of_narrower);
+  g_test_add_func("/dpb/widest", test_widest);
+  g_test_add_func("/dpb/half-width", test_half_width);
   g_test_add_func("/dpb/bias-limit", test_bias_limit);
   g_test_add_func("/dpb/independent", test_independent);
   g_test_add_func("/dpb/open", test_open);

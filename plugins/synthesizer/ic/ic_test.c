@@ -6,6 +6,7 @@
 #include "core/testing/testing.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* One transistor: deviations of Ion and area at each mask, linear in l and w
@@ -14,7 +15,7 @@ typedef struct model {
   double i, i_by_l, i_by_w;
   double a, a_by_l, a_by_w;
   double bend;
-  uint32_t veto; /* from l = veto_from on */
+  uint32_t veto; /* from |l| + |w| = veto_from on */
   int32_t veto_from;
   int32_t prints_from; /* l, if not 0: thinner lines are open */
   int32_t l, w;
@@ -51,7 +52,7 @@ static void run(opc_module *m, model *t) {
     flags = is_open ? EDA_PRINT_OPEN : 0;
     ion = is_open ? 0 : 1 + di(t) / 100;
     area = is_open ? 0 : 1 + da(t) / 100;
-    veto = t->veto && t->l >= t->veto_from ? t->veto : 0;
+    veto = abs(t->l) + abs(t->w) >= t->veto_from ? t->veto : 0;
     g_assert_cmpint(s->update(m->self, &f, &moves, &done, &error), ==, OPC_OK);
     f.iteration++;
     g_string_append_printf(t->trace, "%d,%d ", t->l, t->w);
@@ -205,9 +206,50 @@ static void test_veto(void) {
   follow("{}", t, "1,0 2,0 1,0 1,0 1,0 ", "bridging");
 }
 
+/* So is each of the other three corrections. */
+static void test_other_vetoes(void) {
+  const model shorter = {.i = -9, .i_by_l = -1, .a = 9, .a_by_l = 1};
+  const model wider = {.i = -9, .i_by_w = 1, .a = -9, .a_by_w = 1};
+  const model narrower = {.i = 9, .i_by_w = 1, .a = 9, .a_by_w = 1};
+  const struct {
+    model t;
+    uint32_t veto;
+    const char *trace;
+  } ways[] = {{shorter, EDA_VETO_SHORTER, "-1,0 -2,0 -1,0 -1,0 -1,0 "},
+              {wider, EDA_VETO_WIDER, "0,1 0,2 0,1 0,1 0,1 "},
+              {narrower, EDA_VETO_NARROWER, "0,-1 0,-2 0,-1 0,-1 0,-1 "}};
+  for (int k = 0; k < 3; k++) {
+    model t = ways[k].t;
+    t.veto = ways[k].veto;
+    t.veto_from = 2;
+    follow("{}", t, ways[k].trace, "bridging");
+  }
+}
+
+/* Longer is what the matrix says, and makes it worse. Of the other ways, one
+   step of W of 200 is worth half a percent of both: wider is 9.5 alpha_i + 8.5
+   alpha_a, narrower 8.5 alpha_i + 9.5 alpha_a; the heavier one decides. */
+static void test_promises(void) {
+  static const char *const parameters[] = {
+      "{ stall: continue, alpha_i: 3, alpha_a: 2 }",
+      "{ stall: continue, alpha_i: 2, alpha_a: 3 }"};
+  static const char *const first[] = {"1,0 0,-1 ", "1,0 0,1 "};
+  for (int k = 0; k < 2; k++) {
+    model t = {.i = 9, .i_by_l = 1, .a = -9};
+    g_autoptr(opc_module) m = make(parameters[k]);
+    run(m, &t);
+    if (!g_str_has_prefix(t.trace->str, first[k])) g_error("%s", t.trace->str);
+    g_string_free(t.trace, TRUE);
+  }
+}
+
 static void test_bias_limit(void) {
   const model t = {.i = 9, .i_by_l = -1, .a = -9, .a_by_l = 1};
   follow("{ max_bias: 2 nm }", t, "1,0 2,0 2,0 2,0 ", "bias limit");
+  const model shorter = {.i = -9, .i_by_l = -1, .a = 9, .a_by_l = 1};
+  follow("{ max_bias: 2 nm }", shorter, "-1,0 -2,0 -2,0 -2,0 ", "bias limit");
+  const model narrower = {.i = 9, .i_by_w = 1, .a = 9, .a_by_w = 1};
+  follow("{ max_bias: 2 nm }", narrower, "0,-1 0,-2 0,-2 0,-2 ", "bias limit");
 }
 
 /* An open line has no figures; it gets thicker until it has, by either rule. */
@@ -234,6 +276,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/ic/limits", test_limits);
   g_test_add_func("/ic/weights", test_weights);
   g_test_add_func("/ic/veto", test_veto);
+  g_test_add_func("/ic/other-vetoes", test_other_vetoes);
+  g_test_add_func("/ic/promises", test_promises);
   g_test_add_func("/ic/bias-limit", test_bias_limit);
   g_test_add_func("/ic/open", test_open);
   g_test_add_func("/ic/refused", test_refused);

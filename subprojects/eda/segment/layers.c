@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Layers of a layout on their way into gates. */
+#include <math.h>
+
 #include "segment/segment.h"
 
 int32_t eda_segment_top(const eda_layout *layout, const char *name,
@@ -33,6 +35,8 @@ int segment_flatten(const eda_layout *layout, int32_t top, int32_t layer,
       eda_layout_flatten_window(layout, top, layer, grid, window, flat, error);
   if (code) return code;
   opc_error inner;
+  flat->moved +=
+      eda_shapes_straighten(&flat->shapes, (int32_t)lround(fmax(1, 1 / grid)));
   code = merge(&flat->shapes, window, merged, &inner);
   if (!code) return OPC_OK;
   eda_flat_clear(flat);

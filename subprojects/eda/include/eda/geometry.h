@@ -81,6 +81,12 @@ OPC_EXPORT int eda_boolean(int op, const eda_shapes *a, const eda_shapes *b,
 OPC_EXPORT int eda_shapes_grow(const eda_shapes *shapes, int32_t by,
                                eda_shapes *out, opc_error *error);
 
+/* Move points, in place, so that edges that are off an axis by at most `most`
+   lie along it: edges that follow one another so get the middle of their least
+   and largest coordinate. Where they lead further away than `most` together,
+   they are slanted, and stay. How many edges were straightened. */
+OPC_EXPORT size_t eda_shapes_straighten(const eda_shapes *shapes, int32_t most);
+
 /* Cut merged shapes into rectangles that do not overlap; of horizontal and
    vertical cuts, each polygon (with its holes) takes the way that gives
    fewer. The boxes come by lowest, then leftmost corner; *boxes is freed with

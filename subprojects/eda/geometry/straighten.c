@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Edges that are meant to lie along an axis, and do not quite. */
+#include <eda/geometry.h>
+#include <stdlib.h>
+
+/* A polygon's points, and its edges from each point to the next. */
+typedef struct ring {
+  eda_point *p;
+  uint32_t n;
+  int64_t most;
+} ring;
+
+static int64_t part(const ring *r, uint32_t i, int axis) {
+  eda_point a = r->p[i % r->n], b = r->p[(i + 1) % r->n];
+  return axis == 0 ? llabs((int64_t)b.x - a.x) : llabs((int64_t)b.y - a.y);
+}
+
+/* Is edge i one of constant x (axis 0) or y (1), or nearly? */
+static int lies(const ring *r, uint32_t i, int axis) {
+  int64_t off = part(r, i, axis), along = part(r, i, !axis);
+  return off <= r->most && (axis == 0 ? along > off : along >= off) &&
+         (along || off);
+}
+
+static int32_t *coordinate(const ring *r, uint32_t i, int axis) {
+  eda_point *p = &r->p[i % r->n];
+  return axis == 0 ? &p->x : &p->y;
+}
+
+/* The edges from `first` on, `count` of them, get the middle one of their
+   coordinates, unless they lead further away than one may. */
+static size_t level(const ring *r, uint32_t first, uint32_t count, int axis) {
+  int32_t low = *coordinate(r, first, axis), high = low;
+  size_t slanted = 0;
+  for (uint32_t i = first; i <= first + count; i++) {
+    int32_t at = *coordinate(r, i, axis);
+    if (at < low) low = at;
+    if (at > high) high = at;
+    if (i < first + count) slanted += part(r, i, axis) != 0;
+  }
+  if (!slanted || (int64_t)high - low > r->most) return 0;
+  for (uint32_t i = first; i <= first + count; i++)
+    *coordinate(r, i, axis) = low + (high - low) / 2;
+  return slanted;
+}
+
+/* All runs of edges of one axis, around the polygon from where one begins. */
+static size_t level_runs(const ring *r, int axis) {
+  uint32_t begin = 0;
+  size_t slanted = 0;
+  while (begin < r->n && lies(r, begin, axis)) begin++;
+  if (begin == r->n) return 0;
+  for (uint32_t i = begin; i < begin + r->n;) {
+    uint32_t count = 0;
+    while (count < r->n && lies(r, i + count, axis)) count++;
+    if (count) slanted += level(r, i, count, axis);
+    i += count + 1;
+  }
+  return slanted;
+}
+
+size_t eda_shapes_straighten(const eda_shapes *shapes, int32_t most) {
+  size_t slanted = 0;
+  for (size_t p = 0; p < shapes->count; p++) {
+    uint32_t first = shapes->start[p];
+    ring r = {shapes->points + first, shapes->start[p + 1] - first, most};
+    if (r.n < 4) continue;
+    slanted += level_runs(&r, 0) + level_runs(&r, 1);
+  }
+  return slanted;
+}
