@@ -4,7 +4,8 @@
    what cheap prints alone would take, how far the currents are from their
    design values, and what a model of another kind says of that.
 
-   bench_correction [NAME ...]: of these jobs alone.
+   bench_correction [NAME ...]: of these jobs alone; "library" are circuits by
+   the masks of their cells.
 
    OPCFLOW_BEFORE=FOLDER, the source of another version with its build in
    FOLDER/build, has that one run its flow in turns with this one's, where
@@ -270,6 +271,72 @@ static gboolean measure(const job *j, const char *folder) {
   return TRUE;
 }
 
+/* ---- by a library of cells (thesis table 4.2) ---- */
+
+/* How many times as fast as the whole circuit by DPB-OPC, flat; and how far the
+   currents are, by the same referee. */
+static const struct by_cells {
+  const char *variant, *mask; /* of flows/library-methods.yaml; its last step */
+  double times;
+  gboolean judged; /* "no worse than flat" */
+} by_cells[] = {{"dpb_placed", NULL, 40, FALSE},
+                {"newton_2", "mask", 10, FALSE},
+                {"newton_0", "mask", 5, TRUE}};
+
+/* One run of a variant; the seconds of the steps that make the mask, the cells
+   being there, or -1. */
+static double run_by_cells(const char *circuit, const char *variant,
+                           const char *step, const char *folder, double *ion) {
+  g_autofree char *base = g_build_filename(folder, "library", NULL);
+  g_autofree char *database = g_strconcat("library.database=", base, NULL);
+  g_autofree char *run = g_build_filename(folder, variant, NULL);
+  g_autofree char *file = g_strconcat(circuit, ".gds", NULL);
+  g_autofree char *layout = g_build_filename(setting("OPCFLOW_TEST_DATA", ""),
+                                             "iscas85", circuit, file, NULL);
+  gboolean flat = g_str_has_suffix(variant, "_flat");
+  job j = {.name = "library",
+           .flow = "library-methods.yaml",
+           .variant = variant,
+           .sets = {flat ? NULL : "layout.layers.outline=235/0",
+                    "sheet.neighbours=itself", database}};
+  const version this = this_version();
+  double seconds = -1, placed = 0;
+  for (int k = flat; k < 2; k++) { /* the first one builds the library */
+    opc_remove_tree(run);
+    if (run_once(&j, &this, NULL, layout, run) < 0) return -1;
+  }
+  const figure mask = {step ? step : "placed", "seconds", 0, NULL},
+               place = {"placed", "seconds", 0, NULL},
+               off = {"verify", "ion_mean", 0, NULL};
+  if (!read_metric(run, &mask, &seconds) || !read_metric(run, &off, ion) ||
+      (step && !flat && !read_metric(run, &place, &placed)))
+    return -1;
+  return seconds + placed;
+}
+
+static gboolean measure_by_cells(const char *folder) {
+  static const char *const circuits[] = {"c432", "c5315"};
+  if (!g_getenv("OPCFLOW_TEST_DATA")) return TRUE;
+  for (size_t c = 0; c < G_N_ELEMENTS(circuits); c++) {
+    double ion, flat_ion,
+        flat = run_by_cells(circuits[c], "dpb_flat", "mask", folder, &flat_ion);
+    if (flat < 0) return FALSE;
+    for (size_t i = 0; i < G_N_ELEMENTS(by_cells); i++) {
+      const struct by_cells *b = &by_cells[i];
+      double own = run_by_cells(circuits[c], b->variant, b->mask, folder, &ion);
+      if (own < 0) return FALSE;
+      g_autofree char *name =
+          g_strdup_printf("%s.library.%s", circuits[c], b->variant);
+      g_autofree char *mean = g_strconcat(name, ".ion_mean", NULL);
+      g_autofree char *times = g_strconcat(name, ".times", NULL);
+      bench_report(times, flat / own, "", b->times, BENCH_HIGHER);
+      bench_report(mean, ion, "%", b->judged ? flat_ion : INFINITY,
+                   BENCH_LOWER);
+    }
+  }
+  return TRUE;
+}
+
 static gboolean wanted(const job *j, int argc, char **argv) {
   for (int i = 1; i < argc; i++)
     if (!strcmp(argv[i], j->name)) return TRUE;
@@ -286,6 +353,8 @@ int main(int argc, char **argv) {
   gboolean good = TRUE;
   for (size_t i = 0; i < G_N_ELEMENTS(jobs) && good; i++)
     if (wanted(&jobs[i], argc, argv)) good = measure(&jobs[i], folder);
+  const job library = {.name = "library"};
+  if (good && wanted(&library, argc, argv)) good = measure_by_cells(folder);
   opc_remove_tree(folder);
   return good ? bench_write("correction") : EXIT_FAILURE;
 }

@@ -155,6 +155,45 @@ static void test_flow(void) {
   g_assert_cmpstr(out, ==, "./second.yaml\n");
 }
 
+/* A process of its own, found by its path, and the shipped ones by name. */
+static void test_process(void) {
+  const char *source = g_getenv("OPCFLOW_SOURCE");
+  g_autofree char *cell =
+      g_build_filename(source, "data", "cells65", "sram4.gds", NULL);
+  g_autofree char *cif =
+      g_build_filename(source, "data", "cells65", "nand2.cif", NULL);
+  g_assert_cmpint(
+      CALL(command, "new", "flow", "--process", "own65", cell, "sram.yaml"), ==,
+      0);
+  g_assert_cmpstr(out, ==, "./sram.yaml\n");
+  if (CALL(command, "check", "sram.yaml")) g_error("%s%s", out, err);
+  g_autofree char *base = g_build_filename(folder, "base.yaml", NULL);
+  g_assert_true(g_file_set_contents(
+      base,
+      "opcflow: 1\nsteps:\n  layout: { use: read.cif, layers: { poly: CP, "
+      "active: CA, contact: CC, nwell: CW } }\n"
+      "  gates: { use: segment.transistors, layout: '${layout}' }\n",
+      -1, NULL));
+  if (CALL(command, "new", "flow", "--process", "base.yaml", cif, "mine.yaml"))
+    g_error("%s", err);
+  if (CALL(command, "run", "mine.yaml", "--output", "mine")) g_error("%s", err);
+  g_assert_cmpint(CALL(command, "new", "flow", "--process", "base.yaml", cif),
+                  ==, 0);
+  g_assert_cmpstr(out, ==, "./flow.yaml\n");
+  if (CALL(command, "check")) g_error("%s", err); /* it is flow.yaml */
+  g_assert_cmpint(
+      CALL(command, "new", "flow", "--process", "mine.yaml", cif, "no.yaml"),
+      ==, 2);
+  g_assert_nonnull(strstr(err, "leaves 0 files open"));
+  g_assert_cmpint(CALL(command, "new", "flow", "--process", "own56", cell), ==,
+                  2);
+  g_assert_nonnull(
+      strstr(err, "no process 'own56', did you mean 'own65'?; known: "));
+  g_assert_cmpint(CALL(command, "new", "flow", "--process", "own65", "none"),
+                  ==, 5);
+  g_assert_cmpstr(err, ==, "error: 'none': no such file\n");
+}
+
 static void test_refusals(void) {
   g_assert_cmpint(CALL(command, "new", "circle"), ==, 2);
   g_assert_cmpint(CALL(command, "new", "plugin"), ==, 2);
@@ -192,6 +231,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/new/lines", test_lines);
   g_test_add_func("/new/project", test_project);
   g_test_add_func("/new/flow", test_flow);
+  g_test_add_func("/new/process", test_process);
   g_test_add_func("/new/refusals", test_refusals);
   int code = g_test_run();
   opc_remove_tree(folder);

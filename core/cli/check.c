@@ -80,8 +80,8 @@ static void check_all(const opc_recipe *recipe, JsonArray *told,
 }
 
 static int run(const cli_verb *verb, const GPtrArray *arguments) {
-  (void)verb;
-  const char *path = arguments->pdata[0];
+  const char *path = cli_flow(verb, arguments);
+  if (!path) return CLI_USAGE;
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_recipe) recipe = opc_recipe_read(path, problems);
   g_autoptr(JsonArray) told = json_array_new();
@@ -99,9 +99,9 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
 
 const cli_verb cli_check = {
     .name = "check",
-    .arguments = "FLOW",
+    .arguments = "[FLOW]",
     .summary = "Check a flow and its variants without running them",
     .options = options,
-    .least = 1,
+    .least = 0,
     .most = 1,
     .run = run};

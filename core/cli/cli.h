@@ -82,6 +82,10 @@ int cli_parse(const cli_verb *verb, guint n, char **words, GPtrArray *rest);
 
 void cli_print_help(const cli_verb *verb);
 
+/* The flow of a verb: its first argument, or flow.yaml where one lies in the
+   current folder; NULL, and it is told that there is none. */
+const char *cli_flow(const cli_verb *verb, const GPtrArray *arguments);
+
 /* What a list of options took. */
 const char *const *cli_list(GPtrArray *list);
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* opcflow new: files to begin with, of a plugin that works or of a flow that
    runs. The texts are the templates of the plugin's kind; those of steps,
-   commands and flows lie in data/templates. */
+   commands and flows lie in data/templates. With --process a flow extends one
+   that is whole but for the file that it works on. */
 #include <errno.h>
 #include <gio/gio.h>
 #include <glib/gstdio.h>
@@ -9,15 +10,19 @@
 
 #include "core/cli/cli.h"
 #include "core/flow/files.h"
+#include "core/flow/flow.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/kind.h"
 #include "core/text/suggest.h"
 
-static const char *wanted; /* --kind */
+static const char *wanted;  /* --kind */
+static const char *process; /* --process */
 static gboolean json;
 
 static const cli_option options[] = {
     {"kind", "by default what NAME begins with", "KIND", .text = &wanted},
+    {"process", "a flow that extends this one and works on INPUT", "NAME",
+     .text = &process},
     {"json", "tell the files as JSON", .flag = &json},
     {0}};
 
@@ -136,23 +141,140 @@ static int new_plugin(const GPtrArray *arguments) {
   return code;
 }
 
+/* ---- a flow that extends a process ---- */
+
+/* Processes lie in this folder beside one of plugins, as NAME.yaml. */
+static char *processes_of(const char *plugins) {
+  return g_build_filename(plugins, "..", "flows", "processes", NULL);
+}
+
+static int by_name(gconstpointer a, gconstpointer b) {
+  return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+/* The names of all processes (char *, freed with the array). */
+static GPtrArray *process_names(void) {
+  const GPtrArray *folders = opc_registry_folders(cli_registry());
+  GPtrArray *names = g_ptr_array_new_with_free_func(g_free);
+  for (guint i = 0; i < folders->len; i++) {
+    g_autofree char *its = processes_of(folders->pdata[i]);
+    g_autoptr(GDir) dir = g_dir_open(its, 0, NULL);
+    for (const char *n; dir && (n = g_dir_read_name(dir));)
+      if (g_str_has_suffix(n, ".yaml"))
+        g_ptr_array_add(names, g_strndup(n, strlen(n) - strlen(".yaml")));
+  }
+  g_ptr_array_sort(names, by_name);
+  return names;
+}
+
+/* The path of a process, which may be one itself (g_free); NULL and what there
+   is, told. */
+static char *find_process(void) {
+  const GPtrArray *folders = opc_registry_folders(cli_registry());
+  if (g_file_test(process, G_FILE_TEST_IS_REGULAR))
+    return g_canonicalize_filename(process, NULL);
+  g_autofree char *file = g_strconcat(process, ".yaml", NULL);
+  for (guint i = 0; i < folders->len && !strchr(process, '/'); i++) {
+    g_autofree char *its = processes_of(folders->pdata[i]);
+    g_autofree char *path = g_build_filename(its, file, NULL);
+    if (g_file_test(path, G_FILE_TEST_IS_REGULAR))
+      return g_canonicalize_filename(path, NULL);
+  }
+  g_autoptr(GPtrArray) names = process_names();
+  g_autofree char *hint = opc_suggestion(process, names);
+  g_autoptr(GString) all = g_string_new(NULL);
+  for (guint i = 0; i < names->len; i++)
+    g_string_append_printf(all, "%s%s",
+                           i ? ", " : "; known: ", (char *)names->pdata[i]);
+  cli_message("error", "no process '%s'%s%s", process, hint, all->str);
+  return NULL;
+}
+
+/* Add the required files that a plugin, or one in its slots, was not given. */
+static void add_open(GPtrArray *open, const opc_binding *b) {
+  for (size_t i = 0; b && i < b->plugin->n_parameters; i++) {
+    const opc_parameter *p = &b->plugin->parameters[i];
+    if (b->slots[i]) add_open(open, b->slots[i]);
+    if (p->type == OPC_FILE && p->flags & OPC_REQUIRED && !b->origin[i])
+      g_ptr_array_add(open, g_strdup_printf("%s.%s", b->path, p->name));
+  }
+}
+
+/* The one file that a flow leaves open, as a path of it (g_free); NULL and the
+   exit code in *code. */
+static char *find_open(const char *path, int *code) {
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  g_autoptr(opc_flow) flow =
+      opc_flow_load(path, NULL, cli_registry(), problems);
+  g_autoptr(GPtrArray) open = g_ptr_array_new_with_free_func(g_free);
+  for (guint i = 0; flow && i < flow->steps->len; i++)
+    add_open(open, ((opc_flow_step *)flow->steps->pdata[i])->binding);
+  if (open->len == 1) return g_strdup(open->pdata[0]);
+  *code = flow ? cli_error(CLI_USAGE,
+                           "'%s' leaves %u files open, not one: it is no "
+                           "process",
+                           path, open->len)
+               : cli_problems(problems);
+  return NULL;
+}
+
+/* A file name as it is good in the flow's folder (g_free). */
+static char *from_folder(const char *input) {
+  return strcmp(folder, ".") && !g_path_is_absolute(input)
+             ? g_canonicalize_filename(input, NULL)
+             : g_strdup(input);
+}
+
+static int extend_process(const char *input, const char *file) {
+  int code = CLI_USAGE;
+  if (!g_file_test(input, G_FILE_TEST_IS_REGULAR))
+    return cli_error(CLI_IO, "'%s': no such file", input);
+  g_autofree char *path = find_process();
+  g_autofree char *open = path ? find_open(path, &code) : NULL;
+  if (!open) return code;
+  g_autofree char *its = from_folder(input);
+  char *dot = strchr(open, '.');
+  g_autoptr(GString) text = g_string_new("opcflow: 1\nname: @NAME@\nextends: ");
+  opc_text_append(text, path);
+  g_string_append_printf(text, "\nsteps:\n  %.*s:\n    %s: ", (int)(dot - open),
+                         open, dot + 1);
+  opc_text_append(text, its);
+  g_string_append_c(text, '\n');
+  return put(file, text->str, FALSE);
+}
+
 /* ---- a flow ---- */
 
-/* What the flow reads may be there already. */
-static int new_flow(const GPtrArray *arguments) {
-  const char *path = arguments->len > 1 ? arguments->pdata[1] : "flow.yaml";
-  if (arguments->len > 2)
-    return cli_error(CLI_USAGE, "'new flow' does not take '%s'",
-                     (char *)arguments->pdata[2]);
-  g_autofree char *file = g_path_get_basename(path);
-  folder = g_path_get_dirname(path);
+/* "mine" of "mine.yaml"; -1 or the exit code. */
+static int name_after(const char *file) {
   name = g_strndup(file, strcspn(file, "."));
   for (char *c = name; *c; c++)
     if (!g_ascii_isalnum(*c) && *c != '-') *c = '_';
-  if (!g_ascii_isalnum(*name))
-    return cli_error(CLI_USAGE, "'%s' is no name for a flow", file);
+  if (g_ascii_isalnum(*name)) return -1;
+  return cli_error(CLI_USAGE, "'%s' is no name for a flow", file);
+}
+
+/* What the flow reads may be there already. */
+static int new_flow(const GPtrArray *arguments) {
+  guint at = process ? 2 : 1; /* of the flow's own name */
+  const char *path = arguments->len > at ? arguments->pdata[at] : "flow.yaml";
+  if (process && arguments->len < 2)
+    return cli_error(CLI_USAGE,
+                     "'--process' needs INPUT, the file that the "
+                     "flow works on");
+  if (arguments->len > at + 1)
+    return cli_error(CLI_USAGE, "'new flow' does not take '%s'",
+                     (char *)arguments->pdata[at + 1]);
+  g_autofree char *file = g_path_get_basename(path);
+  folder = g_path_get_dirname(path);
+  if (process) {
+    g_autofree char *input = g_path_get_basename(arguments->pdata[1]);
+    int code = name_after(input);
+    return code < 0 ? extend_process(arguments->pdata[1], file) : code;
+  }
+  int code = name_after(file);
   g_auto(GStrv) read = own_names("flow/read");
-  int code = put_own("flow", "flow.yaml", file, FALSE);
+  if (code < 0) code = put_own("flow", "flow.yaml", file, FALSE);
   for (guint i = 0; read[i] && code < 0; i++)
     code = put_own("flow/read", read[i], read[i], TRUE);
   return code;
@@ -179,15 +301,18 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
   if (!plugin && strcmp(what, "flow") != 0)
     return cli_error(CLI_USAGE, "'new' makes a 'plugin' or a 'flow', not '%s'",
                      what);
+  if (plugin && process)
+    return cli_error(CLI_USAGE, "'--process' goes with 'new flow'");
   int code = plugin ? new_plugin(arguments) : new_flow(arguments);
   return code < 0 ? tell() : code;
 }
 
-const cli_verb cli_new = {.name = "new",
-                          .arguments = "plugin NAME [DIR] | flow [FILE]",
-                          .summary = "Write a plugin or a flow to begin with",
-                          .options = options,
-                          .least = 1,
-                          .most = 3,
-                          .run = run,
-                          .words = "flow|plugin"};
+const cli_verb cli_new = {
+    .name = "new",
+    .arguments = "plugin NAME [DIR] | flow [INPUT] [FILE]",
+    .summary = "Write a plugin or a flow to begin with",
+    .options = options,
+    .least = 1,
+    .most = 3,
+    .run = run,
+    .words = "flow|plugin"};

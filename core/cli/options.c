@@ -65,6 +65,15 @@ void cli_print_help(const cli_verb *verb) {
 
 /* ---- reading ---- */
 
+const char *cli_flow(const cli_verb *verb, const GPtrArray *arguments) {
+  static const char usual[] = "flow.yaml";
+  if (arguments->len) return arguments->pdata[0];
+  if (g_file_test(usual, G_FILE_TEST_EXISTS)) return usual;
+  cli_message("error", "'%s' needs FLOW, see 'opcflow help %s'", verb->name,
+              verb->name);
+  return NULL;
+}
+
 const char *const *cli_list(GPtrArray *list) {
   static const char *const none[] = {NULL};
   if (!list || !list->len) return none;

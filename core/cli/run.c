@@ -313,10 +313,10 @@ static int leave_ranks(int code) {
 /* ---- the verb ---- */
 
 /* All variants are checked before the first one runs. */
-static int check_and_run(const GPtrArray *arguments) {
+static int check_and_run(const char *path) {
   wanted.command = cli_command_line();
   g_autoptr(opc_problems) problems = opc_problems_new();
-  g_autoptr(opc_recipe) recipe = opc_recipe_read(arguments->pdata[0], problems);
+  g_autoptr(opc_recipe) recipe = opc_recipe_read(path, problems);
   g_autoptr(opc_sweep) sweep = NULL;
   g_autoptr(GPtrArray) chosen = g_ptr_array_new();
   g_autoptr(JsonArray) list = json_array_new();
@@ -346,17 +346,18 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
     code = cli_error(CLI_USAGE,
                      "'--force' needs '--output', which names what "
                      "it replaces");
+  const char *path = code < 0 ? cli_flow(verb, arguments) : NULL;
+  if (code < 0 && !path) code = CLI_USAGE;
   if (code < 0) code = meet_ranks();
   if (code >= 0) return code;
-  (void)verb;
   keep_memory();
-  return leave_ranks(check_and_run(arguments));
+  return leave_ranks(check_and_run(path));
 }
 
 const cli_verb cli_run = {.name = "run",
-                          .arguments = "FLOW",
+                          .arguments = "[FLOW]",
                           .summary = "Run a flow",
                           .options = options,
-                          .least = 1,
+                          .least = 0,
                           .most = 1,
                           .run = run};

@@ -135,6 +135,9 @@ typedef struct optics {
    use for it is given. */
 int optics_check(optics *o, opc_error *error);
 
+/* Warn where a scalar model does not hold. */
+void optics_warn(const optics *o, const opc_host *host);
+
 /* Is everything a radial function: circular or annular source, no Zernike
    terms but rotationally symmetric ones? And is the pupil real (in focus, no
    terms at all)? */

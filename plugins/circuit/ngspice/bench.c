@@ -67,7 +67,11 @@ int bench_ports(bench *b, opc_error *error) {
 
 char *bench_netlist(const bench *b, const eda_circuit *c, int state, int sizes,
                     opc_error *error) {
-  eda_annotation a = {.circuit = c, .mask = b->printed, .state = state};
+  eda_annotation a = {.circuit = c,
+                      .mask = b->printed,
+                      .state = state,
+                      .subcircuits = b->subcircuits,
+                      .unit = b->unit};
   eda_mask off;
   for (int type = 0; type < 2; type++) {
     a.model[type] = b->model[type];

@@ -20,8 +20,9 @@ typedef struct bench {
   const eda_mask *mask;       /* NULL: as drawn only */
   const char *models[2];      /* files; [1] NULL: the same */
   const char *model[2];
-  int dlc;   /* whether DLC is corrected */
-  int sizes; /* SIZES_BOTH, SIZES_LENGTH */
+  const char *library, *corner; /* in place of `models` */
+  int dlc;                      /* whether DLC is corrected */
+  int sizes;                    /* SIZES_BOTH, SIZES_LENGTH */
   const char *devices;
   double supply, temperature, load, slew;
   opc_reals edges;
@@ -41,6 +42,9 @@ typedef struct bench {
   eda_mask sized;          /* sizes.c: the mask, with other sizes */
   int has[EDA_STATES];     /* which sizes there are */
   const char *cards[2];    /* whole paths; [1] NULL: the same */
+  char *statements;        /* of the library; NULL: cards */
+  int subcircuits;         /* its models are */
+  double unit;             /* its, nm */
   eda_card card[2];
   double low, high; /* where a slope begins and ends, of 1 */
   size_t inputs, outputs;

@@ -176,7 +176,8 @@ static inline int run_on(eda_circuit *circuit, eda_mask *mask, const char *card,
   void *none[1];
   opc_test_forget();
   g_autofree char *map = g_strdup_printf(
-      "{ models: '%s', supply: 1.1 V, picture: p%d.png, %s }", card, n++, rest);
+      "{ %s: '%s', supply: 1.1 V, picture: p%d.png, %s }",
+      g_str_has_suffix(card, ".lib") ? "library" : "models", card, n++, rest);
   g_autoptr(opc_module) m = opc_test_module("circuit.ngspice", map, error);
   if (!m) return error->code;
   opc_test_input(m, "circuit", circuit);

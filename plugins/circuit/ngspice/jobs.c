@@ -13,6 +13,7 @@ void job_begin(const job *j, FILE *out, double reltol) {
   fputs("circuit.ngspice\n", out);
   for (int i = 0; i < 2; i++)
     if (b->cards[i]) fprintf(out, ".include \"%s\"\n", b->cards[i]);
+  if (b->statements) fputs(b->statements, out);
   fprintf(out,
           ".options temp=%.17g gmin=1e-15 reltol=%g abstol=1e-15 "
           "chgtol=1e-19\n",

@@ -3,7 +3,10 @@
    printed: delays and slopes (thesis 2.3.2, 3.3.2), leakage, static noise
    margins of memory cells (thesis 2.3.4). */
 #include <eda/drawing.h>
+#include <eda/library.h>
 #include <errno.h>
+#include <glib.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,6 +40,43 @@ static int find_cards(bench *b, opc_error *error) {
                       b->model[type], type, &b->card[type], error))
       return error->code;
   return OPC_OK;
+}
+
+/* Of a foundry's library what the circuit's sizes need; printed ones are about
+   as drawn, and shorter than the shortest bin as often as longer. */
+static int read_library(bench *b, opc_error *error) {
+  const double around = 0.3;
+  static const char *const parameter[2] = {"nmos", "pmos"};
+  const eda_gates *g = b->circuit->gates;
+  eda_sizes sizes = {{INFINITY, 0}, {INFINITY, 0}};
+  for (size_t i = 0; i < g->count; i++) {
+    sizes.length[0] = fmin(sizes.length[0], (1 - around) * g->length[i]);
+    sizes.length[1] = fmax(sizes.length[1], (1 + around) * g->length[i]);
+    sizes.width[0] = fmin(sizes.width[0], (1 - around) * g->width[i]);
+    sizes.width[1] = fmax(sizes.width[1], (1 + around) * g->width[i]);
+  }
+  g_autofree char *path = realpath(b->library, NULL);
+  if (!path)
+    return opc_fail(error, OPC_IO, "library", "cannot read '%s': %s",
+                    b->library, strerror(errno));
+  eda_library *l = eda_library_read(path, b->corner, error);
+  if (!l) return error->code;
+  int code = OPC_OK;
+  for (int type = 0; type < 2 && !code; type++) {
+    int kind = eda_library_kind(l, b->model[type]);
+    if (type && (kind == EDA_LIBRARY_SUBCIRCUIT) != b->subcircuits) kind = 0;
+    b->subcircuits = kind == EDA_LIBRARY_SUBCIRCUIT;
+    if (!kind)
+      code = opc_fail(error, OPC_INVALID, parameter[type],
+                      "'%s' has no '%s', or it is not as the other type is",
+                      b->library, b->model[type]);
+  }
+  g_autofree char *both =
+      g_strdup_printf("%s %s", b->model[EDA_NMOS], b->model[EDA_PMOS]);
+  b->unit = eda_library_unit(l);
+  if (!code) b->statements = eda_library_cut(l, both, &sizes, 1);
+  eda_library_free(l);
+  return code;
 }
 
 /* Names that a simulator can take, in place of the netlist's. */
@@ -75,7 +115,13 @@ static int find_states(bench *b, opc_error *error) {
 static int prepare(bench *b, opc_error *error) {
   b->low = b->edges.values[0] / 100;
   b->high = b->edges.values[1] / 100;
-  if (find_cards(b, error)) return error->code;
+  if (!b->library == !b->models[0])
+    return opc_fail(error, OPC_INVALID, b->library ? "library" : "models",
+                    "one of 'models' and 'library' is needed");
+  /* Its models cannot be given another DLC. */
+  if (b->library) b->dlc = 0;
+  if (b->library ? read_library(b, error) : find_cards(b, error))
+    return error->code;
   make_plain(b);
   int code = bench_ports(b, error);
   return code ? code : find_states(b, error);
@@ -166,7 +212,11 @@ static int run(void *self, void **outputs, opc_error *error) {
   return run_logic(b, error);
 }
 
-static void clear(void *self) { eda_pool_clear(&((bench *)self)->pool); }
+static void clear(void *self) {
+  bench *b = self;
+  free(b->statements);
+  eda_pool_clear(&b->pool);
+}
 
 /* ---- parameters ---- */
 
@@ -176,11 +226,16 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(bench, mask, .type = OPC_INPUT, .choices = "mask",
                   .summary = "the corrected mask, with what it prints"),
     OPC_PARAMETER_NAMED("models", bench, models[0], .type = OPC_FILE,
-                        .flags = OPC_REQUIRED,
-                        .summary = "file with the model cards"),
+                        .summary = "file with the model cards; this or "
+                                   "`library` is needed"),
     OPC_PARAMETER_NAMED(
         "pmos_models", bench, models[1], .type = OPC_FILE,
         .summary = "that of the p-transistor, if it is another"),
+    OPC_PARAMETER(bench, library, .type = OPC_FILE,
+                  .summary = "a foundry's models: subcircuits or cards, in "
+                             "sections and bins, of which the outermost go on"),
+    OPC_PARAMETER(bench, corner, .type = OPC_TEXT,
+                  .summary = "its section; if not given, what stands in none"),
     OPC_PARAMETER_NAMED("nmos", bench, model[EDA_NMOS], .type = OPC_TEXT,
                         .preset = "nmos",
                         .summary = "name of the n-transistor's model"),
@@ -312,6 +367,9 @@ static int check(void *self, opc_error *error) {
     return opc_fail(error, OPC_INVALID, "edges",
                     "'edges' are one place above 0 and one below 100 %%, with "
                     "the middle between them");
+  if (b->corner && !is_name(b->corner))
+    return opc_fail(error, OPC_INVALID, "corner",
+                    "'%s' is not the name of a section", b->corner);
   return eda_paper_check(b->picture, "picture", error);
 }
 

@@ -383,6 +383,48 @@ static void test_floating(void) {
 
 /* ---- what is refused ---- */
 
+/* A library that has the card in subcircuits and sizes in um, of two bins,
+   gives what the card does. */
+static void test_library(void) {
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  g_autofree char *path = g_build_filename(opc_test_folder(), "own.lib", NULL);
+  g_autofree char *text = NULL;
+  if (!have_ngspice()) return;
+  g_assert_true(g_file_get_contents(card, &text, NULL, NULL));
+  char *p_card = strstr(text, ".model pmos");
+  g_autoptr(GString) lib = g_string_new(".lib tt\n.option scale=1u\n");
+  for (int type = 0; type < 2; type++) {
+    const char *from = type ? p_card : strstr(text, ".model nmos");
+    g_autofree char *one =
+        type ? g_strdup(from) : g_strndup(from, (gsize)(p_card - from));
+    const char *rest = strchr(one, '\n');
+    g_string_append_printf(lib,
+                           ".subckt %cfet d g s b\n.param w=1 l=1\n"
+                           "m1 d g s b core l={l} w={w}\n",
+                           "np"[type]);
+    for (int bin = 1; bin <= 2; bin++)
+      g_string_append_printf(lib,
+                             ".model core.%d %cmos\n+ lmin=%s wmin=1e-7 "
+                             "wmax=1e-5%s\n",
+                             bin, "np"[type],
+                             bin == 1 ? "6e-8 lmax=6.6e-8" : "6.6e-8 lmax=1e-6",
+                             rest);
+    g_string_append(lib, ".ends\n");
+  }
+  g_string_append(lib, ".endl\n");
+  g_assert_true(g_file_set_contents(path, lib->str, -1, NULL));
+  g_autoptr(made) m = make("A:i Y:o VDD:s VSS:g", INVERTER);
+  m->leq[1][0] = m->off[1][0] = 66.7; /* of the other bin */
+  m->leq[1][1] = m->off[1][1] = 58;   /* shorter than any */
+  run(m, 1, card, "load: 4 fF, measure: delays, dlc: false");
+  double tp = opc_test_metric("tp"), worst = opc_test_metric("tp_worst");
+  run(m, 1, path,
+      "load: 4 fF, measure: delays, corner: tt, nmos: nfet, pmos: pfet");
+  g_assert_cmpfloat(worst, >, 1);
+  g_assert_cmpfloat_with_epsilon(opc_test_metric("tp"), tp, 1e-5 * tp);
+  g_assert_cmpfloat_with_epsilon(opc_test_metric("tp_worst"), worst, 1e-3);
+}
+
 static void refused(made *m, int with_mask, const char *card, const char *rest,
                     const char *pattern) {
   opc_error error;
@@ -399,6 +441,8 @@ static void test_refused(void) {
   g_autoptr(made) m = make("A:i Y:o VDD:s VSS:g", INVERTER);
   refused(m, 0, card, "nmos: nfet", "*has no model 'nfet'");
   refused(m, 0, card, "nmos: nfet, dlc: false", "'ngspice' failed*nfet*");
+  g_autofree char *both = g_strdup_printf("library: '%s'", card);
+  refused(m, 0, card, both, "one of 'models' and 'library' is needed");
   refused(m, 0, card, "limit: 1 ns", "'ngspice' was not done after*");
   refused(m, 0, card, "inputs: A VSS", "'VSS' is no port of 'made'*");
   refused(m, 0, card, "edges: [60 %, 90 %]", "*'edges' are one place above*");
@@ -438,6 +482,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/circuit/closed-form", test_closed_form);
   g_test_add_func("/circuit/estimate", test_estimate);
   g_test_add_func("/circuit/delays", test_delays);
+  g_test_add_func("/circuit/library", test_library);
   g_test_add_func("/circuit/nangate", test_nangate);
   g_test_add_func("/circuit/capacitance", test_capacitance);
   g_test_add_func("/circuit/overlap", test_overlap);

@@ -77,6 +77,7 @@ static int prepare(void *self, opc_error *error) {
     a->twice[i] = 2 * a->weight[i];
   }
   a->paired = are_paired(a->point, a->count);
+  optics_warn(&a->optics, a->host);
   a->host->log(a->host, OPC_LOG_DEBUG, "litho.abbe: %zu source points",
                a->count);
   return OPC_OK;

@@ -285,6 +285,7 @@ static const cut *find_cut(hopkins *h, double defocus, double wanted,
 static int prepare(void *self, opc_error *error) {
   hopkins *h = self;
   if (h->n_cuts) return OPC_OK;
+  optics_warn(&h->optics, h->host);
   const cut *c = add_cut(h, 0, h->wanted, h->fixed, error);
   if (!c) return error->code;
   int code =

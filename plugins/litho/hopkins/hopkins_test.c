@@ -554,6 +554,8 @@ static void test_reached(void) {
     if (!m) g_error("%s", error.message);
     const eda_litho *litho = m->functions;
     g_assert_cmpint(litho->prepare(m->self, &error), ==, OPC_OK);
+    g_assert_cmpint(strstr(opc_test_log(), "scalar") != NULL, ==,
+                    strstr(cases[i].parameters, "na: 1.35") != NULL);
     double systems = opc_test_metric("systems"), off = opc_test_metric("error");
     g_test_message("%s: %g systems, error %.2g", cases[i].parameters, systems,
                    off);

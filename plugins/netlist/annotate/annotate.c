@@ -16,6 +16,8 @@ typedef struct annotator {
   const eda_mask *mask;
   int state; /* EDA_DRAWN ..., -1 */
   const char *n_model, *p_model, *cards, *file;
+  int subcircuits;
+  double unit; /* nm; NAN: not given */
 } annotator;
 
 /* ---- work ---- */
@@ -55,7 +57,9 @@ static int annotate(const annotator *s, eda_pool *pool, opc_error *error) {
       .state = s->state >= 0 ? s->state
                : s->mask     ? EDA_AFTER
                              : EDA_DRAWN,
-      .model = {[EDA_NMOS] = s->n_model, [EDA_PMOS] = s->p_model}};
+      .model = {[EDA_NMOS] = s->n_model, [EDA_PMOS] = s->p_model},
+      .subcircuits = s->subcircuits,
+      .unit = s->unit > 0 ? s->unit : 0};
   if (check_mask(&a, error)) return error->code;
   for (int type = 0; type < 2 && s->cards; type++) {
     if (eda_card_read(pool, s->cards, a.model[type], type, &cards[type], error))
@@ -99,6 +103,12 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER_NAMED("models", annotator, cards, .type = OPC_FILE,
                         .summary = "the file with both model cards; DLC is "
                                    "corrected only where it is given"),
+    OPC_PARAMETER(annotator, subcircuits, .type = OPC_BOOL, .preset = "false",
+                  .summary = "the models are subcircuits, X in place of M"),
+    OPC_PARAMETER(annotator, unit, .type = OPC_REAL, .unit = "nm",
+                  .flags = OPC_ABOVE | OPC_AT_MOST, .min = 0, .max = 1e9,
+                  .summary = "what the number 1 means as a size; if not given, "
+                             "sizes are in m: 65e-9"),
     OPC_PARAMETER(annotator, file, .type = OPC_OUTPUT, .preset = "netlist.sp",
                   .summary = "the netlist to write"),
 };

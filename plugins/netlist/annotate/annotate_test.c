@@ -119,6 +119,19 @@ static void test_text(void) {
                   ".ends\n");
 }
 
+/* As a kit has it. */
+static void test_kit(void) {
+  prepare();
+  g_autofree char *text =
+      annotate(", nmos: nfet, pmos: pfet, subcircuits: true, unit: 1 um", 1, 0);
+  g_assert_cmpstr(text, ==,
+                  "* inv: sizes as printed after correction\n"
+                  ".subckt inv IN OUT XU1.VDD VSS\n"
+                  "XMN OUT IN VSS VSS nfet w=0.21 l=0.062\n"
+                  "XU1.MP OUT IN XU1.VDD XU1.VDD pfet w=0.3 l=0.06\n"
+                  ".ends\n");
+}
+
 /* Equation 3.11: 5 nm + (62 nm - 57 nm) / 2, of the card's lint. */
 static void test_dlc(void) {
   prepare();
@@ -325,6 +338,7 @@ static void test_drawn(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/annotate/text", test_text);
+  g_test_add_func("/annotate/kit", test_kit);
   g_test_add_func("/annotate/dlc", test_dlc);
   g_test_add_func("/annotate/overlap", test_overlap);
   g_test_add_func("/annotate/fingers", test_fingers);

@@ -134,11 +134,27 @@ static void put_models(writer *w, int type, const sizes *all) {
 
 /* ---- the netlist ---- */
 
+/* M1, or XM1 where the model is a subcircuit. */
+static void put_device_name(writer *w, const char *name) {
+  int letter = name[0] & ~32;
+  if (w->a->subcircuits)
+    fputs(letter == 'X' ? "" : "X", w->out);
+  else
+    fputs(letter == 'M' ? "" : "M.", w->out);
+  put_name(w, name);
+}
+
+static void put_sizes(writer *w, const sizes *s) {
+  double unit = w->a->unit;
+  if (unit > 0)
+    fprintf(w->out, " w=%.9g l=%.9g\n", s->width / unit, s->length / unit);
+  else
+    fprintf(w->out, " w=%.9ge-9 l=%.9ge-9\n", s->width, s->length);
+}
+
 static void put_device(writer *w, const eda_device *d, const sizes *all) {
   for (uint32_t k = 0; k < d->fingers; k++) {
-    int path = d->name[0] != 'M' && d->name[0] != 'm';
-    fprintf(w->out, "%s", path ? "M." : "");
-    put_name(w, d->name);
+    put_device_name(w, d->name);
     if (k) fprintf(w->out, "_f%u", k + 1);
     put_net(w, d->drain);
     put_net(w, d->gate);
@@ -146,7 +162,7 @@ static void put_device(writer *w, const eda_device *d, const sizes *all) {
     put_net(w, d->bulk);
     fprintf(w->out, " ");
     put_model_name(w, d->type, all[k].dlc);
-    fprintf(w->out, " w=%.9ge-9 l=%.9ge-9\n", all[k].width, all[k].length);
+    put_sizes(w, &all[k]);
     w->counts.transistors++;
   }
 }

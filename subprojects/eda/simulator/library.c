@@ -213,7 +213,9 @@ static char *find_needed(const eda_library *l, const char *name) {
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
   char *keep = eda_alloc(l->piece->len + 1, 1);
   int more = 1;
-  g_hash_table_add(words, g_ascii_strdown(name, -1));
+  g_auto(GStrv) names = g_strsplit(name, " ", -1);
+  for (char **n = names; *n; n++)
+    if (**n) g_hash_table_add(words, g_ascii_strdown(*n, -1));
   for (guint i = 0; i < l->piece->len; i++) {
     const char *first = at(l, i)->of->pdata[0];
     keep[i] = !at(l, i)->kind && *first == '.';
@@ -262,13 +264,22 @@ static void join(double into[2], const double more[2]) {
   into[1] = fmax(into[1], more[1]);
 }
 
-/* The outermost bounds of the bins among the kept pieces. */
-static int outermost(const eda_library *l, const char *keep, eda_sizes *out) {
+/* Whether two pieces have bins of one model. */
+static int are_one(const piece *a, const piece *b) {
+  return a == b || (a->kind == EDA_LIBRARY_MODEL && b->kind == a->kind &&
+                    !strcmp(a->name, b->name));
+}
+
+/* The outermost bounds of the bins among the kept pieces; `of` NULL: all, else
+   those that belong to this one. */
+static int outermost(const eda_library *l, const char *keep, const piece *of,
+                     eda_sizes *out) {
   int found = 0;
   *out = (eda_sizes){{INFINITY, 0}, {INFINITY, 0}};
   for (guint i = 0; i < l->piece->len; i++)
     for (guint k = 0; keep[i] && k < at(l, i)->of->len; k++) {
       eda_sizes bin;
+      if (of && !are_one(of, at(l, i))) break;
       if (!read_bin(l, at(l, i)->of->pdata[k], &bin)) continue;
       found = 1;
       join(out->length, bin.length);
@@ -279,7 +290,7 @@ static int outermost(const eda_library *l, const char *keep, eda_sizes *out) {
 
 int eda_library_bins(const eda_library *l, const char *name, eda_sizes *out) {
   char *keep = find_needed(l, name);
-  int found = outermost(l, keep, out);
+  int found = outermost(l, keep, NULL, out);
   free(keep);
   return found;
 }
@@ -334,12 +345,13 @@ static void put(const eda_library *l, GString *out, const char *statement,
 char *eda_library_cut(const eda_library *l, const char *name,
                       const eda_sizes *sizes, int extend) {
   GString *out = g_string_new(NULL);
-  eda_sizes all;
+  eda_sizes all = {{0}, {0}};
   char *keep = find_needed(l, name);
-  (void)outermost(l, keep, &all);
   for (guint i = 0; i < l->piece->len; i++)
-    for (guint k = 0; keep[i] && k < at(l, i)->of->len; k++)
+    for (guint k = 0; keep[i] && k < at(l, i)->of->len; k++) {
+      if (!k && at(l, i)->kind) (void)outermost(l, keep, at(l, i), &all);
       put(l, out, at(l, i)->of->pdata[k], &all, sizes, extend);
+    }
   free(keep);
   return g_string_free(out, FALSE);
 }

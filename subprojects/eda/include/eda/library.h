@@ -36,6 +36,8 @@ OPC_EXPORT int eda_library_kind(const eda_library *library, const char *name);
    1e9 where there is none. [any] */
 OPC_EXPORT double eda_library_unit(const eda_library *library);
 
+/* Of the next two, `name` may be several with blanks between. */
+
 /* The sizes that a device's model cards hold for, from the smallest bin to the
    largest: 1; 0 if they are not binned. [any] */
 OPC_EXPORT int eda_library_bins(const eda_library *library, const char *name,

@@ -161,6 +161,10 @@ typedef struct eda_annotation {
   int state;
   const char *model[2];    /* names: [EDA_NMOS], [EDA_PMOS] */
   const eda_card *card[2]; /* for DLC; NULL: no correction of it */
+  /* As a kit has it: X, not M, where its models are subcircuits; and how many
+     nm the number 1 means as a size, "l=0.15"; 0: "l=150e-9". */
+  int subcircuits;
+  double unit;
 } eda_annotation;
 
 /* How many of the transistors were written, and what changed. */
