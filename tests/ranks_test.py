@@ -113,6 +113,25 @@ def test_same(place):
     assert os.listdir(place.path("tmp")) == []
 
 
+def test_chip(place):
+    """A chip's windows: tables, figures, and what each window gave."""
+    env = dict(place.env, OPCFLOW_PLUGIN_PATH=os.path.join(BUILD, "plugins"))
+    flow = os.path.join(os.environ["OPCFLOW_SOURCE"], "flows/chip.yaml")
+    found = []
+    for n in (1, 3):
+        shutil.rmtree(place.path("store"), ignore_errors=True)
+        words = ["run", flow, "--variant", "cheap", "--set", "mask.window=3um", "--output", "runs/%d" % n]
+        subprocess.run([MPIRUN, "-n", str(n), "--oversubscribe", OPCFLOW, *words], cwd=place.folder, env=env, check=True,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        paths = glob.glob(place.path("runs/%d/*" % n)) + place.pieces()
+        found.append({})
+        for path in paths:
+            with open(path, "rb") as f:
+                found[-1][os.path.basename(path)] = f.read()
+        del found[-1]["manifest.json"]
+    assert found[0] == found[1] and len(place.pieces()) > 2, [sorted(f) for f in found]
+
+
 def test_sizes(place):
     for sets in ({"count": 0}, {"size": 0}, {"count": 3, "size": 1000000}):
         folder, _, _ = place.run(2, *("b.%s=%d" % s for s in sets.items()))
@@ -165,9 +184,13 @@ def test_faults(place):
         assert failed.err.count(text) == 1 and failed.err.count("test.pieces") <= 3, failed.err  # and "stopped"
         kept = len(place.pieces())
         assert kept >= 11 or fault == "rank", kept
-        assert not place.hidden(), (fault, place.hidden())
+        if fault == "crash":  # the first rank may not be left the time to tidy up
+            place.number -= 1
+        else:
+            assert not place.hidden(), (fault, place.hidden())
         folder, _, done = place.run(2)
         check(folder)
+        assert not place.hidden(), (fault, place.hidden())
         # What one rank could not take, the first one could, and it kept the result.
         assert len(done) == (24 - kept if fault != "rank" else 0), (kept, done)
         shutil.rmtree(place.path("store"))
@@ -198,7 +221,8 @@ def test_job(place):
                PATH=BUILD + ":" + os.environ["PATH"])
     words = ["shared.yaml", "--set", "b.wait=20", "--output", "runs/job"]
     subprocess.run(["bash", "-n", job], check=True)
-    done = subprocess.run(["bash", job, *words], cwd=place.folder, env=env, stderr=subprocess.PIPE, text=True)
+    done = subprocess.run(["bash", job, *words], cwd=place.folder, env=env, stdout=subprocess.DEVNULL,
+                          stderr=subprocess.PIPE, text=True)
     assert done.returncode == 0, done.stderr
     check(place.path("runs/job"))
     assert len({pid for _, _, pid in place.done()}) == int(n)

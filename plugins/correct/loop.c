@@ -161,11 +161,9 @@ static int rule(loop *l, eda_ruling *ruling, opc_error *error) {
     /* Patches mend the drawn edges of transistors. Where a synthesizer moves
        every edge of theirs, the print is only looked at. */
     if (l->gates->count && k <= EDA_ACTIVE && l->next.shift[k]) continue;
-    eda_boxes patches = {0}, bites = {0}; /* those of the start stay */
-    if (l->start.mask) patches = loop_begun(l, k, 0);
-    if (l->start.mask) bites = loop_begun(l, k, 1);
-    trial_set_both(&l->next.patches[k], patches, ruling->patches[k]);
-    trial_set_both(&l->next.bites[k], bites, ruling->bites[k]);
+    trial_set_both(&l->next.patches[k], loop_begun(l, k, 0),
+                   ruling->patches[k]);
+    trial_set_both(&l->next.bites[k], loop_begun(l, k, 1), ruling->bites[k]);
   }
   return OPC_OK;
 }
@@ -417,8 +415,7 @@ static int iterate(loop *l, opc_error *error) {
     if (all_done(l) && !ruled[MAIN] && !ruled[EDGES]) return OPC_OK;
     /* Line ends first, so that their effect is not taken for that of the
        first moves. */
-    if (l->iterations == 0 && !l->start.mask && wait &&
-        prints++ < l->max_iterations)
+    if (l->iterations == 0 && !l->base && wait && prints++ < l->max_iterations)
       continue;
     if (l->iterations == l->max_iterations) {
       l->host->log(l->host, OPC_LOG_WARNING,
@@ -475,8 +472,8 @@ eda_boxes loop_begun(const loop *l, size_t layer, int bites) {
 static void begin_with(loop *l) {
   size_t layers = l->gates->layers;
   l->begun = eda_alloc(2 * layers, sizeof *l->begun);
-  if (l->start.mask) l->base = l->start.mask->moved;
-  if (!l->base) return;
+  if (!l->start.mask) return;
+  l->base = l->start.mask->moved;
   l->now.biases.base = l->next.biases.base = l->base;
   for (size_t k = 0; k < layers; k++) {
     const eda_box_list *patch = &l->base->patch[k], *bite = &l->base->bite[k];
@@ -578,7 +575,7 @@ void loop_clear(loop *l) {
   for (size_t k = 0; k < 2 * layers; k++) free((eda_box *)l->begun[k].box);
   free(l->begun);
   free(l->vetoes);
-  free(l->held);
+  free(l->still);
   history_clear(&l->history);
   guard_clear(&l->guard);
   proof_clear(l);

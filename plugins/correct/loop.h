@@ -36,17 +36,16 @@ typedef struct loop {
   const eda_gates *gates;
   const opc_module *extractor, *regulator;
   int64_t max_iterations;
-  /* What it begins with besides the drawn edges, and who keeps his mask (1), or
-     NULL; `start`, if there is one, says both. */
-  const eda_moved *base;
-  const uint8_t *still;
-  loop_start start;
-  uint8_t *held;    /* of the start: who keeps his mask */
-  eda_boxes *begun; /* the base's patches, by layer, then its bites */
-  int prepared;     /* the extractor is */
-  int traced;       /* each print into `trace` */
-  int hold;         /* the guard takes back what is worse than drawn */
-  double limit;     /* %: |Ion deviation| that is good, for guard and proof */
+  loop_start start;      /* what it begins with besides the drawn edges */
+  const eda_moved *base; /* its moves; NULL: there are none */
+  eda_boxes *begun;      /* its patches, by layer, then its bites: those that
+                            stay */
+  uint8_t *still;        /* 1: that transistor keeps its mask; NULL: none does,
+                            or it is not known yet */
+  int prepared;          /* the extractor is */
+  int traced;            /* each print into `trace` */
+  int hold;              /* the guard takes back what is worse than drawn */
+  double limit; /* %: |Ion deviation| that is good, for guard and proof */
   driver drivers[DRIVERS];
   eda_printer printer;
   uint8_t *driver_of;   /* MAIN or EDGES */

@@ -36,11 +36,11 @@ int start_hold(loop *l, opc_error *error) {
   const loop_start *s = &l->start;
   size_t n = l->gates->count, refined = 0;
   if (!s->mask || isnan(s->max_diff)) return OPC_OK;
-  l->still = l->held = eda_alloc(n, 1);
+  l->still = eda_alloc(n, 1);
   for (size_t i = 0; i < n; i++) {
-    l->held[i] = start_disturbance(s->mask, &l->measured.performance,
-                                   l->measured.flags, i) <= s->max_diff;
-    refined += !l->held[i];
+    l->still[i] = start_disturbance(s->mask, &l->measured.performance,
+                                    l->measured.flags, i) <= s->max_diff;
+    refined += !l->still[i];
   }
   l->host->log(l->host, OPC_LOG_INFO,
                "%zu of %zu transistors are to be refined", refined, n);
@@ -52,7 +52,7 @@ static const double beside = 150;
 
 void start_prune(loop *l) {
   double grid = l->gates->grid;
-  for (size_t i = 0; l->start.mask && i < l->guard.rules; i++) {
+  for (size_t i = 0; l->base && i < l->guard.rules; i++) {
     const eda_violation *v = &l->guard.drawn[i];
     eda_box near = {
         (int32_t)((v->x - beside) / grid), (int32_t)((v->y - beside) / grid),

@@ -75,13 +75,6 @@ void work_tell(const work *w, const pages *on, size_t places, size_t clips) {
                places, clips, area * um * um, on->count);
 }
 
-void work_drop(work *w, sheet *of) {
-  eda_gates_free(w->last);
-  w->last = of->gates;
-  of->gates = NULL;
-  sheet_clear(of);
-}
-
 /* The next phase, whose share of the time is about this, ours. */
 static int phase(work *w, double share, opc_error *error) {
   w->done += w->share;
@@ -180,7 +173,6 @@ static void work_init(const chip *c, eda_chip *out, work *w) {
 }
 
 void work_clear(work *w) {
-  eda_gates_free(w->last);
   free(w->found);
   free(w->first);
   free(w->before);

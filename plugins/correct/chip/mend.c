@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "../loop.h"
-#include "../start.h"
 #include "work.h"
 
 typedef struct mend {
@@ -40,22 +39,19 @@ typedef struct head {
 
 /* ---- what the loop starts with ---- */
 
-typedef struct standing {
-  const eda_moved *base;
-  uint8_t *still; /* both freed by their user */
-} standing;
-
-/* The masks of all who stand, on a sheet; those to correct are as drawn. */
-static void stand(const mend *m, const sheet *s, standing *out) {
+/* The masks of all who stand, on a sheet; those to correct are as drawn. The
+   loop frees *still. */
+static eda_mask *stand(const mend *m, const sheet *s, uint8_t **still) {
   const eda_gates *g = s->gates;
-  eda_moved *base = eda_moved_new(g->layers, g->count);
-  out->still = eda_alloc(g->count, 1);
+  eda_mask *mask = eda_mask_new(g);
+  mask->moved = eda_moved_new(g->layers, g->count);
+  *still = eda_alloc(g->count, 1);
   for (size_t i = 0; i < g->count; i++) {
-    out->still[i] = s->place[i] == UINT32_MAX;
-    if (out->still[i])
-      eda_chip_move(m->work->chip, s->of[i], g->box[i], base, i);
+    (*still)[i] = s->place[i] == UINT32_MAX;
+    if ((*still)[i])
+      eda_chip_move(m->work->chip, s->of[i], g->box[i], mask->moved, i);
   }
-  out->base = base;
+  return mask;
 }
 
 /* ---- what the loop ends with ---- */
@@ -204,8 +200,8 @@ static void tell_inner(const opc_host *host, const opc_progress *at) {
   work_progress(m->work, ((double)m->sheets + part) / (double)m->pages.count);
 }
 
-static int correct(const mend *m, const sheet *s, const standing *begun,
-                   opc_bytes *out, opc_error *error) {
+static int correct(const mend *m, const sheet *s, opc_bytes *out,
+                   opc_error *error) {
   const work *w = m->work;
   inner in = {*w->host, m};
   in.host.log = log_inner;
@@ -216,32 +212,30 @@ static int correct(const mend *m, const sheet *s, const standing *begun,
             .prepared = 1,
             .regulator = w->regulator,
             .max_iterations = w->max_iterations,
-            .base = begun->base,
-            .still = begun->still,
+            .start = {.max_diff = NAN},
             .hold = w->hold,
             .limit = w->limit,
             .drivers = {[MAIN].module = w->synthesizer}};
   eda_printer_init(&l.printer, w->host->context, s->gates, w->litho, w->resist,
                    w->gap * w->chip->grid);
   l.printer.fine = w->fine;
+  eda_mask *begun = m->stand ? stand(m, s, &l.still) : NULL;
+  l.start.mask = begun;
   int code = loop_run(&l, error);
   if (!code) code = put_all(m, &l, s, out, error);
   loop_clear(&l);
+  eda_mask_free(begun);
   return code;
 }
 
 static int mend_sheet(void *data, size_t i, opc_bytes *out, opc_error *error) {
   mend *m = data;
   work *w = m->work;
-  standing begun = {0};
   sheet s;
   int code = sheet_make(w->host->context, w->chip, &m->cover, m->number,
                         &m->pages, i, m->stand ? 0 : w->margin, &s, error);
-  if (!code && m->stand) stand(m, &s, &begun);
-  if (!code) code = correct(m, &s, &begun, out, error);
-  eda_moved_free((eda_moved *)begun.base);
-  free(begun.still);
-  work_drop(w, &s);
+  if (!code) code = correct(m, &s, out, error);
+  sheet_clear(&s);
   return code;
 }
 

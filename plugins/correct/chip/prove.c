@@ -219,7 +219,7 @@ static int prove_sheet(void *data, size_t i, opc_bytes *out, opc_error *error) {
     }
     measured_clear(&m, s.gates);
   }
-  work_drop(w, &s);
+  sheet_clear(&s);
   return code;
 }
 

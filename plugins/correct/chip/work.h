@@ -88,10 +88,6 @@ GHashTable *work_sums(void);
 /* tell.c */
 int tell_all(const work *work, opc_error *error);
 
-/* Done with a sheet. Its gates stay until those of the next one are there:
-   plugins tell other gates by their address. */
-void work_drop(work *work, sheet *sheet);
-
 /* How much there is to correct or to print. */
 void work_tell(const work *work, const pages *on, size_t places, size_t clips);
 /* "done of total", of this phase. */

@@ -14,7 +14,7 @@ int32_t rules_advance(response *r, int32_t bias, double value, double target,
   *r = (response){bias, value, 1};
   double missing = target + tuned.spare - value;
   double step = fmin(missing / slope, tuned.largest_step);
-  return bias + (int32_t)ceil(fmax(step, 0) / grid - 1e-9);
+  return bias + (int32_t)ceil(step / grid - 1e-9);
 }
 
 void violations_add(violations *l, eda_violation v) {

@@ -417,6 +417,24 @@ static void test_balanced(void) {
   g_assert_cmpint(t.prints, <=, 12);
 }
 
+/* Neighbours couple, and each answers to L in a way of its own, so that Ion
+   often gets worse by the step that W takes for Ioff. W goes on for all that.
+ */
+static void test_width_goes_on(void) {
+  static const double leaky[] = {1.2, 1.6}, spread[] = {0, 0.6};
+  g_autoptr(opc_module) both = make_any("{ target: balanced }");
+  for (int k = 0; k < 4; k++) {
+    model t = made_up(MOST);
+    t.leaky = leaky[k & 1];
+    t.spread = spread[k >> 1];
+    t.coupling = 0.25;
+    run(both, &t);
+    g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.5);
+    g_assert_cmpfloat(worst(t.ioff, t.n), <=, 12);
+    g_assert_cmpint(t.prints, <=, 11);
+  }
+}
+
 static void test_weights_of_plain(void) {
   opc_error error;
   g_assert_null(opc_test_module(
@@ -623,6 +641,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/newton/area", test_area);
   g_test_add_func("/newton/ioff", test_ioff);
   g_test_add_func("/newton/balanced", test_balanced);
+  g_test_add_func("/newton/width_goes_on", test_width_goes_on);
   g_test_add_func("/newton/weights-of-plain", test_weights_of_plain);
   g_test_add_func("/newton/jog", test_jog);
   g_test_add_func("/newton/veto", test_veto);

@@ -1,0 +1,261 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A mask is cut into rectangles once; each territory then takes its parts of
+   those that lie in it, so that a window costs what there is in it. What two
+   territories share belongs to the one that is placed first. */
+#include "clips.h"
+
+#include <eda/formats.h>
+#include <eda/index.h>
+#include <eda/memory.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../start.h"
+
+/* The mask of a layer. */
+typedef struct masked {
+  eda_shapes shapes;
+  eda_box *box; /* the same in rectangles */
+  size_t boxes;
+  eda_index *index;
+} masked;
+
+typedef struct window {
+  const cutter *cutter;
+  eda_box core;
+  territory *near; /* that touch the core or what begins there */
+  size_t n_near;
+  eda_index *index; /* of these */
+  masked *mask;     /* [layers] */
+  clips *out;
+  opc_error *error;
+} window;
+
+/* ---- boxes ---- */
+
+static eda_box grown(eda_box b, int32_t by) {
+  return (eda_box){b.x0 - by, b.y0 - by, b.x1 + by, b.y1 + by};
+}
+
+static eda_box common(eda_box a, eda_box b) {
+  return (eda_box){a.x0 > b.x0 ? a.x0 : b.x0, a.y0 > b.y0 ? a.y0 : b.y0,
+                   a.x1 < b.x1 ? a.x1 : b.x1, a.y1 < b.y1 ? a.y1 : b.y1};
+}
+
+static int has_area(eda_box b) { return b.x0 < b.x1 && b.y0 < b.y1; }
+
+static eda_shapes shapes_of(const eda_box *box, size_t n) {
+  eda_shapes s = {.count = n};
+  if (!n) return s;
+  s.start = eda_alloc(n + 1, sizeof *s.start);
+  s.points = eda_alloc(n, 4 * sizeof *s.points);
+  for (size_t i = 0; i < n; i++) {
+    eda_box b = box[i];
+    eda_point *p = s.points + 4 * i;
+    p[0] = (eda_point){b.x0, b.y0};
+    p[1] = (eda_point){b.x1, b.y0};
+    p[2] = (eda_point){b.x1, b.y1};
+    p[3] = (eda_point){b.x0, b.y1};
+    s.start[i + 1] = (uint32_t)(4 * (i + 1));
+  }
+  return s;
+}
+
+/* OP of boxes, as shapes. */
+static int combine(int op, const eda_box *a, size_t n, const eda_box *b,
+                   size_t m, eda_shapes *out, opc_error *error) {
+  eda_shapes p = shapes_of(a, n), q = shapes_of(b, m);
+  int code = eda_boolean(op, &p, &q, out, error);
+  eda_shapes_clear(&p);
+  eda_shapes_clear(&q);
+  return code;
+}
+
+/* ---- the mask ---- */
+
+static int begins(const window *w, const territory *t) {
+  eda_box c = w->core, b = t->box;
+  return b.x0 >= c.x0 && b.x0 < c.x1 && b.y0 >= c.y0 && b.y0 < c.y1;
+}
+
+/* The territories that begin in the core reach as far as `see`, and those that
+   touch it are known. */
+static int find_territories(window *w, eda_box *see) {
+  const cutter *c = w->cutter;
+  *see = w->core;
+  int code = OPC_OK;
+  for (int again = 0; again < 2 && !code; again++) {
+    free(w->near);
+    code = outline_find(c->outline, c->chip->top, c->chip->grid, see, &w->near,
+                        &w->n_near, w->error);
+    for (size_t i = 0; i < w->n_near && !code && !again; i++) {
+      const territory *t = &w->near[i];
+      if (!begins(w, t)) continue;
+      if (t->box.x1 > see->x1) see->x1 = t->box.x1;
+      if (t->box.y1 > see->y1) see->y1 = t->box.y1;
+    }
+  }
+  if (code) return code;
+  eda_box *box = eda_alloc(w->n_near, sizeof *box);
+  for (size_t i = 0; i < w->n_near; i++) box[i] = w->near[i].box;
+  w->index = eda_index_new(box, w->n_near, 0);
+  free(box);
+  return OPC_OK;
+}
+
+static int make_mask(window *w, eda_box see) {
+  const cutter *c = w->cutter;
+  const eda_chip *chip = c->chip;
+  eda_gates *g;
+  int code = eda_segment_core(chip->layout, chip->top, &chip->segment,
+                              grown(see, c->margin), 0, &g, w->error);
+  if (code) return code;
+  eda_moved *moved = eda_chip_moved(chip, g);
+  for (size_t k = 0; k < g->layers && !code; k++) {
+    masked *m = &w->mask[k];
+    code = g->corrected[k]
+               ? start_mask(g, moved, k, &m->shapes, w->error)
+               : eda_boolean(EDA_OR, &g->drawn[k], NULL, &m->shapes, w->error);
+    if (!code) code = eda_fracture(&m->shapes, &m->box, &m->boxes, w->error);
+    if (!code) m->index = eda_index_new(m->box, m->boxes, 0);
+  }
+  eda_moved_free(moved);
+  eda_gates_free(g);
+  return code;
+}
+
+/* ---- territories ---- */
+
+/* The box of a territory less those of earlier ones. */
+static int find_own(const window *w, const territory *t, eda_box_list *out) {
+  eda_box_list taken = {0};
+  eda_finder f = eda_index_find(w->index, t->box);
+  for (uint32_t i; eda_index_next(&f, &i);) {
+    eda_box b = common(t->box, w->near[i].box);
+    if (w->near[i].number < t->number && has_area(b))
+      eda_box_list_add(&taken, b);
+  }
+  int code = OPC_OK;
+  if (!taken.count) {
+    eda_box_list_add(out, t->box);
+  } else {
+    eda_shapes left;
+    code =
+        combine(EDA_NOT, &t->box, 1, taken.box, taken.count, &left, w->error);
+    if (!code) code = eda_fracture(&left, &out->box, &out->count, w->error);
+    eda_shapes_clear(&left);
+  }
+  free(taken.box);
+  return code;
+}
+
+static int write_polygon(void *data, const eda_point *points, size_t n,
+                         opc_error *error) {
+  GByteArray *to = data;
+  int32_t count = (int32_t)n;
+  (void)error;
+  g_byte_array_append(to, (const guint8 *)&count, sizeof count);
+  g_byte_array_append(to, (const guint8 *)points, (guint)(n * sizeof *points));
+  return OPC_OK;
+}
+
+/* What the territory has of a layer; a polygon of no points ends it. */
+static int write_layer(const window *w, const territory *t,
+                       const eda_box_list *own, size_t layer, GByteArray *to) {
+  const masked *m = &w->mask[layer];
+  eda_box_list parts = {0};
+  for (size_t k = 0; k < own->count; k++) {
+    eda_finder f = eda_index_find(m->index, own->box[k]);
+    for (uint32_t i; eda_index_next(&f, &i);) {
+      eda_box b = common(m->box[i], own->box[k]);
+      if (has_area(b)) eda_box_list_add(&parts, territory_own(t, b));
+    }
+  }
+  eda_shapes merged;
+  const eda_polygon_taker take = {write_polygon, to, SIZE_MAX};
+  int code =
+      combine(EDA_OR, parts.box, parts.count, NULL, 0, &merged, w->error);
+  if (!code) code = eda_polygons_without_holes(&merged, &take, w->error);
+  (void)write_polygon(to, NULL, 0, w->error);
+  eda_shapes_clear(&merged);
+  free(parts.box);
+  return code;
+}
+
+static int cut_one(window *w, const territory *t, GHashTable *known) {
+  size_t layers = w->cutter->chip->layers;
+  eda_box_list own = {0};
+  int code = find_own(w, t, &own);
+  GByteArray *bytes = g_byte_array_new();
+  for (size_t k = 0; k < layers && !code; k++)
+    code = write_layer(w, t, &own, k, bytes);
+  GBytes *shapes = g_byte_array_free_to_bytes(bytes);
+  free(own.box);
+  if (!code && g_bytes_get_size(shapes) > layers * sizeof(int32_t)) {
+    GBytes *same = g_hash_table_lookup(known, shapes);
+    if (!same) g_hash_table_add(known, same = g_bytes_ref(shapes));
+    w->out->clip[w->out->count++] =
+        (clip){g_bytes_ref(same), t->at, t->number, t->way};
+  }
+  g_bytes_unref(shapes);
+  return code;
+}
+
+static int cut_territories(window *w) {
+  GHashTable *known = g_hash_table_new_full(
+      g_bytes_hash, g_bytes_equal, (GDestroyNotify)g_bytes_unref, NULL);
+  w->out->clip = eda_alloc(w->n_near, sizeof *w->out->clip);
+  int code = OPC_OK;
+  for (size_t i = 0; i < w->n_near && !code; i++)
+    if (begins(w, &w->near[i])) code = cut_one(w, &w->near[i], known);
+  g_hash_table_destroy(known);
+  return code;
+}
+
+static int cut_rest(window *w) {
+  eda_box *box = eda_alloc(w->n_near, sizeof *box);
+  eda_shapes free_place;
+  for (size_t i = 0; i < w->n_near; i++) box[i] = w->near[i].box;
+  int code =
+      combine(EDA_NOT, &w->core, 1, box, w->n_near, &free_place, w->error);
+  for (size_t k = 0; k < w->cutter->chip->layers && !code; k++)
+    code = eda_boolean(EDA_AND, &w->mask[k].shapes, &free_place,
+                       &w->out->rest[k], w->error);
+  eda_shapes_clear(&free_place);
+  free(box);
+  return code;
+}
+
+/* ---- all of it ---- */
+
+int clips_cut(const cutter *by, eda_box core, clips *out, opc_error *error) {
+  size_t layers = by->chip->layers;
+  window w = {.cutter = by,
+              .core = core,
+              .mask = eda_alloc(layers, sizeof(masked)),
+              .out = out,
+              .error = error};
+  eda_box see;
+  *out = (clips){.rest = eda_alloc(layers, sizeof *out->rest)};
+  int code = find_territories(&w, &see);
+  if (!code) code = make_mask(&w, see);
+  if (!code) code = cut_territories(&w);
+  if (!code) code = cut_rest(&w);
+  for (size_t k = 0; k < layers; k++) {
+    eda_shapes_clear(&w.mask[k].shapes);
+    free(w.mask[k].box);
+    eda_index_free(w.mask[k].index);
+  }
+  free(w.mask);
+  free(w.near);
+  eda_index_free(w.index);
+  return code;
+}
+
+void clips_clear(clips *c, size_t layers) {
+  for (size_t i = 0; i < c->count; i++) g_bytes_unref(c->clip[i].shapes);
+  for (size_t k = 0; c->rest && k < layers; k++) eda_shapes_clear(&c->rest[k]);
+  free(c->clip);
+  free(c->rest);
+  *c = (clips){0};
+}

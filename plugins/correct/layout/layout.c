@@ -1,0 +1,272 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* correct.layout: the mask of a chip as a layout with cells and arrays. It is
+   made window by window and never there as a whole; what is masked alike in
+   cells that are placed is one cell. */
+#include <eda/check.h>
+#include <eda/formats.h>
+#include <eda/memory.h>
+#include <opcflow/step.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "arrays.h"
+#include "clips.h"
+
+/* Ours. Windows at a time, whatever the number of threads. */
+enum { AT_ONCE = 8 };
+/* nm: the side of a window, and the most that a cell may have that is kept as
+   one. Windows are larger by their surroundings, 3 um on each side, which is
+   twice the area at 15 um; at 60 um a window of a dense layout takes 50 MB. */
+static const double side = 30000, most = 20000;
+
+/* ---- state ---- */
+
+typedef struct layout {
+  const opc_host *host;
+  const eda_chip *chip;
+} layout;
+
+typedef struct work {
+  cutter cutter;
+  int32_t window;
+  size_t columns, rows;
+  eda_box extent; /* of the mask */
+  eda_layout *out;
+  int32_t top, *layer; /* of each of the chip's */
+  GHashTable *known;   /* from shapes to the number of their cell + 1 */
+  int32_t *cell;       /* of each of these: that of the layout */
+  size_t n_cells, cell_room;
+  put *put;
+  size_t n_put, put_room;
+  size_t first; /* window of a batch */
+  clips clips[AT_ONCE];
+} work;
+
+/* ---- how far edges move ---- */
+
+static int32_t larger(int32_t a, int32_t b) {
+  if (b < 0) b = b < -INT32_MAX ? INT32_MAX : -b;
+  return a > b ? a : b;
+}
+
+/* How far an edge goes from where it is drawn, at most: a total goes to one
+   side at worst. */
+static int32_t find_moves(const eda_chip *c) {
+  int32_t far = 0;
+  for (size_t i = 0; i < c->masks; i++) {
+    const eda_chip_mask *m = &c->mask[i];
+    const int32_t of[] = {m->w, m->aside, m->l, m->jog, m->end[0], m->end[1]};
+    int32_t sum = 0;
+    for (size_t k = 0; k < G_N_ELEMENTS(of); k++) sum += larger(0, of[k]);
+    for (uint32_t k = 0; k < m->parts; k++)
+      far = larger(far, c->part[m->part + k].by);
+    far = larger(far, sum);
+  }
+  return far;
+}
+
+/* How far patches and bites reach from a corner of their gate; and how far
+   before it, as what lies beyond its cell may also lie behind it. */
+static int32_t find_boxes(const eda_chip *c, int32_t *before) {
+  int32_t far = 0;
+  *before = 0;
+  for (size_t i = 0; i < c->boxes; i++) {
+    eda_box b = c->box[i].box;
+    far = larger(larger(far, b.x0), b.x1);
+    far = larger(larger(far, b.y0), b.y1);
+    *before = MAX(*before, MAX(-b.x0, -b.y0));
+  }
+  return far;
+}
+
+/* ---- collecting ---- */
+
+static int cut_window(void *data, size_t i, opc_error *error) {
+  work *w = data;
+  size_t k = w->first + i;
+  int32_t x = w->extent.x0 + (int32_t)(k % w->columns) * w->window;
+  int32_t y = w->extent.y0 + (int32_t)(k / w->columns) * w->window;
+  return clips_cut(&w->cutter, (eda_box){x, y, x + w->window, y + w->window},
+                   &w->clips[i], error);
+}
+
+typedef struct target {
+  work *work;
+  int32_t cell, layer;
+} target;
+
+static int add_polygon(void *data, const eda_point *points, size_t n,
+                       opc_error *error) {
+  const target *t = data;
+  return eda_layout_add_polygon(t->work->out, t->cell, t->layer, points, n,
+                                error);
+}
+
+static int add_rest(work *w, const clips *c, opc_error *error) {
+  int code = OPC_OK;
+  for (size_t k = 0; k < w->cutter.chip->layers && !code; k++) {
+    target t = {w, w->top, w->layer[k]};
+    const eda_polygon_taker take = {add_polygon, &t, SIZE_MAX};
+    code = eda_polygons_without_holes(&c->rest[k], &take, error);
+  }
+  return code;
+}
+
+/* The cell is called after one that it masks. */
+static int32_t name_cell(work *w, const clip *c, opc_error *error) {
+  const eda_chip *chip = w->cutter.chip;
+  int32_t of =
+      eda_layout_path(w->cutter.outline, chip->top, c->number, NULL, 0);
+  for (size_t k = w->n_cells + 1;; k++) {
+    g_autofree char *name = g_strdup_printf(
+        "%.100s_M%zu", of < 0 ? "" : eda_layout_cell_name(chip->layout, of), k);
+    if (eda_layout_find_cell(w->out, name) < 0)
+      return eda_layout_cell(w->out, name, error);
+  }
+}
+
+/* A cell of these shapes; its number among ours in *number. */
+static int add_cell(work *w, const clip *c, uint32_t *number,
+                    opc_error *error) {
+  target t = {w, name_cell(w, c, error), 0};
+  if (t.cell < 0) return error->code;
+  const int32_t *at = g_bytes_get_data(c->shapes, NULL);
+  int code = OPC_OK;
+  for (size_t k = 0; k < w->cutter.chip->layers && !code; k++) {
+    t.layer = w->layer[k];
+    for (int32_t n; (n = *at++) > 0 && !code; at += 2 * n)
+      code = add_polygon(&t, (const eda_point *)at, (size_t)n, error);
+  }
+  *number = (uint32_t)w->n_cells;
+  EDA_PUSH(w->cell, w->n_cells, w->cell_room, t.cell);
+  g_hash_table_insert(w->known, g_bytes_ref(c->shapes),
+                      GSIZE_TO_POINTER(w->n_cells));
+  return code;
+}
+
+static int add_clips(work *w, const clips *c, opc_error *error) {
+  int code = add_rest(w, c, error);
+  for (size_t i = 0; i < c->count && !code; i++) {
+    const clip *one = &c->clip[i];
+    size_t found = GPOINTER_TO_SIZE(g_hash_table_lookup(w->known, one->shapes));
+    uint32_t number = (uint32_t)found - 1;
+    if (!found) code = add_cell(w, one, &number, error);
+    if (!code)
+      EDA_PUSH(w->put, w->n_put, w->put_room, (put){number, one->at, one->way});
+  }
+  return code;
+}
+
+static int cut_all(const opc_host *host, work *w, opc_error *error) {
+  size_t all = w->columns * w->rows;
+  int code = OPC_OK;
+  for (w->first = 0; w->first < all && !code; w->first += AT_ONCE) {
+    size_t n = MIN(AT_ONCE, all - w->first);
+    code = eda_try_all(host->context, n, cut_window, w, error);
+    for (size_t i = 0; i < n; i++) {
+      if (!code) code = add_clips(w, &w->clips[i], error);
+      clips_clear(&w->clips[i], w->cutter.chip->layers);
+    }
+    if (!code && opc_cancelled(host->context))
+      code = opc_fail(error, OPC_CANCELLED, NULL, "cancelled");
+  }
+  return code;
+}
+
+/* ---- beginning and end ---- */
+
+static int begin(work *w, const eda_chip *chip, opc_error *error) {
+  int32_t *from = eda_alloc(chip->layers, sizeof *from);
+  size_t n = 0;
+  w->layer = eda_alloc(chip->layers, sizeof *w->layer);
+  w->out = eda_layout_new(chip->grid, error);
+  w->top = eda_layout_cell(
+      w->out, eda_layout_cell_name(chip->layout, chip->top), error);
+  for (size_t k = 0; k < chip->layers; k++) {
+    const char *name = chip->layer[k];
+    w->layer[k] = eda_layout_layer(w->out, name, error);
+    for (size_t i = 0; i < chip->segment.also_count; i++)
+      if (!strcmp(chip->segment.also[2 * i], name))
+        name = chip->segment.also[2 * i + 1];
+    from[n] = eda_layout_find_layer(chip->layout, name);
+    n += from[n] >= 0;
+  }
+  int32_t before, m = find_moves(chip), far = find_boxes(chip, &before);
+  w->cutter.outline = outline_new(chip->layout, chip->top, from, n, most,
+                                  chip->grid * MAX(m, before), error);
+  free(from);
+  if (!w->cutter.outline) return error->code;
+  m = MAX(m, far) + 1;
+  eda_box e = chip->extent;
+  w->cutter.margin = m;
+  w->extent = (eda_box){e.x0 - m, e.y0 - m, e.x1 + m, e.y1 + m};
+  w->window = (int32_t)MIN(side / chip->grid, (double)(1 << 28));
+  w->columns = (size_t)(((int64_t)e.x1 - e.x0 + 2 * m) / w->window + 1);
+  w->rows = (size_t)(((int64_t)e.y1 - e.y0 + 2 * m) / w->window + 1);
+  return OPC_OK;
+}
+
+static int publish(const opc_host *host, const work *w, size_t placed,
+                   size_t arrays, opc_error *error) {
+  const struct {
+    const char *name;
+    size_t value;
+  } all[] = {{"cells", w->n_cells},
+             {"placed", placed},
+             {"instances", arrays},
+             {"rest", eda_layout_polygons(w->out, w->top)}};
+  int code = OPC_OK;
+  for (size_t k = 0; k < G_N_ELEMENTS(all) && !code; k++)
+    code = host->metric(host, all[k].name, (double)all[k].value, error);
+  return code;
+}
+
+static int run(void *self, void **outputs, opc_error *error) {
+  const layout *l = self;
+  work w = {.cutter.chip = l->chip};
+  size_t arrays = 0;
+  w.known = g_hash_table_new_full(g_bytes_hash, g_bytes_equal,
+                                  (GDestroyNotify)g_bytes_unref, NULL);
+  int code = begin(&w, l->chip, error);
+  if (!code) code = cut_all(l->host, &w, error);
+  if (!code)
+    code = arrays_place(w.out, w.top, w.cell, w.put, w.n_put, &arrays, error);
+  if (!code) code = publish(l->host, &w, w.n_put, arrays, error);
+  g_hash_table_destroy(w.known);
+  eda_layout_free((eda_layout *)w.cutter.outline);
+  free(w.layer);
+  free(w.cell);
+  free(w.put);
+  outputs[0] = w.out;
+  if (code) {
+    eda_layout_free(w.out);
+    outputs[0] = NULL;
+  }
+  return code;
+}
+
+/* ---- parameters ---- */
+
+static const opc_parameter parameters[] = {
+    OPC_PARAMETER(layout, chip, .type = OPC_INPUT, .flags = OPC_REQUIRED,
+                  .choices = "chip", .summary = "a corrected chip"),
+};
+
+static const opc_metric metrics[] = {
+    {"cells", NULL, OPC_NEUTRAL, 0, "cells with masks of their own"},
+    {"placed", NULL, OPC_NEUTRAL, 0, "placed cells"},
+    {"instances", NULL, OPC_NEUTRAL, 0, "arrays and single instances"},
+    {"rest", NULL, OPC_NEUTRAL, 0, "polygons outside of placed cells"},
+};
+
+/* ---- entry ---- */
+
+static const opc_port outputs_of[] = {EDA_PORT_LAYOUT("layout")};
+static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = run};
+
+OPC_PLUGIN(layout, .id = "correct.layout", .kind = "step", .version = "0.1.0",
+           .licence = "BSD-3-Clause",
+           .summary = "the mask of a chip as a layout with cells and arrays",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           OPC_FUNCTIONS(functions));

@@ -1,0 +1,308 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Masks of chips as layouts with cells, against the mask of all of it at once:
+   nothing is left of either without the other, by our own booleans and by
+   KLayout's. */
+#include <eda/chip.h>
+#include <eda/memory.h>
+#include <eda/segment.h>
+#include <glib.h>
+#include <glib/gstdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../start.h"
+#include "core/testing/testing.h"
+
+/* ---- a layout ---- */
+
+static void box(eda_layout *layout, int32_t cell, const char *layer, int32_t x0,
+                int32_t y0, int32_t x1, int32_t y1) {
+  opc_error e;
+  int32_t l = eda_layout_layer(layout, layer, &e);
+  g_assert_false(
+      eda_layout_add_box(layout, cell, l, (eda_box){x0, y0, x1, y1}, &e));
+}
+
+static void place(eda_layout *layout, int32_t in, int32_t cell, int32_t x,
+                  int32_t y, int way, uint32_t columns, uint32_t rows) {
+  opc_error e;
+  eda_placement p = {.origin = {x, y},
+                     .magnification = 1,
+                     .angle = 90 * (way % 4),
+                     .mirror = (uint32_t)way / 4,
+                     .columns = columns,
+                     .rows = rows,
+                     .column_step = {1500, 0},
+                     .row_step = {0, 1300}};
+  g_assert_false(eda_layout_add_instance(layout, in, cell, &p, NULL, &e));
+}
+
+/* A cell of two transistors, whose poly leaves it; blocks of 30 x 20 of it that
+   overlap at their seams, all eight ways, a ring around a hole, a line over all
+   rows, and a cell within a cell. */
+static eda_layout *draw(double unit) {
+  opc_error e;
+  eda_layout *layout = eda_layout_new(unit, &e);
+  int32_t top = eda_layout_cell(layout, "TOP", &e);
+  int32_t cell = eda_layout_cell(layout, "BIT", &e);
+  int32_t block = eda_layout_cell(layout, "BLOCK", &e);
+  int32_t over = eda_layout_cell(layout, "OVER", &e);
+  box(layout, top, "nwell", -900, -900, -800, -800);
+  box(layout, cell, "active", 0, 0, 700, 400);
+  box(layout, cell, "poly", 150, -84, 215, 484);
+  box(layout, cell, "poly", 400, -84, 465, 700);
+  box(layout, cell, "poly", 465, 600, 1600, 700);
+  box(layout, cell, "contact", 20, 20, 80, 80);
+  place(layout, block, cell, 0, 0, 0, 30, 20);
+  place(layout, top, block, 0, 0, 0, 1, 1);
+  place(layout, top, block, 45000, 0, 0, 1, 1);
+  for (int way = 0; way < 8; way++)
+    place(layout, top, cell, way * 3000, -9000, way, 1, 1);
+  box(layout, over, "poly", 3000, 0, 3065, 900);
+  place(layout, over, cell, 0, 0, 4, 1, 1);
+  place(layout, top, over, 5000, -20000, 1, 3, 1);
+  box(layout, top, "active", -5000, -5000, 120000, -4900);
+  box(layout, top, "active", -5000, 40000, 120000, 40100);
+  box(layout, top, "active", -5000, -5000, -4900, 40100);
+  box(layout, top, "active", 119900, -5000, 120000, 40100);
+  box(layout, top, "poly", -4000, 550, 110000, 590);
+  return layout;
+}
+
+/* ---- a chip ---- */
+
+static const eda_segment_settings usual = {
+    .grid = 1, .overhang = 84, .line_end = 200};
+
+static eda_gates *flat(const eda_layout *layout) {
+  eda_gates *g;
+  eda_segment_report report;
+  opc_error error;
+  if (eda_segment(NULL, layout, 0, &usual, &g, &report, &error))
+    g_error("%s", error.message);
+  return g;
+}
+
+/* As a correction would leave it: transistors of a size have one mask, some
+   have others; patches and bites beyond the cell. */
+static eda_chip *chip_of(const eda_layout *layout, const eda_gates *g,
+                         GRand *rand) {
+  enum { MASKS = 5, BOXES = 3 };
+  eda_chip *c = eda_alloc(1, sizeof *c);
+  *c = (eda_chip){.layout = layout,
+                  .segment = usual,
+                  .grid = 1,
+                  .extent = g->extent,
+                  .layers = g->layers,
+                  .count = g->count,
+                  .masks = MASKS,
+                  .prints = 1,
+                  .boxes = BOXES};
+  c->layer = eda_alloc(g->layers, sizeof *c->layer);
+  c->corrected = eda_alloc(g->layers, 1);
+  for (size_t k = 0; k < g->layers; k++) {
+    c->layer[k] = strdup(g->layer[k]);
+    c->corrected[k] = g->corrected[k];
+  }
+  c->mask = eda_alloc(MASKS, sizeof *c->mask);
+  c->print = eda_alloc(1, sizeof *c->print);
+  c->box = eda_alloc(BOXES, sizeof *c->box);
+  for (size_t i = 0; i < BOXES; i++) {
+    int x = g_rand_int_range(rand, -90, 90), y = g_rand_int_range(rand, -90, 9);
+    c->box[i] = (eda_chip_box){{x, y, x + 30, y + 20}, i > 1, i % 2};
+  }
+  for (int i = 0; i < MASKS; i++)
+    c->mask[i] = (eda_chip_mask){.w = g_rand_int_range(rand, -9, 20),
+                                 .l = g_rand_int_range(rand, -9, 20),
+                                 .end = {i, 2 * i},
+                                 .box = 0,
+                                 .boxes = i % 2 ? BOXES : 0};
+  c->gate = eda_alloc(g->count, sizeof *c->gate);
+  for (size_t i = 0; i < g->count; i++)
+    c->gate[i] = (eda_chip_gate){
+        .box = g->box[i],
+        .type = g->type[i],
+        .axis = g->axis[i],
+        .mask = i % 97 ? g->box[i].x0 % 2 ? 1 : 3 : (uint32_t)(i % MASKS)};
+  opc_error error;
+  if (eda_chip_check(c, &error)) g_error("%s", error.message);
+  return c;
+}
+
+/* ---- the truth ---- */
+
+/* The mask of a layer, all at once. */
+static eda_shapes mask_of(const eda_chip *chip, const eda_gates *g, size_t k) {
+  opc_error error;
+  eda_shapes s;
+  eda_moved *moved = eda_chip_moved(chip, g);
+  int code = g->corrected[k]
+                 ? start_mask(g, moved, k, &s, &error)
+                 : eda_boolean(EDA_OR, &g->drawn[k], NULL, &s, &error);
+  if (code) g_error("%s", error.message);
+  eda_moved_free(moved);
+  return s;
+}
+
+/* Layers of a layout and of shapes that differ, flattened by us. */
+static void check_same(const eda_layout *made, const eda_chip *chip,
+                       const eda_gates *g) {
+  opc_error error;
+  for (size_t k = 0; k < g->layers; k++) {
+    eda_flat all;
+    eda_shapes want = mask_of(chip, g, k), differ;
+    int32_t layer = eda_layout_find_layer(made, g->layer[k]);
+    int32_t top = eda_layout_top(made, &error);
+    g_assert_cmpint(top, >=, 0);
+    g_assert_false(
+        eda_layout_flatten(made, top, layer, chip->grid, &all, &error));
+    g_assert_false(eda_boolean(EDA_XOR, &all.shapes, &want, &differ, &error));
+    g_assert_cmpuint(want.count, >, 3);
+    g_assert_cmpuint(differ.count, ==, 0);
+    eda_shapes_clear(&want);
+    eda_shapes_clear(&differ);
+    eda_flat_clear(&all);
+  }
+}
+
+/* ---- KLayout ---- */
+
+/* For the program (klayout -zz) and for the Python module. */
+static const char script[] =
+    "try:\n"
+    "  import pya as k\n"
+    "except ImportError:\n"
+    "  import klayout.db as k\n"
+    "import os\n"
+    "def read(name):\n"
+    "  l = k.Layout(); l.read(os.environ['RUN'] + '/' + name)\n"
+    "  return l\n"
+    "a, b = read('made.oas'), read('flat.oas')\n"
+    "for n in (9, 1, 10):\n"
+    "  r = [k.Region(l.top_cell().begin_shapes_rec(l.layer(n, 0))) for l in "
+    "(a, b)]\n"
+    "  print('layer', n, 'there' if r[1].area() > 0 else 'empty', (r[0] ^ "
+    "r[1]).area())\n"
+    "print('end')\n";
+
+static void write_oasis(void *layout, const char *file) {
+  opc_error error;
+  g_autofree char *map = g_strdup_printf(
+      "{ file: %s, layers: { poly: 9/0, active: 1/0, contact: 10/0 } }", file);
+  opc_module *m = opc_test_module("write.oasis", map, &error);
+  if (!m) g_error("%s", error.message);
+  opc_test_input(m, "layout", layout);
+  if (opc_test_run(m, NULL, &error)) g_error("%s", error.message);
+  opc_test_module_free(m);
+}
+
+static eda_layout *flat_layout(const eda_chip *chip, const eda_gates *g) {
+  opc_error error;
+  eda_layout *out = eda_layout_new(chip->grid, &error);
+  int32_t cell = eda_layout_cell(out, "FLAT", &error);
+  for (size_t k = 0; k < g->layers; k++) {
+    eda_shapes s = mask_of(chip, g, k);
+    int32_t layer = eda_layout_layer(out, g->layer[k], &error);
+    eda_box *boxes;
+    size_t n;
+    g_assert_false(eda_fracture(&s, &boxes, &n, &error));
+    for (size_t i = 0; i < n; i++)
+      g_assert_false(eda_layout_add_box(out, cell, layer, boxes[i], &error));
+    free(boxes);
+    eda_shapes_clear(&s);
+  }
+  return out;
+}
+
+/* What KLayout says of both files; NULL without it. */
+static char *ask_klayout(void) {
+  g_autofree char *program = g_find_program_in_path("klayout");
+  g_autofree char *path = g_build_filename(opc_test_folder(), "ask.py", NULL);
+  if (!program) return NULL;
+  g_assert_true(g_file_set_contents(path, script, -1, NULL));
+  g_auto(GStrv) environment = g_get_environ();
+  environment = g_environ_setenv(environment, "RUN", opc_test_folder(), TRUE);
+  environment =
+      g_environ_setenv(environment, "QT_QPA_PLATFORM", "offscreen", TRUE);
+  const char *const argv[] = {program, "-zz", "-r", path, NULL};
+  char *out = NULL;
+  int status = 0;
+  GError *e = NULL;
+  if (!g_spawn_sync(NULL, (char **)argv, environment, 0, NULL, NULL, &out, NULL,
+                    &status, &e))
+    g_error("%s", e->message);
+  g_assert_cmpint(status, ==, 0);
+  return out;
+}
+
+/* ---- tests ---- */
+
+static opc_module *run(eda_chip *chip, void **made) {
+  opc_error error;
+  opc_module *m = opc_test_module("correct.layout", "{}", &error);
+  if (!m) g_error("%s", error.message);
+  opc_test_forget();
+  opc_test_input(m, "chip", chip);
+  if (opc_test_run(m, made, &error)) g_error("%s", error.message);
+  return m;
+}
+
+static void test_same(void) {
+  GRand *rand = g_rand_new_with_seed(3);
+  for (int round = 0; round < 3; round++) {
+    eda_layout *layout = draw(round == 2 ? 0.9 : 1);
+    eda_gates *g = flat(layout);
+    eda_chip *chip = chip_of(layout, g, rand);
+    void *made;
+    opc_module *m = run(chip, &made);
+    check_same(made, chip, g);
+    double placed = opc_test_metric("placed");
+    g_assert_cmpfloat(placed, ==, 1200 + 8 + 3);
+    g_test_message("%g cells, %g instances, %g in the top cell",
+                   opc_test_metric("cells"), opc_test_metric("instances"),
+                   opc_test_metric("rest"));
+    if (round < 2) {
+      g_assert_cmpfloat(opc_test_metric("cells"), <, 120);
+      g_assert_cmpfloat(opc_test_metric("instances"), <, placed / 4);
+    }
+    opc_test_release(m, &made);
+    opc_test_module_free(m);
+    eda_chip_free(chip);
+    eda_gates_free(g);
+    eda_layout_free(layout);
+  }
+  g_rand_free(rand);
+}
+
+static void test_klayout(void) {
+  GRand *rand = g_rand_new_with_seed(4);
+  eda_layout *layout = draw(1);
+  eda_gates *g = flat(layout);
+  eda_chip *chip = chip_of(layout, g, rand);
+  eda_layout *all = flat_layout(chip, g);
+  void *made;
+  opc_module *m = run(chip, &made);
+  write_oasis(made, "made.oas");
+  write_oasis(all, "flat.oas");
+  g_autofree char *answer = ask_klayout();
+  if (answer)
+    g_assert_cmpstr(answer, ==,
+                    "layer 9 there 0\nlayer 1 there 0\nlayer 10 there 0\n"
+                    "end\n");
+  else
+    g_test_skip("there is no klayout");
+  opc_test_release(m, &made);
+  opc_test_module_free(m);
+  eda_layout_free(all);
+  eda_chip_free(chip);
+  eda_gates_free(g);
+  eda_layout_free(layout);
+  g_rand_free(rand);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/layout/same", test_same);
+  g_test_add_func("/layout/klayout", test_klayout);
+  return g_test_run();
+}

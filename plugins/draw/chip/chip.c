@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* draw.chip: a figure of the transistors of a chip, as a map. It is a raster of
+   the picture's size however large the chip is: a pixel shows the worst of the
+   transistors in it. */
+#include <eda/chip.h>
+#include <eda/drawing.h>
+#include <eda/memory.h>
+#include <eda/print.h>
+#include <math.h>
+#include <opcflow/step.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- state ---- */
+
+enum { AFTER, BEFORE, CHANGE, CLASSES };
+
+typedef struct drawer {
+  const opc_host *host;
+  const eda_chip *chip;
+  const char *file;
+  int show;
+  int64_t width;
+  double range; /* % */
+} drawer;
+
+/* Pixels; NAN: none, INFINITY: a transistor that does not print. */
+typedef struct raster {
+  int width, height;
+  double scale; /* pixels a grid step */
+  double *value;
+} raster;
+
+/* ---- work: figures ---- */
+
+/* How many transistors have each mask. */
+static uint32_t *count_classes(const eda_chip *c) {
+  uint32_t *size = eda_alloc(c->masks, sizeof *size);
+  for (size_t i = 0; i < c->count; i++) size[c->gate[i].mask]++;
+  return size;
+}
+
+static int failed(uint32_t flags) {
+  return (flags & ~(uint32_t)EDA_PRINT_NOTES) != 0;
+}
+
+static double figure(const drawer *d, const uint32_t *size, size_t i) {
+  const eda_chip_gate *g = &d->chip->gate[i];
+  const eda_chip_print *p = &d->chip->print[g->print];
+  if (d->show == CLASSES) return log2(size[g->mask]);
+  if (failed(d->show == BEFORE ? p->flags_before : p->flags)) return INFINITY;
+  double before = eda_deviation(p->before.ion, p->design.ion);
+  double after = eda_deviation(p->after.ion, p->design.ion);
+  return d->show == BEFORE  ? before
+         : d->show == AFTER ? after
+                            : fabs(after) - fabs(before);
+}
+
+/* Of two in a pixel: the larger deviation, the smaller class. */
+static double worse(int show, double a, double b) {
+  if (isnan(a)) return b;
+  if (show == CLASSES) return fmin(a, b);
+  return fabs(b) > fabs(a) ? b : a;
+}
+
+static int pixel(double at, int most) {
+  return (int)fmin(fmax(floor(at), 0), most - 1);
+}
+
+static void put(raster *r, int show, eda_box extent, eda_box b, double v) {
+  int x0 = pixel(((double)b.x0 - extent.x0) * r->scale, r->width);
+  int x1 = pixel(((double)b.x1 - extent.x0) * r->scale, r->width);
+  int y0 = pixel(((double)extent.y1 - b.y1) * r->scale, r->height);
+  int y1 = pixel(((double)extent.y1 - b.y0) * r->scale, r->height);
+  for (int y = y0; y <= y1; y++)
+    for (int x = x0; x <= x1; x++) {
+      double *to = &r->value[(size_t)y * (size_t)r->width + (size_t)x];
+      *to = worse(show, *to, v);
+    }
+}
+
+static void fill(const drawer *d, raster *r) {
+  const eda_chip *c = d->chip;
+  uint32_t *size = count_classes(c);
+  for (int i = 0; i < r->width * r->height; i++) r->value[i] = NAN;
+  for (size_t i = 0; i < c->count; i++)
+    put(r, d->show, c->extent, c->gate[i].box, figure(d, size, i));
+  free(size);
+}
+
+/* ---- work: colours ---- */
+
+/* What the ends of the colours mean, as round numbers of a scale do. */
+static double find_range(const drawer *d, const raster *r) {
+  double most = 0;
+  if (!isnan(d->range)) return d->range;
+  for (int i = 0; i < r->width * r->height; i++)
+    if (isfinite(r->value[i])) most = fmax(most, fabs(r->value[i]));
+  if (d->show == CLASSES) return fmax(1, ceil(most));
+  double unit = pow(10, floor(log10(fmax(most, 0.01))));
+  return unit * fmax(1, ceil(most / unit - 1e-6));
+}
+
+static eda_colour colour_of(const drawer *d, double v, double range) {
+  if (isinf(v)) return eda_ink;
+  return d->show == CLASSES ? eda_sequential(v / range)
+                            : eda_diverging((v / range + 1) / 2);
+}
+
+static uint32_t rgb(eda_colour c) {
+  return (uint32_t)lround(255 * c.r) << 16 | (uint32_t)lround(255 * c.g) << 8 |
+         (uint32_t)lround(255 * c.b);
+}
+
+static int paint(const drawer *d, const eda_paper *paper, const raster *r,
+                 double left, double top, double range, opc_error *error) {
+  cairo_surface_t *s =
+      cairo_image_surface_create(CAIRO_FORMAT_RGB24, r->width, r->height);
+  if (cairo_surface_status(s)) {
+    cairo_surface_destroy(s);
+    return opc_fail(error, OPC_FAILED, NULL, "no picture of %d x %d pixels",
+                    r->width, r->height);
+  }
+  uint32_t faint = rgb(eda_faint);
+  unsigned char *data = cairo_image_surface_get_data(s);
+  size_t stride = (size_t)cairo_image_surface_get_stride(s);
+  for (int y = 0; y < r->height; y++)
+    for (int x = 0; x < r->width; x++) {
+      double v = r->value[(size_t)y * (size_t)r->width + (size_t)x];
+      uint32_t c = isnan(v) ? faint : rgb(colour_of(d, v, range));
+      memcpy(data + (size_t)y * stride + 4 * (size_t)x, &c, 4);
+    }
+  cairo_surface_mark_dirty(s);
+  cairo_set_source_surface(paper->cairo, s, left, top);
+  cairo_pattern_set_filter(cairo_get_source(paper->cairo),
+                           CAIRO_FILTER_NEAREST);
+  cairo_paint(paper->cairo);
+  eda_use(paper->cairo, eda_ink);
+  cairo_surface_destroy(s);
+  return OPC_OK;
+}
+
+/* ---- work: the picture ---- */
+
+static double draw_head(const drawer *d, const eda_paper *paper, double range) {
+  static const char *const titles[] = {
+      "Ion deviation after correction", "Ion deviation as drawn",
+      "|Ion deviation|, after less before: below 0 is better",
+      "How many transistors have the same mask"};
+  char low[32], high[32];
+  int classes = d->show == CLASSES;
+  (void)snprintf(low, sizeof low, classes ? "1" : "%g %%", -range);
+  (void)snprintf(high, sizeof high, classes ? "%.0f" : "%g %%",
+                 classes ? exp2(range) : range);
+  const eda_sign ramp = {.kind = EDA_SIGN_RAMP,
+                         .ramp = classes ? eda_sequential : eda_diverging,
+                         .low = low,
+                         .high = high};
+  const eda_sign black = {.kind = EDA_SIGN_FILL, .colour = eda_ink};
+  double top = paper->margin;
+  top += eda_heading(paper, top, titles[d->show]);
+  eda_legend l;
+  eda_legend_init(&l, paper, top);
+  eda_legend_add(&l, &ramp, "%s", classes ? "transistors" : "");
+  if (!classes) eda_legend_add(&l, &black, "does not print");
+  eda_box e = d->chip->extent;
+  eda_legend_add(&l, NULL, "%zu transistors, %.4g x %.4g um", d->chip->count,
+                 ((double)e.x1 - e.x0) * d->chip->grid / 1000,
+                 ((double)e.y1 - e.y0) * d->chip->grid / 1000);
+  return ceil(top + l.height + paper->margin / 2);
+}
+
+static int draw(const drawer *d, raster *r, const char *path,
+                opc_error *error) {
+  double font = fmax(9, (double)d->width / 70), margin = font;
+  double range = find_range(d, r);
+  eda_paper *paper = eda_paper_open(path, (double)d->width, 0, font, error);
+  if (!paper) return error->code;
+  paper->margin = margin;
+  double top = draw_head(d, paper, range);
+  eda_paper_cut(paper, top + r->height + margin);
+  draw_head(d, paper, range);
+  int code = paint(d, paper, r, floor(margin), top, range, error);
+  return eda_paper_close(paper, code, error);
+}
+
+static int run(void *self, void **outputs, opc_error *error) {
+  const drawer *d = self;
+  eda_box e = d->chip->extent;
+  double wide = (double)e.x1 - e.x0, high = (double)e.y1 - e.y0;
+  (void)outputs;
+  const char *path = d->host->output_path(d->host, d->file, error);
+  if (!path) return error->code;
+  raster r = {.width =
+                  (int)(d->width - 2 * ceil(fmax(9, (double)d->width / 70)))};
+  /* A chip that is higher than wide gets a square at most. */
+  r.scale = r.width / fmax(fmax(wide, high), 1);
+  r.height = (int)fmax(1, ceil(high * r.scale));
+  r.width = (int)fmax(1, ceil(wide * r.scale));
+  r.value = eda_alloc((size_t)r.width * (size_t)r.height, sizeof *r.value);
+  fill(d, &r);
+  int code = draw(d, &r, path, error);
+  free(r.value);
+  return code;
+}
+
+/* ---- parameters ---- */
+
+static const opc_parameter parameters[] = {
+    OPC_PARAMETER(drawer, chip, .type = OPC_INPUT, .flags = OPC_REQUIRED,
+                  .choices = "chip", .summary = "a corrected chip"),
+    OPC_PARAMETER(drawer, file, .type = OPC_OUTPUT, .preset = "chip.png",
+                  .summary = "picture: .png, .svg or .pdf"),
+    OPC_PARAMETER(drawer, show, .type = OPC_CHOICE, .preset = "after",
+                  .choices = "after|before|change|classes",
+                  .summary = "deviation of Ion after or before correction, by "
+                             "how much it has grown, or how many transistors "
+                             "have the same mask"),
+    OPC_PARAMETER(drawer, width, .type = OPC_INT, .preset = "1000", .min = 200,
+                  .max = 8000, .summary = "of the picture, pixels"),
+    OPC_PARAMETER(drawer, range, .type = OPC_REAL, .flags = OPC_ABOVE,
+                  .unit = "%",
+                  .summary = "the deviation at the ends of the colours; if not "
+                             "given, the largest"),
+};
+
+static int check(void *self, opc_error *error) {
+  const drawer *d = self;
+  return eda_paper_check(d->file, "file", error);
+}
+
+/* ---- entry ---- */
+
+static const opc_step functions = {.run = run};
+
+OPC_PLUGIN(drawer, .id = "draw.chip", .kind = "step", .version = "0.1.0",
+           .licence = "BSD-3-Clause",
+           .summary = "a map of the transistors of a chip",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), .check = check,
+           OPC_FUNCTIONS(functions));

@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A chip made by hand, its map read back: colours at known places, and a size
+   that does not grow. */
+#include <cairo.h>
+#include <eda/chip.h>
+#include <eda/drawing.h>
+#include <eda/memory.h>
+#include <glib.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "core/testing/testing.h"
+
+/* `n` transistors in each direction, 1 um apart; all print as drawn but the
+   second, which is too strong by 10 %, and the last, which does not print. */
+static eda_chip *chip_new(size_t n) {
+  eda_chip *c = eda_alloc(1, sizeof *c);
+  int32_t far = (int32_t)n * 1000;
+  *c = (eda_chip){.grid = 1,
+                  .extent = {0, 0, far, far},
+                  .count = n * n,
+                  .masks = 2,
+                  .prints = 3};
+  c->gate = eda_alloc(n * n, sizeof *c->gate);
+  c->mask = eda_alloc(2, sizeof *c->mask);
+  c->print = eda_alloc(3, sizeof *c->print);
+  for (int i = 0; i < 3; i++) {
+    c->print[i].design.ion = c->print[i].before.ion = 1e-3;
+    c->print[i].after.ion = i == 1 ? 1.1e-3 : 1e-3;
+  }
+  c->print[2].flags = EDA_PRINT_OPEN;
+  for (size_t i = 0; i < n * n; i++) {
+    int32_t x = (int32_t)(i % n) * 1000, y = (int32_t)(i / n) * 1000;
+    c->gate[i].box = (eda_box){x, y, x + 800, y + 800};
+    c->gate[i].print = i == 1 ? 1 : i == n * n - 1 ? 2 : 0;
+    c->gate[i].mask = i == 1;
+  }
+  return c;
+}
+
+static cairo_surface_t *draw(eda_chip *chip, const char *map) {
+  opc_error e;
+  opc_module *m = opc_test_module("draw.chip", map, &e);
+  if (!m) g_error("%s", e.message);
+  opc_test_input(m, "chip", chip);
+  if (opc_test_run(m, NULL, &e)) g_error("%s", e.message);
+  opc_test_module_free(m);
+  g_autofree char *path = g_build_filename(opc_test_folder(), "chip.png", NULL);
+  cairo_surface_t *s = cairo_image_surface_create_from_png(path);
+  g_assert_cmpint(cairo_surface_status(s), ==, CAIRO_STATUS_SUCCESS);
+  return s;
+}
+
+/* How many pixels below the legend have a colour. */
+static int count(cairo_surface_t *s, uint32_t colour) {
+  int width = cairo_image_surface_get_width(s);
+  int height = cairo_image_surface_get_height(s), n = 0;
+  const unsigned char *data = cairo_image_surface_get_data(s);
+  for (int y = height - width + 9; y < height; y++)
+    for (int x = 0; x < width; x++) {
+      const uint32_t *p =
+          (const uint32_t
+               *)(const void *)(data +
+                                (size_t)y *
+                                    (size_t)cairo_image_surface_get_stride(s));
+      n += (p[x] & 0xffffff) == colour;
+    }
+  return n;
+}
+
+static uint32_t rgb(eda_colour c) {
+  return (uint32_t)(255 * c.r + 0.5) << 16 | (uint32_t)(255 * c.g + 0.5) << 8 |
+         (uint32_t)(255 * c.b + 0.5);
+}
+
+static void near(int a, double b) {
+  g_assert_cmpfloat(a, >, 0.9 * b);
+  g_assert_cmpfloat(a, <, 1.1 * b);
+}
+
+static void test_colours(void) {
+  eda_chip *c = chip_new(4);
+  /* 400 pixels less a font of 9 on each side for 4 um */
+  double gate = 0.8 * 382 / 4 * 0.8 * 382 / 4;
+  cairo_surface_t *s = draw(c, "{ width: 400 }");
+  near(count(s, rgb(eda_diverging(1))), gate);
+  near(count(s, rgb(eda_ink)), gate);
+  /* of the paper's colour */
+  int white = count(s, rgb(eda_diverging(0.5)));
+  cairo_surface_destroy(s);
+  s = draw(c, "{ width: 400, show: before }");
+  near(count(s, rgb(eda_diverging(0.5))) - white, 2 * gate);
+  cairo_surface_destroy(s);
+  s = draw(c, "{ width: 400, show: classes }");
+  near(count(s, rgb(eda_sequential(0))), gate);
+  near(count(s, rgb(eda_sequential(log2(15) / 4))), 15 * gate);
+  cairo_surface_destroy(s);
+  eda_chip_free(c);
+}
+
+/* A quarter of a million: as large a picture; what is worst is still seen. */
+static void test_many(void) {
+  eda_chip *few = chip_new(4), *many = chip_new(500);
+  cairo_surface_t *a = draw(few, "{ width: 300 }");
+  cairo_surface_t *b = draw(many, "{ width: 300 }");
+  g_assert_cmpint(cairo_image_surface_get_height(a), ==,
+                  cairo_image_surface_get_height(b));
+  g_assert_cmpint(count(b, rgb(eda_diverging(1))), >, 0);
+  g_assert_cmpint(count(b, rgb(eda_ink)), >, 0);
+  cairo_surface_destroy(a);
+  cairo_surface_destroy(b);
+  eda_chip_free(few);
+  eda_chip_free(many);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/chip/colours", test_colours);
+  g_test_add_func("/chip/many", test_many);
+  return g_test_run();
+}

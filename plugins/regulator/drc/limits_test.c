@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* How far the regulator goes, and where it must not: each limit against a
+   distance that the test has drawn, or against arithmetic. */
+#include "chip_test.h"
+
+/* ---- line ends ---- */
+
+static void rule_alone(opc_module *m, chip *c, double extension) {
+  c->p.print = NULL;
+  c->extension[0] = INFINITY;
+  c->extension[1] = extension;
+  judge(m, c);
+}
+
+/* The first move takes 0.8 nm of print for a nm of mask, the second one what
+   the first has shown, but no less than 0.3; 1 nm more than 20 is aimed at, and
+   60 nm are the most at a time. */
+static void test_response(void) {
+  static const struct {
+    double first, second;
+    int32_t to, then;
+  } cases[] = {{5, 15, 20, 20 + 12},     /* 16 / 0.8; 6 / 0.5 */
+               {5, 6, 20, 20 + 50},      /* 15 / 0.3 */
+               {5, -20, 20, 20 + 60},    /* 41 / 0.3 */
+               {-100, -10, 60, 60 + 21}, /* 31 / 1.5 */
+               {19.5, 19.9, 2, 2 + 4}};  /* 1.1 / 0.3 */
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_autoptr(opc_module) m =
+        make("{ min_extension: 20 nm, max_growth: 300 nm }");
+    chip c = {0};
+    add_end(&c, 700);
+    begin(&c);
+    rule_alone(m, &c, cases[i].first);
+    g_assert_cmpint(c.end[1], ==, cases[i].to);
+    rule_alone(m, &c, cases[i].second);
+    g_assert_cmpint(c.end[1], ==, cases[i].then);
+  }
+}
+
+/* A line end stays clear of a contact by the mask's least space. */
+static void test_end_before_contact(void) {
+  for (int32_t d = 35; d < 90; d += 9) {
+    g_autoptr(opc_module) m = make("{ min_space: 40 nm, max_growth: 60 nm }");
+    chip c = {0};
+    add_end(&c, 700);
+    add_contact(&c, 0, 400 + d, 65, 480 + d);
+    begin(&c);
+    for (int i = 0; i < 8; i++) rule_alone(m, &c, 5);
+    g_assert_cmpint(c.end[1], ==, CLAMP(d - 40, 0, 60));
+  }
+}
+
+static double two_lines(const chip *c, double x, double y) {
+  double other = fmin(fmin(x - 145, 210 - x), fmin(y, 1000 - y));
+  return fmax(line_ends(c, x, y), other);
+}
+
+/* A head gets as wide as contacts and active leave the least space beside it,
+   and takes half of what another line leaves. */
+static void test_head_beside(void) {
+  enum { LINE, CONTACTS, ACTIVES, KINDS };
+  for (int kind = 0; kind < KINDS; kind++) {
+    static const uint32_t one[] = {0, 4};
+    g_autoptr(opc_module) m = make("{ min_space: 40 nm, max_head: 30 nm }");
+    eda_point q[4];
+    chip c = {0};
+    add_end(&c, 50);
+    if (kind == LINE) add_poly(&c, 145, 0, 210, 1000);
+    if (kind == CONTACTS) add_contact(&c, 125, 330, 205, 410);
+    box_points(q, 125, 330, 400, 410);
+    if (kind == ACTIVES)
+      c.shapes[EDA_ACTIVE] = (eda_shapes){1, (uint32_t *)one, q, NULL};
+    begin(&c);
+    c.mask[EDA_ACTIVE] = c.shapes[EDA_ACTIVE];
+    c.extension[0] = INFINITY;
+    c.extension[1] = 5;
+    for (int i = 0; i < 12; i++) {
+      print(&c, kind == LINE ? two_lines : line_ends);
+      judge(m, &c);
+    }
+    g_assert_cmpint(head(&c), ==, 20);
+    end(&c);
+  }
+}
+
+/* ---- contacts ---- */
+
+/* A pad with its corners cut off. */
+static double octagon(const chip *c, double x, double y) {
+  (void)c;
+  return 80 - fabs(x - 60) - fabs(y - 70);
+}
+
+/* Half of the plane, with the lower left corner of a contact 5 nm within it if
+   it lies 10 nm off. */
+static double slope(const chip *c, double x, double y) {
+  (void)c;
+  return (285 - x - y) / sqrt(2);
+}
+
+/* What must be covered is looked for off the corners, which are round, and what
+   must be clear at the corners, too. */
+static void test_corners(void) {
+  g_autoptr(opc_module) m = make("{ overlay: 10 nm }");
+  eda_violation v[4];
+  chip c = {0}, d = {0};
+  add_poly(&c, 0, 0, 120, 140);
+  add_contact(&c, 20, 30, 100, 110);
+  begin(&c);
+  print(&c, octagon);
+  judge(m, &c);
+  g_assert_cmpuint(violations(m, &c, v, 4), ==, 0);
+  end(&c);
+  g_autoptr(opc_module) n = make("{ overlay: 10 nm }");
+  add_poly(&d, 0, 0, 100, 100);
+  add_contact(&d, 140, 150, 220, 230);
+  begin(&d);
+  print(&d, slope);
+  judge(n, &d);
+  g_assert_cmpuint(violations(n, &d, v, 4), ==, 1);
+  g_assert_cmpstr(v[0].rule, ==, "bridging: contact");
+  end(&d);
+}
+
+/* A pad that prints 4 nm beyond its contact on the right, and follows. */
+static double short_pad(const chip *c, double x, double y) {
+  return fmin(fmin(x + 20, 104 + grown(c, 106, 70) - x), fmin(y + 20, 160 - y));
+}
+
+/* A patch of poly keeps the least space to contacts that poly must not touch,
+   and to active. */
+static void test_patch_beside(void) {
+  for (int active = 0; active < 2; active++)
+    for (int32_t d = 38; d < 60; d += 3) {
+      static const uint32_t one[] = {0, 4}, two[] = {0, 4, 8};
+      g_autoptr(opc_module) m = make("{ min_space: 40 nm }");
+      eda_point q[4], p[8];
+      chip c = {0};
+      add_poly(&c, 0, 0, 106, 140);
+      box_points(p, 20, 30, 100, 110);
+      box_points(p + 4, 106 + d, 30, 186 + d, 110);
+      box_points(q, 106 + d, 0, 300, 140);
+      begin(&c);
+      c.shapes[CONTACT] =
+          (eda_shapes){active ? 1 : 2, (uint32_t *)two, p, NULL};
+      if (active)
+        c.shapes[EDA_ACTIVE] = c.mask[EDA_ACTIVE] =
+            (eda_shapes){1, (uint32_t *)one, q, NULL};
+      for (int i = 0; i < 5; i++) {
+        print(&c, short_pad);
+        judge(m, &c);
+      }
+      int32_t room = MAX(d - 40, 0), wanted = 7; /* and 1 nm more */
+      g_assert_cmpint(grown(&c, 106, 70), <=, MIN(room, wanted + 2));
+      g_assert_cmpint(grown(&c, 106, 70), >=, MIN(room, wanted));
+      end(&c);
+    }
+}
+
+/* ---- edges that go back ---- */
+
+/* Bars that print as one while the mask leaves less than 120 nm. */
+static double close_bars(const chip *c, double x, double y) {
+  int32_t low = 100 - bitten(c, x, 100, 1), high = 196 + bitten(c, x, 196, 0);
+  double bars = fmax(fmin(y, low - y), fmin(y - high, 296 - y));
+  if (x < 0 || x > 900) return -60;
+  return high - low < 120 ? fmin(y, 296 - y) : bars;
+}
+
+/* An edge near before a gate stays, and 20 nm beside it. */
+static void test_before_gate(void) {
+  for (int32_t top = 10; top < 100; top += 20) {
+    g_autoptr(opc_module) m = make("{}");
+    chip c = {0};
+    add_poly(&c, 0, 0, 900, 100);
+    add_poly(&c, 0, 196, 900, 296);
+    c.box[0] = (eda_box){300, 0, 600, top};
+    c.space[0] = c.space[1] = 500;
+    c.extension[0] = c.extension[1] = INFINITY;
+    c.gates.count = 1;
+    c.gates.box = c.box;
+    c.gates.axis = c.axis;
+    c.gates.space = c.space;
+    begin(&c);
+    for (int i = 0; i < 12; i++) {
+      print(&c, close_bars);
+      judge(m, &c);
+    }
+    for (int32_t x = 281; x < 620; x += 26)
+      g_assert_cmpint(bitten(&c, x, 100, 1), ==, 0);
+    g_assert_cmpint(bitten(&c, 640, 100, 1), >, 0);
+    g_assert_cmpint(bitten(&c, 260, 100, 1), >, 0);
+    g_assert_cmpint(bitten(&c, 450, 196, 0), >=, 24);
+    end(&c);
+  }
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/regulator/response", test_response);
+  g_test_add_func("/regulator/end-before-contact", test_end_before_contact);
+  g_test_add_func("/regulator/head-beside", test_head_beside);
+  g_test_add_func("/regulator/corners", test_corners);
+  g_test_add_func("/regulator/patch-beside", test_patch_beside);
+  g_test_add_func("/regulator/before-gate", test_before_gate);
+  return g_test_run();
+}
