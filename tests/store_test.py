@@ -315,7 +315,7 @@ def test_real():
     write("chain.yaml", """opcflow: 1
 extends: %s/search.yaml
 steps:
-  best: { set: { require.mask.worse: 100 }, sweep: { mask.synthesizer.fragment: [30 nm], mask.max_iterations: [1, 2] } }
+  best: { sweep: { mask.synthesizer.fragment: [30 nm], mask.max_iterations: [1, 2] } }
   judged: { fine: off }
   again: { use: cost.fracture, mask: ${judged} }
 """ % flows)
