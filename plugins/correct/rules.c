@@ -8,31 +8,23 @@
 #include <opcflow/table.h>
 #include <stdlib.h>
 
-/* A rule in a layer; the least value and its place, nm. */
-typedef struct row {
-  const char *layer, *rule;
-  double limit;
-  int64_t drawn, count;
-  double least, x, y;
-} row;
-
 static void count_layer(const eda_gates *g, size_t layer,
                         const eda_shapes *mask, const double limit[EDA_RULES],
-                        row out[EDA_RULES]) {
+                        rules_row out[EDA_RULES]) {
   eda_rule_fault *fault;
   for (int i = 0; i < EDA_RULES; i++)
-    out[i] = (row){.layer = g->layer[layer],
-                   .rule = eda_rule_name(i),
-                   .limit = limit[i],
-                   .least = NAN,
-                   .x = NAN,
-                   .y = NAN};
+    out[i] = (rules_row){.layer = g->layer[layer],
+                         .rule = eda_rule_name(i),
+                         .limit = limit[i],
+                         .least = NAN,
+                         .x = NAN,
+                         .y = NAN};
   size_t n = eda_rules_check(&g->drawn[layer], g->grid, limit, &fault);
   for (size_t i = 0; i < n; i++) out[fault[i].rule].drawn++;
   free(fault);
   n = eda_rules_check(mask, g->grid, limit, &fault);
   for (size_t i = 0; i < n; i++) {
-    row *r = &out[fault[i].rule];
+    rules_row *r = &out[fault[i].rule];
     if (r->count++ && fault[i].value >= r->least) continue;
     r->least = fault[i].value;
     r->x = fault[i].x;
@@ -41,19 +33,13 @@ static void count_layer(const eda_gates *g, size_t layer,
   free(fault);
 }
 
-int rules_report(const opc_host *host, const eda_gates *gates,
-                 const eda_shapes *mask, const double limit[EDA_RULES],
-                 opc_error *error) {
-  row *rows = eda_alloc(gates->layers * EDA_RULES, sizeof *rows);
+int rules_tell(const opc_host *host, const rules_row *rows, size_t n,
+               opc_error *error) {
   double all = 0, sum[EDA_RULES] = {0};
-  size_t n = 0;
-  for (size_t k = 0; k < gates->layers; k++) {
-    if (!gates->corrected[k]) continue;
-    count_layer(gates, k, &mask[k], limit, rows + n);
-    for (int i = 0; i < EDA_RULES; i++) sum[i] += (double)rows[n + i].count;
-    n += EDA_RULES;
+  for (size_t i = 0; i < n; i++) {
+    sum[i % EDA_RULES] += (double)rows[i].count;
+    all += (double)rows[i].count;
   }
-  for (int i = 0; i < EDA_RULES; i++) all += sum[i];
   const opc_column columns[] = {
       {"layer", NULL, OPC_TEXT, 0, &rows->layer},
       {"rule", NULL, OPC_TEXT, 0, &rows->rule},
@@ -66,7 +52,6 @@ int rules_report(const opc_host *host, const eda_gates *gates,
   };
   int code = opc_put_rows(host, "mask_rules", 0, n, sizeof *rows,
                           OPC_ARRAY(columns), error);
-  free(rows);
   if (code) return code;
   const opc_metric_value values[] = {{"mask_violations", all},
                                      {"mask_space", sum[EDA_RULE_SPACE]},
@@ -74,4 +59,19 @@ int rules_report(const opc_host *host, const eda_gates *gates,
                                      {"mask_edge", sum[EDA_RULE_EDGE]},
                                      {"mask_jog", sum[EDA_RULE_JOG]}};
   return opc_put_metrics(host, OPC_ARRAY(values), error);
+}
+
+int rules_report(const opc_host *host, const eda_gates *gates,
+                 const eda_shapes *mask, const double limit[EDA_RULES],
+                 opc_error *error) {
+  rules_row *rows = eda_alloc(gates->layers * EDA_RULES, sizeof *rows);
+  size_t n = 0;
+  for (size_t k = 0; k < gates->layers; k++) {
+    if (!gates->corrected[k]) continue;
+    count_layer(gates, k, &mask[k], limit, rows + n);
+    n += EDA_RULES;
+  }
+  int code = rules_tell(host, rows, n, error);
+  free(rows);
+  return code;
 }

@@ -7,8 +7,22 @@
 #include <eda/rules.h>
 #include <opcflow/plugin.h>
 
-/* Tell where the masks of corrected layers, [gates->layers], do not keep rules:
-   the table `mask_rules` and the metrics mask_violations and mask_RULE. */
+/* A rule in a layer: how many places of the drawn layer and of the mask do not
+   keep it, the least value and its place, nm; NAN if there is none. */
+typedef struct rules_row {
+  const char *layer, *rule;
+  double limit;
+  int64_t drawn, count;
+  double least, x, y;
+} rules_row;
+
+/* The table `mask_rules` and the metrics mask_violations and mask_RULE. Of each
+   layer EDA_RULES rows, in their order. */
+int rules_tell(const opc_host *host, const rules_row *rows, size_t n,
+               opc_error *error);
+
+/* Tell where the masks of corrected layers, [gates->layers], do not keep rules.
+ */
 int rules_report(const opc_host *host, const eda_gates *gates,
                  const eda_shapes *mask, const double limit[EDA_RULES],
                  opc_error *error);

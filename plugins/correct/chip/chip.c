@@ -12,6 +12,7 @@
 
 #include "../fine.h"
 #include "../report.h"
+#include "../rules.h"
 #include "work.h"
 
 enum { ON, OFF }; /* `guard` */
@@ -55,6 +56,7 @@ typedef struct chip {
   double fine, margin, limit; /* as of `correct` */
   double radius, window;      /* nm */
   int guard;
+  double min_space, min_mask_width, min_edge, min_jog; /* nm */
 } chip;
 
 /* ---- work ---- */
@@ -160,6 +162,11 @@ static void work_init(const chip *c, eda_chip *out, work *w) {
               .fine = c->fine,
               .limit = c->limit,
               .hold = c->guard == ON,
+              .mask_limit = {[EDA_RULE_SPACE] = c->min_space,
+                             [EDA_RULE_WIDTH] = c->min_mask_width,
+                             [EDA_RULE_EDGE] = c->min_edge,
+                             [EDA_RULE_JOG] = c->min_jog},
+              .faults = faults_new(),
               .margin = in_steps(c->margin, c->grid),
               .radius = in_steps(radius, c->grid),
               .along = in_steps(tuned.along * radius, c->grid),
@@ -181,6 +188,7 @@ void work_clear(work *w) {
   g_ptr_array_free(w->sums, TRUE);
   free(w->print_first);
   free(w->tried);
+  faults_free(w->faults);
 }
 
 static void take_layers(const eda_gates *g, eda_chip *out) {
@@ -307,6 +315,7 @@ static const opc_parameter parameters[] = {
                   .unit = "%", .preset = "0.5 %",
                   .summary = "|Ion deviation| that is good: what is beyond it "
                              "among its neighbours is corrected by itself"),
+    RULES_PARAMETERS(chip),
 };
 
 static const opc_metric metrics[] = {
@@ -335,7 +344,10 @@ static const opc_metric metrics[] = {
     {"lost", NULL, OPC_LOWER, 0,
      "transistors that printed as drawn and do so no more"},
     {"violations", NULL, OPC_LOWER, 0,
-     "rules of the regulator that transistors do not keep"},
+     "rules of the regulator that the print does not keep"},
+    {"violations_unexplained", NULL, OPC_LOWER, 0,
+     "those for which neither the drawn layout nor a parameter is the reason"},
+    RULES_METRICS,
 };
 
 static int check(void *self, opc_error *error) {

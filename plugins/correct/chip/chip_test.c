@@ -293,6 +293,46 @@ static void test_sram(void) {
   release(reader, d.layout);
 }
 
+/* ---- what is not kept ---- */
+
+static const char *const counts[] = {
+    "violations",      "violations_unexplained",
+    "mask_violations", "mask_space",
+    "mask_width",      "mask_edge",
+    "mask_jog"};
+
+/* Gaps and lines that are too narrow, in each of the copies: all are told,
+   however a cell lies, as many as flat, in a row for each rule. */
+static void test_faults(void) {
+  const char *drawn = CHEAP REGULATOR ", max_iterations: 0";
+  double all[G_N_ELEMENTS(counts)];
+  drawing d = eight_ways();
+  box(&d, d.cell, "poly", 860, 0, 960, 100);
+  box(&d, d.cell, "poly", 990, 0, 1090, 100);
+  box(&d, d.cell, "poly", 860, 300, 960, 330);
+  box(&d, d.cell, "poly", 900, 320, 1000, 335);
+  eda_gates *g = flat(&d);
+  opc_module *m = make("correct", drawn);
+  opc_test_input(m, "gates", g);
+  void *output = run(m);
+  for (size_t k = 0; k < G_N_ELEMENTS(counts); k++)
+    all[k] = opc_test_metric(counts[k]);
+  release(m, output);
+  g_autofree char *more = g_strdup_printf("%s, window: 3000 nm", drawn);
+  m = chip_of(&d, more);
+  output = run(m);
+  for (size_t k = 0; k < G_N_ELEMENTS(counts); k++) {
+    g_test_message("%s: %g, flat %g", counts[k], opc_test_metric(counts[k]),
+                   all[k]);
+    g_assert_true(opc_test_metric(counts[k]) == all[k]);
+  }
+  g_assert_true(opc_test_metric("mask_space") == 12); /* as drawn */
+  g_assert_cmpuint(opc_test_table("violations")->rows, <, 8);
+  release(m, output);
+  eda_gates_free(g);
+  eda_layout_free(d.layout);
+}
+
 /* ---- what cannot be right ---- */
 
 static void expect_refused(const drawing *d, const char *more,
@@ -332,6 +372,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/chip/radius", test_radius);
   g_test_add_func("/chip/threads", test_threads);
   g_test_add_func("/chip/sram", test_sram);
+  g_test_add_func("/chip/faults", test_faults);
   g_test_add_func("/chip/refused", test_refused);
   return g_test_run();
 }

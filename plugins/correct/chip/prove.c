@@ -121,9 +121,14 @@ typedef struct prove {
 } prove;
 
 typedef struct proved {
-  uint32_t place, flags, violations, unused;
+  uint32_t place, flags;
   eda_figures design, after;
 } proved;
+
+/* Before all that is of a sheet: its transistors, then their faults. */
+typedef struct head {
+  uint64_t transistors;
+} head;
 
 typedef struct measured {
   eda_printer printer;
@@ -131,15 +136,13 @@ typedef struct measured {
   eda_moved *moved;
   eda_measurement measured;
   eda_performance design;
-  uint32_t *violations; /* of each gate */
 } measured;
 
 static void measured_init(measured *m, const prove *p, const sheet *s) {
   const work *w = p->work;
   const eda_gates *g = s->gates;
   *m = (measured){.mask = eda_alloc(g->layers, sizeof *m->mask),
-                  .moved = eda_moved_new(g->layers, g->count),
-                  .violations = eda_alloc(g->count, sizeof *m->violations)};
+                  .moved = eda_moved_new(g->layers, g->count)};
   for (size_t i = 0; i < g->count; i++)
     eda_chip_move(w->chip, s->of[i], g->box[i], m->moved, i);
   eda_printer_init(&m->printer, w->host->context, g, w->litho, w->resist,
@@ -156,29 +159,6 @@ static void measured_clear(measured *m, const eda_gates *g) {
   eda_printer_clear(&m->printer);
   eda_measurement_clear(&m->measured);
   eda_performance_clear(&m->design);
-  free(m->violations);
-}
-
-/* The rules that the print does not keep, by transistor. */
-static int count_violations(const work *w, const eda_gates *g, measured *m,
-                            opc_error *error) {
-  if (!w->regulator) return OPC_OK;
-  const eda_printed printed = {.gates = g,
-                               .flags = m->measured.flags,
-                               .l = m->moved->l,
-                               .w = m->moved->w,
-                               .aside = m->moved->aside,
-                               .extension = m->measured.extension,
-                               .shapes = m->mask,
-                               .print = m->printer.print};
-  size_t room = 16 * g->count + 1000, n;
-  eda_violation *v = eda_alloc(room, sizeof *v);
-  int code = eda_call_violations(w->host->context, w->regulator, &printed, v,
-                                 room, &n, error);
-  for (size_t i = 0; !code && i < MIN(n, room); i++)
-    if (v[i].gate >= 0) m->violations[v[i].gate]++;
-  free(v);
-  return eda_blame(error, code, "regulator");
 }
 
 static int print(const work *w, const eda_gates *g, measured *m,
@@ -196,7 +176,21 @@ static int print(const work *w, const eda_gates *g, measured *m,
   if (!code)
     code = eda_measure(w->host->context, g, m->printer.print, w->extractor,
                        &m->measured, error);
-  return code ? code : count_violations(w, g, m, error);
+  return code;
+}
+
+static void put_all(const measured *m, const sheet *s, opc_bytes *out) {
+  head h = {0};
+  for (size_t k = 0; k < s->gates->count; k++)
+    h.transistors += s->place[k] != UINT32_MAX;
+  out->add(out, &h, sizeof h);
+  for (size_t k = 0; k < s->gates->count; k++) {
+    const proved one = {.place = s->place[k],
+                        .flags = m->measured.flags[k],
+                        .design = eda_figures_of(&m->design, k),
+                        .after = eda_figures_of(&m->measured.performance, k)};
+    if (one.place != UINT32_MAX) out->add(out, &one, sizeof one);
+  }
 }
 
 static int prove_sheet(void *data, size_t i, opc_bytes *out, opc_error *error) {
@@ -209,13 +203,17 @@ static int prove_sheet(void *data, size_t i, opc_bytes *out, opc_error *error) {
   if (!code) {
     measured_init(&m, p, &s);
     code = print(w, s.gates, &m, error);
-    for (size_t k = 0; !code && k < s.gates->count; k++) {
-      const proved one = {.place = s.place[k],
-                          .flags = m.measured.flags[k],
-                          .violations = m.violations[k],
-                          .design = eda_figures_of(&m.design, k),
-                          .after = eda_figures_of(&m.measured.performance, k)};
-      if (one.place != UINT32_MAX) out->add(out, &one, sizeof one);
+    if (!code) {
+      const eda_printed printed = {.gates = s.gates,
+                                   .flags = m.measured.flags,
+                                   .l = m.moved->l,
+                                   .w = m.moved->w,
+                                   .aside = m.moved->aside,
+                                   .extension = m.measured.extension,
+                                   .shapes = m.mask,
+                                   .print = m.printer.print};
+      put_all(&m, &s, out);
+      code = faults_find(w, &s, &printed, out, error);
     }
     measured_clear(&m, s.gates);
   }
@@ -233,19 +231,24 @@ static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
   prove *p = data;
   work *w = p->work;
   eda_chip *c = w->chip;
-  const proved *one = bytes;
+  const char *at = bytes;
+  head h;
   (void)i, (void)error;
-  for (size_t k = 0; k < size / sizeof *one; k++) {
-    eda_chip_print *to = &c->print[p->first + one[k].place];
-    uint32_t mask = c->gate[p->number[one[k].place]].mask;
-    *to = (eda_chip_print){.design = one[k].design,
+  memcpy(&h, at, sizeof h);
+  at += sizeof h;
+  for (; h.transistors; h.transistors--, at += sizeof(proved)) {
+    proved one;
+    memcpy(&one, at, sizeof one);
+    eda_chip_print *to = &c->print[p->first + one.place];
+    uint32_t mask = c->gate[p->number[one.place]].mask;
+    *to = (eda_chip_print){.design = one.design,
                            .before = w->before[mask],
-                           .after = one[k].after,
+                           .after = one.after,
                            .flags_before = w->flags_before[mask],
-                           .flags = one[k].flags,
-                           .violations = one[k].violations};
+                           .flags = one.flags};
     if (isfinite(prove_off(to))) w->worst = fmax(w->worst, prove_off(to));
   }
+  faults_take(w, p->first, at, (const char *)bytes + size);
   return OPC_OK;
 }
 

@@ -2,7 +2,8 @@
 /* A transistor's surroundings are the edges of what is drawn there, in its own
    coordinates: each becomes a number of 64 bits. Of the four ways to look at
    them along L and W the one is taken in which the numbers' sum of hashes is
-   least; a tie is a symmetry, by which all ways that tie look alike. */
+   least; a tie is a symmetry, by which all ways that tie look alike. Sums need
+   no order: sorting the numbers took as long as all else of a scan. */
 #include "surround.h"
 
 #include <eda/check.h>
@@ -125,39 +126,30 @@ static uint64_t number_of(const frame *f, const edge *e, const int *back) {
          ((uint64_t)low & mask) << BITS | ((uint64_t)high & mask);
 }
 
-/* As splitmix64 does it. */
-static uint64_t mix(uint64_t x) {
-  x += 0x9E3779B97F4A7C15u;
+/* As splitmix64 does it, from two starts. */
+static uint64_t mix(uint64_t x, uint64_t start) {
+  x += start;
   x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
   x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
   return x ^ (x >> 31);
 }
 
-static int by_number(const void *a, const void *b) {
-  uint64_t p = *(const uint64_t *)a, q = *(const uint64_t *)b;
-  return (p > q) - (p < q);
-}
+/* The edges of a transistor, seen in one of the four ways: sums of what two
+   hashes make of them, which do not ask for their order. Equal sums of 128 bits
+   are equal edges. */
+typedef struct heap {
+  uint64_t sum, other, count;
+} heap;
 
-/* The edges of a transistor, in each of the four ways. */
-typedef struct numbers {
-  uint64_t *number[FLIPS];
-  size_t count, room;
-} numbers;
-
-static void add(numbers *n, const frame *f, const edge *e, uint64_t *sum) {
-  if (n->count == n->room) {
-    n->room = 2 * n->room + 256;
-    for (int k = 0; k < FLIPS; k++)
-      n->number[k] = g_renew(uint64_t, n->number[k], n->room);
-  }
+static void add(heap *h, const frame *f, const edge *e) {
   for (int k = 0; k < FLIPS; k++) {
     int l = k & EDA_FLIP_L, w = (k & EDA_FLIP_W) / EDA_FLIP_W;
     const int back[2] = {f->axis == EDA_X ? l : w, f->axis == EDA_X ? w : l};
     uint64_t x = number_of(f, e, back);
-    n->number[k][n->count] = x;
-    sum[k] += mix(x);
+    h[k].sum += mix(x, 0x9E3779B97F4A7C15u);
+    h[k].other += mix(~x, 0xD1B54A32D192ED03u);
+    h[k].count++;
   }
-  n->count++;
 }
 
 static int too_large(const seen *s, size_t i, opc_error *error) {
@@ -172,22 +164,20 @@ static int too_large(const seen *s, size_t i, opc_error *error) {
 }
 
 /* What is within the radius, cut off there. */
-static void look(const seen *s, size_t i, numbers *n, uint64_t *sum) {
+static void look(const seen *s, size_t i, heap *h) {
   frame f = {s->gates->box[i], s->gates->axis[i]};
   eda_box w = {f.box.x0 - s->radius, f.box.y0 - s->radius, f.box.x1 + s->radius,
                f.box.y1 + s->radius};
   eda_finder finder = eda_index_find(s->index, w);
-  n->count = 0;
   for (uint32_t k; eda_index_next(&finder, &k);) {
     edge e = s->edges[k];
     e.low = MAX(e.low, e.across == EDA_X ? w.y0 : w.x0);
     e.high = MIN(e.high, e.across == EDA_X ? w.y1 : w.x1);
-    if (e.low < e.high) add(n, &f, &e, sum);
+    if (e.low < e.high) add(h, &f, &e);
   }
 }
 
-static void digest(const seen *s, size_t i, const uint64_t *number, size_t n,
-                   uint8_t *out) {
+static void digest(const seen *s, size_t i, const heap *h, uint8_t *out) {
   const eda_gates *g = s->gates;
   frame f = {g->box[i], g->axis[i]};
   const char *note = g->note && g->note[i] ? g->note[i] : "";
@@ -198,30 +188,28 @@ static void digest(const seen *s, size_t i, const uint64_t *number, size_t n,
                           size_of(&f, !f.axis),
                           llround(g->length[i] * 1000),
                           llround(g->width[i] * 1000),
-                          (int64_t)n,
                           (int64_t)strlen(note)};
   uint8_t all[32];
   gsize size = sizeof all;
   g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
   g_checksum_update(sum, (const guchar *)head, sizeof head);
-  g_checksum_update(sum, (const guchar *)number, (gssize)(n * sizeof *number));
+  g_checksum_update(sum, (const guchar *)h, sizeof *h);
   g_checksum_update(sum, (const guchar *)note, -1);
   g_checksum_get_digest(sum, all, &size);
   memcpy(out, all, SUM_SIZE);
 }
 
-static int look_at(const seen *s, size_t i, numbers *n, opc_error *error) {
-  uint64_t sum[FLIPS] = {0};
+static int look_at(const seen *s, size_t i, opc_error *error) {
+  heap h[FLIPS] = {{0}};
   eda_box b = s->gates->box[i];
   int32_t most = FURTHEST - 2 * s->radius;
   if (b.x1 - b.x0 > most || b.y1 - b.y0 > most) return too_large(s, i, error);
-  look(s, i, n, sum);
+  look(s, i, h);
   int least = 0;
   for (int k = 1; k < FLIPS && s->ways > 1; k++)
-    if (sum[k] < sum[least]) least = k;
-  if (n->count) qsort(n->number[least], n->count, sizeof(uint64_t), by_number);
+    if (h[k].sum < h[least].sum) least = k;
   s->out[i].flip = (uint8_t)least;
-  digest(s, i, n->number[least], n->count, s->out[i].sum);
+  digest(s, i, &h[least], s->out[i].sum);
   return OPC_OK;
 }
 
@@ -230,11 +218,9 @@ static int look_at(const seen *s, size_t i, numbers *n, opc_error *error) {
 static int look_at_some(void *data, size_t part, opc_error *error) {
   const seen *s = data;
   size_t end = MIN((part + 1) * AT_ONCE, s->gates->count);
-  numbers n = {0};
   int code = OPC_OK;
   for (size_t i = part * AT_ONCE; i < end && !code; i++)
-    code = look_at(s, i, &n, error);
-  for (int k = 0; k < FLIPS; k++) g_free(n.number[k]);
+    code = look_at(s, i, error);
   return code;
 }
 

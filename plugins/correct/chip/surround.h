@@ -8,8 +8,9 @@
 enum { SUM_SIZE = 16 };
 
 /* Equal sums are equal surroundings, seen with `flip` (EDA_FLIP_*) along the
-   transistor's own L and W: SHA-256, cut to 16 bytes, so that no two others of
-   10^9 are taken for one with a chance above 10^-20. */
+   transistor's own L and W: SHA-256, cut to 16 bytes, of 128 bits of hashes of
+   what is there, so that no two others of 10^9 are taken for one with a chance
+   above 10^-20. */
 typedef struct surround {
   uint8_t sum[SUM_SIZE];
   uint8_t flip;

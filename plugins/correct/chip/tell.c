@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../findings.h"
 #include "../report.h"
 #include "work.h"
 
@@ -24,7 +25,7 @@ typedef struct fault {
 
 typedef struct sums {
   groups drawn, printed;
-  fault failed, lost, worse, outside, violations;
+  fault failed, lost, worse, outside;
 } sums;
 
 static int failed(uint32_t flags) {
@@ -48,7 +49,6 @@ static void add(const work *w, size_t i, sums *s) {
   note(&s->worse, i,
        !now && !then && prove_off(p) > fmax(was, w->limit) + worse_than);
   note(&s->outside, i, !now && (p->flags & EDA_PRINT_OUTSIDE));
-  note(&s->violations, i, p->violations);
 }
 
 static void find(const work *w, const fault *f, const char *what) {
@@ -190,25 +190,49 @@ static int put_metrics(const work *w, const sums *s, opc_error *error) {
       {"failed", (double)s->failed.count},
       {"outside", (double)s->outside.count},
       {"worse", (double)s->worse.count},
-      {"lost", (double)s->lost.count},
-      {"violations", (double)s->violations.count}};
+      {"lost", (double)s->lost.count}};
   return opc_put_metrics(w->host, OPC_ARRAY(values), error);
+}
+
+/* Lengths and widths are those of the gates' boxes. */
+static void find_in_drawing(const work *w) {
+  const eda_chip *c = w->chip;
+  eda_gates g = {.count = c->count,
+                 .type = eda_alloc(c->count, sizeof *g.type),
+                 .length = eda_alloc(c->count, sizeof *g.length),
+                 .width = eda_alloc(c->count, sizeof *g.width)};
+  for (size_t i = 0; i < c->count; i++) {
+    eda_box b = c->gate[i].box;
+    double wide = (b.x1 - b.x0) * c->grid, high = (b.y1 - b.y0) * c->grid;
+    int along_x = c->gate[i].axis == EDA_X;
+    g.type[i] = c->gate[i].type;
+    g.length[i] = along_x ? wide : high;
+    g.width[i] = along_x ? high : wide;
+  }
+  findings_of_drawing(w->host, &g, w->extractor);
+  free(g.type);
+  free(g.length);
+  free(g.width);
 }
 
 int tell_all(const work *w, opc_error *error) {
   sums s;
   memset(&s, 0, sizeof s);
+  find_in_drawing(w);
   for (size_t i = 0; i < w->chip->count; i++) add(w, i, &s);
   find(w, &s.failed, "do not print as one, and have no figures");
   find(w, &s.lost, "printed as drawn and do so no more");
   find(w, &s.worse, "are further off than drawn and than the limit");
   find(w, &s.outside, "have figures from beyond the device table");
-  if (s.violations.count)
-    w->host->log(w->host, OPC_LOG_WARNING, "%zu rules are not kept",
-                 s.violations.count);
+  if (!s.drawn.ion[2].n)
+    w->host->log(w->host, OPC_LOG_FINDING,
+                 "no transistor prints as drawn: is the layout's 'scale' "
+                 "right, do optics and resist belong to its process, are poly "
+                 "and active exchanged?");
   int code = groups_table(w->host, &s.drawn, &s.printed, error);
   if (!code) code = class_table(w, "masks", w->chip->masks, 0, error);
   if (!code) code = class_table(w, "prints", w->chip->prints, 1, error);
   if (!code) code = worst_table(w, error);
+  if (!code) code = faults_tell(w, error);
   return code ? code : put_metrics(w, &s, error);
 }

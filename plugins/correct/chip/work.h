@@ -5,6 +5,8 @@
 #define CORRECT_CHIP_WORK_H
 
 #include <eda/chip.h>
+#include <eda/regulator.h>
+#include <eda/rules.h>
 #include <glib.h>
 #include <opcflow/step.h>
 
@@ -19,13 +21,17 @@ typedef struct found {
   surround around;
 } found;
 
+/* Rules that are not kept (faults.c). */
+typedef struct faults faults;
+
 typedef struct work {
   const opc_host *host;
   const opc_module *litho, *resist, *extractor, *synthesizer, *regulator;
   int64_t max_iterations;
   double fine, limit; /* as of a loop; limit in % */
   int hold;
-  int32_t margin; /* how far light counts */
+  double mask_limit[EDA_RULES]; /* rules of the mask, nm */
+  int32_t margin;               /* how far light counts */
   int32_t radius, along, window, gap;
   int ways; /* in which a transistor may lie, 1, 4 or 8 */
   int64_t rounds;
@@ -50,6 +56,8 @@ typedef struct work {
   size_t print_room;
   uint8_t *tried; /* of each print: it was refined already */
   size_t tried_room;
+
+  faults *faults; /* of all prints */
 
   /* What was done, for the report. */
   size_t windows, sheets, refined, simulations, fine_simulations;
@@ -84,6 +92,18 @@ double prove_off(const eda_chip_print *print);
 
 /* A table of sums (SUM_SIZE bytes, whose owner keeps them) to numbers. */
 GHashTable *work_sums(void);
+
+/* faults.c: rules that are not kept, by the transistor that is nearest. */
+faults *faults_new(void);
+void faults_free(faults *faults);
+/* Those of a sheet's mask and its print, as bytes. [main] */
+int faults_find(const work *work, const sheet *sheet,
+                const eda_printed *printed, opc_bytes *out, opc_error *error);
+/* These bytes, of places from the print `first` on. */
+void faults_take(work *work, size_t first, const char *bytes, const char *end);
+/* Tables, findings and metrics of what is left: as many rows as there are
+   rules. */
+int faults_tell(const work *work, opc_error *error);
 
 /* tell.c */
 int tell_all(const work *work, opc_error *error);

@@ -249,6 +249,25 @@ static void test_large(void) {
   eda_layout_free(layout);
 }
 
+/* A layer that the layout has, but not below the cell that is asked for. */
+static void test_none_below(void) {
+  opc_error e = {0};
+  eda_layout *layout = eda_layout_new(1, &e);
+  int32_t layer = eda_layout_layer(layout, "poly", &e);
+  int32_t cell = eda_layout_cell(layout, "CELL", &e);
+  int32_t top = eda_layout_cell(layout, "TOP", &e);
+  eda_box w = {0, 0, 10, 10}, bounds;
+  eda_flat part;
+  eda_layout_add_box(layout, cell, layer, w, &e);
+  g_assert_cmpint(eda_layout_bounds(layout, top, layer, 1, &bounds, &e), ==, 0);
+  g_assert_cmpint(bounds.x0, >, bounds.x1);
+  g_assert_cmpint(
+      eda_layout_flatten_window(layout, top, layer, 1, &w, &part, &e), ==, 0);
+  g_assert_cmpuint(part.shapes.count, ==, 0);
+  eda_flat_clear(&part);
+  eda_layout_free(layout);
+}
+
 /* Cells upon cells, as many members in one place as can be, and sizes that no
    number holds: an answer or a refusal, and soon. */
 static void test_hostile(void) {
@@ -293,6 +312,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/window/against-all", test_against_all);
   g_test_add_func("/window/large", test_large);
+  g_test_add_func("/window/none-below", test_none_below);
   g_test_add_func("/window/hostile", test_hostile);
   return g_test_run();
 }

@@ -1,0 +1,294 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Rules that prints and masks do not keep. A fault belongs to the transistor
+   that is nearest, which tells it in the one print that proves it: so all those
+   that are masked alike have it, and it is told no more than that often. */
+#include <eda/check.h>
+#include <eda/index.h>
+#include <eda/memory.h>
+#include <math.h>
+#include <opcflow/table.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../rules.h"
+#include "work.h"
+
+/* A kind of a fault that is no rule of masks: its text follows. */
+enum { TEXT = UINT32_MAX };
+
+/* As it is kept with a piece of work. */
+typedef struct kept {
+  uint32_t place, kind, size, unused; /* of the text */
+  double value, limit;
+} kept;
+
+/* Of a print that the chip has. */
+typedef struct fault {
+  uint32_t print, kind;
+  double value, limit;
+} fault;
+
+struct faults {
+  GArray *fault;
+  GPtrArray *rule; /* texts of kinds that come after the rules of masks */
+};
+
+faults *faults_new(void) {
+  faults *f = eda_alloc(1, sizeof *f);
+  f->fault = g_array_new(FALSE, FALSE, sizeof(fault));
+  f->rule = g_ptr_array_new_with_free_func(g_free);
+  return f;
+}
+
+void faults_free(faults *f) {
+  g_array_free(f->fault, TRUE);
+  g_ptr_array_free(f->rule, TRUE);
+  free(f);
+}
+
+/* Rules of masks, by layer, each as drawn and of the mask. */
+static uint32_t kind_of(size_t layer, int rule, int drawn) {
+  return (uint32_t)((layer * EDA_RULES + (size_t)rule) * 2 + (size_t)!drawn);
+}
+
+static uint32_t first_text(const work *w) {
+  return kind_of(w->chip->layers, 0, 1);
+}
+
+/* ---- finding them on a sheet ---- */
+
+typedef struct finder {
+  const work *work;
+  const sheet *sheet;
+  eda_index *index;
+  opc_bytes *out;
+} finder;
+
+static double beyond(int32_t low, int32_t high, double at) {
+  return fmax(fmax(low - at, at - high), 0);
+}
+
+/* The place of the nearest transistor; UINT32_MAX if it is not to be proved
+   here, or none is within half the margin: further off, what was cut away is as
+   near. */
+static uint32_t place_of(const finder *f, double x, double y) {
+  const eda_gates *g = f->sheet->gates;
+  double least = INFINITY;
+  uint32_t nearest = UINT32_MAX;
+  int32_t reach = f->work->margin / 2;
+  x = round(x / g->grid), y = round(y / g->grid);
+  const eda_box around = {(int32_t)x - reach, (int32_t)y - reach,
+                          (int32_t)x + reach, (int32_t)y + reach};
+  eda_finder find = eda_index_find(f->index, around);
+  for (uint32_t i; eda_index_next(&find, &i);) {
+    eda_box b = g->box[i];
+    double d = hypot(beyond(b.x0, b.x1, x), beyond(b.y0, b.y1, y));
+    if (d > reach || d > least || (d == least && i > nearest)) continue;
+    least = d;
+    nearest = i;
+  }
+  return nearest == UINT32_MAX ? UINT32_MAX : f->sheet->place[nearest];
+}
+
+static void keep(const finder *f, double x, double y, kept one,
+                 const char *text) {
+  one.place = place_of(f, x, y);
+  if (one.place == UINT32_MAX) return;
+  one.size = (uint32_t)strlen(text);
+  f->out->add(f->out, &one, sizeof one);
+  f->out->add(f->out, text, one.size);
+}
+
+static void keep_mask(const finder *f, size_t layer, const eda_shapes *shapes,
+                      int drawn) {
+  eda_rule_fault *v;
+  const double *limit = f->work->mask_limit;
+  size_t n = eda_rules_check(shapes, f->work->chip->grid, limit, &v);
+  for (size_t i = 0; i < n; i++)
+    keep(f, v[i].x, v[i].y,
+         (kept){.kind = kind_of(layer, v[i].rule, drawn),
+                .value = v[i].value,
+                .limit = limit[v[i].rule]},
+         "");
+  free(v);
+}
+
+/* As many as there are, if they are more than there was room for. */
+static int keep_violations(const finder *f, const eda_printed *printed,
+                           opc_error *error) {
+  const work *w = f->work;
+  size_t room = 0, n = 1000;
+  eda_violation *v = NULL;
+  int code = OPC_OK;
+  while (!code && n > room) {
+    free(v);
+    room = n;
+    v = eda_alloc(room, sizeof *v);
+    code = eda_call_violations(w->host->context, w->regulator, printed, v, room,
+                               &n, error);
+  }
+  for (size_t i = 0; !code && i < n; i++)
+    keep(f, v[i].x, v[i].y,
+         (kept){.kind = TEXT, .value = v[i].value, .limit = v[i].limit},
+         v[i].rule);
+  free(v);
+  return eda_blame(error, code, "regulator");
+}
+
+int faults_find(const work *w, const sheet *s, const eda_printed *printed,
+                opc_bytes *out, opc_error *error) {
+  const eda_gates *g = s->gates;
+  finder f = {w, s, eda_index_new(g->box, g->count, 0), out};
+  for (size_t k = 0; k < g->layers; k++) {
+    if (!g->corrected[k]) continue;
+    keep_mask(&f, k, &g->drawn[k], 1);
+    keep_mask(&f, k, &printed->shapes[k], 0);
+  }
+  int code = w->regulator ? keep_violations(&f, printed, error) : OPC_OK;
+  eda_index_free(f.index);
+  return code;
+}
+
+/* ---- taking them ---- */
+
+static uint32_t text_of(work *w, const char *text, size_t size) {
+  GPtrArray *rule = w->faults->rule;
+  g_autofree char *copy = g_strndup(text, size);
+  guint k;
+  if (!g_ptr_array_find_with_equal_func(rule, copy, g_str_equal, &k)) {
+    k = rule->len;
+    g_ptr_array_add(rule, g_steal_pointer(&copy));
+  }
+  return first_text(w) + k;
+}
+
+void faults_take(work *w, size_t first, const char *at, const char *end) {
+  for (kept one; at < end; at += one.size) {
+    memcpy(&one, at, sizeof one);
+    at += sizeof one;
+    const fault of = {
+        .print = (uint32_t)first + one.place,
+        .kind = one.kind == TEXT ? text_of(w, at, one.size) : one.kind,
+        .value = one.value,
+        .limit = one.limit};
+    w->chip->print[of.print].violations += one.kind == TEXT;
+    g_array_append_val(w->faults->fault, of);
+  }
+}
+
+/* ---- telling ---- */
+
+/* All faults of a kind: the transistor that has it first, and the worst. */
+typedef struct tally {
+  size_t count, first;
+  double value, limit;
+} tally;
+
+static tally *count_all(const work *w) {
+  const eda_chip *c = w->chip;
+  const GArray *all = w->faults->fault;
+  size_t *size = eda_alloc(c->prints, sizeof *size),
+         *first = eda_alloc(c->prints, sizeof *first);
+  tally *out = eda_alloc(first_text(w) + w->faults->rule->len, sizeof *out);
+  for (size_t i = c->count; i-- > 0;) {
+    size[c->gate[i].print]++;
+    first[c->gate[i].print] = i;
+  }
+  for (guint k = 0; k < all->len; k++) {
+    const fault *f = &g_array_index(all, fault, k);
+    tally *t = &out[f->kind];
+    if (!size[f->print]) continue; /* refined since */
+    if (!t->count || first[f->print] < t->first) t->first = first[f->print];
+    if (!t->count || fabs(f->value - f->limit) > fabs(t->value - t->limit)) {
+      t->value = f->value;
+      t->limit = f->limit;
+    }
+    t->count += size[f->print];
+  }
+  free(size);
+  free(first);
+  return out;
+}
+
+static double middle(const work *w, const tally *t, int d) {
+  eda_box b = w->chip->gate[t->first].box;
+  double twice = d == EDA_X ? (double)b.x0 + b.x1 : (double)b.y0 + b.y1;
+  return t->count ? twice / 2 * w->chip->grid : NAN;
+}
+
+static int tell_masks(const work *w, const tally *all, opc_error *error) {
+  const eda_chip *c = w->chip;
+  rules_row *row = eda_alloc(c->layers * EDA_RULES, sizeof *row);
+  size_t n = 0;
+  for (size_t k = 0; k < c->layers; k++)
+    for (int rule = 0; c->corrected[k] && rule < EDA_RULES; rule++) {
+      const tally *t = &all[kind_of(k, rule, 0)];
+      row[n++] = (rules_row){.layer = c->layer[k],
+                             .rule = eda_rule_name(rule),
+                             .limit = w->mask_limit[rule],
+                             .drawn = (int64_t)all[kind_of(k, rule, 1)].count,
+                             .count = (int64_t)t->count,
+                             .least = t->count ? t->value : NAN,
+                             .x = middle(w, t, EDA_X),
+                             .y = middle(w, t, EDA_Y)};
+    }
+  int code = rules_tell(w->host, row, n, error);
+  free(row);
+  return code;
+}
+
+typedef struct text_row {
+  const char *rule;
+  int64_t places;
+  double x, y, value, limit;
+} text_row;
+
+/* In the words of a loop, but one for each rule. */
+static int tell_texts(const work *w, const tally *all, opc_error *error) {
+  const GPtrArray *rule = w->faults->rule;
+  text_row *row = eda_alloc(rule->len, sizeof *row);
+  size_t n = 0, count = 0, unexplained = 0;
+  for (guint k = 0; k < rule->len; k++) {
+    const tally *t = &all[first_text(w) + k];
+    text_row r = {
+        g_ptr_array_index(rule, k), (int64_t)t->count, middle(w, t, EDA_X),
+        middle(w, t, EDA_Y),        t->value,          t->limit};
+    if (!t->count) continue;
+    row[n++] = r;
+    count += t->count;
+    if (!strchr(r.rule, ';'))
+      unexplained += t->count;
+    else
+      w->host->log(w->host, OPC_LOG_FINDING,
+                   "%zu place%s cannot keep a rule: %s; first beside the "
+                   "transistor at (%g, %g) nm",
+                   t->count, t->count == 1 ? "" : "s", r.rule, r.x, r.y);
+  }
+  if (count)
+    w->host->log(w->host, OPC_LOG_WARNING,
+                 "%zu rule%s not kept, %zu without a reason: see "
+                 "violations.csv",
+                 count, count == 1 ? " is" : "s are", unexplained);
+  const opc_column columns[] = {{"rule", NULL, OPC_TEXT, 0, &row->rule},
+                                {"places", NULL, OPC_INT, 0, &row->places},
+                                {"x", "nm", OPC_REAL, 1, &row->x},
+                                {"y", "nm", OPC_REAL, 1, &row->y},
+                                {"value", "nm", OPC_REAL, 2, &row->value},
+                                {"limit", "nm", OPC_REAL, 2, &row->limit}};
+  int code = n ? opc_put_rows(w->host, "violations", OPC_TABLE_PRINT, n,
+                              sizeof *row, OPC_ARRAY(columns), error)
+               : OPC_OK;
+  free(row);
+  const opc_metric_value values[] = {
+      {"violations", (double)count},
+      {"violations_unexplained", (double)unexplained}};
+  return code ? code : opc_put_metrics(w->host, OPC_ARRAY(values), error);
+}
+
+int faults_tell(const work *w, opc_error *error) {
+  tally *all = count_all(w);
+  int code = w->regulator ? tell_texts(w, all, error) : OPC_OK;
+  if (!code) code = tell_masks(w, all, error);
+  free(all);
+  return code;
+}
