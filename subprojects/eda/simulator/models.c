@@ -298,9 +298,12 @@ int eda_models_bins(const eda_models *l, const char *name, eda_sizes *out) {
 /* As bounds are rounded: 1 pm. */
 static const double same = 1e-3;
 
-static void stretch(double bin[2], const double all[2], const double to[2]) {
+/* Whether it changed. */
+static int stretch(double bin[2], const double all[2], const double to[2]) {
+  const double was[2] = {bin[0], bin[1]};
   if (fabs(bin[0] - all[0]) < same) bin[0] = fmin(bin[0], to[0] - 1);
   if (fabs(bin[1] - all[1]) < same) bin[1] = fmax(bin[1], to[1] + 1);
+  return bin[0] != was[0] || bin[1] != was[1];
 }
 
 static int touches(const double bin[2], const double want[2]) {
@@ -326,14 +329,14 @@ static void put(const eda_models *l, GString *out, const char *statement,
     g_string_append_printf(out, "%s\n", statement);
     return;
   }
-  eda_sizes was = bin;
+  int changed = 0;
   if (extend) {
-    stretch(bin.length, all->length, sizes->length);
-    stretch(bin.width, all->width, sizes->width);
+    changed |= stretch(bin.length, all->length, sizes->length);
+    changed |= stretch(bin.width, all->width, sizes->width);
   }
   if (!touches(bin.length, sizes->length) || !touches(bin.width, sizes->width))
     return;
-  if (!memcmp(&was, &bin, sizeof bin)) {
+  if (!changed) {
     g_string_append_printf(out, "%s\n", statement);
     return;
   }
