@@ -141,7 +141,7 @@ def test_said():
     folder, said, _ = run("b.fault=warn", "b.at=1")
     assert said.stderr.count("warning: " + text) == 1 and said.stderr.count("finding: " + text) == 1, said.stderr
     fresh()
-    process = start("b.fault=warn", "b.at=1", "b.wait=20")
+    process = start("b.fault=warn", "b.at=1", "b.wait=50")
     while len(pieces()) < 11 + 4:  # of the second list, the second one among them
         assert process.poll() is None
         time.sleep(0.002)

@@ -102,7 +102,7 @@ def names(done):
 def test_same(place):
     alone = place.run(0, options=["--no-cache"])[0]
     for n in (1, 2, 4):
-        folder, said, done = place.run(n, "b.wait=20", options=["--no-cache"])
+        folder, said, done = place.run(n, "b.wait=50", options=["--no-cache"])  # long enough that none comes too late
         check(folder)
         assert names(done) == ALL and len({pid for _, _, pid in done}) == n, done
         assert said.out.count("runs/") == 1 and said.err.count("c: ran") == 1, (said.out, said.err)

@@ -568,10 +568,8 @@ static void test_statistics(void) {
   uint8_t type[] = {EDA_NMOS, EDA_PMOS, EDA_NMOS};
   uint32_t flags[] = {0, 0, EDA_PRINT_OPEN};
   const eda_gates g = {.count = 3, .type = type};
-  const eda_performance design = {
-      .count = 3, .ion = one, .ioff = one, .area = one};
-  const eda_performance printed = {
-      .count = 3, .ion = ion, .ioff = ioff, .area = area};
+  const eda_performance design = {3, one, one, one, one, one, one, NULL};
+  const eda_performance printed = {3, ion, ioff, one, one, one, area, NULL};
   summary s = summarize(&g, &design, &printed, flags, NULL);
   const double want[][2] = {
       {s.ion_mean, 2},        {s.ion_max, 3},           {s.ion_stdv, 1},

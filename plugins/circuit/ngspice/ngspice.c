@@ -3,7 +3,7 @@
    printed: delays and slopes (thesis 2.3.2, 3.3.2), leakage, static noise
    margins of memory cells (thesis 2.3.4). */
 #include <eda/drawing.h>
-#include <eda/library.h>
+#include <eda/models.h>
 #include <errno.h>
 #include <glib.h>
 #include <math.h>
@@ -59,13 +59,13 @@ static int read_library(bench *b, opc_error *error) {
   if (!path)
     return opc_fail(error, OPC_IO, "library", "cannot read '%s': %s",
                     b->library, strerror(errno));
-  eda_library *l = eda_library_read(path, b->corner, error);
+  eda_models *l = eda_models_read(path, b->corner, error);
   if (!l) return error->code;
   int code = OPC_OK;
   for (int type = 0; type < 2 && !code; type++) {
-    int kind = eda_library_kind(l, b->model[type]);
-    if (type && (kind == EDA_LIBRARY_SUBCIRCUIT) != b->subcircuits) kind = 0;
-    b->subcircuits = kind == EDA_LIBRARY_SUBCIRCUIT;
+    int kind = eda_models_kind(l, b->model[type]);
+    if (type && (kind == EDA_MODEL_SUBCIRCUIT) != b->subcircuits) kind = 0;
+    b->subcircuits = kind == EDA_MODEL_SUBCIRCUIT;
     if (!kind)
       code = opc_fail(error, OPC_INVALID, parameter[type],
                       "'%s' has no '%s', or it is not as the other type is",
@@ -73,9 +73,9 @@ static int read_library(bench *b, opc_error *error) {
   }
   g_autofree char *both =
       g_strdup_printf("%s %s", b->model[EDA_NMOS], b->model[EDA_PMOS]);
-  b->unit = eda_library_unit(l);
-  if (!code) b->statements = eda_library_cut(l, both, &sizes, 1);
-  eda_library_free(l);
+  b->unit = eda_models_unit(l);
+  if (!code) b->statements = eda_models_cut(l, both, &sizes, 1);
+  eda_models_free(l);
   return code;
 }
 

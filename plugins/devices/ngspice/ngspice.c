@@ -131,10 +131,10 @@ static int find_files(plan *p, opc_error *error) {
 
 static int read_library(plan *p, opc_error *error) {
   static const char *const parameter[TYPES] = {"nmos", "pmos"};
-  p->models = eda_library_read(p->path[0], p->corner, error);
+  p->models = eda_models_read(p->path[0], p->corner, error);
   if (!p->models) return error->code;
   for (int t = 0; t < TYPES; t++)
-    if (!eda_library_kind(p->models, p->model[t]))
+    if (!eda_models_kind(p->models, p->model[t]))
       return opc_fail(error, OPC_INVALID, parameter[t],
                       "'%s'%s%s has neither a subcircuit nor a model '%s'",
                       p->library, p->corner ? ", corner " : "",
@@ -357,7 +357,7 @@ static void clear(void *self) {
   for (int t = 0; t < TYPES; t++) free(p->path[t]);
   free(p->length);
   free(p->each_width);
-  eda_library_free(p->models);
+  eda_models_free(p->models);
 }
 
 /* ---- entry ---- */

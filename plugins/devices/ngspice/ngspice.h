@@ -5,7 +5,7 @@
 #define OPCFLOW_DEVICES_NGSPICE_H
 
 #include <eda/curves.h>
-#include <eda/library.h>
+#include <eda/models.h>
 #include <opcflow/step.h>
 
 enum { TYPES = 2 };
@@ -38,9 +38,9 @@ typedef struct plan {
   bias bias[EDA_CURRENTS];
   double reference_length, reference_width; /* NAN: none */
   const char *name, *file, *picture;
-  double limit;        /* s */
-  char *path[TYPES];   /* of the cards, or of the library, whole */
-  eda_library *models; /* NULL: cards */
+  double limit;       /* s */
+  char *path[TYPES];  /* of the cards, or of the library, whole */
+  eda_models *models; /* NULL: cards */
   size_t count;
   double *length; /* increasing */
   size_t widths;

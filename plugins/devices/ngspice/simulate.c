@@ -125,7 +125,7 @@ static size_t first_modelled(const job *j) {
   eda_sizes bins;
   size_t i = 0;
   if (p->ends == EXTEND ||
-      !eda_library_bins(p->models, p->model[j->type], &bins))
+      !eda_models_bins(p->models, p->model[j->type], &bins))
     return 0;
   while (i < p->count && p->length[i] < bins.length[0] - 1e-3) i++;
   return i;
@@ -136,17 +136,17 @@ static int is_narrower(const job *j) {
   const plan *p = j->p;
   eda_sizes bins;
   return p->ends == SLOPE && p->models &&
-         eda_library_bins(p->models, p->model[j->type], &bins) &&
+         eda_models_bins(p->models, p->model[j->type], &bins) &&
          width_of(j) < bins.width[0] - 1e-3;
 }
 
 static void put_device(const job *j, GString *out, size_t i, double length,
                        double width) {
   const plan *p = j->p;
-  double unit = eda_library_unit(p->models);
-  int kind = eda_library_kind(p->models, p->model[j->type]);
+  double unit = eda_models_unit(p->models);
+  int kind = eda_models_kind(p->models, p->model[j->type]);
   g_string_append_printf(out, "%c%zu d%zu gate 0 0 %s w=%.12g l=%.12g\n",
-                         kind == EDA_LIBRARY_SUBCIRCUIT ? 'x' : 'm', i, i,
+                         kind == EDA_MODEL_SUBCIRCUIT ? 'x' : 'm', i, i,
                          p->model[j->type], width / unit, length / unit);
   g_string_append_printf(out, "v%zu d%zu 0 %.17g\n", i, i,
                          sign_of(j) * p->bias[j->current].drain);
@@ -164,7 +164,7 @@ static char *library_deck(const job *j, size_t first) {
     sizes.length[1] = fmax(sizes.length[1], p->reference_length);
   }
   g_autofree char *models =
-      eda_library_cut(p->models, p->model[j->type], &sizes, p->ends == EXTEND);
+      eda_models_cut(p->models, p->model[j->type], &sizes, p->ends == EXTEND);
   GString *out = g_string_new("device table\n");
   g_string_append(out, models);
   /* Junctions have a gmin each: at 2 V this one adds 2e-20 A to Ioff. */

@@ -70,8 +70,7 @@ int table_extended(const plan *p, const currents *c, char *text, size_t room) {
   *text = 0;
   for (int t = 0; t < TYPES; t++) {
     eda_sizes bins = {{0}, {0}};
-    if (p->ends == EXTEND)
-      (void)eda_library_bins(p->models, p->model[t], &bins);
+    if (p->ends == EXTEND) (void)eda_models_bins(p->models, p->model[t], &bins);
     if (c->simulated[t])
       add(text, room, names[t], "shorter", p->length[c->simulated[t]],
           "the slope there");

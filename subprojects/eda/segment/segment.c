@@ -10,10 +10,10 @@
 #include "segment/windows.h"
 
 /* What the layout calls them, and the gates. */
-static const char *const known[] = {"poly", "active", "contact"};
 static const char *const dopings[DOPINGS] = {"nwell", "pwell", "nimplant",
                                              "pimplant"};
 enum { CONTACT = 2, KNOWN = 3 };
+static const char *const known[KNOWN] = {"poly", "active", "contact"};
 
 void segment_tell(const segment *s, int warning, const char *format, ...) {
   if (!s->settings->tell || s->window) return;
@@ -31,10 +31,11 @@ static void get_sources(segment *s) {
   const eda_segment_settings *from = s->settings;
   s->sources = KNOWN + from->also_count;
   s->source = eda_alloc(s->sources, sizeof *s->source);
-  for (size_t k = 0; k < s->sources; k++) {
-    const char *const *pair = k < KNOWN ? NULL : &from->also[2 * (k - KNOWN)];
-    s->source[k].name = pair ? pair[0] : known[k];
-    s->source[k].from = pair ? pair[1] : known[k];
+  for (size_t k = 0; k < KNOWN; k++)
+    s->source[k].name = s->source[k].from = known[k];
+  for (size_t i = 0; i < from->also_count; i++) {
+    s->source[KNOWN + i].name = from->also[2 * i];
+    s->source[KNOWN + i].from = from->also[2 * i + 1];
   }
 }
 

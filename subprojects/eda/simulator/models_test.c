@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A small library: what of it a device needs, its bins, and that nothing is
-   drawn by lot. */
-#include <eda/library.h>
+/* A small library of models: what of it a device needs, its bins, and that
+   nothing is drawn by lot. */
+#include <eda/models.h>
 #include <eda/simulator.h>
 #include <glib.h>
 #include <glib/gstdio.h>
@@ -26,37 +26,37 @@ static const char text[] =
     ".model alone pmos level=54 version=4.5 toxe=2n\n"
     ".endl\n.lib ss\n.param vt=0.6\n.endl ss\n";
 
-static eda_library *load(const char *section) {
+static eda_models *load(const char *section) {
   opc_error error;
-  eda_library *l = eda_library_read(path, section, &error);
+  eda_models *l = eda_models_read(path, section, &error);
   if (!l) g_error("%s", error.message);
   return l;
 }
 
 static void test_facts(void) {
-  eda_library *l = load("tt");
+  eda_models *l = load("tt");
   eda_sizes bins;
-  g_assert_cmpint(eda_library_kind(l, "NFET"), ==, EDA_LIBRARY_SUBCIRCUIT);
-  g_assert_cmpint(eda_library_kind(l, "alone"), ==, EDA_LIBRARY_MODEL);
-  g_assert_cmpint(eda_library_kind(l, "core"), ==, 0);
-  g_assert_cmpfloat_with_epsilon(eda_library_unit(l), 1000, 1e-9);
-  g_assert_true(eda_library_bins(l, "nfet", &bins));
+  g_assert_cmpint(eda_models_kind(l, "NFET"), ==, EDA_MODEL_SUBCIRCUIT);
+  g_assert_cmpint(eda_models_kind(l, "alone"), ==, EDA_MODEL_CARD);
+  g_assert_cmpint(eda_models_kind(l, "core"), ==, 0);
+  g_assert_cmpfloat_with_epsilon(eda_models_unit(l), 1000, 1e-9);
+  g_assert_true(eda_models_bins(l, "nfet", &bins));
   g_assert_cmpfloat_with_epsilon(bins.length[0], 100, 1e-9);
   g_assert_cmpfloat_with_epsilon(bins.length[1], 800, 1e-9);
   g_assert_cmpfloat_with_epsilon(bins.width[0], 1000, 1e-9);
   g_assert_cmpfloat_with_epsilon(bins.width[1], 9000, 1e-9);
-  g_assert_false(eda_library_bins(l, "alone", &bins));
-  eda_library_free(l);
+  g_assert_false(eda_models_bins(l, "alone", &bins));
+  eda_models_free(l);
   l = load("ss");
-  g_assert_cmpint(eda_library_kind(l, "nfet"), ==, 0);
-  g_assert_cmpfloat(eda_library_unit(l), ==, 1e9);
-  eda_library_free(l);
+  g_assert_cmpint(eda_models_kind(l, "nfet"), ==, 0);
+  g_assert_cmpfloat(eda_models_unit(l), ==, 1e9);
+  eda_models_free(l);
 }
 
 /* Which bins are there. */
-static void cut_has(const eda_library *l, const eda_sizes *sizes, int extend,
+static void cut_has(const eda_models *l, const eda_sizes *sizes, int extend,
                     const char *want, const char *bound) {
-  char *cut = eda_library_cut(l, "nfet", sizes, extend);
+  char *cut = eda_models_cut(l, "nfet", sizes, extend);
   g_autoptr(GString) found = g_string_new(NULL);
   for (char k = '1'; k <= '3'; k++) {
     char name[] = {'c', 'o', 'r', 'e', '.', k, 0};
@@ -72,7 +72,7 @@ static void cut_has(const eda_library *l, const eda_sizes *sizes, int extend,
 }
 
 static void test_cut(void) {
-  eda_library *l = load("tt");
+  eda_models *l = load("tt");
   cut_has(l, &(eda_sizes){{120, 150}, {1500, 1500}}, 0, "1", "lmin = 1E-7");
   cut_has(l, &(eda_sizes){{120, 200}, {1500, 1500}}, 0, "12", NULL);
   cut_has(l, &(eda_sizes){{120, 250}, {500, 9000}}, 0, "123", NULL);
@@ -81,7 +81,7 @@ static void test_cut(void) {
   cut_has(l, &(eda_sizes){{80, 90}, {1500, 1500}}, 1, "1", "lmin=7.9e-08");
   cut_has(l, &(eda_sizes){{150, 160}, {500, 500}}, 1, "1", "wmin=4.99e-07");
   cut_has(l, &(eda_sizes){{900, 1000}, {1500, 1500}}, 1, "2", "lmax=1.001e-06");
-  eda_library_free(l);
+  eda_models_free(l);
 }
 
 /* The drain current of a deck; 0 and a skip if there is no simulator. */
@@ -105,9 +105,9 @@ static double current_of(const char *models) {
 /* What is cut out simulates as a card by hand with the nominal value does, and
    not as the lot would have it. */
 static void test_current(void) {
-  eda_library *l = load("tt");
+  eda_models *l = load("tt");
   char *cut =
-      eda_library_cut(l, "nfet", &(eda_sizes){{150, 150}, {1500, 1500}}, 0);
+      eda_models_cut(l, "nfet", &(eda_sizes){{150, 150}, {1500, 1500}}, 0);
   double current = current_of(cut);
   double by_hand = current_of(
       ".options scale=1u\n.subckt nfet d g s b\n.param l=1 w=1\n"
@@ -115,15 +115,15 @@ static void test_current(void) {
       ".model n nmos level=54 version=4.5 toxe=2n vth0=0.42 u0=0.03\n.ends\n");
   g_assert_cmpfloat_with_epsilon(current, by_hand, 1e-9 * by_hand);
   free(cut);
-  eda_library_free(l);
+  eda_models_free(l);
 }
 
 static void test_refused(void) {
   opc_error error;
-  g_assert_null(eda_library_read(path, "fs", &error));
+  g_assert_null(eda_models_read(path, "fs", &error));
   g_assert_cmpint(error.code, ==, OPC_INVALID);
   g_assert_nonnull(strstr(error.message, "no section 'fs'"));
-  g_assert_null(eda_library_read("/none/at.all", NULL, &error));
+  g_assert_null(eda_models_read("/none/at.all", NULL, &error));
 }
 
 int main(int argc, char **argv) {
@@ -131,10 +131,10 @@ int main(int argc, char **argv) {
   g_autofree char *folder = g_dir_make_tmp("eda-XXXXXX", NULL);
   path = g_build_filename(folder, "made.lib", NULL);
   g_assert_true(g_file_set_contents(path, text, -1, NULL));
-  g_test_add_func("/library/facts", test_facts);
-  g_test_add_func("/library/cut", test_cut);
-  g_test_add_func("/library/current", test_current);
-  g_test_add_func("/library/refused", test_refused);
+  g_test_add_func("/models/facts", test_facts);
+  g_test_add_func("/models/cut", test_cut);
+  g_test_add_func("/models/current", test_current);
+  g_test_add_func("/models/refused", test_refused);
   int failed = g_test_run();
   g_unlink(path);
   g_rmdir(folder);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The statements of a library as texts, in which names are looked for: a
-   subcircuit that is not named by what is kept is not needed. */
-#include <eda/library.h>
+/* The statements of a library of models as texts, in which names are looked
+   for: a subcircuit that is not named by what is kept is not needed. */
 #include <eda/memory.h>
+#include <eda/models.h>
 #include <glib.h>
 #include <math.h>
 #include <stdlib.h>
@@ -14,11 +14,11 @@
 /* A top-level statement, or a subcircuit from .subckt to its .ends. */
 typedef struct piece {
   char *name;    /* of the subcircuit, or of the model less its bin; or NULL */
-  int kind;      /* EDA_LIBRARY_MODEL, EDA_LIBRARY_SUBCIRCUIT, 0 */
+  int kind;      /* EDA_MODEL_CARD, EDA_MODEL_SUBCIRCUIT, 0 */
   GPtrArray *of; /* char *, its statements */
 } piece;
 
-struct eda_library {
+struct eda_models {
   GArray *piece;
   double unit;
   GRegex *bound; /* lmin = 1e-7 */
@@ -106,7 +106,7 @@ static int begins_with(const char *statement, const char *want) {
   return !strcmp(first, want);
 }
 
-static void take_scale(eda_library *l, const char *statement) {
+static void take_scale(eda_models *l, const char *statement) {
   g_autoptr(GMatchInfo) match = NULL;
   g_autoptr(GRegex) scale =
       g_regex_new("\\bscale\\s*=\\s*([^\\s]+)", G_REGEX_CASELESS, 0, NULL);
@@ -117,7 +117,7 @@ static void take_scale(eda_library *l, const char *statement) {
 }
 
 /* Add a statement; *depth: subcircuits that are open. */
-static void take(eda_library *l, const char *statement, int *depth) {
+static void take(eda_models *l, const char *statement, int *depth) {
   int opens = begins_with(statement, ".subckt"),
       closes = begins_with(statement, ".ends"),
       model = begins_with(statement, ".model");
@@ -126,8 +126,8 @@ static void take(eda_library *l, const char *statement, int *depth) {
       begins_with(statement, ".opt"))
     take_scale(l, statement);
   if (!*depth) {
-    piece p = {.kind = opens   ? EDA_LIBRARY_SUBCIRCUIT
-                       : model ? EDA_LIBRARY_MODEL
+    piece p = {.kind = opens   ? EDA_MODEL_SUBCIRCUIT
+                       : model ? EDA_MODEL_CARD
                                : 0,
                .of = g_ptr_array_new_with_free_func(g_free)};
     g_autofree char *name = word_of(statement, 1);
@@ -140,7 +140,7 @@ static void take(eda_library *l, const char *statement, int *depth) {
 }
 
 /* `text` has the title, then a statement a line with those that go on. */
-static void take_all(eda_library *l, char *text) {
+static void take_all(eda_models *l, char *text) {
   int depth = 0;
   char *s = strchr(text, '\n');
   while (s && *++s) {
@@ -152,14 +152,14 @@ static void take_all(eda_library *l, char *text) {
   }
 }
 
-eda_library *eda_library_read(const char *path, const char *section,
-                              opc_error *error) {
+eda_models *eda_models_read(const char *path, const char *section,
+                            opc_error *error) {
   g_autofree char *deck =
       section ? g_strdup_printf("t\n.lib \"%s\" %s\n.end\n", path, section)
               : g_strdup_printf("t\n.include \"%s\"\n.end\n", path);
   char *text = deck_write(deck, error);
   if (!text) return NULL;
-  eda_library *l = eda_alloc(1, sizeof *l);
+  eda_models *l = eda_alloc(1, sizeof *l);
   l->unit = 1e9;
   l->piece = g_array_new(FALSE, FALSE, sizeof(piece));
   g_array_set_clear_func(l->piece, clear_piece);
@@ -170,20 +170,20 @@ eda_library *eda_library_read(const char *path, const char *section,
   return l;
 }
 
-void eda_library_free(eda_library *l) {
+void eda_models_free(eda_models *l) {
   if (!l) return;
   g_array_unref(l->piece);
   g_regex_unref(l->bound);
   free(l);
 }
 
-double eda_library_unit(const eda_library *l) { return l->unit; }
+double eda_models_unit(const eda_models *l) { return l->unit; }
 
-static const piece *at(const eda_library *l, guint i) {
+static const piece *at(const eda_models *l, guint i) {
   return &g_array_index(l->piece, piece, i);
 }
 
-int eda_library_kind(const eda_library *l, const char *name) {
+int eda_models_kind(const eda_models *l, const char *name) {
   int kind = 0;
   for (guint i = 0; i < l->piece->len && !kind; i++)
     if (at(l, i)->name && !g_ascii_strcasecmp(at(l, i)->name, name))
@@ -208,7 +208,7 @@ static void add_words(GHashTable *words, const piece *p) {
 
 /* Which pieces a device needs: those that are named by others that it needs,
    and all that is neither a model, nor a subcircuit, nor a device. */
-static char *find_needed(const eda_library *l, const char *name) {
+static char *find_needed(const eda_models *l, const char *name) {
   g_autoptr(GHashTable) words =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
   char *keep = eda_alloc(l->piece->len + 1, 1);
@@ -238,7 +238,7 @@ static char *find_needed(const eda_library *l, const char *name) {
 /* ---- bins ---- */
 
 /* The bounds of a .model statement, nm: 1 if it has all four as numbers. */
-static int read_bin(const eda_library *l, const char *statement,
+static int read_bin(const eda_models *l, const char *statement,
                     eda_sizes *out) {
   g_autoptr(GMatchInfo) match = NULL;
   int found = 0;
@@ -266,13 +266,13 @@ static void join(double into[2], const double more[2]) {
 
 /* Whether two pieces have bins of one model. */
 static int are_one(const piece *a, const piece *b) {
-  return a == b || (a->kind == EDA_LIBRARY_MODEL && b->kind == a->kind &&
+  return a == b || (a->kind == EDA_MODEL_CARD && b->kind == a->kind &&
                     !strcmp(a->name, b->name));
 }
 
 /* The outermost bounds of the bins among the kept pieces; `of` NULL: all, else
    those that belong to this one. */
-static int outermost(const eda_library *l, const char *keep, const piece *of,
+static int outermost(const eda_models *l, const char *keep, const piece *of,
                      eda_sizes *out) {
   int found = 0;
   *out = (eda_sizes){{INFINITY, 0}, {INFINITY, 0}};
@@ -288,7 +288,7 @@ static int outermost(const eda_library *l, const char *keep, const piece *of,
   return found;
 }
 
-int eda_library_bins(const eda_library *l, const char *name, eda_sizes *out) {
+int eda_models_bins(const eda_models *l, const char *name, eda_sizes *out) {
   char *keep = find_needed(l, name);
   int found = outermost(l, keep, NULL, out);
   free(keep);
@@ -298,9 +298,12 @@ int eda_library_bins(const eda_library *l, const char *name, eda_sizes *out) {
 /* As bounds are rounded: 1 pm. */
 static const double same = 1e-3;
 
-static void stretch(double bin[2], const double all[2], const double to[2]) {
+/* Whether it changed. */
+static int stretch(double bin[2], const double all[2], const double to[2]) {
+  const double was[2] = {bin[0], bin[1]};
   if (fabs(bin[0] - all[0]) < same) bin[0] = fmin(bin[0], to[0] - 1);
   if (fabs(bin[1] - all[1]) < same) bin[1] = fmax(bin[1], to[1] + 1);
+  return bin[0] != was[0] || bin[1] != was[1];
 }
 
 static int touches(const double bin[2], const double want[2]) {
@@ -319,21 +322,21 @@ static gboolean write_bound(const GMatchInfo *match, GString *out, void *data) {
 }
 
 /* A statement of a device of those sizes. */
-static void put(const eda_library *l, GString *out, const char *statement,
+static void put(const eda_models *l, GString *out, const char *statement,
                 const eda_sizes *all, const eda_sizes *sizes, int extend) {
   eda_sizes bin;
   if (!read_bin(l, statement, &bin)) {
     g_string_append_printf(out, "%s\n", statement);
     return;
   }
-  eda_sizes was = bin;
+  int changed = 0;
   if (extend) {
-    stretch(bin.length, all->length, sizes->length);
-    stretch(bin.width, all->width, sizes->width);
+    changed |= stretch(bin.length, all->length, sizes->length);
+    changed |= stretch(bin.width, all->width, sizes->width);
   }
   if (!touches(bin.length, sizes->length) || !touches(bin.width, sizes->width))
     return;
-  if (!memcmp(&was, &bin, sizeof bin)) {
+  if (!changed) {
     g_string_append_printf(out, "%s\n", statement);
     return;
   }
@@ -342,8 +345,8 @@ static void put(const eda_library *l, GString *out, const char *statement,
   g_string_append_printf(out, "%s\n", text);
 }
 
-char *eda_library_cut(const eda_library *l, const char *name,
-                      const eda_sizes *sizes, int extend) {
+char *eda_models_cut(const eda_models *l, const char *name,
+                     const eda_sizes *sizes, int extend) {
   GString *out = g_string_new(NULL);
   eda_sizes all = {{0}, {0}};
   char *keep = find_needed(l, name);
