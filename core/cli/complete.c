@@ -144,7 +144,7 @@ static void offer_argument(line *l, const char *name) {
   g_autoptr(GPtrArray) kinds = opc_kind_names(cli_registry());
   if (!strcmp(name, "STEP.PARAMETER=VALUE")) offer_sets(l);
   if (!strcmp(name, "KIND")) offer_all(l, kinds);
-  if (!strcmp(name, "FLOW")) offer_flows(l);
+  if (!strcmp(name, "FLOW") || !strcmp(name, "[FLOW]")) offer_flows(l);
   if (!strcmp(name, "ID")) offer_plugins(l);
   if (!strcmp(name, "[VERB]")) offer_verbs(l);
   if (l->awaited && strchr(name, '|')) offer_words(l, name);
