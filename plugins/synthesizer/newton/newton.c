@@ -177,11 +177,12 @@ static biases on_grid(const newton *t, const eda_feedback *f, size_t i,
   int32_t whole = (int32_t)lround(l - shaped);
   left_after(s, whole + shaped, w, rest);
   if (t->fine == NONE || (t->fine == JOG && size_of(t, rest) <= enough))
-    return (biases){whole, w, 0, *edges};
+    return (biases){.l = whole, .w = w, .shape = *edges};
   biases near = with_jog(t, f->gates, i, l, w);
   if (t->fine == JOG) return cut ? near : with_width(t, f, i, near);
   solve(&s->response, rest, t->weight, only_w, more);
-  return (biases){whole, w + (int32_t)lround(more[BY_W]), 0, *edges};
+  return (biases){
+      .l = whole, .w = w + (int32_t)lround(more[BY_W]), .shape = *edges};
 }
 
 /* The size of the errors that a mask is expected to have: what the response
@@ -197,6 +198,11 @@ static double expected(const newton *t, size_t i, biases next) {
   return hypot(size_of(t, rest), size_of(t, wrong));
 }
 
+/* The largest W whose ends go no further out than they may. */
+static double widest_of(const transistor *s) {
+  return s->furthest[0] + s->furthest[1];
+}
+
 /* The W that leaves the drawn Ioff once L makes good for it, and that L. */
 static void with_leakage(const newton *t, const eda_feedback *f, size_t i,
                          uint32_t veto, double dx[MOVES]) {
@@ -208,7 +214,7 @@ static void with_leakage(const newton *t, const eda_feedback *f, size_t i,
   solve(&s->response, s->error, t->weight, both, step);
   double longest = tuned.longest / grid;
   double w = fmin(fmax(step[BY_W], -longest), longest);
-  w = fmin(w - s->given, s->furthest[0] + s->furthest[1] - s->x[BY_W]);
+  w = fmin(w - s->given, widest_of(s) - s->x[BY_W]);
   dx[BY_W] = round(bounded(s->x[BY_W], w, most, veto & EDA_VETO_WIDER,
                            veto & EDA_VETO_NARROWER, &why));
   left_after(s, s->x[BY_L], s->x[BY_W] + dx[BY_W], rest);
@@ -243,10 +249,14 @@ static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
     solve(&s->response, s->error, t->weight, only_w, dx);
   dx[BY_W] = bounded(s->x[BY_W], dx[BY_W], most_w, veto & EDA_VETO_WIDER,
                      veto & EDA_VETO_NARROWER, why);
+  dx[BY_W] = fmin(dx[BY_W], fmax(widest_of(s) - s->x[BY_W], 0));
+  biases next = s->good;
   if (mended)
-    return (biases){s->good.l, s->good.w + (int32_t)lround(dx[BY_W]),
-                    s->good.jog, s->good.shape};
-  return on_grid(t, f, i, dx, enough, *cut && !free[BY_W]);
+    next.w += (int32_t)lround(dx[BY_W]);
+  else
+    next = on_grid(t, f, i, dx, enough, *cut && !free[BY_W]);
+  next.aside = aside_of(s, next.w);
+  return next;
 }
 
 /* The next mask of a transistor of which no print is known: away from the side
@@ -259,7 +269,7 @@ static biases seek(const newton *t, const eda_feedback *f, size_t i) {
   uint32_t veto = longer ? EDA_VETO_LONGER : EDA_VETO_SHORTER;
   double l = s->now.l + trust_step(&s->trust, s->now.l, longer ? step : -step);
   if (f->vetoes[i] & veto || fabs(l) > t->max_bias / grid) return s->now;
-  return (biases){(int32_t)lround(l), s->now.w, 0, s->now.shape};
+  return (biases){(int32_t)lround(l), s->now.w, 0, s->now.shape, s->now.aside};
 }
 
 /* Make the edges flatter; whether that moves any. */
@@ -418,7 +428,7 @@ static int update(void *self, const eda_feedback *f, eda_moves *moves,
     moves->l[i] = next.l;
     moves->w[i] = next.w;
     moves->jog[i] = next.jog;
-    if (moves->aside) moves->aside[i] = aside_of(&t->state[i], next.w);
+    if (moves->aside) moves->aside[i] = next.aside;
     if (!moves->part) continue;
     parts p = parts_of_mask(t, i, next);
     shape_write(&p, &next.shape, moves->part + EDA_PARTS * i);

@@ -22,7 +22,7 @@ typedef struct model {
   int32_t grow;      /* gone once the regulator has moved it so far */
   int knows_ends;    /* the loop tells of that before it prints it */
   uint32_t veto[MOST];
-  int32_t l[MOST], w[MOST], jog[MOST];
+  int32_t l[MOST], w[MOST], jog[MOST], aside[MOST];
   double ion[MOST], area[MOST], ioff[MOST]; /* deviations at the end */
   double leaky;                             /* log of what leaks besides */
   double second; /* the worst of Ion in the second print */
@@ -32,6 +32,7 @@ typedef struct model {
   double table;  /* down to a printed length where the device table ends; */
   double open;   /* below this one the poly is open: no figures; */
   double merge;  /* above this one it is merged; 0: never */
+  int32_t room;  /* the active merges once an end is further out; 0: never */
   int ends_open; /* so is it while a line end is too short */
   int regulated; /* an open line may get neither shorter nor narrower */
   uint32_t flags[MOST];
@@ -68,7 +69,9 @@ static void print(model *t, const int32_t *end, eda_performance *p) {
     double weq = WIDTH + t->off_w[i] + t->gain_w * t->w[i];
     double thin = end[2 * i + 1] < t->grow ? t->thin[i] : 0;
     int open = printed < t->open || (t->ends_open && thin > 0);
-    int merged = t->merge > 0 && printed > t->merge;
+    int32_t low = (t->w[i] >> 1) - t->aside[i], high = t->w[i] - low;
+    int merged = (t->merge > 0 && printed > t->merge) ||
+                 (t->room > 0 && MAX(low, high) > t->room);
     t->flags[i] = open ? EDA_PRINT_OPEN : merged ? EDA_PRINT_MERGED : 0;
     if (t->regulated)
       t->veto[i] = open ? EDA_VETO_SHORTER | EDA_VETO_NARROWER : 0;
@@ -173,7 +176,7 @@ static void run(opc_module *m, model *t) {
                     .vetoes = t->veto,
                     .end = end,
                     .next_end = t->knows_ends ? next : end};
-  eda_moves moves = {.l = t->l, .w = t->w, .jog = t->jog};
+  eda_moves moves = {.l = t->l, .w = t->w, .jog = t->jog, .aside = t->aside};
   opc_error error;
   g_assert_cmpint(s->begin(m->self, &f, &error), ==, OPC_OK);
   f.printed = &printed;
@@ -435,6 +438,21 @@ static void test_width_goes_on(void) {
   }
 }
 
+/* W for Ioff makes the active meet its neighbours: it steps back to where there
+   is room, and L gives Ion there. */
+static void test_room(void) {
+  g_autoptr(opc_module) m = make_any("{}");
+  model t = made_up(40);
+  for (size_t i = 0; i < t.n; i++) t.off_w[i] -= 15;
+  t.room = 5;
+  run(m, &t);
+  g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.5);
+  for (size_t i = 0; i < t.n; i++) {
+    g_assert_cmpuint(t.flags[i], ==, 0);
+    g_assert_cmpint(t.w[i], >=, t.room);
+  }
+}
+
 static void test_weights_of_plain(void) {
   opc_error error;
   g_assert_null(opc_test_module(
@@ -642,6 +660,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/newton/ioff", test_ioff);
   g_test_add_func("/newton/balanced", test_balanced);
   g_test_add_func("/newton/width_goes_on", test_width_goes_on);
+  g_test_add_func("/newton/room", test_room);
   g_test_add_func("/newton/weights-of-plain", test_weights_of_plain);
   g_test_add_func("/newton/jog", test_jog);
   g_test_add_func("/newton/veto", test_veto);

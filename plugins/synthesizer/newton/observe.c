@@ -3,6 +3,7 @@
    next one may go. */
 #include "observe.h"
 
+#include <glib.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +15,7 @@
 double limit(const newton *t) { return t->limit / 100; }
 
 int same(biases a, biases b) {
-  return a.l == b.l && a.w == b.w && a.jog == b.jog &&
+  return a.l == b.l && a.w == b.w && a.jog == b.jog && a.aside == b.aside &&
          !memcmp(&a.shape, &b.shape, sizeof a.shape);
 }
 
@@ -108,14 +109,39 @@ static void never_printed(transistor *s, biases drawn) {
   s->point = (point){NAN, NAN};
 }
 
+/* Where the ends of the width lie, grid steps out of where they are drawn. */
+static void ends_of(biases b, int32_t at[2]) {
+  at[0] = (b.w >> 1) - b.aside; /* as eda_moves shares w */
+  at[1] = b.w - at[0];
+}
+
+/* A wider mask is lost: the active has met a neighbour, or left its line end
+   behind. There is room for half of what its ends went out. Whether that is the
+   larger move, and so the likelier one to have lost it. */
+static int lose_room(transistor *s, double by_l) {
+  int32_t good[2], now[2];
+  int wider = 0;
+  ends_of(s->good, good);
+  ends_of(s->now, now);
+  for (int high = 0; high < 2; high++) {
+    int32_t out = now[high] - good[high];
+    if (out <= fabs(by_l)) continue;
+    wider = 1;
+    s->room[high] = good[high] + out / 2;
+    s->furthest[high] = MIN(s->furthest[high], s->room[high]);
+  }
+  return wider;
+}
+
 /* Take in a print that is lost: the end of a bracket, whose side its flags
    tell, or else the move that lost it. */
 static void lose(transistor *s, const double x[MOVES], uint32_t flags) {
   double dx = x[BY_L] - s->x[BY_L];
   int open = flags & EDA_PRINT_OPEN || (!(flags & EDA_PRINT_MERGED) && dx < 0);
   s->lost = 1;
-  if (isfinite(s->size) && dx != 0) s->trust.radius = fabs(dx) / 2;
   if (same(s->now, s->best)) s->best_size = INFINITY;
+  if (isfinite(s->size) && lose_room(s, dx)) return;
+  if (isfinite(s->size) && dx != 0) s->trust.radius = fabs(dx) / 2;
   trust_see(&s->trust, x[BY_L], open ? INFINITY : -INFINITY);
 }
 
@@ -151,15 +177,14 @@ static void bound_ends(const newton *t, transistor *s, const eda_feedback *f,
   double grid = f->gates->grid;
   double leak = t->curve[f->gates->type[i] == EDA_PMOS].slope[IOFF];
   int32_t range = (int32_t)(tuned.longest / grid);
-  int32_t most = (int32_t)ceil(t->max_bias / 2 / grid);
-  int32_t low = (s->now.w >> 1) - aside_of(s, s->now.w);
-  const int32_t at[2] = {low, s->now.w - low};
+  int32_t at[2];
+  ends_of(s->now, at);
   int leaks = s->error[IOFF] > tuned.thin_end[0];
   s->given = 0;
   for (int high = 0; high < 2; high++) {
     int32_t far = at[high] + range, *to = &s->furthest[high];
     int32_t thin = thin_end(f, i, high, far, range, tuned.thin_end[1] / leak);
-    *to = thin ? far - thin : most;
+    *to = thin ? MIN(far - thin, s->room[high]) : s->room[high];
     thin = leaks
                ? thin_end(f, i, high, at[high], range, tuned.thin_end[0] / leak)
                : 0;
@@ -167,9 +192,7 @@ static void bound_ends(const newton *t, transistor *s, const eda_feedback *f,
     *to = at[high] - thin;
     s->given += thin;
   }
-  if (!s->given) return;
-  s->error[IOFF] = 0; /* as is foreseen */
-  s->best_size = INFINITY;
+  if (s->given) s->error[IOFF] = 0; /* as is foreseen */
 }
 
 /* Take in what the moves to `now` have printed. `common` is by how much the log
@@ -234,7 +257,7 @@ static void start(newton *t, const eda_feedback *f) {
     s->first = first_response(f->gates, i, c, t->gain);
     s->response = s->first;
     s->trust.radius = tuned.longest / f->gates->grid;
-    s->furthest[0] = s->furthest[1] =
+    s->room[0] = s->room[1] = s->furthest[0] = s->furthest[1] =
         (int32_t)ceil(t->max_bias / 2 / f->gates->grid);
     if (s->lost) continue;
     if (ends_moved(f->gates, s->end, f->next_end + 2 * i)) {
@@ -299,7 +322,8 @@ static void learn_together(newton *t, const eda_feedback *f,
 
 /* The loop may have gone back to another mask than was asked for. */
 static biases as_printed(const newton *t, const eda_moves *moves, size_t i) {
-  biases b = {moves->l[i], moves->w[i], moves->jog[i], t->state[i].next.shape};
+  biases b = {moves->l[i], moves->w[i], moves->jog[i], t->state[i].next.shape,
+              moves->aside ? moves->aside[i] : 0};
   return b;
 }
 

@@ -14,6 +14,7 @@
 typedef struct biases {
   int32_t l, w, jog;
   shape shape;
+  int32_t aside; /* as eda_moves.aside */
 } biases;
 
 /* What is corrected: as the weights say; Ion and Ioff, by L and W; those and
@@ -40,8 +41,10 @@ typedef struct transistor {
   double rest_size;         /* the least size since its last move */
   response response, first; /* as learnt, and as estimated at first */
   trust trust;              /* how far its next L may go */
-  int32_t furthest[2];      /* how far the LOW and the HIGH end of its width
-                               may go out, grid steps */
+  int32_t room[2];          /* how far the LOW and the HIGH end of its width
+                               may go out, grid steps: further out it is lost */
+  int32_t furthest[2];      /* no further than there, nor where the poly is
+                               thin */
   int32_t given;            /* what its ends give up in the next mask */
   int32_t end[2];           /* its line ends in the mask measured last */
   double surprise;   /* by how much the next print's log Ion may differ from
@@ -103,11 +106,11 @@ int reshapes(const newton *t, const eda_feedback *f);
 /* Which moves serve the weights at all. */
 void free_moves(const newton *t, int free[MOVES]);
 
-/* Take in what the mask of `moves` has printed, for all transistors. */
-/* How far the active of transistor i goes to HIGH with that W: an end that may
+/* How far the active of a transistor goes to HIGH with that W: an end that may
    go no further out leaves the rest to the other one. */
 int32_t aside_of(const transistor *s, int32_t w);
 
+/* Take in what the mask of `moves` has printed, for all transistors. */
 void observe(newton *t, const eda_feedback *f, const eda_moves *moves);
 
 /* Take in that the next mask of transistor i will have that shape: what that

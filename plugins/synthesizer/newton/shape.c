@@ -89,7 +89,7 @@ static double place(const parts *p, int j) {
 }
 
 /* The printed length there, less the drawn one; `from_middle` is along W, nm.
- */
+   -INFINITY where no poly prints, NAN where it has no edge nearby. */
 static double length_off(const eda_feedback *f, size_t i, double from_middle) {
   const eda_gates *g = f->gates;
   eda_box b = g->box[i];
@@ -98,6 +98,9 @@ static double length_off(const eda_feedback *f, size_t i, double from_middle) {
   double along = (upright ? b.y0 + b.y1 : b.x0 + b.x1) / 2.0 * g->grid;
   double half = g->length[i] / 2, sum = 0;
   along += from_middle;
+  double x = upright ? middle : along, y = upright ? along : middle, inside;
+  eda_field_sample(&f->print[EDA_POLY], &x, &y, 1, &inside);
+  if (inside < 0) return -INFINITY;
   for (int out = -1; out <= 1; out += 2) {
     double at = middle + out * half;
     sum += eda_field_epe(&f->print[EDA_POLY], upright ? EDA_X : EDA_Y, out,
@@ -124,7 +127,7 @@ ripple ripple_of(const eda_feedback *f, size_t i, const parts *p) {
   for (int j = 0; j < r.count; j++) {
     double at = place(p, j) * grid - width / 2;
     r.off[j] = length_off(f, i, f->printed->weq[i] / width * at);
-    if (isnan(r.off[j])) return (ripple){0};
+    if (!isfinite(r.off[j])) return (ripple){0};
   }
   if (r.count) less_mean(&r);
   return r;

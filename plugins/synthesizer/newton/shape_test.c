@@ -189,9 +189,16 @@ static void test_thin_end(void) {
   static const struct {
     int high, from, most;
     double least, want;
-  } cases[] = {{1, 0, 99, -5, 20},  {1, 0, 99, -10, 10}, {1, 15, 99, -5, 35},
-               {1, -15, 99, -5, 5}, {1, -25, 99, -5, 0}, {1, 0, 8, -5, 8},
-               {0, 0, 99, -5, 0},   {0, 20, 99, -5, 0}};
+  } cases[] = {{1, 0, 99, -5, 20},
+               {1, 0, 99, -10, 10},
+               {1, 15, 99, -5, 35},
+               {1, -15, 99, -5, 5},
+               {1, -25, 99, -5, 0},
+               {1, 0, 8, -5, 8},
+               {0, 0, 99, -5, 0},
+               {0, 20, 99, -5, 0},
+               /* from where no poly prints */
+               {1, 140, 200, -5, 160}};
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     int32_t k = thin_end(&f, 0, cases[i].high, cases[i].from, cases[i].most,
                          cases[i].least);
