@@ -33,10 +33,6 @@ typedef struct batch {
   window *window;
 } batch;
 
-static int starts_in(eda_box core, eda_box b) {
-  return b.x0 >= core.x0 && b.x0 < core.x1 && b.y0 >= core.y0 && b.y0 < core.y1;
-}
-
 static int scan_window(void *data, size_t i, opc_error *error) {
   const batch *s = data;
   const work *w = s->work;
@@ -47,10 +43,11 @@ static int scan_window(void *data, size_t i, opc_error *error) {
                               to->core, beyond, &g, error);
   if (code) return code;
   surround *around = eda_alloc(g->count, sizeof *around);
-  code = surround_all(w->host->context, g, w->radius, w->ways, around, error);
+  code = surround_all(w->host->context, g, to->core, w->radius, w->ways, around,
+                      error);
   to->found = eda_alloc(g->count, sizeof *to->found);
   for (size_t k = 0; k < g->count && !code; k++)
-    if (starts_in(to->core, g->box[k]))
+    if (surround_starts(to->core, g->box[k]))
       to->found[to->count++] =
           (found){g->box[k], g->type[k], g->axis[k], 0, around[k]};
   free(around);

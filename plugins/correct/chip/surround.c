@@ -33,6 +33,7 @@ typedef struct edge {
 typedef struct seen {
   const opc_context *context;
   const eda_gates *gates;
+  eda_box core;
   int32_t radius;
   int ways;
   edge *edges;
@@ -220,14 +221,20 @@ static int look_at_some(void *data, size_t part, opc_error *error) {
   size_t end = MIN((part + 1) * AT_ONCE, s->gates->count);
   int code = OPC_OK;
   for (size_t i = part * AT_ONCE; i < end && !code; i++)
-    code = look_at(s, i, error);
+    if (surround_starts(s->core, s->gates->box[i])) code = look_at(s, i, error);
   return code;
 }
 
+int surround_starts(eda_box core, eda_box b) {
+  return b.x0 >= core.x0 && b.x0 < core.x1 && b.y0 >= core.y0 && b.y0 < core.y1;
+}
+
 int surround_all(const opc_context *context, const eda_gates *window,
-                 int32_t radius, int ways, surround *out, opc_error *error) {
+                 eda_box core, int32_t radius, int ways, surround *out,
+                 opc_error *error) {
   seen s = {.context = context,
             .gates = window,
+            .core = core,
             .radius = radius,
             .ways = ways,
             .out = out};

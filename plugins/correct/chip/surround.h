@@ -16,12 +16,17 @@ typedef struct surround {
   uint8_t flip;
 } surround;
 
-/* Of all gates of a window: the shapes of all its layers within `radius` grid
-   steps of the gate's box, its sizes, its type and what is written upon it. The
-   window shows that much around the gates that are asked for. `ways`: what is
-   alike, 8: however it lies; 4: but for a swap of x and y; 1: as it is only.
-   OPC_INVALID for a transistor that is too large. By all threads. [any] */
+/* Of all gates of a window that start in its core: the shapes of all its layers
+   within `radius` grid steps of the gate's box, its sizes, its type and what is
+   written upon it. The window shows that much around them. Others are left as
+   they are. `ways`: what is alike, 8: however it lies; 4: but for a swap of x
+   and y; 1: as it is only. OPC_INVALID for a transistor that is too large. By
+   all threads. [any] */
 int surround_all(const opc_context *context, const eda_gates *window,
-                 int32_t radius, int ways, surround *out, opc_error *error);
+                 eda_box core, int32_t radius, int ways, surround *out,
+                 opc_error *error);
+
+/* Whether a box starts, with its low-low corner, in the core. [any] */
+int surround_starts(eda_box core, eda_box b);
 
 #endif
