@@ -154,14 +154,7 @@ static gboolean measure_macro(const char *folder, const char *data,
   g_autofree char *file =
       g_strdup_printf("%s/RM_IHPSG13_1P_%s.gds", data, macro);
   g_autofree char *set = g_strconcat("layout.file=", file, NULL);
-  g_autofree char *table =
-      g_strdup_printf("mask.extractor.devices=%s/table-110-220.yaml", data);
-  char *more[] = {(char *)"--variant",
-                  (char *)"ihp130",
-                  (char *)"--set",
-                  set,
-                  (char *)"--set",
-                  table,
+  char *more[] = {(char *)"--variant", (char *)"ihp130", (char *)"--set", set,
                   NULL};
   return measure(folder, macro, more, transistors, area, file);
 }

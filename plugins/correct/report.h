@@ -48,6 +48,26 @@ typedef struct summary {
     "outside", NULL, OPC_LOWER, 0,                              \
         "transistors with figures from beyond the device table" \
   }
+#define REPORT_DRAWN_METRICS                           \
+  {"ion_mean_drawn", "%", OPC_NEUTRAL, 0,              \
+   "mean of |Ion deviation| of the mask as drawn"},    \
+  {                                                    \
+    "ion_max_drawn", "%", OPC_NEUTRAL, 0,              \
+        "largest |Ion deviation| of the mask as drawn" \
+  }
+/* Against the mask as drawn, and the regulator's rules. */
+#define REPORT_JUDGED_METRICS                                              \
+  {"worse", NULL, OPC_LOWER, 0,                                            \
+   "transistors whose Ion is further off than drawn and than the limit"},  \
+      {"lost", NULL, OPC_LOWER, 0,                                         \
+       "transistors that print as drawn and do so no more"},               \
+      {"violations", NULL, OPC_LOWER, 0,                                   \
+       "rules of the regulator that the print does not keep"},             \
+  {                                                                        \
+    "violations_unexplained", NULL, OPC_LOWER, 0,                          \
+        "those for which neither the drawn layout nor a parameter is the " \
+        "reason"                                                           \
+  }
 /* clang-format on */
 
 typedef struct statistics {

@@ -13,6 +13,7 @@
 #include "../fine.h"
 #include "../report.h"
 #include "../rules.h"
+#include "../slots.h"
 #include "work.h"
 
 enum { ON, OFF }; /* `guard` */
@@ -265,10 +266,6 @@ static int run(void *self, void **outputs, opc_error *error) {
 
 /* ---- parameters ---- */
 
-#define SLOT(NAME, FLAGS, SUMMARY)                              \
-  OPC_PARAMETER(chip, NAME, .type = OPC_SLOT, .flags = (FLAGS), \
-                .choices = #NAME, .summary = (SUMMARY))
-
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(chip, layout, .type = OPC_INPUT, .flags = OPC_REQUIRED,
                   .choices = "layout",
@@ -278,12 +275,8 @@ static const opc_parameter parameters[] = {
                   .summary = "the cell to take; if not given, the only one "
                              "that no other places"),
     EDA_SEGMENT_PARAMETERS(chip),
-    SLOT(litho, OPC_REQUIRED, "model of the optics"),
-    SLOT(resist, OPC_REQUIRED, "model of the resist"),
-    SLOT(extractor, OPC_REQUIRED, "performance of a printed transistor"),
-    SLOT(synthesizer, OPC_REQUIRED,
-         "what moves the mask's edges, transistor by transistor"),
-    SLOT(regulator, 0, "what keeps the print free of failures"),
+    PRINT_SLOTS(chip),
+    MOVE_SLOTS(chip),
     OPC_PARAMETER(chip, max_iterations, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "100",
                   .min = 0, .max = 100000,
@@ -330,23 +323,13 @@ static const opc_metric metrics[] = {
      "transistors that got a mask of their own after a proof"},
     {"sheets", NULL, OPC_LOWER, 0, "fields that were corrected or printed"},
     REPORT_METRICS,
-    {"ion_mean_drawn", "%", OPC_NEUTRAL, 0,
-     "mean of |Ion deviation| of the mask as drawn"},
-    {"ion_max_drawn", "%", OPC_NEUTRAL, 0,
-     "largest |Ion deviation| of the mask as drawn"},
+    REPORT_DRAWN_METRICS,
     {"simulations", NULL, OPC_LOWER, 0,
      "litho simulations of one layer of a sheet each"},
     {"fine_simulations", NULL, OPC_LOWER, 0,
      "those of the fine model, beside them"},
     REPORT_PRINT_METRICS,
-    {"worse", NULL, OPC_LOWER, 0,
-     "transistors whose Ion is further off than drawn and than the limit"},
-    {"lost", NULL, OPC_LOWER, 0,
-     "transistors that printed as drawn and do so no more"},
-    {"violations", NULL, OPC_LOWER, 0,
-     "rules of the regulator that the print does not keep"},
-    {"violations_unexplained", NULL, OPC_LOWER, 0,
-     "those for which neither the drawn layout nor a parameter is the reason"},
+    REPORT_JUDGED_METRICS,
     RULES_METRICS,
 };
 

@@ -13,6 +13,7 @@
 #include "../forecast.h"
 #include "../report.h"
 #include "../rules.h"
+#include "../slots.h"
 #include "take.h"
 
 /* ---- state ---- */
@@ -199,13 +200,7 @@ static const opc_parameter parameters[] = {
                         .summary = "its cell; if not given, that of the gates' "
                                    "name, or the only one that no other "
                                    "places"),
-    OPC_PARAMETER(given, litho, .type = OPC_SLOT, .flags = OPC_REQUIRED,
-                  .choices = "litho", .summary = "model of the optics"),
-    OPC_PARAMETER(given, resist, .type = OPC_SLOT, .flags = OPC_REQUIRED,
-                  .choices = "resist", .summary = "model of the resist"),
-    OPC_PARAMETER(given, extractor, .type = OPC_SLOT, .flags = OPC_REQUIRED,
-                  .choices = "extractor",
-                  .summary = "performance of a printed transistor"),
+    PRINT_SLOTS(given),
     OPC_PARAMETER(given, regulator, .type = OPC_SLOT, .choices = "regulator",
                   .summary = "whose rules the print is held against"),
     OPC_PARAMETER(given, margin, .type = OPC_REAL, .flags = OPC_AT_LEAST,
@@ -224,23 +219,13 @@ static const opc_parameter parameters[] = {
 static const opc_metric metrics[] = {
     {"transistors", NULL, OPC_NEUTRAL, 0, "how many are measured"},
     REPORT_METRICS,
-    {"ion_mean_drawn", "%", OPC_NEUTRAL, 0,
-     "mean of |Ion deviation| of the mask as drawn"},
-    {"ion_max_drawn", "%", OPC_NEUTRAL, 0,
-     "largest |Ion deviation| of the mask as drawn"},
+    REPORT_DRAWN_METRICS,
     {"iterations", NULL, OPC_NEUTRAL, 0, "none: the mask is as it came"},
     {"simulations", NULL, OPC_LOWER, 0, "litho simulations, of one layer each"},
     {"fine_simulations", NULL, OPC_LOWER, 0,
      "those of the fine model, beside them"},
     REPORT_PRINT_METRICS,
-    {"worse", NULL, OPC_LOWER, 0,
-     "transistors whose Ion is further off than drawn and than the limit"},
-    {"lost", NULL, OPC_LOWER, 0,
-     "transistors that print as drawn and by this mask do not"},
-    {"violations", NULL, OPC_LOWER, 0,
-     "rules of the regulator that the print does not keep"},
-    {"violations_unexplained", NULL, OPC_LOWER, 0,
-     "those for which neither the drawn layout nor a parameter is the reason"},
+    REPORT_JUDGED_METRICS,
     RULES_METRICS,
     {"snapped", NULL, OPC_LOWER, 0, "vertices of the mask that the grid moved"},
     {"snapped_worst", "nm", OPC_LOWER, 0, "by how much at most"},

@@ -13,6 +13,7 @@
 #include "../forecast.h"
 #include "../loop.h"
 #include "../rules.h"
+#include "../slots.h"
 #include "../start.h"
 
 enum { ON, OFF }; /* `guard` */
@@ -210,21 +211,11 @@ static const opc_parameter parameters[] = {
                         .summary =
                             "of `start`: only transistors whose |Ion "
                             "deviation| it has made worse by more are moved"),
-    OPC_PARAMETER(correct, litho, .type = OPC_SLOT, .flags = OPC_REQUIRED,
-                  .choices = "litho", .summary = "model of the optics"),
-    OPC_PARAMETER(correct, resist, .type = OPC_SLOT, .flags = OPC_REQUIRED,
-                  .choices = "resist", .summary = "model of the resist"),
-    OPC_PARAMETER(correct, extractor, .type = OPC_SLOT, .flags = OPC_REQUIRED,
-                  .choices = "extractor",
-                  .summary = "performance of a printed transistor"),
-    OPC_PARAMETER(correct, synthesizer, .type = OPC_SLOT, .flags = OPC_REQUIRED,
-                  .choices = "synthesizer",
-                  .summary = "what moves the mask's edges"),
+    PRINT_SLOTS(correct),
+    MOVE_SLOTS(correct),
     OPC_PARAMETER(
         correct, edges, .type = OPC_SLOT, .choices = "synthesizer",
         .summary = "what moves the edges of layers that no transistor moves"),
-    OPC_PARAMETER(correct, regulator, .type = OPC_SLOT, .choices = "regulator",
-                  .summary = "what keeps the print free of failures"),
     OPC_PARAMETER(correct, max_iterations, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "100",
                   .min = 0, .max = 100000,
@@ -253,10 +244,7 @@ static const opc_parameter parameters[] = {
 static const opc_metric metrics[] = {
     {"transistors", NULL, OPC_NEUTRAL, 0, "how many were corrected"},
     REPORT_METRICS,
-    {"ion_mean_drawn", "%", OPC_NEUTRAL, 0,
-     "mean of |Ion deviation| of the mask as drawn"},
-    {"ion_max_drawn", "%", OPC_NEUTRAL, 0,
-     "largest |Ion deviation| of the mask as drawn"},
+    REPORT_DRAWN_METRICS,
     {.name = "epe_mean",
      .unit = "nm",
      .better = OPC_LOWER,
@@ -275,18 +263,11 @@ static const opc_metric metrics[] = {
     REPORT_PRINT_METRICS,
     {"went_back", NULL, OPC_LOWER, 0,
      "transistors that the guard has taken back towards the drawn mask"},
-    {"worse", NULL, OPC_LOWER, 0,
-     "transistors whose Ion is further off than drawn and than the limit"},
-    {"lost", NULL, OPC_LOWER, 0,
-     "transistors that printed as drawn and do so no more"},
-    {"violations", NULL, OPC_LOWER, 0,
-     "rules of the regulator that the print does not keep"},
+    REPORT_JUDGED_METRICS,
     CORNERS_METRICS,
     {"assists", NULL, OPC_NEUTRAL, 0, "assist bars beside gates"},
     {"assists_dropped", NULL, OPC_LOWER, 0,
      "assist bars that were taken away as they printed"},
-    {"violations_unexplained", NULL, OPC_LOWER, 0,
-     "those for which neither the drawn layout nor a parameter is the reason"},
     RULES_METRICS,
 };
 

@@ -9,6 +9,7 @@
 #include "../fine.h"
 #include "../forecast.h"
 #include "../report.h"
+#include "../slots.h"
 
 /* ---- state ---- */
 
@@ -105,13 +106,7 @@ static int restore(void *self, const char *folder, void **outputs,
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(verify, mask, .type = OPC_INPUT, .flags = OPC_REQUIRED,
                   .choices = "mask", .summary = "the corrected mask"),
-    OPC_PARAMETER(verify, litho, .type = OPC_SLOT, .flags = OPC_REQUIRED,
-                  .choices = "litho", .summary = "model of the optics"),
-    OPC_PARAMETER(verify, resist, .type = OPC_SLOT, .flags = OPC_REQUIRED,
-                  .choices = "resist", .summary = "model of the resist"),
-    OPC_PARAMETER(verify, extractor, .type = OPC_SLOT, .flags = OPC_REQUIRED,
-                  .choices = "extractor",
-                  .summary = "performance of a printed transistor"),
+    PRINT_SLOTS(verify),
     OPC_PARAMETER(verify, margin, .type = OPC_REAL, .flags = OPC_AT_LEAST,
                   .unit = "nm", .min = 0,
                   .summary =

@@ -9,6 +9,7 @@
 
 #include "../../fine.h"
 #include "../../loop.h"
+#include "../../slots.h"
 #include "../../start.h"
 #include "../cut.h"
 #include "../entry.h"
@@ -273,10 +274,6 @@ static int run(void *self, void **outputs, opc_error *error) {
 
 /* ---- parameters ---- */
 
-#define SLOT(NAME, FLAGS, SUMMARY)                               \
-  OPC_PARAMETER(build, NAME, .type = OPC_SLOT, .flags = (FLAGS), \
-                .choices = #NAME, .summary = (SUMMARY))
-
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(build, sheet, .type = OPC_INPUT, .flags = OPC_REQUIRED,
                   .choices = "layout", .summary = "of library.sheet"),
@@ -287,11 +284,8 @@ static const opc_parameter parameters[] = {
                       "where cells are kept; made if it is not there. If not "
                       "given, opcflow/library.sqlite in the user's data "
                       "folder"),
-    SLOT(litho, OPC_REQUIRED, "model of the optics"),
-    SLOT(resist, OPC_REQUIRED, "model of the resist"),
-    SLOT(extractor, OPC_REQUIRED, "performance of a printed transistor"),
-    SLOT(synthesizer, OPC_REQUIRED, "what moves the mask's edges"),
-    SLOT(regulator, 0, "what keeps the print free of failures"),
+    PRINT_SLOTS(build),
+    MOVE_SLOTS(build),
     OPC_PARAMETER(build, max_iterations, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "100",
                   .min = 0, .max = 100000,

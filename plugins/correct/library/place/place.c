@@ -12,6 +12,7 @@
 #include "../../fine.h"
 #include "../../forecast.h"
 #include "../../report.h"
+#include "../../slots.h"
 #include "../../start.h"
 #include "../disturb.h"
 #include "../library.h"
@@ -297,17 +298,14 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
 #define INPUT(NAME, KIND, SUMMARY)                                     \
   OPC_PARAMETER(place, NAME, .type = OPC_INPUT, .flags = OPC_REQUIRED, \
                 .choices = KIND, .summary = (SUMMARY))
-#define SLOT(NAME, SUMMARY)                                           \
-  OPC_PARAMETER(place, NAME, .type = OPC_SLOT, .flags = OPC_REQUIRED, \
-                .choices = #NAME, .summary = (SUMMARY))
-
 static const opc_parameter parameters[] = {
     INPUT(layout, "layout", "the circuit, with its cells"),
     INPUT(gates, "gates", "its transistors"),
     INPUT(library, "library", "the corrected cells"),
-    SLOT(litho, "model of the optics, as of the library"),
-    SLOT(resist, "model of the resist, as of the library"),
-    SLOT(extractor, "performance of a printed transistor, as of the library"),
+    SLOT(place, litho, OPC_REQUIRED, "model of the optics, as of the library"),
+    SLOT(place, resist, OPC_REQUIRED, "model of the resist, as of the library"),
+    SLOT(place, extractor, OPC_REQUIRED,
+         "performance of a printed transistor, as of the library"),
     OPC_PARAMETER(place, top, .type = OPC_TEXT,
                   .summary = "the circuit's cell; if not given, the only one "
                              "that no other places"),
