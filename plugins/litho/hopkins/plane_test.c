@@ -19,9 +19,10 @@ static opc_module *prepared(const char *id, const char *parameters) {
 
 /* A line, a bar off its end and a square: nothing about them is symmetric. */
 static eda_field image_of(const char *id, const char *parameters) {
-  static const eda_point points[] = {
-      {-200, -270}, {-90, -270}, {-90, 120}, {-200, 120}, {60, 40},   {270, 40},
-      {270, 160},   {60, 160},   {100, -220}, {240, -220}, {240, -90}, {100, -90}};
+  static const eda_point points[] = {{-200, -270}, {-90, -270}, {-90, 120},
+                                     {-200, 120},  {60, 40},    {270, 40},
+                                     {270, 160},   {60, 160},   {100, -220},
+                                     {240, -220},  {240, -90},  {100, -90}};
   static const uint32_t start[] = {0, 4, 8, 12};
   const eda_shapes shapes = {3, (uint32_t *)start, (eda_point *)points, NULL};
   const eda_frame frame = {-1600, -1600, 3200, 3200};
