@@ -1,0 +1,303 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Circuits of inverters whose delays, currents and best lengths can be told by
+   hand, or by trying all. */
+#include <eda/gates.h>
+#include <eda/memory.h>
+
+#include "../paths/library_test.h"
+
+static void close_to(double a, double b, double within) {
+  if (!(fabs(a - b) <= within)) g_error("%.12g is not %.12g", a, b);
+}
+
+static void good(int code, const opc_error *error) {
+  if (code) g_error("%s", error->message);
+}
+
+/* ---- the devices: currents that fall by so much for each nm ---- */
+
+static const double drop[2] = {0.02, 0.3}; /* Ion, Ioff */
+static const double most_ion = 0.9;
+enum { STEPS = 10 };
+
+/* nm that cost a tenth of Ion; in steps of ln L. */
+static double longest(void) { return log(most_ion) / -drop[0]; }
+static double length_at(int step) {
+  return 60 * (exp(log1p(longest() / 60) * step / STEPS) - 1);
+}
+
+static const char *devices(void) {
+  static char *path;
+  g_autoptr(GString) s = g_string_new(
+      "opcflow-devices: 1\nname: t\nsource: t\nsupply: 1 V\n"
+      "temperature: 27 C\nwidth: 1 um\nion: a\nioff: b\nlength: {unit: nm, "
+      "values: [");
+  for (int l = 40; l <= 80; l++) g_string_append_printf(s, "%d, ", l);
+  g_string_append(s, "81]}\n");
+  for (int type = 0; type < 2; type++) {
+    g_string_append(s, type ? "pmos:\n" : "nmos:\n");
+    for (int which = 0; which < 2; which++) {
+      g_string_append(s, which ? "  ioff: {unit: A, values: ["
+                               : "  ion: {unit: A, values: [");
+      for (int l = 40; l <= 81; l++)
+        g_string_append_printf(s, "%s%.12e", l > 40 ? ", " : "",
+                               (which ? 1e-7 : 1e-3) * (type ? 0.5 : 1) *
+                                   exp(-drop[which] * (l - 60)));
+      g_string_append(s, "]}\n");
+    }
+  }
+  g_free(path);
+  path = g_build_filename(opc_test_folder(), "devices.yaml", NULL);
+  g_assert_true(g_file_set_contents(path, s->str, -1, NULL));
+  return path;
+}
+
+/* ---- the circuit: instances XU1 ... of an inverter each ---- */
+
+enum { MOST = 40 };
+
+typedef struct placed {
+  eda_gates gates;
+  eda_circuit circuit;
+  eda_box box[2 * MOST];
+  uint8_t type[2 * MOST], axis[2 * MOST];
+  double length[2 * MOST], width[2 * MOST], space[4 * MOST],
+      extension[4 * MOST];
+  char *instance[2 * MOST], *cell[2 * MOST], *note[2 * MOST];
+  uint32_t number[2 * MOST], finger[2 * MOST];
+  eda_device device[2 * MOST];
+  char name[2 * MOST][16], path[MOST][8];
+} placed;
+
+/* Each has n- and p-transistors of 200 and 300 nm. */
+static placed *place_all(size_t instances) {
+  static const char *net[] = {"a", "z", "VDD", "VSS"};
+  static uint32_t port[] = {0, 1, 2, 3};
+  static uint8_t role[] = {EDA_PIN_INPUT, EDA_PIN_OUTPUT, EDA_PIN_SUPPLY,
+                           EDA_PIN_GROUND};
+  placed *p = eda_alloc(1, sizeof *p);
+  p->gates = *eda_gates_sample();
+  p->gates.count = 2 * instances;
+  for (size_t i = 0; i < 2 * instances; i++) {
+    int is_p = i % 2 == 1;
+    g_snprintf(p->path[i / 2], sizeof p->path[0], "XU%zu", i / 2 + 1);
+    g_snprintf(p->name[i], sizeof p->name[0], "%s/%s", p->path[i / 2],
+               is_p ? "MP" : "MN");
+    p->box[i] = (eda_box){0, 0, 60, is_p ? 300 : 200};
+    p->type[i] = is_p ? EDA_PMOS : EDA_NMOS;
+    p->length[i] = 60;
+    p->width[i] = is_p ? 300 : 200;
+    p->instance[i] = p->path[i / 2];
+    p->cell[i] = (char *)"INV";
+    p->number[i] = 1 + (uint32_t)is_p;
+    p->finger[i] = (uint32_t)i;
+    p->device[i] = (eda_device){
+        p->name[i], 0, 0, 0, 0, 60, p->width[i], p->type[i], 1, &p->finger[i]};
+  }
+  p->gates.box = p->box;
+  p->gates.type = p->type;
+  p->gates.axis = p->axis;
+  p->gates.length = p->length;
+  p->gates.width = p->width;
+  p->gates.space = p->space;
+  p->gates.extension = p->extension;
+  p->gates.instance = p->instance;
+  p->gates.cell = p->cell;
+  p->gates.number = p->number;
+  p->gates.note = p->note;
+  p->circuit = (eda_circuit){.name = "top",
+                             .gates = &p->gates,
+                             .nets = 4,
+                             .net = net,
+                             .ports = 4,
+                             .port = port,
+                             .role = role,
+                             .count = 2 * instances,
+                             .device = p->device};
+  return p;
+}
+
+/* ---- the delay of an inverter, ps, whatever edge and slew ---- */
+
+static const double base = 10, by_own = 8,
+                    by_load = 2000;   /* ps, ps/ln, ps/pF */
+static const double by_gate = 1.5e-3; /* pF/ln */
+
+/* By the length of its own n-transistor, and by the load, which is by that of
+   its followers' n-transistors. The p-transistors do nothing. */
+static eda_timing *made_up(void) {
+  eda_timing *t = library();
+  eda_timing_cell *c = &t->cell[0];
+  for (size_t a = 0; a < c->arcs; a++) {
+    for (int g = 0; g < SLEWS * LOADS; g++) {
+      c->arc[a].delay[g] = 1e-12 * base + by_load * c->at_load[g % LOADS];
+      c->arc[a].slew[g] = 10e-12;
+    }
+    for (int point = 0; point < 3; point++)
+      c->arc[a].delay_by[point * 2 * EDA_SIZES + EDA_SIZE_L] = 1e-12 * by_own;
+  }
+  for (size_t k = 0; k < c->inputs * 2 * EDA_CAPS; k++)
+    c->capacitance_by[k * 2 * EDA_SIZES + EDA_SIZE_C] = 1e-12 * by_gate;
+  return t;
+}
+
+static int run(eda_timing *t, placed *p, const char *ports,
+               const char *instances, const char *more, void **outputs,
+               opc_error *error) {
+  g_autofree char *path = write_circuit(ports, instances);
+  g_autofree char *text =
+      g_strdup_printf("{ file: %s, top: top, devices: %s, load: 0 fF%s }", path,
+                      devices(), more);
+  void *made[2] = {NULL, NULL};
+  opc_test_forget();
+  opc_module *m = opc_test_module("timing.slack", text, error);
+  if (!m) return error->code;
+  opc_test_input(m, "timing", t);
+  opc_test_input(m, "circuit", &p->circuit);
+  int code = opc_test_run(m, made, error);
+  if (!code && outputs) {
+    /* Only the notes are new. */
+    const eda_gates *g = made[0];
+    const eda_circuit *c = made[1];
+    g_assert_true(c->gates == g && g->box == p->box && c->device == p->device);
+    for (size_t i = 0; i < g->count; i++)
+      ((char **)outputs)[i] = g_strdup(g->note[i]);
+  }
+  if (!code) opc_test_release(m, made);
+  opc_test_module_free(m);
+  return code;
+}
+
+/* The step of each transistor, from the area that is wished. */
+static void find_steps(const placed *p, int *step) {
+  memset(step, 0, p->circuit.count * sizeof *step);
+  for (size_t r = 0; r < opc_test_rows("wishes"); r++) {
+    double area = opc_test_number("wishes", "area", r);
+    size_t i = 0;
+    while (i < p->circuit.count) {
+      g_autofree char *name =
+          g_strdup_printf("%s:%u", p->instance[i], p->number[i]);
+      if (!strcmp(name, opc_test_text("wishes", "transistor", r))) break;
+      i++;
+    }
+    g_assert_cmpuint(i, <, p->circuit.count);
+    step[i] = (int)lround(STEPS * log(area) / log1p(longest() / 60));
+    double nm = length_at(step[i]);
+    close_to(area, 1 + nm / 60, 1e-6);
+    close_to(opc_test_number("wishes", "ion", r), exp(-drop[0] * nm), 1e-5);
+    close_to(opc_test_number("wishes", "ioff", r), exp(-drop[1] * nm), 1e-5);
+  }
+}
+
+/* ---- small circuits, all combinations ---- */
+
+/* Whom each instance drives, -1: an output; no more than two. */
+typedef struct shape {
+  const char *ports, *instances;
+  size_t count;
+  int next[5][2];
+} shape;
+
+/* Ends of paths: the delay of the instance, and the longest of what follows. */
+static double path_from(const shape *s, int i, const int *step) {
+  double load = 0, most = 0;
+  for (int k = 0; k < 2; k++) {
+    int to = s->next[i][k];
+    if (to < 0) continue;
+    load += by_gate * log1p(length_at(step[to]) / 60) + pin_load * 1e12;
+    most = fmax(most, path_from(s, to, step));
+  }
+  return base + by_own * log1p(length_at(step[i]) / 60) + by_load * load + most;
+}
+
+static double longest_path(const shape *s, const int *step) {
+  double most = 0;
+  for (size_t i = 0; i < s->count; i++)
+    most = fmax(most, path_from(s, (int)i, step));
+  return most;
+}
+
+static double leak_of(const shape *s, const int *step) {
+  double sum = 0;
+  for (size_t i = 0; i < s->count; i++)
+    sum += 200 * 1e-10 * exp(-drop[1] * length_at(step[i])) +
+           300 * 0.5e-10 * exp(-drop[1] * longest());
+  return 1e9 * sum;
+}
+
+/* The least leakage of all combinations of steps that keep the limit. */
+static double least_leak(const shape *s, double limit) {
+  int step[5] = {0};
+  double least = INFINITY;
+  for (;;) {
+    if (longest_path(s, step) <= limit) least = fmin(least, leak_of(s, step));
+    size_t i = 0;
+    while (i < s->count && ++step[i] > STEPS) step[i++] = 0;
+    if (i == s->count) return least;
+  }
+}
+
+static const shape shapes[] = {
+    /* A chain. */
+    {"a z",
+     "XU1 a m VDD VSS INV\nXU2 m n VDD VSS INV\nXU3 n z VDD VSS INV\n",
+     3,
+     {{1, -1}, {2, -1}, {-1, -1}}},
+    /* A short branch beside it, from its first net. */
+    {"a z y",
+     "XU1 a m VDD VSS INV\nXU2 m n VDD VSS INV\nXU3 n z VDD VSS INV\n"
+     "XU4 m y VDD VSS INV\n",
+     4,
+     {{1, 3}, {2, -1}, {-1, -1}, {-1, -1}}},
+    /* Two chains from one input, one of them forks. */
+    {"a z y x",
+     "XU1 a m VDD VSS INV\nXU2 m z VDD VSS INV\nXU3 a n VDD VSS INV\n"
+     "XU4 n y VDD VSS INV\nXU5 n x VDD VSS INV\n",
+     5,
+     {{1, -1}, {-1, -1}, {3, 4}, {-1, -1}, {-1, -1}}},
+};
+
+/* No more leakage than 4 % above the best of all combinations, on time by the
+   formula, and nobody could go a step further. */
+static void test_all_combinations(void) {
+  static const double limits[] = {0, 0.3, 0.8, 1.5, 2.5, 20}; /* % */
+  opc_error error;
+  double worst = 0;
+  for (size_t k = 0; k < G_N_ELEMENTS(shapes); k++)
+    for (size_t l = 0; l < G_N_ELEMENTS(limits); l++) {
+      const shape *s = &shapes[k];
+      const int drawn[5] = {0};
+      int both[2 * MOST], step[5];
+      placed *p = place_all(s->count);
+      eda_timing *t = made_up();
+      double limit = longest_path(s, drawn) * (1 + limits[l] / 100);
+      g_autofree char *more = g_strdup_printf(", limit: %g %%", limits[l]);
+      good(run(t, p, s->ports, s->instances, more, NULL, &error), &error);
+      find_steps(p, both);
+      for (size_t i = 0; i < s->count; i++) {
+        step[i] = both[2 * i];
+        g_assert_cmpint(both[2 * i + 1], ==, STEPS); /* it costs nothing */
+      }
+      double found = leak_of(s, step);
+      close_to(opc_test_metric("leakage"), found, 1e-4);
+      close_to(opc_test_metric("drawn"), longest_path(s, drawn), 1e-6);
+      close_to(opc_test_metric("latest"), longest_path(s, step), 1e-6);
+      g_assert_cmpfloat(longest_path(s, step), <=, limit + 1e-9);
+      worst = fmax(worst, found / least_leak(s, limit));
+      for (size_t i = 0; i < s->count; i++) {
+        if (step[i]++ < STEPS)
+          g_assert_cmpfloat(longest_path(s, step), >, limit);
+        step[i]--;
+      }
+      eda_timing_free(t);
+      free(p);
+    }
+  g_test_message("the worst is %.4f of the best", worst);
+  g_assert_cmpfloat(worst, <, 1.04);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/slack/all-combinations", test_all_combinations);
+  return g_test_run();
+}
