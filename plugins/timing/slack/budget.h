@@ -15,7 +15,7 @@ typedef struct choice {
   uint32_t instance, bundle;
   uint32_t level, most;      /* of LEVELS; most is 0 where it has to stay */
   double length[LEVELS + 1]; /* ln of the length over that drawn */
-  double leak[LEVELS + 1];   /* A */
+  double leak[LEVELS + 1];   /* A, mean over the circuit's input patterns */
 } choice;
 
 /* An input of an instance on a net. */
@@ -54,7 +54,7 @@ double budget_worst(const budget *b);
    leads nowhere or does not come. To be freed. */
 double *budget_slack(const budget *b);
 
-/* What all leak, A. */
+/* What all leak, A, in the mean over input patterns. */
 double budget_leak(const budget *b);
 
 /* Set the levels. All begin at their most; while the latest path takes longer
@@ -63,5 +63,11 @@ double budget_leak(const budget *b);
    way round); then each goes up again as far as the limit lets it. 0 if the
    limit cannot be kept even as drawn. */
 int budget_spend(budget *b);
+
+/* ---- rest.c ---- */
+
+/* Of each choice, the share of the input patterns at rest in which its
+   transistors leak; to be freed. Asks `g`, `first` and `count` alone. */
+double *rest_shares(const budget *b);
 
 #endif

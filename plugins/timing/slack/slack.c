@@ -74,6 +74,7 @@ static void number_choices(job *j) {
   const graph *g = &j->graph;
   budget *b = &j->budget;
   size_t most = 0;
+  b->g = g;
   b->first = eda_pool_alloc(&j->pool, g->instances, sizeof *b->first);
   for (size_t i = 0; i < g->nodes; i++) most += g->node[i].cell->bundles;
   b->choice = eda_pool_alloc(&j->pool, most, sizeof *b->choice);
@@ -113,11 +114,14 @@ static int fill_choices(job *j, opc_error *error) {
     for (int level = 0; level <= LEVELS; level++)
       k->length[level] = k->most ? k->length[LEVELS] * level / LEVELS : 0;
   }
+  double *share = rest_shares(b);
   for (size_t i = 0; i < c->gates->count; i++)
     for (int level = 0; level <= LEVELS && j->of[i] != NO_CHOICE; level++) {
       choice *k = &b->choice[j->of[i]];
-      k->leak[level] += current(s, i, EDA_IOFF, k->length[level]);
+      k->leak[level] +=
+          share[j->of[i]] * current(s, i, EDA_IOFF, k->length[level]);
     }
+  free(share);
   return OPC_OK;
 }
 
@@ -166,8 +170,8 @@ static eda_gates *with_notes(const job *j) {
     if (!(longer(j, i) > 0)) continue;
     wished w = wish_of(j, i);
     g_free(g->note[i]);
-    g->note[i] = g_strdup_printf("ion=%.6f ioff=%.6f area=%.6f", w.ion, w.ioff,
-                                 w.area);
+    g->note[i] =
+        g_strdup_printf("ion=%.6f ioff=%.6f area=%.6f", w.ion, w.ioff, w.area);
   }
   return g;
 }
@@ -261,7 +265,6 @@ static int tell(const job *j, opc_error *error) {
 static int spend(job *j, opc_error *error) {
   const slack *s = j->s;
   budget *b = &j->budget;
-  b->g = &j->graph;
   b->at = s->at;
   budget_init(b);
   j->worst = budget_worst(b);
@@ -365,7 +368,8 @@ static const opc_metric metrics[] = {
     FIGURE("latest", "ps", "latest arrival with the lengths that are wanted"),
     FIGURE("longer", NULL, "transistors that are to be longer"),
     FIGURE("longer_most", "nm", "by how much, the most of all"),
-    FIGURE("leakage_drawn", "nA", "sum of Ioff of all transistors as drawn"),
+    FIGURE("leakage_drawn", "nA",
+           "what leaks at rest as drawn, mean over input patterns"),
     COST("leakage", "nA", "the same with the lengths that are wanted"),
     COST("leakage_change", "%", "the same against as drawn"),
 };

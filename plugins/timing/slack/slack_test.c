@@ -126,8 +126,19 @@ static const double by_gate = 1.5e-3; /* pF/ln */
 /* By the length of its own n-transistor, and by the load, which is by that of
    its followers' n-transistors. The p-transistors do nothing. */
 static eda_timing *made_up(void) {
+  enum { A, Y, VDD, VSS, NETS };
+  static const uint32_t port[] = {A, Y};
+  static const int8_t rail[NETS] = {[VDD] = 1, [VSS] = -1};
   eda_timing *t = library();
   eda_timing_cell *c = &t->cell[0];
+  c->nets = NETS;
+  c->port = (uint32_t *)port;
+  c->rail = (int8_t *)rail;
+  for (int p = 0; p < 2; p++) {
+    c->device[p].gate = A;
+    c->device[p].drain = Y;
+    c->device[p].source = p ? VDD : VSS;
+  }
   for (size_t a = 0; a < c->arcs; a++) {
     for (int g = 0; g < SLEWS * LOADS; g++) {
       c->arc[a].delay[g] = 1e-12 * base + by_load * c->at_load[g % LOADS];
@@ -217,12 +228,14 @@ static double longest_path(const shape *s, const int *step) {
   return most;
 }
 
+/* Each input level is there half of the time, so that each transistor leaks
+   half of the time. */
 static double leak_of(const shape *s, const int *step) {
   double sum = 0;
   for (size_t i = 0; i < s->count; i++)
     sum += 200 * 1e-10 * exp(-drop[1] * length_at(step[i])) +
            300 * 0.5e-10 * exp(-drop[1] * longest());
-  return 1e9 * sum;
+  return 1e9 * sum / 2;
 }
 
 /* The least leakage of all combinations of steps that keep the limit. */
@@ -296,8 +309,173 @@ static void test_all_combinations(void) {
   g_assert_cmpfloat(worst, <, 1.04);
 }
 
+/* ---- judged by timing.paths ---- */
+
+/* Inverters on nets drawn at random, with delays, slews and what lengths do to
+   them drawn at random, too: timing.paths, which is given the lengths as
+   printed ones, finds the latest path where it may be and not below. */
+static void test_paths(void) {
+  static double leq[2 * MOST], weq[2 * MOST], area[2 * MOST];
+  static uint32_t flags[2 * MOST];
+  static const double limits[] = {0, 1, 4};
+  opc_error error;
+  g_autoptr(GRand) r = g_rand_new_with_seed(7);
+  for (int turn = 0; turn < 6; turn++) {
+    double limit = limits[turn % 3];
+    eda_timing *t = made_up();
+    eda_timing_cell *c = &t->cell[0];
+    c->arcs = 0;
+    fill(t, 0);
+    for (size_t a = 0; a < c->arcs; a++)
+      for (size_t k = 0; k < 3 * 2 * EDA_SIZES; k++) {
+        c->arc[a].delay_by[k] = 1e-12 * g_rand_double_range(r, 0, 12);
+        c->arc[a].slew_by[k] = 1e-12 * g_rand_double_range(r, 0, 6);
+      }
+    for (size_t k = 0; k < c->inputs * 2 * EDA_CAPS * 2 * EDA_SIZES; k++)
+      c->capacitance_by[k] = 1e-15 * g_rand_double_range(r, 0, 1);
+    g_autoptr(GString) ports = g_string_new("n0");
+    g_autoptr(GString) text = g_string_new(NULL);
+    int leaf[MOST + 1];
+    for (int i = 0; i <= MOST; i++) leaf[i] = i > 0;
+    for (int i = 1; i <= MOST; i++) {
+      int from = g_rand_int_range(r, i > 6 ? i - 6 : 0, i);
+      leaf[from] = 0;
+      g_string_append_printf(text, "XU%d n%d n%d VDD VSS INV\n", i, from, i);
+    }
+    for (int i = 1; i <= MOST; i++)
+      if (leaf[i]) g_string_append_printf(ports, " n%d", i);
+    placed *p = place_all(MOST);
+    g_autofree char *more = g_strdup_printf(", limit: %g %%", limit);
+    int step[2 * MOST];
+    good(run(t, p, ports->str, text->str, more, NULL, &error), &error);
+    double by =
+        100 * (opc_test_metric("latest") / opc_test_metric("drawn") - 1);
+    find_steps(p, step);
+    for (size_t i = 0; i < 2 * MOST; i++) {
+      leq[i] = 60 + length_at(step[i]);
+      weq[i] = p->width[i];
+      area[i] = leq[i] * weq[i];
+    }
+    eda_mask mask = {
+        .gates = &p->gates,
+        .flags = flags,
+        .after = {.count = 2 * MOST, .leq_ion = leq, .weq = weq, .area = area}};
+    good(run_paths(t, ports->str, text->str, ", load: 0 fF, transitions: 1",
+                   &p->circuit, &mask, &error),
+         &error);
+    double judged = opc_test_metric("static_deviation");
+    close_to(judged, by, 1e-9);
+    g_assert_cmpfloat(judged, <=, limit + 1e-9);
+    g_assert_cmpfloat(judged, >, limit - 0.1);
+    eda_timing_free(t);
+    free(p);
+  }
+}
+
+/* ---- what leaks at rest ---- */
+
+/* z is the NAND of a and of a inverted, so that it is always 1 and one of the
+   two n-transistors in series leaks; those of the inverter take turns. Of a
+   NAND of two inputs each n-transistor leaks in a quarter of the patterns, both
+   in series in none, and both p-transistors in a quarter. */
+static void test_rest(void) {
+  enum { A, B, Y, M, VDD, VSS, NETS };
+  static uint32_t port[] = {A, B, Y};
+  static int8_t rail[NETS] = {[VDD] = 1, [VSS] = -1};
+  static eda_timing_device devices[] = {
+      {"MN", EDA_NMOS, Y, A, M, VSS, 60, 200, 0, 1},
+      {"MP", EDA_PMOS, Y, A, VDD, VDD, 60, 300, 1, 0.5},
+      {"MN2", EDA_NMOS, M, B, VSS, VSS, 60, 200, 2, 1},
+      {"MP2", EDA_PMOS, Y, B, VDD, VDD, 60, 300, 1, 0.5}};
+  static const double n = 200 * 1e-10, p = 300 * 0.5e-10;
+  opc_error error;
+  for (int two = 0; two < 2; two++) {
+    eda_timing *t = made_up();
+    eda_timing_cell *c = &t->cell[1];
+    c->nets = NETS;
+    c->port = port;
+    c->rail = rail;
+    c->devices = 4;
+    c->device = devices;
+    c->arcs = 0;
+    fill(t, 1);
+    placed *all = place_all(3);
+    strcpy(all->name[4], "XU2/MN2");
+    strcpy(all->name[5], "XU2/MP2");
+    good(run(t, all, two ? "a n m z" : "a z",
+             two ? "XU1 a m VDD VSS INV\nXU2 a n z VDD VSS NAND2\n"
+                 : "XU1 a n VDD VSS INV\nXU2 a n z VDD VSS NAND2\n",
+             "", NULL, &error),
+         &error);
+    double nand = two ? (2 * n + 2 * p) / 4 : n;
+    close_to(opc_test_metric("leakage_drawn"), 1e9 * (nand + (n + p) / 2),
+             1e-6);
+    eda_timing_free(t);
+    free(all);
+  }
+}
+
+/* ---- notes, and what is refused ---- */
+
+static const char chain[] =
+    "XU1 a m VDD VSS INV\nXU2 m n VDD VSS INV\nXU3 n z VDD VSS INV\n";
+
+/* What a designer says stays, and its transistor as drawn; a remark goes. */
+static void test_notes(void) {
+  opc_error error;
+  placed *p = place_all(3);
+  eda_timing *t = made_up();
+  p->note[0] = (char *)"# near the edge";
+  p->note[2] = (char *)"weight=3";
+  char *note[6];
+  good(run(t, p, "a z", chain, ", limit: 50 %", (void **)note, &error), &error);
+  g_autofree char *longer =
+      g_strdup_printf("ion=%.6f ioff=%.6f area=%.6f", most_ion,
+                      exp(-drop[1] * longest()), 1 + longest() / 60);
+  for (int i = 0; i < 6; i++)
+    g_assert_cmpstr(note[i], ==, i == 2 ? "weight=3" : longer);
+  close_to(opc_test_metric("longer"), 5, 0);
+  close_to(opc_test_metric("longer_most"), longest(), 1e-6);
+  for (int i = 0; i < 6; i++) g_free(note[i]);
+  /* Nobody gives anything: all as drawn. */
+  good(run(t, p, "a z", chain, ", ion: 0 %", NULL, &error), &error);
+  close_to(opc_test_metric("longer"), 0, 0);
+  close_to(opc_test_metric("leakage_change"), 0, 1e-12);
+  eda_timing_free(t);
+  free(p);
+}
+
+static void test_refused(void) {
+  opc_error error;
+  placed *p = place_all(3);
+  eda_timing *t = made_up();
+  double drawn;
+  good(run(t, p, "a z", chain, "", NULL, &error), &error);
+  drawn = opc_test_metric("drawn");
+  g_autofree char *clock = g_strdup_printf(", clock: %.6f ps", drawn - 0.01),
+                  *late = g_strdup_printf(", clock: %.6f ps", drawn + 1);
+  g_assert_cmpint(run(t, p, "a z", chain, clock, NULL, &error), ==,
+                  OPC_INVALID);
+  g_assert_cmpstr(error.parameter, ==, "clock");
+  g_assert_nonnull(strstr(error.message, "as drawn"));
+  g_assert_cmpint(run(t, p, "a z", chain, ", limit: -0.1 %", NULL, &error), ==,
+                  OPC_INVALID);
+  g_assert_cmpstr(error.parameter, ==, "limit");
+  good(run(t, p, "a z", chain, late, NULL, &error), &error);
+  close_to(opc_test_metric("allowed"), drawn + 1, 1e-6);
+  g_strlcpy(p->name[5], "XU9/MP", sizeof p->name[5]);
+  g_assert_cmpint(run(t, p, "a z", chain, "", NULL, &error), ==, OPC_INVALID);
+  g_assert_nonnull(strstr(error.message, "'XU9/MP' is in no characterised"));
+  eda_timing_free(t);
+  free(p);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/slack/all-combinations", test_all_combinations);
+  g_test_add_func("/slack/paths", test_paths);
+  g_test_add_func("/slack/rest", test_rest);
+  g_test_add_func("/slack/notes", test_notes);
+  g_test_add_func("/slack/refused", test_refused);
   return g_test_run();
 }
