@@ -156,9 +156,9 @@ static int run(eda_timing *t, placed *p, const char *ports,
                const char *instances, const char *more, void **outputs,
                opc_error *error) {
   g_autofree char *path = write_circuit(ports, instances);
-  g_autofree char *text =
-      g_strdup_printf("{ file: %s, top: top, devices: %s, load: 0 fF%s }", path,
-                      devices(), more);
+  g_autofree char *text = g_strdup_printf(
+      "{ file: %s, top: top, devices: %s%s%s }", path, devices(),
+      strstr(more, "load:") ? "" : ", load: 0 fF", more);
   void *made[2] = {NULL, NULL};
   opc_test_forget();
   opc_module *m = opc_test_module("timing.slack", text, error);
@@ -209,16 +209,22 @@ typedef struct shape {
   int next[5][2];
 } shape;
 
-/* Ends of paths: the delay of the instance, and the longest of what follows. */
+/* The delay of an instance, and with the longest of what follows it. */
+static double delay_alone(const shape *s, int i, const int *step) {
+  double load = 0;
+  for (int k = 0; k < 2; k++)
+    if (s->next[i][k] >= 0)
+      load += by_gate * log1p(length_at(step[s->next[i][k]]) / 60) +
+              pin_load * 1e12;
+  return base + by_own * log1p(length_at(step[i]) / 60) + by_load * load;
+}
+
 static double path_from(const shape *s, int i, const int *step) {
-  double load = 0, most = 0;
-  for (int k = 0; k < 2; k++) {
-    int to = s->next[i][k];
-    if (to < 0) continue;
-    load += by_gate * log1p(length_at(step[to]) / 60) + pin_load * 1e12;
-    most = fmax(most, path_from(s, to, step));
-  }
-  return base + by_own * log1p(length_at(step[i]) / 60) + by_load * load + most;
+  double most = 0;
+  for (int k = 0; k < 2; k++)
+    if (s->next[i][k] >= 0)
+      most = fmax(most, path_from(s, s->next[i][k], step));
+  return delay_alone(s, i, step) + most;
 }
 
 static double longest_path(const shape *s, const int *step) {
@@ -226,6 +232,17 @@ static double longest_path(const shape *s, const int *step) {
   for (size_t i = 0; i < s->count; i++)
     most = fmax(most, path_from(s, (int)i, step));
   return most;
+}
+
+/* The longest path that an instance is on: each has one driver, before it. */
+static double path_through(const shape *s, int i, const int *step) {
+  double sum = path_from(s, i, step);
+  for (int from = i - 1; from >= 0; from--)
+    if (s->next[from][0] == i || s->next[from][1] == i) {
+      sum += delay_alone(s, from, step);
+      i = from;
+    }
+  return sum;
 }
 
 /* Each input level is there half of the time, so that each transistor leaks
@@ -296,6 +313,12 @@ static void test_all_combinations(void) {
       close_to(opc_test_metric("drawn"), longest_path(s, drawn), 1e-6);
       close_to(opc_test_metric("latest"), longest_path(s, step), 1e-6);
       g_assert_cmpfloat(longest_path(s, step), <=, limit + 1e-9);
+      for (size_t i = 0; i < s->count; i++) {
+        close_to(opc_test_number("slack", "slack_drawn", i),
+                 limit - path_through(s, (int)i, drawn), 6e-4);
+        close_to(opc_test_number("slack", "slack", i),
+                 limit - path_through(s, (int)i, step), 6e-4);
+      }
       worst = fmax(worst, found / least_leak(s, limit));
       for (size_t i = 0; i < s->count; i++) {
         if (step[i]++ < STEPS)
@@ -343,9 +366,10 @@ static void test_paths(void) {
       g_string_append_printf(text, "XU%d n%d n%d VDD VSS INV\n", i, from, i);
     }
     for (int i = 1; i <= MOST; i++)
-      if (leaf[i]) g_string_append_printf(ports, " n%d", i);
+      if (leaf[i] || i % 5 == 0) g_string_append_printf(ports, " n%d", i);
     placed *p = place_all(MOST);
-    g_autofree char *more = g_strdup_printf(", limit: %g %%", limit);
+    g_autofree char *more =
+        g_strdup_printf(", limit: %g %%, load: 3 fF, wire: 0.2 fF", limit);
     int step[2 * MOST];
     good(run(t, p, ports->str, text->str, more, NULL, &error), &error);
     double by =
@@ -360,8 +384,9 @@ static void test_paths(void) {
         .gates = &p->gates,
         .flags = flags,
         .after = {.count = 2 * MOST, .leq_ion = leq, .weq = weq, .area = area}};
-    good(run_paths(t, ports->str, text->str, ", load: 0 fF, transitions: 1",
-                   &p->circuit, &mask, &error),
+    good(run_paths(t, ports->str, text->str,
+                   ", load: 3 fF, wire: 0.2 fF, transitions: 1", &p->circuit,
+                   &mask, &error),
          &error);
     double judged = opc_test_metric("static_deviation");
     close_to(judged, by, 1e-9);
@@ -372,13 +397,9 @@ static void test_paths(void) {
   }
 }
 
-/* ---- what leaks at rest ---- */
+/* ---- a NAND of four transistors ---- */
 
-/* z is the NAND of a and of a inverted, so that it is always 1 and one of the
-   two n-transistors in series leaks; those of the inverter take turns. Of a
-   NAND of two inputs each n-transistor leaks in a quarter of the patterns, both
-   in series in none, and both p-transistors in a quarter. */
-static void test_rest(void) {
+static eda_timing *with_nand(void) {
   enum { A, B, Y, M, VDD, VSS, NETS };
   static uint32_t port[] = {A, B, Y};
   static int8_t rail[NETS] = {[VDD] = 1, [VSS] = -1};
@@ -387,27 +408,96 @@ static void test_rest(void) {
       {"MP", EDA_PMOS, Y, A, VDD, VDD, 60, 300, 1, 0.5},
       {"MN2", EDA_NMOS, M, B, VSS, VSS, 60, 200, 2, 1},
       {"MP2", EDA_PMOS, Y, B, VDD, VDD, 60, 300, 1, 0.5}};
+  eda_timing *t = made_up();
+  eda_timing_cell *c = &t->cell[1];
+  c->nets = NETS;
+  c->port = port;
+  c->rail = rail;
+  c->devices = 4;
+  c->device = devices;
+  c->arcs = 0;
+  fill(t, 1);
+  return t;
+}
+
+/* One inverter at the first input of a NAND, two at the second: the slack of
+   the one alone is that of the later of its edges. */
+static void test_spare(void) {
+  opc_error error;
+  eda_timing *t = with_nand();
+  const eda_timing_cell *c = &t->cell[1];
+  placed *p = place_all(5);
+  strcpy(p->name[8], "XU2/MN2");
+  strcpy(p->name[9], "XU2/MP2");
+  good(run(t, p, "a b z",
+           "XU1 a p VDD VSS INV\nXU2 p r z VDD VSS NAND2\n"
+           "XU3 b q VDD VSS INV\nXU4 q r VDD VSS INV\n",
+           "", NULL, &error),
+       &error);
+  const double one = base + by_load * pin_load * 1e12;
+  double last[2] = {0, 0}; /* through each input, the other one is 1 */
+  for (uint32_t k = 0; k < c->arcs; k++)
+    last[c->arc[k].input] = fmax(last[c->arc[k].input],
+                                 one * (1 + c->arc[k].input) +
+                                     1e12 * delay_of(1, &c->arc[k], 10e-12, 0));
+  close_to(opc_test_metric("drawn"), last[1], 1e-6);
+  close_to(opc_test_number("slack", "slack_drawn", 0), last[1] - last[0], 6e-4);
+  close_to(opc_test_number("slack", "slack_drawn", 3), 0, 6e-4);
+  eda_timing_free(t);
+  free(p);
+}
+
+/* Where lengths move slews and no delay of their own, nobody on the path has
+   anything to give by what the search looks at; the limit is kept all the same.
+ */
+static void test_slews(void) {
+  opc_error error;
+  eda_timing *t = made_up();
+  eda_timing_cell *c = &t->cell[0];
+  c->arcs = 0;
+  fill(t, 0);
+  for (size_t k = 0; k < 2 * 3 * 2 * EDA_SIZES; k++) {
+    eda_timing_arc *a = &c->arc[k / (3 * 2 * EDA_SIZES)];
+    a->delay_by[k % (3 * 2 * EDA_SIZES)] = 0;
+    a->slew_by[k % (3 * 2 * EDA_SIZES)] = 20e-12;
+  }
+  for (size_t k = 0; k < c->inputs * 2 * EDA_CAPS * 2 * EDA_SIZES; k++)
+    c->capacitance_by[k] = 0;
+  placed *p = place_all(3);
+  good(run(t, p, "a z",
+           "XU1 a m VDD VSS INV\nXU2 m n VDD VSS INV\nXU3 n z VDD VSS INV\n",
+           ", limit: 0.5 %", NULL, &error),
+       &error);
+  double by = opc_test_metric("latest") / opc_test_metric("drawn") - 1;
+  g_assert_cmpfloat(by, <=, 0.005);
+  g_assert_cmpfloat(by, >, 0.002); /* a step is 0.0026 */
+  eda_timing_free(t);
+  free(p);
+}
+
+/* ---- what leaks at rest ---- */
+
+/* z is the NAND of a and of a inverted, so that it is always 1 and one of the
+   two n-transistors in series leaks; those of the inverter take turns. Of a
+   NAND of two inputs each n-transistor leaks in a quarter of the patterns, both
+   in series in none, and both p-transistors in a quarter. */
+static void test_rest(void) {
   static const double n = 200 * 1e-10, p = 300 * 0.5e-10;
   opc_error error;
   for (int two = 0; two < 2; two++) {
-    eda_timing *t = made_up();
-    eda_timing_cell *c = &t->cell[1];
-    c->nets = NETS;
-    c->port = port;
-    c->rail = rail;
-    c->devices = 4;
-    c->device = devices;
-    c->arcs = 0;
-    fill(t, 1);
+    eda_timing *t = with_nand();
     placed *all = place_all(3);
     strcpy(all->name[4], "XU2/MN2");
     strcpy(all->name[5], "XU2/MP2");
+    all->note[3] = (char *)"weight=2"; /* of one of two in parallel */
     good(run(t, all, two ? "a n m z" : "a z",
              two ? "XU1 a m VDD VSS INV\nXU2 a n z VDD VSS NAND2\n"
                  : "XU1 a n VDD VSS INV\nXU2 a n z VDD VSS NAND2\n",
              "", NULL, &error),
          &error);
     double nand = two ? (2 * n + 2 * p) / 4 : n;
+    for (size_t r = 0; r < opc_test_rows("wishes"); r++)
+      g_assert_cmpstr(opc_test_text("wishes", "transistor", r), !=, "XU3:2");
     close_to(opc_test_metric("leakage_drawn"), 1e9 * (nand + (n + p) / 2),
              1e-6);
     eda_timing_free(t);
@@ -474,6 +564,8 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/slack/all-combinations", test_all_combinations);
   g_test_add_func("/slack/paths", test_paths);
+  g_test_add_func("/slack/spare", test_spare);
+  g_test_add_func("/slack/slews", test_slews);
   g_test_add_func("/slack/rest", test_rest);
   g_test_add_func("/slack/notes", test_notes);
   g_test_add_func("/slack/refused", test_refused);
