@@ -22,7 +22,7 @@ typedef struct slack {
   const eda_circuit *circuit;
   const char *file, *top, *devices;
   conditions at;
-  double ion, limit, clock; /* %, %, s */
+  double ion, limit, clock, weight; /* %, %, s, 1 */
   eda_curves curves;
 } slack;
 
@@ -145,7 +145,7 @@ static double longer(const job *j, size_t gate) {
 
 typedef struct wished {
   char *name;
-  double ion, ioff, area, length;
+  double weight, ion, ioff, area;
 } wished;
 
 static wished wish_of(const job *j, size_t gate) {
@@ -155,7 +155,7 @@ static wished wish_of(const job *j, size_t gate) {
       .ion = current(s, gate, EDA_ION, by) / current(s, gate, EDA_ION, 0),
       .ioff = current(s, gate, EDA_IOFF, by) / current(s, gate, EDA_IOFF, 0),
       .area = exp(by),
-      .length = s->circuit->gates->length[gate] * exp(by)};
+      .weight = s->weight};
 }
 
 /* The gates as they are, but for the notes. */
@@ -170,8 +170,8 @@ static eda_gates *with_notes(const job *j) {
     if (!(longer(j, i) > 0)) continue;
     wished w = wish_of(j, i);
     g_free(g->note[i]);
-    g->note[i] =
-        g_strdup_printf("ion=%.6f ioff=%.6f area=%.6f", w.ion, w.ioff, w.area);
+    g->note[i] = g_strdup_printf("weight=%g ion=%.6f ioff=%.6f area=%.6f",
+                                 j->s->weight, w.ion, w.ioff, w.area);
   }
   return g;
 }
@@ -189,6 +189,7 @@ static int tell_wishes(const job *j, opc_error *error) {
         "%s:%u", *g->instance[i] ? g->instance[i] : g->cell[i], g->number[i]);
   }
   const opc_column columns[] = {{"transistor", NULL, OPC_TEXT, 0, &row->name},
+                                {"weight", NULL, OPC_REAL, 4, &row->weight},
                                 {"ion", NULL, OPC_REAL, 6, &row->ion},
                                 {"ioff", NULL, OPC_REAL, 6, &row->ioff},
                                 {"area", NULL, OPC_REAL, 6, &row->area}};
@@ -341,6 +342,11 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(slack, clock, .type = OPC_REAL, .unit = "s",
                   .flags = OPC_ABOVE | OPC_AT_MOST, .min = 0, .max = 1,
                   .summary = "how long it may take, in place of 'limit'"),
+    OPC_PARAMETER(slack, weight, .type = OPC_REAL,
+                  .flags = OPC_ABOVE | OPC_AT_MOST, .preset = "1", .min = 0,
+                  .max = 1,
+                  .summary = "of transistors that are to be longer: the "
+                             "correction's tolerance is divided by it"),
     OPC_PARAMETER_NAMED("load", slack, at.load, .type = OPC_REAL, .unit = "F",
                         .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "4 fF",
                         .min = 0, .max = 1e-6,

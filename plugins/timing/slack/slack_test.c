@@ -519,9 +519,11 @@ static void test_notes(void) {
   p->note[0] = (char *)"# near the edge";
   p->note[2] = (char *)"weight=3";
   char *note[6];
-  good(run(t, p, "a z", chain, ", limit: 50 %", (void **)note, &error), &error);
+  good(run(t, p, "a z", chain, ", limit: 50 %, weight: 0.5", (void **)note,
+           &error),
+       &error);
   g_autofree char *longer =
-      g_strdup_printf("ion=%.6f ioff=%.6f area=%.6f", most_ion,
+      g_strdup_printf("weight=0.5 ion=%.6f ioff=%.6f area=%.6f", most_ion,
                       exp(-drop[1] * longest()), 1 + longest() / 60);
   for (int i = 0; i < 6; i++)
     g_assert_cmpstr(note[i], ==, i == 2 ? "weight=3" : longer);
