@@ -62,7 +62,7 @@ static void same(double got, double expected) {
 
 static void test_table(void) {
   made d;
-  opc_error error;
+  opc_error error = {0};
   make(&d);
   g_assert_cmpint(disturb_report(opc_test_host(), &d.mask, known, &error), ==,
                   OPC_OK);
@@ -104,7 +104,7 @@ static int is_near(uint32_t p, eda_colour c) {
 /* Gates in their colours on a chip of grey, which tells the scale. */
 static void test_picture(void) {
   made d;
-  opc_error error;
+  opc_error error = {0};
   make(&d);
   if (disturb_draw(opc_test_host(), &d.mask, known, "chip.png", WIDTH, &error))
     g_error("%s", error.message);
