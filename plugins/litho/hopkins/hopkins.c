@@ -335,9 +335,11 @@ static int image_fine(const void *self, int layer, const eda_spectrum *mask,
   const kernels *k = h->cuts[0].kernels;
   if (defocus == 0 && k->cross && pattern_is_lines(k, mask))
     return image_lines(h, layer, mask, out, error);
-  /* What the model gives by itself is never better. */
+  /* What the model gives by itself is never better, and may do. */
   double own = h->fixed > 0 ? h->cuts[0].error : h->wanted;
-  const cut *c = find_cut(h, defocus, fmin(wanted, own), OPC_NO_INT, error);
+  const cut *c = &h->cuts[0];
+  if (defocus != 0 || c->error > wanted)
+    c = find_cut(h, defocus, fmin(wanted, own), OPC_NO_INT, error);
   return c ? image_by(h, c->kernels, layer, mask, out, error) : error->code;
 }
 
