@@ -49,6 +49,10 @@ typedef struct copy {
   double load;
   const double *change; /* of sizes [bundle * EDA_SIZES + size]; NULL */
   double delay, slew, capacitance[EDA_CAPS]; /* what was found */
+  /* A second input changes, too: its slew, and how long after the first. */
+  int two;
+  uint8_t other;
+  double other_slew, other_after;
 } copy;
 
 /* Copies that share a slew and a run. */
@@ -56,6 +60,7 @@ typedef struct deck {
   study *s;
   double slew;
   int rough; /* for differences between copies only */
+  double early; /* s; how long before the inputs others change */
   size_t count, room;
   copy *copy;
   int code;
@@ -79,6 +84,13 @@ typedef struct verdict {
   double delay_rms, delay_max, slew_rms, slew_max, change_rms;
 } verdict;
 int cells_check(study *s, verdict *out, opc_error *error);
+
+/* ---- pairs.c: inputs that change together ---- */
+
+/* The pairs of a cell whose arcs are known. */
+void pairs_list(study *s, eda_timing_cell *c);
+/* Once the arcs were simulated. */
+int pairs_measure(study *s, eda_timing_cell *c, opc_error *error);
 
 /* ---- keep.c: cells that were simulated before ---- */
 

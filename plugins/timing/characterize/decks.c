@@ -11,7 +11,8 @@
 
 enum { TRIES = 7 };
 
-static const double start = 2e-12; /* s, when inputs begin to change */
+/* When inputs begin to change, s. */
+static double start_of(const deck *d) { return 2e-12 + d->early; }
 
 /* How many steps a window has at least: for delays, and for differences of
    delays, of which copies in a run have the same error. */
@@ -24,8 +25,10 @@ double ramp_time(const study *s, double slew, int rises) {
                  eda_timing_ramp(rises, s->timing->low));
 }
 
-static void put_source(const deck *d, FILE *out, const char *name, int rises) {
-  double whole = ramp_time(d->s, d->slew, rises), v = d->s->supply;
+static void put_source(const deck *d, FILE *out, const char *name, int rises,
+                       double slew, double after) {
+  double whole = ramp_time(d->s, slew, rises), v = d->s->supply;
+  double start = start_of(d) + after;
   double t[EDA_TIMING_RAMP], level[EDA_TIMING_RAMP];
   eda_timing_ramp_points(rises, t, level);
   fprintf(out, "v%s i%s 0 pwl(0 %.17g", name, name, rises ? 0 : v);
@@ -71,7 +74,9 @@ static void put_node(FILE *out, const copy *c, size_t k, uint32_t net) {
   for (size_t i = 0; i < cell->inputs; i++)
     if (cell->port[i] == net) {
       int high = c->from >> i & 1;
-      if (i != c->input)
+      if (c->two && i == c->other)
+        fprintf(out, " i%zu", k);
+      else if (i != c->input)
         fputs(high ? " vdd" : " 0", out);
       else if (c->of_pin)
         fprintf(out, " i%zu", k);
@@ -100,6 +105,18 @@ static void put_device(const deck *d, FILE *out, size_t k, size_t i,
   fprintf(out, " w=%.12ge-9 l=%.12ge-9\n", w, l);
 }
 
+/* Its middle lies `other_after` behind that of the first. */
+static void put_other(const deck *d, FILE *out, size_t k) {
+  const copy *c = &d->copy[k];
+  int rises = !(c->from >> c->other & 1);
+  char name[32];
+  snprintf(name, sizeof name, "%zu", k);
+  double middle = ramp_time(d->s, d->slew, !(c->from >> c->input & 1)) / 2,
+         own = ramp_time(d->s, c->other_slew, rises) / 2;
+  put_source(d, out, name, rises, c->other_slew,
+             c->other_after + middle - own);
+}
+
 static void put_copy(const deck *d, FILE *out, size_t k, offsets *o) {
   const copy *c = &d->copy[k];
   const eda_timing_cell *cell = c->cell;
@@ -110,11 +127,12 @@ static void put_copy(const deck *d, FILE *out, size_t k, offsets *o) {
   if (c->of_pin) {
     char name[32];
     snprintf(name, sizeof name, "%zu", k);
-    put_source(d, out, name, !(c->from >> c->input & 1));
+    put_source(d, out, name, !(c->from >> c->input & 1), d->slew, 0);
     fprintf(out, ".save i(v%zu) v(i%zu)\n", k, k);
   } else {
     fprintf(out, ".save v(n%zu_%u)\n", k, cell->port[cell->inputs + c->output]);
   }
+  if (c->two) put_other(d, out, k);
 }
 
 /* Charges here are of fF and mV: of the simulator's own bounds for them, 1 uV
@@ -132,8 +150,8 @@ static char *deck_text(const deck *d) {
           ".options temp=%.17g gmin=1e-15 reltol=%g abstol=1e-14 "
           "chgtol=1e-18\nvs vdd 0 %.17g\n",
           s->temperature, d->rough ? 1e-3 : 3e-4, s->supply);
-  put_source(d, out, "r", 1);
-  put_source(d, out, "f", 0);
+  put_source(d, out, "r", 1, d->slew, 0);
+  put_source(d, out, "f", 0, d->slew, 0);
   for (size_t k = 0; k < d->count; k++) put_copy(d, out, k, &o);
   for (size_t i = 0; i < o.count; i++) {
     char name[200];
@@ -174,7 +192,8 @@ static const double *vector_of(const eda_spice_plot *plot, const char *format,
 static int measure_output(const deck *d, copy *c, const double *t,
                           const double *v, size_t n) {
   const eda_timing *of = d->s->timing;
-  size_t before = c->from, after = c->from ^ (size_t)1 << c->input,
+  size_t before = c->from,
+         after = before ^ (size_t)1 << c->input ^ (size_t)!!c->two << c->other,
          at = (size_t)c->output << c->cell->inputs;
   int rises = c->cell->level[at + after];
   if (rises == c->cell->level[at + before]) return 1;
@@ -187,7 +206,7 @@ static int measure_output(const deck *d, copy *c, const double *t,
   int there = low < n && high + 1 < n && h[n - 1] > 0.97;
   if (there) {
     int up = !(c->from >> c->input & 1);
-    double middle = start + ramp_time(d->s, d->slew, up) / 2;
+    double middle = start_of(d) + ramp_time(d->s, d->slew, up) / 2;
     c->delay = passes(t, h, half, 0.5) - middle;
     c->slew = passes(t, h, high, of->high) - passes(t, h, low, of->low);
   }
@@ -200,7 +219,7 @@ static int measure_output(const deck *d, copy *c, const double *t,
 static double charge(const deck *d, const double *t, const double *i, size_t n,
                      int rises, double from, double to) {
   double whole = ramp_time(d->s, d->slew, rises), sum = 0,
-         a = start + whole * eda_timing_ramp(rises, from),
+         start = start_of(d), a = start + whole * eda_timing_ramp(rises, from),
          b = start + whole * eda_timing_ramp(rises, to);
   for (size_t k = 0; k + 1 < n; k++) {
     double x = fmax(t[k], a), y = fmin(t[k + 1], b), h = t[k + 1] - t[k];
@@ -237,9 +256,14 @@ static int measure_copy(const deck *d, copy *c, size_t k,
 
 /* A first guess: fF through the channels that a um has takes some ps. */
 static double first_window(const deck *d) {
-  double load = 0;
-  for (size_t k = 0; k < d->count; k++) load = fmax(load, d->copy[k].load);
-  return start + 2.8 * ramp_time(d->s, d->slew, 1) + 30e-12 + 8e3 * load;
+  double load = 0, last = 0;
+  for (size_t k = 0; k < d->count; k++) {
+    const copy *c = &d->copy[k];
+    load = fmax(load, c->load);
+    if (c->two) last = fmax(last, c->other_after + 2 * c->other_slew);
+  }
+  return start_of(d) + last + 2.8 * ramp_time(d->s, d->slew, 1) + 30e-12 +
+         8e3 * load;
 }
 
 void deck_run(deck *d) {

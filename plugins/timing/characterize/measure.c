@@ -181,10 +181,13 @@ static void take_pin(plan *p, const copy *c, size_t change) {
   size_t at = (c->input * 2u + !(c->from >> c->input & 1)) * EDA_CAPS;
   const copy *found = next(r);
   if (change == SIZE_MAX) r->base = found;
+  double *pin = cell->pin_capacitance +
+                ((size_t)c->input << cell->inputs | c->from) * EDA_CAPS;
   for (size_t cap = 0; cap < EDA_CAPS; cap++, at++)
-    if (change == SIZE_MAX)
-      cell->capacitance[at] += found->capacitance[cap] / (double)all;
-    else
+    if (change == SIZE_MAX) {
+      pin[cap] = found->capacitance[cap];
+      cell->capacitance[at] += pin[cap] / (double)all;
+    } else
       cell->capacitance_by[at * n + change] +=
           (found->capacitance[cap] - r->base->capacitance[cap]) / nudge /
           (double)sides;
@@ -240,7 +243,7 @@ int cell_measure(study *s, eda_timing_cell *c, opc_error *error) {
   int code = run_all(&p, error);
   if (!code) take_all(&p);
   plan_clear(&p);
-  return code;
+  return code ? code : pairs_measure(s, c, error);
 }
 
 /* ---- the linear model against the simulator ---- */

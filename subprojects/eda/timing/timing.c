@@ -33,8 +33,11 @@ enum { POINTS = 3 };
 void eda_timing_cell_figures(eda_pool *pool, eda_timing_cell *c) {
   const size_t grid = c->slews * c->loads,
                changes = c->bundles * (size_t)EDA_SIZES,
-               pins = c->inputs * 2 * EDA_CAPS;
-  c->figures = c->arcs * 2 * (grid + POINTS * changes) + pins * (1 + changes);
+               pins = c->inputs * 2 * EDA_CAPS,
+               patterns = (c->inputs << c->inputs) * EDA_CAPS,
+               gaps = 4 * EDA_TIMING_GAPS;
+  c->figures = c->arcs * 2 * (grid + POINTS * changes) + pins * (1 + changes) +
+               patterns + c->pairs * (4 + 2 * gaps);
   c->figure = eda_pool_alloc(pool, c->figures, sizeof *c->figure);
   double *at = c->figure;
   for (size_t i = 0; i < c->arcs; i++) {
@@ -47,6 +50,15 @@ void eda_timing_cell_figures(eda_pool *pool, eda_timing_cell *c) {
   }
   c->capacitance = at;
   c->capacitance_by = at + pins;
+  c->pin_capacitance = c->capacitance_by + pins * changes;
+  at = c->pin_capacitance + patterns;
+  for (size_t i = 0; i < c->pairs; i++, at += 4 + 2 * gaps) {
+    eda_timing_pair *p = &c->pair[i];
+    p->at[0] = at;
+    p->at[1] = at + 2;
+    p->delay = at + 4;
+    p->slew = p->delay + gaps;
+  }
 }
 
 static int check_cell(const eda_timing_cell *c, opc_error *error) {
@@ -171,6 +183,51 @@ double eda_timing_capacitance(const eda_timing_cell *c, size_t input, int rises,
   return sum;
 }
 
+/* ---- two inputs at once ---- */
+
+const double eda_timing_gap[EDA_TIMING_GAPS] = {0, 0.2, 0.45, 0.8, 1.3};
+
+double eda_timing_blend(double gap, double cause, double other) {
+  double part = gap < 1 ? 0.5 * (1 - gap) : 0;
+  return (1 - part) * cause + part * other;
+}
+
+/* Where a value lies between two, 0 to 1, and half as far again on both sides:
+   factors bend beyond. */
+static double place_of(const double at[2], double value) {
+  return fmin(1.5, fmax(-0.5, (value - at[0]) / (at[1] - at[0])));
+}
+
+/* Beyond the last gap two inputs in parallel no longer know of each other; of
+   those in series the second finds nodes charged as the first has left them. */
+static double factor_at(const double *value, int parallel, double gap) {
+  const double *x = eda_timing_gap;
+  const size_t last = EDA_TIMING_GAPS - 1;
+  double coefficient[4 * (EDA_TIMING_GAPS - 1)];
+  if (gap >= x[last]) {
+    double over = parallel ? fmin(1, 2 * (gap - x[last])) : 0;
+    return value[last] + over * (1 - value[last]);
+  }
+  eda_timing_cubic(x, value, EDA_TIMING_GAPS, coefficient);
+  return eda_timing_cubic_at(x, coefficient, EDA_TIMING_GAPS, gap);
+}
+
+void eda_timing_pair_at(const eda_timing_pair *p, double gap, double first,
+                        double second, double *delay, double *slew) {
+  double part[2][EDA_TIMING_GAPS], a = place_of(p->at[0], first),
+                                   b = place_of(p->at[1], second);
+  const double *of[2] = {p->delay, p->slew};
+  for (int k = 0; k < 2; k++)
+    for (size_t g = 0; g < EDA_TIMING_GAPS; g++) {
+      const double *v = of[k] + g;
+      const size_t n = EDA_TIMING_GAPS;
+      part[k][g] = (1 - a) * ((1 - b) * v[0] + b * v[n]) +
+                   a * ((1 - b) * v[2 * n] + b * v[3 * n]);
+    }
+  *delay = factor_at(part[0], p->parallel, gap);
+  *slew = factor_at(part[1], p->parallel, gap);
+}
+
 /* ---- the input ---- */
 
 /* Where the line ends: of what came out of inverters and NAND gates of 65 nm,
@@ -190,8 +247,10 @@ void eda_timing_ramp_points(int rises, double time[EDA_TIMING_RAMP],
   const double first = bend[!!rises], last = 0.99;
   level[0] = time[0] = 0;
   for (int i = 1; i < EDA_TIMING_RAMP - 1; i++) {
-    /* Equal steps of the exponential's logarithm. */
+    /* Steps of the exponential's logarithm that grow: where slews end, the
+       chords are to be as steep as it is. */
     double part = (double)(i - 1) / (EDA_TIMING_RAMP - 3);
+    part *= part;
     level[i] = 1 - (1 - first) * pow((1 - last) / (1 - first), part);
     time[i] = eda_timing_ramp(rises, level[i]);
   }
