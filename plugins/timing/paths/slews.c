@@ -108,14 +108,14 @@ static void add_earlier(gate *g, size_t k) {
   if (level_of(g, from) != level_of(g, g->from)) return; /* it is a pulse */
   const eda_timing_pair *p = find_pair(g, k, (size_t)g->cause, from);
   both other, f;
-  if (!p && gap >= 1) return;
+  if (!p && 3 * gap >= 1) return;
   if (p) {
     other = arc_alone(g, k, from ^ cause, e->slew);
     f = factors(g->alone, other, p, gap, e->slew / other.delay,
                 g->by.slew / g->alone.delay);
   } else {
     other = arc_alone(g, (size_t)g->cause, from, g->by.slew);
-    f = factors(g->alone, other, NULL, gap, 0, 0);
+    f = factors(g->alone, other, NULL, 3 * gap, 0, 0);
   }
   g->with.series.delay += f.delay - 1;
   g->with.series.slew += f.slew - 1;
