@@ -7,7 +7,7 @@
 
 #include "characterize.h"
 
-enum { SOME = 64, SLEWS = 2, POINTS = SLEWS * SLEWS * EDA_TIMING_GAPS };
+enum { SOME = 48, SLEWS = 2, POINTS = SLEWS * SLEWS * EDA_TIMING_GAPS };
 
 /* ---- which ---- */
 
@@ -109,27 +109,37 @@ static void plan_point(work *w, point *at) {
   const eda_timing_cell *c = w->cell;
   const eda_timing_pair *p = at->pair;
   int cause = !p->parallel;
-  double delay = alone(c, p, cause)->delay[grid_of(c, at->slew[cause])],
+  const eda_timing_arc *arc = alone(c, p, cause);
+  double delay = arc->delay[grid_of(c, at->slew[cause])],
+         slew = arc->slew[grid_of(c, at->slew[cause])],
          after = delay * eda_timing_gap[at->gap],
          own = c->at_slew[c->near_slew[at->slew[cause]]],
          other = c->at_slew[c->near_slew[at->slew[!cause]]];
-  size_t k = 0;
-  while (k < w->count &&
-         (w->deck[k].slew != own || w->deck[k].count == SOME))
+  size_t k = 0, input = cause ? p->second : p->first;
+  int rises = !(p->from >> input & 1);
+  while (k < w->count && (w->deck[k].slew != own || w->deck[k].rises != rises ||
+                          w->deck[k].count == SOME))
     k++;
   if (k == w->count)
-    EDA_PUSH(w->deck, w->count, w->room, (deck){.s = w->s, .slew = own});
+    EDA_PUSH(
+        w->deck, w->count, w->room,
+        (deck){.s = w->s, .slew = own, .rises = rises, .care = GRID});
   deck *d = &w->deck[k];
   copy one = {.cell = c,
               .from = p->from,
-              .input = cause ? p->second : p->first,
+              .input = (uint8_t)input,
               .output = p->output,
               .load = c->at_load[load_of(c)],
+              /* Two in parallel are up to twice as steep, two in series later. */
+              .delay = delay + 2 * slew,
+              .slew = p->parallel ? slew / 2 : slew,
               .two = 1,
               .other = cause ? p->first : p->second,
               .other_slew = other,
               .other_after = cause ? -after : after};
-  if (cause && after + 2 * other > d->early) d->early = after + 2 * other;
+  /* Its input has begun after 0. */
+  double early = 2 * other - one.other_after;
+  if (early > d->early) d->early = early;
   at->deck = k;
   at->copy = d->count;
   EDA_PUSH(d->copy, d->count, d->room, one);
