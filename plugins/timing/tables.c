@@ -112,7 +112,8 @@ static void put_arc(const node *n, const state *s, size_t arc) {
     for (size_t i = 0; i + 1 < c->slews; i++) {
       double unit = ps;
       for (size_t power = 0; power < 4; power++, unit /= ps)
-        to[(4 * i + power) * ARC_PARTS + (size_t)k] = cubic[4 * i + power] * unit;
+        to[(4 * i + power) * ARC_PARTS + (size_t)k] =
+            cubic[4 * i + power] * unit;
     }
   }
 }

@@ -85,7 +85,8 @@ typedef struct copy {
   const double *change; /* of sizes [bundle * EDA_SIZES + size]; NULL */
   double delay, slew;   /* what is expected, then what was found; 0: unknown */
   double capacitance[EDA_CAPS];
-  /* If `two`, a second input changes: its slew, and how long after the first. */
+  /* If `two`, a second input changes: its slew, and how long after the first.
+   */
   int two;
   uint8_t other;
   double other_slew, other_after;
@@ -133,16 +134,19 @@ int cells_check(study *s, verdict *out, opc_error *error);
 
 /* The pairs of a cell whose arcs are known. */
 void pairs_list(study *s, eda_timing_cell *c);
-/* Once the arcs were simulated. */
-int pairs_measure(study *s, eda_timing_cell *c, opc_error *error);
+/* Simulate them, once the arcs are there, and pins by what other inputs are; or
+   take what was kept beside `key`. */
+int pairs_find(study *s, eda_timing_cell *c, const char *key, opc_error *error);
 
 /* ---- keep.c: cells that were simulated before ---- */
 
 /* The key of a cell: a hash of all that its figures depend on. To be freed. */
 char *keep_key(const study *s, const eda_timing_cell *c, opc_error *error);
 /* 1 if the figures were there. */
-int keep_load(const study *s, eda_timing_cell *c, const char *key);
-void keep_save(const study *s, const eda_timing_cell *c, const char *key);
+int keep_load(const study *s, const char *cell, const char *key, double *figure,
+              size_t figures);
+void keep_save(const study *s, const char *cell, const char *key,
+               const double *figure, size_t figures);
 
 /* ---- liberty.c ---- */
 

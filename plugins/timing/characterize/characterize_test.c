@@ -262,8 +262,9 @@ static double alone_at(const eda_timing_cell *c, const eda_timing_arc *a,
 static void test_pairs(void) {
   static const double gap[] = {0, 2e-12, 7e-12, 60e-12};
   g_autofree char *file = data("cells65/nand2.sp");
-  eda_timing *t = run_well(file, "kept: none, slews: [5 ps, 15 ps, 30 ps], "
-                                 "loads: [1 fF, 3 fF, 9 fF]");
+  eda_timing *t = run_well(file,
+                           "kept: none, slews: [5 ps, 15 ps, 30 ps], "
+                           "loads: [1 fF, 3 fF, 9 fF]");
   const eda_timing_cell *c = &t->cell[0];
   g_assert_cmpuint(c->pairs, ==, 4);
   for (int rises = 0; rises < 2; rises++) {

@@ -223,7 +223,7 @@ static int measure_output(const deck *d, copy *c, const double *t,
                           const double *v, size_t n) {
   const eda_timing *of = d->s->timing;
   size_t before = c->from,
-         after = before ^ (size_t)1 << c->input ^ (size_t)!!c->two << c->other,
+         after = before ^ (size_t)1 << c->input ^ (size_t) !!c->two << c->other,
          at = (size_t)c->output << c->cell->inputs;
   int rises = c->cell->level[at + after];
   if (rises == c->cell->level[at + before]) return 1;

@@ -205,9 +205,7 @@ static size_t sides_of(const eda_timing_cell *c) {
 static void plan_pin(plan *p, size_t i, int rises) {
   const eda_timing_cell *cell = p->cell;
   const size_t n = changes_of(p), every = patterns_of(cell) / sides_of(cell);
-  /* What is behind the pin answers while the input moves, as it does to inputs
-     from gates, which the middle of the grid is about. */
-  const double slew = cell->at_slew[cell->slews / 2];
+  const double slew = cell->at_slew[cell->slews > 2 ? 1 : 0];
   size_t number = 0;
   for (uint32_t from = 0; from >> cell->inputs == 0; from++) {
     if ((from >> i & 1) == (uint32_t)rises) continue;
@@ -237,13 +235,10 @@ static void take_pin(const plan *p, const copy *base, const copy *c) {
   const eda_timing_cell *cell = p->cell;
   const size_t n = changes_of(p);
   size_t at = (c->input * 2u + !(c->from >> c->input & 1)) * EDA_CAPS;
-  double *pin = cell->pin_capacitance +
-                ((size_t)c->input << cell->inputs | c->from) * EDA_CAPS;
   for (size_t cap = 0; cap < EDA_CAPS; cap++, at++)
-    if (c == base) {
-      pin[cap] = c->capacitance[cap];
-      cell->capacitance[at] += pin[cap] / (double)patterns_of(cell);
-    } else
+    if (c == base)
+      cell->capacitance[at] += c->capacitance[cap] / (double)patterns_of(cell);
+    else
       cell->capacitance_by[at * n + c->size] +=
           (c->capacitance[cap] - base->capacitance[cap]) / nudge /
           (double)sides_of(cell);
@@ -312,7 +307,6 @@ int cell_measure(study *s, eda_timing_cell *c, opc_error *error) {
     plan_changes(&p);
     code = settle(&p, error);
   }
-  if (!code) code = pairs_measure(s, c, error);
   free(p.deck);
   free(p.unit);
   return code;

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Two inputs that change together (Chandramouli and Sakallah, "Modeling the
-   effects of temporal proximity of input transitions on gate propagation delay
-   and transition time", DAC 1996): each pair that moves an output is simulated
-   at a few gaps between the two, relative to what one of them does alone. */
+/* What other inputs do to a delay: pins by what the others are, and two inputs
+   that change together (Chandramouli and Sakallah, "Modeling the effects of
+   temporal proximity of input transitions on gate propagation delay and
+   transition time", DAC 1996): each pair that moves an output is simulated at a
+   few gaps between the two, relative to what one of them does alone. */
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "characterize.h"
@@ -46,8 +48,8 @@ void pairs_list(study *s, eda_timing_cell *c) {
            o = k / patterns / n / n;
     int parallel;
     c->pair_of[k] = -1;
-    if (first == second || !is_pair(c->level + o * patterns, from, first,
-                                    second, &parallel))
+    if (first == second ||
+        !is_pair(c->level + o * patterns, from, first, second, &parallel))
       continue;
     eda_timing_pair p = {.first = (uint8_t)first,
                          .second = (uint8_t)second,
@@ -98,6 +100,18 @@ typedef struct work {
   deck *deck;
 } work;
 
+static deck *deck_for(work *w, double slew, int rises) {
+  size_t k = 0;
+  while (k < w->count &&
+         (w->deck[k].slew != slew || w->deck[k].rises != rises ||
+          w->deck[k].count == SOME))
+    k++;
+  if (k == w->count)
+    EDA_PUSH(w->deck, w->count, w->room,
+             (deck){.s = w->s, .slew = slew, .rises = rises, .care = GRID});
+  return &w->deck[k];
+}
+
 /* A point of a pair: its slews and gap, and where it is simulated. */
 typedef struct point {
   const eda_timing_pair *pair;
@@ -115,32 +129,25 @@ static void plan_point(work *w, point *at) {
          after = delay * eda_timing_gap[at->gap],
          own = c->at_slew[c->near_slew[at->slew[cause]]],
          other = c->at_slew[c->near_slew[at->slew[!cause]]];
-  size_t k = 0, input = cause ? p->second : p->first;
-  int rises = !(p->from >> input & 1);
-  while (k < w->count && (w->deck[k].slew != own || w->deck[k].rises != rises ||
-                          w->deck[k].count == SOME))
-    k++;
-  if (k == w->count)
-    EDA_PUSH(
-        w->deck, w->count, w->room,
-        (deck){.s = w->s, .slew = own, .rises = rises, .care = GRID});
-  deck *d = &w->deck[k];
-  copy one = {.cell = c,
-              .from = p->from,
-              .input = (uint8_t)input,
-              .output = p->output,
-              .load = c->at_load[load_of(c)],
-              /* Two in parallel are up to twice as steep, two in series later. */
-              .delay = delay + 2 * slew,
-              .slew = p->parallel ? slew / 2 : slew,
-              .two = 1,
-              .other = cause ? p->first : p->second,
-              .other_slew = other,
-              .other_after = cause ? -after : after};
+  size_t input = cause ? p->second : p->first;
+  deck *d = deck_for(w, own, !(p->from >> input & 1));
+  copy one = {
+      .cell = c,
+      .from = p->from,
+      .input = (uint8_t)input,
+      .output = p->output,
+      .load = c->at_load[load_of(c)],
+      /* Two in parallel are up to twice as steep, two in series later. */
+      .delay = delay + 2 * slew,
+      .slew = p->parallel ? slew / 2 : slew,
+      .two = 1,
+      .other = cause ? p->first : p->second,
+      .other_slew = other,
+      .other_after = cause ? -after : after};
   /* Its input has begun after 0. */
   double early = 2 * other - one.other_after;
   if (early > d->early) d->early = early;
-  at->deck = k;
+  at->deck = (size_t)(d - w->deck);
   at->copy = d->count;
   EDA_PUSH(d->copy, d->count, d->room, one);
 }
@@ -155,8 +162,8 @@ static void take_point(work *w, const point *at) {
          others = grid_of(c, at->slew[!cause]),
          to = (at->slew[0] * SLEWS + at->slew[1]) * EDA_TIMING_GAPS + at->gap;
   double gap = eda_timing_gap[at->gap];
-  p->delay[to] = found->delay / eda_timing_blend(gap, by->delay[own],
-                                                 other->delay[others]);
+  p->delay[to] = found->delay /
+                 eda_timing_blend(gap, by->delay[own], other->delay[others]);
   p->slew[to] =
       found->slew / eda_timing_blend(gap, by->slew[own], other->slew[others]);
   for (int k = 0; k < 2; k++)
@@ -169,11 +176,26 @@ static void run_deck(void *data, size_t i) {
   deck_run(&w->deck[i]);
 }
 
-int pairs_measure(study *s, eda_timing_cell *c, opc_error *error) {
+static int run_all(work *w, opc_error *error) {
+  opc_parallel(w->s->host->context, w->count, run_deck, w);
+  for (size_t k = 0; k < w->count; k++) {
+    w->s->simulated += w->deck[k].count;
+    if (!w->deck[k].code) continue;
+    *error = w->deck[k].error;
+    return error->code;
+  }
+  return OPC_OK;
+}
+
+static void clear(work *w) {
+  for (size_t k = 0; k < w->count; k++) free(w->deck[k].copy);
+  free(w->deck);
+}
+
+static int measure_pairs(study *s, eda_timing_cell *c, opc_error *error) {
   const size_t n = c->pairs * POINTS;
   work w = {.s = s, .cell = c};
   point *at = eda_alloc(n, sizeof *at);
-  int code = OPC_OK;
   for (size_t i = 0; i < n; i++) {
     size_t k = i % POINTS / EDA_TIMING_GAPS;
     at[i] = (point){.pair = &c->pair[i / POINTS],
@@ -181,16 +203,54 @@ int pairs_measure(study *s, eda_timing_cell *c, opc_error *error) {
                     .gap = i % EDA_TIMING_GAPS};
     plan_point(&w, &at[i]);
   }
-  opc_parallel(s->host->context, w.count, run_deck, &w);
-  for (size_t k = 0; k < w.count; k++) {
-    s->simulated += w.deck[k].count;
-    if (!w.deck[k].code) continue;
-    *error = w.deck[k].error;
-    code = error->code;
-  }
+  int code = run_all(&w, error);
   for (size_t i = 0; i < n && !code; i++) take_point(&w, &at[i]);
-  for (size_t k = 0; k < w.count; k++) free(w.deck[k].copy);
-  free(w.deck);
+  clear(&w);
   free(at);
+  return code;
+}
+
+/* ---- pins by what the other inputs are ---- */
+
+/* What is behind the pin answers while the input moves, as it does to inputs
+   from gates, which the middle of the grid is about. */
+static int measure_pins(study *s, eda_timing_cell *c, opc_error *error) {
+  const double slew = c->at_slew[c->slews / 2];
+  work w = {.s = s, .cell = c};
+  for (uint32_t k = 0; k < c->inputs << c->inputs; k++) {
+    uint32_t from = k & ((1u << c->inputs) - 1), input = k >> c->inputs;
+    int rises = !(from >> input & 1);
+    const copy one = {.cell = c,
+                      .from = from,
+                      .input = (uint8_t)input,
+                      .of_pin = 1,
+                      .load = c->at_load[load_of(c)],
+                      .point = k};
+    deck *d = deck_for(&w, slew, rises);
+    EDA_PUSH(d->copy, d->count, d->room, one);
+  }
+  int code = run_all(&w, error);
+  for (size_t i = 0; i < w.count && !code; i++)
+    for (size_t k = 0; k < w.deck[i].count; k++) {
+      const copy *found = &w.deck[i].copy[k];
+      for (size_t cap = 0; cap < EDA_CAPS; cap++)
+        c->pin_capacitance[found->point * EDA_CAPS + cap] =
+            found->capacitance[cap];
+    }
+  clear(&w);
+  return code;
+}
+
+/* ---- all ---- */
+
+int pairs_find(study *s, eda_timing_cell *c, const char *key,
+               opc_error *error) {
+  char name[200];
+  double *figure = c->figure + c->figures;
+  snprintf(name, sizeof name, "%.180s-pairs1", key);
+  if (keep_load(s, c->name, name, figure, c->pair_figures)) return OPC_OK;
+  int code = measure_pins(s, c, error);
+  if (!code) code = measure_pairs(s, c, error);
+  if (!code) keep_save(s, c->name, name, figure, c->pair_figures);
   return code;
 }

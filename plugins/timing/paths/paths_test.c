@@ -201,18 +201,19 @@ static void test_others(void) {
   }
 }
 
-/* A NAND whose inputs come through one and through two inverters: the first that
-   falls is the cause, and the second makes the output earlier; of those that rise
-   the first makes it later than the second alone would. The pair's factors are
-   constant, so that what is left is the blend. */
+/* A NAND whose inputs come through one and through two inverters: the first
+   that falls is the cause, and the second makes the output earlier; of those
+   that rise the first makes it later than the second alone would. The pair's
+   factors are constant, so that what is left is the blend. */
 static void test_together(void) {
   opc_error error;
   eda_timing *t = library();
   eda_timing_cell *c = &t->cell[1];
   static const double factor[2][2] = {{1.25, 1.1}, {0.6, 0.7}};
   static double figure[2][2][4 + 8 * EDA_TIMING_GAPS];
-  eda_timing_pair pair[2] = {{.first = 0, .second = 1, .from = 0},
-                             {.first = 0, .second = 1, .from = 3, .parallel = 1}};
+  eda_timing_pair pair[2] = {
+      {.first = 0, .second = 1, .from = 0},
+      {.first = 0, .second = 1, .from = 3, .parallel = 1}};
   for (int k = 0; k < 2; k++) {
     pair[k].at[0] = figure[k][0];
     pair[k].at[1] = figure[k][0] + 2;
@@ -227,8 +228,7 @@ static void test_together(void) {
   }
   c->pair = pair;
   c->pairs = 2;
-  good(run_paths(t, "a b z w",
-                 "XU1 a b z VDD VSS NAND2\nXU2 z w VDD VSS INV\n",
+  good(run_paths(t, "a b z w", "XU1 a b z VDD VSS NAND2\nXU2 z w VDD VSS INV\n",
                  ", slew: 8 ps, load: 3 fF, events: 12", NULL, NULL, &error),
        &error);
   const double load = 3e-15 + pin_load;

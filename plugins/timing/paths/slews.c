@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The events of a node by slews: the delay of the input that changes the output,
-   by what its net has to charge then, and by what other inputs do at nearly the
-   same time. A pulse that is shorter than the delay of what would make it is
-   swallowed (inertial delay). Times ps. */
+/* The events of a node by slews: the delay of the input that changes the
+   output, by what its net has to charge then, and by what other inputs do at
+   nearly the same time. A pulse that is shorter than the delay of what would
+   make it is swallowed (inertial delay). Times ps. */
 #include <math.h>
 
 #include "paths.h"
@@ -14,8 +14,8 @@ typedef struct both {
   double delay, slew;
 } both;
 
-/* What others add to the delay and the slew of a cause alone: those that have to
-   change before it, as resistances in series, and those that help, as
+/* What others add to the delay and the slew of a cause alone: those that have
+   to change before it, as resistances in series, and those that help, as
    conductances. */
 typedef struct sums {
   both series, parallel;
@@ -69,9 +69,9 @@ static void find_load(gate *g, int rises, double time) {
     const node *n = &all->node[all->pin[k].node];
     uint32_t from = 0;
     for (uint32_t i = 0; i < n->cell->inputs; i++)
-      from |= (n->in[i] == net ? (uint32_t)!rises
-                               : level_at(g->w, n->in[i], time))
-              << i;
+      from |=
+          (n->in[i] == net ? (uint32_t)!rises : level_at(g->w, n->in[i], time))
+          << i;
     g->w->pins[k - first] = from;
   }
   load_at(all, g->s, net, rises, g->w->pins, g->load);
@@ -79,9 +79,9 @@ static void find_load(gate *g, int rises, double time) {
 
 /* ---- two inputs ---- */
 
-/* What an input that changes a while from the cause makes of its delay and slew,
-   times: `other` alone, and a pair, or NULL where the output needs the cause
-   only and the other one changes what it goes through. */
+/* What an input that changes a while from the cause makes of its delay and
+   slew, times: `other` alone, and a pair, or NULL where the output needs the
+   cause only and the other one changes what it goes through. */
 static both factors(both alone, both other, const eda_timing_pair *p,
                     double gap, double first, double second) {
   both f = {1, 1};
@@ -94,8 +94,7 @@ static both factors(both alone, both other, const eda_timing_pair *p,
 static const eda_timing_pair *find_pair(const gate *g, size_t first,
                                         size_t second, uint32_t from) {
   const eda_timing_cell *c = g->n->cell;
-  size_t at =
-      ((size_t)g->n->output * c->inputs + first) * c->inputs + second;
+  size_t at = ((size_t)g->n->output * c->inputs + first) * c->inputs + second;
   int32_t k = c->pair_of[at << c->inputs | from];
   return k < 0 ? NULL : &c->pair[k];
 }
@@ -114,6 +113,7 @@ static void add_earlier(gate *g, size_t k) {
     f = factors(g->alone, other, p, gap, e->slew / other.delay,
                 g->by.slew / g->alone.delay);
   } else {
+    if (level_of(g, from) == level_of(g, from ^ cause)) return;
     other = arc_alone(g, (size_t)g->cause, from, g->by.slew);
     f = factors(g->alone, other, NULL, 3 * gap, 0, 0);
   }
@@ -121,7 +121,8 @@ static void add_earlier(gate *g, size_t k) {
   g->with.series.slew += f.slew - 1;
 }
 
-/* An input that changes after the cause, and leaves the output where it goes. */
+/* An input that changes after the cause, and leaves the output where it goes.
+ */
 static void add_later(gate *g, size_t k, const event *e) {
   uint32_t cause = 1u << g->cause;
   double gap = (e->time - g->by.time) / g->alone.delay;

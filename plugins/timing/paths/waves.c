@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a transition of the inputs does, net by net in the order of signals: all
-   events of a net are known before those that it drives are looked at. Times ps,
-   in whole fs with one delay an arc. */
+   events of a net are known before those that it drives are looked at. Times
+   ps, in whole fs with one delay an arc. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -36,9 +36,10 @@ void eda_timing_cell_figures(eda_pool *pool, eda_timing_cell *c) {
                pins = c->inputs * 2 * EDA_CAPS,
                patterns = (c->inputs << c->inputs) * EDA_CAPS,
                gaps = 4 * EDA_TIMING_GAPS;
-  c->figures = c->arcs * 2 * (grid + POINTS * changes) + pins * (1 + changes) +
-               patterns + c->pairs * (4 + 2 * gaps);
-  c->figure = eda_pool_alloc(pool, c->figures, sizeof *c->figure);
+  c->figures = c->arcs * 2 * (grid + POINTS * changes) + pins * (1 + changes);
+  c->pair_figures = patterns + c->pairs * (4 + 2 * gaps);
+  c->figure =
+      eda_pool_alloc(pool, c->figures + c->pair_figures, sizeof *c->figure);
   double *at = c->figure;
   for (size_t i = 0; i < c->arcs; i++) {
     eda_timing_arc *a = &c->arc[i];
@@ -68,7 +69,7 @@ static int check_cell(const eda_timing_cell *c, opc_error *error) {
       c->slews < 2 || c->loads < 2 || !c->level || !c->arc_of || !c->figure)
     return opc_fail(error, OPC_FAILED, NULL, "cell '%.100s' is incomplete",
                     c->name);
-  for (size_t i = 0; i < c->figures; i++)
+  for (size_t i = 0; i < c->figures + c->pair_figures; i++)
     if (!isfinite(c->figure[i]))
       return opc_fail(error, OPC_FAILED, NULL,
                       "figure %zu of cell '%.100s' is not a number", i,
@@ -247,10 +248,8 @@ void eda_timing_ramp_points(int rises, double time[EDA_TIMING_RAMP],
   const double first = bend[!!rises], last = 0.99;
   level[0] = time[0] = 0;
   for (int i = 1; i < EDA_TIMING_RAMP - 1; i++) {
-    /* Steps of the exponential's logarithm that grow: where slews end, the
-       chords are to be as steep as it is. */
+    /* Equal steps of the exponential's logarithm. */
     double part = (double)(i - 1) / (EDA_TIMING_RAMP - 3);
-    part *= part;
     level[i] = 1 - (1 - first) * pow((1 - last) / (1 - first), part);
     time[i] = eda_timing_ramp(rises, level[i]);
   }

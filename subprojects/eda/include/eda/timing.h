@@ -46,17 +46,17 @@ typedef struct eda_timing_arc {
 } eda_timing_arc;
 
 /* Two inputs that change and move an output together: either both have to
-   (transistors in series), and the second is the cause, or each of them would do
-   (parallel), and the first is. Delay and slew are told as factors, by how long
-   the second comes after the first, in delays of the cause alone, and by both
-   slews, each in its input's delay alone. What they are factors of is
+   (transistors in series), and the second is the cause, or each of them would
+   do (parallel), and the first is. Delay and slew are told as factors, by how
+   long the second comes after the first, in delays of the cause alone, and by
+   both slews, each in its input's delay alone. What they are factors of is
    eda_timing_blend of the two inputs' own. */
 enum { EDA_TIMING_GAPS = 5 };
 typedef struct eda_timing_pair {
   uint8_t first, second, output;
   uint8_t parallel;
-  uint32_t from;   /* the inputs before both */
-  double *at[2];   /* the slews of the first and of the second, two of each */
+  uint32_t from; /* the inputs before both */
+  double *at[2]; /* the slews of the first and of the second, two of each */
   double *delay, *slew; /* [(slew of first * 2 + of second) * GAPS + gap] */
 } eda_timing_pair;
 
@@ -85,7 +85,8 @@ typedef struct eda_timing_cell {
      [that * bundles * EDA_SIZES ...]. */
   double *capacitance, *capacitance_by;
   size_t figures;
-  double *figure; /* all figures above and below, in one array */
+  double *figure;      /* all figures above, in one array */
+  size_t pair_figures; /* those below, behind them */
   /* A pin's capacitance for each pattern of the inputs before it changes:
      [(input << inputs | from) * EDA_CAPS + cap]. */
   double *pin_capacitance;
@@ -128,12 +129,13 @@ OPC_EXPORT double eda_timing_capacitance(const eda_timing_cell *cell,
                                          size_t input, int rises, int cap,
                                          const double *change);
 
-/* Where pairs are simulated: gaps between two inputs, in delays of the cause. */
+/* Where pairs are simulated: gaps between two inputs, in delays of the cause.
+ */
 OPC_EXPORT extern const double eda_timing_gap[EDA_TIMING_GAPS];
 
 /* What a pair's factors are of: with no gap the mean of what the cause and the
-   other input have alone, beyond a delay the cause's only. So a change of either
-   input's transistors counts by its part. */
+   other input have alone, beyond a delay the cause's only. So a change of
+   either input's transistors counts by its part. */
 OPC_EXPORT double eda_timing_blend(double gap, double cause, double other);
 
 /* A pair's factors at a gap and two slews, in units as above. [any] */
