@@ -247,7 +247,7 @@ int pairs_find(study *s, eda_timing_cell *c, const char *key,
                opc_error *error) {
   char name[200];
   double *figure = c->figure + c->figures;
-  snprintf(name, sizeof name, "%.180s-pairs1", key);
+  snprintf(name, sizeof name, "%.180s-pairs2", key);
   if (keep_load(s, c->name, name, figure, c->pair_figures)) return OPC_OK;
   int code = measure_pins(s, c, error);
   if (!code) code = measure_pairs(s, c, error);

@@ -126,7 +126,7 @@ static void add_earlier(gate *g, size_t k) {
 static void add_later(gate *g, size_t k, const event *e) {
   uint32_t cause = 1u << g->cause;
   double gap = (e->time - g->by.time) / g->alone.delay;
-  if (gap > 2) return;
+  if (gap > eda_timing_gap[EDA_TIMING_GAPS - 1]) return;
   const eda_timing_pair *p = find_pair(g, (size_t)g->cause, k, g->from);
   both other, f;
   if (p) {

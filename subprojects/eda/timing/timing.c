@@ -186,7 +186,7 @@ double eda_timing_capacitance(const eda_timing_cell *c, size_t input, int rises,
 
 /* ---- two inputs at once ---- */
 
-const double eda_timing_gap[EDA_TIMING_GAPS] = {0, 0.2, 0.45, 0.8, 1.3};
+const double eda_timing_gap[EDA_TIMING_GAPS] = {0, 0.2, 0.45, 0.8, 1.3, 2.5};
 
 double eda_timing_blend(double gap, double cause, double other) {
   double part = gap < 1 ? 0.5 * (1 - gap) : 0;
@@ -202,15 +202,11 @@ static double place_of(const double at[2], double value) {
 /* Beyond the last gap two inputs in parallel no longer know of each other; of
    those in series the second finds nodes charged as the first has left them. */
 static double factor_at(const double *value, int parallel, double gap) {
-  const double *x = eda_timing_gap;
   const size_t last = EDA_TIMING_GAPS - 1;
   double coefficient[4 * (EDA_TIMING_GAPS - 1)];
-  if (gap >= x[last]) {
-    double over = parallel ? fmin(1, 2 * (gap - x[last])) : 0;
-    return value[last] + over * (1 - value[last]);
-  }
-  eda_timing_cubic(x, value, EDA_TIMING_GAPS, coefficient);
-  return eda_timing_cubic_at(x, coefficient, EDA_TIMING_GAPS, gap);
+  if (gap >= eda_timing_gap[last]) return parallel ? 1 : value[last];
+  eda_timing_cubic(eda_timing_gap, value, EDA_TIMING_GAPS, coefficient);
+  return eda_timing_cubic_at(eda_timing_gap, coefficient, EDA_TIMING_GAPS, gap);
 }
 
 void eda_timing_pair_at(const eda_timing_pair *p, double gap, double first,

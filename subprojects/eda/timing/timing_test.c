@@ -133,11 +133,46 @@ static void test_ramp(void) {
   }
 }
 
+/* Factors that are a plane in the slews and a parabola in the gap come back, to
+   half a step outside; in parallel they end. */
+static void test_pair(void) {
+  double figure[4 + 8 * EDA_TIMING_GAPS] = {1, 3, 2, 4}, d, s;
+  eda_timing_pair p = {.at = {figure, figure + 2},
+                       .delay = figure + 4,
+                       .slew = figure + 4 + 4 * EDA_TIMING_GAPS};
+  for (int k = 0; k < 4; k++)
+    for (int g = 0; g < EDA_TIMING_GAPS; g++) {
+      double first = figure[k / 2], second = figure[2 + k % 2];
+      p.delay[k * EDA_TIMING_GAPS + g] =
+          first * second + parabola(eda_timing_gap[g]);
+      p.slew[k * EDA_TIMING_GAPS + g] = first - second;
+    }
+  for (double gap = 0; gap < 2.5; gap += 0.19)
+    for (double first = 0.1; first < 4; first += 0.7) {
+      eda_timing_pair_at(&p, gap, first, 2.6, &d, &s);
+      near(d, first * 2.6 + parabola(gap), 1e-12);
+      near(s, first - 2.6, 1e-12);
+    }
+  eda_timing_pair_at(&p, 9, 2, 3, &d, &s);
+  near(d, 6 + parabola(2.5), 1e-12);
+  p.parallel = 1;
+  eda_timing_pair_at(&p, 9, 2, 3, &d, &s);
+  near(d, 1, 0);
+  near(s, 1, 0);
+  /* Beyond half a step: as there. */
+  eda_timing_pair_at(&p, 0, 99, 3, &d, &s);
+  near(s, 4 - 3, 1e-12);
+  near(eda_timing_blend(0, 2, 4), 3, 0);
+  near(eda_timing_blend(0.5, 2, 4), 2.5, 1e-15);
+  near(eda_timing_blend(1.5, 2, 4), 2, 0);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/timing/cubic", test_cubic);
   g_test_add_func("/timing/look-up", test_look_up);
   g_test_add_func("/timing/check", test_check);
   g_test_add_func("/timing/ramp", test_ramp);
+  g_test_add_func("/timing/pair", test_pair);
   return g_test_run();
 }

@@ -51,7 +51,7 @@ typedef struct eda_timing_arc {
    long the second comes after the first, in delays of the cause alone, and by
    both slews, each in its input's delay alone. What they are factors of is
    eda_timing_blend of the two inputs' own. */
-enum { EDA_TIMING_GAPS = 5 };
+enum { EDA_TIMING_GAPS = 6 };
 typedef struct eda_timing_pair {
   uint8_t first, second, output;
   uint8_t parallel;
