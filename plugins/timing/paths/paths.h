@@ -3,6 +3,7 @@
 #ifndef OPCFLOW_TIMING_PATHS_H
 #define OPCFLOW_TIMING_PATHS_H
 
+#include <eda/experiment.h>
 #include <opcflow/step.h>
 
 #include "../graph.h"
@@ -26,6 +27,7 @@ typedef struct paths {
   const eda_mask *mask;
   const char *label;
   opc_map prints;
+  const eda_experiment *experiment;
   const char *file, *top;
   int64_t transitions, seed, events, spice;
   int changes, delays;

@@ -199,14 +199,19 @@ static double place_of(const double at[2], double value) {
   return fmin(1.5, fmax(-0.5, (value - at[0]) / (at[1] - at[0])));
 }
 
-/* Beyond the last gap two inputs in parallel no longer know of each other; of
-   those in series the second finds nodes charged as the first has left them. */
+/* Straight over the last step, where little is left that cubics overshoot.
+   Beyond it two inputs in parallel no longer know of each other; of those in
+   series the second finds nodes charged as the first has left them. */
 static double factor_at(const double *value, int parallel, double gap) {
-  const size_t last = EDA_TIMING_GAPS - 1;
-  double coefficient[4 * (EDA_TIMING_GAPS - 1)];
-  if (gap >= eda_timing_gap[last]) return parallel ? 1 : value[last];
-  eda_timing_cubic(eda_timing_gap, value, EDA_TIMING_GAPS, coefficient);
-  return eda_timing_cubic_at(eda_timing_gap, coefficient, EDA_TIMING_GAPS, gap);
+  enum { LAST = EDA_TIMING_GAPS - 1 };
+  const double *x = eda_timing_gap;
+  double coefficient[4 * (LAST - 1)];
+  if (gap >= x[LAST]) return parallel ? 1 : value[LAST];
+  if (gap >= x[LAST - 1])
+    return value[LAST - 1] + (value[LAST] - value[LAST - 1]) *
+                                 (gap - x[LAST - 1]) / (x[LAST] - x[LAST - 1]);
+  eda_timing_cubic(x, value, LAST, coefficient);
+  return eda_timing_cubic_at(x, coefficient, LAST, gap);
 }
 
 void eda_timing_pair_at(const eda_timing_pair *p, double gap, double first,

@@ -147,12 +147,14 @@ static void test_pair(void) {
           first * second + parabola(eda_timing_gap[g]);
       p.slew[k * EDA_TIMING_GAPS + g] = first - second;
     }
-  for (double gap = 0; gap < 2.5; gap += 0.19)
+  for (double gap = 0; gap < 1.3; gap += 0.19)
     for (double first = 0.1; first < 4; first += 0.7) {
       eda_timing_pair_at(&p, gap, first, 2.6, &d, &s);
       near(d, first * 2.6 + parabola(gap), 1e-12);
       near(s, first - 2.6, 1e-12);
     }
+  eda_timing_pair_at(&p, 1.9, 2, 3, &d, &s);
+  near(d, 6 + (parabola(1.3) + parabola(2.5)) / 2, 1e-12);
   eda_timing_pair_at(&p, 9, 2, 3, &d, &s);
   near(d, 6 + parabola(2.5), 1e-12);
   p.parallel = 1;
