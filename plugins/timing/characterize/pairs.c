@@ -9,7 +9,7 @@
 
 #include "characterize.h"
 
-enum { SOME = 48, SLEWS = 2, POINTS = SLEWS * SLEWS * EDA_TIMING_GAPS };
+enum { SOME = 48, MIDDLE = 2, POINTS = 5 * EDA_TIMING_GAPS };
 
 /* ---- which ---- */
 
@@ -87,8 +87,15 @@ static const eda_timing_arc *alone(const eda_timing_cell *c,
 /* A middle load: in these units factors hardly move with it. */
 static size_t load_of(const eda_timing_cell *c) { return c->loads / 2; }
 
+/* The slew's number in the grid: those that changes of size are found at, and
+   one between. */
+static size_t slew_of(const eda_timing_cell *c, size_t slew) {
+  return slew < MIDDLE ? c->near_slew[slew]
+                       : (c->near_slew[0] + c->near_slew[1]) / 2;
+}
+
 static size_t grid_of(const eda_timing_cell *c, size_t slew) {
-  return c->near_slew[slew] * c->loads + load_of(c);
+  return slew_of(c, slew) * c->loads + load_of(c);
 }
 
 /* ---- the runs ---- */
@@ -115,7 +122,7 @@ static deck *deck_for(work *w, double slew, int rises) {
 /* A point of a pair: its slews and gap, and where it is simulated. */
 typedef struct point {
   const eda_timing_pair *pair;
-  size_t slew[2], gap, deck, copy;
+  size_t slew[2], place, gap, deck, copy;
 } point;
 
 /* The slew of a deck is that of the cause. */
@@ -127,8 +134,8 @@ static void plan_point(work *w, point *at) {
   double delay = arc->delay[grid_of(c, at->slew[cause])],
          slew = arc->slew[grid_of(c, at->slew[cause])],
          after = delay * eda_timing_gap[at->gap],
-         own = c->at_slew[c->near_slew[at->slew[cause]]],
-         other = c->at_slew[c->near_slew[at->slew[!cause]]];
+         own = c->at_slew[slew_of(c, at->slew[cause])],
+         other = c->at_slew[slew_of(c, at->slew[!cause])];
   size_t input = cause ? p->second : p->first;
   deck *d = deck_for(w, own, !(p->from >> input & 1));
   copy one = {
@@ -160,14 +167,14 @@ static void take_point(work *w, const point *at) {
   const eda_timing_arc *by = alone(c, p, cause), *other = alone(c, p, !cause);
   size_t own = grid_of(c, at->slew[cause]),
          others = grid_of(c, at->slew[!cause]),
-         to = (at->slew[0] * SLEWS + at->slew[1]) * EDA_TIMING_GAPS + at->gap;
+         to = at->place * EDA_TIMING_GAPS + at->gap;
   double gap = eda_timing_gap[at->gap];
   p->delay[to] = found->delay /
                  eda_timing_blend(gap, by->delay[own], other->delay[others]);
   p->slew[to] =
       found->slew / eda_timing_blend(gap, by->slew[own], other->slew[others]);
   for (int k = 0; k < 2; k++)
-    p->at[k][at->slew[k]] = c->at_slew[c->near_slew[at->slew[k]]] /
+    p->at[k][at->slew[k]] = c->at_slew[slew_of(c, at->slew[k])] /
                             alone(c, p, k)->delay[grid_of(c, at->slew[k])];
 }
 
@@ -199,7 +206,8 @@ static int measure_pairs(study *s, eda_timing_cell *c, opc_error *error) {
   for (size_t i = 0; i < n; i++) {
     size_t k = i % POINTS / EDA_TIMING_GAPS;
     at[i] = (point){.pair = &c->pair[i / POINTS],
-                    .slew = {k / SLEWS, k % SLEWS},
+                    .slew = {k < 4 ? k / 2 : MIDDLE, k < 4 ? k % 2 : MIDDLE},
+                    .place = k,
                     .gap = i % EDA_TIMING_GAPS};
     plan_point(&w, &at[i]);
   }
@@ -247,7 +255,7 @@ int pairs_find(study *s, eda_timing_cell *c, const char *key,
                opc_error *error) {
   char name[200];
   double *figure = c->figure + c->figures;
-  snprintf(name, sizeof name, "%.180s-pairs2", key);
+  snprintf(name, sizeof name, "%.180s-pairs3", key);
   if (keep_load(s, c->name, name, figure, c->pair_figures)) return OPC_OK;
   int code = measure_pins(s, c, error);
   if (!code) code = measure_pairs(s, c, error);

@@ -210,17 +210,17 @@ static void test_together(void) {
   eda_timing *t = library();
   eda_timing_cell *c = &t->cell[1];
   static const double factor[2][2] = {{1.25, 1.1}, {0.6, 0.7}};
-  static double figure[2][2][4 + 8 * EDA_TIMING_GAPS];
+  static double figure[2][2][6 + 5 * EDA_TIMING_GAPS];
   eda_timing_pair pair[2] = {
       {.first = 0, .second = 1, .from = 0},
       {.first = 0, .second = 1, .from = 3, .parallel = 1}};
   for (int k = 0; k < 2; k++) {
     pair[k].at[0] = figure[k][0];
-    pair[k].at[1] = figure[k][0] + 2;
-    figure[k][0][1] = figure[k][0][3] = 1;
-    pair[k].delay = figure[k][0] + 4;
+    pair[k].at[1] = figure[k][0] + 3;
+    figure[k][0][1] = figure[k][0][4] = 1;
+    pair[k].delay = figure[k][0] + 6;
     pair[k].slew = figure[k][1];
-    for (int g = 0; g < 4 * EDA_TIMING_GAPS; g++) {
+    for (int g = 0; g < 5 * EDA_TIMING_GAPS; g++) {
       pair[k].delay[g] = factor[k][0];
       pair[k].slew[g] = factor[k][1];
     }

@@ -35,9 +35,9 @@ void eda_timing_cell_figures(eda_pool *pool, eda_timing_cell *c) {
                changes = c->bundles * (size_t)EDA_SIZES,
                pins = c->inputs * 2 * EDA_CAPS,
                patterns = (c->inputs << c->inputs) * EDA_CAPS,
-               gaps = 4 * EDA_TIMING_GAPS;
+               gaps = 5 * EDA_TIMING_GAPS;
   c->figures = c->arcs * 2 * (grid + POINTS * changes) + pins * (1 + changes);
-  c->pair_figures = patterns + c->pairs * (4 + 2 * gaps);
+  c->pair_figures = patterns + c->pairs * (6 + 2 * gaps);
   c->figure =
       eda_pool_alloc(pool, c->figures + c->pair_figures, sizeof *c->figure);
   double *at = c->figure;
@@ -53,11 +53,11 @@ void eda_timing_cell_figures(eda_pool *pool, eda_timing_cell *c) {
   c->capacitance_by = at + pins;
   c->pin_capacitance = c->capacitance_by + pins * changes;
   at = c->pin_capacitance + patterns;
-  for (size_t i = 0; i < c->pairs; i++, at += 4 + 2 * gaps) {
+  for (size_t i = 0; i < c->pairs; i++, at += 6 + 2 * gaps) {
     eda_timing_pair *p = &c->pair[i];
     p->at[0] = at;
-    p->at[1] = at + 2;
-    p->delay = at + 4;
+    p->at[1] = at + 3;
+    p->delay = at + 6;
     p->slew = p->delay + gaps;
   }
 }
@@ -214,17 +214,30 @@ static double factor_at(const double *value, int parallel, double gap) {
   return eda_timing_cubic_at(x, coefficient, LAST, gap);
 }
 
+static double flat(const double *v, double a, double b) {
+  const size_t n = EDA_TIMING_GAPS;
+  return (1 - a) * ((1 - b) * v[0] + b * v[n]) +
+         a * ((1 - b) * v[2 * n] + b * v[3 * n]);
+}
+
+/* 0 at all four corners and between them, else up to 1/16. */
+static double bulge(double a, double b) {
+  return fmax(0, a * (1 - a)) * fmax(0, b * (1 - b));
+}
+
 void eda_timing_pair_at(const eda_timing_pair *p, double gap, double first,
                         double second, double *delay, double *slew) {
   double part[2][EDA_TIMING_GAPS], a = place_of(p->at[0], first),
                                    b = place_of(p->at[1], second);
+  double a0 = place_of(p->at[0], p->at[0][2]),
+         b0 = place_of(p->at[1], p->at[1][2]);
+  double most = bulge(a0, b0), share = most > 0 ? bulge(a, b) / most : 0;
   const double *of[2] = {p->delay, p->slew};
   for (int k = 0; k < 2; k++)
     for (size_t g = 0; g < EDA_TIMING_GAPS; g++) {
       const double *v = of[k] + g;
-      const size_t n = EDA_TIMING_GAPS;
-      part[k][g] = (1 - a) * ((1 - b) * v[0] + b * v[n]) +
-                   a * ((1 - b) * v[2 * n] + b * v[3 * n]);
+      double over = v[4 * EDA_TIMING_GAPS] - flat(v, a0, b0);
+      part[k][g] = flat(v, a, b) + share * over;
     }
   *delay = factor_at(part[0], p->parallel, gap);
   *slew = factor_at(part[1], p->parallel, gap);

@@ -136,13 +136,14 @@ static void test_ramp(void) {
 /* Factors that are a plane in the slews and a parabola in the gap come back, to
    half a step outside; in parallel they end. */
 static void test_pair(void) {
-  double figure[4 + 8 * EDA_TIMING_GAPS] = {1, 3, 2, 4}, d, s;
-  eda_timing_pair p = {.at = {figure, figure + 2},
-                       .delay = figure + 4,
-                       .slew = figure + 4 + 4 * EDA_TIMING_GAPS};
-  for (int k = 0; k < 4; k++)
+  double figure[6 + 10 * EDA_TIMING_GAPS] = {1, 3, 1.5, 2, 4, 3.5}, d, s;
+  eda_timing_pair p = {.at = {figure, figure + 3},
+                       .delay = figure + 6,
+                       .slew = figure + 6 + 5 * EDA_TIMING_GAPS};
+  for (int k = 0; k < 5; k++)
     for (int g = 0; g < EDA_TIMING_GAPS; g++) {
-      double first = figure[k / 2], second = figure[2 + k % 2];
+      double first = figure[k < 4 ? k / 2 : 2],
+             second = figure[3 + (k < 4 ? k % 2 : 2)];
       p.delay[k * EDA_TIMING_GAPS + g] =
           first * second + parabola(eda_timing_gap[g]);
       p.slew[k * EDA_TIMING_GAPS + g] = first - second;
@@ -161,6 +162,13 @@ static void test_pair(void) {
   eda_timing_pair_at(&p, 9, 2, 3, &d, &s);
   near(d, 1, 0);
   near(s, 1, 0);
+  /* What the middle has more is all there at the middle, and nothing at an
+   * edge. */
+  p.slew[4 * EDA_TIMING_GAPS] += 0.3;
+  eda_timing_pair_at(&p, 0, 1.5, 3.5, &d, &s);
+  near(s, 1.5 - 3.5 + 0.3, 1e-12);
+  eda_timing_pair_at(&p, 0, 3, 3.5, &d, &s);
+  near(s, 3 - 3.5, 1e-12);
   /* Beyond half a step: as there. */
   eda_timing_pair_at(&p, 0, 99, 3, &d, &s);
   near(s, 4 - 3, 1e-12);

@@ -56,8 +56,11 @@ typedef struct eda_timing_pair {
   uint8_t first, second, output;
   uint8_t parallel;
   uint32_t from; /* the inputs before both */
-  double *at[2]; /* the slews of the first and of the second, two of each */
-  double *delay, *slew; /* [(slew of first * 2 + of second) * GAPS + gap] */
+  double *at[2]; /* the slews of the first and of the second: two of each, and
+                    one between them */
+  /* [(slew of first * 2 + of second) * GAPS + gap], [4 * GAPS + gap] with both
+     slews between. */
+  double *delay, *slew;
 } eda_timing_pair;
 
 typedef struct eda_timing_cell {
