@@ -224,7 +224,7 @@ static void test_wrapped(void) {
     eda_flat_netlist f;
     int code = flatten(&n, text, &f);
     g_assert_cmpint(code, ==, cases[i].good ? OPC_OK : OPC_INVALID);
-    if (code) g_assert_nonnull(strstr(error.message, ":3:"));
+    if (code) g_assert_nonnull(strstr(error.message, "no subcircuit"));
     if (!code) g_assert_cmpuint(f.devices, ==, 1);
     eda_netlist_clear(&n);
   }
