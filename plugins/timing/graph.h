@@ -71,10 +71,11 @@ typedef struct state {
   double *table;   /* cubics of all nodes' arcs, ps; see tables.c */
   double *one;     /* one delay an arc; see one_delay */
   const node *nodes;
-  /* Of each net, [(net * 2 + rises) * EDA_CAPS + cap]: the load that does not
-     depend on levels, the least and the largest there is, and where the mean
-     lies between these. */
-  double *fixed, *least, *largest, *mean;
+  /* Of each net, [(net * 2 + rises) * EDA_CAPS + cap]: the mean load over what
+     the inputs are that share cells with its pins, and what of it does not
+     depend on that; the least and the largest, and where the mean lies between
+     these. */
+  double *load, *fixed, *least, *largest, *mean;
   /* By how much printed pins are larger, [that of the net's place, by pin]. */
   double *pins;
 } state;
@@ -89,19 +90,26 @@ void state_tables(const graph *g, conditions at, state *s);
 void node_tables(const node *n, const state *s);
 void state_clear(state *s);
 
+/* The loads of a net again, when the sizes of what is on it have changed. */
+void net_loads(const graph *g, conditions at, state *s, uint32_t net);
+
 /* Doubles of the cubics of an arc. */
 size_t arc_room(const eda_timing_cell *cell);
 
-/* Delay (ps) and slew of an arc of a node at a slew of its input, and a load:
-   0 the least, 1 the largest, of each of the two capacitances. */
+/* Delay (ps) and slew of an arc of a node at a slew of its input, at the mean
+   load. */
 void arc_at(const node *n, const state *s, size_t arc, double slew,
-            const double load[EDA_CAPS], double *delay, double *out);
+            double *delay, double *out);
 
-/* The mean load of what drives a net that rises or falls, for arc_at. */
+/* The same at another load: 0 the least, 1 the largest, of each capacitance. */
+void arc_loaded(const node *n, const state *s, size_t arc, double slew,
+                const double load[EDA_CAPS], double *delay, double *out);
+
+/* Where the mean load lies of what drives a net that rises or falls. */
 const double *mean_load(const state *s, uint32_t net, int rises);
 
-/* The load for arc_at when the pins on the net stand so: `from` has the inputs
-   of each pin's instance, net's pins in turn. */
+/* The load for arc_loaded when the pins on the net stand so: `from` has the
+   inputs of each pin's instance, net's pins in turn. */
 void load_at(const graph *g, const state *s, uint32_t net, int rises,
              const uint32_t *from, double load[EDA_CAPS]);
 

@@ -49,31 +49,34 @@ static void add_pin(const graph *g, state *s, uint32_t net, size_t k,
     factor_of(s, k, rises)[cap] = factor;
     s->least[to] += least;
     s->largest[to] += largest;
-    s->mean[to] += mean;
+    s->load[to] += mean;
+  }
+}
+
+void net_loads(const graph *g, conditions at, state *s, uint32_t net) {
+  size_t first = place_of(net, 0), end = place_of(net + 1, 0);
+  double fixed = at.wire * g->fanout[net];
+  for (size_t o = 0; o < g->outputs; o++)
+    if (g->output[o] == net) fixed += at.load;
+  for (size_t k = first; k < end; k++)
+    s->least[k] = s->largest[k] = s->load[k] = s->fixed[k] = fixed;
+  for (size_t k = g->first_pin[net]; k < g->first_pin[net + 1]; k++)
+    for (int rises = 0; rises < 2; rises++) add_pin(g, s, net, k, rises);
+  for (size_t k = first; k < end; k++) {
+    double range = s->largest[k] - s->least[k];
+    s->mean[k] = range > 0 ? (s->load[k] - s->least[k]) / range : 0;
   }
 }
 
 static void find_loads(const graph *g, conditions at, state *s) {
   const size_t n = g->nets * 2 * EDA_CAPS;
-  s->fixed = eda_alloc(4 * n, sizeof *s->fixed);
+  s->load = eda_alloc(5 * n, sizeof *s->load);
+  s->fixed = s->load + n;
   s->least = s->fixed + n;
   s->largest = s->least + n;
   s->mean = s->largest + n;
   s->pins = eda_alloc(g->first_pin[g->nets] * 2 * EDA_CAPS, sizeof *s->pins);
-  for (size_t k = 0; k < n; k++)
-    s->fixed[k] = at.wire * g->fanout[k / (2 * EDA_CAPS)];
-  for (size_t o = 0; o < g->outputs; o++)
-    for (size_t k = 0; k < 2 * EDA_CAPS; k++)
-      s->fixed[place_of(g->output[o], 0) + k] += at.load;
-  for (uint32_t net = 0; net < g->nets; net++)
-    for (size_t k = g->first_pin[net]; k < g->first_pin[net + 1]; k++)
-      for (int rises = 0; rises < 2; rises++) add_pin(g, s, net, k, rises);
-  for (size_t k = 0; k < n; k++) {
-    double range = s->largest[k] - s->least[k];
-    s->mean[k] = range > 0 ? (s->mean[k] - s->least[k]) / range : 0;
-    s->least[k] += s->fixed[k];
-    s->largest[k] += s->fixed[k];
-  }
+  for (uint32_t net = 0; net < g->nets; net++) net_loads(g, at, s, net);
 }
 
 const double *mean_load(const state *s, uint32_t net, int rises) {
@@ -118,8 +121,8 @@ static void put_arc(const node *n, const state *s, size_t arc) {
   }
 }
 
-void arc_at(const node *n, const state *s, size_t arc, double slew,
-            const double load[EDA_CAPS], double *delay, double *out) {
+void arc_loaded(const node *n, const state *s, size_t arc, double slew,
+                const double load[EDA_CAPS], double *delay, double *out) {
   const eda_timing_cell *c = n->cell;
   const double *a = s->table + n->table + arc * arc_room(c);
   double part[ARC_PARTS];
@@ -137,6 +140,12 @@ void arc_at(const node *n, const state *s, size_t arc, double slew,
   }
   *delay = part[0] + load[EDA_CAP_DELAY] * (part[2] - part[0]);
   *out = part[1] + load[EDA_CAP_SLEW] * (part[3] - part[1]);
+}
+
+void arc_at(const node *n, const state *s, size_t arc, double slew,
+            double *delay, double *out) {
+  arc_loaded(n, s, arc, slew, mean_load(s, n->net, n->cell->arc[arc].rises),
+             delay, out);
 }
 
 /* ---- static analysis ---- */
@@ -165,8 +174,7 @@ arrivals static_arrivals(const graph *g, const state *s, double slew,
                to = n->net * 2 + arc->rises;
       double delay, out;
       if (isinf(a.time[from])) continue;
-      arc_at(n, s, k, a.slew[from], mean_load(s, n->net, arc->rises), &delay,
-             &out);
+      arc_at(n, s, k, a.slew[from], &delay, &out);
       a.slew[to] = fmax(a.slew[to], out);
       if (!(a.time[from] + delay > a.time[to])) continue;
       a.time[to] = a.time[from] + delay;
@@ -201,8 +209,7 @@ static void find_one(const graph *g, double slew, state *s) {
       uint32_t from = n->in[arc->input] * 2 + !(arc->from >> arc->input & 1);
       double *one = (double *)one_delay(n, s, arc->input, arc->rises), delay,
              out;
-      arc_at(n, s, k, a.slew[from], mean_load(s, n->net, arc->rises), &delay,
-             &out);
+      arc_at(n, s, k, a.slew[from], &delay, &out);
       delay = fmax(1, delay * fs_of_ps);
       size_t *c = &count[arc->input * 2 + arc->rises];
       one[LEAST] = *c ? fmin(one[LEAST], delay) : delay;
@@ -237,7 +244,7 @@ void state_tables(const graph *g, conditions at, state *s) {
 void state_clear(state *s) {
   free(s->table);
   free(s->one);
-  free(s->fixed);
+  free(s->load);
   free(s->pins);
-  s->table = s->one = s->fixed = s->pins = NULL;
+  s->table = s->one = s->load = s->pins = NULL;
 }

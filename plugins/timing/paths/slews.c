@@ -45,8 +45,8 @@ static both arc_alone(const gate *g, size_t input, uint32_t from, double slew) {
   const eda_timing_cell *c = g->n->cell;
   size_t at = ((size_t)g->n->output * c->inputs + input) << c->inputs;
   both b;
-  arc_at(g->n, g->s, (size_t)c->arc_of[at + from], slew, g->load, &b.delay,
-         &b.slew);
+  arc_loaded(g->n, g->s, (size_t)c->arc_of[at + from], slew, g->load, &b.delay,
+             &b.slew);
   return b;
 }
 
