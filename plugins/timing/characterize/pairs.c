@@ -4,12 +4,18 @@
    temporal proximity of input transitions on gate propagation delay and
    transition time", DAC 1996): each pair that moves an output is simulated at a
    few gaps between the two, relative to what one of them does alone. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "characterize.h"
 
-enum { SOME = 48, MIDDLE = 2, POINTS = 5 * EDA_TIMING_GAPS };
+enum {
+  SLOWEST = 20, /* slews in a delay are told up to this, and end there */
+  SOME = 48,
+  MIDDLE = 2,
+  POINTS = 5 * EDA_TIMING_GAPS
+};
 
 /* ---- which ---- */
 
@@ -131,7 +137,7 @@ static void plan_point(work *w, point *at) {
   const eda_timing_pair *p = at->pair;
   int cause = !p->parallel;
   const eda_timing_arc *arc = alone(c, p, cause);
-  double delay = arc->delay[grid_of(c, at->slew[cause])],
+  double delay = fmax(0, arc->delay[grid_of(c, at->slew[cause])]),
          slew = arc->slew[grid_of(c, at->slew[cause])],
          after = delay * eda_timing_gap[at->gap],
          own = c->at_slew[slew_of(c, at->slew[cause])],
@@ -159,6 +165,13 @@ static void plan_point(work *w, point *at) {
   EDA_PUSH(d->copy, d->count, d->room, one);
 }
 
+/* Behind slow inputs an output may be there before them: nothing is told as a
+   factor of that. */
+static double factor(double found, double gap, double cause, double other) {
+  return cause > 0 && other > 0 ? found / eda_timing_blend(gap, cause, other)
+                                : 1;
+}
+
 static void take_point(work *w, const point *at) {
   const eda_timing_cell *c = w->cell;
   const eda_timing_pair *p = at->pair;
@@ -169,13 +182,14 @@ static void take_point(work *w, const point *at) {
          others = grid_of(c, at->slew[!cause]),
          to = at->place * EDA_TIMING_GAPS + at->gap;
   double gap = eda_timing_gap[at->gap];
-  p->delay[to] = found->delay /
-                 eda_timing_blend(gap, by->delay[own], other->delay[others]);
-  p->slew[to] =
-      found->slew / eda_timing_blend(gap, by->slew[own], other->slew[others]);
-  for (int k = 0; k < 2; k++)
-    p->at[k][at->slew[k]] = c->at_slew[slew_of(c, at->slew[k])] /
-                            alone(c, p, k)->delay[grid_of(c, at->slew[k])];
+  p->delay[to] =
+      factor(found->delay, gap, by->delay[own], other->delay[others]);
+  p->slew[to] = factor(found->slew, gap, by->slew[own], other->slew[others]);
+  for (int k = 0; k < 2; k++) {
+    double alone_by = alone(c, p, k)->delay[grid_of(c, at->slew[k])],
+           slew = c->at_slew[slew_of(c, at->slew[k])];
+    p->at[k][at->slew[k]] = slew / fmax(alone_by, slew / SLOWEST);
+  }
 }
 
 static void run_deck(void *data, size_t i) {

@@ -105,11 +105,13 @@ static void add_earlier(gate *g, size_t k) {
   uint32_t from = g->from ^ 1u << k, cause = 1u << g->cause;
   double gap = (g->by.time - e->time) / g->alone.delay;
   if (level_of(g, from) != level_of(g, g->from)) return; /* it is a pulse */
+  if (!(g->alone.delay > 0)) return;
   const eda_timing_pair *p = find_pair(g, k, (size_t)g->cause, from);
   both other, f;
   if (!p && 3 * gap >= 1) return;
   if (p) {
     other = arc_alone(g, k, from ^ cause, e->slew);
+    if (!(other.delay > 0)) return;
     f = factors(g->alone, other, p, gap, e->slew / other.delay,
                 g->by.slew / g->alone.delay);
   } else {
@@ -126,11 +128,13 @@ static void add_earlier(gate *g, size_t k) {
 static void add_later(gate *g, size_t k, const event *e) {
   uint32_t cause = 1u << g->cause;
   double gap = (e->time - g->by.time) / g->alone.delay;
-  if (gap > eda_timing_gap[EDA_TIMING_GAPS - 1]) return;
+  if (!(g->alone.delay > 0) || gap > eda_timing_gap[EDA_TIMING_GAPS - 1])
+    return;
   const eda_timing_pair *p = find_pair(g, (size_t)g->cause, k, g->from);
   both other, f;
   if (p) {
     other = arc_alone(g, k, g->from, e->slew);
+    if (!(other.delay > 0)) return;
     f = factors(g->alone, other, p, gap, g->by.slew / g->alone.delay,
                 e->slew / other.delay);
   } else {
@@ -164,7 +168,7 @@ static event start(gate *g, int cause, const event *e, uint32_t from) {
   g->alone = arc_alone(g, (size_t)cause, from, e->slew);
   find_load(g, rises, e->time + g->alone.delay);
   g->alone = arc_alone(g, (size_t)cause, from, e->slew);
-  for (size_t k = 0; k < g->n->cell->inputs; k++)
+  for (size_t k = 0; k < EDA_TIMING_INPUTS; k++)
     if ((int)k != cause && g->seen >> k & 1) add_earlier(g, k);
   both b = with_others(g);
   return (event){e->time + b.delay, b.slew, path_on(e->path, g->n->net)};
