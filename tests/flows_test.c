@@ -2,6 +2,7 @@
 /* Whole flows through the command, as a user runs them: what the ready flows
    reach, that nothing depends on the number of threads or on the orientation
    of a cell, and what is said of bad input. */
+#include <eda/runs.h>
 #include <gio/gio.h>
 #include <glib.h>
 #include <glib/gstdio.h>
@@ -429,6 +430,28 @@ static void test_slack(void) {
                     metric(without, "paths", "static_deviation") + 0.3);
 }
 
+/* The table of methods: of two, the one that is nearer in Ion and leaves the
+   area alone is nearer in delay. */
+static void test_timing_compare(void) {
+  if (!have("timing.characterize")) return;
+  g_autofree char *flow = source("flows/timing-compare.yaml"),
+                  *out = place("timings");
+  g_assert_cmpint(
+      opcflow(NULL, "run", flow, "--output", out, "--set",
+              "compare.methods=[plain, dpb]", "--set", "cells.kept=none", NULL),
+      ==, 0);
+  g_assert_cmpfloat(metric("timings", "paths", "mean"), <, 0.1);
+  g_autofree char *path = g_build_filename(out, "paths.csv", NULL);
+  opc_error error;
+  eda_table *t = eda_table_read(path, &error);
+  if (!t) g_error("%s", error.message);
+  g_assert_cmpuint(eda_table_rows(t), ==, 3);
+  g_assert_cmpstr(eda_table_text(t, 2, 0), ==, "dpb");
+  const double *mean = eda_table_numbers(t, (size_t)eda_table_find(t, "mean"));
+  g_assert_cmpfloat(mean[2], >, 10 * mean[1]);
+  eda_table_free(t);
+}
+
 /* ---- notes on transistors ---- */
 
 /* A transistor that wants 5 % more, four ways round, one of which is told
@@ -676,6 +699,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/flows/window", test_window);
   g_test_add_func("/flows/characterize", test_characterize);
   g_test_add_func("/flows/timing", test_timing);
+  g_test_add_func("/flows/timing_compare", test_timing_compare);
   g_test_add_func("/flows/slack", test_slack);
   g_test_add_func("/flows/notes", test_notes);
   g_test_add_func("/flows/bad-note", test_bad_note);
