@@ -57,7 +57,7 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
   t->sides = eda_alloc(t->count, sizeof *t->sides);
   t->parts = eda_alloc(t->count, sizeof *t->parts);
   t->wish = eda_alloc(t->count, sizeof *t->wish);
-  for (size_t i = 0; i < t->count; i++) t->wish[i] = (wish){1, 1};
+  for (size_t i = 0; i < t->count; i++) t->wish[i] = (wish){1, {1, 1, 1}};
   int code = read_notes(f->gates, t->wish, error);
   if (code || !t->wishes_path) return code;
   return read_wishes(t->wishes_path, f->gates, t->wish, error);
@@ -453,7 +453,7 @@ static const char *verdict(const void *self, size_t gate) {
 static double target(const void *self, size_t gate) {
   const newton *t = self;
   if (gate >= t->count || t->wish[gate].weight == 0) return NAN;
-  return t->wish[gate].ion;
+  return t->wish[gate].target[ION];
 }
 
 /* ---- parameters ---- */

@@ -590,6 +590,7 @@ static void test_note_words(void) {
                                      "weight=10",
                                      "ion=1.02,weight=0",
                                      "weight=1 \tion=1",
+                                     "ion=0.9 ioff=0.4 area=1.08",
                                      "# critical path",
                                      "sta.slack=3ps",
                                      "weight=2 sta.slack=3ps",
@@ -601,16 +602,25 @@ static void test_note_words(void) {
        "note of 'XU7:3': unknown word 'wieght', did you mean 'weight'?"},
       {"iom=1.02", "note of 'INV:3': unknown word 'iom', did you mean 'ion'?"},
       {"M1",
-       "note of 'INV:3': unknown word 'M1'; there are weight=..., ion=..."},
+       "note of 'INV:3': unknown word 'M1'; there are weight=..., ion=..., "
+       "ioff=..., area=..."},
       {"a-longer-word-than-any",
        "note of 'INV:3': unknown word 'a-longer-word-than-any'; "
-       "there are weight=..., ion=..."},
+       "there are weight=..., ion=..., ioff=..., area=..."},
       {"weight", "note of 'INV:3': 'weight' lacks its value: weight=..."},
       {"weight=", "note of 'INV:3': '' is no weight"},
       {"weight=-1", "note of 'INV:3': '-1' is no weight"},
       {"weight=1 weight=2", "note of 'INV:3': 'weight' is there twice"},
       {"ion=2%",
        "note of 'INV:3': '2%' is no multiple of a current from 0.1 to 10"},
+      {"ioof=0.5",
+       "note of 'INV:3': unknown word 'ioof', did you mean 'ioff'?"},
+      {"ioff=0",
+       "note of 'INV:3': '0' is no multiple of Ioff from 0.001 to "
+       "1000"},
+      {"area=11",
+       "note of 'INV:3': '11' is no multiple of an area from 0.1 to "
+       "10"},
       {"ion=nan",
        "note of 'INV:3': 'nan' is no multiple of a current from 0.1 to 10"},
   };
@@ -621,6 +631,31 @@ static void test_note_words(void) {
     g_assert_cmpint(begin_with(bad[i].text, &error), ==, OPC_INVALID);
     g_assert_cmpstr(error.message, ==, bad[i].message);
   }
+}
+
+/* A length that is 4 nm more: less Ion, Ioff and area by the model's own law,
+   and W as drawn. A wish for one of them leaves the others at what is drawn. */
+static void test_longer(void) {
+  static char written[3][80];
+  static char *all[] = {written[0], written[1], NULL, written[2]};
+  g_autoptr(opc_module) m = make_any("{ target: balanced }");
+  model t = {.n = 4, .gain_l = 2.6, .gain_w = 1.05, .off_l = {3, 2, 7, -4}};
+  const double by = 4;
+  g_snprintf(written[0], sizeof written[0], "ion=%.6f ioff=%.6f area=%.6f",
+             exp(-0.022 * by), exp(-0.3 * by), 1 + by / length);
+  g_strlcpy(written[1], written[0], sizeof written[1]);
+  g_strlcpy(written[2], "ioff=0.8", sizeof written[2]);
+  notes = all;
+  run(m, &t);
+  notes = NULL;
+  for (int i = 0; i < 2; i++) {
+    g_assert_cmpfloat_with_epsilon(t.ion[i], 100 * expm1(-0.022 * by), 0.1);
+    g_assert_cmpfloat_with_epsilon(log1p(t.ioff[i] / 100), -0.3 * by, 0.15);
+    g_assert_cmpfloat_with_epsilon(t.area[i], 100 * by / length, 1);
+  }
+  g_assert_cmpfloat(fabs(t.ioff[2]), <, 15);
+  g_assert_cmpfloat(fabs(t.ion[3]), <, 0.1);
+  g_assert_cmpfloat_with_epsilon(t.ioff[3], -20, 5);
 }
 
 /* What the table says goes before the note; what it leaves out does not. */
@@ -652,6 +687,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/newton/open-by-its-end", test_open_by_its_end);
   g_test_add_func("/newton/out-of-reach", test_out_of_reach);
   g_test_add_func("/newton/limit", test_limit);
+  g_test_add_func("/newton/longer", test_longer);
   g_test_add_func("/newton/late", test_late);
   g_test_add_func("/newton/coarse", test_coarse);
   g_test_add_func("/newton/line-ends", test_line_ends);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Wishes, from the rows of a table and from the words of notes: both give the
-   same two values. */
+   same values. */
 #include "wishes.h"
 
 #include <eda/csv.h>
@@ -8,9 +8,13 @@
 #include <math.h>
 #include <string.h>
 
-enum { TRANSISTOR, WEIGHT, ION, COLUMNS };
-static const eda_csv_column columns[COLUMNS] = {
-    {"transistor", NULL, 0}, {"weight", NULL, 1}, {"ion", NULL, 1}};
+/* After the weight the targets, in the order of errors. */
+enum { TRANSISTOR, WEIGHT, TARGET, COLUMNS = TARGET + ERRORS };
+static const eda_csv_column columns[COLUMNS] = {{"transistor", NULL, 0},
+                                                {"weight", NULL, 1},
+                                                {"ion", NULL, 1},
+                                                {"ioff", NULL, 1},
+                                                {"area", NULL, 1}};
 
 /* ---- what both have ---- */
 
@@ -28,9 +32,13 @@ static const char *take(wish *w, int column, const char *text) {
     if (good) w->weight = value;
     return good ? NULL : "weight";
   }
-  if (!good || !(value > 0.1 && value < 10))
-    return "multiple of a current from 0.1 to 10";
-  w->ion = value;
+  int leaks = column == TARGET + IOFF;
+  double most = leaks ? 1000 : 10; /* Ioff doubles every few nm */
+  if (!good || !(value > 1 / most && value < most))
+    return leaks                     ? "multiple of Ioff from 0.001 to 1000"
+           : column == TARGET + AREA ? "multiple of an area from 0.1 to 10"
+                                     : "multiple of a current from 0.1 to 10";
+  w->target[column - TARGET] = value;
   return NULL;
 }
 
@@ -100,15 +108,16 @@ static char *take_word(wish *w, char *word, int *seen) {
   if (strchr(word, '.')) return NULL;
   int c = WEIGHT, nearest = WEIGHT;
   while (c < COLUMNS && strcmp(word, columns[c].name)) c++;
-  if (distance(word, columns[ION].name) < distance(word, columns[WEIGHT].name))
-    nearest = ION;
+  for (int k = TARGET; k < COLUMNS; k++)
+    if (distance(word, columns[k].name) < distance(word, columns[nearest].name))
+      nearest = k;
   if (c == COLUMNS && distance(word, columns[nearest].name) <= 2)
     return g_strdup_printf("unknown word '%.100s', did you mean '%s'?", word,
                            columns[nearest].name);
   if (c == COLUMNS)
     return g_strdup_printf(
-        "unknown word '%.100s'; there are weight=..., "
-        "ion=...",
+        "unknown word '%.100s'; there are weight=..., ion=..., ioff=..., "
+        "area=...",
         word);
   if (!value)
     return g_strdup_printf("'%s' lacks its value: %s=...", word, word);

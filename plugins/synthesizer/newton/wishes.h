@@ -6,19 +6,22 @@
 
 #include <eda/gates.h>
 
+#include "response.h"
+
 typedef struct wish {
   double weight; /* the tolerance is divided by it; 0: leave it as drawn */
-  double ion;    /* the drive current wanted, as a multiple of the drawn one */
+  double target[ERRORS]; /* what is wanted, as a multiple of what is drawn */
 } wish;
 
 /* Read `path` into wish[gates->count], which holds the defaults. The first line
-   names the columns: transistor (as in gates.csv), and weight, ion or both. */
+   names the columns: transistor (as in gates.csv), and some of
+   weight, ion, ioff, area. */
 int read_wishes(const char *path, const eda_gates *gates, wish *out,
                 opc_error *error);
 
-/* Take in the notes: words with blanks or commas between, weight=... and
-   ion=...; words with a dot in their name are for others, and a note that
-   begins with # is a remark. */
+/* Take in the notes: words with blanks or commas between, weight=..., ion=...,
+   ioff=..., area=...; words with a dot in their name are for others, and a note
+   that begins with # is a remark. */
 int read_notes(const eda_gates *gates, wish *out, opc_error *error);
 
 #endif

@@ -135,7 +135,7 @@ typedef struct row {
 
 static double worst_path(const paths *p, const state *s) {
   eda_pool pool = {0};
-  arrivals a = static_arrivals(p, s, &pool);
+  arrivals a = static_arrivals(&p->graph, s, p->at.slew, &pool);
   double worst = 0;
   for (size_t o = 0; o < 2 * p->graph.outputs; o++)
     worst = fmax(worst, a.time[p->graph.output[o / 2] * 2 + o % 2]);
@@ -186,7 +186,7 @@ static int tell_metrics(paths *p, const delays *d, const row *r, size_t n,
 /* The latest path of static analysis, as drawn. */
 static int tell_path(paths *p, opc_error *error) {
   const graph *g = &p->graph;
-  arrivals a = static_arrivals(p, &p->state[0], &p->pool);
+  arrivals a = static_arrivals(g, &p->state[0], p->at.slew, &p->pool);
   uint32_t at = g->output[0] * 2;
   for (size_t o = 0; o < 2 * g->outputs; o++) {
     uint32_t k = g->output[o / 2] * 2 + (uint32_t)(o % 2);

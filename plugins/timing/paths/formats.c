@@ -194,7 +194,7 @@ static void put_bits(FILE *out, const uint8_t *bit, size_t n) {
 static void put_bench(FILE *out, const paths *p) {
   const graph *g = &p->graph;
   eda_pool pool = {0};
-  arrivals a = static_arrivals(p, &p->state[0], &pool);
+  arrivals a = static_arrivals(g, &p->state[0], p->at.slew, &pool);
   double wait = 1000;
   for (size_t i = 0; i < 2 * g->nets; i++) wait = fmax(wait, 4 * a.time[i]);
   eda_pool_clear(&pool);

@@ -44,12 +44,14 @@ static int run(void *self, void **outputs, opc_error *error) {
   (void)outputs;
   p->states = 0;
   if (!p->top) p->top = p->circuit ? p->circuit->name : NULL;
-  int code = p->top ? graph_read(p, error)
+  int code = p->top ? graph_read(&p->graph, &p->pool, p->timing, p->file,
+                                 p->top, error)
                     : opc_fail(error, OPC_INVALID, "top",
                                "missing: without 'circuit' the netlist's "
                                "subcircuit has to be named");
   if (!code) code = states_find(p, error);
-  for (size_t s = 0; s < p->states && !code; s++) state_tables(p, &p->state[s]);
+  for (size_t s = 0; s < p->states && !code; s++)
+    state_tables(&p->graph, p->at, &p->state[s]);
   if (!code) patterns_count(p);
   if (!code) code = simulate(p, error);
   if (!code) code = write_files(p, error);
@@ -93,19 +95,20 @@ static const opc_parameter parameters[] = {
                   .preset = "slews",
                   .summary = "delays of events by slews, or one delay an arc, "
                              "as in the SDF files"),
-    OPC_PARAMETER(paths, load, .type = OPC_REAL, .unit = "F",
-                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "4 fF",
-                  .min = 0, .max = 1e-6,
-                  .summary = "capacitance at each output of the circuit"),
-    OPC_PARAMETER(paths, wire, .type = OPC_REAL, .unit = "F",
-                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0 fF",
-                  .min = 0, .max = 1e-6,
-                  .summary = "capacitance of wires, for each pin on a net"),
-    OPC_PARAMETER(paths, slew, .type = OPC_REAL, .unit = "s",
-                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "10 ps",
-                  .min = 1e-14, .max = 1e-3,
-                  .summary = "time of an input between the edges of the cells' "
-                             "slews"),
+    OPC_PARAMETER_NAMED("load", paths, at.load, .type = OPC_REAL, .unit = "F",
+                        .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "4 fF",
+                        .min = 0, .max = 1e-6,
+                        .summary = "capacitance at each output of the circuit"),
+    OPC_PARAMETER_NAMED(
+        "wire", paths, at.wire, .type = OPC_REAL, .unit = "F",
+        .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0 fF", .min = 0,
+        .max = 1e-6, .summary = "capacitance of wires, for each pin on a net"),
+    OPC_PARAMETER_NAMED("slew", paths, at.slew, .type = OPC_REAL, .unit = "s",
+                        .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "10 ps",
+                        .min = 1e-14, .max = 1e-3,
+                        .summary =
+                            "time of an input between the edges of the cells' "
+                            "slews"),
     OPC_PARAMETER(paths, picture, .type = OPC_OUTPUT, .preset = "histogram.png",
                   .summary = "deviations, .png, .svg or .pdf"),
     OPC_PARAMETER(paths, verilog, .type = OPC_OUTPUT,

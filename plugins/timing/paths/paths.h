@@ -3,53 +3,19 @@
 #ifndef OPCFLOW_TIMING_PATHS_H
 #define OPCFLOW_TIMING_PATHS_H
 
-#include <eda/netlist.h>
-#include <eda/timing.h>
 #include <opcflow/step.h>
+
+#include "../graph.h"
 
 /* The choices of 'delays' and of 'changes'. */
 enum { BY_SLEWS, ONE_AN_ARC };
 enum { SINGLE, SEVERAL };
-
-/* An output of an instance of a cell. */
-typedef struct node {
-  const eda_timing_cell *cell;
-  uint32_t instance;
-  uint32_t output;    /* of the cell */
-  uint32_t net;       /* that it drives */
-  const uint32_t *in; /* nets of the cell's inputs */
-  size_t table;       /* where its tables begin */
-} node;
-
-/* The circuit: instances of cells, in an order in which each comes after those
-   that drive it. */
-typedef struct graph {
-  const char *name;
-  size_t nets, instances, nodes;
-  const char **net;      /* names */
-  const char **instance; /* names, with their letter */
-  node *node;
-  size_t inputs, outputs;
-  uint32_t *input, *output; /* nets, in the order of the ports */
-  size_t arrivals;          /* of outputs that a node drives */
-  uint32_t *fanout;         /* pins on each net */
-} graph;
 
 /* What a pattern of the inputs does at a net: changes in turn from `level`. */
 typedef struct event {
   double time, slew; /* ps */
   uint64_t path;     /* a hash of the nets through which it came */
 } event;
-
-/* A set of sizes: as drawn, or as a method printed them. */
-typedef struct state {
-  const char *name;
-  double **change; /* of each instance, [bundle * EDA_SIZES + size]; or NULL */
-  double *table;   /* cubics of all nodes' arcs, ps; see tables.c */
-  double *one;     /* one delay an arc; see one_delay */
-  const node *nodes;
-  double *load; /* of each net: [(net * 2 + rises) * EDA_CAPS + cap] */
-} state;
 
 typedef struct paths {
   const opc_host *host;
@@ -63,7 +29,7 @@ typedef struct paths {
   const char *file, *top;
   int64_t transitions, seed, events, spice;
   int changes, delays;
-  double load, wire, slew;
+  conditions at;
   const char *picture, *verilog;
   const char *models[2], *model[2];
   double limit;
@@ -77,39 +43,8 @@ typedef struct paths {
   int all; /* of them, not drawn at random */
 } paths;
 
-/* ---- graph.c ---- */
-int graph_read(paths *p, opc_error *error);
-
 /* ---- sizes.c ---- */
 int states_find(paths *p, opc_error *error);
-
-/* ---- tables.c: delays at the loads and sizes of a state ---- */
-
-enum { ARC_PARTS = 2 }; /* delay, slew */
-
-void state_tables(const paths *p, state *s);
-void state_clear(state *s);
-
-/* Doubles of the cubics of an arc. */
-size_t arc_room(const eda_timing_cell *cell);
-
-/* Delay (ps) and slew of an arc of a node at a slew of its input. */
-void arc_at(const node *n, const state *s, size_t arc, double slew,
-            double *delay, double *out);
-
-/* One delay an arc, fs: from an input to a node's output that rises or falls;
-   the least, the mean and the largest over what the other inputs are, at the
-   slews of static analysis. NAN: there is no such arc. */
-enum { LEAST, MEAN, LARGEST, KINDS };
-const double *one_delay(const node *n, const state *s, size_t input, int rises);
-
-/* Static analysis: the latest arrival at each net, [net * 2 + rises], ps, and
-   through which [net] it came: net * 2 + rises, or UINT32_MAX. */
-typedef struct arrivals {
-  double *time, *slew;
-  uint32_t *from;
-} arrivals;
-arrivals static_arrivals(const paths *p, const state *s, eda_pool *pool);
 
 /* ---- patterns.c ---- */
 

@@ -34,7 +34,7 @@ typedef struct referee {
 } referee;
 
 /* When inputs pass the middle, s. */
-static double middle_of(const paths *p) { return 2e-12 + 2 * p->slew; }
+static double middle_of(const paths *p) { return 2e-12 + 2 * p->at.slew; }
 
 /* ---- decks ---- */
 
@@ -102,8 +102,8 @@ static int make_netlists(referee *r, opc_error *error) {
 }
 
 static double ramp_time(const paths *p, int rises) {
-  return p->slew / (eda_timing_ramp(rises, p->timing->high) -
-                    eda_timing_ramp(rises, p->timing->low));
+  return p->at.slew / (eda_timing_ramp(rises, p->timing->high) -
+                       eda_timing_ramp(rises, p->timing->low));
 }
 
 static char *deck_text(const referee *r, size_t sizes, const uint8_t *before,
@@ -140,7 +140,7 @@ static char *deck_text(const referee *r, size_t sizes, const uint8_t *before,
   }
   for (size_t i = 0; i < g->outputs; i++)
     fprintf(out, "cl%zu n%u 0 %.17g\n.save v(n%u)\n", i, r->port[g->inputs + i],
-            p->load, r->port[g->inputs + i]);
+            p->at.load, r->port[g->inputs + i]);
   fputs(".end\n", out);
   fclose(out);
   return text;

@@ -20,23 +20,6 @@ static const char *gate_where(const eda_gates *g, size_t i) {
 
 /* ---- from the gates to the instances ---- */
 
-/* "XU1/M_i_0" is the device M_i_0 of the instance XU1. */
-static const eda_timing_device *find_device(const paths *p, const char *name,
-                                            GHashTable *instances,
-                                            size_t *instance) {
-  const graph *g = &p->graph;
-  const char *slash = strchr(name, '/');
-  if (!slash) return NULL;
-  g_autofree char *head = g_strndup(name, (gsize)(slash - name));
-  gpointer at = g_hash_table_lookup(instances, head);
-  if (!at) return NULL;
-  const node *n = &g->node[GPOINTER_TO_SIZE(at) - 1];
-  *instance = n->instance;
-  for (size_t i = 0; i < n->cell->devices; i++)
-    if (!strcmp(n->cell->device[i].name, slash + 1)) return &n->cell->device[i];
-  return NULL;
-}
-
 /* A device's change of sizes: the mean over its fingers by width, its width's
    that of their sum. */
 static int change_of(const paths *p, const eda_device *d, const printed *q,
@@ -62,15 +45,6 @@ static int change_of(const paths *p, const eda_device *d, const printed *q,
   return OPC_OK;
 }
 
-static GHashTable *index_instances(const paths *p) {
-  const graph *g = &p->graph;
-  GHashTable *at = g_hash_table_new(g_str_hash, g_str_equal);
-  for (size_t i = 0; i < g->nodes; i++)
-    g_hash_table_insert(at, (gpointer)g->instance[g->node[i].instance],
-                        GSIZE_TO_POINTER(i + 1));
-  return at;
-}
-
 static void make_room(paths *p, state *s) {
   const graph *g = &p->graph;
   s->change = eda_pool_alloc(&p->pool, g->instances, sizeof *s->change);
@@ -83,28 +57,20 @@ static void make_room(paths *p, state *s) {
 }
 
 static int apply(paths *p, state *s, const printed *q, opc_error *error) {
-  g_autoptr(GHashTable) instances = index_instances(p);
+  place *places = graph_places(&p->graph, p->circuit, error);
+  if (!places) return error->code;
   make_room(p, s);
-  for (size_t i = 0; i < p->circuit->count; i++) {
-    const eda_device *d = &p->circuit->device[i];
+  int code = OPC_OK;
+  for (size_t i = 0; i < p->circuit->count && !code; i++) {
+    const eda_timing_device *t = places[i].device;
     double change[EDA_SIZES] = {0};
-    size_t instance = 0;
-    const eda_timing_device *t = find_device(p, d->name, instances, &instance);
-    if (!t)
-      return opc_fail(error, OPC_INVALID, "circuit",
-                      "device '%.200s' is in no characterised cell of '%.100s'",
-                      d->name, p->graph.name);
-    if (fabs(d->length / t->length - 1) > 0.02 ||
-        fabs(d->width / t->width - 1) > 0.02)
-      return opc_fail(error, OPC_INVALID, "circuit",
-                      "device '%.200s' is %g x %g nm, its cell was "
-                      "characterised with %g x %g nm: another scale?",
-                      d->name, d->length, d->width, t->length, t->width);
-    if (change_of(p, d, q, change, error)) return error->code;
+    code = change_of(p, &p->circuit->device[i], q, change, error);
     for (size_t k = 0; k < EDA_SIZES; k++)
-      s->change[instance][t->bundle * EDA_SIZES + k] += t->share * change[k];
+      s->change[places[i].instance][t->bundle * EDA_SIZES + k] +=
+          t->share * change[k];
   }
-  return OPC_OK;
+  free(places);
+  return code;
 }
 
 /* ---- from a mask ---- */

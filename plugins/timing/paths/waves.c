@@ -163,7 +163,7 @@ static void by_arcs(waves *w, const node *n, const state *s) {
 void waves_run(waves *w, const state *s) {
   const paths *p = w->p;
   const graph *g = &p->graph;
-  double slew = p->slew * 1e12;
+  double slew = p->at.slew * 1e12;
   w->count = 0;
   memset(w->first, 0, 2 * g->nets * sizeof *w->first);
   for (size_t i = 0; i < g->inputs; i++) {

@@ -1,12 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* From a netlist of instances of cells to nodes in the order of signals. */
+#include <glib.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "paths.h"
+#include "graph.h"
 
 typedef struct builder {
-  paths *p;
+  graph *g;
+  eda_pool *pool;
+  const eda_timing *timing;
   eda_netlist *n;
   const eda_subcircuit *top;
   const eda_timing_cell **cell; /* of each instance */
@@ -22,8 +26,8 @@ static int refuse(builder *b, const eda_element *e, const char *what) {
                   what);
 }
 
-static char *own_text(paths *p, const char *text) {
-  return eda_pool_text(&p->pool, text, strlen(text));
+static char *own_text(eda_pool *pool, const char *text) {
+  return eda_pool_text(pool, text, strlen(text));
 }
 
 /* ---- instances ---- */
@@ -37,15 +41,14 @@ static int64_t net_of(const eda_subcircuit *child, const eda_element *e,
 }
 
 static int add_instance(builder *b, const eda_element *e) {
-  graph *g = &b->p->graph;
+  graph *g = b->g;
   if (e->is_transistor)
     return refuse(b, e, "is a transistor: a circuit of cells is wanted");
   const eda_subcircuit *child = &b->n->subcircuit[e->child];
-  const eda_timing_cell *c = eda_timing_find(b->p->timing, child->name);
+  const eda_timing_cell *c = eda_timing_find(b->timing, child->name);
   if (!c) return refuse(b, e, "is of a cell that was not characterised");
   if (c->trouble) return refuse(b, e, "is of a cell without arcs");
-  uint32_t *net =
-      eda_pool_alloc(&b->p->pool, c->inputs + c->outputs, sizeof *net);
+  uint32_t *net = eda_pool_alloc(b->pool, c->inputs + c->outputs, sizeof *net);
   for (size_t i = 0; i < c->inputs + c->outputs; i++) {
     int64_t found = net_of(child, e, c->pin[i]);
     if (found < 0) return refuse(b, e, "lacks a pin of its cell");
@@ -62,7 +65,7 @@ static int add_instance(builder *b, const eda_element *e) {
                                  .net = to,
                                  .in = net};
   }
-  g->instance[g->instances++] = own_text(b->p, e->name);
+  g->instance[g->instances++] = own_text(b->pool, e->name);
   return OPC_OK;
 }
 
@@ -70,8 +73,8 @@ static int add_instance(builder *b, const eda_element *e) {
 
 /* Depth first, with a stack of our own. 1: on the way, 2: done. */
 static int sort_nodes(builder *b) {
-  graph *g = &b->p->graph;
-  node *sorted = eda_pool_alloc(&b->p->pool, g->nodes, sizeof *sorted);
+  graph *g = b->g;
+  node *sorted = eda_pool_alloc(b->pool, g->nodes, sizeof *sorted);
   uint8_t *mark = eda_alloc(g->nodes, 1), *next = eda_alloc(g->nodes, 1);
   size_t *stack = eda_alloc(g->nodes, sizeof *stack), done = 0;
   int64_t loop = -1;
@@ -110,7 +113,7 @@ static int sort_nodes(builder *b) {
 
 /* Rails are ports that are no pin of any cell. */
 static int find_ports(builder *b) {
-  graph *g = &b->p->graph;
+  graph *g = b->g;
   for (size_t i = 0; i < b->top->ports; i++) {
     uint32_t net = (uint32_t)i; /* ports are the first nodes */
     if (b->driver[net] >= 0)
@@ -130,22 +133,22 @@ static int find_ports(builder *b) {
 }
 
 static int build(builder *b) {
-  paths *p = b->p;
-  graph *g = &p->graph;
+  graph *g = b->g;
   size_t most = 0;
-  g->name = own_text(p, b->top->name);
+  g->name = own_text(b->pool, b->top->name);
   g->nets = b->top->nodes;
-  g->net = eda_pool_alloc(&p->pool, g->nets, sizeof *g->net);
-  for (size_t i = 0; i < g->nets; i++) g->net[i] = own_text(p, b->top->node[i]);
+  g->net = eda_pool_alloc(b->pool, g->nets, sizeof *g->net);
+  for (size_t i = 0; i < g->nets; i++)
+    g->net[i] = own_text(b->pool, b->top->node[i]);
   for (size_t i = 0; i < b->top->elements; i++) {
     const eda_element *e = &b->top->element[i];
     most += e->is_transistor ? 0 : b->n->subcircuit[e->child].ports;
   }
-  g->node = eda_pool_alloc(&p->pool, most, sizeof *g->node);
-  g->instance = eda_pool_alloc(&p->pool, b->top->elements, sizeof *g->instance);
-  g->fanout = eda_pool_alloc(&p->pool, g->nets, sizeof *g->fanout);
-  g->input = eda_pool_alloc(&p->pool, b->top->ports, sizeof *g->input);
-  g->output = eda_pool_alloc(&p->pool, b->top->ports, sizeof *g->output);
+  g->node = eda_pool_alloc(b->pool, most, sizeof *g->node);
+  g->instance = eda_pool_alloc(b->pool, b->top->elements, sizeof *g->instance);
+  g->fanout = eda_pool_alloc(b->pool, g->nets, sizeof *g->fanout);
+  g->input = eda_pool_alloc(b->pool, b->top->ports, sizeof *g->input);
+  g->output = eda_pool_alloc(b->pool, b->top->ports, sizeof *g->output);
   b->driver = eda_alloc(g->nets, sizeof *b->driver);
   for (size_t i = 0; i < g->nets; i++) b->driver[i] = -1;
   int code = OPC_OK;
@@ -157,17 +160,70 @@ static int build(builder *b) {
   return code;
 }
 
-int graph_read(paths *p, opc_error *error) {
+int graph_read(graph *g, eda_pool *pool, const eda_timing *timing,
+               const char *file, const char *top, opc_error *error) {
   eda_netlist n = {.error = error, .scale = 1};
-  builder b = {.p = p, .n = &n, .error = error};
-  p->graph = (graph){0};
-  int code = eda_netlist_read(&n, p->file);
-  int64_t top = code ? -1 : eda_netlist_find(&n, p->top);
-  if (top < 0 || eda_netlist_prepare(&n, (uint32_t)top))
+  builder b = {.g = g, .pool = pool, .timing = timing, .n = &n, .error = error};
+  *g = (graph){0};
+  int code = eda_netlist_read(&n, file);
+  int64_t at = code ? -1 : eda_netlist_find(&n, top);
+  if (at < 0 || eda_netlist_prepare(&n, (uint32_t)at))
     code = error->code;
   else
-    b.top = &n.subcircuit[top];
+    b.top = &n.subcircuit[at];
   if (!code) code = build(&b);
   eda_netlist_clear(&n);
   return code;
+}
+
+/* ---- from a circuit's devices to the cells' ---- */
+
+/* The first node of each instance, by its name. */
+static GHashTable *index_instances(const graph *g) {
+  GHashTable *at = g_hash_table_new(g_str_hash, g_str_equal);
+  for (size_t i = 0; i < g->nodes; i++)
+    g_hash_table_insert(at, (gpointer)g->instance[g->node[i].instance],
+                        GSIZE_TO_POINTER(i + 1));
+  return at;
+}
+
+/* "XU1/M_i_0" is the device M_i_0 of the instance XU1. */
+static place find_device(const graph *g, const char *name,
+                         GHashTable *instances) {
+  const char *slash = strchr(name, '/');
+  if (!slash) return (place){0};
+  g_autofree char *head = g_strndup(name, (gsize)(slash - name));
+  gpointer at = g_hash_table_lookup(instances, head);
+  if (!at) return (place){0};
+  const node *n = &g->node[GPOINTER_TO_SIZE(at) - 1];
+  for (size_t i = 0; i < n->cell->devices; i++)
+    if (!strcmp(n->cell->device[i].name, slash + 1))
+      return (place){n->instance, &n->cell->device[i]};
+  return (place){0};
+}
+
+place *graph_places(const graph *g, const eda_circuit *circuit,
+                    opc_error *error) {
+  g_autoptr(GHashTable) instances = index_instances(g);
+  place *all = eda_alloc(circuit->count, sizeof *all);
+  for (size_t i = 0; i < circuit->count; i++) {
+    const eda_device *d = &circuit->device[i];
+    all[i] = find_device(g, d->name, instances);
+    const eda_timing_device *t = all[i].device;
+    if (!t)
+      opc_fail(error, OPC_INVALID, "circuit",
+               "device '%.200s' is in no characterised cell of '%.100s'",
+               d->name, g->name);
+    else if (fabs(d->length / t->length - 1) > 0.02 ||
+             fabs(d->width / t->width - 1) > 0.02)
+      opc_fail(error, OPC_INVALID, "circuit",
+               "device '%.200s' is %g x %g nm, its cell was "
+               "characterised with %g x %g nm: another scale?",
+               d->name, d->length, d->width, t->length, t->width);
+    else
+      continue;
+    free(all);
+    return NULL;
+  }
+  return all;
 }

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "paths.h"
+#include "graph.h"
 
 static const double ps = 1e12, fs_of_ps = 1000;
 
@@ -15,14 +15,13 @@ size_t arc_room(const eda_timing_cell *cell) {
 
 /* ---- loads ---- */
 
-static void find_loads(const paths *p, state *s) {
-  const graph *g = &p->graph;
+static void find_loads(const graph *g, conditions at, state *s) {
   s->load = eda_alloc(g->nets * 2 * EDA_CAPS, sizeof *s->load);
   for (size_t k = 0; k < g->nets * 2 * EDA_CAPS; k++)
-    s->load[k] = p->wire * g->fanout[k / (2 * EDA_CAPS)];
+    s->load[k] = at.wire * g->fanout[k / (2 * EDA_CAPS)];
   for (size_t o = 0; o < g->outputs; o++)
     for (size_t k = 0; k < 2 * EDA_CAPS; k++)
-      s->load[g->output[o] * 2 * EDA_CAPS + k] += p->load;
+      s->load[g->output[o] * 2 * EDA_CAPS + k] += at.load;
   for (size_t i = 0; i < g->nodes; i++) {
     const node *n = &g->node[i];
     const double *change = s->change ? s->change[n->instance] : NULL;
@@ -81,8 +80,8 @@ void arc_at(const node *n, const state *s, size_t arc, double slew,
 /* ---- static analysis ---- */
 
 /* The latest of all arcs, each with the latest slew that an input has. */
-arrivals static_arrivals(const paths *p, const state *s, eda_pool *pool) {
-  const graph *g = &p->graph;
+arrivals static_arrivals(const graph *g, const state *s, double slew,
+                         eda_pool *pool) {
   arrivals a = {eda_pool_alloc(pool, 2 * g->nets, sizeof(double)),
                 eda_pool_alloc(pool, 2 * g->nets, sizeof(double)),
                 eda_pool_alloc(pool, 2 * g->nets, sizeof(uint32_t))};
@@ -93,7 +92,7 @@ arrivals static_arrivals(const paths *p, const state *s, eda_pool *pool) {
   for (size_t i = 0; i < 2 * g->inputs; i++) {
     uint32_t at = g->input[i / 2] * 2 + i % 2;
     a.time[at] = 0;
-    a.slew[at] = p->slew * ps;
+    a.slew[at] = slew * ps;
   }
   for (size_t i = 0; i < g->nodes; i++) {
     const node *n = &g->node[i];
@@ -102,10 +101,10 @@ arrivals static_arrivals(const paths *p, const state *s, eda_pool *pool) {
       if (arc->output != n->output) continue;
       uint32_t from = n->in[arc->input] * 2 + !(arc->from >> arc->input & 1),
                to = n->net * 2 + arc->rises;
-      double delay, slew;
+      double delay, out;
       if (isinf(a.time[from])) continue;
-      arc_at(n, s, k, a.slew[from], &delay, &slew);
-      a.slew[to] = fmax(a.slew[to], slew);
+      arc_at(n, s, k, a.slew[from], &delay, &out);
+      a.slew[to] = fmax(a.slew[to], out);
       if (!(a.time[from] + delay > a.time[to])) continue;
       a.time[to] = a.time[from] + delay;
       a.from[to] = from;
@@ -124,10 +123,9 @@ const double *one_delay(const node *n, const state *s, size_t input,
 }
 
 /* In whole fs, as SDF and Icarus Verilog have them, and no less than 1. */
-static void find_one(const paths *p, state *s) {
-  const graph *g = &p->graph;
+static void find_one(const graph *g, double slew, state *s) {
   eda_pool pool = {0};
-  arrivals a = static_arrivals(p, s, &pool);
+  arrivals a = static_arrivals(g, s, slew, &pool);
   s->nodes = g->node;
   s->one = eda_alloc(g->nodes * EDA_TIMING_INPUTS * 2 * KINDS, sizeof *s->one);
   size_t *count = eda_alloc(EDA_TIMING_INPUTS * 2, sizeof *count);
@@ -139,8 +137,8 @@ static void find_one(const paths *p, state *s) {
       if (arc->output != n->output) continue;
       uint32_t from = n->in[arc->input] * 2 + !(arc->from >> arc->input & 1);
       double *one = (double *)one_delay(n, s, arc->input, arc->rises), delay,
-             slew;
-      arc_at(n, s, k, a.slew[from], &delay, &slew);
+             out;
+      arc_at(n, s, k, a.slew[from], &delay, &out);
       delay = fmax(1, delay * fs_of_ps);
       size_t *c = &count[arc->input * 2 + arc->rises];
       one[LEAST] = *c ? fmin(one[LEAST], delay) : delay;
@@ -157,18 +155,19 @@ static void find_one(const paths *p, state *s) {
   eda_pool_clear(&pool);
 }
 
-void state_tables(const paths *p, state *s) {
-  const graph *g = &p->graph;
+void node_tables(const node *n, const state *s) {
+  for (size_t k = 0; k < n->cell->arcs; k++)
+    if (n->cell->arc[k].output == n->output) put_arc(n, s, k);
+}
+
+void state_tables(const graph *g, conditions at, state *s) {
   size_t all = 0;
   for (size_t i = 0; i < g->nodes; i++)
     all += g->node[i].cell->arcs * arc_room(g->node[i].cell);
   s->table = eda_alloc(all, sizeof *s->table);
-  find_loads(p, s);
-  for (size_t i = 0; i < g->nodes; i++)
-    for (size_t k = 0; k < g->node[i].cell->arcs; k++)
-      if (g->node[i].cell->arc[k].output == g->node[i].output)
-        put_arc(&g->node[i], s, k);
-  find_one(p, s);
+  find_loads(g, at, s);
+  for (size_t i = 0; i < g->nodes; i++) node_tables(&g->node[i], s);
+  find_one(g, at.slew, s);
 }
 
 void state_clear(state *s) {
