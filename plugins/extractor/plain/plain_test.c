@@ -107,6 +107,33 @@ static void test_rectangle(void) {
        1e-9);
 }
 
+/* Where nothing is to be made up for, each slice is what lies nearest to its
+   place. */
+static void test_nearest(void) {
+  enum { SLICES = 12 };
+  g_autofree char *file = write_table("nearest.yaml", 1);
+  g_autoptr(opc_module) m = make(file, "", OPC_OK);
+  const eda_extractor *e = m->functions;
+  shape *s = straight;
+  double place[SLICES], share[SLICES];
+  const eda_printed_gate gate = {.type = EDA_NMOS,
+                                 .design_length = 65,
+                                 .design_width = 350,
+                                 .width = 350,
+                                 .extension = {100, 100},
+                                 .length = made_up_length,
+                                 .lengths = made_up_lengths,
+                                 .data = &s};
+  e->slice(m->self, &gate, place, share);
+  for (int i = 0; i < SLICES; i++) {
+    double from = i ? (place[i - 1] + place[i]) / 2 : 0;
+    double to = i + 1 < SLICES ? (place[i] + place[i + 1]) / 2 : 1;
+    g_assert_cmpfloat(fabs(share[i] - (to - from)), <, 1e-9);
+    /* The same from either side. */
+    g_assert_cmpfloat(fabs(place[i] + place[SLICES - 1 - i] - 1), <, 1e-9);
+  }
+}
+
 /* The integral of exp(-L / s) over L from 60 to 74. */
 static void test_trapezoid(void) {
   g_autofree char *file = write_table("trapezoid.yaml", 1);
@@ -419,6 +446,7 @@ static void test_real_widths(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/plain/rectangle", test_rectangle);
+  g_test_add_func("/plain/nearest", test_nearest);
   g_test_add_func("/plain/trapezoid", test_trapezoid);
   g_test_add_func("/plain/rounded", test_rounded);
   g_test_add_func("/plain/many", test_many);

@@ -19,6 +19,7 @@ typedef struct model {
   int32_t veto_from;
   int32_t prints_from; /* l, if not 0: thinner lines are open */
   uint32_t lot;        /* not 0: what adds up to 2 % and vetoes, by lot */
+  double width;        /* 0: 200 */
   int32_t l, w;
   GString *trace; /* "l,w " after each update */
   int updates;
@@ -57,7 +58,7 @@ static double da(const model *t) {
 
 static void run(opc_module *m, model *t) {
   const eda_synthesizer *s = m->functions;
-  double one = 1, ion, area, length = 65, width = 200;
+  double one = 1, ion, area, length = 65, width = t->width > 0 ? t->width : 200;
   uint32_t flags = 0, veto = 0;
   eda_gates gates = {.grid = 1, .count = 1, .length = &length, .width = &width};
   eda_performance drawn = {.count = 1, .ion = &one, .area = &one};
@@ -273,6 +274,9 @@ static void test_bias_limit(void) {
   follow("{ max_bias: 2 nm }", shorter, "-1,0 -2,0 -2,0 -2,0 ", "bias limit");
   const model narrower = {.i = 9, .i_by_w = 1, .a = 9, .a_by_w = 1};
   follow("{ max_bias: 2 nm }", narrower, "0,-1 0,-2 0,-2 0,-2 ", "bias limit");
+  /* No more than half of W. */
+  const model slim = {.i = 9, .i_by_w = 1, .a = 9, .a_by_w = 1, .width = 7};
+  follow("{}", slim, "0,-1 0,-2 0,-3 0,-3 0,-3 ", "bias limit");
 }
 
 /* An open line has no figures; it gets thicker until it has, by either rule. */

@@ -207,18 +207,19 @@ static void test_delays(void) {
 
 /* ---- what is alike ---- */
 
-/* A NAND gate, and the same with two fingers of each transistor, in another
-   order, whose stacks have nets of their own. */
+/* A NAND gate with two fingers of each transistor, whose stacks have nets of
+   their own, and one with one, in another order, which has the figures of the
+   first. */
 static const char fingers[] =
     "* cells\n"
-    ".subckt one A B Z VDD VSS\n"
-    "M1 Z B x VSS nmos w=300n l=65n\nM2 x A VSS VSS nmos w=300n l=65n\n"
-    "M3 Z A VDD VDD pmos w=350n l=65n\nM4 Z B VDD VDD pmos w=350n l=65n\n"
-    ".ends\n.subckt two A B Z VDD VSS\n"
+    ".subckt two A B Z VDD VSS\n"
     "M1 VDD B Z VDD pmos w=350n l=65n\nM2 Z B VDD VDD pmos w=350n l=65n\n"
     "M3 Z A VDD VDD pmos w=350n l=65n\nM4 VDD A Z VDD pmos w=350n l=65n\n"
     "M5 Z B x VSS nmos w=300n l=65n\nM6 x A VSS VSS nmos w=300n l=65n\n"
     "M7 VSS A y VSS nmos w=300n l=65n\nM8 y B Z VSS nmos w=300n l=65n\n"
+    ".ends\n.subckt one A B Z VDD VSS\n"
+    "M1 Z B x VSS nmos w=300n l=65n\nM2 x A VSS VSS nmos w=300n l=65n\n"
+    "M3 Z A VDD VDD pmos w=350n l=65n\nM4 Z B VDD VDD pmos w=350n l=65n\n"
     /* Another stack: none of them is like another now. */
     ".ends\n.subckt odd A B Z VDD VSS\n"
     "M1 Z B x VSS nmos w=300n l=65n\nM2 x A VSS VSS nmos w=300n l=65n\n"

@@ -13,8 +13,10 @@ enum { TRIES = 7 };
 
 static const double start = 2e-12; /* s, when inputs begin to change */
 
-/* How many steps the slew of the fastest output has at least. Against 40 steps,
-   AOI21 and AOI22: see README, Steps. */
+/* How many steps the slew of the fastest output has at least. AOI21 at 22 ps,
+   18 changes, against a run of 1,400 steps: with 4 a slew delays are off by
+   0.05 %, slews by 0.13 % and changes of a delay for 1 % by 0.004 % of it at
+   most; with 2 by 0.11, 0.23 and 0.005 %; with 8 by 0.01, 0.04 and 0.001 %. */
 static const double steps[] = {
     [PILOT] = 0, [GRID] = 5, [CHANGES] = 4, [JUDGE] = 25};
 
@@ -304,26 +306,39 @@ static span span_of(const deck *d) {
   return best;
 }
 
+/* Simulate once. How many copies do not get where they should. */
+static size_t run_once(deck *d, const char *text, span of) {
+  char command[120];
+  eda_spice_result r = {0};
+  size_t missing = 0;
+  snprintf(command, sizeof command, "tran %.17g %.17g 0 %.17g\n", of.step,
+           of.window, of.step);
+  d->code = eda_spice_run(d->s->host->context, text, command, d->s->limit, &r,
+                          &d->error);
+  for (size_t k = 0; !d->code && k < d->count; k++)
+    missing += !r.count || !measure_copy(d, &d->copy[k], k, &r.plot[0]);
+  eda_spice_clear(&r);
+  return missing;
+}
+
 void deck_run(deck *d) {
   char *text = deck_text(d);
   span of = span_of(d);
-  size_t missing = 1;
-  for (int i = 0; i < TRIES && missing && !d->code; i++, of.window *= 2) {
-    char command[120];
-    eda_spice_result r = {0};
-    snprintf(command, sizeof command, "tran %.17g %.17g 0 %.17g\n", of.step,
-             of.window, of.step);
-    d->code = eda_spice_run(d->s->host->context, text, command, d->s->limit, &r,
-                            &d->error);
-    missing = 0;
-    for (size_t k = 0; !d->code && k < d->count; k++)
-      missing += !r.count || !measure_copy(d, &d->copy[k], k, &r.plot[0]);
-    eda_spice_clear(&r);
+  size_t missing = run_once(d, text, of);
+  /* Now and then the simulator finds no step that it can take ("timestep too
+     small"): from other steps it does. */
+  if (d->code == OPC_FAILED) {
+    of.step *= 0.7;
+    missing = run_once(d, text, of);
+  }
+  for (int i = 1; i < TRIES && missing && !d->code; i++) {
+    of.window *= 2;
+    missing = run_once(d, text, of);
   }
   free(text);
   if (missing && !d->code)
     d->code = opc_fail(&d->error, OPC_FAILED, NULL,
                        "cell '%.100s': an output does not follow its input "
                        "within %.3g ns",
-                       d->copy[0].cell->name, of.window * 0.5e9);
+                       d->copy[0].cell->name, of.window * 1e9);
 }
