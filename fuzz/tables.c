@@ -18,7 +18,7 @@ static void read_wishes_of_two(const char *path) {
   static uint32_t number[] = {1, 2};
   const eda_gates gates = {
       .count = 2, .instance = instance, .cell = cell, .number = number};
-  wish wishes[2] = {{1, 1}, {1, 1}};
+  wish wishes[2] = {{1, {1, 1, 1}}, {1, {1, 1, 1}}};
   read_wishes(path, &gates, wishes, &error);
 }
 

@@ -78,6 +78,7 @@ static const way ways[] = {
     {"profile", "crashed in plugin '%s': alarm\n"},
     {"timer", "plugin '%s' left an alarm set\n"},
     {"thread", "crashed in plugin '%s': segmentation fault\n"},
+    {"overflow", "crashed in plugin '%s': segmentation fault\n"},
     {"handler", "plugin '%s' changed the handler of SIGSEGV\n"},
     {"deaf", "plugin '%s' changed the handler of SIGTERM\n"},
     {"block", "plugin '%s' changed which signals come\n"},

@@ -398,6 +398,36 @@ static void test_timing(void) {
   g_assert_cmpfloat(metric(runs[0], "paths", "lowest"), >, 0.5);
 }
 
+/* A NAND2 of which some transistors are made longer: what static timing
+   foresees prints, no path takes longer than the limit, and it leaks less than
+   with all as drawn by about what was foreseen, which ngspice and the table of
+   its transistors tell alike. */
+static void test_slack(void) {
+  if (!have("timing.characterize")) return;
+  g_autofree char *flow = source("flows/slack.yaml");
+  g_autofree char *out = place("slack"), *cells = place("slack-cells");
+  g_autofree char *kept = g_strdup_printf("cells.kept=%s", cells);
+  g_assert_cmpint(
+      opcflow(NULL, "run", flow, "--variant", "balanced", "--variant",
+              "without-balanced", "--output", out, NULL),
+      ==, 0);
+  const char *with = "slack/balanced", *without = "slack/without-balanced";
+  double foreseen = metric(with, "slack", "leakage_change"),
+         printed =
+             100 * ((1 + metric(with, "rest", "leakage_mean") / 100) /
+                        (1 + metric(without, "rest", "leakage_mean") / 100) -
+                    1);
+  g_assert_cmpfloat(foreseen, <, -25);
+  g_assert_cmpfloat(fabs(printed - foreseen), <, 2);
+  g_assert_cmpfloat_with_epsilon(metric(with, "slack", "leakage_drawn"),
+                                 1e9 * metric(with, "rest", "leakage"), 1.5);
+  g_assert_cmpfloat(metric(without, "slack", "leakage_change"), ==, 0);
+  g_assert_cmpfloat(metric(with, "slack", "latest"), <=,
+                    metric(with, "slack", "drawn"));
+  g_assert_cmpfloat(metric(with, "paths", "static_deviation"), <,
+                    metric(without, "paths", "static_deviation") + 0.3);
+}
+
 /* ---- notes on transistors ---- */
 
 /* A transistor that wants 5 % more, four ways round, one of which is told
@@ -645,6 +675,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/flows/window", test_window);
   g_test_add_func("/flows/characterize", test_characterize);
   g_test_add_func("/flows/timing", test_timing);
+  g_test_add_func("/flows/slack", test_slack);
   g_test_add_func("/flows/notes", test_notes);
   g_test_add_func("/flows/bad-note", test_bad_note);
   g_test_add_func("/flows/bad-input", test_bad_input);

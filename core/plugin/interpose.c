@@ -54,15 +54,34 @@ static void *begin(void *data) {
   return b.work(b.data);
 }
 
+/* Below the stack of each thread, bytes, as Linux keeps below the first one's:
+   a function with much on the stack would step over the usual page, into what
+   belongs to another thread. */
+enum { GUARD = 1 << 20 };
+
+/* As `how`, which may be NULL, with that guard. */
+static pthread_attr_t guarded(const pthread_attr_t *how) {
+  pthread_attr_t own;
+  size_t guard = 0;
+  if (how)
+    own = *how;
+  else
+    pthread_attr_init(&own);
+  pthread_attr_getguardsize(&own, &guard);
+  if (guard < GUARD) pthread_attr_setguardsize(&own, GUARD);
+  return own;
+}
+
 OPC_EXPORT int pthread_create(pthread_t *thread, const pthread_attr_t *how,
                               void *(*work)(void *), void *data) {
   int (*next)(pthread_t *, const pthread_attr_t *, void *(*)(void *), void *);
   find_next("pthread_create", &next);
+  const pthread_attr_t own = guarded(how);
   const char *inside = opc_guard_inside();
   beginning *b = inside ? malloc(sizeof *b) : NULL;
-  if (!b) return next(thread, how, work, data);
+  if (!b) return next(thread, &own, work, data);
   *b = (beginning){work, data, inside};
-  int code = next(thread, how, begin, b);
+  int code = next(thread, &own, begin, b);
   if (code) free(b);
   return code;
 }

@@ -13,9 +13,18 @@ const eda_frame try_other_frame = {-1237, -1111, 2900, 3300};
 
 /* ---- telling ---- */
 
+/* Stopped as the lint grants no more time, on a loaded machine perhaps: no
+   fault, and said as that. */
+static int was_stopped(opc_inspector *in, const char *what, int code) {
+  if (code != OPC_CANCELLED || !opc_cancelled(in->context)) return 0;
+  in->note(in, "%s: stopped, it takes longer than the lint grants", what);
+  return 1;
+}
+
 int try_went_well(opc_inspector *in, const char *what, int code,
                   opc_error *error) {
   if (!code) return 1;
+  if (was_stopped(in, what, code)) return 0;
   error->message[sizeof error->message - 1] = 0;
   if (code < OPC_INVALID || code > OPC_CANCELLED)
     in->find(in, "%s returned the unknown code %d", what, code);
@@ -28,7 +37,8 @@ int try_went_well(opc_inspector *in, const char *what, int code,
 
 int try_is_sound(opc_inspector *in, const char *what, int code,
                  const opc_error *error) {
-  if (code) in->find(in, "%s: %s", what, error->message);
+  if (code && !was_stopped(in, what, code))
+    in->find(in, "%s: %s", what, error->message);
   return !code;
 }
 
@@ -58,11 +68,11 @@ int try_mask(opc_inspector *in, int layer, const eda_frame *frame, double band,
       .start = (uint32_t[]){0, 4},
       .points = (eda_point[]){{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}},
       .hole = (uint8_t[]){0}};
-  if (!eda_mask_spectrum(in->context, layer < 0 ? &all : &g->drawn[drawn],
-                         g->grid, *frame, band, mask, &error))
-    return 1;
-  in->find(in, "a mask of its band of %g 1/nm: %s", band, error.message);
-  return 0;
+  int code = eda_mask_spectrum(in->context, layer < 0 ? &all : &g->drawn[drawn],
+                               g->grid, *frame, band, mask, &error);
+  if (code && !was_stopped(in, "a mask", code))
+    in->find(in, "a mask of its band of %g 1/nm: %s", band, error.message);
+  return !code;
 }
 
 /* The transfer function at the frequency f is 1 / (1 + (cut f)^2)^2, cut in nm;

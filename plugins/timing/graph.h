@@ -71,6 +71,8 @@ typedef struct state {
 enum { ARC_PARTS = 2 }; /* delay, slew */
 
 void state_tables(const graph *g, conditions at, state *s);
+/* Those of one node again, once its sizes or loads have changed. */
+void node_tables(const node *n, const state *s);
 void state_clear(state *s);
 
 /* Doubles of the cubics of an arc. */

@@ -155,16 +155,18 @@ static void find_one(const graph *g, double slew, state *s) {
   eda_pool_clear(&pool);
 }
 
+void node_tables(const node *n, const state *s) {
+  for (size_t k = 0; k < n->cell->arcs; k++)
+    if (n->cell->arc[k].output == n->output) put_arc(n, s, k);
+}
+
 void state_tables(const graph *g, conditions at, state *s) {
   size_t all = 0;
   for (size_t i = 0; i < g->nodes; i++)
     all += g->node[i].cell->arcs * arc_room(g->node[i].cell);
   s->table = eda_alloc(all, sizeof *s->table);
   find_loads(g, at, s);
-  for (size_t i = 0; i < g->nodes; i++)
-    for (size_t k = 0; k < g->node[i].cell->arcs; k++)
-      if (g->node[i].cell->arc[k].output == g->node[i].output)
-        put_arc(&g->node[i], s, k);
+  for (size_t i = 0; i < g->nodes; i++) node_tables(&g->node[i], s);
   find_one(g, at.slew, s);
 }
 

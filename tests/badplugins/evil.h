@@ -16,6 +16,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
@@ -43,6 +44,22 @@ static inline void end_badly(void) { crash(NULL); }
 static inline void in_thread(void *(*work)(void *)) {
   pthread_t thread;
   if (!pthread_create(&thread, NULL, work, NULL)) pthread_join(thread, NULL);
+}
+
+/* As a function with much on the stack that overflows: what it hits is not the
+   page below the stack, but what may lie below that one. */
+static inline void *step_over(void *unused) {
+  enum { PAGE = 4096 };
+  pthread_attr_t how;
+  void *stack = NULL;
+  size_t size;
+  pthread_getattr_np(pthread_self(), &how);
+  pthread_attr_getstack(&how, &stack, &size);
+  char *below = (char *)stack - 100 * PAGE;
+  mmap(below, PAGE, PROT_READ | PROT_WRITE,
+       MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED_NOREPLACE, -1, 0);
+  *(volatile char *)below = 1;
+  return unused;
 }
 
 /* One that ends badly although the plugin's function has long returned. */
@@ -106,6 +123,7 @@ static inline void be_evil(void) {
   HOW("profile") raise(SIGPROF);
   HOW("timer") alarm(1);
   HOW("thread") in_thread(crash);
+  HOW("overflow") in_thread(step_over);
   HOW("thread_exit") in_thread(end_process);
   HOW("handler") signal(SIGSEGV, SIG_IGN);
   HOW("deaf") signal(SIGTERM, SIG_IGN);

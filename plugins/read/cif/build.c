@@ -61,8 +61,7 @@ double cif_angle(int64_t dx, int64_t dy) {
   if (dx == 0) return dy > 0 ? 90 : 270;
   if (dx == dy) return dx > 0 ? 45 : 225;
   if (dx == -dy) return dy > 0 ? 135 : 315;
-  double angle = atan2((double)dy, (double)dx) * 180 / PI;
-  return angle < 0 ? angle + 360 : angle;
+  return atan2((double)dy, (double)dx) * 180 / PI;
 }
 
 /* ---- shapes ---- */

@@ -171,6 +171,54 @@ static void test_transformations(void) {
   g_rand_free(rand);
 }
 
+/* A call turned to a direction that is no multiple of 45 degrees: the point
+   goes where that direction says. */
+static void test_turns(void) {
+  GRand *rand = g_rand_new_with_seed(5);
+  for (int round = 0; round < 200; round++) {
+    int dx = g_rand_int_range(rand, -40, 41),
+        dy = g_rand_int_range(rand, -40, 41);
+    if (!dx && !dy) continue;
+    g_autofree char *text = g_strdup_printf(
+        "DS 1;L A;P 0 0 90000 20000 -500 70000;DF;L A;B 2 2 0 0;C 1 R%d %d;E",
+        dx, dy);
+    eda_layout *layout = read_good(text, "");
+    opc_error e;
+    eda_flat flat;
+    g_assert_cmpint(eda_layout_flatten(layout, eda_layout_top(layout, &e), 0,
+                                       10, &flat, &e),
+                    ==, 0);
+    double size = hypot(dx, dy), c = dx / size, d = dy / size;
+    g_assert_cmpfloat_with_epsilon(flat.shapes.points[5].x,
+                                   90000 * c - 20000 * d, 1);
+    g_assert_cmpfloat_with_epsilon(flat.shapes.points[5].y,
+                                   90000 * d + 20000 * c, 1);
+    eda_flat_clear(&flat);
+    eda_layout_free(layout);
+  }
+  g_rand_free(rand);
+}
+
+/* A box, and the place of a call, that end at each limit of the coordinates,
+   and a unit beyond. */
+static void test_edges(void) {
+  static const int x[] = {1, -1, 0, 0}, y[] = {0, 0, 1, -1};
+  for (int side = 0; side < 4; side++)
+    for (int beyond = 0; beyond < 2; beyond++)
+      for (int call = 0; call < 2; call++) {
+        opc_error e = {0};
+        const long far = INT32_MAX - (call ? 0 : 1) + (long)beyond;
+        g_autofree char *text =
+            g_strdup_printf(call ? "DS 1;L A;B 2 2 0 0;DF;C 1 T %ld %ld;C 1;E"
+                                 : "L A;B 2 2 %ld %ld;E",
+                            far * x[side], far * y[side]);
+        eda_layout *layout = read_more(text, -1, "", &e);
+        g_assert_cmpint(layout == NULL, ==, beyond);
+        if (beyond) g_assert_nonnull(strstr(e.message, "beyond 32 bits"));
+        eda_layout_free(layout);
+      }
+}
+
 static void test_shapes(void) {
   eda_layout *layout = read_good(
       "L A;B 10 4 100 0 0 1;L B;B 1414 1414 0 0 1 1;L C;W 4 0 0 20 0 20 30;"
@@ -406,6 +454,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/read-cif/syntax", test_syntax);
   g_test_add_func("/read-cif/unit", test_unit);
   g_test_add_func("/read-cif/transformations", test_transformations);
+  g_test_add_func("/read-cif/turns", test_turns);
+  g_test_add_func("/read-cif/edges", test_edges);
   g_test_add_func("/read-cif/shapes", test_shapes);
   g_test_add_func("/read-cif/delete", test_delete);
   g_test_add_func("/read-cif/top", test_top);

@@ -12,12 +12,6 @@ static char *own_text(study *s, const char *text) {
   return eda_pool_text(&s->timing->memory, text, strlen(text));
 }
 
-static int same_place(const eda_timing_device *a, const eda_timing_device *b) {
-  return a->type == b->type && a->gate == b->gate &&
-         ((a->drain == b->drain && a->source == b->source) ||
-          (a->drain == b->source && a->source == b->drain));
-}
-
 static void take_devices(study *s, const eda_flat_netlist *flat,
                          eda_timing_cell *c) {
   c->devices = flat->devices;
@@ -33,15 +27,6 @@ static void take_devices(study *s, const eda_flat_netlist *flat,
                              .bulk = t->bulk,
                              .length = t->length,
                              .width = t->width};
-    size_t k = 0;
-    while (k < i && !same_place(&c->device[k], d)) k++;
-    d->bundle = k < i ? c->device[k].bundle : (uint32_t)c->bundles++;
-  }
-  for (size_t i = 0; i < c->devices; i++) {
-    double all = 0;
-    for (size_t k = 0; k < c->devices; k++)
-      if (c->device[k].bundle == c->device[i].bundle) all += c->device[k].width;
-    c->device[i].share = c->device[i].width / all;
   }
 }
 
@@ -153,24 +138,30 @@ static void evaluate(const eda_timing_cell *c, const uint8_t *fixed,
   free(all);
 }
 
+/* The levels of all nets at a pattern of the inputs. */
+static void levels_at(const eda_timing_cell *c, size_t pattern, uint8_t *fixed,
+                      uint8_t *value) {
+  memset(fixed, 0, c->nets);
+  memset(value, UNKNOWN, c->nets);
+  for (size_t i = 0; i < c->nets; i++) {
+    if (!c->rail[i]) continue;
+    fixed[i] = 1;
+    value[i] = c->rail[i] > 0 ? HIGH : LOW;
+  }
+  for (size_t i = 0; i < c->inputs; i++) {
+    fixed[c->port[i]] = 1;
+    value[c->port[i]] = pattern >> i & 1;
+  }
+  evaluate(c, fixed, value);
+}
+
 static const char *find_levels(study *s, eda_timing_cell *c) {
   const size_t patterns = (size_t)1 << c->inputs;
   const char *trouble = NULL;
   uint8_t *fixed = eda_alloc(2 * c->nets, 1), *value = fixed + c->nets;
   c->level = eda_pool_alloc(&s->timing->memory, c->outputs * patterns, 1);
   for (size_t p = 0; p < patterns && !trouble; p++) {
-    memset(fixed, 0, c->nets);
-    memset(value, UNKNOWN, c->nets);
-    for (size_t i = 0; i < c->nets; i++) {
-      if (!c->rail[i]) continue;
-      fixed[i] = 1;
-      value[i] = c->rail[i] > 0 ? HIGH : LOW;
-    }
-    for (size_t i = 0; i < c->inputs; i++) {
-      fixed[c->port[i]] = 1;
-      value[c->port[i]] = p >> i & 1;
-    }
-    evaluate(c, fixed, value);
+    levels_at(c, p, fixed, value);
     for (size_t o = 0; o < c->outputs; o++) {
       uint8_t v = value[c->port[c->inputs + o]];
       if (v == UNKNOWN) trouble = "it keeps a state, or an output floats";
@@ -204,17 +195,59 @@ static void list_arcs(study *s, eda_timing_cell *c) {
   }
 }
 
+/* ---- what matters to an arc ---- */
+
+/* Which nets may move when an input does: through what conducts at some time
+   of it. */
+static void find_moves(const eda_timing_cell *c, const uint8_t *fixed,
+                       const uint8_t *value, uint8_t *moves) {
+  for (int news = 1; news;) {
+    news = 0;
+    for (size_t i = 0; i < c->devices; i++) {
+      const eda_timing_device *d = &c->device[i];
+      const uint32_t end[2] = {d->drain, d->source};
+      int any = moves[d->gate] ||
+                (conducts(d, value) && (moves[end[0]] || moves[end[1]]));
+      for (int k = 0; k < 2 && any; k++)
+        if (!fixed[end[k]] && !moves[end[k]]) news = moves[end[k]] = 1;
+    }
+  }
+}
+
+/* A transistor that is off throughout is a capacitor, as wide as it is, on what
+   moves; its length is of no account. */
+void arc_sizes(const eda_timing_cell *c, const circuit *r,
+               const eda_timing_arc *a, uint8_t *sizes) {
+  uint8_t *fixed = eda_alloc(3 * c->nets, 1), *value = fixed + c->nets,
+          *moves = value + c->nets;
+  levels_at(c, a->from, fixed, value);
+  moves[c->port[a->input]] = 1;
+  find_moves(c, fixed, value, moves);
+  memset(sizes, NO_SIZE, r->parts);
+  for (size_t i = 0; i < c->devices; i++) {
+    const eda_timing_device *d = &c->device[i];
+    int ends = moves[d->drain] || moves[d->source];
+    sizes[d->bundle] = moves[d->gate] || (ends && conducts(d, value))
+                           ? ALL_SIZES
+                       : ends ? WIDTH_ONLY
+                              : NO_SIZE;
+  }
+  free(fixed);
+}
+
+/* ---- the grid ---- */
+
 /* Loads are told for each um of the channels on the outputs, so that strong
    cells get larger ones. */
-static void make_grid(study *s, eda_timing_cell *c) {
+static void make_grid(study *s, eda_timing_cell *c, const circuit *r) {
   eda_pool *pool = &s->timing->memory;
   double most = 0;
   for (size_t o = 0; o < c->outputs; o++) {
+    uint32_t net = c->port[c->inputs + o];
     double width = 0;
-    for (size_t i = 0; i < c->devices; i++)
-      if (c->device[i].drain == c->port[c->inputs + o] ||
-          c->device[i].source == c->port[c->inputs + o])
-        width += c->device[i].width / 1000;
+    for (size_t i = 0; i < r->parts; i++)
+      if (r->part[i].drain == net || r->part[i].source == net)
+        width += r->part[i].count * r->part[i].width / 1000 * r->times;
     if (width > most) most = width;
   }
   c->slews = s->slews.count;
@@ -233,7 +266,7 @@ static void make_grid(study *s, eda_timing_cell *c) {
 /* ---- all ---- */
 
 int cell_build(study *s, eda_netlist *n, uint32_t number, eda_timing_cell *c,
-               opc_error *error) {
+               circuit *r, opc_error *error) {
   (void)error; /* n has it */
   eda_flat_netlist flat = {.pool = &s->timing->memory};
   const eda_subcircuit *of = &n->subcircuit[number];
@@ -247,8 +280,9 @@ int cell_build(study *s, eda_netlist *n, uint32_t number, eda_timing_cell *c,
   c->trouble = take_pins(s, &flat, c);
   if (!c->trouble) c->trouble = find_levels(s, c);
   if (c->trouble) return OPC_OK;
+  cell_join(&s->timing->memory, c, r);
   list_arcs(s, c);
-  make_grid(s, c);
+  make_grid(s, c, r);
   eda_timing_cell_figures(&s->timing->memory, c);
   return OPC_OK;
 }

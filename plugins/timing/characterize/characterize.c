@@ -38,14 +38,17 @@ static int build_cells(study *s, eda_netlist *n, opc_error *error) {
   }
   s->timing = eda_timing_new(n->subcircuits);
   s->timing->count = 0;
+  s->circuit = eda_pool_alloc(&s->pool, n->subcircuits, sizeof *s->circuit);
   s->timing->supply = s->supply;
   s->timing->temperature = s->temperature;
   s->timing->low = s->edges.values[0] / 100;
   s->timing->high = s->edges.values[1] / 100;
-  for (uint32_t i = 0; i < n->subcircuits; i++)
-    if (is_wanted(s, n, i, top) &&
-        cell_build(s, n, i, &s->timing->cell[s->timing->count++], error))
+  for (uint32_t i = 0; i < n->subcircuits; i++) {
+    if (!is_wanted(s, n, i, top)) continue;
+    size_t k = s->timing->count++;
+    if (cell_build(s, n, i, &s->timing->cell[k], &s->circuit[k], error))
       return error->code;
+  }
   for (size_t i = 0; i < s->timing->count; i++)
     if (!s->timing->cell[i].trouble) return OPC_OK;
   return opc_fail(error, OPC_INVALID, "file",
@@ -97,6 +100,11 @@ static int find_figures(study *s, eda_timing_cell *c, int *kept,
   *kept = keep_load(s, c, key);
   int code = *kept ? OPC_OK : cell_measure(s, c, error);
   if (!code && !*kept) keep_save(s, c, key);
+  /* Figures are of one of so many circuits side by side. */
+  const size_t pins = c->inputs * 2 * EDA_CAPS,
+               all = pins * (1 + c->bundles * (size_t)EDA_SIZES);
+  for (size_t i = 0; i < all && !code; i++)
+    c->capacitance[i] *= circuit_of(s, c)->times;
   free(key);
   return code;
 }

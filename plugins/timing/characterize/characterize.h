@@ -8,6 +8,25 @@
 #include <eda/timing.h>
 #include <opcflow/step.h>
 
+/* Transistors of a cell that behave alike, as one; nets by the first of those
+   that are joined. Its number is that of the cell's bundle. */
+typedef struct part {
+  uint8_t type;
+  uint32_t drain, gate, source, bulk;
+  double length, width; /* nm, of one */
+  uint32_t count;
+  uint32_t place; /* while they are sorted */
+  uint64_t
+      colour; /* where it is in the circuit, whatever the netlist's order */
+} part;
+
+/* What is simulated of a cell, which is `times` of it side by side. */
+typedef struct circuit {
+  size_t parts;
+  part *part;
+  double times;
+} circuit;
+
 typedef struct study {
   const opc_host *host;
 
@@ -26,6 +45,7 @@ typedef struct study {
 
   /* Of a run. */
   eda_timing *timing;
+  circuit *circuit; /* of each cell */
   eda_pool pool;
   const char *cards[2]; /* whole paths; [1] NULL: the same */
   eda_card card[2];
@@ -37,7 +57,22 @@ typedef struct study {
 /* The pins, logic and arcs of a subcircuit; cells that cannot be characterised
    get a `trouble`. */
 int cell_build(study *s, eda_netlist *n, uint32_t number, eda_timing_cell *c,
-               opc_error *error);
+               circuit *r, opc_error *error);
+
+static inline const circuit *circuit_of(const study *s,
+                                        const eda_timing_cell *c) {
+  return &s->circuit[c - s->timing->cell];
+}
+
+/* Which sizes of each part matter to an arc. */
+enum { NO_SIZE, WIDTH_ONLY, ALL_SIZES };
+void arc_sizes(const eda_timing_cell *c, const circuit *r,
+               const eda_timing_arc *a, uint8_t *sizes);
+
+/* ---- symmetry.c: what of a cell behaves alike ---- */
+
+/* Find the circuit of a cell and the bundles of its transistors. */
+void cell_join(eda_pool *pool, eda_timing_cell *c, circuit *r);
 
 /* ---- decks.c: many copies of a cell in one run of the simulator ---- */
 
@@ -48,14 +83,23 @@ typedef struct copy {
   int of_pin; /* its pin's capacitance is measured, not a delay */
   double load;
   const double *change; /* of sizes [bundle * EDA_SIZES + size]; NULL */
-  double delay, slew, capacitance[EDA_CAPS]; /* what was found */
+  double delay, slew;   /* what is expected, then what was found; 0: unknown */
+  double capacitance[EDA_CAPS];
+  /* For whoever planned it: */
+  eda_timing_arc *arc;
+  size_t point, size;
 } copy;
 
-/* Copies that share a slew and a run. */
+/* How a deck's steps are chosen: nothing is known of its outputs; delays and
+   slews are about as expected; they are known; or best, to judge by. */
+typedef enum care { PILOT, GRID, CHANGES, JUDGE } care;
+
+/* Copies that share a slew, a direction of the input and a run. */
 typedef struct deck {
   study *s;
   double slew;
-  int rough; /* for differences between copies only */
+  int rises;
+  care care;
   size_t count, room;
   copy *copy;
   int code;

@@ -121,10 +121,10 @@ static double passes(const eda_spice_plot *p, const char *node, double level) {
 
 static const double supply = 1.1;
 
-/* nand2 of data/cells65 from the text of its file, with MN1's W; input B rises
-   in the shape of the library. Delay and slew. */
-static void nand_by_hand(double w, double slew, const char *load, double *delay,
-                         double *out) {
+/* A circuit with the supply s, the input b, which rises in the shape of the
+   library, and the output y, which falls. Delay and slew. */
+static void by_hand(const char *devices, double slew, double *delay,
+                    double *out) {
   g_autofree char *card = data("devices/opcflow65.pm");
   double t[EDA_TIMING_RAMP], level[EDA_TIMING_RAMP];
   eda_timing_ramp_points(1, t, level);
@@ -132,12 +132,9 @@ static void nand_by_hand(double w, double slew, const char *load, double *delay,
   g_autoptr(GString) deck = g_string_new(NULL);
   g_string_printf(deck,
                   "by hand\n.include \"%s\"\n.options reltol=1e-5 "
-                  "abstol=1e-15 chgtol=1e-19\nmn1 0 a x 0 nmos w=%.17g l=65n\n"
-                  "mn2 y b x 0 nmos w=400n l=65n\n"
-                  "mp1 y a s s pmos w=450n l=65n\nmp2 y b s s pmos w=450n "
-                  "l=65n\nvs s 0 1.1\nva a 0 1.1\n%s\n.save v(y) v(b)\n"
-                  "vb b 0 pwl(0 0",
-                  card, w, load);
+                  "abstol=1e-15 chgtol=1e-19\n%s\nvs s 0 1.1\n"
+                  ".save v(y) v(b)\nvb b 0 pwl(0 0",
+                  card, devices);
   for (int i = 0; i < EDA_TIMING_RAMP; i++)
     g_string_append_printf(deck, " %.17g %.17g", 5e-12 + whole * t[i],
                            supply * level[i]);
@@ -154,6 +151,28 @@ static void nand_by_hand(double w, double slew, const char *load, double *delay,
   eda_spice_clear(&r);
 }
 
+/* nand2 of data/cells65 from the text of its file, with MN1's W. */
+static void nand_by_hand(double w, double slew, const char *load, double *delay,
+                         double *out) {
+  g_autofree char *devices = g_strdup_printf(
+      "va a 0 1.1\nmn1 0 a x 0 nmos w=%.17g l=65n\n"
+      "mn2 y b x 0 nmos w=400n l=65n\n"
+      "mp1 y a s s pmos w=450n l=65n\nmp2 y b s s pmos "
+      "w=450n l=65n\n%s",
+      w, load);
+  by_hand(devices, slew, delay, out);
+}
+
+/* By how much a delay moves for a size of a transistor. */
+static double moved_by(const eda_timing_cell *c, const eda_timing_arc *a,
+                       const char *device, size_t size) {
+  for (size_t i = 0; i < c->devices; i++)
+    if (g_str_equal(c->device[i].name, device))
+      return c->device[i].share *
+             a->delay_by[c->device[i].bundle * EDA_SIZES + size];
+  g_error("no %s", device);
+}
+
 static void test_delays(void) {
   g_autofree char *file = data("cells65/nand2.sp");
   eda_timing *t = run_well(file, "kept: none, checks: 4, " GRID);
@@ -165,10 +184,10 @@ static void test_delays(void) {
   nand_by_hand(400e-9, 15e-12, "cl y 0 3.9f", &d, &s);
   close_to(a->delay[1 * 3 + 1], d, 0.004);
   close_to(a->slew[1 * 3 + 1], s, 0.008);
-  /* The first point of changes is at 5 ps and 1 fF; MN1 is the first bundle. */
+  /* The first point of changes is at 5 ps and 1 fF. */
   nand_by_hand(400e-9 * exp(0.02), 5e-12, "cl y 0 1.3f", &wider, &unused);
   nand_by_hand(400e-9 * exp(-0.02), 5e-12, "cl y 0 1.3f", &narrower, &unused);
-  close_to(a->delay_by[EDA_SIZE_W], (wider - narrower) / 0.04, 0.05);
+  close_to(moved_by(c, a, "MN1", EDA_SIZE_W), (wider - narrower) / 0.04, 0.05);
   g_assert_cmpfloat(opc_test_metric("delay_error"), <, 3);
   g_assert_cmpfloat(opc_test_metric("delay_error"), >, 0);
   /* A gate that the pin is in place of: the capacitance that delays see is that
@@ -183,6 +202,118 @@ static void test_delays(void) {
                "mq4 q y s s pmos w=450n l=65n\ncq q 0 3.9f",
                &d, &unused);
   close_to(by_pin, d, 0.03);
+  eda_timing_free(t);
+}
+
+/* ---- what is alike ---- */
+
+/* A NAND gate with two fingers of each transistor, whose stacks have nets of
+   their own, and one with one, in another order, which has the figures of the
+   first. */
+static const char fingers[] =
+    "* cells\n"
+    ".subckt two A B Z VDD VSS\n"
+    "M1 VDD B Z VDD pmos w=350n l=65n\nM2 Z B VDD VDD pmos w=350n l=65n\n"
+    "M3 Z A VDD VDD pmos w=350n l=65n\nM4 VDD A Z VDD pmos w=350n l=65n\n"
+    "M5 Z B x VSS nmos w=300n l=65n\nM6 x A VSS VSS nmos w=300n l=65n\n"
+    "M7 VSS A y VSS nmos w=300n l=65n\nM8 y B Z VSS nmos w=300n l=65n\n"
+    ".ends\n.subckt one A B Z VDD VSS\n"
+    "M1 Z B x VSS nmos w=300n l=65n\nM2 x A VSS VSS nmos w=300n l=65n\n"
+    "M3 Z A VDD VDD pmos w=350n l=65n\nM4 Z B VDD VDD pmos w=350n l=65n\n"
+    /* Another stack: none of them is like another now. */
+    ".ends\n.subckt odd A B Z VDD VSS\n"
+    "M1 Z B x VSS nmos w=300n l=65n\nM2 x A VSS VSS nmos w=300n l=65n\n"
+    "M3 Z B y VSS nmos w=300n l=65n\nM4 y A VSS VSS nmos w=310n l=65n\n"
+    "M5 Z A VDD VDD pmos w=350n l=65n\nM6 Z B VDD VDD pmos w=350n l=65n\n"
+    ".ends\n";
+
+/* `two` as it is, with the width of one transistor of one stack. */
+static double two_by_hand(double w) {
+  double delay, slew;
+  g_autofree char *devices = g_strdup_printf(
+      "va a 0 1.1\nm1 s b y s pmos w=350n l=65n\n"
+      "m2 y b s s pmos w=350n l=65n\nm3 y a s s pmos w=350n l=65n\n"
+      "m4 s a y s pmos w=350n l=65n\nm5 y b n1 0 nmos w=%.17g l=65n\n"
+      "m6 n1 a 0 0 nmos w=300n l=65n\nm7 0 a n2 0 nmos w=300n l=65n\n"
+      "m8 n2 b y 0 nmos w=300n l=65n\ncl y 0 2f",
+      w);
+  by_hand(devices, 5e-12, &delay, &slew);
+  return delay;
+}
+
+static void test_fingers(void) {
+  g_autofree char *file = g_build_filename(opc_test_folder(), "two.sp", NULL);
+  g_autofree char *folder = g_build_filename(opc_test_folder(), "two", NULL);
+  g_autofree char *more = g_strdup_printf("kept: '%s', " GRID, folder);
+  g_assert_true(g_file_set_contents(file, fingers, -1, NULL));
+  eda_timing *t = run_well(file, more);
+  const eda_timing_cell *one = eda_timing_find(t, "one"),
+                        *two = eda_timing_find(t, "two"),
+                        *odd = eda_timing_find(t, "odd");
+  g_assert_cmpfloat(opc_test_metric("kept"), ==, 1);
+  g_assert_cmpuint(one->bundles, ==, 4);
+  g_assert_cmpuint(two->bundles, ==, 4);
+  g_assert_cmpuint(odd->bundles, ==, 6);
+  const eda_timing_arc *a = arc(two, 1, 1), *b = arc(one, 1, 1);
+  for (size_t i = 0; i < 9; i++)
+    g_assert_cmpfloat(a->delay[i], ==, b->delay[i]);
+  for (size_t i = 0; i < 3; i++)
+    close_to(two->at_load[i], 2 * one->at_load[i], 1e-12);
+  for (size_t i = 0; i < 2 * 2 * EDA_CAPS; i++)
+    g_assert_cmpfloat(two->capacitance[i], ==, 2 * one->capacitance[i]);
+  /* 1 fF for each um of 2 * 0.3 + 4 * 0.35. */
+  close_to(two->at_load[0], 2e-15, 1e-12);
+  close_to(a->delay[0], two_by_hand(300e-9), 0.004);
+  double by_hand =
+      (two_by_hand(300e-9 * exp(0.03)) - two_by_hand(300e-9 * exp(-0.03))) /
+      0.06;
+  close_to(moved_by(two, a, "M5", EDA_SIZE_W), by_hand, 0.05);
+  eda_timing_free(t);
+}
+
+/* aoi21 as A rises and Z falls: B1 is 0, so that M2 is off, and B2 1, so that
+   M3 holds what is behind it. */
+static double off_by_hand(double w2, double l2, double w3) {
+  double delay, slew;
+  g_autofree char *devices = g_strdup_printf(
+      "m1 y b 0 0 nmos w=400n l=65n\nm2 x 0 y 0 nmos w=%.17g l=%.17g\n"
+      "m3 0 s x 0 nmos w=%.17g l=65n\nm4 q b s s pmos w=600n l=65n\n"
+      "m5 y 0 q s pmos w=600n l=65n\nm6 q s y s pmos w=600n l=65n\n"
+      "cl y 0 2f",
+      w2, l2, w3);
+  by_hand(devices, 5e-12, &delay, &slew);
+  return delay;
+}
+
+/* A transistor that is off is a capacitor: its width matters, as found, its
+   length does not; one at which nothing moves does not at all. */
+static void test_off(void) {
+  g_autofree char *file = g_build_filename(opc_test_folder(), "off.sp", NULL);
+  g_assert_true(g_file_set_contents(file, more_cells, -1, NULL));
+  eda_timing *t = run_well(file, "kept: none, cells: aoi21, " GRID);
+  const eda_timing_cell *c = &t->cell[0];
+  const eda_timing_arc *a = arc(c, 0, 4);
+  double up = exp(0.02), down = exp(-0.02);
+  close_to(c->at_load[0], 2e-15, 1e-12);
+  close_to(a->delay[0], off_by_hand(400e-9, 65e-9, 400e-9), 0.004);
+  double w = (off_by_hand(400e-9 * up, 65e-9, 400e-9) -
+              off_by_hand(400e-9 * down, 65e-9, 400e-9)) /
+             0.04,
+         l = (off_by_hand(400e-9, 65e-9 * up, 400e-9) -
+              off_by_hand(400e-9, 65e-9 * down, 400e-9)) /
+             0.04,
+         w3 = (off_by_hand(400e-9, 65e-9, 400e-9 * up) -
+               off_by_hand(400e-9, 65e-9, 400e-9 * down)) /
+              0.04;
+  /* The delay is 11 ps: w is 7 % of it, l 0.2 %, w3 less. */
+  close_to(moved_by(c, a, "M2", EDA_SIZE_W) + moved_by(c, a, "M2b", EDA_SIZE_W),
+           w, 0.05);
+  g_assert_cmpfloat(moved_by(c, a, "M2", EDA_SIZE_L), ==, 0);
+  g_assert_cmpfloat(fabs(l), <, 0.002 * a->delay[0]);
+  g_assert_cmpfloat(moved_by(c, a, "M3", EDA_SIZE_W), ==, 0);
+  g_assert_cmpfloat(fabs(w3), <, 0.002 * a->delay[0]);
+  /* What is on, if nothing at its gate moves, matters. */
+  g_assert_cmpfloat(fabs(moved_by(c, a, "M5", EDA_SIZE_L)), >, 0);
   eda_timing_free(t);
 }
 
@@ -228,6 +359,8 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/characterize/logic", test_logic);
   g_test_add_func("/characterize/delays", test_delays);
+  g_test_add_func("/characterize/fingers", test_fingers);
+  g_test_add_func("/characterize/off", test_off);
   g_test_add_func("/characterize/kept", test_kept);
   return g_test_run();
 }

@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <glib.h>
 #include <glib/gstdio.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,7 +13,7 @@
 #include "characterize.h"
 
 /* To be raised when figures change for the same circuit. */
-#define FORMAT "opcflow-timing 1"
+#define FORMAT "opcflow-timing 2"
 
 /* ---- the key ---- */
 
@@ -50,26 +51,31 @@ static int hash_cards(GChecksum *sum, const study *s, opc_error *error) {
   return OPC_OK;
 }
 
+static void hash_colour(GChecksum *sum, uint64_t colour) {
+  char text[24];
+  snprintf(text, sizeof text, "%016" PRIx64, colour);
+  hash_text(sum, text);
+}
+
+/* Cells of the same circuit side by side, whatever their names and the order of
+   their transistors, have one key: a part's colour says where it is. */
 char *keep_key(const study *s, const eda_timing_cell *c, opc_error *error) {
   g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
+  const circuit *r = circuit_of(s, c);
   hash_text(sum, FORMAT);
   hash_number(sum, s->dlc);
   hash_number(sum, s->supply);
   hash_number(sum, s->temperature);
   hash_numbers(sum, s->edges.values, s->edges.count);
-  hash_numbers(sum, c->at_slew, c->slews);
-  hash_numbers(sum, c->at_load, c->loads);
-  for (size_t i = 0; i < c->inputs + c->outputs; i++) {
-    hash_text(sum, c->pin[i]);
-    hash_number(sum, c->port[i]);
-  }
+  hash_numbers(sum, s->slews.values, s->slews.count);
+  hash_numbers(sum, s->loads.values, s->loads.count);
   hash_number(sum, (double)c->inputs);
-  for (size_t i = 0; i < c->nets; i++) hash_number(sum, c->rail[i]);
-  for (size_t i = 0; i < c->devices; i++) {
-    const eda_timing_device *d = &c->device[i];
-    const double n[] = {d->type, d->drain,  d->gate, d->source,
-                        d->bulk, d->length, d->width};
+  hash_number(sum, (double)c->outputs);
+  for (size_t i = 0; i < r->parts; i++) {
+    const part *p = &r->part[i];
+    const double n[] = {p->type, p->length, p->width, p->count};
     hash_numbers(sum, n, sizeof n / sizeof *n);
+    hash_colour(sum, p->colour);
   }
   if (hash_cards(sum, s, error)) return NULL;
   return g_strndup(g_checksum_get_string(sum), 32);
@@ -77,21 +83,17 @@ char *keep_key(const study *s, const eda_timing_cell *c, opc_error *error) {
 
 /* ---- files ---- */
 
-static char *path_of(const study *s, const eda_timing_cell *c,
-                     const char *key) {
+static char *path_of(const study *s, const char *key) {
   const char *store = g_getenv("OPCFLOW_STORE");
-  g_autofree char *name = g_strdup_printf("%s-%s", c->name, key);
   if (s->kept && !strcmp(s->kept, "none")) return NULL;
-  for (char *at = name; *at; at++)
-    if (!g_ascii_isalnum(*at) && !strchr("-_.", *at)) *at = '_';
-  if (s->kept) return g_build_filename(s->kept, name, NULL);
-  if (store) return g_build_filename(store, "timing", name, NULL);
-  return g_build_filename(g_get_user_cache_dir(), "opcflow", "timing", name,
+  if (s->kept) return g_build_filename(s->kept, key, NULL);
+  if (store) return g_build_filename(store, "timing", key, NULL);
+  return g_build_filename(g_get_user_cache_dir(), "opcflow", "timing", key,
                           NULL);
 }
 
 int keep_load(const study *s, eda_timing_cell *c, const char *key) {
-  g_autofree char *path = path_of(s, c, key), *text = NULL;
+  g_autofree char *path = path_of(s, key), *text = NULL;
   if (!path || !g_file_get_contents(path, &text, NULL, NULL)) return 0;
   g_autofree char *head = g_strdup_printf(FORMAT " %s %zu\n", key, c->figures);
   int good = g_str_has_prefix(text, head);
@@ -111,7 +113,7 @@ int keep_load(const study *s, eda_timing_cell *c, const char *key) {
 
 /* A cell that cannot be kept is no fault: it is simulated again next time. */
 void keep_save(const study *s, const eda_timing_cell *c, const char *key) {
-  g_autofree char *path = path_of(s, c, key);
+  g_autofree char *path = path_of(s, key);
   g_autoptr(GError) fault = NULL;
   if (!path) return;
   g_autofree char *folder = g_path_get_dirname(path);

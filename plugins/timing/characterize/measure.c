@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What is simulated of a cell: its arcs over the grid, again with each size of
-   each transistor changed at four points of it, and its pins. */
+   each transistor that matters changed at three points of it, and its pins. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +8,8 @@
 #include "characterize.h"
 
 enum {
-  SOME = 64,  /* copies of a run, about: more share its steps, but wait */
+  SOME = 48,  /* copies of a run, about: more share its steps, but wait */
+  FEW = 12,   /* a run of less is joined with the next load's: it costs 20 ms */
   POINTS = 3, /* at which sizes are changed */
   SIDES = 4   /* patterns of the other inputs for which pins' changes are */
 };
@@ -17,23 +18,35 @@ enum {
    of itself or so; the steps' noise is below that by far. */
 static const double nudge = 0.01;
 
+static const size_t none = SIZE_MAX;
+
 /* ---- decks ---- */
 
 typedef struct plan {
   study *s;
   eda_timing_cell *cell;
+  const circuit *circuit;
   size_t count, room;
   deck *deck;
   double *unit; /* changes of one size each: [k * n + k] is the nudge */
 } plan;
 
-static deck *deck_for(plan *p, double slew, int rough, size_t need) {
-  deck *last = p->count ? &p->deck[p->count - 1] : NULL;
-  if (last && last->slew == slew && last->rough == rough &&
-      (!last->count || last->count + need <= SOME))
-    return last;
+static copy *last_copy(const plan *p) {
+  const deck *d = &p->deck[p->count - 1];
+  return &d->copy[d->count - 1];
+}
+
+/* A deck for `need` more copies like this one. */
+static deck *deck_for(plan *p, double slew, care with, const copy *c,
+                      size_t need) {
+  int rises = !(c->from >> c->input & 1);
+  deck *d = p->count ? &p->deck[p->count - 1] : NULL;
+  if (d && d->slew == slew && d->rises == rises && d->care == with &&
+      d->copy[0].of_pin == c->of_pin && d->count + need <= SOME &&
+      (c->load == last_copy(p)->load || d->count < FEW))
+    return d;
   EDA_PUSH(p->deck, p->count, p->room,
-           (deck){.s = p->s, .slew = slew, .rough = rough});
+           (deck){.s = p->s, .slew = slew, .rises = rises, .care = with});
   return &p->deck[p->count - 1];
 }
 
@@ -54,140 +67,181 @@ static int is_size(const plan *p, size_t k) {
   return p->s->dlc || k % EDA_SIZES != EDA_SIZE_C;
 }
 
-static copy copy_of(const eda_timing_cell *c, const eda_timing_arc *a,
+static copy copy_of(const eda_timing_cell *c, eda_timing_arc *a, size_t slew,
                     size_t load) {
+  const size_t at = slew * c->loads + load;
   return (copy){.cell = c,
                 .from = a->from,
                 .input = a->input,
                 .output = a->output,
-                .load = c->at_load[load]};
+                .load = c->at_load[load],
+                .delay = a->delay[at],
+                .slew = a->slew[at],
+                .arc = a,
+                .point = at,
+                .size = none};
 }
 
-/* As drawn, in all loads at a slew. */
-static void plan_grid(plan *p, size_t slew) {
-  const eda_timing_cell *cell = p->cell;
-  for (size_t j = 0; j < cell->loads; j++)
-    for (size_t k = 0; k < cell->arcs; k++) {
-      copy c = copy_of(cell, &cell->arc[k], j);
-      add(deck_for(p, cell->at_slew[slew], 0, 1), &c);
-    }
+static int input_rises(const eda_timing_arc *a) {
+  return !(a->from >> a->input & 1);
 }
 
-/* As drawn and with each size changed, side by side. */
-static void plan_changes(plan *p, const eda_timing_arc *a, int point) {
+/* All arcs of a direction of the input at a point of the grid. */
+static void plan_point(plan *p, care with, int rises, size_t slew,
+                       size_t load) {
   const eda_timing_cell *cell = p->cell;
-  copy c = copy_of(cell, a, cell->near_load[point == 1]);
-  size_t n = changes_of(p);
-  deck *d = deck_for(p, cell->at_slew[cell->near_slew[point == 2]], 1, 1 + n);
+  for (size_t k = 0; k < cell->arcs; k++) {
+    if (input_rises(&cell->arc[k]) != rises) continue;
+    copy c = copy_of(cell, &cell->arc[k], slew, load);
+    add(deck_for(p, cell->at_slew[slew], with, &c, 1), &c);
+  }
+}
+
+/* ---- as drawn ---- */
+
+/* At the steepest input and the ends of the loads, to know how long the others
+   take. */
+static void plan_pilot(plan *p) {
+  for (int rises = 0; rises < 2; rises++) {
+    plan_point(p, PILOT, rises, 0, 0);
+    plan_point(p, PILOT, rises, 0, p->cell->loads - 1);
+  }
+}
+
+/* Between the ends of the loads straight; a slower input makes an output as
+   much later and slower as the inverters of PTM 65 nm were at most (delays) and
+   at least (slews), which is about enough: decks leave room, and go on where an
+   output is not there. */
+static void expect(const eda_timing_cell *c) {
+  const double later = 0.4, slower = 0.1;
+  const size_t end = c->loads - 1;
+  for (size_t k = 0; k < c->arcs; k++) {
+    const eda_timing_arc *a = &c->arc[k];
+    const double d0 = a->delay[0], d1 = a->delay[end], s0 = a->slew[0],
+                 s1 = a->slew[end];
+    for (size_t i = 0; i < c->slews; i++)
+      for (size_t j = 0; j < c->loads; j++) {
+        double more = c->at_slew[i] - c->at_slew[0],
+               share = (c->at_load[j] - c->at_load[0]) /
+                       (c->at_load[end] - c->at_load[0]);
+        a->delay[i * c->loads + j] = d0 + share * (d1 - d0) + later * more;
+        a->slew[i * c->loads + j] = s0 + share * (s1 - s0) + slower * more;
+      }
+  }
+}
+
+static void plan_grid(plan *p) {
+  for (size_t i = 0; i < p->cell->slews; i++)
+    for (int rises = 0; rises < 2; rises++)
+      for (size_t j = 0; j < p->cell->loads; j++)
+        plan_point(p, GRID, rises, i, j);
+}
+
+static void take_grid(const copy *c) {
+  c->arc->delay[c->point] = c->delay;
+  c->arc->slew[c->point] = c->slew;
+}
+
+/* ---- with each size changed ---- */
+
+/* As drawn and with each size changed that matters, side by side. */
+static void plan_arc(plan *p, eda_timing_arc *a, const uint8_t *sizes,
+                     size_t point) {
+  const eda_timing_cell *cell = p->cell;
+  const size_t n = changes_of(p), slew = cell->near_slew[point == 2],
+               load = cell->near_load[point == 1];
+  copy c = copy_of(cell, a, slew, load);
+  c.point = point;
+  deck *d = deck_for(p, cell->at_slew[slew], CHANGES, &c, 1 + n);
   add(d, &c);
   for (size_t k = 0; k < n; k++) {
-    if (!is_size(p, k)) continue;
+    int of = sizes[k / EDA_SIZES];
+    if (!is_size(p, k) || of == NO_SIZE ||
+        (of == WIDTH_ONLY && k % EDA_SIZES != EDA_SIZE_W))
+      continue;
     c.change = unit_of(p, k);
+    c.size = k;
     add(d, &c);
   }
 }
 
-/* Where the copies are taken from again, in the same order. */
-typedef struct reader {
-  plan plan;
-  size_t deck, at;
-  const copy *base;
-} reader;
-
-static const copy *next(reader *r) {
-  while (r->at == r->plan.deck[r->deck].count) {
-    r->deck++;
-    r->at = 0;
-  }
-  return &r->plan.deck[r->deck].copy[r->at++];
+static void plan_changes(plan *p) {
+  const eda_timing_cell *cell = p->cell;
+  uint8_t *sizes = eda_alloc(cell->bundles, 1);
+  for (size_t point = 0; point < POINTS; point++)
+    for (int rises = 0; rises < 2; rises++)
+      for (size_t k = 0; k < cell->arcs; k++) {
+        if (input_rises(&cell->arc[k]) != rises) continue;
+        arc_sizes(cell, p->circuit, &cell->arc[k], sizes);
+        plan_arc(p, &cell->arc[k], sizes, point);
+      }
+  free(sizes);
 }
 
-static void take_grid(reader *r, size_t slew) {
-  eda_timing_cell *cell = r->plan.cell;
-  for (size_t j = 0; j < cell->loads; j++)
-    for (size_t k = 0; k < cell->arcs; k++) {
-      const copy *c = next(r);
-      cell->arc[k].delay[slew * cell->loads + j] = c->delay;
-      cell->arc[k].slew[slew * cell->loads + j] = c->slew;
-    }
-}
-
-static void take_changes(reader *r, eda_timing_arc *a, int point) {
-  const plan *p = &r->plan;
-  const size_t n = changes_of(p), at = (size_t)point * n;
-  const copy *base = next(r);
-  for (size_t k = 0; k < n; k++) {
-    if (!is_size(p, k)) continue;
-    const copy *c = next(r);
-    a->delay_by[at + k] = (c->delay - base->delay) / nudge;
-    a->slew_by[at + k] = (c->slew - base->slew) / nudge;
-  }
+static void take_change(const plan *p, const copy *base, const copy *c) {
+  if (c == base) return;
+  const size_t at = c->point * changes_of(p) + c->size;
+  c->arc->delay_by[at] = (c->delay - base->delay) / nudge;
+  c->arc->slew_by[at] = (c->slew - base->slew) / nudge;
 }
 
 /* ---- pins ---- */
 
-static int is_on(const eda_timing_cell *c, size_t bundle, size_t input) {
-  for (size_t i = 0; i < c->devices; i++)
-    if (c->device[i].bundle == bundle)
-      return c->device[i].gate == c->port[input];
-  return 0;
+static int is_on(const plan *p, size_t bundle, size_t input) {
+  return p->circuit->part[bundle].gate == p->cell->port[input];
 }
 
-/* Those patterns of the other inputs that changes of a pin are found for. */
-static int is_side(const eda_timing_cell *c, size_t number) {
-  size_t all = (size_t)1 << (c->inputs - 1),
-         every = all > SIDES ? all / SIDES : 1;
-  return number % every == 0;
+/* How many patterns of the other inputs there are, and for how many of them
+   changes of a pin are found. */
+static size_t patterns_of(const eda_timing_cell *c) {
+  return (size_t)1 << (c->inputs - 1);
 }
 
-/* Call for each change of a pin that is simulated, in order. */
-static void each_pin(plan *p,
-                     void (*call)(plan *p, const copy *c, size_t change)) {
+static size_t sides_of(const eda_timing_cell *c) {
+  return patterns_of(c) > SIDES ? SIDES : patterns_of(c);
+}
+
+/* A pin in one direction, with all that the other inputs can be. */
+static void plan_pin(plan *p, size_t i, int rises) {
   const eda_timing_cell *cell = p->cell;
-  const size_t n = changes_of(p), none = SIZE_MAX;
-  for (size_t i = 0; i < cell->inputs; i++)
-    for (uint32_t from = 0, number[2] = {0}; from >> cell->inputs == 0;
-         from++) {
-      int high = from >> i & 1;
-      copy c = {.cell = cell,
-                .from = from,
-                .input = (uint8_t)i,
-                .of_pin = 1,
-                .load = cell->at_load[cell->loads > 2]};
-      call(p, &c, none);
-      if (is_side(cell, number[high]++))
-        for (size_t k = 0; k < n; k++) {
-          if (!is_on(cell, k / EDA_SIZES, i) || !is_size(p, k)) continue;
-          c.change = unit_of(p, k);
-          call(p, &c, k);
-        }
+  const size_t n = changes_of(p), every = patterns_of(cell) / sides_of(cell);
+  const double slew = cell->at_slew[cell->slews > 2 ? 1 : 0];
+  size_t number = 0;
+  for (uint32_t from = 0; from >> cell->inputs == 0; from++) {
+    if ((from >> i & 1) == (uint32_t)rises) continue;
+    copy c = {.cell = cell,
+              .from = from,
+              .input = (uint8_t)i,
+              .of_pin = 1,
+              .load = cell->at_load[cell->loads > 2],
+              .size = none};
+    add(deck_for(p, slew, GRID, &c, 1), &c);
+    if (number++ % every) continue;
+    for (size_t k = 0; k < n; k++) {
+      if (!is_on(p, k / EDA_SIZES, i) || !is_size(p, k)) continue;
+      c.change = unit_of(p, k);
+      c.size = k;
+      add(deck_for(p, slew, GRID, &c, 1), &c);
     }
+  }
 }
 
-static double pin_slew(const eda_timing_cell *c) {
-  return c->at_slew[c->slews > 2 ? 1 : 0];
+static void plan_pins(plan *p) {
+  for (int rises = 0; rises < 2; rises++)
+    for (size_t i = 0; i < p->cell->inputs; i++) plan_pin(p, i, rises);
 }
 
-static void plan_pin(plan *p, const copy *c, size_t change) {
-  (void)change;
-  add(deck_for(p, pin_slew(p->cell), 0, 1), c);
-}
-
-static void take_pin(plan *p, const copy *c, size_t change) {
-  reader *r = (reader *)p;
-  eda_timing_cell *cell = p->cell;
-  const size_t n = changes_of(p), all = (size_t)1 << (cell->inputs - 1),
-               sides = all > SIDES ? SIDES : all;
+static void take_pin(const plan *p, const copy *base, const copy *c) {
+  const eda_timing_cell *cell = p->cell;
+  const size_t n = changes_of(p);
   size_t at = (c->input * 2u + !(c->from >> c->input & 1)) * EDA_CAPS;
-  const copy *found = next(r);
-  if (change == SIZE_MAX) r->base = found;
   for (size_t cap = 0; cap < EDA_CAPS; cap++, at++)
-    if (change == SIZE_MAX)
-      cell->capacitance[at] += found->capacitance[cap] / (double)all;
+    if (c == base)
+      cell->capacitance[at] += c->capacitance[cap] / (double)patterns_of(cell);
     else
-      cell->capacitance_by[at * n + change] +=
-          (found->capacitance[cap] - r->base->capacitance[cap]) / nudge /
-          (double)sides;
+      cell->capacitance_by[at * n + c->size] +=
+          (c->capacitance[cap] - base->capacitance[cap]) / nudge /
+          (double)sides_of(cell);
 }
 
 /* ---- a cell ---- */
@@ -195,6 +249,26 @@ static void take_pin(plan *p, const copy *c, size_t change) {
 static void run_deck(void *data, size_t i) {
   plan *p = data;
   deck_run(&p->deck[i]);
+}
+
+static void take_all(const plan *p) {
+  const copy *base = NULL;
+  for (size_t i = 0; i < p->count; i++)
+    for (size_t k = 0; k < p->deck[i].count; k++) {
+      const copy *c = &p->deck[i].copy[k];
+      if (c->size == none) base = c;
+      if (c->of_pin)
+        take_pin(p, base, c);
+      else if (p->deck[i].care == CHANGES)
+        take_change(p, base, c);
+      else
+        take_grid(c);
+    }
+}
+
+static void clear_decks(plan *p) {
+  for (size_t i = 0; i < p->count; i++) free(p->deck[i].copy);
+  p->count = 0;
 }
 
 static int run_all(plan *p, opc_error *error) {
@@ -208,38 +282,33 @@ static int run_all(plan *p, opc_error *error) {
   return OPC_OK;
 }
 
-static void plan_clear(plan *p) {
-  for (size_t i = 0; i < p->count; i++) free(p->deck[i].copy);
-  free(p->deck);
-  free(p->unit);
-}
-
-static void plan_all(plan *p) {
-  eda_timing_cell *c = p->cell;
-  for (size_t i = 0; i < c->slews; i++) plan_grid(p, i);
-  for (int point = 0; point < POINTS; point++)
-    for (size_t k = 0; k < c->arcs; k++) plan_changes(p, &c->arc[k], point);
-  each_pin(p, plan_pin);
-}
-
-static void take_all(plan *p) {
-  eda_timing_cell *c = p->cell;
-  reader r = {.plan = *p};
-  for (size_t i = 0; i < c->slews; i++) take_grid(&r, i);
-  for (int point = 0; point < POINTS; point++)
-    for (size_t k = 0; k < c->arcs; k++) take_changes(&r, &c->arc[k], point);
-  each_pin(&r.plan, take_pin);
+/* Run what is planned and take it. */
+static int settle(plan *p, opc_error *error) {
+  int code = run_all(p, error);
+  if (!code) take_all(p);
+  clear_decks(p);
+  return code;
 }
 
 int cell_measure(study *s, eda_timing_cell *c, opc_error *error) {
-  plan p = {.s = s, .cell = c};
+  plan p = {.s = s, .cell = c, .circuit = circuit_of(s, c)};
   const size_t n = changes_of(&p);
   p.unit = eda_alloc(n * n, sizeof(double));
   for (size_t k = 0; k < n; k++) p.unit[k * n + k] = nudge;
-  plan_all(&p);
-  int code = run_all(&p, error);
-  if (!code) take_all(&p);
-  plan_clear(&p);
+  plan_pilot(&p);
+  int code = settle(&p, error);
+  if (!code) {
+    expect(c);
+    plan_grid(&p);
+    plan_pins(&p);
+    code = settle(&p, error);
+  }
+  if (!code) {
+    plan_changes(&p);
+    code = settle(&p, error);
+  }
+  free(p.deck);
+  free(p.unit);
   return code;
 }
 
@@ -268,6 +337,19 @@ static double draw_between(uint64_t *state, const double *at, size_t n) {
   return low * pow(high / low, draw(state));
 }
 
+static void at_point(const deck *d, const copy *k, double *delay,
+                     double *slew) {
+  const eda_timing_cell *c = k->cell;
+  double ds[64], ss[64], cubic[4 * 64];
+  size_t at = ((size_t)k->output * c->inputs + k->input) << c->inputs;
+  const eda_timing_arc *a = &c->arc[c->arc_of[at + k->from]];
+  eda_timing_at(c, a, k->load, k->load, k->change, ds, ss);
+  eda_timing_cubic(c->at_slew, ds, c->slews, cubic);
+  *delay = eda_timing_cubic_at(c->at_slew, cubic, c->slews, d->slew);
+  eda_timing_cubic(c->at_slew, ss, c->slews, cubic);
+  *slew = eda_timing_cubic_at(c->at_slew, cubic, c->slews, d->slew);
+}
+
 /* A point between those of the grid, as drawn and with all sizes changed. */
 static void plan_check(study *s, uint64_t *seed, deck *d) {
   const eda_timing *t = s->timing;
@@ -282,28 +364,17 @@ static void plan_check(study *s, uint64_t *seed, deck *d) {
       change[k] = spread * (2 * draw(seed) - 1);
   double slew = draw_between(seed, c->at_slew, c->slews),
          load = draw_between(seed, c->at_load, c->loads);
-  *d = (deck){.s = s, .slew = slew};
   copy k = {.cell = c,
             .from = a->from,
             .input = a->input,
             .output = a->output,
             .load = load};
-  add(d, &k);
-  k.change = change;
-  add(d, &k);
-}
-
-static void at_point(const deck *d, const copy *k, double *delay,
-                     double *slew) {
-  const eda_timing_cell *c = k->cell;
-  double ds[64], ss[64], cubic[4 * 64];
-  size_t at = ((size_t)k->output * c->inputs + k->input) << c->inputs;
-  const eda_timing_arc *a = &c->arc[c->arc_of[at + k->from]];
-  eda_timing_at(c, a, k->load, k->load, k->change, ds, ss);
-  eda_timing_cubic(c->at_slew, ds, c->slews, cubic);
-  *delay = eda_timing_cubic_at(c->at_slew, cubic, c->slews, d->slew);
-  eda_timing_cubic(c->at_slew, ss, c->slews, cubic);
-  *slew = eda_timing_cubic_at(c->at_slew, cubic, c->slews, d->slew);
+  *d = (deck){.s = s, .slew = slew, .rises = input_rises(a), .care = JUDGE};
+  for (int changed = 0; changed < 2; changed++) {
+    k.change = changed ? change : NULL;
+    at_point(d, &k, &k.delay, &k.slew);
+    add(d, &k);
+  }
 }
 
 static void judge(const deck *d, verdict *v) {
@@ -331,7 +402,8 @@ int cells_check(study *s, verdict *out, opc_error *error) {
   int code = run_all(&p, error);
   *out = (verdict){0};
   for (size_t i = 0; i < n && !code; i++) judge(&p.deck[i], out);
-  plan_clear(&p);
+  clear_decks(&p);
+  free(p.deck);
   if (!out->points) return code;
   out->delay_rms = sqrt(out->delay_rms / (double)n);
   out->slew_rms = sqrt(out->slew_rms / (double)n);

@@ -29,8 +29,8 @@ typedef struct eda_timing_device {
   uint8_t type;     /* EDA_NMOS, EDA_PMOS */
   uint32_t drain, gate, source, bulk;
   double length, width; /* nm, as drawn */
-  uint32_t bundle;      /* those in parallel are one */
-  double share;         /* of the bundle's width */
+  uint32_t bundle;      /* those that behave alike are one */
+  double share;         /* of the bundle's effect */
 } eda_timing_device;
 
 /* An input changes, all others stay, and an output follows. */

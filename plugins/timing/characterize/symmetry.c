@@ -1,0 +1,172 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What of a cell behaves alike. Nets get colours, and transistors colours of
+   where they are, until these tell no more apart (colour refinement: Weisfeiler
+   and Leman 1968). Nets of one colour see the same number of transistors of
+   each colour, so that the same voltages on all of them solve the circuit's
+   equations: they may be joined, and transistors of one colour be one with a
+   factor. What these factors have in common is so many circuits side by side.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "characterize.h"
+
+/* ---- colours ---- */
+
+/* What ends a channel and a gate say to a net. */
+enum { AT_GATE = 1, AT_CHANNEL, AT_BULK };
+
+/* splitmix64's last steps (Steele, Lea, Flood 2014). */
+static uint64_t mix(uint64_t z) {
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return z ^ (z >> 31);
+}
+
+static uint64_t join(uint64_t a, uint64_t b) {
+  return mix(mix(a) + 0x9e3779b97f4a7c15u * (b + 1));
+}
+
+static uint64_t join_number(uint64_t a, double b) {
+  uint64_t bits;
+  memcpy(&bits, &b, sizeof bits);
+  return join(a, bits);
+}
+
+/* The ends of a channel are alike. */
+static uint64_t colour_of(const part *p, const uint64_t *net) {
+  uint64_t c = join_number(join_number(p->type, p->length), p->width);
+  c = join(join(c, net[p->gate]), net[p->bulk]);
+  return join(join(c, mix(net[p->drain]) + mix(net[p->source])), p->count);
+}
+
+static int by_value(const void *a, const void *b) {
+  const uint64_t *x = a, *y = b;
+  return *x < *y ? -1 : *x > *y;
+}
+
+static size_t distinct(const uint64_t *net, size_t n) {
+  uint64_t *sorted = eda_alloc(n, sizeof *sorted);
+  memcpy(sorted, net, n * sizeof *sorted);
+  qsort(sorted, n, sizeof *sorted, by_value);
+  size_t some = n > 0;
+  for (size_t i = 1; i < n; i++) some += sorted[i] != sorted[i - 1];
+  free(sorted);
+  return some;
+}
+
+/* Rails and pins are themselves. */
+static void first_colours(const eda_timing_cell *c, uint64_t *net) {
+  for (size_t i = 0; i < c->nets; i++)
+    net[i] = c->rail[i] ? 1 + (c->rail[i] > 0) : 0;
+  for (size_t i = 0; i < c->inputs + c->outputs; i++) net[c->port[i]] = 3 + i;
+}
+
+/* Of nets that are joined, only the first is looked at. */
+static void refine(const eda_timing_cell *c, const part *p, size_t n,
+                   const uint32_t *same, uint64_t *net) {
+  const size_t nets = c->nets;
+  uint64_t *said = eda_alloc(nets, sizeof *said);
+  first_colours(c, net);
+  for (size_t before = 0, now = distinct(net, nets); now > before;) {
+    memset(said, 0, nets * sizeof *said);
+    for (size_t i = 0; i < n; i++) {
+      uint64_t colour = colour_of(&p[i], net);
+      said[p[i].gate] += p[i].count * join(colour, AT_GATE);
+      said[p[i].drain] += p[i].count * join(colour, AT_CHANNEL);
+      said[p[i].source] += p[i].count * join(colour, AT_CHANNEL);
+      said[p[i].bulk] += p[i].count * join(colour, AT_BULK);
+    }
+    for (size_t i = 0; i < nets; i++)
+      net[i] = same[i] == i ? join(net[i], said[i]) : net[same[i]];
+    before = now;
+    now = distinct(net, nets);
+  }
+  free(said);
+}
+
+/* ---- parts ---- */
+
+static part part_of(const eda_timing_device *d, const uint32_t *same) {
+  return (part){.type = d->type,
+                .drain = same[d->drain],
+                .gate = same[d->gate],
+                .source = same[d->source],
+                .bulk = same[d->bulk],
+                .length = d->length,
+                .width = d->width,
+                .count = 1};
+}
+
+/* Of each net the first that is like it. Supplies are one, and so are grounds.
+ */
+static void join_nets(const eda_timing_cell *c, const uint64_t *net,
+                      uint32_t *same) {
+  for (uint32_t i = 0; i < c->nets; i++) {
+    same[i] = 0;
+    while (net[same[i]] != net[i]) same[i]++;
+  }
+}
+
+static void join_devices(eda_timing_cell *c, const uint64_t *net,
+                         const uint32_t *same, circuit *r) {
+  for (size_t i = 0; i < c->devices; i++) {
+    part p = part_of(&c->device[i], same);
+    p.colour = colour_of(&p, net);
+    size_t k = 0;
+    while (k < r->parts && r->part[k].colour != p.colour) k++;
+    if (k == r->parts)
+      r->part[r->parts++] = p;
+    else
+      r->part[k].count++;
+    c->device[i].bundle = (uint32_t)k;
+  }
+  for (size_t i = 0; i < c->devices; i++)
+    c->device[i].share = 1.0 / r->part[c->device[i].bundle].count;
+}
+
+static uint32_t divisor(uint32_t a, uint32_t b) {
+  return b ? divisor(b, a % b) : a;
+}
+
+static int by_colour(const void *a, const void *b) {
+  return by_value(&((const part *)a)->colour, &((const part *)b)->colour);
+}
+
+/* Into an order that does not depend on the netlist's. */
+static void sort_parts(eda_timing_cell *c, circuit *r) {
+  uint32_t *now = eda_alloc(r->parts, sizeof *now);
+  for (uint32_t i = 0; i < r->parts; i++) r->part[i].place = i;
+  qsort(r->part, r->parts, sizeof *r->part, by_colour);
+  for (uint32_t i = 0; i < r->parts; i++) now[r->part[i].place] = i;
+  for (size_t i = 0; i < c->devices; i++)
+    c->device[i].bundle = now[c->device[i].bundle];
+  free(now);
+}
+
+void cell_join(eda_pool *pool, eda_timing_cell *c, circuit *r) {
+  uint64_t *net = eda_alloc(c->nets, sizeof *net);
+  uint32_t *same = eda_alloc(c->nets, sizeof *same);
+  part *alone = eda_alloc(c->devices, sizeof *alone);
+  for (uint32_t i = 0; i < c->nets; i++) same[i] = i;
+  for (size_t i = 0; i < c->devices; i++)
+    alone[i] = part_of(&c->device[i], same);
+  refine(c, alone, c->devices, same, net);
+  join_nets(c, net, same);
+  r->part = eda_pool_alloc(pool, c->devices, sizeof *r->part);
+  join_devices(c, net, same, r);
+  uint32_t times = 0;
+  for (size_t i = 0; i < r->parts; i++)
+    times = divisor(times, r->part[i].count);
+  for (size_t i = 0; i < r->parts; i++) r->part[i].count /= times;
+  r->times = times;
+  /* Colours of what is simulated: those above also say how often. */
+  refine(c, r->part, r->parts, same, net);
+  for (size_t i = 0; i < r->parts; i++)
+    r->part[i].colour = colour_of(&r->part[i], net);
+  sort_parts(c, r);
+  c->bundles = r->parts;
+  free(alone);
+  free(same);
+  free(net);
+}

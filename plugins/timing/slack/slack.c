@@ -1,0 +1,405 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* timing.slack: what each transistor of a circuit is to be printed as, so that
+   gates with time to spare leak less and no path takes longer: longer gates,
+   after Gupta et al., "Selective gate-length biasing for cost-effective runtime
+   leakage control", DAC 2004. */
+#include <eda/circuit.h>
+#include <eda/curves.h>
+#include <glib.h>
+#include <math.h>
+#include <opcflow/step.h>
+#include <opcflow/table.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "budget.h"
+
+/* ---- state ---- */
+
+typedef struct slack {
+  const opc_host *host;
+  const eda_timing *timing;
+  const eda_circuit *circuit;
+  const char *file, *top, *devices;
+  conditions at;
+  double ion, limit, clock, weight; /* %, %, s, 1 */
+  eda_curves curves;
+} slack;
+
+static const size_t NO_CHOICE = SIZE_MAX;
+static const double NEVER = -1; /* no length of a choice */
+
+/* Of a run. */
+typedef struct job {
+  const slack *s;
+  eda_pool pool;
+  graph graph;
+  budget budget;
+  size_t *of;             /* the choice of each gate, NO_CHOICE: of none */
+  double *drawn;          /* slack of each net, ps, as drawn */
+  double worst, at_first; /* ps; A: as drawn */
+} job;
+
+/* ---- work: what a length does ---- */
+
+static double current(const slack *s, size_t gate, int which, double by) {
+  const eda_gates *g = s->circuit->gates;
+  eda_curves_width w = eda_curves_among(&s->curves, g->width[gate]);
+  return g->width[gate] *
+         exp(eda_curves_narrow_at(&s->curves, g->type[gate], which,
+                                  g->length[gate] * exp(by), &w));
+}
+
+/* ln of the longest that a gate may be. */
+static double longest(const slack *s, size_t gate) {
+  const eda_gates *g = s->circuit->gates;
+  eda_curves_width w = eda_curves_among(&s->curves, g->width[gate]);
+  double wanted =
+      log(current(s, gate, EDA_ION, 0) / g->width[gate] * (1 - s->ion / 100));
+  double l = eda_curves_narrow_length(&s->curves, g->type[gate], EDA_ION,
+                                      wanted, &w, g->length[gate]);
+  l = fmin(l, eda_curves_longest(&s->curves));
+  return fmax(0, log(l / g->length[gate]));
+}
+
+/* ---- work: choices ---- */
+
+/* What a designer has said of a transistor, nobody changes. */
+static int is_noted(const eda_gates *g, size_t gate) {
+  const char *note = g->note ? g->note[gate] : NULL;
+  return note && *note && *note != '#';
+}
+
+static void number_choices(job *j) {
+  const graph *g = &j->graph;
+  budget *b = &j->budget;
+  size_t most = 0;
+  b->g = g;
+  b->first = eda_pool_alloc(&j->pool, g->instances, sizeof *b->first);
+  for (size_t i = 0; i < g->nodes; i++) most += g->node[i].cell->bundles;
+  b->choice = eda_pool_alloc(&j->pool, most, sizeof *b->choice);
+  for (size_t i = 0; i < g->nodes; i++) {
+    const node *n = &g->node[i];
+    if (n->output) continue; /* once for each instance */
+    b->first[n->instance] = b->count;
+    for (uint32_t k = 0; k < n->cell->bundles; k++)
+      b->choice[b->count++] = (choice){.instance = n->instance, .bundle = k};
+  }
+  j->of = eda_pool_alloc(&j->pool, j->s->circuit->gates->count, sizeof *j->of);
+}
+
+/* A choice goes as far as the least of its gates; steps are even in ln L. */
+static int fill_choices(job *j, opc_error *error) {
+  const slack *s = j->s;
+  const eda_circuit *c = s->circuit;
+  budget *b = &j->budget;
+  place *places = graph_places(&j->graph, c, error);
+  if (!places) return error->code;
+  for (size_t i = 0; i < c->gates->count; i++) j->of[i] = NO_CHOICE;
+  for (size_t i = 0; i < c->count; i++) {
+    size_t k = b->first[places[i].instance] + places[i].device->bundle;
+    for (uint32_t f = 0; f < c->device[i].fingers; f++)
+      j->of[c->device[i].finger[f]] = k;
+  }
+  free(places);
+  for (size_t i = 0; i < c->gates->count; i++) {
+    if (j->of[i] == NO_CHOICE) continue;
+    double *most = &b->choice[j->of[i]].length[LEVELS];
+    double here = is_noted(c->gates, i) ? NEVER : longest(s, i);
+    *most = *most == 0 ? here : fmin(*most, here);
+  }
+  for (size_t i = 0; i < b->count; i++) {
+    choice *k = &b->choice[i];
+    k->most = k->length[LEVELS] > 0 ? LEVELS : 0;
+    for (int level = 0; level <= LEVELS; level++)
+      k->length[level] = k->most ? k->length[LEVELS] * level / LEVELS : 0;
+  }
+  double *share = rest_shares(b);
+  for (size_t i = 0; i < c->gates->count; i++)
+    for (int level = 0; level <= LEVELS && j->of[i] != NO_CHOICE; level++) {
+      choice *k = &b->choice[j->of[i]];
+      k->leak[level] +=
+          share[j->of[i]] * current(s, i, EDA_IOFF, k->length[level]);
+    }
+  free(share);
+  return OPC_OK;
+}
+
+/* ---- work: the gates with their wishes ---- */
+
+static void free_gates(void *object) {
+  eda_gates *g = object;
+  for (size_t i = 0; g && i < g->count; i++) g_free(g->note[i]);
+  if (g) free(g->note);
+  free(g);
+}
+
+static void free_circuit(void *object) { free(object); }
+
+/* By how much the length of a gate is to be more, ln. */
+static double longer(const job *j, size_t gate) {
+  if (j->of[gate] == NO_CHOICE) return 0;
+  const choice *c = &j->budget.choice[j->of[gate]];
+  return c->length[c->level];
+}
+
+typedef struct wished {
+  char *name;
+  double weight, ion, ioff, area;
+} wished;
+
+static wished wish_of(const job *j, size_t gate) {
+  const slack *s = j->s;
+  double by = longer(j, gate);
+  return (wished){
+      .ion = current(s, gate, EDA_ION, by) / current(s, gate, EDA_ION, 0),
+      .ioff = current(s, gate, EDA_IOFF, by) / current(s, gate, EDA_IOFF, 0),
+      .area = exp(by),
+      .weight = s->weight};
+}
+
+/* The gates as they are, but for the notes. */
+static eda_gates *with_notes(const job *j) {
+  const eda_gates *from = j->s->circuit->gates;
+  eda_gates *g = eda_alloc(1, sizeof *g);
+  *g = *from;
+  g->serial = 0;
+  g->note = eda_alloc(g->count, sizeof *g->note);
+  for (size_t i = 0; i < g->count; i++) {
+    g->note[i] = g_strdup(from->note ? from->note[i] : NULL);
+    if (!(longer(j, i) > 0)) continue;
+    wished w = wish_of(j, i);
+    g_free(g->note[i]);
+    g->note[i] = g_strdup_printf("weight=%g ion=%.6f ioff=%.6f area=%.6f",
+                                 j->s->weight, w.ion, w.ioff, w.area);
+  }
+  return g;
+}
+
+/* ---- work: what is told ---- */
+
+static int tell_wishes(const job *j, opc_error *error) {
+  const eda_gates *g = j->s->circuit->gates;
+  wished *row = eda_alloc(g->count, sizeof *row);
+  size_t n = 0;
+  for (size_t i = 0; i < g->count; i++) {
+    if (!(longer(j, i) > 0)) continue;
+    row[n] = wish_of(j, i);
+    row[n++].name = g_strdup_printf(
+        "%s:%u", *g->instance[i] ? g->instance[i] : g->cell[i], g->number[i]);
+  }
+  const opc_column columns[] = {{"transistor", NULL, OPC_TEXT, 0, &row->name},
+                                {"weight", NULL, OPC_REAL, 4, &row->weight},
+                                {"ion", NULL, OPC_REAL, 6, &row->ion},
+                                {"ioff", NULL, OPC_REAL, 6, &row->ioff},
+                                {"area", NULL, OPC_REAL, 6, &row->area}};
+  int code = opc_put_rows(j->s->host, "wishes", 0, n, sizeof *row,
+                          OPC_ARRAY(columns), error);
+  for (size_t i = 0; i < n; i++) g_free(row[i].name);
+  free(row);
+  return code;
+}
+
+/* The least slack of the nets that an instance drives. */
+typedef struct row {
+  const char *instance, *cell;
+  double before, after, drawn, leak;
+} row;
+
+static int tell_instances(const job *j, const double *after, opc_error *error) {
+  const graph *g = &j->graph;
+  const budget *b = &j->budget;
+  row *rows = eda_alloc(g->instances, sizeof *rows);
+  for (size_t i = 0; i < g->instances; i++)
+    rows[i].before = rows[i].after = INFINITY;
+  for (size_t i = 0; i < g->nodes; i++) {
+    const node *n = &g->node[i];
+    row *r = &rows[n->instance];
+    r->instance = g->instance[n->instance];
+    r->cell = n->cell->name;
+    for (size_t k = 2 * n->net; k < 2 * n->net + 2; k++) {
+      r->before = fmin(r->before, j->drawn[k]);
+      r->after = fmin(r->after, after[k]);
+    }
+  }
+  for (size_t i = 0; i < b->count; i++) {
+    const choice *c = &b->choice[i];
+    rows[c->instance].drawn += 1e9 * c->leak[0];
+    rows[c->instance].leak += 1e9 * c->leak[c->level];
+  }
+  const opc_column columns[] = {
+      {"instance", NULL, OPC_TEXT, 0, &rows->instance},
+      {"cell", NULL, OPC_TEXT, 0, &rows->cell},
+      {"slack_drawn", "ps", OPC_REAL, 3, &rows->before},
+      {"slack", "ps", OPC_REAL, 3, &rows->after},
+      {"leakage_drawn", "nA", OPC_REAL, 4, &rows->drawn},
+      {"leakage", "nA", OPC_REAL, 4, &rows->leak}};
+  int code = opc_put_rows(j->s->host, "slack", 0, g->instances, sizeof *rows,
+                          OPC_ARRAY(columns), error);
+  free(rows);
+  return code;
+}
+
+static int tell(const job *j, opc_error *error) {
+  const budget *b = &j->budget;
+  const eda_gates *g = j->s->circuit->gates;
+  double slower = 0, most = 0, leak = budget_leak(b), worst = budget_worst(b);
+  for (size_t i = 0; i < g->count; i++) {
+    double by = longer(j, i);
+    slower += by > 0;
+    most = fmax(most, g->length[i] * (exp(by) - 1));
+  }
+  const opc_metric_value values[] = {
+      {"drawn", j->worst},
+      {"allowed", b->limit},
+      {"latest", worst},
+      {"longer", slower},
+      {"longer_most", most},
+      {"leakage_drawn", 1e9 * j->at_first},
+      {"leakage", 1e9 * leak},
+      {"leakage_change", 100 * (leak / j->at_first - 1)}};
+  return opc_put_metrics(j->s->host, OPC_ARRAY(values), error);
+}
+
+/* ---- work: all ---- */
+
+static int spend(job *j, opc_error *error) {
+  const slack *s = j->s;
+  budget *b = &j->budget;
+  b->at = s->at;
+  budget_init(b);
+  j->worst = budget_worst(b);
+  b->limit = s->clock > 0 ? s->clock * 1e12 : j->worst * (1 + s->limit / 100);
+  j->at_first = budget_leak(b);
+  j->drawn = budget_slack(b);
+  if (!budget_spend(b))
+    return opc_fail(error, OPC_INVALID, s->clock > 0 ? "clock" : "limit",
+                    "the latest path of '%.100s' takes %.3f ps as drawn, "
+                    "%.3f ps are allowed",
+                    j->graph.name, j->worst, b->limit);
+  double *after = budget_slack(b);
+  int code = tell(j, error);
+  if (!code) code = tell_wishes(j, error);
+  if (!code) code = tell_instances(j, after, error);
+  free(after);
+  return code;
+}
+
+static int run(void *self, void **outputs, opc_error *error) {
+  slack *s = self;
+  job j = {.s = s};
+  int code = eda_curves_read(&s->curves, s->devices, error);
+  const char *top = s->top ? s->top : s->circuit->name;
+  if (!code)
+    code = graph_read(&j.graph, &j.pool, s->timing, s->file, top, error);
+  if (!code) {
+    number_choices(&j);
+    code = fill_choices(&j, error);
+  }
+  if (!code) {
+    code = spend(&j, error);
+    budget_clear(&j.budget);
+    free(j.drawn);
+  }
+  if (!code) {
+    eda_gates *gates = with_notes(&j);
+    eda_circuit *circuit = eda_alloc(1, sizeof *circuit);
+    *circuit = *s->circuit;
+    circuit->gates = gates;
+    outputs[0] = gates;
+    outputs[1] = circuit;
+  }
+  eda_pool_clear(&j.pool);
+  return code;
+}
+
+static void clear(void *self) { eda_curves_clear(&((slack *)self)->curves); }
+
+/* ---- parameters ---- */
+
+static const opc_parameter parameters[] = {
+    OPC_PARAMETER(slack, timing, .type = OPC_INPUT, .flags = OPC_REQUIRED,
+                  .choices = "timing", .summary = "the circuit's cells"),
+    OPC_PARAMETER(slack, circuit, .type = OPC_INPUT, .flags = OPC_REQUIRED,
+                  .choices = "circuit",
+                  .summary = "which gates its transistors are"),
+    OPC_PARAMETER(slack, file, .type = OPC_FILE, .flags = OPC_REQUIRED,
+                  .summary = "SPICE or CDL netlist: instances of cells"),
+    OPC_PARAMETER(slack, top, .type = OPC_TEXT,
+                  .summary = "the subcircuit (default: the circuit's)"),
+    OPC_PARAMETER(slack, devices, .type = OPC_FILE, .flags = OPC_REQUIRED,
+                  .summary = "device table: Ion and Ioff against L"),
+    OPC_PARAMETER(slack, ion, .type = OPC_REAL, .unit = "%",
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "10 %",
+                  .min = 0, .max = 50,
+                  .summary = "the most of its Ion that a transistor gives for "
+                             "less leakage"),
+    OPC_PARAMETER(slack, limit, .type = OPC_REAL, .unit = "%",
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0 %",
+                  .min = -50, .max = 1000,
+                  .summary = "how much longer than as drawn the latest path "
+                             "may take"),
+    OPC_PARAMETER(slack, clock, .type = OPC_REAL, .unit = "s",
+                  .flags = OPC_ABOVE | OPC_AT_MOST, .min = 0, .max = 1,
+                  .summary = "how long it may take, in place of 'limit'"),
+    OPC_PARAMETER(slack, weight, .type = OPC_REAL,
+                  .flags = OPC_ABOVE | OPC_AT_MOST, .preset = "1", .min = 0,
+                  .max = 1,
+                  .summary = "of transistors that are to be longer: the "
+                             "correction's tolerance is divided by it"),
+    OPC_PARAMETER_NAMED("load", slack, at.load, .type = OPC_REAL, .unit = "F",
+                        .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "4 fF",
+                        .min = 0, .max = 1e-6,
+                        .summary = "capacitance at each output of the circuit"),
+    OPC_PARAMETER_NAMED("wire", slack, at.wire, .type = OPC_REAL, .unit = "F",
+                        .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0 fF",
+                        .min = 0, .max = 1e-6,
+                        .summary = "capacitance of wires, for each pin on a "
+                                   "net"),
+    OPC_PARAMETER_NAMED("slew", slack, at.slew, .type = OPC_REAL, .unit = "s",
+                        .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "10 ps",
+                        .min = 1e-14, .max = 1e-3,
+                        .summary = "time of an input between the edges of the "
+                                   "cells' slews"),
+};
+
+#define FIGURE(id, of, text) \
+  { .name = (id), .unit = (of), .better = OPC_NEUTRAL, .summary = (text) }
+#define COST(id, of, text) \
+  { .name = (id), .unit = (of), .better = OPC_LOWER, .summary = (text) }
+
+static const opc_metric metrics[] = {
+    FIGURE("drawn", "ps", "latest arrival of static analysis as drawn"),
+    FIGURE("allowed", "ps", "the limit"),
+    FIGURE("latest", "ps", "latest arrival with the lengths that are wanted"),
+    FIGURE("longer", NULL, "transistors that are to be longer"),
+    FIGURE("longer_most", "nm", "by how much, the most of all"),
+    FIGURE("leakage_drawn", "nA",
+           "what leaks at rest as drawn, mean over input patterns"),
+    COST("leakage", "nA", "the same with the lengths that are wanted"),
+    COST("leakage_change", "%", "the same against as drawn"),
+};
+
+/* ---- entry ---- */
+
+/* Both point into the circuit that came in. */
+static const opc_port outputs[] = {{.name = "gates",
+                                    .kind = "gates",
+                                    .check = eda_gates_check,
+                                    .release = free_gates},
+                                   {.name = "circuit",
+                                    .kind = "circuit",
+                                    .check = eda_circuit_check,
+                                    .release = free_circuit}};
+
+/* A netlist may include others. */
+static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
+                                   .flags = OPC_STEP_OUTSIDE};
+OPC_PLUGIN(slack, .id = "timing.slack", .kind = "step", .version = "0.1.0",
+           .licence = "BSD-3-Clause",
+           .summary =
+               "what slack lets transistors be printed as, for less "
+               "leakage",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .clear = clear,
+           OPC_FUNCTIONS(functions));
