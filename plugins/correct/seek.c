@@ -8,7 +8,8 @@
 
 #include "loop.h"
 
-/* nm: grid of the map; a fifth of the narrowest thing in it. */
+/* nm: grid of the map, and of where bars are placed; a ring of the map is some
+   70 nm wide. */
 static const double map_step = 8;
 
 /* 1 / intensity: the edge of a print is taken to be so steep. Contours have a
@@ -18,7 +19,8 @@ static const double steepness = 150;
 /* nm: what a bar that prints loses at both sides in an iteration. */
 static const double thinner = 2;
 
-/* Iterations in which moves of the contour are made to cost nothing. */
+/* Iterations in which moves of the contour are made to cost nothing. Of ten
+   clips the band is 1.4 % wider with 2, and 4 % with none. */
 static const int settles = 4;
 
 static int32_t steps(const loop *l, double nm) {

@@ -68,7 +68,7 @@ int seek_watch(struct loop *loop, int done, opc_error *error);
                           .summary =                                           \
                               "of the band: the focus of its lower "           \
                               "dose"),                                         \
-      SEEK_LENGTH(state, "least_width", least_width, "32 nm",                  \
+      SEEK_LENGTH(state, "least_width", least_width, "24 nm",                  \
                   "width of a bar, at least"),                                 \
       SEEK_LENGTH(state, "width", width, "64 nm", "... and at most"),          \
       SEEK_LENGTH(state, "min_length", min_length, "64 nm",                    \
