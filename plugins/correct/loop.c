@@ -12,6 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "fine.h"
+
 enum { ROOM_FOR_VIOLATIONS = 10000, ROOM_OF_GATE = 16 };
 
 static const char *const slots[DRIVERS] = {"synthesizer", "edges"};
@@ -539,6 +541,9 @@ int loop_run(loop *l, opc_error *error) {
   eda_printed drawn = loop_printed(l);
   code = guard_begin(l, &drawn, error);
   start_prune(l);
+  if (!code)
+    code = fine_by_layer(&l->printer, l->host, l->gates, l->extractor,
+                         l->fine_change, error);
   if (!code) code = proof_begin(l, error);
   if (!code) code = iterate_to_proof(l, error);
   if (code || !l->gates->count) return code;

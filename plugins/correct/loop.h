@@ -46,7 +46,8 @@ typedef struct loop {
   int prepared;          /* the extractor is */
   int traced;            /* each print into `trace` */
   int hold;              /* the guard takes back what is worse than drawn */
-  double limit; /* %: |Ion deviation| that is good, for guard and proof */
+  double limit;       /* %: |Ion deviation| that is good, for guard and proof */
+  double fine_change; /* what fine_by_layer takes */
   driver drivers[DRIVERS];
   eda_printer printer;
   uint8_t *driver_of;   /* MAIN or EDGES */

@@ -161,6 +161,7 @@ static void work_init(const chip *c, eda_chip *out, work *w) {
               .regulator = c->regulator,
               .max_iterations = c->max_iterations,
               .fine = c->fine,
+              .fine_change = fine_change(c->fine_text, c->limit),
               .limit = c->limit,
               .hold = c->guard == ON,
               .mask_limit = {[EDA_RULE_SPACE] = c->min_space,

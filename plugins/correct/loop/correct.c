@@ -142,6 +142,7 @@ static int run(void *self, void **outputs, opc_error *error) {
       .traced = c->trace,
       .hold = c->guard == ON,
       .limit = c->limit,
+      .fine_change = fine_change(c->fine_text, c->limit),
       .drivers = {[MAIN].module = c->synthesizer, [EDGES].module = c->edges}};
   eda_printer_init(&l.printer, c->host->context, c->gates, c->litho, c->resist,
                    c->margin);

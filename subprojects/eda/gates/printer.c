@@ -19,7 +19,8 @@ void eda_printer_init(eda_printer *p, const opc_context *context,
       .print = eda_alloc(gates->layers, sizeof *p->print),
       .image = eda_alloc(gates->layers, sizeof *p->image),
       .difference = eda_alloc(gates->layers, sizeof *p->difference),
-      .is_fine = eda_alloc(gates->layers, 1)};
+      .is_fine = eda_alloc(gates->layers, 1),
+      .fine_of = eda_alloc(gates->layers, sizeof *p->fine_of)};
   p->frame = (eda_frame){b.x0 * grid - margin, b.y0 * grid - margin,
                          ((double)b.x1 - b.x0) * grid + 2 * margin,
                          ((double)b.y1 - b.y0) * grid + 2 * margin};
@@ -42,6 +43,7 @@ int eda_printer_prepare(eda_printer *p, opc_error *error) {
   const char *before = eda_enter(p->context, p->resist, error);
   code = resist->prepare(p->resist->self, &p->litho.module, error);
   opc_leave(p->context, before);
+  p->litho.fine = 0; /* prints say what they need */
   return blame_resist(p, code, error);
 }
 
@@ -157,10 +159,11 @@ static int print_layer(eda_printer *p, int layer, const eda_shapes *mask,
   eda_field *print = &p->print[layer];
   eda_field_clear(print);
   eda_spectrum spectrum;
+  double within = p->fine_of[layer] > 0 ? p->fine_of[layer] : p->fine;
   int code = eda_printer_spectrum(p, mask, &spectrum, error);
   if (code) return code;
   if (fine)
-    code = litho->image_fine(&p->litho, layer, &spectrum, p->defocus, p->fine,
+    code = litho->image_fine(&p->litho, layer, &spectrum, p->defocus, within,
                              print, error);
   else if (p->defocus == 0)
     code = litho->image(&p->litho, layer, &spectrum, print, error);
@@ -222,7 +225,9 @@ void eda_printer_clear(eda_printer *p) {
   free(p->image);
   free(p->difference);
   free(p->is_fine);
+  free(p->fine_of);
   p->print = p->image = p->difference = NULL;
   p->is_fine = NULL;
+  p->fine_of = NULL;
   p->layers = 0;
 }
