@@ -244,10 +244,41 @@ static void test_gain(void) {
     }
 }
 
+/* An error that stays: all go as far as they may, and after four iterations
+   without a move it ends. */
+static void test_rest(void) {
+  drawing d;
+  eda_cuts cuts = {0};
+  draw(&d, 400, 1000);
+  g_autoptr(opc_module) m =
+      begin("{ max_shift: 20 nm, iterations: 90 }", &d, &cuts);
+  const eda_synthesizer *s = m->functions;
+  size_t n = cuts.start[1];
+  int32_t now[MOST] = {0}, last[MOST], *shift[LAYERS] = {now};
+  double errors[MOST];
+  const double *epe[LAYERS] = {errors};
+  eda_boxes assists[LAYERS] = {cuts.assists};
+  eda_feedback f = {.gates = &d.gates, .epe = epe};
+  eda_moves moves = {.shift = shift, .assists = assists};
+  uint32_t moved = 0;
+  for (size_t i = 0; i < n; i++) errors[i] = -30;
+  for (int done = 0; !done; f.iteration++) {
+    opc_error error;
+    memcpy(last, now, sizeof now);
+    g_assert_cmpint(s->update(m->self, &f, &moves, &done, &error), ==, OPC_OK);
+    if (!done && memcmp(last, now, sizeof now)) moved = f.iteration;
+  }
+  g_assert_cmpuint(moved, >, 1);
+  g_assert_cmpuint(moved, <, 30);
+  g_assert_cmpuint(f.iteration, ==,
+                   moved + 6); /* four, and the one it ends in */
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/choice/even", test_even);
   g_test_add_func("/choice/kept", test_kept);
   g_test_add_func("/choice/gain", test_gain);
+  g_test_add_func("/choice/rest", test_rest);
   return g_test_run();
 }
