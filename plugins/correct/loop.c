@@ -310,6 +310,7 @@ static int begin(loop *l, opc_error *error) {
   for (size_t k = 0; k < l->gates->layers && !code; k++)
     code = cut_layer(l, k, error);
   if (!code) code = assists_begin(l, error);
+  if (!code) code = seek_begin(l, error);
   if (!code) code = assists_check(l, error);
   if (!code) tell_of_idle(l);
   return code;
@@ -409,6 +410,7 @@ static int iterate(loop *l, opc_error *error) {
     if (told_to_stop(l)) return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
     if ((code = judge(l, error))) return code;
     assists_watch(l);
+    if ((code = seek_watch(l, all_done(l), error))) return code;
     int ruled[DRIVERS], wait = 0;
     for (int which = 0; which < DRIVERS; which++) {
       ruled[which] = any_changed(l, which);
@@ -587,5 +589,6 @@ void loop_clear(loop *l) {
   trace_clear(&l->trace);
   corners_clear(l);
   assists_clear(l);
+  seek_clear(l);
   eda_printer_clear(&l->printer);
 }

@@ -10,6 +10,7 @@
 #include "guard.h"
 #include "proof.h"
 #include "report.h"
+#include "seek.h"
 #include "start.h"
 #include "trace.h"
 #include "trial.h"
@@ -61,6 +62,7 @@ typedef struct loop {
   eda_measurement shown; /* what synthesizers see if `still` is there */
   corners corners;
   gate_bars assists;
+  sought_bars seek;
   summary summary; /* of what was measured */
   history history;
   guard guard;

@@ -403,6 +403,46 @@ static void test_widths(void) {
   near(f.ion, plain - less, 1e-4);
 }
 
+/* As masks with a jog print: an end that is rounded, one that flares, and a
+   step of some nm between, smoothed by the optics. */
+static struct { double width, rounded, flared, step, at; } jogged_gate;
+static double jogged(double t) {
+  double w = jogged_gate.width;
+  return 130 - jogged_gate.rounded * exp(-t * w / 40) +
+         jogged_gate.flared * exp((t - 1) * w / 50) +
+         jogged_gate.step * erf((t - jogged_gate.at) * w / 120);
+}
+
+/* A few slices of a real table of several widths against very many. */
+static void test_real_widths(void) {
+  g_autofree char *file = g_build_filename(g_getenv("OPCFLOW_SOURCE"), "data",
+                                           "devices", "ihp130.yaml", NULL);
+  g_autoptr(opc_module) few = make(file, "", OPC_OK);
+  g_autoptr(opc_module) many =
+      make(file, ", rule: equal, slices: 4000", OPC_OK);
+  double worst[2] = {0}, at = 0;
+  for (int i = 0; i < 400; i++) {
+    double u = fmod(i * 0.618034, 1), v = fmod(i * 0.754878, 1),
+           x = fmod(i * 0.569840, 1);
+    jogged_gate.width = 150 * pow(20, u);
+    /* From rough ones to those that are nearly rectangles. */
+    double rough = pow(0.03, fmod(3 * x, 1));
+    jogged_gate.rounded = 8 * v * rough;
+    jogged_gate.flared = 12 * x * rough;
+    jogged_gate.step = 2 * v - 1;
+    jogged_gate.at = 0.1 + 0.8 * fmod(7 * x, 1);
+    int type = i % 2;
+    figures f = of_gate(few, (uint8_t)type, jogged_gate.width, jogged, 100);
+    figures g = of_gate(many, (uint8_t)type, jogged_gate.width, jogged, 100);
+    if (fabs(f.ion / g.ion - 1) > worst[0]) at = jogged_gate.width;
+    worst[0] = fmax(worst[0], fabs(f.ion / g.ion - 1));
+    worst[1] = fmax(worst[1], fabs(f.ioff / g.ioff - 1));
+  }
+  g_test_message("Ion %.2e at W %g, Ioff %.2e", worst[0], at, worst[1]);
+  g_assert_cmpfloat(worst[0], <, 1e-5);
+  g_assert_cmpfloat(worst[1], <, 1e-4);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/plain/rectangle", test_rectangle);
@@ -417,6 +457,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/plain/real-table", test_real_table);
   g_test_add_func("/plain/range", test_range);
   g_test_add_func("/plain/widths", test_widths);
+  g_test_add_func("/plain/real-widths", test_real_widths);
   g_test_add_func("/plain/rising-table", test_rising_table);
   return g_test_run();
 }

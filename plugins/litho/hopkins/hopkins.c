@@ -52,9 +52,11 @@ static double band(const void *self) {
   return (1 + optics_source_radius(&h->optics)) * h->optics.cutoff;
 }
 
-/* Four samples of the spline for the shortest period of the intensity, nm. */
+/* Four samples of the spline for the shortest period of the intensity, nm: 32
+   at 193 nm, NA 0.75, where contours are off by 0.0015 nm. Longer waves need
+   fewer: 41 nm at 248 nm, NA 0.7, and 0.6 of the numbers. */
 static double step_of(const hopkins *h) {
-  return fmin(32, 0.25 / (2 * h->optics.cutoff));
+  return 32 * (0.75 / 193) / h->optics.cutoff;
 }
 
 /* The intensity has nothing at the end of its band, twice the cutoff; kernels

@@ -103,8 +103,8 @@ static eda_mask *printed(const char *out, eda_circuit *circuit) {
   static uint8_t role[] = {EDA_PIN_INPUT, EDA_PIN_OUTPUT, EDA_PIN_SUPPLY,
                            EDA_PIN_GROUND};
   static eda_device device[2] = {
-      {"XU1/MN", 1, 0, 3, 3, 60, 200, EDA_NMOS, 1, &finger[0]},
-      {"XU1/MP", 1, 0, 2, 2, 60, 300, EDA_PMOS, 1, &finger[1]}};
+      {"XU1/MN", 1, 0, 3, 3, 60, 200, EDA_NMOS, 1, &finger[0], "nmos"},
+      {"XU1/MP", 1, 0, 2, 2, 60, 300, EDA_PMOS, 1, &finger[1], "pmos"}};
   static eda_mask mask;
   nets[1] = out;
   *circuit = (eda_circuit){.name = "top",

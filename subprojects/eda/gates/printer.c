@@ -3,8 +3,10 @@
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "gates/fence.h"
+#include "imaging/fft.h"
 
 void eda_printer_init(eda_printer *p, const opc_context *context,
                       const eda_gates *gates, const opc_module *litho,
@@ -88,8 +90,17 @@ static void add(eda_field *to, const eda_field *from, float sign,
     to->coefficients[i] = from->coefficients[i] + sign * by->coefficients[i];
 }
 
-static eda_field copy_of(const eda_field *field) {
-  return eda_field_scaled(field, 1);
+/* What is developed, in the room of what was developed before. */
+static void keep_image(eda_printer *p, int layer, const eda_field *image) {
+  eda_field *kept = &p->image[layer];
+  size_t n = (size_t)image->nx * (size_t)image->ny;
+  if (!kept->coefficients || kept->nx != image->nx || kept->ny != image->ny) {
+    eda_field_clear(kept);
+    *kept = eda_field_scaled(image, 1);
+  } else {
+    memcpy(kept->coefficients, image->coefficients, n * sizeof(float));
+    kept->frame = image->frame;
+  }
 }
 
 /* Images that are to be added to each other have the same nodes. */
@@ -146,8 +157,7 @@ static int settle(eda_printer *p, int layer, int fine, eda_field *print,
                   : add_difference(p, layer, print, error);
   if (code) return code;
   if (p->fine > 0 || p->keeps) {
-    eda_field_clear(&p->image[layer]);
-    p->image[layer] = copy_of(print);
+    keep_image(p, layer, print);
   }
   p->is_fine[layer] = (uint8_t)fine;
   return eda_printer_develop(p, layer, print, error);
@@ -229,5 +239,6 @@ void eda_printer_clear(eda_printer *p) {
   p->print = p->image = p->difference = NULL;
   p->is_fine = NULL;
   p->fine_of = NULL;
+  eda_fft_trim();
   p->layers = 0;
 }

@@ -116,6 +116,8 @@ static void test_words(void) {
   fails("t\nv1 a 0 1\n", "op", LIMIT, OPC_FAILED, ".end statement is missing",
         0);
   fails("", "op", LIMIT, OPC_FAILED, ".end statement is missing", 0);
+  fails("t\n.param x={lacking+1}\nv1 a 0 {x}\nr1 a 0 1\n.end\n", "op", LIMIT,
+        OPC_FAILED, "Undefined parameter [lacking]", 0);
   fails(rc, "op\ndc v9 0 1 1\nop", LIMIT, OPC_FAILED,
         "'dc v9 0 1 1': Fatal error", 1);
   fails(rc, "op\nfly 1", LIMIT, OPC_FAILED, "fly: no such command", 1);
