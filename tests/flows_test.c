@@ -372,8 +372,9 @@ static void test_characterize(void) {
   g_assert_cmpfloat(metric("adjusted", "mask", "ion_max"), <=, 0.5);
 }
 
-/* Path delays of a NAND2, one input at a time, each cell simulated anew: as
-   ngspice has them of the whole circuit, as drawn and as printed. */
+/* Path delays of a NAND2, one input at a time and both at once, each cell
+   simulated anew: as ngspice has them of the whole circuit, as drawn and as
+   printed. By tables of one input both at once would be off by 23 and 80 %. */
 static void test_timing(void) {
   if (!have("timing.characterize")) return;
   g_autofree char *flow = source("flows/timing.yaml"),
@@ -385,16 +386,16 @@ static void test_timing(void) {
     g_assert_cmpint(
         opcflow(NULL, "run", flow, "--output", out, "--threads", threads[i],
                 "--no-cache", "--set", "cells.kept=none", "--set", set, "--set",
-                "paths.changes=single", "--set", "paths.spice=8", NULL),
+                "paths.spice=12", NULL),
         ==, 0);
   }
   const char *files[] = {"cells.lib", "circuit.printed.sdf", "paths.csv",
                          "static_path.csv"};
   for (size_t i = 0; i < G_N_ELEMENTS(files); i++)
     expect_equal(runs[0], runs[1], files[i]);
-  g_assert_cmpfloat(metric(runs[0], "paths", "spice_delays"), ==, 4);
+  g_assert_cmpfloat(metric(runs[0], "paths", "spice_delays"), ==, 6);
   g_assert_cmpfloat(metric(runs[0], "paths", "spice_error_max"), <, 0.5);
-  g_assert_cmpfloat(metric(runs[0], "paths", "spice_deviation_max"), <, 0.2);
+  g_assert_cmpfloat(metric(runs[0], "paths", "spice_deviation_max"), <, 0.4);
   g_assert_cmpfloat(metric(runs[0], "paths", "lowest"), >, 0.5);
 }
 

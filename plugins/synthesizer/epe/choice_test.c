@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* How even the fragments of an edge are, and which iteration is kept, when
-   errors and currents are drawn by lot: against sums over the edges. */
+   errors and currents are drawn by lot: against sums over the edges; and what
+   is believed of a response. */
 #include <eda/eda.h>
 
 #include "core/testing/testing.h"
@@ -194,9 +195,90 @@ static void test_kept(void) {
       words, ==, 1 << 'e' % 32 | 1 << 's' % 32 | 1 << 'n' % 32 | 1 << 'w' % 32);
 }
 
+/* A long line whose edges print `gain` nm further out for each nm. The first
+   move takes that for 1, the second for the mean of 1 and what was seen; both
+   solve error + gain * coupling * move = 0, where the coupling of even moves,
+   just below 1, is what the first one shows. */
+static void test_gain(void) {
+  static const double gains[] = {0.5, 1.5, 3};
+  enum { FINE = 20 }; /* grid steps a nm */
+  for (size_t k = 0; k < G_N_ELEMENTS(gains); k++)
+    for (int sign = -1; sign <= 1; sign += 2) {
+      drawing d;
+      eda_cuts cuts = {0};
+      draw(&d, 400 * FINE, 3000 * FINE);
+      d.gates.grid = 1.0 / FINE;
+      g_autoptr(opc_module) m = begin(
+          "{ damping: 1, stiffness: 1e-4, step: 60 nm, max_shift: 90 nm "
+          "}",
+          &d, &cuts);
+      const eda_synthesizer *s = m->functions;
+      size_t n = cuts.start[1], middle = 0;
+      for (size_t i = 0; i < n; i++)
+        if (cuts.site[2 * i] < 1 && fabs(cuts.site[2 * i + 1] - 1500) < 30)
+          middle = i;
+      g_autofree int32_t *now = g_new0(int32_t, n);
+      g_autofree double *errors = g_new0(double, n);
+      const double *epe[LAYERS] = {errors};
+      int32_t *shift[LAYERS] = {now};
+      eda_boxes assists[LAYERS] = {cuts.assists};
+      eda_feedback f = {.gates = &d.gates, .epe = epe};
+      eda_moves moves = {.shift = shift, .assists = assists};
+      double first = sign * 12.0, at[3] = {0};
+      for (int round = 1; round < 3; round++, f.iteration++) {
+        opc_error error;
+        int done = 0;
+        for (size_t i = 0; i < n; i++)
+          errors[i] = first + gains[k] * now[i] / FINE;
+        g_assert_cmpint(s->update(m->self, &f, &moves, &done, &error), ==,
+                        OPC_OK);
+        at[round] = (double)now[middle] / FINE;
+      }
+      double coupling = -first / at[1], found = gains[k] / coupling;
+      double rest = first + gains[k] * at[1];
+      double want = at[1] - rest / (coupling * (1 + found) / 2);
+      g_test_message("%g: %g, %g, not %g", gains[k], at[1], at[2], want);
+      g_assert_cmpfloat(coupling, >, 0.9);
+      g_assert_cmpfloat(coupling, <, 1.001);
+      g_assert_cmpfloat(fabs(at[2] - want), <, 0.06);
+    }
+}
+
+/* An error that stays: all go as far as they may, and after four iterations
+   without a move it ends. */
+static void test_rest(void) {
+  drawing d;
+  eda_cuts cuts = {0};
+  draw(&d, 400, 1000);
+  g_autoptr(opc_module) m =
+      begin("{ max_shift: 20 nm, iterations: 90 }", &d, &cuts);
+  const eda_synthesizer *s = m->functions;
+  size_t n = cuts.start[1];
+  int32_t now[MOST] = {0}, last[MOST], *shift[LAYERS] = {now};
+  double errors[MOST];
+  const double *epe[LAYERS] = {errors};
+  eda_boxes assists[LAYERS] = {cuts.assists};
+  eda_feedback f = {.gates = &d.gates, .epe = epe};
+  eda_moves moves = {.shift = shift, .assists = assists};
+  uint32_t moved = 0;
+  for (size_t i = 0; i < n; i++) errors[i] = -30;
+  for (int done = 0; !done; f.iteration++) {
+    opc_error error;
+    memcpy(last, now, sizeof now);
+    g_assert_cmpint(s->update(m->self, &f, &moves, &done, &error), ==, OPC_OK);
+    if (!done && memcmp(last, now, sizeof now)) moved = f.iteration;
+  }
+  g_assert_cmpuint(moved, >, 1);
+  g_assert_cmpuint(moved, <, 30);
+  g_assert_cmpuint(f.iteration, ==,
+                   moved + 6); /* four, and the one it ends in */
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/choice/even", test_even);
   g_test_add_func("/choice/kept", test_kept);
+  g_test_add_func("/choice/gain", test_gain);
+  g_test_add_func("/choice/rest", test_rest);
   return g_test_run();
 }

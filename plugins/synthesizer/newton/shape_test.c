@@ -122,6 +122,23 @@ static void test_write(void) {
   g_assert_cmpint(out[1].from, ==, 180);
   g_assert_cmpint(out[1].to, ==, 240);
   g_assert_cmpint(out[2].from, ==, out[2].to);
+  /* Any shape is written as it is, unit by unit. */
+  uint32_t state = 8;
+  for (int n = 0; n < 50; n++) {
+    for (int k = 0; k < p.count; k++) {
+      state = state * 1664525u + 1013904223u;
+      s.by[k] = (int32_t)(state >> 30) - 1;
+    }
+    shape_write(&p, &s, out);
+    for (int32_t x = -2 * PAST; x < WIDTH + 2 * PAST; x++) {
+      int k = 0, by = 0, found = 0;
+      while (k + 1 < p.count && p.edge[k + 1] <= x) k++;
+      for (int m = 0; m < EDA_PARTS; m++)
+        if (out[m].from <= x && x < out[m].to) by = out[m].by, found++;
+      g_assert_cmpint(by, ==, s.by[k]);
+      g_assert_cmpint(found, ==, by != 0);
+    }
+  }
   /* All of it by one step is a length of one more. */
   memset(&s, 1, sizeof s);
   g_assert_cmpfloat(fabs(shape_value(&p, &s) - 1), <, 1e-9);

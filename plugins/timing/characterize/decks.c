@@ -33,14 +33,21 @@ double ramp_time(const study *s, double slew, int rises) {
                  eda_timing_ramp(rises, s->timing->low));
 }
 
-static void put_source(const deck *d, FILE *out, const char *name) {
-  const int rises = d->rises;
-  double whole = ramp_time(d->s, d->slew, rises), v = d->s->supply;
+/* When the inputs' middle is. */
+static double middle_of(const deck *d) {
+  return start + d->early +
+         ramp_time(d->s, d->slew, d->rises) * eda_timing_ramp(d->rises, 0.5);
+}
+
+static void put_source(const deck *d, FILE *out, const char *name, int rises,
+                       double slew, double middle) {
+  double whole = ramp_time(d->s, slew, rises), v = d->s->supply,
+         begin = middle - whole * eda_timing_ramp(rises, 0.5);
   double t[EDA_TIMING_RAMP], level[EDA_TIMING_RAMP];
   eda_timing_ramp_points(rises, t, level);
   fprintf(out, "v%s i%s 0 pwl(0 %.17g", name, name, rises ? 0 : v);
   for (int i = 0; i < EDA_TIMING_RAMP; i++)
-    fprintf(out, "\n+ %.17g %.17g", start + whole * t[i],
+    fprintf(out, "\n+ %.17g %.17g", begin + whole * t[i],
             v * (rises ? level[i] : 1 - level[i]));
   fputs(")\n", out);
 }
@@ -80,7 +87,9 @@ static void put_node(FILE *out, const copy *c, size_t k, uint32_t net) {
   for (size_t i = 0; i < cell->inputs; i++)
     if (cell->port[i] == net) {
       int high = c->from >> i & 1;
-      if (i != c->input)
+      if (c->two && i == c->other)
+        fprintf(out, " i%zu", k);
+      else if (i != c->input)
         fputs(high ? " vdd" : " 0", out);
       else if (c->of_pin)
         fprintf(out, " i%zu", k);
@@ -109,6 +118,14 @@ static void put_part(const deck *d, FILE *out, size_t k, size_t i,
   fprintf(out, p->count > 1 ? " m=%u\n" : "\n", p->count);
 }
 
+static void put_other(const deck *d, FILE *out, size_t k) {
+  const copy *c = &d->copy[k];
+  char name[32];
+  snprintf(name, sizeof name, "%zu", k);
+  put_source(d, out, name, !(c->from >> c->other & 1), c->other_slew,
+             middle_of(d) + c->other_after);
+}
+
 static void put_copy(const deck *d, FILE *out, size_t k, offsets *o) {
   const copy *c = &d->copy[k];
   const eda_timing_cell *cell = c->cell;
@@ -120,11 +137,12 @@ static void put_copy(const deck *d, FILE *out, size_t k, offsets *o) {
   if (c->of_pin) {
     char name[32];
     snprintf(name, sizeof name, "%zu", k);
-    put_source(d, out, name);
+    put_source(d, out, name, d->rises, d->slew, middle_of(d));
     fprintf(out, ".save i(v%zu) v(i%zu)\n", k, k);
   } else {
     fprintf(out, ".save v(n%zu_%u)\n", k, cell->port[cell->inputs + c->output]);
   }
+  if (c->two) put_other(d, out, k);
 }
 
 /* Charges here are of fF and mV: of the simulator's own bounds for them, 1 uV
@@ -142,7 +160,7 @@ static char *deck_text(const deck *d) {
           ".options temp=%.17g gmin=1e-15 reltol=%g abstol=1e-12 "
           "chgtol=1e-17 itl4=40\nvs vdd 0 %.17g\n",
           s->temperature, d->care == JUDGE ? 1e-4 : 1e-3, s->supply);
-  put_source(d, out, "n");
+  put_source(d, out, "n", d->rises, d->slew, middle_of(d));
   for (size_t k = 0; k < d->count; k++) put_copy(d, out, k, &o);
   for (size_t i = 0; i < o.count; i++) {
     char name[200];
@@ -201,18 +219,13 @@ static const double *vector_of(const eda_spice_plot *plot, const char *format,
   return v && v->count == n ? v->value : NULL;
 }
 
-/* When the inputs' middle is. */
-static double middle_of(const deck *d) {
-  return start +
-         ramp_time(d->s, d->slew, d->rises) * eda_timing_ramp(d->rises, 0.5);
-}
-
 /* Of an output that turns back on its way, the last time counts that it goes
    through the middle. Whether it gets there. */
 static int measure_output(const deck *d, copy *c, const double *t,
                           const double *v, size_t n) {
   const eda_timing *of = d->s->timing;
-  size_t before = c->from, after = c->from ^ (size_t)1 << c->input,
+  size_t before = c->from,
+         after = before ^ (size_t)1 << c->input ^ (size_t) !!c->two << c->other,
          at = (size_t)c->output << c->cell->inputs;
   int rises = c->cell->level[at + after];
   if (rises == c->cell->level[at + before]) return 1;
