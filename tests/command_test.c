@@ -406,16 +406,25 @@ static void test_interrupt(void) {
   interrupt("--sweep", "b.behave=[well,wait,well]");
 }
 
-/* What a command that fails says on a terminal. */
-static char *say_on_terminal(const char *no_colour) {
-  int terminal;
+/* What opcflow WORDS, which ends with that code, says on a terminal; NULL if
+   there are none to be had, then the test is skipped. */
+static char *say_on_terminal(const char *words, const char *no_colour,
+                             int code) {
+  int terminal = posix_openpt(O_RDWR | O_NOCTTY);
+  if (terminal < 0) {
+    g_test_skip("there are no terminals to be had");
+    return NULL;
+  }
+  close(terminal);
   g_auto(GStrv) environment = g_get_environ();
   environment = g_environ_setenv(environment, "TERM", "xterm", TRUE);
   environment = g_environ_setenv(environment, "NO_COLOR", no_colour, TRUE);
+  g_autofree char *line = g_strconcat("opcflow ", words, NULL);
+  g_auto(GStrv) argv = g_strsplit(line, " ", -1);
   pid_t pid = forkpty(&terminal, NULL, NULL, NULL);
   g_assert_cmpint(pid, >=, 0);
   if (!pid) {
-    execle(command, command, "run", "none.yaml", NULL, environment);
+    execve(command, argv, environment);
     _exit(1);
   }
   GString *said = g_string_new(NULL);
@@ -426,22 +435,43 @@ static char *say_on_terminal(const char *no_colour) {
   close(terminal);
   int status;
   g_assert_cmpint(waitpid(pid, &status, 0), ==, pid);
-  g_assert_cmpint(WEXITSTATUS(status), ==, 5);
+  g_assert_cmpint(WEXITSTATUS(status), ==, code);
   return g_string_free(said, FALSE);
 }
 
 static void test_colour(void) {
-  int terminal = posix_openpt(O_RDWR | O_NOCTTY);
-  if (terminal < 0) {
-    g_test_skip("there are no terminals to be had");
-    return;
-  }
-  close(terminal);
-  g_autofree char *coloured = say_on_terminal("");
-  g_autofree char *plain = say_on_terminal("1");
+  g_autofree char *coloured = say_on_terminal("run none.yaml", "", 5);
+  g_autofree char *plain = say_on_terminal("run none.yaml", "1", 5);
+  if (!coloured || !plain) return;
   g_assert_nonnull(strstr(coloured, "\033[31merror:\033[0m 'none.yaml'"));
   g_assert_cmpstr(plain, ==, "error: 'none.yaml': no such file\r\n");
   g_assert_null(strchr(plain, '\033'));
+}
+
+/* How far each step of each point is, in one line that is written again; the
+   first step is of all points. */
+static void test_progress(void) {
+  g_autofree char *said = say_on_terminal(
+      "run two.yaml --set b.behave=tell --sweep b.size=[3nm,4nm]", "1", 0);
+  if (!said) return;
+#define AGAIN "\r\033[K"
+  const char *a = strstr(said, AGAIN "[1/2] a" AGAIN);
+  const char *b = a ? strstr(a, AGAIN "point 1/2 [2/2] b" AGAIN) : NULL;
+  if (!b || !strstr(b, AGAIN "point 2/2 [2/2] b" AGAIN)) g_error("%s", said);
+  /* After 0.2 s or a little more, 1,200 times as long is left. */
+  const char *first = strstr(b, "b  1/1201  worst 0.5 nm  ");
+  int minutes, seconds;
+  if (!first || sscanf(first + 25, "%d:%d left", &minutes, &seconds) != 2)
+    g_error("%s", said);
+  g_assert_cmpint(60 * minutes + seconds, >=, 240);
+  g_assert_cmpint(60 * minutes + seconds, <, 10 * 240);
+  g_assert_cmpint(seconds, <, 60);
+  g_assert_null(strstr(said, "2/1201"));
+  g_assert_nonnull(strstr(first, "b  3  worst 0.25" AGAIN));
+  g_autofree char *one = say_on_terminal("run two.yaml", "1", 0);
+  g_assert_nonnull(strstr(one, AGAIN "[1/2] a" AGAIN "[2/2] b" AGAIN));
+  g_autofree char *quiet = say_on_terminal("run two.yaml --quiet", "1", 0);
+  g_assert_null(strstr(quiet, "[1/2]"));
 }
 
 /* opcflow as a shell starts it. */
@@ -491,6 +521,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/command/log", test_log);
   g_test_add_func("/command/interrupt", test_interrupt);
   g_test_add_func("/command/colour", test_colour);
+  g_test_add_func("/command/progress", test_progress);
   g_test_add_func("/command/full", test_full);
   g_test_add_func("/command/closed", test_closed);
   return run_all();

@@ -16,7 +16,8 @@ typedef struct made {
   const char *gates;   /* CSV */
   const char *layout;  /* the SHA-256 of the layout */
   const char *na, *target, *variant, *started;
-  const char *more; /* of the manifest, with a comma behind */
+  const char *more;  /* of the manifest, with a comma behind */
+  const char *files; /* in its list of them */
 } made;
 
 #define METRIC(name, value, better, tolerance) \
@@ -44,10 +45,11 @@ static void make(const made *m) {
       "{ %s \"opcflow\" : \"0.2.0\", %s%s%s \"result\" : \"complete\", "
       "\"started\" : \"%s\", \"seconds\" : 1.0, \"threads\" : 2, "
       "\"inputs\" : [ { \"path\" : \"/in/cell.gds\", \"sha256\" : \"%s\" } ], "
-      "\"plugins\" : [], \"files\" : [] }",
+      "\"plugins\" : [], \"files\" : [ %s ] }",
       or_else(m->more, ""), m->variant ? "\"variant\" : \"" : "",
       or_else(m->variant, ""), m->variant ? "\"," : "",
-      or_else(m->started, "2026-01-01T00:00:00Z"), or_else(m->layout, "aa"));
+      or_else(m->started, "2026-01-01T00:00:00Z"), or_else(m->layout, "aa"),
+      or_else(m->files, ""));
   g_autofree char *flow = g_strdup_printf(
       "opcflow: 1\nname: demo\nsteps:\n"
       "  layout:\n    use: read.gds\n    file: /in/cell.gds\n"
@@ -61,6 +63,35 @@ static void make(const made *m) {
       or_else(m->metrics,
               "{ \"mask\" : { " METRIC("ion", "1.0", "lower", "0.1") " } }"));
   if (m->gates) put(m->folder, "gates.csv", m->gates);
+}
+
+/* A run whose step 'out' has written a mask, which is made of boxes of CIF, and
+   whose table of costs gives it so many shots. */
+static void make_mask(const char *run, const char *boxes, int shots) {
+  g_autofree char *cif =
+      g_strdup_printf("DS 1 1 10;%sDF;C 1;E\n", boxes); /* in nm */
+  write_text("mask.cif", cif);
+  write_text("mask.yaml",
+             "opcflow: 1\nname: mask\nsteps:\n"
+             "  layout: { use: read.cif, file: mask.cif }\n"
+             "  out: { use: write.gds, layout: ${layout}, file: mask.gds,\n"
+             "    layers: { A: 9/0, B: 1/0 } }\n");
+  g_assert_cmpint(call("run mask.yaml --output written --force"), ==, 0);
+  make(&(made){.folder = run,
+               .files = "{ \"path\" : \"mask.gds\", \"sha256\" : \"cc\" }"});
+  g_autofree char *to = g_build_filename(run, "mask.gds", NULL);
+  g_assert_cmpint(g_rename("written/mask.gds", to), ==, 0);
+  g_autofree char *name = g_build_filename(run, "flow.yaml", NULL);
+  g_autofree char *flow = read_text(name);
+  g_autofree char *more = g_strconcat(
+      flow,
+      "  out:\n    use: write.gds\n    mask: ${mask}\n    file: mask.gds\n"
+      "    layers:\n      poly: 9/0\n",
+      NULL);
+  put(run, "flow.yaml", more);
+  g_autofree char *cost = g_strdup_printf(
+      "layer,figures,shots\r\nactive,1,5\r\npoly,2,%d\r\n", shots);
+  put(run, "cost.csv", cost);
 }
 
 /* ---- what was printed ---- */
@@ -237,6 +268,27 @@ static void test_forms(void) {
 }
 
 /* What is not to be compared is named, and is compared if one insists. */
+/* Two boxes of poly, of which one is moved and one is gone; active is left out
+   as it is the same in both. */
+static void test_masks(void) {
+#define SAME "L A;B 1000 200 0 0;L B;B 400 400 0 1000;"
+  make_mask("mask1", SAME "L A;B 200 100 0 -400;B 60 50 0 -900;", 7);
+  make_mask("mask2", SAME "L A;B 200 100 50 -400;", 6);
+  g_assert_cmpint(compare("mask1 mask2"), ==, 0);
+  g_assert_cmpuint(rows_of("masks"), ==, 1);
+  g_assert_cmpstr(text("masks", 0, "layer"), ==, "poly");
+  g_assert_cmpfloat_with_epsilon(number("masks", 0, "area_base"), 0.223, 1e-9);
+  g_assert_cmpfloat_with_epsilon(number("masks", 0, "area"), 0.22, 1e-9);
+  g_assert_cmpfloat_with_epsilon(number("masks", 0, "differs"), 0.013, 1e-9);
+  g_assert_cmpint(json_node_get_int(cell("masks", 0, "places")), ==, 3);
+  g_assert_cmpfloat(number("masks", 0, "shots_base"), ==, 7);
+  g_assert_cmpfloat(number("masks", 0, "shots"), ==, 6);
+  g_assert_cmpint(compare("mask1 mask2 --all"), ==, 0);
+  g_assert_cmpuint(rows_of("masks"), ==, 2);
+  g_assert_cmpint(compare("mask1 mask1"), ==, 0);
+  g_assert_cmpuint(rows_of("masks"), ==, 0);
+}
+
 static void test_refusals(void) {
   static const struct {
     made other;
@@ -454,6 +506,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/compare/verdicts", test_verdicts);
   g_test_add_func("/compare/exit", test_exit);
   g_test_add_func("/compare/forms", test_forms);
+  g_test_add_func("/compare/masks", test_masks);
   g_test_add_func("/compare/refusals", test_refusals);
   g_test_add_func("/compare/transistors", test_transistors);
   g_test_add_func("/compare/variants", test_variants);

@@ -264,6 +264,7 @@ static void test_steps(void) {
   g_assert_cmpstr(err, ==,
                   "step.yaml:3:3: step 'a' (bad.step_silent): gave no "
                   "reason\n");
+  g_assert_cmpint(call_step("run", "code"), ==, 4); /* it gives 42 */
   g_assert_cmpint(call_step("run", "output"), ==, 4);
   g_assert_cmpstr(err, ==,
                   "step.yaml:3:3: step 'a' (bad.step_output): gave no output "

@@ -241,6 +241,11 @@ static void test_files(void) {
   expect_cases(
       "    cases: [{ layout.file: 'cells/n*2.cif', layout.scale: [1, 2] }]\n",
       "nand2-1 nand2-2 nor2-1 nor2-2 ");
+  /* The first text gives a name, the plugin only where there is none. */
+#define OTHER "gates: { use: segment.transistors, grid: 2 nm }"
+  expect_cases("    cases: [{ " OTHER " }, { " OTHER
+               ", layout.file: cells/nor2.cif }]\n",
+               "transistors nor2 ");
   expect(HEAD METHODS "    cases: [{ layout.file: 'cells/x*.cif' }]\n",
          "bad.yaml:8:28: no file is called as 'cells/x*.cif'");
 }

@@ -2,6 +2,7 @@
 /* Whole flows through the command, as a user runs them: what the ready flows
    reach, that nothing depends on the number of threads or on the orientation
    of a cell, and what is said of bad input. */
+#include <eda/runs.h>
 #include <gio/gio.h>
 #include <glib.h>
 #include <glib/gstdio.h>
@@ -83,6 +84,34 @@ static double metric(const char *run, const char *step, const char *name) {
   g_assert_true(json_object_has_member(o, name));
   return json_object_get_double_member(json_object_get_object_member(o, name),
                                        "value");
+}
+
+/* The band of a clip of ICCAD 2013, by score.iccad, which knows nothing of
+   bars: those of the model take at least 15 % of it away, and none prints. */
+static void test_assists_of_the_model(void) {
+  g_autofree char *clips = test_data("clips");
+  if (!clips) return;
+  g_autofree char *flow = source("flows/iccad.yaml");
+  g_autofree char *clip =
+      g_strdup_printf("layout.file=%s/iccad2013/M1_test10.glp", clips);
+  static const char *const names[] = {"without", "with"};
+  g_autofree char *set[4] = {NULL};
+  for (int k = 0; k < 4; k++)
+    set[k] = g_strdup_printf(
+        "%s.litho.%s=%s/kernels/%s/scales.txt", k < 2 ? "mask" : "score",
+        k % 2 ? "defocus" : "focus", clips, k % 2 ? "defocus" : "focus");
+  for (int k = 0; k < 2; k++) {
+    g_autofree char *out = place(names[k]);
+    opcflow(NULL, "run", flow, "--set", clip, "--set", set[0], "--set", set[1],
+            "--set", set[2], "--set", set[3], "--set",
+            k ? "mask.seek.most=60" : "mask.seek.most=0", "--output", out,
+            NULL);
+    g_assert_cmpfloat(metric(names[k], "score", "extra"), ==, 0);
+    g_assert_cmpfloat(metric(names[k], "score", "epe"), <=, 1);
+  }
+  double without = metric("without", "score", "pvb");
+  g_assert_cmpfloat(metric("with", "mask", "assists"), >, 5);
+  g_assert_cmpfloat(metric("with", "score", "pvb"), <, 0.85 * without);
 }
 
 static void test_demo(void) {
@@ -372,8 +401,9 @@ static void test_characterize(void) {
   g_assert_cmpfloat(metric("adjusted", "mask", "ion_max"), <=, 0.5);
 }
 
-/* Path delays of a NAND2, one input at a time, each cell simulated anew: as
-   ngspice has them of the whole circuit, as drawn and as printed. */
+/* Path delays of a NAND2, one input at a time and both at once, each cell
+   simulated anew: as ngspice has them of the whole circuit, as drawn and as
+   printed. By tables of one input both at once would be off by 23 and 80 %. */
 static void test_timing(void) {
   if (!have("timing.characterize")) return;
   g_autofree char *flow = source("flows/timing.yaml"),
@@ -385,16 +415,16 @@ static void test_timing(void) {
     g_assert_cmpint(
         opcflow(NULL, "run", flow, "--output", out, "--threads", threads[i],
                 "--no-cache", "--set", "cells.kept=none", "--set", set, "--set",
-                "paths.changes=single", "--set", "paths.spice=8", NULL),
+                "paths.spice=12", NULL),
         ==, 0);
   }
   const char *files[] = {"cells.lib", "circuit.printed.sdf", "paths.csv",
                          "static_path.csv"};
   for (size_t i = 0; i < G_N_ELEMENTS(files); i++)
     expect_equal(runs[0], runs[1], files[i]);
-  g_assert_cmpfloat(metric(runs[0], "paths", "spice_delays"), ==, 4);
+  g_assert_cmpfloat(metric(runs[0], "paths", "spice_delays"), ==, 6);
   g_assert_cmpfloat(metric(runs[0], "paths", "spice_error_max"), <, 0.5);
-  g_assert_cmpfloat(metric(runs[0], "paths", "spice_deviation_max"), <, 0.2);
+  g_assert_cmpfloat(metric(runs[0], "paths", "spice_deviation_max"), <, 0.4);
   g_assert_cmpfloat(metric(runs[0], "paths", "lowest"), >, 0.5);
 }
 
@@ -426,6 +456,28 @@ static void test_slack(void) {
                     metric(with, "slack", "drawn"));
   g_assert_cmpfloat(metric(with, "paths", "static_deviation"), <,
                     metric(without, "paths", "static_deviation") + 0.3);
+}
+
+/* The table of methods: of two, the one that is nearer in Ion and leaves the
+   area alone is nearer in delay. */
+static void test_timing_compare(void) {
+  if (!have("timing.characterize")) return;
+  g_autofree char *flow = source("flows/timing-compare.yaml"),
+                  *out = place("timings");
+  g_assert_cmpint(
+      opcflow(NULL, "run", flow, "--output", out, "--set",
+              "compare.methods=[plain, dpb]", "--set", "cells.kept=none", NULL),
+      ==, 0);
+  g_assert_cmpfloat(metric("timings", "paths", "mean"), <, 0.1);
+  g_autofree char *path = g_build_filename(out, "paths.csv", NULL);
+  opc_error error;
+  eda_table *t = eda_table_read(path, &error);
+  if (!t) g_error("%s", error.message);
+  g_assert_cmpuint(eda_table_rows(t), ==, 3);
+  g_assert_cmpstr(eda_table_text(t, 2, 0), ==, "dpb");
+  const double *mean = eda_table_numbers(t, (size_t)eda_table_find(t, "mean"));
+  g_assert_cmpfloat(mean[2], >, 10 * mean[1]);
+  eda_table_free(t);
 }
 
 /* ---- notes on transistors ---- */
@@ -675,11 +727,13 @@ int main(int argc, char **argv) {
   g_test_add_func("/flows/window", test_window);
   g_test_add_func("/flows/characterize", test_characterize);
   g_test_add_func("/flows/timing", test_timing);
+  g_test_add_func("/flows/timing_compare", test_timing_compare);
   g_test_add_func("/flows/slack", test_slack);
   g_test_add_func("/flows/notes", test_notes);
   g_test_add_func("/flows/bad-note", test_bad_note);
   g_test_add_func("/flows/bad-input", test_bad_input);
   g_test_add_func("/flows/model-files", test_model_files);
+  g_test_add_func("/flows/assists-of-the-model", test_assists_of_the_model);
   g_test_add_func("/flows/no-transistor", test_no_transistor);
   g_test_add_func("/flows/truncated", test_truncated);
   g_test_add_func("/flows/wrong-scale", test_wrong_scale);

@@ -100,6 +100,10 @@ def test_truth():
     folder, _, done = run()
     check(folder)
     assert done == []
+    fresh()
+    folder, _, done = run("b.kept=false")  # nothing has a key
+    check(folder)
+    assert done == ALL and not pieces()
 
 
 def test_sizes():

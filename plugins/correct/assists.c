@@ -92,9 +92,9 @@ void assists_watch(loop *l) {
 
 int assists_report(const loop *l, opc_error *error) {
   const gate_bars *a = &l->assists;
-  if (!a->rows || !l->gates->count) return OPC_OK;
+  if ((!a->rows || !l->gates->count) && !l->seek.most) return OPC_OK;
   const opc_metric_value values[] = {
       {"assists", (double)l->now.assists[EDA_POLY].count},
-      {"assists_dropped", (double)a->dropped}};
+      {"assists_dropped", (double)(a->dropped + l->seek.dropped)}};
   return opc_put_metrics(l->host, OPC_ARRAY(values), error);
 }

@@ -199,6 +199,8 @@ int corners_refine(loop *l, const uint8_t *layers, opc_error *error) {
   for (size_t k = 0; k < l->corners.exposures && !code; k++) {
     exposure *e = &l->corners.exposure[k];
     if (e->printer == &l->printer) continue;
+    memcpy(e->own.fine_of, l->printer.fine_of,
+           l->gates->layers * sizeof *e->own.fine_of);
     code = eda_printer_refine(e->printer, layers, e->mask ? e->mask : l->mask,
                               error);
     l->printer.fine_simulations += e->printer->fine_simulations;

@@ -18,7 +18,7 @@ static double cut_off_at(double defocus) {
 }
 
 static double excess;
-static int fine_images;
+static int fine_images, cheap_images;
 
 static void transfer_at(const void *self, size_t s, const double *fx, double fy,
                         size_t n, float *out) {
@@ -51,12 +51,14 @@ static int image_of(const eda_spectrum *mask, double defocus, double more,
 static int cheap(const void *self, int layer, const eda_spectrum *mask,
                  eda_field *out, opc_error *error) {
   (void)self, (void)layer;
+  cheap_images++;
   return image_of(mask, 0, excess, out, error);
 }
 
 static int cheap_at(const void *self, int layer, const eda_spectrum *mask,
                     double defocus, eda_field *out, opc_error *error) {
   (void)self, (void)layer;
+  cheap_images++;
   return image_of(mask, defocus, 2 * excess, out, error);
 }
 
@@ -288,7 +290,7 @@ static void test_fine(void) {
   for (size_t k = 0; k < ALL; k++) weight[k] = 1;
   wanted_bias = -6;
   excess = 0.02;
-  fine_images = 0;
+  fine_images = cheap_images = 0;
   g_assert_false(run(&l, &with_fine, wish(weight), 1e-4, &error));
   for (size_t i = 0; i < GATES; i++)
     for (size_t k = 0; k < ALL; k++)
@@ -298,6 +300,7 @@ static void test_fine(void) {
      are fine already. */
   g_assert_cmpint(fine_images, ==, 2 * FOCI * MASKS);
   g_assert_cmpuint(l.printer.fine_simulations, ==, fine_images);
+  g_assert_cmpuint(l.printer.simulations, ==, cheap_images);
   excess = 0;
   loop_clear(&l);
 }
@@ -349,6 +352,20 @@ static void test_refused(void) {
   refused((corners_wish){.dose = {some, 1}, .weight = {some, 1}}, NULL,
           "all weights are 0");
   refused((corners_wish){.weight = {some, 1}}, NULL, "1 weights for 0 corners");
+  /* %, nm and nm: just within both ends, and just out. */
+  static const double ends[][2] = {{-100, 1e6}, {-1e6, 1e6}, {-1e3, 1e6}};
+  for (int k = 0; k < 3; k++)
+    for (int up = 0; up < 2; up++)
+      for (int out = 0; out < 2; out++) {
+        double v = ends[k][up] * (1 + (out ? 1e-6 : -1e-6));
+        corners_wish w = {0};
+        opc_error error = {0};
+        *(k == 0   ? &w.dose
+          : k == 1 ? &w.focus
+                   : &w.mask_error) = (opc_reals){&v, 1};
+        g_assert_cmpint(corners_check(&w, &error), ==,
+                        out ? OPC_INVALID : OPC_OK);
+      }
 }
 
 int main(int argc, char **argv) {

@@ -27,7 +27,7 @@ static void range_of_type(const opc_host *host, const eda_gates *g,
   size_t beyond = 0, count = 0;
   if (!model->range(extractor->self, type, &low, &high)) return;
   for (size_t i = 0; i < g->count; i++) {
-    if (g->type[i] != type) continue;
+    if (g->type[i] != type || *eda_gates_flavour(g, i)) continue;
     least = fmin(least, g->length[i]);
     most = fmax(most, g->length[i]);
     beyond += g->length[i] < low || g->length[i] > high;

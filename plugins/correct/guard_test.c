@@ -44,6 +44,7 @@ static const eda_synthesizer scripted = {
    (their bits) has a mask that is not as drawn. */
 enum { OWN = 1, OTHERS = 2 };
 static int drawn, moved, nobodys;
+static double aside[2]; /* how far from there, once masks have moved, nm */
 
 static int rule(void *self, const eda_printed *p, eda_ruling *r,
                 opc_error *error) {
@@ -60,6 +61,7 @@ static int violations(void *self, const eda_printed *p, eda_violation *v,
   if (*count)
     v[0] = (eda_violation){
         .rule = biased ? "width: too much" : "width", .x = 30, .y = 200};
+  if (*count && biased) v[0].x += aside[0], v[0].y += aside[1];
   if (*count && nobodys) v[0].gate = -1;
   return OPC_OK;
 }
@@ -215,7 +217,21 @@ static void test_rules(void) {
   drawn = 1, moved = OWN;
   run(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
   expect(&l, 0, -14, NULL);
+  g_assert_cmpuint(l.guard.prints, ==, 0); /* nothing was to be tried */
   loop_clear(&l);
+  /* It may be a little aside then, but not elsewhere. */
+  static const struct {
+    double aside[2];
+    int is_new;
+  } places[] = {{{99, 0}, 0},  {{-99, 99}, 0}, {{0, -99}, 0},
+                {{101, 0}, 1}, {{-101, 0}, 1}, {{0, 101}, 1}};
+  for (size_t k = 0; k < G_N_ELEMENTS(places); k++) {
+    memcpy(aside, places[k].aside, sizeof aside);
+    run(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
+    g_assert_cmpint(l.guard.prints > 0, ==, places[k].is_new);
+    loop_clear(&l);
+  }
+  aside[0] = aside[1] = 0;
   drawn = 0;
   run(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
   expect(&l, 0, 0, "went back: as drawn");

@@ -12,6 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "fine.h"
+
 enum { ROOM_FOR_VIOLATIONS = 10000, ROOM_OF_GATE = 16 };
 
 static const char *const slots[DRIVERS] = {"synthesizer", "edges"};
@@ -308,6 +310,7 @@ static int begin(loop *l, opc_error *error) {
   for (size_t k = 0; k < l->gates->layers && !code; k++)
     code = cut_layer(l, k, error);
   if (!code) code = assists_begin(l, error);
+  if (!code) code = seek_begin(l, error);
   if (!code) code = assists_check(l, error);
   if (!code) tell_of_idle(l);
   return code;
@@ -407,6 +410,7 @@ static int iterate(loop *l, opc_error *error) {
     if (told_to_stop(l)) return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
     if ((code = judge(l, error))) return code;
     assists_watch(l);
+    if ((code = seek_watch(l, all_done(l), error))) return code;
     int ruled[DRIVERS], wait = 0;
     for (int which = 0; which < DRIVERS; which++) {
       ruled[which] = any_changed(l, which);
@@ -537,6 +541,9 @@ int loop_run(loop *l, opc_error *error) {
   eda_printed drawn = loop_printed(l);
   code = guard_begin(l, &drawn, error);
   start_prune(l);
+  if (!code)
+    code = fine_by_layer(&l->printer, l->host, l->gates, l->extractor,
+                         l->fine_change, error);
   if (!code) code = proof_begin(l, error);
   if (!code) code = iterate_to_proof(l, error);
   if (code || !l->gates->count) return code;
@@ -582,5 +589,6 @@ void loop_clear(loop *l) {
   trace_clear(&l->trace);
   corners_clear(l);
   assists_clear(l);
+  seek_clear(l);
   eda_printer_clear(&l->printer);
 }

@@ -10,6 +10,7 @@
 #include "guard.h"
 #include "proof.h"
 #include "report.h"
+#include "seek.h"
 #include "start.h"
 #include "trace.h"
 #include "trial.h"
@@ -45,7 +46,8 @@ typedef struct loop {
   int prepared;          /* the extractor is */
   int traced;            /* each print into `trace` */
   int hold;              /* the guard takes back what is worse than drawn */
-  double limit; /* %: |Ion deviation| that is good, for guard and proof */
+  double limit;       /* %: |Ion deviation| that is good, for guard and proof */
+  double fine_change; /* what fine_by_layer takes */
   driver drivers[DRIVERS];
   eda_printer printer;
   uint8_t *driver_of;   /* MAIN or EDGES */
@@ -60,6 +62,7 @@ typedef struct loop {
   eda_measurement shown; /* what synthesizers see if `still` is there */
   corners corners;
   gate_bars assists;
+  sought_bars seek;
   summary summary; /* of what was measured */
   history history;
   guard guard;

@@ -2,6 +2,7 @@
 /* Fine prints in a loop of cheap ones, with a fine model that differs from the
    cheap one by a known field. What it ends with is compared with prints of the
    fine model that the loop has no part in. */
+#include "fine.h"
 #include "models_test.h"
 
 /* ---- a synthesizer that seeks the drawn Ion ---- */
@@ -53,6 +54,7 @@ static void let_add(size_t n, const double *heights) {
           (const double[]){__VA_ARGS__})
 
 static const opc_module *regulator;
+static double aim; /* sd of Ion by fine prints, %; 0: all of `fine` */
 
 static int try_to_run(loop *l, const eda_litho *model, double fine,
                       int32_t spoil, int64_t iterations, opc_error *error) {
@@ -64,6 +66,7 @@ static int try_to_run(loop *l, const eda_litho *model, double fine,
               .max_iterations = iterations,
               .hold = 1,
               .limit = 3,
+              .fine_change = aim,
               .drivers[MAIN].module = MODULE(&seeking, &s)};
   eda_printer_init(&l->printer, NULL, l->gates, MODULE(model, NULL),
                    MODULE(&resist, NULL), 300);
@@ -155,6 +158,71 @@ static void test_end(void) {
     g_assert_cmpfloat(off(&l, l.measured.performance.ion, i), <, 3);
   }
   loop_clear(&l);
+}
+
+/* ---- how fine ---- */
+
+/* % of Ion for an intensity of 1, of a gate so long or wide (nm): an edge of
+   one Gaussian system prints where the amplitude, a normal distribution of `s`
+   nm, is the root of the threshold; the intensity's slope there tells how far
+   light moves it. */
+static double worth_of(double size) {
+  const double s = cut_off / G_PI / sqrt(2), z = 0.754089, a = sqrt(0.6);
+  double slope = 2 * a * exp(-z * z / 2) / sqrt(2 * G_PI) / s;
+  return 100 * 2 / slope / size;
+}
+
+/* The larger errors that models may have are found where Ion changes by just
+   so much. */
+static void test_how_fine(void) {
+  const eda_gates *g = eda_gates_sample();
+  opc_error error = {0};
+  eda_printer p;
+  eda_printer_init(&p, NULL, g, MODULE(&with_fine, NULL), MODULE(&resist, NULL),
+                   300);
+  p.fine = fine_is;
+  g_assert_cmpint(eda_printer_prepare(&p, &error), ==, OPC_OK);
+  g_assert_cmpint(eda_printer_print(&p, g->corrected, g->drawn, &error), ==,
+                  OPC_OK);
+  /* sd of an error: a quarter of the largest; of the gates, the narrower one */
+  double poly = worth_of(60) / 4, active = worth_of(200) / 4;
+  const struct {
+    double change;
+    double fine[2]; /* of poly and active */
+  } cases[] = {{0, {0, 0}},
+               {1.03 * 2e-4 * poly, {2e-4, 5e-4}},
+               {0.97 * 2e-4 * poly, {1e-4, 5e-4}},
+               {1.03 * 5e-4 * active, {1e-4, 5e-4}},
+               {0.97 * 5e-4 * active, {1e-4, 2e-4}},
+               {1, {5e-4, 5e-4}},
+               {1e-9, {5e-5, 5e-5}}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_assert_cmpint(fine_by_layer(&p, &host, g, MODULE(&extractor, NULL),
+                                  cases[i].change, &error),
+                    ==, OPC_OK);
+    for (int k = 0; k < 2; k++)
+      g_assert_cmpfloat(p.fine_of[k], ==, cases[i].fine[k]);
+  }
+  eda_printer_clear(&p);
+  /* What a flow says is for all layers; else it follows what is good. */
+  g_assert_cmpfloat(fine_change("1e-4", 0.5), ==, 0);
+  g_assert_cmpfloat(fine_change("off", 0.5), ==, 0);
+  g_assert_cmpfloat(fine_change(NULL, 0.5), ==, 0.02);
+}
+
+/* A loop asks for prints of each layer with the error that it found. */
+static void test_by_layer(void) {
+  loop l;
+  ADD(0.03);
+  aim = 1.2 * 2e-4 * worth_of(60) / 4;
+  fine_errors[EDA_POLY] = 2e-4;
+  fine_errors[EDA_ACTIVE] = 5e-4;
+  run(&l, &with_fine, fine_is, 0, 10);
+  expect(&l, 0.03, 0);
+  g_assert_cmpint(fine_prints[EDA_POLY], ==, 2);
+  loop_clear(&l);
+  fine_errors[EDA_POLY] = fine_errors[EDA_ACTIVE] = fine_is;
+  aim = 0;
 }
 
 /* The fine model says something else at the end: the loop goes on until it is
@@ -396,6 +464,8 @@ static void test_calibration(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/proof/how-fine", test_how_fine);
+  g_test_add_func("/proof/by-layer", test_by_layer);
   g_test_add_func("/proof/end", test_end);
   g_test_add_func("/proof/goes-on", test_goes_on);
   g_test_add_func("/proof/bound", test_bound);

@@ -22,9 +22,13 @@ enum {
   LARGEST = 128,
   NODES = 32, /* of a piece of the integrals */
   PIECES = 3,
-  LANES = 8,   /* of them in a vector */
-  MOMENTS = 4, /* width, area and both currents */
-  MORE = 2     /* larger sizes, if they do not fit */
+  LANES = 8, /* of them in a vector */
+  /* Width, area and both currents; where edges count, what share of each
+     current's edges the slices have, which extraction brings to 1. */
+  MOMENTS = 6,
+  WIDE_MOMENTS = 4,
+  PLACES = LARGEST + 2, /* those measured, and both ends that are gone */
+  MORE = 2              /* larger sizes, if they do not fit */
 };
 static const int sizes[SIZES] = {12, 16, 20, 24, 32, 48, 64, 96, LARGEST};
 
@@ -49,6 +53,7 @@ typedef struct shape {
   const eda_printed_gate *gate;
   edges edges;
   int by_place; /* whether slices of one length differ by their places */
+  int moments;  /* of MOMENTS */
   double from, to;
   int size;
   double coefficient[LARGEST], length[LARGEST];
@@ -160,8 +165,10 @@ static inline void functions(const shape *h, double place, double length,
     double narrow[EDA_CURRENTS];
     eda_curves_narrow_quick(h->table, h->gate->type, length, &h->edges.width,
                             narrow);
-    for (int k = 0; k < EDA_CURRENTS; k++)
-      f[2 + k] += (narrow[k] - f[2 + k]) * edges_share(&h->edges, k, edge);
+    for (int k = 0; k < EDA_CURRENTS; k++) {
+      f[WIDE_MOMENTS + k] = edges_share(&h->edges, k, edge);
+      f[2 + k] += (narrow[k] - f[2 + k]) * f[WIDE_MOMENTS + k];
+    }
   }
   for (int k = 0; k < EDA_CURRENTS && h->weight; k++)
     f[2 + k] *= h->weight(h->self, h->gate->type, k, edge, h->gate->width);
@@ -171,19 +178,13 @@ static inline void functions(const shape *h, double place, double length,
 static void add_places(const shape *h, size_t n, const double *x,
                        const double *length, const double *share,
                        double sum[MOMENTS]) {
-  double width = 0, area = 0, ion = 0, ioff = 0;
+  double part[MOMENTS] = {0};
   for (size_t i = 0; i < n; i++) {
-    double f[MOMENTS];
+    double f[MOMENTS] = {0};
     functions(h, h->by_place ? place_of(h, x[i]) : 0, length[i], f);
-    width += share[i] * f[0];
-    area += share[i] * f[1];
-    ion += share[i] * f[2];
-    ioff += share[i] * f[3];
+    for (int k = 0; k < MOMENTS; k++) part[k] += share[i] * f[k];
   }
-  sum[0] += width;
-  sum[1] += area;
-  sum[2] += ion;
-  sum[3] += ioff;
+  for (int k = 0; k < MOMENTS; k++) sum[k] += part[k];
 }
 
 /* The integrals of the functions over the width. The currents are smooth where
@@ -207,9 +208,9 @@ static void integrate(const contour *c, const shape *h, double sum[MOMENTS]) {
   /* Where the line has ended already. */
   const double gone[2] = {h->from, 1 - h->to};
   for (int side = 0; side < 2; side++) {
-    double f[MOMENTS], place = side ? (1 + h->to) / 2 : h->from / 2;
+    double f[MOMENTS] = {0}, place = side ? (1 + h->to) / 2 : h->from / 2;
     functions(h, place, 0, f);
-    for (int k = 0; k < MOMENTS; k++) sum[k] += gone[side] * f[k];
+    for (int k = 0; k < h->moments; k++) sum[k] += gone[side] * f[k];
   }
 }
 
@@ -273,14 +274,14 @@ static int solve(double a[MOMENTS][MOMENTS], double x[MOMENTS], int n) {
    wanted. */
 typedef struct slices {
   size_t n;
-  double f[CONTOUR_MOST][MOMENTS];
+  double f[PLACES][MOMENTS];
 } slices;
 
 /* Change the widths by the smallest factors (least squares) that give the first
    `moments` sums: 1. If one would come out below 0, the lowest becomes 0, for
    another try: 0. */
 static int fit(const slices *s, int moments, double *width) {
-  double a[MOMENTS][MOMENTS] = {{0}}, r[MOMENTS] = {1, 1, 1, 1};
+  double a[MOMENTS][MOMENTS] = {{0}}, r[MOMENTS] = {1, 1, 1, 1, 1, 1};
   for (size_t i = 0; i < s->n; i++)
     for (int k = 0; k < moments; k++) {
       r[k] -= width[i] * s->f[i][k];
@@ -290,7 +291,7 @@ static int fit(const slices *s, int moments, double *width) {
   /* A rectangle has one length only: all functions are the same. */
   for (int k = 0; k < moments; k++) a[k][k] *= 1 + 1e-12;
   if (!solve(a, r, moments)) return 1;
-  double factor[CONTOUR_MOST], least = 0;
+  double factor[PLACES], least = 0;
   size_t lowest = s->n;
   for (size_t i = 0; i < s->n; i++) {
     factor[i] = 1;
@@ -317,7 +318,7 @@ static int adds_up(const slices *s, int moments, const double *width) {
 
 /* Fit the first `moments` sums: 1. 0 if no widths have them. */
 static int settle(const slices *s, int moments, double *width) {
-  for (size_t left = s->n; left > MOMENTS; left--)
+  for (size_t left = s->n; left > (size_t)moments; left--)
     if (fit(s, moments, width)) break;
   if (!adds_up(s, moments, width)) return 0;
   double total = 0;
@@ -336,11 +337,104 @@ static int try_slices(const contour *c, int s, const shape *h,
     choose(c, s, h, n, n / part, place, width, length);
     for (size_t i = 0; i < n; i++) {
       functions(h, place[i], length[i], all.f[i]);
-      for (int k = 0; k < MOMENTS; k++) all.f[i][k] /= sum[k];
+      for (int k = 0; k < h->moments; k++) all.f[i][k] /= sum[k];
     }
     if (settle(&all, moments, width)) return 1;
   }
   return 0;
+}
+
+static void swap(double *a, double *b) {
+  double x = *a;
+  *a = *b;
+  *b = x;
+}
+
+/* Widths of n + 1 slices that add to none of n sums: a vector of the null
+   space, by elimination with the largest pivots. */
+static void find_idle(const slices *s, size_t n, const size_t *slice,
+                      double idle[MOMENTS + 1]) {
+  double a[MOMENTS][MOMENTS + 1];
+  size_t column[MOMENTS + 1], rank = 0;
+  for (size_t j = 0; j <= n; j++) {
+    column[j] = j;
+    for (size_t k = 0; k < n; k++) a[k][j] = s->f[slice[j]][k];
+  }
+  for (; rank < n; rank++) {
+    size_t row = rank, at = rank, was = column[rank];
+    for (size_t k = rank; k < n; k++)
+      for (size_t j = rank; j <= n; j++)
+        if (fabs(a[k][j]) > fabs(a[row][at])) row = k, at = j;
+    /* Slices of one length: the functions are the same but for rounding. */
+    if (fabs(a[row][at]) < 1e-13) break;
+    for (size_t j = 0; j <= n; j++) swap(&a[row][j], &a[rank][j]);
+    for (size_t k = 0; k < n; k++) swap(&a[k][at], &a[k][rank]);
+    column[rank] = column[at];
+    column[at] = was;
+    for (size_t k = rank + 1; k < n; k++) {
+      double by = a[k][rank] / a[rank][rank];
+      for (size_t j = rank; j <= n; j++) a[k][j] -= by * a[rank][j];
+    }
+  }
+  for (size_t j = 0; j <= n; j++) idle[j] = 0;
+  idle[column[rank]] = 1;
+  for (size_t k = rank; k-- > 0;) {
+    double sum = a[k][rank];
+    for (size_t j = k + 1; j < rank; j++) sum += a[k][j] * idle[column[j]];
+    idle[column[k]] = -sum / a[k][k];
+  }
+}
+
+/* Move the widths of the narrowest of `left` slices and of its neighbours, so
+   that no sum changes, until one of them is 0: which. */
+static size_t drop_one(const slices *s, size_t moments, const size_t *slice,
+                       size_t left, double *width) {
+  size_t least = 0, gone = 0;
+  for (size_t i = 1; i < left; i++)
+    if (width[slice[i]] < width[slice[least]]) least = i;
+  size_t first = least < moments / 2 ? 0 : least - moments / 2;
+  if (first + moments + 1 > left) first = left - moments - 1;
+  double idle[MOMENTS + 1], step = INFINITY;
+  find_idle(s, moments, slice + first, idle);
+  double sign = idle[least - first] > 0 ? -1 : 1;
+  for (size_t j = 0; j <= moments; j++) {
+    double less = -sign * idle[j], w = width[slice[first + j]];
+    if (less > 0 && w / less < step) step = w / less, gone = j;
+  }
+  for (size_t j = 0; j <= moments; j++)
+    width[slice[first + j]] += sign * step * idle[j];
+  return first + gone;
+}
+
+/* Slices with all sums from all places that were measured: these have widths
+   with the sums, and no more of them are needed than there are sums, and one
+   (Caratheodory's theorem). One by one they are given up until n are left: 1. 0
+   if all together do not have the sums. */
+static int reduce(const contour *c, int s, const shape *h,
+                  const double sum[MOMENTS], size_t n, double *place,
+                  double *width) {
+  slices all = {.n = (size_t)h->size + (h->from > 0) + (h->to < 1)};
+  double at[PLACES], length[PLACES], share[PLACES];
+  size_t slice[PLACES], left = all.n;
+  if (left <= n) return 0;
+  choose(c, s, h, all.n, all.n / 4, at, share, length);
+  for (size_t i = 0; i < all.n; i++) {
+    slice[i] = i;
+    functions(h, at[i], length[i], all.f[i]);
+    for (int k = 0; k < h->moments; k++) all.f[i][k] /= sum[k];
+  }
+  if (!settle(&all, h->moments, share)) return 0;
+  for (; left > n; left--) {
+    size_t gone = drop_one(&all, (size_t)h->moments, slice, left, share);
+    share[slice[gone]] = 0;
+    memmove(slice + gone, slice + gone + 1, (left - gone - 1) * sizeof *slice);
+  }
+  if (!adds_up(&all, h->moments, share)) return 0;
+  for (size_t i = 0; i < n; i++) {
+    place[i] = at[slice[i]];
+    width[i] = share[slice[i]];
+  }
+  return 1;
 }
 
 int contour_slice(const contour *c, const eda_curves *table, double reach,
@@ -352,6 +446,7 @@ int contour_slice(const contour *c, const eda_curves *table, double reach,
   if (!(gate->width > 0)) return 0;
   h.edges = edges_of(table, gate->type, gate->width, reach);
   h.by_place = weight || !h.edges.width.is_wide;
+  h.moments = h.edges.width.is_wide ? WIDE_MOMENTS : MOMENTS;
   h.from = fmax(0, -gate->extension[0] / gate->width);
   h.to = 1 - fmax(0, -gate->extension[1] / gate->width);
   if (!(h.to - h.from > 0.1)) return 0;
@@ -365,11 +460,12 @@ int contour_slice(const contour *c, const eda_curves *table, double reach,
     if (isnan(rest)) return 0;
     if (rest > enough && s + 1 < SIZES) continue;
     integrate(c, &h, sum);
-    if (try_slices(c, s, &h, sum, MOMENTS, n, place, width)) return 1;
+    if (try_slices(c, s, &h, sum, h.moments, n, place, width)) return 1;
     if (s + 1 == SIZES || !more--) break;
   }
-  /* Without the sums of the currents, Ioff first. */
-  for (int moments = MOMENTS - 1; moments > 0; moments--)
+  if (reduce(c, s, &h, sum, n, place, width)) return 1;
+  /* Without the last sums, those of the edges and then of Ioff first. */
+  for (int moments = h.moments - 1; moments > 0; moments--)
     if (try_slices(c, s, &h, sum, moments, n, place, width)) return 1;
   return 0;
 }

@@ -47,8 +47,11 @@ void slicer_slice(const void *self, const eda_printed_gate *gate, double *place,
                   double *width) {
   const slicer *s = self;
   size_t n = (size_t)s->slices;
-  if (s->contour && contour_slice(s->contour, &s->curves, s->reach, s->weight,
-                                  s, gate, n, place, width))
+  const eda_curves *curves = eda_curves_of(&s->curves, gate->flavour);
+  if (!curves)
+    curves = &s->curves; /* that there are none slicer_extract tells */
+  if (s->contour && contour_slice(s->contour, curves, s->reach, s->weight, s,
+                                  gate, n, place, width))
     return;
   memcpy(place, s->place, n * sizeof *place);
   memcpy(width, s->width, n * sizeof *width);
@@ -72,6 +75,7 @@ static double guessed(const eda_curves *table, int type, int c, double length,
 /* A gate's slices. */
 typedef struct strips {
   const slicer *slicer;
+  const eda_curves *curves; /* of its flavour */
   int type;
   size_t count;
   const double *width, *length, *edge; /* of each */
@@ -92,8 +96,8 @@ static double settled(const strips *g, int c) {
 static double current_at(const strips *g, int c, size_t k, double part,
                          double wide) {
   if (g->edges.width.is_wide) return wide;
-  double narrow = exp(eda_curves_narrow_at(&g->slicer->curves, g->type, c,
-                                           g->length[k], &g->edges.width));
+  double narrow = exp(eda_curves_narrow_at(g->curves, g->type, c, g->length[k],
+                                           &g->edges.width));
   return wide + (narrow - wide) * part * edges_share(&g->edges, c, g->edge[k]);
 }
 
@@ -108,46 +112,55 @@ static int extract_current(const strips *g, int c, double *current,
   for (size_t k = 0; k < g->count; k++) {
     double w = g->width[k];
     if (s->weight) w *= s->weight(s, g->type, c, g->edge[k], g->sum);
-    double one = exp(eda_curves_at(&s->curves, g->type, c, g->length[k]));
+    double one = exp(eda_curves_at(g->curves, g->type, c, g->length[k]));
     sum += w * current_at(g, c, k, part, one);
     weight += w;
-    guess += w * guessed(&s->curves, g->type, c, g->length[k], one);
+    guess += w * guessed(g->curves, g->type, c, g->length[k], one);
   }
   *current = sum;
   *leq = 0;
   if (g->sum > 0)
-    *leq = eda_curves_narrow_length(&s->curves, g->type, c, log(sum / weight),
+    *leq = eda_curves_narrow_length(g->curves, g->type, c, log(sum / weight),
                                     &g->edges.width, g->area / g->sum);
-  return guess > notable[c] * sum || !within(&s->curves, *leq);
+  return guess > notable[c] * sum || !within(g->curves, *leq);
 }
 
-static void extract_gate(const slicer *s, const eda_slices *in, size_t i,
-                         eda_performance *out) {
+static int extract_gate(const slicer *s, const eda_slices *in, size_t i,
+                        eda_performance *out, opc_error *error) {
   size_t first = i * in->slices;
+  const char *flavour = in->flavour ? in->flavour[i] : NULL;
   strips g = {.slicer = s,
+              .curves = eda_curves_of(&s->curves, flavour),
               .type = in->type[i],
               .count = in->slices,
               .width = in->width + first,
               .length = in->length + first,
               .edge = in->edge + first};
+  if (!g.curves)
+    return opc_fail(error, OPC_INVALID, "devices",
+                    "'%s' has no table of flavour '%.100s', which "
+                    "transistors of the layout have",
+                    s->path, flavour);
   for (size_t k = 0; k < g.count; k++) {
     g.sum += g.width[k];
     g.area += g.width[k] * g.length[k];
   }
-  g.edges = edges_of(&s->curves, g.type, g.sum, s->reach);
-  uint8_t outside = eda_curves_narrowest(&s->curves) > g.sum;
+  g.edges = edges_of(g.curves, g.type, g.sum, s->reach);
+  uint8_t outside = eda_curves_narrowest(g.curves) > g.sum;
   outside |= extract_current(&g, EDA_ION, &out->ion[i], &out->leq_ion[i]);
   outside |= extract_current(&g, EDA_IOFF, &out->ioff[i], &out->leq_ioff[i]);
   out->weq[i] = g.sum;
   out->area[i] = g.area;
   if (out->outside) out->outside[i] = outside;
+  return OPC_OK;
 }
 
 int slicer_extract(const void *self, const eda_slices *in, eda_performance *out,
                    opc_error *error) {
-  (void)error;
-  for (size_t i = 0; i < in->count; i++) extract_gate(self, in, i, out);
-  return OPC_OK;
+  int code = OPC_OK;
+  for (size_t i = 0; i < in->count && !code; i++)
+    code = extract_gate(self, in, i, out, error);
+  return code;
 }
 
 /* ---- parameters ---- */

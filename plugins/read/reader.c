@@ -4,6 +4,7 @@
 
 #include <eda/formats.h>
 #include <eda/memory.h>
+#include <eda/pool.h>
 #include <eda/words.h>
 #include <errno.h>
 #include <math.h>
@@ -202,12 +203,21 @@ static const char *name_in_file(const reading *b, size_t layer) {
   return name;
 }
 
+/* One that the file need not have is then an empty layer. */
+static int is_optional(const reading *b, size_t i) {
+  opc_error ignored;
+  const char *name = b->r->layers.pairs[i].key;
+  return b->r->optional && eda_in_list(b->r->optional, name) &&
+         eda_layout_layer(b->layout, name, &ignored) >= 0;
+}
+
 /* Refuse names of layers that the file does not have. What it has is told in
    the order of the numbers, or of the names in the file; as much as fits. */
 static int check_layers(const reading *b) {
   const opc_map *map = &b->r->layers;
   size_t missing = 0;
-  while (missing < map->count && b->seen[missing]) missing++;
+  while (missing < map->count && (b->seen[missing] || is_optional(b, missing)))
+    missing++;
   if (missing == map->count) return OPC_OK;
   enum { MOST = 374 };
   g_autoptr(GString) all = g_string_new(NULL);

@@ -15,6 +15,7 @@ typedef struct reader {
   opc_map layers; /* name: what the file calls it */
   double scale;
   const char *top;
+  const char *optional; /* names of `layers` with blanks between, or NULL */
 } reader;
 
 /* The array's content, with what the file and the map of layers are. */
@@ -23,6 +24,10 @@ typedef struct reader {
                 .summary = (file_summary)),                              \
       OPC_PARAMETER(reader, layers, .type = OPC_MAP,                     \
                     .summary = (layers_summary)),                        \
+      OPC_PARAMETER(reader, optional, .type = OPC_TEXT,                  \
+                    .summary =                                           \
+                        "those of `layers`, with blanks between, "       \
+                        "that the file need not have"),                  \
       OPC_PARAMETER(reader, scale, .type = OPC_REAL, .flags = OPC_ABOVE, \
                     .preset = "1", .min = 0,                             \
                     .summary = "A factor on the unit of the file"),      \

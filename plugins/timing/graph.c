@@ -109,6 +109,25 @@ static int sort_nodes(builder *b) {
                   g->net[loop]);
 }
 
+/* ---- pins ---- */
+
+static void list_pins(builder *b) {
+  graph *g = b->g;
+  g->first_pin = eda_pool_alloc(b->pool, g->nets + 1, sizeof *g->first_pin);
+  for (size_t i = 0; i < g->nets; i++)
+    g->first_pin[i + 1] = g->first_pin[i] + g->fanout[i];
+  g->pin = eda_pool_alloc(b->pool, g->first_pin[g->nets], sizeof *g->pin);
+  uint32_t *next = eda_alloc(g->nets, sizeof *next);
+  for (size_t i = 0; i < g->nodes; i++) {
+    const node *n = &g->node[i];
+    for (uint32_t k = 0; k < n->cell->inputs && !n->output; k++) {
+      uint32_t net = n->in[k];
+      g->pin[g->first_pin[net] + next[net]++] = (plug){(uint32_t)i, k};
+    }
+  }
+  free(next);
+}
+
 /* ---- ports ---- */
 
 /* Rails are ports that are no pin of any cell. */
@@ -156,6 +175,7 @@ static int build(builder *b) {
     code = add_instance(b, &b->top->element[i]);
   if (!code) code = find_ports(b);
   if (!code) code = sort_nodes(b);
+  if (!code) list_pins(b);
   free(b->driver);
   return code;
 }

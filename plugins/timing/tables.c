@@ -15,22 +15,83 @@ size_t arc_room(const eda_timing_cell *cell) {
 
 /* ---- loads ---- */
 
-static void find_loads(const graph *g, conditions at, state *s) {
-  s->load = eda_alloc(g->nets * 2 * EDA_CAPS, sizeof *s->load);
-  for (size_t k = 0; k < g->nets * 2 * EDA_CAPS; k++)
-    s->load[k] = at.wire * g->fanout[k / (2 * EDA_CAPS)];
+static size_t place_of(uint32_t net, int rises) {
+  return ((size_t)net * 2 + (size_t)rises) * EDA_CAPS;
+}
+
+/* The factor of a pin's capacitance, [(pin * 2 + rises) * EDA_CAPS + cap]. */
+static double *factor_of(const state *s, size_t k, int rises) {
+  return s->pins + (k * 2 + (size_t)rises) * EDA_CAPS;
+}
+
+static double pin_at(const graph *g, size_t k, uint32_t from, int cap) {
+  const eda_timing_cell *c = g->node[g->pin[k].node].cell;
+  size_t at = (size_t)g->pin[k].input << c->inputs | from;
+  return c->pin_capacitance[at * EDA_CAPS + (size_t)cap];
+}
+
+/* What a pin adds to the least, the largest and the mean load of its net. */
+static void add_pin(const graph *g, state *s, uint32_t net, size_t k,
+                    int rises) {
+  const node *n = &g->node[g->pin[k].node];
+  const double *change = s->change ? s->change[n->instance] : NULL;
+  size_t input = g->pin[k].input, to = place_of(net, rises);
+  for (int cap = 0; cap < EDA_CAPS; cap++, to++) {
+    double drawn = eda_timing_capacitance(n->cell, input, rises, cap, NULL),
+           mean = eda_timing_capacitance(n->cell, input, rises, cap, change),
+           factor = drawn > 0 ? mean / drawn : 1, least = INFINITY,
+           largest = -INFINITY;
+    for (uint32_t from = 0; from >> n->cell->inputs == 0; from++) {
+      if ((int)(from >> input & 1) == rises) continue;
+      least = fmin(least, factor * pin_at(g, k, from, cap));
+      largest = fmax(largest, factor * pin_at(g, k, from, cap));
+    }
+    factor_of(s, k, rises)[cap] = factor;
+    s->least[to] += least;
+    s->largest[to] += largest;
+    s->load[to] += mean;
+  }
+}
+
+void net_loads(const graph *g, conditions at, state *s, uint32_t net) {
+  size_t first = place_of(net, 0), end = place_of(net + 1, 0);
+  double fixed = at.wire * g->fanout[net];
   for (size_t o = 0; o < g->outputs; o++)
-    for (size_t k = 0; k < 2 * EDA_CAPS; k++)
-      s->load[g->output[o] * 2 * EDA_CAPS + k] += at.load;
-  for (size_t i = 0; i < g->nodes; i++) {
-    const node *n = &g->node[i];
-    const double *change = s->change ? s->change[n->instance] : NULL;
-    for (size_t in = 0; in < n->cell->inputs && !n->output; in++)
-      for (int rises = 0; rises < 2; rises++)
-        for (int cap = 0; cap < EDA_CAPS; cap++)
-          s->load[(n->in[in] * 2 + (uint32_t)rises) * EDA_CAPS +
-                  (uint32_t)cap] +=
-              eda_timing_capacitance(n->cell, in, rises, cap, change);
+    if (g->output[o] == net) fixed += at.load;
+  for (size_t k = first; k < end; k++)
+    s->least[k] = s->largest[k] = s->load[k] = s->fixed[k] = fixed;
+  for (size_t k = g->first_pin[net]; k < g->first_pin[net + 1]; k++)
+    for (int rises = 0; rises < 2; rises++) add_pin(g, s, net, k, rises);
+  for (size_t k = first; k < end; k++) {
+    double range = s->largest[k] - s->least[k];
+    s->mean[k] = range > 0 ? (s->load[k] - s->least[k]) / range : 0;
+  }
+}
+
+static void find_loads(const graph *g, conditions at, state *s) {
+  const size_t n = g->nets * 2 * EDA_CAPS;
+  s->load = eda_alloc(5 * n, sizeof *s->load);
+  s->fixed = s->load + n;
+  s->least = s->fixed + n;
+  s->largest = s->least + n;
+  s->mean = s->largest + n;
+  s->pins = eda_alloc(g->first_pin[g->nets] * 2 * EDA_CAPS, sizeof *s->pins);
+  for (uint32_t net = 0; net < g->nets; net++) net_loads(g, at, s, net);
+}
+
+const double *mean_load(const state *s, uint32_t net, int rises) {
+  return s->mean + place_of(net, rises);
+}
+
+void load_at(const graph *g, const state *s, uint32_t net, int rises,
+             const uint32_t *from, double load[EDA_CAPS]) {
+  size_t at = place_of(net, rises);
+  for (int cap = 0; cap < EDA_CAPS; cap++, at++) {
+    double sum = s->fixed[at], range = s->largest[at] - s->least[at];
+    for (size_t k = g->first_pin[net]; k < g->first_pin[net + 1]; k++)
+      sum += factor_of(s, k, rises)[cap] *
+             pin_at(g, k, from[k - g->first_pin[net]], cap);
+    load[cap] = range > 0 ? (sum - s->least[at]) / range : 0;
   }
 }
 
@@ -39,42 +100,52 @@ static void find_loads(const graph *g, conditions at, state *s) {
 static void put_arc(const node *n, const state *s, size_t arc) {
   const eda_timing_cell *c = n->cell;
   const eda_timing_arc *a = &c->arc[arc];
-  const double *load = s->load + (n->net * 2 + a->rises) * EDA_CAPS;
+  size_t at = place_of(n->net, a->rises);
   double part[ARC_PARTS][64];
-  eda_timing_at(c, a, load[EDA_CAP_DELAY], load[EDA_CAP_SLEW],
-                s->change ? s->change[n->instance] : NULL, part[0], part[1]);
+  for (int k = 0; k < 2; k++) {
+    const double *load = (k ? s->largest : s->least) + at;
+    eda_timing_at(c, a, load[EDA_CAP_DELAY], load[EDA_CAP_SLEW],
+                  s->change ? s->change[n->instance] : NULL, part[2 * k],
+                  part[2 * k + 1]);
+  }
   double *to = s->table + n->table + arc * arc_room(c);
-  for (int k = 0; k < ARC_PARTS; k++, to += 4 * (c->slews - 1)) {
-    eda_timing_cubic(c->at_slew, part[k], c->slews, to);
+  for (int k = 0; k < ARC_PARTS; k++) {
+    double cubic[4 * 64];
+    eda_timing_cubic(c->at_slew, part[k], c->slews, cubic);
     for (size_t i = 0; i + 1 < c->slews; i++) {
       double unit = ps;
-      for (int power = 0; power < 4; power++, unit /= ps)
-        to[4 * i + (size_t)power] *= unit;
+      for (size_t power = 0; power < 4; power++, unit /= ps)
+        to[(4 * i + power) * ARC_PARTS + (size_t)k] =
+            cubic[4 * i + power] * unit;
     }
   }
 }
 
-void arc_at(const node *n, const state *s, size_t arc, double slew,
-            double *delay, double *out) {
+void arc_loaded(const node *n, const state *s, size_t arc, double slew,
+                const double load[EDA_CAPS], double *delay, double *out) {
   const eda_timing_cell *c = n->cell;
-  const size_t room = 4 * (c->slews - 1);
-  const double *table = s->table + n->table + arc * arc_room(c);
+  const double *a = s->table + n->table + arc * arc_room(c);
+  double part[ARC_PARTS];
   size_t i = 0;
   while (i + 2 < c->slews && slew > c->at_slew[i + 1] * ps) i++;
+  a += 4 * i * ARC_PARTS;
   double t = slew - c->at_slew[i] * ps,
          h = (c->at_slew[i + 1] - c->at_slew[i]) * ps;
-  const double *a = table + 4 * i, *b = a + room;
-  if (t >= 0 && t <= h) {
-    *delay = a[0] + t * (a[1] + t * (a[2] + t * a[3]));
-    *out = b[0] + t * (b[1] + t * (b[2] + t * b[3]));
-    return;
-  }
   /* Straight on beyond the ends. */
-  double e = t < 0 ? 0 : h, over = t - e;
-  *delay = a[0] + e * (a[1] + e * (a[2] + e * a[3])) +
-           over * (a[1] + e * (2 * a[2] + 3 * e * a[3]));
-  *out = b[0] + e * (b[1] + e * (b[2] + e * b[3])) +
-         over * (b[1] + e * (2 * b[2] + 3 * e * b[3]));
+  double e = t < 0 ? 0 : t > h ? h : t, over = t - e;
+  for (int k = 0; k < ARC_PARTS; k++, a++) {
+    const double *b = a + ARC_PARTS, *q = b + ARC_PARTS, *r = q + ARC_PARTS;
+    part[k] = *a + e * (*b + e * (*q + e * *r)) +
+              over * (*b + e * (2 * *q + 3 * e * *r));
+  }
+  *delay = part[0] + load[EDA_CAP_DELAY] * (part[2] - part[0]);
+  *out = part[1] + load[EDA_CAP_SLEW] * (part[3] - part[1]);
+}
+
+void arc_at(const node *n, const state *s, size_t arc, double slew,
+            double *delay, double *out) {
+  arc_loaded(n, s, arc, slew, mean_load(s, n->net, n->cell->arc[arc].rises),
+             delay, out);
 }
 
 /* ---- static analysis ---- */
@@ -174,5 +245,6 @@ void state_clear(state *s) {
   free(s->table);
   free(s->one);
   free(s->load);
-  s->table = s->one = s->load = NULL;
+  free(s->pins);
+  s->table = s->one = s->load = s->pins = NULL;
 }

@@ -19,7 +19,8 @@ enum {
   LEAVE,
   FIND,
   MANY,
-  QUIET
+  QUIET,
+  TELL
 }; /* numbers.behave */
 
 typedef struct numbers {
@@ -68,6 +69,16 @@ static void find_one(void *data, size_t i) {
   host->log(host, OPC_LOG_FINDING, "odd: %zu", i);
 }
 
+/* The second comes too soon after the first to be shown. */
+static void tell(const numbers *n) {
+  const opc_progress all[] = {
+      {1, 1201, 0.5, "nm"}, {2, 1201, 0.5, "nm"}, {3, NAN, 0.25, NULL}};
+  for (int i = 0; i < 3; i++) {
+    if (i != 1) usleep(200000);
+    n->host->progress(n->host, &all[i]);
+  }
+}
+
 static int misbehave(const numbers *n, opc_error *error) {
   switch (n->behave) {
     case FAIL:
@@ -89,6 +100,9 @@ static int misbehave(const numbers *n, opc_error *error) {
       return OPC_OK;
     case MANY:
       opc_parallel(n->host->context, 250, find_one, (void *)n);
+      return OPC_OK;
+    case TELL:
+      tell(n);
       return OPC_OK;
     default:
       return OPC_OK;
@@ -155,7 +169,7 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(numbers, behave, .type = OPC_CHOICE, .flags = OPC_NO_EFFECT,
                   .preset = "well",
                   .choices = "well|fail|nan|limit|wait|leave|"
-                             "find|many|quiet",
+                             "find|many|quiet|tell",
                   .summary = "what to do"),
 };
 

@@ -42,11 +42,39 @@ static int find_cards(bench *b, opc_error *error) {
   return OPC_OK;
 }
 
+/* The models of all devices, each once, with blanks between. */
+static char *names_of_models(const bench *b) {
+  GString *all = g_string_new(NULL);
+  for (size_t i = 0; i < b->circuit->count; i++) {
+    const eda_device *d = &b->circuit->device[i];
+    const char *name = b->model[d->type] ? b->model[d->type] : d->model;
+    if (eda_in_list(all->str, name)) continue;
+    g_string_append_printf(all, "%s%s", all->len ? " " : "", name);
+  }
+  return g_string_free(all, FALSE);
+}
+
+/* Whether the library has them all, as subcircuits or all as cards. */
+static int check_names(bench *b, const eda_models *l, const char *names,
+                       opc_error *error) {
+  g_auto(GStrv) name = g_strsplit(names, " ", -1);
+  for (size_t i = 0; name[i]; i++) {
+    int kind = eda_models_kind(l, name[i]);
+    if (i && (kind == EDA_MODEL_SUBCIRCUIT) != b->subcircuits) kind = 0;
+    b->subcircuits = kind == EDA_MODEL_SUBCIRCUIT;
+    if (!kind)
+      return opc_fail(error, OPC_INVALID, "library",
+                      "'%s' has no '%s', or it is not as the others are; "
+                      "'nmos' and 'pmos' give the models' names there",
+                      b->library, name[i]);
+  }
+  return OPC_OK;
+}
+
 /* Of a foundry's library what the circuit's sizes need; printed ones are about
    as drawn, and shorter than the shortest bin as often as longer. */
 static int read_library(bench *b, opc_error *error) {
   const double around = 0.3;
-  static const char *const parameter[2] = {"nmos", "pmos"};
   const eda_gates *g = b->circuit->gates;
   eda_sizes sizes = {{INFINITY, 0}, {INFINITY, 0}};
   for (size_t i = 0; i < g->count; i++) {
@@ -61,20 +89,10 @@ static int read_library(bench *b, opc_error *error) {
                     b->library, strerror(errno));
   eda_models *l = eda_models_read(path, b->corner, error);
   if (!l) return error->code;
-  int code = OPC_OK;
-  for (int type = 0; type < 2 && !code; type++) {
-    int kind = eda_models_kind(l, b->model[type]);
-    if (type && (kind == EDA_MODEL_SUBCIRCUIT) != b->subcircuits) kind = 0;
-    b->subcircuits = kind == EDA_MODEL_SUBCIRCUIT;
-    if (!kind)
-      code = opc_fail(error, OPC_INVALID, parameter[type],
-                      "'%s' has no '%s', or it is not as the other type is",
-                      b->library, b->model[type]);
-  }
-  g_autofree char *both =
-      g_strdup_printf("%s %s", b->model[EDA_NMOS], b->model[EDA_PMOS]);
+  g_autofree char *all = names_of_models(b);
+  int code = check_names(b, l, all, error);
   b->unit = eda_models_unit(l);
-  if (!code) b->statements = eda_models_cut(l, both, &sizes, 1);
+  if (!code) b->statements = eda_models_cut(l, all, &sizes, 1);
   eda_models_free(l);
   return code;
 }
@@ -237,11 +255,12 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(bench, corner, .type = OPC_TEXT,
                   .summary = "its section; if not given, what stands in none"),
     OPC_PARAMETER_NAMED("nmos", bench, model[EDA_NMOS], .type = OPC_TEXT,
-                        .preset = "nmos",
-                        .summary = "name of the n-transistor's model"),
+                        .summary = "name of the n-transistor's model; if not "
+                                   "given, nmos, or with `library` the "
+                                   "netlist's of each device"),
     OPC_PARAMETER_NAMED("pmos", bench, model[EDA_PMOS], .type = OPC_TEXT,
-                        .preset = "pmos",
-                        .summary = "name of the p-transistor's model"),
+                        .summary = "name of the p-transistor's model; if not "
+                                   "given, as of n"),
     OPC_PARAMETER(bench, dlc, .type = OPC_BOOL, .preset = "true",
                   .summary = "gate capacitances are those of the printed area"),
     OPC_PARAMETER(
@@ -353,10 +372,12 @@ static int is_name(const char *text) {
 
 static int check(void *self, opc_error *error) {
   static const char *const names[] = {[EDA_NMOS] = "nmos", [EDA_PMOS] = "pmos"};
-  const bench *b = self;
+  bench *b = self;
   const double *edge = b->edges.values;
   for (int type = 0; type < 2; type++)
-    if (!is_name(b->model[type]))
+    if (!b->model[type] && !b->library) b->model[type] = names[type];
+  for (int type = 0; type < 2; type++)
+    if (b->model[type] && !is_name(b->model[type]))
       return opc_fail(error, OPC_INVALID, names[type],
                       "'%s' is not the name of a model", b->model[type]);
   if (b->sizes == SIZES_LENGTH && !b->devices)

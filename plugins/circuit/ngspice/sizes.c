@@ -8,9 +8,10 @@
 #include "bench.h"
 
 /* The length at which the drawn width has the printed current. */
-static double length_of(const eda_curves *c, const eda_gates *g, size_t i,
+static double length_of(const eda_curves *all, const eda_gates *g, size_t i,
                         int current, double printed, double drawn) {
-  if (!(printed > 0 && drawn > 0) || isinf(printed)) return 0;
+  const eda_curves *c = eda_curves_of(all, eda_gates_flavour(g, i));
+  if (!c || !(printed > 0 && drawn > 0) || isinf(printed)) return 0;
   eda_curves_width w = eda_curves_among(c, g->width[i]);
   double is = eda_curves_narrow_at(c, g->type[i], current, g->length[i], &w);
   return eda_curves_narrow_length(c, g->type[i], current,

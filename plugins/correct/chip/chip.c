@@ -49,7 +49,7 @@ typedef struct chip {
   const opc_host *host;
   const eda_layout *layout;
   const char *top;
-  opc_map also;
+  opc_map also, flavours;
   double grid, overhang, line_end;
   const opc_module *litho, *resist, *extractor, *synthesizer, *regulator;
   int64_t max_iterations, rounds;
@@ -161,6 +161,7 @@ static void work_init(const chip *c, eda_chip *out, work *w) {
               .regulator = c->regulator,
               .max_iterations = c->max_iterations,
               .fine = c->fine,
+              .fine_change = fine_change(c->fine_text, c->limit),
               .limit = c->limit,
               .hold = c->guard == ON,
               .mask_limit = {[EDA_RULE_SPACE] = c->min_space,
@@ -221,8 +222,7 @@ static int begin(const chip *c, eda_chip *out, opc_error *error) {
   eda_gates *g;
   out->layout = c->layout;
   out->grid = c->grid;
-  out->segment = (eda_segment_settings){
-      .grid = c->grid, .overhang = c->overhang, .line_end = c->line_end};
+  out->segment = (eda_segment_settings)EDA_SEGMENT_SETTINGS(c);
   out->top = eda_segment_top(c->layout, c->top, error);
   if (out->top < 0) return error->code;
   int code = eda_segment_window(out->layout, out->top, &out->segment, &nowhere,

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../fine.h"
 #include "../start.h"
 #include "work.h"
 
@@ -166,6 +167,9 @@ static int print(const work *w, const eda_gates *g, measured *m,
   int code = eda_printer_prepare(&m->printer, error);
   for (size_t k = 0; k < g->layers && !code; k++)
     if (g->corrected[k]) code = start_mask(g, m->moved, k, &m->mask[k], error);
+  if (!code)
+    code = fine_by_drawn(&m->printer, w->host, g, w->extractor, w->fine_change,
+                         error);
   if (!code && m->printer.fine > 0)
     code = eda_printer_refine(&m->printer, g->corrected, m->mask, error);
   else if (!code)

@@ -168,6 +168,7 @@ static int put_gate(maker *m, const ref *r, size_t k, opc_error *error) {
     if (!to->note) to->note = eda_alloc(to->count, sizeof *to->note);
     to->note[k] = eda_gates_text(to, from->note[i]);
   }
+  eda_gates_take_flavour(to, k, from, i);
   return OPC_OK;
 }
 

@@ -196,6 +196,7 @@ static void digest(const seen *s, size_t i, const heap *h, uint8_t *out) {
   g_checksum_update(sum, (const guchar *)head, sizeof head);
   g_checksum_update(sum, (const guchar *)h, sizeof *h);
   g_checksum_update(sum, (const guchar *)note, -1);
+  g_checksum_update(sum, (const guchar *)eda_gates_flavour(g, i), -1);
   g_checksum_get_digest(sum, all, &size);
   memcpy(out, all, SUM_SIZE);
 }

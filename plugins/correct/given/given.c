@@ -56,6 +56,9 @@ static int prepare(const given *s, eda_printer *p, eda_mask *out,
   if (!code)
     code = eda_measure_drawn(context, s->take.gates, s->extractor, &out->design,
                              error);
+  if (!code)
+    code = fine_by_drawn(p, s->host, s->take.gates, s->extractor,
+                         fine_change(s->fine_text, s->limit), error);
   return code;
 }
 

@@ -109,6 +109,7 @@ static void cut_gate(cutter *c, size_t i) {
   to->number[k] = from->number[i];
   if (from->note && from->note[i])
     to->note[k] = eda_gates_text(to, from->note[i]);
+  eda_gates_take_flavour(to, k, from, i);
 }
 
 static void join(eda_box *all, eda_box b) {
@@ -233,10 +234,13 @@ char *cut_sum(const eda_gates *g) {
     }
   }
   for (size_t i = 0; i < g->count; i++) {
-    g_autofree char *one = g_strdup_printf(
-        "%d %d %a %a %s\n", g->type[i], g->axis[i], g->length[i], g->width[i],
-        g->note && g->note[i] ? g->note[i] : "");
+    g_autofree char *one =
+        g_strdup_printf("%d %d %a %a %s", g->type[i], g->axis[i], g->length[i],
+                        g->width[i], g->note && g->note[i] ? g->note[i] : "");
+    const char *flavour = eda_gates_flavour(g, i);
     g_checksum_update(sum, (const guchar *)one, -1);
+    g_checksum_update(sum, (const guchar *)flavour, -1);
+    g_checksum_update(sum, (const guchar *)"\n", 1);
   }
   return g_strdup(g_checksum_get_string(sum));
 }

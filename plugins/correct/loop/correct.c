@@ -33,6 +33,7 @@ typedef struct correct {
   double limit;  /* % */
   corners_wish corners;
   gate_bars assists;
+  sought_bars seek;
   double min_space, min_mask_width, min_edge, min_jog; /* of the mask, nm */
   int guard, trace;
   int prepared; /* the extractor is */
@@ -141,12 +142,14 @@ static int run(void *self, void **outputs, opc_error *error) {
       .traced = c->trace,
       .hold = c->guard == ON,
       .limit = c->limit,
+      .fine_change = fine_change(c->fine_text, c->limit),
       .drivers = {[MAIN].module = c->synthesizer, [EDGES].module = c->edges}};
   eda_printer_init(&l.printer, c->host->context, c->gates, c->litho, c->resist,
                    c->margin);
   l.printer.fine = c->fine;
   l.corners.wish = c->corners;
   l.assists = c->assists;
+  l.seek = c->seek;
   eda_mask *mask = eda_mask_new(c->gates);
   outputs[0] = mask; /* released by the host if this fails */
   code = loop_run(&l, error);
@@ -228,6 +231,7 @@ static const opc_parameter parameters[] = {
     FINE_PARAMETER(correct),
     CORNERS_PARAMETERS(correct),
     ASSISTS_PARAMETERS(correct),
+    SEEK_PARAMETERS(correct),
     OPC_PARAMETER(correct, guard, .type = OPC_CHOICE, .preset = "on",
                   .choices = "on|off",
                   .summary = "take back what ends worse than the drawn mask; "
@@ -265,7 +269,7 @@ static const opc_metric metrics[] = {
      "transistors that the guard has taken back towards the drawn mask"},
     REPORT_JUDGED_METRICS,
     CORNERS_METRICS,
-    {"assists", NULL, OPC_NEUTRAL, 0, "assist bars beside gates"},
+    {"assists", NULL, OPC_NEUTRAL, 0, "assist bars of the mask"},
     {"assists_dropped", NULL, OPC_LOWER, 0,
      "assist bars that were taken away as they printed"},
     RULES_METRICS,

@@ -24,6 +24,9 @@ typedef struct verify {
 
 /* ---- work ---- */
 
+/* %, of Ion: what figures are to be good for, as the loop's `limit`. */
+static const double limit = 0.5;
+
 /* The mask with the prints and the performance that these models give it. What
    the loop measured is its performance before. */
 static int look_again(const verify *v, eda_printer *printer, eda_mask *out,
@@ -40,6 +43,9 @@ static int look_again(const verify *v, eda_printer *printer, eda_mask *out,
     code = eda_measure_drawn(context, gates, v->extractor, &out->design, error);
   for (size_t k = 0; k < gates->layers && !code; k++)
     code = eda_boolean(EDA_OR, &in->shapes[k], NULL, &out->shapes[k], error);
+  if (!code)
+    code = fine_by_drawn(printer, v->host, gates, v->extractor,
+                         fine_change(v->fine_text, limit), error);
   if (!code)
     code = (printer->fine > 0 ? eda_printer_refine : eda_printer_print)(
         printer, gates->corrected, out->shapes, error);
@@ -123,9 +129,6 @@ static const opc_metric metrics[] = {
      "largest |difference| of the Ion deviation to that in the loop"},
     REPORT_PRINT_METRICS,
 };
-
-/* %, of Ion: what figures are to be good for, as the loop's `limit`. */
-static const double limit = 0.5;
 
 static int check(void *self, opc_error *error) {
   verify *v = self;

@@ -227,9 +227,10 @@ static void extract(const gate gates[GATES], double current[2][GATES]) {
   uint8_t type[GATES], outside[GATES];
   double length[GATES * SLICES], width[GATES * SLICES], edge[GATES * SLICES];
   double rest[4][GATES];
-  const char *source = g_getenv("OPCFLOW_SOURCE");
+  const char *source = g_getenv("OPCFLOW_SOURCE"), *flavour[GATES];
   for (int i = 0; i < GATES; i++) {
     type[i] = gates[i].type;
+    flavour[i] = type[i] == EDA_PMOS ? "hvt" : NULL;
     for (int k = 0; k < SLICES; k++) {
       length[i * SLICES + k] = gates[i].length;
       width[i * SLICES + k] = gates[i].width / SLICES;
@@ -237,7 +238,13 @@ static void extract(const gate gates[GATES], double current[2][GATES]) {
           gates[i].width * (0.5 - fabs((k + 0.5) / SLICES - 0.5));
     }
   }
-  const eda_slices slices = {GATES, SLICES, type, width, length, edge};
+  const eda_slices slices = {.count = GATES,
+                             .slices = SLICES,
+                             .type = type,
+                             .width = width,
+                             .length = length,
+                             .edge = edge,
+                             .flavour = flavour};
   eda_performance out = {GATES,   current[0], current[1], rest[0],
                          rest[1], rest[2],    rest[3],    outside};
   g_autofree char *mapping = g_strdup_printf(

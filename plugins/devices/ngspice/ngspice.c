@@ -225,6 +225,8 @@ static const opc_parameter parameters[] = {
      .preset = "1 um"},
     {TEXT("name", OPC_TEXT, name,
           "of the table (default: what the card is called)")},
+    {TEXT("flavour", OPC_TEXT, flavour,
+          "whose table it is, to stand behind others in a file: lvt, hv")},
     {TEXT("file", OPC_OUTPUT, file, "the table"), .preset = "devices.yaml"},
     {TEXT("picture", OPC_OUTPUT, picture, "the curves, .png, .svg or .pdf"),
      .preset = "devices.png"},
@@ -269,6 +271,8 @@ static int check_texts(const plan *p, opc_error *error) {
     if (!isfinite(strtod(pair->value, &end)) || end == pair->value || *end)
       return refuse("overrides", pair->value, "is not a plain number", error);
   }
+  if (p->flavour && !is_name(p->flavour))
+    return refuse("flavour", p->flavour, "is not a name", error);
   for (const char *c = p->name ? p->name : ""; *c; c++)
     if ((unsigned char)*c < 32)
       return refuse("name", p->name, "has a control character", error);

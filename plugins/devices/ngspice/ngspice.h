@@ -36,9 +36,9 @@ typedef struct plan {
   double from, to, step;
   opc_reals list;
   bias bias[EDA_CURRENTS];
-  double reference_length, reference_width; /* NAN: none */
-  const char *name, *file, *picture;
-  double limit;       /* s */
+  double reference_length, reference_width;    /* NAN: none */
+  const char *name, *file, *picture, *flavour; /* NULL: of none */
+  double limit;                                /* s */
   char *path[TYPES];  /* of the cards, or of the library, whole */
   eda_models *models; /* NULL: cards */
   size_t count;

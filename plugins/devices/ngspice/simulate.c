@@ -95,7 +95,7 @@ static double current_of(const job *j, const eda_spice_plot *plot,
 
 static void keep_simulator(const job *j, const eda_spice_result *r) {
   const char *at = r->words ? strstr(r->words, "ngspice-") : NULL;
-  if (j->type || j->current || j->width) return;
+  if (j->type || j->current || j->width + 1 < j->p->widths) return;
   g_snprintf(j->out->simulator, sizeof j->out->simulator, "%.*s",
              at ? (int)strcspn(at, " \n") : 7, at ? at : "ngspice");
 }

@@ -125,6 +125,7 @@ static void put_table(FILE *out, const plan *p, const currents *c,
   static const char *const names[EDA_CURRENTS] = {
       [EDA_ION] = "ion", [EDA_IOFF] = "ioff"};
   char extended[512];
+  if (p->flavour) fprintf(out, "---\nflavour: %s\n", p->flavour);
   fputs(
       "# On and off current against drawn channel length, by the plugin "
       "devices.ngspice.\nopcflow-devices: 1\nname: ",

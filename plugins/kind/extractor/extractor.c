@@ -51,7 +51,12 @@ static void fill_slices(cases *all, size_t c, size_t n, const double *place,
       length[k] = g->length[i] * length_factor[c];
       edge[k] = printed * fmin(place[s], 1 - place[s]);
     }
-  all->slices[c] = (eda_slices){g->count, n, g->type, width, length, edge};
+  all->slices[c] = (eda_slices){.count = g->count,
+                                .slices = n,
+                                .type = g->type,
+                                .width = width,
+                                .length = length,
+                                .edge = edge};
 }
 
 /* NAN in all results shows what is not filled. */

@@ -91,6 +91,35 @@ static void assert_beams(const eda_field *f, int from, int to,
         3e-5);
 }
 
+/* Lines along x, too, and a lens that needs a fine image; what is beyond its
+   pupil does not pass, whichever way it lies. */
+static void test_turned(void) {
+  static const struct {
+    const char *parameters;
+    double pitch;
+    int from, to;
+  } cases[] = {{"{ source: points, points: [0, 0, 1] }", 300, -1, 1},
+               {"{ source: points, points: [0, 0, 1], na: 1.35, index: 1.44 }",
+                160, -1, 1},
+               {"{ source: points, points: [0, 0, 1], na: 1.35, index: 1.44 }",
+                300, -2, 2},
+               {"{ source: points, points: [0, 0.5, 1] }", 300, -1, 0},
+               {"{ source: points, points: [0, -0.5, 1] }", 300, 0, 1}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    double pitch = cases[i].pitch, width = 0.4 * pitch;
+    int32_t half = (int32_t)lround(width * 5), all = (int32_t)(10 * pitch);
+    g_autoptr(opc_module) m = prepared("litho.abbe", cases[i].parameters);
+    eda_box line = {0, -half, all, half};
+    eda_field f = image_of(m, EDA_POLY, 0, &line, 1,
+                           (eda_frame){0, -pitch / 2, pitch, pitch});
+    for (double y = -pitch / 2; y < pitch / 2; y += pitch / 37) {
+      double want = beams(cases[i].from, cases[i].to, NULL, y, width, pitch);
+      g_assert_cmpfloat(fabs(value_at(&f, 31, y) - want), <, 1e-4);
+    }
+    eda_field_clear(&f);
+  }
+}
+
 /* ---- the mask ---- */
 
 static eda_spectrum spectrum_of(opc_module *m, const eda_shapes *shapes,
@@ -538,6 +567,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/abbe/layers", test_layers);
   g_test_add_func("/abbe/shift", test_shift);
   g_test_add_func("/abbe/defocus", test_defocus);
+  g_test_add_func("/abbe/turned", test_turned);
   g_test_add_func("/abbe/hopkins", test_hopkins);
   g_test_add_func("/abbe/refused", test_refused);
   return g_test_run();

@@ -144,6 +144,39 @@ static void test_definition(void) {
 
 /* Fine images leave the model as it is, are the same for the same error, and
    the kernels that the parameters ask for serve none of them. */
+/* A line as long as its frame is printed by T itself, however roughly other
+   masks are: by the definition, and an attenuated one by the kernels. */
+static void test_lines(void) {
+  enum { PLACES = 40 };
+  eda_box b = {-130, -400, 90, 400};
+  double x[PLACES], y[PLACES], want[PLACES], got[PLACES];
+  for (int i = 0; i < PLACES; i++) {
+    x[i] = -350 + 17.5 * i;
+    y[i] = 13 * i - 300;
+  }
+  direct(b, x, y, PLACES, want);
+  eda_point points[] = {{b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
+  uint32_t start[] = {0, 4};
+  eda_shapes shapes = {1, start, points, NULL};
+  static const char shifting[] = "poly: { transmission: 6 % }";
+  for (int attenuated = 0; attenuated < 2; attenuated++) {
+    g_autofree char *rough =
+        g_strdup_printf("{ kernels: 3, %s }", attenuated ? shifting : "");
+    g_autofree char *best = g_strdup_printf("{ error: 5e-5, %s }", shifting);
+    eda_field field;
+    if (attenuated) {
+      image(best, &shapes, frame, &field);
+      eda_field_sample(&field, x, y, PLACES, want);
+      eda_field_clear(&field);
+    }
+    image_within(0.05, rough, &shapes, frame, &field);
+    eda_field_sample(&field, x, y, PLACES, got);
+    eda_field_clear(&field);
+    for (int i = 0; i < PLACES; i++)
+      g_assert_cmpfloat(fabs(got[i] - want[i]), <, attenuated ? 5e-5 : 1e-5);
+  }
+}
+
 static void test_fine(void) {
   opc_error error;
   g_autoptr(opc_module) m =
@@ -585,6 +618,7 @@ static void test_refused(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/hopkins/definition", test_definition);
+  g_test_add_func("/hopkins/lines", test_lines);
   g_test_add_func("/hopkins/fine", test_fine);
   g_test_add_func("/hopkins/coarse", test_coarse);
   g_test_add_func("/hopkins/clear-field", test_clear);

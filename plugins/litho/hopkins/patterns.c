@@ -157,8 +157,9 @@ static void add_up(coefficients *c, double complex *memory, eda_field *out) {
   }
 }
 
-void pattern_image(const kernels *k, const eda_spectrum *mask,
-                   const eda_field *like, eda_field *out) {
+void pattern_image(const opc_context *context, const kernels *k,
+                   const eda_spectrum *mask, const eda_field *like,
+                   eda_field *out) {
   coefficients sum = {.top_x = (int)(2 * k->cutoff * mask->frame.width + 0.5),
                       .top_y = (int)(2 * k->cutoff * mask->frame.height + 0.5)};
   sum.columns = 2 * sum.top_x + 1;
@@ -170,5 +171,30 @@ void pattern_image(const kernels *k, const eda_spectrum *mask,
   sum_pairs(k, mask, &sum);
   add_up(&sum, memory, out);
   free(memory);
-  eda_field_from_samples(k->context, out);
+  eda_field_from_samples(context, out);
+}
+
+/* ---- lines ---- */
+
+/* Clear field 1: what is less is rounding of the spectrum. */
+static const double nothing = 2e-6;
+
+int pattern_is_lines(const kernels *k, const eda_spectrum *mask) {
+  double beyond = 0;
+  if (4 * k->cutoff * mask->frame.width + 2 > ORDERS) return 0;
+  for (size_t l = 1; l < (size_t)mask->rows; l++)
+    for (size_t i = 0; i < 2 * (size_t)mask->columns; i++)
+      beyond += fabs(mask->data[2 * l * (size_t)mask->columns + i]);
+  return beyond < nothing;
+}
+
+void pattern_lines(const opc_context *context, const kernels *k,
+                   const eda_spectrum *mask, eda_field *image) {
+  eda_spectrum row = *mask;
+  eda_field like = *image;
+  row.rows = 1;
+  row.frame.height = like.frame.height = 0.1 / k->cutoff;
+  free(image->coefficients);
+  pattern_image(context, k, &row, &like, image);
+  image->frame = mask->frame;
 }

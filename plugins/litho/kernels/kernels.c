@@ -122,19 +122,23 @@ static double band(const void *self) {
   return fmax(set_band(m, &m->set[FOCUS]), set_band(m, &m->set[DEFOCUS]));
 }
 
+static eda_systems systems_of(const model *m, const view *v) {
+  double sign = m->dark_field ? -1 : 1;
+  return (eda_systems){.count = v->set->count,
+                       .weight = v->set->weight,
+                       .band = set_band(m, v->set),
+                       .intensity_band = 2 * set_band(m, v->set),
+                       .transfer = transfer,
+                       .self = v,
+                       .offset = {m->dark_field, 0},
+                       .scale = {sign, 0}};
+}
+
 static int image_of(const model *m, const kernel_set *set,
                     const eda_spectrum *mask, eda_field *out,
                     opc_error *error) {
   view v = {set, m->period};
-  double sign = m->dark_field ? -1 : 1;
-  eda_systems systems = {.count = set->count,
-                         .weight = set->weight,
-                         .band = set_band(m, set),
-                         .intensity_band = 2 * set_band(m, set),
-                         .transfer = transfer,
-                         .self = &v,
-                         .offset = {m->dark_field, 0},
-                         .scale = {sign, 0}};
+  eda_systems systems = systems_of(m, &v);
   /* Four samples to the finest period there can be. */
   double step = fmin(coarsest, 0.25 / systems.intensity_band);
   return eda_coherent_sum(m->host->context, mask, &systems, step, out, error);
@@ -147,14 +151,34 @@ static int image(const void *self, int layer, const eda_spectrum *mask,
   return image_of(m, &m->set[FOCUS], mask, out, error);
 }
 
+/* The set for a focus; NULL: there is none. */
+static const kernel_set *set_at(const model *m, double defocus,
+                                opc_error *error) {
+  if (defocus == 0) return &m->set[FOCUS];
+  if (m->path[DEFOCUS]) return &m->set[DEFOCUS];
+  opc_fail(error, OPC_INVALID, "defocus",
+           "'defocus' kernels are needed for an image out of focus");
+  return NULL;
+}
+
 static int image_at(const void *self, int layer, const eda_spectrum *mask,
                     double defocus, eda_field *out, opc_error *error) {
   const model *m = self;
-  if (defocus == 0) return image(self, layer, mask, out, error);
-  if (!m->path[DEFOCUS])
-    return opc_fail(error, OPC_INVALID, "defocus",
-                    "'defocus' kernels are needed for an image out of focus");
-  return image_of(m, &m->set[DEFOCUS], mask, out, error);
+  const kernel_set *set = set_at(m, defocus, error);
+  (void)layer;
+  return set ? image_of(m, set, mask, out, error) : error->code;
+}
+
+static int gradient(const void *self, int layer, const eda_spectrum *mask,
+                    double defocus, const eda_field *weight, eda_field *out,
+                    opc_error *error) {
+  const model *m = self;
+  view v = {set_at(m, defocus, error), m->period};
+  (void)layer;
+  if (!v.set) return error->code;
+  eda_systems systems = systems_of(m, &v);
+  return eda_coherent_gradient(m->host->context, mask, &systems, weight, out,
+                               error);
 }
 
 /* ---- parameters ---- */
@@ -190,8 +214,11 @@ static void clear(void *self) {
 
 /* ---- entry ---- */
 
-static const eda_litho functions = {
-    .prepare = prepare, .band = band, .image = image, .image_at = image_at};
+static const eda_litho functions = {.prepare = prepare,
+                                    .band = band,
+                                    .image = image,
+                                    .image_at = image_at,
+                                    .gradient = gradient};
 OPC_PLUGIN(
     model, .id = "litho.kernels", .kind = "litho", .version = "0.2.0",
     .licence = "BSD-3-Clause",

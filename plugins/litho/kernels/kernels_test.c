@@ -134,6 +134,43 @@ static void test_orders(void) {
   }
 }
 
+/* All orders there can be, by lot. */
+static float complex by_lot(int s, int k, int l) {
+  uint32_t h = (uint32_t)(s * 25 + (l + 2) * 5 + k + 3) * 2654435761u;
+  return (float)(h >> 20) / 4096 - 0.5f +
+         ((float)(h >> 8 & 4095) / 4096 - 0.5f) * I;
+}
+
+/* The amplitude of order k of a slit from a to b. */
+static double complex slit(int k, double a, double b) {
+  double complex w = 2 * M_PI * I * k / 1000;
+  return k ? (cexp(-w * a) - cexp(-w * b)) / (w * 1000) : (b - a) / 1000;
+}
+
+/* A clear box that lies anywhere, by the sum over all 25 orders. */
+static void test_all_orders(void) {
+  write_set("2 1.5 0.7", 2, 5, by_lot);
+  g_autofree char *path = set_path();
+  eda_point points[4];
+  uint32_t start[2];
+  eda_shapes box = box_shapes((eda_box){-350, -120, 60, 270}, points, start);
+  g_autoptr(opc_module) m = prepared(path, ", period: 1000 nm");
+  eda_field f = image_of(m, &box, (eda_frame){-500, -500, 1000, 1000}, 0);
+  for (double x = -500; x < 500; x += 77) {
+    double y = 0.7 * x - 31, want = 0;
+    for (int s = 0; s < 2; s++) {
+      double complex e = 0;
+      for (int l = -2; l <= 2; l++)
+        for (int k = -2; k <= 2; k++)
+          e += by_lot(s, k, l) * slit(k, -350, 60) * slit(l, -120, 270) *
+               cexp(2 * M_PI * I * (k * x + l * y) / 1000);
+      want += (s ? 0.7 : 1.5) * creal(e * conj(e));
+    }
+    g_assert_cmpfloat(fabs(value_at(&f, x, y) - want), <, 3e-5);
+  }
+  eda_field_clear(&f);
+}
+
 static float complex wide(int s, int k, int l) {
   double r2 = k * k + l * l, edge = r2 < 25 ? 1 - r2 / 25 : 0;
   (void)s;
@@ -442,6 +479,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   host = opc_test_host();
   g_test_add_func("/kernels/orders", test_orders);
+  g_test_add_func("/kernels/all-orders", test_all_orders);
   g_test_add_func("/kernels/frames", test_frames);
   g_test_add_func("/kernels/first-kernels", test_first_kernels);
   g_test_add_func("/kernels/refused", test_refused);

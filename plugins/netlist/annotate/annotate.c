@@ -20,6 +20,9 @@ typedef struct annotator {
   double unit; /* nm; NAN: not given */
 } annotator;
 
+/* The names in `models`, if they are not given. */
+static const char *const presets[2] = {"nmos", "pmos"};
+
 /* ---- work ---- */
 
 static int write_file(const annotator *s, const char *text, opc_error *error) {
@@ -51,16 +54,17 @@ static int check_mask(const eda_annotation *a, opc_error *error) {
 static int annotate(const annotator *s, eda_pool *pool, opc_error *error) {
   const opc_host *host = s->host;
   eda_card cards[2];
-  eda_annotation a = {
-      .circuit = s->circuit,
-      .mask = s->mask,
-      .state = s->state >= 0 ? s->state
-               : s->mask     ? EDA_AFTER
-                             : EDA_DRAWN,
-      .model = {[EDA_NMOS] = s->n_model, [EDA_PMOS] = s->p_model},
-      .subcircuits = s->subcircuits,
-      .unit = s->unit > 0 ? s->unit : 0};
+  eda_annotation a = {.circuit = s->circuit,
+                      .mask = s->mask,
+                      .state = s->state >= 0 ? s->state
+                               : s->mask     ? EDA_AFTER
+                                             : EDA_DRAWN,
+                      .subcircuits = s->subcircuits,
+                      .unit = s->unit > 0 ? s->unit : 0};
+  const char *names[2] = {s->n_model, s->p_model};
   if (check_mask(&a, error)) return error->code;
+  for (int type = 0; type < 2; type++)
+    a.model[type] = names[type] ? names[type] : s->cards ? presets[type] : NULL;
   for (int type = 0; type < 2 && s->cards; type++) {
     if (eda_card_read(pool, s->cards, a.model[type], type, &cards[type], error))
       return error->code;
@@ -97,9 +101,12 @@ static const opc_parameter parameters[] = {
                   .summary = "whose sizes to write; if not given, after where "
                              "there is a mask, else drawn"),
     OPC_PARAMETER_NAMED("nmos", annotator, n_model, .type = OPC_TEXT,
-                        .preset = "nmos", .summary = "the name of the n model"),
+                        .summary = "the name of the n model; if not given, "
+                                   "each device's in the netlist, or nmos "
+                                   "with `models`"),
     OPC_PARAMETER_NAMED("pmos", annotator, p_model, .type = OPC_TEXT,
-                        .preset = "pmos", .summary = "the name of the p model"),
+                        .summary = "the name of the p model; if not given, "
+                                   "as of n"),
     OPC_PARAMETER_NAMED("models", annotator, cards, .type = OPC_FILE,
                         .summary = "the file with both model cards; DLC is "
                                    "corrected only where it is given"),

@@ -132,6 +132,16 @@ static void test_kit(void) {
                   ".ends\n");
 }
 
+/* Models that are not given are the netlist's own, device by device. */
+static void test_own_models(void) {
+  prepare();
+  devices[0].model = "nfet_lvt";
+  g_autofree char *text = annotate(", pmos: pfet", 1, 0);
+  g_assert_nonnull(strstr(text, "MN OUT IN VSS VSS nfet_lvt w=210e-9"));
+  g_assert_nonnull(strstr(text, "XU1.VDD pfet w=300e-9"));
+  devices[0].model = NULL;
+}
+
 /* Equation 3.11: 5 nm + (62 nm - 57 nm) / 2, of the card's lint. */
 static void test_dlc(void) {
   prepare();
@@ -339,6 +349,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/annotate/text", test_text);
   g_test_add_func("/annotate/kit", test_kit);
+  g_test_add_func("/annotate/own-models", test_own_models);
   g_test_add_func("/annotate/dlc", test_dlc);
   g_test_add_func("/annotate/overlap", test_overlap);
   g_test_add_func("/annotate/fingers", test_fingers);

@@ -23,7 +23,8 @@ static void put_devices(const job *j, eda_circuit *c) {
                                 .bulk = d->bulk,
                                 .length = d->length,
                                 .width = d->width,
-                                .type = d->from->type};
+                                .type = d->from->type,
+                                .model = own_text(c, d->from->model)};
   }
   for (size_t i = 0; i < g->count; i++) c->device[j->owner[i]].fingers++;
   uint32_t *fingers = eda_pool_alloc(&c->memory, g->count, sizeof *fingers);

@@ -195,6 +195,40 @@ static void test_before_gate(void) {
   }
 }
 
+/* The line of a gate, with a waist of 20 nm at some height. */
+static double waist;
+static double waisted(const chip *c, double x, double y) {
+  double half = fabs(y - waist) < 36 ? 10 : 32.5;
+  return fmin(fmin(half - fabs(x - 32.5), 300 + c->extension[1] - y), y + 400);
+}
+
+/* A gate is measured by itself: it is no line that is too thin. */
+static void test_waist(void) {
+  static const struct {
+    double at;
+    int found;
+  } cases[] = {{-150, 1}, {160, 0}, {200, 0}, {240, 0}};
+  for (size_t k = 0; k < G_N_ELEMENTS(cases); k++) {
+    g_autoptr(opc_module) m = make("{ min_width: 40 nm }");
+    eda_violation v[MOST];
+    chip c = {0};
+    int found = 0;
+    add_end(&c, 600);
+    for (int i = 0; i < 2; i++) /* it begins further down */
+      c.points[i].y = c.fragments[i].from.y = -400;
+    begin(&c);
+    c.extension[1] = 100;
+    waist = cases[k].at;
+    print(&c, waisted);
+    judge(m, &c);
+    size_t n = violations(m, &c, v, MOST);
+    for (size_t i = 0; i < MIN(n, MOST); i++)
+      found |= g_str_has_prefix(v[i].rule, "pinching") && v[i].y < 390;
+    g_assert_cmpint(found, ==, cases[k].found);
+    end(&c);
+  }
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/regulator/response", test_response);
@@ -203,5 +237,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/regulator/corners", test_corners);
   g_test_add_func("/regulator/patch-beside", test_patch_beside);
   g_test_add_func("/regulator/before-gate", test_before_gate);
+  g_test_add_func("/regulator/waist", test_waist);
   return g_test_run();
 }

@@ -12,7 +12,8 @@ typedef struct transistors {
   const opc_host *host;
   const eda_layout *layout;
   const char *top;
-  opc_map also; /* name: layer of the layout */
+  opc_map also;     /* name: layer of the layout */
+  opc_map flavours; /* name: marker layers */
   double grid, overhang, line_end;
 } transistors;
 

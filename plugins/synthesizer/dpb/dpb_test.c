@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The steps of thesis figure 3.3, followed by hand on transistors whose
-   response is a formula. */
+   response is a formula, which neighbours may change. */
 #include <eda/eda.h>
 
 #include "core/testing/testing.h"
@@ -18,10 +18,23 @@ typedef struct model {
   int32_t veto_from[MOST];
   int32_t prints_from[MOST]; /* l, if not 0: thinner lines are open */
   double width[MOST];        /* 0: 200 */
+  /* What neighbours do to the first: %, from update `from` on, again and again
+     after `every` (0: once). */
+  struct {
+    double by;
+    int from, every, most;
+  } neighbours;
   int32_t l[MOST], w[MOST];
   GString *trace; /* of the first: "l,w " after each update */
   int updates;
 } model;
+
+static double by_neighbours(const model *t) {
+  int past = t->updates - t->neighbours.from;
+  if (past < 0) return 0;
+  int n = t->neighbours.every ? 1 + past / t->neighbours.every : 1;
+  return t->neighbours.by * MIN(n, MAX(1, t->neighbours.most));
+}
 
 static void run(opc_module *m, model *t) {
   const eda_synthesizer *s = m->functions;
@@ -48,6 +61,7 @@ static void run(opc_module *m, model *t) {
   while (!done && t->updates < 200) {
     for (size_t i = 0; i < t->n; i++) {
       double pde = t->offset[i] + t->by_l[i] * t->l[i] + t->by_w[i] * t->w[i];
+      if (i == 0) pde += by_neighbours(t);
       int is_open = t->prints_from[i] && t->l[i] < t->prints_from[i];
       flags[i] = is_open ? EDA_PRINT_OPEN : 0;
       ion[i] = is_open ? 0 : design[i] * (1 + pde / 100);
@@ -305,6 +319,66 @@ static void test_independent(void) {
   g_string_free(t.trace, TRUE);
 }
 
+/* ---- neighbours ---- */
+
+/* +7.4 %, 3 % a step of L, `by_w` a step of W where the model expects 0.5 %:
+   after "1,0 2,0 3,0 2,0 2,-1 2,-2 2,-1 2,-1 " it rests. Then comes a jump; how
+   it goes on. */
+static char *after_jump(const char *parameters, double rest, double jump) {
+  g_autoptr(opc_module) m = make(parameters);
+  model t = {.n = 1, .offset = {7 + rest}, .by_l = {-3}, .by_w = {1}};
+  t.neighbours.by = jump;
+  t.neighbours.from = 8;
+  run(m, &t);
+  static const char first[] = "1,0 2,0 3,0 2,0 2,-1 2,-2 2,-1 2,-1 ";
+  g_assert_true(g_str_has_prefix(t.trace->str, first));
+  char *rest_of_it = g_strdup(t.trace->str + sizeof first - 1);
+  g_string_free(t.trace, TRUE);
+  return rest_of_it;
+}
+
+/* One at rest is taken up again if its error has changed by more than a tenth
+   of the limit, and by W if it is more than three quarters of what a step of W
+   is worth (0.375 %), by L if it is more than 0.55 of what one of L did (1.65
+   %). */
+static void test_taken_up(void) {
+  static const struct {
+    double rest, jump;
+    const char *trace;
+  } cases[] = {
+      {0.4, 0.009, "2,-1 2,-1 "},
+      {0.4, 0.011, "2,-2 2,-1 2,-1 2,-1 "},
+      {0.4, -0.011, "2,-2 2,-1 2,-1 2,-1 "},
+      {0.2, 0.17, "2,-1 2,-1 "},
+      {0.2, 0.18, "2,-2 2,-1 2,-1 2,-1 "},
+      {0.4, 1.24, "2,-2 2,-3 2,-3 2,-3 "},
+      {0.4, 1.26, "3,-1 3,0 3,1 3,0 3,0 3,0 "},
+      {0.4, -2.04, "2,0 2,1 2,1 2,1 "},
+      {0.4, -2.07, "1,-1 1,-2 1,-3 1,-2 1,-2 1,-2 "},
+  };
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_autofree char *got =
+        after_jump("{ limit: 0.1 % }", cases[i].rest, cases[i].jump);
+    g_assert_cmpstr(got, ==, cases[i].trace);
+  }
+}
+
+/* Eight times, and then it is left where it is. */
+static void test_taken_up_often(void) {
+  g_autoptr(opc_module) m = make("{ limit: 0.1 % }");
+  model t = {.n = 1, .offset = {8.2}, .by_l = {-3.3}, .by_w = {1.2}};
+  t.neighbours.by = 0.011;
+  t.neighbours.from = 8;
+  t.neighbours.every = 3;
+  t.neighbours.most = 12;
+  run(m, &t);
+  int n = 0;
+  for (const char *c = t.trace->str; (c = strstr(c, "2,-2 ")); c++) n++;
+  g_assert_cmpint(n, ==, 1 + 8);
+  g_assert_cmpstr(verdict(m, 0), ==, "grid");
+  g_string_free(t.trace, TRUE);
+}
+
 /* ---- the table of first corrections ---- */
 
 /* Writes a table into the test's folder, and gives its path. */
@@ -375,6 +449,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/dpb/proportional", test_proportional);
   g_test_add_func("/dpb/exchange", test_exchange);
   g_test_add_func("/dpb/coarse-before-fine", test_coarse_before_fine);
+  g_test_add_func("/dpb/taken-up", test_taken_up);
+  g_test_add_func("/dpb/taken-up-often", test_taken_up_often);
   g_test_add_func("/dpb/table", test_table);
   g_test_add_func("/dpb/table-refused", test_table_refused);
   g_test_add_func("/dpb/within", test_within);

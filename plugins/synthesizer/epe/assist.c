@@ -3,6 +3,7 @@
    fragments beside them. */
 #include <eda/bars.h>
 #include <eda/memory.h>
+#include <string.h>
 
 #include "epe.h"
 
@@ -31,12 +32,20 @@ static void leave_room(epe_layer *l, const eda_index *bars, uint32_t i) {
     int32_t off = p->axis == EDA_X
                       ? (p->sign > 0 ? bar.x0 - line : line - bar.x1)
                       : (p->sign > 0 ? bar.y0 - line : line - bar.y1);
+    /* Off a corner in both directions: it is enough that the edge that it is
+       further off from stays away. */
+    int32_t a = p->axis == EDA_X ? bar.y0 : bar.x0;
+    int32_t b = p->axis == EDA_X ? bar.y1 : bar.x1;
+    int32_t past = (int32_t)epe_max(a - (m < n ? n : m), (m < n ? m : n) - b);
+    if (past > off && past > 0) continue;
     int32_t room = off > space ? off - space : 0;
     if (room < l->most[i]) l->most[i] = room;
   }
 }
 
 static void leave_rooms(epe_layer *l) {
+  for (uint32_t i = 0; i < l->count; i++)
+    l->most[i] = l->pieces[i].still ? 0 : l->rules->max_shift;
   eda_index *bars = eda_index_new(l->bars.box, l->bars.count,
                                   l->rules->max_shift + l->rules->min_space);
   for (uint32_t i = 0; i < l->count; i++) leave_room(l, bars, i);
@@ -62,4 +71,16 @@ int epe_place_bars(epe_layer *l, const eda_bar_rule *rule,
   free(edges);
   if (!code && l->bars.count) leave_rooms(l);
   return code;
+}
+
+int epe_take_bars(epe_layer *l, eda_boxes bars) {
+  if (bars.count == l->bars.count &&
+      (!bars.count ||
+       !memcmp(bars.box, l->bars.box, bars.count * sizeof *bars.box)))
+    return 0;
+  l->bars.count = 0;
+  for (size_t i = 0; i < bars.count; i++)
+    eda_box_list_add(&l->bars, bars.box[i]);
+  leave_rooms(l);
+  return 1;
 }

@@ -223,6 +223,16 @@ static void drop_bars(epe *d, const eda_feedback *f) {
   d->dropped += all;
 }
 
+/* The next mask may have bars that the loop has placed. What was best had
+   others: look anew. */
+static void take_bars(epe *d, const eda_moves *moves) {
+  int other = 0;
+  for (size_t k = 0; k < d->n_layers && !d->assist.rows; k++)
+    if (d->layers[k].count)
+      other |= epe_take_bars(&d->layers[k], moves->assists[k]);
+  if (other) d->best = INFINITY;
+}
+
 /* How many bars the mask has, and how many were dropped. */
 static int tell_of_bars(const epe *d, opc_error *error) {
   if (!d->assist.rows) return OPC_OK;
@@ -248,6 +258,7 @@ static int update(void *self, const eda_feedback *f, eda_moves *moves,
     d->best = cost;
     keep(d);
   }
+  take_bars(d, moves);
   const epe_steering steering = {.step = d->step / d->grid,
                                  .damping = d->damping,
                                  .stiffness = d->stiffness};

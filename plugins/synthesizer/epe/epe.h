@@ -120,6 +120,10 @@ void epe_clear(epe_layer *layer);
 int epe_place_bars(epe_layer *layer, const eda_bar_rule *rule,
                    const eda_shapes *drawn, opc_error *error);
 
+/* The bars of somebody else, in place of those there were: whether they are
+   others. */
+int epe_take_bars(epe_layer *layer, eda_boxes bars);
+
 /* pairs.c: find the fragments that may come too near to each other. */
 void epe_find_pairs(epe_layer *layer);
 /* Narrow low and high of the fragments that come too near to each other in the

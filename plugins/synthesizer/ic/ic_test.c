@@ -18,23 +18,47 @@ typedef struct model {
   uint32_t veto; /* from |l| + |w| = veto_from on */
   int32_t veto_from;
   int32_t prints_from; /* l, if not 0: thinner lines are open */
+  uint32_t lot;        /* not 0: what adds up to 2 % and vetoes, by lot */
+  double width;        /* 0: 200 */
   int32_t l, w;
   GString *trace; /* "l,w " after each update */
   int updates;
 } model;
 
+/* -1 to 1, always the same for a mask. */
+static double by_lot(const model *t, int32_t l, int32_t w, uint32_t which) {
+  uint32_t h = t->lot;
+  const uint32_t parts[] = {(uint32_t)l, (uint32_t)w, which};
+  for (int k = 0; k < 3; k++) {
+    h = (h ^ parts[k]) * 2654435761u;
+    h ^= h >> 15;
+  }
+  return t->lot ? (h & 0xffff) / 32768.0 - 1 : 0;
+}
+
+static uint32_t veto_of(const model *t) {
+  static const uint32_t all[] = {EDA_VETO_LONGER, EDA_VETO_SHORTER,
+                                 EDA_VETO_WIDER, EDA_VETO_NARROWER};
+  uint32_t veto = abs(t->l) + abs(t->w) >= t->veto_from ? t->veto : 0;
+  for (uint32_t k = 0; k < 4; k++)
+    if (by_lot(t, t->l, t->w, 2 + k) > 0.8) veto |= all[k];
+  return veto;
+}
+
 static double di(const model *t) {
-  return t->i + t->i_by_l * t->l + t->i_by_w * t->w;
+  return t->i + t->i_by_l * t->l + t->i_by_w * t->w +
+         2 * by_lot(t, t->l, t->w, 0);
 }
 
 static double da(const model *t) {
   int beyond = abs(t->w) > 2 ? abs(t->w) - 2 : 0;
-  return t->a + t->a_by_l * t->l + t->a_by_w * t->w + t->bend * beyond;
+  return t->a + t->a_by_l * t->l + t->a_by_w * t->w + t->bend * beyond +
+         2 * by_lot(t, t->l, t->w, 1);
 }
 
 static void run(opc_module *m, model *t) {
   const eda_synthesizer *s = m->functions;
-  double one = 1, ion, area, length = 65, width = 200;
+  double one = 1, ion, area, length = 65, width = t->width > 0 ? t->width : 200;
   uint32_t flags = 0, veto = 0;
   eda_gates gates = {.grid = 1, .count = 1, .length = &length, .width = &width};
   eda_performance drawn = {.count = 1, .ion = &one, .area = &one};
@@ -52,7 +76,7 @@ static void run(opc_module *m, model *t) {
     flags = is_open ? EDA_PRINT_OPEN : 0;
     ion = is_open ? 0 : 1 + di(t) / 100;
     area = is_open ? 0 : 1 + da(t) / 100;
-    veto = abs(t->l) + abs(t->w) >= t->veto_from ? t->veto : 0;
+    veto = veto_of(t);
     g_assert_cmpint(s->update(m->self, &f, &moves, &done, &error), ==, OPC_OK);
     f.iteration++;
     g_string_append_printf(t->trace, "%d,%d ", t->l, t->w);
@@ -250,6 +274,9 @@ static void test_bias_limit(void) {
   follow("{ max_bias: 2 nm }", shorter, "-1,0 -2,0 -2,0 -2,0 ", "bias limit");
   const model narrower = {.i = 9, .i_by_w = 1, .a = 9, .a_by_w = 1};
   follow("{ max_bias: 2 nm }", narrower, "0,-1 0,-2 0,-2 0,-2 ", "bias limit");
+  /* No more than half of W. */
+  const model slim = {.i = 9, .i_by_w = 1, .a = 9, .a_by_w = 1, .width = 7};
+  follow("{}", slim, "0,-1 0,-2 0,-3 0,-3 0,-3 ", "bias limit");
 }
 
 /* An open line has no figures; it gets thicker until it has, by either rule. */
@@ -257,6 +284,129 @@ static void test_open(void) {
   model t = {.i = 12, .i_by_l = -3, .a = -12, .a_by_l = 3, .prints_from = 3};
   follow("{ stall: freeze }", t, "1,0 2,0 3,0 4,0 4,0 4,0 ", "within limit");
   follow("{ stall: continue }", t, "1,0 2,0 3,0 4,0 4,0 4,0 ", "within limit");
+}
+
+/* ---- by lot ---- */
+
+enum { BIAS = 6 };
+static const double alpha[2] = {1.5, 0.7}, limit[2] = {0.8, 1.1};
+
+static double eff(const model *t) {
+  return alpha[0] * fabs(di(t)) + alpha[1] * fabs(da(t));
+}
+
+static int is_within(const model *t) {
+  return fabs(di(t)) <= limit[0] && fabs(da(t)) <= limit[1];
+}
+
+/* Longer, shorter, wider, narrower: what each does to l and w. */
+static const int32_t step[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+
+/* The quarters of figure 5.3. */
+static int quarter(double i, double a) {
+  return i > 0 && a < 0 ? 0 : i < 0 && a > 0 ? 1 : i < 0 && a < 0 ? 2 : 3;
+}
+
+static uint32_t vetoes_way(uint32_t veto, int way) {
+  return veto & (uint32_t[]){EDA_VETO_LONGER, EDA_VETO_SHORTER, EDA_VETO_WIDER,
+                             EDA_VETO_NARROWER}[way];
+}
+
+static int is_too_far(const model *t, int way) {
+  return abs(t->l + step[way][0]) > BIAS || abs(t->w + step[way][1]) > BIAS;
+}
+
+/* Figure 5.2 as one walk: step while the effective deviation falls, and back
+   from the first step that fails. */
+static const char *freeze(model *t) {
+  for (;;) {
+    model before = *t;
+    if (is_within(t)) return "within limit";
+    int way = quarter(di(t), da(t));
+    if (vetoes_way(veto_of(t), way)) return "bridging";
+    if (is_too_far(t, way)) return "bias limit";
+    t->l += step[way][0];
+    t->w += step[way][1];
+    int vetoed = vetoes_way(veto_of(t), way) != 0;
+    if (!vetoed && eff(t) < eff(&before)) continue;
+    *t = before;
+    return is_within(t) ? "within limit" : vetoed ? "bridging" : "stalled";
+  }
+}
+
+/* What a way promises of the deviations at the best mask. */
+static double promise(const model *t, int way) {
+  double l = 100.0 * step[way][0] / 65, w = 100.0 * step[way][1] / 200;
+  return alpha[0] * fabs(di(t) - l + w) + alpha[1] * fabs(da(t) + l + w);
+}
+
+/* The same, but a step that fails is followed by others from the best mask,
+   `retries` in all; forbidden is what is forbidden where it was tried last. */
+static const char *go_on(model *t, int retries) {
+  model best = *t;
+  int tried = 0, vetoed = 0;
+  uint32_t veto = veto_of(t);
+  for (;;) {
+    int way = -1, first = quarter(di(&best), da(&best));
+    if (is_within(&best) && t->l == best.l && t->w == best.w) break;
+    for (int k = 0; k < 4; k++) {
+      if (tried & 1 << k || vetoes_way(veto, k) || is_too_far(&best, k))
+        continue;
+      if (k == first) {
+        way = k;
+        break;
+      }
+      if (way < 0 || promise(&best, k) < promise(&best, way)) way = k;
+    }
+    if (way < 0 || retries < 0) break;
+    *t = best;
+    t->l += step[way][0];
+    t->w += step[way][1];
+    veto = veto_of(t);
+    vetoed = vetoes_way(veto, way) != 0;
+    if (!vetoed && eff(t) < eff(&best)) {
+      best = *t;
+      tried = 0;
+    } else {
+      tried |= 1 << way;
+      retries--;
+    }
+  }
+  *t = best;
+  return is_within(t) ? "within limit" : vetoed ? "bridging" : "stalled";
+}
+
+/* Masks whose deviations and vetoes are drawn by lot: where both variants end,
+   and why. */
+static void test_by_lot(void) {
+  int words = 0, moved = 0;
+  for (uint32_t lot = 1; lot <= 400; lot++)
+    for (int variant = 0; variant < 2; variant++) {
+      int retries = (int)(lot % 7);
+      g_autofree char *p = g_strdup_printf(
+          "{ alpha_i: %g, alpha_a: %g, limit: %g %%, area_limit: %g %%, "
+          "max_bias: %d nm, stall: %s, retries: %d }",
+          alpha[0], alpha[1], limit[0], limit[1], BIAS,
+          variant ? "continue" : "freeze", retries);
+      model t = {.i_by_l = -1.4, .i_by_w = 0.9, .a_by_l = 1.3, .a_by_w = 0.7};
+      t.lot = lot * 77;
+      t.i = 12 * by_lot(&t, 99, 0, 9);
+      t.a = 12 * by_lot(&t, 99, 1, 9);
+      model want = t;
+      const char *why = variant ? go_on(&want, retries) : freeze(&want);
+      g_autoptr(opc_module) m = make(p);
+      run(m, &t);
+      if (t.l != want.l || t.w != want.w || !g_str_equal(verdict(m), why))
+        g_error("lot %u, variant %d: %d, %d, %s; not %d, %d, %s: %s", lot,
+                variant, t.l, t.w, verdict(m), want.l, want.w, why,
+                t.trace->str);
+      words |= 1 << why[1] % 32;
+      moved += abs(t.l) + abs(t.w) > 3;
+      g_string_free(t.trace, TRUE);
+    }
+  /* within, bridging, bias limit, stalled */
+  g_assert_cmpint(words, ==, 1 << 'i' % 32 | 1 << 'r' % 32 | 1 << 't' % 32);
+  g_assert_cmpint(moved, >, 100);
 }
 
 static void test_refused(void) {
@@ -280,6 +430,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/ic/promises", test_promises);
   g_test_add_func("/ic/bias-limit", test_bias_limit);
   g_test_add_func("/ic/open", test_open);
+  g_test_add_func("/ic/by-lot", test_by_lot);
   g_test_add_func("/ic/refused", test_refused);
   return g_test_run();
 }

@@ -53,42 +53,45 @@ typedef struct figure_3_5 {
   eda_gates gates;
 } figure_3_5;
 
-static void draw(figure_3_5 *f, int32_t length, int32_t width) {
+static void draw(figure_3_5 *f, int32_t l, int32_t w, int32_t grid) {
+  int32_t length = l / grid, width = w / grid, past = 84 / grid,
+          beside = 98 / grid;
   static const uint8_t roles[2][4] = {
       {EDA_END_LOW, EDA_L_HIGH, EDA_END_HIGH, EDA_L_LOW},
       {EDA_W_LOW, EDA_FIXED, EDA_W_HIGH, EDA_FIXED}};
   memset(f, 0, sizeof *f);
   f->start[1] = 4;
   f->box = (eda_box){0, 0, length, width};
-  f->length = length;
-  f->width = width;
+  f->length = l;
+  f->width = w;
   f->space[0] = f->space[1] = 2 * 98;
   f->extension[0] = f->extension[1] = 84;
   static char *names[] = {"poly", "active"}, none[] = "", top[] = "figure 3.5";
   static uint8_t corrected[] = {1, 1};
   f->name = none;
   f->number = 1;
-  f->gates = (eda_gates){.name = top,
-                         .grid = 1,
-                         .extent = {-98, -84, length + 98, width + 84},
-                         .layers = 2,
-                         .layer = names,
-                         .corrected = corrected,
-                         .drawn = f->drawn,
-                         .edges = f->edges,
-                         .count = 1,
-                         .box = &f->box,
-                         .type = &f->type,
-                         .axis = &f->axis,
-                         .length = &f->length,
-                         .width = &f->width,
-                         .space = f->space,
-                         .extension = f->extension,
-                         .instance = &f->name,
-                         .cell = &f->name,
-                         .number = &f->number};
+  f->gates =
+      (eda_gates){.name = top,
+                  .grid = grid,
+                  .extent = {-beside, -past, length + beside, width + past},
+                  .layers = 2,
+                  .layer = names,
+                  .corrected = corrected,
+                  .drawn = f->drawn,
+                  .edges = f->edges,
+                  .count = 1,
+                  .box = &f->box,
+                  .type = &f->type,
+                  .axis = &f->axis,
+                  .length = &f->length,
+                  .width = &f->width,
+                  .space = f->space,
+                  .extension = f->extension,
+                  .instance = &f->name,
+                  .cell = &f->name,
+                  .number = &f->number};
   for (int layer = 0; layer < 2; layer++) {
-    int32_t x = layer ? 98 : 0, y = layer ? 0 : 84;
+    int32_t x = layer ? beside : 0, y = layer ? 0 : past;
     const eda_point p[] = {
         {-x, -y}, {length + x, -y}, {length + x, width + y}, {-x, width + y}};
     memcpy(f->points[layer], p, sizeof p);
@@ -104,12 +107,12 @@ static void draw(figure_3_5 *f, int32_t length, int32_t width) {
 
 /* What the step `correct` ends at from a first correction: its PDE and how
    often it moved something. */
-static double by_loop(int32_t length, int32_t width, int adjust,
+static double by_loop(int32_t length, int32_t width, int32_t grid, int adjust,
                       double *iterations) {
   figure_3_5 f;
   opc_error error;
   void *outputs[1] = {NULL};
-  draw(&f, length, width);
+  draw(&f, length, width, grid);
   g_autofree char *rest = g_strdup_printf(
       "synthesizer: { use: synthesizer.dpb, w_step: proportional, init_adjust: "
       "%d nm }",
@@ -144,7 +147,7 @@ static void test_brute_force(void) {
     double steps = opc_test_number("init_adjust_trials", "iterations", k);
     if (adjust == 0)
       continue; /* which is another thing to synthesizer.dpb: see there */
-    double pde = by_loop(70, 150, adjust, &iterations);
+    double pde = by_loop(70, 150, 1, adjust, &iterations);
     g_test_message("%d: %.4f in %g, %.4f in %g", adjust, told, steps, pde,
                    iterations);
     g_assert_cmpfloat(fabs(pde - told), <, 0.02);
@@ -153,6 +156,15 @@ static void test_brute_force(void) {
     if (adjust == chosen) at_chosen = fabs(pde);
   }
   g_assert_cmpfloat(at_chosen, <, best + 0.02);
+  /* On another grid. */
+  characterize(
+      "lengths: [70 nm], widths: [150 nm], w_step: proportional, grid: 2 nm, "
+      "from: -4 nm, to: -4 nm");
+  double iterations, pde = by_loop(70, 150, 2, -4, &iterations);
+  g_assert_cmpfloat(fabs(pde - opc_test_number("init_adjust_trials", "pde", 0)),
+                    <, 0.02);
+  g_assert_cmpfloat(iterations, ==,
+                    opc_test_number("init_adjust_trials", "iterations", 0) + 2);
 }
 
 /* Lines that stand alone print the longer, the longer they are drawn than the

@@ -122,9 +122,50 @@ static void test_write(void) {
   g_assert_cmpint(out[1].from, ==, 180);
   g_assert_cmpint(out[1].to, ==, 240);
   g_assert_cmpint(out[2].from, ==, out[2].to);
+  /* Any shape is written as it is, unit by unit. */
+  uint32_t state = 8;
+  for (int n = 0; n < 50; n++) {
+    for (int k = 0; k < p.count; k++) {
+      state = state * 1664525u + 1013904223u;
+      s.by[k] = (int32_t)(state >> 30) - 1;
+    }
+    shape_write(&p, &s, out);
+    for (int32_t x = -2 * PAST; x < WIDTH + 2 * PAST; x++) {
+      int k = 0, by = 0, found = 0;
+      while (k + 1 < p.count && p.edge[k + 1] <= x) k++;
+      for (int m = 0; m < EDA_PARTS; m++)
+        if (out[m].from <= x && x < out[m].to) by = out[m].by, found++;
+      g_assert_cmpint(by, ==, s.by[k]);
+      g_assert_cmpint(found, ==, by != 0);
+    }
+  }
   /* All of it by one step is a length of one more. */
   memset(&s, 1, sizeof s);
   g_assert_cmpfloat(fabs(shape_value(&p, &s) - 1), <, 1e-9);
+}
+
+/* The mean over the gate's width of the steps of the mask, smoothed as the
+   print smooths them, by sums. */
+static void test_value(void) {
+  parts p = parts_here(WIDTH, &edges);
+  uint32_t state = 3;
+  for (int n = 0; n < 5; n++) {
+    shape s = {{0}};
+    double sum = 0, weights = 0;
+    for (int k = 0; k < p.count; k++) {
+      state = state * 1664525u + 1013904223u;
+      s.by[k] = (int32_t)(state >> 28) - 8;
+    }
+    for (double at = 1; at < WIDTH; at += 2)
+      for (double x = 1 - PAST; x < WIDTH + PAST; x += 2) {
+        double z = (x - at) / edges.blur, weight = exp(-z * z / 2);
+        int k = 0;
+        while (k + 1 < p.count && p.edge[k + 1] <= x) k++;
+        sum += weight * s.by[k];
+        weights += weight;
+      }
+    g_assert_cmpfloat(fabs(shape_value(&p, &s) - sum / weights), <, 0.01);
+  }
 }
 
 /* A ripple that a mask has made is undone, but for a part that is dear; without
@@ -214,6 +255,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/shape/parts", test_parts);
   g_test_add_func("/shape/beside", test_beside);
   g_test_add_func("/shape/write", test_write);
+  g_test_add_func("/shape/value", test_value);
   g_test_add_func("/shape/effect", test_effect);
   g_test_add_func("/shape/flat", test_flat);
   g_test_add_func("/shape/thin-end", test_thin_end);

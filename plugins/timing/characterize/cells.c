@@ -282,6 +282,7 @@ int cell_build(study *s, eda_netlist *n, uint32_t number, eda_timing_cell *c,
   if (c->trouble) return OPC_OK;
   cell_join(&s->timing->memory, c, r);
   list_arcs(s, c);
+  pairs_list(s, c);
   make_grid(s, c, r);
   eda_timing_cell_figures(&s->timing->memory, c);
   return OPC_OK;

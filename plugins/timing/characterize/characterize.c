@@ -97,14 +97,18 @@ static int find_figures(study *s, eda_timing_cell *c, int *kept,
                         opc_error *error) {
   char *key = keep_key(s, c, error);
   if (!key) return error->code;
-  *kept = keep_load(s, c, key);
+  *kept = keep_load(s, c->name, key, c->figure, c->figures);
   int code = *kept ? OPC_OK : cell_measure(s, c, error);
-  if (!code && !*kept) keep_save(s, c, key);
+  if (!code && !*kept) keep_save(s, c->name, key, c->figure, c->figures);
+  if (!code) code = pairs_find(s, c, key, error);
   /* Figures are of one of so many circuits side by side. */
   const size_t pins = c->inputs * 2 * EDA_CAPS,
-               all = pins * (1 + c->bundles * (size_t)EDA_SIZES);
+               all = pins * (1 + c->bundles * (size_t)EDA_SIZES),
+               by_pattern = (c->inputs << c->inputs) * EDA_CAPS;
   for (size_t i = 0; i < all && !code; i++)
     c->capacitance[i] *= circuit_of(s, c)->times;
+  for (size_t i = 0; i < by_pattern && !code; i++)
+    c->pin_capacitance[i] *= circuit_of(s, c)->times;
   free(key);
   return code;
 }

@@ -85,6 +85,11 @@ typedef struct copy {
   const double *change; /* of sizes [bundle * EDA_SIZES + size]; NULL */
   double delay, slew;   /* what is expected, then what was found; 0: unknown */
   double capacitance[EDA_CAPS];
+  /* If `two`, a second input changes: its slew, and how long after the first.
+   */
+  int two;
+  uint8_t other;
+  double other_slew, other_after;
   /* For whoever planned it: */
   eda_timing_arc *arc;
   size_t point, size;
@@ -100,6 +105,7 @@ typedef struct deck {
   double slew;
   int rises;
   care care;
+  double early; /* s; how long before the input others change */
   size_t count, room;
   copy *copy;
   int code;
@@ -124,13 +130,23 @@ typedef struct verdict {
 } verdict;
 int cells_check(study *s, verdict *out, opc_error *error);
 
+/* ---- pairs.c: inputs that change together ---- */
+
+/* The pairs of a cell whose arcs are known. */
+void pairs_list(study *s, eda_timing_cell *c);
+/* Simulate them, once the arcs are there, and pins by what other inputs are; or
+   take what was kept beside `key`. */
+int pairs_find(study *s, eda_timing_cell *c, const char *key, opc_error *error);
+
 /* ---- keep.c: cells that were simulated before ---- */
 
 /* The key of a cell: a hash of all that its figures depend on. To be freed. */
 char *keep_key(const study *s, const eda_timing_cell *c, opc_error *error);
 /* 1 if the figures were there. */
-int keep_load(const study *s, eda_timing_cell *c, const char *key);
-void keep_save(const study *s, const eda_timing_cell *c, const char *key);
+int keep_load(const study *s, const char *cell, const char *key, double *figure,
+              size_t figures);
+void keep_save(const study *s, const char *cell, const char *key,
+               const double *figure, size_t figures);
 
 /* ---- liberty.c ---- */
 

@@ -205,20 +205,102 @@ static void test_delays(void) {
   eda_timing_free(t);
 }
 
+/* ---- two inputs ---- */
+
+static void put_ramp(GString *deck, const char *net, int rises, double slew,
+                     double middle) {
+  double t[EDA_TIMING_RAMP], level[EDA_TIMING_RAMP];
+  eda_timing_ramp_points(rises, t, level);
+  double whole =
+      slew / (eda_timing_ramp(rises, 0.7) - eda_timing_ramp(rises, 0.3));
+  g_string_append_printf(deck, "v%s %s 0 pwl(0 %g", net, net,
+                         rises ? 0 : supply);
+  for (int i = 0; i < EDA_TIMING_RAMP; i++)
+    g_string_append_printf(deck, " %.17g %.17g", middle + whole * (t[i] - 0.5),
+                           supply * (rises ? level[i] : 1 - level[i]));
+  g_string_append(deck, ")\n");
+}
+
+/* From the cause's middle to the output's: nand2 whose A changes with a slew of
+   12 ps, and B `gap` later with one of 20 ps. */
+static double both_by_hand(int rises, double gap) {
+  g_autofree char *card = data("devices/opcflow65.pm");
+  const double middle = 60e-12;
+  g_autoptr(GString) deck = g_string_new(NULL);
+  g_string_printf(deck,
+                  "by hand\n.include \"%s\"\n.options reltol=1e-5 "
+                  "abstol=1e-15 chgtol=1e-19\n"
+                  "mn1 0 a x 0 nmos w=400n l=65n\n"
+                  "mn2 y b x 0 nmos w=400n l=65n\n"
+                  "mp1 y a s s pmos w=450n l=65n\n"
+                  "mp2 y b s s pmos w=450n l=65n\ncl y 0 3.9f\n"
+                  "vs s 0 1.1\n.save v(y)\n",
+                  card);
+  put_ramp(deck, "a", rises, 12e-12, middle);
+  put_ramp(deck, "b", rises, 20e-12, middle + gap);
+  g_string_append(deck, ".end\n");
+  eda_spice_result r = {0};
+  opc_error error;
+  if (eda_spice_run(NULL, deck->str, "tran 2e-13 3e-10 0 2e-13\n", 100, &r,
+                    &error))
+    g_error("%s", error.message);
+  double y = passes(&r.plot[0], "v(y)", supply / 2);
+  eda_spice_clear(&r);
+  return y - middle - (rises ? gap : 0);
+}
+
+static double alone_at(const eda_timing_cell *c, const eda_timing_arc *a,
+                       double slew) {
+  double delay[5], out[5], cubic[16];
+  eda_timing_at(c, a, 3.9e-15, 3.9e-15, NULL, delay, out);
+  eda_timing_cubic(c->at_slew, delay, c->slews, cubic);
+  return eda_timing_cubic_at(c->at_slew, cubic, c->slews, slew);
+}
+
+/* Both inputs of a NAND gate, at slews and gaps between those that were
+   simulated. One input alone would be off by 20 % (rising) and 80 %. */
+static void test_pairs(void) {
+  static const double gap[] = {0, 2e-12, 7e-12, 60e-12};
+  g_autofree char *file = data("cells65/nand2.sp");
+  eda_timing *t =
+      run_well(file,
+               "kept: none, slews: [5 ps, 10 ps, 15 ps, 22 ps, 40 ps], "
+               "loads: [1 fF, 3 fF, 9 fF]");
+  const eda_timing_cell *c = &t->cell[0];
+  g_assert_cmpuint(c->pairs, ==, 4);
+  for (int rises = 0; rises < 2; rises++) {
+    /* A first, from both 0 or both 1. */
+    const eda_timing_pair *p = &c->pair[c->pair_of[1 << 2 | (rises ? 0 : 3)]];
+    g_assert_cmpint(p->first, ==, 0);
+    g_assert_cmpint(p->parallel, ==, !rises);
+    double a = alone_at(c, arc(c, 0, rises ? 2 : 3), 12e-12),
+           b = alone_at(c, arc(c, 1, rises ? 1 : 3), 20e-12),
+           cause = rises ? b : a;
+    for (size_t k = 0; k < G_N_ELEMENTS(gap); k++) {
+      double delay, slew, at = gap[k] / cause;
+      eda_timing_pair_at(p, at, 12e-12 / a, 20e-12 / b, &delay, &slew);
+      double ours = delay * eda_timing_blend(at, cause, rises ? a : b);
+      close_to(ours, both_by_hand(rises, gap[k]), 0.015);
+    }
+  }
+  eda_timing_free(t);
+}
+
 /* ---- what is alike ---- */
 
-/* A NAND gate, and the same with two fingers of each transistor, in another
-   order, whose stacks have nets of their own. */
+/* A NAND gate with two fingers of each transistor, whose stacks have nets of
+   their own, and one with one, in another order, which has the figures of the
+   first. */
 static const char fingers[] =
     "* cells\n"
-    ".subckt one A B Z VDD VSS\n"
-    "M1 Z B x VSS nmos w=300n l=65n\nM2 x A VSS VSS nmos w=300n l=65n\n"
-    "M3 Z A VDD VDD pmos w=350n l=65n\nM4 Z B VDD VDD pmos w=350n l=65n\n"
-    ".ends\n.subckt two A B Z VDD VSS\n"
+    ".subckt two A B Z VDD VSS\n"
     "M1 VDD B Z VDD pmos w=350n l=65n\nM2 Z B VDD VDD pmos w=350n l=65n\n"
     "M3 Z A VDD VDD pmos w=350n l=65n\nM4 VDD A Z VDD pmos w=350n l=65n\n"
     "M5 Z B x VSS nmos w=300n l=65n\nM6 x A VSS VSS nmos w=300n l=65n\n"
     "M7 VSS A y VSS nmos w=300n l=65n\nM8 y B Z VSS nmos w=300n l=65n\n"
+    ".ends\n.subckt one A B Z VDD VSS\n"
+    "M1 Z B x VSS nmos w=300n l=65n\nM2 x A VSS VSS nmos w=300n l=65n\n"
+    "M3 Z A VDD VDD pmos w=350n l=65n\nM4 Z B VDD VDD pmos w=350n l=65n\n"
     /* Another stack: none of them is like another now. */
     ".ends\n.subckt odd A B Z VDD VSS\n"
     "M1 Z B x VSS nmos w=300n l=65n\nM2 x A VSS VSS nmos w=300n l=65n\n"
@@ -358,6 +440,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/characterize/logic", test_logic);
   g_test_add_func("/characterize/delays", test_delays);
+  g_test_add_func("/characterize/pairs", test_pairs);
   g_test_add_func("/characterize/fingers", test_fingers);
   g_test_add_func("/characterize/off", test_off);
   g_test_add_func("/characterize/kept", test_kept);

@@ -13,8 +13,10 @@ enum { TRIES = 7 };
 
 static const double start = 2e-12; /* s, when inputs begin to change */
 
-/* How many steps the slew of the fastest output has at least. Against 40 steps,
-   AOI21 and AOI22: see README, Steps. */
+/* How many steps the slew of the fastest output has at least. AOI21 at 22 ps,
+   18 changes, against a run of 1,400 steps: with 4 a slew delays are off by
+   0.05 %, slews by 0.13 % and changes of a delay for 1 % by 0.004 % of it at
+   most; with 2 by 0.11, 0.23 and 0.005 %; with 8 by 0.01, 0.04 and 0.001 %. */
 static const double steps[] = {
     [PILOT] = 0, [GRID] = 5, [CHANGES] = 4, [JUDGE] = 25};
 
@@ -31,14 +33,21 @@ double ramp_time(const study *s, double slew, int rises) {
                  eda_timing_ramp(rises, s->timing->low));
 }
 
-static void put_source(const deck *d, FILE *out, const char *name) {
-  const int rises = d->rises;
-  double whole = ramp_time(d->s, d->slew, rises), v = d->s->supply;
+/* When the inputs' middle is. */
+static double middle_of(const deck *d) {
+  return start + d->early +
+         ramp_time(d->s, d->slew, d->rises) * eda_timing_ramp(d->rises, 0.5);
+}
+
+static void put_source(const deck *d, FILE *out, const char *name, int rises,
+                       double slew, double middle) {
+  double whole = ramp_time(d->s, slew, rises), v = d->s->supply,
+         begin = middle - whole * eda_timing_ramp(rises, 0.5);
   double t[EDA_TIMING_RAMP], level[EDA_TIMING_RAMP];
   eda_timing_ramp_points(rises, t, level);
   fprintf(out, "v%s i%s 0 pwl(0 %.17g", name, name, rises ? 0 : v);
   for (int i = 0; i < EDA_TIMING_RAMP; i++)
-    fprintf(out, "\n+ %.17g %.17g", start + whole * t[i],
+    fprintf(out, "\n+ %.17g %.17g", begin + whole * t[i],
             v * (rises ? level[i] : 1 - level[i]));
   fputs(")\n", out);
 }
@@ -78,7 +87,9 @@ static void put_node(FILE *out, const copy *c, size_t k, uint32_t net) {
   for (size_t i = 0; i < cell->inputs; i++)
     if (cell->port[i] == net) {
       int high = c->from >> i & 1;
-      if (i != c->input)
+      if (c->two && i == c->other)
+        fprintf(out, " i%zu", k);
+      else if (i != c->input)
         fputs(high ? " vdd" : " 0", out);
       else if (c->of_pin)
         fprintf(out, " i%zu", k);
@@ -107,6 +118,14 @@ static void put_part(const deck *d, FILE *out, size_t k, size_t i,
   fprintf(out, p->count > 1 ? " m=%u\n" : "\n", p->count);
 }
 
+static void put_other(const deck *d, FILE *out, size_t k) {
+  const copy *c = &d->copy[k];
+  char name[32];
+  snprintf(name, sizeof name, "%zu", k);
+  put_source(d, out, name, !(c->from >> c->other & 1), c->other_slew,
+             middle_of(d) + c->other_after);
+}
+
 static void put_copy(const deck *d, FILE *out, size_t k, offsets *o) {
   const copy *c = &d->copy[k];
   const eda_timing_cell *cell = c->cell;
@@ -118,11 +137,12 @@ static void put_copy(const deck *d, FILE *out, size_t k, offsets *o) {
   if (c->of_pin) {
     char name[32];
     snprintf(name, sizeof name, "%zu", k);
-    put_source(d, out, name);
+    put_source(d, out, name, d->rises, d->slew, middle_of(d));
     fprintf(out, ".save i(v%zu) v(i%zu)\n", k, k);
   } else {
     fprintf(out, ".save v(n%zu_%u)\n", k, cell->port[cell->inputs + c->output]);
   }
+  if (c->two) put_other(d, out, k);
 }
 
 /* Charges here are of fF and mV: of the simulator's own bounds for them, 1 uV
@@ -140,7 +160,7 @@ static char *deck_text(const deck *d) {
           ".options temp=%.17g gmin=1e-15 reltol=%g abstol=1e-12 "
           "chgtol=1e-17 itl4=40\nvs vdd 0 %.17g\n",
           s->temperature, d->care == JUDGE ? 1e-4 : 1e-3, s->supply);
-  put_source(d, out, "n");
+  put_source(d, out, "n", d->rises, d->slew, middle_of(d));
   for (size_t k = 0; k < d->count; k++) put_copy(d, out, k, &o);
   for (size_t i = 0; i < o.count; i++) {
     char name[200];
@@ -199,18 +219,13 @@ static const double *vector_of(const eda_spice_plot *plot, const char *format,
   return v && v->count == n ? v->value : NULL;
 }
 
-/* When the inputs' middle is. */
-static double middle_of(const deck *d) {
-  return start +
-         ramp_time(d->s, d->slew, d->rises) * eda_timing_ramp(d->rises, 0.5);
-}
-
 /* Of an output that turns back on its way, the last time counts that it goes
    through the middle. Whether it gets there. */
 static int measure_output(const deck *d, copy *c, const double *t,
                           const double *v, size_t n) {
   const eda_timing *of = d->s->timing;
-  size_t before = c->from, after = c->from ^ (size_t)1 << c->input,
+  size_t before = c->from,
+         after = before ^ (size_t)1 << c->input ^ (size_t) !!c->two << c->other,
          at = (size_t)c->output << c->cell->inputs;
   int rises = c->cell->level[at + after];
   if (rises == c->cell->level[at + before]) return 1;
@@ -304,26 +319,39 @@ static span span_of(const deck *d) {
   return best;
 }
 
+/* Simulate once. How many copies do not get where they should. */
+static size_t run_once(deck *d, const char *text, span of) {
+  char command[120];
+  eda_spice_result r = {0};
+  size_t missing = 0;
+  snprintf(command, sizeof command, "tran %.17g %.17g 0 %.17g\n", of.step,
+           of.window, of.step);
+  d->code = eda_spice_run(d->s->host->context, text, command, d->s->limit, &r,
+                          &d->error);
+  for (size_t k = 0; !d->code && k < d->count; k++)
+    missing += !r.count || !measure_copy(d, &d->copy[k], k, &r.plot[0]);
+  eda_spice_clear(&r);
+  return missing;
+}
+
 void deck_run(deck *d) {
   char *text = deck_text(d);
   span of = span_of(d);
-  size_t missing = 1;
-  for (int i = 0; i < TRIES && missing && !d->code; i++, of.window *= 2) {
-    char command[120];
-    eda_spice_result r = {0};
-    snprintf(command, sizeof command, "tran %.17g %.17g 0 %.17g\n", of.step,
-             of.window, of.step);
-    d->code = eda_spice_run(d->s->host->context, text, command, d->s->limit, &r,
-                            &d->error);
-    missing = 0;
-    for (size_t k = 0; !d->code && k < d->count; k++)
-      missing += !r.count || !measure_copy(d, &d->copy[k], k, &r.plot[0]);
-    eda_spice_clear(&r);
+  size_t missing = run_once(d, text, of);
+  /* Now and then the simulator finds no step that it can take ("timestep too
+     small"): from other steps it does. */
+  if (d->code == OPC_FAILED) {
+    of.step *= 0.7;
+    missing = run_once(d, text, of);
+  }
+  for (int i = 1; i < TRIES && missing && !d->code; i++) {
+    of.window *= 2;
+    missing = run_once(d, text, of);
   }
   free(text);
   if (missing && !d->code)
     d->code = opc_fail(&d->error, OPC_FAILED, NULL,
                        "cell '%.100s': an output does not follow its input "
                        "within %.3g ns",
-                       d->copy[0].cell->name, of.window * 0.5e9);
+                       d->copy[0].cell->name, of.window * 1e9);
 }

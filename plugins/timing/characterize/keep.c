@@ -92,39 +92,41 @@ static char *path_of(const study *s, const char *key) {
                           NULL);
 }
 
-int keep_load(const study *s, eda_timing_cell *c, const char *key) {
+int keep_load(const study *s, const char *cell, const char *key, double *figure,
+              size_t figures) {
   g_autofree char *path = path_of(s, key), *text = NULL;
   if (!path || !g_file_get_contents(path, &text, NULL, NULL)) return 0;
-  g_autofree char *head = g_strdup_printf(FORMAT " %s %zu\n", key, c->figures);
+  g_autofree char *head = g_strdup_printf(FORMAT " %s %zu\n", key, figures);
   int good = g_str_has_prefix(text, head);
   char *at = text + (good ? strlen(head) : 0);
-  for (size_t i = 0; good && i < c->figures; i++) {
+  for (size_t i = 0; good && i < figures; i++) {
     char *end;
-    c->figure[i] = g_ascii_strtod(at, &end);
-    good = end > at && *end == '\n' && isfinite(c->figure[i]);
+    figure[i] = g_ascii_strtod(at, &end);
+    good = end > at && *end == '\n' && isfinite(figure[i]);
     at = end + 1;
   }
   if (good && !strcmp(at, "end\n")) return 1;
   s->host->log(s->host, OPC_LOG_WARNING,
-               "'%s' is damaged; cell '%s' is simulated again", path, c->name);
-  memset(c->figure, 0, c->figures * sizeof *c->figure);
+               "'%s' is damaged; cell '%s' is simulated again", path, cell);
+  memset(figure, 0, figures * sizeof *figure);
   return 0;
 }
 
 /* A cell that cannot be kept is no fault: it is simulated again next time. */
-void keep_save(const study *s, const eda_timing_cell *c, const char *key) {
+void keep_save(const study *s, const char *cell, const char *key,
+               const double *figure, size_t figures) {
   g_autofree char *path = path_of(s, key);
   g_autoptr(GError) fault = NULL;
   if (!path) return;
   g_autofree char *folder = g_path_get_dirname(path);
   g_autoptr(GString) text = g_string_new(NULL);
-  g_string_printf(text, FORMAT " %s %zu\n", key, c->figures);
-  for (size_t i = 0; i < c->figures; i++)
-    g_string_append_printf(text, "%.17g\n", c->figure[i]);
+  g_string_printf(text, FORMAT " %s %zu\n", key, figures);
+  for (size_t i = 0; i < figures; i++)
+    g_string_append_printf(text, "%.17g\n", figure[i]);
   g_string_append(text, "end\n");
   g_mkdir_with_parents(folder, 0700);
   /* Written beside it and renamed: whoever reads it meanwhile has all. */
   if (!g_file_set_contents(path, text->str, (gssize)text->len, &fault))
-    s->host->log(s->host, OPC_LOG_WARNING, "cell '%s' is not kept: %s", c->name,
+    s->host->log(s->host, OPC_LOG_WARNING, "cell '%s' is not kept: %s", cell,
                  fault->message);
 }

@@ -4,6 +4,7 @@
 #include <eda/drawing.h>
 #include <math.h>
 #include <opcflow/table.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -304,36 +305,32 @@ int draw_histogram(const paths *p, const delays *d, const char *path,
                                 {"share", "%", OPC_REAL, 4, &bin->share}};
   int code = opc_put_rows(p->host, "histogram", 0, n, sizeof *bin,
                           OPC_ARRAY(columns), error);
-  /* The legend has two sets of sizes a line, or one. */
-  double height = 530 + 22 * (double)states;
+  /* One below another, on the same axes. */
+  const double panel = 150;
+  double height = 90 + panel * (double)states;
   eda_paper *paper = code ? NULL : eda_paper_open(path, 900, height, 14, error);
   if (paper) {
-    eda_legend legend;
     paper->margin = 70;
     double top = 20 + eda_heading(paper, 20, p->graph.name);
-    eda_legend_init(&legend, paper, top);
-    eda_chart c = {.paper = paper, .left = 70, .width = 800, .height = 360};
-    c.x = (eda_axis){.low = low,
-                     .high = high,
-                     .title = "deviation of path delays from drawn, %"};
+    eda_chart c = {.paper = paper, .left = 70, .width = 800, .height = 80};
     c.y = (eda_axis){.low = 0, .high = 1.05 * most, .title = "paths, %"};
     for (size_t s = 0; s < states; s++) {
+      char title[200];
       spread r = spread_of(d, s + 1);
-      const eda_sign sign = {
-          .kind = EDA_SIGN_LINE, .colour = eda_layer_contour(s), .line = 2};
-      eda_legend_add(&legend, &sign, "%s: mean %.3g %%, stdv %.3g %%",
-                     p->state[s + 1].name, r.mean, r.stdv);
-    }
-    c.top = top + legend.height + 30;
-    eda_chart_axes(&c);
-    for (size_t s = 0; s < states; s++) {
+      snprintf(title, sizeof title, "%.100s: mean %.3g %%, stdv %.3g %%",
+               p->state[s + 1].name, r.mean, r.stdv);
+      c.x = (eda_axis){.low = low, .high = high};
+      if (s + 1 == states) c.x.title = "deviation of path delays from drawn, %";
+      c.title = title;
+      c.top = top + 30 + panel * (double)s;
       for (size_t b = 0; b < BINS; b++) {
         const histogram *h = &bin[s * BINS + b];
         x[2 * b] = h->from;
         x[2 * b + 1] = h->to;
         y[2 * b] = y[2 * b + 1] = h->share;
       }
-      eda_chart_line(&c, eda_layer_contour(s), 2, 0, x, y, 2 * BINS);
+      eda_chart_axes(&c);
+      eda_chart_line(&c, eda_layer_contour(0), 2, 0, x, y, 2 * BINS);
     }
   }
   code = paper ? eda_paper_close(paper, OPC_OK, error) : error->code;

@@ -53,6 +53,10 @@ static inline void fill(eda_timing *t, size_t k) {
     c->arc[c->arcs++] =
         (eda_timing_arc){.input = (uint8_t)in, .rises = after, .from = from};
   }
+  c->pair_of = eda_pool_alloc(&t->memory, c->inputs * c->inputs * patterns,
+                              sizeof *c->pair_of);
+  for (size_t i = 0; i < c->inputs * c->inputs * patterns; i++)
+    c->pair_of[i] = -1;
   eda_timing_cell_figures(&t->memory, c);
   for (size_t i = 0; i < c->arcs; i++)
     for (int g = 0; g < SLEWS * LOADS; g++) {
@@ -62,6 +66,8 @@ static inline void fill(eda_timing *t, size_t k) {
     }
   for (size_t i = 0; i < c->inputs * 2 * EDA_CAPS; i++)
     c->capacitance[i] = pin_load;
+  for (size_t i = 0; i < (c->inputs << c->inputs) * EDA_CAPS; i++)
+    c->pin_capacitance[i] = pin_load;
 }
 
 /* INV, NAND2, XOR2. Each has two transistors, whatever it computes: only the

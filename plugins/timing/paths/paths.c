@@ -80,6 +80,8 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(paths, prints, .type = OPC_MAP,
                   .summary = "further sizes, by tables gates.csv of runs with "
                              "the same layout: { dpb: runs/dpb/gates.csv }"),
+    OPC_PARAMETER(paths, experiment, .type = OPC_INPUT, .choices = "experiment",
+                  .summary = "runs of the same layout by several methods"),
     OPC_PARAMETER(paths, transitions, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "22000",
                   .min = 1, .max = 10000000,

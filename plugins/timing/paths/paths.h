@@ -3,6 +3,7 @@
 #ifndef OPCFLOW_TIMING_PATHS_H
 #define OPCFLOW_TIMING_PATHS_H
 
+#include <eda/experiment.h>
 #include <opcflow/step.h>
 
 #include "../graph.h"
@@ -26,6 +27,7 @@ typedef struct paths {
   const eda_mask *mask;
   const char *label;
   opc_map prints;
+  const eda_experiment *experiment;
   const char *file, *top;
   int64_t transitions, seed, events, spice;
   int changes, delays;
@@ -70,12 +72,33 @@ typedef struct waves {
   uint8_t *before, *after;
   size_t room_changes;
   flip *change;
+  uint32_t *pins; /* levels of the inputs of what a net drives */
 } waves;
 
 void waves_init(waves *w, const paths *p);
 void waves_clear(waves *w);
 /* All nets' events for one pattern of the inputs (w->before, w->after). */
 void waves_run(waves *w, const state *s);
+
+/* The inputs of a node, in the order of time. */
+typedef struct merge {
+  const waves *w;
+  const node *n;
+  uint32_t now;                     /* their levels */
+  uint32_t next[EDA_TIMING_INPUTS]; /* events */
+  uint32_t end[EDA_TIMING_INPUTS];
+} merge;
+
+/* Whether any input changes. */
+int merge_init(merge *m, const waves *w, const node *n);
+/* The input that changes next, -1: none. Of equals the first. */
+int merge_next(const merge *m, double *time);
+/* A path goes on through a net: FNV-1a over the numbers of nets. */
+uint64_t path_on(uint64_t path, uint32_t net);
+void waves_push(waves *w, double time, double slew, uint64_t path);
+
+/* ---- slews.c: the events of a node, by slews ---- */
+void waves_by_slews(waves *w, const node *n, const state *s);
 
 /* What an output does after a pattern. */
 typedef struct arrival {

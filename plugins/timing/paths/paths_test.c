@@ -103,8 +103,8 @@ static eda_mask *printed(const char *out, eda_circuit *circuit) {
   static uint8_t role[] = {EDA_PIN_INPUT, EDA_PIN_OUTPUT, EDA_PIN_SUPPLY,
                            EDA_PIN_GROUND};
   static eda_device device[2] = {
-      {"XU1/MN", 1, 0, 3, 3, 60, 200, EDA_NMOS, 1, &finger[0]},
-      {"XU1/MP", 1, 0, 2, 2, 60, 300, EDA_PMOS, 1, &finger[1]}};
+      {"XU1/MN", 1, 0, 3, 3, 60, 200, EDA_NMOS, 1, &finger[0], "nmos"},
+      {"XU1/MP", 1, 0, 2, 2, 60, 300, EDA_PMOS, 1, &finger[1], "pmos"}};
   static eda_mask mask;
   nets[1] = out;
   *circuit = (eda_circuit){.name = "top",
@@ -201,6 +201,56 @@ static void test_others(void) {
   }
 }
 
+/* A NAND whose inputs come through one and through two inverters: the first
+   that falls is the cause, and the second makes the output earlier; of those
+   that rise the first makes it later than the second alone would. The pair's
+   factors are constant, so that what is left is the blend. */
+static void test_together(void) {
+  opc_error error;
+  eda_timing *t = library();
+  eda_timing_cell *c = &t->cell[1];
+  static const double factor[2][2] = {{1.25, 1.1}, {0.6, 0.7}};
+  static double figure[2][2][6 + 5 * EDA_TIMING_GAPS];
+  eda_timing_pair pair[2] = {
+      {.first = 0, .second = 1, .from = 0},
+      {.first = 0, .second = 1, .from = 3, .parallel = 1}};
+  for (int k = 0; k < 2; k++) {
+    pair[k].at[0] = figure[k][0];
+    pair[k].at[1] = figure[k][0] + 3;
+    figure[k][0][1] = figure[k][0][4] = 1;
+    pair[k].delay = figure[k][0] + 6;
+    pair[k].slew = figure[k][1];
+    for (int g = 0; g < 5 * EDA_TIMING_GAPS; g++) {
+      pair[k].delay[g] = factor[k][0];
+      pair[k].slew[g] = factor[k][1];
+    }
+    c->pair_of[1 << 2 | pair[k].from] = k;
+  }
+  c->pair = pair;
+  c->pairs = 2;
+  good(run_paths(t, "a b z w", "XU1 a b z VDD VSS NAND2\nXU2 z w VDD VSS INV\n",
+                 ", slew: 8 ps, load: 3 fF, events: 12", NULL, NULL, &error),
+       &error);
+  const double load = 3e-15 + pin_load;
+  for (uint32_t rises = 0; rises < 2; rises++) {
+    double a[2] = {0, 8e-12}, b[2] = {0, 8e-12};
+    step(t, 1, 0, rises ? 2 : 3, load, a);
+    step(t, 1, 1, rises ? 1 : 3, load, b);
+    double z[2] = {factor[!rises][0] * (a[0] + b[0]) / 2,
+                   factor[!rises][1] * (a[1] + b[1]) / 2};
+    double w[2] = {z[0], z[1]};
+    step(t, 0, 0, rises, 3e-15, w);
+    int found = 0;
+    for (size_t i = 0; i < opc_test_rows("events"); i++) {
+      double at = opc_test_number("events", "time", i);
+      int is_w = !strcmp(opc_test_text("events", "output", i), "w");
+      found |= (fabs(at - 1e12 * (is_w ? w : z)[0]) < 6e-4) << is_w;
+    }
+    g_assert_cmpint(found, ==, 3);
+  }
+  eda_timing_free(t);
+}
+
 static void refused_with(const char *ports, const char *instances,
                          const char *more, const char *words) {
   opc_error error;
@@ -239,6 +289,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/paths/pulse", test_pulse);
   g_test_add_func("/paths/printed", test_printed);
   g_test_add_func("/paths/others", test_others);
+  g_test_add_func("/paths/together", test_together);
   g_test_add_func("/paths/refused", test_refused);
   return g_test_run();
 }

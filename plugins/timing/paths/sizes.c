@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What each instance's transistors print as: from a mask, or from the table
-   gates.csv of a run. */
+   gates.csv of a run, or of each run of an experiment. */
 #include <eda/runs.h>
 #include <glib.h>
 #include <math.h>
@@ -145,14 +145,45 @@ static int from_table(paths *p, state *s, const char *path, opc_error *error) {
   return code ? code : apply(p, s, &q, error);
 }
 
+/* ---- from an experiment ---- */
+
+/* The referee's table of a run, if it has one, else that of the correction. */
+static char *table_of(const char *folder) {
+  char *judged = g_build_filename(folder, "verify.gates.csv", NULL);
+  if (g_file_test(judged, G_FILE_TEST_EXISTS)) return judged;
+  g_free(judged);
+  return g_build_filename(folder, "gates.csv", NULL);
+}
+
+static int from_experiment(paths *p, opc_error *error) {
+  const eda_experiment *e = p->experiment;
+  if (e->n_cases != 1)
+    return opc_fail(error, OPC_INVALID, "experiment",
+                    "it has %zu cases: one is wanted, the layout of 'circuit'",
+                    e->n_cases);
+  for (size_t m = 0; m < e->n_methods; m++) {
+    if (!e->folders[m]) {
+      p->host->log(p->host, OPC_LOG_WARNING, "'%s' is left out: its run failed",
+                   e->methods[m]);
+      continue;
+    }
+    g_autofree char *path = table_of(e->folders[m]);
+    state *s = &p->state[p->states++];
+    s->name = eda_pool_text(&p->pool, e->methods[m], strlen(e->methods[m]));
+    if (from_table(p, s, path, error)) return error->code;
+  }
+  return OPC_OK;
+}
+
 /* ---- all ---- */
 
 int states_find(paths *p, opc_error *error) {
-  size_t most = 2 + p->prints.count;
+  size_t most =
+      2 + p->prints.count + (p->experiment ? p->experiment->n_methods : 0);
   p->state = eda_pool_alloc(&p->pool, most, sizeof *p->state);
   p->state[0].name = "drawn";
   p->states = 1;
-  if ((p->mask || p->prints.count) && !p->circuit)
+  if ((p->mask || p->prints.count || p->experiment) && !p->circuit)
     return opc_fail(error, OPC_INVALID, "circuit",
                     "missing: printed sizes are of a circuit's transistors");
   if (p->spice && !p->circuit)
@@ -163,6 +194,7 @@ int states_find(paths *p, opc_error *error) {
     s->name = p->label;
     if (from_mask(p, s, error)) return error->code;
   }
+  if (p->experiment && from_experiment(p, error)) return error->code;
   for (size_t i = 0; i < p->prints.count; i++) {
     state *s = &p->state[p->states++];
     s->name = p->prints.pairs[i].key;

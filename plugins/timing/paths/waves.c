@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a transition of the inputs does, net by net in the order of signals: all
-   events of a net are known before those that it drives are looked at. A pulse
-   that is shorter than the delay of what would make it is swallowed (inertial
-   delay). Times ps, in whole fs with one delay an arc. */
+   events of a net are known before those that it drives are looked at. Times
+   ps, in whole fs with one delay an arc. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +11,10 @@
 void waves_init(waves *w, const paths *p) {
   const graph *g = &p->graph;
   *w = (waves){.p = p};
+  size_t most = 0;
+  for (size_t i = 0; i < g->nets; i++)
+    if (g->fanout[i] > most) most = g->fanout[i];
+  w->pins = eda_alloc(most, sizeof *w->pins);
   w->first = eda_alloc(2 * g->nets, sizeof *w->first);
   w->last = w->first + g->nets;
   w->level = eda_alloc(g->nets + 2 * g->inputs, 1);
@@ -20,33 +23,25 @@ void waves_init(waves *w, const paths *p) {
 }
 
 void waves_clear(waves *w) {
+  free(w->pins);
   free(w->first);
   free(w->level);
   free(w->event);
   free(w->change);
 }
 
-static void push(waves *w, double time, double slew, uint64_t path) {
-  EDA_PUSH(w->event, w->count, w->room, (event){time, slew, path});
+uint64_t path_on(uint64_t path, uint32_t net) {
+  return (path ^ (net + 1)) * 0x100000001b3u;
 }
 
-/* FNV-1a over the numbers of nets. */
-static uint64_t path_on(uint64_t path, uint32_t net) {
-  return (path ^ (net + 1)) * 0x100000001b3u;
+void waves_push(waves *w, double time, double slew, uint64_t path) {
+  EDA_PUSH(w->event, w->count, w->room, (event){time, slew, path});
 }
 
 /* ---- the inputs of a node, in the order of time ---- */
 
-typedef struct merge {
-  const waves *w;
-  const node *n;
-  uint32_t now;                     /* levels of the inputs */
-  uint32_t next[EDA_TIMING_INPUTS]; /* events */
-  uint32_t end[EDA_TIMING_INPUTS];
-} merge;
-
 /* Whether any input changes. */
-static int merge_init(merge *m, const waves *w, const node *n) {
+int merge_init(merge *m, const waves *w, const node *n) {
   int some = 0;
   m->w = w;
   m->n = n;
@@ -62,7 +57,7 @@ static int merge_init(merge *m, const waves *w, const node *n) {
 }
 
 /* The input that changes next, -1: none. Of equals the first. */
-static int merge_next(const merge *m, double *time) {
+int merge_next(const merge *m, double *time) {
   int found = -1;
   *time = INFINITY;
   for (size_t i = 0; i < m->n->cell->inputs; i++)
@@ -71,41 +66,6 @@ static int merge_next(const merge *m, double *time) {
       found = (int)i;
     }
   return found;
-}
-
-/* ---- delays by slews ---- */
-
-static void by_slews(waves *w, const node *n, const state *s) {
-  const eda_timing_cell *c = n->cell;
-  const uint8_t *level = c->level + ((size_t)n->output << c->inputs);
-  const int32_t *arc_of =
-      c->arc_of + ((size_t)n->output * c->inputs << c->inputs);
-  size_t first = w->count;
-  double time;
-  merge m;
-  if (!merge_init(&m, w, n)) {
-    w->level[n->net] = level[m.now];
-    return;
-  }
-  w->level[n->net] = level[m.now];
-  for (int i; (i = merge_next(&m, &time)) >= 0;) {
-    const event cause = w->event[m.next[i]++];
-    double delay, out;
-    uint32_t from = m.now;
-    m.now ^= (uint32_t)1 << i;
-    if (level[from] == level[m.now]) continue;
-    const event *before = w->count > first ? &w->event[w->count - 1] : NULL;
-    if (before && before->time > time) {
-      w->count--;
-      continue;
-    }
-    arc_at(n, s, (size_t)arc_of[((size_t)i << c->inputs) + from], cause.slew,
-           &delay, &out);
-    if (before && time + delay <= before->time)
-      w->count--;
-    else
-      push(w, time + delay, out, path_on(cause.path, n->net));
-  }
 }
 
 /* ---- one delay an arc ---- */
@@ -121,7 +81,6 @@ static void by_arcs(waves *w, const node *n, const state *s) {
   merge m;
   int some = merge_init(&m, w, n);
   uint8_t value = level[m.now];
-  w->level[n->net] = value;
   if (!some) return;
   for (int i; (i = merge_next(&m, &time)) >= 0;) {
     uint32_t from = m.now, inputs = 0;
@@ -154,11 +113,25 @@ static void by_arcs(waves *w, const node *n, const state *s) {
       if (change[k].at < time) last = k;
     if (change[last].value == value) continue;
     value = change[last].value;
-    push(w, time, 0, 0);
+    waves_push(w, time, 0, 0);
   }
 }
 
 /* ---- a pattern ---- */
+
+/* All nets before the change. */
+static void find_levels(waves *w) {
+  const graph *g = &w->p->graph;
+  for (size_t i = 0; i < g->inputs; i++) w->level[g->input[i]] = w->before[i];
+  for (size_t i = 0; i < g->nodes; i++) {
+    const node *n = &g->node[i];
+    uint32_t now = 0;
+    for (size_t k = 0; k < n->cell->inputs; k++)
+      now |= (uint32_t)w->level[n->in[k]] << k;
+    w->level[n->net] =
+        n->cell->level[((size_t)n->output << n->cell->inputs) + now];
+  }
+}
 
 void waves_run(waves *w, const state *s) {
   const paths *p = w->p;
@@ -166,11 +139,11 @@ void waves_run(waves *w, const state *s) {
   double slew = p->at.slew * 1e12;
   w->count = 0;
   memset(w->first, 0, 2 * g->nets * sizeof *w->first);
+  find_levels(w);
   for (size_t i = 0; i < g->inputs; i++) {
     uint32_t net = g->input[i];
-    w->level[net] = w->before[i];
     w->first[net] = (uint32_t)w->count;
-    if (w->before[i] != w->after[i]) push(w, 0, slew, path_on(0, net));
+    if (w->before[i] != w->after[i]) waves_push(w, 0, slew, path_on(0, net));
     w->last[net] = (uint32_t)w->count;
   }
   for (size_t i = 0; i < g->nodes; i++) {
@@ -179,7 +152,7 @@ void waves_run(waves *w, const state *s) {
     if (p->delays == ONE_AN_ARC)
       by_arcs(w, n, s);
     else
-      by_slews(w, n, s);
+      waves_by_slews(w, n, s);
     w->last[n->net] = (uint32_t)w->count;
   }
 }

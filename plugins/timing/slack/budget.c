@@ -70,23 +70,6 @@ void budget_clear(budget *b) {
   eda_pool_clear(&b->pool);
 }
 
-/* What is on a net, as tables.c has it for all. */
-static void find_load(budget *b, uint32_t net) {
-  const graph *g = b->g;
-  double *load = b->sizes.load + net * 2 * EDA_CAPS;
-  for (int k = 0; k < 2 * EDA_CAPS; k++) load[k] = b->at.wire * g->fanout[net];
-  for (size_t o = 0; o < g->outputs; o++)
-    for (int k = 0; k < 2 * EDA_CAPS && g->output[o] == net; k++)
-      load[k] += b->at.load;
-  for (uint32_t i = b->pins_of[net]; i < b->pins_of[net + 1]; i++) {
-    const node *n = &g->node[b->pin[i].node];
-    for (int k = 0; k < 2 * EDA_CAPS; k++)
-      load[k] +=
-          eda_timing_capacitance(n->cell, b->pin[i].input, k / EDA_CAPS,
-                                 k % EDA_CAPS, b->sizes.change[n->instance]);
-  }
-}
-
 /* Give a choice another level: its own tables change, and those of what drives
    its inputs. */
 static void set_level(budget *b, choice *c, uint32_t level) {
@@ -100,7 +83,7 @@ static void set_level(budget *b, choice *c, uint32_t level) {
   for (size_t k = 0; k < n->cell->inputs; k++) {
     int64_t d = b->driver[n->in[k]];
     if (d < 0) continue;
-    find_load(b, n->in[k]);
+    net_loads(b->g, b->at, &b->sizes, n->in[k]);
     node_tables(&g->node[d], &b->sizes);
   }
 }

@@ -92,7 +92,8 @@ static placed *place_all(size_t instances) {
     p->number[i] = 1 + (uint32_t)is_p;
     p->finger[i] = (uint32_t)i;
     p->device[i] = (eda_device){
-        p->name[i], 0, 0, 0, 0, 60, p->width[i], p->type[i], 1, &p->finger[i]};
+        p->name[i],    0,   0, 0, 0, 60, p->width[i], p->type[i], 1,
+        &p->finger[i], NULL};
   }
   p->gates.box = p->box;
   p->gates.type = p->type;

@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { MOST_STEPS = 1 << 16, MOST_TRIES = 60 };
 static const double finest = 1.0 / 32; /* nm */
@@ -166,10 +167,9 @@ static int add_narrow(eda_curves *c, size_t n, int type, int k,
   return OPC_OK;
 }
 
-static int read_curves(eda_curves *c, const char *path, opc_error *error) {
-  gsl_set_error_handler_off(); /* its default aborts */
-  eda_devices *d = c->devices = eda_devices_read(path, error);
-  if (!d) return error->code;
+/* All of one table. */
+static int make_curves(eda_curves *c, const char *path, opc_error *error) {
+  const eda_devices *d = c->devices;
   unsigned least = gsl_interp_type_min_size(gsl_interp_steffen);
   if (d->count < least)
     return opc_fail(error, OPC_INVALID, "devices",
@@ -194,12 +194,27 @@ static int read_curves(eda_curves *c, const char *path, opc_error *error) {
 
 int eda_curves_read(eda_curves *c, const char *path, opc_error *error) {
   if (c->devices) return OPC_OK;
-  int code = read_curves(c, path, error);
+  gsl_set_error_handler_off(); /* its default aborts */
+  c->devices = eda_devices_read(path, error);
+  if (!c->devices) return error->code;
+  int code = make_curves(c, path, error);
+  for (eda_curves *of = c; of->devices->next && !code; of = of->next) {
+    of->next = eda_alloc(1, sizeof *of->next);
+    of->next->devices = of->devices->next;
+    code = make_curves(of->next, path, error);
+  }
   if (code) eda_curves_clear(c);
   return code;
 }
 
-void eda_curves_clear(eda_curves *c) {
+const eda_curves *eda_curves_of(const eda_curves *c, const char *flavour) {
+  if (!flavour || !*flavour) return c;
+  do c = c->next;
+  while (c && strcmp(c->devices->flavour, flavour) != 0);
+  return c;
+}
+
+static void clear_curves(eda_curves *c) {
   size_t curves = c->exact ? (c->devices->narrow + 1) * CURVES : 0;
   for (size_t i = 0; i < curves; i++) {
     free(c->exact[i].logarithm);
@@ -208,6 +223,17 @@ void eda_curves_clear(eda_curves *c) {
   }
   free(c->exact);
   for (int type = 0; type < 2; type++) free(c->quick[type]);
+}
+
+void eda_curves_clear(eda_curves *c) {
+  eda_curves *next = c->next;
+  clear_curves(c);
+  while (next) {
+    eda_curves *of = next;
+    next = of->next;
+    clear_curves(of);
+    free(of);
+  }
   eda_devices_free(c->devices);
   *c = (eda_curves){0};
 }

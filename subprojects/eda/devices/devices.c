@@ -14,7 +14,8 @@
 enum { LARGEST_FILE = 16 << 20 /* bytes */ };
 
 typedef struct reader {
-  eda_devices *devices;
+  eda_devices *devices; /* the table that is being read */
+  eda_devices *first;   /* of the file */
   yaml_document_t document;
   GRegex *number; /* number, its exponent, and a unit */
   unsigned faults;
@@ -407,6 +408,21 @@ static void read_version(reader *r, const yaml_node_t *node, const char *key) {
           strtoll(text, NULL, 10) < 1 ? "least" : "most", text);
 }
 
+/* The tables after the first say whose they are. */
+static void check_flavour(reader *r, const yaml_node_t *root) {
+  const eda_devices *d = r->devices, *other = r->first;
+  const yaml_node_t *node = look_up(r, root, "flavour");
+  if (!node && d != other)
+    wrong(r, &root->start_mark, "a further table needs 'flavour'");
+  if (!node || !d->flavour) return;
+  if (d == other)
+    wrong(r, &node->start_mark,
+          "the first table is of the transistors without a flavour");
+  for (; other != d; other = other->next)
+    if (other->flavour && !strcmp(other->flavour, d->flavour))
+      wrong(r, &node->start_mark, "a second table of flavour '%s'", d->flavour);
+}
+
 /* What is not a column. */
 static void read_head(reader *r, const yaml_node_t *root) {
   eda_devices *d = r->devices;
@@ -419,6 +435,7 @@ static void read_head(reader *r, const yaml_node_t *root) {
     gboolean optional;
   } entries[] = {
       {"name", .text = &d->name},
+      {"flavour", .text = &d->flavour, .optional = 1},
       {"supply", .unit = "V", .number = &d->supply},
       {"temperature", .unit = "C", .number = &ignored, .optional = 1},
       {"source", .optional = 1},
@@ -440,19 +457,10 @@ static void read_head(reader *r, const yaml_node_t *root) {
 }
 
 static void read_table(reader *r, const yaml_node_t *root) {
-  static const char *const known[] = {"opcflow-devices",
-                                      "name",
-                                      "source",
-                                      "supply",
-                                      "temperature",
-                                      "width",
-                                      "length",
-                                      "ion",
-                                      "ioff",
-                                      "extended",
-                                      "nmos",
-                                      "pmos",
-                                      NULL};
+  static const char *const known[] = {
+      "opcflow-devices", "name",  "flavour", "source", "supply",
+      "temperature",     "width", "length",  "ion",    "ioff",
+      "extended",        "nmos",  "pmos",    NULL};
   if (root->type != YAML_MAPPING_NODE) {
     wrong(r, &root->start_mark, "a device table is a map, not %s", noun(root));
     return;
@@ -464,6 +472,7 @@ static void read_table(reader *r, const yaml_node_t *root) {
   else
     wrong(r, &root->start_mark, "missing '%s'", known[0]);
   read_head(r, root);
+  check_flavour(r, root);
   read_widths(r, root);
   read_lengths(r, root);
   read_type(r, root, "nmos", EDA_NMOS);
@@ -502,21 +511,20 @@ static gboolean next_document(reader *r, yaml_parser_t *parser,
 
 static void read_text(reader *r, const char *text, size_t n) {
   yaml_parser_t parser;
-  const yaml_node_t *root;
+  const yaml_node_t *root = NULL;
   yaml_parser_initialize(&parser);
   yaml_parser_set_encoding(&parser, YAML_UTF8_ENCODING);
   yaml_parser_set_input_string(&parser, (const unsigned char *)text, n);
-  if (next_document(r, &parser, text, &root)) {
-    if (root)
-      read_table(r, root);
-    else
-      wrong(r, &(yaml_mark_t){0}, "there is nothing in it");
+  for (eda_devices **to = &r->first; next_document(r, &parser, text, &root);
+       to = &(*to)->next) {
+    if (!root) break;
+    r->devices = *to = eda_alloc(1, sizeof **to);
+    read_table(r, root);
     yaml_document_delete(&r->document);
-    if (root && next_document(r, &parser, text, &root)) {
-      if (root) wrong(r, &root->start_mark, "a second document");
-      yaml_document_delete(&r->document);
-    }
   }
+  yaml_document_delete(&r->document);
+  if (!r->first && !r->faults)
+    wrong(r, &(yaml_mark_t){0}, "there is nothing in it");
   yaml_parser_delete(&parser);
 }
 
@@ -541,7 +549,7 @@ eda_devices *eda_devices_read(const char *path, opc_error *error) {
   size_t n;
   g_autofree char *text = read_file(path, &n, error);
   if (!text) return NULL;
-  reader r = {.devices = eda_alloc(1, sizeof *r.devices)};
+  reader r = {0};
   r.number = g_regex_new(
       "^(([+-]?(?:[0-9]+\\.?[0-9]*|\\.[0-9]+))(?:[eE]([+-]?[0-9]+))?) *(.*)$",
       G_REGEX_DOTALL | G_REGEX_RAW, 0, NULL);
@@ -549,13 +557,12 @@ eda_devices *eda_devices_read(const char *path, opc_error *error) {
   int code = settle(&r, path, error);
   g_regex_unref(r.number);
   g_free(r.fault);
-  if (!code) return r.devices;
-  eda_devices_free(r.devices);
+  if (!code) return r.first;
+  eda_devices_free(r.first);
   return NULL;
 }
 
-void eda_devices_free(eda_devices *d) {
-  if (!d) return;
+static void free_table(eda_devices *d) {
   for (int type = 0; type < 2; type++) {
     free(d->ion[type]);
     free(d->ioff[type]);
@@ -565,5 +572,14 @@ void eda_devices_free(eda_devices *d) {
   free(d->narrow_width);
   free(d->length);
   free(d->name);
+  free(d->flavour);
   free(d);
+}
+
+void eda_devices_free(eda_devices *d) {
+  while (d) {
+    eda_devices *next = d->next;
+    free_table(d);
+    d = next;
+  }
 }

@@ -132,6 +132,45 @@ static void test_faults(void) {
               "list");
 }
 
+/* A file of several tables, each after the first with its flavour. */
+static void test_flavours(void) {
+  opc_error error;
+  g_autofree char *both = g_strconcat(good, "---\nflavour: lvt\n", wide,
+                                      "---\nflavour: hv\n", good, NULL);
+  eda_devices *d = load(both, &error);
+  if (!d) g_error("%s", error.message);
+  g_assert_null(d->flavour);
+  g_assert_cmpuint(d->count, ==, 3);
+  g_assert_cmpstr(d->next->flavour, ==, "lvt");
+  g_assert_cmpuint(d->next->narrow, ==, 2);
+  g_assert_cmpstr(d->next->next->flavour, ==, "hv");
+  g_assert_cmpstr(d->next->next->name, ==, "test bulk");
+  g_assert_null(d->next->next->next);
+  eda_devices_free(d);
+  static const struct {
+    const char *head, *want;
+  } bad[] = {
+      {"", "table.yaml:17:1: a further table needs 'flavour'"},
+      {"flavour: hv\n---\nflavour: hv\n",
+       "table.yaml:17:1: missing 'opcflow-devices' (and *"},
+  };
+  for (size_t i = 0; i < G_N_ELEMENTS(bad); i++) {
+    g_autofree char *text = g_strconcat(good, "---\n", bad[i].head, good, NULL);
+    g_assert_null(load(text, &error));
+    if (!g_pattern_match_simple(bad[i].want, error.message))
+      g_error("%s", error.message);
+  }
+  g_autofree char *twice = g_strconcat(good, "---\nflavour: hv\n", good,
+                                       "---\n", good, "flavour: hv\n", NULL);
+  g_assert_null(load(twice, &error));
+  g_assert_nonnull(strstr(error.message, "a second table of flavour 'hv'"));
+  g_autofree char *first = g_strconcat("flavour: hv\n", good, NULL);
+  g_assert_null(load(first, &error));
+  g_assert_cmpstr(error.message, ==,
+                  "table.yaml:1:10: the first table is of the transistors "
+                  "without a flavour");
+}
+
 static void test_missing(void) {
   opc_error error = {0};
   g_assert_null(eda_devices_read("none.yaml", &error));
@@ -147,6 +186,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/devices/faults", test_faults);
   g_test_add_func("/devices/widths", test_widths);
   g_test_add_func("/devices/width-faults", test_width_faults);
+  g_test_add_func("/devices/flavours", test_flavours);
   g_test_add_func("/devices/missing", test_missing);
   int failed = g_test_run();
   g_unlink("table.yaml");

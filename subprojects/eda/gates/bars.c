@@ -196,15 +196,46 @@ static void look_at_bar(void *data, size_t i) {
   j->bad[i] = brightest(j->print, j->bars->box[i], j->grid) > -j->margin;
 }
 
+/* 1 for each bar that is too bright; freed with free(). */
+static uint8_t *find_bright(const opc_context *context,
+                            const eda_box_list *bars, const eda_field *print,
+                            double grid, double margin) {
+  job j = {bars, print, grid, margin, eda_alloc(bars->count, 1)};
+  opc_parallel(context, bars->count, look_at_bar, &j);
+  return j.bad;
+}
+
 size_t eda_bars_drop(const opc_context *context, eda_box_list *bars,
                      const eda_field *print, double grid, double margin) {
   size_t all = bars->count, kept = 0;
   if (!all) return 0;
-  job j = {bars, print, grid, margin, eda_alloc(all, 1)};
-  opc_parallel(context, all, look_at_bar, &j);
+  uint8_t *bad = find_bright(context, bars, print, grid, margin);
   for (size_t i = 0; i < all; i++)
-    if (!j.bad[i]) bars->box[kept++] = bars->box[i];
+    if (!bad[i]) bars->box[kept++] = bars->box[i];
   bars->count = kept;
-  free(j.bad);
+  free(bad);
   return all - kept;
+}
+
+size_t eda_bars_narrow(const opc_context *context, eda_box_list *bars,
+                       const eda_field *print, double grid, double margin,
+                       int32_t by, int32_t least, size_t *dropped) {
+  size_t all = bars->count, kept = 0, changed = 0;
+  if (!all) return 0;
+  uint8_t *bad = find_bright(context, bars, print, grid, margin);
+  for (size_t i = 0; i < all; i++) {
+    eda_box b = bars->box[i];
+    if (bad[i]) {
+      int upright = b.x1 - b.x0 < b.y1 - b.y0;
+      changed++;
+      *(upright ? &b.x0 : &b.y0) += by;
+      *(upright ? &b.x1 : &b.y1) -= by;
+      if ((upright ? b.x1 - b.x0 : b.y1 - b.y0) < least) continue;
+    }
+    bars->box[kept++] = b;
+  }
+  bars->count = kept;
+  *dropped += all - kept;
+  free(bad);
+  return changed;
 }

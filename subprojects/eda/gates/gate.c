@@ -223,7 +223,8 @@ static void begin(const eda_gates *gates, size_t i, eda_gate *g) {
   g->shown = (eda_printed_gate){.type = gates->type[i],
                                 .design_length = gates->length[i],
                                 .design_width = gates->width[i],
-                                .data = g};
+                                .data = g,
+                                .flavour = eda_gates_flavour(gates, i)};
 }
 
 static void show(eda_gate *g, int printed) {

@@ -124,6 +124,16 @@ static double islands(double l, double w) {
 /* Wider than half of 100 nm of room beside it. */
 static double fat(double l, double w) { return (void)w, within(l, 81); }
 
+/* Each edge alone past half of that room, and short of it. */
+static double high(double l, double w) { return (void)w, within(l - 26, 55); }
+static double low(double l, double w) { return (void)w, within(l + 26, 55); }
+static double high_less(double l, double w) {
+  return (void)w, within(l - 26, 53);
+}
+static double low_less(double l, double w) {
+  return (void)w, within(l + 26, 53);
+}
+
 static void test_good(void) {
   for (int across = 0; across < 2; across++) {
     result r = look(line, stripe, 400, across);
@@ -173,6 +183,10 @@ static void test_flags(void) {
       {line, nothing, 400, EDA_PRINT_NO_ACTIVE, 0},
       {fat, stripe, 100, EDA_PRINT_MERGED, EDA_PRINT_WIDE},
       {fat, stripe, 400, EDA_PRINT_WIDE, 0},
+      {high, stripe, 100, EDA_PRINT_MERGED, 0},
+      {low, stripe, 100, EDA_PRINT_MERGED, 0},
+      {high_less, stripe, 100, 0, 0},
+      {low_less, stripe, 100, 0, 0},
       {everything, stripe, 400, EDA_PRINT_MERGED, EDA_PRINT_WIDE},
       {line, everything, 400, EDA_PRINT_MERGED, 0},
       {ended_early, stripe, 400, EDA_PRINT_SHORT | EDA_PRINT_OPEN,

@@ -46,7 +46,7 @@ void eda_gates_free(void *gates) {
   void *const arrays[] = {g->layer, g->corrected, g->drawn,     g->edges,
                           g->box,   g->type,      g->axis,      g->length,
                           g->width, g->space,     g->extension, g->instance,
-                          g->cell,  g->number,    g->note};
+                          g->cell,  g->number,    g->note,      g->flavour};
   for (size_t i = 0; i < G_N_ELEMENTS(arrays); i++) free(arrays[i]);
   g_string_chunk_free(g->texts);
   free(g);
@@ -54,6 +54,18 @@ void eda_gates_free(void *gates) {
 
 char *eda_gates_text(eda_gates *gates, const char *text) {
   return g_string_chunk_insert_const(gates->texts, text);
+}
+
+const char *eda_gates_flavour(const eda_gates *g, size_t i) {
+  return g->flavour && g->flavour[i] ? g->flavour[i] : "";
+}
+
+void eda_gates_take_flavour(eda_gates *to, size_t i, const eda_gates *from,
+                            size_t j) {
+  const char *flavour = eda_gates_flavour(from, j);
+  if (!*flavour) return;
+  if (!to->flavour) to->flavour = eda_alloc(to->count, sizeof *to->flavour);
+  to->flavour[i] = eda_gates_text(to, flavour);
 }
 
 int eda_gates_layer(const eda_gates *gates, const char *name) {

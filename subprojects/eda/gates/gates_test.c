@@ -36,6 +36,47 @@ static eda_gates *four_layers(void) {
   return g;
 }
 
+/* The sample's fragments go around its polygons, corner by corner, and its
+   gates are where both layers are. */
+static void test_sample(void) {
+  const eda_gates *g = eda_gates_sample();
+  for (size_t k = 0; k < g->layers; k++) {
+    const eda_shapes *s = &g->drawn[k];
+    const eda_edges *e = &g->edges[k];
+    g_assert_cmpuint(e->polygons, ==, s->count);
+    for (size_t p = 0; p < s->count; p++) {
+      const eda_fragment *f = e->fragments + e->start[p];
+      uint32_t n = e->start[p + 1] - e->start[p], corner = s->start[p];
+      for (uint32_t i = 0; i < n; i++) {
+        eda_point a = f[(i + n - 1) % n].from, b = f[i].from;
+        eda_point c = f[(i + 1) % n].from;
+        g_assert_true((a.x == b.x) != (a.y == b.y));
+        if ((a.x == b.x) == (b.x == c.x)) {
+          g_assert_true(a.x == b.x ? (b.y > a.y) == (c.y > b.y)
+                                   : (b.x > a.x) == (c.x > b.x));
+          continue;
+        }
+        g_assert_cmpint(b.x, ==, s->points[corner].x);
+        g_assert_cmpint(b.y, ==, s->points[corner++].y);
+      }
+      g_assert_cmpuint(corner, ==, s->start[p + 1]);
+    }
+  }
+  eda_shapes both;
+  opc_error error;
+  g_assert_cmpint(eda_boolean(EDA_AND, &g->drawn[EDA_POLY],
+                              &g->drawn[EDA_ACTIVE], &both, &error),
+                  ==, OPC_OK);
+  g_assert_cmpuint(both.count, ==, g->count);
+  for (size_t i = 0; i < g->count; i++) {
+    eda_box b = eda_bounds(both.points + both.start[i], 4), own = g->box[i];
+    g_assert_cmpmem(&b, sizeof b, &own, sizeof own);
+    g_assert_cmpfloat(g->length[i], ==, b.x1 - b.x0);
+    g_assert_cmpfloat(g->width[i], ==, b.y1 - b.y0);
+  }
+  eda_shapes_clear(&both);
+}
+
 static void test_layers(void) {
   eda_gates *g = four_layers();
   opc_error error;
@@ -170,6 +211,7 @@ static void test_blame(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/gates/sample", test_sample);
   g_test_add_func("/gates/layers", test_layers);
   g_test_add_func("/gates/unsound", test_unsound);
   g_test_add_func("/gates/mask", test_mask);

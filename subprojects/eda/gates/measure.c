@@ -112,6 +112,7 @@ static int slices_extract(const slices *s, const eda_gates *gates, size_t first,
                    .width = s->width,
                    .length = s->length,
                    .edge = s->edge};
+  if (gates->flavour) in.flavour = (const char *const *)gates->flavour + first;
   int code = extract(s, &in, out, error);
   if (!code) code = eda_check_performance(gates, first, flags, out, error);
   return eda_blame(error, code, slot);

@@ -82,6 +82,17 @@ static int image_fine(const void *self, int layer, const eda_spectrum *mask,
   return take_image(m, code, before, mask, out, error);
 }
 
+static int gradient(const void *self, int layer, const eda_spectrum *mask,
+                    double defocus, const eda_field *weight, eda_field *out,
+                    opc_error *error) {
+  eda_model *m = (eda_model *)self;
+  memset(out, 0, sizeof *out);
+  const char *before = eda_enter(m->context, m->litho, error);
+  int code = inner(m)->gradient(m->litho->self, layer, mask, defocus, weight,
+                                out, error);
+  return take_image(m, code, before, mask, out, error);
+}
+
 /* What a transform made is one that images can be made of. */
 static int check_spectrum(const eda_spectrum *s, const eda_frame *f,
                           opc_error *error) {
@@ -133,6 +144,7 @@ void eda_model_init(eda_model *m, const opc_context *context,
                   .image = image,
                   .image_at = there->image_at ? image_at : NULL,
                   .image_fine = there->image_fine ? image_fine : NULL,
-                  .transform = there->transform ? transform : NULL};
+                  .transform = there->transform ? transform : NULL,
+                  .gradient = there->gradient ? gradient : NULL};
   m->module = (opc_module){&m->functions, m, litho->id};
 }

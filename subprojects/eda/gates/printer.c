@@ -3,8 +3,10 @@
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "gates/fence.h"
+#include "imaging/fft.h"
 
 void eda_printer_init(eda_printer *p, const opc_context *context,
                       const eda_gates *gates, const opc_module *litho,
@@ -19,7 +21,8 @@ void eda_printer_init(eda_printer *p, const opc_context *context,
       .print = eda_alloc(gates->layers, sizeof *p->print),
       .image = eda_alloc(gates->layers, sizeof *p->image),
       .difference = eda_alloc(gates->layers, sizeof *p->difference),
-      .is_fine = eda_alloc(gates->layers, 1)};
+      .is_fine = eda_alloc(gates->layers, 1),
+      .fine_of = eda_alloc(gates->layers, sizeof *p->fine_of)};
   p->frame = (eda_frame){b.x0 * grid - margin, b.y0 * grid - margin,
                          ((double)b.x1 - b.x0) * grid + 2 * margin,
                          ((double)b.y1 - b.y0) * grid + 2 * margin};
@@ -42,6 +45,7 @@ int eda_printer_prepare(eda_printer *p, opc_error *error) {
   const char *before = eda_enter(p->context, p->resist, error);
   code = resist->prepare(p->resist->self, &p->litho.module, error);
   opc_leave(p->context, before);
+  p->litho.fine = 0; /* prints say what they need */
   return blame_resist(p, code, error);
 }
 
@@ -86,8 +90,17 @@ static void add(eda_field *to, const eda_field *from, float sign,
     to->coefficients[i] = from->coefficients[i] + sign * by->coefficients[i];
 }
 
-static eda_field copy_of(const eda_field *field) {
-  return eda_field_scaled(field, 1);
+/* What is developed, in the room of what was developed before. */
+static void keep_image(eda_printer *p, int layer, const eda_field *image) {
+  eda_field *kept = &p->image[layer];
+  size_t n = (size_t)image->nx * (size_t)image->ny;
+  if (!kept->coefficients || kept->nx != image->nx || kept->ny != image->ny) {
+    eda_field_clear(kept);
+    *kept = eda_field_scaled(image, 1);
+  } else {
+    memcpy(kept->coefficients, image->coefficients, n * sizeof(float));
+    kept->frame = image->frame;
+  }
 }
 
 /* Images that are to be added to each other have the same nodes. */
@@ -144,8 +157,7 @@ static int settle(eda_printer *p, int layer, int fine, eda_field *print,
                   : add_difference(p, layer, print, error);
   if (code) return code;
   if (p->fine > 0 || p->keeps) {
-    eda_field_clear(&p->image[layer]);
-    p->image[layer] = copy_of(print);
+    keep_image(p, layer, print);
   }
   p->is_fine[layer] = (uint8_t)fine;
   return eda_printer_develop(p, layer, print, error);
@@ -157,10 +169,11 @@ static int print_layer(eda_printer *p, int layer, const eda_shapes *mask,
   eda_field *print = &p->print[layer];
   eda_field_clear(print);
   eda_spectrum spectrum;
+  double within = p->fine_of[layer] > 0 ? p->fine_of[layer] : p->fine;
   int code = eda_printer_spectrum(p, mask, &spectrum, error);
   if (code) return code;
   if (fine)
-    code = litho->image_fine(&p->litho, layer, &spectrum, p->defocus, p->fine,
+    code = litho->image_fine(&p->litho, layer, &spectrum, p->defocus, within,
                              print, error);
   else if (p->defocus == 0)
     code = litho->image(&p->litho, layer, &spectrum, print, error);
@@ -222,7 +235,10 @@ void eda_printer_clear(eda_printer *p) {
   free(p->image);
   free(p->difference);
   free(p->is_fine);
+  free(p->fine_of);
   p->print = p->image = p->difference = NULL;
   p->is_fine = NULL;
+  p->fine_of = NULL;
+  eda_fft_trim();
   p->layers = 0;
 }

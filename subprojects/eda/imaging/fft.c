@@ -30,18 +30,100 @@ int eda_fft_size(double minimum) {
   }
 }
 
-/* Large arrays on large pages: with small ones, much of the time would go into
-   the first touch of each, and into finding them. */
-void *eda_fft_alloc(size_t n) {
-  size_t unit = n < 2 * HUGE_PAGE ? ALIGNMENT : HUGE_PAGE;
-  size_t size = (n + unit) & ~(unit - 1);
+/* ---- memory ---- */
+
+/* Large arrays, those that nobody uses among them: prints of one layout want
+   the same sizes again and again, and that the system clears its pages each
+   time takes a fifth of a chip's print. */
+typedef struct block {
+  void *at;
+  size_t size;
+  int busy;
+} block;
+
+static GMutex blocks_lock;
+static GArray *blocks;
+static size_t busy, idle, most_busy; /* bytes */
+
+static block *block_at(guint i) { return &g_array_index(blocks, block, i); }
+
+/* The smallest idle block with room for `size`, and not much more. */
+static block *find_idle(size_t size) {
+  block *best = NULL;
+  for (guint i = 0; blocks && i < blocks->len; i++) {
+    block *b = block_at(i);
+    if (b->busy || b->size < size || b->size - size > size / 4) continue;
+    if (!best || b->size < best->size) best = b;
+  }
+  return best;
+}
+
+/* Free what is idle until all is within `limit` bytes. */
+static void drop_idle(size_t limit) {
+  for (guint i = blocks ? blocks->len : 0; i-- > 0 && busy + idle > limit;) {
+    if (block_at(i)->busy) continue;
+    idle -= block_at(i)->size;
+    free(block_at(i)->at);
+    g_array_remove_index_fast(blocks, i);
+  }
+}
+
+static void *allocate(size_t unit, size_t size) {
   void *memory = aligned_alloc(unit, size);
   if (!memory) g_error("%s: failed to allocate %zu bytes", G_STRLOC, size);
-  if (unit == HUGE_PAGE) madvise(memory, size, MADV_HUGEPAGE);
   return memory;
 }
 
-void eda_fft_free(void *memory) { free(memory); }
+/* On large pages: with small ones, much of the time would go into the first
+   touch of each, and into finding them. */
+static block *new_block(size_t size) {
+  drop_idle(MAX(most_busy, busy + size) - size);
+  block b = {.at = allocate(HUGE_PAGE, size), .size = size};
+  madvise(b.at, size, MADV_HUGEPAGE);
+  if (!blocks) blocks = g_array_new(FALSE, FALSE, sizeof b);
+  g_array_append_val(blocks, b);
+  idle += size;
+  return block_at(blocks->len - 1);
+}
+
+void *eda_fft_alloc(size_t n) {
+  size_t unit = n < 2 * HUGE_PAGE ? ALIGNMENT : HUGE_PAGE;
+  size_t size = (n + unit) & ~(unit - 1);
+  if (unit == ALIGNMENT) return allocate(unit, size);
+  g_mutex_lock(&blocks_lock);
+  block *b = find_idle(size);
+  if (!b) b = new_block(size);
+  b->busy = 1;
+  idle -= b->size;
+  busy += b->size;
+  most_busy = MAX(most_busy, busy);
+  void *memory = b->at;
+  g_mutex_unlock(&blocks_lock);
+  return memory;
+}
+
+void eda_fft_free(void *memory) {
+  block *found = NULL;
+  g_mutex_lock(&blocks_lock);
+  for (guint i = 0; blocks && i < blocks->len && !found; i++)
+    if (block_at(i)->at == memory) found = block_at(i);
+  if (found) {
+    found->busy = 0;
+    busy -= found->size;
+    idle += found->size;
+  }
+  g_mutex_unlock(&blocks_lock);
+  if (!found) free(memory);
+}
+
+void eda_fft_trim(void) {
+  g_mutex_lock(&blocks_lock);
+  drop_idle(busy);
+  most_busy = busy;
+  g_mutex_unlock(&blocks_lock);
+}
+
+/* ---- plans ---- */
 
 static fftwf_plan make(int what, int n, int lines) {
   /* Estimated plans do not touch the arrays, but want their alignment. */

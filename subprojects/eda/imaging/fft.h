@@ -34,6 +34,12 @@ int eda_fft_size(double minimum);
 /* n bytes, aligned for the transforms. Running out of memory ends the program,
    as with eda_alloc. */
 void *eda_fft_alloc(size_t n);
+
+/* Large arrays are kept for those that ask for the like, never more in all than
+   were in use at one time. */
 void eda_fft_free(void *memory);
+
+/* Give back to the system what is kept: nobody will ask soon. */
+void eda_fft_trim(void);
 
 #endif

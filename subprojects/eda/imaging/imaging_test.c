@@ -446,6 +446,33 @@ static void test_contours(void) {
   free(field.coefficients);
 }
 
+/* sin x sin y + level has a saddle wherever both are 0, here in the middle of a
+   square. Of its 5 x 5 parts between these, 13 are positive, and 4 of the
+   others are not at the border: above 0, the positive ones are all one, with 4
+   holes; below it, each is by itself. */
+static void test_saddles(void) {
+  const eda_frame window = {-247.5, -247.5, 2000, 2000};
+  double scale = eda_spline_sampled(1.0 / 40) * eda_spline_sampled(1.0 / 40);
+  for (int sign = -1; sign <= 1; sign += 2) {
+    eda_field field = waves(0);
+    for (int j = 0; j < 40; j++)
+      for (int i = 0; i < 40; i++)
+        field.coefficients[40 * j + i] =
+            (float)(1e-4 * sign +
+                    sin(M_PI * i / 20) * sin(M_PI * j / 20) / scale);
+    double *points;
+    uint32_t *start;
+    size_t count;
+    opc_error error;
+    g_assert_false(
+        eda_contours(NULL, &field, window, 5, &points, &start, &count, &error));
+    g_assert_cmpuint(count, ==, sign > 0 ? 1 + 4 : 13);
+    free(points);
+    free(start);
+    free(field.coefficients);
+  }
+}
+
 /* Lines that go through many strips, more often than not parted by their cuts:
    the same with any number of threads, and with the area that the values at a
    million places give. */
@@ -531,6 +558,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/imaging/mirrored", test_mirrored);
   g_test_add_func("/imaging/threads", test_threads);
   g_test_add_func("/imaging/contours", test_contours);
+  g_test_add_func("/imaging/contours/saddles", test_saddles);
   g_test_add_func("/imaging/contours/strips", test_contours_in_strips);
   g_test_add_func("/imaging/forecast", test_forecast);
   int failed = g_test_run();

@@ -497,8 +497,8 @@ static void to_spline(job *j) {
 eda_image_size eda_image_forecast(eda_frame f, double band) {
   double x = f.width * band, y = f.height * band; /* frequencies on one side */
   double nx = fmax(0.85 * 3, 2) * x, ny = fmax(0.85 * 3, 2) * y;
-  double fine_x = fmax(2 * x, f.width / default_step);
-  double fine_y = fmax(2 * y, f.height / default_step);
+  double fine_x = fmin(4 * x, fmax(2 * x, f.width / default_step));
+  double fine_y = fmin(4 * y, fmax(2 * y, f.height / default_step));
   double spectrum = x * 2 * y * sizeof(float complex);
   double sums = 2 * nx * ny * sizeof(float);
   double along_y = 2 * x * ny * sizeof(float complex);

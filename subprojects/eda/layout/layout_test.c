@@ -3,6 +3,7 @@
 #include <eda/layout.h>
 #include <glib.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static eda_layout *new_layout(void) {
@@ -171,6 +172,27 @@ static void test_top(void) {
   eda_layout_free(layout);
 }
 
+/* Of many top cells those are named that a message has room for, and the others
+   are counted. */
+static void test_many_tops(void) {
+  enum { MANY = 200 };
+  opc_error e;
+  eda_layout *layout = new_layout();
+  for (int i = 0; i < MANY; i++) {
+    g_autofree char *name = g_strdup_printf("cell%d", i);
+    eda_layout_cell(layout, name, &e);
+  }
+  g_assert_cmpint(eda_layout_top(layout, &e), <, 0);
+  int named = 0, more = 0;
+  for (const char *at = e.message; (at = strstr(at, "'cell")); at++) named++;
+  const char *rest = strstr(e.message, " and ");
+  g_assert_nonnull(rest);
+  g_assert_cmpint(sscanf(rest, " and %d more", &more), ==, 1);
+  g_assert_cmpint(named, >, 1);
+  g_assert_cmpint(named + more, ==, MANY);
+  eda_layout_free(layout);
+}
+
 static void test_keep(void) {
   opc_error e;
   eda_layout *layout = new_layout();
@@ -238,6 +260,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/layout/many-layers", test_many_layers);
   g_test_add_func("/layout/refusals", test_refusals);
   g_test_add_func("/layout/top", test_top);
+  g_test_add_func("/layout/many-tops", test_many_tops);
   g_test_add_func("/layout/keep", test_keep);
   return g_test_run();
 }

@@ -99,8 +99,10 @@ static sizes *all_sizes(const eda_annotation *a, opc_error *error) {
 /* ---- models ---- */
 
 /* "nmos", "nmos_dlc12", "nmos_dlcm7": the card with that much more DLC. */
-static void put_model_name(writer *w, int type, long dlc) {
-  fprintf(w->out, "%s", w->a->model[type]);
+static void put_model_name(writer *w, const eda_device *d, long dlc) {
+  const char *name = w->a->model[d->type];
+  if (!name) name = d->model ? d->model : d->type == EDA_PMOS ? "pmos" : "nmos";
+  fputs(name, w->out);
   if (dlc) fprintf(w->out, "_dlc%s%ld", dlc < 0 ? "m" : "", labs(dlc));
 }
 
@@ -161,7 +163,7 @@ static void put_device(writer *w, const eda_device *d, const sizes *all) {
     put_net(w, d->source);
     put_net(w, d->bulk);
     fprintf(w->out, " ");
-    put_model_name(w, d->type, all[k].dlc);
+    put_model_name(w, d, all[k].dlc);
     put_sizes(w, &all[k]);
     w->counts.transistors++;
   }

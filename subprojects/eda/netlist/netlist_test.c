@@ -103,6 +103,133 @@ static void test_flat(void) {
   g_rmdir(folder);
 }
 
+/* ---- expressions ---- */
+
+/* An expression of numbers with suffixes and of parameters, grown at random;
+   its value is kept beside it. */
+typedef struct expression {
+  char *text;
+  double value;
+} expression;
+
+static const expression parameters[] = {{"p1", 3}, {"P_2", -0.25}, {"p3", 7e3}};
+
+static expression number(GRand *rand) {
+  static const struct {
+    const char *text;
+    double factor;
+  } suffixes[] = {{"", 1},       {"k", 1e3},   {"MEG", 1e6}, {"g", 1e9},
+                  {"T", 1e12},   {"m", 1e-3},  {"u", 1e-6},  {"nF", 1e-9},
+                  {"P", 1e-12},  {"f", 1e-15}, {"a", 1e-18}, {"mil", 25.4e-6},
+                  {"e-3", 1e-3}, {"e2k", 1e5}};
+  int i = g_rand_int_range(rand, 0, G_N_ELEMENTS(suffixes)),
+      digits = g_rand_int_range(rand, 1, 1000);
+  const char *form = i % 2 ? "%d.5%s" : "%d%s";
+  return (expression){g_strdup_printf(form, digits, suffixes[i].text),
+                      (digits + (i % 2 ? 0.5 : 0)) * suffixes[i].factor};
+}
+
+static expression grow(GRand *rand, int depth) {
+  int kind = g_rand_int_range(rand, 0, depth > 0 ? 7 : 2);
+  if (kind == 0) return number(rand);
+  if (kind == 1) {
+    const expression *p =
+        &parameters[g_rand_int_range(rand, 0, G_N_ELEMENTS(parameters))];
+    return (expression){g_strdup(p->text), p->value};
+  }
+  expression a = grow(rand, depth - 1), b = grow(rand, depth - 1), all;
+  const char *gap = g_rand_boolean(rand) ? " " : "";
+  if (kind == 2)
+    all = (expression){g_strdup_printf("(-(%s))", a.text), -a.value};
+  else if (kind == 3)
+    all = (expression){g_strdup_printf("(%s%s+ %s)", a.text, gap, b.text),
+                       a.value + b.value};
+  else if (kind == 4)
+    all = (expression){g_strdup_printf("(%s-%s%s)", a.text, gap, b.text),
+                       a.value - b.value};
+  else if (kind == 5)
+    all = (expression){g_strdup_printf("%s *%s%s", a.text, gap, b.text),
+                       a.value * b.value};
+  else
+    all = (expression){g_strdup_printf("%s%s/ (%s)", a.text, gap, b.text),
+                       a.value / b.value};
+  g_free(a.text);
+  g_free(b.text);
+  return all;
+}
+
+/* Read a deck and make the subcircuit "s" flat; the pool's must be cleared. */
+static int flatten(eda_netlist *n, const char *text, eda_flat_netlist *f) {
+  g_autofree char *folder = g_dir_make_tmp("netlist-test-XXXXXX", NULL);
+  g_autofree char *path = g_build_filename(folder, "s.sp", NULL);
+  g_assert_true(g_file_set_contents(path, text, -1, NULL));
+  int code = eda_netlist_read(n, path);
+  int64_t top = code ? -1 : eda_netlist_find(n, "s");
+  if (!code) code = eda_netlist_prepare(n, (uint32_t)top);
+  *f = (eda_flat_netlist){.pool = &n->pool};
+  if (!code)
+    code = eda_netlist_flatten(n, &(eda_scope){NULL, &n->subcircuit[top], NULL},
+                               f);
+  g_unlink(path);
+  g_rmdir(folder);
+  return code;
+}
+
+/* Each expression is a width, brought to some 100 nm by a factor. */
+static void test_expressions(void) {
+  enum { MANY = 400 };
+  GRand *rand = g_rand_new_with_seed(8);
+  g_autoptr(GString) text = g_string_new("* title\n.param");
+  for (size_t i = 0; i < G_N_ELEMENTS(parameters); i++)
+    g_string_append_printf(text, " %s=%.17g", parameters[i].text,
+                           parameters[i].value);
+  g_string_append(text, "\n.subckt s a\n");
+  for (int i = 0; i < MANY;) {
+    expression e = grow(rand, 5);
+    if (isfinite(e.value) && fabs(e.value) > 1e-200 && fabs(e.value) < 1e200)
+      g_string_append_printf(text, "M%d a a a a n l=1u w='(%s) * %.17g'\n", i,
+                             e.text, (100 + i) * 1e-9 / e.value),
+          i++;
+    g_free(e.text);
+  }
+  g_string_append(text, ".ends\n");
+  opc_error error;
+  eda_netlist n = {.error = &error, .scale = 1};
+  eda_flat_netlist f;
+  if (flatten(&n, text->str, &f)) g_error("%s", error.message);
+  g_assert_cmpuint(f.devices, ==, MANY);
+  for (int i = 0; i < MANY; i++)
+    if (fabs(f.device[i].width / (100 + i) - 1) > 1e-6)
+      g_error("M%d: %g\n%s", i, f.device[i].width, text->str);
+  eda_netlist_clear(&n);
+  g_rand_free(rand);
+}
+
+/* An X is a transistor of a foundry's kit where it has four nodes, W and L, and
+   nothing of that name is there. */
+static void test_wrapped(void) {
+  static const struct {
+    const char *call;
+    int good;
+  } cases[] = {
+      {"X1 a a a a nch w=2u l=1u", 1},    {"X1 a a a a nch w=2u", 0},
+      {"X1 a a a a nch m=2 w=2u", 0},     {"X1 a a a a nch l=1u m=2", 0},
+      {"X1 a a a nch w=2u l=1u", 0},      {"X1 a a a a zzz w=2u l=1u", 0},
+      {"X1 a a a a nch L=1u m=2 W=2u", 1}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_autofree char *text =
+        g_strdup_printf("* t\n.subckt s a\n%s\n.ends\n", cases[i].call);
+    opc_error error;
+    eda_netlist n = {.error = &error, .scale = 1};
+    eda_flat_netlist f;
+    int code = flatten(&n, text, &f);
+    g_assert_cmpint(code, ==, cases[i].good ? OPC_OK : OPC_INVALID);
+    if (code) g_assert_nonnull(strstr(error.message, "no subcircuit"));
+    if (!code) g_assert_cmpuint(f.devices, ==, 1);
+    eda_netlist_clear(&n);
+  }
+}
+
 /* ---- circuits ---- */
 
 static eda_circuit *sound(void) {
@@ -161,6 +288,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/netlist/names", test_names);
   g_test_add_func("/netlist/grow", test_grow);
   g_test_add_func("/netlist/flat", test_flat);
+  g_test_add_func("/netlist/expressions", test_expressions);
+  g_test_add_func("/netlist/wrapped", test_wrapped);
   g_test_add_func("/netlist/check", test_check);
   return g_test_run();
 }

@@ -78,8 +78,6 @@ int segment_refuse(segment *s, size_t i, const char *fault) {
 
 /* ---- the type ---- */
 
-enum { OUTSIDE = 0, INSIDE = 1, PARTLY = 2 };
-
 static int before(eda_point a, eda_point b) {
   return a.y < b.y || (a.y == b.y && a.x < b.x);
 }
@@ -105,16 +103,16 @@ static void mark_same(const segment *s, const eda_shapes *shapes, uint8_t mark,
   }
 }
 
-/* Where each region lies with respect to a doping layer. */
-static int find_cover(segment *s, int doping, uint8_t *state) {
-  memset(state, s->doping[doping].count ? PARTLY : OUTSIDE, s->regions.count);
-  if (!s->doping[doping].count) return OPC_OK;
+int segment_cover(segment *s, const eda_shapes *layer, uint8_t *state) {
+  memset(state, layer->count ? SEGMENT_PARTLY : SEGMENT_OUTSIDE,
+         s->regions.count);
+  if (!layer->count) return OPC_OK;
   for (int k = 0; k < 2; k++) {
     eda_shapes part;
-    int code = eda_boolean(k ? EDA_AND : EDA_NOT, &s->regions,
-                           &s->doping[doping], &part, s->error);
+    int code =
+        eda_boolean(k ? EDA_AND : EDA_NOT, &s->regions, layer, &part, s->error);
     if (code) return code;
-    mark_same(s, &part, k ? INSIDE : OUTSIDE, state);
+    mark_same(s, &part, k ? SEGMENT_INSIDE : SEGMENT_OUTSIDE, state);
     eda_shapes_clear(&part);
   }
   return OPC_OK;
@@ -123,8 +121,8 @@ static int find_cover(segment *s, int doping, uint8_t *state) {
 /* NULL and the type, or the fault. The implants decide, where they say
    something; else the wells. */
 static const char *find_type(const int *has, const uint8_t *at, uint8_t *type) {
-  if (at[NIMPLANT] == PARTLY) return "'nimplant' covers it in part";
-  if (at[PIMPLANT] == PARTLY) return "'pimplant' covers it in part";
+  if (at[NIMPLANT] == SEGMENT_PARTLY) return "'nimplant' covers it in part";
+  if (at[PIMPLANT] == SEGMENT_PARTLY) return "'pimplant' covers it in part";
   if (at[NIMPLANT] && at[PIMPLANT]) return "both implants cover it";
   if (at[NIMPLANT] || at[PIMPLANT]) {
     *type = at[PIMPLANT] ? EDA_PMOS : EDA_NMOS;
@@ -134,10 +132,10 @@ static const char *find_type(const int *has, const uint8_t *at, uint8_t *type) {
   if (!has[well])
     return "its type is unknown: there is no layer 'nwell' or 'pwell', and "
            "no implant covers it";
-  if (at[NWELL] == PARTLY) return "'nwell' covers it in part";
-  if (at[PWELL] == PARTLY) return "'pwell' covers it in part";
+  if (at[NWELL] == SEGMENT_PARTLY) return "'nwell' covers it in part";
+  if (at[PWELL] == SEGMENT_PARTLY) return "'pwell' covers it in part";
   if (at[NWELL] && at[PWELL]) return "both wells cover it";
-  *type = (well == NWELL) == (at[well] == INSIDE) ? EDA_PMOS : EDA_NMOS;
+  *type = (well == NWELL) == (at[well] == SEGMENT_INSIDE) ? EDA_PMOS : EDA_NMOS;
   return NULL;
 }
 
@@ -146,7 +144,7 @@ static int find_types(segment *s) {
   uint8_t *state = eda_alloc(n, DOPINGS);
   int code = OPC_OK;
   for (int k = 0; !code && k < DOPINGS; k++)
-    code = find_cover(s, k, state + (size_t)k * n);
+    code = segment_cover(s, &s->doping[k], state + (size_t)k * n);
   for (size_t i = 0; !code && i < n; i++) {
     uint8_t at[DOPINGS];
     for (int k = 0; k < DOPINGS; k++) at[k] = state[(size_t)k * n + i];

@@ -84,7 +84,7 @@ int eda_segment_check(const eda_segment_settings *settings, opc_error *error) {
     if (code) blame(error, s.source[i].name);
   }
   free(s.source);
-  return code;
+  return code ? code : segment_check_flavours(settings, error);
 }
 
 /* ---- layers ---- */
@@ -229,7 +229,8 @@ static int make_gates(segment *s) {
 static int find_gates(segment *s) {
   segment_locate(s);
   segment_index(s);
-  if (segment_recognise(s) || segment_drawn(s)) return s->error->code;
+  if (segment_recognise(s) || segment_flavours(s) || segment_drawn(s))
+    return s->error->code;
   segment_cut(s);
   segment_space(s);
   segment_name(s);

@@ -101,6 +101,16 @@ void segment_find(const doubled *points, size_t n, const eda_shapes *shapes,
    its type. */
 int segment_recognise(segment *s);
 
+/* How a region lies with respect to a layer: neither touched, all within, or
+   in part. `state` has one of each region. */
+enum { SEGMENT_OUTSIDE = 0, SEGMENT_INSIDE = 1, SEGMENT_PARTLY = 2 };
+int segment_cover(segment *s, const eda_shapes *layer, uint8_t *state);
+
+/* flavours.c: which of the process's transistors each gate is. */
+int segment_check_flavours(const eda_segment_settings *settings,
+                           opc_error *error);
+int segment_flavours(segment *s);
+
 /* drawn.c: L and W of each gate as drawn, which the grid has moved. */
 int segment_drawn(segment *s);
 

@@ -156,6 +156,21 @@ static const char *const also[] = {"metal1", "M1"};
 static const eda_segment_settings usual = {
     .grid = 1, .overhang = 84, .line_end = 200, .also = also, .also_count = 1};
 
+/* All that is drawn; of nothing, somewhere in the core's surroundings. */
+static void check_extent(const eda_gates *g) {
+  eda_box all = {INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
+  for (size_t k = 0; k < g->layers; k++) {
+    const eda_shapes *s = &g->drawn[k];
+    for (uint32_t i = 0; s->count && i < s->start[s->count]; i++) {
+      eda_point p = s->points[i];
+      all = (eda_box){MIN(all.x0, p.x), MIN(all.y0, p.y), MAX(all.x1, p.x),
+                      MAX(all.y1, p.y)};
+    }
+  }
+  if (all.x0 > all.x1) return;
+  g_assert_cmpmem(&g->extent, sizeof all, &all, sizeof all);
+}
+
 static void check_windows(const eda_layout *layout, const eda_gates *all,
                           int32_t size, eda_point offset) {
   opc_error error;
@@ -169,6 +184,7 @@ static void check_windows(const eda_layout *layout, const eda_gates *all,
         g_error("%s", error.message);
       if (eda_gates_check(g, &error)) g_error("%s", error.message);
       g_assert_cmpuint(g->layers, ==, all->layers);
+      check_extent(g);
       GPtrArray *gates = gates_in(g, core);
       seen += gates->len;
       same(gates, gates_in(all, core));
@@ -189,6 +205,7 @@ static void test_windows(void) {
     if (eda_segment(NULL, layout, 0, &usual, &all, &report, &error))
       g_error("%s", error.message);
     g_assert_cmpuint(all->count, >, 60);
+    check_extent(all);
     g_assert_true(round % 3 == 0 || report.moved > 0);
     eda_point offset = {g_rand_int_range(rand, 0, 3000),
                         g_rand_int_range(rand, 0, 3000)};

@@ -72,6 +72,7 @@ static int is_trouble(const char *line) {
   return !strncasecmp(line, "error", 5) || !strncasecmp(line, "fatal", 5) ||
          !strncmp(line, "doAnalyses:", 11) || strstr(line, " aborted") ||
          strstr(line, "no such command") || strstr(line, " failed!") ||
+         strstr(line, "Undefined parameter") ||
          strstr(line, "is not available or has zero length");
 }
 

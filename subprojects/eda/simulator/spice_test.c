@@ -8,6 +8,7 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -115,6 +116,8 @@ static void test_words(void) {
   fails("t\nv1 a 0 1\n", "op", LIMIT, OPC_FAILED, ".end statement is missing",
         0);
   fails("", "op", LIMIT, OPC_FAILED, ".end statement is missing", 0);
+  fails("t\n.param x={lacking+1}\nv1 a 0 {x}\nr1 a 0 1\n.end\n", "op", LIMIT,
+        OPC_FAILED, "Undefined parameter [lacking]", 0);
   fails(rc, "op\ndc v9 0 1 1\nop", LIMIT, OPC_FAILED,
         "'dc v9 0 1 1': Fatal error", 1);
   fails(rc, "op\nfly 1", LIMIT, OPC_FAILED, "fly: no such command", 1);
@@ -280,10 +283,27 @@ static int is_running(pid_t process) {
   return g_file_get_contents(path, &text, NULL, NULL) && !strstr(text, ") Z ");
 }
 
-/* Killed, the parent takes it along. */
+/* The limit of a process that /proc says of `what`, units of that; -1: none. */
+static long limit_of(pid_t process, const char *what) {
+  g_autofree char *path = g_strdup_printf("/proc/%d/limits", (int)process);
+  g_autofree char *text = NULL;
+  g_assert_true(g_file_get_contents(path, &text, NULL, NULL));
+  const char *at = strstr(text, what);
+  g_assert_nonnull(at);
+  at += strlen(what) + strspn(at + strlen(what), " ");
+  return g_ascii_isdigit(*at) ? atol(at) : -1; /* unlimited */
+}
+
+/* It leaves no core, nor does it work on for ever; and killed, the parent takes
+   it along. */
 static void test_parent(void) {
+  struct rlimit core;
   g_autofree char *self = g_file_read_link("/proc/self/exe", NULL);
   const char *argv[] = {self, "--endless", NULL};
+  /* As much as is allowed, so that none is the helper's own doing. */
+  getrlimit(RLIMIT_CORE, &core);
+  core.rlim_cur = core.rlim_max;
+  setrlimit(RLIMIT_CORE, &core);
   GPid parent;
   int out;
   g_assert_true(g_spawn_async_with_pipes(NULL, (char **)argv, NULL,
@@ -294,6 +314,9 @@ static void test_parent(void) {
     g_assert_cmpint(read(out, line + n, 1), ==, 1);
   pid_t helper = (pid_t)atol(line);
   g_assert_cmpint(kill(helper, 0), ==, 0);
+  g_assert_cmpint(limit_of(helper, "Max core file size"), ==, 0);
+  g_assert_cmpint(limit_of(helper, "Max cpu time"), >=, LIMIT);
+  g_assert_cmpint(limit_of(helper, "Max cpu time"), <=, 2 * LIMIT);
   kill(parent, SIGKILL);
   waitpid(parent, NULL, 0);
   gint64 start = g_get_monotonic_time();

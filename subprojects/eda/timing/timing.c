@@ -33,9 +33,13 @@ enum { POINTS = 3 };
 void eda_timing_cell_figures(eda_pool *pool, eda_timing_cell *c) {
   const size_t grid = c->slews * c->loads,
                changes = c->bundles * (size_t)EDA_SIZES,
-               pins = c->inputs * 2 * EDA_CAPS;
+               pins = c->inputs * 2 * EDA_CAPS,
+               patterns = (c->inputs << c->inputs) * EDA_CAPS,
+               gaps = 5 * EDA_TIMING_GAPS;
   c->figures = c->arcs * 2 * (grid + POINTS * changes) + pins * (1 + changes);
-  c->figure = eda_pool_alloc(pool, c->figures, sizeof *c->figure);
+  c->pair_figures = patterns + c->pairs * (6 + 2 * gaps);
+  c->figure =
+      eda_pool_alloc(pool, c->figures + c->pair_figures, sizeof *c->figure);
   double *at = c->figure;
   for (size_t i = 0; i < c->arcs; i++) {
     eda_timing_arc *a = &c->arc[i];
@@ -47,6 +51,15 @@ void eda_timing_cell_figures(eda_pool *pool, eda_timing_cell *c) {
   }
   c->capacitance = at;
   c->capacitance_by = at + pins;
+  c->pin_capacitance = c->capacitance_by + pins * changes;
+  at = c->pin_capacitance + patterns;
+  for (size_t i = 0; i < c->pairs; i++, at += 6 + 2 * gaps) {
+    eda_timing_pair *p = &c->pair[i];
+    p->at[0] = at;
+    p->at[1] = at + 3;
+    p->delay = at + 6;
+    p->slew = p->delay + gaps;
+  }
 }
 
 static int check_cell(const eda_timing_cell *c, opc_error *error) {
@@ -56,7 +69,7 @@ static int check_cell(const eda_timing_cell *c, opc_error *error) {
       c->slews < 2 || c->loads < 2 || !c->level || !c->arc_of || !c->figure)
     return opc_fail(error, OPC_FAILED, NULL, "cell '%.100s' is incomplete",
                     c->name);
-  for (size_t i = 0; i < c->figures; i++)
+  for (size_t i = 0; i < c->figures + c->pair_figures; i++)
     if (!isfinite(c->figure[i]))
       return opc_fail(error, OPC_FAILED, NULL,
                       "figure %zu of cell '%.100s' is not a number", i,
@@ -169,6 +182,65 @@ double eda_timing_capacitance(const eda_timing_cell *c, size_t input, int rises,
   for (size_t k = 0; k < n && change; k++)
     sum += c->capacitance_by[i * n + k] * change[k];
   return sum;
+}
+
+/* ---- two inputs at once ---- */
+
+const double eda_timing_gap[EDA_TIMING_GAPS] = {0, 0.2, 0.45, 0.8, 1.3, 2.5};
+
+double eda_timing_blend(double gap, double cause, double other) {
+  double part = gap < 1 ? 0.5 * (1 - gap) : 0;
+  return (1 - part) * cause + part * other;
+}
+
+/* Where a value lies between two, 0 to 1, and half as far again on both sides:
+   factors bend beyond. */
+static double place_of(const double at[2], double value) {
+  return fmin(1.5, fmax(-0.5, (value - at[0]) / (at[1] - at[0])));
+}
+
+/* Straight over the last step, where little is left that cubics overshoot.
+   Beyond it two inputs in parallel no longer know of each other; of those in
+   series the second finds nodes charged as the first has left them. */
+static double factor_at(const double *value, int parallel, double gap) {
+  enum { LAST = EDA_TIMING_GAPS - 1 };
+  const double *x = eda_timing_gap;
+  double coefficient[4 * (LAST - 1)];
+  if (gap >= x[LAST]) return parallel ? 1 : value[LAST];
+  if (gap >= x[LAST - 1])
+    return value[LAST - 1] + (value[LAST] - value[LAST - 1]) *
+                                 (gap - x[LAST - 1]) / (x[LAST] - x[LAST - 1]);
+  eda_timing_cubic(x, value, LAST, coefficient);
+  return eda_timing_cubic_at(x, coefficient, LAST, gap);
+}
+
+static double flat(const double *v, double a, double b) {
+  const size_t n = EDA_TIMING_GAPS;
+  return (1 - a) * ((1 - b) * v[0] + b * v[n]) +
+         a * ((1 - b) * v[2 * n] + b * v[3 * n]);
+}
+
+/* 0 at all four corners and between them, else up to 1/16. */
+static double bulge(double a, double b) {
+  return fmax(0, a * (1 - a)) * fmax(0, b * (1 - b));
+}
+
+void eda_timing_pair_at(const eda_timing_pair *p, double gap, double first,
+                        double second, double *delay, double *slew) {
+  double part[2][EDA_TIMING_GAPS], a = place_of(p->at[0], first),
+                                   b = place_of(p->at[1], second);
+  double a0 = place_of(p->at[0], p->at[0][2]),
+         b0 = place_of(p->at[1], p->at[1][2]);
+  double most = bulge(a0, b0), share = most > 0 ? bulge(a, b) / most : 0;
+  const double *of[2] = {p->delay, p->slew};
+  for (int k = 0; k < 2; k++)
+    for (size_t g = 0; g < EDA_TIMING_GAPS; g++) {
+      const double *v = of[k] + g;
+      double over = v[4 * EDA_TIMING_GAPS] - flat(v, a0, b0);
+      part[k][g] = flat(v, a, b) + share * over;
+    }
+  *delay = factor_at(part[0], p->parallel, gap);
+  *slew = factor_at(part[1], p->parallel, gap);
 }
 
 /* ---- the input ---- */

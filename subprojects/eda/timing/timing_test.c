@@ -133,11 +133,56 @@ static void test_ramp(void) {
   }
 }
 
+/* Factors that are a plane in the slews and a parabola in the gap come back, to
+   half a step outside; in parallel they end. */
+static void test_pair(void) {
+  double figure[6 + 10 * EDA_TIMING_GAPS] = {1, 3, 1.5, 2, 4, 3.5}, d, s;
+  eda_timing_pair p = {.at = {figure, figure + 3},
+                       .delay = figure + 6,
+                       .slew = figure + 6 + 5 * EDA_TIMING_GAPS};
+  for (int k = 0; k < 5; k++)
+    for (int g = 0; g < EDA_TIMING_GAPS; g++) {
+      double first = figure[k < 4 ? k / 2 : 2],
+             second = figure[3 + (k < 4 ? k % 2 : 2)];
+      p.delay[k * EDA_TIMING_GAPS + g] =
+          first * second + parabola(eda_timing_gap[g]);
+      p.slew[k * EDA_TIMING_GAPS + g] = first - second;
+    }
+  for (double gap = 0; gap < 1.3; gap += 0.19)
+    for (double first = 0.1; first < 4; first += 0.7) {
+      eda_timing_pair_at(&p, gap, first, 2.6, &d, &s);
+      near(d, first * 2.6 + parabola(gap), 1e-12);
+      near(s, first - 2.6, 1e-12);
+    }
+  eda_timing_pair_at(&p, 1.9, 2, 3, &d, &s);
+  near(d, 6 + (parabola(1.3) + parabola(2.5)) / 2, 1e-12);
+  eda_timing_pair_at(&p, 9, 2, 3, &d, &s);
+  near(d, 6 + parabola(2.5), 1e-12);
+  p.parallel = 1;
+  eda_timing_pair_at(&p, 9, 2, 3, &d, &s);
+  near(d, 1, 0);
+  near(s, 1, 0);
+  /* What the middle has more is all there at the middle, and nothing at an
+   * edge. */
+  p.slew[4 * EDA_TIMING_GAPS] += 0.3;
+  eda_timing_pair_at(&p, 0, 1.5, 3.5, &d, &s);
+  near(s, 1.5 - 3.5 + 0.3, 1e-12);
+  eda_timing_pair_at(&p, 0, 3, 3.5, &d, &s);
+  near(s, 3 - 3.5, 1e-12);
+  /* Beyond half a step: as there. */
+  eda_timing_pair_at(&p, 0, 99, 3, &d, &s);
+  near(s, 4 - 3, 1e-12);
+  near(eda_timing_blend(0, 2, 4), 3, 0);
+  near(eda_timing_blend(0.5, 2, 4), 2.5, 1e-15);
+  near(eda_timing_blend(1.5, 2, 4), 2, 0);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/timing/cubic", test_cubic);
   g_test_add_func("/timing/look-up", test_look_up);
   g_test_add_func("/timing/check", test_check);
   g_test_add_func("/timing/ramp", test_ramp);
+  g_test_add_func("/timing/pair", test_pair);
   return g_test_run();
 }

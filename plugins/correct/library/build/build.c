@@ -143,6 +143,7 @@ static int correct_cell(builder *r, const cut_out *cell, shelf_row *row,
             .max_iterations = b->max_iterations,
             .hold = b->guard == ON,
             .limit = b->limit,
+            .fine_change = fine_change(b->fine_text, b->limit),
             .drivers = {[MAIN].module = b->synthesizer}};
   eda_printer_init(&l.printer, b->host->context, cell->gates, b->litho,
                    b->resist, b->margin);

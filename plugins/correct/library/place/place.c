@@ -181,11 +181,17 @@ static int make_mask(const placer *r, eda_mask *m) {
   return code;
 }
 
+/* %, of Ion: what figures are to be good for, as the loop's `limit`. */
+static const double limit = 0.5;
+
 static int print(const placer *r, eda_printer *printer, eda_mask *m,
                  eda_measurement *measured) {
   const place *p = r->p;
   const eda_gates *g = p->gates;
   int code = eda_printer_prepare(printer, r->error);
+  if (!code)
+    code = fine_by_drawn(printer, p->host, g, p->extractor,
+                         fine_change(p->fine_text, limit), r->error);
   if (!code)
     code = (printer->fine > 0 ? eda_printer_refine : eda_printer_print)(
         printer, g->corrected, m->shapes, r->error);
@@ -346,9 +352,6 @@ static const opc_metric metrics[] = {
     {"fine_simulations", NULL, OPC_LOWER, 0, "those of the fine model"},
     REPORT_PRINT_METRICS,
 };
-
-/* %, of Ion: what figures are to be good for, as the loop's `limit`. */
-static const double limit = 0.5;
 
 static int check(void *self, opc_error *error) {
   place *p = self;

@@ -44,6 +44,35 @@ OPC_EXPORT size_t eda_bars_drop(const opc_context *context, eda_box_list *bars,
                                 const eda_field *print, double grid,
                                 double margin);
 
+/* Bars that a map asks for, lengths in grid steps. */
+typedef struct eda_bar_seek {
+  size_t most;                       /* bars in all */
+  double worth;                      /* what one gains at least, nm^2 */
+  int32_t least_width, most_width;   /* of a bar */
+  int32_t least_length, most_length; /* as least_width at least */
+  int32_t distance, space; /* from drawn shapes (merged); between bars */
+} eda_bar_seek;
+
+/* Add to *bars, which keep clear of those that are there, the rectangles that
+   gain most: what a nm^2 of bar costs at a place is what `map` has at its nodes
+   (as eda_coherent_gradient gives it), and the gain of a bar is minus the sum.
+   Their edges lie between nodes, rounded to the grid of `grid` nm. OPC_INVALID
+   as of eda_fracture. [any] */
+OPC_EXPORT int eda_bars_seek(const eda_field *map, const eda_bar_seek *rule,
+                             const eda_shapes *drawn, double grid,
+                             eda_box_list *bars, opc_error *error);
+
+/* What a bar gains on such a map, nm^2. [any] */
+OPC_EXPORT double eda_bars_gain(const eda_field *map, eda_box bar, double grid);
+
+/* Take `by` grid steps from both long sides of the bars that print, or come
+   nearer to it than `margin` of the level set; those that become narrower than
+   `least` are dropped. How many have changed; *dropped grows. [main] */
+OPC_EXPORT size_t eda_bars_narrow(const opc_context *context,
+                                  eda_box_list *bars, const eda_field *print,
+                                  double grid, double margin, int32_t by,
+                                  int32_t least, size_t *dropped);
+
 #ifdef __cplusplus
 }
 #endif

@@ -28,6 +28,7 @@ typedef struct eda_device {
   uint8_t type; /* EDA_NMOS, EDA_PMOS */
   uint32_t fingers;
   const uint32_t *finger; /* numbers of eda_gates */
+  const char *model;      /* as the netlist calls it. Since 0.6. */
 } eda_device;
 
 /* The gates it was matched to outlive it. */

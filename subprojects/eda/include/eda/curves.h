@@ -33,6 +33,8 @@ typedef struct eda_curves {
   size_t steps;
   double per_nm;           /* steps */
   struct eda_curve *exact; /* eda's own */
+  /* Those of the file's next table; NULL: there is none. Since 0.6. */
+  struct eda_curves *next;
 } eda_curves;
 
 /* A width among those of the table. */
@@ -53,6 +55,11 @@ OPC_EXPORT int eda_curves_read(eda_curves *curves, const char *path,
 OPC_EXPORT void eda_curves_clear(eda_curves *curves);
 
 /* All [any]. */
+/* The curves of a flavour of transistors, NULL or "": of those without one.
+   NULL if the file has no such table. */
+OPC_EXPORT const eda_curves *eda_curves_of(const eda_curves *curves,
+                                           const char *flavour);
+
 /* log of the current per width, A/nm, at a length (nm). Of all that is within
    the table the bits do not depend on what is beyond. */
 OPC_EXPORT double eda_curves_at(const eda_curves *curves, int type, int current,

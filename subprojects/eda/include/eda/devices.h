@@ -27,10 +27,14 @@ typedef struct eda_devices {
   size_t narrow;
   double *narrow_width;
   double *narrow_ion[2], *narrow_ioff[2];
+  /* Of a file with tables of several flavours of transistors: which one this
+     is, NULL of the first, and the table after it; NULL: none. Since 0.6. */
+  char *flavour;
+  struct eda_devices *next;
 } eda_devices;
 
-/* Read a table (docs/devices.md tells the format). Errors carry
-   file:line:column. [main] */
+/* Read the tables of a file (docs/devices.md tells the format); freeing the
+   first frees all. Errors carry file:line:column. [main] */
 OPC_EXPORT eda_devices *eda_devices_read(const char *path, opc_error *error);
 OPC_EXPORT void eda_devices_free(eda_devices *devices);
 

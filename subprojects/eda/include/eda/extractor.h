@@ -20,6 +20,9 @@ typedef struct eda_slices {
   const double *length;
   const double *edge; /* distance of its middle from the nearer active
                          edge */
+  /* The flavour of each gate (eda/gates.h), NULL where it has none; NULL: none
+     has one. An extractor without devices of a flavour fails. Since 0.6. */
+  const char *const *flavour;
 } eda_slices;
 
 /* A printed gate that is about to be sliced. */
@@ -38,7 +41,8 @@ struct eda_printed_gate {
   /* The lengths at n places, which take less time together. */
   void (*lengths)(const eda_printed_gate *gate, size_t n, const double *place,
                   double *length);
-  const void *data; /* of who measures */
+  const void *data;    /* of who measures */
+  const char *flavour; /* as of eda_slices; NULL: none. Since 0.6. */
 };
 
 typedef struct eda_extractor {

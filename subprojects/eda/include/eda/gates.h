@@ -95,11 +95,16 @@ typedef struct eda_gates {
      remembers something of gates sees by it that others have come to their
      place. 0: not made by that. Since 0.6. */
   uint64_t serial;
+
+  /* Which of the process's transistors of its type each one is, as marker
+     layers tell it: "lvt"; NULL for those that no marker covers. NULL: all are
+     such. Since 0.6. */
+  char **flavour;
 } eda_gates;
 
 /* Gates of `layers` layers and `count` transistors, all arrays zeroed and
-   `note` NULL. Whoever makes them fills in all else; shapes, edges and notes
-   come from eda_alloc, texts from eda_gates_text. [main] */
+   `note` and `flavour` NULL. Whoever makes them fills in all else; shapes,
+   edges and notes come from eda_alloc, texts from eda_gates_text. [main] */
 OPC_EXPORT eda_gates *eda_gates_new(size_t layers, size_t count);
 /* Free them with all arrays and texts; the release of a port. NULL: nothing.
    [any] */
@@ -108,6 +113,12 @@ OPC_EXPORT void eda_gates_free(void *gates);
 /* A copy of a text that lives as long as the gates; equal texts are one.
    [main] */
 OPC_EXPORT char *eda_gates_text(eda_gates *gates, const char *text);
+
+/* The flavour of transistor i; "" if it has none. [any] */
+OPC_EXPORT const char *eda_gates_flavour(const eda_gates *gates, size_t i);
+/* The same of gate i of `to` as of gate j of `from`. [main] */
+OPC_EXPORT void eda_gates_take_flavour(eda_gates *to, size_t i,
+                                       const eda_gates *from, size_t j);
 
 /* The number of the layer of that name, -1 if there is none. [any] */
 OPC_EXPORT int eda_gates_layer(const eda_gates *gates, const char *name);

@@ -109,6 +109,18 @@ OPC_EXPORT int eda_coherent_sum(const opc_context *context,
                                 const eda_systems *systems, double step,
                                 eda_field *out, opc_error *error);
 
+/* How F, the integral over a frame of weight * intensity, changes with the
+   mask: the rate at which F grows with the area (nm^2) of what is added to its
+   shapes at a place. `weight` and *out, which gets its grid, have values at
+   their nodes; both sides of the grid are even and have more nodes than the
+   mask's spectrum has frequencies within the systems' band. Residuals are left
+   out. OPC_INVALID for systems with `mirror` and for other grids. [any] */
+OPC_EXPORT int eda_coherent_gradient(const opc_context *context,
+                                     const eda_spectrum *mask,
+                                     const eda_systems *systems,
+                                     const eda_field *weight, eda_field *out,
+                                     opc_error *error);
+
 /* What an image of a mask takes at least, with models of that band (1/nm): the
    points of its Fourier transforms, and bytes, its spectrum and itself among
    them; and how many of these are itself. */

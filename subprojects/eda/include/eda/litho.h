@@ -44,6 +44,14 @@ typedef struct eda_litho {
      clears *out. [any] */
   int (*transform)(const void *self, const eda_shapes *mask, double grid,
                    eda_frame frame, eda_spectrum *out, opc_error *error);
+
+  /* How the integral of weight * intensity, `defocus` nm from the focus that
+     the parameters say, changes with the shapes of the mask, on the grid of
+     `weight`, as eda_coherent_gradient has it. May be NULL: the model cannot
+     tell. The caller clears *out. [any] */
+  int (*gradient)(const void *self, int layer, const eda_spectrum *mask,
+                  double defocus, const eda_field *weight, eda_field *out,
+                  opc_error *error);
 } eda_litho;
 
 /* The spectrum of a mask as a model wants it, by its own `transform` or by

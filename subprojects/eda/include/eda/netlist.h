@@ -159,7 +159,8 @@ typedef struct eda_annotation {
   const eda_circuit *circuit;
   const eda_mask *mask; /* may be NULL for EDA_DRAWN */
   int state;
-  const char *model[2];    /* names: [EDA_NMOS], [EDA_PMOS] */
+  const char *model[2]; /* names: [EDA_NMOS], [EDA_PMOS]; NULL: the netlist's of
+                           each device, if it has no card */
   const eda_card *card[2]; /* for DLC; NULL: no correction of it */
   /* As a kit has it: X, not M, where its models are subcircuits; and how many
      nm the number 1 means as a size, "l=0.15"; 0: "l=150e-9". */

@@ -56,6 +56,10 @@ typedef struct eda_printer {
      fine prints, too. */
   double defocus;
   int keeps;
+
+  /* [layers], to be set at any time: the error of fine prints of that layer;
+     0: `fine`. */
+  double *fine_of;
 } eda_printer;
 
 /* A printer of all shapes of the gates, with a clear field of `margin` nm

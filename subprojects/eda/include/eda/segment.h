@@ -34,6 +34,11 @@ typedef struct eda_segment_settings {
      the calling thread. */
   void (*tell)(void *data, int warning, const char *message);
   void *data;
+  /* Flavours of transistors (eda/gates.h): of each two texts, its name and the
+     layout's layers that mark it, with blanks between if all of several do.
+     Since 0.6. */
+  const char *const *flavours;
+  size_t flavour_count;
 } eda_segment_settings;
 
 /* What the grid did to the layers of a whole layout. */
@@ -48,14 +53,16 @@ OPC_EXPORT int32_t eda_segment_top(const eda_layout *layout, const char *name,
                                    opc_error *error);
 
 /* OPC_INVALID, about the parameter "also.NAME", if names of further layers are
-   no words, or if names or layers are there twice. [any] */
+   no words, or if names or layers are there twice; about "flavours.NAME" if one
+   has no marker. [any] */
 OPC_EXPORT int eda_segment_check(const eda_segment_settings *settings,
                                  opc_error *error);
 
 /* The transistors below a cell, from the layers poly, active, contact, nwell,
-   pwell, nimplant, pimplant and notes. *gates is the caller's; NULL on failure:
-   OPC_INVALID for layers that are not there and for what is no transistor, with
-   its place. By all threads of the context. [any] */
+   pwell, nimplant, pimplant, notes and those that mark flavours. *gates is the
+   caller's; NULL on failure: OPC_INVALID for layers that are not there and for
+   what is no transistor, with its place. By all threads of the context. [any]
+ */
 OPC_EXPORT int eda_segment(const opc_context *context, const eda_layout *layout,
                            int32_t top, const eda_segment_settings *settings,
                            eda_gates **gates, eda_segment_report *report,
@@ -95,14 +102,20 @@ OPC_EXPORT int eda_segment_edges(const eda_layout *layout, int32_t top,
 OPC_EXPORT double eda_segment_bytes(const eda_layout *layout, int32_t top,
                                     const eda_segment_settings *settings);
 
-/* Parameters of a step (opcflow/plugin.h) that segments: fields `also` (an
-   opc_map), `grid`, `overhang` and `line_end` of its struct. */
+/* Parameters of a step (opcflow/plugin.h) that segments: fields `also` and
+   `flavours` (opc_map), `grid`, `overhang` and `line_end` of its struct. */
 #define EDA_SEGMENT_PARAMETERS(self)                                         \
   OPC_PARAMETER(                                                             \
       self, also, .type = OPC_MAP,                                           \
       .summary =                                                             \
           "further layers to correct, by the places of their edges: { "      \
           "metal1: M1 } calls the layout's M1 metal1"),                      \
+      OPC_PARAMETER(                                                         \
+          self, flavours, .type = OPC_MAP,                                   \
+          .summary =                                                         \
+              "transistors with device tables of their own, by the layers "  \
+              "that mark them: { lvt: LVTN, hv: HVI }; several layers, "     \
+              "with blanks between, must all cover a gate"),                 \
       OPC_PARAMETER(self, grid, .type = OPC_REAL, .flags = OPC_ABOVE,        \
                     .unit = "nm", .preset = "1 nm", .summary = "mask grid"), \
       OPC_PARAMETER(self, overhang, .type = OPC_REAL, .flags = OPC_AT_LEAST, \
@@ -118,12 +131,14 @@ OPC_EXPORT double eda_segment_bytes(const eda_layout *layout, int32_t top,
 
 /* Initialiser of settings from these fields: pairs of texts lie one after
    another. */
-#define EDA_SEGMENT_SETTINGS(self)                                 \
-  {                                                                \
-    .grid = (self)->grid, .overhang = (self)->overhang,            \
-    .line_end = (self)->line_end,                                  \
-    .also = (const char *const *)(const void *)(self)->also.pairs, \
-    .also_count = (self)->also.count                               \
+#define EDA_SEGMENT_SETTINGS(self)                                         \
+  {                                                                        \
+    .grid = (self)->grid, .overhang = (self)->overhang,                    \
+    .line_end = (self)->line_end,                                          \
+    .also = (const char *const *)(const void *)(self)->also.pairs,         \
+    .also_count = (self)->also.count,                                      \
+    .flavours = (const char *const *)(const void *)(self)->flavours.pairs, \
+    .flavour_count = (self)->flavours.count                                \
   }
 
 #ifdef __cplusplus

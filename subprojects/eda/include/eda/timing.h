@@ -29,8 +29,8 @@ typedef struct eda_timing_device {
   uint8_t type;     /* EDA_NMOS, EDA_PMOS */
   uint32_t drain, gate, source, bulk;
   double length, width; /* nm, as drawn */
-  uint32_t bundle;      /* those in parallel are one */
-  double share;         /* of the bundle's width */
+  uint32_t bundle;      /* those that behave alike are one */
+  double share;         /* of the bundle's effect */
 } eda_timing_device;
 
 /* An input changes, all others stay, and an output follows. */
@@ -44,6 +44,24 @@ typedef struct eda_timing_arc {
      [(point * bundles + bundle) * EDA_SIZES + size], at three points. */
   double *delay_by, *slew_by;
 } eda_timing_arc;
+
+/* Two inputs that change and move an output together: either both have to
+   (transistors in series), and the second is the cause, or each of them would
+   do (parallel), and the first is. Delay and slew are told as factors, by how
+   long the second comes after the first, in delays of the cause alone, and by
+   both slews, each in its input's delay alone. What they are factors of is
+   eda_timing_blend of the two inputs' own. */
+enum { EDA_TIMING_GAPS = 6 };
+typedef struct eda_timing_pair {
+  uint8_t first, second, output;
+  uint8_t parallel;
+  uint32_t from; /* the inputs before both */
+  double *at[2]; /* the slews of the first and of the second: two of each, and
+                    one between them */
+  /* [(slew of first * 2 + of second) * GAPS + gap], [4 * GAPS + gap] with both
+     slews between. */
+  double *delay, *slew;
+} eda_timing_pair;
 
 typedef struct eda_timing_cell {
   const char *name;
@@ -70,7 +88,16 @@ typedef struct eda_timing_cell {
      [that * bundles * EDA_SIZES ...]. */
   double *capacitance, *capacitance_by;
   size_t figures;
-  double *figure; /* all figures above, in one array */
+  double *figure;      /* all figures above, in one array */
+  size_t pair_figures; /* those below, behind them */
+  /* A pin's capacitance for each pattern of the inputs before it changes:
+     [(input << inputs | from) * EDA_CAPS + cap]. */
+  double *pin_capacitance;
+  /* Patterns that differ only in inputs that stay share a pair. */
+  size_t pairs;
+  eda_timing_pair *pair;
+  int32_t *pair_of; /* [((output * inputs + first) * inputs + second) << inputs
+                       | from], -1: none */
 } eda_timing_cell;
 
 typedef struct eda_timing {
@@ -104,6 +131,20 @@ OPC_EXPORT void eda_timing_at(const eda_timing_cell *cell,
 OPC_EXPORT double eda_timing_capacitance(const eda_timing_cell *cell,
                                          size_t input, int rises, int cap,
                                          const double *change);
+
+/* Where pairs are simulated: gaps between two inputs, in delays of the cause.
+ */
+OPC_EXPORT extern const double eda_timing_gap[EDA_TIMING_GAPS];
+
+/* What a pair's factors are of: with no gap the mean of what the cause and the
+   other input have alone, beyond a delay the cause's only. So a change of
+   either input's transistors counts by its part. */
+OPC_EXPORT double eda_timing_blend(double gap, double cause, double other);
+
+/* A pair's factors at a gap and two slews, in units as above. [any] */
+OPC_EXPORT void eda_timing_pair_at(const eda_timing_pair *pair, double gap,
+                                   double first, double second, double *delay,
+                                   double *slew);
 
 /* Through the points of a grid: cubics whose slopes are those of parabolas
    through three points (Catmull-Rom on uneven steps); straight on beyond the

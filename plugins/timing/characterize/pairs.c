@@ -1,0 +1,278 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What other inputs do to a delay: pins by what the others are, and two inputs
+   that change together (Chandramouli and Sakallah, "Modeling the effects of
+   temporal proximity of input transitions on gate propagation delay and
+   transition time", DAC 1996): each pair that moves an output is simulated at a
+   few gaps between the two, relative to what one of them does alone. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "characterize.h"
+
+enum {
+  SLOWEST = 20, /* slews in a delay are told up to this, and end there */
+  SOME = 48,
+  MIDDLE = 2,
+  POINTS = 5 * EDA_TIMING_GAPS
+};
+
+/* ---- which ---- */
+
+/* Of inputs that change one after the other, `level` being that of the output:
+   whether they are a pair. */
+static int is_pair(const uint8_t *level, uint32_t from, size_t first,
+                   size_t second, int *parallel) {
+  uint32_t a = from ^ 1u << first, b = from ^ 1u << second,
+           both = a ^ 1u << second;
+  *parallel = level[a] != level[from];
+  return level[a] == level[b] && level[both] != level[from];
+}
+
+/* Those before `from` that differ only in inputs that stay. */
+static int32_t find_like(const eda_timing_cell *c, const eda_timing_pair *p) {
+  uint32_t mask = 1u << p->first | 1u << p->second;
+  for (size_t i = c->pairs; i-- > 0;) {
+    const eda_timing_pair *q = &c->pair[i];
+    if (q->first == p->first && q->second == p->second &&
+        q->output == p->output && q->parallel == p->parallel &&
+        !((q->from ^ p->from) & mask))
+      return (int32_t)i;
+  }
+  return -1;
+}
+
+void pairs_list(study *s, eda_timing_cell *c) {
+  const size_t n = c->inputs, patterns = (size_t)1 << n,
+               most = c->outputs * n * n * patterns;
+  size_t room = 0;
+  eda_timing_pair *found = NULL;
+  c->pair_of = eda_pool_alloc(&s->timing->memory, most, sizeof *c->pair_of);
+  for (size_t k = 0; k < most; k++) {
+    uint32_t from = (uint32_t)(k % patterns);
+    size_t second = k / patterns % n, first = k / patterns / n % n,
+           o = k / patterns / n / n;
+    int parallel;
+    c->pair_of[k] = -1;
+    if (first == second ||
+        !is_pair(c->level + o * patterns, from, first, second, &parallel))
+      continue;
+    eda_timing_pair p = {.first = (uint8_t)first,
+                         .second = (uint8_t)second,
+                         .output = (uint8_t)o,
+                         .parallel = (uint8_t)parallel,
+                         .from = from};
+    c->pair = found;
+    c->pair_of[k] = find_like(c, &p);
+    if (c->pair_of[k] >= 0) continue;
+    c->pair_of[k] = (int32_t)c->pairs;
+    EDA_PUSH(found, c->pairs, room, p);
+  }
+  c->pair = eda_pool_alloc(&s->timing->memory, c->pairs, sizeof *c->pair);
+  for (size_t i = 0; i < c->pairs; i++) c->pair[i] = found[i];
+  free(found);
+}
+
+/* ---- the two inputs alone ---- */
+
+static const eda_timing_arc *arc_of(const eda_timing_cell *c, size_t output,
+                                    size_t input, uint32_t from) {
+  size_t at = (output * c->inputs + input) << c->inputs;
+  return &c->arc[c->arc_of[at + from]];
+}
+
+/* Either alone, when the other one is where it makes an arc of it. */
+static const eda_timing_arc *alone(const eda_timing_cell *c,
+                                   const eda_timing_pair *p, int second) {
+  size_t input = second ? p->second : p->first,
+         other = second ? p->first : p->second;
+  return arc_of(c, p->output, input,
+                p->parallel ? p->from : p->from ^ 1u << other);
+}
+
+/* A middle load: in these units factors hardly move with it. */
+static size_t load_of(const eda_timing_cell *c) { return c->loads / 2; }
+
+/* The slew's number in the grid: those that changes of size are found at, and
+   one between. */
+static size_t slew_of(const eda_timing_cell *c, size_t slew) {
+  return slew < MIDDLE ? c->near_slew[slew]
+                       : (c->near_slew[0] + c->near_slew[1]) / 2;
+}
+
+static size_t grid_of(const eda_timing_cell *c, size_t slew) {
+  return slew_of(c, slew) * c->loads + load_of(c);
+}
+
+/* ---- the runs ---- */
+
+typedef struct work {
+  study *s;
+  eda_timing_cell *cell;
+  size_t count, room; /* decks */
+  deck *deck;
+} work;
+
+static deck *deck_for(work *w, double slew, int rises) {
+  size_t k = 0;
+  while (k < w->count &&
+         (w->deck[k].slew != slew || w->deck[k].rises != rises ||
+          w->deck[k].count == SOME))
+    k++;
+  if (k == w->count)
+    EDA_PUSH(w->deck, w->count, w->room,
+             (deck){.s = w->s, .slew = slew, .rises = rises, .care = GRID});
+  return &w->deck[k];
+}
+
+/* A point of a pair: its slews and gap, and where it is simulated. */
+typedef struct point {
+  const eda_timing_pair *pair;
+  size_t slew[2], place, gap, deck, copy;
+} point;
+
+/* The slew of a deck is that of the cause. */
+static void plan_point(work *w, point *at) {
+  const eda_timing_cell *c = w->cell;
+  const eda_timing_pair *p = at->pair;
+  int cause = !p->parallel;
+  const eda_timing_arc *arc = alone(c, p, cause);
+  double delay = fmax(0, arc->delay[grid_of(c, at->slew[cause])]),
+         slew = arc->slew[grid_of(c, at->slew[cause])],
+         after = delay * eda_timing_gap[at->gap],
+         own = c->at_slew[slew_of(c, at->slew[cause])],
+         other = c->at_slew[slew_of(c, at->slew[!cause])];
+  size_t input = cause ? p->second : p->first;
+  deck *d = deck_for(w, own, !(p->from >> input & 1));
+  copy one = {
+      .cell = c,
+      .from = p->from,
+      .input = (uint8_t)input,
+      .output = p->output,
+      .load = c->at_load[load_of(c)],
+      /* Two in parallel are up to twice as steep, two in series later. */
+      .delay = delay + 2 * slew,
+      .slew = p->parallel ? slew / 2 : slew,
+      .two = 1,
+      .other = cause ? p->first : p->second,
+      .other_slew = other,
+      .other_after = cause ? -after : after};
+  /* Its input has begun after 0. */
+  double early = 2 * other - one.other_after;
+  if (early > d->early) d->early = early;
+  at->deck = (size_t)(d - w->deck);
+  at->copy = d->count;
+  EDA_PUSH(d->copy, d->count, d->room, one);
+}
+
+/* Behind slow inputs an output may be there before them: nothing is told as a
+   factor of that. */
+static double factor(double found, double gap, double cause, double other) {
+  return cause > 0 && other > 0 ? found / eda_timing_blend(gap, cause, other)
+                                : 1;
+}
+
+static void take_point(work *w, const point *at) {
+  const eda_timing_cell *c = w->cell;
+  const eda_timing_pair *p = at->pair;
+  const copy *found = &w->deck[at->deck].copy[at->copy];
+  int cause = !p->parallel;
+  const eda_timing_arc *by = alone(c, p, cause), *other = alone(c, p, !cause);
+  size_t own = grid_of(c, at->slew[cause]),
+         others = grid_of(c, at->slew[!cause]),
+         to = at->place * EDA_TIMING_GAPS + at->gap;
+  double gap = eda_timing_gap[at->gap];
+  p->delay[to] =
+      factor(found->delay, gap, by->delay[own], other->delay[others]);
+  p->slew[to] = factor(found->slew, gap, by->slew[own], other->slew[others]);
+  for (int k = 0; k < 2; k++) {
+    double alone_by = alone(c, p, k)->delay[grid_of(c, at->slew[k])],
+           slew = c->at_slew[slew_of(c, at->slew[k])];
+    p->at[k][at->slew[k]] = slew / fmax(alone_by, slew / SLOWEST);
+  }
+}
+
+static void run_deck(void *data, size_t i) {
+  work *w = data;
+  deck_run(&w->deck[i]);
+}
+
+static int run_all(work *w, opc_error *error) {
+  opc_parallel(w->s->host->context, w->count, run_deck, w);
+  for (size_t k = 0; k < w->count; k++) {
+    w->s->simulated += w->deck[k].count;
+    if (!w->deck[k].code) continue;
+    *error = w->deck[k].error;
+    return error->code;
+  }
+  return OPC_OK;
+}
+
+static void clear(work *w) {
+  for (size_t k = 0; k < w->count; k++) free(w->deck[k].copy);
+  free(w->deck);
+}
+
+static int measure_pairs(study *s, eda_timing_cell *c, opc_error *error) {
+  const size_t n = c->pairs * POINTS;
+  work w = {.s = s, .cell = c};
+  point *at = eda_alloc(n, sizeof *at);
+  for (size_t i = 0; i < n; i++) {
+    size_t k = i % POINTS / EDA_TIMING_GAPS;
+    at[i] = (point){.pair = &c->pair[i / POINTS],
+                    .slew = {k < 4 ? k / 2 : MIDDLE, k < 4 ? k % 2 : MIDDLE},
+                    .place = k,
+                    .gap = i % EDA_TIMING_GAPS};
+    plan_point(&w, &at[i]);
+  }
+  int code = run_all(&w, error);
+  for (size_t i = 0; i < n && !code; i++) take_point(&w, &at[i]);
+  clear(&w);
+  free(at);
+  return code;
+}
+
+/* ---- pins by what the other inputs are ---- */
+
+/* What is behind the pin answers while the input moves, as it does to inputs
+   from gates, which the middle of the grid is about. */
+static int measure_pins(study *s, eda_timing_cell *c, opc_error *error) {
+  const double slew = c->at_slew[c->slews / 2];
+  work w = {.s = s, .cell = c};
+  for (uint32_t k = 0; k < c->inputs << c->inputs; k++) {
+    uint32_t from = k & ((1u << c->inputs) - 1), input = k >> c->inputs;
+    int rises = !(from >> input & 1);
+    const copy one = {.cell = c,
+                      .from = from,
+                      .input = (uint8_t)input,
+                      .of_pin = 1,
+                      .load = c->at_load[load_of(c)],
+                      .point = k};
+    deck *d = deck_for(&w, slew, rises);
+    EDA_PUSH(d->copy, d->count, d->room, one);
+  }
+  int code = run_all(&w, error);
+  for (size_t i = 0; i < w.count && !code; i++)
+    for (size_t k = 0; k < w.deck[i].count; k++) {
+      const copy *found = &w.deck[i].copy[k];
+      for (size_t cap = 0; cap < EDA_CAPS; cap++)
+        c->pin_capacitance[found->point * EDA_CAPS + cap] =
+            found->capacitance[cap];
+    }
+  clear(&w);
+  return code;
+}
+
+/* ---- all ---- */
+
+int pairs_find(study *s, eda_timing_cell *c, const char *key,
+               opc_error *error) {
+  char name[200];
+  double *figure = c->figure + c->figures;
+  snprintf(name, sizeof name, "%.180s-pairs3", key);
+  if (keep_load(s, c->name, name, figure, c->pair_figures)) return OPC_OK;
+  int code = measure_pins(s, c, error);
+  if (!code) code = measure_pairs(s, c, error);
+  if (!code) keep_save(s, c->name, name, figure, c->pair_figures);
+  return code;
+}

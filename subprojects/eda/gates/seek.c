@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Bars where a map says that they pay: of all rectangles on a lattice the one
+   that gains most, then the best of those that are clear of it, and so on. What
+   a rectangle gains is the difference of four sums. */
+#include <eda/bars.h>
+#include <eda/memory.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Passes: in one, each place has one wish, and where that is in the way of a
+   better one the place waits for the next. */
+enum { PASSES = 4 };
+
+/* A wish that is worth less than this part of the pass's best one waits, too:
+   it may find something better then. Half and twice: the same within 0.5 %. */
+static const double part_of_best = 0.3;
+
+typedef struct seeker {
+  const eda_field *map;
+  const eda_bar_seek *rule;
+  double grid, dx, dy; /* nm */
+  int nx, ny;
+  double *gain;      /* sums of what is left and below of a node, nm^2 */
+  int32_t *taken;    /* the same of nodes where no bar may be */
+  uint8_t *keep_out; /* those nodes */
+} seeker;
+
+/* A bar on the lattice: the cells x0 .. x1 - 1, y0 .. y1 - 1. */
+typedef struct wish {
+  double gain;
+  int x0, y0, x1, y1;
+} wish;
+
+/* ---- sums ---- */
+
+static size_t at(const seeker *s, int x, int y) {
+  return (size_t)y * (size_t)(s->nx + 1) + (size_t)x;
+}
+
+static void sum_up(seeker *s) {
+  double cell = s->dx * s->dy;
+  for (int y = 0; y < s->ny; y++) {
+    double gain = 0;
+    int32_t taken = 0;
+    for (int x = 0; x < s->nx; x++) {
+      size_t node = (size_t)y * (size_t)s->nx + (size_t)x;
+      gain -= cell * (double)s->map->coefficients[node];
+      taken += s->keep_out[node];
+      s->gain[at(s, x + 1, y + 1)] = s->gain[at(s, x + 1, y)] + gain;
+      s->taken[at(s, x + 1, y + 1)] = s->taken[at(s, x + 1, y)] + taken;
+    }
+  }
+}
+
+static int is_free(const seeker *s, const wish *w) {
+  const int32_t *t = s->taken;
+  return t[at(s, w->x1, w->y1)] - t[at(s, w->x0, w->y1)] -
+             t[at(s, w->x1, w->y0)] + t[at(s, w->x0, w->y0)] ==
+         0;
+}
+
+static double gain_of(const seeker *s, const wish *w) {
+  const double *g = s->gain;
+  return g[at(s, w->x1, w->y1)] - g[at(s, w->x0, w->y1)] -
+         g[at(s, w->x1, w->y0)] + g[at(s, w->x0, w->y0)];
+}
+
+/* ---- where none may be ---- */
+
+/* The nodes of a box (grid steps) and `off` around it. */
+static void keep_out(seeker *s, eda_box b, int32_t off) {
+  const eda_frame *f = &s->map->frame;
+  int x0 = (int)floor(((b.x0 - off) * s->grid - f->x0) / s->dx + 0.5);
+  int y0 = (int)floor(((b.y0 - off) * s->grid - f->y0) / s->dy + 0.5);
+  int x1 = (int)ceil(((b.x1 + off) * s->grid - f->x0) / s->dx + 0.5);
+  int y1 = (int)ceil(((b.y1 + off) * s->grid - f->y0) / s->dy + 0.5);
+  x0 = x0 < 0 ? 0 : x0;
+  y0 = y0 < 0 ? 0 : y0;
+  x1 = x1 > s->nx ? s->nx : x1;
+  y1 = y1 > s->ny ? s->ny : y1;
+  for (int y = y0; y < y1 && x0 < x1; y++)
+    memset(s->keep_out + (size_t)y * (size_t)s->nx + (size_t)x0, 1,
+           (size_t)(x1 - x0));
+}
+
+/* ---- wishes ---- */
+
+/* Sizes on the lattice: how many cells, from the first that is no shorter. */
+static void try_sizes(const seeker *s, int x, int y, int upright, wish *best) {
+  const eda_bar_seek *r = s->rule;
+  double across = (upright ? s->dx : s->dy) / s->grid;
+  double along = (upright ? s->dy : s->dx) / s->grid;
+  for (int w = (int)ceil(r->least_width / across - 1e-6);
+       w * across <= r->most_width + 1e-6; w++)
+    for (int l = (int)ceil(r->least_length / along - 1e-6);
+         l * along <= r->most_length + 1e-6; l += 1 + l / 8) {
+      wish one = {0, x, y, x + (upright ? w : l), y + (upright ? l : w)};
+      if (one.x1 > s->nx || one.y1 > s->ny || !is_free(s, &one)) break;
+      one.gain = gain_of(s, &one);
+      if (one.gain > best->gain) *best = one;
+    }
+}
+
+static int by_gain(const void *a, const void *b) {
+  const wish *p = a, *q = b;
+  if (p->gain != q->gain) return p->gain > q->gain ? -1 : 1;
+  return p->y0 != q->y0 ? p->y0 - q->y0 : p->x0 - q->x0;
+}
+
+static size_t make_wishes(const seeker *s, wish *wishes) {
+  size_t n = 0;
+  for (int y = 0; y < s->ny; y++)
+    for (int x = 0; x < s->nx; x++) {
+      wish best = {.gain = s->rule->worth};
+      if (s->keep_out[(size_t)y * (size_t)s->nx + (size_t)x]) continue;
+      try_sizes(s, x, y, 0, &best);
+      try_sizes(s, x, y, 1, &best);
+      if (best.x1) wishes[n++] = best;
+    }
+  qsort(wishes, n, sizeof *wishes, by_gain);
+  return n;
+}
+
+static eda_box box_of(const seeker *s, const wish *w) {
+  const eda_frame *f = &s->map->frame;
+  /* A node is the middle of its cell. */
+  return (eda_box){(int32_t)lround((f->x0 + (w->x0 - 0.5) * s->dx) / s->grid),
+                   (int32_t)lround((f->y0 + (w->y0 - 0.5) * s->dy) / s->grid),
+                   (int32_t)lround((f->x0 + (w->x1 - 0.5) * s->dx) / s->grid),
+                   (int32_t)lround((f->y0 + (w->y1 - 0.5) * s->dy) / s->grid)};
+}
+
+/* Grant wishes while they are clear of those before; how many. */
+static size_t grant(seeker *s, const wish *wishes, size_t n, size_t room,
+                    eda_box_list *bars) {
+  size_t granted = 0;
+  for (size_t i = 0; i < n && granted < room; i++) {
+    const wish *w = &wishes[i];
+    if (w->gain < part_of_best * wishes[0].gain) break;
+    if (i && !is_free(s, w)) continue;
+    eda_box b = box_of(s, w);
+    eda_box_list_add(bars, b);
+    keep_out(s, b, s->rule->space);
+    sum_up(s);
+    granted++;
+  }
+  return granted;
+}
+
+int eda_bars_seek(const eda_field *map, const eda_bar_seek *rule,
+                  const eda_shapes *drawn, double grid, eda_box_list *bars,
+                  opc_error *error) {
+  seeker s = {
+      .map = map, .rule = rule, .grid = grid, .nx = map->nx, .ny = map->ny};
+  eda_box *box = NULL;
+  size_t n = 0, cells = (size_t)s.nx * (size_t)s.ny;
+  size_t sums = (size_t)(s.nx + 1) * (size_t)(s.ny + 1);
+  int code = eda_fracture(drawn, &box, &n, error);
+  if (code) return code;
+  s.dx = map->frame.width / s.nx;
+  s.dy = map->frame.height / s.ny;
+  s.gain = eda_alloc(sums, sizeof *s.gain);
+  s.taken = eda_alloc(sums, sizeof *s.taken);
+  s.keep_out = eda_alloc(cells, 1);
+  for (size_t i = 0; i < n; i++) keep_out(&s, box[i], rule->distance);
+  for (size_t i = 0; i < bars->count; i++)
+    keep_out(&s, bars->box[i], rule->space);
+  /* Bars stay within the frame: the first cells lie half out of it. */
+  memset(s.keep_out, 1, (size_t)s.nx);
+  for (int y = 0; y < s.ny; y++) s.keep_out[(size_t)y * (size_t)s.nx] = 1;
+  sum_up(&s);
+  wish *wishes = eda_alloc(cells, sizeof *wishes);
+  for (int pass = 0; pass < PASSES && bars->count < rule->most; pass++)
+    if (!grant(&s, wishes, make_wishes(&s, wishes), rule->most - bars->count,
+               bars))
+      break;
+  free(wishes);
+  free(box);
+  free(s.gain);
+  free(s.taken);
+  free(s.keep_out);
+  return OPC_OK;
+}
+
+double eda_bars_gain(const eda_field *map, eda_box b, double grid) {
+  const eda_frame *f = &map->frame;
+  double dx = f->width / map->nx, dy = f->height / map->ny, sum = 0;
+  for (int y = (int)ceil((b.y0 * grid - f->y0) / dy);
+       f->y0 + y * dy < b.y1 * grid; y++)
+    for (int x = (int)ceil((b.x0 * grid - f->x0) / dx);
+         f->x0 + x * dx < b.x1 * grid; x++)
+      sum -=
+          (double)
+              map->coefficients[(size_t)eda_wrap(y, map->ny) * (size_t)map->nx +
+                                (size_t)eda_wrap(x, map->nx)];
+  return sum * dx * dy;
+}

@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* How an integral over an image changes with the mask: the adjoint of a sum of
+   coherent systems. What one system adds, the spectrum of weight * its field
+   times its conjugated transfer function, is a small square of frequencies; the
+   squares are kept apart and added in order, whatever the threads. */
+#include "imaging/fft.h"
+
+#include <complex.h>
+#include <eda/imaging.h>
+#include <eda/memory.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef float complex number;
+
+typedef struct job {
+  const eda_spectrum *mask;
+  const eda_systems *systems;
+  const eda_field *weight;
+  int nx, ny;
+  int half, reach; /* |l| <= half, |k| <= reach are not 0 */
+  size_t columns, rows;
+  number *sums; /* [system][row l][column k] */
+} job;
+
+static size_t modulo(int i, int n) { return (size_t)(i < 0 ? i + n : i); }
+
+/* ---- between a square of frequencies and the nodes ---- */
+
+/* square[row l][column k] to values[y][x]. */
+static void to_nodes(const job *j, const number *square, number *values) {
+  size_t nx = (size_t)j->nx, ny = (size_t)j->ny;
+  number *lines = eda_fft_alloc(j->columns * ny * sizeof *lines);
+  memset(lines, 0, j->columns * ny * sizeof *lines);
+  for (int l = -j->half; l <= j->half; l++)
+    for (size_t c = 0; c < j->columns; c++)
+      lines[c * ny + modulo(l, j->ny)] =
+          square[(size_t)(l + j->half) * j->columns + c];
+  eda_fft_run(eda_fft_plan(EDA_FFT_BACKWARD, j->ny, (int)j->columns), lines,
+              NULL);
+  memset(values, 0, nx * ny * sizeof *values);
+  for (size_t c = 0; c < j->columns; c++) {
+    size_t x = modulo((int)c - j->reach, j->nx);
+    for (size_t y = 0; y < ny; y++) values[y * nx + x] = lines[c * ny + y];
+  }
+  eda_fft_run(eda_fft_plan(EDA_FFT_BACKWARD, j->nx, j->ny), values, NULL);
+  eda_fft_free(lines);
+}
+
+/* The way back: Fourier coefficients; `values` are lost. */
+static void to_square(const job *j, number *values, number *square) {
+  size_t nx = (size_t)j->nx, ny = (size_t)j->ny;
+  float scale = 1 / ((float)j->nx * (float)j->ny);
+  number *lines = eda_fft_alloc(j->columns * ny * sizeof *lines);
+  eda_fft_run(eda_fft_plan(EDA_FFT_FORWARD, j->nx, j->ny), values, NULL);
+  for (size_t c = 0; c < j->columns; c++) {
+    size_t x = modulo((int)c - j->reach, j->nx);
+    for (size_t y = 0; y < ny; y++) lines[c * ny + y] = values[y * nx + x];
+  }
+  eda_fft_run(eda_fft_plan(EDA_FFT_FORWARD, j->ny, (int)j->columns), lines,
+              NULL);
+  for (int l = -j->half; l <= j->half; l++)
+    for (size_t c = 0; c < j->columns; c++)
+      square[(size_t)(l + j->half) * j->columns + c] =
+          scale * lines[c * ny + modulo(l, j->ny)];
+  eda_fft_free(lines);
+}
+
+/* ---- one system ---- */
+
+static number complex_of(const double a[2]) {
+  return (float)a[0] + (float)a[1] * I;
+}
+
+static number scale_of(const eda_systems *s) {
+  number scale = complex_of(s->scale);
+  return scale == 0 ? 1 : scale;
+}
+
+/* A number of the mask's spectrum, which has k >= 0 only. */
+static number mask_at(const eda_spectrum *m, int k, int l) {
+  int flip = k < 0;
+  if (flip) k = -k, l = -l;
+  size_t row = modulo(l, m->rows);
+  const float *a = m->data + 2 * (row * (size_t)m->columns + (size_t)k);
+  return a[0] + (flip ? -a[1] : a[1]) * I;
+}
+
+static void transfer(const job *j, size_t system, number *out) {
+  const eda_systems *s = j->systems;
+  double *fx = eda_alloc(j->columns, sizeof *fx);
+  for (size_t c = 0; c < j->columns; c++)
+    fx[c] = ((int)c - j->reach) / j->mask->frame.width;
+  for (int l = -j->half; l <= j->half; l++)
+    s->transfer(s->self, system, fx, l / j->mask->frame.height, j->columns,
+                (float *)(out + (size_t)(l + j->half) * j->columns));
+  free(fx);
+}
+
+static void add_system(void *data, size_t i) {
+  const job *j = data;
+  size_t n = j->rows * j->columns, nodes = (size_t)j->nx * (size_t)j->ny;
+  number *sum = j->sums + i * n, scale = scale_of(j->systems);
+  number *through = eda_alloc(n, sizeof *through);
+  number *field = eda_fft_alloc(nodes * sizeof *field);
+  transfer(j, i, through);
+  for (size_t a = 0; a < n; a++) {
+    int l = (int)(a / j->columns) - j->half;
+    int k = (int)(a % j->columns) - j->reach;
+    number light = scale * mask_at(j->mask, k, l);
+    if (!k && !l) light += complex_of(j->systems->offset);
+    sum[a] = through[a] * light;
+  }
+  to_nodes(j, sum, field);
+  for (size_t a = 0; a < nodes; a++) field[a] *= j->weight->coefficients[a];
+  to_square(j, field, sum);
+  float weight = (float)j->systems->weight[i];
+  for (size_t a = 0; a < n; a++) sum[a] *= weight * conjf(through[a]);
+  eda_fft_free(field);
+  free(through);
+}
+
+/* ---- all of it ---- */
+
+int eda_coherent_gradient(const opc_context *context, const eda_spectrum *mask,
+                          const eda_systems *systems, const eda_field *weight,
+                          eda_field *out, opc_error *error) {
+  double band = systems->band < mask->band ? systems->band : mask->band;
+  job j = {.mask = mask,
+           .systems = systems,
+           .weight = weight,
+           .nx = weight->nx,
+           .ny = weight->ny,
+           .half = (int)(mask->frame.height * band),
+           .reach = (int)(mask->frame.width * band)};
+  memset(out, 0, sizeof *out);
+  if (systems->mirror || j.nx % 2 || j.ny % 2 || j.nx <= 2 * j.reach ||
+      j.ny <= 2 * j.half)
+    return opc_fail(error, OPC_INVALID, NULL,
+                    "no gradient of mirrored systems, or on %d x %d nodes for "
+                    "%d x %d frequencies",
+                    j.nx, j.ny, 2 * j.reach + 1, 2 * j.half + 1);
+  j.columns = 2 * (size_t)j.reach + 1;
+  j.rows = 2 * (size_t)j.half + 1;
+  size_t n = j.rows * j.columns, nodes = (size_t)j.nx * (size_t)j.ny;
+  j.sums = eda_alloc(systems->count * n, sizeof *j.sums);
+  opc_parallel(context, systems->count, add_system, &j);
+  for (size_t i = 1; i < systems->count; i++)
+    for (size_t a = 0; a < n; a++) j.sums[a] += j.sums[i * n + a];
+  number *values = eda_fft_alloc(nodes * sizeof *values);
+  to_nodes(&j, j.sums, values);
+  *out = (eda_field){weight->frame, j.nx, j.ny,
+                     eda_alloc(nodes, sizeof *out->coefficients)};
+  /* A shape takes light away: the spectrum is that of a clear field. */
+  number scale = -2 * conjf(scale_of(systems));
+  for (size_t a = 0; a < nodes; a++)
+    out->coefficients[a] = crealf(scale * values[a]);
+  eda_fft_free(values);
+  free(j.sums);
+  if (!opc_cancelled(context)) return OPC_OK;
+  eda_field_clear(out);
+  return opc_fail(error, OPC_CANCELLED, NULL, "cancelled");
+}
