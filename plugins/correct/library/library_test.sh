@@ -208,6 +208,7 @@ code=$?
 check "no file: exit 5" exits 5
 
 # What depends on more than settings and the cell is not kept.
+rm -f "$work/db"
 run --set 'library.resist.anchor.gates=${cells}'
 code=$?
 check "an anchor of the layout's gates: exit 2" exits 2
