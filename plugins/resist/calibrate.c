@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drawn.h"
+
 /* ---- what the flow says ---- */
 
 enum { MAX_LINES = 1000 };
@@ -38,6 +40,11 @@ static const char *fault(const resist_line *l) {
   return NULL;
 }
 
+/* Is the anchor, or a part of it, left to the gates? */
+static int is_open(const resist_layer *r) {
+  return r->gates_given && !(r->line_given && r->pitch_given);
+}
+
 static int take_table(resist_layer *r, opc_error *error) {
   const opc_reals *table = &r->table;
   if (table->count < 2 || table->count % 2 || table->count > 2 * MAX_LINES)
@@ -48,7 +55,8 @@ static int take_table(resist_layer *r, opc_error *error) {
   r->lines = eda_alloc(r->count, sizeof *r->lines);
   for (size_t i = 0; i < r->count; i++) {
     const double *pair = table->values + 2 * i;
-    r->lines[i] = (resist_line){r->anchor.line, pair[0], pair[1]};
+    double line = is_open(r) && !r->line_given ? pair[1] : r->anchor.line;
+    r->lines[i] = (resist_line){line, pair[0], pair[1]};
     const char *why = fault(&r->lines[i]);
     if (why)
       return opc_fail(error, OPC_INVALID, r->source,
@@ -63,7 +71,7 @@ int resist_layer_check(resist_layer *r, int set, opc_error *error) {
   resist_line *a = &r->anchor;
   r->set = set;
   r->source = names[r->file ? 2 : r->table_given];
-  if (isnan(a->cd)) a->cd = a->line;
+  if (isnan(a->cd) && !is_open(r)) a->cd = a->line;
   if (r->table_given && r->file)
     return opc_fail(error, OPC_INVALID, names[2],
                     "'%s' and '%s' exclude each other", names[1], names[2]);
@@ -72,6 +80,7 @@ int resist_layer_check(resist_layer *r, int set, opc_error *error) {
   r->lines = eda_alloc(1, sizeof *r->lines);
   r->count = 1;
   *r->lines = *a;
+  if (is_open(r)) return OPC_OK;
   if (is_far(a))
     return opc_fail(error, OPC_INVALID, r->source, "'%s': %s", r->source,
                     too_far);
@@ -95,6 +104,47 @@ void resist_clear(void *self) {
 
 int resist_layer_has_table(const resist_layer *layer) {
   return layer->source != sources[layer->set][0];
+}
+
+/* ---- what the layout says ---- */
+
+static void tell_drawn(const resist_base *r, const char *id, resist_line a,
+                       const resist_drawn *d, int guessed) {
+  r->host->log(r->host, OPC_LOG_INFO,
+               "%s: anchor: %g nm lines at %g nm, from the layout's gates (%zu "
+               "of the shortest; %zu of %zu pitches between them)",
+               id, a.line, a.pitch, d->gates, d->alike, d->pitches);
+  if (guessed)
+    r->host->log(r->host, OPC_LOG_WARNING,
+                 "%s: no gate of %g nm has another beside it: the anchor's "
+                 "pitch is a guess, three lines",
+                 id, d->line);
+}
+
+/* What is not given of the anchor is as the layout's gates are. */
+static int take_drawn(const resist_base *resist, resist_layer *r,
+                      const char *id, opc_error *error) {
+  resist_drawn d;
+  resist_line a = r->anchor;
+  int anchor = !resist_layer_has_table(r);
+  if (!anchor && r->line_given) return OPC_OK;
+  if (!resist_drawn_of(r->gates, &d))
+    return opc_fail(error, OPC_INVALID, "anchor.gates",
+                    "there is no transistor to take the anchor from");
+  if (!r->line_given) r->anchor.line = a.line = d.line;
+  if (!r->pitch_given) a.pitch = d.pitch;
+  if (isnan(a.cd)) a.cd = a.line;
+  if (anchor) *r->lines = a;
+  for (size_t i = 0; i < r->count && !r->file; i++) {
+    r->lines[i].line = a.line;
+    const char *why = fault(&r->lines[i]);
+    if (why)
+      return opc_fail(error, OPC_INVALID, r->source,
+                      "'%s', lines of %g nm at %g nm: %s", r->source, a.line,
+                      r->lines[i].pitch, why);
+  }
+  tell_drawn(resist, id, a, &d, anchor && !r->pitch_given && !d.pitches);
+  return OPC_OK;
 }
 
 /* ---- tables in files ---- */
@@ -389,7 +439,9 @@ int resist_fit(resist_base *resist, int set, const opc_module *litho,
   resist_layer *layer = &resist->layer[set];
   int code = OPC_OK;
   size_t wanted = 0;
-  if (layer->file && !layer->lines) code = read_table(layer, error);
+  if (layer->gates && is_open(layer))
+    code = take_drawn(resist, layer, id, error);
+  if (!code && layer->file && !layer->lines) code = read_table(layer, error);
   if (code) {
     layer_clear(layer);
     return code;

@@ -25,6 +25,11 @@ typedef struct resist_line {
 
 typedef struct resist_layer {
   resist_line anchor; /* cd: NAN if not given */
+  int line_given, pitch_given;
+  /* Whose lines are the anchor's where it is not given; there while a step
+     runs. NULL: none. */
+  const eda_gates *gates;
+  int gates_given;
   opc_reals table;
   int table_given;
   const char *file; /* NULL: none */
@@ -51,11 +56,13 @@ typedef struct resist_base {
   {.name = prefix "anchor.line", .type = OPC_REAL, .flags = OPC_ABOVE,       \
    .unit = "nm", .preset = line_preset,                                      \
    .summary = "drawn width of the line of " what " that prints to size",     \
-   OPC_FIELD(resist_base, layer[set].anchor.line)},                          \
+   OPC_FIELD(resist_base, layer[set].anchor.line),                           \
+   .given = offsetof(resist_base, layer[set].line_given)},                   \
   {.name = prefix "anchor.pitch", .type = OPC_REAL, .flags = OPC_AT_LEAST,   \
    .unit = "nm", .preset = pitch_preset,                                     \
    .summary = "pitch of its grating; 0 nm for an isolated line",             \
-   OPC_FIELD(resist_base, layer[set].anchor.pitch)},                         \
+   OPC_FIELD(resist_base, layer[set].anchor.pitch),                          \
+   .given = offsetof(resist_base, layer[set].pitch_given)},                  \
   {.name = prefix "anchor.cd", .type = OPC_REAL, .flags = OPC_ABOVE,         \
    .unit = "nm",                                                             \
    .summary = "printed width wanted; the drawn one if not given",            \
@@ -74,6 +81,16 @@ typedef struct resist_base {
    .summary = "whether dark or bright features of " what " print",           \
    OPC_FIELD(resist_base, layer[set].bright)}
 /* clang-format on */
+
+/* For poly, whose lines are those of gates. */
+#define RESIST_GATES                                                   \
+  OPC_PARAMETER_NAMED(                                                 \
+      "anchor.gates", resist_base, layer[0].gates, .type = OPC_INPUT,  \
+      .choices = "gates",                                              \
+      .given = offsetof(resist_base, layer[0].gates_given),            \
+      .summary =                                                       \
+          "transistors that give the anchor its line and pitch where " \
+          "those are not given: the shortest gate, at its pitch")
 
 #define RESIST_DIFFUSION                                               \
   OPC_PARAMETER(                                                       \

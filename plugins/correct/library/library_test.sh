@@ -207,6 +207,13 @@ check "no database: exit 2" exits 2
 code=$?
 check "no file: exit 5" exits 5
 
+# What depends on more than settings and the cell is not kept.
+rm -f "$work/db"
+run --set 'library.resist.anchor.gates=${cells}'
+code=$?
+check "an anchor of the layout's gates: exit 2" exits 2
+check "and says why" says "resist (resist.threshold): what is kept beyond a run cannot depend on 'cells'"
+
 # Locked by another process.
 rm -f "$work/db"
 run

@@ -62,6 +62,7 @@ static const opc_parameter parameters[] = {
     GIVEN("threshold", RESIST_POLY, 0),
     RESIST_LAYER(1, "active_", "active", "1000 nm", "0 nm"),
     GIVEN("active_threshold", "active", 1),
+    RESIST_GATES,
     RESIST_DIFFUSION,
 };
 

@@ -93,6 +93,111 @@ static void test_given(void) {
   }
 }
 
+/* ---- an anchor from gates ---- */
+
+/* Rows of lines along x, or along y: each { how many, length, pitch, nm }. */
+static eda_gates *rows_of(const int (*row)[3], size_t rows, uint8_t axis) {
+  size_t n = 0, i = 0;
+  for (size_t k = 0; k < rows; k++) n += (size_t)row[k][0];
+  eda_gates *g = eda_gates_new(2, n);
+  g->grid = 0.5;
+  for (size_t k = 0; k < rows; k++)
+    for (int at = 0; at < row[k][0]; at++, i++) {
+      int32_t x = 2 * at * row[k][2], y = (int32_t)k * 2000;
+      eda_box b = {x, y, x + 2 * row[k][1], y + 2000};
+      if (axis != EDA_X) b = (eda_box){b.y0, b.x0, b.y1, b.x1};
+      g->box[i] = b;
+      g->axis[i] = axis;
+      g->length[i] = row[k][1];
+    }
+  return g;
+}
+
+/* The lines of gates as the anchor are the bits of the same numbers. */
+static void check_gates(const int (*row)[3], size_t rows, uint8_t axis,
+                        const char *left, const char *numbers,
+                        const char *said) {
+  g_autoptr(opc_module) litho =
+      lines_litho("{ wavelength: 248 nm, na: 0.7, sigma: 0.6 }");
+  g_autoptr(opc_module) same = prepared(numbers, litho);
+  opc_error error;
+  g_autoptr(opc_module) m = opc_test_module("resist.threshold", left, &error);
+  g_assert_nonnull(m);
+  eda_gates *gates = rows_of(row, rows, axis);
+  opc_test_input(m, "anchor.gates", gates);
+  opc_test_forget();
+  const eda_resist *resist = m->functions;
+  for (int again = 0; again < 2; again++)
+    g_assert_cmpint(resist->prepare(m->self, litho, &error), ==, OPC_OK);
+  if (!strstr(opc_test_log(), said))
+    g_error("'%s' is not in: %s", said, opc_test_log());
+  eda_field a = lines_print(litho, m, EDA_POLY, 150, 430);
+  eda_field b = lines_print(litho, same, EDA_POLY, 150, 430);
+  size_t n = (size_t)a.nx * (size_t)a.ny * sizeof *a.coefficients;
+  g_assert_cmpmem(a.coefficients, n, b.coefficients, n);
+  eda_field_clear(&a);
+  eda_field_clear(&b);
+  eda_gates_free(gates);
+}
+
+#define GATES "gates: '${gates}'"
+
+static void test_gates(void) {
+  /* Most gates are longer; the least pitch of short ones is not their usual
+     one, and short ones with a long one between are no neighbours. */
+  static const int rows[][3] = {
+      {5, 150, 430}, {2, 150, 360}, {9, 500, 780}, {1, 150, 0}};
+  static const int alone[][3] = {{1, 150, 0}, {3, 500, 780}};
+  for (uint8_t axis = EDA_X; axis <= EDA_Y; axis++)
+    check_gates(rows, 4, axis, "{ anchor: { " GATES " } }",
+                "{ anchor: { line: 150 nm, pitch: 430 nm } }",
+                "anchor: 150 nm lines at 430 nm, from the layout's gates (8 of "
+                "the shortest; 4 of 5 pitches between them)");
+  check_gates(rows, 4, EDA_X, "{ anchor: { " GATES ", pitch: 0 nm } }",
+              "{ anchor: { line: 150 nm, pitch: 0 nm } }", "150 nm lines at 0");
+  check_gates(rows, 4, EDA_X, "{ anchor: { " GATES ", line: 180 nm } }",
+              "{ anchor: { line: 180 nm, pitch: 430 nm } }", "180 nm lines");
+  check_gates(rows, 4, EDA_X, "{ anchor: { " GATES ", cd: 140 nm } }",
+              "{ anchor: { line: 150 nm, pitch: 430 nm, cd: 140 nm } }", "");
+  check_gates(alone, 2, EDA_X, "{ anchor: { " GATES " } }",
+              "{ anchor: { line: 150 nm, pitch: 450 nm } }",
+              "pitch is a guess, three lines");
+  check_gates(rows, 4, EDA_X,
+              "{ anchor: { " GATES
+              " }, table: [430 nm, 150 nm, 900 nm, 158 "
+              "nm] }",
+              "{ anchor: { line: 150 nm }, table: [430 nm, 150 nm, 900 nm, "
+              "158 nm] }",
+              "line 150 nm, pitch 900 nm");
+  /* What is given is what counts. */
+  check_gates(rows, 4, EDA_X,
+              "{ anchor: { " GATES ", line: 130 nm, pitch: 310 nm } }",
+              "{ anchor: { line: 130 nm, pitch: 310 nm } }", "poly prints");
+  g_assert_null(strstr(opc_test_log(), "from the layout"));
+}
+
+static void test_bad_gates(void) {
+  static const int none[][3] = {{0, 0, 0}}, close[][3] = {{3, 150, 430}};
+  g_autoptr(opc_module) litho = lines_hopkins();
+  opc_error error;
+  for (int k = 0; k < 2; k++) {
+    g_autoptr(opc_module) m =
+        opc_test_module("resist.threshold",
+                        k ? "{ anchor: { " GATES ", pitch: 150 nm } }"
+                          : "{ anchor: { " GATES " } }",
+                        &error);
+    eda_gates *gates = rows_of(k ? close : none, 1, EDA_X);
+    opc_test_input(m, "anchor.gates", gates);
+    const eda_resist *resist = m->functions;
+    g_assert_cmpint(resist->prepare(m->self, litho, &error), ==, OPC_INVALID);
+    g_assert_cmpstr(error.message, ==,
+                    k ? "'anchor', lines of 150 nm at 150 nm: there is no "
+                        "space between its lines"
+                      : "there is no transistor to take the anchor from");
+    eda_gates_free(gates);
+  }
+}
+
 /* An anchor that the optics cannot resolve, and one without space. */
 static void test_refused(void) {
   g_autoptr(opc_module) litho = lines_hopkins();
@@ -247,6 +352,8 @@ static void test_bad_tables(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/threshold/anchor", test_anchor);
+  g_test_add_func("/threshold/gates", test_gates);
+  g_test_add_func("/threshold/bad_gates", test_bad_gates);
   g_test_add_func("/threshold/truth", test_truth);
   g_test_add_func("/threshold/through-pitch", test_through_pitch);
   g_test_add_func("/threshold/given", test_given);

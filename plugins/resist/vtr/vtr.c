@@ -122,6 +122,7 @@ static const opc_parameter parameters[] = {
     COEFFICIENTS("", 0),
     RESIST_LAYER(1, "active_", "active", "1000 nm", "0 nm"),
     COEFFICIENTS("active_", 1),
+    RESIST_GATES,
     RESIST_DIFFUSION,
     OPC_PARAMETER_NAMED("radius", resist, local.radius, .type = OPC_REAL,
                         .flags = OPC_ABOVE | OPC_AT_MOST, .unit = "nm",

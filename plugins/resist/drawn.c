@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* From gates to the line and the pitch that most of the short ones have. */
+#include "drawn.h"
+
+#include <eda/index.h>
+#include <eda/memory.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* nm: who is further away is no neighbour. As far as the lines of a grating
+   that counts as isolated (calibrate.c). */
+static const double reach = 4000;
+
+/* Lines in a pitch, of a layout whose gates all stand alone. Processes have 2.4
+   (130 nm at 310), 2.9 (150 at 430), 3.8 (65 at 250, 90 at 342). */
+static const double lines_in_pitch = 3;
+
+/* A box with the gate's length along x. */
+static eda_box turned(const eda_gates *g, size_t i) {
+  eda_box b = g->box[i];
+  return g->axis[i] == EDA_X ? b : (eda_box){b.y0, b.x0, b.y1, b.x1};
+}
+
+/* Twice the distance to the middle of the next gate above i along its length,
+   in grid steps; 0 if there is none, or one that is longer than `most` nm. */
+static int64_t pitch_of(const eda_gates *g, const eda_index *index, size_t i,
+                        double most) {
+  eda_box own = turned(g, i), window = own;
+  int64_t best = 0;
+  size_t next = i;
+  window.x1 = (int32_t)fmin(own.x1 + ceil(reach / g->grid), INT32_MAX);
+  if (g->axis[i] != EDA_X)
+    window = (eda_box){window.y0, window.x0, window.y1, window.x1};
+  eda_finder f = eda_index_find(index, window);
+  for (uint32_t j; eda_index_next(&f, &j);) {
+    if (g->axis[j] != g->axis[i]) continue;
+    eda_box b = turned(g, j);
+    int64_t by = (int64_t)b.x0 + b.x1 - own.x0 - own.x1;
+    if (b.x0 < own.x1 || b.y0 >= own.y1 || b.y1 <= own.y0) continue;
+    if (best && by >= best) continue;
+    best = by;
+    next = j;
+  }
+  return g->length[next] <= most ? best : 0;
+}
+
+static int by_size(const void *a, const void *b) {
+  int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
+  return (x > y) - (x < y);
+}
+
+/* The most frequent of n numbers, n > 0, the least of those that are equally
+   so; they are sorted. */
+static int64_t most_frequent(int64_t *all, size_t n, size_t *times) {
+  int64_t best = 0;
+  *times = 0;
+  qsort(all, n, sizeof *all, by_size);
+  for (size_t from = 0, to; from < n; from = to) {
+    for (to = from; to < n && all[to] == all[from];) to++;
+    if (to - from <= *times) continue;
+    *times = to - from;
+    best = all[from];
+  }
+  return best;
+}
+
+int resist_drawn_of(const eda_gates *g, resist_drawn *out) {
+  *out = (resist_drawn){.line = INFINITY};
+  if (!g->count) return 0;
+  for (size_t i = 0; i < g->count; i++)
+    out->line = fmin(out->line, g->length[i]);
+  double most = out->line + g->grid / 2; /* the same on the mask's grid */
+  int64_t *pitch = eda_alloc(g->count, sizeof *pitch);
+  eda_index *index = eda_index_new(g->box, g->count,
+                                   (int32_t)fmin(reach / g->grid, INT32_MAX));
+  for (size_t i = 0; i < g->count; i++) {
+    if (g->length[i] > most) continue;
+    out->gates++;
+    int64_t twice = pitch_of(g, index, i, most);
+    if (twice) pitch[out->pitches++] = twice;
+  }
+  out->pitch = out->pitches
+                   ? (double)most_frequent(pitch, out->pitches, &out->alike) *
+                         g->grid / 2
+                   : lines_in_pitch * out->line;
+  eda_index_free(index);
+  free(pitch);
+  return 1;
+}
