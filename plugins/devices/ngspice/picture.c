@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Charts over length: the on and the off currents, on logarithmic axes, as both
-   change by their share with each nm; and the capacitance of the gate. */
+/* Charts over length, of the on and the off currents and of the capacitance of
+   the gate, on logarithmic axes, as they change by their share with each nm. */
 #include <eda/drawing.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -55,6 +55,7 @@ static void draw_chart(eda_chart *c, const plan *p, const currents *all,
                        int current) {
   static const char *const names[QUANTITIES] = {"Ion", "Ioff", "Cgate"};
   char title[128], width[48];
+  c->y.unit = current == CGATE ? "F" : "A";
   fit_axis(&c->y, p, all, current);
   (void)snprintf(width, sizeof width,
                  p->widths > 1 ? "%.6g to %.6g um, by um" : "%.6g um",
@@ -62,8 +63,6 @@ static void draw_chart(eda_chart *c, const plan *p, const currents *all,
   (void)snprintf(title, sizeof title, "%s of W = %s, Vgs %s%g V, Vds %g V",
                  names[current], width, current == CGATE ? "0 to " : "",
                  p->bias[current].gate, p->bias[current].drain);
-  c->y.log = current != CGATE;
-  c->y.unit = current == CGATE ? "F" : "A";
   c->title = title;
   eda_chart_axes(c);
   c->title = NULL;
@@ -104,13 +103,12 @@ int picture_draw(const plan *p, const currents *all, const char *name,
   if (!paper) return error->code;
   paper->margin = 70;
   draw_key(paper, p, all, 5 + eda_heading(paper, 5, name));
-  eda_chart c = {
-      .paper = paper,
-      .top = 90,
-      .width = 460,
-      .height = 410,
-      .x.title = "drawn length, nm",
-  };
+  eda_chart c = {.paper = paper,
+                 .top = 90,
+                 .width = 460,
+                 .height = 410,
+                 .x.title = "drawn length, nm",
+                 .y.log = 1};
   /* Short ones are looked at closely, too. */
   c.x.log = p->length[p->count - 1] > 10 * p->length[all->first];
   eda_axis_fit(&c.x, p->length + all->first, p->count - all->first);

@@ -142,9 +142,8 @@ static void put_table(FILE *out, const plan *p, const currents *c,
     put_bias(out, names[i], &p->bias[i], p->supply);
   if (p->with_cgate)
     fputs(
-        "cgate: \"charge of the gate over Vgs = 0 to supply, by the supply; "
-        "Vds "
-        "= supply\"\n",
+        "cgate: \"charge of the gate over Vgs = 0 to supply, by the supply, at "
+        "Vds = supply\"\n",
         out);
   fputs("length: {unit: nm, values: ", out);
   put_list(out, p->length + c->first, p->count - c->first, 0, 28);
