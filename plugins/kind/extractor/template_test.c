@@ -7,7 +7,12 @@
 int main(void) {
   opc_error error = {0};
   double width[] = {100, 100}, length[] = {60, 30}, edge[] = {50, 50};
-  const eda_slices slices = {2, 1, (uint8_t[2]){0}, width, length, edge};
+  const eda_slices slices = {.count = 2,
+                             .slices = 1,
+                             .type = (uint8_t[2]){0},
+                             .width = width,
+                             .length = length,
+                             .edge = edge};
   eda_performance p;
   eda_performance_init(&p, 2);
   opc_module *m = opc_test_module("@ID@", "{ alpha: 1 }", &error);

@@ -247,10 +247,11 @@ static void tell(const hopkins *h, const cut *c) {
         "than the %.1e asked for%s",
         c->kernels->count, c->error, c->wanted, focus);
   if (h->optics.source == OPTICS_LIST && !h->n_cuts)
-    h->host->log(h->host, OPC_LOG_WARNING,
-                 "litho.hopkins: the rims of the pupils of single source points "
-                 "are blurred, which the error leaves out: up to 1 %% of the "
-                 "clear field for a few points; litho.abbe has them sharp");
+    h->host->log(
+        h->host, OPC_LOG_WARNING,
+        "litho.hopkins: the rims of the pupils of single source points "
+        "are blurred, which the error leaves out: up to 1 %% of the "
+        "clear field for a few points; litho.abbe has them sharp");
 }
 
 /* One more; the lock is held, or nobody else knows of the instance. */
