@@ -180,7 +180,7 @@ static void compare_charge(const char *table, const char *models,
       break;
     }
     worst = fmax(worst, fabs(got / want - 1));
-    if (!(fabs(got / want - 1) < 5e-3))
+    if (!(fabs(got / want - 1) < 5e-4))
       g_error("%c, L %g W %g nm: %g F, not %g F (%+.3f %%)", "np"[type], length,
               width, got, want, 100 * (got / want - 1));
   }

@@ -224,6 +224,30 @@ static void test_cgate_one_width(void) {
   eda_devices_free(d);
 }
 
+/* Bent ones: it is the nodes around that count. fF. */
+static void test_cgate_bent(void) {
+  static const char lines[] =
+      "  cgate: { unit: fF, values: [[1, 2], [3, 5], [40, 60]] }\n";
+  static const char line[] = "  cgate: { unit: fF, values: [10, 20, 100] }\n";
+  opc_error error;
+  const char *pmos = strstr(wide, "pmos:");
+  g_autofree char *head = g_strndup(wide, (gsize)(pmos - wide));
+  g_autofree char *text = g_strconcat(head, lines, pmos, lines, NULL);
+  eda_devices *d = load(text, &error);
+  if (!d) g_error("%s", error.message);
+  check_made_up(d, EDA_NMOS, 55, 750, 2.75e-15);
+  check_made_up(d, EDA_PMOS, 55, 5500, 27e-15);
+  eda_devices_free(d);
+  pmos = strstr(good, "pmos:");
+  g_autofree char *start = g_strndup(good, (gsize)(pmos - good));
+  g_autofree char *other = g_strconcat(start, line, pmos, line, NULL);
+  d = load(other, &error);
+  if (!d) g_error("%s", error.message);
+  check_made_up(d, EDA_NMOS, 54.5, 1e4, 15e-15);
+  check_made_up(d, EDA_PMOS, 532.5, 1e4, 60e-15);
+  eda_devices_free(d);
+}
+
 static void test_cgate_faults(void) {
   g_autofree char *n = with_cgate(good, N, 1, one_width, 3, few_lengths);
   g_autofree char *p = with_cgate(good, P, 1, one_width, 3, few_lengths);
@@ -304,6 +328,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/devices/flavours", test_flavours);
   g_test_add_func("/devices/cgate", test_cgate);
   g_test_add_func("/devices/cgate-one-width", test_cgate_one_width);
+  g_test_add_func("/devices/cgate-bent", test_cgate_bent);
   g_test_add_func("/devices/cgate-faults", test_cgate_faults);
   g_test_add_func("/devices/missing", test_missing);
   int failed = g_test_run();
