@@ -131,6 +131,88 @@ static void test_widths(void) {
   eda_devices_free(d);
 }
 
+/* ---- capacitance of the gate ---- */
+
+/* What the gate of one transistor takes while it is driven in a nanosecond from
+   0 to `supply`, by it: the command `ngspice` and a transient, in which a
+   capacitor of 1 fF gathers its current (integrated as charges are) and leakage
+   is too small to count. NAN if there is no such command. */
+static double charge(const char *models, const char *name, int type,
+                     double length, double width, double supply) {
+  g_autofree char *program = g_find_program_in_path("ngspice");
+  if (!program) return NAN;
+  double v = type ? -supply : supply;
+  g_autofree char *deck = g_strdup_printf(
+      "by hand\n.lib \"%s\" tt\n.options gmin=1e-20 reltol=1e-5\n"
+      "x1 d g 0 0 %s l=%.9g w=%.9g\nvd d 0 %g\n"
+      "vg g 0 pwl(0 0 0.1n 0 1.1n %g 1.2n %g)\n"
+      "f1 0 gathered vg 1\nc1 gathered 0 1f\nr1 gathered 0 1e12\n.control\n"
+      "set numdgt=12\n"
+      "tran 20p 1.2n 0 20p\nlet n = length(v(gathered)) - 1\n"
+      "let taken = v(gathered)[n] - v(gathered)[0]\nprint taken\n.endc\n"
+      ".end\n",
+      models, name, length / 1000, width / 1000, v, v, v);
+  g_autofree char *path = g_build_filename(opc_test_folder(), "q.sp", NULL);
+  g_autofree char *out = NULL;
+  g_assert_true(g_file_set_contents(path, deck, -1, NULL));
+  const char *argv[] = {program, "-b", path, NULL};
+  g_assert_true(g_spawn_sync(opc_test_folder(), (char **)argv, NULL,
+                             G_SPAWN_STDERR_TO_DEV_NULL, NULL, NULL, &out, NULL,
+                             NULL, NULL));
+  const char *at = strstr(out, "taken = ");
+  if (!at) g_error("%s", out);
+  return fabs(1e-15 * g_ascii_strtod(at + 8, NULL)) / supply;
+}
+
+/* Of transistors between the table's lengths and widths. */
+static void compare_charge(const char *table, const char *models,
+                           const char *const names[2], double voltage,
+                           const double sizes[][2], size_t count) {
+  eda_devices *d = load(table);
+  double worst = 0;
+  for (size_t i = 0; i < 2 * count; i++) {
+    int type = i % 2;
+    double length = sizes[i / 2][0], width = sizes[i / 2][1];
+    double got = eda_devices_cgate(d, type, length, width);
+    double want = charge(models, names[type], type, length, width, voltage);
+    if (isnan(want)) {
+      g_test_skip("no command 'ngspice'");
+      break;
+    }
+    worst = fmax(worst, fabs(got / want - 1));
+    if (!(fabs(got / want - 1) < 5e-4))
+      g_error("%c, L %g W %g nm: %g F, not %g F (%+.3f %%)", "np"[type], length,
+              width, got, want, 100 * (got / want - 1));
+  }
+  g_test_message("Cgate: at most %.4f %% off", 100 * worst);
+  eda_devices_free(d);
+}
+
+static void test_capacitance(void) {
+  static const char *const names[2] = {"n", "p"};
+  static const double sizes[][2] = {{105, 1234}, {127, 1600}, {144, 2900}};
+  opc_error error;
+  if (!have_ngspice()) return;
+  if (make("length: { list: [100 nm, 110 nm, 120 nm, 135 nm, 149 nm] }, "
+           "capacitance: true, widths: [1 um, 1.5 um, 3 um], "
+           "reference: { length: 120 nm, width: 1.5 um }",
+           "c.yaml", &error))
+    g_error("%s", error.message);
+  /* The plain simulator would draw by lot. */
+  g_auto(GStrv) parts = g_strsplit(library, "{agauss(0.4,0.5,1)}", 2);
+  g_autofree char *nominal = g_strjoinv("0.4", parts);
+  g_autofree char *path = g_build_filename(opc_test_folder(), "nom.lib", NULL);
+  g_assert_true(g_file_set_contents(path, nominal, -1, NULL));
+  compare_charge("c.yaml", path, names, 1, sizes, G_N_ELEMENTS(sizes));
+  eda_devices *d = load("c.yaml");
+  for (int t = 0; t < 2; t++) {
+    double want = eda_devices_cgate(d, t, 120, 1500);
+    double got = opc_test_metric(t ? "cgate_p" : "cgate_n");
+    g_assert_cmpfloat(fabs(got / want - 1), <, 1e-6);
+  }
+  eda_devices_free(d);
+}
+
 static void refused(const char *rest, const char *why) {
   opc_error error;
   int code = make(rest, "refused.yaml", &error);
@@ -283,6 +365,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/library/ends", test_ends);
   g_test_add_func("/library/widths", test_widths);
+  g_test_add_func("/library/capacitance", test_capacitance);
   g_test_add_func("/library/refused", test_refused);
   g_test_add_func("/library/sky130", test_sky130);
   return g_test_run();

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* devices.ngspice: from a model card or a foundry's library of models to a
    device table, the on and off currents of transistors against their length,
-   and their width (thesis 2.2.1). */
+   and their width (thesis 2.2.1), and the capacitance of their gates. */
 #include "ngspice.h"
 
 #include <eda/drawing.h>
@@ -22,7 +22,7 @@ enum { MOST_LENGTHS = 2000, LEAST_LENGTHS = 3 };
 static const char *const types[TYPES] = {[EDA_NMOS] = "n", [EDA_PMOS] = "p"};
 
 typedef struct point {
-  double width, length, current[TYPES][EDA_CURRENTS];
+  double width, length, current[TYPES][QUANTITIES];
 } point;
 
 static int tell_table(const plan *p, const currents *c, opc_error *error) {
@@ -32,9 +32,9 @@ static int tell_table(const plan *p, const currents *c, opc_error *error) {
     size_t w = i / count, l = c->first + i % count;
     rows[i].width = p->each_width[w];
     rows[i].length = p->length[l];
-    for (int k = 0; k < TYPES * EDA_CURRENTS; k++)
-      rows[i].current[k / EDA_CURRENTS][k % EDA_CURRENTS] =
-          c->at[k / EDA_CURRENTS][k % EDA_CURRENTS][w * p->count + l];
+    for (int k = 0; k < TYPES * QUANTITIES; k++)
+      rows[i].current[k / QUANTITIES][k % QUANTITIES] =
+          c->at[k / QUANTITIES][k % QUANTITIES][w * p->count + l];
   }
   const opc_column columns[] = {
       {"length", "nm", OPC_REAL, -1, &rows->length},
@@ -43,9 +43,12 @@ static int tell_table(const plan *p, const currents *c, opc_error *error) {
       {"ion_p", "A", OPC_REAL, -1, &rows->current[EDA_PMOS][EDA_ION]},
       {"ioff_p", "A", OPC_REAL, -1, &rows->current[EDA_PMOS][EDA_IOFF]},
       {"width", "nm", OPC_REAL, -1, &rows->width},
+      {"cgate_n", "F", OPC_REAL, -1, &rows->current[EDA_NMOS][CGATE]},
+      {"cgate_p", "F", OPC_REAL, -1, &rows->current[EDA_PMOS][CGATE]},
   };
-  int code = opc_put_rows(p->host, "devices", 0, n, sizeof *rows,
-                          OPC_ARRAY(columns), error);
+  size_t told = sizeof columns / sizeof *columns - (p->with_cgate ? 0 : 2);
+  int code = opc_put_rows(p->host, "devices", 0, n, sizeof *rows, columns, told,
+                          error);
   free(rows);
   return code;
 }
@@ -61,7 +64,7 @@ static void tell_extended(const plan *p, const currents *c) {
 static int tell_reference(const plan *p, const currents *c, opc_error *error) {
   const double *n = c->reference[EDA_NMOS], *pm = c->reference[EDA_PMOS];
   struct {
-    double length, width, ion, ioff, on_slope, off_slope;
+    double length, width, ion, ioff, on_slope, off_slope, cgate;
     const char *type;
   } row[TYPES];
   if (!(p->reference_length > 0)) return OPC_OK;
@@ -71,13 +74,14 @@ static int tell_reference(const plan *p, const currents *c, opc_error *error) {
     row[t].width = p->reference_width;
     row[t].ion = 1e6 * c->reference[t][EDA_ION];
     row[t].ioff = 1e9 * c->reference[t][EDA_IOFF];
+    row[t].cgate = 1e15 * c->reference[t][CGATE];
     row[t].on_slope = table_slope(p, c, t, EDA_ION, p->reference_length);
     row[t].off_slope = table_slope(p, c, t, EDA_IOFF, p->reference_length);
   }
-  const opc_metric_value values[] = {{"ion_n", n[EDA_ION]},
-                                     {"ioff_n", n[EDA_IOFF]},
-                                     {"ion_p", pm[EDA_ION]},
-                                     {"ioff_p", pm[EDA_IOFF]}};
+  const opc_metric_value values[] = {
+      {"ion_n", n[EDA_ION]},  {"ioff_n", n[EDA_IOFF]},
+      {"ion_p", pm[EDA_ION]}, {"ioff_p", pm[EDA_IOFF]},
+      {"cgate_n", n[CGATE]},  {"cgate_p", pm[CGATE]}};
   const opc_column columns[] = {
       {"type", NULL, OPC_TEXT, 0, &row->type},
       {"L", "nm", OPC_REAL, 1, &row->length},
@@ -86,11 +90,13 @@ static int tell_reference(const plan *p, const currents *c, opc_error *error) {
       {"dIon/dL", "%/nm", OPC_REAL, 2, &row->on_slope},
       {"Ioff", "nA", OPC_REAL, 3, &row->ioff},
       {"dIoff/dL", "%/nm", OPC_REAL, 1, &row->off_slope},
+      {"Cgate", "fF", OPC_REAL, 3, &row->cgate},
   };
-  int code = opc_put_metrics(p->host, OPC_ARRAY(values), error);
+  size_t told = sizeof columns / sizeof *columns - (p->with_cgate ? 0 : 1);
+  int code = opc_put_metrics(p->host, values, p->with_cgate ? 6 : 4, error);
   return code ? code
               : opc_put_rows(p->host, "reference", OPC_TABLE_PRINT, TYPES,
-                             sizeof *row, OPC_ARRAY(columns), error);
+                             sizeof *row, columns, told, error);
 }
 
 /* ---- work: a run ---- */
@@ -146,15 +152,15 @@ static int run(void *self, void **outputs, opc_error *error) {
   plan *p = self;
   currents c = {0};
   (void)outputs;
-  for (int k = 0; k < TYPES * EDA_CURRENTS; k++)
-    c.at[k / EDA_CURRENTS][k % EDA_CURRENTS] =
+  for (int k = 0; k < TYPES * QUANTITIES; k++)
+    c.at[k / QUANTITIES][k % QUANTITIES] =
         eda_alloc(p->widths * p->count, sizeof(double));
   int code = find_files(p, error);
   if (!code && p->library) code = read_library(p, error);
   if (!code) code = simulate(p, &c, error);
   if (!code) code = write_all(p, &c, error);
-  for (int k = 0; k < TYPES * EDA_CURRENTS; k++)
-    free(c.at[k / EDA_CURRENTS][k % EDA_CURRENTS]);
+  for (int k = 0; k < TYPES * QUANTITIES; k++)
+    free(c.at[k / QUANTITIES][k % QUANTITIES]);
   return code;
 }
 
@@ -219,6 +225,10 @@ static const opc_parameter parameters[] = {
      .preset = "0 V"},
     {VOLTAGE("ioff.vds", bias[EDA_IOFF].drain,
              "drain voltage of Ioff (default: the supply)")},
+    {TEXT("capacitance", OPC_BOOL, with_cgate,
+          "also measure the capacitance of the gate: its charge over a swing "
+          "from 0 to the supply, by the supply, with the drain at the supply"),
+     .preset = "false"},
     {LENGTH("reference.length", reference_length,
             "length of the transistors whose currents are metrics")},
     {LENGTH("reference.width", reference_width, "their width"),
@@ -241,6 +251,8 @@ static const opc_metric metrics[] = {
     {"ion_p", "A", OPC_NEUTRAL, 0, "Ion of the reference p-transistor"},
     {"ioff_n", "A", OPC_NEUTRAL, 0, "Ioff of the reference n-transistor"},
     {"ioff_p", "A", OPC_NEUTRAL, 0, "Ioff of the reference p-transistor"},
+    {"cgate_n", "F", OPC_NEUTRAL, 0, "Cgate of the reference n-transistor"},
+    {"cgate_p", "F", OPC_NEUTRAL, 0, "Cgate of the reference p-transistor"},
     {"shortest", "nm", OPC_LOWER, 0, "length that the table begins with"},
 };
 
@@ -349,6 +361,7 @@ static int check(void *self, opc_error *error) {
                         &p->bias[EDA_IOFF].drain};
   for (size_t i = 0; i < sizeof voltages / sizeof *voltages; i++)
     if (isnan(*voltages[i])) *voltages[i] = p->supply;
+  p->bias[CGATE] = (bias){p->supply, p->supply};
   int code = eda_paper_check(p->picture, "picture", error);
   if (!code) code = check_source(p, error);
   if (!code) code = check_texts(p, error);

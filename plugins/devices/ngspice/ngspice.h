@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The pieces of devices.ngspice. Lengths in nm, currents in A of the transistor
-   that was simulated. */
+/* The pieces of devices.ngspice. Lengths in nm, currents in A and capacitances
+   in F of the transistor that was simulated. */
 #ifndef OPCFLOW_DEVICES_NGSPICE_H
 #define OPCFLOW_DEVICES_NGSPICE_H
 
@@ -8,7 +8,9 @@
 #include <eda/models.h>
 #include <opcflow/step.h>
 
-enum { TYPES = 2 };
+/* What is measured: eda's currents and, if told to, the capacitance of the
+   gate. */
+enum { TYPES = 2, CGATE = EDA_CURRENTS, QUANTITIES };
 
 /* Where the models end, or a current that has to rise with decreasing length
    does not. */
@@ -35,7 +37,8 @@ typedef struct plan {
   double supply, temperature, width; /* V, C, nm */
   double from, to, step;
   opc_reals list;
-  bias bias[EDA_CURRENTS];
+  bias bias[QUANTITIES]; /* of CGATE: where the swing of the gate ends */
+  int with_cgate;
   double reference_length, reference_width;    /* NAN: none */
   const char *name, *file, *picture, *flavour; /* NULL: of none */
   double limit;                                /* s */
@@ -49,14 +52,19 @@ typedef struct plan {
 
 typedef struct currents {
   /* [width * count + length] */
-  double *at[TYPES][EDA_CURRENTS];
-  double reference[TYPES][EDA_CURRENTS];
+  double *at[TYPES][QUANTITIES];
+  double reference[TYPES][QUANTITIES];
   char simulator[32]; /* "ngspice-39" */
   size_t first;       /* of the plan's lengths that the table begins with */
   /* The first that was simulated at all widths; before it the slope goes on. */
   size_t simulated[TYPES];
   double narrowest[TYPES]; /* nm; narrower ones go on by slope; 0: none does */
 } currents;
+
+/* How many quantities there are. */
+static inline int quantities(const plan *p) {
+  return p->with_cgate ? QUANTITIES : EDA_CURRENTS;
+}
 
 /* Those of the widest. */
 static inline const double *widest(const plan *p, const currents *c, int type,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Two charts over length: the on and the off currents, on logarithmic axes, as
-   both change by their share with each nm. */
+/* Charts over length, of the on and the off currents and of the capacitance of
+   the gate, on logarithmic axes, as they change by their share with each nm. */
 #include <eda/drawing.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -9,7 +9,8 @@
 
 #include "ngspice.h"
 
-static const double paper_width = 1200, paper_height = 560;
+static const double paper_height = 560;
+static const double chart_step = 590; /* from one chart to the next */
 
 /* Of the n-transistor and the p-transistor. */
 static eda_colour colour_of(int type) {
@@ -52,13 +53,15 @@ static void fit_axis(eda_axis *y, const plan *p, const currents *all,
 
 static void draw_chart(eda_chart *c, const plan *p, const currents *all,
                        int current) {
+  static const char *const names[QUANTITIES] = {"Ion", "Ioff", "Cgate"};
   char title[128], width[48];
+  c->y.unit = current == CGATE ? "F" : "A";
   fit_axis(&c->y, p, all, current);
   (void)snprintf(width, sizeof width,
                  p->widths > 1 ? "%.6g to %.6g um, by um" : "%.6g um",
                  p->each_width[0] / 1000, p->width / 1000);
-  (void)snprintf(title, sizeof title, "%s of W = %s, Vgs %g V, Vds %g V",
-                 current == EDA_ION ? "Ion" : "Ioff", width,
+  (void)snprintf(title, sizeof title, "%s of W = %s, Vgs %s%g V, Vds %g V",
+                 names[current], width, current == CGATE ? "0 to " : "",
                  p->bias[current].gate, p->bias[current].drain);
   c->title = title;
   eda_chart_axes(c);
@@ -93,23 +96,25 @@ static void draw_key(const eda_paper *paper, const plan *p, const currents *all,
 int picture_draw(const plan *p, const currents *all, const char *name,
                  opc_error *error) {
   const char *path = p->host->output_path(p->host, p->picture, error);
-  eda_paper *paper =
-      path ? eda_paper_open(path, paper_width, paper_height, 15, error) : NULL;
+  eda_paper *paper = path
+                         ? eda_paper_open(path, 20 + chart_step * quantities(p),
+                                          paper_height, 15, error)
+                         : NULL;
   if (!paper) return error->code;
   paper->margin = 70;
   draw_key(paper, p, all, 5 + eda_heading(paper, 5, name));
   eda_chart c = {.paper = paper,
-                 .left = 100,
                  .top = 90,
                  .width = 460,
                  .height = 410,
                  .x.title = "drawn length, nm",
-                 .y = {.log = 1, .unit = "A"}};
+                 .y.log = 1};
   /* Short ones are looked at closely, too. */
   c.x.log = p->length[p->count - 1] > 10 * p->length[all->first];
   eda_axis_fit(&c.x, p->length + all->first, p->count - all->first);
-  draw_chart(&c, p, all, EDA_ION);
-  c.left = 690;
-  draw_chart(&c, p, all, EDA_IOFF);
+  for (int k = 0; k < quantities(p); k++) {
+    c.left = 100 + chart_step * k;
+    draw_chart(&c, p, all, k);
+  }
   return eda_paper_close(paper, OPC_OK, error);
 }

@@ -25,8 +25,14 @@ typedef struct job {
 
 static const char *const type_names[TYPES] = {
     [EDA_NMOS] = "n", [EDA_PMOS] = "p"};
-static const char *const current_names[EDA_CURRENTS] = {
-    [EDA_ION] = "Ion", [EDA_IOFF] = "Ioff"};
+static const char *const current_names[QUANTITIES] = {
+    [EDA_ION] = "Ion", [EDA_IOFF] = "Ioff", [CGATE] = "Cgate"};
+
+/* The gate is excited so slowly that no resistance of it counts, and its
+   capacitance taken in the middle of each of so many parts of the swing: twice
+   as many change it by less than 1e-4. */
+enum { SWING = 32 };
+static const double frequency = 1e6; /* Hz */
 
 static double width_of(const job *j) { return j->p->each_width[j->width]; }
 
@@ -39,7 +45,21 @@ static int has_reference(const job *j) {
   return j->p->reference_length > 0 && j->width + 1 == j->p->widths;
 }
 
+/* Analyses for one transistor. */
+static size_t analyses(const job *j) { return j->current == CGATE ? SWING : 1; }
+
 static double sign_of(const job *j) { return j->type == EDA_PMOS ? -1 : 1; }
+
+/* The commands of these analyses. The gate's charge over the swing is the sum
+   of small-signal capacitances, in which leakage, being in phase, has no part.
+ */
+static void put_analyses(const job *j, GString *out) {
+  double end = sign_of(j) * j->p->bias[j->current].gate;
+  if (j->current != CGATE) g_string_append(out, "op\n");
+  for (int i = 0; j->current == CGATE && i < SWING; i++)
+    g_string_append_printf(out, "alter vgate = %.17g\nac lin 1 %g %g\n",
+                           (i + 0.5) / SWING * end, frequency, frequency);
+}
 
 /* ---- a card ---- */
 
@@ -53,7 +73,7 @@ static char *make_deck(const job *j) {
       ".options temp=%.17g gmin=1e-15 reltol=1e-6 abstol=1e-15\n"
       "m1 drain gate 0 0 %s w=%.17gn l=%.17gn\n"
       "vdrain drain 0 %.17g\n"
-      "vgate gate 0 %.17g\n"
+      "vgate gate 0 %.17g ac 1 90\n"
       ".end\n",
       p->path[j->type], p->temperature, p->model[j->type], width_of(j),
       p->length[p->count - 1], sign * b->drain, sign * b->gate);
@@ -69,12 +89,16 @@ static char *make_commands(const job *j) {
                            p->overrides.pairs[i].value);
   if (has_reference(j))
     g_string_append_printf(out,
-                           "alter @m1[w] = %.17gn\nalter @m1[l] = %.17gn\nop\n"
-                           "alter @m1[w] = %.17gn\n",
-                           p->reference_width, p->reference_length,
-                           width_of(j));
-  for (size_t i = p->count; i-- > 0;)
-    g_string_append_printf(out, "alter @m1[l] = %.17gn\nop\n", p->length[i]);
+                           "alter @m1[w] = %.17gn\nalter @m1[l] = %.17gn\n",
+                           p->reference_width, p->reference_length);
+  if (has_reference(j)) {
+    put_analyses(j, out);
+    g_string_append_printf(out, "alter @m1[w] = %.17gn\n", width_of(j));
+  }
+  for (size_t i = p->count; i-- > 0;) {
+    g_string_append_printf(out, "alter @m1[l] = %.17gn\n", p->length[i]);
+    put_analyses(j, out);
+  }
   return g_string_free(out, FALSE);
 }
 
@@ -86,11 +110,17 @@ static double rounded(double x) {
   return g_ascii_strtod(text, NULL);
 }
 
-static double current_of(const job *j, const eda_spice_plot *plot,
-                         const char *name) {
-  const eda_spice_vector *v = eda_spice_vector_find(plot, name);
-  double into = v && v->count ? -v->value[0] : (double)NAN;
-  return rounded(sign_of(j) * into);
+/* From the analyses of a transistor: the current of a source at its drain, or
+   at its gate, where a quarter of a period ahead is the real part. */
+static double value_of(const job *j, const eda_spice_plot *plot,
+                       const char *name) {
+  double sum = 0;
+  for (size_t i = 0; i < analyses(j); i++) {
+    const eda_spice_vector *v = eda_spice_vector_find(&plot[i], name);
+    sum += v && v->count ? v->value[0] : (double)NAN;
+  }
+  return rounded(j->current == CGATE ? sum / (2 * G_PI * frequency * SWING)
+                                     : -sign_of(j) * sum);
 }
 
 static void keep_simulator(const job *j, const eda_spice_result *r) {
@@ -103,16 +133,17 @@ static void keep_simulator(const job *j, const eda_spice_result *r) {
 static void run_card(job *j) {
   eda_spice_result r = {0};
   g_autofree char *deck = make_deck(j), *commands = make_commands(j);
+  const char *source = j->current == CGATE ? "i(vgate)" : "i(vdrain)";
   size_t skip = (size_t)has_reference(j), count = j->p->count;
   j->code = eda_spice_run(j->p->host->context, deck, commands, j->p->limit, &r,
                           &j->error);
-  if (skip && r.count)
-    j->out->reference[j->type][j->current] =
-        current_of(j, &r.plot[0], "i(vdrain)");
-  for (size_t i = skip; i < r.count && i < skip + count; i++)
+  size_t done = r.count / analyses(j);
+  if (skip && done)
+    j->out->reference[j->type][j->current] = value_of(j, r.plot, source);
+  for (size_t i = skip; i < done && i < skip + count; i++)
     currents_of(j)[count - 1 + skip - i] =
-        current_of(j, &r.plot[i], "i(vdrain)");
-  j->done = r.count > skip ? r.count - skip : 0;
+        value_of(j, &r.plot[i * analyses(j)], source);
+  j->done = done > skip ? done - skip : 0;
   keep_simulator(j, &r);
   eda_spice_clear(&r);
 }
@@ -145,11 +176,11 @@ static void put_device(const job *j, GString *out, size_t i, double length,
   const plan *p = j->p;
   double unit = eda_models_unit(p->models);
   int kind = eda_models_kind(p->models, p->model[j->type]);
-  g_string_append_printf(out, "%c%zu d%zu gate 0 0 %s w=%.12g l=%.12g\n",
-                         kind == EDA_MODEL_SUBCIRCUIT ? 'x' : 'm', i, i,
+  g_string_append_printf(out, "%c%zu d%zu g%zu 0 0 %s w=%.12g l=%.12g\n",
+                         kind == EDA_MODEL_SUBCIRCUIT ? 'x' : 'm', i, i, i,
                          p->model[j->type], width / unit, length / unit);
-  g_string_append_printf(out, "v%zu d%zu 0 %.17g\n", i, i,
-                         sign_of(j) * p->bias[j->current].drain);
+  g_string_append_printf(out, "vg%zu g%zu gate 0\nv%zu d%zu 0 %.17g\n", i, i, i,
+                         i, sign_of(j) * p->bias[j->current].drain);
 }
 
 static char *library_deck(const job *j, size_t first) {
@@ -171,7 +202,7 @@ static char *library_deck(const job *j, size_t first) {
   g_string_append_printf(
       out, ".options temp=%.17g gmin=1e-20 reltol=1e-6 abstol=1e-19\n",
       p->temperature);
-  g_string_append_printf(out, "vgate gate 0 %.17g\n",
+  g_string_append_printf(out, "vgate gate 0 %.17g ac 1 90\n",
                          sign_of(j) * p->bias[j->current].gate);
   for (size_t i = first; i < p->count; i++)
     put_device(j, out, i, p->length[i], width);
@@ -190,16 +221,20 @@ static void run_library(job *j) {
   }
   eda_spice_result r = {0};
   g_autofree char *deck = library_deck(j, first);
-  j->code =
-      eda_spice_run(p->host->context, deck, "op", p->limit, &r, &j->error);
-  for (size_t i = first; i <= p->count && r.count; i++) {
+  g_autoptr(GString) commands = g_string_new(NULL);
+  put_analyses(j, commands);
+  j->code = eda_spice_run(p->host->context, deck, commands->str, p->limit, &r,
+                          &j->error);
+  int whole = r.count >= analyses(j);
+  for (size_t i = first; i <= p->count && whole; i++) {
     char name[32];
-    g_snprintf(name, sizeof name, "i(v%zu)", i);
+    g_snprintf(name, sizeof name, "i(v%s%zu)", j->current == CGATE ? "g" : "",
+               i);
     double *to = i < p->count ? &currents_of(j)[i]
                               : &j->out->reference[j->type][j->current];
-    if (i < p->count || has_reference(j)) *to = current_of(j, r.plot, name);
+    if (i < p->count || has_reference(j)) *to = value_of(j, r.plot, name);
   }
-  j->done = r.count ? p->count - first : 0;
+  j->done = whole ? p->count - first : 0;
   if (!j->code)
     (void)opc_fail(&j->error, OPC_FAILED, NULL, "the library has no bin");
   keep_simulator(j, &r);
@@ -221,7 +256,7 @@ static void run_job(void *data, size_t index) {
 /* Whether this current has to rise with decreasing length, for a length to be
    told by it: where there are several widths, Ion of the widest does. */
 static int must_rise(const job *j) {
-  return j->p->widths == 1 ||
+  return (j->p->widths == 1 && j->current != CGATE) ||
          (j->current == EDA_ION && j->width + 1 == j->p->widths);
 }
 
@@ -231,7 +266,9 @@ static const char *fault(const job *j, size_t i) {
   const double *y = currents_of(j);
   if (i + j->done < j->p->count) return j->error.message;
   if (!isfinite(y[i])) return "it is not a number";
-  if (!(y[i] > 0)) return "it does not flow from drain to source";
+  if (!(y[i] > 0))
+    return j->current == CGATE ? "it is not above 0"
+                               : "it does not flow from drain to source";
   if (must_rise(j) && i + 1 < j->p->count && !(y[i] > y[i + 1]))
     return "it does not rise with decreasing length";
   return NULL;
@@ -312,7 +349,7 @@ static int check_reference(const job *j, opc_error *error) {
   return opc_fail(error, OPC_FAILED, "reference.length",
                   "model '%s', %s at %g nm: %s", j->p->model[j->type],
                   current_names[j->current], j->p->reference_length,
-                  j->code ? j->error.message : "no current");
+                  j->code ? j->error.message : "nothing was measured");
 }
 
 /* What the edges add to each width's current goes on as it is between the two
@@ -358,14 +395,15 @@ static int settle_all(const job *jobs, size_t count, opc_error *error) {
 }
 
 int simulate(const plan *p, currents *out, opc_error *error) {
-  size_t count = TYPES * EDA_CURRENTS * p->widths;
+  int each = quantities(p);
+  size_t count = (size_t)(TYPES * each) * p->widths;
   job *jobs = eda_alloc(count, sizeof *jobs);
   for (size_t i = 0; i < count; i++)
     jobs[i] = (job){.p = p,
                     .out = out,
                     .width = i % p->widths,
-                    .type = (int)(i / p->widths) / EDA_CURRENTS,
-                    .current = (int)(i / p->widths) % EDA_CURRENTS};
+                    .type = (int)(i / p->widths) / each,
+                    .current = (int)(i / p->widths) % each};
   opc_parallel(p->host->context, count, run_job, jobs);
   int code = settle_all(jobs, count, error);
   free(jobs);

@@ -122,8 +122,8 @@ static void put_table(FILE *out, const plan *p, const currents *c,
                       const char *name) {
   static const char *const types[TYPES] = {
       [EDA_NMOS] = "nmos", [EDA_PMOS] = "pmos"};
-  static const char *const names[EDA_CURRENTS] = {
-      [EDA_ION] = "ion", [EDA_IOFF] = "ioff"};
+  static const char *const names[QUANTITIES] = {
+      [EDA_ION] = "ion", [EDA_IOFF] = "ioff", [CGATE] = "cgate"};
   char extended[512];
   if (p->flavour) fprintf(out, "---\nflavour: %s\n", p->flavour);
   fputs(
@@ -140,13 +140,19 @@ static void put_table(FILE *out, const plan *p, const currents *c,
   put_widths(out, p);
   for (int i = 0; i < EDA_CURRENTS; i++)
     put_bias(out, names[i], &p->bias[i], p->supply);
+  if (p->with_cgate)
+    fputs(
+        "cgate: \"charge of the gate over Vgs = 0 to supply, by the supply, at "
+        "Vds = supply\"\n",
+        out);
   fputs("length: {unit: nm, values: ", out);
   put_list(out, p->length + c->first, p->count - c->first, 0, 28);
   fputs("}\n", out);
   for (int type = 0; type < TYPES; type++) {
     fprintf(out, "%s:\n", types[type]);
-    for (int i = 0; i < EDA_CURRENTS; i++) {
-      fprintf(out, "  %s: {unit: A, values:\n", names[i]);
+    for (int i = 0; i < quantities(p); i++) {
+      fprintf(out, "  %s: {unit: %s, values:\n", names[i],
+              i == CGATE ? "F" : "A");
       put_currents(out, p, c, c->at[type][i]);
     }
   }

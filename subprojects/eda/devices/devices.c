@@ -143,7 +143,8 @@ typedef struct unit {
 } unit;
 
 static const char length[] = "a length", voltage[] = "a voltage",
-                  current[] = "a current", temperature[] = "a temperature";
+                  current[] = "a current", temperature[] = "a temperature",
+                  capacitance[] = "a capacitance";
 
 static const unit units[] = {{"nm", length, 0},        {"um", length, 3},
                              {"\xC2\xB5m", length, 3}, /* micro sign */
@@ -154,7 +155,9 @@ static const unit units[] = {{"nm", length, 0},        {"um", length, 3},
                              {"A", current, 0},        {"mA", current, -3},
                              {"uA", current, -6},      {"nA", current, -9},
                              {"pA", current, -12},     {"C", temperature, 0},
-                             {"K", temperature, 0}};
+                             {"K", temperature, 0},    {"F", capacitance, 0},
+                             {"pF", capacitance, -12}, {"fF", capacitance, -15},
+                             {"aF", capacitance, -18}};
 
 static const unit *find_unit(const char *name) {
   for (size_t i = 0; i < G_N_ELEMENTS(units); i++)
@@ -339,26 +342,25 @@ static void read_widths(reader *r, const yaml_node_t *root) {
   d->narrow_width = widths;
 }
 
-/* A current of one type at all lengths. */
-static double *read_current(reader *r, const yaml_node_t *map,
-                            const char *key) {
+/* A quantity of one type, in the unit `in`, at all lengths. */
+static double *read_row(reader *r, const yaml_node_t *map, const char *key,
+                        const char *in) {
   const eda_devices *d = r->devices;
   size_t count = 0;
-  double *currents = get_column(r, map, key, "A", &count);
-  if (currents && d->length && count != d->count)
+  double *row = get_column(r, map, key, in, &count);
+  if (row && d->length && count != d->count)
     wrong(r, &look_up(r, map, key)->start_mark,
           "'%s' has %zu values, 'length' has %zu", key, count, d->count);
-  for (size_t j = 0; currents && d->width > 0 && j < count; j++)
-    currents[j] /= d->width;
-  return currents;
+  for (size_t j = 0; row && d->width > 0 && j < count; j++) row[j] /= d->width;
+  return row;
 }
 
 /* The same at all lengths and widths: the narrow ones, and the wide one. */
-static double *read_currents(reader *r, const yaml_node_t *map, const char *key,
-                             double **narrow) {
+static double *read_rows(reader *r, const yaml_node_t *map, const char *key,
+                         const char *in, double **narrow) {
   const eda_devices *d = r->devices;
   if (!d->length) return NULL; /* that is told already */
-  double *all = get_rows(r, map, key, "A", d->narrow + 1, d->count);
+  double *all = get_rows(r, map, key, in, d->narrow + 1, d->count);
   if (!all) return NULL;
   double *wide = eda_alloc(d->count, sizeof *wide);
   for (size_t i = 0; i < d->narrow * d->count; i++)
@@ -369,17 +371,20 @@ static double *read_currents(reader *r, const yaml_node_t *map, const char *key,
   return wide;
 }
 
-/* The currents of one type, per width. */
+/* What is told of one type, per width. */
 static void read_type(reader *r, const yaml_node_t *root, const char *key,
                       int type) {
-  static const char *const known[] = {"ion", "ioff", NULL};
+  static const char *const known[] = {"ion", "ioff", "cgate", NULL};
   eda_devices *d = r->devices;
+  double **wide[] = {&d->ion[type], &d->ioff[type], &d->cgate[type]};
+  double **narrow[] = {&d->narrow_ion[type], &d->narrow_ioff[type],
+                       &d->narrow_cgate[type]};
   const yaml_node_t *map = get_map(r, root, key, known);
-  for (int i = 0; map && i < 2; i++) {
-    double **wide = i ? &d->ioff[type] : &d->ion[type];
-    double **narrow = i ? &d->narrow_ioff[type] : &d->narrow_ion[type];
-    *wide = d->narrow ? read_currents(r, map, known[i], narrow)
-                      : read_current(r, map, known[i]);
+  for (int i = 0; map && i < 3; i++) {
+    const char *in = i < 2 ? "A" : "F";
+    if (i == 2 && !look_up(r, map, known[i])) continue; /* optional */
+    *wide[i] = d->narrow ? read_rows(r, map, known[i], in, narrow[i])
+                         : read_row(r, map, known[i], in);
   }
 }
 
@@ -441,7 +446,8 @@ static void read_head(reader *r, const yaml_node_t *root) {
       {"source", .optional = 1},
       {"extended", .optional = 1},
       {"ion", .optional = 1},
-      {"ioff", .optional = 1}};
+      {"ioff", .optional = 1},
+      {"cgate", .optional = 1}};
   for (size_t i = 0; i < G_N_ELEMENTS(entries); i++) {
     const char *key = entries[i].key, *in = entries[i].unit;
     const yaml_node_t *node = look_up(r, root, key);
@@ -458,9 +464,9 @@ static void read_head(reader *r, const yaml_node_t *root) {
 
 static void read_table(reader *r, const yaml_node_t *root) {
   static const char *const known[] = {
-      "opcflow-devices", "name",  "flavour", "source", "supply",
-      "temperature",     "width", "length",  "ion",    "ioff",
-      "extended",        "nmos",  "pmos",    NULL};
+      "opcflow-devices", "name",     "flavour", "source", "supply",
+      "temperature",     "width",    "length",  "ion",    "ioff",
+      "cgate",           "extended", "nmos",    "pmos",   NULL};
   if (root->type != YAML_MAPPING_NODE) {
     wrong(r, &root->start_mark, "a device table is a map, not %s", noun(root));
     return;
@@ -479,6 +485,9 @@ static void read_table(reader *r, const yaml_node_t *root) {
   read_type(r, root, "pmos", EDA_PMOS);
   check_currents(r, root, "nmos", EDA_NMOS);
   check_currents(r, root, "pmos", EDA_PMOS);
+  if (!r->faults &&
+      !r->devices->cgate[EDA_NMOS] != !r->devices->cgate[EDA_PMOS])
+    wrong(r, &root->start_mark, "only one type has 'cgate'");
 }
 
 /* ---- the file ---- */
@@ -568,6 +577,8 @@ static void free_table(eda_devices *d) {
     free(d->ioff[type]);
     free(d->narrow_ion[type]);
     free(d->narrow_ioff[type]);
+    free(d->cgate[type]);
+    free(d->narrow_cgate[type]);
   }
   free(d->narrow_width);
   free(d->length);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Device tables: the currents of wide transistors against their length
-   (thesis 2.2.1), and of narrower ones. */
+   (thesis 2.2.1), and of narrower ones; and the capacitance of their gates. */
 #ifndef EDA_DEVICES_H
 #define EDA_DEVICES_H
 
@@ -31,12 +31,23 @@ typedef struct eda_devices {
      is, NULL of the first, and the table after it; NULL: none. Since 0.6. */
   char *flavour;
   struct eda_devices *next;
+  /* Capacitance of the gate per width, F/nm, in the shape of the currents: that
+     of the widest, and of the narrower ones. NULL: the file has none. */
+  double *cgate[2], *narrow_cgate[2];
 } eda_devices;
 
 /* Read the tables of a file (docs/devices.md tells the format); freeing the
    first frees all. Errors carry file:line:column. [main] */
 OPC_EXPORT eda_devices *eda_devices_read(const char *path, opc_error *error);
 OPC_EXPORT void eda_devices_free(eda_devices *devices);
+
+/* The capacitance, F, of the gate of a rectangular transistor, nm: in straight
+   lines between the lengths of the table and between its widths, as area and
+   edges add to it. Wider ones than the widest, and all of a table of one width,
+   have its capacitance by width. NAN if the table has none, or no such length,
+   or nothing so narrow. [any] */
+OPC_EXPORT double eda_devices_cgate(const eda_devices *devices, int type,
+                                    double length, double width);
 
 #ifdef __cplusplus
 }
