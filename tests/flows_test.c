@@ -95,7 +95,7 @@ static void test_assists_of_the_model(void) {
   g_autofree char *clip =
       g_strdup_printf("layout.file=%s/iccad2013/M1_test10.glp", clips);
   static const char *const names[] = {"without", "with"};
-  g_autofree char *set[4] = {NULL};
+  g_auto(GStrv) set = g_new0(char *, 4 + 1);
   for (int k = 0; k < 4; k++)
     set[k] = g_strdup_printf(
         "%s.litho.%s=%s/kernels/%s/scales.txt", k < 2 ? "mask" : "score",
