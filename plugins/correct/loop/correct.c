@@ -4,6 +4,7 @@
 #include <eda/memory.h>
 #include <glib.h>
 #include <inttypes.h>
+#include <math.h>
 #include <opcflow/step.h>
 #include <opcflow/table.h>
 #include <stdlib.h>
@@ -257,7 +258,7 @@ static const opc_metric metrics[] = {
          "mean of |edge placement error| of the synthesizer's fragments"},
     {"epe_max", "nm", OPC_LOWER, 0.01, "largest |edge placement error|"},
     {"epe_lost", NULL, OPC_LOWER, 0,
-     "fragments without a printed edge within 100 nm"},
+     "fragments without a printed edge within 0.389 lambda/NA"},
     {"refined", NULL, OPC_NEUTRAL, 0, "transistors that 'max_diff' lets move"},
     {"iterations", NULL, OPC_LOWER, 0,
      "times that the synthesizer moved edges"},
@@ -275,10 +276,27 @@ static const opc_metric metrics[] = {
     RULES_METRICS,
 };
 
+/* What is not asked for is not told either. */
+static void follow(correct *c) {
+  gate_bars *a = &c->assists;
+  sought_bars *s = &c->seek;
+  double *const bars[] = {&a->width, &a->distance, &a->space, &a->min_length,
+                          &a->overhang};
+  double *const sought[] = {&s->worth,      &s->defocus,  &s->least_width,
+                            &s->width,      &s->distance, &s->space,
+                            &s->min_length, &s->length};
+  for (size_t i = 0; i < G_N_ELEMENTS(bars) && !a->rows; i++)
+    if (isnan(*bars[i])) *bars[i] = 0;
+  for (size_t i = 0; i < G_N_ELEMENTS(sought) && !s->most; i++)
+    if (isnan(*sought[i])) *sought[i] = 0;
+  EDA_FOLLOW(c->host, "correct", c, parameters, eda_scanner_of(c->litho));
+}
+
 static int check(void *self, opc_error *error) {
   correct *c = self;
+  follow(c);
   int code = fine_error(c->fine_text, c->limit, &c->fine, error);
-  c->margin = fine_margin(c->margin, c->fine);
+  c->margin = fine_margin(c->host, c->litho, c->margin, c->fine);
   return code ? code : corners_check(&c->corners, error);
 }
 

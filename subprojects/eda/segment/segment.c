@@ -263,6 +263,10 @@ static int32_t in_units(double nm, double grid) {
   return (int32_t)fmin(floor(nm / grid + 0.5), 1073741824.0);
 }
 
+static int32_t length_of(double nm, double grid) {
+  return isnan(nm) ? NOT_GIVEN : in_units(nm, grid);
+}
+
 segment segment_new(const opc_context *context, const eda_layout *layout,
                     int32_t top, const eda_segment_settings *settings,
                     opc_error *error) {
@@ -273,8 +277,8 @@ segment segment_new(const opc_context *context, const eda_layout *layout,
                .top = top,
                .settings = settings,
                .grid = grid,
-               .overhang = in_units(settings->overhang, grid),
-               .line_end = in_units(settings->line_end, grid),
+               .overhang = length_of(settings->overhang, grid),
+               .line_end = length_of(settings->line_end, grid),
                .reach = in_units(EDA_SEGMENT_REACH, grid)};
   get_sources(&s);
   return s;
