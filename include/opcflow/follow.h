@@ -39,6 +39,41 @@ OPC_UNUSED static void opc_follow(const opc_host *host, const char *id,
   if (used) host->log(host, OPC_LOG_INFO, "%s: %s: %s", id, whence, said);
 }
 
+/* The table `settings` of a step: what follows from something, with its value,
+   given or not. [main], while a step runs. */
+OPC_UNUSED static int opc_put_followed(const opc_host *host, const void *self,
+                                       const opc_parameter *parameters,
+                                       size_t n, opc_error *error) {
+  typedef struct row {
+    const char *name, *unit, *follows;
+    double value;
+  } row;
+  row *rows = (row *)calloc(n + 1, sizeof *rows);
+  size_t i, count = 0;
+  int code;
+  if (!rows) return OPC_FAILED;
+  for (i = 0; i < n; i++) {
+    const opc_parameter *p = &parameters[i];
+    if (!p->follows) continue;
+    rows[count].name = p->name;
+    rows[count].unit = p->unit;
+    rows[count].follows = p->follows;
+    memcpy(&rows[count++].value, (const char *)self + p->offset,
+           sizeof(double));
+  }
+  {
+    const opc_column columns[] = {
+        {"parameter", NULL, OPC_TEXT, 0, &rows->name},
+        {"value", NULL, OPC_REAL, -1, &rows->value},
+        {"unit", NULL, OPC_TEXT, 0, &rows->unit},
+        {"if_not_given", NULL, OPC_TEXT, 0, &rows->follows}};
+    code = opc_put_rows(host, "settings", 0, count, sizeof *rows,
+                        OPC_ARRAY(columns), error);
+  }
+  free(rows);
+  return code;
+}
+
 #ifdef __cplusplus
 }
 #endif

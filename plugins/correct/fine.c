@@ -42,7 +42,7 @@ static const struct {
     /* How far the light of an edge counts, and so much where there is no fine
        print: 3 and 1 um at 193 nm, NA 0.75. 4 um instead of 3 change Ion of
        c432 by 0.015 % in the mean. */
-    .margin = "11.658 lambda/NA",
+    .margin = FINE_MARGIN,
     .near = "3.886 lambda/NA",
 };
 

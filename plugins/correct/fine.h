@@ -36,6 +36,9 @@ int fine_by_drawn(eda_printer *printer, const opc_host *host,
 double fine_margin(const opc_host *host, const opc_module *litho, double margin,
                    double fine);
 
+/* Of `margin`, with fine prints. */
+#define FINE_MARGIN "11.658 lambda/NA"
+
 #define FINE_PARAMETER(state)                                         \
   OPC_PARAMETER_NAMED("fine", state, fine_text, .type = OPC_TEXT,     \
                       .summary =                                      \

@@ -149,6 +149,7 @@ static resist_drawn guess(const resist_base *r, const char *id,
   resist_drawn d = {.line = eda_natural(&scanner, least_line),
                     .pitch = eda_natural(&scanner, least_pitch)};
   char whence[128];
+  if (r->layer[0].told) return d;
   eda_natural_text(scanner, whence, sizeof whence);
   r->host->log(r->host, OPC_LOG_WARNING,
                "%s: no anchor is given, and there is no whole layout to take "
@@ -220,6 +221,14 @@ static void doubt(const resist_base *resist, const resist_layer *r,
               "%s: 'anchor' is a line of %g nm, the layout's shortest gate has "
               "%g nm: is it of this process?",
               id, line, d.line);
+}
+
+static int publish(const resist_base *resist, const resist_layer *r,
+                   opc_error *error) {
+  const opc_metric_value values[] = {{"anchor_line", r->lines->line},
+                                     {"anchor_pitch", r->lines->pitch}};
+  if (resist_layer_has_table(r)) return OPC_OK;
+  return opc_put_metrics(resist->host, OPC_ARRAY(values), error);
 }
 
 /* ---- tables in files ---- */
@@ -524,7 +533,12 @@ int resist_fit(resist_base *resist, int set, const opc_module *litho,
     layer_clear(layer);
     return code;
   }
-  if (!set) doubt(resist, layer, id, scanner);
+  if (!set && !layer->told) {
+    doubt(resist, layer, id, scanner);
+    code = publish(resist, layer, error);
+    if (code) return code;
+  }
+  layer->told = 1;
   for (size_t k = 0; k < n; k++) wanted += fit[k] != 0;
   if (wanted > layer->count)
     return opc_fail(error, OPC_INVALID, layer->source,

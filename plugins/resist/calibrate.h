@@ -29,6 +29,7 @@ typedef struct resist_layer {
      while a step runs; those that are printed. NULL: none. */
   const eda_gates *gates, *drawn;
   int gates_given;
+  int told; /* of the anchor, or of doubts */
   opc_reals table;
   int table_given;
   const char *file; /* NULL: none */
@@ -54,7 +55,7 @@ typedef struct resist_base {
    default anchor. */
 #define RESIST_LINE .follows = "the shortest gate drawn"
 #define RESIST_PITCH .follows = "that of such gates"
-#define RESIST_WIDE .follows = "3.886 lambda/NA"
+#define RESIST_WIDE .follows = "wide: 3.886 lambda/NA"
 #define RESIST_ALONE .preset = "0 nm"
 #define RESIST_LAYER(set, prefix, what, line_default, pitch_default)         \
   {.name = prefix "anchor.line", .type = OPC_REAL, .flags = OPC_ABOVE,       \
@@ -101,6 +102,13 @@ typedef struct resist_base {
       .summary = "standard deviation of the Gaussian that blurs the image")
 
 #define RESIST_POLY "poly and layers past active"
+
+#define RESIST_METRICS                                                  \
+  {"anchor_line", "nm", OPC_NEUTRAL, 0,                                 \
+   "drawn width of the line that the resist is calibrated on"},         \
+  {                                                                     \
+    "anchor_pitch", "nm", OPC_NEUTRAL, 0, "... and its pitch; 0: alone" \
+  }
 
 /* Whether the values of a layer make sense, for a plugin's `check`. */
 int resist_layer_check(resist_layer *layer, int set, opc_error *error);

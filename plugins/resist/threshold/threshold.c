@@ -66,6 +66,8 @@ static const opc_parameter parameters[] = {
     RESIST_DIFFUSION,
 };
 
+static const opc_metric metrics[] = {RESIST_METRICS};
+
 static int check(void *self, opc_error *error) {
   resist *r = self;
   int code = OPC_OK;
@@ -88,5 +90,5 @@ OPC_PLUGIN(resist, .id = "resist.threshold", .kind = "resist",
            .version = "0.2.0", .licence = "BSD-3-Clause",
            .summary = "constant threshold, calibrated to an anchor or a table",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = check, .clear = resist_clear,
-           OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
+           .clear = resist_clear, OPC_FUNCTIONS(functions));

@@ -172,6 +172,8 @@ static int check_set(resist *r, int set, opc_error *error) {
   return OPC_OK;
 }
 
+static const opc_metric metrics[] = {RESIST_METRICS};
+
 static int check(void *self, opc_error *error) {
   int code = check_set(self, 0, error);
   return code ? code : check_set(self, 1, error);
@@ -186,4 +188,5 @@ OPC_PLUGIN(
     .licence = "BSD-3-Clause",
     .summary = "threshold that varies with maximum intensity and image slope",
     .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
-    .check = check, .clear = resist_clear, OPC_FUNCTIONS(functions));
+    OPC_METRICS(metrics), .check = check, .clear = resist_clear,
+    OPC_FUNCTIONS(functions));

@@ -126,7 +126,8 @@ static int tell_of_unknown(placer *r) {
       "%zu of %zu transistors are not in the library, first %s: cell '%s' %s",
       r->unknown, g->count, name, cell,
       find_cell(p->library, TRUE, cell)
-          ? "is drawn or cut otherwise in the library, it was changed"
+          ? "is drawn or cut otherwise in the library, or marked there for "
+            "another flavour"
           : "is missing");
   if (p->missing == REFUSE)
     return opc_fail(r->error, OPC_INVALID, "library", "%s", text);
