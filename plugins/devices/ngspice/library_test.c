@@ -131,6 +131,51 @@ static void test_widths(void) {
   eda_devices_free(d);
 }
 
+/* ---- compiled models ---- */
+
+#define SQUARE(name, type)                                                  \
+  ".subckt " name                                                           \
+  " d g s b w=1u l=1u\nn1 d g s b m w=w l=l\n.model m squarelaw type=" type \
+  " k=1m vt=0.4 leak=1n\n.ends\n"
+
+/* A square law behind the interface of compiled models: what its equations
+   say; or, where ngspice has none, that it has none. */
+static void test_osdi(void) {
+  opc_error error;
+  void *no_outputs[1];
+  if (!have_ngspice()) return;
+  g_autofree char *path = g_build_filename(opc_test_folder(), "sq.lib", NULL);
+  g_autofree char *osdi =
+      g_build_filename(g_getenv("OPCFLOW_BUILD"), "subprojects", "eda",
+                       "simulator", "square.osdi", NULL);
+  g_assert_true(g_file_set_contents(
+      path, ".lib tt\n" SQUARE("n", "1") SQUARE("p", "-1") ".endl\n", -1,
+      NULL));
+  g_autofree char *mapping = g_strdup_printf(
+      "{ library: %s, corner: tt, osdi: %s, nmos: n, pmos: p, supply: 1 V, "
+      "length: { list: [100 nm, 120 nm, 140 nm] }, width: 500 nm, file: "
+      "sq.yaml, picture: sq.png }",
+      path, osdi);
+  g_autoptr(opc_module) m = opc_test_module("devices.ngspice", mapping, &error);
+  if (!m) g_error("%s", error.message);
+  int code = opc_test_run(m, no_outputs, &error);
+  if (code == OPC_NO_PLUGIN) {
+    g_assert_nonnull(strstr(error.message, "compiled models (OSDI)"));
+    g_test_skip(error.message);
+    return;
+  }
+  if (code) g_error("%s", error.message);
+  eda_devices *d = load("sq.yaml");
+  for (int t = 0; t < 2; t++)
+    for (size_t i = 0; i < 3; i++) {
+      double on = 1 / d->length[i] * (1e-3 / 2 * 0.6 * 0.6 + 1e-9);
+      double off = 1 / d->length[i] * 1e-9; /* per nm */
+      g_assert_cmpfloat(fabs(d->ion[t][i] / on - 1), <, 2e-6);
+      g_assert_cmpfloat(fabs(d->ioff[t][i] / off - 1), <, 2e-6);
+    }
+  eda_devices_free(d);
+}
+
 /* ---- capacitance of the gate ---- */
 
 /* What the gate of one transistor takes while it is driven in a nanosecond from
@@ -365,6 +410,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/library/ends", test_ends);
   g_test_add_func("/library/widths", test_widths);
+  g_test_add_func("/library/osdi", test_osdi);
   g_test_add_func("/library/capacitance", test_capacitance);
   g_test_add_func("/library/refused", test_refused);
   g_test_add_func("/library/sky130", test_sky130);
