@@ -78,25 +78,32 @@ static void work_on(void *data, size_t index) {
   all->work(&all->job[index]);
 }
 
+int jobs_run_at(bench *b, int state, size_t count, size_t some,
+                void (*work)(job *j), const void *of, opc_error *error) {
+  size_t n = (count + some - 1) / some;
+  jobs all = {work, g_new0(job, n)};
+  int code = OPC_OK;
+  for (size_t i = 0; i < n; i++)
+    all.job[i] = (job){.b = b,
+                       .of = of,
+                       .state = state,
+                       .from = i * some,
+                       .to = i + 1 < n ? (i + 1) * some : count};
+  opc_parallel(b->host->context, n, work_on, &all);
+  for (size_t i = 0; i < n && !code; i++) {
+    code = all.job[i].code;
+    if (code) *error = all.job[i].error;
+  }
+  g_free(all.job);
+  return code;
+}
+
 int jobs_run(bench *b, size_t count, size_t some, void (*work)(job *j),
              const void *of, opc_error *error) {
-  size_t n = (count + some - 1) / some;
-  jobs all = {work, eda_pool_alloc(&b->pool, n, sizeof(job))};
   for (int state = 0; state < EDA_STATES; state++) {
     if (!b->has[state]) continue;
-    for (size_t i = 0; i < n; i++)
-      all.job[i] = (job){.b = b,
-                         .of = of,
-                         .state = state,
-                         .from = i * some,
-                         .to = i + 1 < n ? (i + 1) * some : count};
-    opc_parallel(b->host->context, n, work_on, &all);
-    for (size_t i = 0; i < n; i++) {
-      const job *j = &all.job[i];
-      if (!j->code || !bench_forgive(b, state, j->code, &j->error)) continue;
-      *error = j->error;
-      return error->code;
-    }
+    int code = jobs_run_at(b, state, count, some, work, of, error);
+    if (code && bench_forgive(b, state, code, error)) return code;
   }
   return OPC_OK;
 }
