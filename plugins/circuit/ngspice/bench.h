@@ -122,9 +122,10 @@ void job_simulate(job *j, const char *deck, const char *commands,
                   eda_spice_result *out);
 
 /* For decks: title, cards and options; then the circuit with its supplies,
-   loads and inputs, which are at 0 V. */
+   loads; then inputs, which are at 0 V. */
 void job_begin(const job *j, FILE *out, double reltol);
 void job_circuit(job *j, FILE *out, int sizes);
+void job_inputs(const job *j, FILE *out);
 
 /* ---- patterns.c: what is applied ---- */
 
@@ -189,6 +190,8 @@ void states_save(const bench *b, const machine *m, FILE *out);
 void states_levels(const bench *b, const machine *m, const eda_spice_plot *plot,
                    double time, int8_t *level);
 
+/* ---- ways.c: through its states ---- */
+
 /* Changes of inputs, one a phase after a first one. */
 typedef struct walk {
   GArray *input; /* uint32_t */
@@ -200,9 +203,18 @@ void walk_clear(walk *w);
 void walk_step(const bench *b, const machine *m, walk *w, uint32_t input);
 /* By the fewest changes; 0 if no way is known. */
 int walk_to(const bench *b, const machine *m, walk *w, uint32_t state);
-double walk_end(const machine *m, const walk *w);
-/* The commands. */
-void walk_write(const bench *b, const machine *m, const walk *w, FILE *out);
+/* For decks: the inputs. */
+void walk_inputs(const bench *b, const machine *m, const walk *w, FILE *out);
+/* For commands: the transient. */
+void walk_command(const machine *m, const walk *w, FILE *out);
+
+/* Mark the states that lead to each other and to no others, the first such set
+   on the way from the state in which the circuit woke up. */
+void ways_back(const bench *b, const machine *m, uint8_t *mark);
+
+/* Extend a walk that has not begun by changes that lead to the same state from
+   all that have all inputs at 0; 0 if none are known. */
+int ways_synchronise(const bench *b, const machine *m, walk *w);
 
 /* ---- delays.c: transients ---- */
 

@@ -16,71 +16,10 @@ enum {
   WALKS = 64,   /* of a round, between which what they saw is put together */
   LONGER = 4,   /* how much longer phases are if they were too short */
   LONGEST = 10, /* times that */
+  RINGS = 32,   /* changes of a net in a phase, if it never rests */
 };
 
 static const double first_phase = 1e-9;
-
-/* ---- walks ---- */
-
-walk walk_new(const machine *m) {
-  walk w = {g_array_new(FALSE, FALSE, sizeof(uint32_t)), m->first};
-  g_array_append_vals(w.input, m->lead, (guint)m->leads);
-  return w;
-}
-
-void walk_clear(walk *w) { g_array_free(w->input, TRUE); }
-
-void walk_step(const bench *b, const machine *m, walk *w, uint32_t input) {
-  g_array_append_val(w->input, input);
-  if (w->at < STATE_LOST) w->at = m->next[w->at * b->inputs + input];
-}
-
-/* Breadth first, backwards along the marks that the search leaves. */
-int walk_to(const bench *b, const machine *m, walk *w, uint32_t state) {
-  g_autofree uint32_t *from = g_new(uint32_t, m->states);
-  g_autofree uint32_t *by = g_new(uint32_t, m->states);
-  g_autofree uint32_t *queue = g_new(uint32_t, m->states);
-  size_t head = 0, tail = 0;
-  for (size_t i = 0; i < m->states; i++) from[i] = STATE_UNKNOWN;
-  from[w->at] = w->at;
-  queue[tail++] = w->at;
-  while (head < tail && from[state] == STATE_UNKNOWN) {
-    uint32_t s = queue[head++];
-    for (uint32_t i = 0; i < b->inputs; i++) {
-      uint32_t t = m->next[s * b->inputs + i];
-      if (t >= STATE_LOST || from[t] != STATE_UNKNOWN) continue;
-      from[t] = s;
-      by[t] = i;
-      queue[tail++] = t;
-    }
-  }
-  if (from[state] == STATE_UNKNOWN) return 0;
-  size_t steps = 0;
-  for (uint32_t s = state; s != w->at; s = from[s]) queue[steps++] = by[s];
-  while (steps--) walk_step(b, m, w, queue[steps]);
-  return 1;
-}
-
-double walk_end(const machine *m, const walk *w) {
-  return m->phase * (w->input->len + 1);
-}
-
-void walk_write(const bench *b, const machine *m, const walk *w, FILE *out) {
-  const double step = m->phase / 20;
-  for (uint32_t i = 0; i < b->inputs; i++) {
-    int bit = 0;
-    fprintf(out, "alter @vi%u[pwl] = [ 0 0", i);
-    for (size_t k = 0; k < w->input->len; k++) {
-      double at = m->phase * (double)(k + 1);
-      if (g_array_index(w->input, uint32_t, k) != i) continue;
-      fprintf(out, " %.17g %.17g %.17g %.17g", at, bit ? b->supply : 0,
-              at + b->slew, bit ? 0 : b->supply);
-      bit = !bit;
-    }
-    fprintf(out, " %.17g %.17g ]\n", walk_end(m, w), bit ? b->supply : 0);
-  }
-  fprintf(out, "tran %.17g %.17g 0 %.17g\n", step, walk_end(m, w), step);
-}
 
 /* ---- what is looked at ---- */
 
@@ -149,19 +88,45 @@ typedef struct round_of {
 } round_of;
 
 static void write_deck(job *j, FILE *out, const void *how) {
-  const round_of *r = how;
+  const round_of *r = j->of;
   job_begin(j, out, 1e-3);
   job_circuit(j, out, SIZE_TIMED);
+  walk_inputs(j->b, r->m, how, out);
   states_save(j->b, r->m, out);
   fputs(".end\n", out);
 }
 
 static void write_walk(job *j, FILE *out, const void *how) {
-  const round_of *r = j->of;
-  walk_write(j->b, r->m, how, out);
+  walk_command(((const round_of *)j->of)->m, how, out);
 }
 
-static void look(const job *j, trip *t, const eda_spice_plot *plot) {
+/* How often a net goes through the middle between two times. */
+static int count_changes(const bench *b, const eda_spice_plot *plot,
+                         uint32_t net, double from, double to) {
+  char name[32];
+  const eda_spice_vector *t = eda_spice_vector_find(plot, "time");
+  const eda_spice_vector *v = eda_spice_vector_find(plot, probe(b, net, name));
+  int n = 0;
+  for (size_t i = 1; t && v && i < t->count && t->value[i] <= to; i++)
+    n += t->value[i] >= from &&
+         (v->value[i] > b->supply / 2) != (v->value[i - 1] > b->supply / 2);
+  return n;
+}
+
+static void check_ringing(job *j, const eda_spice_plot *plot, double from,
+                          double to) {
+  const bench *b = j->b;
+  const machine *m = ((const round_of *)j->of)->m;
+  for (size_t i = 0; i < m->watched && !j->code; i++)
+    if (count_changes(b, plot, m->net[i], from, to) >= RINGS)
+      j->code = opc_fail(&j->error, OPC_INVALID, "circuit",
+                         "'%s' does not come to rest: its net '%s' changes "
+                         "%d times and more in %g ns",
+                         b->circuit->name, b->circuit->net[m->net[i]], RINGS,
+                         1e9 * (to - from));
+}
+
+static void look(job *j, trip *t, const eda_spice_plot *plot) {
   const machine *m = ((const round_of *)j->of)->m;
   g_autofree int8_t *middle = g_new(int8_t, m->watched);
   for (size_t k = 0; k <= t->way.input->len; k++) {
@@ -169,7 +134,9 @@ static void look(const job *j, trip *t, const eda_spice_plot *plot) {
     states_levels(j->b, m, plot, m->phase * ((double)k + 0.5), middle);
     states_levels(j->b, m, plot, m->phase * ((double)k + 1), end);
     /* The first may well wake up slowly. */
-    if (k && memcmp(middle, end, m->watched)) t->rests = 0;
+    if (!k || !memcmp(middle, end, m->watched)) continue;
+    t->rests = 0;
+    check_ringing(j, plot, m->phase * (double)k, m->phase * ((double)k + 1));
   }
 }
 
@@ -177,7 +144,7 @@ static void run_job(job *j) {
   const round_of *r = j->of;
   trip *t = &r->trip[j->from];
   eda_spice_result result;
-  g_autofree char *deck = job_text(j, write_deck, r);
+  g_autofree char *deck = job_text(j, write_deck, &t->way);
   g_autofree char *commands = job_text(j, write_walk, &t->way);
   t->rests = 1;
   t->level = g_new(int8_t, (t->way.input->len + 1) * r->m->watched);
@@ -306,68 +273,26 @@ static int explore(map *a, opc_error *error) {
   return 1;
 }
 
-/* ---- the states that there is always a way back to ---- */
+/* ---- what is known in the end ---- */
 
-/* Mark what leads to the marked. */
-static void mark_before(const machine *m, size_t inputs, uint8_t *mark) {
-  for (int more = 1; more;) {
-    more = 0;
-    for (size_t s = 0; s < m->states; s++)
-      for (size_t i = 0; i < inputs && !mark[s]; i++) {
-        uint32_t t = m->next[s * inputs + i];
-        if (t < STATE_LOST && mark[t]) mark[s] = more = 1;
-      }
-  }
-}
-
-/* Mark what the marked lead to. */
-static void mark_after(const machine *m, size_t inputs, uint8_t *mark) {
-  for (int more = 1; more;) {
-    more = 0;
-    for (size_t s = 0; s < m->states; s++)
-      for (size_t i = 0; i < inputs && mark[s]; i++) {
-        uint32_t t = m->next[s * inputs + i];
-        if (t < STATE_LOST && !mark[t]) mark[t] = more = 1;
-      }
-  }
-}
-
-/* Has any change been seen there? Without, it is only not known any further. */
-static int is_end(const machine *m, size_t inputs, size_t s) {
-  for (size_t i = 0; i < inputs; i++)
-    if (m->next[s * inputs + i] < STATE_LOST) return 0;
-  return 1;
-}
-
-/* Mark the states that lead to each other and to no others, the first that
-   there is a way to from the one in which the circuit wakes up. */
-static void mark_kept(const machine *m, size_t inputs, uint8_t *kept) {
-  g_autofree uint8_t *before = g_new(uint8_t, m->states);
-  size_t c = 0;
-  while (c < m->states) {
-    memset(kept, 0, m->states);
-    memset(before, 0, m->states);
-    kept[c] = before[c] = 1;
-    mark_after(m, inputs, kept);
-    mark_before(m, inputs, before);
-    for (c = 0; c < m->states; c++)
-      if (kept[c] && !before[c] && !is_end(m, inputs, c)) break;
-  }
-  for (size_t s = 0; s < m->states; s++) kept[s] &= before[s];
-}
-
-/* Leave out all others: what leads to the first that stays goes ahead of each
+/* Leave out all states but those; what leads to one of them goes ahead of each
    walk. */
 static void leave_out(bench *b, machine *m, const uint8_t *kept) {
   g_autofree uint32_t *number = g_new(uint32_t, m->states);
   walk w = walk_new(m);
   uint32_t first = 0, n = 0;
   while (!kept[first]) first++;
-  walk_to(b, m, &w, first);
+  if (!ways_synchronise(b, m, &w) || !kept[w.at]) {
+    b->host->log(b->host, OPC_LOG_WARNING,
+                 "no changes of inputs are known that lead to one state from "
+                 "all: it is the simulator that wakes up in one");
+    walk_clear(&w);
+    w = walk_new(m);
+    walk_to(b, m, &w, first);
+  }
   m->leads = w.input->len;
   m->lead = eda_pool_alloc(&b->pool, m->leads, sizeof *m->lead);
   memcpy(m->lead, w.input->data, m->leads * sizeof *m->lead);
-  walk_clear(&w);
   for (size_t s = 0; s < m->states; s++) number[s] = kept[s] ? n++ : STATE_LOST;
   for (size_t s = first; s < m->states; s++) {
     if (!kept[s]) continue;
@@ -380,10 +305,9 @@ static void leave_out(bench *b, machine *m, const uint8_t *kept) {
             m->watched);
   }
   m->states = n;
-  m->first = 0;
+  m->first = number[w.at];
+  walk_clear(&w);
 }
-
-/* ---- what is known in the end ---- */
 
 static const void *keep(bench *b, const GArray *a, size_t count, size_t size) {
   void *own = eda_pool_alloc(&b->pool, count, size);
@@ -451,7 +375,7 @@ int states_find(bench *b, machine *m, patterns *p, logic *l, opc_error *error) {
   if (rests > 0) {
     size_t all = m->states;
     g_autofree uint8_t *kept = g_new(uint8_t, all);
-    mark_kept(m, b->inputs, kept);
+    ways_back(b, m, kept);
     leave_out(b, m, kept);
     m->bit = (uint8_t *)keep(b, a.bit, m->states * b->inputs, 1);
     m->level = (int8_t *)keep(b, a.level, m->states * m->watched, 1);
