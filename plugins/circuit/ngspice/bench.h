@@ -121,11 +121,11 @@ char *job_text(job *j, void (*write)(job *j, FILE *out, const void *how),
 void job_simulate(job *j, const char *deck, const char *commands,
                   eda_spice_result *out);
 
-/* For decks: title, cards and options; then the circuit with its supplies,
-   loads; then inputs, which are at 0 V. */
+/* For decks: title, cards and options; then the circuit with its loads; then
+   its supplies and its inputs, which are at 0 V. */
 void job_begin(const job *j, FILE *out, double reltol);
 void job_circuit(job *j, FILE *out, int sizes);
-void job_inputs(const job *j, FILE *out);
+void job_sources(const job *j, FILE *out);
 
 /* ---- patterns.c: what is applied ---- */
 
@@ -203,8 +203,8 @@ void walk_clear(walk *w);
 void walk_step(const bench *b, const machine *m, walk *w, uint32_t input);
 /* By the fewest changes; 0 if no way is known. */
 int walk_to(const bench *b, const machine *m, walk *w, uint32_t state);
-/* For decks: the inputs. */
-void walk_inputs(const bench *b, const machine *m, const walk *w, FILE *out);
+/* For decks: the inputs, and the supplies, which rise from 0 V first. */
+void walk_sources(const bench *b, const machine *m, const walk *w, FILE *out);
 /* For commands: the transient. */
 void walk_command(const machine *m, const walk *w, FILE *out);
 

@@ -39,7 +39,7 @@ static void write_deck(job *j, FILE *out, const void *how) {
   (void)how;
   job_begin(j, out, 1e-4);
   job_circuit(j, out, SIZE_TIMED);
-  job_inputs(j, out);
+  job_sources(j, out);
   for (size_t i = 0; i < b->outputs; i++)
     fprintf(out, ".save v(n%u)\n", b->output[i]);
   fputs(".end\n", out);

@@ -34,16 +34,17 @@ void job_circuit(job *j, FILE *out, int sizes) {
   for (size_t i = 0; i < c->ports; i++)
     fprintf(out, "\n+ %s", bench_node(b, c->port[i], node));
   fprintf(out, "\n+ %s\n", c->name);
-  for (size_t i = 0; i < c->ports; i++)
-    if (c->role[i] == EDA_PIN_SUPPLY)
-      fprintf(out, "vs%zu n%u 0 dc %.17g\n", i, c->port[i], b->supply);
   for (size_t i = 0; i < b->outputs; i++)
     if (b->load > 0)
       fprintf(out, "cl%zu n%u 0 %.17g\n", i, b->output[i], b->load);
 }
 
-void job_inputs(const job *j, FILE *out) {
+void job_sources(const job *j, FILE *out) {
   const bench *b = j->b;
+  const eda_circuit *c = b->circuit;
+  for (size_t i = 0; i < c->ports; i++)
+    if (c->role[i] == EDA_PIN_SUPPLY)
+      fprintf(out, "vs%zu n%u 0 dc %.17g\n", i, c->port[i], b->supply);
   for (size_t i = 0; i < b->inputs; i++)
     fprintf(out, "vi%zu n%u 0 dc 0\n", i, b->input[i]);
 }

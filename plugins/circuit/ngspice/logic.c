@@ -41,7 +41,7 @@ static void write_deck(job *j, FILE *out, const void *how) {
   (void)how;
   job_begin(j, out, 1e-5);
   job_circuit(j, out, SIZE_OFF);
-  job_inputs(j, out);
+  job_sources(j, out);
   for (size_t i = 0; i < c->ports; i++)
     if (c->role[i] == EDA_PIN_SUPPLY) fprintf(out, ".save i(vs%zu)\n", i);
   for (size_t i = 0; i < b->inputs; i++) fprintf(out, ".save i(vi%zu)\n", i);

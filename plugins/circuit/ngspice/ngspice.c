@@ -387,7 +387,8 @@ static const opc_parameter parameters[] = {
 
 static const opc_metric metrics[] = {
     FIGURE("transitions", NULL, "input transitions that an output follows"),
-    {"unmeasured", NULL, OPC_LOWER, 0, "outputs that did not get there"},
+    {"unmeasured", NULL, OPC_LOWER, 0,
+     "outputs that did not get there, as drawn or corrected"},
     FIGURE("tr", "ps", "mean rise time as drawn"),
     FIGURE("tf", "ps", "mean fall time as drawn"),
     FIGURE("tplh", "ps", "mean delay of rising outputs as drawn"),

@@ -385,6 +385,16 @@ static void test_library(void) {
   g_assert_cmpfloat(worst, >, 1);
   g_assert_cmpfloat_with_epsilon(opc_test_metric("tp"), tp, 1e-5 * tp);
   g_assert_cmpfloat_with_epsilon(opc_test_metric("tp_worst"), worst, 1e-3);
+  /* A model that the library lacks. */
+  m->device[0].model = "other_nfet";
+  refused(m, 0, path, "corner: tt, pmos: pfet", "*has no 'other_nfet'*");
+  refused(m, 0, path, "corner: tt, pmos: pfet, stand_ins: other_nfet",
+          "'other_nfet' has none that stands in for it");
+  run(m, 1, path,
+      "load: 4 fF, measure: delays, corner: tt, pmos: pfet, stand_ins: "
+      "other_nfet nfet");
+  g_assert_nonnull(strstr(opc_test_log(), "stands in for 'other_nfet' in 1 "));
+  g_assert_cmpfloat_with_epsilon(opc_test_metric("tp_worst"), worst, 1e-3);
 }
 
 static void test_refused(void) {

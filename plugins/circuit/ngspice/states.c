@@ -91,7 +91,7 @@ static void write_deck(job *j, FILE *out, const void *how) {
   const round_of *r = j->of;
   job_begin(j, out, 1e-3);
   job_circuit(j, out, SIZE_TIMED);
-  walk_inputs(j->b, r->m, how, out);
+  walk_sources(j->b, r->m, how, out);
   states_save(j->b, r->m, out);
   fputs(".end\n", out);
 }

@@ -82,6 +82,17 @@ static void test_once(void) {
   g_assert_nonnull(strstr(opc_test_log(), "output 'Q' never changes"));
 }
 
+/* Halves a clock; in which half it wakes up, nothing can tell. */
+static void test_halving(void) {
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  g_autoptr(made) m =
+      make("CK:i Q:o VDD:s VSS:g", FLIP_FLOP "," INVERT("9", "Q", "D"));
+  run(m, 0, card, "measure: delays");
+  g_assert_cmpuint(opc_test_rows("delays"), ==, 2);
+  g_assert_nonnull(strstr(opc_test_log(), "no changes of inputs are known"));
+}
+
 static void test_ringing(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
@@ -280,6 +291,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/circuit/states/crossed", test_crossed);
   g_test_add_func("/circuit/states/once", test_once);
+  g_test_add_func("/circuit/states/halving", test_halving);
   g_test_add_func("/circuit/states/ringing", test_ringing);
   g_test_add_func("/circuit/states/latch", test_latch);
   g_test_add_func("/circuit/states/flip-flop", test_flip_flop);

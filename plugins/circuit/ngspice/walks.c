@@ -52,7 +52,7 @@ static void write_deck(job *j, FILE *out, const void *how) {
   job_begin(j, out, share);
   fprintf(out, ".options trtol=%g abstol=%g\n", steps, current);
   job_circuit(j, out, SIZE_TIMED);
-  walk_inputs(j->b, m, how, out);
+  walk_sources(j->b, m, how, out);
   states_save(j->b, m, out);
   fputs(".end\n", out);
 }

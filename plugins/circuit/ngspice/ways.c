@@ -51,8 +51,14 @@ static double end_of(const machine *m, const walk *w) {
   return m->phase * (w->input->len + 1);
 }
 
-/* A line each point: a walk may be long. */
-void walk_inputs(const bench *b, const machine *m, const walk *w, FILE *out) {
+/* Without supply there is but one operating point. A line each change: a walk
+   may be long. */
+void walk_sources(const bench *b, const machine *m, const walk *w, FILE *out) {
+  const eda_circuit *c = b->circuit;
+  for (size_t i = 0; i < c->ports; i++)
+    if (c->role[i] == EDA_PIN_SUPPLY)
+      fprintf(out, "vs%zu n%u 0 pwl(0 0 %.17g %.17g)\n", i, c->port[i],
+              m->phase / 4, b->supply);
   for (uint32_t i = 0; i < b->inputs; i++) {
     int bit = 0;
     fprintf(out, "vi%u n%u 0 pwl(0 0\n", i, b->input[i]);
