@@ -37,7 +37,7 @@ typedef struct transient {
 static void write_deck(job *j, FILE *out, const void *how) {
   const bench *b = j->b;
   (void)how;
-  job_begin(j, out, 1e-4);
+  job_begin(j, out, 1e-4, SWITCHING_CURRENT);
   job_circuit(j, out, SIZE_TIMED);
   job_sources(j, out);
   for (size_t i = 0; i < b->outputs; i++)

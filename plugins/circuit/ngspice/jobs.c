@@ -8,16 +8,16 @@
 
 /* Charges here are of fF and mV: of the simulator's own bounds for them, 1 uV
    and 1e-14 C, the second would see none. */
-void job_begin(const job *j, FILE *out, double reltol) {
+void job_begin(const job *j, FILE *out, double reltol, double abstol) {
   const bench *b = j->b;
   fputs("circuit.ngspice\n", out);
   for (int i = 0; i < 2; i++)
     if (b->cards[i]) fprintf(out, ".include \"%s\"\n", b->cards[i]);
   if (b->statements) fputs(b->statements, out);
   fprintf(out,
-          ".options temp=%.17g gmin=1e-15 reltol=%g abstol=1e-15 "
+          ".options temp=%.17g gmin=1e-15 reltol=%g abstol=%g "
           "chgtol=1e-19\n",
-          b->temperature, reltol);
+          b->temperature, reltol, abstol);
 }
 
 void job_circuit(job *j, FILE *out, int sizes) {

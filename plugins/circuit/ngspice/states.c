@@ -89,7 +89,7 @@ typedef struct round_of {
 
 static void write_deck(job *j, FILE *out, const void *how) {
   const round_of *r = j->of;
-  job_begin(j, out, 1e-3);
+  job_begin(j, out, 1e-3, SWITCHING_CURRENT);
   job_circuit(j, out, SIZE_TIMED);
   walk_sources(j->b, r->m, how, out);
   states_save(j->b, r->m, out);

@@ -13,10 +13,8 @@ enum { FLIPS = 8 }; /* transitions that are measured on one walk */
 /* Of the simulator: steps have no bound here but errors, those of charges
    (`trtol`, by itself 7) and currents. A flip-flop's delays are within 0.003 %
    and its slopes within 0.04 % of those by steps of 0.2 ps; by 10 times the
-   share 0.01 and 0.4 %, in two thirds of the time. Of currents of 1e-15 A, as
-   for leakage, capacitances are no more certain in short steps, and it gives
-   up. */
-static const double share = 1e-5, steps = 1, current = 1e-9;
+   share 0.01 and 0.4 %, in two thirds of the time. */
+static const double share = 1e-5, steps = 1;
 
 /* What all jobs share. */
 typedef struct study {
@@ -49,8 +47,8 @@ static tour plan(const job *j) {
 
 static void write_deck(job *j, FILE *out, const void *how) {
   const machine *m = ((const study *)j->of)->d->machine;
-  job_begin(j, out, share);
-  fprintf(out, ".options trtol=%g abstol=%g\n", steps, current);
+  job_begin(j, out, share, SWITCHING_CURRENT);
+  fprintf(out, ".options trtol=%g\n", steps);
   job_circuit(j, out, SIZE_TIMED);
   walk_sources(j->b, m, how, out);
   states_save(j->b, m, out);
