@@ -541,6 +541,16 @@ static void test_refused(void) {
       g_assert_null(opc_test_module(models[m].id, cases[i][0], &error));
       g_assert_nonnull(strstr(error.message, cases[i][1]));
     }
+  /* 800 images at most, six for each point. */
+  GString *many = g_string_new(
+      "{ polarisation: unpolarised, source: points, "
+      "points: [0, 0, 1");
+  for (int i = 0; i < 133; i++) g_string_append(many, ", 0, 0.1, 1");
+  g_string_append(many, "] }");
+  opc_error error = {0};
+  g_assert_null(opc_test_module("litho.hopkins", many->str, &error));
+  g_assert_nonnull(strstr(error.message, "has 134 points, more than 133"));
+  g_string_free(many, TRUE);
 }
 
 /* A scalar image at a large NA is warned of, with what helps; no other is. */

@@ -392,12 +392,13 @@ static int check(void *self, opc_error *error) {
     code = opc_fail(error, OPC_INVALID, "kernels",
                     "'kernels' and 'error' exclude each other: so many "
                     "systems, or as many as the error needs");
-  size_t listed = h->optics.points.count / 3;
-  if (code || listed <= MOST_LISTED) return code;
+  size_t listed = h->optics.points.count / 3, parts = vector_parts(&h->optics);
+  if (code || listed * parts <= MOST_LISTED) return code;
   return opc_fail(error, OPC_INVALID, "points",
-                  "'points' has %zu points, more than %d: kernels are found "
-                  "among as many images; litho.abbe takes any number",
-                  listed, MOST_LISTED);
+                  "'points' has %zu points, more than %zu: kernels are found "
+                  "among as many images, %zu for each; litho.abbe takes any "
+                  "number",
+                  listed, MOST_LISTED / parts, parts);
 }
 
 static void clear(void *self) {
