@@ -170,11 +170,16 @@ static void add_point(const scanner *s, const char *name, double sx, double sy,
   }
 }
 
+/* The larger one; infinite if `b` is no number. */
+static double larger(double a, double b) {
+  return isnan(b) ? INFINITY : fmax(a, b);
+}
+
 static double worst_off(const places *p, const eda_field *f) {
   double worst = 0;
   for (int q = 0; q < PLACES; q++)
-    worst = fmax(worst,
-                 fabs(value_at(f, p->x[q], p->y[q]) - p->value[q] / p->clear));
+    worst = larger(
+        worst, fabs(value_at(f, p->x[q], p->y[q]) - p->value[q] / p->clear));
   return worst;
 }
 
@@ -308,7 +313,7 @@ static double difference(const eda_field *a, const eda_field *b, int turned) {
   for (int i = 0; i < 2000; i++) {
     double x = fmod(71.3 * i, 1400) - 700, y = 0.7 * i - 700;
     double other = turned ? value_at(b, y, x) : value_at(b, x, y);
-    worst = fmax(worst, fabs(value_at(a, x, y) - other));
+    worst = larger(worst, fabs(value_at(a, x, y) - other));
   }
   return worst;
 }
