@@ -246,7 +246,10 @@ struct opc_host {
      on but for inputs, as one sum (SHA-256 in hexadecimal): its build, its
      parameters, the contents of files, and what stands in its slots. For
      whoever keeps results beyond a run. Valid as long as the instance; NULL and
-     *error if a file cannot be read. [main], while a step runs. Since 0.5. */
+     *error if a file cannot be read, or if a plugin in the slot, or in a slot
+     of that, takes the result of a step ('${gates}'), which the sum would not
+     tell. What a step takes itself is its own to add. [main], while a step
+     runs. Since 0.5. */
   const char *(*identity)(const opc_host *host, const char *slot,
                           opc_error *error);
 
