@@ -82,8 +82,8 @@ static int prepare(void *self, opc_error *error) {
   }
   a->paired = are_paired(a->point, a->count);
   optics_warn(&a->optics, a->host);
-  a->host->log(a->host, OPC_LOG_DEBUG, "litho.abbe: %zu source points",
-               a->count);
+  a->host->log(a->host, OPC_LOG_DEBUG, "litho.abbe: %zu source points%s",
+               a->count, a->paired ? " in opposite pairs" : "");
   return OPC_OK;
 }
 
