@@ -26,7 +26,7 @@ extern "C" {
    minor is raised when a struct grows that plugins have or are given, here or
    in the library of their kinds. */
 #define OPC_ABI_MAJOR 0u
-#define OPC_ABI_MINOR 6u
+#define OPC_ABI_MINOR 7u
 
 /* ---- parameters ------------------------------------------------------- */
 
@@ -110,6 +110,10 @@ typedef struct opc_parameter {
   size_t offset, width, given;
   const char *former; /* names it had before, with | between them; told when
                          they are used. NULL: none */
+  /* Of an OPC_REAL without `preset`: what a value that is not given follows
+     from, as people read it ("0.155 lambda/NA"), shown in the default's place;
+     the plugin works it out (opcflow/follow.h). NULL: nothing. Since 0.7. */
+  const char *follows;
 } opc_parameter;
 
 /* The elements of an array of parameters: the field `member` of an instance of
