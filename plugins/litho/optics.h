@@ -160,16 +160,12 @@ typedef struct optics {
    use for it is given. */
 int optics_check(optics *o, opc_error *error);
 
-<<<<<<< HEAD
-/* Warn where a scalar image does not hold. */
-=======
 /* As the kind's contract wants it (eda/litho.h). */
 static inline eda_scanner optics_scanner(const optics *o) {
   return (eda_scanner){o->wavelength, o->na};
 }
 
-/* Warn where a scalar model does not hold. */
->>>>>>> int
+/* Warn where a scalar image does not hold. */
 void optics_warn(const optics *o, const opc_host *host);
 
 /* Does everything stay as it is when it is turned: circular or annular source,
