@@ -345,6 +345,7 @@ static void list_patterns(bench *b, const machine *m, patterns *p, logic *l) {
     for (size_t i = 0; i < b->inputs; i++) {
       uint32_t t = m->next[s * b->inputs + i];
       if (t < STATE_LOST) p->transition[p->transitions++] = (transition){s, t};
+      p->sampled |= t == STATE_UNKNOWN;
     }
     for (size_t k = 0; k < m->watched; k++)
       for (size_t o = 0; o < b->outputs; o++)

@@ -65,6 +65,9 @@ static void test_crossed(void) {
   g_assert_nonnull(strstr(opc_test_log(), "keeps a state: 5 "));
   run(m, 0, card, "measure: delays, most: 3");
   g_assert_nonnull(strstr(opc_test_log(), "there are more"));
+  run(m, 0, card, "measure: delays, most: 1");
+  g_assert_nonnull(
+      strstr(opc_test_log(), "output 'QN' never changes in what was tried"));
 }
 
 /* What was set once stays so, and how it came about is no state to come back
