@@ -9,7 +9,12 @@
 
 enum {
   ALIGNMENT = 64, /* of the widest vectors */
-  HUGE_PAGE = 1 << 21
+  HUGE_PAGE = 1 << 21,
+
+  /* Blocks may come to so many times what was in use at one time. Ours: sizes
+     differ between the parts of a print, and with 1 many of a chip's were made
+     anew for each print. */
+  SPARE = 2
 };
 
 struct eda_fft {
@@ -77,7 +82,7 @@ static void *allocate(size_t unit, size_t size) {
 /* On large pages: with small ones, much of the time would go into the first
    touch of each, and into finding them. */
 static block *new_block(size_t size) {
-  drop_idle(MAX(most_busy, busy + size) - size);
+  drop_idle(SPARE * MAX(most_busy, busy + size) - size);
   block b = {.at = allocate(HUGE_PAGE, size), .size = size};
   madvise(b.at, size, MADV_HUGEPAGE);
   if (!blocks) blocks = g_array_new(FALSE, FALSE, sizeof b);
