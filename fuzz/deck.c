@@ -24,7 +24,7 @@ static int is_known(const char *line) {
 
 static void check(const char *deck) {
   opc_error error;
-  char *out = deck_write(deck, &error);
+  char *out = deck_write(deck, NULL, &error);
   if (!out) return;
   g_assert_true(g_str_has_prefix(out, "opcflow\n"));
   for (const char *at = out; *at; at = strchr(at, '\n') + 1)

@@ -51,6 +51,10 @@ static void write_correction(const char *bad) {
       "    extractor: { use: bad.%s }\n"
       "    synthesizer: { use: bad.%s }\n"
       "    regulator: { use: bad.%s }\n"
+      "    margin: 3 um\n"
+      "    min_space: 40 nm\n"
+      "    min_mask_width: 40 nm\n"
+      "    min_edge: 20 nm\n"
       "  after: { use: test.numbers, size: 1 nm, add: ${kept} }\n",
       g_getenv("OPCFLOW_SOURCE"), used[0], used[1], used[2], used[3], used[4]);
   write_text("bad.yaml", text);

@@ -42,7 +42,8 @@ static void write_correction(const char *kind) {
       "      layers: { poly: CP, active: CA, contact: CC, nwell: CW } }\n"
       "  gates: { use: segment.transistors, layout: ${layout}, grid: 1 nm }\n"
       "  kept: { use: test.numbers, size: 1 nm }\n"
-      "  mask:\n    use: correct\n    gates: ${gates}\n",
+      "  mask:\n    use: correct\n    gates: ${gates}\n    margin: 3 um\n"
+      "    min_space: 40 nm\n    min_mask_width: 40 nm\n    min_edge: 20 nm\n",
       g_getenv("OPCFLOW_SOURCE"));
   for (size_t i = 0; i < G_N_ELEMENTS(slots); i++)
     g_string_append_printf(text, "    %s: { use: bad.%s%s }\n", slots[i],

@@ -184,7 +184,7 @@ static void test_process(void) {
   g_assert_cmpint(
       CALL(command, "new", "flow", "--process", "mine.yaml", cif, "no.yaml"),
       ==, 2);
-  g_assert_nonnull(strstr(err, "leaves 0 files open"));
+  g_assert_nonnull(strstr(err, "leaves no file open"));
   g_assert_cmpint(CALL(command, "new", "flow", "--process", "own56", cell), ==,
                   2);
   g_assert_nonnull(
@@ -192,6 +192,37 @@ static void test_process(void) {
   g_assert_cmpint(CALL(command, "new", "flow", "--process", "own65", "none"),
                   ==, 5);
   g_assert_cmpstr(err, ==, "error: 'none': no such file\n");
+}
+
+/* A scanner leaves more open than the layout: the flow says what. A layout in
+   the place of a flow's name is told how it is meant. */
+static void test_scanner(void) {
+  const char *source = g_getenv("OPCFLOW_SOURCE");
+  g_autofree char *cell =
+      g_build_filename(source, "data", "cells65", "sram4.gds", NULL);
+  g_autofree char *table =
+      g_build_filename(source, "data", "devices", "ptm65.yaml", NULL);
+  g_assert_cmpint(
+      CALL(command, "new", "flow", "--process", "arf", cell, "arf.yaml"), ==,
+      0);
+  g_autofree char *text = NULL,
+                  *made = g_build_filename(folder, "arf.yaml", NULL);
+  g_assert_true(g_file_get_contents(made, &text, NULL, NULL));
+  g_assert_nonnull(strstr(text, "--set mask.extractor.devices=FILE"));
+  g_assert_cmpint(CALL(command, "run", "arf.yaml"), ==, 2);
+  g_assert_nonnull(strstr(err, "missing parameter 'devices'"));
+  g_autofree char *devices =
+      g_strconcat("mask.extractor.devices=", table, NULL);
+  g_assert_cmpint(CALL(command, "run", "arf.yaml", "--set", devices), ==, 2);
+  g_assert_nonnull(strstr(err, "no layer 'poly', but 3/0, 4/0, "));
+  if (CALL(command, "run", "arf.yaml", "--set", devices, "--set",
+           "layout.layers={ poly: 9/0, active: 1/0, nwell: 3/0, contact: 10/0 "
+           "}"))
+    g_error("%s%s", out, err);
+  g_assert_nonnull(strstr(err, "65 nm lines at 250 nm, from the layout's"));
+  g_assert_cmpint(CALL(command, "new", "flow", cell), ==, 2);
+  g_assert_nonnull(strstr(err, "opcflow new flow --process NAME"));
+  g_assert_nonnull(strstr(err, "; known: arf, "));
 }
 
 static void test_refusals(void) {
@@ -232,6 +263,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/new/project", test_project);
   g_test_add_func("/new/flow", test_flow);
   g_test_add_func("/new/process", test_process);
+  g_test_add_func("/new/scanner", test_scanner);
   g_test_add_func("/new/refusals", test_refusals);
   int code = g_test_run();
   opc_remove_tree(folder);

@@ -47,9 +47,12 @@ static void test_content(void) {
        "[\"contour\",\"gauss\",\"equal\"]"},
       {"$.definitions['extractor.plain'].properties.slices.type",
        "\"integer\""},
-      {"$.definitions['resist.threshold'].properties.anchor.properties.line"
-       ".default",
-       "\"65 nm\""},
+      {"$.definitions['resist.threshold'].properties.active_anchor.properties"
+       ".pitch.default",
+       "\"0 nm\""},
+      {"$.definitions['regulator.drc'].properties.overlay.description",
+       "\"how far layers may lie off each other (nm); >= 0 nm, <= 1000 nm; "
+       "default: 0.039 lambda/NA\""},
       {"$.definitions['read.gds'].additionalProperties", "false"},
       {"$.definitions.correct.properties.litho.allOf[0]['$ref']",
        "\"#/definitions/any.litho\""},

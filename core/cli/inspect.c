@@ -30,7 +30,7 @@ static void print_parameters(const opc_plugin *plugin) {
   for (size_t i = 0; i < plugin->n_parameters; i++) {
     const opc_parameter *p = &plugin->parameters[i];
     g_autofree char *bounds = opc_bounds_text(p);
-    const char *given = p->preset ? p->preset : "-";
+    const char *given = p->preset ? p->preset : p->follows ? p->follows : "-";
     const char *const row[] = {p->name,
                                opc_type_name(p->type),
                                p->unit,
@@ -145,6 +145,7 @@ static JsonObject *parameter_json(const opc_parameter *p) {
   json_object_set_string_member(o, "type", opc_type_name(p->type));
   json_object_set_string_member(o, "unit", p->unit);
   json_object_set_string_member(o, "default", p->preset);
+  if (p->follows) json_object_set_string_member(o, "follows", p->follows);
   json_object_set_boolean_member(o, "required", p->flags & OPC_REQUIRED);
   if (p->flags & OPC_AT_LEAST)
     json_object_set_double_member(o, "at_least", p->min);

@@ -143,28 +143,45 @@ static int new_plugin(const GPtrArray *arguments) {
 
 /* ---- a flow that extends a process ---- */
 
-/* Processes lie in this folder beside one of plugins, as NAME.yaml. */
-static char *processes_of(const char *plugins) {
-  return g_build_filename(plugins, "..", "flows", "processes", NULL);
+/* Base flows lie in these folders beside one of plugins, as NAME.yaml. */
+static const char *const bases[] = {"processes", "scanners"};
+
+static char *base_folder(const char *plugins, const char *base) {
+  return g_build_filename(plugins, "..", "flows", base, NULL);
 }
 
 static int by_name(gconstpointer a, gconstpointer b) {
   return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* The names of all processes (char *, freed with the array). */
-static GPtrArray *process_names(void) {
+/* Add the names of all base flows in a folder (g_free). */
+static void add_names(GPtrArray *names, const char *in) {
+  g_autoptr(GDir) dir = g_dir_open(in, 0, NULL);
+  for (const char *n; dir && (n = g_dir_read_name(dir));)
+    if (g_str_has_suffix(n, ".yaml"))
+      g_ptr_array_add(names, g_strndup(n, strlen(n) - strlen(".yaml")));
+}
+
+/* The names of all base flows (char *, freed with the array). */
+static GPtrArray *base_names(void) {
   const GPtrArray *folders = opc_registry_folders(cli_registry());
   GPtrArray *names = g_ptr_array_new_with_free_func(g_free);
-  for (guint i = 0; i < folders->len; i++) {
-    g_autofree char *its = processes_of(folders->pdata[i]);
-    g_autoptr(GDir) dir = g_dir_open(its, 0, NULL);
-    for (const char *n; dir && (n = g_dir_read_name(dir));)
-      if (g_str_has_suffix(n, ".yaml"))
-        g_ptr_array_add(names, g_strndup(n, strlen(n) - strlen(".yaml")));
-  }
+  for (guint i = 0; i < folders->len; i++)
+    for (size_t k = 0; k < G_N_ELEMENTS(bases); k++) {
+      g_autofree char *its = base_folder(folders->pdata[i], bases[k]);
+      add_names(names, its);
+    }
   g_ptr_array_sort(names, by_name);
   return names;
+}
+
+/* "; known: arf, own65" (g_free). */
+static char *known_names(const GPtrArray *names) {
+  GString *all = g_string_new(NULL);
+  for (guint i = 0; i < names->len; i++)
+    g_string_append_printf(all, "%s%s",
+                           i ? ", " : "; known: ", (char *)names->pdata[i]);
+  return g_string_free(all, FALSE);
 }
 
 /* The path of a process, which may be one itself (g_free); NULL and what there
@@ -174,46 +191,54 @@ static char *find_process(void) {
   if (g_file_test(process, G_FILE_TEST_IS_REGULAR))
     return g_canonicalize_filename(process, NULL);
   g_autofree char *file = g_strconcat(process, ".yaml", NULL);
-  for (guint i = 0; i < folders->len && !strchr(process, '/'); i++) {
-    g_autofree char *its = processes_of(folders->pdata[i]);
-    g_autofree char *path = g_build_filename(its, file, NULL);
-    if (g_file_test(path, G_FILE_TEST_IS_REGULAR))
-      return g_canonicalize_filename(path, NULL);
-  }
-  g_autoptr(GPtrArray) names = process_names();
+  for (guint i = 0; i < folders->len && !strchr(process, '/'); i++)
+    for (size_t k = 0; k < G_N_ELEMENTS(bases); k++) {
+      g_autofree char *its = base_folder(folders->pdata[i], bases[k]);
+      g_autofree char *path = g_build_filename(its, file, NULL);
+      if (g_file_test(path, G_FILE_TEST_IS_REGULAR))
+        return g_canonicalize_filename(path, NULL);
+    }
+  g_autoptr(GPtrArray) names = base_names();
   g_autofree char *hint = opc_suggestion(process, names);
-  g_autoptr(GString) all = g_string_new(NULL);
-  for (guint i = 0; i < names->len; i++)
-    g_string_append_printf(all, "%s%s",
-                           i ? ", " : "; known: ", (char *)names->pdata[i]);
-  cli_message("error", "no process '%s'%s%s", process, hint, all->str);
+  g_autofree char *all = known_names(names);
+  cli_message("error", "no process '%s'%s%s", process, hint, all);
   return NULL;
 }
 
+/* What a flow leaves open: a path of it, and what it is. */
+typedef struct open_file {
+  char *path;
+  const char *summary; /* the plugin's */
+} open_file;
+
+static void open_clear(void *data) { g_free(((open_file *)data)->path); }
+
 /* Add the required files that a plugin, or one in its slots, was not given. */
-static void add_open(GPtrArray *open, const opc_binding *b) {
+static void add_open(GArray *open, const opc_binding *b) {
   for (size_t i = 0; b && i < b->plugin->n_parameters; i++) {
     const opc_parameter *p = &b->plugin->parameters[i];
     if (b->slots[i]) add_open(open, b->slots[i]);
-    if (p->type == OPC_FILE && p->flags & OPC_REQUIRED && !b->origin[i])
-      g_ptr_array_add(open, g_strdup_printf("%s.%s", b->path, p->name));
+    if (p->type != OPC_FILE || !(p->flags & OPC_REQUIRED) || b->origin[i])
+      continue;
+    const open_file one = {g_strdup_printf("%s.%s", b->path, p->name),
+                           p->summary};
+    g_array_append_val(open, one);
   }
 }
 
-/* The one file that a flow leaves open, as a path of it (g_free); NULL and the
+/* The files that a flow leaves open, at least one (open_file); NULL and the
    exit code in *code. */
-static char *find_open(const char *path, int *code) {
+static GArray *find_open(const char *path, int *code) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_flow) flow =
       opc_flow_load(path, NULL, cli_registry(), problems);
-  g_autoptr(GPtrArray) open = g_ptr_array_new_with_free_func(g_free);
+  g_autoptr(GArray) open = g_array_new(FALSE, FALSE, sizeof(open_file));
+  g_array_set_clear_func(open, open_clear);
   for (guint i = 0; flow && i < flow->steps->len; i++)
     add_open(open, ((opc_flow_step *)flow->steps->pdata[i])->binding);
-  if (open->len == 1) return g_strdup(open->pdata[0]);
+  if (open->len) return g_steal_pointer(&open);
   *code = flow ? cli_error(CLI_USAGE,
-                           "'%s' leaves %u files open, not one: it is no "
-                           "process",
-                           path, open->len)
+                           "'%s' leaves no file open: it is no process", path)
                : cli_problems(problems);
   return NULL;
 }
@@ -225,21 +250,28 @@ static char *from_folder(const char *input) {
              : g_strdup(input);
 }
 
+/* INPUT is the first file that is open; the others only its user knows, and a
+   run asks for them. */
 static int extend_process(const char *input, const char *file) {
   int code = CLI_USAGE;
   if (!g_file_test(input, G_FILE_TEST_IS_REGULAR))
     return cli_error(CLI_IO, "'%s': no such file", input);
   g_autofree char *path = find_process();
-  g_autofree char *open = path ? find_open(path, &code) : NULL;
+  g_autoptr(GArray) open = path ? find_open(path, &code) : NULL;
   if (!open) return code;
   g_autofree char *its = from_folder(input);
-  char *dot = strchr(open, '.');
+  const open_file *left = (const open_file *)(void *)open->data;
+  const char *first = left->path, *dot = strchr(first, '.');
   g_autoptr(GString) text = g_string_new("opcflow: 1\nname: @NAME@\nextends: ");
   opc_text_append(text, path);
-  g_string_append_printf(text, "\nsteps:\n  %.*s:\n    %s: ", (int)(dot - open),
-                         open, dot + 1);
+  g_string_append_printf(
+      text, "\nsteps:\n  %.*s:\n    %s: ", (int)(dot - first), first, dot + 1);
   opc_text_append(text, its);
   g_string_append_c(text, '\n');
+  for (guint i = 1; i < open->len; i++)
+    g_string_append_printf(text, "%s#   --set %s=FILE    %s\n",
+                           i == 1 ? "# Still to be given, here or as\n" : "",
+                           left[i].path, left[i].summary);
   return put(file, text->str, FALSE);
 }
 
@@ -271,6 +303,15 @@ static int new_flow(const GPtrArray *arguments) {
     g_autofree char *input = g_path_get_basename(arguments->pdata[1]);
     int code = name_after(input);
     return code < 0 ? extend_process(arguments->pdata[1], file) : code;
+  }
+  if (!g_str_has_suffix(file, ".yaml") &&
+      g_file_test(path, G_FILE_TEST_IS_REGULAR)) {
+    g_autoptr(GPtrArray) names = base_names();
+    g_autofree char *all = known_names(names);
+    return cli_error(CLI_USAGE,
+                     "'%s' exists: a flow that works on it comes by 'opcflow "
+                     "new flow --process NAME %s'%s",
+                     path, path, all);
   }
   int code = name_after(file);
   g_auto(GStrv) read = own_names("flow/read");

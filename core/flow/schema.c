@@ -188,7 +188,8 @@ static char *description(const opc_parameter *p) {
   g_autofree char *bounds = opc_bounds_text(p);
   if (p->unit) g_string_append_printf(text, " (%s)", p->unit);
   if (*bounds) g_string_append_printf(text, "; %s", bounds);
-  if (p->preset) g_string_append_printf(text, "; default: %s", p->preset);
+  const char *otherwise = p->preset ? p->preset : p->follows;
+  if (otherwise) g_string_append_printf(text, "; default: %s", otherwise);
   return g_string_free(text, FALSE);
 }
 

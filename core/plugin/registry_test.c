@@ -37,8 +37,8 @@ static const struct {
     {"bad.kind",
      "its kind 'nothing' is not known: unknown plugin 'kind.nothing'"},
     {"bad.licence", "it has no licence"},
-    {"bad.major", "built for plugin interface 9.6, this is 0.6"},
-    {"bad.minor", "built for plugin interface 0.7, this is 0.6"},
+    {"bad.major", "built for plugin interface 9.7, this is 0.7"},
+    {"bad.minor", "built for plugin interface 0.8, this is 0.7"},
     {"bad.name", "its id is 'bad.other', its file is called 'bad.name'"},
     {"bad.null", "opcflow_plugin() returned nothing"},
     {"bad.summary", "it has no summary"},
@@ -92,7 +92,7 @@ static void test_refused(void) {
   g_autofree char *folder = plugin_folder();
   g_autofree char *text = g_strdup_printf(
       "'bad.major': cannot use '%s/bad.major.so': built for "
-      "plugin interface 9.6, this is 0.6",
+      "plugin interface 9.7, this is 0.7",
       folder);
   opc_error error;
   for (int i = 0; i < 2; i++) {

@@ -26,7 +26,7 @@ extern "C" {
    minor is raised when a struct grows that plugins have or are given, here or
    in the library of their kinds. */
 #define OPC_ABI_MAJOR 0u
-#define OPC_ABI_MINOR 6u
+#define OPC_ABI_MINOR 7u
 
 /* ---- parameters ------------------------------------------------------- */
 
@@ -110,6 +110,10 @@ typedef struct opc_parameter {
   size_t offset, width, given;
   const char *former; /* names it had before, with | between them; told when
                          they are used. NULL: none */
+  /* Of an OPC_REAL without `preset`: what a value that is not given follows
+     from, as people read it ("0.155 lambda/NA"), shown in the default's place;
+     the plugin works it out (opcflow/follow.h). NULL: nothing. Since 0.7. */
+  const char *follows;
 } opc_parameter;
 
 /* The elements of an array of parameters: the field `member` of an instance of
@@ -246,7 +250,10 @@ struct opc_host {
      on but for inputs, as one sum (SHA-256 in hexadecimal): its build, its
      parameters, the contents of files, and what stands in its slots. For
      whoever keeps results beyond a run. Valid as long as the instance; NULL and
-     *error if a file cannot be read. [main], while a step runs. Since 0.5. */
+     *error if a file cannot be read, or if a plugin in the slot, or in a slot
+     of that, takes the result of a step ('${gates}'), which the sum would not
+     tell. What a step takes itself is its own to add. [main], while a step
+     runs. Since 0.5. */
   const char *(*identity)(const opc_host *host, const char *slot,
                           opc_error *error);
 

@@ -4,6 +4,7 @@
 
 #include <glib.h>
 #include <math.h>
+#include <stdlib.h>
 
 #include "report.h"
 
@@ -48,12 +49,31 @@ static void range_of_type(const opc_host *host, const eda_gates *g,
               name, least, most, low, high);
 }
 
+static int ascending(const void *a, const void *b) {
+  double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* How many of n sizes differ. */
+static size_t different(const double *size, size_t n) {
+  double *sorted = g_new(double, n);
+  size_t count = 0;
+  for (size_t i = 0; i < n; i++) sorted[i] = size[i];
+  qsort(sorted, n, sizeof *sorted, ascending);
+  for (size_t i = 0; i < n; i++) count += !i || sorted[i] != sorted[i - 1];
+  g_free(sorted);
+  return count;
+}
+
+/* Lengths are few, widths are many; transistors of 5 V may be longer than wide
+   for all that. */
 void findings_of_drawing(const opc_host *host, const eda_gates *g,
                          const opc_module *extractor) {
   const eda_extractor *model = extractor->functions;
   size_t longer = 0;
   for (size_t i = 0; i < g->count; i++) longer += g->length[i] > g->width[i];
-  if (2 * longer > g->count)
+  if (2 * longer > g->count &&
+      different(g->length, g->count) > different(g->width, g->count))
     host->log(host, OPC_LOG_WARNING,
               "%zu of %zu transistors are drawn longer than wide: are the "
               "layers poly and active exchanged?",

@@ -9,7 +9,8 @@
 
 /* Ours. */
 static const struct {
-  double limit, error, least, most, part, peak, light, larger, margin, near;
+  double limit, error, least, most, part, peak, light, larger;
+  const char *margin, *near; /* natural lengths */
 } tuned = {
     /* % of Ion, and clear field 1. Prints of 1e-4 and of 5e-5 differed from
        those of all 1402 systems by 0.05 % of Ion in the mean and 0.27 % at
@@ -38,11 +39,11 @@ static const struct {
        the same slope of a table within 1 %. */
     .larger = 0.01,
 
-    /* nm, at 193 nm, NA 0.75: how far the light of an edge counts, and so much
-       where there is no fine print. 4 um instead of 3 change Ion of c432 by
-       0.015 % in the mean. Longer waves need more: eda_margin tells. */
-    .margin = 3000,
-    .near = 1000,
+    /* How far the light of an edge counts, and so much where there is no fine
+       print: 3 and 1 um at 193 nm, NA 0.75. 4 um instead of 3 change Ion of
+       c432 by 0.015 % in the mean. */
+    .margin = FINE_MARGIN,
+    .near = "3.886 lambda/NA",
 };
 
 int fine_error(const char *text, double limit, double *fine, opc_error *error) {
@@ -192,6 +193,13 @@ int fine_by_drawn(eda_printer *p, const opc_host *host, const eda_gates *g,
   return code;
 }
 
-double fine_margin(double margin, double fine) {
-  return !isnan(margin) ? margin : fine > 0 ? tuned.margin : tuned.near;
+double fine_margin(const opc_host *host, const opc_module *litho, double margin,
+                   double fine) {
+  char whence[128];
+  if (!isnan(margin)) return margin;
+  eda_scanner scanner = eda_scanner_of(litho);
+  eda_natural_text(scanner, whence, sizeof whence);
+  margin = eda_natural(&scanner, fine > 0 ? tuned.margin : tuned.near);
+  host->log(host, OPC_LOG_INFO, "margin %g nm, %s", margin, whence);
+  return margin;
 }

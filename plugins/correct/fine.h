@@ -31,8 +31,13 @@ int fine_by_drawn(eda_printer *printer, const opc_host *host,
                   double change, opc_error *error);
 
 /* The clear field around a layout, nm: what the parameter says, or if it is NAN
-   what prints with that error need. */
-double fine_margin(double margin, double fine);
+   what prints with that error need through the scanner of that model (NULL: as
+   eda_natural has it), which is told. */
+double fine_margin(const opc_host *host, const opc_module *litho, double margin,
+                   double fine);
+
+/* Of `margin`, with fine prints. */
+#define FINE_MARGIN "11.658 lambda/NA"
 
 #define FINE_PARAMETER(state)                                         \
   OPC_PARAMETER_NAMED("fine", state, fine_text, .type = OPC_TEXT,     \

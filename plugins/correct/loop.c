@@ -104,7 +104,8 @@ static int take_in(loop *l, const uint8_t *printed, int fine,
   int code = measure(l, printed, error);
   for (size_t k = 0; k < l->gates->layers && !code; k++)
     if (printed[k])
-      sites_measure(l->host->context, &l->sites[k], &l->printer.print[k]);
+      sites_measure(l->host->context, &l->sites[k], &l->printer.print[k],
+                    eda_scanner_of(&l->printer.litho.module));
   if (code) return code;
   show(l);
   l->summary = summarize(l->gates, &l->design, &l->measured.performance,
@@ -152,7 +153,8 @@ eda_printed loop_printed(const loop *l) {
                        .aside = l->now.biases.aside,
                        .extension = l->measured.extension,
                        .shapes = l->mask,
-                       .print = l->printer.print};
+                       .print = l->printer.print,
+                       .scanner = eda_scanner_of(&l->printer.litho.module)};
 }
 
 static int rule(loop *l, eda_ruling *ruling, opc_error *error) {
@@ -211,7 +213,8 @@ static eda_feedback feedback(const loop *l, const driver *d) {
                         .epe = d->epe,
                         .end = l->now.biases.end,
                         .next_end = l->next.biases.end,
-                        .print = l->printer.print};
+                        .print = l->printer.print,
+                        .scanner = eda_scanner_of(&l->printer.litho.module)};
 }
 
 /* Whether biases of gates move something of that layer. */

@@ -79,14 +79,16 @@ int proof_of_drawn(loop *l, opc_error *error) {
   eda_measurement_init(&m, l->gates->count);
   int code = measure_drawn(l, &m, error);
   if (!code) {
-    const eda_printed drawn = {.iteration = l->iterations,
-                               .gates = l->gates,
-                               .flags = m.flags,
-                               .l = none,
-                               .w = none,
-                               .extension = m.extension,
-                               .shapes = l->proof.mask,
-                               .print = l->proof.image};
+    const eda_printed drawn = {
+        .iteration = l->iterations,
+        .gates = l->gates,
+        .flags = m.flags,
+        .l = none,
+        .w = none,
+        .extension = m.extension,
+        .shapes = l->proof.mask,
+        .print = l->proof.image,
+        .scanner = eda_scanner_of(&l->printer.litho.module)};
     eda_performance_copy(&l->before, &m.performance);
     code = guard_begin(l, &drawn, error);
     keep_print(l);

@@ -5,7 +5,7 @@
 
 #include <eda/gates.h>
 #include <eda/rules.h>
-#include <opcflow/plugin.h>
+#include <opcflow/follow.h>
 
 /* A rule in a layer: how many places of the drawn layer and of the mask do not
    keep it, the least value and its place, nm; NAN if there is none. */
@@ -29,18 +29,20 @@ int rules_report(const opc_host *host, const eda_gates *gates,
 
 /* Rules are only counted. `state` has min_space, min_mask_width, min_edge and
    min_jog, nm. clang-format off */
-#define RULES_PARAMETER(state, name, given, tells)                    \
+#define RULES_PARAMETER(state, name, from, tells)                     \
   OPC_PARAMETER(state, name, .type = OPC_REAL, .flags = OPC_AT_LEAST, \
-                .unit = "nm", .preset = (given), .min = 0, .summary = (tells))
+                .unit = "nm", .follows = (from), .min = 0, .summary = (tells))
 #define RULES_PARAMETERS(state)                                               \
-  RULES_PARAMETER(state, min_space, "40 nm", "least space of the mask"),      \
-      RULES_PARAMETER(state, min_mask_width, "40 nm",                         \
+  RULES_PARAMETER(state, min_space, "0.155 lambda/NA",                        \
+                  "least space of the mask"),                                 \
+      RULES_PARAMETER(state, min_mask_width, "0.155 lambda/NA",               \
                       "least width of the mask"),                             \
-      RULES_PARAMETER(state, min_edge, "20 nm",                               \
+      RULES_PARAMETER(state, min_edge, "0.078 lambda/NA",                     \
                       "least length of an edge of the mask beside a shorter " \
                       "one, as of steps that follow each other"),             \
-      RULES_PARAMETER(state, min_jog, "1 nm",                                 \
-                      "least height of a jog of the mask")
+      OPC_PARAMETER(state, min_jog, .type = OPC_REAL, .flags = OPC_AT_LEAST,  \
+                    .unit = "nm", .preset = "1 nm", .min = 0,                 \
+                    .summary = "least height of a jog of the mask")
 #define RULES_METRICS                                                    \
   {"mask_violations", NULL, OPC_LOWER, 0,                                \
    "places where the mask does not keep its rules: the next four"},      \

@@ -37,9 +37,9 @@ void seek_clear(struct loop *loop);
    all are `done`. */
 int seek_watch(struct loop *loop, int done, opc_error *error);
 
-#define SEEK_LENGTH(state, name_, member, preset_, text)                   \
+#define SEEK_LENGTH(state, name_, member, from_, text)                     \
   OPC_PARAMETER_NAMED("seek." name_, state, seek.member, .type = OPC_REAL, \
-                      .flags = OPC_ABOVE, .unit = "nm", .preset = preset_, \
+                      .flags = OPC_ABOVE, .unit = "nm", .follows = from_,  \
                       .summary = text)
 #define SEEK_COUNT(state, name_, member, preset_, least, text)            \
   OPC_PARAMETER_NAMED("seek." name_, state, seek.member, .type = OPC_INT, \
@@ -53,7 +53,7 @@ int seek_watch(struct loop *loop, int done, opc_error *error);
       SEEK_COUNT(state, "every", every, "6", 1, "iterations between them"),    \
       OPC_PARAMETER_NAMED("seek.worth", state, seek.worth, .type = OPC_REAL,   \
                           .flags = OPC_ABOVE, .unit = "nm^2",                  \
-                          .preset = "250 nm^2",                                \
+                          .follows = "0.003775 (lambda/NA)^2",                 \
                           .summary =                                           \
                               "of the band: what a bar takes away at "         \
                               "least"),                                        \
@@ -64,19 +64,22 @@ int seek_watch(struct loop *loop, int done, opc_error *error);
                               "of the band: how far the dose goes up "         \
                               "and down"),                                     \
       OPC_PARAMETER_NAMED("seek.defocus", state, seek.defocus,                 \
-                          .type = OPC_REAL, .unit = "nm", .preset = "25 nm",   \
+                          .type = OPC_REAL, .unit = "nm",                      \
+                          .follows = "0.073 lambda/NA^2",                      \
                           .summary =                                           \
                               "of the band: the focus of its lower "           \
                               "dose"),                                         \
-      SEEK_LENGTH(state, "least_width", least_width, "24 nm",                  \
+      SEEK_LENGTH(state, "least_width", least_width, "0.093 lambda/NA",        \
                   "width of a bar, at least"),                                 \
-      SEEK_LENGTH(state, "width", width, "64 nm", "... and at most"),          \
-      SEEK_LENGTH(state, "min_length", min_length, "64 nm",                    \
+      SEEK_LENGTH(state, "width", width, "0.249 lambda/NA",                    \
+                  "... and at most"),                                          \
+      SEEK_LENGTH(state, "min_length", min_length, "0.249 lambda/NA",          \
                   "length of a bar, at least"),                                \
-      SEEK_LENGTH(state, "length", length, "400 nm", "... and at most"),       \
-      SEEK_LENGTH(state, "distance", distance, "72 nm",                        \
+      SEEK_LENGTH(state, "length", length, "1.554 lambda/NA",                  \
+                  "... and at most"),                                          \
+      SEEK_LENGTH(state, "distance", distance, "0.28 lambda/NA",               \
                   "from drawn shapes to a bar"),                               \
-      SEEK_LENGTH(state, "space", space, "48 nm", "between bars"),             \
+      SEEK_LENGTH(state, "space", space, "0.187 lambda/NA", "between bars"),   \
       OPC_PARAMETER_NAMED("seek.margin", state, seek.margin, .type = OPC_REAL, \
                           .flags = OPC_AT_LEAST, .preset = "0.01", .min = 0,   \
                           .summary =                                           \

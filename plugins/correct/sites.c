@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How far from a site an edge is looked for, nm: eda_feedback.epe. */
-static const double reach = 100;
+/* How far from a site an edge is looked for: eda_feedback.epe. */
+static const char reach[] = "0.389 lambda/NA";
 
 void sites_init(sites *s, const eda_cuts *cuts) {
   size_t n = cuts->start[cuts->polygons];
@@ -44,17 +44,18 @@ void sites_clear(sites *s) {
 typedef struct job {
   const sites *sites;
   const eda_field *print;
+  double reach; /* nm */
 } job;
 
 static void measure_site(void *data, size_t i) {
   const job *j = data;
   const sites *s = j->sites;
   s->epe[i] = eda_field_epe(j->print, s->axis[i], s->out[i], s->place[2 * i],
-                            s->place[2 * i + 1], reach);
+                            s->place[2 * i + 1], j->reach);
 }
 
 void sites_measure(const opc_context *context, const sites *s,
-                   const eda_field *print) {
-  job j = {s, print};
+                   const eda_field *print, eda_scanner scanner) {
+  job j = {s, print, eda_natural(&scanner, reach)};
   opc_parallel(context, s->count, measure_site, &j);
 }

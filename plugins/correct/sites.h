@@ -17,6 +17,6 @@ typedef struct sites {
 void sites_init(sites *sites, const eda_cuts *cuts);
 void sites_clear(sites *sites);
 void sites_measure(const opc_context *context, const sites *sites,
-                   const eda_field *print);
+                   const eda_field *print, eda_scanner scanner);
 
 #endif

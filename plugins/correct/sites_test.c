@@ -51,7 +51,7 @@ static void test_sites(void) {
                              .site = axis == EDA_X ? x : y};
       sites s;
       sites_init(&s, &cuts);
-      sites_measure(NULL, &s, &f);
+      sites_measure(NULL, &s, &f, (eda_scanner){0});
       for (int side = 0; side < 2; side++) {
         int k = axis == EDA_X ? (side ? 1 : 3) : (side ? 2 : 0);
         double want = cases[i].epe[side], got = s.epe[k];

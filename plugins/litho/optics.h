@@ -5,7 +5,7 @@
 #ifndef OPCFLOW_LITHO_OPTICS_H
 #define OPCFLOW_LITHO_OPTICS_H
 
-#include <eda/imaging.h>
+#include <eda/litho.h>
 #include <opcflow/plugin.h>
 
 /* ---- parameters ---- */
@@ -134,6 +134,11 @@ typedef struct optics {
    pupil or empty, its inner radius above the outer one, or a parameter of no
    use for it is given. */
 int optics_check(optics *o, opc_error *error);
+
+/* As the kind's contract wants it (eda/litho.h). */
+static inline eda_scanner optics_scanner(const optics *o) {
+  return (eda_scanner){o->wavelength, o->na};
+}
 
 /* Warn where a scalar model does not hold. */
 void optics_warn(const optics *o, const opc_host *host);

@@ -40,9 +40,9 @@ static const char *fault(const resist_line *l) {
   return NULL;
 }
 
-/* Is the anchor, or a part of it, left to the gates? */
+/* Is the anchor, or a part of it, left open? */
 static int is_open(const resist_layer *r) {
-  return r->gates_given && !(r->line_given && r->pitch_given);
+  return isnan(r->anchor.line) || isnan(r->anchor.pitch);
 }
 
 static int take_table(resist_layer *r, opc_error *error) {
@@ -55,13 +55,14 @@ static int take_table(resist_layer *r, opc_error *error) {
   r->lines = eda_alloc(r->count, sizeof *r->lines);
   for (size_t i = 0; i < r->count; i++) {
     const double *pair = table->values + 2 * i;
-    double line = is_open(r) && !r->line_given ? pair[1] : r->anchor.line;
+    double line = isnan(r->anchor.line) ? pair[1] : r->anchor.line;
     r->lines[i] = (resist_line){line, pair[0], pair[1]};
     const char *why = fault(&r->lines[i]);
     if (why)
       return opc_fail(error, OPC_INVALID, r->source,
                       "pair %zu of '%s', (%g nm, %g nm): %s", i + 1, r->source,
                       pair[0], pair[1], why);
+    r->lines[i].line = r->anchor.line; /* which may be open */
   }
   return OPC_OK;
 }
@@ -106,7 +107,28 @@ int resist_layer_has_table(const resist_layer *layer) {
   return layer->source != sources[layer->set][0];
 }
 
-/* ---- what the layout says ---- */
+/* ---- what the layout says, or the optics ---- */
+
+void resist_take_gates(void *self, const eda_gates *gates) {
+  resist_base *r = self;
+  r->layer[0].drawn = gates;
+}
+
+/* k1, of a line that the optics print at its best: 65 nm at 250 at 193 nm, NA
+   0.75, as the thesis has it (3.3). */
+static const char least_line[] = "0.2526 lambda/NA",
+                  least_pitch[] = "0.9715 lambda/NA";
+
+/* So wide that its edges do not see each other: 1 um there. */
+static const char wide_line[] = "3.886 lambda/NA";
+
+/* Below this, nothing that is dense prints (B. J. Lin, as eda/natural.h). */
+static const double least_k1 = 0.25;
+
+/* Ours: a gate that is so much longer than the anchor's line, or so much
+   shorter, is another process's. Thick-oxide gates are up to 2.2 times as long
+   as those that a process's anchor is (GF180MCU: 600 and 280 nm). */
+static const double longer = 2.25, shorter = 0.8;
 
 static void tell_drawn(const resist_base *r, const char *id, resist_line a,
                        const resist_drawn *d, int guessed) {
@@ -121,30 +143,92 @@ static void tell_drawn(const resist_base *r, const char *id, resist_line a,
                  id, d->line);
 }
 
-/* What is not given of the anchor is as the layout's gates are. */
-static int take_drawn(const resist_base *resist, resist_layer *r,
-                      const char *id, opc_error *error) {
-  resist_drawn d;
-  resist_line a = r->anchor;
-  int anchor = !resist_layer_has_table(r);
-  if (!anchor && r->line_given) return OPC_OK;
-  if (!resist_drawn_of(r->gates, &d))
-    return opc_fail(error, OPC_INVALID, "anchor.gates",
-                    "there is no transistor to take the anchor from");
-  if (!r->line_given) r->anchor.line = a.line = d.line;
-  if (!r->pitch_given) a.pitch = d.pitch;
-  if (isnan(a.cd)) a.cd = a.line;
-  if (anchor) *r->lines = a;
+/* No layout is known, or none with transistors: the same for all layouts. */
+static resist_drawn guess(const resist_base *r, const char *id,
+                          eda_scanner scanner) {
+  resist_drawn d = {.line = eda_natural(&scanner, least_line),
+                    .pitch = eda_natural(&scanner, least_pitch)};
+  char whence[128];
+  if (r->layer[0].told) return d;
+  eda_natural_text(scanner, whence, sizeof whence);
+  r->host->log(r->host, OPC_LOG_WARNING,
+               "%s: no anchor is given, and there is no whole layout to take "
+               "one from: %g nm lines at %g nm, %s",
+               id, d.line, d.pitch, whence);
+  return d;
+}
+
+/* The line of all lines, now that it is known. */
+static int set_line(resist_layer *r, double line, opc_error *error) {
   for (size_t i = 0; i < r->count && !r->file; i++) {
-    r->lines[i].line = a.line;
+    r->lines[i].line = line;
     const char *why = fault(&r->lines[i]);
     if (why)
       return opc_fail(error, OPC_INVALID, r->source,
-                      "'%s', lines of %g nm at %g nm: %s", r->source, a.line,
+                      "'%s', lines of %g nm at %g nm: %s", r->source, line,
                       r->lines[i].pitch, why);
   }
-  tell_drawn(resist, id, a, &d, anchor && !r->pitch_given && !d.pitches);
   return OPC_OK;
+}
+
+/* What is not given of the anchor of poly is as the layout's gates are. */
+static int take_drawn(const resist_base *resist, resist_layer *r,
+                      const char *id, eda_scanner scanner, opc_error *error) {
+  resist_drawn d;
+  resist_line a = r->anchor;
+  int anchor = !resist_layer_has_table(r);
+  const eda_gates *gates = r->gates ? r->gates : r->drawn;
+  if (!anchor && !isnan(a.line)) return OPC_OK;
+  int found = gates && resist_drawn_of(gates, &d);
+  if (!found && r->gates)
+    return opc_fail(error, OPC_INVALID, "anchor.gates",
+                    "there is no transistor to take the anchor from");
+  if (!found) d = guess(resist, id, scanner);
+  int guessed = found && anchor && isnan(a.pitch) && !d.pitches;
+  if (isnan(a.line)) r->anchor.line = a.line = d.line;
+  if (isnan(a.pitch)) a.pitch = d.pitch;
+  if (isnan(a.cd)) a.cd = a.line;
+  if (anchor) *r->lines = a;
+  int code = set_line(r, a.line, error);
+  if (found && !code) tell_drawn(resist, id, a, &d, guessed);
+  return code;
+}
+
+/* Active: the edge of a wide line. */
+static int take_wide(resist_layer *r, eda_scanner scanner, opc_error *error) {
+  resist_line *a = &r->anchor;
+  a->line = eda_natural(&scanner, wide_line);
+  if (isnan(a->cd)) a->cd = a->line;
+  if (!resist_layer_has_table(r)) *r->lines = *a;
+  return set_line(r, a->line, error);
+}
+
+/* An anchor that does not go with the optics or with what is printed. */
+static void doubt(const resist_base *resist, const resist_layer *r,
+                  const char *id, eda_scanner scanner) {
+  const opc_host *host = resist->host;
+  double line = r->lines->line, k1 = line / eda_natural_unit(scanner);
+  resist_drawn d;
+  if (resist_layer_has_table(r)) return;
+  if (scanner.na > 0 && k1 < least_k1)
+    host->log(host, OPC_LOG_WARNING,
+              "%s: 'anchor': %g nm are %.2f of wavelength / NA; nothing dense "
+              "prints below %g: is it of these optics?",
+              id, line, k1, least_k1);
+  if (!r->drawn || !resist_drawn_of(r->drawn, &d)) return;
+  if (d.line > longer * line || d.line < shorter * line)
+    host->log(host, OPC_LOG_WARNING,
+              "%s: 'anchor' is a line of %g nm, the layout's shortest gate has "
+              "%g nm: is it of this process?",
+              id, line, d.line);
+}
+
+static int publish(const resist_base *resist, const resist_layer *r,
+                   opc_error *error) {
+  const opc_metric_value values[] = {{"anchor_line", r->lines->line},
+                                     {"anchor_pitch", r->lines->pitch}};
+  if (resist_layer_has_table(r)) return OPC_OK;
+  return opc_put_metrics(resist->host, OPC_ARRAY(values), error);
 }
 
 /* ---- tables in files ---- */
@@ -439,13 +523,22 @@ int resist_fit(resist_base *resist, int set, const opc_module *litho,
   resist_layer *layer = &resist->layer[set];
   int code = OPC_OK;
   size_t wanted = 0;
-  if (layer->gates && is_open(layer))
-    code = take_drawn(resist, layer, id, error);
+  eda_scanner scanner = eda_scanner_of(litho);
+  if (set && is_open(layer))
+    code = take_wide(layer, scanner, error);
+  else if (is_open(layer))
+    code = take_drawn(resist, layer, id, scanner, error);
   if (!code && layer->file && !layer->lines) code = read_table(layer, error);
   if (code) {
     layer_clear(layer);
     return code;
   }
+  if (!set && !layer->told) {
+    doubt(resist, layer, id, scanner);
+    code = publish(resist, layer, error);
+    if (code) return code;
+  }
+  layer->told = 1;
   for (size_t k = 0; k < n; k++) wanted += fit[k] != 0;
   if (wanted > layer->count)
     return opc_fail(error, OPC_INVALID, layer->source,

@@ -10,7 +10,7 @@
 
 #include <eda/gates.h>
 #include <eda/litho.h>
-#include <opcflow/plugin.h>
+#include <opcflow/follow.h>
 
 /* ---- a layer ---- */
 
@@ -24,12 +24,12 @@ typedef struct resist_line {
 } resist_line;
 
 typedef struct resist_layer {
-  resist_line anchor; /* cd: NAN if not given */
-  int line_given, pitch_given;
-  /* Whose lines are the anchor's where it is not given; there while a step
-     runs. NULL: none. */
-  const eda_gates *gates;
+  resist_line anchor; /* NAN: not given */
+  /* Whose lines are the anchor's where it is not given: by the flow, there
+     while a step runs; those that are printed. NULL: none. */
+  const eda_gates *gates, *drawn;
   int gates_given;
+  int told; /* of the anchor, or of doubts */
   opc_reals table;
   int table_given;
   const char *file; /* NULL: none */
@@ -51,18 +51,21 @@ typedef struct resist_base {
 
 /* clang-format off */ /* it takes the elements for nested ones */
 /* Parameters of a set of layers. `prefix` is "" for poly; `what` names the
-   layers, `line` and `pitch` are the default anchor. */
-#define RESIST_LAYER(set, prefix, what, line_preset, pitch_preset)           \
+   layers; RESIST_LINE and RESIST_PITCH, or RESIST_WIDE and RESIST_ALONE are the
+   default anchor. */
+#define RESIST_LINE .follows = "the shortest gate drawn"
+#define RESIST_PITCH .follows = "that of such gates"
+#define RESIST_WIDE .follows = "wide: 3.886 lambda/NA"
+#define RESIST_ALONE .preset = "0 nm"
+#define RESIST_LAYER(set, prefix, what, line_default, pitch_default)         \
   {.name = prefix "anchor.line", .type = OPC_REAL, .flags = OPC_ABOVE,       \
-   .unit = "nm", .preset = line_preset,                                      \
+   .unit = "nm", line_default,                                               \
    .summary = "drawn width of the line of " what " that prints to size",     \
-   OPC_FIELD(resist_base, layer[set].anchor.line),                           \
-   .given = offsetof(resist_base, layer[set].line_given)},                   \
+   OPC_FIELD(resist_base, layer[set].anchor.line)},                          \
   {.name = prefix "anchor.pitch", .type = OPC_REAL, .flags = OPC_AT_LEAST,   \
-   .unit = "nm", .preset = pitch_preset,                                     \
+   .unit = "nm", pitch_default,                                              \
    .summary = "pitch of its grating; 0 nm for an isolated line",             \
-   OPC_FIELD(resist_base, layer[set].anchor.pitch),                          \
-   .given = offsetof(resist_base, layer[set].pitch_given)},                  \
+   OPC_FIELD(resist_base, layer[set].anchor.pitch)},                         \
   {.name = prefix "anchor.cd", .type = OPC_REAL, .flags = OPC_ABOVE,         \
    .unit = "nm",                                                             \
    .summary = "printed width wanted; the drawn one if not given",            \
@@ -100,8 +103,18 @@ typedef struct resist_base {
 
 #define RESIST_POLY "poly and layers past active"
 
+#define RESIST_METRICS                                                  \
+  {"anchor_line", "nm", OPC_NEUTRAL, 0,                                 \
+   "drawn width of the line that the resist is calibrated on"},         \
+  {                                                                     \
+    "anchor_pitch", "nm", OPC_NEUTRAL, 0, "... and its pitch; 0: alone" \
+  }
+
 /* Whether the values of a layer make sense, for a plugin's `check`. */
 int resist_layer_check(resist_layer *layer, int set, opc_error *error);
+
+/* `drawn` of the kind. */
+void resist_take_gates(void *self, const eda_gates *gates);
 
 /* `clear` of a plugin that makes nothing else. */
 void resist_clear(void *self);

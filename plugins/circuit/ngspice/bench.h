@@ -20,9 +20,9 @@ typedef struct bench {
   const eda_mask *mask;       /* NULL: as drawn only */
   const char *models[2];      /* files; [1] NULL: the same */
   const char *model[2];
-  const char *library, *corner; /* in place of `models` */
-  int dlc;                      /* whether DLC is corrected */
-  int sizes;                    /* SIZES_BOTH, SIZES_LENGTH */
+  const char *library, *corner, *osdi; /* in place of `models` */
+  int dlc;                             /* whether DLC is corrected */
+  int sizes;                           /* SIZES_BOTH, SIZES_LENGTH */
   const char *devices;
   double supply, temperature, load, slew;
   opc_reals edges;

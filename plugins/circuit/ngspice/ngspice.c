@@ -83,11 +83,7 @@ static int read_library(bench *b, opc_error *error) {
     sizes.width[0] = fmin(sizes.width[0], (1 - around) * g->width[i]);
     sizes.width[1] = fmax(sizes.width[1], (1 + around) * g->width[i]);
   }
-  g_autofree char *path = realpath(b->library, NULL);
-  if (!path)
-    return opc_fail(error, OPC_IO, "library", "cannot read '%s': %s",
-                    b->library, strerror(errno));
-  eda_models *l = eda_models_read(path, b->corner, error);
+  eda_models *l = eda_models_read(b->library, b->corner, b->osdi, error);
   if (!l) return error->code;
   g_autofree char *all = names_of_models(b);
   int code = check_names(b, l, all, error);
@@ -254,6 +250,9 @@ static const opc_parameter parameters[] = {
                              "sections and bins, of which the outermost go on"),
     OPC_PARAMETER(bench, corner, .type = OPC_TEXT,
                   .summary = "its section; if not given, what stands in none"),
+    OPC_PARAMETER(bench, osdi, .type = OPC_FILE,
+                  .summary = "a shared object of compiled models that the "
+                             "library's are of (OSDI)"),
     OPC_PARAMETER_NAMED("nmos", bench, model[EDA_NMOS], .type = OPC_TEXT,
                         .summary = "name of the n-transistor's model; if not "
                                    "given, nmos, or with `library` the "
@@ -391,6 +390,9 @@ static int check(void *self, opc_error *error) {
   if (b->corner && !is_name(b->corner))
     return opc_fail(error, OPC_INVALID, "corner",
                     "'%s' is not the name of a section", b->corner);
+  if (b->osdi && !b->library)
+    return opc_fail(error, OPC_INVALID, "osdi", "'%s' goes with 'library'",
+                    b->osdi);
   return eda_paper_check(b->picture, "picture", error);
 }
 

@@ -20,7 +20,8 @@ enum { ON, OFF }; /* `guard` */
 
 /* Ours. */
 static const struct {
-  double radius_error, radius, along, margin, gap;
+  double radius_error, radius, along, gap;
+  const char *margin;
 } tuned = {
     /* Clear field 1, and nm where the model does not know its band yet: what
        lies further off changes an image by less (eda_margin), about as much as
@@ -34,10 +35,11 @@ static const struct {
        nm, whose light at 1 um is far below that of the edge itself. */
     .along = 1,
 
-    /* nm, where there are no fine prints: beyond is not clear field, as around
-       a whole layout, but what is cut off. Ion of an SRAM of 44 transistors is
-       off by 1.5 % with 1 um, 0.25 with 2, 0.11 with 4, at most. */
-    .margin = 2000,
+    /* Where there are no fine prints: beyond is not clear field, as around a
+       whole layout, but what is cut off. At 193 nm, NA 0.75, Ion of an SRAM of
+       44 transistors is off by 1.5 % with 1 um, 0.25 with 2, which this is,
+       0.11 with 4, at most. */
+    .margin = "7.772 lambda/NA",
 
     /* nm, between two clips on a sheet: as much as keeps mask rules apart. */
     .gap = 500,
@@ -210,6 +212,7 @@ static int prepare(const chip *c, const eda_gates *g, opc_error *error) {
   eda_printer_init(&printer, c->host->context, g, c->litho, c->resist,
                    c->margin);
   printer.fine = c->fine;
+  printer.drawn = NULL; /* of which these are none */
   int code = eda_printer_prepare(&printer, error);
   eda_printer_clear(&printer);
   return code ? code
@@ -336,8 +339,11 @@ static const opc_metric metrics[] = {
 static int check(void *self, opc_error *error) {
   chip *c = self;
   int code = fine_error(c->fine_text, c->limit, &c->fine, error);
-  if (isnan(c->margin))
-    c->margin = c->fine > 0 ? fine_margin(NAN, c->fine) : tuned.margin;
+  eda_scanner scanner = eda_scanner_of(c->litho);
+  if (isnan(c->margin) && !(c->fine > 0))
+    c->margin = eda_natural(&scanner, tuned.margin);
+  c->margin = fine_margin(c->host, c->litho, c->margin, c->fine);
+  EDA_FOLLOW(c->host, "correct.chip", c, parameters, scanner);
   if (!code && c->also.count)
     return opc_fail(error, OPC_INVALID, "also",
                     "a chip is corrected by its transistors, which move poly "

@@ -220,6 +220,7 @@ static int correct(const mend *m, const sheet *s, opc_bytes *out,
   eda_printer_init(&l.printer, w->host->context, s->gates, w->litho, w->resist,
                    w->gap * w->chip->grid);
   l.printer.fine = w->fine;
+  l.printer.drawn = NULL; /* all sheets have one resist */
   eda_mask *begun = m->stand ? stand(m, s, &l.still) : NULL;
   l.start.mask = begun;
   int code = loop_run(&l, error);

@@ -149,6 +149,7 @@ static void measured_init(measured *m, const prove *p, const sheet *s) {
   eda_printer_init(&m->printer, w->host->context, g, w->litho, w->resist,
                    w->gap * w->chip->grid);
   m->printer.fine = w->fine;
+  m->printer.drawn = NULL; /* all sheets have one resist */
   eda_measurement_init(&m->measured, g->count);
   eda_performance_init(&m->design, g->count);
 }
@@ -215,7 +216,8 @@ static int prove_sheet(void *data, size_t i, opc_bytes *out, opc_error *error) {
                                    .aside = m.moved->aside,
                                    .extension = m.measured.extension,
                                    .shapes = m.mask,
-                                   .print = m.printer.print};
+                                   .print = m.printer.print,
+                                   .scanner = eda_scanner_of(w->litho)};
       put_all(&m, &s, out);
       code = faults_find(w, &s, &printed, out, error);
     }

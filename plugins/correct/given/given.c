@@ -99,7 +99,8 @@ static int tell_of_violations(const given *s, eda_mask *m,
                                .w = none,
                                .extension = extension,
                                .shapes = m->shapes,
-                               .print = m->print};
+                               .print = m->print,
+                               .scanner = eda_scanner_of(s->litho)};
   int code = eda_call_violations(s->host->context, s->regulator, &printed, v,
                                  room, &n, error);
   if (n > room) n = room;
@@ -237,7 +238,8 @@ static const opc_metric metrics[] = {
 static int check(void *self, opc_error *error) {
   given *s = self;
   int code = fine_error(s->fine_text, s->limit, &s->fine, error);
-  s->margin = fine_margin(s->margin, s->fine);
+  EDA_FOLLOW(s->host, "given", s, parameters, eda_scanner_of(s->litho));
+  s->margin = fine_margin(s->host, s->litho, s->margin, s->fine);
   return code;
 }
 

@@ -44,20 +44,21 @@ GVariant *entry_pack(const cut_out *cell, const eda_performance *design,
   const eda_gates *g = cell->gates;
   GVariantBuilder all;
   g_variant_builder_init(&all,
-                         G_VARIANT_TYPE("a(iiiiyydddddddddyuiiiiiia(iii)d)"));
+                         G_VARIANT_TYPE("a(iiiiyydddddddddyuiiiiiia(iii)ds)"));
   for (size_t i = 0; i < g->count; i++) {
     eda_box b = g->box[i];
     if (!cell->own[i]) continue;
     g_variant_builder_add(
-        &all, "(iiiiyydddddddddyuiiiiii@a(iii)d)", b.x0, b.y0, b.x1, b.y1,
+        &all, "(iiiiyydddddddddyuiiiiii@a(iii)ds)", b.x0, b.y0, b.x1, b.y1,
         g->type[i], g->axis[i], g->length[i], g->width[i], design->ion[i],
         after->ion[i], after->ioff[i], after->leq_ion[i], after->leq_ioff[i],
         after->weq[i], after->area[i], after->outside[i], flags[i], m->w[i],
         m->aside[i], m->l[i], m->jog[i], m->end[2 * i], m->end[2 * i + 1],
-        pack_parts(m->part + EDA_PARTS * i), m->seen[i]);
+        pack_parts(m->part + EDA_PARTS * i), m->seen[i],
+        eda_gates_flavour(g, i));
   }
   return g_variant_new(
-      "(@as@a(iiiiyydddddddddyuiiiiiia(iii)d)@aa(iiii)@aa(iiii))",
+      "(@as@a(iiiiyydddddddddyuiiiiiia(iii)ds)@aa(iiii)@aa(iiii))",
       g_variant_new_strv((const char *const *)g->layer, (gssize)g->layers),
       g_variant_builder_end(&all), pack_boxes(m->patch, g->layers, cell->box),
       pack_boxes(m->bite, g->layers, cell->box));
@@ -72,13 +73,13 @@ static gboolean unpack_gate(entry *e, size_t i, GVariant *from) {
   GVariantIter *parts;
   eda_part *part = m->part + EDA_PARTS * i, next;
   gboolean good = TRUE;
-  g_variant_get(from, "(iiiiyydddddddddyuiiiiiia(iii)d)", &b->x0, &b->y0,
+  g_variant_get(from, "(iiiiyydddddddddyuiiiiiia(iii)ds)", &b->x0, &b->y0,
                 &b->x1, &b->y1, &e->type[i], &e->axis[i], &e->length[i],
                 &e->width[i], &e->design[i], &p->ion[i], &p->ioff[i],
                 &p->leq_ion[i], &p->leq_ioff[i], &p->weq[i], &p->area[i],
                 &p->outside[i], &e->flags[i], &m->w[i], &m->aside[i], &m->l[i],
                 &m->jog[i], &m->end[2 * i], &m->end[2 * i + 1], &parts,
-                &m->seen[i]);
+                &m->seen[i], &e->flavour[i]);
   for (int k = 0;
        g_variant_iter_next(parts, "(iii)", &next.from, &next.to, &next.by); k++)
     if (k < EDA_PARTS)
@@ -118,6 +119,7 @@ entry *entry_unpack(GVariant *data) {
   e->box = eda_alloc(n, sizeof *e->box);
   e->type = eda_alloc(n, 1);
   e->axis = eda_alloc(n, 1);
+  e->flavour = g_new0(char *, n + 1);
   e->length = eda_alloc(n, sizeof *e->length);
   e->width = eda_alloc(n, sizeof *e->width);
   e->design = eda_alloc(n, sizeof *e->design);
@@ -138,6 +140,7 @@ entry *entry_unpack(GVariant *data) {
 void entry_free(entry *e) {
   if (!e) return;
   g_strfreev(e->layer);
+  g_strfreev(e->flavour);
   free(e->box);
   free(e->type);
   free(e->axis);

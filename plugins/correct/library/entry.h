@@ -10,13 +10,14 @@
 #include "cut.h"
 
 #define ENTRY_TYPE \
-  G_VARIANT_TYPE("(asa(iiiiyydddddddddyuiiiiiia(iii)d)aa(iiii)aa(iiii))")
+  G_VARIANT_TYPE("(asa(iiiiyydddddddddyuiiiiiia(iii)ds)aa(iiii)aa(iiii))")
 
 typedef struct entry {
   size_t gates, layers;
   char **layer; /* names, NULL-terminated */
   eda_box *box;
   uint8_t *type, *axis;
+  char **flavour;         /* NULL-terminated */
   double *length, *width; /* nm, as drawn */
   double *design;         /* Ion as drawn, A */
   eda_performance after;  /* of the cell alone */

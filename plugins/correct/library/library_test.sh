@@ -207,6 +207,24 @@ check "no database: exit 2" exits 2
 code=$?
 check "no file: exit 5" exits 5
 
+# A marker of the circuit over a cell: its transistors are none of the library's.
+rm -f "$work/db"
+table=$OPCFLOW_SOURCE/data/devices/ptm65.yaml
+{
+  cat "$table"
+  echo ---
+  sed 's/^opcflow-devices: 1/&\nflavour: lvt/' "$table"
+} >"$work/two.yaml"
+sed 's/^C 1 /L LV;\nB 60000 60000 1230 4560;\n&/' "$work/r0.cif" >"$work/marked.cif"
+run --set "library.extractor.devices=$work/two.yaml" --set "placed.extractor.devices=$work/two.yaml"
+code=$?
+check "two flavours: exit 0" exits 0
+run --set "library.extractor.devices=$work/two.yaml" --set "placed.extractor.devices=$work/two.yaml" \
+  --set "layout.file=$work/marked.cif" --set 'layout.layers.lvt=LV' --set 'gates.flavours={ lvt: lvt }'
+code=$?
+check "a marker over a cell: exit 2" exits 2
+check "and says so" says "4 of 4 transistors are not in the library.*another flavour"
+
 # What depends on more than settings and the cell is not kept.
 rm -f "$work/db"
 run --set 'library.resist.anchor.gates=${cells}'

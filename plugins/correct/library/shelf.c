@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* In the header of the file: "opcL", and the version of the tables. */
-enum { APPLICATION = 0x6f70634c, VERSION = 2 };
+enum { APPLICATION = 0x6f70634c, VERSION = 3 };
 
 /* ms that another process may keep the database locked; each of its
    transactions takes a hundredth of that. */

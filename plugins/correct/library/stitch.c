@@ -57,7 +57,9 @@ static int64_t find(const stitch *s, const entry *e, const turn *t, size_t j) {
     eda_box o = g->box[i];
     if (fabs((double)o.x0 + o.x1 - x) <= NEAR &&
         fabs((double)o.y0 + o.y1 - y) <= NEAR && g->axis[i] == axis &&
-        g->type[i] == e->type[j] && same_size(g->length[i], e->length[j]) &&
+        g->type[i] == e->type[j] &&
+        !strcmp(eda_gates_flavour(g, i), e->flavour[j]) &&
+        same_size(g->length[i], e->length[j]) &&
         same_size(g->width[i], e->width[j]))
       return i;
   }

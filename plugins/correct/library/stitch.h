@@ -23,7 +23,7 @@ void stitch_init(stitch *stitch, const eda_gates *gates, double unit);
 void stitch_clear(stitch *stitch);
 
 /* Place a cell: the transistors of the circuit that are one of its, by place,
-   type and size, get its moves. How many of the cell's found none. */
+   type, flavour and size, get its moves. How many of the cell's found none. */
 size_t stitch_place(stitch *stitch, const entry *cell, const turn *at);
 
 #endif

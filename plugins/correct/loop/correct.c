@@ -4,6 +4,7 @@
 #include <eda/memory.h>
 #include <glib.h>
 #include <inttypes.h>
+#include <math.h>
 #include <opcflow/step.h>
 #include <opcflow/table.h>
 #include <stdlib.h>
@@ -127,9 +128,12 @@ static int tell(const correct *c, loop *l, eda_mask *mask, opc_error *error) {
   return code;
 }
 
+static int tell_of_settings(const correct *c, opc_error *error);
+
 static int run(void *self, void **outputs, opc_error *error) {
   const correct *c = self;
   int code = start_check(&c->start, c->gates, error);
+  if (!code) code = tell_of_settings(c, error);
   if (code) return code;
   loop l = {
       .host = c->host,
@@ -224,10 +228,10 @@ static const opc_parameter parameters[] = {
                   .min = 0, .max = 100000,
                   .summary = "stop after so many moves"),
     OPC_PARAMETER(correct, margin, .type = OPC_REAL, .flags = OPC_AT_LEAST,
-                  .unit = "nm", .min = 0,
+                  .unit = "nm", .follows = FINE_MARGIN, .min = 0,
                   .summary =
-                      "clear field around the layout, which repeats beyond; as "
-                      "'fine' needs it"),
+                      "clear field around the layout, which repeats beyond; "
+                      "without fine prints a third of that"),
     FINE_PARAMETER(correct),
     CORNERS_PARAMETERS(correct),
     ASSISTS_PARAMETERS(correct),
@@ -257,7 +261,7 @@ static const opc_metric metrics[] = {
          "mean of |edge placement error| of the synthesizer's fragments"},
     {"epe_max", "nm", OPC_LOWER, 0.01, "largest |edge placement error|"},
     {"epe_lost", NULL, OPC_LOWER, 0,
-     "fragments without a printed edge within 100 nm"},
+     "fragments without a printed edge within 0.389 lambda/NA"},
     {"refined", NULL, OPC_NEUTRAL, 0, "transistors that 'max_diff' lets move"},
     {"iterations", NULL, OPC_LOWER, 0,
      "times that the synthesizer moved edges"},
@@ -275,10 +279,35 @@ static const opc_metric metrics[] = {
     RULES_METRICS,
 };
 
+/* What is not asked for has no lengths. */
+static void set_unused(correct *c, double value) {
+  gate_bars *a = &c->assists;
+  sought_bars *s = &c->seek;
+  double *const bars[] = {&a->width, &a->distance, &a->space, &a->min_length,
+                          &a->overhang};
+  double *const sought[] = {&s->worth,      &s->defocus,  &s->least_width,
+                            &s->width,      &s->distance, &s->space,
+                            &s->min_length, &s->length};
+  for (size_t i = 0; i < G_N_ELEMENTS(bars) && !a->rows; i++) *bars[i] = value;
+  for (size_t i = 0; i < G_N_ELEMENTS(sought) && !s->most; i++)
+    *sought[i] = value;
+}
+
+static void follow(correct *c) {
+  set_unused(c, 0);
+  EDA_FOLLOW(c->host, "correct", c, parameters, eda_scanner_of(c->litho));
+  set_unused(c, NAN);
+}
+
+static int tell_of_settings(const correct *c, opc_error *error) {
+  return opc_put_followed(c->host, c, OPC_ARRAY(parameters), error);
+}
+
 static int check(void *self, opc_error *error) {
   correct *c = self;
   int code = fine_error(c->fine_text, c->limit, &c->fine, error);
-  c->margin = fine_margin(c->margin, c->fine);
+  c->margin = fine_margin(c->host, c->litho, c->margin, c->fine);
+  follow(c);
   return code ? code : corners_check(&c->corners, error);
 }
 

@@ -485,13 +485,18 @@ static void test_drawing(void) {
     said("p-transistors", 0);
     said("longer than wide", 0);
   }
-  for (int i = 0; i < 8; i++) d.width[i] = d.length[i] - (i < 7);
+  for (int i = 0; i < 7; i++) d.width[i] = 1;
   opc_test_forget();
   findings_of_drawing(opc_test_host(), &d.gates, &extractor);
   said("longer than wide", 0); /* seven of fourteen are */
   d.width[7] = 1;
   findings_of_drawing(opc_test_host(), &d.gates, &extractor);
   said("8 of 14 transistors are drawn longer than wide", 1);
+  /* Of one length and many widths, they are right as they are. */
+  for (int i = 0; i < GATES; i++) d.length[i] = 600, d.width[i] = 300 + i;
+  opc_test_forget();
+  findings_of_drawing(opc_test_host(), &d.gates, &extractor);
+  said("longer than wide", 0);
 }
 
 static void test_print(void) {

@@ -133,7 +133,7 @@ static const opc_metric metrics[] = {
 static int check(void *self, opc_error *error) {
   verify *v = self;
   int code = fine_error(v->fine_text, limit, &v->fine, error);
-  v->margin = fine_margin(v->margin, v->fine);
+  v->margin = fine_margin(v->host, v->litho, v->margin, v->fine);
   return code;
 }
 

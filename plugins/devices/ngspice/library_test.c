@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tables from libraries: a small one of our own in all that `ends` can be, and
-   SkyWater's against the plain simulator, as extractor.plain reads it. */
+/* Tables from libraries: a small one of our own in all that `ends` can be,
+   compiled models, and open processes' tables against the plain simulator, as
+   extractor.plain reads them. */
+#include <eda/curves.h>
 #include <eda/devices.h>
 #include <eda/extractor.h>
 #include <eda/simulator.h>
@@ -131,6 +133,51 @@ static void test_widths(void) {
   eda_devices_free(d);
 }
 
+/* ---- compiled models ---- */
+
+#define SQUARE(name, type)                                                  \
+  ".subckt " name                                                           \
+  " d g s b w=1u l=1u\nn1 d g s b m w=w l=l\n.model m squarelaw type=" type \
+  " k=1m vt=0.4 leak=1n\n.ends\n"
+
+/* A square law behind the interface of compiled models: what its equations
+   say; or, where ngspice has none, that it has none. */
+static void test_osdi(void) {
+  opc_error error;
+  void *no_outputs[1];
+  if (!have_ngspice()) return;
+  g_autofree char *path = g_build_filename(opc_test_folder(), "sq.lib", NULL);
+  g_autofree char *osdi =
+      g_build_filename(g_getenv("OPCFLOW_BUILD"), "subprojects", "eda",
+                       "simulator", "square.osdi", NULL);
+  g_assert_true(g_file_set_contents(
+      path, ".lib tt\n" SQUARE("n", "1") SQUARE("p", "-1") ".endl\n", -1,
+      NULL));
+  g_autofree char *mapping = g_strdup_printf(
+      "{ library: %s, corner: tt, osdi: %s, nmos: n, pmos: p, supply: 1 V, "
+      "length: { list: [100 nm, 120 nm, 140 nm] }, width: 500 nm, file: "
+      "sq.yaml, picture: sq.png }",
+      path, osdi);
+  g_autoptr(opc_module) m = opc_test_module("devices.ngspice", mapping, &error);
+  if (!m) g_error("%s", error.message);
+  int code = opc_test_run(m, no_outputs, &error);
+  if (code == OPC_NO_PLUGIN) {
+    g_assert_nonnull(strstr(error.message, "compiled models (OSDI)"));
+    g_test_skip(error.message);
+    return;
+  }
+  if (code) g_error("%s", error.message);
+  eda_devices *d = load("sq.yaml");
+  for (int t = 0; t < 2; t++)
+    for (size_t i = 0; i < 3; i++) {
+      double on = 1 / d->length[i] * (1e-3 / 2 * 0.6 * 0.6 + 1e-9);
+      double off = 1 / d->length[i] * 1e-9; /* per nm */
+      g_assert_cmpfloat(fabs(d->ion[t][i] / on - 1), <, 2e-6);
+      g_assert_cmpfloat(fabs(d->ioff[t][i] / off - 1), <, 2e-6);
+    }
+  eda_devices_free(d);
+}
+
 /* ---- capacitance of the gate ---- */
 
 /* What the gate of one transistor takes while it is driven in a nanosecond from
@@ -233,77 +280,112 @@ static void test_refused(void) {
   refused(SHORT ", overrides: { vth0: 1 }", "'overrides' go with 'card'");
 }
 
-/* ---- SkyWater 130 ---- */
+/* ---- open processes: shipped tables against the kits' models ---- */
 
 enum { GATES = 40 };
-static const char *const models[2] = {"sky130_fd_pr__nfet_01v8",
-                                      "sky130_fd_pr__pfet_01v8_hvt"};
-static const double supply = 1.8;
 
-/* L and W of the cells and 10 % around; those that the models have. */
+typedef struct process {
+  const char *name, *library, *corner;
+  const char *osdi; /* NULL: none */
+  const char *model[2], *flavour[2];
+  double supply;               /* V */
+  double unit;                 /* of sizes in its decks, nm */
+  double length[2], width[2];  /* of gates, nm: from, to */
+  double abstol[EDA_CURRENTS]; /* A: what the models come to */
+} process;
+
+/* L and W of the cells and 10 % around; of SkyWater those that the models
+   have. */
+static const process sky130 = {
+    "sky130",
+    "sky130/models/sky130.lib.spice",
+    "tt",
+    NULL,
+    {"sky130_fd_pr__nfet_01v8", "sky130_fd_pr__pfet_01v8_hvt"},
+    {NULL, "hvt"},
+    1.8,
+    1000,
+    {150, 165},
+    {420, 1100},
+    {1e-19, 1e-19}};
+static const process ihp130 = {"ihp130",
+                               "ihp130/models/cornerMOSlv.lib",
+                               "mos_tt",
+                               "ihp130/models/psp103.osdi",
+                               {"sg13_lv_nmos", "sg13_lv_pmos"},
+                               {NULL, NULL},
+                               1.2,
+                               1e9,
+                               {117, 143},
+                               {135, 1232},
+                               {1e-15, 1e-19}};
+
 typedef struct gate {
   uint8_t type;
   double length, width;
 } gate;
 
-static void make_gates(gate gates[GATES]) {
+static void make_gates(const process *p, gate gates[GATES]) {
   g_autoptr(GRand) lot = g_rand_new_with_seed(130);
   for (int i = 0; i < GATES; i++)
-    gates[i] = (gate){(uint8_t)(i % 2), g_rand_double_range(lot, 150, 165),
-                      g_rand_double_range(lot, 420, 1100)};
+    gates[i] = (gate){(uint8_t)(i % 2),
+                      g_rand_double_range(lot, p->length[0], p->length[1]),
+                      g_rand_double_range(lot, p->width[0], p->width[1])};
 }
 
-/* Their currents by the command `ngspice` and the whole library: 0 and a skip
-   if something is not there. */
-static int simulate(const gate gates[GATES], double current[2][GATES]) {
+/* One current of them all, by the command `ngspice` and the whole library: 0
+   and a skip if something is not there. */
+static int simulate(const process *p, const gate gates[GATES], int current,
+                    double out[GATES]) {
   const char *data = g_getenv("OPCFLOW_TEST_DATA");
+  if (!data) data = "../shared/data";
   g_autofree char *program = g_find_program_in_path("ngspice");
-  g_autofree char *lib = g_build_filename(
-      data ? data : "../shared/data", "sky130/models/sky130.lib.spice", NULL);
-  if (!program || !g_file_test(lib, G_FILE_TEST_EXISTS)) {
-    g_test_skip("no ngspice, or no models of sky130");
+  g_autofree char *lib = g_build_filename(data, p->library, NULL);
+  g_autofree char *osdi =
+      p->osdi ? g_build_filename(data, p->osdi, NULL) : NULL;
+  if (!program || !g_file_test(lib, G_FILE_TEST_EXISTS) ||
+      (osdi && !g_file_test(osdi, G_FILE_TEST_EXISTS))) {
+    g_test_skip("no command 'ngspice', or not the models of this process");
     return 0;
   }
   g_autoptr(GString) deck = g_string_new("by hand\n");
+  double on = current == EDA_ION ? p->supply : 0;
   g_string_append_printf(deck,
-                         ".lib \"%s\" tt\n.options gmin=1e-20 reltol=1e-6 "
-                         "abstol=1e-19\nvn n 0 1.8\nvp p 0 -1.8\n",
-                         lib);
-  for (int i = 0; i < GATES; i++) {
-    const char *g = gates[i].type ? "p" : "n";
-    g_string_append_printf(deck,
-                           "x%d d%d %s 0 0 %s l=%.9g w=%.9g\nv%d d%d 0 "
-                           "%g\n",
-                           i, i, g, models[gates[i].type],
-                           gates[i].length / 1000, gates[i].width / 1000, i, i,
-                           gates[i].type ? -supply : supply);
-  }
-  g_string_append(deck, ".control\nset numdgt=12\n");
-  for (int off = 0; off < 2; off++) {
-    g_string_append(deck, off ? "alter vn=0\nalter vp=0\nop\n" : "op\n");
-    for (int i = 0; i < GATES; i++)
-      g_string_append_printf(deck, "print i(v%d)\n", i);
-  }
+                         ".lib \"%s\" %s\n.options gmin=1e-20 reltol=1e-6 "
+                         "abstol=%g\nvn n 0 %g\nvp p 0 %g\n",
+                         lib, p->corner, p->abstol[current], on, -on);
+  for (int i = 0; i < GATES; i++)
+    g_string_append_printf(
+        deck, "x%d d%d %s 0 0 %s l=%.9g w=%.9g\nv%d d%d 0 %g\n", i, i,
+        gates[i].type ? "p" : "n", p->model[gates[i].type],
+        gates[i].length / p->unit, gates[i].width / p->unit, i, i,
+        gates[i].type ? -p->supply : p->supply);
+  g_string_append(deck, ".control\n");
+  if (osdi) g_string_append_printf(deck, "pre_osdi '%s'\n", osdi);
+  g_string_append(deck, "set numdgt=12\nop\n");
+  for (int i = 0; i < GATES; i++)
+    g_string_append_printf(deck, "print i(v%d)\n", i);
   g_string_append(deck, ".endc\n.end\n");
   g_autofree char *path = g_build_filename(opc_test_folder(), "h.sp", NULL);
-  g_autofree char *out = NULL;
+  g_autofree char *text = NULL;
   g_assert_true(g_file_set_contents(path, deck->str, -1, NULL));
   const char *argv[] = {program, "-b", path, NULL};
   g_assert_true(g_spawn_sync(opc_test_folder(), (char **)argv, NULL,
-                             G_SPAWN_STDERR_TO_DEV_NULL, NULL, NULL, &out, NULL,
-                             NULL, NULL));
-  const char *at = out;
-  for (int k = 0; k < 2 * GATES; k++) {
+                             G_SPAWN_STDERR_TO_DEV_NULL, NULL, NULL, &text,
+                             NULL, NULL, NULL));
+  const char *at = text;
+  for (int k = 0; k < GATES; k++) {
     at = strstr(at, ") = ");
-    if (!at) g_error("%s", out);
-    current[k / GATES][k % GATES] = fabs(g_ascii_strtod(at += 4, NULL));
+    if (!at) g_error("%s", text);
+    out[k] = fabs(g_ascii_strtod(at += 4, NULL));
   }
   return 1;
 }
 
 /* Rectangles by extractor.plain, each in a few slices, and the shipped table.
  */
-static void extract(const gate gates[GATES], double current[2][GATES]) {
+static void extract(const process *p, const gate gates[GATES],
+                    double current[2][GATES]) {
   enum { SLICES = 12 };
   opc_error error;
   uint8_t type[GATES], outside[GATES];
@@ -312,7 +394,7 @@ static void extract(const gate gates[GATES], double current[2][GATES]) {
   const char *source = g_getenv("OPCFLOW_SOURCE"), *flavour[GATES];
   for (int i = 0; i < GATES; i++) {
     type[i] = gates[i].type;
-    flavour[i] = type[i] == EDA_PMOS ? "hvt" : NULL;
+    flavour[i] = p->flavour[type[i]];
     for (int k = 0; k < SLICES; k++) {
       length[i * SLICES + k] = gates[i].length;
       width[i * SLICES + k] = gates[i].width / SLICES;
@@ -330,7 +412,7 @@ static void extract(const gate gates[GATES], double current[2][GATES]) {
   eda_performance out = {GATES,   current[0], current[1], rest[0],
                          rest[1], rest[2],    rest[3],    outside};
   g_autofree char *mapping = g_strdup_printf(
-      "{ devices: %s/data/devices/sky130.yaml }", source ? source : ".");
+      "{ devices: %s/data/devices/%s.yaml }", source ? source : ".", p->name);
   g_autoptr(opc_module) m = opc_test_module("extractor.plain", mapping, &error);
   if (!m) g_error("%s", error.message);
   const eda_extractor *e = m->functions;
@@ -339,13 +421,15 @@ static void extract(const gate gates[GATES], double current[2][GATES]) {
   for (int i = 0; i < GATES; i++) g_assert_cmpuint(outside[i], ==, 0);
 }
 
-static void test_sky130(void) {
+static void test_process(gconstpointer data) {
   static const double within[2] = {1e-3, 2e-2};
+  const process *p = data;
   gate gates[GATES];
   double want[2][GATES], got[2][GATES], worst[2] = {0};
-  make_gates(gates);
-  if (!simulate(gates, want)) return;
-  extract(gates, got);
+  make_gates(p, gates);
+  for (int k = 0; k < EDA_CURRENTS; k++)
+    if (!simulate(p, gates, k, want[k])) return;
+  extract(p, gates, got);
   for (int k = 0; k < 2; k++) {
     for (int i = 0; i < GATES; i++) {
       double off = fabs(got[k][i] / want[k][i] - 1);
@@ -365,8 +449,10 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/library/ends", test_ends);
   g_test_add_func("/library/widths", test_widths);
+  g_test_add_func("/library/osdi", test_osdi);
   g_test_add_func("/library/capacitance", test_capacitance);
   g_test_add_func("/library/refused", test_refused);
-  g_test_add_func("/library/sky130", test_sky130);
+  g_test_add_data_func("/library/sky130", &sky130, test_process);
+  g_test_add_data_func("/library/ihp130", &ihp130, test_process);
   return g_test_run();
 }

@@ -137,7 +137,7 @@ static int find_files(plan *p, opc_error *error) {
 
 static int read_library(plan *p, opc_error *error) {
   static const char *const parameter[TYPES] = {"nmos", "pmos"};
-  p->models = eda_models_read(p->path[0], p->corner, error);
+  p->models = eda_models_read(p->library, p->corner, p->osdi, error);
   if (!p->models) return error->code;
   for (int t = 0; t < TYPES; t++)
     if (!eda_models_kind(p->models, p->model[t]))
@@ -186,6 +186,9 @@ static const opc_parameter parameters[] = {
           "a foundry's models: subcircuits or cards, in sections and bins")},
     {TEXT("corner", OPC_TEXT, corner,
           "its section; if not given, what stands in none")},
+    {TEXT(
+        "osdi", OPC_FILE, osdi,
+        "a shared object of compiled models that the library's are of (OSDI)")},
     {TEXT("ends", OPC_CHOICE, ends,
           "where a model ends: the table begins there; an error; the "
           "outermost bins go on; the currents do, by the slope they have"),
@@ -302,6 +305,8 @@ static int check_source(const plan *p, opc_error *error) {
     return refuse("overrides", "overrides", "go with 'card'", error);
   if (p->card[EDA_NMOS] && p->corner)
     return refuse("corner", p->corner, "goes with 'library'", error);
+  if (p->osdi && !p->library)
+    return refuse("osdi", p->osdi, "goes with 'library'", error);
   if (p->card[EDA_NMOS] && p->ends == EXTEND)
     return refuse("ends", "extend", "goes with 'library'", error);
   if (p->corner && !is_name(p->corner))

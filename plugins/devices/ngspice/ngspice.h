@@ -30,7 +30,7 @@ typedef struct plan {
   const opc_host *host;
   const char *card[TYPES];  /* parameters: files */
   const char *model[TYPES]; /* names in them */
-  const char *library, *corner;
+  const char *library, *corner, *osdi;
   int ends;
   opc_reals width_list;
   opc_map overrides;

@@ -50,8 +50,9 @@ static void put_source(FILE *out, const plan *p, const currents *c) {
     n += snprintf(text + n, sizeof text - (size_t)n, "%s%.32s = %.32s",
                   i ? ", " : " with ", p->overrides.pairs[i].key,
                   p->overrides.pairs[i].value);
-  snprintf(text + n, sizeof text - (size_t)n, ", simulated with %s",
-           c->simulator);
+  snprintf(text + n, sizeof text - (size_t)n, ", simulated with %s%s%.100s",
+           c->simulator, p->osdi ? " and " : "",
+           p->osdi ? file_name(p->osdi) : "");
   fputs("source: ", out);
   put_text(out, text);
   fputc('\n', out);

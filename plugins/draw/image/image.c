@@ -7,6 +7,7 @@
 #include <eda/print.h>
 #include <glib.h>
 #include <math.h>
+#include <opcflow/follow.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -164,7 +165,8 @@ static const opc_parameter parameters[] = {
     MODEL("fourth", 3, 0),
     OPC_PARAMETER_NAMED(
         "margin", image_run, asked.margin, .type = OPC_REAL,
-        .flags = OPC_AT_LEAST, .unit = "nm", .preset = "1000 nm", .min = 0,
+        .flags = OPC_AT_LEAST, .unit = "nm", .follows = "3.886 lambda/NA",
+        .min = 0,
         .summary = "clear field around the layout, which repeats beyond"),
     VIEW_PARAMETERS(image_run, "image.png"),
 };
@@ -178,7 +180,9 @@ static const opc_metric metrics[] = {
 };
 
 static int check(void *self, opc_error *error) {
-  const image_run *r = self;
+  image_run *r = self;
+  EDA_FOLLOW(r->host, "draw.image", r, parameters,
+             eda_scanner_of(r->asked.model[0].litho));
   if (view_check(&r->view, error)) return error->code;
   for (size_t k = 0; k < IMAGE_MODELS; k++) {
     int litho = r->asked.model[k].litho != NULL;

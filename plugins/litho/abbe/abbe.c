@@ -83,6 +83,10 @@ static int prepare(void *self, opc_error *error) {
   return OPC_OK;
 }
 
+static eda_scanner scanner(const void *self) {
+  return optics_scanner(&((const abbe *)self)->optics);
+}
+
 static double band(const void *self) {
   const abbe *a = self;
   return (1 + optics_source_radius(&a->optics)) * a->optics.cutoff;
@@ -201,6 +205,7 @@ static int check(void *self, opc_error *error) {
 
 static const eda_litho functions = {.prepare = prepare,
                                     .band = band,
+                                    .scanner = scanner,
                                     .image = image,
                                     .image_at = image_at,
                                     .transform = transform};

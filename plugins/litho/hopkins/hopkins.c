@@ -47,6 +47,10 @@ typedef struct hopkins {
 
 /* ---- work: images ---- */
 
+static eda_scanner scanner(const void *self) {
+  return optics_scanner(&((const hopkins *)self)->optics);
+}
+
 static double band(const void *self) {
   const hopkins *h = self;
   return (1 + optics_source_radius(&h->optics)) * h->optics.cutoff;
@@ -406,6 +410,7 @@ static void clear(void *self) {
 
 static const eda_litho functions = {.prepare = prepare,
                                     .band = band,
+                                    .scanner = scanner,
                                     .image = image,
                                     .image_at = image_at,
                                     .image_fine = image_fine};

@@ -10,6 +10,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* ---- state: window.h ---- */
 
@@ -103,8 +104,8 @@ static const opc_parameter parameters[] = {
                   .summary = "more or less light, increasing"),
     OPC_PARAMETER_NAMED(
         "defocus", window, focus, .type = OPC_REALS, .unit = "nm",
-        .preset = "[-100 nm, -50 nm, 0 nm, 50 nm, 100 nm]",
-        .summary = "distances from the focus of litho, increasing"),
+        .summary = "distances from the focus of litho, increasing; default: 0, "
+                   "+-0.1457 and +-0.2915 lambda/NA^2"),
     OPC_PARAMETER(window, tolerance, .type = OPC_REAL, .flags = OPC_ABOVE,
                   .unit = "%", .preset = "10 %", .min = 0,
                   .summary = "of the drawn length, that a print may be off by"),
@@ -120,7 +121,7 @@ static const opc_parameter parameters[] = {
                   .summary = "Ioff above drawn that each is to keep below"),
     OPC_PARAMETER(
         window, margin, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "nm",
-        .preset = "1000 nm", .min = 0,
+        .follows = "3.886 lambda/NA", .min = 0,
         .summary = "clear field around the layout, which repeats beyond"),
     OPC_PARAMETER(window, cut_lines, .type = OPC_BOOL, .preset = "false",
                   .summary = "whether to write a table of every gate's cuts"),
@@ -185,8 +186,25 @@ static int check_list(const char *name, opc_reals list, size_t least,
   return OPC_OK;
 }
 
+/* What is not given. Foci: 50 and 100 nm at 193 nm, NA 0.75. */
+static void follow(window *w) {
+  eda_scanner scanner = eda_scanner_of(w->litho);
+  EDA_FOLLOW(w->host, "process.window", w, parameters, scanner);
+  if (w->focus.count) return;
+  double far = eda_natural(&scanner, "0.2915 lambda/NA^2");
+  double near = eda_natural(&scanner, "0.1457 lambda/NA^2");
+  const double foci[] = {-far, -near, 0, near, far};
+  memcpy(w->foci, foci, sizeof foci);
+  w->focus = (opc_reals){w->foci, sizeof foci / sizeof *foci};
+  w->host->log(w->host, OPC_LOG_INFO,
+               "process.window: defocus 0, +-%g and +-%g nm, from wavelength "
+               "and NA",
+               near, far);
+}
+
 static int check(void *self, opc_error *error) {
-  const window *w = self;
+  window *w = self;
+  follow(w);
   if (check_list("dose", w->dose, 1, -100, error) ||
       check_list("defocus", w->focus, 1, -1e6, error) ||
       check_list("mask_error", w->mask_error, 0, -1e3, error))

@@ -4,6 +4,7 @@
 #define OPCFLOW_PROCESS_WINDOW_H
 
 #include <eda/print.h>
+#include <opcflow/follow.h>
 #include <opcflow/step.h>
 
 /* One print: arrays by gate. */
@@ -25,6 +26,7 @@ typedef struct window {
   double tolerance;             /* % of the drawn length */
   double ion_limit, ioff_limit; /* % */
   double margin;                /* nm */
+  double foci[5];               /* nm: those that are not given */
   int cut_lines;
   const char *file;
   const eda_gates *gates;             /* that are measured */

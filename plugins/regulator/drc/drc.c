@@ -12,6 +12,8 @@
 
 /* ---- work: the drawing ---- */
 
+static void follow(drc *r, eda_scanner scanner);
+
 /* Forget the gates and all that is of them; parameters stay. */
 static void clear(void *self) {
   drc *r = self;
@@ -50,6 +52,7 @@ static int look_around(drc *r, const eda_printed *p, opc_error *error) {
     return OPC_OK;
   }
   clear(r);
+  follow(r, p->scanner);
   r->gates = g;
   r->serial = g->serial;
   r->grid = g->grid;
@@ -188,38 +191,38 @@ static int violations_of(void *self, const eda_printed *p, eda_violation *v,
 
 /* ---- parameters ---- */
 
-#define LENGTH(NAME, FLAGS, PRESET, MAX, SUMMARY)                         \
-  {                                                                       \
-    .name = #NAME, .type = OPC_REAL, .flags = OPC_AT_LEAST | (FLAGS),     \
-    .unit = "nm", .preset = (PRESET), .max = (MAX), .summary = (SUMMARY), \
-    OPC_FIELD(drc, NAME)                                                  \
+#define LENGTH(NAME, MAX, FOLLOWS, SUMMARY)                                 \
+  {                                                                         \
+    .name = #NAME, .type = OPC_REAL, .flags = OPC_AT_LEAST | OPC_AT_MOST,   \
+    .unit = "nm", .follows = (FOLLOWS), .max = (MAX), .summary = (SUMMARY), \
+    OPC_FIELD(drc, NAME)                                                    \
   }
 
 static const opc_parameter parameters[] = {
-    LENGTH(overlay, OPC_AT_MOST, "10 nm", 100,
+    LENGTH(overlay, 1000, "0.039 lambda/NA",
            "how far layers may lie off each other"),
-    LENGTH(min_extension, 0, NULL, 0,
-           "printed poly past the printed active; default: twice overlay"),
-    LENGTH(want_extension, 0, NULL, 0,
-           "the same where there is room for it; default: min_extension"),
-    LENGTH(max_growth, OPC_AT_MOST, "60 nm", 10000,
+    LENGTH(min_extension, 10000, "2 overlay",
+           "printed poly past the printed active"),
+    LENGTH(want_extension, 10000, "min_extension",
+           "the same where there is room for it"),
+    LENGTH(max_growth, 10000, "0.233 lambda/NA",
            "how far a line end or a patch goes past the drawn"),
-    LENGTH(max_head, OPC_AT_MOST, "0 nm", 1000,
-           "how much wider a line end gets, on each side, that may not be long "
-           "enough"),
-    LENGTH(min_space, OPC_AT_MOST, "40 nm", 10000, "least space of the mask"),
-    LENGTH(min_width, OPC_AT_MOST, "30 nm", 10000,
+    OPC_PARAMETER(drc, max_head, .type = OPC_REAL,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
+                  .preset = "0 nm", .max = 1000,
+                  .summary = "how much wider a line end gets, on each side, "
+                             "that may not be long enough"),
+    LENGTH(min_space, 10000, "0.155 lambda/NA", "least space of the mask"),
+    LENGTH(min_width, 10000, "0.117 lambda/NA",
            "least printed width of poly outside of gates"),
-    LENGTH(min_mask_width, OPC_AT_MOST, "40 nm", 10000,
-           "least width of the mask"),
+    LENGTH(min_mask_width, 10000, "0.155 lambda/NA", "least width of the mask"),
 };
 
-static int check(void *self, opc_error *error) {
-  drc *r = self;
-  (void)error;
+/* What is not given. */
+static void follow(drc *r, eda_scanner scanner) {
+  EDA_FOLLOW(r->host, "regulator.drc", r, parameters, scanner);
   if (isnan(r->min_extension)) r->min_extension = 2 * r->overlay;
   if (isnan(r->want_extension)) r->want_extension = r->min_extension;
-  return OPC_OK;
 }
 
 /* ---- entry ---- */
@@ -231,5 +234,5 @@ OPC_PLUGIN(drc, .id = "regulator.drc", .kind = "regulator", .version = "0.2.0",
            .licence = "BSD-3-Clause",
            .summary = "bridging, pinching, line ends and contacts of the print",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = check, .clear = clear,
+           OPC_PARAMETERS(parameters), .clear = clear,
            OPC_FUNCTIONS(functions));

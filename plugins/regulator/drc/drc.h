@@ -7,7 +7,7 @@
 #include <eda/index.h>
 #include <eda/regulator.h>
 #include <eda/rules.h>
-#include <opcflow/plugin.h>
+#include <opcflow/follow.h>
 
 /* The sides of a box, and of what is looked for from there. */
 enum { LEFT, RIGHT, BELOW, ABOVE, SIDES };

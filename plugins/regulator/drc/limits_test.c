@@ -37,6 +37,28 @@ static void test_response(void) {
   }
 }
 
+/* What is not given follows from wavelength / NA: at 248 nm, NA 0.7 the overlay
+   is 0.039 * 354.3 = 14 nm, a line end has to reach 28 nm past the active, and
+   goes 0.233 * 354.3 = 83 nm at most. At 193 nm, NA 0.75: 20 and 60 nm. */
+static void test_follows(void) {
+  static const struct {
+    eda_scanner scanner;
+    double least;
+    int32_t most;
+  } cases[] = {{{248, 0.7}, 28, 83}, {{193, 0.75}, 20, 60}, {{0, 0}, 20, 60}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++)
+    for (int kept = 0; kept < 2; kept++) {
+      g_autoptr(opc_module) m = make("{}");
+      chip c = {0};
+      add_end(&c, 700);
+      begin(&c);
+      c.p.scanner = cases[i].scanner;
+      for (int k = 0; k < 8; k++)
+        rule_alone(m, &c, cases[i].least + (kept ? 0.1 : -1000));
+      g_assert_cmpint(c.end[1], ==, kept ? 0 : cases[i].most);
+    }
+}
+
 /* A line end stays clear of a contact by the mask's least space. */
 static void test_end_before_contact(void) {
   for (int32_t d = 35; d < 90; d += 9) {
@@ -232,6 +254,7 @@ static void test_waist(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/regulator/response", test_response);
+  g_test_add_func("/regulator/follows", test_follows);
   g_test_add_func("/regulator/end-before-contact", test_end_before_contact);
   g_test_add_func("/regulator/head-beside", test_head_beside);
   g_test_add_func("/regulator/corners", test_corners);

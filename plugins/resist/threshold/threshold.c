@@ -58,13 +58,15 @@ static int print(const void *self, int layer, eda_field *field,
 /* clang-format on */
 
 static const opc_parameter parameters[] = {
-    RESIST_LAYER(0, "", RESIST_POLY, "65 nm", "250 nm"),
+    RESIST_LAYER(0, "", RESIST_POLY, RESIST_LINE, RESIST_PITCH),
     GIVEN("threshold", RESIST_POLY, 0),
-    RESIST_LAYER(1, "active_", "active", "1000 nm", "0 nm"),
+    RESIST_LAYER(1, "active_", "active", RESIST_WIDE, RESIST_ALONE),
     GIVEN("active_threshold", "active", 1),
     RESIST_GATES,
     RESIST_DIFFUSION,
 };
+
+static const opc_metric metrics[] = {RESIST_METRICS};
 
 static int check(void *self, opc_error *error) {
   resist *r = self;
@@ -82,10 +84,11 @@ static int check(void *self, opc_error *error) {
 
 /* ---- entry ---- */
 
-static const eda_resist functions = {.prepare = prepare, .print = print};
+static const eda_resist functions = {
+    .prepare = prepare, .print = print, .drawn = resist_take_gates};
 OPC_PLUGIN(resist, .id = "resist.threshold", .kind = "resist",
            .version = "0.2.0", .licence = "BSD-3-Clause",
            .summary = "constant threshold, calibrated to an anchor or a table",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = check, .clear = resist_clear,
-           OPC_FUNCTIONS(functions));
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
+           .clear = resist_clear, OPC_FUNCTIONS(functions));

@@ -176,6 +176,67 @@ static void test_gates(void) {
   g_assert_null(strstr(opc_test_log(), "from the layout"));
 }
 
+/* Nothing is said of an anchor: that of the transistors that are printed; or,
+   where none are known, k1 of 65 nm at 250 nm pitch, 193 nm and NA 0.75: 65 *
+   0.75 / 193 * 248 / 0.7 = 89.5 and 344.2 nm. An anchor of other optics, or
+   another process, is doubted. */
+static void test_open(void) {
+  static const int rows[][3] = {{5, 150, 430}, {4, 150, 430}};
+  static const struct {
+    const char *left, *numbers, *said;
+    int drawn;
+  } cases[] = {
+      {"{}", "{ anchor: { line: 150 nm, pitch: 430 nm } }",
+       "anchor: 150 nm lines at 430 nm, from the layout's gates (9 of", 1},
+      {"{ anchor: { pitch: 310 nm } }",
+       "{ anchor: { line: 150 nm, pitch: 310 nm } }", "150 nm lines at 310", 1},
+      {"{}", "{ anchor: { line: 89 nm, pitch: 344 nm } }",
+       "89 nm lines at 344 nm, from wavelength / NA = 354.3 nm", 0},
+      {"{ anchor: { line: 67 nm, pitch: 430 nm } }",
+       "{ anchor: { line: 67 nm, pitch: 430 nm } }",
+       "'anchor': 67 nm are 0.19 of wavelength / NA", 1},
+      {"{ anchor: { line: 190 nm, pitch: 430 nm } }",
+       "{ anchor: { line: 190 nm, pitch: 430 nm } }",
+       "the layout's shortest gate has 150 nm: is it of this process?", 1},
+      {"{ anchor: { line: 120 nm, pitch: 430 nm } }",
+       "{ anchor: { line: 120 nm, pitch: 430 nm } }", NULL, 1}};
+  g_autoptr(opc_module) litho =
+      lines_litho("{ wavelength: 248 nm, na: 0.7, sigma: 0.6 }");
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_autoptr(opc_module) same = prepared(cases[i].numbers, litho);
+    opc_error error;
+    g_autoptr(opc_module) m =
+        opc_test_module("resist.threshold", cases[i].left, &error);
+    eda_gates *gates = rows_of(rows, 2, EDA_X);
+    const eda_resist *resist = m->functions;
+    if (cases[i].drawn) resist->drawn(m->self, gates);
+    opc_test_forget();
+    g_assert_cmpint(resist->prepare(m->self, litho, &error), ==, OPC_OK);
+    g_test_message("%s", opc_test_log());
+    if (cases[i].said)
+      g_assert_nonnull(strstr(opc_test_log(), cases[i].said));
+    else
+      g_assert_null(strstr(opc_test_log(), "anchor"));
+    for (int layer = 0; layer < 2; layer++)
+      g_assert_cmpfloat(threshold_of(m, layer), ==, threshold_of(same, layer));
+    eda_gates_free(gates);
+  }
+}
+
+/* Active: 1000 nm at 193 nm, NA 0.75, 3.886 * 248 / 0.7 = 1377 nm here. */
+static void test_wide(void) {
+  g_autoptr(opc_module) litho =
+      lines_litho("{ wavelength: 248 nm, na: 0.7, sigma: 0.6 }");
+  g_autoptr(opc_module) open = prepared("{}", litho);
+  g_autoptr(opc_module) same =
+      prepared("{ active_anchor: { line: 1377 nm } }", litho);
+  g_autoptr(opc_module) other =
+      prepared("{ active_anchor: { line: 1000 nm } }", litho);
+  double a = threshold_of(open, EDA_ACTIVE);
+  g_assert_cmpfloat(a, ==, threshold_of(same, EDA_ACTIVE));
+  g_assert_cmpfloat(a, !=, threshold_of(other, EDA_ACTIVE));
+}
+
 static void test_bad_gates(void) {
   static const int none[][3] = {{0, 0, 0}}, close[][3] = {{3, 150, 430}};
   g_autoptr(opc_module) litho = lines_hopkins();
@@ -353,6 +414,8 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/threshold/anchor", test_anchor);
   g_test_add_func("/threshold/gates", test_gates);
+  g_test_add_func("/threshold/open", test_open);
+  g_test_add_func("/threshold/wide", test_wide);
   g_test_add_func("/threshold/bad_gates", test_bad_gates);
   g_test_add_func("/threshold/truth", test_truth);
   g_test_add_func("/threshold/through-pitch", test_through_pitch);

@@ -59,9 +59,12 @@ static int calibrate(resist *r, int set, const opc_module *litho,
                     r->fit[set], a, error);
 }
 
+static void follow(resist *r, eda_scanner scanner);
+
 static int prepare(void *self, const opc_module *litho, opc_error *error) {
   static const char *const names[RESIST_SETS] = {"poly", "active"};
   resist *r = self;
+  follow(r, eda_scanner_of(litho));
   for (int set = 0; set < RESIST_SETS; set++) {
     int code = calibrate(r, set, litho, error);
     if (code) return code;
@@ -118,29 +121,35 @@ static int print(const void *self, int layer, eda_field *field,
 /* clang-format on */
 
 static const opc_parameter parameters[] = {
-    RESIST_LAYER(0, "", RESIST_POLY, "65 nm", "250 nm"),
+    RESIST_LAYER(0, "", RESIST_POLY, RESIST_LINE, RESIST_PITCH),
     COEFFICIENTS("", 0),
-    RESIST_LAYER(1, "active_", "active", "1000 nm", "0 nm"),
+    RESIST_LAYER(1, "active_", "active", RESIST_WIDE, RESIST_ALONE),
     COEFFICIENTS("active_", 1),
     RESIST_GATES,
     RESIST_DIFFUSION,
     OPC_PARAMETER_NAMED("radius", resist, local.radius, .type = OPC_REAL,
                         .flags = OPC_ABOVE | OPC_AT_MOST, .unit = "nm",
-                        .preset = "200 nm", .min = 0, .max = 2000,
+                        .follows = "0.777 lambda/NA", .min = 0, .max = 2000,
                         .summary = "of the neighbourhood whose maximum counts"),
     OPC_PARAMETER_NAMED("slope_radius", resist, local.slope_radius,
                         .type = OPC_REAL, .flags = OPC_AT_LEAST | OPC_AT_MOST,
-                        .unit = "nm", .preset = "60 nm", .min = 0, .max = 2000,
+                        .unit = "nm", .follows = "0.233 lambda/NA", .min = 0,
+                        .max = 2000,
                         .summary = "of the neighbourhood whose slope counts"),
     OPC_PARAMETER_NAMED(
         "step", resist, local.step, .type = OPC_REAL,
-        .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm", .preset = "16 nm",
-        .min = 1, .max = 32,
+        .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
+        .follows = "0.062 lambda/NA", .min = 1, .max = 64,
         .summary = "grid on which the threshold is worked out, at most"),
 };
 
 /* A table fits the coefficients up to `last` that are not given; an anchor fits
    the constant. */
+/* What is not given, but for anchors. */
+static void follow(resist *r, eda_scanner scanner) {
+  EDA_FOLLOW(r->base.host, "resist.vtr", r, parameters, scanner);
+}
+
 static int check_set(resist *r, int set, opc_error *error) {
   static const char *const names[RESIST_SETS] = {"fit", "active_fit"};
   resist_layer *layer = &r->base.layer[set];
@@ -163,6 +172,8 @@ static int check_set(resist *r, int set, opc_error *error) {
   return OPC_OK;
 }
 
+static const opc_metric metrics[] = {RESIST_METRICS};
+
 static int check(void *self, opc_error *error) {
   int code = check_set(self, 0, error);
   return code ? code : check_set(self, 1, error);
@@ -170,10 +181,12 @@ static int check(void *self, opc_error *error) {
 
 /* ---- entry ---- */
 
-static const eda_resist functions = {.prepare = prepare, .print = print};
+static const eda_resist functions = {
+    .prepare = prepare, .print = print, .drawn = resist_take_gates};
 OPC_PLUGIN(
     resist, .id = "resist.vtr", .kind = "resist", .version = "0.2.0",
     .licence = "BSD-3-Clause",
     .summary = "threshold that varies with maximum intensity and image slope",
     .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
-    .check = check, .clear = resist_clear, OPC_FUNCTIONS(functions));
+    OPC_METRICS(metrics), .check = check, .clear = resist_clear,
+    OPC_FUNCTIONS(functions));

@@ -226,6 +226,31 @@ static void test_vertical(void) {
              "0,0 W<0; 80,0 -; 80,40 W>0; 0,40 -\n");
 }
 
+/* Whether line ends so far past the active are those of the transistor, which
+   is `length` long. */
+static int owns_end(int length, int reach) {
+  drawing d = drawing_new();
+  draw(&d, "active", 0, 0, 2000, 1000);
+  draw(&d, "poly", 700, -reach, 700 + length, 1000 + reach);
+  draw(&d, "nimplant", -50, -50, 2050, 1050);
+  result r = segment(d.layout, "{}");
+  const eda_gates *g = r.gates;
+  int owns = isfinite(g->extension[0]) != 0;
+  g_assert_cmpint(owns, ==, isfinite(g->extension[1]) != 0);
+  result_free(&r);
+  eda_layout_free(d.layout);
+  return owns;
+}
+
+/* What is not given: 200 nm of a gate of 65 nm are 461 of one of 150 nm, and
+   1538, which is beyond 1 um, of 500 nm. */
+static void test_lengths(void) {
+  g_assert_true(owns_end(65, 200) && !owns_end(65, 201));
+  g_assert_true(owns_end(150, 461) && !owns_end(150, 463));
+  g_assert_true(owns_end(500, 600) && owns_end(500, 1000));
+  g_assert_false(owns_end(500, 1001));
+}
+
 /* A print reaches L at least before it has merged. */
 static void test_narrow_active(void) {
   drawing d = drawing_new();
@@ -413,7 +438,8 @@ static void test_refused(void) {
   drawing d = drawing_new();
   draw(&d, "active", 0, 0, 400, 200);
   refused(&d, "{}", OPC_INVALID,
-          "no transistor: the layout has no layer 'poly'");
+          "no transistor: the layout has no layer 'poly', but active; its "
+          "reader's 'layers' says which of them it is");
   d = drawing_new();
   draw(&d, "active", 0, 0, 400, 200);
   draw(&d, "poly", 400, 0, 465, 200);
@@ -878,6 +904,7 @@ static void test_c432(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/transistors/vertical", test_vertical);
+  g_test_add_func("/transistors/lengths", test_lengths);
   g_test_add_func("/transistors/horizontal", test_horizontal);
   g_test_add_func("/transistors/figure-3.2", test_figure);
   g_test_add_func("/transistors/shared-poly", test_shared_poly);

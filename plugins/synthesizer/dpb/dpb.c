@@ -5,6 +5,7 @@
    rises; length first (coarse), then width (fine). control.c has the steps of
    one transistor, descent.c those of all, table.c the table of first jumps. */
 #include <math.h>
+#include <opcflow/follow.h>
 
 #include "../descent.h"
 #include "table.h"
@@ -40,8 +41,11 @@ static int32_t first(const void *self, const eda_feedback *f, size_t i) {
   return (int32_t)lround(nm / g->grid);
 }
 
+static void follow(dpb *d, eda_scanner scanner);
+
 static int begin(void *self, const eda_feedback *f, opc_error *error) {
   dpb *d = self;
+  follow(d, f->scanner);
   d->descent.rules =
       control_rules_for(d->limit, d->max_bias, f->gates->grid, d->proportional);
   d->descent.error = pde;
@@ -84,7 +88,7 @@ static const opc_parameter parameters[] = {
                                    "the nearest L, then of the nearest W"),
     OPC_PARAMETER(
         dpb, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
-        .unit = "nm", .preset = "80 nm", .max = 10000,
+        .unit = "nm", .follows = "0.311 lambda/NA", .max = 10000,
         .summary =
             "largest correction of L or of W, and no more than half of W"),
     OPC_PARAMETER_NAMED(
@@ -93,6 +97,11 @@ static const opc_parameter parameters[] = {
         .summary = "steps of W: one grid unit, or as much as the error asks "
                    "for, as Ion is proportional to W"),
 };
+
+/* What is not given. */
+static void follow(dpb *d, eda_scanner scanner) {
+  EDA_FOLLOW(d->host, "synthesizer.dpb", d, parameters, scanner);
+}
 
 static void clear(void *self) {
   dpb *d = self;

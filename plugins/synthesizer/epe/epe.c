@@ -7,7 +7,7 @@
 
 #include <eda/memory.h>
 #include <math.h>
-#include <opcflow/table.h>
+#include <opcflow/follow.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -95,8 +95,12 @@ static void set_rules(epe *d) {
                      .overhang = steps(d, d->bar_overhang)};
 }
 
+static void follow(epe *d, eda_scanner scanner);
+static int check(void *self, opc_error *error);
+
 static int begin(void *self, const eda_feedback *f, opc_error *error) {
   epe *d = self;
+  follow(d, f->scanner);
   clear(d);
   d->grid = f->gates->grid;
   d->count = f->gates->count;
@@ -106,6 +110,7 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
   d->best = INFINITY;
   d->still = 0;
   d->dropped = 0;
+  if (check(d, error)) return error->code;
   set_rules(d);
   if (d->which_best == BEST_ION && !d->count)
     return opc_fail(error, OPC_INVALID, "best",
@@ -287,51 +292,53 @@ static const char *verdict(const void *self, size_t gate) {
 
 /* ---- parameters ---- */
 
-#define LENGTH(NAME, MEMBER, FLAG, PRESET, SUMMARY)                         \
+#define LENGTH(NAME, MEMBER, FLAG, FOLLOWS, SUMMARY)                        \
   OPC_PARAMETER_NAMED(NAME, epe, MEMBER, .type = OPC_REAL, .flags = (FLAG), \
-                      .unit = "nm", .preset = (PRESET), .summary = (SUMMARY))
+                      .unit = "nm", .follows = (FOLLOWS),                   \
+                      .summary = (SUMMARY))
+#define FROM_0(NAME, SUMMARY)                                       \
+  OPC_PARAMETER(epe, NAME, .type = OPC_REAL, .flags = OPC_AT_LEAST, \
+                .unit = "nm", .preset = "0 nm", .summary = (SUMMARY))
 #define NUMBER(NAME, MEMBER, FLAG, MAX, PRESET, SUMMARY)                    \
   OPC_PARAMETER_NAMED(NAME, epe, MEMBER, .type = OPC_REAL, .flags = (FLAG), \
                       .max = (MAX), .preset = (PRESET), .summary = (SUMMARY))
 
 static const opc_parameter parameters[] = {
-    LENGTH("fragment", fragment, OPC_ABOVE, "40 nm",
+    LENGTH("fragment", fragment, OPC_ABOVE, "0.155 lambda/NA",
            "length of the fragments of an edge"),
-    LENGTH("concave_corner", concave_corner, OPC_ABOVE, NULL,
-           "length of a fragment beside a concave corner; as fragment"),
-    LENGTH("corner_edge", corner_edge, OPC_ABOVE, NULL,
-           "length of a fragment beside a convex corner; as fragment"),
-    LENGTH("line_end", line_end, OPC_AT_LEAST, "100 nm",
+    LENGTH("concave_corner", concave_corner, OPC_ABOVE, "fragment",
+           "length of a fragment beside a concave corner"),
+    LENGTH("corner_edge", corner_edge, OPC_ABOVE, "fragment",
+           "length of a fragment beside a convex corner"),
+    LENGTH("line_end", line_end, OPC_AT_LEAST, "0.389 lambda/NA",
            "an edge between two convex corners that is at most so long is a "
            "line end, one fragment"),
-    LENGTH("ripple", ripple, OPC_ABOVE, NULL,
+    LENGTH("ripple", ripple, OPC_ABOVE, "fragment",
            "length of the fragments beside what lies opposite to a corner of "
-           "another edge; as fragment"),
-    LENGTH("ripple_reach", ripple_reach, OPC_AT_LEAST, "0 nm",
-           "how far away such a corner may be; 0: none"),
-    LENGTH("min_edge", min_edge, OPC_ABOVE, NULL,
-           "no piece of an edge is shorter; half of fragment"),
-    LENGTH("tangency", tangency, OPC_AT_LEAST, "40 nm",
+           "another edge"),
+    FROM_0(ripple_reach, "how far away such a corner may be; 0: none"),
+    LENGTH("min_edge", min_edge, OPC_ABOVE, "half of fragment",
+           "no piece of an edge is shorter"),
+    LENGTH("tangency", tangency, OPC_AT_LEAST, "0.155 lambda/NA",
            "how far off corners, where the print is round, errors are "
            "measured"),
-    LENGTH("min_width", min_width, OPC_AT_LEAST, "40 nm",
+    LENGTH("min_width", min_width, OPC_AT_LEAST, "0.155 lambda/NA",
            "least width of the mask, also of a nub of an edge"),
-    LENGTH("min_space", min_space, OPC_AT_LEAST, "40 nm",
+    LENGTH("min_space", min_space, OPC_AT_LEAST, "0.155 lambda/NA",
            "least space of the mask, also of a notch of an edge"),
-    LENGTH("min_jog", min_jog, OPC_AT_LEAST, "0 nm",
-           "neighbours whose shifts differ by less get the same"),
-    LENGTH("max_shift", max_shift, OPC_ABOVE, "60 nm",
+    FROM_0(min_jog, "neighbours whose shifts differ by less get the same"),
+    LENGTH("max_shift", max_shift, OPC_ABOVE, "0.233 lambda/NA",
            "how far a fragment may move in all"),
-    LENGTH("step", step, OPC_ABOVE, "8 nm",
+    LENGTH("step", step, OPC_ABOVE, "0.031 lambda/NA",
            "how far a fragment may move in an iteration"),
     NUMBER("damping", damping, OPC_ABOVE | OPC_AT_MOST, 1, "0.7",
            "the part of an error that one move is to correct"),
     NUMBER("stiffness", stiffness, OPC_ABOVE, 0, "0.1",
            "what a move costs against an error: more is slower and surer, 2 "
            "where features hardly print"),
-    LENGTH("blur", blur, OPC_ABOVE, "40 nm",
+    LENGTH("blur", blur, OPC_ABOVE, "0.155 lambda/NA",
            "how far a move spreads in the print, as the standard deviation of "
-           "a Gaussian; about a fifth of wavelength / NA"),
+           "a Gaussian"),
     OPC_PARAMETER(epe, iterations, .type = OPC_INT, .flags = OPC_AT_LEAST,
                   .preset = "20", .summary = "moves at most"),
     OPC_PARAMETER_NAMED("layers", epe, which_layers, .type = OPC_CHOICE,
@@ -346,15 +353,15 @@ static const opc_parameter parameters[] = {
                         .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0",
                         .max = 4,
                         .summary = "rows of assist bars beside open edges"),
-    LENGTH("assist_width", bar_width, OPC_ABOVE, "50 nm",
+    LENGTH("assist_width", bar_width, OPC_ABOVE, "0.194 lambda/NA",
            "width of an assist bar"),
-    LENGTH("assist_distance", bar_distance, OPC_ABOVE, "150 nm",
+    LENGTH("assist_distance", bar_distance, OPC_ABOVE, "0.583 lambda/NA",
            "from drawn shapes to the first row"),
-    LENGTH("assist_space", bar_space, OPC_ABOVE, "80 nm",
+    LENGTH("assist_space", bar_space, OPC_ABOVE, "0.311 lambda/NA",
            "between assist bars"),
-    LENGTH("assist_min_length", bar_min_length, OPC_ABOVE, "80 nm",
+    LENGTH("assist_min_length", bar_min_length, OPC_ABOVE, "0.311 lambda/NA",
            "of an assist bar"),
-    LENGTH("assist_overhang", bar_overhang, OPC_AT_LEAST, "100 nm",
+    LENGTH("assist_overhang", bar_overhang, OPC_AT_LEAST, "0.389 lambda/NA",
            "how far a bar goes past the ends of its edge"),
     NUMBER("assist_margin", bar_margin, OPC_AT_LEAST, 0, "0.02",
            "a bar is dropped where it comes so near to printing, intensity; "
@@ -366,6 +373,11 @@ static const opc_parameter parameters[] = {
            "of the errors at other doses in the feedback"),
 };
 
+/* What is not given. */
+static void follow(epe *d, eda_scanner scanner) {
+  EDA_FOLLOW(d->host, "synthesizer.epe", d, parameters, scanner);
+}
+
 static const opc_metric metrics[] = {
     {"assists", NULL, OPC_NEUTRAL, 0, "assist bars of the mask"},
     {"assists_dropped", NULL, OPC_LOWER, 0,
@@ -374,7 +386,7 @@ static const opc_metric metrics[] = {
 
 static int check(void *self, opc_error *error) {
   const epe *d = self;
-  if (!(d->min_edge > d->fragment)) return OPC_OK;
+  if (!(d->min_edge > d->fragment)) return OPC_OK; /* or not known yet */
   return opc_fail(error, OPC_INVALID, "min_edge",
                   "%g nm is more than a fragment of %g nm", d->min_edge,
                   d->fragment);

@@ -6,7 +6,7 @@
 #include <eda/memory.h>
 #include <eda/synthesizer.h>
 #include <math.h>
-#include <opcflow/plugin.h>
+#include <opcflow/follow.h>
 #include <stdlib.h>
 
 /* ---- state ---- */
@@ -64,8 +64,11 @@ typedef struct measured {
 
 /* ---- work ---- */
 
+static void follow(ic *c, eda_scanner scanner);
+
 static int begin(void *self, const eda_feedback *f, opc_error *error) {
   ic *c = self;
+  follow(c, f->scanner);
   (void)error;
   free(c->state);
   c->count = f->gates->count;
@@ -253,10 +256,15 @@ static const opc_parameter parameters[] = {
                              "it ends at its best state (stall: continue)"),
     OPC_PARAMETER(
         ic, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
-        .unit = "nm", .preset = "80 nm", .max = 10000,
+        .unit = "nm", .follows = "0.311 lambda/NA", .max = 10000,
         .summary =
             "largest correction of L or of W, and no more than half of W"),
 };
+
+/* What is not given. */
+static void follow(ic *c, eda_scanner scanner) {
+  EDA_FOLLOW(c->host, "synthesizer.ic", c, parameters, scanner);
+}
 
 static int check(void *self, opc_error *error) {
   const ic *c = self;

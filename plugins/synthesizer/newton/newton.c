@@ -6,7 +6,7 @@
    away the grid's quantum. */
 #include <eda/memory.h>
 #include <math.h>
-#include <opcflow/plugin.h>
+#include <opcflow/follow.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -47,8 +47,11 @@ static void clear(void *self) {
   free(t->wish);
 }
 
+static void follow(newton *t, eda_scanner scanner);
+
 static int begin(void *self, const eda_feedback *f, opc_error *error) {
   newton *t = self;
+  follow(t, f->scanner);
   clear(t);
   t->count = f->gates->count;
   t->rest = t->settled = 0;
@@ -492,14 +495,14 @@ static const opc_parameter parameters[] = {
                   .summary = "what takes away the grid's quantum of L: a jog "
                              "in the poly, the width of the active, nothing"),
     OPC_PARAMETER(newton, min_jog, .type = OPC_REAL, .flags = OPC_AT_LEAST,
-                  .unit = "nm", .preset = "40 nm",
+                  .unit = "nm", .follows = "0.155 lambda/NA",
                   .summary = "a jog stays this far from both ends of its edge"),
     OPC_PARAMETER(newton, iterations, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "16", .min = 1,
                   .max = 1000, .summary = "moves at most"),
     OPC_PARAMETER(
         newton, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "nm",
-        .preset = "80 nm",
+        .follows = "0.311 lambda/NA",
         .summary =
             "largest correction of L or of W, and no more than half of W"),
     OPC_PARAMETER_NAMED(
@@ -517,6 +520,11 @@ static const opc_parameter parameters[] = {
         .summary =
             "what single transistors want: CSV of transistor, weight, ion"),
 };
+
+/* What is not given. */
+static void follow(newton *t, eda_scanner scanner) {
+  EDA_FOLLOW(t->host, "synthesizer.newton", t, parameters, scanner);
+}
 
 /* Weights are of the plain target; the others have theirs. */
 static int check(void *self, opc_error *error) {

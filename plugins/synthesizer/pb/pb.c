@@ -4,6 +4,7 @@
    L and W by steps of one grid unit down to the local minimum of the deviation.
  */
 #include <math.h>
+#include <opcflow/follow.h>
 
 #include "../descent.h"
 
@@ -62,8 +63,11 @@ static int32_t first(const void *self, const eda_feedback *f, size_t i) {
   return (int32_t)lround((g->length[i] - length) / g->grid);
 }
 
+static void follow(pb *p, eda_scanner scanner);
+
 static int begin(void *self, const eda_feedback *f, opc_error *error) {
   pb *p = self;
+  follow(p, f->scanner);
   (void)error;
   p->driven = p->mode == MODE_ION ? ION : IOFF;
   p->descent.rules =
@@ -120,10 +124,15 @@ static const opc_parameter parameters[] = {
                              "that is driven is at most this is left alone"),
     OPC_PARAMETER(
         pb, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
-        .unit = "nm", .preset = "80 nm", .max = 10000,
+        .unit = "nm", .follows = "0.311 lambda/NA", .max = 10000,
         .summary =
             "largest correction of L or of W, and no more than half of W"),
 };
+
+/* What is not given. */
+static void follow(pb *p, eda_scanner scanner) {
+  EDA_FOLLOW(p->host, "synthesizer.pb", p, parameters, scanner);
+}
 
 static void clear(void *self) { descent_clear(&((pb *)self)->descent); }
 

@@ -9,13 +9,13 @@
 static char *folder;
 
 /* ion 1e-3 * 2^(-L/50) A and ioff 1e-6 * 2^(-L/5) A, of 1 nm of width. */
-static int read_table(int lengths, double last, eda_curves *c,
+static int read_table(int lengths, double first, double last, eda_curves *c,
                       opc_error *error) {
   g_autoptr(GString) length = g_string_new("length: { unit: nm, values: [");
   g_autoptr(GString) ion = g_string_new("  ion: { unit: A, values: [");
   g_autoptr(GString) ioff = g_string_new("  ioff: { unit: A, values: [");
   for (int i = 0; i < lengths; i++) {
-    double l = 40 + 2 * i, factor = i + 1 == lengths ? last : 1;
+    double l = 40 + 2 * i, factor = i + 1 == lengths ? last : i ? 1 : first;
     const char *comma = i ? ", " : "";
     g_string_append_printf(length, "%s%g", comma, l);
     g_string_append_printf(ion, "%s%.17g", comma,
@@ -33,7 +33,7 @@ static int read_table(int lengths, double last, eda_curves *c,
 static void test_values(void) {
   eda_curves c = {0};
   opc_error error;
-  if (read_table(21, 1, &c, &error)) g_error("%s", error.message);
+  if (read_table(21, 1, 1, &c, &error)) g_error("%s", error.message);
   g_assert_cmpfloat(eda_curves_shortest(&c), ==, 40);
   g_assert_cmpfloat(eda_curves_longest(&c), ==, 80);
   for (double l = 40; l <= 80; l += 0.37) {
@@ -67,7 +67,7 @@ static void test_beyond(void) {
   static const double fall[EDA_CURRENTS] = {50, 5}, unit[] = {1e-3, 1e-6};
   eda_curves c = {0};
   opc_error error;
-  if (read_table(21, 1, &c, &error)) g_error("%s", error.message);
+  if (read_table(21, 1, 1, &c, &error)) g_error("%s", error.message);
   for (int k = 0; k < EDA_CURRENTS; k++) {
     for (double l = 10; l < 220; l += l < 40 || l > 80 ? 0.7 : 41) {
       double at = eda_curves_at(&c, EDA_NMOS, k, l), quick[EDA_CURRENTS];
@@ -87,28 +87,32 @@ static void test_beyond(void) {
   eda_curves_clear(&c);
 }
 
-/* The slope of log Ion beyond the long end of a table of 41 lengths, whose last
-   current is that many times what it should be; over that of the others. */
-static double slope_beyond(double last) {
+/* The slope of log Ion beyond an end of a table of 41 lengths, whose step there
+   is made that much smaller, in logarithms; over that of the others. */
+static double slope_beyond(int high, double smaller) {
   eda_curves c = {0};
   opc_error error;
-  if (read_table(41, last, &c, &error)) g_error("%s", error.message);
-  double at[] = {eda_curves_at(&c, EDA_NMOS, EDA_ION, 120),
-                 eda_curves_at(&c, EDA_NMOS, EDA_ION, 130)};
-  same(eda_curves_length(&c, EDA_NMOS, EDA_ION, at[1]), 130, 1e-6);
+  double last = high ? exp(smaller) : 1, first = high ? 1 : exp(-smaller);
+  if (read_table(41, first, last, &c, &error)) g_error("%s", error.message);
+  double end = high ? 120 : 40, out = high ? 130 : 30;
+  double at[] = {eda_curves_at(&c, EDA_NMOS, EDA_ION, end),
+                 eda_curves_at(&c, EDA_NMOS, EDA_ION, out)};
+  same(eda_curves_length(&c, EDA_NMOS, EDA_ION, at[1]), out, 1e-6);
   eda_curves_clear(&c);
-  return (at[1] - at[0]) / 10 / (-M_LN2 / 50);
+  return (at[1] - at[0]) / (out - end) / (-M_LN2 / 50);
 }
 
 /* The last step of the table gives the slope, but no less than half and no more
-   than twice the mean of its last tenth, which is four steps. */
+   than twice the mean of its outermost tenth, which is four steps. */
 static void test_rough_end(void) {
   const double step = 2 * M_LN2 / 50;
-  same(slope_beyond(1), 1, 1e-9);
-  same(slope_beyond(exp(0.3 * step)), 0.7, 1e-9);
-  same(slope_beyond(exp(0.999 * step)), 3.001 / 4 / 2, 1e-9);
-  same(slope_beyond(exp(-step)), 2, 1e-9);
-  same(slope_beyond(exp(-5 * step)), 9.0 / 4 * 2, 1e-9);
+  for (int high = 0; high < 2; high++) {
+    same(slope_beyond(high, 0), 1, 1e-9);
+    same(slope_beyond(high, 0.3 * step), 0.7, 1e-9);
+    same(slope_beyond(high, 0.999 * step), 3.001 / 4 / 2, 1e-9);
+    same(slope_beyond(high, -step), 2, 1e-9);
+    same(slope_beyond(high, -5 * step), 9.0 / 4 * 2, 1e-9);
+  }
 }
 
 /* Of three widths, each with exp(b / W) more by width than ion and ioff above;
@@ -185,11 +189,11 @@ static void test_widths(void) {
 static void test_refused(void) {
   eda_curves c = {0};
   opc_error error;
-  g_assert_cmpint(read_table(2, 1, &c, &error), ==, OPC_INVALID);
+  g_assert_cmpint(read_table(2, 1, 1, &c, &error), ==, OPC_INVALID);
   g_assert_cmpstr(error.parameter, ==, "devices");
   g_assert_cmpstr(error.message, ==,
                   "'table.yaml' has 2 lengths, at least 3 are needed");
-  g_assert_cmpint(read_table(5, 2, &c, &error), ==, OPC_INVALID);
+  g_assert_cmpint(read_table(5, 1, 2, &c, &error), ==, OPC_INVALID);
   g_assert_cmpstr(error.message, ==,
                   "'table.yaml': a current does not fall from 46 to 48 nm, so "
                   "that it tells no length");

@@ -50,6 +50,14 @@ static int take_image(eda_model *m, int code, const char *before,
   return settle(m, code, error);
 }
 
+static eda_scanner scanner(const void *self) {
+  const eda_model *m = self;
+  const char *before = opc_enter(m->context, m->litho->id);
+  eda_scanner value = inner(m)->scanner(m->litho->self);
+  opc_leave(m->context, before);
+  return value;
+}
+
 static int image(const void *self, int layer, const eda_spectrum *mask,
                  eda_field *out, opc_error *error) {
   eda_model *m = (eda_model *)self;
@@ -145,6 +153,7 @@ void eda_model_init(eda_model *m, const opc_context *context,
                   .image_at = there->image_at ? image_at : NULL,
                   .image_fine = there->image_fine ? image_fine : NULL,
                   .transform = there->transform ? transform : NULL,
-                  .gradient = there->gradient ? gradient : NULL};
+                  .gradient = there->gradient ? gradient : NULL,
+                  .scanner = there->scanner ? scanner : NULL};
   m->module = (opc_module){&m->functions, m, litho->id};
 }

@@ -18,6 +18,7 @@ void eda_printer_init(eda_printer *p, const opc_context *context,
       .resist = resist,
       .grid = grid,
       .layers = gates->layers,
+      .drawn = gates,
       .print = eda_alloc(gates->layers, sizeof *p->print),
       .image = eda_alloc(gates->layers, sizeof *p->image),
       .difference = eda_alloc(gates->layers, sizeof *p->difference),
@@ -43,6 +44,7 @@ int eda_printer_prepare(eda_printer *p, opc_error *error) {
   if (!p->litho.functions.image_fine) p->fine = 0;
   p->litho.fine = p->fine;
   const char *before = eda_enter(p->context, p->resist, error);
+  if (p->drawn && resist->drawn) resist->drawn(p->resist->self, p->drawn);
   code = resist->prepare(p->resist->self, &p->litho.module, error);
   opc_leave(p->context, before);
   p->litho.fine = 0; /* prints say what they need */

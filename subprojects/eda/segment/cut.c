@@ -108,6 +108,22 @@ static int shares_end(const cutter *c, size_t sides, size_t i, int side) {
   return k + 1 < sides && c->spans[k + 1].point == e->point;
 }
 
+/* Where none is given, in gates' lengths: 84 and 200 nm are those of 65 nm
+   gates, at which they were found. Whole nm, so that a length of 1.3 * 50 is as
+   good as one of 65. */
+static int32_t in_lengths(const segment *s, size_t i, double nm) {
+  double all = round(s->gates->length[i] * nm / 65) / s->grid;
+  return (int32_t)fmin(round(all), s->reach / 2);
+}
+
+int32_t segment_overhang(const segment *s, size_t i) {
+  return s->overhang != NOT_GIVEN ? s->overhang : in_lengths(s, i, 84);
+}
+
+int32_t segment_line_end(const segment *s, size_t i) {
+  return s->line_end != NOT_GIVEN ? s->line_end : in_lengths(s, i, 200);
+}
+
 /* The line ends, and how far they are. Such an edge is not the side of another
    gate as well: that one would lie over the same active as this. */
 static void add_ends(cutter *c) {
@@ -120,7 +136,7 @@ static void add_ends(cutter *c) {
       if (!e || shares_end(c, sides, i, side)) continue;
       int64_t from = box_side(&s->gates->box[i], !s->gates->axis[i], side);
       int64_t reach = side ? e->at - from : from - e->at;
-      if (reach > s->line_end) continue;
+      if (reach > segment_line_end(s, i)) continue;
       s->gates->extension[2 * i + side] = s->grid * (double)reach;
       c->spans[c->count++] = (span){e->point, (uint32_t)i, e->low, e->high,
                                     (uint8_t)(EDA_END_LOW + side)};
@@ -130,36 +146,39 @@ static void add_ends(cutter *c) {
 
 /* ---- parting an edge ---- */
 
-static int32_t reach_of(const cutter *c) {
-  return c->layer == EDA_ACTIVE ? c->s->reach : c->s->overhang;
+static int32_t reach_of(const cutter *c, const span *a) {
+  return c->layer == EDA_ACTIVE ? c->s->reach : segment_overhang(c->s, a->gate);
 }
 
 /* How far a span may go past its gate: all the way or as far as it reaches; and
    along poly to the corner if that is not further than a line end. */
-static int32_t grow(const cutter *c, int64_t distance) {
-  int32_t reach = reach_of(c);
-  if (distance <= reach || (c->layer == EDA_POLY && distance <= c->s->line_end))
+static int32_t grow(const cutter *c, const span *a, int64_t distance) {
+  int32_t reach = reach_of(c, a);
+  if (distance <= reach ||
+      (c->layer == EDA_POLY && distance <= segment_line_end(c->s, a->gate)))
     return (int32_t)distance;
   return reach;
 }
 
 /* Two neighbours share what is between them. */
 static void part(const cutter *c, span *a, span *b) {
-  int64_t gap = (int64_t)b->low - a->high, reach = reach_of(c);
-  if (gap < 2 * reach) {
-    a->high += (int32_t)(gap / 2);
+  int64_t gap = (int64_t)b->low - a->high, of_a = reach_of(c, a),
+          of_b = reach_of(c, b);
+  if (gap < of_a + of_b) {
+    a->high += (int32_t)(gap * of_a / (of_a + of_b));
     b->low = a->high;
   } else {
-    a->high += (int32_t)reach;
-    b->low -= (int32_t)reach;
+    a->high += (int32_t)of_a;
+    b->low -= (int32_t)of_b;
   }
 }
 
 static void part_edge(const cutter *c, const edge *e, span *spans, size_t n) {
   if (spans->role >= EDA_END_LOW) return;
-  spans[0].low -= grow(c, (int64_t)spans[0].low - e->low);
+  spans[0].low -= grow(c, &spans[0], (int64_t)spans[0].low - e->low);
   for (size_t k = 0; k + 1 < n; k++) part(c, &spans[k], &spans[k + 1]);
-  spans[n - 1].high += grow(c, (int64_t)e->high - spans[n - 1].high);
+  spans[n - 1].high +=
+      grow(c, &spans[n - 1], (int64_t)e->high - spans[n - 1].high);
 }
 
 /* ---- fragments ---- */

@@ -89,14 +89,26 @@ int eda_segment_check(const eda_segment_settings *settings, opc_error *error) {
 
 /* ---- layers ---- */
 
+/* With those that there are, as far as there is room. */
+static int no_layer(segment *s, const char *name) {
+  char all[512] = "none";
+  size_t n = eda_layout_layers(s->layout), used = 0;
+  for (size_t k = 0; k < n && used + 80 < sizeof all; k++)
+    used += (size_t)snprintf(all + used, sizeof all - used, "%s%.60s",
+                             used ? ", " : "",
+                             eda_layout_layer_name(s->layout, (int32_t)k));
+  return opc_fail(s->error, OPC_INVALID, NULL,
+                  "no transistor: the layout has no layer '%s', but %s; its "
+                  "reader's 'layers' says which of them it is",
+                  name, all);
+}
+
 /* The layers must be there, but for contacts; further ones with shapes. */
 static int check_layers(segment *s) {
   for (size_t k = 0; k < s->sources; k++) {
     const char *from = s->source[k].from;
     if (k == CONTACT || eda_layout_find_layer(s->layout, from) >= 0) continue;
-    if (k < KNOWN)
-      return opc_fail(s->error, OPC_INVALID, NULL,
-                      "no transistor: the layout has no layer '%s'", from);
+    if (k < KNOWN) return no_layer(s, from);
     opc_fail(s->error, OPC_INVALID, NULL, "the layout has no layer '%.200s'",
              from);
     return blame(s->error, s->source[k].name);
@@ -263,6 +275,10 @@ static int32_t in_units(double nm, double grid) {
   return (int32_t)fmin(floor(nm / grid + 0.5), 1073741824.0);
 }
 
+static int32_t length_of(double nm, double grid) {
+  return isnan(nm) ? NOT_GIVEN : in_units(nm, grid);
+}
+
 segment segment_new(const opc_context *context, const eda_layout *layout,
                     int32_t top, const eda_segment_settings *settings,
                     opc_error *error) {
@@ -273,8 +289,8 @@ segment segment_new(const opc_context *context, const eda_layout *layout,
                .top = top,
                .settings = settings,
                .grid = grid,
-               .overhang = in_units(settings->overhang, grid),
-               .line_end = in_units(settings->line_end, grid),
+               .overhang = length_of(settings->overhang, grid),
+               .line_end = length_of(settings->line_end, grid),
                .reach = in_units(EDA_SEGMENT_REACH, grid)};
   get_sources(&s);
   return s;

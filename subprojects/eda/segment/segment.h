@@ -44,7 +44,8 @@ typedef struct segment {
   const eda_box *window; /* NULL: all is seen */
   eda_box bounds;        /* of the layout's layers */
   double grid;
-  int32_t overhang, line_end, reach;
+  int32_t overhang, line_end; /* NOT_GIVEN: of each gate */
+  int32_t reach;
   source *source; /* poly, active, contact, then those of `also` */
   size_t sources;
   eda_flat active;            /* as drawn, for where gates come from */
@@ -58,9 +59,20 @@ typedef struct segment {
   eda_gates *gates;
 } segment;
 
+/* What a length is that is not given. A line end is as long as a process's
+   least gate or a little longer (its rules: 72 nm at 65, 130 at 150, 220 at
+   280, 600 at 600), and how far poly beyond the active counts goes with what
+   the optics resolve, of which the gate is half or less. */
+enum { NOT_GIVEN = -1 };
+
 static inline int32_t box_side(const eda_box *b, int d, int side) {
   return d == EDA_X ? (side ? b->x1 : b->x0) : (side ? b->y1 : b->y0);
 }
+
+/* cut.c: how far past the active gate i owns the edges of poly, and how far
+   away a line end may be, in grid units. */
+int32_t segment_overhang(const segment *s, size_t i);
+int32_t segment_line_end(const segment *s, size_t i);
 
 /* layers.c: a layer below a cell as drawn and merged, both empty on failure; of
    a window what touches it as drawn, and merged what lies in it. */

@@ -76,6 +76,7 @@ static int32_t most(int32_t a, int32_t b) { return a > b ? a : b; }
 
 /* How far what counts for a transistor is from it. */
 static int32_t reach_of(const segment *s) {
+  /* Those of gates are half of it at most. */
   return most(s->reach, 2 * most(s->overhang, s->line_end));
 }
 

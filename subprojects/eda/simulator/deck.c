@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the simulator gets to see: statements that describe a circuit. Its
    language has others, which run commands, open and write files or load code
-   (.control, "*ng_script", "*#", .csparam, .osdi, code models, tables in
-   files), and more with each version: so what is not known here is refused.
-   Files are read here, and only where the given ones lie. */
+   (.control, "*ng_script", "*#", .csparam, code models, tables in files), and
+   more with each version: so what is not known here is refused. Files are read
+   here, and only where the given ones lie. Compiled models (OSDI) are code; the
+   deck itself may name a file of them, what it includes may not. */
 #include "simulator/deck.h"
 
-#include <ctype.h>
+#include <glib.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,6 +18,8 @@
 typedef struct deck {
   lines lines;
   FILE *out;
+  const char *osdi;     /* the file of compiled models; NULL: none */
+  GMappedFile *objects; /* what is in it */
   /* Of the file that is read. */
   const char *wanted; /* its section of that name; NULL: what is in none */
   int found;
@@ -27,7 +30,8 @@ typedef struct deck {
 /* ---- what is known ---- */
 
 /* Sources, controlled ones with expressions, passive devices, transistors,
-   subcircuits. Not A, N and U, which are code. */
+   subcircuits. Not A and U, which are code; N, which is compiled models' only.
+ */
 static const char devices[] = "bcdefghijklmqrvx";
 
 /* Not those of CIDER and of code models, which read and write files. */
@@ -82,16 +86,30 @@ static int pass(deck *d, const line *l) {
   return OPC_OK;
 }
 
+/* Whether the file of compiled models has one of that name, which ends there
+   with a zero byte. */
+static int is_compiled(const deck *d, const char *kind) {
+  size_t n = strlen(kind), size = g_mapped_file_get_length(d->objects);
+  const char *s = g_mapped_file_get_contents(d->objects);
+  for (size_t i = 0; i + n < size; i++)
+    if (!s[i + n] && !g_ascii_strncasecmp(s + i, kind, n)) return 1;
+  return 0;
+}
+
 static int take_model(deck *d, const line *l) {
   if (l->words < 3)
     return lines_refuse(&d->lines, l->word[0].at,
                         ".model without a name and a kind");
   const word *kind = &l->word[2];
-  if (kind->quoted || !eda_in_list(model_kinds, kind->text))
+  if (!kind->quoted && eda_in_list(model_kinds, kind->text)) return pass(d, l);
+  if (kind->quoted || !d->osdi)
     return lines_refuse(&d->lines, kind->at,
-                        "models of kind '%.100s' are not taken; known: %s",
+                        "models of kind '%.100s' are not taken; known: %s, and "
+                        "what an OSDI file has",
                         kind->text, model_kinds);
-  return pass(d, l);
+  /* A library has some that a circuit does not use, and that were not compiled;
+     a device of such a model is the simulator's to refuse. */
+  return is_compiled(d, kind->text) ? pass(d, l) : OPC_OK;
 }
 
 /* NAME=NUMBER, or a NAME alone. */
@@ -162,6 +180,17 @@ static int take_library(deck *d, const line *l) {
   return OPC_OK;
 }
 
+static int take_osdi(deck *d, const line *l) {
+  g_autoptr(GError) why = NULL;
+  if (l->words != 2 || d->osdi)
+    return lines_refuse(&d->lines, l->word[0].at, ".osdi takes one file");
+  d->osdi = l->word[1].text;
+  d->objects = g_mapped_file_new(d->osdi, FALSE, &why);
+  return d->objects
+             ? OPC_OK
+             : lines_refuse(&d->lines, l->word[1].at, "%.500s", why->message);
+}
+
 static int take_end(deck *d, const line *l) {
   if (is_own(l)) fputs(".end\n", d->out);
   d->lines.ended = 1;
@@ -193,6 +222,7 @@ static const struct {
     {".lib", take_library, 0},
     {".end", take_end, 0},
     {".save", pass, 1},
+    {".osdi", take_osdi, 1},
 };
 
 /* Whether the section that is being read is meant. */
@@ -209,6 +239,12 @@ static int refuse(deck *d, const word *w) {
       w->text, devices);
 }
 
+static int is_device(const deck *d, const char *name) {
+  char letter = g_ascii_tolower(*name);
+  return g_ascii_isalpha(letter) &&
+         (strchr(devices, letter) || (letter == 'n' && d->osdi));
+}
+
 static int take_line(void *data, const line *l) {
   deck *d = data;
   const word *first = &l->word[0];
@@ -222,10 +258,7 @@ static int take_line(void *data, const line *l) {
   if (strncmp(l->text, first->text, strlen(first->text)) != 0)
     return refuse(d, first);
   if (first->text[0] != '.')
-    return isalpha((unsigned char)first->text[0]) &&
-                   strchr(devices, tolower((unsigned char)first->text[0]))
-               ? pass(d, l)
-               : refuse(d, first);
+    return is_device(d, first->text) ? pass(d, l) : refuse(d, first);
   for (size_t i = 0; i < sizeof statements / sizeof *statements; i++)
     if (eda_same_name(first->text, statements[i].name) &&
         (!statements[i].own || is_own(l)))
@@ -233,7 +266,7 @@ static int take_line(void *data, const line *l) {
   return refuse(d, first);
 }
 
-char *deck_write(const char *text, opc_error *error) {
+char *deck_write(const char *text, char **osdi, opc_error *error) {
   eda_pool pool = {0};
   char *out = NULL;
   size_t size;
@@ -245,6 +278,8 @@ char *deck_write(const char *text, opc_error *error) {
   fputs("opcflow\n", d.out);
   int code = lines_read_text(&d.lines, "deck", text, strlen(text));
   fclose(d.out);
+  if (osdi) *osdi = code ? NULL : g_strdup(d.osdi);
+  g_clear_pointer(&d.objects, g_mapped_file_unref);
   eda_pool_clear(&pool);
   if (!code) return out;
   free(out);

@@ -30,7 +30,7 @@ static void refused_file(const char *name, const char *where,
                          const char *words) {
   opc_error error;
   g_autofree char *deck = deck_of(name);
-  char *out = deck_write(deck, &error);
+  char *out = deck_write(deck, NULL, &error);
   if (out) g_error("'%s' came through as '%s'", name, out);
   g_assert_cmpint(error.code, ==, OPC_INVALID);
   g_test_message("%s", error.message);
@@ -50,7 +50,7 @@ static char *taken(const char *text) {
   opc_error error;
   put("good.pm", text, -1);
   g_autofree char *deck = deck_of("good.pm");
-  char *out = deck_write(deck, &error);
+  char *out = deck_write(deck, NULL, &error);
   if (!out) g_error("%s", error.message);
   return out;
 }
@@ -86,11 +86,12 @@ static void test_own(void) {
   char *out = deck_write(
       "*ng_script\nv1 a 0 1\n.options temp=27\n"
       ".save v(a)\n.end\nshell false\n",
-      &error);
+      NULL, &error);
   g_assert_cmpstr(out, ==,
                   "opcflow\nv1 a 0 1\n.options temp=27\n.save v(a)\n.end\n");
   free(out);
-  g_assert_null(deck_write("t\nv1 a 0 1\n.control\nop\n.endc\n.end", &error));
+  g_assert_null(
+      deck_write("t\nv1 a 0 1\n.control\nop\n.endc\n.end", NULL, &error));
   g_assert_nonnull(strstr(error.message, "deck:3:1: '.control' is refused"));
 }
 
@@ -197,7 +198,7 @@ static void test_folder(void) {
   put("inner/\xc3\xa4.pm", ".inc 'b\xc3\xa9side.pm'\n.param a=1\n", -1);
   opc_error error;
   g_autofree char *deck = deck_of("inner/\xc3\xa4.pm");
-  char *out = deck_write(deck, &error);
+  char *out = deck_write(deck, NULL, &error);
   g_assert_cmpstr(out, ==, "opcflow\n.param beside=1\n.param a=1\n.end\n");
   free(out);
   g_unlink(link), g_unlink(into), g_unlink(fifo);
@@ -223,13 +224,13 @@ static void test_library(void) {
       -1);
   put("use.pm", ".lib 'l.lib' TT\n", -1);
   g_autofree char *deck = deck_of("use.pm");
-  char *out = deck_write(deck, &error);
+  char *out = deck_write(deck, NULL, &error);
   g_assert_null(out);
   g_assert_nonnull(strstr(error.message, "l.lib:9:1: section 'open'"));
   put("l.lib",
       ".param all=1\n.lib tt\n.param a=1\n.endl\n.lib ss\n.shell x\n.endl ss\n",
       -1);
-  out = deck_write(deck, &error);
+  out = deck_write(deck, NULL, &error);
   g_assert_cmpstr(out, ==, "opcflow\n.param a=1\n.end\n");
   free(out);
   put("use.pm", ".lib 'l.lib' ss\n", -1);
@@ -239,9 +240,42 @@ static void test_library(void) {
   put("use.pm", ".lib '../l.lib' ff\n", -1);
   refused_file("use.pm", "use.pm:1:6: ", "");
   put("use.pm", ".include l.lib\n", -1);
-  out = deck_write(deck, &error);
+  out = deck_write(deck, NULL, &error);
   g_assert_cmpstr(out, ==, "opcflow\n.param all=1\n.end\n");
   free(out);
+}
+
+/* A file of compiled models, which the deck itself names, has its own kinds of
+   models and instances. */
+static void test_osdi(void) {
+  static const char text[] =
+      ".subckt f d g s b\nN1 d g s b m w=1u\n.model m Compiled type=1\n"
+      ".model r compiledrf type=1\n.model n nmos level=54\n.ends\n";
+  opc_error error;
+  put("o.osdi", "\x7f\0ELF\0COMPILED\0compiledrfx\0", 26);
+  put("o.lib", text, -1);
+  refused_file("o.lib", "o.lib:2:1: ", "'N1' is refused");
+  g_autofree char *object = place("o.osdi"), *file = place("o.lib");
+  g_autofree char *deck =
+      g_strdup_printf("t\n.osdi \"%s\"\n.include \"%s\"\n.end\n", object, file);
+  char *osdi, *out = deck_write(deck, &osdi, &error);
+  g_assert_cmpstr(out, ==,
+                  "opcflow\n.subckt f d g s b\nN1 d g s b m w=1u\n"
+                  ".model m Compiled type=1\n.model n nmos level=54\n"
+                  ".ends\n.end\n");
+  g_assert_cmpstr(osdi, ==, object);
+  free(out);
+  g_free(osdi);
+  put("o.lib", ".osdi o.osdi\n", -1);
+  refused_file("o.lib", "o.lib:1:1: ", "'.osdi' is refused");
+  put("o.lib", ".model m 'compiled'\n", -1);
+  g_assert_null(deck_write(deck, &osdi, &error));
+  g_assert_nonnull(strstr(error.message, "o.lib:1:10: models of kind"));
+  g_assert_null(osdi);
+  g_assert_null(deck_write("t\n.osdi /none/at.all\n.end", &osdi, &error));
+  g_assert_nonnull(strstr(error.message, "deck:2:7: "));
+  g_assert_null(deck_write("t\n.osdi\n.end", &osdi, &error));
+  g_assert_nonnull(strstr(error.message, "deck:2:1: .osdi takes one file"));
 }
 
 static void clear_folder(const char *path) {
@@ -266,6 +300,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/deck/folder", test_folder);
   g_test_add_func("/deck/bomb", test_bomb);
   g_test_add_func("/deck/library", test_library);
+  g_test_add_func("/deck/osdi", test_osdi);
   int code = g_test_run();
   clear_folder(folder);
   g_free(folder);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* opcflow-simulator SECONDS PARENT: runs one deck in ngspice, which is a
+/* opcflow-simulator SECONDS PARENT [OSDI]: runs one deck in ngspice, which is a
    library that keeps its state in globals, calls exit() and prints. So whatever
    it does to its process is done to one that is thrown away, and that can do
    nothing to others (sandbox.h). record.h tells what passes in and out. It is
@@ -13,6 +13,7 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <gnu/lib-names.h>
 #include <locale.h>
 #include <ngspice/sharedspice.h>
 #include <pwd.h>
@@ -162,11 +163,17 @@ static void stand_alone(void) {
   setlocale(LC_ALL, "C");
 }
 
-/* After this it can open no file, so that none of ngspice's start-up files are
-   read; nor does it see the user's environment. */
-static void lock_in(void) {
+static int open_osdi(const char *path) {
+  int file = open(path, O_RDONLY | O_CLOEXEC);
+  if (file >= 0) return file;
+  end_with(TROUBLE, text_of("cannot read '%s': %s", path, strerror(errno)));
+}
+
+/* After this it can open no file but that one, so that none of ngspice's
+   start-up files are read; nor does it see the user's environment. */
+static void lock_in(int osdi) {
   clearenv();
-  const char *open = sandbox_enter();
+  const char *open = sandbox_enter(osdi);
   if (!open) return;
   char *text = text_of("it cannot be locked in: %s: %s", open, strerror(errno));
   end_with(TROUBLE, text);
@@ -214,6 +221,8 @@ static void *symbol(void *handle, const char *name) {
 
 static library load(void) {
   const char *own = getenv("OPCFLOW_NGSPICE");
+  /* Compiled models take its functions for granted. */
+  dlopen(LIBM_SO, RTLD_NOW | RTLD_GLOBAL);
   void *handle = dlopen(own ? own : "libngspice.so.0", RTLD_NOW | RTLD_LOCAL);
   if (!handle) end_with(MISSING, dlerror());
   library l;
@@ -303,12 +312,25 @@ static void command(const library *l, const char *text) {
   free(own);
 }
 
-static void work(const library *l, char *deck, char *commands) {
+/* Compiled models, whose names ngspice then knows in decks. By the number of
+   the open file, as it takes a name apart into words. */
+static void load_osdi(const library *l, const char *name, int file) {
+  char *text = text_of("osdi /proc/self/fd/%d", file);
+  command(l, text);
+  free(text);
+  if (strstr(trouble, "no such command")) end_with(NO_OSDI, "");
+  check(name);
+}
+
+static void work(const library *l, const char *osdi, int file, char *deck,
+                 char *commands) {
   l->init(on_words, NULL, on_exit_wish, NULL, NULL, on_thread, NULL);
   *trouble = 0;
   reset_signals(); /* ngspice's would take a crash for an exit */
   command(l, "set num_threads=1");
   command(l, "set rndseed=1");
+  command(l, "set no_mem_check"); /* newer ones would read /proc/meminfo */
+  if (osdi) load_osdi(l, osdi, file);
   size_t plots = length_of(l->plots());
   l->circuit(lines_of(deck));
   check(NULL);
@@ -322,16 +344,18 @@ static void work(const library *l, char *deck, char *commands) {
 }
 
 int main(int argc, char **argv) {
-  if (argc != 3) {
+  if (argc != 3 && argc != 4) {
     fputs("opcflow starts this program for circuits; see circuit.ngspice\n",
           stderr);
     return 2;
   }
   obey(argv[1], argv[2]);
   char *deck = read_text(), *commands = read_text();
+  const char *osdi = argc == 4 ? argv[3] : NULL;
   stand_alone();
+  int file = osdi ? open_osdi(osdi) : -1;
   library l = load();
-  lock_in();
-  work(&l, deck, commands);
+  lock_in(file);
+  work(&l, osdi, file, deck, commands);
   end_with(DONE, "");
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* No place in the file system and no network, by the kernel's Landlock, of
-   which the C library has no functions. */
+/* No place in the file system, but for one file to read, and no network, by
+   the kernel's Landlock, of which the C library has no functions. */
 #include <stdint.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -12,7 +12,13 @@ struct ruleset {
   uint64_t files, network, scoped;
 };
 
-enum { ALL_NETWORK = 3, ALL_SCOPED = 3 };
+/* The same, as packed there. */
+struct beneath {
+  uint64_t allowed;
+  int32_t file;
+} __attribute__((packed));
+
+enum { ALL_NETWORK = 3, ALL_SCOPED = 3, BENEATH = 1, READ_FILE = 1 << 2 };
 
 /* How much of that each version of the interface has, from 1 on. */
 static const struct {
@@ -21,20 +27,26 @@ static const struct {
 } versions[] = {{13, 8}, {14, 8}, {15, 8}, {15, 16}, {16, 16}, {16, 24}};
 
 #ifdef SYS_landlock_create_ruleset
-const char *landlock_enter(void) {
+const char *landlock_enter(int file) {
   enum { ASK_VERSION = 1, COUNT = sizeof versions / sizeof *versions };
   long version = syscall(SYS_landlock_create_ruleset, NULL, 0, ASK_VERSION);
-  if (version < 1) return NULL; /* this kernel has none */
+  if (version < 1) /* this kernel has none */
+    return file < 0 ? NULL : "Landlock, without which no OSDI file is loaded";
   if (version > COUNT) version = COUNT;
   struct ruleset all = {(UINT64_C(1) << versions[version - 1].bits) - 1,
                         ALL_NETWORK, ALL_SCOPED};
   long set =
       syscall(SYS_landlock_create_ruleset, &all, versions[version - 1].size, 0);
   if (set < 0) return "Landlock's rules";
+  const struct beneath one = {READ_FILE, file};
+  if (file >= 0 && syscall(SYS_landlock_add_rule, set, BENEATH, &one, 0))
+    return "Landlock's rule of a file";
   long bad = syscall(SYS_landlock_restrict_self, set, 0);
   close((int)set);
   return bad ? "Landlock" : NULL;
 }
 #else
-const char *landlock_enter(void) { return NULL; }
+const char *landlock_enter(int file) {
+  return file < 0 ? NULL : "Landlock, without which no OSDI file is loaded";
+}
 #endif

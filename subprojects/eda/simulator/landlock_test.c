@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Landlock without the other walls: no file is read, changed or made. */
+/* Landlock without the other walls: no file is read, changed or made, but one
+   that is named is read. */
 #include "simulator/landlock.c"
 
 #include <arpa/inet.h>
@@ -18,12 +19,13 @@ static long kernel_version(void) {
 static int is_denied(int got) { return got < 0 && errno == EACCES; }
 
 /* What does not hold, as an exit code. */
-static int try_all(const char *old, const char *new) {
+static int try_all(const char *old, const char *new, int named) {
   const struct sockaddr_in to = {.sin_family = AF_INET,
                                  .sin_port = htons(9),
                                  .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
-  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) || landlock_enter()) return 1;
-  if (!is_denied(open(old, O_RDONLY))) return 2;
+  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) || landlock_enter(named)) return 1;
+  if (!is_denied(open(old, O_RDONLY)) != (named >= 0)) return 2;
+  if (named >= 0 && !is_denied(open("/etc/passwd", O_RDONLY))) return 12;
   if (!is_denied(open(old, O_WRONLY | O_APPEND))) return 3;
   if (!is_denied(open(new, O_WRONLY | O_CREAT, 0600))) return 4;
   if (!is_denied(mkdir(new, 0700))) return 5;
@@ -49,12 +51,16 @@ static void test_alone(void) {
   g_autofree char *old = g_build_filename(folder, "old", NULL);
   g_autofree char *new = g_build_filename(folder, "new", NULL);
   g_assert_true(g_file_set_contents(old, "unchanged", -1, NULL));
-  pid_t child = fork();
-  if (!child) _exit(try_all(old, new));
-  int status;
-  g_assert_cmpint(waitpid(child, &status, 0), ==, child);
-  g_assert_true(WIFEXITED(status));
-  g_assert_cmpint(WEXITSTATUS(status), ==, 0);
+  for (int with = 0; with < 2; with++) {
+    int file = with ? open(old, O_RDONLY) : -1;
+    pid_t child = fork();
+    if (!child) _exit(try_all(old, new, file));
+    int status;
+    g_assert_cmpint(waitpid(child, &status, 0), ==, child);
+    g_assert_true(WIFEXITED(status));
+    g_assert_cmpint(WEXITSTATUS(status), ==, 0);
+    if (with) close(file);
+  }
   g_assert_cmpint(g_remove(old), ==, 0);
   g_assert_cmpint(g_rmdir(folder), ==, 0);
 }

@@ -3,6 +3,7 @@
    for: a subcircuit that is not named by what is kept is not needed. */
 #include <eda/memory.h>
 #include <eda/models.h>
+#include <errno.h>
 #include <glib.h>
 #include <math.h>
 #include <stdlib.h>
@@ -21,6 +22,7 @@ typedef struct piece {
 struct eda_models {
   GArray *piece;
   double unit;
+  char *osdi;    /* NULL: none */
   GRegex *bound; /* lmin = 1e-7 */
 };
 
@@ -152,14 +154,42 @@ static void take_all(eda_models *l, char *text) {
   }
 }
 
+/* The whole path, as the simulator stands elsewhere. */
+static char *whole_path(const char *file, const char *parameter,
+                        opc_error *error) {
+  char *path = realpath(file, NULL);
+  if (!path)
+    opc_fail(error, OPC_IO, parameter, "cannot read '%s': %s", file,
+             g_strerror(errno));
+  if (!path || !strpbrk(path, "\"\n")) return path;
+  opc_fail(error, OPC_INVALID, parameter,
+           "'%s': the simulator takes no such name of a file", file);
+  free(path);
+  return NULL;
+}
+
+static char *library_deck(const char *file, const char *section,
+                          const char *osdi, opc_error *error) {
+  char *path = whole_path(file, "library", error);
+  char *object = path && osdi ? whole_path(osdi, "osdi", error) : NULL;
+  GString *deck = g_string_new("t\n");
+  if (object) g_string_append_printf(deck, ".osdi \"%s\"\n", object);
+  g_string_append_printf(deck, "%s \"%s\" %s\n.end\n",
+                         section ? ".lib" : ".include", path,
+                         section ? section : "");
+  int good = path && (object || !osdi);
+  free(path);
+  free(object);
+  return g_string_free(deck, !good);
+}
+
 eda_models *eda_models_read(const char *path, const char *section,
-                            opc_error *error) {
-  g_autofree char *deck =
-      section ? g_strdup_printf("t\n.lib \"%s\" %s\n.end\n", path, section)
-              : g_strdup_printf("t\n.include \"%s\"\n.end\n", path);
-  char *text = deck_write(deck, error);
+                            const char *osdi, opc_error *error) {
+  g_autofree char *deck = library_deck(path, section, osdi, error);
+  char *object = NULL, *text = deck ? deck_write(deck, &object, error) : NULL;
   if (!text) return NULL;
   eda_models *l = eda_alloc(1, sizeof *l);
+  l->osdi = object;
   l->unit = 1e9;
   l->piece = g_array_new(FALSE, FALSE, sizeof(piece));
   g_array_set_clear_func(l->piece, clear_piece);
@@ -174,6 +204,7 @@ void eda_models_free(eda_models *l) {
   if (!l) return;
   g_array_unref(l->piece);
   g_regex_unref(l->bound);
+  g_free(l->osdi);
   free(l);
 }
 
@@ -348,6 +379,7 @@ static void put(const eda_models *l, GString *out, const char *statement,
 char *eda_models_cut(const eda_models *l, const char *name,
                      const eda_sizes *sizes, int extend) {
   GString *out = g_string_new(NULL);
+  if (l->osdi) g_string_append_printf(out, ".osdi \"%s\"\n", l->osdi);
   eda_sizes all = {{0}, {0}};
   char *keep = find_needed(l, name);
   for (guint i = 0; i < l->piece->len; i++)

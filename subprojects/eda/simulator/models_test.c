@@ -28,7 +28,7 @@ static const char text[] =
 
 static eda_models *load(const char *section) {
   opc_error error;
-  eda_models *l = eda_models_read(path, section, &error);
+  eda_models *l = eda_models_read(path, section, NULL, &error);
   if (!l) g_error("%s", error.message);
   return l;
 }
@@ -120,10 +120,14 @@ static void test_current(void) {
 
 static void test_refused(void) {
   opc_error error;
-  g_assert_null(eda_models_read(path, "fs", &error));
+  g_assert_null(eda_models_read(path, "fs", NULL, &error));
   g_assert_cmpint(error.code, ==, OPC_INVALID);
   g_assert_nonnull(strstr(error.message, "no section 'fs'"));
-  g_assert_null(eda_models_read("/none/at.all", NULL, &error));
+  g_assert_null(eda_models_read("/none/at.all", NULL, NULL, &error));
+  g_assert_cmpint(error.code, ==, OPC_IO);
+  g_assert_null(eda_models_read(path, "tt", "/none/at.osdi", &error));
+  g_assert_cmpint(error.code, ==, OPC_IO);
+  g_assert_nonnull(strstr(error.message, "/none/at.osdi"));
 }
 
 int main(int argc, char **argv) {

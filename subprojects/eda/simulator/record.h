@@ -11,6 +11,7 @@ enum {
   WORDS = 'w',   /* a line that the simulator said */
   TROUBLE = 't', /* what went wrong; ends the run */
   MISSING = 'm', /* the library is not there, and why; ends the run */
+  NO_OSDI = 'o', /* the library knows no compiled models; ends the run */
   PLOT = 'p',    /* its name */
   NAME = 'n',    /* of a vector of that plot */
   VALUES = 'v',  /* of that vector: doubles */

@@ -19,10 +19,13 @@
    its netlist takes come to far less than. */
 static const rlim_t most_memory = (rlim_t)4 << 30;
 
-static const char *set_limits(void) {
+static const char *set_limits(int file) {
   const struct rlimit none = {0, 0}, memory = {most_memory, most_memory};
+  /* One descriptor behind that of the file, to read it by. */
+  const rlim_t most_files = file < 0 ? 0 : (rlim_t)file + 2;
+  const struct rlimit files = {most_files, most_files};
   int bad = setrlimit(RLIMIT_FSIZE, &none) | setrlimit(RLIMIT_NPROC, &none) |
-            setrlimit(RLIMIT_NOFILE, &none);
+            setrlimit(RLIMIT_NOFILE, &files);
   if (!SANDBOX_ANY_MEMORY) bad |= setrlimit(RLIMIT_AS, &memory);
   return bad ? "setrlimit" : NULL;
 }
@@ -92,8 +95,31 @@ static int refuse_writing(scmp_filter_ctx f) {
   return bad;
 }
 
-static int add_rules(scmp_filter_ctx f) {
+/* What dlopen does of one file, which Landlock picks. Its pages are code, or
+   may be written, not both. */
+static int allow_mapping(scmp_filter_ctx f) {
+  int bad = 0;
+  const int asks[] = {SCMP_SYS(stat), SCMP_SYS(stat64), SCMP_SYS(newfstatat),
+                      SCMP_SYS(statx), SCMP_SYS(pread64)};
+  for (size_t i = 0; i < sizeof asks / sizeof *asks; i++)
+    bad |= seccomp_rule_add(f, SCMP_ACT_ALLOW, asks[i], 0);
+  const int maps[] = {SCMP_SYS(mmap), SCMP_SYS(mmap2)};
+  for (size_t i = 0; i < sizeof maps / sizeof *maps; i++)
+    bad |= seccomp_rule_add(
+        f, SCMP_ACT_ALLOW, maps[i], 2,
+        SCMP_A2(SCMP_CMP_MASKED_EQ, PROT_EXEC | PROT_WRITE, PROT_EXEC),
+        SCMP_A3(SCMP_CMP_MASKED_EQ, MAP_ANONYMOUS, 0));
+  const scmp_datum_t reading = O_ACCMODE | O_CREAT | O_TRUNC;
+  bad |= seccomp_rule_add(f, SCMP_ACT_ALLOW, SCMP_SYS(open), 1,
+                          SCMP_A1(SCMP_CMP_MASKED_EQ, reading, O_RDONLY));
+  bad |= seccomp_rule_add(f, SCMP_ACT_ALLOW, SCMP_SYS(openat), 1,
+                          SCMP_A2(SCMP_CMP_MASKED_EQ, reading, O_RDONLY));
+  return bad;
+}
+
+static int add_rules(scmp_filter_ctx f, int file) {
   int bad = refuse_writing(f);
+  if (file >= 0) bad |= allow_mapping(f);
   for (size_t i = 0; i < sizeof allowed / sizeof *allowed; i++)
     bad |= seccomp_rule_add(f, SCMP_ACT_ALLOW, allowed[i], 0);
   for (size_t i = 0; i < sizeof deadly / sizeof *deadly; i++)
@@ -115,16 +141,16 @@ static int add_rules(scmp_filter_ctx f) {
   return bad;
 }
 
-static const char *shut_calls(void) {
+static const char *shut_calls(int file) {
   scmp_filter_ctx f = seccomp_init(SCMP_ACT_ERRNO(EACCES));
-  int bad = !f || add_rules(f) || seccomp_load(f);
+  int bad = !f || add_rules(f, file) || seccomp_load(f);
   seccomp_release(f);
   return bad ? "seccomp" : NULL;
 }
 
-const char *sandbox_enter(void) {
+const char *sandbox_enter(int file) {
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0)) return "new privileges";
-  const char *open = landlock_enter();
-  if (!open) open = set_limits();
-  return open ? open : shut_calls();
+  const char *open = landlock_enter(file);
+  if (!open) open = set_limits(file);
+  return open ? open : shut_calls(file);
 }

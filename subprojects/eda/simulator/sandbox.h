@@ -17,11 +17,15 @@ enum { SANDBOX_ANY_MEMORY = 0 };
 
 /* From here on this process opens, starts, sends and signals nothing; it works
    in its memory, and reads and writes what is open. What it tries of that
-   fails, or ends it with SIGSYS. NULL, or what could not be shut. */
-const char *sandbox_enter(void);
+   fails, or ends it with SIGSYS. NULL, or what could not be shut.
 
-/* The part of that which Landlock does; nothing where the kernel has none. It
-   takes that privileges have been given up. */
-const char *landlock_enter(void);
+   `file`, an open file, or -1: it may be opened again to be read, by any of its
+   names, and mapped as code; and what is there of other files may be asked,
+   not what is in them. This takes Landlock. */
+const char *sandbox_enter(int file);
+
+/* The part of that which Landlock does; nothing where the kernel has none,
+   unless there is a file. It takes that privileges have been given up. */
+const char *landlock_enter(int file);
 
 #endif

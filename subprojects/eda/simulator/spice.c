@@ -33,7 +33,7 @@ typedef struct reading {
   uint64_t taken;
   GString *words;
   char *trouble;
-  int missing, done;
+  int missing, no_osdi, done;
 } reading;
 
 static char *text_of(const char *data, size_t bytes) {
@@ -76,6 +76,7 @@ static void take_record(reading *r, record head, const char *data) {
     r->done = 1;
   } else {
     r->missing = head.kind == MISSING;
+    r->no_osdi = head.kind == NO_OSDI;
     g_free(r->trouble);
     r->trouble = text_of(data, bytes);
   }
@@ -139,12 +140,24 @@ static char *last_words(const GString *words) {
                       ' ');
 }
 
+static int tell_no_osdi(const reading *r, opc_error *error) {
+  const char *version = strstr(r->words->str, "ngspice-");
+  return opc_fail(
+      error, OPC_NO_PLUGIN, NULL,
+      "the library of '%.*s' cannot load compiled models (OSDI): "
+      "Debian 12's 39 cannot, that of its backports (46) and Debian "
+      "13's (44) can; OPCFLOW_NGSPICE names another one",
+      version ? (int)strcspn(version, " \n") : 7,
+      version ? version : "ngspice");
+}
+
 static int judge(const reading *r, GSubprocess *child, opc_error *error) {
   if (r->missing)
     return opc_fail(error, OPC_NO_PLUGIN, NULL,
                     "the library of ngspice is not installed (Debian "
                     "package 'libngspice0'): %s",
                     r->trouble);
+  if (r->no_osdi) return tell_no_osdi(r, error);
   if (r->trouble)
     return opc_fail(error, OPC_FAILED, NULL, "'ngspice' failed: %s",
                     r->trouble);
@@ -203,8 +216,9 @@ static int open_request(const char *deck, const char *commands,
 }
 
 /* The running program, whose answer comes out of *answer. */
-static GSubprocess *start(const char *deck, const char *commands, double limit,
-                          int *answer, opc_error *error) {
+static GSubprocess *start(const char *deck, const char *osdi,
+                          const char *commands, double limit, int *answer,
+                          opc_error *error) {
   g_autofree char *program = find_program();
   g_autofree char *seconds = g_strdup_printf("%.0f", ceil(limit) + 1);
   g_autofree char *parent = g_strdup_printf("%ld", (long)getpid());
@@ -227,7 +241,7 @@ static GSubprocess *start(const char *deck, const char *commands, double limit,
   g_subprocess_launcher_take_stdin_fd(launcher, request);
   g_subprocess_launcher_take_stdout_fd(launcher, ends[1]);
   GSubprocess *child = g_subprocess_launcher_spawn(launcher, &why, program,
-                                                   seconds, parent, NULL);
+                                                   seconds, parent, osdi, NULL);
   if (child) {
     *answer = ends[0];
     return child;
@@ -237,11 +251,12 @@ static GSubprocess *start(const char *deck, const char *commands, double limit,
   return NULL;
 }
 
-static int run(const opc_context *context, const char *deck,
+static int run(const opc_context *context, const char *deck, const char *osdi,
                const char *commands, double limit, eda_spice_result *out,
                opc_error *error) {
   int answer;
-  g_autoptr(GSubprocess) child = start(deck, commands, limit, &answer, error);
+  g_autoptr(GSubprocess) child =
+      start(deck, osdi, commands, limit, &answer, error);
   if (!child) return error->code;
   reading r = {.context = context, .out = out, .words = g_string_new(NULL)};
   int code = listen_to(&r, answer, limit, error);
@@ -259,10 +274,11 @@ int eda_spice_run(const opc_context *context, const char *deck,
                   const char *commands, double limit, eda_spice_result *out,
                   opc_error *error) {
   *out = (eda_spice_result){0};
-  char *harmless = deck_write(deck, error);
+  char *osdi, *harmless = deck_write(deck, &osdi, error);
   if (!harmless) return error->code;
-  int code = run(context, harmless, commands, limit, out, error);
+  int code = run(context, harmless, osdi, commands, limit, out, error);
   free(harmless);
+  g_free(osdi);
   return code;
 }
 

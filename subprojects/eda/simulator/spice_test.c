@@ -32,6 +32,16 @@ static const char rc[] =
     ".options reltol=1e-6\n"
     ".end\n";
 
+static char *own; /* the user's library of ngspice; NULL: the installed one */
+
+/* Have another library loaded; NULL: none but the user's. */
+static void use(const char *library) {
+  if (library || own)
+    g_setenv("OPCFLOW_NGSPICE", library ? library : own, TRUE);
+  else
+    g_unsetenv("OPCFLOW_NGSPICE");
+}
+
 /* Its library may be missing, the program that loads it is ours. */
 static int have_ngspice(void) {
   eda_spice_result r;
@@ -157,10 +167,14 @@ static void clear_entries(const char *folder) {
   g_dir_close(dir);
 }
 
-/* A deed of the evil library fails, and says so or ends it. */
+static const char with_osdi[] = "t\n.osdi \"" EDA_OSDI_BUILT "\"\n.end";
+
+/* A deed of the evil library fails, and says so or ends it, with compiled
+   models or without. */
 static void cannot(const char *deed, const char *path, const char *words) {
   g_autofree char *command = g_strdup_printf("%s %s", deed, path);
   fails("t\n.end", command, LIMIT, OPC_FAILED, words, 0);
+  fails(with_osdi, command, LIMIT, OPC_FAILED, words, 0);
 }
 
 /* Whatever the library does, no file changes and nothing is started. */
@@ -169,31 +183,92 @@ static void test_sandbox(void) {
                     denied[] = "gave -1 (Permission denied)";
   static const struct {
     const char *deed, *words;
-  } deeds[] = {{"append", ended},    {"create", ended},  {"change", ended},
-               {"remove", ended},    {"folder", ended},  {"shell", ended},
-               {"exec", ended},      {"fork", ended},    {"parent", ended},
-               {"read", denied},     {"socket", denied}, {"code", denied},
-               {"truncate", denied}, {"link", denied},   {"mode", denied}};
+  } deeds[] = {{"append", ended},  {"create", ended}, {"change", ended},
+               {"remove", ended},  {"folder", ended}, {"shell", ended},
+               {"exec", ended},    {"fork", ended},   {"parent", ended},
+               {"socket", denied}, {"code", denied},  {"truncate", denied},
+               {"link", denied},   {"mode", denied}};
   g_autofree char *folder = g_dir_make_tmp("spice-test-XXXXXX", NULL);
   g_autofree char *old = g_build_filename(folder, "old", NULL);
   g_autofree char *new = g_build_filename(folder, "new", NULL);
   g_assert_true(g_file_set_contents(old, "unchanged", -1, NULL));
-  g_setenv("OPCFLOW_NGSPICE", EDA_EVIL_BUILT, TRUE);
+  use(EDA_EVIL_BUILT);
   for (size_t i = 0; i < G_N_ELEMENTS(deeds); i++) {
     cannot(deeds[i].deed, old, deeds[i].words);
     cannot(deeds[i].deed, new, deeds[i].words);
   }
+  cannot("read", old, denied);
   if (!SANDBOX_ANY_MEMORY) cannot("memory", "", "(Cannot allocate memory)");
   /* What we do with signals is not handed down to it. */
   signal(SIGSEGV, SIG_IGN);
   cannot("crash", "", "crashed (Segmentation fault)");
   signal(SIGSEGV, SIG_DFL);
   fails("t\n.end", "hang", 0.3, OPC_FAILED, "not done after 0.3 s", 0);
-  g_unsetenv("OPCFLOW_NGSPICE");
+  use(NULL);
   g_autofree char *text = NULL;
   g_assert_true(g_file_get_contents(old, &text, NULL, NULL));
   g_assert_cmpstr(text, ==, "unchanged");
   g_assert_cmpint(g_remove(old), ==, 0);
+  g_assert_cmpint(g_rmdir(folder), ==, 0);
+}
+
+/* The one file is there to be read, as any of its names has it. */
+static void test_osdi_file(void) {
+  use(EDA_EVIL_BUILT);
+  fails(with_osdi, "read " EDA_OSDI_BUILT, LIMIT, OPC_FAILED, "read gave 5", 0);
+  cannot("change", EDA_OSDI_BUILT, "start a program or to write a file");
+  cannot("read", EDA_EVIL_BUILT, "gave -1 (Permission denied)");
+  use(NULL);
+}
+
+/* ---- compiled models ---- */
+
+#define SQUARE                                                             \
+  "t\n.osdi \"" EDA_OSDI_BUILT                                             \
+  "\"\n.model m squarelaw type=1 k=1m vt=0.4 leak=1n\n"                    \
+  ".model other unknown x=1\nvd d 0 1\nvg g 0 1\nn1 d g 0 0 m w=2u l=1u\n" \
+  ".end\n"
+
+/* A square law, whose object looks around as it is loaded, and conducts only if
+   it cannot get out. */
+static void test_osdi(void) {
+  eda_spice_result r;
+  opc_error error;
+  int code = eda_spice_run(&context, SQUARE, "op\nalter vg = 0\nop\ntran 1n 9n",
+                           LIMIT, &r, &error);
+  if (code == OPC_NO_PLUGIN) {
+    g_test_skip(error.message);
+  } else {
+    if (code) g_error("%s", error.message);
+    g_assert_cmpuint(r.count, ==, 3);
+    double on = values(&r.plot[0], "i(vd)", NULL)[0];
+    double off = values(&r.plot[1], "i(vd)", NULL)[0];
+    g_assert_cmpfloat(fabs(-on / (1e-3 * 0.36 + 2e-9) - 1), <, 1e-6);
+    g_assert_cmpfloat(fabs(-off / 2e-9 - 1), <, 1e-3); /* and gmin */
+  }
+  eda_spice_clear(&r);
+}
+
+/* What knows none says so, whatever the deck is. */
+static void test_no_osdi(void) {
+  g_autofree char *folder = g_dir_make_tmp("spice-test-XXXXXX", NULL);
+  g_autofree char *none = g_build_filename(folder, "none.osdi", NULL);
+  g_autofree char *deck = g_strdup_printf("t\n.osdi \"%s\"\n.end", none);
+  g_assert_true(g_file_set_contents(none, "no object", -1, NULL));
+  use(EDA_EVIL_BUILT);
+  fails(deck, "op", LIMIT, OPC_NO_PLUGIN, "cannot load compiled models (OSDI)",
+        0);
+  use(NULL);
+  eda_spice_result r;
+  opc_error error;
+  int code = eda_spice_run(&context, deck, "op", LIMIT, &r, &error);
+  g_test_message("%s", error.message);
+  if (code != OPC_NO_PLUGIN) {
+    g_assert_cmpint(code, ==, OPC_FAILED);
+    g_assert_nonnull(strstr(error.message, "none.osdi': Error opening"));
+  }
+  eda_spice_clear(&r);
+  g_assert_cmpint(g_remove(none), ==, 0);
   g_assert_cmpint(g_rmdir(folder), ==, 0);
 }
 
@@ -271,7 +346,7 @@ static gpointer tell_helper(gpointer unused) {
 static int run_endless(void) {
   eda_spice_result r;
   opc_error error;
-  g_setenv("OPCFLOW_NGSPICE", EDA_EVIL_BUILT, TRUE);
+  use(EDA_EVIL_BUILT);
   g_thread_unref(g_thread_new("tell", tell_helper, NULL));
   return eda_spice_run(&context, "t\n.end", "hang", LIMIT, &r, &error);
 }
@@ -328,9 +403,9 @@ static void test_parent(void) {
 }
 
 static void test_missing(void) {
-  g_setenv("OPCFLOW_NGSPICE", "/nowhere/libngspice.so", TRUE);
+  use("/nowhere/libngspice.so");
   fails(rc, "op", LIMIT, OPC_NO_PLUGIN, "package 'libngspice0'", 0);
-  g_unsetenv("OPCFLOW_NGSPICE");
+  use(NULL);
   g_setenv("OPCFLOW_SIMULATOR", "/nowhere/opcflow-simulator", TRUE);
   fails(rc, "op", LIMIT, OPC_NO_PLUGIN,
         "program that loads ngspice is not installed", 0);
@@ -390,14 +465,20 @@ static void test_together(void) {
 int main(int argc, char **argv) {
   if (argc > 1 && !strcmp(argv[1], "--endless")) return run_endless();
   g_test_init(&argc, &argv, NULL);
+  own = g_strdup(g_getenv("OPCFLOW_NGSPICE"));
   g_test_add_func("/spice/closed-form", test_closed_form);
   g_test_add_func("/spice/words", test_words);
   g_test_add_func("/spice/death", test_death);
   g_test_add_func("/spice/sandbox", test_sandbox);
+  g_test_add_func("/spice/osdi-file", test_osdi_file);
+  g_test_add_func("/spice/osdi", test_osdi);
+  g_test_add_func("/spice/no-osdi", test_no_osdi);
   g_test_add_func("/spice/evil-decks", test_evil_decks);
   g_test_add_func("/spice/parent", test_parent);
   g_test_add_func("/spice/missing", test_missing);
   g_test_add_func("/spice/orphan", test_orphan);
   g_test_add_func("/spice/together", test_together);
-  return g_test_run();
+  int failed = g_test_run();
+  g_free(own);
+  return failed;
 }

@@ -148,6 +148,7 @@ static int correct_cell(builder *r, const cut_out *cell, shelf_row *row,
   eda_printer_init(&l.printer, b->host->context, cell->gates, b->litho,
                    b->resist, b->margin);
   l.printer.fine = b->fine;
+  l.printer.drawn = NULL; /* cells have one resist, not each its own */
   int code = loop_run(&l, r->error);
   row->seconds = cpu_seconds() - before;
   if (!code) code = keep(r, cell, &l, row, told);
@@ -317,7 +318,7 @@ static const opc_metric metrics[] = {
 static int check(void *self, opc_error *error) {
   build *b = self;
   int code = fine_error(b->fine_text, b->limit, &b->fine, error);
-  b->margin = fine_margin(b->margin, b->fine);
+  b->margin = fine_margin(b->host, b->litho, b->margin, b->fine);
   return code;
 }
 

@@ -126,7 +126,8 @@ static int tell_of_unknown(placer *r) {
       "%zu of %zu transistors are not in the library, first %s: cell '%s' %s",
       r->unknown, g->count, name, cell,
       find_cell(p->library, TRUE, cell)
-          ? "is drawn or cut otherwise in the library, it was changed"
+          ? "is drawn or cut otherwise in the library, or marked there for "
+            "another flavour"
           : "is missing");
   if (p->missing == REFUSE)
     return opc_fail(r->error, OPC_INVALID, "library", "%s", text);
@@ -240,6 +241,7 @@ static int print_and_tell(placer *r, eda_mask *m) {
   eda_printer_init(&printer, p->host->context, p->gates, p->litho, p->resist,
                    p->margin);
   printer.fine = p->fine;
+  printer.drawn = NULL; /* as the library's, not this circuit's */
   int code = print(r, &printer, m, &measured);
   for (size_t k = 0; k < m->layers; k++) {
     m->print[k] = printer.print[k];
@@ -356,7 +358,7 @@ static const opc_metric metrics[] = {
 static int check(void *self, opc_error *error) {
   place *p = self;
   int code = fine_error(p->fine_text, limit, &p->fine, error);
-  p->margin = fine_margin(p->margin, p->fine);
+  p->margin = fine_margin(p->host, p->litho, p->margin, p->fine);
   if (!code && p->picture && !p->print)
     code = opc_fail(error, OPC_INVALID, "picture",
                     "without 'print' there is no disturbance to draw");

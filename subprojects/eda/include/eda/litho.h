@@ -4,6 +4,7 @@
 #define EDA_LITHO_H
 
 #include <eda/imaging.h>
+#include <eda/natural.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -52,6 +53,11 @@ typedef struct eda_litho {
   int (*gradient)(const void *self, int layer, const eda_spectrum *mask,
                   double defocus, const eda_field *weight, eda_field *out,
                   opc_error *error);
+
+  /* The scanner, from which lengths follow that a flow leaves open; asked
+     before prepare, too. May be NULL: the model does not know. Since 0.7.
+     [any] */
+  eda_scanner (*scanner)(const void *self);
 } eda_litho;
 
 /* The spectrum of a mask as a model wants it, by its own `transform` or by

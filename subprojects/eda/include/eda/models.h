@@ -21,12 +21,14 @@ typedef struct eda_sizes {
 enum { EDA_MODEL_CARD = 1, EDA_MODEL_SUBCIRCUIT = 2 };
 
 /* Read a file and what it includes, which must lie in its folder or below;
-   `section` NULL: what stands outside of all sections. What is no part of a
-   circuit is refused as eda_spice_run does. Statistical functions (agauss,
-   gauss, aunif, unif) have their nominal value: nothing is drawn by lot. NULL
-   and *error on failure. [any] */
+   `section` NULL: what stands outside of all sections. `osdi`: a file of
+   compiled models (a shared object of the Open Source Device Interface) that
+   its cards are of; NULL: none. What is no part of a circuit is refused as
+   eda_spice_run does, and a name that no deck can have. Statistical functions
+   (agauss, gauss, aunif, unif) have their nominal value: nothing is drawn by
+   lot. NULL and *error on failure. [any] */
 OPC_EXPORT eda_models *eda_models_read(const char *path, const char *section,
-                                       opc_error *error);
+                                       const char *osdi, opc_error *error);
 OPC_EXPORT void eda_models_free(eda_models *models);
 
 /* What a name is: one of the kinds above, 0 if it is not there. [any] */
@@ -44,9 +46,9 @@ OPC_EXPORT int eda_models_bins(const eda_models *models, const char *name,
                                eda_sizes *out);
 
 /* The statements that a device of some sizes needs, one a line, for a deck of
-   eda_spice_run; of binned models those whose bins touch the sizes, the
-   outermost ones made to reach as far if `extend`. To be freed with free().
-   [any] */
+   eda_spice_run, with the file of compiled models; of binned models those whose
+   bins touch the sizes, the outermost ones made to reach as far if `extend`. To
+   be freed with free(). [any] */
 OPC_EXPORT char *eda_models_cut(const eda_models *models, const char *name,
                                 const eda_sizes *sizes, int extend);
 

@@ -57,6 +57,11 @@ typedef struct eda_printer {
   double defocus;
   int keeps;
 
+  /* To be set like `fine`: the transistors that the resist is told of, those
+     that are printed; NULL where these are a part of what will be, so that what
+     follows from them would differ from part to part. */
+  const eda_gates *drawn;
+
   /* [layers], to be set at any time: the error of fine prints of that layer;
      0: `fine`. */
   double *fine_of;

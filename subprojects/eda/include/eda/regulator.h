@@ -31,6 +31,9 @@ typedef struct eda_printed {
   /* As `w`: how far both sides of each gate's active lie towards HIGH of where
      `w` has them (eda_moves.aside). NULL: not at all. Since 0.5. */
   const int32_t *aside;
+
+  /* What lengths that are not given follow from. Since 0.7. */
+  eda_scanner scanner;
 } eda_printed;
 
 /* What it answers. `vetoes` comes zeroed, `end` with the present biases of the

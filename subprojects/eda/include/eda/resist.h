@@ -3,6 +3,7 @@
 #ifndef EDA_RESIST_H
 #define EDA_RESIST_H
 
+#include <eda/gates.h>
 #include <eda/litho.h>
 
 #ifdef __cplusplus
@@ -17,6 +18,11 @@ typedef struct eda_resist {
   /* Turn the intensity of a layer into its level set, in place: positive where
      the feature prints. The field may get another grid. [any] */
   int (*print)(const void *self, int layer, eda_field *field, opc_error *error);
+
+  /* Before `prepare`: the transistors that will be printed, from which what is
+     not given may follow. They stay until `prepare` returns. NULL: nothing
+     follows from them. Since 0.7. [main] */
+  void (*drawn)(void *self, const eda_gates *gates);
 } eda_resist;
 
 #ifdef __cplusplus

@@ -20,8 +20,9 @@ extern "C" {
 
 /* How to segment. Texts are the caller's. Zeroed: no further layers. */
 typedef struct eda_segment_settings {
-  double grid;               /* nm, > 0: the mask grid */
-  double overhang, line_end; /* nm, >= 0 */
+  double grid; /* nm, > 0: the mask grid */
+  /* nm, >= 0; NAN: of each gate what EDA_SEGMENT_PARAMETERS say. */
+  double overhang, line_end;
   /* Further layers, whose edges are of no transistor: of each two texts, its
      name among the gates and in the layout. */
   const char *const *also;
@@ -119,15 +120,17 @@ OPC_EXPORT double eda_segment_bytes(const eda_layout *layout, int32_t top,
       OPC_PARAMETER(self, grid, .type = OPC_REAL, .flags = OPC_ABOVE,        \
                     .unit = "nm", .preset = "1 nm", .summary = "mask grid"), \
       OPC_PARAMETER(self, overhang, .type = OPC_REAL, .flags = OPC_AT_LEAST, \
-                    .unit = "nm", .preset = "84 nm",                         \
+                    .unit = "nm", .follows = "1.29 gate lengths",            \
                     .summary =                                               \
                         "how far past the active a transistor owns "         \
-                        "the edges of a poly that goes on"),                 \
+                        "the edges of a poly that goes on; at most 1 um, "   \
+                        "if not given"),                                     \
       OPC_PARAMETER(self, line_end, .type = OPC_REAL, .flags = OPC_AT_LEAST, \
-                    .unit = "nm", .preset = "200 nm",                        \
+                    .unit = "nm", .follows = "3.08 gate lengths",            \
                     .summary =                                               \
                         "poly that ends within this distance of the "        \
-                        "active is the transistor's own line end")
+                        "active is the transistor's own line end; at most "  \
+                        "1 um, if not given")
 
 /* Initialiser of settings from these fields: pairs of texts lie one after
    another. */

@@ -38,6 +38,11 @@ typedef struct eda_spice_result {
    than `limit` seconds; with OPC_NO_PLUGIN if the library of ngspice or the
    program that loads it is not installed. Several may run at once. [any]
 
+   `.osdi FILE`, of the deck itself and before what needs it, has a file of
+   compiled models loaded (a shared object of the Open Source Device Interface):
+   code that runs in that program's sandbox. OPC_NO_PLUGIN where the library of
+   ngspice knows none.
+
    Commands are not looked at: nothing that comes from a file may stand in them
    but numbers and names. The simulator can open, write and start nothing
    whatever they say. Names of files in a deck are absolute; what those include

@@ -5,6 +5,7 @@
 #define EDA_SYNTHESIZER_H
 
 #include <eda/gates.h>
+#include <eda/natural.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -29,8 +30,9 @@ typedef struct eda_feedback {
 
   /* Of each layer: edge placement errors of the fragments that the synthesizer
      asked for with `cut`, nm along the outward normal, positive where the print
-     is too large; NAN where there is no edge within 100 nm of the site. NULL
-     for a layer without such fragments. */
+     is too large; NAN where there is no edge within 0.389 wavelength / NA (100
+     nm at 193 nm, NA 0.75) of the site. NULL for a layer without such
+     fragments. */
   const double *const *epe;
 
   /* The line ends of the mask that printed so, and of the next one, as the
@@ -40,6 +42,9 @@ typedef struct eda_feedback {
   /* The level sets of that print, [layers], positive where it prints. NULL
      where there is no print. */
   const eda_field *print;
+
+  /* What lengths that are not given follow from. Since 0.7. */
+  eda_scanner scanner;
 } eda_feedback;
 
 /* The biases of each gate's mask, in grid steps against the drawn one. They

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Values that are not given and follow from something (opc_parameter.follows):
+   a plugin calls opc_follow as soon as it knows from what. */
+#ifndef OPCFLOW_FOLLOW_H
+#define OPCFLOW_FOLLOW_H
+
+#include <opcflow/table.h>
+#include <stdio.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What a parameter's text comes to, in the parameter's unit; NAN leaves it as
+   it is. */
+typedef double opc_follow_value(const void *data, const char *follows);
+
+/* Give the fields of an instance `self` that have no value yet (NAN) theirs.
+   One line at info level says all that were taken: "ID: WHENCE: min_space 55
+   nm,
+   ...". Does nothing a second time. [main] */
+OPC_UNUSED static void opc_follow(const opc_host *host, const char *id,
+                                  void *self, const opc_parameter *parameters,
+                                  size_t n, opc_follow_value *value,
+                                  const void *data, const char *whence) {
+  char said[2048];
+  size_t i, used = 0;
+  said[0] = 0;
+  for (i = 0; i < n; i++) {
+    const opc_parameter *p = &parameters[i];
+    double *field = (double *)(void *)((char *)self + p->offset);
+    if (!p->follows || p->type != OPC_REAL || *field == *field) continue;
+    *field = value(data, p->follows);
+    if (*field != *field || used + 1 >= sizeof said) continue;
+    used += (size_t)snprintf(said + used, sizeof said - used, "%s%s %g %s",
+                             used ? ", " : "", p->name, *field,
+                             p->unit ? p->unit : "");
+  }
+  if (used) host->log(host, OPC_LOG_INFO, "%s: %s: %s", id, whence, said);
+}
+
+/* The table `settings` of a step: what follows from something, with its value,
+   given or not. [main], while a step runs. */
+OPC_UNUSED static int opc_put_followed(const opc_host *host, const void *self,
+                                       const opc_parameter *parameters,
+                                       size_t n, opc_error *error) {
+  typedef struct row {
+    const char *name, *unit, *follows;
+    double value;
+  } row;
+  row *rows = (row *)calloc(n + 1, sizeof *rows);
+  size_t i, count = 0;
+  int code;
+  if (!rows) return OPC_FAILED;
+  for (i = 0; i < n; i++) {
+    const opc_parameter *p = &parameters[i];
+    if (!p->follows) continue;
+    rows[count].name = p->name;
+    rows[count].unit = p->unit;
+    rows[count].follows = p->follows;
+    memcpy(&rows[count++].value, (const char *)self + p->offset,
+           sizeof(double));
+  }
+  {
+    const opc_column columns[] = {
+        {"parameter", NULL, OPC_TEXT, 0, &rows->name},
+        {"value", NULL, OPC_REAL, -1, &rows->value},
+        {"unit", NULL, OPC_TEXT, 0, &rows->unit},
+        {"if_not_given", NULL, OPC_TEXT, 0, &rows->follows}};
+    code = opc_put_rows(host, "settings", 0, count, sizeof *rows,
+                        OPC_ARRAY(columns), error);
+  }
+  free(rows);
+  return code;
+}
+
+#ifdef __cplusplus
+}
+#endif
+#endif
