@@ -374,6 +374,10 @@ static int simulate(const process *p, const gate gates[GATES], int current,
                              G_SPAWN_STDERR_TO_DEV_NULL, NULL, NULL, &text,
                              NULL, NULL, NULL));
   const char *at = text;
+  if (osdi && !strstr(at, ") = ")) {
+    g_test_skip("the command 'ngspice' cannot load compiled models");
+    return 0;
+  }
   for (int k = 0; k < GATES; k++) {
     at = strstr(at, ") = ");
     if (!at) g_error("%s", text);

@@ -34,6 +34,14 @@ static const char *const current_names[QUANTITIES] = {
 enum { SWING = 32 };
 static const double frequency = 1e6; /* Hz */
 
+/* What the currents of a library's circuit are known to, A. Ioff may be 1e-13
+   A, for which junctions have a gmin of 1e-20 S. Sums of what flows in
+   transistors that conduct are rounded, and come no nearer to each other than
+   this; the small signals of a capacitance need no more than the simulator's
+   default. */
+static const double least_current[QUANTITIES] = {
+    [EDA_ION] = 1e-15, [EDA_IOFF] = 1e-19, [CGATE] = 1e-12};
+
 /* Where no other way leads to an operating point, ngspice takes what a
    transient of 10 us comes to, which is none: 2 % off for a long PSP
    transistor. Without that it says that there is none. */
@@ -203,12 +211,9 @@ static char *library_deck(const job *j, size_t first) {
       eda_models_cut(p->models, p->model[j->type], &sizes, p->ends == EXTEND);
   GString *out = g_string_new("device table\n");
   g_string_append(out, models);
-  /* Junctions have a gmin each: at 2 V this one adds 2e-20 A to Ioff, which may
-     be 1e-13 A. Rounded sums of what flows in a transistor that conducts are
-     never as near to each other as Ioff needs them. */
   g_string_append_printf(
       out, ".options temp=%.17g gmin=1e-20 reltol=1e-6 abstol=%g\n",
-      p->temperature, j->current == EDA_IOFF ? 1e-19 : 1e-15);
+      p->temperature, least_current[j->current]);
   g_string_append_printf(out, "vgate gate 0 %.17g ac 1 90\n",
                          sign_of(j) * p->bias[j->current].gate);
   for (size_t i = first; i < p->count; i++)
