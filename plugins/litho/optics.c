@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The scanner of the scalar imaging models. Frequencies are in units of the
+/* The scanner of the imaging models. Frequencies are in units of the
    cutoff, and so are places in the source, as the pupil has the radius 1. */
 #include "optics.h"
 
@@ -122,6 +122,26 @@ static int check_zernike(const optics *o, opc_error *error) {
   return OPC_OK;
 }
 
+/* A ray along a surface has no finite field there. */
+static int check_polarisation(const optics *o, opc_error *error) {
+  if (o->polarisation == OPTICS_SCALAR)
+    return o->resist_index_given
+               ? opc_fail(error, OPC_INVALID, "resist_index",
+                          "'resist_index' means nothing for a 'polarisation' "
+                          "of 'scalar'")
+               : OPC_OK;
+  if (o->na >= o->index)
+    return opc_fail(error, OPC_INVALID, "na",
+                    "'na' of %g is not below the index of the medium, %g, as "
+                    "polarised light needs",
+                    o->na, o->index);
+  if (o->na >= o->resist_index)
+    return opc_fail(error, OPC_INVALID, "resist_index",
+                    "'resist_index' of %g is not above the NA, %g",
+                    o->resist_index, o->na);
+  return OPC_OK;
+}
+
 int optics_check(optics *o, opc_error *error) {
   o->cutoff = o->na / o->wavelength;
   for (int i = 0; i < 2; i++) {
@@ -136,7 +156,8 @@ int optics_check(optics *o, opc_error *error) {
     return opc_fail(error, OPC_INVALID, "na",
                     "'na' of %g is above the index of the medium, %g", o->na,
                     o->index);
-  int code = check_unit(o, error);
+  int code = check_polarisation(o, error);
+  if (!code) code = check_unit(o, error);
   if (!code) code = check_uses(o, error);
   if (!code && o->source == OPTICS_LIST) code = check_points(&o->points, error);
   if (code) return code;
@@ -153,10 +174,11 @@ int optics_check(optics *o, opc_error *error) {
 static const double most_scalar = 0.9;
 
 void optics_warn(const optics *o, const opc_host *host) {
-  if (o->na > most_scalar)
+  if (o->na > most_scalar && o->polarisation == OPTICS_SCALAR)
     host->log(host, OPC_LOG_WARNING,
-              "NA %g: the model of the optics is scalar, and good up to %g; "
-              "beyond, polarisation changes contrast and thresholds",
+              "NA %g: a scalar image is good up to %g; beyond, polarisation "
+              "changes contrast and thresholds: 'polarisation: unpolarised', "
+              "or as the scanner has it, takes it in",
               o->na, most_scalar);
 }
 
@@ -325,6 +347,9 @@ void optics_pupil(const optics *o, double defocus, double fx, double fy,
 }
 
 int optics_is_radial(const optics *o) {
+  if (o->polarisation == OPTICS_POLARISED_X ||
+      o->polarisation == OPTICS_POLARISED_Y)
+    return 0;
   if (o->source != OPTICS_CIRCULAR && o->source != OPTICS_ANNULAR) return 0;
   for (size_t i = 0; i < o->zernike.count; i++) {
     int group, m, sine;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What every scalar imaging model needs to know of the scanner: the source,
-   the pupil and the mask's transmission, with the parameters that declare
-   them. */
+/* What every imaging model needs to know of the scanner: the source, the pupil
+   and the mask's transmission, with the parameters that declare them. */
 #ifndef OPCFLOW_LITHO_OPTICS_H
 #define OPCFLOW_LITHO_OPTICS_H
 
@@ -17,6 +16,18 @@ enum {
   OPTICS_QUADRUPOLE, /* four such disks, on the axes at rotation 0 */
   OPTICS_QUASAR,     /* four sectors of an annulus, `opening` wide */
   OPTICS_LIST        /* points: x1, y1, weight1, x2, ... */
+};
+
+/* What light is taken for: a scalar wave, or a field polarised some way, seen
+   in the pupil (vector.h). */
+enum {
+  OPTICS_SCALAR,
+  OPTICS_UNPOLARISED, /* half along x, half along y, not coherent */
+  OPTICS_POLARISED_X,
+  OPTICS_POLARISED_Y,
+  OPTICS_TANGENTIAL, /* across the direction from the middle to the point of
+                        the source: azimuthal, TE */
+  OPTICS_RADIAL      /* along it: TM */
 };
 
 /* Parameters that some sources have no use for. */
@@ -35,6 +46,9 @@ enum { OPTICS_TERMS = 37 };
 /* Frequencies below are in units of the cutoff NA / wavelength. */
 typedef struct optics {
   double wavelength, na, index; /* nm, 1, 1 */
+  int polarisation;
+  double resist_index; /* of a vector image */
+  int resist_index_given;
   int source;
   double sigma, sigma_in;   /* of the pupil's radius */
   double opening, rotation; /* degrees */
@@ -74,6 +88,17 @@ typedef struct optics {
    .summary = "refractive index of the medium over the wafer: 1 for air, "    \
               "1.44 for water",                                               \
    OPC_FIELD(state, optics.index)},                                           \
+  {.name = "polarisation", .type = OPC_CHOICE, .preset = "scalar",            \
+   .choices = "scalar|unpolarised|x|y|tangential|radial",                     \
+   .summary = "light as a scalar wave, or as a field polarised so in the "    \
+              "pupil: needed above NA 0.9",                                   \
+   OPC_FIELD(state, optics.polarisation)},                                    \
+  {.name = "resist_index", .type = OPC_REAL,                                  \
+   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "1.7", .min = 1, .max = 3,  \
+   .summary = "refractive index of the resist, in which a field's image is "  \
+              "taken; that of the medium: over it",                           \
+   OPC_FIELD(state, optics.resist_index),                                     \
+   .given = offsetof(state, optics.resist_index_given)},                      \
   {.name = "source", .type = OPC_CHOICE, .preset = "circular",                \
    .choices = "circular|annular|dipole|quadrupole|quasar|points",             \
    .summary = "shape of the source", OPC_FIELD(state, optics.source)},        \
@@ -140,12 +165,12 @@ static inline eda_scanner optics_scanner(const optics *o) {
   return (eda_scanner){o->wavelength, o->na};
 }
 
-/* Warn where a scalar model does not hold. */
+/* Warn where a scalar image does not hold. */
 void optics_warn(const optics *o, const opc_host *host);
 
-/* Is everything a radial function: circular or annular source, no Zernike
-   terms but rotationally symmetric ones? And is the pupil real (in focus, no
-   terms at all)? */
+/* Does everything stay as it is when it is turned: circular or annular source,
+   no polarisation along x or y, no Zernike terms but rotationally symmetric
+   ones? And is the pupil real (in focus, no terms at all)? */
 int optics_is_radial(const optics *o);
 int optics_is_real(const optics *o);
 

@@ -240,6 +240,12 @@ static void test_kinds(void) {
   o.defocus = 10;
   g_assert_true(optics_is_radial(&o) && !optics_is_real(&o));
   o = air;
+  for (int p = OPTICS_SCALAR; p <= OPTICS_RADIAL; p++) {
+    o.polarisation = p;
+    g_assert_cmpint(optics_is_radial(&o), ==,
+                    p != OPTICS_POLARISED_X && p != OPTICS_POLARISED_Y);
+  }
+  o = air;
   o.zernike = (opc_reals){spherical, 9};
   g_assert_true(optics_is_radial(&o) && !optics_is_real(&o));
   o.zernike = (opc_reals){coma, 7};

@@ -153,7 +153,7 @@ static resist_drawn guess(const resist_base *r, const char *id,
   eda_natural_text(scanner, whence, sizeof whence);
   r->host->log(r->host, OPC_LOG_WARNING,
                "%s: no anchor is given, and there is no whole layout to take "
-               "one from: %g nm lines at %g nm, %s",
+               "one from: %g nm lines at %g nm, %s; better in numbers",
                id, d.line, d.pitch, whence);
   return d;
 }

@@ -63,6 +63,13 @@ int bench_ports(bench *b, opc_error *error) {
                   found[EDA_PIN_SUPPLY] ? "ground" : "supply");
 }
 
+int bench_drives(const bench *b, opc_error *error) {
+  if (b->inputs && b->outputs) return OPC_OK;
+  return opc_fail(error, OPC_INVALID, "circuit",
+                  "'%s' has no %s among its ports", b->circuit->name,
+                  b->inputs ? "output" : "input");
+}
+
 /* ---- netlists ---- */
 
 char *bench_netlist(const bench *b, const eda_circuit *c, int state, int sizes,

@@ -5,6 +5,7 @@
 
 #include <eda/netlist.h>
 #include <eda/simulator.h>
+#include <glib.h>
 #include <opcflow/step.h>
 #include <stdio.h>
 
@@ -21,8 +22,9 @@ typedef struct bench {
   const char *models[2];      /* files; [1] NULL: the same */
   const char *model[2];
   const char *library, *corner, *osdi; /* in place of `models` */
-  int dlc;                             /* whether DLC is corrected */
-  int sizes;                           /* SIZES_BOTH, SIZES_LENGTH */
+  const char *stand_ins;
+  int dlc;   /* whether DLC is corrected */
+  int sizes; /* SIZES_BOTH, SIZES_LENGTH */
   const char *devices;
   double supply, temperature, load, slew;
   opc_reals edges;
@@ -37,6 +39,7 @@ typedef struct bench {
 
   /* Of a run. */
   eda_pool pool;           /* of most of what follows */
+  eda_circuit own;         /* with other names of models */
   eda_circuit plain;       /* with the nets n0, n1 ... */
   const eda_mask *printed; /* the mask, or `sized` */
   eda_mask sized;          /* sizes.c: the mask, with other sizes */
@@ -60,6 +63,9 @@ int sizes_by_length(bench *b, opc_error *error);
 
 /* Find the ports. */
 int bench_ports(bench *b, opc_error *error);
+
+/* Fails without inputs or without outputs. */
+int bench_drives(const bench *b, opc_error *error);
 
 /* Which sizes are meant: those with the current of the on state, of the off
    state, and the first with the capacitance of the printed area. */
@@ -96,8 +102,13 @@ typedef struct job {
   opc_error error;
 } job;
 
-/* Have `count` things done, `some` to a job and many jobs at once, at each set
-   of sizes that there is. */
+/* Have `count` things done, `some` to a job and many jobs at once, at one set
+   of sizes. */
+int jobs_run_at(bench *b, int state, size_t count, size_t some,
+                void (*work)(job *j), const void *of, opc_error *error);
+
+/* The same at each set of sizes that there is; those before correction may
+   fail. */
 int jobs_run(bench *b, size_t count, size_t some, void (*work)(job *j),
              const void *of, opc_error *error);
 
@@ -110,10 +121,17 @@ char *job_text(job *j, void (*write)(job *j, FILE *out, const void *how),
 void job_simulate(job *j, const char *deck, const char *commands,
                   eda_spice_result *out);
 
-/* For decks: title, cards and options; then the circuit with its supplies,
-   loads and inputs, which are at 0 V. */
-void job_begin(const job *j, FILE *out, double reltol);
+/* Of transients, A: 1e-5 of what switches. In the shortest steps the currents
+   of capacitances, of which each digit of a voltage counts, are no more
+   certain: with 1e-15 A ngspice gave up in 7 of 52 cells of sky130. */
+#define SWITCHING_CURRENT 1e-9
+
+/* For decks: title, cards and options, with the bounds of errors of all, as a
+   share, and of currents, A; then the circuit with its loads; then
+   its supplies and its inputs, which are at 0 V. */
+void job_begin(const job *j, FILE *out, double reltol, double abstol);
 void job_circuit(job *j, FILE *out, int sizes);
+void job_sources(const job *j, FILE *out);
 
 /* ---- patterns.c: what is applied ---- */
 
@@ -144,6 +162,66 @@ typedef struct logic {
 
 int logic_find(bench *b, const patterns *p, logic *out, opc_error *error);
 
+/* ---- states.c: circuits that keep a state ---- */
+
+/* What a change of an input leads to, where that is not known yet; where it is
+   not always the same. */
+#define STATE_UNKNOWN UINT32_MAX
+#define STATE_LOST (UINT32_MAX - 1)
+
+/* A circuit as a machine: in each state one input may change, and another state
+   follows, in which all is at rest. */
+typedef struct machine {
+  size_t watched; /* nets that are looked at: gates' and outputs' */
+  uint32_t *net;
+  size_t states;
+  uint8_t *bit;   /* of state s, input i: [s * inputs + i] */
+  int8_t *level;  /* of state s, net k: [s * watched + k]; -1: neither */
+  uint32_t *next; /* after a change in state s of input i: [s * inputs + i] */
+  double phase;   /* s from one change to the next */
+  size_t leads;   /* changes that lead from all inputs at 0 V, where it wakes */
+  uint32_t *lead; /* up, to the state `first` */
+  uint32_t first;
+} machine;
+
+/* What states there are that there is always a way back to, whatever state the
+   circuit wakes up in; as patterns, with all transitions of one input, and the
+   levels of the outputs. */
+int states_find(bench *b, machine *m, patterns *p, logic *l, opc_error *error);
+
+/* For decks: what is to be looked at. */
+void states_save(const bench *b, const machine *m, FILE *out);
+
+/* The levels at some time. */
+void states_levels(const bench *b, const machine *m, const eda_spice_plot *plot,
+                   double time, int8_t *level);
+
+/* ---- ways.c: through its states ---- */
+
+/* Changes of inputs, one a phase after a first one. */
+typedef struct walk {
+  GArray *input; /* uint32_t */
+  uint32_t at;   /* the state that it has come to */
+} walk;
+
+walk walk_new(const machine *m);
+void walk_clear(walk *w);
+void walk_step(const bench *b, const machine *m, walk *w, uint32_t input);
+/* By the fewest changes; 0 if no way is known. */
+int walk_to(const bench *b, const machine *m, walk *w, uint32_t state);
+/* For decks: the inputs, and the supplies, which rise from 0 V first. */
+void walk_sources(const bench *b, const machine *m, const walk *w, FILE *out);
+/* For commands: the transient. */
+void walk_command(const machine *m, const walk *w, FILE *out);
+
+/* Mark the states that lead to each other and to no others, the first such set
+   on the way from the state in which the circuit woke up. */
+void ways_back(const bench *b, const machine *m, uint8_t *mark);
+
+/* Extend a walk that has not begun by changes that lead to the same state from
+   all that have all inputs at 0; 0 if none are known. */
+int ways_synchronise(const bench *b, const machine *m, walk *w);
+
 /* ---- delays.c: transients ---- */
 
 /* An output that follows a transition. NAN: it did not get there. */
@@ -159,11 +237,18 @@ typedef struct delays {
   uint32_t *first; /* of each flip: its first arrival; flips + 1 */
   size_t count;
   arrival *arrival;
-  double *window; /* of each flip: how long it was simulated */
+  double *window;         /* of each flip: how long it was simulated */
+  const machine *machine; /* NULL: transitions begin at operating points */
 } delays;
 
-int delays_find(bench *b, const patterns *p, const logic *l, delays *out,
-                opc_error *error);
+int delays_find(bench *b, const machine *m, const patterns *p, const logic *l,
+                delays *out, opc_error *error);
+
+/* Measure it in a transient where its input begins to change at one time, and
+   which counts up to another. Returns when the output is there; NAN if it does
+   not get there. */
+double arrival_measure(const bench *b, arrival *a, int state,
+                       const eda_spice_plot *plot, double begin, double end);
 
 /* One transition again: the voltage of an output. */
 typedef struct wave {
@@ -173,6 +258,17 @@ typedef struct wave {
 
 int delays_wave(bench *b, const patterns *p, const delays *d, size_t arrival,
                 int state, wave *out, opc_error *error);
+
+/* The wave of an arrival from a transient, as if its input began to change at
+   bench_start. */
+void wave_keep(bench *b, const arrival *a, const eda_spice_plot *plot,
+               double begin, double end, wave *out);
+
+/* ---- walks.c: transients of circuits that keep a state ---- */
+
+int walks_run(bench *b, const patterns *p, const delays *d, opc_error *error);
+int walks_wave(bench *b, const patterns *p, const delays *d, size_t arrival,
+               int state, wave *out, opc_error *error);
 
 /* ---- cells.c: memory ---- */
 

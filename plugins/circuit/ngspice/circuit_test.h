@@ -14,7 +14,7 @@
 
 /* ---- circuits ---- */
 
-enum { MOST = 16 };
+enum { MOST = 32 };
 
 /* A circuit, one gate for each transistor, and what it prints as. */
 typedef struct made {
@@ -190,6 +190,65 @@ static inline void run(made *m, int with_mask, const char *card,
   opc_error error;
   if (run_on(&m->circuit, with_mask ? &m->mask : NULL, card, rest, &error))
     g_error("%s", error.message);
+}
+
+static inline void refused(made *m, int with_mask, const char *card,
+                           const char *rest, const char *pattern) {
+  opc_error error;
+  if (!run_on(&m->circuit, with_mask ? &m->mask : NULL, card, rest, &error))
+    g_error("'%s' works", rest);
+  g_test_message("%s", error.message);
+  if (!g_pattern_match_simple(pattern, error.message))
+    g_error("'%s' is not '%s'", error.message, pattern);
+}
+
+#define NANGATE_CARDS "models/freepdk45/nom/"
+
+/* A cell of the NanGate library, from its layout and its CDL, as drawn by the
+   FreePDK's cards. Gives its netlist as the subcircuit `cell` with the card of
+   the p-transistor; NULL and a skip without the data. */
+static inline char *run_nangate(const char *name) {
+  g_autofree char *gds = test_data("nangate45/NangateOpenCellLibrary.gds");
+  g_autofree char *cdl = test_data("nangate45/NangateOpenCellLibrary.cdl");
+  g_autofree char *n_card = test_data(NANGATE_CARDS "NMOS_VTL.inc");
+  g_autofree char *p_card = test_data(NANGATE_CARDS "PMOS_VTL.inc");
+  if (!gds || !cdl || !n_card || !p_card || !have_ngspice()) return NULL;
+  opc_error error;
+  void *object[3] = {NULL};
+  opc_module *m[3];
+  static const char *const ids[] = {"read.gds", "segment.transistors",
+                                    "netlist.match"};
+  g_autofree char *layout = g_strdup_printf(
+      "{ file: '%s', top: %s, layers: { poly: 9/0, active: 1/0, contact: "
+      "10/0, nwell: 3/0 } }",
+      gds, name);
+  g_autofree char *netlist = g_strdup_printf("{ file: '%s' }", cdl);
+  const char *maps[] = {layout, "{ grid: 0.5 nm }", netlist};
+  for (int i = 0; i < 3; i++) {
+    m[i] = opc_test_module(ids[i], maps[i], &error);
+    if (!m[i]) g_error("%s", error.message);
+    if (i) opc_test_input(m[i], "layout", object[0]);
+    if (i == 2) opc_test_input(m[i], "gates", object[1]);
+    if (opc_test_run(m[i], &object[i], &error)) g_error("%s", error.message);
+  }
+  g_autofree char *rest = g_strdup_printf(
+      "pmos_models: '%s', nmos: NMOS_VTL, pmos: PMOS_VTL, slew: 20 ps, "
+      "load: 4 fF",
+      p_card);
+  if (run_on(object[2], NULL, n_card, rest, &error))
+    g_error("%s", error.message);
+  for (int i = 2; i >= 0; i--) {
+    opc_test_release(m[i], &object[i]);
+    opc_test_module_free(m[i]);
+  }
+  g_autofree char *text = NULL;
+  g_autofree char *title = g_strdup_printf(".SUBCKT %s ", name);
+  g_assert_true(g_file_get_contents(cdl, &text, NULL, NULL));
+  const char *from = strstr(text, title);
+  g_assert_nonnull(from);
+  from += strlen(title);
+  return g_strdup_printf(".include \"%s\"\n.subckt cell %.*s.ends\n", p_card,
+                         (int)(strstr(from, ".ENDS") - from), from);
 }
 
 /* What the command `ngspice` prints of a deck; NULL and a skip without it. */

@@ -37,8 +37,9 @@ typedef struct transient {
 static void write_deck(job *j, FILE *out, const void *how) {
   const bench *b = j->b;
   (void)how;
-  job_begin(j, out, 1e-4);
+  job_begin(j, out, 1e-4, SWITCHING_CURRENT);
   job_circuit(j, out, SIZE_TIMED);
+  job_sources(j, out);
   for (size_t i = 0; i < b->outputs; i++)
     fprintf(out, ".save v(n%u)\n", b->output[i]);
   fputs(".end\n", out);
@@ -83,9 +84,8 @@ static size_t last_rise(const double *h, size_t before, double level,
 
 /* Of an output that turns back on its way, the last time counts that it goes
    through the middle. Returns when it is over, NAN if it is not. */
-static double measure(const bench *b, arrival *a, int state, const double *t,
-                      const double *h, size_t n) {
-  double middle = bench_start(b) + b->slew / 2;
+static double measure(const bench *b, arrival *a, int state, double middle,
+                      const double *t, const double *h, size_t n) {
   a->delay[state] = a->slope[state] = NAN;
   if (n < 2 || !(h[n - 1] >= b->high)) return NAN;
   size_t half = last_rise(h, n - 1, 0.5, n);
@@ -97,6 +97,31 @@ static double measure(const bench *b, arrival *a, int state, const double *t,
   a->delay[state] = passes(t, h, half, 0.5) - middle;
   a->slope[state] = end - passes(t, h, low, b->low);
   return end;
+}
+
+/* The part of an output's vector from the slew before `begin` to `end`. */
+static size_t part_of(const bench *b, const arrival *a,
+                      const eda_spice_plot *plot, double begin, double end,
+                      const double **time, const double **value) {
+  char name[32];
+  snprintf(name, sizeof name, "v(n%u)", b->output[a->output]);
+  const eda_spice_vector *t = eda_spice_vector_find(plot, "time");
+  const eda_spice_vector *v = eda_spice_vector_find(plot, name);
+  size_t from = 0, to = t && v && v->count == t->count ? t->count : 0;
+  while (from < to && t->value[from] < begin - b->slew) from++;
+  while (to > from && t->value[to - 1] > end) to--;
+  *time = to > from ? t->value + from : NULL;
+  *value = to > from ? v->value + from : NULL;
+  return to - from;
+}
+
+double arrival_measure(const bench *b, arrival *a, int state,
+                       const eda_spice_plot *plot, double begin, double end) {
+  const double *t, *v;
+  size_t n = part_of(b, a, plot, begin, end, &t, &v);
+  g_autofree double *h = g_new(double, n);
+  for (size_t i = 0; i < n; i++) h[i] = height(b, a, v[i]);
+  return measure(b, a, state, begin + b->slew / 2, t, h, n);
 }
 
 /* What became of all arrivals of a process. */
@@ -111,19 +136,9 @@ static outcome measure_all(const job *j, const eda_spice_result *r) {
   outcome all = {0, 0};
   for (size_t k = j->from; k < j->to; k++)
     for (uint32_t i = d->first[k]; i < d->first[k + 1]; i++) {
-      arrival *a = &d->arrival[i];
-      const eda_spice_plot *plot = &r->plot[k - j->from];
-      node_name node;
-      char name[32];
-      snprintf(name, sizeof name, "v(%s)",
-               bench_node(b, b->output[a->output], node));
-      const eda_spice_vector *t = eda_spice_vector_find(plot, "time");
-      const eda_spice_vector *v = eda_spice_vector_find(plot, name);
-      size_t n = t && v && v->count == t->count ? t->count : 0;
-      double *h = eda_alloc(n, sizeof *h);
-      for (size_t m = 0; m < n; m++) h[m] = height(b, a, v->value[m]);
-      double end = measure(b, a, j->state, t ? t->value : NULL, h, n);
-      free(h);
+      double end =
+          arrival_measure(b, &d->arrival[i], j->state, &r->plot[k - j->from],
+                          bench_start(b), INFINITY);
       if (isnan(end)) all.missing++;
       if (end > all.last) all.last = end;
     }
@@ -227,29 +242,27 @@ static void warn_of_outputs(const bench *b, const patterns *p, const logic *l,
   }
 }
 
-int delays_find(bench *b, const patterns *p, const logic *l, delays *out,
-                opc_error *error) {
+int delays_find(bench *b, const machine *m, const patterns *p, const logic *l,
+                delays *out, opc_error *error) {
   const study s = {p, out};
-  *out = (delays){0};
+  *out = (delays){.machine = m};
   list_arrivals(b, p, l, out);
   warn_of_outputs(b, p, l, out);
+  if (m) return walks_run(b, p, out, error);
   return jobs_run(b, out->flips, CHUNK, run_job, &s, error);
 }
 
 /* ---- for the picture ---- */
 
-static void keep_wave(bench *b, const arrival *a, const eda_spice_plot *plot,
-                      wave *out) {
-  char name[32];
-  snprintf(name, sizeof name, "v(n%u)", b->output[a->output]);
-  const eda_spice_vector *t = eda_spice_vector_find(plot, "time");
-  const eda_spice_vector *v = eda_spice_vector_find(plot, name);
-  out->count = t && v && t->count == v->count ? t->count : 0;
+void wave_keep(bench *b, const arrival *a, const eda_spice_plot *plot,
+               double begin, double end, wave *out) {
+  const double *t, *v;
+  out->count = part_of(b, a, plot, begin, end, &t, &v);
   out->time = eda_pool_alloc(&b->pool, out->count, sizeof(double));
   out->value = eda_pool_alloc(&b->pool, out->count, sizeof(double));
   for (size_t i = 0; i < out->count; i++) {
-    out->time[i] = t->value[i];
-    out->value[i] = v->value[i];
+    out->time[i] = t[i] - begin + bench_start(b);
+    out->value[i] = v[i];
   }
 }
 
@@ -262,10 +275,12 @@ int delays_wave(bench *b, const patterns *p, const delays *d, size_t index,
       .b = b, .of = &s, .state = state, .from = a->flip, .to = a->flip + 1};
   eda_spice_result r;
   *out = (wave){0};
+  if (d->machine) return walks_wave(b, p, d, index, state, out, error);
   g_autofree char *deck = job_text(&j, write_deck, NULL);
   g_autofree char *commands = job_text(&j, write_commands, &how);
   job_simulate(&j, deck, commands, &r);
-  if (!j.code && r.count) keep_wave(b, a, &r.plot[0], out);
+  if (!j.code && r.count)
+    wave_keep(b, a, &r.plot[0], bench_start(b), INFINITY, out);
   eda_spice_clear(&r);
   if (j.code) *error = j.error;
   return j.code;

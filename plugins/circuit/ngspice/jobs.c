@@ -8,16 +8,16 @@
 
 /* Charges here are of fF and mV: of the simulator's own bounds for them, 1 uV
    and 1e-14 C, the second would see none. */
-void job_begin(const job *j, FILE *out, double reltol) {
+void job_begin(const job *j, FILE *out, double reltol, double abstol) {
   const bench *b = j->b;
   fputs("circuit.ngspice\n", out);
   for (int i = 0; i < 2; i++)
     if (b->cards[i]) fprintf(out, ".include \"%s\"\n", b->cards[i]);
   if (b->statements) fputs(b->statements, out);
   fprintf(out,
-          ".options temp=%.17g gmin=1e-15 reltol=%g abstol=1e-15 "
+          ".options temp=%.17g gmin=1e-15 reltol=%g abstol=%g "
           "chgtol=1e-19\n",
-          b->temperature, reltol);
+          b->temperature, reltol, abstol);
 }
 
 void job_circuit(job *j, FILE *out, int sizes) {
@@ -34,14 +34,19 @@ void job_circuit(job *j, FILE *out, int sizes) {
   for (size_t i = 0; i < c->ports; i++)
     fprintf(out, "\n+ %s", bench_node(b, c->port[i], node));
   fprintf(out, "\n+ %s\n", c->name);
+  for (size_t i = 0; i < b->outputs; i++)
+    if (b->load > 0)
+      fprintf(out, "cl%zu n%u 0 %.17g\n", i, b->output[i], b->load);
+}
+
+void job_sources(const job *j, FILE *out) {
+  const bench *b = j->b;
+  const eda_circuit *c = b->circuit;
   for (size_t i = 0; i < c->ports; i++)
     if (c->role[i] == EDA_PIN_SUPPLY)
       fprintf(out, "vs%zu n%u 0 dc %.17g\n", i, c->port[i], b->supply);
   for (size_t i = 0; i < b->inputs; i++)
     fprintf(out, "vi%zu n%u 0 dc 0\n", i, b->input[i]);
-  for (size_t i = 0; i < b->outputs; i++)
-    if (b->load > 0)
-      fprintf(out, "cl%zu n%u 0 %.17g\n", i, b->output[i], b->load);
 }
 
 /* ---- one job ---- */
@@ -78,25 +83,32 @@ static void work_on(void *data, size_t index) {
   all->work(&all->job[index]);
 }
 
+int jobs_run_at(bench *b, int state, size_t count, size_t some,
+                void (*work)(job *j), const void *of, opc_error *error) {
+  size_t n = (count + some - 1) / some;
+  jobs all = {work, g_new0(job, n)};
+  int code = OPC_OK;
+  for (size_t i = 0; i < n; i++)
+    all.job[i] = (job){.b = b,
+                       .of = of,
+                       .state = state,
+                       .from = i * some,
+                       .to = i + 1 < n ? (i + 1) * some : count};
+  opc_parallel(b->host->context, n, work_on, &all);
+  for (size_t i = 0; i < n && !code; i++) {
+    code = all.job[i].code;
+    if (code) *error = all.job[i].error;
+  }
+  g_free(all.job);
+  return code;
+}
+
 int jobs_run(bench *b, size_t count, size_t some, void (*work)(job *j),
              const void *of, opc_error *error) {
-  size_t n = (count + some - 1) / some;
-  jobs all = {work, eda_pool_alloc(&b->pool, n, sizeof(job))};
   for (int state = 0; state < EDA_STATES; state++) {
     if (!b->has[state]) continue;
-    for (size_t i = 0; i < n; i++)
-      all.job[i] = (job){.b = b,
-                         .of = of,
-                         .state = state,
-                         .from = i * some,
-                         .to = i + 1 < n ? (i + 1) * some : count};
-    opc_parallel(b->host->context, n, work_on, &all);
-    for (size_t i = 0; i < n; i++) {
-      const job *j = &all.job[i];
-      if (!j->code || !bench_forgive(b, state, j->code, &j->error)) continue;
-      *error = j->error;
-      return error->code;
-    }
+    int code = jobs_run_at(b, state, count, some, work, of, error);
+    if (code && bench_forgive(b, state, code, error)) return code;
   }
   return OPC_OK;
 }

@@ -39,8 +39,9 @@ static void write_deck(job *j, FILE *out, const void *how) {
   const bench *b = j->b;
   const eda_circuit *c = b->circuit;
   (void)how;
-  job_begin(j, out, 1e-5);
+  job_begin(j, out, 1e-5, 1e-15);
   job_circuit(j, out, SIZE_OFF);
+  job_sources(j, out);
   for (size_t i = 0; i < c->ports; i++)
     if (c->role[i] == EDA_PIN_SUPPLY) fprintf(out, ".save i(vs%zu)\n", i);
   for (size_t i = 0; i < b->inputs; i++) fprintf(out, ".save i(vi%zu)\n", i);

@@ -188,7 +188,7 @@ static void put_cell(job *j, FILE *out, size_t k) {
 
 static void write_deck(job *j, FILE *out, const void *how) {
   (void)how;
-  job_begin(j, out, 1e-5);
+  job_begin(j, out, 1e-5, 1e-15);
   for (size_t k = j->from; k < j->to && !j->code; k++) put_cell(j, out, k);
   fprintf(out, "vdd vdd 0 dc %.17g\nvin in 0 dc 0\n.end\n", j->b->supply);
 }

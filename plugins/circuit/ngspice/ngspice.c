@@ -71,6 +71,33 @@ static int check_names(bench *b, const eda_models *l, const char *names,
   return OPC_OK;
 }
 
+/* Rename the models that the library lacks to those that stand in for them. */
+static int put_stand_ins(bench *b, const eda_models *l, opc_error *error) {
+  g_auto(GStrv) pair = g_strsplit(b->stand_ins, " ", -1);
+  const size_t count = b->circuit->count;
+  eda_device *device = eda_pool_alloc(&b->pool, count, sizeof *device);
+  for (size_t i = 0; i < count; i++) device[i] = b->circuit->device[i];
+  for (char **p = pair; *p; p += 2) {
+    size_t n = 0;
+    if (!p[1])
+      return opc_fail(error, OPC_INVALID, "stand_ins",
+                      "'%s' has none that stands in for it", *p);
+    const char *name = eda_pool_text(&b->pool, p[1], strlen(p[1]));
+    for (size_t i = 0; i < count && !eda_models_kind(l, *p); i++) {
+      if (!device[i].model || !eda_same_name(device[i].model, *p)) continue;
+      device[i].model = name;
+      n++;
+    }
+    if (n)
+      b->host->log(b->host, OPC_LOG_INFO,
+                   "'%s' stands in for '%s' in %zu transistors", p[1], *p, n);
+  }
+  b->own = *b->circuit;
+  b->own.device = device;
+  b->circuit = &b->own;
+  return OPC_OK;
+}
+
 /* Of a foundry's library what the circuit's sizes need; printed ones are about
    as drawn, and shorter than the shortest bin as often as longer. */
 static int read_library(bench *b, opc_error *error) {
@@ -85,8 +112,9 @@ static int read_library(bench *b, opc_error *error) {
   }
   eda_models *l = eda_models_read(b->library, b->corner, b->osdi, error);
   if (!l) return error->code;
+  int code = b->stand_ins ? put_stand_ins(b, l, error) : OPC_OK;
   g_autofree char *all = names_of_models(b);
-  int code = check_names(b, l, all, error);
+  if (!code) code = check_names(b, l, all, error);
   b->unit = eda_models_unit(l);
   if (!code) b->statements = eda_models_cut(l, all, &sizes, 1);
   eda_models_free(l);
@@ -147,16 +175,18 @@ static const char *picture_path(const bench *b, opc_error *error) {
 
 /* ---- work: logic ---- */
 
+static int finish_delays(bench *b, const machine *m, const patterns *p,
+                         const logic *l, opc_error *error) {
+  delays d;
+  if (delays_find(b, m, p, l, &d, error) || tell_delays(b, p, &d, error))
+    return error->code;
+  const char *path = picture_path(b, error);
+  return path ? draw_delays(b, p, &d, path, error) : error->code;
+}
+
 static int run_logic(bench *b, opc_error *error) {
   patterns p;
   logic l;
-  delays d;
-  int64_t loop = feedback_find(b);
-  if (loop >= 0)
-    return opc_fail(error, OPC_INVALID, "circuit",
-                    "'%s' keeps a state: its net '%s' is on a loop; "
-                    "delays and leakage are of circuits without",
-                    b->circuit->name, b->circuit->net[loop]);
   if (patterns_make(b, &p, error)) return error->code;
   if (p.sampled)
     b->host->log(b->host, OPC_LOG_INFO,
@@ -166,11 +196,23 @@ static int run_logic(bench *b, opc_error *error) {
   if (logic_find(b, &p, &l, error)) return error->code;
   if (b->measure != DELAYS && tell_leakage(b, &p, &l, error))
     return error->code;
-  if (b->measure == LEAKAGE) return OPC_OK;
-  if (delays_find(b, &p, &l, &d, error) || tell_delays(b, &p, &d, error))
+  return b->measure == LEAKAGE ? OPC_OK : finish_delays(b, NULL, &p, &l, error);
+}
+
+/* Of a circuit that keeps a state on that net. */
+static int run_states(bench *b, const char *net, opc_error *error) {
+  machine m;
+  patterns p;
+  logic l;
+  if (b->measure == LEAKAGE || b->several)
+    return opc_fail(error, OPC_INVALID, "circuit",
+                    "'%s' keeps a state: its net '%s' is on a loop; %s",
+                    b->circuit->name, net,
+                    b->several ? "its inputs change one at a time"
+                               : "leakage is of circuits without");
+  if (bench_drives(b, error) || states_find(b, &m, &p, &l, error))
     return error->code;
-  const char *path = picture_path(b, error);
-  return path ? draw_delays(b, &p, &d, path, error) : error->code;
+  return finish_delays(b, &m, &p, &l, error);
 }
 
 /* ---- work: memory ---- */
@@ -223,7 +265,9 @@ static int run(void *self, void **outputs, opc_error *error) {
     return error->code;
   if (b->measure == SNM || (b->measure == AUTO && is_memory(cells, count)))
     return run_margins(b, cells, count, error);
-  return run_logic(b, error);
+  int64_t loop = feedback_find(b);
+  return loop < 0 ? run_logic(b, error)
+                  : run_states(b, b->circuit->net[loop], error);
 }
 
 static void clear(void *self) {
@@ -260,6 +304,10 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER_NAMED("pmos", bench, model[EDA_PMOS], .type = OPC_TEXT,
                         .summary = "name of the p-transistor's model; if not "
                                    "given, as of n"),
+    OPC_PARAMETER(bench, stand_ins, .type = OPC_TEXT,
+                  .summary = "names of the netlist's models in pairs, with "
+                             "blanks between: one that `library` may lack, and "
+                             "the one that stands in for it"),
     OPC_PARAMETER(bench, dlc, .type = OPC_BOOL, .preset = "true",
                   .summary = "gate capacitances are those of the printed area"),
     OPC_PARAMETER(
@@ -338,7 +386,8 @@ static const opc_parameter parameters[] = {
 
 static const opc_metric metrics[] = {
     FIGURE("transitions", NULL, "input transitions that an output follows"),
-    {"unmeasured", NULL, OPC_LOWER, 0, "outputs that did not get there"},
+    {"unmeasured", NULL, OPC_LOWER, 0,
+     "outputs that did not get there, as drawn or corrected"},
     FIGURE("tr", "ps", "mean rise time as drawn"),
     FIGURE("tf", "ps", "mean fall time as drawn"),
     FIGURE("tplh", "ps", "mean delay of rising outputs as drawn"),

@@ -160,47 +160,9 @@ static void test_delays(void) {
 
 /* NAND2_X1 of the NanGate library, from its layout and its CDL. */
 static void test_nangate(void) {
-  g_autofree char *gds = test_data("nangate45/NangateOpenCellLibrary.gds");
-  g_autofree char *cdl = test_data("nangate45/NangateOpenCellLibrary.cdl");
-  g_autofree char *n_card = test_data("models/freepdk45/nom/NMOS_VTL.inc");
-  g_autofree char *p_card = test_data("models/freepdk45/nom/PMOS_VTL.inc");
-  if (!gds || !cdl || !n_card || !p_card || !have_ngspice()) return;
-  opc_error error;
-  void *object[3] = {NULL};
-  opc_module *m[3];
-  static const char *const ids[] = {"read.gds", "segment.transistors",
-                                    "netlist.match"};
-  g_autofree char *layout = g_strdup_printf(
-      "{ file: '%s', top: NAND2_X1, layers: { poly: 9/0, active: 1/0, contact: "
-      "10/0, nwell: 3/0 } }",
-      gds);
-  g_autofree char *netlist = g_strdup_printf("{ file: '%s' }", cdl);
-  const char *maps[] = {layout, "{ grid: 0.5 nm }", netlist};
-  for (int i = 0; i < 3; i++) {
-    m[i] = opc_test_module(ids[i], maps[i], &error);
-    if (!m[i]) g_error("%s", error.message);
-    if (i) opc_test_input(m[i], "layout", object[0]);
-    if (i == 2) opc_test_input(m[i], "gates", object[1]);
-    if (opc_test_run(m[i], &object[i], &error)) g_error("%s", error.message);
-  }
-  g_autofree char *rest = g_strdup_printf(
-      "pmos_models: '%s', nmos: NMOS_VTL, pmos: PMOS_VTL, slew: 20 ps, "
-      "load: 4 fF",
-      p_card);
-  if (run_on(object[2], NULL, n_card, rest, &error))
-    g_error("%s", error.message);
-  for (int i = 2; i >= 0; i--) {
-    opc_test_release(m[i], &object[i]);
-    opc_test_module_free(m[i]);
-  }
-  g_autofree char *text = NULL;
-  g_assert_true(g_file_get_contents(cdl, &text, NULL, NULL));
-  const char *from = strstr(text, ".SUBCKT NAND2_X1 ");
-  g_assert_nonnull(from);
-  g_autofree char *cell =
-      g_strdup_printf(".include \"%s\"\n.subckt cell %.*s.ends\n", p_card,
-                      (int)(strstr(from, ".ENDS") - from) - 17, from + 17);
-  g_autofree char *hand = four_by_hand(n_card, cell);
+  g_autofree char *n_card = test_data(NANGATE_CARDS "NMOS_VTL.inc");
+  g_autofree char *cell = run_nangate("NAND2_X1");
+  g_autofree char *hand = cell ? four_by_hand(n_card, cell) : NULL;
   if (hand) compare_four(hand, "drawn");
 }
 
@@ -423,16 +385,16 @@ static void test_library(void) {
   g_assert_cmpfloat(worst, >, 1);
   g_assert_cmpfloat_with_epsilon(opc_test_metric("tp"), tp, 1e-5 * tp);
   g_assert_cmpfloat_with_epsilon(opc_test_metric("tp_worst"), worst, 1e-3);
-}
-
-static void refused(made *m, int with_mask, const char *card, const char *rest,
-                    const char *pattern) {
-  opc_error error;
-  if (!run_on(&m->circuit, with_mask ? &m->mask : NULL, card, rest, &error))
-    g_error("'%s' works", rest);
-  g_test_message("%s", error.message);
-  if (!g_pattern_match_simple(pattern, error.message))
-    g_error("'%s' is not '%s'", error.message, pattern);
+  /* A model that the library lacks. */
+  m->device[0].model = "other_nfet";
+  refused(m, 0, path, "corner: tt, pmos: pfet", "*has no 'other_nfet'*");
+  refused(m, 0, path, "corner: tt, pmos: pfet, stand_ins: other_nfet",
+          "'other_nfet' has none that stands in for it");
+  run(m, 1, path,
+      "load: 4 fF, measure: delays, corner: tt, pmos: pfet, stand_ins: "
+      "other_nfet nfet");
+  g_assert_nonnull(strstr(opc_test_log(), "stands in for 'other_nfet' in 1 "));
+  g_assert_cmpfloat_with_epsilon(opc_test_metric("tp_worst"), worst, 1e-3);
 }
 
 static void test_refused(void) {
@@ -458,7 +420,9 @@ static void test_refused(void) {
   m->role[2] = EDA_PIN_INPUT;
   refused(m, 0, card, "measure: auto", "'made' has no supply among its ports");
   g_autoptr(made) latch = make(MEMORY_PORTS, MEMORY);
-  refused(latch, 0, card, "measure: delays", "*keeps a state: its net 'QB'*");
+  refused(latch, 0, card, "measure: leakage", "*keeps a state: its net 'QB'*");
+  refused(latch, 0, card, "measure: delays, transitions: several",
+          "*keeps a state*its inputs change one at a time");
   refused(latch, 0, card, "cell: WL", "'WL' is no storage node of 'made'");
 }
 

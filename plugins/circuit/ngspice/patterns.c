@@ -63,10 +63,7 @@ static void draw_pairs(const bench *b, patterns *p) {
 int patterns_make(bench *b, patterns *p, opc_error *error) {
   const size_t inputs = b->inputs, most = (size_t)b->most;
   *p = (patterns){0};
-  if (!b->inputs || !b->outputs)
-    return opc_fail(error, OPC_INVALID, "circuit",
-                    "'%s' has no %s among its ports", b->circuit->name,
-                    b->inputs ? "output" : "input");
+  if (bench_drives(b, error)) return error->code;
   int listed = inputs < 32 && (size_t)1 << inputs <= most;
   p->count = listed ? (size_t)1 << inputs : 2 * most;
   p->bit = eda_pool_alloc(&b->pool, p->count * inputs, 1);

@@ -192,15 +192,18 @@ static int tell_arrivals(bench *b, const patterns *p, const delays *d,
 
 int tell_delays(bench *b, const patterns *p, const delays *d,
                 opc_error *error) {
-  size_t missing = 0, early = 0;
+  size_t missing = 0, before = 0, early = 0;
   for (size_t i = 0; i < d->count; i++) {
     const arrival *a = &d->arrival[i];
-    int lost = 0;
-    for (int s = 0; s < EDA_STATES; s++)
-      if (b->has[s] && isnan(a->delay[s])) lost = 1;
-    missing += (size_t)lost;
+    missing += isnan(a->delay[EDA_DRAWN]) ||
+               (b->has[EDA_AFTER] && isnan(a->delay[EDA_AFTER]));
+    before += b->has[EDA_BEFORE] && isnan(a->delay[EDA_BEFORE]);
     early += a->delay[0] <= 0;
   }
+  if (before)
+    b->host->log(b->host, OPC_LOG_WARNING,
+                 "before correction %zu of %zu outputs do not get there",
+                 before, d->count);
   if (missing)
     b->host->log(b->host, OPC_LOG_WARNING,
                  "%zu of %zu outputs did not get there and are left out",

@@ -113,9 +113,44 @@ static void test_unit(void) {
   g_assert_nonnull(strstr(error.message, "as '[1 %, ...]'"));
 }
 
+/* What is not given at 248 nm, NA 0.7, where wavelength / NA is 354.3
+   nm: 11.658, 0.155 and 0.078 of it. What is given stays, also the number of
+   another wavelength; what is not asked for has no length. */
+static void test_follows(void) {
+  g_autofree char *devices = source("data/devices/ptm65.yaml");
+  static const struct {
+    const char *given, *said[3], *silent;
+  } cases[] = {
+      {"",
+       {"margin 4130 nm", "min_space 55 nm", "min_edge 28 nm"},
+       "assist_width"},
+      {"min_space: 40 nm, fine: off, ",
+       {"margin 1377 nm", "min_mask_width 55 nm", "min_edge 28 nm"},
+       "min_space"},
+      {"assist: 1, margin: 3 um, ",
+       {"assist_width 55 nm", "assist_distance 248 nm", "min_space 55 nm"},
+       "margin"}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_autofree char *mapping = g_strdup_printf(
+        "{ %slitho: { use: litho.hopkins, wavelength: 248 nm, na: 0.7 }, "
+        "resist: { use: resist.threshold }, extractor: { use: "
+        "extractor.plain, devices: '%s' }, synthesizer: { use: "
+        "synthesizer.newton } }",
+        cases[i].given, devices);
+    opc_test_forget();
+    opc_module *m = make("correct", mapping);
+    for (int k = 0; k < 3; k++)
+      if (!strstr(opc_test_log(), cases[i].said[k]))
+        g_error("'%s' is not in: %s", cases[i].said[k], opc_test_log());
+    g_assert_null(strstr(opc_test_log(), cases[i].silent));
+    opc_test_module_free(m);
+  }
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/through/one", test_one);
   g_test_add_func("/through/unit", test_unit);
+  g_test_add_func("/through/follows", test_follows);
   return g_test_run();
 }

@@ -154,7 +154,7 @@ static void put_texts(const drawer *d, const view *v, size_t place) {
       g_strdup_printf("%c  %s:%u", (char)('A' + (int)place), where,
                       g->number ? (unsigned)g->number[i] : (unsigned)i + 1);
   g_autofree char *before =
-      g_strdup_printf("Ion as drawn %+.2f %%; %.4g nm",
+      g_strdup_printf("Ion as drawn %+.2f %%; %.6g nm",
                       drawer_deviation(d, &d->mask->before, i), side_of(d, i));
   g_autofree char *after =
       drawer_fails(d, i)

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* litho.abbe: scalar partially coherent imaging after Abbe: each point s of
-   the source makes a coherent image of its own, through the pupil P(f + s),
-   and the intensities are added (M. Born, E. Wolf, Principles of Optics,
-   10.6.2). Nothing is decomposed or cut off; the source's points are the only
-   approximation. */
+/* litho.abbe: partially coherent imaging after Abbe: each point s of the source
+   makes a coherent image of its own, through the pupil P(f + s), and the
+   intensities are added (M. Born, E. Wolf, Principles of Optics, 10.6.2); those
+   of polarised light are added for each component of the field, too. Nothing is
+   decomposed or cut off; the source's points are the only approximation. */
 #include <eda/litho.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "../optics.h"
+#include "../vector.h"
 #include "transform.h"
 
 /* ---- state ---- */
@@ -21,9 +22,9 @@ typedef struct abbe {
   int64_t points_across;
   int points_across_given;
   double *point; /* x, y and weight of each */
-  double *weight;
-  size_t count;
-  int paired; /* the last half of the points are the others, turned round */
+  size_t count, parts;
+  double *weight; /* of part k of point i at parts * i + k */
+  int paired;     /* the last half of the points are the others, turned round */
   double *twice;
 } abbe;
 
@@ -33,7 +34,7 @@ static const double coarsest = 32; /* grid of an image, nm */
 typedef struct view {
   const abbe *model;
   double defocus;
-  size_t first; /* point that is used */
+  size_t first; /* part that is used */
   int real;     /* the pupil has no phases */
 } view;
 
@@ -70,16 +71,19 @@ static int prepare(void *self, opc_error *error) {
   if (!a->point)
     return opc_fail(error, OPC_INVALID, "points_across",
                     "the source is too thin for its points");
-  a->weight = eda_alloc(a->count, sizeof *a->weight);
-  a->twice = eda_alloc(a->count, sizeof *a->twice);
-  for (size_t i = 0; i < a->count; i++) {
-    a->weight[i] = a->point[3 * i + 2];
+  vector_normalise(&a->optics, a->point, a->count);
+  a->parts = vector_parts(&a->optics);
+  size_t n = a->count * a->parts;
+  a->weight = eda_alloc(n, sizeof *a->weight);
+  a->twice = eda_alloc(n, sizeof *a->twice);
+  for (size_t i = 0; i < n; i++) {
+    a->weight[i] = a->point[3 * (i / a->parts) + 2];
     a->twice[i] = 2 * a->weight[i];
   }
   a->paired = are_paired(a->point, a->count);
   optics_warn(&a->optics, a->host);
-  a->host->log(a->host, OPC_LOG_DEBUG, "litho.abbe: %zu source points",
-               a->count);
+  a->host->log(a->host, OPC_LOG_DEBUG, "litho.abbe: %zu source points%s",
+               a->count, a->paired ? " in opposite pairs" : "");
   return OPC_OK;
 }
 
@@ -111,21 +115,37 @@ static void transfer_chord(const view *v, const double *point, const double *fx,
   }
 }
 
-static void transfer(const void *self, size_t s, const double *fx, double fy,
-                     size_t n, float *out) {
-  const view *v = self;
+/* Any other pupil. */
+static void transfer_phases(const view *v, const double *point,
+                            const double *fx, double fy, size_t n, float *out) {
   const optics *o = &v->model->optics;
-  const double *point = v->model->point + 3 * (v->first + s);
-  if (v->real) {
-    transfer_chord(v, point, fx, fy, n, out);
-    return;
-  }
   for (size_t i = 0; i < n; i++) {
     double re, im;
     optics_pupil(o, v->defocus, fx[i] / o->cutoff + point[0],
                  fy / o->cutoff + point[1], &re, &im);
     out[2 * i] = (float)re;
     out[2 * i + 1] = (float)im;
+  }
+}
+
+static void transfer(const void *self, size_t s, const double *fx, double fy,
+                     size_t n, float *out) {
+  const view *v = self;
+  const optics *o = &v->model->optics;
+  size_t part = (v->first + s) % v->model->parts;
+  const double *point =
+      v->model->point + 3 * ((v->first + s) / v->model->parts);
+  if (v->real)
+    transfer_chord(v, point, fx, fy, n, out);
+  else
+    transfer_phases(v, point, fx, fy, n, out);
+  for (size_t i = 0; i < n && v->model->parts > 1; i++) {
+    double factor[VECTOR_PARTS];
+    if (out[2 * i] == 0 && out[2 * i + 1] == 0) continue;
+    vector_factors(o, point, fx[i] / o->cutoff + point[0],
+                   fy / o->cutoff + point[1], factor);
+    out[2 * i] *= (float)factor[part];
+    out[2 * i + 1] *= (float)factor[part];
   }
 }
 
@@ -156,9 +176,9 @@ static int image_at(const void *self, int layer, const eda_spectrum *mask,
   double *sum = NULL;
   int code = OPC_OK;
   memset(out, 0, sizeof *out);
-  for (v.first = half ? a->count / 2 : 0; v.first < a->count && !code;
-       v.first += BATCH) {
-    size_t left = a->count - v.first;
+  size_t all = a->count * a->parts;
+  for (v.first = half ? all / 2 : 0; v.first < all && !code; v.first += BATCH) {
+    size_t left = all - v.first;
     eda_systems systems = {.count = left < BATCH ? left : BATCH,
                            .weight = weight + v.first,
                            .band = band(a),

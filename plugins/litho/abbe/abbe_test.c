@@ -301,6 +301,40 @@ static void test_points_add(void) {
   eda_field_clear(&f);
 }
 
+/* Points that are opposite to each other count by their own weights, those that
+   are not, by themselves; and opposite ones image alike in focus only. */
+static void test_opposite(void) {
+  static const struct {
+    const char *points;
+    double left, right, middle; /* weights of light from there */
+    const char *told;
+  } cases[] = {
+      {"0.6, 0, 1, -0.6, 0, 1", 0.5, 0.5, 0, "2 source points in opp"},
+      {"0.6, 0, 1, -0.6, 0, 3", 0.75, 0.25, 0, "2 source points\n"},
+      {"0.6, 0, 1, 0, 0, 2, -0.6, 0, 1", 0.25, 0.25, 0.5, "3 source points\n"},
+      {"0.6, 0, 1, -0.05, 0, 1", 0, 0.5, 0.5, "2 source points\n"}};
+  static const double pitch = 300, width = 110;
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++)
+    for (int defocus = 0; defocus <= 120; defocus += 120) {
+      if (defocus && cases[i].middle > 0) continue;
+      g_autofree char *p =
+          g_strdup_printf("{ source: points, points: [%s] }", cases[i].points);
+      double waves[2], sine[] = {0.6 * 0.75 - 193 / pitch, 0.6 * 0.75};
+      for (int k = 0; k < 2; k++)
+        waves[k] = defocus / 193.0 * (sqrt(1 - sine[k] * sine[k]) - 1);
+      opc_test_forget();
+      eda_field f = grating(p, defocus, width, pitch);
+      g_assert_nonnull(strstr(opc_test_log(), cases[i].told));
+      for (double x = -pitch / 2; x < pitch / 2; x += 11) {
+        double want = cases[i].right * beams(-1, 0, waves, x, width, pitch) +
+                      cases[i].left * beams(-1, 0, waves, -x, width, pitch) +
+                      cases[i].middle * beams(-1, 1, NULL, x, width, pitch);
+        g_assert_cmpfloat(fabs(value_at(&f, x, 7) - want), <, 3e-5);
+      }
+      eda_field_clear(&f);
+    }
+}
+
 /* ---- disks ---- */
 
 /* The area common to two disks at a distance d. */
@@ -559,6 +593,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/abbe/immersion", test_immersion);
   g_test_add_func("/abbe/aberrations", test_aberrations);
   g_test_add_func("/abbe/points-add", test_points_add);
+  g_test_add_func("/abbe/opposite", test_opposite);
   g_test_add_func("/abbe/disk", test_disk);
   g_test_add_func("/abbe/edge", test_edge);
   g_test_add_func("/abbe/clear-field", test_clear);

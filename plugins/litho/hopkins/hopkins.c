@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* litho.hopkins: scalar partially coherent imaging by Hopkins' transmission
+/* litho.hopkins: partially coherent imaging by Hopkins' transmission
    cross coefficient, T(f1, f2) (H. H. Hopkins, Proc. R. Soc. A 217, 1953), as a
    sum of coherent systems. How many are needed for the error asked for is
    measured, on a small pattern, against all of them. */
@@ -210,6 +210,7 @@ static int get_kernels(const hopkins *h, cut *c, opc_error *error) {
   key.wavelength = o->wavelength;
   key.na = o->na;
   key.index = o->index;
+  key.resist_index = o->polarisation == OPTICS_SCALAR ? 0 : o->resist_index;
   key.sigma = o->sigma;
   key.sigma_in = o->source == OPTICS_ANNULAR ? o->sigma_in : 0;
   key.defocus = o->defocus;
@@ -217,6 +218,7 @@ static int get_kernels(const hopkins *h, cut *c, opc_error *error) {
   key.wanted = c->wanted;
   key.fixed = c->fixed;
   key.source = o->source;
+  key.polarisation = o->polarisation;
   key.real = optics_real_masks(o);
   c->kept = kept_find(&key);
   if (!c->kept) {
@@ -250,12 +252,18 @@ static void tell(const hopkins *h, const cut *c) {
         "litho.hopkins: all %zu systems give an error of %.1e, more "
         "than the %.1e asked for%s",
         c->kernels->count, c->error, c->wanted, focus);
-  if (h->optics.source == OPTICS_LIST && !h->n_cuts)
+  if (optics_is_radial(&h->optics) || h->n_cuts) return;
+  if (h->optics.source == OPTICS_LIST)
     h->host->log(
         h->host, OPC_LOG_WARNING,
         "litho.hopkins: the rims of the pupils of single source points "
-        "are blurred, which the error leaves out: up to 1 %% of the "
-        "clear field for a few points; litho.abbe has them sharp");
+        "are blurred, which the error leaves out: 0.6 %% of the clear field "
+        "for six points in a frame of 3.2 um, 2 to 3 %% in one of 0.8 um; "
+        "litho.abbe has them sharp");
+  else
+    h->host->log(h->host, OPC_LOG_INFO,
+                 "litho.hopkins: tables blur the rims of the pupils, which the "
+                 "error leaves out: 0.2 to 0.4 %% of the clear field");
 }
 
 /* One more; the lock is held, or nobody else knows of the instance. */
@@ -388,12 +396,13 @@ static int check(void *self, opc_error *error) {
     code = opc_fail(error, OPC_INVALID, "kernels",
                     "'kernels' and 'error' exclude each other: so many "
                     "systems, or as many as the error needs");
-  size_t listed = h->optics.points.count / 3;
-  if (code || listed <= MOST_LISTED) return code;
+  size_t listed = h->optics.points.count / 3, parts = vector_parts(&h->optics);
+  if (code || listed * parts <= MOST_LISTED) return code;
   return opc_fail(error, OPC_INVALID, "points",
-                  "'points' has %zu points, more than %d: kernels are found "
-                  "among as many images; litho.abbe takes any number",
-                  listed, MOST_LISTED);
+                  "'points' has %zu points, more than %zu: kernels are found "
+                  "among as many images, %zu for each; litho.abbe takes any "
+                  "number",
+                  listed, MOST_LISTED / parts, parts);
 }
 
 static void clear(void *self) {

@@ -11,11 +11,11 @@
 /* All that kernels and their error follow from; made from zeros, as it is
    compared by its bytes. */
 typedef struct kept_key {
-  double wavelength, na, index, sigma, sigma_in;
+  double wavelength, na, index, resist_index, sigma, sigma_in;
   double defocus, aside; /* nm: of the optics, and of the cut */
   double wanted;
   int64_t fixed;
-  int64_t source, real;
+  int64_t source, polarisation, real;
 } kept_key;
 
 typedef struct kept kept;

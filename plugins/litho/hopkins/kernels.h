@@ -8,7 +8,7 @@
 #include <eda/simd.h>
 #include <stdlib.h>
 
-#include "../optics.h"
+#include "../vector.h"
 
 typedef struct kernels kernels;
 struct kernels {

@@ -3,7 +3,8 @@
    w P(f1 + s) conj P(f2 + s). Any orthonormal mixture of the points gives the
    same T; the eigenvectors of their Gram matrix give it with the fewest. Each
    kernel, the mixture of shifted pupils, is a function of the frequency itself
-   and kept as a table over the plane.
+   and kept as a table over the plane. Each part of polarised light (vector.h)
+   counts as a point of its own.
 
    A pupil's edge is spread over a cell of the source grid, as a source point
    stands for its whole cell; its middle alone would make kernels jump. What
@@ -34,13 +35,14 @@ typedef struct plane {
   kernels base;
   const optics *o;
   double defocus, spacing;
-  double *points; /* x, y, weight of each source point */
-  size_t n;
+  double *points;         /* x, y, weight of each source point */
+  size_t parts;           /* of each */
+  size_t n;               /* parts of all points */
   size_t available;       /* kernels, strongest first */
   int side;               /* of the tables: nodes each way */
   double step, low;       /* their step and first node */
-  float complex *shifted; /* sqrt(w) P(f + s): [node][point] */
-  float complex *vectors; /* [kernel][point] */
+  float complex *shifted; /* sqrt(w) P(f + s) times a part: [node][part] */
+  float complex *vectors; /* [kernel][part] */
   float complex *table;   /* [kernel][node] */
   double *weights;
   float *diagonal; /* T(f, f): [node] */
@@ -68,11 +70,18 @@ static void fill_node_row(void *data, size_t j) {
     double x = p->low + p->step * i, sum = 0;
     size_t node = j * (size_t)p->side + (size_t)i;
     float complex *row = p->shifted + node * p->n;
-    for (size_t s = 0; s < p->n; s++) {
-      const double *q = p->points + 3 * s;
-      float complex a = soft_pupil(p, x + q[0], y + q[1]);
-      row[s] = (float)sqrt(q[2]) * a;
-      sum += q[2] * cabsf(a); /* the part of the cell within the pupil */
+    for (size_t s = 0; s < p->n; s += p->parts) {
+      const double *q = p->points + 3 * (s / p->parts);
+      double u = x + q[0], v = y + q[1], factor[VECTOR_PARTS];
+      float complex a = soft_pupil(p, u, v);
+      if (a == 0) continue;
+      double to = fmin(1, 1 / hypot(u, v));
+      vector_factors(p->o, q, to * u, to * v, factor);
+      for (size_t k = 0; k < p->parts; k++) {
+        row[s + k] = (float)(sqrt(q[2]) * factor[k]) * a;
+        /* The part of the cell within the pupil. */
+        sum += q[2] * factor[k] * factor[k] * cabsf(a);
+      }
     }
     p->diagonal[node] = (float)sum;
   }
@@ -337,16 +346,19 @@ static void plane_free(kernels *base) {
 /* The spacing that cuts a source into about POINTS cells. */
 static int cut_source(plane *p) {
   double r = optics_source_radius(p->o);
+  double most = p->parts > 1 ? POINTS / 2 : POINTS;
   p->spacing = 2 * r / 12;
   for (int i = 0; i < 12; i++) {
     free(p->points);
     p->points = optics_source_points(p->o, p->spacing, &p->n);
-    if (!p->points || p->n > POINTS * 3 / 4 || p->o->source == OPTICS_LIST)
-      break;
-    p->spacing *= sqrt((double)p->n / POINTS);
+    if (!p->points || p->n > most * 3 / 4 || p->o->source == OPTICS_LIST) break;
+    p->spacing *= sqrt((double)p->n / most);
   }
   if (p->o->source == OPTICS_LIST) p->spacing = 0;
-  return p->points != NULL;
+  if (!p->points) return 0;
+  vector_normalise(p->o, p->points, p->n);
+  p->n *= p->parts;
+  return 1;
 }
 
 kernels *plane_new(const opc_context *context, const optics *o, double defocus,
@@ -362,6 +374,7 @@ kernels *plane_new(const opc_context *context, const optics *o, double defocus,
                       .filter = filter,
                       .free = plane_free};
   p->o = o;
+  p->parts = vector_parts(o);
   p->defocus = defocus;
   if (!cut_source(p)) {
     opc_fail(error, OPC_FAILED, NULL,

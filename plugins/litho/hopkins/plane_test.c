@@ -18,14 +18,14 @@ static opc_module *prepared(const char *id, const char *parameters) {
 }
 
 /* A line, a bar off its end and a square: nothing about them is symmetric. */
-static eda_field image_of(const char *id, const char *parameters) {
+static eda_field image_of(const char *id, const char *parameters,
+                          const eda_frame frame) {
   static const eda_point points[] = {{-200, -270}, {-90, -270}, {-90, 120},
                                      {-200, 120},  {60, 40},    {270, 40},
                                      {270, 160},   {60, 160},   {100, -220},
                                      {240, -220},  {240, -90},  {100, -90}};
   static const uint32_t start[] = {0, 4, 8, 12};
   const eda_shapes shapes = {3, (uint32_t *)start, (eda_point *)points, NULL};
-  const eda_frame frame = {-1600, -1600, 3200, 3200};
   g_autoptr(opc_module) m = prepared(id, parameters);
   const eda_litho *litho = m->functions;
   eda_spectrum mask;
@@ -59,6 +59,8 @@ static double worst_difference(const eda_field *a, const eda_field *b) {
   "source: points, points: [0.31, 0.12, 1, -0.48, 0.2, 2, 0.05, -0.55, 1, " \
   "-0.35, -0.4, 1.5, 0.45, -0.2, 0.5, -0.1, 0.5, 1]"
 
+static const eda_frame wide = {-1600, -1600, 3200, 3200};
+
 static void test_sources(void) {
   static const struct {
     const char *optics, *kernels;
@@ -76,8 +78,8 @@ static void test_sources(void) {
     g_autofree char *h =
         g_strdup_printf("{ %s, %s }", cases[i].optics, cases[i].kernels);
     g_autofree char *a = g_strdup_printf("{ %s }", cases[i].optics);
-    eda_field got = image_of("litho.hopkins", h);
-    eda_field want = image_of("litho.abbe", a);
+    eda_field got = image_of("litho.hopkins", h, wide);
+    eda_field want = image_of("litho.abbe", a, wide);
     double worst = worst_difference(&got, &want);
     g_test_message("%s: %.2g off litho.abbe", h, worst);
     g_assert_cmpfloat(worst, <, cases[i].reach);
@@ -86,8 +88,35 @@ static void test_sources(void) {
   }
 }
 
+/* What is warned of is what is there, and of no other source. */
+static void test_warned(void) {
+  static const struct {
+    eda_frame frame;
+    const char *told;
+    double least, most;
+  } cases[] = {{{-1600, -1600, 3200, 3200}, "0.6 %", 0.0055, 0.0065},
+               {{-400, -400, 800, 800}, "2 to 3 %", 0.02, 0.03}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    opc_test_forget();
+    eda_field got = image_of("litho.hopkins", "{ " LISTED " }", cases[i].frame);
+    g_assert_nonnull(strstr(opc_test_log(), cases[i].told));
+    eda_field want = image_of("litho.abbe", "{ " LISTED " }", cases[i].frame);
+    double worst = worst_difference(&got, &want);
+    g_test_message("a frame of %g nm: %.2g", cases[i].frame.width, worst);
+    g_assert_cmpfloat(worst, >, cases[i].least);
+    g_assert_cmpfloat(worst, <, cases[i].most);
+    eda_field_clear(&got);
+    eda_field_clear(&want);
+  }
+  opc_test_forget();
+  g_autoptr(opc_module) m =
+      prepared("litho.hopkins", "{ source: dipole, sigma_in: 0.5 }");
+  g_assert_null(strstr(opc_test_log(), "single source points"));
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/plane/sources", test_sources);
+  g_test_add_func("/plane/warned", test_warned);
   return g_test_run();
 }

@@ -7,7 +7,9 @@
    The pupil seen from a source point at the radius q is a function of the angle
    between f and that point; with its Fourier coefficients g_m(r, q),
    T_m(r1, r2) = integral of g_m(r1, q) g_m(r2, q)* q dq over the source. In
-   focus they are closed forms, as the pupil is an arc. */
+   focus they are closed forms, as the pupil is an arc. Polarised light has such
+   a sum for each of its parts (vector.h), which are even or odd functions of
+   the angle. */
 #include "radial.h"
 
 #include <eda/memory.h>
@@ -135,27 +137,35 @@ static void expand_arc(double begin, double *g, size_t stride) {
   }
 }
 
-/* The same for a pupil with a phase. */
-static void expand_phase(const radial *r, double a, double q, double begin,
-                         double *re, double *im, size_t stride) {
+/* The same for a pupil with a phase, and for a part of polarised light; and the
+   mean of its square. */
+static double expand_phase(const radial *r, double a, double q, double begin,
+                           double *re, double *im, size_t stride) {
+  int odd = !r->scalar && vector_is_odd(r->o, r->part);
+  double square = 0;
   for (int k = 0; k < ARC; k++) {
     double angle = begin + (M_PI - begin) * r->arc[k], p[2];
     double w = r->arc_weight[k] * (1 - begin / M_PI), c = cos(angle);
     double u = sqrt(fmax(0, a * a + q * q + 2 * a * q * c));
+    double factor[VECTOR_PARTS], s = sin(angle);
     optics_pupil(r->o, r->defocus, fmin(u, 1), 0, &p[0], &p[1]);
-    double before = c, now = 1;
+    vector_factors(r->o, (const double[]){q, 0}, q + a * c, a * s, factor);
+    square += w * pow(factor[r->part], 2);
+    w *= factor[r->part];
+    double before = odd ? -s : c, now = odd ? 0 : 1;
     for (int m = 0; m < ORDERS; m++) {
       re[(size_t)m * stride] += w * p[0] * now;
-      im[(size_t)m * stride] += w * p[1] * now;
+      if (im) im[(size_t)m * stride] += w * p[1] * now;
       double next = 2 * c * now - before;
       before = now;
       now = next;
     }
   }
+  return square;
 }
 
 static void expand_node(void *data, size_t i) {
-  const radial *r = data;
+  radial *r = data;
   double a = r->node[i];
   size_t rings = (size_t)r->rings, stride = (size_t)r->n * rings;
   for (size_t k = 0; k < rings; k++) {
@@ -163,18 +173,21 @@ static void expand_node(void *data, size_t i) {
     size_t at = i * rings + k;
     if (c <= -1) continue; /* nothing of the pupil */
     double begin = c < 1 ? acos(c) : 0;
-    if (r->real)
+    if (r->real && r->scalar) {
       expand_arc(begin, r->g[0] + at, stride);
-    else
-      expand_phase(r, a, q, begin, r->g[0] + at, r->g[1] + at, stride);
+      continue;
+    }
+    double *im = r->real ? NULL : r->g[1] + at;
+    double square = expand_phase(r, a, q, begin, r->g[0] + at, im, stride);
+    if (!r->scalar) r->at_node[i] += 2 / r->whole * r->ring_weight[k] * square;
   }
 }
 
-/* T_m at all pairs of nodes. */
+/* T_m at all pairs of nodes, a part after the other. */
 static void multiply(void *data, size_t m) {
   radial *r = data;
   size_t n = (size_t)r->n, rings = (size_t)r->rings;
-  double whole = r->sigma * r->sigma - r->sigma_in * r->sigma_in, square = 0;
+  double square = 0;
   for (size_t i = 0; i < n; i++)
     for (size_t j = 0; j <= i; j++) {
       size_t a = (m * n + i) * rings, b = (m * n + j) * rings;
@@ -187,9 +200,9 @@ static void multiply(void *data, size_t m) {
         im += w * (r->g[1][a + k] * r->g[0][b + k] -
                    r->g[0][a + k] * r->g[1][b + k]);
       }
-      re *= 2 / whole;
-      im *= 2 / whole;
       size_t ij = (m * n + i) * n + j, ji = (m * n + j) * n + i;
+      re = r->t[0][ij] + 2 / r->whole * re;
+      im = (r->real ? 0 : r->t[1][ij]) + 2 / r->whole * im;
       r->t[0][ij] = r->t[0][ji] = re;
       if (!r->real) {
         r->t[1][ij] = im;
@@ -397,7 +410,7 @@ static void allocate(radial *r) {
     r->functions[part] = eda_alloc(all * n, sizeof *r->functions[part]);
   }
   size_t half = (n + 1) / 2;
-  if (r->real)
+  if (r->real && r->scalar)
     r->pairs = eda_alloc(half * (half + 1) / 2 * ANGLES, sizeof *r->pairs);
   r->blend = eda_alloc((size_t)(TABLE + 2) * OTHER, sizeof *r->blend);
   r->sorted = eda_alloc(all, sizeof *r->sorted);
@@ -405,24 +418,60 @@ static void allocate(radial *r) {
   r->weights = eda_alloc(2 * all, sizeof *r->weights);
 }
 
+/* T(f, f) of scalar light at the nodes and in the table; of polarised light in
+   the table, from what the nodes have come to. */
+static void find_diagonal(radial *r) {
+  for (int i = 0; i < r->n && r->scalar; i++)
+    r->at_node[i] = radial_cross(r, r->node[i], r->node[i], 0);
+  for (int i = 0; i < TABLE + 2; i++) {
+    double x = fmin(r->base.radius * i / TABLE, r->base.radius), sum = 0;
+    const double *blend = r->blend + (size_t)i * OTHER;
+    for (int k = 0; k < OTHER && r->begin[i] + k < r->n; k++)
+      sum += blend[k] * r->at_node[r->begin[i] + k];
+    r->diagonal[i] = r->scalar ? radial_cross(r, x, x, 0) : sum;
+  }
+}
+
+/* What T(0, 0) would be by the area of the source; and of polarised light by
+   what each ring adds to the clear field. */
+static double find_whole(const radial *r) {
+  double whole = r->sigma * r->sigma - r->sigma_in * r->sigma_in, sum = 0;
+  for (int k = 0; k < r->rings; k++)
+    sum += 2 * r->ring_weight[k] *
+           vector_clear(r->o, (const double[]){r->ring[k], 0});
+  return r->scalar ? whole : sum;
+}
+
+static void expand(radial *r) {
+  size_t n = (size_t)r->n, all = ORDERS * n * (size_t)r->rings;
+  for (r->part = 0; r->part < vector_parts(r->o); r->part++) {
+    for (int part = 0; r->part && part < (r->real ? 1 : 2); part++)
+      memset(r->g[part], 0, all * sizeof *r->g[part]);
+    opc_parallel(r->base.context, n, expand_node, r);
+    opc_parallel(r->base.context, ORDERS, multiply, r);
+  }
+}
+
 kernels *radial_new(const opc_context *context, const optics *o, double defocus,
                     int real, double error) {
   gsl_set_error_handler_off(); /* its default aborts */
   radial *r = eda_alloc(1, sizeof *r);
-  r->base = (kernels){.context = context,
-                      .cutoff = o->cutoff,
-                      .radius = 1 + o->sigma,
-                      .keep = radial_keep,
-                      .settle = settle,
-                      .rests = 2,
-                      .transfer = radial_transfer,
-                      .filter = radial_filter,
-                      .cross = real ? cross : NULL,
-                      .mirror = radial_mirror,
-                      .free = radial_free};
+  r->base = (kernels){
+      .context = context,
+      .cutoff = o->cutoff,
+      .radius = 1 + o->sigma,
+      .keep = radial_keep,
+      .settle = settle,
+      .rests = 2,
+      .transfer = radial_transfer,
+      .filter = radial_filter,
+      .cross = real && o->polarisation == OPTICS_SCALAR ? cross : NULL,
+      .mirror = radial_mirror,
+      .free = radial_free};
   r->o = o;
   r->defocus = defocus;
   r->real = real;
+  r->scalar = o->polarisation == OPTICS_SCALAR;
   /* Measured: fewer leave larger errors, however many kernels are kept: 40 are
      good for 1e-4, but leave 2e-4 where 6e-5 are asked for. */
   r->other = error < 1e-4 && real ? OTHER : error < 1e-3 ? 40 : 24;
@@ -432,13 +481,10 @@ kernels *radial_new(const opc_context *context, const optics *o, double defocus,
   place_rings(r);
   allocate(r);
   place_table(r);
-  for (int i = 0; i < TABLE + 2; i++) {
-    double x = fmin(r->base.radius * i / TABLE, r->base.radius);
-    r->diagonal[i] = radial_cross(r, x, x, 0);
-  }
-  opc_parallel(context, (size_t)r->n, expand_node, r);
-  opc_parallel(context, ORDERS, multiply, r);
-  if (real)
+  r->whole = find_whole(r);
+  expand(r);
+  find_diagonal(r);
+  if (r->pairs)
     opc_parallel(context, (size_t)(r->n + 1) / 2, radial_evaluate_pairs, r);
   return &r->base;
 }

@@ -44,7 +44,10 @@ typedef struct radial {
   const optics *o;
   double defocus;
   double sigma, sigma_in;
-  int real; /* mask and pupil: systems come in pairs */
+  int real;    /* mask and pupil: systems come in pairs */
+  int scalar;  /* light: T(f, f) is known in closed form; if `real`, all of T */
+  size_t part; /* of the light, that is expanded (vector.h) */
+  double whole; /* source: what T(0, 0) is before it is normalised */
   panel panels[PANELS];
   int other;                         /* nodes of the panels but the first */
   int n, rings;                      /* nodes in all */
@@ -57,9 +60,9 @@ typedef struct radial {
                            and T_m: [order][node][node] */
   double *functions[2]; /* R: [order][index][node] */
   double *blend; /* from values at nodes to a table: [TABLE + 2][OTHER] */
-  int begin[TABLE + 2];       /* the first of these nodes */
-  double diagonal[TABLE + 2]; /* T(f, f) */
-  double *pairs;        /* T of every other node: [pair][angle]; if `real` */
+  int begin[TABLE + 2];                       /* the first of these nodes */
+  double at_node[NODES], diagonal[TABLE + 2]; /* T(f, f) */
+  double *pairs; /* T of every other node: [pair][angle]; NULL: by its orders */
   double bound[ORDERS]; /* no eigenvalue of the order is larger */
   int solved;           /* orders whose R are there */
   eigen *sorted;        /* of these orders, strongest first */
@@ -85,7 +88,7 @@ static inline const double *radial_function(const radial *r, const eigen *e,
 
 /* ---- systems.c ---- */
 
-/* T in closed form: in focus. */
+/* T in closed form: of scalar light in focus. */
 double radial_cross(const radial *r, double a, double b, double angle);
 
 /* As in kernels.h. */

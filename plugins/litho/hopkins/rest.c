@@ -67,7 +67,7 @@ static void rest_of(const radial *r, size_t kept, int i, int j,
   size_t pair = (size_t)(i / 2) * (size_t)(i / 2 + 1) / 2 + (size_t)(j / 2);
   double term[ORDERS];
   for (size_t m = 0; m < ORDERS; m++)
-    term[m] = r->real ? 0 : r->t[0][m * n * n + at];
+    term[m] = r->pairs ? 0 : r->t[0][m * n * n + at];
   for (size_t k = 0; k < kept; k++) {
     const eigen *e = &r->sorted[k];
     for (int part = 0; part < (r->real ? 1 : 2); part++) {
@@ -76,7 +76,7 @@ static void rest_of(const radial *r, size_t kept, int i, int j,
     }
   }
   sum_orders(term, i / 2, j / 2, rest);
-  for (int a = 0; r->real && a < ANGLES; a++)
+  for (int a = 0; r->pairs && a < ANGLES; a++)
     rest[a] += r->pairs[pair * ANGLES + (size_t)a];
 }
 
@@ -187,7 +187,7 @@ static void add_pairs(const radial *r, size_t kept, const double *s, fit *f) {
 /* S at the nodes. */
 static void find_s(const radial *r, size_t kept, double *s) {
   for (int i = 0; i < r->n; i++) {
-    double sum = radial_cross(r, r->node[i], r->node[i], 0);
+    double sum = r->at_node[i];
     for (size_t k = 0; k < kept; k++)
       for (int part = 0; part < (r->real ? 1 : 2); part++) {
         double f = radial_function(r, &r->sorted[k], part)[i];

@@ -187,6 +187,21 @@ static void test_refused(void) {
   refused("{ " LITHO ", " RESIST ", defocus: [0 nm] }", &l, "no transistors");
 }
 
+/* What is not given at 248 nm, NA 0.7: 0.1457 and 0.2915 * 248 / 0.49 = 73.7
+   and 147.5 nm of defocus, 3.886 * 248 / 0.7 = 1376.8 nm of margin. */
+static void test_follows(void) {
+  opc_error error;
+  opc_test_forget();
+  g_autoptr(opc_module) m = opc_test_module(
+      "process.window",
+      "{ litho: { use: litho.hopkins, wavelength: 248 nm, na: 0.7 }, resist: { "
+      "use: resist.threshold } }",
+      &error);
+  if (!m) g_error("%s", error.message);
+  g_assert_nonnull(strstr(opc_test_log(), "defocus 0, +-74 and +-148 nm"));
+  g_assert_nonnull(strstr(opc_test_log(), "margin 1377 nm"));
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/window/closed-form", test_closed_form);
@@ -194,5 +209,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/window/optics", test_optics);
   g_test_add_func("/window/failing", test_failing);
   g_test_add_func("/window/refused", test_refused);
+  g_test_add_func("/window/follows", test_follows);
   return g_test_run();
 }

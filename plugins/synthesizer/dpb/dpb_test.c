@@ -117,6 +117,26 @@ static void test_by_hand_shorter(void) {
   g_string_free(t.trace, TRUE);
 }
 
+/* What is not given, of all synthesizers, at 248 nm, NA 0.7: 0.311 and 0.155 of
+   354.3 nm. */
+static void test_follows(void) {
+  static const char *const all[][2] = {
+      {"synthesizer.dpb", "max_bias 110 nm"},
+      {"synthesizer.ic", "max_bias 110 nm"},
+      {"synthesizer.pb", "max_bias 110 nm"},
+      {"synthesizer.newton", "min_jog 55 nm, max_bias 110 nm"},
+      {"synthesizer.epe", "fragment 55 nm"}};
+  const eda_feedback f = {.gates = eda_gates_sample(), .scanner = {248, 0.7}};
+  for (size_t i = 0; i < G_N_ELEMENTS(all); i++) {
+    opc_error error;
+    g_autoptr(opc_module) m = opc_test_module(all[i][0], "{}", &error);
+    const eda_synthesizer *s = m->functions;
+    opc_test_forget();
+    g_assert_cmpint(s->begin(m->self, &f, &error), ==, OPC_OK);
+    g_assert_nonnull(strstr(opc_test_log(), all[i][1]));
+  }
+}
+
 /* Signed, applied as it is: 3 steps shorter at once, and 2 longer where it
    should have been shorter, which steps of one then undo. */
 static void test_init_adjust(void) {
@@ -442,6 +462,7 @@ static void test_table_refused(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/dpb/follows", test_follows);
   g_test_add_func("/dpb/by-hand", test_by_hand);
   g_test_add_func("/dpb/by-hand-shorter", test_by_hand_shorter);
   g_test_add_func("/dpb/init-adjust", test_init_adjust);

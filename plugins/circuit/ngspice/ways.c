@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Ways through the states of a circuit: the shortest to a state; those that
+   there is always a way back to; one that leads to the same state from all. */
+#include <stdio.h>
+#include <string.h>
+
+#include "bench.h"
+
+/* ---- walks ---- */
+
+walk walk_new(const machine *m) {
+  walk w = {g_array_new(FALSE, FALSE, sizeof(uint32_t)), m->first};
+  g_array_append_vals(w.input, m->lead, (guint)m->leads);
+  return w;
+}
+
+void walk_clear(walk *w) { g_array_free(w->input, TRUE); }
+
+void walk_step(const bench *b, const machine *m, walk *w, uint32_t input) {
+  g_array_append_val(w->input, input);
+  if (w->at < STATE_LOST) w->at = m->next[w->at * b->inputs + input];
+}
+
+/* Breadth first, backwards along the marks that the search leaves. */
+int walk_to(const bench *b, const machine *m, walk *w, uint32_t state) {
+  g_autofree uint32_t *from = g_new(uint32_t, m->states);
+  g_autofree uint32_t *by = g_new(uint32_t, m->states);
+  g_autofree uint32_t *queue = g_new(uint32_t, m->states);
+  size_t head = 0, tail = 0;
+  for (size_t i = 0; i < m->states; i++) from[i] = STATE_UNKNOWN;
+  from[w->at] = w->at;
+  queue[tail++] = w->at;
+  while (head < tail && from[state] == STATE_UNKNOWN) {
+    uint32_t s = queue[head++];
+    for (uint32_t i = 0; i < b->inputs; i++) {
+      uint32_t t = m->next[s * b->inputs + i];
+      if (t >= STATE_LOST || from[t] != STATE_UNKNOWN) continue;
+      from[t] = s;
+      by[t] = i;
+      queue[tail++] = t;
+    }
+  }
+  if (from[state] == STATE_UNKNOWN) return 0;
+  size_t steps = 0;
+  for (uint32_t s = state; s != w->at; s = from[s]) queue[steps++] = by[s];
+  while (steps--) walk_step(b, m, w, queue[steps]);
+  return 1;
+}
+
+static double end_of(const machine *m, const walk *w) {
+  return m->phase * (w->input->len + 1);
+}
+
+/* Without supply there is but one operating point. A line each change: a walk
+   may be long. */
+void walk_sources(const bench *b, const machine *m, const walk *w, FILE *out) {
+  const eda_circuit *c = b->circuit;
+  for (size_t i = 0; i < c->ports; i++)
+    if (c->role[i] == EDA_PIN_SUPPLY)
+      fprintf(out, "vs%zu n%u 0 pwl(0 0 %.17g %.17g)\n", i, c->port[i],
+              m->phase / 4, b->supply);
+  for (uint32_t i = 0; i < b->inputs; i++) {
+    int bit = 0;
+    fprintf(out, "vi%u n%u 0 pwl(0 0\n", i, b->input[i]);
+    for (size_t k = 0; k < w->input->len; k++) {
+      double at = m->phase * (double)(k + 1);
+      if (g_array_index(w->input, uint32_t, k) != i) continue;
+      fprintf(out, "+ %.17g %.17g %.17g %.17g\n", at, bit ? b->supply : 0,
+              at + b->slew, bit ? 0 : b->supply);
+      bit = !bit;
+    }
+    fprintf(out, "+ %.17g %.17g)\n", end_of(m, w), bit ? b->supply : 0);
+  }
+}
+
+void walk_command(const machine *m, const walk *w, FILE *out) {
+  const double step = m->phase / 20;
+  fprintf(out, "tran %.17g %.17g 0 %.17g\n", step, end_of(m, w), step);
+}
+
+/* ---- the states that there is always a way back to ---- */
+
+/* Mark what leads to the marked. */
+static void mark_before(const machine *m, size_t inputs, uint8_t *mark) {
+  for (int more = 1; more;) {
+    more = 0;
+    for (size_t s = 0; s < m->states; s++)
+      for (size_t i = 0; i < inputs && !mark[s]; i++) {
+        uint32_t t = m->next[s * inputs + i];
+        if (t < STATE_LOST && mark[t]) mark[s] = more = 1;
+      }
+  }
+}
+
+/* Mark what the marked lead to. */
+static void mark_after(const machine *m, size_t inputs, uint8_t *mark) {
+  for (int more = 1; more;) {
+    more = 0;
+    for (size_t s = 0; s < m->states; s++)
+      for (size_t i = 0; i < inputs && mark[s]; i++) {
+        uint32_t t = m->next[s * inputs + i];
+        if (t < STATE_LOST && !mark[t]) mark[t] = more = 1;
+      }
+  }
+}
+
+/* Has any change been seen there? Without, it is only not known any further. */
+static int is_end(const machine *m, size_t inputs, size_t s) {
+  for (size_t i = 0; i < inputs; i++)
+    if (m->next[s * inputs + i] < STATE_LOST) return 0;
+  return 1;
+}
+
+/* Down from one set of states that lead to each other to the next. */
+void ways_back(const bench *b, const machine *m, uint8_t *kept) {
+  const size_t inputs = b->inputs;
+  g_autofree uint8_t *before = g_new(uint8_t, m->states);
+  size_t c = 0;
+  while (c < m->states) {
+    memset(kept, 0, m->states);
+    memset(before, 0, m->states);
+    kept[c] = before[c] = 1;
+    mark_after(m, inputs, kept);
+    mark_before(m, inputs, before);
+    for (c = 0; c < m->states; c++)
+      if (kept[c] && !before[c] && !is_end(m, inputs, c)) break;
+  }
+  for (size_t s = 0; s < m->states; s++) kept[s] &= before[s];
+}
+
+/* ---- from whatever state it wakes up in ---- */
+
+typedef struct pair {
+  uint32_t s, t, from, input; /* two states, the pair before and what changed */
+} pair;
+
+/* Changes after which two states are one, breadth first; 0 if there are none.
+ */
+static int merge(const machine *m, size_t inputs, uint32_t s, uint32_t t,
+                 GArray *way) {
+  g_autoptr(GArray) queue = g_array_new(FALSE, FALSE, sizeof(pair));
+  g_autoptr(GHashTable) seen = g_hash_table_new(NULL, NULL);
+  const pair first = {s, t, 0, 0};
+  g_array_append_val(queue, first);
+  for (uint32_t head = 0; head < queue->len; head++) {
+    const pair p = g_array_index(queue, pair, head);
+    if (p.s == p.t) {
+      for (uint32_t k = head; k; k = g_array_index(queue, pair, k).from)
+        g_array_prepend_val(way, g_array_index(queue, pair, k).input);
+      return 1;
+    }
+    for (uint32_t i = 0; i < inputs; i++) {
+      const pair next = {m->next[p.s * inputs + i], m->next[p.t * inputs + i],
+                         head, i};
+      if (next.s >= STATE_LOST || next.t >= STATE_LOST) continue;
+      size_t key = next.s * m->states + next.t + 1;
+      if (g_hash_table_add(seen, GSIZE_TO_POINTER(key)))
+        g_array_append_val(queue, next);
+    }
+  }
+  return 0;
+}
+
+/* Go on from a set of states; 0 where it is not known. */
+static int go_on(const machine *m, size_t inputs, const GArray *way,
+                 GArray *set) {
+  for (size_t k = 0; k < set->len; k++) {
+    uint32_t *s = &g_array_index(set, uint32_t, k);
+    for (size_t i = 0; i < way->len; i++) {
+      *s = m->next[*s * inputs + g_array_index(way, uint32_t, i)];
+      if (*s >= STATE_LOST) return 0;
+    }
+  }
+  return 1;
+}
+
+/* Pair by pair (D. Eppstein, SIAM J. Comput. 19, 1990). */
+int ways_synchronise(const bench *b, const machine *m, walk *w) {
+  const size_t inputs = b->inputs;
+  g_autoptr(GArray) set = g_array_new(FALSE, FALSE, sizeof(uint32_t));
+  for (uint32_t s = 0; s < m->states; s++) {
+    size_t i = 0;
+    while (i < inputs && !m->bit[s * inputs + i]) i++;
+    if (i == inputs) g_array_append_val(set, s);
+  }
+  for (guint k = 1; k < set->len; k++) {
+    g_autoptr(GArray) way = g_array_new(FALSE, FALSE, sizeof(uint32_t));
+    if (!merge(m, inputs, g_array_index(set, uint32_t, 0),
+               g_array_index(set, uint32_t, k), way) ||
+        !go_on(m, inputs, way, set))
+      return 0;
+    g_array_append_vals(w->input, way->data, way->len);
+  }
+  w->at = g_array_index(set, uint32_t, 0);
+  return 1;
+}
