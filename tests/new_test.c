@@ -194,6 +194,43 @@ static void test_process(void) {
   g_assert_cmpstr(err, ==, "error: 'none': no such file\n");
 }
 
+/* All that is shipped can be extended: nothing that it names is missing. */
+static void test_shipped(void) {
+  static const char *const all[] = {"ihp130", "nangate45", "nangate45-at-65",
+                                    "own65", "sky130"};
+  g_autofree char *cell = g_build_filename(g_getenv("OPCFLOW_SOURCE"), "data",
+                                           "cells65", "sram4.gds", NULL);
+  for (size_t i = 0; i < G_N_ELEMENTS(all); i++) {
+    g_autofree char *file = g_strconcat(all[i], "-shipped.yaml", NULL);
+    g_assert_cmpint(
+        CALL(command, "new", "flow", "--process", all[i], cell, file), ==, 0);
+    if (CALL(command, "check", "--quick", file)) g_error("%s%s", out, err);
+  }
+}
+
+/* A variant that asks for a file is no fault of the flow; what else is wrong
+   with it is told. */
+static void test_variant_asks(void) {
+  g_autofree char *file = g_build_filename(folder, "asks.yaml", NULL);
+  const char *text =
+      "opcflow: 1\nname: asks\nsteps:\n  layout: { use: read.cif, file: "
+      "../none.cif }\n%s";
+  g_autofree char *good = g_strdup_printf(
+      text, "variants: { more: { other: { use: read.gds } } }\n");
+  g_assert_true(g_file_set_contents(file, good, -1, NULL));
+  (void)CALL(command, "check", "--quick", "asks.yaml");
+  g_assert_nonnull(strstr(out, "more: asks for --set other.file=FILE, "));
+  g_assert_null(strstr(err, "missing parameter"));
+  g_autofree char *bad = g_strdup_printf(
+      text, "variants: { more: { other: { use: read.gds, scael: 2 } } }\n");
+  g_assert_true(g_file_set_contents(file, bad, -1, NULL));
+  g_assert_cmpint(CALL(command, "check", "--quick", "asks.yaml"), ==, 2);
+  g_assert_nonnull(strstr(err, "'scael' of 'read.gds'"));
+  g_assert_null(strstr(err, "missing parameter"));
+  g_assert_cmpint(CALL(command, "run", "--variant", "more", "asks.yaml"), ==,
+                  2);
+}
+
 /* A scanner leaves more open than the layout: the flow says what. A layout in
    the place of a flow's name is told how it is meant. */
 static void test_scanner(void) {
@@ -263,6 +300,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/new/project", test_project);
   g_test_add_func("/new/flow", test_flow);
   g_test_add_func("/new/process", test_process);
+  g_test_add_func("/new/shipped", test_shipped);
+  g_test_add_func("/new/variant-asks", test_variant_asks);
   g_test_add_func("/new/scanner", test_scanner);
   g_test_add_func("/new/refusals", test_refusals);
   int code = g_test_run();
