@@ -194,6 +194,29 @@ static void test_process(void) {
   g_assert_cmpstr(err, ==, "error: 'none': no such file\n");
 }
 
+/* What each shipped process names is beside it in the build, and installed with
+   it: the tables, too. */
+static void test_shipped(void) {
+  const char *source = g_getenv("OPCFLOW_SOURCE");
+  g_autofree char *cell =
+      g_build_filename(source, "data", "cells65", "sram4.gds", NULL);
+  g_autofree char *processes =
+      g_build_filename(source, "flows", "processes", NULL);
+  g_autoptr(GDir) listing = g_dir_open(processes, 0, NULL);
+  int count = 0;
+  for (const char *file; (file = g_dir_read_name(listing));) {
+    if (!g_str_has_suffix(file, ".yaml")) continue;
+    g_autofree char *name = g_strndup(file, strlen(file) - 5);
+    g_autofree char *flow = g_strconcat("shipped-", file, NULL);
+    if (CALL(command, "new", "flow", "--process", name, cell, flow))
+      g_error("%s: %s", name, err);
+    CALL(command, "check", "--quick", flow); /* variants want a netlist */
+    if (strstr(err, "no such file")) g_error("%s: %s", name, err);
+    count++;
+  }
+  g_assert_cmpint(count, >=, 5);
+}
+
 /* A scanner leaves more open than the layout: the flow says what. A layout in
    the place of a flow's name is told how it is meant. */
 static void test_scanner(void) {
@@ -263,6 +286,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/new/project", test_project);
   g_test_add_func("/new/flow", test_flow);
   g_test_add_func("/new/process", test_process);
+  g_test_add_func("/new/shipped", test_shipped);
   g_test_add_func("/new/scanner", test_scanner);
   g_test_add_func("/new/refusals", test_refusals);
   int code = g_test_run();
