@@ -64,8 +64,37 @@ static void check_one(const opc_recipe *recipe, const opc_choice *choice,
     forecast(recipe, choice, watch, told, problems);
 }
 
+static GArray *open_files(const opc_recipe *recipe, const opc_choice *choice) {
+  g_autoptr(opc_problems) others = opc_problems_new();
+  g_autoptr(opc_flow) flow =
+      opc_flow_make(recipe, choice, cli_registry(), others);
+  return cli_open_files(flow);
+}
+
+/* Whether a variant wants files that the flow itself does not, and what they
+   are: that is no fault of it, and the rest of it can be checked. */
+static gboolean asks(const opc_recipe *recipe, const opc_choice *choice,
+                     JsonArray *told) {
+  opc_choice itself = *choice;
+  itself.variant = NULL;
+  g_autoptr(GArray) its = open_files(recipe, choice);
+  g_autoptr(GArray) before = open_files(recipe, &itself);
+  if (its->len <= before->len) return FALSE;
+  for (guint i = 0; i < its->len; i++) {
+    const cli_open_file *file = &g_array_index(its, cli_open_file, i);
+    JsonObject *object = json_object_new();
+    json_object_set_string_member(object, "variant", choice->variant);
+    json_object_set_string_member(object, "parameter", file->path);
+    json_array_add_object_element(told, object);
+    if (!json)
+      cli_print("%s: asks for --set %s=FILE, %s\n", choice->variant, file->path,
+                file->summary);
+  }
+  return TRUE;
+}
+
 static void check_all(const opc_recipe *recipe, JsonArray *told,
-                      opc_problems *problems) {
+                      JsonArray *open, opc_problems *problems) {
   g_autoptr(GHashTable) said =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
   const opc_watch watch = {.data = said, .log = take_log};
@@ -75,7 +104,13 @@ static void check_all(const opc_recipe *recipe, JsonArray *told,
   check_one(recipe, &choice, &watch, told, problems);
   for (guint i = 0; i < recipe->variants->keys->len; i++) {
     choice.variant = opc_node_key(recipe->variants, i);
-    check_one(recipe, &choice, &watch, told, problems);
+    if (asks(recipe, &choice, open)) {
+      choice.bind = OPC_BIND_NO_FILES;
+      opc_flow_check(recipe, &choice, cli_registry(), NULL, problems);
+      choice.bind = 0;
+    } else {
+      check_one(recipe, &choice, &watch, told, problems);
+    }
   }
 }
 
@@ -85,12 +120,14 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_recipe) recipe = opc_recipe_read(path, problems);
   g_autoptr(JsonArray) told = json_array_new();
-  if (recipe) check_all(recipe, told, problems);
+  g_autoptr(JsonArray) open = json_array_new();
+  if (recipe) check_all(recipe, told, open, problems);
   if (json) {
     JsonObject *o = json_object_new();
     json_object_set_string_member(o, "flow", path);
     json_object_set_boolean_member(o, "valid", !problems->list->len);
     json_object_set_array_member(o, "forecast", json_array_ref(told));
+    json_object_set_array_member(o, "open", json_array_ref(open));
     cli_add_problems(o, problems);
     cli_print_object(o);
   }

@@ -5,6 +5,7 @@
 
 #include <json-glib/json-glib.h>
 
+#include "core/flow/flow.h"
 #include "core/flow/table.h"
 #include "core/plugin/registry.h"
 #include "core/text/problem.h"
@@ -85,6 +86,16 @@ void cli_print_help(const cli_verb *verb);
 /* The flow of a verb: its first argument, or flow.yaml where one lies in the
    current folder; NULL, and it is told that there is none. */
 const char *cli_flow(const cli_verb *verb, const GPtrArray *arguments);
+
+/* A required file that a step of a flow was not given. */
+typedef struct cli_open_file {
+  char *path;          /* "step.parameter", "step.slot.parameter" */
+  const char *summary; /* the plugin's */
+} cli_open_file;
+
+/* All of a flow (cli_open_file, freed with the array), which may have
+   problems. */
+GArray *cli_open_files(const opc_flow *flow);
 
 /* What a list of options took. */
 const char *const *cli_list(GPtrArray *list);

@@ -10,7 +10,6 @@
 
 #include "core/cli/cli.h"
 #include "core/flow/files.h"
-#include "core/flow/flow.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/kind.h"
 #include "core/text/suggest.h"
@@ -207,38 +206,14 @@ static char *find_process(void) {
   return NULL;
 }
 
-/* What a flow leaves open: a path of it, and what it is. */
-typedef struct open_file {
-  char *path;
-  const char *summary; /* the plugin's */
-} open_file;
-
-static void open_clear(void *data) { g_free(((open_file *)data)->path); }
-
-/* Add the required files that a plugin, or one in its slots, was not given. */
-static void add_open(GArray *open, const opc_binding *b) {
-  for (size_t i = 0; b && i < b->plugin->n_parameters; i++) {
-    const opc_parameter *p = &b->plugin->parameters[i];
-    if (b->slots[i]) add_open(open, b->slots[i]);
-    if (p->type != OPC_FILE || !(p->flags & OPC_REQUIRED) || b->origin[i])
-      continue;
-    const open_file one = {g_strdup_printf("%s.%s", b->path, p->name),
-                           p->summary};
-    g_array_append_val(open, one);
-  }
-}
-
-/* The files that a flow leaves open, at least one (open_file); NULL and the
+/* The files that a flow leaves open, at least one; NULL and the
    exit code in *code. */
 static GArray *find_open(const char *path, int *code) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_flow) flow =
       opc_flow_load(path, NULL, cli_registry(), problems);
-  g_autoptr(GArray) open = g_array_new(FALSE, FALSE, sizeof(open_file));
-  g_array_set_clear_func(open, open_clear);
-  for (guint i = 0; flow && i < flow->steps->len; i++)
-    add_open(open, ((opc_flow_step *)flow->steps->pdata[i])->binding);
-  if (open->len) return g_steal_pointer(&open);
+  g_autoptr(GArray) open = flow ? cli_open_files(flow) : NULL;
+  if (open && open->len) return g_steal_pointer(&open);
   *code = flow ? cli_error(CLI_USAGE,
                            "'%s' leaves no file open: it is no process", path)
                : cli_problems(problems);
@@ -265,7 +240,7 @@ static int extend_process(const char *input, const char *file) {
   g_autoptr(GArray) open = path ? find_open(path, &code) : NULL;
   if (!open) return code;
   g_autofree char *its = from_folder(input);
-  const open_file *left = (const open_file *)(void *)open->data;
+  const cli_open_file *left = (const cli_open_file *)(void *)open->data;
   const char *first = left->path, *dot = strchr(first, '.');
   g_autoptr(GString) text = g_string_new("opcflow: 1\nname: @NAME@\nextends: ");
   opc_text_append(text, path);

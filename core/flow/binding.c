@@ -86,7 +86,8 @@ static void bind_default(const binder *b, size_t i) {
     const opc_node *node = parse_preset(b, p);
     if (node) bind_value(b, i, node, &binding->at);
   } else if (p->flags & OPC_REQUIRED &&
-             (p->type != OPC_INPUT || !(b->flags & OPC_BIND_NO_INPUTS))) {
+             (p->type != OPC_INPUT || !(b->flags & OPC_BIND_NO_INPUTS)) &&
+             (p->type != OPC_FILE || !(b->flags & OPC_BIND_NO_FILES))) {
     opc_wrong(b->problems, binding, "missing parameter '%s' of '%s'", p->name,
               binding->plugin->id);
   }

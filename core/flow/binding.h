@@ -29,7 +29,8 @@ struct opc_binding {
 
 enum {
   OPC_BIND_NO_INPUTS = 1 << 0, /* a required OPC_INPUT may be missing */
-  OPC_BIND_INNER = 1 << 1      /* of a flow that a step runs; twice that of one
+  OPC_BIND_NO_FILES = 1 << 1,  /* a required OPC_FILE may be missing */
+  OPC_BIND_INNER = 1 << 2      /* of a flow that a step runs; twice that of one
                                   in such a flow */
 };
 

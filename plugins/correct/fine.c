@@ -104,24 +104,38 @@ static int ascending(const void *a, const void *b) {
 /* Ion, % of it for an intensity of 1: how far light moves the edges in the
    middle of a gate, and what that is worth of the drawn gate. (Not Ion of the
    whole print: as drawn, ends of lines are about to open, which corrected ones
-   are not.) Three of four transistors have less; NAN: none prints. */
+   are not.) */
+typedef struct worths {
+  const eda_printer *printer;
+  const drawn *drawn;
+  int layer;
+  const eda_field *lit;
+  double *by; /* of each gate */
+} worths;
+
+static void find_worth(void *data, size_t i) {
+  const worths *w = data;
+  const eda_gates *g = w->drawn->gates;
+  const eda_field *print = &w->printer->print[w->layer];
+  const eda_field *image = &w->printer->image[w->layer];
+  double size = w->layer == EDA_POLY ? g->length[i] : g->width[i];
+  double more = eda_deviation(w->drawn->larger.ion[i], w->drawn->as_is.ion[i]);
+  double from = eda_gate_section(g, i, w->layer, print, image).length;
+  double to = eda_gate_section(g, i, w->layer, w->lit, image).length;
+  w->by[i] = fabs(more / (tuned.larger * size) * (to - from) / tuned.light);
+}
+
+/* Three of four transistors have less; NAN: none prints. */
 static double worth(const eda_printer *p, const drawn *d, int layer,
                     const eda_field *lit) {
   size_t n = d->gates->count, count = 0;
-  double *by = eda_alloc(n, sizeof *by), found = NAN;
-  const eda_field *image = &p->image[layer];
-  for (size_t i = 0; i < n; i++) {
-    double size = layer == EDA_POLY ? d->gates->length[i] : d->gates->width[i];
-    double more = eda_deviation(d->larger.ion[i], d->as_is.ion[i]);
-    double from =
-        eda_gate_section(d->gates, i, layer, &p->print[layer], image).length;
-    double to = eda_gate_section(d->gates, i, layer, lit, image).length;
-    double one = fabs(more / (tuned.larger * size) * (to - from) / tuned.light);
-    if (isfinite(one)) by[count++] = one;
-  }
-  qsort(by, count, sizeof *by, ascending);
-  if (count) found = by[3 * count / 4];
-  free(by);
+  worths w = {p, d, layer, lit, eda_alloc(n, sizeof *w.by)};
+  opc_parallel(p->context, n, find_worth, &w);
+  for (size_t i = 0; i < n; i++)
+    if (isfinite(w.by[i])) w.by[count++] = w.by[i];
+  qsort(w.by, count, sizeof *w.by, ascending);
+  double found = count ? w.by[3 * count / 4] : NAN;
+  free(w.by);
   return found;
 }
 

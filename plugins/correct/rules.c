@@ -61,17 +61,33 @@ int rules_tell(const opc_host *host, const rules_row *rows, size_t n,
   return opc_put_metrics(host, OPC_ARRAY(values), error);
 }
 
+/* The rows of each layer that is corrected, side by side. */
+typedef struct counting {
+  const eda_gates *gates;
+  const eda_shapes *mask;
+  const double *limit;
+  rules_row *rows;
+  size_t *layer;
+} counting;
+
+static void count_one(void *data, size_t i) {
+  const counting *c = data;
+  size_t k = c->layer[i];
+  count_layer(c->gates, k, &c->mask[k], c->limit, c->rows + i * EDA_RULES);
+}
+
 int rules_report(const opc_host *host, const eda_gates *gates,
                  const eda_shapes *mask, const double limit[EDA_RULES],
                  opc_error *error) {
-  rules_row *rows = eda_alloc(gates->layers * EDA_RULES, sizeof *rows);
+  counting c = {gates, mask, limit,
+                eda_alloc(gates->layers * EDA_RULES, sizeof *c.rows),
+                eda_alloc(gates->layers, sizeof *c.layer)};
   size_t n = 0;
-  for (size_t k = 0; k < gates->layers; k++) {
-    if (!gates->corrected[k]) continue;
-    count_layer(gates, k, &mask[k], limit, rows + n);
-    n += EDA_RULES;
-  }
-  int code = rules_tell(host, rows, n, error);
-  free(rows);
+  for (size_t k = 0; k < gates->layers; k++)
+    if (gates->corrected[k]) c.layer[n++] = k;
+  opc_parallel(host->context, n, count_one, &c);
+  int code = rules_tell(host, c.rows, n * EDA_RULES, error);
+  free(c.rows);
+  free(c.layer);
   return code;
 }

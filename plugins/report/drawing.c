@@ -15,8 +15,9 @@
 /* ---- state ---- */
 
 /* Contours are found in tiles, side by side, on a grid with a step of `finest`,
-   or as much as `nodes` of them allow, up to `coarsest` nm: nothing that prints
-   is narrower. At double the step, lines of 65 nm come in pieces. */
+   or as much as `nodes` of them allow, up to `coarsest` nm, or the step of the
+   print's own grid, a quarter of the finest period of its image: nothing that
+   prints is narrower. At double the step, lines of 65 nm come in pieces. */
 static const double tile = 4000, finest = 10, coarsest = 30, nodes = 2e6;
 static const double unit = 0.5; /* of points of contours, nm */
 /* Chords of contours that are further off them are parted; points that are
@@ -121,12 +122,25 @@ static part tiles(const eda_gates *g) {
   return p;
 }
 
-static double step_of(const part *p, size_t layers) {
-  double area = 0;
+/* What transistors need, what is corrected, and contacts. */
+static int is_shown(const eda_gates *g, size_t layer) {
+  return layer <= EDA_ACTIVE || g->corrected[layer] ||
+         (int)layer == eda_gates_layer(g, "contact");
+}
+
+/* Of the contours of those layers. */
+static double step_of(const part *p, const eda_mask *m) {
+  double area = 0, layers = 0, own = INFINITY;
+  for (size_t k = 0; k < m->layers; k++) {
+    const eda_field *print = &m->print[k];
+    if (!print->coefficients || !is_shown(m->gates, k)) continue;
+    own = fmin(own, print->frame.width / print->nx);
+    layers++;
+  }
   for (size_t i = 0; i < p->count; i++)
     area += p->window[i].width * p->window[i].height;
-  double step = sqrt(area * (double)layers / nodes);
-  return fmin(coarsest, fmax(finest, step));
+  double step = fmax(finest, sqrt(area * fmax(layers, 1) / nodes));
+  return fmin(step, layers > 0 ? fmax(coarsest, own) : coarsest);
 }
 
 /* ---- work: polygons ---- */
@@ -154,11 +168,14 @@ static outlines polygons(const drawing *d, const eda_shapes *s) {
 
 /* ---- work: contours ---- */
 
-/* How far p is from the line between a and b. */
-static double off(const double *a, const double *b, const double *p) {
-  double x = b[0] - a[0], y = b[1] - a[1], length = hypot(x, y);
-  if (length == 0) return hypot(p[0] - a[0], p[1] - a[1]);
-  return fabs(x * (p[1] - a[1]) - y * (p[0] - a[0])) / length;
+static double square(double x, double y) { return x * x + y * y; }
+
+/* Whether p lies on the line between a and b. */
+static int is_on(const double *a, const double *b, const double *p) {
+  double x = b[0] - a[0], y = b[1] - a[1], length = square(x, y);
+  double px = p[0] - a[0], py = p[1] - a[1], cross = x * py - y * px;
+  if (length == 0) return square(px, py) <= straight * straight;
+  return cross * cross <= straight * straight * length;
 }
 
 /* A line without the points that lie straight between others. Each stretch is
@@ -174,7 +191,7 @@ static void add_line(outlines *o, const double *p, size_t n) {
     size_t to = at + 1;
     for (int good = 1; good && to + 1 < n && to + 1 - at <= REACH; to += good)
       for (size_t k = at + 1; k <= to && good; k++)
-        good = off(p + 2 * at, p + 2 * (to + 1), p + 2 * k) <= straight;
+        good = is_on(p + 2 * at, p + 2 * (to + 1), p + 2 * k);
     at = to;
   }
   push(&o->sizes, (double)((o->places.count - before) / 2));
@@ -207,8 +224,8 @@ static void follow(line *l, const eda_field *print, const double *a,
                    const double *b, int depth) {
   double m[2] = {(a[0] + b[0]) / 2, (a[1] + b[1]) / 2}, v, dx, dy;
   eda_field_gradient(print, &m[0], &m[1], 1, &v, &dx, &dy);
-  double slope = hypot(dx, dy), shift = slope > 0 ? v / slope : 0;
-  double length = hypot(b[0] - a[0], b[1] - a[1]);
+  double slope = sqrt(square(dx, dy)), shift = slope > 0 ? v / slope : 0;
+  double length = sqrt(square(b[0] - a[0], b[1] - a[1]));
   if (depth && fabs(shift) > straight && fabs(shift) < length / 2) {
     m[0] -= shift * dx / slope;
     m[1] -= shift * dy / slope;
@@ -384,12 +401,6 @@ static int write_print(drawing *d, size_t layer, const char *role,
   return code;
 }
 
-/* What transistors need, what is corrected, and contacts. */
-static int is_shown(const eda_gates *g, size_t layer) {
-  return layer <= EDA_ACTIVE || g->corrected[layer] ||
-         (int)layer == eda_gates_layer(g, "contact");
-}
-
 static int write_shapes(drawing *d, opc_error *error) {
   const eda_mask *m = d->mask;
   int code = OPC_OK;
@@ -444,16 +455,13 @@ int drawing_write(const opc_context *context, const eda_mask *mask,
                   opc_error *error) {
   const eda_gates *g = mask->gates;
   drawing d = {.context = context, .mask = mask, .out = out};
-  size_t layers = 0;
   if (g->extent.x0 >= g->extent.x1 || g->extent.y0 >= g->extent.y1)
     return opc_fail(error, OPC_INVALID, "mask",
                     "the layout is empty, there is nothing to draw");
-  for (size_t k = 0; k < mask->layers; k++)
-    layers += mask->print[k].coefficients && is_shown(g, k);
   d.part = g->count <= (size_t)limits->whole
                ? tiles(g)
                : worst_part(mask, MIN(g->count, (size_t)limits->worst));
-  d.step = step_of(&d.part, MAX(layers, 1));
+  d.step = step_of(&d.part, mask);
   write_head(&d);
   write_gates(&d);
   int code = write_shapes(&d, error);

@@ -9,15 +9,16 @@
 #include <opcflow/plugin.h>
 
 /* How much of a layout is written: a member of an instance, and its parameters.
-   Source of the numbers: 20,000 transistors are some 4 MB, and a page of 15 MB
-   has three masks of that size. */
+   Source of the numbers: a transistor of a chip of SkyWater 130 takes 0.95 kB,
+   and a page of 15 MB has room for 10 MB of pictures. At double, that chip of
+   13,500 transistors had a page without any. */
 typedef struct drawing_limits {
   int64_t whole, worst;
 } drawing_limits;
 
 #define DRAWING_PARAMETERS(state, member)                                   \
   OPC_PARAMETER_NAMED("whole", state, member.whole, .type = OPC_INT,        \
-                      .flags = OPC_AT_LEAST, .preset = "20000", .min = 0,   \
+                      .flags = OPC_AT_LEAST, .preset = "10000", .min = 0,   \
                       .summary =                                            \
                           "Up to so many transistors all shapes are "       \
                           "kept, of more those near the worst"),            \

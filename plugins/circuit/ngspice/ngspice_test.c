@@ -51,6 +51,38 @@ static void test_closed_form(void) {
                     <, 0.02);
 }
 
+/* The same by a compiled model; or, where ngspice has none, that it has none.
+ */
+static void test_osdi(void) {
+  if (!have_ngspice()) return;
+  opc_error error;
+  g_autofree char *path = in_folder(
+      "square.lib",
+      ".lib tt\n.subckt n d g s b w=1u l=1u\nn1 d g s b m w=w l=l\n"
+      ".model m squarelaw type=1 k=1e-4 vt=0.3 leak=1e-12\n.ends\n"
+      ".subckt p d g s b w=1u l=1u\nn1 d g s b m w=w l=l\n"
+      ".model m squarelaw type=-1 k=4e-5 vt=0.25 leak=1e-12\n.ends\n.endl\n");
+  g_autofree char *rest = g_strdup_printf(
+      "osdi: '%s/subprojects/eda/simulator/square.osdi', corner: tt, nmos: n, "
+      "pmos: p, load: 1 "
+      "pF, slew: 0.01 ps",
+      g_getenv("OPCFLOW_BUILD"));
+  g_autoptr(made) m = make("A:i Y:o VDD:s VSS:g",
+                           "MN Y A VSS VSS n 100 300,MP Y A VDD VDD p 100 450");
+  int code = run_on(&m->circuit, NULL, path, rest, &error);
+  if (code == OPC_NO_PLUGIN) {
+    g_assert_nonnull(strstr(error.message, "compiled models (OSDI)"));
+    g_test_skip(error.message);
+    return;
+  }
+  if (code) g_error("%s", error.message);
+  double v = 1.1, c = 1e-12;
+  near("tphl", opc_test_metric("tphl"),
+       1e12 * discharge(c, 3e-4, v, 0.3, v / 2), 1e-3);
+  near("tplh", opc_test_metric("tplh"),
+       1e12 * discharge(c, 1.8e-4, v, 0.25, v / 2), 1e-3);
+}
+
 /* Through much capacitance, an inverter takes about C V / 2 Ion. */
 static void test_estimate(void) {
   if (!have_ngspice()) return;
@@ -405,6 +437,8 @@ static void test_refused(void) {
   refused(m, 0, card, "nmos: nfet, dlc: false", "'ngspice' failed*nfet*");
   g_autofree char *both = g_strdup_printf("library: '%s'", card);
   refused(m, 0, card, both, "one of 'models' and 'library' is needed");
+  g_autofree char *osdi = g_strdup_printf("osdi: '%s'", card);
+  refused(m, 0, card, osdi, "*goes with 'library'");
   refused(m, 0, card, "limit: 1 ns", "'ngspice' was not done after*");
   refused(m, 0, card, "inputs: A VSS", "'VSS' is no port of 'made'*");
   refused(m, 0, card, "edges: [60 %, 90 %]", "*'edges' are one place above*");
@@ -444,6 +478,7 @@ static void test_before(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/circuit/closed-form", test_closed_form);
+  g_test_add_func("/circuit/osdi", test_osdi);
   g_test_add_func("/circuit/estimate", test_estimate);
   g_test_add_func("/circuit/delays", test_delays);
   g_test_add_func("/circuit/library", test_library);

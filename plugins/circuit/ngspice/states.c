@@ -292,7 +292,8 @@ static void leave_out(bench *b, machine *m, const uint8_t *kept) {
   }
   m->leads = w.input->len;
   m->lead = eda_pool_alloc(&b->pool, m->leads, sizeof *m->lead);
-  memcpy(m->lead, w.input->data, m->leads * sizeof *m->lead);
+  for (size_t i = 0; i < m->leads; i++)
+    m->lead[i] = g_array_index(w.input, uint32_t, i);
   for (size_t s = 0; s < m->states; s++) number[s] = kept[s] ? n++ : STATE_LOST;
   for (size_t s = first; s < m->states; s++) {
     if (!kept[s]) continue;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* cost.fracture: what a mask costs to write: rectangles, the shots of a writer
    with a variable shaped beam, vertices, and the bytes of its files. */
+#include <eda/check.h>
 #include <eda/memory.h>
 #include <math.h>
 #include <opcflow/step.h>
@@ -205,22 +206,39 @@ static int publish_metrics(const opc_host *host, const row *rows, size_t n,
 
 /* ---- work: all of it ---- */
 
+/* Drawn shapes and masks, side by side: two for each row. */
+typedef struct counting {
+  const counter *counter;
+  ruler ruler;
+  row *rows;
+  size_t *layer; /* of each row */
+} counting;
+
+static int count_one(void *data, size_t i, opc_error *error) {
+  const counting *all = data;
+  const eda_mask *mask = all->counter->mask;
+  size_t k = all->layer[i / 2];
+  row *to = &all->rows[i / 2];
+  return count_layer(all->counter, &all->ruler,
+                     i % 2 ? &mask->shapes[k] : &mask->gates->drawn[k],
+                     eda_gates_number(mask->gates, k),
+                     i % 2 ? &to->now : &to->drawn, error);
+}
+
 static int count_all(const counter *c, row *rows, opc_error *error) {
-  const eda_mask *mask = c->mask;
-  const eda_gates *g = mask->gates;
-  ruler r;
+  const eda_gates *g = c->mask->gates;
+  counting all = {.counter = c, .rows = rows};
   size_t n = 0;
-  if (make_ruler(c, g, &r, error)) return error->code;
+  if (make_ruler(c, g, &all.ruler, error)) return error->code;
+  all.layer = eda_alloc(g->layers, sizeof *all.layer);
   for (size_t k = 0; k < g->layers; k++) {
     if (!g->corrected[k]) continue;
-    uint32_t number = eda_gates_number(g, k);
-    row *to = &rows[n++];
-    to->layer = g->layer[k];
-    if (count_layer(c, &r, &g->drawn[k], number, &to->drawn, error) ||
-        count_layer(c, &r, &mask->shapes[k], number, &to->now, error))
-      return error->code;
+    rows[n].layer = g->layer[k];
+    all.layer[n++] = k;
   }
-  int code = publish_tables(c->host, rows, n, error);
+  int code = eda_try_all(c->host->context, 2 * n, count_one, &all, error);
+  free(all.layer);
+  if (!code) code = publish_tables(c->host, rows, n, error);
   return code ? code : publish_metrics(c->host, rows, n, error);
 }
 

@@ -351,6 +351,8 @@ static void test_refused(void) {
   refused(card, name, "'a b' is not the name of a model");
   g_autofree char *number = g_strdup_printf("overrides: { a: 1k }, %s", range);
   refused(card, number, "'1k' is not a plain number");
+  g_autofree char *osdi = g_strdup_printf("osdi: %s, %s", card, range);
+  refused(card, osdi, "goes with 'library'");
   if (!have_ngspice()) return;
   refused(card, range, "could not find a valid modelname");
   refused(text, range, "Error");

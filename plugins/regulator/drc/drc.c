@@ -183,7 +183,7 @@ static int violations_of(void *self, const eda_printed *p, eda_violation *v,
   if (p->print) {
     repairs_look(r, p);
     repairs_report(r, p, &list);
-    for (size_t k = 0; k < r->layers; k++) mrc_check(r, &p->shapes[k], &list);
+    mrc_check(r, p->shapes, &list);
   }
   *count = list.count;
   return OPC_OK;

@@ -244,7 +244,7 @@ void smooth_boxes(drc *r);
    min_space; `fault` is freed with free(). Their number. */
 size_t mrc_faults(const drc *r, const eda_shapes *shapes,
                   eda_rule_fault **fault);
-/* The same as violations. */
+/* The same as violations, of the masks of all layers. */
 void mrc_check(const drc *r, const eda_shapes *shapes, violations *out);
 
 #endif

@@ -6,9 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "imaging/values.h"
+
 enum {
-  FENCE = 512, /* bytes: 64 numbers too many do no harm, on each side */
-  WORD = 0xA5  /* a large negative number, and no sound double */
+  /* Bytes: 64 numbers too many do no harm, on each side. */
+  FENCE = EDA_VALUES_SPARE,
+  WORD = 0xA5 /* a large negative number, and no sound double */
 };
 
 /* What comes before the array, its size furthest from it. */

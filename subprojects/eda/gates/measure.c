@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From prints to performance: each gate is cut into the slices that the
-   extractor asks for. */
+/* From prints, or what is drawn, to performance: each gate is cut into the
+   slices that the extractor asks for. */
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <math.h>
@@ -118,14 +118,15 @@ static int slices_extract(const slices *s, const eda_gates *gates, size_t first,
   return eda_blame(error, code, slot);
 }
 
-/* ---- a print ---- */
+/* ---- all gates ---- */
 
 typedef struct job {
   const opc_context *context;
   const eda_gates *gates;
-  const eda_field *print;
+  const eda_field *print; /* NULL: as drawn */
   const opc_module *extractor;
-  eda_measurement *out;
+  eda_measurement *out; /* NULL of those as drawn: they have figures alone */
+  eda_performance *performance;
 } job;
 
 /* The gates from `first` on. */
@@ -157,54 +158,60 @@ static void settle(eda_performance *p, uint32_t *flags) {
       flags[i] |= EDA_PRINT_OUTSIDE;
 }
 
+/* Gate i, number k of a block. */
+static int measure_one(const job *j, size_t i, const slices *s, size_t k,
+                       opc_error *error) {
+  eda_gate gate;
+  if (!j->print) {
+    eda_gate_draw(j->gates, i, &gate);
+    return slices_cut(s, k, &gate, error);
+  }
+  eda_gate_measure(j->gates, i, j->print, &gate);
+  int code = slices_cut(s, k, &gate, error);
+  for (int side = 0; side < 2; side++)
+    j->out->extension[2 * i + side] = gate.extension[side];
+  j->out->flags[i] = gate.flags;
+  return code;
+}
+
 static int measure_block(void *data, size_t block, opc_error *error) {
   const job *j = data;
   size_t first = block * BLOCK, n = j->gates->count - first;
   if (n > BLOCK) n = BLOCK;
   slices s;
   int code = slices_init(&s, j->context, j->extractor, n, error);
-  for (size_t k = 0; k < n && !code; k++) {
-    size_t i = first + k;
-    eda_gate gate;
-    eda_gate_measure(j->gates, i, j->print, &gate);
-    code = slices_cut(&s, k, &gate, error);
-    for (int side = 0; side < 2; side++)
-      j->out->extension[2 * i + side] = gate.extension[side];
-    j->out->flags[i] = gate.flags;
-  }
+  for (size_t k = 0; k < n && !code; k++)
+    code = measure_one(j, first + k, &s, k, error);
   if (!code) {
-    eda_performance p = part(&j->out->performance, first, n);
-    uint32_t *flags = j->out->flags + first;
+    eda_performance p = part(j->performance, first, n);
+    uint32_t *flags = j->print ? j->out->flags + first : NULL;
     code = slices_extract(&s, j->gates, first, flags, &p, error);
-    if (!code) settle(&p, flags);
+    if (!code && flags) settle(&p, flags);
   }
   slices_clear(&s);
   return code;
+}
+
+static int measure(job *j, opc_error *error) {
+  return eda_try_all(j->context, (j->gates->count + BLOCK - 1) / BLOCK,
+                     measure_block, j, error);
 }
 
 int eda_measure(const opc_context *context, const eda_gates *gates,
                 const eda_field *print, const opc_module *extractor,
                 eda_measurement *out, opc_error *error) {
-  job j = {context, gates, print, extractor, out};
-  return eda_try_all(context, (gates->count + BLOCK - 1) / BLOCK, measure_block,
-                     &j, error);
+  job j = {context, gates, print, extractor, out, &out->performance};
+  return measure(&j, error);
 }
-
-/* ---- the design ---- */
 
 int eda_measure_drawn(const opc_context *context, const eda_gates *gates,
                       const opc_module *extractor, eda_performance *out,
                       opc_error *error) {
-  slices s;
-  int code = slices_init(&s, context, extractor, gates->count, error);
-  for (size_t i = 0; i < gates->count && !code; i++) {
-    eda_gate gate;
-    eda_gate_draw(gates, i, &gate);
-    code = slices_cut(&s, i, &gate, error);
-  }
-  if (!code) code = slices_extract(&s, gates, 0, NULL, out, error);
-  slices_clear(&s);
-  return code;
+  job j = {.context = context,
+           .gates = gates,
+           .extractor = extractor,
+           .performance = out};
+  return measure(&j, error);
 }
 
 /* ---- what both need ---- */

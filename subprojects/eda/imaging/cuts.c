@@ -11,7 +11,7 @@
 enum {
   TAPS = EDA_SPLINE_TAPS,
   TOGETHER = 16, /* cuts */
-  PITCH = 64,    /* coefficients of a cut, at most */
+  PITCH = 128,   /* coefficients of a cut, at most */
   BLOCK = 8192,  /* of the field around all, at most */
   LINE = 16,     /* what a cut's coefficients are a multiple of */
   NEWTON = 4

@@ -111,9 +111,31 @@ static void test_odd(void) {
   g_rand_free(random);
 }
 
+/* A transistor of 2.6 um of length, as capacitors between cells have. */
+static void test_long(void) {
+  enum { N = 200, HALF = 1300 };
+  const eda_frame long_frame = {0, 0, 25.0 * N, 200};
+  eda_field f = {.frame = long_frame, .nx = N, .ny = 8};
+  f.coefficients = eda_alloc((size_t)N * 8, sizeof(float));
+  for (int i = 0; i < N * 8; i++) {
+    double d = fabs(25.0 * (i % N) - 2500) / HALF;
+    f.coefficients[i] = (float)((1 - d) / (1 + d));
+  }
+  const double at[] = {31, 77, 150};
+  double found[3][2], want[2] = {0};
+  eda_cut_many(&f, 0, 2500, HALF, 3, at, found);
+  for (int j = 0; j < 3; j++) {
+    g_assert_true(walk(&f, 0, 2500, HALF, at[j], want));
+    for (int side = 0; side < 2; side++)
+      g_assert_cmpfloat(fabs(found[j][side] - want[side]), <, 1e-3);
+  }
+  eda_field_clear(&f);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/cuts/walks", test_walks);
   g_test_add_func("/cuts/odd", test_odd);
+  g_test_add_func("/cuts/long", test_long);
   return g_test_run();
 }

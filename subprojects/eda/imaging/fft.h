@@ -35,8 +35,8 @@ int eda_fft_size(double minimum);
    as with eda_alloc. */
 void *eda_fft_alloc(size_t n);
 
-/* Large arrays are kept for those that ask for the like, never more in all than
-   were in use at one time. */
+/* Large arrays are kept for those that ask for the like, never a half more in
+   all than was in use at one time. */
 void eda_fft_free(void *memory);
 
 /* Give back to the system what is kept: nobody will ask soon. */

@@ -4,6 +4,7 @@
    kx times one of ky, so that lines are filtered along x and then along y. */
 #include "imaging/fft.h"
 #include "imaging/spline.h"
+#include "imaging/values.h"
 
 #include <complex.h>
 #include <eda/imaging.h>
@@ -87,8 +88,8 @@ static void apply(const opc_context *context, eda_field *field, int nx, int ny,
   float *gy = gains(&d, field->ny, ny, field->frame.height);
   float *wide = eda_fft_alloc(sizeof *wide * (size_t)nx * (size_t)field->ny);
   int same = nx == field->nx && ny == field->ny;
-  float *out = same ? field->coefficients
-                    : eda_alloc((size_t)nx * (size_t)ny, sizeof *out);
+  float *out =
+      same ? field->coefficients : eda_values_new((size_t)nx * (size_t)ny);
   filter x = {.n = field->nx,
               .m = nx,
               .lines = field->ny,

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Values of fields, and freeing fields and spectra. */
 #include <eda/imaging.h>
-#include <eda/memory.h>
+#include <glib.h>
 #include <math.h>
 #include <stdlib.h>
 
 #include <eda/simd.h>
 #include "imaging/spline.h"
+#include "imaging/values.h"
 
 EDA_WIDE static void sample_points(const eda_field *field, const double *x,
                                    const double *y, size_t n, double *out) {
@@ -51,10 +52,14 @@ void eda_field_clear(eda_field *field) {
   *field = (eda_field){0};
 }
 
+float *eda_values_new(size_t n) {
+  return g_malloc(n * sizeof(float) + EDA_VALUES_SPARE);
+}
+
 eda_field eda_field_scaled(const eda_field *field, double factor) {
   size_t n = (size_t)field->nx * (size_t)field->ny;
   eda_field out = *field;
-  out.coefficients = eda_alloc(n, sizeof *out.coefficients);
+  out.coefficients = eda_values_new(n);
   for (size_t i = 0; i < n; i++)
     out.coefficients[i] = (float)factor * field->coefficients[i];
   return out;

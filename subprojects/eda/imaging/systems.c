@@ -16,6 +16,7 @@
 #include "imaging/fft.h"
 #include "imaging/lanes.h"
 #include "imaging/spline.h"
+#include "imaging/values.h"
 
 #include <complex.h>
 #include <eda/imaging.h>
@@ -274,7 +275,8 @@ EDA_WIDE static void add_square(const eda_lanes *restrict field, float weight,
     sum[i] += weight * (field[i].re * field[i].re + field[i].im * field[i].im);
 }
 
-/* Squares of the systems that are there, one after another. */
+/* Squares of the systems that are there, one after another; the first one of
+   each sum begins it. */
 static void square_along_x(void *data, size_t block) {
   job *j = data;
   if (opc_cancelled(j->context)) return;
@@ -289,8 +291,10 @@ static void square_along_x(void *data, size_t block) {
     eda_lanes_backward(eda_lanes_plan_for(j->nx), a, a + n);
     size_t count = j->systems.count;
     float weight = system < count ? (float)j->systems.weight[system] : 1;
-    add_square(a, weight, j->nx,
-               j->sum[system < count ? 0 : system - count + 1] + block * n);
+    eda_vector *sum =
+        j->sum[system < count ? 0 : system - count + 1] + block * n;
+    if (system == 0 || system >= count) memset(sum, 0, n * sizeof *sum);
+    add_square(a, weight, j->nx, sum);
   }
   give_back(j, a);
 }
@@ -306,10 +310,8 @@ static void make_fields(job *j, size_t count) {
     field->n = 2 * j->left;
     field->at = eda_fft_alloc(each);
   }
-  for (size_t i = 0; i <= j->systems.residuals; i++) {
+  for (size_t i = 0; i <= j->systems.residuals; i++)
     j->sum[i] = eda_fft_alloc(n * sizeof *j->sum[i]);
-    memset(j->sum[i], 0, n * sizeof *j->sum[i]);
-  }
 }
 
 static void add_systems(job *j) {
@@ -563,7 +565,7 @@ int eda_coherent_sum(const opc_context *context, const eda_spectrum *mask,
   choose_grids(&j, step > 0 ? step : default_step);
   j.scratch = g_ptr_array_new_with_free_func(eda_fft_free);
   g_mutex_init(&j.lock);
-  j.out = eda_alloc((size_t)j.fine_x * (size_t)j.fine_y, sizeof *j.out);
+  j.out = eda_values_new((size_t)j.fine_x * (size_t)j.fine_y);
   add_systems(&j);
   to_spline(&j);
   for (int i = 0; i < SUMS; i++) eda_fft_free(j.sum[i]);

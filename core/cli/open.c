@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The files that a flow leaves open: a process the layout, a variant what only
+   its user knows. */
+#include "core/cli/cli.h"
+#include "core/plugin/declaration.h"
+
+static void clear(void *data) { g_free(((cli_open_file *)data)->path); }
+
+/* Those that a plugin, or one in its slots, was not given. */
+static void add(GArray *open, const opc_binding *b) {
+  for (size_t i = 0; b && i < b->plugin->n_parameters; i++) {
+    const opc_parameter *p = &b->plugin->parameters[i];
+    if (b->slots[i]) add(open, b->slots[i]);
+    if (p->type != OPC_FILE || !(p->flags & OPC_REQUIRED) || b->origin[i])
+      continue;
+    const cli_open_file one = {g_strdup_printf("%s.%s", b->path, p->name),
+                               p->summary};
+    g_array_append_val(open, one);
+  }
+}
+
+GArray *cli_open_files(const opc_flow *flow) {
+  GArray *open = g_array_new(FALSE, FALSE, sizeof(cli_open_file));
+  g_array_set_clear_func(open, clear);
+  for (guint i = 0; i < flow->steps->len; i++)
+    add(open, ((opc_flow_step *)flow->steps->pdata[i])->binding);
+  return open;
+}
