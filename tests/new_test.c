@@ -192,6 +192,22 @@ static void test_process(void) {
   g_assert_cmpint(CALL(command, "new", "flow", "--process", "own65", "none"),
                   ==, 5);
   g_assert_cmpstr(err, ==, "error: 'none': no such file\n");
+  g_assert_cmpint(CALL(command, "new", "flow", "--process", "own65", folder),
+                  ==, 5);
+  g_assert_nonnull(strstr(err, "not a regular file"));
+  /* In the user's folder, without plugins there. */
+  g_autofree char *mine =
+      g_build_filename(folder, "home", "opcflow", "flows", "processes", NULL);
+  g_autofree char *copy = g_build_filename(mine, "homely.yaml", NULL);
+  g_autofree char *text = NULL;
+  g_assert_cmpint(g_mkdir_with_parents(mine, 0700), ==, 0);
+  g_assert_true(g_file_get_contents(base, &text, NULL, NULL));
+  g_assert_true(g_file_set_contents(copy, text, -1, NULL));
+  if (CALL("sh", "-c",
+           "unset OPCFLOW_NO_SYSTEM_PLUGINS; XDG_DATA_HOME=$PWD/home \"$0\" "
+           "new flow --process homely \"$1\" homely.yaml",
+           command, cif))
+    g_error("%s", err);
 }
 
 /* All that is shipped can be extended: nothing that it names is missing. */

@@ -145,8 +145,10 @@ static int new_plugin(const GPtrArray *arguments) {
 /* Base flows lie in these folders beside one of plugins, as NAME.yaml. */
 static const char *const bases[] = {"processes", "scanners"};
 
+/* Which folder of plugins there need not be: a user's has base flows alone. */
 static char *base_folder(const char *plugins, const char *base) {
-  return g_build_filename(plugins, "..", "flows", base, NULL);
+  g_autofree char *path = g_build_filename(plugins, "..", "flows", base, NULL);
+  return g_canonicalize_filename(path, NULL);
 }
 
 static int by_name(gconstpointer a, gconstpointer b) {
@@ -230,7 +232,10 @@ static char *from_folder(const char *input) {
 static int extend_process(const char *input, const char *file) {
   int code = CLI_USAGE;
   if (!g_file_test(input, G_FILE_TEST_IS_REGULAR))
-    return cli_error(CLI_IO, "'%s': no such file", input);
+    return cli_error(CLI_IO, "'%s': %s", input,
+                     g_file_test(input, G_FILE_TEST_EXISTS)
+                         ? "not a regular file"
+                         : "no such file");
   g_autofree char *path = find_process();
   g_autoptr(GArray) open = path ? find_open(path, &code) : NULL;
   if (!open) return code;

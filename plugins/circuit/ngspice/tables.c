@@ -251,9 +251,9 @@ int tell_leakage(bench *b, const patterns *p, const logic *l,
     most = fmax(most, l->current[0][i]);
   }
   for (int s = 0; s < states_of(b); s++) {
-    double *current = add_state(&t, "leakage", s, "nA", 4), *change = NULL;
+    double *current = add_state(&t, "leakage", s, "nA", -1), *change = NULL;
     if (s) change = add_state(&t, "leakage", s, "%", 2);
-    double *power = add_state(&t, "power", s, "nW", 4);
+    double *power = add_state(&t, "power", s, "nW", -1);
     for (size_t i = 0; b->has[s] && i < n; i++) {
       current[i] = 1e9 * l->current[s][i];
       power[i] = 1e9 * l->power[s][i];

@@ -75,6 +75,14 @@ static void test_ends(void) {
   eda_devices *cut = load("cut.yaml");
   g_assert_cmpfloat(cut->length[0], ==, 100);
   g_assert_nonnull(strstr(opc_test_log(), "the library has no bin"));
+  /* Of three widths that end there each current of each type is told once. */
+  opc_test_forget();
+  if (make(SHORT ", widths: [2 um, 3 um, 4 um]", "wide.yaml", &error))
+    g_error("%s", error.message);
+  int told = 0;
+  for (const char *at = opc_test_log(); (at = strstr(at, "no bin")); at++)
+    told++;
+  g_assert_cmpint(told, ==, 4);
   g_assert_cmpint(make(SHORT ", ends: refuse", "no.yaml", &error), ==,
                   OPC_FAILED);
   g_assert_nonnull(strstr(error.message, "at 90 nm: the library has no bin"));

@@ -88,7 +88,7 @@ static int tell_reference(const plan *p, const currents *c, opc_error *error) {
       {"W", "nm", OPC_REAL, 0, &row->width},
       {"Ion", "uA", OPC_REAL, 2, &row->ion},
       {"dIon/dL", "%/nm", OPC_REAL, 2, &row->on_slope},
-      {"Ioff", "nA", OPC_REAL, 3, &row->ioff},
+      {"Ioff", "nA", OPC_REAL, -1, &row->ioff},
       {"dIoff/dL", "%/nm", OPC_REAL, 1, &row->off_slope},
       {"Cgate", "fF", OPC_REAL, 3, &row->cgate},
   };

@@ -58,6 +58,7 @@ typedef struct currents {
   size_t first;       /* of the plan's lengths that the table begins with */
   /* The first that was simulated at all widths; before it the slope goes on. */
   size_t simulated[TYPES];
+  size_t cut[TYPES][QUANTITIES]; /* the first that is good, as was told; 0 */
   double narrowest[TYPES]; /* nm; narrower ones go on by slope; 0: none does */
 } currents;
 

@@ -345,6 +345,10 @@ static int settle_end(const job *j, opc_error *error) {
     if (first > out->simulated[j->type]) out->simulated[j->type] = first;
     return go_on(j, first, error);
   }
+  /* Said once, not for each width that ends there. */
+  size_t *told = &out->cut[j->type][j->current];
+  if (first <= *told) return OPC_OK;
+  *told = first;
   char what[96];
   describe(j, p->length[first - 1], what);
   p->host->log(p->host, OPC_LOG_WARNING,

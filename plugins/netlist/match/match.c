@@ -69,14 +69,28 @@ static int find_layer(job *j, const opc_map *map, const char *parameter,
                   "the layout has no layer '%.200s' for '%s'", name, key);
 }
 
+/* Whether the flow gives a wire or via a name: then numbers without one are not
+   FreePDK45's, where another process may have an implant. */
+static int wires_are_named(const job *j, const matcher *m) {
+  for (int k = METAL1; k < LAYERS; k++) {
+    char name[3][16];
+    layer_names(k, name);
+    if (eda_layout_find_layer(j->layout, name[0]) >= 0) return 1;
+    for (size_t i = 0; i < m->layers.count; i++)
+      if (!strcmp(m->layers.pairs[i].key, name[0])) return 1;
+  }
+  return 0;
+}
+
 static int find_layers(job *j, const matcher *m) {
   char used[400] = "";
   size_t n = 0;
+  int ways = wires_are_named(j, m) ? 2 : 3;
   for (int k = 0; k < LAYERS; k++) {
     char name[3][16];
     layer_names(k, name);
     j->layer[k] = -1;
-    for (int i = 0; i < 3 && j->layer[k] < 0; i++)
+    for (int i = 0; i < ways && j->layer[k] < 0; i++)
       j->layer[k] = eda_layout_find_layer(j->layout, name[i]);
     if (find_layer(j, &m->layers, "layers", name[0], &j->layer[k]))
       return j->error->code;

@@ -513,6 +513,35 @@ static void test_orientations(void) {
   }
 }
 
+/* The second via by FreePDK45's number: taken where no wire has a name, so that
+   its slanted edge is refused; another process's implant where one has. */
+static void test_numbers(void) {
+  opc_error error;
+  for (int named = 0; named < 2; named++) {
+    int32_t cell;
+    run r = {.layout = eda_layout_new(1, &error)};
+    cell = eda_layout_cell(r.layout, "one", &error);
+    box(r.layout, cell, "active", 0, 0, 300, 200);
+    box(r.layout, cell, "poly", 150, -100, 215, 300);
+    box(r.layout, cell, "nimplant", -50, -50, 350, 250);
+    box(r.layout, cell, named ? "metal1" : "11/0", 0, 50, 100, 100);
+    eda_point p[] = {{0, 300}, {100, 300}, {0, 400}};
+    int32_t layer = eda_layout_layer(r.layout, "14/0", &error);
+    eda_layout_add_polygon(r.layout, cell, layer, p, 3, &error);
+    find_gates(&r, "{}");
+    g_autofree char *message = NULL;
+    g_autofree char *path = in_folder(
+        "v.sp", "*\n.subckt one\nM1 a b c d n w=200n l=65n\n.ends\n", -1);
+    const eda_circuit *c = match(&r, path, "", &message);
+    if (named)
+      g_assert_nonnull(c);
+    else
+      g_assert_nonnull(strstr(message, "layer '14/0' has a slanted edge"));
+    drop_gates(&r);
+    eda_layout_free(r.layout);
+  }
+}
+
 static void test_slanted(void) {
   opc_error error;
   int32_t cell;
@@ -548,6 +577,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/match/same-label", test_same_label);
   g_test_add_func("/match/hints", test_hints);
   g_test_add_func("/match/orientations", test_orientations);
+  g_test_add_func("/match/numbers", test_numbers);
   g_test_add_func("/match/slanted", test_slanted);
   return g_test_run();
 }

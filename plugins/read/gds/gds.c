@@ -57,6 +57,8 @@ static int next(gds *g) {
   g->at = g->next;
   if (!left)
     refuse(g, "ends before ENDLIB,");
+  else if (!g->at && (left < 4 || p[2] != EDA_GDS_HEADER))
+    refuse(g, "not a GDSII file: no HEADER");
   else if (length < 4 || length % 2)
     refuse(g, "impossible record length");
   else if (left < length)
@@ -371,8 +373,7 @@ static void take_units(gds *g) {
 
 static void read_library(void *self) {
   gds *g = self;
-  if (next(g) && (g->type != EDA_GDS_HEADER || g->n != 2))
-    refuse(g, "not a GDSII file: no HEADER");
+  if (next(g) && g->n != 2) refuse(g, "not a GDSII file: no HEADER");
   /* What follows ENDLIB fills the last block of a tape. */
   while (next(g) && g->type != EDA_GDS_ENDLIB) switch (g->type) {
       case EDA_GDS_UNITS:

@@ -556,7 +556,10 @@ static void test_refusals(void) {
   refuse(path, "", OPC_IO, "record out of place at byte 62");
   g_byte_array_free(file, TRUE);
   g_assert_true(g_file_set_contents(path, "hello, world", -1, NULL));
-  refuse(path, "", OPC_IO, "impossible record length at byte 0");
+  refuse(path, "", OPC_IO, "not a GDSII file: no HEADER at byte 0");
+  /* What would be the length of the first record is beyond this file's end. */
+  g_assert_true(g_file_set_contents(path, "(CIF file);\n", -1, NULL));
+  refuse(path, "", OPC_IO, "not a GDSII file: no HEADER at byte 0");
 }
 
 /* Read what may be anything: it is a layout or an error, in bounded time, and

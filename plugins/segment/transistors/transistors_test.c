@@ -432,6 +432,31 @@ static void test_type(void) {
   type_is("(N)", OPC_INVALID, unknown);
 }
 
+/* A layer of the wells without a shape, as where its number is that of its
+   texts, makes all transistors alike: that is told. One that lies elsewhere is
+   not. */
+static void test_no_well(void) {
+  static const char *const wells[] = {"nwell", "pwell"};
+  for (int k = 0; k < 2; k++)
+    for (int shapes = 0; shapes < 2; shapes++) {
+      opc_error error;
+      drawing d = drawing_new();
+      draw(&d, "active", 0, 0, 400, 200);
+      draw(&d, "poly", 150, -100, 215, 300);
+      g_assert_cmpint(eda_layout_layer(d.layout, wells[k], &error), >=, 0);
+      if (shapes) draw(&d, wells[k], 1000, 0, 1100, 100);
+      opc_test_forget();
+      result r = segment(d.layout, "{}");
+      g_autofree char *want = g_strdup_printf(
+          "layer '%s' has no shape, so that all transistors are "
+          "%c-transistors",
+          wells[k], "np"[k]);
+      g_assert_true((strstr(opc_test_log(), want) == NULL) == shapes);
+      result_free(&r);
+      eda_layout_free(d.layout);
+    }
+}
+
 /* ---- refusals ---- */
 
 static void test_refused(void) {
@@ -913,6 +938,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/transistors/turning-poly", test_turning_poly);
   g_test_add_func("/transistors/bent-active", test_bent_active);
   g_test_add_func("/transistors/type", test_type);
+  g_test_add_func("/transistors/no-well", test_no_well);
   g_test_add_func("/transistors/refused", test_refused);
   g_test_add_func("/transistors/refused-shapes", test_refused_shapes);
   g_test_add_func("/transistors/instances", test_instances);

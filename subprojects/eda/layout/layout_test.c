@@ -183,6 +183,7 @@ static void test_many_tops(void) {
     eda_layout_cell(layout, name, &e);
   }
   g_assert_cmpint(eda_layout_top(layout, &e), <, 0);
+  g_assert_nonnull(strstr(e.message, "'top' takes one"));
   int named = 0, more = 0;
   for (const char *at = e.message; (at = strstr(at, "'cell")); at++) named++;
   const char *rest = strstr(e.message, " and ");

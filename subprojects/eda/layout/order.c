@@ -139,7 +139,8 @@ int32_t eda_layout_top(const eda_layout *layout, opc_error *error) {
       opc_fail(error, OPC_INVALID, NULL, "cells lead to a circle: %s",
                names->str);
     else if (tops)
-      opc_fail(error, OPC_INVALID, NULL, "there are %zu top cells: %s", tops,
+      opc_fail(error, OPC_INVALID, NULL,
+               "there are %zu top cells, of which 'top' takes one: %s", tops,
                names->str);
     else
       opc_fail(error, OPC_INVALID, NULL, "the layout has no cells");

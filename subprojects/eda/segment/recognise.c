@@ -139,6 +139,19 @@ static const char *find_type(const int *has, const uint8_t *at, uint8_t *type) {
   return NULL;
 }
 
+/* A number of the wells' layer that has only texts, or a wrong one, makes all
+   transistors alike, which nothing else would tell. */
+static void warn_of_well(const segment *s) {
+  int well = s->has_doping[NWELL] ? NWELL : PWELL;
+  if (s->has_doping[NIMPLANT] || s->has_doping[PIMPLANT] ||
+      !s->has_doping[well] || s->doping[well].count)
+    return;
+  segment_tell(s, 1,
+               "layer '%s' has no shape, so that all transistors are "
+               "%c-transistors: is it the right one?",
+               well == NWELL ? "nwell" : "pwell", well == NWELL ? 'n' : 'p');
+}
+
 static int find_types(segment *s) {
   size_t n = s->regions.count;
   uint8_t *state = eda_alloc(n, DOPINGS);
@@ -152,6 +165,7 @@ static int find_types(segment *s) {
     if (fault) code = segment_refuse(s, i, fault);
   }
   free(state);
+  if (!code && n) warn_of_well(s);
   return code;
 }
 
