@@ -100,16 +100,19 @@ static void write_walk(job *j, FILE *out, const void *how) {
   walk_command(((const round_of *)j->of)->m, how, out);
 }
 
-/* How often a net goes through the middle between two times. */
+/* How often a net goes from one level to the other between two times. */
 static int count_changes(const bench *b, const eda_spice_plot *plot,
                          uint32_t net, double from, double to) {
   char name[32];
   const eda_spice_vector *t = eda_spice_vector_find(plot, "time");
   const eda_spice_vector *v = eda_spice_vector_find(plot, probe(b, net, name));
-  int n = 0;
-  for (size_t i = 1; t && v && i < t->count && t->value[i] <= to; i++)
-    n += t->value[i] >= from &&
-         (v->value[i] > b->supply / 2) != (v->value[i - 1] > b->supply / 2);
+  int n = 0, was = -1;
+  for (size_t i = 0; t && v && i < t->count && t->value[i] <= to; i++) {
+    double x = v->value[i] / b->supply;
+    int is = x >= b->high ? 1 : x <= b->low ? 0 : was;
+    n += t->value[i] >= from && was >= 0 && is != was;
+    was = is;
+  }
   return n;
 }
 
@@ -126,17 +129,30 @@ static void check_ringing(job *j, const eda_spice_plot *plot, double from,
                          1e9 * (to - from));
 }
 
+/* Levels at the ends do not tell: what rings may come back to them. */
+static int any_changes(const job *j, const eda_spice_plot *plot, double from,
+                       double to) {
+  const machine *m = ((const round_of *)j->of)->m;
+  for (size_t i = 0; i < m->watched; i++)
+    if (count_changes(j->b, plot, m->net[i], from, to)) return 1;
+  return 0;
+}
+
 static void look(job *j, trip *t, const eda_spice_plot *plot) {
   const machine *m = ((const round_of *)j->of)->m;
   g_autofree int8_t *middle = g_new(int8_t, m->watched);
   for (size_t k = 0; k <= t->way.input->len; k++) {
     int8_t *end = t->level + k * m->watched;
-    states_levels(j->b, m, plot, m->phase * ((double)k + 0.5), middle);
-    states_levels(j->b, m, plot, m->phase * ((double)k + 1), end);
+    double from = m->phase * (double)k, half = m->phase * ((double)k + 0.5),
+           to = m->phase * ((double)k + 1);
+    states_levels(j->b, m, plot, half, middle);
+    states_levels(j->b, m, plot, to, end);
     /* The first may well wake up slowly. */
-    if (!k || !memcmp(middle, end, m->watched)) continue;
+    if (!k ||
+        (!memcmp(middle, end, m->watched) && !any_changes(j, plot, half, to)))
+      continue;
     t->rests = 0;
-    check_ringing(j, plot, m->phase * (double)k, m->phase * ((double)k + 1));
+    check_ringing(j, plot, from, to);
   }
 }
 
@@ -330,6 +346,7 @@ static void list_patterns(bench *b, const machine *m, patterns *p, logic *l) {
     for (size_t i = 0; i < b->inputs; i++) {
       uint32_t t = m->next[s * b->inputs + i];
       if (t < STATE_LOST) p->transition[p->transitions++] = (transition){s, t};
+      p->sampled |= t == STATE_UNKNOWN;
     }
     for (size_t k = 0; k < m->watched; k++)
       for (size_t o = 0; o < b->outputs; o++)

@@ -65,6 +65,9 @@ static void test_crossed(void) {
   g_assert_nonnull(strstr(opc_test_log(), "keeps a state: 5 "));
   run(m, 0, card, "measure: delays, most: 3");
   g_assert_nonnull(strstr(opc_test_log(), "there are more"));
+  run(m, 0, card, "measure: delays, most: 1");
+  g_assert_nonnull(
+      strstr(opc_test_log(), "output 'QN' never changes in what was tried"));
 }
 
 /* What was set once stays so, and how it came about is no state to come back
@@ -93,7 +96,10 @@ static void test_halving(void) {
   g_assert_nonnull(strstr(opc_test_log(), "no changes of inputs are known"));
 }
 
+/* However its period goes into the time that it is looked at: with some of
+   these loads its levels are the same at the middle and at the end of it. */
 static void test_ringing(void) {
+  static const char *const loads[] = {"0", "0.4", "1.5", "2.9", "3.1", "3.5"};
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
   g_autoptr(made) m =
@@ -101,8 +107,12 @@ static void test_ringing(void) {
            "MN1 X E VSS VSS n 65 400,MN2 A C X VSS n 65 400,"
            "MP1 A E VDD VDD p 65 450,MP2 A C VDD VDD p 65 450," INVERT(
                "3", "A", "B") "," INVERT("4", "B", "C"));
-  refused(m, 0, card, "measure: delays, load: 0 fF",
-          "'made' does not come to rest: its net '*' changes 32 times*");
+  for (size_t i = 0; i < G_N_ELEMENTS(loads); i++) {
+    g_autofree char *rest =
+        g_strdup_printf("measure: delays, load: %s fF", loads[i]);
+    refused(m, 0, card, rest,
+            "'made' does not come to rest: its net '*' changes 32 times*");
+  }
 }
 
 /* ---- how long it takes ---- */

@@ -14,6 +14,7 @@
 #include "../report.h"
 #include "../rules.h"
 #include "../slots.h"
+#include "../ways.h"
 #include "work.h"
 
 enum { ON, OFF }; /* `guard` */
@@ -237,14 +238,9 @@ static int begin(const chip *c, eda_chip *out, opc_error *error) {
   return code;
 }
 
-/* Both layers that print transistors have to agree. */
 static int find_ways(work *w, opc_error *error) {
-  int poly, active;
-  int code = ways_find(w->host->context, w->litho, EDA_POLY, &poly, error);
-  if (!code)
-    code = ways_find(w->host->context, w->litho, EDA_ACTIVE, &active, error);
-  if (code) return eda_blame(error, code, "litho");
-  w->ways = MIN(poly, active);
+  int code = ways_find(w->host->context, w->litho, &w->ways, error);
+  if (code) return code;
   if (w->ways < 8)
     w->host->log(w->host, OPC_LOG_INFO,
                  "the optics do not see all ways alike in which a transistor "

@@ -3,12 +3,12 @@
    lying the optics see alike. */
 #include "sheet.c"
 
+#include "../ways.h"
 #include "core/testing/testing.h"
 
 #define maker halver /* both have one */
 #include "cover.c"
 #undef maker
-#include "ways.c"
 
 enum { PLACES = 9 };
 
@@ -151,9 +151,8 @@ static void test_ways(void) {
     const eda_litho *litho = m->functions;
     int ways = 0;
     g_assert_cmpint(litho->prepare(m->self, &error), ==, OPC_OK);
-    g_assert_cmpint(
-        ways_find(opc_test_host()->context, m, EDA_POLY, &ways, &error), ==,
-        OPC_OK);
+    g_assert_cmpint(ways_find(opc_test_host()->context, m, &ways, &error), ==,
+                    OPC_OK);
     g_assert_cmpint(ways, ==, cases[i].ways);
   }
 }

@@ -68,11 +68,6 @@ typedef struct work {
 
 void work_clear(work *work);
 
-/* ways.c: in how many of the ways in which a shape can lie a model's image of
-   it lies alike: in all 8, in the 4 without a swap of x and y, or in 1. */
-int ways_find(const opc_context *context, const opc_module *litho, int layer,
-              int *ways, opc_error *error);
-
 /* scan.c: all transistors of the layout, window by window, and their classes.
    Fills chip->gate and `first`. */
 int scan_all(work *work, opc_error *error);

@@ -138,6 +138,22 @@ code=$?
 check "another process: exit 2" exits 2
 check "and says what differs" says "made with another litho"
 
+# ---- light that does not see all ways alike ----
+
+# A dipole sees lines along x otherwise than along y, and either as its mirror.
+dipole() {
+  layout "$1" 600 >"$work/turned.cif"
+  run --set "layout.file=$work/turned.cif" \
+    --set "library.litho={ use: litho.hopkins, wavelength: 193 nm, na: 0.75, source: dipole, sigma: 0.9, sigma_in: 0.6 }" \
+    --set "placed.litho={ use: litho.hopkins, wavelength: 193 nm, na: 0.75, source: dipole, sigma: 0.9, sigma_in: 0.6 }"
+}
+dipole "M X"
+check "a mirrored cell by a dipole" is placed unknown 0.0
+dipole "R 0 1"
+code=$?
+check "a turned one: exit 2" exits 2
+check "and says why" says "cell 'nand2' is placed turned by a right angle, which the optics do not see alike"
+
 # ---- without prints, and by cheap ones ----
 
 run

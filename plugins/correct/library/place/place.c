@@ -14,6 +14,7 @@
 #include "../../report.h"
 #include "../../slots.h"
 #include "../../start.h"
+#include "../../ways.h"
 #include "../disturb.h"
 #include "../library.h"
 #include "../shelf.h"
@@ -96,6 +97,44 @@ static int look_up(placer *r, shelf *from, int32_t cell) {
   return code;
 }
 
+/* ---- how cells lie ---- */
+
+/* Of the ways that ways_find counts, how many must be alike for this one. */
+static int ways_for(const turn *t) {
+  return t->xy ? 8 : t->xx < 0 || t->yy < 0 ? 4 : 1;
+}
+
+static int find_ways(const place *p, int *ways, opc_error *error) {
+  eda_printer printer;
+  eda_printer_init(&printer, p->host->context, p->gates, p->litho, p->resist,
+                   p->margin);
+  int code = printer.litho.functions.prepare(&printer.litho, error);
+  if (!code)
+    code = ways_find(p->host->context, &printer.litho.module, ways, error);
+  eda_printer_clear(&printer);
+  return code;
+}
+
+/* A cell's mask is that of a turned one only where light sees both alike. */
+static int check_ways(const placer *r, const units *found) {
+  const place *p = r->p;
+  size_t worst = 0;
+  int ways = 0;
+  for (size_t i = 1; i < found->count; i++)
+    if (ways_for(&found->unit[i].at) > ways_for(&found->unit[worst].at))
+      worst = i;
+  if (!found->count || ways_for(&found->unit[worst].at) == 1) return OPC_OK;
+  int code = find_ways(p, &ways, r->error);
+  if (code || ways_for(&found->unit[worst].at) <= ways) return code;
+  return opc_fail(
+      r->error, OPC_INVALID, "layout",
+      "cell '%s' is %s, which the optics do not see alike (source, "
+      "polarisation or aberrations): a mask from a library is none for it",
+      eda_layout_cell_name(p->layout, found->unit[worst].cell),
+      found->unit[worst].at.xy ? "placed turned by a right angle"
+                               : "placed mirrored or upside down");
+}
+
 /* ---- the mask ---- */
 
 static int place_all(placer *r, shelf *from, const units *found) {
@@ -150,6 +189,7 @@ static int stitch_all(placer *r) {
   r->entry = eda_alloc(cells, sizeof(entry *));
   r->looked = eda_alloc(cells, 1);
   int code = units_find(p->layout, top, &found, r->error);
+  if (!code) code = check_ways(r, &found);
   if (!code) code = place_all(r, from, &found);
   g_free(found.unit);
   return code ? code : tell_of_unknown(r);

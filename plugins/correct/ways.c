@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Whether the optics see a transistor alike however it lies. */
-#include <eda/litho.h>
+#include "ways.h"
+
+#include <eda/check.h>
+#include <eda/gates.h>
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
-
-#include "work.h"
 
 /* Clear field 1: less than models are off by, more than rounding. */
 static const double alike = 1e-4;
@@ -75,8 +76,8 @@ static int look(const opc_context *context, const opc_module *litho, int layer,
   return code;
 }
 
-int ways_find(const opc_context *context, const opc_module *litho, int layer,
-              int *ways, opc_error *error) {
+static int ways_of_layer(const opc_context *context, const opc_module *litho,
+                         int layer, int *ways, opc_error *error) {
   enum { N = ACROSS * ACROSS };
   double first[N], other[N], worst[2] = {0}; /* not swapped, swapped */
   int code = look(context, litho, layer, 0, first, error);
@@ -88,4 +89,15 @@ int ways_find(const opc_context *context, const opc_module *litho, int layer,
   }
   *ways = worst[0] > alike ? 1 : worst[1] > alike ? SWAPPED : ALL;
   return code;
+}
+
+/* Both layers that print transistors have to agree. */
+int ways_find(const opc_context *context, const opc_module *litho, int *ways,
+              opc_error *error) {
+  int poly, active;
+  int code = ways_of_layer(context, litho, EDA_POLY, &poly, error);
+  if (!code) code = ways_of_layer(context, litho, EDA_ACTIVE, &active, error);
+  if (code) return eda_blame(error, code, "litho");
+  *ways = poly < active ? poly : active;
+  return OPC_OK;
 }
