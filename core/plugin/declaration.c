@@ -87,8 +87,10 @@ static const char *parameter_flaw(const opc_plugin *plugin,
     return " has bounds that fit no value";
   if (p->preset && p->flags & OPC_REQUIRED)
     return " is required and has a default";
-  if (p->follows && (p->preset || p->type != OPC_REAL))
-    return " follows from something, and is no number or has a default";
+  if (p->follows &&
+      (p->preset || p->flags & OPC_REQUIRED || p->type != OPC_REAL))
+    return " follows from something, and is no number, required or has a "
+           "default";
   return p->preset && p->type == OPC_INPUT ? ": an input has no default" : NULL;
 }
 

@@ -30,6 +30,9 @@ static const struct {
     {"bad.entry", "it has no function opcflow_plugin()"},
     {"bad.exit", "it ended while loading"},
     {"bad.field", "parameter 'size': its field is not in the instance"},
+    {"bad.follows",
+     "parameter 'size' follows from something, and is no number, required or "
+     "has a default"},
     {"bad.function", "its function 'violations' is missing"},
     {"bad.functions", "its functions have 8 bytes, a 'regulator' has 16"},
     {"bad.hang", "did not load within 0.5 s"},

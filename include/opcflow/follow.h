@@ -16,9 +16,8 @@ extern "C" {
 typedef double opc_follow_value(const void *data, const char *follows);
 
 /* Give the fields of an instance `self` that have no value yet (NAN) theirs.
-   One line at info level says all that were taken: "ID: WHENCE: min_space 55
-   nm,
-   ...". Does nothing a second time. [main] */
+   One line at info level says all that were taken, "ID: WHENCE: NAME VALUE
+   UNIT, ...". Does nothing a second time. [main] */
 OPC_UNUSED static void opc_follow(const opc_host *host, const char *id,
                                   void *self, const opc_parameter *parameters,
                                   size_t n, opc_follow_value *value,

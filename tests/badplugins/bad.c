@@ -50,6 +50,9 @@ static const opc_parameter parameters[] = {
      OPC_FIELD(bad, size)},
 #elif defined BAD_WIDTH
     {SIZE, .unit = "nm", .preset = "65 nm", OPC_FIELD(bad, narrow)},
+#elif defined BAD_FOLLOWS
+    {SIZE, .flags = OPC_REQUIRED, .unit = "nm", .follows = "0.1 lambda/NA",
+     OPC_FIELD(bad, size)},
 #elif defined BAD_FIELD
     {SIZE, .unit = "nm", .preset = "65 nm", .offset = sizeof(bad),
      .width = sizeof(double)},
