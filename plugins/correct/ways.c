@@ -58,8 +58,9 @@ static int look(const opc_context *context, const opc_module *litho, int layer,
   eda_spectrum spectrum = {0};
   eda_field field = {0};
   for (int k = 0; k < N; k++) {
-    x[k] = STEP * (k % ACROSS - ACROSS / 2);
-    y[k] = STEP * (k / ACROSS - ACROSS / 2);
+    int column = k % ACROSS - ACROSS / 2, row = k / ACROSS - ACROSS / 2;
+    x[k] = STEP * column;
+    y[k] = STEP * row;
     turn(way, &x[k], &y[k]);
   }
   const eda_litho *functions = litho->functions;

@@ -194,7 +194,8 @@ static void add_line(outlines *o, const double *p, size_t n) {
         good = is_on(p + 2 * at, p + 2 * (to + 1), p + 2 * k);
     at = to;
   }
-  push(&o->sizes, (double)((o->places.count - before) / 2));
+  size_t kept = (o->places.count - before) / 2;
+  push(&o->sizes, (double)kept);
 }
 
 /* Whether a line goes along the border of the window there: contours are closed

@@ -113,7 +113,8 @@ static int shares_end(const cutter *c, size_t sides, size_t i, int side) {
    good as one of 65. */
 static int32_t in_lengths(const segment *s, size_t i, double nm) {
   double all = round(s->gates->length[i] * nm / 65) / s->grid;
-  return (int32_t)fmin(round(all), s->reach / 2);
+  int32_t most = s->reach / 2;
+  return (int32_t)fmin(round(all), most);
 }
 
 int32_t segment_overhang(const segment *s, size_t i) {
