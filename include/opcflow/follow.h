@@ -50,7 +50,7 @@ OPC_UNUSED static int opc_put_followed(const opc_host *host, const void *self,
   row *rows = (row *)calloc(n + 1, sizeof *rows);
   size_t i, count = 0;
   int code;
-  if (!rows) return OPC_FAILED;
+  if (!rows) return opc_fail(error, OPC_FAILED, NULL, "no memory");
   for (i = 0; i < n; i++) {
     const opc_parameter *p = &parameters[i];
     if (!p->follows) continue;

@@ -5,20 +5,10 @@
 #include <eda/curves.h>
 #include <eda/devices.h>
 #include <eda/extractor.h>
-#include <eda/simulator.h>
 #include <math.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
-
-static int have_ngspice(void) {
-  opc_error error;
-  eda_spice_result r;
-  int code = eda_spice_run(NULL, "t\nv1 a 0 1\n.end", "op", 20, &r, &error);
-  eda_spice_clear(&r);
-  if (code == OPC_NO_PLUGIN) g_test_skip(error.message);
-  return code != OPC_NO_PLUGIN;
-}
+#include "plain_test.h"
 
 /* ---- a library of our own ---- */
 
@@ -194,8 +184,6 @@ static void test_osdi(void) {
    is too small to count. NAN if there is no such command. */
 static double charge(const char *models, const char *name, int type,
                      double length, double width, double supply) {
-  g_autofree char *program = g_find_program_in_path("ngspice");
-  if (!program) return NAN;
   double v = type ? -supply : supply;
   g_autofree char *deck = g_strdup_printf(
       "by hand\n.lib \"%s\" tt\n.options gmin=1e-20 reltol=1e-5\n"
@@ -207,13 +195,8 @@ static double charge(const char *models, const char *name, int type,
       "let taken = v(gathered)[n] - v(gathered)[0]\nprint taken\n.endc\n"
       ".end\n",
       models, name, length / 1000, width / 1000, v, v, v);
-  g_autofree char *path = g_build_filename(opc_test_folder(), "q.sp", NULL);
-  g_autofree char *out = NULL;
-  g_assert_true(g_file_set_contents(path, deck, -1, NULL));
-  const char *argv[] = {program, "-b", path, NULL};
-  g_assert_true(g_spawn_sync(opc_test_folder(), (char **)argv, NULL,
-                             G_SPAWN_STDERR_TO_DEV_NULL, NULL, NULL, &out, NULL,
-                             NULL, NULL));
+  g_autofree char *out = by_hand(deck);
+  if (!out) return NAN;
   const char *at = strstr(out, "taken = ");
   if (!at) g_error("%s", out);
   return fabs(1e-15 * g_ascii_strtod(at + 8, NULL)) / supply;
@@ -347,13 +330,12 @@ static int simulate(const process *p, const gate gates[GATES], int current,
                     double out[GATES]) {
   const char *data = g_getenv("OPCFLOW_TEST_DATA");
   if (!data) data = "../shared/data";
-  g_autofree char *program = g_find_program_in_path("ngspice");
   g_autofree char *lib = g_build_filename(data, p->library, NULL);
   g_autofree char *osdi =
       p->osdi ? g_build_filename(data, p->osdi, NULL) : NULL;
-  if (!program || !g_file_test(lib, G_FILE_TEST_EXISTS) ||
+  if (!g_file_test(lib, G_FILE_TEST_EXISTS) ||
       (osdi && !g_file_test(osdi, G_FILE_TEST_EXISTS))) {
-    g_test_skip("no command 'ngspice', or not the models of this process");
+    g_test_skip("no models of this process");
     return 0;
   }
   g_autoptr(GString) deck = g_string_new("by hand\n");
@@ -374,13 +356,11 @@ static int simulate(const process *p, const gate gates[GATES], int current,
   for (int i = 0; i < GATES; i++)
     g_string_append_printf(deck, "print i(v%d)\n", i);
   g_string_append(deck, ".endc\n.end\n");
-  g_autofree char *path = g_build_filename(opc_test_folder(), "h.sp", NULL);
-  g_autofree char *text = NULL;
-  g_assert_true(g_file_set_contents(path, deck->str, -1, NULL));
-  const char *argv[] = {program, "-b", path, NULL};
-  g_assert_true(g_spawn_sync(opc_test_folder(), (char **)argv, NULL,
-                             G_SPAWN_STDERR_TO_DEV_NULL, NULL, NULL, &text,
-                             NULL, NULL, NULL));
+  g_autofree char *text = by_hand(deck->str);
+  if (!text) {
+    g_test_skip("no command 'ngspice'");
+    return 0;
+  }
   const char *at = text;
   if (osdi && !strstr(at, ") = ")) {
     g_test_skip("the command 'ngspice' cannot load compiled models");

@@ -3,30 +3,16 @@
    what extractor.plain makes of the table. */
 #include <eda/devices.h>
 #include <eda/extractor.h>
-#include <eda/simulator.h>
 #include <math.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "plain_test.h"
 
 /* A BSIM4 card of few parameters, for what needs no process. */
 #define SMALL(l)                                                \
   ".model n nmos level=54 version=4.5 toxe=2n vth0=0.4 lint=" l \
   "\n"                                                          \
   ".model p pmos level=54 version=4.5 toxe=2n vth0=-0.4 u0=0.01 lint=" l "\n"
-
-static int have_ngspice(void) {
-  static int known = -1;
-  static opc_error error;
-  eda_spice_result r;
-  if (known < 0) {
-    known = eda_spice_run(NULL, "t\nv1 a 0 1\n.end", "op", 20, &r, &error) !=
-            OPC_NO_PLUGIN;
-    eda_spice_clear(&r);
-  }
-  if (!known) g_test_skip(error.message);
-  return known;
-}
 
 /* The path of a card with that text, or of a file of the project or of the
    test data; NULL and a skip if it is not there. */
@@ -81,21 +67,14 @@ static eda_devices *load(const char *table) {
    is not there. */
 static double plain_current(const char *card, const char *model, double sign,
                             int on, double width, double length) {
-  g_autofree char *program = g_find_program_in_path("ngspice");
-  if (!program) return NAN;
   g_autofree char *deck = g_strdup_printf(
       "by hand\n.include \"%s\"\n"
       "m1 d g 0 0 %s w=%gn l=%gn\nvd d 0 %g\nvg g 0 %g\n"
       ".options gmin=1e-15 reltol=1e-6 abstol=1e-15\n"
       ".control\nset numdgt=12\nop\nprint i(vd)\n.endc\n.end\n",
       card, model, width, length, sign, on ? sign : 0);
-  g_autofree char *path = g_build_filename(opc_test_folder(), "h.sp", NULL);
-  g_autofree char *out = NULL;
-  g_assert_true(g_file_set_contents(path, deck, -1, NULL));
-  const char *argv[] = {program, "-b", path, NULL};
-  g_assert_true(g_spawn_sync(opc_test_folder(), (char **)argv, NULL,
-                             G_SPAWN_STDERR_TO_DEV_NULL, NULL, NULL, &out, NULL,
-                             NULL, NULL));
+  g_autofree char *out = by_hand(deck);
+  if (!out) return NAN;
   const char *at = strstr(out, "i(vd) = ");
   if (!at) g_error("%s", out);
   return -sign * g_ascii_strtod(at + 8, NULL);

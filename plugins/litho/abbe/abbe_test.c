@@ -8,54 +8,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "../image_test.h"
 
 static const opc_host *host;
 static const double cutoff = 0.75 / 193;
-
-static opc_module *prepared(const char *id, const char *parameters) {
-  opc_error error;
-  opc_module *m = opc_test_module(id, parameters, &error);
-  if (!m) g_error("%s", error.message);
-  const eda_litho *litho = m->functions;
-  g_assert_cmpint(litho->prepare(m->self, &error), ==, OPC_OK);
-  return m;
-}
-
-/* The image of boxes on a grid of 0.1 nm. */
-static eda_field image_of(opc_module *m, int layer, double defocus,
-                          const eda_box *boxes, size_t n, eda_frame f) {
-  const eda_litho *litho = m->functions;
-  eda_point points[16];
-  uint32_t start[5];
-  g_assert_cmpuint(n, <=, 4);
-  for (size_t i = 0; i < n; i++) {
-    eda_box b = boxes[i];
-    eda_point corners[] = {
-        {b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
-    memcpy(points + 4 * i, corners, sizeof corners);
-  }
-  for (size_t i = 0; i <= n; i++) start[i] = (uint32_t)(4 * i);
-  eda_shapes shapes = {n, start, points, NULL};
-  eda_spectrum mask;
-  eda_field field;
-  opc_error error;
-  g_assert_cmpint(
-      eda_litho_spectrum(host->context, m, &shapes, 0.1, f, &mask, &error), ==,
-      OPC_OK);
-  int code = defocus != 0 ? litho->image_at(m->self, layer, &mask, defocus,
-                                            &field, &error)
-                          : litho->image(m->self, layer, &mask, &field, &error);
-  g_assert_cmpint(code, ==, OPC_OK);
-  eda_spectrum_clear(&mask);
-  return field;
-}
-
-static double value_at(const eda_field *f, double x, double y) {
-  double v;
-  eda_field_sample(f, &x, &y, 1, &v);
-  return v;
-}
 
 /* A vertical line of `width` at x = 0 in a grating of `pitch`. */
 static eda_field grating(const char *parameters, double defocus, double width,
@@ -63,8 +19,8 @@ static eda_field grating(const char *parameters, double defocus, double width,
   g_autoptr(opc_module) m = prepared("litho.abbe", parameters);
   int32_t x = (int32_t)lround(width * 5), y = (int32_t)lround(pitch * 10);
   eda_box line = {-x, 0, x, y};
-  return image_of(m, EDA_POLY, defocus, &line, 1,
-                  (eda_frame){-pitch / 2, 0, pitch, pitch});
+  return image_boxes(m, EDA_POLY, defocus, &line, 1,
+                     (eda_frame){-pitch / 2, 0, pitch, pitch});
 }
 
 /* The amplitude of order n of that grating. */
@@ -110,8 +66,8 @@ static void test_turned(void) {
     int32_t half = (int32_t)lround(width * 5), all = (int32_t)(10 * pitch);
     g_autoptr(opc_module) m = prepared("litho.abbe", cases[i].parameters);
     eda_box line = {0, -half, all, half};
-    eda_field f = image_of(m, EDA_POLY, 0, &line, 1,
-                           (eda_frame){0, -pitch / 2, pitch, pitch});
+    eda_field f = image_boxes(m, EDA_POLY, 0, &line, 1,
+                              (eda_frame){0, -pitch / 2, pitch, pitch});
     for (double y = -pitch / 2; y < pitch / 2; y += pitch / 37) {
       double want = beams(cases[i].from, cases[i].to, NULL, y, width, pitch);
       g_assert_cmpfloat(fabs(value_at(&f, 31, y) - want), <, 1e-4);
@@ -380,8 +336,8 @@ static void test_edge(void) {
   /* The next odd orders are as far below the cutoff as above it. */
   double length = 2 * round(120000 * cutoff) / cutoff, height = 300;
   eda_box half = {0, 0, (int32_t)lround(length * 5), 3000};
-  eda_field f = image_of(m, EDA_POLY, 0, &half, 1,
-                         (eda_frame){-length / 2, 0, length, height});
+  eda_field f = image_boxes(m, EDA_POLY, 0, &half, 1,
+                            (eda_frame){-length / 2, 0, length, height});
   double si = 0, before = 0;
   enum { STEPS = 20 }; /* of the integral, a nanometre */
   for (int x = 0; x <= 600; x++) {
@@ -409,7 +365,7 @@ static void test_clear(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(sources); i++) {
     g_autoptr(opc_module) m = prepared("litho.abbe", sources[i]);
     eda_field f =
-        image_of(m, EDA_POLY, 0, NULL, 0, (eda_frame){0, 0, 400, 300});
+        image_boxes(m, EDA_POLY, 0, NULL, 0, (eda_frame){0, 0, 400, 300});
     g_assert_cmpfloat(fabs(value_at(&f, 12, 34) - 1), <, 1e-5);
     eda_field_clear(&f);
   }
@@ -422,7 +378,7 @@ static void test_complement(void) {
   g_autoptr(opc_module) m = prepared("litho.abbe", p);
   eda_box line = {-550, 0, 550, 3000};
   eda_frame frame = {-150, 0, 300, 300};
-  eda_field f = image_of(m, EDA_ACTIVE, 0, &line, 1, frame);
+  eda_field f = image_boxes(m, EDA_ACTIVE, 0, &line, 1, frame);
   double c0 = order(0, 110, 300), c1 = order(1, 110, 300);
   for (double x = -150; x < 150; x += 11) {
     double e = c0 + 2 * c1 * cos(2 * M_PI * x / 300);
@@ -460,7 +416,8 @@ static void test_layers(void) {
   const eda_box line = {-550, 0, 550, 3000};
   eda_field f[3];
   for (int layer = 0; layer < 3; layer++)
-    f[layer] = image_of(m, layer, 0, &line, 1, (eda_frame){-150, 0, 300, 300});
+    f[layer] =
+        image_boxes(m, layer, 0, &line, 1, (eda_frame){-150, 0, 300, 300});
   for (double x = -150; x < 150; x += 11)
     g_assert_cmpfloat(value_at(&f[2], x, 3), ==, value_at(&f[0], x, 3));
   g_assert_cmpfloat(value_at(&f[1], 0, 3), >, value_at(&f[0], 0, 3) + 0.1);
@@ -481,8 +438,8 @@ static void test_shift(void) {
   for (int i = 0; i < 2; i++)
     moved[i] = (eda_box){two[i].x0 + 137, two[i].y0 - 211, two[i].x1 + 137,
                          two[i].y1 - 211};
-  eda_field a = image_of(m, EDA_POLY, 0, two, 2, frame);
-  eda_field b = image_of(m, EDA_POLY, 0, moved, 2, frame);
+  eda_field a = image_boxes(m, EDA_POLY, 0, two, 2, frame);
+  eda_field b = image_boxes(m, EDA_POLY, 0, moved, 2, frame);
   for (int i = 0; i < 60; i++) {
     double x = 11.3 * i - 340, y = 390 - 12.7 * i;
     g_assert_cmpfloat(
@@ -496,9 +453,9 @@ static void test_defocus(void) {
   g_autoptr(opc_module) m = prepared("litho.abbe", "{ points_across: 12 }");
   g_autoptr(opc_module) given =
       prepared("litho.abbe", "{ points_across: 12, defocus: -100 nm }");
-  eda_field focus = image_of(m, EDA_POLY, 0, two, 2, frame);
-  eda_field above = image_of(m, EDA_POLY, 100, two, 2, frame);
-  eda_field below = image_of(given, EDA_POLY, 0, two, 2, frame);
+  eda_field focus = image_boxes(m, EDA_POLY, 0, two, 2, frame);
+  eda_field above = image_boxes(m, EDA_POLY, 100, two, 2, frame);
+  eda_field below = image_boxes(given, EDA_POLY, 0, two, 2, frame);
   double change = 0;
   for (int i = 0; i < 60; i++) {
     double x = 11.3 * i - 340, y = 390 - 12.7 * i;
@@ -527,12 +484,12 @@ static double difference(const eda_field *a, const eda_field *b) {
 
 static void test_hopkins(void) {
   g_autoptr(opc_module) hopkins = prepared("litho.hopkins", "{ kernels: 530 }");
-  eda_field want = image_of(hopkins, EDA_POLY, 0, two, 2, frame);
+  eda_field want = image_boxes(hopkins, EDA_POLY, 0, two, 2, frame);
   double first = 0, last = 0;
   for (int across = 9; across <= 144; across *= 2) {
     g_autofree char *p = g_strdup_printf("{ points_across: %d }", across);
     g_autoptr(opc_module) abbe = prepared("litho.abbe", p);
-    eda_field got = image_of(abbe, EDA_POLY, 0, two, 2, frame);
+    eda_field got = image_boxes(abbe, EDA_POLY, 0, two, 2, frame);
     last = difference(&want, &got);
     if (across == 9) first = last;
     g_test_message("%3d points across: %.2g off litho.hopkins", across, last);

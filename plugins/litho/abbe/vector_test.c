@@ -9,45 +9,15 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "../image_test.h"
 
 /* ---- images by the models ---- */
 
 static eda_field image_of(const char *id, const char *parameters,
                           double defocus, const eda_box *boxes, size_t n,
                           eda_frame f) {
-  opc_error error;
-  eda_point points[16];
-  uint32_t start[5];
-  g_assert_cmpuint(n, <=, 4);
-  for (size_t i = 0; i < n; i++) {
-    eda_box b = boxes[i];
-    eda_point corners[] = {
-        {b.x0, b.y0}, {b.x1, b.y0}, {b.x1, b.y1}, {b.x0, b.y1}};
-    memcpy(points + 4 * i, corners, sizeof corners);
-  }
-  for (size_t i = 0; i <= n; i++) start[i] = (uint32_t)(4 * i);
-  eda_shapes shapes = {n, start, points, NULL};
-  g_autoptr(opc_module) m = opc_test_module(id, parameters, &error);
-  if (!m) g_error("%s", error.message);
-  const eda_litho *litho = m->functions;
-  eda_spectrum mask;
-  eda_field field;
-  g_assert_cmpint(litho->prepare(m->self, &error), ==, OPC_OK);
-  g_assert_cmpint(eda_litho_spectrum(opc_test_host()->context, m, &shapes, 0.1,
-                                     f, &mask, &error),
-                  ==, OPC_OK);
-  g_assert_cmpint(
-      litho->image_at(m->self, EDA_POLY, &mask, defocus, &field, &error), ==,
-      OPC_OK);
-  eda_spectrum_clear(&mask);
-  return field;
-}
-
-static double value_at(const eda_field *f, double x, double y) {
-  double v;
-  eda_field_sample(f, &x, &y, 1, &v);
-  return v;
+  g_autoptr(opc_module) m = prepared(id, parameters);
+  return image_boxes(m, EDA_POLY, defocus, boxes, n, f);
 }
 
 /* A line along y, in the middle of a period. */

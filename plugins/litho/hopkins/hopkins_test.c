@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "../image_test.h"
 
 static const double wavelength = 193, na = 0.75, sigma = 0.75;
 static const eda_frame frame = {-350, -400, 700, 800};
@@ -382,12 +382,6 @@ static void test_general(void) {
     eda_spectrum_clear(&mask);
     for (int k = 0; k < 4; k++) eda_field_clear(&field[k]);
   }
-}
-
-static double value_at(const eda_field *f, double x, double y) {
-  double v;
-  eda_field_sample(f, &x, &y, 1, &v);
-  return v;
 }
 
 /* The image of a vertical line in the middle of a period, on a mask of 0.1 nm.

@@ -6,16 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
-
-static opc_module *prepared(const char *id, const char *parameters) {
-  opc_error error;
-  opc_module *m = opc_test_module(id, parameters, &error);
-  if (!m) g_error("%s", error.message);
-  const eda_litho *litho = m->functions;
-  g_assert_cmpint(litho->prepare(m->self, &error), ==, OPC_OK);
-  return m;
-}
+#include "../image_test.h"
 
 /* A line, a bar off its end and a square: nothing about them is symmetric. */
 static eda_field image_of(const char *id, const char *parameters,
@@ -27,17 +18,7 @@ static eda_field image_of(const char *id, const char *parameters,
   static const uint32_t start[] = {0, 4, 8, 12};
   const eda_shapes shapes = {3, (uint32_t *)start, (eda_point *)points, NULL};
   g_autoptr(opc_module) m = prepared(id, parameters);
-  const eda_litho *litho = m->functions;
-  eda_spectrum mask;
-  eda_field field;
-  opc_error error;
-  g_assert_cmpint(eda_litho_spectrum(opc_test_host()->context, m, &shapes, 1,
-                                     frame, &mask, &error),
-                  ==, OPC_OK);
-  g_assert_cmpint(litho->image(m->self, EDA_POLY, &mask, &field, &error), ==,
-                  OPC_OK);
-  eda_spectrum_clear(&mask);
-  return field;
+  return image_shapes(m, EDA_POLY, 0, &shapes, 1, frame);
 }
 
 static double worst_difference(const eda_field *a, const eda_field *b) {

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "../image_test.h"
 
 static const opc_host *host;
 
@@ -58,7 +58,7 @@ static opc_module *model(const char *focus, const char *more) {
   return m;
 }
 
-static opc_module *prepared(const char *focus, const char *more) {
+static opc_module *ready(const char *focus, const char *more) {
   opc_error error;
   opc_module *m = model(focus, more);
   const eda_litho *litho = m->functions;
@@ -79,12 +79,6 @@ static eda_field image_of(opc_module *m, const eda_shapes *shapes, eda_frame f,
     g_error("%s", error.message);
   eda_spectrum_clear(&mask);
   return field;
-}
-
-static double value_at(const eda_field *f, double x, double y) {
-  double v;
-  eda_field_sample(f, &x, &y, 1, &v);
-  return v;
 }
 
 static eda_shapes box_shapes(eda_box b, eda_point points[4],
@@ -116,8 +110,8 @@ static void test_orders(void) {
   eda_shapes line = box_shapes((eda_box){-150, -500, 150, 500}, points, start);
   for (int dark = 0; dark < 2; dark++) {
     g_autoptr(opc_module) m =
-        prepared(path, dark ? ", period: 1000 nm, dose: 1.2"
-                            : ", period: 1000 nm, dose: 1.2, tone: clear");
+        ready(path, dark ? ", period: 1000 nm, dose: 1.2"
+                         : ", period: 1000 nm, dose: 1.2, tone: clear");
     eda_field f = image_of(m, &line, (eda_frame){-500, -500, 1000, 1000}, 0);
     for (double x = -500; x < 500; x += 37) {
       double a0 = 0.3, a1 = sin(0.3 * M_PI) / M_PI;
@@ -154,7 +148,7 @@ static void test_all_orders(void) {
   eda_point points[4];
   uint32_t start[2];
   eda_shapes box = box_shapes((eda_box){-350, -120, 60, 270}, points, start);
-  g_autoptr(opc_module) m = prepared(path, ", period: 1000 nm");
+  g_autoptr(opc_module) m = ready(path, ", period: 1000 nm");
   eda_field f = image_of(m, &box, (eda_frame){-500, -500, 1000, 1000}, 0);
   for (double x = -500; x < 500; x += 77) {
     double y = 0.7 * x - 31, want = 0;
@@ -182,7 +176,7 @@ static float complex wide(int s, int k, int l) {
 static void test_frames(void) {
   write_set("1 1", 1, 11, wide);
   g_autofree char *path = set_path();
-  g_autoptr(opc_module) m = prepared(path, ", period: 2000 nm");
+  g_autoptr(opc_module) m = ready(path, ", period: 2000 nm");
   eda_point points[4];
   uint32_t start[2];
   eda_shapes box = box_shapes((eda_box){-60, -100, 140, 110}, points, start);
@@ -215,7 +209,7 @@ static void test_frames(void) {
 static void test_first_kernels(void) {
   write_set("2 2.5 4", 2, 5, two_systems);
   g_autofree char *path = set_path();
-  g_autoptr(opc_module) one = prepared(path, ", kernels: 1, tone: clear");
+  g_autoptr(opc_module) one = ready(path, ", kernels: 1, tone: clear");
   eda_shapes none = {0};
   eda_field f = image_of(one, &none, (eda_frame){0, 0, 900, 800}, 0);
   g_assert_cmpfloat(fabs(value_at(&f, 3, 4) - 2.5), <, 1e-5);
@@ -402,7 +396,7 @@ static void test_contest(void) {
   if (!focus || !defocus || !clip) return;
   eda_shapes shapes = read_clip(clip);
   g_autofree char *more = g_strdup_printf(", defocus: '%s'", defocus);
-  g_autoptr(opc_module) m = prepared(focus, more);
+  g_autoptr(opc_module) m = ready(focus, more);
   double x[PLACES], y[PLACES], want[PLACES];
   for (int i = 0; i < PLACES; i++) {
     x[i] = 30 + fmod(251.7 * i, 800);
@@ -438,7 +432,7 @@ static void test_merit(void) {
   if (!focus || !defocus || !clip) return;
   eda_shapes shapes = read_clip(clip);
   g_autofree char *more = g_strdup_printf(", defocus: '%s'", defocus);
-  g_autoptr(opc_module) m = prepared(focus, more);
+  g_autoptr(opc_module) m = ready(focus, more);
   gint64 begin = g_get_monotonic_time();
   eda_field in = image_of(m, &shapes, tile, 0);
   gint64 middle = g_get_monotonic_time();
