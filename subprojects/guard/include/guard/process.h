@@ -3,36 +3,41 @@
    working folder, the standard streams, the locale, the modes of new files,
    handlers of signals; and of each thread its floating-point control and the
    signals that it blocks. */
-#ifndef OPCFLOW_CORE_PROCESS_H
-#define OPCFLOW_CORE_PROCESS_H
+#ifndef GUARD_PROCESS_H
+#define GUARD_PROCESS_H
+
+#include <stddef.h>
 
 /* A signal that plugins leave alone; `means` is NULL of one that is no crash.
    The list ends with the number 0. */
-typedef struct opc_signal {
+typedef struct process_signal {
   int number;
   const char *name, *means;
-} opc_signal;
-extern const opc_signal opc_signals[];
+} process_signal;
+extern const process_signal process_signals[];
 
 /* As it is now, it has to stay: again after each change of the command's own.
    [main] */
-void opc_process_settle(void);
+void process_settle(void);
 
 /* What of this thread is not as it was, after the name of who did it: "changed
    the locale"; NULL if all is. Takes no system call. [any] */
-const char *opc_process_thread_change(void);
+const char *process_thread_change(void);
 
 /* Whether this thread takes other signals than it did. [any] */
-int opc_process_signals_change(void);
+int process_signals_change(void);
 
 /* What of the process is not as it was. `*detail` is more of that text, or
    empty. [any] */
-const char *opc_process_change(const char **detail);
+const char *process_change(const char **detail);
 
 /* The working folder as it was, whatever became of it: for renameat(). */
-int opc_process_folder(void);
+int process_folder(void);
+
+/* Write n bytes to a descriptor. May be called by a signal handler. */
+void process_write(int out, const char *bytes, size_t n);
 
 /* Write to standard error as it was, whatever became of it. */
-void opc_process_say(const char *text);
+void process_say(const char *text);
 
 #endif

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Forks, and reads what the child says until it ends or is too late. */
-#include "core/plugin/child.h"
+#include <guard/child.h>
 
 #include <errno.h>
 #include <fcntl.h>
+#include <guard/guard.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
@@ -12,17 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "core/plugin/guard.h"
-
 enum { LONGEST_REPORT = 1 << 20 };
-
-void opc_child_write(int out, const char *bytes, size_t n) {
-  for (size_t done = 0; done < n;) {
-    ssize_t k = write(out, bytes + done, n - done);
-    if (k < 0 && errno != EINTR) return;
-    if (k > 0) done += (size_t)k;
-  }
-}
 
 /* All that comes before the end or the deadline (g_get_monotonic_time); FALSE
    if that came first. */
@@ -53,18 +44,18 @@ static void bind_to_parent(pid_t parent, double seconds) {
   if (getppid() != parent) _exit(1); /* it ended in between */
 }
 
-GString *opc_child_run(void (*work)(int out, void *data), void *data,
-                       double seconds, int *end) {
+GString *child_run(void (*work)(int out, void *data), void *data,
+                   double seconds, int *end) {
   GString *report = g_string_new(NULL);
   int ends[2];
-  *end = OPC_CHILD_NONE;
+  *end = CHILD_NONE;
   if (pipe2(ends, O_CLOEXEC)) return report;
   fflush(NULL);
   pid_t parent = getpid(), pid = fork();
   if (!pid) {
     bind_to_parent(parent, seconds);
     close(ends[0]);
-    opc_guard_remove();
+    guard_remove();
     work(ends[1], data);
     _exit(0);
   }
@@ -75,9 +66,9 @@ GString *opc_child_run(void (*work)(int out, void *data), void *data,
     if (!in_time) kill(pid, SIGKILL);
     int status = 0;
     while (waitpid(pid, &status, 0) < 0 && errno == EINTR) continue;
-    *end = !in_time              ? OPC_CHILD_LATE
+    *end = !in_time              ? CHILD_LATE
            : WIFSIGNALED(status) ? WTERMSIG(status)
-                                 : OPC_CHILD_ENDED;
+                                 : CHILD_ENDED;
   }
   close(ends[0]);
   return report;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Takes down what the process is like, and compares. */
-#include "core/plugin/process.h"
+#include <guard/process.h>
 
+#include <errno.h>
 #include <fcntl.h>
 #include <fenv.h>
 #include <locale.h>
@@ -14,33 +15,32 @@
 #include <sys/time.h>
 #include <unistd.h>
 
-#include "core/plugin/child.h"
-
 enum {
   STREAMS = 3,
-  SIGNALS = 20,         /* room for opc_signals */
+  SIGNALS = 20,         /* room for process_signals */
   LONGEST_LOCALE = 512, /* all categories, each with its name */
   FIRST_OWN = 100 /* descriptors of our own: above those that others count on */
 };
 
-const opc_signal opc_signals[] = {{SIGSEGV, "SIGSEGV", "segmentation fault"},
-                                  {SIGBUS, "SIGBUS", "bus error"},
-                                  {SIGFPE, "SIGFPE", "arithmetic error"},
-                                  {SIGILL, "SIGILL", "illegal instruction"},
-                                  {SIGABRT, "SIGABRT", "aborted"},
-                                  {SIGTRAP, "SIGTRAP", "trap"},
-                                  {SIGSYS, "SIGSYS", "bad system call"},
-                                  {SIGPIPE, "SIGPIPE", "broken pipe"},
-                                  {SIGALRM, "SIGALRM", "alarm"},
-                                  {SIGVTALRM, "SIGVTALRM", "alarm"},
-                                  {SIGPROF, "SIGPROF", "alarm"},
-                                  {SIGPOLL, "SIGPOLL", "input or output"},
-                                  {SIGUSR1, "SIGUSR1", "user signal 1"},
-                                  {SIGUSR2, "SIGUSR2", "user signal 2"},
-                                  {SIGHUP, "SIGHUP", NULL},
-                                  {SIGINT, "SIGINT", NULL},
-                                  {SIGTERM, "SIGTERM", NULL},
-                                  {0, NULL, NULL}};
+const process_signal process_signals[] = {
+    {SIGSEGV, "SIGSEGV", "segmentation fault"},
+    {SIGBUS, "SIGBUS", "bus error"},
+    {SIGFPE, "SIGFPE", "arithmetic error"},
+    {SIGILL, "SIGILL", "illegal instruction"},
+    {SIGABRT, "SIGABRT", "aborted"},
+    {SIGTRAP, "SIGTRAP", "trap"},
+    {SIGSYS, "SIGSYS", "bad system call"},
+    {SIGPIPE, "SIGPIPE", "broken pipe"},
+    {SIGALRM, "SIGALRM", "alarm"},
+    {SIGVTALRM, "SIGVTALRM", "alarm"},
+    {SIGPROF, "SIGPROF", "alarm"},
+    {SIGPOLL, "SIGPOLL", "input or output"},
+    {SIGUSR1, "SIGUSR1", "user signal 1"},
+    {SIGUSR2, "SIGUSR2", "user signal 2"},
+    {SIGHUP, "SIGHUP", NULL},
+    {SIGINT, "SIGINT", NULL},
+    {SIGTERM, "SIGTERM", NULL},
+    {0, NULL, NULL}};
 
 /* ---- what it is like ---- */
 
@@ -92,7 +92,7 @@ static uint64_t blocked_now(void) {
   sigset_t set;
   uint64_t bits = 0;
   pthread_sigmask(SIG_SETMASK, NULL, &set);
-  for (const opc_signal *s = opc_signals; s->number; s++)
+  for (const process_signal *s = process_signals; s->number; s++)
     if (sigismember(&set, s->number) == 1) bits |= UINT64_C(1) << s->number;
   return bits;
 }
@@ -108,7 +108,7 @@ static uint32_t numbers_now(void) {
 #endif
 }
 
-void opc_process_settle(void) {
+void process_settle(void) {
   if (folder < 0) {
     int here = open(".", O_PATH | O_DIRECTORY | O_CLOEXEC);
     folder = fcntl(here, F_DUPFD_CLOEXEC, FIRST_OWN);
@@ -117,8 +117,8 @@ void opc_process_settle(void) {
   }
   settled.folder = folder_now();
   for (int i = 0; i < STREAMS; i++) settled.stream[i] = stream_now(i);
-  for (int i = 0; opc_signals[i].number; i++)
-    settled.handler[i] = handler_now(opc_signals[i].number);
+  for (int i = 0; process_signals[i].number; i++)
+    settled.handler[i] = handler_now(process_signals[i].number);
   snprintf(settled.locale, sizeof settled.locale, "%s",
            setlocale(LC_ALL, NULL));
   settled.modes = umask(077);
@@ -139,16 +139,14 @@ static const char *stream_change(void) {
   return NULL;
 }
 
-const char *opc_process_thread_change(void) {
+const char *process_thread_change(void) {
   if (numbers_now() != settled.numbers)
     return "changed how numbers are rounded, flushed or trapped";
   return uselocale((locale_t)0) == LC_GLOBAL_LOCALE ? NULL
                                                     : "changed the locale";
 }
 
-int opc_process_signals_change(void) {
-  return blocked_now() != settled.blocked;
-}
+int process_signals_change(void) { return blocked_now() != settled.blocked; }
 
 /* An alarm that rings when another plugin's turn has come. */
 static int has_alarm(void) {
@@ -157,13 +155,13 @@ static int has_alarm(void) {
   return left.it_value.tv_sec || left.it_value.tv_usec;
 }
 
-const char *opc_process_change(const char **detail) {
+const char *process_change(const char **detail) {
   *detail = "";
   if (strncmp(setlocale(LC_ALL, NULL), settled.locale, LONGEST_LOCALE - 1) != 0)
     return "changed the locale";
-  for (int i = 0; opc_signals[i].number; i++)
-    if (handler_now(opc_signals[i].number) != settled.handler[i]) {
-      *detail = opc_signals[i].name;
+  for (int i = 0; process_signals[i].number; i++)
+    if (handler_now(process_signals[i].number) != settled.handler[i]) {
+      *detail = process_signals[i].name;
       return "changed the handler of ";
     }
   if (differ(folder_now(), settled.folder)) return "changed the working folder";
@@ -174,11 +172,19 @@ const char *opc_process_change(const char **detail) {
   return stream_change();
 }
 
-int opc_process_folder(void) {
+int process_folder(void) {
   return fcntl(folder, F_GETFD) < 0 ? AT_FDCWD : folder;
 }
 
-void opc_process_say(const char *text) {
+void process_write(int out, const char *bytes, size_t n) {
+  for (size_t done = 0; done < n;) {
+    ssize_t k = write(out, bytes + done, n - done);
+    if (k < 0 && errno != EINTR) return;
+    if (k > 0) done += (size_t)k;
+  }
+}
+
+void process_say(const char *text) {
   int out = fcntl(voice, F_GETFD) < 0 ? STDERR_FILENO : voice;
-  opc_child_write(out, text, strlen(text));
+  process_write(out, text, strlen(text));
 }

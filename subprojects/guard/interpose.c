@@ -3,13 +3,13 @@
    the command before it. They are the command's alone: programs that are linked
    to the kernel keep their own. */
 #include <dlfcn.h>
-#include <opcflow/base.h>
+#include <guard/guard.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "core/plugin/guard.h"
+#define EXPORT __attribute__((visibility("default")))
 
 /* The next one of that name, as a pointer to a function: `to` points to it. */
 static void find_next(const char *name, void *to) {
@@ -24,19 +24,19 @@ static void find_next(const char *name, void *to) {
  */
 _Noreturn static void leave(const char *name, int code) {
   void (*next)(int);
-  opc_guard_exit();
+  guard_exit();
   find_next(name, &next);
-  next(opc_guard_code(code));
+  next(guard_code(code));
   abort();
 }
 
-OPC_EXPORT _Noreturn void exit(int code) { leave("exit", code); }
+EXPORT _Noreturn void exit(int code) { leave("exit", code); }
 
-OPC_EXPORT _Noreturn void quick_exit(int code) { leave("quick_exit", code); }
+EXPORT _Noreturn void quick_exit(int code) { leave("quick_exit", code); }
 
-OPC_EXPORT _Noreturn void _exit(int code) { leave("_exit", code); }
+EXPORT _Noreturn void _exit(int code) { leave("_exit", code); }
 
-OPC_EXPORT _Noreturn void _Exit(int code) { leave("_Exit", code); }
+EXPORT _Noreturn void _Exit(int code) { leave("_Exit", code); }
 
 /* ---- threads ---- */
 
@@ -50,7 +50,7 @@ typedef struct beginning {
 static void *begin(void *data) {
   beginning b = *(beginning *)data;
   free(data);
-  opc_guard_adopt(b.inside);
+  guard_adopt(b.inside);
   return b.work(b.data);
 }
 
@@ -72,12 +72,12 @@ static pthread_attr_t guarded(const pthread_attr_t *how) {
   return own;
 }
 
-OPC_EXPORT int pthread_create(pthread_t *thread, const pthread_attr_t *how,
-                              void *(*work)(void *), void *data) {
+EXPORT int pthread_create(pthread_t *thread, const pthread_attr_t *how,
+                          void *(*work)(void *), void *data) {
   int (*next)(pthread_t *, const pthread_attr_t *, void *(*)(void *), void *);
   find_next("pthread_create", &next);
   const pthread_attr_t own = guarded(how);
-  const char *inside = opc_guard_inside();
+  const char *inside = guard_inside();
   beginning *b = inside ? malloc(sizeof *b) : NULL;
   if (!b) return next(thread, &own, work, data);
   *b = (beginning){work, data, inside};

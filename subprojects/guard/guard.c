@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What plugins do to the process. A handler of crashes only writes texts that
    were made before, renames the run folder and ends the process. */
-#include "core/plugin/guard.h"
+#include <guard/guard.h>
 
 #include <errno.h>
 #include <fcntl.h>
+#include <guard/process.h>
 #include <limits.h>
 #include <pthread.h>
 #include <signal.h>
@@ -15,8 +16,6 @@
 #include <sys/syscall.h>
 #include <time.h>
 #include <unistd.h>
-
-#include "core/plugin/process.h"
 
 enum { STACK = 32768, MOST_RUNS = 10000 };
 
@@ -29,18 +28,18 @@ static int forked;    /* this one is a copy of it */
 static char where[2 * PATH_MAX], work[PATH_MAX], failed[PATH_MAX];
 static char lock[PATH_MAX], slot[PATH_MAX];
 static char wipe[16];
-static int exit_code = OPC_CRASH_RUNNING;
+static int exit_code = GUARD_CRASH_RUNNING;
 
 static void copy(char *to, size_t room, const char *from) {
   snprintf(to, room, "%s", from ? from : "");
 }
 
-void opc_guard_where(const char *text, int code) {
+void guard_where(const char *text, int code) {
   copy(where, sizeof where, text);
-  exit_code = text ? code : OPC_CRASH_RUNNING;
+  exit_code = text ? code : GUARD_CRASH_RUNNING;
 }
 
-void opc_guard_folder(const char *folder, const char *name, const char *file) {
+void guard_folder(const char *folder, const char *name, const char *file) {
   copy(work, sizeof work, folder);
   copy(failed, sizeof failed, name);
   copy(lock, sizeof lock, file);
@@ -70,7 +69,7 @@ static int rename_folder(int here) {
 
 /* The folder under its new name; 0 if there is nothing to keep. */
 static int keep_folder(void) {
-  int here = opc_process_folder();
+  int here = process_folder();
   size_t length = strlen(failed);
   if (!*work || length + 8 > sizeof failed ||
       !unlinkat(here, work, AT_REMOVEDIR))
@@ -87,7 +86,7 @@ static int keep_folder(void) {
 
 /* Nothing hidden stays. */
 static void remove_slot(void) {
-  int here = opc_process_folder();
+  int here = process_folder();
   if (!*slot) return;
   unlinkat(here, lock, 0);
   unlinkat(here, slot, AT_REMOVEDIR);
@@ -109,12 +108,12 @@ _Noreturn static void end(const char *const *words, int code) {
   add_text(wipe);
   add_text(*where ? where : "error");
   while (*words) add_text(*words++);
-  opc_process_say(said);
+  process_say(said);
   /* A copy that a plugin made of the process keeps nothing. */
   if (getpid() == guarded && keep_folder()) {
-    opc_process_say("note: what was written so far is in '");
-    opc_process_say(failed);
-    opc_process_say("'\n");
+    process_say("note: what was written so far is in '");
+    process_say(failed);
+    process_say("'\n");
   }
   if (getpid() == guarded) remove_slot();
   for (;;) syscall(SYS_exit_group, code); /* _exit() is a plugin's, below */
@@ -244,7 +243,7 @@ static double now(void) {
 
 /* What costs nothing, after each call. */
 static void glance(void) {
-  const char *what = opc_process_thread_change();
+  const char *what = process_thread_change();
   if (forked) blame(me.inside, "forked and went on", "");
   if (what) blame(me.inside, what, "");
 }
@@ -252,14 +251,14 @@ static void glance(void) {
 /* Whatever is not as it was, that plugin did, or one beside it. */
 static void look(const char *id) {
   const char *detail;
-  if (opc_process_signals_change()) blame(id, "changed which signals come", "");
-  const char *what = opc_process_change(&detail);
+  if (process_signals_change()) blame(id, "changed which signals come", "");
+  const char *what = process_change(&detail);
   if (what) blame_all(id, what, detail);
   set(&me.suspect, NULL);
   looked = now();
 }
 
-const char *opc_guard_enter(const char *id) {
+const char *guard_enter(const char *id) {
   const char *before = me.inside;
   const char *who = me.suspect || in_batch ? me.suspect : before;
   begin_thread();
@@ -271,7 +270,7 @@ const char *opc_guard_enter(const char *id) {
   return before;
 }
 
-void opc_guard_leave(const char *before) {
+void guard_leave(const char *before) {
   int last = !before && &me == main_worker;
   if (guarded && me.inside) glance();
   if (guarded && me.inside && !me.suspect) set(&me.suspect, me.inside);
@@ -281,11 +280,11 @@ void opc_guard_leave(const char *before) {
   set(&me.inside, before);
 }
 
-void opc_guard_gather(void) {
+void guard_gather(void) {
   if (guarded && me.suspect) look(me.suspect);
 }
 
-const char *opc_guard_join(const char *id) {
+const char *guard_join(const char *id) {
   const char *before = me.inside;
   begin_thread();
   calls++;
@@ -294,30 +293,30 @@ const char *opc_guard_join(const char *id) {
   return before;
 }
 
-void opc_guard_part(const char *before) {
+void guard_part(const char *before) {
   if (guarded && me.inside) glance();
-  opc_guard_gather();
+  guard_gather();
   in_batch--;
   calls--;
   set(&me.inside, before);
 }
 
-void opc_guard_wait(int waits) {
+void guard_wait(int waits) {
   __atomic_store_n(&me.waits, waits, __ATOMIC_RELAXED);
 }
 
-void opc_guard_adopt(const char *id) {
+void guard_adopt(const char *id) {
   begin_thread();
   set(&me.inside, id);
 }
 
-const char *opc_guard_inside(void) { return me.inside; }
+const char *guard_inside(void) { return me.inside; }
 
 /* ---- what ends it ---- */
 
 /* Of a thread that is ending now nothing is read: a handler cannot wait for the
    lock, and then names the first thread's plugin only. */
-void opc_guard_end(int code) {
+void guard_end(int code) {
   static char list[1024];
   int alone = pthread_mutex_trylock(&workers_lock);
   int n = add_name(list, sizeof list, 0, me.inside);
@@ -332,16 +331,16 @@ void opc_guard_end(int code) {
   end(words, code);
 }
 
-void opc_guard_exit(void) {
+void guard_exit(void) {
   if (me.inside && getpid() == guarded)
     blame(me.inside, "ended the process", "");
 }
 
 static int done = -1; /* exit code */
 
-void opc_guard_done(int code) { done = code; }
+void guard_done(int code) { done = code; }
 
-int opc_guard_code(int code) { return done < 0 ? code : done; }
+int guard_code(int code) { return done < 0 ? code : done; }
 
 /* Sent by another process, which no plugin can help. */
 static int is_foreign(const siginfo_t *info) {
@@ -352,7 +351,7 @@ static int is_foreign(const siginfo_t *info) {
 
 static void crashed(int number, siginfo_t *info, void *unused) {
   (void)unused;
-  const opc_signal *s = opc_signals;
+  const process_signal *s = process_signals;
   while (s->number != number) s++;
   const char *const late[] = {": crashed while the command ended: ", s->means,
                               "\n", NULL};
@@ -369,23 +368,23 @@ static void crashed(int number, siginfo_t *info, void *unused) {
 
 static void has_forked(void) { forked = 1; }
 
-void opc_guard_remove(void) {
+void guard_remove(void) {
   guarded = 0;
-  for (const opc_signal *s = opc_signals; s->number; s++)
+  for (const process_signal *s = process_signals; s->number; s++)
     if (s->means) signal(s->number, SIG_DFL);
 }
 
-void opc_guard_install(const char *text) {
+void guard_install(const char *text) {
   struct sigaction action = {.sa_sigaction = crashed,
                              .sa_flags = SA_ONSTACK | SA_SIGINFO};
   copy(wipe, sizeof wipe, text);
-  for (const opc_signal *s = opc_signals; s->number; s++)
+  for (const process_signal *s = process_signals; s->number; s++)
     if (s->means) sigaction(s->number, &action, NULL);
-  opc_process_settle();
+  process_settle();
   pthread_key_create(&ending, thread_ended);
   pthread_atfork(NULL, NULL, has_forked);
-  atexit(opc_guard_exit);
-  at_quick_exit(opc_guard_exit);
+  atexit(guard_exit);
+  at_quick_exit(guard_exit);
   main_worker = &me;
   guarded = getpid();
 }
