@@ -76,11 +76,11 @@ library_alone() {
 }
 
 # From a plugin: its own folder, or what its family shares. Tests may see the
-# kernel's means of testing.
+# kernel's means of testing, and what tests share.
 families() {
   includes plugins | awk '
     { split($1, from, "/"); n = split($2, to, "/")
-      if ($1 ~ /_test\.[ch]$/ && $2 ~ /^core\//) next
+      if ($1 ~ /_test\.[ch]$/ && $2 ~ /^(core|tests)\//) next
       if (n == 1) next
       if (to[1] == "plugins" ? to[2] != from[2] : 1) print }'
   find plugins -name '*.[ch]' ! -name '*_test.[ch]' | sort |
