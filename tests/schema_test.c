@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The JSON Schema of flow files: what it says, and, with Python's jsonschema,
    what it accepts. */
-#include "core/flow/schema.h"
+#include "tools/devel/schema.h"
 
 #include <glib/gstdio.h>
 #include <string.h>

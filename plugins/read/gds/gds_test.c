@@ -10,7 +10,7 @@
 #include <eda/layout.h>
 
 #include <eda/gds.h>
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 /* ---- reading ---- */
 

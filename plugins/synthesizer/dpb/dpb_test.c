@@ -3,7 +3,7 @@
    response is a formula, which neighbours may change. */
 #include <eda/eda.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 #include <stdlib.h>
 #include <string.h>

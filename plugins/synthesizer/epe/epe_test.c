@@ -4,7 +4,7 @@
    a line printed by the real models. */
 #include <eda/eda.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 #include "core/plugin/host.h"
 

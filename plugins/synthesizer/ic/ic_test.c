@@ -3,7 +3,7 @@
    formula. */
 #include <eda/eda.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,7 +4,7 @@
    exponential in L. */
 #include <eda/eda.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 #include <glib/gstdio.h>
 #include <math.h>

@@ -2,7 +2,7 @@
 /* Thesis 2.2.5 followed by hand on transistors whose response is a formula. */
 #include <eda/eda.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 #include <math.h>
 #include <string.h>
