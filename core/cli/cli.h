@@ -5,8 +5,8 @@
 
 #include <json-glib/json-glib.h>
 
-#include "core/flow/flow.h"
-#include "core/flow/table.h"
+#include "core/binding/flow.h"
+#include "core/report/table.h"
 #include "core/plugin/registry.h"
 #include "core/text/problem.h"
 
