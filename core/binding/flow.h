@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A flow: steps with their plugins and parameters, and what each needs of the
-   others. docs/flow.md tells the file. */
+   others. docs/reference/flow.md tells the file. */
 #ifndef OPCFLOW_CORE_FLOW_H
 #define OPCFLOW_CORE_FLOW_H
 

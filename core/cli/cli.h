@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The opcflow command: what its verbs share. docs/command.md tells its use. */
+/* The opcflow command: what its verbs share. docs/reference/command.md tells its use. */
 #ifndef OPCFLOW_CORE_CLI_H
 #define OPCFLOW_CORE_CLI_H
 
