@@ -8,12 +8,12 @@
 #include <guard/child.h>
 #include <guard/guard.h>
 #include <stdlib.h>
+#include <store/files.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "core/cli/cli.h"
-#include "core/flow/files.h"
 #include "tools/devel/verbs.h"
 
 /* ---- one check ---- */

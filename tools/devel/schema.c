@@ -3,12 +3,12 @@
    part that does not depend on them is data/flow.schema.json. */
 #include "tools/devel/schema.h"
 
+#include <store/files.h>
 #include <string.h>
 
 #include "core/cli/cli.h"
-#include "core/flow/files.h"
-#include "core/flow/run.h"
 #include "core/plugin/declaration.h"
+#include "core/run/run.h"
 #include "core/text/unit.h"
 #include "core/text/value.h"
 #include "tools/devel/opcflow-schema.h"
