@@ -49,8 +49,9 @@ domain_words() {
 # What stands before does not include what stands behind.
 kernel_order() {
   includes core | awk '
-    BEGIN { n = split("text plugin flow testing cli", rooms, " ")
-            for (i = 1; i <= n; i++) rank[rooms[i]] = i }
+    BEGIN { n = split("text plugin binding report flow run testing cli", rooms, " ")
+            for (i = 1; i <= n; i++) rank[rooms[i]] = i
+            rank["binding"] = rank["report"] = rank["run"] }
     { split($1, from, "/"); split($2, to, "/")
       if (to[1] != "core" || !(to[2] in rank) || !(from[2] in rank)) print
       else if ($1 !~ /_test\.c$/ && rank[to[2]] > rank[from[2]]) print }'

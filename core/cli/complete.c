@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "core/cli/cli.h"
-#include "core/flow/flow.h"
+#include "core/binding/flow.h"
 #include "core/plugin/kind.h"
 #include "core/text/value.h"
 

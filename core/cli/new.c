@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "core/cli/cli.h"
-#include "core/flow/files.h"
+#include <store/files.h>
 #include "core/plugin/declaration.h"
 #include "core/plugin/kind.h"
 #include "core/text/suggest.h"

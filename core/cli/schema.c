@@ -3,8 +3,8 @@
 #include "core/flow/schema.h"
 
 #include "core/cli/cli.h"
-#include "core/flow/files.h"
-#include "core/flow/run.h"
+#include <store/files.h>
+#include "core/run/run.h"
 
 /* All plugins that can be used, by id: const opc_plugin *. */
 static GPtrArray *usable_plugins(void) {

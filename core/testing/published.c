@@ -5,9 +5,9 @@
 #include <errno.h>
 #include <string.h>
 
-#include "core/flow/binding.h"
-#include "core/flow/files.h"
-#include "core/flow/table.h"
+#include "core/binding/binding.h"
+#include <store/files.h>
+#include "core/report/table.h"
 #include "core/plugin/declaration.h"
 
 static opc_published *of(const opc_host *host) {
