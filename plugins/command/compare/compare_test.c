@@ -5,7 +5,7 @@
 #include <math.h>
 #include <opcflow/command.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 #include "tests/run_folder.h"
 
 static char *in_folder(const char *name) {
@@ -160,20 +160,20 @@ static void test_fail_on(void) {
     int code;
     const char *said;
   } cases[] = {
-      {"{ fail_on: worse }", OPC_LIMIT, "worse: b: mask.ion"},
-      {"{ fail_on: 'worse:mask.ion' }", OPC_LIMIT, "worse: b: mask.ion"},
+      {"{ fail_on: worse }", OPC_LIMIT, "worse: d: mask.ion"},
+      {"{ fail_on: 'worse:mask.ion' }", OPC_LIMIT, "worse: d: mask.ion"},
       {"{ fail_on: 'worse:io?' }", OPC_INVALID, "'worse:io?': there is no"},
       {"{ fail_on: better }", OPC_INVALID, "'better': is 'worse' or"},
       {"{ metrics: mask.iom }", OPC_INVALID, "did you mean 'mask.ion'?"},
       {"{ metrics: 'mask.*' }", OPC_OK, ""}};
   opc_error error;
-  make("a", (made_run){.metrics = RUN_ION("1.0")});
-  make("b", (made_run){.metrics = RUN_ION("1.5")});
+  make("c", (made_run){.metrics = RUN_ION("1.0")});
+  make("d", (made_run){.metrics = RUN_ION("1.5")});
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
-    g_assert_cmpint(compare(cases[i].map, "a", "b", &error), ==, cases[i].code);
+    g_assert_cmpint(compare(cases[i].map, "c", "d", &error), ==, cases[i].code);
     if (!strstr(error.message, cases[i].said)) g_error("%s", error.message);
   }
-  g_assert_cmpint(compare("{ fail_on: worse }", "b", "a", &error), ==, OPC_OK);
+  g_assert_cmpint(compare("{ fail_on: worse }", "d", "c", &error), ==, OPC_OK);
 }
 
 /* Other layouts and optics are no matter of methods. */
@@ -182,16 +182,16 @@ static void test_refused(void) {
   static const char *const said[] = {"layout.file has another content (aa, bb)",
                                      "mask.litho.na is 0.75 and 0.85"};
   opc_error error;
-  make("a", (made_run){.na = NULL});
+  make("c", (made_run){.na = NULL});
   for (int i = 0; i < 2; i++) {
-    make("b", others[i]);
-    g_assert_cmpint(compare("{}", "a", "b", &error), ==, OPC_INVALID);
-    g_assert_nonnull(strstr(error.message, "not comparable: b: "));
+    make("d", others[i]);
+    g_assert_cmpint(compare("{}", "c", "d", &error), ==, OPC_INVALID);
+    g_assert_nonnull(strstr(error.message, "not comparable: d: "));
     if (!strstr(error.message, said[i])) g_error("%s", error.message);
-    compare_good("{ anyway: true }", "a", "b");
+    compare_good("{ anyway: true }", "c", "d");
     g_assert_nonnull(strstr(opc_test_log(), said[i]));
   }
-  g_assert_cmpint(compare("{}", "a", NULL, &error), ==, OPC_INVALID);
+  g_assert_cmpint(compare("{}", "c", NULL, &error), ==, OPC_INVALID);
 }
 
 int main(int argc, char **argv) {

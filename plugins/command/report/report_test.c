@@ -4,7 +4,7 @@
 #include <math.h>
 #include <opcflow/command.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 #include "tests/run_folder.h"
 
 static const char evil[] = "</script><b a='1'>";

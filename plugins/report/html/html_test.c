@@ -6,7 +6,7 @@
 #include <eda/memory.h>
 #include <glib/gstdio.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 #include "tests/run_folder.h"
 
 /* Run report.html; its code. */
