@@ -8,8 +8,8 @@
 #include <glib/gstdio.h>
 #include <string.h>
 
+#include <store/files.h>
 #include "core/cli/cli.h"
-#include "core/flow/files.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/kind.h"
 #include "core/text/suggest.h"

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/flow/binding.h"
-#include "core/flow/files.h"
+#include <store/files.h>
+#include "core/binding/binding.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/host.h"
 #include "core/text/value.h"
