@@ -49,6 +49,20 @@ typedef struct eda_edges {
   eda_fragment *fragments;
 } eda_edges;
 
+/* Figures of a transistor that a wish has a target for. */
+enum { EDA_WISH_ION, EDA_WISH_IOFF, EDA_WISH_AREA, EDA_WISH_TARGETS };
+
+/* How the correction of one transistor differs from that of others. */
+typedef struct eda_wish {
+  double weight; /* the tolerance is divided by it; 0: leave it as drawn */
+  double target[EDA_WISH_TARGETS]; /* factors of what is drawn */
+  uint8_t given; /* 1: the designer or a step set this wish; steps that make
+                    wishes leave such a transistor alone */
+} eda_wish;
+
+/* The wish of a transistor that nobody made one for. */
+static const eda_wish eda_wish_none OPC_UNUSED = {1, {1, 1, 1}, 0};
+
 /* All transistors of a layout, flat, on a grid, in plain arrays ordered by
    lowest, then leftmost corner. A layout without transistors (count 0) can
    still be corrected for its edges. */
@@ -84,9 +98,9 @@ typedef struct eda_gates {
   char **instance;  /* path of the instance, "" at the top */
   char **cell;      /* cell that draws the transistor */
   uint32_t *number; /* number within the instance, from 1 */
-  /* Text of the notes layer whose point is inside the gate's box, NULL where
-     there is none. NULL: the layout has no notes layer. */
-  char **note;
+  /* The wish of each gate, from the notes of the layout or from a step.
+     NULL: eda_wish_none for all. Since 0.8. */
+  eda_wish *wish;
 
   void *texts; /* storage of the texts above; private to eda */
 
@@ -101,8 +115,8 @@ typedef struct eda_gates {
 } eda_gates;
 
 /* Return gates with `layers` layers and `count` transistors, all arrays zeroed,
-   `note` and `flavour` NULL. The caller fills in the rest: shapes, edges and
-   notes from eda_alloc, texts from eda_gates_text. [main] */
+   `wish` and `flavour` NULL. The caller fills in the rest: shapes, edges and
+   wishes from eda_alloc, texts from eda_gates_text. [main] */
 OPC_EXPORT eda_gates *eda_gates_new(size_t layers, size_t count);
 /* Free gates with all arrays and texts (NULL: nothing); release function of an
    output. [any] */
@@ -111,6 +125,22 @@ OPC_EXPORT void eda_gates_free(void *gates);
 /* Return a copy of a text that lives as long as the gates; equal texts share
    one copy. [main] */
 OPC_EXPORT char *eda_gates_text(eda_gates *gates, const char *text);
+
+/* Return the path of the instance of transistor i, or its cell at the top.
+   Transistors are named OWNER:NUMBER. [any] */
+OPC_UNUSED static inline const char *eda_gates_owner(const eda_gates *gates,
+                                                     size_t i) {
+  return *gates->instance[i] ? gates->instance[i] : gates->cell[i];
+}
+
+/* Return the wish of transistor i. [any] */
+OPC_UNUSED static inline eda_wish eda_gates_wish(const eda_gates *gates,
+                                                 size_t i) {
+  return gates->wish ? gates->wish[i] : eda_wish_none;
+}
+/* Copy the wish of gate j of `from` to gate i of `to`. [main] */
+OPC_EXPORT void eda_gates_take_wish(eda_gates *to, size_t i,
+                                    const eda_gates *from, size_t j);
 
 /* Return the flavour of transistor i; "" if it has none. [any] */
 OPC_EXPORT const char *eda_gates_flavour(const eda_gates *gates, size_t i);
