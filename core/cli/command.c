@@ -7,8 +7,8 @@
 
 #include "core/cli/cli.h"
 #include "core/cli/progress.h"
-#include "core/flow/layers.h"
-#include "core/flow/run.h"
+#include "core/binding/layers.h"
+#include "core/run/run.h"
 #include "core/plugin/declaration.h"
 #include "core/text/suggest.h"
 
