@@ -111,7 +111,7 @@ long_files() {
     awk '$2 != "total" && $1 > 600 { print $2 ": " $1 " lines, more than 600" }'
 }
 
-# Each plugin has a test beside its code that makes the plugin by its id, or
+# Each plugin has a test beside its code that makes the plugin by its id or
 # links its code, and each test beside a plugin is built. Templates are tested
 # by tests/new_test.c.
 own_tests() {
@@ -119,7 +119,7 @@ own_tests() {
     while read -r file; do
       folder=${file%/*}
       id=$(sed -n 's/.*\.id = "\([a-z0-9_.]*\)".*/\1/p' "$file")
-      grep -qsE "\"$id\"|opcflow_plugin|tests/inner\.h" "$folder"/*_test.[ch] ||
+      grep -qsE "[\"/]$id[\"/]|opcflow_plugin|tests/inner\.h" "$folder"/*_test.[ch] ||
         echo "$folder: no *_test.c makes '$id'"
     done
   find plugins subprojects core -name '*_test.c' ! -name template_test.c ! -path '*/examples/*' | sort |

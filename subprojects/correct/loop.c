@@ -358,15 +358,11 @@ static double worst(const loop *l) {
   return l->summary.gates ? l->summary.ion_max : l->summary.epe_max;
 }
 
-static const char *worst_unit(const loop *l) {
-  return l->summary.gates ? "%" : "nm";
-}
-
 static int told_to_stop(const loop *l) {
   opc_progress progress = {.done = l->iterations,
                            .total = (double)l->max_iterations,
                            .worst = worst(l),
-                           .worst_unit = worst_unit(l)};
+                           .worst_unit = l->summary.gates ? "%" : "nm"};
   l->host->progress(l->host, &progress);
   return opc_cancelled(l->host->context);
 }
