@@ -358,11 +358,15 @@ static double worst(const loop *l) {
   return l->summary.gates ? l->summary.ion_max : l->summary.epe_max;
 }
 
+static const char *worst_unit(const loop *l) {
+  return l->summary.gates ? "%" : "nm";
+}
+
 static int told_to_stop(const loop *l) {
   opc_progress progress = {.done = l->iterations,
                            .total = (double)l->max_iterations,
                            .worst = worst(l),
-                           .worst_unit = l->summary.gates ? "%" : "nm"};
+                           .worst_unit = worst_unit(l)};
   l->host->progress(l->host, &progress);
   return opc_cancelled(l->host->context);
 }
@@ -580,21 +584,4 @@ void loop_clear(loop *l) {
   assists_clear(l);
   seek_clear(l);
   eda_printer_clear(&l->printer);
-}
-
-void loop_init(loop *l, const opc_host *host, const eda_gates *gates,
-               const correct_settings *with) {
-  *l = (loop){.host = host,
-              .gates = gates,
-              .start.max_diff = NAN,
-              .extractor = with->extractor,
-              .regulator = with->regulator,
-              .max_iterations = with->max_iterations,
-              .hold = with->guard == CORRECT_GUARD_ON,
-              .ion_limit = with->ion_limit,
-              .fine_change = fine_change(with->fine_text, with->ion_limit),
-              .drivers = {[MAIN].module = with->synthesizer}};
-  eda_printer_init(&l->printer, host->context, gates, with->litho, with->resist,
-                   with->margin);
-  l->printer.fine = with->fine;
 }
