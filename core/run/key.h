@@ -3,7 +3,7 @@
 #ifndef OPCFLOW_CORE_KEY_H
 #define OPCFLOW_CORE_KEY_H
 
-#include <store/store.h>
+#include <store/facts.h>
 #include "core/binding/flow.h"
 
 /* What a fact is about. */
@@ -15,11 +15,6 @@ enum {
   OPC_FACT_INPUT = 's',     /* a step, with an output's name, and its key */
   OPC_FACT_INNER = 'i'      /* the flow that the step runs */
 };
-
-/* All texts, a(ysss): what about; its path behind that of the step,
-   "synthesizer.limit"; as it is shown; and where that does not say it all, a
-   sum. */
-#define OPC_FACTS_TYPE G_VARIANT_TYPE("a(ysss)")
 
 typedef struct opc_key {
   char *sum;        /* the key; NULL: the result is not kept */
@@ -39,9 +34,9 @@ void opc_flow_keys(const opc_flow *flow, opc_store *store, opc_key *keys);
 char *opc_binding_key(const opc_binding *binding, opc_store *store,
                       opc_error *error);
 
-/* How two results of a step differ: "mask.limit changed from 1 % to 2 %";
-   `count`: in how many facts (g_free). */
-char *opc_facts_difference(const char *step, GVariant *before, GVariant *now,
-                           guint *count);
+/* Describe the change of a fact of the step of that name, as opc_fact_text:
+   "mask.limit changed from 1 % to 2 %" (g_free). */
+char *opc_key_difference(const void *step, char about, const char *path,
+                         const char *before, const char *now);
 
 #endif

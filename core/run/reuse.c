@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include <store/files.h>
+#include <store/pack.h>
 #include "core/run/run.h"
 
 /* ---- telling ---- */
@@ -98,58 +99,26 @@ static void tell_again(opc_run *run, const opc_flow_step *step,
 
 /* ---- why ---- */
 
-/* What steps of a name and plugin depended on the last times. */
-enum { MOST_EARLIER = 32 };
-#define EARLIER_TYPE G_VARIANT_TYPE("aa(ysss)")
-
-static char *earlier_key(const opc_flow_step *step) {
-  g_autofree char *name =
-      g_strdup_printf("%s %s", step->name, step->binding->plugin->id);
-  g_autofree char *sum =
-      g_compute_checksum_for_string(G_CHECKSUM_SHA256, name, -1);
-  return g_strconcat(sum, ".facts", NULL);
+/* Facts are kept for each name and plugin of a step. */
+static char *facts_name(const opc_flow_step *step) {
+  return g_strdup_printf("%s %s", step->name, step->binding->plugin->id);
 }
 
-/* Against the one that is most like it. */
+/* Return why a step ran (g_free). */
 static char *find_reason(opc_store *store, const opc_flow_step *step,
-                         GVariant *facts) {
-  g_autofree char *key = earlier_key(step);
-  g_autoptr(GVariant) all = opc_store_get(store, key, EARLIER_TYPE);
-  char *best = NULL;
-  guint least = G_MAXUINT;
-  for (gsize i = 0; all && i < g_variant_n_children(all); i++) {
-    g_autoptr(GVariant) before = g_variant_get_child_value(all, i);
-    guint count;
-    char *text = opc_facts_difference(step->name, before, facts, &count);
-    if (!count) {
-      g_free(text);
-      text = g_strdup("its result is no longer kept");
-    }
-    if (count < least) {
-      g_free(best);
-      best = g_steal_pointer(&text);
-      least = count;
-    }
-    g_free(text);
-  }
-  return best ? best : g_strdup("not seen before");
+                         const opc_key *key) {
+  if (!key->facts) return g_strdup(key->why);
+  if (step->binding->inner)
+    return g_strdup("runs a flow, whose steps are reused one by one");
+  g_autofree char *name = facts_name(step);
+  return opc_facts_reason(store, name, key->facts, opc_key_difference,
+                          step->name);
 }
 
 static void keep_facts(opc_store *store, const opc_flow_step *step,
                        GVariant *facts) {
-  g_autofree char *key = earlier_key(step);
-  g_autoptr(GVariant) all = opc_store_get(store, key, EARLIER_TYPE);
-  GVariantBuilder out;
-  g_variant_builder_init(&out, EARLIER_TYPE);
-  g_variant_builder_add_value(&out, facts);
-  gsize n = all ? g_variant_n_children(all) : 0, kept = 1;
-  for (gsize i = 0; i < n && kept < MOST_EARLIER; i++) {
-    g_autoptr(GVariant) one = g_variant_get_child_value(all, i);
-    if (g_variant_equal(one, facts)) continue;
-    g_variant_builder_add_value(&out, one);
-    kept++;
-  }
-  (void)opc_store_put(store, key, g_variant_builder_end(&out));
+  g_autofree char *name = facts_name(step);
+  opc_facts_keep(store, name, facts);
 }
 
 /* ---- keys ---- */
@@ -276,12 +245,7 @@ void opc_reuse_keep(opc_run *run, const opc_flow_step *step, guint tables) {
   opc_store *store = run->options->store;
   const opc_key *key = &run->keys[step->number];
   if (!store || !opc_run_is_first(run)) return;
-  g_autofree char *reason =
-      key->facts ? find_reason(store, step, key->facts) : g_strdup(key->why);
-  if (step->binding->inner && key->facts) {
-    g_free(reason);
-    reason = g_strdup("runs a flow, whose steps are reused one by one");
-  }
+  g_autofree char *reason = find_reason(store, step, key);
   tell(run, step, FALSE, reason);
   GVariant *result =
       key->sum && !step->binding->inner && opc_reuse_is_unchanged(run, key)
@@ -306,7 +270,7 @@ static gboolean restore(opc_run *run, const opc_flow_step *step) {
   if (!functions->restore || !run->keys[step->number].sum) return FALSE;
   g_autofree char *name = name_of(&run->keys[step->number], ".outputs");
   g_autoptr(GVariant) kept =
-      opc_store_get(run->options->store, name, G_VARIANT_TYPE("a(ayay)"));
+      opc_store_get(run->options->store, name, OPC_FILES_TYPE);
   char *folder = kept ? open_scratch(run) : NULL;
   opc_error error = {0};
   int code = folder ? opc_files_unpack(kept, folder, &error) : OPC_IO;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Running a flow into a run folder; docs/reference/flow.md tells what it holds. */
+/* Running a flow into a run folder; docs/reference/flow.md tells what it holds.
+ */
 #ifndef OPCFLOW_CORE_RUN_H
 #define OPCFLOW_CORE_RUN_H
 
@@ -197,11 +198,6 @@ extern const char opc_result_type[];
 gboolean opc_said_pack(GVariantBuilder *all, const GPtrArray *said,
                        const opc_flow_step *step);
 void opc_said_again(opc_run *run, const opc_flow_step *step, GVariant *said);
-
-/* The files of a folder, and back. NULL or OPC_IO if one cannot be read or
-   written. */
-GVariant *opc_files_pack(const char *folder, guint64 most);
-int opc_files_unpack(GVariant *files, const char *folder, opc_error *error);
 
 /* ---- reuse.c: steps whose results are there ---- */
 
