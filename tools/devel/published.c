@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Hears what a plugin publishes. */
-#include "core/testing/published.h"
+#include "tools/devel/published.h"
 
 #include <errno.h>
 #include <string.h>
 
-#include "core/binding/binding.h"
 #include <store/files.h>
-#include "core/report/table.h"
+#include "core/binding/binding.h"
 #include "core/plugin/declaration.h"
+#include "core/report/table.h"
 
 static opc_published *of(const opc_host *host) {
   return ((const opc_binding *)host->data)->run;

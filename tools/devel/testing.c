@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Makes single plugins and keeps what they publish, for tests. */
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/binding/binding.h"
 #include <store/files.h>
+#include "core/binding/binding.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/host.h"
 #include "core/text/value.h"
