@@ -5,11 +5,11 @@
 #include <glib/gstdio.h>
 #include <string.h>
 
+#include "core/binding/layers.h"
 #include "core/cli/cli.h"
 #include "core/cli/progress.h"
-#include "core/binding/layers.h"
-#include "core/run/run.h"
 #include "core/plugin/declaration.h"
+#include "core/report/json.h"
 #include "core/text/suggest.h"
 
 /* What the user wants: of each parameter of the plugin a text, or of an

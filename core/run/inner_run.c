@@ -118,7 +118,7 @@ static opc_run *make_run(const opc_inner *in, unsigned level, size_t point,
   run->own = flow;
   opc_run_borrow(run, parent);
   choose_steps(in, run, level);
-  g_hash_table_foreach(parent->claims, copy_claim, run->claims);
+  g_hash_table_foreach(parent->written.claims, copy_claim, run->written.claims);
   return run;
 }
 
@@ -259,28 +259,29 @@ static gint compare_metrics(gconstpointer a, gconstpointer b, gpointer data) {
 /* Make a run whole by what those it shares steps with gave. */
 static void take_shared(opc_inner *in, opc_run *run, opc_problems *problems) {
   opc_error error;
-  g_autoptr(GArray) own = run->metrics;
-  run->metrics = g_array_new(FALSE, TRUE, sizeof(opc_inner_metric));
+  g_autoptr(GArray) own = run->out.metrics;
+  run->out.metrics = g_array_new(FALSE, TRUE, sizeof(opc_inner_metric));
   for (unsigned level = 0; level < in->depth; level++) {
     const opc_run *from = in->levels[level];
     if (!from) continue;
-    g_array_append_vals(run->metrics, from->metrics->data, from->metrics->len);
+    g_array_append_vals(run->out.metrics, from->out.metrics->data,
+                        from->out.metrics->len);
     opc_run_take_findings(run, from);
     opc_run_take_histories(run, from);
     for (guint i = 0; i < from->flow->steps->len; i++) {
       const opc_flow_step *step = from->flow->steps->pdata[i];
       const opc_flow_step *its = opc_flow_find(run->flow, step->name);
       if (its && !from->left_out[i])
-        run->seconds[its->number] = from->seconds[i];
+        run->out.seconds[its->number] = from->out.seconds[i];
     }
-    if (opc_walk(from->work, copy_file, run->work, &error))
+    if (opc_walk(from->written.work, copy_file, run->written.work, &error))
       opc_problem_add(problems, error.code, NULL, "%s", error.message);
   }
-  g_array_append_vals(run->metrics, own->data, own->len);
-  g_array_sort_with_data(run->metrics, compare_metrics, run);
-  run->total = 0;
+  g_array_append_vals(run->out.metrics, own->data, own->len);
+  g_array_sort_with_data(run->out.metrics, compare_metrics, run);
+  run->out.total = 0;
   for (guint i = 0; i < run->flow->steps->len; i++)
-    if (!isnan(run->seconds[i])) run->total += run->seconds[i];
+    if (!isnan(run->out.seconds[i])) run->out.total += run->out.seconds[i];
 }
 
 /* All that is required, whichever level it is of. */
@@ -347,9 +348,9 @@ int opc_inner_run_point(const opc_host *host, size_t point, int keep,
 
 /* As a point of a sweep that failed. */
 static void count_failure(opc_run *outer, int code) {
-  gboolean differs = outer->failed_points && outer->points_code != code;
-  outer->points_code = differs || code != OPC_LIMIT ? OPC_FAILED : code;
-  outer->failed_points++;
+  gboolean differs = outer->out.failed_points && outer->out.points_code != code;
+  outer->out.points_code = differs || code != OPC_LIMIT ? OPC_FAILED : code;
+  outer->out.failed_points++;
 }
 
 int opc_inner_run_whole(const opc_host *host, size_t point, const char *name,
@@ -364,11 +365,12 @@ int opc_inner_run_whole(const opc_host *host, size_t point, const char *name,
   run_at(in, point, folder, problems);
   if (!problems->list->len) keep_run(in, prefix, problems);
   if (problems->list->len) {
-    if (in->run && in->run->work) opc_remove_tree(folder);
+    if (in->run && in->run->written.work) opc_remove_tree(folder);
   } else {
-    out->folder = in->run->work;
-    out->seconds = in->run->total;
-    out->findings = in->run->findings->len + in->run->more_findings;
+    out->folder = in->run->written.work;
+    out->seconds = in->run->out.total;
+    out->findings =
+        in->run->out.findings.list->len + in->run->out.findings.more;
     opc_run_add_broken(in->run, problems);
   }
   int code = end_point(in, share, problems, error);

@@ -257,6 +257,13 @@ char *opc_binding_key(const opc_binding *binding, opc_store *store,
   return sum;
 }
 
+gboolean opc_key_is_unchanged(const opc_key *key, opc_store *store) {
+  for (guint i = 0; i + 1 < key->files->len; i += 2)
+    if (!opc_store_same(store, key->files->pdata[i], key->files->pdata[i + 1]))
+      return FALSE;
+  return TRUE;
+}
+
 void opc_key_clear(opc_key *key) {
   g_free(key->sum);
   g_free(key->why);

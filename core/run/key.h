@@ -25,6 +25,10 @@ typedef struct opc_key {
 
 void opc_key_clear(opc_key *key);
 
+/* Return whether all files of the key still have their sums: a file may change
+   while the step runs. */
+gboolean opc_key_is_unchanged(const opc_key *key, opc_store *store);
+
 /* The keys of a flow's steps, by their numbers. Those that have a sum, or a
    reason to have none, are left as they are. */
 void opc_flow_keys(const opc_flow *flow, opc_store *store, opc_key *keys);

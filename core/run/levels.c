@@ -5,13 +5,16 @@
 
 #include <store/files.h>
 
+#include "core/run/reports.h"
+#include "core/run/steps.h"
+
 /* ---- one run ---- */
 
 /* Leave out the steps that `from` ran, and take their outputs and those that
    `from` took from others. Steps are found by their names: a layer may add or
    remove some. */
 static void run_borrow(opc_run *run, opc_run *from) {
-  run->base = from;
+  run->kept.base = from;
   for (guint i = 0; i < run->flow->steps->len; i++) {
     const opc_flow_step *step = run->flow->steps->pdata[i];
     const opc_flow_step *its = opc_flow_find(from->flow, step->name);
@@ -42,7 +45,7 @@ static void claim_copy(gpointer name, gpointer owner, gpointer claims) {
 /* Make the run of a level at a point; NULL and problems. */
 static opc_run *run_make(const opc_levels *l, unsigned level, size_t point,
                          opc_problems *problems) {
-  unsigned below = level - 1;
+  unsigned below = level ? level - 1 : 0;
   while (!l->runs[below]) below--;
   opc_run *parent = l->runs[below];
   opc_choice choice = l->choice;
@@ -52,12 +55,14 @@ static opc_run *run_make(const opc_levels *l, unsigned level, size_t point,
     opc_flow_free(flow);
     return NULL;
   }
-  opc_run *run = opc_run_new(flow, l->registry, l->outer->options, l->watch);
+  opc_run *run = opc_run_new(flow, l->registry, l->outer->options, l->watch,
+                             &l->outer->like);
   run->own = flow;
   run_borrow(run, parent);
   run_choose_steps(l, run, level);
   if (l->one_folder)
-    g_hash_table_foreach(parent->claims, claim_copy, run->claims);
+    g_hash_table_foreach(parent->written.claims, claim_copy,
+                         run->written.claims);
   return run;
 }
 
@@ -82,7 +87,7 @@ static void level_open(opc_levels *l, unsigned level, size_t point) {
   g_autofree char *folder = opc_levels_folder(l, level);
   opc_run *run = run_make(l, level, point, problems);
   gboolean any = run && run_has_steps(run);
-  if (any) opc_run_in(run, l->outer, folder, problems);
+  if (any) opc_steps_run_in(run, l->outer, folder, problems);
   if (any)
     l->runs[level] = run;
   else
@@ -114,8 +119,8 @@ void opc_levels_begin(opc_levels *l, opc_run *trunk) {
 
 void opc_levels_clear(opc_levels *l) {
   opc_run_free(l->last);
-  for (unsigned level = l->runs ? l->depth : 0; level-- > 1;)
-    level_drop(l, level);
+  for (unsigned level = 1; l->runs && level < l->depth; level++)
+    level_drop(l, l->depth - level);
   g_free(l->runs);
   g_free(l->failures);
   g_free(l->at);
@@ -134,16 +139,18 @@ void opc_levels_run(opc_levels *l, size_t point, const char *folder,
   l->last = NULL;
   levels_enter(l, point, problems);
   if (!problems->list->len) l->last = run_make(l, l->depth, point, problems);
-  if (l->last) opc_run_in(l->last, l->outer, folder, problems);
+  if (l->last) opc_steps_run_in(l->last, l->outer, folder, problems);
 }
 
 void opc_levels_close(const opc_run *run, gboolean keep,
                       opc_problems *problems) {
-  if (!run->work) return;
+  if (!run->written.work) return;
   if (!keep) {
-    opc_remove_tree(run->work);
+    opc_remove_tree(run->written.work);
     return;
   }
-  opc_run_write(run, "flow.yaml", opc_flow_resolved(run->flow, NULL), problems);
-  opc_run_write(run, "metrics.json", opc_run_metrics_text(run), problems);
+  opc_reports_write_file(run, "flow.yaml", opc_flow_resolved(run->flow, NULL),
+                         problems);
+  opc_reports_write_file(run, "metrics.json",
+                         opc_outcome_metrics_text(&run->out), problems);
 }

@@ -6,7 +6,9 @@
 #include <guard/guard.h>
 #include <string.h>
 
-#include "core/run/run.h"
+#include "core/run/listen.h"
+#include "core/run/pieces.h"
+#include "core/run/result.h"
 
 /* What a piece gave, and what was said meanwhile. */
 #define PIECE_TYPE G_VARIANT_TYPE("(aya(uss))")
@@ -26,7 +28,7 @@ typedef struct sharer {
 static char *name_of(const sharer *s, size_t i) {
   const opc_pieces *p = s->pieces;
   const opc_binding *b = s->host->data;
-  const opc_key *key = &s->run->keys[s->step->number];
+  const opc_key *key = &s->run->kept.keys[s->step->number];
   const char *own =
       s->run->options->store && key->sum && p->key ? p->key(p->data, i) : NULL;
   if (!own) return NULL;
@@ -50,23 +52,24 @@ static GVariant *find(const sharer *s, const char *name) {
 static void keep(const sharer *s, const char *name, GVariant *piece) {
   if (!name) return;
   const char *before = guard_enter(NULL);
-  if (opc_reuse_is_unchanged(s->run, &s->run->keys[s->step->number]))
+  if (opc_key_is_unchanged(&s->run->kept.keys[s->step->number],
+                           s->run->options->store))
     (void)opc_store_put(s->run->options->store, name, piece);
   guard_leave(before);
 }
 
 void opc_pieces_drop(opc_run *run) {
-  for (guint i = 0; i < run->pieces->len; i++)
-    opc_store_drop(run->options->store, run->pieces->pdata[i]);
+  for (guint i = 0; i < run->kept.pieces->len; i++)
+    opc_store_drop(run->options->store, run->kept.pieces->pdata[i]);
 }
 
 /* ---- one ---- */
 
 static GVariant *work(const sharer *s, size_t i, opc_error *error) {
   GVariantBuilder warned;
-  opc_piece_begin(s->run);
+  opc_listen_piece(s->run);
   GByteArray *all = opc_piece_work(s->pieces, i, error);
-  g_autoptr(GPtrArray) said = opc_piece_end(s->run);
+  g_autoptr(GPtrArray) said = opc_listen_piece_end(s->run);
   (void)opc_said_pack(&warned, said, s->step);
   GVariant *list = g_variant_ref_sink(g_variant_builder_end(&warned));
   if (!all) opc_said_again(s->run, s->step, list);
@@ -289,12 +292,13 @@ int opc_pieces_run(const opc_host *host, const opc_pieces *pieces,
                    opc_error *error) {
   opc_run *run = ((const opc_binding *)host->data)->run;
   sharer s = {.host = host, .pieces = pieces, .run = run, .step = run->at};
-  if (!run->at || run->piece) return opc_pieces_alone(host, pieces, error);
+  if (!run->at || run->heard.piece)
+    return opc_pieces_alone(host, pieces, error);
   const opc_step *functions = run->at->binding->plugin->functions;
   opc_ranks *ranks = opc_run_ranks(run);
   for (size_t i = 0; i < pieces->count; i++) {
     char *name = name_of(&s, i);
-    if (name) g_ptr_array_add(run->pieces, name);
+    if (name) g_ptr_array_add(run->kept.pieces, name);
   }
   return ranks && functions->flags & OPC_STEP_PIECES
              ? do_together(&s, ranks, error)

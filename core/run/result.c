@@ -5,7 +5,7 @@
 #include <sys/stat.h>
 
 #include <store/pack.h>
-#include "core/run/run.h"
+#include "core/run/result.h"
 
 /* Seconds; metrics: path, name, value; warnings: level, path, text; tables:
    name, flags, rows, columns of name, unit, type, decimals, data; files. Paths
@@ -27,9 +27,9 @@ static gboolean is_of(const char *path, const opc_flow_step *step) {
 
 static void pack_metrics(GVariantBuilder *all, const opc_run *run,
                          const opc_flow_step *step) {
-  for (guint i = 0; i < run->metrics->len; i++) {
+  for (guint i = 0; i < run->out.metrics->len; i++) {
     const opc_inner_metric *m =
-        &g_array_index(run->metrics, opc_inner_metric, i);
+        &g_array_index(run->out.metrics, opc_inner_metric, i);
     if (is_of(m->path, step))
       g_variant_builder_add(all, "(ssd)", behind(m->path, step),
                             m->metric->name, m->value);
@@ -73,24 +73,26 @@ gboolean opc_said_pack(GVariantBuilder *all, const GPtrArray *said,
 GVariant *opc_result_new(const opc_run *run, const opc_flow_step *step,
                          guint tables) {
   GVariantBuilder metrics, said, kept, files;
-  gboolean good = opc_said_pack(&said, run->said, step) && run->said;
+  gboolean good =
+      opc_said_pack(&said, run->heard.said, step) && run->heard.said;
   g_variant_builder_init(&metrics, G_VARIANT_TYPE("a(ssd)"));
   g_variant_builder_init(&kept, G_VARIANT_TYPE("a(suta(smsuiv))"));
   g_variant_builder_init(&files, OPC_FILES_TYPE);
   pack_metrics(&metrics, run, step);
-  for (guint i = tables; i < run->tables->len; i++)
-    pack_table(&kept, run->tables->pdata[i]);
+  for (guint i = tables; i < run->out.tables->len; i++)
+    pack_table(&kept, run->out.tables->pdata[i]);
   guint64 bytes = 0;
-  for (guint i = 0; i < run->given->len; i++) {
+  for (guint i = 0; i < run->written.given->len; i++) {
     struct stat about;
-    if (!lstat(run->given->pdata[i], &about)) bytes += (guint64)about.st_size;
+    if (!lstat(run->written.given->pdata[i], &about))
+      bytes += (guint64)about.st_size;
   }
   good = good && bytes <= opc_store_most(run->options->store);
-  for (guint i = 0; good && i < run->given->len; i++) {
-    const char *path = run->given->pdata[i];
-    good = opc_files_add(&files, path, path + strlen(run->work) + 1);
+  for (guint i = 0; good && i < run->written.given->len; i++) {
+    const char *path = run->written.given->pdata[i];
+    good = opc_files_add(&files, path, path + strlen(run->written.work) + 1);
   }
-  GVariant *all = g_variant_new(opc_result_type, run->seconds[step->number],
+  GVariant *all = g_variant_new(opc_result_type, run->out.seconds[step->number],
                                 &metrics, &said, &kept, &files);
   if (good) return all;
   g_variant_unref(g_variant_ref_sink(all));
@@ -198,7 +200,7 @@ void opc_said_again(opc_run *run, const opc_flow_step *step, GVariant *said) {
   while (g_variant_iter_next(&all, "(u&s&s)", &level, &rest, &text)) {
     g_autofree char *path =
         g_strdup_printf("%s%s%s", step->name, *rest ? "." : "", rest);
-    run->watch.log(run, path, (int)level, text);
+    run->heard.watch.log(run, path, (int)level, text);
   }
 }
 
@@ -208,7 +210,7 @@ int opc_result_publish(opc_run *run, const opc_flow_step *step,
   g_autoptr(GVariant) said = g_variant_get_child_value(result, 2);
   g_autoptr(GVariant) tables = g_variant_get_child_value(result, 3);
   g_autoptr(GVariant) files = g_variant_get_child_value(result, 4);
-  g_variant_get_child(result, 0, "d", &run->seconds[step->number]);
+  g_variant_get_child(result, 0, "d", &run->out.seconds[step->number]);
   opc_said_again(run, step, said);
   int code = publish_files(step, files, error);
   if (!code) code = publish_tables(step, tables, error);
