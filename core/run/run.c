@@ -74,12 +74,12 @@ void opc_run_free(opc_run *run) {
 /* ---- ranks ---- */
 
 /* A flow inside of a step is each rank's own. */
-opc_ranks *opc_run_ranks(const opc_run *run) {
+const ranks_group *opc_run_ranks(const opc_run *run) {
   for (const opc_run *r = run; r; r = r->main)
     if (r->apart || (r->main && r->main->at)) return NULL;
   return run->options->ranks;
 }
 
 gboolean opc_run_is_first(const opc_run *run) {
-  return !opc_ranks_own(run->options->ranks);
+  return !run->options->ranks || !run->options->ranks->rank;
 }

@@ -5,8 +5,8 @@
 #define OPCFLOW_CORE_RUN_H
 
 #include <opcflow/step.h>
+#include <ranks/ranks.h>
 
-#include "core/flow/ranks.h"
 #include "core/report/outcome.h"
 #include "core/run/key.h"
 
@@ -16,7 +16,7 @@ typedef struct opc_run_options {
   gboolean keep;      /* of a sweep: what each point writes stays */
   const char *const *command; /* for the manifest; may be NULL */
   opc_store *store; /* of earlier results; NULL: none, and nothing is kept */
-  opc_ranks *ranks; /* that run it together; NULL: this process alone */
+  const ranks_group *ranks; /* that run it together; NULL: this process alone */
 } opc_run_options;
 
 /* A message of a step, to be repeated when its result is used again. */
@@ -94,7 +94,7 @@ void opc_run_release(opc_run *run, const opc_flow_step *step);
 void opc_run_release_all(opc_run *run);
 
 /* Return the ranks that now do what this one does; NULL: it is alone. */
-opc_ranks *opc_run_ranks(const opc_run *run);
+const ranks_group *opc_run_ranks(const opc_run *run);
 
 /* Return whether this rank finds results, publishes and keeps them. */
 gboolean opc_run_is_first(const opc_run *run);

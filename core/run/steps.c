@@ -7,6 +7,7 @@
 #include "core/run/call.h"
 #include "core/run/inputs.h"
 #include "core/run/listen.h"
+#include "core/run/pieces.h"
 #include "core/run/reports.h"
 #include "core/run/reuse.h"
 
@@ -29,7 +30,7 @@ static gboolean *find_shared(const opc_run *run) {
 /* Whether all may begin: same bits are to be had only from the same files,
    builds and processors. */
 static gboolean are_alike(opc_run *run, opc_problems *problems) {
-  opc_ranks *ranks = opc_run_ranks(run);
+  const ranks_group *ranks = opc_run_ranks(run);
   guint n = run->flow->steps->len;
   if (!ranks) return !problems->list->len;
   g_autoptr(GString) text = g_string_new(run->flow->name);
@@ -76,7 +77,7 @@ static gboolean do_step(opc_run *run, const opc_flow_step *step,
    first one does all. */
 static gboolean do_step_together(opc_run *run, const opc_flow_step *step,
                                  gboolean shared, opc_problems *problems) {
-  opc_ranks *ranks = opc_run_ranks(run);
+  const ranks_group *ranks = opc_run_ranks(run);
   if (!ranks) return do_step(run, step, problems);
   run->apart = !shared;
   if (shared || opc_run_is_first(run)) do_step(run, step, problems);
