@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "core/binding/inner.h"
 #include "core/binding/layers.h"
 #include "core/plugin/declaration.h"
 #include "core/text/suggest.h"
@@ -26,6 +27,7 @@ static void read_step(opc_flow *flow, const opc_node *key, const opc_node *node,
   step->inputs = g_array_new(FALSE, TRUE, sizeof(opc_flow_input));
   step->number = flow->steps->len;
   g_ptr_array_add(flow->steps, step);
+  guint before = problems->list->len;
   if (!strcmp(key->text, "require") || !strcmp(key->text, "findings"))
     opc_wrong(problems, key, "a step cannot be called '%s'", key->text);
   if (!opc_is_name(key->text, FALSE))
@@ -38,6 +40,8 @@ static void read_step(opc_flow *flow, const opc_node *key, const opc_node *node,
   else
     step->binding =
         opc_bind(registry, node, step->name, &key->at, flags, problems);
+  if (step->binding && problems->list->len == before)
+    opc_inner_open(step->binding, registry, flags, problems);
 }
 
 /* ---- the whole ---- */
@@ -170,7 +174,54 @@ GPtrArray *opc_flow_bindings(const opc_flow *flow) {
   return list;
 }
 
+/* ---- checking: all that can be found without work ---- */
+
+/* Of an axis; of more values the first ones and the last one are looked at. */
+enum { MOST_VALUES = 1000 };
+
+static void check_one(const opc_recipe *recipe, const opc_choice *choice,
+                      opc_registry *registry, const opc_watch *watch,
+                      opc_problems *problems) {
+  if (opc_problems_full(problems)) return;
+  g_autoptr(opc_problems) found = opc_problems_new();
+  g_autoptr(opc_flow) flow = opc_flow_make(recipe, choice, registry, found);
+  if (!found->list->len && watch)
+    opc_flow_create(flow, NULL, watch, NULL, found);
+  g_autofree char *note =
+      choice->variant ? g_strdup_printf(" (variant '%s')", choice->variant)
+                      : NULL;
+  opc_problems_merge(problems, found, note);
+}
+
+/* Each value of each axis once: a fault of one combination alone is rare, and
+   is found when its turn comes. */
+void opc_flow_check(const opc_recipe *recipe, const opc_choice *choice,
+                    opc_registry *registry, const opc_watch *watch,
+                    opc_problems *problems) {
+  opc_choice at = *choice;
+  at.point = 0;
+  check_one(recipe, &at, registry, watch, problems);
+  const GPtrArray *axes = choice->sweep ? choice->sweep->axes : NULL;
+  for (guint a = 0; axes && a < axes->len; a++) {
+    guint n = ((const opc_axis *)axes->pdata[a])->values->len;
+    for (guint i = 1; i < n; i++) {
+      if (i == MOST_VALUES - 1) i = n - 1;
+      at.point = opc_sweep_point(choice->sweep, a, i);
+      check_one(recipe, &at, registry, watch, problems);
+    }
+  }
+}
+
 /* ---- looking into it ---- */
+
+opc_flow_step *opc_flow_find(const opc_flow *flow, const char *path) {
+  size_t n = strcspn(path, ".");
+  for (guint i = 0; i < flow->steps->len; i++) {
+    opc_flow_step *step = flow->steps->pdata[i];
+    if (strlen(step->name) == n && !strncmp(step->name, path, n)) return step;
+  }
+  return NULL;
+}
 
 const opc_binding *opc_flow_binding(const opc_flow *flow, const char *path,
                                     opc_error *error) {

@@ -3,6 +3,8 @@
 #ifndef OPCFLOW_CORE_PROGRESS_H
 #define OPCFLOW_CORE_PROGRESS_H
 
+#include <glib.h>
+
 #include "core/plugin/host.h"
 
 typedef struct cli_progress {

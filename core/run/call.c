@@ -100,7 +100,7 @@ int opc_call_run(opc_run *run, const opc_flow_step *step, opc_error *error) {
   const char *before = opc_binding_enter(b);
   int code = functions->run(b->module.self, objects, error);
   opc_binding_leave(before);
-  if (b->inner) opc_inner_end(b->inner);
+  opc_inner_end(b->inner);
   run->out.seconds[step->number] =
       (double)(g_get_monotonic_time() - start) * 1e-6;
   opc_call_set_inputs(run, step, FALSE);

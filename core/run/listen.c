@@ -94,23 +94,23 @@ static void take_log(void *data, const char *path, int level,
 
 static void pass_step(void *data, const char *name, size_t number,
                       size_t count) {
-  const opc_watch *to = ((const opc_run *)data)->told;
+  const opc_watch *to = ((const opc_run *)data)->heard.told;
   if (to->step) to->step(to->data, name, number, count);
 }
 
 static void pass_progress(void *data, const char *path,
                           const opc_progress *progress) {
-  const opc_watch *to = ((const opc_run *)data)->told;
+  const opc_watch *to = ((const opc_run *)data)->heard.told;
   if (to->progress) to->progress(to->data, path, progress);
 }
 
 static int pass_cancelled(void *data) {
-  const opc_watch *to = ((const opc_run *)data)->told;
+  const opc_watch *to = ((const opc_run *)data)->heard.told;
   return to->cancelled && to->cancelled(to->data);
 }
 
 static void pass_point(void *data, size_t number, size_t count) {
-  const opc_watch *to = ((const opc_run *)data)->told;
+  const opc_watch *to = ((const opc_run *)data)->heard.told;
   if (to->point) to->point(to->data, number, count);
 }
 

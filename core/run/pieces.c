@@ -166,7 +166,8 @@ int opc_pieces_run(const opc_host *host, const opc_pieces *pieces,
                    opc_error *error) {
   const opc_binding *b = host->data;
   opc_run *run = b->run;
-  if (!run->at || run->heard.piece) return opc_pieces_alone(host, pieces, error);
+  if (!run->at || run->heard.piece)
+    return opc_pieces_alone(host, pieces, error);
   keeper k = {.kept = {.count = pieces->count,
                        .work = kept_work,
                        .take = kept_take,

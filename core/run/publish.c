@@ -5,6 +5,8 @@
 
 #include <store/files.h>
 #include "core/plugin/declaration.h"
+#include "core/run/identity.h"
+#include "core/run/inner_run.h"
 #include "core/run/pieces.h"
 #include "core/run/publish.h"
 #include "core/text/value.h"
@@ -131,4 +133,6 @@ static int take_metric(const opc_host *host, const char *name, double value,
 const opc_host opc_run_publisher = {.table = take_table,
                                     .metric = take_metric,
                                     .output_path = give_path,
+                                    .identity = opc_identity,
+                                    .inner = &opc_inner_functions,
                                     .pieces = opc_pieces_run};

@@ -96,9 +96,9 @@ static const opc_flow_step *step_of_base(const opc_run *run,
    are depends on the steps of the outer flow. */
 static void take_given(opc_run *run) {
   const opc_flow_step *outer = run->main ? run->main->at : NULL;
-  for (guint i = 0; outer && i < outer->out.inputs->len; i++) {
+  for (guint i = 0; outer && i < outer->inputs->len; i++) {
     const opc_flow_input *in =
-        &g_array_index(outer->out.inputs, opc_flow_input, i);
+        &g_array_index(outer->inputs, opc_flow_input, i);
     const opc_plugin *plugin = in->binding->plugin;
     const opc_flow_step *step =
         opc_flow_find(run->flow, plugin->parameters[in->parameter].name);
@@ -119,7 +119,7 @@ void opc_reuse_begin(opc_run *run) {
   for (guint i = 0; run->kept.base && i < run->flow->steps->len; i++) {
     const opc_flow_step *its = step_of_base(run, run->flow->steps->pdata[i]);
     if (!run->left_out[i] || !its) continue;
-    const opc_key *known = &run->kept.base->keys[its->number];
+    const opc_key *known = &run->kept.base->kept.keys[its->number];
     run->kept.keys[i].sum = g_strdup(known->sum);
     run->kept.keys[i].why = g_strdup(known->why);
   }

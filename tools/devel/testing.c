@@ -9,8 +9,10 @@
 
 #include <store/files.h>
 #include "core/binding/binding.h"
+#include "core/binding/inner.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/host.h"
+#include "core/run/identity.h"
 #include "core/text/value.h"
 
 static struct {
@@ -94,8 +96,10 @@ static const char *give_path(const opc_host *host, const char *name,
 
 static const opc_watch watch = {.log = take_log, .cancelled = is_cancelled};
 
-static const opc_host publisher = {
-    .table = take_table, .metric = take_metric, .output_path = give_path};
+static const opc_host publisher = {.table = take_table,
+                                   .metric = take_metric,
+                                   .output_path = give_path,
+                                   .identity = opc_identity};
 
 const opc_host *opc_test_host(void) {
   static opc_host *host;
@@ -128,6 +132,8 @@ opc_module *opc_test_module(const char *id, const char *mapping,
     b = opc_bind_plugin(state.registry, plugin, map, id, &map->at,
                         OPC_BIND_NO_INPUTS, problems);
   if (b) g_ptr_array_add(b->presets, g_steal_pointer(&map)); /* lives as long */
+  if (!problems->list->len)
+    opc_inner_open(b, state.registry, OPC_BIND_NO_INPUTS, problems);
   if (!problems->list->len) opc_binding_create(b, &watch, &publisher, problems);
   if (!problems->list->len) return &g_steal_pointer(&b)->module;
   g_autofree char *text = opc_problems_text(problems);
