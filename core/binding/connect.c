@@ -2,7 +2,8 @@
 /* From references to an order of running. */
 #include <string.h>
 
-#include "core/binding/flow.h"
+#include "core/binding/connect.h"
+#include "core/binding/lookup.h"
 #include "core/plugin/declaration.h"
 #include "core/text/suggest.h"
 

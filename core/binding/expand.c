@@ -6,6 +6,7 @@
 
 #include "core/binding/inner.h"
 #include "core/binding/list.h"
+#include "core/binding/lookup.h"
 #include "core/binding/match.h"
 #include "core/plugin/declaration.h"
 

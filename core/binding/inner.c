@@ -4,7 +4,9 @@
 
 #include <string.h>
 
+#include "core/binding/connect.h"
 #include "core/binding/expand.h"
+#include "core/binding/lookup.h"
 #include "core/plugin/declaration.h"
 #include "core/text/suggest.h"
 

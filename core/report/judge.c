@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/binding/lookup.h"
 #include "core/report/judge.h"
 #include "core/text/value.h"
 

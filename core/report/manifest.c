@@ -5,6 +5,7 @@
 #include <sys/utsname.h>
 
 #include "core/binding/inner.h"
+#include "core/binding/lookup.h"
 #include "core/report/outcome.h"
 
 static void set_text(JsonObject *o, const char *key, const char *text) {

@@ -10,6 +10,7 @@
 #include <store/files.h>
 
 #include "core/binding/inner.h"
+#include "core/binding/lookup.h"
 #include "core/plugin/declaration.h"
 #include "core/run/inputs.h"
 #include "core/run/levels.h"

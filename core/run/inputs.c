@@ -3,6 +3,7 @@
 #include "core/run/inputs.h"
 
 #include "core/binding/inner.h"
+#include "core/binding/lookup.h"
 
 /* That of any of its instances: all look at the same signals. */
 static const opc_context *run_context(const opc_run *run) {

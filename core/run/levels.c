@@ -5,6 +5,8 @@
 
 #include <store/files.h>
 
+#include "core/binding/lookup.h"
+#include "core/binding/resolve.h"
 #include "core/run/reports.h"
 #include "core/run/steps.h"
 

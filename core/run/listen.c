@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Keeps what the instances of a run say, while it passes on all of it. */
 #include "core/run/listen.h"
+#include "core/binding/lookup.h"
 
 /* ---- findings ---- */
 

@@ -4,6 +4,8 @@
 
 #include <store/files.h>
 
+#include "core/binding/outputs.h"
+#include "core/binding/resolve.h"
 #include "core/report/contents.h"
 #include "core/report/json.h"
 

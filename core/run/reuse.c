@@ -8,6 +8,7 @@
 
 #include <store/files.h>
 #include <store/pack.h>
+#include "core/binding/lookup.h"
 #include "core/run/call.h"
 #include "core/run/pieces.h"
 #include "core/run/result.h"
@@ -97,8 +98,7 @@ static const opc_flow_step *step_of_base(const opc_run *run,
 static void take_given(opc_run *run) {
   const opc_flow_step *outer = run->main ? run->main->at : NULL;
   for (guint i = 0; outer && i < outer->inputs->len; i++) {
-    const opc_flow_input *in =
-        &g_array_index(outer->inputs, opc_flow_input, i);
+    const opc_flow_input *in = &g_array_index(outer->inputs, opc_flow_input, i);
     const opc_plugin *plugin = in->binding->plugin;
     const opc_flow_step *step =
         opc_flow_find(run->flow, plugin->parameters[in->parameter].name);

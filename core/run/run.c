@@ -4,6 +4,7 @@
 
 #include <guard/guard.h>
 
+#include "core/binding/outputs.h"
 #include "core/plugin/declaration.h"
 #include "core/run/listen.h"
 
