@@ -2,12 +2,12 @@
 /* Calls the functions of steps, under their names. */
 #include "core/run/call.h"
 
+#include <guard/memory.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "core/binding/inner.h"
 #include "core/plugin/declaration.h"
-#include "core/plugin/memory.h"
 
 void opc_call_set_inputs(const opc_run *run, const opc_flow_step *step,
                          gboolean present) {
@@ -60,7 +60,7 @@ char *opc_call_bytes_text(double bytes) {
 
 static int check_memory(const opc_forecast *wanted, opc_error *error) {
   const char *source;
-  double bytes = opc_memory_free(&source);
+  double bytes = memory_free(&source);
   if (!(wanted->memory > bytes)) return OPC_OK;
   g_autofree char *most = opc_call_bytes_text(wanted->memory);
   g_autofree char *left = opc_call_bytes_text(bytes);
