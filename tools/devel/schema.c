@@ -8,7 +8,7 @@
 
 #include "core/cli/cli.h"
 #include "core/plugin/declaration.h"
-#include "core/run/run.h"
+#include "core/report/json.h"
 #include "core/text/unit.h"
 #include "core/text/value.h"
 #include "tools/devel/opcflow-schema.h"
