@@ -8,6 +8,7 @@
 
 #include <eda/devices.h>
 #include <eda/pool.h>
+#include <stdio.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -22,7 +23,12 @@ enum { EDA_SIZE_L = 0, EDA_SIZE_W = 1, EDA_SIZE_C = 2, EDA_SIZES = 3 };
    between the levels of a slew. */
 enum { EDA_CAP_DELAY = 0, EDA_CAP_SLEW = 1, EDA_CAPS = 2 };
 
-enum { EDA_TIMING_INPUTS = 12 }; /* largest number of inputs of a cell */
+/* Largest numbers of a cell. */
+enum {
+  EDA_TIMING_INPUTS = 12,
+  EDA_TIMING_GRID = 16, /* slews, and loads */
+  EDA_TIMING_POWERS = 4 /* coefficients of a cubic */
+};
 
 typedef struct eda_timing_device {
   const char *name; /* within the cell */
@@ -164,6 +170,16 @@ OPC_EXPORT double eda_timing_ramp(int rises, double level);
 enum { EDA_TIMING_RAMP = 8 };
 OPC_EXPORT void eda_timing_ramp_points(int rises, double time[EDA_TIMING_RAMP],
                                        double level[EDA_TIMING_RAMP]);
+/* Return the time of the whole line for a slew between the levels of `timing`.
+   [any] */
+OPC_EXPORT double eda_timing_ramp_time(const eda_timing *timing, double slew,
+                                       int rises);
+/* Write the points of an input that goes from one level to another (each 0 or
+   1, of the supply; equal: it stays) as "pwl(...)" and a new line. It passes
+   the middle of the supply at `middle`, s. [any] */
+OPC_EXPORT void eda_timing_ramp_write(FILE *out, const eda_timing *timing,
+                                      int from, int to, double slew,
+                                      double middle);
 
 /* Initialise an opc_port (opcflow/step.h). */
 #define EDA_PORT_TIMING(port)                                  \
