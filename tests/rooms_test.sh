@@ -59,7 +59,7 @@ kernel_order() {
 # Files of the kernel that call each other in a circle, by the symbols of the
 # build: no more than four may.
 file_circles() {
-  find "${OPCFLOW_BUILD:-build}/core" -name '*.c.o' ! -name '*_test.c.o' | sort |
+  find "${OPCFLOW_BUILD:-build}/core" "${OPCFLOW_BUILD:-build}/opcflow.p" -name '*.c.o' ! -name '*_test.c.o' | sort |
     while read -r object; do
       name=$(basename "$object" .c.o)
       nm "$object" | sed "s|^|$name |"
