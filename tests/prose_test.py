@@ -38,6 +38,7 @@ CASES = [
      "/* The letter n stands for electrons; off by one; error bars; intelligent, believe. */\n", []),
     ("a line comment", "a.c", 'char *s = "/* tells */"; // lies there\n', [(1, "'lies'")]),
     ("31 words", "a.c", "/* %s. */\n" % LONG, [(1, "sentence of 31 words")]),
+    ("a semicolon between main clauses", "a.c", "/* %s; %s. */\n" % (FULL, FULL), []),
     ("30 words", "a.c", "/* %s. */\n" % FULL, []),
     ("30 words in each of two sentences and paragraphs", "a.c",
      "/* %s. %s.\n\n   %s\n\n   %s */\n" % ((FULL.capitalize(),) * 4), []),
