@@ -56,6 +56,8 @@ CASES = [
     ("comments and docstrings of Python", "a.py",
      'def f():\n    """Return it.\n\n    What is it."""\n    return "lies"  # tells\n',
      [(4, "sentence begins with 'What'"), (5, "'tells'")]),
+    ("a command in a comment", "a.yaml",
+     "# Run it, for example by\n#   opcflow run what.yaml --set lies=%s\n# and so on.\n" % LONG, []),
     ("Meson", "meson.build", "# What to build.\nproject('tells')\n", [(1, "sentence begins with 'What'")]),
     ("Markdown: code and tables are excepted", "a.md",
      "# Title\n\n```\nlies\n```\n\n    tells lies\n\n| what | lies |\n|---|---|\n\nText with `lies`.\n", []),
