@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What --set and --sweep say of a flow: a line each, those of --sweep with a
+/* Texts of --set and --sweep for a flow: a line each, those of --sweep with a
    sign before them. */
 #include <string.h>
 
 #include "core/binding/flow.h"
+#include "core/binding/resolve.h"
 #include "core/binding/sweep.h"
 #include "fuzz/fuzz.h"
 
