@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Writes a libFuzzer dictionary for flow files: what plugins declare. */
+/* Writes a libFuzzer dictionary for flow files from the declarations of plugins. */
 #include <stdio.h>
 
 #include "core/plugin/registry.h"
