@@ -3,12 +3,12 @@
 #ifndef OPCFLOW_CORE_CLI_H
 #define OPCFLOW_CORE_CLI_H
 
+#include <base/problem.h>
 #include <json-glib/json-glib.h>
 
 #include "core/flow/flow.h"
 #include "core/flow/table.h"
 #include "core/plugin/registry.h"
-#include "core/text/problem.h"
 
 enum {
   CLI_GOOD = 0,

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Verbs that plugins of the kind "command" bring. Their parameters are their
    options, and what they publish is shown, or is one JSON document. */
+#include <base/file.h>
+#include <base/suggest.h>
+#include <base/unit.h>
 #include <errno.h>
 #include <glib/gstdio.h>
 #include <string.h>
@@ -10,7 +13,6 @@
 #include "core/flow/layers.h"
 #include "core/flow/run.h"
 #include "core/plugin/declaration.h"
-#include "core/text/suggest.h"
 
 /* What the user wants: of each parameter of the plugin a text, or of an
    OPC_BOOL whether it was given as --NAME or as --no-NAME. */

@@ -7,7 +7,7 @@
 #include "core/cli/cli.h"
 #include "core/flow/flow.h"
 #include "core/plugin/kind.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 /* Where the cursor is. */
 typedef struct line {

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The opcflow command: finds the verb and lets it work. */
+#include <base/suggest.h>
 #include <locale.h>
 #include <signal.h>
 #include <string.h>
 
 #include "core/cli/cli.h"
 #include "core/plugin/guard.h"
-#include "core/text/suggest.h"
 
 const cli_verb *const cli_verbs[] = {
     &cli_run,     &cli_check,    &cli_explain, &cli_cache, &cli_plugins,

@@ -3,6 +3,7 @@
    runs. The texts are the templates of the plugin's kind; those of steps,
    commands and flows lie in data/templates. With --process a flow extends one
    that is whole but for the file that it works on. */
+#include <base/suggest.h>
 #include <errno.h>
 #include <gio/gio.h>
 #include <glib/gstdio.h>
@@ -12,7 +13,6 @@
 #include "core/flow/files.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/kind.h"
-#include "core/text/suggest.h"
 
 static const char *wanted;  /* --kind */
 static const char *process; /* --process */

@@ -3,6 +3,7 @@
    instances, and finds the way back from an error to its place. */
 #include "core/flow/binding.h"
 
+#include <base/suggest.h>
 #include <string.h>
 
 #include "core/flow/identity.h"
@@ -10,8 +11,7 @@
 #include "core/flow/layers.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/guard.h"
-#include "core/text/suggest.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 /* Slots in slots; a plugin whose default is itself would go on for ever. */
 enum { DEEPEST_SLOT = 16 };

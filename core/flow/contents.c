@@ -2,12 +2,13 @@
 /* Lists the files of a run, and compares a folder with such a list. */
 #include "core/flow/contents.h"
 
+#include <base/file.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "core/flow/files.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 static const char manifest_name[] = "manifest.json";
 

@@ -2,11 +2,11 @@
 /* Makes a flow of a recipe and what is laid over it. */
 #include "core/flow/flow.h"
 
+#include <base/suggest.h>
 #include <string.h>
 
 #include "core/flow/layers.h"
 #include "core/plugin/declaration.h"
-#include "core/text/suggest.h"
 
 /* ---- steps ---- */
 

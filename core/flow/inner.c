@@ -3,12 +3,12 @@
    step may ask of it. inner_run.c runs it. */
 #include "core/flow/inner.h"
 
+#include <base/suggest.h>
 #include <string.h>
 
 #include "core/flow/expand.h"
 #include "core/flow/run.h"
 #include "core/plugin/declaration.h"
-#include "core/text/suggest.h"
 
 /* Flows that steps of such a flow run: an experiment with searches. */
 enum { DEEPEST = 2 };

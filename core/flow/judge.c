@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Holds what a run measured against what its flow requires. */
+#include <base/unit.h>
 #include <math.h>
 #include <string.h>
 
 #include "core/flow/run.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 /* ---- state ---- */
 

@@ -8,7 +8,7 @@
 #include <sys/utsname.h>
 
 #include "core/flow/inner.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 typedef struct keyer {
   opc_store *store;

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the instances of a run publish. */
+#include <base/file.h>
 #include <errno.h>
 #include <string.h>
 
 #include "core/flow/files.h"
 #include "core/flow/run.h"
 #include "core/plugin/declaration.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 /* A refusal stands, whether or not the plugin passes it on. */
 static int refuse(opc_run *run, const opc_error *error) {

@@ -5,7 +5,7 @@
 #ifndef OPCFLOW_CORE_RANKS_H
 #define OPCFLOW_CORE_RANKS_H
 
-#include "core/text/problem.h"
+#include <base/problem.h>
 
 typedef struct opc_ranks opc_ranks;
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A run as JSON. */
+#include <base/shown.h>
+#include <base/unit.h>
 #include <math.h>
 #include <string.h>
 #include <sys/utsname.h>
@@ -8,9 +10,7 @@
 #include "core/flow/inner.h"
 #include "core/flow/run.h"
 #include "core/plugin/declaration.h"
-#include "core/text/shown.h"
-#include "core/text/unit.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 static void set_text(JsonObject *o, const char *key, const char *text) {
   json_object_set_string_member(o, key, text);

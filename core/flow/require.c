@@ -6,7 +6,7 @@
 
 #include "core/flow/flow.h"
 #include "core/plugin/declaration.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 /* ---- state ---- */
 

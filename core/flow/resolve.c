@@ -4,7 +4,7 @@
 
 #include "core/flow/flow.h"
 #include "core/plugin/declaration.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 enum { COMMENT_COLUMN = 44 };
 

@@ -3,12 +3,12 @@
    them is data/flow.schema.json. */
 #include "core/flow/schema.h"
 
+#include <base/unit.h>
 #include <string.h>
 
 #include "core/flow/opcflow-schema.h"
 #include "core/plugin/declaration.h"
-#include "core/text/unit.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 #define NUMBER "[+-]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][+-]?[0-9]+)?"
 #define REFERENCE "[A-Za-z0-9_][A-Za-z0-9_-]*(\\.[A-Za-z0-9_.-]+)?"

@@ -2,13 +2,13 @@
 /* Turns lists and ranges into the values of axes, and numbers their points. */
 #include "core/flow/sweep.h"
 
+#include <base/unit.h>
 #include <math.h>
 #include <string.h>
 
 #include "core/flow/flow.h"
 #include "core/flow/layers.h"
-#include "core/text/unit.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 static const double most_points = 100000;
 

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "core/flow/layers.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 /* ---- values where there is no default ---- */
 

@@ -2,6 +2,7 @@
 /* Hears what a plugin publishes. */
 #include "core/testing/published.h"
 
+#include <base/file.h>
 #include <errno.h>
 #include <string.h>
 

@@ -2,6 +2,7 @@
 /* Makes single plugins and keeps what they publish, for tests. */
 #include "core/testing/testing.h"
 
+#include <base/file.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -11,7 +12,7 @@
 #include "core/flow/files.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/host.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 static struct {
   opc_registry *registry;

@@ -4,7 +4,6 @@
 #define EDA_EDA_H
 
 #include <eda/bars.h>
-#include <eda/base.h>
 #include <eda/check.h>
 #include <eda/chip.h>
 #include <eda/circuit.h>
@@ -37,5 +36,6 @@
 #include <eda/synthesizer.h>
 #include <eda/timing.h>
 #include <eda/words.h>
+#include <opcflow/base.h>
 
 #endif
