@@ -96,11 +96,21 @@ base_alone() {
     xargs grep -nE '^ *# *include *["<]base/'
 }
 
-echo "1..6"
+# The id of each plugin, and the folder of the file that declares the id.
+ids() {
+  grep -rlE '^ *OPC_PLUGIN\(' plugins --include='*.c' | grep -v '/template\.c$' | sort |
+    while read -r file; do
+      id=$(sed -n 's/.*\.id = "\([a-z0-9_.]*\)".*/\1/p' "$file")
+      [ "plugins/$(echo "$id" | tr . /)" = "${file%/*}" ] || echo "$file: $id"
+    done
+}
+
+echo "1..7"
 check "the kernel has no domain word" domain_words "$@"
 check "folders of the kernel include one way only" kernel_order
 check "folders of the library include in no circle" library_circles
 check "kernel and library do not know each other, nor plugins" library_alone
 check "plugins include from no other family" families
 check "base knows neither kernel nor library, and no plugin includes it" base_alone
+check "the folder of a plugin is its id" ids
 exit $failed
