@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 #include "bench/bench.h"
-#include "core/flow/files.h"
+#include <store/files.h>
 
 /* The memory's pitch, um: its box and a little; and its transistors. */
 enum { PITCH_X = 4, PITCH_Y = 13, TRANSISTORS = 192 };

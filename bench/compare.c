@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 #include "bench/bench.h"
-#include "core/flow/files.h"
+#include <store/files.h>
 
 enum { KILLS = 20 };
 

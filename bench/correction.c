@@ -18,7 +18,7 @@
 #include <string.h>
 
 #include "bench/bench.h"
-#include "core/flow/files.h"
+#include <store/files.h>
 
 enum { MAX_REPEATS = 9, MAX_SETS = 8, MAX_FIGURES = 8 };
 

@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #include "bench/bench.h"
-#include "core/flow/files.h"
+#include <store/files.h>
 
 enum { RECTANGLES = 10 * 1000 * 1000, LAYERS = 10, REPEATS = 3, CHECKS = 15 };
 

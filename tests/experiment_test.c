@@ -6,7 +6,7 @@
 #include <json-glib/json-glib.h>
 #include <string.h>
 
-#include "core/flow/files.h"
+#include <store/files.h>
 
 static char *folder; /* of all files and runs; removed at the end */
 

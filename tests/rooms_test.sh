@@ -49,8 +49,9 @@ domain_words() {
 # What stands before does not include what stands behind.
 kernel_order() {
   includes core | awk '
-    BEGIN { n = split("plugin flow testing cli", rooms, " ")
-            for (i = 1; i <= n; i++) rank[rooms[i]] = i }
+    BEGIN { n = split("plugin binding report flow run testing cli", rooms, " ")
+            for (i = 1; i <= n; i++) rank[rooms[i]] = i
+            rank["binding"] = rank["report"] = rank["run"] }
     { split($1, from, "/"); split($2, to, "/")
       if (to[1] != "core" || !(to[2] in rank) || !(from[2] in rank)) print
       else if ($1 !~ /_test\.c$/ && rank[to[2]] > rank[from[2]]) print }'
@@ -78,11 +79,11 @@ library_alone() {
 }
 
 # From a plugin: its own folder, or what its family shares. Tests may see the
-# kernel's means of testing.
+# kernel's means of testing, and what tests share.
 families() {
   includes plugins | awk '
     { split($1, from, "/"); n = split($2, to, "/")
-      if ($1 ~ /_test\.[ch]$/ && $2 ~ /^core\//) next
+      if ($1 ~ /_test\.[ch]$/ && $2 ~ /^(core|tests)\//) next
       if (n == 1) next
       if (to[1] == "plugins" ? to[2] != from[2] : 1) print }'
   find plugins -name '*.[ch]' ! -name '*_test.[ch]' | sort |

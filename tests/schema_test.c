@@ -6,7 +6,7 @@
 #include <glib/gstdio.h>
 #include <string.h>
 
-#include "core/flow/files.h"
+#include <store/files.h>
 #include "core/plugin/registry.h"
 
 static char *folder;

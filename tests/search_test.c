@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/flow/files.h"
+#include <store/files.h>
 
 static char *folder; /* of all runs; removed at the end */
 

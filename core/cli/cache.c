@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "core/cli/cli.h"
-#include "core/flow/store.h"
+#include <store/store.h>
 
 static gboolean json;
 

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The opcflow command: what its verbs share. docs/command.md tells its use. */
+/* The opcflow command: what its verbs share. docs/reference/command.md tells
+ * its use. */
 #ifndef OPCFLOW_CORE_CLI_H
 #define OPCFLOW_CORE_CLI_H
 
 #include <base/problem.h>
 #include <json-glib/json-glib.h>
 
-#include "core/flow/flow.h"
-#include "core/flow/table.h"
+#include "core/binding/flow.h"
 #include "core/plugin/registry.h"
+#include "core/report/table.h"
 
 enum {
   CLI_GOOD = 0,

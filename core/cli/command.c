@@ -8,11 +8,11 @@
 #include <glib/gstdio.h>
 #include <string.h>
 
+#include "core/binding/layers.h"
 #include "core/cli/cli.h"
 #include "core/cli/progress.h"
-#include "core/flow/layers.h"
-#include "core/flow/run.h"
 #include "core/plugin/declaration.h"
+#include "core/run/run.h"
 
 /* What the user wants: of each parameter of the plugin a text, or of an
    OPC_BOOL whether it was given as --NAME or as --no-NAME. */

@@ -4,8 +4,8 @@
    will do: the shell knows those. */
 #include <string.h>
 
+#include "core/binding/flow.h"
 #include "core/cli/cli.h"
-#include "core/flow/flow.h"
 #include "core/plugin/kind.h"
 #include "core/plugin/value.h"
 

@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "core/cli/cli.h"
-#include "core/flow/contents.h"
-#include "core/flow/run.h"
+#include "core/report/contents.h"
+#include "core/run/run.h"
 
 static gboolean json;
 

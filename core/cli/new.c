@@ -7,10 +7,10 @@
 #include <errno.h>
 #include <gio/gio.h>
 #include <glib/gstdio.h>
+#include <store/files.h>
 #include <string.h>
 
 #include "core/cli/cli.h"
-#include "core/flow/files.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/kind.h"
 

@@ -2,9 +2,9 @@
 /* opcflow schema: a JSON Schema of flows, with the plugins of this moment. */
 #include "core/flow/schema.h"
 
+#include <store/files.h>
 #include "core/cli/cli.h"
-#include "core/flow/files.h"
-#include "core/flow/run.h"
+#include "core/run/run.h"
 
 /* All plugins that can be used, by id: const opc_plugin *. */
 static GPtrArray *usable_plugins(void) {

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "core/flow/layers.h"
+#include "core/binding/layers.h"
 #include "core/plugin/value.h"
 
 /* ---- values where there is no default ---- */

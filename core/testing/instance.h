@@ -5,7 +5,7 @@
 #ifndef OPCFLOW_CORE_INSTANCE_H
 #define OPCFLOW_CORE_INSTANCE_H
 
-#include "core/flow/binding.h"
+#include "core/binding/binding.h"
 
 typedef struct opc_making {
   opc_registry *registry; /* for the plugins in slots */

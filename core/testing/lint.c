@@ -12,7 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "core/flow/files.h"
+#include <store/files.h>
 #include "core/testing/checks.h"
 
 /* ---- one check ---- */

@@ -4,7 +4,7 @@
 #ifndef OPCFLOW_CORE_LINT_H
 #define OPCFLOW_CORE_LINT_H
 
-#include "core/flow/binding.h"
+#include "core/binding/binding.h"
 
 /* No sample file is of the form that a plugin wants. */
 #define OPC_NO_SAMPLE G_MAXSIZE

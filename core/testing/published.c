@@ -4,12 +4,12 @@
 
 #include <base/file.h>
 #include <errno.h>
+#include <store/files.h>
 #include <string.h>
 
-#include "core/flow/binding.h"
-#include "core/flow/files.h"
-#include "core/flow/table.h"
+#include "core/binding/binding.h"
 #include "core/plugin/declaration.h"
+#include "core/report/table.h"
 
 static opc_published *of(const opc_host *host) {
   return ((const opc_binding *)host->data)->run;

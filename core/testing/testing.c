@@ -6,10 +6,10 @@
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
+#include <store/files.h>
 #include <string.h>
 
-#include "core/flow/binding.h"
-#include "core/flow/files.h"
+#include "core/binding/binding.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/host.h"
 #include "core/plugin/value.h"

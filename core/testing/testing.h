@@ -6,7 +6,7 @@
 #include <glib.h>
 #include <opcflow/testing.h>
 
-#include "core/flow/table.h"
+#include "core/report/table.h"
 
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_module, opc_test_module_free)
 

@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the results of an instance depend on, but for its inputs, as one sum. */
+#ifndef OPCFLOW_CORE_IDENTITY_H
+#define OPCFLOW_CORE_IDENTITY_H
+
+#include "core/binding/binding.h"
+
+/* opc_host.identity, of a host whose `data` is a binding. */
+const char *opc_identity(const opc_host *host, const char *slot,
+                         opc_error *error);
+
+#endif
