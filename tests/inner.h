@@ -9,7 +9,7 @@
 #include <opcflow/step.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 enum { INNER_MOST = 64 };
 

@@ -37,7 +37,7 @@ includes() {
 # Comments aside; texts count. The word stands for the longer ones it begins.
 domain_words() {
   echo | "$@" -E - >/dev/null || echo "no compiler: $*"
-  find core include -name '*.[ch]' ! -name '*_test.c' | sort | while read -r file; do
+  find core tools/devel include -name '*.[ch]' ! -name '*_test.c' | sort | while read -r file; do
     # POSIX has words of its own.
     "$@" -fpreprocessed -dD -E -P "$file" 2>/dev/null |
       sed -E 's/umask|sigmask|SETMASK//g' |
@@ -49,7 +49,7 @@ domain_words() {
 # What stands before does not include what stands behind.
 kernel_order() {
   includes core | awk '
-    BEGIN { n = split("plugin binding report flow run testing cli", rooms, " ")
+    BEGIN { n = split("plugin binding report flow run cli", rooms, " ")
             for (i = 1; i <= n; i++) rank[rooms[i]] = i
             rank["binding"] = rank["report"] = rank["run"] }
     { split($1, from, "/"); split($2, to, "/")
@@ -74,7 +74,7 @@ library_circles() {
 library_alone() {
   find subprojects/eda -name '*.[ch]' | sort |
     xargs grep -nE '^ *# *include *["<](core|plugins|opcflow)/' | grep -vF '<opcflow/base.h>'
-  find core include -name '*.[ch]' ! -name '*_test.[ch]' | sort |
+  find core tools/devel subprojects/guard include -name '*.[ch]' ! -name '*_test.[ch]' | sort |
     xargs grep -nE '^ *# *include *["<](eda|plugins)/'
 }
 
@@ -83,18 +83,17 @@ library_alone() {
 families() {
   includes plugins | awk '
     { split($1, from, "/"); n = split($2, to, "/")
-      if ($1 ~ /_test\.[ch]$/ && $2 ~ /^(core|tests)\//) next
+      if ($1 ~ /_test\.[ch]$/ && $2 ~ /^(core|tests|tools\/devel)\//) next
       if (n == 1) next
       if (to[1] == "plugins" ? to[2] != from[2] : 1) print }'
   find plugins -name '*.[ch]' ! -name '*_test.[ch]' | sort |
     xargs grep -nE '^ *# *include *<(core|plugins)/'
 }
 
-base_alone() {
-  find subprojects/base -name '*.[ch]' | sort |
-    xargs grep -nE '^ *# *include *["<](core|plugins|opcflow|eda)/' | grep -vF '<opcflow/base.h>'
-  find include plugins subprojects/eda/include subprojects/examples -name '*.[ch]' | sort |
-    xargs grep -nE '^ *# *include *["<]base/'
+# The guard knows nobody.
+guard_alone() {
+  find subprojects/guard -name '*.[ch]' | sort |
+    xargs grep -nE '^ *# *include *["<](core|eda|opcflow|plugins|tools)/'
 }
 
 # The id of each plugin, and the folder of the file that declares the id.
@@ -106,12 +105,20 @@ ids() {
     done
 }
 
-echo "1..7"
+base_alone() {
+  find subprojects/base -name '*.[ch]' | sort |
+    xargs grep -nE '^ *# *include *["<](core|plugins|opcflow|eda)/' | grep -vF '<opcflow/base.h>'
+  find include plugins subprojects/eda/include subprojects/examples -name '*.[ch]' | sort |
+    xargs grep -nE '^ *# *include *["<]base/'
+}
+
+echo "1..8"
 check "the kernel has no domain word" domain_words "$@"
 check "folders of the kernel include one way only" kernel_order
 check "folders of the library include in no circle" library_circles
 check "kernel and library do not know each other, nor plugins" library_alone
+check "the guard includes nothing of the others" guard_alone
 check "plugins include from no other family" families
-check "base knows neither kernel nor library, and no plugin includes it" base_alone
 check "the folder of a plugin is its id" ids
+check "base knows neither kernel nor library, and no plugin includes it" base_alone
 exit $failed

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* An axis of layers: from what a step says of its inner flow (variants, maps
-   with lists, patterns and files; docs/reference/flow.md) to one layer after another. */
+   with lists, patterns and files; docs/reference/flow.md) to one layer after
+   another. */
 #ifndef OPCFLOW_CORE_EXPAND_H
 #define OPCFLOW_CORE_EXPAND_H
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Running a flow into a run folder; docs/reference/flow.md tells what it holds. */
+/* Running a flow into a run folder; docs/reference/flow.md tells what it holds.
+ */
 #ifndef OPCFLOW_CORE_RUN_H
 #define OPCFLOW_CORE_RUN_H
 

@@ -1,14 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Turns the declarations of plugins into a JSON Schema. What does not depend on
-   them is data/flow.schema.json. */
-#include "core/flow/schema.h"
+/* opcflow schema: turns the declarations of plugins into a JSON Schema. The
+   part that does not depend on them is data/flow.schema.json. */
+#include "tools/devel/schema.h"
 
 #include <base/unit.h>
+#include <store/files.h>
 #include <string.h>
 
-#include "core/flow/opcflow-schema.h"
+#include "core/cli/cli.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/value.h"
+#include "core/run/run.h"
+#include "tools/devel/opcflow-schema.h"
+#include "tools/devel/verbs.h"
 
 #define NUMBER "[+-]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][+-]?[0-9]+)?"
 #define REFERENCE "[A-Za-z0-9_][A-Za-z0-9_-]*(\\.[A-Za-z0-9_.-]+)?"
@@ -309,3 +313,37 @@ JsonNode *opc_flow_schema(const GPtrArray *plugins) {
   }
   return json_node_init_object(json_node_alloc(), root);
 }
+
+/* ---- the verb ---- */
+
+/* All plugins that can be used, by id: const opc_plugin *. */
+static GPtrArray *usable_plugins(void) {
+  GPtrArray *plugins = g_ptr_array_new();
+  g_autoptr(GPtrArray) list =
+      opc_registry_scan(cli_registry(), "", CLI_PATIENCE);
+  for (guint i = 0; i < list->len; i++) {
+    const opc_candidate *c = list->pdata[i];
+    opc_error error;
+    if (c->reason || c->hidden_by) continue;
+    const opc_plugin *plugin = opc_registry_find(cli_registry(), c->id, &error);
+    if (plugin) g_ptr_array_add(plugins, (void *)plugin);
+  }
+  return plugins;
+}
+
+static const char *output;
+
+static const cli_option options[] = {
+    {"output", "default: standard output", "FILE", .text = &output}, {0}};
+
+static int run(const cli_verb *verb, const GPtrArray *arguments) {
+  (void)verb, (void)arguments;
+  g_autoptr(GPtrArray) plugins = usable_plugins();
+  g_autofree char *text = opc_json_text(opc_flow_schema(plugins));
+  opc_error error = {0};
+  if (output && opc_write_file(output, text, &error)) return cli_fail(&error);
+  if (!output) cli_print("%s", text);
+  return CLI_GOOD;
+}
+
+const cli_verb devel_schema = {CLI_SCHEMA, .options = options, .run = run};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* <opcflow/testing.h>, and what our own tests have more. */
-#ifndef OPCFLOW_CORE_TESTING_H
-#define OPCFLOW_CORE_TESTING_H
+#ifndef OPCFLOW_DEVEL_TESTING_H
+#define OPCFLOW_DEVEL_TESTING_H
 
 #include <glib.h>
 #include <opcflow/testing.h>

@@ -13,6 +13,7 @@
 #include "core/cli/cli.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/kind.h"
+#include "tools/devel/verbs.h"
 
 static const char *wanted;  /* --kind */
 static const char *process; /* --process */
@@ -328,12 +329,6 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
   return code < 0 ? tell() : code;
 }
 
-const cli_verb cli_new = {
-    .name = "new",
-    .arguments = "plugin NAME [DIR] | flow [INPUT] [FILE]",
-    .summary = "Write a plugin or a flow to begin with",
-    .options = options,
-    .least = 1,
-    .most = 3,
-    .run = run,
-    .words = "flow|plugin"};
+const cli_verb devel_new = {CLI_NEW,    .options = options,
+                            .least = 1, .most = 3,
+                            .run = run, .words = "flow|plugin"};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Makes up what a plugin must be given, and an instance with it. */
-#include "core/testing/instance.h"
+#include "tools/devel/instance.h"
 
 #include <string.h>
 

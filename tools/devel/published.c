@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Hears what a plugin publishes. */
-#include "core/testing/published.h"
+#include "tools/devel/published.h"
 
 #include <base/file.h>
 #include <errno.h>

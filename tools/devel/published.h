@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a plugin publishes while `opcflow lint` tries it: a check sum of all
    tables, metrics and files. */
-#ifndef OPCFLOW_CORE_PUBLISHED_H
-#define OPCFLOW_CORE_PUBLISHED_H
+#ifndef OPCFLOW_DEVEL_PUBLISHED_H
+#define OPCFLOW_DEVEL_PUBLISHED_H
 
 #include <glib.h>
 #include <opcflow/plugin.h>

@@ -6,6 +6,7 @@
 #include "core/cli/cli.h"
 #include "core/report/contents.h"
 #include "core/run/run.h"
+#include "tools/devel/verbs.h"
 
 static gboolean json;
 
@@ -121,10 +122,5 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
   return CLI_GOOD;
 }
 
-const cli_verb cli_explain = {.name = "explain",
-                              .arguments = "RUN",
-                              .summary = "Why each step of a run ran",
-                              .options = options,
-                              .least = 1,
-                              .most = 1,
-                              .run = run};
+const cli_verb devel_explain = {CLI_EXPLAIN, .options = options, .least = 1,
+                                .most = 1, .run = run};

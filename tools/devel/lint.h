@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Does a plugin keep the contract? Each check runs in a process of its own, so
    that a crash or an endless loop is a finding like any other. */
-#ifndef OPCFLOW_CORE_LINT_H
-#define OPCFLOW_CORE_LINT_H
+#ifndef OPCFLOW_DEVEL_LINT_H
+#define OPCFLOW_DEVEL_LINT_H
 
 #include "core/binding/binding.h"
 
@@ -23,10 +23,19 @@ typedef struct opc_lint {
   GPtrArray *notes;    /* char *: what could not be, and why */
 } opc_lint;
 
-opc_lint *opc_lint_new(const char *path, opc_registry *registry,
-                       const char *parameters, double seconds);
-void opc_lint_run(opc_lint *lint);
-void opc_lint_free(opc_lint *lint);
-G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_lint, opc_lint_free)
+typedef struct opc_check {
+  const char *name;
+  gboolean works;      /* gives a digest, if the kind says how to try it */
+  const char *differs; /* what it means if that is not the first one */
+} opc_check;
+
+/* All of them, the first about loading; the last has no name. */
+extern const opc_check opc_checks[];
+
+/* Do check i and write what it says: lines of a letter and a text. F: what is
+   wrong; N: what could not be checked, and why; D: the digest of what the
+   plugin gave; S: the number of the sample file that it works with; E: the
+   end. */
+void opc_check_do(const opc_lint *lint, size_t i, int out);
 
 #endif

@@ -2,8 +2,8 @@
 /* An instance of a plugin for `opcflow lint`: parameters that must be given are
    made up where nobody gives them; a slot gets the first plugin of its kind
    that there is. */
-#ifndef OPCFLOW_CORE_INSTANCE_H
-#define OPCFLOW_CORE_INSTANCE_H
+#ifndef OPCFLOW_DEVEL_INSTANCE_H
+#define OPCFLOW_DEVEL_INSTANCE_H
 
 #include "core/binding/binding.h"
 

@@ -3,7 +3,7 @@
 #ifndef OPCFLOW_CORE_CHECKS_H
 #define OPCFLOW_CORE_CHECKS_H
 
-#include "core/testing/lint.h"
+#include "tools/devel/lint.h"
 
 typedef struct opc_check {
   const char *name;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A JSON Schema (draft-07) of flow files, from what plugins declare. */
-#ifndef OPCFLOW_CORE_SCHEMA_H
-#define OPCFLOW_CORE_SCHEMA_H
+#ifndef OPCFLOW_DEVEL_SCHEMA_H
+#define OPCFLOW_DEVEL_SCHEMA_H
 
 #include <base/node.h>
 #include <json-glib/json-glib.h>

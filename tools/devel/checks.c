@@ -2,7 +2,7 @@
 /* A plugin at work: its declaration, instances at the bounds of its parameters,
    its results, alone and among threads, and its memory. What its work is and
    what is wrong with it, its kind knows. */
-#include "core/testing/checks.h"
+#include "tools/devel/lint.h"
 
 #include <guard/child.h>
 #include <guard/process.h>
@@ -13,8 +13,8 @@
 
 #include "core/plugin/declaration.h"
 #include "core/plugin/kind.h"
-#include "core/testing/instance.h"
-#include "core/testing/published.h"
+#include "tools/devel/instance.h"
+#include "tools/devel/published.h"
 
 /* Of the time of a check, after which work is asked to stop. */
 static const double part = 0.25;

@@ -8,6 +8,7 @@
 #include "core/cli/cli.h"
 #include "core/plugin/kind.h"
 #include "core/plugin/value.h"
+#include "tools/devel/verbs.h"
 
 /* Where the cursor is. */
 typedef struct line {
@@ -192,10 +193,5 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
   return CLI_GOOD;
 }
 
-const cli_verb cli_complete = {.name = "complete",
-                               .arguments = "LINE",
-                               .summary = "What may stand at the end of a line",
-                               .least = 1,
-                               .most = 1,
-                               .run = run,
-                               .hidden = TRUE};
+const cli_verb devel_complete = {CLI_COMPLETE, .least = 1, .most = 1,
+                                 .run = run};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Makes single plugins and keeps what they publish, for tests. */
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 #include <base/file.h>
 #include <errno.h>
