@@ -303,11 +303,11 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(chip, guard, .type = OPC_CHOICE, .preset = "on",
                   .choices = "on|off",
                   .summary = "take back what ends worse than the drawn mask"),
-    OPC_PARAMETER(
-        chip, ion_limit, .type = OPC_REAL, .flags = OPC_AT_LEAST,
-        .former = "limit", .unit = "%", .preset = "0.5 %",
-        .summary = "Largest allowed |Ion deviation|: a transistor beyond it "
-                   "among its neighbours gets a correction of its own"),
+    OPC_PARAMETER(chip, ion_limit, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+                  .former = "limit", .unit = "%", .preset = "0.5 %",
+                  .summary =
+                      "Largest allowed |Ion deviation|: a transistor beyond it "
+                      "among its neighbours gets a correction of its own"),
     RULES_PARAMETERS(chip),
 };
 

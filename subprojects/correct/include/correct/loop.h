@@ -47,7 +47,8 @@ typedef struct loop {
   int prepared;          /* the extractor is */
   int traced;            /* each print into `trace` */
   int hold;              /* the guard takes back what is worse than drawn */
-  double ion_limit;   /* %: largest allowed |Ion deviation|, for the guard, the
+  double
+      ion_limit;      /* %: largest allowed |Ion deviation|, for the guard, the
                          proof   and synthesizers that have no limit of their own */
   double fine_change; /* what fine_by_layer takes */
   driver drivers[DRIVERS];

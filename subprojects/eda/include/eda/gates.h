@@ -49,6 +49,20 @@ typedef struct eda_edges {
   eda_fragment *fragments;
 } eda_edges;
 
+/* Figures of a transistor that a wish has a target for. */
+enum { EDA_WISH_ION, EDA_WISH_IOFF, EDA_WISH_AREA, EDA_WISH_TARGETS };
+
+/* How the correction of one transistor differs from that of others. */
+typedef struct eda_wish {
+  double weight; /* the tolerance is divided by it; 0: leave it as drawn */
+  double target[EDA_WISH_TARGETS]; /* factors of what is drawn */
+  uint8_t given; /* 1: the designer or a step set this wish; steps that make
+                    wishes leave such a transistor alone */
+} eda_wish;
+
+/* The wish of a transistor that nobody made one for. */
+static const eda_wish eda_wish_none OPC_UNUSED = {1, {1, 1, 1}, 0};
+
 /* All transistors of a layout, flat, on a grid. Plain arrays; the order of the
    transistors is by lowest, then leftmost corner. A layout without transistors
    (count 0) can still be corrected for its edges. */
@@ -84,10 +98,9 @@ typedef struct eda_gates {
   char **instance;  /* the path of its instance, "" at the top */
   char **cell;      /* the cell that draws it */
   uint32_t *number; /* within that instance, from 1 */
-  /* What the layout's designer wrote upon each gate: a text of the layer of
-     notes whose point lies in the gate's box, NULL where there is none. NULL:
-     the layout has no such layer. */
-  char **note;
+  /* The wish of each gate, from the notes of the layout or from a step.
+     NULL: eda_wish_none for all. Since 0.8. */
+  eda_wish *wish;
 
   void *texts; /* what the texts above point into; eda's own */
 
@@ -103,8 +116,8 @@ typedef struct eda_gates {
 } eda_gates;
 
 /* Gates of `layers` layers and `count` transistors, all arrays zeroed and
-   `note` and `flavour` NULL. Whoever makes them fills in all else; shapes,
-   edges and notes come from eda_alloc, texts from eda_gates_text. [main] */
+   `wish` and `flavour` NULL. Whoever makes them fills in all else; shapes,
+   edges and wishes come from eda_alloc, texts from eda_gates_text. [main] */
 OPC_EXPORT eda_gates *eda_gates_new(size_t layers, size_t count);
 /* Free them with all arrays and texts; the release of a port. NULL: nothing.
    [any] */
@@ -113,6 +126,22 @@ OPC_EXPORT void eda_gates_free(void *gates);
 /* A copy of a text that lives as long as the gates; equal texts are one.
    [main] */
 OPC_EXPORT char *eda_gates_text(eda_gates *gates, const char *text);
+
+/* The path of the instance of transistor i, or its cell at the top. Names of
+   transistors are OWNER:NUMBER. [any] */
+OPC_UNUSED static inline const char *eda_gates_owner(const eda_gates *gates,
+                                                     size_t i) {
+  return *gates->instance[i] ? gates->instance[i] : gates->cell[i];
+}
+
+/* The wish of transistor i. [any] */
+OPC_UNUSED static inline eda_wish eda_gates_wish(const eda_gates *gates,
+                                                 size_t i) {
+  return gates->wish ? gates->wish[i] : eda_wish_none;
+}
+/* Give gate i of `to` the wish of gate j of `from`. [main] */
+OPC_EXPORT void eda_gates_take_wish(eda_gates *to, size_t i,
+                                    const eda_gates *from, size_t j);
 
 /* The flavour of transistor i; "" if it has none. [any] */
 OPC_EXPORT const char *eda_gates_flavour(const eda_gates *gates, size_t i);
