@@ -16,22 +16,22 @@ static void add(opc_bytes *bytes, const void *from, size_t size) {
   if (!own->full && size) g_byte_array_append(own->all, from, (guint)size);
 }
 
-/* Whose fault it is. */
+/* Name the piece at fault. */
 static int fail(const opc_pieces *p, size_t i, int code, opc_error *error) {
   const opc_error own = *error;
-  if (!*own.message) return code;
+  if (!*own.message || !p->name) return code;
   return opc_fail(error, code, own.parameter, "%s %zu: %s", p->name, i,
                   own.message);
 }
 
-GByteArray *opc_piece_work(const opc_pieces *p, size_t i, opc_error *error) {
+GBytes *opc_piece_work(const opc_pieces *p, size_t i, opc_error *error) {
   buffer b = {{add}, g_byte_array_new(), FALSE};
   *error = (opc_error){0};
   int code = p->work(p->data, i, &b.bytes, error);
   if (!code && b.full)
     code = opc_fail(error, OPC_FAILED, NULL, "gives more than %d bytes",
                     OPC_PIECE_MOST);
-  if (!code) return b.all;
+  if (!code) return g_byte_array_free_to_bytes(b.all);
   error->code = fail(p, i, code, error);
   g_byte_array_unref(b.all);
   return NULL;
@@ -52,11 +52,12 @@ int opc_pieces_alone(const opc_host *host, const opc_pieces *p,
   for (size_t i = 0; i < p->count && !code; i++) {
     if (opc_cancelled(host->context))
       return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
-    GByteArray *all = opc_piece_work(p, i, error);
+    g_autoptr(GBytes) all = opc_piece_work(p, i, error);
     if (!all) return error->code;
     if (p->done) p->done(p->data, i + 1);
-    code = opc_piece_take(p, i, all->data, all->len, error);
-    g_byte_array_unref(all);
+    gsize size;
+    const void *bytes = g_bytes_get_data(all, &size);
+    code = opc_piece_take(p, i, bytes, size, error);
   }
   return code;
 }
