@@ -585,20 +585,3 @@ void loop_clear(loop *l) {
   seek_clear(l);
   eda_printer_clear(&l->printer);
 }
-
-void loop_init(loop *l, const opc_host *host, const eda_gates *gates,
-               const correct_settings *with) {
-  *l = (loop){.host = host,
-              .gates = gates,
-              .start.max_diff = NAN,
-              .extractor = with->extractor,
-              .regulator = with->regulator,
-              .max_iterations = with->max_iterations,
-              .hold = with->guard == CORRECT_GUARD_ON,
-              .ion_limit = with->ion_limit,
-              .fine_change = fine_change(with->fine_text, with->ion_limit),
-              .drivers = {[MAIN].module = with->synthesizer}};
-  eda_printer_init(&l->printer, host->context, gates, with->litho, with->resist,
-                   with->margin);
-  l->printer.fine = with->fine;
-}

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Printing and measuring a mask by a step's settings. */
+/* Printing, measuring and correcting a mask by a step's settings. */
 #include <correct/settings.h>
 
 #include <eda/check.h>
 #include <eda/memory.h>
+#include <math.h>
 #include <stdlib.h>
 
 #include <correct/fine.h>
+#include <correct/loop.h>
 
 int correct_settings_check(correct_settings *with, const opc_host *host,
                            opc_error *error) {
@@ -133,4 +135,21 @@ int correct_save_mask(void *self, void *const *outputs, const char *folder,
                       opc_error *error) {
   (void)self;
   return eda_mask_save(outputs[0], folder, error);
+}
+
+void loop_init(loop *l, const opc_host *host, const eda_gates *gates,
+               const correct_settings *with) {
+  *l = (loop){.host = host,
+              .gates = gates,
+              .start.max_diff = NAN,
+              .extractor = with->extractor,
+              .regulator = with->regulator,
+              .max_iterations = with->max_iterations,
+              .hold = with->guard == CORRECT_GUARD_ON,
+              .ion_limit = with->ion_limit,
+              .fine_change = fine_change(with->fine_text, with->ion_limit),
+              .drivers = {[MAIN].module = with->synthesizer}};
+  eda_printer_init(&l->printer, host->context, gates, with->litho, with->resist,
+                   with->margin);
+  l->printer.fine = with->fine;
 }

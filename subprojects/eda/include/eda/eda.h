@@ -25,6 +25,7 @@
 #include <eda/oasis.h>
 #include <eda/pool.h>
 #include <eda/print.h>
+#include <eda/random.h>
 #include <eda/regulator.h>
 #include <eda/resist.h>
 #include <eda/rules.h>
@@ -35,6 +36,8 @@
 #include <eda/simulator.h>
 #include <eda/synthesizer.h>
 #include <eda/timing.h>
+#include <eda/wave.h>
+#include <eda/wishes.h>
 #include <eda/words.h>
 #include <opcflow/base.h>
 
