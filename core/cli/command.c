@@ -13,6 +13,8 @@
 #include "core/cli/cli.h"
 #include "core/cli/progress.h"
 #include "core/plugin/declaration.h"
+#include "core/report/json.h"
+#include "core/run/identity.h"
 #include "core/run/run.h"
 
 /* What the user wants: of each parameter of the plugin a text, or of an
@@ -131,8 +133,10 @@ static const opc_watch watch = {.data = &progress,
                                 .progress = cli_progress_show,
                                 .cancelled = cli_is_stopped};
 
-static const opc_host publisher = {
-    .table = take_table, .metric = take_metric, .output_path = give_path};
+static const opc_host publisher = {.table = take_table,
+                                   .metric = take_metric,
+                                   .output_path = give_path,
+                                   .identity = opc_identity_alone};
 
 static void show_json(opc_problems *problems) {
   JsonObject *o = json_object_new();

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "core/cli/cli.h"
+#include "core/report/json.h"
 #include "core/run/run.h"
 
 int cli_exit_code(int code) {

@@ -30,10 +30,9 @@ static gboolean takes_nothing(const opc_binding *b, const opc_binding *of,
   return TRUE;
 }
 
-const char *opc_identity(const opc_host *host, const char *slot,
-                         opc_error *error) {
+static const char *identity(const opc_host *host, opc_store *store,
+                            const char *slot, opc_error *error) {
   const opc_binding *b = host->data;
-  const opc_run *run = b->run;
   int i = slot ? opc_parameter_find(b->plugin, slot) : 0;
   if (i < 0 || (slot && b->plugin->parameters[i].type != OPC_SLOT)) {
     opc_fail(error, OPC_INVALID, NULL, "%s has no slot '%s'", b->plugin->id,
@@ -42,8 +41,18 @@ const char *opc_identity(const opc_host *host, const char *slot,
   }
   const opc_binding *of = slot ? b->slots[i] : b;
   if (of && !takes_nothing(b, of, error)) return NULL;
-  char *text = of ? opc_binding_key(of, run ? run->options->store : NULL, error)
-                  : g_strdup("");
+  char *text = of ? opc_binding_key(of, store, error) : g_strdup("");
   if (text) g_ptr_array_add(b->owned, text);
   return text;
+}
+
+const char *opc_identity(const opc_host *host, const char *slot,
+                         opc_error *error) {
+  const opc_run *run = ((const opc_binding *)host->data)->run;
+  return identity(host, run->options->store, slot, error);
+}
+
+const char *opc_identity_alone(const opc_host *host, const char *slot,
+                               opc_error *error) {
+  return identity(host, NULL, slot, error);
 }

@@ -5,8 +5,12 @@
 
 #include "core/binding/binding.h"
 
-/* opc_host.identity, of a host whose `data` is a binding. */
+/* opc_host.identity, in a run, of a host whose `data` is a binding. */
 const char *opc_identity(const opc_host *host, const char *slot,
                          opc_error *error);
+
+/* The same of a host outside of runs. */
+const char *opc_identity_alone(const opc_host *host, const char *slot,
+                               opc_error *error);
 
 #endif

@@ -5,7 +5,6 @@
 
 #include "core/cli/cli.h"
 #include "core/report/contents.h"
-#include "core/run/run.h"
 #include "tools/devel/verbs.h"
 
 static gboolean json;

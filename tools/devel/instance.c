@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "core/binding/inner.h"
 #include "core/binding/layers.h"
 #include "core/plugin/value.h"
 
@@ -120,6 +121,9 @@ gboolean opc_instance_make(const opc_making *making, const opc_host *like,
     made->binding =
         opc_bind_plugin(making->registry, making->plugin, made->map,
                         making->plugin->id, &at, OPC_BIND_NO_INPUTS, problems);
+  if (!problems->list->len)
+    opc_inner_open(made->binding, making->registry, OPC_BIND_NO_INPUTS,
+                   problems);
   return !problems->list->len &&
          opc_binding_create(made->binding, making->watch, like, problems);
 }

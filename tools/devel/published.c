@@ -9,6 +9,7 @@
 
 #include "core/binding/binding.h"
 #include "core/plugin/declaration.h"
+#include "core/run/identity.h"
 
 static opc_published *published_of(const opc_host *host) {
   return ((const opc_binding *)host->data)->run;
@@ -55,7 +56,8 @@ void opc_published_init(opc_published *p, const char *inside) {
       .host = {.data = p,
                .table = take_table,
                .metric = take_metric,
-               .output_path = give_path},
+               .output_path = give_path,
+               .identity = opc_identity_alone},
       .inside = inside,
       .tables = g_ptr_array_new_with_free_func((GDestroyNotify)opc_table_free),
       .paths = g_ptr_array_new_with_free_func(g_free),

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "core/binding/binding.h"
+#include "core/binding/inner.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/host.h"
 #include "core/plugin/value.h"
@@ -84,6 +85,8 @@ opc_module *opc_test_module(const char *id, const char *mapping,
     b = opc_bind_plugin(state.registry, plugin, map, id, &map->at,
                         OPC_BIND_NO_INPUTS, problems);
   if (b) g_ptr_array_add(b->presets, g_steal_pointer(&map)); /* lives as long */
+  if (!problems->list->len)
+    opc_inner_open(b, state.registry, OPC_BIND_NO_INPUTS, problems);
   if (!problems->list->len)
     opc_binding_create(b, &watch, &state.published.host, problems);
   if (!problems->list->len) return &g_steal_pointer(&b)->module;
