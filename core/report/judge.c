@@ -1,18 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-<<<<<<< HEAD:core/run/judge.c
-/* Holds what a run measured against what its flow requires. */
+/* Compares metrics with requirements. */
 #include <base/unit.h>
 #include <math.h>
 #include <string.h>
 
-#include "core/plugin/value.h"
-#include "core/run/run.h"
-=======
-/* Compares metrics with requirements. */
-
 #include "core/binding/lookup.h"
 #include "core/report/judge.h"
->>>>>>> int:core/report/judge.c
+#include "core/plugin/value.h"
 
 /* ---- state ---- */
 
