@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "core/binding/lookup.h"
-#include "core/report/judge.h"
 #include "core/plugin/value.h"
+#include "core/report/judge.h"
 
 /* ---- state ---- */
 

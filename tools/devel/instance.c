@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Makes up what a plugin must be given, and an instance with it. */
+/* Makes up the required parameters of a plugin, and an instance with them. */
 #include "tools/devel/instance.h"
 
 #include <string.h>
@@ -18,7 +18,7 @@ static double sample_number(const opc_parameter *p) {
   return high ? p->max - 1 : 1;
 }
 
-/* NULL for what cannot be made up. */
+/* NULL for types that cannot be made up. */
 static char *sample_text(const char *file, const opc_parameter *p) {
   g_autofree char *number = opc_quantity_text(p, sample_number(p));
   g_auto(GStrv) words = opc_choice_list(p->choices);
@@ -75,7 +75,8 @@ static gboolean is_given(const opc_instance *made, const char *name) {
   return made->given && opc_node_get(made->given, word);
 }
 
-/* What `plugin`, in the slots that `inside` names, must be given. */
+/* Make up the required parameters of `plugin`, in the slots that `inside`
+   names. */
 static void make_up(const opc_making *making, const opc_plugin *plugin,
                     const char *inside, int depth, opc_instance *made,
                     opc_problems *problems) {

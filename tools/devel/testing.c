@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Makes single plugins and keeps what they publish, for tests. */
+/* Makes single plugins and keeps their results, for tests. */
 #include "tools/devel/testing.h"
 
 #include <base/file.h>
@@ -126,7 +126,7 @@ void opc_test_release(opc_module *module, void **outputs) {
   }
 }
 
-/* ---- what it said ---- */
+/* ---- results ---- */
 
 double opc_test_metric(const char *name) {
   const GArray *metrics = state.published.metrics;
