@@ -1,14 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* opcflow new: files to begin with, of a plugin that works or of a flow that
    runs. The texts are the templates of the plugin's kind; those of steps,
-<<<<<<< HEAD
-   commands and flows lie in data/templates. With --process a flow extends one
-   that is whole but for the file that it works on. */
-#include <base/suggest.h>
-=======
    commands and flows are in data/templates. With --process a flow extends one
    that is complete except for the file that it works on. */
->>>>>>> int
+#include <base/suggest.h>
 #include <errno.h>
 #include <gio/gio.h>
 #include <glib/gstdio.h>
