@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lists the files of a run, and compares a folder with such a list. */
-#include "core/report/contents.h"
+#include <store/contents.h>
 
 #include <base/file.h>
-#include <store/files.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "core/plugin/value.h"
+#include <store/files.h>
 
 static const char manifest_name[] = "manifest.json";
 
