@@ -3,7 +3,7 @@
 #ifndef EDA_SIMULATOR_H
 #define EDA_SIMULATOR_H
 
-#include <eda/base.h>
+#include <opcflow/base.h>
 
 #ifdef __cplusplus
 extern "C" {

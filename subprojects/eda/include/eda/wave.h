@@ -5,7 +5,7 @@
 #ifndef EDA_WAVE_H
 #define EDA_WAVE_H
 
-#include <eda/base.h>
+#include <opcflow/base.h>
 
 #ifdef __cplusplus
 extern "C" {
