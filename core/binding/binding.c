@@ -10,7 +10,6 @@
 #include "core/binding/layers.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/value.h"
-#include "core/run/identity.h"
 
 /* Slots in slots; a plugin whose default is itself would go on for ever. */
 enum { DEEPEST_SLOT = 16 };

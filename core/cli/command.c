@@ -15,7 +15,6 @@
 #include "core/plugin/declaration.h"
 #include "core/report/json.h"
 #include "core/run/identity.h"
-#include "core/run/run.h"
 
 /* What the user wants: of each parameter of the plugin a text, or of an
    OPC_BOOL whether it was given as --NAME or as --no-NAME. */

@@ -11,7 +11,6 @@
 #include "core/run/inner_run.h"
 #include "core/run/pieces.h"
 #include "core/run/publish.h"
-#include "core/run/run.h"
 
 /* A refusal stands, whether or not the plugin passes it on. */
 static int refuse(opc_run *run, const opc_error *error) {
