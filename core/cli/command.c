@@ -81,10 +81,10 @@ static void take_log(void *data, const char *path, int level,
 
 static int take_table(const opc_host *host, const char *name, uint32_t flags,
                       size_t rows, const opc_column *columns, size_t n_columns,
-                      opc_error *error) {
+                      size_t column_size, opc_error *error) {
   (void)host;
   opc_table *table =
-      opc_table_new(name, flags, rows, columns, n_columns, error);
+      opc_table_new(name, flags, rows, columns, n_columns, column_size, error);
   if (!table) return error->code;
   g_ptr_array_add(tables, table);
   return OPC_OK;

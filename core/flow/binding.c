@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-#include "core/flow/identity.h"
+#include "core/flow/services.h"
 #include "core/flow/inner.h"
 #include "core/flow/layers.h"
 #include "core/plugin/declaration.h"
@@ -302,8 +302,7 @@ gboolean opc_binding_create(opc_binding *b, const opc_watch *watch,
   b->run = like ? like->data : NULL;
   b->host = opc_host_new(b->path, watch, like);
   b->host->data = b;
-  b->host->identity = opc_identity;
-  if (b->inner) b->host->inner = &opc_inner_functions;
+  if (!like || !like->service) b->host->service = opc_basic_service;
   for (guint i = 0; i < b->renamed->len; i++)
     b->host->log(b->host, OPC_LOG_WARNING, "%s", (char *)b->renamed->pdata[i]);
   fill(b);

@@ -25,6 +25,7 @@ struct opc_binding {
   void *run;               /* `data` of the host that it is like */
   opc_module module;       /* self is NULL before create */
   opc_inner *inner;        /* the flow that the step runs; NULL: none */
+  struct opc_store *store; /* of results outside of runs; NULL: none */
 };
 
 enum {

@@ -126,9 +126,9 @@ static void open_recipe(opc_inner *inner, const opc_binding *b,
   if (sweep) make_files_absolute(inner->flow, "", (opc_node *)sweep);
   find_steps(inner, b, problems);
   const GPtrArray *axes = inner->sweep->axes;
-  inner->axes = g_new0(opc_inner_axis, axes->len + 1);
+  inner->axes = g_new0(opc_inner_axis *, axes->len + 1);
   for (guint i = 0; i < axes->len; i++)
-    inner->axes[i] = ((const opc_axis *)axes->pdata[i])->told;
+    inner->axes[i] = &((opc_axis *)axes->pdata[i])->told;
 }
 
 void opc_inner_open(opc_binding *binding, opc_registry *registry,
@@ -163,6 +163,7 @@ void opc_inner_free(opc_inner *inner) {
   opc_sweep_free(inner->sweep);
   opc_recipe_free(inner->recipe);
   g_free(inner->axes);
+  g_free(inner->metrics);
   g_hash_table_destroy(inner->wanted);
   g_hash_table_destroy(inner->given);
   g_free(inner->folder);
@@ -236,28 +237,29 @@ static const char *get_output(const opc_host *host, const char *name,
   return NULL;
 }
 
-static const opc_inner_axis *get_axes(const opc_host *host, size_t *count) {
+static const opc_inner_axis *const *get_axes(const opc_host *host,
+                                             size_t *count) {
   opc_inner *in = opc_inner_of(host);
   g_autofree gboolean *needed = opc_inner_needed(in, in->flow);
   *count = in->sweep->axes->len;
   for (size_t i = 0; i < *count; i++) {
     const opc_axis *axis = in->sweep->axes->pdata[i];
-    in->axes[i].used = FALSE;
+    in->axes[i]->used = FALSE;
     for (guint k = 0; k < in->flow->steps->len; k++) {
       const opc_flow_step *step = in->flow->steps->pdata[k];
-      in->axes[i].used |=
+      in->axes[i]->used |=
           needed[k] && opc_axis_touches(axis, in->recipe, step->name);
     }
   }
-  return in->axes;
+  return (const opc_inner_axis *const *)in->axes;
 }
 
 static int find_axis(const opc_host *host, const char *path, opc_error *error) {
   const opc_inner *in = opc_inner_of(host);
   g_autoptr(GPtrArray) paths = g_ptr_array_new();
   for (guint i = 0; i < in->sweep->axes->len; i++) {
-    if (!strcmp(in->axes[i].path, path)) return (int)i;
-    g_ptr_array_add(paths, (char *)in->axes[i].path);
+    if (!strcmp(in->axes[i]->path, path)) return (int)i;
+    g_ptr_array_add(paths, (char *)in->axes[i]->path);
   }
   g_autofree char *suggestion = opc_suggestion(path, paths);
   opc_fail(error, OPC_INVALID, NULL, "'%s' is not swept%s", path, suggestion);
@@ -266,13 +268,15 @@ static int find_axis(const opc_host *host, const char *path, opc_error *error) {
 
 /* ---- asking: what came of it ---- */
 
-static const opc_inner_metric *get_metrics(const opc_host *host, int shared,
-                                           size_t *count) {
-  const opc_inner *in = opc_inner_of(host);
+static const opc_inner_metric *const *get_metrics(const opc_host *host,
+                                                  int shared, size_t *count) {
+  opc_inner *in = opc_inner_of(host);
   const opc_run *run = shared ? in->levels[0] : in->run;
   *count = run ? run->metrics->len : 0;
-  return run ? (const opc_inner_metric *)(const void *)run->metrics->data
-             : NULL;
+  in->metrics = g_renew(const opc_inner_metric *, in->metrics, *count + 1);
+  for (guint i = 0; i < *count; i++)
+    in->metrics[i] = &g_array_index(run->metrics, opc_inner_metric, i);
+  return in->metrics;
 }
 
 static const opc_table *find_table(const opc_run *run, const char *step,
@@ -322,6 +326,7 @@ static void *get_object(const opc_host *host, const char *name,
 }
 
 const opc_inner_service opc_inner_functions = {
+    .size = sizeof opc_inner_functions,
     .axes = get_axes,
     .axis = find_axis,
     .metric = get_metric,

@@ -14,7 +14,9 @@ struct opc_inner {
   opc_choice choice; /* of the first point */
   opc_flow *flow;    /* there */
   opc_registry *registry;
-  opc_inner_axis *axes;
+  opc_inner_axis **axes;
+  const opc_inner_metric **metrics; /* asked for last */
+  opc_inner_run whole;              /* the last one that was kept whole */
   GHashTable *wanted; /* names of steps that were asked for; empty: all */
   GHashTable *given;  /* name of a step -> what it gives, void *[1] */
 
@@ -55,7 +57,8 @@ int opc_inner_begin(const opc_host *host, opc_error *error);
 int opc_inner_run_point(const opc_host *host, size_t point, int keep,
                         size_t share, opc_error *error);
 int opc_inner_run_whole(const opc_host *host, size_t point, const char *name,
-                        size_t share, opc_inner_run *out, opc_error *error);
+                        size_t share, const opc_inner_run **out,
+                        opc_error *error);
 
 /* Free what its runs made. */
 void opc_inner_release(opc_inner *inner);

@@ -353,22 +353,25 @@ static void count_failure(opc_run *outer, int code) {
 }
 
 int opc_inner_run_whole(const opc_host *host, size_t point, const char *name,
-                        size_t share, opc_inner_run *out, opc_error *error) {
+                        size_t share, const opc_inner_run **out,
+                        opc_error *error) {
   opc_inner *in = opc_inner_of(host);
   in->share = share;
   in->telling = FALSE;
   g_autofree char *folder = g_build_filename(in->folder, name, NULL);
   g_autofree char *prefix = g_strdup_printf("%s/%s: ", in->binding->path, name);
   g_autoptr(opc_problems) problems = opc_problems_new();
-  *out = (opc_inner_run){.seconds = NAN};
+  *out = NULL;
   run_at(in, point, folder, problems);
   if (!problems->list->len) keep_run(in, prefix, problems);
   if (problems->list->len) {
     if (in->run && in->run->work) opc_remove_tree(folder);
   } else {
-    out->folder = in->run->work;
-    out->seconds = in->run->total;
-    out->findings = in->run->findings->len + in->run->more_findings;
+    in->whole = (opc_inner_run){
+        .folder = in->run->work,
+        .seconds = in->run->total,
+        .findings = in->run->findings->len + in->run->more_findings};
+    *out = &in->whole;
     opc_run_add_broken(in->run, problems);
   }
   int code = end_point(in, share, problems, error);

@@ -285,14 +285,16 @@ static int do_together(sharer *s, opc_ranks *ranks, opc_error *error) {
 
 /* ---- entry ---- */
 
-int opc_pieces_run(const opc_host *host, const opc_pieces *pieces,
-                   opc_error *error) {
+static int run_pieces(const opc_host *host, const opc_pieces *theirs,
+                      size_t size, opc_error *error) {
+  const opc_pieces pieces = opc_pieces_copy(theirs, size);
   opc_run *run = ((const opc_binding *)host->data)->run;
-  sharer s = {.host = host, .pieces = pieces, .run = run, .step = run->at};
-  if (!run->at || run->piece) return opc_pieces_alone(host, pieces, error);
+  sharer s = {.host = host, .pieces = &pieces, .run = run, .step = run->at};
+  if (!run->at || run->piece)
+    return opc_pieces_alone.run(host, theirs, size, error);
   const opc_step *functions = run->at->binding->plugin->functions;
   opc_ranks *ranks = opc_run_ranks(run);
-  for (size_t i = 0; i < pieces->count; i++) {
+  for (size_t i = 0; i < pieces.count; i++) {
     char *name = name_of(&s, i);
     if (name) g_ptr_array_add(run->pieces, name);
   }
@@ -300,3 +302,6 @@ int opc_pieces_run(const opc_host *host, const opc_pieces *pieces,
              ? do_together(&s, ranks, error)
              : do_alone(&s, error);
 }
+
+const opc_pieces_service opc_pieces_of_run = {.size = sizeof opc_pieces_of_run,
+                                              .run = run_pieces};

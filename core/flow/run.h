@@ -4,6 +4,7 @@
 #define OPCFLOW_CORE_RUN_H
 
 #include <json-glib/json-glib.h>
+#include <opcflow/pieces.h>
 #include <opcflow/step.h>
 
 #include "core/flow/flow.h"
@@ -229,9 +230,8 @@ void opc_run_take_histories(opc_run *run, const opc_run *from);
 
 /* ---- pieces.c ---- */
 
-/* opc_host.pieces, of a run's hosts. */
-int opc_pieces_run(const opc_host *host, const opc_pieces *pieces,
-                   opc_error *error);
+/* The service of a run's hosts. */
+extern const opc_pieces_service opc_pieces_of_run;
 
 /* The step's result is kept: its pieces need not be. */
 void opc_pieces_drop(opc_run *run);

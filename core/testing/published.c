@@ -20,9 +20,9 @@ static void add_text(opc_published *p, const char *text) {
 
 static int take_table(const opc_host *host, const char *name, uint32_t flags,
                       size_t rows, const opc_column *columns, size_t n_columns,
-                      opc_error *error) {
+                      size_t column_size, opc_error *error) {
   opc_table *table =
-      opc_table_new(name, flags, rows, columns, n_columns, error);
+      opc_table_new(name, flags, rows, columns, n_columns, column_size, error);
   if (!table) return error->code;
   g_autofree char *text = opc_table_csv(table);
   add_text(of(host), table->name);

@@ -59,10 +59,10 @@ static int is_cancelled(void *data) {
 
 static int take_table(const opc_host *host, const char *name, uint32_t flags,
                       size_t rows, const opc_column *columns, size_t n_columns,
-                      opc_error *error) {
+                      size_t column_size, opc_error *error) {
   (void)host;
   opc_table *table =
-      opc_table_new(name, flags, rows, columns, n_columns, error);
+      opc_table_new(name, flags, rows, columns, n_columns, column_size, error);
   if (!table) return error->code;
   g_hash_table_replace(state.tables, table->name, table);
   return OPC_OK;

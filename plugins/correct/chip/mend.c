@@ -342,7 +342,7 @@ static int mend_all(mend *m, opc_error *error) {
                           .work = mend_sheet,
                           .take = take_sheet,
                           .done = tell_done};
-  int code = w->host->pieces(w->host, &all, error);
+  int code = opc_do_pieces(w->host, &all, error);
   pages_clear(&m->pages);
   cover_clear(&m->cover);
   g_free(m->key);

@@ -298,7 +298,7 @@ int prove_all(work *w, opc_error *error) {
                           .work = prove_sheet,
                           .take = take_sheet,
                           .done = tell_done};
-  int code = w->host->pieces(w->host, &all, error);
+  int code = opc_do_pieces(w->host, &all, error);
   pages_clear(&p.pages);
   cover_clear(&p.cover);
   g_free(p.key);
