@@ -1,97 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Whole flows through the command, as a user runs them: what the ready flows
-   reach, that nothing depends on the number of threads or on the orientation
-   of a cell, and what is said of bad input. */
+   reach, and that nothing depends on the number of threads or on the
+   orientation of a cell. */
 #include <eda/runs.h>
-#include <gio/gio.h>
-#include <glib.h>
-#include <glib/gstdio.h>
-#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
-#include <sys/wait.h>
 
-static char *folder; /* of all runs; removed at the end */
-
-static char *source(const char *name) {
-  return g_build_filename(g_getenv("OPCFLOW_SOURCE"), name, NULL);
-}
-
-static char *test_data(const char *name) {
-  const char *root = g_getenv("OPCFLOW_TEST_DATA");
-  g_autofree char *usual = source("../shared/data");
-  char *path = g_build_filename(root ? root : usual, name, NULL);
-  if (g_file_test(path, G_FILE_TEST_EXISTS)) return path;
-  g_free(path);
-  g_test_skip("no test data: set OPCFLOW_TEST_DATA");
-  return NULL;
-}
-
-/* opcflow ARGS...; its exit code, and its standard error if asked for. */
-static int opcflow(char **errors, const char *first, ...) {
-  g_autoptr(GPtrArray) argv = g_ptr_array_new_with_free_func(g_free);
-  g_ptr_array_add(argv,
-                  g_build_filename(g_getenv("OPCFLOW_BUILD"), "opcflow", NULL));
-  va_list args;
-  va_start(args, first);
-  for (const char *a = first; a; a = va_arg(args, const char *))
-    g_ptr_array_add(argv, g_strdup(a));
-  va_end(args);
-  g_ptr_array_add(argv, NULL);
-  g_autoptr(GError) error = NULL;
-  g_autofree char *out = NULL, *err = NULL;
-  int status;
-  g_spawn_sync(NULL, (char **)argv->pdata, NULL, 0, NULL, NULL, &out, &err,
-               &status, &error);
-  g_assert_no_error(error);
-  g_assert_true(WIFEXITED(status)); /* no signal */
-  if (errors)
-    *errors = g_steal_pointer(&err);
-  else if (WEXITSTATUS(status))
-    g_test_message("%s", err);
-  return WEXITSTATUS(status);
-}
-
-static char *place(const char *name) {
-  return g_build_filename(folder, name, NULL);
-}
-
-static GBytes *bytes(const char *run, const char *file) {
-  g_autofree char *path = g_build_filename(folder, run, file, NULL);
-  char *text = NULL;
-  gsize length;
-  g_file_get_contents(path, &text, &length, NULL);
-  g_assert_nonnull(text);
-  return g_bytes_new_take(text, length);
-}
-
-static void expect_equal(const char *run, const char *other, const char *file) {
-  g_autoptr(GBytes) a = bytes(run, file), b = bytes(other, file);
-  if (!g_bytes_equal(a, b))
-    g_error("%s differs between %s and %s", file, run, other);
-}
-
-/* A metric of a run's step. */
-static double metric(const char *run, const char *step, const char *name) {
-  g_autoptr(GBytes) text = bytes(run, "metrics.json");
-  g_autoptr(JsonParser) parser = json_parser_new();
-  g_assert_true(json_parser_load_from_data(parser, g_bytes_get_data(text, NULL),
-                                           (gssize)g_bytes_get_size(text),
-                                           NULL));
-  JsonObject *o = json_node_get_object(json_parser_get_root(parser));
-  g_assert_true(json_object_has_member(o, step));
-  o = json_object_get_object_member(o, step);
-  g_assert_true(json_object_has_member(o, name));
-  return json_object_get_double_member(json_object_get_object_member(o, name),
-                                       "value");
-}
+#include "tests/flow.h"
 
 /* The band of a clip of ICCAD 2013, by score.iccad, which knows nothing of
    bars: those of the model take at least 15 % of it away, and none prints. */
 static void test_assists_of_the_model(void) {
-  g_autofree char *clips = test_data("clips");
+  g_autofree char *clips = find_data("clips");
   if (!clips) return;
-  g_autofree char *flow = source("flows/iccad.yaml");
+  g_autofree char *flow = source_path("flows/iccad.yaml");
   g_autofree char *clip =
       g_strdup_printf("layout.file=%s/iccad2013/M1_test10.glp", clips);
   static const char *const names[] = {"without", "with"};
@@ -115,7 +37,7 @@ static void test_assists_of_the_model(void) {
 }
 
 static void test_demo(void) {
-  g_autofree char *flow = source("flows/demo.yaml"), *out = place("demo");
+  g_autofree char *flow = source_path("flows/demo.yaml"), *out = place("demo");
   g_assert_cmpint(opcflow(NULL, "run", flow, "--output", out, NULL), ==, 0);
   g_assert_cmpfloat(metric("demo", "mask", "transistors"), ==, 4);
   g_assert_cmpfloat(metric("demo", "mask", "ion_max_drawn"), >, 5);
@@ -144,7 +66,7 @@ static void test_resolved(void) {
 
 /* Same bytes for any number of threads. */
 static void test_threads(void) {
-  g_autofree char *flow = source("flows/demo.yaml");
+  g_autofree char *flow = source_path("flows/demo.yaml");
   for (int threads = 1; threads <= 4; threads++) {
     g_autofree char *name = g_strdup_printf("threads%d", threads);
     g_autofree char *number = g_strdup_printf("%d", threads),
@@ -160,8 +82,9 @@ static void test_threads(void) {
 /* A NAND2 with horizontal gates is the same one, turned: as drawn, its
    transistors deviate the same. */
 static void test_orientation(void) {
-  g_autofree char *flow = source("flows/demo.yaml"), *out = place("turned");
-  g_autofree char *file = source("data/cells65/nand2h.cif");
+  g_autofree char *flow = source_path("flows/demo.yaml"),
+                  *out = place("turned");
+  g_autofree char *file = source_path("data/cells65/nand2h.cif");
   g_autofree char *set = g_strdup_printf("layout.file=%s", file);
   g_assert_cmpint(
       opcflow(NULL, "run", flow, "--set", set, "--output", out, NULL), ==, 0);
@@ -175,9 +98,10 @@ static void test_orientation(void) {
 
 /* NAND2_X1 of the NanGate library, scaled to L = 65 nm. */
 static void test_nangate(void) {
-  g_autofree char *file = test_data("nangate45/NangateOpenCellLibrary.gds");
+  g_autofree char *file = find_data("nangate45/NangateOpenCellLibrary.gds");
   if (!file) return;
-  g_autofree char *flow = source("flows/dpb.yaml"), *out = place("nangate");
+  g_autofree char *flow = source_path("flows/dpb.yaml"),
+                  *out = place("nangate");
   g_autofree char *set = g_strdup_printf("layout.file=%s", file);
   g_assert_cmpint(
       opcflow(NULL, "run", flow, "--set", set, "--set", "layout.scale=1.3",
@@ -191,9 +115,10 @@ static void test_nangate(void) {
    poly goes on, not where a thin line end would come into the channel. With W
    shared by both sides the worst gate leaks three times as drawn. */
 static void test_flip_flop(void) {
-  g_autofree char *file = test_data("nangate45/NangateOpenCellLibrary.gds");
+  g_autofree char *file = find_data("nangate45/NangateOpenCellLibrary.gds");
   if (!file) return;
-  g_autofree char *flow = source("flows/newton.yaml"), *out = place("flipflop");
+  g_autofree char *flow = source_path("flows/newton.yaml"),
+                  *out = place("flipflop");
   g_autofree char *set = g_strdup_printf("layout.file=%s", file);
   g_assert_cmpint(
       opcflow(NULL, "run", flow, "--set", set, "--set", "layout.scale=1.3",
@@ -206,8 +131,8 @@ static void test_flip_flop(void) {
 /* The mask again, by the models of its loop and by others. */
 static void test_verify(void) {
   g_autofree char *flow = place("verify.yaml"), *out = place("verify");
-  g_autofree char *demo = source("flows/demo.yaml");
-  g_autofree char *devices = source("data/devices/ptm65.yaml");
+  g_autofree char *demo = source_path("flows/demo.yaml");
+  g_autofree char *devices = source_path("data/devices/ptm65.yaml");
   g_autofree char *text = g_strdup_printf(
       "opcflow: 1\nname: verify\nextends: %s\nsteps:\n"
       "  same:\n    use: verify\n    mask: ${mask}\n"
@@ -241,7 +166,7 @@ static void test_verify(void) {
 /* Runs flows/NAME.yaml into a folder of that name, with up to two settings. */
 static void run_ready(const char *name, const char *set, const char *more) {
   g_autofree char *file = g_strdup_printf("flows/%s.yaml", name);
-  g_autofree char *flow = source(file), *out = place(name);
+  g_autofree char *flow = source_path(file), *out = place(name);
   g_assert_cmpint(
       opcflow(NULL, "run", flow, "--output", out, set ? "--set" : NULL, set,
               more ? "--set" : NULL, more, NULL),
@@ -251,14 +176,6 @@ static void run_ready(const char *name, const char *set, const char *more) {
 static void expect_file(const char *run, const char *file, gsize least) {
   g_autoptr(GBytes) content = bytes(run, file);
   g_assert_cmpuint(g_bytes_get_size(content), >, least);
-}
-
-/* Is a step's plugin there? It is not built without its library. */
-static int have(const char *id) {
-  g_autofree char *errors = NULL;
-  if (opcflow(&errors, "inspect", id, NULL) == 0) return TRUE;
-  g_test_skip(id);
-  return FALSE;
 }
 
 static void test_circuit(void) {
@@ -277,7 +194,8 @@ static void test_circuit(void) {
    with L alone as the thesis simulates it. */
 static void test_margins(void) {
   if (!have("circuit.ngspice")) return;
-  g_autofree char *flow = source("flows/circuit.yaml"), *out = place("margins");
+  g_autofree char *flow = source_path("flows/circuit.yaml"),
+                  *out = place("margins");
   g_assert_cmpint(
       opcflow(NULL, "run", flow, "--variant", "sram", "--variant", "sram_area",
               "--variant", "sram_length", "--output", out, NULL),
@@ -307,7 +225,7 @@ static void test_metal(void) {
    emulated side by side. */
 static GPid start_emulated(const char *processor, const char *run) {
   g_autofree char *qemu = g_find_program_in_path("qemu-x86_64");
-  g_autofree char *out = place(run), *flow = source("flows/demo.yaml");
+  g_autofree char *out = place(run), *flow = source_path("flows/demo.yaml");
   g_autofree char *command =
       g_build_filename(g_getenv("OPCFLOW_BUILD"), "opcflow", NULL);
   const char *argv[] = {qemu,  "-cpu",      processor, command,    "run", flow,
@@ -343,7 +261,8 @@ static void test_processors(void) {
     return;
   }
   GPid nehalem = start_emulated("Nehalem", "nehalem");
-  g_autofree char *flow = source("flows/demo.yaml"), *out = place("native");
+  g_autofree char *flow = source_path("flows/demo.yaml"),
+                  *out = place("native");
   g_assert_cmpint(opcflow(NULL, "run", flow, LIGHT, "--output", out, NULL), ==,
                   0);
   expect_success(haswell);
@@ -370,7 +289,8 @@ static void test_netlist(void) {
 }
 
 static void test_models(void) {
-  g_autofree char *flow = source("flows/models.yaml"), *out = place("models");
+  g_autofree char *flow = source_path("flows/models.yaml"),
+                  *out = place("models");
   g_assert_cmpint(opcflow(NULL, "run", flow, "--output", out, "--set",
                           "picture.second.litho.error=1e-2", NULL),
                   ==, 0);
@@ -394,7 +314,8 @@ static void test_characterize(void) {
   g_autofree char *table = place("characterize/init_adjust.csv");
   g_autofree char *set =
       g_strdup_printf("mask.synthesizer.init_adjust_table=%s", table);
-  g_autofree char *flow = source("flows/demo.yaml"), *out = place("adjusted");
+  g_autofree char *flow = source_path("flows/demo.yaml"),
+                  *out = place("adjusted");
   g_assert_cmpint(
       opcflow(NULL, "run", flow, LIGHT, "--set", set, "--output", out, NULL),
       ==, 0);
@@ -406,8 +327,8 @@ static void test_characterize(void) {
    printed. By tables of one input both at once would be off by 23 and 80 %. */
 static void test_timing(void) {
   if (!have("timing.characterize")) return;
-  g_autofree char *flow = source("flows/timing.yaml"),
-                  *cards = source("data/devices/opcflow65.pm");
+  g_autofree char *flow = source_path("flows/timing.yaml"),
+                  *cards = source_path("data/devices/opcflow65.pm");
   g_autofree char *set = g_strdup_printf("paths.models=%s", cards);
   const char *threads[] = {"1", "3"}, *runs[] = {"timing1", "timing3"};
   for (int i = 0; i < 2; i++) {
@@ -434,7 +355,7 @@ static void test_timing(void) {
    its transistors tell alike. */
 static void test_slack(void) {
   if (!have("timing.characterize")) return;
-  g_autofree char *flow = source("flows/slack.yaml");
+  g_autofree char *flow = source_path("flows/slack.yaml");
   g_autofree char *out = place("slack"), *cells = place("slack-cells");
   g_autofree char *kept = g_strdup_printf("cells.kept=%s", cells);
   g_assert_cmpint(
@@ -462,7 +383,7 @@ static void test_slack(void) {
    area alone is nearer in delay. */
 static void test_timing_compare(void) {
   if (!have("timing.characterize")) return;
-  g_autofree char *flow = source("flows/timing-compare.yaml"),
+  g_autofree char *flow = source_path("flows/timing-compare.yaml"),
                   *out = place("timings");
   g_assert_cmpint(
       opcflow(NULL, "run", flow, "--output", out, "--set",
@@ -480,237 +401,8 @@ static void test_timing_compare(void) {
   eda_table_free(t);
 }
 
-/* ---- notes on transistors ---- */
-
-/* A transistor that wants 5 % more, four ways round, one of which is told
-   otherwise above. */
-static const char noted[] =
-    "DS 1 1 10; 9 device; L CA; B 460 300 230 150;\n"
-    "L CP; P 200 -200 265 -200 265 500 200 500;\n"
-    "L CC; B 60 60 60 150; B 60 60 400 150; 94 weight=2,ion=1.05 230 150 XN; "
-    "DF;\n"
-    "DS 2 1 10; 9 top; L CW; B 100 100 6000 6000; C 1 T 0 0; C 1 M X T 3000 "
-    "0;\n"
-    "C 1 R 0 1 T 0 3000; C 1 R 0 -1 M Y T 3000 3000; 94 ion=0.97 3150 3230 XN; "
-    "DF;\n"
-    "C 2; E\n";
-
-static char *noted_layout(const char *use, const char *file, int numbers) {
-  return g_strdup_printf(
-      "layout={ use: %s, file: %s, layers: { poly: %s, active: %s, contact: "
-      "%s, "
-      "nwell: %s, notes: %s } }",
-      use, file, numbers ? "9/0" : "CP", numbers ? "1/0" : "CA",
-      numbers ? "10/0" : "CC", numbers ? "3/0" : "CW", numbers ? "63/5" : "XN");
-}
-
-/* The column ion_after, sorted by x of the transistors. */
-static void read_ion(const char *run, double ion[4]) {
-  g_autoptr(GBytes) text = bytes(run, "gates.csv");
-  g_auto(GStrv) lines = g_strsplit(g_bytes_get_data(text, NULL), "\n", -1);
-  g_assert_cmpuint(g_strv_length(lines), ==, 6);
-  for (int i = 0; i < 4; i++) {
-    g_auto(GStrv) field = g_strsplit(lines[i + 1], ",", -1);
-    ion[i] = g_ascii_strtod(field[8], NULL);
-  }
-}
-
-static void test_notes(void) {
-  g_autofree char *cif = place("noted.cif"), *convert = place("noted.yaml");
-  g_autofree char *files = place("noted");
-  g_assert_true(g_file_set_contents(cif, noted, -1, NULL));
-  g_autofree char *read = noted_layout("read.cif", cif, 0);
-  const char *layers =
-      "layers: { poly: 9/0, active: 1/0, contact: 10/0, "
-      "nwell: 3/0, notes: 63/5 }";
-  g_autofree char *text = g_strdup_printf(
-      "opcflow: 1\nname: noted\nsteps:\n  layout: %s\n"
-      "  gds: { use: write.gds, layout: '${layout}', file: n.gds, %s }\n"
-      "  oasis: { use: write.oasis, layout: '${layout}', file: n.oas, %s }\n",
-      strchr(read, '{'), layers, layers);
-  g_assert_true(g_file_set_contents(convert, text, -1, NULL));
-  g_assert_cmpint(opcflow(NULL, "run", convert, "--output", files, NULL), ==,
-                  0);
-  g_autofree char *gds = place("noted/n.gds"), *oasis = place("noted/n.oas");
-  g_autofree char *from_gds = noted_layout("read.gds", gds, 1);
-  g_autofree char *from_oasis = noted_layout("read.oasis", oasis, 1);
-  const char *sets[] = {read, from_gds, from_oasis};
-  const char *runs[] = {"note-cif", "note-gds", "note-oasis"};
-  g_autofree char *flow = source("flows/newton.yaml");
-  for (int i = 0; i < 3; i++) {
-    g_autofree char *out = place(runs[i]);
-    g_assert_cmpint(opcflow(NULL, "run", flow, LIGHT, "--set", sets[i], "--set",
-                            "require.mask.ion_max=6 %", "--output", out, NULL),
-                    ==, 0);
-    expect_equal("note-cif", runs[i], "gates.csv");
-  }
-  double ion[4];
-  read_ion("note-gds", ion);
-  for (int i = 0; i < 4; i++)
-    g_assert_cmpfloat_with_epsilon(ion[i], i == 3 ? -3 : 5, 0.6);
-}
-
-/* A word that is none; the table goes before the note. */
-static void test_bad_note(void) {
-  g_autofree char *cif = place("noted.cif"), *bad = place("bad-note.cif");
-  g_autofree char *wishes = place("wishes.csv"),
-                  *flow = source("flows/newton.yaml");
-  g_auto(GStrv) parts = g_strsplit(noted, "weight", -1);
-  g_autofree char *text = g_strjoinv("wieght", parts), *errors = NULL;
-  g_assert_true(g_file_set_contents(bad, text, -1, NULL));
-  g_autofree char *set = noted_layout("read.cif", bad, 0),
-                  *out = place("bad-note");
-  g_assert_cmpint(
-      opcflow(&errors, "run", flow, "--set", set, "--output", out, NULL), ==,
-      2);
-  g_assert_nonnull(strstr(errors,
-                          "note of 'device#0:1': unknown word 'wieght', "
-                          "did you mean 'weight'?"));
-  g_assert_true(g_file_set_contents(cif, noted, -1, NULL));
-  g_assert_true(g_file_set_contents(wishes, "transistor, ion\ndevice#0:1, 1\n",
-                                    -1, NULL));
-  g_autofree char *good = noted_layout("read.cif", cif, 0),
-                  *over = place("over");
-  g_autofree char *file = g_strdup_printf("mask.synthesizer.wishes=%s", wishes);
-  g_assert_cmpint(
-      opcflow(NULL, "run", flow, LIGHT, "--set", good, "--set", file, "--set",
-              "require.mask.ion_max=6 %", "--output", over, NULL),
-      ==, 0);
-  double ion[4];
-  read_ion("over", ion);
-  g_assert_cmpfloat_with_epsilon(ion[0], 0, 0.6);
-  g_assert_cmpfloat_with_epsilon(ion[1], 5, 0.6);
-}
-
-/* ---- bad input ---- */
-
-static void expect(int want, const char *say, const char *set) {
-  g_autofree char *flow = source("flows/demo.yaml"), *out = place("bad");
-  g_autofree char *errors = NULL;
-  int code = opcflow(&errors, "run", flow, "--set", set, "--output", out, NULL);
-  if (code != want || !strstr(errors, say))
-    g_error("--set %s: exit code %d, want %d; '%s' is not in:\n%s", set, code,
-            want, say, errors);
-  g_assert_false(g_file_test(out, G_FILE_TEST_EXISTS));
-}
-
-static void test_bad_input(void) {
-  expect(5, "nowhere.cif", "layout.file=nowhere.cif");
-  expect(2, "XY", "layout.layers.poly=XY");
-  expect(2, "did you mean 'limit'", "mask.synthesizer.limti=0.5 %");
-  expect(3, "litho.hopkin", "mask.litho.use=litho.hopkin");
-}
-
-static void simulate_evil(const char *name, const char *parameter,
-                          const char *path, const char *say) {
-  g_autofree char *file = g_strdup_printf("flows/%s.yaml", name);
-  g_autofree char *flow = source(file), *out = place("evil"), *errors = NULL;
-  g_autofree char *set = g_strdup_printf("%s=%s", parameter, path);
-  int code = opcflow(&errors, "run", flow, "--set", set, "--output", out, NULL);
-  g_test_message("%s", errors);
-  if (code != 2 || !strstr(errors, say))
-    g_error("exit code %d, want 2; '%s' is not in:\n%s", code, say, errors);
-  g_assert_false(g_file_test(out, G_FILE_TEST_EXISTS));
-}
-
-/* Model files that would run commands or have others read, through the flows
-   that simulate: refused with their place, and nothing is run or written. */
-static void test_model_files(void) {
-  static const struct {
-    const char *text, *say;
-  } evil[] = {
-      {"\n.control\nshell touch %s\n.endc\n", "evil.pm:29:1: '.control' is"},
-      {"\r\n\t.CONTROL\r\nshell touch %s\r\n", "evil.pm:29:2: '.CONTROL' is"},
-      {"shell touch %s\n", "evil.pm:28:1: 'shell' is refused"},
-      {".csparam x=`touch %s`\n", "evil.pm:28:1: '.csparam' is refused"},
-      {".param x=\"`touch %s`\" y=`a`\n", "evil.pm:28:1: a '`'"},
-      {"a1 [x] [y] m\n.model m d_process(process_file=\"%s\")\n",
-       "evil.pm:28:1: 'a1' is refused"},
-      {".model m filesource(file=\"%s\")\n", "evil.pm:28:10: models of kind"},
-      {".options rawfile=%s\n", "evil.pm:28:10: option 'rawfile'"},
-      {".include '../../%s'\n", "evil.pm:28:10: "},
-      {".include /etc/hostname\n", "evil.pm:28:10: '/etc/hostname' lies"},
-      {".lib '/dev/zero' tt\n", "evil.pm:28:6: '/dev/zero' lies outside"}};
-  if (!have("devices.ngspice")) return;
-  g_autofree char *own = source("data/devices/opcflow65.pm"), *card = NULL;
-  g_autofree char *path = place("evil.pm"), *made = place("made");
-  g_assert_true(g_file_get_contents(own, &card, NULL, NULL));
-  for (size_t i = 0; i < G_N_ELEMENTS(evil); i++) {
-    g_auto(GStrv) parts = g_strsplit(evil[i].text, "%s", -1);
-    g_autofree char *more = g_strjoinv(made, parts);
-    g_autofree char *text = g_strconcat(card, more, NULL);
-    g_assert_true(g_file_set_contents(path, text, -1, NULL));
-    simulate_evil("devices", "devices.card", path, evil[i].say);
-    if (!i) simulate_evil("circuit", "circuit.models", path, evil[i].say);
-    g_assert_false(g_file_test(made, G_FILE_TEST_EXISTS));
-  }
-}
-
-/* Poly and active that never meet. */
-static void test_no_transistor(void) {
-  g_autofree char *cif = place("apart.cif");
-  g_assert_true(g_file_set_contents(
-      cif,
-      "L CP; B 10 100 0 0; L CA; B 50 20 500 0; L CC; B 8 8 500 0; "
-      "L CW; B 200 200 500 0; E\n",
-      -1, NULL));
-  g_autofree char *set = g_strdup_printf("layout.file=%s", cif);
-  expect(2, "no transistor", set);
-}
-
-static void test_truncated(void) {
-  g_autofree char *whole = NULL, *flow = source("flows/dpb.yaml");
-  g_autofree char *mask = place("demo/mask.gds"), *cut = place("cut.gds");
-  gsize length;
-  g_assert_true(g_file_get_contents(mask, &whole, &length, NULL));
-  g_assert_true(
-      g_file_set_contents(cut, whole, (gssize)(length / 2 | 1), NULL));
-  g_autofree char *set = g_strdup_printf("layout.file=%s", cut), *errors = NULL;
-  g_autofree char *out = place("truncated");
-  g_assert_cmpint(
-      opcflow(&errors, "run", flow, "--set", set, "--output", out, NULL), ==,
-      5);
-  g_test_message("%s", errors);
-  g_assert_nonnull(strstr(errors, "cut.gds"));
-  g_assert_nonnull(strstr(errors, "byte"));
-}
-
-/* Nothing else is wrong with it: it prints, and comes as near as can be. */
-static void test_wrong_scale(void) {
-  g_autofree char *flow = source("flows/demo.yaml"), *errors = NULL;
-  g_autofree char *run = place("scale");
-  g_assert_cmpint(opcflow(&errors, "run", flow, "--output", run, "--set",
-                          "layout.scale=3", "--quiet", NULL),
-                  ==, 1);
-  g_assert_nonnull(strstr(errors, "is the layout's 'scale' right"));
-  g_assert_nonnull(
-      strstr(errors, "'mask.outside' is 4, required is at most 0\n"));
-}
-
-static void test_typo(void) {
-  g_autofree char *flow = place("typo.yaml"), *errors = NULL;
-  g_assert_true(g_file_set_contents(
-      flow, "opcflow: 1\nname: typo\nsteps:\n  layout:\n    use: read.cfi\n",
-      -1, NULL));
-  g_assert_cmpint(opcflow(&errors, "run", flow, NULL), ==, 3);
-  g_assert_nonnull(strstr(errors, "typo.yaml:5:"));
-  g_assert_nonnull(strstr(errors, "did you mean 'read.cif'"));
-}
-
-static void remove_tree(const char *path) {
-  GDir *dir = g_dir_open(path, 0, NULL);
-  const char *name;
-  while (dir && (name = g_dir_read_name(dir))) {
-    g_autofree char *child = g_build_filename(path, name, NULL);
-    remove_tree(child);
-  }
-  if (dir) g_dir_close(dir);
-  g_remove(path);
-}
-
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  folder = g_dir_make_tmp("opcflow-flows-XXXXXX", NULL);
   g_test_add_func("/flows/demo", test_demo);
   g_test_add_func("/flows/resolved", test_resolved);
   g_test_add_func("/flows/threads", test_threads);
@@ -729,17 +421,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/flows/timing", test_timing);
   g_test_add_func("/flows/timing_compare", test_timing_compare);
   g_test_add_func("/flows/slack", test_slack);
-  g_test_add_func("/flows/notes", test_notes);
-  g_test_add_func("/flows/bad-note", test_bad_note);
-  g_test_add_func("/flows/bad-input", test_bad_input);
-  g_test_add_func("/flows/model-files", test_model_files);
   g_test_add_func("/flows/assists-of-the-model", test_assists_of_the_model);
-  g_test_add_func("/flows/no-transistor", test_no_transistor);
-  g_test_add_func("/flows/truncated", test_truncated);
-  g_test_add_func("/flows/wrong-scale", test_wrong_scale);
-  g_test_add_func("/flows/typo", test_typo);
-  int code = g_test_run();
-  remove_tree(folder);
-  g_free(folder);
-  return code;
+  return run_flows();
 }

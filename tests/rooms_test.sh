@@ -76,26 +76,36 @@ library_alone() {
 }
 
 # From a plugin: its own folder, or what its family shares. Tests may see the
-# kernel's means of testing.
+# kernel's means of testing, and what tests share.
 families() {
   includes plugins | awk '
     { split($1, from, "/"); n = split($2, to, "/")
-      if ($1 ~ /_test\.[ch]$/ && $2 ~ /^core\//) next
+      if ($1 ~ /_test\.[ch]$/ && $2 ~ /^(core|tests)\//) next
       if (n == 1) next
       if (to[1] == "plugins" ? to[2] != from[2] : 1) print }'
   find plugins -name '*.[ch]' ! -name '*_test.[ch]' | sort |
     xargs grep -nE '^ *# *include *<(core|plugins)/'
 }
 
+# The id of each plugin, and the folder of the file that declares the id.
+ids() {
+  grep -rlE '^ *OPC_PLUGIN\(' plugins --include='*.c' | grep -v '/template\.c$' | sort |
+    while read -r file; do
+      id=$(sed -n 's/.*\.id = "\([a-z0-9_.]*\)".*/\1/p' "$file")
+      [ "plugins/$(echo "$id" | tr . /)" = "${file%/*}" ] || echo "$file: $id"
+    done
+}
+
 copies() {
   cmp include/opcflow/base.h subprojects/eda/include/eda/base.h 2>&1
 }
 
-echo "1..6"
+echo "1..7"
 check "the kernel has no domain word" domain_words "$@"
 check "folders of the kernel include one way only" kernel_order
 check "folders of the library include in no circle" library_circles
 check "kernel and library do not know each other, nor plugins" library_alone
 check "plugins include from no other family" families
+check "the folder of a plugin is its id" ids
 check "the copies of base.h are equal" copies
 exit $failed

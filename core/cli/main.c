@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The opcflow command: finds the verb and lets it work. */
+#include <guard/guard.h>
 #include <locale.h>
 #include <signal.h>
 #include <string.h>
 
 #include "core/cli/cli.h"
-#include "core/plugin/guard.h"
 #include "core/text/suggest.h"
 
 const cli_verb *const cli_verbs[] = {
@@ -73,8 +73,8 @@ int main(int argc, char **argv) {
   setlocale(LC_CTYPE, "");
   cli_keep_output();
   signal(SIGXFSZ, SIG_IGN); /* a file that is too large is a failed write */
-  opc_guard_install(cli_is_terminal() ? "\r\033[K" : NULL);
+  guard_install(cli_is_terminal() ? "\r\033[K" : NULL);
   int code = work(argc, argv);
-  opc_guard_done(code);
+  guard_done(code);
   return code;
 }

@@ -2,6 +2,8 @@
 /* How far the work is, and how it is stopped. */
 #include "core/cli/progress.h"
 
+#include <guard/guard.h>
+#include <guard/process.h>
 #include <math.h>
 #include <pthread.h>
 #include <semaphore.h>
@@ -10,8 +12,6 @@
 #include <string.h>
 
 #include "core/cli/cli.h"
-#include "core/plugin/guard.h"
-#include "core/plugin/process.h"
 
 /* ---- stopping ---- */
 
@@ -24,7 +24,7 @@ static sem_t asked; /* to stop; posted by a handler */
 
 static void stop(int number) {
   (void)number;
-  if (stopped) opc_guard_end(CLI_STOPPED);
+  if (stopped) guard_end(CLI_STOPPED);
   stopped = 1;
   sem_post(&asked);
 }
@@ -33,7 +33,7 @@ static void *end_the_stubborn(void *unused) {
   while (sem_wait(&asked)) continue; /* a signal came in between */
   struct timespec left = patience;
   while (clock_nanosleep(CLOCK_MONOTONIC, 0, &left, &left)) continue;
-  opc_guard_end(CLI_STOPPED);
+  guard_end(CLI_STOPPED);
   return unused;
 }
 
@@ -49,7 +49,7 @@ void cli_catch_signals(void) {
   /* The terminal is gone; under nohup that does not matter. */
   if (!sigaction(SIGHUP, NULL, &before) && before.sa_handler != SIG_IGN)
     sigaction(SIGHUP, &action, NULL);
-  opc_process_settle();
+  process_settle();
 }
 
 int cli_is_stopped(void *unused) {

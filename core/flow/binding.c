@@ -3,13 +3,13 @@
    instances, and finds the way back from an error to its place. */
 #include "core/flow/binding.h"
 
+#include <guard/guard.h>
 #include <string.h>
 
 #include "core/flow/services.h"
 #include "core/flow/inner.h"
 #include "core/flow/layers.h"
 #include "core/plugin/declaration.h"
-#include "core/plugin/guard.h"
 #include "core/text/suggest.h"
 #include "core/text/value.h"
 
@@ -278,13 +278,13 @@ const char *opc_binding_enter(const opc_binding *b) {
   g_autofree char *place = opc_place_text(&b->at);
   g_autofree char *where =
       g_strdup_printf("%s%s%s", place, *place ? ": " : "", label);
-  opc_guard_where(where, OPC_CRASH_RUNNING);
-  return opc_guard_enter(b->plugin->id);
+  guard_where(where, GUARD_CRASH_RUNNING);
+  return guard_enter(b->plugin->id);
 }
 
 void opc_binding_leave(const char *before) {
-  opc_guard_leave(before);
-  opc_guard_where(NULL, 0);
+  guard_leave(before);
+  guard_where(NULL, 0);
 }
 
 void opc_binding_set(opc_binding *b, size_t i, const void *object) {
@@ -318,9 +318,9 @@ gboolean opc_binding_create(opc_binding *b, const opc_watch *watch,
 void opc_binding_free(opc_binding *b) {
   if (!b) return;
   if (b->module.self) {
-    const char *before = opc_guard_enter(b->plugin->id);
+    const char *before = guard_enter(b->plugin->id);
     if (b->plugin->clear) b->plugin->clear(b->module.self);
-    opc_guard_leave(before);
+    guard_leave(before);
     g_free(b->module.self);
   }
   opc_inner_free(b->inner);

@@ -3,10 +3,10 @@
    store as they come, so that a run that was killed finds them again. */
 #include "core/plugin/pieces.h"
 
+#include <guard/guard.h>
 #include <string.h>
 
 #include "core/flow/run.h"
-#include "core/plugin/guard.h"
 
 /* What a piece gave, and what was said meanwhile. */
 #define PIECE_TYPE G_VARIANT_TYPE("(aya(uss))")
@@ -41,18 +41,18 @@ static char *name_of(const sharer *s, size_t i) {
 /* NULL: it is not there. */
 static GVariant *find(const sharer *s, const char *name) {
   if (!name) return NULL;
-  const char *before = opc_guard_enter(NULL);
+  const char *before = guard_enter(NULL);
   GVariant *piece = opc_store_get(s->run->options->store, name, PIECE_TYPE);
-  opc_guard_leave(before);
+  guard_leave(before);
   return piece;
 }
 
 static void keep(const sharer *s, const char *name, GVariant *piece) {
   if (!name) return;
-  const char *before = opc_guard_enter(NULL);
+  const char *before = guard_enter(NULL);
   if (opc_reuse_is_unchanged(s->run, &s->run->keys[s->step->number]))
     (void)opc_store_put(s->run->options->store, name, piece);
-  opc_guard_leave(before);
+  guard_leave(before);
 }
 
 void opc_pieces_drop(opc_run *run) {

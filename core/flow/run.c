@@ -4,6 +4,7 @@
 #include "core/flow/run.h"
 
 #include <errno.h>
+#include <guard/guard.h>
 #include <math.h>
 #include <string.h>
 
@@ -11,7 +12,6 @@
 #include "core/flow/files.h"
 #include "core/flow/inner.h"
 #include "core/plugin/declaration.h"
-#include "core/plugin/guard.h"
 
 /* ---- state ---- */
 
@@ -47,10 +47,10 @@ opc_run *opc_run_new(opc_flow *flow, opc_registry *registry,
 void opc_run_release(opc_run *run, const opc_flow_step *step) {
   const opc_plugin *plugin = step->binding->plugin;
   void **objects = run->objects[step->number];
-  const char *before = opc_guard_enter(plugin->id);
+  const char *before = guard_enter(plugin->id);
   for (size_t i = opc_port_count(plugin); objects && i-- > 0;)
     if (objects[i]) opc_port_at(plugin, i)->release(objects[i]);
-  opc_guard_leave(before);
+  guard_leave(before);
   g_free(objects);
   run->objects[step->number] = NULL;
 }
@@ -331,7 +331,7 @@ static gboolean open_folder(opc_run *run, const char *target,
   if (code) return opc_problem_add(problems, code, NULL, "%s", error.message);
   g_autofree char *failed = g_strconcat(target, ".failed", NULL);
   run->work = g_strdup(run->slot->work);
-  opc_guard_folder(run->work, failed, run->slot->lock);
+  guard_folder(run->work, failed, run->slot->lock);
   run->guarded = TRUE;
   reserve_names(run);
   return TRUE;
@@ -420,7 +420,7 @@ void opc_run_in(opc_run *run, opc_run *main_run, const char *path,
    one it has. */
 static void close_folder(opc_run *run, const char *target,
                          opc_problems *problems) {
-  opc_guard_folder(NULL, NULL, NULL);
+  guard_folder(NULL, NULL, NULL);
   if (!opc_run_is_first(run)) {
     if (run->work) opc_remove_tree(run->work);
     return;

@@ -2,6 +2,7 @@
 /* Services of the host: the dispatch by name, and results that plugins keep. */
 #include "core/flow/services.h"
 
+#include <guard/guard.h>
 #include <opcflow/results.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +11,6 @@
 #include "core/flow/key.h"
 #include "core/flow/run.h"
 #include "core/plugin/declaration.h"
-#include "core/plugin/guard.h"
 #include "core/plugin/pieces.h"
 
 /* NULL: nothing is kept. */

@@ -4,9 +4,9 @@
 #include "core/plugin/host.h"
 
 #include <glib.h>
+#include <guard/guard.h>
 #include <string.h>
 
-#include "core/plugin/guard.h"
 #include "core/plugin/pieces.h"
 #include "core/text/shown.h"
 
@@ -36,9 +36,9 @@ static void host_log(const opc_host *host, int level, const char *format, ...) {
   g_autofree char *said = g_strdup_vprintf(format, args);
   va_end(args);
   g_autofree char *message = opc_shown(said, "");
-  const char *before = opc_guard_enter(NULL);
+  const char *before = guard_enter(NULL);
   own->watch->log(own->watch->data, own->path, level, message);
-  opc_guard_leave(before);
+  guard_leave(before);
 }
 
 static void host_progress(const opc_host *host, const opc_progress *progress) {
@@ -49,9 +49,9 @@ static void host_progress(const opc_host *host, const opc_progress *progress) {
   g_snprintf(unit, sizeof unit, "%s", told.worst_unit ? told.worst_unit : "");
   g_autofree char *shown = opc_shown(unit, "");
   told.worst_unit = told.worst_unit ? shown : NULL;
-  const char *before = opc_guard_enter(NULL);
+  const char *before = guard_enter(NULL);
   own->watch->progress(own->watch->data, own->path, &told);
-  opc_guard_leave(before);
+  guard_leave(before);
 }
 
 static int is_cancelled(const opc_context *context) {
@@ -63,12 +63,12 @@ static int is_cancelled(const opc_context *context) {
 
 static const char *enter(const opc_context *context, const char *id) {
   (void)context;
-  return opc_guard_enter(id);
+  return guard_enter(id);
 }
 
 static void leave(const opc_context *context, const char *before) {
   (void)context;
-  opc_guard_leave(before);
+  guard_leave(before);
 }
 
 /* ---- threads ---- */
@@ -94,14 +94,14 @@ typedef struct batch {
 
 static void batch_work(batch *b) {
   size_t first, mine = 0;
-  const char *before = opc_guard_join(b->inside);
+  const char *before = guard_join(b->inside);
   while ((first = __atomic_fetch_add(&b->next, b->step, __ATOMIC_RELAXED)) <
          b->n) {
     size_t end = MIN(first + b->step, b->n);
     for (size_t i = first; i < end; i++) b->task(b->data, i);
     mine += end - first;
   }
-  opc_guard_part(before);
+  guard_part(before);
   if (!mine) return;
   g_mutex_lock(&b->lock);
   b->done += mine;
@@ -136,7 +136,7 @@ static void parallel(const opc_context *context, size_t n,
                      void (*task)(void *, size_t), void *data) {
   (void)context;
   size_t workers = MIN(n, opc_threads());
-  opc_guard_gather();
+  guard_gather();
   if (workers <= 1) {
     for (size_t i = 0; i < n; i++) task(data, i);
     return;
@@ -144,25 +144,25 @@ static void parallel(const opc_context *context, size_t n,
   batch *b = g_new0(batch, 1);
   b->task = task;
   b->data = data;
-  b->inside = opc_guard_inside();
+  b->inside = guard_inside();
   b->n = n;
   b->step = n / (workers * TURNS) + 1;
   g_atomic_ref_count_init(&b->references);
   g_mutex_init(&b->lock);
   g_cond_init(&b->finished);
   /* Threads that the pool starts here are nobody's. */
-  const char *before = opc_guard_enter(NULL);
+  const char *before = guard_enter(NULL);
   for (size_t i = 1; i < workers; i++) {
     g_atomic_ref_count_inc(&b->references);
     g_thread_pool_push(pool(), b, NULL);
   }
-  opc_guard_leave(before);
+  guard_leave(before);
   batch_work(b);
-  opc_guard_wait(1);
+  guard_wait(1);
   g_mutex_lock(&b->lock);
   while (b->done < b->n) g_cond_wait(&b->finished, &b->lock);
   g_mutex_unlock(&b->lock);
-  opc_guard_wait(0);
+  guard_wait(0);
   batch_release(b);
 }
 

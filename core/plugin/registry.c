@@ -3,11 +3,11 @@
 #include "core/plugin/registry.h"
 
 #include <dlfcn.h>
+#include <guard/guard.h>
 #include <string.h>
 #include <sys/stat.h>
 
 #include "core/plugin/declaration.h"
-#include "core/plugin/guard.h"
 #include "core/plugin/kind.h"
 #include "core/text/suggest.h"
 
@@ -121,13 +121,13 @@ const GPtrArray *opc_registry_folders(const opc_registry *registry) {
 static const char *start_loading(const char *path, const char *id) {
   g_autofree char *where =
       g_strdup_printf("error: '%s': cannot use '%s'", id, path);
-  opc_guard_where(where, OPC_CRASH_LOADING);
-  return opc_guard_enter(id);
+  guard_where(where, GUARD_CRASH_LOADING);
+  return guard_enter(id);
 }
 
 static void end_loading(const char *before) {
-  opc_guard_leave(before);
-  opc_guard_where(NULL, 0);
+  guard_leave(before);
+  guard_where(NULL, 0);
 }
 
 /* A plugin for a later interface may need what this one lacks. */

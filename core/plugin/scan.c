@@ -2,9 +2,10 @@
 /* Tries a plugin in a child process: a crash or an endless loop while it loads
    becomes a reason. */
 #include <errno.h>
+#include <guard/child.h>
+#include <guard/process.h>
 #include <string.h>
 
-#include "core/plugin/child.h"
 #include "core/plugin/registry.h"
 
 typedef struct trial {
@@ -20,14 +21,14 @@ static void try(int out, void *data) {
   const opc_plugin *plugin = opc_plugin_load(t->registry, t->candidate->path,
                                              t->candidate->id, &reason);
   if (!plugin) {
-    opc_child_write(out, "E", 1);
-    opc_child_write(out, reason, strlen(reason) + 1);
+    process_write(out, "E", 1);
+    process_write(out, reason, strlen(reason) + 1);
     return;
   }
   const char *texts[] = {"K", plugin->kind, plugin->version, plugin->licence,
                          plugin->summary};
   for (size_t i = 0; i < G_N_ELEMENTS(texts); i++)
-    opc_child_write(out, texts[i], strlen(texts[i]) + 1);
+    process_write(out, texts[i], strlen(texts[i]) + 1);
 }
 
 /* The next NUL-ended text of a report, NULL at its end. */
@@ -58,12 +59,12 @@ void opc_candidate_try(opc_registry *registry, opc_candidate *c,
                        double seconds) {
   trial t = {registry, c};
   int end;
-  g_autoptr(GString) report = opc_child_run(try, &t, seconds, &end);
-  if (end == OPC_CHILD_NONE)
+  g_autoptr(GString) report = child_run(try, &t, seconds, &end);
+  if (end == CHILD_NONE)
     c->reason = g_strdup(g_strerror(errno));
-  else if (end == OPC_CHILD_LATE)
+  else if (end == CHILD_LATE)
     c->reason = g_strdup_printf("did not load within %g s", seconds);
-  else if (end != OPC_CHILD_ENDED)
+  else if (end != CHILD_ENDED)
     c->reason = g_strdup_printf("crashed while loading (%s)", g_strsignal(end));
   else
     understand(c, report);

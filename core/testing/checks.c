@@ -4,12 +4,13 @@
    what is wrong with it, its kind knows. */
 #include "core/testing/checks.h"
 
+#include <guard/child.h>
+#include <guard/process.h>
 #include <malloc.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "core/plugin/child.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/kind.h"
 #include "core/testing/instance.h"
@@ -44,7 +45,7 @@ static void say(const inspector *in, char letter, const char *text) {
   g_autofree char *line = g_strdup_printf("%c%s", letter, text);
   g_strdelimit(line, "\n\r", ' ');
   g_autofree char *whole = g_strconcat(line, "\n", NULL);
-  if (in->out >= 0) opc_child_write(in->out, whole, strlen(whole));
+  if (in->out >= 0) process_write(in->out, whole, strlen(whole));
 }
 
 static void vsay(const inspector *in, char letter, const char *format,

@@ -5,14 +5,14 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <guard/child.h>
+#include <guard/guard.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "core/flow/files.h"
-#include "core/plugin/child.h"
-#include "core/plugin/guard.h"
 #include "core/testing/checks.h"
 
 /* ---- one check ---- */
@@ -50,14 +50,14 @@ static gboolean run_check(opc_lint *lint, size_t i, const char *first,
   gboolean ended = FALSE;
   int end;
   job j = {lint, i};
-  g_autoptr(GString) text = opc_child_run(do_in_child, &j, lint->seconds, &end);
+  g_autoptr(GString) text = child_run(do_in_child, &j, lint->seconds, &end);
   g_auto(GStrv) lines = g_strsplit(text->str, "\n", -1);
   for (guint k = 0; lines[k]; k++) {
     ended |= *lines[k] == 'E';
     take_line(lint, lines[k], first, digest);
   }
   char *crash = NULL;
-  if (end == OPC_CHILD_LATE)
+  if (end == CHILD_LATE)
     crash =
         g_strdup_printf("does not end within %g s: %s", lint->seconds, name);
   else if (end > 0)
@@ -114,7 +114,7 @@ static int hire_janitor(opc_lint *lint) {
   lint->janitor = fork();
   if (!lint->janitor) {
     setsid(); /* Ctrl-C is not for it */
-    opc_guard_remove();
+    guard_remove();
     close(ends[1]);
     while (read(ends[0], &none, 1) < 0) continue;
     opc_remove_tree(lint->folder);

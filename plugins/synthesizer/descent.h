@@ -7,7 +7,7 @@
 
 #include <opcflow/plugin.h>
 
-#include "control.h"
+#include <correct/control.h>
 
 typedef struct descent {
   control_rules rules;

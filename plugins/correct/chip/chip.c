@@ -10,11 +10,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../fine.h"
-#include "../report.h"
-#include "../rules.h"
-#include "../slots.h"
-#include "../ways.h"
+#include <correct/fine.h>
+#include <correct/report.h>
+#include <correct/rules.h>
+#include <correct/slots.h>
+#include <correct/ways.h>
 #include "work.h"
 
 enum { ON, OFF }; /* `guard` */

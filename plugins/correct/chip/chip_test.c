@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../start.h"
+#include <correct/start.h>
 #include "core/plugin/host.h"
 #include "core/testing/testing.h"
 

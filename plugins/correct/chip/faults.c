@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../rules.h"
+#include <correct/rules.h>
 #include "work.h"
 
 /* A kind of a fault that is no rule of masks: its text follows. */

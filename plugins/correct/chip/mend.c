@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../loop.h"
+#include <correct/loop.h>
 #include "work.h"
 
 typedef struct mend {

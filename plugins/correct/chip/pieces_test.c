@@ -3,7 +3,7 @@
    lying the optics see alike. */
 #include "sheet.c"
 
-#include "../ways.h"
+#include <correct/ways.h>
 #include "core/testing/testing.h"
 
 #define maker halver /* both have one */

@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../fine.h"
-#include "../start.h"
+#include <correct/fine.h>
+#include <correct/start.h>
 #include "work.h"
 
 enum { SUMS_AT_ONCE = 1024 };

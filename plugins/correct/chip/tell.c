@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../findings.h"
-#include "../report.h"
+#include <correct/findings.h>
+#include <correct/report.h>
 #include "work.h"
 
 /* %: of a figure that is worse than drawn, less than tables show; as of the

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../start.h"
+#include <correct/start.h>
 
 /* The mask of a layer. */
 typedef struct masked {

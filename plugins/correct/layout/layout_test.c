@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../start.h"
+#include <correct/start.h>
 #include "core/testing/testing.h"
 
 /* ---- a layout ---- */

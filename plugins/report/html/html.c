@@ -4,8 +4,8 @@
 #include <eda/experiment.h>
 #include <opcflow/step.h>
 
-#include "../drawing.h"
-#include "../page.h"
+#include <report/drawing.h>
+#include <report/page.h>
 
 /* ---- state ---- */
 

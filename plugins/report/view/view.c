@@ -3,7 +3,7 @@
  */
 #include <opcflow/step.h>
 
-#include "../drawing.h"
+#include <report/drawing.h>
 
 /* ---- state ---- */
 

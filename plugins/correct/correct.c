@@ -1,0 +1,326 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The step `correct`: the correction loop (../loop.c), its result and its
+   report. */
+#include <eda/memory.h>
+#include <glib.h>
+#include <inttypes.h>
+#include <math.h>
+#include <opcflow/step.h>
+#include <opcflow/table.h>
+#include <stdlib.h>
+
+#include <correct/findings.h>
+#include <correct/fine.h>
+#include <correct/forecast.h>
+#include <correct/loop.h>
+#include <correct/rules.h>
+#include <correct/slots.h>
+#include <correct/start.h>
+
+enum { ON, OFF }; /* `guard` */
+
+/* ---- state ---- */
+
+typedef struct correct {
+  const opc_host *host;
+  const eda_gates *gates;
+  loop_start start;
+  const opc_module *litho, *resist, *extractor, *synthesizer, *edges,
+      *regulator;
+  int64_t max_iterations;
+  const char *fine_text;
+  double fine;   /* error, clear field 1; 0: no fine prints */
+  double margin; /* nm */
+  double limit;  /* % */
+  corners_wish corners;
+  gate_bars assists;
+  sought_bars seek;
+  double min_space, min_mask_width, min_edge, min_jog; /* of the mask, nm */
+  int guard, trace;
+  int prepared; /* the extractor is */
+} correct;
+
+/* ---- work ---- */
+
+static void tell_of_overlaps(const loop *l) {
+  for (size_t k = 0; k < l->gates->layers; k++)
+    if (!l->base && !l->now.patches[k].count && !l->now.bites[k].count &&
+        !l->now.assists[k].count &&
+        eda_area2(&l->polygons[k]) != eda_area2(&l->mask[k])) {
+      l->host->log(l->host, OPC_LOG_WARNING,
+                   "mask edges have met: their polygons were merged");
+      return;
+    }
+}
+
+/* Move what outlives the run from the loop to its result. */
+static void hand_over(loop *l, eda_mask *out) {
+  for (size_t k = 0; k < l->gates->layers; k++) {
+    out->shapes[k] = l->mask[k];
+    out->print[k] = l->printer.print[k];
+    out->drawn_print[k] = l->drawn_print[k];
+    l->mask[k] = (eda_shapes){0};
+    l->printer.print[k] = l->drawn_print[k] = (eda_field){0};
+  }
+  corners *c = &l->corners; /* the result has figures of the nominal print */
+  eda_performance *after = c->count ? &c->nominal : &l->measured.performance;
+  out->design = l->design;
+  out->before = l->before;
+  out->after = *after;
+  l->design = l->before = *after = (eda_performance){0};
+  out->flags = l->measured.flags;
+  l->measured.flags = NULL;
+  out->iterations = l->iterations;
+  out->simulations = l->printer.simulations;
+  out->fine_simulations = l->printer.fine_simulations;
+  out->moved = moved_of(l);
+}
+
+static int tell_of_violations(loop *l, eda_mask *out, opc_error *error) {
+  if (!l->regulator) return OPC_OK;
+  eda_violation *v = NULL;
+  size_t n = 0;
+  eda_printed p = loop_printed(l);
+  int code = loop_violations(l, &p, &v, &n, error);
+  if (!code) code = report_violations(l->host, l->gates, v, n, error);
+  if (!code) eda_mask_set_violations(out, v, n);
+  free(v);
+  return code;
+}
+
+static int tell_of_rules(const correct *c, const loop *l, opc_error *error) {
+  const double limit[EDA_RULES] = {[EDA_RULE_SPACE] = c->min_space,
+                                   [EDA_RULE_WIDTH] = c->min_mask_width,
+                                   [EDA_RULE_EDGE] = c->min_edge,
+                                   [EDA_RULE_JOG] = c->min_jog};
+  return rules_report(c->host, c->gates, l->mask, limit, error);
+}
+
+static int tell_of_guard(const loop *l, opc_error *error) {
+  const guard *g = &l->guard;
+  if (!l->gates->count) return OPC_OK;
+  findings_of_print(l->host, l->gates, l->measured.flags, g->flags);
+  findings_of_guard(l->host, g, l->hold);
+  const opc_metric_value values[] = {{"went_back", (double)g->back},
+                                     {"worse", (double)g->worse},
+                                     {"lost", (double)g->lost}};
+  return opc_put_metrics(l->host, OPC_ARRAY(values), error);
+}
+
+/* All tables, metrics and findings. What the loop measured has become the
+   mask's, but for what is of no transistor. */
+static int tell(const correct *c, loop *l, eda_mask *mask, opc_error *error) {
+  size_t n = c->gates->count;
+  char **held = eda_alloc(n, sizeof *held);
+  for (size_t i = 0; i < n; i++) held[i] = guard_verdict(&l->guard, i);
+  const report told = {.mask = mask,
+                       .extension = l->measured.extension,
+                       .sites = l->sites,
+                       .biases = &l->now.biases,
+                       .synthesizer = l->drivers[MAIN].module,
+                       .held = held,
+                       .flags_before = l->guard.flags};
+  int code = report_mask(c->host, &told, error);
+  for (size_t i = 0; i < n; i++) g_free(held[i]);
+  free(held);
+  if (!code) code = history_report(&l->history, c->host, error);
+  if (!code && l->traced) code = trace_report(&l->trace, l, error);
+  return code;
+}
+
+static int tell_of_settings(const correct *c, opc_error *error);
+
+static int run(void *self, void **outputs, opc_error *error) {
+  const correct *c = self;
+  int code = start_check(&c->start, c->gates, error);
+  if (!code) code = tell_of_settings(c, error);
+  if (code) return code;
+  loop l = {
+      .host = c->host,
+      .gates = c->gates,
+      .start = c->start,
+      .extractor = c->extractor,
+      .regulator = c->regulator,
+      .max_iterations = c->max_iterations,
+      .prepared = c->prepared,
+      .traced = c->trace,
+      .hold = c->guard == ON,
+      .limit = c->limit,
+      .fine_change = fine_change(c->fine_text, c->limit),
+      .drivers = {[MAIN].module = c->synthesizer, [EDGES].module = c->edges}};
+  eda_printer_init(&l.printer, c->host->context, c->gates, c->litho, c->resist,
+                   c->margin);
+  l.printer.fine = c->fine;
+  l.corners.wish = c->corners;
+  l.assists = c->assists;
+  l.seek = c->seek;
+  eda_mask *mask = eda_mask_new(c->gates);
+  outputs[0] = mask; /* released by the host if this fails */
+  code = loop_run(&l, error);
+  if (!code) {
+    tell_of_overlaps(&l);
+    code = tell_of_violations(&l, mask, error);
+  }
+  if (!code) code = corners_report(&l, error);
+  if (!code) code = assists_report(&l, error);
+  if (!code) code = tell_of_rules(c, &l, error);
+  if (!code) code = tell_of_guard(&l, error);
+  if (!code) {
+    hand_over(&l, mask);
+    code = tell(c, &l, mask, error);
+  }
+  loop_clear(&l);
+  return code;
+}
+
+static int forecast(void *self, opc_forecast *out, opc_error *error) {
+  correct *c = self;
+  char prints[40], fine_prints[80];
+  (void)snprintf(prints, sizeof prints, "at most %" PRId64 " prints",
+                 c->max_iterations + 1);
+  (void)snprintf(fine_prints, sizeof fine_prints, "%s and %d fine ones", prints,
+                 PROOFS + 1);
+  forecast_prints(c->host->context, c->gates, c->litho, c->resist, c->margin,
+                  c->fine, prints, fine_prints, out);
+  out->memory *= (double)corners_images(&c->corners);
+  int code = eda_extractor_prepare(c->host->context, c->extractor, error);
+  if (code) return code;
+  c->prepared = 1;
+  findings_of_drawing(c->host, c->gates, c->extractor);
+  return OPC_OK;
+}
+
+/* ---- for the next time ---- */
+
+static int save(void *self, void *const *outputs, const char *folder,
+                opc_error *error) {
+  (void)self;
+  return eda_mask_save(outputs[0], folder, error);
+}
+
+static int restore(void *self, const char *folder, void **outputs,
+                   opc_error *error) {
+  const correct *c = self;
+  return eda_mask_restore(c->gates, folder, &outputs[0], error);
+}
+
+/* ---- parameters ---- */
+
+static const opc_parameter parameters[] = {
+    OPC_PARAMETER(correct, gates, .type = OPC_INPUT, .flags = OPC_REQUIRED,
+                  .choices = "gates", .summary = "the transistors to correct"),
+    OPC_PARAMETER_NAMED(
+        "start", correct, start.mask, .type = OPC_INPUT, .choices = "mask",
+        .summary = "the mask to begin with, of the same gates; if "
+                   "not given, the drawn one"),
+    OPC_PARAMETER_NAMED("max_diff", correct, start.max_diff, .type = OPC_REAL,
+                        .flags = OPC_AT_LEAST, .unit = "%", .min = 0,
+                        .summary =
+                            "of `start`: only transistors whose |Ion "
+                            "deviation| it has made worse by more are moved"),
+    PRINT_SLOTS(correct),
+    MOVE_SLOTS(correct),
+    OPC_PARAMETER(
+        correct, edges, .type = OPC_SLOT, .choices = "synthesizer",
+        .summary = "what moves the edges of layers that no transistor moves"),
+    OPC_PARAMETER(correct, max_iterations, .type = OPC_INT,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "100",
+                  .min = 0, .max = 100000,
+                  .summary = "stop after so many moves"),
+    OPC_PARAMETER(correct, margin, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+                  .unit = "nm", .follows = FINE_MARGIN, .min = 0,
+                  .summary =
+                      "clear field around the layout, which repeats beyond; "
+                      "without fine prints a third of that"),
+    FINE_PARAMETER(correct),
+    CORNERS_PARAMETERS(correct),
+    ASSISTS_PARAMETERS(correct),
+    SEEK_PARAMETERS(correct),
+    OPC_PARAMETER(correct, guard, .type = OPC_CHOICE, .preset = "on",
+                  .choices = "on|off",
+                  .summary = "take back what ends worse than the drawn mask; "
+                             "off: the synthesizer's result as it is"),
+    OPC_PARAMETER(correct, limit, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+                  .unit = "%", .preset = "0.5 %",
+                  .summary = "|Ion deviation| that the guard takes for good, "
+                             "whatever the drawn mask's is"),
+    RULES_PARAMETERS(correct),
+    OPC_PARAMETER(correct, trace, .type = OPC_BOOL, .preset = "false",
+                  .summary = "write trace.csv: each transistor at each print"),
+};
+
+static const opc_metric metrics[] = {
+    {"transistors", NULL, OPC_NEUTRAL, 0, "how many were corrected"},
+    REPORT_METRICS,
+    REPORT_DRAWN_METRICS,
+    {.name = "epe_mean",
+     .unit = "nm",
+     .better = OPC_LOWER,
+     .tolerance = 0.01,
+     .summary =
+         "mean of |edge placement error| of the synthesizer's fragments"},
+    {"epe_max", "nm", OPC_LOWER, 0.01, "largest |edge placement error|"},
+    {"epe_lost", NULL, OPC_LOWER, 0,
+     "fragments without a printed edge within 0.389 lambda/NA"},
+    {"refined", NULL, OPC_NEUTRAL, 0, "transistors that 'max_diff' lets move"},
+    {"iterations", NULL, OPC_LOWER, 0,
+     "times that the synthesizer moved edges"},
+    {"simulations", NULL, OPC_LOWER, 0, "litho simulations, of one layer each"},
+    {"fine_simulations", NULL, OPC_LOWER, 0,
+     "those of the fine model, beside them"},
+    REPORT_PRINT_METRICS,
+    {"went_back", NULL, OPC_LOWER, 0,
+     "transistors that the guard has taken back towards the drawn mask"},
+    REPORT_JUDGED_METRICS,
+    CORNERS_METRICS,
+    {"assists", NULL, OPC_NEUTRAL, 0, "assist bars of the mask"},
+    {"assists_dropped", NULL, OPC_LOWER, 0,
+     "assist bars that were taken away as they printed"},
+    RULES_METRICS,
+};
+
+/* What is not asked for has no lengths. */
+static void set_unused(correct *c, double value) {
+  gate_bars *a = &c->assists;
+  sought_bars *s = &c->seek;
+  double *const bars[] = {&a->width, &a->distance, &a->space, &a->min_length,
+                          &a->overhang};
+  double *const sought[] = {&s->worth,      &s->defocus,  &s->least_width,
+                            &s->width,      &s->distance, &s->space,
+                            &s->min_length, &s->length};
+  for (size_t i = 0; i < G_N_ELEMENTS(bars) && !a->rows; i++) *bars[i] = value;
+  for (size_t i = 0; i < G_N_ELEMENTS(sought) && !s->most; i++)
+    *sought[i] = value;
+}
+
+static void follow(correct *c) {
+  set_unused(c, 0);
+  EDA_FOLLOW(c->host, "correct", c, parameters, eda_scanner_of(c->litho));
+  set_unused(c, NAN);
+}
+
+static int tell_of_settings(const correct *c, opc_error *error) {
+  return opc_put_followed(c->host, c, OPC_ARRAY(parameters), error);
+}
+
+static int check(void *self, opc_error *error) {
+  correct *c = self;
+  int code = fine_error(c->fine_text, c->limit, &c->fine, error);
+  c->margin = fine_margin(c->host, c->litho, c->margin, c->fine);
+  follow(c);
+  return code ? code : corners_check(&c->corners, error);
+}
+
+/* ---- entry ---- */
+
+static const opc_port outputs[] = {EDA_PORT_MASK("mask")};
+static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
+                                   .forecast = forecast, .save = save,
+                                   .restore = restore};
+
+OPC_PLUGIN(
+    correct, .id = "correct", .kind = "step", .version = OPC_VERSION,
+    .licence = "BSD-3-Clause",
+    .summary = "move mask edges until every transistor performs as drawn",
+    .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
+    OPC_METRICS(metrics), .check = check, OPC_FUNCTIONS(functions));

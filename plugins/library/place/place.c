@@ -1,0 +1,421 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The step `library.place`: a circuit's mask from the masks of its cells, each
+   where the circuit places it (thesis 4.2.2, step 1); printed as a whole, and
+   held against what the cells are alone. */
+#include <eda/drawing.h>
+#include <eda/memory.h>
+#include <glib.h>
+#include <opcflow/table.h>
+#include <string.h>
+
+#include <correct/findings.h>
+#include <correct/fine.h>
+#include <correct/forecast.h>
+#include <correct/library.h>
+#include <correct/report.h>
+#include <correct/shelf.h>
+#include <correct/slots.h>
+#include <correct/start.h>
+#include <correct/ways.h>
+#include "disturb.h"
+#include "stitch.h"
+
+enum { REFUSE, DRAWN }; /* `missing` */
+
+/* ---- state ---- */
+
+typedef struct place {
+  const opc_host *host;
+  const eda_layout *layout;
+  const eda_gates *gates;
+  const library *library;
+  const opc_module *litho, *resist, *extractor;
+  const char *top, *fine_text, *picture;
+  int missing, print;
+  int64_t width;
+  double fine, margin;
+} place;
+
+/* Cells of the circuit, by number: what the library has of them. */
+typedef struct placer {
+  const place *p;
+  stitch stitch;
+  entry **entry;   /* NULL: nothing */
+  uint8_t *looked; /* the library was asked */
+  size_t placed, cells, unknown;
+  opc_error *error;
+} placer;
+
+/* ---- the library ---- */
+
+/* Masks for one process are none for another. */
+static int check_process(const place *p, opc_error *error) {
+  library own = {0};
+  int code = library_take_models(p->host, own.model, error);
+  for (int k = 0; k < LIBRARY_MODELS && !code; k++)
+    if (strcmp(own.model[k], p->library->model[k]) != 0)
+      code =
+          opc_fail(error, OPC_INVALID, library_models[k],
+                   "the library was made with another %s", library_models[k]);
+  for (int k = 0; k < LIBRARY_MODELS; k++) g_free(own.model[k]);
+  if (!code && p->library->grid != p->gates->grid)
+    code = opc_fail(error, OPC_INVALID, "gates",
+                    "the library is on a grid of %g nm, the circuit on one of "
+                    "%g nm",
+                    p->library->grid, p->gates->grid);
+  return code;
+}
+
+/* By what is drawn, or by its name. */
+static const library_cell *find_cell(const library *l, gboolean by_name,
+                                     const char *what) {
+  for (guint i = 0; i < l->cells->len; i++) {
+    const library_cell *c = &g_array_index(l->cells, library_cell, i);
+    if (!strcmp(by_name ? c->name : c->geometry, what)) return c;
+  }
+  return NULL;
+}
+
+/* The cell as it is in the library, found by what it draws. */
+static int look_up(placer *r, shelf *from, int32_t cell) {
+  const place *p = r->p;
+  gboolean damaged = FALSE;
+  GVariant *data = NULL;
+  g_autofree char *geometry = units_sum(p->layout, cell, r->error);
+  if (!geometry) return r->error->code;
+  const library_cell *c = find_cell(p->library, FALSE, geometry);
+  r->looked[cell] = 1;
+  if (!c) return OPC_OK;
+  int code = shelf_get(from, c->key, ENTRY_TYPE, &data, &damaged, r->error);
+  if (!code && data) r->entry[cell] = entry_unpack(data);
+  if (data) g_variant_unref(data);
+  if (!code && !r->entry[cell])
+    code = opc_fail(
+        r->error, OPC_IO, NULL, "cell '%s' is %s '%s': build the library anew",
+        c->name, damaged ? "damaged in" : "no longer in", p->library->database);
+  r->cells++;
+  return code;
+}
+
+/* ---- how cells lie ---- */
+
+/* Of the ways that ways_find counts, how many must be alike for this one. */
+static int ways_for(const turn *t) {
+  return t->xy ? 8 : t->xx < 0 || t->yy < 0 ? 4 : 1;
+}
+
+static int find_ways(const place *p, int *ways, opc_error *error) {
+  eda_printer printer;
+  eda_printer_init(&printer, p->host->context, p->gates, p->litho, p->resist,
+                   p->margin);
+  int code = printer.litho.functions.prepare(&printer.litho, error);
+  if (!code)
+    code = ways_find(p->host->context, &printer.litho.module, ways, error);
+  eda_printer_clear(&printer);
+  return code;
+}
+
+/* A cell's mask is that of a turned one only where light sees both alike. */
+static int check_ways(const placer *r, const units *found) {
+  const place *p = r->p;
+  size_t worst = 0;
+  int ways = 0;
+  for (size_t i = 1; i < found->count; i++)
+    if (ways_for(&found->unit[i].at) > ways_for(&found->unit[worst].at))
+      worst = i;
+  if (!found->count || ways_for(&found->unit[worst].at) == 1) return OPC_OK;
+  int code = find_ways(p, &ways, r->error);
+  if (code || ways_for(&found->unit[worst].at) <= ways) return code;
+  return opc_fail(
+      r->error, OPC_INVALID, "layout",
+      "cell '%s' is %s, which the optics do not see alike (source, "
+      "polarisation or aberrations): a mask from a library is none for it",
+      eda_layout_cell_name(p->layout, found->unit[worst].cell),
+      found->unit[worst].at.xy ? "placed turned by a right angle"
+                               : "placed mirrored or upside down");
+}
+
+/* ---- the mask ---- */
+
+static int place_all(placer *r, shelf *from, const units *found) {
+  int code = OPC_OK;
+  for (size_t i = 0; i < found->count && !code; i++) {
+    int32_t cell = found->unit[i].cell;
+    if (!r->looked[cell]) code = look_up(r, from, cell);
+    if (code || !r->entry[cell]) continue;
+    (void)stitch_place(&r->stitch, r->entry[cell], &found->unit[i].at);
+    r->placed++;
+  }
+  return code;
+}
+
+/* Transistors whose cell is not in the library, or that are not as in it. */
+static int tell_of_unknown(placer *r) {
+  const place *p = r->p;
+  const eda_gates *g = p->gates;
+  size_t first = g->count;
+  for (size_t i = 0; i < g->count; i++) {
+    if (r->stitch.known[i]) continue;
+    if (!r->unknown++) first = i;
+  }
+  if (!r->unknown) return OPC_OK;
+  const char *cell = g->cell[first];
+  g_autofree char *name = report_gate_name(g, first);
+  g_autofree char *text = g_strdup_printf(
+      "%zu of %zu transistors are not in the library, first %s: cell '%s' %s",
+      r->unknown, g->count, name, cell,
+      find_cell(p->library, TRUE, cell)
+          ? "is drawn or cut otherwise in the library, or marked there for "
+            "another flavour"
+          : "is missing");
+  if (p->missing == REFUSE)
+    return opc_fail(r->error, OPC_INVALID, "library", "%s", text);
+  p->host->log(p->host, OPC_LOG_FINDING, "%s: they are as drawn", text);
+  return OPC_OK;
+}
+
+static int stitch_all(placer *r) {
+  const place *p = r->p;
+  size_t cells = eda_layout_cells(p->layout);
+  units found = {0};
+  int32_t top = p->top ? eda_layout_find_cell(p->layout, p->top)
+                       : eda_layout_top(p->layout, r->error);
+  if (p->top && top < 0)
+    return opc_fail(r->error, OPC_INVALID, "top", "there is no cell '%s'",
+                    p->top);
+  if (top < 0) return r->error->code;
+  g_autoptr(shelf) from = shelf_open(p->library->database, FALSE, r->error);
+  if (!from) return r->error->code;
+  r->entry = eda_alloc(cells, sizeof(entry *));
+  r->looked = eda_alloc(cells, 1);
+  int code = units_find(p->layout, top, &found, r->error);
+  if (!code) code = check_ways(r, &found);
+  if (!code) code = place_all(r, from, &found);
+  g_free(found.unit);
+  return code ? code : tell_of_unknown(r);
+}
+
+/* ---- the print ---- */
+
+/* What the cells promise, and of the others nothing but the drawn figures. */
+static void set_before(const placer *r, eda_mask *m) {
+  size_t n = m->gates->count;
+  eda_performance_init(&m->before, n);
+  for (size_t i = 0; i < n; i++)
+    eda_performance_one(&m->before,
+                        r->stitch.known[i] ? &r->stitch.cell : &m->design, i);
+}
+
+/* The mask's shapes, and what its cells promise. */
+static int make_mask(const placer *r, eda_mask *m) {
+  const place *p = r->p;
+  const eda_gates *g = p->gates;
+  const opc_context *context = p->host->context;
+  eda_performance_init(&m->design, g->count);
+  int code = eda_extractor_prepare(context, p->extractor, r->error);
+  if (!code)
+    code = eda_measure_drawn(context, g, p->extractor, &m->design, r->error);
+  set_before(r, m);
+  for (size_t k = 0; k < g->layers && !code; k++)
+    if (g->corrected[k])
+      code = start_mask(g, m->moved, k, &m->shapes[k], r->error);
+  return code;
+}
+
+/* %, of Ion: what figures are to be good for, as the loop's `limit`. */
+static const double limit = 0.5;
+
+static int print(const placer *r, eda_printer *printer, eda_mask *m,
+                 eda_measurement *measured) {
+  const place *p = r->p;
+  const eda_gates *g = p->gates;
+  int code = eda_printer_prepare(printer, r->error);
+  if (!code)
+    code = fine_by_drawn(printer, p->host, g, p->extractor,
+                         fine_change(p->fine_text, limit), r->error);
+  if (!code)
+    code = (printer->fine > 0 ? eda_printer_refine : eda_printer_print)(
+        printer, g->corrected, m->shapes, r->error);
+  if (!code)
+    code = eda_measure(p->host->context, g, printer->print, p->extractor,
+                       measured, r->error);
+  if (!(printer->fine > 0)) /* what the cells know of their fine prints */
+    start_correct(m->moved, &measured->performance);
+  return code;
+}
+
+static int tell_of_cells(const placer *r) {
+  const opc_metric_value values[] = {{"cells", (double)r->cells},
+                                     {"placed", (double)r->placed},
+                                     {"unknown", (double)r->unknown}};
+  return opc_put_metrics(r->p->host, OPC_ARRAY(values), r->error);
+}
+
+static int tell(placer *r, const eda_mask *m, const double *extension) {
+  const opc_host *host = r->p->host;
+  const uint8_t *known = r->stitch.known;
+  uint32_t *good = eda_alloc(m->gates->count, sizeof *good);
+  trial none;
+  trial_init(&none, m->layers, m->gates->count);
+  none.biases.base = m->moved;
+  const report told = {.mask = m,
+                       .extension = extension,
+                       .biases = &none.biases,
+                       .flags_before = good};
+  findings_of_print(host, m->gates, m->flags, NULL);
+  int code = report_mask(host, &told, r->error);
+  if (!code) code = disturb_report(host, m, known, r->error);
+  if (!code && r->p->picture)
+    code = disturb_draw(host, m, known, r->p->picture, (double)r->p->width,
+                        r->error);
+  trial_clear(&none);
+  free(good);
+  return code;
+}
+
+static int print_and_tell(placer *r, eda_mask *m) {
+  const place *p = r->p;
+  eda_measurement measured;
+  eda_printer printer;
+  eda_measurement_init(&measured, p->gates->count);
+  eda_printer_init(&printer, p->host->context, p->gates, p->litho, p->resist,
+                   p->margin);
+  printer.fine = p->fine;
+  printer.drawn = NULL; /* as the library's, not this circuit's */
+  int code = print(r, &printer, m, &measured);
+  for (size_t k = 0; k < m->layers; k++) {
+    m->print[k] = printer.print[k];
+    printer.print[k] = (eda_field){0};
+  }
+  m->after = measured.performance;
+  m->flags = measured.flags;
+  m->simulations = printer.simulations;
+  m->fine_simulations = printer.fine_simulations;
+  if (!code) code = tell(r, m, measured.extension);
+  eda_printer_clear(&printer);
+  free(measured.extension);
+  return code;
+}
+
+/* Not printed: its figures are those of the cells, each alone. */
+static void promise(eda_mask *m) {
+  size_t n = m->gates->count;
+  eda_performance_init(&m->after, n);
+  eda_performance_copy(&m->after, &m->before);
+  m->flags = eda_alloc(n, sizeof *m->flags);
+}
+
+static int run(void *self, void **outputs, opc_error *error) {
+  const place *p = self;
+  placer r = {.p = p, .error = error};
+  int code = check_process(p, error);
+  if (code) return code;
+  stitch_init(&r.stitch, p->gates, eda_layout_unit(p->layout));
+  code = stitch_all(&r);
+  if (!code) {
+    eda_mask *mask = eda_mask_new(p->gates);
+    outputs[0] = mask; /* released by the host if this fails */
+    mask->moved = r.stitch.moved;
+    r.stitch.moved = NULL;
+    code = make_mask(&r, mask);
+    if (!code) code = tell_of_cells(&r);
+    if (!code && !p->print)
+      promise(mask);
+    else if (!code)
+      code = print_and_tell(&r, mask);
+  }
+  for (size_t c = 0; r.entry && c < eda_layout_cells(p->layout); c++)
+    entry_free(r.entry[c]);
+  free(r.entry);
+  free(r.looked);
+  stitch_clear(&r.stitch);
+  return code;
+}
+
+static int forecast(void *self, opc_forecast *out, opc_error *error) {
+  const place *p = self;
+  (void)error;
+  if (!p->print) return OPC_OK;
+  forecast_prints(p->host->context, p->gates, p->litho, p->resist, p->margin,
+                  p->fine, "one print", "one fine print", out);
+  return OPC_OK;
+}
+
+/* ---- parameters ---- */
+
+#define INPUT(NAME, KIND, SUMMARY)                                     \
+  OPC_PARAMETER(place, NAME, .type = OPC_INPUT, .flags = OPC_REQUIRED, \
+                .choices = KIND, .summary = (SUMMARY))
+static const opc_parameter parameters[] = {
+    INPUT(layout, "layout", "the circuit, with its cells"),
+    INPUT(gates, "gates", "its transistors"),
+    INPUT(library, "library", "the corrected cells"),
+    SLOT(place, litho, OPC_REQUIRED, "model of the optics, as of the library"),
+    SLOT(place, resist, OPC_REQUIRED, "model of the resist, as of the library"),
+    SLOT(place, extractor, OPC_REQUIRED,
+         "performance of a printed transistor, as of the library"),
+    OPC_PARAMETER(place, top, .type = OPC_TEXT,
+                  .summary = "the circuit's cell; if not given, the only one "
+                             "that no other places"),
+    OPC_PARAMETER(place, missing, .type = OPC_CHOICE, .preset = "refuse",
+                  .choices = "refuse|drawn",
+                  .summary = "transistors that are not in the library: an "
+                             "error, or as drawn"),
+    OPC_PARAMETER(place, margin, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+                  .unit = "nm", .min = 0,
+                  .summary = "clear field around the layout, which repeats "
+                             "beyond; as 'fine' needs it"),
+    FINE_PARAMETER(place),
+    OPC_PARAMETER(place, print, .type = OPC_BOOL, .preset = "true",
+                  .summary = "print the mask as a whole and tell how its "
+                             "transistors are disturbed; if not, its figures "
+                             "are what the cells promise"),
+    OPC_PARAMETER(place, picture, .type = OPC_OUTPUT,
+                  .summary = "the chip with the disturbance of each "
+                             "transistor: .png, .svg or .pdf"),
+    OPC_PARAMETER(place, width, .type = OPC_INT,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "1200",
+                  .min = 200, .max = 10000,
+                  .summary = "of the picture, pixels"),
+};
+
+static const opc_metric metrics[] = {
+    {"transistors", NULL, OPC_NEUTRAL, 0, "how many there are"},
+    {"cells", NULL, OPC_NEUTRAL, 0, "different cells of the library in it"},
+    {"placed", NULL, OPC_NEUTRAL, 0, "how often one is placed"},
+    {"unknown", NULL, OPC_LOWER, 0, "transistors that are of none"},
+    DISTURB_METRICS,
+    REPORT_METRICS,
+    {"ion_mean_drawn", "%", OPC_NEUTRAL, 0,
+     "mean of |Ion deviation| of the cells alone"},
+    {"ion_max_drawn", "%", OPC_NEUTRAL, 0, "the largest of those"},
+    {"iterations", NULL, OPC_LOWER, 0, "0: nothing is moved"},
+    {"simulations", NULL, OPC_LOWER, 0, "litho simulations, of one layer each"},
+    {"fine_simulations", NULL, OPC_LOWER, 0, "those of the fine model"},
+    REPORT_PRINT_METRICS,
+};
+
+static int check(void *self, opc_error *error) {
+  place *p = self;
+  int code = fine_error(p->fine_text, limit, &p->fine, error);
+  p->margin = fine_margin(p->host, p->litho, p->margin, p->fine);
+  if (!code && p->picture && !p->print)
+    code = opc_fail(error, OPC_INVALID, "picture",
+                    "without 'print' there is no disturbance to draw");
+  if (!code && p->picture) code = eda_paper_check(p->picture, "picture", error);
+  return code;
+}
+
+/* ---- entry ---- */
+
+static const opc_port outputs[] = {EDA_PORT_MASK("mask")};
+static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
+                                   .forecast = forecast,
+                                   .flags = OPC_STEP_OUTSIDE};
+
+OPC_PLUGIN(place, .id = "library.place", .kind = "step", .version = OPC_VERSION,
+           .licence = "BSD-3-Clause",
+           .summary = "a circuit's mask from the masks of its cells",
+           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics), .check = check,
+           OPC_FUNCTIONS(functions));

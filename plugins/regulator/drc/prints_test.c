@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Rules of printed images, and their repair, on images made by hand. */
+#include "boxes_test.h"
+
+/* A contact in a pad whose right side prints 4 nm beyond it, where 10 are
+   needed: a patch moves the whole side, by so much that the print follows. */
+static void test_enclosure(void) {
+  g_autoptr(opc_module) m = make("{ overlay: 10 nm }");
+  chip c = {0};
+  eda_violation v;
+  add_box(&c.drawn[EDA_POLY], 0, 0, 106, 140);
+  add_box(&c.drawn[CONTACT], 20, 30, 100, 110);
+  add_box(&c.printed[EDA_POLY], -10, -10, 104, 150);
+  show(&c);
+  judge(m, &c);
+  g_assert_cmpuint(c.ruling.patches[EDA_ACTIVE].count, ==, 0);
+  g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 1);
+  eda_box patch = c.ruling.patches[EDA_POLY].box[0];
+  g_assert_cmpint(patch.y0, ==, 0);
+  g_assert_cmpint(patch.y1, ==, 140);
+  g_assert_cmpint(patch.x1, >=, 112);
+  g_assert_cmpint(patch.x1, <=, 116);
+  g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 1);
+  g_assert_cmpstr(v.rule, ==, "enclosure: could still move");
+  g_assert_cmpfloat(fabs(v.value - 4), <, 0.5);
+  g_assert_cmpfloat(v.limit, ==, 10);
+  g_assert_cmpfloat(v.x, ==, 60);
+  c.printed[EDA_POLY].points[1].x = c.printed[EDA_POLY].points[2].x = 111;
+  show(&c);
+  judge(m, &c);
+  g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 1); /* it stays */
+  g_assert_cmpint(c.ruling.patches[EDA_POLY].box[0].x1, ==, patch.x1);
+  g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 0);
+  end(&c);
+}
+
+/* The same where a neighbour is 46 nm away: 3 nm may be had, and then the sides
+   beside it take the corners along. */
+static void test_near_neighbour(void) {
+  g_autoptr(opc_module) m = make("{ overlay: 10 nm, min_space: 40 nm }");
+  chip c = {0};
+  eda_violation v;
+  add_box(&c.drawn[EDA_ACTIVE], 0, 0, 106, 140);
+  add_box(&c.drawn[EDA_ACTIVE], 152, 0, 400, 140);
+  add_box(&c.drawn[CONTACT], 20, 30, 100, 110);
+  add_box(&c.printed[EDA_ACTIVE], -10, -10, 104, 150);
+  show(&c);
+  judge(m, &c);
+  g_assert_cmpuint(c.ruling.patches[EDA_ACTIVE].count, ==, 1);
+  g_assert_cmpint(c.ruling.patches[EDA_ACTIVE].box[0].x1, ==, 109);
+  judge(m, &c);
+  g_assert_cmpuint(c.ruling.patches[EDA_ACTIVE].count, ==, 3);
+  violations(m, &c.p, &v, 1);
+  g_assert_cmpstr(v.rule, ==, "enclosure: could still move");
+  for (int i = 0; i < 12; i++) judge(m, &c);
+  for (size_t i = 0; i < 3; i++)
+    g_assert_cmpint(c.ruling.patches[EDA_ACTIVE].box[i].x1, ==, 109);
+  g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 1);
+  g_assert_cmpstr(v.rule, ==, "enclosure; too near a neighbour");
+  end(&c);
+}
+
+/* The patch on the right side of an active whose lower and upper edges are the
+   ends of a gate's width ends with them, however far they lie aside; where they
+   have met there is none. */
+static void test_width(void) {
+  static const struct {
+    int32_t w, aside, low, high;
+  } cases[] = {{0, 0, 0, 140},    {9, 0, -4, 145},   {9, 4, 0, 149},
+               {8, -7, -11, 137}, {-139, 0, 70, 71}, {-140, 0, 0, 0},
+               {-150, 0, 75, 65}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_autoptr(opc_module) m = make("{ overlay: 10 nm }");
+    uint32_t start[] = {0, 4};
+    eda_fragment active[] = {{{0, 0}, 0, EDA_W_LOW},
+                             {{106, 0}, -1, EDA_FIXED},
+                             {{106, 140}, 0, EDA_W_HIGH},
+                             {{0, 140}, -1, EDA_FIXED}};
+    chip c = {.edges[EDA_ACTIVE] = {1, start, active}};
+    add_box(&c.drawn[EDA_ACTIVE], 0, 0, 106, 140);
+    add_box(&c.drawn[CONTACT], 20, 30, 100, 110);
+    add_box(&c.printed[EDA_ACTIVE], -10, -10, 104, 150);
+    show(&c);
+    c.p.w = &cases[i].w;
+    c.p.aside = &cases[i].aside;
+    judge(m, &c);
+    size_t n = cases[i].low < cases[i].high;
+    g_assert_cmpuint(c.ruling.patches[EDA_ACTIVE].count, ==, n);
+    eda_box b = n ? c.ruling.patches[EDA_ACTIVE].box[0] : (eda_box){0};
+    g_assert_cmpint(b.y0, ==, n ? cases[i].low : 0);
+    g_assert_cmpint(b.y1, ==, n ? cases[i].high : 0);
+    end(&c);
+  }
+}
+
+/* A contact in active that poly prints 6 nm away from. */
+static void test_contact(void) {
+  g_autoptr(opc_module) m = make("{ overlay: 10 nm }");
+  chip c = {0};
+  eda_violation v;
+  add_box(&c.drawn[EDA_ACTIVE], -100, -100, 300, 300);
+  add_box(&c.drawn[EDA_POLY], 0, -200, 65, 400);
+  add_box(&c.drawn[CONTACT], 110, 60, 190, 140);
+  add_box(&c.printed[EDA_ACTIVE], -100, -100, 300, 300);
+  add_box(&c.printed[EDA_POLY], 0, -200, 104, 400);
+  show(&c);
+  judge(m, &c);
+  g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 1);
+  g_assert_cmpstr(v.rule, ==, "bridging: contact");
+  g_assert_cmpfloat(fabs(v.value - 6), <, 0.5);
+  c.printed[EDA_POLY].points[1].x = c.printed[EDA_POLY].points[2].x = 99;
+  show(&c);
+  judge(m, &c);
+  g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 0);
+  end(&c);
+}
+
+/* A line of 60 nm that has a neck of 24 nm: patches widen it there, on both
+   sides, and nowhere else. */
+static void test_neck(void) {
+  g_autoptr(opc_module) m = make("{ min_width: 40 nm }");
+  chip c = {0};
+  eda_violation v[4];
+  add_box(&c.drawn[EDA_POLY], 0, 0, 60, 1000);
+  add_box(&c.printed[EDA_POLY], 0, 0, 60, 450);
+  add_box(&c.printed[EDA_POLY], 18, 400, 42, 600);
+  add_box(&c.printed[EDA_POLY], 0, 550, 60, 1000);
+  show(&c);
+  judge(m, &c);
+  size_t n = violations(m, &c.p, v, 4);
+  g_assert_cmpuint(n, >=, 1);
+  g_assert_cmpuint(n, <=, 2);
+  for (size_t i = 0; i < n; i++) {
+    g_assert_cmpstr(v[i].rule, ==, "pinching: could still move");
+    g_assert_cmpfloat(fabs(v[i].value - 24), <, 1);
+    g_assert_cmpfloat(fabs(v[i].y - 500), <=, 60);
+    g_assert_cmpfloat(v[i].x, ==, 30);
+  }
+  g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 2 * n);
+  for (size_t i = 0; i < 2 * n; i++) {
+    eda_box b = c.ruling.patches[EDA_POLY].box[i];
+    g_assert_cmpint(b.y0, >, 380);
+    g_assert_cmpint(b.y1, <, 620);
+    g_assert_true((b.x1 >= 69 && b.x1 <= 75) || (b.x0 <= -9 && b.x0 >= -15));
+  }
+  /* As wide as it must be, but off the middle of what is drawn: good. */
+  c.printed[EDA_POLY].points[5].x = c.printed[EDA_POLY].points[6].x = 60;
+  show(&c);
+  g_assert_cmpuint(violations(m, &c.p, v, 4), ==, 0);
+  /* Gone. */
+  c.printed[EDA_POLY].shapes.count = 1;
+  show(&c);
+  g_assert_cmpuint(violations(m, &c.p, v, 4), >=, 4);
+  g_assert_cmpfloat(v[3].value, ==, 0);
+  end(&c);
+}
+
+/* Two lines that print as one over half of their length. */
+static void test_gap(void) {
+  g_autoptr(opc_module) m = make("{}");
+  chip c = {0};
+  eda_violation v[10];
+  add_box(&c.drawn[EDA_POLY], 0, 0, 60, 600);
+  add_box(&c.drawn[EDA_POLY], 180, 0, 240, 600);
+  add_box(&c.printed[EDA_POLY], 0, 0, 60, 600);
+  add_box(&c.printed[EDA_POLY], 180, 0, 240, 600);
+  show(&c);
+  g_assert_cmpuint(violations(m, &c.p, v, 10), ==, 0);
+  add_box(&c.printed[EDA_POLY], 0, 0, 240, 300);
+  show(&c);
+  size_t n = violations(m, &c.p, v, 10);
+  g_assert_cmpuint(n, ==, 5); /* each 60 nm */
+  for (size_t i = 0; i < n; i++) {
+    g_assert_cmpstr(v[i].rule, ==, "bridging: poly: could still move");
+    g_assert_cmpfloat(v[i].x, ==, 120);
+    g_assert_cmpfloat(v[i].y, <, 300);
+  }
+  end(&c);
+}
+
+/* The same of a further layer. A contact that it covers by 4 nm is not its
+   rule. */
+static void test_metal(void) {
+  g_autoptr(opc_module) m = make("{ overlay: 10 nm }");
+  chip c = {0};
+  eda_violation v[20];
+  add_box(&c.drawn[METAL], 0, 0, 106, 600);
+  add_box(&c.drawn[METAL], 230, 0, 300, 600);
+  add_box(&c.drawn[CONTACT], 20, 30, 100, 110);
+  add_box(&c.printed[METAL], -10, 0, 104, 600);
+  add_box(&c.printed[METAL], 230, 0, 300, 600);
+  add_box(&c.printed[METAL], 50, 300, 260, 500);
+  show(&c);
+  judge(m, &c);
+  g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 0);
+  g_assert_cmpuint(c.ruling.patches[METAL].count, ==, 0);
+  size_t n = violations(m, &c.p, v, 20);
+  g_assert_cmpuint(n, ==, 3); /* each 60 nm */
+  for (size_t i = 0; i < n; i++) {
+    g_assert_cmpstr(v[i].rule, ==, "bridging: metal1");
+    g_assert_cmpfloat(v[i].x, ==, 168);
+    g_assert_cmpfloat(fabs(v[i].y - 400), <, 100);
+  }
+  end(&c);
+}
+
+/* Without a print only gates and line ends are judged. */
+static void test_no_print(void) {
+  g_autoptr(opc_module) m = make("{}");
+  chip c = {0};
+  eda_violation v;
+  add_box(&c.drawn[EDA_POLY], 0, 0, 106, 140);
+  add_box(&c.drawn[CONTACT], 20, 30, 100, 110);
+  show(&c);
+  c.p.shapes = NULL;
+  c.p.print = NULL;
+  judge(m, &c);
+  g_assert_cmpuint(c.ruling.patches[EDA_POLY].count, ==, 0);
+  g_assert_cmpuint(violations(m, &c.p, &v, 1), ==, 0);
+  end(&c);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/regulator/enclosure", test_enclosure);
+  g_test_add_func("/regulator/width", test_width);
+  g_test_add_func("/regulator/near_neighbour", test_near_neighbour);
+  g_test_add_func("/regulator/contact", test_contact);
+  g_test_add_func("/regulator/neck", test_neck);
+  g_test_add_func("/regulator/gap", test_gap);
+  g_test_add_func("/regulator/metal", test_metal);
+  g_test_add_func("/regulator/no_print", test_no_print);
+  return g_test_run();
+}

@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The types that wells and implants give a transistor; layouts that are
+   refused, with their messages. */
+#include "drawing_test.h"
+
+/* ---- types ---- */
+
+/* A single transistor with the layers given by letters: n, p wells, N, P
+   implants over it; in brackets beside it; with < in part. */
+static void type_is(const char *layers, int code, const char *want) {
+  static const char letters[] = "npNP";
+  static const char *const names[] = {"nwell", "pwell", "nimplant", "pimplant"};
+  drawing d = drawing_new();
+  draw(&d, "active", 0, 0, 400, 200);
+  draw(&d, "poly", 150, -100, 215, 300);
+  int shift = 0;
+  for (const char *c = layers; *c; c++) {
+    if (*c == '(') shift = 1000;
+    if (*c == ')') shift = 0;
+    if (*c == '<') shift = 580;
+    const char *l = strchr(letters, *c);
+    if (l) draw(&d, names[l - letters], -400 + shift, -400, 600 + shift, 600);
+  }
+  if (code) {
+    g_autofree char *message = g_strdup_printf(
+        "transistor from (150, 0) to (215, 200) nm, cell 'TOP': %s", want);
+    refused(&d, "{}", code, message);
+    return;
+  }
+  result r = segment(d.layout, "{}");
+  const eda_gates *g = r.gates;
+  g_assert_cmpuint(g->count, ==, 1);
+  g_assert_true("np"[g->type[0]] == *want);
+  g_assert_cmpfloat(opc_test_metric("nmos"), ==, *want == 'n');
+  g_assert_cmpfloat(opc_test_metric("pmos"), ==, *want == 'p');
+  result_free(&r);
+  eda_layout_free(d.layout);
+}
+
+static void test_type(void) {
+  type_is("n", 0, "p");
+  type_is("(n)", 0, "n");
+  type_is("p", 0, "n");
+  type_is("(p)", 0, "p");
+  type_is("n(p)", 0, "p");
+  type_is("(n)p", 0, "n");
+  type_is("N", 0, "n");
+  type_is("P", 0, "p");
+  type_is("N(P)", 0, "n");
+  type_is("nN", 0, "n");
+  type_is("(n)P", 0, "p");
+  type_is("n(NP)", 0, "p");
+  type_is("NP", OPC_INVALID, "both implants cover it");
+  type_is("np", OPC_INVALID, "both wells cover it");
+  type_is("<n", OPC_INVALID, "'nwell' covers it in part");
+  type_is("<p", OPC_INVALID, "'pwell' covers it in part");
+  type_is("n<N", OPC_INVALID, "'nimplant' covers it in part");
+  type_is("<P", OPC_INVALID, "'pimplant' covers it in part");
+  const char *unknown =
+      "its type is unknown: there is no layer 'nwell' or 'pwell', and no "
+      "implant covers it";
+  type_is("", OPC_INVALID, unknown);
+  type_is("(N)", OPC_INVALID, unknown);
+}
+
+/* A layer of the wells without a shape, as where its number is that of its
+   texts, makes all transistors alike: that is told. One that lies elsewhere is
+   not. */
+static void test_no_well(void) {
+  static const char *const wells[] = {"nwell", "pwell"};
+  for (int k = 0; k < 2; k++)
+    for (int shapes = 0; shapes < 2; shapes++) {
+      opc_error error;
+      drawing d = drawing_new();
+      draw(&d, "active", 0, 0, 400, 200);
+      draw(&d, "poly", 150, -100, 215, 300);
+      g_assert_cmpint(eda_layout_layer(d.layout, wells[k], &error), >=, 0);
+      if (shapes) draw(&d, wells[k], 1000, 0, 1100, 100);
+      opc_test_forget();
+      result r = segment(d.layout, "{}");
+      g_autofree char *want = g_strdup_printf(
+          "layer '%s' has no shape, so that all transistors are "
+          "%c-transistors",
+          wells[k], "np"[k]);
+      g_assert_true((strstr(opc_test_log(), want) == NULL) == shapes);
+      result_free(&r);
+      eda_layout_free(d.layout);
+    }
+}
+
+/* ---- refusals ---- */
+
+static void test_refused(void) {
+  drawing d = drawing_new();
+  draw(&d, "active", 0, 0, 400, 200);
+  refused(&d, "{}", OPC_INVALID,
+          "no transistor: the layout has no layer 'poly', but active; its "
+          "reader's 'layers' says which of them it is");
+  d = drawing_new();
+  draw(&d, "active", 0, 0, 400, 200);
+  draw(&d, "poly", 400, 0, 465, 200);
+  refused(&d, "{}", OPC_INVALID,
+          "no transistor: layers 'poly' and 'active' do not cross");
+  d = drawing_new();
+  draw_single(&d);
+  refused(&d, "{ top: NAND }", OPC_INVALID, "the layout has no cell 'NAND'");
+
+  static const struct {
+    eda_box poly[2];
+    const char *fault;
+  } bad[] = {
+      {{{150, -100, 215, 150}},
+       "(150, 0) to (215, 150)"
+       " nm, cell 'TOP': poly ends on active"},
+      {{{150, 50, 215, 150}},
+       "(150, 50) to (215, 150)"
+       " nm, cell 'TOP': poly ends on active"},
+      {{{350, -50, 450, 150}},
+       "(350, 0) to (400, 150)"
+       " nm, cell 'TOP': poly ends on active"},
+      {{{150, -100, 215, 150}, {150, 100, 500, 150}},
+       "(150, 0) to (400, 150) nm, cell 'TOP': it is not a rectangle"},
+      {{{-50, -50, 450, 250}},
+       "(0, 0) to (400, 200) nm, cell 'TOP': "
+       "no two opposite sides are edges of poly"},
+      {{{350, -50, 450, 250}},
+       "(350, 0) to (400, 200) nm, cell 'TOP': "
+       "no two opposite sides are edges of poly"},
+      {{{350, -50, 400, 250}},
+       "(350, 0) to (400, 200) nm, cell 'TOP': "
+       "an edge of poly lies on an edge of active"},
+      {{{150, 0, 215, 250}},
+       "(150, 0) to (215, 200) nm, cell 'TOP': "
+       "an edge of poly lies on an edge of active"},
+  };
+  for (size_t i = 0; i < G_N_ELEMENTS(bad); i++) {
+    g_autofree char *message =
+        g_strdup_printf("transistor from %s", bad[i].fault);
+    d = drawing_new();
+    draw(&d, "active", 0, 0, 400, 200);
+    draw(&d, "nwell", 0, 0, 1, 1);
+    for (int k = 0; k < 2 && bad[i].poly[k].x1; k++)
+      draw(&d, "poly", bad[i].poly[k].x0, bad[i].poly[k].y0, bad[i].poly[k].x1,
+           bad[i].poly[k].y1);
+    refused(&d, "{}", OPC_INVALID, message);
+  }
+}
+
+static void test_refused_shapes(void) {
+  /* A ring of poly that lies on active; a slanted edge. */
+  drawing d = drawing_new();
+  draw(&d, "active", 0, 0, 500, 500);
+  draw(&d, "poly", 100, 100, 400, 150);
+  draw(&d, "poly", 100, 350, 400, 400);
+  draw(&d, "poly", 100, 100, 150, 400);
+  draw(&d, "poly", 350, 100, 400, 400);
+  refused(&d, "{}", OPC_INVALID,
+          "transistor from (100, 100) to (400, 400) nm, cell 'TOP': poly ends "
+          "on active");
+  d = drawing_new();
+  draw_single(&d);
+  opc_error error;
+  eda_point slanted[] = {{0, 0}, {100, 0}, {0, 100}};
+  eda_layout_add_polygon(d.layout, d.cell,
+                         eda_layout_layer(d.layout, "poly", &error), slanted, 3,
+                         &error);
+  refused(&d, "{}", OPC_INVALID,
+          "layer 'poly', in units of 1 nm: slanted edge from (100, 0) to (0, "
+          "100)");
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/transistors/type", test_type);
+  g_test_add_func("/transistors/no-well", test_no_well);
+  g_test_add_func("/transistors/refused", test_refused);
+  g_test_add_func("/transistors/refused-shapes", test_refused_shapes);
+  return g_test_run();
+}

@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* For the tests of synthesizer.newton: transistors whose printed lengths and
+   currents are formulas of the mask, and the loop that corrects them. */
+#ifndef SYNTHESIZER_NEWTON_MODEL_TEST_H
+#define SYNTHESIZER_NEWTON_MODEL_TEST_H
+
+#include <eda/eda.h>
+#include <math.h>
+#include <string.h>
+
+#include "core/testing/testing.h"
+
+enum { MOST = 40, WIDTH = 400 };
+
+typedef struct model {
+  size_t n;
+  double gain_l, gain_w, coupling;
+  double spread;                   /* of the gain by L, as a part of it */
+  double off_l[MOST], off_w[MOST]; /* printed minus drawn of the drawn mask */
+  double thin[MOST]; /* a short line end: current that the mean length does
+                        not tell of, as a logarithm, */
+  int32_t grow;      /* gone once the regulator has moved it so far */
+  int knows_ends;    /* the loop tells of that before it prints it */
+  uint32_t veto[MOST];
+  int32_t l[MOST], w[MOST], jog[MOST], aside[MOST];
+  double ion[MOST], area[MOST], ioff[MOST]; /* deviations at the end */
+  double leaky;                             /* log of what leaks besides */
+  double second; /* the worst of Ion in the second print */
+  int prints;
+  int late;      /* a print after which transistor 3 draws 2 % less */
+  double steep;  /* log Ion falls by so much more a nm for each nm shorter, */
+  double table;  /* down to a printed length where the device table ends; */
+  double open;   /* below this one the poly is open: no figures; */
+  double merge;  /* above this one it is merged; 0: never */
+  int32_t room;  /* the active merges once an end is further out; 0: never */
+  int ends_open; /* so is it while a line end is too short */
+  int regulated; /* an open line may get neither shorter nor narrower */
+  uint32_t flags[MOST];
+  double bracket[MOST][2]; /* lengths that were open, too long */
+  int held;                /* moves that a bracket of two ends held */
+  int guarded;             /* look at that */
+} model;
+
+static const double length = 65;
+
+static char **notes; /* of the gates; NULL: no layer of notes */
+
+/* The sides reach 60 nm past the gate. What each nm of them does rises over
+   200 nm around the gate's ends, here summed. */
+static inline double ramp(double x) {
+  return x < -100 ? 0 : x < 100 ? (x + 100) * (x + 100) / 400 : x;
+}
+
+static inline double part(int32_t jog) {
+  double at = CLAMP(jog, 0, WIDTH + 120) - 60;
+  double none = ramp(-60) - ramp(-60 - WIDTH),
+         all = ramp(WIDTH + 60) - ramp(60);
+  return (ramp(at) - ramp(at - WIDTH) - none) / (all - none);
+}
+
+/* What transistor i prints, and its logarithmic errors. */
+static inline void print(model *t, const int32_t *end, eda_performance *p) {
+  for (size_t i = 0; i < t->n; i++) {
+    size_t next = (i + 1) % t->n;
+    double l = t->l[i] + part(t->jog[i]),
+           beside = t->l[next] + part(t->jog[next]);
+    double gain = t->gain_l * (1 + t->spread * sin((double)i));
+    double printed = length + t->off_l[i] + gain * (l + t->coupling * beside);
+    double weq = WIDTH + t->off_w[i] + t->gain_w * t->w[i];
+    double thin = end[2 * i + 1] < t->grow ? t->thin[i] : 0;
+    int open = printed < t->open || (t->ends_open && thin > 0);
+    int32_t low = (t->w[i] >> 1) - t->aside[i], high = t->w[i] - low;
+    int merged = (t->merge > 0 && printed > t->merge) ||
+                 (t->room > 0 && MAX(low, high) > t->room);
+    t->flags[i] = open ? EDA_PRINT_OPEN : merged ? EDA_PRINT_MERGED : 0;
+    if (t->regulated)
+      t->veto[i] = open ? EDA_VETO_SHORTER | EDA_VETO_NARROWER : 0;
+    double known = fmax(printed, t->table);
+    p->leq_ion[i] = known - thin / 0.022;
+    p->leq_ioff[i] = printed;
+    p->weq[i] = weq;
+    p->area[i] = weq * printed;
+    double off = p->leq_ion[i] - length, bent = fmin(off, 0);
+    p->ion[i] = 1e-6 * weq * exp(-0.022 * off + t->steep * bent * bent / 2);
+    if (t->flags[i] & EDA_PRINT_OPEN) p->ion[i] = p->area[i] = 0;
+    if (t->late && t->prints > t->late && i == 3) p->ion[i] *= 0.98;
+    p->ioff[i] = 1e-10 * weq * exp(t->leaky - 0.3 * (printed - length));
+    t->ion[i] = 100 * (p->ion[i] / (1e-6 * WIDTH) - 1);
+    t->ioff[i] = 100 * (p->ioff[i] / (1e-10 * WIDTH) - 1);
+    t->area[i] = 100 * (p->area[i] / (WIDTH * length) - 1);
+  }
+  t->prints++;
+}
+
+/* Transistors do not couple: once a length was open and another one too long,
+   the next ones lie between. */
+static inline void hold_bracket(model *t) {
+  for (size_t i = 0; i < t->n; i++) {
+    double l = t->l[i] + part(t->jog[i]);
+    double *low = &t->bracket[i][0], *high = &t->bracket[i][1];
+    if (*low < *high) {
+      t->held += *low > -1000 && *high < 1000;
+      g_assert_cmpfloat(l, >, *low);
+      g_assert_cmpfloat(l, <, *high + 1);
+    }
+  }
+}
+
+static inline void note_bracket(model *t) {
+  for (size_t i = 0; i < t->n; i++) {
+    double l = t->l[i] + part(t->jog[i]);
+    int open = t->flags[i] & EDA_PRINT_OPEN;
+    if (open) t->bracket[i][0] = fmax(t->bracket[i][0], l);
+    if (!open && t->ion[i] < -20) t->bracket[i][1] = fmin(t->bracket[i][1], l);
+  }
+}
+
+static inline double worst(const double *x, size_t n) {
+  double most = 0;
+  for (size_t i = 0; i < n; i++) most = fmax(most, fabs(x[i]));
+  return most;
+}
+
+static inline void run(opc_module *m, model *t) {
+  const eda_synthesizer *s = m->functions;
+  double d[6][MOST], p[6][MOST] = {{0}}, long_[MOST], wide[MOST];
+  eda_box box[MOST];
+  double extension[2 * MOST];
+  int32_t end[2 * MOST] = {0}, next[2 * MOST] = {0};
+  uint8_t type[MOST] = {0}, axis[MOST] = {0};
+  uint32_t number[MOST];
+  char *name[MOST], *none[MOST];
+  for (size_t i = 0; i < t->n; i++) {
+    d[0][i] = 1e-6 * WIDTH, d[1][i] = 1e-10 * WIDTH;
+    d[2][i] = d[3][i] = long_[i] = length;
+    d[4][i] = wide[i] = WIDTH;
+    d[5][i] = WIDTH * length;
+    box[i] = (eda_box){0, 0, 65, WIDTH};
+    number[i] = (uint32_t)i + 1;
+    name[i] = "cell", none[i] = "";
+    extension[2 * i] = INFINITY, extension[2 * i + 1] = 60;
+    next[2 * i + 1] = t->grow;
+  }
+  eda_fragment sides[4 * MOST];
+  uint32_t start[MOST + 1];
+  for (size_t i = 0; i < t->n; i++) {
+    start[i] = (uint32_t)(4 * i);
+    eda_fragment *f = sides + 4 * i;
+    f[0] = (eda_fragment){{65, -60}, (int32_t)i, EDA_L_HIGH};
+    f[1] = (eda_fragment){{65, WIDTH + 60}, -1, EDA_FIXED};
+    f[2] = (eda_fragment){{0, WIDTH + 60}, (int32_t)i, EDA_L_LOW};
+    f[3] = (eda_fragment){{0, -60}, -1, EDA_FIXED};
+  }
+  start[t->n] = (uint32_t)(4 * t->n);
+  eda_edges edges[2] = {{t->n, start, sides}, {0}};
+  eda_gates gates = {.grid = 1,
+                     .count = t->n,
+                     .box = box,
+                     .type = type,
+                     .axis = axis,
+                     .length = long_,
+                     .width = wide,
+                     .extension = extension,
+                     .instance = none,
+                     .cell = name,
+                     .number = number,
+                     .note = notes,
+                     .layers = 2,
+                     .edges = edges};
+  uint8_t outside[MOST] = {0};
+  eda_performance drawn = {t->n, d[0], d[1], d[2], d[3], d[4], d[5], outside};
+  eda_performance printed = {t->n, p[0], p[1], p[2], p[3], p[4], p[5], outside};
+  eda_feedback f = {.gates = &gates,
+                    .design = &drawn,
+                    .flags = t->flags,
+                    .vetoes = t->veto,
+                    .end = end,
+                    .next_end = t->knows_ends ? next : end};
+  eda_moves moves = {.l = t->l, .w = t->w, .jog = t->jog, .aside = t->aside};
+  opc_error error;
+  g_assert_cmpint(s->begin(m->self, &f, &error), ==, OPC_OK);
+  f.printed = &printed;
+  for (int done = 0; !done && f.iteration < 50; f.iteration++) {
+    print(t, end, &printed);
+    if (f.iteration == 1) t->second = worst(t->ion, t->n);
+    if (t->guarded) note_bracket(t);
+    g_assert_cmpint(s->update(m->self, &f, &moves, &done, &error), ==, OPC_OK);
+    if (t->guarded) hold_bracket(t);
+    done &= !memcmp(end, next, sizeof end) && t->prints > t->late + 1;
+    memcpy(end, next, sizeof end);
+  }
+  print(t, end, &printed);
+}
+
+static inline model made_up(size_t n) {
+  model t = {.n = n, .gain_l = 2.6, .gain_w = 1.05, .coupling = 0.02};
+  GRand *random = g_rand_new_with_seed(5);
+  for (size_t i = 0; i < n; i++) {
+    t.off_l[i] = g_rand_double_range(random, -8, 12);
+    t.off_w[i] = g_rand_double_range(random, -15, 5);
+  }
+  g_rand_free(random);
+  return t;
+}
+
+static inline opc_module *make_any(const char *parameters) {
+  opc_error error;
+  opc_module *m = opc_test_module("synthesizer.newton", parameters, &error);
+  if (!m) g_printerr("%s\n", error.message);
+  g_assert_nonnull(m);
+  return m;
+}
+
+/* Of the target that weights are for. */
+static inline opc_module *make(const char *parameters) {
+  g_autofree char *all = g_strconcat("{ target: plain, ", parameters + 1, NULL);
+  return make_any(all);
+}
+
+#endif

@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Assist features beside gates. */
+#include <correct/assists.h>
+
+#include <eda/memory.h>
+#include <math.h>
+#include <opcflow/table.h>
+#include <stdlib.h>
+
+#include <correct/loop.h>
+
+/* The side of a gate that faces smaller or larger coordinates along L. */
+static eda_bar_edge edge_of(const eda_gates *g, size_t i, int high) {
+  eda_box b = g->box[i];
+  eda_bar_edge e = {.upright = g->axis[i] == EDA_X, .sign = high ? 1 : -1};
+  e.at = e.upright ? (high ? b.x1 : b.x0) : (high ? b.y1 : b.y0);
+  e.low = e.upright ? b.y0 : b.x0;
+  e.high = e.upright ? b.y1 : b.x1;
+  return e;
+}
+
+static int32_t steps(const loop *l, double nm) {
+  return (int32_t)lround(fmin(nm / l->gates->grid, 1e6));
+}
+
+static void show(loop *l) {
+  trial_set_boxes(&l->next.assists[EDA_POLY],
+                  (eda_boxes){l->assists.bars.box, l->assists.bars.count});
+}
+
+/* Beyond the clear field the layout repeats: a bar that reaches past it lies
+   on the next copy, where light of one shape twice is none. */
+int assists_check(const loop *l, opc_error *error) {
+  const eda_frame *f = &l->printer.frame;
+  double g = l->gates->grid;
+  for (size_t k = 0; k < l->gates->layers; k++) {
+    eda_boxes bars = l->next.assists[k];
+    for (size_t i = 0; i < bars.count; i++) {
+      eda_box b = bars.box[i];
+      if (b.x0 * g >= f->x0 && b.x1 * g <= f->x0 + f->width &&
+          b.y0 * g >= f->y0 && b.y1 * g <= f->y0 + f->height)
+        continue;
+      return opc_fail(error, OPC_INVALID, "margin",
+                      "an assist bar of layer '%s', from (%g, %g) to (%g, %g) "
+                      "nm, reaches past the clear field, into the next copy "
+                      "of the layout",
+                      l->gates->layer[k], b.x0 * g, b.y0 * g, b.x1 * g,
+                      b.y1 * g);
+    }
+  }
+  return OPC_OK;
+}
+
+int assists_begin(loop *l, opc_error *error) {
+  gate_bars *a = &l->assists;
+  size_t n = l->gates->count;
+  if (!a->rows || !n) return OPC_OK;
+  if (l->next.shift[EDA_POLY])
+    return opc_fail(error, OPC_INVALID, "assist",
+                    "'%s' moves all edges of the poly and places its own "
+                    "assist bars",
+                    l->drivers[MAIN].module->id);
+  const eda_bar_rule rule = {.rows = (int32_t)a->rows,
+                             .width = steps(l, a->width),
+                             .distance = steps(l, a->distance),
+                             .space = steps(l, a->space),
+                             .min_length = steps(l, a->min_length),
+                             .overhang = steps(l, a->overhang)};
+  if (rule.width < 1)
+    return opc_fail(error, OPC_INVALID, "assist_width",
+                    "%g nm is less than the mask grid of %g nm", a->width,
+                    l->gates->grid);
+  eda_bar_edge *edges = eda_alloc(n, 2 * sizeof *edges);
+  for (size_t i = 0; i < 2 * n; i++) edges[i] = edge_of(l->gates, i / 2, i % 2);
+  int code = eda_bars_place(edges, 2 * n, &rule, &l->gates->drawn[EDA_POLY],
+                            &a->bars, error);
+  free(edges);
+  if (!code) show(l);
+  return code;
+}
+
+void assists_clear(loop *l) { free(l->assists.bars.box); }
+
+void assists_watch(loop *l) {
+  gate_bars *a = &l->assists;
+  size_t gone =
+      eda_bars_drop(l->host->context, &a->bars, &l->printer.print[EDA_POLY],
+                    l->gates->grid, a->margin);
+  a->dropped += gone;
+  if (gone) show(l);
+}
+
+int assists_report(const loop *l, opc_error *error) {
+  const gate_bars *a = &l->assists;
+  if ((!a->rows || !l->gates->count) && !l->seek.most) return OPC_OK;
+  const opc_metric_value values[] = {
+      {"assists", (double)l->now.assists[EDA_POLY].count},
+      {"assists_dropped", (double)(a->dropped + l->seek.dropped)}};
+  return opc_put_metrics(l->host, OPC_ARRAY(values), error);
+}

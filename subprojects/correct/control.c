@@ -1,0 +1,214 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The steps of one transistor, as thesis figure 3.3 has them, and how it is
+   taken up again when its neighbours have moved it from where it came to rest.
+ */
+#include <correct/control.h>
+
+#include <math.h>
+#include <stdlib.h>
+
+/* All tuned constants, ours, with what half and twice of each do. Figures are
+   moves and the largest |Ion deviation| in % of flows/dpb.yaml; as it is: SRAM
+   12, 1.43; NAND2_X1 8, 0.47; c432 19, 0.50. */
+static const struct {
+  double widest_step, by_l, by_w, rest;
+  uint8_t reopenings;
+} tuned = {
+    /* nm: the widest proportional step of W, twice as much as regulator.drc
+       moves a line end at a time. Half: NAND2_X1 9, 0.23; c432 23, 0.50. Twice:
+       c432 18, 0.50. */
+    .widest_step = 20,
+
+    /* An error above this part of what a step of L does is worth one, and a
+       little more than half, so that it does not swing. Half: the same ends,
+       but SRAM 36 moves and c432 45. Twice: last digits of c432. */
+    .by_l = 0.55,
+
+    /* The same of W. None differs, nor with `w_step: unit`. */
+    .by_w = 0.75,
+
+    /* A transistor at rest is looked at again if its error has changed by more
+       than `limit` over this. Half: none differs. Twice: SRAM 12, 0.61. */
+    .rest = 10,
+
+    /* It is taken up again so often at most, so that it ends. None differs. */
+    .reopenings = 8,
+};
+
+control_rules control_rules_for(double limit, double max_bias, double grid,
+                                int proportional) {
+  return (control_rules){.limit = limit,
+                         .most = (int32_t)(max_bias / grid),
+                         .widest = (int32_t)fmax(1, tuned.widest_step / grid),
+                         .proportional = proportional};
+}
+
+/* Too much current: longer or narrower; too little: shorter or wider. */
+static int longer(double error) { return error > 0 ? 1 : -1; }
+
+static uint32_t veto_of_l(int step) {
+  return step > 0 ? EDA_VETO_LONGER : EDA_VETO_SHORTER;
+}
+
+static uint32_t veto_of_w(int step) {
+  return step > 0 ? EDA_VETO_WIDER : EDA_VETO_NARROWER;
+}
+
+/* How far W may go. */
+static int32_t most_w(const control_rules *r, const control_input *in) {
+  int32_t half = (int32_t)(in->width / 2);
+  return r->most < half ? r->most : half;
+}
+
+static void settle(control *c, int verdict) {
+  c->phase = CONTROL_SETTLED;
+  c->verdict = (uint8_t)verdict;
+  c->l = c->w = c->rested = 0;
+}
+
+/* Did the last step go past the minimum? Every step goes the way that lowers
+   the error; one that rises with the same sign is the neighbours' doing. */
+static int passed(const control *c, double error) {
+  return (error > 0) != (c->error > 0);
+}
+
+int control_first(const control_rules *r, control *c, const control_input *in,
+                  int32_t steps, int32_t *l) {
+  if (fabs(in->error) <= r->limit) {
+    c->verdict = CONTROL_WITHIN;
+    return 0;
+  }
+  if (!steps) steps = longer(in->error);
+  if (steps > r->most) steps = r->most;
+  if (steps < -r->most) steps = -r->most;
+  c->verdict = CONTROL_MOVING;
+  c->l = steps;
+  *l += steps;
+  return steps != 0;
+}
+
+/* Look at what the last step of L did. 1 if it is taken back. */
+static int judge_length(control *c, const control_input *in, int32_t *l) {
+  int32_t last = c->l;
+  c->by_l = fabs(in->error - c->error) / abs(last);
+  c->l = 0;
+  if (in->veto & veto_of_l(last)) {
+    c->barred |= (uint8_t)veto_of_l(last);
+  } else {
+    /* Past the minimum by a first correction: on from here by single steps. */
+    if (abs(last) > 1 || !passed(c, in->error)) return 0;
+    c->phase = CONTROL_FINE;
+    if (fabs(in->error) <= fabs(c->error)) return 0;
+  }
+  c->phase = CONTROL_FINE;
+  *l -= last;
+  return 1;
+}
+
+/* Where W may go no further, L makes room for it: one more step, not to be
+   taken back, and W comes back from its bound. Only where W does so quickly. */
+static int exchange(const control_rules *r, control *c, const control_input *in,
+                    int32_t *l, int32_t w) {
+  int step = longer(in->error);
+  if (!r->proportional || c->verdict != CONTROL_BIAS || c->exchanged ||
+      abs(w) < most_w(r, in) || (in->veto | c->barred) & veto_of_l(step) ||
+      abs(*l + step) > r->most)
+    return 0;
+  *l += step;
+  c->exchanged = 1;
+  c->ceiling = 0;
+  c->reopened = tuned.reopenings;
+  c->phase = CONTROL_FINE;
+  c->verdict = CONTROL_MOVING;
+  return 1;
+}
+
+/* Past its minimum of L or of both, a transistor is there no more when its
+   neighbours have changed its error: it goes back to where a step would still
+   help. A step of W changes the current by its part of W, one of L by what it
+   did last. */
+static void reconsider(const control_rules *r, control *c,
+                       const control_input *in) {
+  double error = fabs(in->error), by_w = 100 / in->width;
+  int phase = c->phase;
+  if (c->reopened >= tuned.reopenings || c->w) return;
+  if (!c->rested) c->rest = in->error;
+  c->rested = 1;
+  if (fabs(in->error - c->rest) <= r->limit / tuned.rest) return;
+  if (c->by_l > 0 && error > tuned.by_l * c->by_l &&
+      !((in->veto | c->barred) & veto_of_l(longer(in->error))))
+    phase = CONTROL_COARSE;
+  else if (phase == CONTROL_SETTLED && error > tuned.by_w * by_w)
+    phase = CONTROL_FINE;
+  if (phase == c->phase) return;
+  c->phase = (uint8_t)phase;
+  c->l = c->ceiling = c->rested = 0;
+  c->reopened++;
+}
+
+int control_length(const control_rules *r, control *c, const control_input *in,
+                   int32_t *l, int32_t w) {
+  if (fabs(in->error) <= r->limit &&
+      !(in->veto & EDA_VETO_LONGER && c->l > 0)) {
+    c->verdict = CONTROL_WITHIN;
+    c->l = c->w = 0;
+    return 0;
+  }
+  if (exchange(r, c, in, l, w)) return 1;
+  if (c->phase != CONTROL_COARSE) reconsider(r, c, in);
+  if (c->phase == CONTROL_SETTLED) return 0;
+  c->verdict = CONTROL_MOVING;
+  if (c->phase == CONTROL_FINE) return 0;
+  if (c->l && judge_length(c, in, l)) return 1;
+  if (c->phase == CONTROL_FINE) return 0;
+  int step = longer(in->error);
+  if ((in->veto | c->barred) & veto_of_l(step) || abs(*l + step) > r->most) {
+    c->phase = CONTROL_FINE;
+    return 0;
+  }
+  c->l = step;
+  *l += step;
+  return 1;
+}
+
+/* By how much to change W: towards the smaller error, by its part of W, as the
+   current is proportional to it. One that grows by more than its line ends
+   follow at a time meets their round corners. Each change of sign halves what
+   is allowed from then on, so that it ends. */
+static int32_t width_step(const control_rules *r, control *c,
+                          const control_input *in, int32_t w) {
+  int way = -longer(in->error);
+  if (!r->proportional) return way;
+  if (c->w && passed(c, in->error)) c->ceiling = abs(c->w) / 2;
+  double size = floor(fabs(in->error) / 100 * (in->width + w));
+  if (c->ceiling) size = fmin(size, c->ceiling);
+  if (way > 0) size = fmin(size, r->widest);
+  return way * (int32_t)fmax(size, 1);
+}
+
+int control_width(const control_rules *r, control *c, const control_input *in,
+                  int32_t *w) {
+  if (c->phase != CONTROL_FINE || c->verdict != CONTROL_MOVING) return 0;
+  if (abs(c->w) == 1 && passed(c, in->error)) { /* here or one step back */
+    int back = fabs(in->error) > fabs(c->error);
+    if (back) *w -= c->w;
+    settle(c, CONTROL_GRID);
+    return back;
+  }
+  int32_t step = width_step(r, c, in, *w), most = most_w(r, in);
+  if (step > most - *w) step = most - *w;
+  if (step < -most - *w) step = -most - *w;
+  if (!step || in->veto & veto_of_w(step)) {
+    settle(c, step ? CONTROL_BRIDGING : CONTROL_BIAS);
+    return 0;
+  }
+  c->w = step;
+  *w += step;
+  return 1;
+}
+
+const char *control_verdict(const control *c) {
+  static const char *const words[CONTROL_VERDICTS] = {
+      "within limit", "grid", "bridging", "bias limit", "not done"};
+  return words[c->verdict];
+}

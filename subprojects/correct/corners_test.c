@@ -1,0 +1,384 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Corners of dose, focus and mask error, against the closed form of lines that
+   are blurred by a Gaussian. */
+#include <correct/corners.h>
+
+#include "models_test.h"
+
+enum { GATES = 2, DOSES = 3, FOCI = 2, MASKS = 3, ALL = DOSES * FOCI * MASKS };
+
+static const double dose_of[] = {-6, 0, 5}, focus_of[] = {0, 60},
+                    mask_of[] = {-2, 0, 3};
+
+/* ---- a model with focus, and with a fine image ---- */
+
+/* The blur is wider away from the focus; what a cheap image has too much. */
+static double cut_off_at(double defocus) {
+  return cut_off * (1 + defocus * defocus / 1e4);
+}
+
+static double excess;
+static int fine_images, cheap_images;
+
+static void transfer_at(const void *self, size_t s, const double *fx, double fy,
+                        size_t n, float *out) {
+  const double *c = self;
+  (void)s;
+  for (size_t i = 0; i < n; i++) {
+    double r = (fx[i] * fx[i] + fy * fy) * *c * *c;
+    out[2 * i] = (float)exp(-r);
+    out[2 * i + 1] = 0;
+  }
+}
+
+static int image_of(const eda_spectrum *mask, double defocus, double more,
+                    eda_field *out, opc_error *error) {
+  static const double one = 1;
+  const double c = cut_off_at(defocus);
+  const eda_systems systems = {.count = 1,
+                               .weight = &one,
+                               .band = limit,
+                               .intensity_band = 2 * limit,
+                               .transfer = transfer_at,
+                               .self = &c,
+                               .scale = {1, 0}};
+  int code = eda_coherent_sum(NULL, mask, &systems, 0, out, error);
+  for (int i = 0; !code && i < out->nx * out->ny; i++)
+    out->coefficients[i] += (float)more;
+  return code;
+}
+
+static int cheap(const void *self, int layer, const eda_spectrum *mask,
+                 eda_field *out, opc_error *error) {
+  (void)self, (void)layer;
+  cheap_images++;
+  return image_of(mask, 0, excess, out, error);
+}
+
+static int cheap_at(const void *self, int layer, const eda_spectrum *mask,
+                    double defocus, eda_field *out, opc_error *error) {
+  (void)self, (void)layer;
+  cheap_images++;
+  return image_of(mask, defocus, 2 * excess, out, error);
+}
+
+static int fine_at(const void *self, int layer, const eda_spectrum *mask,
+                   double defocus, double wanted, eda_field *out,
+                   opc_error *error) {
+  (void)self, (void)layer, (void)wanted;
+  fine_images++;
+  return image_of(mask, defocus, 0, out, error);
+}
+
+static const eda_litho with_focus = {
+    .prepare = nothing, .band = band, .image = cheap, .image_at = cheap_at};
+static const eda_litho with_fine = {.prepare = nothing,
+                                    .band = band,
+                                    .image = cheap,
+                                    .image_at = cheap_at,
+                                    .image_fine = fine_at};
+
+/* ---- closed forms ---- */
+
+static double normal(double x) { return erfc(-x / sqrt(2)) / 2; }
+
+/* How wide a line prints: where dose * (1 - the part of a Gaussian that the
+   line covers)^2 is below 0.6. */
+static double printed(double drawn, double dose, double defocus, double by) {
+  double sigma = cut_off_at(defocus) / (M_PI * sqrt(2)), low = 0, high = drawn;
+  double half = drawn / 2 + by;
+  for (int i = 0; i < 60; i++) {
+    double x = (low + high) / 2;
+    double a = 1 - normal((x + half) / sigma) + normal((x - half) / sigma);
+    if ((1 + dose / 100) * a * a < 0.6)
+      low = x;
+    else
+      high = x;
+  }
+  return 2 * low;
+}
+
+static double ion_of(size_t gate, size_t k, double bias) {
+  double dose = dose_of[k % DOSES];
+  double focus = focus_of[k / DOSES % FOCI];
+  double by = mask_of[k / DOSES / FOCI];
+  const eda_gates *g = eda_gates_sample();
+  return 1e-6 * printed(g->width[gate], dose, focus, by) /
+         printed(g->length[gate] + bias, dose, focus, by);
+}
+
+/* ---- a synthesizer that makes all gates shorter, and keeps what it sees ----
+ */
+
+static int32_t wanted_bias;
+static double seen[GATES];
+
+static int begin(void *self, const eda_feedback *f, opc_error *error) {
+  (void)self, (void)f, (void)error;
+  return OPC_OK;
+}
+
+static int update(void *self, const eda_feedback *f, eda_moves *m, int *done,
+                  opc_error *error) {
+  (void)self, (void)error;
+  for (int i = 0; i < GATES; i++) {
+    seen[i] = f->printed->ion[i];
+    g_assert_cmpuint(f->flags[i], ==, 0);
+    m->l[i] = wanted_bias;
+  }
+  *done = f->iteration > 0;
+  return OPC_OK;
+}
+
+static const eda_synthesizer mover = {.begin = begin, .update = update};
+
+/* ---- the loop ---- */
+
+static corners_wish wish(const double *weight) {
+  return (corners_wish){{dose_of, DOSES},
+                        {focus_of, FOCI},
+                        {mask_of, MASKS},
+                        {weight, weight ? ALL : 0},
+                        .free = 1};
+}
+
+static int run_on(const eda_gates *gates, loop *l, const eda_litho *model,
+                  corners_wish w, double fine, opc_error *error) {
+  *l = (loop){.host = &host,
+              .gates = gates,
+              .extractor = MODULE(&extractor, NULL),
+              .max_iterations = 10,
+              .limit = 0.5,
+              .corners.wish = w,
+              .drivers[MAIN].module = MODULE(&mover, NULL)};
+  eda_printer_init(&l->printer, NULL, l->gates, MODULE(model, NULL),
+                   MODULE(&resist, NULL), 300);
+  l->printer.fine = fine;
+  g_assert_false(corners_check(&w, error));
+  return loop_run(l, error);
+}
+
+static int run(loop *l, const eda_litho *model, corners_wish w, double fine,
+               opc_error *error) {
+  return run_on(eda_gates_sample(), l, model, w, fine, error);
+}
+
+static void check_near(double got, double want, double part) {
+  if (!(fabs(got / want - 1) <= part)) g_error("%.8g, not %.8g", got, want);
+}
+
+static double mean_of_gate(size_t gate, const double *weight, double bias) {
+  double sum = 0, all = 0;
+  for (size_t k = 0; k < ALL; k++) {
+    sum += weight[k] * log(ion_of(gate, k, bias));
+    all += weight[k];
+  }
+  return exp(sum / all);
+}
+
+/* Single precision. */
+static const double close_to = 2e-6;
+
+static void check_figures(const loop *l, const double *weight, double bias) {
+  for (size_t i = 0; i < GATES; i++) {
+    for (size_t k = 0; k < ALL; k++)
+      check_near(l->corners.corner[k].measured.performance.ion[i],
+                 ion_of(i, k, bias), close_to);
+    check_near(l->measured.performance.ion[i], mean_of_gate(i, weight, bias),
+               close_to);
+    check_near(l->corners.nominal.ion[i], ion_of(i, 1 + DOSES * FOCI, bias),
+               close_to);
+    check_near(l->before.ion[i], ion_of(i, 1 + DOSES * FOCI, 0), close_to);
+  }
+}
+
+/* ---- tests ---- */
+
+static void test_figures(void) {
+  loop l;
+  opc_error error = {0};
+  double weight[ALL], sum = 0;
+  for (size_t k = 0; k < ALL; k++) sum += weight[k] = (double)(k % 5);
+  wanted_bias = -6;
+  g_assert_false(run(&l, &with_focus, wish(weight), 0, &error));
+  check_figures(&l, weight, -6);
+  for (size_t i = 0; i < GATES; i++)
+    check_near(seen[i], mean_of_gate(i, weight, -6), close_to);
+  g_string_truncate(told, 0);
+  g_assert_false(corners_report(&l, &error));
+  g_assert_cmpstr(told->str, ==,
+                  "corners[18] all_corners[1] corners_ion_sd "
+                  "corners_ion_worst corners_leakage corners_failed ");
+  loop_clear(&l);
+}
+
+/* Not given: a normal distribution along each axis. */
+static void test_weights(void) {
+  loop l;
+  opc_error error = {0};
+  double weight[ALL];
+  for (size_t k = 0; k < ALL; k++) {
+    double d = dose_of[k % DOSES] / 6, f = focus_of[k / DOSES % FOCI] / 60;
+    double m = mask_of[k / DOSES / FOCI] / 3;
+    weight[k] = exp(-1.5 * (d * d + f * f + m * m));
+  }
+  wanted_bias = 0;
+  g_assert_false(run(&l, &with_focus, wish(NULL), 0, &error));
+  check_figures(&l, weight, 0);
+  loop_clear(&l);
+}
+
+/* With a limit, what two of a type have in common is not held against them, and
+   of the rest no more than the limit. Ours differ by 0.6 %. */
+static void test_limit(void) {
+  static const double limits[] = {0, 0.2, 50};
+  uint8_t same[] = {EDA_NMOS, EDA_NMOS};
+  eda_gates pair = *eda_gates_sample();
+  double pull[GATES], weight[ALL];
+  loop l;
+  opc_error error = {0};
+  wanted_bias = 0;
+  pair.type = same;
+  for (size_t k = 0; k < ALL; k++) weight[k] = 1 + (double)(k % 5);
+  for (size_t i = 0; i < GATES; i++)
+    pull[i] = log(mean_of_gate(i, weight, 0) / ion_of(i, 1 + DOSES * FOCI, 0));
+  double apart = (pull[0] - pull[1]) / 2;
+  g_assert_cmpfloat(fabs(apart), >, 0.003);
+  for (size_t k = 0; k < G_N_ELEMENTS(limits); k++) {
+    double most = log1p(limits[k] / 100), own = CLAMP(apart, -most, most);
+    corners_wish w = wish(weight);
+    w.free = 0;
+    w.limit = limits[k];
+    g_assert_false(run_on(&pair, &l, &with_focus, w, 0, &error));
+    for (size_t i = 0; i < GATES; i++)
+      check_near(l.measured.performance.ion[i],
+                 l.corners.nominal.ion[i] * exp(i ? -own : own), close_to);
+    loop_clear(&l);
+    /* One of each type has nothing to be unlike. */
+    g_assert_false(run(&l, &with_focus, w, 0, &error));
+    for (size_t i = 0; i < GATES; i++)
+      check_near(l.measured.performance.ion[i], l.corners.nominal.ion[i],
+                 1e-12);
+    loop_clear(&l);
+  }
+}
+
+/* The nominal one alone is no corner at all. */
+static void test_nominal(void) {
+  static const double zero = 0;
+  loop a, b;
+  opc_error error = {0};
+  wanted_bias = -3;
+  corners_wish none = {.dose = {0}}, one = {.dose = {&zero, 1}};
+  g_assert_false(run(&a, &with_focus, none, 0, &error));
+  g_assert_false(run(&b, &with_focus, one, 0, &error));
+  for (size_t i = 0; i < GATES; i++) {
+    g_assert_true(a.measured.performance.ion[i] == b.corners.nominal.ion[i]);
+    check_near(b.measured.performance.ion[i], a.measured.performance.ion[i],
+               1e-12);
+  }
+  loop_clear(&a);
+  loop_clear(&b);
+}
+
+/* Cheap images lack something, other in focus and away from it; the figures are
+   those of the fine ones. */
+static void test_fine(void) {
+  loop l;
+  opc_error error = {0};
+  double weight[ALL];
+  for (size_t k = 0; k < ALL; k++) weight[k] = 1;
+  wanted_bias = -6;
+  excess = 0.02;
+  fine_images = cheap_images = 0;
+  g_assert_false(run(&l, &with_fine, wish(weight), 1e-4, &error));
+  for (size_t i = 0; i < GATES; i++)
+    for (size_t k = 0; k < ALL; k++)
+      check_near(l.corners.corner[k].measured.performance.ion[i],
+                 ion_of(i, k, -6), close_to);
+  /* Two layers, each mask of each focus, at the first moves; at the end they
+     are fine already. */
+  g_assert_cmpint(fine_images, ==, 2 * FOCI * MASKS);
+  g_assert_cmpuint(l.printer.fine_simulations, ==, fine_images);
+  g_assert_cmpuint(l.printer.simulations, ==, cheap_images);
+  excess = 0;
+  loop_clear(&l);
+}
+
+/* A corner at which gates are open counts for nothing in their mean. */
+static void test_lost(void) {
+  static const double doses[] = {0, 150000};
+  loop l;
+  opc_error error = {0};
+  wanted_bias = 0;
+  corners_wish w = {.dose = {doses, 2}};
+  g_assert_false(run(&l, &with_focus, w, 0, &error));
+  for (size_t i = 0; i < GATES; i++) {
+    g_assert_cmpuint(l.measured.flags[i], ==, 0);
+    g_assert_cmpuint(l.corners.corner[1].measured.flags[i] & EDA_PRINT_OPEN, !=,
+                     0);
+    check_near(l.measured.performance.ion[i], l.corners.nominal.ion[i], 1e-12);
+  }
+  warnings = 0;
+  g_assert_false(corners_report(&l, &error));
+  g_assert_cmpint(warnings, ==, 1);
+  loop_clear(&l);
+}
+
+static void refused(corners_wish w, const eda_litho *model, const char *why) {
+  loop l;
+  opc_error error = {0};
+  int code = model ? run(&l, model, w, 0, &error) : corners_check(&w, &error);
+  g_assert_cmpint(code, ==, OPC_INVALID);
+  if (!strstr(error.message, why))
+    g_error("'%s' does not say '%s'", error.message, why);
+  if (model) loop_clear(&l);
+}
+
+static void test_refused(void) {
+  static const double some[] = {0, 1.5, 1.5}, low[] = {-100}, minus[] = {1, -1},
+                      much[] = {1e308, 1e308};
+  refused((corners_wish){.focus = {some, 2}}, &litho, "has one focus only");
+  refused((corners_wish){.mask_error = {some, 2}}, &with_focus,
+          "1.5 nm is no multiple of the mask grid of 1 nm");
+  refused((corners_wish){.dose = {some, 3}}, NULL, "has 1.5 twice");
+  refused((corners_wish){.dose = {low, 1}}, NULL, "of -100 is out of range");
+  refused((corners_wish){.dose = {some, 2}, .weight = {some, 3}}, NULL,
+          "3 weights for 2 corners");
+  refused((corners_wish){.dose = {some, 2}, .weight = {minus, 2}}, NULL,
+          "a weight of -1");
+  refused((corners_wish){.dose = {some, 2}, .weight = {much, 2}}, NULL,
+          "a weight of 1e+308");
+  refused((corners_wish){.dose = {some, 1}, .weight = {some, 1}}, NULL,
+          "all weights are 0");
+  refused((corners_wish){.weight = {some, 1}}, NULL, "1 weights for 0 corners");
+  /* %, nm and nm: just within both ends, and just out. */
+  static const double ends[][2] = {{-100, 1e6}, {-1e6, 1e6}, {-1e3, 1e6}};
+  for (int k = 0; k < 3; k++)
+    for (int up = 0; up < 2; up++)
+      for (int out = 0; out < 2; out++) {
+        double v = ends[k][up] * (1 + (out ? 1e-6 : -1e-6));
+        corners_wish w = {0};
+        opc_error error = {0};
+        *(k == 0   ? &w.dose
+          : k == 1 ? &w.focus
+                   : &w.mask_error) = (opc_reals){&v, 1};
+        g_assert_cmpint(corners_check(&w, &error), ==,
+                        out ? OPC_INVALID : OPC_OK);
+      }
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  told = g_string_new(NULL);
+  g_test_add_func("/corners/figures", test_figures);
+  g_test_add_func("/corners/weights", test_weights);
+  g_test_add_func("/corners/limit", test_limit);
+  g_test_add_func("/corners/nominal", test_nominal);
+  g_test_add_func("/corners/fine", test_fine);
+  g_test_add_func("/corners/lost", test_lost);
+  g_test_add_func("/corners/refused", test_refused);
+  int failed = g_test_run();
+  g_string_free(told, TRUE);
+  return failed;
+}

@@ -1,0 +1,311 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A layer's edges become pieces, pieces are moved outwards by whole grid steps,
+   and moved pieces are joined to polygons again. */
+#include <correct/edges.h>
+
+#include <eda/memory.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Places where a side's length changes: ends of parts, and of the jog. */
+enum { CUTS = 2 * EDA_PARTS + 2 };
+
+/* ---- room ---- */
+
+static void make_room(size_t polygons, size_t count, pieces *out) {
+  out->polygons = polygons;
+  out->room = count;
+  out->start = eda_alloc(polygons + 1, sizeof *out->start);
+  out->from = eda_alloc(count, sizeof *out->from);
+  out->by = eda_alloc(count, sizeof *out->by);
+}
+
+void pieces_of_edges(const eda_edges *edges, int base, pieces *out) {
+  size_t n = edges->polygons ? edges->start[edges->polygons] : 0, sides = 0;
+  for (size_t i = 0; i < n; i++)
+    sides += edges->fragments[i].role == EDA_L_LOW ||
+             edges->fragments[i].role == EDA_L_HIGH;
+  make_room(edges->polygons, n + (base ? 2 : 1) * CUTS * sides, out);
+}
+
+void pieces_of_cuts(const eda_cuts *cuts, pieces *out) {
+  size_t n = cuts->start[cuts->polygons];
+  make_room(cuts->polygons, n, out);
+  memcpy(out->start, cuts->start, (cuts->polygons + 1) * sizeof *out->start);
+  memcpy(out->from, cuts->from, n * sizeof *out->from);
+}
+
+void pieces_clear(pieces *p) {
+  free(p->start);
+  free(p->from);
+  free(p->by);
+  *p = (pieces){0};
+}
+
+void pieces_room(const pieces *p, eda_shapes *out) {
+  *out = (eda_shapes){.count = p->polygons};
+  out->start = eda_alloc(p->polygons + 1, sizeof *out->start);
+  out->points = eda_alloc(2 * p->room, sizeof *out->points);
+}
+
+/* ---- from the biases of gates to pieces ---- */
+
+/* What a gate's width is measured along. */
+static int32_t along_w(const eda_gates *g, int32_t gate, eda_point p) {
+  return g->axis[gate] == EDA_X ? p.y : p.x;
+}
+
+/* A side's part of a bias. The HIGH side takes the odd step. */
+static int32_t part(int32_t all, int high) {
+  int32_t low = all >> 1;
+  return high ? all - low : low;
+}
+
+/* How far a fragment that is no side along L moves outwards. */
+static int32_t move_of(const eda_fragment *f, const biases *b) {
+  const eda_moved *base = b->base;
+  int32_t i = f->gate, by = 0;
+  if (f->role == EDA_W_LOW || f->role == EDA_W_HIGH) {
+    int high = f->role == EDA_W_HIGH;
+    int32_t aside = b->aside[i] + (base ? base->aside[i] : 0);
+    if (base) by = part(base->w[i], high != !!(base->flip[i] & EDA_FLIP_W));
+    return by + part(b->w[i], high) + (high ? aside : -aside);
+  }
+  if (f->role != EDA_END_LOW && f->role != EDA_END_HIGH) return 0;
+  int32_t end = 2 * i + (f->role == EDA_END_HIGH);
+  return b->end[end] + (base ? base->end[end] : 0);
+}
+
+static void put(pieces *out, uint32_t *n, eda_point from, int32_t by) {
+  out->from[*n] = from;
+  out->by[(*n)++] = by;
+}
+
+/* A side along L, from `low` to `high` along W, and what moves it. */
+typedef struct side {
+  int32_t low, high, box; /* the gate's LOW end */
+  int32_t l;
+  int32_t jog_from, jog_to; /* empty: the jog is in the other side */
+  int upper;                /* it takes the odd step */
+  const eda_part *part;
+} side;
+
+/* `flip` EDA_FLIP_*. */
+static side side_of(const eda_gates *g, const eda_fragment *f, eda_point next,
+                    int32_t l, int32_t jog, const eda_part *parts,
+                    uint8_t flip) {
+  int32_t from = along_w(g, f->gate, f->from), to = along_w(g, f->gate, next);
+  eda_box box = g->box[f->gate];
+  int upper = (f->role == EDA_L_HIGH) != !!(flip & EDA_FLIP_L);
+  side s = {.low = from < to ? from : to,
+            .high = from < to ? to : from,
+            .box = g->axis[f->gate] == EDA_X ? box.y0 : box.x0,
+            .l = l,
+            .upper = upper,
+            .part = parts + (size_t)EDA_PARTS * (size_t)f->gate};
+  s.jog_from = s.jog_to = s.low;
+  if (upper == (l & 1)) return s;
+  if (jog > s.high - s.low) jog = s.high - s.low;
+  if (flip & EDA_FLIP_W)
+    s.jog_from = s.high - jog, s.jog_to = s.high;
+  else
+    s.jog_to = s.low + jog;
+  return s;
+}
+
+static int is_part(const side *s, int k) {
+  return k < EDA_PARTS && s->part[k].from < s->part[k].to;
+}
+
+/* How far the side moves at that place: its part of the gate's bias of length
+   there, and the jog, which stays in one side whatever parts add: the sides
+   begin elsewhere. */
+static int32_t move_at(const side *s, int32_t at) {
+  int32_t l = s->l;
+  for (int k = 0; is_part(s, k); k++)
+    if (s->part[k].from <= at - s->box && at - s->box < s->part[k].to)
+      l += s->part[k].by;
+  return part(l, s->upper) + (s->jog_from <= at && at < s->jog_to);
+}
+
+/* Take in a place where the length changes; the list is kept sorted. */
+static int cut_at(const side *s, int32_t at, int32_t *cut, int n) {
+  int k = n;
+  if (at <= s->low || at >= s->high) return n;
+  for (; k > 0 && cut[k - 1] > at; k--) cut[k] = cut[k - 1];
+  cut[k] = at;
+  return n + 1;
+}
+
+/* All such places of a side. */
+static int cut_side(const side *s, int32_t *cut, int n) {
+  for (int k = 0; is_part(s, k); k++) {
+    n = cut_at(s, s->box + s->part[k].from, cut, n);
+    n = cut_at(s, s->box + s->part[k].to, cut, n);
+  }
+  n = cut_at(s, s->jog_from, cut, n);
+  return cut_at(s, s->jog_to, cut, n);
+}
+
+/* A side along L, cut where its length changes. */
+static void put_side(const eda_gates *g, const eda_fragment *f, eda_point next,
+                     const biases *b, pieces *out, uint32_t *n) {
+  const eda_moved *base = b->base;
+  int32_t cut[2 * CUTS + 2], i = f->gate;
+  side s = side_of(g, f, next, b->l[i], b->jog[i], b->part, 0), under = {0};
+  int upright = g->axis[i] == EDA_X;
+  int rising = along_w(g, i, f->from) == s.low, cuts;
+  cut[0] = s.low;
+  cuts = cut_side(&s, cut, 1);
+  if (base) {
+    under = side_of(g, f, next, base->l[i], base->jog[i], base->part,
+                    base->flip[i]);
+    cuts = cut_side(&under, cut, cuts);
+  }
+  cut[cuts] = s.high;
+  int32_t before = INT32_MAX;
+  for (int c = 0; c < cuts; c++) {
+    int k = rising ? c : cuts - 1 - c;
+    int32_t by = move_at(&s, cut[k]) + (base ? move_at(&under, cut[k]) : 0);
+    int32_t at = rising ? cut[k] : cut[k + 1];
+    if (by != before)
+      put(out, n,
+          upright ? (eda_point){f->from.x, at} : (eda_point){at, f->from.y},
+          by);
+    before = by;
+  }
+}
+
+void pieces_follow(const eda_gates *g, size_t layer, const biases *b,
+                   pieces *out) {
+  const eda_edges *e = &g->edges[layer];
+  uint32_t n = 0;
+  for (size_t p = 0; p < e->polygons; p++) {
+    const eda_fragment *f = e->fragments + e->start[p];
+    uint32_t count = e->start[p + 1] - e->start[p];
+    out->start[p] = n;
+    for (uint32_t i = 0; i < count; i++) {
+      if (f[i].role == EDA_L_LOW || f[i].role == EDA_L_HIGH)
+        put_side(g, &f[i], f[(i + 1) % count].from, b, out, &n);
+      else
+        put(out, &n, f[i].from, move_of(&f[i], b));
+    }
+  }
+  out->start[e->polygons] = n;
+}
+
+/* ---- from pieces to polygons ---- */
+
+/* A piece after its move: the line it lies on. */
+typedef struct moved {
+  int horizontal;
+  int32_t line; /* its y if horizontal, else its x */
+} moved;
+
+static moved move(eda_point from, eda_point next, int32_t by) {
+  if (from.y == next.y) /* outwards is down when going right */
+    return (moved){1, from.y + (next.x > from.x ? -by : by)};
+  return (moved){0, from.x + (next.y > from.y ? by : -by)};
+}
+
+/* Whether b is no corner between a and c: repeated, or on their line. */
+static int is_idle(eda_point a, eda_point b, eda_point c) {
+  return (a.x == b.x && b.x == c.x) || (a.y == b.y && b.y == c.y);
+}
+
+/* Append a corner to a polygon of n. */
+static uint32_t corner(eda_point *polygon, uint32_t n, eda_point p) {
+  while (n > 1 && is_idle(polygon[n - 2], polygon[n - 1], p)) n--;
+  if (n == 1 && polygon[0].x == p.x && polygon[0].y == p.y) n = 0;
+  polygon[n] = p;
+  return n + 1;
+}
+
+/* What is left of a polygon when its end is joined to its beginning. */
+static uint32_t join(eda_point *polygon, uint32_t n) {
+  uint32_t first = 0;
+  for (int found = 1; found && n - first > 2;) {
+    found = 1;
+    if (is_idle(polygon[n - 2], polygon[n - 1], polygon[first]))
+      n--;
+    else if (is_idle(polygon[n - 1], polygon[first], polygon[first + 1]))
+      first++;
+    else
+      found = 0;
+  }
+  if (n - first < 4) return 0;
+  for (uint32_t i = first; i < n; i++) polygon[i - first] = polygon[i];
+  return n - first;
+}
+
+static uint32_t build(const eda_point *from, const int32_t *by, uint32_t count,
+                      eda_point *polygon) {
+  uint32_t n = 0;
+  moved before = move(from[count - 1], from[0], by[count - 1]);
+  for (uint32_t i = 0; i < count; i++) {
+    moved m = move(from[i], from[(i + 1) % count], by[i]);
+    if (m.horizontal != before.horizontal) {
+      n = corner(polygon, n,
+                 m.horizontal ? (eda_point){before.line, m.line}
+                              : (eda_point){m.line, before.line});
+    } else if (m.line != before.line) { /* a jog */
+      int32_t at = m.horizontal ? from[i].x : from[i].y;
+      for (int k = 0; k < 2; k++) {
+        int32_t line = k ? m.line : before.line;
+        n = corner(
+            polygon, n,
+            m.horizontal ? (eda_point){at, line} : (eda_point){line, at});
+      }
+    }
+    before = m;
+  }
+  return join(polygon, n);
+}
+
+void pieces_build(const pieces *in, eda_shapes *out) {
+  uint32_t n = 0;
+  for (size_t p = 0; p < in->polygons; p++) {
+    uint32_t first = in->start[p], count = in->start[p + 1] - first;
+    out->start[p] = n;
+    if (count)
+      n += build(in->from + first, in->by + first, count, out->points + n);
+  }
+  out->start[in->polygons] = n;
+  out->count = in->polygons;
+}
+
+/* ---- from polygons to the mask ---- */
+
+void shapes_of_boxes(boxes_lists from, eda_shapes *out) {
+  size_t n = 0, i = 0;
+  for (size_t k = 0; k < from.count; k++) n += from.list[k].count;
+  *out = (eda_shapes){.count = n};
+  out->start = eda_alloc(n + 1, sizeof *out->start);
+  out->points = eda_alloc(4 * n, sizeof *out->points);
+  for (size_t k = 0; k < from.count; k++)
+    for (size_t b = 0; b < from.list[k].count; b++, i++) {
+      eda_box box = from.list[k].box[b];
+      const eda_point corners[] = {{box.x0, box.y0},
+                                   {box.x1, box.y0},
+                                   {box.x1, box.y1},
+                                   {box.x0, box.y1}};
+      memcpy(out->points + 4 * i, corners, sizeof corners);
+      out->start[i + 1] = (uint32_t)(4 * i + 4);
+    }
+}
+
+int mask_merge(const eda_shapes *polygons, boxes_lists added, boxes_lists bites,
+               eda_shapes *out, opc_error *error) {
+  eda_shapes more, less, whole;
+  shapes_of_boxes(added, &more);
+  shapes_of_boxes(bites, &less);
+  int code = eda_boolean(EDA_OR, polygons, more.count ? &more : NULL,
+                         less.count ? &whole : out, error);
+  if (!code && less.count) {
+    code = eda_boolean(EDA_NOT, &whole, &less, out, error);
+    eda_shapes_clear(&whole);
+  }
+  eda_shapes_clear(&more);
+  eda_shapes_clear(&less);
+  return code;
+}

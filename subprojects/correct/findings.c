@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What nobody may miss of a correction, said in words. */
+#include <correct/findings.h>
+
+#include <glib.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include <correct/report.h>
+
+/* A drawn length is near an end of the device table within this part of itself,
+   ours: about what prints are off by before they are corrected. */
+static const double near_end = 0.1;
+
+static int failed(uint32_t flags) {
+  return (flags & ~(uint32_t)EDA_PRINT_NOTES) != 0;
+}
+
+static const char *plural(size_t n) { return n == 1 ? "" : "s"; }
+static const char *verb(size_t n) { return n == 1 ? "does" : "do"; }
+
+/* ---- drawn ---- */
+
+static void range_of_type(const opc_host *host, const eda_gates *g,
+                          const opc_module *extractor, int type) {
+  const eda_extractor *model = extractor->functions;
+  double low, high, least = INFINITY, most = 0;
+  size_t beyond = 0, count = 0;
+  if (!model->range(extractor->self, type, &low, &high)) return;
+  for (size_t i = 0; i < g->count; i++) {
+    if (g->type[i] != type || *eda_gates_flavour(g, i)) continue;
+    least = fmin(least, g->length[i]);
+    most = fmax(most, g->length[i]);
+    beyond += g->length[i] < low || g->length[i] > high;
+    count++;
+  }
+  const char *name = type == EDA_PMOS ? "p" : "n";
+  if (beyond)
+    host->log(host, OPC_LOG_WARNING,
+              "%zu of %zu %s-transistors are drawn with lengths (%g to %g nm) "
+              "beyond the device table's %g to %g nm: is the layout's 'scale' "
+              "right, and is it the table of this process?",
+              beyond, count, name, least, most, low, high);
+  else if (count &&
+           (least * (1 - near_end) < low || most * (1 + near_end) > high))
+    host->log(host, OPC_LOG_WARNING,
+              "%s-transistors are drawn with lengths (%g to %g nm) near an end "
+              "of the device table, %g to %g nm: prints may go beyond it",
+              name, least, most, low, high);
+}
+
+static int ascending(const void *a, const void *b) {
+  double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* How many of n sizes differ. */
+static size_t different(const double *size, size_t n) {
+  double *sorted = g_new(double, n);
+  size_t count = 0;
+  for (size_t i = 0; i < n; i++) sorted[i] = size[i];
+  qsort(sorted, n, sizeof *sorted, ascending);
+  for (size_t i = 0; i < n; i++) count += !i || sorted[i] != sorted[i - 1];
+  g_free(sorted);
+  return count;
+}
+
+/* Lengths are few, widths are many; transistors of 5 V may be longer than wide
+   for all that. */
+void findings_of_drawing(const opc_host *host, const eda_gates *g,
+                         const opc_module *extractor) {
+  const eda_extractor *model = extractor->functions;
+  size_t longer = 0;
+  for (size_t i = 0; i < g->count; i++) longer += g->length[i] > g->width[i];
+  if (2 * longer > g->count &&
+      different(g->length, g->count) > different(g->width, g->count))
+    host->log(host, OPC_LOG_WARNING,
+              "%zu of %zu transistors are drawn longer than wide: are the "
+              "layers poly and active exchanged?",
+              longer, g->count);
+  for (int type = 0; model->range && type < 2; type++)
+    range_of_type(host, g, extractor, type);
+}
+
+/* ---- printed ---- */
+
+/* "XU1:3 at (120, 340) nm". */
+static char *place_of(const eda_gates *g, size_t i) {
+  eda_box b = g->box[i];
+  char *name = report_gate_name(g, i);
+  char *place = g_strdup_printf("%s at (%g, %g) nm", name,
+                                ((double)b.x0 + b.x1) / 2 * g->grid,
+                                ((double)b.y0 + b.y1) / 2 * g->grid);
+  g_free(name);
+  return place;
+}
+
+static void of_failed(const opc_host *host, const eda_gates *g,
+                      const uint32_t *flags, const uint32_t *before) {
+  size_t bad = 0, lost = 0, first = 0, first_lost = 0, good_before = 0;
+  for (size_t i = g->count; i-- > 0;) {
+    int was_good = before && !failed(before[i]);
+    good_before += (size_t)was_good;
+    if (!failed(flags[i])) continue;
+    bad++, first = i;
+    if (was_good) lost++, first_lost = i;
+  }
+  if (bad) {
+    char *place = place_of(g, first);
+    host->log(host, OPC_LOG_FINDING,
+              "%zu of %zu transistor%s %s not print as one, and %s no figures: "
+              "first %s",
+              bad, g->count, plural(g->count), verb(bad),
+              bad == 1 ? "has" : "have", place);
+    g_free(place);
+  }
+  if (lost) {
+    char *place = place_of(g, first_lost);
+    host->log(host, OPC_LOG_FINDING,
+              "%zu transistor%s that printed as drawn %s so no more: first %s",
+              lost, plural(lost), verb(lost), place);
+    g_free(place);
+  }
+  if (before && g->count && !good_before)
+    host->log(host, OPC_LOG_FINDING,
+              "no transistor prints as drawn: is the layout's 'scale' right, "
+              "do optics and resist belong to its process, are poly and active "
+              "exchanged?");
+}
+
+void findings_of_print(const opc_host *host, const eda_gates *g,
+                       const uint32_t *flags, const uint32_t *before) {
+  size_t outside = 0;
+  of_failed(host, g, flags, before);
+  for (size_t i = 0; i < g->count; i++)
+    outside += !failed(flags[i]) && (flags[i] & EDA_PRINT_OUTSIDE);
+  if (outside)
+    host->log(host, OPC_LOG_FINDING,
+              "figures of %zu of %zu transistors are from beyond the device "
+              "table, where it goes on by its last slope: not to be trusted",
+              outside, g->count);
+}
+
+/* ---- held ---- */
+
+void findings_of_guard(const opc_host *host, const guard *g, int held) {
+  const char *are = g->worse == 1 ? " is" : "s are";
+  if (!held)
+    host->log(host, OPC_LOG_FINDING,
+              "guard: off: %zu transistor%s worse than drawn and than the "
+              "limit, %zu that printed as drawn %s so no more",
+              g->worse, are, g->lost, verb(g->lost));
+  else if (g->worse)
+    host->log(host, OPC_LOG_FINDING,
+              "%zu transistor%s worse than drawn, as neighbours or rules stand "
+              "in the way: 'verdict' in gates.csv names them",
+              g->worse, are);
+  if (g->back)
+    host->log(host, OPC_LOG_INFO,
+              "%zu transistor%s went back towards the drawn mask, which was "
+              "better",
+              g->back, plural(g->back));
+}

@@ -1,0 +1,544 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Takes back what a loop has made worse than the drawn mask. */
+#include <correct/guard.h>
+
+#include <eda/index.h>
+#include <eda/memory.h>
+#include <glib.h>
+#include <math.h>
+#include <opcflow/plugin.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <correct/loop.h>
+
+/* Ours. Lengths in nm. */
+static const struct {
+  double worse, part, alike, near, reach, around;
+  int rounds, trials;
+} tuned = {
+    /* %: less than tables show. */
+    .worse = 0.001,
+
+    /* Of the limit: model_margin. A tenth of it is what the fine model's error
+       is chosen for. */
+    .part = 0.1,
+
+    /* %: what two prints of one gate differ by although nothing within 4 um of
+       it has changed, as the light of far edges adds up otherwise (c432, of 41
+       % drawn: 0.02). */
+    .alike = 0.05,
+
+    /* A rule that was broken so near to here is the same one: less than the
+       width of a gate, so that its two ends are told apart. */
+    .near = 100,
+
+    /* Fragments of edges as near as this to a gate are its own, its line ends'
+       too. About a resolution at 193 nm, NA 0.75. */
+    .reach = 150,
+
+    /* How far around a gate all goes back at first; twice as far each time.
+       The first neighbours' poly is about as far away. */
+    .around = 250,
+
+    /* Prints after which all goes back to drawn. Each gate takes three for
+       itself; a cluster of a hundred lines has not needed ten. */
+    .rounds = 30,
+
+    /* Trials of what stands in the way: the regulator's work, all within eight
+       times `around`, and within sixteen times: beyond 2 um next to no light
+       comes. */
+    .trials = 3,
+};
+
+enum { GOOD, WORSE, RULE, LOST }; /* faults */
+
+/* ---- what was drawn ---- */
+
+void guard_init(guard *g, size_t gates) {
+  g->state = eda_alloc(gates, sizeof *g->state);
+  g->flags = eda_alloc(gates, sizeof *g->flags);
+  for (size_t i = 0; i < gates; i++)
+    g->state[i].off = g->state[i].least = INFINITY;
+}
+
+void guard_clear(guard *g) {
+  free(g->state);
+  free(g->flags);
+  free(g->drawn);
+}
+
+/* By transistor, then from left to right. */
+static int by_place(const void *a, const void *b) {
+  const eda_violation *p = a, *q = b;
+  if (p->gate != q->gate) return p->gate < q->gate ? -1 : 1;
+  return p->x < q->x ? -1 : p->x > q->x;
+}
+
+int guard_begin(loop *l, const eda_printed *drawn, opc_error *error) {
+  guard *g = &l->guard;
+  if (!l->gates->count) return OPC_OK;
+  memcpy(g->flags, drawn->flags, l->gates->count * sizeof *g->flags);
+  if (!l->regulator) return OPC_OK;
+  free(g->drawn);
+  int code = loop_violations(l, drawn, &g->drawn, &g->rules, error);
+  if (g->rules) qsort(g->drawn, g->rules, sizeof *g->drawn, by_place);
+  return code;
+}
+
+static int failed(uint32_t flags) {
+  return (flags & ~(uint32_t)EDA_PRINT_NOTES) != 0;
+}
+
+/* What the synthesizer wants of a gate's Ion, as a factor; NAN: nothing. */
+static double target_of(const loop *l, size_t gate) {
+  const opc_module *m = l->drivers[MAIN].module;
+  const eda_synthesizer *s = m->functions;
+  if (!s->target) return 1;
+  const char *before = opc_enter(l->host->context, m->id);
+  double target = s->target(m->self, gate);
+  opc_leave(l->host->context, before);
+  return target;
+}
+
+/* |Ion deviation| from what is wanted, %. */
+static double off(const loop *l, const eda_performance *p, size_t i,
+                  double target) {
+  return fabs(eda_deviation(p->ion[i], l->design.ion[i] * target));
+}
+
+double guard_off(const loop *l, size_t i) {
+  if (failed(l->measured.flags[i])) return NAN;
+  return off(l, &l->measured.performance, i, target_of(l, i));
+}
+
+/* A mask of which the line ends were others tells nothing of how good it would
+   be now. The guard's own prints are not the loop's. */
+void guard_watch(loop *l) {
+  const biases *b = &l->now.biases;
+  if (l->guard.prints) return;
+  for (size_t i = 0; i < l->gates->count; i++) {
+    guarded *s = &l->guard.state[i];
+    if (memcmp(s->end, b->end + 2 * i, sizeof s->end)) s->off = INFINITY;
+    memcpy(s->end, b->end + 2 * i, sizeof s->end);
+    double now = guard_off(l, i);
+    if (!(now < s->off)) continue;
+    s->off = now;
+    s->best = (gate_moves){
+        .l = b->l[i], .w = b->w[i], .aside = b->aside[i], .jog = b->jog[i]};
+    memcpy(s->best.part, b->part + EDA_PARTS * i, sizeof s->best.part);
+  }
+}
+
+/* ---- what is worse ---- */
+
+/* The first word of two rules, without what is told of a place. */
+static int same_rule(const char *a, const char *b) {
+  size_t n = strcspn(a, ":;");
+  return n == strcspn(b, ":;") && !strncmp(a, b, n);
+}
+
+/* Was that rule broken there as drawn? */
+static int was_broken(const guard *g, const eda_violation *v) {
+  size_t low = 0, high = g->rules;
+  const eda_violation first = {.gate = v->gate, .x = v->x - tuned.near};
+  while (low < high) {
+    size_t middle = (low + high) / 2;
+    if (by_place(&g->drawn[middle], &first) < 0)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  for (; low < g->rules; low++) {
+    const eda_violation *d = &g->drawn[low];
+    if (d->gate != v->gate || d->x > v->x + tuned.near) return 0;
+    if (fabs(d->y - v->y) <= tuned.near && same_rule(d->rule, v->rule))
+      return 1;
+  }
+  return 0;
+}
+
+static eda_box grown(eda_box b, double by) {
+  int32_t d = (int32_t)fmin(by, INT32_MAX / 4);
+  return (eda_box){b.x0 - d, b.y0 - d, b.x1 + d, b.y1 + d};
+}
+
+/* A place in nm as a box of no extent. */
+static eda_box place_of(const loop *l, double x, double y) {
+  int32_t a = (int32_t)lround(x / l->gates->grid),
+          b = (int32_t)lround(y / l->gates->grid);
+  return (eda_box){a, b, a, b};
+}
+
+/* %: what two prints of one gate may differ by as the difference of the fine
+   print to the cheap one is that of another mask: that of the first moves for
+   the drawn one, where the rest is (c432) 0.02 and 0.1 at most. */
+static double model_margin(const loop *l) {
+  return l->printer.fine > 0 ? tuned.part * l->limit : 0;
+}
+
+static int fault_of(const loop *l, size_t i, double margin) {
+  const guard *g = &l->guard;
+  if (failed(l->measured.flags[i])) return failed(g->flags[i]) ? GOOD : LOST;
+  double target = target_of(l, i);
+  if (isnan(target) || failed(g->flags[i])) return GOOD;
+  if (l->still && l->still[i]) return GOOD; /* others may move past it */
+  double drawn = off(l, &l->before, i, target) + model_margin(l);
+  double most = fmax(drawn, l->limit) + margin;
+  return off(l, &l->measured.performance, i, target) <= most ? GOOD : WORSE;
+}
+
+/* New violations are faults of their transistors, as long as these have own
+   edges to take back for them: drawn surroundings would break more rules than
+   that one. Those that have none, as of the mask's own edges, make no
+   transistor worse. */
+static int find_broken(loop *l, opc_error *error) {
+  guarded *state = l->guard.state;
+  eda_violation *v = NULL;
+  size_t n = 0;
+  if (!l->regulator) return OPC_OK;
+  eda_printed p = loop_printed(l);
+  int code = loop_violations(l, &p, &v, &n, error);
+  for (size_t k = 0; k < n && !code; k++) {
+    guarded *s = v[k].gate < 0 ? NULL : &state[v[k].gate];
+    if (s && s->tries <= GUARD_DRAWN && !was_broken(&l->guard, &v[k]))
+      s->fault = MAX(s->fault, RULE);
+  }
+  free(v);
+  return code;
+}
+
+/* Of what was tried of a transistor, its best. */
+static void keep_least(loop *l, size_t i) {
+  guarded *s = &l->guard.state[i];
+  double now = off(l, &l->measured.performance, i, target_of(l, i));
+  if (!(now < s->least)) return;
+  s->least = now;
+  s->pick = s->level;
+}
+
+/* How many transistors of the last print have a fault, and no cause for it that
+   is known already. */
+static int find_faults(loop *l, size_t *count, opc_error *error) {
+  *count = 0;
+  for (size_t i = 0; i < l->gates->count; i++)
+    l->guard.state[i].fault = (uint8_t)fault_of(l, i, tuned.worse);
+  int code = find_broken(l, error);
+  for (size_t i = 0; i < l->gates->count; i++) {
+    guarded *s = &l->guard.state[i];
+    if (s->fault != WORSE) s->cause = NULL;
+    if (s->fault <= WORSE && s->level <= GUARD_DRAWN) keep_least(l, i);
+    if (s->cause) s->fault = GOOD;
+    *count += s->fault != GOOD;
+  }
+  return code;
+}
+
+/* ---- going back ---- */
+
+typedef struct hold {
+  loop *l;
+  eda_index *gates;      /* their boxes */
+  eda_index **fragments; /* of each layer that is cut: their sites */
+  trial ended;           /* as the synthesizer left it */
+} hold;
+
+static void hold_init(hold *h, loop *l) {
+  const eda_gates *g = l->gates;
+  *h = (hold){.l = l, .gates = eda_index_new(g->box, g->count, 0)};
+  h->fragments = eda_alloc(g->layers, sizeof(eda_index *));
+  trial_init(&h->ended, g->layers, g->count);
+  trial_copy(&h->ended, &l->now);
+  trial_copy(&l->next, &l->now);
+  for (size_t k = 0; k < g->layers; k++) {
+    const sites *s = &l->sites[k];
+    if (!l->now.shift[k] || l->driver_of[k] != MAIN) continue;
+    eda_box *box = eda_alloc(s->count, sizeof *box);
+    for (size_t i = 0; i < s->count; i++)
+      box[i] = place_of(l, s->place[2 * i], s->place[2 * i + 1]);
+    h->fragments[k] = eda_index_new(box, s->count, 0);
+    free(box);
+  }
+}
+
+static void hold_clear(hold *h) {
+  for (size_t k = 0; k < h->l->gates->layers; k++)
+    eda_index_free(h->fragments[k]);
+  free(h->fragments);
+  eda_index_free(h->gates);
+  trial_clear(&h->ended);
+}
+
+/* The fragments in a window go so far of the way to where they ended. */
+static void set_fragments(hold *h, eda_box window, double part) {
+  for (size_t k = 0; k < h->l->gates->layers; k++) {
+    if (!h->fragments[k]) continue;
+    int32_t *to = h->l->next.shift[k], *from = h->ended.shift[k];
+    eda_finder f = eda_index_find(h->fragments[k], window);
+    for (uint32_t i; eda_index_next(&f, &i);)
+      if (fabs(part * from[i]) < abs(to[i])) to[i] = (int32_t)(part * from[i]);
+  }
+}
+
+static eda_box window_of(const hold *h, size_t gate, double nm) {
+  return grown(h->l->gates->box[gate], nm / h->l->gates->grid);
+}
+
+static const gate_moves as_drawn;
+
+static void set_gate(hold *h, size_t i, const gate_moves *to) {
+  biases *b = &h->l->next.biases;
+  b->l[i] = to->l;
+  b->w[i] = to->w;
+  b->aside[i] = to->aside;
+  b->jog[i] = to->jog;
+  memcpy(b->part + EDA_PARTS * i, to->part, sizeof to->part);
+}
+
+/* What the regulator did to a gate and within some nm of it, undone; but not in
+   layers of `edges`. */
+static void drop_rules(hold *h, size_t gate, double nm) {
+  loop *l = h->l;
+  eda_box window = window_of(h, gate, nm);
+  l->next.biases.end[2 * gate] = l->next.biases.end[2 * gate + 1] = 0;
+  for (size_t k = 0; k < l->gates->layers; k++) {
+    if (l->driver_of[k] != MAIN) continue;
+    trial_reset_boxes(&l->next.patches[k], window, loop_begun(l, k, 0));
+    trial_reset_boxes(&l->next.bites[k], window, loop_begun(l, k, 1));
+  }
+}
+
+/* All that is within some nm of a gate as drawn. */
+static void set_around(hold *h, size_t gate, double nm) {
+  loop *l = h->l;
+  eda_box window = window_of(h, gate, nm);
+  eda_finder f = eda_index_find(h->gates, window);
+  for (uint32_t i; eda_index_next(&f, &i);) {
+    set_gate(h, i, &as_drawn);
+    l->next.biases.end[2 * i] = l->next.biases.end[2 * i + 1] = 0;
+  }
+  set_fragments(h, window, 0);
+  drop_rules(h, gate, nm);
+  for (size_t k = 0; k < l->gates->layers; k++)
+    if (l->driver_of[k] == MAIN) trial_drop_boxes(&l->next.assists[k], window);
+}
+
+/* How far around a gate all is back at a level. */
+static double around(int level) {
+  return tuned.around * pow(2, level - GUARD_SURROUNDED);
+}
+
+static void set_level(hold *h, size_t i) {
+  const guarded *s = &h->l->guard.state[i];
+  const gate_moves half = {
+      .l = s->best.l / 2, .w = s->best.w / 2, .aside = s->best.aside / 2};
+  eda_box own = window_of(h, i, tuned.reach);
+  switch (s->level) {
+    case GUARD_BEST:
+      set_gate(h, i, &s->best);
+      break;
+    case GUARD_HALF:
+      set_gate(h, i, &half);
+      set_fragments(h, own, 0.5);
+      break;
+    case GUARD_DRAWN:
+      set_gate(h, i, &as_drawn);
+      set_fragments(h, own, 0);
+      break;
+    default:
+      set_around(h, i, around(s->level));
+  }
+}
+
+/* The next mask: as it ended, but for what is back; first what goes back by
+   itself. */
+static void set_all(hold *h) {
+  const guarded *state = h->l->guard.state;
+  trial_copy(&h->l->next, &h->ended);
+  for (int surrounded = 0; surrounded < 2; surrounded++)
+    for (size_t i = 0; i < h->l->gates->count; i++)
+      if (state[i].level && (state[i].level >= GUARD_SURROUNDED) == surrounded)
+        set_level(h, i);
+}
+
+/* Another try of each transistor with a fault: the next level; or, of one that
+   does print, the best of what was tried. How many there were. */
+static size_t go_back(hold *h) {
+  size_t count = 0;
+  for (size_t i = 0; i < h->l->gates->count; i++) {
+    guarded *s = &h->l->guard.state[i];
+    if (s->fault == GOOD || (s->fault == WORSE && s->tries > GUARD_DRAWN))
+      continue;
+    int last = s->fault < LOST && s->tries == GUARD_DRAWN;
+    s->tries++;
+    s->level = last ? s->pick : s->tries;
+    count++;
+  }
+  if (count) set_all(h);
+  return count;
+}
+
+static void all_drawn(hold *h) {
+  trial *next = &h->l->next;
+  memset(next->biases.w, 0, TRIAL_BIASES * next->gates * sizeof(int32_t));
+  for (size_t i = 0; i < next->gates; i++)
+    h->l->guard.state[i].level = GUARD_SURROUNDED;
+  for (size_t k = 0; k < next->layers; k++) {
+    if (h->l->driver_of[k] != MAIN) continue;
+    next->assists[k].count = 0;
+    trial_set_boxes(&next->patches[k], loop_begun(h->l, k, 0));
+    trial_set_boxes(&next->bites[k], loop_begun(h->l, k, 1));
+    if (next->shift[k])
+      memset(next->shift[k], 0, next->fragments[k] * sizeof(int32_t));
+  }
+}
+
+static int print(loop *l, opc_error *error) {
+  if (opc_cancelled(l->host->context))
+    return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
+  l->guard.prints++;
+  return loop_print(l, 0, error);
+}
+
+/* ---- what stands in the way ---- */
+
+static void centre_of(const eda_gates *g, size_t i, double *x, double *y) {
+  *x = ((double)g->box[i].x0 + g->box[i].x1) / 2 * g->grid;
+  *y = ((double)g->box[i].y0 + g->box[i].y1) / 2 * g->grid;
+}
+
+/* The regulator's: the line end that has moved further, or else what is beside
+   the gate. */
+static void name_rule(hold *h, size_t gate) {
+  const eda_gates *g = h->l->gates;
+  const int32_t *end = h->ended.biases.end + 2 * gate;
+  guarded *s = &h->l->guard.state[gate];
+  eda_box b = g->box[gate];
+  int high = abs(end[1]) > abs(end[0]);
+  centre_of(g, gate, &s->x, &s->y);
+  s->cause = end[high] ? "rule: line end" : "rule: patch beside";
+  if (!end[high]) return;
+  if (g->axis[gate] == EDA_X)
+    s->y = (high ? b.y1 : b.y0) * g->grid;
+  else
+    s->x = (high ? b.x1 : b.x0) * g->grid;
+}
+
+/* The nearest transistor whose mask is another than drawn. If none is, what the
+   regulator did beside one. */
+static void name_neighbour(hold *h, size_t gate, double nm) {
+  const eda_gates *g = h->l->gates;
+  const biases *b = &h->ended.biases;
+  guarded *s = &h->l->guard.state[gate];
+  double x, y, cx, cy, least = INFINITY;
+  name_rule(h, gate);
+  centre_of(g, gate, &x, &y);
+  eda_finder f = eda_index_find(h->gates, window_of(h, gate, nm));
+  for (uint32_t i; eda_index_next(&f, &i);) {
+    int moved = b->l[i] || b->w[i] || b->jog[i] || h->fragments[EDA_POLY];
+    centre_of(g, i, &cx, &cy);
+    if (i == gate || !moved || hypot(cx - x, cy - y) >= least) continue;
+    least = hypot(cx - x, cy - y);
+    s->cause = "neighbour";
+    s->x = cx;
+    s->y = cy;
+  }
+}
+
+/* A trial: what is worse goes back to its drawn edges, and the regulator's work
+   on it is undone (first), or all around it goes back as well. Who is as good
+   as drawn then has its cause. */
+static int try_cause(hold *h, int t, uint8_t *open, opc_error *error) {
+  loop *l = h->l;
+  double nm = t ? around(GUARD_SURROUNDED + 2 + t) : tuned.around;
+  for (size_t i = 0; i < l->gates->count; i++) {
+    if (!open[i]) continue;
+    if (t) {
+      set_around(h, i, nm);
+      continue;
+    }
+    set_gate(h, i, &as_drawn);
+    set_fragments(h, window_of(h, i, tuned.reach), 0);
+    drop_rules(h, i, nm);
+  }
+  int code = print(l, error);
+  for (size_t i = 0; i < l->gates->count && !code; i++) {
+    if (!open[i] || fault_of(l, i, tuned.alike) != GOOD) continue;
+    open[i] = 0;
+    if (t)
+      name_neighbour(h, i, nm);
+    else
+      name_rule(h, i);
+  }
+  return code;
+}
+
+/* Find what makes transistors worse, by trials that are then undone. What none
+   of them tells must have its neighbours drawn. */
+static int find_causes(hold *h, opc_error *error) {
+  loop *l = h->l;
+  guarded *state = l->guard.state;
+  size_t n = l->gates->count;
+  uint8_t *open = eda_alloc(n, 1);
+  int code = OPC_OK;
+  for (size_t i = 0; i < n; i++) open[i] = state[i].fault == WORSE;
+  for (int t = 0; t < tuned.trials && !code && memchr(open, 1, n); t++)
+    code = try_cause(h, t, open, error);
+  for (size_t i = 0; i < n; i++)
+    if (open[i])
+      state[i].level = (uint8_t)(GUARD_SURROUNDED + tuned.trials + 1);
+  free(open);
+  set_all(h);
+  return code ? code : print(l, error);
+}
+
+/* ---- all of it ---- */
+
+static int take_back(hold *h, opc_error *error) {
+  size_t faults = 0;
+  int code = find_faults(h->l, &faults, error);
+  for (int round = 0; faults && round <= tuned.rounds && !code; round++) {
+    int gone = 1;
+    if (round == tuned.rounds)
+      all_drawn(h);
+    else
+      gone = go_back(h) > 0;
+    code = gone ? print(h->l, error) : find_causes(h, error);
+    if (!code) code = find_faults(h->l, &faults, error);
+  }
+  return code;
+}
+
+/* The figures of the last print. */
+void guard_count(loop *l) {
+  guard *g = &l->guard;
+  for (size_t i = 0; i < l->gates->count; i++) {
+    int fault = fault_of(l, i, tuned.worse);
+    g->back += g->state[i].level > 0;
+    g->worse += fault == WORSE;
+    g->lost += fault == LOST;
+  }
+}
+
+int guard_hold(loop *l, opc_error *error) {
+  hold h;
+  hold_init(&h, l);
+  int code = take_back(&h, error);
+  for (int k = 0; !code && proof_is_due(l); k++) {
+    code = loop_refine(l, error);
+    if (!code && k < PROOFS) code = take_back(&h, error);
+  }
+  hold_clear(&h);
+  if (!code) guard_count(l);
+  return code;
+}
+
+char *guard_verdict(const guard *g, size_t gate) {
+  static const char *const words[] = {
+      NULL, "went back: its best mask", "went back: half of its best mask",
+      "went back: as drawn", "went back: as drawn, with all around"};
+  const guarded *s = &g->state[gate];
+  if (s->cause)
+    return g_strdup_printf("%s at (%.0f, %.0f) nm", s->cause, s->x, s->y);
+  return g_strdup(words[MIN(s->level, GUARD_SURROUNDED)]);
+}

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Assist features beside gates, whatever synthesizer moves them: bars along the
+   sides of each gate where there is room, in the mask of the poly. */
+#ifndef CORRECT_ASSISTS_H
+#define CORRECT_ASSISTS_H
+
+#include <eda/bars.h>
+#include <opcflow/plugin.h>
+
+struct loop;
+
+typedef struct gate_bars {
+  int64_t rows;                  /* parameters; 0: none */
+  double width, distance, space; /* nm */
+  double min_length, overhang;   /* nm */
+  double margin;                 /* of the level set */
+  eda_box_list bars;
+  size_t dropped;
+} gate_bars;
+
+/* Place them into the next trial; the synthesizers have begun. */
+OPC_EXPORT int assists_begin(struct loop *loop, opc_error *error);
+OPC_EXPORT void assists_clear(struct loop *loop);
+
+/* Whether bars of the next trial, whoever placed them, are within the frame. */
+OPC_EXPORT int assists_check(const struct loop *loop, opc_error *error);
+
+/* Take those out of the next trial that have printed. */
+OPC_EXPORT void assists_watch(struct loop *loop);
+
+/* Metrics. */
+OPC_EXPORT int assists_report(const struct loop *loop, opc_error *error);
+
+#define ASSISTS_LENGTH(state, name_, member, from_, text)                    \
+  OPC_PARAMETER_NAMED(name_, state, assists.member, .type = OPC_REAL,        \
+                      .flags = OPC_AT_LEAST, .unit = "nm", .follows = from_, \
+                      .min = 0, .summary = text)
+#define ASSISTS_PARAMETERS(state)                                           \
+  OPC_PARAMETER_NAMED("assist", state, assists.rows, .type = OPC_INT,       \
+                      .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0",   \
+                      .max = 4,                                             \
+                      .summary =                                            \
+                          "rows of assist bars beside open "                \
+                          "gates"),                                         \
+      ASSISTS_LENGTH(state, "assist_width", width, "0.155 lambda/NA",       \
+                     "width of an assist bar"),                             \
+      ASSISTS_LENGTH(state, "assist_distance", distance, "0.7 lambda/NA",   \
+                     "from drawn shapes to the first row"),                 \
+      ASSISTS_LENGTH(state, "assist_space", space, "0.311 lambda/NA",       \
+                     "between assist bars"),                                \
+      ASSISTS_LENGTH(state, "assist_min_length", min_length,                \
+                     "0.389 lambda/NA", "of an assist bar"),                \
+      ASSISTS_LENGTH(state, "assist_overhang", overhang, "0.389 lambda/NA", \
+                     "how far a bar goes past the ends of its gate"),       \
+      OPC_PARAMETER_NAMED("assist_margin", state, assists.margin,           \
+                          .type = OPC_REAL, .flags = OPC_AT_LEAST,          \
+                          .preset = "0.02", .min = 0,                       \
+                          .summary =                                        \
+                              "a bar is dropped where it comes so "         \
+                              "near to printing, intensity; clear "         \
+                              "field 1")
+
+#endif

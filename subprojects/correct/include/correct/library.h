@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Data kind "library": where the corrected cells of a sheet are. */
+#ifndef CORRECT_LIBRARY_LIBRARY_H
+#define CORRECT_LIBRARY_LIBRARY_H
+
+#include <glib.h>
+#include <opcflow/results.h>
+#include <opcflow/step.h>
+
+enum { LIBRARY_LITHO, LIBRARY_RESIST, LIBRARY_EXTRACTOR, LIBRARY_MODELS };
+
+/* The slots of the models that make a process. */
+OPC_EXPORT extern const char *const library_models[LIBRARY_MODELS];
+
+typedef struct library_cell {
+  char *name, *geometry; /* units.h */
+  char *key;             /* in the database */
+} library_cell;
+
+typedef struct library {
+  char *database;
+  char *model[LIBRARY_MODELS]; /* opc_results.identity of each */
+  double grid;                 /* nm */
+  GArray *cells;               /* library_cell, of those with transistors */
+} library;
+
+OPC_EXPORT library *library_new(const char *database, double grid);
+OPC_EXPORT void library_free(void *library);
+OPC_EXPORT int library_check(const void *library, opc_error *error);
+
+/* Take the sums of a step's models. */
+OPC_EXPORT int library_take_models(const opc_host *host,
+                                   char *model[LIBRARY_MODELS],
+                                   opc_error *error);
+
+#define LIBRARY_PORT(port)                                   \
+  {                                                          \
+    .name = port, .kind = "library", .check = library_check, \
+    .release = library_free                                  \
+  }
+
+#endif

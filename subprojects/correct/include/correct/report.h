@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a correction tells: statistics, tables and metrics. */
+#ifndef CORRECT_REPORT_H
+#define CORRECT_REPORT_H
+
+#include <eda/print.h>
+#include <eda/regulator.h>
+#include <opcflow/plugin.h>
+
+#include <correct/edges.h>
+#include <correct/sites.h>
+
+/* How far a print is from the design. */
+typedef struct summary {
+  double ion_mean, ion_max, ion_stdv; /* of |deviation|, %; eq. 3.3 to 3.5 */
+  double ion_rms, ioff_rms; /* eq. 2.5 is q1 ion_rms^2 + q2 ioff_rms^2 */
+  double area_mean, area_max, ioff_mean, ioff_max;
+  double ioff_total[3]; /* sums of printed Ioff over those of drawn, minus
+                           1, %: n, p, all; NAN without such gates */
+  size_t gates, failed, outside; /* figures are of those that did not fail */
+  double epe_mean, epe_max;      /* of |edge placement error|, nm */
+  size_t sites, lost;            /* lost: those without an edge near */
+} summary;
+
+/* The same as metrics of a step. clang-format off */
+#define REPORT_METRICS                                                        \
+  {"ion_mean", "%", OPC_LOWER, 0.01, "mean of |Ion deviation|"},              \
+      {"ion_max", "%", OPC_LOWER, 0.01, "largest |Ion deviation|"},           \
+      {"ion_stdv", "%", OPC_LOWER, 0.01,                                      \
+       "standard deviation of the Ion deviation, thesis eq. 3.5"},            \
+      {"ion_rms", "%", OPC_LOWER, 0.01,                                       \
+       "root of the mean square of the Ion deviation, thesis eq. 2.5"},       \
+      {"ioff_rms", "%", OPC_LOWER, 0.1,                                       \
+       "root of the mean square of the Ioff deviation, thesis eq. 2.5"},      \
+      {"area_mean", "%", OPC_LOWER, 0.01, "mean of |gate area deviation|"},   \
+      {"area_max", "%", OPC_LOWER, 0.01, "largest |gate area deviation|"},    \
+      {"ioff_mean", "%", OPC_LOWER, 0.1, "mean of |Ioff deviation|"},         \
+      {"ioff_max", "%", OPC_LOWER, 0.1, "largest |Ioff deviation|"},          \
+      {"ioff_total", "%", OPC_NEUTRAL, 0.1,                                   \
+       "deviation of the sum of all Ioff, what is drawn being 0"},            \
+      {"ioff_total_n", "%", OPC_NEUTRAL, 0.1, "that of all n-transistors"}, { \
+    "ioff_total_p", "%", OPC_NEUTRAL, 0.1, "that of all p-transistors"        \
+  }
+#define REPORT_PRINT_METRICS                                    \
+  {"failed", NULL, OPC_LOWER, 0,                                \
+   "transistors that do not print as one of their own"},        \
+  {                                                             \
+    "outside", NULL, OPC_LOWER, 0,                              \
+        "transistors with figures from beyond the device table" \
+  }
+#define REPORT_DRAWN_METRICS                           \
+  {"ion_mean_drawn", "%", OPC_NEUTRAL, 0,              \
+   "mean of |Ion deviation| of the mask as drawn"},    \
+  {                                                    \
+    "ion_max_drawn", "%", OPC_NEUTRAL, 0,              \
+        "largest |Ion deviation| of the mask as drawn" \
+  }
+/* Against the mask as drawn, and the regulator's rules. */
+#define REPORT_JUDGED_METRICS                                              \
+  {"worse", NULL, OPC_LOWER, 0,                                            \
+   "transistors whose Ion is further off than drawn and than the limit"},  \
+      {"lost", NULL, OPC_LOWER, 0,                                         \
+       "transistors that print as drawn and do so no more"},               \
+      {"violations", NULL, OPC_LOWER, 0,                                   \
+       "rules of the regulator that the print does not keep"},             \
+  {                                                                        \
+    "violations_unexplained", NULL, OPC_LOWER, 0,                          \
+        "those for which neither the drawn layout nor a parameter is the " \
+        "reason"                                                           \
+  }
+/* clang-format on */
+
+typedef struct statistics {
+  double n, sum, absolute, square, max;
+} statistics;
+
+/* Deviations of transistors: n, p and all. Those that fail are not to be
+   added. */
+typedef struct groups {
+  statistics ion[3], area[3], ioff[3];
+  double leakage[3], leakage_drawn[3]; /* sums, A */
+} groups;
+
+OPC_EXPORT void groups_add(groups *to, int type, const eda_figures *drawn,
+                           const eda_figures *printed);
+/* The figures of a summary that are of these. */
+OPC_EXPORT summary groups_sum(const groups *groups);
+/* The table `summary`; `drawn`, of the mask as drawn, may be NULL. */
+OPC_EXPORT int groups_table(const opc_host *host, const groups *drawn,
+                            const groups *printed, opc_error *error);
+
+/* `sites`, [gates->layers], may be NULL. */
+OPC_EXPORT summary summarize(const eda_gates *gates,
+                             const eda_performance *design,
+                             const eda_performance *printed,
+                             const uint32_t *flags, const sites *sites);
+
+/* "XU1:3", or "NAND2:3" at the top; freed with g_free. The gravest that was
+   found of a print, "" for nothing. */
+OPC_EXPORT char *report_gate_name(const eda_gates *gates, size_t gate);
+OPC_EXPORT const char *report_trouble(uint32_t flags);
+
+/* One line for each mask of a loop; a fine print takes the place of the cheap
+   one of the same mask. */
+typedef struct history_line {
+  summary print;
+  int64_t iteration, simulations, fine_simulations;
+  const char *model; /* of this print: "fine" or "cheap" */
+} history_line;
+
+typedef struct history {
+  history_line *line;
+  size_t count, room;
+} history;
+
+OPC_EXPORT void history_add(history *history, const summary *print,
+                            uint32_t iteration, const eda_printer *printer,
+                            int fine);
+OPC_EXPORT void history_clear(history *history);
+OPC_EXPORT int history_report(const history *history, const opc_host *host,
+                              opc_error *error);
+
+/* What there is to tell of a mask that was printed. NULL for what there is
+   not. */
+typedef struct report {
+  const eda_mask *mask;
+  const double *extension;
+  const sites *sites; /* [gates->layers] */
+  const biases *biases;
+  const opc_module *synthesizer;
+  char *const *held;            /* what the guard did to each; NULL: nothing */
+  const uint32_t *flags_before; /* EDA_PRINT_* of the mask as drawn */
+  const eda_mask *corrected;    /* the same one as its loop printed it */
+} report;
+
+/* Its tables and metrics. */
+OPC_EXPORT int report_mask(const opc_host *host, const report *report,
+                           opc_error *error);
+OPC_EXPORT int report_violations(const opc_host *host, const eda_gates *gates,
+                                 const eda_violation *violations, size_t n,
+                                 opc_error *error);
+
+#endif

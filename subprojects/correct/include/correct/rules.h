@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The rules of the mask itself, of any method's mask. */
+#ifndef CORRECT_RULES_H
+#define CORRECT_RULES_H
+
+#include <eda/gates.h>
+#include <eda/rules.h>
+#include <opcflow/follow.h>
+
+/* A rule in a layer: how many places of the drawn layer and of the mask do not
+   keep it, the least value and its place, nm; NAN if there is none. */
+typedef struct rules_row {
+  const char *layer, *rule;
+  double limit;
+  int64_t drawn, count;
+  double least, x, y;
+} rules_row;
+
+/* The table `mask_rules` and the metrics mask_violations and mask_RULE. Of each
+   layer EDA_RULES rows, in their order. */
+OPC_EXPORT int rules_tell(const opc_host *host, const rules_row *rows, size_t n,
+                          opc_error *error);
+
+/* Tell where the masks of corrected layers, [gates->layers], do not keep rules.
+ */
+OPC_EXPORT int rules_report(const opc_host *host, const eda_gates *gates,
+                            const eda_shapes *mask,
+                            const double limit[EDA_RULES], opc_error *error);
+
+/* Rules are only counted. `state` has min_space, min_mask_width, min_edge and
+   min_jog, nm. clang-format off */
+#define RULES_PARAMETER(state, name, from, tells)                     \
+  OPC_PARAMETER(state, name, .type = OPC_REAL, .flags = OPC_AT_LEAST, \
+                .unit = "nm", .follows = (from), .min = 0, .summary = (tells))
+#define RULES_PARAMETERS(state)                                               \
+  RULES_PARAMETER(state, min_space, "0.155 lambda/NA",                        \
+                  "least space of the mask"),                                 \
+      RULES_PARAMETER(state, min_mask_width, "0.155 lambda/NA",               \
+                      "least width of the mask"),                             \
+      RULES_PARAMETER(state, min_edge, "0.078 lambda/NA",                     \
+                      "least length of an edge of the mask beside a shorter " \
+                      "one, as of steps that follow each other"),             \
+      OPC_PARAMETER(state, min_jog, .type = OPC_REAL, .flags = OPC_AT_LEAST,  \
+                    .unit = "nm", .preset = "1 nm", .min = 0,                 \
+                    .summary = "least height of a jog of the mask")
+#define RULES_METRICS                                                    \
+  {"mask_violations", NULL, OPC_LOWER, 0,                                \
+   "places where the mask does not keep its rules: the next four"},      \
+      {"mask_space", NULL, OPC_LOWER, 0, "spaces below min_space"},      \
+      {"mask_width", NULL, OPC_LOWER, 0, "widths below min_mask_width"}, \
+      {"mask_edge", NULL, OPC_LOWER, 0, "edges below min_edge"}, {       \
+    "mask_jog", NULL, OPC_LOWER, 0, "jogs below min_jog"                 \
+  }
+/* clang-format on */
+
+#endif

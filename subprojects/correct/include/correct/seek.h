@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Assist features where the model says that they pay: bars in the clear field
+   that make the band between the outermost and the innermost print narrower.
+   How the band's area changes with what is added to the mask is the gradient of
+   the images at its two borders (R. Socha and others, "Contact hole reticle
+   optimization by using interference mapping lithography", SPIE 5377, 2004,
+   have such a map for the intensity). Bars lie where it is most negative, once
+   it allows for the edges of features, which keep the nominal contour in its
+   place. */
+#ifndef CORRECT_SEEK_H
+#define CORRECT_SEEK_H
+
+#include <eda/bars.h>
+#include <opcflow/plugin.h>
+
+struct loop;
+
+typedef struct sought_bars {
+  /* Parameters; none of them looks if `most` is 0. */
+  int64_t most, rounds, every;
+  double worth;                               /* nm^2 */
+  double dose, defocus;                       /* %, nm */
+  double least_width, width, distance, space; /* nm */
+  double min_length, length;                  /* nm */
+  double margin;                              /* of the level set */
+  /* The bars there are. */
+  eda_box_list bars;
+  size_t dropped;
+  int64_t round;
+  uint32_t next; /* the iteration of the next round */
+} sought_bars;
+
+OPC_EXPORT int seek_begin(struct loop *loop, opc_error *error);
+OPC_EXPORT void seek_clear(struct loop *loop);
+
+/* After a print: narrow what prints, and look for more when it is time, or when
+   all are `done`. */
+OPC_EXPORT int seek_watch(struct loop *loop, int done, opc_error *error);
+
+#define SEEK_LENGTH(state, name_, member, from_, text)                     \
+  OPC_PARAMETER_NAMED("seek." name_, state, seek.member, .type = OPC_REAL, \
+                      .flags = OPC_ABOVE, .unit = "nm", .follows = from_,  \
+                      .summary = text)
+#define SEEK_COUNT(state, name_, member, preset_, least, text)            \
+  OPC_PARAMETER_NAMED("seek." name_, state, seek.member, .type = OPC_INT, \
+                      .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = least,  \
+                      .max = 100000, .preset = preset_, .summary = text)
+#define SEEK_PARAMETERS(state)                                                 \
+  SEEK_COUNT(state, "most", most, "0", 0,                                      \
+             "assist bars at most where the model's gradient says that they "  \
+             "narrow the band between doses and foci; 0: none"),               \
+      SEEK_COUNT(state, "rounds", rounds, "3", 1, "times that it looks"),      \
+      SEEK_COUNT(state, "every", every, "6", 1, "iterations between them"),    \
+      OPC_PARAMETER_NAMED("seek.worth", state, seek.worth, .type = OPC_REAL,   \
+                          .flags = OPC_ABOVE, .unit = "nm^2",                  \
+                          .follows = "0.003775 (lambda/NA)^2",                 \
+                          .summary =                                           \
+                              "of the band: what a bar takes away at "         \
+                              "least"),                                        \
+      OPC_PARAMETER_NAMED("seek.dose", state, seek.dose, .type = OPC_REAL,     \
+                          .flags = OPC_ABOVE | OPC_BELOW, .unit = "%",         \
+                          .preset = "4 %", .max = 100,                         \
+                          .summary =                                           \
+                              "of the band: how far the dose goes up "         \
+                              "and down"),                                     \
+      OPC_PARAMETER_NAMED("seek.defocus", state, seek.defocus,                 \
+                          .type = OPC_REAL, .unit = "nm",                      \
+                          .follows = "0.073 lambda/NA^2",                      \
+                          .summary =                                           \
+                              "of the band: the focus of its lower "           \
+                              "dose"),                                         \
+      SEEK_LENGTH(state, "least_width", least_width, "0.093 lambda/NA",        \
+                  "width of a bar, at least"),                                 \
+      SEEK_LENGTH(state, "width", width, "0.249 lambda/NA",                    \
+                  "... and at most"),                                          \
+      SEEK_LENGTH(state, "min_length", min_length, "0.249 lambda/NA",          \
+                  "length of a bar, at least"),                                \
+      SEEK_LENGTH(state, "length", length, "1.554 lambda/NA",                  \
+                  "... and at most"),                                          \
+      SEEK_LENGTH(state, "distance", distance, "0.28 lambda/NA",               \
+                  "from drawn shapes to a bar"),                               \
+      SEEK_LENGTH(state, "space", space, "0.187 lambda/NA", "between bars"),   \
+      OPC_PARAMETER_NAMED("seek.margin", state, seek.margin, .type = OPC_REAL, \
+                          .flags = OPC_AT_LEAST, .preset = "0.01", .min = 0,   \
+                          .summary =                                           \
+                              "a bar gets narrower while it comes so "         \
+                              "near to printing, intensity; clear "            \
+                              "field 1")
+
+#endif

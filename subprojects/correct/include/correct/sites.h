@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Where the edge placement errors of a layer's fragments are measured. */
+#ifndef CORRECT_SITES_H
+#define CORRECT_SITES_H
+
+#include <eda/synthesizer.h>
+
+typedef struct sites {
+  size_t count;
+  double *place; /* x, y of each, nm */
+  uint8_t *axis; /* of its normal: EDA_X, EDA_Y */
+  int8_t *out;   /* +-1: outwards along it */
+  double *epe;   /* nm; NAN where there is no edge near */
+} sites;
+
+/* Those of checked cuts. */
+OPC_EXPORT void sites_init(sites *sites, const eda_cuts *cuts);
+OPC_EXPORT void sites_clear(sites *sites);
+OPC_EXPORT void sites_measure(const opc_context *context, const sites *sites,
+                              const eda_field *print, eda_scanner scanner);
+
+#endif

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What library.build hands to library.place. */
+#include <correct/library.h>
+
+const char *const library_models[LIBRARY_MODELS] = {"litho", "resist",
+                                                    "extractor"};
+
+static void clear_cell(gpointer item) {
+  library_cell *c = item;
+  g_free(c->name);
+  g_free(c->geometry);
+  g_free(c->key);
+}
+
+library *library_new(const char *database, double grid) {
+  library *l = g_new0(library, 1);
+  l->database = g_strdup(database);
+  l->grid = grid;
+  l->cells = g_array_new(FALSE, TRUE, sizeof(library_cell));
+  g_array_set_clear_func(l->cells, clear_cell);
+  return l;
+}
+
+void library_free(void *object) {
+  library *l = object;
+  if (!l) return;
+  g_free(l->database);
+  for (int k = 0; k < LIBRARY_MODELS; k++) g_free(l->model[k]);
+  g_array_free(l->cells, TRUE);
+  g_free(l);
+}
+
+int library_check(const void *object, opc_error *error) {
+  const library *l = object;
+  return l->database && l->cells
+             ? OPC_OK
+             : opc_fail(error, OPC_FAILED, NULL, "a library has no database");
+}
+
+int library_take_models(const opc_host *host, char *model[LIBRARY_MODELS],
+                        opc_error *error) {
+  const opc_results *results = opc_get_results(host);
+  for (int k = 0; k < LIBRARY_MODELS; k++) {
+    const char *sum = results->identity(host, library_models[k], error);
+    if (!sum) return error->code;
+    g_free(model[k]);
+    model[k] = g_strdup(sum);
+  }
+  return OPC_OK;
+}

@@ -1,0 +1,597 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The loop of thesis figures 2.1, 3.1 and 5.1. A mask is printed, each
+   transistor's performance taken from the print, and the mask's edges moved by
+   synthesizers, within what a regulator allows, until they are done. All boxes
+   of the figures are plugins; the loop only hands arrays from one to the
+   next. */
+#include <correct/loop.h>
+
+#include <eda/check.h>
+#include <eda/memory.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <correct/fine.h>
+
+enum { ROOM_FOR_VIOLATIONS = 10000, ROOM_OF_GATE = 16 };
+
+static const char *const slots[DRIVERS] = {"synthesizer", "edges"};
+
+/* ---- what changed ---- */
+
+static int changed(const loop *l, size_t layer) {
+  return trial_differs(&l->now, &l->next, layer);
+}
+
+/* Of the layers that a driver moves. */
+static int any_changed(const loop *l, int which) {
+  for (size_t k = 0; k < l->gates->layers; k++)
+    if (l->driver_of[k] == which && changed(l, k)) return 1;
+  return 0;
+}
+
+/* Biases do not move what is cut into fragments, and are not to look so. */
+static void drop_biases(loop *l) {
+  size_t n = l->gates->count * sizeof(int32_t), layers = l->gates->layers;
+  biases *b = &l->next.biases;
+  if (layers > EDA_ACTIVE && l->next.shift[EDA_ACTIVE])
+    memset(b->w, 0, TRIAL_ACTIVE_BIASES * n);
+  if (layers && l->next.shift[EDA_POLY]) memset(b->l, 0, TRIAL_POLY_BIASES * n);
+}
+
+/* ---- one print ---- */
+
+/* The mask of a layer as `now` has it. */
+static int make_mask(loop *l, size_t layer, opc_error *error) {
+  pieces *p = &l->pieces[layer];
+  if (l->now.shift[layer])
+    memcpy(p->by, l->now.shift[layer], l->sites[layer].count * sizeof *p->by);
+  else
+    pieces_follow(l->gates, layer, &l->now.biases, p);
+  pieces_build(p, &l->polygons[layer]);
+  eda_shapes_clear(&l->mask[layer]);
+  const eda_boxes added[] = {l->now.patches[layer], l->now.assists[layer]};
+  return mask_merge(&l->polygons[layer], (boxes_lists){added, 2},
+                    (boxes_lists){&l->now.bites[layer], 1}, &l->mask[layer],
+                    error);
+}
+
+/* Transistors are of the first two layers. */
+static int measure(loop *l, const uint8_t *printed, opc_error *error) {
+  int again = 0;
+  for (size_t k = 0; k <= EDA_ACTIVE && k < l->gates->layers; k++)
+    again |= printed[k];
+  if (!again) return OPC_OK;
+  int code = eda_measure(l->host->context, l->gates, l->printer.print,
+                         l->extractor, &l->measured, error);
+  if (code) return code;
+  /* A fine print knows better, and so do the cheap ones after it. */
+  if (l->base && !l->printer.fine_simulations)
+    start_correct(l->base, &l->measured.performance);
+  return corners_measure(l, error);
+}
+
+/* Of transistors that keep their masks synthesizers see what was drawn: there
+   is nothing to be done about it. */
+static void show(loop *l) {
+  const eda_performance *drawn = &l->design;
+  eda_measurement *to = &l->shown;
+  if (!l->still) return;
+  eda_performance_copy(&to->performance, &l->measured.performance);
+  memcpy(to->flags, l->measured.flags, l->gates->count * sizeof *to->flags);
+  for (size_t i = 0; i < l->gates->count; i++)
+    if (l->still[i]) {
+      to->flags[i] = 0;
+      eda_performance_one(&to->performance, drawn, i);
+    }
+}
+
+/* What was moved of them all the same is undone. */
+static void keep_still(loop *l) {
+  biases *b = &l->next.biases;
+  for (size_t i = 0; l->still && i < l->gates->count; i++) {
+    if (!l->still[i]) continue;
+    b->w[i] = b->aside[i] = b->l[i] = b->jog[i] = 0;
+    b->end[2 * i] = b->end[2 * i + 1] = 0;
+    b->part[EDA_PARTS * i] = (eda_part){0};
+  }
+}
+
+/* Take in a print of the layers that are marked. */
+static int take_in(loop *l, const uint8_t *printed, int fine,
+                   opc_error *error) {
+  int code = measure(l, printed, error);
+  for (size_t k = 0; k < l->gates->layers && !code; k++)
+    if (printed[k])
+      sites_measure(l->host->context, &l->sites[k], &l->printer.print[k],
+                    eda_scanner_of(&l->printer.litho.module));
+  if (code) return code;
+  show(l);
+  l->summary = summarize(l->gates, &l->design, &l->measured.performance,
+                         l->measured.flags, l->sites);
+  if (!l->guard.prints)
+    history_add(&l->history, &l->summary, l->iterations, &l->printer, fine);
+  guard_watch(l);
+  if (l->traced) trace_add(&l->trace, l);
+  return fine ? proof_of_drawn(l, error) : OPC_OK;
+}
+
+int loop_refine(loop *l, opc_error *error) {
+  const uint8_t *all = l->gates->corrected;
+  int code = eda_printer_refine(&l->printer, all, l->mask, error);
+  if (!code) code = corners_refine(l, all, error);
+  return code ? code : take_in(l, all, 1, error);
+}
+
+int loop_print(loop *l, int all, opc_error *error) {
+  size_t layers = l->gates->layers;
+  uint8_t *printed = eda_alloc(layers, 1);
+  for (size_t k = 0; k < layers; k++)
+    printed[k] = l->gates->corrected[k] && (all || changed(l, k));
+  trial_copy(&l->now, &l->next);
+  int code = OPC_OK;
+  for (size_t k = 0; k < layers && !code; k++)
+    if (printed[k]) code = make_mask(l, k, error);
+  if (!code) code = eda_printer_print(&l->printer, printed, l->mask, error);
+  if (!code) code = corners_print(l, printed, error);
+  if (!code)
+    code = proof_is_early(l) ? loop_refine(l, error)
+                             : take_in(l, printed, 0, error);
+  free(printed);
+  return code;
+}
+
+/* ---- what plugins see and say ---- */
+
+eda_printed loop_printed(const loop *l) {
+  return (eda_printed){.iteration = l->iterations,
+                       .gates = l->gates,
+                       .flags = l->measured.flags,
+                       .l = l->now.biases.l,
+                       .w = l->now.biases.w,
+                       .aside = l->now.biases.aside,
+                       .extension = l->measured.extension,
+                       .shapes = l->mask,
+                       .print = l->printer.print,
+                       .scanner = eda_scanner_of(&l->printer.litho.module)};
+}
+
+static int rule(loop *l, eda_ruling *ruling, opc_error *error) {
+  eda_printed p = loop_printed(l);
+  int code = eda_call_rule(l->host->context, l->regulator, &p, ruling, error);
+  if (code) return eda_blame(error, code, "regulator");
+  for (size_t k = 0; k < l->gates->layers; k++) {
+    /* Patches mend the drawn edges of transistors. Where a synthesizer moves
+       every edge of theirs, the print is only looked at. */
+    if (l->gates->count && k <= EDA_ACTIVE && l->next.shift[k]) continue;
+    trial_set_both(&l->next.patches[k], loop_begun(l, k, 0),
+                   ruling->patches[k]);
+    trial_set_both(&l->next.bites[k], loop_begun(l, k, 1), ruling->bites[k]);
+  }
+  return OPC_OK;
+}
+
+/* There is room for more than there have ever been; what is not used costs
+   nothing. */
+int loop_violations(loop *l, const eda_printed *printed, eda_violation **out,
+                    size_t *count, opc_error *error) {
+  size_t room = ROOM_FOR_VIOLATIONS + ROOM_OF_GATE * l->gates->count;
+  *out = eda_alloc(room, sizeof **out);
+  int code = eda_call_violations(l->host->context, l->regulator, printed, *out,
+                                 room, count, error);
+  if (*count > room) *count = room;
+  return eda_blame(error, code, "regulator");
+}
+
+/* Let the regulator set vetoes, and line ends, patches and bites of `next`. */
+static int judge(loop *l, opc_error *error) {
+  size_t layers = l->gates->layers;
+  memset(l->vetoes, 0, l->gates->count * sizeof *l->vetoes);
+  if (!l->regulator) return OPC_OK;
+  eda_ruling ruling = {.vetoes = l->vetoes,
+                       .end = l->next.biases.end,
+                       .patches = eda_alloc(layers, sizeof *ruling.patches),
+                       .bites = eda_alloc(layers, sizeof *ruling.bites)};
+  eda_boxes *patches = ruling.patches, *bites = ruling.bites;
+  int code = rule(l, &ruling, error);
+  free(patches);
+  free(bites);
+  drop_biases(l);
+  keep_still(l);
+  return code;
+}
+
+static eda_feedback feedback(const loop *l, const driver *d) {
+  const eda_measurement *m = l->still ? &l->shown : &l->measured;
+  return (eda_feedback){.iteration = l->iterations,
+                        .gates = l->gates,
+                        .design = &l->design,
+                        .printed = &m->performance,
+                        .flags = m->flags,
+                        .vetoes = l->vetoes,
+                        .epe = d->epe,
+                        .end = l->now.biases.end,
+                        .next_end = l->next.biases.end,
+                        .print = l->printer.print,
+                        .scanner = eda_scanner_of(&l->printer.litho.module)};
+}
+
+/* Whether biases of gates move something of that layer. */
+static int has_gates(const eda_gates *gates, size_t layer) {
+  const eda_edges *e = &gates->edges[layer];
+  size_t n = e->polygons ? e->start[e->polygons] : 0;
+  for (size_t i = 0; i < n; i++)
+    if (e->fragments[i].role != EDA_FIXED) return 1;
+  return 0;
+}
+
+/* Take over the fragments that a synthesizer cut a layer into. */
+static void take_cuts(loop *l, size_t layer, int which, const eda_cuts *cuts) {
+  driver *d = &l->drivers[which];
+  pieces_of_cuts(cuts, &l->pieces[layer]);
+  sites_init(&l->sites[layer], cuts);
+  size_t n = d->fragments[layer] = l->sites[layer].count;
+  trial_cut(&l->now, layer, n);
+  trial_cut(&l->next, layer, n);
+  l->driver_of[layer] = (uint8_t)which;
+  d->shift[layer] = l->next.shift[layer];
+  d->epe[layer] = l->sites[layer].epe;
+}
+
+/* Ask a synthesizer how it cuts a layer; it may not. */
+static int ask_for_cuts(loop *l, size_t layer, int which, opc_error *error) {
+  const opc_module *module = l->drivers[which].module;
+  const eda_synthesizer *s = module ? module->functions : NULL;
+  eda_cuts cuts = {0};
+  if (!s || !s->cut) return OPC_OK;
+  const char *before = eda_enter(l->host->context, module, error);
+  int code = s->cut(module->self, l->gates, (int)layer, &cuts, error);
+  if (!code) code = eda_check_cuts(l->gates, (int)layer, &cuts, error);
+  opc_leave(l->host->context, before);
+  if (code) return eda_blame(error, code, slots[which]);
+  trial_set_boxes(&l->next.assists[layer], cuts.assists);
+  if (cuts.polygons) take_cuts(l, layer, which, &cuts);
+  return OPC_OK;
+}
+
+/* The pieces of a layer: those that a synthesizer cuts, or the fragments of the
+   gates. */
+static int cut_layer(loop *l, size_t layer, opc_error *error) {
+  const eda_gates *g = l->gates;
+  if (!g->corrected[layer]) return OPC_OK;
+  int code = ask_for_cuts(l, layer, MAIN, error);
+  if (!code && !l->now.shift[layer] && !has_gates(g, layer))
+    code = ask_for_cuts(l, layer, EDGES, error);
+  if (code) return code;
+  if (!l->now.shift[layer])
+    pieces_of_edges(&g->edges[layer], l->base != NULL, &l->pieces[layer]);
+  eda_shapes *polygons = &l->polygons[layer];
+  pieces_room(&l->pieces[layer], polygons);
+  if (!g->drawn[layer].hole) return OPC_OK;
+  polygons->hole = eda_alloc(polygons->count, 1);
+  if (polygons->count)
+    memcpy(polygons->hole, g->drawn[layer].hole, polygons->count);
+  return OPC_OK;
+}
+
+/* A layer that nobody moves is in the mask as drawn, and `edges` that move
+   nothing are not what was meant: the user hears of both. */
+static void tell_of_idle(const loop *l) {
+  const opc_host *host = l->host;
+  int edges = 0;
+  for (size_t k = 0; k < l->gates->layers; k++) {
+    if (!l->gates->corrected[k]) continue;
+    if (l->now.shift[k])
+      edges |= l->driver_of[k] == EDGES;
+    else if (!has_gates(l->gates, k))
+      host->log(host, OPC_LOG_WARNING,
+                "layer '%s' stays as drawn: neither 'synthesizer' nor 'edges' "
+                "moves its edges",
+                l->gates->layer[k]);
+  }
+  if (l->drivers[EDGES].module && !edges)
+    host->log(host, OPC_LOG_WARNING, "'edges' (%s) moves no layer",
+              l->drivers[EDGES].module->id);
+}
+
+static int begin(loop *l, opc_error *error) {
+  int code = OPC_OK;
+  for (int which = 0; which < DRIVERS; which++) {
+    driver *d = &l->drivers[which];
+    d->done = !d->module;
+    if (!d->module) continue;
+    const eda_synthesizer *s = d->module->functions;
+    eda_feedback f = feedback(l, d);
+    f.printed = NULL;
+    f.print = NULL;
+    const char *before = eda_enter(l->host->context, d->module, error);
+    code = s->begin(d->module->self, &f, error);
+    opc_leave(l->host->context, before);
+    if (code) return eda_blame(error, code, slots[which]);
+  }
+  for (size_t k = 0; k < l->gates->layers && !code; k++)
+    code = cut_layer(l, k, error);
+  if (!code) code = assists_begin(l, error);
+  if (!code) code = seek_begin(l, error);
+  if (!code) code = assists_check(l, error);
+  if (!code) tell_of_idle(l);
+  return code;
+}
+
+/* The moves of a synthesizer into `next`; only of its own layers. */
+static int move(loop *l, int which, eda_moves *moves, opc_error *error) {
+  driver *d = &l->drivers[which];
+  eda_feedback f = feedback(l, d);
+  int code = eda_call_update(l->host->context, d->module, &f, d->fragments,
+                             moves, &d->done, error);
+  if (code) return eda_blame(error, code, slots[which]);
+  for (size_t k = 0; k < l->gates->layers; k++)
+    if (l->driver_of[k] == which)
+      trial_set_boxes(&l->next.assists[k], moves->assists[k]);
+  return OPC_OK;
+}
+
+/* Let a synthesizer write what to try next. */
+static int update(loop *l, int which, opc_error *error) {
+  size_t n = l->gates->count, layers = l->gates->layers;
+  const biases *b = &l->next.biases;
+  eda_boxes *assists = eda_alloc(layers, sizeof *assists);
+  memcpy(assists, l->next.assists, layers * sizeof *assists);
+  eda_moves moves = {.l = b->l,
+                     .w = b->w,
+                     .jog = b->jog,
+                     .part = b->part,
+                     .aside = b->aside,
+                     .shift = l->drivers[which].shift,
+                     .assists = assists};
+  if (which == EDGES) {
+    const trial *t = &l->now;
+    size_t all = TRIAL_BIASES * n * sizeof(int32_t);
+    biases idle = biases_in(memcpy(l->unused, t->biases.w, all), n);
+    moves.l = idle.l;
+    moves.w = idle.w;
+    moves.jog = idle.jog;
+    moves.part = idle.part;
+    moves.aside = idle.aside;
+  }
+  int code = move(l, which, &moves, error);
+  free(assists);
+  drop_biases(l);
+  keep_still(l);
+  return code;
+}
+
+/* ---- the loop ---- */
+
+/* The figure that is driven down. */
+static double worst(const loop *l) {
+  return l->summary.gates ? l->summary.ion_max : l->summary.epe_max;
+}
+
+static const char *worst_unit(const loop *l) {
+  return l->summary.gates ? "%" : "nm";
+}
+
+static int told_to_stop(const loop *l) {
+  opc_progress progress = {.done = l->iterations,
+                           .total = (double)l->max_iterations,
+                           .worst = worst(l),
+                           .worst_unit = worst_unit(l)};
+  l->host->progress(l->host, &progress);
+  return opc_cancelled(l->host->context);
+}
+
+static int ends_anytime(const driver *d) {
+  const eda_synthesizer *s = d->module->functions;
+  return s->flags & EDA_SYNTHESIZER_ENDS_ANYTIME;
+}
+
+/* Let those that are not done move; one that is, also if the regulator has
+   changed its layers. */
+static int move_all(loop *l, const int *ruled, opc_error *error) {
+  int code = OPC_OK;
+  for (int which = 0; which < DRIVERS && !code; which++) {
+    driver *d = &l->drivers[which];
+    if (!d->module || (d->done && !ruled[which])) continue;
+    d->done = 0;
+    code = update(l, which, error);
+    /* What the regulator changes now, it has not seen yet. */
+    if (ruled[which] && ends_anytime(d)) d->done = 0;
+  }
+  return code;
+}
+
+static int all_done(const loop *l) {
+  return l->drivers[MAIN].done && l->drivers[EDGES].done;
+}
+
+static int iterate(loop *l, opc_error *error) {
+  int code = OPC_OK;
+  int64_t prints = 0;
+  for (; !code; code = loop_print(l, 0, error)) {
+    if (told_to_stop(l)) return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
+    if ((code = judge(l, error))) return code;
+    assists_watch(l);
+    if ((code = seek_watch(l, all_done(l), error))) return code;
+    int ruled[DRIVERS], wait = 0;
+    for (int which = 0; which < DRIVERS; which++) {
+      ruled[which] = any_changed(l, which);
+      wait |= ruled[which] && !ends_anytime(&l->drivers[which]);
+    }
+    if (all_done(l) && !ruled[MAIN] && !ruled[EDGES]) return OPC_OK;
+    /* Line ends first, so that their effect is not taken for that of the
+       first moves. */
+    if (l->iterations == 0 && !l->base && wait && prints++ < l->max_iterations)
+      continue;
+    if (l->iterations == l->max_iterations) {
+      l->host->log(l->host, OPC_LOG_WARNING,
+                   "not done after %d iteration%s: worst deviation %.3g %s",
+                   (int)l->max_iterations, l->max_iterations == 1 ? "" : "s",
+                   worst(l), worst_unit(l));
+      return OPC_OK;
+    }
+    if ((code = move_all(l, ruled, error))) return code;
+    l->iterations++;
+    if (all_done(l) && !any_changed(l, MAIN) && !any_changed(l, EDGES))
+      return OPC_OK;
+  }
+  return code;
+}
+
+/* Rules that the last print breaks and that the regulator names no reason for:
+   it could still do something about them. */
+static int count_open(loop *l, size_t *count, opc_error *error) {
+  eda_violation *v = NULL;
+  size_t n = 0;
+  *count = 0;
+  if (!l->regulator) return OPC_OK;
+  eda_printed p = loop_printed(l);
+  int code = loop_violations(l, &p, &v, &n, error);
+  for (size_t i = 0; i < n && !code; i++) *count += !strchr(v[i].rule, ';');
+  free(v);
+  return code;
+}
+
+/* Iterate until a fine print of the end shows what the loop saw. */
+static int iterate_to_proof(loop *l, opc_error *error) {
+  int code = OPC_OK, holds = 0;
+  for (int k = 0; k < PROOFS && !holds && !code; k++) {
+    size_t open = 0, now = 0;
+    int due = 0;
+    for (int which = 0; which < DRIVERS; which++)
+      l->drivers[which].done = !l->drivers[which].module;
+    code = iterate(l, error);
+    if (!code) due = proof_is_due(l);
+    if (due) code = count_open(l, &open, error);
+    if (!code) code = proof_of_end(l, &holds, error);
+    if (!code && due) code = count_open(l, &now, error);
+    holds &= now <= open;
+    if (l->iterations == l->max_iterations) break;
+  }
+  return code;
+}
+
+eda_boxes loop_begun(const loop *l, size_t layer, int bites) {
+  return l->begun[(bites ? l->gates->layers : 0) + layer];
+}
+
+static void begin_with(loop *l) {
+  size_t layers = l->gates->layers;
+  l->begun = eda_alloc(2 * layers, sizeof *l->begun);
+  if (!l->start.mask) return;
+  l->base = l->start.mask->moved;
+  l->now.biases.base = l->next.biases.base = l->base;
+  for (size_t k = 0; k < layers; k++) {
+    const eda_box_list *patch = &l->base->patch[k], *bite = &l->base->bite[k];
+    trial_set_boxes(&l->begun[k], (eda_boxes){patch->box, patch->count});
+    trial_set_boxes(&l->begun[layers + k], (eda_boxes){bite->box, bite->count});
+    trial_set_boxes(&l->next.patches[k], loop_begun(l, k, 0));
+    trial_set_boxes(&l->next.bites[k], loop_begun(l, k, 1));
+  }
+}
+
+static void loop_init(loop *l) {
+  size_t n = l->gates->count, layers = l->gates->layers;
+  for (int which = 0; which < DRIVERS; which++) {
+    driver *d = &l->drivers[which];
+    d->epe = eda_alloc(layers, sizeof *d->epe);
+    d->shift = eda_alloc(layers, sizeof *d->shift);
+    d->fragments = eda_alloc(layers, sizeof *d->fragments);
+  }
+  l->driver_of = eda_alloc(layers, 1);
+  l->pieces = eda_alloc(layers, sizeof *l->pieces);
+  l->polygons = eda_alloc(layers, sizeof *l->polygons);
+  l->mask = eda_alloc(layers, sizeof *l->mask);
+  l->sites = eda_alloc(layers, sizeof *l->sites);
+  l->unused = eda_alloc(TRIAL_BIASES * n, sizeof *l->unused);
+  l->vetoes = eda_alloc(n, sizeof *l->vetoes);
+  trial_init(&l->now, layers, n);
+  trial_init(&l->next, layers, n);
+  begin_with(l);
+  eda_measurement_init(&l->measured, n);
+  eda_measurement_init(&l->shown, n);
+  eda_performance_init(&l->design, n);
+  eda_performance_init(&l->before, n);
+  guard_init(&l->guard, n);
+  l->drawn_print = eda_alloc(layers, sizeof *l->drawn_print);
+}
+
+static void keep_drawn_print(loop *l) {
+  for (size_t k = 0; k < l->gates->layers; k++)
+    if (l->gates->corrected[k])
+      l->drawn_print[k] = eda_field_scaled(&l->printer.print[k], 1);
+}
+
+int loop_run(loop *l, opc_error *error) {
+  const opc_context *context = l->host->context;
+  loop_init(l);
+  int code = eda_printer_prepare(&l->printer, error);
+  if (!code) code = corners_begin(l, error);
+  if (!code && !l->prepared)
+    code = eda_extractor_prepare(context, l->extractor, error);
+  if (!code)
+    code =
+        eda_measure_drawn(context, l->gates, l->extractor, &l->design, error);
+  if (!code) code = begin(l, error);
+  if (!code) code = loop_print(l, 1, error);
+  if (!code) code = start_hold(l, error);
+  if (code) return code;
+  show(l);
+  eda_performance_copy(&l->before, l->corners.count ? &l->corners.nominal
+                                                    : &l->measured.performance);
+  keep_drawn_print(l);
+  eda_printed drawn = loop_printed(l);
+  code = guard_begin(l, &drawn, error);
+  start_prune(l);
+  if (!code)
+    code = fine_by_layer(&l->printer, l->host, l->gates, l->extractor,
+                         l->fine_change, error);
+  if (!code) code = proof_begin(l, error);
+  if (!code) code = iterate_to_proof(l, error);
+  if (code || !l->gates->count) return code;
+  if (l->hold) return guard_hold(l, error);
+  guard_count(l);
+  return OPC_OK;
+}
+
+void loop_clear(loop *l) {
+  size_t layers = l->gates->layers;
+  trial_clear(&l->now);
+  trial_clear(&l->next);
+  eda_measurement_clear(&l->measured);
+  eda_measurement_clear(&l->shown);
+  eda_performance_clear(&l->design);
+  eda_performance_clear(&l->before);
+  for (size_t k = 0; k < layers; k++) {
+    pieces_clear(&l->pieces[k]);
+    sites_clear(&l->sites[k]);
+    eda_shapes_clear(&l->polygons[k]);
+    eda_shapes_clear(&l->mask[k]);
+    eda_field_clear(&l->drawn_print[k]);
+  }
+  free(l->drawn_print);
+  for (int which = 0; which < DRIVERS; which++) {
+    free(l->drivers[which].epe);
+    free(l->drivers[which].shift);
+    free(l->drivers[which].fragments);
+  }
+  free(l->driver_of);
+  free(l->pieces);
+  free(l->polygons);
+  free(l->mask);
+  free(l->sites);
+  free(l->unused);
+  for (size_t k = 0; k < 2 * layers; k++) free((eda_box *)l->begun[k].box);
+  free(l->begun);
+  free(l->vetoes);
+  free(l->still);
+  history_clear(&l->history);
+  guard_clear(&l->guard);
+  proof_clear(l);
+  trace_clear(&l->trace);
+  corners_clear(l);
+  assists_clear(l);
+  seek_clear(l);
+  eda_printer_clear(&l->printer);
+}

@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Fine prints in a loop of cheap ones. */
+#include <correct/proof.h>
+
+#include <eda/memory.h>
+#include <math.h>
+#include <opcflow/plugin.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <correct/loop.h>
+
+/* Ours. */
+static const struct {
+  double part, edge;
+} tuned = {
+    /* Of the loop's `limit`: what a fine print may change in the mean. The
+       error of the fine model itself comes to as much; more, and the loop has
+       worked on something else than what it tells. */
+    .part = 0.1,
+
+    /* Grid steps: an edge that prints further off than that from where the loop
+       saw it would have been moved otherwise. */
+    .edge = 0.5,
+};
+
+/* ---- the drawn mask ---- */
+
+int proof_begin(loop *l, opc_error *error) {
+  size_t layers = l->gates->layers;
+  int code = OPC_OK;
+  if (!(l->printer.fine > 0) || !l->gates->count) return OPC_OK;
+  l->proof.mask = eda_alloc(layers, sizeof *l->proof.mask);
+  l->proof.image = eda_alloc(layers, sizeof *l->proof.image);
+  for (size_t k = 0; k < layers && !code; k++) {
+    if (!l->gates->corrected[k]) continue;
+    l->proof.image[k] = eda_field_scaled(&l->printer.image[k], 1);
+    code = eda_boolean(EDA_OR, &l->mask[k], NULL, &l->proof.mask[k], error);
+  }
+  return code;
+}
+
+void proof_clear(loop *l) {
+  for (size_t k = 0; l->proof.mask && k < l->gates->layers; k++) {
+    eda_shapes_clear(&l->proof.mask[k]);
+    eda_field_clear(&l->proof.image[k]);
+  }
+  free(l->proof.mask);
+  free(l->proof.image);
+  l->proof = (proof){0};
+}
+
+static int measure_drawn(loop *l, eda_measurement *m, opc_error *error) {
+  int code = OPC_OK;
+  for (size_t k = 0; k < l->gates->layers && !code; k++)
+    if (l->gates->corrected[k])
+      code =
+          eda_printer_correct(&l->printer, (int)k, &l->proof.image[k], error);
+  if (!code)
+    code = eda_measure(l->host->context, l->gates, l->proof.image, l->extractor,
+                       m, error);
+  return code;
+}
+
+/* The print that the figures of the drawn mask are of now. */
+static void keep_print(loop *l) {
+  for (size_t k = 0; k < l->gates->layers; k++) {
+    if (!l->proof.image[k].coefficients) continue;
+    eda_field_clear(&l->drawn_print[k]);
+    l->drawn_print[k] = l->proof.image[k];
+    l->proof.image[k] = (eda_field){0};
+  }
+}
+
+int proof_of_drawn(loop *l, opc_error *error) {
+  eda_measurement m;
+  if (!l->proof.mask) return OPC_OK;
+  int32_t *none = eda_alloc(l->gates->count, sizeof *none);
+  eda_measurement_init(&m, l->gates->count);
+  int code = measure_drawn(l, &m, error);
+  if (!code) {
+    const eda_printed drawn = {
+        .iteration = l->iterations,
+        .gates = l->gates,
+        .flags = m.flags,
+        .l = none,
+        .w = none,
+        .extension = m.extension,
+        .shapes = l->proof.mask,
+        .print = l->proof.image,
+        .scanner = eda_scanner_of(&l->printer.litho.module)};
+    eda_performance_copy(&l->before, &m.performance);
+    code = guard_begin(l, &drawn, error);
+    keep_print(l);
+  }
+  eda_measurement_clear(&m);
+  free(none);
+  proof_clear(l);
+  return code;
+}
+
+/* ---- when ---- */
+
+int proof_is_early(const loop *l) {
+  return l->printer.fine > 0 && l->iterations > 0 &&
+         l->printer.fine_simulations == 0;
+}
+
+int proof_is_due(const loop *l) {
+  for (size_t k = 0; k < l->gates->layers; k++)
+    if (l->gates->corrected[k] && !l->printer.is_fine[k])
+      return l->printer.fine > 0;
+  return 0;
+}
+
+/* ---- the end ---- */
+
+/* What the loop saw. */
+typedef struct seen {
+  double *off, *ion; /* of each transistor, % */
+  double **epe;      /* of each layer's sites, nm */
+} seen;
+
+static void see(const loop *l, seen *s) {
+  size_t n = l->gates->count, layers = l->gates->layers;
+  *s = (seen){eda_alloc(n, sizeof *s->off), eda_alloc(n, sizeof *s->ion),
+              eda_alloc(layers, sizeof *s->epe)};
+  for (size_t i = 0; i < n; i++) {
+    s->off[i] = guard_off(l, i);
+    s->ion[i] = eda_deviation(l->measured.performance.ion[i], l->design.ion[i]);
+  }
+  for (size_t k = 0; k < layers; k++) {
+    const sites *places = &l->sites[k];
+    s->epe[k] = eda_alloc(places->count, sizeof *s->epe[k]);
+    if (places->count)
+      memcpy(s->epe[k], places->epe, places->count * sizeof *s->epe[k]);
+  }
+}
+
+static void seen_clear(const loop *l, seen *s) {
+  for (size_t k = 0; k < l->gates->layers; k++) free(s->epe[k]);
+  free(s->epe);
+  free(s->ion);
+  free(s->off);
+}
+
+/* The loop should go on if one that it saw within the limit is not, or does not
+   print; or if the mean does not hold. */
+static int transistors_hold(const loop *l, const seen *before,
+                            const seen *now) {
+  double sum = 0, most = 0, count = 0;
+  size_t crossed = 0;
+  for (size_t i = 0; i < l->gates->count; i++) {
+    if (isnan(before->off[i])) continue;
+    double good = before->off[i] <= l->limit ? l->limit : INFINITY;
+    crossed += !(now->off[i] <= good);
+    if (isnan(now->off[i])) continue;
+    double d = fabs(now->ion[i] - before->ion[i]);
+    sum += d;
+    most = fmax(most, d);
+    count++;
+  }
+  double mean = count > 0 ? sum / count : 0;
+  int holds = !crossed && mean <= tuned.part * l->limit;
+  l->host->log(l->host, holds ? OPC_LOG_DEBUG : OPC_LOG_INFO,
+               "fine print: Ion is off by %.3f %% in the mean and %.3f %% at "
+               "most from what the loop saw; %zu transistor%s beyond the limit "
+               "by that",
+               mean, most, crossed, crossed == 1 ? "" : "s");
+  return holds;
+}
+
+static int edges_hold(const loop *l, const seen *before) {
+  double most = tuned.edge * l->gates->grid;
+  for (size_t k = 0; k < l->gates->layers; k++)
+    for (size_t i = 0; i < l->sites[k].count; i++)
+      if (!isnan(before->epe[k][i]) &&
+          !(fabs(l->sites[k].epe[i] - before->epe[k][i]) <= most))
+        return 0;
+  return 1;
+}
+
+int proof_of_end(loop *l, int *holds, opc_error *error) {
+  seen before, now;
+  *holds = 1;
+  if (!proof_is_due(l)) return OPC_OK;
+  see(l, &before);
+  int code = loop_refine(l, error);
+  see(l, &now);
+  if (!code)
+    *holds = edges_hold(l, &before) &&
+             (!l->gates->count || transistors_hold(l, &before, &now));
+  seen_clear(l, &before);
+  seen_clear(l, &now);
+  return code;
+}

@@ -1,0 +1,480 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Fine prints in a loop of cheap ones, with a fine model that differs from the
+   cheap one by a known field. What it ends with is compared with prints of the
+   fine model that the loop has no part in. */
+#include <correct/fine.h>
+#include "models_test.h"
+
+/* ---- a synthesizer that seeks the drawn Ion ---- */
+
+typedef struct seeker {
+  int32_t spoil; /* bias of transistor 1, instead of what it should have */
+} seeker;
+
+static int begin(void *self, const eda_feedback *f, opc_error *error) {
+  (void)self, (void)f, (void)error;
+  return OPC_OK;
+}
+
+/* The length that is missing in the print, by half of it, as a step of the mask
+   does more in the print. */
+static int update(void *self, const eda_feedback *f, eda_moves *m, int *done,
+                  opc_error *error) {
+  const seeker *s = self;
+  (void)error;
+  *done = 1;
+  for (size_t i = 0; i < f->gates->count; i++) {
+    double d = f->printed->ion[i] / f->design->ion[i] - 1;
+    int32_t step =
+        (int32_t)lround(0.5 * f->gates->length[i] * d / f->gates->grid);
+    if (i == 1 && s->spoil) step = s->spoil - m->l[i];
+    m->l[i] += step;
+    if (step) *done = 0;
+  }
+  return OPC_OK;
+}
+
+static const eda_synthesizer seeking = {.begin = begin, .update = update};
+
+/* ---- the loop ---- */
+
+static const eda_litho with_fine = {
+    .prepare = nothing, .band = band, .image = image, .image_fine = image_fine};
+static const double fine_is = 1e-4;
+
+/* fine_adds[0] for the first fine print, fine_adds[1] for the second, and so
+   on; the last of them for all that follow. */
+static void let_add(size_t n, const double *heights) {
+  for (size_t i = 0; i < FINE_PRINTS; i++)
+    fine_adds[i] = heights[MIN(i, n - 1)];
+  fine_prints[0] = fine_prints[1] = 0;
+}
+#define ADD(...)                                            \
+  let_add(sizeof((double[]){__VA_ARGS__}) / sizeof(double), \
+          (const double[]){__VA_ARGS__})
+
+static const opc_module *regulator;
+static double aim; /* sd of Ion by fine prints, %; 0: all of `fine` */
+
+static int try_to_run(loop *l, const eda_litho *model, double fine,
+                      int32_t spoil, int64_t iterations, opc_error *error) {
+  seeker s = {spoil};
+  *l = (loop){.host = &host,
+              .gates = eda_gates_sample(),
+              .extractor = MODULE(&extractor, NULL),
+              .regulator = regulator,
+              .max_iterations = iterations,
+              .hold = 1,
+              .limit = 3,
+              .fine_change = aim,
+              .drivers[MAIN].module = MODULE(&seeking, &s)};
+  eda_printer_init(&l->printer, NULL, l->gates, MODULE(model, NULL),
+                   MODULE(&resist, NULL), 300);
+  l->printer.fine = fine;
+  warnings = 0;
+  return loop_run(l, error);
+}
+
+static void run(loop *l, const eda_litho *model, double fine, int32_t spoil,
+                int64_t iterations) {
+  opc_error error = {0};
+  g_assert_cmpint(try_to_run(l, model, fine, spoil, iterations, &error), ==,
+                  OPC_OK);
+}
+
+/* ---- the truth ---- */
+
+/* Ion of a mask by the model that adds `height` to poly, by a printer of its
+   own whose level sets are less by the wave. */
+static void measure_truth(const loop *l, const eda_shapes *mask, double height,
+                          double *ion) {
+  opc_error error = {0};
+  eda_printer p;
+  eda_measurement m;
+  eda_printer_init(&p, NULL, l->gates, MODULE(&litho, NULL),
+                   MODULE(&resist, NULL), 300);
+  eda_measurement_init(&m, l->gates->count);
+  g_assert_cmpint(eda_printer_prepare(&p, &error), ==, OPC_OK);
+  g_assert_cmpint(eda_printer_print(&p, l->gates->corrected, mask, &error), ==,
+                  OPC_OK);
+  for (size_t k = 0; k < 2; k++) {
+    double by = k == EDA_POLY ? height : l->printer.fine > 0 ? fine_adds[0] : 0;
+    for (int j = 0; j < p.print[k].ny; j++)
+      for (int i = 0; i < p.print[k].nx; i++)
+        p.print[k].coefficients[j * p.print[k].nx + i] -=
+            (float)wave(by, i, p.print[k].nx);
+  }
+  g_assert_cmpint(eda_measure(NULL, l->gates, p.print, MODULE(&extractor, NULL),
+                              &m, &error),
+                  ==, OPC_OK);
+  memcpy(ion, m.performance.ion, 2 * sizeof *ion);
+  eda_measurement_clear(&m);
+  eda_printer_clear(&p);
+}
+
+static double off(const loop *l, const double *ion, size_t i) {
+  return fabs(eda_deviation(ion[i], l->design.ion[i]));
+}
+
+/* Figures are those of a model, and of no other. */
+static void expect(const loop *l, double height, double other) {
+  double fine[2], cheap[2];
+  measure_truth(l, l->mask, height, fine);
+  measure_truth(l, l->mask, other, cheap);
+  for (size_t i = 0; i < 2; i++) {
+    double ion = l->measured.performance.ion[i];
+    g_assert_cmpfloat(fabs(ion / fine[i] - 1), <, 1e-5);
+    g_assert_cmpfloat(fabs(ion / cheap[i] - 1), >, 1e-3);
+  }
+  for (size_t k = 0; k < 2; k++)
+    g_assert_true(l->printer.is_fine[k] == (l->printer.fine > 0));
+}
+
+/* ---- the tests ---- */
+
+/* One fine print after the first moves, one at the end; the layer that nobody
+   moves needs only the first. What the drawn mask did is told by the fine
+   model, too. */
+static void test_end(void) {
+  loop l;
+  double before[2];
+  ADD(0.03);
+  run(&l, &with_fine, fine_is, 0, 10);
+  expect(&l, 0.03, 0);
+  g_assert_cmpint(fine_prints[EDA_POLY], ==, 2);
+  g_assert_cmpint(fine_prints[EDA_ACTIVE], ==, 1);
+  g_assert_cmpuint(l.printer.fine_simulations, ==, 3);
+  /* A line for each mask: the drawn one, that of the first moves ... */
+  const history_line *line = l.history.line, *last = line + l.history.count - 1;
+  g_assert_cmpuint(l.history.count, ==, l.printer.simulations - 1);
+  for (size_t i = 0; i < l.history.count; i++)
+    g_assert_cmpstr(line[i].model, ==,
+                    i == 1 || line + i == last ? "fine" : "cheap");
+  g_assert_true(last->print.ion_mean == l.summary.ion_mean);
+  measure_truth(&l, l.gates->drawn, 0.03, before);
+  for (size_t i = 0; i < 2; i++) {
+    g_assert_cmpfloat(fabs(l.before.ion[i] / before[i] - 1), <, 1e-5);
+    g_assert_cmpfloat(off(&l, l.before.ion, i), >, 10);
+    g_assert_cmpfloat(off(&l, l.measured.performance.ion, i), <, 3);
+  }
+  loop_clear(&l);
+}
+
+/* ---- how fine ---- */
+
+/* % of Ion for an intensity of 1, of a gate so long or wide (nm): an edge of
+   one Gaussian system prints where the amplitude, a normal distribution of `s`
+   nm, is the root of the threshold; the intensity's slope there tells how far
+   light moves it. */
+static double worth_of(double size) {
+  const double s = cut_off / G_PI / sqrt(2), z = 0.754089, a = sqrt(0.6);
+  double slope = 2 * a * exp(-z * z / 2) / sqrt(2 * G_PI) / s;
+  return 100 * 2 / slope / size;
+}
+
+/* The larger errors that models may have are found where Ion changes by just
+   so much. */
+static void test_how_fine(void) {
+  const eda_gates *g = eda_gates_sample();
+  opc_error error = {0};
+  eda_printer p;
+  eda_printer_init(&p, NULL, g, MODULE(&with_fine, NULL), MODULE(&resist, NULL),
+                   300);
+  p.fine = fine_is;
+  g_assert_cmpint(eda_printer_prepare(&p, &error), ==, OPC_OK);
+  g_assert_cmpint(eda_printer_print(&p, g->corrected, g->drawn, &error), ==,
+                  OPC_OK);
+  /* sd of an error: a quarter of the largest; of the gates, the narrower one */
+  double poly = worth_of(60) / 4, active = worth_of(200) / 4;
+  const struct {
+    double change;
+    double fine[2]; /* of poly and active */
+  } cases[] = {{0, {0, 0}},
+               {1.03 * 2e-4 * poly, {2e-4, 5e-4}},
+               {0.97 * 2e-4 * poly, {1e-4, 5e-4}},
+               {1.03 * 5e-4 * active, {1e-4, 5e-4}},
+               {0.97 * 5e-4 * active, {1e-4, 2e-4}},
+               {1, {5e-4, 5e-4}},
+               {1e-9, {5e-5, 5e-5}}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_assert_cmpint(fine_by_layer(&p, &host, g, MODULE(&extractor, NULL),
+                                  cases[i].change, &error),
+                    ==, OPC_OK);
+    for (int k = 0; k < 2; k++)
+      g_assert_cmpfloat(p.fine_of[k], ==, cases[i].fine[k]);
+  }
+  eda_printer_clear(&p);
+  /* What a flow says is for all layers; else it follows what is good. */
+  g_assert_cmpfloat(fine_change("1e-4", 0.5), ==, 0);
+  g_assert_cmpfloat(fine_change("off", 0.5), ==, 0);
+  g_assert_cmpfloat(fine_change(NULL, 0.5), ==, 0.02);
+}
+
+/* A loop asks for prints of each layer with the error that it found. */
+static void test_by_layer(void) {
+  loop l;
+  ADD(0.03);
+  aim = 1.2 * 2e-4 * worth_of(60) / 4;
+  fine_errors[EDA_POLY] = 2e-4;
+  fine_errors[EDA_ACTIVE] = 5e-4;
+  run(&l, &with_fine, fine_is, 0, 10);
+  expect(&l, 0.03, 0);
+  g_assert_cmpint(fine_prints[EDA_POLY], ==, 2);
+  loop_clear(&l);
+  fine_errors[EDA_POLY] = fine_errors[EDA_ACTIVE] = fine_is;
+  aim = 0;
+}
+
+/* The fine model says something else at the end: the loop goes on until it is
+   content with that. Without the proof it would end before. */
+static void test_goes_on(void) {
+  loop l, without;
+  ADD(0.02);
+  run(&without, &with_fine, fine_is, 0, 20);
+  ADD(0.02, 0.25);
+  run(&l, &with_fine, fine_is, 0, 20);
+  expect(&l, 0.25, 0.02);
+  for (size_t i = 0; i < 2; i++)
+    g_assert_cmpfloat(off(&l, l.measured.performance.ion, i), <, 3);
+  g_assert_cmpint(fine_prints[EDA_POLY], ==, 3);
+  g_assert_cmpuint(l.iterations, >, without.iterations);
+  loop_clear(&without);
+  g_assert_cmpint(warnings, ==, 0);
+  /* A mask that has no moves left is told as it is. */
+  ADD(0.02, 0.25);
+  run(&without, &with_fine, fine_is, 0, 2);
+  loop_clear(&l);
+  expect(&without, 0.25, 0.02);
+  g_assert_cmpint(warnings, ==, 1);
+  loop_clear(&without);
+}
+
+/* A model that never says the same is not asked for ever. */
+static void test_bound(void) {
+  loop l;
+  ADD(0.02, 0.25, 0.02, 0.25, 0.02, 0.25);
+  run(&l, &with_fine, fine_is, 0, 60);
+  expect(&l, 0.25, 0.02);
+  g_assert_cmpint(fine_prints[EDA_POLY], ==, 1 + PROOFS);
+  loop_clear(&l);
+}
+
+/* A regulator that sees a rule broken from a certain fine print on, until it
+   has moved a line end; or that moves it after each fine print, in vain. */
+enum { STAYS, MENDS, TRIES };
+static struct {
+  const char *rule;
+  int from, does, sent;
+} broken;
+
+static int mend(void *self, const eda_printed *p, eda_ruling *r,
+                opc_error *error) {
+  (void)self, (void)p, (void)error;
+  if (!broken.does || fine_prints[EDA_POLY] < broken.from) return OPC_OK;
+  broken.sent = broken.does == MENDS;
+  r->end[0] = 8 * fine_prints[EDA_POLY];
+  return OPC_OK;
+}
+
+static int violations(void *self, const eda_printed *p, eda_violation *v,
+                      size_t room, size_t *count, opc_error *error) {
+  (void)self, (void)p, (void)error;
+  g_assert_cmpuint(room, >, 1);
+  v[0] = (eda_violation){.rule = broken.rule, .gate = -1};
+  *count = fine_prints[EDA_POLY] >= broken.from && !broken.sent;
+  return OPC_OK;
+}
+
+/* A rule that only the fine print of the end breaks has the loop go on, if
+   something can be done for it; one that has its reason, or that was broken
+   before, does not. */
+static void test_rules(void) {
+  static const eda_regulator mender = {.rule = mend, .violations = violations};
+  static const struct {
+    const char *rule;
+    int from, does, prints, end;
+  } cases[] = {{"gap: could still move", 2, MENDS, 3, 16},
+               {"gap; no room", 2, MENDS, 2, 0},
+               {"gap: could still move", 0, TRIES, 2, 8},
+               {"gap: could still move", 2, STAYS, 2, 0}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    loop l;
+    broken.rule = cases[i].rule;
+    broken.from = cases[i].from;
+    broken.does = cases[i].does;
+    broken.sent = 0;
+    regulator = MODULE(&mender, NULL);
+    ADD(0.03);
+    run(&l, &with_fine, fine_is, 0, 60);
+    regulator = NULL;
+    g_assert_cmpint(fine_prints[EDA_POLY], ==, cases[i].prints);
+    g_assert_cmpint(l.now.biases.end[0], ==, cases[i].end);
+    g_assert_true(l.printer.is_fine[EDA_POLY]);
+    loop_clear(&l);
+  }
+}
+
+/* No moves: the drawn mask is proved. */
+static void test_drawn(void) {
+  loop l;
+  ADD(0.03);
+  run(&l, &with_fine, fine_is, 0, 0);
+  expect(&l, 0.03, 0);
+  for (size_t i = 0; i < 2; i++)
+    g_assert_cmpfloat(fabs(l.before.ion[i] / l.measured.performance.ion[i] - 1),
+                      <, 1e-5);
+  g_assert_cmpuint(l.printer.fine_simulations, ==, 2);
+  loop_clear(&l);
+}
+
+/* What the guard takes back is printed finely once more. */
+static void test_guard(void) {
+  loop l;
+  ADD(0.03);
+  run(&l, &with_fine, fine_is, 45, 3);
+  expect(&l, 0.03, 0);
+  g_assert_cmpint(l.now.biases.l[1], <, 45);
+  g_assert_cmpuint(l.guard.back, ==, 1);
+  g_assert_cmpint(fine_prints[EDA_POLY], ==, 3);
+  loop_clear(&l);
+}
+
+/* The drawn mask, to which a transistor goes back, has come out a bit worse
+   than the difference of the first moves has it: no fault of a rule or
+   neighbour. */
+static void test_margin(void) {
+  loop l;
+  ADD(0.03, 0.027);
+  run(&l, &with_fine, fine_is, 45, 3);
+  g_autofree char *verdict = guard_verdict(&l.guard, 1);
+  g_assert_cmpstr(verdict, ==, "went back: its best mask");
+  g_assert_cmpint(l.now.biases.l[1], ==, 0);
+  double more =
+      off(&l, l.measured.performance.ion, 1) - off(&l, l.before.ion, 1);
+  g_assert_cmpfloat(more, >, 0.01);
+  loop_clear(&l);
+}
+
+/* Fine images, or the others once there was a fine one, on a grid of their
+   own. */
+static int was_fine;
+
+static int image_elsewhere(const void *self, int layer,
+                           const eda_spectrum *mask, double defocus,
+                           double wanted, eda_field *out, opc_error *error) {
+  int code = image_fine(self, layer, mask, defocus, wanted, out, error);
+  return code ? code : eda_field_resample(NULL, out, 8, error);
+}
+
+static int image_then(const void *self, int layer, const eda_spectrum *mask,
+                      double defocus, double wanted, eda_field *out,
+                      opc_error *error) {
+  was_fine = 1;
+  return image_fine(self, layer, mask, defocus, wanted, out, error);
+}
+
+static int image_moved(const void *self, int layer, const eda_spectrum *mask,
+                       eda_field *out, opc_error *error) {
+  int code = image(self, layer, mask, out, error);
+  return code || !was_fine ? code : eda_field_resample(NULL, out, 8, error);
+}
+
+static void test_grid(void) {
+  const eda_litho wrong[] = {{.prepare = nothing,
+                              .band = band,
+                              .image = image,
+                              .image_fine = image_elsewhere},
+                             {.prepare = nothing,
+                              .band = band,
+                              .image = image_moved,
+                              .image_fine = image_then}};
+  for (size_t k = 0; k < G_N_ELEMENTS(wrong); k++) {
+    loop l;
+    opc_error error = {0};
+    ADD(0.03);
+    g_assert_cmpint(try_to_run(&l, &wrong[k], fine_is, 0, 10, &error), ==,
+                    OPC_FAILED);
+    g_assert_cmpstr(error.parameter, ==, "litho");
+    g_assert_true(g_str_has_prefix(error.message, "its images of one frame "));
+    loop_clear(&l);
+  }
+}
+
+/* Without a fine model, or if none is wanted, all is as without it. */
+static void test_none(void) {
+  loop l;
+  ADD(0.03);
+  for (int wanted = 0; wanted < 2; wanted++) {
+    run(&l, wanted ? &litho : &with_fine, wanted ? fine_is : 0, 0, 10);
+    expect(&l, 0, 0.03);
+    g_assert_cmpuint(l.printer.fine_simulations, ==, 0);
+    g_assert_null(l.printer.difference[EDA_POLY].coefficients);
+    loop_clear(&l);
+  }
+}
+
+/* The resist is calibrated with what fine prints need, which serves both, or
+   with less error if it asks for that. */
+static double asked, given;
+
+static int image_given(const void *self, int layer, const eda_spectrum *mask,
+                       double defocus, double wanted, eda_field *out,
+                       opc_error *error) {
+  (void)defocus;
+  given = wanted;
+  return image(self, layer, mask, out, error);
+}
+
+static int ask(void *self, const opc_module *model, opc_error *error) {
+  const eda_frame frame = {0, 0, 1000, 1000};
+  const eda_litho *functions = model->functions;
+  eda_shapes none = {0};
+  eda_spectrum mask;
+  eda_field field;
+  (void)self;
+  int code =
+      eda_litho_spectrum(NULL, model, &none, 1, frame, &mask, error) ||
+      functions->image_fine(model->self, 0, &mask, 0, asked, &field, error);
+  eda_field_clear(&field);
+  eda_spectrum_clear(&mask);
+  return code;
+}
+
+static void test_calibration(void) {
+  static const eda_litho there = {.prepare = nothing,
+                                  .band = band,
+                                  .image = image,
+                                  .image_fine = image_given};
+  static const eda_resist asking = {.prepare = ask, .print = print};
+  static const struct {
+    double fine, asked, given;
+  } cases[] = {{0, 1e-4, 1e-4}, {5e-5, 1e-4, 5e-5}, {1e-3, 1e-4, 1e-4}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    eda_printer p;
+    opc_error error = {0};
+    asked = cases[i].asked;
+    eda_printer_init(&p, NULL, eda_gates_sample(), MODULE(&there, NULL),
+                     MODULE(&asking, NULL), 300);
+    p.fine = cases[i].fine;
+    g_assert_cmpint(eda_printer_prepare(&p, &error), ==, OPC_OK);
+    g_assert_cmpfloat(given, ==, cases[i].given);
+    eda_printer_clear(&p);
+  }
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/proof/how-fine", test_how_fine);
+  g_test_add_func("/proof/by-layer", test_by_layer);
+  g_test_add_func("/proof/end", test_end);
+  g_test_add_func("/proof/goes-on", test_goes_on);
+  g_test_add_func("/proof/bound", test_bound);
+  g_test_add_func("/proof/rules", test_rules);
+  g_test_add_func("/proof/drawn", test_drawn);
+  g_test_add_func("/proof/guard", test_guard);
+  g_test_add_func("/proof/margin", test_margin);
+  g_test_add_func("/proof/grid", test_grid);
+  g_test_add_func("/proof/none", test_none);
+  g_test_add_func("/proof/calibration", test_calibration);
+  return g_test_run();
+}

@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Whether the optics see a transistor alike however it lies. */
+#include <correct/ways.h>
+
+#include <eda/check.h>
+#include <eda/gates.h>
+#include <eda/memory.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* Clear field 1: less than models are off by, more than rounding. */
+static const double alike = 1e-4;
+
+/* nm. A shape that no turn and no mirror makes itself, in a frame that all
+   turns leave as it is; the period of kernels that have one. */
+static const eda_box shape[] = {
+    {-200, -100, -120, 300}, {-120, 220, 150, 300}, {100, -250, 180, 0}};
+static const eda_frame frame = {-1024, -1024, 2048, 2048};
+enum { BOXES = 3, ALL = 8, SWAPPED = 4, ACROSS = 17, STEP = 50 };
+
+static void turn(int way, double *x, double *y) {
+  double was = *x;
+  if (way & SWAPPED) {
+    *x = *y;
+    *y = was;
+  }
+  if (way & 1) *x = -*x;
+  if (way & 2) *y = -*y;
+}
+
+/* The shape lying that way, merged: its boxes touch, so that they are made one.
+ */
+static int draw(int way, eda_shapes *out, opc_error *error) {
+  eda_point points[4 * BOXES];
+  uint32_t start[BOXES + 1] = {0};
+  for (int b = 0; b < BOXES; b++) {
+    double x0 = shape[b].x0, y0 = shape[b].y0, x1 = shape[b].x1,
+           y1 = shape[b].y1;
+    turn(way, &x0, &y0);
+    turn(way, &x1, &y1);
+    const eda_point corner[] = {{(int32_t)x0, (int32_t)y0},
+                                {(int32_t)x1, (int32_t)y0},
+                                {(int32_t)x1, (int32_t)y1},
+                                {(int32_t)x0, (int32_t)y1}};
+    for (int k = 0; k < 4; k++) points[4 * b + k] = corner[k];
+    start[b + 1] = (uint32_t)(4 * b + 4);
+  }
+  const eda_shapes boxes = {.count = BOXES, .start = start, .points = points};
+  return eda_boolean(EDA_OR, &boxes, NULL, out, error);
+}
+
+/* The image at places that lie that way to the shape, too. */
+static int look(const opc_context *context, const opc_module *litho, int layer,
+                int way, double *out, opc_error *error) {
+  enum { N = ACROSS * ACROSS };
+  double x[N], y[N];
+  eda_shapes mask = {0};
+  eda_spectrum spectrum = {0};
+  eda_field field = {0};
+  for (int k = 0; k < N; k++) {
+    int column = k % ACROSS - ACROSS / 2, row = k / ACROSS - ACROSS / 2;
+    x[k] = STEP * column;
+    y[k] = STEP * row;
+    turn(way, &x[k], &y[k]);
+  }
+  const eda_litho *functions = litho->functions;
+  int code = draw(way, &mask, error);
+  if (!code)
+    code =
+        eda_litho_spectrum(context, litho, &mask, 1, frame, &spectrum, error);
+  if (!code)
+    code = functions->image(litho->self, layer, &spectrum, &field, error);
+  if (!code) eda_field_sample(&field, x, y, N, out);
+  eda_shapes_clear(&mask);
+  eda_spectrum_clear(&spectrum);
+  eda_field_clear(&field);
+  return code;
+}
+
+static int ways_of_layer(const opc_context *context, const opc_module *litho,
+                         int layer, int *ways, opc_error *error) {
+  enum { N = ACROSS * ACROSS };
+  double first[N], other[N], worst[2] = {0}; /* not swapped, swapped */
+  int code = look(context, litho, layer, 0, first, error);
+  for (int way = 1; way < ALL && !code; way++) {
+    double *most = &worst[way >= SWAPPED];
+    code = look(context, litho, layer, way, other, error);
+    for (int k = 0; k < N && !code; k++)
+      *most = fmax(*most, fabs(other[k] - first[k]));
+  }
+  *ways = worst[0] > alike ? 1 : worst[1] > alike ? SWAPPED : ALL;
+  return code;
+}
+
+/* Both layers that print transistors have to agree. */
+int ways_find(const opc_context *context, const opc_module *litho, int *ways,
+              opc_error *error) {
+  int poly, active;
+  int code = ways_of_layer(context, litho, EDA_POLY, &poly, error);
+  if (!code) code = ways_of_layer(context, litho, EDA_ACTIVE, &active, error);
+  if (code) return eda_blame(error, code, "litho");
+  *ways = poly < active ? poly : active;
+  return OPC_OK;
+}

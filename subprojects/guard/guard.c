@@ -1,0 +1,390 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What plugins do to the process. A handler of crashes only writes texts that
+   were made before, renames the run folder and ends the process. */
+#include <guard/guard.h>
+
+#include <errno.h>
+#include <fcntl.h>
+#include <guard/process.h>
+#include <limits.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { STACK = 32768, MOST_RUNS = 10000 };
+
+static pid_t guarded; /* the process that is; 0: none */
+static int forked;    /* this one is a copy of it */
+
+/* ---- what is said and kept ---- */
+
+/* Written where nothing runs that could crash; a handler only reads them. */
+static char where[2 * PATH_MAX], work[PATH_MAX], failed[PATH_MAX];
+static char lock[PATH_MAX], slot[PATH_MAX];
+static char wipe[16];
+static int exit_code = GUARD_CRASH_RUNNING;
+
+static void copy(char *to, size_t room, const char *from) {
+  snprintf(to, room, "%s", from ? from : "");
+}
+
+void guard_where(const char *text, int code) {
+  copy(where, sizeof where, text);
+  exit_code = text ? code : GUARD_CRASH_RUNNING;
+}
+
+void guard_folder(const char *folder, const char *name, const char *file) {
+  copy(work, sizeof work, folder);
+  copy(failed, sizeof failed, name);
+  copy(lock, sizeof lock, file);
+  copy(slot, sizeof slot, file);
+  char *end = strrchr(slot, '/');
+  if (end) *end = 0;
+}
+
+/* ---- the end: only what is safe in a handler ---- */
+
+/* "-N" in decimal. */
+static void put_number(char *to, int n) {
+  int digits = 1;
+  for (int rest = n; rest >= 10; rest /= 10) digits++;
+  *to++ = '-';
+  to[digits] = 0;
+  for (; digits-- > 0; n /= 10) to[digits] = (char)('0' + n % 10);
+}
+
+/* Not onto something, but for the empty folder that is made where names cannot
+   be kept from being taken. */
+static int rename_folder(int here) {
+  if (!renameat2(here, work, here, failed, RENAME_NOREPLACE)) return 1;
+  if (errno != EINVAL && errno != ENOSYS) return 0;
+  return !mkdirat(here, failed, 0777) && !renameat(here, work, here, failed);
+}
+
+/* The folder under its new name; 0 if there is nothing to keep. */
+static int keep_folder(void) {
+  int here = process_folder();
+  size_t length = strlen(failed);
+  if (!*work || length + 8 > sizeof failed ||
+      !unlinkat(here, work, AT_REMOVEDIR))
+    return 0;
+  for (int i = 1; i < MOST_RUNS; i++) {
+    if (i > 1) put_number(failed + length, i);
+    if (rename_folder(here)) return 1;
+    if (errno != EEXIST) break;
+  }
+  if (errno == ENOENT) return 0; /* the run has just ended by itself */
+  strcpy(failed, work);
+  return 1;
+}
+
+/* Nothing hidden stays. */
+static void remove_slot(void) {
+  int here = process_folder();
+  if (!*slot) return;
+  unlinkat(here, lock, 0);
+  unlinkat(here, slot, AT_REMOVEDIR);
+}
+
+/* In one piece, as another process, or thread, may speak at the same time. */
+static char said[4 * PATH_MAX];
+
+static void add_text(const char *text) {
+  size_t n = strlen(said), more = strlen(text), room = sizeof said - 1 - n;
+  memcpy(said + n, text, more < room ? more : room);
+}
+
+/* Says where, and the words, which end with NULL. */
+_Noreturn static void end(const char *const *words, int code) {
+  static int taken;
+  /* The first thread speaks; others wait for the end. */
+  while (__atomic_exchange_n(&taken, 1, __ATOMIC_SEQ_CST)) pause();
+  add_text(wipe);
+  add_text(*where ? where : "error");
+  while (*words) add_text(*words++);
+  process_say(said);
+  /* A copy that a plugin made of the process keeps nothing. */
+  if (getpid() == guarded && keep_folder()) {
+    process_say("note: what was written so far is in '");
+    process_say(failed);
+    process_say("'\n");
+  }
+  if (getpid() == guarded) remove_slot();
+  for (;;) syscall(SYS_exit_group, code); /* _exit() is a plugin's, below */
+}
+
+_Noreturn static void blame(const char *id, const char *what,
+                            const char *detail) {
+  const char *const words[] = {": plugin '", id,   "' ", what,
+                               detail,       "\n", NULL};
+  end(words, exit_code);
+}
+
+/* ---- which plugin ---- */
+
+/* What a thread is at, which others read. */
+typedef struct worker {
+  const char *inside;  /* the plugin */
+  const char *suspect; /* the one that was in it after the last look */
+  int waits;           /* others work for it */
+  struct worker *next;
+} worker;
+
+static _Thread_local worker me;
+static _Thread_local int calls; /* enter without its leave */
+static worker *main_worker = &(worker){NULL, NULL, 0, NULL}, *workers;
+static pthread_mutex_t workers_lock = PTHREAD_MUTEX_INITIALIZER;
+static pthread_key_t ending;
+
+static void set(const char **field, const char *id) {
+  __atomic_store_n(field, id, __ATOMIC_RELAXED);
+}
+
+/* "'A', 'B'": each name once; the number of names. */
+static int add_name(char *list, size_t room, int n, const char *id) {
+  char name[256];
+  size_t length = strlen(list);
+  if (!id) return n;
+  snprintf(name, sizeof name, "'%s'", id);
+  if (strstr(list, name)) return n;
+  snprintf(list + length, room - length, "%s%s", n ? ", " : "", name);
+  return n + 1;
+}
+
+/* Adds the plugins that other threads are in, or were since they were looked
+   at, where `suspects` count as well. */
+static int add_others(char *list, size_t room, int n, int suspects) {
+  for (worker *w = workers; w; w = w->next) {
+    if (w == &me) continue;
+    if (!__atomic_load_n(&w->waits, __ATOMIC_RELAXED))
+      n = add_name(list, room, n,
+                   __atomic_load_n(&w->inside, __ATOMIC_RELAXED));
+    if (suspects)
+      n = add_name(list, room, n,
+                   __atomic_load_n(&w->suspect, __ATOMIC_RELAXED));
+  }
+  return n;
+}
+
+/* For what belongs to no thread: it may have been any that is at work. */
+static void blame_all(const char *id, const char *what, const char *detail) {
+  char list[1024] = "";
+  int n = add_name(list, sizeof list, 0, id);
+  pthread_mutex_lock(&workers_lock);
+  n = add_others(list, sizeof list, n, 1);
+  const char *const words[] = {n > 1 ? ": one of the plugins " : ": plugin ",
+                               list,
+                               " ",
+                               what,
+                               detail,
+                               "\n",
+                               NULL};
+  end(words, exit_code);
+}
+
+/* A handler needs a stack of its own, as that of the thread may be used up. */
+static _Thread_local char stack[STACK];
+static _Thread_local int has_stack;
+
+static void give_stack(void) {
+  stack_t present;
+  has_stack = 1;
+  if (sigaltstack(NULL, &present) || !(present.ss_flags & SS_DISABLE)) return;
+  const stack_t own = {.ss_sp = stack, .ss_size = sizeof stack};
+  sigaltstack(&own, NULL);
+}
+
+/* A thread that ends in the middle of a call, which nobody would notice: others
+   wait for it, or the command ends well. */
+static void thread_ended(void *unused) {
+  (void)unused;
+  if (guarded && calls > 0) blame(me.inside, "ended its thread", "");
+  pthread_mutex_lock(&workers_lock);
+  worker **at = &workers;
+  while (*at && *at != &me) at = &(*at)->next;
+  if (*at) *at = me.next;
+  pthread_mutex_unlock(&workers_lock);
+}
+
+static void begin_thread(void) {
+  if (has_stack) return;
+  give_stack();
+  if (!guarded) return;
+  pthread_setspecific(ending, "known");
+  pthread_mutex_lock(&workers_lock);
+  me.next = workers;
+  workers = &me;
+  pthread_mutex_unlock(&workers_lock);
+}
+
+/* ---- what it did ---- */
+
+/* Between two looks at the same plugin, s: one takes 4 us, where system calls
+   are slow 25, and some plugins are called a thousand times a second. */
+static const double pause_of_looks = 5e-3;
+
+/* Tasks of a plugin, beside which others may do harm: it is looked at by itself
+   when they are done. */
+static _Thread_local int in_batch;
+
+static _Thread_local double looked; /* when, s */
+
+static double now(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + (double)t.tv_nsec * 1e-9;
+}
+
+/* What costs nothing, after each call. */
+static void glance(void) {
+  const char *what = process_thread_change();
+  if (forked) blame(me.inside, "forked and went on", "");
+  if (what) blame(me.inside, what, "");
+}
+
+/* Whatever is not as it was, that plugin did, or one beside it. */
+static void look(const char *id) {
+  const char *detail;
+  if (process_signals_change()) blame(id, "changed which signals come", "");
+  const char *what = process_change(&detail);
+  if (what) blame_all(id, what, detail);
+  set(&me.suspect, NULL);
+  looked = now();
+}
+
+const char *guard_enter(const char *id) {
+  const char *before = me.inside;
+  const char *who = me.suspect || in_batch ? me.suspect : before;
+  begin_thread();
+  if (guarded && before) glance();
+  /* Before another one can be taken for it. */
+  if (guarded && id && who && id != who) look(who);
+  calls++;
+  set(&me.inside, id);
+  return before;
+}
+
+void guard_leave(const char *before) {
+  int last = !before && &me == main_worker;
+  if (guarded && me.inside) glance();
+  if (guarded && me.inside && !me.suspect) set(&me.suspect, me.inside);
+  if (guarded && me.suspect && (last || now() - looked > pause_of_looks))
+    look(me.suspect);
+  calls--;
+  set(&me.inside, before);
+}
+
+void guard_gather(void) {
+  if (guarded && me.suspect) look(me.suspect);
+}
+
+const char *guard_join(const char *id) {
+  const char *before = me.inside;
+  begin_thread();
+  calls++;
+  in_batch++;
+  set(&me.inside, id);
+  return before;
+}
+
+void guard_part(const char *before) {
+  if (guarded && me.inside) glance();
+  guard_gather();
+  in_batch--;
+  calls--;
+  set(&me.inside, before);
+}
+
+void guard_wait(int waits) {
+  __atomic_store_n(&me.waits, waits, __ATOMIC_RELAXED);
+}
+
+void guard_adopt(const char *id) {
+  begin_thread();
+  set(&me.inside, id);
+}
+
+const char *guard_inside(void) { return me.inside; }
+
+/* ---- what ends it ---- */
+
+/* Of a thread that is ending now nothing is read: a handler cannot wait for the
+   lock, and then names the first thread's plugin only. */
+void guard_end(int code) {
+  static char list[1024];
+  int alone = pthread_mutex_trylock(&workers_lock);
+  int n = add_name(list, sizeof list, 0, me.inside);
+  if (alone)
+    n = add_name(list, sizeof list, n, main_worker->inside);
+  else
+    n = add_others(list, sizeof list, n, 0);
+  const char *const words[] = {n > 1   ? ": stopped in one of the plugins "
+                               : n > 0 ? ": stopped in plugin "
+                                       : ": stopped",
+                               list, "\n", NULL};
+  end(words, code);
+}
+
+void guard_exit(void) {
+  if (me.inside && getpid() == guarded)
+    blame(me.inside, "ended the process", "");
+}
+
+static int done = -1; /* exit code */
+
+void guard_done(int code) { done = code; }
+
+int guard_code(int code) { return done < 0 ? code : done; }
+
+/* Sent by another process, which no plugin can help. */
+static int is_foreign(const siginfo_t *info) {
+  int sent = info->si_code == SI_USER || info->si_code == SI_QUEUE ||
+             info->si_code == SI_TKILL;
+  return sent && info->si_pid != getpid();
+}
+
+static void crashed(int number, siginfo_t *info, void *unused) {
+  (void)unused;
+  const process_signal *s = process_signals;
+  while (s->number != number) s++;
+  const char *const late[] = {": crashed while the command ended: ", s->means,
+                              "\n", NULL};
+  if (!me.inside && done >= 0 && !is_foreign(info)) end(late, exit_code);
+  if (!me.inside || is_foreign(info)) { /* as if there were no handler */
+    signal(number, SIG_DFL);
+    raise(number);
+    return;
+  }
+  const char *const words[] = {
+      ": crashed in plugin '", me.inside, "': ", s->means, "\n", NULL};
+  end(words, exit_code);
+}
+
+static void has_forked(void) { forked = 1; }
+
+void guard_remove(void) {
+  guarded = 0;
+  for (const process_signal *s = process_signals; s->number; s++)
+    if (s->means) signal(s->number, SIG_DFL);
+}
+
+void guard_install(const char *text) {
+  struct sigaction action = {.sa_sigaction = crashed,
+                             .sa_flags = SA_ONSTACK | SA_SIGINFO};
+  copy(wipe, sizeof wipe, text);
+  for (const process_signal *s = process_signals; s->number; s++)
+    if (s->means) sigaction(s->number, &action, NULL);
+  process_settle();
+  pthread_key_create(&ending, thread_ended);
+  pthread_atfork(NULL, NULL, has_forked);
+  atexit(guard_exit);
+  at_quick_exit(guard_exit);
+  main_worker = &me;
+  guarded = getpid();
+}

@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Plugins that crash, end or change a process: its exit code and its message,
+   as the parent process reads them. */
+#include <fcntl.h>
+#include <glib.h>
+#include <glib/gstdio.h>
+#include <guard/child.h>
+#include <guard/guard.h>
+#include <guard/process.h>
+#include <locale.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* Run a plugin 'bad' in a guarded process: its exit code (minus the signal that
+   ended it), and its standard error in *said (g_free). */
+static int run(void (*plugin)(void), char **said) {
+  GString *text = g_string_new(NULL);
+  int ends[2], status;
+  char buffer[256];
+  g_assert_cmpint(pipe(ends), ==, 0);
+  pid_t pid = fork();
+  if (!pid) {
+    dup2(ends[1], STDERR_FILENO);
+    close(ends[0]);
+    close(ends[1]);
+    guard_install(NULL);
+    guard_where("here", GUARD_CRASH_RUNNING);
+    const char *before = guard_enter("bad");
+    plugin();
+    guard_leave(before);
+    guard_done(7);
+    exit(7);
+  }
+  close(ends[1]);
+  for (ssize_t n; (n = read(ends[0], buffer, sizeof buffer)) > 0;)
+    g_string_append_len(text, buffer, n);
+  close(ends[0]);
+  g_assert_cmpint(waitpid(pid, &status, 0), ==, pid);
+  *said = g_string_free(text, FALSE);
+  return WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
+}
+
+static void do_nothing(void) {}
+
+static void crash(void) { raise(SIGSEGV); }
+
+static void leave(void) { exit(0); }
+
+static void leave_at_once(void) { _exit(0); }
+
+static void move(void) { g_assert_cmpint(chdir("/"), ==, 0); }
+
+static void close_input(void) { close(STDIN_FILENO); }
+
+static void take_handler(void) { signal(SIGINT, SIG_IGN); }
+
+static void mask_files(void) { umask(0123); }
+
+static void set_alarm(void) { alarm(60); }
+
+static void *end_process(void *unused) {
+  (void)unused;
+  exit(0);
+}
+
+/* A thread belongs to the plugin that started it. */
+static void leave_by_thread(void) {
+  pthread_t thread;
+  g_assert_cmpint(pthread_create(&thread, NULL, end_process, NULL), ==, 0);
+  pthread_join(thread, NULL);
+}
+
+static const struct {
+  void (*plugin)(void);
+  int code;
+  const char *said;
+} cases[] = {
+    {do_nothing, 7, ""},
+    {crash, 4, "here: crashed in plugin 'bad': segmentation fault\n"},
+    {leave, 4, "here: plugin 'bad' ended the process\n"},
+    {leave_at_once, 4, "here: plugin 'bad' ended the process\n"},
+    {leave_by_thread, 4, "here: plugin 'bad' ended the process\n"},
+    {move, 4, "here: plugin 'bad' changed the working folder\n"},
+    {close_input, 4,
+     "here: plugin 'bad' closed or redirected standard input\n"},
+    {take_handler, 4, "here: plugin 'bad' changed the handler of SIGINT\n"},
+    {mask_files, 4, "here: plugin 'bad' changed the modes of new files\n"},
+    {set_alarm, 4, "here: plugin 'bad' left an alarm set\n"},
+};
+
+static void test_plugins(void) {
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_autofree char *said = NULL;
+    int code = run(cases[i].plugin, &said);
+    g_assert_cmpstr(said, ==, cases[i].said);
+    g_assert_cmpint(code, ==, cases[i].code);
+  }
+}
+
+/* The folder of a run that crashed gets its other name; an empty one goes. */
+static void crash_in_run(void) {
+  guard_folder("work", "run.failed", "slot/lock");
+  crash();
+}
+
+static void test_folder(void) {
+  g_autofree char *folder = g_dir_make_tmp("guard-XXXXXX", NULL);
+  g_autofree char *said = NULL, *again = NULL;
+  g_assert_cmpint(chdir(folder), ==, 0);
+  g_assert_cmpint(g_mkdir("work", 0777) + g_mkdir("work/kept", 0777), ==, 0);
+  g_assert_cmpint(run(crash_in_run, &said), ==, 4);
+  g_assert_nonnull(strstr(said, "is in 'run.failed'\n"));
+  g_assert_cmpint(rmdir("run.failed/kept") + rmdir("run.failed"), ==, 0);
+  g_assert_cmpint(g_mkdir("work", 0777), ==, 0);
+  g_assert_cmpint(run(crash_in_run, &again), ==, 4);
+  g_assert_null(strstr(again, "run.failed"));
+  g_assert_cmpint(chdir("/") + rmdir(folder), ==, 0);
+}
+
+static void say_hello(int out, void *data) {
+  process_write(out, data, strlen(data));
+}
+
+static void sleep_long(int out, void *data) {
+  (void)out, (void)data;
+  sleep(60);
+}
+
+static void abort_child(int out, void *data) {
+  (void)out, (void)data;
+  abort();
+}
+
+static void test_child(void) {
+  char hello[] = "hello";
+  int end;
+  GString *text = child_run(say_hello, hello, 10, &end);
+  g_assert_cmpstr(text->str, ==, hello);
+  g_assert_cmpint(end, ==, CHILD_ENDED);
+  g_string_free(text, TRUE);
+  g_string_free(child_run(sleep_long, NULL, 0.1, &end), TRUE);
+  g_assert_cmpint(end, ==, CHILD_LATE);
+  g_string_free(child_run(abort_child, NULL, 10, &end), TRUE);
+  g_assert_cmpint(end, ==, SIGABRT);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/guard/plugins", test_plugins);
+  g_test_add_func("/guard/folder", test_folder);
+  g_test_add_func("/guard/child", test_child);
+  return g_test_run();
+}

@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Takes down what the process is like, and compares. */
+#include <guard/process.h>
+
+#include <errno.h>
+#include <fcntl.h>
+#include <fenv.h>
+#include <locale.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+enum {
+  STREAMS = 3,
+  SIGNALS = 20,         /* room for process_signals */
+  LONGEST_LOCALE = 512, /* all categories, each with its name */
+  FIRST_OWN = 100 /* descriptors of our own: above those that others count on */
+};
+
+const process_signal process_signals[] = {
+    {SIGSEGV, "SIGSEGV", "segmentation fault"},
+    {SIGBUS, "SIGBUS", "bus error"},
+    {SIGFPE, "SIGFPE", "arithmetic error"},
+    {SIGILL, "SIGILL", "illegal instruction"},
+    {SIGABRT, "SIGABRT", "aborted"},
+    {SIGTRAP, "SIGTRAP", "trap"},
+    {SIGSYS, "SIGSYS", "bad system call"},
+    {SIGPIPE, "SIGPIPE", "broken pipe"},
+    {SIGALRM, "SIGALRM", "alarm"},
+    {SIGVTALRM, "SIGVTALRM", "alarm"},
+    {SIGPROF, "SIGPROF", "alarm"},
+    {SIGPOLL, "SIGPOLL", "input or output"},
+    {SIGUSR1, "SIGUSR1", "user signal 1"},
+    {SIGUSR2, "SIGUSR2", "user signal 2"},
+    {SIGHUP, "SIGHUP", NULL},
+    {SIGINT, "SIGINT", NULL},
+    {SIGTERM, "SIGTERM", NULL},
+    {0, NULL, NULL}};
+
+/* ---- what it is like ---- */
+
+typedef struct place {
+  dev_t device;
+  ino_t number;
+} place;
+
+typedef struct state {
+  place folder, stream[STREAMS];
+  void (*handler[SIGNALS])(int);
+  char locale[LONGEST_LOCALE];
+  mode_t modes;     /* that new files do not get */
+  uint64_t blocked; /* signals 1 to 31 */
+  uint32_t numbers; /* how they are rounded, flushed and trapped */
+} state;
+
+static state settled;
+static int folder = -1, voice = -1;
+
+/* Zeros where there is none. */
+static place place_of(const struct stat *s, int code) {
+  return code ? (place){0, 0} : (place){s->st_dev, s->st_ino};
+}
+
+static int differ(place a, place b) {
+  return a.device != b.device || a.number != b.number;
+}
+
+static place folder_now(void) {
+  struct stat s;
+  int code = stat(".", &s);
+  return place_of(&s, code);
+}
+
+static place stream_now(int i) {
+  struct stat s;
+  int code = fstat(i, &s);
+  return place_of(&s, code);
+}
+
+static void (*handler_now(int number))(int) {
+  struct sigaction action;
+  sigaction(number, NULL, &action);
+  return action.sa_handler; /* of a union with sa_sigaction */
+}
+
+static uint64_t blocked_now(void) {
+  sigset_t set;
+  uint64_t bits = 0;
+  pthread_sigmask(SIG_SETMASK, NULL, &set);
+  for (const process_signal *s = process_signals; s->number; s++)
+    if (sigismember(&set, s->number) == 1) bits |= UINT64_C(1) << s->number;
+  return bits;
+}
+
+/* Without what a calculation leaves there, exceptions that were seen. */
+static uint32_t numbers_now(void) {
+#if defined(__x86_64__)
+  uint16_t x87;
+  __asm__ volatile("fnstcw %0" : "=m"(x87));
+  return (__builtin_ia32_stmxcsr() & ~0x3fu) | (uint32_t)x87 << 16;
+#else
+  return (uint32_t)fegetround() | (uint32_t)fegetexcept() << 16;
+#endif
+}
+
+void process_settle(void) {
+  if (folder < 0) {
+    int here = open(".", O_PATH | O_DIRECTORY | O_CLOEXEC);
+    folder = fcntl(here, F_DUPFD_CLOEXEC, FIRST_OWN);
+    voice = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, FIRST_OWN);
+    if (here >= 0) close(here);
+  }
+  settled.folder = folder_now();
+  for (int i = 0; i < STREAMS; i++) settled.stream[i] = stream_now(i);
+  for (int i = 0; process_signals[i].number; i++)
+    settled.handler[i] = handler_now(process_signals[i].number);
+  snprintf(settled.locale, sizeof settled.locale, "%s",
+           setlocale(LC_ALL, NULL));
+  settled.modes = umask(077);
+  umask(settled.modes);
+  settled.blocked = blocked_now();
+  settled.numbers = numbers_now();
+}
+
+/* ---- what it was like ---- */
+
+static const char *stream_change(void) {
+  static const char *const names[STREAMS] = {
+      "closed or redirected standard input",
+      "closed or redirected standard output",
+      "closed or redirected standard error"};
+  for (int i = 0; i < STREAMS; i++)
+    if (differ(stream_now(i), settled.stream[i])) return names[i];
+  return NULL;
+}
+
+const char *process_thread_change(void) {
+  if (numbers_now() != settled.numbers)
+    return "changed how numbers are rounded, flushed or trapped";
+  return uselocale((locale_t)0) == LC_GLOBAL_LOCALE ? NULL
+                                                    : "changed the locale";
+}
+
+int process_signals_change(void) { return blocked_now() != settled.blocked; }
+
+/* An alarm that rings when another plugin's turn has come. */
+static int has_alarm(void) {
+  struct itimerval left;
+  getitimer(ITIMER_REAL, &left);
+  return left.it_value.tv_sec || left.it_value.tv_usec;
+}
+
+const char *process_change(const char **detail) {
+  *detail = "";
+  if (strncmp(setlocale(LC_ALL, NULL), settled.locale, LONGEST_LOCALE - 1) != 0)
+    return "changed the locale";
+  for (int i = 0; process_signals[i].number; i++)
+    if (handler_now(process_signals[i].number) != settled.handler[i]) {
+      *detail = process_signals[i].name;
+      return "changed the handler of ";
+    }
+  if (differ(folder_now(), settled.folder)) return "changed the working folder";
+  /* That it is set to what it should be hurts no other thread. */
+  if (umask(settled.modes) != settled.modes)
+    return "changed the modes of new files";
+  if (has_alarm()) return "left an alarm set";
+  return stream_change();
+}
+
+int process_folder(void) {
+  return fcntl(folder, F_GETFD) < 0 ? AT_FDCWD : folder;
+}
+
+void process_write(int out, const char *bytes, size_t n) {
+  for (size_t done = 0; done < n;) {
+    ssize_t k = write(out, bytes + done, n - done);
+    if (k < 0 && errno != EINTR) return;
+    if (k > 0) done += (size_t)k;
+  }
+}
+
+void process_say(const char *text) {
+  int out = fcntl(voice, F_GETFD) < 0 ? STDERR_FILENO : voice;
+  process_write(out, text, strlen(text));
+}

@@ -1,0 +1,369 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* From run folders to the data of a page, and from its parts to the page. */
+#include <report/page.h>
+
+#include <eda/runs.h>
+#include <json-glib/json-glib.h>
+#include <math.h>
+#include <opcflow/kind.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <report/json.h>
+#include "page_files.h"
+
+/* ---- state ---- */
+
+/* What the page has of a run's tables, if they are there; of "gates", which may
+   be long, these columns. */
+static const char *const tables[] = {"gates", "history", "corners",
+                                     "violations"};
+static const char *const gate_columns[] = {
+    "transistor", "cell",      "type",       "l",          "w",
+    "ion_before", "ion_after", "ioff_after", "area_after", "mask_l",
+    "mask_w",     "print",     "verdict"};
+
+/* ---- work: pieces of JSON ---- */
+
+/* `, "name": `, without the comma behind a bracket. */
+static void member(GString *out, const char *name) {
+  char last = out->len ? out->str[out->len - 1] : '{';
+  g_string_append(out, last == '{' || last == '[' ? "" : ", ");
+  json_text(out, name);
+  g_string_append(out, ": ");
+}
+
+static void text_member(GString *out, const char *name, const char *text) {
+  member(out, name);
+  json_text(out, text);
+}
+
+static void number_member(GString *out, const char *name, double x) {
+  member(out, name);
+  json_number(out, x, 9);
+}
+
+static void open_member(GString *out, const char *name, char bracket) {
+  member(out, name);
+  g_string_append_c(out, bracket);
+}
+
+/* The next element of a list. */
+static void open_element(GString *out) {
+  g_string_append(out, out->str[out->len - 1] == '[' ? "{" : ",\n {");
+}
+
+/* ---- work: tables ---- */
+
+static int is_wanted(const char *table, const char *column) {
+  if (strcmp(table, "gates") != 0) return 1;
+  for (size_t k = 0; k < G_N_ELEMENTS(gate_columns); k++)
+    if (!strcmp(gate_columns[k], column)) return 1;
+  return 0;
+}
+
+/* Numbers where all are; else texts, null where there is none. */
+static void add_column(GString *out, eda_table *t, size_t column) {
+  const double *number = eda_table_numbers(t, column);
+  const char *unit = eda_table_unit(t, column);
+  open_element(out);
+  text_member(out, "name", eda_table_name(t, column));
+  text_member(out, "unit", *unit ? unit : NULL);
+  open_member(out, "values", '[');
+  for (size_t i = 0; i < eda_table_rows(t); i++) {
+    const char *text = eda_table_text(t, i, column);
+    if (i) g_string_append_c(out, ',');
+    if (number)
+      json_number(out, number[i], 9);
+    else
+      json_text(out, *text ? text : NULL);
+  }
+  g_string_append(out, "]}");
+}
+
+static int add_tables(GString *out, eda_run *run, opc_error *error) {
+  open_member(out, "tables", '{');
+  for (size_t k = 0; k < G_N_ELEMENTS(tables); k++) {
+    if (!eda_run_has_table(run, tables[k])) continue;
+    eda_table *t = eda_run_table(run, tables[k], error);
+    if (!t) return error->code;
+    open_member(out, tables[k], '{');
+    number_member(out, "rows", (double)eda_table_rows(t));
+    open_member(out, "columns", '[');
+    for (size_t c = 0; c < eda_table_columns(t); c++)
+      if (is_wanted(tables[k], eda_table_name(t, c))) add_column(out, t, c);
+    g_string_append(out, "]}");
+  }
+  g_string_append(out, "}");
+  return OPC_OK;
+}
+
+/* ---- work: facts ---- */
+
+static void add_metrics(GString *out, const eda_run_facts *f) {
+  static const char *const better[] = {"neutral", "lower", "higher"};
+  open_member(out, "metrics", '{');
+  for (size_t i = 0; i < f->n_metrics; i++) {
+    const eda_run_metric *m = &f->metrics[i];
+    open_member(out, m->name, '{');
+    member(out, "value");
+    json_number(out, m->value, 17);
+    text_member(out, "unit", m->unit);
+    text_member(out, "better", better[m->better]);
+    number_member(out, "tolerance", m->tolerance);
+    g_string_append_c(out, '}');
+  }
+  g_string_append_c(out, '}');
+}
+
+static void add_parameters(GString *out, const eda_run_facts *f) {
+  open_member(out, "parameters", '{');
+  for (size_t i = 0; i < f->n_parameters; i++)
+    text_member(out, f->parameters[i].name, f->parameters[i].value);
+  g_string_append_c(out, '}');
+}
+
+static void add_verdicts(GString *out, const eda_run_facts *f) {
+  open_member(out, "findings", '[');
+  for (size_t i = 0; i < f->n_findings; i++) {
+    open_element(out);
+    text_member(out, "step", f->findings[i].step);
+    text_member(out, "text", f->findings[i].text);
+    g_string_append_c(out, '}');
+  }
+  g_string_append_c(out, ']');
+  open_member(out, "requirements", '[');
+  for (size_t i = 0; i < f->n_requirements; i++) {
+    const eda_run_requirement *r = &f->requirements[i];
+    open_element(out);
+    text_member(out, "metric", r->metric);
+    text_member(out, "required", r->required);
+    number_member(out, "value", r->value);
+    text_member(out, "unit", r->unit);
+    member(out, "kept");
+    g_string_append(out, r->kept ? "true}" : "false}");
+  }
+  g_string_append_c(out, ']');
+}
+
+static void add_origins(GString *out, const eda_run_facts *f) {
+  open_member(out, "inputs", '[');
+  for (size_t i = 0; i < f->n_inputs; i++) {
+    open_element(out);
+    text_member(out, "path", f->inputs[i].path);
+    text_member(out, "sha256", f->inputs[i].sha256);
+    g_string_append_c(out, '}');
+  }
+  g_string_append_c(out, ']');
+  open_member(out, "plugins", '[');
+  for (size_t i = 0; i < f->n_plugins; i++) {
+    open_element(out);
+    text_member(out, "id", f->plugins[i].id);
+    text_member(out, "version", f->plugins[i].version);
+    text_member(out, "sha256", f->plugins[i].sha256);
+    g_string_append_c(out, '}');
+  }
+  g_string_append_c(out, ']');
+  open_member(out, "steps", '[');
+  for (size_t i = 0; i < f->n_steps; i++) {
+    open_element(out);
+    text_member(out, "name", f->steps[i].name);
+    number_member(out, "seconds", f->steps[i].seconds);
+    g_string_append_c(out, '}');
+  }
+  g_string_append_c(out, ']');
+}
+
+/* ---- work: pictures ---- */
+
+/* A view.json is anybody's: it is parsed before it goes into the page, where no
+   `<` of it stays as it is. */
+static int add_view(page *p, GString *out, const char *folder,
+                    const char *label, opc_error *error) {
+  g_autofree char *path = g_build_filename(folder, "view.json", NULL);
+  g_autofree char *text = NULL;
+  g_autoptr(JsonParser) parser = json_parser_new_immutable();
+  g_autoptr(GError) fault = NULL;
+  gsize size;
+  if (!g_file_test(path, G_FILE_TEST_EXISTS)) {
+    page_lacks(p,
+               "%s: no view.json, which the step report.view writes, and "
+               "so no pictures",
+               label);
+    return OPC_OK;
+  }
+  if (!g_file_get_contents(path, &text, &size, &fault))
+    return opc_fail(error, OPC_IO, NULL, "%s", fault->message);
+  if ((double)size > p->room) {
+    page_lacks(p,
+               "%s: its pictures, %.1f MB, would make the page larger than "
+               "it may be",
+               label, (double)size / 1e6);
+    return OPC_OK;
+  }
+  if (!json_parser_load_from_data(parser, text, (gssize)size, &fault))
+    return opc_fail(error, OPC_INVALID, NULL, "'%s': %s", path, fault->message);
+  JsonNode *root = json_parser_get_root(parser);
+  JsonObject *o =
+      root && JSON_NODE_HOLDS_OBJECT(root) ? json_node_get_object(root) : NULL;
+  if (!o || json_object_get_int_member_with_default(o, "view", 0) != 1)
+    return opc_fail(error, OPC_INVALID, NULL,
+                    "'%s' is no view of a mask of form 1", path);
+  p->room -= (double)size;
+  member(out, "view");
+  for (gsize i = 0; i < size; i++)
+    if (text[i] == '<')
+      g_string_append(out, "\\u003c");
+    else
+      g_string_append_c(out, text[i]);
+  return OPC_OK;
+}
+
+/* ---- work: runs ---- */
+
+/* A name that no other run of the page has. */
+static char *label_of(page *p, const char *name) {
+  char *label = g_strdup(name);
+  for (int k = 2; !g_hash_table_add(p->labels, g_strdup(label)); k++) {
+    g_free(label);
+    label = g_strdup_printf("%s (%d)", name, k);
+  }
+  return label;
+}
+
+static char *name_of(const eda_run_facts *f, const char *folder, int running) {
+  if (running && f->variant)
+    return g_strdup_printf("%s-%s", f->name, f->variant);
+  if (running) return g_strdup(f->name);
+  g_autofree char *canonical = g_canonicalize_filename(folder, NULL);
+  return g_path_get_basename(canonical);
+}
+
+static int add_facts(page *p, GString *out, eda_run *run, const char *label,
+                     const char *method, int running, opc_error *error) {
+  const eda_run_facts *f = eda_run_told(run);
+  text_member(out, "label", label);
+  text_member(out, "method", method ? method : label);
+  text_member(out, "folder", running ? NULL : f->folder);
+  text_member(out, "name", f->name);
+  text_member(out, "variant", f->variant);
+  text_member(out, "version", f->version);
+  text_member(out, "started", f->started);
+  text_member(out, "failure", running ? NULL : f->failure);
+  member(out, "running");
+  g_string_append(out, running ? "true" : "false");
+  number_member(out, "seconds", running ? NAN : f->seconds);
+  number_member(out, "threads", (double)f->threads);
+  add_metrics(out, f);
+  add_parameters(out, f);
+  add_verdicts(out, f);
+  add_origins(out, f);
+  int code = add_tables(out, run, error);
+  if (!code && !eda_run_has_table(run, "gates"))
+    page_lacks(p,
+               "%s: no table of transistors (gates.csv), and so no charts "
+               "of them",
+               label);
+  return code ? code : add_view(p, out, f->folder, label, error);
+}
+
+int page_add_run(page *p, const char *folder, const char *of_case,
+                 const char *method, int running, opc_error *error) {
+  eda_run *run = eda_run_open(folder, error);
+  if (!run) return error->code;
+  g_autofree char *name =
+      method && of_case ? g_strdup_printf("%s, %s", of_case, method)
+      : method          ? g_strdup(method)
+                        : name_of(eda_run_told(run), folder, running);
+  g_autofree char *label = label_of(p, name);
+  g_autoptr(GString) out = g_string_new("{");
+  text_member(out, "case", of_case ? of_case : "");
+  int code = add_facts(p, out, run, label, method, running, error);
+  eda_run_free(run);
+  if (code) return code;
+  g_string_append_printf(p->runs, "%s%s}", p->runs->len ? ",\n" : "", out->str);
+  return OPC_OK;
+}
+
+static int add_experiment(page *p, const char *folder, opc_error *error) {
+  eda_run_cases *cases = eda_run_cases_open(folder, error);
+  if (!cases) return error->code;
+  size_t n;
+  const eda_run_case *all = eda_run_cases_all(cases, &n);
+  int code = OPC_OK;
+  for (size_t i = 0; i < n && !code; i++)
+    if (all[i].folder)
+      code =
+          page_add_run(p, all[i].folder, all[i].name, all[i].method, 0, error);
+    else
+      page_lacks(p, "%s, %s: %s", all[i].name, all[i].method, all[i].result);
+  eda_run_cases_free(cases);
+  return code;
+}
+
+int page_add(page *p, const char *folder, opc_error *error) {
+  if (eda_run_is_experiment(folder)) return add_experiment(p, folder, error);
+  return page_add_run(p, folder, NULL, NULL, 0, error);
+}
+
+void page_lacks(page *p, const char *format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  g_autofree char *text = g_strdup_vprintf(format, arguments);
+  va_end(arguments);
+  g_string_append(p->missing, p->missing->len ? ", " : "");
+  json_text(p->missing, text);
+}
+
+/* ---- work: the page ---- */
+
+void page_init(page *p, double megabytes) {
+  /* A third is left for tables and the page itself. */
+  *p = (page){g_string_new(NULL), g_string_new(NULL),
+              g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL),
+              megabytes * 1e6 * 2 / 3};
+}
+
+void page_clear(page *p) {
+  g_string_free(p->runs, TRUE);
+  g_string_free(p->missing, TRUE);
+  g_hash_table_unref(p->labels);
+}
+
+/* The files that go in place of @STYLE@ and @SCRIPT@, by their names' ends. */
+static void append_files(GString *out, const char *end) {
+  for (size_t i = 0; i < G_N_ELEMENTS(samples); i++)
+    if (g_str_has_suffix(samples[i].name, end))
+      g_string_append_len(out, samples[i].bytes, (gssize)samples[i].size);
+}
+
+static void append_data(const page *p, const char *title, GString *out) {
+  g_string_append(out, "{\"report\": 1");
+  text_member(out, "opcflow", OPC_VERSION);
+  text_member(out, "title", title);
+  g_string_append_printf(out, ", \"missing\": [%s],\n\"runs\": [\n%s]}",
+                         p->missing->str, p->runs->str);
+}
+
+int page_write(const page *p, const char *title, const char *path,
+               opc_error *error) {
+  g_autoptr(GString) frame = g_string_new(NULL), out = g_string_new(NULL);
+  g_autoptr(GError) fault = NULL;
+  append_files(frame, ".html");
+  for (const char *at = frame->str; *at;)
+    if (g_str_has_prefix(at, "@STYLE@")) {
+      append_files(out, ".css");
+      at += strlen("@STYLE@");
+    } else if (g_str_has_prefix(at, "@DATA@")) {
+      append_data(p, title, out);
+      at += strlen("@DATA@");
+    } else if (g_str_has_prefix(at, "@SCRIPT@")) {
+      append_files(out, ".js");
+      at += strlen("@SCRIPT@");
+    } else {
+      g_string_append_c(out, *at++);
+    }
+  if (g_file_set_contents(path, out->str, (gssize)out->len, &fault))
+    return OPC_OK;
+  return opc_fail(error, OPC_IO, "file", "%s", fault->message);
+}

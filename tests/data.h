@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Paths of the source tree and of the test data, which are not part of it. */
+#ifndef OPCFLOW_TESTS_DATA_H
+#define OPCFLOW_TESTS_DATA_H
+
+#include <glib.h>
+
+/* Return the path of a file of the source tree (g_free). */
+static inline char *source_path(const char *name) {
+  const char *root = g_getenv("OPCFLOW_SOURCE");
+  return g_build_filename(root ? root : ".", name, NULL);
+}
+
+/* Return the path of a file of the test data (g_free): below the folder
+   OPCFLOW_TEST_DATA, by default shared/data beside the source tree. */
+static inline char *data_path(const char *name) {
+  const char *folder = g_getenv("OPCFLOW_TEST_DATA");
+  g_autofree char *beside = source_path("../shared/data");
+  return g_build_filename(folder ? folder : beside, name, NULL);
+}
+
+/* Return data_path(name), or skip the running test and return NULL if there is
+   no such file or folder. */
+static inline char *find_data(const char *name) {
+  char *path = data_path(name);
+  if (g_file_test(path, G_FILE_TEST_EXISTS)) return path;
+  g_autofree char *reason = g_strdup_printf(
+      "no test data '%s': set OPCFLOW_TEST_DATA to their folder", name);
+  g_test_skip(reason);
+  g_free(path);
+  return NULL;
+}
+
+#endif

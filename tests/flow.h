@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Whole flows through the command, as a user runs them; what they wrote. */
+#ifndef OPCFLOW_TESTS_FLOW_H
+#define OPCFLOW_TESTS_FLOW_H
+
+#include <glib.h>
+#include <glib/gstdio.h>
+#include <json-glib/json-glib.h>
+#include <sys/wait.h>
+
+#include "core/flow/files.h"
+#include "tests/data.h"
+
+static char *folder; /* of all runs; removed at the end */
+
+/* Run opcflow ARGS..., NULL; return its exit code, and in *errors, unless NULL,
+   its standard error (g_free). The working folder is `folder`. */
+static inline int opcflow(char **errors, const char *first, ...) {
+  g_autoptr(GPtrArray) argv = g_ptr_array_new_with_free_func(g_free);
+  g_ptr_array_add(argv,
+                  g_build_filename(g_getenv("OPCFLOW_BUILD"), "opcflow", NULL));
+  va_list args;
+  va_start(args, first);
+  for (const char *a = first; a; a = va_arg(args, const char *))
+    g_ptr_array_add(argv, g_strdup(a));
+  va_end(args);
+  g_ptr_array_add(argv, NULL);
+  g_autoptr(GError) error = NULL;
+  g_autofree char *out = NULL, *err = NULL;
+  int status;
+  g_spawn_sync(folder, (char **)argv->pdata, NULL, 0, NULL, NULL, &out, &err,
+               &status, &error);
+  g_assert_no_error(error);
+  g_assert_true(WIFEXITED(status)); /* no signal */
+  if (errors)
+    *errors = g_steal_pointer(&err);
+  else if (WEXITSTATUS(status))
+    g_test_message("%s", err);
+  return WEXITSTATUS(status);
+}
+
+static inline char *place(const char *name) {
+  return g_build_filename(folder, name, NULL);
+}
+
+static inline GBytes *bytes(const char *run, const char *file) {
+  g_autofree char *path = g_build_filename(folder, run, file, NULL);
+  char *text = NULL;
+  gsize length;
+  g_file_get_contents(path, &text, &length, NULL);
+  g_assert_nonnull(text);
+  return g_bytes_new_take(text, length);
+}
+
+static inline void expect_equal(const char *run, const char *other,
+                                const char *file) {
+  g_autoptr(GBytes) a = bytes(run, file), b = bytes(other, file);
+  if (!g_bytes_equal(a, b))
+    g_error("%s differs between %s and %s", file, run, other);
+}
+
+/* A metric of a run's step. */
+static inline double metric(const char *run, const char *step,
+                            const char *name) {
+  g_autoptr(GBytes) text = bytes(run, "metrics.json");
+  g_autoptr(JsonParser) parser = json_parser_new();
+  g_assert_true(json_parser_load_from_data(parser, g_bytes_get_data(text, NULL),
+                                           (gssize)g_bytes_get_size(text),
+                                           NULL));
+  JsonObject *o = json_node_get_object(json_parser_get_root(parser));
+  g_assert_true(json_object_has_member(o, step));
+  o = json_object_get_object_member(o, step);
+  g_assert_true(json_object_has_member(o, name));
+  return json_object_get_double_member(json_object_get_object_member(o, name),
+                                       "value");
+}
+
+/* Is a step's plugin there? It is not built without its library. */
+static inline int have(const char *id) {
+  g_autofree char *errors = NULL;
+  if (opcflow(&errors, "inspect", id, NULL) == 0) return TRUE;
+  g_test_skip(id);
+  return FALSE;
+}
+
+/* Run the tests that were added, in a folder of their own that is removed. */
+static inline int run_flows(void) {
+  folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
+  int code = g_test_run();
+  opc_remove_tree(folder);
+  g_free(folder);
+  return code;
+}
+
+#endif
