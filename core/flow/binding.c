@@ -6,9 +6,9 @@
 #include <guard/guard.h>
 #include <string.h>
 
-#include "core/flow/services.h"
 #include "core/flow/inner.h"
 #include "core/flow/layers.h"
+#include "core/flow/services.h"
 #include "core/plugin/declaration.h"
 #include "core/text/suggest.h"
 #include "core/text/value.h"

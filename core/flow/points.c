@@ -157,7 +157,8 @@ void opc_run_points(opc_run *trunk, const opc_choice *choice,
   sweeper s = {trunk, choice, trunk->sweep, 0, seconds, results};
   opc_error error;
   gboolean going = TRUE;
-  trunk->points = opc_table_new("sweep", OPC_TABLE_PRINT, n, NULL, 0, 0, &error);
+  trunk->points =
+      opc_table_new("sweep", OPC_TABLE_PRINT, n, NULL, 0, 0, &error);
   add_axes(&s, trunk->points);
   while (going && s.done < n) going = do_point(&s, s.done);
   finish_table(&s, trunk->points);

@@ -56,8 +56,8 @@ static const char *results_identity(const opc_host *host, const char *slot,
   }
   const opc_binding *of = slot ? b->slots[i] : b;
   if (of && !takes_nothing(b, of, error)) return NULL;
-  char *text = of ? opc_binding_key(of, results_store(host), error)
-                  : g_strdup("");
+  char *text =
+      of ? opc_binding_key(of, results_store(host), error) : g_strdup("");
   if (text) g_ptr_array_add(b->owned, text);
   return text;
 }
@@ -77,7 +77,7 @@ static char *results_name(const opc_host *host, const char *key) {
 
 static void *results_find(const opc_host *host, const char *key, size_t *size) {
   opc_store *store = results_store(host);
-  const char *before = opc_guard_enter(NULL);
+  const char *before = guard_enter(NULL);
   g_autofree char *name = store ? results_name(host, key) : NULL;
   g_autoptr(GVariant) kept =
       name ? opc_store_get(store, name, G_VARIANT_TYPE_BYTESTRING) : NULL;
@@ -87,7 +87,7 @@ static void *results_find(const opc_host *host, const char *key, size_t *size) {
     copy = malloc(*size + 1);
     if (copy) memcpy(copy, g_variant_get_data(kept), *size);
   }
-  opc_guard_leave(before);
+  guard_leave(before);
   return copy;
 }
 
@@ -96,10 +96,10 @@ static void results_keep(const opc_host *host, const char *key,
   opc_store *store = results_store(host);
   GVariant *copy = g_variant_ref_sink(
       g_variant_new_fixed_array(G_VARIANT_TYPE_BYTE, bytes, size, 1));
-  const char *before = opc_guard_enter(NULL);
+  const char *before = guard_enter(NULL);
   g_autofree char *name = store ? results_name(host, key) : NULL;
   if (name) (void)opc_store_put(store, name, copy);
-  opc_guard_leave(before);
+  guard_leave(before);
   g_variant_unref(copy);
 }
 

@@ -198,16 +198,14 @@ opc_plugin *opc_plugin_copy(const opc_plugin *theirs, char **fault) {
   *fault = theirs ? version_fault(theirs)
                   : g_strdup(OPC_ENTRY_NAME "() returned nothing");
   if (*fault) return NULL;
-  opc_plugin *own =
-      (opc_plugin *)OPC_DECLARED_COPY(opc_plugin, extension, theirs, 1,
-                                      theirs->size);
+  opc_plugin *own = (opc_plugin *)OPC_DECLARED_COPY(opc_plugin, extension,
+                                                    theirs, 1, theirs->size);
   if (!own) {
     *fault = g_strdup_printf("its descriptor has %u bytes", theirs->size);
     return NULL;
   }
-  own->parameters =
-      OPC_DECLARED_COPY(opc_parameter, follows, own->parameters,
-                        own->n_parameters, own->parameter_size);
+  own->parameters = OPC_DECLARED_COPY(opc_parameter, follows, own->parameters,
+                                      own->n_parameters, own->parameter_size);
   own->metrics = OPC_DECLARED_COPY(opc_metric, summary, own->metrics,
                                    own->n_metrics, own->metric_size);
   if (!own->parameters)

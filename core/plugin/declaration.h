@@ -39,9 +39,9 @@ gconstpointer opc_declared_copy(gconstpointer from, size_t n, size_t theirs,
 
 /* The same for an array of a type, whose last field in interface 0.8 is `last`.
  */
-#define OPC_DECLARED_COPY(type, last, from, n, theirs)                    \
-  ((const type *)opc_declared_copy(                                       \
-      from, n, theirs, offsetof(type, last) + sizeof(((type *)0)->last),  \
+#define OPC_DECLARED_COPY(type, last, from, n, theirs)                   \
+  ((const type *)opc_declared_copy(                                      \
+      from, n, theirs, offsetof(type, last) + sizeof(((type *)0)->last), \
       sizeof(type)))
 
 /* Copy a descriptor with its parameters and metrics, after a look at the

@@ -125,9 +125,7 @@ char *opc_functions_adopt(opc_registry *registry, opc_plugin *plugin) {
       return g_strdup_printf("its function '%s' is missing",
                              kind->functions[i].name);
   }
-  if (!strcmp(plugin->kind, OPC_KIND_STEP))
-    return ports_fault(functions);
-  if (!strcmp(plugin->kind, OPC_KIND_KIND))
-    return kind_fault(functions);
+  if (!strcmp(plugin->kind, OPC_KIND_STEP)) return ports_fault(functions);
+  if (!strcmp(plugin->kind, OPC_KIND_KIND)) return kind_fault(functions);
   return NULL;
 }

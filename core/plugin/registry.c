@@ -134,10 +134,11 @@ static void end_loading(const char *before) {
 static void explain_version(const opc_plugin *plugin, char **reason) {
   if (!plugin || plugin->abi_minor <= OPC_ABI_MINOR) return;
   g_autofree char *first = *reason;
-  *reason = g_strdup_printf("%s (built for plugin interface %u.%u, this is "
-                            "%u.%u)",
-                            first, plugin->abi_major, plugin->abi_minor,
-                            OPC_ABI_MAJOR, OPC_ABI_MINOR);
+  *reason = g_strdup_printf(
+      "%s (built for plugin interface %u.%u, this is "
+      "%u.%u)",
+      first, plugin->abi_major, plugin->abi_minor, OPC_ABI_MAJOR,
+      OPC_ABI_MINOR);
 }
 
 const opc_plugin *opc_plugin_load(opc_registry *registry, const char *path,

@@ -68,7 +68,8 @@ static int run_one(experiment *e, size_t i, opc_error *error) {
   const opc_inner_run *out;
   g_autofree char *place = g_build_filename(
       e->case_names[i / e->n_methods], e->method_names[i % e->n_methods], NULL);
-  int code = opc_get_inner(e->host)->run_whole(e->host, i, place, 1, &out, &why);
+  int code =
+      opc_get_inner(e->host)->run_whole(e->host, i, place, 1, &out, &why);
   if (code == OPC_CANCELLED) {
     *error = why;
     return code;

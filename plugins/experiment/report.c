@@ -46,7 +46,8 @@ static figure *get_figure(experiment *e, const opc_inner_metric *m) {
 
 void take_figures(experiment *e, size_t run) {
   size_t n;
-  const opc_inner_metric *const *m = opc_get_inner(e->host)->metrics(e->host, 0, &n);
+  const opc_inner_metric *const *m =
+      opc_get_inner(e->host)->metrics(e->host, 0, &n);
   for (size_t i = 0; i < n; i++) get_figure(e, m[i])->values[run] = m[i]->value;
 }
 
@@ -177,8 +178,8 @@ static int print_summary(const experiment *e, opc_error *error) {
   add_figures(&s);
   add_means(&s, "seconds", NULL, e->seconds, TRUE);
   int code = opc_put_table(e->host, "summary", OPC_TABLE_PRINT, e->n_methods,
-                            (const opc_column *)(void *)s.columns->data,
-                            s.columns->len, error);
+                           (const opc_column *)(void *)s.columns->data,
+                           s.columns->len, error);
   g_array_free(s.columns, TRUE);
   g_ptr_array_free(s.cells, TRUE);
   return code;

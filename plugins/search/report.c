@@ -9,7 +9,7 @@
 eda_settings *search_settings(const search *s) {
   eda_settings *out = eda_settings_new(s->n_axes);
   for (size_t i = 0; i < s->n_axes; i++) {
-    const opc_inner_axis *a = &s->axes[i];
+    const opc_inner_axis *a = s->axes[i];
     eda_settings_parameter(out, i, a->path, a->unit, a->count, a->values,
                            a->texts);
   }
@@ -78,7 +78,8 @@ static int best_table(const search *s, const eda_settings *all,
     g_ptr_array_add(t.what, g_strdup(p->name));
     g_ptr_array_add(t.value, g_strdup(p->texts[s->best / stride % p->count]));
   }
-  const opc_inner_metric *const *m = opc_get_inner(s->host)->metrics(s->host, 0, &n);
+  const opc_inner_metric *const *m =
+      opc_get_inner(s->host)->metrics(s->host, 0, &n);
   for (size_t i = 0; i < n; i++)
     add_number(&t, g_strdup_printf("%s.%s", m[i]->path, m[i]->metric->name),
                m[i]->value, m[i]->metric->unit);
@@ -90,7 +91,7 @@ static int best_table(const search *s, const eda_settings *all,
       {"of the best setting", NULL, OPC_TEXT, 0, t.what->pdata},
       {"value", NULL, OPC_TEXT, 0, t.value->pdata}};
   int code = opc_put_table(s->host, "best", OPC_TABLE_PRINT, t.what->len,
-                            columns, G_N_ELEMENTS(columns), error);
+                           columns, G_N_ELEMENTS(columns), error);
   g_ptr_array_free(t.what, TRUE);
   g_ptr_array_free(t.value, TRUE);
   return code;

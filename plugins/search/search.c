@@ -121,7 +121,8 @@ static int check(void *self, opc_error *error) {
 
 static double find_metric(const search *s, int shared) {
   size_t n;
-  const opc_inner_metric *const *m = opc_get_inner(s->host)->metrics(s->host, shared, &n);
+  const opc_inner_metric *const *m =
+      opc_get_inner(s->host)->metrics(s->host, shared, &n);
   for (size_t i = 0; i < n; i++)
     if (m[i]->metric == s->plan.metric && !strcmp(m[i]->path, s->plan.of))
       return m[i]->value;
@@ -137,7 +138,8 @@ static double get_figure(const search *s) {
 /* The litho simulations, as the steps count them. */
 static double count_simulations(const search *s, int shared) {
   size_t n;
-  const opc_inner_metric *const *m = opc_get_inner(s->host)->metrics(s->host, shared, &n);
+  const opc_inner_metric *const *m =
+      opc_get_inner(s->host)->metrics(s->host, shared, &n);
   double sum = 0;
   for (size_t i = 0; i < n; i++)
     if (!strcmp(m[i]->metric->name, "simulations")) sum += m[i]->value;

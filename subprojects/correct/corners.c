@@ -372,7 +372,7 @@ static int put_all(const loop *l, const row *r, opc_error *error) {
                                      {"corners_leakage", most},
                                      {"corners_failed", failed}};
   int code = opc_put_table(l->host, "all_corners", OPC_TABLE_PRINT, 1,
-                            OPC_ARRAY(columns), error);
+                           OPC_ARRAY(columns), error);
   return code ? code : opc_put_metrics(l->host, OPC_ARRAY(values), error);
 }
 

@@ -407,7 +407,7 @@ static int effort_table(const opc_host *host, const eda_mask *mask,
       {"epe_max", "nm", OPC_REAL, 3, &s->epe_max},
   };
   return opc_put_table(host, "effort", OPC_TABLE_PRINT, 1, columns,
-                     s->sites ? 7 : 4, error);
+                       s->sites ? 7 : 4, error);
 }
 
 /* ---- metrics ---- */

@@ -84,7 +84,7 @@ static int publish(const metrics *m, const rows *r, const char *const *runs,
     columns[i + 3] =
         (opc_column){runs[i], NULL, OPC_REAL, -1, r->values[i]->data};
   return opc_put_table(m->host, "metrics", OPC_TABLE_PRINT, r->step->len,
-                        columns, r->runs + 3, error);
+                       columns, r->runs + 3, error);
 }
 
 static int run(void *self, size_t n, const char *const *arguments,

@@ -48,7 +48,7 @@ static int run(void *self, void **outputs, opc_error *error) {
                                 {"drawn", "ps", OPC_REAL, 4, drawn},
                                 {"printed", "ps", OPC_REAL, 4, printed}};
   int code = opc_put_table(s->host, "delays", OPC_TABLE_PRINT, g->count,
-                            columns, 4, error);
+                           columns, 4, error);
   free(drawn);
   free(printed);
   free(number);
