@@ -158,13 +158,14 @@ static gboolean add_object(GPtrArray *all, struct link_map *object) {
   return good;
 }
 
-/* The object that a plugin's descriptor lies in; the first one is the command.
+/* The object of a plugin, which its id lies in; the first one is the command.
  */
 static struct link_map *object_of(const opc_plugin *plugin) {
   Dl_info about;
   struct link_map *map = NULL;
   if (plugin)
-    return dladdr1(plugin, &about, (void **)&map, RTLD_DL_LINKMAP) ? map : NULL;
+    return dladdr1(plugin->id, &about, (void **)&map, RTLD_DL_LINKMAP) ? map
+                                                                       : NULL;
   for (map = _r_debug.r_map; map && map->l_prev; map = map->l_prev) continue;
   return map;
 }

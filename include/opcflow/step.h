@@ -46,8 +46,8 @@ enum {
                                 never used again */
   OPC_STEP_PIECES = 1 << 2   /* shares its work by pieces.h with the processes
                                 that   run the flow together. It and those that it
-                                takes   from run in each of them, all others in the
-                                first   one alone */
+                                takes   from run in each of them, all others in
+                                the   first   one alone */
 };
 
 typedef struct opc_step {
