@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "core/flow/table.h"
+#include "core/report/table.h"
 
 enum { MAX_FIGURES = 64 };
 

@@ -14,8 +14,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <store/files.h>
 #include "bench/bench.h"
-#include "core/flow/files.h"
 
 /* The memory's pitch, um: its box and a little; and its transistors. */
 enum { PITCH_X = 4, PITCH_Y = 13, TRANSISTORS = 192 };

@@ -14,8 +14,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <store/files.h>
 #include "bench/bench.h"
-#include "core/flow/files.h"
 
 enum { KILLS = 20 };
 

@@ -17,8 +17,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <store/files.h>
 #include "bench/bench.h"
-#include "core/flow/files.h"
 
 enum { MAX_REPEATS = 9, MAX_SETS = 8, MAX_FIGURES = 8 };
 

@@ -10,7 +10,7 @@
 
 #include "bench/bench.h"
 #include "core/plugin/host.h"
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 enum { RUNS = 5, SAMPLES = 60, FIGURES = 6 };
 

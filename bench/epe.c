@@ -10,7 +10,7 @@
 
 #include "bench/bench.h"
 #include "core/plugin/host.h"
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 enum { SIDE = 30000, PITCH = 280, WIDTH = 130, ITERATIONS = 8, RUNS = 3 };
 

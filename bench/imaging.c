@@ -4,8 +4,8 @@
    65 nm lines at 250 nm pitch. */
 #include "bench/bench.h"
 #include "core/plugin/host.h"
-#include "core/testing/testing.h"
 #include "imaging/fft.h"
+#include "tools/devel/testing.h"
 
 #include <eda/eda.h>
 #include <fftw3.h>

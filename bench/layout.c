@@ -13,8 +13,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <store/files.h>
 #include "bench/bench.h"
-#include "core/flow/files.h"
 
 enum { RECTANGLES = 10 * 1000 * 1000, LAYERS = 10, REPEATS = 3, CHECKS = 15 };
 

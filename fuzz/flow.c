@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Flow files, checked against the declarations of the real plugins; no
    instance is made, so that no file but plugins is opened. */
-#include "core/flow/flow.h"
+#include "core/binding/flow.h"
 #include "fuzz/fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {

@@ -4,7 +4,7 @@
 #include <eda/layout.h>
 #include <string.h>
 
-#include "core/flow/binding.h"
+#include "core/binding/binding.h"
 #include "fuzz/fuzz.h"
 
 const opc_plugin *opcflow_plugin(void);

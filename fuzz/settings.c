@@ -3,8 +3,8 @@
    sign before them. */
 #include <string.h>
 
-#include "core/flow/flow.h"
-#include "core/flow/sweep.h"
+#include "core/binding/flow.h"
+#include "core/binding/sweep.h"
 #include "fuzz/fuzz.h"
 
 static const char text[] =

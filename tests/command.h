@@ -6,7 +6,7 @@
 #include <glib/gstdio.h>
 #include <sys/wait.h>
 
-#include "core/flow/files.h"
+#include <store/files.h>
 
 static char *folder, *command;
 

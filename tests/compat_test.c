@@ -7,7 +7,7 @@
 #include <sys/utsname.h>
 #include <sys/wait.h>
 
-#include "core/flow/files.h"
+#include <store/files.h>
 #include "core/plugin/registry.h"
 
 /* Where those of this machine are kept, and the files there that end so. */

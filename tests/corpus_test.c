@@ -9,7 +9,7 @@
 
 #include <eda/eda.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 static char *corpus(void) {
   const char *data = g_getenv("OPCFLOW_TEST_DATA");

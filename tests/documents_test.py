@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What documents show, tried.
+"""Test the examples and the links of the documents.
 
-A block of a document that begins with `opcflow: 1` is a flow: it is checked, and if the
-next block has lines `NAME.yaml:LINE:COLUMN: ...`, it must give just these. In
-docs/tutorial.md, blocks marked `sh` are run, one after another in one folder, blocks
-marked `yaml NAME` are written there before, and what a block marked `text` has must be
-said by the commands before it, line by line; `...` stands for anything.
+A block that begins with `opcflow: 1` is a flow. The test checks the flow; if the next block
+has lines `NAME.yaml:LINE:COLUMN: ...`, the check must report exactly these. In docs/tutorial,
+the test runs blocks marked `sh` one after another in one folder, after it has written blocks
+marked `yaml NAME`. A block marked `text` lists lines that the commands before it must print,
+in this order; `...` matches any text. Relative links must name a file and a heading that exist.
 """
 import glob
 import os
@@ -103,8 +103,49 @@ class Report:
         sys.stdout.flush()
 
 
+def documents(*begins):
+    """Return the paths of all Markdown files whose names begin with one of `begins`."""
+    names = []
+    for folder, folders, files in os.walk(ROOT):
+        folders[:] = [f for f in folders if not f.startswith((".", "build"))
+                      and f != "runs"]
+        names += [os.path.relpath(os.path.join(folder, f), ROOT) for f in files if f.endswith(".md")]
+    return [os.path.join(ROOT, name) for name in sorted(names) if name.startswith(begins)]
+
+
+def without_code(path):
+    """Return the text of a document without its fenced blocks and `code`."""
+    with open(path, encoding="utf-8") as f:
+        text = re.sub(r"^(```+).*?^\1$", "", f.read(), flags=re.M | re.S)
+    return re.sub(r"`[^`\n]*`", lambda m: "x" * len(m[0]), text)
+
+
+def anchors(path):
+    """Return the anchors of a document's headings, as GitHub and GitLab make them."""
+    with open(path, encoding="utf-8") as f:
+        text = re.sub(r"^(```+).*?^\1$", "", f.read(), flags=re.M | re.S)
+    found = re.findall(r"^#+ +(.*?) *$", text, re.M)
+    return {re.sub(r"[^\w\- ]", "", re.sub(r"\]\([^)]*\)", "]", h).lower()).replace(" ", "-") for h in found}
+
+
+def try_links(report):
+    """Test that relative links of all documents lead to a file and a heading."""
+    for path in documents(""):
+        faults = []
+        for target in re.findall(r"\]\(([^)\s]+)\)", without_code(path)):
+            if re.match(r"[a-z]+:", target):
+                continue
+            name, _, heading = target.partition("#")
+            file = os.path.normpath(os.path.join(os.path.dirname(path), name)) if name else path
+            if not os.path.exists(file):
+                faults.append("no such file: " + target)
+            elif heading and heading not in anchors(file):
+                faults.append("no such heading: " + target)
+        report.tell("links of " + os.path.relpath(path, ROOT), "\n".join(faults))
+
+
 def try_flows(report):
-    for path in [os.path.join(ROOT, "README.md"), *sorted(glob.glob(os.path.join(ROOT, "docs", "*.md")))]:
+    for path in documents("README.md", "docs/"):
         found = list(blocks(path))
         for k, (line, mark, text) in enumerate(found):
             if not mark.startswith("yaml") or len(mark.split()) > 1 or not re.search("^opcflow: 1", text, re.M):
@@ -143,7 +184,8 @@ def try_tutorial(report, path):
 def main():
     report = Report()
     try_flows(report)
-    for path in sorted(glob.glob(os.path.join(ROOT, "docs", "tutorial*.md"))):
+    try_links(report)
+    for path in documents("docs/tutorial/"):
         try_tutorial(report, path)
     print("1..%d" % report.number)
     return report.failed > 0

@@ -6,7 +6,7 @@
 #include <json-glib/json-glib.h>
 #include <string.h>
 
-#include "core/flow/files.h"
+#include <store/files.h>
 
 static char *folder; /* of all files and runs; removed at the end */
 
@@ -346,15 +346,16 @@ static void test_former(void) {
               "--set", "mask.max_iterations=1", "--set",
               "mask.synthesizer={ use: synthesizer.dpb, max_pde: 3 % }", NULL),
       ==, 1); /* one iteration does not keep what the flow requires */
-  g_assert_nonnull(strstr(err, "'max_pde' is now called 'limit'"));
+  g_assert_nonnull(strstr(err, "'max_pde' is now called 'ion_limit'"));
   g_autofree char *text = read_file("former", "flow.yaml");
-  g_assert_nonnull(strstr(text, "limit: 3 %"));
+  g_assert_nonnull(strstr(text, "ion_limit: 3 %"));
   g_assert_null(strstr(text, "max_pde"));
   g_assert_cmpint(
-      opcflow(&both, "check", flow, "--set",
-              "mask.synthesizer={ use: synthesizer.dpb, max_pde: 2 %, limit: 1 "
-              "% }",
-              NULL),
+      opcflow(
+          &both, "check", flow, "--set",
+          "mask.synthesizer={ use: synthesizer.dpb, max_pde: 2 %, ion_limit: "
+          "1 % }",
+          NULL),
       ==, 2);
   g_assert_nonnull(strstr(both, "which is given, too"));
 }

@@ -8,7 +8,7 @@
 #include <json-glib/json-glib.h>
 #include <sys/wait.h>
 
-#include "core/flow/files.h"
+#include <store/files.h>
 #include "tests/data.h"
 
 static char *folder; /* of all runs; removed at the end */

@@ -7,7 +7,7 @@
 
 #include <eda/eda.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 static eda_layout *read_file(const char *path, opc_error *error) {
   const char *id = g_str_has_suffix(path, ".oas")   ? "read.oasis"

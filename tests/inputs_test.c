@@ -124,7 +124,7 @@ static void expect(int want, const char *say, const char *set) {
 static void test_bad_input(void) {
   expect(5, "nowhere.cif", "layout.file=nowhere.cif");
   expect(2, "XY", "layout.layers.poly=XY");
-  expect(2, "did you mean 'limit'", "mask.synthesizer.limti=0.5 %");
+  expect(2, "did you mean 'ion_limit'", "mask.synthesizer.ion_limti=0.5 %");
   expect(3, "litho.hopkin", "mask.litho.use=litho.hopkin");
 }
 

@@ -8,7 +8,7 @@
 #include <string.h>
 #include <sys/wait.h>
 
-#include "core/flow/files.h"
+#include <store/files.h>
 
 static char *folder, *command;
 static char *out, *err;

@@ -12,7 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "core/flow/files.h"
+#include <store/files.h>
 
 /* What takes long goes on for a while before it is asked to stop, and may take
    so long to, s. All else has to end by itself, on whatever machine. Machines

@@ -37,7 +37,7 @@ includes() {
 # Comments aside; texts count. The word stands for the longer ones it begins.
 domain_words() {
   echo | "$@" -E - >/dev/null || echo "no compiler: $*"
-  find core include -name '*.[ch]' ! -name '*_test.c' | sort | while read -r file; do
+  find core tools/devel include -name '*.[ch]' ! -name '*_test.c' | sort | while read -r file; do
     # POSIX has words of its own.
     "$@" -fpreprocessed -dD -E -P "$file" 2>/dev/null |
       sed -E 's/umask|sigmask|SETMASK//g' |
@@ -49,8 +49,9 @@ domain_words() {
 # What stands before does not include what stands behind.
 kernel_order() {
   includes core | awk '
-    BEGIN { n = split("text plugin flow testing cli", rooms, " ")
-            for (i = 1; i <= n; i++) rank[rooms[i]] = i }
+    BEGIN { n = split("text plugin binding report flow run cli", rooms, " ")
+            for (i = 1; i <= n; i++) rank[rooms[i]] = i
+            rank["binding"] = rank["report"] = rank["run"] }
     { split($1, from, "/"); split($2, to, "/")
       if (to[1] != "core" || !(to[2] in rank) || !(from[2] in rank)) print
       else if ($1 !~ /_test\.c$/ && rank[to[2]] > rank[from[2]]) print }'
@@ -71,7 +72,7 @@ library_circles() {
 library_alone() {
   find subprojects/eda -name '*.[ch]' | sort |
     xargs grep -nE '^ *# *include *["<](core|plugins|opcflow)/'
-  find core include -name '*.[ch]' ! -name '*_test.[ch]' | sort |
+  find core tools/devel subprojects/guard include -name '*.[ch]' ! -name '*_test.[ch]' | sort |
     xargs grep -nE '^ *# *include *["<](eda|plugins)/'
 }
 
@@ -80,11 +81,17 @@ library_alone() {
 families() {
   includes plugins | awk '
     { split($1, from, "/"); n = split($2, to, "/")
-      if ($1 ~ /_test\.[ch]$/ && $2 ~ /^(core|tests)\//) next
+      if ($1 ~ /_test\.[ch]$/ && $2 ~ /^(core|tests|tools\/devel)\//) next
       if (n == 1) next
       if (to[1] == "plugins" ? to[2] != from[2] : 1) print }'
   find plugins -name '*.[ch]' ! -name '*_test.[ch]' | sort |
     xargs grep -nE '^ *# *include *<(core|plugins)/'
+}
+
+# The guard knows nobody.
+guard_alone() {
+  find subprojects/guard -name '*.[ch]' | sort |
+    xargs grep -nE '^ *# *include *["<](core|eda|opcflow|plugins|tools)/'
 }
 
 # The id of each plugin, and the folder of the file that declares the id.
@@ -100,11 +107,12 @@ copies() {
   cmp include/opcflow/base.h subprojects/eda/include/eda/base.h 2>&1
 }
 
-echo "1..7"
+echo "1..8"
 check "the kernel has no domain word" domain_words "$@"
 check "folders of the kernel include one way only" kernel_order
 check "folders of the library include in no circle" library_circles
 check "kernel and library do not know each other, nor plugins" library_alone
+check "the guard includes nothing of the others" guard_alone
 check "plugins include from no other family" families
 check "the folder of a plugin is its id" ids
 check "the copies of base.h are equal" copies

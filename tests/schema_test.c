@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The JSON Schema of flow files: what it says, and, with Python's jsonschema,
    what it accepts. */
-#include "core/flow/schema.h"
+#include "tools/devel/schema.h"
 
 #include <glib/gstdio.h>
 #include <string.h>
 
-#include "core/flow/files.h"
+#include <store/files.h>
 #include "core/plugin/registry.h"
 
 static char *folder;
@@ -129,7 +129,7 @@ static void test_good(void) {
             "litho.hopkins, na: 0.7 }, resist: { use: resist.threshold, "
             "anchor.line: 65 nm }, extractor: { use: extractor.plain, devices: "
             "d.yaml }, synthesizer: { use: synthesizer.dpb }, "
-            "synthesizer.limit: 1 % }\n"
+            "synthesizer.ion_limit: 1 % }\n"
             "require: { two.failed: 0, two: { ion_max: 1 %, synthesizer: { x: "
             "[1, 2] } } }\n");
   g_ptr_array_add(names, g_strdup("dots.json"));

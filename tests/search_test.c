@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/flow/files.h"
+#include <store/files.h>
 
 static char *folder; /* of all runs; removed at the end */
 
@@ -222,11 +222,12 @@ static void test_threads(void) {
 /* Other plugins' parameters, another figure, the greatest one, a variant and
    another plugin that is set. */
 static void test_others(void) {
-  write_file("others.yaml", HEAD
-             "    variant: few\n    set:\n"
-             "      mask.synthesizer: { use: synthesizer.dpb, limit: 0.5 % }\n"
-             "    sweep: { mask.litho.na: [0.7, 0.75, 0.8] }\n"
-             "    maximise: cost.shots\n    mask: mask\n" GDS);
+  write_file(
+      "others.yaml", HEAD
+      "    variant: few\n    set:\n"
+      "      mask.synthesizer: { use: synthesizer.dpb, ion_limit: 0.5 % }\n"
+      "    sweep: { mask.litho.na: [0.7, 0.75, 0.8] }\n"
+      "    maximise: cost.shots\n    mask: mask\n" GDS);
   g_autofree char *errors = NULL;
   int code = opcflow(&errors, "run", "others.yaml", "--output", "others", NULL);
   if (code) g_error("%s", errors);
@@ -245,7 +246,8 @@ static void test_others(void) {
   g_autofree char *flow = g_strdup_printf("na-%d.yaml", greatest);
   g_autofree char *alone_text = g_strdup_printf(
       "opcflow: 1\nextends: inner.yaml\nsteps:\n  mask: { max_iterations: 2, "
-      "litho: { na: %g }, synthesizer: { use: synthesizer.dpb, limit: 0.5 %% "
+      "litho: { na: %g }, synthesizer: { use: synthesizer.dpb, ion_limit: 0.5 "
+      "%% "
       "} }\n",
       0.7 + 0.05 * greatest);
   write_file(flow, alone_text);

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <sys/wait.h>
 
-#include "core/flow/files.h"
+#include <store/files.h>
 
 static char *folder, *command;
 

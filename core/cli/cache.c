@@ -3,8 +3,8 @@
 #include <inttypes.h>
 #include <string.h>
 
+#include <store/store.h>
 #include "core/cli/cli.h"
-#include "core/flow/store.h"
 
 static gboolean json;
 

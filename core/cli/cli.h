@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The opcflow command: what its verbs share. docs/command.md tells its use. */
+/* The opcflow command: what its verbs share. docs/reference/command.md tells
+ * its use. */
 #ifndef OPCFLOW_CORE_CLI_H
 #define OPCFLOW_CORE_CLI_H
 
 #include <json-glib/json-glib.h>
 
-#include "core/flow/flow.h"
-#include "core/flow/table.h"
+#include "core/binding/flow.h"
 #include "core/plugin/registry.h"
+#include "core/report/table.h"
 #include "core/text/problem.h"
 
 enum {
@@ -44,19 +45,48 @@ struct cli_verb {
   const char *summary;
   const cli_option *options; /* the last one is empty; NULL: none */
   guint least, most;         /* how many arguments it takes */
-  /* The work, with all options read; gives the exit code. */
+  /* The work, with all options read; returns the exit code. NULL: another
+     program has it. */
   int (*run)(const cli_verb *verb, const GPtrArray *arguments);
   const char *words; /* what the first one may be, with | between; NULL */
   gboolean hidden;   /* for shells, not for people */
   const opc_plugin *plugin; /* that brings the verb; NULL: the command's own */
 };
 
-extern const cli_verb cli_run, cli_check, cli_explain, cli_cache, cli_plugins,
-    cli_inspect, cli_lint, cli_schema, cli_new, cli_version, cli_help,
-    cli_complete;
+extern const cli_verb cli_run, cli_check, cli_cache, cli_plugins, cli_inspect,
+    cli_version, cli_help;
 
-/* The command's own verbs, NULL-terminated; the hidden ones come last. */
+/* Verbs of the program opcflow-devel (tools/devel), as the help shows them. */
+#define CLI_DEVEL "opcflow-devel"
+#define CLI_EXPLAIN \
+  .name = "explain", .arguments = "RUN", .summary = "Why each step of a run ran"
+#define CLI_LINT                            \
+  .name = "lint", .arguments = "PLUGIN.so", \
+  .summary = "Check that a plugin keeps the contract"
+#define CLI_SCHEMA                   \
+  .name = "schema", .arguments = "", \
+  .summary = "Write a JSON Schema of flow files, for editors"
+#define CLI_NEW                                                          \
+  .name = "new", .arguments = "plugin NAME [DIR] | flow [INPUT] [FILE]", \
+  .summary = "Write a plugin or a flow to begin with"
+#define CLI_COMPLETE                       \
+  .name = "complete", .arguments = "LINE", \
+  .summary = "What may stand at the end of a line", .hidden = TRUE
+
+/* The program's verbs, NULL-terminated; the hidden ones come last. Each program
+   defines its own. */
 extern const cli_verb *const cli_verbs[];
+
+/* Run the verb that a command line names; returns the exit code. */
+int cli_main(int argc, char **argv);
+
+/* Replace this process by opcflow-devel, with the same words. Returns an exit
+   code if there is no such program. */
+int cli_run_devel(const cli_verb *verb);
+
+/* Replace this process by a program, whose words end with NULL. Returns if that
+   fails. */
+void cli_become(const char *program, char **words);
 
 /* A verb, one of the command's own or of a plugin, which is loaded; NULL and
  *error if there is none. */

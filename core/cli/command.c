@@ -5,11 +5,12 @@
 #include <glib/gstdio.h>
 #include <string.h>
 
+#include "core/binding/layers.h"
 #include "core/cli/cli.h"
 #include "core/cli/progress.h"
-#include "core/flow/layers.h"
-#include "core/flow/run.h"
 #include "core/plugin/declaration.h"
+#include "core/run/run.h"
+#include "core/run/services.h"
 #include "core/text/suggest.h"
 
 /* What the user wants: of each parameter of the plugin a text, or of an
@@ -128,8 +129,10 @@ static const opc_watch watch = {.data = &progress,
                                 .progress = cli_progress_show,
                                 .cancelled = cli_is_stopped};
 
-static const opc_host publisher = {
-    .table = take_table, .metric = take_metric, .output_path = give_path};
+static const opc_host publisher = {.table = take_table,
+                                   .metric = take_metric,
+                                   .output_path = give_path,
+                                   .service = opc_results_service};
 
 static void show_json(opc_problems *problems) {
   JsonObject *o = json_object_new();

@@ -33,6 +33,7 @@ static int run_help(const cli_verb *verb, const GPtrArray *arguments) {
   if (arguments->len) {
     const cli_verb *about = cli_find_verb(arguments->pdata[0], &error);
     if (!about) return cli_fail(&error);
+    if (!about->run) return cli_run_devel(about);
     cli_print_help(about);
     return CLI_GOOD;
   }

@@ -3,7 +3,7 @@
 #ifndef OPCFLOW_CORE_PROGRESS_H
 #define OPCFLOW_CORE_PROGRESS_H
 
-#include "core/flow/run.h"
+#include "core/run/run.h"
 
 typedef struct cli_progress {
   gboolean shown; /* whether to show it at all */

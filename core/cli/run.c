@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* opcflow run: runs a flow, or its variants, and shows what came of it. */
-#include "core/flow/run.h"
+#include "core/run/run.h"
 
 #include <limits.h>
 #include <malloc.h>

@@ -39,7 +39,7 @@ gboolean opc_ranks_told(int *rank, int *size) {
 }
 
 opc_ranks *opc_ranks_start(int (*stopped)(void), opc_error *error) {
-  g_autofree char *path = opc_find_installed(OPC_MPI_OBJECT);
+  g_autofree char *path = opc_find_installed(OPC_LIBDIR, OPC_MPI_OBJECT);
   void *object = path ? dlopen(path, RTLD_NOW | RTLD_LOCAL) : NULL;
   opc_mpi_entry entry =
       object ? (opc_mpi_entry)dlsym(object, OPC_MPI_ENTRY) : NULL;

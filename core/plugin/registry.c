@@ -42,17 +42,22 @@ static void add_folder(opc_registry *registry, char *folder) {
     g_ptr_array_add(registry->folders, folder);
 }
 
-/* What is installed in opcflow of the library folder, found from the folder of
-   the executable, so that an installation can be moved; NULL if that is not a
-   bindir. */
-static char *installed(const char *executable_folder, const char *name) {
-  if (g_path_is_absolute(OPC_LIBDIR) || g_path_is_absolute(OPC_BINDIR))
-    return g_build_filename(OPC_LIBDIR, "opcflow", name, NULL);
-  if (!g_str_has_suffix(executable_folder, "/" OPC_BINDIR)) return NULL;
-  g_autofree char *prefix = g_strndup(
-      executable_folder, strlen(executable_folder) - strlen("/" OPC_BINDIR));
-  return g_build_filename(*prefix ? prefix : "/", OPC_LIBDIR, "opcflow", name,
-                          NULL);
+/* The file or folder `name` in opcflow/ of an installation's folder `in`
+   (g_free), found from the folder of the executable, so that an installation
+   can be moved; NULL if the executable is not installed. */
+static char *installed(const char *executable_folder, const char *in,
+                       const char *name) {
+  static const char *const places[] = {"/" OPC_BINDIR,
+                                       "/" OPC_LIBEXECDIR "/opcflow"};
+  if (g_path_is_absolute(in))
+    return g_build_filename(in, "opcflow", name, NULL);
+  for (size_t i = 0; i < G_N_ELEMENTS(places); i++) {
+    if (!g_str_has_suffix(executable_folder, places[i])) continue;
+    g_autofree char *prefix = g_strndup(
+        executable_folder, strlen(executable_folder) - strlen(places[i]));
+    return g_build_filename(*prefix ? prefix : "/", in, "opcflow", name, NULL);
+  }
+  return NULL;
 }
 
 static char *executable_folder(void) {
@@ -60,11 +65,11 @@ static char *executable_folder(void) {
   return executable ? g_path_get_dirname(executable) : NULL;
 }
 
-char *opc_find_installed(const char *name) {
+char *opc_find_installed(const char *in, const char *name) {
   g_autofree char *folder = executable_folder();
   g_autofree char *beside =
       folder ? g_build_filename(folder, name, NULL) : NULL;
-  g_autofree char *other = folder ? installed(folder, name) : NULL;
+  g_autofree char *other = folder ? installed(folder, in, name) : NULL;
   if (beside && g_file_test(beside, G_FILE_TEST_EXISTS))
     return g_steal_pointer(&beside);
   return other && g_file_test(other, G_FILE_TEST_EXISTS)
@@ -79,7 +84,7 @@ static void add_standard_folders(opc_registry *registry) {
   if (!system) return;
   add_folder(registry, g_build_filename(g_get_user_data_dir(), "opcflow",
                                         "plugins", NULL));
-  char *own = folder ? installed(folder, "plugins") : NULL;
+  char *own = folder ? installed(folder, OPC_LIBDIR, "plugins") : NULL;
   if (own) add_folder(registry, own);
 }
 

@@ -31,9 +31,10 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_registry, opc_registry_free)
 /* The folders in the order of search, const char *. */
 const GPtrArray *opc_registry_folders(const opc_registry *registry);
 
-/* A file that belongs to the command: beside the executable or, installed, in
-   opcflow of the library folder (g_free); NULL if it is in neither. */
-char *opc_find_installed(const char *name);
+/* The path of a file that belongs to the command: beside the executable or,
+   installed, in opcflow/ of `in`, which is OPC_LIBDIR or OPC_LIBEXECDIR
+   (g_free); NULL if it is in neither. */
+char *opc_find_installed(const char *in, const char *name);
 
 /* The plugin, loaded at its first use; NULL and *error (OPC_NO_PLUGIN) with
    the reason. */

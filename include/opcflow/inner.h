@@ -10,10 +10,10 @@
 
    A parameter with OPC_INNER_AXIS is an axis whose values are layers: variants
    of that flow, or maps of paths and values, with lists, patterns and files
-   that the host expands (docs/flow.md). These axes come before those of a
-   sweep, in the order of the declaration; a later one is laid over an earlier
-   one. Steps that only the first axes touch run once for all points that have
-   the same values of these.
+   that the host expands (docs/reference/flow.md). These axes come before those
+   of a sweep, in the order of the declaration; a later one is laid over an
+   earlier one. Steps that only the first axes touch run once for all points
+   that have the same values of these.
 
    An OPC_INPUT with OPC_INNER_STEP takes the place of the step of that flow
    that is called as the parameter is, if it is given: what the other step made

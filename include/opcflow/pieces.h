@@ -31,9 +31,9 @@ typedef struct opc_pieces {
   size_t count;
 
   /* What piece i depends on beyond what the step's own result does
-     (docs/flow.md tells what that is), as a text; valid until the next call.
-     NULL, also the function: it is not kept. Pieces of a name and key are the
-     same. */
+     (docs/reference/flow.md tells what that is), as a text; valid until the
+     next call. NULL, also the function: it is not kept. Pieces of a name and
+     key are the same. */
   const char *(*key)(void *data, size_t i);
 
   /* What it will cost, in any unit: the dearest begin first. The same in every

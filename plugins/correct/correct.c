@@ -29,9 +29,9 @@ typedef struct correct {
       *regulator;
   int64_t max_iterations;
   const char *fine_text;
-  double fine;   /* error, clear field 1; 0: no fine prints */
-  double margin; /* nm */
-  double limit;  /* % */
+  double fine;      /* error, clear field 1; 0: no fine prints */
+  double margin;    /* nm */
+  double ion_limit; /* % */
   corners_wish corners;
   gate_bars assists;
   sought_bars seek;
@@ -145,8 +145,8 @@ static int run(void *self, void **outputs, opc_error *error) {
       .prepared = c->prepared,
       .traced = c->trace,
       .hold = c->guard == ON,
-      .limit = c->limit,
-      .fine_change = fine_change(c->fine_text, c->limit),
+      .ion_limit = c->ion_limit,
+      .fine_change = fine_change(c->fine_text, c->ion_limit),
       .drivers = {[MAIN].module = c->synthesizer, [EDGES].module = c->edges}};
   eda_printer_init(&l.printer, c->host->context, c->gates, c->litho, c->resist,
                    c->margin);
@@ -240,10 +240,10 @@ static const opc_parameter parameters[] = {
                   .choices = "on|off",
                   .summary = "take back what ends worse than the drawn mask; "
                              "off: the synthesizer's result as it is"),
-    OPC_PARAMETER(correct, limit, .type = OPC_REAL, .flags = OPC_AT_LEAST,
-                  .unit = "%", .preset = "0.5 %",
-                  .summary = "|Ion deviation| that the guard takes for good, "
-                             "whatever the drawn mask's is"),
+    OPC_PARAMETER(correct, ion_limit, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+                  .former = "limit", .unit = "%", .preset = "0.5 %",
+                  .summary = "Largest allowed |Ion deviation|: the guard "
+                             "accepts it whatever the drawn mask has"),
     RULES_PARAMETERS(correct),
     OPC_PARAMETER(correct, trace, .type = OPC_BOOL, .preset = "false",
                   .summary = "write trace.csv: each transistor at each print"),
@@ -305,7 +305,7 @@ static int tell_of_settings(const correct *c, opc_error *error) {
 
 static int check(void *self, opc_error *error) {
   correct *c = self;
-  int code = fine_error(c->fine_text, c->limit, &c->fine, error);
+  int code = fine_error(c->fine_text, c->ion_limit, &c->fine, error);
   c->margin = fine_margin(c->host, c->litho, c->margin, c->fine);
   follow(c);
   return code ? code : corners_check(&c->corners, error);

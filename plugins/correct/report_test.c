@@ -3,7 +3,7 @@
    tables, metrics, and what is said in words. */
 #include "report.c"
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 #define failed failed_by_findings /* both have one */
 #include "findings.c"

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 enum { DOSES = 3, FOCI = 2, ALL = DOSES * FOCI };
 

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 typedef struct figures {
   double ion, ioff, leq_ion, leq_ioff, weq, area;

@@ -14,8 +14,8 @@ enum { CONTOUR, GAUSS, EQUAL };
 
 /* A gate is marked if more than this part of a current rests on how the device
    table goes on beyond its ends: what a third of a nm does to it. Within a few
-   nm the change of Ion there is right to a tenth (docs/devices.md), so that
-   less is an error of 0.1 % in Ion. */
+   nm the change of Ion there is right to a tenth (docs/reference/devices.md),
+   so that less is an error of 0.1 % in Ion. */
 static const double notable[EDA_CURRENTS] = {
     [EDA_ION] = 0.01, [EDA_IOFF] = 0.1};
 

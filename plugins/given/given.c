@@ -23,9 +23,9 @@ typedef struct given {
   take take;
   const opc_module *litho, *resist, *extractor, *regulator;
   const char *fine_text;
-  double fine;   /* error, clear field 1; 0: as the model is by itself */
-  double margin; /* nm */
-  double limit;  /* % */
+  double fine;      /* error, clear field 1; 0: as the model is by itself */
+  double margin;    /* nm */
+  double ion_limit; /* % */
   double min_space, min_mask_width, min_edge, min_jog; /* of the mask, nm */
 } given;
 
@@ -58,7 +58,7 @@ static int prepare(const given *s, eda_printer *p, eda_mask *out,
                              error);
   if (!code)
     code = fine_by_drawn(p, s->host, s->take.gates, s->extractor,
-                         fine_change(s->fine_text, s->limit), error);
+                         fine_change(s->fine_text, s->ion_limit), error);
   return code;
 }
 
@@ -78,7 +78,7 @@ static int tell_of_worse(const given *s, const eda_mask *m,
     double drawn = fabs(eda_deviation(m->before.ion[i], design));
     double now = fabs(eda_deviation(m->after.ion[i], design));
     lost += (size_t)failed(m->flags[i]);
-    worse += !failed(m->flags[i]) && now > fmax(drawn, s->limit);
+    worse += !failed(m->flags[i]) && now > fmax(drawn, s->ion_limit);
   }
   const opc_metric_value values[] = {{"worse", (double)worse},
                                      {"lost", (double)lost}};
@@ -213,10 +213,10 @@ static const opc_parameter parameters[] = {
                       "clear field around the layout, which repeats beyond; as "
                       "'fine' needs it"),
     FINE_PARAMETER(given),
-    OPC_PARAMETER(given, limit, .type = OPC_REAL, .flags = OPC_AT_LEAST,
-                  .unit = "%", .preset = "0.5 %",
-                  .summary = "|Ion deviation| that is no worse than drawn, "
-                             "whatever the drawn mask's is"),
+    OPC_PARAMETER(given, ion_limit, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+                  .former = "limit", .unit = "%", .preset = "0.5 %",
+                  .summary = "Largest allowed |Ion deviation|: within it no "
+                             "transistor counts as worse than drawn"),
     RULES_PARAMETERS(given),
 };
 
@@ -237,7 +237,7 @@ static const opc_metric metrics[] = {
 
 static int check(void *self, opc_error *error) {
   given *s = self;
-  int code = fine_error(s->fine_text, s->limit, &s->fine, error);
+  int code = fine_error(s->fine_text, s->ion_limit, &s->fine, error);
   EDA_FOLLOW(s->host, "given", s, parameters, eda_scanner_of(s->litho));
   s->margin = fine_margin(s->host, s->litho, s->margin, s->fine);
   return code;

@@ -7,7 +7,7 @@
 #include <eda/litho.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 /* A model of these parameters that is ready to image. */
 static inline opc_module *prepared(const char *id, const char *parameters) {

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 /* The level set of a vertical line of `width` at x = 0 in a grating. */
 static inline eda_field lines_print(opc_module *litho, opc_module *resist,

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 #define RESIST                                                             \
   "resist: { use: resist.threshold, anchor: { line: 65 nm, pitch: 250 nm " \

@@ -41,7 +41,7 @@ static int run(loop *l, const eda_synthesizer *s, gate_bars bars,
               .gates = eda_gates_sample(),
               .extractor = MODULE(&extractor, NULL),
               .max_iterations = 10,
-              .limit = 0.5,
+              .ion_limit = 0.5,
               .assists = bars,
               .drivers[MAIN].module = MODULE(s, NULL)};
   eda_printer_init(&l->printer, NULL, l->gates, MODULE(&litho, NULL),

@@ -259,7 +259,7 @@ static double pull_of(const corners *c, const eda_performance *nominal,
    the limit: as if the nominal print counted the more. */
 static void bound_pulls(const loop *l, double (*pull)[FIGURES]) {
   double sum[2][FIGURES] = {{0}}, count[2] = {0};
-  double most = log1p(l->corners.wish.limit / 100);
+  double most = log1p(l->corners.wish.ion_cost / 100);
   const uint8_t *type = l->gates->type;
   for (size_t i = 0; i < l->gates->count; i++) {
     if (!is_good(&l->measured, i)) continue;

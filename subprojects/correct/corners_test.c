@@ -148,7 +148,7 @@ static int run_on(const eda_gates *gates, loop *l, const eda_litho *model,
               .gates = gates,
               .extractor = MODULE(&extractor, NULL),
               .max_iterations = 10,
-              .limit = 0.5,
+              .ion_limit = 0.5,
               .corners.wish = w,
               .drivers[MAIN].module = MODULE(&mover, NULL)};
   eda_printer_init(&l->printer, NULL, l->gates, MODULE(model, NULL),
@@ -248,7 +248,7 @@ static void test_limit(void) {
     double most = log1p(limits[k] / 100), own = CLAMP(apart, -most, most);
     corners_wish w = wish(weight);
     w.free = 0;
-    w.limit = limits[k];
+    w.ion_cost = limits[k];
     g_assert_false(run_on(&pair, &l, &with_focus, w, 0, &error));
     for (size_t i = 0; i < GATES; i++)
       check_near(l.measured.performance.ion[i],

@@ -20,8 +20,8 @@ static const struct {
     /* %: less than tables show. */
     .worse = 0.001,
 
-    /* Of the limit: model_margin. A tenth of it is what the fine model's error
-       is chosen for. */
+    /* Of `ion_limit`: model_margin. A tenth of it is what the fine model's
+       error is chosen for. */
     .part = 0.1,
 
     /* %: what two prints of one gate differ by although nothing within 4 um of
@@ -174,7 +174,7 @@ static eda_box place_of(const loop *l, double x, double y) {
    print to the cheap one is that of another mask: that of the first moves for
    the drawn one, where the rest is (c432) 0.02 and 0.1 at most. */
 static double model_margin(const loop *l) {
-  return l->printer.fine > 0 ? tuned.part * l->limit : 0;
+  return l->printer.fine > 0 ? tuned.part * l->ion_limit : 0;
 }
 
 static int fault_of(const loop *l, size_t i, double margin) {
@@ -184,7 +184,7 @@ static int fault_of(const loop *l, size_t i, double margin) {
   if (isnan(target) || failed(g->flags[i])) return GOOD;
   if (l->still && l->still[i]) return GOOD; /* others may move past it */
   double drawn = off(l, &l->before, i, target) + model_margin(l);
-  double most = fmax(drawn, l->limit) + margin;
+  double most = fmax(drawn, l->ion_limit) + margin;
   return off(l, &l->measured.performance, i, target) <= most ? GOOD : WORSE;
 }
 

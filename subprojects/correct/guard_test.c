@@ -97,7 +97,7 @@ static void run(loop *l, const opc_module *synthesizer, const eda_extractor *e,
               .regulator = regulator,
               .max_iterations = 10,
               .hold = hold,
-              .limit = limit_of_guard,
+              .ion_limit = limit_of_guard,
               .drivers[MAIN].module = synthesizer};
   calls = 0;
   eda_printer_init(&l->printer, NULL, l->gates, MODULE(&litho, NULL),

@@ -214,6 +214,7 @@ static eda_feedback feedback(const loop *l, const driver *d) {
                         .end = l->now.biases.end,
                         .next_end = l->next.biases.end,
                         .print = l->printer.print,
+                        .ion_limit = &l->ion_limit,
                         .scanner = eda_scanner_of(&l->printer.litho.module)};
 }
 

@@ -14,7 +14,7 @@
 static const struct {
   double part, edge;
 } tuned = {
-    /* Of the loop's `limit`: what a fine print may change in the mean. The
+    /* Of the loop's `ion_limit`: what a fine print may change in the mean. The
        error of the fine model itself comes to as much; more, and the loop has
        worked on something else than what it tells. */
     .part = 0.1,
@@ -152,7 +152,7 @@ static int transistors_hold(const loop *l, const seen *before,
   size_t crossed = 0;
   for (size_t i = 0; i < l->gates->count; i++) {
     if (isnan(before->off[i])) continue;
-    double good = before->off[i] <= l->limit ? l->limit : INFINITY;
+    double good = before->off[i] <= l->ion_limit ? l->ion_limit : INFINITY;
     crossed += !(now->off[i] <= good);
     if (isnan(now->off[i])) continue;
     double d = fabs(now->ion[i] - before->ion[i]);
@@ -161,7 +161,7 @@ static int transistors_hold(const loop *l, const seen *before,
     count++;
   }
   double mean = count > 0 ? sum / count : 0;
-  int holds = !crossed && mean <= tuned.part * l->limit;
+  int holds = !crossed && mean <= tuned.part * l->ion_limit;
   l->host->log(l->host, holds ? OPC_LOG_DEBUG : OPC_LOG_INFO,
                "fine print: Ion is off by %.3f %% in the mean and %.3f %% at "
                "most from what the loop saw; %zu transistor%s beyond the limit "

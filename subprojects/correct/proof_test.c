@@ -12,7 +12,8 @@ typedef struct seeker {
 } seeker;
 
 static int begin(void *self, const eda_feedback *f, opc_error *error) {
-  (void)self, (void)f, (void)error;
+  (void)self, (void)error;
+  g_assert_cmpfloat(*f->ion_limit, ==, 3); /* the loop's */
   return OPC_OK;
 }
 
@@ -65,7 +66,7 @@ static int try_to_run(loop *l, const eda_litho *model, double fine,
               .regulator = regulator,
               .max_iterations = iterations,
               .hold = 1,
-              .limit = 3,
+              .ion_limit = 3,
               .fine_change = aim,
               .drivers[MAIN].module = MODULE(&seeking, &s)};
   eda_printer_init(&l->printer, NULL, l->gates, MODULE(model, NULL),

@@ -18,9 +18,9 @@ typedef struct range {
 
 typedef struct bisect {
   const opc_host *host;
-  double limit;    /* % */
-  double max_bias; /* nm */
-  range *ranges;   /* of each transistor */
+  double ion_limit; /* % */
+  double max_bias;  /* nm */
+  range *ranges;    /* of each transistor */
 } bisect;
 
 /* ---- work ---- */
@@ -59,7 +59,8 @@ static int update(void *self, const eda_feedback *f, eda_moves *moves,
     double deviation = 100 * (f->printed->ion[i] - drawn) / drawn;
     /* An open line has no current, and is too thin. */
     if (f->flags[i] & EDA_PRINT_OPEN) deviation = 100;
-    int32_t l = next_length(&b->ranges[i], moves->l[i], deviation, b->limit);
+    int32_t l =
+        next_length(&b->ranges[i], moves->l[i], deviation, b->ion_limit);
     if (l != moves->l[i]) *done = 0;
     moves->l[i] = l;
   }
@@ -68,13 +69,14 @@ static int update(void *self, const eda_feedback *f, eda_moves *moves,
 
 static const char *verdict(const void *self, size_t gate) {
   const bisect *b = self;
-  return fabs(b->ranges[gate].deviation) <= b->limit ? "within limit" : "grid";
+  return fabs(b->ranges[gate].deviation) <= b->ion_limit ? "within limit"
+                                                         : "grid";
 }
 
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    OPC_PARAMETER(bisect, limit, .type = OPC_REAL, .flags = OPC_ABOVE,
+    OPC_PARAMETER(bisect, ion_limit, .type = OPC_REAL, .flags = OPC_ABOVE,
                   .unit = "%", .preset = "0.5 %",
                   .summary = "deviation of the on current that is good enough"),
     OPC_PARAMETER(bisect, max_bias, .type = OPC_REAL,

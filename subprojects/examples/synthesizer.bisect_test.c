@@ -15,7 +15,7 @@ int main(void) {
   eda_performance printed = {.count = 2, .ion = ion};
   opc_error error = {0};
 
-  opc_module *module = make("synthesizer.bisect", "{ limit: 1 % }");
+  opc_module *module = make("synthesizer.bisect", "{ ion_limit: 1 % }");
   const eda_synthesizer *s = module->functions;
   CHECK(gates->count == 2);
   for (int i = 0; i < 2; i++) design_ion[i] = 1 / gates->length[i];
@@ -36,7 +36,7 @@ int main(void) {
   CHECK(w[0] == 0 && w[1] == 0);
   opc_test_module_free(module);
 
-  CHECK(!opc_test_module("synthesizer.bisect", "{ limit: 0 % }", &error));
+  CHECK(!opc_test_module("synthesizer.bisect", "{ ion_limit: 0 % }", &error));
   CHECK(error.code == OPC_INVALID);
   return 0;
 }

@@ -25,7 +25,7 @@ typedef struct characterize {
   const opc_module *litho, *resist, *extractor;
   opc_reals lengths, widths;
   int type, proportional;
-  double from, to, tie, limit, max_bias;
+  double from, to, tie, ion_limit, max_bias;
   int64_t max_iterations;
   double grid, extension, enclosure, margin;
 } characterize;
@@ -213,7 +213,7 @@ static int run(void *self, void **outputs, opc_error *error) {
                     .enclosure = c->enclosure,
                     .margin = c->margin,
                     .type = (uint8_t)c->type},
-            .rules = control_rules_for(c->limit, c->max_bias, c->grid,
+            .rules = control_rules_for(c->ion_limit, c->max_bias, c->grid,
                                        c->proportional),
             .first = (int32_t)lround(c->from / c->grid),
             .sizes = c->lengths.count * c->widths.count};
@@ -265,8 +265,10 @@ static const opc_parameter parameters[] = {
     NUMBER(tie, OPC_REAL, "%", OPC_AT_LEAST, 0, 0, "0 %",
            "|PDE| of at most this are as good as each other, and fewer "
            "iterations win; the thesis has 0 %"),
-    NUMBER(limit, OPC_REAL, "%", OPC_ABOVE, 0, 0, "0.5 %",
-           "as of synthesizer.dpb"),
+    OPC_PARAMETER(
+        characterize, ion_limit, .type = OPC_REAL, .flags = OPC_ABOVE,
+        .unit = "%", .preset = "0.5 %", .former = "limit",
+        .summary = "Largest allowed |Ion deviation|, as of synthesizer.dpb"),
     NUMBER(max_bias, OPC_REAL, "nm", OPC_ABOVE | OPC_AT_MOST, 0, 1000, "80 nm",
            "as of synthesizer.dpb"),
     OPC_PARAMETER_NAMED("w_step", characterize, proportional,

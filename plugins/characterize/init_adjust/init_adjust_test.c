@@ -3,7 +3,7 @@
    itself, on a layout with the evaluation transistor of thesis figure 3.5. */
 #include <eda/eda.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 #include <math.h>
 #include <string.h>

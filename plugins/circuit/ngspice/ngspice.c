@@ -366,10 +366,11 @@ static const opc_parameter parameters[] = {
                    "bit lines are at the supply"),
     OPC_PARAMETER(bench, picture, .type = OPC_OUTPUT, .preset = "circuit.png",
                   .summary = "waveforms or butterfly, .png, .svg or .pdf"),
-    OPC_PARAMETER(bench, limit, .type = OPC_REAL, .unit = "s",
-                  .flags = OPC_ABOVE | OPC_AT_MOST | OPC_NO_EFFECT,
-                  .preset = "300 s", .min = 0, .max = 86400,
-                  .summary = "time that one process of the simulator may take"),
+    OPC_PARAMETER_NAMED(
+        "time_limit", bench, limit, .type = OPC_REAL, .unit = "s",
+        .former = "limit", .flags = OPC_ABOVE | OPC_AT_MOST | OPC_NO_EFFECT,
+        .preset = "300 s", .min = 0, .max = 86400,
+        .summary = "Longest time of one process of the simulator"),
 };
 
 #define FIGURE(id, of, text) \

@@ -439,7 +439,7 @@ static void test_refused(void) {
   refused(m, 0, card, both, "one of 'models' and 'library' is needed");
   g_autofree char *osdi = g_strdup_printf("osdi: '%s'", card);
   refused(m, 0, card, osdi, "*goes with 'library'");
-  refused(m, 0, card, "limit: 1 ns", "'ngspice' was not done after*");
+  refused(m, 0, card, "time_limit: 1 ns", "'ngspice' was not done after*");
   refused(m, 0, card, "inputs: A VSS", "'VSS' is no port of 'made'*");
   refused(m, 0, card, "edges: [60 %, 90 %]", "*'edges' are one place above*");
   refused(m, 0, card, "nmos: 'n m'", "*is not the name of a model*");

@@ -57,8 +57,8 @@ typedef struct chip {
   const opc_module *litho, *resist, *extractor, *synthesizer, *regulator;
   int64_t max_iterations, rounds;
   const char *fine_text;
-  double fine, margin, limit; /* as of `correct` */
-  double radius, window;      /* nm */
+  double fine, margin, ion_limit; /* as of `correct` */
+  double radius, window;          /* nm */
   int guard;
   double min_space, min_mask_width, min_edge, min_jog; /* nm */
 } chip;
@@ -97,7 +97,7 @@ static size_t find_failing(work *w, uint32_t *prints) {
   size_t n = 0;
   for (size_t i = 0; i < c->count; i++) used[c->gate[i].print] = 1;
   for (size_t k = 0; k < c->prints; k++) {
-    if (!used[k] || w->tried[k] || !(prove_off(&c->print[k]) > w->limit))
+    if (!used[k] || w->tried[k] || !(prove_off(&c->print[k]) > w->ion_limit))
       continue;
     w->tried[k] = 1;
     prints[n++] = (uint32_t)k;
@@ -164,8 +164,8 @@ static void work_init(const chip *c, eda_chip *out, work *w) {
               .regulator = c->regulator,
               .max_iterations = c->max_iterations,
               .fine = c->fine,
-              .fine_change = fine_change(c->fine_text, c->limit),
-              .limit = c->limit,
+              .fine_change = fine_change(c->fine_text, c->ion_limit),
+              .ion_limit = c->ion_limit,
               .hold = c->guard == ON,
               .mask_limit = {[EDA_RULE_SPACE] = c->min_space,
                              [EDA_RULE_WIDTH] = c->min_mask_width,
@@ -294,19 +294,20 @@ static const opc_parameter parameters[] = {
                   .unit = "nm", .preset = "60 um", .min = 1000,
                   .summary = "side of the windows that are worked at a time: "
                              "larger ones take more memory and less time"),
-    OPC_PARAMETER(chip, rounds, .type = OPC_INT,
-                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "2", .min = 0,
-                  .max = 20,
-                  .summary = "how often transistors that are beyond 'limit' "
-                             "among their neighbours are corrected again"),
+    OPC_PARAMETER(
+        chip, rounds, .type = OPC_INT, .flags = OPC_AT_LEAST | OPC_AT_MOST,
+        .preset = "2", .min = 0, .max = 20,
+        .summary = "how often transistors that are beyond 'ion_limit' "
+                   "among their neighbours are corrected again"),
     FINE_PARAMETER(chip),
     OPC_PARAMETER(chip, guard, .type = OPC_CHOICE, .preset = "on",
                   .choices = "on|off",
                   .summary = "take back what ends worse than the drawn mask"),
-    OPC_PARAMETER(chip, limit, .type = OPC_REAL, .flags = OPC_AT_LEAST,
-                  .unit = "%", .preset = "0.5 %",
-                  .summary = "|Ion deviation| that is good: what is beyond it "
-                             "among its neighbours is corrected by itself"),
+    OPC_PARAMETER(chip, ion_limit, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+                  .former = "limit", .unit = "%", .preset = "0.5 %",
+                  .summary =
+                      "Largest allowed |Ion deviation|: a transistor beyond it "
+                      "among its neighbours gets a correction of its own"),
     RULES_PARAMETERS(chip),
 };
 
@@ -334,7 +335,7 @@ static const opc_metric metrics[] = {
 
 static int check(void *self, opc_error *error) {
   chip *c = self;
-  int code = fine_error(c->fine_text, c->limit, &c->fine, error);
+  int code = fine_error(c->fine_text, c->ion_limit, &c->fine, error);
   eda_scanner scanner = eda_scanner_of(c->litho);
   if (isnan(c->margin) && !(c->fine > 0))
     c->margin = eda_natural(&scanner, tuned.margin);

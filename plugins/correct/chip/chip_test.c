@@ -11,7 +11,7 @@
 
 #include <correct/start.h>
 #include "core/plugin/host.h"
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 /* ---- drawings ---- */
 

@@ -214,7 +214,7 @@ static int correct(const mend *m, const sheet *s, opc_bytes *out,
             .max_iterations = w->max_iterations,
             .start = {.max_diff = NAN},
             .hold = w->hold,
-            .limit = w->limit,
+            .ion_limit = w->ion_limit,
             .fine_change = w->fine_change,
             .drivers = {[MAIN].module = w->synthesizer}};
   eda_printer_init(&l.printer, w->host->context, s->gates, w->litho, w->resist,

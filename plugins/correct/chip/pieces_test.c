@@ -4,7 +4,7 @@
 #include "sheet.c"
 
 #include <correct/ways.h>
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 #define maker halver /* both have one */
 #include "cover.c"

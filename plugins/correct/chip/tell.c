@@ -47,7 +47,7 @@ static void add(const work *w, size_t i, sums *s) {
   note(&s->failed, i, now);
   note(&s->lost, i, now && !then);
   note(&s->worse, i,
-       !now && !then && prove_off(p) > fmax(was, w->limit) + worse_than);
+       !now && !then && prove_off(p) > fmax(was, w->ion_limit) + worse_than);
   note(&s->outside, i, !now && (p->flags & EDA_PRINT_OUTSIDE));
 }
 

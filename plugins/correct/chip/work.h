@@ -29,7 +29,7 @@ typedef struct work {
   const opc_host *host;
   const opc_module *litho, *resist, *extractor, *synthesizer, *regulator;
   int64_t max_iterations;
-  double fine, fine_change, limit; /* as of a loop; the latter in % */
+  double fine, fine_change, ion_limit; /* as of a loop; the latter in % */
   int hold;
   double mask_limit[EDA_RULES]; /* rules of the mask, nm */
   int32_t margin;               /* how far light counts */

@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include <correct/start.h>
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 /* ---- a layout ---- */
 

@@ -6,7 +6,7 @@
 
 #include <eda/gates.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 /* ---- masks by hand ---- */
 

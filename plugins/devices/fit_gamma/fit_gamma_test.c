@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 static char *devices(void) {
   const char *source = g_getenv("OPCFLOW_SOURCE");

@@ -243,10 +243,11 @@ static const opc_parameter parameters[] = {
     {TEXT("file", OPC_OUTPUT, file, "the table"), .preset = "devices.yaml"},
     {TEXT("picture", OPC_OUTPUT, picture, "the curves, .png, .svg or .pdf"),
      .preset = "devices.png"},
-    OPC_PARAMETER(plan, limit, .type = OPC_REAL, .unit = "s",
-                  .flags = OPC_ABOVE | OPC_AT_MOST | OPC_NO_EFFECT,
-                  .preset = "60 s", .min = 0, .max = 86400,
-                  .summary = "time that the simulator may take"),
+    OPC_PARAMETER_NAMED("time_limit", plan, limit, .type = OPC_REAL,
+                        .unit = "s", .former = "limit",
+                        .flags = OPC_ABOVE | OPC_AT_MOST | OPC_NO_EFFECT,
+                        .preset = "60 s", .min = 0, .max = 86400,
+                        .summary = "Longest time of the simulator"),
 };
 
 static const opc_metric metrics[] = {

@@ -6,7 +6,7 @@
 
 #include <eda/simulator.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 /* Skips where there is none. */
 static inline int have_ngspice(void) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The device table as a file (docs/devices.md). */
+/* The device table as a file (docs/reference/devices.md). */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 /* `n` transistors in each direction, 1 um apart; all print as drawn but the
    second, which is too strong by 10 %, and the last, which does not print. */

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 /* ---- gates: four vertical lines, in a field of 1000 x 1000 nm ---- */
 

@@ -6,7 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 /* ---- the mask ---- */
 

@@ -6,7 +6,7 @@
 #include <opcflow/kind.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 static const opc_kind *kind;
 

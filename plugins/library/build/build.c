@@ -29,7 +29,7 @@ typedef struct build {
   const opc_module *litho, *resist, *extractor, *synthesizer, *regulator;
   int64_t max_iterations;
   const char *fine_text;
-  double fine, margin, limit;
+  double fine, margin, ion_limit;
   int guard;
 } build;
 
@@ -142,8 +142,8 @@ static int correct_cell(builder *r, const cut_out *cell, shelf_row *row,
             .regulator = b->regulator,
             .max_iterations = b->max_iterations,
             .hold = b->guard == ON,
-            .limit = b->limit,
-            .fine_change = fine_change(b->fine_text, b->limit),
+            .ion_limit = b->ion_limit,
+            .fine_change = fine_change(b->fine_text, b->ion_limit),
             .drivers = {[MAIN].module = b->synthesizer}};
   eda_printer_init(&l.printer, b->host->context, cell->gates, b->litho,
                    b->resist, b->margin);
@@ -301,9 +301,10 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(build, guard, .type = OPC_CHOICE, .preset = "on",
                   .choices = "on|off",
                   .summary = "take back what ends worse than the drawn mask"),
-    OPC_PARAMETER(build, limit, .type = OPC_REAL, .flags = OPC_AT_LEAST,
-                  .unit = "%", .preset = "0.5 %",
-                  .summary = "|Ion deviation| that the guard takes for good"),
+    OPC_PARAMETER(build, ion_limit, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+                  .former = "limit", .unit = "%", .preset = "0.5 %",
+                  .summary = "Largest allowed |Ion deviation|: the guard "
+                             "accepts it whatever the drawn mask has"),
 };
 
 static const opc_metric metrics[] = {
@@ -318,7 +319,7 @@ static const opc_metric metrics[] = {
 
 static int check(void *self, opc_error *error) {
   build *b = self;
-  int code = fine_error(b->fine_text, b->limit, &b->fine, error);
+  int code = fine_error(b->fine_text, b->ion_limit, &b->fine, error);
   b->margin = fine_margin(b->host, b->litho, b->margin, b->fine);
   return code;
 }

@@ -3,7 +3,7 @@
    metrics and, pixel by pixel, the picture. */
 #include "disturb.c"
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 enum { GATES = 6, WIDTH = 400, GREY = 0xd8d8d8 };
 

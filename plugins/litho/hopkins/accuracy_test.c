@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 /* Long lines in the middle of a frame, with a margin of clear field: their
    image changes by no more than said when the margin is four times as wide. */

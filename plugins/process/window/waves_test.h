@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 enum { GATES = 4 };
 static const double pitch = 250, drawn = 65, drawn_width = 688;

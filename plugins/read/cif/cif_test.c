@@ -7,7 +7,7 @@
 
 #include <eda/layout.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 static char *made(void) {
   return g_build_filename(opc_test_folder(), "made.cif", NULL);

@@ -8,8 +8,8 @@
 #include <eda/layout.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
 #include "tests/data.h"
+#include "tools/devel/testing.h"
 
 /* A layout of a file, or NULL and *error; `more` parameters. */
 static inline eda_layout *read_more(const char *path, const char *more,

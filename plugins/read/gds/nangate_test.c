@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 static const char *const names[] = {"active", "nwell",   "nimplant",
                                     "poly",   "contact", "metal1"};

@@ -3,7 +3,7 @@
    contest's clips, whose areas are published. */
 #include <eda/layout.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 #include <glib/gstdio.h>
 #include <math.h>

@@ -11,7 +11,7 @@
 
 #include <eda/layout.h>
 #include <eda/oasis.h>
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 static void put_uint(GByteArray *f, uint64_t v) {
   for (; v >= 0x80; v >>= 7)

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "core/plugin/host.h"
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 /* Contacts are not corrected. */
 enum { CONTACT = 2, METAL = 3, LAYERS = 4 };

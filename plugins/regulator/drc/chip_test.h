@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "core/plugin/host.h"
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 enum { STEP = 8, N = 250, MOST = 8 };
 

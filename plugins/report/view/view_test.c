@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 static const char bad_name[] =
     "</script><img src=x onerror=alert(1)>\"\\\x01\xff";

@@ -3,7 +3,7 @@
    first clip as drawn, which another program has counted. */
 #include <eda/gates.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #include <eda/gates.h>
 #include <eda/layout.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 #include <string.h>
 

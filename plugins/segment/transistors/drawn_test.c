@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 /* ---- drawing ---- */
 

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 enum { GATES = 4, PITCH = 2000 };
 

@@ -5,7 +5,7 @@
 #include <eda/layout.h>
 #include <math.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 enum { L = 65 };
 

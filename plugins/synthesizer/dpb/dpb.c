@@ -14,7 +14,7 @@
 
 typedef struct dpb {
   const opc_host *host;
-  double limit;           /* % */
+  double ion_limit;       /* % */
   double init_adjust;     /* nm; 0: one step towards the smaller error */
   const char *table_path; /* NULL: that for all */
   first_table table;
@@ -46,8 +46,9 @@ static void follow(dpb *d, eda_scanner scanner);
 static int begin(void *self, const eda_feedback *f, opc_error *error) {
   dpb *d = self;
   follow(d, f->scanner);
-  d->descent.rules =
-      control_rules_for(d->limit, d->max_bias, f->gates->grid, d->proportional);
+  eda_follow_ion_limit(f, &d->ion_limit);
+  d->descent.rules = control_rules_for(d->ion_limit, d->max_bias,
+                                       f->gates->grid, d->proportional);
   d->descent.error = pde;
   d->descent.first = first;
   d->descent.self = d;
@@ -73,11 +74,11 @@ static const char *verdict(const void *self, size_t gate) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    OPC_PARAMETER(
-        dpb, limit, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
-        .preset = "0.5 %", .former = "max_pde",
-        .summary =
-            "a transistor whose |Ion deviation| is at most this is left alone"),
+    OPC_PARAMETER(dpb, ion_limit, .type = OPC_REAL, .flags = OPC_ABOVE,
+                  .unit = "%", .follows = "ion_limit of the step",
+                  .former = "max_pde|limit",
+                  .summary = "Largest allowed |Ion deviation|; a transistor "
+                             "within it keeps its mask"),
     OPC_PARAMETER(dpb, init_adjust, .type = OPC_REAL,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
                   .preset = "0 nm", .min = -100, .max = 100,

@@ -3,7 +3,7 @@
    response is a formula, which neighbours may change. */
 #include <eda/eda.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -24,6 +24,7 @@ typedef struct model {
     double by;
     int from, every, most;
   } neighbours;
+  const double *ion_limit; /* of the step */
   int32_t l[MOST], w[MOST];
   GString *trace; /* of the first: "l,w " after each update */
   int updates;
@@ -47,8 +48,11 @@ static void run(opc_module *m, model *t) {
       .grid = 1, .count = t->n, .length = length, .width = width};
   eda_performance drawn = {.count = t->n, .ion = design};
   eda_performance printed = {.count = t->n, .ion = ion};
-  eda_feedback f = {
-      .gates = &gates, .design = &drawn, .flags = flags, .vetoes = vetoes};
+  eda_feedback f = {.gates = &gates,
+                    .design = &drawn,
+                    .flags = flags,
+                    .vetoes = vetoes,
+                    .ion_limit = t->ion_limit};
   eda_moves moves = {.l = t->l, .w = t->w};
   opc_error error;
   g_assert_cmpint(s->begin(m->self, &f, &error), ==, OPC_OK);
@@ -98,7 +102,7 @@ static const char *verdict(opc_module *m, size_t i) {
    5  +0.2  within the limit: no correction
    6  +0.2  nothing has changed since: done */
 static void test_by_hand(void) {
-  g_autoptr(opc_module) m = make("{ limit: 0.5 % }");
+  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8}};
   run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, "1,0 2,0 3,0 2,0 2,-1 2,-1 2,-1 ");
@@ -109,7 +113,7 @@ static void test_by_hand(void) {
 /* The same with too little current: W grows by steps of one, -6.5 % from L -2;
    -1, and L -3 would give +2. */
 static void test_by_hand_shorter(void) {
-  g_autoptr(opc_module) m = make("{ limit: 0.5 % }");
+  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
   model t = {.n = 1, .offset = {-7}, .by_l = {-3}, .by_w = {0.2}};
   run(m, &t);
   g_assert_cmpstr(t.trace->str, ==,
@@ -137,15 +141,42 @@ static void test_follows(void) {
   }
 }
 
+/* +7 %: within a limit of 8 %, beyond one of 6 %. The synthesizer's own limit
+   comes before that of the step, and 0.5 % after both. */
+static void test_limit_of_step(void) {
+  static const double wide = 8, narrow = 6;
+  static const struct {
+    const char *parameters;
+    const double *ion_limit;
+    int moves;
+  } cases[] = {{"{}", &wide, 0},
+               {"{}", &narrow, 1},
+               {"{}", NULL, 1},
+               {"{ ion_limit: 8 % }", &narrow, 0},
+               {"{ ion_limit: 6 % }", &wide, 1},
+               {"{ limit: 8 % }", &narrow, 0}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_autoptr(opc_module) m = make(cases[i].parameters);
+    model t = {.n = 1,
+               .offset = {7},
+               .by_l = {-3},
+               .by_w = {0.8},
+               .ion_limit = cases[i].ion_limit};
+    run(m, &t);
+    g_assert_cmpint(strcmp(t.trace->str, "0,0 ") != 0, ==, cases[i].moves);
+    g_string_free(t.trace, TRUE);
+  }
+}
+
 /* Signed, applied as it is: 3 steps shorter at once, and 2 longer where it
    should have been shorter, which steps of one then undo. */
 static void test_init_adjust(void) {
-  g_autoptr(opc_module) m = make("{ limit: 0.5 %, init_adjust: -3 nm }");
+  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 %, init_adjust: -3 nm }");
   model t = {.n = 1, .offset = {-9.2}, .by_l = {-3}, .by_w = {0.8}};
   run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, "-3,0 -3,0 -3,0 ");
   g_string_free(t.trace, TRUE);
-  g_autoptr(opc_module) wrong = make("{ limit: 0.5 %, init_adjust: 2 nm }");
+  g_autoptr(opc_module) wrong = make("{ ion_limit: 0.5 %, init_adjust: 2 nm }");
   model u = {.n = 1, .offset = {-3.2}, .by_l = {-3}, .by_w = {0.8}};
   run(wrong, &u);
   g_assert_cmpstr(u.trace->str, ==, "2,0 1,0 0,0 -1,0 -1,0 -1,0 ");
@@ -155,7 +186,7 @@ static void test_init_adjust(void) {
 /* A first correction of several steps that goes past the minimum is followed by
    single ones; it is not taken back whole. */
 static void test_init_adjust_too_far(void) {
-  g_autoptr(opc_module) m = make("{ limit: 0.5 %, init_adjust: 5 nm }");
+  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 %, init_adjust: 5 nm }");
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8}};
   run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, "5,0 4,0 3,0 2,0 2,-1 2,-1 2,-1 ");
@@ -166,14 +197,14 @@ static void test_init_adjust_too_far(void) {
    of what is expected, so that it comes in a few steps, the last ones single;
    and where it is twice as much, a change of sign halves the steps. */
 static void test_proportional(void) {
-  g_autoptr(opc_module) m = make("{ limit: 0.1 %, w_step: proportional }");
+  g_autoptr(opc_module) m = make("{ ion_limit: 0.1 %, w_step: proportional }");
   model t = {.n = 1, .offset = {-4}, .by_l = {-9}, .by_w = {0.25}};
   run(m, &t);
   /* L -1 gives +5, back to 0; W 8: -2, 12: -1, 14: -0.5, 15: -0.25, 16: 0. */
   g_assert_cmpstr(t.trace->str, ==,
                   "-1,0 0,0 0,8 0,12 0,14 0,15 0,16 0,16 0,16 ");
   g_string_free(t.trace, TRUE);
-  g_autoptr(opc_module) n = make("{ limit: 0.1 %, w_step: proportional }");
+  g_autoptr(opc_module) n = make("{ ion_limit: 0.1 %, w_step: proportional }");
   model u = {.n = 1, .offset = {-4}, .by_l = {-9}, .by_w = {1}};
   run(n, &u);
   /* W 8: +4; 4: 0. */
@@ -184,7 +215,7 @@ static void test_proportional(void) {
 /* Where W can go no further, L takes one more step, and W comes back. */
 static void test_exchange(void) {
   g_autoptr(opc_module) m =
-      make("{ limit: 0.3 %, w_step: proportional, max_bias: 10 nm }");
+      make("{ ion_limit: 0.3 %, w_step: proportional, max_bias: 10 nm }");
   model t = {.n = 1, .offset = {-4.5}, .by_l = {-10}, .by_w = {0.4}};
   run(m, &t);
   g_assert_cmpint(t.l[0], ==, -1);
@@ -202,7 +233,7 @@ static void test_exchange(void) {
 
 /* No width moves while any length does. */
 static void test_coarse_before_fine(void) {
-  g_autoptr(opc_module) m = make("{ limit: 0.5 % }");
+  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
   model t = {.n = 2, .offset = {1, 15.2}, .by_l = {-3, -3}, .by_w = {0.6, 0.6}};
   run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, "1,0 0,0 0,0 0,0 0,0 0,-1 0,-1 0,-1 ");
@@ -212,7 +243,7 @@ static void test_coarse_before_fine(void) {
 
 /* A transistor within the limit is not touched. */
 static void test_within(void) {
-  g_autoptr(opc_module) m = make("{ limit: 0.5 % }");
+  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
   model t = {.n = 1, .offset = {-0.49}, .by_l = {-3}, .by_w = {0.8}};
   run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, "0,0 ");
@@ -224,7 +255,7 @@ static void test_within(void) {
    so. PDE 7, 4, 1, -2, 1; W: -2 % a step, 1 -> -1 (no better, not worse) ->
    -3 rises -> back. */
 static void test_grid(void) {
-  g_autoptr(opc_module) m = make("{ limit: 0.1 % }");
+  g_autoptr(opc_module) m = make("{ ion_limit: 0.1 % }");
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {2}};
   run(m, &t);
   g_assert_cmpint(t.l[0], ==, 2);
@@ -235,7 +266,7 @@ static void test_grid(void) {
 
 /* At L = 2 the gate bridges: back to 1, and on with W down to the limit. */
 static void test_veto(void) {
-  g_autoptr(opc_module) m = make("{ limit: 0.5 % }");
+  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
   model t = {.n = 1,
              .offset = {7},
              .by_l = {-3},
@@ -251,7 +282,7 @@ static void test_veto(void) {
 
 /* The same to the other side: at L = -2 the gate is open. */
 static void test_veto_of_shorter(void) {
-  g_autoptr(opc_module) m = make("{ limit: 0.5 % }");
+  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
   model t = {.n = 1,
              .offset = {-7},
              .by_l = {-3},
@@ -267,7 +298,7 @@ static void test_veto_of_shorter(void) {
 
 /* W may not go down: it stays, and that is why. */
 static void test_veto_of_narrower(void) {
-  g_autoptr(opc_module) m = make("{ limit: 0.5 % }");
+  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
   model t = {.n = 1,
              .offset = {1},
              .by_l = {-3},
@@ -283,7 +314,7 @@ static void test_veto_of_narrower(void) {
 /* 25 % too little, half a percent for each of 200 steps of W, L of no use: 20
    wider at a time at most, 5 % of 240 then, and 1 % of 252 back. */
 static void test_widest(void) {
-  g_autoptr(opc_module) m = make("{ limit: 0.5 %, w_step: proportional }");
+  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 %, w_step: proportional }");
   model t = {.n = 1, .offset = {-25}, .by_l = {-60}, .by_w = {0.5}};
   run(m, &t);
   g_assert_true(
@@ -294,7 +325,7 @@ static void test_widest(void) {
 
 /* No more than half of W, whatever max_bias grants. */
 static void test_half_width(void) {
-  g_autoptr(opc_module) m = make("{ limit: 0.5 %, max_bias: 20 nm }");
+  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 %, max_bias: 20 nm }");
   model t = {.n = 1, .offset = {200}, .by_l = {-3}, .by_w = {5}, .width = {13}};
   run(m, &t);
   g_assert_cmpint(t.l[0], ==, 20);
@@ -304,7 +335,7 @@ static void test_half_width(void) {
 }
 
 static void test_bias_limit(void) {
-  g_autoptr(opc_module) m = make("{ limit: 0.5 %, max_bias: 2 nm }");
+  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 %, max_bias: 2 nm }");
   model t = {.n = 1, .offset = {30}, .by_l = {-3}, .by_w = {0.8}};
   run(m, &t);
   g_assert_cmpint(t.l[0], ==, 2);
@@ -326,7 +357,7 @@ static void test_open(void) {
 }
 
 static void test_independent(void) {
-  g_autoptr(opc_module) m = make("{ limit: 0.5 % }");
+  g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
   model t = {.n = 3,
              .offset = {7, -0.2, -9.2},
              .by_l = {-3, -3, -3},
@@ -378,14 +409,14 @@ static void test_taken_up(void) {
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_autofree char *got =
-        after_jump("{ limit: 0.1 % }", cases[i].rest, cases[i].jump);
+        after_jump("{ ion_limit: 0.1 % }", cases[i].rest, cases[i].jump);
     g_assert_cmpstr(got, ==, cases[i].trace);
   }
 }
 
 /* Eight times, and then it is left where it is. */
 static void test_taken_up_often(void) {
-  g_autoptr(opc_module) m = make("{ limit: 0.1 % }");
+  g_autoptr(opc_module) m = make("{ ion_limit: 0.1 % }");
   model t = {.n = 1, .offset = {8.2}, .by_l = {-3.3}, .by_w = {1.2}};
   t.neighbours.by = 0.011;
   t.neighbours.from = 8;
@@ -415,7 +446,7 @@ static void test_table(void) {
       "l (nm),w (nm),init_adjust (nm),iterations\n"
       "60,200,9,1\n65,300,7,1\n65,150,2,1\n100,200,5,1\n");
   g_autofree char *given =
-      g_strdup_printf("{ limit: 0.5 %%, init_adjust_table: %s }", path);
+      g_strdup_printf("{ ion_limit: 0.5 %%, init_adjust_table: %s }", path);
   g_autoptr(opc_module) m = make(given);
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8}};
   run(m, &t);
@@ -463,6 +494,7 @@ static void test_table_refused(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/dpb/follows", test_follows);
+  g_test_add_func("/dpb/limit-of-step", test_limit_of_step);
   g_test_add_func("/dpb/by-hand", test_by_hand);
   g_test_add_func("/dpb/by-hand-shorter", test_by_hand_shorter);
   g_test_add_func("/dpb/init-adjust", test_init_adjust);

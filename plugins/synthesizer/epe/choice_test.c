@@ -4,7 +4,7 @@
    is believed of a response. */
 #include <eda/eda.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 #include <math.h>
 #include <stdlib.h>

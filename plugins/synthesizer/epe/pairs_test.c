@@ -3,7 +3,7 @@
    them; and by how much two that have go back. */
 #include "cut.c"
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 #include "pairs.c"
 

@@ -44,8 +44,8 @@ typedef struct transistor {
 typedef struct ic {
   const opc_host *host;
   double alpha_i, alpha_a;
-  double limit, area_limit; /* % */
-  double max_bias;          /* nm */
+  double ion_limit, area_limit; /* % */
+  double max_bias;              /* nm */
   int stall;
   int64_t retries;
   transistor *state;
@@ -69,6 +69,7 @@ static void follow(ic *c, eda_scanner scanner);
 static int begin(void *self, const eda_feedback *f, opc_error *error) {
   ic *c = self;
   follow(c, f->scanner);
+  eda_follow_ion_limit(f, &c->ion_limit);
   (void)error;
   free(c->state);
   c->count = f->gates->count;
@@ -96,7 +97,7 @@ static measured measure(const ic *c, const eda_feedback *f, size_t i) {
 }
 
 static int outside(const ic *c, const measured *m) {
-  return fabs(m->di) > c->limit || fabs(m->da) > c->area_limit;
+  return fabs(m->di) > c->ion_limit || fabs(m->da) > c->area_limit;
 }
 
 /* The decision matrix, lines 12 to 19; -1 where a deviation is exactly 0. */
@@ -238,13 +239,14 @@ static const opc_parameter parameters[] = {
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 0, .max = 1e6,
                   .summary = "weight of |gate area deviation|"),
     OPC_PARAMETER(
-        ic, limit, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
-        .preset = "0.5 %", .former = "max_di",
-        .summary = "limit of |Ion deviation|; the thesis gives no value"),
+        ic, ion_limit, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
+        .follows = "ion_limit of the step", .former = "max_di|limit",
+        .summary =
+            "Largest allowed |Ion deviation|; the thesis gives no value"),
     OPC_PARAMETER(ic, area_limit, .type = OPC_REAL, .flags = OPC_ABOVE,
                   .unit = "%", .preset = "0.5 %", .former = "max_da",
-                  .summary = "limit of |gate area deviation|; a transistor "
-                             "within both is left alone"),
+                  .summary = "Largest allowed |gate area deviation|; a "
+                             "transistor within both limits keeps its mask"),
     OPC_PARAMETER(ic, stall, .type = OPC_CHOICE, .preset = "freeze",
                   .choices = "freeze|continue",
                   .summary = "when the effective deviation does not fall: "

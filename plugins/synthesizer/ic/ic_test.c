@@ -3,7 +3,7 @@
    formula. */
 #include <eda/eda.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -202,8 +202,8 @@ static void test_retries(void) {
 /* Within both limits nothing moves, outside of one it does. */
 static void test_limits(void) {
   const model t = {.i = 0.9, .i_by_l = -0.5, .a = -1.9, .a_by_l = 0.5};
-  follow("{ limit: 1 %, area_limit: 2 % }", t, "0,0 ", "within limit");
-  follow("{ limit: 0.5 %, area_limit: 2 % }", t, "1,0 1,0 1,0 ",
+  follow("{ ion_limit: 1 %, area_limit: 2 % }", t, "0,0 ", "within limit");
+  follow("{ ion_limit: 0.5 %, area_limit: 2 % }", t, "1,0 1,0 1,0 ",
          "within limit");
 }
 
@@ -211,8 +211,8 @@ static void test_limits(void) {
    that counts more. I +2, A -1: longer. */
 static void test_weights(void) {
   const model t = {.i = 2, .i_by_l = -1, .a = -0.2, .a_by_l = 1.5};
-  follow("{ limit: 0.1 % }", t, "1,0 0,0 0,0 0,0 ", "stalled");
-  g_autoptr(opc_module) m = make("{ alpha_i: 3, limit: 0.1 % }");
+  follow("{ ion_limit: 0.1 % }", t, "1,0 0,0 0,0 0,0 ", "stalled");
+  g_autoptr(opc_module) m = make("{ alpha_i: 3, ion_limit: 0.1 % }");
   model u = t;
   run(m, &u);
   g_assert_true(g_str_has_prefix(u.trace->str, "1,0 1,-1 "));
@@ -384,7 +384,7 @@ static void test_by_lot(void) {
     for (int variant = 0; variant < 2; variant++) {
       int retries = (int)(lot % 7);
       g_autofree char *p = g_strdup_printf(
-          "{ alpha_i: %g, alpha_a: %g, limit: %g %%, area_limit: %g %%, "
+          "{ alpha_i: %g, alpha_a: %g, ion_limit: %g %%, area_limit: %g %%, "
           "max_bias: %d nm, stall: %s, retries: %d }",
           alpha[0], alpha[1], limit[0], limit[1], BIAS,
           variant ? "continue" : "freeze", retries);

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 enum { MOST = 40, WIDTH = 400 };
 

@@ -52,6 +52,7 @@ static void follow(newton *t, eda_scanner scanner);
 static int begin(void *self, const eda_feedback *f, opc_error *error) {
   newton *t = self;
   follow(t, f->scanner);
+  eda_follow_ion_limit(f, &t->ion_limit);
   clear(t);
   t->count = f->gates->count;
   t->rest = t->settled = 0;
@@ -140,7 +141,7 @@ static biases with_width(const newton *t, const eda_feedback *f, size_t i,
   double most = fmin(t->max_bias, f->gates->width[i] / 2) / grid;
   int any = for_ioff(t); /* W moves anyhow */
   double enough =
-      any ? tolerance(t) : fmax(limit(t), tuned.coarse * tolerance(t));
+      any ? tolerance(t) : fmax(ion_limit(t), tuned.coarse * tolerance(t));
   biases found = best;
   left_after(s, length_in_steps(t, i, best), best.w, rest);
   double least = size_of(t, rest);
@@ -307,10 +308,11 @@ static biases propose(newton *t, const eda_feedback *f, size_t i) {
   if (s->lost || shaped) return next;
   double hope = expected(t, i, next);
   s->verdict = MOVING;
-  int held = cut && s->size > limit(t) && trust_holds(&s->trust, s->x[BY_L]);
+  int held =
+      cut && s->size > ion_limit(t) && trust_holds(&s->trust, s->x[BY_L]);
   if (held && !same(next, s->now)) return next;
   if (s->best_size <= hope && !same(s->best, s->now)) return s->best;
-  double worth = for_ioff(t) || s->size > limit(t) ? 1 : tuned.worthwhile;
+  double worth = for_ioff(t) || s->size > ion_limit(t) ? 1 : tuned.worthwhile;
   if (!same(next, s->now) && hope <= worth * s->size) return next;
   s->verdict = why == MOVING ? GRID : why;
   return s->now;
@@ -332,14 +334,14 @@ static int is_late(const newton *t, int64_t print) {
 
 static int is_within(const newton *t, size_t i) {
   const transistor *s = &t->state[i];
-  return !s->lost && s->size * fmin(t->wish[i].weight, 1) <= limit(t);
+  return !s->lost && s->size * fmin(t->wish[i].weight, 1) <= ion_limit(t);
 }
 
 /* ---- work: all transistors ---- */
 
 /* Whether something else has made a transistor worse while it was at rest. */
 static int has_drifted(const newton *t, const transistor *s, double weight) {
-  return s->size * weight > limit(t) * tuned.odd_limit &&
+  return s->size * weight > ion_limit(t) * tuned.odd_limit &&
          s->rest_size < tuned.worthwhile * s->size;
 }
 
@@ -360,9 +362,9 @@ static int is_good(newton *t, int64_t print) {
   int stands = t->rest ? tuned.worthwhile * mean < before
                        : mean > tuned.worthwhile * before;
   t->mean = t->rest ? fmin(mean, before) : mean;
-  if (is_late(t, print)) return worst <= limit(t);
-  return t->rest = worst <= limit(t) && !drifted &&
-                   (mean <= limit(t) / tuned.mean_part || stands);
+  if (is_late(t, print)) return worst <= ion_limit(t);
+  return t->rest = worst <= ion_limit(t) && !drifted &&
+                   (mean <= ion_limit(t) / tuned.mean_part || stands);
 }
 
 /* What L and W do for Ioff is done: L alone takes Ion to its end, from the best
@@ -445,7 +447,7 @@ static const char *verdict(const void *self, size_t gate) {
   if (gate >= t->count) return NULL;
   const transistor *s = &t->state[gate];
   if (s->outside && isfinite(s->best_size)) return verdicts[OUTSIDE];
-  if (!(s->best_size <= limit(t))) return verdicts[s->verdict];
+  if (!(s->best_size <= ion_limit(t))) return verdicts[s->verdict];
   if (t->target == PLAIN || fabs(s->error[IOFF]) <= tuned.leaks)
     return verdicts[WITHIN];
   double most = fmin(t->max_bias, t->gates->width[gate] / 2);
@@ -487,9 +489,11 @@ static const opc_parameter parameters[] = {
                   .unit = "%", .preset = "0.05 %",
                   .summary = "a transistor whose weighted deviations are at "
                              "most this is left alone"),
-    OPC_PARAMETER(newton, limit, .type = OPC_REAL, .flags = OPC_AT_LEAST,
-                  .unit = "%", .preset = "0.5 %",
-                  .summary = "the end, once no transistor deviates by more"),
+    OPC_PARAMETER(newton, ion_limit, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+                  .unit = "%", .follows = "ion_limit of the step",
+                  .former = "limit",
+                  .summary = "Largest allowed |Ion deviation|; the synthesizer "
+                             "stops when every transistor is within it"),
     OPC_PARAMETER(newton, fine, .type = OPC_CHOICE, .preset = "jog",
                   .choices = "jog|width|none",
                   .summary = "what takes away the grid's quantum of L: a jog "

@@ -7,7 +7,7 @@
 /* A wrong first guess of the gain, and still all are there after 4 moves. */
 static void test_ion(void) {
   g_autoptr(opc_module) m =
-      make("{ tolerance: 0.05 %, limit: 0 %, gain: { l: 2 } }");
+      make("{ tolerance: 0.05 %, ion_limit: 0 %, gain: { l: 2 } }");
   model t = made_up(MOST);
   run(m, &t);
   g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.05);
@@ -108,7 +108,7 @@ static void test_out_of_reach(void) {
 
 /* What a patch or a neighbour does to one that rested is answered. */
 static void test_late(void) {
-  g_autoptr(opc_module) m = make("{ limit: 3 % }");
+  g_autoptr(opc_module) m = make("{ ion_limit: 3 % }");
   model t = made_up(MOST);
   t.late = 6;
   run(m, &t);
@@ -132,11 +132,11 @@ static void test_coarse(void) {
 
 /* No print more than the limit needs. */
 static void test_limit(void) {
-  g_autoptr(opc_module) m = make("{ limit: 2 % }");
+  g_autoptr(opc_module) m = make("{ ion_limit: 2 % }");
   model t = made_up(MOST);
   run(m, &t);
   g_assert_cmpfloat(worst(t.ion, t.n), <=, 2);
-  g_autoptr(opc_module) all = make("{ limit: 0 % }");
+  g_autoptr(opc_module) all = make("{ ion_limit: 0 % }");
   model u = made_up(MOST);
   run(all, &u);
   g_assert_cmpint(t.prints, <, u.prints);
@@ -167,7 +167,7 @@ static void test_quantum(void) {
   run(m, &t);
   g_assert_cmpfloat(worst(t.ion, t.n), >, 1);
   g_assert_cmpfloat(worst(t.ion, t.n), <, 3.2);
-  g_autoptr(opc_module) width = make("{ fine: width, limit: 0 % }");
+  g_autoptr(opc_module) width = make("{ fine: width, ion_limit: 0 % }");
   t = made_up(MOST);
   run(width, &t);
   /* Half of 1.05 / 400; a fifth less would not be worth a move. */
@@ -176,7 +176,7 @@ static void test_quantum(void) {
 }
 
 static void test_area(void) {
-  g_autoptr(opc_module) m = make("{ weight: { area: 1 }, limit: 0 % }");
+  g_autoptr(opc_module) m = make("{ weight: { area: 1 }, ion_limit: 0 % }");
   model t = made_up(MOST);
   run(m, &t);
   /* W's rounding is shared by both. */
@@ -185,7 +185,7 @@ static void test_area(void) {
 }
 
 static void test_ioff(void) {
-  g_autoptr(opc_module) m = make("{ weight: { ioff: 0.01 }, limit: 0 % }");
+  g_autoptr(opc_module) m = make("{ weight: { ioff: 0.01 }, ion_limit: 0 % }");
   model t = made_up(MOST);
   run(m, &t);
   g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.2);
@@ -249,7 +249,7 @@ static void test_weights_of_plain(void) {
 
 /* A jog keeps its distance from both ends of the gate. */
 static void test_jog(void) {
-  g_autoptr(opc_module) m = make("{ min_jog: 150 nm, limit: 0 % }");
+  g_autoptr(opc_module) m = make("{ min_jog: 150 nm, ion_limit: 0 % }");
   model t = made_up(MOST);
   run(m, &t);
   int some = 0;
@@ -263,7 +263,7 @@ static void test_jog(void) {
 
 /* A length that the regulator forbids is left to W. */
 static void test_veto(void) {
-  g_autoptr(opc_module) m = make("{ limit: 0 % }");
+  g_autoptr(opc_module) m = make("{ ion_limit: 0 % }");
   const eda_synthesizer *s = m->functions;
   model t = {.n = 2, .gain_l = 2.6, .gain_w = 1.05, .off_l = {-4, -4}};
   t.veto[0] = EDA_VETO_LONGER;

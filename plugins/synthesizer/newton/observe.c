@@ -12,7 +12,7 @@
 
 /* ---- work: sizes ---- */
 
-double limit(const newton *t) { return t->limit / 100; }
+double ion_limit(const newton *t) { return t->ion_limit / 100; }
 
 int same(biases a, biases b) {
   return a.l == b.l && a.w == b.w && a.jog == b.jog && a.aside == b.aside &&
@@ -64,7 +64,7 @@ static int ends_moved(const eda_gates *g, const int32_t *a, const int32_t *b) {
 
 /* What a change of log Ion has to exceed to be told from what neighbours do. */
 static double visible(const newton *t, const transistor *s) {
-  return limit(t) * tuned.odd_limit + tuned.odd_surprise * s->surprise;
+  return ion_limit(t) * tuned.odd_limit + tuned.odd_surprise * s->surprise;
 }
 
 /* Whether a transistor has changed by more than its moves explain even with the

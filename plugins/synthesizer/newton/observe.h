@@ -65,9 +65,9 @@ typedef struct newton {
   double steer[ERRORS];  /* for the L that goes with a W */
   double price;          /* % of the area that a jog has to save */
   const eda_gates *gates;
-  parts *parts;            /* of each transistor */
-  curve curve[2];          /* of wide transistors, by type */
-  double tolerance, limit; /* % */
+  parts *parts;                /* of each transistor */
+  curve curve[2];              /* of wide transistors, by type */
+  double tolerance, ion_limit; /* % */
   double gain[MOVES];
   double max_bias, min_jog; /* nm */
   int fine;
@@ -85,8 +85,8 @@ typedef struct newton {
 
 int same(biases a, biases b);
 
-/* `limit` as an error. */
-double limit(const newton *t);
+/* `ion_limit` as an error. */
+double ion_limit(const newton *t);
 
 /* The weighted errors as one figure; it is |error| of one that weighs 1. */
 double size_of(const newton *t, const double error[ERRORS]);

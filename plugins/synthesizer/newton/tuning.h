@@ -118,7 +118,7 @@ static const struct {
 
     /* ---- odd prints: is_odd, is_foreign ---- */
 
-    /* A change of log Ion counts from this part of `limit` on. None of the
+    /* A change of log Ion counts from this part of `ion_limit` on. None of the
        three. Half (is_odd) HEADS 0.32, twice 22 moves, 0.39; half (is_foreign)
        HEADS 18, 0.72, twice 13, 0.72. */
     .odd_limit = 0.5,
@@ -135,8 +135,8 @@ static const struct {
     /* ---- what is worth a move ---- */
 
     /* W makes good what jogs leave beyond so many times `tolerance`. None of
-       the three. Half: no case differs, as `limit` is no less. Twice: SDFFRS_X2
-       0.94 instead of 0.24, GRID 0.61. */
+       the three. Half: no case differs, as `ion_limit` is no less. Twice:
+       SDFFRS_X2 0.94 instead of 0.24, GRID 0.61. */
     .coarse = 10,
 
     /* A move is made if at most this part of the error is expected to be left.
@@ -144,8 +144,8 @@ static const struct {
        the three. */
     .worthwhile = 0.8,
 
-    /* The loop ends where the mean error is below `limit` over this. Half: SRAM
-       6, 0.33, its mean 0.090 instead of 0.033. Twice: SRAM 7, 0.124. */
+    /* The loop ends where the mean error is below `ion_limit` over this. Half:
+       SRAM 6, 0.33, its mean 0.090 instead of 0.033. Twice: SRAM 7, 0.124. */
     .mean_part = 10,
 
     /* Transistors that the regulator still moves follow it for so many times

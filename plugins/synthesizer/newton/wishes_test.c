@@ -7,7 +7,7 @@
 static opc_module *with_bytes(const char *text, gssize size, char **path) {
   g_autofree char *yaml = NULL;
   g_file_set_contents(*path, text, size, NULL);
-  yaml = g_strdup_printf("{ limit: 0 %%, wishes: %s }", *path);
+  yaml = g_strdup_printf("{ ion_limit: 0 %%, wishes: %s }", *path);
   return make(yaml);
 }
 

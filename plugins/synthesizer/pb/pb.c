@@ -19,8 +19,8 @@ static const double least_slope = 0.1;
 
 typedef struct pb {
   const opc_host *host;
-  double limit;    /* % */
-  double max_bias; /* nm */
+  double current_limit; /* % */
+  double max_bias;      /* nm */
   int mode;
   int driven; /* by ION or IOFF */
   descent descent;
@@ -68,10 +68,11 @@ static void follow(pb *p, eda_scanner scanner);
 static int begin(void *self, const eda_feedback *f, opc_error *error) {
   pb *p = self;
   follow(p, f->scanner);
+  eda_follow_ion_limit(f, &p->current_limit);
   (void)error;
   p->driven = p->mode == MODE_ION ? ION : IOFF;
   p->descent.rules =
-      control_rules_for(p->limit, p->max_bias, f->gates->grid, 0);
+      control_rules_for(p->current_limit, p->max_bias, f->gates->grid, 0);
   p->descent.error = tpe;
   p->descent.first = first;
   p->descent.self = p;
@@ -118,10 +119,11 @@ static const opc_parameter parameters[] = {
                   .choices = "ion|ioff|ioffion",
                   .summary = "what is driven (thesis table 2.1); ioffion: Ioff "
                              "by L, and afterwards Ion by W"),
-    OPC_PARAMETER(pb, limit, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
-                  .preset = "0.5 %", .former = "max_tpe",
-                  .summary = "a transistor whose |deviation| of the current "
-                             "that is driven is at most this is left alone"),
+    OPC_PARAMETER(
+        pb, current_limit, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
+        .follows = "ion_limit of the step", .former = "max_tpe|limit",
+        .summary = "Largest allowed |deviation| of the current that is driven; "
+                   "a transistor within it keeps its mask"),
     OPC_PARAMETER(
         pb, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
         .unit = "nm", .follows = "0.311 lambda/NA", .max = 10000,

@@ -2,7 +2,7 @@
 /* Thesis 2.2.5 followed by hand on transistors whose response is a formula. */
 #include <eda/eda.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 #include <math.h>
 #include <string.h>
@@ -158,7 +158,7 @@ static void test_tolerance(void) {
   t.leq_ion[2] = 68;
   opc_error error;
   g_autoptr(opc_module) m =
-      opc_test_module("synthesizer.pb", "{ limit: 1.5 % }", &error);
+      opc_test_module("synthesizer.pb", "{ current_limit: 1.5 % }", &error);
   g_assert_nonnull(m);
   run(m, &t);
   g_assert_cmpint(t.l[0], ==, 2);

@@ -297,10 +297,11 @@ static const opc_parameter parameters[] = {
                              "'none' (default: the store)"),
     OPC_PARAMETER(study, liberty, .type = OPC_OUTPUT, .preset = "cells.lib",
                   .summary = "the cells as drawn"),
-    OPC_PARAMETER(study, limit, .type = OPC_REAL, .unit = "s",
-                  .flags = OPC_ABOVE | OPC_AT_MOST | OPC_NO_EFFECT,
-                  .preset = "600 s", .min = 0, .max = 86400,
-                  .summary = "time that one process of the simulator may take"),
+    OPC_PARAMETER_NAMED(
+        "time_limit", study, limit, .type = OPC_REAL, .unit = "s",
+        .former = "limit", .flags = OPC_ABOVE | OPC_AT_MOST | OPC_NO_EFFECT,
+        .preset = "600 s", .min = 0, .max = 86400,
+        .summary = "Longest time of one process of the simulator"),
 };
 
 #define FIGURE(id, of, text) \

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 static void close_to(double a, double b, double share) {
   if (!(fabs(a / b - 1) <= share)) g_error("%.6g is not %.6g", a, b);

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 enum { SLEWS = 3, LOADS = 3 };
 static double at_slew[SLEWS] = {2e-12, 10e-12, 50e-12},

@@ -137,10 +137,11 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER_NAMED("pmos", paths, model[EDA_PMOS], .type = OPC_TEXT,
                         .preset = "pmos",
                         .summary = "name of the p-transistor's model"),
-    OPC_PARAMETER(paths, limit, .type = OPC_REAL, .unit = "s",
-                  .flags = OPC_ABOVE | OPC_AT_MOST | OPC_NO_EFFECT,
-                  .preset = "600 s", .min = 0, .max = 86400,
-                  .summary = "time that one process of the simulator may take"),
+    OPC_PARAMETER_NAMED(
+        "time_limit", paths, limit, .type = OPC_REAL, .unit = "s",
+        .former = "limit", .flags = OPC_ABOVE | OPC_AT_MOST | OPC_NO_EFFECT,
+        .preset = "600 s", .min = 0, .max = 86400,
+        .summary = "Longest time of one process of the simulator"),
 };
 
 #define FIGURE(id, of, text) \

@@ -273,7 +273,7 @@ static int spend(job *j, opc_error *error) {
   j->at_first = budget_leak(b);
   j->drawn = budget_slack(b);
   if (!budget_spend(b))
-    return opc_fail(error, OPC_INVALID, s->clock > 0 ? "clock" : "limit",
+    return opc_fail(error, OPC_INVALID, s->clock > 0 ? "clock" : "delay_limit",
                     "the latest path of '%.100s' takes %.3f ps as drawn, "
                     "%.3f ps are allowed",
                     j->graph.name, j->worst, b->limit);
@@ -334,14 +334,15 @@ static const opc_parameter parameters[] = {
                   .min = 0, .max = 50,
                   .summary = "the most of its Ion that a transistor gives for "
                              "less leakage"),
-    OPC_PARAMETER(slack, limit, .type = OPC_REAL, .unit = "%",
-                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0 %",
-                  .min = -50, .max = 1000,
-                  .summary = "how much longer than as drawn the latest path "
-                             "may take"),
+    OPC_PARAMETER_NAMED("delay_limit", slack, limit, .type = OPC_REAL,
+                        .unit = "%", .former = "limit",
+                        .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0 %",
+                        .min = -50, .max = 1000,
+                        .summary = "Largest allowed increase of the latest "
+                                   "path's delay over the drawn one"),
     OPC_PARAMETER(slack, clock, .type = OPC_REAL, .unit = "s",
                   .flags = OPC_ABOVE | OPC_AT_MOST, .min = 0, .max = 1,
-                  .summary = "how long it may take, in place of 'limit'"),
+                  .summary = "how long it may take, in place of 'delay_limit'"),
     OPC_PARAMETER(slack, weight, .type = OPC_REAL,
                   .flags = OPC_ABOVE | OPC_AT_MOST, .preset = "1", .min = 0,
                   .max = 1,

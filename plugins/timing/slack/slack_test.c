@@ -302,7 +302,8 @@ static void test_all_combinations(void) {
       placed *p = place_all(s->count);
       eda_timing *t = made_up();
       double limit = longest_path(s, drawn) * (1 + limits[l] / 100);
-      g_autofree char *more = g_strdup_printf(", limit: %g %%", limits[l]);
+      g_autofree char *more =
+          g_strdup_printf(", delay_limit: %g %%", limits[l]);
       good(run(t, p, s->ports, s->instances, more, NULL, &error), &error);
       find_steps(p, both);
       for (size_t i = 0; i < s->count; i++) {
@@ -369,8 +370,8 @@ static void test_paths(void) {
     for (int i = 1; i <= MOST; i++)
       if (leaf[i] || i % 5 == 0) g_string_append_printf(ports, " n%d", i);
     placed *p = place_all(MOST);
-    g_autofree char *more =
-        g_strdup_printf(", limit: %g %%, load: 3 fF, wire: 0.2 fF", limit);
+    g_autofree char *more = g_strdup_printf(
+        ", delay_limit: %g %%, load: 3 fF, wire: 0.2 fF", limit);
     int step[2 * MOST];
     good(run(t, p, ports->str, text->str, more, NULL, &error), &error);
     double by =
@@ -467,7 +468,7 @@ static void test_slews(void) {
   placed *p = place_all(3);
   good(run(t, p, "a z",
            "XU1 a m VDD VSS INV\nXU2 m n VDD VSS INV\nXU3 n z VDD VSS INV\n",
-           ", limit: 0.5 %", NULL, &error),
+           ", delay_limit: 0.5 %", NULL, &error),
        &error);
   double by = opc_test_metric("latest") / opc_test_metric("drawn") - 1;
   g_assert_cmpfloat(by, <=, 0.005);
@@ -520,8 +521,8 @@ static void test_notes(void) {
   p->note[0] = (char *)"# near the edge";
   p->note[2] = (char *)"weight=3";
   char *note[6];
-  good(run(t, p, "a z", chain, ", limit: 50 %, weight: 0.5", (void **)note,
-           &error),
+  good(run(t, p, "a z", chain, ", delay_limit: 50 %, weight: 0.5",
+           (void **)note, &error),
        &error);
   g_autofree char *longer =
       g_strdup_printf("weight=0.5 ion=%.6f ioff=%.6f area=%.6f", most_ion,
@@ -552,9 +553,10 @@ static void test_refused(void) {
                   OPC_INVALID);
   g_assert_cmpstr(error.parameter, ==, "clock");
   g_assert_nonnull(strstr(error.message, "as drawn"));
-  g_assert_cmpint(run(t, p, "a z", chain, ", limit: -0.1 %", NULL, &error), ==,
-                  OPC_INVALID);
-  g_assert_cmpstr(error.parameter, ==, "limit");
+  g_assert_cmpint(
+      run(t, p, "a z", chain, ", delay_limit: -0.1 %", NULL, &error), ==,
+      OPC_INVALID);
+  g_assert_cmpstr(error.parameter, ==, "delay_limit");
   good(run(t, p, "a z", chain, late, NULL, &error), &error);
   close_to(opc_test_metric("allowed"), drawn + 1, 1e-6);
   g_strlcpy(p->name[5], "XU9/MP", sizeof p->name[5]);

@@ -5,7 +5,7 @@
 #include <eda/memory.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 /* What is written of `object`, an input of that kind, or NULL and *error. */
 static char *write_object(const char *kind, void *object, const char *more,

@@ -8,7 +8,7 @@
 #include <eda/gates.h>
 #include <eda/layout.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 /* ---- there and back ---- */
 

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 /* For the program (klayout -zz) and for the Python module. */
 static const char script[] =

@@ -7,7 +7,7 @@
 #include <eda/layout.h>
 #include <eda/oasis.h>
 
-#include "core/testing/testing.h"
+#include "tools/devel/testing.h"
 
 static char *write_more(const char *kind, void *object, const char *more,
                         opc_error *error) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reading device tables, which docs/devices.md describes. All faults of a file
-   are found; the first one is told, and how many more there are. */
+/* Reading device tables, which docs/reference/devices.md describes. All faults
+   of a file are found; the first one is told, and how many more there are. */
 #include <eda/devices.h>
 #include <eda/memory.h>
 #include <eda/words.h>

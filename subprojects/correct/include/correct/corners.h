@@ -7,9 +7,9 @@
    Where the logarithm of a current answers to a move alike at all corners, a
    mean that is as drawn is the least sum of squares of its logarithmic
    deviations. Unless that is free, it is so only for what transistors of a type
-   do not have in common, and as far as nominal Ion stays within a limit. Flags,
-   prints and line ends are those of the nominal print, and so are the figures
-   of the result. */
+   do not have in common, and as far as nominal Ion stays within `ion_cost`.
+   Flags, prints and line ends are those of the nominal print, and so are the
+   figures of the result. */
 #ifndef CORRECT_CORNERS_H
 #define CORRECT_CORNERS_H
 
@@ -22,8 +22,8 @@ struct loop;
 typedef struct corners_wish {
   opc_reals dose, focus, mask_error; /* %, nm, nm */
   opc_reals weight;
-  double limit; /* %: what corners may make nominal Ion deviate, */
-  int free;     /* unless this is set */
+  double ion_cost; /* %: what corners may make nominal Ion deviate, */
+  int free;        /* unless this is set */
 } corners_wish;
 
 typedef struct corner {
@@ -94,12 +94,13 @@ OPC_EXPORT int corners_report(const struct loop *loop, opc_error *error);
                               "then masks; if not given, that of a normal "   \
                               "distribution whose sqrt(3) sigma the "         \
                               "outermost values are"),                        \
-      OPC_PARAMETER_NAMED("corners.limit", state, corners.limit,              \
-                          .type = OPC_REAL, .flags = OPC_AT_LEAST,            \
-                          .unit = "%", .preset = "0.5 %",                     \
+      OPC_PARAMETER_NAMED("corners.ion_cost", state, corners.ion_cost,        \
+                          .type = OPC_REAL, .former = "corners.limit",        \
+                          .flags = OPC_AT_LEAST, .unit = "%",                 \
+                          .preset = "0.5 %",                                  \
                           .summary =                                          \
-                              "|nominal Ion deviation| that corners may "     \
-                              "cost a transistor"),                           \
+                              "Largest |deviation of nominal Ion| that the "  \
+                              "corners may cost a transistor"),               \
       OPC_PARAMETER_NAMED("corners.free", state, corners.free,                \
                           .type = OPC_BOOL, .preset = "false",                \
                           .summary =                                          \

@@ -30,7 +30,8 @@ typedef struct driver {
 } driver;
 
 /* Arrays are by layer, of gates or of pieces, made once. Set those up to
-   `limit` that there are, the drivers' modules and `printer`; clear the rest.
+   `ion_limit` that there are, the drivers' modules and `printer`; clear the
+   rest.
  */
 typedef struct loop {
   const opc_host *host;
@@ -46,7 +47,9 @@ typedef struct loop {
   int prepared;          /* the extractor is */
   int traced;            /* each print into `trace` */
   int hold;              /* the guard takes back what is worse than drawn */
-  double limit;       /* %: |Ion deviation| that is good, for guard and proof */
+  double
+      ion_limit;      /* %: largest allowed |Ion deviation|, for the guard, the
+                         proof   and synthesizers that have no limit of their own */
   double fine_change; /* what fine_by_layer takes */
   driver drivers[DRIVERS];
   eda_printer printer;

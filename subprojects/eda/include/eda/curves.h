@@ -7,7 +7,8 @@
    tells longer from shorter. It does so down to a quarter of the shortest
    length, up to four times the longest, and over a factor of e^20 at most;
    lengths further out count as that. What comes from there is good for
-   steering: the table knows nothing of it (docs/devices.md has errors).
+   steering: the table knows nothing of it (docs/reference/devices.md has
+   errors).
 
    A table of several widths has such curves for each. A rectangular transistor
    of width W between two of them has, by width, what lies between both in 1 / W

@@ -36,8 +36,8 @@ typedef struct eda_devices {
   double *cgate[2], *narrow_cgate[2];
 } eda_devices;
 
-/* Read the tables of a file (docs/devices.md tells the format); freeing the
-   first frees all. Errors carry file:line:column. [main] */
+/* Read the tables of a file (docs/reference/devices.md tells the format);
+   freeing the first frees all. Errors carry file:line:column. [main] */
 OPC_EXPORT eda_devices *eda_devices_read(const char *path, opc_error *error);
 OPC_EXPORT void eda_devices_free(eda_devices *devices);
 

@@ -45,7 +45,19 @@ typedef struct eda_feedback {
 
   /* What lengths that are not given follow from. Since 0.7. */
   eda_scanner scanner;
+
+  /* The largest |Ion deviation| that the step allows, %; NULL: not known. A
+     synthesizer's own limit follows from it where the flow has none. */
+  const double *ion_limit;
 } eda_feedback;
+
+/* Set the limit of a synthesizer, which is NAN where the flow has none, to that
+   of the step; 0.5 % where the step has none. [main] */
+OPC_UNUSED static inline void eda_follow_ion_limit(const eda_feedback *feedback,
+                                                   double *limit) {
+  if (*limit == *limit) return;
+  *limit = feedback->ion_limit ? *feedback->ion_limit : 0.5;
+}
 
 /* The biases of each gate's mask, in grid steps against the drawn one. They
    hold what was measured; the synthesizer writes what to try next. */

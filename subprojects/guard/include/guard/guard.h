@@ -2,7 +2,8 @@
 /* What becomes of a crash, and of a plugin that ends the process or changes
    what all of it shares (process.h): whose it was is said, what was written is
    kept, and the command ends with an exit code; and of a run that does not stop
-   when asked. docs/architecture.md tells why this is a signal handler. */
+   when asked. docs/background/architecture.md tells why this is a signal
+   handler. */
 #ifndef GUARD_GUARD_H
 #define GUARD_GUARD_H
 

@@ -35,11 +35,11 @@ int page_write(const page *p, const char *title, const char *path,
                opc_error *error);
 
 /* The parameter of page_init: what loads in two seconds. */
-#define PAGE_LIMIT(state, member)                                    \
-  OPC_PARAMETER(state, member, .type = OPC_REAL, .flags = OPC_ABOVE, \
-                .preset = "15",                                      \
-                .summary =                                           \
-                    "Pictures are left out where the page would be " \
-                    "larger than so many MB")
+#define PAGE_LIMIT(state, member)                                            \
+  OPC_PARAMETER_NAMED("size_limit", state, member, .type = OPC_REAL,         \
+                      .flags = OPC_ABOVE, .former = "limit", .preset = "15", \
+                      .summary =                                             \
+                          "Pictures are left out where the page would be "   \
+                          "larger than so many MB")
 
 #endif

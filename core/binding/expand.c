@@ -1,0 +1,530 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Expands lists, patterns and files into layers, and names these. */
+#include "core/binding/expand.h"
+
+#include <string.h>
+
+#include "core/binding/list.h"
+#include "core/binding/match.h"
+#include "core/plugin/declaration.h"
+
+enum {
+  MOST = 100000, /* layers of an axis: as many points are possible */
+  DEEPEST = 4,   /* lists in lists */
+  LONGEST = 100  /* bytes of a name, which is a folder's */
+};
+
+/* ---- state ---- */
+
+typedef struct expander {
+  const char *axis; /* "cases" */
+  opc_recipe *recipe;
+  const opc_choice *choice;
+  opc_registry *registry;
+  opc_problems *problems;
+  int depth; /* of lists in lists */
+  GPtrArray *layers, *names, *variants;
+  GHashTable *known; /* name -> its layer */
+} expander;
+
+/* What is said in one place, and may become several layers. */
+typedef struct item {
+  const opc_node *node;
+  const char *name;    /* given; NULL: from its values */
+  const char *variant; /* "": none */
+  gboolean several;    /* values to choose from */
+} item;
+
+/* A layer on its way. */
+typedef struct part {
+  opc_node *map;  /* of paths and values */
+  GString *label; /* of the values of which there are several */
+  char *star; /* what a star of a file's name stood for; NULL: nothing yet */
+} part;
+
+static void part_free(gpointer object) {
+  part *p = object;
+  opc_node_free(p->map);
+  g_string_free(p->label, TRUE);
+  g_free(p->star);
+  g_free(p);
+}
+
+static part *part_copy(const part *from) {
+  part *p = g_new(part, 1);
+  *p = (part){opc_node_copy(from->map, NULL), g_string_new(from->label->str),
+              g_strdup(from->star)};
+  return p;
+}
+
+/* ---- what a path means ---- */
+
+/* The step of a path as it is under a layer, and in it a parameter. */
+typedef struct probe {
+  opc_sweep *sweep;
+  opc_flow *flow;
+  opc_binding *step, *binding; /* NULL: there is none */
+  const opc_parameter *parameter;
+} probe;
+
+static void find_parameter(probe *p, const char *path) {
+  g_autoptr(GPtrArray) all = g_ptr_array_new();
+  opc_binding_list(p->step, all);
+  for (guint i = 0; i < all->len; i++) {
+    opc_binding *b = all->pdata[i];
+    size_t n = strlen(b->path);
+    if (strncmp(b->path, path, n) != 0 || path[n] != '.') continue;
+    int found = opc_parameter_find(b->plugin, path + n + 1);
+    if (found < 0) continue;
+    p->binding = b;
+    p->parameter = &b->plugin->parameters[found];
+  }
+}
+
+static void open_probe(const expander *e, const item *it, const opc_node *map,
+                       const char *path, opc_problems *problems, probe *p) {
+  g_autoptr(opc_problems) ignored = opc_problems_new();
+  opc_choice choice = *e->choice;
+  *p = (probe){.sweep = opc_sweep_none()};
+  GPtrArray *one =
+      g_ptr_array_new_with_free_func((GDestroyNotify)opc_node_free);
+  char *name[] = {(char *)e->axis, NULL},
+       *variant[] = {(char *)it->variant, NULL};
+  g_ptr_array_add(one, opc_node_copy(map, NULL));
+  opc_sweep_add_layers(p->sweep, e->axis, &map->at,
+                       opc_source_layer(map->source, e->axis), one,
+                       g_strdupv(name), g_strdupv(variant), ignored);
+  choice.sweep = p->sweep;
+  choice.point = 0;
+  p->flow = opc_flow_make(e->recipe, &choice, e->registry, ignored);
+  const opc_flow_step *step = opc_flow_find(p->flow, path);
+  if (!step) return;
+  p->step = opc_bind(e->registry, opc_node_get(p->flow->nodes, step->name),
+                     step->name, &step->key->at, choice.bind, problems);
+  if (p->step) find_parameter(p, path);
+}
+
+static void close_probe(probe *p) {
+  opc_binding_free(p->step);
+  opc_flow_free(p->flow);
+  opc_sweep_free(p->sweep);
+}
+
+/* Whether it may be a pattern, or take away what one gives. */
+static gboolean is_pattern(const opc_node *node) {
+  return node->type == OPC_NODE_TEXT &&
+         (*node->text == '!' || strpbrk(node->text, "*?["));
+}
+
+/* The parameter of a path whose value has patterns, if it takes any: a file, or
+   one whose values the plugin lists. NULL: what looks like one is a text. */
+static const opc_parameter *pattern_parameter(const expander *e, const item *it,
+                                              const opc_node *map,
+                                              const char *path) {
+  g_autoptr(opc_problems) ignored = opc_problems_new();
+  probe p;
+  open_probe(e, it, map, path, ignored, &p);
+  const opc_parameter *found = p.parameter;
+  close_probe(&p);
+  return found && (found->type == OPC_FILE || found->flags & OPC_LISTED) ? found
+                                                                         : NULL;
+}
+
+/* ---- what a plugin lists ---- */
+
+static void take_choice(void *data, const char *value) {
+  g_ptr_array_add(data, g_strdup(value));
+}
+
+/* What the plugin lists for the parameter of `path` under a layer (char *);
+   NULL and problems. */
+static GPtrArray *list_choices(const expander *e, const item *it,
+                               const opc_node *map, const char *path) {
+  static const opc_watch nowhere = {.data = NULL};
+  g_autoptr(GPtrArray) list = g_ptr_array_new_with_free_func(g_free);
+  guint before = e->problems->list->len;
+  opc_error error = {0};
+  probe p;
+  open_probe(e, it, map, path, e->problems, &p);
+  gboolean good = p.parameter && e->problems->list->len == before &&
+                  opc_binding_create(p.step, &nowhere, NULL, e->problems);
+  if (good) {
+    const char *was = opc_binding_enter(p.binding);
+    int code = opc_choices_of(p.binding->plugin)
+                   ->list(p.binding->module.self, p.parameter->name,
+                          take_choice, list, &error);
+    opc_binding_leave(was);
+    if (code)
+      good = opc_binding_fail(p.binding, FALSE, code, &error, e->problems);
+  }
+  close_probe(&p);
+  return good ? g_steal_pointer(&list) : NULL;
+}
+
+/* ---- one key ---- */
+
+/* The number of what may be chosen from, and each. */
+static guint count_of(const opc_node *value) {
+  return value->type == OPC_NODE_LIST ? value->items->len : 1;
+}
+
+static const opc_node *value_at(const opc_node *value, guint i) {
+  return value->type == OPC_NODE_LIST ? value->items->pdata[i] : value;
+}
+
+static gboolean has_pattern(const opc_node *value) {
+  for (guint i = 0; i < count_of(value); i++)
+    if (is_pattern(value_at(value, i))) return TRUE;
+  return FALSE;
+}
+
+/* All values of a key for the layer that `under` is so far. `parameter`: of
+   patterns; NULL: there are none. FALSE and problems. */
+static gboolean find_values(const expander *e, const item *it,
+                            const part *under, const char *path,
+                            const opc_node *value,
+                            const opc_parameter *parameter, opc_values *out) {
+  gboolean good = TRUE, file = parameter && parameter->type == OPC_FILE;
+  g_autoptr(GPtrArray) list = NULL;
+  if (parameter && !file) {
+    list = list_choices(e, it, under->map, path);
+    if (!list) return FALSE;
+  }
+  for (guint i = 0; i < count_of(value) && good; i++) {
+    const opc_node *node = value_at(value, i);
+    if (!parameter || !is_pattern(node)) {
+      g_ptr_array_add(out->nodes, opc_node_copy(node, NULL));
+      g_ptr_array_add(out->stars, g_strdup(""));
+    } else if (*node->text == '!') {
+      opc_values_remove(out, node->text + 1, file);
+    } else if (!file) {
+      good = opc_match_choices(node, list, out, e->problems);
+    } else if (under->star) {
+      good = opc_pair_file(node, under->star, out, e->problems);
+    } else {
+      good = opc_match_files(node, out, e->problems);
+    }
+  }
+  if (good && !out->nodes->len)
+    good = opc_wrong(e->problems, value, "'%s' has no value left", path);
+  return good;
+}
+
+/* ---- names ---- */
+
+/* The name of a file without its folder and ending, the plugin that is used,
+   or the text; "" for what has none of these. */
+static char *label_of(const opc_node *value) {
+  const opc_node *use = opc_node_get(value, "use");
+  const char *text = use                            ? use->text
+                     : value->type == OPC_NODE_TEXT ? value->text
+                                                    : NULL;
+  if (!text || opc_node_is_null(value)) return g_strdup("");
+  g_autofree char *base = g_path_get_basename(text);
+  char *dot = strrchr(base, '.');
+  if (dot && dot > base && g_ascii_isalpha(dot[1])) {
+    if (use)
+      memmove(base, dot + 1, strlen(dot));
+    else
+      *dot = 0;
+  }
+  g_strcanon(base, G_CSET_a_2_z G_CSET_A_2_Z G_CSET_DIGITS "_-.", ' ');
+  g_auto(GStrv) words = g_strsplit(g_strstrip(base), " ", -1);
+  g_autofree char *joined = g_strjoinv("", words);
+  return g_strdup(joined + strspn(joined, ".-"));
+}
+
+static void add_label(GString *to, const char *label) {
+  if (!*label || !strcmp(to->str, label)) return;
+  if (to->len) g_string_append_c(to, '-');
+  g_string_append(to, label);
+}
+
+/* Of the first text, or else of the first value that has one. */
+static char *first_label(const opc_node *map) {
+  for (int any = 0; any < 2; any++)
+    for (guint i = 0; i < map->items->len; i++) {
+      const opc_node *value = map->items->pdata[i];
+      g_autofree char *label = label_of(value);
+      if (*label && (any || value->type == OPC_NODE_TEXT))
+        return g_steal_pointer(&label);
+    }
+  return g_strdup("");
+}
+
+static char *name_of(const item *it, const part *p) {
+  GString *name = g_string_new(it->name ? it->name : it->variant);
+  if (it->several) add_label(name, p->label->str);
+  if (!name->len) {
+    g_autofree char *label = first_label(p->map);
+    g_string_append(name, label);
+  }
+  return g_string_free(name, FALSE);
+}
+
+/* ---- layers ---- */
+
+/* What `set` says cannot be varied, as it is laid over all. */
+static void check_fixed(const expander *e, const opc_node *map) {
+  const opc_node *set = e->choice->over;
+  for (guint i = 0; set && i < map->keys->len; i++)
+    for (guint k = 0; k < set->keys->len; k++) {
+      const opc_node *key = map->keys->pdata[i], *fixed = set->keys->pdata[k];
+      size_t n = strlen(fixed->text);
+      if (strncmp(key->text, fixed->text, n) || !strchr(".", key->text[n]))
+        continue;
+      g_autofree char *place = opc_place_text(&fixed->at);
+      opc_wrong(e->problems, key, "'%s' is what 'set' says at %s", key->text,
+                place);
+    }
+}
+
+static void add_layer(expander *e, const item *it, const part *p) {
+  g_autofree char *name = name_of(it, p);
+  const opc_node *other = g_hash_table_lookup(e->known, name);
+  if (!opc_is_name(name, TRUE) || strlen(name) > LONGEST) {
+    opc_wrong(e->problems, it->node,
+              "'%s' is no name for a folder: give 'name', of letters, digits, "
+              "'_', '-' and '.', at most %d",
+              name, LONGEST);
+    return;
+  }
+  if (other) {
+    g_autofree char *place = opc_place_text(&other->at);
+    opc_wrong(e->problems, it->node,
+              "two of '%s' are called '%s', the other one at %s: give one a "
+              "'name'",
+              e->axis, name, place);
+    return;
+  }
+  check_fixed(e, p->map);
+  opc_node *layer = opc_node_copy(p->map, NULL);
+  layer->at = it->node->at;
+  g_ptr_array_add(e->layers, layer);
+  g_ptr_array_add(e->variants, g_strdup(it->variant));
+  g_hash_table_insert(e->known, g_strdup(name), layer);
+  g_ptr_array_add(e->names, g_steal_pointer(&name));
+}
+
+/* Each layer so far with each value of a key; NULL and problems. */
+static GPtrArray *multiply(const expander *e, const item *it, GPtrArray *parts,
+                           const opc_node *key, const opc_node *value,
+                           const opc_parameter *parameter, gboolean *several) {
+  g_autoptr(GPtrArray) out = g_ptr_array_new_with_free_func(part_free);
+  gboolean good = TRUE;
+  *several |= count_of(value) > 1 || parameter;
+  for (guint i = 0; i < parts->len && good; i++) {
+    opc_values v;
+    opc_values_init(&v);
+    good = find_values(e, it, parts->pdata[i], key->text, value, parameter, &v);
+    if (good && out->len + v.nodes->len > MOST)
+      good = opc_wrong(e->problems, value, "more than %d layers", MOST);
+    for (guint k = 0; good && k < v.nodes->len; k++) {
+      part *p = part_copy(parts->pdata[i]);
+      const opc_node *node = v.nodes->pdata[k];
+      g_autofree char *label = label_of(node);
+      opc_node_add(p->map, opc_node_copy(key, NULL), opc_node_copy(node, NULL));
+      if (count_of(value) > 1 || parameter) add_label(p->label, label);
+      if (*(char *)v.stars->pdata[k] && !p->star)
+        p->star = g_strdup(v.stars->pdata[k]);
+      g_ptr_array_add(out, p);
+    }
+    opc_values_clear(&v);
+  }
+  return good ? g_steal_pointer(&out) : NULL;
+}
+
+/* The first value of each key that is no pattern: what patterns of others are
+   understood by. */
+static opc_node *plain_layer(const opc_node *map) {
+  opc_node *plain = opc_node_map_new(map->source, &map->at);
+  for (guint i = 0; i < map->items->len; i++) {
+    const opc_node *value = map->items->pdata[i];
+    if (count_of(value) && !is_pattern(value_at(value, 0)))
+      opc_node_add(plain, opc_node_copy(map->keys->pdata[i], NULL),
+                   opc_node_copy(value_at(value, 0), NULL));
+  }
+  return plain;
+}
+
+/* A map of paths and values: all combinations. What a plugin lists depends on
+   the other parameters, so these patterns come last. */
+static void expand_map(expander *e, item *it, const opc_node *map) {
+  g_autoptr(opc_node) plain = plain_layer(map);
+  g_autoptr(GPtrArray) parts = g_ptr_array_new_with_free_func(part_free);
+  g_autofree const opc_parameter **of =
+      g_new0(const opc_parameter *, map->items->len + 1);
+  part *first = g_new0(part, 1);
+  first->map = opc_node_map_new(map->source, &map->at);
+  first->label = g_string_new(NULL);
+  g_ptr_array_add(parts, first);
+  for (guint i = 0; i < map->items->len; i++)
+    if (has_pattern(map->items->pdata[i]))
+      of[i] = pattern_parameter(e, it, plain, opc_node_key(map, i));
+  for (int listed = 0; listed < 2; listed++)
+    for (guint i = 0; parts && i < map->items->len; i++) {
+      if ((of[i] && of[i]->type != OPC_FILE) != listed) continue;
+      GPtrArray *more = multiply(e, it, parts, map->keys->pdata[i],
+                                 map->items->pdata[i], of[i], &it->several);
+      g_ptr_array_free(parts, TRUE);
+      parts = more;
+    }
+  for (guint i = 0; parts && i < parts->len; i++)
+    add_layer(e, it, parts->pdata[i]);
+}
+
+/* ---- what is written ---- */
+
+static void expand_node(expander *e, const char *name, const opc_node *node);
+
+static const char *take_variant(const expander *e, const opc_node *node) {
+  if (node->type != OPC_NODE_TEXT) {
+    opc_wrong(e->problems, node, "'variant' needs a name, not %s",
+              opc_node_noun(node));
+    return NULL;
+  }
+  if (opc_node_is_null(node) || !strcmp(node->text, "base")) return "";
+  return opc_recipe_has(e->recipe, node->text, &node->at, e->problems)
+             ? node->text
+             : NULL;
+}
+
+/* Put a key over what may be there. */
+static void put(opc_node *map, const char *key, const opc_node *like,
+                const opc_node *value) {
+  int i = opc_node_find(map, key);
+  if (i >= 0) {
+    opc_node_free(map->items->pdata[i]);
+    map->items->pdata[i] = opc_node_copy(value, NULL);
+    return;
+  }
+  opc_node *name = opc_node_text_new(like->source, key);
+  name->at = like->at;
+  opc_node_add(map, name, opc_node_copy(value, NULL));
+}
+
+/* What stands beside `list`, and one of its elements over it. */
+static void expand_element(expander *e, const char *name, const opc_node *map,
+                           const opc_node *key, const opc_node *element) {
+  g_autoptr(opc_node) whole = opc_node_map_new(element->source, &element->at);
+  for (guint i = 0; i < map->items->len; i++)
+    if (strcmp(opc_node_key(map, i), "list") != 0)
+      put(whole, opc_node_key(map, i), map->keys->pdata[i],
+          map->items->pdata[i]);
+  if (key) put(whole, "name", key, key);
+  if (element->type == OPC_NODE_TEXT) put(whole, "variant", element, element);
+  for (guint i = 0; element->type == OPC_NODE_MAP && i < element->items->len;
+       i++)
+    put(whole, opc_node_key(element, i), element->keys->pdata[i],
+        element->items->pdata[i]);
+  if (element->type == OPC_NODE_LIST)
+    opc_wrong(e->problems, element, "a list in a list");
+  else
+    expand_node(e, name, whole);
+}
+
+static void expand_list(expander *e, const char *name, const opc_node *map,
+                        const opc_node *file) {
+  if (file->type != OPC_NODE_TEXT || e->depth == DEEPEST) {
+    opc_wrong(e->problems, file,
+              file->type == OPC_NODE_TEXT ? "lists deeper than %d"
+                                          : "'list' needs the name of a file",
+              DEEPEST);
+    return;
+  }
+  g_autofree char *path = opc_node_path(file);
+  g_autofree char *folder = g_path_get_dirname(path);
+  opc_source *source = opc_source_new(path, strcmp(folder, ".") ? folder : "");
+  g_autoptr(opc_node) list =
+      opc_list_read(source, path, &file->at, e->problems);
+  g_ptr_array_add(e->recipe->sources, source);
+  if (!list) return;
+  if (list->type == OPC_NODE_TEXT || !list->items->len) {
+    opc_wrong(e->problems, list, "the list '%s' has no elements", path);
+    return;
+  }
+  e->depth++;
+  for (guint i = 0; i < list->items->len && !opc_problems_full(e->problems);
+       i++)
+    expand_element(e, name, map, list->keys ? list->keys->pdata[i] : NULL,
+                   list->items->pdata[i]);
+  e->depth--;
+}
+
+/* A map as it is written: its own words, and paths. */
+static void expand_words(expander *e, const char *name, const opc_node *node) {
+  const opc_node *list = opc_node_get(node, "list");
+  if (list) {
+    expand_list(e, name, node, list);
+    return;
+  }
+  item it = {node, name, "", FALSE};
+  g_autoptr(opc_node) map = opc_node_map_new(node->source, &node->at);
+  for (guint i = 0; i < node->items->len; i++) {
+    const opc_node *key = node->keys->pdata[i], *value = node->items->pdata[i];
+    if (!strcmp(key->text, "variant")) {
+      it.variant = take_variant(e, value);
+    } else if (strcmp(key->text, "name") != 0) {
+      opc_node_add(map, opc_node_copy(key, NULL), opc_node_copy(value, NULL));
+    } else if (value->type == OPC_NODE_TEXT) {
+      it.name = value->text;
+    } else {
+      opc_wrong(e->problems, value, "'name' needs a text");
+      return;
+    }
+  }
+  if (it.variant) expand_map(e, &it, map);
+}
+
+/* `name`: what it is called, NULL if it says so itself. */
+static void expand_node(expander *e, const char *name, const opc_node *node) {
+  if (node->type == OPC_NODE_MAP) {
+    expand_words(e, name, node);
+  } else if (node->type == OPC_NODE_TEXT) {
+    item it = {node, name ? name : node->text, take_variant(e, node), FALSE};
+    g_autoptr(opc_node) none = opc_node_map_new(node->source, &node->at);
+    if (it.variant) expand_map(e, &it, none);
+  } else {
+    opc_wrong(e->problems, node,
+              "one of '%s' is a variant or a map, not a list", e->axis);
+  }
+}
+
+/* ---- the axis ---- */
+
+static char **take_texts(GPtrArray *texts) {
+  g_ptr_array_add(texts, NULL);
+  return (char **)g_ptr_array_free(texts, FALSE);
+}
+
+void opc_expand(opc_sweep *sweep, const char *name, const opc_node *node,
+                opc_recipe *recipe, const opc_choice *choice,
+                opc_registry *registry, opc_problems *problems) {
+  guint before = problems->list->len;
+  expander e = {
+      .axis = name,
+      .recipe = recipe,
+      .choice = choice,
+      .registry = registry,
+      .problems = problems,
+      .layers = g_ptr_array_new_with_free_func((GDestroyNotify)opc_node_free),
+      .names = g_ptr_array_new(),
+      .variants = g_ptr_array_new(),
+      .known = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL)};
+  for (guint i = 0; i < node->items->len && !opc_problems_full(problems); i++)
+    expand_node(&e, node->keys ? opc_node_key(node, i) : NULL,
+                node->items->pdata[i]);
+  g_hash_table_destroy(e.known);
+  if (!e.layers->len && problems->list->len == before)
+    opc_wrong(problems, node, "'%s' has nothing in it", name);
+  char **names = take_texts(e.names), **variants = take_texts(e.variants);
+  if (e.layers->len) {
+    opc_sweep_add_layers(sweep, name, &node->at,
+                         opc_source_layer(node->source, name), e.layers, names,
+                         variants, problems);
+    return;
+  }
+  g_ptr_array_free(e.layers, TRUE);
+  g_strfreev(names);
+  g_strfreev(variants);
+}

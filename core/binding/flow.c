@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Makes a flow of a recipe and what is laid over it. */
+#include "core/binding/flow.h"
+
+#include <string.h>
+
+#include "core/binding/layers.h"
+#include "core/plugin/declaration.h"
+#include "core/text/suggest.h"
+
+/* ---- steps ---- */
+
+static void step_free(gpointer item) {
+  opc_flow_step *step = item;
+  opc_binding_free(step->binding);
+  g_array_free(step->inputs, TRUE);
+  g_free(step);
+}
+
+static void read_step(opc_flow *flow, const opc_node *key, const opc_node *node,
+                      opc_registry *registry, unsigned flags,
+                      opc_problems *problems) {
+  opc_flow_step *step = g_new0(opc_flow_step, 1);
+  step->name = key->text;
+  step->key = key;
+  step->inputs = g_array_new(FALSE, TRUE, sizeof(opc_flow_input));
+  step->number = flow->steps->len;
+  g_ptr_array_add(flow->steps, step);
+  if (!strcmp(key->text, "require") || !strcmp(key->text, "findings"))
+    opc_wrong(problems, key, "a step cannot be called '%s'", key->text);
+  if (!opc_is_name(key->text, FALSE))
+    opc_wrong(problems, key,
+              "the step '%s' needs a name of letters, digits, '_' and '-'",
+              key->text);
+  if (node->type != OPC_NODE_MAP)
+    opc_wrong(problems, node, "the step '%s' needs a map, as '{ use: PLUGIN }'",
+              key->text);
+  else
+    step->binding =
+        opc_bind(registry, node, step->name, &key->at, flags, problems);
+}
+
+/* ---- the whole ---- */
+
+/* Lay a value over the steps, or over what is required. */
+static void lay_one(opc_flow *flow, const char *path, const opc_place *key,
+                    const opc_node *value, opc_problems *problems) {
+  size_t word = strcspn(path, ".");
+  gboolean demand =
+      word == strlen("require") && g_str_has_prefix(path, "require");
+  if (demand)
+    opc_lay_demands(flow->demands, path, key, value, problems);
+  else
+    opc_lay_at(flow->nodes, path, key, value, problems);
+}
+
+/* Lay a map of paths and values. */
+static void lay_paths(opc_flow *flow, const opc_node *map,
+                      opc_problems *problems) {
+  for (guint i = 0; map && i < map->keys->len; i++) {
+    const opc_node *key = map->keys->pdata[i];
+    lay_one(flow, key->text, &key->at, map->items->pdata[i], problems);
+  }
+}
+
+static void lay_variant(opc_flow *flow, const char *variant,
+                        opc_problems *problems) {
+  lay_paths(flow, opc_node_get(flow->recipe->variants, variant), problems);
+}
+
+/* Lay the values of the axes at a point. */
+static void lay_point(opc_flow *flow, const opc_sweep *sweep, size_t point,
+                      opc_problems *problems) {
+  for (guint a = 0; a < sweep->axes->len; a++) {
+    const opc_axis *axis = sweep->axes->pdata[a];
+    guint i = opc_sweep_index(sweep, a, point);
+    const opc_node *value = axis->values->pdata[i];
+    if (axis->variants) {
+      lay_variant(flow, axis->variants[i], problems);
+      lay_paths(flow, value, problems);
+    } else {
+      opc_lay_at(flow->nodes, axis->told.path, &axis->at, value, problems);
+    }
+  }
+}
+
+static void lay_choice(opc_flow *flow, const opc_choice *choice,
+                       opc_problems *problems) {
+  if (choice->variant) lay_variant(flow, choice->variant, problems);
+  if (choice->sweep) lay_point(flow, choice->sweep, choice->point, problems);
+  for (const char *const *set = choice->sets; set && *set; set++) {
+    g_autofree char *path = NULL;
+    opc_source *source;
+    g_autoptr(opc_node) value =
+        opc_argument_parse("--set", *set, &path, &source, problems);
+    g_ptr_array_add(flow->sources, source);
+    if (value) lay_one(flow, path, &value->at, value, problems);
+  }
+  lay_paths(flow, choice->over, problems);
+}
+
+opc_flow *opc_flow_make(const opc_recipe *recipe, const opc_choice *choice,
+                        opc_registry *registry, opc_problems *problems) {
+  const char *variant = choice ? choice->variant : NULL;
+  guint before = problems->list->len;
+  opc_flow *flow = g_new0(opc_flow, 1);
+  flow->recipe = recipe;
+  flow->variant = variant;
+  flow->name = g_strconcat(recipe->name, variant ? "-" : NULL, variant, NULL);
+  flow->sources =
+      g_ptr_array_new_with_free_func((GDestroyNotify)opc_source_free);
+  flow->steps = g_ptr_array_new_with_free_func(step_free);
+  flow->order = g_ptr_array_new();
+  if (!recipe->steps) return flow;
+  flow->demands = opc_node_copy(recipe->demands, NULL);
+  flow->nodes = opc_node_copy(recipe->steps, NULL);
+  if (choice) lay_choice(flow, choice, problems);
+  if (!flow->nodes->items->len)
+    opc_wrong(problems, flow->nodes, "no step is left");
+  const GPtrArray *keys = flow->nodes->keys, *items = flow->nodes->items;
+  for (guint i = 0; i < keys->len && !opc_problems_full(problems); i++)
+    read_step(flow, keys->pdata[i], items->pdata[i], registry,
+              choice ? choice->bind : 0, problems);
+  opc_flow_connect(flow, problems);
+  if (problems->list->len > before) return flow;
+  g_hash_table_destroy(opc_flow_outputs(flow, problems));
+  opc_flow_require(flow, problems);
+  return flow;
+}
+
+opc_flow *opc_flow_load(const char *path, const char *const *sets,
+                        opc_registry *registry, opc_problems *problems) {
+  opc_recipe *recipe = opc_recipe_read(path, problems);
+  if (!recipe) return NULL;
+  const opc_choice choice = {.sets = sets};
+  opc_flow *flow = opc_flow_make(recipe, &choice, registry, problems);
+  flow->owned = recipe;
+  return flow;
+}
+
+void opc_flow_free(opc_flow *flow) {
+  if (!flow) return;
+  g_ptr_array_free(flow->steps, TRUE);
+  g_ptr_array_free(flow->order, TRUE);
+  opc_node_free(flow->nodes);
+  opc_node_free(flow->demands);
+  if (flow->requirements) g_ptr_array_free(flow->requirements, TRUE);
+  g_ptr_array_free(flow->sources, TRUE);
+  opc_recipe_free(flow->owned);
+  g_free(flow->name);
+  g_free(flow);
+}
+
+gboolean opc_flow_create(const opc_flow *flow, const gboolean *left_out,
+                         const opc_watch *watch, const opc_host *like,
+                         opc_problems *problems) {
+  gboolean good = TRUE;
+  for (guint i = 0; i < flow->order->len; i++) {
+    const opc_flow_step *step = flow->order->pdata[i];
+    if (!left_out || !left_out[step->number])
+      good &= opc_binding_create(step->binding, watch, like, problems);
+  }
+  return good;
+}
+
+GPtrArray *opc_flow_bindings(const opc_flow *flow) {
+  GPtrArray *list = g_ptr_array_new();
+  for (guint i = 0; i < flow->order->len; i++)
+    opc_binding_list(((opc_flow_step *)flow->order->pdata[i])->binding, list);
+  return list;
+}
+
+/* ---- looking into it ---- */
+
+const opc_binding *opc_flow_binding(const opc_flow *flow, const char *path,
+                                    opc_error *error) {
+  g_autoptr(GPtrArray) all = opc_flow_bindings(flow);
+  g_autoptr(GPtrArray) paths = g_ptr_array_new();
+  for (guint i = 0; i < all->len; i++) {
+    const opc_binding *b = all->pdata[i];
+    if (!strcmp(b->path, path)) return b;
+    g_ptr_array_add(paths, b->path);
+  }
+  g_autofree char *suggestion = opc_suggestion(path, paths);
+  opc_fail(error, OPC_INVALID, NULL, "there is no '%s' in '%s'%s", path,
+           flow->recipe->path, suggestion);
+  return NULL;
+}
+
+const opc_metric *opc_flow_metric(const opc_flow *flow, const char *path,
+                                  const opc_binding **binding,
+                                  opc_error *error) {
+  const char *dot = strrchr(path, '.');
+  if (!dot) {
+    opc_fail(error, OPC_INVALID, NULL, "'%s' is no figure, as 'step.metric'",
+             path);
+    return NULL;
+  }
+  g_autofree char *of = g_strndup(path, (gsize)(dot - path));
+  const opc_binding *b = *binding = opc_flow_binding(flow, of, error);
+  if (!b) return NULL;
+  const opc_metric *metric = opc_metric_find(b->plugin, dot + 1);
+  if (metric) return metric;
+  g_autoptr(GPtrArray) names = g_ptr_array_new();
+  for (size_t i = 0; i < b->plugin->n_metrics; i++)
+    g_ptr_array_add(names, (char *)b->plugin->metrics[i].name);
+  g_autofree char *suggestion = opc_suggestion(dot + 1, names);
+  opc_fail(error, OPC_INVALID, NULL, "'%s' (%s) has no metric '%s'%s", of,
+           b->plugin->id, dot + 1, suggestion);
+  return NULL;
+}

@@ -1,0 +1,340 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Flows that steps run inside of them: reading and checking one, and what a
+   step may ask of it. inner_run.c runs it. */
+#include "core/binding/inner.h"
+
+#include <string.h>
+
+#include "core/binding/expand.h"
+#include "core/plugin/declaration.h"
+#include "core/run/run.h"
+#include "core/text/suggest.h"
+
+/* Flows that steps of such a flow run: an experiment with searches. */
+enum { DEEPEST = 2 };
+
+/* ---- reading: what is laid over it ---- */
+
+/* The number of such a parameter, -1 if there is none. */
+static int find_parameter(const opc_plugin *plugin, const char *name,
+                          uint32_t type) {
+  int i = opc_parameter_find(plugin, name);
+  return i >= 0 && plugin->parameters[i].type == type ? i : -1;
+}
+
+static const opc_node *find_map(const opc_binding *b, const char *name) {
+  int i = find_parameter(b->plugin, name, OPC_MAP);
+  return i < 0 ? NULL : b->origin[i];
+}
+
+static void choose_variant(opc_inner *inner, const opc_binding *b,
+                           opc_problems *problems) {
+  int i = find_parameter(b->plugin, "variant", OPC_TEXT);
+  if (i < 0 || !b->values[i].present) return;
+  inner->choice.variant = b->values[i].field.text;
+  opc_recipe_has(inner->recipe, inner->choice.variant,
+                 opc_binding_origin(b, (size_t)i), problems);
+}
+
+/* ---- reading: files ---- */
+
+/* Of a value, of those of a list, and of what is in a map. As deep as files
+   may nest. */
+static void make_files_absolute(const opc_flow *flow, const char *path,
+                                opc_node *node) {
+  if (node->type == OPC_NODE_TEXT) {
+    const opc_parameter *p = opc_flow_parameter(flow, path);
+    if (!p || p->type != OPC_FILE || g_path_is_absolute(node->text)) return;
+    g_autofree char *file = opc_node_path(node);
+    g_free(node->text);
+    node->text = g_canonicalize_filename(file, NULL);
+    return;
+  }
+  for (guint i = 0; i < node->items->len; i++) {
+    g_autofree char *deeper =
+        node->keys ? g_strdup_printf("%s%s%s", path, *path ? "." : "",
+                                     opc_node_key(node, i))
+                   : g_strdup(path);
+    make_files_absolute(flow, deeper, node->items->pdata[i]);
+  }
+}
+
+/* ---- reading: layers, and steps that are given ---- */
+
+static void add_layers(opc_inner *inner, const opc_binding *b,
+                       opc_problems *problems) {
+  for (size_t i = 0; i < b->plugin->n_parameters; i++) {
+    const opc_parameter *p = &b->plugin->parameters[i];
+    if (p->flags & OPC_INNER_AXIS && b->origin[i])
+      opc_expand(inner->sweep, p->name, b->origin[i], inner->recipe,
+                 &inner->choice, inner->registry, problems);
+  }
+}
+
+/* Of files that lists and layers name. */
+static void make_layers_absolute(const opc_flow *flow, opc_node *all) {
+  for (guint i = 0; i < all->items->len; i++) {
+    opc_node *layer = all->items->pdata[i], *list = opc_node_get(layer, "list");
+    make_files_absolute(flow, "", layer);
+    if (!list || list->type != OPC_NODE_TEXT) continue;
+    g_autofree char *file = opc_node_path(list);
+    g_free(list->text);
+    list->text = g_canonicalize_filename(file, NULL);
+  }
+}
+
+static void find_steps(opc_inner *inner, const opc_binding *b,
+                       opc_problems *problems) {
+  for (size_t i = 0; i < b->plugin->n_parameters; i++) {
+    const opc_parameter *p = &b->plugin->parameters[i];
+    if (p->flags & OPC_INNER_AXIS && b->origin[i])
+      make_layers_absolute(inner->flow, (opc_node *)b->origin[i]);
+    if (!(p->flags & OPC_INNER_STEP) || !b->values[i].present) continue;
+    const opc_flow_step *step = opc_flow_find(inner->flow, p->name);
+    const opc_plugin *plugin = step ? step->binding->plugin : NULL;
+    if (!plugin || opc_port_count(plugin) != 1 ||
+        strcmp(opc_port_at(plugin, 0)->kind, p->choices) != 0)
+      opc_problem_add(problems, OPC_INVALID, opc_binding_origin(b, i),
+                      "'%s' has no step '%s' that gives %s and nothing else",
+                      inner->recipe->path, p->name, p->choices);
+    else
+      g_hash_table_insert(inner->given, g_strdup(p->name), g_new0(void *, 1));
+  }
+}
+
+/* ---- reading: all of it ---- */
+
+static void open_recipe(opc_inner *inner, const opc_binding *b,
+                        opc_problems *problems) {
+  guint before = problems->list->len;
+  const opc_node *set = find_map(b, "set"), *sweep = find_map(b, "sweep");
+  /* What is set is not swept by the flow itself. */
+  inner->sweep = opc_sweep_new(inner->recipe, NULL, set, NULL, problems);
+  if (sweep) opc_sweep_lay_over(inner->sweep, sweep, problems);
+  inner->choice.over = set;
+  inner->choice.sweep = inner->sweep;
+  choose_variant(inner, b, problems);
+  if (problems->list->len == before) add_layers(inner, b, problems);
+  if (problems->list->len > before) return;
+  opc_flow_check(inner->recipe, &inner->choice, inner->registry, NULL,
+                 problems);
+  if (problems->list->len > before) return;
+  g_autoptr(opc_problems) told = opc_problems_new();
+  inner->flow =
+      opc_flow_make(inner->recipe, &inner->choice, inner->registry, told);
+  if (set) make_files_absolute(inner->flow, "", (opc_node *)set);
+  if (sweep) make_files_absolute(inner->flow, "", (opc_node *)sweep);
+  find_steps(inner, b, problems);
+  const GPtrArray *axes = inner->sweep->axes;
+  inner->axes = g_new0(opc_inner_axis *, axes->len + 1);
+  for (guint i = 0; i < axes->len; i++)
+    inner->axes[i] = &((opc_axis *)axes->pdata[i])->told;
+}
+
+void opc_inner_open(opc_binding *binding, opc_registry *registry,
+                    unsigned flags, opc_problems *problems) {
+  const opc_plugin *plugin = binding->plugin;
+  size_t i = 0;
+  while (i < plugin->n_parameters &&
+         !(plugin->parameters[i].flags & OPC_INNER_FLOW))
+    i++;
+  if (i == plugin->n_parameters || !binding->values[i].present) return;
+  if (flags / OPC_BIND_INNER >= DEEPEST) {
+    opc_problem_add(problems, OPC_INVALID, &binding->at,
+                    "'%s' cannot stand in a flow that a step of a flow runs "
+                    "that a step runs",
+                    plugin->id);
+    return;
+  }
+  opc_inner *inner = binding->inner = g_new0(opc_inner, 1);
+  inner->binding = binding;
+  inner->registry = registry;
+  inner->wanted = g_hash_table_new(g_str_hash, g_str_equal);
+  inner->given = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, g_free);
+  inner->choice.bind = flags + OPC_BIND_INNER;
+  inner->recipe = opc_recipe_read(binding->values[i].field.text, problems);
+  if (inner->recipe) open_recipe(inner, binding, problems);
+}
+
+void opc_inner_free(opc_inner *inner) {
+  if (!inner) return;
+  opc_inner_release(inner);
+  opc_flow_free(inner->flow);
+  opc_sweep_free(inner->sweep);
+  opc_recipe_free(inner->recipe);
+  g_free(inner->axes);
+  g_free(inner->metrics);
+  g_hash_table_destroy(inner->wanted);
+  g_hash_table_destroy(inner->given);
+  g_free(inner->folder);
+  g_free(inner);
+}
+
+int opc_inner_check(const opc_inner *inner, opc_error *error) {
+  static const opc_watch nowhere = {.data = NULL};
+  if (!inner) return OPC_OK;
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  opc_flow_check(inner->recipe, &inner->choice, inner->registry, &nowhere,
+                 problems);
+  return opc_problems_error(problems, error);
+}
+
+const opc_flow *opc_inner_flow(const opc_inner *inner) { return inner->flow; }
+
+void opc_inner_visit(const opc_inner *inner,
+                     void (*visit)(void *data, const opc_flow *flow),
+                     void *data) {
+  visit(data, inner->flow);
+  for (guint a = 0; a < inner->sweep->axes->len; a++) {
+    const opc_axis *axis = inner->sweep->axes->pdata[a];
+    for (guint i = 1; i < axis->values->len; i++) {
+      opc_choice choice = inner->choice;
+      choice.point = opc_sweep_point(inner->sweep, a, i);
+      g_autoptr(opc_problems) told = opc_problems_new();
+      g_autoptr(opc_flow) flow =
+          opc_flow_make(inner->recipe, &choice, inner->registry, told);
+      visit(data, flow);
+    }
+  }
+}
+
+/* ---- asking: what there is ---- */
+
+opc_inner *opc_inner_of(const opc_host *host) {
+  return ((const opc_binding *)host->data)->inner;
+}
+
+static const opc_metric *get_metric(const opc_host *host, const char *path,
+                                    opc_error *error) {
+  opc_inner *in = opc_inner_of(host);
+  const opc_binding *b;
+  const opc_metric *metric = opc_flow_metric(in->flow, path, &b, error);
+  if (metric)
+    g_hash_table_add(in->wanted, (char *)opc_flow_find(in->flow, path)->name);
+  return metric;
+}
+
+/* The port of that kind, -1 if there is none. */
+static int find_port(const opc_plugin *plugin, const char *kind) {
+  for (size_t i = 0; i < opc_port_count(plugin); i++)
+    if (!strcmp(opc_port_at(plugin, i)->kind, kind)) return (int)i;
+  return -1;
+}
+
+static const char *get_output(const opc_host *host, const char *name,
+                              const char *kind, opc_error *error) {
+  opc_inner *in = opc_inner_of(host);
+  const opc_binding *b = name ? opc_flow_binding(in->flow, name, error) : NULL;
+  for (guint i = 0; !name && i < in->flow->steps->len; i++) {
+    b = ((const opc_flow_step *)in->flow->steps->pdata[i])->binding;
+    if (find_port(b->plugin, kind) >= 0) break;
+  }
+  if (!b) return NULL;
+  g_hash_table_add(in->wanted, (char *)opc_flow_find(in->flow, b->path)->name);
+  if (find_port(b->plugin, kind) >= 0) return b->path;
+  g_autofree char *label = opc_binding_label(b);
+  opc_fail(error, OPC_INVALID, NULL, "%s makes no %s", label, kind);
+  return NULL;
+}
+
+static const opc_inner_axis *const *get_axes(const opc_host *host,
+                                             size_t *count) {
+  opc_inner *in = opc_inner_of(host);
+  g_autofree gboolean *needed = opc_inner_needed(in, in->flow);
+  *count = in->sweep->axes->len;
+  for (size_t i = 0; i < *count; i++) {
+    const opc_axis *axis = in->sweep->axes->pdata[i];
+    in->axes[i]->used = FALSE;
+    for (guint k = 0; k < in->flow->steps->len; k++) {
+      const opc_flow_step *step = in->flow->steps->pdata[k];
+      in->axes[i]->used |=
+          needed[k] && opc_axis_touches(axis, in->recipe, step->name);
+    }
+  }
+  return (const opc_inner_axis *const *)in->axes;
+}
+
+static int find_axis(const opc_host *host, const char *path, opc_error *error) {
+  const opc_inner *in = opc_inner_of(host);
+  g_autoptr(GPtrArray) paths = g_ptr_array_new();
+  for (guint i = 0; i < in->sweep->axes->len; i++) {
+    if (!strcmp(in->axes[i]->path, path)) return (int)i;
+    g_ptr_array_add(paths, (char *)in->axes[i]->path);
+  }
+  g_autofree char *suggestion = opc_suggestion(path, paths);
+  opc_fail(error, OPC_INVALID, NULL, "'%s' is not swept%s", path, suggestion);
+  return -1;
+}
+
+/* ---- asking: what came of it ---- */
+
+static const opc_inner_metric *const *get_metrics(const opc_host *host,
+                                                  int shared, size_t *count) {
+  opc_inner *in = opc_inner_of(host);
+  const opc_run *run = shared ? in->levels[0] : in->run;
+  *count = run ? run->metrics->len : 0;
+  in->metrics = g_renew(const opc_inner_metric *, in->metrics, *count + 1);
+  for (guint i = 0; i < *count; i++)
+    in->metrics[i] = &g_array_index(run->metrics, opc_inner_metric, i);
+  return in->metrics;
+}
+
+static const opc_table *find_table(const opc_run *run, const char *step,
+                                   const char *name, opc_error *error) {
+  g_autoptr(GPtrArray) names = g_ptr_array_new();
+  for (guint i = 0; i < run->tables->len; i++) {
+    const opc_table *t = run->tables->pdata[i];
+    if (strcmp(t->step, step)) continue;
+    if (!strcmp(t->name, name)) return t;
+    g_ptr_array_add(names, t->name);
+  }
+  g_autofree char *suggestion = opc_suggestion(name, names);
+  opc_fail(error, OPC_INVALID, NULL, "'%s' published no table '%s'%s", step,
+           name, suggestion);
+  return NULL;
+}
+
+static const opc_column *get_column(const opc_host *host, const char *step,
+                                    const char *table_name, const char *name,
+                                    size_t *rows, opc_error *error) {
+  const opc_table *table =
+      find_table(opc_inner_of(host)->run, step, table_name, error);
+  if (!table) return NULL;
+  const opc_column *column = opc_table_column(table, name);
+  *rows = table->rows;
+  if (column && column->type != OPC_TEXT) return column;
+  g_autoptr(GPtrArray) names = g_ptr_array_new();
+  for (size_t i = 0; i < table->n_columns; i++)
+    g_ptr_array_add(names, (char *)table->columns[i].name);
+  g_autofree char *suggestion = opc_suggestion(name, names);
+  opc_fail(error, OPC_INVALID, NULL,
+           "the table '%s' of '%s' has no numbers '%s'%s", table_name, step,
+           name, suggestion);
+  return NULL;
+}
+
+static void *get_object(const opc_host *host, const char *name,
+                        const char *kind) {
+  opc_inner *in = opc_inner_of(host);
+  opc_run *run = in->run;
+  const opc_flow_step *step = opc_flow_find(run->flow, name);
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  if (!opc_run_provide(run, step, in->binding->path, problems))
+    opc_problems_error(problems, &((opc_run *)in->binding->run)->refusal);
+  void **objects = run->objects[step->number];
+  return objects ? objects[find_port(step->binding->plugin, kind)] : NULL;
+}
+
+const opc_inner_service opc_inner_functions = {
+    .size = sizeof opc_inner_functions,
+    .axes = get_axes,
+    .axis = find_axis,
+    .metric = get_metric,
+    .output = get_output,
+    .begin = opc_inner_begin,
+    .run = opc_inner_run_point,
+    .metrics = get_metrics,
+    .column = get_column,
+    .object = get_object,
+    .run_whole = opc_inner_run_whole,
+};

@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Patterns of names of files and of other values. */
+#include "core/binding/match.h"
+
+#include <fnmatch.h>
+#include <glob.h>
+#include <string.h>
+
+void opc_values_init(opc_values *v) {
+  v->nodes = g_ptr_array_new_with_free_func((GDestroyNotify)opc_node_free);
+  v->stars = g_ptr_array_new_with_free_func(g_free);
+}
+
+void opc_values_clear(opc_values *v) {
+  g_ptr_array_free(v->nodes, TRUE);
+  g_ptr_array_free(v->stars, TRUE);
+}
+
+static int find_text(const opc_values *v, const char *text) {
+  for (guint i = 0; i < v->nodes->len; i++)
+    if (!g_strcmp0(((const opc_node *)v->nodes->pdata[i])->text, text))
+      return (int)i;
+  return -1;
+}
+
+/* Of what several patterns give, each is there once. */
+static void add_text(opc_values *v, const opc_node *like, const char *text,
+                     char *star) {
+  if (find_text(v, text) >= 0) {
+    g_free(star);
+    return;
+  }
+  opc_node *node = opc_node_text_new(like->source, text);
+  node->at = like->at;
+  g_ptr_array_add(v->nodes, node);
+  g_ptr_array_add(v->stars, star);
+}
+
+/* Of files, by the name without the folder. */
+void opc_values_remove(opc_values *v, const char *pattern, gboolean files) {
+  for (guint i = v->nodes->len; i-- > 0;) {
+    const char *text = ((const opc_node *)v->nodes->pdata[i])->text;
+    if (!text) continue;
+    g_autofree char *base = files ? g_path_get_basename(text) : g_strdup(text);
+    if (fnmatch(pattern, base, 0)) continue;
+    g_ptr_array_remove_index(v->nodes, i);
+    g_ptr_array_remove_index(v->stars, i);
+  }
+}
+
+/* What the only wildcard of a pattern, a star, stands for in a path (g_free);
+   "" if there are others. */
+static char *star_of(const char *pattern, const char *path) {
+  const char *star = strchr(pattern, '*');
+  if (!star || strpbrk(star + 1, "*?[") ||
+      strcspn(pattern, "?[") < (size_t)(star - pattern))
+    return g_strdup("");
+  size_t before = (size_t)(star - pattern), after = strlen(star + 1);
+  return g_strndup(path + before, strlen(path) - before - after);
+}
+
+gboolean opc_match_files(const opc_node *node, opc_values *out,
+                         opc_problems *problems) {
+  g_autofree char *pattern = opc_node_path(node);
+  glob_t found;
+  int code = glob(pattern, 0, NULL, &found);
+  for (size_t i = 0; !code && i < found.gl_pathc; i++) {
+    g_autofree char *path = g_canonicalize_filename(found.gl_pathv[i], NULL);
+    add_text(out, node, path, star_of(pattern, found.gl_pathv[i]));
+  }
+  if (!code) globfree(&found);
+  return !code ||
+         opc_wrong(problems, node, "no file is called as '%s'", pattern);
+}
+
+/* The file that belongs to the one whose name's star stood for `star`. */
+gboolean opc_pair_file(const opc_node *node, const char *star, opc_values *out,
+                       opc_problems *problems) {
+  g_autofree char *pattern = opc_node_path(node);
+  g_auto(GStrv) pieces = g_strsplit(pattern, "*", -1);
+  g_autofree char *path = g_strjoinv(star, pieces);
+  const char *why = opc_file_fault(path, NULL);
+  if (why)
+    return opc_problem_add(problems, OPC_IO, &node->at, "'%s': %s", path, why);
+  g_autofree char *whole = g_canonicalize_filename(path, NULL);
+  add_text(out, node, whole, g_strdup(star));
+  return TRUE;
+}
+
+gboolean opc_match_choices(const opc_node *node, const GPtrArray *list,
+                           opc_values *out, opc_problems *problems) {
+  gboolean any = FALSE;
+  for (guint i = 0; i < list->len; i++) {
+    if (fnmatch(node->text, list->pdata[i], 0)) continue;
+    add_text(out, node, list->pdata[i], g_strdup(""));
+    any = TRUE;
+  }
+  return any || opc_wrong(problems, node, "none of %u is called as '%s'",
+                          list->len, node->text);
+}

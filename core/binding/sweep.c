@@ -1,0 +1,363 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Turns lists and ranges into the values of axes, and numbers their points. */
+#include "core/binding/sweep.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "core/binding/flow.h"
+#include "core/binding/layers.h"
+#include "core/text/unit.h"
+#include "core/text/value.h"
+
+static const double most_points = 100000;
+
+/* ---- ranges ---- */
+
+/* A number with what stands behind it. */
+typedef struct quantity {
+  double number; /* in the unit of `from` */
+  const char *unit;
+} quantity;
+
+static gboolean check_range_keys(const opc_node *range,
+                                 opc_problems *problems) {
+  gboolean good = TRUE;
+  if (!opc_node_get(range, "from") || !opc_node_get(range, "to") ||
+      !opc_node_get(range, "step"))
+    good = opc_wrong(problems, range,
+                     "a range needs '{ from: A, to: B, step: C }'");
+  return opc_node_check_keys(range, "from|to|step", " of a range", problems) &&
+         good;
+}
+
+/* In the unit of `from`, which is NULL for itself. */
+static gboolean read_quantity(const opc_node *range, const char *key,
+                              const quantity *from, opc_problems *problems,
+                              quantity *out) {
+  const opc_node *node = opc_node_get(range, key);
+  const char *text = node->type == OPC_NODE_TEXT ? node->text : "";
+  size_t length = opc_number_length(text);
+  if (!length)
+    return opc_wrong(problems, node, "'%s' of a range needs a number", key);
+  out->unit = text + length + strspn(text + length, " ");
+  const opc_unit *unit = opc_unit_find(out->unit);
+  if (*out->unit && !unit) return opc_unknown_unit(node, out->unit, problems);
+  const opc_unit *to = from ? opc_unit_find(from->unit) : unit;
+  if (!unit != !to || (unit && opc_unit_noun(unit) != opc_unit_noun(to)))
+    return opc_wrong(problems, node,
+                     "'%s' must be of the same dimension as 'from', not '%s'",
+                     key, text);
+  out->number = opc_number_in(text, length, unit, to);
+  return isfinite(out->number) ||
+         opc_wrong(problems, node, "'%s' of a range is too large: '%s'", key,
+                   text);
+}
+
+/* How many values a range has; 0 and a problem. */
+static guint range_count(const opc_node *range, const quantity *from,
+                         const quantity *to, const quantity *step,
+                         opc_problems *problems) {
+  double steps = (to->number - from->number) / step->number;
+  /* A step that divides the range but for rounding reaches its end. */
+  double count = floor(steps * (1 + 1e-12) + 1e-9) + 1;
+  double short_of = steps - (count - 1);
+  if (count >= 1 && count <= most_points && short_of <= steps * 1e-12 + 1e-9)
+    return (guint)count;
+  /* What it would lead to: the end may be mistyped as well as the step. */
+  double end = from->number + (count - 1) * step->number;
+  g_autofree char *last =
+      count > 1 && isfinite(end)
+          ? g_strdup_printf(", but to %.12g%s%s", end, *from->unit ? " " : "",
+                            from->unit)
+          : g_strdup("");
+  if (count > most_points && isfinite(count))
+    opc_wrong(problems, range,
+              "a range of %.0f values; at most %.0f are possible", count,
+              most_points);
+  else
+    opc_wrong(problems, opc_node_get(range, "step"),
+              "'step' does not lead from '%s' to '%s'%s",
+              opc_node_get(range, "from")->text,
+              opc_node_get(range, "to")->text, last);
+  return 0;
+}
+
+static void add_range(opc_axis *axis, const opc_node *range,
+                      opc_problems *problems) {
+  quantity from, to, step;
+  if (!check_range_keys(range, problems) ||
+      !read_quantity(range, "from", NULL, problems, &from) ||
+      !read_quantity(range, "to", &from, problems, &to) ||
+      !read_quantity(range, "step", &from, problems, &step))
+    return;
+  guint n = range_count(range, &from, &to, &step, problems);
+  for (guint i = 0; i < n; i++) {
+    /* 12 digits: 0.3, not 0.30000000000000004. */
+    char number[40];
+    g_ascii_formatd(number, sizeof number, "%.12g",
+                    from.number + i * step.number);
+    g_autofree char *text =
+        g_strdup_printf("%s%s%s", number, *from.unit ? " " : "", from.unit);
+    opc_node *node = opc_node_text_new(axis->source, text);
+    node->plain = TRUE;
+    node->at = range->at;
+    node->at.file = axis->source->name;
+    g_ptr_array_add(axis->values, node);
+  }
+}
+
+/* ---- axes ---- */
+
+static void axis_free(gpointer item) {
+  opc_axis *axis = item;
+  g_free((char *)axis->told.path);
+  g_free((double *)axis->told.values);
+  g_strfreev((char **)axis->told.texts);
+  g_strfreev(axis->variants);
+  g_ptr_array_free(axis->values, TRUE);
+  opc_source_free(axis->source);
+  g_free(axis);
+}
+
+/* Numbers where all values are some with the same unit, or without one. */
+static void describe(opc_axis *axis) {
+  guint n = axis->values->len;
+  g_autofree double *values = g_new(double, n);
+  char **texts = g_new0(char *, n + 1);
+  const char *unit = "";
+  gboolean numeric = TRUE;
+  for (guint i = 0; i < n; i++) {
+    const opc_node *node = axis->values->pdata[i];
+    const char *text = node->type == OPC_NODE_TEXT ? node->text : "";
+    size_t length = opc_number_length(text);
+    const char *rest = text + length + strspn(text + length, " ");
+    numeric &= length && (!i || !strcmp(rest, unit));
+    unit = rest;
+    texts[i] = opc_node_line(node);
+    values[i] = g_ascii_strtod(text, NULL);
+  }
+  axis->told.count = n;
+  axis->told.texts = (const char *const *)texts;
+  if (!numeric || (*unit && !opc_unit_find(unit))) return;
+  axis->told.unit = *unit ? unit : NULL;
+  axis->told.values = g_steal_pointer(&values);
+}
+
+/* Takes the source. */
+static opc_axis *axis_new(const char *path, const opc_place *at,
+                          opc_source *source, const opc_node *values,
+                          opc_problems *problems) {
+  opc_axis *axis = g_new0(opc_axis, 1);
+  axis->told.path = g_strdup(path);
+  axis->source = source;
+  axis->at = *at;
+  axis->at.file = source->name;
+  axis->values = g_ptr_array_new_with_free_func((GDestroyNotify)opc_node_free);
+  if (!strchr(path, '.'))
+    opc_problem_add(problems, OPC_INVALID, at,
+                    "'%s' is a step; a sweep needs 'step.parameter'", path);
+  else if (values->type == OPC_NODE_MAP)
+    add_range(axis, values, problems);
+  else if (values->type == OPC_NODE_LIST && values->items->len)
+    for (guint i = 0; i < values->items->len; i++)
+      g_ptr_array_add(axis->values,
+                      opc_node_copy(values->items->pdata[i], source));
+  else
+    opc_wrong(
+        problems, values,
+        "a sweep needs a list of values, or '{ from: A, to: B, step: C }'");
+  describe(axis);
+  return axis;
+}
+
+static gboolean is_fixed(const char *path, const char *const *sets,
+                         const opc_node *over) {
+  size_t n = strlen(path);
+  for (; sets && *sets; sets++)
+    if (!strncmp(*sets, path, n) && (*sets)[n] == '=') return TRUE;
+  return over && opc_node_find(over, path) >= 0;
+}
+
+/* Takes the axis, in place of one of the same path. One without values, which
+   has been told, is left out. */
+static void put_axis(opc_sweep *sweep, opc_axis *axis) {
+  if (!axis->values->len) {
+    axis_free(axis);
+    return;
+  }
+  for (guint i = 0; i < sweep->axes->len; i++) {
+    const opc_axis *old = sweep->axes->pdata[i];
+    if (strcmp(old->told.path, axis->told.path) != 0) continue;
+    axis_free(sweep->axes->pdata[i]);
+    sweep->axes->pdata[i] = axis;
+    return;
+  }
+  g_ptr_array_add(sweep->axes, axis);
+}
+
+/* The axis of that path, which is the value of a map. */
+static void add_axis(opc_sweep *sweep, const char *path, const opc_node *map,
+                     guint i, opc_problems *problems) {
+  const opc_node *key = map->keys->pdata[i], *value = map->items->pdata[i];
+  opc_source *source = opc_source_layer(value->source, "sweep");
+  put_axis(sweep, axis_new(path, &key->at, source, value, problems));
+}
+
+static void add_argument(opc_sweep *sweep, const char *text,
+                         opc_problems *problems) {
+  g_autofree char *path = NULL;
+  opc_source *source;
+  g_autoptr(opc_node) values =
+      opc_argument_parse("--sweep", text, &path, &source, problems);
+  if (values)
+    put_axis(sweep, axis_new(path, &values->at, source, values, problems));
+  else
+    opc_source_free(source);
+}
+
+static void count_points(opc_sweep *sweep, opc_problems *problems) {
+  double points = 1;
+  for (guint i = 0; i < sweep->axes->len; i++)
+    points *= ((opc_axis *)sweep->axes->pdata[i])->values->len;
+  sweep->points = points <= most_points ? (size_t)points : 1;
+  if (points <= most_points) return;
+  const opc_axis *first = sweep->axes->pdata[0];
+  opc_problem_add(problems, OPC_INVALID, &first->at,
+                  "a sweep of %.0f points; at most %.0f are possible", points,
+                  most_points);
+}
+
+opc_sweep *opc_sweep_none(void) {
+  opc_sweep *sweep = g_new0(opc_sweep, 1);
+  sweep->axes = g_ptr_array_new_with_free_func(axis_free);
+  sweep->points = 1;
+  return sweep;
+}
+
+opc_sweep *opc_sweep_new(const opc_recipe *recipe, const char *const *sets,
+                         const opc_node *over, const char *const *sweeps,
+                         opc_problems *problems) {
+  opc_sweep *sweep = opc_sweep_none();
+  for (guint i = 0; i < recipe->sweep->items->len; i++) {
+    const char *path = opc_node_key(recipe->sweep, i);
+    if (!is_fixed(path, sets, over))
+      add_axis(sweep, path, recipe->sweep, i, problems);
+  }
+  for (; sweeps && *sweeps; sweeps++) add_argument(sweep, *sweeps, problems);
+  count_points(sweep, problems);
+  return sweep;
+}
+
+/* A map that is no range is what stands behind the dots of its path. */
+static void add_axes(opc_sweep *sweep, const char *prefix, const opc_node *map,
+                     opc_problems *problems) {
+  for (guint i = 0; i < map->items->len; i++) {
+    const opc_node *value = map->items->pdata[i];
+    g_autofree char *path = g_strconcat(prefix, opc_node_key(map, i), NULL);
+    g_autofree char *deeper = g_strconcat(path, ".", NULL);
+    if (value->type == OPC_NODE_MAP && !opc_node_get(value, "from") &&
+        !opc_node_get(value, "to") && !opc_node_get(value, "step"))
+      add_axes(sweep, deeper, value, problems);
+    else
+      add_axis(sweep, path, map, i, problems);
+  }
+}
+
+void opc_sweep_lay_over(opc_sweep *sweep, const opc_node *map,
+                        opc_problems *problems) {
+  add_axes(sweep, "", map, problems);
+  count_points(sweep, problems);
+}
+
+/* They come first. */
+static guint count_layers(const opc_sweep *sweep) {
+  guint n = 0;
+  while (n < sweep->axes->len &&
+         ((const opc_axis *)sweep->axes->pdata[n])->variants)
+    n++;
+  return n;
+}
+
+void opc_sweep_add_layers(opc_sweep *sweep, const char *path,
+                          const opc_place *at, opc_source *source,
+                          GPtrArray *layers, char **names, char **variants,
+                          opc_problems *problems) {
+  opc_axis *axis = g_new0(opc_axis, 1);
+  axis->told.path = g_strdup(path);
+  axis->told.count = layers->len;
+  axis->told.texts = (const char *const *)names;
+  axis->at = *at;
+  axis->at.file = source->name;
+  axis->source = source;
+  axis->values = layers;
+  axis->variants = variants;
+  g_ptr_array_insert(sweep->axes, (gint)count_layers(sweep), axis);
+  count_points(sweep, problems);
+}
+
+void opc_sweep_free(opc_sweep *sweep) {
+  if (!sweep) return;
+  g_ptr_array_free(sweep->axes, TRUE);
+  g_free(sweep);
+}
+
+/* ---- what depends on it ---- */
+
+static gboolean begins_with(const char *path, const char *step) {
+  size_t n = strcspn(path, ".");
+  return strlen(step) == n && !strncmp(path, step, n);
+}
+
+static gboolean map_touches(const opc_node *map, const char *step) {
+  for (guint i = 0; map && i < map->keys->len; i++)
+    if (begins_with(opc_node_key(map, i), step)) return TRUE;
+  return FALSE;
+}
+
+gboolean opc_axis_touches(const opc_axis *axis, const opc_recipe *recipe,
+                          const char *step) {
+  if (!axis->variants) return begins_with(axis->told.path, step);
+  for (guint i = 0; i < axis->values->len; i++)
+    if (map_touches(axis->values->pdata[i], step) ||
+        map_touches(opc_node_get(recipe->variants, axis->variants[i]), step))
+      return TRUE;
+  return FALSE;
+}
+
+unsigned opc_sweep_depth(const opc_sweep *sweep) {
+  guint layers = count_layers(sweep);
+  return layers + (sweep->axes->len > layers);
+}
+
+unsigned *opc_sweep_levels(const opc_sweep *sweep, const opc_flow *flow) {
+  unsigned *levels = g_new0(unsigned, flow->steps->len + 1);
+  unsigned deepest = opc_sweep_depth(sweep);
+  for (guint i = 0; i < flow->order->len; i++) {
+    const opc_flow_step *step = flow->order->pdata[i];
+    unsigned *level = &levels[step->number];
+    for (guint a = 0; a < sweep->axes->len; a++)
+      if (opc_axis_touches(sweep->axes->pdata[a], flow->recipe, step->name))
+        *level = MIN(a + 1, deepest);
+    for (guint k = 0; k < step->inputs->len; k++)
+      *level = MAX(
+          *level,
+          levels[g_array_index(step->inputs, opc_flow_input, k).from->number]);
+  }
+  return levels;
+}
+
+/* ---- points ---- */
+
+guint opc_sweep_index(const opc_sweep *sweep, guint a, size_t point) {
+  for (guint i = sweep->axes->len - 1; i > a; i--)
+    point /= ((const opc_axis *)sweep->axes->pdata[i])->values->len;
+  return point % ((const opc_axis *)sweep->axes->pdata[a])->values->len;
+}
+
+size_t opc_sweep_point(const opc_sweep *sweep, guint a, guint value) {
+  size_t point = value;
+  for (guint i = a + 1; i < sweep->axes->len; i++)
+    point *= ((opc_axis *)sweep->axes->pdata[i])->values->len;
+  return point;
+}

@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Copies tables, and writes them as CSV. */
+#include "core/report/table.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+#include "core/plugin/host.h"
+#include "core/text/value.h"
+
+enum { MOST_DECIMALS = 20 };
+
+/* ---- keeping ---- */
+
+void *opc_table_add(opc_table *table, const char *name, const char *unit,
+                    uint32_t type, int32_t decimals) {
+  void *data = g_malloc0_n(table->rows + 1, 8);
+  table->columns = g_renew(opc_column, table->columns, table->n_columns + 1);
+  table->columns[table->n_columns++] =
+      (opc_column){g_strdup(name), g_strdup(unit), type, decimals, data};
+  return data;
+}
+
+opc_table *opc_table_new(const char *name, uint32_t flags, size_t rows,
+                         const opc_column *columns, size_t n_columns,
+                         size_t column_size, opc_error *error) {
+  opc_table *table = g_new0(opc_table, 1);
+  table->name = g_strdup(name);
+  table->flags = flags;
+  table->rows = rows;
+  for (size_t i = 0; i < n_columns; i++) {
+    opc_column own = {.name = NULL}, *c = &own;
+    memcpy(c, (const char *)columns + i * column_size,
+           MIN(column_size, sizeof own));
+    if (!c->name || (rows && !c->data) ||
+        (c->type != OPC_TEXT && c->type != OPC_REAL && c->type != OPC_INT)) {
+      opc_fail(error, OPC_FAILED, NULL, "table '%s': column %zu is not sound",
+               name, i + 1);
+      opc_table_free(table);
+      return NULL;
+    }
+    void *data = opc_table_add(table, c->name, c->unit, c->type, c->decimals);
+    const char *const *texts = c->data;
+    for (size_t k = 0; c->type == OPC_TEXT && k < rows; k++)
+      ((char **)data)[k] = g_strdup(texts[k] ? texts[k] : "");
+    if (c->type != OPC_TEXT && rows) memcpy(data, c->data, rows * 8);
+  }
+  return table;
+}
+
+void opc_table_free(opc_table *table) {
+  if (!table) return;
+  for (size_t i = 0; i < table->n_columns; i++) {
+    opc_column *c = &table->columns[i];
+    g_free((char *)c->name);
+    g_free((char *)c->unit);
+    if (c->type == OPC_TEXT)
+      g_strfreev((char **)c->data);
+    else
+      g_free((void *)c->data);
+  }
+  g_free(table->columns);
+  g_free(table->name);
+  g_free(table->step);
+  g_free(table);
+}
+
+const opc_column *opc_table_column(const opc_table *table, const char *name) {
+  for (size_t i = 0; i < table->n_columns; i++)
+    if (!strcmp(table->columns[i].name, name)) return &table->columns[i];
+  return NULL;
+}
+
+/* ---- cells ---- */
+
+static char *real_text(double value, int decimals) {
+  if (isnan(value)) return g_strdup("");
+  if (isinf(value)) return g_strdup(value < 0 ? "-inf" : "inf");
+  if (decimals < 0) return opc_number_text(value);
+  char format[16], buffer[400];
+  g_snprintf(format, sizeof format, "%%.%df", MIN(decimals, MOST_DECIMALS));
+  g_ascii_formatd(buffer, sizeof buffer, format, value);
+  /* Nothing but zeros has no sign. */
+  gboolean zero = *buffer == '-' && strspn(buffer, "-0.") == strlen(buffer);
+  return g_strdup(buffer + zero);
+}
+
+char *opc_table_cell(const opc_column *c, size_t row) {
+  switch (c->type) {
+    case OPC_TEXT:
+      return g_strdup(((const char *const *)c->data)[row]);
+    case OPC_INT:
+      return g_strdup_printf("%" PRId64, ((const int64_t *)c->data)[row]);
+    default:
+      return real_text(((const double *)c->data)[row], c->decimals);
+  }
+}
+
+char *opc_table_heading(const opc_column *c) {
+  return c->unit && *c->unit ? g_strdup_printf("%s (%s)", c->name, c->unit)
+                             : g_strdup(c->name);
+}
+
+/* ---- CSV ---- */
+
+static void append_field(GString *out, const char *text) {
+  g_autoptr(GString) quoted = g_string_new(text);
+  g_string_replace(quoted, "\"", "\"\"", 0);
+  if (strpbrk(text, ",\"\r\n"))
+    g_string_append_printf(out, "\"%s\"", quoted->str);
+  else
+    g_string_append(out, text);
+}
+
+char *opc_table_csv(const opc_table *table) {
+  GString *out = g_string_new(NULL);
+  for (size_t row = 0; row <= table->rows; row++) {
+    for (size_t i = 0; i < table->n_columns; i++) {
+      const opc_column *c = &table->columns[i];
+      g_autofree char *text =
+          row ? opc_table_cell(c, row - 1) : opc_table_heading(c);
+      if (i) g_string_append_c(out, ',');
+      append_field(out, text);
+    }
+    g_string_append(out, "\r\n");
+  }
+  return g_string_free(out, FALSE);
+}

@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Holds what a run measured against what its flow requires. */
+#include <math.h>
+#include <string.h>
+
+#include "core/run/run.h"
+#include "core/text/value.h"
+
+/* ---- state ---- */
+
+static void verdict_free(gpointer item) {
+  opc_verdict *v = item;
+  g_free(v->path);
+  g_free(v->required);
+  g_free(v->unit);
+  g_free((char *)v->at.file);
+  g_free(v);
+}
+
+GPtrArray *opc_verdicts_new(void) {
+  return g_ptr_array_new_with_free_func(verdict_free);
+}
+
+/* ---- one requirement ---- */
+
+/* NAN if the metric was not given. */
+static double find_value(const opc_run *run, const opc_requirement *r) {
+  for (guint i = 0; i < run->metrics->len; i++) {
+    const opc_inner_metric *m =
+        &g_array_index(run->metrics, opc_inner_metric, i);
+    if (m->metric == r->metric && !strcmp(m->path, r->binding->path))
+      return m->value;
+  }
+  return NAN;
+}
+
+/* Not of NAN. */
+static gboolean is_kept(const opc_requirement *r, double value) {
+  return r->open ? value > r->least && value < r->most
+                 : value >= r->least && value <= r->most;
+}
+
+static void judge(opc_run *run, const opc_requirement *r) {
+  double value = find_value(run, r);
+  opc_verdict *v = g_new(opc_verdict, 1);
+  *v = (opc_verdict){.path = g_strdup(r->path),
+                     .required = g_strdup(r->text),
+                     .unit = g_strdup(r->metric->unit),
+                     .least = r->least,
+                     .most = r->most,
+                     .value = value,
+                     .kept = is_kept(r, value),
+                     .at = r->at};
+  v->at.file = g_strdup(r->at.file);
+  g_ptr_array_add(run->verdicts, v);
+}
+
+/* ---- a run ---- */
+
+void opc_run_judge(opc_run *run) {
+  const GPtrArray *all = run->flow->requirements;
+  for (guint i = 0; i < all->len; i++) {
+    const opc_requirement *r = all->pdata[i];
+    if (!run->left_out[opc_flow_find(run->flow, r->path)->number])
+      judge(run, r);
+  }
+}
+
+void opc_run_take_verdicts(opc_run *run, const opc_run *from, size_t point,
+                           const char *prefix) {
+  for (guint i = 0; i < from->verdicts->len; i++) {
+    const opc_verdict *v = from->verdicts->pdata[i];
+    if (v->kept || run->verdicts->len >= OPC_MOST_VERDICTS) continue;
+    opc_verdict *copy = g_memdup2(v, sizeof *v);
+    copy->path = g_strconcat(prefix, v->path, NULL);
+    copy->required = g_strdup(v->required);
+    copy->unit = g_strdup(v->unit);
+    copy->at.file = g_strdup(v->at.file);
+    if (point) copy->point = point;
+    g_ptr_array_add(run->verdicts, copy);
+  }
+}
+
+/* To six digits, or to all if those would look kept. */
+static char *value_text(const opc_verdict *v) {
+  char digits[40];
+  g_ascii_formatd(digits, sizeof digits, "%.6g", v->value);
+  double rounded = g_ascii_strtod(digits, NULL);
+  gboolean misleads = rounded >= v->least && rounded <= v->most;
+  g_autofree char *exact = opc_number_text(v->value);
+  return g_strdup_printf("%s%s%s", misleads ? exact : digits,
+                         v->unit ? " " : "", v->unit ? v->unit : "");
+}
+
+void opc_run_add_broken(const opc_run *run, opc_problems *problems) {
+  for (guint i = 0; i < run->verdicts->len; i++) {
+    const opc_verdict *v = run->verdicts->pdata[i];
+    if (v->kept) continue;
+    g_autofree char *point =
+        v->point ? g_strdup_printf("point %zu: ", v->point) : g_strdup("");
+    g_autofree char *value = value_text(v);
+    if (isnan(v->value))
+      opc_problem_add(problems, OPC_LIMIT, &v->at,
+                      "%s'%s' was not measured, required is %s", point, v->path,
+                      v->required);
+    else
+      opc_problem_add(problems, OPC_LIMIT, &v->at,
+                      "%s'%s' is %s, required is %s", point, v->path, value,
+                      v->required);
+  }
+}

@@ -1,0 +1,385 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds out what a step's result depends on: builds of plugins and of all that
+   they link, values, contents of files, and the keys of the steps it takes
+   from. Nothing else may be in a key: neither threads nor places. */
+#include "core/run/key.h"
+
+#include <string.h>
+#include <sys/utsname.h>
+
+#include "core/binding/inner.h"
+#include "core/text/value.h"
+
+typedef struct keyer {
+  opc_store *store;
+  opc_key *keys, *key;       /* of all, of this step */
+  const opc_flow_step *step; /* NULL: of an instance alone */
+  const char *root;          /* the path of the step or instance */
+  GVariantBuilder facts;
+} keyer;
+
+/* ---- facts ---- */
+
+/* The path of an instance behind that of the root: "" or "slot.". */
+static char *place_of(const keyer *k, const opc_binding *b, const char *name) {
+  const char *rest = b->path + strlen(k->root);
+  rest += *rest == '.';
+  return g_strdup_printf("%s%s%s", rest, *rest && *name ? "." : "", name);
+}
+
+static void add(keyer *k, char about, const char *path, const char *shown,
+                const char *sum) {
+  g_autofree char *valid = g_utf8_make_valid(shown, -1);
+  g_autofree char *bytes =
+      strcmp(valid, shown)
+          ? g_compute_checksum_for_string(G_CHECKSUM_SHA256, shown, -1)
+          : NULL;
+  g_variant_builder_add(&k->facts, "(ysss)", (guchar)about, path, valid,
+                        bytes ? bytes : sum);
+}
+
+/* A result is not kept if one thing that it depends on cannot be told. */
+static void spoil(keyer *k, char *why) {
+  if (k->key->why)
+    g_free(why);
+  else
+    k->key->why = why;
+}
+
+/* Bits are the same on all processors that have these instructions. */
+static const char *machine(void) {
+  static struct utsname about;
+  if (!*about.machine && uname(&about)) return "?";
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("fma") && __builtin_cpu_supports("avx2"))
+    return "x86_64 with AVX2 and FMA";
+#endif
+  return about.machine;
+}
+
+static void add_build(keyer *k, char about, const char *path, const char *shown,
+                      const opc_plugin *plugin) {
+  const char *sum = opc_store_build(k->store, plugin ? plugin->id : NULL);
+  if (sum)
+    add(k, about, path, shown, sum);
+  else
+    spoil(k, g_strdup_printf("the objects that %s needs cannot be read",
+                             plugin ? plugin->id : "opcflow"));
+}
+
+/* ---- values ---- */
+
+static void add_file(keyer *k, const char *path, const char *file) {
+  opc_error error;
+  g_autofree char *whole = g_canonicalize_filename(file, NULL);
+  g_autofree char *name = g_path_get_basename(file);
+  char *sum = opc_store_sum(k->store, whole, NULL, &error);
+  if (!sum) {
+    spoil(k, g_strdup(error.message));
+    return;
+  }
+  add(k, OPC_FACT_FILE, path, name, sum);
+  g_ptr_array_add(k->key->files, g_steal_pointer(&whole));
+  g_ptr_array_add(k->key->files, sum);
+}
+
+static gint by_name(gconstpointer a, gconstpointer b) {
+  return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+/* All files of the folder of `file`. */
+static void add_beside(keyer *k, const char *path, const char *file) {
+  enum { MOST = 1000 }; /* a set of kernels has tens */
+  g_autofree char *folder = g_path_get_dirname(file);
+  g_autoptr(GPtrArray) names = g_ptr_array_new_with_free_func(g_free);
+  GDir *dir = g_dir_open(folder, 0, NULL);
+  for (const char *name; dir && (name = g_dir_read_name(dir));) {
+    char *one = g_build_filename(folder, name, NULL);
+    if (g_file_test(one, G_FILE_TEST_IS_REGULAR))
+      g_ptr_array_add(names, one);
+    else
+      g_free(one);
+  }
+  if (!dir || names->len > MOST)
+    spoil(k, g_strdup_printf("'%s' has too many files", folder));
+  else
+    g_ptr_array_sort(names, by_name);
+  for (guint i = 0; i < names->len && names->len <= MOST; i++) {
+    const char *one = names->pdata[i];
+    g_autofree char *name = g_path_get_basename(one);
+    g_autofree char *its = g_strdup_printf("%s beside %s", name, path);
+    add_file(k, its, one);
+  }
+  if (dir) g_dir_close(dir);
+}
+
+/* Texts of a list or map, of which none can be taken for two. */
+static void append(GString *out, const char *text) {
+  g_autofree char *quoted = g_strescape(text, NULL);
+  g_string_append_printf(out, "%s\"%s\"", out->len ? " " : "", quoted);
+}
+
+static char *value_text(const opc_parameter *p, const opc_field *f) {
+  g_autoptr(GString) out = g_string_new("");
+  switch (p->type) {
+    case OPC_BOOL:
+      return g_strdup(f->flag > 0 ? "true" : "false");
+    case OPC_INT:
+      return g_strdup_printf("%" G_GINT64_FORMAT, (gint64)f->integer);
+    case OPC_REAL:
+      return opc_quantity_text(p, f->real);
+    case OPC_CHOICE: {
+      g_auto(GStrv) words = g_strsplit(p->choices, "|", -1);
+      return g_strdup(words[f->flag]);
+    }
+    case OPC_REALS:
+      for (size_t i = 0; i < f->reals.count; i++) {
+        g_autofree char *one = opc_quantity_text(p, f->reals.values[i]);
+        g_string_append_printf(out, "%s%s", i ? ", " : "", one);
+      }
+      return g_strdup_printf("[%s]", out->str);
+    case OPC_MAP:
+      for (size_t i = 0; i < f->map.count; i++) {
+        append(out, f->map.pairs[i].key);
+        append(out, f->map.pairs[i].value);
+      }
+      return g_strdup_printf("{%s}", out->str);
+    default:
+      return g_strdup(f->text ? f->text : "");
+  }
+}
+
+/* A plugin may ask whether a value was given. */
+static void add_value(keyer *k, const opc_binding *b, size_t i) {
+  const opc_parameter *p = &b->plugin->parameters[i];
+  const opc_setting *v = &b->values[i];
+  g_autofree char *path = place_of(k, b, p->name);
+  if (!v->present || p->type == OPC_INPUT || p->type == OPC_SLOT ||
+      p->flags & (OPC_NO_EFFECT | OPC_INNER_FLOW))
+    return;
+  if (p->type == OPC_FILE) {
+    add_file(k, path, v->field.text);
+    if (p->flags & OPC_BESIDE) add_beside(k, path, v->field.text);
+    return;
+  }
+  g_autofree char *text = value_text(p, &v->field);
+  add(k, OPC_FACT_PARAMETER, path, text, p->given && v->given ? "given" : "");
+}
+
+/* ---- the flow that a step runs ---- */
+
+typedef struct inner_sum {
+  keyer *keyer;
+  GChecksum *sum;
+} inner_sum;
+
+static void take_flow(void *data, const opc_flow *flow) {
+  const inner_sum *in = data;
+  g_autofree opc_key *keys = g_new0(opc_key, flow->steps->len);
+  opc_flow_keys(flow, in->keyer->store, keys);
+  for (guint i = 0; i < flow->steps->len; i++) {
+    const opc_flow_step *step = flow->steps->pdata[i];
+    if (!keys[i].sum)
+      spoil(in->keyer,
+            g_strdup_printf("in its flow, %s: %s", step->name, keys[i].why));
+    g_autofree char *line =
+        g_strdup_printf("%s %s\n", step->name, keys[i].sum ? keys[i].sum : "");
+    g_checksum_update(in->sum, (const guchar *)line, -1);
+    opc_key_clear(&keys[i]);
+  }
+}
+
+static void add_inner(keyer *k, const opc_binding *b) {
+  g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
+  inner_sum in = {k, sum};
+  opc_inner_visit(b->inner, take_flow, &in);
+  add(k, OPC_FACT_INNER, "", "", g_checksum_get_string(sum));
+}
+
+/* ---- a step ---- */
+
+static void add_instance(keyer *k, const opc_binding *b) {
+  g_autofree char *path = place_of(k, b, "");
+  add_build(k, OPC_FACT_PLUGIN, path, b->plugin->id, b->plugin);
+  if (!(b->plugin->flags & OPC_DETERMINISTIC))
+    spoil(k, g_strdup_printf("%s does not promise the same result twice",
+                             b->plugin->id));
+  for (size_t i = 0; i < b->plugin->n_parameters; i++) add_value(k, b, i);
+  if (b->inner) add_inner(k, b);
+}
+
+static void add_inputs(keyer *k) {
+  for (guint i = 0; i < k->step->inputs->len; i++) {
+    const opc_flow_input *in =
+        &g_array_index(k->step->inputs, opc_flow_input, i);
+    const opc_plugin *from = in->from->binding->plugin;
+    const char *sum = k->keys[in->from->number].sum;
+    g_autofree char *path = place_of(
+        k, in->binding, in->binding->plugin->parameters[in->parameter].name);
+    if (!sum)
+      spoil(k, g_strdup_printf("it takes from step '%s', whose result is not "
+                               "kept",
+                               in->from->name));
+    else
+      add(k, OPC_FACT_INPUT, path,
+          ((const opc_step *)from->functions)->outputs[in->port].name, sum);
+  }
+}
+
+static char *sum_facts(GVariant *facts) {
+  g_autofree char *text = g_variant_print(facts, FALSE);
+  return g_compute_checksum_for_string(G_CHECKSUM_SHA256, text, -1);
+}
+
+static void make_key(keyer *k) {
+  const opc_binding *b = k->step->binding;
+  const opc_step *functions = b->plugin->functions;
+  g_autoptr(GPtrArray) instances = g_ptr_array_new();
+  k->key->files = g_ptr_array_new_with_free_func(g_free);
+  g_variant_builder_init(&k->facts, OPC_FACTS_TYPE);
+  if (functions->flags & OPC_STEP_OUTSIDE)
+    spoil(k,
+          g_strdup_printf("%s reads what no parameter names", b->plugin->id));
+  add_build(k, OPC_FACT_COMMAND, "", machine(), NULL);
+  opc_binding_list(b, instances);
+  for (guint i = 0; i < instances->len; i++)
+    add_instance(k, instances->pdata[i]);
+  add_inputs(k);
+  k->key->facts = g_variant_ref_sink(g_variant_builder_end(&k->facts));
+  if (k->key->why)
+    g_clear_pointer(&k->key->facts, g_variant_unref);
+  else
+    k->key->sum = sum_facts(k->key->facts);
+}
+
+void opc_flow_keys(const opc_flow *flow, opc_store *store, opc_key *keys) {
+  for (guint i = 0; i < flow->order->len; i++) {
+    const opc_flow_step *step = flow->order->pdata[i];
+    keyer k = {.store = store,
+               .keys = keys,
+               .key = &keys[step->number],
+               .step = step,
+               .root = step->name};
+    if (!k.key->sum && !k.key->why) make_key(&k);
+  }
+}
+
+char *opc_binding_key(const opc_binding *binding, opc_store *store,
+                      opc_error *error) {
+  opc_key key = {.files = g_ptr_array_new_with_free_func(g_free)};
+  keyer k = {.store = store, .key = &key, .root = binding->path};
+  g_autoptr(GPtrArray) instances = g_ptr_array_new();
+  g_variant_builder_init(&k.facts, OPC_FACTS_TYPE);
+  opc_binding_list(binding, instances);
+  for (guint i = 0; i < instances->len; i++)
+    add_instance(&k, instances->pdata[i]);
+  key.facts = g_variant_ref_sink(g_variant_builder_end(&k.facts));
+  char *sum = key.why ? NULL : sum_facts(key.facts);
+  if (!sum) opc_fail(error, OPC_FAILED, NULL, "%s", key.why);
+  opc_key_clear(&key);
+  return sum;
+}
+
+void opc_key_clear(opc_key *key) {
+  g_free(key->sum);
+  g_free(key->why);
+  if (key->facts) g_variant_unref(key->facts);
+  if (key->files) g_ptr_array_free(key->files, TRUE);
+  *key = (opc_key){0};
+}
+
+/* ---- differences ---- */
+
+typedef struct fact {
+  guchar about;
+  const char *path, *shown, *sum; /* of the variant */
+} fact;
+
+static guint fact_hash(gconstpointer f) {
+  return g_str_hash(((const fact *)f)->path) + ((const fact *)f)->about;
+}
+
+static gboolean fact_equal(gconstpointer a, gconstpointer b) {
+  return ((const fact *)a)->about == ((const fact *)b)->about &&
+         !strcmp(((const fact *)a)->path, ((const fact *)b)->path);
+}
+
+/* In their order; to be found by kind and path in the table. */
+static fact *read_facts(GVariant *facts, gsize *n, GHashTable *all) {
+  *n = g_variant_n_children(facts);
+  fact *list = g_new(fact, *n);
+  for (gsize i = 0; i < *n; i++) {
+    fact *f = &list[i];
+    g_variant_get_child(facts, i, "(y&s&s&s)", &f->about, &f->path, &f->shown,
+                        &f->sum);
+    g_hash_table_insert(all, f, f);
+  }
+  return list;
+}
+
+static char *tell(guchar about, const char *step, const char *path,
+                  const char *before, const char *now) {
+  g_autofree char *whole =
+      g_strdup_printf("%s%s%s", step, *path ? "." : "", path);
+  switch (about) {
+    case OPC_FACT_COMMAND:
+      return g_strcmp0(before, now)
+                 ? g_strdup_printf("the processor is another: %s", now)
+                 : g_strdup("opcflow was rebuilt");
+    case OPC_FACT_PLUGIN:
+      if (!before) return g_strdup_printf("%s is new: %s", whole, now);
+      if (!now) return g_strdup_printf("%s was left out", whole);
+      return strcmp(before, now)
+                 ? g_strdup_printf("%s changed from %s to %s", whole, before,
+                                   now)
+                 : g_strdup_printf("plugin %s was rebuilt", now);
+    case OPC_FACT_FILE:
+      if (before && now && !strcmp(before, now))
+        return g_strdup_printf("file %s (%s) changed", now, whole);
+      break;
+    case OPC_FACT_PARAMETER:
+      if (before && now && !strcmp(before, now))
+        return g_strdup_printf("whether %s was given, as %s", whole, now);
+      break;
+    case OPC_FACT_INPUT:
+      return g_strdup_printf("what it takes as %s changed", whole);
+    case OPC_FACT_INNER:
+      return g_strdup("the flow that it runs changed");
+  }
+  return g_strdup_printf("%s changed from %s to %s", whole,
+                         before ? before : "nothing", now ? now : "nothing");
+}
+
+/* What is in `a` and not, or otherwise, in `b`. */
+static guint compare(const char *step, const fact *a, gsize n_a, GHashTable *b,
+                     gboolean forward, GString *out) {
+  enum { MOST = 3 }; /* told; the others are counted */
+  guint n = 0;
+  for (gsize i = 0; i < n_a; i++) {
+    const fact *f = &a[i], *its = g_hash_table_lookup(b, f);
+    if (its && (!forward ||
+                (!strcmp(f->shown, its->shown) && !strcmp(f->sum, its->sum))))
+      continue;
+    if (n++ >= MOST) continue;
+    const char *other = its ? its->shown : NULL;
+    g_autofree char *text =
+        tell(f->about, step, f->path, forward ? other : f->shown,
+             forward ? f->shown : other);
+    g_string_append_printf(out, "%s%s", out->len ? "; " : "", text);
+  }
+  if (n > MOST) g_string_append_printf(out, "; and %u more", n - MOST);
+  return n;
+}
+
+char *opc_facts_difference(const char *step, GVariant *before, GVariant *now,
+                           guint *count) {
+  GString *out = g_string_new(NULL);
+  g_autoptr(GHashTable) old = g_hash_table_new(fact_hash, fact_equal);
+  g_autoptr(GHashTable) new = g_hash_table_new(fact_hash, fact_equal);
+  gsize n_old, n_new;
+  g_autofree fact *olds = read_facts(before, &n_old, old);
+  g_autofree fact *news = read_facts(now, &n_new, new);
+  *count = compare(step, news, n_new, old, TRUE, out);
+  *count += compare(step, olds, n_old, new, FALSE, out);
+  return g_string_free(out, FALSE);
+}

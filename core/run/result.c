@@ -1,0 +1,293 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a step did beside its outputs, as one value: files, tables, metrics and
+   warnings, so that all of it can be done again without the step. */
+#include <errno.h>
+#include <glib/gstdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include <store/files.h>
+#include "core/run/run.h"
+
+/* Seconds; metrics: path, name, value; warnings: level, path, text; tables:
+   name, flags, rows, columns of name, unit, type, decimals, data; files. Paths
+   are those of instances behind that of the step. */
+const char opc_result_type[] = "(da(ssd)a(uss)a(suta(smsuiv))a(ayay))";
+
+/* ---- files ---- */
+
+/* TRUE also if there is no such file. */
+static gboolean add_file(GVariantBuilder *all, const char *path,
+                         const char *name) {
+  struct stat about;
+  char *text;
+  gsize n;
+  if (lstat(path, &about)) return errno == ENOENT;
+  if (!S_ISREG(about.st_mode) || !g_file_get_contents(path, &text, &n, NULL))
+    return FALSE;
+  g_variant_builder_add(all, "(^ay@ay)", name,
+                        g_variant_new_from_data(G_VARIANT_TYPE_BYTESTRING, text,
+                                                n, TRUE, g_free, text));
+  return TRUE;
+}
+
+typedef struct packer {
+  GVariantBuilder files;
+  guint64 bytes;
+} packer;
+
+static int add_bytes(void *data, const char *path, const char *name,
+                     const struct stat *about, opc_error *error) {
+  (void)path, (void)name, (void)error;
+  ((packer *)data)->bytes += (guint64)about->st_size;
+  return OPC_OK;
+}
+
+static int pack_entry(void *data, const char *path, const char *name,
+                      const struct stat *about, opc_error *error) {
+  if (S_ISDIR(about->st_mode)) return OPC_OK;
+  return add_file(&((packer *)data)->files, path, name)
+             ? OPC_OK
+             : opc_fail(error, OPC_IO, NULL, "'%s'", path);
+}
+
+GVariant *opc_files_pack(const char *folder, guint64 most) {
+  packer p = {.bytes = 0};
+  opc_error none;
+  if (opc_walk(folder, add_bytes, &p, &none) || p.bytes > most) return NULL;
+  g_variant_builder_init(&p.files, G_VARIANT_TYPE("a(ayay)"));
+  int code = opc_walk(folder, pack_entry, &p, &none);
+  GVariant *all = g_variant_builder_end(&p.files);
+  if (!code) return all;
+  g_variant_unref(g_variant_ref_sink(all));
+  return NULL;
+}
+
+/* A copy: nothing that happens to it harms the store. */
+static int write_file(const char *path, GVariant *bytes, opc_error *error) {
+  gsize n;
+  const char *text = g_variant_get_fixed_array(bytes, &n, 1);
+  g_autoptr(GError) fault = NULL;
+  if (g_file_set_contents(path, n ? text : "", (gssize)n, &fault))
+    return OPC_OK;
+  return opc_fail(error, OPC_IO, NULL, "%s", fault->message);
+}
+
+int opc_files_unpack(GVariant *files, const char *folder, opc_error *error) {
+  GVariantIter all;
+  const char *name;
+  GVariant *bytes;
+  int code = OPC_OK;
+  g_variant_iter_init(&all, files);
+  while (!code && g_variant_iter_next(&all, "(^&ay@ay)", &name, &bytes)) {
+    g_autofree char *path = g_build_filename(folder, name, NULL);
+    g_autofree char *parent = g_path_get_dirname(path);
+    (void)g_mkdir_with_parents(parent, 0777);
+    code = write_file(path, bytes, error);
+    g_variant_unref(bytes);
+  }
+  return code;
+}
+
+/* ---- from a run ---- */
+
+/* Behind the step's name. */
+static const char *behind(const char *path, const opc_flow_step *step) {
+  path += strlen(step->name);
+  return path + (*path == '.');
+}
+
+static gboolean is_of(const char *path, const opc_flow_step *step) {
+  size_t n = strlen(step->name);
+  return !strncmp(path, step->name, n) && (!path[n] || path[n] == '.');
+}
+
+static void pack_metrics(GVariantBuilder *all, const opc_run *run,
+                         const opc_flow_step *step) {
+  for (guint i = 0; i < run->metrics->len; i++) {
+    const opc_inner_metric *m =
+        &g_array_index(run->metrics, opc_inner_metric, i);
+    if (is_of(m->path, step))
+      g_variant_builder_add(all, "(ssd)", behind(m->path, step),
+                            m->metric->name, m->value);
+  }
+}
+
+static GVariant *pack_data(const opc_column *c, size_t rows) {
+  if (c->type == OPC_TEXT)
+    return g_variant_new_bytestring_array(c->data, (gssize)rows);
+  return g_variant_new_fixed_array(
+      c->type == OPC_INT ? G_VARIANT_TYPE_INT64 : G_VARIANT_TYPE_DOUBLE,
+      c->data, rows, 8);
+}
+
+static void pack_table(GVariantBuilder *all, const opc_table *t) {
+  GVariantBuilder columns;
+  g_variant_builder_init(&columns, G_VARIANT_TYPE("a(smsuiv)"));
+  for (size_t i = 0; i < t->n_columns; i++) {
+    const opc_column *c = &t->columns[i];
+    g_variant_builder_add(&columns, "(smsuiv)", c->name, c->unit, c->type,
+                          c->decimals, pack_data(c, t->rows));
+  }
+  g_variant_builder_add(all, "(suta(smsuiv))", t->name, t->flags,
+                        (guint64)t->rows, &columns);
+}
+
+gboolean opc_said_pack(GVariantBuilder *all, const GPtrArray *said,
+                       const opc_flow_step *step) {
+  gboolean good = TRUE;
+  g_variant_builder_init(all, G_VARIANT_TYPE("a(uss)"));
+  for (guint i = 0; said && i < said->len; i++) {
+    const opc_said *s = said->pdata[i];
+    gboolean own = is_of(s->path, step);
+    g_variant_builder_add(all, "(uss)", s->level,
+                          own ? behind(s->path, step) : "", s->text);
+    good &= own;
+  }
+  return good;
+}
+
+GVariant *opc_result_new(const opc_run *run, const opc_flow_step *step,
+                         guint tables) {
+  GVariantBuilder metrics, said, kept, files;
+  gboolean good = opc_said_pack(&said, run->said, step) && run->said;
+  g_variant_builder_init(&metrics, G_VARIANT_TYPE("a(ssd)"));
+  g_variant_builder_init(&kept, G_VARIANT_TYPE("a(suta(smsuiv))"));
+  g_variant_builder_init(&files, G_VARIANT_TYPE("a(ayay)"));
+  pack_metrics(&metrics, run, step);
+  for (guint i = tables; i < run->tables->len; i++)
+    pack_table(&kept, run->tables->pdata[i]);
+  guint64 bytes = 0;
+  for (guint i = 0; i < run->given->len; i++) {
+    struct stat about;
+    if (!lstat(run->given->pdata[i], &about)) bytes += (guint64)about.st_size;
+  }
+  good = good && bytes <= opc_store_most(run->options->store);
+  for (guint i = 0; good && i < run->given->len; i++) {
+    const char *path = run->given->pdata[i];
+    good = add_file(&files, path, path + strlen(run->work) + 1);
+  }
+  GVariant *all = g_variant_new(opc_result_type, run->seconds[step->number],
+                                &metrics, &said, &kept, &files);
+  if (good) return all;
+  g_variant_unref(g_variant_ref_sink(all));
+  return NULL;
+}
+
+/* ---- to a run ---- */
+
+/* The instance behind the step's name; NULL if there is none. */
+static const opc_host *host_of(const opc_flow_step *step, const char *rest) {
+  g_autoptr(GPtrArray) all = g_ptr_array_new();
+  opc_binding_list(step->binding, all);
+  for (guint i = 0; i < all->len; i++) {
+    const opc_binding *b = all->pdata[i];
+    if (!strcmp(behind(b->path, step), rest)) return b->host;
+  }
+  return step->binding->host;
+}
+
+static int publish_metrics(const opc_flow_step *step, GVariant *metrics,
+                           opc_error *error) {
+  GVariantIter all;
+  const char *rest, *name;
+  double value;
+  int code = OPC_OK;
+  g_variant_iter_init(&all, metrics);
+  while (!code && g_variant_iter_next(&all, "(&s&sd)", &rest, &name, &value)) {
+    const opc_host *host = host_of(step, rest);
+    code = host->metric(host, name, value, error);
+  }
+  return code;
+}
+
+/* The data of a column; `owned` frees what it points to. */
+static const void *unpack_data(GVariant *data, uint32_t type, guint64 rows,
+                               GPtrArray *owned) {
+  gsize n = 0;
+  if (type == OPC_TEXT) {
+    const char **texts = g_variant_get_bytestring_array(data, &n);
+    g_ptr_array_add(owned, texts);
+    return n == rows ? texts : NULL;
+  }
+  const void *numbers = g_variant_get_fixed_array(data, &n, 8);
+  return n == rows ? numbers : NULL;
+}
+
+static int publish_table(const opc_flow_step *step, const char *name,
+                         uint32_t flags, guint64 rows, GVariant *columns,
+                         opc_error *error) {
+  size_t n = g_variant_n_children(columns);
+  g_autofree opc_column *list = g_new0(opc_column, n + 1);
+  g_autoptr(GPtrArray) texts = g_ptr_array_new_with_free_func(g_free);
+  g_autoptr(GPtrArray) held =
+      g_ptr_array_new_with_free_func((GDestroyNotify)g_variant_unref);
+  for (size_t i = 0; i < n; i++) {
+    opc_column *c = &list[i];
+    GVariant *data;
+    g_variant_get_child(columns, i, "(&sm&suiv)", &c->name, &c->unit, &c->type,
+                        &c->decimals, &data);
+    g_ptr_array_add(held, data);
+    c->data = unpack_data(data, c->type, rows, texts);
+  }
+  const opc_host *host = step->binding->host;
+  return host->table(host, name, flags, rows, list, n, sizeof *list, error);
+}
+
+static int publish_tables(const opc_flow_step *step, GVariant *tables,
+                          opc_error *error) {
+  GVariantIter all;
+  const char *name;
+  uint32_t flags;
+  guint64 rows;
+  GVariant *columns;
+  int code = OPC_OK;
+  g_variant_iter_init(&all, tables);
+  while (!code && g_variant_iter_next(&all, "(&sut@a(smsuiv))", &name, &flags,
+                                      &rows, &columns)) {
+    code = publish_table(step, name, flags, rows, columns, error);
+    g_variant_unref(columns);
+  }
+  return code;
+}
+
+static int publish_files(const opc_flow_step *step, GVariant *files,
+                         opc_error *error) {
+  const opc_host *host = step->binding->host;
+  GVariantIter all;
+  const char *name;
+  GVariant *bytes;
+  int code = OPC_OK;
+  g_variant_iter_init(&all, files);
+  while (!code && g_variant_iter_next(&all, "(^&ay@ay)", &name, &bytes)) {
+    const char *path = host->output_path(host, name, error);
+    code = path ? write_file(path, bytes, error) : error->code;
+    g_variant_unref(bytes);
+  }
+  return code;
+}
+
+void opc_said_again(opc_run *run, const opc_flow_step *step, GVariant *said) {
+  GVariantIter all;
+  guint level;
+  const char *rest, *text;
+  g_variant_iter_init(&all, said);
+  while (g_variant_iter_next(&all, "(u&s&s)", &level, &rest, &text)) {
+    g_autofree char *path =
+        g_strdup_printf("%s%s%s", step->name, *rest ? "." : "", rest);
+    run->watch.log(run, path, (int)level, text);
+  }
+}
+
+int opc_result_publish(opc_run *run, const opc_flow_step *step,
+                       GVariant *result, opc_error *error) {
+  g_autoptr(GVariant) metrics = g_variant_get_child_value(result, 1);
+  g_autoptr(GVariant) said = g_variant_get_child_value(result, 2);
+  g_autoptr(GVariant) tables = g_variant_get_child_value(result, 3);
+  g_autoptr(GVariant) files = g_variant_get_child_value(result, 4);
+  g_variant_get_child(result, 0, "d", &run->seconds[step->number]);
+  opc_said_again(run, step, said);
+  int code = publish_files(step, files, error);
+  if (!code) code = publish_tables(step, tables, error);
+  return code ? code : publish_metrics(step, metrics, error);
+}

@@ -1,0 +1,327 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Searches of a flow whose figure is a formula of two parameters: each setting
+   has the value of the formula, and the best one is its least or greatest
+   value, found here by looking at all of them. */
+#include "search.h"
+
+#include <math.h>
+
+#include "tests/inner.h"
+
+/* ---- a flow ---- */
+
+static const opc_metric figure = {"ion", "%", OPC_LOWER, 0, "a figure"};
+static const opc_metric effort = {"simulations", NULL, OPC_LOWER, 0, "effort"};
+
+enum { LENGTHS = 3, MOVES = 4, ALL = LENGTHS * MOVES };
+static const double lengths[LENGTHS] = {10, 20, 30};
+static const double moves[MOVES] = {0, 1, 2, 4};
+static const char *const length_texts[] = {"10 nm", "20 nm", "30 nm"};
+static const char *const move_texts[] = {"0", "1", "2", "4"};
+static const opc_inner_axis axes[] = {
+    {"mask.length", "nm", LENGTHS, lengths, length_texts, 1},
+    {"mask.moves", NULL, MOVES, moves, move_texts, 1}};
+
+/* Least at 20 nm, equal for 1 and 2 moves; greatest at 30 nm and 4 moves. */
+static double formula(double length, double move) {
+  return (length - 20) * (length - 19) / 4 + (move - 1.5) * (move - 1.5);
+}
+
+static double truth(size_t setting) {
+  return formula(lengths[setting / MOVES], moves[setting % MOVES]);
+}
+
+static int failing = -1; /* the point whose run fails */
+static double later;     /* added to the figure in the run of the best one */
+
+static int run_point(size_t point, opc_error *error) {
+  inner.n_metrics = 0;
+  inner_tell("mask", &effort, 7);
+  if ((int)point == failing)
+    return opc_fail(error, OPC_FAILED, NULL, "no light at %zu", point);
+  int last = inner.keep[inner.n_points - 1];
+  inner_tell("mask.synthesizer", &figure, -1000); /* of another plugin */
+  inner_tell("mask", &figure, truth(point) + (last ? later : 0));
+  return OPC_OK;
+}
+
+static int mask; /* its address stands for a mask */
+static const inner_flow flow = {.axes = axes,
+                                .n_axes = 2,
+                                .metric = &figure,
+                                .path = "mask.ion",
+                                .mask = "mask",
+                                .object = &mask,
+                                .point = run_point};
+
+/* ---- searches ---- */
+
+static const opc_step *functions(void) { return opcflow_plugin()->functions; }
+
+/* Check and run it; the outputs are released. Its code and *error. */
+static int run_search(search *s, opc_error *error) {
+  void *outputs[2] = {NULL, NULL};
+  int code = opcflow_plugin()->check(s, error);
+  if (!code) code = functions()->run(s, outputs, error);
+  if (!code) {
+    const eda_settings *all = outputs[1];
+    g_assert_true(outputs[0] == &mask);
+    g_assert_cmpint(eda_settings_check(all, error), ==, OPC_OK);
+    g_assert_cmpuint(all->n_parameters, ==, inner.n_axes);
+    for (size_t i = 0; i < all->count; i++)
+      if (!isnan(all->figure[i]))
+        g_assert_true(all->figure[i] == opc_test_number("settings", "ion", i) ||
+                      all->figure[i] ==
+                          opc_test_number("settings", "mask.ion", i));
+    eda_settings_free(outputs[1]);
+  }
+  opcflow_plugin()->clear(s);
+  return code;
+}
+
+static size_t best_of(int greatest) {
+  size_t best = 0;
+  for (size_t i = 1; i < ALL; i++)
+    if (greatest ? truth(i) > truth(best) : truth(i) < truth(best)) best = i;
+  return best;
+}
+
+/* Each setting runs once, in their order, and then the best one again, whose
+   files are kept. Of equals the first one is best. */
+static void test_all(void) {
+  for (int greatest = 0; greatest < 2; greatest++) {
+    opc_error error;
+    search s = {.host = inner_host(flow),
+                .minimise = greatest ? NULL : "mask.ion",
+                .maximise = greatest ? "mask.ion" : NULL};
+    inner.shared[inner.n_shared++] = (opc_inner_metric){"gates", &effort, 3};
+    size_t best = best_of(greatest);
+    g_assert_cmpint(run_search(&s, &error), ==, OPC_OK);
+    g_assert_cmpuint(inner.n_points, ==, ALL + 1);
+    for (size_t i = 0; i < ALL; i++) {
+      g_assert_cmpuint(inner.points[i], ==, i);
+      g_assert_cmpint(inner.keep[i], ==, 0);
+      g_assert_true(opc_test_number("settings", "mask.ion", i) == truth(i));
+      g_assert_true(opc_test_number("settings", "mask.length", i) ==
+                    lengths[i / MOVES]);
+      g_assert_true(opc_test_number("settings", "mask.moves", i) ==
+                    moves[i % MOVES]);
+      g_assert_cmpstr(opc_test_text("settings", "result", i), ==, "good");
+    }
+    g_assert_cmpuint(inner.points[ALL], ==, best);
+    g_assert_cmpint(inner.keep[ALL], ==, 1);
+    g_assert_true(opc_test_metric(greatest ? "greatest" : "least") ==
+                  truth(best));
+    g_assert_cmpfloat(opc_test_metric("setting"), ==, (double)best + 1);
+    g_assert_cmpfloat(opc_test_metric("settings"), ==, ALL);
+    g_assert_cmpfloat(opc_test_metric("runs"), ==, ALL);
+    g_assert_cmpfloat(opc_test_metric("failed"), ==, 0);
+    g_assert_cmpfloat(opc_test_metric("simulations"), ==, 3 + 7 * (ALL + 1));
+    g_assert_cmpstr(opc_test_text("best", "value", 0), ==,
+                    length_texts[best / MOVES]);
+    g_assert_cmpstr(opc_test_text("best", "value", 1), ==,
+                    move_texts[best % MOVES]);
+  }
+  g_assert_true(truth(best_of(0)) == truth(best_of(0) + 1)); /* a tie */
+}
+
+/* ---- settings that share a run ---- */
+
+/* The table of a run: `at` rises by 0.5, to what the run may do at most. */
+static double table_at[16], table_ion[16];
+static const opc_column table[] = {{"at", NULL, OPC_REAL, 0, table_at},
+                                   {"ion", "%", OPC_REAL, 0, table_ion}};
+static double rest; /* where a run comes to rest and ends */
+
+static int run_rows(size_t point, opc_error *error) {
+  double most = fmin(moves[point % MOVES], rest);
+  int code = run_point(point, error);
+  inner.columns = table;
+  inner.n_columns = 2;
+  for (inner.rows = 0; 0.5 * (double)inner.rows <= most; inner.rows++) {
+    double at = 0.5 * (double)inner.rows;
+    table_at[inner.rows] = at;
+    table_ion[inner.rows] = formula(lengths[point / MOVES], at);
+  }
+  return code;
+}
+
+static void test_shared(void) {
+  static const opc_pair pair = {"mask.moves", "mask.history.at"};
+  static const double ends[] = {100, 1.5}; /* beyond all moves; among them */
+  for (size_t k = 0; k < G_N_ELEMENTS(ends); k++) {
+    inner_flow shared = flow;
+    opc_error error;
+    shared.point = run_rows;
+    rest = ends[k];
+    search s = {.host = inner_host(shared),
+                .minimise = "mask.ion",
+                .along = {&pair, 1}};
+    int code = run_search(&s, &error);
+    if (code) g_error("%s", error.message);
+    g_assert_cmpuint(inner.n_points, ==, LENGTHS + 1);
+    g_assert_cmpfloat(opc_test_metric("runs"), ==, LENGTHS);
+    for (size_t i = 0; i < LENGTHS; i++) {
+      g_assert_cmpuint(inner.points[i], ==, (i + 1) * MOVES - 1);
+      g_assert_cmpuint(inner.shares[i], ==, MOVES);
+    }
+    for (size_t i = 0; i < ALL; i++) {
+      double at = fmin(moves[i % MOVES], rest);
+      g_assert_true(opc_test_number("settings", "mask.ion", i) ==
+                    formula(lengths[i / MOVES], at));
+      g_assert_cmpfloat(opc_test_number("settings", "run", i), ==,
+                        (double)(i / MOVES) + 1);
+    }
+    if (k) continue;
+    g_assert_cmpfloat(opc_test_metric("setting"), ==, (double)best_of(0) + 1);
+    g_assert_null(strstr(opc_test_log(), "run alone has"));
+  }
+}
+
+/* The shared parameter changes last: runs take settings that are not
+   neighbours. The figure is least, 0, for settings 1 and 3, of which the run of
+   3 is the first; one of the runs fails. */
+static const opc_inner_axis turned[] = {
+    {"mask.moves", NULL, MOVES, moves, move_texts, 1},
+    {"mask.length", "nm", LENGTHS, lengths, length_texts, 1}};
+
+static int run_turned(size_t point, opc_error *error) {
+  size_t length = point % LENGTHS;
+  int code = run_point(point, error);
+  inner.columns = table;
+  inner.n_columns = 2;
+  for (inner.rows = 0; inner.rows < MOVES; inner.rows++) {
+    table_at[inner.rows] = moves[inner.rows];
+    table_ion[inner.rows] = fabs((double)(inner.rows + length) - 1);
+  }
+  return code;
+}
+
+static void test_turned(void) {
+  static const opc_pair pair = {"mask.moves", "mask.history.at"};
+  inner_flow other = flow;
+  opc_error error;
+  other.axes = turned;
+  other.point = run_turned;
+  search s = {
+      .host = inner_host(other), .minimise = "mask.ion", .along = {&pair, 1}};
+  failing = ALL - 1;
+  int code = run_search(&s, &error);
+  failing = -1;
+  if (code) g_error("%s", error.message);
+  g_assert_cmpuint(inner.n_points, ==, LENGTHS + 1);
+  for (size_t i = 0; i < LENGTHS; i++)
+    g_assert_cmpuint(inner.points[i], ==, ALL - LENGTHS + i);
+  for (size_t i = 0; i < ALL; i++) {
+    double want = fabs((double)(i / LENGTHS + i % LENGTHS) - 1);
+    double got = opc_test_number("settings", "mask.ion", i);
+    g_assert_true(i % LENGTHS == 2 ? isnan(got) : got == want);
+  }
+  g_assert_cmpfloat(opc_test_metric("failed"), ==, MOVES);
+  g_assert_cmpfloat(opc_test_metric("setting"), ==, 1 + 1);
+}
+
+/* ---- what goes wrong ---- */
+
+/* Where the best setting's run fails, the next best one wins. */
+static void test_failing(void) {
+  opc_error error;
+  search s = {.host = inner_host(flow), .minimise = "mask.ion"};
+  failing = (int)best_of(0);
+  g_assert_cmpint(run_search(&s, &error), ==, OPC_OK);
+  g_assert_cmpfloat(opc_test_metric("failed"), ==, 1);
+  g_assert_cmpfloat(opc_test_metric("setting"), ==, failing + 2); /* the tie */
+  g_assert_true(
+      isnan(opc_test_number("settings", "mask.ion", (size_t)failing)));
+  g_assert_nonnull(
+      strstr(opc_test_text("settings", "result", (size_t)failing), "no light"));
+  g_assert_nonnull(strstr(opc_test_log(), "1 of 12 settings failed"));
+  failing = -1;
+}
+
+static int run_cancelled(size_t point, opc_error *error) {
+  return point < 2 ? run_point(point, error)
+                   : opc_fail(error, OPC_CANCELLED, NULL, "cancelled");
+}
+
+static int run_dark(size_t point, opc_error *error) {
+  inner.n_metrics = 0;
+  return opc_fail(error, OPC_FAILED, NULL, "dark %zu", point);
+}
+
+/* The user's wish ends it at once; if no run is good, its own fault does. */
+static void test_ends(void) {
+  inner_flow other = flow;
+  opc_error error;
+  other.point = run_cancelled;
+  search s = {.host = inner_host(other), .minimise = "mask.ion"};
+  g_assert_cmpint(run_search(&s, &error), ==, OPC_CANCELLED);
+  g_assert_cmpuint(inner.n_points, ==, 3);
+  other.point = run_dark;
+  search t = {.host = inner_host(other), .minimise = "mask.ion"};
+  g_assert_cmpint(run_search(&t, &error), ==, OPC_FAILED);
+  g_assert_cmpstr(error.message, ==, "no setting has a figure: dark 0");
+}
+
+/* The run of the best setting alone differs: a warning with both. */
+static void test_differs(void) {
+  opc_error error;
+  search s = {.host = inner_host(flow), .minimise = "mask.ion"};
+  later = 0.5;
+  g_assert_cmpint(run_search(&s, &error), ==, OPC_OK);
+  later = 0;
+  g_autofree char *both = g_strdup_printf(
+      "has %.9g, not %.9g", truth(best_of(0)) + 0.5, truth(best_of(0)));
+  g_assert_nonnull(strstr(opc_test_log(), both));
+}
+
+static void refused(search s, const char *parameter, const char *message) {
+  opc_error error = {0};
+  int code = opcflow_plugin()->check(&s, &error);
+  opcflow_plugin()->clear(&s);
+  g_assert_cmpint(code, ==, OPC_INVALID);
+  g_assert_cmpstr(error.parameter, ==, parameter);
+  if (!strstr(error.message, message)) g_error("%s", error.message);
+}
+
+static void test_refused(void) {
+  static const opc_pair unit = {"mask.length", "mask.history.at"},
+                        other = {"mask.moves", "gates.history.at"},
+                        none = {"mask.moves", "at"};
+  const opc_host *host = inner_host(flow);
+  const char *ion = "mask.ion";
+  refused((search){.host = host}, "", "needs either 'minimise' or 'maximise'");
+  refused((search){.host = host, .minimise = ion, .maximise = ion}, "",
+          "needs either");
+  refused((search){.host = host, .maximise = "mask.in"}, "maximise",
+          "no metric 'mask.in'");
+  refused((search){.host = host, .minimise = ion, .along = {&unit, 1}},
+          "along.mask.length", "needs plain numbers that increase");
+  refused((search){.host = host, .minimise = ion, .along = {&other, 1}},
+          "along.mask.moves", "not of 'gates'");
+  refused((search){.host = host, .minimise = ion, .along = {&none, 1}},
+          "along.mask.moves", "is no column");
+  refused((search){.host = host, .minimise = ion, .mask = "gates"}, "mask",
+          "'gates' makes no mask: 'mask' names the step whose mask is wanted, "
+          "such as 'mask'");
+  inner.n_axes = 0;
+  refused((search){.host = host, .minimise = ion}, "", "needs a 'sweep'");
+  opc_inner_axis idle = axes[0];
+  idle.used = 0;
+  inner.axes = &idle;
+  inner.n_axes = 1;
+  refused((search){.host = host, .minimise = ion}, "sweep.mask.length",
+          "changes nothing");
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/search/all", test_all);
+  g_test_add_func("/search/shared", test_shared);
+  g_test_add_func("/search/turned", test_turned);
+  g_test_add_func("/search/failing", test_failing);
+  g_test_add_func("/search/ends", test_ends);
+  g_test_add_func("/search/differs", test_differs);
+  g_test_add_func("/search/refused", test_refused);
+  return g_test_run();
+}

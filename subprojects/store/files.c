@@ -1,0 +1,174 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads and writes whole files; walks and removes folders. */
+#include <store/files.h>
+
+#include <errno.h>
+#include <fcntl.h>
+#include <ftw.h>
+#include <glib/gstdio.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static int remove_entry(const char *path, const struct stat *about, int type,
+                        struct FTW *walk) {
+  (void)about;
+  (void)type;
+  (void)walk;
+  return remove(path);
+}
+
+gboolean opc_remove_tree(const char *path) {
+  return !nftw(path, remove_entry, 16, FTW_DEPTH | FTW_PHYS | FTW_MOUNT);
+}
+
+/* An open regular file; -1 and *error. Opening a pipe does not wait. */
+static int open_regular(const char *path, struct stat *about,
+                        opc_error *error) {
+  int file = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (file >= 0 && !fstat(file, about) && S_ISREG(about->st_mode)) return file;
+  opc_fail(error, OPC_IO, NULL, "'%s': %s", path,
+           file < 0 ? g_strerror(errno) : "is not a regular file");
+  if (file >= 0) close(file);
+  return -1;
+}
+
+char *opc_file_sha256(const char *path, const opc_context *context,
+                      opc_error *error) {
+  struct stat about;
+  int file = open_regular(path, &about, error);
+  if (file < 0) return NULL;
+  g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
+  guchar buffer[65536];
+  int code = OPC_OK;
+  /* What is written to its end meanwhile is left out: it may never stop. */
+  for (off_t left = about.st_size; left > 0 && !code;) {
+    ssize_t n = read(file, buffer, (size_t)MIN(left, (off_t)sizeof buffer));
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0)
+      code = opc_fail(error, OPC_IO, NULL, "'%s': %s", path, g_strerror(errno));
+    else if (n == 0)
+      code = opc_fail(error, OPC_IO, NULL,
+                      "'%s': became shorter while it was read", path);
+    else if (opc_cancelled(context))
+      code = opc_fail(error, OPC_CANCELLED, NULL, "stopped");
+    if (n > 0) g_checksum_update(sum, buffer, n);
+    left -= n;
+  }
+  close(file);
+  return code ? NULL : g_strdup(g_checksum_get_string(sum));
+}
+
+/* Write and close; 0 or an errno. */
+static int put_text(int file, const char *text) {
+  size_t left = strlen(text);
+  int why = 0;
+  while (left && !why) {
+    ssize_t n = write(file, text, left);
+    if (n < 0 && errno != EINTR) why = errno;
+    if (n <= 0) continue;
+    text += n;
+    left -= (size_t)n;
+  }
+  if (close(file) && !why) why = errno;
+  return why;
+}
+
+/* A file comes to be under another name, so that its own is only ever that of a
+   whole one. What is no plain file (/dev/stdout) is written as it is. */
+int opc_write_file(const char *path, const char *text, opc_error *error) {
+  struct stat about;
+  gboolean plain = lstat(path, &about) || S_ISREG(about.st_mode);
+  g_autofree char *fresh = g_strconcat(path, ".XXXXXX", NULL);
+  int file = plain ? g_mkstemp_full(fresh, O_WRONLY | O_CLOEXEC, 0666)
+                   : open(path, O_WRONLY | O_TRUNC | O_CLOEXEC);
+  int why = file < 0 ? errno : put_text(file, text);
+  if (plain && !why && rename(fresh, path)) why = errno;
+  if (plain && why && file >= 0) unlink(fresh);
+  if (!why) return OPC_OK;
+  return opc_fail(error, OPC_IO, NULL, "'%s': %s", path, g_strerror(why));
+}
+
+/* ---- folders ---- */
+
+static int by_name(gconstpointer a, gconstpointer b) {
+  return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+/* `start`: how long the part of a path is that is not inside. */
+static int walk(const char *folder, size_t start, opc_visit *visit, void *data,
+                opc_error *error) {
+  GError *fault = NULL;
+  GDir *dir = g_dir_open(folder, 0, &fault);
+  if (!dir) {
+    opc_fail(error, OPC_IO, NULL, "%s", fault->message);
+    g_error_free(fault);
+    return OPC_IO;
+  }
+  g_autoptr(GPtrArray) paths = g_ptr_array_new_with_free_func(g_free);
+  for (const char *name; (name = g_dir_read_name(dir));)
+    g_ptr_array_add(paths, g_build_filename(folder, name, NULL));
+  g_dir_close(dir);
+  g_ptr_array_sort(paths, by_name);
+  int code = OPC_OK;
+  for (guint i = 0; i < paths->len && !code; i++) {
+    const char *path = paths->pdata[i];
+    struct stat about;
+    if (lstat(path, &about))
+      return opc_fail(error, OPC_IO, NULL, "'%s': %s", path, g_strerror(errno));
+    if (S_ISDIR(about.st_mode)) code = walk(path, start, visit, data, error);
+    if (!code) code = visit(data, path, path + start, &about, error);
+  }
+  return code;
+}
+
+int opc_walk(const char *folder, opc_visit *visit, void *data,
+             opc_error *error) {
+  g_autofree char *whole = g_build_filename(folder, "x", NULL);
+  return walk(folder, strlen(whole) - 1, visit, data, error);
+}
+
+static int sync_by(int sync(int file), const char *path, opc_error *error) {
+  int file = open(path, O_RDONLY | O_CLOEXEC);
+  int why = file < 0 || sync(file) ? errno : 0;
+  if (file >= 0) close(file);
+  /* What cannot be synced at all is as safe as it can be. */
+  if (!why || why == EINVAL || why == EROFS) return OPC_OK;
+  return opc_fail(error, OPC_IO, NULL, "'%s': %s", path, g_strerror(why));
+}
+
+int opc_sync(const char *path, opc_error *error) {
+  return sync_by(fsync, path, error);
+}
+
+static gboolean is_ours(const struct stat *about) {
+  return S_ISREG(about->st_mode) || S_ISDIR(about->st_mode);
+}
+
+static int sync_entry(void *unused, const char *path, const char *name,
+                      const struct stat *about, opc_error *error) {
+  (void)unused;
+  (void)name;
+  return is_ours(about) ? opc_sync(path, error) : OPC_OK;
+}
+
+static int count_entry(void *count, const char *path, const char *name,
+                       const struct stat *about, opc_error *error) {
+  (void)path, (void)name, (void)error;
+  *(guint *)count += is_ours(about);
+  return OPC_OK;
+}
+
+/* 800 files take 2 to 3 s one by one on ext4, and 0.05 s with the whole file
+   system; but that has to write what others have left there, too. */
+enum { FEW = 50 };
+
+int opc_sync_tree(const char *folder, opc_error *error) {
+  guint count = 0;
+  int code = opc_walk(folder, count_entry, &count, error);
+  if (code) return code;
+  if (count > FEW) return sync_by(syncfs, folder, error);
+  code = opc_walk(folder, sync_entry, NULL, error);
+  return code ? code : opc_sync(folder, error);
+}

@@ -1,0 +1,296 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The folder of the store: FOLDER/entries/ab/cdef..., each a line of 16 bytes,
+   64 digits of the SHA-256 of what follows, and a GVariant; FOLDER/new/ what is
+   being written, each locked by who does; FOLDER/limit. */
+#include <store/store.h>
+
+#include <errno.h>
+#include <fcntl.h>
+#include <glib/gstdio.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <store/files.h>
+#include "private.h"
+
+static const char mark[] = "opcflow store 1\n";
+enum { MARK = 16, SUM = 64, HEAD = MARK + SUM };
+
+/* ---- opening ---- */
+
+gboolean opc_store_read_size(const char *text, guint64 *bytes) {
+  static const struct {
+    const char *unit;
+    double factor;
+  } units[] = {{"", 1},     {"B", 1},    {"kB", 1e3},
+               {"MB", 1e6}, {"GB", 1e9}, {"TB", 1e12}};
+  char *end;
+  double number = g_ascii_strtod(text, &end);
+  while (*end == ' ') end++;
+  for (size_t i = 0; end > text && i < G_N_ELEMENTS(units); i++) {
+    double size = number * units[i].factor;
+    if (strcmp(end, units[i].unit) || !(size >= 0) || size > 1e18) continue;
+    *bytes = (guint64)size;
+    return TRUE;
+  }
+  return FALSE;
+}
+
+static guint64 find_limit(const char *folder) {
+  guint64 bytes = OPC_STORE_LIMIT;
+  g_autofree char *path = g_build_filename(folder, "limit", NULL);
+  g_autofree char *text = NULL;
+  const char *own = g_getenv("OPCFLOW_STORE_LIMIT");
+  if (own && opc_store_read_size(own, &bytes)) return bytes;
+  if (g_file_get_contents(path, &text, NULL, NULL))
+    opc_store_read_size(g_strstrip(text), &bytes);
+  return bytes;
+}
+
+opc_store *opc_store_open(opc_error *error) {
+  const char *own = g_getenv("OPCFLOW_STORE");
+  if (own && !*own) return NULL;
+  g_autofree char *folder =
+      own ? g_canonicalize_filename(own, NULL)
+          : g_build_filename(g_get_user_cache_dir(), "opcflow", NULL);
+  g_autofree char *entries = g_build_filename(folder, "entries", NULL);
+  if (g_mkdir_with_parents(entries, 0700)) {
+    opc_fail(error, OPC_IO, NULL, "'%s': %s", entries, g_strerror(errno));
+    return NULL;
+  }
+  opc_store *store = g_new0(opc_store, 1);
+  store->limit = find_limit(folder);
+  store->folder = g_steal_pointer(&folder);
+  opc_sums_init(store);
+  return store;
+}
+
+const char *opc_store_folder(const opc_store *store) { return store->folder; }
+
+char *opc_store_complaint(opc_store *store) {
+  return g_steal_pointer(&store->complaint);
+}
+
+static void complain(opc_store *store, const char *path, const char *why) {
+  g_free(store->complaint);
+  store->complaint = g_strdup_printf("'%s': %s", path, why);
+}
+
+/* entries/ab/cdef... */
+static char *path_of(const opc_store *store, const char *key) {
+  const char name[3] = {key[0], key[1], 0};
+  return g_build_filename(store->folder, "entries", name, key + 2, NULL);
+}
+
+/* ---- reading ---- */
+
+static gboolean is_sound(const char *text, gsize n) {
+  if (n < HEAD || memcmp(text, mark, MARK)) return FALSE;
+  g_autofree char *sum = g_compute_checksum_for_data(
+      G_CHECKSUM_SHA256, (const guchar *)text + HEAD, n - HEAD);
+  return !memcmp(text + MARK, sum, SUM);
+}
+
+GVariant *opc_store_get(opc_store *store, const char *key,
+                        const GVariantType *type) {
+  g_autofree char *path = path_of(store, key);
+  g_autofree char *text = NULL;
+  gsize n;
+  if (!g_file_get_contents(path, &text, &n, NULL)) return NULL;
+  if (is_sound(text, n)) {
+    (void)utimensat(AT_FDCWD, path, NULL, 0); /* it was of use */
+    GBytes *all = g_bytes_new_take(g_steal_pointer(&text), n);
+    GBytes *body = g_bytes_new_from_bytes(all, HEAD, n - HEAD);
+    GVariant *value = g_variant_new_from_bytes(type, body, FALSE);
+    g_bytes_unref(body);
+    g_bytes_unref(all);
+    return g_variant_ref_sink(value);
+  }
+  complain(store, path, "is damaged, and was dropped");
+  (void)unlink(path);
+  return NULL;
+}
+
+gboolean opc_store_has(const opc_store *store, const char *key) {
+  g_autofree char *path = path_of(store, key);
+  return !access(path, R_OK);
+}
+
+/* ---- writing ---- */
+
+static gboolean write_all(int file, const void *data, gsize n) {
+  const char *at = data;
+  while (n) {
+    ssize_t done = write(file, at, n);
+    if (done < 0 && errno == EINTR) continue;
+    if (done < 0) return FALSE;
+    at += done;
+    n -= (gsize)done;
+  }
+  return TRUE;
+}
+
+/* Under a name of its own, locked as long as it is written. */
+static gboolean write_value(const char *fresh, int file, const char *path,
+                            GVariant *value) {
+  gsize n = g_variant_get_size(value);
+  const guchar *data = g_variant_get_data(value);
+  g_autofree char *sum =
+      g_compute_checksum_for_data(G_CHECKSUM_SHA256, data, n);
+  g_autofree char *folder = g_path_get_dirname(path);
+  (void)flock(file, LOCK_EX | LOCK_NB);
+  return write_all(file, mark, MARK) && write_all(file, sum, SUM) &&
+         write_all(file, data, n) && !g_mkdir_with_parents(folder, 0700) &&
+         !rename(fresh, path);
+}
+
+static void trim(opc_store *store, guint64 most);
+
+guint64 opc_store_most(const opc_store *store) { return store->limit / 4; }
+
+gboolean opc_store_put(opc_store *store, const char *key, GVariant *given) {
+  g_autoptr(GVariant) value = g_variant_ref_sink(given);
+  gsize n = g_variant_get_size(value);
+  if (n > opc_store_most(store)) return FALSE;
+  g_autofree char *path = path_of(store, key);
+  g_autofree char *folder = g_build_filename(store->folder, "new", NULL);
+  g_autofree char *fresh = g_build_filename(folder, "XXXXXX", NULL);
+  int file = g_mkdir_with_parents(folder, 0700)
+                 ? -1
+                 : g_mkstemp_full(fresh, O_WRONLY | O_CLOEXEC, 0600);
+  gboolean good = file >= 0 && write_value(fresh, file, path, value);
+  /* One that clears at this moment may have taken it for a remain. */
+  if (!good && errno != ENOENT && !store->told) {
+    store->told = TRUE;
+    complain(store, store->folder, g_strerror(errno));
+  }
+  if (!good && file >= 0) (void)unlink(fresh);
+  if (file >= 0) close(file);
+  store->written += good ? n : 0;
+  if (store->written > store->limit / 10) trim(store, store->limit);
+  return good;
+}
+
+void opc_store_drop(const opc_store *store, const char *key) {
+  g_autofree char *path = path_of(store, key);
+  (void)unlink(path);
+}
+
+/* ---- all of it ---- */
+
+typedef struct entry {
+  char *path;
+  guint64 bytes;
+  gint64 used; /* ns */
+} entry;
+
+static void entry_clear(gpointer e) { g_free(((entry *)e)->path); }
+
+static int take_entry(void *list, const char *path, const char *name,
+                      const struct stat *about, opc_error *error) {
+  (void)name, (void)error;
+  const entry e = {g_strdup(path), (guint64)about->st_size,
+                   about->st_mtim.tv_sec * G_GINT64_CONSTANT(1000000000) +
+                       about->st_mtim.tv_nsec};
+  if (S_ISREG(about->st_mode))
+    g_array_append_val((GArray *)list, e);
+  else
+    g_free(e.path);
+  return OPC_OK;
+}
+
+/* Another process may take away what is being listed: what is left is it. */
+static GArray *list_entries(const opc_store *store) {
+  g_autofree char *folder = g_build_filename(store->folder, "entries", NULL);
+  GArray *list = g_array_new(FALSE, FALSE, sizeof(entry));
+  opc_error none;
+  g_array_set_clear_func(list, entry_clear);
+  (void)opc_walk(folder, take_entry, list, &none);
+  return list;
+}
+
+static gint by_use(gconstpointer a, gconstpointer b) {
+  gint64 s = ((const entry *)a)->used, t = ((const entry *)b)->used;
+  return (s > t) - (s < t);
+}
+
+/* What nobody writes any more: its writer was killed. */
+static void remove_remains(const opc_store *store) {
+  g_autofree char *folder = g_build_filename(store->folder, "new", NULL);
+  GDir *dir = g_dir_open(folder, 0, NULL);
+  for (const char *name; dir && (name = g_dir_read_name(dir));) {
+    g_autofree char *path = g_build_filename(folder, name, NULL);
+    int file = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (file < 0) continue;
+    if (!flock(file, LOCK_EX | LOCK_NB)) (void)unlink(path);
+    close(file);
+  }
+  if (dir) g_dir_close(dir);
+}
+
+/* Until there are at most so many bytes, the least recently used first, and a
+   tenth more, so that this need not be done again at once. One process is
+   enough. */
+static void trim(opc_store *store, guint64 most) {
+  g_autofree char *path = g_build_filename(store->folder, "lock", NULL);
+  int lock = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  store->written = 0;
+  if (lock >= 0 && !flock(lock, LOCK_EX | LOCK_NB)) {
+    guint64 bytes = 0;
+    g_autoptr(GArray) list = list_entries(store);
+    remove_remains(store);
+    for (guint i = 0; i < list->len; i++)
+      bytes += g_array_index(list, entry, i).bytes;
+    if (bytes > most) {
+      g_array_sort(list, by_use);
+      for (guint i = 0; i < list->len && bytes > most - most / 10; i++) {
+        const entry *e = &g_array_index(list, entry, i);
+        if (!unlink(e->path)) bytes -= e->bytes;
+      }
+    }
+  }
+  if (lock >= 0) close(lock);
+}
+
+void opc_store_close(opc_store *store) {
+  if (!store) return;
+  opc_sums_clear(store);
+  if (store->written) trim(store, store->limit);
+  g_free(store->complaint);
+  g_free(store->folder);
+  g_free(store);
+}
+
+opc_store_size opc_store_measure(const opc_store *store) {
+  opc_store_size size = {.limit = store->limit};
+  g_autoptr(GArray) list = list_entries(store);
+  size.entries = list->len;
+  for (guint i = 0; i < list->len; i++)
+    size.bytes += g_array_index(list, entry, i).bytes;
+  return size;
+}
+
+gboolean opc_store_clear(opc_store *store, opc_error *error) {
+  g_autoptr(GArray) list = list_entries(store);
+  remove_remains(store);
+  for (guint i = 0; i < list->len; i++) {
+    const char *path = g_array_index(list, entry, i).path;
+    if (unlink(path) && errno != ENOENT) {
+      opc_fail(error, OPC_IO, NULL, "'%s': %s", path, g_strerror(errno));
+      return FALSE;
+    }
+  }
+  return TRUE;
+}
+
+gboolean opc_store_set_limit(opc_store *store, guint64 bytes,
+                             opc_error *error) {
+  g_autofree char *path = g_build_filename(store->folder, "limit", NULL);
+  g_autofree char *text = g_strdup_printf("%" G_GUINT64_FORMAT "\n", bytes);
+  if (opc_write_file(path, text, error)) return FALSE;
+  store->limit = bytes;
+  trim(store, bytes);
+  return TRUE;
+}

@@ -1,0 +1,208 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The store by itself: values come back as they were put, damage at any byte is
+   seen, what was used last stays, and sums of files are those of the files. */
+#include <store/store.h>
+
+#include <fcntl.h>
+#include <glib/gstdio.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <store/files.h>
+
+static char *folder;
+
+static opc_store *open_store(void) {
+  opc_error error;
+  opc_store *store = opc_store_open(&error);
+  g_assert_nonnull(store);
+  return store;
+}
+
+static GVariant *bytes(gsize n, int with) {
+  g_autofree char *data = g_malloc(MAX(n, 1));
+  memset(data, with, n);
+  return g_variant_new_fixed_array(G_VARIANT_TYPE_BYTE, data, n, 1);
+}
+
+static GVariant *get(opc_store *store, const char *key) {
+  return opc_store_get(store, key, G_VARIANT_TYPE_BYTESTRING);
+}
+
+static gboolean has(opc_store *store, const char *key) {
+  g_autoptr(GVariant) value = get(store, key);
+  return value != NULL;
+}
+
+static char *path_of(const char *key) {
+  g_autofree char *first = g_strndup(key, 2);
+  return g_build_filename(folder, "entries", first, key + 2, NULL);
+}
+
+/* ---- values ---- */
+
+static void test_values(void) {
+  opc_store *store = open_store();
+  g_assert_false(has(store, "ab12.x"));
+  g_assert_true(opc_store_put(store, "ab12.x", bytes(1000, 7)));
+  opc_store_close(store);
+  store = open_store();
+  g_autoptr(GVariant) value = get(store, "ab12.x");
+  g_autoptr(GVariant) same = g_variant_ref_sink(bytes(1000, 7));
+  g_assert_true(g_variant_equal(value, same));
+  g_assert_true(opc_store_put(store, "ab12.x", bytes(0, 0)));
+  g_autoptr(GVariant) other = get(store, "ab12.x");
+  g_assert_cmpuint(g_variant_get_size(other), ==, 0);
+  g_assert_cmpuint(opc_store_measure(store).entries, ==, 1);
+  opc_store_close(store);
+}
+
+/* Every byte of it counts, and every length. */
+static void test_damage(void) {
+  opc_store *store = open_store();
+  g_autofree char *path = path_of("cd34.x"), *sound = NULL;
+  gsize n;
+  g_assert_true(opc_store_put(store, "cd34.x", bytes(20, 3)));
+  g_assert_true(g_file_get_contents(path, &sound, &n, NULL));
+  for (gsize i = 0; i < 2 * n; i++) {
+    g_autofree char *bad = g_memdup2(sound, n);
+    if (i < n) bad[i] ^= 1;
+    g_assert_true(
+        g_file_set_contents(path, bad, (gssize)(i < n ? n : i - n), NULL));
+    g_assert_false(has(store, "cd34.x"));
+    g_autofree char *told = opc_store_complaint(store);
+    g_assert_nonnull(strstr(told, "damaged"));
+    g_assert_false(g_file_test(path, G_FILE_TEST_EXISTS));
+    g_assert_null(opc_store_complaint(store));
+  }
+  opc_store_close(store);
+}
+
+/* ---- limits ---- */
+
+static void test_limit(void) {
+  opc_store *store = open_store();
+  opc_error error;
+  g_assert_true(opc_store_clear(store, &error));
+  g_assert_true(opc_store_set_limit(store, 100000, &error));
+  for (int i = 0; i < 30; i++) {
+    g_autofree char *key = g_strdup_printf("%02d.x", i);
+    g_assert_true(opc_store_put(store, key, bytes(10000, i)));
+    g_assert_true(has(store, "00.x")); /* it is used again and again */
+    g_usleep(2000);
+  }
+  const opc_store_size size = opc_store_measure(store);
+  g_assert_cmpuint(size.bytes, <=, 110000);
+  g_assert_cmpuint(size.entries, >, 5);
+  g_assert_true(has(store, "29.x"));
+  g_assert_false(has(store, "01.x"));
+  g_assert_false(opc_store_put(store, "ee.x", bytes(25001, 1)));
+  opc_store_close(store);
+  store = open_store(); /* the limit is kept with it */
+  g_assert_cmpuint(opc_store_measure(store).limit, ==, 100000);
+  g_assert_true(opc_store_clear(store, &error));
+  g_assert_cmpuint(opc_store_measure(store).entries, ==, 0);
+  g_assert_true(opc_store_set_limit(store, OPC_STORE_LIMIT, &error));
+  opc_store_close(store);
+}
+
+static void test_sizes(void) {
+  static const struct {
+    const char *text;
+    guint64 bytes;
+  } good[] = {{"0", 0},
+              {"12", 12},
+              {"5 GB", 5000000000},
+              {"1.5MB", 1500000},
+              {"2 kB", 2000}};
+  static const char *const bad[] = {"",     "GB",  "-1 GB", "5 gb",
+                                    "1e30", "nan", "5 GB "};
+  guint64 n;
+  for (size_t i = 0; i < G_N_ELEMENTS(good); i++) {
+    g_assert_true(opc_store_read_size(good[i].text, &n));
+    g_assert_cmpuint(n, ==, good[i].bytes);
+  }
+  for (size_t i = 0; i < G_N_ELEMENTS(bad); i++)
+    g_assert_false(opc_store_read_size(bad[i], &n));
+}
+
+/* What a killed process left half written goes; what one writes stays. */
+static void test_remains(void) {
+  opc_store *store = open_store();
+  opc_error error;
+  g_autofree char *dead = g_build_filename(folder, "new", "dead", NULL);
+  g_autofree char *live = g_build_filename(folder, "new", "live", NULL);
+  g_assert_true(g_file_set_contents(dead, "x", 1, NULL));
+  g_assert_true(g_file_set_contents(live, "x", 1, NULL));
+  int file = open(live, O_RDWR | O_CLOEXEC);
+  g_assert_cmpint(flock(file, LOCK_EX), ==, 0);
+  g_assert_true(opc_store_clear(store, &error));
+  g_assert_false(g_file_test(dead, G_FILE_TEST_EXISTS));
+  g_assert_true(g_file_test(live, G_FILE_TEST_EXISTS));
+  close(file);
+  g_assert_true(opc_store_clear(store, &error));
+  g_assert_false(g_file_test(live, G_FILE_TEST_EXISTS));
+  opc_store_close(store);
+}
+
+/* ---- sums ---- */
+
+static void write_at(const char *path, const char *text, time_t when) {
+  const struct timespec times[] = {{when, 0}, {when, 0}};
+  int file = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+  g_assert_cmpint(write(file, text, strlen(text)), ==, (ssize_t)strlen(text));
+  close(file);
+  g_assert_cmpint(utimensat(AT_FDCWD, path, times, 0), ==, 0);
+}
+
+/* As long, of the same time, in the same file: the sum is still the file's. */
+static void test_sums(void) {
+  opc_store *store = open_store();
+  opc_error error;
+  g_autofree char *path = g_build_filename(folder, "in", NULL);
+  for (int i = 0; i < 50; i++) {
+    g_autofree char *text = g_strdup_printf("%06d", i);
+    g_autofree char *truth =
+        g_compute_checksum_for_string(G_CHECKSUM_SHA256, text, -1);
+    write_at(path, text, 1000000000);
+    g_autofree char *sum = opc_store_sum(store, path, NULL, &error);
+    g_assert_cmpstr(sum, ==, truth);
+    g_assert_true(opc_store_same(store, path, sum));
+    write_at(path, "other.", 1000000000);
+    g_assert_false(opc_store_same(store, path, sum));
+  }
+  g_assert_null(opc_store_sum(store, "/nowhere/at/all", NULL, &error));
+  opc_store_close(store);
+  /* What has just changed is not remembered. */
+  store = open_store();
+  g_assert_false(has(store, "00sums"));
+  opc_store_close(store);
+}
+
+static void test_builds(void) {
+  opc_store *store = open_store();
+  const char *own = opc_store_build(store, NULL);
+  g_assert_nonnull(own);
+  g_assert_cmpuint(strlen(own), ==, 64);
+  g_assert_true(own == opc_store_build(store, NULL));
+  opc_store_close(store);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  folder = g_dir_make_tmp("store-XXXXXX", NULL);
+  g_setenv("OPCFLOW_STORE", folder, TRUE);
+  g_test_add_func("/store/values", test_values);
+  g_test_add_func("/store/damage", test_damage);
+  g_test_add_func("/store/limit", test_limit);
+  g_test_add_func("/store/sizes", test_sizes);
+  g_test_add_func("/store/remains", test_remains);
+  g_test_add_func("/store/sums", test_sums);
+  g_test_add_func("/store/builds", test_builds);
+  int code = g_test_run();
+  opc_remove_tree(folder);
+  g_free(folder);
+  return code;
+}

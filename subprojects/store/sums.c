@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Sums of files, which are kept with all that tells that a file was changed,
+   and sums of shared objects with what they need. */
+#include <dlfcn.h>
+#include <link.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include <store/files.h>
+#include "private.h"
+
+/* A file that was changed so short a time before it was read may change again
+   without its times showing it: clocks of file systems go in steps of up to
+   2 s (FAT), of 4 ms mostly. ns */
+static const gint64 step = G_GINT64_CONSTANT(2000000000);
+
+/* More are begun anew: a file that is swept has many names. */
+enum { MOST_SUMS = 10000 };
+
+static const char kept_under[] = "00sums";
+#define KEPT_TYPE G_VARIANT_TYPE("a(sttxxxs)")
+
+typedef struct opc_sum {
+  guint64 device, inode;
+  gint64 size, modified, changed; /* bytes, ns, ns */
+  gboolean settled; /* it cannot have changed since without showing it */
+  char *sum;
+} opc_sum;
+
+/* ---- state ---- */
+
+static void sum_free(gpointer item) {
+  opc_sum *s = item;
+  g_free(s->sum);
+  g_free(s);
+}
+
+void opc_sums_init(opc_store *store) {
+  store->sums =
+      g_hash_table_new_full(g_str_hash, g_str_equal, g_free, sum_free);
+}
+
+static void read_kept(opc_store *store) {
+  store->sums_read = TRUE;
+  g_autoptr(GVariant) kept = opc_store_get(store, kept_under, KEPT_TYPE);
+  if (!kept) return;
+  GVariantIter all;
+  const char *path, *sum;
+  opc_sum s = {.settled = TRUE};
+  g_variant_iter_init(&all, kept);
+  while (g_variant_iter_next(&all, "(&sttxxx&s)", &path, &s.device, &s.inode,
+                             &s.size, &s.modified, &s.changed, &sum)) {
+    opc_sum *own = g_memdup2(&s, sizeof s);
+    own->sum = g_strdup(sum);
+    g_hash_table_insert(store->sums, g_strdup(path), own);
+  }
+}
+
+static void keep(opc_store *store) {
+  GVariantBuilder all;
+  GHashTableIter each;
+  gpointer path, item;
+  g_variant_builder_init(&all, KEPT_TYPE);
+  g_hash_table_iter_init(&each, store->sums);
+  while (g_hash_table_iter_next(&each, &path, &item)) {
+    const opc_sum *s = item;
+    if (s->settled && g_utf8_validate(path, -1, NULL))
+      g_variant_builder_add(&all, "(sttxxxs)", (char *)path, s->device,
+                            s->inode, s->size, s->modified, s->changed, s->sum);
+  }
+  (void)opc_store_put(store, kept_under, g_variant_builder_end(&all));
+}
+
+void opc_sums_clear(opc_store *store) {
+  if (store->sums_new) keep(store);
+  g_hash_table_destroy(store->sums);
+}
+
+/* ---- files ---- */
+
+static gint64 nanoseconds(const struct timespec *t) {
+  return t->tv_sec * G_GINT64_CONSTANT(1000000000) + t->tv_nsec;
+}
+
+static gboolean is_of(const opc_sum *s, const struct stat *about) {
+  return s->device == about->st_dev && s->inode == about->st_ino &&
+         s->size == about->st_size &&
+         s->modified == nanoseconds(&about->st_mtim) &&
+         s->changed == nanoseconds(&about->st_ctim);
+}
+
+static char *read_sum(opc_store *store, const char *path,
+                      const struct stat *about, const opc_context *context,
+                      opc_error *error) {
+  gint64 now = g_get_real_time() * 1000;
+  char *sum = opc_file_sha256(path, context, error);
+  if (!sum) return NULL;
+  if (g_hash_table_size(store->sums) >= MOST_SUMS)
+    g_hash_table_remove_all(store->sums);
+  opc_sum *s = g_new(opc_sum, 1);
+  *s = (opc_sum){about->st_dev,
+                 about->st_ino,
+                 about->st_size,
+                 nanoseconds(&about->st_mtim),
+                 nanoseconds(&about->st_ctim),
+                 .sum = g_strdup(sum)};
+  s->settled = s->changed < now - step && s->modified < now - step;
+  store->sums_new |= s->settled;
+  g_hash_table_insert(store->sums, g_strdup(path), s);
+  return sum;
+}
+
+char *opc_store_sum(opc_store *store, const char *path,
+                    const opc_context *context, opc_error *error) {
+  struct stat about;
+  if (!store || stat(path, &about))
+    return opc_file_sha256(path, context, error);
+  if (!store->sums_read) read_kept(store);
+  const opc_sum *s = g_hash_table_lookup(store->sums, path);
+  return s && s->settled && is_of(s, &about)
+             ? g_strdup(s->sum)
+             : read_sum(store, path, &about, context, error);
+}
+
+gboolean opc_store_same(opc_store *store, const char *path, const char *sum) {
+  opc_error none;
+  g_autofree char *now = opc_store_sum(store, path, NULL, &none);
+  return now && !strcmp(now, sum);
+}
+
+/* ---- shared objects ---- */
+
+static const char *base_of(const char *path) {
+  const char *slash = strrchr(path, '/');
+  return slash ? slash + 1 : path;
+}
+
+static struct link_map *find_object(struct link_map *any, const char *name) {
+  while (any->l_prev) any = any->l_prev;
+  while (any && strcmp(base_of(any->l_name), name)) any = any->l_next;
+  return any;
+}
+
+/* Add an object and, in the order in which they are named, all that it needs.
+   FALSE if one is not found under its name. */
+static gboolean add_object(GPtrArray *all, struct link_map *object) {
+  const char *names = NULL;
+  gboolean good = TRUE;
+  if (g_ptr_array_find(all, object, NULL)) return TRUE;
+  g_ptr_array_add(all, object);
+  for (const ElfW(Dyn) *d = object->l_ld; d->d_tag != DT_NULL; d++)
+    if (d->d_tag == DT_STRTAB) names = (const char *)d->d_un.d_ptr;
+  for (const ElfW(Dyn) *d = object->l_ld; good && d->d_tag != DT_NULL; d++) {
+    if (d->d_tag != DT_NEEDED) continue;
+    struct link_map *other = find_object(object, names + d->d_un.d_val);
+    good = other && add_object(all, other);
+  }
+  return good;
+}
+
+/* Return the object that `address` lies in; the program for NULL. */
+static struct link_map *object_of(const void *address) {
+  Dl_info about;
+  struct link_map *map = NULL;
+  if (address)
+    return dladdr1(address, &about, (void **)&map, RTLD_DL_LINKMAP) ? map
+                                                                    : NULL;
+  for (map = _r_debug.r_map; map && map->l_prev; map = map->l_prev) continue;
+  return map;
+}
+
+/* A loaded object does not change, so its sum holds for the whole process. */
+static const char *sum_object(opc_store *store, const struct link_map *object) {
+  static GHashTable *known; /* path -> sum */
+  const char *path = *object->l_name ? object->l_name : "/proc/self/exe";
+  if (!known) known = g_hash_table_new(g_str_hash, g_str_equal);
+  char *sum = g_hash_table_lookup(known, path);
+  opc_error none;
+  if (!sum && (sum = opc_store_sum(store, path, NULL, &none)))
+    g_hash_table_insert(known, g_strdup(path), sum);
+  return sum;
+}
+
+static char *sum_objects(opc_store *store, const void *address) {
+  g_autoptr(GPtrArray) all = g_ptr_array_new();
+  g_autoptr(GChecksum) whole = g_checksum_new(G_CHECKSUM_SHA256);
+  struct link_map *first = object_of(address);
+  if (!first || !add_object(all, first)) return NULL;
+  for (guint i = 0; i < all->len; i++) {
+    const char *sum = sum_object(store, all->pdata[i]);
+    if (!sum) return NULL;
+    g_checksum_update(whole, (const guchar *)sum, -1);
+  }
+  return g_strdup(g_checksum_get_string(whole));
+}
+
+const char *opc_store_build(opc_store *store, const void *address) {
+  static GHashTable *known; /* address -> sum */
+  gpointer sum;
+  if (!known) known = g_hash_table_new(NULL, NULL);
+  if (!g_hash_table_lookup_extended(known, address, NULL, &sum)) {
+    sum = sum_objects(store, address);
+    g_hash_table_insert(known, (gpointer)address, sum);
+  }
+  return sum;
+}

@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* For unit tests of steps that run a flow inside of them: a flow whose metrics
+   and tables a function of the test computes (opcflow/inner.h). The step's
+   code is linked into the test. */
+#ifndef OPCFLOW_TESTS_INNER_H
+#define OPCFLOW_TESTS_INNER_H
+
+#include <opcflow/inner.h>
+#include <opcflow/step.h>
+#include <string.h>
+
+#include "tools/devel/testing.h"
+
+enum { INNER_MOST = 64 };
+
+typedef struct inner_flow {
+  /* Set by the test. */
+  const opc_inner_axis *axes;
+  size_t n_axes;
+  const opc_metric *metric; /* the only one, at `path` */
+  const char *path;         /* "mask.ion" */
+  const char *mask;         /* the step with a mask; NULL: there is none */
+  void *object;             /* that mask */
+  int (*point)(size_t point, opc_error *error); /* a run: sets what follows */
+
+  /* Set by `point`. */
+  opc_inner_metric metrics[8], shared[8];
+  size_t n_metrics, n_shared;
+  const opc_column *columns; /* of the only table, named by their columns */
+  size_t n_columns, rows;
+  opc_inner_run whole;
+
+  /* Calls of the step, in order. */
+  int begun;
+  size_t points[INNER_MOST], shares[INNER_MOST], n_points;
+  int keep[INNER_MOST];
+  char places[INNER_MOST][80];
+} inner_flow;
+
+static inner_flow inner;
+
+static inline const opc_inner_axis *inner_axes(const opc_host *host,
+                                               size_t *count) {
+  (void)host;
+  *count = inner.n_axes;
+  return inner.axes;
+}
+
+static inline int inner_axis(const opc_host *host, const char *path,
+                             opc_error *error) {
+  (void)host;
+  for (size_t i = 0; i < inner.n_axes; i++)
+    if (!strcmp(inner.axes[i].path, path)) return (int)i;
+  opc_fail(error, OPC_INVALID, NULL, "'%s' is not swept", path);
+  return -1;
+}
+
+static inline const opc_metric *inner_metric(const opc_host *host,
+                                             const char *path,
+                                             opc_error *error) {
+  (void)host;
+  if (inner.path && !strcmp(inner.path, path)) return inner.metric;
+  opc_fail(error, OPC_INVALID, NULL, "no metric '%s'", path);
+  return NULL;
+}
+
+static inline const char *inner_output(const opc_host *host, const char *step,
+                                       const char *kind, opc_error *error) {
+  (void)host;
+  if (inner.mask && !strcmp(kind, "mask") &&
+      (!step || !strcmp(step, inner.mask)))
+    return inner.mask;
+  opc_fail(error, OPC_INVALID, NULL, "'%s' makes no mask", step ? step : "");
+  return NULL;
+}
+
+static inline int inner_begin(const opc_host *host, opc_error *error) {
+  (void)host, (void)error;
+  g_assert_cmpuint(inner.n_points, ==, 0);
+  inner.begun++;
+  return OPC_OK;
+}
+
+static inline int inner_run_whole(const opc_host *host, size_t point,
+                                  const char *folder, size_t share,
+                                  opc_inner_run *out, opc_error *error) {
+  (void)host;
+  g_assert_cmpint(inner.begun, ==, 1);
+  g_assert_cmpuint(inner.n_points, <, INNER_MOST);
+  inner.points[inner.n_points] = point;
+  inner.shares[inner.n_points] = share;
+  g_strlcpy(inner.places[inner.n_points++], folder, sizeof *inner.places);
+  inner.whole = (opc_inner_run){NULL, 0, 0};
+  int code = inner.point(point, error);
+  *out = inner.whole;
+  return code;
+}
+
+static inline int inner_run(const opc_host *host, size_t point, int keep,
+                            size_t share, opc_error *error) {
+  opc_inner_run none;
+  inner.keep[inner.n_points] = keep;
+  return inner_run_whole(host, point, "", share, &none, error);
+}
+
+static inline const opc_inner_metric *inner_metrics(const opc_host *host,
+                                                    int shared, size_t *count) {
+  (void)host;
+  *count = shared ? inner.n_shared : inner.n_metrics;
+  return shared ? inner.shared : inner.metrics;
+}
+
+static inline const opc_column *inner_column(const opc_host *host,
+                                             const char *step,
+                                             const char *table,
+                                             const char *column, size_t *rows,
+                                             opc_error *error) {
+  (void)host;
+  *rows = inner.rows;
+  for (size_t i = 0; i < inner.n_columns; i++)
+    if (!strcmp(inner.columns[i].name, column)) return &inner.columns[i];
+  opc_fail(error, OPC_INVALID, NULL, "%s.%s.%s is not there", step, table,
+           column);
+  return NULL;
+}
+
+static inline void *inner_object(const opc_host *host, const char *step,
+                                 const char *kind) {
+  (void)host, (void)kind;
+  return inner.mask && !strcmp(step, inner.mask) ? inner.object : NULL;
+}
+
+static const opc_inner_service inner_service = {
+    .axes = inner_axes,
+    .axis = inner_axis,
+    .metric = inner_metric,
+    .output = inner_output,
+    .begin = inner_begin,
+    .run = inner_run,
+    .metrics = inner_metrics,
+    .column = inner_column,
+    .object = inner_object,
+    .run_whole = inner_run_whole,
+};
+
+/* Return the host of all tests, with the flow `inner`, of which nothing is set
+   but what `flow` says. */
+static inline const opc_host *inner_host(inner_flow flow) {
+  opc_host *host = (opc_host *)opc_test_host();
+  host->inner = &inner_service;
+  inner = flow;
+  opc_test_forget();
+  return host;
+}
+
+/* Append a metric of the last run. */
+static inline void inner_tell(const char *path, const opc_metric *metric,
+                              double value) {
+  g_assert_cmpuint(inner.n_metrics, <, G_N_ELEMENTS(inner.metrics));
+  inner.metrics[inner.n_metrics++] = (opc_inner_metric){path, metric, value};
+}
+
+/* What plugin's code is linked. */
+const opc_plugin *opcflow_plugin(void);
+
+#endif

@@ -1,0 +1,468 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A plugin at work: its declaration, instances at the bounds of its parameters,
+   its results, alone and among threads, and its memory. What its work is and
+   what is wrong with it, its kind knows. */
+#include "tools/devel/lint.h"
+
+#include <guard/child.h>
+#include <guard/process.h>
+#include <malloc.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "core/plugin/declaration.h"
+#include "core/plugin/kind.h"
+#include "tools/devel/instance.h"
+#include "tools/devel/published.h"
+
+/* Of the time of a check, after which work is asked to stop. */
+static const double part = 0.25;
+
+enum {
+  THREADS = 4,
+  TOGETHER = 2, /* instances at the same time */
+  CYCLES = 64,
+  SEGMENT = 2,        /* s */
+  SMALLEST_LEAK = 256 /* bytes in that many cycles */
+};
+
+/* ---- saying ---- */
+
+/* What a check works with; `hears` is what the exerciser of the kind gets. */
+typedef struct inspector {
+  opc_inspector hears;
+  const opc_lint *lint;
+  const opc_plugin *plugin;
+  const opc_kind *kind; /* how it is tried */
+  size_t sample;        /* the file that it gets */
+  int out;              /* -1: nobody listens */
+  guint notes;          /* said so far */
+  GChecksum *digest;    /* of all that the plugin gave */
+} inspector;
+
+static void say(const inspector *in, char letter, const char *text) {
+  g_autofree char *line = g_strdup_printf("%c%s", letter, text);
+  g_strdelimit(line, "\n\r", ' ');
+  g_autofree char *whole = g_strconcat(line, "\n", NULL);
+  if (in->out >= 0) process_write(in->out, whole, strlen(whole));
+}
+
+static void vsay(const inspector *in, char letter, const char *format,
+                 va_list args) {
+  g_autofree char *text = g_strdup_vprintf(format, args);
+  say(in, letter, text);
+}
+
+static void add(opc_inspector *hears, const void *data, size_t size) {
+  g_checksum_update(((inspector *)hears)->digest, data, (gssize)size);
+}
+
+static void find(opc_inspector *hears, const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  vsay((inspector *)hears, 'F', format, args);
+  va_end(args);
+}
+
+static void note(opc_inspector *hears, const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  ((inspector *)hears)->notes++;
+  vsay((inspector *)hears, 'N', format, args);
+  va_end(args);
+}
+
+/* ---- instances ---- */
+
+/* Work that would go on for longer than that, us, is asked to stop. */
+static gint64 begun, granted;
+
+/* For how long this process wanted a processor and had none, us: on a busy
+   machine not the plugin's fault. 0 where the kernel does not tell. */
+static gint64 waited(void) {
+  unsigned long long ran, waits = 0; /* ns */
+  FILE *f = fopen("/proc/self/schedstat", "r");
+  if (!f) return 0;
+  if (fscanf(f, "%llu %llu", &ran, &waits) != 2) waits = 0;
+  fclose(f);
+  return (gint64)(waits / 1000);
+}
+
+/* The child as a whole is not granted more than 4 times as much. */
+static int is_late(void *unused) {
+  (void)unused;
+  gint64 since = g_get_monotonic_time() - begun;
+  return since > granted && (since > 3 * granted || since - waited() > granted);
+}
+
+static const opc_watch hurry = {.cancelled = is_late};
+
+static char *sample_path(const inspector *in, size_t i) {
+  return i < in->kind->n_samples
+             ? g_build_filename(in->lint->folder, in->kind->samples[i].name,
+                                NULL)
+             : NULL;
+}
+
+static gboolean make(const inspector *in, const opc_parameter *changed,
+                     double number, const opc_host *like,
+                     opc_problems *problems, opc_instance *made) {
+  g_autofree char *file = sample_path(in, in->sample);
+  /* A check looks at no content: the plugin itself is a file, too. */
+  const opc_making making = {in->lint->registry,
+                             in->plugin,
+                             file ? file : in->lint->path,
+                             in->lint->parameters,
+                             changed,
+                             number,
+                             &hurry};
+  return opc_instance_make(&making, like, problems, made);
+}
+
+/* ---- declaration and check ---- */
+
+static void check_stop(inspector *in, const char *what, const char *text) {
+  if (g_str_has_suffix(text, ".") || strchr(text, '\n'))
+    find(&in->hears, "the summary of %s is not one line without a full stop",
+         what);
+}
+
+static void check_declaration(inspector *in) {
+  const opc_plugin *plugin = in->plugin;
+  check_stop(in, "the plugin", plugin->summary);
+  for (size_t i = 0; i < plugin->n_parameters; i++)
+    check_stop(in, plugin->parameters[i].name, plugin->parameters[i].summary);
+  for (size_t i = 0; i < plugin->n_metrics; i++)
+    check_stop(in, plugin->metrics[i].name, plugin->metrics[i].summary);
+}
+
+/* A refusal must have a message; what it says is noted for the defaults. */
+static void check_with(inspector *in, const opc_parameter *p, double number) {
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  opc_instance made;
+  if (!make(in, p, number, NULL, problems, &made)) {
+    g_autofree char *text = opc_problems_text(problems);
+    if (strstr(text, "gave no reason"))
+      find(&in->hears, "check fails without a message%s%s", p ? " for " : "",
+           p ? p->name : "");
+    else if (!p)
+      note(&in->hears, "check: %s, see --with", text);
+  }
+  opc_instance_clear(&made);
+}
+
+/* The nearest number to a bound that fits. */
+static double inside(const opc_parameter *p, double bound, gboolean open,
+                     int sign) {
+  if (!open) return bound;
+  if (p->type == OPC_INT) return bound + sign;
+  return bound + sign * 1e-9 * (bound ? fabs(bound) : 1);
+}
+
+static void check_instances(inspector *in) {
+  check_with(in, NULL, 0);
+  for (size_t i = 0; i < in->plugin->n_parameters; i++) {
+    const opc_parameter *p = &in->plugin->parameters[i];
+    if (p->type != OPC_INT && p->type != OPC_REAL) continue;
+    if (p->flags & (OPC_AT_LEAST | OPC_ABOVE))
+      check_with(in, p, inside(p, p->min, (p->flags & OPC_ABOVE) != 0, 1));
+    if (p->flags & (OPC_AT_MOST | OPC_BELOW))
+      check_with(in, p, inside(p, p->max, (p->flags & OPC_BELOW) != 0, -1));
+  }
+}
+
+/* ---- steps ---- */
+
+/* An example for an input; its data kinds are words with | between them. */
+static const opc_example *find_example(const inspector *in,
+                                       const opc_parameter *p) {
+  g_auto(GStrv) kinds = opc_choice_list(p->choices);
+  for (size_t i = 0; i < in->kind->n_examples; i++)
+    if (g_strv_contains((const char *const *)kinds, in->kind->examples[i].kind))
+      return &in->kind->examples[i];
+  return NULL;
+}
+
+/* Which inputs are given: those that must be, or else the first one, as a step
+   of which no input must be given wants some one. */
+static gboolean is_given(const inspector *in, size_t i) {
+  const opc_parameter *p = in->plugin->parameters;
+  if (p[i].type != OPC_INPUT) return FALSE;
+  if (p[i].flags & OPC_REQUIRED) return TRUE;
+  for (size_t k = 0; k < in->plugin->n_parameters; k++)
+    if (p[k].type == OPC_INPUT && (k < i || p[k].flags & OPC_REQUIRED))
+      return FALSE;
+  return TRUE;
+}
+
+/* FALSE and a note if there is nothing to give to one of its inputs. */
+static gboolean give_inputs(inspector *in, opc_binding *b) {
+  for (size_t i = 0; i < in->plugin->n_parameters; i++) {
+    const opc_parameter *p = &in->plugin->parameters[i];
+    if (!is_given(in, i)) continue;
+    opc_error error = {.message = "none is made up"};
+    const opc_example *example = find_example(in, p);
+    const void *data = example ? example->give(&error) : NULL;
+    if (data)
+      opc_binding_set(b, i, data);
+    else
+      note(&in->hears, "run: wants an input '%s' (%s): %s", p->name,
+           p->choices ? p->choices : "anything", error.message);
+    if (!data) return FALSE;
+  }
+  return TRUE;
+}
+
+static void run_step(inspector *in, const opc_module *m) {
+  const opc_step *step = m->functions;
+  g_autofree void **outputs = g_new0(void *, step->n_outputs);
+  opc_error error = {0};
+  int code = step->run(m->self, outputs, &error);
+  error.message[sizeof error.message - 1] = 0;
+  if (code == OPC_CANCELLED && is_late(NULL))
+    note(&in->hears, "run: takes longer than %g s, see --with",
+         in->lint->seconds * part);
+  else if (code && !*error.message)
+    find(&in->hears, "run failed without a message");
+  else if (code)
+    note(&in->hears, "run: %s", error.message);
+  for (size_t i = 0; i < step->n_outputs; i++) {
+    if (!code && !outputs[i])
+      find(&in->hears, "run gave nothing as its output '%s'",
+           step->outputs[i].name);
+    else if (!code && step->outputs[i].check(outputs[i], &error))
+      find(&in->hears, "run: output '%s': %s", step->outputs[i].name,
+           error.message);
+  }
+  for (size_t i = step->n_outputs; i-- > 0;)
+    if (outputs[i]) step->outputs[i].release(outputs[i]);
+}
+
+/* ---- work ---- */
+
+static gboolean is_step(const inspector *in) {
+  return !strcmp(in->plugin->kind, OPC_KIND_STEP);
+}
+
+static gboolean can_try(const inspector *in) {
+  return (in->kind->exercise || is_step(in)) && in->sample != OPC_NO_SAMPLE;
+}
+
+/* An instance that is ready to be tried, and where its results go. */
+typedef struct trial {
+  inspector in;
+  opc_instance made;
+  opc_published published;
+  gboolean ready;
+} trial;
+
+static void trial_begin(const inspector *in, trial *t) {
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  t->in = *in;
+  opc_published_init(&t->published, in->lint->folder);
+  t->in.digest = t->published.digest;
+  t->ready = make(in, NULL, 0, &t->published.host, problems, &t->made) &&
+             (!is_step(in) || give_inputs(&t->in, t->made.binding));
+  if (t->ready) t->in.hears.context = t->made.binding->host->context;
+}
+
+static gpointer trial_work(gpointer data) {
+  trial *t = data;
+  const opc_module *m = &t->made.binding->module;
+  if (is_step(&t->in))
+    run_step(&t->in, m);
+  else
+    t->in.kind->exercise(m, &t->in.hears);
+  return NULL;
+}
+
+/* The digest of what it gave; NULL if it was not ready, or refused. */
+static char *trial_end(trial *t) {
+  opc_instance_clear(&t->made);
+  g_autofree char *digest = opc_published_clear(&t->published);
+  return t->ready && !t->in.notes ? g_steal_pointer(&digest) : NULL;
+}
+
+/* The digest of what an instance gives; NULL if it cannot be made, of which
+   check_instances tells, or is not to be tried. */
+static char *work(inspector *in) {
+  trial t;
+  if (!can_try(in)) return NULL;
+  trial_begin(in, &t);
+  if (t.ready) trial_work(&t);
+  return trial_end(&t);
+}
+
+static void say_digest(inspector *in) {
+  g_autofree char *digest = work(in);
+  if (digest) say(in, 'D', digest);
+}
+
+/* Which of the sample files it works with, or went on with until it was late; a
+   note if none. */
+static void choose_sample(inspector *in, const char *parameter) {
+  inspector nowhere = *in;
+  nowhere.out = -1;
+  in->sample = OPC_NO_SAMPLE;
+  for (size_t i = 0; i < in->kind->n_samples; i++) {
+    nowhere.sample = i;
+    g_autofree char *digest = work(&nowhere);
+    if (!digest && !is_late(NULL)) continue;
+    in->sample = i;
+    break;
+  }
+  g_autofree char *number = g_strdup_printf("%zu", in->sample);
+  say(in, 'S', number);
+  if (in->sample == OPC_NO_SAMPLE)
+    note(&in->hears,
+         "work: wants a file '%s', none that is made up suits, see --with",
+         parameter);
+}
+
+/* The first parameter that must be a file and that nobody has given; NULL if
+   there is none, or no instance. */
+static char *wanted_file(const inspector *in) {
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  opc_instance made;
+  gboolean good = make(in, NULL, 0, NULL, problems, &made);
+  char *found = good ? g_steal_pointer(&made.file) : NULL;
+  opc_instance_clear(&made);
+  return found;
+}
+
+static void check_work(inspector *in) {
+  g_autofree char *file = can_try(in) ? wanted_file(in) : NULL;
+  if (!can_try(in))
+    note(&in->hears, "work: the kind '%s' does not say how to try it",
+         in->plugin->kind);
+  if (file) choose_sample(in, file);
+  say_digest(in);
+}
+
+/* By a second instance, in a process where another one has worked. */
+static void check_again(inspector *in) {
+  g_free(work(in));
+  say_digest(in);
+}
+
+static void check_threads(inspector *in) {
+  opc_set_threads(THREADS);
+  say_digest(in);
+}
+
+/* Two instances by a thread each; what they say is what the first check
+   heard. */
+static void check_together(inspector *in) {
+  trial t[TOGETHER];
+  GThread *thread[TOGETHER] = {NULL};
+  inspector nowhere = *in;
+  if (!can_try(in)) return;
+  if (!(in->plugin->flags & OPC_REENTRANT)) {
+    note(&in->hears, "two instances at once: it is not OPC_REENTRANT");
+    return;
+  }
+  nowhere.out = -1;
+  for (int i = 0; i < TOGETHER; i++) trial_begin(&nowhere, &t[i]);
+  for (int i = 0; i < TOGETHER; i++)
+    if (t[i].ready) thread[i] = g_thread_new("trial", trial_work, &t[i]);
+  for (int i = 0; i < TOGETHER; i++)
+    if (thread[i]) g_thread_join(thread[i]);
+  for (int i = 0; i < TOGETHER; i++) {
+    g_autofree char *digest = trial_end(&t[i]);
+    if (digest) say(in, 'D', digest);
+  }
+}
+
+/* ---- memory ---- */
+
+/* By how many bytes each life of an instance makes the memory in use grow, of
+   up to `most` lives in SEGMENT seconds; 0 where it is little. */
+static double growth(const inspector *in, gboolean working, int most) {
+  inspector nowhere = *in;
+  nowhere.out = -1;
+  gint64 end = g_get_monotonic_time() + SEGMENT * G_USEC_PER_SEC;
+  struct mallinfo2 before = mallinfo2();
+  int n = 0;
+  for (; n < most && g_get_monotonic_time() < end; n++) {
+    if (working) {
+      g_free(work(&nowhere));
+      continue;
+    }
+    g_autoptr(opc_problems) problems = opc_problems_new();
+    opc_instance made;
+    make(in, NULL, 0, NULL, problems, &made);
+    opc_instance_clear(&made);
+  }
+  struct mallinfo2 after = mallinfo2();
+  double more = (double)after.uordblks + (double)after.hblkhd -
+                (double)before.uordblks - (double)before.hblkhd;
+  return more < SMALLEST_LEAK ? 0 : more / n;
+}
+
+/* What grows again and again, after a start, goes on growing. */
+static void check_leaks(inspector *in) {
+  for (int working = 0; working < 2; working++) {
+    growth(in, working, 1);
+    if (is_late(NULL)) return;
+    double one = growth(in, working, CYCLES);
+    double two = one > 0 ? growth(in, working, CYCLES) : 0;
+    if (!(two > 0)) continue;
+    find(&in->hears, "leaks %.0f bytes each time it is made%s and freed",
+         MIN(one, two), working ? ", used" : "");
+    return;
+  }
+}
+
+/* ---- all ---- */
+
+const opc_check opc_checks[] = {
+    {"loading", FALSE, NULL},
+    {"check", FALSE, NULL},
+    {"work", TRUE, NULL},
+    {"the same work again", TRUE,
+     "gives other bits the second time, for the same input"},
+    {"work on several threads", TRUE,
+     "gives other bits on several threads than on one"},
+    {"two instances at once", TRUE,
+     "gives other bits while another instance works"},
+    {"being made and freed", FALSE, NULL},
+    {NULL, FALSE, NULL},
+};
+
+static void (*const functions[])(inspector *in) = {
+    check_declaration, check_instances, check_work, check_again,
+    check_threads,     check_together,  check_leaks};
+
+/* Lay the sample files into the folder, again where they are already. */
+static gboolean write_samples(inspector *in) {
+  for (size_t i = 0; i < in->kind->n_samples; i++) {
+    const opc_sample *sample = &in->kind->samples[i];
+    g_autofree char *path = sample_path(in, i);
+    g_autoptr(GError) error = NULL;
+    if (g_file_set_contents(path, sample->bytes, (gssize)sample->size, &error))
+      continue;
+    find(&in->hears, "%s", error->message);
+    return FALSE;
+  }
+  return TRUE;
+}
+
+/* On one thread, unless the check says otherwise. */
+void opc_check_do(const opc_lint *lint, size_t i, int out) {
+  opc_error error = {0};
+  inspector in = {.hears = {.add = add, .find = find, .note = note},
+                  .lint = lint,
+                  .sample = lint->sample,
+                  .out = out};
+  begun = g_get_monotonic_time();
+  granted = (gint64)(lint->seconds * part * 1e6);
+  opc_set_threads(1);
+  in.plugin = opc_registry_find(lint->registry, lint->id, &error);
+  in.kind = in.plugin ? opc_kind_trials(lint->registry, in.plugin->kind) : NULL;
+  if (!in.kind)
+    find(&in.hears, "%s", error.message);
+  else if (write_samples(&in))
+    functions[i](&in);
+  say(&in, 'E', "");
+}

@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* For shells: what the last word of a command line may be. One candidate a
+   line; after a '=', only what comes behind it. Nothing where any file name
+   will do: the shell knows those. */
+#include <string.h>
+
+#include "core/binding/flow.h"
+#include "core/cli/cli.h"
+#include "core/plugin/kind.h"
+#include "core/text/value.h"
+#include "tools/devel/verbs.h"
+
+/* Where the cursor is. */
+typedef struct line {
+  const char *current;  /* the last word, which is unfinished */
+  const cli_verb *verb; /* NULL: not yet there */
+  const char *flow;     /* the flow file among the words, NULL for none */
+  guint arguments;      /* of the verb, before the current one */
+  const char *awaited;  /* the current word is the value of an option, which the
+                           help calls so; NULL: it is not */
+} line;
+
+static void offer(const line *l, const char *word) {
+  if (g_str_has_prefix(word, l->current)) cli_print("%s\n", word);
+}
+
+static void offer_all(const line *l, const GPtrArray *words) {
+  for (guint i = 0; i < words->len; i++) offer(l, words->pdata[i]);
+}
+
+/* ---- options ---- */
+
+/* Offer those of the verb and of all, and find what `word`, if it is one, has
+   for its value in the next word; either may be NULL. */
+static const char *go_through_options(const line *l, const line *to,
+                                      const char *word) {
+  const cli_option *const both[] = {l->verb ? l->verb->options : NULL,
+                                    cli_common_options};
+  for (int i = 0; i < 2; i++)
+    for (const cli_option *o = both[i]; o && o->name; o++) {
+      g_autofree char *dashed = g_strconcat("--", o->name, NULL);
+      if (to) offer(to, dashed);
+      if (word && !strcmp(dashed, word)) return o->argument;
+    }
+  return NULL;
+}
+
+static void read_words(line *l, const GPtrArray *words) {
+  for (guint i = 0; i + 1 < words->len; i++) {
+    const char *word = words->pdata[i];
+    opc_error error;
+    gboolean value = l->awaited != NULL;
+    l->awaited = value ? NULL : go_through_options(l, NULL, word);
+    if (value || *word == '-') continue;
+    if (!l->verb)
+      l->verb = cli_find_verb(word, &error);
+    else if (!l->arguments++)
+      l->flow = word;
+  }
+}
+
+/* ---- candidates ---- */
+
+static void offer_words(const line *l, const char *choices) {
+  g_auto(GStrv) words = opc_choice_list(choices);
+  for (guint i = 0; words[i]; i++) offer(l, words[i]);
+}
+
+static void offer_verbs(const line *l) {
+  g_autoptr(GPtrArray) names = cli_verb_names();
+  offer_all(l, names);
+}
+
+static void offer_plugins(const line *l) {
+  g_autoptr(GPtrArray) list =
+      opc_registry_scan(cli_registry(), l->current, CLI_PATIENCE);
+  for (guint i = 0; i < list->len; i++) {
+    const opc_candidate *c = list->pdata[i];
+    if (!c->reason && !c->hidden_by) offer(l, c->id);
+  }
+}
+
+static gint by_name(gconstpointer a, gconstpointer b) {
+  return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+/* YAML files, and folders on the way to some. */
+static void offer_flows(const line *l) {
+  const char *slash = strrchr(l->current, '/');
+  g_autofree char *prefix =
+      g_strndup(l->current, slash ? (gsize)(slash - l->current) + 1 : 0);
+  g_autoptr(GDir) dir = g_dir_open(*prefix ? prefix : ".", 0, NULL);
+  g_autoptr(GPtrArray) found = g_ptr_array_new_with_free_func(g_free);
+  for (const char *name; dir && (name = g_dir_read_name(dir));) {
+    g_autofree char *path = g_strconcat(prefix, name, NULL);
+    if (*name == '.') continue;
+    if (g_file_test(path, G_FILE_TEST_IS_DIR))
+      g_ptr_array_add(found, g_strconcat(path, "/", NULL));
+    else if (g_str_has_suffix(name, ".yaml") || g_str_has_suffix(name, ".yml"))
+      g_ptr_array_add(found, g_steal_pointer(&path));
+  }
+  g_ptr_array_sort(found, by_name);
+  offer_all(l, found);
+}
+
+static void offer_values(const line *l, const opc_parameter *p) {
+  const line behind = {.current = strchr(l->current, '=') + 1};
+  if (p->type == OPC_BOOL) offer_words(&behind, "false|true");
+  if (p->type == OPC_CHOICE) offer_words(&behind, p->choices);
+}
+
+static void offer_settings(const line *l, const opc_binding *binding) {
+  const char *equals = strchr(l->current, '=');
+  for (size_t i = 0; i < binding->plugin->n_parameters; i++) {
+    const opc_parameter *p = &binding->plugin->parameters[i];
+    if (p->type == OPC_INPUT) continue;
+    g_autofree char *word = g_strdup_printf("%s.%s=", binding->path, p->name);
+    if (!equals)
+      offer(l, word);
+    else if (!strncmp(word, l->current, strlen(word)))
+      offer_values(l, p);
+  }
+  for (size_t i = 0; !equals && i < binding->plugin->n_metrics; i++) {
+    g_autofree char *word = g_strdup_printf("require.%s.%s=", binding->path,
+                                            binding->plugin->metrics[i].name);
+    if (g_str_has_prefix(l->current, "require.")) offer(l, word);
+  }
+}
+
+/* STEP.PARAMETER= of the flow that the line names. */
+static void offer_sets(line *l) {
+  if (!l->flow) return;
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  g_autoptr(opc_flow) flow =
+      opc_flow_load(l->flow, NULL, cli_registry(), problems);
+  g_autoptr(GPtrArray) all = g_ptr_array_new();
+  for (guint i = 0; flow && i < flow->steps->len; i++) {
+    const opc_flow_step *step = flow->steps->pdata[i];
+    if (step->binding) opc_binding_list(step->binding, all);
+  }
+  for (guint i = 0; i < all->len; i++) offer_settings(l, all->pdata[i]);
+}
+
+static void offer_argument(line *l, const char *name) {
+  g_autoptr(GPtrArray) kinds = opc_kind_names(cli_registry());
+  if (!strcmp(name, "STEP.PARAMETER=VALUE")) offer_sets(l);
+  if (!strcmp(name, "KIND")) offer_all(l, kinds);
+  if (!strcmp(name, "FLOW") || !strcmp(name, "[FLOW]")) offer_flows(l);
+  if (!strcmp(name, "ID")) offer_plugins(l);
+  if (!strcmp(name, "[VERB]")) offer_verbs(l);
+  if (l->awaited && strchr(name, '|')) offer_words(l, name);
+}
+
+/* ---- entry ---- */
+
+static void complete(line *l) {
+  static const char set[] = "--set=";
+  if (l->awaited) {
+    offer_argument(l, l->awaited);
+  } else if (l->verb && g_str_has_prefix(l->current, set)) {
+    l->current += strlen(set);
+    offer_sets(l);
+  } else if (*l->current == '-') {
+    go_through_options(l, l, NULL);
+  } else if (!l->verb) {
+    offer_verbs(l);
+  } else if (!l->arguments && l->verb->words) {
+    offer_words(l, l->verb->words);
+  } else if (!l->arguments) {
+    offer_argument(l, l->verb->arguments);
+  }
+}
+
+/* The words behind the command, without their quotes. */
+static int run(const cli_verb *verb, const GPtrArray *arguments) {
+  (void)verb;
+  g_autoptr(GPtrArray) words = g_ptr_array_new();
+  g_auto(GStrv) all = g_strsplit_set(arguments->pdata[0], " \t", -1);
+  guint last = g_strv_length(all);
+  for (guint i = 0, seen = 0; i < last; i++) {
+    if (!*all[i] && i + 1 < last) continue;
+    char *to = all[i];
+    for (const char *from = all[i]; *from; from++)
+      if (!strchr("'\"\\", *from)) *to++ = *from;
+    *to = 0;
+    if (seen++) g_ptr_array_add(words, all[i]);
+  }
+  if (!words->len) return CLI_GOOD;
+  cli_take_plugin_path(words->len, (char **)words->pdata);
+  line l = {.current = words->pdata[words->len - 1]};
+  read_words(&l, words);
+  complete(&l);
+  return CLI_GOOD;
+}
+
+const cli_verb devel_complete = {CLI_COMPLETE, .least = 1, .most = 1,
+                                 .run = run};

@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* opcflow explain: why each step of a run ran, or that it was reused; from the
+   run's manifest. */
+#include <string.h>
+
+#include "core/cli/cli.h"
+#include "core/report/contents.h"
+#include "core/run/run.h"
+#include "tools/devel/verbs.h"
+
+static gboolean json;
+
+static const cli_option options[] = {
+    {"json", "the result as JSON", .flag = &json}, {0}};
+
+/* ---- reading ---- */
+
+static const char *text_of(JsonObject *o, const char *name) {
+  JsonNode *node = json_object_get_member(o, name);
+  return node && json_node_get_value_type(node) == G_TYPE_STRING
+             ? json_node_get_string(node)
+             : NULL;
+}
+
+static double number_of(JsonObject *o, const char *name) {
+  JsonNode *node = json_object_get_member(o, name);
+  return node && JSON_NODE_HOLDS_VALUE(node) &&
+                 json_node_get_value_type(node) != G_TYPE_STRING
+             ? json_node_get_double(node)
+             : 0;
+}
+
+static JsonArray *results_of(JsonNode *manifest, JsonObject **store) {
+  JsonNode *node =
+      manifest && JSON_NODE_HOLDS_OBJECT(manifest)
+          ? json_object_get_member(json_node_get_object(manifest), "store")
+          : NULL;
+  *store =
+      node && JSON_NODE_HOLDS_OBJECT(node) ? json_node_get_object(node) : NULL;
+  node = *store ? json_object_get_member(*store, "results") : NULL;
+  return node && JSON_NODE_HOLDS_ARRAY(node) ? json_node_get_array(node) : NULL;
+}
+
+/* ---- telling: what is the same at many points, once ---- */
+
+typedef struct line {
+  const char *step, *result, *reason;
+  guint count;
+  double point, seconds; /* the first one's; of all */
+} line;
+
+static void add_line(GArray *lines, JsonObject *o) {
+  const line one = {.step = text_of(o, "step"),
+                    .result = text_of(o, "result"),
+                    .reason = text_of(o, "reason"),
+                    .count = 1,
+                    .point = number_of(o, "point"),
+                    .seconds = number_of(o, "seconds")};
+  for (guint i = 0; i < lines->len; i++) {
+    line *l = &g_array_index(lines, line, i);
+    if (g_strcmp0(l->step, one.step) || g_strcmp0(l->result, one.result) ||
+        g_strcmp0(l->reason, one.reason))
+      continue;
+    l->count++;
+    l->seconds += one.seconds;
+    return;
+  }
+  g_array_append_val(lines, one);
+}
+
+static char *times_text(const line *l) {
+  if (l->count > 1) return g_strdup_printf("%u times", l->count);
+  return l->point > 0 ? g_strdup_printf("point %.0f", l->point) : g_strdup("");
+}
+
+static void print_lines(JsonArray *results, JsonObject *store) {
+  static const char *const names[] = {"step", "", "seconds", "times", "why"};
+  g_autoptr(GArray) lines = g_array_new(FALSE, FALSE, sizeof(line));
+  g_autoptr(GPtrArray) cells = g_ptr_array_new_with_free_func(g_free);
+  guint n = json_array_get_length(results);
+  for (guint i = 0; i < n; i++) {
+    JsonNode *node = json_array_get_element(results, i);
+    if (JSON_NODE_HOLDS_OBJECT(node))
+      add_line(lines, json_node_get_object(node));
+  }
+  for (guint i = 0; i < lines->len; i++) {
+    const line *l = &g_array_index(lines, line, i);
+    g_ptr_array_add(cells, g_strdup(l->step ? l->step : ""));
+    g_ptr_array_add(cells, g_strdup(l->result ? l->result : ""));
+    g_ptr_array_add(cells, g_strdup_printf("%.3f", l->seconds));
+    g_ptr_array_add(cells, times_text(l));
+    g_ptr_array_add(cells, g_strdup(l->reason ? l->reason : ""));
+  }
+  cli_print_rows(names, G_N_ELEMENTS(names), cells);
+  double steps = number_of(store, "steps");
+  cli_print("\n%.0f of %.0f steps reused\n", number_of(store, "reused"), steps);
+  if (steps > n) cli_print("the manifest lists the first %u of them\n", n);
+}
+
+/* ---- the verb ---- */
+
+static int run(const cli_verb *verb, const GPtrArray *arguments) {
+  const char *folder = arguments->pdata[0];
+  g_autofree char *path = g_build_filename(folder, "manifest.json", NULL);
+  g_autofree char *text = NULL;
+  g_autoptr(GError) fault = NULL;
+  JsonObject *store;
+  (void)verb;
+  if (!g_file_get_contents(path, &text, NULL, &fault))
+    return cli_error(CLI_IO, "%s", fault->message);
+  g_autoptr(JsonNode) manifest = opc_contents_parse(text);
+  JsonArray *results = results_of(manifest, &store);
+  if (!results)
+    return cli_error(CLI_USAGE,
+                     "'%s': does not tell; was it run with '--no-cache', or "
+                     "by an earlier version?",
+                     path);
+  if (json)
+    cli_print_object(json_object_ref(store));
+  else
+    print_lines(results, store);
+  return CLI_GOOD;
+}
+
+const cli_verb devel_explain = {CLI_EXPLAIN, .options = options, .least = 1,
+                                .most = 1, .run = run};

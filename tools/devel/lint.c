@@ -1,0 +1,276 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* opcflow lint: looks at the exports of a plugin from outside, runs each check
+   in a child process, and prints their findings. */
+#include "tools/devel/lint.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <guard/child.h>
+#include <guard/guard.h>
+#include <stdlib.h>
+#include <store/files.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "core/cli/cli.h"
+#include "tools/devel/verbs.h"
+
+/* ---- one check ---- */
+
+/* Take a line of a report; a text is kept once. Of several digests, one that is
+   not `first` counts. */
+static void take_line(opc_lint *lint, const char *line, const char *first,
+                      char **digest) {
+  if (*line == 'S') lint->sample = strtoul(line + 1, NULL, 10);
+  if (*line == 'D' && (!*digest || strcmp(line + 1, first ? first : ""))) {
+    g_free(*digest);
+    *digest = g_strdup(line + 1);
+  }
+  GPtrArray *list = *line == 'F' ? lint->findings : lint->notes;
+  if ((*line != 'F' && *line != 'N') ||
+      g_ptr_array_find_with_equal_func(list, line + 1, g_str_equal, NULL))
+    return;
+  g_ptr_array_add(list, g_strdup(line + 1));
+}
+
+typedef struct job {
+  const opc_lint *lint;
+  size_t check;
+} job;
+
+static void do_in_child(int out, void *data) {
+  const job *j = data;
+  opc_check_do(j->lint, j->check, out);
+}
+
+/* FALSE if the plugin did not survive the check. */
+static gboolean run_check(opc_lint *lint, size_t i, const char *first,
+                          char **digest) {
+  const char *name = opc_checks[i].name;
+  gboolean ended = FALSE;
+  int end;
+  job j = {lint, i};
+  g_autoptr(GString) text = child_run(do_in_child, &j, lint->seconds, &end);
+  g_auto(GStrv) lines = g_strsplit(text->str, "\n", -1);
+  for (guint k = 0; lines[k]; k++) {
+    ended |= *lines[k] == 'E';
+    take_line(lint, lines[k], first, digest);
+  }
+  char *crash = NULL;
+  if (end == CHILD_LATE)
+    crash =
+        g_strdup_printf("does not end within %g s: %s", lint->seconds, name);
+  else if (end > 0)
+    crash = g_strdup_printf("crashes (%s): %s", g_strsignal(end), name);
+  else if (!ended)
+    crash = g_strdup_printf("ends the process: %s", name);
+  if (crash) g_ptr_array_add(lint->findings, crash);
+  return !crash;
+}
+
+/* ---- exports ---- */
+
+/* The names that a shared object exports, as `nm` says: looking at them must
+   not run it. By g_spawn_sync, which leaves no thread behind in a process that
+   forks. FALSE if it is no object. */
+static gboolean check_exports(opc_lint *lint) {
+  const char *const argv[] = {
+      "nm", "-D", "--defined-only", "--format=posix", lint->path, NULL};
+  g_autofree char *text = NULL;
+  int status;
+  if (!g_spawn_sync(NULL, (char **)argv, NULL,
+                    G_SPAWN_SEARCH_PATH | G_SPAWN_STDERR_TO_DEV_NULL, NULL,
+                    NULL, &text, NULL, &status, NULL)) {
+    g_ptr_array_add(lint->notes, g_strdup("exports: there is no nm here"));
+    return TRUE;
+  }
+  if (status) {
+    g_ptr_array_add(lint->findings,
+                    g_strdup("it is no shared object of this machine"));
+    return FALSE;
+  }
+  g_auto(GStrv) lines = g_strsplit(text, "\n", -1);
+  for (guint i = 0; lines[i]; i++) {
+    g_autofree char *name = g_strndup(lines[i], strcspn(lines[i], " @"));
+    /* What linkers and compilers put there by themselves. */
+    if (!*name || !strcmp(name, OPC_ENTRY_NAME) || *name == '_') continue;
+    g_ptr_array_add(
+        lint->findings,
+        g_strdup_printf("exports '%s'; only " OPC_ENTRY_NAME " is to be seen",
+                        name));
+  }
+  g_ptr_array_add(lint->checked, g_strdup("exports"));
+  return TRUE;
+}
+
+/* ---- the whole ---- */
+
+/* However this process ends, another one then removes the folder. 0 if there is
+   none. */
+static int hire_janitor(opc_lint *lint) {
+  int ends[2];
+  char none;
+  if (pipe2(ends, O_CLOEXEC)) return 0;
+  lint->janitor = fork();
+  if (!lint->janitor) {
+    setsid(); /* Ctrl-C is not for it */
+    guard_remove();
+    close(ends[1]);
+    while (read(ends[0], &none, 1) < 0) continue;
+    opc_remove_tree(lint->folder);
+    _exit(0);
+  }
+  close(ends[0]);
+  lint->alive = ends[1];
+  return lint->janitor > 0;
+}
+
+static opc_lint *lint_new(const char *path, opc_registry *registry,
+                          const char *parameters, double seconds) {
+  opc_lint *lint = g_new0(opc_lint, 1);
+  g_autofree char *base = g_path_get_basename(path);
+  lint->path = path;
+  lint->folder = g_dir_make_tmp("opcflow-lint-XXXXXX", NULL);
+  if (lint->folder && !hire_janitor(lint)) {
+    opc_remove_tree(lint->folder);
+    g_clear_pointer(&lint->folder, g_free);
+  }
+  lint->id = g_str_has_suffix(base, ".so") ? g_strndup(base, strlen(base) - 3)
+                                           : g_strdup(base);
+  lint->registry = registry;
+  lint->parameters = parameters;
+  lint->seconds = seconds;
+  lint->findings = g_ptr_array_new_with_free_func(g_free);
+  lint->checked = g_ptr_array_new_with_free_func(g_free);
+  lint->notes = g_ptr_array_new_with_free_func(g_free);
+  return lint;
+}
+
+/* That the checks from i on were not done. */
+static void give_up(opc_lint *lint, size_t i, const char *why) {
+  for (; opc_checks[i].name; i++)
+    g_ptr_array_add(lint->notes,
+                    g_strdup_printf("%s: %s", opc_checks[i].name, why));
+}
+
+/* Work that is not tried gives no digest. */
+static void lint_run(opc_lint *lint) {
+  g_autofree char *first = NULL;
+  if (!lint->folder)
+    g_ptr_array_add(lint->findings, g_strdup("no folder for made-up files"));
+  if (!lint->folder || !check_exports(lint)) {
+    give_up(lint, 0, "it was not loaded");
+    return;
+  }
+  for (size_t i = 0; opc_checks[i].name; i++) {
+    guint findings = lint->findings->len, notes = lint->notes->len;
+    g_autofree char *digest = NULL;
+    const opc_check *check = &opc_checks[i];
+    if (check->differs && !first) continue; /* from what? */
+    gboolean survived = run_check(lint, i, first, &digest);
+    if (!survived || (i == 0 && lint->findings->len > findings &&
+                      strstr(lint->findings->pdata[findings], "cannot use"))) {
+      give_up(lint, i + 1, "it ended before, or could not be used");
+      return;
+    }
+    if (check->differs && digest && g_strcmp0(first, digest))
+      g_ptr_array_add(lint->findings, g_strdup(check->differs));
+    if (check->works ? digest != NULL : lint->notes->len == notes)
+      g_ptr_array_add(lint->checked, g_strdup(check->name));
+    if (!first) first = g_steal_pointer(&digest);
+  }
+}
+
+static void lint_free(opc_lint *lint) {
+  if (!lint) return;
+  if (lint->folder) {
+    close(lint->alive);
+    while (waitpid(lint->janitor, NULL, 0) < 0 && errno == EINTR) continue;
+  }
+  g_free(lint->folder);
+  g_free(lint->id);
+  g_ptr_array_free(lint->findings, TRUE);
+  g_ptr_array_free(lint->checked, TRUE);
+  g_ptr_array_free(lint->notes, TRUE);
+  g_free(lint);
+}
+
+/* ---- the verb ---- */
+
+/* How long one check may take, s. */
+static const double patience = 60;
+
+/* Begin anew without malloc's cache of each thread, of which what is free
+   counts as used: leaks could not be told from it. */
+static void begin_anew(void) {
+  g_autofree char *line = NULL;
+  gsize length;
+  if (g_getenv("GLIBC_TUNABLES") ||
+      !g_file_get_contents("/proc/self/cmdline", &line, &length, NULL))
+    return;
+  g_autoptr(GPtrArray) argv = g_ptr_array_new();
+  for (const char *word = line; word < line + length; word += strlen(word) + 1)
+    g_ptr_array_add(argv, (char *)word);
+  g_ptr_array_add(argv, NULL);
+  g_setenv("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0", TRUE);
+  cli_become("/proc/self/exe", (char **)argv->pdata);
+}
+
+static void print_json(const opc_lint *lint) {
+  JsonObject *o = json_object_new();
+  json_object_set_string_member(o, "plugin", lint->id);
+  cli_add_texts(o, "findings", lint->findings);
+  cli_add_texts(o, "checked", lint->checked);
+  cli_add_texts(o, "not_checked", lint->notes);
+  cli_print_object(o);
+}
+
+static void append_all(GString *line, const GPtrArray *texts, const char *gap) {
+  if (!texts->len) g_string_append(line, "nothing");
+  for (guint i = 0; i < texts->len; i++)
+    g_string_append_printf(line, "%s%s", i ? gap : "", (char *)texts->pdata[i]);
+}
+
+/* The last line tells what was looked at and what was not. */
+static void print_text(const opc_lint *lint) {
+  for (guint i = 0; i < lint->findings->len; i++)
+    cli_print("%s: %s\n", lint->path, (char *)lint->findings->pdata[i]);
+  g_autoptr(GString) line = g_string_new("checked: ");
+  append_all(line, lint->checked, ", ");
+  g_string_append(line, "; not checked: ");
+  append_all(line, lint->notes, "; ");
+  cli_message("note", "%s", line->str);
+}
+
+static gboolean json, strict;
+static const char *parameters = "{}";
+
+static const cli_option options[] = {
+    {"with", "parameters, as in a flow", "{ PARAMETER: VALUE }",
+     .text = &parameters},
+    {"strict", "fail if anything could not be checked", .flag = &strict},
+    {"json", "as JSON", .flag = &json},
+    {0}};
+
+static int run(const cli_verb *verb, const GPtrArray *arguments) {
+  (void)verb;
+  const char *path = arguments->pdata[0];
+  if (!g_file_test(path, G_FILE_TEST_IS_REGULAR))
+    return cli_error(CLI_IO, "'%s': no such file", path);
+  begin_anew();
+  g_autofree char *folder = g_path_get_dirname(path);
+  cli_look_first(folder);
+  opc_lint *lint = lint_new(path, cli_registry(), parameters, patience);
+  lint_run(lint);
+  if (json)
+    print_json(lint);
+  else
+    print_text(lint);
+  gboolean bad = lint->findings->len || (strict && lint->notes->len);
+  lint_free(lint);
+  return bad ? CLI_LIMIT : CLI_GOOD;
+}
+
+const cli_verb devel_lint = {CLI_LINT, .options = options, .least = 1,
+                             .most = 1, .run = run};

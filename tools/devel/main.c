@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* opcflow-devel: the verbs that no run needs. The command `opcflow` replaces
+   itself by this program. It has all verbs, for the completion of command lines
+   and for `help`. */
+#include "tools/devel/verbs.h"
+
+const cli_verb *const cli_verbs[] = {
+    &cli_run,     &cli_check,   &devel_explain, &cli_cache,
+    &cli_plugins, &cli_inspect, &devel_lint,    &devel_schema,
+    &devel_new,   &cli_version, &cli_help,      &devel_complete,
+    NULL};
+
+int main(int argc, char **argv) { return cli_main(argc, argv); }

@@ -1,0 +1,334 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* opcflow new: files to begin with, of a plugin that works or of a flow that
+   runs. The texts are the templates of the plugin's kind; those of steps,
+   commands and flows lie in data/templates. With --process a flow extends one
+   that is whole but for the file that it works on. */
+#include <errno.h>
+#include <gio/gio.h>
+#include <glib/gstdio.h>
+#include <string.h>
+
+#include <store/files.h>
+#include "core/cli/cli.h"
+#include "core/plugin/declaration.h"
+#include "core/plugin/kind.h"
+#include "core/text/suggest.h"
+#include "tools/devel/verbs.h"
+
+static const char *wanted;  /* --kind */
+static const char *process; /* --process */
+static gboolean json;
+
+static const cli_option options[] = {
+    {"kind", "by default what NAME begins with", "KIND", .text = &wanted},
+    {"process", "a flow that extends this one and works on INPUT", "NAME",
+     .text = &process},
+    {"json", "tell the files as JSON", .flag = &json},
+    {0}};
+
+/* What is made: its name "mine", of a plugin also its id "step.mine" and its
+   kind; the folder where everything goes; the files that were written. */
+static char *name, *id, *kind, *folder;
+static GPtrArray *files; /* char * */
+
+/* ---- templates ---- */
+
+static char *fill_in(const char *text) {
+  GString *out = g_string_new(text);
+  g_string_replace(out, "@NAME@", name, 0);
+  g_string_replace(out, "@ID@", id ? id : "", 0);
+  g_string_replace(out, "@KIND@", kind ? kind : "", 0);
+  return g_string_free(out, FALSE);
+}
+
+/* Write a template into the folder; -1 or the exit code. A file that is there
+   stays if `keep`. */
+static int put(const char *file, const char *template, gboolean keep) {
+  g_autofree char *filled = fill_in(file);
+  g_autofree char *text = fill_in(template);
+  g_autofree char *path = g_build_filename(folder, filled, NULL);
+  if (g_file_test(path, G_FILE_TEST_EXISTS))
+    return keep ? -1 : cli_error(CLI_IO, "'%s' exists", path);
+  opc_error error;
+  if (opc_write_file(path, text, &error)) return cli_fail(&error);
+  g_ptr_array_add(files, g_steal_pointer(&path));
+  return -1;
+}
+
+/* One of the command's own templates. */
+static int put_own(const char *group, const char *resource, const char *file,
+                   gboolean keep) {
+  g_autofree char *path = g_build_path("/", "/opcflow", group, resource, NULL);
+  g_autoptr(GBytes) bytes =
+      g_resources_lookup_data(path, G_RESOURCE_LOOKUP_FLAGS_NONE, NULL);
+  g_autofree char *text =
+      g_strndup(g_bytes_get_data(bytes, NULL), g_bytes_get_size(bytes));
+  return put(file, text, keep);
+}
+
+/* The names of those; NULL if there are none. */
+static char **own_names(const char *group) {
+  g_autofree char *path = g_build_path("/", "/opcflow", group, NULL);
+  return g_resources_enumerate_children(path, G_RESOURCE_LOOKUP_FLAGS_NONE,
+                                        NULL);
+}
+
+/* ---- a plugin ---- */
+
+static gboolean is_own_verb(const char *word) {
+  for (size_t i = 0; cli_verbs[i]; i++)
+    if (!strcmp(cli_verbs[i]->name, word)) return TRUE;
+  return FALSE;
+}
+
+/* Name, id and kind from what was given of them; -1 or the exit code. */
+static int settle_names(const char *given) {
+  if (!opc_is_id(given))
+    return cli_error(CLI_USAGE,
+                     "'%s' is no name for a plugin: lower_case words with dots "
+                     "between them",
+                     given);
+  const char *dot = strrchr(given, '.');
+  g_autoptr(GPtrArray) kinds = opc_kind_names(cli_registry());
+  kind = wanted ? g_strdup(wanted) : g_strndup(given, strcspn(given, "."));
+  id = dot ? g_strdup(given) : g_strconcat(kind, ".", given, NULL);
+  name = g_strdup(dot ? dot + 1 : given);
+  if (!strcmp(kind, OPC_KIND_COMMAND) && is_own_verb(name))
+    return cli_error(CLI_USAGE,
+                     "'opcflow %s' is there already: a plugin '%s' would never "
+                     "be called",
+                     name, id);
+  if (g_ptr_array_find_with_equal_func(kinds, kind, g_str_equal, NULL))
+    return -1;
+  if (!wanted)
+    return cli_error(CLI_USAGE,
+                     "'new plugin' needs --kind, see 'opcflow help new'");
+  g_autofree char *suggestion = opc_suggestion(kind, kinds);
+  return cli_error(CLI_USAGE, "unknown kind '%s'%s", kind,
+                   *suggestion ? suggestion : ", see 'opcflow help new'");
+}
+
+static int make_folder(void) {
+  g_autoptr(GDir) dir = g_dir_open(folder, 0, NULL);
+  gboolean taken = dir ? g_dir_read_name(dir) != NULL
+                       : g_file_test(folder, G_FILE_TEST_EXISTS);
+  if (taken) return cli_error(CLI_IO, "'%s' exists", folder);
+  if (!g_mkdir_with_parents(folder, 0777)) return -1;
+  return cli_error(CLI_IO, "'%s': %s", folder, g_strerror(errno));
+}
+
+/* All templates of its kind; those of the kernel's kinds are the command's own.
+ */
+static int new_plugin(const GPtrArray *arguments) {
+  if (arguments->len < 2)
+    return cli_error(CLI_USAGE,
+                     "'new plugin' needs NAME, see 'opcflow help new'");
+  int code = settle_names(arguments->pdata[1]);
+  if (code >= 0) return code;
+  opc_error error = {0};
+  const opc_kind *its = opc_kind_of(cli_registry(), kind, &error);
+  if (!its) return cli_fail(&error);
+  g_auto(GStrv) own = own_names(kind);
+  if (!own && !its->n_templates)
+    return cli_error(CLI_PLUGIN, "the kind '%s' does not say how one begins",
+                     kind);
+  folder = g_strdup(arguments->len > 2 ? arguments->pdata[2] : id);
+  code = make_folder();
+  for (guint i = 0; own && own[i] && code < 0; i++)
+    code = put_own(kind, own[i], own[i], FALSE);
+  for (size_t i = 0; i < its->n_templates && code < 0; i++)
+    code = put(its->templates[i].name, its->templates[i].text, FALSE);
+  return code;
+}
+
+/* ---- a flow that extends a process ---- */
+
+/* Base flows lie in these folders beside one of plugins, as NAME.yaml. */
+static const char *const bases[] = {"processes", "scanners"};
+
+/* Which folder of plugins there need not be: a user's has base flows alone. */
+static char *base_folder(const char *plugins, const char *base) {
+  g_autofree char *path = g_build_filename(plugins, "..", "flows", base, NULL);
+  return g_canonicalize_filename(path, NULL);
+}
+
+static int by_name(gconstpointer a, gconstpointer b) {
+  return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+/* Add the names of all base flows in a folder (g_free). */
+static void add_names(GPtrArray *names, const char *in) {
+  g_autoptr(GDir) dir = g_dir_open(in, 0, NULL);
+  for (const char *n; dir && (n = g_dir_read_name(dir));)
+    if (g_str_has_suffix(n, ".yaml"))
+      g_ptr_array_add(names, g_strndup(n, strlen(n) - strlen(".yaml")));
+}
+
+/* The names of all base flows (char *, freed with the array). */
+static GPtrArray *base_names(void) {
+  const GPtrArray *folders = opc_registry_folders(cli_registry());
+  GPtrArray *names = g_ptr_array_new_with_free_func(g_free);
+  for (guint i = 0; i < folders->len; i++)
+    for (size_t k = 0; k < G_N_ELEMENTS(bases); k++) {
+      g_autofree char *its = base_folder(folders->pdata[i], bases[k]);
+      add_names(names, its);
+    }
+  g_ptr_array_sort(names, by_name);
+  return names;
+}
+
+/* "; known: arf, own65" (g_free). */
+static char *known_names(const GPtrArray *names) {
+  GString *all = g_string_new(NULL);
+  for (guint i = 0; i < names->len; i++)
+    g_string_append_printf(all, "%s%s",
+                           i ? ", " : "; known: ", (char *)names->pdata[i]);
+  return g_string_free(all, FALSE);
+}
+
+/* The path of a process, which may be one itself (g_free); NULL and what there
+   is, told. */
+static char *find_process(void) {
+  const GPtrArray *folders = opc_registry_folders(cli_registry());
+  if (g_file_test(process, G_FILE_TEST_IS_REGULAR))
+    return g_canonicalize_filename(process, NULL);
+  g_autofree char *file = g_strconcat(process, ".yaml", NULL);
+  for (guint i = 0; i < folders->len && !strchr(process, '/'); i++)
+    for (size_t k = 0; k < G_N_ELEMENTS(bases); k++) {
+      g_autofree char *its = base_folder(folders->pdata[i], bases[k]);
+      g_autofree char *path = g_build_filename(its, file, NULL);
+      if (g_file_test(path, G_FILE_TEST_IS_REGULAR))
+        return g_canonicalize_filename(path, NULL);
+    }
+  g_autoptr(GPtrArray) names = base_names();
+  g_autofree char *hint = opc_suggestion(process, names);
+  g_autofree char *all = known_names(names);
+  cli_message("error", "no process '%s'%s%s", process, hint, all);
+  return NULL;
+}
+
+/* The files that a flow leaves open, at least one; NULL and the
+   exit code in *code. */
+static GArray *find_open(const char *path, int *code) {
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  g_autoptr(opc_flow) flow =
+      opc_flow_load(path, NULL, cli_registry(), problems);
+  g_autoptr(GArray) open = flow ? cli_open_files(flow) : NULL;
+  if (open && open->len) return g_steal_pointer(&open);
+  *code = flow ? cli_error(CLI_USAGE,
+                           "'%s' leaves no file open: it is no process", path)
+               : cli_problems(problems);
+  return NULL;
+}
+
+/* A file name as it is good in the flow's folder (g_free). */
+static char *from_folder(const char *input) {
+  return strcmp(folder, ".") && !g_path_is_absolute(input)
+             ? g_canonicalize_filename(input, NULL)
+             : g_strdup(input);
+}
+
+/* INPUT is the first file that is open; the others only its user knows, and a
+   run asks for them. */
+static int extend_process(const char *input, const char *file) {
+  int code = CLI_USAGE;
+  if (!g_file_test(input, G_FILE_TEST_IS_REGULAR))
+    return cli_error(CLI_IO, "'%s': %s", input,
+                     g_file_test(input, G_FILE_TEST_EXISTS)
+                         ? "not a regular file"
+                         : "no such file");
+  g_autofree char *path = find_process();
+  g_autoptr(GArray) open = path ? find_open(path, &code) : NULL;
+  if (!open) return code;
+  g_autofree char *its = from_folder(input);
+  const cli_open_file *left = (const cli_open_file *)(void *)open->data;
+  const char *first = left->path, *dot = strchr(first, '.');
+  g_autoptr(GString) text = g_string_new("opcflow: 1\nname: @NAME@\nextends: ");
+  opc_text_append(text, path);
+  g_string_append_printf(
+      text, "\nsteps:\n  %.*s:\n    %s: ", (int)(dot - first), first, dot + 1);
+  opc_text_append(text, its);
+  g_string_append_c(text, '\n');
+  for (guint i = 1; i < open->len; i++)
+    g_string_append_printf(text, "%s#   --set %s=FILE    %s\n",
+                           i == 1 ? "# Still to be given, here or as\n" : "",
+                           left[i].path, left[i].summary);
+  return put(file, text->str, FALSE);
+}
+
+/* ---- a flow ---- */
+
+/* "mine" of "mine.yaml"; -1 or the exit code. */
+static int name_after(const char *file) {
+  name = g_strndup(file, strcspn(file, "."));
+  for (char *c = name; *c; c++)
+    if (!g_ascii_isalnum(*c) && *c != '-') *c = '_';
+  if (g_ascii_isalnum(*name)) return -1;
+  return cli_error(CLI_USAGE, "'%s' is no name for a flow", file);
+}
+
+/* What the flow reads may be there already. */
+static int new_flow(const GPtrArray *arguments) {
+  guint at = process ? 2 : 1; /* of the flow's own name */
+  const char *path = arguments->len > at ? arguments->pdata[at] : "flow.yaml";
+  if (process && arguments->len < 2)
+    return cli_error(CLI_USAGE,
+                     "'--process' needs INPUT, the file that the "
+                     "flow works on");
+  if (arguments->len > at + 1)
+    return cli_error(CLI_USAGE, "'new flow' does not take '%s'",
+                     (char *)arguments->pdata[at + 1]);
+  g_autofree char *file = g_path_get_basename(path);
+  folder = g_path_get_dirname(path);
+  if (process) {
+    g_autofree char *input = g_path_get_basename(arguments->pdata[1]);
+    int code = name_after(input);
+    return code < 0 ? extend_process(arguments->pdata[1], file) : code;
+  }
+  if (!g_str_has_suffix(file, ".yaml") &&
+      g_file_test(path, G_FILE_TEST_IS_REGULAR)) {
+    g_autoptr(GPtrArray) names = base_names();
+    g_autofree char *all = known_names(names);
+    return cli_error(CLI_USAGE,
+                     "'%s' exists: a flow that works on it comes by 'opcflow "
+                     "new flow --process NAME %s'%s",
+                     path, path, all);
+  }
+  int code = name_after(file);
+  g_auto(GStrv) read = own_names("flow/read");
+  if (code < 0) code = put_own("flow", "flow.yaml", file, FALSE);
+  for (guint i = 0; read[i] && code < 0; i++)
+    code = put_own("flow/read", read[i], read[i], TRUE);
+  return code;
+}
+
+/* ---- entry ---- */
+
+static int tell(void) {
+  if (json) {
+    JsonObject *o = json_object_new();
+    cli_add_texts(o, "files", files);
+    cli_print_object(o);
+  }
+  for (guint i = 0; i < files->len && !json; i++)
+    cli_print("%s\n", (char *)files->pdata[i]);
+  return CLI_GOOD;
+}
+
+static int run(const cli_verb *verb, const GPtrArray *arguments) {
+  (void)verb;
+  const char *what = arguments->pdata[0];
+  gboolean plugin = !strcmp(what, "plugin");
+  files = g_ptr_array_new_with_free_func(g_free);
+  if (!plugin && strcmp(what, "flow") != 0)
+    return cli_error(CLI_USAGE, "'new' makes a 'plugin' or a 'flow', not '%s'",
+                     what);
+  if (plugin && process)
+    return cli_error(CLI_USAGE, "'--process' goes with 'new flow'");
+  int code = plugin ? new_plugin(arguments) : new_flow(arguments);
+  return code < 0 ? tell() : code;
+}
+
+const cli_verb devel_new = {CLI_NEW,    .options = options,
+                            .least = 1, .most = 3,
+                            .run = run, .words = "flow|plugin"};

@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The verbs of opcflow-devel. */
+#ifndef OPCFLOW_DEVEL_VERBS_H
+#define OPCFLOW_DEVEL_VERBS_H
+
+#include "core/cli/cli.h"
+
+extern const cli_verb devel_explain, devel_lint, devel_schema, devel_new,
+    devel_complete;
+
+#endif
