@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tables in CSV files: first corrections, weights of slices, widths that print,
    wishes for single transistors. */
+#include <eda/wishes.h>
 #include <math.h>
 
 #include "core/plugin/host.h"
@@ -8,7 +9,6 @@
 #include "plugins/extractor/weights.h"
 #include "plugins/resist/calibrate.h"
 #include "plugins/synthesizer/dpb/table.h"
-#include "plugins/synthesizer/newton/wishes.h"
 
 static opc_error error;
 
@@ -18,8 +18,8 @@ static void read_wishes_of_two(const char *path) {
   static uint32_t number[] = {1, 2};
   const eda_gates gates = {
       .count = 2, .instance = instance, .cell = cell, .number = number};
-  wish wishes[2] = {{1, {1, 1, 1}}, {1, {1, 1, 1}}};
-  read_wishes(path, &gates, wishes, &error);
+  eda_wish wishes[2] = {eda_wish_none, eda_wish_none};
+  eda_wishes_read(path, &gates, wishes, &error);
 }
 
 /* A model that a table is read for, and no image taken from. */

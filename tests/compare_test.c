@@ -6,64 +6,9 @@
 #include <string.h>
 
 #include "tests/command.h"
+#include "tests/run_folder.h"
 
 /* ---- run folders ---- */
-
-/* What is told of a run; members that are NULL take the good ones. */
-typedef struct made {
-  const char *folder;
-  const char *metrics; /* { "step": { ... } } */
-  const char *gates;   /* CSV */
-  const char *layout;  /* the SHA-256 of the layout */
-  const char *na, *target, *variant, *started;
-  const char *more;  /* of the manifest, with a comma behind */
-  const char *files; /* in its list of them */
-} made;
-
-#define METRIC(name, value, better, tolerance) \
-  "\"" name "\" : { \"value\" : " value        \
-  ", \"unit\" : \"%\", \"better\" : \"" better \
-  "\", \"tolerance\" : " tolerance " }"
-
-#define ION(value) "{ \"mask\" : { " METRIC("ion", value, "lower", "0.1") " } }"
-
-static const char head[] =
-    "transistor,type,l (nm),w (nm),ion_after (%),ioff_after (%)\r\n";
-
-static void put(const char *run, const char *file, const char *text) {
-  g_autofree char *path = g_build_filename(run, file, NULL);
-  write_text(path, text);
-}
-
-static const char *or_else(const char *text, const char *preset) {
-  return text ? text : preset;
-}
-
-static void make(const made *m) {
-  g_assert_false(g_mkdir_with_parents(m->folder, 0777));
-  g_autofree char *manifest = g_strdup_printf(
-      "{ %s \"opcflow\" : \"0.2.0\", %s%s%s \"result\" : \"complete\", "
-      "\"started\" : \"%s\", \"seconds\" : 1.0, \"threads\" : 2, "
-      "\"inputs\" : [ { \"path\" : \"/in/cell.gds\", \"sha256\" : \"%s\" } ], "
-      "\"plugins\" : [], \"files\" : [ %s ] }",
-      or_else(m->more, ""), m->variant ? "\"variant\" : \"" : "",
-      or_else(m->variant, ""), m->variant ? "\"," : "",
-      or_else(m->started, "2026-01-01T00:00:00Z"), or_else(m->layout, "aa"),
-      or_else(m->files, ""));
-  g_autofree char *flow = g_strdup_printf(
-      "opcflow: 1\nname: demo\nsteps:\n"
-      "  layout:\n    use: read.gds\n    file: /in/cell.gds\n"
-      "  mask:\n    use: correct\n"
-      "    litho:\n      use: litho.hopkins\n      na: %s\n"
-      "    synthesizer:\n      use: synthesizer.newton\n      target: %s\n",
-      or_else(m->na, "0.75"), or_else(m->target, "plain"));
-  put(m->folder, "manifest.json", manifest);
-  put(m->folder, "flow.yaml", flow);
-  put(m->folder, "metrics.json",
-      or_else(m->metrics,
-              "{ \"mask\" : { " METRIC("ion", "1.0", "lower", "0.1") " } }"));
-  if (m->gates) put(m->folder, "gates.csv", m->gates);
-}
 
 /* A run whose step 'out' has written a mask, which is made of boxes of CIF, and
    whose table of costs gives it so many shots. */
@@ -77,8 +22,9 @@ static void make_mask(const char *run, const char *boxes, int shots) {
              "  out: { use: write.gds, layout: ${layout}, file: mask.gds,\n"
              "    layers: { A: 9/0, B: 1/0 } }\n");
   g_assert_cmpint(call("run mask.yaml --output written --force"), ==, 0);
-  make(&(made){.folder = run,
-               .files = "{ \"path\" : \"mask.gds\", \"sha256\" : \"cc\" }"});
+  make_run(
+      &(made_run){.folder = run,
+                  .files = "{ \"path\" : \"mask.gds\", \"sha256\" : \"cc\" }"});
   g_autofree char *to = g_build_filename(run, "mask.gds", NULL);
   g_assert_cmpint(g_rename("written/mask.gds", to), ==, 0);
   g_autofree char *name = g_build_filename(run, "flow.yaml", NULL);
@@ -88,10 +34,10 @@ static void make_mask(const char *run, const char *boxes, int shots) {
       "  out:\n    use: write.gds\n    mask: ${mask}\n    file: mask.gds\n"
       "    layers:\n      poly: 9/0\n",
       NULL);
-  put(run, "flow.yaml", more);
+  put_file(run, "flow.yaml", more);
   g_autofree char *cost = g_strdup_printf(
       "layer,figures,shots\r\nactive,1,5\r\npoly,2,%d\r\n", shots);
-  put(run, "cost.csv", cost);
+  put_file(run, "cost.csv", cost);
 }
 
 /* ---- what was printed ---- */
@@ -162,35 +108,39 @@ static const char *verdict(const char *metric) {
 /* ---- tests ---- */
 
 static void test_verdicts(void) {
-  make(&(made){
-      .folder = "a",
-      .metrics =
-          "{ \"mask\" : { " METRIC("low", "1.0", "lower", "0.1") ", " METRIC(
+  make_run(
+      &(made_run){
+          .folder = "a",
+          .metrics = "{ \"mask\" : { " RUN_METRIC("low", "1.0", "lower", "0.1") ", " RUN_METRIC(
               "high", "1.0", "higher",
-              "0.1") ", " METRIC("near", "1.0", "lower",
-                                 "0.1") ", " METRIC("free", "1.0", "neutral",
-                                                    "0.0") ", " METRIC("same",
-                                                                       "1.0",
-                                                                       "lower",
-                                                                       "0.0") ", " METRIC("gone",
-                                                                                          "1.0",
-                                                                                          "lower",
-                                                                                          "0.0") " } }"});
-  make(&(made){
-      .folder = "b",
-      .target = "full",
-      .metrics =
-          "{ \"mask\" : { " METRIC("low", "1.25", "lower", "0.1") ", " METRIC(
+              "0.1") ", " RUN_METRIC("near", "1.0", "lower",
+                                     "0.1") ", " RUN_METRIC("free", "1.0",
+                                                            "neutral",
+                                                            "0.0") ","
+                                                                   " " RUN_METRIC("same",
+                                                                                  "1.0",
+                                                                                  "lower",
+                                                                                  "0.0") ", " RUN_METRIC("gone",
+                                                                                                         "1.0",
+                                                                                                         "lower",
+                                                                                                         "0.0") " } }"});
+  make_run(
+      &(made_run){
+          .folder = "b",
+          .target = "full",
+          .metrics = "{ \"mask\" : { " RUN_METRIC("low", "1.25", "lower", "0.1") ", " RUN_METRIC(
               "high", "1.25", "higher",
-              "0.1") ", " METRIC("near", "1.0625", "lower",
-                                 "0.1") ", " METRIC("free", "2.0", "neutral",
-                                                    "0.0") ", " METRIC("same",
-                                                                       "1.0",
-                                                                       "lower",
-                                                                       "0.0") ", " METRIC("new",
-                                                                                          "1.0",
-                                                                                          "lower",
-                                                                                          "0.0") " } }"});
+              "0.1") ", " RUN_METRIC("near", "1.0625", "lower",
+                                     "0.1") ", " RUN_METRIC("free", "2.0",
+                                                            "neutral",
+                                                            "0.0") ","
+                                                                   " " RUN_METRIC("same",
+                                                                                  "1.0",
+                                                                                  "lower",
+                                                                                  "0.0") ", " RUN_METRIC("new",
+                                                                                                         "1.0",
+                                                                                                         "lower",
+                                                                                                         "0.0") " } }"});
   g_assert_cmpint(compare("a b --all"), ==, 0);
   g_assert_cmpstr(verdict("mask.low"), ==, "worse");
   g_assert_cmpstr(verdict("mask.high"), ==, "better");
@@ -291,7 +241,7 @@ static void test_masks(void) {
 
 static void test_refusals(void) {
   static const struct {
-    made other;
+    made_run other;
     const char *said;
   } cases[] = {
       {{.layout = "bb"}, "layout.file has another content (aa, bb)"},
@@ -306,15 +256,15 @@ static void test_refusals(void) {
       {{.more = "\"failure\" : \"no light\","}, "'other' failed: no light"},
   };
   g_autofree char *gates =
-      g_strconcat(head, "a:1,n,65,100,1,1\r\na:2,n,65,100,1,1\r\n", NULL);
-  make(&(made){.folder = "base", .gates = gates});
+      g_strconcat(gates_head, "a:1,n,65,100,1,1\r\na:2,n,65,100,1,1\r\n", NULL);
+  make_run(&(made_run){.folder = "base", .gates = gates});
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
-    made m = cases[i].other;
+    made_run m = cases[i].other;
     g_autofree char *its =
-        m.gates ? g_strconcat(head, m.gates, NULL) : g_strdup(gates);
+        m.gates ? g_strconcat(gates_head, m.gates, NULL) : g_strdup(gates);
     m.folder = "other";
     m.gates = its;
-    make(&m);
+    make_run(&m);
     g_test_message("%s", cases[i].said);
     g_assert_cmpint(call("compare base other"), ==, 2);
     g_assert_nonnull(strstr(err, "not comparable: other: "));
@@ -323,11 +273,11 @@ static void test_refusals(void) {
     g_assert_cmpint(call("compare base other --anyway"), ==, 0);
     if (!strstr(err, cases[i].said)) g_error("%s", err);
   }
-  make(&(made){.folder = "other", .more = "\"points\" : 3,"});
+  make_run(&(made_run){.folder = "other", .more = "\"points\" : 3,"});
   g_assert_cmpint(call("compare base other --anyway"), ==, 2);
   g_assert_nonnull(strstr(err, "is a sweep of 3 points"));
   /* Another target of the same plugin is what is compared. */
-  make(&(made){.folder = "other", .target = "full"});
+  make_run(&(made_run){.folder = "other", .target = "full"});
   g_assert_cmpint(call("compare base other"), ==, 0);
 }
 
@@ -335,17 +285,17 @@ static void test_refusals(void) {
    of them is left out. */
 static void test_transistors(void) {
   g_autofree char *a =
-      g_strconcat(head,
+      g_strconcat(gates_head,
                   "p,n,65,100,1,-8\r\nq,n,65,100,-2,8\r\nr,n,65,100,3,8\r\n"
                   "s,n,65,100,,8\r\n",
                   NULL);
   g_autofree char *b =
-      g_strconcat(head,
+      g_strconcat(gates_head,
                   "s,n,65,100,4,8\r\nr,n,65,100,-1,8\r\nq,n,65,100,2,8\r\n"
                   "p,n,65,100,-0.5,8\r\n",
                   NULL);
-  make(&(made){.folder = "x", .gates = a});
-  make(&(made){.folder = "y", .gates = b});
+  make_run(&(made_run){.folder = "x", .gates = a});
+  make_run(&(made_run){.folder = "y", .gates = b});
   g_assert_cmpint(compare("x y"), ==, 0);
   g_assert_cmpuint(rows_of("transistors"), ==, 2);
   g_assert_cmpstr(text("transistors", 0, "figure"), ==, "ion");
@@ -366,12 +316,13 @@ static void test_transistors(void) {
 /* Two runs and more of variants; the latest one counts. */
 static void test_variants(void) {
   write_text("demo.yaml", "opcflow: 1\nname: demo # its name\n");
-  make(&(made){.folder = "runs/demo", .metrics = ION("4.0")});
-  make(&(made){.folder = "runs/demo-2",
-               .metrics = ION("3.0"),
-               .started = "2026-01-03T00:00:00Z"});
-  make(&(made){
-      .folder = "runs/demo-fast", .metrics = ION("2.0"), .variant = "fast"});
+  make_run(&(made_run){.folder = "runs/demo", .metrics = RUN_ION("4.0")});
+  make_run(&(made_run){.folder = "runs/demo-2",
+                       .metrics = RUN_ION("3.0"),
+                       .started = "2026-01-03T00:00:00Z"});
+  make_run(&(made_run){.folder = "runs/demo-fast",
+                       .metrics = RUN_ION("2.0"),
+                       .variant = "fast"});
   g_assert_cmpint(compare("demo.yaml --variant base --variant fast"), ==, 0);
   g_assert_cmpuint(rows_of("metrics"), ==, 1);
   g_assert_cmpfloat(number("metrics", 0, "base"), ==, 3);
@@ -391,7 +342,7 @@ static void test_variants(void) {
 
 /* ION of a value that is not known before. */
 static char *ion_metrics(const char *value) {
-  g_autoptr(GString) text = g_string_new(ION("@"));
+  g_autoptr(GString) text = g_string_new(RUN_ION("@"));
   g_string_replace(text, "@", value, 0);
   return g_strdup(text->str);
 }
@@ -412,15 +363,15 @@ static void make_experiment(const char *name, const char *nand,
       g_autofree char *metrics = ion_metrics(ion);
       int failed = i == 2 && k;
       if (!failed)
-        make(&(made){.folder = run,
-                     .metrics = metrics,
-                     .layout = cases[i],
-                     .target = k ? "full" : NULL});
+        make_run(&(made_run){.folder = run,
+                             .metrics = metrics,
+                             .layout = cases[i],
+                             .target = k ? "full" : NULL});
       g_string_append_printf(table, "%s,%s,%s,%s,1.5,%s\r\n", cases[i],
                              k ? "pb" : "epe", failed ? "" : its,
                              failed ? "no light" : "good", failed ? "" : ion);
     }
-  put(name, "experiment.csv", table->str);
+  put_file(name, "experiment.csv", table->str);
 }
 
 static void test_experiment(void) {
@@ -464,15 +415,15 @@ static void test_many_methods(void) {
       g_autofree char *run = g_build_filename("many", its, NULL);
       int failed = i && !k;
       if (!failed)
-        make(&(made){.folder = run,
-                     .metrics = ION("1.0"),
-                     .layout = name,
-                     .target = k ? "full" : NULL});
+        make_run(&(made_run){.folder = run,
+                             .metrics = RUN_ION("1.0"),
+                             .layout = name,
+                             .target = k ? "full" : NULL});
       g_string_append_printf(table, "%s,%s,%s,%s,1.5,%s\r\n", name, methods[k],
                              failed ? "" : its, failed ? "no light" : "good",
                              failed ? "" : "1.0");
     }
-  put("many", "experiment.csv", table->str);
+  put_file("many", "experiment.csv", table->str);
   g_assert_cmpint(call("compare many"), ==, 0);
   g_assert_cmpint(count_of(err, "inv, epe: left out: no light"), ==, 1);
   g_assert_null(strstr(out, "parameters\n"));

@@ -189,6 +189,9 @@ static int tell(const series *s, const opc_run *run, const char *note,
   return run->points_code ? cli_exit_code(run->points_code) : code;
 }
 
+/* Whether this is a rank after the first one. */
+static gboolean is_second(void) { return wanted.ranks && wanted.ranks->rank; }
+
 static int run_one(const series *s, const char *variant) {
   const opc_choice choice = choice_of(s, variant);
   const char *name = variant ? variant : "base";
@@ -211,7 +214,7 @@ static int run_one(const series *s, const char *variant) {
                            cli_progress_step, cli_progress_show,
                            cli_is_stopped,    cli_progress_point};
   const opc_watch unseen = {.cancelled = cli_is_stopped};
-  const opc_watch watch = opc_ranks_own(wanted.ranks) ? unseen : shown;
+  const opc_watch watch = is_second() ? unseen : shown;
   g_autoptr(opc_run) run =
       opc_run_flow(flow, &choice, cli_registry(), &its, &watch, problems);
   cli_progress_end(&progress);
@@ -295,20 +298,20 @@ static int is_stopped(void) { return cli_is_stopped(NULL); }
 static int meet_ranks(void) {
   int rank, size;
   opc_error error;
-  if (!opc_ranks_told(&rank, &size)) return -1;
-  wanted.ranks = opc_ranks_start(is_stopped, &error);
+  if (!ranks_told(&rank, &size)) return -1;
+  g_autofree char *object = opc_find_installed(OPC_LIBDIR, RANKS_OBJECT);
+  wanted.ranks = ranks_load(object, is_stopped, &error);
   if (!wanted.ranks) return cli_fail(&error);
-  if (opc_ranks_own(wanted.ranks)) cli_be_silent();
+  if (is_second()) cli_be_silent();
   return -1;
 }
 
 /* mpirun ends all as soon as one ends with another code than 0: the others wait
    until the first one has said and written all. */
 static int leave_ranks(int code) {
-  gboolean first = !opc_ranks_own(wanted.ranks);
   cli_flush();
-  opc_ranks_end(wanted.ranks);
-  return first || code == CLI_STOPPED ? code : CLI_GOOD;
+  if (wanted.ranks) wanted.ranks->end();
+  return !is_second() || code == CLI_STOPPED ? code : CLI_GOOD;
 }
 
 /* ---- the verb ---- */

@@ -18,22 +18,22 @@ static void add(opc_bytes *bytes, const void *from, size_t size) {
   if (!own->full && size) g_byte_array_append(own->all, from, (guint)size);
 }
 
-/* Whose fault it is. */
+/* Name the piece at fault. */
 static int fail(const opc_pieces *p, size_t i, int code, opc_error *error) {
   const opc_error own = *error;
-  if (!*own.message) return code;
+  if (!*own.message || !p->name) return code;
   return opc_fail(error, code, own.parameter, "%s %zu: %s", p->name, i,
                   own.message);
 }
 
-GByteArray *opc_piece_work(const opc_pieces *p, size_t i, opc_error *error) {
+GBytes *opc_piece_work(const opc_pieces *p, size_t i, opc_error *error) {
   buffer b = {{add}, g_byte_array_new(), FALSE};
   *error = (opc_error){0};
   int code = p->work(p->data, i, &b.bytes, error);
   if (!code && b.full)
     code = opc_fail(error, OPC_FAILED, NULL, "gives more than %d bytes",
                     OPC_PIECE_MOST);
-  if (!code) return b.all;
+  if (!code) return g_byte_array_free_to_bytes(b.all);
   error->code = fail(p, i, code, error);
   g_byte_array_unref(b.all);
   return NULL;
@@ -54,18 +54,19 @@ opc_pieces opc_pieces_copy(const opc_pieces *theirs, size_t size) {
   return own;
 }
 
-static int do_alone(const opc_host *host, const opc_pieces *theirs, size_t size,
-                    opc_error *error) {
-  const opc_pieces own = opc_pieces_copy(theirs, size), *p = &own;
+static int do_alone(const opc_host *host, const opc_pieces *theirs,
+                    size_t own_size, opc_error *error) {
+  const opc_pieces own = opc_pieces_copy(theirs, own_size), *p = &own;
   int code = OPC_OK;
   for (size_t i = 0; i < p->count && !code; i++) {
     if (opc_cancelled(host->context))
       return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
-    GByteArray *all = opc_piece_work(p, i, error);
+    g_autoptr(GBytes) all = opc_piece_work(p, i, error);
     if (!all) return error->code;
     if (p->done) p->done(p->data, i + 1);
-    code = opc_piece_take(p, i, all->data, all->len, error);
-    g_byte_array_unref(all);
+    gsize size;
+    const void *bytes = g_bytes_get_data(all, &size);
+    code = opc_piece_take(p, i, bytes, size, error);
   }
   return code;
 }

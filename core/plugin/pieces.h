@@ -9,9 +9,9 @@
 /* The most bytes that a piece may give: what one message of MPI can count. */
 enum { OPC_PIECE_MOST = 1 << 30 };
 
-/* Do piece i: what it gives (g_byte_array_unref), NULL and *error. [main] */
-GByteArray *opc_piece_work(const opc_pieces *pieces, size_t i,
-                           opc_error *error);
+/* Do piece i and return its result (g_bytes_unref); NULL and *error, whose
+   message begins with the piece if pieces have a name. [main] */
+GBytes *opc_piece_work(const opc_pieces *pieces, size_t i, opc_error *error);
 
 /* Hand that back. [main] */
 int opc_piece_take(const opc_pieces *pieces, size_t i, const void *bytes,

@@ -211,13 +211,13 @@ static GVariant *find_result(const opc_run *run, const opc_flow_step *step) {
 
 gboolean opc_reuse_take(opc_run *run, const opc_flow_step *step,
                         opc_problems *problems) {
-  opc_ranks *ranks = opc_run_ranks(run);
+  const ranks_group *ranks = opc_run_ranks(run);
   opc_error error = {0};
   g_autoptr(GVariant) result =
       opc_run_is_first(run) ? find_result(run, step) : NULL;
   char found = result != NULL;
   tell_complaint(run);
-  if (ranks && opc_ranks_spread(ranks, &found, 1, 0, &error))
+  if (ranks && ranks->spread(&found, 1, 0, &error))
     return opc_problem_add(problems, error.code, NULL, "%s", error.message);
   if (!found || !result) return found;
   int code = opc_result_publish(run, step, result, &error);
@@ -347,11 +347,11 @@ static gboolean run_again(opc_run *run, const opc_flow_step *step,
 }
 
 /* Whether all ranks say yes, and in *any whether one does. */
-static gboolean do_all(opc_ranks *ranks, gboolean yes, gboolean *any) {
+static gboolean do_all(const ranks_group *ranks, gboolean yes, gboolean *any) {
   gint64 least[2] = {yes, -yes};
   opc_error stopped;
   *any = yes;
-  if (!ranks || opc_ranks_least(ranks, least, 2, &stopped)) return yes;
+  if (!ranks || ranks->least(least, 2, &stopped)) return yes;
   *any = least[1] < 0;
   return least[0] > 0;
 }

@@ -226,14 +226,14 @@ gboolean opc_run_step(opc_run *run, const opc_flow_step *step,
 /* ---- ranks ---- */
 
 /* A flow inside of a step is each rank's own. */
-opc_ranks *opc_run_ranks(const opc_run *run) {
+const ranks_group *opc_run_ranks(const opc_run *run) {
   for (const opc_run *r = run; r; r = r->main)
     if (r->apart || (r->main && r->main->at)) return NULL;
   return run->options->ranks;
 }
 
 gboolean opc_run_is_first(const opc_run *run) {
-  return !opc_ranks_own(run->options->ranks);
+  return !run->options->ranks || !run->options->ranks->rank;
 }
 
 /* Of each step (g_free): whether every rank runs it, as it shares its pieces
@@ -255,7 +255,7 @@ static gboolean *find_shared(const opc_run *run) {
 /* Whether all may begin: same bits are to be had only from the same files,
    builds and processors. */
 static gboolean are_alike(opc_run *run, opc_problems *problems) {
-  opc_ranks *ranks = opc_run_ranks(run);
+  const ranks_group *ranks = opc_run_ranks(run);
   guint n = run->flow->steps->len;
   if (!ranks) return !problems->list->len;
   g_autoptr(GString) text = g_string_new(run->flow->name);
@@ -371,7 +371,7 @@ static gboolean do_step(opc_run *run, const opc_flow_step *step,
    first one does all. */
 static gboolean do_step_together(opc_run *run, const opc_flow_step *step,
                                  gboolean shared, opc_problems *problems) {
-  opc_ranks *ranks = opc_run_ranks(run);
+  const ranks_group *ranks = opc_run_ranks(run);
   if (!ranks) return do_step(run, step, problems);
   run->apart = !shared;
   if (shared || opc_run_is_first(run)) do_step(run, step, problems);

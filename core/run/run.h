@@ -7,9 +7,9 @@
 #include <json-glib/json-glib.h>
 #include <opcflow/pieces.h>
 #include <opcflow/step.h>
+#include <ranks/ranks.h>
 
 #include "core/binding/flow.h"
-#include "core/flow/ranks.h"
 #include "core/report/folder.h"
 #include "core/report/table.h"
 #include "core/run/key.h"
@@ -20,7 +20,7 @@ typedef struct opc_run_options {
   gboolean keep;      /* of a sweep: what each point writes stays */
   const char *const *command; /* for the manifest; may be NULL */
   opc_store *store; /* of earlier results; NULL: none, and nothing is kept */
-  opc_ranks *ranks; /* that run it together; NULL: this process alone */
+  const ranks_group *ranks; /* that run it together; NULL: this process alone */
 } opc_run_options;
 
 /* What a step found that the user must not miss. */
@@ -160,7 +160,7 @@ void opc_run_take_inputs(opc_run *run, const opc_run *from,
                          opc_problems *problems);
 
 /* The ranks that do now what this one does; NULL: it is alone. */
-opc_ranks *opc_run_ranks(const opc_run *run);
+const ranks_group *opc_run_ranks(const opc_run *run);
 
 /* Whether this is the rank that finds results, publishes and keeps them. */
 gboolean opc_run_is_first(const opc_run *run);
@@ -233,6 +233,12 @@ void opc_run_take_histories(opc_run *run, const opc_run *from);
 
 /* The service of a run's hosts. */
 extern const opc_pieces_service opc_pieces_of_run;
+
+/* Meet the other ranks at `what`, as ranks_group.meet does, with this rank's
+   faults in a list: if there is none, the fault of the lowest rank that has one
+   is added. FALSE if there is any. `ranks` may be NULL. */
+gboolean opc_ranks_agree(const ranks_group *ranks, const char *what,
+                         opc_problems *problems);
 
 /* The step's result is kept: its pieces need not be. */
 void opc_pieces_drop(opc_run *run);

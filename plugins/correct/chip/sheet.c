@@ -164,10 +164,7 @@ static int put_gate(maker *m, const ref *r, size_t k, opc_error *error) {
   }
   to->instance[k] = to->cell[k] = to->name;
   to->number[k] = (uint32_t)(k + 1);
-  if (from->note && from->note[i]) {
-    if (!to->note) to->note = eda_alloc(to->count, sizeof *to->note);
-    to->note[k] = eda_gates_text(to, from->note[i]);
-  }
+  eda_gates_take_wish(to, k, from, i);
   eda_gates_take_flavour(to, k, from, i);
   return OPC_OK;
 }

@@ -112,18 +112,21 @@ static void test_notes(void) {
      p-transistor; the same twice. */
   write_note(&d, 1165, 100, "ion=1.05");
   write_note(&d, 5101, 1, "");
-  write_note(&d, 1130, 500, "p");
-  write_note(&d, 1131, 501, "p");
+  write_note(&d, 1130, 500, "ion=0.9");
+  write_note(&d, 1131, 501, "ion=0.9");
   opc_test_forget();
   result r = segment(d.layout, "{ top: TOP }");
   const eda_gates *g = r.gates;
   g_assert_cmpuint(g->count, ==, 14);
   for (size_t i = 0; i < g->count; i++) {
-    const char *want = g->type[i] == EDA_NMOS ? "weight=2" : NULL;
-    if (!strcmp(g->instance[i], "X1"))
-      want = g->type[i] == EDA_NMOS ? "ion=1.05" : "p";
-    if (!strcmp(g->instance[i], "XA[0,0]") && want) want = "";
-    g_assert_cmpstr(g->note[i], ==, want);
+    int n = g->type[i] == EDA_NMOS, own = !strcmp(g->instance[i], "X1"),
+        taken = !strcmp(g->instance[i], "XA[0,0]");
+    g_assert_cmpint(g->wish[i].given, ==, (n && !taken) || own);
+    g_assert_cmpfloat(g->wish[i].weight, ==, n && !own && !taken ? 2 : 1);
+    g_assert_cmpfloat(g->wish[i].target[EDA_WISH_ION], ==,
+                      !own ? 1
+                      : n  ? 1.05
+                           : 0.9);
   }
   g_assert_null(strstr(opc_test_log(), "no transistor"));
   opc_test_release(r.module, &r.gates);
@@ -142,6 +145,11 @@ static void test_notes(void) {
   refused(&d, "{ top: TOP }", OPC_INVALID,
           "transistor 'X2:2' has two notes: 'weight=2', and at (-50, 2130) nm "
           "'weight=3'");
+  drawing bad = drawing_new();
+  draw_single(&bad);
+  write_note(&bad, 160, 100, "wieght=2");
+  refused(&bad, "{}", OPC_INVALID,
+          "note of 'TOP:1': unknown word 'wieght', did you mean 'weight'?");
 }
 
 /* No such layer; such a layer without a text; a coarse grid. */
@@ -150,20 +158,22 @@ static void test_no_notes(void) {
   drawing d = drawing_new();
   draw_single(&d);
   result r = segment(d.layout, "{}");
-  g_assert_null(((const eda_gates *)r.gates)->note);
+  g_assert_null(((const eda_gates *)r.gates)->wish);
   opc_test_release(r.module, &r.gates);
   opc_test_module_free(r.module);
   eda_layout_layer(d.layout, "notes", &error);
   r = segment(d.layout, "{}");
   const eda_gates *g = r.gates;
-  g_assert_nonnull(g->note);
-  for (size_t i = 0; i < g->count; i++) g_assert_null(g->note[i]);
+  g_assert_nonnull(g->wish);
+  for (size_t i = 0; i < g->count; i++)
+    g_assert_cmpint(g->wish[i].given, ==, 0);
   eda_box b = g->box[0];
   opc_test_release(r.module, &r.gates);
   opc_test_module_free(r.module);
-  write_note(&d, b.x1, b.y1, "corner");
+  write_note(&d, b.x1, b.y1, "area=1.5");
   r = segment(d.layout, "{ grid: 5 nm }");
-  g_assert_cmpstr(((const eda_gates *)r.gates)->note[0], ==, "corner");
+  g = r.gates;
+  g_assert_cmpfloat(g->wish[0].target[EDA_WISH_AREA], ==, 1.5);
   opc_test_release(r.module, &r.gates);
   opc_test_module_free(r.module);
   eda_layout_free(d.layout);

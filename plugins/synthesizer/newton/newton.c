@@ -5,6 +5,7 @@
    in the poly, one edge a grid step further out over part of the width, takes
    away the grid's quantum. */
 #include <eda/memory.h>
+#include <eda/wishes.h>
 #include <math.h>
 #include <opcflow/follow.h>
 #include <stdlib.h>
@@ -61,10 +62,10 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
   t->sides = eda_alloc(t->count, sizeof *t->sides);
   t->parts = eda_alloc(t->count, sizeof *t->parts);
   t->wish = eda_alloc(t->count, sizeof *t->wish);
-  for (size_t i = 0; i < t->count; i++) t->wish[i] = (wish){1, {1, 1, 1}};
-  int code = read_notes(f->gates, t->wish, error);
-  if (code || !t->wishes_path) return code;
-  return read_wishes(t->wishes_path, f->gates, t->wish, error);
+  for (size_t i = 0; i < t->count; i++)
+    t->wish[i] = eda_gates_wish(f->gates, i);
+  if (!t->wishes_path) return OPC_OK;
+  return eda_wishes_read(t->wishes_path, f->gates, t->wish, error);
 }
 
 /* ---- work: the next mask of one transistor ---- */

@@ -9,7 +9,6 @@
 #include "response.h"
 #include "shape.h"
 #include "trust.h"
-#include "wishes.h"
 
 typedef struct biases {
   int32_t l, w, jog;
@@ -73,11 +72,11 @@ typedef struct newton {
   int fine;
   int64_t iterations;
   const char *wishes_path;
-  double mean; /* of all sizes at the print before; while all rest, the
-                  least so far */
-  int settled; /* shapes and W stay; L goes on for Ion alone */
-  int rest;    /* nothing was moved at the print before */
-  wish *wish;  /* of each transistor */
+  double mean;    /* of all sizes at the print before; while all rest, the
+                     least so far */
+  int settled;    /* shapes and W stay; L goes on for Ion alone */
+  int rest;       /* nothing was moved at the print before */
+  eda_wish *wish; /* of each transistor */
   transistor *state;
   sides *sides;
   size_t count;

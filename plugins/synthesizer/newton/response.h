@@ -8,7 +8,12 @@
 
 /* Errors: logarithms of printed over drawn. Moves: L (with a jog, a fraction of
    a grid step) and W, in grid steps. */
-enum { ION, IOFF, AREA, ERRORS };
+enum {
+  ION = EDA_WISH_ION,
+  IOFF = EDA_WISH_IOFF,
+  AREA = EDA_WISH_AREA,
+  ERRORS = EDA_WISH_TARGETS
+};
 enum { BY_L, BY_W, MOVES };
 
 /* `doubt` is how well each move's response is known, as a part of it. */

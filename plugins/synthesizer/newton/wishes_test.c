@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Targets and weights of single transistors, from a table and from notes. */
+/* Targets and weights of single transistors, from a table and from gates. */
 #include <glib/gstdio.h>
 
 #include "model_test.h"
@@ -74,90 +74,18 @@ static void test_wishes(void) {
   g_remove(path);
 }
 
-/* ---- notes ---- */
-
-static int begin_with(const char *note, opc_error *error) {
-  g_autoptr(opc_module) m = make("{}");
-  const eda_synthesizer *s = m->functions;
-  char *cell[] = {"INV", "INV"}, *path[] = {"XU7", ""};
-  char *both[] = {NULL, (char *)note};
-  uint32_t number[] = {1, 3};
-  eda_gates gates = {.grid = 1,
-                     .count = 2,
-                     .cell = cell,
-                     .instance = path,
-                     .number = number,
-                     .note = both};
-  eda_feedback f = {.gates = &gates};
-  path[1] = note && *note == '!' ? (both[1]++, "XU7") : "";
-  return s->begin(m->self, &f, error);
-}
-
-static void test_note_words(void) {
-  static const char *const good[] = {NULL,
-                                     "",
-                                     " ",
-                                     "weight=10",
-                                     "ion=1.02,weight=0",
-                                     "weight=1 \tion=1",
-                                     "ion=0.9 ioff=0.4 area=1.08",
-                                     "# critical path",
-                                     "sta.slack=3ps",
-                                     "weight=2 sta.slack=3ps",
-                                     "my.own"};
-  static const struct {
-    const char *text, *message;
-  } bad[] = {
-      {"!wieght=2",
-       "note of 'XU7:3': unknown word 'wieght', did you mean 'weight'?"},
-      {"iom=1.02", "note of 'INV:3': unknown word 'iom', did you mean 'ion'?"},
-      {"M1",
-       "note of 'INV:3': unknown word 'M1'; there are weight=..., ion=..., "
-       "ioff=..., area=..."},
-      {"a-longer-word-than-any",
-       "note of 'INV:3': unknown word 'a-longer-word-than-any'; "
-       "there are weight=..., ion=..., ioff=..., area=..."},
-      {"weight", "note of 'INV:3': 'weight' lacks its value: weight=..."},
-      {"weight=", "note of 'INV:3': '' is no weight"},
-      {"weight=-1", "note of 'INV:3': '-1' is no weight"},
-      {"weight=1 weight=2", "note of 'INV:3': 'weight' is there twice"},
-      {"ion=2%",
-       "note of 'INV:3': '2%' is no multiple of a current from 0.1 to 10"},
-      {"ioof=0.5",
-       "note of 'INV:3': unknown word 'ioof', did you mean 'ioff'?"},
-      {"ioff=0",
-       "note of 'INV:3': '0' is no multiple of Ioff from 0.001 to "
-       "1000"},
-      {"area=11",
-       "note of 'INV:3': '11' is no multiple of an area from 0.1 to "
-       "10"},
-      {"ion=nan",
-       "note of 'INV:3': 'nan' is no multiple of a current from 0.1 to 10"},
-  };
-  opc_error error;
-  for (size_t i = 0; i < G_N_ELEMENTS(good); i++)
-    g_assert_cmpint(begin_with(good[i], &error), ==, OPC_OK);
-  for (size_t i = 0; i < G_N_ELEMENTS(bad); i++) {
-    g_assert_cmpint(begin_with(bad[i].text, &error), ==, OPC_INVALID);
-    g_assert_cmpstr(error.message, ==, bad[i].message);
-  }
-}
-
 /* A length that is 4 nm more: less Ion, Ioff and area by the model's own law,
    and W as drawn. A wish for one of them leaves the others at what is drawn. */
 static void test_longer(void) {
-  static char written[3][80];
-  static char *all[] = {written[0], written[1], NULL, written[2]};
   g_autoptr(opc_module) m = make_any("{ target: balanced }");
   model t = {.n = 4, .gain_l = 2.6, .gain_w = 1.05, .off_l = {3, 2, 7, -4}};
   const double by = 4;
-  g_snprintf(written[0], sizeof written[0], "ion=%.6f ioff=%.6f area=%.6f",
-             exp(-0.022 * by), exp(-0.3 * by), 1 + by / length);
-  g_strlcpy(written[1], written[0], sizeof written[1]);
-  g_strlcpy(written[2], "ioff=0.8", sizeof written[2]);
-  notes = all;
+  const eda_wish longer = {
+      1, {exp(-0.022 * by), exp(-0.3 * by), 1 + by / length}, 1};
+  eda_wish all[] = {longer, longer, eda_wish_none, {1, {1, 0.8, 1}, 1}};
+  wishes = all;
   run(m, &t);
-  notes = NULL;
+  wishes = NULL;
   for (int i = 0; i < 2; i++) {
     g_assert_cmpfloat_with_epsilon(t.ion[i], 100 * expm1(-0.022 * by), 0.1);
     g_assert_cmpfloat_with_epsilon(log1p(t.ioff[i] / 100), -0.3 * by, 0.15);
@@ -168,17 +96,21 @@ static void test_longer(void) {
   g_assert_cmpfloat_with_epsilon(t.ioff[3], -20, 5);
 }
 
-/* What the table says goes before the note; what it leaves out does not. */
-static void test_notes(void) {
-  static char *written[] = {"ion=1.02", "weight=0", NULL, "weight=0,ion=1.05"};
+/* Values of the table replace those of the gates; what the table leaves out
+   stays. */
+static void test_wishes_of_gates(void) {
+  static eda_wish all[] = {{1, {1.02, 1, 1}, 1},
+                           {0, {1, 1, 1}, 1},
+                           {1, {1, 1, 1}, 0},
+                           {0, {1.05, 1, 1}, 1}};
   g_autofree char *path =
-      g_build_filename(g_get_tmp_dir(), "newton-notes.csv", NULL);
+      g_build_filename(g_get_tmp_dir(), "newton-gates.csv", NULL);
   g_autoptr(opc_module) m =
       with_wishes("transistor,ion,weight\ncell:2,,1\ncell:4,,1\n", &path);
   model t = {.n = 4, .gain_l = 2.6, .gain_w = 1.05, .off_l = {3, 2, 7, -4}};
-  notes = written;
+  wishes = all;
   run(m, &t);
-  notes = NULL;
+  wishes = NULL;
   const eda_synthesizer *f = m->functions;
   g_assert_cmpfloat(f->target(m->self, 0), ==, 1.02);
   g_assert_cmpfloat(f->target(m->self, 2), ==, 1);
@@ -193,7 +125,6 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/newton/longer", test_longer);
   g_test_add_func("/newton/wishes", test_wishes);
-  g_test_add_func("/newton/note-words", test_note_words);
-  g_test_add_func("/newton/notes", test_notes);
+  g_test_add_func("/newton/wishes-of-gates", test_wishes_of_gates);
   return g_test_run();
 }

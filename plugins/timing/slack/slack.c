@@ -64,12 +64,6 @@ static double longest(const slack *s, size_t gate) {
 
 /* ---- work: choices ---- */
 
-/* What a designer has said of a transistor, nobody changes. */
-static int is_noted(const eda_gates *g, size_t gate) {
-  const char *note = g->note ? g->note[gate] : NULL;
-  return note && *note && *note != '#';
-}
-
 static void number_choices(job *j) {
   const graph *g = &j->graph;
   budget *b = &j->budget;
@@ -105,7 +99,7 @@ static int fill_choices(job *j, opc_error *error) {
   for (size_t i = 0; i < c->gates->count; i++) {
     if (j->of[i] == NO_CHOICE) continue;
     double *most = &b->choice[j->of[i]].length[LEVELS];
-    double here = is_noted(c->gates, i) ? NEVER : longest(s, i);
+    double here = eda_gates_wish(c->gates, i).given ? NEVER : longest(s, i);
     *most = *most == 0 ? here : fmin(*most, here);
   }
   for (size_t i = 0; i < b->count; i++) {
@@ -129,8 +123,7 @@ static int fill_choices(job *j, opc_error *error) {
 
 static void free_gates(void *object) {
   eda_gates *g = object;
-  for (size_t i = 0; g && i < g->count; i++) g_free(g->note[i]);
-  if (g) free(g->note);
+  if (g) free(g->wish);
   free(g);
 }
 
@@ -143,40 +136,41 @@ static double longer(const job *j, size_t gate) {
   return c->length[c->level];
 }
 
-typedef struct wished {
-  char *name;
-  double weight, ion, ioff, area;
-} wished;
+/* A factor with the digits of wishes.csv, so that the mask is the same whether
+   a synthesizer gets the gates or the file. */
+static double wish_round(double factor) { return round(factor * 1e6) / 1e6; }
 
-static wished wish_of(const job *j, size_t gate) {
+static eda_wish wish_of(const job *j, size_t gate) {
   const slack *s = j->s;
   double by = longer(j, gate);
-  return (wished){
-      .ion = current(s, gate, EDA_ION, by) / current(s, gate, EDA_ION, 0),
-      .ioff = current(s, gate, EDA_IOFF, by) / current(s, gate, EDA_IOFF, 0),
-      .area = exp(by),
-      .weight = s->weight};
+  return (eda_wish){
+      .weight = s->weight,
+      .target = {[EDA_WISH_ION] = wish_round(current(s, gate, EDA_ION, by) /
+                                             current(s, gate, EDA_ION, 0)),
+                 [EDA_WISH_IOFF] = wish_round(current(s, gate, EDA_IOFF, by) /
+                                              current(s, gate, EDA_IOFF, 0)),
+                 [EDA_WISH_AREA] = wish_round(exp(by))},
+      .given = 1};
 }
 
-/* The gates as they are, but for the notes. */
-static eda_gates *with_notes(const job *j) {
+/* The gates as they are, but for the wishes. */
+static eda_gates *with_wishes(const job *j) {
   const eda_gates *from = j->s->circuit->gates;
   eda_gates *g = eda_alloc(1, sizeof *g);
   *g = *from;
   g->serial = 0;
-  g->note = eda_alloc(g->count, sizeof *g->note);
-  for (size_t i = 0; i < g->count; i++) {
-    g->note[i] = g_strdup(from->note ? from->note[i] : NULL);
-    if (!(longer(j, i) > 0)) continue;
-    wished w = wish_of(j, i);
-    g_free(g->note[i]);
-    g->note[i] = g_strdup_printf("weight=%g ion=%.6f ioff=%.6f area=%.6f",
-                                 j->s->weight, w.ion, w.ioff, w.area);
-  }
+  g->wish = eda_alloc(g->count, sizeof *g->wish);
+  for (size_t i = 0; i < g->count; i++)
+    g->wish[i] = longer(j, i) > 0 ? wish_of(j, i) : eda_gates_wish(from, i);
   return g;
 }
 
 /* ---- work: what is told ---- */
+
+typedef struct wished {
+  char *name;
+  double weight, ion, ioff, area;
+} wished;
 
 static int tell_wishes(const job *j, opc_error *error) {
   const eda_gates *g = j->s->circuit->gates;
@@ -184,9 +178,13 @@ static int tell_wishes(const job *j, opc_error *error) {
   size_t n = 0;
   for (size_t i = 0; i < g->count; i++) {
     if (!(longer(j, i) > 0)) continue;
-    row[n] = wish_of(j, i);
-    row[n++].name = g_strdup_printf(
-        "%s:%u", *g->instance[i] ? g->instance[i] : g->cell[i], g->number[i]);
+    eda_wish w = wish_of(j, i);
+    row[n++] = (wished){
+        .name = g_strdup_printf("%s:%u", eda_gates_owner(g, i), g->number[i]),
+        .weight = w.weight,
+        .ion = w.target[EDA_WISH_ION],
+        .ioff = w.target[EDA_WISH_IOFF],
+        .area = w.target[EDA_WISH_AREA]};
   }
   const opc_column columns[] = {{"transistor", NULL, OPC_TEXT, 0, &row->name},
                                 {"weight", NULL, OPC_REAL, 4, &row->weight},
@@ -302,7 +300,7 @@ static int run(void *self, void **outputs, opc_error *error) {
     free(j.drawn);
   }
   if (!code) {
-    eda_gates *gates = with_notes(&j);
+    eda_gates *gates = with_wishes(&j);
     eda_circuit *circuit = eda_alloc(1, sizeof *circuit);
     *circuit = *s->circuit;
     circuit->gates = gates;

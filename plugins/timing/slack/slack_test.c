@@ -63,7 +63,8 @@ typedef struct placed {
   uint8_t type[2 * MOST], axis[2 * MOST];
   double length[2 * MOST], width[2 * MOST], space[4 * MOST],
       extension[4 * MOST];
-  char *instance[2 * MOST], *cell[2 * MOST], *note[2 * MOST];
+  char *instance[2 * MOST], *cell[2 * MOST];
+  eda_wish wish[2 * MOST];
   uint32_t number[2 * MOST], finger[2 * MOST];
   eda_device device[2 * MOST];
   char name[2 * MOST][16], path[MOST][8];
@@ -105,7 +106,8 @@ static placed *place_all(size_t instances) {
   p->gates.instance = p->instance;
   p->gates.cell = p->cell;
   p->gates.number = p->number;
-  p->gates.note = p->note;
+  p->gates.wish = p->wish;
+  for (size_t i = 0; i < 2 * MOST; i++) p->wish[i] = eda_wish_none;
   p->circuit = (eda_circuit){.name = "top",
                              .gates = &p->gates,
                              .nets = 4,
@@ -154,7 +156,7 @@ static eda_timing *made_up(void) {
 }
 
 static int run(eda_timing *t, placed *p, const char *ports,
-               const char *instances, const char *more, void **outputs,
+               const char *instances, const char *more, eda_wish *wishes,
                opc_error *error) {
   g_autofree char *path = write_circuit(ports, instances);
   g_autofree char *text = g_strdup_printf(
@@ -167,13 +169,12 @@ static int run(eda_timing *t, placed *p, const char *ports,
   opc_test_input(m, "timing", t);
   opc_test_input(m, "circuit", &p->circuit);
   int code = opc_test_run(m, made, error);
-  if (!code && outputs) {
-    /* Only the notes are new. */
+  if (!code && wishes) {
+    /* Only the wishes are new. */
     const eda_gates *g = made[0];
     const eda_circuit *c = made[1];
     g_assert_true(c->gates == g && g->box == p->box && c->device == p->device);
-    for (size_t i = 0; i < g->count; i++)
-      ((char **)outputs)[i] = g_strdup(g->note[i]);
+    memcpy(wishes, g->wish, g->count * sizeof *wishes);
   }
   if (!code) opc_test_release(m, made);
   opc_test_module_free(m);
@@ -492,7 +493,7 @@ static void test_rest(void) {
     placed *all = place_all(3);
     strcpy(all->name[4], "XU2/MN2");
     strcpy(all->name[5], "XU2/MP2");
-    all->note[3] = (char *)"weight=2"; /* of one of two in parallel */
+    all->wish[3] = (eda_wish){2, {1, 1, 1}, 1}; /* of one of two in parallel */
     good(run(t, all, two ? "a n m z" : "a z",
              two ? "XU1 a m VDD VSS INV\nXU2 a n z VDD VSS NAND2\n"
                  : "XU1 a n VDD VSS INV\nXU2 a n z VDD VSS NAND2\n",
@@ -508,30 +509,36 @@ static void test_rest(void) {
   }
 }
 
-/* ---- notes, and what is refused ---- */
+/* ---- wishes of the designer, and what is refused ---- */
 
 static const char chain[] =
     "XU1 a m VDD VSS INV\nXU2 m n VDD VSS INV\nXU3 n z VDD VSS INV\n";
 
-/* What a designer says stays, and its transistor as drawn; a remark goes. */
-static void test_notes(void) {
+static void check_wish(const eda_wish *w, eda_wish want) {
+  g_assert_cmpint(w->given, ==, want.given);
+  g_assert_cmpfloat(w->weight, ==, want.weight);
+  for (int k = 0; k < EDA_WISH_TARGETS; k++) /* of six decimals */
+    g_assert_cmpfloat_with_epsilon(w->target[k], want.target[k], 0.5001e-6);
+}
+
+/* A wish of the designer stays, and its transistor as drawn. */
+static void test_designer(void) {
   opc_error error;
   placed *p = place_all(3);
   eda_timing *t = made_up();
-  p->note[0] = (char *)"# near the edge";
-  p->note[2] = (char *)"weight=3";
-  char *note[6];
-  good(run(t, p, "a z", chain, ", delay_limit: 50 %, weight: 0.5",
-           (void **)note, &error),
-       &error);
-  g_autofree char *longer =
-      g_strdup_printf("weight=0.5 ion=%.6f ioff=%.6f area=%.6f", most_ion,
-                      exp(-drop[1] * longest()), 1 + longest() / 60);
-  for (int i = 0; i < 6; i++)
-    g_assert_cmpstr(note[i], ==, i == 2 ? "weight=3" : longer);
+  const eda_wish designer = {3, {1, 1, 1}, 1},
+                 longer = {
+                     0.5,
+                     {most_ion, exp(-drop[1] * longest()), 1 + longest() / 60},
+                     1};
+  p->wish[2] = designer;
+  eda_wish wish[6];
+  good(
+      run(t, p, "a z", chain, ", delay_limit: 50 %, weight: 0.5", wish, &error),
+      &error);
+  for (int i = 0; i < 6; i++) check_wish(&wish[i], i == 2 ? designer : longer);
   close_to(opc_test_metric("longer"), 5, 0);
   close_to(opc_test_metric("longer_most"), longest(), 1e-6);
-  for (int i = 0; i < 6; i++) g_free(note[i]);
   /* Nobody gives anything: all as drawn. */
   good(run(t, p, "a z", chain, ", ion: 0 %", NULL, &error), &error);
   close_to(opc_test_metric("longer"), 0, 0);
@@ -573,7 +580,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/slack/spare", test_spare);
   g_test_add_func("/slack/slews", test_slews);
   g_test_add_func("/slack/rest", test_rest);
-  g_test_add_func("/slack/notes", test_notes);
+  g_test_add_func("/slack/designer", test_designer);
   g_test_add_func("/slack/refused", test_refused);
   return g_test_run();
 }

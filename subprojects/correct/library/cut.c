@@ -5,6 +5,7 @@
 #include <eda/memory.h>
 #include <glib.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -107,8 +108,7 @@ static void cut_gate(cutter *c, size_t i) {
   to->instance[k] = eda_gates_text(to, "");
   to->cell[k] = eda_gates_text(to, to->name);
   to->number[k] = from->number[i];
-  if (from->note && from->note[i])
-    to->note[k] = eda_gates_text(to, from->note[i]);
+  eda_gates_take_wish(to, k, from, i);
   eda_gates_take_flavour(to, k, from, i);
 }
 
@@ -123,7 +123,6 @@ static eda_gates *cut(cutter *c, const char *name, size_t count) {
   to->name = eda_gates_text(to, name);
   to->grid = from->grid;
   to->extent = (eda_box){INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
-  if (from->note) to->note = eda_alloc(count, sizeof *to->note);
   for (size_t k = 0; k < from->layers; k++) {
     to->layer[k] = eda_gates_text(to, from->layer[k]);
     to->corrected[k] = from->corrected[k];
@@ -234,11 +233,13 @@ char *cut_sum(const eda_gates *g) {
     }
   }
   for (size_t i = 0; i < g->count; i++) {
-    g_autofree char *one =
-        g_strdup_printf("%d %d %a %a %s", g->type[i], g->axis[i], g->length[i],
-                        g->width[i], g->note && g->note[i] ? g->note[i] : "");
+    g_autofree char *one = g_strdup_printf(
+        "%d %d %a %a ", g->type[i], g->axis[i], g->length[i], g->width[i]);
+    eda_wish wish = eda_gates_wish(g, i);
     const char *flavour = eda_gates_flavour(g, i);
     g_checksum_update(sum, (const guchar *)one, -1);
+    if (wish.given)
+      g_checksum_update(sum, (const guchar *)&wish, offsetof(eda_wish, given));
     g_checksum_update(sum, (const guchar *)flavour, -1);
     g_checksum_update(sum, (const guchar *)"\n", 1);
   }

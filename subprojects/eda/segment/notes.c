@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is written upon each gate: the texts of the layer `notes`. A text in a
-   cell is there in each of its instances; one of a higher cell, which knows the
-   instance, goes before it. */
+/* The wishes of gates, from the texts of the layer `notes`. A text in a cell
+   holds in each of its instances; a text of a higher cell, which knows the
+   instance, replaces it. */
+#include <eda/wishes.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,39 +27,56 @@ static eda_shapes get_boxes(const eda_gates *g) {
   return out;
 }
 
+/* The text of each gate, until all are known. */
+typedef struct note {
+  const char *text; /* NULL: none */
+  uint32_t depth;   /* of its cell */
+} note;
+
 static int refuse_second(segment *s, const eda_flat_texts *t, size_t i,
-                         uint32_t gate) {
+                         uint32_t gate, const char *first) {
   const eda_gates *g = s->gates;
   eda_point p = t->at.shapes.points[i];
   return opc_fail(
       s->error, OPC_INVALID, NULL,
       "transistor '%.200s:%u' has two notes: '%.100s', and at (%g, %g) nm "
       "'%.100s'",
-      *g->instance[gate] ? g->instance[gate] : g->cell[gate], g->number[gate],
-      g->note[gate], p.x * s->grid, p.y * s->grid, t->text[i]);
+      eda_gates_owner(g, gate), g->number[gate], first, p.x * s->grid,
+      p.y * s->grid, t->text[i]);
 }
 
-/* The text of the highest cell. Two of equal rank must say the same. */
-static int give(segment *s, const eda_flat_texts *t, const uint32_t *which) {
-  eda_gates *g = s->gates;
+/* Find the text of the highest cell. Two of equal rank must say the same. */
+static int find_notes(segment *s, const eda_flat_texts *t,
+                      const uint32_t *which, note *notes) {
   size_t n = t->at.shapes.count;
-  uint32_t *depth = eda_alloc(g->count, sizeof *depth);
   for (size_t i = 0; i < n; i++) {
-    uint32_t gate = which[i];
-    if (gate == UINT32_MAX || (g->note[gate] && depth[gate] <= t->depth[i]))
-      continue;
-    g->note[gate] = eda_gates_text(g, t->text[i]);
-    depth[gate] = t->depth[i];
+    if (which[i] == UINT32_MAX) continue;
+    note *now = &notes[which[i]];
+    if (!now->text || now->depth > t->depth[i])
+      *now = (note){t->text[i], t->depth[i]};
   }
-  int code = OPC_OK;
-  for (size_t i = 0; !code && i < n; i++) {
-    uint32_t gate = which[i];
-    if (gate != UINT32_MAX && depth[gate] == t->depth[i] &&
-        strcmp(g->note[gate], t->text[i]) != 0)
-      code = refuse_second(s, t, i, gate);
+  for (size_t i = 0; i < n; i++) {
+    if (which[i] == UINT32_MAX) continue;
+    const note *now = &notes[which[i]];
+    if (now->depth == t->depth[i] && strcmp(now->text, t->text[i]) != 0)
+      return refuse_second(s, t, i, which[i], now->text);
   }
-  free(depth);
-  return code;
+  return OPC_OK;
+}
+
+static int parse_notes(segment *s, const note *notes) {
+  eda_gates *g = s->gates;
+  g->wish = eda_alloc(g->count, sizeof *g->wish);
+  for (size_t i = 0; i < g->count; i++) {
+    char *fault =
+        eda_wish_parse(notes[i].text ? notes[i].text : "", &g->wish[i]);
+    if (!fault) continue;
+    opc_fail(s->error, OPC_INVALID, NULL, "note of '%.300s:%u': %s",
+             eda_gates_owner(g, i), g->number[i], fault);
+    free(fault);
+    return OPC_INVALID;
+  }
+  return OPC_OK;
 }
 
 static void warn(const segment *s, const eda_flat_texts *t,
@@ -93,17 +111,19 @@ int segment_notes(segment *s) {
   eda_shapes boxes = get_boxes(g);
   doubled *points = eda_alloc(n, sizeof *points);
   uint32_t *which = eda_alloc(n, sizeof *which);
-  g->note = eda_alloc(g->count, sizeof *g->note);
+  note *notes = eda_alloc(g->count, sizeof *notes);
   for (size_t i = 0; i < n; i++) {
     eda_point p = texts.at.shapes.points[i];
     points[i] = (doubled){2 * (int64_t)p.x, 2 * (int64_t)p.y};
   }
   segment_find(points, n, &boxes, which);
-  code = give(s, &texts, which);
+  code = find_notes(s, &texts, which, notes);
+  if (!code) code = parse_notes(s, notes);
   if (!code) warn(s, &texts, which);
   eda_shapes_clear(&boxes);
   free(points);
   free(which);
+  free(notes);
   eda_flat_texts_clear(&texts);
   return code;
 }

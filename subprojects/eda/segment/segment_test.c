@@ -43,6 +43,7 @@ static int32_t random_cell(eda_layout *layout, int k, GRand *rand) {
     box(layout, cell, "contact", x + 90, 20, x + 150, 80);
   }
   int32_t notes = eda_layout_layer(layout, "notes", &e);
+  g_snprintf(name, sizeof name, "ion=1.%d", k);
   if (k % 2)
     eda_layout_add_text(layout, cell, notes, (eda_point){30, 30}, name, &e);
   return cell;
@@ -89,11 +90,12 @@ static bool starts_in(eda_box core, eda_box b) {
 /* All about a gate, to the last bit. */
 static char *tell_gate(const eda_gates *g, size_t i) {
   eda_box b = g->box[i];
+  eda_wish wish = eda_gates_wish(g, i);
   return g_strdup_printf(
-      "%d,%d %d,%d %d%d %a %a space %a %a ends %a %a '%s'", b.x0, b.y0, b.x1,
-      b.y1, g->type[i], g->axis[i], g->length[i], g->width[i], g->space[2 * i],
-      g->space[2 * i + 1], g->extension[2 * i], g->extension[2 * i + 1],
-      g->note && g->note[i] ? g->note[i] : "");
+      "%d,%d %d,%d %d%d %a %a space %a %a ends %a %a wish %d %a", b.x0, b.y0,
+      b.x1, b.y1, g->type[i], g->axis[i], g->length[i], g->width[i],
+      g->space[2 * i], g->space[2 * i + 1], g->extension[2 * i],
+      g->extension[2 * i + 1], wish.given, wish.target[EDA_WISH_ION]);
 }
 
 static GPtrArray *gates_in(const eda_gates *g, eda_box core) {

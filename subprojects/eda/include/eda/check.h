@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Calling modules of the kinds litho, resist, extractor, synthesizer and
-   regulator, and checks of what they hand back. Each check gives OPC_OK, or
-   OPC_FAILED and *error, which says what is wrong; eda_blame then says whose
-   error it is:
+/* Calls of modules of the kinds litho, resist, extractor, synthesizer and
+   regulator, and checks of their results. Each check returns OPC_OK, or
+   OPC_FAILED with the fault in *error; eda_blame then names the module at
+   fault:
 
      const char *before = eda_enter(context, module, error);
      int code = functions->extract(module->self, &slices, &out, error);
@@ -10,7 +10,7 @@
      if (!code) code = eda_check_performance(gates, 0, flags, &out, error);
      return eda_blame(error, code, "extractor");
 
-   All [any]. */
+   All functions are [any]. */
 #ifndef EDA_CHECK_H
 #define EDA_CHECK_H
 
@@ -22,39 +22,41 @@
 extern "C" {
 #endif
 
-/* opc_enter for a call of that module, with *error emptied. */
+/* Clear *error and call opc_enter for a call of the module. Return the value
+   for opc_leave. */
 OPC_EXPORT const char *eda_enter(const opc_context *context,
                                  const opc_module *module, opc_error *error);
 
-/* Put an error down to the module in a slot: its parameter gets the name of the
-   slot before it, a code that is none becomes OPC_FAILED, a missing message one
-   that says so. Returns the code; nothing happens if that is OPC_OK. */
+/* Attribute an error to the module in a slot: put the slot's name before the
+   parameter's name, replace an unknown code by OPC_FAILED and an empty message
+   by a default one. Return the code. OPC_OK is returned unchanged. */
 OPC_EXPORT int eda_blame(opc_error *error, int code, const char *slot);
 
-/* opc_parallel for tasks that may fail: the error of the first one, by its
-   number, that did. */
+/* Run tasks that may fail through opc_parallel. Return the error of the failed
+   task with the lowest number. */
 OPC_EXPORT int eda_try_all(const opc_context *context, size_t n,
                            int (*task)(void *data, size_t i, opc_error *error),
                            void *data, opc_error *error);
 
-/* A field that has values, all finite, in that very frame; `what` is its name
-   in the message. */
+/* Check that a field has values, all finite, on exactly this frame. `what`
+   names the field in the message. */
 OPC_EXPORT int eda_check_field(const eda_field *field, const eda_frame *frame,
                                const char *what, opc_error *error);
 
-/* What eda_extractor.slicing gave. */
+/* Check the result of eda_extractor.slicing. */
 OPC_EXPORT int eda_check_slicing(size_t n, const double *place,
                                  const double *width, opc_error *error);
 
-/* Performance of the gates from `first` on: above 0, or 0 where `flags` (NULL:
-   none) says that the print is bad; `outside` 0 or 1, or NULL. */
+/* Check the performance of the gates from `first` on: each figure is above 0,
+   or 0 where `flags` (NULL: none) mark the printed gate as invalid; `outside`
+   is 0, 1 or NULL. */
 OPC_EXPORT int eda_check_performance(const eda_gates *gates, size_t first,
                                      const uint32_t *flags,
                                      const eda_performance *performance,
                                      opc_error *error);
 
-/* Of a synthesizer: what it cuts a layer into, and its moves, where it cut
-   layers into so many fragments ([gates->layers]; 0: none). */
+/* Check the fragments into which a synthesizer dissects a layer, and its moves
+   of the layers it dissected ([gates->layers] fragment counts; 0: none). */
 OPC_EXPORT int eda_check_cuts(const eda_gates *gates, int layer,
                               const eda_cuts *cuts, opc_error *error);
 OPC_EXPORT int eda_check_moves(const eda_gates *gates, const eda_moves *moves,
@@ -65,25 +67,27 @@ OPC_EXPORT int eda_check_ruling(const eda_gates *gates,
 OPC_EXPORT int eda_check_violations(const eda_violation *violations, size_t n,
                                     size_t gates, opc_error *error);
 
-/* Calls of modules with all that is checked of them. They write into copies
-   between guard words, and who writes beyond them is found; texts are copied
-   for ever while the module is to blame for them, and must be UTF-8 of at most
-   200 bytes. OPC_OK and what it gave, or a code and *error, for eda_blame, with
-   nothing changed but *done. */
+/* Call a module and check everything it returns. The module writes into copies
+   between guard words, so that writes beyond an array are detected. Texts are
+   copied permanently while the module is accountable for them, and must be
+   UTF-8 of at most 200 bytes. Return OPC_OK and the results, or a code and
+   *error for eda_blame; on failure only *done changes. */
 
-/* eda_synthesizer.update; `fragments` as for eda_check_moves. */
+/* Call eda_synthesizer.update; `fragments` as in eda_check_moves. */
 OPC_EXPORT int eda_call_update(const opc_context *context,
                                const opc_module *synthesizer,
                                const eda_feedback *feedback,
                                const size_t *fragments, eda_moves *moves,
                                int *done, opc_error *error);
 
-/* eda_synthesizer.verdict; "" for none. */
+/* Call eda_synthesizer.verdict; *verdict is "" where the synthesizer has
+   none. */
 OPC_EXPORT int eda_call_verdict(const opc_context *context,
                                 const opc_module *synthesizer, size_t gate,
                                 const char **verdict, opc_error *error);
 
-/* eda_regulator.rule, and violations: no more than `most` of all *count. */
+/* Call eda_regulator.rule and read at most `most` of its violations; *count is
+   the number of all. */
 OPC_EXPORT int eda_call_rule(const opc_context *context,
                              const opc_module *regulator,
                              const eda_printed *printed, eda_ruling *ruling,

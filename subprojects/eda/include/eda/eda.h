@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* All of the library but <eda/drawing.h>, which needs the headers of cairo. */
+/* All headers of the library except <eda/drawing.h>, which needs cairo. */
 #ifndef EDA_EDA_H
 #define EDA_EDA_H
 

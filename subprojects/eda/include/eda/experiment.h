@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Data of the kind "experiment": where the runs of several methods on several
-   cases are, as the step `experiment` makes them. */
+/* Data of the kind "experiment": the run folders of several methods on several
+   cases, produced by the step `experiment`. */
 #ifndef EDA_EXPERIMENT_H
 #define EDA_EXPERIMENT_H
 
@@ -13,24 +13,26 @@ extern "C" {
 typedef struct eda_experiment {
   size_t n_cases, n_methods;
   const char *const *cases, *const *methods; /* their names */
-  /* Of case c by method m, at [c * n_methods + m]: its run folder, complete,
-     with flow.yaml, metrics.json and manifest.json; good while the flow that
-     made it runs. NULL where the run failed. */
+  /* Run folder of case c by method m at [c * n_methods + m]: complete, with
+     flow.yaml, metrics.json and manifest.json; valid while the flow that made
+     the folder runs. NULL for a failed run. */
   const char *const *folders;
 } eda_experiment;
 
-/* All is copied; the last array has n_cases * n_methods elements. [any] */
+/* Return a copy of everything; the last array has n_cases * n_methods elements.
+   [any] */
 OPC_EXPORT eda_experiment *eda_experiment_new(size_t n_cases,
                                               const char *const *cases,
                                               size_t n_methods,
                                               const char *const *methods,
                                               const char *const *folders);
 
-/* Frees it with all texts; an object of the data kind "experiment". */
+/* Free an experiment with all texts. An object of the data kind
+   "experiment". */
 OPC_EXPORT void eda_experiment_free(void *experiment);
 OPC_EXPORT int eda_experiment_check(const void *experiment, opc_error *error);
 
-/* For the initialiser of an opc_port (opcflow/step.h). */
+/* Initialise an opc_port (opcflow/step.h). */
 #define EDA_PORT_EXPERIMENT(port)                                      \
   {                                                                    \
     .name = port, .kind = "experiment", .check = eda_experiment_check, \

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* GDSII records: their numbers and how numbers stand in them. Shared by the
-   plugins read.gds and write.gds. (GDSII Stream Format Manual, release 6.0.)
+/* GDSII records: record types and number formats. Used by the plugins read.gds
+   and write.gds (GDSII Stream Format Manual, release 6.0).
 
-   A record is its length (2 bytes, with these 4), its type, its data type,
-   then the data; everything is big-endian. */
+   A record consists of its length (2 bytes, including the 4-byte header), its
+   type, its data type, and the data. All numbers are big-endian. */
 #ifndef EDA_GDS_H
 #define EDA_GDS_H
 
@@ -76,7 +76,7 @@ enum {
   EDA_GDS_ASCII = 6
 };
 
-/* The property that holds an instance's name. */
+/* Number of the property that holds the name of an instance. */
 enum { EDA_GDS_INSTANCE_NAME = 61 };
 
 static inline uint32_t eda_gds_u16(const uint8_t *p) {
@@ -88,8 +88,9 @@ static inline int32_t eda_gds_i32(const uint8_t *p) {
                    (uint32_t)p[2] << 8 | p[3]);
 }
 
-/* Sign, 7 bits of exponent to 16 less 64, 56 bits of fraction: exact but for
-   fractions of more than 53 bits, which are rounded once. */
+/* Return the value of an 8-byte GDSII real: sign, 7-bit exponent to base 16
+   with bias 64, 56-bit fraction. Exact, except that fractions of more than 53
+   bits are rounded once. */
 static inline double eda_gds_real(const uint8_t *p) {
   uint64_t fraction = 0;
   for (int i = 1; i < 8; i++) fraction = fraction << 8 | p[i];
@@ -107,7 +108,8 @@ static inline void eda_gds_put_i32(uint8_t *p, int32_t v) {
   eda_gds_put_u16(p + 2, (uint32_t)v & 0xffff);
 }
 
-/* Exact for |v| from 16^-65 to below 16^63, 0 for what is smaller. */
+/* Write an 8-byte GDSII real. Exact for 16^-65 <= |v| < 16^63; smaller values
+   are written as 0. */
 static inline void eda_gds_put_real(uint8_t *p, double v) {
   int e;
   double m = frexp(fabs(v), &e); /* |v| = m 2^e, m in [1/2, 1) */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* OASIS (SEMI P39): the numbers of its records, and writing them. */
+/* OASIS (SEMI P39): record numbers, and a writer. */
 #ifndef EDA_OASIS_H
 #define EDA_OASIS_H
 
@@ -52,10 +52,10 @@ enum {
 /* Validation schemes. */
 enum { EDA_OASIS_NO_CHECK = 0, EDA_OASIS_CRC32 = 1, EDA_OASIS_SUM32 = 2 };
 
-/* The END record's length. */
+/* Length of the END record. */
 enum { EDA_OASIS_END_BYTES = 256 };
 
-/* The order of the name tables in START or END. */
+/* Order of the name tables in START or END. */
 enum {
   EDA_OASIS_CELLNAMES = 0,
   EDA_OASIS_TEXTSTRINGS = 1,
@@ -66,24 +66,25 @@ enum {
   EDA_OASIS_TABLES = 6
 };
 
-/* The standard property that holds GDSII properties, and the number of the one
-   that names an instance. */
+/* The standard property that holds GDSII properties, and the number of the
+   property that names an instance. */
 #define EDA_OASIS_GDS_PROPERTY "S_GDS_PROPERTY"
 enum { EDA_OASIS_INSTANCE_NAME = 61 };
 
 /* ---- writing ---------------------------------------------------------- */
 
-/* What goes into a file: numbers and strings, collected into compressed blocks;
-   and shapes, equal ones put together as repetitions. What the file does not
-   take is seen when it is closed. All [main] for one. */
+/* Output of an OASIS file: numbers and strings, collected into compressed
+   blocks, and shapes, of which equal ones are combined into repetitions. Write
+   errors of the file are detected when it is closed. All functions are [main]
+   for one object. */
 typedef struct eda_oasis eda_oasis;
 
-/* `file` may be NULL: the bytes are only counted. */
+/* Return a new output. `file` may be NULL: bytes are counted only. */
 OPC_EXPORT eda_oasis *eda_oasis_new(FILE *file);
-/* Not the file. NULL: nothing. */
+/* Free an output, but not the file (NULL: nothing). */
 OPC_EXPORT void eda_oasis_free(eda_oasis *out);
 
-/* Bytes that went to the file, the CRC32 of them all, and bytes that are
+/* Return the bytes written to the file, the CRC32 of them all, and the bytes
    collected for the next block. */
 OPC_EXPORT uint64_t eda_oasis_place(const eda_oasis *out);
 OPC_EXPORT uint32_t eda_oasis_crc(const eda_oasis *out);
@@ -93,21 +94,21 @@ OPC_EXPORT void eda_oasis_byte(eda_oasis *out, uint32_t b);
 OPC_EXPORT void eda_oasis_uint(eda_oasis *out, uint64_t v);
 OPC_EXPORT void eda_oasis_sint(eda_oasis *out, int64_t v);
 OPC_EXPORT void eda_oasis_real(eda_oasis *out, double v);
-/* Any direction and length (a g-delta). */
+/* Write a displacement of any direction and length (a g-delta). */
 OPC_EXPORT void eda_oasis_delta(eda_oasis *out, int64_t x, int64_t y);
 OPC_EXPORT void eda_oasis_string(eda_oasis *out, const char *text);
 
-/* A record has ended: begin a new block if this one is long enough. */
+/* End a record and start a new block if the current one is long enough. */
 OPC_EXPORT void eda_oasis_end_record(eda_oasis *out);
-/* What was collected goes to the file, compressed if that makes it shorter; and
-   as it is. */
+/* Write the collected bytes to the file, compressed if that is shorter; or
+   uncompressed. */
 OPC_EXPORT void eda_oasis_end_block(eda_oasis *out);
 OPC_EXPORT void eda_oasis_end_plain(eda_oasis *out);
 
-/* Gather a shape of a cell; those of one layer come one after another. */
+/* Collect a shape of a cell; shapes of one layer must follow one another. */
 OPC_EXPORT void eda_oasis_polygon(eda_oasis *out, eda_layer_number layer,
                                   const eda_point *points, size_t n);
-/* Write the shapes that were gathered, before any other record of the cell. */
+/* Write the collected shapes. Call before any other record of the cell. */
 OPC_EXPORT void eda_oasis_end_shapes(eda_oasis *out);
 
 #ifdef __cplusplus

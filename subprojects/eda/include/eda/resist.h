@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kind "resist": from the intensity to the shapes that print. */
+/* Kind "resist": converts an intensity to printed shapes. */
 #ifndef EDA_RESIST_H
 #define EDA_RESIST_H
 
@@ -11,17 +11,17 @@ extern "C" {
 #endif
 
 typedef struct eda_resist {
-  /* Once, before any print: calibrate each layer against the litho model it
-     will be used with, whose functions are an eda_litho. [main] */
+  /* Prepare once, before any print: calibrate each layer against the litho
+     model in use, whose functions are an eda_litho. [main] */
   int (*prepare)(void *self, const opc_module *litho, opc_error *error);
 
-  /* Turn the intensity of a layer into its level set, in place: positive where
-     the feature prints. The field may get another grid. [any] */
+  /* Convert the intensity of a layer, in place, to its level set: positive
+     where the resist remains. The grid of the field may change. [any] */
   int (*print)(const void *self, int layer, eda_field *field, opc_error *error);
 
-  /* Before `prepare`: the transistors that will be printed, from which what is
-     not given may follow. They stay until `prepare` returns. NULL: nothing
-     follows from them. Since 0.7. [main] */
+  /* Optional. Receive, before `prepare`, the transistors to be simulated, for
+     parameters that follow from them. The gates live until `prepare` returns.
+     NULL: nothing follows. Since 0.7. [main] */
   void (*drawn)(void *self, const eda_gates *gates);
 } eda_resist;
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Rules of the mask itself: what a writer and an inspection can hold. */
+/* Mask rules (MRC): limits of mask writing and inspection. */
 #ifndef EDA_RULES_H
 #define EDA_RULES_H
 
@@ -10,30 +10,30 @@ extern "C" {
 #endif
 
 enum {
-  /* Between edges that face each other, within a polygon too (notches), and
-     between convex corners across from each other. */
+  /* Space between edges that face each other, also within a polygon (notches),
+     and between convex corners diagonally across. */
   EDA_RULE_SPACE,
-  /* Across a shape: between its edges, and between concave corners. */
+  /* Width between edges across a shape, and between concave corners. */
   EDA_RULE_WIDTH,
-  /* The length of an edge beside one that is no longer, as of steps that follow
-     each other and of small bumps and notches. The step of a single jog is no
-     such edge: what is beside it is long. */
+  /* Length of an edge next to one of at most the same length, as in staircases,
+     small bumps and notches. The step of a single jog is not such an edge,
+     because its neighbours are long. */
   EDA_RULE_EDGE,
-  /* The height of a jog: an edge with one convex and one concave corner, both
+  /* Height of a jog: an edge with one convex and one concave corner, both
      neighbours of which are longer. */
   EDA_RULE_JOG,
   EDA_RULES
 };
 
-/* Where a rule is not kept, nm. */
+/* Place of a violated rule, nm. */
 typedef struct eda_rule_fault {
   int rule;
   double x, y, value;
 } eda_rule_fault;
 
-/* All places of merged shapes with horizontal and vertical edges where a rule
-   is not kept: *faults, freed with free(); how many there are. `limit` is the
-   least value of each rule, nm, 0 for none. [any] */
+/* Find all places of merged rectilinear shapes that violate a rule: *faults,
+   freed with free(). `limit` is the smallest allowed value of each rule, nm, 0
+   for none. Return the number of places. [any] */
 OPC_EXPORT size_t eda_rules_check(const eda_shapes *shapes, double grid,
                                   const double limit[EDA_RULES],
                                   eda_rule_fault **faults);

@@ -1,44 +1,55 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Wishes, from the rows of a table and from the words of notes: both give the
-   same values. */
-#include "wishes.h"
-
+/* Wishes of transistors, parsed from the rows of a table and from the words of
+   notes. Both syntaxes have the same names, bounds and values. */
 #include <eda/csv.h>
+#include <eda/wishes.h>
 #include <glib.h>
 #include <math.h>
 #include <string.h>
 
-/* After the weight the targets, in the order of errors. */
-enum { TRANSISTOR, WEIGHT, TARGET, COLUMNS = TARGET + ERRORS };
+/* After the weight the targets, in the order of EDA_WISH_ION ... */
+enum { TRANSISTOR, WEIGHT, TARGET, COLUMNS = TARGET + EDA_WISH_TARGETS };
 static const eda_csv_column columns[COLUMNS] = {{"transistor", NULL, 0},
                                                 {"weight", NULL, 1},
                                                 {"ion", NULL, 1},
                                                 {"ioff", NULL, 1},
                                                 {"area", NULL, 1}};
 
-/* ---- what both have ---- */
+/* ---- values ---- */
 
-static char *name_of(const eda_gates *g, size_t i) {
-  return g_strdup_printf("%s:%u", *g->instance[i] ? g->instance[i] : g->cell[i],
-                         g->number[i]);
+/* Bounds of targets: a factor from 1 / most to most. Ioff doubles every few nm
+   of length. */
+static const double most_of[EDA_WISH_TARGETS] = {
+    [EDA_WISH_ION] = 10, [EDA_WISH_IOFF] = 1000, [EDA_WISH_AREA] = 10};
+static const char *const target_words[EDA_WISH_TARGETS] = {
+    [EDA_WISH_ION] = "multiple of a current from 0.1 to 10",
+    [EDA_WISH_IOFF] = "multiple of Ioff from 0.001 to 1000",
+    [EDA_WISH_AREA] = "multiple of an area from 0.1 to 10"};
+
+static int weight_is_good(double x) { return isfinite(x) && x >= 0; }
+
+static int target_is_good(int target, double x) {
+  return x > 1 / most_of[target] && x < most_of[target];
 }
 
-/* Take in a value, or tell what it is not; NULL if it is good. */
-static const char *take(wish *w, int column, const char *text) {
+const char *eda_wish_fault(const eda_wish *w) {
+  if (!weight_is_good(w->weight)) return "weight";
+  for (int k = 0; k < EDA_WISH_TARGETS; k++)
+    if (!target_is_good(k, w->target[k])) return target_words[k];
+  return NULL;
+}
+
+/* Set one value. Return the noun of what the text should have been, or NULL. */
+static const char *wish_set(eda_wish *w, int column, const char *text) {
   char *end;
+  int target = column - TARGET;
   double value = g_ascii_strtod(text, &end);
-  int good = end != text && !*end && isfinite(value) && value >= 0;
-  if (column == WEIGHT) {
-    if (good) w->weight = value;
-    return good ? NULL : "weight";
-  }
-  int leaks = column == TARGET + IOFF;
-  double most = leaks ? 1000 : 10; /* Ioff doubles every few nm */
-  if (!good || !(value > 1 / most && value < most))
-    return leaks                     ? "multiple of Ioff from 0.001 to 1000"
-           : column == TARGET + AREA ? "multiple of an area from 0.1 to 10"
-                                     : "multiple of a current from 0.1 to 10";
-  w->target[column - TARGET] = value;
+  if (end == text || *end) value = NAN;
+  if (column == WEIGHT && !weight_is_good(value)) return "weight";
+  if (column != WEIGHT && !target_is_good(target, value))
+    return target_words[target];
+  *(column == WEIGHT ? &w->weight : &w->target[target]) = value;
+  w->given = 1;
   return NULL;
 }
 
@@ -47,19 +58,21 @@ static const char *take(wish *w, int column, const char *text) {
 static GHashTable *by_name(const eda_gates *g) {
   GHashTable *t = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
   for (size_t i = 0; i < g->count; i++)
-    g_hash_table_insert(t, name_of(g, i), GSIZE_TO_POINTER(i + 1));
+    g_hash_table_insert(
+        t, g_strdup_printf("%s:%u", eda_gates_owner(g, i), g->number[i]),
+        GSIZE_TO_POINTER(i + 1));
   return t;
 }
 
 static int read_row(const eda_csv *csv, size_t row, GHashTable *number,
-                    wish *out, opc_error *error) {
+                    eda_wish *out, opc_error *error) {
   const char *name = eda_csv_text(csv, row, TRANSISTOR);
   size_t i = GPOINTER_TO_SIZE(g_hash_table_lookup(number, name));
   if (!i)
     return eda_csv_fail(csv, row, TRANSISTOR, "there is no transistor", error);
   for (int c = WEIGHT; c < COLUMNS; c++) {
     const char *text = eda_csv_text(csv, row, c);
-    const char *fault = *text ? take(&out[i - 1], c, text) : NULL;
+    const char *fault = *text ? wish_set(&out[i - 1], c, text) : NULL;
     if (!fault) continue;
     g_autofree char *what = g_strdup_printf("no %s:", fault);
     return eda_csv_fail(csv, row, c, what, error);
@@ -67,8 +80,8 @@ static int read_row(const eda_csv *csv, size_t row, GHashTable *number,
   return OPC_OK;
 }
 
-int read_wishes(const char *path, const eda_gates *gates, wish *out,
-                opc_error *error) {
+int eda_wishes_read(const char *path, const eda_gates *gates, eda_wish *out,
+                    opc_error *error) {
   eda_csv *csv =
       eda_csv_read(path, "wishes", columns, COLUMNS, EDA_CSV_EMPTY, error);
   if (!csv) return error->code;
@@ -101,8 +114,9 @@ static int distance(const char *a, const char *b) {
   return d[n][m];
 }
 
-/* The fault of one word, NULL if it is good; to be freed. */
-static char *take_word(wish *w, char *word, int *seen) {
+/* Set the value that one word states. Return its fault, to be freed, or NULL.
+ */
+static char *wish_take_word(eda_wish *w, char *word, int *seen) {
   char *value = strchr(word, '=');
   if (value) *value++ = '\0';
   if (strchr(word, '.')) return NULL;
@@ -123,23 +137,18 @@ static char *take_word(wish *w, char *word, int *seen) {
     return g_strdup_printf("'%s' lacks its value: %s=...", word, word);
   if ((*seen >> c) & 1) return g_strdup_printf("'%s' is there twice", word);
   *seen |= 1 << c;
-  const char *fault = take(w, c, value);
+  const char *fault = wish_set(w, c, value);
   return fault ? g_strdup_printf("'%.100s' is no %s", value, fault) : NULL;
 }
 
-int read_notes(const eda_gates *gates, wish *out, opc_error *error) {
-  if (!gates->note) return OPC_OK;
-  for (size_t i = 0; i < gates->count; i++) {
-    if (!gates->note[i] || gates->note[i][0] == '#') continue;
-    g_auto(GStrv) words = g_strsplit_set(gates->note[i], " ,\t\r\n", -1);
-    int seen = 0;
-    for (char **word = words; *word; word++) {
-      g_autofree char *fault = **word ? take_word(&out[i], *word, &seen) : NULL;
-      if (!fault) continue;
-      g_autofree char *name = name_of(gates, i);
-      return opc_fail(error, OPC_INVALID, NULL, "note of '%.300s': %s", name,
-                      fault);
-    }
-  }
-  return OPC_OK;
+char *eda_wish_parse(const char *note, eda_wish *out) {
+  *out = eda_wish_none;
+  if (!*note || *note == '#') return NULL;
+  out->given = 1;
+  g_auto(GStrv) words = g_strsplit_set(note, " ,\t\r\n", -1);
+  char *fault = NULL;
+  int seen = 0;
+  for (char **word = words; *word && !fault; word++)
+    if (**word) fault = wish_take_word(out, *word, &seen);
+  return fault;
 }

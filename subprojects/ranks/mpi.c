@@ -2,7 +2,7 @@
 /* The calls of MPI. Its functions that wait spin; here they are asked again and
    again with naps between, so that an idle rank leaves the processor to others
    and hears that it is to stop. */
-#include "core/flow/mpi.h"
+#include "calls.h"
 
 #include <mpi.h>
 #include <pthread.h>
@@ -11,8 +11,9 @@
 
 /* ---- state ---- */
 
-static opc_mpi own;
+static int own; /* rank */
 static int (*is_stopped)(void);
+static int over;        /* no rank is waited for any more */
 static MPI_Comm asking; /* of turns; all else is in MPI_COMM_WORLD */
 static pthread_mutex_t lock =
     PTHREAD_MUTEX_INITIALIZER; /* one call at a time */
@@ -51,21 +52,28 @@ static int wait_for(MPI_Request *request) {
 
 /* ---- all together ---- */
 
-static int least(int64_t *values, size_t n) {
+int mpi_stop(opc_error *error) {
+  over = 1;
+  return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
+}
+
+int mpi_least(int64_t *values, size_t n, opc_error *error) {
   MPI_Request request;
+  if (over) return mpi_stop(error);
   pthread_mutex_lock(&lock);
   MPI_Iallreduce(MPI_IN_PLACE, values, (int)n, MPI_INT64_T, MPI_MIN,
                  MPI_COMM_WORLD, &request);
   pthread_mutex_unlock(&lock);
-  return wait_for(&request);
+  return wait_for(&request) ? mpi_stop(error) : OPC_OK;
 }
 
-static int spread(void *bytes, size_t n, int from) {
+int mpi_spread(void *bytes, size_t n, int from, opc_error *error) {
   MPI_Request request;
+  if (over) return mpi_stop(error);
   pthread_mutex_lock(&lock);
   MPI_Ibcast(bytes, (int)n, MPI_BYTE, from, MPI_COMM_WORLD, &request);
   pthread_mutex_unlock(&lock);
-  return wait_for(&request);
+  return wait_for(&request) ? mpi_stop(error) : OPC_OK;
 }
 
 /* ---- turns ---- */
@@ -76,7 +84,7 @@ static int64_t add(int64_t by) {
   return __atomic_fetch_add(&turns, by, __ATOMIC_RELAXED);
 }
 
-static void restart(void) { __atomic_store_n(&turns, 0, __ATOMIC_RELAXED); }
+void mpi_restart(void) { __atomic_store_n(&turns, 0, __ATOMIC_RELAXED); }
 
 /* All who ask now; with the lock. */
 static void answer(void) {
@@ -104,10 +112,11 @@ static void *serve(void *unused) {
   return unused;
 }
 
-static int64_t turn(int64_t by) {
+int64_t mpi_turn(int64_t by) {
   MPI_Request requests[2];
   int64_t got;
-  if (own.rank == 0) return add(by);
+  if (over || is_stopped()) return -1;
+  if (own == 0) return add(by);
   pthread_mutex_lock(&lock);
   MPI_Irecv(&got, 1, MPI_INT64_T, 0, TELL, asking, &requests[1]);
   MPI_Isend(&by, 1, MPI_INT64_T, 0, ASK, asking, &requests[0]);
@@ -118,34 +127,28 @@ static int64_t turn(int64_t by) {
 /* ---- start and end ---- */
 
 /* By then nobody asks any more. */
-static void end(void) {
+void mpi_end(void) {
   int64_t none = 0;
-  if (least(&none, 1)) return;
+  opc_error stopped;
+  if (mpi_least(&none, 1, &stopped)) return;
   pthread_mutex_lock(&lock);
   ended = 1;
   pthread_mutex_unlock(&lock);
-  if (own.rank == 0) pthread_join(server, NULL);
+  if (own == 0) pthread_join(server, NULL);
   MPI_Finalize();
 }
 
-__attribute__((visibility("default"))) const opc_mpi *opcflow_mpi(
-    int (*stopped)(void));
-const opc_mpi *opcflow_mpi(int (*stopped)(void)) {
+int mpi_start(int (*stopped)(void), int *rank, int *size) {
   int level;
   /* Crashes are the command's own to tell of. */
   (void)setenv("OMPI_MCA_opal_signal", "", 0);
   if (MPI_Init_thread(NULL, NULL, MPI_THREAD_SERIALIZED, &level) ||
       level < MPI_THREAD_SERIALIZED)
-    return NULL;
+    return -1;
   is_stopped = stopped;
-  own = (opc_mpi){.least = least,
-                  .spread = spread,
-                  .turn = turn,
-                  .restart = restart,
-                  .end = end};
-  MPI_Comm_rank(MPI_COMM_WORLD, &own.rank);
-  MPI_Comm_size(MPI_COMM_WORLD, &own.size);
+  MPI_Comm_rank(MPI_COMM_WORLD, rank);
+  MPI_Comm_size(MPI_COMM_WORLD, size);
   MPI_Comm_dup(MPI_COMM_WORLD, &asking);
-  if (own.rank == 0 && pthread_create(&server, NULL, serve, NULL)) return NULL;
-  return &own;
+  own = *rank;
+  return own == 0 ? pthread_create(&server, NULL, serve, NULL) : 0;
 }

@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Comparisons of run folders made by hand: verdicts by the definition, paired
+   differences that are the same for all transistors, and so known without any
+   statistics, and means over cases. */
+#include <math.h>
+#include <opcflow/command.h>
+
+#include "tools/devel/testing.h"
+#include "tests/run_folder.h"
+
+static char *in_folder(const char *name) {
+  return g_build_filename(opc_test_folder(), name, NULL);
+}
+
+static void make(const char *name, made_run run) {
+  g_autofree char *folder = in_folder(name);
+  run.folder = folder;
+  make_run(&run);
+}
+
+/* Compare two folders; the code. */
+static int compare(const char *mapping, const char *a, const char *b,
+                   opc_error *error) {
+  g_autofree char *one = in_folder(a), *other = b ? in_folder(b) : NULL;
+  const char *const paths[] = {one, other};
+  opc_test_forget();
+  *error = (opc_error){0};
+  g_autoptr(opc_module) m = opc_test_module("command.compare", mapping, error);
+  if (!m) return error->code;
+  const opc_command *command = m->functions;
+  return command->run(m->self, other ? 2 : 1, paths, error);
+}
+
+static void compare_good(const char *mapping, const char *a, const char *b) {
+  opc_error error;
+  if (compare(mapping, a, b, &error)) g_error("%s", error.message);
+}
+
+/* The row of a table whose column has that text. */
+static size_t row_of(const char *table, const char *column, const char *text) {
+  for (size_t i = 0; i < opc_test_rows(table); i++)
+    if (!strcmp(opc_test_text(table, column, i), text)) return i;
+  g_error("no '%s' in '%s'", text, table);
+}
+
+/* ---- tests ---- */
+
+/* Every direction, for changes of either sign, within the tolerance, at it and
+   beyond it. */
+static void test_verdicts(void) {
+  static const char *const ways[] = {"lower", "higher", "neutral"};
+  static const double changes[] = {-1, -0.5, -0.25, 0, 0.25, 0.5, 1};
+  for (int k = 0; k < 2; k++) {
+    g_autoptr(GString) text = g_string_new("{ \"mask\" : {");
+    for (guint w = 0; w < 3; w++)
+      for (guint i = 0; i < G_N_ELEMENTS(changes); i++)
+        g_string_append_printf(
+            text,
+            "%s \"m%u%u\" : { \"value\" : %g, \"unit\" : \"nm\", \"better\" : "
+            "\"%s\", \"tolerance\" : 0.5 }",
+            w + i ? "," : "", w, i, 8 + k * changes[i], ways[w]);
+    g_string_append(text, "} }");
+    make(k ? "b" : "a", (made_run){.metrics = text->str});
+  }
+  compare_good("{ all: true }", "a", "b");
+  double better = 0, worse = 0, same = 0, differs = 0;
+  for (guint w = 0; w < 3; w++)
+    for (guint i = 0; i < G_N_ELEMENTS(changes); i++) {
+      double change = changes[i];
+      g_autofree char *name = g_strdup_printf("mask.m%u%u", w, i);
+      size_t row = row_of("metrics", "metric", name);
+      int is_same = fabs(change) <= 0.5, is_less = change < 0;
+      const char *want = is_same               ? "same"
+                         : w == 2              ? "differs"
+                         : is_less == (w == 0) ? "better"
+                                               : "worse";
+      g_assert_cmpstr(opc_test_text("metrics", "verdict", row), ==, want);
+      g_assert_true(opc_test_number("metrics", "change", row) == change);
+      g_assert_true(opc_test_number("metrics", "value", row) == 8 + change);
+      same += is_same;
+      differs += !is_same && w == 2;
+      better += !is_same && w < 2 && is_less == (w == 0);
+      worse += !is_same && w < 2 && is_less == (w == 1);
+    }
+  g_assert_cmpfloat(opc_test_metric("better"), ==, better);
+  g_assert_cmpfloat(opc_test_metric("worse"), ==, worse);
+  g_assert_cmpfloat(opc_test_metric("same"), ==, same);
+  g_assert_cmpfloat(opc_test_metric("differs"), ==, differs);
+}
+
+/* Paired by name, whatever the order: each deviation is 0.5 smaller in size, so
+   that the mean and both ends of its interval are; Ioff did not change. */
+static void test_transistors(void) {
+  g_autofree char *base =
+      g_strconcat(gates_head, "a:1,n,65,100,-1,4\r\na:2,n,65,100,2,4\r\n",
+                  "a:3,p,65,100,3.5,-4\r\na:4,p,65,100,,4\r\n", NULL);
+  g_autofree char *other =
+      g_strconcat(gates_head, "a:3,p,65,100,-3,4\r\na:4,p,65,100,1,4\r\n",
+                  "a:1,n,65,100,0.5,4\r\na:2,n,65,100,1.5,4\r\n", NULL);
+  make("a", (made_run){.gates = base});
+  make("b", (made_run){.gates = other});
+  compare_good("{}", "a", "b");
+  size_t ion = row_of("transistors", "figure", "ion");
+  static const char *const changes[] = {"change", "low", "high"};
+  for (int i = 0; i < 3; i++)
+    g_assert_cmpfloat_with_epsilon(
+        opc_test_number("transistors", changes[i], ion), -0.5, 1e-12);
+  g_assert_cmpfloat_with_epsilon(opc_test_number("transistors", "base", ion),
+                                 6.5 / 3, 1e-12);
+  g_assert_cmpfloat(opc_test_number("transistors", "better", ion), ==, 3);
+  g_assert_cmpfloat(opc_test_number("transistors", "same", ion), ==, 0);
+  g_assert_cmpstr(opc_test_text("transistors", "verdict", ion), ==, "better");
+  size_t ioff = row_of("transistors", "figure", "ioff");
+  g_assert_cmpfloat(opc_test_number("transistors", "same", ioff), ==, 4);
+  g_assert_cmpfloat(opc_test_number("transistors", "change", ioff), ==, 0);
+}
+
+/* Ion changes by 1 and 3 by the one method, by -2 and 0 by the other. */
+static void test_cases(void) {
+  static const char *const ions[2][2][2] = {{{"4.0", "5.0"}, {"6.0", "9.0"}},
+                                            {{"4.0", "2.0"}, {"6.0", "6.0"}}};
+  static const char list[] =
+      "case,method,folder,result,seconds (s)\r\nA,x,A/x,good,1\r\n"
+      "A,y,A/y,good,1\r\nB,x,B/x,good,1\r\nB,y,B/y,good,1\r\n";
+  for (int which = 0; which < 2; which++) {
+    g_autofree char *top = in_folder(which ? "e2" : "e1");
+    for (int method = 0; method < 2; method++)
+      for (int one = 0; one < 2; one++) {
+        g_autofree char *metrics = g_strdup_printf(
+            "{ \"mask\" : { \"ion\" : { \"value\" : %s, \"unit\" : \"%%\", "
+            "\"better\" : \"lower\", \"tolerance\" : 0.1 } } }",
+            ions[method][one][which]);
+        g_autofree char *name = g_strdup_printf("%s/%c/%c", which ? "e2" : "e1",
+                                                "AB"[one], "xy"[method]);
+        make(name, (made_run){.metrics = metrics});
+      }
+    put_file(top, "experiment.csv", list);
+  }
+  compare_good("{}", "e1", "e2");
+  g_assert_cmpuint(opc_test_rows("cases"), ==, 2);
+  for (int method = 0; method < 2; method++) {
+    size_t row = row_of("cases", "method", method ? "y" : "x");
+    g_assert_cmpfloat(opc_test_number("cases", "cases", row), ==, 2);
+    g_assert_cmpfloat(opc_test_number("cases", "base", row), ==, 5);
+    g_assert_cmpfloat(opc_test_number("cases", "value", row), ==,
+                      method ? 4 : 7);
+    g_assert_cmpfloat(opc_test_number("cases", "change", row), ==,
+                      method ? -1 : 2);
+    g_assert_cmpfloat(opc_test_number("cases", "wins", row), ==, method);
+    g_assert_cmpfloat(opc_test_number("cases", "losses", row), ==,
+                      method ? 0 : 2);
+    g_assert_cmpfloat(opc_test_number("cases", "ties", row), ==, method);
+  }
+}
+
+/* What is to fail, and what it says. */
+static void test_fail_on(void) {
+  static const struct {
+    const char *map;
+    int code;
+    const char *said;
+  } cases[] = {
+      {"{ fail_on: worse }", OPC_LIMIT, "worse: d: mask.ion"},
+      {"{ fail_on: 'worse:mask.ion' }", OPC_LIMIT, "worse: d: mask.ion"},
+      {"{ fail_on: 'worse:io?' }", OPC_INVALID, "'worse:io?': there is no"},
+      {"{ fail_on: better }", OPC_INVALID, "'better': is 'worse' or"},
+      {"{ metrics: mask.iom }", OPC_INVALID, "did you mean 'mask.ion'?"},
+      {"{ metrics: 'mask.*' }", OPC_OK, ""}};
+  opc_error error;
+  make("c", (made_run){.metrics = RUN_ION("1.0")});
+  make("d", (made_run){.metrics = RUN_ION("1.5")});
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_assert_cmpint(compare(cases[i].map, "c", "d", &error), ==, cases[i].code);
+    if (!strstr(error.message, cases[i].said)) g_error("%s", error.message);
+  }
+  g_assert_cmpint(compare("{ fail_on: worse }", "d", "c", &error), ==, OPC_OK);
+}
+
+/* Other layouts and optics are no matter of methods. */
+static void test_refused(void) {
+  static const made_run others[] = {{.layout = "bb"}, {.na = "0.85"}};
+  static const char *const said[] = {"layout.file has another content (aa, bb)",
+                                     "mask.litho.na is 0.75 and 0.85"};
+  opc_error error;
+  make("c", (made_run){.na = NULL});
+  for (int i = 0; i < 2; i++) {
+    make("d", others[i]);
+    g_assert_cmpint(compare("{}", "c", "d", &error), ==, OPC_INVALID);
+    g_assert_nonnull(strstr(error.message, "not comparable: d: "));
+    if (!strstr(error.message, said[i])) g_error("%s", error.message);
+    compare_good("{ anyway: true }", "c", "d");
+    g_assert_nonnull(strstr(opc_test_log(), said[i]));
+  }
+  g_assert_cmpint(compare("{}", "c", NULL, &error), ==, OPC_INVALID);
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/command.compare/verdicts", test_verdicts);
+  g_test_add_func("/command.compare/transistors", test_transistors);
+  g_test_add_func("/command.compare/cases", test_cases);
+  g_test_add_func("/command.compare/fail_on", test_fail_on);
+  g_test_add_func("/command.compare/refused", test_refused);
+  return g_test_run();
+}
