@@ -9,14 +9,8 @@
 
 #include <eda/eda.h>
 
+#include "tests/data.h"
 #include "tools/devel/testing.h"
-
-static char *corpus(void) {
-  const char *data = g_getenv("OPCFLOW_TEST_DATA");
-  if (data) return g_build_filename(data, "gds-corpus", NULL);
-  return g_build_filename(g_getenv("OPCFLOW_SOURCE"), "..", "shared", "data",
-                          "gds-corpus", NULL);
-}
 
 static eda_layout *read_file(const char *path) {
   opc_error e = {0};
@@ -190,7 +184,8 @@ static int check_top(const eda_layout *layout, const char *top,
 }
 
 static void test_file(const char *name, JsonObject *want) {
-  g_autofree char *folder = corpus();
+  g_autofree char *folder = find_data("gds-corpus");
+  if (!folder) return;
   g_autofree char *path = g_build_filename(folder, name, NULL);
   g_test_message("%s", name);
   eda_layout *layout = read_file(path);
@@ -213,13 +208,11 @@ static void test_file(const char *name, JsonObject *want) {
 }
 
 static void test_corpus(void) {
-  g_autofree char *folder = corpus();
+  g_autofree char *folder = find_data("gds-corpus");
+  if (!folder) return;
   g_autofree char *json = g_build_filename(folder, "expected.json", NULL);
   g_autoptr(JsonParser) parser = json_parser_new();
-  if (!json_parser_load_from_file(parser, json, NULL)) {
-    g_test_skip("no test data: set OPCFLOW_TEST_DATA");
-    return;
-  }
+  g_assert_true(json_parser_load_from_file(parser, json, NULL));
   JsonObject *all = json_node_get_object(json_parser_get_root(parser));
   g_autoptr(GDir) dir = g_dir_open(folder, 0, NULL);
   const char *name;

@@ -7,6 +7,7 @@
 
 #include <eda/eda.h>
 
+#include "tests/data.h"
 #include "tools/devel/testing.h"
 
 static eda_layout *read_file(const char *path, opc_error *error) {
@@ -223,22 +224,13 @@ static gboolean trip_cif(const char *path) {
   return file != NULL;
 }
 
-static char *corpus(void) {
-  const char *data = g_getenv("OPCFLOW_TEST_DATA");
-  if (data) return g_build_filename(data, "gds-corpus", NULL);
-  return g_build_filename(g_getenv("OPCFLOW_SOURCE"), "..", "shared", "data",
-                          "gds-corpus", NULL);
-}
-
 static void test_corpus(void) {
-  g_autofree char *folder = corpus();
+  g_autofree char *folder = find_data("gds-corpus");
+  if (!folder) return;
   g_autoptr(GDir) dir = g_dir_open(folder, 0, NULL);
   const char *name;
   int refused = 0, files = 0;
-  if (!dir) {
-    g_test_skip("no test data: set OPCFLOW_TEST_DATA");
-    return;
-  }
+  g_assert_nonnull(dir);
   while ((name = g_dir_read_name(dir))) {
     if (!g_str_has_suffix(name, ".gds") && !g_str_has_suffix(name, ".oas"))
       continue;

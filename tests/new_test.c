@@ -46,7 +46,7 @@ static void compile(const char *source, const char *object, gboolean testing) {
       "-Werror " SANITIZE
       " %s %s -o %s $(PKG_CONFIG_PATH=%s/meson-uninstalled pkg-config "
       "--cflags --libs opcflow eda %s) -lm -Wl,-rpath,%s/subprojects/eda "
-      "-Wl,-rpath,%s/core",
+      "-Wl,-rpath,%s/tools/devel",
       testing ? "" : "-fPIC -shared -fvisibility=hidden", source, object, build,
       testing ? "opcflow-testing" : "", build, build);
   if (CALL("sh", "-c", script)) g_error("%s", err);

@@ -104,11 +104,35 @@ ids() {
     done
 }
 
+# Files of more lines than one can keep in view.
+long_files() {
+  find core include subprojects plugins tests tools -type f |
+    grep -E '\.(c|h|py|sh|inc)$' | sort | xargs wc -l |
+    awk '$2 != "total" && $1 > 600 { print $2 ": " $1 " lines, more than 600" }'
+}
+
+# Each plugin has a test beside its code that makes the plugin by its id or
+# links its code, and each test beside a plugin is built. Templates are tested
+# by tests/new_test.c.
+own_tests() {
+  grep -rlE '^ *OPC_PLUGIN\(' plugins --include='*.c' | grep -v '/template\.c$' | sort |
+    while read -r file; do
+      folder=${file%/*}
+      id=$(sed -n 's/.*\.id = "\([a-z0-9_.]*\)".*/\1/p' "$file")
+      grep -qsE "[\"/]$id[\"/]|opcflow_plugin|tests/inner\.h" "$folder"/*_test.[ch] ||
+        echo "$folder: no *_test.c makes '$id'"
+    done
+  find plugins subprojects core -name '*_test.c' ! -name template_test.c ! -path '*/examples/*' | sort |
+    while read -r file; do
+      grep -q "/$file\"" "${OPCFLOW_BUILD:-build}/compile_commands.json" || echo "$file: not built"
+    done
+}
+
 copies() {
   cmp include/opcflow/base.h subprojects/eda/include/eda/base.h 2>&1
 }
 
-echo "1..8"
+echo "1..10"
 check "the kernel has no domain word" domain_words "$@"
 check "folders of the kernel include one way only" kernel_order
 check "folders of the library include in no circle" library_circles
@@ -117,4 +141,6 @@ check "guard and ranks include nothing of the others" guard_alone
 check "plugins include from no other family" families
 check "the folder of a plugin is its id" ids
 check "the copies of base.h are equal" copies
+check "no file has more than 600 lines" long_files
+check "each plugin has a test of its own, which is built" own_tests
 exit $failed

@@ -84,9 +84,9 @@ int cli_main(int argc, char **argv);
    code if there is no such program. */
 int cli_run_devel(const cli_verb *verb);
 
-/* Replace this process by a program, whose words end with NULL. Returns if that
+/* Replace this process by a program, with the same words. Returns if that
    fails. */
-void cli_become(const char *program, char **words);
+void cli_become(const char *program);
 
 /* A verb, one of the command's own or of a plugin, which is loaded; NULL and
  *error if there is none. */
@@ -147,11 +147,7 @@ opc_registry *cli_registry(void);
 /* How long one plugin may take to load, s. */
 #define CLI_PATIENCE 10.0
 
-/* ---- stopping ---- */
-
-/* From now on the first SIGINT, SIGTERM or SIGHUP asks to stop; a second one,
-   of any kind, ends what does not heed it. */
-void cli_catch_signals(void);
+/* Whether the user asked to stop (stop_on_signals), for opc_watch. */
 int cli_is_stopped(void *unused);
 
 /* ---- messages on standard error ---- */

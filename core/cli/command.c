@@ -3,6 +3,7 @@
    options, and what they publish is shown, or is one JSON document. */
 #include <errno.h>
 #include <glib/gstdio.h>
+#include <guard/stop.h>
 #include <string.h>
 
 #include "core/binding/layers.h"
@@ -253,7 +254,7 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
   g_autoptr(opc_binding) b =
       opc_bind_plugin(cli_registry(), plugin, opc_node_get(steps, verb->name),
                       verb->name, &at, 0, problems);
-  cli_catch_signals();
+  stop_on_signals(CLI_STOPPED);
   cli_progress_start(&progress, OPC_LOG_INFO);
   cli_progress_step(&progress, verb->name, 1, 1);
   if (!problems->list->len &&

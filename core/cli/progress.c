@@ -1,63 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How far the work is, and how it is stopped. */
+/* Shows how far the work is. */
 #include "core/cli/progress.h"
 
-#include <guard/guard.h>
-#include <guard/process.h>
+#include <guard/stop.h>
 #include <math.h>
-#include <pthread.h>
-#include <semaphore.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "core/cli/cli.h"
 
-/* ---- stopping ---- */
-
-/* What does not stop by itself within this time is ended, s: the whole is to
-   take no more than one, and on a busy machine that takes up to 0.4 more. */
-static const struct timespec patience = {0, 500000000};
-
-static volatile sig_atomic_t stopped;
-static sem_t asked; /* to stop; posted by a handler */
-
-static void stop(int number) {
-  (void)number;
-  if (stopped) guard_end(CLI_STOPPED);
-  stopped = 1;
-  sem_post(&asked);
-}
-
-static void *end_the_stubborn(void *unused) {
-  while (sem_wait(&asked)) continue; /* a signal came in between */
-  struct timespec left = patience;
-  while (clock_nanosleep(CLOCK_MONOTONIC, 0, &left, &left)) continue;
-  guard_end(CLI_STOPPED);
-  return unused;
-}
-
-void cli_catch_signals(void) {
-  struct sigaction action = {.sa_handler = stop};
-  struct sigaction before;
-  pthread_t watcher;
-  sem_init(&asked, 0, 0);
-  if (!pthread_create(&watcher, NULL, end_the_stubborn, NULL))
-    pthread_detach(watcher);
-  sigaction(SIGINT, &action, NULL);
-  sigaction(SIGTERM, &action, NULL);
-  /* The terminal is gone; under nohup that does not matter. */
-  if (!sigaction(SIGHUP, NULL, &before) && before.sa_handler != SIG_IGN)
-    sigaction(SIGHUP, &action, NULL);
-  process_settle();
-}
-
 int cli_is_stopped(void *unused) {
   (void)unused;
-  return stopped;
+  return stop_is_asked();
 }
-
-/* ---- telling ---- */
 
 /* At most ten lines a second. */
 enum { PAUSE = 100000 };

@@ -2,6 +2,7 @@
 /* opcflow run: runs a flow, or its variants, and shows what came of it. */
 #include "core/run/run.h"
 
+#include <guard/stop.h>
 #include <limits.h>
 #include <malloc.h>
 #include <string.h>
@@ -227,7 +228,7 @@ static int run_one(const series *s, const char *variant) {
 /* The exit code of the first run that is not good. */
 static int run_all(const series *s) {
   int code = CLI_GOOD;
-  cli_catch_signals();
+  stop_on_signals(CLI_STOPPED);
   for (guint i = 0; i < s->chosen->len && !cli_is_stopped(NULL); i++) {
     if (i && !json && !quiet) cli_print("\n");
     int one = run_one(s, s->chosen->pdata[i]);
@@ -291,8 +292,6 @@ static opc_store *open_store(void) {
 
 /* ---- ranks ---- */
 
-static int is_stopped(void) { return cli_is_stopped(NULL); }
-
 /* Where several processes were started to run the flow: one of them speaks. -1,
    or the exit code. */
 static int meet_ranks(void) {
@@ -300,7 +299,7 @@ static int meet_ranks(void) {
   opc_error error;
   if (!ranks_told(&rank, &size)) return -1;
   g_autofree char *object = opc_find_installed(OPC_LIBDIR, RANKS_OBJECT);
-  wanted.ranks = ranks_load(object, is_stopped, &error);
+  wanted.ranks = ranks_load(object, stop_is_asked, &error);
   if (!wanted.ranks) return cli_fail(&error);
   if (is_second()) cli_be_silent();
   return -1;

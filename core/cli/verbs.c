@@ -35,16 +35,16 @@ const cli_verb *cli_find_verb(const char *name, opc_error *error) {
   return NULL;
 }
 
-void cli_become(const char *program, char **words) {
-  cli_return_output();
-  execv(program, words);
-}
-
 static char **all_words; /* as main() has them */
+
+void cli_become(const char *program) {
+  cli_return_output();
+  execv(program, all_words);
+}
 
 int cli_run_devel(const cli_verb *verb) {
   g_autofree char *program = opc_find_installed(OPC_LIBEXECDIR, CLI_DEVEL);
-  if (program) cli_become(program, all_words);
+  if (program) cli_become(program);
   return cli_error(CLI_PLUGIN, "cannot run '%s': %s " CLI_DEVEL, verb->name,
                    program ? "cannot start" : "there is no program");
 }

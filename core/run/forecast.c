@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What steps will want, and whether there is that much. */
+#include <guard/memory.h>
 #include <string.h>
 
-#include "core/plugin/memory.h"
 #include "core/run/run.h"
 
 /* ---- one step ---- */
@@ -24,7 +24,7 @@ static char *bytes_text(double bytes) {
 
 static int check_memory(const opc_forecast *wanted, opc_error *error) {
   const char *source;
-  double bytes = opc_memory_free(&source);
+  double bytes = memory_free(&source);
   if (!(wanted->memory > bytes)) return OPC_OK;
   g_autofree char *most = bytes_text(wanted->memory);
   g_autofree char *left = bytes_text(bytes);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The step `correct`: the correction loop (../loop.c), its result and its
-   report. */
+/* The step `correct`: the correction loop (subprojects/correct/loop.c), its
+   result and its report. */
 #include <eda/memory.h>
 #include <glib.h>
 #include <inttypes.h>
@@ -11,13 +11,10 @@
 
 #include <correct/findings.h>
 #include <correct/fine.h>
-#include <correct/forecast.h>
 #include <correct/loop.h>
 #include <correct/rules.h>
-#include <correct/slots.h>
+#include <correct/settings.h>
 #include <correct/start.h>
-
-enum { ON, OFF }; /* `guard` */
 
 /* ---- state ---- */
 
@@ -25,18 +22,12 @@ typedef struct correct {
   const opc_host *host;
   const eda_gates *gates;
   loop_start start;
-  const opc_module *litho, *resist, *extractor, *synthesizer, *edges,
-      *regulator;
-  int64_t max_iterations;
-  const char *fine_text;
-  double fine;      /* error, clear field 1; 0: no fine prints */
-  double margin;    /* nm */
-  double ion_limit; /* % */
+  correct_settings with;
+  const opc_module *edges;
   corners_wish corners;
   gate_bars assists;
   sought_bars seek;
-  double min_space, min_mask_width, min_edge, min_jog; /* of the mask, nm */
-  int guard, trace;
+  int trace;
   int prepared; /* the extractor is */
 } correct;
 
@@ -77,23 +68,8 @@ static void hand_over(loop *l, eda_mask *out) {
 }
 
 static int tell_of_violations(loop *l, eda_mask *out, opc_error *error) {
-  if (!l->regulator) return OPC_OK;
-  eda_violation *v = NULL;
-  size_t n = 0;
   eda_printed p = loop_printed(l);
-  int code = loop_violations(l, &p, &v, &n, error);
-  if (!code) code = report_violations(l->host, l->gates, v, n, error);
-  if (!code) eda_mask_set_violations(out, v, n);
-  free(v);
-  return code;
-}
-
-static int tell_of_rules(const correct *c, const loop *l, opc_error *error) {
-  const double limit[EDA_RULES] = {[EDA_RULE_SPACE] = c->min_space,
-                                   [EDA_RULE_WIDTH] = c->min_mask_width,
-                                   [EDA_RULE_EDGE] = c->min_edge,
-                                   [EDA_RULE_JOG] = c->min_jog};
-  return rules_report(c->host, c->gates, l->mask, limit, error);
+  return report_rules(l->host, l->regulator, &p, out, error);
 }
 
 static int tell_of_guard(const loop *l, opc_error *error) {
@@ -135,22 +111,12 @@ static int run(void *self, void **outputs, opc_error *error) {
   int code = start_check(&c->start, c->gates, error);
   if (!code) code = tell_of_settings(c, error);
   if (code) return code;
-  loop l = {
-      .host = c->host,
-      .gates = c->gates,
-      .start = c->start,
-      .extractor = c->extractor,
-      .regulator = c->regulator,
-      .max_iterations = c->max_iterations,
-      .prepared = c->prepared,
-      .traced = c->trace,
-      .hold = c->guard == ON,
-      .ion_limit = c->ion_limit,
-      .fine_change = fine_change(c->fine_text, c->ion_limit),
-      .drivers = {[MAIN].module = c->synthesizer, [EDGES].module = c->edges}};
-  eda_printer_init(&l.printer, c->host->context, c->gates, c->litho, c->resist,
-                   c->margin);
-  l.printer.fine = c->fine;
+  loop l;
+  loop_init(&l, c->host, c->gates, &c->with);
+  l.start = c->start;
+  l.prepared = c->prepared;
+  l.traced = c->trace;
+  l.drivers[EDGES].module = c->edges;
   l.corners.wish = c->corners;
   l.assists = c->assists;
   l.seek = c->seek;
@@ -163,7 +129,8 @@ static int run(void *self, void **outputs, opc_error *error) {
   }
   if (!code) code = corners_report(&l, error);
   if (!code) code = assists_report(&l, error);
-  if (!code) code = tell_of_rules(c, &l, error);
+  if (!code)
+    code = rules_report(c->host, c->gates, l.mask, c->with.rules, error);
   if (!code) code = tell_of_guard(&l, error);
   if (!code) {
     hand_over(&l, mask);
@@ -177,26 +144,19 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
   correct *c = self;
   char prints[40], fine_prints[80];
   (void)snprintf(prints, sizeof prints, "at most %" PRId64 " prints",
-                 c->max_iterations + 1);
+                 c->with.max_iterations + 1);
   (void)snprintf(fine_prints, sizeof fine_prints, "%s and %d fine ones", prints,
                  PROOFS + 1);
-  forecast_prints(c->host->context, c->gates, c->litho, c->resist, c->margin,
-                  c->fine, prints, fine_prints, out);
+  correct_forecast(&c->with, c->host, c->gates, prints, fine_prints, out);
   out->memory *= (double)corners_images(&c->corners);
-  int code = eda_extractor_prepare(c->host->context, c->extractor, error);
+  int code = eda_extractor_prepare(c->host->context, c->with.extractor, error);
   if (code) return code;
   c->prepared = 1;
-  findings_of_drawing(c->host, c->gates, c->extractor);
+  findings_of_drawing(c->host, c->gates, c->with.extractor);
   return OPC_OK;
 }
 
 /* ---- for the next time ---- */
-
-static int save(void *self, void *const *outputs, const char *folder,
-                opc_error *error) {
-  (void)self;
-  return eda_mask_save(outputs[0], folder, error);
-}
 
 static int restore(void *self, const char *folder, void **outputs,
                    opc_error *error) {
@@ -218,32 +178,25 @@ static const opc_parameter parameters[] = {
                         .summary =
                             "of `start`: only transistors whose |Ion "
                             "deviation| it has made worse by more are moved"),
-    PRINT_SLOTS(correct),
-    MOVE_SLOTS(correct),
+    CORRECT_PRINT_SLOTS(correct),
+    CORRECT_MOVE_SLOTS(correct),
     OPC_PARAMETER(
         correct, edges, .type = OPC_SLOT, .choices = "synthesizer",
         .summary = "what moves the edges of layers that no transistor moves"),
-    OPC_PARAMETER(correct, max_iterations, .type = OPC_INT,
-                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "100",
-                  .min = 0, .max = 100000,
-                  .summary = "stop after so many moves"),
-    OPC_PARAMETER(correct, margin, .type = OPC_REAL, .flags = OPC_AT_LEAST,
-                  .unit = "nm", .follows = FINE_MARGIN, .min = 0,
-                  .summary =
-                      "clear field around the layout, which repeats beyond; "
-                      "without fine prints a third of that"),
-    FINE_PARAMETER(correct),
+    CORRECT_MAX_ITERATIONS(correct, "stop after so many moves"),
+    OPC_PARAMETER_NAMED(
+        "margin", correct, with.margin, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+        .unit = "nm", .follows = FINE_MARGIN, .min = 0,
+        .summary = "Clear field around the layout, which repeats beyond; "
+                   "without fine prints a third of that"),
+    CORRECT_FINE(correct),
     CORNERS_PARAMETERS(correct),
     ASSISTS_PARAMETERS(correct),
     SEEK_PARAMETERS(correct),
-    OPC_PARAMETER(correct, guard, .type = OPC_CHOICE, .preset = "on",
-                  .choices = "on|off",
-                  .summary = "take back what ends worse than the drawn mask; "
-                             "off: the synthesizer's result as it is"),
-    OPC_PARAMETER(correct, ion_limit, .type = OPC_REAL, .flags = OPC_AT_LEAST,
-                  .former = "limit", .unit = "%", .preset = "0.5 %",
-                  .summary = "Largest allowed |Ion deviation|: the guard "
-                             "accepts it whatever the drawn mask has"),
+    CORRECT_GUARD(correct),
+    CORRECT_ION_LIMIT(correct,
+                      "Largest allowed |Ion deviation|: the guard "
+                      "accepts it whatever the drawn mask has"),
     RULES_PARAMETERS(correct),
     OPC_PARAMETER(correct, trace, .type = OPC_BOOL, .preset = "false",
                   .summary = "write trace.csv: each transistor at each print"),
@@ -295,7 +248,7 @@ static void set_unused(correct *c, double value) {
 
 static void follow(correct *c) {
   set_unused(c, 0);
-  EDA_FOLLOW(c->host, "correct", c, parameters, eda_scanner_of(c->litho));
+  EDA_FOLLOW(c->host, "correct", c, parameters, eda_scanner_of(c->with.litho));
   set_unused(c, NAN);
 }
 
@@ -305,8 +258,7 @@ static int tell_of_settings(const correct *c, opc_error *error) {
 
 static int check(void *self, opc_error *error) {
   correct *c = self;
-  int code = fine_error(c->fine_text, c->ion_limit, &c->fine, error);
-  c->margin = fine_margin(c->host, c->litho, c->margin, c->fine);
+  int code = correct_settings_check(&c->with, c->host, error);
   follow(c);
   return code ? code : corners_check(&c->corners, error);
 }
@@ -314,9 +266,9 @@ static int check(void *self, opc_error *error) {
 /* ---- entry ---- */
 
 static const opc_port outputs[] = {EDA_PORT_MASK("mask")};
-static const opc_step functions = {OPC_OUTPUTS(outputs), .run = run,
-                                   .forecast = forecast, .save = save,
-                                   .restore = restore};
+static const opc_step functions = {
+    OPC_OUTPUTS(outputs), .run = run, .forecast = forecast,
+    .save = correct_save_mask, .restore = restore};
 
 OPC_PLUGIN(
     correct, .id = "correct", .kind = "step", .version = OPC_VERSION,

@@ -24,8 +24,8 @@ static const opc_metric ion = {"ion", "%", OPC_LOWER, 0, "a figure"},
                         dose = {"ion", "mA", OPC_HIGHER, 0, "an other unit"};
 
 static double formula(size_t point) {
-  double c = (double)(point / METHODS), m = (double)(point % METHODS);
-  return 1 + c * c + 10 * m;
+  size_t c = point / METHODS, m = point % METHODS;
+  return 1 + (double)(c * c + 10 * m);
 }
 
 static int failing = -1, limited = -1; /* points */

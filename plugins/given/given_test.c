@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "tests/data.h"
 #include "tools/devel/testing.h"
 
 #define MODELS(litho)                                               \
@@ -364,13 +365,9 @@ static void score(const eda_mask *mask, const char *optics, double out[4]) {
 }
 
 static void test_clip(void) {
-  const char *data = g_getenv("OPCFLOW_TEST_DATA");
-  g_autofree char *kernels =
-      g_strdup_printf("%s/clips/kernels", data ? data : "");
-  if (!g_file_test(kernels, G_FILE_TEST_IS_DIR)) {
-    g_test_skip("no test data: set OPCFLOW_TEST_DATA");
-    return;
-  }
+  g_autofree char *kernels = find_data("clips/kernels");
+  g_autofree char *target = find_data("clips/iccad2013/M1_test4.glp");
+  if (!kernels || !target) return;
   g_autofree char *resist = g_strdup(
       "resist: { use: resist.threshold, tone: bright, threshold: 0.225, "
       "active_threshold: 0.225 }");
@@ -382,8 +379,7 @@ static void test_clip(void) {
       "%s, extractor: { use: extractor.plain, devices: "
       "'%s/data/devices/ptm65.yaml' }, margin: 400 nm",
       optics, g_getenv("OPCFLOW_SOURCE"));
-  opc_module *read =
-      module("read.glp", "{ file: '%s/clips/iccad2013/M1_test4.glp' }", data);
+  opc_module *read = module("read.glp", "{ file: '%s' }", target);
   eda_layout *clip = run(read);
   opc_module *edges = module("segment.edges", "{ layer: M1 }");
   opc_test_input(edges, "layout", clip);

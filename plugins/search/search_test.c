@@ -169,8 +169,9 @@ static void test_shared(void) {
       double at = fmin(moves[i % MOVES], rest);
       g_assert_true(opc_test_number("settings", "mask.ion", i) ==
                     formula(lengths[i / MOVES], at));
+      size_t runs_before = i / MOVES;
       g_assert_cmpfloat(opc_test_number("settings", "run", i), ==,
-                        (double)(i / MOVES) + 1);
+                        (double)runs_before + 1);
     }
     if (k) continue;
     g_assert_cmpfloat(opc_test_metric("setting"), ==, (double)best_of(0) + 1);
@@ -213,7 +214,8 @@ static void test_turned(void) {
   for (size_t i = 0; i < LENGTHS; i++)
     g_assert_cmpuint(inner.points[i], ==, ALL - LENGTHS + i);
   for (size_t i = 0; i < ALL; i++) {
-    double want = fabs((double)(i / LENGTHS + i % LENGTHS) - 1);
+    size_t steps = i / LENGTHS + i % LENGTHS;
+    double want = fabs((double)steps - 1);
     double got = opc_test_number("settings", "mask.ion", i);
     g_assert_true(i % LENGTHS == 2 ? isnan(got) : got == want);
   }

@@ -222,6 +222,10 @@ static place find_device(const graph *g, const char *name,
   return (place){0};
 }
 
+/* Of a device's drawn length and width: a circuit's and its cell's differ by no
+   more, which leaves room for rounding to a grid, but not for another scale. */
+static const double same_size = 0.02;
+
 place *graph_places(const graph *g, const eda_circuit *circuit,
                     opc_error *error) {
   g_autoptr(GHashTable) instances = index_instances(g);
@@ -234,8 +238,8 @@ place *graph_places(const graph *g, const eda_circuit *circuit,
       opc_fail(error, OPC_INVALID, "circuit",
                "device '%.200s' is in no characterised cell of '%.100s'",
                d->name, g->name);
-    else if (fabs(d->length / t->length - 1) > 0.02 ||
-             fabs(d->width / t->width - 1) > 0.02)
+    else if (fabs(d->length / t->length - 1) > same_size ||
+             fabs(d->width / t->width - 1) > same_size)
       opc_fail(error, OPC_INVALID, "circuit",
                "device '%.200s' is %g x %g nm, its cell was "
                "characterised with %g x %g nm: another scale?",

@@ -10,7 +10,7 @@
 static const double ps = 1e12, fs_of_ps = 1000;
 
 size_t arc_room(const eda_timing_cell *cell) {
-  return ARC_PARTS * 4 * (cell->slews - 1);
+  return ARC_PARTS * EDA_TIMING_POWERS * (cell->slews - 1);
 }
 
 /* ---- loads ---- */
@@ -101,7 +101,7 @@ static void put_arc(const node *n, const state *s, size_t arc) {
   const eda_timing_cell *c = n->cell;
   const eda_timing_arc *a = &c->arc[arc];
   size_t at = place_of(n->net, a->rises);
-  double part[ARC_PARTS][64];
+  double part[ARC_PARTS][EDA_TIMING_GRID];
   for (int k = 0; k < 2; k++) {
     const double *load = (k ? s->largest : s->least) + at;
     eda_timing_at(c, a, load[EDA_CAP_DELAY], load[EDA_CAP_SLEW],
@@ -110,7 +110,7 @@ static void put_arc(const node *n, const state *s, size_t arc) {
   }
   double *to = s->table + n->table + arc * arc_room(c);
   for (int k = 0; k < ARC_PARTS; k++) {
-    double cubic[4 * 64];
+    double cubic[EDA_TIMING_POWERS * EDA_TIMING_GRID];
     eda_timing_cubic(c->at_slew, part[k], c->slews, cubic);
     for (size_t i = 0; i + 1 < c->slews; i++) {
       double unit = ps;
@@ -128,7 +128,7 @@ void arc_loaded(const node *n, const state *s, size_t arc, double slew,
   double part[ARC_PARTS];
   size_t i = 0;
   while (i + 2 < c->slews && slew > c->at_slew[i + 1] * ps) i++;
-  a += 4 * i * ARC_PARTS;
+  a += EDA_TIMING_POWERS * i * ARC_PARTS;
   double t = slew - c->at_slew[i] * ps,
          h = (c->at_slew[i + 1] - c->at_slew[i]) * ps;
   /* Straight on beyond the ends. */

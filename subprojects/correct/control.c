@@ -11,7 +11,7 @@
    moves and the largest |Ion deviation| in % of flows/dpb.yaml; as it is: SRAM
    12, 1.43; NAND2_X1 8, 0.47; c432 19, 0.50. */
 static const struct {
-  double widest_step, by_l, by_w, rest;
+  double widest_step, worth, rest;
   uint8_t reopenings;
 } tuned = {
     /* nm: the widest proportional step of W, twice as much as regulator.drc
@@ -19,13 +19,10 @@ static const struct {
        c432 18, 0.50. */
     .widest_step = 20,
 
-    /* An error above this part of what a step of L does is worth one, and a
-       little more than half, so that it does not swing. Half: the same ends,
+    /* An error above this part of what a step of L or W does is worth one, and
+       a little more than half, so that it does not swing. Half: the same ends,
        but SRAM 36 moves and c432 45. Twice: last digits of c432. */
-    .by_l = 0.55,
-
-    /* The same of W. None differs, nor with `w_step: unit`. */
-    .by_w = 0.75,
+    .worth = 0.55,
 
     /* A transistor at rest is looked at again if its error has changed by more
        than `limit` over this. Half: none differs. Twice: SRAM 12, 0.61. */
@@ -135,10 +132,10 @@ static void reconsider(const control_rules *r, control *c,
   if (!c->rested) c->rest = in->error;
   c->rested = 1;
   if (fabs(in->error - c->rest) <= r->limit / tuned.rest) return;
-  if (c->by_l > 0 && error > tuned.by_l * c->by_l &&
+  if (c->by_l > 0 && error > tuned.worth * c->by_l &&
       !((in->veto | c->barred) & veto_of_l(longer(in->error))))
     phase = CONTROL_COARSE;
-  else if (phase == CONTROL_SETTLED && error > tuned.by_w * by_w)
+  else if (phase == CONTROL_SETTLED && error > tuned.worth * by_w)
     phase = CONTROL_FINE;
   if (phase == c->phase) return;
   c->phase = (uint8_t)phase;

@@ -81,7 +81,8 @@ int guard_begin(loop *l, const eda_printed *drawn, opc_error *error) {
   memcpy(g->flags, drawn->flags, l->gates->count * sizeof *g->flags);
   if (!l->regulator) return OPC_OK;
   free(g->drawn);
-  int code = loop_violations(l, drawn, &g->drawn, &g->rules, error);
+  int code = correct_violations(l->host->context, l->regulator, drawn,
+                                &g->drawn, &g->rules, error);
   if (g->rules) qsort(g->drawn, g->rules, sizeof *g->drawn, by_place);
   return code;
 }
@@ -198,7 +199,8 @@ static int find_broken(loop *l, opc_error *error) {
   size_t n = 0;
   if (!l->regulator) return OPC_OK;
   eda_printed p = loop_printed(l);
-  int code = loop_violations(l, &p, &v, &n, error);
+  int code =
+      correct_violations(l->host->context, l->regulator, &p, &v, &n, error);
   for (size_t k = 0; k < n && !code; k++) {
     guarded *s = v[k].gate < 0 ? NULL : &state[v[k].gate];
     if (s && s->tries <= GUARD_DRAWN && !was_broken(&l->guard, &v[k]))

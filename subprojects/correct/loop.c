@@ -14,8 +14,6 @@
 
 #include <correct/fine.h>
 
-enum { ROOM_FOR_VIOLATIONS = 10000, ROOM_OF_GATE = 16 };
-
 static const char *const slots[DRIVERS] = {"synthesizer", "edges"};
 
 /* ---- what changed ---- */
@@ -174,16 +172,6 @@ static int rule(loop *l, eda_ruling *ruling, opc_error *error) {
 
 /* There is room for more than there have ever been; what is not used costs
    nothing. */
-int loop_violations(loop *l, const eda_printed *printed, eda_violation **out,
-                    size_t *count, opc_error *error) {
-  size_t room = ROOM_FOR_VIOLATIONS + ROOM_OF_GATE * l->gates->count;
-  *out = eda_alloc(room, sizeof **out);
-  int code = eda_call_violations(l->host->context, l->regulator, printed, *out,
-                                 room, count, error);
-  if (*count > room) *count = room;
-  return eda_blame(error, code, "regulator");
-}
-
 /* Let the regulator set vetoes, and line ends, patches and bites of `next`. */
 static int judge(loop *l, opc_error *error) {
   size_t layers = l->gates->layers;
@@ -448,7 +436,8 @@ static int count_open(loop *l, size_t *count, opc_error *error) {
   *count = 0;
   if (!l->regulator) return OPC_OK;
   eda_printed p = loop_printed(l);
-  int code = loop_violations(l, &p, &v, &n, error);
+  int code =
+      correct_violations(l->host->context, l->regulator, &p, &v, &n, error);
   for (size_t i = 0; i < n && !code; i++) *count += !strchr(v[i].rule, ';');
   free(v);
   return code;
@@ -492,7 +481,7 @@ static void begin_with(loop *l) {
   }
 }
 
-static void loop_init(loop *l) {
+static void loop_allocate(loop *l) {
   size_t n = l->gates->count, layers = l->gates->layers;
   for (int which = 0; which < DRIVERS; which++) {
     driver *d = &l->drivers[which];
@@ -526,7 +515,7 @@ static void keep_drawn_print(loop *l) {
 
 int loop_run(loop *l, opc_error *error) {
   const opc_context *context = l->host->context;
-  loop_init(l);
+  loop_allocate(l);
   int code = eda_printer_prepare(&l->printer, error);
   if (!code) code = corners_begin(l, error);
   if (!code && !l->prepared)

@@ -11,6 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <correct/settings.h>
+
 enum { SHORT_TABLE = 24 }; /* as many rows are shown rather than only filed */
 
 /* ---- statistics ---- */
@@ -519,5 +521,18 @@ int report_violations(const opc_host *host, const eda_gates *gates,
                    n, sizeof *row, OPC_ARRAY(columns), error);
   for (size_t i = 0; i < n; i++) g_free(row[i].gate);
   free(row);
+  return code;
+}
+
+int report_rules(const opc_host *host, const opc_module *regulator,
+                 const eda_printed *printed, eda_mask *mask, opc_error *error) {
+  eda_violation *v;
+  size_t n;
+  if (!regulator) return OPC_OK;
+  int code =
+      correct_violations(host->context, regulator, printed, &v, &n, error);
+  if (!code) code = report_violations(host, printed->gates, v, n, error);
+  if (!code) eda_mask_set_violations(mask, v, n);
+  free(v);
   return code;
 }

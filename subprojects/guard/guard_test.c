@@ -6,12 +6,15 @@
 #include <glib/gstdio.h>
 #include <guard/child.h>
 #include <guard/guard.h>
+#include <guard/memory.h>
 #include <guard/process.h>
+#include <guard/stop.h>
 #include <locale.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -63,6 +66,13 @@ static void mask_files(void) { umask(0123); }
 
 static void set_alarm(void) { alarm(60); }
 
+/* It goes on after it was asked to stop. */
+static void go_on(void) {
+  stop_on_signals(9);
+  raise(SIGINT);
+  while (stop_is_asked()) pause();
+}
+
 static void *end_process(void *unused) {
   (void)unused;
   exit(0);
@@ -90,6 +100,7 @@ static const struct {
      "here: plugin 'bad' closed or redirected standard input\n"},
     {take_handler, 4, "here: plugin 'bad' changed the handler of SIGINT\n"},
     {mask_files, 4, "here: plugin 'bad' changed the modes of new files\n"},
+    {go_on, 9, "here: stopped in plugin 'bad'\n"},
     {set_alarm, 4, "here: plugin 'bad' left an alarm set\n"},
 };
 
@@ -149,10 +160,38 @@ static void test_child(void) {
   g_assert_cmpint(end, ==, SIGABRT);
 }
 
+/* A limit on the address space is named, and counts. */
+static void limit_memory(int out, void *data) {
+  const rlim_t most = 3000000000;
+  struct rlimit limit = {most, most};
+  const char *source;
+  setrlimit(RLIMIT_AS, &limit);
+  double bytes = memory_free(&source);
+  (void)data;
+  if (bytes < 2e9 || !strstr(source, "(ulimit -v)")) source = "none";
+  if (bytes > 3e9) source = "too much";
+  process_write(out, source, strlen(source));
+}
+
+static void test_memory(void) {
+  const char *source;
+  int end;
+  double before = memory_free(&source);
+  g_assert_cmpfloat(before, >, 0);
+  if (before < 4e9) {
+    g_test_skip("less memory than the limit");
+    return;
+  }
+  GString *text = child_run(limit_memory, NULL, 10, &end);
+  g_assert_nonnull(strstr(text->str, "(ulimit -v)"));
+  g_string_free(text, TRUE);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/guard/plugins", test_plugins);
   g_test_add_func("/guard/folder", test_folder);
   g_test_add_func("/guard/child", test_child);
+  g_test_add_func("/guard/memory", test_memory);
   return g_test_run();
 }

@@ -30,7 +30,7 @@ enum {
 /* ---- saying ---- */
 
 /* What a check works with; `hears` is what the exerciser of the kind gets. */
-typedef struct inspector {
+struct opc_inspection {
   opc_inspector hears;
   const opc_lint *lint;
   const opc_plugin *plugin;
@@ -39,7 +39,8 @@ typedef struct inspector {
   int out;              /* -1: nobody listens */
   guint notes;          /* said so far */
   GChecksum *digest;    /* of all that the plugin gave */
-} inspector;
+};
+typedef struct opc_inspection inspector;
 
 static void say(const inspector *in, char letter, const char *text) {
   g_autofree char *line = g_strdup_printf("%c%s", letter, text);
@@ -261,7 +262,7 @@ static void trial_begin(const inspector *in, trial *t) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   t->in = *in;
   opc_published_init(&t->published, in->lint->folder);
-  t->in.digest = t->published.digest;
+  t->in.digest = g_checksum_new(G_CHECKSUM_SHA256);
   t->ready = make(in, NULL, 0, &t->published.host, problems, &t->made) &&
              (!is_step(in) || give_inputs(&t->in, t->made.binding));
   if (t->ready) t->in.hears.context = t->made.binding->host->context;
@@ -280,8 +281,13 @@ static gpointer trial_work(gpointer data) {
 /* The digest of what it gave; NULL if it was not ready, or refused. */
 static char *trial_end(trial *t) {
   opc_instance_clear(&t->made);
-  g_autofree char *digest = opc_published_clear(&t->published);
-  return t->ready && !t->in.notes ? g_steal_pointer(&digest) : NULL;
+  g_autofree char *published = opc_published_digest(&t->published);
+  add(&t->in.hears, published, strlen(published));
+  char *digest = g_strdup(g_checksum_get_string(t->in.digest));
+  opc_published_clear(&t->published);
+  g_checksum_free(t->in.digest);
+  if (!t->ready || t->in.notes) g_clear_pointer(&digest, g_free);
+  return digest;
 }
 
 /* The digest of what an instance gives; NULL if it cannot be made, of which
@@ -417,22 +423,18 @@ static void check_leaks(inspector *in) {
 /* ---- all ---- */
 
 const opc_check opc_checks[] = {
-    {"loading", FALSE, NULL},
-    {"check", FALSE, NULL},
-    {"work", TRUE, NULL},
+    {"loading", FALSE, NULL, check_declaration},
+    {"check", FALSE, NULL, check_instances},
+    {"work", TRUE, NULL, check_work},
     {"the same work again", TRUE,
-     "gives other bits the second time, for the same input"},
+     "gives other bits the second time, for the same input", check_again},
     {"work on several threads", TRUE,
-     "gives other bits on several threads than on one"},
+     "gives other bits on several threads than on one", check_threads},
     {"two instances at once", TRUE,
-     "gives other bits while another instance works"},
-    {"being made and freed", FALSE, NULL},
-    {NULL, FALSE, NULL},
+     "gives other bits while another instance works", check_together},
+    {"being made and freed", FALSE, NULL, check_leaks},
+    {NULL, FALSE, NULL, NULL},
 };
-
-static void (*const functions[])(inspector *in) = {
-    check_declaration, check_instances, check_work, check_again,
-    check_threads,     check_together,  check_leaks};
 
 /* Lay the sample files into the folder, again where they are already. */
 static gboolean write_samples(inspector *in) {
@@ -463,6 +465,6 @@ void opc_check_do(const opc_lint *lint, size_t i, int out) {
   if (!in.kind)
     find(&in.hears, "%s", error.message);
   else if (write_samples(&in))
-    functions[i](&in);
+    opc_checks[i].work(&in);
   say(&in, 'E', "");
 }

@@ -16,18 +16,11 @@ static const cli_option options[] = {
 /* ---- reading ---- */
 
 static const char *text_of(JsonObject *o, const char *name) {
-  JsonNode *node = json_object_get_member(o, name);
-  return node && json_node_get_value_type(node) == G_TYPE_STRING
-             ? json_node_get_string(node)
-             : NULL;
+  return json_object_get_string_member_with_default(o, name, NULL);
 }
 
 static double number_of(JsonObject *o, const char *name) {
-  JsonNode *node = json_object_get_member(o, name);
-  return node && JSON_NODE_HOLDS_VALUE(node) &&
-                 json_node_get_value_type(node) != G_TYPE_STRING
-             ? json_node_get_double(node)
-             : 0;
+  return json_object_get_double_member_with_default(o, name, 0);
 }
 
 static JsonArray *results_of(JsonNode *manifest, JsonObject **store) {

@@ -48,16 +48,11 @@ static char *sample_text(const char *file, const opc_parameter *p) {
 /* Lay the value of a parameter, written as in a flow, over a map. */
 static void put(opc_node *map, const opc_source *source, const char *name,
                 const char *text, opc_problems *problems) {
-  g_auto(GStrv) words = g_strsplit(name, ".", -1);
-  g_autoptr(GString) flow = g_string_new(text);
-  for (guint i = g_strv_length(words); i-- > 0;) {
-    g_autofree char *inner = g_string_free(flow, FALSE);
-    flow = g_string_new(NULL);
-    g_string_printf(flow, "{ %s: %s }", words[i], inner);
-  }
+  g_autofree char *flow = g_strdup_printf("{ %s: %s }", name, text);
   g_autoptr(opc_node) over =
-      opc_node_parse(source, flow->str, flow->len, problems);
-  if (over) opc_lay(map, over, problems);
+      opc_node_parse(source, flow, strlen(flow), problems);
+  g_autoptr(opc_node) deep = over ? opc_undot(over, FALSE, problems) : NULL;
+  if (deep) opc_lay(map, deep, problems);
 }
 
 /* Slots in plugins of slots, as deep as we follow. */

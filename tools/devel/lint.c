@@ -126,24 +126,23 @@ static int hire_janitor(opc_lint *lint) {
   return lint->janitor > 0;
 }
 
-static opc_lint *lint_new(const char *path, opc_registry *registry,
-                          const char *parameters, double seconds) {
-  opc_lint *lint = g_new0(opc_lint, 1);
+/* It has no folder if none can be made. */
+static opc_lint lint_begin(const char *path, opc_registry *registry,
+                           const char *parameters, double seconds) {
   g_autofree char *base = g_path_get_basename(path);
-  lint->path = path;
-  lint->folder = g_dir_make_tmp("opcflow-lint-XXXXXX", NULL);
-  if (lint->folder && !hire_janitor(lint)) {
-    opc_remove_tree(lint->folder);
-    g_clear_pointer(&lint->folder, g_free);
-  }
-  lint->id = g_str_has_suffix(base, ".so") ? g_strndup(base, strlen(base) - 3)
-                                           : g_strdup(base);
-  lint->registry = registry;
-  lint->parameters = parameters;
-  lint->seconds = seconds;
-  lint->findings = g_ptr_array_new_with_free_func(g_free);
-  lint->checked = g_ptr_array_new_with_free_func(g_free);
-  lint->notes = g_ptr_array_new_with_free_func(g_free);
+  size_t stem = strlen(base) - (g_str_has_suffix(base, ".so") ? 3 : 0);
+  opc_lint lint = {.path = path,
+                   .id = g_strndup(base, stem),
+                   .registry = registry,
+                   .parameters = parameters,
+                   .seconds = seconds,
+                   .folder = g_dir_make_tmp("opcflow-lint-XXXXXX", NULL),
+                   .findings = g_ptr_array_new_with_free_func(g_free),
+                   .checked = g_ptr_array_new_with_free_func(g_free),
+                   .notes = g_ptr_array_new_with_free_func(g_free)};
+  if (!lint.folder || hire_janitor(&lint)) return lint;
+  opc_remove_tree(lint.folder);
+  g_clear_pointer(&lint.folder, g_free);
   return lint;
 }
 
@@ -182,8 +181,7 @@ static void lint_run(opc_lint *lint) {
   }
 }
 
-static void lint_free(opc_lint *lint) {
-  if (!lint) return;
+static void lint_end(opc_lint *lint) {
   if (lint->folder) {
     close(lint->alive);
     while (waitpid(lint->janitor, NULL, 0) < 0 && errno == EINTR) continue;
@@ -193,7 +191,6 @@ static void lint_free(opc_lint *lint) {
   g_ptr_array_free(lint->findings, TRUE);
   g_ptr_array_free(lint->checked, TRUE);
   g_ptr_array_free(lint->notes, TRUE);
-  g_free(lint);
 }
 
 /* ---- the verb ---- */
@@ -204,17 +201,9 @@ static const double patience = 60;
 /* Begin anew without malloc's cache of each thread, of which what is free
    counts as used: leaks could not be told from it. */
 static void begin_anew(void) {
-  g_autofree char *line = NULL;
-  gsize length;
-  if (g_getenv("GLIBC_TUNABLES") ||
-      !g_file_get_contents("/proc/self/cmdline", &line, &length, NULL))
-    return;
-  g_autoptr(GPtrArray) argv = g_ptr_array_new();
-  for (const char *word = line; word < line + length; word += strlen(word) + 1)
-    g_ptr_array_add(argv, (char *)word);
-  g_ptr_array_add(argv, NULL);
+  if (g_getenv("GLIBC_TUNABLES")) return;
   g_setenv("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0", TRUE);
-  cli_become("/proc/self/exe", (char **)argv->pdata);
+  cli_become("/proc/self/exe");
 }
 
 static void print_json(const opc_lint *lint) {
@@ -261,14 +250,14 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
   begin_anew();
   g_autofree char *folder = g_path_get_dirname(path);
   cli_look_first(folder);
-  opc_lint *lint = lint_new(path, cli_registry(), parameters, patience);
-  lint_run(lint);
+  opc_lint lint = lint_begin(path, cli_registry(), parameters, patience);
+  lint_run(&lint);
   if (json)
-    print_json(lint);
+    print_json(&lint);
   else
-    print_text(lint);
-  gboolean bad = lint->findings->len || (strict && lint->notes->len);
-  lint_free(lint);
+    print_text(&lint);
+  gboolean bad = lint.findings->len || (strict && lint.notes->len);
+  lint_end(&lint);
   return bad ? CLI_LIMIT : CLI_GOOD;
 }
 

@@ -23,10 +23,13 @@ typedef struct opc_lint {
   GPtrArray *notes;    /* char *: what could not be, and why */
 } opc_lint;
 
+typedef struct opc_inspection opc_inspection;
+
 typedef struct opc_check {
   const char *name;
   gboolean works;      /* gives a digest, if the kind says how to try it */
   const char *differs; /* what it means if that is not the first one */
+  void (*work)(opc_inspection *in);
 } opc_check;
 
 /* All of them, the first about loading; the last has no name. */

@@ -156,30 +156,37 @@ static int by_name(gconstpointer a, gconstpointer b) {
   return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* Add the names of all base flows in a folder (g_free). */
-static void add_names(GPtrArray *names, const char *in) {
-  g_autoptr(GDir) dir = g_dir_open(in, 0, NULL);
-  for (const char *n; dir && (n = g_dir_read_name(dir));)
-    if (g_str_has_suffix(n, ".yaml"))
-      g_ptr_array_add(names, g_strndup(n, strlen(n) - strlen(".yaml")));
-}
-
-/* The names of all base flows (char *, freed with the array). */
-static GPtrArray *base_names(void) {
+/* The paths of all base flows (char *, freed with the array), in the order of
+   search. */
+static GPtrArray *base_flows(void) {
   const GPtrArray *folders = opc_registry_folders(cli_registry());
-  GPtrArray *names = g_ptr_array_new_with_free_func(g_free);
+  GPtrArray *paths = g_ptr_array_new_with_free_func(g_free);
   for (guint i = 0; i < folders->len; i++)
     for (size_t k = 0; k < G_N_ELEMENTS(bases); k++) {
       g_autofree char *its = base_folder(folders->pdata[i], bases[k]);
-      add_names(names, its);
+      g_autoptr(GDir) dir = g_dir_open(its, 0, NULL);
+      for (const char *n; dir && (n = g_dir_read_name(dir));)
+        if (g_str_has_suffix(n, ".yaml"))
+          g_ptr_array_add(paths, g_build_filename(its, n, NULL));
     }
-  g_ptr_array_sort(names, by_name);
+  return paths;
+}
+
+/* Their names (char *, freed with the array). */
+static GPtrArray *base_names(const GPtrArray *flows) {
+  GPtrArray *names = g_ptr_array_new_with_free_func(g_free);
+  for (guint i = 0; i < flows->len; i++) {
+    char *file = g_path_get_basename(flows->pdata[i]);
+    *strrchr(file, '.') = 0;
+    g_ptr_array_add(names, file);
+  }
   return names;
 }
 
 /* "; known: arf, own65" (g_free). */
-static char *known_names(const GPtrArray *names) {
+static char *known_names(GPtrArray *names) {
   GString *all = g_string_new(NULL);
+  g_ptr_array_sort(names, by_name);
   for (guint i = 0; i < names->len; i++)
     g_string_append_printf(all, "%s%s",
                            i ? ", " : "; known: ", (char *)names->pdata[i]);
@@ -189,20 +196,15 @@ static char *known_names(const GPtrArray *names) {
 /* The path of a process, which may be one itself (g_free); NULL and what there
    is, told. */
 static char *find_process(void) {
-  const GPtrArray *folders = opc_registry_folders(cli_registry());
   if (g_file_test(process, G_FILE_TEST_IS_REGULAR))
     return g_canonicalize_filename(process, NULL);
-  g_autofree char *file = g_strconcat(process, ".yaml", NULL);
-  for (guint i = 0; i < folders->len && !strchr(process, '/'); i++)
-    for (size_t k = 0; k < G_N_ELEMENTS(bases); k++) {
-      g_autofree char *its = base_folder(folders->pdata[i], bases[k]);
-      g_autofree char *path = g_build_filename(its, file, NULL);
-      if (g_file_test(path, G_FILE_TEST_IS_REGULAR))
-        return g_canonicalize_filename(path, NULL);
-    }
-  g_autoptr(GPtrArray) names = base_names();
-  g_autofree char *hint = opc_suggestion(process, names);
+  g_autoptr(GPtrArray) flows = base_flows();
+  g_autoptr(GPtrArray) names = base_names(flows);
+  guint i;
+  if (g_ptr_array_find_with_equal_func(names, process, g_str_equal, &i))
+    return g_strdup(flows->pdata[i]);
   g_autofree char *all = known_names(names);
+  g_autofree char *hint = opc_suggestion(process, names);
   cli_message("error", "no process '%s'%s%s", process, hint, all);
   return NULL;
 }
@@ -287,7 +289,8 @@ static int new_flow(const GPtrArray *arguments) {
   }
   if (!g_str_has_suffix(file, ".yaml") &&
       g_file_test(path, G_FILE_TEST_IS_REGULAR)) {
-    g_autoptr(GPtrArray) names = base_names();
+    g_autoptr(GPtrArray) flows = base_flows();
+    g_autoptr(GPtrArray) names = base_names(flows);
     g_autofree char *all = known_names(names);
     return cli_error(CLI_USAGE,
                      "'%s' exists: a flow that works on it comes by 'opcflow "

@@ -1,23 +1,39 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a plugin publishes while `opcflow lint` tries it: a check sum of all
-   tables, metrics and files. */
+/* All that plugins publish without a flow: tables, metrics and files. */
 #ifndef OPCFLOW_DEVEL_PUBLISHED_H
 #define OPCFLOW_DEVEL_PUBLISHED_H
 
-#include <glib.h>
 #include <opcflow/plugin.h>
 
+#include "core/report/table.h"
+
+typedef struct opc_published_metric {
+  const char *name;
+  double value;
+} opc_published_metric;
+
 typedef struct opc_published {
-  opc_host host; /* for instances to be like */
-  char *folder;  /* where files go, one of its own */
-  GChecksum *digest;
-  GPtrArray *paths; /* char * */
+  opc_host host;      /* for instances to be like */
+  const char *inside; /* where its folder is made */
+  char *folder;       /* for files, made when it is asked for; NULL: not yet */
+  GPtrArray *tables;  /* opc_table *, the last one of a name counts */
+  GPtrArray *paths;   /* of files, char * */
+  GArray *metrics;    /* opc_published_metric, the last one of a name counts */
 } opc_published;
 
-/* Files go into a new folder inside of that one. [main] */
+/* Begin, with nothing published; `inside` outlives it. [main] */
 void opc_published_init(opc_published *p, const char *inside);
 
-/* Add the files that were written; the digest of all (g_free). */
-char *opc_published_clear(opc_published *p);
+/* Return its folder, which is removed with it. */
+const char *opc_published_folder(opc_published *p);
+
+/* Forget tables and metrics. */
+void opc_published_forget(opc_published *p);
+
+/* Return a check sum of all tables, metrics and files (g_free). */
+char *opc_published_digest(const opc_published *p);
+
+/* Free all of it, and remove the folder. */
+void opc_published_clear(opc_published *p);
 
 #endif

@@ -2,46 +2,35 @@
 /* Makes single plugins and keeps what they publish, for tests. */
 #include "tools/devel/testing.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <store/files.h>
 #include "core/binding/binding.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/host.h"
-#include "core/run/services.h"
 #include "core/text/value.h"
+#include "tools/devel/published.h"
 
 static struct {
   opc_registry *registry;
   opc_source *source;
-  char *folder;
-  GHashTable *metrics; /* name -> double * */
-  GHashTable *tables;  /* name -> opc_table * */
+  opc_published published;
   GString *log;
-  GPtrArray *paths;
   char *cell; /* the last text given out */
   int cancel;
 } state;
 
 /* ---- where it all goes ---- */
 
-static void remove_folder(void) {
-  if (state.folder) opc_remove_tree(state.folder);
-}
+static void remove_all(void) { opc_published_clear(&state.published); }
 
 /* Before main. The folders of plugins may still change. */
 __attribute__((constructor)) static void start(void) {
   state.source = opc_source_new("test", "");
-  state.metrics =
-      g_hash_table_new_full(g_str_hash, g_str_equal, g_free, g_free);
-  state.tables = g_hash_table_new_full(g_str_hash, g_str_equal, NULL,
-                                       (GDestroyNotify)opc_table_free);
+  opc_published_init(&state.published, g_get_tmp_dir());
   state.log = g_string_new(NULL);
-  state.paths = g_ptr_array_new_with_free_func(g_free);
-  atexit(remove_folder);
+  atexit(remove_all);
 }
 
 static void take_log(void *data, const char *path, int level,
@@ -58,57 +47,18 @@ static int is_cancelled(void *data) {
   return state.cancel;
 }
 
-static int take_table(const opc_host *host, const char *name, uint32_t flags,
-                      size_t rows, const opc_column *columns, size_t n_columns,
-                      size_t column_size, opc_error *error) {
-  (void)host;
-  opc_table *table =
-      opc_table_new(name, flags, rows, columns, n_columns, column_size, error);
-  if (!table) return error->code;
-  g_hash_table_replace(state.tables, table->name, table);
-  return OPC_OK;
-}
-
-static int take_metric(const opc_host *host, const char *name, double value,
-                       opc_error *error) {
-  const opc_binding *b = host->data;
-  if (b && !opc_metric_check(b->plugin, name, value, error)) return error->code;
-  g_hash_table_replace(state.metrics, g_strdup(name),
-                       g_memdup2(&value, sizeof value));
-  return OPC_OK;
-}
-
-static const char *give_path(const opc_host *host, const char *name,
-                             opc_error *error) {
-  char *path = g_build_filename(opc_test_folder(), name, NULL);
-  g_autofree char *folder = g_path_get_dirname(path);
-  (void)host;
-  g_ptr_array_add(state.paths, path);
-  if (!opc_name_is_inside(name))
-    opc_fail(error, OPC_INVALID, NULL, "'%s' leaves the run folder", name);
-  else if (g_mkdir_with_parents(folder, 0777))
-    opc_fail(error, OPC_IO, NULL, "'%s': %s", folder, g_strerror(errno));
-  else
-    return path;
-  return NULL;
-}
-
 static const opc_watch watch = {.log = take_log, .cancelled = is_cancelled};
 
-static const opc_host publisher = {.table = take_table,
-                                   .metric = take_metric,
-                                   .output_path = give_path,
-                                   .service = opc_results_service};
-
 const opc_host *opc_test_host(void) {
+  static opc_binding nobody = {.run = &state.published};
   static opc_host *host;
-  if (!host) host = opc_host_new("test", &watch, &publisher);
+  if (!host) host = opc_host_new("test", &watch, &state.published.host);
+  host->data = &nobody;
   return host;
 }
 
 const char *opc_test_folder(void) {
-  if (!state.folder) state.folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
-  return state.folder;
+  return opc_published_folder(&state.published);
 }
 
 /* ---- modules ---- */
@@ -131,7 +81,8 @@ opc_module *opc_test_module(const char *id, const char *mapping,
     b = opc_bind_plugin(state.registry, plugin, map, id, &map->at,
                         OPC_BIND_NO_INPUTS, problems);
   if (b) g_ptr_array_add(b->presets, g_steal_pointer(&map)); /* lives as long */
-  if (!problems->list->len) opc_binding_create(b, &watch, &publisher, problems);
+  if (!problems->list->len)
+    opc_binding_create(b, &watch, &state.published.host, problems);
   if (!problems->list->len) return &g_steal_pointer(&b)->module;
   g_autofree char *text = opc_problems_text(problems);
   opc_fail(error, opc_problems_code(problems), NULL, "%s", text);
@@ -172,19 +123,28 @@ void opc_test_release(opc_module *module, void **outputs) {
 /* ---- what it said ---- */
 
 double opc_test_metric(const char *name) {
-  const double *value = g_hash_table_lookup(state.metrics, name);
-  return value ? *value : NAN;
+  const GArray *metrics = state.published.metrics;
+  for (guint i = metrics->len; i-- > 0;) {
+    const opc_published_metric *m =
+        &g_array_index(metrics, opc_published_metric, i);
+    if (!strcmp(m->name, name)) return m->value;
+  }
+  return NAN;
 }
 
 const opc_table *opc_test_table(const char *name) {
-  return g_hash_table_lookup(state.tables, name);
+  const GPtrArray *tables = state.published.tables;
+  for (guint i = tables->len; i-- > 0;) {
+    const opc_table *table = tables->pdata[i];
+    if (!strcmp(table->name, name)) return table;
+  }
+  return NULL;
 }
 
 const char *opc_test_log(void) { return state.log->str; }
 
 void opc_test_forget(void) {
-  g_hash_table_remove_all(state.metrics);
-  g_hash_table_remove_all(state.tables);
+  opc_published_forget(&state.published);
   g_string_truncate(state.log, 0);
 }
 

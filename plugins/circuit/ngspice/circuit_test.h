@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tests/data.h"
 #include "tools/devel/testing.h"
 
 /* ---- circuits ---- */
@@ -148,20 +149,13 @@ static inline int have_ngspice(void) {
 }
 
 static inline char *of_project(const char *name) {
-  const char *source = g_getenv("OPCFLOW_SOURCE");
-  g_autofree char *path = g_build_filename(source ? source : ".", name, NULL);
+  g_autofree char *path = source_path(name);
   return realpath(path, NULL);
 }
 
 static inline char *test_data(const char *name) {
-  const char *folder = g_getenv("OPCFLOW_TEST_DATA");
-  g_autofree char *preset =
-      g_build_filename(g_getenv("OPCFLOW_SOURCE"), "../shared/data", NULL);
-  g_autofree char *path =
-      g_build_filename(folder ? folder : preset, name, NULL);
-  char *whole = realpath(path, NULL);
-  if (!whole) g_test_skip("no test data: set OPCFLOW_TEST_DATA");
-  return whole;
+  g_autofree char *path = find_data(name);
+  return path ? realpath(path, NULL) : NULL;
 }
 
 static inline char *in_folder(const char *name, const char *text) {

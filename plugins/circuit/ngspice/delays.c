@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Transients: how long outputs take to follow the inputs. */
+#include <eda/wave.h>
 #include <glib.h>
 #include <math.h>
 #include <stdio.h>
@@ -63,39 +64,17 @@ static void write_commands(job *j, FILE *out, const void *how) {
 
 /* ---- what is measured ---- */
 
-/* Where the value passes a level between points i and i + 1. */
-static double passes(const double *t, const double *v, size_t i, double level) {
-  return t[i] + (level - v[i]) / (v[i + 1] - v[i]) * (t[i + 1] - t[i]);
-}
-
-/* Level, from 0 to 1 for a rising and a falling output alike. */
-static double height(const bench *b, const arrival *a, double v) {
-  return a->rises ? v / b->supply : 1 - v / b->supply;
-}
-
-/* The last point from which the height rises past a level, before a point;
-   `none` if there is none. */
-static size_t last_rise(const double *h, size_t before, double level,
-                        size_t none) {
-  for (size_t i = before; i-- > 0;)
-    if (h[i] < level && h[i + 1] >= level) return i;
-  return none;
-}
-
-/* Of an output that turns back on its way, the last time counts that it goes
-   through the middle. Returns when it is over, NAN if it is not. */
+/* Measure the last edge of an output. Return when it is over, NAN if it is not
+   complete or the output does not stay there. */
 static double measure(const bench *b, arrival *a, int state, double middle,
                       const double *t, const double *h, size_t n) {
+  eda_wave_edge e;
   a->delay[state] = a->slope[state] = NAN;
-  if (n < 2 || !(h[n - 1] >= b->high)) return NAN;
-  size_t half = last_rise(h, n - 1, 0.5, n);
-  size_t low = half < n ? last_rise(h, half + 1, b->low, n) : n;
-  if (low == n) return NAN;
-  size_t high = half;
-  while (high + 2 < n && !(h[high + 1] >= b->high)) high++;
-  double end = passes(t, h, high, b->high);
-  a->delay[state] = passes(t, h, half, 0.5) - middle;
-  a->slope[state] = end - passes(t, h, low, b->low);
+  if (!eda_wave_find(h, n, b->low, b->high, &e) || !(h[n - 1] >= b->high))
+    return NAN;
+  double end = eda_wave_time(t, h, e.high, b->high);
+  a->delay[state] = eda_wave_time(t, h, e.half, 0.5) - middle;
+  a->slope[state] = end - eda_wave_time(t, h, e.low, b->low);
   return end;
 }
 
@@ -120,7 +99,7 @@ double arrival_measure(const bench *b, arrival *a, int state,
   const double *t, *v;
   size_t n = part_of(b, a, plot, begin, end, &t, &v);
   g_autofree double *h = g_new(double, n);
-  for (size_t i = 0; i < n; i++) h[i] = height(b, a, v[i]);
+  eda_wave_heights(v, n, b->supply, a->rises, h);
   return measure(b, a, state, begin + b->slew / 2, t, h, n);
 }
 

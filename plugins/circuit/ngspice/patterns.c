@@ -1,22 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Input patterns, and the transitions between them. */
+#include <eda/random.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "bench.h"
 
-/* splitmix64 (Steele, Lea, Flood 2014). */
-static uint64_t draw(uint64_t *state) {
-  uint64_t z = (*state += 0x9e3779b97f4a7c15u);
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
-}
-
 /* From 0 to n - 1; n is far below 2^64. */
 static uint64_t draw_below(uint64_t *state, uint64_t n) {
-  return n ? draw(state) % n : 0;
+  return n ? eda_random_draw(state) % n : 0;
 }
 
 /* ---- all of them ---- */
@@ -51,10 +44,10 @@ static void draw_pairs(const bench *b, patterns *p) {
   p->transitions = (size_t)b->most;
   for (size_t k = 0; k < p->transitions; k++) {
     uint8_t *from = p->bit + 2 * k * inputs, *to = from + inputs;
-    for (size_t i = 0; i < inputs; i++) from[i] = draw(&seed) >> 63;
+    for (size_t i = 0; i < inputs; i++) from[i] = eda_random_draw(&seed) >> 63;
     memcpy(to, from, inputs);
     while (b->several && !memcmp(from, to, inputs))
-      for (size_t i = 0; i < inputs; i++) to[i] = draw(&seed) >> 63;
+      for (size_t i = 0; i < inputs; i++) to[i] = eda_random_draw(&seed) >> 63;
     if (!b->several) to[draw_below(&seed, inputs)] ^= 1;
     p->transition[k] = (transition){(uint32_t)(2 * k), (uint32_t)(2 * k + 1)};
   }

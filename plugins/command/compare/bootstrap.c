@@ -3,6 +3,7 @@
    replacement, and which of them bound the interval. */
 #include "bootstrap.h"
 
+#include <eda/random.h>
 #include <glib.h>
 #include <gsl/gsl_cdf.h>
 #include <math.h>
@@ -25,21 +26,13 @@ typedef struct drawing {
   double mean[MOST];
 } drawing;
 
-/* Splitmix64 (G. Steele et al., OOPSLA 2014): each sample has a sequence of its
-   own, whichever thread draws it. */
-static uint64_t next(uint64_t *state) {
-  uint64_t z = *state += 0x9e3779b97f4a7c15u;
-  z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-  return z ^ z >> 31;
-}
-
+/* Each sample has a sequence of its own, whichever thread draws it. */
 static void draw(void *data, size_t i) {
   drawing *d = data;
-  uint64_t start = i, state = next(&start);
+  uint64_t start = i, state = eda_random_draw(&start);
   double sum = 0;
   for (size_t k = 0; k < d->n; k++)
-    sum += d->values[(size_t)((next(&state) >> 32) * d->n >> 32)];
+    sum += d->values[(size_t)((eda_random_draw(&state) >> 32) * d->n >> 32)];
   d->mean[i] = sum / (double)d->n;
 }
 

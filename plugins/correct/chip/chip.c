@@ -13,11 +13,9 @@
 #include <correct/fine.h>
 #include <correct/report.h>
 #include <correct/rules.h>
-#include <correct/slots.h>
+#include <correct/settings.h>
 #include <correct/ways.h>
 #include "work.h"
-
-enum { ON, OFF }; /* `guard` */
 
 /* Ours. */
 static const struct {
@@ -54,13 +52,9 @@ typedef struct chip {
   const char *top;
   opc_map also, flavours;
   double grid, overhang, line_end;
-  const opc_module *litho, *resist, *extractor, *synthesizer, *regulator;
-  int64_t max_iterations, rounds;
-  const char *fine_text;
-  double fine, margin, ion_limit; /* as of `correct` */
-  double radius, window;          /* nm */
-  int guard;
-  double min_space, min_mask_width, min_edge, min_jog; /* nm */
+  correct_settings with;
+  int64_t rounds;
+  double radius, window; /* nm */
 } chip;
 
 /* ---- work ---- */
@@ -97,7 +91,8 @@ static size_t find_failing(work *w, uint32_t *prints) {
   size_t n = 0;
   for (size_t i = 0; i < c->count; i++) used[c->gate[i].print] = 1;
   for (size_t k = 0; k < c->prints; k++) {
-    if (!used[k] || w->tried[k] || !(prove_off(&c->print[k]) > w->ion_limit))
+    if (!used[k] || w->tried[k] ||
+        !(prove_off(&c->print[k]) > w->with->ion_limit))
       continue;
     w->tried[k] = 1;
     prints[n++] = (uint32_t)k;
@@ -149,30 +144,17 @@ static int32_t in_steps(double nm, double grid) {
 
 static double radius_of(const chip *c) {
   if (!isnan(c->radius)) return c->radius;
-  const eda_litho *litho = c->litho->functions;
-  double band = litho->band(c->litho->self);
+  const eda_litho *litho = c->with.litho->functions;
+  double band = litho->band(c->with.litho->self);
   return band > 0 ? eda_margin(band, tuned.radius_error) : tuned.radius;
 }
 
 static void work_init(const chip *c, eda_chip *out, work *w) {
   double radius = radius_of(c);
   *w = (work){.host = c->host,
-              .litho = c->litho,
-              .resist = c->resist,
-              .extractor = c->extractor,
-              .synthesizer = c->synthesizer,
-              .regulator = c->regulator,
-              .max_iterations = c->max_iterations,
-              .fine = c->fine,
-              .fine_change = fine_change(c->fine_text, c->ion_limit),
-              .ion_limit = c->ion_limit,
-              .hold = c->guard == ON,
-              .mask_limit = {[EDA_RULE_SPACE] = c->min_space,
-                             [EDA_RULE_WIDTH] = c->min_mask_width,
-                             [EDA_RULE_EDGE] = c->min_edge,
-                             [EDA_RULE_JOG] = c->min_jog},
+              .with = &c->with,
               .faults = faults_new(),
-              .margin = in_steps(c->margin, c->grid),
+              .margin = in_steps(c->with.margin, c->grid),
               .radius = in_steps(radius, c->grid),
               .along = in_steps(tuned.along * radius, c->grid),
               .window = in_steps(c->window, c->grid),
@@ -210,14 +192,15 @@ static void take_layers(const eda_gates *g, eda_chip *out) {
 /* The models before any sheet: what they publish is of no piece of work. */
 static int prepare(const chip *c, const eda_gates *g, opc_error *error) {
   eda_printer printer;
-  eda_printer_init(&printer, c->host->context, g, c->litho, c->resist,
-                   c->margin);
-  printer.fine = c->fine;
+  eda_printer_init(&printer, c->host->context, g, c->with.litho, c->with.resist,
+                   c->with.margin);
+  printer.fine = c->with.fine;
   printer.drawn = NULL; /* of which these are none */
   int code = eda_printer_prepare(&printer, error);
   eda_printer_clear(&printer);
   return code ? code
-              : eda_extractor_prepare(c->host->context, c->extractor, error);
+              : eda_extractor_prepare(c->host->context, c->with.extractor,
+                                      error);
 }
 
 /* Layers as all windows have them, which an empty one tells. */
@@ -239,7 +222,7 @@ static int begin(const chip *c, eda_chip *out, opc_error *error) {
 }
 
 static int find_ways(work *w, opc_error *error) {
-  int code = ways_find(w->host->context, w->litho, &w->ways, error);
+  int code = ways_find(w->host->context, w->with->litho, &w->ways, error);
   if (code) return code;
   if (w->ways < 8)
     w->host->log(w->host, OPC_LOG_INFO,
@@ -274,22 +257,20 @@ static const opc_parameter parameters[] = {
                   .summary = "the cell to take; if not given, the only one "
                              "that no other places"),
     EDA_SEGMENT_PARAMETERS(chip),
-    PRINT_SLOTS(chip),
-    MOVE_SLOTS(chip),
-    OPC_PARAMETER(chip, max_iterations, .type = OPC_INT,
-                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "100",
-                  .min = 0, .max = 100000,
-                  .summary = "of a sheet: stop after so many moves"),
+    CORRECT_PRINT_SLOTS(chip),
+    CORRECT_MOVE_SLOTS(chip),
+    CORRECT_MAX_ITERATIONS(chip, "of a sheet: stop after so many moves"),
     OPC_PARAMETER(chip, radius, .type = OPC_REAL, .flags = OPC_ABOVE,
                   .unit = "nm", .min = 0,
                   .summary = "transistors with equal shapes so far around get "
                              "equal masks; if not given, what the optics see "
                              "of 1e-3 of the clear field: 7.1 over the model's "
                              "band"),
-    OPC_PARAMETER(chip, margin, .type = OPC_REAL, .flags = OPC_ABOVE,
-                  .unit = "nm", .min = 0,
-                  .summary = "how far around a transistor shapes count for its "
-                             "print; as 'fine' needs it"),
+    OPC_PARAMETER_NAMED("margin", chip, with.margin, .type = OPC_REAL,
+                        .flags = OPC_ABOVE, .unit = "nm", .min = 0,
+                        .summary =
+                            "how far around a transistor shapes count for its "
+                            "print; as 'fine' needs it"),
     OPC_PARAMETER(chip, window, .type = OPC_REAL, .flags = OPC_AT_LEAST,
                   .unit = "nm", .preset = "60 um", .min = 1000,
                   .summary = "side of the windows that are worked at a time: "
@@ -299,15 +280,12 @@ static const opc_parameter parameters[] = {
         .preset = "2", .min = 0, .max = 20,
         .summary = "how often transistors that are beyond 'ion_limit' "
                    "among their neighbours are corrected again"),
-    FINE_PARAMETER(chip),
-    OPC_PARAMETER(chip, guard, .type = OPC_CHOICE, .preset = "on",
-                  .choices = "on|off",
-                  .summary = "take back what ends worse than the drawn mask"),
-    OPC_PARAMETER(chip, ion_limit, .type = OPC_REAL, .flags = OPC_AT_LEAST,
-                  .former = "limit", .unit = "%", .preset = "0.5 %",
-                  .summary =
-                      "Largest allowed |Ion deviation|: a transistor beyond it "
-                      "among its neighbours gets a correction of its own"),
+    CORRECT_FINE(chip),
+    CORRECT_GUARD(chip),
+    CORRECT_ION_LIMIT(chip,
+                      "Largest allowed |Ion deviation|: a transistor "
+                      "beyond it among its neighbours gets a correction "
+                      "of its own"),
     RULES_PARAMETERS(chip),
 };
 
@@ -335,11 +313,13 @@ static const opc_metric metrics[] = {
 
 static int check(void *self, opc_error *error) {
   chip *c = self;
-  int code = fine_error(c->fine_text, c->ion_limit, &c->fine, error);
-  eda_scanner scanner = eda_scanner_of(c->litho);
-  if (isnan(c->margin) && !(c->fine > 0))
-    c->margin = eda_natural(&scanner, tuned.margin);
-  c->margin = fine_margin(c->host, c->litho, c->margin, c->fine);
+  eda_scanner scanner = eda_scanner_of(c->with.litho);
+  int code =
+      fine_error(c->with.fine_text, c->with.ion_limit, &c->with.fine, error);
+  if (isnan(c->with.margin) && !(c->with.fine > 0))
+    c->with.margin = eda_natural(&scanner, tuned.margin);
+  c->with.margin =
+      fine_margin(c->host, c->with.litho, c->with.margin, c->with.fine);
   EDA_FOLLOW(c->host, "correct.chip", c, parameters, scanner);
   if (!code && c->also.count)
     return opc_fail(error, OPC_INVALID, "also",

@@ -102,7 +102,7 @@ static void keep(const finder *f, double x, double y, kept one,
 static void keep_mask(const finder *f, size_t layer, const eda_shapes *shapes,
                       int drawn) {
   eda_rule_fault *v;
-  const double *limit = f->work->mask_limit;
+  const double *limit = f->work->with->rules;
   size_t n = eda_rules_check(shapes, f->work->chip->grid, limit, &v);
   for (size_t i = 0; i < n; i++)
     keep(f, v[i].x, v[i].y,
@@ -113,26 +113,19 @@ static void keep_mask(const finder *f, size_t layer, const eda_shapes *shapes,
   free(v);
 }
 
-/* As many as there are, if they are more than there was room for. */
 static int keep_violations(const finder *f, const eda_printed *printed,
                            opc_error *error) {
   const work *w = f->work;
-  size_t room = 0, n = 1000;
+  size_t n = 0;
   eda_violation *v = NULL;
-  int code = OPC_OK;
-  while (!code && n > room) {
-    free(v);
-    room = n;
-    v = eda_alloc(room, sizeof *v);
-    code = eda_call_violations(w->host->context, w->regulator, printed, v, room,
-                               &n, error);
-  }
+  int code = correct_violations(w->host->context, w->with->regulator, printed,
+                                &v, &n, error);
   for (size_t i = 0; !code && i < n; i++)
     keep(f, v[i].x, v[i].y,
          (kept){.kind = TEXT, .value = v[i].value, .limit = v[i].limit},
          v[i].rule);
   free(v);
-  return eda_blame(error, code, "regulator");
+  return code;
 }
 
 int faults_find(const work *w, const sheet *s, const eda_printed *printed,
@@ -144,7 +137,7 @@ int faults_find(const work *w, const sheet *s, const eda_printed *printed,
     keep_mask(&f, k, &g->drawn[k], 1);
     keep_mask(&f, k, &printed->shapes[k], 0);
   }
-  int code = w->regulator ? keep_violations(&f, printed, error) : OPC_OK;
+  int code = w->with->regulator ? keep_violations(&f, printed, error) : OPC_OK;
   eda_index_free(f.index);
   return code;
 }
@@ -225,7 +218,7 @@ static int tell_masks(const work *w, const tally *all, opc_error *error) {
       const tally *t = &all[kind_of(k, rule, 0)];
       row[n++] = (rules_row){.layer = c->layer[k],
                              .rule = eda_rule_name(rule),
-                             .limit = w->mask_limit[rule],
+                             .limit = w->with->rules[rule],
                              .drawn = (int64_t)all[kind_of(k, rule, 1)].count,
                              .count = (int64_t)t->count,
                              .least = t->count ? t->value : NAN,
@@ -287,7 +280,7 @@ static int tell_texts(const work *w, const tally *all, opc_error *error) {
 
 int faults_tell(const work *w, opc_error *error) {
   tally *all = count_all(w);
-  int code = w->regulator ? tell_texts(w, all, error) : OPC_OK;
+  int code = w->with->regulator ? tell_texts(w, all, error) : OPC_OK;
   if (!code) code = tell_masks(w, all, error);
   free(all);
   return code;

@@ -161,7 +161,7 @@ static int put_all(const mend *m, const loop *l, const sheet *s, opc_bytes *out,
       return opc_fail(error, OPC_INVALID, "synthesizer",
                       "%s moves fragments of edges, or adds bars: a chip keeps "
                       "how transistors were moved",
-                      m->work->synthesizer->id);
+                      m->work->with->synthesizer->id);
   owned o;
   own_all(m, l, &o);
   const head h = {l->printer.simulations, l->printer.fine_simulations};
@@ -206,20 +206,11 @@ static int correct(const mend *m, const sheet *s, opc_bytes *out,
   inner in = {*w->host, m};
   in.host.log = log_inner;
   in.host.progress = tell_inner;
-  loop l = {.host = &in.host,
-            .gates = s->gates,
-            .extractor = w->extractor,
-            .prepared = 1,
-            .regulator = w->regulator,
-            .max_iterations = w->max_iterations,
-            .start = {.max_diff = NAN},
-            .hold = w->hold,
-            .ion_limit = w->ion_limit,
-            .fine_change = w->fine_change,
-            .drivers = {[MAIN].module = w->synthesizer}};
-  eda_printer_init(&l.printer, w->host->context, s->gates, w->litho, w->resist,
-                   w->gap * w->chip->grid);
-  l.printer.fine = w->fine;
+  correct_settings with = *w->with;
+  with.margin = w->gap * w->chip->grid;
+  loop l;
+  loop_init(&l, &in.host, s->gates, &with);
+  l.prepared = 1;
   l.printer.drawn = NULL; /* all sheets have one resist */
   eda_mask *begun = m->stand ? stand(m, s, &l.still) : NULL;
   l.start.mask = begun;

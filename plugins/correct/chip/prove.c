@@ -10,7 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <correct/fine.h>
 #include <correct/start.h>
 #include "work.h"
 
@@ -131,69 +130,39 @@ typedef struct head {
   uint64_t transistors;
 } head;
 
-typedef struct measured {
-  eda_printer printer;
-  eda_shapes *mask;
-  eda_moved *moved;
-  eda_measurement measured;
-  eda_performance design;
-} measured;
-
-static void measured_init(measured *m, const prove *p, const sheet *s) {
-  const work *w = p->work;
+/* The transistors of a sheet with their masks, not printed yet. */
+static int make_mask(const work *w, const sheet *s, eda_mask *m,
+                     opc_error *error) {
   const eda_gates *g = s->gates;
-  *m = (measured){.mask = eda_alloc(g->layers, sizeof *m->mask),
-                  .moved = eda_moved_new(g->layers, g->count)};
+  m->moved = eda_moved_new(g->layers, g->count);
+  eda_performance_init(&m->design, g->count);
   for (size_t i = 0; i < g->count; i++)
     eda_chip_move(w->chip, s->of[i], g->box[i], m->moved, i);
-  eda_printer_init(&m->printer, w->host->context, g, w->litho, w->resist,
-                   w->gap * w->chip->grid);
-  m->printer.fine = w->fine;
-  m->printer.drawn = NULL; /* all sheets have one resist */
-  eda_measurement_init(&m->measured, g->count);
-  eda_performance_init(&m->design, g->count);
-}
-
-static void measured_clear(measured *m, const eda_gates *g) {
-  for (size_t k = 0; k < g->layers; k++) eda_shapes_clear(&m->mask[k]);
-  free(m->mask);
-  eda_moved_free(m->moved);
-  eda_printer_clear(&m->printer);
-  eda_measurement_clear(&m->measured);
-  eda_performance_clear(&m->design);
-}
-
-static int print(const work *w, const eda_gates *g, measured *m,
-                 opc_error *error) {
-  int code = eda_printer_prepare(&m->printer, error);
+  int code = eda_measure_drawn(w->host->context, g, w->with->extractor,
+                               &m->design, error);
   for (size_t k = 0; k < g->layers && !code; k++)
-    if (g->corrected[k]) code = start_mask(g, m->moved, k, &m->mask[k], error);
-  if (!code)
-    code = fine_by_drawn(&m->printer, w->host, g, w->extractor, w->fine_change,
-                         error);
-  if (!code && m->printer.fine > 0)
-    code = eda_printer_refine(&m->printer, g->corrected, m->mask, error);
-  else if (!code)
-    code = eda_printer_print(&m->printer, g->corrected, m->mask, error);
-  if (!code)
-    code =
-        eda_measure_drawn(w->host->context, g, w->extractor, &m->design, error);
-  if (!code)
-    code = eda_measure(w->host->context, g, m->printer.print, w->extractor,
-                       &m->measured, error);
+    if (g->corrected[k])
+      code = start_mask(g, m->moved, k, &m->shapes[k], error);
   return code;
 }
 
-static void put_all(const measured *m, const sheet *s, opc_bytes *out) {
+static int print_mask(const work *w, eda_mask *m, double **extension,
+                      opc_error *error) {
+  correct_settings with = *w->with;
+  with.margin = w->gap * w->chip->grid;
+  return correct_print(&with, w->host, 0, m, NULL, extension, error);
+}
+
+static void put_all(const eda_mask *m, const sheet *s, opc_bytes *out) {
   head h = {0};
   for (size_t k = 0; k < s->gates->count; k++)
     h.transistors += s->place[k] != UINT32_MAX;
   out->add(out, &h, sizeof h);
   for (size_t k = 0; k < s->gates->count; k++) {
     const proved one = {.place = s->place[k],
-                        .flags = m->measured.flags[k],
+                        .flags = m->flags[k],
                         .design = eda_figures_of(&m->design, k),
-                        .after = eda_figures_of(&m->measured.performance, k)};
+                        .after = eda_figures_of(&m->after, k)};
     if (one.place != UINT32_MAX) out->add(out, &one, sizeof one);
   }
 }
@@ -202,27 +171,30 @@ static int prove_sheet(void *data, size_t i, opc_bytes *out, opc_error *error) {
   prove *p = data;
   work *w = p->work;
   sheet s;
-  measured m;
+  eda_mask *m = NULL;
+  double *extension = NULL;
   int code = sheet_make(w->host->context, w->chip, &p->cover, p->number,
                         &p->pages, i, 0, &s, error);
   if (!code) {
-    measured_init(&m, p, &s);
-    code = print(w, s.gates, &m, error);
-    if (!code) {
-      const eda_printed printed = {.gates = s.gates,
-                                   .flags = m.measured.flags,
-                                   .l = m.moved->l,
-                                   .w = m.moved->w,
-                                   .aside = m.moved->aside,
-                                   .extension = m.measured.extension,
-                                   .shapes = m.mask,
-                                   .print = m.printer.print,
-                                   .scanner = eda_scanner_of(w->litho)};
-      put_all(&m, &s, out);
-      code = faults_find(w, &s, &printed, out, error);
-    }
-    measured_clear(&m, s.gates);
+    m = eda_mask_new(s.gates);
+    code = make_mask(w, &s, m, error);
   }
+  if (!code) code = print_mask(w, m, &extension, error);
+  if (!code) {
+    const eda_printed printed = {.gates = s.gates,
+                                 .flags = m->flags,
+                                 .l = m->moved->l,
+                                 .w = m->moved->w,
+                                 .aside = m->moved->aside,
+                                 .extension = extension,
+                                 .shapes = m->shapes,
+                                 .print = m->print,
+                                 .scanner = eda_scanner_of(w->with->litho)};
+    put_all(m, &s, out);
+    code = faults_find(w, &s, &printed, out, error);
+  }
+  free(extension);
+  eda_mask_free(m);
   sheet_clear(&s);
   return code;
 }

@@ -47,7 +47,8 @@ static void add(const work *w, size_t i, sums *s) {
   note(&s->failed, i, now);
   note(&s->lost, i, now && !then);
   note(&s->worse, i,
-       !now && !then && prove_off(p) > fmax(was, w->ion_limit) + worse_than);
+       !now && !then &&
+           prove_off(p) > fmax(was, w->with->ion_limit) + worse_than);
   note(&s->outside, i, !now && (p->flags & EDA_PRINT_OUTSIDE));
 }
 
@@ -209,7 +210,7 @@ static void find_in_drawing(const work *w) {
     g.length[i] = along_x ? wide : high;
     g.width[i] = along_x ? high : wide;
   }
-  findings_of_drawing(w->host, &g, w->extractor);
+  findings_of_drawing(w->host, &g, w->with->extractor);
   free(g.type);
   free(g.length);
   free(g.width);

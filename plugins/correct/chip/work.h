@@ -11,6 +11,8 @@
 #include <opcflow/pieces.h>
 #include <opcflow/step.h>
 
+#include <correct/settings.h>
+
 #include "cover.h"
 #include "sheet.h"
 #include "surround.h"
@@ -27,12 +29,8 @@ typedef struct faults faults;
 
 typedef struct work {
   const opc_host *host;
-  const opc_module *litho, *resist, *extractor, *synthesizer, *regulator;
-  int64_t max_iterations;
-  double fine, fine_change, ion_limit; /* as of a loop; the latter in % */
-  int hold;
-  double mask_limit[EDA_RULES]; /* rules of the mask, nm */
-  int32_t margin;               /* how far light counts */
+  const correct_settings *with;
+  int32_t margin; /* how far light counts */
   int32_t radius, along, window, gap;
   int ways; /* in which a transistor may lie, 1, 4 or 8 */
   int64_t rounds;

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "plain_test.h"
+#include "tests/data.h"
 
 /* ---- a library of our own ---- */
 
@@ -328,16 +329,9 @@ static void make_gates(const process *p, gate gates[GATES]) {
    and a skip if something is not there. */
 static int simulate(const process *p, const gate gates[GATES], int current,
                     double out[GATES]) {
-  const char *data = g_getenv("OPCFLOW_TEST_DATA");
-  if (!data) data = "../shared/data";
-  g_autofree char *lib = g_build_filename(data, p->library, NULL);
-  g_autofree char *osdi =
-      p->osdi ? g_build_filename(data, p->osdi, NULL) : NULL;
-  if (!g_file_test(lib, G_FILE_TEST_EXISTS) ||
-      (osdi && !g_file_test(osdi, G_FILE_TEST_EXISTS))) {
-    g_test_skip("no models of this process");
-    return 0;
-  }
+  g_autofree char *lib = find_data(p->library);
+  g_autofree char *osdi = lib && p->osdi ? find_data(p->osdi) : NULL;
+  if (!lib || (p->osdi && !osdi)) return 0;
   g_autoptr(GString) deck = g_string_new("by hand\n");
   double on = current == EDA_ION ? p->supply : 0;
   g_string_append_printf(deck,

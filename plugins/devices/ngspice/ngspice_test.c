@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "plain_test.h"
+#include "tests/data.h"
 
 /* A BSIM4 card of few parameters, for what needs no process. */
 #define SMALL(l)                                                \
@@ -22,22 +23,6 @@ static char *card_of(const char *text) {
   char *path = g_build_filename(opc_test_folder(), name, NULL);
   g_assert_true(g_file_set_contents(path, text, -1, NULL));
   return path;
-}
-
-static char *of_project(const char *name) {
-  const char *source = g_getenv("OPCFLOW_SOURCE");
-  return g_build_filename(source ? source : ".", name, NULL);
-}
-
-static char *of_data(const char *name) {
-  const char *folder = g_getenv("OPCFLOW_TEST_DATA");
-  g_autofree char *preset = of_project("../shared/data");
-  char *path = g_build_filename(folder ? folder : preset, name, NULL);
-  if (g_file_test(path, G_FILE_TEST_EXISTS)) return path;
-  g_autofree char *why = g_strdup_printf("no '%s'", path);
-  g_test_skip(why);
-  g_free(path);
-  return NULL;
 }
 
 /* Run it; the table's path is `table` in the test's folder. */
@@ -118,7 +103,7 @@ static void test_by_hand(void) {
 static void test_thesis(void) {
   opc_error error;
   if (!have_ngspice()) return;
-  g_autofree char *card = of_data("models/ptm/ptm_65nm_bulk.pm");
+  g_autofree char *card = find_data("models/ptm/ptm_65nm_bulk.pm");
   if (!card) return;
   if (run_step(card,
                "supply: 1.1 V, length: { from: 44 nm, to: 120 nm }, "
@@ -131,7 +116,7 @@ static void test_thesis(void) {
                  100 * (1e3 * ion / 1.152 - 1));
   g_assert_cmpfloat(fabs(1e3 * ion - 1.152), <, 0.0005);
   eda_devices *d = load("ptm.yaml");
-  g_autofree char *path = of_project("data/devices/ptm65.yaml");
+  g_autofree char *path = source_path("data/devices/ptm65.yaml");
   eda_devices *shipped = eda_devices_read(path, &error);
   if (!shipped) g_error("%s", error.message);
   g_assert_cmpuint(d->count, ==, shipped->count);
@@ -149,12 +134,12 @@ static void test_thesis(void) {
 static void test_own_card(void) {
   opc_error error;
   if (!have_ngspice()) return;
-  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  g_autofree char *card = source_path("data/devices/opcflow65.pm");
   if (run_step(card, "supply: 1.1 V, length: { from: 44 nm, to: 120 nm }",
                "own.yaml", &error))
     g_error("%s", error.message);
   eda_devices *d = load("own.yaml");
-  g_autofree char *path = of_project("data/devices/ptm65.yaml");
+  g_autofree char *path = source_path("data/devices/ptm65.yaml");
   eda_devices *want = eda_devices_read(path, &error);
   if (!want) g_error("%s", error.message);
   for (int t = 0; t < 2; t++) {
@@ -210,7 +195,7 @@ static void test_clamped(void) {
       !strstr(opc_test_log(), "Effective channel length"))
     g_error("'%s'", opc_test_log());
   /* Before the simulator refuses, a current falls again. */
-  g_autofree char *own = of_project("data/devices/opcflow65.pm");
+  g_autofree char *own = source_path("data/devices/opcflow65.pm");
   if (run_step(own, "supply: 1.1 V, length: { from: 30 nm, to: 80 nm }",
                "end4.yaml", &error))
     g_error("%s", error.message);
@@ -297,9 +282,9 @@ static void check_slices(const char *card, const char *table,
 
 static void test_slices(void) {
   if (!have_ngspice()) return;
-  g_autofree char *own = of_project("data/devices/opcflow65.pm");
+  g_autofree char *own = source_path("data/devices/opcflow65.pm");
   check_slices(own, "own_slices.yaml", "", 1e-5);
-  g_autofree char *ptm = of_data("models/ptm/ptm_65nm_bulk.pm");
+  g_autofree char *ptm = find_data("models/ptm/ptm_65nm_bulk.pm");
   if (ptm)
     check_slices(ptm, "ptm_slices.yaml", ", overrides: { igbmod: 0 }", 0.03);
 }

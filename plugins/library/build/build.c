@@ -9,15 +9,12 @@
 
 #include <correct/cut.h>
 #include <correct/entry.h>
-#include <correct/fine.h>
 #include <correct/library.h>
 #include <correct/loop.h>
+#include <correct/settings.h>
 #include <correct/shelf.h>
-#include <correct/slots.h>
 #include <correct/start.h>
 #include <correct/units.h>
-
-enum { ON, OFF }; /* `guard` */
 
 /* ---- state ---- */
 
@@ -26,11 +23,7 @@ typedef struct build {
   const eda_layout *sheet;
   const eda_gates *gates;
   const char *database;
-  const opc_module *litho, *resist, *extractor, *synthesizer, *regulator;
-  int64_t max_iterations;
-  const char *fine_text;
-  double fine, margin, ion_limit;
-  int guard;
+  correct_settings with;
 } build;
 
 typedef struct line {
@@ -90,7 +83,7 @@ static GVariant *pack(const builder *r, const cut_out *cell, loop *l) {
     opc_fail(r->error, OPC_INVALID, "synthesizer",
              "%s moves fragments of edges, or adds bars: a library keeps how "
              "transistors were moved",
-             r->b->synthesizer->id);
+             r->b->with.synthesizer->id);
     return NULL;
   }
   size_t n = l->gates->count;
@@ -136,18 +129,8 @@ static int correct_cell(builder *r, const cut_out *cell, shelf_row *row,
                         line *told) {
   const build *b = r->b;
   double before = cpu_seconds();
-  loop l = {.host = b->host,
-            .gates = cell->gates,
-            .extractor = b->extractor,
-            .regulator = b->regulator,
-            .max_iterations = b->max_iterations,
-            .hold = b->guard == ON,
-            .ion_limit = b->ion_limit,
-            .fine_change = fine_change(b->fine_text, b->ion_limit),
-            .drivers = {[MAIN].module = b->synthesizer}};
-  eda_printer_init(&l.printer, b->host->context, cell->gates, b->litho,
-                   b->resist, b->margin);
-  l.printer.fine = b->fine;
+  loop l;
+  loop_init(&l, b->host, cell->gates, &b->with);
   l.printer.drawn = NULL; /* cells have one resist, not each its own */
   int code = loop_run(&l, r->error);
   row->seconds = cpu_seconds() - before;
@@ -191,7 +174,7 @@ static int add_cell(builder *r, int32_t top, size_t i, const char *settings) {
                    .geometry = c.geometry,
                    .process = r->process,
                    .settings = settings,
-                   .method = b->synthesizer->id,
+                   .method = b->with.synthesizer->id,
                    .made = g_get_real_time() / G_USEC_PER_SEC,
                    .transistors = told.transistors};
   code = c.key ? take_cell(r, &cell, &row, &told) : r->error->code;
@@ -287,24 +270,15 @@ static const opc_parameter parameters[] = {
                       "where cells are kept; made if it is not there. If not "
                       "given, opcflow/library.sqlite in the user's data "
                       "folder"),
-    PRINT_SLOTS(build),
-    MOVE_SLOTS(build),
-    OPC_PARAMETER(build, max_iterations, .type = OPC_INT,
-                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "100",
-                  .min = 0, .max = 100000,
-                  .summary = "of a cell: stop after so many moves"),
-    OPC_PARAMETER(build, margin, .type = OPC_REAL, .flags = OPC_AT_LEAST,
-                  .unit = "nm", .min = 0,
-                  .summary = "clear field around a cell, which repeats beyond; "
-                             "as 'fine' needs it"),
-    FINE_PARAMETER(build),
-    OPC_PARAMETER(build, guard, .type = OPC_CHOICE, .preset = "on",
-                  .choices = "on|off",
-                  .summary = "take back what ends worse than the drawn mask"),
-    OPC_PARAMETER(build, ion_limit, .type = OPC_REAL, .flags = OPC_AT_LEAST,
-                  .former = "limit", .unit = "%", .preset = "0.5 %",
-                  .summary = "Largest allowed |Ion deviation|: the guard "
-                             "accepts it whatever the drawn mask has"),
+    CORRECT_PRINT_SLOTS(build),
+    CORRECT_MOVE_SLOTS(build),
+    CORRECT_MAX_ITERATIONS(build, "of a cell: stop after so many moves"),
+    CORRECT_MARGIN(build),
+    CORRECT_FINE(build),
+    CORRECT_GUARD(build),
+    CORRECT_ION_LIMIT(build,
+                      "Largest allowed |Ion deviation|: the guard "
+                      "accepts it whatever the drawn mask has"),
 };
 
 static const opc_metric metrics[] = {
@@ -319,9 +293,7 @@ static const opc_metric metrics[] = {
 
 static int check(void *self, opc_error *error) {
   build *b = self;
-  int code = fine_error(b->fine_text, b->ion_limit, &b->fine, error);
-  b->margin = fine_margin(b->host, b->litho, b->margin, b->fine);
-  return code;
+  return correct_settings_check(&b->with, b->host, error);
 }
 
 /* ---- entry ---- */

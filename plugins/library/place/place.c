@@ -9,12 +9,10 @@
 #include <string.h>
 
 #include <correct/findings.h>
-#include <correct/fine.h>
-#include <correct/forecast.h>
 #include <correct/library.h>
 #include <correct/report.h>
+#include <correct/settings.h>
 #include <correct/shelf.h>
-#include <correct/slots.h>
 #include <correct/start.h>
 #include <correct/ways.h>
 #include "disturb.h"
@@ -29,11 +27,10 @@ typedef struct place {
   const eda_layout *layout;
   const eda_gates *gates;
   const library *library;
-  const opc_module *litho, *resist, *extractor;
-  const char *top, *fine_text, *picture;
+  correct_settings with;
+  const char *top, *picture;
   int missing, print;
   int64_t width;
-  double fine, margin;
 } place;
 
 /* Cells of the circuit, by number: what the library has of them. */
@@ -106,8 +103,8 @@ static int ways_for(const turn *t) {
 
 static int find_ways(const place *p, int *ways, opc_error *error) {
   eda_printer printer;
-  eda_printer_init(&printer, p->host->context, p->gates, p->litho, p->resist,
-                   p->margin);
+  eda_printer_init(&printer, p->host->context, p->gates, p->with.litho,
+                   p->with.resist, p->with.margin);
   int code = printer.litho.functions.prepare(&printer.litho, error);
   if (!code)
     code = ways_find(p->host->context, &printer.litho.module, ways, error);
@@ -212,35 +209,14 @@ static int make_mask(const placer *r, eda_mask *m) {
   const eda_gates *g = p->gates;
   const opc_context *context = p->host->context;
   eda_performance_init(&m->design, g->count);
-  int code = eda_extractor_prepare(context, p->extractor, r->error);
+  int code = eda_extractor_prepare(context, p->with.extractor, r->error);
   if (!code)
-    code = eda_measure_drawn(context, g, p->extractor, &m->design, r->error);
+    code =
+        eda_measure_drawn(context, g, p->with.extractor, &m->design, r->error);
   set_before(r, m);
   for (size_t k = 0; k < g->layers && !code; k++)
     if (g->corrected[k])
       code = start_mask(g, m->moved, k, &m->shapes[k], r->error);
-  return code;
-}
-
-/* %, of Ion: what figures are to be good for, as the loop's `limit`. */
-static const double limit = 0.5;
-
-static int print(const placer *r, eda_printer *printer, eda_mask *m,
-                 eda_measurement *measured) {
-  const place *p = r->p;
-  const eda_gates *g = p->gates;
-  int code = eda_printer_prepare(printer, r->error);
-  if (!code)
-    code = fine_by_drawn(printer, p->host, g, p->extractor,
-                         fine_change(p->fine_text, limit), r->error);
-  if (!code)
-    code = (printer->fine > 0 ? eda_printer_refine : eda_printer_print)(
-        printer, g->corrected, m->shapes, r->error);
-  if (!code)
-    code = eda_measure(p->host->context, g, printer->print, p->extractor,
-                       measured, r->error);
-  if (!(printer->fine > 0)) /* what the cells know of their fine prints */
-    start_correct(m->moved, &measured->performance);
   return code;
 }
 
@@ -275,25 +251,13 @@ static int tell(placer *r, const eda_mask *m, const double *extension) {
 
 static int print_and_tell(placer *r, eda_mask *m) {
   const place *p = r->p;
-  eda_measurement measured;
-  eda_printer printer;
-  eda_measurement_init(&measured, p->gates->count);
-  eda_printer_init(&printer, p->host->context, p->gates, p->litho, p->resist,
-                   p->margin);
-  printer.fine = p->fine;
-  printer.drawn = NULL; /* as the library's, not this circuit's */
-  int code = print(r, &printer, m, &measured);
-  for (size_t k = 0; k < m->layers; k++) {
-    m->print[k] = printer.print[k];
-    printer.print[k] = (eda_field){0};
-  }
-  m->after = measured.performance;
-  m->flags = measured.flags;
-  m->simulations = printer.simulations;
-  m->fine_simulations = printer.fine_simulations;
-  if (!code) code = tell(r, m, measured.extension);
-  eda_printer_clear(&printer);
-  free(measured.extension);
+  double *extension = NULL;
+  /* The resist is as the library's, not this circuit's. */
+  int code = correct_print(&p->with, p->host, 0, m, NULL, &extension, r->error);
+  if (!code && !m->fine_simulations) /* cells know of their fine prints */
+    start_correct(m->moved, &m->after);
+  if (!code) code = tell(r, m, extension);
+  free(extension);
   return code;
 }
 
@@ -336,8 +300,8 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
   const place *p = self;
   (void)error;
   if (!p->print) return OPC_OK;
-  forecast_prints(p->host->context, p->gates, p->litho, p->resist, p->margin,
-                  p->fine, "one print", "one fine print", out);
+  correct_forecast(&p->with, p->host, p->gates, "one print", "one fine print",
+                   out);
   return OPC_OK;
 }
 
@@ -350,10 +314,12 @@ static const opc_parameter parameters[] = {
     INPUT(layout, "layout", "the circuit, with its cells"),
     INPUT(gates, "gates", "its transistors"),
     INPUT(library, "library", "the corrected cells"),
-    SLOT(place, litho, OPC_REQUIRED, "model of the optics, as of the library"),
-    SLOT(place, resist, OPC_REQUIRED, "model of the resist, as of the library"),
-    SLOT(place, extractor, OPC_REQUIRED,
-         "performance of a printed transistor, as of the library"),
+    CORRECT_SLOT(place, litho, OPC_REQUIRED,
+                 "model of the optics, as of the library"),
+    CORRECT_SLOT(place, resist, OPC_REQUIRED,
+                 "model of the resist, as of the library"),
+    CORRECT_SLOT(place, extractor, OPC_REQUIRED,
+                 "performance of a printed transistor, as of the library"),
     OPC_PARAMETER(place, top, .type = OPC_TEXT,
                   .summary = "the circuit's cell; if not given, the only one "
                              "that no other places"),
@@ -361,11 +327,8 @@ static const opc_parameter parameters[] = {
                   .choices = "refuse|drawn",
                   .summary = "transistors that are not in the library: an "
                              "error, or as drawn"),
-    OPC_PARAMETER(place, margin, .type = OPC_REAL, .flags = OPC_AT_LEAST,
-                  .unit = "nm", .min = 0,
-                  .summary = "clear field around the layout, which repeats "
-                             "beyond; as 'fine' needs it"),
-    FINE_PARAMETER(place),
+    CORRECT_MARGIN(place),
+    CORRECT_FINE(place),
     OPC_PARAMETER(place, print, .type = OPC_BOOL, .preset = "true",
                   .summary = "print the mask as a whole and tell how its "
                              "transistors are disturbed; if not, its figures "
@@ -397,8 +360,8 @@ static const opc_metric metrics[] = {
 
 static int check(void *self, opc_error *error) {
   place *p = self;
-  int code = fine_error(p->fine_text, limit, &p->fine, error);
-  p->margin = fine_margin(p->host, p->litho, p->margin, p->fine);
+  p->with.ion_limit = CORRECT_USUAL_LIMIT;
+  int code = correct_settings_check(&p->with, p->host, error);
   if (!code && p->picture && !p->print)
     code = opc_fail(error, OPC_INVALID, "picture",
                     "without 'print' there is no disturbance to draw");

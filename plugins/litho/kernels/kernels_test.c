@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "../image_test.h"
+#include "tests/data.h"
 
 static const opc_host *host;
 
@@ -292,15 +293,8 @@ static void test_refused(void) {
 /* ---- the contest's ---- */
 
 static char *contest(const char *folder, const char *name) {
-  const char *data = g_getenv("OPCFLOW_TEST_DATA");
-  g_autofree char *beside = g_build_filename(g_getenv("OPCFLOW_SOURCE"), "..",
-                                             "shared", "data", NULL);
-  char *path =
-      g_build_filename(data ? data : beside, "clips", folder, name, NULL);
-  if (g_file_test(path, G_FILE_TEST_EXISTS)) return path;
-  g_free(path);
-  g_test_skip("the data of the ICCAD 2013 contest are not there");
-  return NULL;
+  g_autofree char *within = g_build_filename("clips", folder, name, NULL);
+  return find_data(within);
 }
 
 static eda_shapes read_clip(const char *path) {

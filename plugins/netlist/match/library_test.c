@@ -13,7 +13,7 @@ typedef struct known_gate {
 } known_gate;
 
 static GArray *known_gates(void) {
-  g_autofree char *path = test_data("nangate45/devices.csv");
+  g_autofree char *path = find_data("nangate45/devices.csv");
   if (!path) return NULL;
   g_autofree char *text = text_of(path);
   g_auto(GStrv) lines = g_strsplit(text, "\n", -1);
@@ -85,9 +85,9 @@ static size_t check_cell(const eda_circuit *c, const known_gate *k, size_t n) {
 }
 
 static void test_nangate(void) {
-  g_autofree char *gds = test_data("nangate45/NangateOpenCellLibrary.gds");
+  g_autofree char *gds = find_data("nangate45/NangateOpenCellLibrary.gds");
   if (!gds) return;
-  g_autofree char *cdl = test_data("nangate45/NangateOpenCellLibrary.cdl");
+  g_autofree char *cdl = find_data("nangate45/NangateOpenCellLibrary.cdl");
   g_autoptr(GArray) known = known_gates();
   const known_gate *k = (const known_gate *)(void *)known->data;
   run r = read_layout("read.gds", gds,
@@ -114,7 +114,7 @@ static void test_nangate(void) {
 /* ---- placed circuits: no wires between the cells ---- */
 
 static run read_c432(void) {
-  g_autofree char *gds = test_data("iscas85/c432/c432.gds");
+  g_autofree char *gds = find_data("iscas85/c432/c432.gds");
   if (!gds) return (run){0};
   run r = read_layout("read.gds", gds,
                       "scale: 1.3, layers: { poly: 9/0, active: 1/0, contact: "
@@ -126,7 +126,7 @@ static run read_c432(void) {
 static void test_placed(void) {
   run r = read_c432();
   if (!r.layout) return;
-  g_autofree char *path = test_data("iscas85/c432/c432.sp");
+  g_autofree char *path = find_data("iscas85/c432/c432.sp");
   gint64 begin = g_get_monotonic_time();
   const eda_circuit *c = match(&r, path, ", scale: 1.3", NULL);
   double seconds = (double)(g_get_monotonic_time() - begin) * 1e-6;
@@ -152,7 +152,7 @@ static void test_placed(void) {
 static void test_placed_faults(void) {
   run r = read_c432();
   if (!r.layout) return;
-  g_autofree char *path = test_data("iscas85/c432/c432.sp");
+  g_autofree char *path = find_data("iscas85/c432/c432.sp");
   g_autofree char *text = text_of(path);
   static const struct {
     const char *from, *to, *pattern;

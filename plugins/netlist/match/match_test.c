@@ -12,7 +12,7 @@ static const opc_host *host;
 
 static run read_cell(const char *cell) {
   g_autofree char *name = g_strdup_printf("data/cells65/%s.cif", cell);
-  g_autofree char *path = source(name);
+  g_autofree char *path = source_path(name);
   run r = read_layout("read.cif", path,
                       strcmp(cell, "nmos") == 0
                           ? "layers: { poly: CP, active: CA, nimplant: CSN }"
@@ -23,7 +23,7 @@ static run read_cell(const char *cell) {
 
 static char *netlist_of(const char *cell) {
   g_autofree char *name = g_strdup_printf("data/cells65/%s.sp", cell);
-  g_autofree char *path = source(name);
+  g_autofree char *path = source_path(name);
   return text_of(path);
 }
 

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "tests/data.h"
 #include "tools/devel/testing.h"
 
 /* ---- running ---- */
@@ -77,20 +78,6 @@ static inline const char *net(const eda_circuit *c, uint32_t n) {
 }
 
 /* ---- material ---- */
-
-static inline char *source(const char *name) {
-  return g_build_filename(g_getenv("OPCFLOW_SOURCE"), name, NULL);
-}
-
-static inline char *test_data(const char *name) {
-  const char *root = g_getenv("OPCFLOW_TEST_DATA");
-  g_autofree char *usual = source("../shared/data");
-  char *path = g_build_filename(root ? root : usual, name, NULL);
-  if (g_file_test(path, G_FILE_TEST_EXISTS)) return path;
-  g_free(path);
-  g_test_skip("no test data: set OPCFLOW_TEST_DATA");
-  return NULL;
-}
 
 static inline char *text_of(const char *path) {
   char *text;

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tests/data.h"
 #include "tools/devel/testing.h"
 
 static const char *const names[] = {"active", "nwell",   "nimplant",
@@ -60,24 +61,9 @@ static void check(const known *w, const eda_flat *flat) {
   eda_shapes_clear(&out);
 }
 
-static char *find_data(void) {
-  const char *data = g_getenv("OPCFLOW_TEST_DATA");
-  const char *source = g_getenv("OPCFLOW_SOURCE");
-  char *path =
-      data ? g_build_filename(data, "iscas85", "c432", "c432.gds", NULL)
-           : g_build_filename(source ? source : ".", "..", "shared", "data",
-                              "iscas85", "c432", "c432.gds", NULL);
-  if (g_file_test(path, G_FILE_TEST_EXISTS)) return path;
-  g_free(path);
-  return NULL;
-}
-
 static void test_c432(void) {
-  g_autofree char *path = find_data();
-  if (!path) {
-    g_test_skip("no test data: iscas85/c432/c432.gds");
-    return;
-  }
+  g_autofree char *path = find_data("iscas85/c432/c432.gds");
+  if (!path) return;
   g_autofree char *map = g_strdup_printf(
       "{ file: '%s', layers: { active: 1/0, nwell: 3/0, nimplant: 4/0, "
       "poly: 9/0, contact: 10/0, metal1: 11/0 } }",

@@ -3,6 +3,7 @@
    contest's clips, whose areas are published. */
 #include <eda/layout.h>
 
+#include "tests/data.h"
 #include "tools/devel/testing.h"
 
 #include <glib/gstdio.h>
@@ -170,15 +171,8 @@ static void test_many(void) {
 static void test_contest(void) {
   static const double areas[] = {215344, 169280, 213504, 82560,  282044,
                                  286234, 229149, 128544, 317581, 102400};
-  const char *data = g_getenv("OPCFLOW_TEST_DATA");
-  g_autofree char *beside = g_build_filename(g_getenv("OPCFLOW_SOURCE"), "..",
-                                             "shared", "data", NULL);
-  g_autofree char *folder =
-      g_build_filename(data ? data : beside, "clips", "iccad2013", NULL);
-  if (!g_file_test(folder, G_FILE_TEST_IS_DIR)) {
-    g_test_skip("the clips of the ICCAD 2013 contest are not there");
-    return;
-  }
+  g_autofree char *folder = find_data("clips/iccad2013");
+  if (!folder) return;
   for (int i = 0; i < 10; i++) {
     g_autofree char *path = g_strdup_printf("%s/M1_test%d.glp", folder, i + 1);
     opc_error error;

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "making_test.h"
+#include "tests/data.h"
 
 /* ---- comparing ---- */
 
@@ -439,13 +440,10 @@ static void write_bytes(const char *path, const char *bytes, size_t n) {
 }
 
 static char *corpus_file(const char *name, size_t *n) {
-  const char *data = g_getenv("OPCFLOW_TEST_DATA");
-  g_autofree char *path =
-      data ? g_build_filename(data, "gds-corpus", name, NULL)
-           : g_build_filename(g_getenv("OPCFLOW_SOURCE"), "..", "shared",
-                              "data", "gds-corpus", name, NULL);
+  g_autofree char *within = g_build_filename("gds-corpus", name, NULL);
+  g_autofree char *path = find_data(within);
   char *bytes = NULL;
-  if (!g_file_get_contents(path, &bytes, n, NULL)) g_test_skip("no test data");
+  if (path) g_assert_true(g_file_get_contents(path, &bytes, n, NULL));
   return bytes;
 }
 

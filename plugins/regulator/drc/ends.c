@@ -96,14 +96,13 @@ static int is_clear(const eda_printed *p, const line_end *e) {
   double y = (e->tip.y0 + e->tip.y1) / 2.0 * grid;
   double *along = upright(e->side) ? &x : &y;
   double out = e->side == LEFT || e->side == BELOW ? -1 : 1;
-  double step = tuned.end_step;
   const eda_field *print = &p->print[EDA_POLY];
   *along -= out * e->start * grid; /* where the line does print */
-  for (double d = 0; d < tuned.sought; d += step, *along += out * step) {
+  for (double d = 0; d < tuned.reach; d += grid, *along += out * grid) {
     eda_field_sample(print, &x, &y, 1, &value);
     if (value <= 0) break;
   }
-  for (double d = 0; d < tuned.ahead; d += step, *along += out * step) {
+  for (double d = 0; d < tuned.ahead; d += grid, *along += out * grid) {
     eda_field_sample(print, &x, &y, 1, &value);
     if (value > 0) return 0;
   }

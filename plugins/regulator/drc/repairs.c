@@ -354,12 +354,11 @@ static double print_at(const site *s, const repair *one, int side) {
 }
 
 /* A side that may not go further out prints further if its corners do: as long
-   as that brings a part of what is missing, as it disturbs what is near. */
-static void grow_flanks(repair *one, int side, double target, double grid) {
+   as that brings anything, as it disturbs what is near. */
+static void grow_flanks(repair *one, int side, double grid) {
   int32_t step = (int32_t)ceil(tuned.flank_step / grid);
   double value = one->value[side], before = one->flanked[side];
-  int helps =
-      before == 0 || value - before > (target - value) / tuned.flank_part;
+  int helps = before == 0 || value > before;
   for (int k = upright(side) ? BELOW : LEFT, n = 0; n < 2; k++, n++) {
     int32_t left = one->room[k] - one->grow[k];
     if (helps)
@@ -380,7 +379,7 @@ static void grow(const drc *r, const site *s, repair *one) {
     if (to > one->grow[k])
       one->grow[k] = to;
     else if (s->kind == SITE_ENCLOSURE)
-      grow_flanks(one, k, target, r->grid);
+      grow_flanks(one, k, r->grid);
   }
 }
 

@@ -24,8 +24,8 @@
 static const struct {
   double usual, least, most, largest_step, spare, back;
   double pitch, rounding, wide, near_gate, most_sites, reach, inset;
-  double half_patch, corner, into, flank_step, flank_part;
-  double steep, ahead, sought, end_step;
+  double half_patch, corner, into, flank_step;
+  double steep, ahead;
   double of_gate, beside;
   uint32_t wishes_until, anew;
   int patience;
@@ -112,10 +112,6 @@ static const struct {
        Half: c432 6, 0.23, 8593, 1. Twice: c432 6, 0.36, 8579, 1. */
     .flank_step = 15,
 
-    /* ... as long as that brings one part in so many of what is missing. No
-       case differs. */
-    .flank_part = 10,
-
     /* ---- line ends: ends.c ---- */
 
     /* How much further a line end prints for each nm that both flanks of its
@@ -127,11 +123,6 @@ static const struct {
        it does not print: what moves later is not to join it. None of the three;
        SDFF has one violation more at twice. */
     .ahead = 30,
-
-    /* nm: how far the end of the print is sought, and in which steps. No case
-       differs. */
-    .sought = 300,
-    .end_step = 5,
 
     /* Prints after which no line end is made longer than it must be, as the
        synthesizer would take the effect for that of its own moves. 1: SRAM

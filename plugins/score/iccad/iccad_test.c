@@ -3,6 +3,7 @@
    first clip as drawn, which another program has counted. */
 #include <eda/gates.h>
 
+#include "tests/data.h"
 #include "tools/devel/testing.h"
 
 #include <math.h>
@@ -81,13 +82,8 @@ static void test_refused(void) {
 /* As drawn, a program that rasters the clip and sums up frequency by frequency
    has L2 114,711 and a band of 43,707 nm^2. */
 static void test_clip(void) {
-  const char *data = g_getenv("OPCFLOW_TEST_DATA");
-  g_autofree char *folder =
-      g_build_filename(data ? data : "../shared/data", "clips", NULL);
-  if (!g_file_test(folder, G_FILE_TEST_IS_DIR)) {
-    g_test_skip("no clips");
-    return;
-  }
+  g_autofree char *folder = find_data("clips");
+  if (!folder) return;
   opc_error error;
   void *layout[1], *edges[1];
   g_autofree char *file =

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "tests/data.h"
 #include "tools/devel/testing.h"
 
 /* ---- drawing ---- */
@@ -111,15 +112,6 @@ static void test_stepped(void) {
 
 /* ---- a circuit against its netlist ---- */
 
-static char *data_file(const char *name) {
-  const char *data = g_getenv("OPCFLOW_TEST_DATA");
-  const char *source = g_getenv("OPCFLOW_SOURCE");
-  g_autofree char *folder = data ? g_strdup(data)
-                                 : g_build_filename(source ? source : ".", "..",
-                                                    "shared", "data", NULL);
-  return g_build_filename(folder, name, NULL);
-}
-
 static int by_text(const void *a, const void *b) {
   return strcmp(*(char *const *)a, *(char *const *)b);
 }
@@ -162,11 +154,8 @@ static GPtrArray *read_netlist(const char *path, double scale) {
 
 /* At scale 1.3 a W of 415 nm is 539.5, which the mask grid makes 539 or 540. */
 static void test_c432(void) {
-  g_autofree char *path = data_file("iscas85/c432/c432.gds");
-  if (!g_file_test(path, G_FILE_TEST_EXISTS)) {
-    g_test_skip("no test data: iscas85/c432/c432.gds");
-    return;
-  }
+  g_autofree char *path = find_data("iscas85/c432/c432.gds");
+  if (!path) return;
   g_autofree char *map = g_strdup_printf(
       "{ file: '%s', scale: 1.3, layers: { active: 1/0, nwell: 3/0, poly: 9/0 "
       "} }",
@@ -178,7 +167,7 @@ static void test_c432(void) {
     g_error("%s", error.message);
   opc_module *m = segment(layout, &out);
   const eda_gates *g = out;
-  g_autofree char *netlist = data_file("iscas85/c432/c432.sp");
+  g_autofree char *netlist = data_path("iscas85/c432/c432.sp");
   g_autoptr(GPtrArray) want = read_netlist(netlist, 1.3);
   g_autoptr(GPtrArray) got = g_ptr_array_new_with_free_func(g_free);
   double off = 0;

@@ -389,9 +389,8 @@ static char *after_jump(const char *parameters, double rest, double jump) {
 }
 
 /* One at rest is taken up again if its error has changed by more than a tenth
-   of the limit, and by W if it is more than three quarters of what a step of W
-   is worth (0.375 %), by L if it is more than 0.55 of what one of L did (1.65
-   %). */
+   of the limit, and by W if it is more than 0.55 of what a step of W is worth
+   (0.275 %), by L if it is more than 0.55 of what one of L did (1.65 %). */
 static void test_taken_up(void) {
   static const struct {
     double rest, jump;
@@ -400,8 +399,8 @@ static void test_taken_up(void) {
       {0.4, 0.009, "2,-1 2,-1 "},
       {0.4, 0.011, "2,-2 2,-1 2,-1 2,-1 "},
       {0.4, -0.011, "2,-2 2,-1 2,-1 2,-1 "},
-      {0.2, 0.17, "2,-1 2,-1 "},
-      {0.2, 0.18, "2,-2 2,-1 2,-1 2,-1 "},
+      {0.2, 0.07, "2,-1 2,-1 "},
+      {0.2, 0.08, "2,-2 2,-1 2,-1 2,-1 "},
       {0.4, 1.24, "2,-2 2,-3 2,-3 2,-3 "},
       {0.4, 1.26, "3,-1 3,0 3,1 3,0 3,0 3,0 "},
       {0.4, -2.04, "2,0 2,1 2,1 2,1 "},

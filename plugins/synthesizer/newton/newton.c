@@ -228,6 +228,9 @@ static void with_leakage(const newton *t, const eda_feedback *f, size_t i,
   dx[BY_L] += more[BY_L];
 }
 
+/* Whether a move rounds to none on the grid. */
+static int is_no_step(double steps) { return lround(steps) == 0; }
+
 /* Newton's step of one transistor. W moves if its weights ask for it, and else
    only where L is of no use: forbidden, at its bound, or mended by the
    regulator whatever it is. */
@@ -242,7 +245,7 @@ static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
   int free[MOVES], mended;
   double dx[MOVES], wanted;
   free_moves(t, free);
-  mended = !free[BY_W] && s->trust.radius < tuned.w_alone;
+  mended = !free[BY_W] && is_no_step(s->trust.radius);
   solve(&s->response, s->error, t->steer, free, dx);
   wanted = dx[BY_L];
   dx[BY_L] = trust_step(&s->trust, s->x[BY_L], wanted);
@@ -250,7 +253,7 @@ static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
   if (for_ioff(t) && f->iteration > 0) with_leakage(t, f, i, veto, dx);
   dx[BY_L] = bounded(s->x[BY_L], dx[BY_L], t->max_bias / g->grid,
                      veto & EDA_VETO_LONGER, veto & EDA_VETO_SHORTER, why);
-  if (mended || (*why != MOVING && fabs(dx[BY_L]) < tuned.w_alone))
+  if (mended || (*why != MOVING && is_no_step(dx[BY_L])))
     solve(&s->response, s->error, t->weight, only_w, dx);
   dx[BY_W] = bounded(s->x[BY_W], dx[BY_W], most_w, veto & EDA_VETO_WIDER,
                      veto & EDA_VETO_NARROWER, why);

@@ -24,7 +24,7 @@
 static const struct {
   double thin_end[2], slope[2], gain_bound, doubt[2], least_doubt, many,
       doubt_of_many;
-  double trust[2], longest, w_alone, open_step;
+  double trust[2], longest, open_step;
   double still, unforeseen, late, coupling, noise_floor;
   double odd_limit, odd_surprise, unanswered;
   double coarse, worthwhile, mean_part, patience;
@@ -84,10 +84,6 @@ static const struct {
        it (trust.c). No case differs, but IHP cells (248 nm) take a print more
        at half. */
     .longest = 20,
-
-    /* Grid steps: a blocked L leaves the error to W if less than this is left
-       of its step. No case differs. */
-    .w_alone = 0.5,
 
     /* nm: how much wider a line gets at a time that does not print at all. None
        of the three; SMALL alone has such lines: half needs 23 moves, not 19. */

@@ -328,17 +328,15 @@ static int is_name(const char *text) {
                          "0123456789_.-") == strlen(text);
 }
 
-enum { MOST_GRID = 16 };
-
 static int check_grid(const opc_reals *r, const char *name, double least,
                       opc_error *error) {
-  int good = r->count >= 3 && r->count <= MOST_GRID;
+  int good = r->count >= 3 && r->count <= EDA_TIMING_GRID;
   for (size_t i = 0; good && i < r->count; i++)
     good = r->values[i] > (i ? r->values[i - 1] : least) && r->values[i] < 1e-3;
   if (good) return OPC_OK;
   return opc_fail(error, OPC_INVALID, name,
-                  "'%s' are 3 to %d values above %g that grow", name, MOST_GRID,
-                  least);
+                  "'%s' are 3 to %d values above %g that grow", name,
+                  EDA_TIMING_GRID, least);
 }
 
 static int check(void *self, opc_error *error) {

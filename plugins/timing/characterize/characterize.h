@@ -113,7 +113,6 @@ typedef struct deck {
 } deck;
 
 /* The time of the whole ramp for a slew between the edges. */
-double ramp_time(const study *s, double slew, int rises);
 
 /* Simulate until every output is there. [any] */
 void deck_run(deck *d);

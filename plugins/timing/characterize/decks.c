@@ -2,6 +2,7 @@
 /* Many copies of cells in one run of the simulator, with an input that changes
    for all at once. Copies share time steps, so that what differs between two of
    them is free of the steps' noise. */
+#include <eda/wave.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,9 +10,26 @@
 
 #include "characterize.h"
 
+/* Runs of a deck at most, each twice as long: 64 times the expected time. */
 enum { TRIES = 7 };
 
 static const double start = 2e-12; /* s, when inputs begin to change */
+
+/* An output above this height has got there. */
+static const double arrived = 0.97;
+
+/* Where nothing is known, a run lasts so many ramps of its input, so many s,
+   and so many s for each F of load: some ps for each fF, through the channels
+   that a um of width has. It has at least so many steps, as runs of pins. */
+static const double pilot_ramps = 2.8, pilot_rest = 30e-12, pilot_load = 8e3,
+                    pilot_steps = 50;
+
+/* A run of a pin goes on so far beyond the slew's end, as a factor. */
+static const double pin_rest = 1.05;
+
+/* If the simulator finds no step that it can take, it is tried again with
+   steps of this length. */
+static const double shorter = 0.7;
 
 /* How many steps the slew of the fastest output has at least. AOI21 at 22 ps,
    18 changes, against a run of 1,400 steps: with 4 a slew delays are off by
@@ -28,28 +46,17 @@ static const double settled[] = {
 
 /* ---- the input ---- */
 
-double ramp_time(const study *s, double slew, int rises) {
-  return slew / (eda_timing_ramp(rises, s->timing->high) -
-                 eda_timing_ramp(rises, s->timing->low));
-}
-
 /* When the inputs' middle is. */
 static double middle_of(const deck *d) {
   return start + d->early +
-         ramp_time(d->s, d->slew, d->rises) * eda_timing_ramp(d->rises, 0.5);
+         eda_timing_ramp_time(d->s->timing, d->slew, d->rises) *
+             eda_timing_ramp(d->rises, 0.5);
 }
 
 static void put_source(const deck *d, FILE *out, const char *name, int rises,
                        double slew, double middle) {
-  double whole = ramp_time(d->s, slew, rises), v = d->s->supply,
-         begin = middle - whole * eda_timing_ramp(rises, 0.5);
-  double t[EDA_TIMING_RAMP], level[EDA_TIMING_RAMP];
-  eda_timing_ramp_points(rises, t, level);
-  fprintf(out, "v%s i%s 0 pwl(0 %.17g", name, name, rises ? 0 : v);
-  for (int i = 0; i < EDA_TIMING_RAMP; i++)
-    fprintf(out, "\n+ %.17g %.17g", begin + whole * t[i],
-            v * (rises ? level[i] : 1 - level[i]));
-  fputs(")\n", out);
+  fprintf(out, "v%s i%s 0 ", name, name);
+  eda_timing_ramp_write(out, d->s->timing, !rises, rises, slew, middle);
 }
 
 /* ---- the cards ---- */
@@ -177,40 +184,6 @@ static char *deck_text(const deck *d) {
 
 /* ---- what is measured ---- */
 
-/* The cubic through four points, by Neville's scheme. */
-static double cubic(const double *t, const double *v, double at) {
-  double p[4] = {v[0], v[1], v[2], v[3]};
-  for (int n = 1; n < 4; n++)
-    for (int i = 0; i + n < 4; i++)
-      p[i] =
-          ((at - t[i + n]) * p[i] + (t[i] - at) * p[i + 1]) / (t[i] - t[i + n]);
-  return p[0];
-}
-
-/* When v passes a level after point i, of n: with straight lines between points
-   slews would be off by 0.5 % at five steps a slew. */
-static double passes(const double *t, const double *v, size_t n, size_t i,
-                     double level) {
-  double low = t[i], high = t[i + 1];
-  size_t first = i ? i - 1 : 0;
-  if (first + 4 > n) first = n - 4;
-  for (int k = 0; k < 50; k++) {
-    double middle = (low + high) / 2;
-    if (cubic(t + first, v + first, middle) < level)
-      low = middle;
-    else
-      high = middle;
-  }
-  return low;
-}
-
-/* The last point before `end` from which v goes up past a level; n: none. */
-static size_t last_rise(const double *v, size_t end, double level, size_t n) {
-  for (size_t i = end; i-- > 0;)
-    if (v[i] < level && v[i + 1] >= level) return i;
-  return n;
-}
-
 static const double *vector_of(const eda_spice_plot *plot, const char *format,
                                size_t k, uint32_t net, size_t n) {
   char name[48];
@@ -219,8 +192,7 @@ static const double *vector_of(const eda_spice_plot *plot, const char *format,
   return v && v->count == n ? v->value : NULL;
 }
 
-/* Of an output that turns back on its way, the last time counts that it goes
-   through the middle. Whether it gets there. */
+/* Measure the last edge of an output. Return whether there is one. */
 static int measure_output(const deck *d, copy *c, const double *t,
                           const double *v, size_t n) {
   const eda_timing *of = d->s->timing;
@@ -230,16 +202,14 @@ static int measure_output(const deck *d, copy *c, const double *t,
   int rises = c->cell->level[at + after];
   if (rises == c->cell->level[at + before]) return 1;
   double *h = eda_alloc(n, sizeof *h);
-  for (size_t i = 0; i < n; i++)
-    h[i] = rises ? v[i] / d->s->supply : 1 - v[i] / d->s->supply;
-  size_t half = last_rise(h, n - 1, 0.5, n), low = n, high = half;
-  if (half < n) low = last_rise(h, half + 1, of->low, n);
-  while (high + 1 < n && h[high + 1] < of->high) high++;
-  int there =
-      low < n && high + 1 < n && (d->care == CHANGES || h[n - 1] > 0.97);
+  eda_wave_heights(v, n, d->s->supply, rises, h);
+  eda_wave_edge e;
+  int there = eda_wave_find(h, n, of->low, of->high, &e) &&
+              (d->care == CHANGES || h[n - 1] > arrived);
   if (there) {
-    c->delay = passes(t, h, n, half, 0.5) - middle_of(d);
-    c->slew = passes(t, h, n, high, of->high) - passes(t, h, n, low, of->low);
+    c->delay = eda_wave_smooth_time(t, h, n, e.half, 0.5) - middle_of(d);
+    c->slew = eda_wave_smooth_time(t, h, n, e.high, of->high) -
+              eda_wave_smooth_time(t, h, n, e.low, of->low);
   }
   free(h);
   return there;
@@ -249,7 +219,7 @@ static int measure_output(const deck *d, copy *c, const double *t,
    difference. */
 static double charge(const deck *d, const double *t, const double *i, size_t n,
                      double from, double to) {
-  double whole = ramp_time(d->s, d->slew, d->rises), sum = 0,
+  double whole = eda_timing_ramp_time(d->s->timing, d->slew, d->rises), sum = 0,
          a = start + whole * eda_timing_ramp(d->rises, from),
          b = start + whole * eda_timing_ramp(d->rises, to);
   for (size_t k = 0; k + 1 < n; k++) {
@@ -294,16 +264,18 @@ static span pilot_span(const deck *d) {
   for (size_t k = 0; k < d->count; k++)
     load =
         fmax(load, d->copy[k].load / circuit_of(d->s, d->copy[k].cell)->times);
-  double window =
-      start + 2.8 * ramp_time(d->s, d->slew, 1) + 30e-12 + 8e3 * load;
-  return (span){window, window / 50};
+  double window = start +
+                  pilot_ramps * eda_timing_ramp_time(d->s->timing, d->slew, 1) +
+                  pilot_rest + pilot_load * load;
+  return (span){window, window / pilot_steps};
 }
 
 /* Charges are measured while the input moves. */
 static span pin_span(const deck *d) {
-  double window = start + ramp_time(d->s, d->slew, d->rises) *
-                              eda_timing_ramp(d->rises, d->s->timing->high);
-  return (span){window * 1.05, window / 50};
+  double window =
+      start + eda_timing_ramp_time(d->s->timing, d->slew, d->rises) *
+                  eda_timing_ramp(d->rises, d->s->timing->high);
+  return (span){window * pin_rest, window / pilot_steps};
 }
 
 static span span_of(const deck *d) {
@@ -341,7 +313,7 @@ void deck_run(deck *d) {
   /* Now and then the simulator finds no step that it can take ("timestep too
      small"): from other steps it does. */
   if (d->code == OPC_FAILED) {
-    of.step *= 0.7;
+    of.step *= shorter;
     missing = run_once(d, text, of);
   }
   for (int i = 1; i < TRIES && missing && !d->code; i++) {

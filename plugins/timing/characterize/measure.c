@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What is simulated of a cell: its arcs over the grid, again with each size of
    each transistor that matters changed at three points of it, and its pins. */
+#include <eda/random.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -314,33 +315,26 @@ int cell_measure(study *s, eda_timing_cell *c, opc_error *error) {
 
 /* ---- the linear model against the simulator ---- */
 
-/* splitmix64 (Steele, Lea, Flood 2014), from 0 to 1. */
-static double draw(uint64_t *state) {
-  uint64_t z = (*state += 0x9e3779b97f4a7c15u);
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
 /* Sizes within this of the drawn ones: a little more than the masks of the
    thesis's methods print. */
 static const double spread = 0.03;
 
 static size_t below(uint64_t *state, size_t n) {
-  return (size_t)(draw(state) * (double)n);
+  return (size_t)(eda_random_unit(state) * (double)n);
 }
 
 /* Within the grid but for its first and last steps, which are for the odd case;
    all decades alike. */
 static double draw_between(uint64_t *state, const double *at, size_t n) {
   double low = at[n > 3], high = at[n > 3 ? n - 2 : n - 1];
-  return low * pow(high / low, draw(state));
+  return low * pow(high / low, eda_random_unit(state));
 }
 
 static void at_point(const deck *d, const copy *k, double *delay,
                      double *slew) {
   const eda_timing_cell *c = k->cell;
-  double ds[64], ss[64], cubic[4 * 64];
+  double ds[EDA_TIMING_GRID], ss[EDA_TIMING_GRID],
+      cubic[EDA_TIMING_POWERS * EDA_TIMING_GRID];
   size_t at = ((size_t)k->output * c->inputs + k->input) << c->inputs;
   const eda_timing_arc *a = &c->arc[c->arc_of[at + k->from]];
   eda_timing_at(c, a, k->load, k->load, k->change, ds, ss);
@@ -361,7 +355,7 @@ static void plan_check(study *s, uint64_t *seed, deck *d) {
   double *change = eda_pool_alloc(&s->pool, n, sizeof *change);
   for (size_t k = 0; k < n; k++)
     if (s->dlc || k % EDA_SIZES != EDA_SIZE_C)
-      change[k] = spread * (2 * draw(seed) - 1);
+      change[k] = spread * (2 * eda_random_unit(seed) - 1);
   double slew = draw_between(seed, c->at_slew, c->slews),
          load = draw_between(seed, c->at_load, c->loads);
   copy k = {.cell = c,

@@ -6,6 +6,7 @@
    equations: they may be joined, and transistors of one colour be one with a
    factor. What these factors have in common is so many circuits side by side.
  */
+#include <eda/random.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,15 +17,8 @@
 /* What ends a channel and a gate say to a net. */
 enum { AT_GATE = 1, AT_CHANNEL, AT_BULK };
 
-/* splitmix64's last steps (Steele, Lea, Flood 2014). */
-static uint64_t mix(uint64_t z) {
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
-}
-
 static uint64_t join(uint64_t a, uint64_t b) {
-  return mix(mix(a) + 0x9e3779b97f4a7c15u * (b + 1));
+  return eda_random_mix(eda_random_mix(a) + EDA_RANDOM_STEP * (b + 1));
 }
 
 static uint64_t join_number(uint64_t a, double b) {
@@ -37,7 +31,9 @@ static uint64_t join_number(uint64_t a, double b) {
 static uint64_t colour_of(const part *p, const uint64_t *net) {
   uint64_t c = join_number(join_number(p->type, p->length), p->width);
   c = join(join(c, net[p->gate]), net[p->bulk]);
-  return join(join(c, mix(net[p->drain]) + mix(net[p->source])), p->count);
+  return join(
+      join(c, eda_random_mix(net[p->drain]) + eda_random_mix(net[p->source])),
+      p->count);
 }
 
 static int by_value(const void *a, const void *b) {

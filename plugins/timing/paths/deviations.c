@@ -252,9 +252,14 @@ static int by_value(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* All sets of sizes on the same bins: of each, all but a hundredth at both
-   ends, so that a few far ones do not flatten the rest. They count to the
-   outermost bins. */
+/* One value in so many at either end may lie beyond the bins; and the room
+   beside the others, as a part of their range and in points at least. */
+enum { OUTLIERS = 100 };
+static const double beside = 0.02, least_beside = 1e-3;
+
+/* All sets of sizes have the same bins: of each, all but the outliers, so that
+   a few far ones do not flatten the rest. Outliers count to the outermost bins.
+ */
 static void find_range(const delays *d, size_t states, double *low,
                        double *high) {
   double *x = eda_alloc(d->count, sizeof *x);
@@ -266,12 +271,12 @@ static void find_range(const delays *d, size_t states, double *low,
       if (same(d, s, i)) x[n++] = deviation(d, s, i);
     if (!n) continue;
     qsort(x, n, sizeof *x, by_value);
-    *low = fmin(*low, x[n / 100]);
-    *high = fmax(*high, x[n - 1 - n / 100]);
+    *low = fmin(*low, x[n / OUTLIERS]);
+    *high = fmax(*high, x[n - 1 - n / OUTLIERS]);
   }
   free(x);
   if (!(*low <= *high)) *low = *high = 0; /* nothing is compared */
-  double room = fmax(1e-3, 0.02 * (*high - *low));
+  double room = fmax(least_beside, beside * (*high - *low));
   *low -= room;
   *high += room;
 }

@@ -190,13 +190,17 @@ static void put_bits(FILE *out, const uint8_t *bit, size_t n) {
   fputs(";\n", out);
 }
 
+/* ps between transitions of the bench, at least, and in static latest arrivals:
+   glitches come later than static analysis tells, but not four times. */
+static const double least_wait = 1000, waits = 4;
+
 /* Prints "PATTERN,OUTPUT,LEVEL,TIME" for each event of an output. */
 static void put_bench(FILE *out, const paths *p) {
   const graph *g = &p->graph;
   eda_pool pool = {0};
   arrivals a = static_arrivals(g, &p->state[0], p->at.slew, &pool);
-  double wait = 1000;
-  for (size_t i = 0; i < 2 * g->nets; i++) wait = fmax(wait, 4 * a.time[i]);
+  double wait = least_wait;
+  for (size_t i = 0; i < 2 * g->nets; i++) wait = fmax(wait, waits * a.time[i]);
   eda_pool_clear(&pool);
   uint8_t *before = eda_alloc(2 * g->inputs, 1), *after = before + g->inputs;
   fprintf(out,

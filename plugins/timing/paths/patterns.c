@@ -1,23 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What is applied to the inputs: all transitions, or some drawn at random. */
+#include <eda/random.h>
 #include <string.h>
 
 #include "paths.h"
 
-/* splitmix64 (Steele, Lea, Flood 2014). */
-static uint64_t draw(uint64_t *seed) {
-  uint64_t z = (*seed += 0x9e3779b97f4a7c15u);
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
-}
+/* Inputs of which all transitions can be counted in 64 bits; of so many nobody
+   wants all. */
+enum { COUNTED = 20 };
 
 /* All there are, if so many are wanted: m 2^m of one input, 4^m - 2^m of
    several. */
 void patterns_count(paths *p) {
   const size_t m = p->graph.inputs;
   size_t all = SIZE_MAX;
-  if (m < 20)
+  if (m < COUNTED)
     all =
         p->changes == SINGLE ? m << m : ((size_t)1 << 2 * m) - ((size_t)1 << m);
   p->all = all <= (size_t)p->transitions;
@@ -52,13 +49,13 @@ void pattern_at(const paths *p, size_t index, uint8_t *before, uint8_t *after) {
     return;
   }
   uint64_t seed = (uint64_t)p->seed;
-  seed = draw(&seed) ^ (uint64_t)index * 0xd1342543de82ef95u;
+  seed = eda_random_draw(&seed) ^ (uint64_t)index * 0xd1342543de82ef95u;
   do {
     for (size_t i = 0; i < m; i++) {
-      uint64_t bits = draw(&seed) >> 62;
+      uint64_t bits = eda_random_draw(&seed) >> 62;
       before[i] = bits & 1;
       after[i] = p->changes == SINGLE ? before[i] : bits >> 1;
     }
-    if (p->changes == SINGLE) after[draw(&seed) % m] ^= 1;
+    if (p->changes == SINGLE) after[eda_random_draw(&seed) % m] ^= 1;
   } while (!memcmp(before, after, m));
 }

@@ -2,6 +2,7 @@
 /* Some of the transitions again, the whole circuit at once in ngspice, with the
    sizes that the events had. */
 #include <eda/simulator.h>
+#include <eda/wave.h>
 #include <errno.h>
 #include <math.h>
 #include <opcflow/table.h>
@@ -33,8 +34,21 @@ typedef struct referee {
   opc_error error;
 } referee;
 
-/* When inputs pass the middle, s. */
-static double middle_of(const paths *p) { return 2e-12 + 2 * p->at.slew; }
+/* Of the supply: an output that ends nearer to its level has got there. */
+static const double settled = 0.025;
+
+/* s: when inputs begin to change, at the earliest; and how long a run lasts
+   after the latest arrival that events tell: a factor of that arrival, since
+   events are some percent off, and the time in which a slow output settles.
+   A run in which an output does not settle is repeated with twice the time. */
+static const double start = 2e-12, late = 1.2, rest = 60e-12;
+
+/* The ends of both inputs' ramps, in ramps of a whole line. */
+static const double ramps = 3;
+
+/* When inputs pass the middle, s: their ramp begins at most two slews before.
+ */
+static double middle_of(const paths *p) { return start + 2 * p->at.slew; }
 
 /* ---- decks ---- */
 
@@ -101,11 +115,6 @@ static int make_netlists(referee *r, opc_error *error) {
   return OPC_OK;
 }
 
-static double ramp_time(const paths *p, int rises) {
-  return p->at.slew / (eda_timing_ramp(rises, p->timing->high) -
-                       eda_timing_ramp(rises, p->timing->low));
-}
-
 static char *deck_text(const referee *r, size_t sizes, const uint8_t *before,
                        const uint8_t *after) {
   const paths *p = r->p;
@@ -129,14 +138,9 @@ static char *deck_text(const referee *r, size_t sizes, const uint8_t *before,
     if (c->role[i] == EDA_PIN_SUPPLY)
       fprintf(out, "vs%zu n%u 0 %.17g\n", i, c->port[i], supply);
   for (size_t i = 0; i < g->inputs; i++) {
-    double t[EDA_TIMING_RAMP], level[EDA_TIMING_RAMP];
-    double whole = ramp_time(p, after[i]);
-    eda_timing_ramp_points(after[i], t, level);
-    fprintf(out, "vi%zu n%u 0 pwl(0 %.17g", i, r->port[i], supply * before[i]);
-    for (int k = 0; k < EDA_TIMING_RAMP; k++)
-      fprintf(out, "\n+ %.17g %.17g", middle_of(p) + whole * (t[k] - 0.5),
-              supply * (before[i] + (after[i] - before[i]) * level[k]));
-    fputs(")\n", out);
+    fprintf(out, "vi%zu n%u 0 ", i, r->port[i]);
+    eda_timing_ramp_write(out, p->timing, before[i], after[i], p->at.slew,
+                          middle_of(p));
   }
   for (size_t i = 0; i < g->outputs; i++)
     fprintf(out, "cl%zu n%u 0 %.17g\n.save v(n%u)\n", i, r->port[g->inputs + i],
@@ -148,18 +152,17 @@ static char *deck_text(const referee *r, size_t sizes, const uint8_t *before,
 
 /* ---- one transition at one set of sizes ---- */
 
-/* The last time that an output goes through the middle, ps after the inputs;
-   NAN if it is not where it ends. */
+/* Return when an output passes the middle for the last time, ps after the
+   inputs; NAN if it does not end where it should. */
 static double arrival_of(const paths *p, const double *t, const double *v,
                          size_t n, int rises) {
-  double half = p->timing->supply / 2;
-  if (fabs(v[n - 1] - (rises ? 2 * half : 0)) > 0.05 * half) return (double)NAN;
-  for (size_t i = n - 1; i-- > 0;)
-    if ((v[i] < half) != (v[i + 1] < half))
-      return 1e12 *
-             (t[i] + (half - v[i]) / (v[i + 1] - v[i]) * (t[i + 1] - t[i]) -
-              middle_of(p));
-  return (double)NAN;
+  double *h = eda_alloc(n, sizeof *h), time = NAN;
+  eda_wave_heights(v, n, p->timing->supply, rises, h);
+  size_t half = eda_wave_last_rise(h, n - 1, 0.5, n);
+  if (half < n && fabs(h[n - 1] - 1) <= settled)
+    time = 1e12 * (eda_wave_time(t, h, half, 0.5) - middle_of(p));
+  free(h);
+  return time;
 }
 
 static int take(referee *r, size_t sizes, size_t pattern, const waves *w,
@@ -203,8 +206,9 @@ static void run_one(void *data, size_t index) {
   for (size_t o = 0; o < p->graph.outputs; o++)
     longest = fmax(longest, waves_arrival(&w, o).time);
   char *text = deck_text(r, sizes, w.before, w.after);
-  double window =
-      middle_of(p) + 3 * ramp_time(p, 1) + 1.2 * longest * 1e-12 + 60e-12;
+  double window = middle_of(p) +
+                  ramps * eda_timing_ramp_time(p->timing, p->at.slew, 1) +
+                  late * longest * 1e-12 + rest;
   int missing = longest > 0, code = OPC_OK;
   for (int i = 0; i < TRIES && missing && !code; i++, window *= 2) {
     eda_spice_result result = {0};

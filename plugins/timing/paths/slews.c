@@ -99,6 +99,10 @@ static const eda_timing_pair *find_pair(const gate *g, size_t first,
   return k < 0 ? NULL : &c->pair[k];
 }
 
+/* Without a pair, an input that changed before the cause matters for a delay
+   over this, since it changes only what the cause goes through. Ours. */
+static const double fades = 3;
+
 /* An input that changed before the cause. */
 static void add_earlier(gate *g, size_t k) {
   const event *e = &g->last[k];
@@ -108,7 +112,7 @@ static void add_earlier(gate *g, size_t k) {
   if (!(g->alone.delay > 0)) return;
   const eda_timing_pair *p = find_pair(g, k, (size_t)g->cause, from);
   both other, f;
-  if (!p && 3 * gap >= 1) return;
+  if (!p && fades * gap >= 1) return;
   if (p) {
     other = arc_alone(g, k, from ^ cause, e->slew);
     if (!(other.delay > 0)) return;
@@ -117,7 +121,7 @@ static void add_earlier(gate *g, size_t k) {
   } else {
     if (level_of(g, from) == level_of(g, from ^ cause)) return;
     other = arc_alone(g, (size_t)g->cause, from, g->by.slew);
-    f = factors(g->alone, other, NULL, 3 * gap, 0, 0);
+    f = factors(g->alone, other, NULL, fades * gap, 0, 0);
   }
   g->with.series.delay += f.delay - 1;
   g->with.series.slew += f.slew - 1;

@@ -151,7 +151,7 @@ double *budget_slack(const budget *b) {
    the cell's grid, ps. */
 static double differ(const eda_timing_cell *c, const double *a, const double *b,
                      double slew) {
-  double row[64], coefficient[4 * 64];
+  double row[EDA_TIMING_GRID], coefficient[EDA_TIMING_POWERS * EDA_TIMING_GRID];
   for (size_t i = 0; i < c->slews; i++) row[i] = a[i] - b[i];
   eda_timing_cubic(c->at_slew, row, c->slews, coefficient);
   return ps * eda_timing_cubic_at(c->at_slew, coefficient, c->slews, slew / ps);
@@ -169,7 +169,7 @@ static void gain_of_cell(const budget *b, const node *n, size_t arc,
   const eda_timing_cell *c = n->cell;
   const double *load =
       b->sizes.load + (n->net * 2 + c->arc[arc].rises) * EDA_CAPS;
-  double drawn[64], moved[64], out[64];
+  double drawn[EDA_TIMING_GRID], moved[EDA_TIMING_GRID], out[EDA_TIMING_GRID];
   double *change = eda_alloc(c->bundles * EDA_SIZES, sizeof *change);
   eda_timing_at(c, &c->arc[arc], load[EDA_CAP_DELAY], load[EDA_CAP_SLEW], NULL,
                 drawn, out);
@@ -183,6 +183,10 @@ static void gain_of_cell(const budget *b, const node *n, size_t arc,
   free(change);
 }
 
+/* The change of a load that a derivative is taken from, of the load: as that of
+   sizes in timing.characterize. */
+static const double nudge = 0.01;
+
 /* The same of the transistors whose gates load it. */
 static void gain_of_load(const budget *b, const node *n, size_t arc,
                          double slew, double *gain) {
@@ -191,8 +195,8 @@ static void gain_of_load(const budget *b, const node *n, size_t arc,
   const double *load =
                    b->sizes.load + (n->net * 2 + (uint32_t)rises) * EDA_CAPS,
                *change = b->sizes.change[n->instance];
-  const double step = 0.01 * load[EDA_CAP_DELAY];
-  double low[64], high[64], out[64];
+  const double step = nudge * load[EDA_CAP_DELAY];
+  double low[EDA_TIMING_GRID], high[EDA_TIMING_GRID], out[EDA_TIMING_GRID];
   if (!(step > 0)) return;
   eda_timing_at(c, &c->arc[arc], load[EDA_CAP_DELAY], load[EDA_CAP_SLEW],
                 change, low, out);

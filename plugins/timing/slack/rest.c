@@ -2,6 +2,7 @@
 /* Which transistors leak while a circuit is at rest: those that are off between
    a net that is high and one that is low. Two that are off in series leak about
    a tenth of one (Narendra et al., ISLPED 2001): they do not count. */
+#include <eda/random.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,14 +11,6 @@
 /* Of more inputs than that, patterns are drawn at random: so many. A share is
    then off by 1.6 % of all patterns at most (two standard deviations). */
 enum { MOST_INPUTS = 12, DRAWN = 1 << MOST_INPUTS };
-
-/* splitmix64 (Steele, Lea, Flood 2014). */
-static uint64_t draw(uint64_t *seed) {
-  uint64_t z = (*seed += 0x9e3779b97f4a7c15u);
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
-}
 
 /* ---- a cell ---- */
 
@@ -130,7 +123,7 @@ double *rest_shares(const budget *b) {
   uint64_t seed = 1;
   for (size_t i = 0; i < patterns; i++) {
     for (size_t k = 0; k < g->inputs; k++)
-      level[g->input[k]] = all ? i >> k & 1 : draw(&seed) >> 63;
+      level[g->input[k]] = all ? i >> k & 1 : eda_random_draw(&seed) >> 63;
     count(g, level, tallies);
   }
   double *share = eda_alloc(b->count, sizeof *share);

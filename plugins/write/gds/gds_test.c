@@ -8,6 +8,7 @@
 #include <eda/gates.h>
 #include <eda/layout.h>
 
+#include "tests/data.h"
 #include "tools/devel/testing.h"
 
 /* ---- there and back ---- */
@@ -125,18 +126,10 @@ static void test_corpus(void) {
       "libgdsii_bend-flux.gds", "openram_freepdk45_cell_1rw.gds",
       "own_elements_a.gds",     "pythongdsii_test1.gds",
   };
-  const char *data = g_getenv("OPCFLOW_TEST_DATA");
-  g_autofree char *folder =
-      data ? g_strdup(data)
-           : g_build_filename(g_getenv("OPCFLOW_SOURCE"), "..", "shared",
-                              "data", NULL);
+  g_autofree char *folder = find_data("gds-corpus");
+  if (!folder) return;
   for (size_t i = 0; i < G_N_ELEMENTS(files); i++) {
-    g_autofree char *path =
-        g_build_filename(folder, "gds-corpus", files[i], NULL);
-    if (!g_file_test(path, G_FILE_TEST_EXISTS)) {
-      g_test_skip("no test data");
-      return;
-    }
+    g_autofree char *path = g_build_filename(folder, files[i], NULL);
     eda_layout *layout = read_good(path, "");
     g_autofree char *first = write_good("layout", layout, "");
     eda_layout *back = read_good(first, "");

@@ -28,16 +28,20 @@ const eda_timing_cell *eda_timing_find(const eda_timing *timing,
   return NULL;
 }
 
-enum { POINTS = 3 };
+enum {
+  POINTS = 3,    /* at which sizes are changed */
+  CORNERS = 5,   /* pairs of slews at which a pair is simulated */
+  PAIR_SLEWS = 6 /* the slews of both inputs of a pair, three of each */
+};
 
 void eda_timing_cell_figures(eda_pool *pool, eda_timing_cell *c) {
   const size_t grid = c->slews * c->loads,
                changes = c->bundles * (size_t)EDA_SIZES,
                pins = c->inputs * 2 * EDA_CAPS,
                patterns = (c->inputs << c->inputs) * EDA_CAPS,
-               gaps = 5 * EDA_TIMING_GAPS;
+               gaps = CORNERS * EDA_TIMING_GAPS;
   c->figures = c->arcs * 2 * (grid + POINTS * changes) + pins * (1 + changes);
-  c->pair_figures = patterns + c->pairs * (6 + 2 * gaps);
+  c->pair_figures = patterns + c->pairs * (PAIR_SLEWS + 2 * gaps);
   c->figure =
       eda_pool_alloc(pool, c->figures + c->pair_figures, sizeof *c->figure);
   double *at = c->figure;
@@ -53,11 +57,11 @@ void eda_timing_cell_figures(eda_pool *pool, eda_timing_cell *c) {
   c->capacitance_by = at + pins;
   c->pin_capacitance = c->capacitance_by + pins * changes;
   at = c->pin_capacitance + patterns;
-  for (size_t i = 0; i < c->pairs; i++, at += 6 + 2 * gaps) {
+  for (size_t i = 0; i < c->pairs; i++, at += PAIR_SLEWS + 2 * gaps) {
     eda_timing_pair *p = &c->pair[i];
     p->at[0] = at;
-    p->at[1] = at + 3;
-    p->delay = at + 6;
+    p->at[1] = at + PAIR_SLEWS / 2;
+    p->delay = at + PAIR_SLEWS;
     p->slew = p->delay + gaps;
   }
 }
@@ -66,7 +70,8 @@ static int check_cell(const eda_timing_cell *c, opc_error *error) {
   if (!c->name) return opc_fail(error, OPC_FAILED, NULL, "a cell has no name");
   if (c->trouble) return OPC_OK;
   if (!c->inputs || c->inputs > EDA_TIMING_INPUTS || !c->outputs ||
-      c->slews < 2 || c->loads < 2 || !c->level || !c->arc_of || !c->figure)
+      c->slews < 2 || c->loads < 2 || c->slews > EDA_TIMING_GRID ||
+      c->loads > EDA_TIMING_GRID || !c->level || !c->arc_of || !c->figure)
     return opc_fail(error, OPC_FAILED, NULL, "cell '%.100s' is incomplete",
                     c->name);
   for (size_t i = 0; i < c->figures + c->pair_figures; i++)
@@ -128,11 +133,9 @@ double eda_timing_cubic_at(const double *x, const double *coefficient, size_t n,
 
 /* ---- look-up ---- */
 
-enum { MOST_GRID = 16 };
-
 static double at_load(const eda_timing_cell *c, const double *row,
                       double load) {
-  double coefficient[4 * MOST_GRID];
+  double coefficient[EDA_TIMING_POWERS * EDA_TIMING_GRID];
   eda_timing_cubic(c->at_load, row, c->loads, coefficient);
   return eda_timing_cubic_at(c->at_load, coefficient, c->loads, load);
 }
@@ -186,17 +189,23 @@ double eda_timing_capacitance(const eda_timing_cell *c, size_t input, int rises,
 
 /* ---- two inputs at once ---- */
 
+/* Denser where two inputs interact most. Ours. */
 const double eda_timing_gap[EDA_TIMING_GAPS] = {0, 0.2, 0.45, 0.8, 1.3, 2.5};
 
 double eda_timing_blend(double gap, double cause, double other) {
-  double part = gap < 1 ? 0.5 * (1 - gap) : 0;
+  double part = gap < 1 ? (1 - gap) / 2 : 0;
   return (1 - part) * cause + part * other;
 }
 
-/* Where a value lies between two, 0 to 1, and half as far again on both sides:
-   factors bend beyond. */
+/* How far beyond the simulated slews factors are extended, of the distance
+   between them; they bend further out. Ours. */
+static const double beyond = 0.5;
+
+/* Return where a value is between two, from 0 to 1, and `beyond` on both sides.
+ */
 static double place_of(const double at[2], double value) {
-  return fmin(1.5, fmax(-0.5, (value - at[0]) / (at[1] - at[0])));
+  double place = (value - at[0]) / (at[1] - at[0]);
+  return fmin(1 + beyond, fmax(-beyond, place));
 }
 
 /* Straight over the last step, where little is left that cubics overshoot.
@@ -252,6 +261,11 @@ void eda_timing_pair_at(const eda_timing_pair *p, double gap, double first,
  */
 static const double bend[] = {0.7, 0.55};
 
+/* The level at which the points of the exponential end, so that an input ends;
+   and how long the step from there to 1 takes, of the whole line. Ours: the
+   last percent of a gate's input changes no current that counts. */
+static const double ramp_last = 0.99, ramp_step = 0.1;
+
 double eda_timing_ramp(int rises, double level) {
   double b = bend[!!rises];
   return level <= b ? level : b + (1 - b) * log((1 - b) / (1 - level));
@@ -259,7 +273,7 @@ double eda_timing_ramp(int rises, double level) {
 
 void eda_timing_ramp_points(int rises, double time[EDA_TIMING_RAMP],
                             double level[EDA_TIMING_RAMP]) {
-  const double first = bend[!!rises], last = 0.99;
+  const double first = bend[!!rises], last = ramp_last;
   level[0] = time[0] = 0;
   for (int i = 1; i < EDA_TIMING_RAMP - 1; i++) {
     /* Equal steps of the exponential's logarithm. */
@@ -267,6 +281,24 @@ void eda_timing_ramp_points(int rises, double time[EDA_TIMING_RAMP],
     level[i] = 1 - (1 - first) * pow((1 - last) / (1 - first), part);
     time[i] = eda_timing_ramp(rises, level[i]);
   }
-  level[EDA_TIMING_RAMP - 1] = 1; /* the last percent is a step */
-  time[EDA_TIMING_RAMP - 1] = time[EDA_TIMING_RAMP - 2] + 0.1;
+  level[EDA_TIMING_RAMP - 1] = 1;
+  time[EDA_TIMING_RAMP - 1] = time[EDA_TIMING_RAMP - 2] + ramp_step;
+}
+
+double eda_timing_ramp_time(const eda_timing *timing, double slew, int rises) {
+  return slew / (eda_timing_ramp(rises, timing->high) -
+                 eda_timing_ramp(rises, timing->low));
+}
+
+void eda_timing_ramp_write(FILE *out, const eda_timing *timing, int from,
+                           int to, double slew, double middle) {
+  double whole = eda_timing_ramp_time(timing, slew, to),
+         begin = middle - whole * eda_timing_ramp(to, 0.5);
+  double t[EDA_TIMING_RAMP], level[EDA_TIMING_RAMP];
+  eda_timing_ramp_points(to, t, level);
+  fprintf(out, "pwl(0 %.17g", timing->supply * from);
+  for (int i = 0; i < EDA_TIMING_RAMP; i++)
+    fprintf(out, "\n+ %.17g %.17g", begin + whole * t[i],
+            timing->supply * (from + (to - from) * level[i]));
+  fputs(")\n", out);
 }

@@ -42,11 +42,4 @@ OPC_EXPORT double fine_margin(const opc_host *host, const opc_module *litho,
 /* Of `margin`, with fine prints. */
 #define FINE_MARGIN "11.658 lambda/NA"
 
-#define FINE_PARAMETER(state)                                         \
-  OPC_PARAMETER_NAMED("fine", state, fine_text, .type = OPC_TEXT,     \
-                      .summary =                                      \
-                          "error of the prints that the figures are " \
-                          "of, clear field 1, if the model of the "   \
-                          "optics can print finer than it does by "   \
-                          "itself; off: it cannot")
 #endif

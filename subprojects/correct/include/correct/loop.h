@@ -11,6 +11,7 @@
 #include <correct/proof.h>
 #include <correct/report.h>
 #include <correct/seek.h>
+#include <correct/settings.h>
 #include <correct/start.h>
 #include <correct/trace.h>
 #include <correct/trial.h>
@@ -76,6 +77,10 @@ typedef struct loop {
   eda_field *drawn_print; /* of the drawn mask, as `before` has it */
 } loop;
 
+/* Set up a loop for these gates; a caller may change fields before loop_run.
+   loop_clear frees it. [main] */
+OPC_EXPORT void loop_init(loop *loop, const opc_host *host,
+                          const eda_gates *gates, const correct_settings *with);
 OPC_EXPORT int loop_run(loop *loop, opc_error *error);
 
 /* Print and measure the mask of `next`, which becomes `now`; only layers that
@@ -92,10 +97,6 @@ OPC_EXPORT eda_boxes loop_begun(const loop *l, size_t layer, int bites);
 /* The last print as a regulator sees it. */
 OPC_EXPORT eda_printed loop_printed(const loop *loop);
 
-/* All rules of the regulator that a print does not keep; freed with free(). */
-OPC_EXPORT int loop_violations(loop *loop, const eda_printed *printed,
-                               eda_violation **violations, size_t *count,
-                               opc_error *error);
 OPC_EXPORT void loop_clear(loop *loop);
 
 #endif

@@ -140,4 +140,10 @@ OPC_EXPORT int report_violations(const opc_host *host, const eda_gates *gates,
                                  const eda_violation *violations, size_t n,
                                  opc_error *error);
 
+/* Report the rules of a regulator (NULL: none) that a print does not keep, and
+   keep them in its mask. [main] */
+OPC_EXPORT int report_rules(const opc_host *host, const opc_module *regulator,
+                            const eda_printed *printed, eda_mask *mask,
+                            opc_error *error);
+
 #endif

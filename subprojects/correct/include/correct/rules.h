@@ -27,22 +27,24 @@ OPC_EXPORT int rules_report(const opc_host *host, const eda_gates *gates,
                             const eda_shapes *mask,
                             const double limit[EDA_RULES], opc_error *error);
 
-/* Rules are only counted. `state` has min_space, min_mask_width, min_edge and
-   min_jog, nm. clang-format off */
-#define RULES_PARAMETER(state, name, from, tells)                     \
-  OPC_PARAMETER(state, name, .type = OPC_REAL, .flags = OPC_AT_LEAST, \
-                .unit = "nm", .follows = (from), .min = 0, .summary = (tells))
+/* Rules are only counted; their sizes are with.rules of `state`.
+   clang-format off */
+#define RULES_PARAMETER(state, name, rule, from, tells)                       \
+  OPC_PARAMETER_NAMED(name, state, with.rules[rule], .type = OPC_REAL,        \
+                      .flags = OPC_AT_LEAST, .unit = "nm", .follows = (from), \
+                      .min = 0, .summary = (tells))
 #define RULES_PARAMETERS(state)                                               \
-  RULES_PARAMETER(state, min_space, "0.155 lambda/NA",                        \
+  RULES_PARAMETER(state, "min_space", EDA_RULE_SPACE, "0.155 lambda/NA",      \
                   "least space of the mask"),                                 \
-      RULES_PARAMETER(state, min_mask_width, "0.155 lambda/NA",               \
-                      "least width of the mask"),                             \
-      RULES_PARAMETER(state, min_edge, "0.078 lambda/NA",                     \
+      RULES_PARAMETER(state, "min_mask_width", EDA_RULE_WIDTH,                \
+                      "0.155 lambda/NA", "least width of the mask"),          \
+      RULES_PARAMETER(state, "min_edge", EDA_RULE_EDGE, "0.078 lambda/NA",    \
                       "least length of an edge of the mask beside a shorter " \
                       "one, as of steps that follow each other"),             \
-      OPC_PARAMETER(state, min_jog, .type = OPC_REAL, .flags = OPC_AT_LEAST,  \
-                    .unit = "nm", .preset = "1 nm", .min = 0,                 \
-                    .summary = "least height of a jog of the mask")
+      OPC_PARAMETER_NAMED("min_jog", state, with.rules[EDA_RULE_JOG],         \
+                          .type = OPC_REAL, .flags = OPC_AT_LEAST,            \
+                          .unit = "nm", .preset = "1 nm", .min = 0,           \
+                          .summary = "least height of a jog of the mask")
 #define RULES_METRICS                                                    \
   {"mask_violations", NULL, OPC_LOWER, 0,                                \
    "places where the mask does not keep its rules: the next four"},      \

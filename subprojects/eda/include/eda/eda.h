@@ -26,6 +26,7 @@
 #include <eda/oasis.h>
 #include <eda/pool.h>
 #include <eda/print.h>
+#include <eda/random.h>
 #include <eda/regulator.h>
 #include <eda/resist.h>
 #include <eda/rules.h>
@@ -36,6 +37,8 @@
 #include <eda/simulator.h>
 #include <eda/synthesizer.h>
 #include <eda/timing.h>
+#include <eda/wave.h>
+#include <eda/wishes.h>
 #include <eda/words.h>
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Lengths that follow from the scanner. What prints alike through two scanners
-   is as large as wavelength / NA (k1 of B. J. Lin, "Where is the lost
-   resolution?", SPIE 633, 1986), and loses its focus over wavelength / NA^2; so
-   a length that a flow leaves open is a number of these. */
+/* Lengths that follow from the scanner. Equal images of two scanners scale with
+   wavelength / NA (k1 of B. J. Lin, "Where is the lost resolution?", SPIE 633,
+   1986), and their depth of focus with wavelength / NA^2. A length that a flow
+   does not give is therefore a multiple of these. */
 #ifndef EDA_NATURAL_H
 #define EDA_NATURAL_H
 
@@ -12,31 +12,31 @@
 extern "C" {
 #endif
 
-/* Wavelength in vacuum, nm, and numerical aperture; 0, 0: not known. */
+/* Wavelength in vacuum, nm, and numerical aperture; 0, 0: unknown. */
 typedef struct eda_scanner {
   double wavelength, na;
 } eda_scanner;
 
-/* As a litho model tells, whose functions are an eda_litho; zeros for NULL and
-   for one that does not know. [any] */
+/* Return the scanner of a litho model, whose functions are an eda_litho; zeros
+   for NULL and for models that do not know their scanner. [any] */
 OPC_EXPORT eda_scanner eda_scanner_of(const opc_module *litho);
 
-/* wavelength / NA, nm; where it is not known that of 193 nm and NA 0.75, at
-   which the defaults were found. [any] */
+/* Return wavelength / NA, nm; for an unknown scanner that of 193 nm and NA
+   0.75, for which the defaults were determined. [any] */
 OPC_EXPORT double eda_natural_unit(eda_scanner scanner);
 
-/* What a default like "0.155 lambda/NA" is, in nm; "0.29 lambda/NA^2" in nm,
-   "0.0038 (lambda/NA)^2" in nm^2. Rounded to whole ones, at least 1. NAN if it
-   is written otherwise. `scanner` is an eda_scanner (of opc_follow,
+/* Return the value of a default: "0.155 lambda/NA" and "0.29 lambda/NA^2" in
+   nm, "0.0038 (lambda/NA)^2" in nm^2, rounded to integers, at least 1. Return
+   NAN for any other text. `scanner` is an eda_scanner (for opc_follow,
    EDA_FOLLOW). [any] */
 OPC_EXPORT double eda_natural(const void *scanner, const char *text);
 
-/* How a message begins that tells such lengths: "from wavelength / NA = 354.3
-   nm". Into `out` of `size` bytes. [any] */
+/* Write the introduction of messages about such lengths, "from wavelength / NA
+   = 354.3 nm", into `out` of `size` bytes. [any] */
 OPC_EXPORT void eda_natural_text(eda_scanner scanner, char *out, size_t size);
 
-/* Give an instance `self` what it was not given of the array `parameters`
-   (opcflow/follow.h), and tell it. */
+/* Set the parameters in the array `parameters` (opcflow/follow.h) of an
+   instance `self` that the flow does not give, and log their values. */
 #define EDA_FOLLOW(host, id, self, parameters, scanner)                    \
   do {                                                                     \
     const eda_scanner known = (scanner);                                   \

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From a layout to its transistors and the mask edges that move them (thesis
-   2.2.5 and 3.2.2): of all of it, or of a window. */
+/* Segmentation: find the transistors of a layout and the mask edges that move
+   with them (thesis 2.2.5 and 3.2.2), for the whole layout or a window. */
 #ifndef EDA_SEGMENT_H
 #define EDA_SEGMENT_H
 
@@ -11,95 +11,98 @@
 extern "C" {
 #endif
 
-/* nm. Nothing that is further from a transistor than this belongs to it or
-   counts for it: its free space ends there, and so do the edges of active that
-   it owns. Ours: light of 193 nm tells nothing of what is twice as near; at
-   half of it lone transistors would have other masks, at double of it windows
-   would have to show twice as much. */
+/* nm. Shapes further than this from a transistor do not influence it: its free
+   space and its edges of active end there. The value was chosen for 193 nm,
+   where light from half this distance has no influence: with half the value
+   isolated transistors get other masks, with twice the value windows would have
+   to be twice as wide. */
 #define EDA_SEGMENT_REACH 2000.0
 
-/* How to segment. Texts are the caller's. Zeroed: no further layers. */
+/* Settings of a segmentation. Texts belong to the caller. Zeroed: no further
+   layers. */
 typedef struct eda_segment_settings {
   double grid; /* nm, > 0: the mask grid */
-  /* nm, >= 0; NAN: of each gate what EDA_SEGMENT_PARAMETERS say. */
+  /* nm, >= 0; NAN: for each gate the default of EDA_SEGMENT_PARAMETERS. */
   double overhang, line_end;
-  /* Further layers, whose edges are of no transistor: of each two texts, its
-     name among the gates and in the layout. */
+  /* Further layers, without transistors: two texts for each, its name among the
+     gates and in the layout. */
   const char *const *also;
   size_t also_count;
-  /* Of a window: 1: its gates have instances and cells, and notes' faults name
-     them; 0: "", which takes less memory. They have no numbers (0), as a window
-     does not show all of an instance. */
+  /* For a window: 1: gates have instances and cells, and faults of notes name
+     them; 0: "", which takes less memory. Gates of a window have no numbers
+     (0), because the window does not show all of an instance. */
   int paths;
-  /* NULL, or who is told what a user may want to know of a whole layout. From
-     the calling thread. */
+  /* Optional. Receives messages for the user about a whole layout, on the
+     calling thread. */
   void (*tell)(void *data, int warning, const char *message);
   void *data;
-  /* Flavours of transistors (eda/gates.h): of each two texts, its name and the
-     layout's layers that mark it, with blanks between if all of several do.
-     Since 0.6. */
+  /* Flavours of transistors (eda/gates.h): two texts for each, its name and the
+     marker layers of the layout, separated by blanks if all of several must be
+     present. Since 0.6. */
   const char *const *flavours;
   size_t flavour_count;
 } eda_segment_settings;
 
-/* What the grid did to the layers of a whole layout. */
+/* Rounding of the layers of a whole layout to the grid. */
 typedef struct eda_segment_report {
-  size_t moved; /* vertices */
-  double worst; /* nm */
+  size_t moved; /* moved vertices */
+  double worst; /* largest displacement, nm */
 } eda_segment_report;
 
-/* The cell of that name, NULL: the only one that no other places. -1 and
- *error if there is none. [any] */
+/* Return the cell of this name; NULL: the only cell that no other places.
+   Return -1 and *error if there is none. [any] */
 OPC_EXPORT int32_t eda_segment_top(const eda_layout *layout, const char *name,
                                    opc_error *error);
 
-/* OPC_INVALID, about the parameter "also.NAME", if names of further layers are
-   no words, or if names or layers are there twice; about "flavours.NAME" if one
-   has no marker. [any] */
+/* Check the settings. Return OPC_INVALID, about the parameter "also.NAME", if a
+   name of a further layer is not a word or a name or layer occurs twice; about
+   "flavours.NAME" if a flavour has no marker. [any] */
 OPC_EXPORT int eda_segment_check(const eda_segment_settings *settings,
                                  opc_error *error);
 
-/* The transistors below a cell, from the layers poly, active, contact, nwell,
-   pwell, nimplant, pimplant, notes and those that mark flavours. *gates is the
-   caller's; NULL on failure: OPC_INVALID for layers that are not there and for
-   what is no transistor, with its place. By all threads of the context. [any]
- */
+/* Find the transistors below a cell, from the layers poly, active, contact,
+   nwell, pwell, nimplant, pimplant, notes and the marker layers of flavours.
+   *gates belongs to the caller; NULL on failure: OPC_INVALID for missing layers
+   and, with its position, for a shape that is not a transistor. Uses all
+   threads of the context. [any] */
 OPC_EXPORT int eda_segment(const opc_context *context, const eda_layout *layout,
                            int32_t top, const eda_segment_settings *settings,
                            eda_gates **gates, eda_segment_report *report,
                            opc_error *error);
 
-/* The same of what lies in a window, in units of the grid: its shapes, cut off
-   at the window's edge. What is cut there is fixed, and is no transistor; of
-   those within there are the same figures as of a whole layout, and their
-   fragments, but near the edge: see eda_segment_halo. The layers are those that
-   the whole layout would have; there need not be a transistor, nor a shape
-   (`extent` is then the window). [any] */
+/* Segment the content of a window, in units of the grid; shapes are clipped at
+   the window's edge. Clipped edges are fixed, and clipped gates are not
+   transistors. Figures and fragments of the others equal those of the whole
+   layout, except near the edge: see eda_segment_halo. The layers are those of
+   the whole layout. The window may be without transistors or shapes (`extent`
+   is then the window). [any] */
 OPC_EXPORT int eda_segment_window(const eda_layout *layout, int32_t top,
                                   const eda_segment_settings *settings,
                                   const eda_box *window, eda_gates **gates,
                                   opc_error *error);
 
-/* How many grid units a window has to show around a place, so that all there
-   is as in the whole layout, but for transistors that it cuts. [any] */
+/* Return the number of grid units that a window must show around a place so
+   that everything there is as in the whole layout, except for transistors that
+   the window clips. [any] */
 OPC_EXPORT int32_t eda_segment_halo(const eda_segment_settings *settings);
 
-/* A window of a core and `halo` units around it, at least eda_segment_halo, and
-   more where transistors that matter are cut there: those that lie in the core
-   or reach there have the figures that they have in the whole layout to the
-   bit, and the edges in the core belong to the same. [any] */
+/* Segment a window of a core and `halo` units around it, at least
+   eda_segment_halo, and more if relevant transistors are clipped. Transistors
+   in or reaching into the core have bit-identical figures to those of the whole
+   layout, and the edges in the core belong to the same transistors. [any] */
 OPC_EXPORT int eda_segment_core(const eda_layout *layout, int32_t top,
                                 const eda_segment_settings *settings,
                                 eda_box core, int32_t halo, eda_gates **gates,
                                 opc_error *error);
 
-/* A layer alone, its edges one fragment each, without transistors. OPC_INVALID
-   if it is empty. `moved`: vertices, by the grid. [any] */
+/* Segment a single layer without transistors, one fragment for each edge.
+   Return OPC_INVALID if the layer is empty. `moved`: vertices moved by the
+   grid. [any] */
 OPC_EXPORT int eda_segment_edges(const eda_layout *layout, int32_t top,
                                  int32_t layer, double grid, eda_gates **gates,
                                  size_t *moved, opc_error *error);
 
-/* The bytes that eda_segment takes at most. [any] */
+/* Return an upper bound of the bytes that eda_segment needs. [any] */
 OPC_EXPORT double eda_segment_bytes(const eda_layout *layout, int32_t top,
                                     const eda_segment_settings *settings);
 
@@ -132,8 +135,8 @@ OPC_EXPORT double eda_segment_bytes(const eda_layout *layout, int32_t top,
                         "active is the transistor's own line end; at most "  \
                         "1 um, if not given")
 
-/* Initialiser of settings from these fields: pairs of texts lie one after
-   another. */
+/* Initialise settings from these fields; the pairs of texts of a map are
+   contiguous. */
 #define EDA_SEGMENT_SETTINGS(self)                                         \
   {                                                                        \
     .grid = (self)->grid, .overhang = (self)->overhang,                    \

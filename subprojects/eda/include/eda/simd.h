@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* EDA_WIDE before a function with a simple inner loop: it is compiled for the
-   wide vectors of newer processors as well (x86-64-v4: AVX-512; x86-64-v3: AVX2
-   and FMA), and the best one is taken at run time. Not under sanitizers, which
-   are not ready when that choice is made.
+/* EDA_WIDE before a function with a simple inner loop compiles it for the wide
+   vectors of newer processors as well (x86-64-v4: AVX-512; x86-64-v3: AVX2 and
+   FMA); the best version is selected at run time. Not used under sanitizers,
+   which are not ready when the selection runs.
 
-   Both multiply and add at once wherever they can, everything else never does,
-   so that they give the same bits; older processors have no such instruction
-   and give others. */
+   Both versions fuse multiplication and addition wherever possible and nothing
+   else does, so that they return the same bits. Older processors have no fused
+   instruction and return other bits. */
 #ifndef EDA_SIMD_H
 #define EDA_SIMD_H
 

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The least of what the machine, the control groups and the limits of the
    process leave; proc(5), getrlimit(2) and the kernel's cgroup-v2. */
-#include "core/plugin/memory.h"
-
 #include <glib.h>
+#include <guard/memory.h>
 #include <malloc.h>
 #include <math.h>
 #include <string.h>
@@ -66,7 +65,7 @@ static double address_space_free(void) {
   return (double)limit.rlim_cur - number_in("/proc/self/status", "VmSize:");
 }
 
-double opc_memory_free(const char **source) {
+double memory_free(const char **source) {
   const struct {
     double bytes;
     const char *source;

@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The models, accuracies and limits that a step prints, measures and corrects
+   with: a field `with` of its state, and the parameters that fill it in. */
+#ifndef CORRECT_SETTINGS_H
+#define CORRECT_SETTINGS_H
+
+#include <eda/print.h>
+#include <eda/rules.h>
+#include <opcflow/step.h>
+
+enum { CORRECT_GUARD_ON, CORRECT_GUARD_OFF };
+
+/* %: ion_limit of steps that have no such parameter. */
+#define CORRECT_USUAL_LIMIT 0.5
+
+typedef struct correct_settings {
+  const opc_module *litho, *resist, *extractor;
+  const opc_module *synthesizer, *regulator; /* NULL: none */
+  int64_t max_iterations;
+  const char *fine_text;   /* the parameter `fine` */
+  double fine;             /* error of fine prints, clear field 1; 0: none */
+  double margin;           /* clear field around the layout, nm */
+  double ion_limit;        /* largest allowed |Ion deviation|, % */
+  double rules[EDA_RULES]; /* least sizes of the mask, nm */
+  int guard;
+} correct_settings;
+
+/* Derive `fine` and `margin` from the parameters. OPC_INVALID with the
+   parameter `fine` if its text is no error. [main] */
+OPC_EXPORT int correct_settings_check(correct_settings *with,
+                                      const opc_host *host, opc_error *error);
+
+/* Forecast memory and work of printing all corrected layers side by side.
+   `prints` says how many prints there are ("at most 101 prints"), and
+   `fine_prints` where the model has fine ones. */
+OPC_EXPORT void correct_forecast(const correct_settings *with,
+                                 const opc_host *host, const eda_gates *gates,
+                                 const char *prints, const char *fine_prints,
+                                 opc_forecast *out);
+
+/* Print and measure the shapes of a mask as the end of a correction is, by fine
+   prints where the model has them. Sets the mask's print, after, flags and
+   counts of simulations, and its design unless that is there already (then the
+   extractor is prepared). `sized`: the resist may calibrate itself by these
+   transistors; 0 where they are a part of more. `flags_before` (NULL: none)
+   gets EDA_PRINT_* of the drawn layers, which are printed first, and the mask
+   their print and performance. `extension`, [2 * gates], gets the printed line
+   ends. The caller frees both arrays with free(). [main] */
+OPC_EXPORT int correct_print(const correct_settings *with, const opc_host *host,
+                             int sized, eda_mask *mask, uint32_t **flags_before,
+                             double **extension, opc_error *error);
+
+/* Find all rules of the regulator that a print does not keep; freed with
+   free(). [main] */
+OPC_EXPORT int correct_violations(const opc_context *context,
+                                  const opc_module *regulator,
+                                  const eda_printed *printed,
+                                  eda_violation **violations, size_t *count,
+                                  opc_error *error);
+
+/* opc_step.save of a step whose one output is a mask. */
+OPC_EXPORT int correct_save_mask(void *self, void *const *outputs,
+                                 const char *folder, opc_error *error);
+
+/* ---- parameters ---- */
+
+#define CORRECT_SLOT(state, NAME, FLAGS, SUMMARY)                \
+  OPC_PARAMETER_NAMED(#NAME, state, with.NAME, .type = OPC_SLOT, \
+                      .flags = (FLAGS), .choices = #NAME,        \
+                      .summary = (SUMMARY))
+#define CORRECT_PRINT_SLOTS(state)                                      \
+  CORRECT_SLOT(state, litho, OPC_REQUIRED, "model of the optics"),      \
+      CORRECT_SLOT(state, resist, OPC_REQUIRED, "model of the resist"), \
+      CORRECT_SLOT(state, extractor, OPC_REQUIRED,                      \
+                   "performance of a printed transistor")
+#define CORRECT_MOVE_SLOTS(state)                \
+  CORRECT_SLOT(state, synthesizer, OPC_REQUIRED, \
+               "what moves the mask's edges"),   \
+      CORRECT_SLOT(state, regulator, 0,          \
+                   "what keeps the print free of failures")
+
+#define CORRECT_MAX_ITERATIONS(state, SUMMARY)                              \
+  OPC_PARAMETER_NAMED("max_iterations", state, with.max_iterations,         \
+                      .type = OPC_INT, .flags = OPC_AT_LEAST | OPC_AT_MOST, \
+                      .preset = "100", .min = 0, .max = 100000,             \
+                      .summary = (SUMMARY))
+
+#define CORRECT_MARGIN(state)                                         \
+  OPC_PARAMETER_NAMED("margin", state, with.margin, .type = OPC_REAL, \
+                      .flags = OPC_AT_LEAST, .unit = "nm", .min = 0,  \
+                      .summary =                                      \
+                          "Clear field around the layout, which "     \
+                          "repeats beyond; as 'fine' needs it")
+
+#define CORRECT_FINE(state)                                                \
+  OPC_PARAMETER_NAMED("fine", state, with.fine_text, .type = OPC_TEXT,     \
+                      .summary =                                           \
+                          "error of the prints that the figures are of, "  \
+                          "clear field 1, if the model of the optics can " \
+                          "print finer than it does by itself; off: it "   \
+                          "cannot")
+
+#define CORRECT_GUARD(state)                                          \
+  OPC_PARAMETER_NAMED("guard", state, with.guard, .type = OPC_CHOICE, \
+                      .preset = "on", .choices = "on|off",            \
+                      .summary =                                      \
+                          "Revert moves that end worse than the "     \
+                          "drawn mask; off: keep the synthesizer's "  \
+                          "result")
+
+#define CORRECT_ION_LIMIT(state, SUMMARY)                                    \
+  OPC_PARAMETER_NAMED("ion_limit", state, with.ion_limit, .type = OPC_REAL,  \
+                      .flags = OPC_AT_LEAST, .former = "limit", .unit = "%", \
+                      .preset = "0.5 %", .summary = (SUMMARY))
+
+#endif

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Random numbers that are the same on every machine: splitmix64 (Steele, Lea,
+   Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014). */
+#ifndef EDA_RANDOM_H
+#define EDA_RANDOM_H
+
+#include <eda/base.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define EDA_RANDOM_STEP 0x9e3779b97f4a7c15u /* the golden ratio times 2^64 */
+
+/* Mix the bits of a number, one to one. [any] */
+OPC_UNUSED static inline uint64_t eda_random_mix(uint64_t z) {
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return z ^ (z >> 31);
+}
+
+/* Draw the next number of the sequence that *state began as its seed. [any] */
+OPC_UNUSED static inline uint64_t eda_random_draw(uint64_t *state) {
+  return eda_random_mix(*state += EDA_RANDOM_STEP);
+}
+
+/* Draw a number from 0 (included) to 1 (excluded). [any] */
+OPC_UNUSED static inline double eda_random_unit(uint64_t *state) {
+  return (double)(eda_random_draw(state) >> 11) / 9007199254740992.0;
+}
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Signals that ask to stop, and the end of work that does not heed them. */
+#include <guard/guard.h>
+#include <guard/process.h>
+#include <guard/stop.h>
+#include <pthread.h>
+#include <semaphore.h>
+#include <signal.h>
+#include <stddef.h>
+#include <time.h>
+
+/* Work that does not stop by itself within this time is ended, s: the whole is
+   to take no more than one, and on a busy machine that takes up to 0.4 more. */
+static const struct timespec patience = {0, 500000000};
+
+static volatile sig_atomic_t asked;
+static sem_t request; /* posted by a handler */
+static int exit_code;
+
+static void take_signal(int number) {
+  (void)number;
+  if (asked) guard_end(exit_code);
+  asked = 1;
+  sem_post(&request);
+}
+
+static void *end_the_stubborn(void *unused) {
+  while (sem_wait(&request)) continue; /* a signal came in between */
+  struct timespec left = patience;
+  while (clock_nanosleep(CLOCK_MONOTONIC, 0, &left, &left)) continue;
+  guard_end(exit_code);
+  return unused;
+}
+
+void stop_on_signals(int code) {
+  struct sigaction action = {.sa_handler = take_signal};
+  struct sigaction before;
+  pthread_t watcher;
+  exit_code = code;
+  sem_init(&request, 0, 0);
+  if (!pthread_create(&watcher, NULL, end_the_stubborn, NULL))
+    pthread_detach(watcher);
+  sigaction(SIGINT, &action, NULL);
+  sigaction(SIGTERM, &action, NULL);
+  /* The terminal is gone; under nohup that does not matter. */
+  if (!sigaction(SIGHUP, NULL, &before) && before.sa_handler != SIG_IGN)
+    sigaction(SIGHUP, &action, NULL);
+  process_settle();
+}
+
+int stop_is_asked(void) { return asked; }
