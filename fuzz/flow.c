@@ -2,6 +2,7 @@
 /* Flow files, checked against the declarations of the real plugins; no
    instance is made, so that no file but plugins is opened. */
 #include "core/binding/flow.h"
+#include "core/binding/resolve.h"
 #include "fuzz/fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {

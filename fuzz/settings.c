@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "core/binding/flow.h"
+#include "core/binding/resolve.h"
 #include "core/binding/sweep.h"
 #include "fuzz/fuzz.h"
 

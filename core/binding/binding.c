@@ -6,7 +6,6 @@
 #include <guard/guard.h>
 #include <string.h>
 
-#include "core/binding/inner.h"
 #include "core/binding/layers.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/pieces.h"
@@ -206,15 +205,12 @@ static opc_binding *bind_plugin(const binder *like, const opc_plugin *plugin,
   binding->renamed = g_ptr_array_new_with_free_func(g_free);
   binding->presets =
       g_ptr_array_new_with_free_func((GDestroyNotify)opc_node_free);
-  guint before = b.problems->list->len;
   for (size_t i = 0; i < n; i++)
     binding->values[i] = opc_setting_absent(&plugin->parameters[i]);
   bind_map(&b, map, "");
   for (size_t i = 0; i < n; i++)
     if (!binding->values[i].given) bind_default(&b, i);
   forget_defaults(&b);
-  if (b.problems->list->len == before)
-    opc_inner_open(binding, b.registry, b.flags, b.problems);
   return binding;
 }
 
@@ -295,7 +291,7 @@ void opc_binding_set(opc_binding *b, size_t i, const void *object) {
 const void *opc_binding_service(const opc_host *host, const char *name) {
   const opc_binding *b = host->data;
   if (!strcmp(name, OPC_INNER))
-    return b && b->inner ? &opc_inner_functions : NULL;
+    return b && b->inner ? b->nested->service : NULL;
   return strcmp(name, OPC_PIECES) ? NULL : &opc_pieces_alone;
 }
 
@@ -315,7 +311,7 @@ gboolean opc_binding_create(opc_binding *b, const opc_watch *watch,
   fill(b);
   opc_error error = {0};
   const char *before = opc_binding_enter(b);
-  int code = opc_inner_check(b->inner, &error);
+  int code = b->inner ? b->nested->check(b->inner, &error) : OPC_OK;
   if (!code && b->plugin->check)
     code = b->plugin->check(b->module.self, &error);
   opc_binding_leave(before);
@@ -330,7 +326,7 @@ void opc_binding_free(opc_binding *b) {
     guard_leave(before);
     g_free(b->module.self);
   }
-  opc_inner_free(b->inner);
+  if (b->inner) b->nested->free(b->inner);
   for (size_t i = 0; i < b->plugin->n_parameters; i++)
     opc_binding_free(b->slots[i]);
   if (b->host) opc_host_free(b->host);

@@ -4,28 +4,38 @@
 #ifndef OPCFLOW_CORE_BINDING_H
 #define OPCFLOW_CORE_BINDING_H
 
+#include <opcflow/inner.h>
+
 #include "core/plugin/host.h"
 #include "core/plugin/registry.h"
 #include "core/text/value.h"
 
 typedef struct opc_inner opc_inner; /* inner.h */
 
+/* What a binding calls of the flow that its step runs. */
+typedef struct opc_nested {
+  const opc_inner_service *service; /* of hosts outside of runs */
+  int (*check)(const opc_inner *inner, opc_error *error);
+  void (*free)(opc_inner *inner);
+} opc_nested;
+
 typedef struct opc_binding opc_binding;
 struct opc_binding {
   const opc_plugin *plugin;
-  char *path;              /* "first", "first.model": step and slots */
-  opc_place at;            /* of its name in the flow */
-  opc_setting *values;     /* of each parameter; value.h */
-  const opc_node **origin; /* of each: where it was given; NULL: default */
-  opc_binding **slots;     /* of each: the plugin in the slot, or NULL */
-  GPtrArray *owned;        /* what values point to */
-  GPtrArray *presets;      /* opc_node *: defaults, maps without dots */
-  GPtrArray *renamed;      /* char *: what was given by a former name */
-  opc_host *host;          /* from create on; its `data` is the binding */
-  void *run;               /* `data` of the host that it is like */
-  opc_module module;       /* self is NULL before create */
-  opc_inner *inner;        /* the flow that the step runs; NULL: none */
-  struct opc_store *store; /* of results outside of runs; NULL: none */
+  char *path;               /* "first", "first.model": step and slots */
+  opc_place at;             /* of its name in the flow */
+  opc_setting *values;      /* of each parameter; value.h */
+  const opc_node **origin;  /* of each: where it was given; NULL: default */
+  opc_binding **slots;      /* of each: the plugin in the slot, or NULL */
+  GPtrArray *owned;         /* what values point to */
+  GPtrArray *presets;       /* opc_node *: defaults, maps without dots */
+  GPtrArray *renamed;       /* char *: what was given by a former name */
+  opc_host *host;           /* from create on; its `data` is the binding */
+  void *run;                /* `data` of the host that it is like */
+  opc_module module;        /* self is NULL before create */
+  opc_inner *inner;         /* the flow that the step runs; NULL: none */
+  const opc_nested *nested; /* its functions */
+  struct opc_store *store;  /* of results outside of runs; NULL: none */
 };
 
 enum {

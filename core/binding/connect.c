@@ -2,7 +2,8 @@
 /* From references to an order of running. */
 #include <string.h>
 
-#include "core/binding/flow.h"
+#include "core/binding/connect.h"
+#include "core/binding/lookup.h"
 #include "core/plugin/declaration.h"
 #include "core/text/suggest.h"
 
@@ -14,15 +15,6 @@ typedef struct connector {
 } connector;
 
 /* ---- references ---- */
-
-opc_flow_step *opc_flow_find(const opc_flow *flow, const char *path) {
-  size_t n = strcspn(path, ".");
-  for (guint i = 0; i < flow->steps->len; i++) {
-    opc_flow_step *step = flow->steps->pdata[i];
-    if (strlen(step->name) == n && !strncmp(step->name, path, n)) return step;
-  }
-  return NULL;
-}
 
 static gboolean unknown_step(const connector *c, const opc_node *node,
                              const char *name) {

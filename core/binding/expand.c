@@ -4,7 +4,9 @@
 
 #include <string.h>
 
+#include "core/binding/inner.h"
 #include "core/binding/list.h"
+#include "core/binding/lookup.h"
 #include "core/binding/match.h"
 #include "core/plugin/declaration.h"
 
@@ -101,7 +103,10 @@ static void open_probe(const expander *e, const item *it, const opc_node *map,
   if (!step) return;
   p->step = opc_bind(e->registry, opc_node_get(p->flow->nodes, step->name),
                      step->name, &step->key->at, choice.bind, problems);
-  if (p->step) find_parameter(p, path);
+  if (!p->step) return;
+  if (!problems->list->len)
+    opc_inner_open(p->step, e->registry, choice.bind, problems);
+  find_parameter(p, path);
 }
 
 static void close_probe(probe *p) {

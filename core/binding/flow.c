@@ -4,7 +4,11 @@
 
 #include <string.h>
 
+#include "core/binding/connect.h"
+#include "core/binding/inner.h"
 #include "core/binding/layers.h"
+#include "core/binding/outputs.h"
+#include "core/binding/require.h"
 #include "core/plugin/declaration.h"
 #include "core/text/suggest.h"
 
@@ -26,6 +30,7 @@ static void read_step(opc_flow *flow, const opc_node *key, const opc_node *node,
   step->inputs = g_array_new(FALSE, TRUE, sizeof(opc_flow_input));
   step->number = flow->steps->len;
   g_ptr_array_add(flow->steps, step);
+  guint before = problems->list->len;
   if (!strcmp(key->text, "require") || !strcmp(key->text, "findings"))
     opc_wrong(problems, key, "a step cannot be called '%s'", key->text);
   if (!opc_is_name(key->text, FALSE))
@@ -38,6 +43,8 @@ static void read_step(opc_flow *flow, const opc_node *key, const opc_node *node,
   else
     step->binding =
         opc_bind(registry, node, step->name, &key->at, flags, problems);
+  if (step->binding && problems->list->len == before)
+    opc_inner_open(step->binding, registry, flags, problems);
 }
 
 /* ---- the whole ---- */
@@ -163,49 +170,40 @@ gboolean opc_flow_create(const opc_flow *flow, const gboolean *left_out,
   return good;
 }
 
-GPtrArray *opc_flow_bindings(const opc_flow *flow) {
-  GPtrArray *list = g_ptr_array_new();
-  for (guint i = 0; i < flow->order->len; i++)
-    opc_binding_list(((opc_flow_step *)flow->order->pdata[i])->binding, list);
-  return list;
+/* ---- checking: all that can be found without work ---- */
+
+/* Of an axis; of more values the first ones and the last one are looked at. */
+enum { MOST_VALUES = 1000 };
+
+static void check_one(const opc_recipe *recipe, const opc_choice *choice,
+                      opc_registry *registry, const opc_watch *watch,
+                      opc_problems *problems) {
+  if (opc_problems_full(problems)) return;
+  g_autoptr(opc_problems) found = opc_problems_new();
+  g_autoptr(opc_flow) flow = opc_flow_make(recipe, choice, registry, found);
+  if (!found->list->len && watch)
+    opc_flow_create(flow, NULL, watch, NULL, found);
+  g_autofree char *note =
+      choice->variant ? g_strdup_printf(" (variant '%s')", choice->variant)
+                      : NULL;
+  opc_problems_merge(problems, found, note);
 }
 
-/* ---- looking into it ---- */
-
-const opc_binding *opc_flow_binding(const opc_flow *flow, const char *path,
-                                    opc_error *error) {
-  g_autoptr(GPtrArray) all = opc_flow_bindings(flow);
-  g_autoptr(GPtrArray) paths = g_ptr_array_new();
-  for (guint i = 0; i < all->len; i++) {
-    const opc_binding *b = all->pdata[i];
-    if (!strcmp(b->path, path)) return b;
-    g_ptr_array_add(paths, b->path);
+/* Each value of each axis once: a fault of one combination alone is rare, and
+   is found when its turn comes. */
+void opc_flow_check(const opc_recipe *recipe, const opc_choice *choice,
+                    opc_registry *registry, const opc_watch *watch,
+                    opc_problems *problems) {
+  opc_choice at = *choice;
+  at.point = 0;
+  check_one(recipe, &at, registry, watch, problems);
+  const GPtrArray *axes = choice->sweep ? choice->sweep->axes : NULL;
+  for (guint a = 0; axes && a < axes->len; a++) {
+    guint n = ((const opc_axis *)axes->pdata[a])->values->len;
+    for (guint i = 1; i < n; i++) {
+      if (i == MOST_VALUES - 1) i = n - 1;
+      at.point = opc_sweep_point(choice->sweep, a, i);
+      check_one(recipe, &at, registry, watch, problems);
+    }
   }
-  g_autofree char *suggestion = opc_suggestion(path, paths);
-  opc_fail(error, OPC_INVALID, NULL, "there is no '%s' in '%s'%s", path,
-           flow->recipe->path, suggestion);
-  return NULL;
-}
-
-const opc_metric *opc_flow_metric(const opc_flow *flow, const char *path,
-                                  const opc_binding **binding,
-                                  opc_error *error) {
-  const char *dot = strrchr(path, '.');
-  if (!dot) {
-    opc_fail(error, OPC_INVALID, NULL, "'%s' is no figure, as 'step.metric'",
-             path);
-    return NULL;
-  }
-  g_autofree char *of = g_strndup(path, (gsize)(dot - path));
-  const opc_binding *b = *binding = opc_flow_binding(flow, of, error);
-  if (!b) return NULL;
-  const opc_metric *metric = opc_metric_find(b->plugin, dot + 1);
-  if (metric) return metric;
-  g_autoptr(GPtrArray) names = g_ptr_array_new();
-  for (size_t i = 0; i < b->plugin->n_metrics; i++)
-    g_ptr_array_add(names, (char *)b->plugin->metrics[i].name);
-  g_autofree char *suggestion = opc_suggestion(dot + 1, names);
-  opc_fail(error, OPC_INVALID, NULL, "'%s' (%s) has no metric '%s'%s", of,
-           b->plugin->id, dot + 1, suggestion);
-  return NULL;
 }

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Flows that steps run inside of them: reading and checking one, and what a
-   step may ask of it. inner_run.c runs it. */
+/* Reads and checks inner flows, and answers questions about them. */
 #include "core/binding/inner.h"
 
 #include <string.h>
 
+#include "core/binding/connect.h"
 #include "core/binding/expand.h"
+#include "core/binding/lookup.h"
 #include "core/plugin/declaration.h"
-#include "core/run/run.h"
 #include "core/text/suggest.h"
 
 /* Flows that steps of such a flow run: an experiment with searches. */
@@ -131,8 +131,43 @@ static void open_recipe(opc_inner *inner, const opc_binding *b,
     inner->axes[i] = &((opc_axis *)axes->pdata[i])->told;
 }
 
-void opc_inner_open(opc_binding *binding, opc_registry *registry,
-                    unsigned flags, opc_problems *problems) {
+static void inner_free(opc_inner *inner) {
+  if (inner->runs) inner->runs_free(inner->runs);
+  opc_flow_free(inner->flow);
+  opc_sweep_free(inner->sweep);
+  opc_recipe_free(inner->recipe);
+  g_free(inner->axes);
+  g_hash_table_destroy(inner->wanted);
+  g_hash_table_destroy(inner->given);
+  g_free(inner);
+}
+
+/* Find what only its instances refuse. */
+static int inner_check(const opc_inner *inner, opc_error *error) {
+  static const opc_watch nowhere = {.data = NULL};
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  opc_flow_check(inner->recipe, &inner->choice, inner->registry, &nowhere,
+                 problems);
+  return opc_problems_error(problems, error);
+}
+
+/* Before a run. */
+static int refuse_to_begin(const opc_host *host, opc_error *error) {
+  return opc_fail(error, OPC_FAILED, NULL, "a %s runs in a flow only",
+                  ((const opc_binding *)host->data)->plugin->id);
+}
+
+static const opc_inner_service asking = {.size = sizeof asking,
+                                         .axes = opc_inner_axes,
+                                         .axis = opc_inner_find_axis,
+                                         .metric = opc_inner_find_metric,
+                                         .output = opc_inner_find_output,
+                                         .begin = refuse_to_begin};
+
+static const opc_nested nested = {&asking, inner_check, inner_free};
+
+static void open_one(opc_binding *binding, opc_registry *registry,
+                     unsigned flags, opc_problems *problems) {
   const opc_plugin *plugin = binding->plugin;
   size_t i = 0;
   while (i < plugin->n_parameters &&
@@ -147,6 +182,7 @@ void opc_inner_open(opc_binding *binding, opc_registry *registry,
     return;
   }
   opc_inner *inner = binding->inner = g_new0(opc_inner, 1);
+  binding->nested = &nested;
   inner->binding = binding;
   inner->registry = registry;
   inner->wanted = g_hash_table_new(g_str_hash, g_str_equal);
@@ -156,27 +192,16 @@ void opc_inner_open(opc_binding *binding, opc_registry *registry,
   if (inner->recipe) open_recipe(inner, binding, problems);
 }
 
-void opc_inner_free(opc_inner *inner) {
-  if (!inner) return;
-  opc_inner_release(inner);
-  opc_flow_free(inner->flow);
-  opc_sweep_free(inner->sweep);
-  opc_recipe_free(inner->recipe);
-  g_free(inner->axes);
-  g_free(inner->metrics);
-  g_hash_table_destroy(inner->wanted);
-  g_hash_table_destroy(inner->given);
-  g_free(inner->folder);
-  g_free(inner);
+void opc_inner_open(opc_binding *binding, opc_registry *registry,
+                    unsigned flags, opc_problems *problems) {
+  g_autoptr(GPtrArray) all = g_ptr_array_new();
+  opc_binding_list(binding, all);
+  for (guint i = 0; i < all->len; i++)
+    open_one(all->pdata[i], registry, flags, problems);
 }
 
-int opc_inner_check(const opc_inner *inner, opc_error *error) {
-  static const opc_watch nowhere = {.data = NULL};
-  if (!inner) return OPC_OK;
-  g_autoptr(opc_problems) problems = opc_problems_new();
-  opc_flow_check(inner->recipe, &inner->choice, inner->registry, &nowhere,
-                 problems);
-  return opc_problems_error(problems, error);
+void opc_inner_end(opc_inner *inner) {
+  if (inner && inner->runs) inner->runs_end(inner->runs);
 }
 
 const opc_flow *opc_inner_flow(const opc_inner *inner) { return inner->flow; }
@@ -198,14 +223,36 @@ void opc_inner_visit(const opc_inner *inner,
   }
 }
 
-/* ---- asking: what there is ---- */
+/* ---- asking ---- */
+
+/* Of a flow at some point, by the numbers of its steps: which have what others
+   gave, and which have to run for what was asked for (g_free). */
+static gboolean *find_given(const opc_inner *in, const opc_flow *flow) {
+  gboolean *given = g_new0(gboolean, flow->steps->len);
+  for (guint i = 0; i < flow->steps->len; i++) {
+    const opc_flow_step *step = flow->steps->pdata[i];
+    given[i] = g_hash_table_contains(in->given, step->name);
+  }
+  return given;
+}
+
+gboolean *opc_inner_needed(const opc_inner *in, const opc_flow *flow) {
+  g_autofree gboolean *given = find_given(in, flow);
+  g_autofree gboolean *wanted = g_new0(gboolean, flow->steps->len);
+  gboolean all = !g_hash_table_size(in->wanted);
+  for (guint i = 0; i < flow->steps->len; i++) {
+    const opc_flow_step *step = flow->steps->pdata[i];
+    wanted[i] = all || g_hash_table_contains(in->wanted, step->name);
+  }
+  return opc_flow_needed(flow, wanted, given);
+}
 
 opc_inner *opc_inner_of(const opc_host *host) {
   return ((const opc_binding *)host->data)->inner;
 }
 
-static const opc_metric *get_metric(const opc_host *host, const char *path,
-                                    opc_error *error) {
+const opc_metric *opc_inner_find_metric(const opc_host *host, const char *path,
+                                        opc_error *error) {
   opc_inner *in = opc_inner_of(host);
   const opc_binding *b;
   const opc_metric *metric = opc_flow_metric(in->flow, path, &b, error);
@@ -214,31 +261,30 @@ static const opc_metric *get_metric(const opc_host *host, const char *path,
   return metric;
 }
 
-/* The port of that kind, -1 if there is none. */
-static int find_port(const opc_plugin *plugin, const char *kind) {
+int opc_inner_port(const opc_plugin *plugin, const char *kind) {
   for (size_t i = 0; i < opc_port_count(plugin); i++)
     if (!strcmp(opc_port_at(plugin, i)->kind, kind)) return (int)i;
   return -1;
 }
 
-static const char *get_output(const opc_host *host, const char *name,
-                              const char *kind, opc_error *error) {
+const char *opc_inner_find_output(const opc_host *host, const char *name,
+                                  const char *kind, opc_error *error) {
   opc_inner *in = opc_inner_of(host);
   const opc_binding *b = name ? opc_flow_binding(in->flow, name, error) : NULL;
   for (guint i = 0; !name && i < in->flow->steps->len; i++) {
     b = ((const opc_flow_step *)in->flow->steps->pdata[i])->binding;
-    if (find_port(b->plugin, kind) >= 0) break;
+    if (opc_inner_port(b->plugin, kind) >= 0) break;
   }
   if (!b) return NULL;
   g_hash_table_add(in->wanted, (char *)opc_flow_find(in->flow, b->path)->name);
-  if (find_port(b->plugin, kind) >= 0) return b->path;
+  if (opc_inner_port(b->plugin, kind) >= 0) return b->path;
   g_autofree char *label = opc_binding_label(b);
   opc_fail(error, OPC_INVALID, NULL, "%s makes no %s", label, kind);
   return NULL;
 }
 
-static const opc_inner_axis *const *get_axes(const opc_host *host,
-                                             size_t *count) {
+const opc_inner_axis *const *opc_inner_axes(const opc_host *host,
+                                            size_t *count) {
   opc_inner *in = opc_inner_of(host);
   g_autofree gboolean *needed = opc_inner_needed(in, in->flow);
   *count = in->sweep->axes->len;
@@ -254,7 +300,8 @@ static const opc_inner_axis *const *get_axes(const opc_host *host,
   return (const opc_inner_axis *const *)in->axes;
 }
 
-static int find_axis(const opc_host *host, const char *path, opc_error *error) {
+int opc_inner_find_axis(const opc_host *host, const char *path,
+                        opc_error *error) {
   const opc_inner *in = opc_inner_of(host);
   g_autoptr(GPtrArray) paths = g_ptr_array_new();
   for (guint i = 0; i < in->sweep->axes->len; i++) {
@@ -265,76 +312,3 @@ static int find_axis(const opc_host *host, const char *path, opc_error *error) {
   opc_fail(error, OPC_INVALID, NULL, "'%s' is not swept%s", path, suggestion);
   return -1;
 }
-
-/* ---- asking: what came of it ---- */
-
-static const opc_inner_metric *const *get_metrics(const opc_host *host,
-                                                  int shared, size_t *count) {
-  opc_inner *in = opc_inner_of(host);
-  const opc_run *run = shared ? in->levels[0] : in->run;
-  *count = run ? run->metrics->len : 0;
-  in->metrics = g_renew(const opc_inner_metric *, in->metrics, *count + 1);
-  for (guint i = 0; i < *count; i++)
-    in->metrics[i] = &g_array_index(run->metrics, opc_inner_metric, i);
-  return in->metrics;
-}
-
-static const opc_table *find_table(const opc_run *run, const char *step,
-                                   const char *name, opc_error *error) {
-  g_autoptr(GPtrArray) names = g_ptr_array_new();
-  for (guint i = 0; i < run->tables->len; i++) {
-    const opc_table *t = run->tables->pdata[i];
-    if (strcmp(t->step, step)) continue;
-    if (!strcmp(t->name, name)) return t;
-    g_ptr_array_add(names, t->name);
-  }
-  g_autofree char *suggestion = opc_suggestion(name, names);
-  opc_fail(error, OPC_INVALID, NULL, "'%s' published no table '%s'%s", step,
-           name, suggestion);
-  return NULL;
-}
-
-static const opc_column *get_column(const opc_host *host, const char *step,
-                                    const char *table_name, const char *name,
-                                    size_t *rows, opc_error *error) {
-  const opc_table *table =
-      find_table(opc_inner_of(host)->run, step, table_name, error);
-  if (!table) return NULL;
-  const opc_column *column = opc_table_column(table, name);
-  *rows = table->rows;
-  if (column && column->type != OPC_TEXT) return column;
-  g_autoptr(GPtrArray) names = g_ptr_array_new();
-  for (size_t i = 0; i < table->n_columns; i++)
-    g_ptr_array_add(names, (char *)table->columns[i].name);
-  g_autofree char *suggestion = opc_suggestion(name, names);
-  opc_fail(error, OPC_INVALID, NULL,
-           "the table '%s' of '%s' has no numbers '%s'%s", table_name, step,
-           name, suggestion);
-  return NULL;
-}
-
-static void *get_object(const opc_host *host, const char *name,
-                        const char *kind) {
-  opc_inner *in = opc_inner_of(host);
-  opc_run *run = in->run;
-  const opc_flow_step *step = opc_flow_find(run->flow, name);
-  g_autoptr(opc_problems) problems = opc_problems_new();
-  if (!opc_run_provide(run, step, in->binding->path, problems))
-    opc_problems_error(problems, &((opc_run *)in->binding->run)->refusal);
-  void **objects = run->objects[step->number];
-  return objects ? objects[find_port(step->binding->plugin, kind)] : NULL;
-}
-
-const opc_inner_service opc_inner_functions = {
-    .size = sizeof opc_inner_functions,
-    .axes = get_axes,
-    .axis = find_axis,
-    .metric = get_metric,
-    .output = get_output,
-    .begin = opc_inner_begin,
-    .run = opc_inner_run_point,
-    .metrics = get_metrics,
-    .column = get_column,
-    .object = get_object,
-    .run_whole = opc_inner_run_whole,
-};

@@ -8,6 +8,7 @@
 
 #include <store/files.h>
 #include "core/binding/flow.h"
+#include "core/binding/resolve.h"
 #include "core/plugin/declaration.h"
 
 /* ---- help ---- */

@@ -3,7 +3,8 @@
    that the run itself writes. */
 #include <string.h>
 
-#include "core/binding/flow.h"
+#include "core/binding/lookup.h"
+#include "core/binding/outputs.h"
 
 const char *const opc_reserved[OPC_RESERVED] = {"flow.yaml", "manifest.json",
                                                 "metrics.json", "sweep.csv"};

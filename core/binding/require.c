@@ -4,7 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/binding/flow.h"
+#include "core/binding/lookup.h"
+#include "core/binding/require.h"
 #include "core/plugin/declaration.h"
 #include "core/text/value.h"
 

@@ -2,7 +2,8 @@
 /* Writing a flow with all its parameters. */
 #include <string.h>
 
-#include "core/binding/flow.h"
+#include "core/binding/lookup.h"
+#include "core/binding/resolve.h"
 #include "core/plugin/declaration.h"
 #include "core/text/value.h"
 
@@ -88,19 +89,6 @@ static void append_binding(GString *out, const opc_binding *b, int indent) {
 }
 
 /* ---- the flow ---- */
-
-const opc_parameter *opc_flow_parameter(const opc_flow *flow,
-                                        const char *path) {
-  g_autoptr(GPtrArray) all = opc_flow_bindings(flow);
-  for (guint i = 0; i < all->len; i++) {
-    const opc_binding *b = all->pdata[i];
-    size_t n = strlen(b->path);
-    if (strncmp(b->path, path, n) != 0 || path[n] != '.') continue;
-    int found = opc_parameter_find(b->plugin, path + n + 1);
-    if (found >= 0) return &b->plugin->parameters[found];
-  }
-  return NULL;
-}
 
 /* Lists of values, also for what was a range. */
 static void append_sweep(GString *out, const opc_flow *flow,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* opcflow check: all that is wrong with a flow and its variants. */
 #include "core/cli/cli.h"
-#include "core/run/run.h"
+#include "core/run/forecast.h"
 
 static GPtrArray *sets, *sweeps;
 static gboolean json, quick;

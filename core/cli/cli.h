@@ -53,13 +53,16 @@ struct cli_verb {
   const opc_plugin *plugin; /* that brings the verb; NULL: the command's own */
 };
 
-extern const cli_verb cli_run, cli_check, cli_cache, cli_plugins, cli_inspect,
-    cli_version, cli_help;
+extern const cli_verb cli_run, cli_check, cli_cache, cli_version, cli_help;
 
 /* Verbs of the program opcflow-devel (tools/devel), as the help shows them. */
 #define CLI_DEVEL "opcflow-devel"
 #define CLI_EXPLAIN \
   .name = "explain", .arguments = "RUN", .summary = "Why each step of a run ran"
+#define CLI_PLUGINS \
+  .name = "plugins", .arguments = "", .summary = "List the plugins"
+#define CLI_INSPECT \
+  .name = "inspect", .arguments = "ID", .summary = "Tell all about a plugin"
 #define CLI_LINT                            \
   .name = "lint", .arguments = "PLUGIN.so", \
   .summary = "Check that a plugin keeps the contract"

@@ -10,7 +10,7 @@
 #include "core/cli/cli.h"
 #include "core/cli/progress.h"
 #include "core/plugin/declaration.h"
-#include "core/run/run.h"
+#include "core/report/json.h"
 #include "core/run/services.h"
 #include "core/text/suggest.h"
 

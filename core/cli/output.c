@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "core/cli/cli.h"
-#include "core/run/run.h"
+#include "core/report/json.h"
 #include "core/text/shown.h"
 
 int cli_exit_code(int code) {

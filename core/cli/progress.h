@@ -3,7 +3,9 @@
 #ifndef OPCFLOW_CORE_PROGRESS_H
 #define OPCFLOW_CORE_PROGRESS_H
 
-#include "core/run/run.h"
+#include <glib.h>
+
+#include "core/plugin/host.h"
 
 typedef struct cli_progress {
   gboolean shown; /* whether to show it at all */

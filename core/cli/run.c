@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* opcflow run: runs a flow, or its variants, and shows what came of it. */
-#include "core/run/run.h"
 
 #include <guard/stop.h>
 #include <limits.h>
@@ -9,6 +8,9 @@
 
 #include "core/cli/cli.h"
 #include "core/cli/progress.h"
+#include "core/report/json.h"
+#include "core/run/pieces.h"
+#include "core/run/whole.h"
 
 /* What the user wants. */
 static GPtrArray *sets, *variants, *sweeps;
@@ -52,15 +54,15 @@ static gboolean varies(const opc_column *c, size_t rows) {
 
 /* What to look at: the parameters and the metrics that they change. */
 static void print_sweep(const opc_run *run) {
-  const opc_table *all = run->points;
-  guint parameters = run->sweep->axes->len;
+  const opc_table *all = run->out.points;
+  guint parameters = run->out.sweep->axes->len;
   g_autofree opc_column *shown = g_new(opc_column, all->n_columns);
   size_t n = 0;
   for (size_t i = 0; i < all->n_columns; i++) {
     const opc_column *c = &all->columns[i];
     if (i <= parameters ||
         (varies(c, all->rows) && strcmp(c->name, "seconds")) ||
-        (i + 1 == all->n_columns && run->failed_points))
+        (i + 1 == all->n_columns && run->out.failed_points))
       shown[n++] = *c;
   }
   opc_error error;
@@ -73,28 +75,29 @@ static void print_sweep(const opc_run *run) {
 /* ---- what came of it ---- */
 
 static void print_text(const opc_run *run) {
-  for (guint i = 0; i < run->tables->len; i++) {
-    const opc_table *t = run->tables->pdata[i];
+  for (guint i = 0; i < run->out.tables->len; i++) {
+    const opc_table *t = run->out.tables->pdata[i];
     if (!(t->flags & OPC_TABLE_PRINT)) continue;
     cli_print("%s.%s\n", t->step, t->name);
     cli_print_table(t);
     cli_print("\n");
   }
-  if (run->points) {
+  if (run->out.points) {
     print_sweep(run);
     cli_print("\n");
   }
-  if (!run->folder) return;
-  cli_print("%s: %.2f s", run->folder, run->total);
-  if (run->steps_reused)
-    cli_print(", %zu of %zu steps reused", run->steps_reused, run->steps_done);
+  if (!run->out.folder) return;
+  cli_print("%s: %.2f s", run->out.folder, run->out.total);
+  if (run->out.histories.reused)
+    cli_print(", %zu of %zu steps reused", run->out.histories.reused,
+              run->out.histories.done);
   cli_print("\n");
 }
 
 static JsonArray *tables_json(const opc_run *run) {
   JsonArray *list = json_array_new();
-  for (guint i = 0; i < run->tables->len; i++) {
-    const opc_table *t = run->tables->pdata[i];
+  for (guint i = 0; i < run->out.tables->len; i++) {
+    const opc_table *t = run->out.tables->pdata[i];
     if (!(t->flags & OPC_TABLE_PRINT)) continue;
     JsonNode *node = opc_table_json(t);
     json_object_set_string_member(json_node_get_object(node), "step", t->step);
@@ -105,17 +108,17 @@ static JsonArray *tables_json(const opc_run *run) {
 
 static JsonObject *run_json(const opc_run *run, opc_problems *broken) {
   JsonObject *o = json_object_new();
-  json_object_set_string_member(o, "folder", run->folder);
-  json_object_set_double_member(o, "seconds", run->total);
+  json_object_set_string_member(o, "folder", run->out.folder);
+  json_object_set_double_member(o, "seconds", run->out.total);
   if (wanted.store) {
-    json_object_set_int_member(o, "steps", (gint64)run->steps_done);
-    json_object_set_int_member(o, "reused", (gint64)run->steps_reused);
+    json_object_set_int_member(o, "steps", (gint64)run->out.histories.done);
+    json_object_set_int_member(o, "reused", (gint64)run->out.histories.reused);
   }
-  json_object_set_member(o, "metrics", opc_run_metrics_json(run));
-  opc_run_add_findings(o, run);
+  json_object_set_member(o, "metrics", opc_outcome_metrics(&run->out));
+  opc_outcome_add_findings(o, &run->out);
   json_object_set_array_member(o, "tables", tables_json(run));
-  if (run->points)
-    json_object_set_member(o, "sweep", opc_table_json(run->points));
+  if (run->out.points)
+    json_object_set_member(o, "sweep", opc_table_json(run->out.points));
   if (broken->list->len) cli_add_problems(o, broken);
   return o;
 }
@@ -146,16 +149,16 @@ static void print_json(const series *s, JsonObject *object) {
 /* A run that came to nothing, or to a part; `run` may be NULL. */
 static JsonObject *failure_json(const opc_run *run, opc_problems *problems) {
   JsonObject *o = json_object_new();
-  if (run && run->folder)
-    json_object_set_string_member(o, "folder", run->folder);
-  if (run) opc_run_add_findings(o, run);
+  if (run && run->out.folder)
+    json_object_set_string_member(o, "folder", run->out.folder);
+  if (run) opc_outcome_add_findings(o, &run->out);
   cli_add_problems(o, problems);
   return o;
 }
 
 /* The last lines, whatever else was printed and wherever to. */
 static void tell_findings(const opc_run *run, const char *note) {
-  g_autoptr(GPtrArray) lines = opc_run_findings(run);
+  g_autoptr(GPtrArray) lines = opc_findings_lines(&run->out.findings);
   cli_flush();
   for (guint i = 0; i < lines->len; i++)
     cli_message("finding", "%s%s", (char *)lines->pdata[i], note);
@@ -169,25 +172,26 @@ static int tell(const series *s, const opc_run *run, const char *note,
   if (problems->list->len) {
     if (json) print_json(s, failure_json(run, problems));
     int code = cli_problems(problems);
-    if (run->points && run->points->rows && !quiet) print_text(run);
+    if (run->out.points && run->out.points->rows && !quiet) print_text(run);
     tell_findings(run, note);
-    if (run->folder)
-      cli_message("note", "what was written so far is in '%s'", run->folder);
+    if (run->out.folder)
+      cli_message("note", "what was written so far is in '%s'",
+                  run->out.folder);
     return cli_is_stopped(NULL) ? CLI_STOPPED : code;
   }
   g_autoptr(opc_problems) missed = opc_problems_new();
-  opc_run_add_broken(run, missed);
+  opc_verdicts_add_broken(run->out.verdicts, missed);
   opc_problems_merge(problems, missed, note);
   if (json)
     print_json(s, run_json(run, problems));
   else if (!quiet)
     print_text(run);
   tell_findings(run, note);
-  if (run->failed_points && run->sweep)
-    cli_message("error", "%zu of %zu points failed", run->failed_points,
-                run->sweep->points);
+  if (run->out.failed_points && run->out.sweep)
+    cli_message("error", "%zu of %zu points failed", run->out.failed_points,
+                run->out.sweep->points);
   int code = cli_problems(problems);
-  return run->points_code ? cli_exit_code(run->points_code) : code;
+  return run->out.points_code ? cli_exit_code(run->out.points_code) : code;
 }
 
 /* Whether this is a rank after the first one. */

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/run/run.h"
+#include "core/report/json.h"
 
 static const char *const names[] = {"plain", "comma, \"quote\"", "new\r\nline",
                                     ""};

@@ -1,47 +1,44 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Runs the flow that a step has inside of it at points of its axes. Steps are
-   run on levels: those that no axis touches once, those that the first axis is
-   the last one to touch once for each of its values, and so on. */
+/* Runs inner flows on levels, and hands their results to the step. */
+#include "core/run/inner_run.h"
+
 #include <errno.h>
 #include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 
 #include <store/files.h>
+
 #include "core/binding/inner.h"
+#include "core/binding/lookup.h"
 #include "core/plugin/declaration.h"
-#include "core/run/run.h"
+#include "core/run/inputs.h"
+#include "core/run/levels.h"
+#include "core/run/listen.h"
+#include "core/run/reports.h"
+#include "core/run/reuse.h"
+#include "core/run/steps.h"
+#include "core/text/suggest.h"
 
-/* ---- which steps ---- */
+/* ---- state ---- */
 
-/* Of a flow at some point, by the numbers of its steps: which have what others
-   gave, and which have to run for what was asked for (g_free). */
-static gboolean *find_given(const opc_inner *in, const opc_flow *flow) {
-  gboolean *given = g_new0(gboolean, flow->steps->len);
-  for (guint i = 0; i < flow->steps->len; i++) {
-    const opc_flow_step *step = flow->steps->pdata[i];
-    given[i] = g_hash_table_contains(in->given, step->name);
-  }
-  return given;
-}
+/* What `begin` made. */
+struct opc_inner_runs {
+  opc_inner *in;
+  opc_run *outer; /* of the step */
+  opc_watch watch;
+  char *folder;
+  opc_levels levels;
+  opc_run *trunk;
+  size_t count;                     /* runs that are not kept whole */
+  size_t done, share;               /* points */
+  gboolean telling;                 /* messages are passed on */
+  opc_inner_run whole;              /* the last one that was kept whole */
+  const opc_inner_metric **metrics; /* asked for last */
+};
 
-gboolean *opc_inner_needed(const opc_inner *in, const opc_flow *flow) {
-  g_autofree gboolean *given = find_given(in, flow);
-  g_autofree gboolean *wanted = g_new0(gboolean, flow->steps->len);
-  gboolean all = !g_hash_table_size(in->wanted);
-  for (guint i = 0; i < flow->steps->len; i++) {
-    const opc_flow_step *step = flow->steps->pdata[i];
-    wanted[i] = all || g_hash_table_contains(in->wanted, step->name);
-  }
-  return opc_flow_needed(flow, wanted, given);
-}
-
-/* Leave out what is not of this level, and what nobody asked for. */
-static void choose_steps(const opc_inner *in, opc_run *run, unsigned level) {
-  g_autofree unsigned *levels = opc_sweep_levels(in->sweep, run->flow);
-  g_autofree gboolean *needed = opc_inner_needed(in, run->flow);
-  for (guint i = 0; i < run->flow->steps->len; i++)
-    run->left_out[i] = levels[i] != level || !needed[i];
+static opc_inner_runs *runs_of(const opc_host *host) {
+  return opc_inner_of(host)->runs;
 }
 
 /* What the outer flow's steps gave. */
@@ -61,169 +58,98 @@ static void put_given(const opc_inner *in, opc_run *run) {
 /* Each point has the same to say: the last one says it. */
 static void take_log(void *data, const char *path, int level,
                      const char *message) {
-  const opc_inner *in = data;
-  const opc_watch *watch = &((const opc_run *)in->binding->run)->watch;
-  if (!in->telling && level >= OPC_LOG_INFO) return;
-  g_autofree char *whole = g_strdup_printf("%s.%s", in->binding->path, path);
+  const opc_inner_runs *runs = data;
+  const opc_watch *watch = &runs->outer->heard.watch;
+  if (!runs->telling && level >= OPC_LOG_INFO) return;
+  g_autofree char *whole =
+      g_strdup_printf("%s.%s", runs->in->binding->path, path);
   watch->log(watch->data, whole, level, message);
 }
 
 /* Points that are done, with the part that is of those of this run. */
-static void tell_progress(const opc_inner *in, double part) {
+static void tell_progress(const opc_inner_runs *runs, double part) {
+  const opc_host *host = runs->in->binding->host;
   const opc_progress progress = {
-      .done = (double)in->done + floor(part * (double)in->share),
-      .total = (double)in->sweep->points,
+      .done = (double)runs->done + floor(part * (double)runs->share),
+      .total = (double)runs->in->sweep->points,
       .worst = NAN};
-  in->binding->host->progress(in->binding->host, &progress);
+  host->progress(host, &progress);
 }
 
 static void take_progress(void *data, const char *path,
                           const opc_progress *at) {
-  const opc_inner *in = data;
+  const opc_inner_runs *runs = data;
   (void)path;
   gboolean known = at->total > 0 && at->done >= 0 && at->done < at->total;
-  if (in->share) tell_progress(in, known ? at->done / at->total : 0);
+  if (runs->share) tell_progress(runs, known ? at->done / at->total : 0);
 }
 
 static int is_cancelled(void *data) {
-  const opc_inner *in = data;
-  return opc_cancelled(in->binding->host->context);
+  const opc_inner_runs *runs = data;
+  return opc_cancelled(runs->in->binding->host->context);
 }
 
 /* ---- running: levels ---- */
 
-/* The run whose steps the next level's take over. */
-static opc_run *parent_of(const opc_inner *in, unsigned level) {
-  while (!in->levels[--level]) continue;
-  return in->levels[level];
+static gboolean *find_needed(const void *in, const opc_flow *flow) {
+  return opc_inner_needed(in, flow);
 }
 
-/* Files are called as in a run of the whole flow. */
-static void copy_claim(gpointer name, gpointer owner, gpointer claims) {
-  g_hash_table_insert(claims, g_strdup(name), g_strdup(owner));
-}
-
-/* A run of a level at a point; NULL and problems. */
-static opc_run *make_run(const opc_inner *in, unsigned level, size_t point,
-                         opc_problems *problems) {
-  opc_run *outer = in->binding->run, *parent = parent_of(in, level);
-  opc_choice choice = in->choice;
-  choice.point = point;
-  opc_flow *flow = opc_flow_make(in->recipe, &choice, in->registry, problems);
-  if (problems->list->len) {
-    opc_flow_free(flow);
-    return NULL;
-  }
-  opc_run *run = opc_run_new(flow, in->registry, outer->options, &in->watch);
-  run->own = flow;
-  opc_run_borrow(run, parent);
-  choose_steps(in, run, level);
-  g_hash_table_foreach(parent->claims, copy_claim, run->claims);
-  return run;
-}
-
-static char *level_folder(const opc_inner *in, unsigned level) {
-  return g_strdup_printf("%s/.%u", in->folder, level);
-}
-
-static void drop_level(opc_inner *in, unsigned level) {
-  g_autofree char *folder = level_folder(in, level);
-  opc_run_free(in->levels[level]);
-  in->levels[level] = NULL;
-  g_clear_pointer(&in->failures[level], opc_problems_free);
-  if (in->folder) opc_remove_tree(folder);
-}
-
-static gboolean has_steps(const opc_run *run) {
-  for (guint i = 0; i < run->flow->steps->len; i++)
-    if (!run->left_out[i]) return TRUE;
-  return FALSE;
-}
-
-/* Run the steps of a level between the first and the last, at a point. What is
-   wrong with it is kept: it holds for all points that share it. */
-static void open_level(opc_inner *in, unsigned level, size_t point) {
-  opc_problems *problems = in->failures[level] = opc_problems_new();
-  g_autofree char *folder = level_folder(in, level);
-  opc_run *run = make_run(in, level, point, problems);
-  if (run && has_steps(run))
-    opc_run_in(run, in->binding->run, folder, problems);
-  if (run && has_steps(run))
-    in->levels[level] = run;
-  else
-    opc_run_free(run);
-}
-
-/* Have all levels but the last one as they are at a point; problems of them. */
-static void enter_point(opc_inner *in, size_t point, opc_problems *problems) {
-  opc_run_free(in->run);
-  in->run = NULL;
-  gboolean same = TRUE;
-  for (unsigned level = 1; level < in->depth; level++) {
-    guint value = opc_sweep_index(in->sweep, level - 1, point);
-    same &= in->failures[level] && in->at[level] == value;
-    if (!same) drop_level(in, level);
-    in->at[level] = value;
-    if (!same && !problems->list->len) open_level(in, level, point);
-    if (in->failures[level])
-      opc_problems_merge(problems, in->failures[level], NULL);
-  }
-}
-
-/* What was stopped has not failed. */
-static void forget_stopped(opc_inner *in) {
-  for (unsigned level = 1; level < in->depth; level++)
-    if (in->failures[level] &&
-        opc_problems_code(in->failures[level]) == OPC_CANCELLED)
-      drop_level(in, level);
-}
-
-void opc_inner_release(opc_inner *in) {
-  opc_run_free(in->run);
-  for (unsigned level = in->levels ? in->depth : 0; level-- > 0;)
-    drop_level(in, level);
-  g_free(in->levels);
-  g_free(in->failures);
-  g_free(in->at);
-}
-
-void opc_inner_end(opc_inner *in) {
-  for (unsigned level = 0; in->folder && level < in->depth; level++) {
-    g_autofree char *folder = level_folder(in, level);
+/* Only runs of its flow needed the folders of levels. */
+static void end_runs(opc_inner_runs *runs) {
+  for (unsigned level = 0; level < runs->levels.depth; level++) {
+    g_autofree char *folder = opc_levels_folder(&runs->levels, level);
     opc_remove_tree(folder);
   }
 }
 
+static void free_runs(opc_inner_runs *runs) {
+  g_autofree char *folder = opc_levels_folder(&runs->levels, 0);
+  opc_levels_clear(&runs->levels);
+  opc_run_free(runs->trunk);
+  opc_remove_tree(folder);
+  g_free(runs->folder);
+  g_free(runs->metrics);
+  g_free(runs);
+}
+
 /* Steps that no axis touches lie in a folder of their own, as those of the
    other levels: what they write is copied to each run that is kept. */
-int opc_inner_begin(const opc_host *host, opc_error *error) {
+static int begin(const opc_host *host, opc_error *error) {
   const opc_binding *b = host->data;
-  opc_inner *in = b->inner;
-  opc_run *outer = b->run;
-  if (!outer)
-    return opc_fail(error, OPC_FAILED, NULL, "a %s runs in a flow only",
-                    b->plugin->id);
-  in->watch = (opc_watch){.data = in,
-                          .log = take_log,
-                          .progress = take_progress,
-                          .cancelled = is_cancelled};
   g_autofree char *name = g_build_filename(b->path, "flow.yaml", NULL);
   const char *path = host->output_path(host, name, error);
   if (!path) return error->code;
-  in->folder = g_path_get_dirname(path);
-  in->depth = opc_sweep_depth(in->sweep);
-  in->levels = g_new0(opc_run *, in->depth + 1);
-  in->failures = g_new0(opc_problems *, in->depth + 1);
-  in->at = g_new0(guint, in->depth + 1);
-  opc_run *trunk = in->levels[0] =
-      opc_run_new(in->flow, in->registry, outer->options, &in->watch);
-  choose_steps(in, trunk, 0);
+  opc_inner *in = b->inner;
+  opc_inner_runs *runs = in->runs = g_new0(opc_inner_runs, 1);
+  in->runs_end = end_runs;
+  in->runs_free = free_runs;
+  *runs = (opc_inner_runs){.in = in,
+                           .outer = b->run,
+                           .watch = {.data = runs,
+                                     .log = take_log,
+                                     .progress = take_progress,
+                                     .cancelled = is_cancelled},
+                           .folder = g_path_get_dirname(path),
+                           .telling = TRUE};
+  runs->levels = (opc_levels){.recipe = in->recipe,
+                              .choice = in->choice,
+                              .registry = in->registry,
+                              .watch = &runs->watch,
+                              .outer = runs->outer,
+                              .needed = find_needed,
+                              .data = in,
+                              .one_folder = TRUE,
+                              .folder = runs->folder};
+  opc_run *trunk = runs->trunk =
+      opc_run_new(in->flow, in->registry, runs->outer->options, &runs->watch,
+                  &runs->outer->like);
+  opc_levels_begin(&runs->levels, trunk);
   put_given(in, trunk);
-  g_autofree char *folder = level_folder(in, 0);
+  g_autofree char *folder = opc_levels_folder(&runs->levels, 0);
   g_autoptr(opc_problems) problems = opc_problems_new();
-  in->telling = TRUE;
-  opc_run_in(trunk, outer, folder, problems);
-  tell_progress(in, 0);
+  opc_steps_run_in(trunk, runs->outer, folder, problems);
+  tell_progress(runs, 0);
   return opc_problems_error(problems, error);
 }
 
@@ -257,124 +183,180 @@ static gint compare_metrics(gconstpointer a, gconstpointer b, gpointer data) {
 }
 
 /* Make a run whole by what those it shares steps with gave. */
-static void take_shared(opc_inner *in, opc_run *run, opc_problems *problems) {
+static void take_shared(const opc_levels *levels, opc_run *run,
+                        opc_problems *problems) {
   opc_error error;
-  g_autoptr(GArray) own = run->metrics;
-  run->metrics = g_array_new(FALSE, TRUE, sizeof(opc_inner_metric));
-  for (unsigned level = 0; level < in->depth; level++) {
-    const opc_run *from = in->levels[level];
+  g_autoptr(GArray) own = run->out.metrics;
+  run->out.metrics = g_array_new(FALSE, TRUE, sizeof(opc_inner_metric));
+  for (unsigned level = 0; level < levels->depth; level++) {
+    const opc_run *from = levels->runs[level];
     if (!from) continue;
-    g_array_append_vals(run->metrics, from->metrics->data, from->metrics->len);
-    opc_run_take_findings(run, from);
-    opc_run_take_histories(run, from);
+    g_array_append_vals(run->out.metrics, from->out.metrics->data,
+                        from->out.metrics->len);
+    opc_listen_take(run, from);
+    opc_histories_take(&run->out.histories, &from->out.histories);
     for (guint i = 0; i < from->flow->steps->len; i++) {
       const opc_flow_step *step = from->flow->steps->pdata[i];
       const opc_flow_step *its = opc_flow_find(run->flow, step->name);
       if (its && !from->left_out[i])
-        run->seconds[its->number] = from->seconds[i];
+        run->out.seconds[its->number] = from->out.seconds[i];
     }
-    if (opc_walk(from->work, copy_file, run->work, &error))
+    if (opc_walk(from->written.work, copy_file, run->written.work, &error))
       opc_problem_add(problems, error.code, NULL, "%s", error.message);
   }
-  g_array_append_vals(run->metrics, own->data, own->len);
-  g_array_sort_with_data(run->metrics, compare_metrics, run);
-  run->total = 0;
+  g_array_append_vals(run->out.metrics, own->data, own->len);
+  g_array_sort_with_data(run->out.metrics, compare_metrics, run);
+  run->out.total = 0;
   for (guint i = 0; i < run->flow->steps->len; i++)
-    if (!isnan(run->seconds[i])) run->total += run->seconds[i];
-}
-
-/* All that is required, whichever level it is of. */
-static void judge_whole(opc_run *run) {
-  gboolean *left_out = run->left_out;
-  run->left_out = g_new0(gboolean, run->flow->steps->len);
-  opc_run_judge(run);
-  g_free(run->left_out);
-  run->left_out = left_out;
+    if (!isnan(run->out.seconds[i])) run->out.total += run->out.seconds[i];
 }
 
 /* What is handed on must keep what its flow requires; other points are there to
    be worse. */
-static void keep_run(opc_inner *in, const char *prefix,
+static void keep_run(opc_inner_runs *runs, const char *prefix,
                      opc_problems *problems) {
-  opc_run *run = in->run;
-  take_shared(in, run, problems);
-  opc_run_take_inputs(run, in->binding->run, problems);
-  judge_whole(run);
-  opc_run_take_verdicts(in->binding->run, run, 0, prefix);
-  opc_run_write_reports(run, TRUE, problems);
-}
-
-/* Run a point in a folder; in->run is there if it was begun. */
-static void run_at(opc_inner *in, size_t point, const char *folder,
-                   opc_problems *problems) {
-  enter_point(in, point, problems);
-  if (!problems->list->len) in->run = make_run(in, in->depth, point, problems);
-  if (in->run) opc_run_in(in->run, in->binding->run, folder, problems);
+  opc_run *run = runs->levels.last;
+  take_shared(&runs->levels, run, problems);
+  opc_inputs_take(run, runs->outer, problems);
+  opc_verdicts_judge(run->out.verdicts, run->flow, run->out.metrics, NULL);
+  opc_verdicts_take(runs->outer->out.verdicts, run->out.verdicts, 0, prefix);
+  opc_reports_write(run, TRUE, problems);
 }
 
 /* The points of a run are done; what is wrong with it. */
-static int end_point(opc_inner *in, size_t share, opc_problems *problems,
+static int end_point(opc_inner_runs *runs, size_t share, opc_problems *problems,
                      opc_error *error) {
   int code = opc_problems_code(problems);
   if (code == OPC_CANCELLED) {
-    forget_stopped(in);
+    opc_levels_forget_stopped(&runs->levels);
     return opc_fail(error, code, NULL, "stopped");
   }
-  in->done += share;
-  in->share = 0;
-  if (share) tell_progress(in, 0);
+  runs->done += share;
+  runs->share = 0;
+  if (share) tell_progress(runs, 0);
   g_autofree char *text = opc_problems_text(problems);
   return code ? opc_fail(error, code, NULL, "%s", text) : OPC_OK;
 }
 
-int opc_inner_run_point(const opc_host *host, size_t point, int keep,
-                        size_t share, opc_error *error) {
-  opc_inner *in = opc_inner_of(host);
-  in->share = share;
-  in->telling = keep;
-  g_autofree char *name = g_strdup_printf("%04zu", ++in->runs);
-  g_autofree char *folder =
-      keep ? g_strdup(in->folder) : g_build_filename(in->folder, name, NULL);
-  g_autofree char *prefix = g_strconcat(in->binding->path, ".", NULL);
+static int run_point(const opc_host *host, size_t point, int keep, size_t share,
+                     opc_error *error) {
+  opc_inner_runs *runs = runs_of(host);
+  runs->share = share;
+  runs->telling = keep;
+  g_autofree char *name = g_strdup_printf("%04zu", ++runs->count);
+  g_autofree char *folder = keep ? g_strdup(runs->folder)
+                                 : g_build_filename(runs->folder, name, NULL);
+  g_autofree char *prefix = g_strconcat(runs->in->binding->path, ".", NULL);
   g_autoptr(opc_problems) problems = opc_problems_new();
-  run_at(in, point, folder, problems);
-  if (in->run && keep && !problems->list->len)
-    keep_run(in, prefix, problems);
-  else if (in->run)
-    opc_run_branch_close(in->run, in->run->options->keep, problems);
-  return end_point(in, share, problems, error);
+  opc_levels_run(&runs->levels, point, folder, problems);
+  const opc_run *run = runs->levels.last;
+  if (run && keep && !problems->list->len)
+    keep_run(runs, prefix, problems);
+  else if (run)
+    opc_levels_close(run, run->options->keep, problems);
+  return end_point(runs, share, problems, error);
 }
 
-/* As a point of a sweep that failed. */
-static void count_failure(opc_run *outer, int code) {
-  gboolean differs = outer->failed_points && outer->points_code != code;
-  outer->points_code = differs || code != OPC_LIMIT ? OPC_FAILED : code;
-  outer->failed_points++;
-}
-
-int opc_inner_run_whole(const opc_host *host, size_t point, const char *name,
-                        size_t share, const opc_inner_run **out,
-                        opc_error *error) {
-  opc_inner *in = opc_inner_of(host);
-  in->share = share;
-  in->telling = FALSE;
-  g_autofree char *folder = g_build_filename(in->folder, name, NULL);
-  g_autofree char *prefix = g_strdup_printf("%s/%s: ", in->binding->path, name);
+static int run_whole(const opc_host *host, size_t point, const char *name,
+                     size_t share, const opc_inner_run **out,
+                     opc_error *error) {
+  opc_inner_runs *runs = runs_of(host);
+  runs->share = share;
+  runs->telling = FALSE;
+  g_autofree char *folder = g_build_filename(runs->folder, name, NULL);
+  g_autofree char *prefix =
+      g_strdup_printf("%s/%s: ", runs->in->binding->path, name);
   g_autoptr(opc_problems) problems = opc_problems_new();
   *out = NULL;
-  run_at(in, point, folder, problems);
-  if (!problems->list->len) keep_run(in, prefix, problems);
+  opc_levels_run(&runs->levels, point, folder, problems);
+  if (!problems->list->len) keep_run(runs, prefix, problems);
+  const opc_run *run = runs->levels.last;
   if (problems->list->len) {
-    if (in->run && in->run->work) opc_remove_tree(folder);
+    if (run && run->written.work) opc_remove_tree(folder);
   } else {
-    in->whole = (opc_inner_run){
-        .folder = in->run->work,
-        .seconds = in->run->total,
-        .findings = in->run->findings->len + in->run->more_findings};
-    *out = &in->whole;
-    opc_run_add_broken(in->run, problems);
+    runs->whole = (opc_inner_run){
+        .folder = run->written.work,
+        .seconds = run->out.total,
+        .findings = run->out.findings.list->len + run->out.findings.more};
+    *out = &runs->whole;
+    opc_verdicts_add_broken(run->out.verdicts, problems);
   }
-  int code = end_point(in, share, problems, error);
-  if (code && code != OPC_CANCELLED) count_failure(in->binding->run, code);
+  int code = end_point(runs, share, problems, error);
+  if (code && code != OPC_CANCELLED)
+    opc_outcome_fail_point(&runs->outer->out, code);
   return code;
 }
+
+/* ---- results ---- */
+
+static const opc_inner_metric *const *get_metrics(const opc_host *host,
+                                                  int shared, size_t *count) {
+  opc_inner_runs *runs = runs_of(host);
+  const opc_run *run = !runs ? NULL : shared ? runs->trunk : runs->levels.last;
+  *count = run ? run->out.metrics->len : 0;
+  if (!run) return NULL;
+  runs->metrics = g_renew(const opc_inner_metric *, runs->metrics, *count + 1);
+  for (guint i = 0; i < *count; i++)
+    runs->metrics[i] = &g_array_index(run->out.metrics, opc_inner_metric, i);
+  return runs->metrics;
+}
+
+static const opc_table *find_table(const opc_run *run, const char *step,
+                                   const char *name, opc_error *error) {
+  g_autoptr(GPtrArray) names = g_ptr_array_new();
+  for (guint i = 0; i < run->out.tables->len; i++) {
+    const opc_table *t = run->out.tables->pdata[i];
+    if (strcmp(t->step, step)) continue;
+    if (!strcmp(t->name, name)) return t;
+    g_ptr_array_add(names, t->name);
+  }
+  g_autofree char *suggestion = opc_suggestion(name, names);
+  opc_fail(error, OPC_INVALID, NULL, "'%s' published no table '%s'%s", step,
+           name, suggestion);
+  return NULL;
+}
+
+static const opc_column *get_column(const opc_host *host, const char *step,
+                                    const char *table_name, const char *name,
+                                    size_t *rows, opc_error *error) {
+  const opc_table *table =
+      find_table(runs_of(host)->levels.last, step, table_name, error);
+  if (!table) return NULL;
+  const opc_column *column = opc_table_column(table, name);
+  *rows = table->rows;
+  if (column && column->type != OPC_TEXT) return column;
+  g_autoptr(GPtrArray) names = g_ptr_array_new();
+  for (size_t i = 0; i < table->n_columns; i++)
+    g_ptr_array_add(names, (char *)table->columns[i].name);
+  g_autofree char *suggestion = opc_suggestion(name, names);
+  opc_fail(error, OPC_INVALID, NULL,
+           "the table '%s' of '%s' has no numbers '%s'%s", table_name, step,
+           name, suggestion);
+  return NULL;
+}
+
+static void *get_object(const opc_host *host, const char *name,
+                        const char *kind) {
+  const opc_inner_runs *runs = runs_of(host);
+  opc_run *run = runs->levels.last;
+  const opc_flow_step *step = opc_flow_find(run->flow, name);
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  if (!opc_reuse_provide(run, step, runs->in->binding->path, problems))
+    opc_problems_error(problems, &runs->outer->written.refusal);
+  void **objects = run->objects[step->number];
+  return objects ? objects[opc_inner_port(step->binding->plugin, kind)] : NULL;
+}
+
+const opc_inner_service opc_inner_functions = {
+    .size = sizeof opc_inner_functions,
+    .axes = opc_inner_axes,
+    .axis = opc_inner_find_axis,
+    .metric = opc_inner_find_metric,
+    .output = opc_inner_find_output,
+    .begin = begin,
+    .run = run_point,
+    .metrics = get_metrics,
+    .column = get_column,
+    .object = get_object,
+    .run_whole = run_whole,
+};

@@ -5,7 +5,6 @@
 #include "core/run/key.h"
 
 #include <string.h>
-#include <sys/utsname.h>
 
 #include "core/binding/inner.h"
 #include "core/text/value.h"
@@ -29,13 +28,7 @@ static char *place_of(const keyer *k, const opc_binding *b, const char *name) {
 
 static void add(keyer *k, char about, const char *path, const char *shown,
                 const char *sum) {
-  g_autofree char *valid = g_utf8_make_valid(shown, -1);
-  g_autofree char *bytes =
-      strcmp(valid, shown)
-          ? g_compute_checksum_for_string(G_CHECKSUM_SHA256, shown, -1)
-          : NULL;
-  g_variant_builder_add(&k->facts, "(ysss)", (guchar)about, path, valid,
-                        bytes ? bytes : sum);
+  opc_facts_add(&k->facts, about, path, shown, sum);
 }
 
 /* A result is not kept if one thing that it depends on cannot be told. */
@@ -44,17 +37,6 @@ static void spoil(keyer *k, char *why) {
     g_free(why);
   else
     k->key->why = why;
-}
-
-/* Bits are the same on all processors that have these instructions. */
-static const char *machine(void) {
-  static struct utsname about;
-  if (!*about.machine && uname(&about)) return "?";
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("fma") && __builtin_cpu_supports("avx2"))
-    return "x86_64 with AVX2 and FMA";
-#endif
-  return about.machine;
 }
 
 static void add_build(keyer *k, char about, const char *path, const char *shown,
@@ -226,11 +208,6 @@ static void add_inputs(keyer *k) {
   }
 }
 
-static char *sum_facts(GVariant *facts) {
-  g_autofree char *text = g_variant_print(facts, FALSE);
-  return g_compute_checksum_for_string(G_CHECKSUM_SHA256, text, -1);
-}
-
 static void make_key(keyer *k) {
   const opc_binding *b = k->step->binding;
   const opc_step *functions = b->plugin->functions;
@@ -240,7 +217,7 @@ static void make_key(keyer *k) {
   if (functions->flags & OPC_STEP_OUTSIDE)
     spoil(k,
           g_strdup_printf("%s reads what no parameter names", b->plugin->id));
-  add_build(k, OPC_FACT_COMMAND, "", machine(), NULL);
+  add_build(k, OPC_FACT_COMMAND, "", opc_facts_machine(), NULL);
   opc_binding_list(b, instances);
   for (guint i = 0; i < instances->len; i++)
     add_instance(k, instances->pdata[i]);
@@ -249,7 +226,7 @@ static void make_key(keyer *k) {
   if (k->key->why)
     g_clear_pointer(&k->key->facts, g_variant_unref);
   else
-    k->key->sum = sum_facts(k->key->facts);
+    k->key->sum = opc_facts_sum(k->key->facts);
 }
 
 void opc_flow_keys(const opc_flow *flow, opc_store *store, opc_key *keys) {
@@ -274,10 +251,17 @@ char *opc_binding_key(const opc_binding *binding, opc_store *store,
   for (guint i = 0; i < instances->len; i++)
     add_instance(&k, instances->pdata[i]);
   key.facts = g_variant_ref_sink(g_variant_builder_end(&k.facts));
-  char *sum = key.why ? NULL : sum_facts(key.facts);
+  char *sum = key.why ? NULL : opc_facts_sum(key.facts);
   if (!sum) opc_fail(error, OPC_FAILED, NULL, "%s", key.why);
   opc_key_clear(&key);
   return sum;
+}
+
+gboolean opc_key_is_unchanged(const opc_key *key, opc_store *store) {
+  for (guint i = 0; i + 1 < key->files->len; i += 2)
+    if (!opc_store_same(store, key->files->pdata[i], key->files->pdata[i + 1]))
+      return FALSE;
+  return TRUE;
 }
 
 void opc_key_clear(opc_key *key) {
@@ -290,37 +274,10 @@ void opc_key_clear(opc_key *key) {
 
 /* ---- differences ---- */
 
-typedef struct fact {
-  guchar about;
-  const char *path, *shown, *sum; /* of the variant */
-} fact;
-
-static guint fact_hash(gconstpointer f) {
-  return g_str_hash(((const fact *)f)->path) + ((const fact *)f)->about;
-}
-
-static gboolean fact_equal(gconstpointer a, gconstpointer b) {
-  return ((const fact *)a)->about == ((const fact *)b)->about &&
-         !strcmp(((const fact *)a)->path, ((const fact *)b)->path);
-}
-
-/* In their order; to be found by kind and path in the table. */
-static fact *read_facts(GVariant *facts, gsize *n, GHashTable *all) {
-  *n = g_variant_n_children(facts);
-  fact *list = g_new(fact, *n);
-  for (gsize i = 0; i < *n; i++) {
-    fact *f = &list[i];
-    g_variant_get_child(facts, i, "(y&s&s&s)", &f->about, &f->path, &f->shown,
-                        &f->sum);
-    g_hash_table_insert(all, f, f);
-  }
-  return list;
-}
-
-static char *tell(guchar about, const char *step, const char *path,
-                  const char *before, const char *now) {
+char *opc_key_difference(const void *step, char about, const char *path,
+                         const char *before, const char *now) {
   g_autofree char *whole =
-      g_strdup_printf("%s%s%s", step, *path ? "." : "", path);
+      g_strdup_printf("%s%s%s", (const char *)step, *path ? "." : "", path);
   switch (about) {
     case OPC_FACT_COMMAND:
       return g_strcmp0(before, now)
@@ -348,38 +305,4 @@ static char *tell(guchar about, const char *step, const char *path,
   }
   return g_strdup_printf("%s changed from %s to %s", whole,
                          before ? before : "nothing", now ? now : "nothing");
-}
-
-/* What is in `a` and not, or otherwise, in `b`. */
-static guint compare(const char *step, const fact *a, gsize n_a, GHashTable *b,
-                     gboolean forward, GString *out) {
-  enum { MOST = 3 }; /* told; the others are counted */
-  guint n = 0;
-  for (gsize i = 0; i < n_a; i++) {
-    const fact *f = &a[i], *its = g_hash_table_lookup(b, f);
-    if (its && (!forward ||
-                (!strcmp(f->shown, its->shown) && !strcmp(f->sum, its->sum))))
-      continue;
-    if (n++ >= MOST) continue;
-    const char *other = its ? its->shown : NULL;
-    g_autofree char *text =
-        tell(f->about, step, f->path, forward ? other : f->shown,
-             forward ? f->shown : other);
-    g_string_append_printf(out, "%s%s", out->len ? "; " : "", text);
-  }
-  if (n > MOST) g_string_append_printf(out, "; and %u more", n - MOST);
-  return n;
-}
-
-char *opc_facts_difference(const char *step, GVariant *before, GVariant *now,
-                           guint *count) {
-  GString *out = g_string_new(NULL);
-  g_autoptr(GHashTable) old = g_hash_table_new(fact_hash, fact_equal);
-  g_autoptr(GHashTable) new = g_hash_table_new(fact_hash, fact_equal);
-  gsize n_old, n_new;
-  g_autofree fact *olds = read_facts(before, &n_old, old);
-  g_autofree fact *news = read_facts(now, &n_new, new);
-  *count = compare(step, news, n_new, old, TRUE, out);
-  *count += compare(step, olds, n_old, new, FALSE, out);
-  return g_string_free(out, FALSE);
 }

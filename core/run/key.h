@@ -3,7 +3,7 @@
 #ifndef OPCFLOW_CORE_KEY_H
 #define OPCFLOW_CORE_KEY_H
 
-#include <store/store.h>
+#include <store/facts.h>
 #include "core/binding/flow.h"
 
 /* What a fact is about. */
@@ -16,11 +16,6 @@ enum {
   OPC_FACT_INNER = 'i'      /* the flow that the step runs */
 };
 
-/* All texts, a(ysss): what about; its path behind that of the step,
-   "synthesizer.limit"; as it is shown; and where that does not say it all, a
-   sum. */
-#define OPC_FACTS_TYPE G_VARIANT_TYPE("a(ysss)")
-
 typedef struct opc_key {
   char *sum;        /* the key; NULL: the result is not kept */
   char *why;        /* it is not */
@@ -29,6 +24,10 @@ typedef struct opc_key {
 } opc_key;
 
 void opc_key_clear(opc_key *key);
+
+/* Return whether all files of the key still have their sums: a file may change
+   while the step runs. */
+gboolean opc_key_is_unchanged(const opc_key *key, opc_store *store);
 
 /* The keys of a flow's steps, by their numbers. Those that have a sum, or a
    reason to have none, are left as they are. */
@@ -39,9 +38,9 @@ void opc_flow_keys(const opc_flow *flow, opc_store *store, opc_key *keys);
 char *opc_binding_key(const opc_binding *binding, opc_store *store,
                       opc_error *error);
 
-/* How two results of a step differ: "mask.limit changed from 1 % to 2 %";
-   `count`: in how many facts (g_free). */
-char *opc_facts_difference(const char *step, GVariant *before, GVariant *now,
-                           guint *count);
+/* Describe the change of a fact of the step of that name, as opc_fact_text:
+   "mask.limit changed from 1 % to 2 %" (g_free). */
+char *opc_key_difference(const void *step, char about, const char *path,
+                         const char *before, const char *now);
 
 #endif

@@ -6,7 +6,9 @@
 #include <guard/guard.h>
 #include <string.h>
 
-#include "core/run/run.h"
+#include "core/run/listen.h"
+#include "core/run/pieces.h"
+#include "core/run/result.h"
 
 /* What a piece gave, and what was said meanwhile. */
 #define PIECE_TYPE G_VARIANT_TYPE("(aya(uss))")
@@ -29,7 +31,7 @@ typedef struct keeper {
 /* Return its name in the store (g_free); NULL if it is not kept. */
 static char *piece_name(const keeper *k, size_t i) {
   const opc_pieces *p = k->pieces;
-  const opc_key *key = &k->run->keys[k->step->number];
+  const opc_key *key = &k->run->kept.keys[k->step->number];
   const char *own =
       k->run->options->store && key->sum && p->key ? p->key(p->data, i) : NULL;
   if (!own) return NULL;
@@ -51,14 +53,15 @@ static GVariant *piece_find(const keeper *k, const char *name) {
 static void piece_keep(const keeper *k, const char *name, GVariant *piece) {
   if (!name) return;
   const char *before = guard_enter(NULL);
-  if (opc_reuse_is_unchanged(k->run, &k->run->keys[k->step->number]))
+  if (opc_key_is_unchanged(&k->run->kept.keys[k->step->number],
+                           k->run->options->store))
     (void)opc_store_put(k->run->options->store, name, piece);
   guard_leave(before);
 }
 
 void opc_pieces_drop(opc_run *run) {
-  for (guint i = 0; i < run->pieces->len; i++)
-    opc_store_drop(run->options->store, run->pieces->pdata[i]);
+  for (guint i = 0; i < run->kept.pieces->len; i++)
+    opc_store_drop(run->options->store, run->kept.pieces->pdata[i]);
 }
 
 /* ---- one ---- */
@@ -66,9 +69,9 @@ void opc_pieces_drop(opc_run *run) {
 /* Do it; what was said is said when it is taken, or now if it has a fault. */
 static GVariant *piece_do(const keeper *k, size_t i, opc_error *error) {
   GVariantBuilder warned;
-  opc_piece_begin(k->run);
+  opc_listen_piece(k->run);
   GBytes *bytes = opc_piece_work(k->pieces, i, error);
-  g_autoptr(GPtrArray) said = opc_piece_end(k->run);
+  g_autoptr(GPtrArray) said = opc_listen_piece_end(k->run);
   (void)opc_said_pack(&warned, said, k->step);
   g_autoptr(GVariant) list = g_variant_ref_sink(g_variant_builder_end(&warned));
   if (!bytes) opc_said_again(k->run, k->step, list);
@@ -164,7 +167,7 @@ static int run_pieces(const opc_host *host, const opc_pieces *theirs,
   const opc_pieces own = opc_pieces_copy(theirs, own_size), *pieces = &own;
   const opc_binding *b = host->data;
   opc_run *run = b->run;
-  if (!run->at || run->piece)
+  if (!run->at || run->heard.piece)
     return opc_pieces_alone.run(host, theirs, own_size, error);
   keeper k = {.kept = {.count = pieces->count,
                        .work = kept_work,
@@ -180,7 +183,7 @@ static int run_pieces(const opc_host *host, const opc_pieces *theirs,
   const ranks_group *ranks = opc_run_ranks(run);
   for (size_t i = 0; i < pieces->count; i++) {
     char *name = piece_name(&k, i);
-    if (name) g_ptr_array_add(run->pieces, name);
+    if (name) g_ptr_array_add(run->kept.pieces, name);
   }
   const ranks_units units = {&k,       pieces->name, pieces->count, unit_cost,
                              unit_has, unit_get,     kept_take,     kept_done};

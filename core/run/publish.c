@@ -5,41 +5,41 @@
 
 #include <store/files.h>
 #include "core/plugin/declaration.h"
-#include "core/run/run.h"
+#include "core/run/publish.h"
 #include "core/run/services.h"
 #include "core/text/value.h"
 
 /* A refusal stands, whether or not the plugin passes it on. */
 static int refuse(opc_run *run, const opc_error *error) {
-  if (!run->refusal.code) run->refusal = *error;
+  if (!run->written.refusal.code) run->written.refusal = *error;
   return error->code;
 }
 
 /* A piece of work is done in one process of several. */
 static gboolean in_piece(const opc_run *run, const char *name,
                          opc_error *error) {
-  if (run->piece)
+  if (run->heard.piece)
     opc_fail(error, OPC_FAILED, NULL,
              "'%s' is published by a piece of work, which may be done in "
              "another process",
              name);
-  return run->piece != NULL;
+  return run->heard.piece != NULL;
 }
 
 /* Who has a file of the run folder, or will: NULL, or a path. */
 static const char *owner_of(const opc_run *run, const char *name) {
-  const char *owner = g_hash_table_lookup(run->claims, name);
-  return owner ? owner : g_hash_table_lookup(run->outputs, name);
+  const char *owner = g_hash_table_lookup(run->written.claims, name);
+  return owner ? owner : g_hash_table_lookup(run->written.outputs, name);
 }
 
 /* Take a name in the run folder, unless it is taken or leaves that. */
 static int claim(opc_run *run, const opc_binding *b, const char *name,
                  opc_error *error) {
   const char *owner = owner_of(run, name);
-  gboolean taken = g_hash_table_contains(run->claims, name) ||
+  gboolean taken = g_hash_table_contains(run->written.claims, name) ||
                    (owner && strcmp(owner, b->path));
   if (in_piece(run, name, error)) return error->code;
-  if (!run->work)
+  if (!run->written.work)
     return opc_fail(error, OPC_FAILED, NULL, "'%s': no step is running", name);
   if (!opc_name_is_inside(name))
     return opc_fail(error, OPC_INVALID, NULL, "'%s' leaves the run folder",
@@ -47,7 +47,7 @@ static int claim(opc_run *run, const opc_binding *b, const char *name,
   if (taken)
     return opc_fail(error, OPC_INVALID, NULL, "'%s' is already written by '%s'",
                     name, owner);
-  g_hash_table_insert(run->claims, g_strdup(name), g_strdup(b->path));
+  g_hash_table_insert(run->written.claims, g_strdup(name), g_strdup(b->path));
   return OPC_OK;
 }
 
@@ -56,13 +56,14 @@ static const char *give_path(const opc_host *host, const char *name,
   const opc_binding *b = host->data;
   opc_run *run = b->run;
   int code = claim(run, b, name, error);
-  char *path = g_build_filename(run->work ? run->work : "", name, NULL);
+  char *path =
+      g_build_filename(run->written.work ? run->written.work : "", name, NULL);
   g_autofree char *folder = g_path_get_dirname(path);
   g_ptr_array_add(b->owned, path);
   if (!code && g_mkdir_with_parents(folder, 0777))
     code = opc_fail(error, OPC_IO, NULL, "'%s': %s", folder, g_strerror(errno));
   if (!code) {
-    g_ptr_array_add(run->given, g_strdup(path));
+    g_ptr_array_add(run->written.given, g_strdup(path));
     return path;
   }
   refuse(run, error);
@@ -74,8 +75,8 @@ static char *table_file(const opc_run *run, const opc_binding *b,
                         const char *name) {
   char *file = g_strdup_printf("%s.csv", name);
   const char *owner = owner_of(run, file);
-  if (!owner ||
-      (!strcmp(owner, b->path) && !g_hash_table_contains(run->outputs, file)))
+  if (!owner || (!strcmp(owner, b->path) &&
+                 !g_hash_table_contains(run->written.outputs, file)))
     return file;
   g_free(file);
   return g_strdup_printf("%s.%s.csv", b->path, name);
@@ -87,7 +88,7 @@ static int take_table(const opc_host *host, const char *name, uint32_t flags,
   const opc_binding *b = host->data;
   opc_run *run = b->run;
   if (in_piece(run, name, error)) return refuse(run, error);
-  if (run->silent) return OPC_OK;
+  if (run->heard.silent) return OPC_OK;
   opc_table *table =
       opc_table_new(name, flags, rows, columns, n_columns, column_size, error);
   if (!table) return refuse(run, error);
@@ -100,8 +101,8 @@ static int take_table(const opc_host *host, const char *name, uint32_t flags,
     return refuse(run, error);
   }
   table->step = g_strdup(b->path);
-  g_ptr_array_add(run->tables, table);
-  g_autofree char *path = g_build_filename(run->work, file, NULL);
+  g_ptr_array_add(run->out.tables, table);
+  g_autofree char *path = g_build_filename(run->written.work, file, NULL);
   g_autofree char *csv = opc_table_csv(table);
   code = opc_write_file(path, csv, error);
   return code ? refuse(run, error) : OPC_OK;
@@ -114,15 +115,16 @@ static int take_metric(const opc_host *host, const char *name, double value,
   opc_inner_metric entry = {
       b->path, opc_metric_check(b->plugin, name, value, error), value};
   if (!entry.metric || in_piece(run, name, error)) return refuse(run, error);
-  if (run->silent) return OPC_OK;
-  for (guint i = 0; i < run->metrics->len; i++) {
-    opc_inner_metric *old = &g_array_index(run->metrics, opc_inner_metric, i);
+  if (run->heard.silent) return OPC_OK;
+  for (guint i = 0; i < run->out.metrics->len; i++) {
+    opc_inner_metric *old =
+        &g_array_index(run->out.metrics, opc_inner_metric, i);
     if (old->path == b->path && old->metric == entry.metric) {
       old->value = value;
       return OPC_OK;
     }
   }
-  g_array_append_val(run->metrics, entry);
+  g_array_append_val(run->out.metrics, entry);
   return OPC_OK;
 }
 

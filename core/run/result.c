@@ -1,93 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a step did beside its outputs, as one value: files, tables, metrics and
    warnings, so that all of it can be done again without the step. */
-#include <errno.h>
-#include <glib/gstdio.h>
 #include <string.h>
 #include <sys/stat.h>
 
-#include <store/files.h>
-#include "core/run/run.h"
+#include <store/pack.h>
+#include "core/run/result.h"
 
 /* Seconds; metrics: path, name, value; warnings: level, path, text; tables:
    name, flags, rows, columns of name, unit, type, decimals, data; files. Paths
    are those of instances behind that of the step. */
 const char opc_result_type[] = "(da(ssd)a(uss)a(suta(smsuiv))a(ayay))";
-
-/* ---- files ---- */
-
-/* TRUE also if there is no such file. */
-static gboolean add_file(GVariantBuilder *all, const char *path,
-                         const char *name) {
-  struct stat about;
-  char *text;
-  gsize n;
-  if (lstat(path, &about)) return errno == ENOENT;
-  if (!S_ISREG(about.st_mode) || !g_file_get_contents(path, &text, &n, NULL))
-    return FALSE;
-  g_variant_builder_add(all, "(^ay@ay)", name,
-                        g_variant_new_from_data(G_VARIANT_TYPE_BYTESTRING, text,
-                                                n, TRUE, g_free, text));
-  return TRUE;
-}
-
-typedef struct packer {
-  GVariantBuilder files;
-  guint64 bytes;
-} packer;
-
-static int add_bytes(void *data, const char *path, const char *name,
-                     const struct stat *about, opc_error *error) {
-  (void)path, (void)name, (void)error;
-  ((packer *)data)->bytes += (guint64)about->st_size;
-  return OPC_OK;
-}
-
-static int pack_entry(void *data, const char *path, const char *name,
-                      const struct stat *about, opc_error *error) {
-  if (S_ISDIR(about->st_mode)) return OPC_OK;
-  return add_file(&((packer *)data)->files, path, name)
-             ? OPC_OK
-             : opc_fail(error, OPC_IO, NULL, "'%s'", path);
-}
-
-GVariant *opc_files_pack(const char *folder, guint64 most) {
-  packer p = {.bytes = 0};
-  opc_error none;
-  if (opc_walk(folder, add_bytes, &p, &none) || p.bytes > most) return NULL;
-  g_variant_builder_init(&p.files, G_VARIANT_TYPE("a(ayay)"));
-  int code = opc_walk(folder, pack_entry, &p, &none);
-  GVariant *all = g_variant_builder_end(&p.files);
-  if (!code) return all;
-  g_variant_unref(g_variant_ref_sink(all));
-  return NULL;
-}
-
-/* A copy: nothing that happens to it harms the store. */
-static int write_file(const char *path, GVariant *bytes, opc_error *error) {
-  gsize n;
-  const char *text = g_variant_get_fixed_array(bytes, &n, 1);
-  g_autoptr(GError) fault = NULL;
-  if (g_file_set_contents(path, n ? text : "", (gssize)n, &fault))
-    return OPC_OK;
-  return opc_fail(error, OPC_IO, NULL, "%s", fault->message);
-}
-
-int opc_files_unpack(GVariant *files, const char *folder, opc_error *error) {
-  GVariantIter all;
-  const char *name;
-  GVariant *bytes;
-  int code = OPC_OK;
-  g_variant_iter_init(&all, files);
-  while (!code && g_variant_iter_next(&all, "(^&ay@ay)", &name, &bytes)) {
-    g_autofree char *path = g_build_filename(folder, name, NULL);
-    g_autofree char *parent = g_path_get_dirname(path);
-    (void)g_mkdir_with_parents(parent, 0777);
-    code = write_file(path, bytes, error);
-    g_variant_unref(bytes);
-  }
-  return code;
-}
 
 /* ---- from a run ---- */
 
@@ -104,9 +27,9 @@ static gboolean is_of(const char *path, const opc_flow_step *step) {
 
 static void pack_metrics(GVariantBuilder *all, const opc_run *run,
                          const opc_flow_step *step) {
-  for (guint i = 0; i < run->metrics->len; i++) {
+  for (guint i = 0; i < run->out.metrics->len; i++) {
     const opc_inner_metric *m =
-        &g_array_index(run->metrics, opc_inner_metric, i);
+        &g_array_index(run->out.metrics, opc_inner_metric, i);
     if (is_of(m->path, step))
       g_variant_builder_add(all, "(ssd)", behind(m->path, step),
                             m->metric->name, m->value);
@@ -150,24 +73,26 @@ gboolean opc_said_pack(GVariantBuilder *all, const GPtrArray *said,
 GVariant *opc_result_new(const opc_run *run, const opc_flow_step *step,
                          guint tables) {
   GVariantBuilder metrics, said, kept, files;
-  gboolean good = opc_said_pack(&said, run->said, step) && run->said;
+  gboolean good =
+      opc_said_pack(&said, run->heard.said, step) && run->heard.said;
   g_variant_builder_init(&metrics, G_VARIANT_TYPE("a(ssd)"));
   g_variant_builder_init(&kept, G_VARIANT_TYPE("a(suta(smsuiv))"));
-  g_variant_builder_init(&files, G_VARIANT_TYPE("a(ayay)"));
+  g_variant_builder_init(&files, OPC_FILES_TYPE);
   pack_metrics(&metrics, run, step);
-  for (guint i = tables; i < run->tables->len; i++)
-    pack_table(&kept, run->tables->pdata[i]);
+  for (guint i = tables; i < run->out.tables->len; i++)
+    pack_table(&kept, run->out.tables->pdata[i]);
   guint64 bytes = 0;
-  for (guint i = 0; i < run->given->len; i++) {
+  for (guint i = 0; i < run->written.given->len; i++) {
     struct stat about;
-    if (!lstat(run->given->pdata[i], &about)) bytes += (guint64)about.st_size;
+    if (!lstat(run->written.given->pdata[i], &about))
+      bytes += (guint64)about.st_size;
   }
   good = good && bytes <= opc_store_most(run->options->store);
-  for (guint i = 0; good && i < run->given->len; i++) {
-    const char *path = run->given->pdata[i];
-    good = add_file(&files, path, path + strlen(run->work) + 1);
+  for (guint i = 0; good && i < run->written.given->len; i++) {
+    const char *path = run->written.given->pdata[i];
+    good = opc_files_add(&files, path, path + strlen(run->written.work) + 1);
   }
-  GVariant *all = g_variant_new(opc_result_type, run->seconds[step->number],
+  GVariant *all = g_variant_new(opc_result_type, run->out.seconds[step->number],
                                 &metrics, &said, &kept, &files);
   if (good) return all;
   g_variant_unref(g_variant_ref_sink(all));
@@ -261,7 +186,7 @@ static int publish_files(const opc_flow_step *step, GVariant *files,
   g_variant_iter_init(&all, files);
   while (!code && g_variant_iter_next(&all, "(^&ay@ay)", &name, &bytes)) {
     const char *path = host->output_path(host, name, error);
-    code = path ? write_file(path, bytes, error) : error->code;
+    code = path ? opc_file_unpack(path, bytes, error) : error->code;
     g_variant_unref(bytes);
   }
   return code;
@@ -275,7 +200,7 @@ void opc_said_again(opc_run *run, const opc_flow_step *step, GVariant *said) {
   while (g_variant_iter_next(&all, "(u&s&s)", &level, &rest, &text)) {
     g_autofree char *path =
         g_strdup_printf("%s%s%s", step->name, *rest ? "." : "", rest);
-    run->watch.log(run, path, (int)level, text);
+    run->heard.watch.log(run, path, (int)level, text);
   }
 }
 
@@ -285,7 +210,7 @@ int opc_result_publish(opc_run *run, const opc_flow_step *step,
   g_autoptr(GVariant) said = g_variant_get_child_value(result, 2);
   g_autoptr(GVariant) tables = g_variant_get_child_value(result, 3);
   g_autoptr(GVariant) files = g_variant_get_child_value(result, 4);
-  g_variant_get_child(result, 0, "d", &run->seconds[step->number]);
+  g_variant_get_child(result, 0, "d", &run->out.seconds[step->number]);
   opc_said_again(run, step, said);
   int code = publish_files(step, files, error);
   if (!code) code = publish_tables(step, tables, error);

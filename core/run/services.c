@@ -8,7 +8,9 @@
 #include <string.h>
 
 #include "core/plugin/declaration.h"
+#include "core/run/inner_run.h"
 #include "core/run/key.h"
+#include "core/run/pieces.h"
 #include "core/run/run.h"
 
 /* NULL: nothing is kept. */
@@ -115,6 +117,8 @@ const void *opc_results_service(const opc_host *host, const char *name) {
 }
 
 const void *opc_run_service(const opc_host *host, const char *name) {
-  return strcmp(name, OPC_PIECES) ? opc_results_service(host, name)
-                                  : &opc_pieces_of_run;
+  const opc_binding *b = host->data;
+  if (!strcmp(name, OPC_PIECES)) return &opc_pieces_of_run;
+  if (!strcmp(name, OPC_INNER)) return b->inner ? &opc_inner_functions : NULL;
+  return opc_results_service(host, name);
 }

@@ -24,10 +24,6 @@ typedef struct given {
 
 /* ---- work ---- */
 
-static int failed(uint32_t flags) {
-  return (flags & ~(uint32_t)EDA_PRINT_NOTES) != 0;
-}
-
 /* By the words of the guard of `correct`: transistors whose Ion is further off
    than drawn and than the limit, and those that print no more. */
 static int tell_of_worse(const given *s, const eda_mask *m,
@@ -35,12 +31,13 @@ static int tell_of_worse(const given *s, const eda_mask *m,
   size_t worse = 0, lost = 0;
   if (!m->gates->count) return OPC_OK;
   for (size_t i = 0; i < m->gates->count; i++) {
-    if (failed(before[i])) continue;
+    if (eda_print_failed(before[i])) continue;
     double design = m->design.ion[i];
     double drawn = fabs(eda_deviation(m->before.ion[i], design));
     double now = fabs(eda_deviation(m->after.ion[i], design));
-    lost += (size_t)failed(m->flags[i]);
-    worse += !failed(m->flags[i]) && now > fmax(drawn, s->with.ion_limit);
+    lost += (size_t)eda_print_failed(m->flags[i]);
+    worse +=
+        !eda_print_failed(m->flags[i]) && now > fmax(drawn, s->with.ion_limit);
   }
   const opc_metric_value values[] = {{"worse", (double)worse},
                                      {"lost", (double)lost}};

@@ -212,7 +212,7 @@ int corners_refine(loop *l, const uint8_t *layers, opc_error *error) {
 /* ---- what they come to ---- */
 
 static int is_good(const eda_measurement *m, size_t i) {
-  return !(m->flags[i] & ~(uint32_t)EDA_PRINT_NOTES);
+  return !eda_print_failed(m->flags[i]);
 }
 
 static int measure_corner(loop *l, corner *c, eda_field *print,

@@ -12,10 +12,6 @@
    ours: about what prints are off by before they are corrected. */
 static const double near_end = 0.1;
 
-static int failed(uint32_t flags) {
-  return (flags & ~(uint32_t)EDA_PRINT_NOTES) != 0;
-}
-
 static const char *plural(size_t n) { return n == 1 ? "" : "s"; }
 static const char *verb(size_t n) { return n == 1 ? "does" : "do"; }
 
@@ -99,9 +95,9 @@ static void of_failed(const opc_host *host, const eda_gates *g,
                       const uint32_t *flags, const uint32_t *before) {
   size_t bad = 0, lost = 0, first = 0, first_lost = 0, good_before = 0;
   for (size_t i = g->count; i-- > 0;) {
-    int was_good = before && !failed(before[i]);
+    int was_good = before && !eda_print_failed(before[i]);
     good_before += (size_t)was_good;
-    if (!failed(flags[i])) continue;
+    if (!eda_print_failed(flags[i])) continue;
     bad++, first = i;
     if (was_good) lost++, first_lost = i;
   }
@@ -133,7 +129,7 @@ void findings_of_print(const opc_host *host, const eda_gates *g,
   size_t outside = 0;
   of_failed(host, g, flags, before);
   for (size_t i = 0; i < g->count; i++)
-    outside += !failed(flags[i]) && (flags[i] & EDA_PRINT_OUTSIDE);
+    outside += !eda_print_failed(flags[i]) && (flags[i] & EDA_PRINT_OUTSIDE);
   if (outside)
     host->log(host, OPC_LOG_FINDING,
               "figures of %zu of %zu transistors are from beyond the device "

@@ -87,10 +87,6 @@ int guard_begin(loop *l, const eda_printed *drawn, opc_error *error) {
   return code;
 }
 
-static int failed(uint32_t flags) {
-  return (flags & ~(uint32_t)EDA_PRINT_NOTES) != 0;
-}
-
 /* What the synthesizer wants of a gate's Ion, as a factor; NAN: nothing. */
 static double target_of(const loop *l, size_t gate) {
   const opc_module *m = l->drivers[MAIN].module;
@@ -109,7 +105,7 @@ static double off(const loop *l, const eda_performance *p, size_t i,
 }
 
 double guard_off(const loop *l, size_t i) {
-  if (failed(l->measured.flags[i])) return NAN;
+  if (eda_print_failed(l->measured.flags[i])) return NAN;
   return off(l, &l->measured.performance, i, target_of(l, i));
 }
 
@@ -180,9 +176,10 @@ static double model_margin(const loop *l) {
 
 static int fault_of(const loop *l, size_t i, double margin) {
   const guard *g = &l->guard;
-  if (failed(l->measured.flags[i])) return failed(g->flags[i]) ? GOOD : LOST;
+  if (eda_print_failed(l->measured.flags[i]))
+    return eda_print_failed(g->flags[i]) ? GOOD : LOST;
   double target = target_of(l, i);
-  if (isnan(target) || failed(g->flags[i])) return GOOD;
+  if (isnan(target) || eda_print_failed(g->flags[i])) return GOOD;
   if (l->still && l->still[i]) return GOOD; /* others may move past it */
   double drawn = off(l, &l->before, i, target) + model_margin(l);
   double most = fmax(drawn, l->ion_limit) + margin;

@@ -44,7 +44,7 @@ static double rms(const statistics *s) {
 
 /* What does not print as a transistor has no figures. */
 static int failed(const uint32_t *flags, size_t i) {
-  return flags && (flags[i] & ~(uint32_t)EDA_PRINT_NOTES) != 0;
+  return flags && eda_print_failed(flags[i]);
 }
 
 void groups_add(groups *to, int type, const eda_figures *drawn,

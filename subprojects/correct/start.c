@@ -13,7 +13,7 @@
 
 double start_disturbance(const eda_mask *m, const eda_performance *printed,
                          const uint32_t *flags, size_t i) {
-  if (flags[i] & ~(uint32_t)EDA_PRINT_NOTES) return NAN;
+  if (eda_print_failed(flags[i])) return NAN;
   return fabs(eda_deviation(printed->ion[i], m->design.ion[i])) -
          fabs(eda_deviation(m->before.ion[i], m->design.ion[i]));
 }

@@ -16,7 +16,7 @@ void trace_add(trace *t, const loop *l) {
   const biases *b = &l->now.biases;
   eda_grow(&t->row, &t->room, t->count + g->count, sizeof *t->row);
   for (size_t i = 0; i < g->count; i++) {
-    int good = !(l->measured.flags[i] & ~(uint32_t)EDA_PRINT_NOTES);
+    int good = !eda_print_failed(l->measured.flags[i]);
     t->row[t->count++] = (trace_row){
         .iteration = l->iterations,
         .l = b->l[i] * g->grid,

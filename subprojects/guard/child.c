@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Forks, and reads what the child says until it ends or is too late. */
+/* Forks, and reads the output of the child until it ends or is too late. */
 #include <guard/child.h>
 
 #include <errno.h>
@@ -31,10 +31,10 @@ static gboolean read_report(int in, gint64 deadline, GString *report) {
   }
 }
 
-/* In the child: end with the parent, however that ends, and of itself where
-   processor time runs on that nobody waits for: what it has started in its turn
-   inherits the limit. A second more than was granted, so that the parent is the
-   one to tell. */
+/* In the child: end with the parent, however the parent ends. A limit of
+   processor time, which children of the child inherit, ends work that nobody
+   waits for. It is a second longer than granted, so that the parent is the one
+   to report. */
 static void bind_to_parent(pid_t parent, double seconds) {
   enum { SPARE = 1 /* s */ };
   rlim_t most = (rlim_t)(seconds * g_get_num_processors()) + SPARE;

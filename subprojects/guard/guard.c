@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What plugins do to the process. A handler of crashes only writes texts that
-   were made before, renames the run folder and ends the process. */
+/* Finds the plugin that crashed, ended or changed the process. The handler of
+   crashes only writes texts that were made before, renames the run folder and
+   ends the process. */
 #include <guard/guard.h>
 
 #include <errno.h>
@@ -22,7 +23,7 @@ enum { STACK = 32768, MOST_RUNS = 10000 };
 static pid_t guarded; /* the process that is; 0: none */
 static int forked;    /* this one is a copy of it */
 
-/* ---- what is said and kept ---- */
+/* ---- the message and the folder ---- */
 
 /* Written where nothing runs that could crash; a handler only reads them. */
 static char where[2 * PATH_MAX], work[PATH_MAX], failed[PATH_MAX];
@@ -48,7 +49,7 @@ void guard_folder(const char *folder, const char *name, const char *file) {
   if (end) *end = 0;
 }
 
-/* ---- the end: only what is safe in a handler ---- */
+/* ---- the end: functions that are safe in a handler ---- */
 
 /* "-N" in decimal. */
 static void put_number(char *to, int n) {
@@ -128,7 +129,7 @@ _Noreturn static void blame(const char *id, const char *what,
 
 /* ---- which plugin ---- */
 
-/* What a thread is at, which others read. */
+/* The work of a thread, which others read. */
 typedef struct worker {
   const char *inside;  /* the plugin */
   const char *suspect; /* the one that was in it after the last look */
@@ -172,7 +173,8 @@ static int add_others(char *list, size_t room, int n, int suspects) {
   return n;
 }
 
-/* For what belongs to no thread: it may have been any that is at work. */
+/* Report a change that belongs to no thread: any plugin at work may have made
+   it. */
 static void blame_all(const char *id, const char *what, const char *detail) {
   char list[1024] = "";
   int n = add_name(list, sizeof list, 0, id);
@@ -223,7 +225,7 @@ static void begin_thread(void) {
   pthread_mutex_unlock(&workers_lock);
 }
 
-/* ---- what it did ---- */
+/* ---- changes of the process ---- */
 
 /* Between two looks at the same plugin, s: one takes 4 us, where system calls
    are slow 25, and some plugins are called a thousand times a second. */
@@ -241,7 +243,7 @@ static double now(void) {
   return (double)t.tv_sec + (double)t.tv_nsec * 1e-9;
 }
 
-/* What costs nothing, after each call. */
+/* The checks that cost nothing, after each call. */
 static void glance(void) {
   const char *what = process_thread_change();
   if (forked) blame(me.inside, "forked and went on", "");
@@ -312,10 +314,10 @@ void guard_adopt(const char *id) {
 
 const char *guard_inside(void) { return me.inside; }
 
-/* ---- what ends it ---- */
+/* ---- reasons to end ---- */
 
-/* Of a thread that is ending now nothing is read: a handler cannot wait for the
-   lock, and then names the first thread's plugin only. */
+/* A handler cannot wait for the lock. If another thread holds it, that thread
+   may be ending, so only the first thread's plugin is named. */
 void guard_end(int code) {
   static char list[1024];
   int alone = pthread_mutex_trylock(&workers_lock);

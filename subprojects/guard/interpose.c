@@ -40,7 +40,7 @@ EXPORT _Noreturn void _Exit(int code) { leave("_Exit", code); }
 
 /* ---- threads ---- */
 
-/* One that a plugin starts is in that plugin. */
+/* A thread that a plugin starts is in that plugin. */
 typedef struct beginning {
   void *(*work)(void *);
   void *data;
@@ -54,9 +54,9 @@ static void *begin(void *data) {
   return b.work(b.data);
 }
 
-/* Below the stack of each thread, bytes, as Linux keeps below the first one's:
-   a function with much on the stack would step over the usual page, into what
-   belongs to another thread. */
+/* Guard below the stack of each thread, bytes, as Linux keeps below the first
+   thread's. A function with much on the stack would step over the usual page,
+   into memory of another thread. */
 enum { GUARD = 1 << 20 };
 
 /* As `how`, which may be NULL, with that guard. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The least of what the machine, the control groups and the limits of the
-   process leave; proc(5), getrlimit(2) and the kernel's cgroup-v2. */
+/* The least memory left by the machine, the control groups and the limits of
+   the process; proc(5), getrlimit(2) and the kernel's cgroup-v2. */
 #include <glib.h>
 #include <guard/memory.h>
 #include <malloc.h>
@@ -30,8 +30,8 @@ static double machine_free(void) {
   return number_in("/proc/meminfo", "MemAvailable:") + fmax(swap, 0);
 }
 
-/* Of the group in that folder: its limit, less what it uses; files that are
-   only cached give way. */
+/* Return the limit of the control group in that folder, less its use; cached
+   files do not count as used. */
 static double group_free(const char *folder) {
   g_autofree char *most = g_build_filename(folder, "memory.max", NULL);
   g_autofree char *now = g_build_filename(folder, "memory.current", NULL);
@@ -40,7 +40,7 @@ static double group_free(const char *folder) {
          fmax(number_in(kinds, "inactive_file "), 0);
 }
 
-/* Of the group of this process and of all that it is in. */
+/* Return the least of this process's group and of all groups around it. */
 static double groups_free(void) {
   g_autofree char *text = NULL;
   double least = NAN;
@@ -79,6 +79,6 @@ double memory_free(const char **source) {
     least = all[i].bytes;
     *source = all[i].source;
   }
-  /* What was freed and is kept for the next time counts as used above. */
+  /* Freed memory that malloc keeps counts as used above. */
   return fmax(least, 0) + (double)mallinfo2().fordblks;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Takes down what the process is like, and compares. */
+/* Records the state of the process, and compares. */
 #include <guard/process.h>
 
 #include <errno.h>
@@ -17,7 +17,7 @@
 
 enum {
   STREAMS = 3,
-  SIGNALS = 20,         /* room for process_signals */
+  SIGNALS = 20,         /* at least as many as process_signals has */
   LONGEST_LOCALE = 512, /* all categories, each with its name */
   FIRST_OWN = 100 /* descriptors of our own: above those that others count on */
 };
@@ -42,7 +42,7 @@ const process_signal process_signals[] = {
     {SIGTERM, "SIGTERM", NULL},
     {0, NULL, NULL}};
 
-/* ---- what it is like ---- */
+/* ---- the present state ---- */
 
 typedef struct place {
   dev_t device;
@@ -97,7 +97,7 @@ static uint64_t blocked_now(void) {
   return bits;
 }
 
-/* Without what a calculation leaves there, exceptions that were seen. */
+/* Without the flags of exceptions, which calculations leave there. */
 static uint32_t numbers_now(void) {
 #if defined(__x86_64__)
   uint16_t x87;
@@ -127,7 +127,7 @@ void process_settle(void) {
   settled.numbers = numbers_now();
 }
 
-/* ---- what it was like ---- */
+/* ---- changes ---- */
 
 static const char *stream_change(void) {
   static const char *const names[STREAMS] = {
@@ -165,7 +165,7 @@ const char *process_change(const char **detail) {
       return "changed the handler of ";
     }
   if (differ(folder_now(), settled.folder)) return "changed the working folder";
-  /* That it is set to what it should be hurts no other thread. */
+  /* Setting the recorded modes again hurts no other thread. */
   if (umask(settled.modes) != settled.modes)
     return "changed the modes of new files";
   if (has_alarm()) return "left an alarm set";

@@ -9,8 +9,8 @@
 #include <stddef.h>
 #include <time.h>
 
-/* Work that does not stop by itself within this time is ended, s: the whole is
-   to take no more than one, and on a busy machine that takes up to 0.4 more. */
+/* Work that does not stop by itself within this time is ended, s. Stopping is
+   to take at most 1 s; a busy machine adds up to 0.4 s. */
 static const struct timespec patience = {0, 500000000};
 
 static volatile sig_atomic_t asked;

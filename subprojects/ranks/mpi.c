@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The calls of MPI. Its functions that wait spin; here they are asked again and
-   again with naps between, so that an idle rank leaves the processor to others
-   and hears that it is to stop. */
+/* The calls of MPI. The waiting functions of MPI spin. Polling with naps in
+   between leaves the processor of an idle rank to others, and notices the wish
+   to stop. */
 #include "calls.h"
 
 #include <mpi.h>
@@ -24,7 +24,7 @@ static int ended;     /* under the lock */
 /* ---- waiting ---- */
 
 enum {
-  AT_ONCE = 50,   /* times that it is asked without a nap: what comes at once */
+  AT_ONCE = 50,   /* polls without a nap, for messages that come at once */
   SHORTEST = 20,  /* us: a message of a neighbour */
   LONGEST = 1000, /* us: nothing is noticed of it beside pieces of seconds */
   SERVING = 200   /* us between looks at who asks for a turn */
@@ -140,7 +140,7 @@ void mpi_end(void) {
 
 int mpi_start(int (*stopped)(void), int *rank, int *size) {
   int level;
-  /* Crashes are the command's own to tell of. */
+  /* The command reports crashes itself. */
   (void)setenv("OMPI_MCA_opal_signal", "", 0);
   if (MPI_Init_thread(NULL, NULL, MPI_THREAD_SERIALIZED, &level) ||
       level < MPI_THREAD_SERIALIZED)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What ranks agree on, and how they share units of work. */
+/* Agreement of ranks, and sharing of units of work. */
 #include <ranks/ranks.h>
 #include <string.h>
 
@@ -134,7 +134,7 @@ static GBytes *exchange(sharing *s, size_t i, opc_error *error) {
   return code ? NULL : g_steal_pointer(&own);
 }
 
-/* A rank that cannot take a result still gives the others theirs. */
+/* A rank that cannot take a result still sends its own to the others. */
 static int take_all(sharing *s, opc_error *error) {
   const ranks_units *u = s->units;
   int code = OPC_OK;

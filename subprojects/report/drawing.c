@@ -91,7 +91,7 @@ static part worst_part(const eda_mask *m, size_t n) {
   ranked *all = eda_alloc(g->count, sizeof *all);
   for (size_t i = 0; i < g->count; i++) {
     double d = fabs(eda_deviation(m->after.ion[i], m->design.ion[i]));
-    int fails = (m->flags[i] & ~(uint32_t)EDA_PRINT_NOTES) || !isfinite(d);
+    int fails = eda_print_failed(m->flags[i]) || !isfinite(d);
     all[i] = (ranked){fails ? INFINITY : d, i};
   }
   qsort(all, g->count, sizeof *all, by_deviation);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A plugin at work: its declaration, instances at the bounds of its parameters,
-   its results, alone and among threads, and its memory. What its work is and
-   what is wrong with it, its kind knows. */
+   its results, alone and among threads, and its memory. The kind of the plugin
+   runs its work, and judges the results. */
 #include "tools/devel/lint.h"
 
 #include <guard/child.h>
@@ -16,7 +16,7 @@
 #include "tools/devel/instance.h"
 #include "tools/devel/published.h"
 
-/* Of the time of a check, after which work is asked to stop. */
+/* Part of the time of a check after which work is asked to stop. */
 static const double part = 0.25;
 
 enum {
@@ -29,7 +29,7 @@ enum {
 
 /* ---- saying ---- */
 
-/* What a check works with; `hears` is what the exerciser of the kind gets. */
+/* The state of a check; the exerciser of the kind gets `hears`. */
 struct opc_inspection {
   opc_inspector hears;
   const opc_lint *lint;
@@ -38,7 +38,7 @@ struct opc_inspection {
   size_t sample;        /* the file that it gets */
   int out;              /* -1: nobody listens */
   guint notes;          /* said so far */
-  GChecksum *digest;    /* of all that the plugin gave */
+  GChecksum *digest;    /* of all results */
 };
 typedef struct opc_inspection inspector;
 
@@ -80,7 +80,7 @@ static void note(opc_inspector *hears, const char *format, ...) {
 static gint64 begun, granted;
 
 /* For how long this process wanted a processor and had none, us: on a busy
-   machine not the plugin's fault. 0 where the kernel does not tell. */
+   machine not the plugin's fault. 0 where the kernel does not report it. */
 static gint64 waited(void) {
   unsigned long long ran, waits = 0; /* ns */
   FILE *f = fopen("/proc/self/schedstat", "r");
@@ -138,7 +138,7 @@ static void check_declaration(inspector *in) {
     check_stop(in, plugin->metrics[i].name, plugin->metrics[i].summary);
 }
 
-/* A refusal must have a message; what it says is noted for the defaults. */
+/* A refusal must have a message, which is noted for the defaults. */
 static void check_with(inspector *in, const opc_parameter *p, double number) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   opc_instance made;
@@ -278,7 +278,7 @@ static gpointer trial_work(gpointer data) {
   return NULL;
 }
 
-/* The digest of what it gave; NULL if it was not ready, or refused. */
+/* Return the digest of its results; NULL if it was not ready, or refused. */
 static char *trial_end(trial *t) {
   opc_instance_clear(&t->made);
   g_autofree char *published = opc_published_digest(&t->published);
@@ -290,8 +290,8 @@ static char *trial_end(trial *t) {
   return digest;
 }
 
-/* The digest of what an instance gives; NULL if it cannot be made, of which
-   check_instances tells, or is not to be tried. */
+/* Return the digest of an instance's results. NULL if the instance is not to be
+   tried, or cannot be made, which check_instances reports. */
 static char *work(inspector *in) {
   trial t;
   if (!can_try(in)) return NULL;
@@ -357,8 +357,8 @@ static void check_threads(inspector *in) {
   say_digest(in);
 }
 
-/* Two instances by a thread each; what they say is what the first check
-   heard. */
+/* Two instances by a thread each; the first check has reported their
+   messages. */
 static void check_together(inspector *in) {
   trial t[TOGETHER];
   GThread *thread[TOGETHER] = {NULL};
@@ -406,7 +406,7 @@ static double growth(const inspector *in, gboolean working, int most) {
   return more < SMALLEST_LEAK ? 0 : more / n;
 }
 
-/* What grows again and again, after a start, goes on growing. */
+/* Memory that grows twice after the first use goes on growing. */
 static void check_leaks(inspector *in) {
   for (int working = 0; working < 2; working++) {
     growth(in, working, 1);

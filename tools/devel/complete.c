@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For shells: what the last word of a command line may be. One candidate a
-   line; after a '=', only what comes behind it. Nothing where any file name
-   will do: the shell knows those. */
+/* For shells: prints the candidates for the last word of a command line, one in
+   a line; after a '=', only the part behind it. Prints nothing where any file
+   name will do: the shell knows those. */
 #include <string.h>
 
 #include "core/binding/flow.h"
@@ -30,8 +30,9 @@ static void offer_all(const line *l, const GPtrArray *words) {
 
 /* ---- options ---- */
 
-/* Offer those of the verb and of all, and find what `word`, if it is one, has
-   for its value in the next word; either may be NULL. */
+/* Offer the options of the verb and of all verbs. Return the name of the value
+   that `word` takes from the next word, if it is an option. Either may be NULL.
+ */
 static const char *go_through_options(const line *l, const line *to,
                                       const char *word) {
   const cli_option *const both[] = {l->verb ? l->verb->options : NULL,

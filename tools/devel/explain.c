@@ -5,7 +5,6 @@
 
 #include "core/cli/cli.h"
 #include "core/report/contents.h"
-#include "core/run/run.h"
 #include "tools/devel/verbs.h"
 
 static gboolean json;
@@ -34,7 +33,7 @@ static JsonArray *results_of(JsonNode *manifest, JsonObject **store) {
   return node && JSON_NODE_HOLDS_ARRAY(node) ? json_node_get_array(node) : NULL;
 }
 
-/* ---- telling: what is the same at many points, once ---- */
+/* ---- printing: equal lines of many points once ---- */
 
 typedef struct line {
   const char *step, *result, *reason;

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Makes up what a plugin must be given, and an instance with it. */
+/* Makes up the required parameters of a plugin, and an instance with them. */
 #include "tools/devel/instance.h"
 
 #include <string.h>
 
+#include "core/binding/inner.h"
 #include "core/binding/layers.h"
 #include "core/text/value.h"
 
@@ -17,7 +18,7 @@ static double sample_number(const opc_parameter *p) {
   return high ? p->max - 1 : 1;
 }
 
-/* NULL for what cannot be made up. */
+/* NULL for types that cannot be made up. */
 static char *sample_text(const char *file, const opc_parameter *p) {
   g_autofree char *number = opc_quantity_text(p, sample_number(p));
   g_auto(GStrv) words = opc_choice_list(p->choices);
@@ -74,7 +75,8 @@ static gboolean is_given(const opc_instance *made, const char *name) {
   return made->given && opc_node_get(made->given, word);
 }
 
-/* What `plugin`, in the slots that `inside` names, must be given. */
+/* Make up the required parameters of `plugin`, in the slots that `inside`
+   names. */
 static void make_up(const opc_making *making, const opc_plugin *plugin,
                     const char *inside, int depth, opc_instance *made,
                     opc_problems *problems) {
@@ -120,6 +122,9 @@ gboolean opc_instance_make(const opc_making *making, const opc_host *like,
     made->binding =
         opc_bind_plugin(making->registry, making->plugin, made->map,
                         making->plugin->id, &at, OPC_BIND_NO_INPUTS, problems);
+  if (!problems->list->len)
+    opc_inner_open(made->binding, making->registry, OPC_BIND_NO_INPUTS,
+                   problems);
   return !problems->list->len &&
          opc_binding_create(made->binding, making->watch, like, problems);
 }

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* An instance of a plugin for `opcflow lint`: parameters that must be given are
-   made up where nobody gives them; a slot gets the first plugin of its kind
-   that there is. */
+/* An instance of a plugin for `opcflow lint`. Required parameters are made up
+   where the user leaves them out; a slot has the first plugin of its kind. */
 #ifndef OPCFLOW_DEVEL_INSTANCE_H
 #define OPCFLOW_DEVEL_INSTANCE_H
 
@@ -11,7 +10,7 @@ typedef struct opc_making {
   opc_registry *registry; /* for the plugins in slots */
   const opc_plugin *plugin;
   const char *file;             /* for parameters that must be one */
-  const char *parameters;       /* a map in flow syntax, over what is made up */
+  const char *parameters;       /* a map in flow syntax, over the made-up one */
   const opc_parameter *changed; /* one with another number; NULL: none */
   double number;
   const opc_watch *watch; /* who may stop it; NULL: nobody */

@@ -18,8 +18,8 @@
 
 /* ---- one check ---- */
 
-/* Take a line of a report; a text is kept once. Of several digests, one that is
-   not `first` counts. */
+/* Take a line of a report; a text is kept once. A digest that
+   differs from `first` counts before others. */
 static void take_line(opc_lint *lint, const char *line, const char *first,
                       char **digest) {
   if (*line == 'S') lint->sample = strtoul(line + 1, NULL, 10);
@@ -93,7 +93,7 @@ static gboolean check_exports(opc_lint *lint) {
   g_auto(GStrv) lines = g_strsplit(text, "\n", -1);
   for (guint i = 0; lines[i]; i++) {
     g_autofree char *name = g_strndup(lines[i], strcspn(lines[i], " @"));
-    /* What linkers and compilers put there by themselves. */
+    /* Linkers and compilers add such names by themselves. */
     if (!*name || !strcmp(name, OPC_ENTRY_NAME) || *name == '_') continue;
     g_ptr_array_add(
         lint->findings,
@@ -153,7 +153,7 @@ static void give_up(opc_lint *lint, size_t i, const char *why) {
                     g_strdup_printf("%s: %s", opc_checks[i].name, why));
 }
 
-/* Work that is not tried gives no digest. */
+/* Work that is not tried has no digest. */
 static void lint_run(opc_lint *lint) {
   g_autofree char *first = NULL;
   if (!lint->folder)
@@ -198,8 +198,8 @@ static void lint_end(opc_lint *lint) {
 /* How long one check may take, s. */
 static const double patience = 60;
 
-/* Begin anew without malloc's cache of each thread, of which what is free
-   counts as used: leaks could not be told from it. */
+/* Begin anew without malloc's cache of each thread: free memory in the cache
+   counts as used, and would look like a leak. */
 static void begin_anew(void) {
   if (g_getenv("GLIBC_TUNABLES")) return;
   g_setenv("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0", TRUE);
@@ -221,7 +221,7 @@ static void append_all(GString *line, const GPtrArray *texts, const char *gap) {
     g_string_append_printf(line, "%s%s", i ? gap : "", (char *)texts->pdata[i]);
 }
 
-/* The last line tells what was looked at and what was not. */
+/* The last line lists the checks that were made and those that were not. */
 static void print_text(const opc_lint *lint) {
   for (guint i = 0; i < lint->findings->len; i++)
     cli_print("%s: %s\n", lint->path, (char *)lint->findings->pdata[i]);

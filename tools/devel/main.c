@@ -5,9 +5,10 @@
 #include "tools/devel/verbs.h"
 
 const cli_verb *const cli_verbs[] = {
-    &cli_run,     &cli_check,   &devel_explain, &cli_cache,
-    &cli_plugins, &cli_inspect, &devel_lint,    &devel_schema,
-    &devel_new,   &cli_version, &cli_help,      &devel_complete,
+    &cli_run,     &cli_check,     &devel_explain,
+    &cli_cache,   &devel_plugins, &devel_inspect,
+    &devel_lint,  &devel_schema,  &devel_new,
+    &cli_version, &cli_help,      &devel_complete,
     NULL};
 
 int main(int argc, char **argv) { return cli_main(argc, argv); }

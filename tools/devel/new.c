@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* opcflow new: files to begin with, of a plugin that works or of a flow that
    runs. The texts are the templates of the plugin's kind; those of steps,
-   commands and flows lie in data/templates. With --process a flow extends one
-   that is whole but for the file that it works on. */
+   commands and flows are in data/templates. With --process a flow extends one
+   that is complete except for the file that it works on. */
 #include <errno.h>
 #include <gio/gio.h>
 #include <glib/gstdio.h>
@@ -26,7 +26,7 @@ static const cli_option options[] = {
     {"json", "tell the files as JSON", .flag = &json},
     {0}};
 
-/* What is made: its name "mine", of a plugin also its id "step.mine" and its
+/* The new thing: its name "mine"; of a plugin also its id "step.mine" and its
    kind; the folder where everything goes; the files that were written. */
 static char *name, *id, *kind, *folder;
 static GPtrArray *files; /* char * */
@@ -81,7 +81,7 @@ static gboolean is_own_verb(const char *word) {
   return FALSE;
 }
 
-/* Name, id and kind from what was given of them; -1 or the exit code. */
+/* Find name, id and kind from the given ones; -1 or the exit code. */
 static int settle_names(const char *given) {
   if (!opc_is_id(given))
     return cli_error(CLI_USAGE,
@@ -143,7 +143,7 @@ static int new_plugin(const GPtrArray *arguments) {
 
 /* ---- a flow that extends a process ---- */
 
-/* Base flows lie in these folders beside one of plugins, as NAME.yaml. */
+/* Base flows are in these folders beside one of plugins, as NAME.yaml. */
 static const char *const bases[] = {"processes", "scanners"};
 
 /* Which folder of plugins there need not be: a user's has base flows alone. */
@@ -193,8 +193,8 @@ static char *known_names(GPtrArray *names) {
   return g_string_free(all, FALSE);
 }
 
-/* The path of a process, which may be one itself (g_free); NULL and what there
-   is, told. */
+/* Return the path of a process, which may be given itself (g_free). NULL, after
+   a list of all processes. */
 static char *find_process(void) {
   if (g_file_test(process, G_FILE_TEST_IS_REGULAR))
     return g_canonicalize_filename(process, NULL);
@@ -269,7 +269,7 @@ static int name_after(const char *file) {
   return cli_error(CLI_USAGE, "'%s' is no name for a flow", file);
 }
 
-/* What the flow reads may be there already. */
+/* The files that the flow reads may exist already. */
 static int new_flow(const GPtrArray *arguments) {
   guint at = process ? 2 : 1; /* of the flow's own name */
   const char *path = arguments->len > at ? arguments->pdata[at] : "flow.yaml";

@@ -8,7 +8,7 @@
 
 #include "core/cli/cli.h"
 #include "core/plugin/declaration.h"
-#include "core/run/run.h"
+#include "core/report/json.h"
 #include "core/text/unit.h"
 #include "core/text/value.h"
 #include "tools/devel/opcflow-schema.h"
@@ -51,7 +51,7 @@ JsonNode *opc_node_json(const opc_node *node) {
 
 /* ---- small pieces ---- */
 
-/* What is always so, as YAML, of which JSON is a part. */
+/* A fixed part, as YAML, of which JSON is a part. */
 static JsonObject *piece(const char *text) {
   static const opc_source source = {.name = (char *)"schema"};
   g_autoptr(opc_problems) problems = opc_problems_new();
@@ -127,7 +127,7 @@ static JsonObject *number(const opc_parameter *p) {
   return o;
 }
 
-/* What is a text for a flow, whatever YAML takes it for. */
+/* A value that flows take as a text, whatever YAML takes it for. */
 static JsonObject *any_text(void) {
   return piece("{ type: [string, number, boolean] }");
 }
@@ -215,8 +215,8 @@ static JsonObject *parameter_schema(const opc_parameter *p) {
   return o;
 }
 
-/* The schema of the map that a parameter stands in: that of the plugin, or of
-   its group. */
+/* Return the schema of the map that holds a parameter: that of the plugin, or
+   of its group. */
 static JsonObject *home(JsonObject *plugin, const char *name,
                         const char **last) {
   JsonObject *at = plugin;
@@ -250,7 +250,7 @@ static JsonObject *plugin_schema(const opc_plugin *plugin) {
   return o;
 }
 
-/* What must be there: `use` and the required parameters, but for those in
+/* Return the required keys: `use` and the required parameters, except those in
    groups, which may be written with dots. */
 static JsonObject *needs(const opc_plugin *plugin) {
   JsonObject *o = piece("{ required: [use] }");
@@ -280,7 +280,7 @@ static JsonObject *kind_schema(const GPtrArray *plugins, const char *kind) {
   return o;
 }
 
-/* The kinds that may stand in a flow: steps, and what slots want. */
+/* Return the kinds that a flow may use: steps, and the kinds of slots. */
 static GHashTable *used_kinds(const GPtrArray *plugins) {
   GHashTable *kinds = g_hash_table_new(g_str_hash, g_str_equal);
   g_hash_table_add(kinds, (char *)OPC_KIND_STEP);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Makes single plugins and keeps what they publish, for tests. */
+/* Makes single plugins and keeps their results, for tests. */
 #include "tools/devel/testing.h"
 
 #include <math.h>
@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "core/binding/binding.h"
+#include "core/binding/inner.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/host.h"
 #include "core/text/value.h"
@@ -82,6 +83,8 @@ opc_module *opc_test_module(const char *id, const char *mapping,
                         OPC_BIND_NO_INPUTS, problems);
   if (b) g_ptr_array_add(b->presets, g_steal_pointer(&map)); /* lives as long */
   if (!problems->list->len)
+    opc_inner_open(b, state.registry, OPC_BIND_NO_INPUTS, problems);
+  if (!problems->list->len)
     opc_binding_create(b, &watch, &state.published.host, problems);
   if (!problems->list->len) return &g_steal_pointer(&b)->module;
   g_autofree char *text = opc_problems_text(problems);
@@ -120,7 +123,7 @@ void opc_test_release(opc_module *module, void **outputs) {
   }
 }
 
-/* ---- what it said ---- */
+/* ---- results ---- */
 
 double opc_test_metric(const char *name) {
   const GArray *metrics = state.published.metrics;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* <opcflow/testing.h>, and what our own tests have more. */
+/* <opcflow/testing.h>, and more for our own tests. */
 #ifndef OPCFLOW_DEVEL_TESTING_H
 #define OPCFLOW_DEVEL_TESTING_H
 

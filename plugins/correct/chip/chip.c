@@ -67,12 +67,48 @@ void work_progress(const work *w, double part) {
   w->host->progress(w->host, &at);
 }
 
-void work_tell(const work *w, const pages *on, size_t places, size_t clips) {
+/* What else a sheet depends on was taken in earlier rounds. */
+static const char *sheets_key(void *data, size_t i) {
+  sheets *s = data;
+  g_free(s->key);
+  return s->key = g_strdup_printf("%zu %zu", s->work->round, i);
+}
+
+static double sheets_cost(void *data, size_t i) {
+  return ((const sheets *)data)->pages.area[i];
+}
+
+static void sheets_done(void *data, size_t done) {
+  sheets *s = data;
+  s->done = done;
+  work_progress(s->work, (double)done / (double)s->pages.count);
+}
+
+int work_sheets(sheets *s, int32_t reach, opc_pieces jobs, opc_error *error) {
+  work *w = s->work;
+  int32_t most = w->window + 2 * reach;
   double area = 0, um = w->chip->grid / 1000;
-  for (size_t i = 0; i < on->count; i++) area += on->area[i];
+  eda_box *box = eda_alloc(s->count, sizeof *box);
+  for (size_t i = 0; i < s->count; i++)
+    box[i] = w->chip->gate[s->number[i]].box;
+  cover_make(box, s->count, reach, most, &s->cover);
+  free(box);
+  pages_make(&s->cover, most, w->gap, &s->pages);
+  w->sheets += s->pages.count;
+  for (size_t i = 0; i < s->pages.count; i++) area += s->pages.area[i];
   w->host->log(w->host, OPC_LOG_INFO,
                "%zu transistors in %zu clips of %.0f um^2, on %zu sheets",
-               places, clips, area * um * um, on->count);
+               s->count, s->cover.count, area * um * um, s->pages.count);
+  jobs.data = s;
+  jobs.count = s->pages.count;
+  jobs.key = sheets_key;
+  jobs.cost = sheets_cost;
+  jobs.done = sheets_done;
+  int code = opc_do_pieces(w->host, &jobs, error);
+  pages_clear(&s->pages);
+  cover_clear(&s->cover);
+  g_free(s->key);
+  return code;
 }
 
 /* The next phase, whose share of the time is about this, ours. */

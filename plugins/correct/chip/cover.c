@@ -17,11 +17,8 @@ typedef struct maker {
 
 static eda_box around(const maker *m, size_t first, size_t count) {
   eda_box all = m->places[m->out->place[first]];
-  for (size_t k = first + 1; k < first + count; k++) {
-    eda_box b = m->places[m->out->place[k]];
-    all = (eda_box){MIN(all.x0, b.x0), MIN(all.y0, b.y0), MAX(all.x1, b.x1),
-                    MAX(all.y1, b.y1)};
-  }
+  for (size_t k = first + 1; k < first + count; k++)
+    eda_box_join(&all, m->places[m->out->place[k]]);
   return (eda_box){all.x0 - m->reach, all.y0 - m->reach, all.x1 + m->reach,
                    all.y1 + m->reach};
 }

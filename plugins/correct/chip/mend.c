@@ -12,16 +12,10 @@
 #include "work.h"
 
 typedef struct mend {
-  work *work;
-  const uint32_t *number; /* of each transistor to correct, in the chip */
-  size_t count;
-  int stand; /* all others have the chip's masks, and keep them */
-  cover cover;
-  pages pages;
+  sheets on;      /* the transistors to correct */
+  int stand;      /* all others have the chip's masks, and keep them */
   uint32_t *mask; /* of each: its new one */
-  size_t sheets;  /* done */
   double *better; /* of each: |Ion deviation| that it has to beat; NULL */
-  char *key;
 } mend;
 
 /* What is told of one of them: then come its parts and boxes. */
@@ -49,38 +43,29 @@ static eda_mask *stand(const mend *m, const sheet *s, uint8_t **still) {
   for (size_t i = 0; i < g->count; i++) {
     (*still)[i] = s->place[i] == UINT32_MAX;
     if ((*still)[i])
-      eda_chip_move(m->work->chip, s->of[i], g->box[i], mask->moved, i);
+      eda_chip_move(m->on.work->chip, s->of[i], g->box[i], mask->moved, i);
   }
   return mask;
 }
 
 /* ---- what the loop ends with ---- */
 
-static int failed(uint32_t flags) {
-  return (flags & ~(uint32_t)EDA_PRINT_NOTES) != 0;
-}
-
 static double off(const loop *l, size_t i) {
-  if (failed(l->measured.flags[i])) return INFINITY;
+  if (eda_print_failed(l->measured.flags[i])) return INFINITY;
   return fabs(eda_deviation(l->measured.performance.ion[i], l->design.ion[i]));
-}
-
-static double apart(eda_box a, eda_box b) {
-  return hypot(0.5 * ((double)a.x0 + a.x1 - b.x0 - b.x1),
-               0.5 * ((double)a.y0 + a.y1 - b.y0 - b.y1));
 }
 
 /* The transistor that a patch or a bite belongs to: the nearest of those within
    the radius, as only these have the same shapes there everywhere. */
 static uint32_t owner_of(const mend *m, const eda_gates *g,
                          const eda_index *index, eda_box b) {
-  int32_t r = m->work->radius;
+  int32_t r = m->on.work->radius;
   uint32_t owner = UINT32_MAX;
   double least = INFINITY;
   eda_finder f =
       eda_index_find(index, (eda_box){b.x0 - r, b.y0 - r, b.x1 + r, b.y1 + r});
   for (uint32_t i; eda_index_next(&f, &i);) {
-    double d = apart(b, g->box[i]);
+    double d = eda_box_distance(b, g->box[i]);
     if (d > least || (d == least && i > owner)) continue;
     least = d;
     owner = i;
@@ -161,7 +146,7 @@ static int put_all(const mend *m, const loop *l, const sheet *s, opc_bytes *out,
       return opc_fail(error, OPC_INVALID, "synthesizer",
                       "%s moves fragments of edges, or adds bars: a chip keeps "
                       "how transistors were moved",
-                      m->work->with->synthesizer->id);
+                      m->on.work->with->synthesizer->id);
   owned o;
   own_all(m, l, &o);
   const head h = {l->printer.simulations, l->printer.fine_simulations};
@@ -184,7 +169,7 @@ typedef struct inner {
 OPC_PRINTF(3, 4)
 static void log_inner(const opc_host *host, int level, const char *format,
                       ...) {
-  const opc_host *outer = ((const inner *)host)->mend->work->host;
+  const opc_host *outer = ((const inner *)host)->mend->on.work->host;
   va_list arguments;
   va_start(arguments, format);
   g_autofree char *line = g_strdup_vprintf(format, arguments);
@@ -196,13 +181,14 @@ static void tell_inner(const opc_host *host, const opc_progress *at) {
   const inner *in = (const inner *)host;
   const mend *m = in->mend;
   double part = at->total > 0 ? at->done / at->total : 0;
-  if (isfinite(at->worst)) m->work->worst = at->worst;
-  work_progress(m->work, ((double)m->sheets + part) / (double)m->pages.count);
+  if (isfinite(at->worst)) m->on.work->worst = at->worst;
+  work_progress(m->on.work,
+                ((double)m->on.done + part) / (double)m->on.pages.count);
 }
 
 static int correct(const mend *m, const sheet *s, opc_bytes *out,
                    opc_error *error) {
-  const work *w = m->work;
+  const work *w = m->on.work;
   inner in = {*w->host, m};
   in.host.log = log_inner;
   in.host.progress = tell_inner;
@@ -223,10 +209,10 @@ static int correct(const mend *m, const sheet *s, opc_bytes *out,
 
 static int mend_sheet(void *data, size_t i, opc_bytes *out, opc_error *error) {
   mend *m = data;
-  work *w = m->work;
+  work *w = m->on.work;
   sheet s;
-  int code = sheet_make(w->host->context, w->chip, &m->cover, m->number,
-                        &m->pages, i, m->stand ? 0 : w->margin, &s, error);
+  int code = sheet_make(w->host->context, w->chip, &m->on.cover, m->on.number,
+                        &m->on.pages, i, m->stand ? 0 : w->margin, &s, error);
   if (!code) code = correct(m, &s, out, error);
   sheet_clear(&s);
   return code;
@@ -250,7 +236,7 @@ static uint32_t add_mask(work *w) {
 /* A refined mask has what was measured of the drawn one already: its loop has
    not seen it among drawn ones. */
 static void take_mask(mend *m, const mended *one, const char *bytes) {
-  work *w = m->work;
+  work *w = m->on.work;
   eda_chip *c = w->chip;
   eda_chip_mask mask = one->mask;
   size_t parts = mask.parts * sizeof *c->part;
@@ -264,7 +250,7 @@ static void take_mask(mend *m, const mended *one, const char *bytes) {
   c->parts += mask.parts;
   c->boxes += mask.boxes;
   uint32_t k = m->mask[one->place] = add_mask(w);
-  uint32_t was = c->gate[m->number[one->place]].mask;
+  uint32_t was = c->gate[m->on.number[one->place]].mask;
   c->mask[k] = mask;
   w->before[k] = m->stand ? w->before[was] : one->before;
   w->flags_before[k] = m->stand ? w->flags_before[was] : one->flags_before;
@@ -278,8 +264,8 @@ static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
   mended one;
   (void)i, (void)error;
   memcpy(&h, at, sizeof h);
-  m->work->simulations += h.simulations;
-  m->work->fine_simulations += h.fine_simulations;
+  m->on.work->simulations += h.simulations;
+  m->on.work->fine_simulations += h.fine_simulations;
   for (at += sizeof h; at < end;) {
     memcpy(&one, at, sizeof one);
     at += sizeof one;
@@ -290,58 +276,22 @@ static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
   return OPC_OK;
 }
 
-static void tell_done(void *data, size_t done) {
-  mend *m = data;
-  m->sheets = done;
-  work_progress(m->work, (double)done / (double)m->pages.count);
-}
-
-static double cost_of(void *data, size_t i) {
-  const mend *m = data;
-  return m->pages.area[i];
-}
-
 /* ---- all of them ---- */
 
-/* What else it depends on was taken in earlier rounds. */
-static const char *key_of(void *data, size_t i) {
-  mend *m = data;
-  g_free(m->key);
-  m->key = g_strdup_printf("%zu %zu", m->work->round, i);
-  return m->key;
-}
-
-/* The masks of transistors `number`; m->mask tells which they got. */
+/* The masks of the transistors; m->mask tells which they got. */
 static int mend_all(mend *m, opc_error *error) {
-  work *w = m->work;
-  eda_box *box = eda_alloc(m->count, sizeof *box);
-  int32_t reach = w->margin + (m->stand ? 0 : w->along);
-  for (size_t i = 0; i < m->count; i++)
-    box[i] = w->chip->gate[m->number[i]].box;
-  cover_make(box, m->count, reach, w->window + 2 * reach, &m->cover);
-  free(box);
-  pages_make(&m->cover, w->window + 2 * reach, w->gap, &m->pages);
-  m->mask = eda_alloc(m->count, sizeof *m->mask);
-  for (size_t i = 0; i < m->count; i++) m->mask[i] = UINT32_MAX;
-  w->sheets += m->pages.count;
-  work_tell(w, &m->pages, m->count, m->cover.count);
-  const opc_pieces all = {.data = m,
-                          .name = m->stand ? "refine" : "correct",
-                          .count = m->pages.count,
-                          .key = key_of,
-                          .cost = cost_of,
-                          .work = mend_sheet,
-                          .take = take_sheet,
-                          .done = tell_done};
-  int code = opc_do_pieces(w->host, &all, error);
-  pages_clear(&m->pages);
-  cover_clear(&m->cover);
-  g_free(m->key);
-  return code;
+  const work *w = m->on.work;
+  m->mask = eda_alloc(m->on.count, sizeof *m->mask);
+  for (size_t i = 0; i < m->on.count; i++) m->mask[i] = UINT32_MAX;
+  return work_sheets(&m->on, w->margin + (m->stand ? 0 : w->along),
+                     (opc_pieces){.name = m->stand ? "refine" : "correct",
+                                  .work = mend_sheet,
+                                  .take = take_sheet},
+                     error);
 }
 
 int mend_classes(work *w, opc_error *error) {
-  mend m = {.work = w, .number = w->first, .count = w->classes};
+  mend m = {.on = {.work = w, .number = w->first, .count = w->classes}};
   int code = mend_all(&m, error);
   for (size_t i = 0; i < w->chip->count && !code; i++)
     w->chip->gate[i].mask = m.mask[w->chip->gate[i].mask];
@@ -361,8 +311,9 @@ int mend_prints(work *w, const uint32_t *prints, size_t n, opc_error *error) {
     better[k] = prove_off(&c->print[prints[k]]);
     place[prints[k]] = (uint32_t)(k + 1);
   }
-  mend m = {
-      .work = w, .number = number, .count = n, .stand = 1, .better = better};
+  mend m = {.on = {.work = w, .number = number, .count = n},
+            .stand = 1,
+            .better = better};
   int code = mend_all(&m, error);
   for (size_t i = 0; i < c->count && !code; i++) {
     eda_chip_gate *g = &c->gate[i];

@@ -112,12 +112,8 @@ static void find_prints(work *w) {
 /* ---- printing ---- */
 
 typedef struct prove {
-  work *work;
-  const uint32_t *number; /* transistors to print, */
-  size_t first, count;    /* of the prints from `first` on */
-  cover cover;
-  pages pages;
-  char *key;
+  sheets on;    /* the transistors to print, */
+  size_t first; /* of the prints from `first` on */
 } prove;
 
 typedef struct proved {
@@ -169,12 +165,12 @@ static void put_all(const eda_mask *m, const sheet *s, opc_bytes *out) {
 
 static int prove_sheet(void *data, size_t i, opc_bytes *out, opc_error *error) {
   prove *p = data;
-  work *w = p->work;
+  work *w = p->on.work;
   sheet s;
   eda_mask *m = NULL;
   double *extension = NULL;
-  int code = sheet_make(w->host->context, w->chip, &p->cover, p->number,
-                        &p->pages, i, 0, &s, error);
+  int code = sheet_make(w->host->context, w->chip, &p->on.cover, p->on.number,
+                        &p->on.pages, i, 0, &s, error);
   if (!code) {
     m = eda_mask_new(s.gates);
     code = make_mask(w, &s, m, error);
@@ -200,14 +196,14 @@ static int prove_sheet(void *data, size_t i, opc_bytes *out, opc_error *error) {
 }
 
 double prove_off(const eda_chip_print *p) {
-  if (p->flags & ~(uint32_t)EDA_PRINT_NOTES) return INFINITY;
+  if (eda_print_failed(p->flags)) return INFINITY;
   return fabs(eda_deviation(p->after.ion, p->design.ion));
 }
 
 static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
                       opc_error *error) {
   prove *p = data;
-  work *w = p->work;
+  work *w = p->on.work;
   eda_chip *c = w->chip;
   const char *at = bytes;
   head h;
@@ -218,7 +214,7 @@ static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
     proved one;
     memcpy(&one, at, sizeof one);
     eda_chip_print *to = &c->print[p->first + one.place];
-    uint32_t mask = c->gate[p->number[one.place]].mask;
+    uint32_t mask = c->gate[p->on.number[one.place]].mask;
     *to = (eda_chip_print){.design = one.design,
                            .before = w->before[mask],
                            .after = one.after,
@@ -230,49 +226,15 @@ static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
   return OPC_OK;
 }
 
-static const char *key_of(void *data, size_t i) {
-  prove *p = data;
-  g_free(p->key);
-  p->key = g_strdup_printf("%zu %zu", p->work->round, i);
-  return p->key;
-}
-
-static double cost_of(void *data, size_t i) {
-  const prove *p = data;
-  return p->pages.area[i];
-}
-
-static void tell_done(void *data, size_t done) {
-  const prove *p = data;
-  work_progress(p->work, (double)done / (double)p->pages.count);
-}
-
 int prove_all(work *w, opc_error *error) {
   eda_chip *c = w->chip;
-  prove p = {.work = w, .first = c->prints};
+  prove p = {.on.work = w, .first = c->prints};
   find_prints(w);
-  p.count = c->prints - p.first;
-  p.number = w->print_first + p.first;
-  eda_box *box = eda_alloc(p.count, sizeof *box);
-  for (size_t k = 0; k < p.count; k++) box[k] = c->gate[p.number[k]].box;
-  int32_t most = w->window + 2 * w->margin;
-  cover_make(box, p.count, w->margin, most, &p.cover);
-  free(box);
-  pages_make(&p.cover, most, w->gap, &p.pages);
-  w->sheets += p.pages.count;
-  work_tell(w, &p.pages, p.count, p.cover.count);
+  p.on.count = c->prints - p.first;
+  p.on.number = w->print_first + p.first;
   w->worst = 0;
-  const opc_pieces all = {.data = &p,
-                          .name = "prove",
-                          .count = p.pages.count,
-                          .key = key_of,
-                          .cost = cost_of,
-                          .work = prove_sheet,
-                          .take = take_sheet,
-                          .done = tell_done};
-  int code = opc_do_pieces(w->host, &all, error);
-  pages_clear(&p.pages);
-  cover_clear(&p.cover);
-  g_free(p.key);
-  return code;
+  return work_sheets(
+      &p.on, w->margin,
+      (opc_pieces){.name = "prove", .work = prove_sheet, .take = take_sheet},
+      error);
 }

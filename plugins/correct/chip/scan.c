@@ -161,16 +161,14 @@ static void find_classes(work *w) {
 /* What transistors can lie in: the poly. */
 static int find_extent(work *w, opc_error *error) {
   eda_chip *c = w->chip;
-  c->extent = (eda_box){INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
+  c->extent = (eda_box)EDA_BOX_EMPTY;
   for (size_t k = 0; k < c->layers; k++) {
     int32_t layer = eda_layout_find_layer(c->layout, c->layer[k]);
     eda_box b;
     if (layer < 0) continue;
     int code = eda_layout_bounds(c->layout, c->top, layer, c->grid, &b, error);
     if (code) return code;
-    if (b.x0 > b.x1) continue;
-    c->extent = (eda_box){MIN(c->extent.x0, b.x0), MIN(c->extent.y0, b.y0),
-                          MAX(c->extent.x1, b.x1), MAX(c->extent.y1, b.y1)};
+    eda_box_join(&c->extent, b);
   }
   return OPC_OK;
 }

@@ -280,11 +280,10 @@ static int join(maker *m, opc_error *error) {
     g->corrected[k] = c->corrected[k];
     put_layer(m, k);
   }
-  g->extent = (eda_box){INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
+  g->extent = (eda_box)EDA_BOX_EMPTY;
   for (size_t k = 0; k < m->count; k++) {
     eda_box b = put_box(&m->piece[k], m->cover->clip[m->piece[k].clip].box);
-    g->extent = (eda_box){MIN(g->extent.x0, b.x0), MIN(g->extent.y0, b.y0),
-                          MAX(g->extent.x1, b.x1), MAX(g->extent.y1, b.y1)};
+    eda_box_join(&g->extent, b);
   }
   mark_places(m);
   return OPC_OK;

@@ -28,10 +28,6 @@ typedef struct sums {
   fault failed, lost, worse, outside;
 } sums;
 
-static int failed(uint32_t flags) {
-  return (flags & ~(uint32_t)EDA_PRINT_NOTES) != 0;
-}
-
 static void note(fault *f, size_t i, size_t by) {
   if (by && !f->count) f->first = i;
   f->count += by;
@@ -40,7 +36,8 @@ static void note(fault *f, size_t i, size_t by) {
 static void add(const work *w, size_t i, sums *s) {
   const eda_chip_gate *g = &w->chip->gate[i];
   const eda_chip_print *p = &w->chip->print[g->print];
-  int now = failed(p->flags), then = failed(p->flags_before);
+  int now = eda_print_failed(p->flags),
+      then = eda_print_failed(p->flags_before);
   if (!then) groups_add(&s->drawn, g->type, &p->design, &p->before);
   if (!now) groups_add(&s->printed, g->type, &p->design, &p->after);
   double was = fabs(eda_deviation(p->before.ion, p->design.ion));
@@ -114,14 +111,14 @@ static int by_off(const void *a, const void *b) {
 static print_row row_of(const eda_chip *c, size_t i) {
   const eda_chip_gate *g = &c->gate[i];
   const eda_chip_print *p = &c->print[g->print];
-  int none = failed(p->flags);
+  int none = eda_print_failed(p->flags);
   return (print_row){
       .type = g->type == EDA_PMOS ? "p" : "n",
       .print = report_trouble(p->flags),
       .transistors = 1,
       .x = ((double)g->box.x0 + g->box.x1) / 2 * c->grid,
       .y = ((double)g->box.y0 + g->box.y1) / 2 * c->grid,
-      .ion_before = failed(p->flags_before)
+      .ion_before = eda_print_failed(p->flags_before)
                         ? NAN
                         : eda_deviation(p->before.ion, p->design.ion),
       .ion = none ? NAN : eda_deviation(p->after.ion, p->design.ion),

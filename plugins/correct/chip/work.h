@@ -102,8 +102,22 @@ int faults_tell(const work *work, opc_error *error);
 /* tell.c */
 int tell_all(const work *work, opc_error *error);
 
-/* How much there is to correct or to print. */
-void work_tell(const work *work, const pages *on, size_t places, size_t clips);
+/* Sheets of clips that show chosen transistors. The first field of the data
+   that the functions of their pieces get. */
+typedef struct sheets {
+  work *work;
+  const uint32_t *number; /* of each transistor, in the chip */
+  size_t count, done;     /* transistors; sheets */
+  cover cover;
+  pages pages;
+  char *key;
+} sheets;
+
+/* Make sheets that show `reach` around the transistors, and do each as a piece
+   of work (jobs.name, work and take). [main] */
+int work_sheets(sheets *sheets, int32_t reach, opc_pieces jobs,
+                opc_error *error);
+
 /* "done of total", of this phase. */
 void work_progress(const work *work, double part);
 

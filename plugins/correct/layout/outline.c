@@ -25,7 +25,7 @@ static int draws(const eda_layout *layout, int32_t cell, const int32_t *layers,
 /* Around what the cell and those below draw; 0 if there is no such box. */
 static int find_box(const eda_layout *layout, int32_t cell,
                     const int32_t *layers, size_t n, eda_box *box) {
-  *box = (eda_box){INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
+  *box = (eda_box)EDA_BOX_EMPTY;
   for (size_t k = 0; k < n; k++) {
     opc_error error;
     eda_box b;

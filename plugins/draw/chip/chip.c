@@ -40,15 +40,12 @@ static uint32_t *count_classes(const eda_chip *c) {
   return size;
 }
 
-static int failed(uint32_t flags) {
-  return (flags & ~(uint32_t)EDA_PRINT_NOTES) != 0;
-}
-
 static double figure(const drawer *d, const uint32_t *size, size_t i) {
   const eda_chip_gate *g = &d->chip->gate[i];
   const eda_chip_print *p = &d->chip->print[g->print];
   if (d->show == CLASSES) return log2(size[g->mask]);
-  if (failed(d->show == BEFORE ? p->flags_before : p->flags)) return INFINITY;
+  if (eda_print_failed(d->show == BEFORE ? p->flags_before : p->flags))
+    return INFINITY;
   double before = eda_deviation(p->before.ion, p->design.ion);
   double after = eda_deviation(p->after.ion, p->design.ion);
   return d->show == BEFORE  ? before

@@ -30,7 +30,7 @@ int drawer_check_scale(drawer *d, opc_error *error) {
 
 int drawer_fails(const drawer *d, size_t gate) {
   if (d->state == BEFORE) return !(d->mask->before.ion[gate] > 0);
-  return (d->mask->flags[gate] & ~(uint32_t)EDA_PRINT_NOTES) != 0;
+  return eda_print_failed(d->mask->flags[gate]);
 }
 
 double drawer_deviation(const drawer *d, const eda_performance *p,

@@ -68,7 +68,7 @@ static int look_cheaply(loop *l, const double *ion, double *seen,
   trial_copy(&l->next, &l->now);
   int code = loop_print(l, 1, error);
   for (size_t i = 0; i < l->gates->count && !code; i++) {
-    int prints = !(l->measured.flags[i] & ~(uint32_t)EDA_PRINT_NOTES);
+    int prints = !eda_print_failed(l->measured.flags[i]);
     double ratio = l->measured.performance.ion[i] / ion[i];
     seen[i] = prints && ratio > 0 && isfinite(ratio) ? log(ratio) : 0;
   }

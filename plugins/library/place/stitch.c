@@ -104,11 +104,6 @@ static void take(stitch *s, const entry *e, const turn *t, size_t j, size_t i) {
 
 /* ---- patches ---- */
 
-static double distance(eda_box a, eda_box b) {
-  return hypot(0.5 * ((double)a.x0 + a.x1 - b.x0 - b.x1),
-               0.5 * ((double)a.y0 + a.y1 - b.y0 - b.y1));
-}
-
 /* How far an edge of the transistor beside a patch lies from where the turned
    cell has it: of the one on the patch's side, so that they go on touching. */
 static int32_t offset(int32_t middle, int32_t low, int32_t high, int32_t to_low,
@@ -124,7 +119,7 @@ static void take_box(const stitch *s, const entry *e, const turn *t,
   size_t nearest = e->gates;
   double least = INFINITY;
   for (size_t j = 0; j < e->gates; j++) {
-    double d = match[j] < 0 ? INFINITY : distance(box, e->box[j]);
+    double d = match[j] < 0 ? INFINITY : eda_box_distance(box, e->box[j]);
     if (!(d < least)) continue;
     least = d;
     nearest = j;

@@ -40,11 +40,6 @@ typedef struct maker {
   opc_error *error;
 } maker;
 
-static void join(eda_box *all, eda_box b) {
-  *all = (eda_box){MIN(all->x0, b.x0), MIN(all->y0, b.y0), MAX(all->x1, b.x1),
-                   MAX(all->y1, b.y1)};
-}
-
 /* What a cell takes up: of all its shapes, and of those that say where it
    abuts. */
 typedef struct extents {
@@ -65,8 +60,8 @@ static int copy_layer(const maker *m, int32_t from, int32_t to, int32_t layer,
     const eda_point *p = s->points + s->start[i];
     size_t n = s->start[i + 1] - s->start[i];
     eda_box b = eda_bounds(p, n);
-    join(&of->shapes, b);
-    if (!strcmp(name, m->sheet->boundary)) join(&of->boundary, b);
+    eda_box_join(&of->shapes, b);
+    if (!strcmp(name, m->sheet->boundary)) eda_box_join(&of->boundary, b);
     code = eda_layout_add_polygon(m->out, to, into, p, n, m->error);
   }
   eda_flat_clear(&flat);
@@ -152,7 +147,7 @@ static int place(maker *m, int32_t cell, const char *name, const extents *of) {
 }
 
 static int add_cell(maker *m, int32_t from) {
-  static const eda_box nothing = {INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
+  static const eda_box nothing = EDA_BOX_EMPTY;
   const eda_layout *in = m->sheet->layout;
   const char *name = eda_layout_cell_name(in, from);
   int32_t to = eda_layout_cell(m->out, name, m->error);

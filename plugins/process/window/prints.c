@@ -49,7 +49,7 @@ static int perform(exposure *e, window_print *out, opc_error *error) {
   out->ioff = eda_alloc(w->gates->count, sizeof *out->ioff);
   for (size_t i = 0; i < w->gates->count && !code; i++) {
     uint32_t flags = e->measured.flags[i];
-    int failed = (flags & ~(uint32_t)EDA_PRINT_NOTES) != 0;
+    int failed = eda_print_failed(flags);
     out->ion[i] = log_ratio(p->ion[i], w->design.ion[i], failed);
     out->ioff[i] = log_ratio(p->ioff[i], w->design.ioff[i], failed);
   }

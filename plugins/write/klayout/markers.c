@@ -84,7 +84,7 @@ static void put_gate_name(GString *out, const eda_gates *g, size_t i) {
 /* ---- transistors ---- */
 
 static int fails(const eda_mask *m, size_t i) {
-  return (m->flags[i] & ~(uint32_t)EDA_PRINT_NOTES) != 0;
+  return eda_print_failed(m->flags[i]);
 }
 
 /* The figures that there is a list of the worst of. */

@@ -112,23 +112,19 @@ static void cut_gate(cutter *c, size_t i) {
   eda_gates_take_flavour(to, k, from, i);
 }
 
-static void join(eda_box *all, eda_box b) {
-  *all = (eda_box){MIN(all->x0, b.x0), MIN(all->y0, b.y0), MAX(all->x1, b.x1),
-                   MAX(all->y1, b.y1)};
-}
-
 static eda_gates *cut(cutter *c, const char *name, size_t count) {
   const eda_gates *from = c->sheet;
   eda_gates *to = c->out = eda_gates_new(from->layers, count);
   to->name = eda_gates_text(to, name);
   to->grid = from->grid;
-  to->extent = (eda_box){INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
+  to->extent = (eda_box)EDA_BOX_EMPTY;
   for (size_t k = 0; k < from->layers; k++) {
     to->layer[k] = eda_gates_text(to, from->layer[k]);
     to->corrected[k] = from->corrected[k];
     cut_layer(c, k);
     const eda_shapes *s = &to->drawn[k];
-    if (s->count) join(&to->extent, eda_bounds(s->points, s->start[s->count]));
+    if (s->count)
+      eda_box_join(&to->extent, eda_bounds(s->points, s->start[s->count]));
   }
   for (size_t i = 0; i < from->count; i++)
     if (c->number[i] >= 0) cut_gate(c, i);
@@ -138,12 +134,12 @@ static eda_gates *cut(cutter *c, const char *name, size_t count) {
 /* ---- where ---- */
 
 static eda_box bounds_of(const eda_layout *layout, int32_t cell) {
-  eda_box all = {INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
+  eda_box all = EDA_BOX_EMPTY;
   size_t n, count = eda_layout_polygons(layout, cell);
   int32_t layer;
   for (size_t i = 0; i < count; i++) {
     const eda_point *p = eda_layout_polygon(layout, cell, i, &n, &layer);
-    join(&all, eda_bounds(p, n));
+    eda_box_join(&all, eda_bounds(p, n));
   }
   return all;
 }
@@ -169,8 +165,8 @@ static void cut_window(cutter *c, const eda_layout *layout, int32_t top,
     eda_placement p;
     const char *other = eda_layout_instance(layout, top, i, &cell, &p);
     if (cell != out->cell || !other || !is_neighbour(other)) continue;
-    join(&all, on_sheet(bounds_of(layout, cell), &p,
-                        eda_layout_unit(layout) / c->sheet->grid));
+    eda_box_join(&all, on_sheet(bounds_of(layout, cell), &p,
+                                eda_layout_unit(layout) / c->sheet->grid));
   }
   c->window = all;
   size_t count = 0, own = 0;

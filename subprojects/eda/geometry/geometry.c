@@ -3,6 +3,7 @@
 #include <eda/memory.h>
 #include <glib.h>
 #include <inttypes.h>
+#include <math.h>
 
 #include "geometry/scan.h"
 
@@ -56,4 +57,9 @@ void eda_shapes_clear(eda_shapes *shapes) {
 
 void eda_box_list_add(eda_box_list *list, eda_box box) {
   EDA_PUSH(list->box, list->count, list->room, box);
+}
+
+double eda_box_distance(eda_box a, eda_box b) {
+  return hypot(0.5 * ((double)a.x0 + a.x1 - b.x0 - b.x1),
+               0.5 * ((double)a.y0 + a.y1 - b.y0 - b.y1));
 }

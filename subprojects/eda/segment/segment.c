@@ -118,7 +118,7 @@ static int check_layers(segment *s) {
 
 /* Which layers have anything drawn, and how far it all goes. */
 static int find_bounds(segment *s) {
-  s->bounds = (eda_box){INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
+  s->bounds = (eda_box)EDA_BOX_EMPTY;
   for (size_t k = 0; k < s->sources; k++) {
     source *from = &s->source[k];
     int32_t layer = eda_layout_find_layer(s->layout, from->from);

@@ -179,6 +179,12 @@ enum {
   EDA_PRINT_NOTES = 15 << 5   /* mask of the warning flags */
 };
 
+/* Return 1 if a print with these flags is no transistor of its own, else 0.
+   [any] */
+OPC_UNUSED static inline int eda_print_failed(uint32_t flags) {
+  return (flags & ~(uint32_t)EDA_PRINT_NOTES) != 0;
+}
+
 /* Performance of transistors, arrays of `count`. Currents in A, lengths in nm,
    area in nm^2. A print that is open or has no active is not a transistor: all
    its figures are 0. Check the flags before comparing figures: 0 would read as

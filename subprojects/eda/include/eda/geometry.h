@@ -33,9 +33,24 @@ typedef struct eda_box_list {
 
 OPC_EXPORT void eda_box_list_add(eda_box_list *list, eda_box box);
 
+/* The box of nothing, as an initialiser: eda_box_join extends it. */
+#define EDA_BOX_EMPTY \
+  { INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN }
+
+/* Extend a box to contain another one. [any] */
+OPC_UNUSED static inline void eda_box_join(eda_box *all, eda_box b) {
+  if (b.x0 < all->x0) all->x0 = b.x0;
+  if (b.y0 < all->y0) all->y0 = b.y0;
+  if (b.x1 > all->x1) all->x1 = b.x1;
+  if (b.y1 > all->y1) all->y1 = b.y1;
+}
+
+/* Return the distance between the middles of two boxes. [any] */
+OPC_EXPORT double eda_box_distance(eda_box a, eda_box b);
+
 /* Return the bounding box of n points; empty for n = 0. [any] */
 OPC_UNUSED static inline eda_box eda_bounds(const eda_point *points, size_t n) {
-  eda_box b = {INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
+  eda_box b = EDA_BOX_EMPTY;
   size_t i;
   for (i = 0; i < n; i++) {
     if (points[i].x < b.x0) b.x0 = points[i].x;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Work with a plugin in a process of its own: a crash or an endless loop in it
-   becomes something to tell, not an end of the command. */
+/* Work with a plugin in a process of its own: a crash or an endless loop is a
+   result to report, not the end of the command. */
 #ifndef GUARD_CHILD_H
 #define GUARD_CHILD_H
 
@@ -9,10 +9,10 @@
 /* How a child ended, if not of itself; else the number of a signal. */
 enum { CHILD_ENDED = 0, CHILD_LATE = -1, CHILD_NONE = -2 };
 
-/* Call work(out, data) in a child of this process, in which the guard is off,
-   and grant it that many seconds. It ends with this process. What it wrote to
-   `out`; how it ended is put into *end. CHILD_NONE: there could be none
-   (errno). */
+/* Call work(out, data) in a child of this process, where the guard is off, for
+   at most that many seconds. The child ends with this process. Returns the
+   bytes that it wrote to `out`, and in *end how it ended. CHILD_NONE: no child
+   could be started (errno). */
 GString *child_run(void (*work)(int out, void *data), void *data,
                    double seconds, int *end);
 

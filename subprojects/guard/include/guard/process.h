@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What all of the process shares, and plugins have to leave as it was: the
-   working folder, the standard streams, the locale, the modes of new files,
-   handlers of signals; and of each thread its floating-point control and the
-   signals that it blocks. */
+/* The state of the process that plugins have to leave as it was: the working
+   folder, the standard streams, the locale, the modes of new files and handlers
+   of signals. Each thread also has its floating-point control and the signals
+   that it blocks. */
 #ifndef GUARD_PROCESS_H
 #define GUARD_PROCESS_H
 
@@ -16,28 +16,30 @@ typedef struct process_signal {
 } process_signal;
 extern const process_signal process_signals[];
 
-/* As it is now, it has to stay: again after each change of the command's own.
-   [main] */
+/* Record the state that has to stay. Called again after each change by the
+   command itself. [main] */
 void process_settle(void);
 
-/* What of this thread is not as it was, after the name of who did it: "changed
-   the locale"; NULL if all is. Takes no system call. [any] */
+/* Return the first change of this thread's state, as the predicate of a
+   sentence: "changed the locale"; NULL if there is none. Makes no system call.
+   [any] */
 const char *process_thread_change(void);
 
-/* Whether this thread takes other signals than it did. [any] */
+/* Return whether this thread blocks other signals than before. [any] */
 int process_signals_change(void);
 
-/* What of the process is not as it was. `*detail` is more of that text, or
-   empty. [any] */
+/* Return the first change of the process in the same way. `*detail` is the rest
+   of the sentence, or empty. [any] */
 const char *process_change(const char **detail);
 
-/* The working folder as it was, whatever became of it: for renameat(). */
+/* Return a descriptor of the recorded working folder, for renameat(). */
 int process_folder(void);
 
-/* Write n bytes to a descriptor. May be called by a signal handler. */
+/* Write n bytes to a descriptor. A signal handler may call this. */
 void process_write(int out, const char *bytes, size_t n);
 
-/* Write to standard error as it was, whatever became of it. */
+/* Write a text to the recorded standard error. A signal handler may call this.
+ */
 void process_say(const char *text);
 
 #endif

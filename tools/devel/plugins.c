@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* opcflow plugins: those that can be used, or those that cannot and why. */
-#include "core/cli/cli.h"
+#include "tools/devel/verbs.h"
 
 static gboolean is_usable(const opc_candidate *c) {
   return !c->reason && !c->hidden_by;
@@ -81,8 +81,4 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
   return CLI_GOOD;
 }
 
-const cli_verb cli_plugins = {.name = "plugins",
-                              .arguments = "",
-                              .summary = "List the plugins",
-                              .options = options,
-                              .run = run};
+const cli_verb devel_plugins = {CLI_PLUGINS, .options = options, .run = run};

@@ -5,6 +5,7 @@
 #include "core/cli/cli.h"
 #include "core/plugin/declaration.h"
 #include "core/text/value.h"
+#include "tools/devel/verbs.h"
 
 static const char *const better[] = {"neutral", "lower", "higher"};
 
@@ -64,7 +65,7 @@ static void print_outputs(const opc_plugin *plugin) {
   print_cells(names, 2, cells);
 }
 
-/* What to write for a parameter that has no default. */
+/* Return an example for a parameter that has no default. */
 static char *example_text(const opc_parameter *p) {
   if (p->preset) return *p->preset ? g_strdup(p->preset) : g_strdup("''");
   switch (p->type) {
@@ -94,8 +95,8 @@ static gboolean is_needed(const opc_plugin *plugin, const char *prefix) {
   return FALSE;
 }
 
-/* The parameters whose names begin with `prefix`, and their groups: what must
-   be given, the others as comments. */
+/* The parameters whose names begin with `prefix`, and their groups: required
+   ones, and the others as comments. */
 static void print_level(const opc_plugin *plugin, const char *prefix,
                         int depth) {
   const char *last = NULL; /* group */
@@ -116,7 +117,7 @@ static void print_level(const opc_plugin *plugin, const char *prefix,
   }
 }
 
-/* What to paste into a flow. */
+/* A text to paste into a flow. */
 static void print_stanza(const opc_plugin *plugin) {
   const char *dot = strrchr(plugin->id, '.');
   cli_print("\n%s:\n  use: %s\n", dot ? dot + 1 : plugin->id, plugin->id);
@@ -224,10 +225,5 @@ static int run(const cli_verb *verb, const GPtrArray *arguments) {
   return CLI_GOOD;
 }
 
-const cli_verb cli_inspect = {.name = "inspect",
-                              .arguments = "ID",
-                              .summary = "Tell all about a plugin",
-                              .options = options,
-                              .least = 1,
-                              .most = 1,
-                              .run = run};
+const cli_verb devel_inspect = {CLI_INSPECT, .options = options, .least = 1,
+                                .most = 1, .run = run};

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Holds what a run measured against what its flow requires. */
+/* Compares metrics with requirements. */
 #include <math.h>
 #include <string.h>
 
-#include "core/run/run.h"
+#include "core/binding/lookup.h"
+#include "core/report/judge.h"
 #include "core/text/value.h"
 
 /* ---- state ---- */
@@ -24,10 +25,9 @@ GPtrArray *opc_verdicts_new(void) {
 /* ---- one requirement ---- */
 
 /* NAN if the metric was not given. */
-static double find_value(const opc_run *run, const opc_requirement *r) {
-  for (guint i = 0; i < run->metrics->len; i++) {
-    const opc_inner_metric *m =
-        &g_array_index(run->metrics, opc_inner_metric, i);
+static double find_value(const GArray *metrics, const opc_requirement *r) {
+  for (guint i = 0; i < metrics->len; i++) {
+    const opc_inner_metric *m = &g_array_index(metrics, opc_inner_metric, i);
     if (m->metric == r->metric && !strcmp(m->path, r->binding->path))
       return m->value;
   }
@@ -40,8 +40,9 @@ static gboolean is_kept(const opc_requirement *r, double value) {
                  : value >= r->least && value <= r->most;
 }
 
-static void judge(opc_run *run, const opc_requirement *r) {
-  double value = find_value(run, r);
+static void judge(GPtrArray *verdicts, const GArray *metrics,
+                  const opc_requirement *r) {
+  double value = find_value(metrics, r);
   opc_verdict *v = g_new(opc_verdict, 1);
   *v = (opc_verdict){.path = g_strdup(r->path),
                      .required = g_strdup(r->text),
@@ -52,32 +53,35 @@ static void judge(opc_run *run, const opc_requirement *r) {
                      .kept = is_kept(r, value),
                      .at = r->at};
   v->at.file = g_strdup(r->at.file);
-  g_ptr_array_add(run->verdicts, v);
+  g_ptr_array_add(verdicts, v);
 }
 
 /* ---- a run ---- */
 
-void opc_run_judge(opc_run *run) {
-  const GPtrArray *all = run->flow->requirements;
-  for (guint i = 0; i < all->len; i++) {
-    const opc_requirement *r = all->pdata[i];
-    if (!run->left_out[opc_flow_find(run->flow, r->path)->number])
-      judge(run, r);
+void opc_verdicts_judge(GPtrArray *verdicts, const opc_flow *flow,
+                        const GArray *metrics, const gboolean *left_out) {
+  for (guint i = 0; i < flow->requirements->len; i++) {
+    const opc_requirement *r = flow->requirements->pdata[i];
+    if (!left_out || !left_out[opc_flow_find(flow, r->path)->number])
+      judge(verdicts, metrics, r);
   }
 }
 
-void opc_run_take_verdicts(opc_run *run, const opc_run *from, size_t point,
-                           const char *prefix) {
-  for (guint i = 0; i < from->verdicts->len; i++) {
-    const opc_verdict *v = from->verdicts->pdata[i];
-    if (v->kept || run->verdicts->len >= OPC_MOST_VERDICTS) continue;
+/* A sweep tells of each point in sweep.csv, too. */
+enum { MOST_VERDICTS = 1000 };
+
+void opc_verdicts_take(GPtrArray *verdicts, const GPtrArray *from, size_t point,
+                       const char *prefix) {
+  for (guint i = 0; i < from->len; i++) {
+    const opc_verdict *v = from->pdata[i];
+    if (v->kept || verdicts->len >= MOST_VERDICTS) continue;
     opc_verdict *copy = g_memdup2(v, sizeof *v);
     copy->path = g_strconcat(prefix, v->path, NULL);
     copy->required = g_strdup(v->required);
     copy->unit = g_strdup(v->unit);
     copy->at.file = g_strdup(v->at.file);
     if (point) copy->point = point;
-    g_ptr_array_add(run->verdicts, copy);
+    g_ptr_array_add(verdicts, copy);
   }
 }
 
@@ -92,9 +96,10 @@ static char *value_text(const opc_verdict *v) {
                          v->unit ? " " : "", v->unit ? v->unit : "");
 }
 
-void opc_run_add_broken(const opc_run *run, opc_problems *problems) {
-  for (guint i = 0; i < run->verdicts->len; i++) {
-    const opc_verdict *v = run->verdicts->pdata[i];
+void opc_verdicts_add_broken(const GPtrArray *verdicts,
+                             opc_problems *problems) {
+  for (guint i = 0; i < verdicts->len; i++) {
+    const opc_verdict *v = verdicts->pdata[i];
     if (v->kept) continue;
     g_autofree char *point =
         v->point ? g_strdup_printf("point %zu: ", v->point) : g_strdup("");

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What came of a run, and its reports as JSON. */
+#ifndef OPCFLOW_CORE_OUTCOME_H
+#define OPCFLOW_CORE_OUTCOME_H
+
+#include <json-glib/json-glib.h>
+#include <store/store.h>
+
+#include "core/report/findings.h"
+#include "core/report/histories.h"
+#include "core/report/judge.h"
+#include "core/report/table.h"
+
+typedef struct opc_outcome {
+  char *folder;  /* of the result; NULL: nothing was kept */
+  char *failure; /* why a step failed; NULL: none did */
+  GDateTime *started;
+  double total;      /* seconds */
+  double *seconds;   /* of each step; NAN: it did not run */
+  GPtrArray *tables; /* opc_table * */
+  GArray *metrics;   /* opc_inner_metric */
+  GPtrArray *inputs; /* files read: path, SHA-256, path ... */
+  opc_findings findings;
+  GPtrArray *verdicts; /* opc_verdict * */
+  opc_histories histories;
+  const opc_sweep *sweep; /* NULL: none */
+  opc_table *points;      /* of a sweep: parameters and metrics of all points */
+  size_t failed_points;   /* also of those that a step runs as points */
+  int points_code;        /* OPC_LIMIT if all failed points did, OPC_FAILED */
+} opc_outcome;
+
+/* Begin that of a run of `steps` steps, now. */
+void opc_outcome_init(opc_outcome *outcome, guint steps);
+void opc_outcome_clear(opc_outcome *outcome);
+
+/* Count a point that failed. */
+void opc_outcome_fail_point(opc_outcome *outcome, int code);
+
+/* Return the metrics by instance, in the order in which they were published. */
+JsonNode *opc_outcome_metrics(const opc_outcome *outcome);
+
+/* Add "require" and "findings". */
+void opc_outcome_add_findings(JsonObject *object, const opc_outcome *outcome);
+
+/* Return metrics.json (g_free). */
+char *opc_outcome_metrics_text(const opc_outcome *outcome);
+
+/* What the manifest of a run lists beside its outcome. */
+typedef struct opc_manifest {
+  const opc_outcome *outcome;
+  const opc_flow *flow;
+  const opc_registry *registry;
+  opc_store *store;           /* NULL: none */
+  const char *const *command; /* NULL: none */
+} opc_manifest;
+
+JsonNode *opc_manifest_json(const opc_manifest *manifest);
+
+#endif

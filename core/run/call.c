@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Calls the functions of steps, under their names. */
+#include "core/run/call.h"
+
+#include <guard/memory.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "core/binding/inner.h"
+#include "core/plugin/declaration.h"
+
+void opc_call_set_inputs(const opc_run *run, const opc_flow_step *step,
+                         gboolean present) {
+  for (guint i = 0; i < step->inputs->len; i++) {
+    const opc_flow_input *input =
+        &g_array_index(step->inputs, opc_flow_input, i);
+    opc_binding_set(
+        input->binding, input->parameter,
+        present ? run->objects[input->from->number][input->port] : NULL);
+  }
+}
+
+/* Each kind of data brings its own check. */
+int opc_call_check(const opc_run *run, const opc_flow_step *step,
+                   opc_error *error) {
+  const opc_plugin *plugin = step->binding->plugin;
+  for (size_t i = 0; i < opc_port_count(plugin); i++) {
+    const opc_port *port = opc_port_at(plugin, i);
+    const void *object = run->objects[step->number][i];
+    opc_error fault = {0};
+    if (!object)
+      return opc_fail(error, OPC_FAILED, NULL, "gave no output '%s'",
+                      port->name);
+    const char *before = opc_binding_enter(step->binding);
+    int code = port->check(object, &fault);
+    opc_binding_leave(before);
+    if (code)
+      return opc_fail(error, code, NULL, "output '%s': %s", port->name,
+                      fault.message);
+  }
+  return OPC_OK;
+}
+
+/* ---- forecasts ---- */
+
+/* A plugin's text, ended before what cannot be shown. */
+static void make_sound(char *text, size_t size) {
+  const char *end;
+  text[size - 1] = 0;
+  g_utf8_validate(text, -1, &end);
+  text[end - text] = 0;
+  g_strdelimit(text, "\n\r\t\033", ' ');
+}
+
+char *opc_call_bytes_text(double bytes) {
+  if (bytes < 1e6) return g_strdup("less than 1 MB");
+  return g_strdup_printf(bytes < 1e9 ? "%.0f MB" : "%.1f GB",
+                         bytes < 1e9 ? bytes * 1e-6 : bytes * 1e-9);
+}
+
+static int check_memory(const opc_forecast *wanted, opc_error *error) {
+  const char *source;
+  double bytes = memory_free(&source);
+  if (!(wanted->memory > bytes)) return OPC_OK;
+  g_autofree char *most = opc_call_bytes_text(wanted->memory);
+  g_autofree char *left = opc_call_bytes_text(bytes);
+  return opc_fail(error, OPC_FAILED, NULL,
+                  "wants %s of memory%s%s, but %s has only %s left%s%s", most,
+                  *wanted->work ? " for " : "", wanted->work, source, left,
+                  *wanted->help ? "; less with " : "", wanted->help);
+}
+
+int opc_call_forecast(const opc_run *run, const opc_flow_step *step,
+                      opc_forecast *out, opc_error *error) {
+  const opc_binding *b = step->binding;
+  const opc_step *functions = b->plugin->functions;
+  memset(out, 0, sizeof *out);
+  if (!functions->forecast) return OPC_OK;
+  opc_call_set_inputs(run, step, TRUE);
+  const char *before = opc_binding_enter(b);
+  int code = functions->forecast(b->module.self, out, error);
+  opc_binding_leave(before);
+  opc_call_set_inputs(run, step, FALSE);
+  make_sound(out->work, sizeof out->work);
+  make_sound(out->help, sizeof out->help);
+  if (!(out->memory > 0)) out->memory = 0;
+  return code ? code : check_memory(out, error);
+}
+
+/* ---- running ---- */
+
+int opc_call_run(opc_run *run, const opc_flow_step *step, opc_error *error) {
+  const opc_binding *b = step->binding;
+  const opc_step *functions = b->plugin->functions;
+  void **objects = g_new0(void *, functions->n_outputs + 1);
+  run->objects[step->number] = objects;
+  g_ptr_array_set_size(run->kept.pieces, 0);
+  opc_call_set_inputs(run, step, TRUE);
+  gint64 start = g_get_monotonic_time();
+  const char *before = opc_binding_enter(b);
+  int code = functions->run(b->module.self, objects, error);
+  opc_binding_leave(before);
+  opc_inner_end(b->inner);
+  run->out.seconds[step->number] =
+      (double)(g_get_monotonic_time() - start) * 1e-6;
+  opc_call_set_inputs(run, step, FALSE);
+  if (!code && run->written.refusal.code) {
+    *error = run->written.refusal;
+    code = error->code;
+  }
+  return code ? code : opc_call_check(run, step, error);
+}
+
+/* What a step could not write to its end is not left as if it were whole. */
+static void remove_given(const opc_run *run) {
+  for (guint i = 0; i < run->written.given->len; i++)
+    (void)remove(run->written.given->pdata[i]);
+}
+
+gboolean opc_call_step(opc_run *run, const opc_flow_step *step,
+                       opc_problems *problems) {
+  const opc_binding *b = step->binding;
+  opc_error error = {0};
+  opc_forecast wanted;
+  g_ptr_array_set_size(run->written.given, 0);
+  int code = opc_call_forecast(run, step, &wanted, &error);
+  if (!code) code = opc_call_run(run, step, &error);
+  if (!code) return TRUE;
+  if (code == OPC_IO) remove_given(run);
+  /* Only the user stops a run. */
+  if (code == OPC_CANCELLED && !opc_cancelled(b->host->context))
+    code = OPC_FAILED;
+  opc_binding_fail(b, TRUE, code, &error, problems);
+  run->out.failure = g_strdup(error.message);
+  return FALSE;
+}

@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Keeps what the instances of a run say, while it passes on all of it. */
+#include "core/run/listen.h"
+#include "core/binding/lookup.h"
+
+/* ---- findings ---- */
+
+/* A step may find the same again and again; once is enough. */
+static void keep(opc_run *run, const char *path, const char *text) {
+  g_mutex_lock(&run->heard.lock);
+  opc_findings_add(&run->out.findings, run->heard.point, path, text);
+  g_mutex_unlock(&run->heard.lock);
+}
+
+void opc_listen_take(opc_run *run, const opc_run *from) {
+  const opc_findings *findings = &from->out.findings;
+  for (guint i = 0; i < findings->list->len; i++) {
+    const opc_finding *f = findings->list->pdata[i];
+    keep(run, f->path, f->text);
+  }
+  run->out.findings.more += findings->more;
+}
+
+/* ---- for the next time ---- */
+
+static void said_free(gpointer item) {
+  opc_said *said = item;
+  g_free(said->path);
+  g_free(said->text);
+  g_free(said);
+}
+
+void opc_listen_step(opc_run *run) {
+  g_mutex_lock(&run->heard.lock);
+  if (run->heard.said) g_ptr_array_free(run->heard.said, TRUE);
+  run->heard.said = g_ptr_array_new_with_free_func(said_free);
+  g_mutex_unlock(&run->heard.lock);
+}
+
+/* A result with more than so many warnings is not kept. */
+enum { MOST_SAID = 1000 };
+
+static void add_said(GPtrArray *list, const char *path, int level,
+                     const char *text) {
+  opc_said *said = g_new(opc_said, 1);
+  *said = (opc_said){level, g_strdup(path), g_utf8_make_valid(text, -1)};
+  g_ptr_array_add(list, said);
+}
+
+static void note(opc_run *run, const char *path, int level, const char *text) {
+  g_mutex_lock(&run->heard.lock);
+  if (run->heard.said && run->heard.said->len == MOST_SAID)
+    g_clear_pointer(&run->heard.said, g_ptr_array_unref);
+  if (run->heard.said) add_said(run->heard.said, path, level, text);
+  g_mutex_unlock(&run->heard.lock);
+}
+
+void opc_listen_piece(opc_run *run) {
+  g_mutex_lock(&run->heard.lock);
+  run->heard.piece = g_ptr_array_new_with_free_func(said_free);
+  g_mutex_unlock(&run->heard.lock);
+}
+
+GPtrArray *opc_listen_piece_end(opc_run *run) {
+  g_mutex_lock(&run->heard.lock);
+  GPtrArray *said = g_steal_pointer(&run->heard.piece);
+  g_mutex_unlock(&run->heard.lock);
+  return said;
+}
+
+/* FALSE: no piece is at work. */
+static gboolean note_in_piece(opc_run *run, const char *path, int level,
+                              const char *text) {
+  g_mutex_lock(&run->heard.lock);
+  gboolean in = run->heard.piece != NULL;
+  if (in) add_said(run->heard.piece, path, level, text);
+  g_mutex_unlock(&run->heard.lock);
+  return in;
+}
+
+/* ---- passing on ---- */
+
+/* A step that runs again for its outputs has said it all. */
+static void take_log(void *data, const char *path, int level,
+                     const char *message) {
+  opc_run *run = data;
+  if (level >= OPC_LOG_WARNING && note_in_piece(run, path, level, message))
+    return;
+  if (run->heard.silent) return;
+  if (level >= OPC_LOG_WARNING) note(run, path, level, message);
+  if (level >= OPC_LOG_FINDING) keep(run, path, message);
+  if (run->heard.told->log)
+    run->heard.told->log(run->heard.told->data, path, level, message);
+}
+
+static void pass_step(void *data, const char *name, size_t number,
+                      size_t count) {
+  const opc_watch *to = ((const opc_run *)data)->heard.told;
+  if (to->step) to->step(to->data, name, number, count);
+}
+
+static void pass_progress(void *data, const char *path,
+                          const opc_progress *progress) {
+  const opc_watch *to = ((const opc_run *)data)->heard.told;
+  if (to->progress) to->progress(to->data, path, progress);
+}
+
+static int pass_cancelled(void *data) {
+  const opc_watch *to = ((const opc_run *)data)->heard.told;
+  return to->cancelled && to->cancelled(to->data);
+}
+
+static void pass_point(void *data, size_t number, size_t count) {
+  const opc_watch *to = ((const opc_run *)data)->heard.told;
+  if (to->point) to->point(to->data, number, count);
+}
+
+void opc_listen(opc_run *run, const opc_watch *told) {
+  static const opc_watch nobody = {.data = NULL};
+  run->heard.told = told ? told : &nobody;
+  run->heard.watch = (opc_watch){.data = run,
+                                 .log = take_log,
+                                 .step = pass_step,
+                                 .progress = pass_progress,
+                                 .cancelled = pass_cancelled,
+                                 .point = pass_point};
+  g_mutex_init(&run->heard.lock);
+}
+
+void opc_listen_end(opc_run *run) {
+  g_autoptr(GPtrArray) all = opc_flow_bindings(run->flow);
+  for (guint i = 0; i < all->len; i++) {
+    const opc_binding *b = all->pdata[i];
+    if (b->host) opc_host_ignore(b->host);
+  }
+  if (run->heard.said) g_ptr_array_free(run->heard.said, TRUE);
+  g_mutex_clear(&run->heard.lock);
+}

@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Runs the steps of a flow one after another. */
+#ifndef OPCFLOW_CORE_STEPS_H
+#define OPCFLOW_CORE_STEPS_H
+
+#include "core/run/run.h"
+
+/* Run or reuse the steps that are not left out. FALSE and problems. */
+gboolean opc_steps_run(opc_run *run, opc_problems *problems);
+
+/* Make the instances of the steps that are not left out, and run them in the
+   folder `path` as a part of `main_run`, which gets the sums of what they read.
+ */
+void opc_steps_run_in(opc_run *run, opc_run *main_run, const char *path,
+                      opc_problems *problems);
+
+#endif
