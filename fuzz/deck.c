@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What becomes of a deck, and of a file that it names: each line is a title, a
+/* Treatment of a deck, and of a file that it names: each line is a title, a
    continuation or a statement that is known. */
 #include <glib.h>
 #include <stdlib.h>

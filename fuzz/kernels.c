@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kernel sets: the text of weights, a byte of 0, and what each kernel is then
-   read from. */
+/* Kernel sets: the text of weights, a byte of 0, and the data of each
+   kernel. */
 #include <glib/gstdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -5,10 +5,10 @@
 
 #include "fuzz/fuzz.h"
 
-/* What one file may become here; more is allowed, and takes its time. */
+/* Size of one file here; more is allowed, and takes time. */
 static const uint64_t most_devices = 10000;
 
-/* Names of transistors and nets are there to be read. */
+/* Names of transistors and nets are read to detect invalid ones. */
 static void look_at(const eda_flat_netlist *flat) {
   for (size_t i = 0; i < flat->devices; i++)
     if (!*flat->device[i].name) g_error("a transistor without a name");

@@ -27,7 +27,7 @@ static opc_binding *bind(const char *path) {
   return binding;
 }
 
-/* Of the layers that are flattened, and their bytes: more is allowed, and takes
+/* Limit for the flattened layers, and their bytes: more is allowed, and takes
    its time. */
 enum { MOST_LAYERS = 4, MOST_FLAT = 1 << 22 };
 
@@ -43,7 +43,7 @@ static void flatten(const eda_layout *layout, int32_t top) {
   }
 }
 
-/* What a layout may be asked. */
+/* Queries of a layout. */
 static void look_at(const eda_layout *layout) {
   opc_error error;
   int32_t top = eda_layout_top(layout, &error);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What --set and --sweep say of a flow: a line each, those of --sweep with a
+/* Texts of --set and --sweep for a flow: a line each, those of --sweep with a
    sign before them. */
 #include <string.h>
 

@@ -3,6 +3,7 @@
 #ifndef OPCFLOW_TESTS_COMMAND_H
 #define OPCFLOW_TESTS_COMMAND_H
 
+#include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <sys/wait.h>
 
@@ -33,6 +34,19 @@ static inline int call(const char *line) {
     g_ptr_array_add(argv, g_strdelimit(words[i], "~", ' '));
   g_ptr_array_add(argv, NULL);
   return spawn((const char *const *)argv->pdata);
+}
+
+/* Start a run of which a plugin, once it has said so, loops for ever. */
+static inline GSubprocess *start_loop(const char *flow) {
+  const char *argv[] = {command, "run", flow, "--output", "x", NULL};
+  GError *fault = NULL;
+  GSubprocess *process =
+      g_subprocess_newv(argv, G_SUBPROCESS_FLAGS_STDERR_PIPE, &fault);
+  g_assert_no_error(fault);
+  GInputStream *said = g_subprocess_get_stderr_pipe(process);
+  for (char c = 0; c != '\n';)
+    g_assert_cmpint(g_input_stream_read(said, &c, 1, NULL, NULL), ==, 1);
+  return process;
 }
 
 static inline void write_text(const char *name, const char *text) {

@@ -117,13 +117,14 @@ static void test_verdicts(void) {
                                      "0.1") ", " RUN_METRIC("free", "1.0",
                                                             "neutral",
                                                             "0.0") ","
-                                                                   " " RUN_METRIC("same",
-                                                                                  "1.0",
-                                                                                  "lower",
-                                                                                  "0.0") ", " RUN_METRIC("gone",
-                                                                                                         "1.0",
-                                                                                                         "lower",
-                                                                                                         "0.0") " } }"});
+                                                                   " " RUN_METRIC(
+                                                                       "same",
+                                                                       "1.0",
+                                                                       "lower",
+                                                                       "0.0") ", " RUN_METRIC("gone",
+                                                                                              "1.0",
+                                                                                              "lower",
+                                                                                              "0.0") " } }"});
   make_run(
       &(made_run){
           .folder = "b",
@@ -134,13 +135,14 @@ static void test_verdicts(void) {
                                      "0.1") ", " RUN_METRIC("free", "2.0",
                                                             "neutral",
                                                             "0.0") ","
-                                                                   " " RUN_METRIC("same",
-                                                                                  "1.0",
-                                                                                  "lower",
-                                                                                  "0.0") ", " RUN_METRIC("new",
-                                                                                                         "1.0",
-                                                                                                         "lower",
-                                                                                                         "0.0") " } }"});
+                                                                   " " RUN_METRIC(
+                                                                       "same",
+                                                                       "1.0",
+                                                                       "lower",
+                                                                       "0.0") ", " RUN_METRIC("new",
+                                                                                              "1.0",
+                                                                                              "lower",
+                                                                                              "0.0") " } }"});
   g_assert_cmpint(compare("a b --all"), ==, 0);
   g_assert_cmpstr(verdict("mask.low"), ==, "worse");
   g_assert_cmpstr(verdict("mask.high"), ==, "better");

@@ -199,19 +199,6 @@ static void test_numbered(void) {
 
 /* ---- endless loops ---- */
 
-/* Start a run of which a plugin, once it has said so, loops for ever. */
-static GSubprocess *start_loop(const char *flow) {
-  const char *argv[] = {command, "run", flow, "--output", "x", NULL};
-  GError *fault = NULL;
-  GSubprocess *process =
-      g_subprocess_newv(argv, G_SUBPROCESS_FLAGS_STDERR_PIPE, &fault);
-  g_assert_no_error(fault);
-  GInputStream *said = g_subprocess_get_stderr_pipe(process);
-  for (char c = 0; c != '\n';)
-    g_assert_cmpint(g_input_stream_read(said, &c, 1, NULL, NULL), ==, 1);
-  return process;
-}
-
 /* It does not heed the first signal; the second one ends it, here of another
    kind so that they cannot become one. */
 static void expect_end(GSubprocess *process, int first, int second,

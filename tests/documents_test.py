@@ -39,7 +39,7 @@ def blocks(path):
 
 
 def room():
-    """A folder in which flows find what they name as from the top of the tree."""
+    """Make a folder in which flows find their files as from the top of the tree."""
     folder = tempfile.mkdtemp(prefix="opcflow-documents-")
     for name in ("flows", "data"):
         os.symlink(os.path.join(ROOT, name), os.path.join(folder, name))
@@ -56,7 +56,7 @@ def ask(words, folder, **more):
 
 
 def check_flow(text, expected):
-    """What is wrong with a flow of a document; '' if it is as the document says."""
+    """Return the faults of a flow of a document; '' if they equal those of the document."""
     named = re.match(r"([\w-]+\.yaml):\d+", expected)
     folder = room()
     try:
@@ -69,7 +69,7 @@ def check_flow(text, expected):
         shutil.rmtree(folder)
     if not named:
         return "" if said.returncode == 0 else said.stdout
-    # Besides faults, it tells what a run would want.
+    # The command also prints a forecast.
     faults = [line for line in said.stdout.split("\n") if re.match(r"[\w./-]+:\d+:", line)]
     return "" if faults == expected.strip().split("\n") else said.stdout
 

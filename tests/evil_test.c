@@ -343,22 +343,9 @@ static void test_names(void) {
 
 /* ---- endless loops ---- */
 
-/* A run that has begun to loop for ever. */
-static GSubprocess *start(const char *flow) {
-  const char *argv[] = {command, "run", flow, "--output", "x", NULL};
-  GError *fault = NULL;
-  GSubprocess *process =
-      g_subprocess_newv(argv, G_SUBPROCESS_FLAGS_STDERR_PIPE, &fault);
-  g_assert_no_error(fault);
-  GInputStream *said = g_subprocess_get_stderr_pipe(process);
-  for (char c = 0; c != '\n';)
-    g_assert_cmpint(g_input_stream_read(said, &c, 1, NULL, NULL), ==, 1);
-  return process;
-}
-
 /* One signal ends it within a second. */
 static void try_hang(const char *flow, int number, const char *want) {
-  g_autoptr(GSubprocess) process = start(flow);
+  g_autoptr(GSubprocess) process = start_loop(flow);
   g_autofree char *said = NULL;
   GError *fault = NULL;
   gint64 asked = g_get_monotonic_time();
@@ -406,7 +393,7 @@ static void test_foreign(void) {
   write_text("step.yaml", "opcflow: 1\nsteps:\n  a: { use: bad.step }\n");
   g_setenv("BAD_HOW", "hang", TRUE);
   g_setenv("BAD_WHEN", "run", TRUE);
-  g_autoptr(GSubprocess) process = start("step.yaml");
+  g_autoptr(GSubprocess) process = start_loop("step.yaml");
   g_autofree char *said = NULL;
   g_subprocess_send_signal(process, SIGSEGV);
   g_subprocess_communicate_utf8(process, NULL, NULL, NULL, &said, NULL);

@@ -1,52 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The step `experiment` through the command: each run against the same run
    alone; what lists, patterns and files come to; what is refused. */
-#include <gio/gio.h>
-#include <glib.h>
-#include <json-glib/json-glib.h>
 #include <string.h>
 
-#include <store/files.h>
-
-static char *folder; /* of all files and runs; removed at the end */
+#include "tests/flow.h"
 
 /* ---- help ---- */
-
-/* opcflow ARGS...; its exit code and its standard error. */
-static int opcflow(char **errors, const char *first, ...) {
-  g_autoptr(GPtrArray) argv = g_ptr_array_new_with_free_func(g_free);
-  g_ptr_array_add(argv,
-                  g_build_filename(g_getenv("OPCFLOW_BUILD"), "opcflow", NULL));
-  va_list args;
-  va_start(args, first);
-  for (const char *a = first; a; a = va_arg(args, const char *))
-    g_ptr_array_add(argv, g_strdup(a));
-  va_end(args);
-  g_ptr_array_add(argv, NULL);
-  g_autoptr(GError) error = NULL;
-  g_autofree char *out = NULL;
-  int status;
-  g_spawn_sync(folder, (char **)argv->pdata, NULL, 0, NULL, NULL, &out, errors,
-               &status, &error);
-  g_assert_no_error(error);
-  g_assert_true(WIFEXITED(status)); /* no signal */
-  return WEXITSTATUS(status);
-}
-
-static void write_file(const char *name, const char *text) {
-  g_autofree char *path = g_build_filename(folder, name, NULL);
-  g_autofree char *parent = g_path_get_dirname(path);
-  g_assert_cmpint(g_mkdir_with_parents(parent, 0777), ==, 0);
-  g_assert_true(g_file_set_contents(path, text, -1, NULL));
-}
-
-static char *read_file(const char *run, const char *name) {
-  g_autofree char *path = g_build_filename(folder, run, name, NULL);
-  char *text = NULL;
-  if (!g_file_get_contents(path, &text, NULL, NULL))
-    g_error("'%s' is not there", path);
-  return text;
-}
 
 /* A cell of ours under another name. */
 static void copy_cell(const char *cell, const char *name) {
@@ -117,19 +76,6 @@ static void run_outer(void) {
   int code = opcflow(&errors, "run", "outer.yaml", "--output", "outer", NULL);
   if (code) g_error("exit code %d: %s", code, errors);
   done = TRUE;
-}
-
-static void expect_equal(const char *one, const char *other, const char *name) {
-  g_autofree char *a = g_build_filename(folder, one, name, NULL);
-  g_autofree char *b = g_build_filename(folder, other, name, NULL);
-  char *text[2];
-  gsize n[2];
-  g_assert_true(g_file_get_contents(a, &text[0], &n[0], NULL));
-  g_assert_true(g_file_get_contents(b, &text[1], &n[1], NULL));
-  if (n[0] != n[1] || memcmp(text[0], text[1], n[0]))
-    g_error("'%s' and '%s' differ", a, b);
-  g_free(text[0]);
-  g_free(text[1]);
 }
 
 /* Each run is what its own resolved flow gives alone, to the byte. */
@@ -363,7 +309,7 @@ static void test_former(void) {
 int main(int argc, char **argv) {
   static const char *const cells[] = {"nand2", "nor2", "nmos"};
   g_test_init(&argc, &argv, NULL);
-  folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
+  begin_flows();
   write_file("inner.yaml", inner);
   for (guint i = 0; i < G_N_ELEMENTS(cells); i++) {
     g_autofree char *name = g_strdup_printf("cells/%s.cif", cells[i]);
@@ -382,8 +328,5 @@ int main(int argc, char **argv) {
   g_test_add_func("/experiment/lists", test_lists);
   g_test_add_func("/experiment/former", test_former);
   g_test_add_func("/experiment/refusals", test_refusals);
-  int code = g_test_run();
-  opc_remove_tree(folder);
-  g_free(folder);
-  return code;
+  return run_flows();
 }

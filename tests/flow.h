@@ -43,6 +43,21 @@ static inline char *place(const char *name) {
   return g_build_filename(folder, name, NULL);
 }
 
+static inline void write_file(const char *name, const char *text) {
+  g_autofree char *path = place(name);
+  g_autofree char *parent = g_path_get_dirname(path);
+  g_assert_cmpint(g_mkdir_with_parents(parent, 0777), ==, 0);
+  g_assert_true(g_file_set_contents(path, text, -1, NULL));
+}
+
+static inline char *read_file(const char *run, const char *name) {
+  g_autofree char *path = g_build_filename(folder, run, name, NULL);
+  char *text = NULL;
+  if (!g_file_get_contents(path, &text, NULL, NULL))
+    g_error("'%s' is not there", path);
+  return text;
+}
+
 static inline GBytes *bytes(const char *run, const char *file) {
   g_autofree char *path = g_build_filename(folder, run, file, NULL);
   char *text = NULL;
@@ -83,9 +98,13 @@ static inline int have(const char *id) {
   return FALSE;
 }
 
-/* Run the tests that were added, in a folder of their own that is removed. */
-static inline int run_flows(void) {
+/* Make the folder. */
+static inline void begin_flows(void) {
   folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
+}
+
+/* Run the tests that were added, and remove the folder. */
+static inline int run_flows(void) {
   int code = g_test_run();
   opc_remove_tree(folder);
   g_free(folder);

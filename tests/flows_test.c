@@ -403,6 +403,7 @@ static void test_timing_compare(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
+  begin_flows();
   g_test_add_func("/flows/demo", test_demo);
   g_test_add_func("/flows/resolved", test_resolved);
   g_test_add_func("/flows/threads", test_threads);

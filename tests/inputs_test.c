@@ -229,6 +229,7 @@ static void test_typo(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
+  begin_flows();
   g_test_add_func("/inputs/notes", test_notes);
   g_test_add_func("/inputs/bad-note", test_bad_note);
   g_test_add_func("/inputs/bad-input", test_bad_input);

@@ -1,46 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The step `search` through the command: against separate runs of the same
    flow, one for each setting. */
-#include <gio/gio.h>
-#include <glib.h>
-#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 
-#include <store/files.h>
-
-static char *folder; /* of all runs; removed at the end */
+#include "tests/flow.h"
 
 /* ---- help ---- */
-
-static char *source(const char *name) {
-  return g_build_filename(g_getenv("OPCFLOW_SOURCE"), name, NULL);
-}
-
-static char *place(const char *name) {
-  return g_build_filename(folder, name, NULL);
-}
-
-/* opcflow ARGS...; its exit code and its standard error. */
-static int opcflow(char **errors, const char *first, ...) {
-  g_autoptr(GPtrArray) argv = g_ptr_array_new_with_free_func(g_free);
-  g_ptr_array_add(argv,
-                  g_build_filename(g_getenv("OPCFLOW_BUILD"), "opcflow", NULL));
-  va_list args;
-  va_start(args, first);
-  for (const char *a = first; a; a = va_arg(args, const char *))
-    g_ptr_array_add(argv, g_strdup(a));
-  va_end(args);
-  g_ptr_array_add(argv, NULL);
-  g_autoptr(GError) error = NULL;
-  g_autofree char *out = NULL;
-  int status;
-  g_spawn_sync(folder, (char **)argv->pdata, NULL, 0, NULL, NULL, &out, errors,
-               &status, &error);
-  g_assert_no_error(error);
-  g_assert_true(WIFEXITED(status)); /* no signal */
-  return WEXITSTATUS(status);
-}
 
 static void run_good(const char *flow, const char *run, const char *option,
                      const char *value) {
@@ -51,21 +17,8 @@ static void run_good(const char *flow, const char *run, const char *option,
   if (code) g_error("'%s': exit code %d: %s", run, code, errors);
 }
 
-static void write_file(const char *name, const char *text) {
-  g_autofree char *path = place(name);
-  g_assert_true(g_file_set_contents(path, text, -1, NULL));
-}
-
-static char *read_file(const char *run, const char *file) {
-  g_autofree char *path = g_build_filename(folder, run, file, NULL);
-  char *text = NULL;
-  if (!g_file_get_contents(path, &text, NULL, NULL))
-    g_error("'%s' is not there", path);
-  return text;
-}
-
-static void expect_equal(const char *a, const char *b, const char *c,
-                         const char *d) {
+static void expect_same(const char *a, const char *b, const char *c,
+                        const char *d) {
   g_autofree char *one = g_build_filename(folder, a, b, NULL);
   g_autofree char *other = g_build_filename(folder, c, d, NULL);
   char *text[2];
@@ -78,24 +31,12 @@ static void expect_equal(const char *a, const char *b, const char *c,
   g_free(text[1]);
 }
 
-static double metric(const char *run, const char *step, const char *name) {
-  g_autofree char *path = g_build_filename(folder, run, "metrics.json", NULL);
-  g_autoptr(JsonParser) parser = json_parser_new();
-  g_assert_true(json_parser_load_from_file(parser, path, NULL));
-  JsonObject *o = json_node_get_object(json_parser_get_root(parser));
-  g_assert_true(json_object_has_member(o, step));
-  o = json_object_get_object_member(o, step);
-  if (!json_object_has_member(o, name)) g_error("'%s' has no '%s'", step, name);
-  return json_object_get_double_member(json_object_get_object_member(o, name),
-                                       "value");
-}
-
 /* ---- flows ---- */
 
 /* NAND2 by EPE-OPC. */
 static char *inner_text(void) {
-  g_autofree char *cif = source("data/cells65/nand2.cif");
-  g_autofree char *devices = source("data/devices/ptm65.yaml");
+  g_autofree char *cif = source_path("data/cells65/nand2.cif");
+  g_autofree char *devices = source_path("data/devices/ptm65.yaml");
   return g_strdup_printf(
       "opcflow: 1\nname: inner\nsteps:\n"
       "  layout:\n    use: read.cif\n    file: %s\n"
@@ -186,8 +127,8 @@ static void test_truth(void) {
     g_assert_true(metric(names[k], "best", "setting") == best + 1);
     g_assert_true(metric(names[k], "best", "settings") == ALL);
     g_assert_true(metric(names[k], "best", "runs") == (k ? ALL : LENGTHS));
-    expect_equal(names[k], "mask.gds", winner, "mask.gds");
-    expect_equal(names[k], "best/gates.csv", winner, "gates.csv");
+    expect_same(names[k], "mask.gds", winner, "mask.gds");
+    expect_same(names[k], "best/gates.csv", winner, "gates.csv");
   }
 }
 
@@ -216,7 +157,7 @@ static void test_threads(void) {
                                       "metrics.json",   "mask.gds",
                                       "best/gates.csv", "best/history.csv"};
   for (size_t i = 0; i < G_N_ELEMENTS(files); i++)
-    expect_equal("one", files[i], "four", files[i]);
+    expect_same("one", files[i], "four", files[i]);
 }
 
 /* Other plugins' parameters, another figure, the greatest one, a variant and
@@ -253,7 +194,7 @@ static void test_others(void) {
   write_file(flow, alone_text);
   run_good(flow, run, NULL, NULL);
   g_assert_true(metric(run, "cost", "shots") == figure[greatest]);
-  expect_equal("others", "mask.gds", run, "mask.gds");
+  expect_same("others", "mask.gds", run, "mask.gds");
 }
 
 /* Of settings that fail it is told, and the others count. */
@@ -274,7 +215,7 @@ static void test_failing(void) {
 /* The resolved flow runs again from elsewhere; files are relative to the flow
    that names them; the manifest knows what the inner flow read and used. */
 static void test_resolved(void) {
-  g_autofree char *cif = source("data/cells65/nand2.cif"), *text = NULL;
+  g_autofree char *cif = source_path("data/cells65/nand2.cif"), *text = NULL;
   g_assert_true(g_file_get_contents(cif, &text, NULL, NULL));
   g_autofree char *sub = place("sub");
   g_assert_cmpint(g_mkdir_with_parents(sub, 0777), ==, 0);
@@ -286,8 +227,8 @@ static void test_resolved(void) {
   run_good("sub/outer.yaml", "first", NULL, NULL);
   g_autofree char *flow = g_build_filename("first", "flow.yaml", NULL);
   run_good(flow, "second", NULL, NULL);
-  expect_equal("first", "settings.csv", "second", "settings.csv");
-  expect_equal("first", "mask.gds", "second", "mask.gds");
+  expect_same("first", "settings.csv", "second", "settings.csv");
+  expect_same("first", "mask.gds", "second", "mask.gds");
   g_autofree char *manifest = read_file("second", "manifest.json");
   g_assert_nonnull(strstr(manifest, "sub/mine.cif\""));
   g_assert_nonnull(strstr(manifest, "inner.yaml\""));
@@ -297,7 +238,7 @@ static void test_resolved(void) {
   g_assert_true(metric("third", "mask", "ion_mean") ==
                 metric("first", "best", "least"));
   /* --set reaches into it. */
-  g_autofree char *other = source("data/cells65/nor2.cif");
+  g_autofree char *other = source_path("data/cells65/nor2.cif");
   g_autofree char *set = g_strdup_printf("best.set.layout.file=%s", other);
   run_good("sub/outer.yaml", "nor2", "--set", set);
   g_assert_true(metric("nor2", "best", "least") !=
@@ -431,7 +372,7 @@ static void test_all_fail(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  folder = g_dir_make_tmp("opcflow-search-XXXXXX", NULL);
+  begin_flows();
   g_autofree char *text = inner_text();
   write_file("inner.yaml", text);
   g_test_add_func("/search/truth", test_truth);
@@ -444,8 +385,5 @@ int main(int argc, char **argv) {
   g_test_add_func("/search/inner-faults", test_inner_faults);
   g_test_add_func("/search/no-table", test_no_table);
   g_test_add_func("/search/all-fail", test_all_fail);
-  int result = g_test_run();
-  opc_remove_tree(folder);
-  g_free(folder);
-  return result;
+  return run_flows();
 }

@@ -144,7 +144,8 @@ static opc_node *undot_both(opc_node *under, const opc_node *over,
 static void lay_map(const layer *l, opc_node *under, const opc_node *over) {
   g_autoptr(opc_node) undotted = NULL;
   if (under != l->steps && (meets(over, under) || meets(under, over)))
-    over = undotted = undot_both(under, over, l->problems);
+    undotted = undot_both(under, over, l->problems);
+  if (undotted) over = undotted;
   /* Of each key above, its number and one; what is below leaves it. */
   g_autoptr(GHashTable) left = g_hash_table_new(g_str_hash, g_str_equal);
   gpointer *keys = under->keys->pdata, *items = under->items->pdata;

@@ -329,8 +329,9 @@ static int check_and_run(const char *path) {
   g_autoptr(JsonArray) list = json_array_new();
   series s = {recipe, NULL, chosen, list};
   if (recipe) {
-    s.sweep = sweep =
+    sweep =
         opc_sweep_new(recipe, cli_list(sets), NULL, cli_list(sweeps), problems);
+    s.sweep = sweep;
     choose_variants(&s, problems);
   }
   for (guint i = 0; i < chosen->len; i++) {

@@ -3,11 +3,11 @@
    it. */
 #include "core/plugin/declaration.h"
 
+#include <base/unit.h>
 #include <math.h>
 #include <string.h>
 
-#include "core/text/unit.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 /* More elements, or bytes of an element, than any plugin will have; a wild
    number is caught before its array is read. */

@@ -3,12 +3,12 @@
    `parallel`. */
 #include "core/plugin/host.h"
 
+#include <base/shown.h>
 #include <glib.h>
 #include <guard/guard.h>
 #include <string.h>
 
 #include "core/plugin/pieces.h"
-#include "core/text/shown.h"
 
 static unsigned wanted_threads;
 

@@ -30,7 +30,7 @@ METAL_SPACE = 90
 PAD = CONTACT + 2 * POLY_ENC
 STRAP = CONTACT + 2 * METAL_ENC
 
-GAP = 305           # n active to p active; a poly pad lies in its middle
+GAP = 305           # n active to p active; a poly pad is in its middle
 RAIL = 180          # width of a supply rail, centred on the edge of the cell
 RAIL_SPACE = 200    # supply centre line to active
 WELL_OVERLAP = 100  # well and implants reach this far into the neighbouring cell
@@ -132,7 +132,7 @@ def write_cif(path, top, title):
                 lines.append(f"L {layer};")
                 lines += [cif_shape(points) for points in cell.shapes[layer]]
         lines += [f"C {order.index(child) + 1}{place.cif()};" for child, place in cell.calls]
-        for layer in LAYERS:    # a label lies on the current layer, as KLayout reads it
+        for layer in LAYERS:    # a label is on the current layer, as KLayout reads it
             labels = [label for label in cell.labels if label[3] == layer]
             if labels:
                 lines.append(f"L {layer};")
@@ -388,7 +388,7 @@ PASS_W, DRIVER_W, LOAD_W = 140, 210, 105
 SRAM_N = 105                        # bottom of the n diffusion
 SRAM_P = 515                        # bottom of the p diffusion
 SRAM_MIDDLE = 690                   # of the cell, in y
-COLUMN = [-130, 120, 370]           # contact columns; the outer ones lie on the edges
+COLUMN = [-130, 120, 370]           # contact columns; the outer ones are on the edges
 GATE = [0, PITCH]
 CELL_Y = 2 * SRAM_MIDDLE + CONTACT  # height of the cell, word line contacts shared
 EDGE_X = (-93, 408)                 # of the cell, rounded outwards

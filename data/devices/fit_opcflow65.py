@@ -5,11 +5,11 @@
 
     python3 fit_opcflow65.py [OUTPUT]           (default: opcflow65.pm here)
 
-Needs scipy and the shared library of ngspice.  What is fitted is the logarithm of
-the on and off currents from 54 to 82 nm, in units of 0.3 % and 3 %, with less
-weight the rest from 50 to 120 nm, and roughly the shares of Ion at three other
-voltages.  Fixed values are round ones of our own for a 65 nm bulk process; what is
-not in the card has BSIM4's default.
+Needs scipy and the shared library of ngspice.  The fit uses the logarithms of the
+on and off currents from 54 to 82 nm, in units of 0.3 % and 3 %.  Lengths from 50 to
+120 nm and the shares of Ion at three other voltages have less weight.  Fixed values
+are round ones for a 65 nm bulk process; parameters that are not in the card have
+BSIM4's default.
 """
 
 import ctypes
@@ -24,7 +24,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 LENGTHS = [50, 52, 54, 55, 56, 57, 58, 60, 62, 64, 65, 66, 68, 70, 73, 76, 80, 82, 90, 100, 110, 120]
 SUPPLY = 1.1
 # Gate and drain voltage, and the round share of Ion that flows there at 65 nm:
-# the table does not tell how a transistor switches.
+# the table does not contain how a transistor switches.
 SHAPE = [(0.8, 1.1, 0.6), (0.55, 1.1, 0.28), (1.1, 0.05, 0.15)]
 
 FIXED = {
@@ -145,7 +145,7 @@ def fit(simulator, model, table):
                              for i in range(3))
     inside = numpy.array([54 <= length <= 82 for length in LENGTHS])
     unit = {"ion": numpy.where(inside, 0.003, 0.03), "ioff": numpy.where(inside, 0.03, 0.3)}
-    # What may have any order of magnitude is fitted by its logarithm.
+    # Parameters of unknown order of magnitude are fitted by their logarithm.
     decades = (least > 0) & (largest > 50 * least)
     low, high = (numpy.where(decades, numpy.log(numpy.where(decades, bound, 1)), bound)
                  for bound in (least, largest))
@@ -160,7 +160,7 @@ def fit(simulator, model, table):
             return numpy.full(2 * len(LENGTHS) + len(SHAPE) + len(x), 1e3)
         of_table = [numpy.log(got[state] / table[model, state]) / unit[state]
                     for state in ("ion", "ioff")]
-        # A weak pull to the first values keeps what the currents do not tell.
+        # A weak pull to the first values keeps parameters that the currents do not determine.
         shape = numpy.log(got["shape"] / [share for *_, share in SHAPE]) / 0.1
         return numpy.concatenate(of_table + [shape, 0.3 * (x - start)])
 

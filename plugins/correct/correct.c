@@ -64,19 +64,19 @@ static void hand_over(loop *l, eda_mask *out) {
   out->iterations = l->iterations;
   out->simulations = l->printer.simulations;
   out->fine_simulations = l->printer.fine_simulations;
-  out->moved = moved_of(l);
+  out->moved = correct_moved_of(l);
 }
 
 static int tell_of_violations(loop *l, eda_mask *out, opc_error *error) {
-  eda_printed p = loop_printed(l);
-  return report_rules(l->host, l->regulator, &p, out, error);
+  eda_printed p = correct_loop_printed(l);
+  return correct_report_rules(l->host, l->regulator, &p, out, error);
 }
 
 static int tell_of_guard(const loop *l, opc_error *error) {
   const guard *g = &l->guard;
   if (!l->gates->count) return OPC_OK;
-  findings_of_print(l->host, l->gates, l->measured.flags, g->flags);
-  findings_of_guard(l->host, g, l->hold);
+  correct_findings_of_print(l->host, l->gates, l->measured.flags, g->flags);
+  correct_findings_of_guard(l->host, g, l->hold);
   const opc_metric_value values[] = {{"went_back", (double)g->back},
                                      {"worse", (double)g->worse},
                                      {"lost", (double)g->lost}};
@@ -88,7 +88,7 @@ static int tell_of_guard(const loop *l, opc_error *error) {
 static int tell(const correct *c, loop *l, eda_mask *mask, opc_error *error) {
   size_t n = c->gates->count;
   char **held = eda_alloc(n, sizeof *held);
-  for (size_t i = 0; i < n; i++) held[i] = guard_verdict(&l->guard, i);
+  for (size_t i = 0; i < n; i++) held[i] = correct_guard_verdict(&l->guard, i);
   const report told = {.mask = mask,
                        .extension = l->measured.extension,
                        .sites = l->sites,
@@ -96,11 +96,11 @@ static int tell(const correct *c, loop *l, eda_mask *mask, opc_error *error) {
                        .synthesizer = l->drivers[MAIN].module,
                        .held = held,
                        .flags_before = l->guard.flags};
-  int code = report_mask(c->host, &told, error);
+  int code = correct_report_mask(c->host, &told, error);
   for (size_t i = 0; i < n; i++) g_free(held[i]);
   free(held);
-  if (!code) code = history_report(&l->history, c->host, error);
-  if (!code && l->traced) code = trace_report(&l->trace, l, error);
+  if (!code) code = correct_history_report(&l->history, c->host, error);
+  if (!code && l->traced) code = correct_trace_report(&l->trace, l, error);
   return code;
 }
 
@@ -108,11 +108,11 @@ static int tell_of_settings(const correct *c, opc_error *error);
 
 static int run(void *self, void **outputs, opc_error *error) {
   const correct *c = self;
-  int code = start_check(&c->start, c->gates, error);
+  int code = correct_start_check(&c->start, c->gates, error);
   if (!code) code = tell_of_settings(c, error);
   if (code) return code;
   loop l;
-  loop_init(&l, c->host, c->gates, &c->with);
+  correct_loop_init(&l, c->host, c->gates, &c->with);
   l.start = c->start;
   l.prepared = c->prepared;
   l.traced = c->trace;
@@ -122,21 +122,22 @@ static int run(void *self, void **outputs, opc_error *error) {
   l.seek = c->seek;
   eda_mask *mask = eda_mask_new(c->gates);
   outputs[0] = mask; /* released by the host if this fails */
-  code = loop_run(&l, error);
+  code = correct_loop_run(&l, error);
   if (!code) {
     tell_of_overlaps(&l);
     code = tell_of_violations(&l, mask, error);
   }
-  if (!code) code = corners_report(&l, error);
-  if (!code) code = assists_report(&l, error);
+  if (!code) code = correct_corners_report(&l, error);
+  if (!code) code = correct_assists_report(&l, error);
   if (!code)
-    code = rules_report(c->host, c->gates, l.mask, c->with.rules, error);
+    code =
+        correct_rules_report(c->host, c->gates, l.mask, c->with.rules, error);
   if (!code) code = tell_of_guard(&l, error);
   if (!code) {
     hand_over(&l, mask);
     code = tell(c, &l, mask, error);
   }
-  loop_clear(&l);
+  correct_loop_clear(&l);
   return code;
 }
 
@@ -148,11 +149,11 @@ static int forecast(void *self, opc_forecast *out, opc_error *error) {
   (void)snprintf(fine_prints, sizeof fine_prints, "%s and %d fine ones", prints,
                  PROOFS + 1);
   correct_forecast(&c->with, c->host, c->gates, prints, fine_prints, out);
-  out->memory *= (double)corners_images(&c->corners);
+  out->memory *= (double)correct_corners_images(&c->corners);
   int code = eda_extractor_prepare(c->host->context, c->with.extractor, error);
   if (code) return code;
   c->prepared = 1;
-  findings_of_drawing(c->host, c->gates, c->with.extractor);
+  correct_findings_of_drawing(c->host, c->gates, c->with.extractor);
   return OPC_OK;
 }
 
@@ -260,7 +261,7 @@ static int check(void *self, opc_error *error) {
   correct *c = self;
   int code = correct_settings_check(&c->with, c->host, error);
   follow(c);
-  return code ? code : corners_check(&c->corners, error);
+  return code ? code : correct_corners_check(&c->corners, error);
 }
 
 /* ---- entry ---- */

@@ -340,10 +340,10 @@ static void assert_prints(void) {
     g_assert_cmpstr(text("prints", "print", (int)k), ==, all[k].name);
     whole("prints", "transistors", (int)k, all[k].count);
     for (size_t m = k; m < G_N_ELEMENTS(all); m++) graver |= all[m].flag;
-    g_assert_cmpstr(report_trouble(graver), ==, all[k].name);
+    g_assert_cmpstr(correct_report_trouble(graver), ==, all[k].name);
   }
   g_assert_cmpuint(opc_test_table("prints")->rows, ==, G_N_ELEMENTS(all));
-  g_assert_cmpstr(report_trouble(0), ==, "");
+  g_assert_cmpstr(correct_report_trouble(0), ==, "");
 }
 
 static void test_mask(void) {
@@ -368,7 +368,7 @@ static void test_mask(void) {
         r.corrected = &d.mask[1];
       }
       opc_test_forget();
-      if (report_mask(opc_test_host(), &r, &error))
+      if (correct_report_mask(opc_test_host(), &r, &error))
         g_error("%s", error.message);
       g_assert_cmpuint(opc_test_table("gates")->rows, ==, GATES);
       g_assert_cmpuint(opc_test_table("transistors")->rows, ==, GATES);
@@ -386,17 +386,18 @@ static void test_history(void) {
   make(&d);
   history h = {0};
   eda_printer p = {.simulations = 2};
-  summary s = summarize(&d.gates, &d.mask[0].design, &d.mask[0].after,
-                        d.flags[0], d.sites);
-  history_add(&h, &s, 0, &p, 0);
+  summary s = correct_summarize(&d.gates, &d.mask[0].design, &d.mask[0].after,
+                                d.flags[0], d.sites);
+  correct_history_add(&h, &s, 0, &p, 0);
   p.simulations = 4;
-  history_add(&h, &s, 1, &p, 0);
+  correct_history_add(&h, &s, 1, &p, 0);
   p.fine_simulations = 2;
   s.ion_mean = 77;
-  history_add(&h, &s, 9, &p, 1);
+  correct_history_add(&h, &s, 9, &p, 1);
   p.simulations = 6;
-  history_add(&h, &s, 2, &p, 1);
-  g_assert_cmpint(history_report(&h, opc_test_host(), &error), ==, OPC_OK);
+  correct_history_add(&h, &s, 2, &p, 1);
+  g_assert_cmpint(correct_history_report(&h, opc_test_host(), &error), ==,
+                  OPC_OK);
   g_assert_cmpuint(opc_test_table("history")->rows, ==, 3);
   for (int i = 0; i < 3; i++) {
     whole("history", "iteration", i, i);
@@ -407,7 +408,7 @@ static void test_history(void) {
          i ? 77 : group(&d, 2, 0, d.flags[0], 2).mean);
     cell("history", "epe_max", i, s.epe_max);
   }
-  history_clear(&h);
+  correct_history_clear(&h);
 }
 
 /* ---- words ---- */
@@ -426,8 +427,9 @@ static void test_violations(void) {
                              {"space; no room", 5, 11, 21, 31, 41},
                              {"space; drawn so", 2, 12, 22, 32, 42}};
   opc_test_forget();
-  g_assert_cmpint(report_violations(opc_test_host(), &d.gates, v, 4, &error),
-                  ==, OPC_OK);
+  g_assert_cmpint(
+      correct_report_violations(opc_test_host(), &d.gates, v, 4, &error), ==,
+      OPC_OK);
   metric("violations", 4);
   metric("violations_unexplained", 1);
   said("2 places cannot keep a rule: space; no room; first at (10, 20) nm", 1);
@@ -444,8 +446,9 @@ static void test_violations(void) {
     cell("violations", "limit", i, v[i].limit);
   }
   opc_test_forget();
-  g_assert_cmpint(report_violations(opc_test_host(), &d.gates, v, 0, &error),
-                  ==, OPC_OK);
+  g_assert_cmpint(
+      correct_report_violations(opc_test_host(), &d.gates, v, 0, &error), ==,
+      OPC_OK);
   metric("violations", 0);
   g_assert_null(opc_test_table("violations"));
 }
@@ -477,7 +480,7 @@ static void test_drawing(void) {
     opc_test_forget();
     shortest = cases[k].low * least;
     longest = cases[k].high * most;
-    findings_of_drawing(opc_test_host(), &d.gates, &extractor);
+    correct_findings_of_drawing(opc_test_host(), &d.gates, &extractor);
     said("1 of 9 n-transistors are drawn with lengths", cases[k].beyond);
     said("n-transistors are drawn with lengths",
          cases[k].beyond | cases[k].near);
@@ -487,15 +490,15 @@ static void test_drawing(void) {
   }
   for (int i = 0; i < 7; i++) d.width[i] = 1;
   opc_test_forget();
-  findings_of_drawing(opc_test_host(), &d.gates, &extractor);
+  correct_findings_of_drawing(opc_test_host(), &d.gates, &extractor);
   said("longer than wide", 0); /* seven of fourteen are */
   d.width[7] = 1;
-  findings_of_drawing(opc_test_host(), &d.gates, &extractor);
+  correct_findings_of_drawing(opc_test_host(), &d.gates, &extractor);
   said("8 of 14 transistors are drawn longer than wide", 1);
   /* Of one length and many widths, they are right as they are. */
   for (int i = 0; i < GATES; i++) d.length[i] = 600, d.width[i] = 300 + i;
   opc_test_forget();
-  findings_of_drawing(opc_test_host(), &d.gates, &extractor);
+  correct_findings_of_drawing(opc_test_host(), &d.gates, &extractor);
   said("longer than wide", 0);
 }
 
@@ -507,14 +510,16 @@ static void test_print(void) {
       "figures: first X7:4 at (%g, %g) nm",
       (d.box[3].x0 + d.box[3].x1) / 4.0, (d.box[3].y0 + d.box[3].y1) / 4.0);
   opc_test_forget();
-  findings_of_print(opc_test_host(), &d.gates, d.flags[0], d.flags_before);
+  correct_findings_of_print(opc_test_host(), &d.gates, d.flags[0],
+                            d.flags_before);
   said(first, 1);
   said("4 transistors that printed as drawn do so no more: first X7:4 at", 1);
   said("figures of 1 of 14 transistors are from beyond the device table", 1);
   said("no transistor prints as drawn", 0);
   for (int i = 0; i < GATES; i++) d.flags_before[i] = EDA_PRINT_OPEN;
   opc_test_forget();
-  findings_of_print(opc_test_host(), &d.gates, d.flags[1], d.flags_before);
+  correct_findings_of_print(opc_test_host(), &d.gates, d.flags[1],
+                            d.flags_before);
   said(
       "1 of 14 transistors does not print as one, and has no figures: first "
       "X7:10 at",
@@ -523,7 +528,7 @@ static void test_print(void) {
   said("no transistor prints as drawn", 1);
   said("beyond the device table", 0);
   opc_test_forget();
-  findings_of_print(opc_test_host(), &d.gates, d.flags[1], NULL);
+  correct_findings_of_print(opc_test_host(), &d.gates, d.flags[1], NULL);
   said("printed as drawn", 0);
   said("prints as drawn", 0);
 }
@@ -533,12 +538,12 @@ static void test_guard(void) {
   const guard more = {.back = 3, .worse = 2}, none = {0};
   const opc_host *host = opc_test_host();
   opc_test_forget();
-  findings_of_guard(host, &one, 1);
+  correct_findings_of_guard(host, &one, 1);
   said("1 transistor is worse than drawn, as neighbours", 1);
   said("1 transistor went back", 1);
   said("guard: off", 0);
   opc_test_forget();
-  findings_of_guard(host, &more, 0);
+  correct_findings_of_guard(host, &more, 0);
   said(
       "guard: off: 2 transistors are worse than drawn and than the limit, 0 "
       "that printed as drawn do so no more",
@@ -546,7 +551,7 @@ static void test_guard(void) {
   said("3 transistors went back", 1);
   said("as neighbours", 0);
   opc_test_forget();
-  findings_of_guard(host, &none, 1);
+  correct_findings_of_guard(host, &none, 1);
   g_assert_cmpstr(opc_test_log(), ==, "");
 }
 

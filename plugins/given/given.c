@@ -55,7 +55,8 @@ static int tell_of_violations(const given *s, eda_mask *m,
                                .shapes = m->shapes,
                                .print = m->print,
                                .scanner = eda_scanner_of(s->with.litho)};
-  int code = report_rules(s->host, s->with.regulator, &printed, m, error);
+  int code =
+      correct_report_rules(s->host, s->with.regulator, &printed, m, error);
   free(none);
   return code;
 }
@@ -66,10 +67,11 @@ static int tell(const given *s, eda_mask *m, const double *extension,
       .mask = m, .extension = extension, .flags_before = before};
   int code = tell_of_violations(s, m, extension, error);
   if (!code)
-    code = rules_report(s->host, m->gates, m->shapes, s->with.rules, error);
+    code = correct_rules_report(s->host, m->gates, m->shapes, s->with.rules,
+                                error);
   if (!code) code = tell_of_worse(s, m, before, error);
-  if (!code) findings_of_print(s->host, m->gates, m->flags, before);
-  return code ? code : report_mask(s->host, &told, error);
+  if (!code) correct_findings_of_print(s->host, m->gates, m->flags, before);
+  return code ? code : correct_report_mask(s->host, &told, error);
 }
 
 static int run(void *self, void **outputs, opc_error *error) {

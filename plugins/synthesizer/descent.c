@@ -33,10 +33,10 @@ static int next_length(descent *d, const eda_feedback *f, size_t i,
                        eda_moves *moves) {
   control_input in = input(d, f, i);
   if (d->begun)
-    return control_length(&d->rules, &d->state[i], &in, &moves->l[i],
-                          moves->w[i]);
-  return control_first(&d->rules, &d->state[i], &in, d->first(d->self, f, i),
-                       &moves->l[i]);
+    return correct_control_length(&d->rules, &d->state[i], &in, &moves->l[i],
+                                  moves->w[i]);
+  return correct_control_first(&d->rules, &d->state[i], &in,
+                               d->first(d->self, f, i), &moves->l[i]);
 }
 
 descent_moves descent_update(descent *d, const eda_feedback *f,
@@ -51,7 +51,7 @@ descent_moves descent_update(descent *d, const eda_feedback *f,
     control *c = &d->state[i];
     control_input in = input(d, f, i);
     if (d->begun && d->fine && !d->moved[i])
-      m.widths += control_width(&d->rules, c, &in, &moves->w[i]) != 0;
+      m.widths += correct_control_width(&d->rules, c, &in, &moves->w[i]) != 0;
     m.changed |= d->begun && c->error != in.error;
     c->error = in.error;
   }
@@ -68,5 +68,5 @@ int descent_is_done(const opc_host *host, const eda_feedback *f,
 }
 
 const char *descent_verdict(const descent *d, size_t gate) {
-  return gate < d->count ? control_verdict(&d->state[gate]) : NULL;
+  return gate < d->count ? correct_control_verdict(&d->state[gate]) : NULL;
 }

@@ -36,8 +36,8 @@ static int run(void *self, void **outputs, opc_error *error) {
     code = correct_print(&v->with, v->host, 1, out, NULL, &extension, error);
   const report told = {
       .mask = out, .extension = extension, .corrected = v->mask};
-  if (!code) findings_of_print(v->host, gates, out->flags, NULL);
-  if (!code) code = report_mask(v->host, &told, error);
+  if (!code) correct_findings_of_print(v->host, gates, out->flags, NULL);
+  if (!code) code = correct_report_mask(v->host, &told, error);
   free(extension);
   return code;
 }

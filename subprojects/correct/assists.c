@@ -24,13 +24,14 @@ static int32_t steps(const loop *l, double nm) {
 }
 
 static void show(loop *l) {
-  trial_set_boxes(&l->next.assists[EDA_POLY],
-                  (eda_boxes){l->assists.bars.box, l->assists.bars.count});
+  correct_trial_set_boxes(
+      &l->next.assists[EDA_POLY],
+      (eda_boxes){l->assists.bars.box, l->assists.bars.count});
 }
 
 /* Beyond the clear field the layout repeats: a bar that reaches past it lies
    on the next copy, where light of one shape twice is none. */
-int assists_check(const loop *l, opc_error *error) {
+int correct_assists_check(const loop *l, opc_error *error) {
   const eda_frame *f = &l->printer.frame;
   double g = l->gates->grid;
   for (size_t k = 0; k < l->gates->layers; k++) {
@@ -51,7 +52,7 @@ int assists_check(const loop *l, opc_error *error) {
   return OPC_OK;
 }
 
-int assists_begin(loop *l, opc_error *error) {
+int correct_assists_begin(loop *l, opc_error *error) {
   gate_bars *a = &l->assists;
   size_t n = l->gates->count;
   if (!a->rows || !n) return OPC_OK;
@@ -79,9 +80,9 @@ int assists_begin(loop *l, opc_error *error) {
   return code;
 }
 
-void assists_clear(loop *l) { free(l->assists.bars.box); }
+void correct_assists_clear(loop *l) { free(l->assists.bars.box); }
 
-void assists_watch(loop *l) {
+void correct_assists_watch(loop *l) {
   gate_bars *a = &l->assists;
   size_t gone =
       eda_bars_drop(l->host->context, &a->bars, &l->printer.print[EDA_POLY],
@@ -90,7 +91,7 @@ void assists_watch(loop *l) {
   if (gone) show(l);
 }
 
-int assists_report(const loop *l, opc_error *error) {
+int correct_assists_report(const loop *l, opc_error *error) {
   const gate_bars *a = &l->assists;
   if ((!a->rows || !l->gates->count) && !l->seek.most) return OPC_OK;
   const opc_metric_value values[] = {

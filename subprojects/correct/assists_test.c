@@ -46,7 +46,7 @@ static int run(loop *l, const eda_synthesizer *s, gate_bars bars,
               .drivers[MAIN].module = MODULE(s, NULL)};
   eda_printer_init(&l->printer, NULL, l->gates, MODULE(&litho, NULL),
                    MODULE(&resist, NULL), 500);
-  return loop_run(l, error);
+  return correct_loop_run(l, error);
 }
 
 static gate_bars rule(int rows, double width, double margin) {
@@ -81,13 +81,13 @@ static void test_places(void) {
   int64_t line = 60 * 1000 - 3 * 200, all = 6 * 2 * (540 + 410);
   g_assert_cmpint(eda_area2(&l.mask[EDA_POLY]), ==, 2 * (line + all));
   g_string_truncate(told, 0);
-  g_assert_false(assists_report(&l, &error));
+  g_assert_false(correct_assists_report(&l, &error));
   g_assert_cmpstr(told->str, ==, "assists assists_dropped ");
   g_assert_cmpuint(l.assists.dropped, ==, 0);
-  loop_clear(&l);
+  correct_loop_clear(&l);
   g_assert_false(run(&l, &mover, rule(2, 6, 0.02), &error));
   g_assert_cmpuint(l.now.assists[EDA_POLY].count, ==, 8);
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 /* What prints, or nearly does, is in the mask no more. */
@@ -101,7 +101,7 @@ static void test_dropped(void) {
     g_assert_cmpuint(l.now.assists[EDA_POLY].count, ==, 0);
     g_assert_cmpint(eda_area2(&l.mask[EDA_POLY]), ==,
                     2 * (60 * 1000 - 3 * 200));
-    loop_clear(&l);
+    correct_loop_clear(&l);
   }
 }
 
@@ -111,9 +111,9 @@ static void test_none(void) {
   g_assert_false(run(&l, &mover, rule(0, 6, 0.02), &error));
   g_assert_cmpuint(l.now.assists[EDA_POLY].count, ==, 0);
   g_string_truncate(told, 0);
-  g_assert_false(assists_report(&l, &error));
+  g_assert_false(correct_assists_report(&l, &error));
   g_assert_cmpstr(told->str, ==, "");
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 static void test_refused(void) {
@@ -121,16 +121,16 @@ static void test_refused(void) {
   opc_error error = {0};
   g_assert_cmpint(run(&l, &cutter, rule(1, 6, 0.02), &error), ==, OPC_INVALID);
   g_assert_nonnull(strstr(error.message, "places its own assist bars"));
-  loop_clear(&l);
+  correct_loop_clear(&l);
   g_assert_cmpint(run(&l, &mover, rule(1, 0.3, 0.02), &error), ==, OPC_INVALID);
   g_assert_nonnull(strstr(error.message, "less than the mask grid"));
-  loop_clear(&l);
+  correct_loop_clear(&l);
   /* From 150 nm beside the line to the end of 500 nm beside the active. */
   g_assert_cmpint(run(&l, &mover, rule(1, 550, 0.02), &error), ==, OPC_OK);
-  loop_clear(&l);
+  correct_loop_clear(&l);
   g_assert_cmpint(run(&l, &mover, rule(1, 551, 0.02), &error), ==, OPC_INVALID);
   g_assert_nonnull(strstr(error.message, "into the next copy of the layout"));
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 int main(int argc, char **argv) {

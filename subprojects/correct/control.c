@@ -32,8 +32,8 @@ static const struct {
     .reopenings = 8,
 };
 
-control_rules control_rules_for(double limit, double max_bias, double grid,
-                                int proportional) {
+control_rules correct_control_rules_for(double limit, double max_bias,
+                                        double grid, int proportional) {
   return (control_rules){.limit = limit,
                          .most = (int32_t)(max_bias / grid),
                          .widest = (int32_t)fmax(1, tuned.widest_step / grid),
@@ -69,8 +69,8 @@ static int passed(const control *c, double error) {
   return (error > 0) != (c->error > 0);
 }
 
-int control_first(const control_rules *r, control *c, const control_input *in,
-                  int32_t steps, int32_t *l) {
+int correct_control_first(const control_rules *r, control *c,
+                          const control_input *in, int32_t steps, int32_t *l) {
   if (fabs(in->error) <= r->limit) {
     c->verdict = CONTROL_WITHIN;
     return 0;
@@ -143,8 +143,8 @@ static void reconsider(const control_rules *r, control *c,
   c->reopened++;
 }
 
-int control_length(const control_rules *r, control *c, const control_input *in,
-                   int32_t *l, int32_t w) {
+int correct_control_length(const control_rules *r, control *c,
+                           const control_input *in, int32_t *l, int32_t w) {
   if (fabs(in->error) <= r->limit &&
       !(in->veto & EDA_VETO_LONGER && c->l > 0)) {
     c->verdict = CONTROL_WITHIN;
@@ -183,8 +183,8 @@ static int32_t width_step(const control_rules *r, control *c,
   return way * (int32_t)fmax(size, 1);
 }
 
-int control_width(const control_rules *r, control *c, const control_input *in,
-                  int32_t *w) {
+int correct_control_width(const control_rules *r, control *c,
+                          const control_input *in, int32_t *w) {
   if (c->phase != CONTROL_FINE || c->verdict != CONTROL_MOVING) return 0;
   if (abs(c->w) == 1 && passed(c, in->error)) { /* here or one step back */
     int back = fabs(in->error) > fabs(c->error);
@@ -204,7 +204,7 @@ int control_width(const control_rules *r, control *c, const control_input *in,
   return 1;
 }
 
-const char *control_verdict(const control *c) {
+const char *correct_control_verdict(const control *c) {
   static const char *const words[CONTROL_VERDICTS] = {
       "within limit", "grid", "bridging", "bias limit", "not done"};
   return words[c->verdict];

@@ -32,7 +32,7 @@ static size_t count_of(const corners_wish *w) {
   return list(w->dose).count * list(w->focus).count * list(w->mask_error).count;
 }
 
-size_t corners_images(const corners_wish *w) {
+size_t correct_corners_images(const corners_wish *w) {
   return list(w->focus).count * list(w->mask_error).count;
 }
 
@@ -57,7 +57,7 @@ static int check_list(const char *name, opc_reals values, double above,
   return OPC_OK;
 }
 
-int corners_check(const corners_wish *w, opc_error *error) {
+int correct_corners_check(const corners_wish *w, opc_error *error) {
   size_t n = count_of(w);
   double sum = 0;
   if (check_list("corners.dose", w->dose, -100, error) ||
@@ -129,7 +129,7 @@ static int begin_exposure(loop *l, exposure *e, const corner *first,
   return OPC_OK;
 }
 
-int corners_begin(loop *l, opc_error *error) {
+int correct_corners_begin(loop *l, opc_error *error) {
   corners *c = &l->corners;
   size_t n = l->gates->count;
   int code = OPC_OK;
@@ -138,7 +138,7 @@ int corners_begin(loop *l, opc_error *error) {
   if (!n)
     return opc_fail(error, OPC_INVALID, "corners.dose",
                     "corners are for transistors, and there are none");
-  c->exposures = corners_images(&c->wish);
+  c->exposures = correct_corners_images(&c->wish);
   c->corner = eda_alloc(c->count, sizeof *c->corner);
   c->exposure = eda_alloc(c->exposures, sizeof *c->exposure);
   l->printer.keeps = 1;
@@ -152,7 +152,7 @@ int corners_begin(loop *l, opc_error *error) {
   return code;
 }
 
-void corners_clear(loop *l) {
+void correct_corners_clear(loop *l) {
   corners *c = &l->corners;
   for (size_t e = 0; e < c->exposures; e++) {
     exposure *one = &c->exposure[e];
@@ -179,7 +179,7 @@ static int move_edges(loop *l, exposure *e, const uint8_t *layers,
   return code;
 }
 
-int corners_print(loop *l, const uint8_t *layers, opc_error *error) {
+int correct_corners_print(loop *l, const uint8_t *layers, opc_error *error) {
   int code = OPC_OK;
   for (size_t k = 0; k < l->corners.exposures && !code; k++) {
     exposure *e = &l->corners.exposure[k];
@@ -194,7 +194,7 @@ int corners_print(loop *l, const uint8_t *layers, opc_error *error) {
   return code;
 }
 
-int corners_refine(loop *l, const uint8_t *layers, opc_error *error) {
+int correct_corners_refine(loop *l, const uint8_t *layers, opc_error *error) {
   int code = OPC_OK;
   for (size_t k = 0; k < l->corners.exposures && !code; k++) {
     exposure *e = &l->corners.exposure[k];
@@ -292,7 +292,7 @@ static void combine(loop *l) {
   free(pull);
 }
 
-int corners_measure(loop *l, opc_error *error) {
+int correct_corners_measure(loop *l, opc_error *error) {
   corners *c = &l->corners;
   if (!c->count) return OPC_OK;
   eda_field *print = eda_alloc(l->gates->layers, sizeof *print);
@@ -393,7 +393,7 @@ static void tell_of_failed(const loop *l, const row *r) {
                  (int)most, n, r[at].dose, r[at].focus, r[at].mask_error);
 }
 
-int corners_report(const loop *l, opc_error *error) {
+int correct_corners_report(const loop *l, opc_error *error) {
   const corners *c = &l->corners;
   if (!c->count) return OPC_OK;
   row *r = eda_alloc(c->count, sizeof *r);

@@ -154,8 +154,8 @@ static int run_on(const eda_gates *gates, loop *l, const eda_litho *model,
   eda_printer_init(&l->printer, NULL, l->gates, MODULE(model, NULL),
                    MODULE(&resist, NULL), 300);
   l->printer.fine = fine;
-  g_assert_false(corners_check(&w, error));
-  return loop_run(l, error);
+  g_assert_false(correct_corners_check(&w, error));
+  return correct_loop_run(l, error);
 }
 
 static int run(loop *l, const eda_litho *model, corners_wish w, double fine,
@@ -205,11 +205,11 @@ static void test_figures(void) {
   for (size_t i = 0; i < GATES; i++)
     check_near(seen[i], mean_of_gate(i, weight, -6), close_to);
   g_string_truncate(told, 0);
-  g_assert_false(corners_report(&l, &error));
+  g_assert_false(correct_corners_report(&l, &error));
   g_assert_cmpstr(told->str, ==,
                   "corners[18] all_corners[1] corners_ion_sd "
                   "corners_ion_worst corners_leakage corners_failed ");
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 /* Not given: a normal distribution along each axis. */
@@ -225,7 +225,7 @@ static void test_weights(void) {
   wanted_bias = 0;
   g_assert_false(run(&l, &with_focus, wish(NULL), 0, &error));
   check_figures(&l, weight, 0);
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 /* With a limit, what two of a type have in common is not held against them, and
@@ -253,13 +253,13 @@ static void test_limit(void) {
     for (size_t i = 0; i < GATES; i++)
       check_near(l.measured.performance.ion[i],
                  l.corners.nominal.ion[i] * exp(i ? -own : own), close_to);
-    loop_clear(&l);
+    correct_loop_clear(&l);
     /* One of each type has nothing to be unlike. */
     g_assert_false(run(&l, &with_focus, w, 0, &error));
     for (size_t i = 0; i < GATES; i++)
       check_near(l.measured.performance.ion[i], l.corners.nominal.ion[i],
                  1e-12);
-    loop_clear(&l);
+    correct_loop_clear(&l);
   }
 }
 
@@ -277,8 +277,8 @@ static void test_nominal(void) {
     check_near(b.measured.performance.ion[i], a.measured.performance.ion[i],
                1e-12);
   }
-  loop_clear(&a);
-  loop_clear(&b);
+  correct_loop_clear(&a);
+  correct_loop_clear(&b);
 }
 
 /* Cheap images lack something, other in focus and away from it; the figures are
@@ -302,7 +302,7 @@ static void test_fine(void) {
   g_assert_cmpuint(l.printer.fine_simulations, ==, fine_images);
   g_assert_cmpuint(l.printer.simulations, ==, cheap_images);
   excess = 0;
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 /* A corner at which gates are open counts for nothing in their mean. */
@@ -320,19 +320,20 @@ static void test_lost(void) {
     check_near(l.measured.performance.ion[i], l.corners.nominal.ion[i], 1e-12);
   }
   warnings = 0;
-  g_assert_false(corners_report(&l, &error));
+  g_assert_false(correct_corners_report(&l, &error));
   g_assert_cmpint(warnings, ==, 1);
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 static void refused(corners_wish w, const eda_litho *model, const char *why) {
   loop l;
   opc_error error = {0};
-  int code = model ? run(&l, model, w, 0, &error) : corners_check(&w, &error);
+  int code =
+      model ? run(&l, model, w, 0, &error) : correct_corners_check(&w, &error);
   g_assert_cmpint(code, ==, OPC_INVALID);
   if (!strstr(error.message, why))
     g_error("'%s' does not say '%s'", error.message, why);
-  if (model) loop_clear(&l);
+  if (model) correct_loop_clear(&l);
 }
 
 static void test_refused(void) {
@@ -363,7 +364,7 @@ static void test_refused(void) {
         *(k == 0   ? &w.dose
           : k == 1 ? &w.focus
                    : &w.mask_error) = (opc_reals){&v, 1};
-        g_assert_cmpint(corners_check(&w, &error), ==,
+        g_assert_cmpint(correct_corners_check(&w, &error), ==,
                         out ? OPC_INVALID : OPC_OK);
       }
 }

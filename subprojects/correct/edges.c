@@ -20,7 +20,7 @@ static void make_room(size_t polygons, size_t count, pieces *out) {
   out->by = eda_alloc(count, sizeof *out->by);
 }
 
-void pieces_of_edges(const eda_edges *edges, int base, pieces *out) {
+void correct_pieces_of_edges(const eda_edges *edges, int base, pieces *out) {
   size_t n = edges->polygons ? edges->start[edges->polygons] : 0, sides = 0;
   for (size_t i = 0; i < n; i++)
     sides += edges->fragments[i].role == EDA_L_LOW ||
@@ -28,21 +28,21 @@ void pieces_of_edges(const eda_edges *edges, int base, pieces *out) {
   make_room(edges->polygons, n + (base ? 2 : 1) * CUTS * sides, out);
 }
 
-void pieces_of_cuts(const eda_cuts *cuts, pieces *out) {
+void correct_pieces_of_cuts(const eda_cuts *cuts, pieces *out) {
   size_t n = cuts->start[cuts->polygons];
   make_room(cuts->polygons, n, out);
   memcpy(out->start, cuts->start, (cuts->polygons + 1) * sizeof *out->start);
   memcpy(out->from, cuts->from, n * sizeof *out->from);
 }
 
-void pieces_clear(pieces *p) {
+void correct_pieces_clear(pieces *p) {
   free(p->start);
   free(p->from);
   free(p->by);
   *p = (pieces){0};
 }
 
-void pieces_room(const pieces *p, eda_shapes *out) {
+void correct_pieces_room(const pieces *p, eda_shapes *out) {
   *out = (eda_shapes){.count = p->polygons};
   out->start = eda_alloc(p->polygons + 1, sizeof *out->start);
   out->points = eda_alloc(2 * p->room, sizeof *out->points);
@@ -176,8 +176,8 @@ static void put_side(const eda_gates *g, const eda_fragment *f, eda_point next,
   }
 }
 
-void pieces_follow(const eda_gates *g, size_t layer, const biases *b,
-                   pieces *out) {
+void correct_pieces_follow(const eda_gates *g, size_t layer, const biases *b,
+                           pieces *out) {
   const eda_edges *e = &g->edges[layer];
   uint32_t n = 0;
   for (size_t p = 0; p < e->polygons; p++) {
@@ -262,7 +262,7 @@ static uint32_t build(const eda_point *from, const int32_t *by, uint32_t count,
   return join(polygon, n);
 }
 
-void pieces_build(const pieces *in, eda_shapes *out) {
+void correct_pieces_build(const pieces *in, eda_shapes *out) {
   uint32_t n = 0;
   for (size_t p = 0; p < in->polygons; p++) {
     uint32_t first = in->start[p], count = in->start[p + 1] - first;
@@ -276,7 +276,7 @@ void pieces_build(const pieces *in, eda_shapes *out) {
 
 /* ---- from polygons to the mask ---- */
 
-void shapes_of_boxes(boxes_lists from, eda_shapes *out) {
+void correct_shapes_of_boxes(boxes_lists from, eda_shapes *out) {
   size_t n = 0, i = 0;
   for (size_t k = 0; k < from.count; k++) n += from.list[k].count;
   *out = (eda_shapes){.count = n};
@@ -294,11 +294,11 @@ void shapes_of_boxes(boxes_lists from, eda_shapes *out) {
     }
 }
 
-int mask_merge(const eda_shapes *polygons, boxes_lists added, boxes_lists bites,
-               eda_shapes *out, opc_error *error) {
+int correct_mask_merge(const eda_shapes *polygons, boxes_lists added,
+                       boxes_lists bites, eda_shapes *out, opc_error *error) {
   eda_shapes more, less, whole;
-  shapes_of_boxes(added, &more);
-  shapes_of_boxes(bites, &less);
+  correct_shapes_of_boxes(added, &more);
+  correct_shapes_of_boxes(bites, &less);
   int code = eda_boolean(EDA_OR, polygons, more.count ? &more : NULL,
                          less.count ? &whole : out, error);
   if (!code && less.count) {

@@ -53,12 +53,12 @@ static eda_shapes moved(moves m, int across) {
                .part = m.part};
   pieces p;
   eda_shapes out;
-  pieces_of_edges(&edges, 0, &p);
-  pieces_room(&p, &out);
-  pieces_follow(&gates, EDA_POLY, &by, &p);
-  pieces_build(&p, &out);
+  correct_pieces_of_edges(&edges, 0, &p);
+  correct_pieces_room(&p, &out);
+  correct_pieces_follow(&gates, EDA_POLY, &by, &p);
+  correct_pieces_build(&p, &out);
   g_assert_cmpuint(out.count, ==, 1);
-  pieces_clear(&p);
+  correct_pieces_clear(&p);
   return out;
 }
 
@@ -144,13 +144,13 @@ static void test_aside(void) {
     int32_t w = cases[i].w, aside = cases[i].aside;
     biases by = {.w = &w, .aside = &aside};
     pieces p;
-    pieces_of_edges(&edges[EDA_ACTIVE], 0, &p);
-    pieces_follow(&gates, EDA_ACTIVE, &by, &p);
+    correct_pieces_of_edges(&edges[EDA_ACTIVE], 0, &p);
+    correct_pieces_follow(&gates, EDA_ACTIVE, &by, &p);
     g_assert_cmpint(-p.by[1], ==, cases[i].low);
     g_assert_cmpint(100 + p.by[5], ==, cases[i].high);
     for (uint32_t k = 0; k < p.start[1]; k++)
       g_assert_true(k == 1 || k == 5 || p.by[k] == 0);
-    pieces_clear(&p);
+    correct_pieces_clear(&p);
   }
 }
 

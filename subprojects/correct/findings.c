@@ -63,8 +63,8 @@ static size_t different(const double *size, size_t n) {
 
 /* Lengths are few, widths are many; transistors of 5 V may be longer than wide
    for all that. */
-void findings_of_drawing(const opc_host *host, const eda_gates *g,
-                         const opc_module *extractor) {
+void correct_findings_of_drawing(const opc_host *host, const eda_gates *g,
+                                 const opc_module *extractor) {
   const eda_extractor *model = extractor->functions;
   size_t longer = 0;
   for (size_t i = 0; i < g->count; i++) longer += g->length[i] > g->width[i];
@@ -83,7 +83,7 @@ void findings_of_drawing(const opc_host *host, const eda_gates *g,
 /* "XU1:3 at (120, 340) nm". */
 static char *place_of(const eda_gates *g, size_t i) {
   eda_box b = g->box[i];
-  char *name = report_gate_name(g, i);
+  char *name = correct_report_gate_name(g, i);
   char *place = g_strdup_printf("%s at (%g, %g) nm", name,
                                 ((double)b.x0 + b.x1) / 2 * g->grid,
                                 ((double)b.y0 + b.y1) / 2 * g->grid);
@@ -124,8 +124,8 @@ static void of_failed(const opc_host *host, const eda_gates *g,
               "exchanged?");
 }
 
-void findings_of_print(const opc_host *host, const eda_gates *g,
-                       const uint32_t *flags, const uint32_t *before) {
+void correct_findings_of_print(const opc_host *host, const eda_gates *g,
+                               const uint32_t *flags, const uint32_t *before) {
   size_t outside = 0;
   of_failed(host, g, flags, before);
   for (size_t i = 0; i < g->count; i++)
@@ -139,7 +139,7 @@ void findings_of_print(const opc_host *host, const eda_gates *g,
 
 /* ---- held ---- */
 
-void findings_of_guard(const opc_host *host, const guard *g, int held) {
+void correct_findings_of_guard(const opc_host *host, const guard *g, int held) {
   const char *are = g->worse == 1 ? " is" : "s are";
   if (!held)
     host->log(host, OPC_LOG_FINDING,

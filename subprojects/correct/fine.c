@@ -46,7 +46,8 @@ static const struct {
     .near = "3.886 lambda/NA",
 };
 
-int fine_error(const char *text, double limit, double *fine, opc_error *error) {
+int correct_fine_error(const char *text, double limit, double *fine,
+                       opc_error *error) {
   char *end = NULL;
   *fine =
       fmin(fmax(tuned.error * limit / tuned.limit, tuned.least), tuned.most);
@@ -60,7 +61,7 @@ int fine_error(const char *text, double limit, double *fine, opc_error *error) {
                   text);
 }
 
-double fine_change(const char *text, double limit) {
+double correct_fine_change(const char *text, double limit) {
   return text ? 0 : tuned.part * limit;
 }
 
@@ -164,9 +165,9 @@ static int set_layer(eda_printer *p, const opc_host *host, drawn *d, int layer,
   return OPC_OK;
 }
 
-int fine_by_layer(eda_printer *p, const opc_host *host, const eda_gates *g,
-                  const opc_module *extractor, double change,
-                  opc_error *error) {
+int correct_fine_by_layer(eda_printer *p, const opc_host *host,
+                          const eda_gates *g, const opc_module *extractor,
+                          double change, opc_error *error) {
   drawn d = {.gates = g, .extractor = extractor};
   if (!(change > 0) || !(p->fine > 0) || !g->count) return OPC_OK;
   eda_performance_init(&d.as_is, g->count);
@@ -179,12 +180,12 @@ int fine_by_layer(eda_printer *p, const opc_host *host, const eda_gates *g,
   return code;
 }
 
-int fine_by_drawn(eda_printer *p, const opc_host *host, const eda_gates *g,
-                  const opc_module *extractor, double change,
-                  opc_error *error) {
+int correct_fine_by_drawn(eda_printer *p, const opc_host *host,
+                          const eda_gates *g, const opc_module *extractor,
+                          double change, opc_error *error) {
   if (!(change > 0) || !(p->fine > 0) || !g->count) return OPC_OK;
   int code = eda_printer_print(p, g->corrected, g->drawn, error);
-  if (!code) code = fine_by_layer(p, host, g, extractor, change, error);
+  if (!code) code = correct_fine_by_layer(p, host, g, extractor, change, error);
   for (size_t k = 0; k < g->layers; k++) {
     eda_field_clear(&p->print[k]);
     eda_field_clear(&p->image[k]);
@@ -193,8 +194,8 @@ int fine_by_drawn(eda_printer *p, const opc_host *host, const eda_gates *g,
   return code;
 }
 
-double fine_margin(const opc_host *host, const opc_module *litho, double margin,
-                   double fine) {
+double correct_fine_margin(const opc_host *host, const opc_module *litho,
+                           double margin, double fine) {
   char whence[128];
   if (!isnan(margin)) return margin;
   eda_scanner scanner = eda_scanner_of(litho);

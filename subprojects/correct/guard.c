@@ -55,14 +55,14 @@ enum { GOOD, WORSE, RULE, LOST }; /* faults */
 
 /* ---- what was drawn ---- */
 
-void guard_init(guard *g, size_t gates) {
+void correct_guard_init(guard *g, size_t gates) {
   g->state = eda_alloc(gates, sizeof *g->state);
   g->flags = eda_alloc(gates, sizeof *g->flags);
   for (size_t i = 0; i < gates; i++)
     g->state[i].off = g->state[i].least = INFINITY;
 }
 
-void guard_clear(guard *g) {
+void correct_guard_clear(guard *g) {
   free(g->state);
   free(g->flags);
   free(g->drawn);
@@ -75,7 +75,7 @@ static int by_place(const void *a, const void *b) {
   return p->x < q->x ? -1 : p->x > q->x;
 }
 
-int guard_begin(loop *l, const eda_printed *drawn, opc_error *error) {
+int correct_guard_begin(loop *l, const eda_printed *drawn, opc_error *error) {
   guard *g = &l->guard;
   if (!l->gates->count) return OPC_OK;
   memcpy(g->flags, drawn->flags, l->gates->count * sizeof *g->flags);
@@ -104,21 +104,21 @@ static double off(const loop *l, const eda_performance *p, size_t i,
   return fabs(eda_deviation(p->ion[i], l->design.ion[i] * target));
 }
 
-double guard_off(const loop *l, size_t i) {
+double correct_guard_off(const loop *l, size_t i) {
   if (eda_print_failed(l->measured.flags[i])) return NAN;
   return off(l, &l->measured.performance, i, target_of(l, i));
 }
 
 /* A mask of which the line ends were others tells nothing of how good it would
    be now. The guard's own prints are not the loop's. */
-void guard_watch(loop *l) {
+void correct_guard_watch(loop *l) {
   const biases *b = &l->now.biases;
   if (l->guard.prints) return;
   for (size_t i = 0; i < l->gates->count; i++) {
     guarded *s = &l->guard.state[i];
     if (memcmp(s->end, b->end + 2 * i, sizeof s->end)) s->off = INFINITY;
     memcpy(s->end, b->end + 2 * i, sizeof s->end);
-    double now = guard_off(l, i);
+    double now = correct_guard_off(l, i);
     if (!(now < s->off)) continue;
     s->off = now;
     s->best = (gate_moves){
@@ -195,7 +195,7 @@ static int find_broken(loop *l, opc_error *error) {
   eda_violation *v = NULL;
   size_t n = 0;
   if (!l->regulator) return OPC_OK;
-  eda_printed p = loop_printed(l);
+  eda_printed p = correct_loop_printed(l);
   int code =
       correct_violations(l->host->context, l->regulator, &p, &v, &n, error);
   for (size_t k = 0; k < n && !code; k++) {
@@ -246,9 +246,9 @@ static void hold_init(hold *h, loop *l) {
   const eda_gates *g = l->gates;
   *h = (hold){.l = l, .gates = eda_index_new(g->box, g->count, 0)};
   h->fragments = eda_alloc(g->layers, sizeof(eda_index *));
-  trial_init(&h->ended, g->layers, g->count);
-  trial_copy(&h->ended, &l->now);
-  trial_copy(&l->next, &l->now);
+  correct_trial_init(&h->ended, g->layers, g->count);
+  correct_trial_copy(&h->ended, &l->now);
+  correct_trial_copy(&l->next, &l->now);
   for (size_t k = 0; k < g->layers; k++) {
     const sites *s = &l->sites[k];
     if (!l->now.shift[k] || l->driver_of[k] != MAIN) continue;
@@ -265,7 +265,7 @@ static void hold_clear(hold *h) {
     eda_index_free(h->fragments[k]);
   free(h->fragments);
   eda_index_free(h->gates);
-  trial_clear(&h->ended);
+  correct_trial_clear(&h->ended);
 }
 
 /* The fragments in a window go so far of the way to where they ended. */
@@ -302,8 +302,10 @@ static void drop_rules(hold *h, size_t gate, double nm) {
   l->next.biases.end[2 * gate] = l->next.biases.end[2 * gate + 1] = 0;
   for (size_t k = 0; k < l->gates->layers; k++) {
     if (l->driver_of[k] != MAIN) continue;
-    trial_reset_boxes(&l->next.patches[k], window, loop_begun(l, k, 0));
-    trial_reset_boxes(&l->next.bites[k], window, loop_begun(l, k, 1));
+    correct_trial_reset_boxes(&l->next.patches[k], window,
+                              correct_loop_begun(l, k, 0));
+    correct_trial_reset_boxes(&l->next.bites[k], window,
+                              correct_loop_begun(l, k, 1));
   }
 }
 
@@ -319,7 +321,8 @@ static void set_around(hold *h, size_t gate, double nm) {
   set_fragments(h, window, 0);
   drop_rules(h, gate, nm);
   for (size_t k = 0; k < l->gates->layers; k++)
-    if (l->driver_of[k] == MAIN) trial_drop_boxes(&l->next.assists[k], window);
+    if (l->driver_of[k] == MAIN)
+      correct_trial_drop_boxes(&l->next.assists[k], window);
 }
 
 /* How far around a gate all is back at a level. */
@@ -353,7 +356,7 @@ static void set_level(hold *h, size_t i) {
    itself. */
 static void set_all(hold *h) {
   const guarded *state = h->l->guard.state;
-  trial_copy(&h->l->next, &h->ended);
+  correct_trial_copy(&h->l->next, &h->ended);
   for (int surrounded = 0; surrounded < 2; surrounded++)
     for (size_t i = 0; i < h->l->gates->count; i++)
       if (state[i].level && (state[i].level >= GUARD_SURROUNDED) == surrounded)
@@ -385,8 +388,8 @@ static void all_drawn(hold *h) {
   for (size_t k = 0; k < next->layers; k++) {
     if (h->l->driver_of[k] != MAIN) continue;
     next->assists[k].count = 0;
-    trial_set_boxes(&next->patches[k], loop_begun(h->l, k, 0));
-    trial_set_boxes(&next->bites[k], loop_begun(h->l, k, 1));
+    correct_trial_set_boxes(&next->patches[k], correct_loop_begun(h->l, k, 0));
+    correct_trial_set_boxes(&next->bites[k], correct_loop_begun(h->l, k, 1));
     if (next->shift[k])
       memset(next->shift[k], 0, next->fragments[k] * sizeof(int32_t));
   }
@@ -396,7 +399,7 @@ static int print(loop *l, opc_error *error) {
   if (opc_cancelled(l->host->context))
     return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
   l->guard.prints++;
-  return loop_print(l, 0, error);
+  return correct_loop_print(l, 0, error);
 }
 
 /* ---- what stands in the way ---- */
@@ -509,7 +512,7 @@ static int take_back(hold *h, opc_error *error) {
 }
 
 /* The figures of the last print. */
-void guard_count(loop *l) {
+void correct_guard_count(loop *l) {
   guard *g = &l->guard;
   for (size_t i = 0; i < l->gates->count; i++) {
     int fault = fault_of(l, i, tuned.worse);
@@ -519,20 +522,20 @@ void guard_count(loop *l) {
   }
 }
 
-int guard_hold(loop *l, opc_error *error) {
+int correct_guard_hold(loop *l, opc_error *error) {
   hold h;
   hold_init(&h, l);
   int code = take_back(&h, error);
-  for (int k = 0; !code && proof_is_due(l); k++) {
-    code = loop_refine(l, error);
+  for (int k = 0; !code && correct_proof_is_due(l); k++) {
+    code = correct_loop_refine(l, error);
     if (!code && k < PROOFS) code = take_back(&h, error);
   }
   hold_clear(&h);
-  if (!code) guard_count(l);
+  if (!code) correct_guard_count(l);
   return code;
 }
 
-char *guard_verdict(const guard *g, size_t gate) {
+char *correct_guard_verdict(const guard *g, size_t gate) {
   static const char *const words[] = {
       NULL, "went back: its best mask", "went back: half of its best mask",
       "went back: as drawn", "went back: as drawn, with all around"};

@@ -102,7 +102,7 @@ static void run(loop *l, const opc_module *synthesizer, const eda_extractor *e,
   calls = 0;
   eda_printer_init(&l->printer, NULL, l->gates, MODULE(&litho, NULL),
                    MODULE(&resist, NULL), 300);
-  g_assert_cmpint(loop_run(l, &error), ==, OPC_OK);
+  g_assert_cmpint(correct_loop_run(l, &error), ==, OPC_OK);
 }
 
 static double off(const loop *l, const eda_performance *p, size_t i) {
@@ -111,7 +111,7 @@ static double off(const loop *l, const eda_performance *p, size_t i) {
 
 /* What `gate` came to: its bias and what is said of it. */
 static void expect(const loop *l, size_t gate, int32_t bias, const char *text) {
-  g_autofree char *verdict = guard_verdict(&l->guard, gate);
+  g_autofree char *verdict = correct_guard_verdict(&l->guard, gate);
   g_assert_cmpint(l->now.biases.l[gate], ==, bias);
   g_assert_cmpstr(verdict, ==, text);
 }
@@ -126,7 +126,7 @@ static void test_good(void) {
   expect(&l, 1, -14, NULL);
   g_assert_cmpuint(l.guard.prints, ==, 0);
   g_assert_cmpuint(l.guard.back + l.guard.worse + l.guard.lost, ==, 0);
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 /* A gate that opens goes back to the best mask that it has had, the other one
@@ -142,7 +142,7 @@ static void test_open(void) {
     g_assert_cmpuint(l.guard.back, ==, hold);
     expect(&l, 0, hold ? -12 : -62, hold ? "went back: its best mask" : NULL);
     expect(&l, 1, -14, NULL);
-    loop_clear(&l);
+    correct_loop_clear(&l);
   }
 }
 
@@ -153,13 +153,13 @@ static void test_worse(void) {
   run(&l, SCRIPTED(s), &extractor, NULL, 0);
   g_assert_cmpuint(l.guard.worse, ==, 1);
   expect(&l, 0, 40, NULL);
-  loop_clear(&l);
+  correct_loop_clear(&l);
   run(&l, SCRIPTED(s), &extractor, NULL, 1);
   expect(&l, 0, 0, "went back: its best mask");
   expect(&l, 1, -14, NULL);
   g_assert_cmpuint(l.guard.worse, ==, 0);
   g_assert_cmpuint(l.guard.prints, ==, 1);
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 /* Further off than drawn, but within the limit. */
@@ -170,7 +170,7 @@ static void test_limit(void) {
     limit_of_guard = good ? 5 : 0.5;
     run(&l, SCRIPTED(s), &extractor, NULL, 1);
     expect(&l, 0, good ? -1 : 0, good ? NULL : "went back: its best mask");
-    loop_clear(&l);
+    correct_loop_clear(&l);
   }
   limit_of_guard = 0.5;
 }
@@ -196,7 +196,7 @@ static void test_ends(void) {
   run(&l, MODULE(&hasty, &s), &extractor, MODULE(&mover, NULL), 1);
   expect(&l, 0, -15, "went back: half of its best mask");
   expect(&l, 1, -14, NULL);
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 /* What is wanted of Ion decides what is worse; NAN: nothing is wanted. */
@@ -206,7 +206,7 @@ static void test_target(void) {
   run(&l, SCRIPTED(s), &extractor, NULL, 1);
   expect(&l, 0, 0, "went back: its best mask");
   expect(&l, 1, 40, NULL);
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 /* A rule that was kept as drawn is kept if the transistor's own edges can keep
@@ -218,7 +218,7 @@ static void test_rules(void) {
   run(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
   expect(&l, 0, -14, NULL);
   g_assert_cmpuint(l.guard.prints, ==, 0); /* nothing was to be tried */
-  loop_clear(&l);
+  correct_loop_clear(&l);
   /* It may be a little aside then, but not elsewhere. */
   static const struct {
     double aside[2];
@@ -229,7 +229,7 @@ static void test_rules(void) {
     memcpy(aside, places[k].aside, sizeof aside);
     run(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
     g_assert_cmpint(l.guard.prints > 0, ==, places[k].is_new);
-    loop_clear(&l);
+    correct_loop_clear(&l);
   }
   aside[0] = aside[1] = 0;
   drawn = 0;
@@ -237,11 +237,11 @@ static void test_rules(void) {
   expect(&l, 0, 0, "went back: as drawn");
   expect(&l, 1, -14, NULL);
   g_assert_cmpuint(l.guard.back, ==, 1);
-  loop_clear(&l);
+  correct_loop_clear(&l);
   nobodys = 1;
   run(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
   expect(&l, 0, -14, NULL);
-  loop_clear(&l);
+  correct_loop_clear(&l);
   nobodys = 0;
 }
 
@@ -256,7 +256,7 @@ static void test_rule_of_two(void) {
   expect(&l, 1, -14, NULL);
   g_assert_cmpuint(l.guard.back + l.guard.worse, ==, 0);
   g_assert_cmpuint(l.guard.prints, ==, GUARD_DRAWN + 1);
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 /* What opens a gate whatever its own mask is goes, and with it all around, but
@@ -281,7 +281,7 @@ static void test_surrounded(void) {
   g_assert_cmpuint(l.now.bites[EDA_POLY].count, ==, 0);
   g_assert_cmpuint(l.guard.back, ==, 1);
   g_assert_cmpuint(l.guard.lost, ==, 0);
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 /* Nothing that a transistor does itself helps: its neighbour is named, and both
@@ -296,7 +296,7 @@ static void test_neighbour(void) {
   expect(&l, 1, -14, NULL);
   g_assert_cmpfloat(off(&l, &l.measured.performance, 0), >,
                     off(&l, &l.before, 0));
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 /* No transistor moved that stands in the way, but something of the regulator's
@@ -319,7 +319,7 @@ static void test_rule_beside(void) {
   expect(&l, 0, -14, "rule: patch beside at (30, 200) nm");
   g_assert_cmpuint(l.now.bites[EDA_POLY].count, ==, 2);
   g_assert_cmpuint(l.guard.worse, ==, 1);
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 /* A layer that the synthesizer cuts itself goes back by its fragments. */
@@ -366,7 +366,7 @@ static void test_fragments(void) {
       g_assert_cmpint(l.now.shift[EDA_POLY][i], ==, e[i].gate ? -7 : -8);
   g_assert_cmpuint(l.measured.flags[0] & EDA_PRINT_OPEN, ==, 0);
   g_assert_cmpuint(l.guard.back, ==, 1);
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 int main(int argc, char **argv) {

@@ -19,7 +19,7 @@ static const char *const slots[DRIVERS] = {"synthesizer", "edges"};
 /* ---- what changed ---- */
 
 static int changed(const loop *l, size_t layer) {
-  return trial_differs(&l->now, &l->next, layer);
+  return correct_trial_differs(&l->now, &l->next, layer);
 }
 
 /* Of the layers that a driver moves. */
@@ -46,13 +46,13 @@ static int make_mask(loop *l, size_t layer, opc_error *error) {
   if (l->now.shift[layer])
     memcpy(p->by, l->now.shift[layer], l->sites[layer].count * sizeof *p->by);
   else
-    pieces_follow(l->gates, layer, &l->now.biases, p);
-  pieces_build(p, &l->polygons[layer]);
+    correct_pieces_follow(l->gates, layer, &l->now.biases, p);
+  correct_pieces_build(p, &l->polygons[layer]);
   eda_shapes_clear(&l->mask[layer]);
   const eda_boxes added[] = {l->now.patches[layer], l->now.assists[layer]};
-  return mask_merge(&l->polygons[layer], (boxes_lists){added, 2},
-                    (boxes_lists){&l->now.bites[layer], 1}, &l->mask[layer],
-                    error);
+  return correct_mask_merge(&l->polygons[layer], (boxes_lists){added, 2},
+                            (boxes_lists){&l->now.bites[layer], 1},
+                            &l->mask[layer], error);
 }
 
 /* Transistors are of the first two layers. */
@@ -66,8 +66,8 @@ static int measure(loop *l, const uint8_t *printed, opc_error *error) {
   if (code) return code;
   /* A fine print knows better, and so do the cheap ones after it. */
   if (l->base && !l->printer.fine_simulations)
-    start_correct(l->base, &l->measured.performance);
-  return corners_measure(l, error);
+    correct_start_correct(l->base, &l->measured.performance);
+  return correct_corners_measure(l, error);
 }
 
 /* Of transistors that keep their masks synthesizers see what was drawn: there
@@ -102,47 +102,49 @@ static int take_in(loop *l, const uint8_t *printed, int fine,
   int code = measure(l, printed, error);
   for (size_t k = 0; k < l->gates->layers && !code; k++)
     if (printed[k])
-      sites_measure(l->host->context, &l->sites[k], &l->printer.print[k],
-                    eda_scanner_of(&l->printer.litho.module));
+      correct_sites_measure(l->host->context, &l->sites[k],
+                            &l->printer.print[k],
+                            eda_scanner_of(&l->printer.litho.module));
   if (code) return code;
   show(l);
-  l->summary = summarize(l->gates, &l->design, &l->measured.performance,
-                         l->measured.flags, l->sites);
+  l->summary = correct_summarize(l->gates, &l->design, &l->measured.performance,
+                                 l->measured.flags, l->sites);
   if (!l->guard.prints)
-    history_add(&l->history, &l->summary, l->iterations, &l->printer, fine);
-  guard_watch(l);
-  if (l->traced) trace_add(&l->trace, l);
-  return fine ? proof_of_drawn(l, error) : OPC_OK;
+    correct_history_add(&l->history, &l->summary, l->iterations, &l->printer,
+                        fine);
+  correct_guard_watch(l);
+  if (l->traced) correct_trace_add(&l->trace, l);
+  return fine ? correct_proof_of_drawn(l, error) : OPC_OK;
 }
 
-int loop_refine(loop *l, opc_error *error) {
+int correct_loop_refine(loop *l, opc_error *error) {
   const uint8_t *all = l->gates->corrected;
   int code = eda_printer_refine(&l->printer, all, l->mask, error);
-  if (!code) code = corners_refine(l, all, error);
+  if (!code) code = correct_corners_refine(l, all, error);
   return code ? code : take_in(l, all, 1, error);
 }
 
-int loop_print(loop *l, int all, opc_error *error) {
+int correct_loop_print(loop *l, int all, opc_error *error) {
   size_t layers = l->gates->layers;
   uint8_t *printed = eda_alloc(layers, 1);
   for (size_t k = 0; k < layers; k++)
     printed[k] = l->gates->corrected[k] && (all || changed(l, k));
-  trial_copy(&l->now, &l->next);
+  correct_trial_copy(&l->now, &l->next);
   int code = OPC_OK;
   for (size_t k = 0; k < layers && !code; k++)
     if (printed[k]) code = make_mask(l, k, error);
   if (!code) code = eda_printer_print(&l->printer, printed, l->mask, error);
-  if (!code) code = corners_print(l, printed, error);
+  if (!code) code = correct_corners_print(l, printed, error);
   if (!code)
-    code = proof_is_early(l) ? loop_refine(l, error)
-                             : take_in(l, printed, 0, error);
+    code = correct_proof_is_early(l) ? correct_loop_refine(l, error)
+                                     : take_in(l, printed, 0, error);
   free(printed);
   return code;
 }
 
 /* ---- what plugins see and say ---- */
 
-eda_printed loop_printed(const loop *l) {
+eda_printed correct_loop_printed(const loop *l) {
   return (eda_printed){.iteration = l->iterations,
                        .gates = l->gates,
                        .flags = l->measured.flags,
@@ -156,16 +158,17 @@ eda_printed loop_printed(const loop *l) {
 }
 
 static int rule(loop *l, eda_ruling *ruling, opc_error *error) {
-  eda_printed p = loop_printed(l);
+  eda_printed p = correct_loop_printed(l);
   int code = eda_call_rule(l->host->context, l->regulator, &p, ruling, error);
   if (code) return eda_blame(error, code, "regulator");
   for (size_t k = 0; k < l->gates->layers; k++) {
     /* Patches mend the drawn edges of transistors. Where a synthesizer moves
        every edge of theirs, the print is only looked at. */
     if (l->gates->count && k <= EDA_ACTIVE && l->next.shift[k]) continue;
-    trial_set_both(&l->next.patches[k], loop_begun(l, k, 0),
-                   ruling->patches[k]);
-    trial_set_both(&l->next.bites[k], loop_begun(l, k, 1), ruling->bites[k]);
+    correct_trial_set_both(&l->next.patches[k], correct_loop_begun(l, k, 0),
+                           ruling->patches[k]);
+    correct_trial_set_both(&l->next.bites[k], correct_loop_begun(l, k, 1),
+                           ruling->bites[k]);
   }
   return OPC_OK;
 }
@@ -218,11 +221,11 @@ static int has_gates(const eda_gates *gates, size_t layer) {
 /* Take over the fragments that a synthesizer cut a layer into. */
 static void take_cuts(loop *l, size_t layer, int which, const eda_cuts *cuts) {
   driver *d = &l->drivers[which];
-  pieces_of_cuts(cuts, &l->pieces[layer]);
-  sites_init(&l->sites[layer], cuts);
+  correct_pieces_of_cuts(cuts, &l->pieces[layer]);
+  correct_sites_init(&l->sites[layer], cuts);
   size_t n = d->fragments[layer] = l->sites[layer].count;
-  trial_cut(&l->now, layer, n);
-  trial_cut(&l->next, layer, n);
+  correct_trial_cut(&l->now, layer, n);
+  correct_trial_cut(&l->next, layer, n);
   l->driver_of[layer] = (uint8_t)which;
   d->shift[layer] = l->next.shift[layer];
   d->epe[layer] = l->sites[layer].epe;
@@ -239,7 +242,7 @@ static int ask_for_cuts(loop *l, size_t layer, int which, opc_error *error) {
   if (!code) code = eda_check_cuts(l->gates, (int)layer, &cuts, error);
   opc_leave(l->host->context, before);
   if (code) return eda_blame(error, code, slots[which]);
-  trial_set_boxes(&l->next.assists[layer], cuts.assists);
+  correct_trial_set_boxes(&l->next.assists[layer], cuts.assists);
   if (cuts.polygons) take_cuts(l, layer, which, &cuts);
   return OPC_OK;
 }
@@ -254,9 +257,10 @@ static int cut_layer(loop *l, size_t layer, opc_error *error) {
     code = ask_for_cuts(l, layer, EDGES, error);
   if (code) return code;
   if (!l->now.shift[layer])
-    pieces_of_edges(&g->edges[layer], l->base != NULL, &l->pieces[layer]);
+    correct_pieces_of_edges(&g->edges[layer], l->base != NULL,
+                            &l->pieces[layer]);
   eda_shapes *polygons = &l->polygons[layer];
-  pieces_room(&l->pieces[layer], polygons);
+  correct_pieces_room(&l->pieces[layer], polygons);
   if (!g->drawn[layer].hole) return OPC_OK;
   polygons->hole = eda_alloc(polygons->count, 1);
   if (polygons->count)
@@ -301,9 +305,9 @@ static int begin(loop *l, opc_error *error) {
   }
   for (size_t k = 0; k < l->gates->layers && !code; k++)
     code = cut_layer(l, k, error);
-  if (!code) code = assists_begin(l, error);
-  if (!code) code = seek_begin(l, error);
-  if (!code) code = assists_check(l, error);
+  if (!code) code = correct_assists_begin(l, error);
+  if (!code) code = correct_seek_begin(l, error);
+  if (!code) code = correct_assists_check(l, error);
   if (!code) tell_of_idle(l);
   return code;
 }
@@ -317,7 +321,7 @@ static int move(loop *l, int which, eda_moves *moves, opc_error *error) {
   if (code) return eda_blame(error, code, slots[which]);
   for (size_t k = 0; k < l->gates->layers; k++)
     if (l->driver_of[k] == which)
-      trial_set_boxes(&l->next.assists[k], moves->assists[k]);
+      correct_trial_set_boxes(&l->next.assists[k], moves->assists[k]);
   return OPC_OK;
 }
 
@@ -337,7 +341,7 @@ static int update(loop *l, int which, opc_error *error) {
   if (which == EDGES) {
     const trial *t = &l->now;
     size_t all = TRIAL_BIASES * n * sizeof(int32_t);
-    biases idle = biases_in(memcpy(l->unused, t->biases.w, all), n);
+    biases idle = correct_biases_in(memcpy(l->unused, t->biases.w, all), n);
     moves.l = idle.l;
     moves.w = idle.w;
     moves.jog = idle.jog;
@@ -398,11 +402,11 @@ static int all_done(const loop *l) {
 static int iterate(loop *l, opc_error *error) {
   int code = OPC_OK;
   int64_t prints = 0;
-  for (; !code; code = loop_print(l, 0, error)) {
+  for (; !code; code = correct_loop_print(l, 0, error)) {
     if (told_to_stop(l)) return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
     if ((code = judge(l, error))) return code;
-    assists_watch(l);
-    if ((code = seek_watch(l, all_done(l), error))) return code;
+    correct_assists_watch(l);
+    if ((code = correct_seek_watch(l, all_done(l), error))) return code;
     int ruled[DRIVERS], wait = 0;
     for (int which = 0; which < DRIVERS; which++) {
       ruled[which] = any_changed(l, which);
@@ -435,7 +439,7 @@ static int count_open(loop *l, size_t *count, opc_error *error) {
   size_t n = 0;
   *count = 0;
   if (!l->regulator) return OPC_OK;
-  eda_printed p = loop_printed(l);
+  eda_printed p = correct_loop_printed(l);
   int code =
       correct_violations(l->host->context, l->regulator, &p, &v, &n, error);
   for (size_t i = 0; i < n && !code; i++) *count += !strchr(v[i].rule, ';');
@@ -452,9 +456,9 @@ static int iterate_to_proof(loop *l, opc_error *error) {
     for (int which = 0; which < DRIVERS; which++)
       l->drivers[which].done = !l->drivers[which].module;
     code = iterate(l, error);
-    if (!code) due = proof_is_due(l);
+    if (!code) due = correct_proof_is_due(l);
     if (due) code = count_open(l, &open, error);
-    if (!code) code = proof_of_end(l, &holds, error);
+    if (!code) code = correct_proof_of_end(l, &holds, error);
     if (!code && due) code = count_open(l, &now, error);
     holds &= now <= open;
     if (l->iterations == l->max_iterations) break;
@@ -462,7 +466,7 @@ static int iterate_to_proof(loop *l, opc_error *error) {
   return code;
 }
 
-eda_boxes loop_begun(const loop *l, size_t layer, int bites) {
+eda_boxes correct_loop_begun(const loop *l, size_t layer, int bites) {
   return l->begun[(bites ? l->gates->layers : 0) + layer];
 }
 
@@ -474,10 +478,12 @@ static void begin_with(loop *l) {
   l->now.biases.base = l->next.biases.base = l->base;
   for (size_t k = 0; k < layers; k++) {
     const eda_box_list *patch = &l->base->patch[k], *bite = &l->base->bite[k];
-    trial_set_boxes(&l->begun[k], (eda_boxes){patch->box, patch->count});
-    trial_set_boxes(&l->begun[layers + k], (eda_boxes){bite->box, bite->count});
-    trial_set_boxes(&l->next.patches[k], loop_begun(l, k, 0));
-    trial_set_boxes(&l->next.bites[k], loop_begun(l, k, 1));
+    correct_trial_set_boxes(&l->begun[k],
+                            (eda_boxes){patch->box, patch->count});
+    correct_trial_set_boxes(&l->begun[layers + k],
+                            (eda_boxes){bite->box, bite->count});
+    correct_trial_set_boxes(&l->next.patches[k], correct_loop_begun(l, k, 0));
+    correct_trial_set_boxes(&l->next.bites[k], correct_loop_begun(l, k, 1));
   }
 }
 
@@ -496,14 +502,14 @@ static void loop_allocate(loop *l) {
   l->sites = eda_alloc(layers, sizeof *l->sites);
   l->unused = eda_alloc(TRIAL_BIASES * n, sizeof *l->unused);
   l->vetoes = eda_alloc(n, sizeof *l->vetoes);
-  trial_init(&l->now, layers, n);
-  trial_init(&l->next, layers, n);
+  correct_trial_init(&l->now, layers, n);
+  correct_trial_init(&l->next, layers, n);
   begin_with(l);
   eda_measurement_init(&l->measured, n);
   eda_measurement_init(&l->shown, n);
   eda_performance_init(&l->design, n);
   eda_performance_init(&l->before, n);
-  guard_init(&l->guard, n);
+  correct_guard_init(&l->guard, n);
   l->drawn_print = eda_alloc(layers, sizeof *l->drawn_print);
 }
 
@@ -513,49 +519,49 @@ static void keep_drawn_print(loop *l) {
       l->drawn_print[k] = eda_field_scaled(&l->printer.print[k], 1);
 }
 
-int loop_run(loop *l, opc_error *error) {
+int correct_loop_run(loop *l, opc_error *error) {
   const opc_context *context = l->host->context;
   loop_allocate(l);
   int code = eda_printer_prepare(&l->printer, error);
-  if (!code) code = corners_begin(l, error);
+  if (!code) code = correct_corners_begin(l, error);
   if (!code && !l->prepared)
     code = eda_extractor_prepare(context, l->extractor, error);
   if (!code)
     code =
         eda_measure_drawn(context, l->gates, l->extractor, &l->design, error);
   if (!code) code = begin(l, error);
-  if (!code) code = loop_print(l, 1, error);
-  if (!code) code = start_hold(l, error);
+  if (!code) code = correct_loop_print(l, 1, error);
+  if (!code) code = correct_start_hold(l, error);
   if (code) return code;
   show(l);
   eda_performance_copy(&l->before, l->corners.count ? &l->corners.nominal
                                                     : &l->measured.performance);
   keep_drawn_print(l);
-  eda_printed drawn = loop_printed(l);
-  code = guard_begin(l, &drawn, error);
-  start_prune(l);
+  eda_printed drawn = correct_loop_printed(l);
+  code = correct_guard_begin(l, &drawn, error);
+  correct_start_prune(l);
   if (!code)
-    code = fine_by_layer(&l->printer, l->host, l->gates, l->extractor,
-                         l->fine_change, error);
-  if (!code) code = proof_begin(l, error);
+    code = correct_fine_by_layer(&l->printer, l->host, l->gates, l->extractor,
+                                 l->fine_change, error);
+  if (!code) code = correct_proof_begin(l, error);
   if (!code) code = iterate_to_proof(l, error);
   if (code || !l->gates->count) return code;
-  if (l->hold) return guard_hold(l, error);
-  guard_count(l);
+  if (l->hold) return correct_guard_hold(l, error);
+  correct_guard_count(l);
   return OPC_OK;
 }
 
-void loop_clear(loop *l) {
+void correct_loop_clear(loop *l) {
   size_t layers = l->gates->layers;
-  trial_clear(&l->now);
-  trial_clear(&l->next);
+  correct_trial_clear(&l->now);
+  correct_trial_clear(&l->next);
   eda_measurement_clear(&l->measured);
   eda_measurement_clear(&l->shown);
   eda_performance_clear(&l->design);
   eda_performance_clear(&l->before);
   for (size_t k = 0; k < layers; k++) {
-    pieces_clear(&l->pieces[k]);
-    sites_clear(&l->sites[k]);
+    correct_pieces_clear(&l->pieces[k]);
+    correct_sites_clear(&l->sites[k]);
     eda_shapes_clear(&l->polygons[k]);
     eda_shapes_clear(&l->mask[k]);
     eda_field_clear(&l->drawn_print[k]);
@@ -576,12 +582,12 @@ void loop_clear(loop *l) {
   free(l->begun);
   free(l->vetoes);
   free(l->still);
-  history_clear(&l->history);
-  guard_clear(&l->guard);
-  proof_clear(l);
-  trace_clear(&l->trace);
-  corners_clear(l);
-  assists_clear(l);
-  seek_clear(l);
+  correct_history_clear(&l->history);
+  correct_guard_clear(&l->guard);
+  correct_proof_clear(l);
+  correct_trace_clear(&l->trace);
+  correct_corners_clear(l);
+  correct_assists_clear(l);
+  correct_seek_clear(l);
   eda_printer_clear(&l->printer);
 }

@@ -177,7 +177,7 @@ static int run_loop(loop *l, const eda_gates *gates, const opc_module *main_one,
                    MODULE(&resist, NULL), 400);
   l->printer.fine = 1e-4;
   own.printer = &l->printer;
-  int code = loop_run(l, error);
+  int code = correct_loop_run(l, error);
   l->printer.litho.litho = NULL; /* the modules end here */
   return code;
 }
@@ -204,7 +204,7 @@ static void test_fragments(void) {
   /* The other layer was printed once. */
   g_assert_cmpuint(l.iterations, >, 2);
   g_assert_cmpuint(l.printer.simulations, <=, 2 + l.iterations);
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 /* Edges that a fine print of the end finds elsewhere are moved again. */
@@ -224,7 +224,7 @@ static void test_proof(void) {
   g_assert_cmpint(fine_prints[EDA_ACTIVE], ==, 1);
   g_assert_cmpfloat(l.summary.epe_max, <, 2);
   optics = &litho;
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 static void test_patches(void) {
@@ -239,7 +239,7 @@ static void test_patches(void) {
     /* Settled before the first moves, or together with them. */
     g_assert_cmpuint(own.first_simulations, ==, early ? 2 : 3);
     eda_shapes box, outside, both;
-    shapes_of_boxes((boxes_lists){&(eda_boxes){&patch, 1}, 1}, &box);
+    correct_shapes_of_boxes((boxes_lists){&(eda_boxes){&patch, 1}, 1}, &box);
     g_assert_false(
         eda_boolean(EDA_NOT, &box, &l.mask[EDA_POLY], &outside, &error));
     g_assert_false(eda_boolean(EDA_NOT, &l.mask[EDA_POLY],
@@ -249,7 +249,7 @@ static void test_patches(void) {
     eda_shapes_clear(&box);
     eda_shapes_clear(&outside);
     eda_shapes_clear(&both);
-    loop_clear(&l);
+    correct_loop_clear(&l);
   }
   /* One that is content before it has seen the patch is asked again. */
   own.spoil = "at once";
@@ -258,7 +258,7 @@ static void test_patches(void) {
                   OPC_OK);
   g_assert_cmpint(own.updates, ==, 2);
   g_assert_cmpuint(l.printer.simulations, ==, 3);
-  loop_clear(&l);
+  correct_loop_clear(&l);
   own.spoil = NULL;
   static const eda_box wrong = {10, 0, 10, 5};
   patch_given = &wrong;
@@ -268,7 +268,7 @@ static void test_patches(void) {
   g_assert_cmpstr(
       error.message, ==,
       "number 1 of the patches of poly is no box: (10, 0) to (10, 5)");
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 /* What is bitten away is gone, of a patch as of the mask, and nothing else. */
@@ -288,7 +288,7 @@ static void test_bites(void) {
                   OPC_OK);
   bite_given = NULL;
   own.spoil = NULL;
-  shapes_of_boxes((boxes_lists){&(eda_boxes){&bite, 1}, 1}, &box);
+  correct_shapes_of_boxes((boxes_lists){&(eda_boxes){&bite, 1}, 1}, &box);
   g_assert_false(
       eda_boolean(EDA_AND, &box, &with.mask[EDA_POLY], &kept, &error));
   g_assert_cmpuint(kept.count, ==, 0);
@@ -301,8 +301,8 @@ static void test_bites(void) {
   eda_shapes_clear(&gone);
   eda_shapes_clear(&kept);
   eda_shapes_clear(&rest);
-  loop_clear(&with);
-  loop_clear(&without);
+  correct_loop_clear(&with);
+  correct_loop_clear(&without);
 }
 
 /* Assist features are of the mask as they are, merged where they touch, and one
@@ -325,7 +325,7 @@ static void test_assists(void) {
     g_assert_cmpint(eda_area2(&added), ==,
                     2 * (both + (own.drop ? 0 : 20 * 200)));
     eda_shapes_clear(&added);
-    loop_clear(&l);
+    correct_loop_clear(&l);
   }
   own.drop = 0;
   static const eda_box wrong[] = {{0, 400, 10, 410}, {10, 400, 5, 410}};
@@ -336,12 +336,12 @@ static void test_assists(void) {
   g_assert_cmpstr(error.message, ==,
                   "number 2 of the assists of poly is no box: (10, 400) to (5, "
                   "410)");
-  loop_clear(&l);
+  correct_loop_clear(&l);
   own.assists = NULL;
   g_assert_cmpint(run(&l, &cutter, NULL, &error), ==, OPC_FAILED);
   g_assert_cmpstr(error.message, ==,
                   "gives 2 assists of poly without their boxes");
-  loop_clear(&l);
+  correct_loop_clear(&l);
   own.assist_count = 0;
 }
 
@@ -379,7 +379,7 @@ static void test_faults(void) {
     g_assert_cmpint(run(&l, &cutter, NULL, &error), ==, OPC_FAILED);
     g_assert_cmpstr(error.parameter, ==, "synthesizer");
     g_assert_cmpstr(error.message, ==, cases[i].message);
-    loop_clear(&l);
+    correct_loop_clear(&l);
   }
 }
 
@@ -494,8 +494,8 @@ static void test_edges(void) {
                    LAYERS + 2 * 2 + with.iterations);
   g_assert_cmpuint(with.summary.sites, ==, THIRDS);
   g_assert_cmpfloat(with.summary.epe_max, <, 2);
-  loop_clear(&with);
-  loop_clear(&without);
+  correct_loop_clear(&with);
+  correct_loop_clear(&without);
 }
 
 /* A patch of such a layer waits for its synthesizer as those of poly do, and is
@@ -520,13 +520,14 @@ static void test_edges_ruled(void) {
   g_assert_cmpint(mover_updates, ==, 2);
   eda_shapes box, outside;
   opc_error error;
-  shapes_of_boxes((boxes_lists){&(eda_boxes){&metal_patch, 1}, 1}, &box);
+  correct_shapes_of_boxes((boxes_lists){&(eda_boxes){&metal_patch, 1}, 1},
+                          &box);
   g_assert_false(eda_boolean(EDA_NOT, &box, &l.mask[METAL], &outside, &error));
   g_assert_cmpuint(outside.count, ==, 0);
   g_assert_cmpuint(l.now.assists[EDA_POLY].count, ==, 0);
   eda_shapes_clear(&box);
   eda_shapes_clear(&outside);
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 /* ---- what is told of it ---- */
@@ -546,19 +547,20 @@ static void test_report(void) {
                           .extension = l.measured.extension,
                           .biases = &l.now.biases,
                           .synthesizer = MODULE(&cutter, &own)};
-  g_assert_cmpint(report_mask(&host, &told_of, &error), ==, OPC_OK);
+  g_assert_cmpint(correct_report_mask(&host, &told_of, &error), ==, OPC_OK);
   g_assert_cmpstr(told->str, ==,
                   "gates[0] effort[1] transistors epe_mean epe_max epe_lost "
                   "iterations simulations fine_simulations failed ");
   g_string_truncate(told, 0);
-  g_assert_cmpint(history_report(&l.history, &host, &error), ==, OPC_OK);
+  g_assert_cmpint(correct_history_report(&l.history, &host, &error), ==,
+                  OPC_OK);
   g_autofree char *want = g_strdup_printf(
       "history[%u],iteration,epe_mean,epe_max,simulations,"
       "fine_simulations,model ",
       l.printer.simulations - 1);
   g_assert_cmpstr(told->str, ==, want);
   g_string_free(told, TRUE);
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 /* Of deviations +1, +3 and, of what does not print, none: by hand. */
@@ -570,7 +572,7 @@ static void test_statistics(void) {
   const eda_gates g = {.count = 3, .type = type};
   const eda_performance design = {3, one, one, one, one, one, one, NULL};
   const eda_performance printed = {3, ion, ioff, one, one, one, area, NULL};
-  summary s = summarize(&g, &design, &printed, flags, NULL);
+  summary s = correct_summarize(&g, &design, &printed, flags, NULL);
   const double want[][2] = {
       {s.ion_mean, 2},        {s.ion_max, 3},           {s.ion_stdv, 1},
       {s.ion_rms, sqrt(5)},   {s.ioff_rms, sqrt(1000)}, {s.ioff_mean, 30},

@@ -26,7 +26,7 @@ static const struct {
 
 /* ---- the drawn mask ---- */
 
-int proof_begin(loop *l, opc_error *error) {
+int correct_proof_begin(loop *l, opc_error *error) {
   size_t layers = l->gates->layers;
   int code = OPC_OK;
   if (!(l->printer.fine > 0) || !l->gates->count) return OPC_OK;
@@ -40,7 +40,7 @@ int proof_begin(loop *l, opc_error *error) {
   return code;
 }
 
-void proof_clear(loop *l) {
+void correct_proof_clear(loop *l) {
   for (size_t k = 0; l->proof.mask && k < l->gates->layers; k++) {
     eda_shapes_clear(&l->proof.mask[k]);
     eda_field_clear(&l->proof.image[k]);
@@ -72,7 +72,7 @@ static void keep_print(loop *l) {
   }
 }
 
-int proof_of_drawn(loop *l, opc_error *error) {
+int correct_proof_of_drawn(loop *l, opc_error *error) {
   eda_measurement m;
   if (!l->proof.mask) return OPC_OK;
   int32_t *none = eda_alloc(l->gates->count, sizeof *none);
@@ -90,23 +90,23 @@ int proof_of_drawn(loop *l, opc_error *error) {
         .print = l->proof.image,
         .scanner = eda_scanner_of(&l->printer.litho.module)};
     eda_performance_copy(&l->before, &m.performance);
-    code = guard_begin(l, &drawn, error);
+    code = correct_guard_begin(l, &drawn, error);
     keep_print(l);
   }
   eda_measurement_clear(&m);
   free(none);
-  proof_clear(l);
+  correct_proof_clear(l);
   return code;
 }
 
 /* ---- when ---- */
 
-int proof_is_early(const loop *l) {
+int correct_proof_is_early(const loop *l) {
   return l->printer.fine > 0 && l->iterations > 0 &&
          l->printer.fine_simulations == 0;
 }
 
-int proof_is_due(const loop *l) {
+int correct_proof_is_due(const loop *l) {
   for (size_t k = 0; k < l->gates->layers; k++)
     if (l->gates->corrected[k] && !l->printer.is_fine[k])
       return l->printer.fine > 0;
@@ -126,7 +126,7 @@ static void see(const loop *l, seen *s) {
   *s = (seen){eda_alloc(n, sizeof *s->off), eda_alloc(n, sizeof *s->ion),
               eda_alloc(layers, sizeof *s->epe)};
   for (size_t i = 0; i < n; i++) {
-    s->off[i] = guard_off(l, i);
+    s->off[i] = correct_guard_off(l, i);
     s->ion[i] = eda_deviation(l->measured.performance.ion[i], l->design.ion[i]);
   }
   for (size_t k = 0; k < layers; k++) {
@@ -180,12 +180,12 @@ static int edges_hold(const loop *l, const seen *before) {
   return 1;
 }
 
-int proof_of_end(loop *l, int *holds, opc_error *error) {
+int correct_proof_of_end(loop *l, int *holds, opc_error *error) {
   seen before, now;
   *holds = 1;
-  if (!proof_is_due(l)) return OPC_OK;
+  if (!correct_proof_is_due(l)) return OPC_OK;
   see(l, &before);
-  int code = loop_refine(l, error);
+  int code = correct_loop_refine(l, error);
   see(l, &now);
   if (!code)
     *holds = edges_hold(l, &before) &&

@@ -73,7 +73,7 @@ static int try_to_run(loop *l, const eda_litho *model, double fine,
                    MODULE(&resist, NULL), 300);
   l->printer.fine = fine;
   warnings = 0;
-  return loop_run(l, error);
+  return correct_loop_run(l, error);
 }
 
 static void run(loop *l, const eda_litho *model, double fine, int32_t spoil,
@@ -158,7 +158,7 @@ static void test_end(void) {
     g_assert_cmpfloat(off(&l, l.before.ion, i), >, 10);
     g_assert_cmpfloat(off(&l, l.measured.performance.ion, i), <, 3);
   }
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 /* ---- how fine ---- */
@@ -198,17 +198,18 @@ static void test_how_fine(void) {
                {1, {5e-4, 5e-4}},
                {1e-9, {5e-5, 5e-5}}};
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
-    g_assert_cmpint(fine_by_layer(&p, &host, g, MODULE(&extractor, NULL),
-                                  cases[i].change, &error),
-                    ==, OPC_OK);
+    g_assert_cmpint(
+        correct_fine_by_layer(&p, &host, g, MODULE(&extractor, NULL),
+                              cases[i].change, &error),
+        ==, OPC_OK);
     for (int k = 0; k < 2; k++)
       g_assert_cmpfloat(p.fine_of[k], ==, cases[i].fine[k]);
   }
   eda_printer_clear(&p);
   /* What a flow says is for all layers; else it follows what is good. */
-  g_assert_cmpfloat(fine_change("1e-4", 0.5), ==, 0);
-  g_assert_cmpfloat(fine_change("off", 0.5), ==, 0);
-  g_assert_cmpfloat(fine_change(NULL, 0.5), ==, 0.02);
+  g_assert_cmpfloat(correct_fine_change("1e-4", 0.5), ==, 0);
+  g_assert_cmpfloat(correct_fine_change("off", 0.5), ==, 0);
+  g_assert_cmpfloat(correct_fine_change(NULL, 0.5), ==, 0.02);
 }
 
 /* A loop asks for prints of each layer with the error that it found. */
@@ -221,7 +222,7 @@ static void test_by_layer(void) {
   run(&l, &with_fine, fine_is, 0, 10);
   expect(&l, 0.03, 0);
   g_assert_cmpint(fine_prints[EDA_POLY], ==, 2);
-  loop_clear(&l);
+  correct_loop_clear(&l);
   fine_errors[EDA_POLY] = fine_errors[EDA_ACTIVE] = fine_is;
   aim = 0;
 }
@@ -239,15 +240,15 @@ static void test_goes_on(void) {
     g_assert_cmpfloat(off(&l, l.measured.performance.ion, i), <, 3);
   g_assert_cmpint(fine_prints[EDA_POLY], ==, 3);
   g_assert_cmpuint(l.iterations, >, without.iterations);
-  loop_clear(&without);
+  correct_loop_clear(&without);
   g_assert_cmpint(warnings, ==, 0);
   /* A mask that has no moves left is told as it is. */
   ADD(0.02, 0.25);
   run(&without, &with_fine, fine_is, 0, 2);
-  loop_clear(&l);
+  correct_loop_clear(&l);
   expect(&without, 0.25, 0.02);
   g_assert_cmpint(warnings, ==, 1);
-  loop_clear(&without);
+  correct_loop_clear(&without);
 }
 
 /* A model that never says the same is not asked for ever. */
@@ -257,7 +258,7 @@ static void test_bound(void) {
   run(&l, &with_fine, fine_is, 0, 60);
   expect(&l, 0.25, 0.02);
   g_assert_cmpint(fine_prints[EDA_POLY], ==, 1 + PROOFS);
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 /* A regulator that sees a rule broken from a certain fine print on, until it
@@ -311,7 +312,7 @@ static void test_rules(void) {
     g_assert_cmpint(fine_prints[EDA_POLY], ==, cases[i].prints);
     g_assert_cmpint(l.now.biases.end[0], ==, cases[i].end);
     g_assert_true(l.printer.is_fine[EDA_POLY]);
-    loop_clear(&l);
+    correct_loop_clear(&l);
   }
 }
 
@@ -325,7 +326,7 @@ static void test_drawn(void) {
     g_assert_cmpfloat(fabs(l.before.ion[i] / l.measured.performance.ion[i] - 1),
                       <, 1e-5);
   g_assert_cmpuint(l.printer.fine_simulations, ==, 2);
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 /* What the guard takes back is printed finely once more. */
@@ -337,7 +338,7 @@ static void test_guard(void) {
   g_assert_cmpint(l.now.biases.l[1], <, 45);
   g_assert_cmpuint(l.guard.back, ==, 1);
   g_assert_cmpint(fine_prints[EDA_POLY], ==, 3);
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 /* The drawn mask, to which a transistor goes back, has come out a bit worse
@@ -347,13 +348,13 @@ static void test_margin(void) {
   loop l;
   ADD(0.03, 0.027);
   run(&l, &with_fine, fine_is, 45, 3);
-  g_autofree char *verdict = guard_verdict(&l.guard, 1);
+  g_autofree char *verdict = correct_guard_verdict(&l.guard, 1);
   g_assert_cmpstr(verdict, ==, "went back: its best mask");
   g_assert_cmpint(l.now.biases.l[1], ==, 0);
   double more =
       off(&l, l.measured.performance.ion, 1) - off(&l, l.before.ion, 1);
   g_assert_cmpfloat(more, >, 0.01);
-  loop_clear(&l);
+  correct_loop_clear(&l);
 }
 
 /* Fine images, or the others once there was a fine one, on a grid of their
@@ -397,7 +398,7 @@ static void test_grid(void) {
                     OPC_FAILED);
     g_assert_cmpstr(error.parameter, ==, "litho");
     g_assert_true(g_str_has_prefix(error.message, "its images of one frame "));
-    loop_clear(&l);
+    correct_loop_clear(&l);
   }
 }
 
@@ -410,7 +411,7 @@ static void test_none(void) {
     expect(&l, 0, 0.03);
     g_assert_cmpuint(l.printer.fine_simulations, ==, 0);
     g_assert_null(l.printer.difference[EDA_POLY].coefficients);
-    loop_clear(&l);
+    correct_loop_clear(&l);
   }
 }
 

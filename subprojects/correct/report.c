@@ -47,8 +47,8 @@ static int failed(const uint32_t *flags, size_t i) {
   return flags && eda_print_failed(flags[i]);
 }
 
-void groups_add(groups *to, int type, const eda_figures *drawn,
-                const eda_figures *printed) {
+void correct_groups_add(groups *to, int type, const eda_figures *drawn,
+                        const eda_figures *printed) {
   for (int k = 0; k < 2; k++) {
     int group = k ? 2 : type == EDA_PMOS;
     count(&to->ion[group], eda_deviation(printed->ion, drawn->ion));
@@ -66,12 +66,12 @@ static groups gather(const eda_gates *g, const eda_performance *design,
     if (failed(flags, i)) continue;
     eda_figures drawn = eda_figures_of(design, i),
                 now = eda_figures_of(printed, i);
-    groups_add(&out, g->type[i], &drawn, &now);
+    correct_groups_add(&out, g->type[i], &drawn, &now);
   }
   return out;
 }
 
-summary groups_sum(const groups *g) {
+summary correct_groups_sum(const groups *g) {
   summary out = {.ion_mean = mean_of(&g->ion[2]),
                  .ion_max = max_of(&g->ion[2]),
                  .ion_stdv = stdv(&g->ion[2]),
@@ -87,12 +87,12 @@ summary groups_sum(const groups *g) {
   return out;
 }
 
-summary summarize(const eda_gates *gates, const eda_performance *design,
-                  const eda_performance *printed, const uint32_t *flags,
-                  const sites *places) {
+summary correct_summarize(const eda_gates *gates, const eda_performance *design,
+                          const eda_performance *printed, const uint32_t *flags,
+                          const sites *places) {
   groups g = gather(gates, design, printed, flags);
   statistics epe = {0};
-  summary out = groups_sum(&g);
+  summary out = correct_groups_sum(&g);
   out.gates = gates->count;
   for (size_t i = 0; i < gates->count; i++) {
     out.failed += (size_t)failed(flags, i);
@@ -113,8 +113,8 @@ summary summarize(const eda_gates *gates, const eda_performance *design,
 
 /* ---- history ---- */
 
-void history_add(history *h, const summary *print, uint32_t iteration,
-                 const eda_printer *printer, int fine) {
+void correct_history_add(history *h, const summary *print, uint32_t iteration,
+                         const eda_printer *printer, int fine) {
   const history_line *last = h->count ? &h->line[h->count - 1] : NULL;
   if (fine && last && last->simulations == printer->simulations) {
     iteration = (uint32_t)last->iteration;
@@ -126,9 +126,10 @@ void history_add(history *h, const summary *print, uint32_t iteration,
                      printer->fine_simulations, fine ? "fine" : "cheap"};
 }
 
-void history_clear(history *h) { free(h->line); }
+void correct_history_clear(history *h) { free(h->line); }
 
-int history_report(const history *h, const opc_host *host, opc_error *error) {
+int correct_history_report(const history *h, const opc_host *host,
+                           opc_error *error) {
   const history_line *line = h->line;
   const summary *s = &line->print;
   opc_column columns[13] = {{"iteration", NULL, OPC_INT, 0, &line->iteration}};
@@ -172,7 +173,7 @@ static const struct {
                 {EDA_PRINT_OUTSIDE, "outside the table"}};
 
 /* The first of the findings. */
-const char *report_trouble(uint32_t flags) {
+const char *correct_report_trouble(uint32_t flags) {
   for (size_t k = 0; k < G_N_ELEMENTS(findings); k++)
     if (flags & findings[k].flag) return findings[k].name;
   return "";
@@ -200,7 +201,7 @@ static int finding_table(const opc_host *host, const eda_mask *m,
               : OPC_OK;
 }
 
-char *report_gate_name(const eda_gates *g, size_t i) {
+char *correct_report_gate_name(const eda_gates *g, size_t i) {
   const char *where = *g->instance[i] ? g->instance[i] : g->cell[i];
   return g_strdup_printf("%s:%u", where, g->number[i]);
 }
@@ -247,10 +248,10 @@ static gate_row row_of(const report *r, size_t i) {
   const eda_performance *now = &m->after, *drawn = &m->design;
   int none = failed(m->flags, i);
   gate_row row = {
-      .name = report_gate_name(g, i),
+      .name = correct_report_gate_name(g, i),
       .cell = g->cell[i],
       .type = g->type[i] == EDA_PMOS ? "p" : "n",
-      .print = report_trouble(m->flags[i]),
+      .print = correct_report_trouble(m->flags[i]),
       .l = g->length[i],
       .w = g->width[i],
       .x = ((double)g->box[i].x0 + g->box[i].x1) / 2 * g->grid,
@@ -337,8 +338,8 @@ static int gate_table(const opc_host *host, const report *r, opc_error *error) {
   return code;
 }
 
-int groups_table(const opc_host *host, const groups *drawn,
-                 const groups *printed, opc_error *error) {
+int correct_groups_table(const opc_host *host, const groups *drawn,
+                         const groups *printed, opc_error *error) {
   static const char *const names[3] = {"n", "p", "all"};
   struct {
     const char *name;
@@ -391,7 +392,8 @@ static int summary_table(const opc_host *host, const report *r,
   const groups before =
       gather(m->gates, &m->design, &m->before, r->flags_before);
   const groups after = gather(m->gates, &m->design, &m->after, m->flags);
-  return groups_table(host, r->corrected ? NULL : &before, &after, error);
+  return correct_groups_table(host, r->corrected ? NULL : &before, &after,
+                              error);
 }
 
 static int effort_table(const opc_host *host, const eda_mask *mask,
@@ -457,10 +459,11 @@ static int metrics(const opc_host *host, const report *r, const summary *s,
 
 /* ---- all of it ---- */
 
-int report_mask(const opc_host *host, const report *r, opc_error *error) {
+int correct_report_mask(const opc_host *host, const report *r,
+                        opc_error *error) {
   const eda_mask *m = r->mask;
   const summary s =
-      summarize(m->gates, &m->design, &m->after, m->flags, r->sites);
+      correct_summarize(m->gates, &m->design, &m->after, m->flags, r->sites);
   int code = gate_table(host, r, error);
   if (!code) code = finding_table(host, m, error);
   if (!code && m->gates->count) code = summary_table(host, r, error);
@@ -488,8 +491,9 @@ static size_t tell_reasons(const opc_host *host, const eda_violation *v,
   return without;
 }
 
-int report_violations(const opc_host *host, const eda_gates *gates,
-                      const eda_violation *v, size_t n, opc_error *error) {
+int correct_report_violations(const opc_host *host, const eda_gates *gates,
+                              const eda_violation *v, size_t n,
+                              opc_error *error) {
   size_t unexplained = tell_reasons(host, v, n);
   const opc_metric_value values[] = {
       {"violations", (double)n},
@@ -505,8 +509,9 @@ int report_violations(const opc_host *host, const eda_gates *gates,
   } *row = eda_alloc(n, sizeof *row);
   for (size_t i = 0; i < n; i++) {
     row[i].v = v[i];
-    row[i].gate = v[i].gate >= 0 ? report_gate_name(gates, (size_t)v[i].gate)
-                                 : g_strdup("");
+    row[i].gate = v[i].gate >= 0
+                      ? correct_report_gate_name(gates, (size_t)v[i].gate)
+                      : g_strdup("");
   }
   const opc_column columns[] = {
       {"rule", NULL, OPC_TEXT, 0, &row->v.rule},
@@ -524,14 +529,16 @@ int report_violations(const opc_host *host, const eda_gates *gates,
   return code;
 }
 
-int report_rules(const opc_host *host, const opc_module *regulator,
-                 const eda_printed *printed, eda_mask *mask, opc_error *error) {
+int correct_report_rules(const opc_host *host, const opc_module *regulator,
+                         const eda_printed *printed, eda_mask *mask,
+                         opc_error *error) {
   eda_violation *v;
   size_t n;
   if (!regulator) return OPC_OK;
   int code =
       correct_violations(host->context, regulator, printed, &v, &n, error);
-  if (!code) code = report_violations(host, printed->gates, v, n, error);
+  if (!code)
+    code = correct_report_violations(host, printed->gates, v, n, error);
   if (!code) eda_mask_set_violations(mask, v, n);
   free(v);
   return code;

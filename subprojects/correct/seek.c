@@ -28,11 +28,11 @@ static int32_t steps(const loop *l, double nm) {
 }
 
 static void show(loop *l) {
-  trial_set_boxes(&l->next.assists[EDA_POLY],
-                  (eda_boxes){l->seek.bars.box, l->seek.bars.count});
+  correct_trial_set_boxes(&l->next.assists[EDA_POLY],
+                          (eda_boxes){l->seek.bars.box, l->seek.bars.count});
 }
 
-int seek_begin(loop *l, opc_error *error) {
+int correct_seek_begin(loop *l, opc_error *error) {
   sought_bars *s = &l->seek;
   const eda_litho *litho = &l->printer.litho.functions;
   s->next = (uint32_t)s->every;
@@ -47,7 +47,7 @@ int seek_begin(loop *l, opc_error *error) {
   return OPC_OK;
 }
 
-void seek_clear(loop *l) { free(l->seek.bars.box); }
+void correct_seek_clear(loop *l) { free(l->seek.bars.box); }
 
 /* ---- the map ---- */
 
@@ -212,7 +212,7 @@ static int look(loop *l, opc_error *error) {
   return code;
 }
 
-int seek_watch(loop *l, int done, opc_error *error) {
+int correct_seek_watch(loop *l, int done, opc_error *error) {
   sought_bars *s = &l->seek;
   if (!s->most) return OPC_OK;
   size_t changed = eda_bars_narrow(

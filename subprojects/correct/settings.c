@@ -12,8 +12,10 @@
 
 int correct_settings_check(correct_settings *with, const opc_host *host,
                            opc_error *error) {
-  int code = fine_error(with->fine_text, with->ion_limit, &with->fine, error);
-  with->margin = fine_margin(host, with->litho, with->margin, with->fine);
+  int code =
+      correct_fine_error(with->fine_text, with->ion_limit, &with->fine, error);
+  with->margin =
+      correct_fine_margin(host, with->litho, with->margin, with->fine);
   return code;
 }
 
@@ -87,8 +89,9 @@ int correct_print(const correct_settings *with, const opc_host *host, int sized,
   int code = eda_printer_prepare(&printer, error);
   if (!code) code = measure_design(with, host->context, m, error);
   if (!code)
-    code = fine_by_drawn(&printer, host, g, with->extractor,
-                         fine_change(with->fine_text, with->ion_limit), error);
+    code = correct_fine_by_drawn(
+        &printer, host, g, with->extractor,
+        correct_fine_change(with->fine_text, with->ion_limit), error);
   if (!code && flags_before) {
     code = print_shapes(with, &printer, g, g->drawn, &measured, m->drawn_print,
                         error);
@@ -137,18 +140,19 @@ int correct_save_mask(void *self, void *const *outputs, const char *folder,
   return eda_mask_save(outputs[0], folder, error);
 }
 
-void loop_init(loop *l, const opc_host *host, const eda_gates *gates,
-               const correct_settings *with) {
-  *l = (loop){.host = host,
-              .gates = gates,
-              .start.max_diff = NAN,
-              .extractor = with->extractor,
-              .regulator = with->regulator,
-              .max_iterations = with->max_iterations,
-              .hold = with->guard == CORRECT_GUARD_ON,
-              .ion_limit = with->ion_limit,
-              .fine_change = fine_change(with->fine_text, with->ion_limit),
-              .drivers = {[MAIN].module = with->synthesizer}};
+void correct_loop_init(loop *l, const opc_host *host, const eda_gates *gates,
+                       const correct_settings *with) {
+  *l = (loop){
+      .host = host,
+      .gates = gates,
+      .start.max_diff = NAN,
+      .extractor = with->extractor,
+      .regulator = with->regulator,
+      .max_iterations = with->max_iterations,
+      .hold = with->guard == CORRECT_GUARD_ON,
+      .ion_limit = with->ion_limit,
+      .fine_change = correct_fine_change(with->fine_text, with->ion_limit),
+      .drivers = {[MAIN].module = with->synthesizer}};
   eda_printer_init(&l->printer, host->context, gates, with->litho, with->resist,
                    with->margin);
   l->printer.fine = with->fine;

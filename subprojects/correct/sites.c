@@ -12,7 +12,7 @@
 /* How far from a site an edge is looked for: eda_feedback.epe. */
 static const char reach[] = "0.389 lambda/NA";
 
-void sites_init(sites *s, const eda_cuts *cuts) {
+void correct_sites_init(sites *s, const eda_cuts *cuts) {
   size_t n = cuts->start[cuts->polygons];
   s->count = n;
   s->place = eda_alloc(2 * n, sizeof *s->place);
@@ -31,7 +31,7 @@ void sites_init(sites *s, const eda_cuts *cuts) {
   }
 }
 
-void sites_clear(sites *s) {
+void correct_sites_clear(sites *s) {
   free(s->place);
   free(s->axis);
   free(s->out);
@@ -54,8 +54,8 @@ static void measure_site(void *data, size_t i) {
                             s->place[2 * i + 1], j->reach);
 }
 
-void sites_measure(const opc_context *context, const sites *s,
-                   const eda_field *print, eda_scanner scanner) {
+void correct_sites_measure(const opc_context *context, const sites *s,
+                           const eda_field *print, eda_scanner scanner) {
   job j = {s, print, eda_natural(&scanner, reach)};
   opc_parallel(context, s->count, measure_site, &j);
 }

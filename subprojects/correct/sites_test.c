@@ -50,8 +50,8 @@ static void test_sites(void) {
                              .from = axis == EDA_X ? box : turned,
                              .site = axis == EDA_X ? x : y};
       sites s;
-      sites_init(&s, &cuts);
-      sites_measure(NULL, &s, &f, (eda_scanner){0});
+      correct_sites_init(&s, &cuts);
+      correct_sites_measure(NULL, &s, &f, (eda_scanner){0});
       for (int side = 0; side < 2; side++) {
         int k = axis == EDA_X ? (side ? 1 : 3) : (side ? 2 : 0);
         double want = cases[i].epe[side], got = s.epe[k];
@@ -60,7 +60,7 @@ static void test_sites(void) {
         else
           g_assert_cmpfloat(fabs(got - want), <, 0.02);
       }
-      sites_clear(&s);
+      correct_sites_clear(&s);
       free(f.coefficients);
     }
 }

@@ -11,14 +11,16 @@
 
 /* ---- from a mask ---- */
 
-double start_disturbance(const eda_mask *m, const eda_performance *printed,
-                         const uint32_t *flags, size_t i) {
+double correct_start_disturbance(const eda_mask *m,
+                                 const eda_performance *printed,
+                                 const uint32_t *flags, size_t i) {
   if (eda_print_failed(flags[i])) return NAN;
   return fabs(eda_deviation(printed->ion[i], m->design.ion[i])) -
          fabs(eda_deviation(m->before.ion[i], m->design.ion[i]));
 }
 
-int start_check(const loop_start *s, const eda_gates *gates, opc_error *error) {
+int correct_start_check(const loop_start *s, const eda_gates *gates,
+                        opc_error *error) {
   if (!s->mask && !isnan(s->max_diff))
     return opc_fail(error, OPC_INVALID, "max_diff",
                     "there is no 'start' to differ from");
@@ -32,14 +34,15 @@ int start_check(const loop_start *s, const eda_gates *gates, opc_error *error) {
   return OPC_OK;
 }
 
-int start_hold(loop *l, opc_error *error) {
+int correct_start_hold(loop *l, opc_error *error) {
   const loop_start *s = &l->start;
   size_t n = l->gates->count, refined = 0;
   if (!s->mask || isnan(s->max_diff)) return OPC_OK;
   l->still = eda_alloc(n, 1);
   for (size_t i = 0; i < n; i++) {
-    l->still[i] = start_disturbance(s->mask, &l->measured.performance,
-                                    l->measured.flags, i) <= s->max_diff;
+    l->still[i] =
+        correct_start_disturbance(s->mask, &l->measured.performance,
+                                  l->measured.flags, i) <= s->max_diff;
     refined += !l->still[i];
   }
   l->host->log(l->host, OPC_LOG_INFO,
@@ -50,7 +53,7 @@ int start_hold(loop *l, opc_error *error) {
 /* nm, ours: as far as regulator.drc puts a patch from what it mends. */
 static const double beside = 150;
 
-void start_prune(loop *l) {
+void correct_start_prune(loop *l) {
   double grid = l->gates->grid;
   for (size_t i = 0; l->base && i < l->guard.rules; i++) {
     const eda_violation *v = &l->guard.drawn[i];
@@ -58,37 +61,37 @@ void start_prune(loop *l) {
         (int32_t)((v->x - beside) / grid), (int32_t)((v->y - beside) / grid),
         (int32_t)((v->x + beside) / grid), (int32_t)((v->y + beside) / grid)};
     for (size_t k = 0; k < 2 * l->gates->layers; k++)
-      trial_drop_boxes(&l->begun[k], near);
+      correct_trial_drop_boxes(&l->begun[k], near);
   }
 }
 
-void start_correct(const eda_moved *m, eda_performance *printed) {
+void correct_start_correct(const eda_moved *m, eda_performance *printed) {
   for (size_t i = 0; i < m->gates; i++) printed->ion[i] *= exp(-m->seen[i]);
 }
 
-int start_mask(const eda_gates *g, const eda_moved *moved, size_t layer,
-               eda_shapes *out, opc_error *error) {
+int correct_start_mask(const eda_gates *g, const eda_moved *moved, size_t layer,
+                       eda_shapes *out, opc_error *error) {
   trial none;
   pieces p;
   eda_shapes polygons;
   const eda_box_list *patch = &moved->patch[layer], *bite = &moved->bite[layer];
   const eda_boxes added = {patch->box, patch->count},
                   bites = {bite->box, bite->count};
-  trial_init(&none, g->layers, g->count);
+  correct_trial_init(&none, g->layers, g->count);
   none.biases.base = moved;
-  pieces_of_edges(&g->edges[layer], 1, &p);
-  pieces_room(&p, &polygons);
+  correct_pieces_of_edges(&g->edges[layer], 1, &p);
+  correct_pieces_room(&p, &polygons);
   if (g->drawn[layer].hole && polygons.count) {
     polygons.hole = eda_alloc(polygons.count, 1);
     memcpy(polygons.hole, g->drawn[layer].hole, polygons.count);
   }
-  pieces_follow(g, layer, &none.biases, &p);
-  pieces_build(&p, &polygons);
-  int code = mask_merge(&polygons, (boxes_lists){&added, 1},
-                        (boxes_lists){&bites, 1}, out, error);
+  correct_pieces_follow(g, layer, &none.biases, &p);
+  correct_pieces_build(&p, &polygons);
+  int code = correct_mask_merge(&polygons, (boxes_lists){&added, 1},
+                                (boxes_lists){&bites, 1}, out, error);
   eda_shapes_clear(&polygons);
-  pieces_clear(&p);
-  trial_clear(&none);
+  correct_pieces_clear(&p);
+  correct_trial_clear(&none);
   return code;
 }
 
@@ -102,7 +105,7 @@ static eda_box_list copy_of(eda_boxes from) {
 
 /* What comes upon a base, or moves more than gates, is not said in these
    words. */
-eda_moved *moved_of(const loop *l) {
+eda_moved *correct_moved_of(const loop *l) {
   size_t n = l->gates->count, layers = l->gates->layers;
   const trial *t = &l->now;
   if (l->base || !n) return NULL;

@@ -10,7 +10,7 @@
 
 #include <correct/loop.h>
 
-void trace_add(trace *t, const loop *l) {
+void correct_trace_add(trace *t, const loop *l) {
   const eda_gates *g = l->gates;
   const eda_performance *now = &l->measured.performance, *drawn = &l->design;
   const biases *b = &l->now.biases;
@@ -27,18 +27,19 @@ void trace_add(trace *t, const loop *l) {
         .ion = good ? eda_deviation(now->ion[i], drawn->ion[i]) : NAN,
         .ioff = good ? eda_deviation(now->ioff[i], drawn->ioff[i]) : NAN,
         .area = good ? eda_deviation(now->area[i], drawn->area[i]) : NAN,
-        .print = report_trouble(l->measured.flags[i]),
+        .print = correct_report_trouble(l->measured.flags[i]),
         .vetoes = l->vetoes[i]};
   }
 }
 
-void trace_clear(trace *t) { free(t->row); }
+void correct_trace_clear(trace *t) { free(t->row); }
 
-int trace_report(trace *t, const loop *l, opc_error *error) {
+int correct_trace_report(trace *t, const loop *l, opc_error *error) {
   trace_row *row = t->row;
   size_t n = l->gates->count;
   char **name = eda_alloc(n, sizeof *name);
-  for (size_t i = 0; i < n; i++) name[i] = report_gate_name(l->gates, i);
+  for (size_t i = 0; i < n; i++)
+    name[i] = correct_report_gate_name(l->gates, i);
   for (size_t i = 0; i < t->count; i++) row[i].name = name[i % n];
   const opc_column columns[] = {
       {"iteration", NULL, OPC_INT, 0, &row->iteration},

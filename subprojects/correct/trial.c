@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-biases biases_in(int32_t *all, size_t n) {
+biases correct_biases_in(int32_t *all, size_t n) {
   return (biases){.w = all,
                   .aside = all + n,
                   .l = all + 2 * n,
@@ -15,10 +15,10 @@ biases biases_in(int32_t *all, size_t n) {
                   .part = (eda_part *)(all + 6 * n)};
 }
 
-void trial_init(trial *t, size_t layers, size_t gates) {
+void correct_trial_init(trial *t, size_t layers, size_t gates) {
   int32_t *all = eda_alloc(TRIAL_BIASES * gates, sizeof *all);
   *t = (trial){.layers = layers, .gates = gates};
-  t->biases = biases_in(all, gates);
+  t->biases = correct_biases_in(all, gates);
   t->fragments = eda_alloc(layers, sizeof *t->fragments);
   t->shift = eda_alloc(layers, sizeof *t->shift);
   t->patches = eda_alloc(layers, sizeof *t->patches);
@@ -26,7 +26,7 @@ void trial_init(trial *t, size_t layers, size_t gates) {
   t->assists = eda_alloc(layers, sizeof *t->assists);
 }
 
-void trial_clear(trial *t) {
+void correct_trial_clear(trial *t) {
   free(t->biases.w);
   for (size_t k = 0; t->shift && k < t->layers; k++) {
     free(t->shift[k]);
@@ -41,12 +41,12 @@ void trial_clear(trial *t) {
   free(t->assists);
 }
 
-void trial_cut(trial *t, size_t layer, size_t fragments) {
+void correct_trial_cut(trial *t, size_t layer, size_t fragments) {
   t->fragments[layer] = fragments;
   t->shift[layer] = eda_alloc(fragments, sizeof *t->shift[layer]);
 }
 
-void trial_set_boxes(eda_boxes *to, eda_boxes from) {
+void correct_trial_set_boxes(eda_boxes *to, eda_boxes from) {
   if (from.count == to->count) {
     if (from.count)
       memmove((eda_box *)to->box, from.box, from.count * sizeof *from.box);
@@ -58,12 +58,12 @@ void trial_set_boxes(eda_boxes *to, eda_boxes from) {
   *to = (eda_boxes){copy, from.count};
 }
 
-void trial_set_both(eda_boxes *to, eda_boxes first, eda_boxes second) {
+void correct_trial_set_both(eda_boxes *to, eda_boxes first, eda_boxes second) {
   eda_box_list all = {0};
   for (size_t i = 0; i < first.count; i++) eda_box_list_add(&all, first.box[i]);
   for (size_t i = 0; i < second.count; i++)
     eda_box_list_add(&all, second.box[i]);
-  trial_set_boxes(to, (eda_boxes){all.box, all.count});
+  correct_trial_set_boxes(to, (eda_boxes){all.box, all.count});
   free(all.box);
 }
 
@@ -71,7 +71,7 @@ static int touch(eda_box a, eda_box b) {
   return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
 }
 
-void trial_drop_boxes(eda_boxes *boxes, eda_box window) {
+void correct_trial_drop_boxes(eda_boxes *boxes, eda_box window) {
   eda_box *box = (eda_box *)boxes->box;
   size_t n = 0;
   for (size_t i = 0; i < boxes->count; i++)
@@ -79,9 +79,10 @@ void trial_drop_boxes(eda_boxes *boxes, eda_box window) {
   boxes->count = n;
 }
 
-void trial_reset_boxes(eda_boxes *boxes, eda_box window, eda_boxes begun) {
+void correct_trial_reset_boxes(eda_boxes *boxes, eda_box window,
+                               eda_boxes begun) {
   eda_box_list all = {0};
-  trial_drop_boxes(boxes, window);
+  correct_trial_drop_boxes(boxes, window);
   for (size_t i = 0; i < boxes->count; i++)
     eda_box_list_add(&all, boxes->box[i]);
   for (size_t i = 0; i < begun.count; i++)
@@ -90,15 +91,15 @@ void trial_reset_boxes(eda_boxes *boxes, eda_box window, eda_boxes begun) {
   *boxes = (eda_boxes){all.box, all.count};
 }
 
-void trial_copy(trial *to, const trial *from) {
+void correct_trial_copy(trial *to, const trial *from) {
   memcpy(to->biases.w, from->biases.w,
          TRIAL_BIASES * from->gates * sizeof(int32_t));
   for (size_t k = 0; k < from->layers; k++) {
-    trial_set_boxes(&to->patches[k], from->patches[k]);
-    trial_set_boxes(&to->bites[k], from->bites[k]);
-    trial_set_boxes(&to->assists[k], from->assists[k]);
+    correct_trial_set_boxes(&to->patches[k], from->patches[k]);
+    correct_trial_set_boxes(&to->bites[k], from->bites[k]);
+    correct_trial_set_boxes(&to->assists[k], from->assists[k]);
     if (!from->shift[k]) continue;
-    if (!to->shift[k]) trial_cut(to, k, from->fragments[k]);
+    if (!to->shift[k]) correct_trial_cut(to, k, from->fragments[k]);
     memcpy(to->shift[k], from->shift[k], from->fragments[k] * sizeof(int32_t));
   }
 }
@@ -112,7 +113,7 @@ static int other_boxes(eda_boxes a, eda_boxes b) {
          (a.count && memcmp(a.box, b.box, a.count * sizeof *a.box) != 0);
 }
 
-int trial_differs(const trial *a, const trial *b, size_t layer) {
+int correct_trial_differs(const trial *a, const trial *b, size_t layer) {
   size_t n = a->gates;
   if (other_boxes(a->patches[layer], b->patches[layer]) ||
       other_boxes(a->bites[layer], b->bites[layer]) ||

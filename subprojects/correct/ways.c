@@ -93,8 +93,8 @@ static int ways_of_layer(const opc_context *context, const opc_module *litho,
 }
 
 /* Both layers that print transistors have to agree. */
-int ways_find(const opc_context *context, const opc_module *litho, int *ways,
-              opc_error *error) {
+int correct_ways_find(const opc_context *context, const opc_module *litho,
+                      int *ways, opc_error *error) {
   int poly, active;
   int code = ways_of_layer(context, litho, EDA_POLY, &poly, error);
   if (!code) code = ways_of_layer(context, litho, EDA_ACTIVE, &active, error);

@@ -178,6 +178,9 @@ static void test_memory(void) {
   int end;
   double before = memory_free(&source);
   g_assert_cmpfloat(before, >, 0);
+#ifdef __SANITIZE_ADDRESS__
+  before = 0; /* its address space is larger than any limit */
+#endif
   if (before < 4e9) {
     g_test_skip("less memory than the limit");
     return;

@@ -62,12 +62,12 @@ static void step_all(const work *k, row *r, control *state, trial *trials,
     control_input in = {.error = 100 * (r->ion[i] - r->design) / r->design,
                         .width = r->width / k->row.grid};
     int32_t start = i < k->starts ? k->first + (int32_t)i : 0;
-    int by_l =
-        iteration == 0
-            ? control_first(&k->rules, &state[i], &in, start, &r->l[i])
-            : control_length(&k->rules, &state[i], &in, &r->l[i], r->w[i]);
+    int by_l = iteration == 0 ? correct_control_first(&k->rules, &state[i], &in,
+                                                      start, &r->l[i])
+                              : correct_control_length(&k->rules, &state[i],
+                                                       &in, &r->l[i], r->w[i]);
     int by_w = iteration > 0 && !by_l &&
-               control_width(&k->rules, &state[i], &in, &r->w[i]);
+               correct_control_width(&k->rules, &state[i], &in, &r->w[i]);
     state[i].error = in.error;
     trials[i].pde = in.error;
     if (by_l || by_w) trials[i].iterations = iteration + 1;
@@ -213,8 +213,8 @@ static int run(void *self, void **outputs, opc_error *error) {
                     .enclosure = c->enclosure,
                     .margin = c->margin,
                     .type = (uint8_t)c->type},
-            .rules = control_rules_for(c->ion_limit, c->max_bias, c->grid,
-                                       c->proportional),
+            .rules = correct_control_rules_for(c->ion_limit, c->max_bias,
+                                               c->grid, c->proportional),
             .first = (int32_t)lround(c->from / c->grid),
             .sizes = c->lengths.count * c->widths.count};
   k.starts = (size_t)(lround(c->to / c->grid) - k.first + 1);

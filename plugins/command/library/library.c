@@ -60,7 +60,7 @@ static int take_row(void *self, const shelf_row *row, GVariant *data,
   pass *p = self;
   (void)error;
   if (!is_wanted(p, row)) return OPC_OK;
-  g_autoptr(entry) e = data ? entry_unpack(data) : NULL;
+  g_autoptr(entry) e = data ? correct_entry_unpack(data) : NULL;
   g_autoptr(GDateTime) made = g_date_time_new_from_unix_utc(row->made);
   p->damaged += !e;
   const line l = {.cell = g_strdup(row->cell),
@@ -113,7 +113,7 @@ typedef struct gate {
 static int show_row(void *self, const shelf_row *row, GVariant *data,
                     opc_error *error) {
   const pass *p = self;
-  g_autoptr(entry) e = data ? entry_unpack(data) : NULL;
+  g_autoptr(entry) e = data ? correct_entry_unpack(data) : NULL;
   if (!is_wanted(p, row)) return OPC_OK;
   if (!e)
     return opc_fail(error, OPC_IO, NULL, "cell '%s' is damaged", row->cell);

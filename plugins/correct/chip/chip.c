@@ -258,7 +258,8 @@ static int begin(const chip *c, eda_chip *out, opc_error *error) {
 }
 
 static int find_ways(work *w, opc_error *error) {
-  int code = ways_find(w->host->context, w->with->litho, &w->ways, error);
+  int code =
+      correct_ways_find(w->host->context, w->with->litho, &w->ways, error);
   if (code) return code;
   if (w->ways < 8)
     w->host->log(w->host, OPC_LOG_INFO,
@@ -350,12 +351,12 @@ static const opc_metric metrics[] = {
 static int check(void *self, opc_error *error) {
   chip *c = self;
   eda_scanner scanner = eda_scanner_of(c->with.litho);
-  int code =
-      fine_error(c->with.fine_text, c->with.ion_limit, &c->with.fine, error);
+  int code = correct_fine_error(c->with.fine_text, c->with.ion_limit,
+                                &c->with.fine, error);
   if (isnan(c->with.margin) && !(c->with.fine > 0))
     c->with.margin = eda_natural(&scanner, tuned.margin);
   c->with.margin =
-      fine_margin(c->host, c->with.litho, c->with.margin, c->with.fine);
+      correct_fine_margin(c->host, c->with.litho, c->with.margin, c->with.fine);
   EDA_FOLLOW(c->host, "correct.chip", c, parameters, scanner);
   if (!code && c->also.count)
     return opc_fail(error, OPC_INVALID, "also",

@@ -142,7 +142,7 @@ static eda_layout *mask_of(const eda_chip *chip, const eda_gates *g) {
   for (size_t k = 0; k < 2; k++) {
     int32_t layer = eda_layout_layer(out, g->layer[k], &error);
     eda_shapes s;
-    g_assert_false(start_mask(g, moved, k, &s, &error));
+    g_assert_false(correct_start_mask(g, moved, k, &s, &error));
     for (size_t i = 0; i < s.count; i++)
       g_assert_false(
           eda_layout_add_polygon(out, cell, layer, s.points + s.start[i],

@@ -225,7 +225,7 @@ static int tell_masks(const work *w, const tally *all, opc_error *error) {
                              .x = middle(w, t, EDA_X),
                              .y = middle(w, t, EDA_Y)};
     }
-  int code = rules_tell(w->host, row, n, error);
+  int code = correct_rules_tell(w->host, row, n, error);
   free(row);
   return code;
 }

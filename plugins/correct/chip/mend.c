@@ -195,14 +195,14 @@ static int correct(const mend *m, const sheet *s, opc_bytes *out,
   correct_settings with = *w->with;
   with.margin = w->gap * w->chip->grid;
   loop l;
-  loop_init(&l, &in.host, s->gates, &with);
+  correct_loop_init(&l, &in.host, s->gates, &with);
   l.prepared = 1;
   l.printer.drawn = NULL; /* all sheets have one resist */
   eda_mask *begun = m->stand ? stand(m, s, &l.still) : NULL;
   l.start.mask = begun;
-  int code = loop_run(&l, error);
+  int code = correct_loop_run(&l, error);
   if (!code) code = put_all(m, &l, s, out, error);
-  loop_clear(&l);
+  correct_loop_clear(&l);
   eda_mask_free(begun);
   return code;
 }

@@ -138,7 +138,7 @@ static int make_mask(const work *w, const sheet *s, eda_mask *m,
                                &m->design, error);
   for (size_t k = 0; k < g->layers && !code; k++)
     if (g->corrected[k])
-      code = start_mask(g, m->moved, k, &m->shapes[k], error);
+      code = correct_start_mask(g, m->moved, k, &m->shapes[k], error);
   return code;
 }
 

@@ -38,8 +38,8 @@ static void add(const work *w, size_t i, sums *s) {
   const eda_chip_print *p = &w->chip->print[g->print];
   int now = eda_print_failed(p->flags),
       then = eda_print_failed(p->flags_before);
-  if (!then) groups_add(&s->drawn, g->type, &p->design, &p->before);
-  if (!now) groups_add(&s->printed, g->type, &p->design, &p->after);
+  if (!then) correct_groups_add(&s->drawn, g->type, &p->design, &p->before);
+  if (!now) correct_groups_add(&s->printed, g->type, &p->design, &p->after);
   double was = fabs(eda_deviation(p->before.ion, p->design.ion));
   note(&s->failed, i, now);
   note(&s->lost, i, now && !then);
@@ -114,7 +114,7 @@ static print_row row_of(const eda_chip *c, size_t i) {
   int none = eda_print_failed(p->flags);
   return (print_row){
       .type = g->type == EDA_PMOS ? "p" : "n",
-      .print = report_trouble(p->flags),
+      .print = correct_report_trouble(p->flags),
       .transistors = 1,
       .x = ((double)g->box.x0 + g->box.x1) / 2 * c->grid,
       .y = ((double)g->box.y0 + g->box.y1) / 2 * c->grid,
@@ -163,7 +163,8 @@ static int worst_table(const work *w, opc_error *error) {
 
 static int put_metrics(const work *w, const sums *s, opc_error *error) {
   const eda_chip *c = w->chip;
-  const summary p = groups_sum(&s->printed), d = groups_sum(&s->drawn);
+  const summary p = correct_groups_sum(&s->printed),
+                d = correct_groups_sum(&s->drawn);
   const opc_metric_value values[] = {
       {"transistors", (double)c->count},
       {"windows", (double)w->windows},
@@ -207,7 +208,7 @@ static void find_in_drawing(const work *w) {
     g.length[i] = along_x ? wide : high;
     g.width[i] = along_x ? high : wide;
   }
-  findings_of_drawing(w->host, &g, w->with->extractor);
+  correct_findings_of_drawing(w->host, &g, w->with->extractor);
   free(g.type);
   free(g.length);
   free(g.width);
@@ -227,7 +228,7 @@ int tell_all(const work *w, opc_error *error) {
                  "no transistor prints as drawn: is the layout's 'scale' "
                  "right, do optics and resist belong to its process, are poly "
                  "and active exchanged?");
-  int code = groups_table(w->host, &s.drawn, &s.printed, error);
+  int code = correct_groups_table(w->host, &s.drawn, &s.printed, error);
   if (!code) code = class_table(w, "masks", w->chip->masks, 0, error);
   if (!code) code = class_table(w, "prints", w->chip->prints, 1, error);
   if (!code) code = worst_table(w, error);

@@ -114,7 +114,7 @@ static int make_mask(window *w, eda_box see) {
   for (size_t k = 0; k < g->layers && !code; k++) {
     masked *m = &w->mask[k];
     code = g->corrected[k]
-               ? start_mask(g, moved, k, &m->shapes, w->error)
+               ? correct_start_mask(g, moved, k, &m->shapes, w->error)
                : eda_boolean(EDA_OR, &g->drawn[k], NULL, &m->shapes, w->error);
     if (!code) code = eda_fracture(&m->shapes, &m->box, &m->boxes, w->error);
     if (!code) m->index = eda_index_new(m->box, m->boxes, 0);

@@ -137,7 +137,7 @@ static eda_shapes mask_of(const eda_chip *chip, const eda_gates *g, size_t k) {
   eda_shapes s;
   eda_moved *moved = eda_chip_moved(chip, g);
   int code = g->corrected[k]
-                 ? start_mask(g, moved, k, &s, &error)
+                 ? correct_start_mask(g, moved, k, &s, &error)
                  : eda_boolean(EDA_OR, &g->drawn[k], NULL, &s, &error);
   if (code) g_error("%s", error.message);
   eda_moved_free(moved);

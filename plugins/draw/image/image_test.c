@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Images that have closed forms, and the distances of their contours; the same
    with real optics; and the picture read back: colours at known places. */
-#include <cairo.h>
 #include <eda/gates.h>
 #include <eda/litho.h>
 #include <eda/memory.h>
 #include <math.h>
 #include <string.h>
 
-#include "tools/devel/testing.h"
+#include "../picture_test.h"
 
 /* ---- gates: four vertical lines, in a field of 1000 x 1000 nm ---- */
 
@@ -274,41 +273,6 @@ static void test_optics(void) {
 
 /* ---- the picture ---- */
 
-typedef struct picture {
-  cairo_surface_t *surface;
-  int width, height;
-  int left, top, right, bottom; /* of the window: its first, its last pixel */
-} picture;
-
-static uint32_t pixel(const picture *p, int x, int y) {
-  const unsigned char *data = cairo_image_surface_get_data(p->surface);
-  size_t stride = (size_t)cairo_image_surface_get_stride(p->surface);
-  g_assert_true(x >= 0 && y >= 0 && x < p->width && y < p->height);
-  uint32_t value;
-  memcpy(&value, data + (size_t)y * stride + 4 * (size_t)x, 4);
-  return value & 0xffffff;
-}
-
-/* The window has a border of one colour, and nothing beside it. */
-static picture load(const char *name) {
-  g_autofree char *path = g_build_filename(opc_test_folder(), name, NULL);
-  picture p = {.surface = cairo_image_surface_create_from_png(path)};
-  g_assert_cmpint(cairo_surface_status(p.surface), ==, CAIRO_STATUS_SUCCESS);
-  p.width = cairo_image_surface_get_width(p.surface);
-  p.height = cairo_image_surface_get_height(p.surface);
-  int x = 0, y = p.height / 4;
-  while (pixel(&p, x, y) == 0xffffff) x++;
-  p.left = x + 1;
-  uint32_t border = pixel(&p, x, y);
-  for (p.top = y; pixel(&p, x, p.top - 1) == border;) p.top--;
-  for (p.bottom = y; pixel(&p, x, p.bottom + 1) == border;) p.bottom++;
-  p.top++;
-  p.bottom--;
-  for (p.right = p.width - 1; pixel(&p, p.right, y) == 0xffffff;) p.right--;
-  p.right--;
-  return p;
-}
-
 /* The pixel at a place of a window of 500 nm that begins at (0, 250). */
 static int column(const picture *p, double x) {
   return p->left + (int)floor(x * (p->right - p->left + 1) / 500);
@@ -350,7 +314,7 @@ static void test_picture(void) {
         ", width: %d, " PAIR("first", 0.3) ", " PAIR("second", 0.5) " }",
         widths[i]);
     must_draw(mapping, &w, 2, &l);
-    picture p = load("image.png");
+    picture p = load_picture("image.png", 0.25);
     g_assert_cmpint(p.width, ==, widths[i]);
     g_assert_cmpint(p.bottom - p.top, ==, p.right - p.left);
     /* The image: both ends of the scale and its middle, Brewer's YlGnBu. */
@@ -382,7 +346,7 @@ static void test_beyond(void) {
       "{ margin: 0 nm, window: [-500 nm, 250 nm, 0 nm, 750 nm], "
       "width: 400, " PAIR("first", 0.3) " }",
       &w, 1, &l);
-  picture p = load("image.png");
+  picture p = load_picture("image.png", 0.25);
   for (int x = p.left; x < p.right - 2; x++)
     g_assert_cmphex(pixel(&p, x, row(&p, 500)), ==, 0xffffff);
   cairo_surface_destroy(p.surface);
@@ -410,14 +374,14 @@ static void test_lens(void) {
   must_draw("{ " PLACE
             ", width: 800, " PAIR("first", 0.3) ", " PAIR("second", 0.3) " }",
             &w, 2, &l);
-  picture p = load("image.png");
+  picture p = load_picture("image.png", 0.25);
   int without = p.height;
   g_assert_cmpint(rows_with(&p, 0xff9a1f), ==, 0);
   cairo_surface_destroy(p.surface);
   must_draw("{ " PLACE
             ", width: 800, " PAIR("first", 0.3) ", " PAIR("second", 0.301) " }",
             &w, 2, &l);
-  p = load("image.png");
+  p = load_picture("image.png", 0.25);
   g_assert_cmpint(p.height, >, without + 100);
   g_assert_cmpint(rows_with(&p, 0xff9a1f), >=, 2); /* its frame */
   cairo_surface_destroy(p.surface);
@@ -445,7 +409,7 @@ static void test_mask(void) {
   if (opc_test_run(m, none, &error)) g_error("%s", error.message);
   double broad = of("cd", 0);
   g_assert_cmpfloat(broad, >, narrow + 20);
-  picture p = load("image.png");
+  picture p = load_picture("image.png", 0.25);
   close_to(part_of(&p, 125 + drawn / 2 + 20, 0x101010), 1, 0.02);
   close_to(part_of(&p, 125 + drawn / 2, 0x101010), 0, 0);
   cairo_surface_destroy(p.surface);

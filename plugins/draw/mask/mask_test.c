@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A mask made by hand, its picture read back: colours at known places. */
-#include <cairo.h>
 #include <eda/gates.h>
 #include <math.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "tools/devel/testing.h"
+#include "../picture_test.h"
 
 /* ---- the mask ---- */
 
@@ -109,47 +108,12 @@ static int draw(drawing *d, const char *mapping, opc_error *error) {
 
 /* ---- the picture ---- */
 
-typedef struct image {
-  cairo_surface_t *surface;
-  int width, height;
-  int left, top, right, bottom; /* of the window: its first, its last pixel */
-} image;
-
-static uint32_t pixel(const image *m, int x, int y) {
-  const unsigned char *data = cairo_image_surface_get_data(m->surface);
-  size_t stride = (size_t)cairo_image_surface_get_stride(m->surface);
-  g_assert_true(x >= 0 && y >= 0 && x < m->width && y < m->height);
-  uint32_t value;
-  memcpy(&value, data + (size_t)y * stride + 4 * (size_t)x, 4);
-  return value & 0xffffff;
-}
-
-/* The window has a border of one colour, and nothing beside it. */
-static image load(const char *name) {
-  g_autofree char *path = g_build_filename(opc_test_folder(), name, NULL);
-  image m = {.surface = cairo_image_surface_create_from_png(path)};
-  g_assert_cmpint(cairo_surface_status(m.surface), ==, CAIRO_STATUS_SUCCESS);
-  m.width = cairo_image_surface_get_width(m.surface);
-  m.height = cairo_image_surface_get_height(m.surface);
-  int x = 0, y = m.height / 2;
-  while (pixel(&m, x, y) == 0xffffff) x++;
-  m.left = x + 1;
-  uint32_t border = pixel(&m, x, y);
-  for (m.top = y; pixel(&m, x, m.top - 1) == border;) m.top--;
-  for (m.bottom = y; pixel(&m, x, m.bottom + 1) == border;) m.bottom++;
-  m.top++;
-  m.bottom--;
-  for (m.right = m.width - 1; pixel(&m, m.right, y) == 0xffffff;) m.right--;
-  m.right--;
-  return m;
-}
-
-static double pixels_per_nm(const image *m, double nm) {
+static double pixels_per_nm(const picture *m, double nm) {
   return (m->right - m->left + 1) / nm;
 }
 
 /* The pixel at a place of a window that begins at (0, 0). */
-static uint32_t at(const image *m, double window, double x, double y) {
+static uint32_t at(const picture *m, double window, double x, double y) {
   double scale = pixels_per_nm(m, window);
   return pixel(m, m->left + (int)floor(x * scale),
                m->bottom - (int)floor(y * scale));
@@ -163,7 +127,7 @@ static double brightness(uint32_t c) {
 
 /* ---- tests ---- */
 
-static void check_fills(const image *m) {
+static void check_fills(const picture *m) {
   g_assert_cmphex(at(m, SIDE, 20, 20), ==, 0xffffff);
   g_assert_cmphex(at(m, SIDE, 980, 500), ==, 0xffffff);
   uint32_t poly = at(m, SIDE, 500, 200), active = at(m, SIDE, 200, 600);
@@ -179,7 +143,7 @@ static void check_fills(const image *m) {
 }
 
 /* The darkest pixel near a place, on a line along x. */
-static double darkest_near(const image *m, double x, double y, int reach,
+static double darkest_near(const picture *m, double x, double y, int reach,
                            int *where) {
   double scale = pixels_per_nm(m, SIDE), least = 256;
   int centre = m->left + (int)floor(x * scale);
@@ -194,7 +158,7 @@ static double darkest_near(const image *m, double x, double y, int reach,
 }
 
 /* Darker than a mask, where the cosine is -1/2. */
-static void check_print(const image *m) {
+static void check_print(const picture *m) {
   int where;
   g_assert_cmpfloat(darkest_near(m, 1000.0 / 3, 500, 8, &where), <, 100);
   g_assert_cmpint(ABS(where), <=, 1);
@@ -202,7 +166,7 @@ static void check_print(const image *m) {
   g_assert_cmpint(ABS(where), <=, 1);
 }
 
-static void check_lines(const image *m) {
+static void check_lines(const picture *m) {
   int where;
   /* The poly mask's left edge and the active mask's: thin, of two hues. */
   g_assert_cmpfloat(darkest_near(m, 430, 870, 3, &where), <, 160);
@@ -217,7 +181,7 @@ static void check_lines(const image *m) {
 
 /* The longest dark run below the window is the scale bar, a sixth of the
    window rounded down to 1, 2 or 5. */
-static void check_bar(const image *m, double window, double nm) {
+static void check_bar(const picture *m, double window, double nm) {
   int longest = 0;
   for (int y = m->bottom + 2; y < m->height; y++)
     for (int x = 0, run = 0; x < m->width; x++) {
@@ -237,7 +201,7 @@ static void test_png(void) {
     g_autofree char *mapping = g_strdup_printf(
         "{ " WINDOW ", width: %d, file: island.png }", widths[i]);
     g_assert_cmpint(draw(&d, mapping, &error), ==, OPC_OK);
-    image m = load("island.png");
+    picture m = load_picture("island.png", 0.5);
     g_assert_cmpint(m.width, ==, widths[i]);
     g_assert_cmpint(m.bottom - m.top, ==, m.right - m.left); /* a square */
     g_assert_cmpint(m.right - m.left, >, 9 * widths[i] / 10);
@@ -259,7 +223,7 @@ static void test_window(void) {
                        "file: part.png }",
                        &error),
                   ==, OPC_OK);
-  image m = load("part.png");
+  picture m = load_picture("part.png", 0.5);
   g_assert_cmpint(abs(m.right - m.left - 2 * (m.bottom - m.top)), <=, 2);
   g_assert_cmphex(at(&m, 500, 400, 200), ==, 0xffffff);
   g_assert_cmphex(at(&m, 500, 480, 150), !=, 0xffffff);
@@ -272,7 +236,7 @@ static void test_window(void) {
                        "width: 1000, file: deep.png }",
                        &error),
                   ==, OPC_OK);
-  m = load("deep.png");
+  m = load_picture("deep.png", 0.5);
   for (int i = 0; i < 15; i++)
     g_assert_cmphex(at(&m, 1, 0.01 + 0.07 * i, 0.01 + 0.07 * i), ==,
                     at(&m, 1, 0.5, 0.5));
@@ -287,7 +251,7 @@ static void test_all(void) {
   opc_error error;
   make(&d);
   g_assert_cmpint(draw(&d, "{}", &error), ==, OPC_OK);
-  image m = load("mask.png");
+  picture m = load_picture("mask.png", 0.5);
   g_assert_cmpint(m.width, ==, 1600);
   check_fills(&m); /* 100 nm around 100 .. 900: as if a window had been given */
   cairo_surface_destroy(m.surface);
@@ -304,7 +268,7 @@ static void test_failing(void) {
   d.design[1] = 0;
   g_assert_cmpint(draw(&d, "{ " WINDOW ", file: failing.png }", &error), ==,
                   OPC_OK);
-  image m = load("failing.png");
+  picture m = load_picture("failing.png", 0.5);
   g_assert_cmphex(at(&m, SIDE, 480, 400), ==, 0x2166ac);
   g_assert_cmpfloat(brightness(at(&m, SIDE, 500, 400)), <, 60); /* the cross */
   uint32_t unknown = at(&m, SIDE, 500, 600);
@@ -313,32 +277,32 @@ static void test_failing(void) {
   d.flags[0] = EDA_PRINT_BITE; /* worth a look, no failure */
   g_assert_cmpint(draw(&d, "{ " WINDOW ", file: failing.png }", &error), ==,
                   OPC_OK);
-  m = load("failing.png");
+  m = load_picture("failing.png", 0.5);
   g_assert_cmpfloat(brightness(at(&m, SIDE, 500, 400)), >, 60);
   cairo_surface_destroy(m.surface);
   clear(&d);
 }
 
 /* How many pixels of a colour there are from a row on downwards. */
-static int count_colour(const image *m, int from, uint32_t colour) {
+static int count_colour(const picture *m, int from, uint32_t colour) {
   int n = 0;
   for (int y = from; y < m->height; y++)
     for (int x = 0; x < m->width; x++) n += pixel(m, x, y) == colour;
   return n;
 }
 
-static image draw_and_load(drawing *d, const char *more) {
+static picture draw_and_load(drawing *d, const char *more) {
   opc_error error;
   g_autofree char *map = g_strdup_printf("{ %s, file: state.png }", more);
   if (draw(d, map, &error)) g_error("%s", error.message);
-  return load("state.png");
+  return load_picture("state.png", 0.5);
 }
 
 /* Both transistors, in Brewer's colours. */
 static void check_gates(drawing *d, const char *more, uint32_t first,
                         uint32_t second) {
   g_autofree char *map = g_strdup_printf(WINDOW ", %s", more);
-  image m = draw_and_load(d, map);
+  picture m = draw_and_load(d, map);
   g_assert_cmphex(at(&m, SIDE, 480, 400), ==, first);
   g_assert_cmphex(at(&m, SIDE, 520, 600), ==, second);
   cairo_surface_destroy(m.surface);
@@ -365,7 +329,7 @@ static void test_drawn_print(void) {
   eda_field drawn[LAYERS] = {[EDA_POLY] = d.print[EDA_POLY]};
   d.print[EDA_POLY] = (eda_field){0};
   d.mask.drawn_print = drawn;
-  image m = draw_and_load(&d, WINDOW ", state: before");
+  picture m = draw_and_load(&d, WINDOW ", state: before");
   check_print(&m);
   g_assert_cmpfloat(darkest_near(&m, 430, 200, 4, &where), >, 250);
   cairo_surface_destroy(m.surface);
@@ -381,9 +345,9 @@ static void test_insets(void) {
   static const char window[] = "window: [0 nm, 0 nm, 10 um, 10 um], width: 600";
   drawing d;
   make(&d);
-  image with = draw_and_load(&d, window);
+  picture with = draw_and_load(&d, window);
   g_autofree char *none = g_strdup_printf("%s, insets: 0", window);
-  image without = draw_and_load(&d, none);
+  picture without = draw_and_load(&d, none);
   g_assert_cmpint(with.height - without.height, >, 600 / 5);
   /* 100 x 200 nm of 1000 nm and 140 pixels. */
   g_assert_cmpint(count_colour(&with, with.bottom + 2, 0xb2182b), >, 200);
@@ -399,13 +363,14 @@ static void test_violations(void) {
   drawing d;
   make(&d);
   g_autofree eda_violation *v = g_new0(eda_violation, MANY);
-  for (int i = 0; i < MANY; i++)
-    v[i] = (eda_violation){"extension",       -1, 5 + 10 * (i % 100),
-                           5 + 5 * (i / 100), 0,  0};
+  for (int i = 0; i < MANY; i++) {
+    int x = i % 100, y = i / 100;
+    v[i] = (eda_violation){"extension", -1, 5 + 10 * x, 5 + 5 * y, 0, 0};
+  }
   v[0].x = 200, v[0].y = 600;
   d.mask.violations = v;
   d.mask.n_violations = 1;
-  image m = draw_and_load(&d, WINDOW);
+  picture m = draw_and_load(&d, WINDOW);
   g_assert_cmpint(count_colour(&m, m.top, 0xd94019), >, 50);
   cairo_surface_destroy(m.surface);
   m = draw_and_load(&d, WINDOW ", state: before"); /* none of its print */
@@ -433,7 +398,7 @@ static void test_layers(void) {
   d.drawn_shapes[METAL] = d.drawn[METAL].shapes;
   g_assert_cmpint(draw(&d, "{ " WINDOW ", file: layers.png }", &error), ==,
                   OPC_OK);
-  image m = load("layers.png");
+  picture m = load_picture("layers.png", 0.5);
   g_assert_cmphex(at(&m, SIDE, 150, 350), ==, 0xbcbcbc);
   g_assert_cmphex(at(&m, SIDE, 200, 150), ==, 0xffffff);
   int height = m.height;
@@ -443,7 +408,7 @@ static void test_layers(void) {
   d.print[METAL] = island(-1.8);
   g_assert_cmpint(draw(&d, "{ " WINDOW ", file: layers.png }", &error), ==,
                   OPC_OK);
-  m = load("layers.png");
+  m = load_picture("layers.png", 0.5);
   uint32_t metal = at(&m, SIDE, 200, 150), edge = at(&m, SIDE, 10, 150);
   int where;
   g_assert_cmphex(metal, !=, 0xffffff);
@@ -496,7 +461,7 @@ static void test_names(void) {
   d.gates.name = name;
   g_assert_cmpint(draw(&d, "{ width: 200, file: name.png }", &error), ==,
                   OPC_OK);
-  image m = load("name.png");
+  picture m = load_picture("name.png", 0.5);
   for (int y = 0; y < m.height; y++)
     g_assert_cmphex(pixel(&m, m.width - 1, y), ==, 0xffffff);
   cairo_surface_destroy(m.surface);

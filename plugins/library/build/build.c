@@ -47,7 +47,7 @@ typedef struct builder {
 
 static char *key_of(const builder *r, const char *geometry,
                     const char *settings, const eda_gates *cell) {
-  g_autofree char *cut = cut_sum(cell);
+  g_autofree char *cut = correct_cut_sum(cell);
   g_autofree char *all = g_strdup_printf("%s %s %s %a", geometry, settings, cut,
                                          r->b->gates->grid);
   return g_compute_checksum_for_string(G_CHECKSUM_SHA256, all, -1);
@@ -65,8 +65,8 @@ static int look_cheaply(loop *l, const double *ion, double *seen,
                         opc_error *error) {
   for (size_t k = 0; k < l->gates->layers; k++)
     eda_field_clear(&l->printer.difference[k]);
-  trial_copy(&l->next, &l->now);
-  int code = loop_print(l, 1, error);
+  correct_trial_copy(&l->next, &l->now);
+  int code = correct_loop_print(l, 1, error);
   for (size_t i = 0; i < l->gates->count && !code; i++) {
     int prints = !eda_print_failed(l->measured.flags[i]);
     double ratio = l->measured.performance.ion[i] / ion[i];
@@ -78,7 +78,7 @@ static int look_cheaply(loop *l, const double *ion, double *seen,
 static GVariant *pack(const builder *r, const cut_out *cell, loop *l) {
   GVariant *data = NULL;
   eda_measurement end;
-  eda_moved *moved = moved_of(l);
+  eda_moved *moved = correct_moved_of(l);
   if (!moved) {
     opc_fail(r->error, OPC_INVALID, "synthesizer",
              "%s moves fragments of edges, or adds bars: a library keeps how "
@@ -91,8 +91,8 @@ static GVariant *pack(const builder *r, const cut_out *cell, loop *l) {
   eda_performance_copy(&end.performance, &l->measured.performance);
   memcpy(end.flags, l->measured.flags, n * sizeof *end.flags);
   if (!look_cheaply(l, end.performance.ion, moved->seen, r->error))
-    data = g_variant_ref_sink(
-        entry_pack(cell, &l->design, &end.performance, end.flags, moved));
+    data = g_variant_ref_sink(correct_entry_pack(
+        cell, &l->design, &end.performance, end.flags, moved));
   eda_measurement_clear(&end);
   eda_moved_free(moved);
   return data;
@@ -100,7 +100,7 @@ static GVariant *pack(const builder *r, const cut_out *cell, loop *l) {
 
 /* What is told of a cell is told of its own transistors. */
 static void sum_up(GVariant *data, double *mean, double *max) {
-  g_autoptr(entry) e = entry_unpack(data);
+  g_autoptr(entry) e = correct_entry_unpack(data);
   *mean = *max = 0;
   for (size_t i = 0; e && i < e->gates; i++) {
     double off = fabs(eda_deviation(e->after.ion[i], e->design[i]));
@@ -130,12 +130,12 @@ static int correct_cell(builder *r, const cut_out *cell, shelf_row *row,
   const build *b = r->b;
   double before = cpu_seconds();
   loop l;
-  loop_init(&l, b->host, cell->gates, &b->with);
+  correct_loop_init(&l, b->host, cell->gates, &b->with);
   l.printer.drawn = NULL; /* cells have one resist, not each its own */
-  int code = loop_run(&l, r->error);
+  int code = correct_loop_run(&l, r->error);
   row->seconds = cpu_seconds() - before;
   if (!code) code = keep(r, cell, &l, row, told);
-  loop_clear(&l);
+  correct_loop_clear(&l);
   return code;
 }
 
@@ -151,7 +151,7 @@ static int take_cell(builder *r, const cut_out *cell, shelf_row *row,
     r->b->host->log(r->b->host, OPC_LOG_WARNING,
                     "cell '%s' is damaged in '%s': it is corrected anew",
                     row->cell, r->out->database);
-  g_autoptr(entry) e = data ? entry_unpack(data) : NULL;
+  g_autoptr(entry) e = data ? correct_entry_unpack(data) : NULL;
   if (e) sum_up(data, &told->ion_mean, &told->ion_max);
   if (data) g_variant_unref(data);
   return e ? OPC_OK : correct_cell(r, cell, row, told);
@@ -160,10 +160,11 @@ static int take_cell(builder *r, const cut_out *cell, shelf_row *row,
 static int add_cell(builder *r, int32_t top, size_t i, const char *settings) {
   const build *b = r->b;
   cut_out cell;
-  int code = cut_cell(b->gates, b->sheet, top, i, &cell, r->error);
+  int code = correct_cut_cell(b->gates, b->sheet, top, i, &cell, r->error);
   if (code || !cell.gates) return code;
-  library_cell c = {.name = g_strdup(cell.gates->name),
-                    .geometry = units_sum(b->sheet, cell.cell, r->error)};
+  library_cell c = {
+      .name = g_strdup(cell.gates->name),
+      .geometry = correct_units_sum(b->sheet, cell.cell, r->error)};
   line told = {.cell = c.name, .state = "kept"};
   for (size_t k = 0; k < cell.gates->count; k++)
     told.transistors += cell.own[k];
@@ -179,7 +180,7 @@ static int add_cell(builder *r, int32_t top, size_t i, const char *settings) {
                    .transistors = told.transistors};
   code = c.key ? take_cell(r, &cell, &row, &told) : r->error->code;
   g_array_append_val(r->lines, told);
-  cut_clear(&cell);
+  correct_cut_clear(&cell);
   return code;
 }
 
@@ -222,7 +223,7 @@ static int build_all(builder *r) {
       opc_get_results(b->host)->identity(b->host, NULL, r->error);
   int32_t top = eda_layout_top(b->sheet, r->error);
   int code = settings && top >= 0
-                 ? library_take_models(b->host, r->out->model, r->error)
+                 ? correct_library_take_models(b->host, r->out->model, r->error)
                  : r->error->code;
   if (code) return code;
   g_autofree char *models = g_strjoin(" ", r->out->model[0], r->out->model[1],
@@ -247,7 +248,7 @@ static int run(void *self, void **outputs, opc_error *error) {
   const build *b = self;
   g_autofree char *path = b->database ? g_strdup(b->database) : shelf_place();
   builder r = {.b = b, .error = error};
-  outputs[0] = r.out = library_new(path, b->gates->grid);
+  outputs[0] = r.out = correct_library_new(path, b->gates->grid);
   r.shelf = shelf_open(path, TRUE, error);
   if (!r.shelf) return error->code;
   r.lines = g_array_new(FALSE, TRUE, sizeof(line));

@@ -22,7 +22,8 @@ static const double least = 0.05;
 static double *disturbances(const eda_mask *m, const uint8_t *known) {
   double *d = eda_alloc(m->gates->count, sizeof *d);
   for (size_t i = 0; i < m->gates->count; i++)
-    d[i] = known[i] ? start_disturbance(m, &m->after, m->flags, i) : NAN;
+    d[i] =
+        known[i] ? correct_start_disturbance(m, &m->after, m->flags, i) : NAN;
   return d;
 }
 
@@ -36,8 +37,8 @@ static row row_of(const eda_mask *m, size_t i, double disturbance) {
   const eda_gates *g = m->gates;
   eda_box b = g->box[i];
   double drawn = m->design.ion[i];
-  int prints = !isnan(start_disturbance(m, &m->after, m->flags, i));
-  return (row){.name = report_gate_name(g, i),
+  int prints = !isnan(correct_start_disturbance(m, &m->after, m->flags, i));
+  return (row){.name = correct_report_gate_name(g, i),
                .cell = g->cell[i],
                .x = ((double)b.x0 + b.x1) / 2 * g->grid,
                .y = ((double)b.y0 + b.y1) / 2 * g->grid,

@@ -48,12 +48,12 @@ typedef struct placer {
 /* Masks for one process are none for another. */
 static int check_process(const place *p, opc_error *error) {
   library own = {0};
-  int code = library_take_models(p->host, own.model, error);
+  int code = correct_library_take_models(p->host, own.model, error);
   for (int k = 0; k < LIBRARY_MODELS && !code; k++)
     if (strcmp(own.model[k], p->library->model[k]) != 0)
-      code =
-          opc_fail(error, OPC_INVALID, library_models[k],
-                   "the library was made with another %s", library_models[k]);
+      code = opc_fail(error, OPC_INVALID, correct_library_models[k],
+                      "the library was made with another %s",
+                      correct_library_models[k]);
   for (int k = 0; k < LIBRARY_MODELS; k++) g_free(own.model[k]);
   if (!code && p->library->grid != p->gates->grid)
     code = opc_fail(error, OPC_INVALID, "gates",
@@ -78,13 +78,13 @@ static int look_up(placer *r, shelf *from, int32_t cell) {
   const place *p = r->p;
   gboolean damaged = FALSE;
   GVariant *data = NULL;
-  g_autofree char *geometry = units_sum(p->layout, cell, r->error);
+  g_autofree char *geometry = correct_units_sum(p->layout, cell, r->error);
   if (!geometry) return r->error->code;
   const library_cell *c = find_cell(p->library, FALSE, geometry);
   r->looked[cell] = 1;
   if (!c) return OPC_OK;
   int code = shelf_get(from, c->key, ENTRY_TYPE, &data, &damaged, r->error);
-  if (!code && data) r->entry[cell] = entry_unpack(data);
+  if (!code && data) r->entry[cell] = correct_entry_unpack(data);
   if (data) g_variant_unref(data);
   if (!code && !r->entry[cell])
     code = opc_fail(
@@ -96,7 +96,8 @@ static int look_up(placer *r, shelf *from, int32_t cell) {
 
 /* ---- how cells lie ---- */
 
-/* Of the ways that ways_find counts, how many must be alike for this one. */
+/* Of the ways that correct_ways_find counts, how many must be alike for this
+ * one. */
 static int ways_for(const turn *t) {
   return t->xy ? 8 : t->xx < 0 || t->yy < 0 ? 4 : 1;
 }
@@ -107,7 +108,8 @@ static int find_ways(const place *p, int *ways, opc_error *error) {
                    p->with.resist, p->with.margin);
   int code = printer.litho.functions.prepare(&printer.litho, error);
   if (!code)
-    code = ways_find(p->host->context, &printer.litho.module, ways, error);
+    code =
+        correct_ways_find(p->host->context, &printer.litho.module, ways, error);
   eda_printer_clear(&printer);
   return code;
 }
@@ -157,7 +159,7 @@ static int tell_of_unknown(placer *r) {
   }
   if (!r->unknown) return OPC_OK;
   const char *cell = g->cell[first];
-  g_autofree char *name = report_gate_name(g, first);
+  g_autofree char *name = correct_report_gate_name(g, first);
   g_autofree char *text = g_strdup_printf(
       "%zu of %zu transistors are not in the library, first %s: cell '%s' %s",
       r->unknown, g->count, name, cell,
@@ -185,7 +187,7 @@ static int stitch_all(placer *r) {
   if (!from) return r->error->code;
   r->entry = eda_alloc(cells, sizeof(entry *));
   r->looked = eda_alloc(cells, 1);
-  int code = units_find(p->layout, top, &found, r->error);
+  int code = correct_units_find(p->layout, top, &found, r->error);
   if (!code) code = check_ways(r, &found);
   if (!code) code = place_all(r, from, &found);
   g_free(found.unit);
@@ -216,7 +218,7 @@ static int make_mask(const placer *r, eda_mask *m) {
   set_before(r, m);
   for (size_t k = 0; k < g->layers && !code; k++)
     if (g->corrected[k])
-      code = start_mask(g, m->moved, k, &m->shapes[k], r->error);
+      code = correct_start_mask(g, m->moved, k, &m->shapes[k], r->error);
   return code;
 }
 
@@ -232,19 +234,19 @@ static int tell(placer *r, const eda_mask *m, const double *extension) {
   const uint8_t *known = r->stitch.known;
   uint32_t *good = eda_alloc(m->gates->count, sizeof *good);
   trial none;
-  trial_init(&none, m->layers, m->gates->count);
+  correct_trial_init(&none, m->layers, m->gates->count);
   none.biases.base = m->moved;
   const report told = {.mask = m,
                        .extension = extension,
                        .biases = &none.biases,
                        .flags_before = good};
-  findings_of_print(host, m->gates, m->flags, NULL);
-  int code = report_mask(host, &told, r->error);
+  correct_findings_of_print(host, m->gates, m->flags, NULL);
+  int code = correct_report_mask(host, &told, r->error);
   if (!code) code = disturb_report(host, m, known, r->error);
   if (!code && r->p->picture)
     code = disturb_draw(host, m, known, r->p->picture, (double)r->p->width,
                         r->error);
-  trial_clear(&none);
+  correct_trial_clear(&none);
   free(good);
   return code;
 }
@@ -255,7 +257,7 @@ static int print_and_tell(placer *r, eda_mask *m) {
   /* The resist is as the library's, not this circuit's. */
   int code = correct_print(&p->with, p->host, 0, m, NULL, &extension, r->error);
   if (!code && !m->fine_simulations) /* cells know of their fine prints */
-    start_correct(m->moved, &m->after);
+    correct_start_correct(m->moved, &m->after);
   if (!code) code = tell(r, m, extension);
   free(extension);
   return code;
@@ -289,7 +291,7 @@ static int run(void *self, void **outputs, opc_error *error) {
       code = print_and_tell(&r, mask);
   }
   for (size_t c = 0; r.entry && c < eda_layout_cells(p->layout); c++)
-    entry_free(r.entry[c]);
+    correct_entry_free(r.entry[c]);
   free(r.entry);
   free(r.looked);
   stitch_clear(&r.stitch);

@@ -197,7 +197,7 @@ static int make(maker *m) {
   if (s->top && top < 0)
     return opc_fail(m->error, OPC_INVALID, "top", "there is no cell '%s'",
                     s->top);
-  int code = units_find(s->layout, top, &found, m->error);
+  int code = correct_units_find(s->layout, top, &found, m->error);
   m->top = eda_layout_cell(m->out, "library sheet", m->error);
   if (!code && m->top < 0) code = m->error->code;
   if (!code) code = add_all(m, &found);

@@ -8,18 +8,12 @@
 #include <eda/layout.h>
 #include <string.h>
 
-#include "tests/data.h"
-#include "tools/devel/testing.h"
+#include "../hostile_test.h"
 
 /* A layout of a file, or NULL and *error; `more` parameters. */
 static inline eda_layout *read_more(const char *path, const char *more,
                                     opc_error *error) {
-  g_autofree char *mapping = g_strdup_printf("{ file: '%s'%s }", path, more);
-  g_autoptr(opc_module) module = opc_test_module("read.gds", mapping, error);
-  if (!module) return NULL;
-  void *output = NULL;
-  if (opc_test_run(module, &output, error)) return NULL;
-  return output;
+  return read_by("read.gds", path, more, error);
 }
 
 static inline eda_layout *read_good(const char *path, const char *more) {

@@ -11,7 +11,7 @@
 
 #include <eda/layout.h>
 #include <eda/oasis.h>
-#include "tools/devel/testing.h"
+#include "../hostile_test.h"
 
 static void put_uint(GByteArray *f, uint64_t v) {
   for (; v >= 0x80; v >>= 7)
@@ -93,13 +93,9 @@ static char *finish(GByteArray *f) {
   return finish_sum(f, EDA_OASIS_NO_CHECK, 0);
 }
 
-static eda_layout *read_more(const char *path, const char *more,
-                             opc_error *error) {
-  g_autofree char *mapping = g_strdup_printf("{ file: '%s'%s }", path, more);
-  g_autoptr(opc_module) module = opc_test_module("read.oasis", mapping, error);
-  void *output = NULL;
-  if (!module || opc_test_run(module, &output, error)) return NULL;
-  return output;
+static inline eda_layout *read_more(const char *path, const char *more,
+                                    opc_error *error) {
+  return read_by("read.oasis", path, more, error);
 }
 
 /* Reads and frees the path. */

@@ -47,8 +47,8 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
   dpb *d = self;
   follow(d, f->scanner);
   eda_follow_ion_limit(f, &d->ion_limit);
-  d->descent.rules = control_rules_for(d->ion_limit, d->max_bias,
-                                       f->gates->grid, d->proportional);
+  d->descent.rules = correct_control_rules_for(d->ion_limit, d->max_bias,
+                                               f->gates->grid, d->proportional);
   d->descent.error = pde;
   d->descent.first = first;
   d->descent.self = d;

@@ -71,8 +71,8 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
   eda_follow_ion_limit(f, &p->current_limit);
   (void)error;
   p->driven = p->mode == MODE_ION ? ION : IOFF;
-  p->descent.rules =
-      control_rules_for(p->current_limit, p->max_bias, f->gates->grid, 0);
+  p->descent.rules = correct_control_rules_for(p->current_limit, p->max_bias,
+                                               f->gates->grid, 0);
   p->descent.error = tpe;
   p->descent.first = first;
   p->descent.self = p;

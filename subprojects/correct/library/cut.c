@@ -185,8 +185,8 @@ static void cut_window(cutter *c, const eda_layout *layout, int32_t top,
       out->own[c->number[k]] = !strcmp(c->sheet->instance[k], name);
 }
 
-int cut_cell(const eda_gates *sheet, const eda_layout *layout, int32_t top,
-             size_t i, cut_out *out, opc_error *error) {
+int correct_cut_cell(const eda_gates *sheet, const eda_layout *layout,
+                     int32_t top, size_t i, cut_out *out, opc_error *error) {
   eda_placement p;
   *out = (cut_out){0};
   const char *name = eda_layout_instance(layout, top, i, &out->cell, &p);
@@ -208,13 +208,13 @@ int cut_cell(const eda_gates *sheet, const eda_layout *layout, int32_t top,
   return OPC_OK;
 }
 
-void cut_clear(cut_out *out) {
+void correct_cut_clear(cut_out *out) {
   eda_gates_free(out->gates);
   free(out->own);
   *out = (cut_out){0};
 }
 
-char *cut_sum(const eda_gates *g) {
+char *correct_cut_sum(const eda_gates *g) {
   g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
   for (size_t k = 0; k < g->layers; k++) {
     const eda_edges *e = &g->edges[k];

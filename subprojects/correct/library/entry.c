@@ -38,9 +38,9 @@ static GVariant *pack_boxes(const eda_box_list *lists, size_t layers,
   return g_variant_builder_end(&all);
 }
 
-GVariant *entry_pack(const cut_out *cell, const eda_performance *design,
-                     const eda_performance *after, const uint32_t *flags,
-                     const eda_moved *m) {
+GVariant *correct_entry_pack(const cut_out *cell, const eda_performance *design,
+                             const eda_performance *after,
+                             const uint32_t *flags, const eda_moved *m) {
   const eda_gates *g = cell->gates;
   GVariantBuilder all;
   g_variant_builder_init(&all,
@@ -108,7 +108,7 @@ static gboolean unpack_boxes(GVariant *from, size_t layers,
   return TRUE;
 }
 
-entry *entry_unpack(GVariant *data) {
+entry *correct_entry_unpack(GVariant *data) {
   g_autoptr(GVariant) gates = g_variant_get_child_value(data, 1);
   g_autoptr(GVariant) patches = g_variant_get_child_value(data, 2);
   g_autoptr(GVariant) bites = g_variant_get_child_value(data, 3);
@@ -133,11 +133,11 @@ entry *entry_unpack(GVariant *data) {
     good = unpack_gate(e, i, one);
   }
   if (good) return e;
-  entry_free(e);
+  correct_entry_free(e);
   return NULL;
 }
 
-void entry_free(entry *e) {
+void correct_entry_free(entry *e) {
   if (!e) return;
   g_strfreev(e->layer);
   g_strfreev(e->flavour);

@@ -2,8 +2,8 @@
 /* What library.build hands to library.place. */
 #include <correct/library.h>
 
-const char *const library_models[LIBRARY_MODELS] = {"litho", "resist",
-                                                    "extractor"};
+const char *const correct_library_models[LIBRARY_MODELS] = {"litho", "resist",
+                                                            "extractor"};
 
 static void clear_cell(gpointer item) {
   library_cell *c = item;
@@ -12,7 +12,7 @@ static void clear_cell(gpointer item) {
   g_free(c->key);
 }
 
-library *library_new(const char *database, double grid) {
+library *correct_library_new(const char *database, double grid) {
   library *l = g_new0(library, 1);
   l->database = g_strdup(database);
   l->grid = grid;
@@ -21,7 +21,7 @@ library *library_new(const char *database, double grid) {
   return l;
 }
 
-void library_free(void *object) {
+void correct_library_free(void *object) {
   library *l = object;
   if (!l) return;
   g_free(l->database);
@@ -30,18 +30,18 @@ void library_free(void *object) {
   g_free(l);
 }
 
-int library_check(const void *object, opc_error *error) {
+int correct_library_check(const void *object, opc_error *error) {
   const library *l = object;
   return l->database && l->cells
              ? OPC_OK
              : opc_fail(error, OPC_FAILED, NULL, "a library has no database");
 }
 
-int library_take_models(const opc_host *host, char *model[LIBRARY_MODELS],
-                        opc_error *error) {
+int correct_library_take_models(const opc_host *host,
+                                char *model[LIBRARY_MODELS], opc_error *error) {
   const opc_results *results = opc_get_results(host);
   for (int k = 0; k < LIBRARY_MODELS; k++) {
-    const char *sum = results->identity(host, library_models[k], error);
+    const char *sum = results->identity(host, correct_library_models[k], error);
     if (!sum) return error->code;
     g_free(model[k]);
     model[k] = g_strdup(sum);

@@ -143,8 +143,8 @@ static char *placed_cells(const eda_layout *layout) {
   return placed;
 }
 
-int units_find(const eda_layout *layout, int32_t top, units *out,
-               opc_error *error) {
+int correct_units_find(const eda_layout *layout, int32_t top, units *out,
+                       opc_error *error) {
   static const turn nowhere = {1, 0, 0, 1, 0, 0};
   size_t cells = eda_layout_cells(layout);
   *out = (units){0};
@@ -191,7 +191,8 @@ static int add_layer(GChecksum *sum, const eda_layout *layout, int32_t cell,
   return code;
 }
 
-char *units_sum(const eda_layout *layout, int32_t cell, opc_error *error) {
+char *correct_units_sum(const eda_layout *layout, int32_t cell,
+                        opc_error *error) {
   size_t layers = eda_layout_layers(layout);
   g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
   g_autofree const char **names = g_new(const char *, layers + 1);

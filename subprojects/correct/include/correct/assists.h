@@ -19,17 +19,18 @@ typedef struct gate_bars {
 } gate_bars;
 
 /* Place them into the next trial; the synthesizers have begun. */
-OPC_EXPORT int assists_begin(struct loop *loop, opc_error *error);
-OPC_EXPORT void assists_clear(struct loop *loop);
+OPC_EXPORT int correct_assists_begin(struct loop *loop, opc_error *error);
+OPC_EXPORT void correct_assists_clear(struct loop *loop);
 
 /* Whether bars of the next trial, whoever placed them, are within the frame. */
-OPC_EXPORT int assists_check(const struct loop *loop, opc_error *error);
+OPC_EXPORT int correct_assists_check(const struct loop *loop, opc_error *error);
 
 /* Take those out of the next trial that have printed. */
-OPC_EXPORT void assists_watch(struct loop *loop);
+OPC_EXPORT void correct_assists_watch(struct loop *loop);
 
 /* Metrics. */
-OPC_EXPORT int assists_report(const struct loop *loop, opc_error *error);
+OPC_EXPORT int correct_assists_report(const struct loop *loop,
+                                      opc_error *error);
 
 #define ASSISTS_LENGTH(state, name_, member, from_, text)                    \
   OPC_PARAMETER_NAMED(name_, state, assists.member, .type = OPC_REAL,        \

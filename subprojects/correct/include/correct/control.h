@@ -44,8 +44,9 @@ typedef struct control_rules {
 } control_rules;
 
 /* For a limit in %, a bound in nm, and a mask grid in nm. */
-OPC_EXPORT control_rules control_rules_for(double limit, double max_bias,
-                                           double grid, int proportional);
+OPC_EXPORT control_rules correct_control_rules_for(double limit,
+                                                   double max_bias, double grid,
+                                                   int proportional);
 
 /* A measured transistor. */
 typedef struct control_input {
@@ -56,19 +57,20 @@ typedef struct control_input {
 
 /* The first correction: `steps` of L, or, for 0, one the way that lowers the
    error. Nothing if the error is within the limit. 1 if L moves. */
-OPC_EXPORT int control_first(const control_rules *r, control *c,
-                             const control_input *in, int32_t steps,
-                             int32_t *l);
+OPC_EXPORT int correct_control_first(const control_rules *r, control *c,
+                                     const control_input *in, int32_t steps,
+                                     int32_t *l);
 
 /* The next step of L: 1, or 0 if it stays. */
-OPC_EXPORT int control_length(const control_rules *r, control *c,
-                              const control_input *in, int32_t *l, int32_t w);
+OPC_EXPORT int correct_control_length(const control_rules *r, control *c,
+                                      const control_input *in, int32_t *l,
+                                      int32_t w);
 
 /* The next step of W, of a transistor whose L is at its minimum: 1, or 0. To be
-   called after control_length, if that did not move L. */
-OPC_EXPORT int control_width(const control_rules *r, control *c,
-                             const control_input *in, int32_t *w);
+   called after correct_control_length, if that did not move L. */
+OPC_EXPORT int correct_control_width(const control_rules *r, control *c,
+                                     const control_input *in, int32_t *w);
 
-OPC_EXPORT const char *control_verdict(const control *c);
+OPC_EXPORT const char *correct_control_verdict(const control *c);
 
 #endif

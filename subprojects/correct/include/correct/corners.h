@@ -50,28 +50,30 @@ typedef struct corners {
 } corners;
 
 /* Whether the wish can be. */
-OPC_EXPORT int corners_check(const corners_wish *wish, opc_error *error);
+OPC_EXPORT int correct_corners_check(const corners_wish *wish,
+                                     opc_error *error);
 
 /* How many images of a layer each print takes, 1 if there are no corners. */
-OPC_EXPORT size_t corners_images(const corners_wish *wish);
+OPC_EXPORT size_t correct_corners_images(const corners_wish *wish);
 
 /* The printer of the loop is prepared. */
-OPC_EXPORT int corners_begin(struct loop *loop, opc_error *error);
-OPC_EXPORT void corners_clear(struct loop *loop);
+OPC_EXPORT int correct_corners_begin(struct loop *loop, opc_error *error);
+OPC_EXPORT void correct_corners_clear(struct loop *loop);
 
 /* Print the loop's mask, those layers that are marked; with the fine model,
    after the loop's own printer has. */
-OPC_EXPORT int corners_print(struct loop *loop, const uint8_t *layers,
-                             opc_error *error);
-OPC_EXPORT int corners_refine(struct loop *loop, const uint8_t *layers,
-                              opc_error *error);
+OPC_EXPORT int correct_corners_print(struct loop *loop, const uint8_t *layers,
+                                     opc_error *error);
+OPC_EXPORT int correct_corners_refine(struct loop *loop, const uint8_t *layers,
+                                      opc_error *error);
 
 /* Measure at all corners: what the loop measured becomes `nominal`, and the
    mean of all what the loop has measured. */
-OPC_EXPORT int corners_measure(struct loop *loop, opc_error *error);
+OPC_EXPORT int correct_corners_measure(struct loop *loop, opc_error *error);
 
 /* The table and metrics of all corners. */
-OPC_EXPORT int corners_report(const struct loop *loop, opc_error *error);
+OPC_EXPORT int correct_corners_report(const struct loop *loop,
+                                      opc_error *error);
 
 #define CORNERS_PARAMETERS(state)                                             \
   OPC_PARAMETER_NAMED("corners.dose", state, corners.dose, .type = OPC_REALS, \

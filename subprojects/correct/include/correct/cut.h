@@ -16,11 +16,12 @@ typedef struct cut_out {
 
 /* The cell of instance i of the sheet's top; a neighbour has no gates.
    OPC_INVALID if the gates are no sheet's. */
-OPC_EXPORT int cut_cell(const eda_gates *sheet, const eda_layout *layout,
-                        int32_t top, size_t i, cut_out *out, opc_error *error);
-OPC_EXPORT void cut_clear(cut_out *out);
+OPC_EXPORT int correct_cut_cell(const eda_gates *sheet,
+                                const eda_layout *layout, int32_t top, size_t i,
+                                cut_out *out, opc_error *error);
+OPC_EXPORT void correct_cut_clear(cut_out *out);
 
 /* The sum of how its edges were cut into fragments (g_free). */
-OPC_EXPORT char *cut_sum(const eda_gates *cell);
+OPC_EXPORT char *correct_cut_sum(const eda_gates *cell);
 
 #endif

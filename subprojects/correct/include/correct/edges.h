@@ -31,21 +31,22 @@ typedef struct pieces {
 
 /* Room for the pieces of a layer's edges, whatever moves them, upon a base if
    there is one; or the pieces that a synthesizer cut, not moved. */
-OPC_EXPORT void pieces_of_edges(const eda_edges *edges, int base, pieces *out);
-OPC_EXPORT void pieces_of_cuts(const eda_cuts *cuts, pieces *out);
-OPC_EXPORT void pieces_clear(pieces *pieces);
+OPC_EXPORT void correct_pieces_of_edges(const eda_edges *edges, int base,
+                                        pieces *out);
+OPC_EXPORT void correct_pieces_of_cuts(const eda_cuts *cuts, pieces *out);
+OPC_EXPORT void correct_pieces_clear(pieces *pieces);
 
 /* The pieces of a layer's edges, moved by the biases of their gates. */
-OPC_EXPORT void pieces_follow(const eda_gates *gates, size_t layer,
-                              const biases *biases, pieces *out);
+OPC_EXPORT void correct_pieces_follow(const eda_gates *gates, size_t layer,
+                                      const biases *biases, pieces *out);
 
 /* Room for the polygons that pieces make. */
-OPC_EXPORT void pieces_room(const pieces *pieces, eda_shapes *out);
+OPC_EXPORT void correct_pieces_room(const pieces *pieces, eda_shapes *out);
 
 /* The polygons of moved pieces, in their order: no corner twice, none on a
    straight line. A polygon of which nothing is left has no points. They may
    overlap if the moves close a gap. Writes the points and starts of `out`. */
-OPC_EXPORT void pieces_build(const pieces *pieces, eda_shapes *out);
+OPC_EXPORT void correct_pieces_build(const pieces *pieces, eda_shapes *out);
 
 typedef struct boxes_lists {
   const eda_boxes *list;
@@ -53,11 +54,12 @@ typedef struct boxes_lists {
 } boxes_lists;
 
 /* All boxes as polygons. */
-OPC_EXPORT void shapes_of_boxes(boxes_lists boxes, eda_shapes *out);
+OPC_EXPORT void correct_shapes_of_boxes(boxes_lists boxes, eda_shapes *out);
 
 /* The mask of a layer: its polygons with what is added to them, less the bites.
    It is merged, as what overlaps is not twice as dark. As of eda_boolean. */
-OPC_EXPORT int mask_merge(const eda_shapes *polygons, boxes_lists added,
-                          boxes_lists bites, eda_shapes *out, opc_error *error);
+OPC_EXPORT int correct_mask_merge(const eda_shapes *polygons, boxes_lists added,
+                                  boxes_lists bites, eda_shapes *out,
+                                  opc_error *error);
 
 #endif

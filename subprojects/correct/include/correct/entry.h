@@ -27,14 +27,15 @@ typedef struct entry {
 
 /* Of the transistors that are the cell's own, and of what is added to the mask
    within its box; floating. */
-OPC_EXPORT GVariant *entry_pack(const cut_out *cell,
-                                const eda_performance *design,
-                                const eda_performance *after,
-                                const uint32_t *flags, const eda_moved *moved);
+OPC_EXPORT GVariant *correct_entry_pack(const cut_out *cell,
+                                        const eda_performance *design,
+                                        const eda_performance *after,
+                                        const uint32_t *flags,
+                                        const eda_moved *moved);
 
 /* NULL if a figure is none that can have been packed. */
-OPC_EXPORT entry *entry_unpack(GVariant *data);
-OPC_EXPORT void entry_free(entry *entry);
-G_DEFINE_AUTOPTR_CLEANUP_FUNC(entry, entry_free)
+OPC_EXPORT entry *correct_entry_unpack(GVariant *data);
+OPC_EXPORT void correct_entry_free(entry *entry);
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(entry, correct_entry_free)
 
 #endif

@@ -56,27 +56,27 @@ typedef struct guard {
   size_t back, worse, lost;
 } guard;
 
-OPC_EXPORT void guard_init(guard *guard, size_t gates);
-OPC_EXPORT void guard_clear(guard *guard);
+OPC_EXPORT void correct_guard_init(guard *guard, size_t gates);
+OPC_EXPORT void correct_guard_clear(guard *guard);
 
 /* The mask as drawn was printed, `before` of the loop has its figures; it may
    be so twice, the better print later. And any mask was. */
-OPC_EXPORT int guard_begin(struct loop *loop, const eda_printed *drawn,
-                           opc_error *error);
-OPC_EXPORT void guard_watch(struct loop *loop);
+OPC_EXPORT int correct_guard_begin(struct loop *loop, const eda_printed *drawn,
+                                   opc_error *error);
+OPC_EXPORT void correct_guard_watch(struct loop *loop);
 
 /* |Ion deviation| of a gate of the last print from what is wanted of it, %;
    NAN: it does not print, or nothing is. */
-OPC_EXPORT double guard_off(const struct loop *loop, size_t gate);
+OPC_EXPORT double correct_guard_off(const struct loop *loop, size_t gate);
 
 /* Look at the last print, and take back what is worse than drawn until nothing
    is; count what went back and what is worse still. */
-OPC_EXPORT int guard_hold(struct loop *loop, opc_error *error);
+OPC_EXPORT int correct_guard_hold(struct loop *loop, opc_error *error);
 /* Only count. */
-OPC_EXPORT void guard_count(struct loop *loop);
+OPC_EXPORT void correct_guard_count(struct loop *loop);
 
 /* What became of a transistor, for its row; NULL: nothing to say. The text
    belongs to the caller (g_free). */
-OPC_EXPORT char *guard_verdict(const guard *guard, size_t gate);
+OPC_EXPORT char *correct_guard_verdict(const guard *guard, size_t gate);
 
 #endif

@@ -10,7 +10,7 @@
 enum { LIBRARY_LITHO, LIBRARY_RESIST, LIBRARY_EXTRACTOR, LIBRARY_MODELS };
 
 /* The slots of the models that make a process. */
-OPC_EXPORT extern const char *const library_models[LIBRARY_MODELS];
+OPC_EXPORT extern const char *const correct_library_models[LIBRARY_MODELS];
 
 typedef struct library_cell {
   char *name, *geometry; /* units.h */
@@ -24,19 +24,19 @@ typedef struct library {
   GArray *cells;               /* library_cell, of those with transistors */
 } library;
 
-OPC_EXPORT library *library_new(const char *database, double grid);
-OPC_EXPORT void library_free(void *library);
-OPC_EXPORT int library_check(const void *library, opc_error *error);
+OPC_EXPORT library *correct_library_new(const char *database, double grid);
+OPC_EXPORT void correct_library_free(void *library);
+OPC_EXPORT int correct_library_check(const void *library, opc_error *error);
 
 /* Take the sums of a step's models. */
-OPC_EXPORT int library_take_models(const opc_host *host,
-                                   char *model[LIBRARY_MODELS],
-                                   opc_error *error);
+OPC_EXPORT int correct_library_take_models(const opc_host *host,
+                                           char *model[LIBRARY_MODELS],
+                                           opc_error *error);
 
-#define LIBRARY_PORT(port)                                   \
-  {                                                          \
-    .name = port, .kind = "library", .check = library_check, \
-    .release = library_free                                  \
+#define LIBRARY_PORT(port)                                           \
+  {                                                                  \
+    .name = port, .kind = "library", .check = correct_library_check, \
+    .release = correct_library_free                                  \
   }
 
 #endif

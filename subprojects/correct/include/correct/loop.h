@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* One correction: loop_run, and what it leaves. */
+/* One correction: correct_loop_run, and what it leaves. */
 #ifndef CORRECT_LOOP_H
 #define CORRECT_LOOP_H
 
@@ -51,7 +51,7 @@ typedef struct loop {
   double
       ion_limit;      /* %: largest allowed |Ion deviation|, for the guard, the
                          proof   and synthesizers that have no limit of their own */
-  double fine_change; /* what fine_by_layer takes */
+  double fine_change; /* what correct_fine_by_layer takes */
   driver drivers[DRIVERS];
   eda_printer printer;
   uint8_t *driver_of;   /* MAIN or EDGES */
@@ -77,26 +77,27 @@ typedef struct loop {
   eda_field *drawn_print; /* of the drawn mask, as `before` has it */
 } loop;
 
-/* Set up a loop for these gates; a caller may change fields before loop_run.
-   loop_clear frees it. [main] */
-OPC_EXPORT void loop_init(loop *loop, const opc_host *host,
-                          const eda_gates *gates, const correct_settings *with);
-OPC_EXPORT int loop_run(loop *loop, opc_error *error);
+/* Set up a loop for these gates; a caller may change fields before
+   correct_loop_run. correct_loop_clear frees it. [main] */
+OPC_EXPORT void correct_loop_init(loop *loop, const opc_host *host,
+                                  const eda_gates *gates,
+                                  const correct_settings *with);
+OPC_EXPORT int correct_loop_run(loop *loop, opc_error *error);
 
 /* Print and measure the mask of `next`, which becomes `now`; only layers that
    changed, if not all. */
-OPC_EXPORT int loop_print(loop *loop, int all, opc_error *error);
+OPC_EXPORT int correct_loop_print(loop *loop, int all, opc_error *error);
 
 /* Print `now` again with the fine model, and measure; only layers of which
    there is no fine print. */
-OPC_EXPORT int loop_refine(loop *loop, opc_error *error);
+OPC_EXPORT int correct_loop_refine(loop *loop, opc_error *error);
 
 /* What is added to the mask that it begins with, or taken away. */
-OPC_EXPORT eda_boxes loop_begun(const loop *l, size_t layer, int bites);
+OPC_EXPORT eda_boxes correct_loop_begun(const loop *l, size_t layer, int bites);
 
 /* The last print as a regulator sees it. */
-OPC_EXPORT eda_printed loop_printed(const loop *loop);
+OPC_EXPORT eda_printed correct_loop_printed(const loop *loop);
 
-OPC_EXPORT void loop_clear(loop *loop);
+OPC_EXPORT void correct_loop_clear(loop *loop);
 
 #endif

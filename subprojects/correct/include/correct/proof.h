@@ -26,20 +26,21 @@ typedef struct proof {
 enum { PROOFS = 3 };
 
 /* The drawn mask was printed, cheaply. */
-OPC_EXPORT int proof_begin(struct loop *loop, opc_error *error);
-OPC_EXPORT void proof_clear(struct loop *loop);
+OPC_EXPORT int correct_proof_begin(struct loop *loop, opc_error *error);
+OPC_EXPORT void correct_proof_clear(struct loop *loop);
 
 /* Whether this print, the first after moves, is to be a fine one, too. */
-OPC_EXPORT int proof_is_early(const struct loop *loop);
+OPC_EXPORT int correct_proof_is_early(const struct loop *loop);
 
 /* There is a fine print: take the drawn mask's figures again. */
-OPC_EXPORT int proof_of_drawn(struct loop *loop, opc_error *error);
+OPC_EXPORT int correct_proof_of_drawn(struct loop *loop, opc_error *error);
 
 /* Whether something is printed of which there is no fine print yet. */
-OPC_EXPORT int proof_is_due(const struct loop *loop);
+OPC_EXPORT int correct_proof_is_due(const struct loop *loop);
 
 /* Print finely what is there. *holds = 0 if transistors or edges have come out
    otherwise than the loop saw them, so that it should go on. */
-OPC_EXPORT int proof_of_end(struct loop *loop, int *holds, opc_error *error);
+OPC_EXPORT int correct_proof_of_end(struct loop *loop, int *holds,
+                                    opc_error *error);
 
 #endif

@@ -81,24 +81,25 @@ typedef struct groups {
   double leakage[3], leakage_drawn[3]; /* sums, A */
 } groups;
 
-OPC_EXPORT void groups_add(groups *to, int type, const eda_figures *drawn,
-                           const eda_figures *printed);
+OPC_EXPORT void correct_groups_add(groups *to, int type,
+                                   const eda_figures *drawn,
+                                   const eda_figures *printed);
 /* The figures of a summary that are of these. */
-OPC_EXPORT summary groups_sum(const groups *groups);
+OPC_EXPORT summary correct_groups_sum(const groups *groups);
 /* The table `summary`; `drawn`, of the mask as drawn, may be NULL. */
-OPC_EXPORT int groups_table(const opc_host *host, const groups *drawn,
-                            const groups *printed, opc_error *error);
+OPC_EXPORT int correct_groups_table(const opc_host *host, const groups *drawn,
+                                    const groups *printed, opc_error *error);
 
 /* `sites`, [gates->layers], may be NULL. */
-OPC_EXPORT summary summarize(const eda_gates *gates,
-                             const eda_performance *design,
-                             const eda_performance *printed,
-                             const uint32_t *flags, const sites *sites);
+OPC_EXPORT summary correct_summarize(const eda_gates *gates,
+                                     const eda_performance *design,
+                                     const eda_performance *printed,
+                                     const uint32_t *flags, const sites *sites);
 
 /* "XU1:3", or "NAND2:3" at the top; freed with g_free. The gravest that was
    found of a print, "" for nothing. */
-OPC_EXPORT char *report_gate_name(const eda_gates *gates, size_t gate);
-OPC_EXPORT const char *report_trouble(uint32_t flags);
+OPC_EXPORT char *correct_report_gate_name(const eda_gates *gates, size_t gate);
+OPC_EXPORT const char *correct_report_trouble(uint32_t flags);
 
 /* One line for each mask of a loop; a fine print takes the place of the cheap
    one of the same mask. */
@@ -113,12 +114,12 @@ typedef struct history {
   size_t count, room;
 } history;
 
-OPC_EXPORT void history_add(history *history, const summary *print,
-                            uint32_t iteration, const eda_printer *printer,
-                            int fine);
-OPC_EXPORT void history_clear(history *history);
-OPC_EXPORT int history_report(const history *history, const opc_host *host,
-                              opc_error *error);
+OPC_EXPORT void correct_history_add(history *history, const summary *print,
+                                    uint32_t iteration,
+                                    const eda_printer *printer, int fine);
+OPC_EXPORT void correct_history_clear(history *history);
+OPC_EXPORT int correct_history_report(const history *history,
+                                      const opc_host *host, opc_error *error);
 
 /* What there is to tell of a mask that was printed. NULL for what there is
    not. */
@@ -134,16 +135,18 @@ typedef struct report {
 } report;
 
 /* Its tables and metrics. */
-OPC_EXPORT int report_mask(const opc_host *host, const report *report,
-                           opc_error *error);
-OPC_EXPORT int report_violations(const opc_host *host, const eda_gates *gates,
-                                 const eda_violation *violations, size_t n,
-                                 opc_error *error);
+OPC_EXPORT int correct_report_mask(const opc_host *host, const report *report,
+                                   opc_error *error);
+OPC_EXPORT int correct_report_violations(const opc_host *host,
+                                         const eda_gates *gates,
+                                         const eda_violation *violations,
+                                         size_t n, opc_error *error);
 
 /* Report the rules of a regulator (NULL: none) that a print does not keep, and
    keep them in its mask. [main] */
-OPC_EXPORT int report_rules(const opc_host *host, const opc_module *regulator,
-                            const eda_printed *printed, eda_mask *mask,
-                            opc_error *error);
+OPC_EXPORT int correct_report_rules(const opc_host *host,
+                                    const opc_module *regulator,
+                                    const eda_printed *printed, eda_mask *mask,
+                                    opc_error *error);
 
 #endif

@@ -18,14 +18,16 @@ typedef struct rules_row {
 
 /* The table `mask_rules` and the metrics mask_violations and mask_RULE. Of each
    layer EDA_RULES rows, in their order. */
-OPC_EXPORT int rules_tell(const opc_host *host, const rules_row *rows, size_t n,
-                          opc_error *error);
+OPC_EXPORT int correct_rules_tell(const opc_host *host, const rules_row *rows,
+                                  size_t n, opc_error *error);
 
 /* Tell where the masks of corrected layers, [gates->layers], do not keep rules.
  */
-OPC_EXPORT int rules_report(const opc_host *host, const eda_gates *gates,
-                            const eda_shapes *mask,
-                            const double limit[EDA_RULES], opc_error *error);
+OPC_EXPORT int correct_rules_report(const opc_host *host,
+                                    const eda_gates *gates,
+                                    const eda_shapes *mask,
+                                    const double limit[EDA_RULES],
+                                    opc_error *error);
 
 /* Rules are only counted; their sizes are with.rules of `state`.
    clang-format off */

@@ -30,12 +30,13 @@ typedef struct sought_bars {
   uint32_t next; /* the iteration of the next round */
 } sought_bars;
 
-OPC_EXPORT int seek_begin(struct loop *loop, opc_error *error);
-OPC_EXPORT void seek_clear(struct loop *loop);
+OPC_EXPORT int correct_seek_begin(struct loop *loop, opc_error *error);
+OPC_EXPORT void correct_seek_clear(struct loop *loop);
 
 /* After a print: narrow what prints, and look for more when it is time, or when
    all are `done`. */
-OPC_EXPORT int seek_watch(struct loop *loop, int done, opc_error *error);
+OPC_EXPORT int correct_seek_watch(struct loop *loop, int done,
+                                  opc_error *error);
 
 #define SEEK_LENGTH(state, name_, member, from_, text)                     \
   OPC_PARAMETER_NAMED("seek." name_, state, seek.member, .type = OPC_REAL, \

@@ -14,9 +14,11 @@ typedef struct sites {
 } sites;
 
 /* Those of checked cuts. */
-OPC_EXPORT void sites_init(sites *sites, const eda_cuts *cuts);
-OPC_EXPORT void sites_clear(sites *sites);
-OPC_EXPORT void sites_measure(const opc_context *context, const sites *sites,
-                              const eda_field *print, eda_scanner scanner);
+OPC_EXPORT void correct_sites_init(sites *sites, const eda_cuts *cuts);
+OPC_EXPORT void correct_sites_clear(sites *sites);
+OPC_EXPORT void correct_sites_measure(const opc_context *context,
+                                      const sites *sites,
+                                      const eda_field *print,
+                                      eda_scanner scanner);
 
 #endif

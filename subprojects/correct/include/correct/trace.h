@@ -24,9 +24,9 @@ typedef struct trace {
 } trace;
 
 /* The last print. */
-OPC_EXPORT void trace_add(trace *trace, const struct loop *loop);
-OPC_EXPORT void trace_clear(trace *trace);
-OPC_EXPORT int trace_report(trace *trace, const struct loop *loop,
-                            opc_error *error);
+OPC_EXPORT void correct_trace_add(trace *trace, const struct loop *loop);
+OPC_EXPORT void correct_trace_clear(trace *trace);
+OPC_EXPORT int correct_trace_report(trace *trace, const struct loop *loop,
+                                    opc_error *error);
 
 #endif

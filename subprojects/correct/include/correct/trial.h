@@ -26,33 +26,34 @@ typedef struct trial {
 } trial;
 
 /* The biases of n gates in `all`, room for TRIAL_BIASES * n numbers. */
-OPC_EXPORT biases biases_in(int32_t *all, size_t n);
+OPC_EXPORT biases correct_biases_in(int32_t *all, size_t n);
 
 /* The mask as drawn. */
-OPC_EXPORT void trial_init(trial *trial, size_t layers, size_t gates);
-OPC_EXPORT void trial_clear(trial *trial);
+OPC_EXPORT void correct_trial_init(trial *trial, size_t layers, size_t gates);
+OPC_EXPORT void correct_trial_clear(trial *trial);
 
 /* A layer is cut into so many fragments, where they are drawn. */
-OPC_EXPORT void trial_cut(trial *trial, size_t layer, size_t fragments);
+OPC_EXPORT void correct_trial_cut(trial *trial, size_t layer, size_t fragments);
 
 /* `to` becomes what `from` is. */
-OPC_EXPORT void trial_copy(trial *to, const trial *from);
+OPC_EXPORT void correct_trial_copy(trial *to, const trial *from);
 
 /* `to`, of a trial, becomes a copy of `from`, which may be a part of it. */
-OPC_EXPORT void trial_set_boxes(eda_boxes *to, eda_boxes from);
+OPC_EXPORT void correct_trial_set_boxes(eda_boxes *to, eda_boxes from);
 
 /* The same, of two lists. */
-OPC_EXPORT void trial_set_both(eda_boxes *to, eda_boxes first,
-                               eda_boxes second);
+OPC_EXPORT void correct_trial_set_both(eda_boxes *to, eda_boxes first,
+                                       eda_boxes second);
 
 /* Take those of `boxes` away that touch a window. */
-OPC_EXPORT void trial_drop_boxes(eda_boxes *boxes, eda_box window);
+OPC_EXPORT void correct_trial_drop_boxes(eda_boxes *boxes, eda_box window);
 
 /* The same, and those of `begun` that touch it are in their place. */
-OPC_EXPORT void trial_reset_boxes(eda_boxes *boxes, eda_box window,
-                                  eda_boxes begun);
+OPC_EXPORT void correct_trial_reset_boxes(eda_boxes *boxes, eda_box window,
+                                          eda_boxes begun);
 
 /* Would the two print other masks of that layer? */
-OPC_EXPORT int trial_differs(const trial *a, const trial *b, size_t layer);
+OPC_EXPORT int correct_trial_differs(const trial *a, const trial *b,
+                                     size_t layer);
 
 #endif

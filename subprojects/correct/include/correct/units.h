@@ -26,13 +26,13 @@ typedef struct units {
    all cells that no other places for -1. Such a top is one itself only if it
    places no other that does. OPC_INVALID if one is magnified, or turned by what
    is no right angle. */
-OPC_EXPORT int units_find(const eda_layout *layout, int32_t top, units *out,
-                          opc_error *error);
+OPC_EXPORT int correct_units_find(const eda_layout *layout, int32_t top,
+                                  units *out, opc_error *error);
 
 /* The sum of what a cell draws with all below it, merged, layer by layer: equal
    for equal shapes, whatever the file's unit and order (g_free). NULL and
    *error. */
-OPC_EXPORT char *units_sum(const eda_layout *layout, int32_t cell,
-                           opc_error *error);
+OPC_EXPORT char *correct_units_sum(const eda_layout *layout, int32_t cell,
+                                   opc_error *error);
 
 #endif
