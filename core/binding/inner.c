@@ -9,7 +9,6 @@
 #include "core/binding/expand.h"
 #include "core/binding/lookup.h"
 #include "core/plugin/declaration.h"
-#include "core/run/run.h"
 
 /* Flows that steps of such a flow run: an experiment with searches. */
 enum { DEEPEST = 2 };
