@@ -59,6 +59,10 @@ OPC_EXPORT void eda_spice_clear(eda_spice_result *result);
 OPC_EXPORT const eda_spice_vector *eda_spice_vector_find(
     const eda_spice_plot *plot, const char *name);
 
+/* Return whether a text can be a name in a deck: letters, digits, '_', '.' and
+   '-'. [any] */
+OPC_EXPORT int eda_spice_is_name(const char *text);
+
 #ifdef __cplusplus
 }
 #endif
