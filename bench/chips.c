@@ -71,7 +71,7 @@ static void report(const char *name, const char *what, double value,
   bench_report(full, value, unit, reach, BENCH_LOWER);
 }
 
-/* Correct it by fast simulations, `more` being further arguments of the command. */
+/* Correct it by fast simulations; `more` are further arguments. */
 static gboolean measure(const char *folder, const char *name, char **more,
                         double transistors, double area, const char *layout) {
   g_autofree char *flow = g_build_filename(folder, "bench.yaml", NULL);

@@ -167,7 +167,8 @@ static void add_sets(GPtrArray *argv, const char *const *sets) {
 }
 
 /* Run a flow into `folder` with the settings of the job and `more`. Return the
-   seconds, or -1. A run that misses a requirement of its flow counts as well. */
+   seconds, or -1. A run that misses a requirement of its flow counts as well.
+ */
 static double run_once(const job *j, const version *v, const char *const *more,
                        const char *layout, const char *folder) {
   g_autoptr(GPtrArray) argv = g_ptr_array_new();

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Transistors from contours: the time for 14,000 of them, relative to that of a
-   fixed number of samples of the same fields. If test data exist, also the error
-   of 12 slices against many, on drawn masks. */
+   fixed number of samples of the same fields. If test data exist, also the
+   error of 12 slices against many, on drawn masks. */
 #include <eda/eda.h>
 #include <glib.h>
 #include <math.h>

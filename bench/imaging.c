@@ -365,9 +365,9 @@ static void bench_parts(void) {
 
 /* ---- error ---- */
 
-/* Compute an image through some source points, as the band of a scanner requires.
-   Raster, grid of the fields and grid of the result can each be finer; the last
-   is never coarser than the second requires. */
+/* Compute an image through some source points, as the band of a scanner
+   requires. Raster, grid of the fields and grid of the result can each be
+   finer; the last is never coarser than the second requires. */
 static eda_field sampled(const eda_shapes *s, eda_frame f, int raster, int grid,
                          int nodes) {
   size_t count = 16;

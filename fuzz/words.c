@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Writes a libFuzzer dictionary for flow files from the declarations of plugins. */
+/* Writes a libFuzzer dictionary for flow files from the declarations of
+ * plugins. */
 #include <stdio.h>
 
 #include "core/plugin/registry.h"

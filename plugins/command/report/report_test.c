@@ -4,8 +4,8 @@
 #include <math.h>
 #include <opcflow/command.h>
 
-#include "tools/devel/testing.h"
 #include "tests/run_folder.h"
+#include "tools/devel/testing.h"
 
 static const char evil[] = "</script><b a='1'>";
 
