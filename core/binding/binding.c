@@ -3,13 +3,14 @@
    instances, and finds the way back from an error to its place. */
 #include "core/binding/binding.h"
 
+#include <base/suggest.h>
 #include <guard/guard.h>
 #include <string.h>
 
 #include "core/binding/layers.h"
 #include "core/plugin/declaration.h"
-#include "core/text/suggest.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
+#include "core/run/identity.h"
 
 /* Slots in slots; a plugin whose default is itself would go on for ever. */
 enum { DEEPEST_SLOT = 16 };

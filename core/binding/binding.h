@@ -8,7 +8,7 @@
 
 #include "core/plugin/host.h"
 #include "core/plugin/registry.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 typedef struct opc_inner opc_inner; /* inner.h */
 

@@ -2,13 +2,14 @@
 /* Reads and checks inner flows, and answers questions about them. */
 #include "core/binding/inner.h"
 
+#include <base/suggest.h>
 #include <string.h>
 
 #include "core/binding/connect.h"
 #include "core/binding/expand.h"
 #include "core/binding/lookup.h"
 #include "core/plugin/declaration.h"
-#include "core/text/suggest.h"
+#include "core/run/run.h"
 
 /* Flows that steps of such a flow run: an experiment with searches. */
 enum { DEEPEST = 2 };

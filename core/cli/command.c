@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Verbs that plugins of the kind "command" bring. Their parameters are their
    options, and what they publish is shown, or is one JSON document. */
+#include <base/file.h>
+#include <base/suggest.h>
+#include <base/unit.h>
 #include <errno.h>
 #include <glib/gstdio.h>
 #include <guard/stop.h>
@@ -12,7 +15,7 @@
 #include "core/plugin/declaration.h"
 #include "core/report/json.h"
 #include "core/run/identity.h"
-#include "core/text/suggest.h"
+#include "core/run/run.h"
 
 /* What the user wants: of each parameter of the plugin a text, or of an
    OPC_BOOL whether it was given as --NAME or as --no-NAME. */

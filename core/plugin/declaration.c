@@ -2,11 +2,11 @@
 /* Looks through a plugin's descriptor before anything relies on it. */
 #include "core/plugin/declaration.h"
 
+#include <base/unit.h>
 #include <math.h>
 #include <string.h>
 
-#include "core/text/unit.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 /* More than any plugin will have; a wild number is caught before its array is
    read. */

@@ -3,11 +3,11 @@
    `parallel`. */
 #include "core/plugin/host.h"
 
+#include <base/shown.h>
 #include <glib.h>
 #include <guard/guard.h>
 
 #include "core/plugin/pieces.h"
-#include "core/text/shown.h"
 
 static unsigned wanted_threads;
 

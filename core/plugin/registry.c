@@ -2,6 +2,7 @@
 /* Finds plugins in folders, loads each at its first use and keeps it. */
 #include "core/plugin/registry.h"
 
+#include <base/suggest.h>
 #include <dlfcn.h>
 #include <guard/guard.h>
 #include <string.h>
@@ -9,7 +10,6 @@
 
 #include "core/plugin/declaration.h"
 #include "core/plugin/kind.h"
-#include "core/text/suggest.h"
 
 /* What was found out about an id that somebody asked for. */
 typedef struct loaded {

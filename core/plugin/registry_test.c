@@ -2,11 +2,11 @@
 /* Finding plugins, and what is said of those that are no good. */
 #include "core/plugin/registry.h"
 
+#include <base/suggest.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "core/plugin/declaration.h"
-#include "core/text/suggest.h"
 
 /* The plugins that are made for tests are beside the test programs. */
 static char *plugin_folder(void) {

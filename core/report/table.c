@@ -2,12 +2,13 @@
 /* Copies tables, and writes them as CSV. */
 #include "core/report/table.h"
 
+#include <base/unit.h>
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
 #include "core/plugin/host.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 enum { MOST_DECIMALS = 20 };
 

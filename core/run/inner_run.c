@@ -2,12 +2,12 @@
 /* Runs inner flows on levels, and hands their results to the step. */
 #include "core/run/inner_run.h"
 
+#include <base/suggest.h>
 #include <errno.h>
 #include <gio/gio.h>
 #include <math.h>
-#include <string.h>
-
 #include <store/files.h>
+#include <string.h>
 
 #include "core/binding/inner.h"
 #include "core/binding/lookup.h"
@@ -18,7 +18,6 @@
 #include "core/run/reports.h"
 #include "core/run/reuse.h"
 #include "core/run/steps.h"
-#include "core/text/suggest.h"
 
 /* ---- state ---- */
 

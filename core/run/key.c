@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "core/binding/inner.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 typedef struct keyer {
   opc_store *store;

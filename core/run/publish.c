@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the instances of a run publish. */
+#include <base/file.h>
 #include <errno.h>
+#include <store/files.h>
 #include <string.h>
 
-#include <store/files.h>
 #include "core/plugin/declaration.h"
+#include "core/plugin/value.h"
 #include "core/run/identity.h"
 #include "core/run/inner_run.h"
 #include "core/run/pieces.h"
 #include "core/run/publish.h"
-#include "core/text/value.h"
+#include "core/run/run.h"
 
 /* A refusal stands, whether or not the plugin passes it on. */
 static int refuse(opc_run *run, const opc_error *error) {

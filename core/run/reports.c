@@ -4,9 +4,9 @@
 
 #include <store/files.h>
 
+#include <store/contents.h>
 #include "core/binding/outputs.h"
 #include "core/binding/resolve.h"
-#include "core/report/contents.h"
 #include "core/report/json.h"
 
 void opc_reports_reserve(opc_run *run) {

@@ -7,7 +7,7 @@
 #include <store/files.h>
 #include <string.h>
 
-#include "core/report/folder.h"
+#include <store/folder.h>
 #include "core/run/inputs.h"
 #include "core/run/points.h"
 #include "core/run/publish.h"

@@ -12,7 +12,8 @@ for source in "$here"/compat.*.c; do
   id=$(basename "$source" .c)
   ${CC:-cc} -std=c99 -Os -fPIC -shared -nostartfiles -fvisibility=hidden \
     -fno-asynchronous-unwind-tables -ffp-contract=off -Wall -Wextra -Werror \
-    -I"$root/include" -I"$root/subprojects/eda/include" "$source" -o "$out/$id.so" \
+    -I"$root/include" -I"$root/subprojects/base/include" \
+    -I"$root/subprojects/eda/include" "$source" -o "$out/$id.so" \
     -Wl,-s,--build-id=none,-z,noseparate-code,--hash-style=gnu,--allow-shlib-undefined
   strip --remove-section=.comment "$out/$id.so"
 done

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "core/cli/cli.h"
-#include "core/report/contents.h"
+#include <store/contents.h>
 #include "tools/devel/verbs.h"
 
 static gboolean json;

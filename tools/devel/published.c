@@ -2,6 +2,7 @@
 /* Keeps all that plugins publish. */
 #include "tools/devel/published.h"
 
+#include <base/file.h>
 #include <errno.h>
 #include <store/files.h>
 #include <string.h>

@@ -5,7 +5,7 @@
 #ifndef SYNTHESIZER_DPB_TABLE_H
 #define SYNTHESIZER_DPB_TABLE_H
 
-#include <eda/base.h>
+#include <opcflow/base.h>
 
 typedef struct first_correction {
   double length, width, adjust; /* nm */

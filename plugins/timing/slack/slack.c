@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../parameters.h"
 #include "budget.h"
 
 /* ---- state ---- */
@@ -346,26 +347,8 @@ static const opc_parameter parameters[] = {
                   .max = 1,
                   .summary = "of transistors that are to be longer: the "
                              "correction's tolerance is divided by it"),
-    OPC_PARAMETER_NAMED("load", slack, at.load, .type = OPC_REAL, .unit = "F",
-                        .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "4 fF",
-                        .min = 0, .max = 1e-6,
-                        .summary = "capacitance at each output of the circuit"),
-    OPC_PARAMETER_NAMED("wire", slack, at.wire, .type = OPC_REAL, .unit = "F",
-                        .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0 fF",
-                        .min = 0, .max = 1e-6,
-                        .summary = "capacitance of wires, for each pin on a "
-                                   "net"),
-    OPC_PARAMETER_NAMED("slew", slack, at.slew, .type = OPC_REAL, .unit = "s",
-                        .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "10 ps",
-                        .min = 1e-14, .max = 1e-3,
-                        .summary = "time of an input between the edges of the "
-                                   "cells' slews"),
+    TIMING_CONDITIONS(slack),
 };
-
-#define FIGURE(id, of, text) \
-  { .name = (id), .unit = (of), .better = OPC_NEUTRAL, .summary = (text) }
-#define COST(id, of, text) \
-  { .name = (id), .unit = (of), .better = OPC_LOWER, .summary = (text) }
 
 static const opc_metric metrics[] = {
     FIGURE("drawn", "ps", "latest arrival of static analysis as drawn"),

@@ -4,7 +4,6 @@
 #define EDA_EDA_H
 
 #include <eda/bars.h>
-#include <eda/base.h>
 #include <eda/check.h>
 #include <eda/chip.h>
 #include <eda/circuit.h>
@@ -40,5 +39,6 @@
 #include <eda/wave.h>
 #include <eda/wishes.h>
 #include <eda/words.h>
+#include <opcflow/base.h>
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Run folders on file systems of all kinds, and runs that end at any moment:
    the calls that file systems may refuse are replaced by ones that do. */
-#include "core/report/folder.h"
+#include <store/folder.h>
 
 #include <errno.h>
 #include <fcntl.h>
@@ -13,8 +13,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <store/contents.h>
 #include <store/files.h>
-#include "core/report/contents.h"
 
 /* ---- the system ---- */
 

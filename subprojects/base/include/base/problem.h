@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Faults found in files and arguments, each with its place; gathered, so that
    all of them can be told at once. */
-#ifndef OPCFLOW_CORE_PROBLEM_H
-#define OPCFLOW_CORE_PROBLEM_H
+#ifndef OPC_BASE_PROBLEM_H
+#define OPC_BASE_PROBLEM_H
 
 #include <glib.h>
-#include <opcflow/plugin.h>
+#include <opcflow/base.h>
 
 /* A place in a file; lines and columns (characters) from 1, line 0 for a place
    that has none ("--set first.width"). `file` may be NULL. */

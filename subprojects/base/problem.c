@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Gathers faults, drops those that are known, sorts them and writes them out.
  */
-#include "core/text/problem.h"
-
+#include <base/problem.h>
+#include <base/shown.h>
 #include <string.h>
-
-#include "core/text/shown.h"
 
 enum {
   MOST_PROBLEMS = 1000,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Numbers with units: "65 nm", "0.065 um", "0.5 %". */
-#ifndef OPCFLOW_CORE_UNIT_H
-#define OPCFLOW_CORE_UNIT_H
+#ifndef OPC_BASE_UNIT_H
+#define OPC_BASE_UNIT_H
 
 #include <glib.h>
 
@@ -30,5 +30,8 @@ size_t opc_number_length(const char *text);
    is too large. */
 double opc_number_in(const char *text, size_t length, const opc_unit *from,
                      const opc_unit *to);
+
+/* Return the shortest text that reads back as the same number (g_free). */
+char *opc_number_text(double number);
 
 #endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Writes out what cannot be printed. */
-#include "core/text/shown.h"
-
+#include <base/shown.h>
 #include <glib.h>
 #include <string.h>
 

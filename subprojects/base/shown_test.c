@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What cannot be printed, written out; JSON against the parser of JSON-GLib. */
-#include "core/text/shown.h"
-
+#include <base/shown.h>
 #include <json-glib/json-glib.h>
 
 static void expect(const char *text, const char *keep, const char *want) {

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Units by dimension, and numbers from one to another. */
-#include "core/text/unit.h"
-
+#include <base/unit.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -110,4 +109,15 @@ double opc_number_in(const char *text, size_t n, const opc_unit *from,
                 from->offset;
   return (base - to->offset) / (to->factor != 0 ? to->factor : 1) /
          pow(10, to->exponent);
+}
+
+char *opc_number_text(double number) {
+  char buffer[40];
+  for (int digits = 15; digits <= 17; digits++) {
+    char format[8];
+    g_snprintf(format, sizeof format, "%%.%dg", digits);
+    g_ascii_formatd(buffer, sizeof buffer, format, number);
+    if (g_ascii_strtod(buffer, NULL) == number) break;
+  }
+  return g_strdup(buffer);
 }

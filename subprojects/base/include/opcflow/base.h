@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the parts of opcflow have in common although they do not know each
-   other: result codes, errors, threads, and an object with its functions. The
-   kernel's headers and those of each library have a copy of this file, equal to
-   the last byte, as the Arrow C data interface is shared; so each stands
-   alone, and their errors are of one type. A test compares the copies. */
+/* Result codes, errors, threads, and an object with its functions. The headers
+   of the kernel and those of the library eda include this file, so that their
+   errors are of one type although neither knows the other. */
 #ifndef OPC_BASE_H
 #define OPC_BASE_H
 

@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Builds trees from the events of libyaml, and looks into them. */
-#include "core/text/node.h"
-
-#include <errno.h>
+#include <base/file.h>
+#include <base/node.h>
+#include <base/suggest.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <yaml.h>
-
-#include "core/text/suggest.h"
 
 enum {
   DEEPEST = 64,
@@ -368,25 +365,6 @@ opc_node *opc_node_parse(const opc_source *source, const char *text,
   if (!root)
     opc_problem_add(problems, OPC_INVALID, &at, "there is nothing in it");
   return g_steal_pointer(&root);
-}
-
-const char *opc_file_fault(const char *path, size_t *size) {
-  struct stat about;
-  if (stat(path, &about))
-    return errno == ENOENT ? "no such file" : g_strerror(errno);
-  if (size) *size = (size_t)about.st_size;
-  switch (about.st_mode & S_IFMT) {
-    case S_IFREG:
-      return NULL;
-    case S_IFDIR:
-      return "is a folder, not a regular file";
-    case S_IFIFO:
-      return "is a pipe, not a regular file";
-    case S_IFSOCK:
-      return "is a socket, not a regular file";
-    default:
-      return "is a device, not a regular file";
-  }
 }
 
 opc_node *opc_node_read(const opc_source *source, const char *path,

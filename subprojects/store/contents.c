@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lists the files of a run, and compares a folder with such a list. */
-#include "core/report/contents.h"
+#include <store/contents.h>
 
+#include <base/file.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <store/files.h>
-#include "core/text/value.h"
 
 static const char manifest_name[] = "manifest.json";
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Texts of others, as they can be shown: messages of plugins, names of files.
    Valid UTF-8 that does nothing to a terminal. [any] */
-#ifndef OPCFLOW_CORE_SHOWN_H
-#define OPCFLOW_CORE_SHOWN_H
+#ifndef OPC_BASE_SHOWN_H
+#define OPC_BASE_SHOWN_H
 
 /* A byte that is no UTF-8 becomes "\xNN"; a character that cannot be printed
    "\n", "\t" or "\u{NNNN}", unless it is one of `keep`: without "\n" there, the

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Counts the edits from one word to another. */
-#include "core/text/suggest.h"
-
+#include <base/suggest.h>
 #include <string.h>
 
 enum { LONGEST = 64 };

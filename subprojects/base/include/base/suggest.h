@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* "Did you mean": the known word that is nearest to a mistyped one. */
-#ifndef OPCFLOW_CORE_SUGGEST_H
-#define OPCFLOW_CORE_SUGGEST_H
+#ifndef OPC_BASE_SUGGEST_H
+#define OPC_BASE_SUGGEST_H
 
 #include <glib.h>
 

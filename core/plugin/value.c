@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* One converter for each type of parameter: it checks the text against the
    declaration, tells what is wrong with its place, and gives the value. */
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
+#include <base/file.h>
+#include <base/suggest.h>
+#include <base/unit.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include "core/text/suggest.h"
-#include "core/text/unit.h"
 
 /* What every converter needs. */
 typedef struct conversion {
@@ -90,17 +90,6 @@ char *opc_setting_noun(const opc_parameter *p) {
   if (p->type == OPC_SLOT)
     return g_strdup_printf("a plugin, as '{ use: %s.NAME }'", p->choices);
   return g_strdup(types[p->type].noun);
-}
-
-char *opc_number_text(double number) {
-  char buffer[40];
-  for (int digits = 15; digits <= 17; digits++) {
-    char format[8];
-    g_snprintf(format, sizeof format, "%%.%dg", digits);
-    g_ascii_formatd(buffer, sizeof buffer, format, number);
-    if (g_ascii_strtod(buffer, NULL) == number) break;
-  }
-  return g_strdup(buffer);
 }
 
 char *opc_quantity_text(const opc_parameter *p, double number) {
@@ -283,15 +272,6 @@ static gboolean read_map(const conversion *c, const opc_node *node,
 }
 
 /* ---- files and references ---- */
-
-gboolean opc_name_is_inside(const char *name) {
-  if (!*name || *name == '/') return FALSE;
-  g_auto(GStrv) parts = g_strsplit(name, "/", -1);
-  for (guint i = 0; parts[i]; i++)
-    if (!*parts[i] || !strcmp(parts[i], ".") || !strcmp(parts[i], ".."))
-      return FALSE;
-  return TRUE;
-}
 
 static gboolean read_file(const conversion *c, const opc_node *node,
                           opc_setting *value) {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What is in a run folder, and whether it is what the run wrote. */
-#ifndef OPCFLOW_CORE_CONTENTS_H
-#define OPCFLOW_CORE_CONTENTS_H
+#ifndef OPC_STORE_CONTENTS_H
+#define OPC_STORE_CONTENTS_H
 
 #include <json-glib/json-glib.h>
-#include <opcflow/plugin.h>
+#include <opcflow/base.h>
 
 /* The files of a run folder for its manifest, which is not among them: a list
    of { path, bytes, sha256 }, by path. Folders without a file are removed. NULL

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A node as YAML on one line, with quotes only where they are needed. */
+#include <base/node.h>
 #include <string.h>
-
-#include "core/text/node.h"
 
 #define LETTERS G_CSET_a_2_z G_CSET_A_2_Z G_CSET_DIGITS "_-."
 

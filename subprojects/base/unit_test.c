@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Conversions of units against their definitions. */
-#include "core/text/unit.h"
-
+#include <base/unit.h>
 #include <math.h>
 #include <string.h>
-
-#include "core/text/value.h"
 
 static double convert(const char *text, const char *to) {
   size_t n = opc_number_length(text);
@@ -77,17 +74,6 @@ static void test_text(void) {
   g_assert_cmpstr(tenth, ==, "0.1");
 }
 
-static void test_inside(void) {
-  g_assert_true(opc_name_is_inside("a"));
-  g_assert_true(opc_name_is_inside("a/b..c"));
-  g_assert_false(opc_name_is_inside(""));
-  g_assert_false(opc_name_is_inside("/a"));
-  g_assert_false(opc_name_is_inside("a/../b"));
-  g_assert_false(opc_name_is_inside("./a"));
-  g_assert_false(opc_name_is_inside("a//b"));
-  g_assert_false(opc_name_is_inside("a/"));
-}
-
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/unit/exact", test_exact);
@@ -95,6 +81,5 @@ int main(int argc, char **argv) {
   g_test_add_func("/unit/numbers", test_numbers);
   g_test_add_func("/unit/zero", test_zero);
   g_test_add_func("/unit/text", test_text);
-  g_test_add_func("/unit/inside", test_inside);
   return g_test_run();
 }

@@ -2,11 +2,11 @@
 /* Run folders. A run is written into a hidden folder beside the place it is
    meant for, its slot, which a lock keeps as long as the run lives; when it is
    done it gets its name, or changes places with an earlier run, as a whole. */
-#ifndef OPCFLOW_CORE_FOLDER_H
-#define OPCFLOW_CORE_FOLDER_H
+#ifndef OPC_STORE_FOLDER_H
+#define OPC_STORE_FOLDER_H
 
 #include <glib.h>
-#include <opcflow/plugin.h>
+#include <opcflow/base.h>
 
 typedef struct opc_folder {
   char *slot;    /* .NAME.opcflow-N, with the three below */

@@ -3,7 +3,8 @@
 #ifndef OPCFLOW_CORE_VALUE_H
 #define OPCFLOW_CORE_VALUE_H
 
-#include "core/text/node.h"
+#include <base/node.h>
+#include <opcflow/plugin.h>
 
 /* What a field of an instance gets, by the type of its parameter. */
 typedef union opc_field {
@@ -60,13 +61,7 @@ char *opc_bounds_text(const opc_parameter *parameter);
 gboolean opc_unknown_unit(const opc_node *node, const char *name,
                           opc_problems *problems);
 
-/* The shortest text that reads back as the same number. */
-char *opc_number_text(double number);
-
-/* The same with the unit of a parameter behind. */
+/* opc_number_text with the unit of a parameter behind. */
 char *opc_quantity_text(const opc_parameter *parameter, double number);
-
-/* Whether a file name stays inside the folder that it is relative to. */
-gboolean opc_name_is_inside(const char *name);
 
 #endif

@@ -2,10 +2,10 @@
 /* YAML as a tree in which everything knows its place. Only what a flow file
    needs: one document of maps, lists and texts. Duplicate keys, anchors,
    aliases and tags are refused, and what is nested too deep or too large. */
-#ifndef OPCFLOW_CORE_NODE_H
-#define OPCFLOW_CORE_NODE_H
+#ifndef OPC_BASE_NODE_H
+#define OPC_BASE_NODE_H
 
-#include "core/text/problem.h"
+#include <base/problem.h>
 
 /* Where nodes came from. */
 typedef struct opc_source {
@@ -36,11 +36,6 @@ void opc_source_free(opc_source *source);
    not good. ${name} may stand in { } and [ ] without quotes. */
 opc_node *opc_node_parse(const opc_source *source, const char *text,
                          size_t length, opc_problems *problems);
-
-/* Why what lies at `path` cannot be read from its beginning to an end: "no such
-   file", "is a pipe, not a regular file". Nothing is opened, as that may wait
-   for ever. NULL: it can; then its size is in *size, which may be NULL. */
-const char *opc_file_fault(const char *path, size_t *size);
 
 /* The tree of a file; its problems carry the name of `source`, those of the
    file as such the place `at`, which may be NULL. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Slots and their locks; from a slot to the name of the run. */
-#include "core/report/folder.h"
+#include <store/folder.h>
 
 #include <errno.h>
 #include <fcntl.h>
@@ -10,8 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <store/contents.h>
 #include <store/files.h>
-#include "core/report/contents.h"
 
 /* ---- state ---- */
 
