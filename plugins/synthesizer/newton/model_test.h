@@ -43,7 +43,7 @@ typedef struct model {
 
 static const double length = 65;
 
-static eda_wish *wishes; /* of the gates; NULL: none */
+static eda_goal *goals; /* of the gates; NULL: none */
 
 /* The sides reach 60 nm past the gate. What each nm of them does rises over
    200 nm around the gate's ends, here summed. */
@@ -164,7 +164,7 @@ static inline void run(opc_module *m, model *t) {
                      .instance = none,
                      .cell = name,
                      .number = number,
-                     .wish = wishes,
+                     .goal = goals,
                      .layers = 2,
                      .edges = edges};
   uint8_t outside[MOST] = {0};

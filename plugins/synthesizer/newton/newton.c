@@ -4,8 +4,8 @@
    from the device curves, then learnt from what the moves did (Broyden). A jog
    in the poly, one edge a grid step further out over part of the width, takes
    away the grid's quantum. */
+#include <eda/goals.h>
 #include <eda/memory.h>
-#include <eda/wishes.h>
 #include <math.h>
 #include <opcflow/follow.h>
 #include <stdlib.h>
@@ -45,7 +45,7 @@ static void clear(void *self) {
   free(t->state);
   free(t->sides);
   free(t->parts);
-  free(t->wish);
+  free(t->goal);
 }
 
 static void follow(newton *t, eda_scanner scanner);
@@ -61,11 +61,11 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
   t->state = eda_alloc(t->count, sizeof *t->state);
   t->sides = eda_alloc(t->count, sizeof *t->sides);
   t->parts = eda_alloc(t->count, sizeof *t->parts);
-  t->wish = eda_alloc(t->count, sizeof *t->wish);
+  t->goal = eda_alloc(t->count, sizeof *t->goal);
   for (size_t i = 0; i < t->count; i++)
-    t->wish[i] = eda_gates_wish(f->gates, i);
-  if (!t->wishes_path) return OPC_OK;
-  return eda_wishes_read(t->wishes_path, f->gates, t->wish, error);
+    t->goal[i] = eda_gates_goal(f->gates, i);
+  if (!t->goals_path) return OPC_OK;
+  return eda_goals_read(t->goals_path, f->gates, t->goal, error);
 }
 
 /* ---- work: the next mask of one transistor ---- */
@@ -146,7 +146,7 @@ static biases with_width(const newton *t, const eda_feedback *f, size_t i,
   biases found = best;
   left_after(s, length_in_steps(t, i, best), best.w, rest);
   double least = size_of(t, rest);
-  if (least <= enough / t->wish[i].weight) return best;
+  if (least <= enough / t->goal[i].weight) return best;
   for (int step = any ? -2 : -1; step <= (any ? 2 : 1); step++) {
     uint32_t veto = step > 0 ? EDA_VETO_WIDER : EDA_VETO_NARROWER;
     int32_t w = best.w + step;
@@ -299,10 +299,10 @@ static int reform(newton *t, const eda_feedback *f, size_t i) {
 /* What to try next of one transistor. */
 static biases propose(newton *t, const eda_feedback *f, size_t i) {
   transistor *s = &t->state[i];
-  double enough = tolerance(t) / t->wish[i].weight;
+  double enough = tolerance(t) / t->goal[i].weight;
   s->verdict = WITHIN;
   s->next = s->now;
-  if (t->wish[i].weight == 0 || (!s->lost && s->size <= enough)) return s->now;
+  if (t->goal[i].weight == 0 || (!s->lost && s->size <= enough)) return s->now;
   s->verdict = NO_PRINT;
   if (s->lost && (isinf(s->size) || same(s->now, s->good)))
     return seek(t, f, i);
@@ -338,7 +338,7 @@ static int is_late(const newton *t, int64_t print) {
 
 static int is_within(const newton *t, size_t i) {
   const transistor *s = &t->state[i];
-  return !s->lost && s->size * fmin(t->wish[i].weight, 1) <= ion_limit(t);
+  return !s->lost && s->size * fmin(t->goal[i].weight, 1) <= ion_limit(t);
 }
 
 /* ---- work: all transistors ---- */
@@ -357,7 +357,7 @@ static int is_good(newton *t, int64_t print) {
   int drifted = 0;
   for (size_t i = 0; i < t->count; i++) {
     const transistor *s = &t->state[i];
-    double weight = fmin(t->wish[i].weight, 1);
+    double weight = fmin(t->goal[i].weight, 1);
     double size = weight > 0 && s->lost ? INFINITY : s->size * weight;
     worst = fmax(worst, size);
     mean += size / (double)t->count;
@@ -461,8 +461,8 @@ static const char *verdict(const void *self, size_t gate) {
 
 static double target(const void *self, size_t gate) {
   const newton *t = self;
-  if (gate >= t->count || t->wish[gate].weight == 0) return NAN;
-  return t->wish[gate].target[ION];
+  if (gate >= t->count || t->goal[gate].weight == 0) return NAN;
+  return t->goal[gate].target[ION];
 }
 
 /* ---- parameters ---- */
@@ -524,7 +524,7 @@ static const opc_parameter parameters[] = {
         .summary =
             "printed change of W for a change of the mask's, as a first guess"),
     OPC_PARAMETER_NAMED(
-        "wishes", newton, wishes_path, .type = OPC_FILE,
+        "wishes", newton, goals_path, .type = OPC_FILE,
         .summary =
             "what single transistors want: CSV of transistor, weight, ion"),
 };

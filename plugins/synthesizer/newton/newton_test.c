@@ -94,13 +94,13 @@ static void test_open_by_its_end(void) {
 /* A target that only an open line would reach leaves a line that prints, no
    worse than drawn. */
 static void test_out_of_reach(void) {
-  static eda_wish wish[] = {{1, {3, 1, 1}, 1}};
+  static eda_goal goal[] = {{1, {3, 1, 1}, 1}};
   g_autoptr(opc_module) m = make("{}");
   const eda_synthesizer *s = m->functions;
   model t = {.n = 1, .gain_l = 2, .gain_w = 1.05, .open = 50, .off_l = {10}};
-  wishes = wish;
+  goals = goal;
   run(m, &t);
-  wishes = NULL;
+  goals = NULL;
   g_assert_cmpint(t.flags[0], ==, 0);
   g_assert_cmpfloat(t.ion[0], >, 20); /* drawn: -20 */
   g_assert_cmpfloat(s->target(m->self, 0), ==, 3);

@@ -199,7 +199,7 @@ static void bound_ends(const newton *t, transistor *s, const eda_feedback *f,
    Ion of all transistors of its type changed alike. */
 static void take_in(const newton *t, transistor *s, const eda_feedback *f,
                     size_t i, biases now, double common) {
-  const double *target = t->wish[i].target;
+  const double *target = t->goal[i].target;
   const double x[MOVES] = {length_in_steps(t, i, now), now.w};
   double error[ERRORS];
   change c;
@@ -281,7 +281,7 @@ static void fit(const newton *t, const eda_feedback *f, const eda_moves *moves,
                 line of[2]) {
   for (size_t i = 0; i < t->count; i++) {
     const transistor *s = &t->state[i];
-    const double *target = t->wish[i].target;
+    const double *target = t->goal[i].target;
     const biases next = t->state[i].next;
     double error[ERRORS];
     if (!errors_of(f, i, target, error) || isinf(s->size)) continue;

@@ -71,12 +71,12 @@ typedef struct newton {
   double max_bias, min_jog; /* nm */
   int fine;
   int64_t iterations;
-  const char *wishes_path;
+  const char *goals_path;
   double mean;    /* of all sizes at the print before; while all rest, the
                      least so far */
   int settled;    /* shapes and W stay; L goes on for Ion alone */
   int rest;       /* nothing was moved at the print before */
-  eda_wish *wish; /* of each transistor */
+  eda_goal *goal; /* of each transistor */
   transistor *state;
   sides *sides;
   size_t count;

@@ -9,10 +9,10 @@
 /* Errors: logarithms of printed over drawn. Moves: L (with a jog, a fraction of
    a grid step) and W, in grid steps. */
 enum {
-  ION = EDA_WISH_ION,
-  IOFF = EDA_WISH_IOFF,
-  AREA = EDA_WISH_AREA,
-  ERRORS = EDA_WISH_TARGETS
+  ION = EDA_GOAL_ION,
+  IOFF = EDA_GOAL_IOFF,
+  AREA = EDA_GOAL_AREA,
+  ERRORS = EDA_GOAL_TARGETS
 };
 enum { BY_L, BY_W, MOVES };
 
