@@ -148,7 +148,8 @@ void cli_print_rows(const char *const *names, size_t n,
   }
   if (!rows) return;
   opc_error error;
-  opc_table *table = opc_table_new("rows", 0, rows, columns, n, &error);
+  opc_table *table =
+      opc_table_new("rows", 0, rows, columns, n, sizeof *columns, &error);
   cli_print_table(table);
   opc_table_free(table);
 }

@@ -21,7 +21,12 @@
 enum { CELL = 500, AT_ONCE = 256 };
 
 /* Of a coordinate in a number: two of them, and where the edge is. */
-enum { BITS = 19, FURTHEST = (1 << (BITS - 1)) - 1, MOST_LAYERS = 32 };
+enum {
+  BITS = 19,
+  FURTHEST = (1 << (BITS - 1)) - 1,
+  WIDEST = FURTHEST / 4, /* radius */
+  MOST_LAYERS = 32
+};
 
 enum { FLIPS = 4 };
 
@@ -244,9 +249,9 @@ int surround_all(const opc_context *context, const eda_gates *window,
   if (window->layers > MOST_LAYERS)
     return opc_fail(error, OPC_INVALID, NULL, "more than %d layers",
                     MOST_LAYERS);
-  if (radius < 0 || radius > FURTHEST / 4)
+  if (radius < 0 || radius > WIDEST)
     return opc_fail(error, OPC_INVALID, "radius", "beyond %.10g nm",
-                    FURTHEST / 4 * window->grid);
+                    WIDEST * window->grid);
   find_edges(&s);
   int code = eda_try_all(context, (window->count + AT_ONCE - 1) / AT_ONCE,
                          look_at_some, &s, error);
