@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Targets and weights of single transistors, from a table and from gates. */
+/* Tests goals (targets and weights) of single transistors, from a table and
+   from the gates. */
 #include <glib/gstdio.h>
 
 #include "model_test.h"
@@ -15,7 +16,7 @@ static opc_module *with_goals(const char *text, char **path) {
   return with_bytes(text, -1, path);
 }
 
-/* What `begin` says of a bad table. */
+/* Check the message of `begin` for an invalid table. */
 static void refused_goals(opc_module *bad, const char *message) {
   char *cell[] = {"cell"}, *none[] = {""};
   uint32_t number[] = {1};
@@ -29,7 +30,8 @@ static void refused_goals(opc_module *bad, const char *message) {
   g_assert_nonnull(strstr(error.message, message));
 }
 
-/* One wants 2 % more, one any error below 5 %, one nothing. */
+/* One transistor with a target of 2 % more Ion, one with a tolerance of 5 %,
+   one excluded. */
 static void test_goals(void) {
   g_autofree char *path =
       g_build_filename(g_get_tmp_dir(), "newton-wishes.csv", NULL);
@@ -74,8 +76,9 @@ static void test_goals(void) {
   g_remove(path);
 }
 
-/* A length that is 4 nm more: less Ion, Ioff and area by the model's own law,
-   and W as drawn. A goal for one of them leaves the others at what is drawn. */
+/* A length 4 nm larger: less Ion, Ioff and area by the law of the model, and W
+   as drawn. A goal for one figure keeps the other targets at the drawn
+   values. */
 static void test_longer(void) {
   g_autoptr(opc_module) m = make_any("{ target: balanced }");
   model t = {.n = 4, .gain_l = 2.6, .gain_w = 1.05, .off_l = {3, 2, 7, -4}};
@@ -96,8 +99,7 @@ static void test_longer(void) {
   g_assert_cmpfloat_with_epsilon(t.ioff[3], -20, 5);
 }
 
-/* Values of the table replace those of the gates; what the table leaves out
-   stays. */
+/* Values of the table replace those of the gates; empty cells keep them. */
 static void test_goals_of_gates(void) {
   static eda_goal all[] = {{1, {1.02, 1, 1}, 1},
                            {0, {1, 1, 1}, 1},
