@@ -4,7 +4,7 @@
 #ifndef OPCFLOW_LITHO_KERNEL_FILES_H
 #define OPCFLOW_LITHO_KERNEL_FILES_H
 
-#include <eda/base.h>
+#include <opcflow/base.h>
 
 enum { KERNEL_MOST = 255 }; /* largest number of frequencies across a kernel */
 

@@ -122,9 +122,9 @@ static void test_notes(void) {
   for (size_t i = 0; i < g->count; i++) {
     int n = g->type[i] == EDA_NMOS, own = !strcmp(g->instance[i], "X1"),
         taken = !strcmp(g->instance[i], "XA[0,0]");
-    g_assert_cmpint(g->wish[i].given, ==, (n && !taken) || own);
-    g_assert_cmpfloat(g->wish[i].weight, ==, n && !own && !taken ? 2 : 1);
-    g_assert_cmpfloat(g->wish[i].target[EDA_WISH_ION], ==,
+    g_assert_cmpint(g->goal[i].given, ==, (n && !taken) || own);
+    g_assert_cmpfloat(g->goal[i].weight, ==, n && !own && !taken ? 2 : 1);
+    g_assert_cmpfloat(g->goal[i].target[EDA_GOAL_ION], ==,
                       !own ? 1
                       : n  ? 1.05
                            : 0.9);
@@ -159,22 +159,22 @@ static void test_no_notes(void) {
   drawing d = drawing_new();
   draw_single(&d);
   result r = segment(d.layout, "{}");
-  g_assert_null(((const eda_gates *)r.gates)->wish);
+  g_assert_null(((const eda_gates *)r.gates)->goal);
   opc_test_release(r.module, &r.gates);
   opc_test_module_free(r.module);
   eda_layout_layer(d.layout, "notes", &error);
   r = segment(d.layout, "{}");
   const eda_gates *g = r.gates;
-  g_assert_nonnull(g->wish);
+  g_assert_nonnull(g->goal);
   for (size_t i = 0; i < g->count; i++)
-    g_assert_cmpint(g->wish[i].given, ==, 0);
+    g_assert_cmpint(g->goal[i].given, ==, 0);
   eda_box b = g->box[0];
   opc_test_release(r.module, &r.gates);
   opc_test_module_free(r.module);
   write_note(&d, b.x1, b.y1, "area=1.5");
   r = segment(d.layout, "{ grid: 5 nm }");
   g = r.gates;
-  g_assert_cmpfloat(g->wish[0].target[EDA_WISH_AREA], ==, 1.5);
+  g_assert_cmpfloat(g->goal[0].target[EDA_GOAL_AREA], ==, 1.5);
   opc_test_release(r.module, &r.gates);
   opc_test_module_free(r.module);
   eda_layout_free(d.layout);
