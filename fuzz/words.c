@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Writes a libFuzzer dictionary for flow files from the declarations of plugins. */
+/* Writes a libFuzzer dictionary for flow files from the declarations of
+ * plugins. */
+#include <base/unit.h>
 #include <stdio.h>
 
 #include "core/plugin/registry.h"
-#include "core/text/unit.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 static void put(const char *word) {
   putchar('"');

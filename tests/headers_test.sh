@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # Each public header by itself, in any order with itself, with nothing but its
-# own folder to include from, and cairo: as C99 without extensions and, where there is a
+# own folder to include from, base.h and cairo: as C99 without extensions and, where there is a
 # compiler for it, as C++. TAP.
 # OPCFLOW_SOURCE: the tree; $@: the C compiler.
 strict="-fsyntax-only -pedantic-errors -Wall -Wextra -Wundef -Werror"
@@ -18,15 +18,17 @@ check() {
   if [ -n "$reason" ]; then
     echo "ok $number $name # SKIP $reason"
   elif printf '#include <%s>\n#include <%s>\nextern int x;\n' "$header" "$header" |
-    "$@" $strict -I"$include" $cairo - >&2; then
+    "$@" $strict -I"$include" -I"$base" $cairo - >&2; then
     echo "ok $number $name"
   else
     echo "not ok $number $name"
   fi
 }
 
-for include in "$OPCFLOW_SOURCE/include" "$OPCFLOW_SOURCE/subprojects/eda/include"; do
-  for path in "$include"/*/*.h; do
+base="$OPCFLOW_SOURCE/subprojects/base/include"
+for include in "$base" "$OPCFLOW_SOURCE/include" "$OPCFLOW_SOURCE/subprojects/eda/include"; do
+  for path in "$include"/opcflow/*.h "$include"/eda/*.h; do
+    [ -f "$path" ] || continue
     header=${path#"$include/"}
     check "$header as C99" '' "$@" -x c -std=c99
     if [ -n "$cxx" ]; then

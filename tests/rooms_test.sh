@@ -49,7 +49,7 @@ domain_words() {
 # What stands before does not include what stands behind.
 kernel_order() {
   includes core | awk '
-    BEGIN { n = split("text plugin binding report run cli", rooms, " ")
+    BEGIN { n = split("plugin binding report run cli", rooms, " ")
             for (i = 1; i <= n; i++) rank[rooms[i]] = i }
     { split($1, from, "/"); split($2, to, "/")
       if (to[1] != "core" || !(to[2] in rank) || !(from[2] in rank)) print
@@ -94,7 +94,7 @@ file_circles() {
 # The kernel stays small. Lower the number with the kernel.
 kernel_size() {
   find core -name '*.[ch]' ! -name '*_test.[ch]' -exec cat {} + | wc -l |
-    awk -v most=12973 '$1 > most { print "core has " $1 " lines of .c and .h, more than " most }'
+    awk -v most=12657 '$1 > most { print "core has " $1 " lines of .c and .h, more than " most }'
 }
 
 # Private headers are named from the top of the library.
@@ -109,9 +109,11 @@ library_circles() {
             if ((f[2] " " f[1]) in edge) print edge[e] } }'
 }
 
+# <opcflow/base.h> is the only header that all share. Other headers of base are
+# for the kernel and eda.
 library_alone() {
   find subprojects/eda -name '*.[ch]' | sort |
-    xargs grep -nE '^ *# *include *["<](core|plugins|opcflow)/'
+    xargs grep -nE '^ *# *include *["<](core|plugins|opcflow)/' | grep -vF '<opcflow/base.h>'
   find core tools/devel subprojects/guard subprojects/ranks subprojects/store include -name '*.[ch]' ! -name '*_test.[ch]' | sort |
     xargs grep -nE '^ *# *include *["<](eda|plugins)/'
 }
@@ -175,8 +177,11 @@ own_tests() {
     done
 }
 
-copies() {
-  cmp include/opcflow/base.h subprojects/eda/include/eda/base.h 2>&1
+base_alone() {
+  find subprojects/base -name '*.[ch]' | sort |
+    xargs grep -nE '^ *# *include *["<](core|plugins|opcflow|eda)/' | grep -vF '<opcflow/base.h>'
+  find include plugins subprojects/eda/include subprojects/examples -name '*.[ch]' | sort |
+    xargs grep -nE '^ *# *include *["<]base/'
 }
 
 echo "1..13"
@@ -190,7 +195,7 @@ check "kernel and library do not know each other, nor plugins" library_alone
 check "guard and ranks include nothing of the others" guard_alone
 check "plugins include from no other family" families
 check "the folder of a plugin is its id" ids
-check "the copies of base.h are equal" copies
+check "base knows neither kernel nor library, and no plugin includes it" base_alone
 check "no file has more than 600 lines" long_files
 check "each plugin has a test of its own, which is built" own_tests
 exit $failed

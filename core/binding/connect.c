@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* From references to an order of running. */
+#include <base/suggest.h>
 #include <string.h>
 
 #include "core/binding/connect.h"
 #include "core/binding/lookup.h"
 #include "core/plugin/declaration.h"
-#include "core/text/suggest.h"
 
 /* What the references of one step need. */
 typedef struct connector {

@@ -2,6 +2,7 @@
 /* Makes a flow of a recipe and what is laid over it. */
 #include "core/binding/flow.h"
 
+#include <base/suggest.h>
 #include <string.h>
 
 #include "core/binding/connect.h"
@@ -10,7 +11,6 @@
 #include "core/binding/outputs.h"
 #include "core/binding/require.h"
 #include "core/plugin/declaration.h"
-#include "core/text/suggest.h"
 
 /* ---- steps ---- */
 

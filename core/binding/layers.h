@@ -4,7 +4,7 @@
 #ifndef OPCFLOW_CORE_LAYERS_H
 #define OPCFLOW_CORE_LAYERS_H
 
-#include "core/text/node.h"
+#include <base/node.h>
 
 /* Lay a map over the map `under`. Maps merge key by key; a map that names
    another plugin with `use`, a list or a text takes the place of what is there;

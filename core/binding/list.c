@@ -2,6 +2,7 @@
 /* Reads a list of maps from CSV, or any list from YAML. */
 #include "core/binding/list.h"
 
+#include <base/file.h>
 #include <string.h>
 
 /* As a flow file may have. */

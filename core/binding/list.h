@@ -3,7 +3,7 @@
 #ifndef OPCFLOW_CORE_LIST_H
 #define OPCFLOW_CORE_LIST_H
 
-#include "core/text/node.h"
+#include <base/node.h>
 
 /* The file at `path`, as a list or a map of nodes of `source`. Of a CSV file
    (NAME.csv, RFC 4180) each line is a map from what the first one says to its

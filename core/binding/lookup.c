@@ -2,10 +2,10 @@
 /* Finds steps, plugins, parameters and metrics of a flow by their paths. */
 #include "core/binding/lookup.h"
 
+#include <base/suggest.h>
 #include <string.h>
 
 #include "core/plugin/declaration.h"
-#include "core/text/suggest.h"
 
 GPtrArray *opc_flow_bindings(const opc_flow *flow) {
   GPtrArray *list = g_ptr_array_new();

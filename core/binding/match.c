@@ -2,6 +2,7 @@
 /* Patterns of names of files and of other values. */
 #include "core/binding/match.h"
 
+#include <base/file.h>
 #include <fnmatch.h>
 #include <glob.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #ifndef OPCFLOW_FLOW_MATCH_H
 #define OPCFLOW_FLOW_MATCH_H
 
-#include "core/text/node.h"
+#include <base/node.h>
 
 /* The values of a key in one layer; each text is there once. */
 typedef struct opc_values {

@@ -4,7 +4,7 @@
 #ifndef OPCFLOW_CORE_RECIPE_H
 #define OPCFLOW_CORE_RECIPE_H
 
-#include "core/text/node.h"
+#include <base/node.h>
 
 typedef struct opc_recipe {
   char *path;               /* as given */

@@ -7,7 +7,7 @@
 #include "core/binding/lookup.h"
 #include "core/binding/require.h"
 #include "core/plugin/declaration.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 /* ---- state ---- */
 

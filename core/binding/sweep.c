@@ -2,13 +2,13 @@
 /* Turns lists and ranges into the values of axes, and numbers their points. */
 #include "core/binding/sweep.h"
 
+#include <base/unit.h>
 #include <math.h>
 #include <string.h>
 
 #include "core/binding/flow.h"
 #include "core/binding/layers.h"
-#include "core/text/unit.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 static const double most_points = 100000;
 

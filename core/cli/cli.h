@@ -4,12 +4,12 @@
 #ifndef OPCFLOW_CORE_CLI_H
 #define OPCFLOW_CORE_CLI_H
 
+#include <base/problem.h>
 #include <json-glib/json-glib.h>
 
 #include "core/binding/flow.h"
 #include "core/plugin/registry.h"
 #include "core/report/table.h"
-#include "core/text/problem.h"
 
 enum {
   CLI_GOOD = 0,

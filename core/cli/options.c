@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads the words of a command line by the options of a verb, and tells what
    they are. */
+#include <base/suggest.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "core/cli/cli.h"
 #include "core/plugin/host.h"
-#include "core/text/suggest.h"
 
 /* ---- plugins ---- */
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the command says on standard error and on standard output. */
+#include <base/shown.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -9,7 +10,7 @@
 
 #include "core/cli/cli.h"
 #include "core/report/json.h"
-#include "core/text/shown.h"
+#include "core/run/run.h"
 
 int cli_exit_code(int code) {
   switch (code) {
@@ -147,7 +148,8 @@ void cli_print_rows(const char *const *names, size_t n,
   }
   if (!rows) return;
   opc_error error;
-  opc_table *table = opc_table_new("rows", 0, rows, columns, n, &error);
+  opc_table *table =
+      opc_table_new("rows", 0, rows, columns, n, sizeof *columns, &error);
   cli_print_table(table);
   opc_table_free(table);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the verb of a command line and runs it, here or in another program. */
+#include <base/suggest.h>
 #include <guard/guard.h>
 #include <locale.h>
 #include <signal.h>
@@ -7,7 +8,6 @@
 #include <unistd.h>
 
 #include "core/cli/cli.h"
-#include "core/text/suggest.h"
 
 static GPtrArray *command_line;
 

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tables for people: as aligned text that fits its place, and as Markdown. */
+#include <base/unit.h>
 #include <math.h>
 #include <string.h>
 
+#include "core/plugin/value.h"
 #include "core/report/table.h"
-#include "core/text/value.h"
 
 /* ---- cells ---- */
 

@@ -2,12 +2,12 @@
 /* Writes JSON with numbers in their shortest exact form. */
 #include "core/report/json.h"
 
+#include <base/shown.h>
+#include <base/unit.h>
 #include <math.h>
 #include <string.h>
 
-#include "core/text/shown.h"
-#include "core/text/unit.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 /* Write the numbers of a JSON text in their shortest exact form. This also
    mends those that json-glib 1.6 writes as "1e-07.0", which is no JSON. */

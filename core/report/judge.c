@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Compares metrics with requirements. */
+#include <base/unit.h>
 #include <math.h>
 #include <string.h>
 
 #include "core/binding/lookup.h"
+#include "core/plugin/value.h"
 #include "core/report/judge.h"
-#include "core/text/value.h"
 
 /* ---- state ---- */
 

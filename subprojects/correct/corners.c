@@ -373,8 +373,8 @@ static int put_all(const loop *l, const row *r, opc_error *error) {
                                      {"corners_ion_worst", worst},
                                      {"corners_leakage", most},
                                      {"corners_failed", failed}};
-  int code = l->host->table(l->host, "all_corners", OPC_TABLE_PRINT, 1,
-                            OPC_ARRAY(columns), error);
+  int code = opc_put_table(l->host, "all_corners", OPC_TABLE_PRINT, 1,
+                           OPC_ARRAY(columns), error);
   return code ? code : opc_put_metrics(l->host, OPC_ARRAY(values), error);
 }
 

@@ -39,8 +39,8 @@ static int keep_metric(const opc_host *h, const char *name, double value,
 
 static int keep_table(const opc_host *h, const char *name, uint32_t flags,
                       size_t rows, const opc_column *columns, size_t n,
-                      opc_error *error) {
-  (void)h, (void)flags, (void)error;
+                      size_t size, opc_error *error) {
+  (void)h, (void)flags, (void)size, (void)error;
   g_string_append_printf(told, "%s[%zu]", name, rows);
   if (!strcmp(name, "history"))
     for (size_t i = 0; i < n; i++)

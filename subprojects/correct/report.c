@@ -413,8 +413,8 @@ static int effort_table(const opc_host *host, const eda_mask *mask,
       {"epe_mean", "nm", OPC_REAL, 3, &s->epe_mean},
       {"epe_max", "nm", OPC_REAL, 3, &s->epe_max},
   };
-  return host->table(host, "effort", OPC_TABLE_PRINT, 1, columns,
-                     s->sites ? 7 : 4, error);
+  return opc_put_table(host, "effort", OPC_TABLE_PRINT, 1, columns,
+                       s->sites ? 7 : 4, error);
 }
 
 /* ---- metrics ---- */

@@ -2,6 +2,7 @@
 /* Lists the files of a run, and compares a folder with such a list. */
 #include <store/contents.h>
 
+#include <base/file.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -39,15 +40,6 @@ JsonArray *opc_contents_json(const char *folder, opc_error *error) {
 
 /* ---- reading a list ---- */
 
-/* Return whether a name stays inside the folder. */
-static gboolean name_is_inside(const char *name) {
-  g_auto(GStrv) words = g_strsplit(name, "/", -1);
-  for (guint i = 0; words[i]; i++)
-    if (!*words[i] || !strcmp(words[i], ".") || !strcmp(words[i], ".."))
-      return FALSE;
-  return *words != NULL;
-}
-
 static JsonNode *member(JsonNode *node, const char *name, GType type) {
   if (!node || !JSON_NODE_HOLDS_OBJECT(node)) return NULL;
   JsonNode *found = json_object_get_member(json_node_get_object(node), name);
@@ -80,7 +72,7 @@ static GHashTable *read_list(JsonNode *manifest) {
     JsonNode *entry = json_array_get_element(list, i);
     const char *path = text_member(entry, "path");
     const char *sum = text_member(entry, "sha256");
-    if (!path || !sum || !name_is_inside(path)) {
+    if (!path || !sum || !opc_name_is_inside(path)) {
       g_hash_table_destroy(known);
       return NULL;
     }

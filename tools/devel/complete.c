@@ -7,7 +7,7 @@
 #include "core/binding/flow.h"
 #include "core/cli/cli.h"
 #include "core/plugin/kind.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 #include "tools/devel/verbs.h"
 
 /* Where the cursor is. */

@@ -4,7 +4,7 @@
 
 #include "core/cli/cli.h"
 #include "core/plugin/declaration.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 #include "tools/devel/verbs.h"
 
 static const char *const better[] = {"neutral", "lower", "higher"};

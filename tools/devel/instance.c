@@ -6,7 +6,7 @@
 
 #include "core/binding/inner.h"
 #include "core/binding/layers.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 
 /* ---- values where there is no default ---- */
 

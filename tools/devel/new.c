@@ -3,16 +3,16 @@
    runs. The texts are the templates of the plugin's kind; those of steps,
    commands and flows are in data/templates. With --process a flow extends one
    that is complete except for the file that it works on. */
+#include <base/suggest.h>
 #include <errno.h>
 #include <gio/gio.h>
 #include <glib/gstdio.h>
+#include <store/files.h>
 #include <string.h>
 
-#include <store/files.h>
 #include "core/cli/cli.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/kind.h"
-#include "core/text/suggest.h"
 #include "tools/devel/verbs.h"
 
 static const char *wanted;  /* --kind */

@@ -3,14 +3,15 @@
    part that does not depend on them is data/flow.schema.json. */
 #include "tools/devel/schema.h"
 
+#include <base/unit.h>
 #include <store/files.h>
 #include <string.h>
 
 #include "core/cli/cli.h"
 #include "core/plugin/declaration.h"
+#include "core/plugin/value.h"
 #include "core/report/json.h"
-#include "core/text/unit.h"
-#include "core/text/value.h"
+#include "core/run/run.h"
 #include "tools/devel/opcflow-schema.h"
 #include "tools/devel/verbs.h"
 

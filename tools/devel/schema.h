@@ -3,9 +3,8 @@
 #ifndef OPCFLOW_DEVEL_SCHEMA_H
 #define OPCFLOW_DEVEL_SCHEMA_H
 
+#include <base/node.h>
 #include <json-glib/json-glib.h>
-
-#include "core/text/node.h"
 
 /* `plugins`: const opc_plugin *, those that a flow may use. */
 JsonNode *opc_flow_schema(const GPtrArray *plugins);

@@ -2,15 +2,18 @@
 /* Makes single plugins and keeps their results, for tests. */
 #include "tools/devel/testing.h"
 
+#include <base/file.h>
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
+#include <store/files.h>
 #include <string.h>
 
 #include "core/binding/binding.h"
 #include "core/binding/inner.h"
 #include "core/plugin/declaration.h"
 #include "core/plugin/host.h"
-#include "core/text/value.h"
+#include "core/plugin/value.h"
 #include "tools/devel/published.h"
 
 static struct {

@@ -412,13 +412,6 @@ static const opc_metric metrics[] = {
     CHANGE("snm_right", "right noise margins"),
 };
 
-/* What may stand in a deck as a name. */
-static int is_name(const char *text) {
-  return *text && strspn(text,
-                         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                         "0123456789_.-") == strlen(text);
-}
-
 static int check(void *self, opc_error *error) {
   static const char *const names[] = {[EDA_NMOS] = "nmos", [EDA_PMOS] = "pmos"};
   bench *b = self;
@@ -426,7 +419,7 @@ static int check(void *self, opc_error *error) {
   for (int type = 0; type < 2; type++)
     if (!b->model[type] && !b->library) b->model[type] = names[type];
   for (int type = 0; type < 2; type++)
-    if (b->model[type] && !is_name(b->model[type]))
+    if (b->model[type] && !eda_spice_is_name(b->model[type]))
       return opc_fail(error, OPC_INVALID, names[type],
                       "'%s' is not the name of a model", b->model[type]);
   if (b->sizes == SIZES_LENGTH && !b->devices)
@@ -437,7 +430,7 @@ static int check(void *self, opc_error *error) {
     return opc_fail(error, OPC_INVALID, "edges",
                     "'edges' are one place above 0 and one below 100 %%, with "
                     "the middle between them");
-  if (b->corner && !is_name(b->corner))
+  if (b->corner && !eda_spice_is_name(b->corner))
     return opc_fail(error, OPC_INVALID, "corner",
                     "'%s' is not the name of a section", b->corner);
   if (b->osdi && !b->library)

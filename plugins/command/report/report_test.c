@@ -4,8 +4,8 @@
 #include <math.h>
 #include <opcflow/command.h>
 
-#include "tools/devel/testing.h"
 #include "tests/run_folder.h"
+#include "tools/devel/testing.h"
 
 static const char evil[] = "</script><b a='1'>";
 
@@ -18,7 +18,7 @@ static int report(const char *mapping, const char *const *folders, char **page,
   g_autofree char *map = g_strdup_printf("{ output: '%s'%s }", path, mapping);
   opc_test_forget();
   g_autoptr(opc_module) m = opc_test_module("command.report", map, error);
-  if (!m) return error->code;
+  if (!m) return OPC_INVALID;
   for (; *folders; folders++)
     g_ptr_array_add(paths, g_build_filename(opc_test_folder(), *folders, NULL));
   const opc_command *command = m->functions;
@@ -63,7 +63,7 @@ static JsonArray *column_of(JsonObject *run, const char *table,
     if (!strcmp(text_of(c, "name"), name))
       return json_object_get_array_member(c, "values");
   }
-  return NULL;
+  g_error("no column '%s' in '%s'", name, table);
 }
 
 /* ---- tests ---- */

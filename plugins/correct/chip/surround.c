@@ -21,7 +21,12 @@
 enum { CELL = 500, AT_ONCE = 256 };
 
 /* Of a coordinate in a number: two of them, and where the edge is. */
-enum { BITS = 19, FURTHEST = (1 << (BITS - 1)) - 1, MOST_LAYERS = 32 };
+enum {
+  BITS = 19,
+  FURTHEST = (1 << (BITS - 1)) - 1,
+  WIDEST = FURTHEST / 4, /* radius */
+  MOST_LAYERS = 32
+};
 
 enum { FLIPS = 4 };
 
@@ -182,7 +187,7 @@ static void look(const seen *s, size_t i, heap *h) {
 static void digest(const seen *s, size_t i, const heap *h, uint8_t *out) {
   const eda_gates *g = s->gates;
   frame f = {g->box[i], g->axis[i]};
-  eda_wish wish = eda_gates_wish(g, i);
+  eda_goal goal = eda_gates_goal(g, i);
   /* L and W in steps of 1e-3 nm: rounding is not to part what is equal. */
   const int64_t head[] = {g->type[i],
                           s->ways == 8 ? EDA_X : f.axis,
@@ -190,14 +195,14 @@ static void digest(const seen *s, size_t i, const heap *h, uint8_t *out) {
                           size_of(&f, !f.axis),
                           llround(g->length[i] * 1000),
                           llround(g->width[i] * 1000),
-                          wish.given};
+                          goal.given};
   uint8_t all[32];
   gsize size = sizeof all;
   g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
   g_checksum_update(sum, (const guchar *)head, sizeof head);
   g_checksum_update(sum, (const guchar *)h, sizeof *h);
-  if (wish.given)
-    g_checksum_update(sum, (const guchar *)&wish, offsetof(eda_wish, given));
+  if (goal.given)
+    g_checksum_update(sum, (const guchar *)&goal, offsetof(eda_goal, given));
   g_checksum_update(sum, (const guchar *)eda_gates_flavour(g, i), -1);
   g_checksum_get_digest(sum, all, &size);
   memcpy(out, all, SUM_SIZE);
@@ -244,9 +249,9 @@ int surround_all(const opc_context *context, const eda_gates *window,
   if (window->layers > MOST_LAYERS)
     return opc_fail(error, OPC_INVALID, NULL, "more than %d layers",
                     MOST_LAYERS);
-  if (radius < 0 || radius > FURTHEST / 4)
+  if (radius < 0 || radius > WIDEST)
     return opc_fail(error, OPC_INVALID, "radius", "beyond %.10g nm",
-                    FURTHEST / 4 * window->grid);
+                    WIDEST * window->grid);
   find_edges(&s);
   int code = eda_try_all(context, (window->count + AT_ONCE - 1) / AT_ONCE,
                          look_at_some, &s, error);

@@ -6,6 +6,7 @@
 
 #include <eda/drawing.h>
 #include <eda/memory.h>
+#include <eda/simulator.h>
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -265,29 +266,22 @@ static int refuse(const char *parameter, const char *what, const char *why,
   return opc_fail(error, OPC_INVALID, parameter, "'%s' %s", what, why);
 }
 
-/* What may stand in a deck as a name. */
-static int is_name(const char *text) {
-  return *text && strspn(text,
-                         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                         "0123456789_.-") == strlen(text);
-}
-
 static int check_texts(const plan *p, opc_error *error) {
   static const char *const models[TYPES] = {"nmos", "pmos"};
   for (int t = 0; t < TYPES; t++)
-    if (!is_name(p->model[t]))
+    if (!eda_spice_is_name(p->model[t]))
       return refuse(models[t], p->model[t], "is not the name of a model",
                     error);
   for (size_t i = 0; i < p->overrides.count; i++) {
     const opc_pair *pair = &p->overrides.pairs[i];
     char *end;
-    if (!is_name(pair->key))
+    if (!eda_spice_is_name(pair->key))
       return refuse("overrides", pair->key,
                     "is not the name of a model parameter", error);
     if (!isfinite(strtod(pair->value, &end)) || end == pair->value || *end)
       return refuse("overrides", pair->value, "is not a plain number", error);
   }
-  if (p->flavour && !is_name(p->flavour))
+  if (p->flavour && !eda_spice_is_name(p->flavour))
     return refuse("flavour", p->flavour, "is not a name", error);
   for (const char *c = p->name ? p->name : ""; *c; c++)
     if ((unsigned char)*c < 32)
@@ -310,7 +304,7 @@ static int check_source(const plan *p, opc_error *error) {
     return refuse("osdi", p->osdi, "goes with 'library'", error);
   if (p->card[EDA_NMOS] && p->ends == EXTEND)
     return refuse("ends", "extend", "goes with 'library'", error);
-  if (p->corner && !is_name(p->corner))
+  if (p->corner && !eda_spice_is_name(p->corner))
     return refuse("corner", p->corner, "is not the name of a section", error);
   return OPC_OK;
 }

@@ -363,9 +363,10 @@ static void test_violations(void) {
   drawing d;
   make(&d);
   g_autofree eda_violation *v = g_new0(eda_violation, MANY);
-  for (int i = 0; i < MANY; i++)
-    v[i] = (eda_violation){"extension",       -1, 5 + 10 * (i % 100),
-                           5 + 5 * (i / 100), 0,  0};
+  for (int i = 0; i < MANY; i++) {
+    int x = i % 100, y = i / 100;
+    v[i] = (eda_violation){"extension", -1, 5 + 10 * x, 5 + 5 * y, 0, 0};
+  }
   v[0].x = 200, v[0].y = 600;
   d.mask.violations = v;
   d.mask.n_violations = 1;

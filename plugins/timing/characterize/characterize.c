@@ -2,6 +2,7 @@
 /* timing.characterize: the cells of a netlist by ngspice: delays and slews of
    all arcs, and how they move with the printed sizes of each transistor. */
 #include "characterize.h"
+#include "../parameters.h"
 
 #include <errno.h>
 #include <math.h>
@@ -241,18 +242,7 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(study, scale, .type = OPC_REAL, .preset = "1",
                   .flags = OPC_ABOVE | OPC_AT_MOST, .min = 0, .max = 1e6,
                   .summary = "a factor on the sizes of the netlist"),
-    OPC_PARAMETER_NAMED("models", study, models[0], .type = OPC_FILE,
-                        .flags = OPC_REQUIRED,
-                        .summary = "file with the model cards"),
-    OPC_PARAMETER_NAMED("pmos_models", study, models[1], .type = OPC_FILE,
-                        .summary = "that of the p-transistor, if it is "
-                                   "another"),
-    OPC_PARAMETER_NAMED("nmos", study, model[EDA_NMOS], .type = OPC_TEXT,
-                        .preset = "nmos",
-                        .summary = "name of the n-transistor's model"),
-    OPC_PARAMETER_NAMED("pmos", study, model[EDA_PMOS], .type = OPC_TEXT,
-                        .preset = "pmos",
-                        .summary = "name of the p-transistor's model"),
+    TIMING_MODELS(study, OPC_REQUIRED, "file with the model cards"),
     OPC_PARAMETER(study, n_models, .type = OPC_TEXT,
                   .summary = "names of n-transistors' models in the netlist "
                              "whose type does not show"),
@@ -297,36 +287,21 @@ static const opc_parameter parameters[] = {
                              "'none' (default: the store)"),
     OPC_PARAMETER(study, liberty, .type = OPC_OUTPUT, .preset = "cells.lib",
                   .summary = "the cells as drawn"),
-    OPC_PARAMETER_NAMED(
-        "time_limit", study, limit, .type = OPC_REAL, .unit = "s",
-        .former = "limit", .flags = OPC_ABOVE | OPC_AT_MOST | OPC_NO_EFFECT,
-        .preset = "600 s", .min = 0, .max = 86400,
-        .summary = "Longest time of one process of the simulator"),
+    TIMING_TIME_LIMIT(study),
 };
-
-#define FIGURE(id, of, text) \
-  { .name = (id), .unit = (of), .better = OPC_NEUTRAL, .summary = (text) }
-#define FAULT(id, text) \
-  { .name = (id), .unit = "%", .better = OPC_LOWER, .summary = (text) }
 
 static const opc_metric metrics[] = {
     FIGURE("cells", NULL, "cells with arcs"),
     FIGURE("arcs", NULL, "transitions of an input that an output follows"),
     FIGURE("kept", NULL, "cells that were simulated before"),
     FIGURE("simulated", NULL, "transitions that were simulated"),
-    FAULT("delay_error", "delays by the tables, rms at random points"),
-    FAULT("delay_error_max", "the largest of them"),
-    FAULT("slew_error", "slews by the tables, rms at random points"),
-    FAULT("slew_error_max", "the largest of them"),
-    FAULT("change_error", "changes of delays by printed sizes, rms in points"),
+    COST("delay_error", "%", "delays by the tables, rms at random points"),
+    COST("delay_error_max", "%", "the largest of them"),
+    COST("slew_error", "%", "slews by the tables, rms at random points"),
+    COST("slew_error_max", "%", "the largest of them"),
+    COST("change_error", "%",
+         "changes of delays by printed sizes, rms in points"),
 };
-
-/* What may stand in a deck as a name. */
-static int is_name(const char *text) {
-  return *text && strspn(text,
-                         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                         "0123456789_.-") == strlen(text);
-}
 
 static int check_grid(const opc_reals *r, const char *name, double least,
                       opc_error *error) {
@@ -344,7 +319,7 @@ static int check(void *self, opc_error *error) {
   const study *s = self;
   const double *edge = s->edges.values;
   for (int type = 0; type < 2; type++)
-    if (!is_name(s->model[type]))
+    if (!eda_spice_is_name(s->model[type]))
       return opc_fail(error, OPC_INVALID, names[type],
                       "'%s' is not the name of a model", s->model[type]);
   if (s->edges.count != 2 || !(edge[0] > 0) || !(edge[0] < 50) ||

@@ -3,6 +3,7 @@
    drawn and as printed (thesis 3.3.3, 5.3.1): events through the cells of
    timing.characterize. */
 #include "paths.h"
+#include "../parameters.h"
 
 #include <eda/drawing.h>
 #include <glib.h>
@@ -97,20 +98,7 @@ static const opc_parameter parameters[] = {
                   .preset = "slews",
                   .summary = "delays of events by slews, or one delay an arc, "
                              "as in the SDF files"),
-    OPC_PARAMETER_NAMED("load", paths, at.load, .type = OPC_REAL, .unit = "F",
-                        .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "4 fF",
-                        .min = 0, .max = 1e-6,
-                        .summary = "capacitance at each output of the circuit"),
-    OPC_PARAMETER_NAMED(
-        "wire", paths, at.wire, .type = OPC_REAL, .unit = "F",
-        .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0 fF", .min = 0,
-        .max = 1e-6, .summary = "capacitance of wires, for each pin on a net"),
-    OPC_PARAMETER_NAMED("slew", paths, at.slew, .type = OPC_REAL, .unit = "s",
-                        .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "10 ps",
-                        .min = 1e-14, .max = 1e-3,
-                        .summary =
-                            "time of an input between the edges of the cells' "
-                            "slews"),
+    TIMING_CONDITIONS(paths),
     OPC_PARAMETER(paths, picture, .type = OPC_OUTPUT, .preset = "histogram.png",
                   .summary = "deviations, .png, .svg or .pdf"),
     OPC_PARAMETER(paths, verilog, .type = OPC_OUTPUT,
@@ -126,28 +114,9 @@ static const opc_parameter parameters[] = {
                   .max = 100000,
                   .summary = "transitions that the whole circuit is simulated "
                              "at by ngspice, too"),
-    OPC_PARAMETER_NAMED("models", paths, models[0], .type = OPC_FILE,
-                        .summary = "file with the model cards, for 'spice'"),
-    OPC_PARAMETER_NAMED("pmos_models", paths, models[1], .type = OPC_FILE,
-                        .summary = "that of the p-transistor, if it is "
-                                   "another"),
-    OPC_PARAMETER_NAMED("nmos", paths, model[EDA_NMOS], .type = OPC_TEXT,
-                        .preset = "nmos",
-                        .summary = "name of the n-transistor's model"),
-    OPC_PARAMETER_NAMED("pmos", paths, model[EDA_PMOS], .type = OPC_TEXT,
-                        .preset = "pmos",
-                        .summary = "name of the p-transistor's model"),
-    OPC_PARAMETER_NAMED(
-        "time_limit", paths, limit, .type = OPC_REAL, .unit = "s",
-        .former = "limit", .flags = OPC_ABOVE | OPC_AT_MOST | OPC_NO_EFFECT,
-        .preset = "600 s", .min = 0, .max = 86400,
-        .summary = "Longest time of one process of the simulator"),
+    TIMING_MODELS(paths, 0, "file with the model cards, for 'spice'"),
+    TIMING_TIME_LIMIT(paths),
 };
-
-#define FIGURE(id, of, text) \
-  { .name = (id), .unit = (of), .better = OPC_NEUTRAL, .summary = (text) }
-#define FAULT(id, text) \
-  { .name = (id), .unit = "%", .better = OPC_LOWER, .summary = (text) }
 
 static const opc_metric metrics[] = {
     FIGURE("cells", NULL, "instances of cells"),
@@ -160,19 +129,19 @@ static const opc_metric metrics[] = {
     FIGURE("others", NULL,
            "delays that are not compared: as printed, the last change comes "
            "through other nets"),
-    FAULT("mean",
-          "mean of the absolute deviations of delays (thesis eq. 3.15)"),
-    FAULT("stdv", "their standard deviation"),
+    COST("mean", "%",
+         "mean of the absolute deviations of delays (thesis eq. 3.15)"),
+    COST("stdv", "%", "their standard deviation"),
     FIGURE("lowest", "%", "lowest deviation"),
     FIGURE("highest", "%", "highest deviation"),
     FIGURE("longest", "%", "deviation of the largest delay"),
     FIGURE("shortest", "%", "deviation of the smallest delay"),
     FIGURE("static_deviation", "%", "deviation of the static latest arrival"),
     FIGURE("spice_delays", NULL, "delays that ngspice was asked for"),
-    FAULT("spice_error", "delays as drawn against ngspice, rms"),
-    FAULT("spice_error_max", "the largest of them"),
-    FAULT("spice_deviation", "deviations against ngspice, mean in points"),
-    FAULT("spice_deviation_max", "the largest of them"),
+    COST("spice_error", "%", "delays as drawn against ngspice, rms"),
+    COST("spice_error_max", "%", "the largest of them"),
+    COST("spice_deviation", "%", "deviations against ngspice, mean in points"),
+    COST("spice_deviation_max", "%", "the largest of them"),
 };
 
 static int check(void *self, opc_error *error) {

@@ -3,7 +3,7 @@
 #ifndef EDA_SIMULATOR_DECK_H
 #define EDA_SIMULATOR_DECK_H
 
-#include <eda/base.h>
+#include <opcflow/base.h>
 
 /* The deck written anew: of what it says and of what it includes, the
    statements that are known to be harmless. To be freed with free(); NULL and

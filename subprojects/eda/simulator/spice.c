@@ -303,3 +303,9 @@ const eda_spice_vector *eda_spice_vector_find(const eda_spice_plot *plot,
     if (!strcmp(plot->vector[i].name, name)) return &plot->vector[i];
   return NULL;
 }
+
+int eda_spice_is_name(const char *text) {
+  return *text && strspn(text,
+                         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                         "0123456789_.-") == strlen(text);
+}

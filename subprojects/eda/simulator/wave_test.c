@@ -43,9 +43,17 @@ static void test_turns_back(void) {
   g_assert_cmpuint(eda_wave_last_rise(h + 2, 2, 0.5, 99), ==, 99);
 }
 
+/* The cubic t^3 through the last four points; the fifth is none of the wave. */
+static void test_last_points(void) {
+  const double t[] = {0, 1, 2, 3, 4}, h[] = {0, 1, 8, 27, 1e9};
+  g_assert_cmpfloat_with_epsilon(eda_wave_smooth_time(t, h, 4, 2, 15.625), 2.5,
+                                 1e-12);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/wave/exponential", test_exponential);
   g_test_add_func("/wave/turns-back", test_turns_back);
+  g_test_add_func("/wave/last-points", test_last_points);
   return g_test_run();
 }

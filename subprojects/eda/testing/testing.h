@@ -4,7 +4,7 @@
 #ifndef EDA_TESTING_TESTING_H
 #define EDA_TESTING_TESTING_H
 
-#include <eda/base.h>
+#include <opcflow/base.h>
 
 /* One of `threads` threads, the caller among them. Freed with
    eda_test_context_free. */

@@ -7,7 +7,7 @@
 #define EDA_DRAWING_H
 
 #include <cairo.h>
-#include <eda/base.h>
+#include <opcflow/base.h>
 
 #ifdef __cplusplus
 extern "C" {

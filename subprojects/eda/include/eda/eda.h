@@ -4,7 +4,6 @@
 #define EDA_EDA_H
 
 #include <eda/bars.h>
-#include <eda/base.h>
 #include <eda/check.h>
 #include <eda/chip.h>
 #include <eda/circuit.h>
@@ -17,6 +16,7 @@
 #include <eda/gates.h>
 #include <eda/gds.h>
 #include <eda/geometry.h>
+#include <eda/goals.h>
 #include <eda/imaging.h>
 #include <eda/index.h>
 #include <eda/layout.h>
@@ -38,7 +38,7 @@
 #include <eda/synthesizer.h>
 #include <eda/timing.h>
 #include <eda/wave.h>
-#include <eda/wishes.h>
 #include <eda/words.h>
+#include <opcflow/base.h>
 
 #endif

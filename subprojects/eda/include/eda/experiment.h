@@ -4,7 +4,7 @@
 #ifndef EDA_EXPERIMENT_H
 #define EDA_EXPERIMENT_H
 
-#include <eda/base.h>
+#include <opcflow/base.h>
 
 #ifdef __cplusplus
 extern "C" {

@@ -3,7 +3,7 @@
 #ifndef EDA_GEOMETRY_H
 #define EDA_GEOMETRY_H
 
-#include <eda/base.h>
+#include <opcflow/base.h>
 
 #ifdef __cplusplus
 extern "C" {

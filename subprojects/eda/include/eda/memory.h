@@ -3,7 +3,7 @@
 #ifndef EDA_MEMORY_H
 #define EDA_MEMORY_H
 
-#include <eda/base.h>
+#include <opcflow/base.h>
 
 #ifdef __cplusplus
 extern "C" {

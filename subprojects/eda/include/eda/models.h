@@ -5,7 +5,7 @@
 #ifndef EDA_MODELS_H
 #define EDA_MODELS_H
 
-#include <eda/base.h>
+#include <opcflow/base.h>
 
 #ifdef __cplusplus
 extern "C" {

@@ -6,7 +6,7 @@
 #ifndef EDA_NATURAL_H
 #define EDA_NATURAL_H
 
-#include <eda/base.h>
+#include <opcflow/base.h>
 
 #ifdef __cplusplus
 extern "C" {

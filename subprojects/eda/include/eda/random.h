@@ -4,7 +4,7 @@
 #ifndef EDA_RANDOM_H
 #define EDA_RANDOM_H
 
-#include <eda/base.h>
+#include <opcflow/base.h>
 
 #ifdef __cplusplus
 extern "C" {

@@ -3,7 +3,7 @@
 #ifndef EDA_SIMULATOR_H
 #define EDA_SIMULATOR_H
 
-#include <eda/base.h>
+#include <opcflow/base.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -58,6 +58,10 @@ OPC_EXPORT void eda_spice_clear(eda_spice_result *result);
 /* Return the vector of a plot by name, NULL if there is none. */
 OPC_EXPORT const eda_spice_vector *eda_spice_vector_find(
     const eda_spice_plot *plot, const char *name);
+
+/* Return whether a text can be a name in a deck: letters, digits, '_', '.' and
+   '-'. [any] */
+OPC_EXPORT int eda_spice_is_name(const char *text);
 
 #ifdef __cplusplus
 }

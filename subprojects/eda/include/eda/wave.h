@@ -5,7 +5,7 @@
 #ifndef EDA_WAVE_H
 #define EDA_WAVE_H
 
-#include <eda/base.h>
+#include <opcflow/base.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -37,7 +37,7 @@ OPC_EXPORT double eda_wave_time(const double *t, const double *h, size_t i,
                                 double level);
 
 /* The same on the cubic through four of the n >= 4 points. On straight lines
-   slews would be off by 0.5 % at five points to a slew. [any] */
+   slews would deviate by 0.5 % at five points to a slew. [any] */
 OPC_EXPORT double eda_wave_smooth_time(const double *t, const double *h,
                                        size_t n, size_t i, double level);
 

@@ -3,7 +3,7 @@
 #ifndef EDA_WORDS_H
 #define EDA_WORDS_H
 
-#include <eda/base.h>
+#include <opcflow/base.h>
 
 #ifdef __cplusplus
 extern "C" {

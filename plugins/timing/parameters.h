@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Parameters and metrics that steps of timing have in common. `self_type` is
+   the struct of the step's instance. */
+#ifndef OPCFLOW_TIMING_PARAMETERS_H
+#define OPCFLOW_TIMING_PARAMETERS_H
+
+#include <opcflow/step.h>
+
+/* Members models[2], model[2]. */
+#define TIMING_MODELS(self_type, flag, text)                              \
+  OPC_PARAMETER_NAMED("models", self_type, models[0], .type = OPC_FILE,   \
+                      .flags = (flag), .summary = (text)),                \
+      OPC_PARAMETER_NAMED(                                                \
+          "pmos_models", self_type, models[1], .type = OPC_FILE,          \
+          .summary = "that of the p-transistor, if it is another"),       \
+      OPC_PARAMETER_NAMED("nmos", self_type, model[EDA_NMOS],             \
+                          .type = OPC_TEXT, .preset = "nmos",             \
+                          .summary = "name of the n-transistor's model"), \
+      OPC_PARAMETER_NAMED("pmos", self_type, model[EDA_PMOS],             \
+                          .type = OPC_TEXT, .preset = "pmos",             \
+                          .summary = "name of the p-transistor's model")
+
+/* Member limit, s. */
+#define TIMING_TIME_LIMIT(self_type)                                       \
+  OPC_PARAMETER_NAMED(                                                     \
+      "time_limit", self_type, limit, .type = OPC_REAL, .unit = "s",       \
+      .former = "limit", .flags = OPC_ABOVE | OPC_AT_MOST | OPC_NO_EFFECT, \
+      .preset = "600 s", .min = 0, .max = 86400,                           \
+      .summary = "Longest time of one process of the simulator")
+
+/* Member at, the conditions of a circuit. */
+#define TIMING_CONDITIONS(self_type)                                           \
+  OPC_PARAMETER_NAMED("load", self_type, at.load, .type = OPC_REAL,            \
+                      .unit = "F", .flags = OPC_AT_LEAST | OPC_AT_MOST,        \
+                      .preset = "4 fF", .min = 0, .max = 1e-6,                 \
+                      .summary = "capacitance at each output of the circuit"), \
+      OPC_PARAMETER_NAMED(                                                     \
+          "wire", self_type, at.wire, .type = OPC_REAL, .unit = "F",           \
+          .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0 fF", .min = 0,     \
+          .max = 1e-6,                                                         \
+          .summary = "capacitance of wires, for each pin on a net"),           \
+      OPC_PARAMETER_NAMED(                                                     \
+          "slew", self_type, at.slew, .type = OPC_REAL, .unit = "s",           \
+          .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "10 ps",              \
+          .min = 1e-14, .max = 1e-3,                                           \
+          .summary = "time of an input between the edges of the cells' slews")
+
+#define FIGURE(id, of, text) \
+  { .name = (id), .unit = (of), .better = OPC_NEUTRAL, .summary = (text) }
+#define COST(id, of, text) \
+  { .name = (id), .unit = (of), .better = OPC_LOWER, .summary = (text) }
+
+#endif

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Writes out what cannot be printed. */
+#include <base/shown.h>
+#include <glib.h>
+#include <string.h>
+
+static void append_text(GString *out, gunichar c) {
+  if (c == '\n' || c == '\t')
+    g_string_append(out, c == '\n' ? "\\n" : "\\t");
+  else
+    g_string_append_printf(out, "\\u{%x}", c);
+}
+
+/* Beyond 16 bits as two halves. */
+static void append_json(GString *out, gunichar c) {
+  if (c < 0x10000)
+    g_string_append_printf(out, "\\u%04x", c);
+  else
+    g_string_append_printf(out, "\\u%04x\\u%04x", 0xD7C0 + (c >> 10),
+                           0xDC00 + (c & 0x3FF));
+}
+
+/* `escape` comes before a byte that is no character. */
+static char *show(const char *text, const char *keep, const char *escape,
+                  void (*append)(GString *, gunichar)) {
+  GString *out = g_string_sized_new(strlen(text));
+  while (*text) {
+    gunichar c = g_utf8_get_char_validated(text, -1);
+    if (c > 0x10FFFF) {
+      g_string_append(out, escape);
+      g_string_append_printf(out, "x%02x", (guchar)*text++);
+      continue;
+    }
+    if (g_unichar_isprint(c) || (c < 128 && strchr(keep, (int)c)))
+      g_string_append_unichar(out, c);
+    else
+      append(out, c);
+    text = g_utf8_next_char(text);
+  }
+  return g_string_free(out, FALSE);
+}
+
+char *opc_shown(const char *text, const char *keep) {
+  return show(text, keep, "\\", append_text);
+}
+
+char *opc_shown_json(const char *json) {
+  return show(json, "\n", "\\\\", append_json);
+}

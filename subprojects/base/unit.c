@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Units by dimension, and numbers from one to another. */
+#include <base/unit.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct opc_unit {
+  const char *name;
+  const char *noun;
+  int exponent;  /* one of it is factor * 10^exponent of the base unit ... */
+  double factor; /* (0 stands for 1: powers of ten only) */
+  double offset; /* ... and this is its zero in the base unit */
+};
+
+static const char length[] = "a length", area[] = "an area",
+                  percent[] = "a percentage", voltage[] = "a voltage",
+                  current[] = "a current", temperature[] = "a temperature",
+                  angle[] = "an angle", duration[] = "a time",
+                  frequency[] = "a spatial frequency",
+                  capacitance[] = "a capacitance";
+
+static const opc_unit units[] = {
+    {"nm", length, 0, 0, 0},           {"um", length, 3, 0, 0},
+    {"\xC2\xB5m", length, 3, 0, 0}, /* micro sign */
+    {"\xCE\xBCm", length, 3, 0, 0}, /* Greek mu */
+    {"pm", length, -3, 0, 0},          {"angstrom", length, -1, 0, 0},
+    {"mm", length, 6, 0, 0},           {"m", length, 9, 0, 0},
+    {"nm^2", area, 0, 0, 0},           {"um^2", area, 6, 0, 0},
+    {"mm^2", area, 12, 0, 0},          {"1/nm", frequency, 0, 0, 0},
+    {"1/um", frequency, -3, 0, 0},     {"%", percent, 0, 0, 0},
+    {"V", voltage, 0, 0, 0},           {"mV", voltage, -3, 0, 0},
+    {"A", current, 0, 0, 0},           {"mA", current, -3, 0, 0},
+    {"uA", current, -6, 0, 0},         {"nA", current, -9, 0, 0},
+    {"pA", current, -12, 0, 0},        {"F", capacitance, 0, 0, 0},
+    {"pF", capacitance, -12, 0, 0},    {"fF", capacitance, -15, 0, 0},
+    {"aF", capacitance, -18, 0, 0},    {"C", temperature, 0, 0, 0},
+    {"K", temperature, 0, 1, -273.15}, {"deg", angle, 0, 0, 0},
+    {"rad", angle, 0, 180 / G_PI, 0},  {"s", duration, 0, 0, 0},
+    {"ms", duration, -3, 0, 0},        {"us", duration, -6, 0, 0},
+    {"ns", duration, -9, 0, 0},        {"ps", duration, -12, 0, 0},
+};
+
+const opc_unit *opc_unit_find(const char *name) {
+  for (size_t i = 0; i < G_N_ELEMENTS(units); i++)
+    if (!strcmp(units[i].name, name)) return &units[i];
+  return NULL;
+}
+
+const char *opc_unit_noun(const opc_unit *unit) { return unit->noun; }
+
+int opc_unit_shares_zero(const opc_unit *unit) {
+  for (size_t i = 0; i < G_N_ELEMENTS(units); i++)
+    if (units[i].noun == unit->noun && units[i].offset != 0) return 0;
+  return 1;
+}
+
+GPtrArray *opc_unit_names(void) {
+  GPtrArray *names = g_ptr_array_new();
+  for (size_t i = 0; i < G_N_ELEMENTS(units); i++)
+    g_ptr_array_add(names, (char *)units[i].name);
+  return names;
+}
+
+size_t opc_number_length(const char *text) {
+  const char *c = text;
+  if (*c == '+' || *c == '-') c++;
+  const char *digits = c;
+  while (g_ascii_isdigit(*c)) c++;
+  size_t n = (size_t)(c - digits);
+  if (*c == '.') {
+    const char *point = c++;
+    while (g_ascii_isdigit(*c)) c++;
+    n += (size_t)(c - point - 1);
+  }
+  if (!n) return 0;
+  if (*c == 'e' || *c == 'E') {
+    const char *e = c + 1;
+    if (*e == '+' || *e == '-') e++;
+    if (g_ascii_isdigit(*e)) {
+      while (g_ascii_isdigit(*e)) e++;
+      c = e;
+    }
+  }
+  return (size_t)(c - text);
+}
+
+/* The number, times ten to the power of `shift`, rounded once. */
+static double shifted(const char *text, size_t n, int shift) {
+  g_autofree char *number = g_strndup(text, n);
+  char *e = strpbrk(number, "eE");
+  long exponent = shift;
+  if (e) {
+    /* An exponent of any size: strtol saturates, and 10^6 is beyond all. */
+    exponent += CLAMP(strtol(e + 1, NULL, 10), -1000000, 1000000);
+    *e = 0;
+  }
+  g_autofree char *whole = g_strdup_printf("%se%ld", number, exponent);
+  return g_ascii_strtod(whole, NULL);
+}
+
+double opc_number_in(const char *text, size_t n, const opc_unit *from,
+                     const opc_unit *to) {
+  if (from == to || !from || !to) return shifted(text, n, 0);
+  if (from->factor == 0 && to->factor == 0)
+    return shifted(text, n, from->exponent - to->exponent);
+  double base = shifted(text, n, from->exponent) *
+                    (from->factor != 0 ? from->factor : 1) +
+                from->offset;
+  return (base - to->offset) / (to->factor != 0 ? to->factor : 1) /
+         pow(10, to->exponent);
+}
+
+char *opc_number_text(double number) {
+  char buffer[40];
+  for (int digits = 15; digits <= 17; digits++) {
+    char format[8];
+    g_snprintf(format, sizeof format, "%%.%dg", digits);
+    g_ascii_formatd(buffer, sizeof buffer, format, number);
+    if (g_ascii_strtod(buffer, NULL) == number) break;
+  }
+  return g_strdup(buffer);
+}
