@@ -12,7 +12,7 @@
 /* A gate's width in parts, and by how many grid steps the mask is longer in
    each. Without parts all are 0. */
 typedef struct shape {
-  int8_t by[EDA_PARTS];
+  int16_t by[EDA_PARTS];
 } shape;
 
 /* How a gate prints along its width: the length less its mean, nm, at SAMPLES
