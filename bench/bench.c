@@ -41,8 +41,8 @@ static void show(const char *name) {
       {"reached", NULL, OPC_TEXT, 0, all.reached},
   };
   opc_error error;
-  opc_table *table =
-      opc_table_new(name, 0, all.n, columns, G_N_ELEMENTS(columns), &error);
+  opc_table *table = opc_table_new(
+      name, 0, all.n, columns, G_N_ELEMENTS(columns), sizeof *columns, &error);
   if (!table) g_error("%s", error.message);
   g_autofree char *text = opc_table_text(table, 0);
   printf("%s\n%s", name, text);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tables in CSV files: first corrections, weights of slices, widths that print,
-   wishes for single transistors. */
-#include <eda/wishes.h>
+   goals for single transistors. */
+#include <eda/goals.h>
 #include <math.h>
 
 #include "core/plugin/host.h"
@@ -12,14 +12,14 @@
 
 static opc_error error;
 
-static void read_wishes_of_two(const char *path) {
+static void read_goals_of_two(const char *path) {
   static char nothing[] = "", deep[] = "a/b", nand[] = "nand2";
   static char *instance[] = {nothing, deep}, *cell[] = {nand, nand};
   static uint32_t number[] = {1, 2};
   const eda_gates gates = {
       .count = 2, .instance = instance, .cell = cell, .number = number};
-  eda_wish wishes[2] = {eda_wish_none, eda_wish_none};
-  eda_wishes_read(path, &gates, wishes, &error);
+  eda_goal goals[2] = {eda_goal_none, eda_goal_none};
+  eda_goals_read(path, &gates, goals, &error);
 }
 
 /* A model that a table is read for, and no image taken from. */
@@ -56,7 +56,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   weights w = {0};
   weights_read(path, "weights", &w, &error);
   weights_clear(&w);
-  read_wishes_of_two(path);
+  read_goals_of_two(path);
   read_widths(path);
   return 0;
 }

@@ -29,7 +29,7 @@ static void test_usage(void) {
   g_assert_cmpint(call("help run"), ==, 0);
   g_assert_nonnull(strstr(out, "--threads N"));
   g_assert_cmpint(call("--version"), ==, 0);
-  g_assert_cmpstr(out, ==, "opcflow " OPC_VERSION " (plugin interface 0.7)\n");
+  g_assert_cmpstr(out, ==, "opcflow " OPC_VERSION " (plugin interface 0.8)\n");
 }
 
 static void test_tell(void) {
@@ -48,7 +48,7 @@ static void test_tell(void) {
                   "error: unknown plugin 'test.number', did you mean "
                   "'test.numbers'?\n");
   g_assert_cmpint(call("inspect bad.major"), ==, 3);
-  g_assert_nonnull(strstr(err, "built for plugin interface 9.7, this is 0.7"));
+  g_assert_nonnull(strstr(err, "built for plugin interface 9.8, this is 0.8"));
 }
 
 /* What inspect gives to paste is a flow but for the values. */

@@ -39,11 +39,13 @@ typedef struct inner_flow {
 
 static inner_flow inner;
 
-static inline const opc_inner_axis *inner_axes(const opc_host *host,
-                                               size_t *count) {
+static inline const opc_inner_axis *const *inner_axes(const opc_host *host,
+                                                      size_t *count) {
+  static const opc_inner_axis *list[INNER_MOST];
   (void)host;
   *count = inner.n_axes;
-  return inner.axes;
+  for (size_t i = 0; i < inner.n_axes; i++) list[i] = &inner.axes[i];
+  return list;
 }
 
 static inline int inner_axis(const opc_host *host, const char *path,
@@ -83,7 +85,7 @@ static inline int inner_begin(const opc_host *host, opc_error *error) {
 
 static inline int inner_run_whole(const opc_host *host, size_t point,
                                   const char *folder, size_t share,
-                                  opc_inner_run *out, opc_error *error) {
+                                  const opc_inner_run **out, opc_error *error) {
   (void)host;
   g_assert_cmpint(inner.begun, ==, 1);
   g_assert_cmpuint(inner.n_points, <, INNER_MOST);
@@ -92,22 +94,26 @@ static inline int inner_run_whole(const opc_host *host, size_t point,
   g_strlcpy(inner.places[inner.n_points++], folder, sizeof *inner.places);
   inner.whole = (opc_inner_run){NULL, 0, 0};
   int code = inner.point(point, error);
-  *out = inner.whole;
+  *out = inner.whole.folder ? &inner.whole : NULL;
   return code;
 }
 
 static inline int inner_run(const opc_host *host, size_t point, int keep,
                             size_t share, opc_error *error) {
-  opc_inner_run none;
+  const opc_inner_run *none;
   inner.keep[inner.n_points] = keep;
   return inner_run_whole(host, point, "", share, &none, error);
 }
 
-static inline const opc_inner_metric *inner_metrics(const opc_host *host,
-                                                    int shared, size_t *count) {
+static inline const opc_inner_metric *const *inner_metrics(const opc_host *host,
+                                                           int shared,
+                                                           size_t *count) {
+  static const opc_inner_metric *list[8];
   (void)host;
   *count = shared ? inner.n_shared : inner.n_metrics;
-  return shared ? inner.shared : inner.metrics;
+  for (size_t i = 0; i < *count; i++)
+    list[i] = shared ? &inner.shared[i] : &inner.metrics[i];
+  return list;
 }
 
 static inline const opc_column *inner_column(const opc_host *host,
@@ -130,7 +136,8 @@ static inline void *inner_object(const opc_host *host, const char *step,
   return inner.mask && !strcmp(step, inner.mask) ? inner.object : NULL;
 }
 
-static const opc_inner_service inner_service = {
+static const opc_inner_service inner_functions = {
+    .size = sizeof inner_functions,
     .axes = inner_axes,
     .axis = inner_axis,
     .metric = inner_metric,
@@ -143,11 +150,17 @@ static const opc_inner_service inner_service = {
     .run_whole = inner_run_whole,
 };
 
+static inline const void *inner_service(const opc_host *host,
+                                        const char *name) {
+  (void)host;
+  return strcmp(name, OPC_INNER) ? NULL : &inner_functions;
+}
+
 /* Return the host of all tests, with the flow `inner`, of which nothing is set
    but what `flow` says. */
 static inline const opc_host *inner_host(inner_flow flow) {
   opc_host *host = (opc_host *)opc_test_host();
-  host->inner = &inner_service;
+  host->service = inner_service;
   inner = flow;
   opc_test_forget();
   return host;

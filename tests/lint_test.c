@@ -33,7 +33,7 @@ static const struct {
 } bad[] = {
     {"bad.crash", "crashes (Aborted): loading"},
     {"bad.exit", "ends the process: loading"},
-    {"bad.major", "built for plugin interface 9.7, this is 0.7"},
+    {"bad.major", "built for plugin interface 9.8, this is 0.8"},
     {"bad.step_check", "crashes (Segmentation fault): check"},
     {"bad.step_refuse", "check fails without a message"},
     {"bad.litho_segv", "crashes (Segmentation fault): work"},

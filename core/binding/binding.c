@@ -9,8 +9,8 @@
 #include <string.h>
 
 #include "core/plugin/declaration.h"
+#include "core/plugin/pieces.h"
 #include "core/plugin/value.h"
-#include "core/run/identity.h"
 
 /* Slots in slots; a plugin whose default is itself would go on for ever. */
 enum { DEEPEST_SLOT = 16 };
@@ -288,6 +288,13 @@ void opc_binding_set(opc_binding *b, size_t i, const void *object) {
   opc_setting_store(&b->plugin->parameters[i], &b->values[i], b->module.self);
 }
 
+const void *opc_binding_service(const opc_host *host, const char *name) {
+  const opc_binding *b = host->data;
+  if (!strcmp(name, OPC_INNER))
+    return b && b->inner ? b->nested->service : NULL;
+  return strcmp(name, OPC_PIECES) ? NULL : &opc_pieces_alone;
+}
+
 gboolean opc_binding_create(opc_binding *b, const opc_watch *watch,
                             const opc_host *like, opc_problems *problems) {
   gboolean good = TRUE;
@@ -298,8 +305,7 @@ gboolean opc_binding_create(opc_binding *b, const opc_watch *watch,
   b->run = like ? like->data : NULL;
   b->host = opc_host_new(b->path, watch, like);
   b->host->data = b;
-  if (b->inner)
-    b->host->inner = like && like->inner ? like->inner : b->nested->service;
+  if (!like || !like->service) b->host->service = opc_binding_service;
   for (guint i = 0; i < b->renamed->len; i++)
     b->host->log(b->host, OPC_LOG_WARNING, "%s", (char *)b->renamed->pdata[i]);
   fill(b);

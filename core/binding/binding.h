@@ -35,6 +35,7 @@ struct opc_binding {
   opc_module module;        /* self is NULL before create */
   opc_inner *inner;         /* the flow that the step runs; NULL: none */
   const opc_nested *nested; /* its functions */
+  struct opc_store *store;  /* of results outside of runs; NULL: none */
 };
 
 enum {
@@ -63,6 +64,10 @@ opc_binding *opc_bind_plugin(opc_registry *registry, const opc_plugin *plugin,
  */
 gboolean opc_binding_create(opc_binding *binding, const opc_watch *watch,
                             const opc_host *like, opc_problems *problems);
+
+/* opc_host.service of hosts whose `data` is a binding, where nothing else is
+   said: the inner flow, and pieces one after another. */
+const void *opc_binding_service(const opc_host *host, const char *name);
 
 /* "step 'first' (sum)", "'first.model' (model.wide)"; of a verb
    "command 'hello' (command.hello)" */

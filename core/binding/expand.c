@@ -155,8 +155,9 @@ static GPtrArray *list_choices(const expander *e, const item *it,
                   opc_binding_create(p.step, &nowhere, NULL, e->problems);
   if (good) {
     const char *was = opc_binding_enter(p.binding);
-    int code = p.binding->plugin->choices(
-        p.binding->module.self, p.parameter->name, take_choice, list, &error);
+    int code = opc_choices_of(p.binding->plugin)
+                   ->list(p.binding->module.self, p.parameter->name,
+                          take_choice, list, &error);
     opc_binding_leave(was);
     if (code)
       good = opc_binding_fail(p.binding, FALSE, code, &error, e->problems);

@@ -9,7 +9,6 @@
 #include "core/binding/expand.h"
 #include "core/binding/lookup.h"
 #include "core/plugin/declaration.h"
-#include "core/run/run.h"
 
 /* Flows that steps of such a flow run: an experiment with searches. */
 enum { DEEPEST = 2 };
@@ -127,9 +126,9 @@ static void open_recipe(opc_inner *inner, const opc_binding *b,
   if (sweep) make_files_absolute(inner->flow, "", (opc_node *)sweep);
   find_steps(inner, b, problems);
   const GPtrArray *axes = inner->sweep->axes;
-  inner->axes = g_new0(opc_inner_axis, axes->len + 1);
+  inner->axes = g_new0(opc_inner_axis *, axes->len + 1);
   for (guint i = 0; i < axes->len; i++)
-    inner->axes[i] = ((const opc_axis *)axes->pdata[i])->told;
+    inner->axes[i] = &((opc_axis *)axes->pdata[i])->told;
 }
 
 static void inner_free(opc_inner *inner) {
@@ -158,7 +157,8 @@ static int refuse_to_begin(const opc_host *host, opc_error *error) {
                   ((const opc_binding *)host->data)->plugin->id);
 }
 
-static const opc_inner_service asking = {.axes = opc_inner_axes,
+static const opc_inner_service asking = {.size = sizeof asking,
+                                         .axes = opc_inner_axes,
                                          .axis = opc_inner_find_axis,
                                          .metric = opc_inner_find_metric,
                                          .output = opc_inner_find_output,
@@ -283,20 +283,21 @@ const char *opc_inner_find_output(const opc_host *host, const char *name,
   return NULL;
 }
 
-const opc_inner_axis *opc_inner_axes(const opc_host *host, size_t *count) {
+const opc_inner_axis *const *opc_inner_axes(const opc_host *host,
+                                            size_t *count) {
   opc_inner *in = opc_inner_of(host);
   g_autofree gboolean *needed = opc_inner_needed(in, in->flow);
   *count = in->sweep->axes->len;
   for (size_t i = 0; i < *count; i++) {
     const opc_axis *axis = in->sweep->axes->pdata[i];
-    in->axes[i].used = FALSE;
+    in->axes[i]->used = FALSE;
     for (guint k = 0; k < in->flow->steps->len; k++) {
       const opc_flow_step *step = in->flow->steps->pdata[k];
-      in->axes[i].used |=
+      in->axes[i]->used |=
           needed[k] && opc_axis_touches(axis, in->recipe, step->name);
     }
   }
-  return in->axes;
+  return (const opc_inner_axis *const *)in->axes;
 }
 
 int opc_inner_find_axis(const opc_host *host, const char *path,
@@ -304,8 +305,8 @@ int opc_inner_find_axis(const opc_host *host, const char *path,
   const opc_inner *in = opc_inner_of(host);
   g_autoptr(GPtrArray) paths = g_ptr_array_new();
   for (guint i = 0; i < in->sweep->axes->len; i++) {
-    if (!strcmp(in->axes[i].path, path)) return (int)i;
-    g_ptr_array_add(paths, (char *)in->axes[i].path);
+    if (!strcmp(in->axes[i]->path, path)) return (int)i;
+    g_ptr_array_add(paths, (char *)in->axes[i]->path);
   }
   g_autofree char *suggestion = opc_suggestion(path, paths);
   opc_fail(error, OPC_INVALID, NULL, "'%s' is not swept%s", path, suggestion);

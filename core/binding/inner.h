@@ -17,7 +17,7 @@ struct opc_inner {
   opc_choice choice; /* of the first point */
   opc_flow *flow;    /* there */
   opc_registry *registry;
-  opc_inner_axis *axes;
+  opc_inner_axis **axes;
   GHashTable *wanted;   /* names of steps that were asked for; empty: all */
   GHashTable *given;    /* name of a step -> its output, void *[1] */
   opc_inner_runs *runs; /* NULL: none began */
@@ -51,7 +51,8 @@ void opc_inner_visit(const opc_inner *inner,
 opc_inner *opc_inner_of(const opc_host *host);
 
 /* Functions of opc_inner_service that need no run. */
-const opc_inner_axis *opc_inner_axes(const opc_host *host, size_t *count);
+const opc_inner_axis *const *opc_inner_axes(const opc_host *host,
+                                            size_t *count);
 int opc_inner_find_axis(const opc_host *host, const char *path,
                         opc_error *error);
 const opc_metric *opc_inner_find_metric(const opc_host *host, const char *path,

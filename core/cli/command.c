@@ -14,8 +14,7 @@
 #include "core/cli/progress.h"
 #include "core/plugin/declaration.h"
 #include "core/report/json.h"
-#include "core/run/identity.h"
-#include "core/run/run.h"
+#include "core/run/services.h"
 
 /* What the user wants: of each parameter of the plugin a text, or of an
    OPC_BOOL whether it was given as --NAME or as --no-NAME. */
@@ -86,10 +85,10 @@ static void take_log(void *data, const char *path, int level,
 
 static int take_table(const opc_host *host, const char *name, uint32_t flags,
                       size_t rows, const opc_column *columns, size_t n_columns,
-                      opc_error *error) {
+                      size_t column_size, opc_error *error) {
   (void)host;
   opc_table *table =
-      opc_table_new(name, flags, rows, columns, n_columns, error);
+      opc_table_new(name, flags, rows, columns, n_columns, column_size, error);
   if (!table) return error->code;
   g_ptr_array_add(tables, table);
   return OPC_OK;
@@ -136,7 +135,7 @@ static const opc_watch watch = {.data = &progress,
 static const opc_host publisher = {.table = take_table,
                                    .metric = take_metric,
                                    .output_path = give_path,
-                                   .identity = opc_identity_alone};
+                                   .service = opc_results_service};
 
 static void show_json(opc_problems *problems) {
   JsonObject *o = json_object_new();

@@ -10,7 +10,6 @@
 
 #include "core/cli/cli.h"
 #include "core/report/json.h"
-#include "core/run/run.h"
 
 int cli_exit_code(int code) {
   switch (code) {
@@ -148,7 +147,8 @@ void cli_print_rows(const char *const *names, size_t n,
   }
   if (!rows) return;
   opc_error error;
-  opc_table *table = opc_table_new("rows", 0, rows, columns, n, &error);
+  opc_table *table =
+      opc_table_new("rows", 0, rows, columns, n, sizeof *columns, &error);
   cli_print_table(table);
   opc_table_free(table);
 }

@@ -66,7 +66,8 @@ static void print_sweep(const opc_run *run) {
       shown[n++] = *c;
   }
   opc_error error;
-  opc_table *table = opc_table_new("sweep", 0, all->rows, shown, n, &error);
+  opc_table *table =
+      opc_table_new("sweep", 0, all->rows, shown, n, sizeof *shown, &error);
   cli_print_table(table);
   opc_table_free(table);
 }

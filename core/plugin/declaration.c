@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Looks through a plugin's descriptor before anything relies on it. */
+/* Copies a plugin's descriptor and looks through it before anything relies on
+   it. */
 #include "core/plugin/declaration.h"
 
 #include <base/unit.h>
@@ -8,8 +9,8 @@
 
 #include "core/plugin/value.h"
 
-/* More than any plugin will have; a wild number is caught before its array is
-   read. */
+/* More elements, or bytes of an element, than any plugin will have; a wild
+   number is caught before its array is read. */
 enum { MOST = 4096 };
 
 size_t opc_port_count(const opc_plugin *plugin) {
@@ -46,6 +47,10 @@ const opc_metric *opc_metric_check(const opc_plugin *plugin, const char *name,
   return NULL;
 }
 
+const opc_choices *opc_choices_of(const opc_plugin *plugin) {
+  return plugin->extension ? plugin->extension(OPC_CHOICES) : NULL;
+}
+
 gboolean opc_is_id(const char *name) {
   gboolean start = TRUE; /* of a word */
   for (const char *c = name; *c; c++) {
@@ -56,6 +61,21 @@ gboolean opc_is_id(const char *name) {
     start = *c == '.';
   }
   return !start;
+}
+
+/* ---- copies ---- */
+
+gconstpointer opc_declared_copy(gconstpointer from, size_t n, size_t theirs,
+                                size_t oldest, size_t ours) {
+  static GPtrArray *all; /* as long as the process, as plugins stay loaded */
+  if (n > MOST || (n && (!from || theirs < oldest || theirs > MOST)))
+    return NULL;
+  char *copy = g_malloc0_n(n + 1, ours);
+  for (size_t i = 0; i < n; i++)
+    memcpy(copy + i * ours, (const char *)from + i * theirs, MIN(theirs, ours));
+  if (!all) all = g_ptr_array_new();
+  g_ptr_array_add(all, copy);
+  return copy;
 }
 
 /* ---- soundness ---- */
@@ -75,7 +95,7 @@ static const char *parameter_flaw(const opc_plugin *plugin,
     return ": its field is not in the instance";
   if (p->given && (p->given > size || size - p->given < sizeof(int)))
     return ": its 'given' is not in the instance";
-  if (p->flags & OPC_LISTED && (p->type != OPC_TEXT || !plugin->choices))
+  if (p->flags & OPC_LISTED && (p->type != OPC_TEXT || !opc_choices_of(plugin)))
     return " has nobody who lists it";
   if (!p->choices &&
       (p->type == OPC_CHOICE || p->type == OPC_SLOT || p->type == OPC_INPUT))
@@ -157,11 +177,6 @@ static char *metric_fault(const opc_plugin *plugin, size_t i) {
 }
 
 static char *arrays_fault(const opc_plugin *plugin) {
-  if (plugin->n_parameters > MOST ||
-      (plugin->n_parameters && !plugin->parameters))
-    return g_strdup("its parameters are not an array of opc_parameter");
-  if (plugin->n_metrics > MOST || (plugin->n_metrics && !plugin->metrics))
-    return g_strdup("its metrics are not an array of opc_metric");
   char *fault = NULL;
   for (size_t i = 0; !fault && i < plugin->n_parameters; i++)
     fault = parameter_fault(plugin, i);
@@ -170,12 +185,37 @@ static char *arrays_fault(const opc_plugin *plugin) {
   return fault;
 }
 
+static char *version_fault(const opc_plugin *plugin) {
+  if (plugin->abi_major == OPC_ABI_MAJOR && plugin->abi_minor >= OPC_ABI_OLDEST)
+    return NULL;
+  return g_strdup_printf(
+      "built for plugin interface %u.%u, this is %u.%u (oldest: %u.%u)",
+      plugin->abi_major, plugin->abi_minor, OPC_ABI_MAJOR, OPC_ABI_MINOR,
+      OPC_ABI_MAJOR, OPC_ABI_OLDEST);
+}
+
+opc_plugin *opc_plugin_copy(const opc_plugin *theirs, char **fault) {
+  *fault = theirs ? version_fault(theirs)
+                  : g_strdup(OPC_ENTRY_NAME "() returned nothing");
+  if (*fault) return NULL;
+  opc_plugin *own = (opc_plugin *)OPC_DECLARED_COPY(opc_plugin, extension,
+                                                    theirs, 1, theirs->size);
+  if (!own) {
+    *fault = g_strdup_printf("its descriptor has %u bytes", theirs->size);
+    return NULL;
+  }
+  own->parameters = OPC_DECLARED_COPY(opc_parameter, follows, own->parameters,
+                                      own->n_parameters, own->parameter_size);
+  own->metrics = OPC_DECLARED_COPY(opc_metric, summary, own->metrics,
+                                   own->n_metrics, own->metric_size);
+  if (!own->parameters)
+    *fault = g_strdup("its parameters are not an array of opc_parameter");
+  else if (!own->metrics)
+    *fault = g_strdup("its metrics are not an array of opc_metric");
+  return *fault ? NULL : own;
+}
+
 char *opc_plugin_fault(const opc_plugin *plugin, const char *id) {
-  if (!plugin) return g_strdup(OPC_ENTRY_NAME "() returned nothing");
-  if (plugin->abi_major != OPC_ABI_MAJOR || plugin->abi_minor != OPC_ABI_MINOR)
-    return g_strdup_printf("built for plugin interface %u.%u, this is %u.%u",
-                           plugin->abi_major, plugin->abi_minor, OPC_ABI_MAJOR,
-                           OPC_ABI_MINOR);
   if (!plugin->id || !opc_is_id(plugin->id))
     return g_strdup("its id is not made of lower-case words and dots");
   if (strcmp(plugin->id, id) != 0)

@@ -6,6 +6,7 @@
 #include <glib.h>
 #include <guard/guard.h>
 #include <guard/pool.h>
+#include <string.h>
 
 #include "core/plugin/pieces.h"
 
@@ -80,9 +81,10 @@ static void parallel(const opc_context *context, size_t n,
 
 static int ignore_table(const opc_host *host, const char *name, uint32_t flags,
                         size_t rows, const opc_column *columns,
-                        size_t n_columns, opc_error *error) {
+                        size_t n_columns, size_t column_size,
+                        opc_error *error) {
   (void)host, (void)name, (void)flags, (void)rows;
-  (void)columns, (void)n_columns, (void)error;
+  (void)columns, (void)n_columns, (void)column_size, (void)error;
   return OPC_OK;
 }
 
@@ -99,6 +101,11 @@ static const char *refuse_path(const opc_host *host, const char *name,
   return NULL;
 }
 
+static const void *basic_service(const opc_host *host, const char *name) {
+  (void)host;
+  return strcmp(name, OPC_PIECES) ? NULL : &opc_pieces_alone;
+}
+
 static const opc_watch nobody;
 
 opc_host *opc_host_new(const char *path, const opc_watch *watch,
@@ -111,14 +118,14 @@ opc_host *opc_host_new(const char *path, const opc_watch *watch,
                   .cancelled = is_cancelled,
                   .enter = enter,
                   .leave = leave},
-      .host = {.context = &own->context,
+      .host = {.size = sizeof(opc_host),
+               .context = &own->context,
                .log = host_log,
                .progress = host_progress,
                .table = to->table ? to->table : ignore_table,
                .metric = to->metric ? to->metric : ignore_metric,
                .output_path = to->output_path ? to->output_path : refuse_path,
-               .identity = to->identity,
-               .pieces = to->pieces ? to->pieces : opc_pieces_alone},
+               .service = to->service ? to->service : basic_service},
       .path = path,
       .watch = watch ? watch : &nobody,
   };

@@ -20,9 +20,9 @@ typedef struct opc_watch {
 
 /* A host for the instance of that path, which tells *watch (NULL: nobody). What
    it publishes goes to the functions table, metric and output_path of *like,
-   and its pieces to that; where there are none, the first two are ignored, no
-   path is given, and pieces are done one after another. All three outlive it.
- */
+   and services are those of that; where there are none, the first two are
+   ignored, no path is given, and pieces are done one after another. All three
+   outlive it. */
 opc_host *opc_host_new(const char *path, const opc_watch *watch,
                        const opc_host *like);
 /* From now on it tells nobody. */

@@ -65,8 +65,10 @@ GPtrArray *opc_kind_names(const opc_registry *registry) {
 
 /* ---- soundness ---- */
 
-static char *ports_fault(const opc_step *step) {
-  if (step->n_outputs && !step->outputs)
+static char *ports_fault(opc_step *step) {
+  step->outputs = OPC_DECLARED_COPY(opc_port, release, step->outputs,
+                                    step->n_outputs, step->output_size);
+  if (!step->outputs)
     return g_strdup("its outputs are not an array of opc_port");
   for (size_t i = 0; i < step->n_outputs; i++) {
     const opc_port *port = &step->outputs[i];
@@ -78,10 +80,18 @@ static char *ports_fault(const opc_step *step) {
   return NULL;
 }
 
-static char *kind_fault(const opc_kind *kind) {
-  if ((kind->n_functions && !kind->functions) ||
-      (kind->n_templates && !kind->templates))
-    return g_strdup("its functions or templates are not arrays");
+static char *kind_fault(opc_kind *kind) {
+  kind->functions = OPC_DECLARED_COPY(opc_function, offset, kind->functions,
+                                      kind->n_functions, kind->function_size);
+  kind->templates = OPC_DECLARED_COPY(opc_template, text, kind->templates,
+                                      kind->n_templates, kind->template_size);
+  kind->samples = OPC_DECLARED_COPY(opc_sample, size, kind->samples,
+                                    kind->n_samples, kind->sample_size);
+  kind->examples = OPC_DECLARED_COPY(opc_example, give, kind->examples,
+                                     kind->n_examples, kind->example_size);
+  if (!kind->functions || !kind->templates || !kind->samples || !kind->examples)
+    return g_strdup(
+        "its functions, templates, samples or examples are not arrays");
   for (size_t i = 0; i < kind->n_functions; i++)
     if (!kind->functions[i].name ||
         kind->functions[i].offset + sizeof(void *) > kind->functions_size)
@@ -90,28 +100,32 @@ static char *kind_fault(const opc_kind *kind) {
   return NULL;
 }
 
-char *opc_functions_fault(opc_registry *registry, const opc_plugin *plugin) {
+/* Zeros behind each struct of functions: optional functions of a caller that
+   was built for a later version of the kind than is installed. */
+enum { SPARE = 64 * sizeof(void (*)(void)) };
+
+char *opc_functions_adopt(opc_registry *registry, opc_plugin *plugin) {
   opc_error error = {0};
   const opc_kind *kind = opc_kind_of(registry, plugin->kind, &error);
   if (!kind)
     return g_strdup_printf("its kind '%s' is not known: %s", plugin->kind,
                            error.message);
-  if (plugin->functions_size != kind->functions_size)
-    return g_strdup_printf("its functions have %zu bytes, a '%s' has %zu",
-                           plugin->functions_size, plugin->kind,
-                           kind->functions_size);
+  size_t size = MAX(plugin->functions_size, kind->functions_size) + SPARE;
+  void *functions = (void *)opc_declared_copy(plugin->functions, 1,
+                                              plugin->functions_size, 0, size);
+  if (!functions)
+    return g_strdup_printf("its functions have %zu bytes",
+                           plugin->functions_size);
+  plugin->functions = functions;
   for (size_t i = 0; i < kind->n_functions; i++) {
     void *function;
-    memcpy(&function,
-           (const char *)plugin->functions + kind->functions[i].offset,
+    memcpy(&function, (char *)functions + kind->functions[i].offset,
            sizeof function);
     if (!function)
       return g_strdup_printf("its function '%s' is missing",
                              kind->functions[i].name);
   }
-  if (!strcmp(plugin->kind, OPC_KIND_STEP))
-    return ports_fault(plugin->functions);
-  if (!strcmp(plugin->kind, OPC_KIND_KIND))
-    return kind_fault(plugin->functions);
+  if (!strcmp(plugin->kind, OPC_KIND_STEP)) return ports_fault(functions);
+  if (!strcmp(plugin->kind, OPC_KIND_KIND)) return kind_fault(functions);
   return NULL;
 }

@@ -14,9 +14,10 @@ const opc_kind *opc_kind_of(opc_registry *registry, const char *name,
    kinds what a plugin "kind.NAME" has. NULL if there is neither. */
 const opc_kind *opc_kind_trials(opc_registry *registry, const char *name);
 
-/* Whether a plugin has the functions that its kind wants. NULL if so, else the
-   reason (g_free). */
-char *opc_functions_fault(opc_registry *registry, const opc_plugin *plugin);
+/* Give the copy of a descriptor (opc_plugin_copy) a copy of its functions, as
+   long as its kind has them: functions that it lacks are NULL. Return why the
+   kind cannot work with them (g_free), NULL if it can. */
+char *opc_functions_adopt(opc_registry *registry, opc_plugin *plugin);
 
 /* The names of all kinds there are, sorted (char *, freed with the array). */
 GPtrArray *opc_kind_names(const opc_registry *registry);

@@ -2,6 +2,8 @@
 /* Pieces of a step's work, one after another. */
 #include "core/plugin/pieces.h"
 
+#include <string.h>
+
 /* ---- one ---- */
 
 typedef struct buffer {
@@ -46,8 +48,15 @@ int opc_piece_take(const opc_pieces *p, size_t i, const void *bytes,
 
 /* ---- all ---- */
 
-int opc_pieces_alone(const opc_host *host, const opc_pieces *p,
-                     opc_error *error) {
+opc_pieces opc_pieces_copy(const opc_pieces *theirs, size_t size) {
+  opc_pieces own = {.data = NULL};
+  memcpy(&own, theirs, MIN(size, sizeof own));
+  return own;
+}
+
+static int do_alone(const opc_host *host, const opc_pieces *theirs,
+                    size_t own_size, opc_error *error) {
+  const opc_pieces own = opc_pieces_copy(theirs, own_size), *p = &own;
   int code = OPC_OK;
   for (size_t i = 0; i < p->count && !code; i++) {
     if (opc_cancelled(host->context))
@@ -61,3 +70,6 @@ int opc_pieces_alone(const opc_host *host, const opc_pieces *p,
   }
   return code;
 }
+
+const opc_pieces_service opc_pieces_alone = {.size = sizeof opc_pieces_alone,
+                                             .run = do_alone};

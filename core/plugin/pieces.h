@@ -4,7 +4,7 @@
 #define OPCFLOW_CORE_PIECES_H
 
 #include <glib.h>
-#include <opcflow/plugin.h>
+#include <opcflow/pieces.h>
 
 /* The most bytes that a piece may give: what one message of MPI can count. */
 enum { OPC_PIECE_MOST = 1 << 30 };
@@ -17,8 +17,10 @@ GBytes *opc_piece_work(const opc_pieces *pieces, size_t i, opc_error *error);
 int opc_piece_take(const opc_pieces *pieces, size_t i, const void *bytes,
                    size_t size, opc_error *error);
 
-/* opc_host.pieces, where nothing is kept and nobody shares. [main] */
-int opc_pieces_alone(const opc_host *host, const opc_pieces *pieces,
-                     opc_error *error);
+/* What a plugin passed, as a struct of the kernel's size. */
+opc_pieces opc_pieces_copy(const opc_pieces *theirs, size_t size);
+
+/* The service where nothing is kept and nobody shares. */
+extern const opc_pieces_service opc_pieces_alone;
 
 #endif

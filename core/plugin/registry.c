@@ -135,6 +135,17 @@ static void end_loading(const char *before) {
   guard_where(NULL, 0);
 }
 
+/* A plugin for a later interface may need what this one lacks. */
+static void explain_version(const opc_plugin *plugin, char **reason) {
+  if (!plugin || plugin->abi_minor <= OPC_ABI_MINOR) return;
+  g_autofree char *first = *reason;
+  *reason = g_strdup_printf(
+      "%s (built for plugin interface %u.%u, this is "
+      "%u.%u)",
+      first, plugin->abi_major, plugin->abi_minor, OPC_ABI_MAJOR,
+      OPC_ABI_MINOR);
+}
+
 const opc_plugin *opc_plugin_load(opc_registry *registry, const char *path,
                                   const char *id, char **reason) {
   *reason = NULL;
@@ -155,11 +166,12 @@ const opc_plugin *opc_plugin_load(opc_registry *registry, const char *path,
   }
   memcpy(&entry, &symbol, sizeof entry);
   before = start_loading(path, id);
-  const opc_plugin *plugin = entry();
-  *reason = opc_plugin_fault(plugin, id);
+  opc_plugin *plugin = opc_plugin_copy(entry(), reason);
+  if (!*reason) *reason = opc_plugin_fault(plugin, id);
   end_loading(before);
-  if (!*reason) *reason = opc_functions_fault(registry, plugin);
+  if (!*reason) *reason = opc_functions_adopt(registry, plugin);
   if (!*reason) return plugin;
+  explain_version(plugin, reason);
   dlclose(object);
   return NULL;
 }

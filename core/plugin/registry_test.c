@@ -34,14 +34,14 @@ static const struct {
      "parameter 'size' follows from something, and is no number, required or "
      "has a default"},
     {"bad.function", "its function 'violations' is missing"},
-    {"bad.functions", "its functions have 8 bytes, a 'regulator' has 16"},
+    {"bad.functions", "its function 'violations' is missing"},
     {"bad.hang", "did not load within 0.5 s"},
     {"bad.instance", "its instance has no room for the host"},
     {"bad.kind",
      "its kind 'nothing' is not known: unknown plugin 'kind.nothing'"},
     {"bad.licence", "it has no licence"},
-    {"bad.major", "built for plugin interface 9.7, this is 0.7"},
-    {"bad.minor", "built for plugin interface 0.8, this is 0.7"},
+    {"bad.major", "built for plugin interface 9.8, this is 0.8"},
+    {"bad.minor", "built for plugin interface 0.7, this is 0.8"},
     {"bad.name", "its id is 'bad.other', its file is called 'bad.name'"},
     {"bad.null", "opcflow_plugin() returned nothing"},
     {"bad.summary", "it has no summary"},
@@ -95,7 +95,7 @@ static void test_refused(void) {
   g_autofree char *folder = plugin_folder();
   g_autofree char *text = g_strdup_printf(
       "'bad.major': cannot use '%s/bad.major.so': built for "
-      "plugin interface 9.7, this is 0.7",
+      "plugin interface 9.8, this is 0.8 (oldest: 0.8)",
       folder);
   opc_error error;
   for (int i = 0; i < 2; i++) {

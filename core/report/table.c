@@ -20,13 +20,15 @@ void *opc_table_add(opc_table *table, const char *name, const char *unit,
 
 opc_table *opc_table_new(const char *name, uint32_t flags, size_t rows,
                          const opc_column *columns, size_t n_columns,
-                         opc_error *error) {
+                         size_t column_size, opc_error *error) {
   opc_table *table = g_new0(opc_table, 1);
   table->name = g_strdup(name);
   table->flags = flags;
   table->rows = rows;
   for (size_t i = 0; i < n_columns; i++) {
-    const opc_column *c = &columns[i];
+    opc_column own = {.name = NULL}, *c = &own;
+    memcpy(c, (const char *)columns + i * column_size,
+           MIN(column_size, sizeof own));
     if (!c->name || (rows && !c->data) ||
         (c->type != OPC_TEXT && c->type != OPC_REAL && c->type != OPC_INT)) {
       opc_fail(error, OPC_FAILED, NULL, "table '%s': column %zu is not sound",

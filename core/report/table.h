@@ -13,10 +13,11 @@ typedef struct opc_table {
   opc_column *columns; /* copies: names, units and data are its own */
 } opc_table;
 
-/* A copy of what a plugin gave; NULL and *error if it is not sound. */
+/* A copy of what a plugin gave, in columns of `column_size` bytes each; NULL
+ *and error if it is not sound. */
 opc_table *opc_table_new(const char *name, uint32_t flags, size_t rows,
                          const opc_column *columns, size_t n_columns,
-                         opc_error *error);
+                         size_t column_size, opc_error *error);
 void opc_table_free(opc_table *table);
 
 /* Add a column: its data, room for all rows, filled with zeros. Texts in it are

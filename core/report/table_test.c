@@ -20,7 +20,8 @@ static opc_table *sample(void) {
                                 {"count", "", OPC_INT, 0, counts},
                                 {"exact", "%", OPC_REAL, -1, exact}};
   opc_error error;
-  opc_table *table = opc_table_new("sample", 0, 4, columns, 4, &error);
+  opc_table *table =
+      opc_table_new("sample", 0, 4, columns, 4, sizeof(opc_column), &error);
   g_assert_nonnull(table);
   return table;
 }
@@ -110,7 +111,8 @@ static void test_digits(void) {
   const opc_column columns[] = {{"a", NULL, OPC_REAL, -1, some},
                                 {"b", NULL, OPC_REAL, 3, some}};
   opc_error error;
-  opc_table *table = opc_table_new("t", 0, 4, columns, 2, &error);
+  opc_table *table =
+      opc_table_new("t", 0, 4, columns, 2, sizeof(opc_column), &error);
   g_autofree char *text = opc_table_text(table, 80);
   g_assert_cmpstr(text, ==,
                   "          a              b\n"
@@ -180,7 +182,8 @@ static void test_narrow(void) {
        "  print (nothing)\n"},
   };
   opc_error error;
-  opc_table *table = opc_table_new("t", 0, 2, columns, 6, &error);
+  opc_table *table =
+      opc_table_new("t", 0, 2, columns, 6, sizeof(opc_column), &error);
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_autofree char *text = opc_table_text(table, cases[i].width);
     g_assert_cmpstr(text, ==, cases[i].text);
@@ -199,7 +202,8 @@ static void test_keys(void) {
                                 {"note", NULL, OPC_TEXT, 0, note},
                                 {"a", NULL, OPC_INT, 0, a}};
   opc_error error;
-  opc_table *table = opc_table_new("t", 0, 4, columns, 4, &error);
+  opc_table *table =
+      opc_table_new("t", 0, 4, columns, 4, sizeof(opc_column), &error);
   g_autofree char *text = opc_table_text(table, 30);
   g_assert_cmpstr(text, ==,
                   "run  metric  note\n"
@@ -227,7 +231,7 @@ static void test_markdown(void) {
   static const char *const bad[] = {"a|b\nc"};
   const opc_column column = {"x", NULL, OPC_TEXT, 0, bad};
   opc_error error;
-  table = opc_table_new("t", 0, 1, &column, 1, &error);
+  table = opc_table_new("t", 0, 1, &column, 1, sizeof(opc_column), &error);
   g_autofree char *escaped = opc_table_markdown(table);
   g_assert_cmpstr(escaped, ==, "| x |\n|---|\n| a\\|b c |\n");
   opc_table_free(table);
@@ -255,11 +259,14 @@ static void test_unsound(void) {
   const opc_column nameless = {NULL, NULL, OPC_REAL, 0, sizes};
   const opc_column empty = {"x", NULL, OPC_REAL, 0, NULL};
   const opc_column odd = {"x", NULL, OPC_BOOL, 0, sizes};
-  g_assert_null(opc_table_new("t", 0, 1, &nameless, 1, &error));
-  g_assert_null(opc_table_new("t", 0, 1, &empty, 1, &error));
-  g_assert_null(opc_table_new("t", 0, 1, &odd, 1, &error));
+  g_assert_null(
+      opc_table_new("t", 0, 1, &nameless, 1, sizeof(opc_column), &error));
+  g_assert_null(
+      opc_table_new("t", 0, 1, &empty, 1, sizeof(opc_column), &error));
+  g_assert_null(opc_table_new("t", 0, 1, &odd, 1, sizeof(opc_column), &error));
   g_assert_cmpstr(error.message, ==, "table 't': column 1 is not sound");
-  opc_table *none = opc_table_new("t", 0, 0, &empty, 1, &error);
+  opc_table *none =
+      opc_table_new("t", 0, 0, &empty, 1, sizeof(opc_column), &error);
   g_autofree char *csv = opc_table_csv(none);
   g_assert_cmpstr(csv, ==, "x\r\n");
   opc_table_free(none);

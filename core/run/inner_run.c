@@ -29,9 +29,11 @@ struct opc_inner_runs {
   char *folder;
   opc_levels levels;
   opc_run *trunk;
-  size_t count;       /* runs that are not kept whole */
-  size_t done, share; /* points */
-  gboolean telling;   /* messages are passed on */
+  size_t count;                     /* runs that are not kept whole */
+  size_t done, share;               /* points */
+  gboolean telling;                 /* messages are passed on */
+  opc_inner_run whole;              /* the last one that was kept whole */
+  const opc_inner_metric **metrics; /* asked for last */
 };
 
 static opc_inner_runs *runs_of(const opc_host *host) {
@@ -106,6 +108,7 @@ static void free_runs(opc_inner_runs *runs) {
   opc_run_free(runs->trunk);
   opc_remove_tree(folder);
   g_free(runs->folder);
+  g_free(runs->metrics);
   g_free(runs);
 }
 
@@ -254,7 +257,8 @@ static int run_point(const opc_host *host, size_t point, int keep, size_t share,
 }
 
 static int run_whole(const opc_host *host, size_t point, const char *name,
-                     size_t share, opc_inner_run *out, opc_error *error) {
+                     size_t share, const opc_inner_run **out,
+                     opc_error *error) {
   opc_inner_runs *runs = runs_of(host);
   runs->share = share;
   runs->telling = FALSE;
@@ -262,16 +266,18 @@ static int run_whole(const opc_host *host, size_t point, const char *name,
   g_autofree char *prefix =
       g_strdup_printf("%s/%s: ", runs->in->binding->path, name);
   g_autoptr(opc_problems) problems = opc_problems_new();
-  *out = (opc_inner_run){.seconds = NAN};
+  *out = NULL;
   opc_levels_run(&runs->levels, point, folder, problems);
   if (!problems->list->len) keep_run(runs, prefix, problems);
   const opc_run *run = runs->levels.last;
   if (problems->list->len) {
     if (run && run->written.work) opc_remove_tree(folder);
   } else {
-    out->folder = run->written.work;
-    out->seconds = run->out.total;
-    out->findings = run->out.findings.list->len + run->out.findings.more;
+    runs->whole = (opc_inner_run){
+        .folder = run->written.work,
+        .seconds = run->out.total,
+        .findings = run->out.findings.list->len + run->out.findings.more};
+    *out = &runs->whole;
     opc_verdicts_add_broken(run->out.verdicts, problems);
   }
   int code = end_point(runs, share, problems, error);
@@ -282,13 +288,16 @@ static int run_whole(const opc_host *host, size_t point, const char *name,
 
 /* ---- results ---- */
 
-static const opc_inner_metric *get_metrics(const opc_host *host, int shared,
-                                           size_t *count) {
-  const opc_inner_runs *runs = runs_of(host);
+static const opc_inner_metric *const *get_metrics(const opc_host *host,
+                                                  int shared, size_t *count) {
+  opc_inner_runs *runs = runs_of(host);
   const opc_run *run = !runs ? NULL : shared ? runs->trunk : runs->levels.last;
   *count = run ? run->out.metrics->len : 0;
-  return run ? (const opc_inner_metric *)(const void *)run->out.metrics->data
-             : NULL;
+  if (!run) return NULL;
+  runs->metrics = g_renew(const opc_inner_metric *, runs->metrics, *count + 1);
+  for (guint i = 0; i < *count; i++)
+    runs->metrics[i] = &g_array_index(run->out.metrics, opc_inner_metric, i);
+  return runs->metrics;
 }
 
 static const opc_table *find_table(const opc_run *run, const char *step,
@@ -338,6 +347,7 @@ static void *get_object(const opc_host *host, const char *name,
 }
 
 const opc_inner_service opc_inner_functions = {
+    .size = sizeof opc_inner_functions,
     .axes = opc_inner_axes,
     .axis = opc_inner_find_axis,
     .metric = opc_inner_find_metric,

@@ -41,7 +41,7 @@ static void spoil(keyer *k, char *why) {
 
 static void add_build(keyer *k, char about, const char *path, const char *shown,
                       const opc_plugin *plugin) {
-  const char *sum = opc_store_build(k->store, plugin);
+  const char *sum = opc_store_build(k->store, plugin ? plugin->id : NULL);
   if (sum)
     add(k, about, path, shown, sum);
   else

@@ -162,12 +162,13 @@ gboolean opc_ranks_agree(const ranks_group *ranks, const char *what,
 
 /* ---- entry ---- */
 
-int opc_pieces_run(const opc_host *host, const opc_pieces *pieces,
-                   opc_error *error) {
+static int run_pieces(const opc_host *host, const opc_pieces *theirs,
+                      size_t own_size, opc_error *error) {
+  const opc_pieces own = opc_pieces_copy(theirs, own_size), *pieces = &own;
   const opc_binding *b = host->data;
   opc_run *run = b->run;
   if (!run->at || run->heard.piece)
-    return opc_pieces_alone(host, pieces, error);
+    return opc_pieces_alone.run(host, theirs, own_size, error);
   keeper k = {.kept = {.count = pieces->count,
                        .work = kept_work,
                        .take = kept_take,
@@ -188,7 +189,10 @@ int opc_pieces_run(const opc_host *host, const opc_pieces *pieces,
                              unit_has, unit_get,     kept_take,     kept_done};
   int code = ranks && functions->flags & OPC_STEP_PIECES
                  ? ranks->share(&units, error)
-                 : opc_pieces_alone(host, &k.kept, error);
+                 : opc_pieces_alone.run(host, &k.kept, sizeof k.kept, error);
   tell_cost(host, &k);
   return code;
 }
+
+const opc_pieces_service opc_pieces_of_run = {.size = sizeof opc_pieces_of_run,
+                                              .run = run_pieces};

@@ -3,11 +3,12 @@
 #ifndef OPCFLOW_CORE_RUN_PIECES_H
 #define OPCFLOW_CORE_RUN_PIECES_H
 
+#include <opcflow/pieces.h>
+
 #include "core/run/run.h"
 
-/* opc_host.pieces, of a run's hosts. */
-int opc_pieces_run(const opc_host *host, const opc_pieces *pieces,
-                   opc_error *error);
+/* The service of a run's hosts. */
+extern const opc_pieces_service opc_pieces_of_run;
 
 /* Meet the other ranks at `what`, as ranks_group.meet does, with this rank's
    faults in a list: if there is none, the fault of the lowest rank that has one

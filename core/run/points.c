@@ -112,7 +112,7 @@ void opc_points_run(opc_points *s, opc_problems *problems) {
   s->seconds = seconds;
   s->results = results;
   trunk->out.points =
-      opc_table_new("sweep", OPC_TABLE_PRINT, n, NULL, 0, &error);
+      opc_table_new("sweep", OPC_TABLE_PRINT, n, NULL, 0, 0, &error);
   add_axes(s, trunk->out.points);
   while (going && s->done < n) going = do_point(s, s->done);
   finish_table(s, trunk->out.points);

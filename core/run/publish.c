@@ -7,11 +7,8 @@
 
 #include "core/plugin/declaration.h"
 #include "core/plugin/value.h"
-#include "core/run/identity.h"
-#include "core/run/inner_run.h"
-#include "core/run/pieces.h"
 #include "core/run/publish.h"
-#include "core/run/run.h"
+#include "core/run/services.h"
 
 /* A refusal stands, whether or not the plugin passes it on. */
 static int refuse(opc_run *run, const opc_error *error) {
@@ -88,13 +85,13 @@ static char *table_file(const opc_run *run, const opc_binding *b,
 
 static int take_table(const opc_host *host, const char *name, uint32_t flags,
                       size_t rows, const opc_column *columns, size_t n_columns,
-                      opc_error *error) {
+                      size_t column_size, opc_error *error) {
   const opc_binding *b = host->data;
   opc_run *run = b->run;
   if (in_piece(run, name, error)) return refuse(run, error);
   if (run->heard.silent) return OPC_OK;
   opc_table *table =
-      opc_table_new(name, flags, rows, columns, n_columns, error);
+      opc_table_new(name, flags, rows, columns, n_columns, column_size, error);
   if (!table) return refuse(run, error);
   g_autofree char *file = table_file(run, b, name);
   int code = strchr(name, '/') ? opc_fail(error, OPC_FAILED, NULL,
@@ -135,6 +132,4 @@ static int take_metric(const opc_host *host, const char *name, double value,
 const opc_host opc_run_publisher = {.table = take_table,
                                     .metric = take_metric,
                                     .output_path = give_path,
-                                    .identity = opc_identity,
-                                    .inner = &opc_inner_functions,
-                                    .pieces = opc_pieces_run};
+                                    .service = opc_run_service};

@@ -156,7 +156,7 @@ static int publish_table(const opc_flow_step *step, const char *name,
     c->data = unpack_data(data, c->type, rows, texts);
   }
   const opc_host *host = step->binding->host;
-  return host->table(host, name, flags, rows, list, n, error);
+  return host->table(host, name, flags, rows, list, n, sizeof *list, error);
 }
 
 static int publish_tables(const opc_flow_step *step, GVariant *tables,

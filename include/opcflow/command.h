@@ -20,6 +20,7 @@ typedef struct opc_command {
   /* Do the work; the code becomes the exit code. [main] */
   int (*run)(void *self, size_t n, const char *const *arguments,
              opc_error *error);
+  OPC_MAY_GROW
 } opc_command;
 
 #ifdef __cplusplus

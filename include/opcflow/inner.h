@@ -19,7 +19,7 @@
    that is called as the parameter is, if it is given: what the other step made
    is what that one gives, and it does not run.
 
-   The step asks through `host->inner`, NULL if it has no such flow. What is
+   The step asks through opc_get_inner, NULL if it has no such flow. What is
    returned belongs to the host and is valid until the next call of `run`, if
    nothing else is said. A function that gives NULL has filled *error. [main] */
 #ifndef OPCFLOW_INNER_H
@@ -40,6 +40,7 @@ typedef struct opc_inner_axis {
   const char *const *texts; /* as written; of layers: their names, no two the
                                same, each good as that of a folder */
   int used;                 /* by what `metric` and `output` were asked for */
+  OPC_MAY_GROW
 } opc_inner_axis;
 
 /* A metric that a run gave. */
@@ -47,6 +48,7 @@ typedef struct opc_inner_metric {
   const char *path; /* of its instance: "mask", "mask.synthesizer" */
   const opc_metric *metric;
   double value;
+  OPC_MAY_GROW
 } opc_inner_metric;
 
 /* A run that is kept whole. */
@@ -54,13 +56,18 @@ typedef struct opc_inner_run {
   const char *folder; /* its path, while the step runs */
   double seconds;     /* of all its steps, those that it shares included */
   size_t findings;    /* of all its steps */
+  OPC_MAY_GROW
 } opc_inner_run;
 
-struct opc_inner_service {
+#define OPC_INNER "opcflow.inner/1"
+
+typedef struct opc_inner_service {
+  size_t size; /* of this struct */
+
   /* ---- from `check` on ---- */
 
   /* The axes. Points are numbered from 0; the last axis changes first. */
-  const opc_inner_axis *(*axes)(const opc_host *host, size_t *count);
+  const opc_inner_axis *const *(*axes)(const opc_host *host, size_t *count);
   /* The number of that path's one; -1 and *error if it is not swept. */
   int (*axis)(const opc_host *host, const char *path, opc_error *error);
 
@@ -85,8 +92,8 @@ struct opc_inner_service {
              opc_error *error);
 
   /* The metrics of the last run, or of `begin`, whose points share them. */
-  const opc_inner_metric *(*metrics)(const opc_host *host, int shared,
-                                     size_t *count);
+  const opc_inner_metric *const *(*metrics)(const opc_host *host, int shared,
+                                            size_t *count);
 
   /* A column of numbers (OPC_REAL, OPC_INT) of a table of the last run. */
   const opc_column *(*column)(const opc_host *host, const char *step,
@@ -101,11 +108,17 @@ struct opc_inner_service {
      run folder, of the name `folder` in one of the step's name: with flow.yaml,
      metrics.json and manifest.json; `metrics` then has all of them. OPC_LIMIT:
      the run is there and does not keep what its flow requires. After another
-     failure there is no folder. What failed counts for the exit code, as a
-     point of a sweep does. */
+     failure *out is NULL and there is no folder. What failed counts for the
+     exit code, as a point of a sweep does. */
   int (*run_whole)(const opc_host *host, size_t point, const char *folder,
-                   size_t share, opc_inner_run *out, opc_error *error);
-};
+                   size_t share, const opc_inner_run **out, opc_error *error);
+  OPC_MAY_GROW
+} opc_inner_service;
+
+/* Return the service; NULL if the step has no inner flow. */
+OPC_UNUSED static const opc_inner_service *opc_get_inner(const opc_host *host) {
+  return (const opc_inner_service *)host->service(host, OPC_INNER);
+}
 
 #ifdef __cplusplus
 }

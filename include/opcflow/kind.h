@@ -17,6 +17,7 @@ extern "C" {
 typedef struct opc_function {
   const char *name;
   size_t offset; /* in the struct of functions */
+  OPC_MAY_GROW
 } opc_function;
 
 #define OPC_FUNCTION(type, member) \
@@ -34,6 +35,7 @@ struct opc_inspector {
   void (*note)(opc_inspector *inspector, const char *format, ...)
       OPC_PRINTF(2, 3);
   const opc_context *context;
+  OPC_MAY_GROW
 };
 
 /* A file of a new plugin, for `opcflow new plugin KIND.NAME`. In both texts
@@ -41,6 +43,7 @@ struct opc_inspector {
 typedef struct opc_template {
   const char *name; /* "@ID@.c" */
   const char *text;
+  OPC_MAY_GROW
 } opc_template;
 
 /* A small file for plugins that must be given one: what its form is, only the
@@ -49,6 +52,7 @@ typedef struct opc_sample {
   const char *name; /* "table.yaml" */
   const void *bytes;
   size_t size;
+  OPC_MAY_GROW
 } opc_sample;
 
 /* Data for an input of a step, by its data kind. */
@@ -57,46 +61,56 @@ typedef struct opc_example {
   /* Made at the first call and then constant; NULL and *error if it cannot be.
      [main] */
   const void *(*give)(opc_error *error);
+  OPC_MAY_GROW
 } opc_example;
 
 typedef struct opc_kind {
   size_t functions_size; /* of the struct of a plugin of this kind */
-  size_t n_functions;
+
+  /* Those that each plugin must have. Each array with the size of an element.
+   */
+  size_t n_functions, function_size;
   const opc_function *functions;
 
   /* Try an instance on made-up inputs, real in form and figures; tell what is
      wrong with what it hands back. In a process of its own. [main] */
   void (*exercise)(const opc_module *module, opc_inspector *inspector);
 
-  size_t n_templates;
+  size_t n_templates, template_size;
   const opc_template *templates;
 
   /* What lint gives to plugins of this kind that must have a file, each in turn
      until the plugin works with it, and to the inputs of steps. A plugin
      "kind.step" has them for steps. */
-  size_t n_samples;
+  size_t n_samples, sample_size;
   const opc_sample *samples;
-  size_t n_examples;
+  size_t n_examples, example_size;
   const opc_example *examples;
+  OPC_MAY_GROW
 } opc_kind;
 
 /* The end of a kind's file, after `static const opc_function required[]`, a
    function `exercise` and the `templates` that are embedded: the plugin
    "kind.NAME" for modules whose functions are a `type`; what else there is as
    designated initialisers (OPC_SAMPLES). */
-#define OPC_SAMPLES(array) \
-  .n_samples = sizeof(array) / sizeof((array)[0]), .samples = (array)
-#define OPC_EXAMPLES(array) \
-  .n_examples = sizeof(array) / sizeof((array)[0]), .examples = (array)
+#define OPC_REQUIRED_FUNCTIONS(array)                \
+  .n_functions = sizeof(array) / sizeof((array)[0]), \
+  .function_size = sizeof(opc_function), .functions = (array)
+#define OPC_TEMPLATES(array)                         \
+  .n_templates = sizeof(array) / sizeof((array)[0]), \
+  .template_size = sizeof(opc_template), .templates = (array)
+#define OPC_SAMPLES(array)                         \
+  .n_samples = sizeof(array) / sizeof((array)[0]), \
+  .sample_size = sizeof(opc_sample), .samples = (array)
+#define OPC_EXAMPLES(array)                         \
+  .n_examples = sizeof(array) / sizeof((array)[0]), \
+  .example_size = sizeof(opc_example), .examples = (array)
 #define OPC_KIND(kind_name, type, text, ...)                                 \
-  static const opc_kind functions = {                                        \
-      .functions_size = sizeof(type),                                        \
-      .n_functions = sizeof required / sizeof *required,                     \
-      .functions = required,                                                 \
-      .exercise = exercise,                                                  \
-      .n_templates = sizeof templates / sizeof *templates,                   \
-      .templates = templates,                                                \
-      __VA_ARGS__};                                                          \
+  static const opc_kind functions = {.functions_size = sizeof(type),         \
+                                     OPC_REQUIRED_FUNCTIONS(required),       \
+                                     .exercise = exercise,                   \
+                                     OPC_TEMPLATES(templates),               \
+                                     __VA_ARGS__};                           \
   typedef struct kind_state {                                                \
     const opc_host *host;                                                    \
   } kind_state;                                                              \

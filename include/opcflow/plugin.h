@@ -22,11 +22,33 @@
 extern "C" {
 #endif
 
-/* While the major number is 0, a plugin built for another minor is refused: the
-   minor is raised when a struct grows that plugins have or are given, here or
-   in the library of their kinds. */
+/* The version of the interface that a plugin was built for. The host refuses
+   another major, and minors before OPC_ABI_OLDEST. A plugin of any other minor
+   runs, older or newer, because of these rules:
+
+   1. Existing fields, functions, flags and names never change their meaning or
+      place. opc_error, opc_module, opc_reals, opc_pair, opc_map, opc_progress
+      and the first three fields of opc_plugin are frozen.
+   2. A struct that ends with OPC_MAY_GROW (base.h) may get fields before that
+      line. A plugin passes the size of each struct that it declares, and the
+      host reads no more. Fields that an older plugin lacks are 0; the host
+      ignores fields that it does not know.
+   3. Structs that the host hands out may be longer than the plugin knows; no
+      plugin copies them or has arrays of them. A plugin for a later minor asks
+      OPC_HAS before it uses a field that was added to a struct with `size`.
+   4. Rare functions have a name, such as "opcflow.inner/1". A plugin asks
+      opc_host.service for those of the host; the host asks
+      opc_plugin.extension for those of the plugin. NULL: there is none. A
+      change that rules 1 and 2 forbid gets another name.
+   5. The functions of a kind follow rules 1 and 2: functions that must be there
+      are those of the kind's first version. */
 #define OPC_ABI_MAJOR 0u
-#define OPC_ABI_MINOR 7u
+#define OPC_ABI_MINOR 8u
+#define OPC_ABI_OLDEST 8u
+
+/* Whether `object`, a pointer to a `type` with a `size`, has that field. */
+#define OPC_HAS(type, object, member) \
+  ((object)->size >= offsetof(type, member) + sizeof(object)->member)
 
 /* ---- parameters ------------------------------------------------------- */
 
@@ -84,8 +106,8 @@ enum {
                               that flow one after another, also as a list */
   OPC_INNER_STEP = 1 << 9, /* of an OPC_INPUT: stands in place of the step of
                               that flow that is called as the parameter */
-  OPC_LISTED = 1 << 10,    /* of an OPC_TEXT: `choices` of the plugin tells
-                              what it may be */
+  OPC_LISTED = 1 << 10,    /* of an OPC_TEXT: the plugin lists the values that
+                              it may have; choices.h */
   OPC_BESIDE = 1 << 11     /* of an OPC_FILE: others beside it are read, too */
 };
 
@@ -112,8 +134,9 @@ typedef struct opc_parameter {
                          they are used. NULL: none */
   /* Of an OPC_REAL without `preset`: what a value that is not given follows
      from, as people read it ("0.155 lambda/NA"), shown in the default's place;
-     the plugin works it out (opcflow/follow.h). NULL: nothing. Since 0.7. */
+     the plugin works it out (opcflow/follow.h). NULL: nothing. */
   const char *follows;
+  OPC_MAY_GROW
 } opc_parameter;
 
 /* The elements of an array of parameters: the field `member` of an instance of
@@ -137,6 +160,7 @@ typedef struct opc_metric {
   uint32_t better;
   double tolerance; /* a difference below it means nothing; same unit */
   const char *summary;
+  OPC_MAY_GROW
 } opc_metric;
 
 /* ---- the host --------------------------------------------------------- */
@@ -168,58 +192,15 @@ typedef struct opc_column {
   uint32_t type;
   int32_t decimals; /* of an OPC_REAL; -1 for the shortest exact form */
   const void *data;
+  OPC_MAY_GROW
 } opc_column;
-
-typedef struct opc_inner_service opc_inner_service; /* inner.h */
-
-/* What a piece of work gives, byte after byte: `add` copies. [main] */
-typedef struct opc_bytes opc_bytes;
-struct opc_bytes {
-  void (*add)(opc_bytes *bytes, const void *from, size_t size);
-};
-
-/* Work in pieces of which none needs another's result: each is done once, here
-   or, where several processes run the flow together, in one of them; each
-   result that is kept is there again after a run that was killed. All functions
-   are [main], and get `data`.
-
-   `work` must do the same in every process: it follows from what the step was
-   given, from earlier calls of `take`, and from i alone. It publishes nothing;
-   what it warns of or finds is kept with its result and said before that is
-   taken. So figures, tables and metrics come from `take` or after it. */
-typedef struct opc_pieces {
-  void *data;
-  const char *name; /* what one is: "window"; differs between lists of a step */
-  size_t count;
-
-  /* What piece i depends on beyond what the step's own result does
-     (docs/reference/flow.md tells what that is), as a text; valid until the
-     next call. NULL, also the function: it is not kept. Pieces of a name and
-     key are the same. */
-  const char *(*key)(void *data, size_t i);
-
-  /* What it will cost, in any unit: the dearest begin first. The same in every
-     process. NULL: all cost alike. */
-  double (*cost)(void *data, size_t i);
-
-  /* Do piece i, and add its result to `out`: 2^30 bytes at most, for processes
-     of this machine's kind. */
-  int (*work)(void *data, size_t i, opc_bytes *out, opc_error *error);
-
-  /* Take the result of piece i, in every process, in the order of i. `bytes` is
-     aligned as by malloc, and goes when it returns. */
-  int (*take)(void *data, size_t i, const void *bytes, size_t size,
-              opc_error *error);
-
-  /* So many are done, wherever: for host->progress. NULL: not of interest. */
-  void (*done)(void *data, size_t done);
-} opc_pieces;
 
 /* An instance gets a table of its own before `check` and keeps it until after
    `clear`; every function takes that table as its first argument and is [any]
    unless it says otherwise. */
 typedef struct opc_host opc_host;
 struct opc_host {
+  size_t size;                /* of this struct */
   const opc_context *context; /* threads; base.h */
   void *data;                 /* the host's own */
 
@@ -228,11 +209,12 @@ struct opc_host {
       OPC_PRINTF(3, 4);
   void (*progress)(const opc_host *host, const opc_progress *progress);
 
-  /* A table: written as NAME.csv in the run folder, printed if asked to.
-     [main], while a step runs. */
+  /* Publish a table: it is written as NAME.csv in the run folder, and printed
+     if asked to. `column_size` is that of an opc_column; opc_put_table and
+     opc_put_rows (table.h) pass it. [main], while a step runs. */
   int (*table)(const opc_host *host, const char *name, uint32_t flags,
                size_t rows, const opc_column *columns, size_t n_columns,
-               opc_error *error);
+               size_t column_size, opc_error *error);
 
   /* The value of a metric that the plugin declares. [main] */
   int (*metric)(const opc_host *host, const char *name, double value,
@@ -244,25 +226,13 @@ struct opc_host {
   const char *(*output_path)(const opc_host *host, const char *name,
                              opc_error *error);
 
-  const opc_inner_service *inner; /* flows that a step runs; inner.h */
-
-  /* What the results of the plugin in a slot, or of this one for NULL, depend
-     on but for inputs, as one sum (SHA-256 in hexadecimal): its build, its
-     parameters, the contents of files, and what stands in its slots. For
-     whoever keeps results beyond a run. Valid as long as the instance; NULL and
-     *error if a file cannot be read, or if a plugin in the slot, or in a slot
-     of that, takes the result of a step ('${gates}'), which the sum would not
-     tell. What a step takes itself is its own to add. [main], while a step
-     runs. Since 0.5. */
-  const char *(*identity)(const opc_host *host, const char *slot,
-                          opc_error *error);
-
-  /* Have all pieces done and taken. The first fault of `work` or `take` ends
-     it. A step whose flags have no OPC_STEP_PIECES does them alone. [main],
-     while a step runs; in a piece, too: then here, and nothing is kept. Since
-     0.6. */
-  int (*pieces)(const opc_host *host, const opc_pieces *pieces,
-                opc_error *error);
+  /* Return the service of that name, a struct that its header declares; NULL
+     if this host or this instance has none. Valid as long as the instance:
+       "opcflow.inner/1"    flows that a step runs               inner.h
+       "opcflow.pieces/1"   work that processes share            pieces.h
+       "opcflow.results/1"  results kept beyond a run            results.h */
+  const void *(*service)(const opc_host *host, const char *name);
+  OPC_MAY_GROW
 };
 
 /* ---- the descriptor --------------------------------------------------- */
@@ -273,16 +243,19 @@ enum {
 };
 
 /* What a plugin tells of itself. Everything it points to is constant and lives
-   as long as the object is loaded. The first two fields are for all time where
-   they are. */
+   as long as the object is loaded. */
 typedef struct opc_plugin {
   uint16_t abi_major, abi_minor;
-  uint32_t flags;
+  uint32_t size;    /* of this struct */
   const char *id;   /* "litho.hopkins": family.name, lower case */
   const char *kind; /* "litho": of the functions below; kind.h */
   const char *version;
   const char *licence; /* SPDX expression */
   const char *summary; /* one line, no full stop */
+  uint32_t flags;      /* OPC_DETERMINISTIC, OPC_REENTRANT */
+
+  /* Each array with the size of an element. */
+  uint32_t parameter_size, metric_size;
   size_t n_parameters;
   const opc_parameter *parameters;
   size_t n_metrics;
@@ -304,23 +277,24 @@ typedef struct opc_plugin {
      after a `check` that failed. NULL: nothing to do. [main] */
   void (*clear)(void *self);
 
-  /* The kind's struct of functions, and its size. */
+  /* The kind's struct of functions, and its size in the plugin. */
   const void *functions;
   size_t functions_size;
 
-  /* Call `take` with each value that the parameter of that name, one that is
-     OPC_LISTED, may have where the others are as they are: the cells of a file.
-     In an order of its own; the texts may go when `take` is done. Also before
-     any input is there. [main] */
-  int (*choices)(void *self, const char *parameter,
-                 void (*take)(void *data, const char *value), void *data,
-                 opc_error *error);
+  /* Return the extension of that name, a constant struct that a header
+     declares, or NULL; the field may be NULL, too:
+       "opcflow.choices/1"  values that a parameter may have     choices.h
+     [any] */
+  const void *(*extension)(const char *name);
+  OPC_MAY_GROW
 } opc_plugin;
 
-#define OPC_PARAMETERS(array) \
-  .n_parameters = sizeof(array) / sizeof((array)[0]), .parameters = (array)
-#define OPC_METRICS(array) \
-  .n_metrics = sizeof(array) / sizeof((array)[0]), .metrics = (array)
+#define OPC_PARAMETERS(array)                         \
+  .n_parameters = sizeof(array) / sizeof((array)[0]), \
+  .parameter_size = sizeof(opc_parameter), .parameters = (array)
+#define OPC_METRICS(array)                         \
+  .n_metrics = sizeof(array) / sizeof((array)[0]), \
+  .metric_size = sizeof(opc_metric), .metrics = (array)
 #define OPC_FUNCTIONS(object) \
   .functions = &(object), .functions_size = sizeof(object)
 
@@ -334,6 +308,7 @@ typedef const opc_plugin *(*opc_plugin_entry)(void);
   const opc_plugin *opcflow_plugin(void) {                            \
     static const opc_plugin plugin = {.abi_major = OPC_ABI_MAJOR,     \
                                       .abi_minor = OPC_ABI_MINOR,     \
+                                      .size = sizeof(opc_plugin),     \
                                       .instance_size = sizeof(state), \
                                       __VA_ARGS__};                   \
     return &plugin;                                                   \

@@ -22,6 +22,7 @@ typedef struct opc_port {
 
   /* Frees it, before the instance that made it is cleared. [main] */
   void (*release)(void *object);
+  OPC_MAY_GROW
 } opc_port;
 
 /* What a run of a step is about to want. Texts are for the user, plain and on
@@ -32,6 +33,7 @@ typedef struct opc_forecast {
                      is, is refused */
   char work[200]; /* "at least 36 simulations of 2048 x 1024 points" */
   char help[200]; /* what would take less: "a smaller 'na'" */
+  OPC_MAY_GROW
 } opc_forecast;
 
 enum {
@@ -42,17 +44,17 @@ enum {
                                 files they name, and inputs: on files that those
                                 files name, on other programs. Its result is
                                 never used again */
-  OPC_STEP_PIECES = 1 << 2 /* shares its work by host->pieces with the processes
-                              that run the flow together. It and those that it
-                              takes from run in each of them, all others in the
-                              first one alone. Since 0.6 */
+  OPC_STEP_PIECES = 1 << 2   /* shares its work by pieces.h with the processes
+                                that   run the flow together. It and those that it
+                                takes   from run in each of them, all others in
+                                the   first   one alone */
 };
 
 typedef struct opc_step {
   /* The first one is what `${step}` means. Inputs are parameters of the type
      OPC_INPUT. An output may point into the inputs of its step: they live as
      long as it. */
-  size_t n_outputs;
+  size_t n_outputs, output_size; /* output_size: of an opc_port */
   const opc_port *outputs;
 
   /* Do the work, once, with the inputs there. Puts n_outputs objects into
@@ -76,10 +78,12 @@ typedef struct opc_step {
               opc_error *error);
   int (*restore)(void *self, const char *folder, void **outputs,
                  opc_error *error);
+  OPC_MAY_GROW
 } opc_step;
 
-#define OPC_OUTPUTS(array) \
-  .n_outputs = sizeof(array) / sizeof((array)[0]), .outputs = (array)
+#define OPC_OUTPUTS(array)                         \
+  .n_outputs = sizeof(array) / sizeof((array)[0]), \
+  .output_size = sizeof(opc_port), .outputs = (array)
 
 #ifdef __cplusplus
 }

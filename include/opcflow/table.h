@@ -37,6 +37,15 @@ OPC_UNUSED static int opc_put_metrics(const opc_host *host,
 
 /* ---- tables ---- */
 
+/* Publish a table; opc_host.table. [main] */
+OPC_UNUSED static int opc_put_table(const opc_host *host, const char *name,
+                                    uint32_t flags, size_t rows,
+                                    const opc_column *columns, size_t n,
+                                    opc_error *error) {
+  return host->table(host, name, flags, rows, columns, n, sizeof *columns,
+                     error);
+}
+
 /* A table of `rows` structs of `size` bytes each. The data of a column is the
    member of the first one. [main] */
 OPC_UNUSED static int opc_put_rows(const opc_host *host, const char *name,
@@ -57,7 +66,7 @@ OPC_UNUSED static int opc_put_rows(const opc_host *host, const char *name,
     all[k].data = to;
   }
   if (all && cells)
-    code = host->table(host, name, flags, rows, all, n, error);
+    code = opc_put_table(host, name, flags, rows, all, n, error);
   else
     opc_fail(error, OPC_FAILED, NULL, "table '%s': out of memory", name);
   free(all);

@@ -13,21 +13,21 @@
 static const opc_inner_axis *find_axis(const experiment *e, const char *name,
                                        opc_error *error) {
   size_t n;
-  const opc_inner_axis *axes = e->host->inner->axes(e->host, &n);
-  int i = e->host->inner->axis(e->host, name, error);
-  return i < 0 ? NULL : &axes[i];
+  const opc_inner_axis *const *axes = opc_get_inner(e->host)->axes(e->host, &n);
+  int i = opc_get_inner(e->host)->axis(e->host, name, error);
+  return i < 0 ? NULL : axes[i];
 }
 
 /* A flow with a sweep of its own would have as many runs of a method. */
 static int check_sweep(const experiment *e, opc_error *error) {
   size_t n;
-  const opc_inner_axis *axes = e->host->inner->axes(e->host, &n);
+  const opc_inner_axis *const *axes = opc_get_inner(e->host)->axes(e->host, &n);
   for (size_t i = 0; i < n; i++)
-    if (strcmp(axes[i].path, "cases") && strcmp(axes[i].path, "methods"))
+    if (strcmp(axes[i]->path, "cases") && strcmp(axes[i]->path, "methods"))
       return opc_fail(error, OPC_INVALID, "flow",
                       "'%s' sweeps '%s': fix it by 'set', or make methods of "
                       "its values",
-                      e->flow, axes[i].path);
+                      e->flow, axes[i]->path);
   return OPC_OK;
 }
 
@@ -65,17 +65,18 @@ static int check(void *self, opc_error *error) {
 /* OPC_CANCELLED, or OPC_OK also for a run that fails. */
 static int run_one(experiment *e, size_t i, opc_error *error) {
   opc_error why = {0};
-  opc_inner_run out;
+  const opc_inner_run *out;
   g_autofree char *place = g_build_filename(
       e->case_names[i / e->n_methods], e->method_names[i % e->n_methods], NULL);
-  int code = e->host->inner->run_whole(e->host, i, place, 1, &out, &why);
+  int code =
+      opc_get_inner(e->host)->run_whole(e->host, i, place, 1, &out, &why);
   if (code == OPC_CANCELLED) {
     *error = why;
     return code;
   }
   e->results[i] = g_strdup(code ? why.message : "good");
-  e->seconds[i] = out.folder ? out.seconds : NAN;
-  if (!out.folder) {
+  e->seconds[i] = out ? out->seconds : NAN;
+  if (!out) {
     e->failed++;
     e->host->log(e->host, OPC_LOG_WARNING, "%s by %s failed: %s",
                  e->case_names[i / e->n_methods],
@@ -83,10 +84,10 @@ static int run_one(experiment *e, size_t i, opc_error *error) {
     e->places[i] = g_strdup("");
     return OPC_OK;
   }
-  e->folders[i] = g_strdup(out.folder);
+  e->folders[i] = g_strdup(out->folder);
   e->places[i] = g_steal_pointer(&place);
   e->missed += code == OPC_LIMIT;
-  e->with_findings += out.findings > 0;
+  e->with_findings += out->findings > 0;
   take_figures(e, i);
   return OPC_OK;
 }
@@ -98,7 +99,7 @@ static int run(void *self, void **outputs, opc_error *error) {
   e->results = g_new0(char *, e->count);
   e->seconds = g_new(double, e->count);
   e->figures = g_ptr_array_new_with_free_func(figure_free);
-  int code = e->host->inner->begin(e->host, error);
+  int code = opc_get_inner(e->host)->begin(e->host, error);
   for (size_t i = 0; i < e->count && !code; i++) code = run_one(e, i, error);
   if (code) return code;
   if (e->failed == e->count)

@@ -46,8 +46,9 @@ static figure *get_figure(experiment *e, const opc_inner_metric *m) {
 
 void take_figures(experiment *e, size_t run) {
   size_t n;
-  const opc_inner_metric *m = e->host->inner->metrics(e->host, 0, &n);
-  for (size_t i = 0; i < n; i++) get_figure(e, &m[i])->values[run] = m[i].value;
+  const opc_inner_metric *const *m =
+      opc_get_inner(e->host)->metrics(e->host, 0, &n);
+  for (size_t i = 0; i < n; i++) get_figure(e, m[i])->values[run] = m[i]->value;
 }
 
 /* ---- experiment.csv ---- */
@@ -84,7 +85,7 @@ static int write_runs(const experiment *e, opc_error *error) {
     const figure *f = e->figures->pdata[i];
     columns[HEAD + i] = (opc_column){f->name, f->unit, OPC_REAL, -1, f->values};
   }
-  return e->host->table(e->host, "experiment", 0, e->count, columns, n, error);
+  return opc_put_table(e->host, "experiment", 0, e->count, columns, n, error);
 }
 
 /* ---- the summary ---- */
@@ -176,9 +177,9 @@ static int print_summary(const experiment *e, opc_error *error) {
   s.width += strlen("cases") + strlen("seconds") + 6;
   add_figures(&s);
   add_means(&s, "seconds", NULL, e->seconds, TRUE);
-  int code = e->host->table(e->host, "summary", OPC_TABLE_PRINT, e->n_methods,
-                            (const opc_column *)(void *)s.columns->data,
-                            s.columns->len, error);
+  int code = opc_put_table(e->host, "summary", OPC_TABLE_PRINT, e->n_methods,
+                           (const opc_column *)(void *)s.columns->data,
+                           s.columns->len, error);
   g_array_free(s.columns, TRUE);
   g_ptr_array_free(s.cells, TRUE);
   return code;

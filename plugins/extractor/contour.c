@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Slices a printed gate so that few slices have the width, the area and both
-   currents of its contour. The length is measured at some places, and a
-   Chebyshev series of its square gives it everywhere: the square is smooth even
-   where the line ends, as the line's edges meet there like the ends of a
-   parabola. The slices lie at some of the measured places; each begins as the
-   piece of the gate nearest to it, and its width is then changed by as little
-   as gives all slices together the sums of the series. */
+/* Implements the slicing of a printed gate into few slices that preserve the
+   width, the area and both currents of its contour. Lengths are measured at
+   some places; a Chebyshev series of the squared length interpolates them. The
+   square is smooth even at line ends, where the edges of the line meet like the
+   ends of a parabola. Slices are located at some of the measured places. The
+   initial width of a slice is that of the part of the gate nearest to it; the
+   widths are then changed as little as possible until the sums over slices
+   equal the integrals of the series. */
 #include "contour.h"
 
 #include <eda/memory.h>
@@ -20,22 +21,23 @@
 enum {
   SIZES = 9,
   LARGEST = 128,
-  NODES = 32, /* of a piece of the integrals */
+  NODES = 32, /* nodes of a subinterval of the integrals */
   PIECES = 3,
-  LANES = 8, /* of them in a vector */
-  /* Width, area and both currents; where edges count, what share of each
-     current's edges the slices have, which extraction brings to 1. */
+  LANES = 8, /* nodes per vector */
+  /* Width, area and both currents. With edge currents also the share of each
+     edge current over the slices, which extraction scales to 1. */
   MOMENTS = 6,
   WIDE_MOMENTS = 4,
-  PLACES = LARGEST + 2, /* those measured, and both ends that are gone */
-  MORE = 2              /* larger sizes, if they do not fit */
+  PLACES = LARGEST + 2, /* the measured places and both missing ends */
+  MORE = 2              /* number of larger sizes to try if no widths fit */
 };
 static const int sizes[SIZES] = {12, 16, 20, 24, 32, 48, 64, 96, LARGEST};
 
-/* What the last terms of a series may add to a length, nm, at most; on average
-   they add far less. A drive current changes by 2 to 5 % for each nm. */
+/* Largest contribution of the last terms of a series to a length, nm; the mean
+   is far smaller. A drive current changes by 2 to 5 % per nm. */
 static const double enough = 0.02;
-/* Rounded ends are followed more closely than this from each edge, nm. */
+/* Width of the regions at both edges that are integrated more finely, for
+   rounded ends, nm. */
 static const double rounding = 45;
 
 struct contour {
@@ -44,16 +46,16 @@ struct contour {
   double node[NODES], share[NODES];
 };
 
-/* A gate while it is sliced: lengths against x from -1 to 1, which is from
-   `from` to `to` of its width. */
+/* A gate during slicing: lengths against x from -1 to 1, which corresponds to
+   `from` .. `to` of the width. */
 typedef struct shape {
   const eda_curves *table;
   contour_weight *weight;
   const void *self;
   const eda_printed_gate *gate;
   edges edges;
-  int by_place; /* whether slices of one length differ by their places */
-  int moments;  /* of MOMENTS */
+  int by_place; /* 1: slices of equal length differ by place */
+  int moments;  /* number of moments in use, at most MOMENTS */
   double from, to;
   int size;
   double coefficient[LARGEST], length[LARGEST];
@@ -95,7 +97,7 @@ static double place_of(const shape *h, double x) {
   return h->from + (h->to - h->from) * (x + 1) / 2;
 }
 
-/* The coefficients from the lengths that were measured. */
+/* Compute the coefficients from the measured lengths. */
 EDA_WIDE static void transform(const double *series, shape *h) {
   size_t n = (size_t)h->size;
   for (size_t k = 0; k < n; k++) h->coefficient[k] = 0;
@@ -108,8 +110,8 @@ EDA_WIDE static void transform(const double *series, shape *h) {
 
 typedef double lanes __attribute__((vector_size(LANES * sizeof(double))));
 
-/* The lengths at n places, a multiple of twice LANES (Clenshaw's recurrence,
-   two vectors at a time). */
+/* Compute the lengths at n places, n a multiple of 2 LANES (Clenshaw's
+   recurrence, two vectors at a time). */
 EDA_WIDE static void lengths_at(const shape *h, size_t n, const double *x,
                                 double *out) {
   for (size_t i = 0; i < n; i += 2 * LANES) {
@@ -133,8 +135,9 @@ EDA_WIDE static void lengths_at(const shape *h, size_t n, const double *x,
   for (size_t i = 0; i < n; i++) out[i] = sqrt(out[i] > 0 ? out[i] : 0);
 }
 
-/* Measure at the places of a size. Gives what its last terms still add to the
-   length, nm, at most; NAN if a length is none. */
+/* Measure the lengths at the places of a size. Return an upper bound of the
+   contribution of the last terms to the length, nm; NAN if a length is not
+   finite. */
 static double measure(const contour *c, int s, shape *h) {
   double longest = 0;
   h->size = sizes[s];
@@ -174,7 +177,7 @@ static inline void functions(const shape *h, double place, double length,
     f[2 + k] *= h->weight(h->self, h->gate->type, k, edge, h->gate->width);
 }
 
-/* Add what the functions are at n places, times their share. */
+/* Add the functions at n places, times the shares, to the sums. */
 static void add_places(const shape *h, size_t n, const double *x,
                        const double *length, const double *share,
                        double sum[MOMENTS]) {
@@ -187,8 +190,8 @@ static void add_places(const shape *h, size_t n, const double *x,
   for (int k = 0; k < MOMENTS; k++) sum[k] += part[k];
 }
 
-/* The integrals of the functions over the width. The currents are smooth where
-   the length leaves the device table, too. */
+/* Compute the integrals of the functions over the width. The currents are also
+   smooth where the length leaves the range of the device table. */
 static void integrate(const contour *c, const shape *h, double sum[MOMENTS]) {
   double part =
       fmin(2.0 / 3, 2 * rounding / (h->gate->width * (h->to - h->from)));
@@ -205,7 +208,7 @@ static void integrate(const contour *c, const shape *h, double sum[MOMENTS]) {
   lengths_at(h, n, x, length);
   for (int k = 0; k < MOMENTS; k++) sum[k] = 0;
   add_places(h, n, x, length, share, sum);
-  /* Where the line has ended already. */
+  /* Parts of the width beyond the line's ends. */
   const double gone[2] = {h->from, 1 - h->to};
   for (int side = 0; side < 2; side++) {
     double f[MOMENTS] = {0}, place = side ? (1 + h->to) / 2 : h->from / 2;
@@ -216,8 +219,8 @@ static void integrate(const contour *c, const shape *h, double sum[MOMENTS]) {
 
 /* ---- the slices ---- */
 
-/* Number i of n among m places: k of them are the outermost on each side, where
-   the lengths change fast, the rest evenly between. */
+/* Return place i of n among m: the k outermost on each side, where the lengths
+   change fast, the others evenly between them. */
 static size_t pick(size_t i, size_t n, size_t m, size_t k) {
   if (i < k) return i;
   if (i >= n - k) return m - (n - i);
@@ -225,8 +228,8 @@ static size_t pick(size_t i, size_t n, size_t m, size_t k) {
   return k - 1 + ((i - k + 1) * (m - 2 * k + 1) + gaps / 2) / gaps;
 }
 
-/* Places among those that were measured, one more for each end that is gone,
-   and the widths that are nearest to each. */
+/* Choose n of the measured places, one more for each missing end, and assign to
+   each the width nearest to it. */
 static void choose(const contour *c, int s, const shape *h, size_t n,
                    size_t outer, double *place, double *width, double *length) {
   size_t first = h->from > 0, last = n - (h->to < 1), inner = last - first;
@@ -247,7 +250,8 @@ static void choose(const contour *c, int s, const shape *h, size_t n,
   }
 }
 
-/* Solve a symmetric positive system in place (Cholesky); 0 if it is none. */
+/* Solve a symmetric positive definite system in place (Cholesky). Return 0 if
+   it is not positive definite. */
 static int solve(double a[MOMENTS][MOMENTS], double x[MOMENTS], int n) {
   for (int i = 0; i < n; i++) {
     for (int j = 0; j <= i; j++) {
@@ -270,16 +274,15 @@ static int solve(double a[MOMENTS][MOMENTS], double x[MOMENTS], int n) {
   return 1;
 }
 
-/* Slices, and what they should add up to: f of each over the sum that is
-   wanted. */
+/* Slices and their functions, each divided by the wanted sum. */
 typedef struct slices {
   size_t n;
   double f[PLACES][MOMENTS];
 } slices;
 
-/* Change the widths by the smallest factors (least squares) that give the first
-   `moments` sums: 1. If one would come out below 0, the lowest becomes 0, for
-   another try: 0. */
+/* Scale the widths by factors nearest to 1 (least squares) such that the first
+   `moments` sums are 1. Return 0 and set the width with the lowest factor to 0
+   if a factor is negative; the caller tries again. */
 static int fit(const slices *s, int moments, double *width) {
   double a[MOMENTS][MOMENTS] = {{0}}, r[MOMENTS] = {1, 1, 1, 1, 1, 1};
   for (size_t i = 0; i < s->n; i++)
@@ -288,7 +291,7 @@ static int fit(const slices *s, int moments, double *width) {
       for (int m = 0; m <= k; m++)
         a[k][m] += width[i] * s->f[i][k] * s->f[i][m];
     }
-  /* A rectangle has one length only: all functions are the same. */
+  /* In a rectangle all slices have one length, so all functions are equal. */
   for (int k = 0; k < moments; k++) a[k][k] *= 1 + 1e-12;
   if (!solve(a, r, moments)) return 1;
   double factor[PLACES], least = 0;
@@ -306,7 +309,7 @@ static int fit(const slices *s, int moments, double *width) {
   return 1;
 }
 
-/* Do the slices add up? */
+/* Return 1 if the first `moments` sums are 1. */
 static int adds_up(const slices *s, int moments, const double *width) {
   for (int k = 0; k < moments; k++) {
     double sum = 0;
@@ -316,7 +319,8 @@ static int adds_up(const slices *s, int moments, const double *width) {
   return 1;
 }
 
-/* Fit the first `moments` sums: 1. 0 if no widths have them. */
+/* Fit the first `moments` sums and normalise the widths. Return 0 if no widths
+   satisfy the sums. */
 static int settle(const slices *s, int moments, double *width) {
   for (size_t left = s->n; left > (size_t)moments; left--)
     if (fit(s, moments, width)) break;
@@ -327,7 +331,7 @@ static int settle(const slices *s, int moments, double *width) {
   return 1;
 }
 
-/* Slices with the first `moments` sums: 1. 0 if there are none. */
+/* Find n slices with the first `moments` sums. Return 0 if there are none. */
 static int try_slices(const contour *c, int s, const shape *h,
                       const double sum[MOMENTS], int moments, size_t n,
                       double *place, double *width) {
@@ -350,8 +354,8 @@ static void swap(double *a, double *b) {
   *b = x;
 }
 
-/* Widths of n + 1 slices that add to none of n sums: a vector of the null
-   space, by elimination with the largest pivots. */
+/* Find widths of n + 1 slices that change none of n sums: a vector of the null
+   space, by elimination with complete pivoting. */
 static void find_idle(const slices *s, size_t n, const size_t *slice,
                       double idle[MOMENTS + 1]) {
   double a[MOMENTS][MOMENTS + 1];
@@ -365,7 +369,7 @@ static void find_idle(const slices *s, size_t n, const size_t *slice,
     for (size_t k = rank; k < n; k++)
       for (size_t j = rank; j <= n; j++)
         if (fabs(a[k][j]) > fabs(a[row][at])) row = k, at = j;
-    /* Slices of one length: the functions are the same but for rounding. */
+    /* For slices of equal length the functions differ only by rounding. */
     if (fabs(a[row][at]) < 1e-13) break;
     for (size_t j = 0; j <= n; j++) swap(&a[row][j], &a[rank][j]);
     for (size_t k = 0; k < n; k++) swap(&a[k][at], &a[k][rank]);
@@ -385,8 +389,9 @@ static void find_idle(const slices *s, size_t n, const size_t *slice,
   }
 }
 
-/* Move the widths of the narrowest of `left` slices and of its neighbours, so
-   that no sum changes, until one of them is 0: which. */
+/* Change the widths of the narrowest of `left` slices and of its neighbours,
+   with all sums constant, until one width is 0. Return the position of that
+   slice. */
 static size_t drop_one(const slices *s, size_t moments, const size_t *slice,
                        size_t left, double *width) {
   size_t least = 0, gone = 0;
@@ -406,10 +411,10 @@ static size_t drop_one(const slices *s, size_t moments, const size_t *slice,
   return first + gone;
 }
 
-/* Slices with all sums from all places that were measured: these have widths
-   with the sums, and no more of them are needed than there are sums, and one
-   (Caratheodory's theorem). One by one they are given up until n are left: 1. 0
-   if all together do not have the sums. */
+/* Find n slices with all sums by elimination: fit all measured places, then
+   remove slices one by one without changing the sums. At most one slice more
+   than there are sums is needed (Caratheodory's theorem). Return 0 if the
+   measured places do not satisfy the sums. */
 static int reduce(const contour *c, int s, const shape *h,
                   const double sum[MOMENTS], size_t n, double *place,
                   double *width) {
@@ -450,8 +455,8 @@ int contour_slice(const contour *c, const eda_curves *table, double reach,
   h.from = fmax(0, -gate->extension[0] / gate->width);
   h.to = 1 - fmax(0, -gate->extension[1] / gate->width);
   if (!(h.to - h.from > 0.1)) return 0;
-  /* Prints of 129 nm resolution (NA 0.75, 193 nm) want about as many as this;
-     finer ones take another round. So do those to which no widths fit. */
+  /* Sufficient for images of 129 nm resolution (NA 0.75, 193 nm). Finer images,
+     and gates to which no widths fit, use the next size. */
   double want = fmax(10 + gate->width / 60, (double)n);
   int s = 0, more = MORE;
   while (s + 1 < SIZES && sizes[s] < want) s++;
@@ -464,7 +469,7 @@ int contour_slice(const contour *c, const eda_curves *table, double reach,
     if (s + 1 == SIZES || !more--) break;
   }
   if (reduce(c, s, &h, sum, n, place, width)) return 1;
-  /* Without the last sums, those of the edges and then of Ioff first. */
+  /* Drop the last sums one by one: edge currents first, then Ioff. */
   for (int moments = h.moments - 1; moments > 0; moments--)
     if (try_slices(c, s, &h, sum, moments, n, place, width)) return 1;
   return 0;

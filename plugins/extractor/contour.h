@@ -8,8 +8,9 @@
 
 enum { CONTOUR_LEAST = 8, CONTOUR_MOST = 96 }; /* slices */
 
-/* What a slice at `edge` nm from the nearer active edge of a transistor of
-   `width` carries, over what a wide one of its length does (thesis eq. 3.2). */
+/* Return the weight of a slice at `edge` nm from the nearer active edge of a
+   transistor of `width` nm: its current relative to that of a wide slice of
+   equal length (thesis eq. 3.2). */
 typedef double contour_weight(const void *self, int type, int current,
                               double edge, double width);
 
@@ -18,8 +19,9 @@ typedef struct contour contour;
 contour *contour_new(void);
 void contour_free(contour *c);
 
-/* Where to slice a gate, and how wide, for n slices: 1; 0 if it is too broken
-   for that. `weight` may be NULL: 1. `reach`: of the edges' current, nm. */
+/* Find n slices of a gate: places and widths as fractions of its width.
+   `weight` may be NULL: 1. `reach`: decay length of the edge current, nm.
+   Return 0 if the contour is too irregular. */
 int contour_slice(const contour *c, const eda_curves *table, double reach,
                   contour_weight *weight, const void *self,
                   const eda_printed_gate *gate, size_t n, double *place,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For the tests of extractors: gates of any shape, without a print. */
+/* Test helpers of extractors: synthetic gates of any shape. */
 #ifndef OPCFLOW_EXTRACTOR_GATES_TEST_H
 #define OPCFLOW_EXTRACTOR_GATES_TEST_H
 
@@ -27,9 +27,9 @@ static inline void made_up_lengths(const eda_printed_gate *gate, size_t n,
   for (size_t i = 0; i < n; i++) length[i] = made_up_length(gate, place[i]);
 }
 
-/* A gate of width w whose length at the fraction t of it is s(t), and which
-   goes on past the active on both sides by `extension`. Sliced as the extractor
-   says. */
+/* Return the extracted figures of a gate of width w whose length at fraction t
+   of the width is s(t). `extension`: extension of the poly past the active on
+   both sides, nm. */
 static inline figures of_gate(const opc_module *m, uint8_t type, double w,
                               shape *s, double extension) {
   const eda_extractor *e = m->functions;

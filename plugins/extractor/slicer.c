@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Sums up the slices of a gate, after thesis eq. 2.2 and 3.2. */
+/* Implements the sum over slices of a gate (thesis eq. 2.2 and 3.2). */
 #include "slicer.h"
 
 #include <eda/memory.h>
@@ -12,10 +12,10 @@
 
 enum { CONTOUR, GAUSS, EQUAL };
 
-/* A gate is marked if more than this part of a current rests on how the device
-   table goes on beyond its ends: what a third of a nm does to it. Within a few
-   nm the change of Ion there is right to a tenth (docs/reference/devices.md),
-   so that less is an error of 0.1 % in Ion. */
+/* Limit of the extrapolated part of each current above which a gate is marked,
+   equal to the effect of a third of a nm. Within a few nm, extrapolated changes
+   of Ion are accurate to a tenth (docs/reference/devices.md), so smaller parts
+   are errors below 0.1 % of Ion. */
 static const double notable[EDA_CURRENTS] = {
     [EDA_ION] = 0.01, [EDA_IOFF] = 0.1};
 
@@ -48,8 +48,7 @@ void slicer_slice(const void *self, const eda_printed_gate *gate, double *place,
   const slicer *s = self;
   size_t n = (size_t)s->slices;
   const eda_curves *curves = eda_curves_of(&s->curves, gate->flavour);
-  if (!curves)
-    curves = &s->curves; /* that there are none slicer_extract tells */
+  if (!curves) curves = &s->curves; /* slicer_extract reports a missing table */
   if (s->contour && contour_slice(s->contour, curves, s->reach, s->weight, s,
                                   gate, n, place, width))
     return;
@@ -62,8 +61,8 @@ static int within(const eda_curves *table, double length) {
          length <= eda_curves_longest(table);
 }
 
-/* How much of a current per width the table does not have: what going on beyond
-   its end adds to that of the end, or takes from it. */
+/* Return the absolute extrapolated part of a current per width: the difference
+   to the current at the end of the table. */
 static double guessed(const eda_curves *table, int type, int c, double length,
                       double current) {
   if (within(table, length)) return 0;
@@ -72,18 +71,18 @@ static double guessed(const eda_curves *table, int type, int c, double length,
   return fabs(current - exp(end));
 }
 
-/* A gate's slices. */
+/* Slices of a gate. */
 typedef struct strips {
   const slicer *slicer;
-  const eda_curves *curves; /* of its flavour */
+  const eda_curves *curves; /* curves of the gate's flavour */
   int type;
   size_t count;
-  const double *width, *length, *edge; /* of each */
-  double sum, area;                    /* of the widths; nm^2 */
+  const double *width, *length, *edge; /* one value per slice */
+  double sum, area;                    /* sum of widths; area, nm^2 */
   edges edges;
 } strips;
 
-/* What brings the shares of the edges' current to 1 over these slices. */
+/* Return the factor that scales the sum of edge shares to 1. */
 static double settled(const strips *g, int c) {
   double sum = 0;
   for (size_t k = 0; k < g->count; k++)
@@ -91,8 +90,8 @@ static double settled(const strips *g, int c) {
   return g->sum / sum;
 }
 
-/* What the table says of a slice's current per width; `part` is what brings
-   the shares of the edges to 1. */
+/* Return the current of a slice per width from the table; `part` scales the sum
+   of edge shares to 1. */
 static double current_at(const strips *g, int c, size_t k, double part,
                          double wide) {
   if (g->edges.width.is_wide) return wide;
@@ -101,9 +100,9 @@ static double current_at(const strips *g, int c, size_t k, double part,
   return wide + (narrow - wide) * part * edges_share(&g->edges, c, g->edge[k]);
 }
 
-/* One current of a gate, and the length of the rectangle of the same width and
-   current whose slices have the same weights (eq. 2.2 and 3.2). 1: both rest on
-   what the table does not have. */
+/* Compute one current of a gate and the length of the rectangle of equal width
+   and current whose slices have equal weights (eq. 2.2 and 3.2). Return 1 if
+   more than the limit is extrapolated. */
 static int extract_current(const strips *g, int c, double *current,
                            double *leq) {
   const slicer *s = g->slicer;
@@ -180,7 +179,7 @@ static void place_slices(slicer *s) {
     gsl_integration_glfixed_point(0, 1, i, &s->place[i], &s->width[i], t);
     sum += s->width[i];
   }
-  /* Some of its rules are good to 1e-11. */
+  /* Some rules are accurate only to 1e-11. */
   for (size_t i = 0; i < n; i++) s->width[i] /= sum;
   gsl_integration_glfixed_table_free(t);
 }

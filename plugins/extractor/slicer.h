@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the extractors that slice a gate have in common (thesis eq. 2.1 to 2.4
-   and 3.2): a plugin adds its own parameters, and its weight of a slice. */
+/* Common part of the extractors that slice gates (thesis eq. 2.1 to 2.4 and
+   3.2). A plugin adds parameters and the weight of a slice. */
 #ifndef OPCFLOW_EXTRACTOR_SLICER_H
 #define OPCFLOW_EXTRACTOR_SLICER_H
 
@@ -8,17 +8,18 @@
 
 #include "contour.h"
 
-/* The instance of an extractor begins with this. */
+/* First member of the instance of such an extractor. */
 typedef struct slicer {
   const opc_host *host;
-  const char *path; /* of the device table */
+  const char *path; /* path of the device table */
   int64_t slices;
   int rule;
-  double *place, *width; /* of all gates, or of those too broken to follow */
-  contour *contour;      /* NULL: all gates are sliced alike */
+  double *place, *width; /* slices of all gates, or of gates that the contour
+                            rule rejects */
+  contour *contour;      /* NULL: equal slicing of all gates */
   eda_curves curves;
   contour_weight *weight; /* NULL: 1 */
-  double reach;           /* of the edges' current, nm */
+  double reach;           /* decay length of the edge current, nm */
 } slicer;
 
 /* clang-format off */ /* it takes the elements for nested ones */
@@ -43,11 +44,11 @@ typedef struct slicer {
    OPC_FIELD(slicer, reach)}
 /* clang-format on */
 
-/* `check` and `clear` of a plugin. */
+/* Implement `check` and `clear` of a plugin. */
 int slicer_check(void *self, opc_error *error);
 void slicer_clear(void *self);
 
-/* The functions of an extractor. */
+/* Implement the functions of an extractor. */
 int slicer_prepare(void *self, opc_error *error);
 size_t slicer_slicing(const void *self, const double **place,
                       const double **width);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reads gamma from a table, and looks it up. */
+/* Implements tables of gamma: reading and interpolation. */
 #include "weights.h"
 
 #include <eda/csv.h>
@@ -21,7 +21,7 @@ typedef struct point {
   size_t row;
 } point;
 
-/* Those of a type and a current stand together. */
+/* Points of equal type and current are adjacent. */
 static int by_place(const void *a, const void *b) {
   const point *x = a, *y = b;
   if (x->type != y->type) return x->type - y->type;
@@ -43,7 +43,7 @@ static int read_row(const eda_csv *c, size_t row, point *p, opc_error *error) {
   return code;
 }
 
-/* A grid of points that are all there, once. */
+/* Make a grid from points; fail unless each point occurs exactly once. */
 static int make_grid(const eda_csv *c, const point *p, size_t n, grid *g,
                      opc_error *error) {
   g->edges = 1;
@@ -103,8 +103,8 @@ void weights_clear(weights *w) {
   *w = (weights){0};
 }
 
-/* Before which of n increasing places x is, and how far from the one before to
-   it; the last places are never left. */
+/* Return the index of the upper neighbour of x among n increasing places, 1 ..
+   n - 1, and the fraction of the interval; x beyond the ends is clamped. */
 static size_t between(const double *place, size_t n, double x,
                       double *fraction) {
   *fraction = 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For the tests of litho models: images of a few shapes, and places in them. */
+/* Test helpers of litho models: images of a few shapes and values of them. */
 #ifndef LITHO_IMAGE_TEST_H
 #define LITHO_IMAGE_TEST_H
 
@@ -9,7 +9,7 @@
 
 #include "tools/devel/testing.h"
 
-/* A model of these parameters that is ready to image. */
+/* Return a prepared model with these parameters. */
 static inline opc_module *prepared(const char *id, const char *parameters) {
   opc_error error;
   opc_module *m = opc_test_module(id, parameters, &error);
@@ -19,7 +19,7 @@ static inline opc_module *prepared(const char *id, const char *parameters) {
   return m;
 }
 
-/* The image of shapes on a grid of so many nm, out of focus by `defocus` nm. */
+/* Return the image of shapes on a grid of `grid` nm at `defocus` nm. */
 static inline eda_field image_shapes(opc_module *m, int layer, double defocus,
                                      const eda_shapes *shapes, double grid,
                                      eda_frame f) {
@@ -38,7 +38,7 @@ static inline eda_field image_shapes(opc_module *m, int layer, double defocus,
   return field;
 }
 
-/* The same of up to four boxes on a grid of 0.1 nm. */
+/* Return the image of up to four boxes on a grid of 0.1 nm. */
 static inline eda_field image_boxes(opc_module *m, int layer, double defocus,
                                     const eda_box *boxes, size_t n,
                                     eda_frame f) {

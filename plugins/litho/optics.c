@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The scanner of the imaging models. Frequencies are in units of the
-   cutoff, and so are places in the source, as the pupil has the radius 1. */
+/* Implements the scanner of the imaging models. Frequencies and places in the
+   source are in units of the cutoff, so the pupil has the radius 1. */
 #include "optics.h"
 
 #include <eda/gates.h>
@@ -14,7 +14,7 @@
 static const char *const sources[] = {"circular",   "annular", "dipole",
                                       "quadrupole", "quasar",  "points"};
 
-/* Which sources each of their parameters belongs to. */
+/* The sources that use each parameter. */
 static const struct {
   const char *name;
   unsigned sources; /* bits 1 << OPTICS_CIRCULAR ... */
@@ -72,29 +72,30 @@ static int check_points(const opc_reals *v, opc_error *error) {
                   "'points' have weights that sum to %g", sum);
 }
 
-/* The amplitude of what passes `transmission` % of the light. */
+/* Compute the amplitude for a transmission in percent and a phase in
+   degrees. */
 static void amplitude(double transmission, double phase, double out[2]) {
   double a = sqrt(transmission / 100);
-  /* Half turns are exact: such a mask is real. */
+  /* Half turns are exact, so that such a mask is real. */
   double turn = remainder(phase, 360);
   out[0] = a * (fabs(turn) == 180 ? -1 : cos(turn * M_PI / 180));
   out[1] = fabs(turn) == 180 || turn == 0 ? 0 : a * sin(turn * M_PI / 180);
 }
 
-/* wavelength / NA, what all lengths of an image go with, nm: from 6.7 nm, after
-   extreme ultraviolet, at an NA of 0.56 to the g line (436 nm) at an NA of
-   0.11. Both ends are where choosing the kernels, or calibrating a resist on
-   lines, begins to take ten seconds; half and double of it take four times as
-   long. */
+/* Limits of wavelength / NA in nm, the unit of all lengths in an image. The
+   range includes extreme ultraviolet (6.7 nm at an NA of 0.56) and the g line
+   (436 nm at an NA of 0.11). At both limits, choosing kernels or calibrating a
+   resist on lines takes about ten seconds; half or double of them takes four
+   times as long. */
 static const double least_unit = 12, most_unit = 4000;
 
-/* Waves. A lens is good below 0.05; beyond this, the phase turns too fast for
-   the nodes that kernels are made from. */
+/* Limit in waves. Good lenses are below 0.05; beyond the limit the phase varies
+   too fast for the nodes that kernels are computed from. */
 static const double most_waves = 10;
 
-/* The trial patterns of kernels are 30 units long on a grid of 32 nm; the lines
-   that a resist is calibrated on are 4 um, and the mask has six samples for
-   each unit of them. */
+/* Check wavelength / NA. The patterns for kernels are 30 units long on a grid
+   of 32 nm; the lines for the calibration of a resist are 4 um long, with six
+   samples of the mask per unit. */
 static int check_unit(const optics *o, opc_error *error) {
   double unit = o->wavelength / o->na;
   if (unit >= least_unit && unit <= most_unit) return OPC_OK;
@@ -122,7 +123,8 @@ static int check_zernike(const optics *o, opc_error *error) {
   return OPC_OK;
 }
 
-/* A ray along a surface has no finite field there. */
+/* Check NA and indices for polarised light: the field of a ray along a surface
+   is not finite. */
 static int check_polarisation(const optics *o, opc_error *error) {
   if (o->polarisation == OPTICS_SCALAR)
     return o->resist_index_given
@@ -168,9 +170,10 @@ int optics_check(optics *o, opc_error *error) {
   return check_zernike(o, error);
 }
 
-/* Two orders of a dense line at this NA's limit cross at 2 asin(0.45 / 1.7) in
-   a resist of index 1.7: light polarised along that plane has 0.86 of the
-   contrast, and unpolarised light 0.93. At 0.6 that is 0.97. */
+/* Largest NA for a scalar image without a warning. At this NA two orders of the
+   densest line cross at 2 asin(0.45 / 1.7) in a resist of index 1.7: the
+   contrast is 0.86 for light polarised in the plane of the orders and 0.93 for
+   unpolarised light. At NA 0.6 the latter is 0.97. */
 static const double most_scalar = 0.9;
 
 void optics_warn(const optics *o, const opc_host *host) {
@@ -184,8 +187,8 @@ void optics_warn(const optics *o, const opc_host *host) {
 
 /* ---- the source ---- */
 
-/* How deep (x, y) lies within the source: the distance from its border, or
-   something nearer to zero of the same sign. */
+/* Return the signed distance of (x, y) from the border of the source, positive
+   inside, or a value of the same sign nearer to zero. */
 static double depth(const optics *o, double x, double y) {
   double r = hypot(x, y);
   if (o->source == OPTICS_CIRCULAR) return o->sigma - r;
@@ -193,7 +196,7 @@ static double depth(const optics *o, double x, double y) {
   if (o->source == OPTICS_ANNULAR) return ring;
   double turn = o->rotation * M_PI / 180;
   double u = x * cos(turn) + y * sin(turn), v = y * cos(turn) - x * sin(turn);
-  /* The pole on the positive u axis stands for all. */
+  /* The pole on the positive u axis represents all poles. */
   if (o->source != OPTICS_DIPOLE && fabs(v) > fabs(u)) {
     double t = u;
     u = v;
@@ -209,7 +212,7 @@ static double depth(const optics *o, double x, double y) {
   return radius - hypot(u - (o->sigma + o->sigma_in) / 2, v);
 }
 
-/* Area and centroid of the part of a cell that lies within the source. */
+/* Return the area of the part of a cell inside the source, and its centroid. */
 static double covered(const optics *o, double x, double y, double side,
                       double *cx, double *cy) {
   enum { PARTS = 16 };
@@ -244,7 +247,7 @@ static double *listed_points(const optics *o, size_t *n) {
 }
 
 double *optics_source_points(const optics *o, double spacing, size_t *n) {
-  static const double most = 2048; /* cells from the middle to the rim */
+  static const double most = 2048; /* cells from the centre to the rim */
   *n = 0;
   if (o->source == OPTICS_LIST) return listed_points(o, n);
   double radius = optics_source_radius(o);
@@ -256,7 +259,7 @@ double *optics_source_points(const optics *o, double spacing, size_t *n) {
       double *to = p + 3 * *n;
       to[2] = covered(o, (i + 0.5) * spacing, (j + 0.5) * spacing, spacing,
                       &to[0], &to[1]);
-      /* A centroid of border parts may be a hair outside. */
+      /* Rounding can move a centroid slightly outside. */
       double over = hypot(to[0], to[1]) / radius;
       if (over > 1) {
         to[0] /= over;
@@ -281,8 +284,9 @@ double optics_source_radius(const optics *o) {
 
 /* ---- the pupil ---- */
 
-/* Fringe order: group g holds the angular orders m = g .. 0, cosine before
-   sine, of the degree 2 g - m; Z37 is the first of group 6 there is. */
+/* Find group, angular order and parity of a term in fringe order: group g has
+   the angular orders m = g .. 0, cosine before sine, of degree 2 g - m. Z37 is
+   the only term of group 6. */
 static void find_term(size_t index, int *group, int *m, int *sine) {
   if (index == OPTICS_TERMS - 1) {
     *group = 6;
@@ -297,7 +301,7 @@ static void find_term(size_t index, int *group, int *m, int *sine) {
   *sine = i % 2;
 }
 
-/* The radial polynomial over r^m, at r^2. */
+/* Return the radial polynomial divided by r^m, for r^2. */
 static double radial(int group, int m, double r2) {
   static const double factorial[] = {1,       1,        2,        6,     24,
                                      120,     720,      5040,     40320, 362880,
@@ -310,7 +314,7 @@ static double radial(int group, int m, double r2) {
   return sum;
 }
 
-/* Waves. */
+/* Return the aberration at (x, y), waves. */
 static double aberration(const optics *o, double x, double y) {
   double r2 = x * x + y * y, sum = 0;
   for (size_t i = 0; i < o->zernike.count; i++) {

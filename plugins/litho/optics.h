@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What every imaging model needs to know of the scanner: the source, the pupil
-   and the mask's transmission, with the parameters that declare them. */
+/* Scanner of the imaging models: source, pupil, transmission of the mask, and
+   the parameters that declare them. */
 #ifndef OPCFLOW_LITHO_OPTICS_H
 #define OPCFLOW_LITHO_OPTICS_H
 
@@ -15,22 +15,22 @@ enum {
   OPTICS_DIPOLE,     /* two disks of radius (sigma - sigma_in) / 2 */
   OPTICS_QUADRUPOLE, /* four such disks, on the axes at rotation 0 */
   OPTICS_QUASAR,     /* four sectors of an annulus, `opening` wide */
-  OPTICS_LIST        /* points: x1, y1, weight1, x2, ... */
+  OPTICS_LIST        /* parameter points: x1, y1, weight1, x2, ... */
 };
 
-/* What light is taken for: a scalar wave, or a field polarised some way, seen
-   in the pupil (vector.h). */
+/* Polarisation: scalar wave, or a field polarised in a direction in the pupil
+   (vector.h). */
 enum {
   OPTICS_SCALAR,
-  OPTICS_UNPOLARISED, /* half along x, half along y, not coherent */
+  OPTICS_UNPOLARISED, /* half along x, half along y, incoherent */
   OPTICS_POLARISED_X,
   OPTICS_POLARISED_Y,
-  OPTICS_TANGENTIAL, /* across the direction from the middle to the point of
-                        the source: azimuthal, TE */
-  OPTICS_RADIAL      /* along it: TM */
+  OPTICS_TANGENTIAL, /* across the direction from the centre to the source
+                        point: azimuthal, TE */
+  OPTICS_RADIAL      /* along that direction: TM */
 };
 
-/* Parameters that some sources have no use for. */
+/* Parameters that only some sources use. */
 enum {
   OPTICS_SIGMA,
   OPTICS_SIGMA_IN,
@@ -40,30 +40,31 @@ enum {
   OPTICS_USES
 };
 
-/* Fringe Zernike terms that there are, Z1 to Z37. */
+/* Number of fringe Zernike terms, Z1 to Z37. */
 enum { OPTICS_TERMS = 37 };
 
-/* Frequencies below are in units of the cutoff NA / wavelength. */
+/* Settings of the scanner. Frequencies are in units of the cutoff NA /
+   wavelength. */
 typedef struct optics {
   double wavelength, na, index; /* nm, 1, 1 */
   int polarisation;
-  double resist_index; /* of a vector image */
+  double resist_index; /* for polarised light */
   int resist_index_given;
   int source;
-  double sigma, sigma_in;   /* of the pupil's radius */
+  double sigma, sigma_in;   /* in units of the pupil's radius */
   double opening, rotation; /* degrees */
-  opc_reals points;         /* of OPTICS_LIST */
+  opc_reals points;         /* for OPTICS_LIST */
   double defocus;           /* nm */
   opc_reals zernike;        /* waves, fringe (University of Arizona) order, from
                                Z1 */
   struct {
-    int dark; /* the field */
+    int dark; /* 1: dark field */
     double transmission, phase;
-  } mask[2];              /* of poly, and of active */
-  int given[OPTICS_USES]; /* by the flow */
+  } mask[2];              /* of poly and of active */
+  int given[OPTICS_USES]; /* 1: set by the flow */
   int zernike_given;
 
-  /* By optics_check: */
+  /* Set by optics_check. */
   double cutoff; /* 1/nm */
   /* Amplitude of the clear and the drawn parts of a mask, real and imaginary: 1
      and 0 for a binary clear-field mask. */
@@ -154,47 +155,51 @@ typedef struct optics {
 
 /* ---- the optics ---- */
 
-/* What a plugin's `check` says of the values, and what follows from them. They
-   do not fit together where the NA is above the index, the source outside the
-   pupil or empty, its inner radius above the outer one, or a parameter of no
-   use for it is given. */
+/* Check the values and set the derived members. Return OPC_INVALID if the NA
+   exceeds the index, if the source is empty or outside the pupil, if its inner
+   radius exceeds the outer one, or for a parameter that the source does not
+   use. For the `check` function of plugins. */
 int optics_check(optics *o, opc_error *error);
 
-/* As the kind's contract wants it (eda/litho.h). */
+/* Return the scanner as the contract of the kind requires (eda/litho.h). */
 static inline eda_scanner optics_scanner(const optics *o) {
   return (eda_scanner){o->wavelength, o->na};
 }
 
-/* Warn where a scalar image does not hold. */
+/* Log a warning if the image is scalar at an NA too large for it. */
 void optics_warn(const optics *o, const opc_host *host);
 
-/* Does everything stay as it is when it is turned: circular or annular source,
-   no polarisation along x or y, no Zernike terms but rotationally symmetric
-   ones? And is the pupil real (in focus, no terms at all)? */
+/* Return 1 if the optics are rotationally symmetric: circular or annular
+   source, no polarisation along x or y, no Zernike terms except rotationally
+   symmetric ones. The second function returns 1 if the pupil is real (in focus,
+   no terms). */
 int optics_is_radial(const optics *o);
 int optics_is_real(const optics *o);
 
-/* The largest radius of the source. */
+/* Return the largest radius of the source. */
 double optics_source_radius(const optics *o);
 
-/* The source as a point for each cell of a square grid of `spacing` (in units
-   of the cutoff, the origin a corner of four cells), at the centroid of the
-   part of its cell within the source and weighted by that part; weights sum to
-   1. x, y, weight interleaved, free() it; NULL if the source is too thin for
-   such cells. An OPTICS_LIST is given as it is, normalised. */
+/* Return the source as points (x, y, weight interleaved): one for each cell of
+   a square grid of `spacing` (in units of the cutoff, the origin a corner of
+   four cells). A point is the centroid of the part of its cell inside the
+   source, weighted by the area of that part; weights sum to 1. Points of an
+   OPTICS_LIST are returned as listed, with normalised weights. NULL if the
+   source is too thin for such cells. Free the result with free(). */
 double *optics_source_points(const optics *o, double spacing, size_t *n);
 
-/* The pupil at (fx, fy): 0 beyond radius 1, else exp(i phase): defocus in the
-   medium, exact (not paraxial), less its value on the axis, and the Zernike
-   terms. `defocus` nm is added to that of the optics. */
+/* Compute the pupil at (fx, fy): 0 beyond radius 1, else exp(i phase). The
+   phase is the exact (not paraxial) defocus in the medium minus its value on
+   the axis, plus the Zernike terms. `defocus` nm is added to that of the
+   optics. */
 void optics_pupil(const optics *o, double defocus, double fx, double fy,
                   double *re, double *im);
 
-/* Are all masks real (binary, or with a phase of 0 or 180 degrees)? */
+/* Return 1 if all masks are real: binary, or with a phase of 0 or 180
+   degrees. */
 int optics_real_masks(const optics *o);
 
-/* The transmission is a + b * (mask as given): complex a (at zero frequency
-   only) and b. */
+/* Compute the complex coefficients of the transmission a + b * (mask as given);
+   a applies at zero frequency only. */
 void optics_amplitudes(const optics *o, int layer, double a[2], double b[2]);
 
 #endif

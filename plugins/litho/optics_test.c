@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Sources against the areas and moments of their shapes, Zernike terms against
-   their written forms and their orthogonality. How they image is tested with
-   litho.abbe. */
+/* Tests of sources against areas and moments of their shapes, and of Zernike
+   terms against tabulated forms and orthogonality. The tests of litho.abbe
+   cover imaging. */
 #include "optics.h"
 
 #include <glib.h>
@@ -44,7 +44,7 @@ static moments measure(const optics *o, double spacing) {
   return m;
 }
 
-/* The second moments of each shape are known. */
+/* Test the second moments of each shape against closed forms. */
 static void test_moments(void) {
   double a = 0.8, b = 0.4, disk = (a - b) / 2, at = (a + b) / 2;
   double ring = (a * a + b * b) / 2; /* mean r^2 of an annulus */
@@ -74,7 +74,7 @@ static void test_moments(void) {
       g_assert_cmpfloat(fabs(m.xx - xx), <, 3e-4);
       g_assert_cmpfloat(fabs(m.xy - xy), <, 3e-4);
     }
-  /* One pole of the quasar, from what its fourth moments must be. */
+  /* One pole of the quasar, checked by its fourth moments. */
   optics o = air;
   o.source = OPTICS_QUASAR;
   size_t n;
@@ -87,8 +87,8 @@ static void test_moments(void) {
   free(p);
 }
 
-/* The points of a disk are as many as cells that it touches, and their weights
-   those of the parts: in the middle all alike. */
+/* Test that the points of a disk are as many as the cells it touches, with
+   weights by area; inner weights are equal. */
 static void test_points(void) {
   optics o = air;
   o.source = OPTICS_CIRCULAR;
@@ -116,7 +116,7 @@ static void test_points(void) {
 
 /* ---- the pupil ---- */
 
-/* The phase in waves that one term of 0.01 gives, over 0.01. */
+/* Return the phase in waves of a term of 0.01, divided by 0.01. */
 static double term(int z, double x, double y) {
   double values[OPTICS_TERMS] = {0}, re, im;
   values[z - 1] = 0.01;
@@ -127,7 +127,8 @@ static double term(int z, double x, double y) {
   return atan2(im, re) / (2 * M_PI) / 0.01;
 }
 
-/* The University of Arizona's list, r and a the polar coordinates. */
+/* Return the term in the University of Arizona's list; r and a are polar
+   coordinates. */
 static double written(int z, double r, double a) {
   double r2 = r * r;
   switch (z) {
@@ -189,7 +190,7 @@ static void test_written(void) {
     }
 }
 
-/* No two terms have anything in common over the pupil. */
+/* Test that different terms are orthogonal over the pupil. */
 static void test_orthogonal(void) {
   enum { RINGS = 60, SPOKES = 24 };
   static double value[OPTICS_TERMS][RINGS * SPOKES];
@@ -225,7 +226,7 @@ static void test_pupil(void) {
   g_assert_cmpfloat(
       fabs(atan2(im, re) + 2 * M_PI * 100 / 193 * (sqrt(1 - s2) - 1)), <,
       1e-12);
-  /* At the edge of a pupil as wide as the medium lets it be. */
+  /* At the edge of a pupil as wide as the medium permits. */
   o = (optics){.wavelength = 193, .na = 1, .index = 1, .defocus = 40};
   optics_pupil(&o, 0, 0, -1, &re, &im);
   g_assert_cmpfloat(fabs(re - cos(2 * M_PI * 40 / 193)), <, 1e-12);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The field of polarised light behind a lens, and in the resist. */
+/* Implements the field of polarised light behind a lens and in the resist. */
 #include "vector.h"
 
 #include <math.h>
 
-/* Of all scanners from 1990 on. */
+/* Reduction of all scanners from 1990 on. */
 static const double reduction = 4;
 
 enum { X, Y, Z, AXES };
@@ -20,8 +20,8 @@ size_t vector_parts(const optics *o) {
   }
 }
 
-/* The polarisations of a source point; one at the middle, which has no
-   direction, is taken to lie on the x axis. */
+/* Find the polarisations of a source point and return their number. The centre
+   of the source has no direction and is treated as a point on the x axis. */
 static size_t find_states(const optics *o, const double from[2],
                           double j[2][2]) {
   double r = hypot(from[0], from[1]);
@@ -39,7 +39,7 @@ static size_t find_states(const optics *o, const double from[2],
   return both ? 2 : 1;
 }
 
-/* The cosine of a ray whose sine is this. */
+/* Return the cosine of a ray from its sine. */
 static double cosine(double sine) { return sqrt(fmax(0, 1 - sine * sine)); }
 
 void vector_factors(const optics *o, const double from[2], double x, double y,

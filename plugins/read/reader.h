@@ -6,6 +6,7 @@
 
 #include <eda/layout.h>
 #include <glib.h>
+#include <opcflow/choices.h>
 #include <opcflow/step.h>
 
 /* The instance of a reader. */

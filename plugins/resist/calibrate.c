@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Fits the threshold of a resist so that lines print to their widths: an
-   anchor, or a table of lines by least squares. */
+/* Implements the calibration of a resist threshold: lines print to their
+   widths, either one anchor or a table of lines by least squares. */
 #include "calibrate.h"
 
 #include <eda/csv.h>
@@ -20,8 +20,9 @@ static const char *const sources[RESIST_SETS][3] = {
     {"anchor", "table", "table_file"},
     {"active_anchor", "active_table", "active_table_file"}};
 
-/* Of lines and pitches, nm: a hundred times what light still notices. With
-   twice of it calibration is slower still; 2 mm overflow its coordinates. */
+/* Upper limit of lines and pitches, nm: a hundred times the range of optical
+   interaction. Larger values slow down calibration; 2 mm overflow its
+   coordinates. */
 static const double most = 1e5;
 
 static const char too_far[] = "lines and pitches go up to 100 um";
@@ -30,7 +31,7 @@ static int is_far(const resist_line *l) {
   return fmax(l->pitch, fmax(l->line, l->cd)) > most;
 }
 
-/* Why a line cannot be used, NULL if it can. */
+/* Return the reason that makes a line unusable; NULL if it is usable. */
 static const char *fault(const resist_line *l) {
   if (is_far(l)) return too_far;
   if (!(l->line > 0 && l->cd > 0)) return "widths must be above 0";
@@ -40,7 +41,7 @@ static const char *fault(const resist_line *l) {
   return NULL;
 }
 
-/* Is the anchor, or a part of it, left open? */
+/* Return 1 if a value of the anchor is not given. */
 static int is_open(const resist_layer *r) {
   return isnan(r->anchor.line) || isnan(r->anchor.pitch);
 }
@@ -62,7 +63,7 @@ static int take_table(resist_layer *r, opc_error *error) {
       return opc_fail(error, OPC_INVALID, r->source,
                       "pair %zu of '%s', (%g nm, %g nm): %s", i + 1, r->source,
                       pair[0], pair[1], why);
-    r->lines[i].line = r->anchor.line; /* which may be open */
+    r->lines[i].line = r->anchor.line; /* may be NAN */
   }
   return OPC_OK;
 }
@@ -114,20 +115,21 @@ void resist_take_gates(void *self, const eda_gates *gates) {
   r->layer[0].drawn = gates;
 }
 
-/* k1, of a line that the optics print at its best: 65 nm at 250 at 193 nm, NA
-   0.75, as the thesis has it (3.3). */
+/* k1 of a line for which the optics are well suited: 65 nm at a pitch of 250 nm
+   at 193 nm, NA 0.75 (thesis 3.3). */
 static const char least_line[] = "0.2526 lambda/NA",
                   least_pitch[] = "0.9715 lambda/NA";
 
-/* So wide that its edges do not see each other: 1 um there. */
+/* A line so wide that its edges do not interact: 1 um at 193 nm, NA 0.75. */
 static const char wide_line[] = "3.886 lambda/NA";
 
-/* Below this, nothing that is dense prints (B. J. Lin, as eda/natural.h). */
+/* Smallest k1 of printable dense lines (B. J. Lin; also in eda/natural.h). */
 static const double least_k1 = 0.25;
 
-/* Ours: a gate that is so much longer than the anchor's line, or so much
-   shorter, is another process's. Thick-oxide gates are up to 2.2 times as long
-   as those that a process's anchor is (GF180MCU: 600 and 280 nm). */
+/* Limits of the ratio of gate length to anchor line beyond which the anchor is
+   taken to belong to another process. Thick-oxide gates are up to 2.2 times as
+   long as the anchor of their process (GF180MCU: 600 and 280 nm). Our
+   choice. */
 static const double longer = 2.25, shorter = 0.8;
 
 static void tell_drawn(const resist_base *r, const char *id, resist_line a,
@@ -143,7 +145,8 @@ static void tell_drawn(const resist_base *r, const char *id, resist_line a,
                  id, d->line);
 }
 
-/* No layout is known, or none with transistors: the same for all layouts. */
+/* Return the default anchor for a layout that is unknown or has no transistors;
+   depends on the optics only. */
 static resist_drawn guess(const resist_base *r, const char *id,
                           eda_scanner scanner) {
   resist_drawn d = {.line = eda_natural(&scanner, least_line),
@@ -158,7 +161,7 @@ static resist_drawn guess(const resist_base *r, const char *id,
   return d;
 }
 
-/* The line of all lines, now that it is known. */
+/* Set the line of all lines of a layer, once known. */
 static int set_line(resist_layer *r, double line, opc_error *error) {
   for (size_t i = 0; i < r->count && !r->file; i++) {
     r->lines[i].line = line;
@@ -171,7 +174,8 @@ static int set_line(resist_layer *r, double line, opc_error *error) {
   return OPC_OK;
 }
 
-/* What is not given of the anchor of poly is as the layout's gates are. */
+/* Fill in the missing values of the anchor of poly from the gates of the
+   layout. */
 static int take_drawn(const resist_base *resist, resist_layer *r,
                       const char *id, eda_scanner scanner, opc_error *error) {
   resist_drawn d;
@@ -194,7 +198,7 @@ static int take_drawn(const resist_base *resist, resist_layer *r,
   return code;
 }
 
-/* Active: the edge of a wide line. */
+/* Set the anchor of active: the edge of a wide line. */
 static int take_wide(resist_layer *r, eda_scanner scanner, opc_error *error) {
   resist_line *a = &r->anchor;
   a->line = eda_natural(&scanner, wide_line);
@@ -203,7 +207,7 @@ static int take_wide(resist_layer *r, eda_scanner scanner, opc_error *error) {
   return set_line(r, a->line, error);
 }
 
-/* An anchor that does not go with the optics or with what is printed. */
+/* Log a warning if the anchor does not suit the optics or the layout. */
 static void doubt(const resist_base *resist, const resist_layer *r,
                   const char *id, eda_scanner scanner) {
   const opc_host *host = resist->host;
@@ -267,11 +271,12 @@ static int read_table(resist_layer *l, opc_error *error) {
 
 /* ---- images of lines ---- */
 
-/* A line's image and the terms 1 .. of it; where it is drawn and printed. */
+/* The image of a line and its terms from 1 on, and the line's drawn and printed
+   widths. */
 typedef struct specimen {
   const resist_line *want;
   eda_field image, term[RESIST_TERMS - 1];
-  double edge; /* half its printed width, nm */
+  double edge; /* half the printed width, nm */
 } specimen;
 
 typedef struct fitting {
@@ -281,25 +286,25 @@ typedef struct fitting {
   const char *id; /* of the plugin */
   resist_terms *terms;
   specimen *specimens;
-  size_t n; /* terms */
+  size_t n; /* number of terms */
   const int *fit;
   double sign; /* -1: bright features print */
 } fitting;
 
-/* Units of a line's coordinates: fine enough for any. */
+/* Unit of the coordinates of a line, nm; fine enough for any line. */
 static const double unit = 1e-3;
 
-/* An isolated line is one whose neighbours are this far away, nm. */
+/* Distance to the neighbours of an isolated line, nm. */
 static const double isolation = 4000;
 
-/* Lines are imaged within this, clear field 1, or within what fine prints are
-   asked for (eda_model.fine), so that kernels are found once. Half of it moves
-   thresholds by 4e-6 of the clear field, a twentieth of a picometre of a line's
+/* Error of the images of lines, clear field 1, equal to that of accurate
+   simulations (eda_model.fine), so that kernels are computed once. Half of the
+   error moves thresholds by 4e-6 of the clear field, 0.05 pm of a line's
    width. */
 static const double image_error = 1e-4;
 
-/* The image of a vertical line in the middle of the frame, whole height, x = 0
-   its middle. */
+/* Compute the image of a vertical line of full height in the middle of the
+   frame, x = 0 at its centre. */
 static int image_line(const fitting *f, const resist_line *l, eda_field *field,
                       opc_error *error) {
   const opc_module *litho = f->litho;
@@ -316,7 +321,7 @@ static int image_line(const fitting *f, const resist_line *l, eda_field *field,
   int code =
       eda_litho_spectrum(context, litho, &line, unit, frame, &mask, error);
   if (code) return code;
-  /* Of all the model has, not of what it is cut to for speed. */
+  /* Use the accurate image where the model has one. */
   code = model->image_fine
              ? model->image_fine(litho->self, f->layer->set, &mask, 0,
                                  image_error, field, error)
@@ -326,7 +331,7 @@ static int image_line(const fitting *f, const resist_line *l, eda_field *field,
   return eda_field_diffuse(context, field, f->resist->diffusion, error);
 }
 
-/* The level set at x and its slope; term[k] and slopes of terms there. */
+/* Return the level set at x, its slope, and the terms at x. */
 static double level(const fitting *f, const specimen *s, const double *a,
                     double x, double *slope, double term[RESIST_TERMS]) {
   double y = 0, image, dx, sum = a[0], d = 0;
@@ -342,8 +347,8 @@ static double level(const fitting *f, const specimen *s, const double *a,
   return f->sign * (sum - image);
 }
 
-/* Where the line ends, going outwards from its middle; 0 if it does not print
-   or has merged. */
+/* Find the edge of the line, outwards from its centre. Return 0 if the line
+   does not print or has merged with its neighbours. */
 static int find_edge(const fitting *f, specimen *s, const double *a) {
   double term[RESIST_TERMS], slope, step = 2, low = 0;
   double limit = s->image.frame.width / 2;
@@ -395,8 +400,9 @@ static int specimen_init(const fitting *f, specimen *s, opc_error *error) {
 
 /* ---- least squares ---- */
 
-/* The x with the least |J x - r|, J of rows x m, by the modified Gram-Schmidt
-   process; 0 if the columns of J are not independent. J and r are lost. */
+/* Compute the x with the least |J x - r|, J of rows x m, by modified
+   Gram-Schmidt. Return 0 if the columns of J are linearly dependent. J and r
+   are overwritten. */
 static int least_squares(double *j, double *r, size_t rows, size_t m,
                          double x[RESIST_TERMS]) {
   double upper[RESIST_TERMS][RESIST_TERMS] = {{0}};
@@ -426,9 +432,10 @@ static int least_squares(double *j, double *r, size_t rows, size_t m,
   return 1;
 }
 
-/* One step: the changes of the fitted coefficients that, to first order, take
-   the printed widths to those wanted: of the errors at the edges wanted if
-   `wanted`, else at those printed. 0 if they cannot be found. */
+/* Compute one step: the changes of the fitted coefficients that move the
+   printed widths to the wanted ones to first order, from the errors at the
+   wanted edges if `wanted`, otherwise at the printed edges. Return 0 on
+   failure. */
 static int newton(const fitting *f, const double *a, int wanted, double *j,
                   double *r, double change[RESIST_TERMS]) {
   size_t m = 0, rows = f->layer->count;
@@ -460,8 +467,9 @@ static double sum_of_squares(const fitting *f) {
   return sum;
 }
 
-/* Gauss-Newton steps, halved while they lose a line or make things worse. 0 if
-   no coefficients print all lines or the columns depend on each other. */
+/* Iterate Gauss-Newton steps, halved while a line does not print or the error
+   grows. Return 0 if no coefficients print all lines or the columns are
+   linearly dependent. */
 static int iterate(const fitting *f, double *a) {
   size_t rows = f->layer->count;
   double *j = eda_alloc(rows * (RESIST_TERMS + 1), sizeof *j);
@@ -486,7 +494,7 @@ static int iterate(const fitting *f, double *a) {
     ok = newton(f, a, 0, j, r, change);
   }
   free(j);
-  /* Steps that were tried and not taken have moved the edges. */
+  /* Rejected trial steps have moved the edges; restore them. */
   return ok && isfinite(best) && find_edges(f, a);
 }
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What resist models share: the parameters of a layer, and coefficients fitted
-   so that lines print to their widths.
+/* Common part of resist models: parameters of a layer, and coefficients fitted
+   such that lines print to their widths.
 
-   A resist here is a threshold field, sum of coefficient[k] * term[k]; term 0
-   is the constant 1, the others are fields made from the image. A feature
-   prints where the image lies below it (or above it, for bright features). */
+   A resist is a threshold field, sum of coefficient[k] * term[k]. Term 0 is the
+   constant 1; the others are fields computed from the image. A feature prints
+   where the image is below the threshold, or above it for bright features. */
 #ifndef OPCFLOW_RESIST_CALIBRATE_H
 #define OPCFLOW_RESIST_CALIBRATE_H
 
@@ -14,8 +14,8 @@
 
 /* ---- a layer ---- */
 
-/* There are two sets of parameters: of active, and of poly, which all other
-   layers follow. */
+/* Number of sets of parameters: poly, which all layers but active follow, and
+   active. */
 enum { RESIST_SETS = 2 };
 static inline int resist_set(int layer) { return layer == EDA_ACTIVE; }
 
@@ -25,27 +25,27 @@ typedef struct resist_line {
 
 typedef struct resist_layer {
   resist_line anchor; /* NAN: not given */
-  /* Whose lines are the anchor's where it is not given: by the flow, there
-     while a step runs; those that are printed. NULL: none. */
+  /* Gates that define missing anchor values: given by the flow, or present
+     during a step; and the printed ones. NULL: none. */
   const eda_gates *gates, *drawn;
   int gates_given;
-  int told; /* of the anchor, or of doubts */
+  int told; /* 1: the anchor, or a warning about it, was logged */
   opc_reals table;
   int table_given;
   const char *file; /* NULL: none */
   int bright;
 
-  /* By resist_layer_check: */
+  /* Set by resist_layer_check. */
   int set;
-  const char *source; /* the parameter that the lines come from */
+  const char *source; /* name of the parameter that defines the lines */
   resist_line *lines; /* the anchor, or the rows of the table */
   size_t count;
 } resist_layer;
 
-/* The instance of every resist begins with this. */
+/* First member of the instance of every resist. */
 typedef struct resist_base {
   const opc_host *host;
-  double diffusion; /* nm, of the image, before all else */
+  double diffusion; /* nm, applied to the image first */
   resist_layer layer[RESIST_SETS];
 } resist_base;
 
@@ -85,7 +85,7 @@ typedef struct resist_base {
    OPC_FIELD(resist_base, layer[set].bright)}
 /* clang-format on */
 
-/* For poly, whose lines are those of gates. */
+/* Parameter for poly, whose lines are those of gates. */
 #define RESIST_GATES                                                   \
   OPC_PARAMETER_NAMED(                                                 \
       "anchor.gates", resist_base, layer[0].gates, .type = OPC_INPUT,  \
@@ -110,39 +110,42 @@ typedef struct resist_base {
     "anchor_pitch", "nm", OPC_NEUTRAL, 0, "... and its pitch; 0: alone" \
   }
 
-/* Whether the values of a layer make sense, for a plugin's `check`. */
+/* Check the values of a layer, for the `check` function of a plugin. Return
+   OPC_OK or an error. */
 int resist_layer_check(resist_layer *layer, int set, opc_error *error);
 
-/* `drawn` of the kind. */
+/* Implement `drawn` of the kind. */
 void resist_take_gates(void *self, const eda_gates *gates);
 
-/* `clear` of a plugin that makes nothing else. */
+/* Implement `clear` for plugins without data of their own. */
 void resist_clear(void *self);
 
-/* Was a table given? */
+/* Return 1 if a table is given. */
 int resist_layer_has_table(const resist_layer *layer);
 
 /* ---- the fit ---- */
 
 enum { RESIST_TERMS = 4 };
 
-/* Fields of terms 1 .. n - 1 of an image. */
+/* Compute the fields of terms 1 .. n - 1 of an image. Return OPC_OK or an
+   error. */
 typedef int resist_terms(const resist_base *resist, const eda_field *image,
                          size_t n, eda_field *out, opc_error *error);
 
-/* Find the coefficients k < n of a set of layers with fit[k], of the others as
-   they are: those with the least squares of the errors of printed widths
-   (Gauss-Newton). `terms` may be NULL if n is 1. Reads the layers' file. Logs
-   each line of a table as what the plugin `id` says. [main] */
+/* Fit the coefficients k < n with fit[k] of a set of layers, with the other
+   coefficients fixed: least squares of the errors of printed widths
+   (Gauss-Newton). `terms` may be NULL if n is 1. Reads the file of the layers.
+   Logs each line of a table in the name of plugin `id`. Return OPC_OK or an
+   error. [main] */
 int resist_fit(resist_base *resist, int set, const opc_module *litho,
                const char *id, resist_terms *terms, size_t n, const int *fit,
                double *coefficient, opc_error *error);
 
 /* ---- prints ---- */
 
-/* From the image of a layer, blurred, to its level set: positive below the
-   threshold, or above it for bright features. That is the constant and, if not
-   NULL, a field on the same grid. */
+/* Convert the blurred image of a layer to its level set in place: positive
+   below the threshold, or above it for bright features. The threshold is the
+   constant plus, if not NULL, a field on the same grid. */
 void resist_print(const resist_base *resist, int layer, double constant,
                   const eda_field *variable, eda_field *field);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From gates to the line and the pitch that most of the short ones have. */
+/* Implements the line and pitch of the shortest gates of a layout. */
 #include "drawn.h"
 
 #include <eda/index.h>
@@ -7,22 +7,23 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* nm: who is further away is no neighbour. As far as the lines of a grating
-   that counts as isolated (calibrate.c). */
+/* Largest distance of neighbours, nm; equal to the isolation distance of
+   calibrate.c. */
 static const double reach = 4000;
 
-/* Lines in a pitch, of a layout whose gates all stand alone. Processes have 2.4
+/* Pitch over line of a layout whose gates are all isolated. Processes have 2.4
    (130 nm at 310), 2.9 (150 at 430), 3.8 (65 at 250, 90 at 342). */
 static const double lines_in_pitch = 3;
 
-/* A box with the gate's length along x. */
+/* Return the box of a gate, transposed such that its length is along x. */
 static eda_box turned(const eda_gates *g, size_t i) {
   eda_box b = g->box[i];
   return g->axis[i] == EDA_X ? b : (eda_box){b.y0, b.x0, b.y1, b.x1};
 }
 
-/* Twice the distance to the middle of the next gate above i along its length,
-   in grid steps; 0 if there is none, or one that is longer than `most` nm. */
+/* Return twice the distance between the centres of gate i and of the next gate
+   above it along its length, in grid steps. 0: no such gate within reach, or
+   the gate is longer than `most` nm. */
 static int64_t pitch_of(const eda_gates *g, const eda_index *index, size_t i,
                         double most) {
   eda_box own = turned(g, i), window = own;
@@ -49,8 +50,8 @@ static int by_size(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* The most frequent of n numbers, n > 0, the least of those that are equally
-   so; they are sorted. */
+/* Sort n > 0 numbers and return the most frequent one, the least of equally
+   frequent ones; *times is its frequency. */
 static int64_t most_frequent(int64_t *all, size_t n, size_t *times) {
   int64_t best = 0;
   *times = 0;
@@ -69,7 +70,7 @@ int resist_drawn_of(const eda_gates *g, resist_drawn *out) {
   if (!g->count) return 0;
   for (size_t i = 0; i < g->count; i++)
     out->line = fmin(out->line, g->length[i]);
-  double most = out->line + g->grid / 2; /* the same on the mask's grid */
+  double most = out->line + g->grid / 2; /* equal on the mask's grid */
   int64_t *pitch = eda_alloc(g->count, sizeof *pitch);
   eda_index *index = eda_index_new(g->box, g->count,
                                    (int32_t)fmin(reach / g->grid, INT32_MAX));

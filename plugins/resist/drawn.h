@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The line that a layout's transistors are made of, for an anchor. */
+/* Line and pitch of the transistors of a layout, for the default anchor. */
 #ifndef OPCFLOW_RESIST_DRAWN_H
 #define OPCFLOW_RESIST_DRAWN_H
 
@@ -7,16 +7,17 @@
 
 typedef struct resist_drawn {
   double line, pitch; /* nm */
-  size_t gates;       /* of that length */
-  size_t pitches;     /* between such gates; 0: pitch is a guess */
-  size_t alike;       /* of them, those that are `pitch` */
+  size_t gates;       /* number of gates of that length */
+  size_t pitches;     /* number of pitches between such gates; 0: pitch is an
+                         estimate */
+  size_t alike;       /* number of these equal to `pitch` */
 } resist_drawn;
 
-/* The shortest gate, and the most frequent distance from middle to middle of
-   two such gates side by side. The shortest one is what a process has as its
-   length, and nearly every cell has it; what is most frequent changes from cell
-   to cell. Of pitches the least would be that of gates in series, without a
-   contact between them, however few there are. 0: there are no gates. */
+/* Find the length of the shortest gate and the most frequent centre-to-centre
+   distance of two such gates side by side. The shortest length is the nominal
+   length of a process and occurs in nearly every cell; the most frequent length
+   varies between cells. The smallest pitch would be that of gates in series
+   without a contact, however rare. Return 0 if there are no gates. */
 int resist_drawn_of(const eda_gates *gates, resist_drawn *out);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For the tests of resist models: lines, imaged and printed. */
+/* Test helpers of resist models: simulated lines. */
 #ifndef OPCFLOW_RESIST_LINES_TEST_H
 #define OPCFLOW_RESIST_LINES_TEST_H
 
@@ -11,7 +11,7 @@
 
 #include "tools/devel/testing.h"
 
-/* The level set of a vertical line of `width` at x = 0 in a grating. */
+/* Return the level set of a vertical line of `width` at x = 0 in a grating. */
 static inline eda_field lines_print(opc_module *litho, opc_module *resist,
                                     int layer, double width, double pitch) {
   const opc_host *host = opc_test_host();
@@ -28,7 +28,7 @@ static inline eda_field lines_print(opc_module *litho, opc_module *resist,
   g_assert_cmpint(eda_mask_spectrum(host->context, &line, 1e-3, f,
                                     model->band(litho->self), &mask, &error),
                   ==, OPC_OK);
-  /* What resists are calibrated with. */
+  /* Error of the images for calibration. */
   int code = model->image_fine
                  ? model->image_fine(litho->self, layer, &mask, 0, 1e-4, &field,
                                      &error)
@@ -46,7 +46,7 @@ static inline double lines_value(const eda_field *f, double x) {
   return v;
 }
 
-/* The printed width of the line at x = 0. */
+/* Return the printed width of the line at x = 0. */
 static inline double lines_width(const eda_field *f) {
   double low = 0, high = f->frame.width / 2;
   for (double x = 0; x < high && lines_value(f, x) > 0; x += 2) low = x;
@@ -85,7 +85,7 @@ static inline opc_module *lines_hopkins(void) {
   return lines_litho("{ kernels: 94 }");
 }
 
-/* Whether a module or its calibration is refused, and how. */
+/* Assert that a module or its calibration fails with a message. */
 static inline void lines_refused(const char *id, const char *parameters,
                                  opc_module *litho, const char *why) {
   opc_error error;

@@ -9,7 +9,7 @@
 eda_settings *search_settings(const search *s) {
   eda_settings *out = eda_settings_new(s->n_axes);
   for (size_t i = 0; i < s->n_axes; i++) {
-    const opc_inner_axis *a = &s->axes[i];
+    const opc_inner_axis *a = s->axes[i];
     eda_settings_parameter(out, i, a->path, a->unit, a->count, a->values,
                            a->texts);
   }
@@ -50,7 +50,7 @@ static int settings_table(const search *s, const eda_settings *all,
   columns[n++] = (opc_column){all->name, all->unit, OPC_REAL, -1, all->figure};
   columns[n++] = (opc_column){"run", NULL, OPC_INT, 0, s->run};
   columns[n++] = (opc_column){"result", NULL, OPC_TEXT, 0, results};
-  return s->host->table(s->host, "settings", 0, s->count, columns, n, error);
+  return opc_put_table(s->host, "settings", 0, s->count, columns, n, error);
 }
 
 /* Lines of a table with two columns. */
@@ -78,10 +78,11 @@ static int best_table(const search *s, const eda_settings *all,
     g_ptr_array_add(t.what, g_strdup(p->name));
     g_ptr_array_add(t.value, g_strdup(p->texts[s->best / stride % p->count]));
   }
-  const opc_inner_metric *m = s->host->inner->metrics(s->host, 0, &n);
+  const opc_inner_metric *const *m =
+      opc_get_inner(s->host)->metrics(s->host, 0, &n);
   for (size_t i = 0; i < n; i++)
-    add_number(&t, g_strdup_printf("%s.%s", m[i].path, m[i].metric->name),
-               m[i].value, m[i].metric->unit);
+    add_number(&t, g_strdup_printf("%s.%s", m[i]->path, m[i]->metric->name),
+               m[i]->value, m[i]->metric->unit);
   add_number(&t, g_strdup("settings"), (double)s->count, NULL);
   add_number(&t, g_strdup("runs"), (double)s->runs, NULL);
   add_number(&t, g_strdup("failed settings"), (double)s->failed, NULL);
@@ -89,8 +90,8 @@ static int best_table(const search *s, const eda_settings *all,
   const opc_column columns[] = {
       {"of the best setting", NULL, OPC_TEXT, 0, t.what->pdata},
       {"value", NULL, OPC_TEXT, 0, t.value->pdata}};
-  int code = s->host->table(s->host, "best", OPC_TABLE_PRINT, t.what->len,
-                            columns, G_N_ELEMENTS(columns), error);
+  int code = opc_put_table(s->host, "best", OPC_TABLE_PRINT, t.what->len,
+                           columns, G_N_ELEMENTS(columns), error);
   g_ptr_array_free(t.what, TRUE);
   g_ptr_array_free(t.value, TRUE);
   return code;

@@ -25,7 +25,7 @@ static int plan_figure(search *s, opc_error *error) {
                     "a search needs either 'minimise' or 'maximise'");
   p->greatest = s->maximise != NULL;
   p->figure = p->greatest ? s->maximise : s->minimise;
-  p->metric = s->host->inner->metric(s->host, p->figure, error);
+  p->metric = opc_get_inner(s->host)->metric(s->host, p->figure, error);
   if (!p->metric)
     return blame(error, p->greatest ? "maximise" : "minimise", NULL);
   p->of = g_strndup(p->figure, (gsize)(strrchr(p->figure, '.') - p->figure));
@@ -35,11 +35,11 @@ static int plan_figure(search *s, opc_error *error) {
 /* Settings that share a run differ in this axis alone. */
 static int plan_axis(search *s, const char *key, opc_error *error) {
   plan *p = &s->plan;
-  p->along = s->host->inner->axis(s->host, key, error);
+  p->along = opc_get_inner(s->host)->axis(s->host, key, error);
   if (p->along < 0) return blame(error, "along", key);
   for (size_t i = (size_t)p->along + 1; i < s->n_axes; i++)
-    p->stride *= s->axes[i].count;
-  const opc_inner_axis *axis = &s->axes[p->along];
+    p->stride *= s->axes[i]->count;
+  const opc_inner_axis *axis = s->axes[p->along];
   int good = axis->values && !axis->unit;
   for (size_t i = 1; i < axis->count && good; i++)
     good = axis->values[i] > axis->values[i - 1];
@@ -74,7 +74,7 @@ static int plan_along(search *s, opc_error *error) {
 
 /* That of the step that is named, or of the figure's. */
 static int plan_mask(search *s, opc_error *error) {
-  const opc_inner_service *inner = s->host->inner;
+  const opc_inner_service *inner = opc_get_inner(s->host);
   opc_error none = {0};
   g_autofree char *step = g_strdup(s->mask ? s->mask : s->plan.of);
   if (!s->mask) step[strcspn(step, ".")] = 0;
@@ -92,10 +92,10 @@ static int plan_mask(search *s, opc_error *error) {
 
 /* A parameter that neither figure nor mask depends on is a mistake. */
 static int check_axes(search *s, opc_error *error) {
-  s->axes = s->host->inner->axes(s->host, &s->n_axes);
+  s->axes = opc_get_inner(s->host)->axes(s->host, &s->n_axes);
   for (size_t i = 0; i < s->n_axes; i++) {
-    const char *path = s->axes[i].path;
-    if (s->axes[i].used || !path) continue;
+    const char *path = s->axes[i]->path;
+    if (s->axes[i]->used || !path) continue;
     opc_fail(error, OPC_INVALID, NULL,
              "'%s' changes nothing: step '%.*s' comes after the figure", path,
              (int)strcspn(path, "."), path);
@@ -108,7 +108,7 @@ static int check(void *self, opc_error *error) {
   search *s = self;
   int code = plan_figure(s, error);
   if (code) return code;
-  s->axes = s->host->inner->axes(s->host, &s->n_axes);
+  s->axes = opc_get_inner(s->host)->axes(s->host, &s->n_axes);
   if (!s->n_axes)
     return opc_fail(error, OPC_INVALID, NULL,
                     "a search needs a 'sweep', here or in '%s'", s->flow);
@@ -121,10 +121,11 @@ static int check(void *self, opc_error *error) {
 
 static double find_metric(const search *s, int shared) {
   size_t n;
-  const opc_inner_metric *m = s->host->inner->metrics(s->host, shared, &n);
+  const opc_inner_metric *const *m =
+      opc_get_inner(s->host)->metrics(s->host, shared, &n);
   for (size_t i = 0; i < n; i++)
-    if (m[i].metric == s->plan.metric && !strcmp(m[i].path, s->plan.of))
-      return m[i].value;
+    if (m[i]->metric == s->plan.metric && !strcmp(m[i]->path, s->plan.of))
+      return m[i]->value;
   return NAN;
 }
 
@@ -137,10 +138,11 @@ static double get_figure(const search *s) {
 /* The litho simulations, as the steps count them. */
 static double count_simulations(const search *s, int shared) {
   size_t n;
-  const opc_inner_metric *m = s->host->inner->metrics(s->host, shared, &n);
+  const opc_inner_metric *const *m =
+      opc_get_inner(s->host)->metrics(s->host, shared, &n);
   double sum = 0;
   for (size_t i = 0; i < n; i++)
-    if (!strcmp(m[i].metric->name, "simulations")) sum += m[i].value;
+    if (!strcmp(m[i]->metric->name, "simulations")) sum += m[i]->value;
   return sum;
 }
 
@@ -152,7 +154,7 @@ static double real_at(const opc_column *c, size_t row) {
 /* The figure at each value is in the last row that does not go beyond it: a run
    that ends early is at rest. */
 static int take_column(search *s, size_t setting, opc_error *error) {
-  const opc_inner_service *inner = s->host->inner;
+  const opc_inner_service *inner = opc_get_inner(s->host);
   const plan *p = &s->plan;
   size_t rows;
   const opc_column *value =
@@ -162,7 +164,7 @@ static int take_column(search *s, size_t setting, opc_error *error) {
                                                  p->metric->name, &rows, error)
                                  : NULL;
   if (!figure) return blame(error, "along", NULL);
-  const double *at = s->axes[p->along].values;
+  const double *at = s->axes[p->along]->values;
   for (size_t k = 0, row = 0; k < p->count; k++) {
     while (row < rows && real_at(value, row) <= at[k]) row++;
     if (row) s->figure[setting + k * p->stride] = real_at(figure, row - 1);
@@ -188,7 +190,7 @@ static int run_settings(search *s, size_t first, opc_error *error) {
   const plan *p = &s->plan;
   opc_error failure = {0};
   size_t last = first + (p->count - 1) * p->stride;
-  int code = s->host->inner->run(s->host, last, 0, p->count, &failure);
+  int code = opc_get_inner(s->host)->run(s->host, last, 0, p->count, &failure);
   if (code == OPC_CANCELLED) {
     *error = failure;
     return code;
@@ -215,7 +217,7 @@ static int run_settings(search *s, size_t first, opc_error *error) {
 
 static int run_all(search *s, opc_error *error) {
   const size_t block = s->plan.count * s->plan.stride;
-  int code = s->host->inner->begin(s->host, error);
+  int code = opc_get_inner(s->host)->begin(s->host, error);
   if (code) return code;
   s->simulations = count_simulations(s, 1);
   for (size_t i = 0; i < s->count && !code; i++)
@@ -227,7 +229,7 @@ static int run_all(search *s, opc_error *error) {
 
 /* The run of the best setting, for its objects and for what it writes. */
 static int run_best(search *s, opc_error *error) {
-  int code = s->host->inner->run(s->host, s->best, 1, 0, error);
+  int code = opc_get_inner(s->host)->run(s->host, s->best, 1, 0, error);
   if (code) return code;
   s->simulations += count_simulations(s, 0);
   double figure = get_figure(s);
@@ -242,7 +244,7 @@ static int run_best(search *s, opc_error *error) {
 static int run(void *self, void **outputs, opc_error *error) {
   search *s = self;
   s->count = 1;
-  for (size_t i = 0; i < s->n_axes; i++) s->count *= s->axes[i].count;
+  for (size_t i = 0; i < s->n_axes; i++) s->count *= s->axes[i]->count;
   s->best = s->count;
   s->figure = g_new(double, s->count);
   for (size_t i = 0; i < s->count; i++) s->figure[i] = NAN;
@@ -252,7 +254,7 @@ static int run(void *self, void **outputs, opc_error *error) {
   if (!code) code = run_best(s, error);
   if (code) return code;
   eda_settings *settings = search_settings(s);
-  outputs[0] = s->host->inner->object(s->host, s->plan.mask, "mask");
+  outputs[0] = opc_get_inner(s->host)->object(s->host, s->plan.mask, "mask");
   outputs[1] = settings;
   return search_report(s, settings, error);
 }

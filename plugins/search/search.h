@@ -27,7 +27,7 @@ typedef struct search {
   const char *flow, *variant, *minimise, *maximise, *mask;
   const void *gates; /* taken by the host */
   opc_map set, sweep, along;
-  const opc_inner_axis *axes;
+  const opc_inner_axis *const *axes;
   size_t n_axes;
   plan plan;
 

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The steps of all transistors, lengths first. */
+/* Implements the descent of all transistors: correction of lengths, then of
+   widths. */
 #include "descent.h"
 
 #include <eda/memory.h>
 #include <stdlib.h>
 
-/* %, of a line that does not print all across, which has no current to compare:
-   it is too thin, so it counts as far too strong until it does. */
+/* Deviation, %, assumed for a line that does not print across the whole width.
+   Such a line has no current to compare; it is too thin, so its current counts
+   as far too high. */
 static const double open = 100;
 
 void descent_clear(descent *d) {

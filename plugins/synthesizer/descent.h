@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* All transistors of a layout by control.h, at the same time. Widths wait until
-   no length moves: the neighbours' lengths are most of what changes a
-   transistor from outside, and the active is not printed so long. */
+/* Correction of all transistors of a layout at the same time by
+   correct/control.h. Widths wait until no length moves: lengths of neighbours
+   have the largest effect on a transistor, and the active area is not imaged
+   until then. */
 #ifndef SYNTHESIZER_DESCENT_H
 #define SYNTHESIZER_DESCENT_H
 
@@ -12,33 +13,35 @@
 typedef struct descent {
   control_rules rules;
   control *state;
-  uint8_t *moved; /* whether the length did, in this iteration */
+  uint8_t *moved; /* 1 for each length moved in this iteration */
   size_t count;
-  int begun; /* first corrections are made */
-  int fine;  /* widths move */
-  /* The deviation of gate i that is to be lowered, %. */
+  int begun; /* 1 after the first corrections */
+  int fine;  /* 1 once widths may move */
+  /* Return the deviation of gate i to be minimized, %. */
   double (*error)(const void *self, const eda_feedback *f, size_t i);
-  /* Its first correction, in grid steps of L. */
+  /* Return the first correction of gate i, in grid steps of L. */
   int32_t (*first)(const void *self, const eda_feedback *f, size_t i);
-  const void *self; /* for both */
+  const void *self; /* first argument of both functions */
 } descent;
 
-/* Start anew with so many gates; rules, error, first and self are set. */
+/* Reset the state for `count` gates. The caller has set rules, error, first and
+   self. */
 void descent_reset(descent *d, size_t count);
 void descent_clear(descent *d);
 
-/* How many lengths and widths were moved. */
+/* Numbers of moved lengths and widths. */
 typedef struct descent_moves {
   size_t lengths, widths;
-  int changed; /* an error is not what it was: go on, though nothing moves
-                  (line ends did) */
+  int changed; /* 1: a deviation changed, so the loop continues although no
+                  transistor moves (line ends moved) */
 } descent_moves;
 
-/* One iteration. `lengths_only`: no width moves yet. */
+/* Perform one iteration and return the numbers of moves. `lengths_only`: widths
+   do not move yet. */
 descent_moves descent_update(descent *d, const eda_feedback *f,
                              eda_moves *moves, int lengths_only);
 
-/* Log an iteration; whether it was the last one. */
+/* Log an iteration. Return 1 if it is the last one. */
 int descent_is_done(const opc_host *host, const eda_feedback *f,
                     const descent_moves *moves);
 

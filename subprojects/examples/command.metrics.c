@@ -4,6 +4,7 @@
 #include <json-glib/json-glib.h>
 #include <math.h>
 #include <opcflow/command.h>
+#include <opcflow/table.h>
 #include <string.h>
 
 /* ---- state ---- */
@@ -82,8 +83,8 @@ static int publish(const metrics *m, const rows *r, const char *const *runs,
   for (size_t i = 0; i < r->runs; i++)
     columns[i + 3] =
         (opc_column){runs[i], NULL, OPC_REAL, -1, r->values[i]->data};
-  return m->host->table(m->host, "metrics", OPC_TABLE_PRINT, r->step->len,
-                        columns, r->runs + 3, error);
+  return opc_put_table(m->host, "metrics", OPC_TABLE_PRINT, r->step->len,
+                       columns, r->runs + 3, error);
 }
 
 static int run(void *self, size_t n, const char *const *arguments,

@@ -62,11 +62,9 @@ static const opc_function required[] = {OPC_FUNCTION(timing, delay)};
 
 static const opc_kind functions = {
     .functions_size = sizeof(timing),
-    .n_functions = 1,
-    .functions = required,
+    OPC_REQUIRED_FUNCTIONS(required),
     .exercise = exercise,
-    .n_templates = sizeof templates / sizeof *templates,
-    .templates = templates,
+    OPC_TEMPLATES(templates),
 };
 
 OPC_PLUGIN(kind, .id = "kind.timing", .kind = "kind", .version = "1.0.0",

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include <opcflow/step.h>
+#include <opcflow/table.h>
 
 #include "timing.h"
 
@@ -46,8 +47,8 @@ static int run(void *self, void **outputs, opc_error *error) {
                                 {"number", NULL, OPC_INT, 0, number},
                                 {"drawn", "ps", OPC_REAL, 4, drawn},
                                 {"printed", "ps", OPC_REAL, 4, printed}};
-  int code = s->host->table(s->host, "delays", OPC_TABLE_PRINT, g->count,
-                            columns, 4, error);
+  int code = opc_put_table(s->host, "delays", OPC_TABLE_PRINT, g->count,
+                           columns, 4, error);
   free(drawn);
   free(printed);
   free(number);

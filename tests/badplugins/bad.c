@@ -75,6 +75,7 @@ static const eda_regulator functions = {
 
 /* Without OPC_PLUGIN, which does most of this right. */
 static const opc_plugin plugin = {
+    .size = sizeof(opc_plugin),
 #ifdef BAD_MAJOR
     .abi_major = 9,
     .id = (const char *)1, /* must not be looked at */
@@ -83,7 +84,7 @@ static const opc_plugin plugin = {
     .id = BAD_ID,
 #endif
 #ifdef BAD_MINOR
-    .abi_minor = OPC_ABI_MINOR + 1,
+    .abi_minor = OPC_ABI_OLDEST - 1,
 #else
     .abi_minor = OPC_ABI_MINOR,
 #endif

@@ -2,6 +2,7 @@
 /* test.kept: a step whose outputs can be kept: a number and its input's, and
    twice that. It says whether it ran or was read back, and takes its time. */
 #include <opcflow/step.h>
+#include <opcflow/table.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -28,7 +29,7 @@ static int run(void *self, void **outputs, opc_error *error) {
   (void)usleep((useconds_t)k->wait * 1000);
   k->host->log(k->host, OPC_LOG_INFO, "ran");
   const opc_column columns[] = {{"sum", NULL, OPC_REAL, -1, sum}};
-  int code = k->host->table(k->host, "kept", 0, 1, columns, 1, error);
+  int code = opc_put_table(k->host, "kept", 0, 1, columns, 1, error);
   if (!code) code = k->host->metric(k->host, "sum", *sum, error);
   if (code || !k->file) return code;
   const char *path = k->host->output_path(k->host, k->file, error);

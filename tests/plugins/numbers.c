@@ -4,6 +4,7 @@
    does what `behave` tells it. */
 #include <math.h>
 #include <opcflow/step.h>
+#include <opcflow/table.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -59,7 +60,7 @@ static int publish(const numbers *n, double sum, opc_error *error) {
                                 {"size", "nm", OPC_REAL, 2, reals},
                                 {"count", NULL, OPC_INT, 0, integers}};
   int code =
-      n->host->table(n->host, "numbers", OPC_TABLE_PRINT, 3, columns, 3, error);
+      opc_put_table(n->host, "numbers", OPC_TABLE_PRINT, 3, columns, 3, error);
   if (code) return code;
   return n->host->metric(n->host, "sum", sum, error);
 }

@@ -4,7 +4,9 @@
    first one gave. Each piece takes its time and leaves a line in a journal. Its
    outputs can be kept. */
 #include <fcntl.h>
+#include <opcflow/pieces.h>
 #include <opcflow/step.h>
+#include <opcflow/table.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -97,7 +99,7 @@ static int misbehave(pieces *p, size_t i, opc_bytes *out, opc_error *error) {
       p->host->log(p->host, OPC_LOG_FINDING, "piece %zu is odd", i);
       break;
     case NEST:
-      if (p->host->pieces(p->host, &nested, error)) return error->code;
+      if (opc_do_pieces(p->host, &nested, error)) return error->code;
       if (three < 3) return opc_fail(error, OPC_FAILED, NULL, "not three");
       break;
     default:
@@ -163,7 +165,7 @@ static int do_list(pieces *p, const char *name, opc_error *error) {
                            .take = take,
                            .done = done};
   p->n = p->done = 0;
-  int code = p->host->pieces(p->host, &list, error);
+  int code = opc_do_pieces(p->host, &list, error);
   if (!code && (p->n != list.count || p->done != list.count))
     code = opc_fail(error, OPC_FAILED, NULL, "%zu taken, %zu done of %zu", p->n,
                     p->done, list.count);
@@ -182,7 +184,7 @@ static int run(void *self, void **outputs, opc_error *error) {
   *out = p->sum;
   const opc_column columns[] = {{"value", NULL, OPC_REAL, -1, p->taken}};
   if (!code)
-    code = p->host->table(p->host, "pieces", 0, p->n, columns, 1, error);
+    code = opc_put_table(p->host, "pieces", 0, p->n, columns, 1, error);
   if (!code) code = p->host->metric(p->host, "sum", p->sum, error);
   free(p->taken);
   return code;

@@ -2,6 +2,7 @@
 /* command.tell: the verb `opcflow tell WORD ...`, which publishes what it was
    given, for the tests of the framework. */
 #include <opcflow/command.h>
+#include <opcflow/table.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,7 +40,7 @@ static int publish(const tell *t, size_t n, const char *const *words,
   const opc_column columns[] = {{"word", NULL, OPC_TEXT, 0, words},
                                 {"length", NULL, OPC_INT, 0, lengths}};
   int code =
-      t->host->table(t->host, "words", OPC_TABLE_PRINT, n, columns, 2, error);
+      opc_put_table(t->host, "words", OPC_TABLE_PRINT, n, columns, 2, error);
   free(lengths);
   return code ? code : t->host->metric(t->host, "sum", sum, error);
 }

@@ -9,7 +9,7 @@
 
 #include "core/binding/binding.h"
 #include "core/plugin/declaration.h"
-#include "core/run/identity.h"
+#include "core/run/services.h"
 
 static opc_published *published_of(const opc_host *host) {
   return ((const opc_binding *)host->data)->run;
@@ -17,9 +17,9 @@ static opc_published *published_of(const opc_host *host) {
 
 static int take_table(const opc_host *host, const char *name, uint32_t flags,
                       size_t rows, const opc_column *columns, size_t n_columns,
-                      opc_error *error) {
+                      size_t column_size, opc_error *error) {
   opc_table *table =
-      opc_table_new(name, flags, rows, columns, n_columns, error);
+      opc_table_new(name, flags, rows, columns, n_columns, column_size, error);
   if (!table) return error->code;
   g_ptr_array_add(published_of(host)->tables, table);
   return OPC_OK;
@@ -57,7 +57,7 @@ void opc_published_init(opc_published *p, const char *inside) {
                .table = take_table,
                .metric = take_metric,
                .output_path = give_path,
-               .identity = opc_identity_alone},
+               .service = opc_results_service},
       .inside = inside,
       .tables = g_ptr_array_new_with_free_func((GDestroyNotify)opc_table_free),
       .paths = g_ptr_array_new_with_free_func(g_free),

@@ -7,6 +7,7 @@
 #include <eda/simulator.h>
 #include <glib.h>
 #include <opcflow/step.h>
+#include <opcflow/table.h>
 #include <stdio.h>
 
 /* The choices of 'sizes'. */

@@ -58,7 +58,8 @@ static double *add_state(table *t, const char *what, int state,
 static int publish(const table *t, const char *name, uint32_t flags,
                    opc_error *error) {
   const opc_host *host = t->b->host;
-  return host->table(host, name, flags, t->rows, t->column, t->columns, error);
+  return opc_put_table(host, name, flags, t->rows, t->column, t->columns,
+                       error);
 }
 
 /* How many sets of sizes there are columns of. */

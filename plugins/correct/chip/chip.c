@@ -104,7 +104,7 @@ int work_sheets(sheets *s, int32_t reach, opc_pieces jobs, opc_error *error) {
   jobs.key = sheets_key;
   jobs.cost = sheets_cost;
   jobs.done = sheets_done;
-  int code = w->host->pieces(w->host, &jobs, error);
+  int code = opc_do_pieces(w->host, &jobs, error);
   pages_clear(&s->pages);
   cover_clear(&s->cover);
   g_free(s->key);

@@ -190,7 +190,7 @@ int scan_all(work *w, opc_error *error) {
                            .work = scan_some,
                            .take = take_some,
                            .done = tell_done};
-  code = w->host->pieces(w->host, &some, error);
+  code = opc_do_pieces(w->host, &some, error);
   if (!code && !w->chip->count)
     code = opc_fail(error, OPC_INVALID, "layout",
                     "no transistor: layers 'poly' and 'active' do not cross");

@@ -164,7 +164,7 @@ static int put_gate(maker *m, const ref *r, size_t k, opc_error *error) {
   }
   to->instance[k] = to->cell[k] = to->name;
   to->number[k] = (uint32_t)(k + 1);
-  eda_gates_take_wish(to, k, from, i);
+  eda_gates_take_goal(to, k, from, i);
   eda_gates_take_flavour(to, k, from, i);
   return OPC_OK;
 }

@@ -187,7 +187,7 @@ static void look(const seen *s, size_t i, heap *h) {
 static void digest(const seen *s, size_t i, const heap *h, uint8_t *out) {
   const eda_gates *g = s->gates;
   frame f = {g->box[i], g->axis[i]};
-  eda_wish wish = eda_gates_wish(g, i);
+  eda_goal goal = eda_gates_goal(g, i);
   /* L and W in steps of 1e-3 nm: rounding is not to part what is equal. */
   const int64_t head[] = {g->type[i],
                           s->ways == 8 ? EDA_X : f.axis,
@@ -195,14 +195,14 @@ static void digest(const seen *s, size_t i, const heap *h, uint8_t *out) {
                           size_of(&f, !f.axis),
                           llround(g->length[i] * 1000),
                           llround(g->width[i] * 1000),
-                          wish.given};
+                          goal.given};
   uint8_t all[32];
   gsize size = sizeof all;
   g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
   g_checksum_update(sum, (const guchar *)head, sizeof head);
   g_checksum_update(sum, (const guchar *)h, sizeof *h);
-  if (wish.given)
-    g_checksum_update(sum, (const guchar *)&wish, offsetof(eda_wish, given));
+  if (goal.given)
+    g_checksum_update(sum, (const guchar *)&goal, offsetof(eda_goal, given));
   g_checksum_update(sum, (const guchar *)eda_gates_flavour(g, i), -1);
   g_checksum_get_digest(sum, all, &size);
   memcpy(out, all, SUM_SIZE);

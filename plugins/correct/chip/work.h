@@ -8,6 +8,7 @@
 #include <eda/regulator.h>
 #include <eda/rules.h>
 #include <glib.h>
+#include <opcflow/pieces.h>
 #include <opcflow/step.h>
 
 #include <correct/settings.h>

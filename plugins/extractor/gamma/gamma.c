@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* extractor.gamma: gate slicing in which each slice has a weight, gamma, for
-   what happens near the edges of the active (thesis eq. 3.2). */
+/* Implements extractor.gamma: gate slicing in which each slice has a weight,
+   gamma, for effects near the active edges (thesis eq. 3.2). */
 #include <math.h>
 
 #include "../slicer.h"
@@ -15,7 +15,7 @@ typedef struct edge_term {
 } edge_term;
 
 typedef struct state {
-  slicer slicer;          /* first: what its functions get */
+  slicer slicer;          /* first member, passed to the slicer's functions */
   const char *table_path; /* NULL: edge terms */
   int loaded;
   weights table;
@@ -47,7 +47,7 @@ static int prepare(void *self, opc_error *error) {
 
 /* ---- parameters ---- */
 
-/* The edge term of a type and a current. */
+/* Parameters of the edge term of a type and a current. */
 /* clang-format off */ /* it takes the elements for nested ones */
 #define TERM(group, what, t, c, text)                                    \
   {.name = group "." what "_edge", .type = OPC_REAL, .flags = OPC_ABOVE, \

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Weights of slices against closed forms, and against extractor.plain where
-   they are 1. */
+/* Tests of weights of slices against closed forms, and against extractor.plain
+   for weights of 1. */
 #include "../gates_test.h"
 
 static char *devices(void) {
@@ -65,8 +65,8 @@ static void test_one(void) {
   }
 }
 
-/* The mean of 1 + a exp(-d / decay) over a width: 1 + 2 a decay / W
-   (1 - exp(-W / 2 decay)). */
+/* Return the mean of 1 + a exp(-d / decay) over a width: 1 + 2 a decay / W (1 -
+   exp(-W / 2 decay)). */
 static double mean_weight(double a, double decay, double w) {
   return 1 + 2 * a * decay / w * (1 - exp(-w / 2 / decay));
 }
@@ -87,15 +87,15 @@ static void test_edge(void) {
       figures g = of_gate(gamma, type, w, straight, 100);
       near(g.ion / p.ion, mean_weight(a[type][0], decay[type][0], w), 1e-4);
       near(g.ioff / p.ioff, mean_weight(a[type][1], decay[type][1], w), 1e-4);
-      /* A rectangle is one of its own length. */
+      /* The equivalent length of a rectangle is its length. */
       near(g.leq_ion, 66, 1e-9);
       near(g.leq_ioff, 66, 1e-9);
       near(g.area, p.area, 1e-12);
     }
 }
 
-/* gamma against the distance is 1.6, 1.2 at 0, 20 nm for narrow transistors,
-   and 1 for wide ones. */
+/* Test gamma of 1.6 and 1.2 at 0 and 20 nm for narrow transistors, and 1 for
+   wide ones. */
 static void test_table(void) {
   g_autofree char *path =
       write_text("table.csv",
@@ -123,7 +123,7 @@ static void test_table(void) {
   }
 }
 
-/* 12 slices that follow the contour, against many. */
+/* Test 12 slices of the contour rule against many equal slices. */
 static void test_contour(void) {
   g_autofree char *more =
       g_strdup_printf("%s, rule: equal, slices: 10000", terms);

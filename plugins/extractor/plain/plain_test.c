@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Slicing against closed forms, on a table whose current falls exponentially
-   with length (a straight line in what is interpolated). */
+/* Tests of slicing against closed forms, with a table whose current is an
+   exponential of length (linear in the interpolated quantity). */
 #include "../gates_test.h"
 
-/* Ion = 1e-3 A exp(-(L - 65) / 30) per um for n, half of it for p; Ioff falls
-   five times as fast. */
+/* Return Ion = 1e-3 A exp(-(L - 65) / 30) per um for n, half of it for p; Ioff
+   decays five times as fast. */
 static double current(int type, int off, double length) {
   return (type == EDA_PMOS ? 0.5e-6 : 1e-6) *
          exp(-(length - 65) / (off ? 6 : 30));
@@ -51,27 +51,28 @@ static double slope(double t) { return 60 + 14 * t; }
 static double two_lengths(double t) { return t < 0.5 ? 60 : 75; }
 static double middle;
 static double any(double t) { return t < 2 ? middle : 0; }
-/* Wider towards one end, as where the poly goes on. */
+/* Length increasing towards one end, as where the poly continues. */
 static double flare = 10;
 static double flared(double t) { return middle + flare * pow(t, 20); }
 static double tabulated(double t) { return t < 2 ? 70 : 0; }
 static double no_length(double t) { return t < 2 ? 0 : 1; }
 static double wild(double t) { return t < 2 ? NAN : 1; }
 
-/* A rounded line end: the square of the length is a straight line, here from
-   30^2 at one active edge to 110^2 at the other; and one from 45^2. */
+/* A rounded line end: the squared length is linear, from 30^2 (or 45^2) at one
+   active edge to 110^2 at the other. */
 static double low = 30;
 static double rounded(double t) {
   return sqrt(low * low + (110 * 110 - low * low) * t);
 }
-/* Lengths that come and go like those of a line with neighbours. */
+/* Return oscillating lengths, as of a line with neighbours. */
 static double rippled(double t) { return 65 + 3 * sin(20 * t) + 8 * t * t; }
-/* The line ends at 0.1 of the width, inside the active. */
+/* Return lengths of a line that ends at 0.1 of the width, inside the active. */
 static double ended(double t) {
   return t < 0.1 ? 0 : 65 * sqrt(fmin(1, (t - 0.1) / 0.9 * 2.5));
 }
 
-/* An ellipse between 0.1 and 0.9 of the width: both ends lie in the active. */
+/* Return lengths of an ellipse between 0.1 and 0.9 of the width: both ends are
+   inside the active. */
 static double ellipse(double t) {
   double u = (t - 0.5) / 0.4;
   return 65 * sqrt(fmax(0, 1 - u * u));
@@ -85,7 +86,7 @@ static opc_module *make_rule(const char *file, const char *rule, int slices) {
   return make(file, more, OPC_OK);
 }
 
-/* Rectangles are exact for every rule. */
+/* Test that rectangles are exact for every rule. */
 static void test_rectangle(void) {
   g_autofree char *file = write_table("rectangle.yaml", 1);
   for (size_t r = 0; r < G_N_ELEMENTS(rules); r++)
@@ -101,14 +102,15 @@ static void test_rectangle(void) {
         near(f.area, 350 * 71.3, 1e-12);
       }
     }
-  /* At a length of the table it is the table, whatever the number of slices. */
+  /* At a length of the table the current is that of the table for any number of
+     slices. */
   g_autoptr(opc_module) m = make(file, "", OPC_OK);
   near(of_gate(m, EDA_NMOS, 1000, tabulated, 0).ion, 1000 * current(0, 0, 70),
        1e-9);
 }
 
-/* Where nothing is to be made up for, each slice is what lies nearest to its
-   place. */
+/* Test that slices without corrections have the widths nearest to their
+   places. */
 static void test_nearest(void) {
   enum { SLICES = 12 };
   g_autofree char *file = write_table("nearest.yaml", 1);
@@ -129,12 +131,12 @@ static void test_nearest(void) {
     double from = i ? (place[i - 1] + place[i]) / 2 : 0;
     double to = i + 1 < SLICES ? (place[i] + place[i + 1]) / 2 : 1;
     g_assert_cmpfloat(fabs(share[i] - (to - from)), <, 1e-9);
-    /* The same from either side. */
+    /* Places are symmetric. */
     g_assert_cmpfloat(fabs(place[i] + place[SLICES - 1 - i] - 1), <, 1e-9);
   }
 }
 
-/* The integral of exp(-L / s) over L from 60 to 74. */
+/* Test a trapezoid against the integral of exp(-L / s) over L from 60 to 74. */
 static void test_trapezoid(void) {
   g_autofree char *file = write_table("trapezoid.yaml", 1);
   double ion = 400 / 14.0 * 30 * (current(0, 0, 60) - current(0, 0, 74));
@@ -148,13 +150,14 @@ static void test_trapezoid(void) {
     near(f.leq_ion, 65 - 30 * log(ion / 400 / 1e-6), within);
     near(f.leq_ioff, 65 - 6 * log(ioff / 400 / 1e-6), within);
     near(f.area, 400 * 67, 1e-7);
-    g_assert_cmpfloat(f.leq_ioff, <, f.leq_ion); /* leakage looks shortest */
+    g_assert_cmpfloat(f.leq_ioff, <, f.leq_ion); /* equivalent length of leakage
+                                                    is the shortest */
   }
 }
 
-/* The integral of exp(-sqrt(a + b t) / s), with u for the root:
-   2 / b times that of u exp(-u / s) = -s (u + s) exp(-u / s); below 40 nm,
-   where the table ends, it goes on. */
+/* Return the integral of exp(-sqrt(a + b t) / s). With u the root: 2 / b times
+   the integral of u exp(-u / s) = -s (u + s) exp(-u / s). Below 40 nm, where
+   the table ends, it is extrapolated. */
 static double rounded_current(int off, double from, double to) {
   double b = to * to - from * from, s = off ? 6 : 30;
   return 2 * s / b *
@@ -179,10 +182,11 @@ static void test_rounded(void) {
   }
 }
 
-/* Against many slices. */
+/* Test the contour rule against many equal slices. */
 static void test_many(void) {
   static shape *const shapes[] = {rippled, rounded, ended, ellipse};
-  static const double extension[] = {80, 20, -40, -40}; /* of 400 nm */
+  static const double extension[] = {80, 20, -40, -40}; /* nm, with a width of
+                                                           400 nm */
   g_autofree char *file = write_table("many.yaml", 1);
   g_autoptr(opc_module) m = make(file, "", OPC_OK);
   g_autoptr(opc_module) many = make_rule(file, "equal", 10000);
@@ -193,28 +197,28 @@ static void test_many(void) {
     g_test_message("shape %zu: Ion %.5f %%, Ioff %.5f %%", k,
                    100 * (got.ion / want.ion - 1),
                    100 * (got.ioff / want.ioff - 1));
-    /* The last one ends on one side only, and has a corner: what is told of
-       the other side is wrong, and still nothing breaks. */
+    /* The last shape ends on one side only and has a corner. The extension
+       given for the other side is wrong; extraction still succeeds. */
     near(got.ion, want.ion, k == 2 ? 0.2 : 1e-4);
     if (k != 2) near(got.ioff, want.ioff, 5e-4);
   }
 }
 
-/* A step, of as many slices as fit it. */
+/* Test a step with the matching number of slices. */
 static void test_two_lengths(void) {
   g_autofree char *file = write_table("two.yaml", 1);
   g_autoptr(opc_module) m = make(file, ", rule: equal, slices: 10", OPC_OK);
   figures f = of_gate(m, EDA_PMOS, 200, two_lengths, 100);
   near(f.ion, 100 * current(1, 0, 60) + 100 * current(1, 0, 75), 1e-8);
   near(f.area, 100 * 60 + 100 * 75, 1e-12);
-  /* A print has no steps; what the contour makes of one is near. */
+  /* Simulated contours have no steps; the contour rule is approximate. */
   g_autoptr(opc_module) contour = make(file, "", OPC_OK);
   near(of_gate(contour, EDA_PMOS, 200, two_lengths, 100).ion, f.ion, 0.02);
 }
 
-/* Beyond the ends of the table its currents go on, to a quarter of its shortest
-   length, and the figures are marked; what is no gate at all is sliced like all
-   others. */
+/* Test extrapolation beyond the ends of the table, down to a quarter of its
+   shortest length, and the marks of such figures. Degenerate gates are sliced
+   equally. */
 static void test_outside(void) {
   g_autofree char *file = write_table("outside.yaml", 1);
   for (size_t r = 0; r < G_N_ELEMENTS(rules); r++) {
@@ -229,7 +233,7 @@ static void test_outside(void) {
       g_assert_cmpuint(f.outside, ==, middle < 40 || middle > 120);
     }
   }
-  /* As little as that is still another length than the table has. */
+  /* A difference this small still counts as another length. */
   g_autoptr(opc_module) m = make(file, "", OPC_OK);
   middle = 120.05;
   g_assert_cmpuint(of_gate(m, EDA_NMOS, 100, any, 100).outside, ==, 1);
@@ -240,9 +244,9 @@ static void test_outside(void) {
   g_assert_true(isnan(f.area));
 }
 
-/* How much of what makes a mark rests on what is beyond an end: of 1 % of Ion
-   or 10 % of Ioff the part, over the flare, that the current of the end has
-   not. */
+/* Return the ratio to the marking threshold: the part of a current that is
+   extrapolated beyond an end of the table, relative to 1 % of Ion or 10 % of
+   Ioff. */
 static double notable_part(double end) {
   double guess[2] = {0}, sum[2] = {0};
   for (int off = 0; off < 2; off++)
@@ -268,7 +272,7 @@ static void test_in_part(void) {
       near(f.ion, g.ion, 1e-5);
       near(f.ioff, g.ioff, 1e-4);
       double part = notable_part(end);
-      if (fabs(part - 1) < 0.2) continue; /* 12 slices know it so well */
+      if (fabs(part - 1) < 0.2) continue; /* within the accuracy of 12 slices */
       g_assert_cmpuint(g.outside, ==, part > 1);
       g_assert_cmpuint(f.outside, ==, part > 1);
       part > 1 ? marked++ : not_marked++;
@@ -277,7 +281,8 @@ static void test_in_part(void) {
   g_assert_true(marked > 20 && not_marked > 20);
 }
 
-/* A table whose end is so flat that it goes on with another slope, in Ioff. */
+/* Test a real table whose end is so flat that Ioff is extrapolated with another
+   slope. */
 static void test_real_table(void) {
   const char *source = g_getenv("OPCFLOW_SOURCE");
   g_autofree char *file = g_build_filename(source ? source : ".", "data",
@@ -324,8 +329,8 @@ static void test_rising_table(void) {
   g_assert_nonnull(strstr(error.message, "does not fall from 75 to 80 nm"));
 }
 
-/* Of a table of two widths, whose edges take as much as DEPTH nm each: a
-   rectangle of any width has (W - 2 DEPTH) j(L), whatever `edge` is. */
+/* Table of two widths whose edges reduce the current by DEPTH nm each: a
+   rectangle of any width has (W - 2 DEPTH) j(L) for any `edge`. */
 #define DEPTH 15.0
 
 static char *write_widths(void) {
@@ -356,7 +361,8 @@ static char *write_widths(void) {
   return path;
 }
 
-/* Long in the middle, short at both edges: a quarter of the width each. */
+/* Return lengths that are long in the middle and short in a quarter of the
+   width at both edges. */
 static double waisted(double place) {
   return place < 0.25 || place > 0.75 ? 60 : 80;
 }
@@ -377,18 +383,18 @@ static void test_widths(void) {
       }
       g_assert_cmpuint(of_gate(m, EDA_PMOS, 119, straight, 100).outside, ==, 1);
     }
-  /* Where the line has ended there is the shortest length there may be, and
-     edges take of its current. */
+  /* Beyond the end of the line the length is the shortest allowed one, and
+     edges reduce its current. */
   g_autoptr(opc_module) contour = make(file, ", edge: 30 nm", OPC_OK);
   g_autoptr(opc_module) many =
       make(file, ", edge: 30 nm, rule: equal, slices: 10000", OPC_OK);
   figures got = of_gate(contour, EDA_NMOS, 400, ellipse, -40);
   figures want = of_gate(many, EDA_NMOS, 400, ellipse, -40);
-  /* The middle stands for each end that is gone. */
+  /* The midpoint represents each missing end. */
   near(got.ion, want.ion, 3e-3);
   near(got.ioff, want.ioff, 3e-3);
-  /* What the edges take goes by the length that is there: nearly all of it by
-     60 nm, but for what is further from them than a quarter of the width. */
+  /* The edge current depends on the local length: nearly all of it on 60 nm,
+     except for the part further from the edges than a quarter of the width. */
   g_autoptr(opc_module) m =
       make(file, ", edge: 30 nm, rule: equal, slices: 2000", OPC_OK);
   double decay = 2 * 2 * DEPTH / (1 - 2 * DEPTH / 1000); /* edges.h */
@@ -403,8 +409,8 @@ static void test_widths(void) {
   near(f.ion, plain - less, 1e-4);
 }
 
-/* As masks with a jog print: an end that is rounded, one that flares, and a
-   step of some nm between, smoothed by the optics. */
+/* A gate as masks with a jog print: a rounded end, a flared end, and a step
+   between them, smoothed by the optics. */
 static struct { double width, rounded, flared, step, at; } jogged_gate;
 static double jogged(double t) {
   double w = jogged_gate.width;
@@ -413,7 +419,7 @@ static double jogged(double t) {
          jogged_gate.step * erf((t - jogged_gate.at) * w / 120);
 }
 
-/* A few slices of a real table of several widths against very many. */
+/* Test a few slices with a real table of several widths against many slices. */
 static void test_real_widths(void) {
   g_autofree char *file = g_build_filename(g_getenv("OPCFLOW_SOURCE"), "data",
                                            "devices", "ihp130.yaml", NULL);
@@ -425,7 +431,7 @@ static void test_real_widths(void) {
     double u = fmod(i * 0.618034, 1), v = fmod(i * 0.754878, 1),
            x = fmod(i * 0.569840, 1);
     jogged_gate.width = 150 * pow(20, u);
-    /* From rough ones to those that are nearly rectangles. */
+    /* From rough shapes to nearly rectangular ones. */
     double rough = pow(0.03, fmod(3 * x, 1));
     jogged_gate.rounded = 8 * v * rough;
     jogged_gate.flared = 12 * x * rough;

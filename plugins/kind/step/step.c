@@ -90,8 +90,7 @@ static const opc_example examples[] = {
 
 static const opc_function required[] = {OPC_FUNCTION(opc_step, run)};
 static const opc_kind functions = {.functions_size = sizeof(opc_step),
-                                   .n_functions = 1,
-                                   .functions = required,
+                                   OPC_REQUIRED_FUNCTIONS(required),
                                    OPC_SAMPLES(samples),
                                    OPC_EXAMPLES(examples)};
 

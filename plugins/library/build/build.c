@@ -219,7 +219,8 @@ static int tell(const builder *r) {
 
 static int build_all(builder *r) {
   const build *b = r->b;
-  const char *settings = b->host->identity(b->host, NULL, r->error);
+  const char *settings =
+      opc_get_results(b->host)->identity(b->host, NULL, r->error);
   int32_t top = eda_layout_top(b->sheet, r->error);
   int code = settings && top >= 0
                  ? correct_library_take_models(b->host, r->out->model, r->error)

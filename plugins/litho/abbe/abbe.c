@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* litho.abbe: partially coherent imaging after Abbe: each point s of the source
-   makes a coherent image of its own, through the pupil P(f + s), and the
-   intensities are added (M. Born, E. Wolf, Principles of Optics, 10.6.2); those
-   of polarised light are added for each component of the field, too. Nothing is
-   decomposed or cut off; the source's points are the only approximation. */
+/* Implements litho.abbe: partially coherent imaging after Abbe. Each source
+   point s forms a coherent image through the pupil P(f + s), and the
+   intensities are added (M. Born, E. Wolf, Principles of Optics, 10.6.2).
+   Intensities of polarised light are also added over the components of the
+   field. The only approximation is the sampling of the source. */
 #include <eda/litho.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -21,25 +21,26 @@ typedef struct abbe {
   optics optics;
   int64_t points_across;
   int points_across_given;
-  double *point; /* x, y and weight of each */
+  double *point; /* x, y, weight: [point][3] */
   size_t count, parts;
-  double *weight; /* of part k of point i at parts * i + k */
-  int paired;     /* the last half of the points are the others, turned round */
+  double *weight; /* [point][part] */
+  int paired;     /* 1: point n - 1 - i is the opposite of point i */
   double *twice;
 } abbe;
 
-static const double coarsest = 32; /* grid of an image, nm */
+static const double coarsest = 32; /* largest grid spacing of an image, nm */
 
-/* The model at one focus. */
+/* The model at one focus and for one part of the light. */
 typedef struct view {
   const abbe *model;
   double defocus;
-  size_t first; /* part that is used */
+  size_t first; /* part of polarised light */
   int real;     /* the pupil has no phases */
 } view;
 
-/* Images of so many points are added in single precision, their sums in double:
-   thousands of points would lose 3e-5 of the clear field. */
+/* Number of points whose images are added in single precision; sums of batches
+   are in double. Single precision throughout loses 3e-5 of the clear field for
+   thousands of points. */
 enum { BATCH = 128 };
 
 /* ---- work ---- */
@@ -52,7 +53,7 @@ static void clear(void *self) {
   a->point = a->weight = a->twice = NULL;
 }
 
-/* Whether point i is point n - 1 - i, turned round by half a turn. */
+/* Return 1 if point n - 1 - i is the opposite of point i for all i. */
 static int are_paired(const double *p, size_t n) {
   for (size_t i = 0; i < n; i++) {
     const double *a = p + 3 * i, *b = p + 3 * (n - 1 - i);
@@ -103,7 +104,8 @@ static int transform(const void *self, const eda_shapes *mask, double grid,
                         error);
 }
 
-/* A pupil without phases: 1 between the two ends of a chord. */
+/* Fill the transfer function of a pupil without phases: 1 between the two ends
+   of a chord. */
 static void transfer_chord(const view *v, const double *point, const double *fx,
                            double fy, size_t n, float *out) {
   double cutoff = v->model->optics.cutoff, y = fy / cutoff + point[1];
@@ -115,7 +117,7 @@ static void transfer_chord(const view *v, const double *point, const double *fx,
   }
 }
 
-/* Any other pupil. */
+/* Fill the transfer function of a pupil with phases. */
 static void transfer_phases(const view *v, const double *point,
                             const double *fx, double fy, size_t n, float *out) {
   const optics *o = &v->model->optics;
@@ -149,11 +151,11 @@ static void transfer(const void *self, size_t s, const double *fx, double fy,
   }
 }
 
-/* One more sum of images, added to `sum`; the first one makes it. */
+/* Add a coherent sum to *sum; allocate *sum for the first one. */
 static int add_images(const view *v, const eda_spectrum *mask,
                       const eda_systems *systems, double **sum, eda_field *out,
                       opc_error *error) {
-  /* Four samples to the finest period there can be. */
+  /* Four samples for the shortest period of the intensity. */
   double step = fmin(coarsest, 0.25 / systems->intensity_band);
   eda_field_clear(out);
   int code = eda_coherent_sum(v->model->host->context, mask, systems, step, out,
@@ -169,8 +171,7 @@ static int image_at(const void *self, int layer, const eda_spectrum *mask,
                     double defocus, eda_field *out, opc_error *error) {
   const abbe *a = self;
   view v = {a, defocus, 0, defocus == 0 && optics_is_real(&a->optics)};
-  /* A real mask through a real pupil: points that are opposite to each other
-     give the same image. */
+  /* Opposite points form the same image if mask and pupil are real. */
   int half = a->paired && v.real && optics_real_masks(&a->optics);
   const double *weight = half ? a->twice : a->weight;
   double *sum = NULL;

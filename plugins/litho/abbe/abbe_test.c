@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Images against closed forms: gratings of few orders through points and
-   disks, the coherent edge, aberrations whose effect is known; and against
-   litho.hopkins, which shares nothing but the pupil. */
+/* Tests of images against closed forms: gratings of few orders through source
+   points and disks, the coherent edge, and aberrations of known effect. A
+   second reference is litho.hopkins, which shares only the pupil with
+   litho.abbe. */
 #include <complex.h>
 #include <eda/gates.h>
 #include <eda/litho.h>
@@ -13,7 +14,8 @@
 static const opc_host *host;
 static const double cutoff = 0.75 / 193;
 
-/* A vertical line of `width` at x = 0 in a grating of `pitch`. */
+/* Return the image of a vertical line of `width` at x = 0 in a grating of
+   `pitch`. */
 static eda_field grating(const char *parameters, double defocus, double width,
                          double pitch) {
   g_autoptr(opc_module) m = prepared("litho.abbe", parameters);
@@ -23,13 +25,13 @@ static eda_field grating(const char *parameters, double defocus, double width,
                      (eda_frame){-pitch / 2, 0, pitch, pitch});
 }
 
-/* The amplitude of order n of that grating. */
+/* Return the amplitude of order n of that grating. */
 static double order(int n, double width, double pitch) {
   return n ? -sin(M_PI * n * width / pitch) / (M_PI * n) : 1 - width / pitch;
 }
 
-/* The intensity that the orders `from` .. `to` give, each through a phase of
-   its own in waves. */
+/* Return the intensity at x of the orders from .. to; waves[i] is the phase of
+   order from + i. */
 static double beams(int from, int to, const double *waves, double x,
                     double width, double pitch) {
   double complex e = 0;
@@ -47,8 +49,8 @@ static void assert_beams(const eda_field *f, int from, int to,
         3e-5);
 }
 
-/* Lines along x, too, and a lens that needs a fine image; what is beyond its
-   pupil does not pass, whichever way it lies. */
+/* Test lines along x and a medium where the pupil limits the image: orders
+   outside the pupil are blocked for both directions. */
 static void test_turned(void) {
   static const struct {
     const char *parameters;
@@ -96,15 +98,16 @@ static double complex coefficient(const eda_spectrum *s, int k, int l) {
   return (double)c[0] + I * (double)c[1];
 }
 
-/* One coefficient of the interval from a to b of a period. */
+/* Return Fourier coefficient k of the indicator of the interval a .. b of a
+   period. */
 static double complex interval(int k, double a, double b) {
   return k ? (cexp(-2 * M_PI * I * k * b) - cexp(-2 * M_PI * I * k * a)) /
                  (-2 * M_PI * I * k)
            : b - a;
 }
 
-/* Rectangles, one of them a hole and one over the border of the frame: products
-   of sincs; and nothing beyond the band. */
+/* Test rectangles, including a hole and one across the border of the frame,
+   against products of sincs. Coefficients beyond the band are zero. */
 static void test_rectangles(void) {
   g_autoptr(opc_module) m = prepared("litho.abbe", "{}");
   const eda_frame f = {-300, -200, 1500, 2300};
@@ -141,12 +144,12 @@ static void test_rectangles(void) {
     }
   g_test_message("%d coefficients, %.2g off", inside, worst);
   g_assert_cmpint(inside, >, 100);
-  g_assert_cmpfloat(worst, <, 6e-8); /* single precision, of at most 1 */
+  g_assert_cmpfloat(worst, <, 6e-8); /* single precision; largest value 1 */
   eda_spectrum_clear(&s);
 }
 
-/* A polygon without any upright edge, against the sum of thin rows of it: exact
-   along x, by the midpoint rule along y. */
+/* Test a polygon without vertical edges against a sum of thin rows: exact along
+   x, midpoint rule along y. */
 static void test_polygon(void) {
   enum { CORNERS = 5, ROWS = 26000 };
   g_autoptr(opc_module) m = prepared("litho.abbe", "{}");
@@ -187,8 +190,8 @@ static void test_three_beams(void) {
   eda_field_clear(&f);
 }
 
-/* Oblique light lets only the orders 0 and -1 pass; out of focus their phases
-   differ as their angles to the axis do. */
+/* Test oblique light that passes only the orders 0 and -1. Out of focus, their
+   phases differ by the cosines of their angles. */
 static void test_two_beams(void) {
   const char *p = "{ source: points, points: [0.6, 0, 3] }";
   eda_field f = grating(p, 0, 110, 300);
@@ -203,7 +206,8 @@ static void test_two_beams(void) {
   eda_field_clear(&f);
 }
 
-/* Defocus in water, in part from the parameter and in part from the call. */
+/* Test defocus in water; one part comes from the parameter, one from the
+   call. */
 static void test_immersion(void) {
   double waves[] = {0, 0, 0}, s = 1.2 / 1.44 / (200 * 1.2 / 193);
   waves[0] = waves[2] = 1.44 * 90 / 193.0 * (sqrt(1 - s * s) - 1);
@@ -215,8 +219,8 @@ static void test_immersion(void) {
   eda_field_clear(&f);
 }
 
-/* Tilt moves the image, coma gives the orders +-1 opposite phases, spherical
-   aberration equal ones. */
+/* Test aberrations: tilt shifts the image, coma adds opposite phases to the
+   orders +-1, spherical aberration equal phases. */
 static void test_aberrations(void) {
   double r = 1 / (300 * cutoff), coma = 3 * pow(r, 3) - 2 * r;
   double spherical = 6 * pow(r, 4) - 6 * r * r + 1;
@@ -241,7 +245,7 @@ static void test_aberrations(void) {
   }
 }
 
-/* Intensities of points add up by their weights. */
+/* Test that intensities of points add by their weights. */
 static void test_points_add(void) {
   eda_field f = grating(
       "{ source: points, points: "
@@ -257,12 +261,12 @@ static void test_points_add(void) {
   eda_field_clear(&f);
 }
 
-/* Points that are opposite to each other count by their own weights, those that
-   are not, by themselves; and opposite ones image alike in focus only. */
+/* Test weights of opposite and of single points. Opposite points form the same
+   image only in focus. */
 static void test_opposite(void) {
   static const struct {
     const char *points;
-    double left, right, middle; /* weights of light from there */
+    double left, right, middle; /* expected weights of light by direction */
     const char *told;
   } cases[] = {
       {"0.6, 0, 1, -0.6, 0, 1", 0.5, 0.5, 0, "2 source points in opp"},
@@ -293,7 +297,7 @@ static void test_opposite(void) {
 
 /* ---- disks ---- */
 
-/* The area common to two disks at a distance d. */
+/* Return the common area of two disks of radii r1 and r2 at distance d. */
 static double lens(double r1, double r2, double d) {
   if (d >= r1 + r2) return 0;
   double a = acos((d * d + r1 * r1 - r2 * r2) / (2 * d * r1));
@@ -301,9 +305,9 @@ static double lens(double r1, double r2, double d) {
   return r1 * r1 * (a - sin(2 * a) / 2) + r2 * r2 * (b - sin(2 * b) / 2);
 }
 
-/* A pitch at which the order +1 passes for one part of the source, -1 for
-   another, none for the rest. With sigma 1 the contrast is that of incoherent
-   light. */
+/* Test a pitch at which the order +1 passes for one part of the source, -1 for
+   another, and neither for the remainder. With sigma 1 the contrast is that of
+   incoherent light. */
 static void check_lens(double sigma, const char *parameters, double reach) {
   double d = 1 / (200 * cutoff);
   double part = lens(sigma, 1, d) / (M_PI * sigma * sigma);
@@ -329,17 +333,18 @@ static void test_disk(void) {
   check_lens(1, "{ sigma: 1, points_across: 200 }", 5e-4);
 }
 
-/* An edge in coherent light: the sine integral, whose overshoot is 18 %. */
+/* Test an edge in coherent light against the sine integral, whose overshoot is
+   18 %. */
 static void test_edge(void) {
   g_autoptr(opc_module) m =
       prepared("litho.abbe", "{ source: points, points: [0, 0, 1] }");
-  /* The next odd orders are as far below the cutoff as above it. */
+  /* The odd orders next to the cutoff are equally far from it. */
   double length = 2 * round(120000 * cutoff) / cutoff, height = 300;
   eda_box half = {0, 0, (int32_t)lround(length * 5), 3000};
   eda_field f = image_boxes(m, EDA_POLY, 0, &half, 1,
                             (eda_frame){-length / 2, 0, length, height});
   double si = 0, before = 0;
-  enum { STEPS = 20 }; /* of the integral, a nanometre */
+  enum { STEPS = 20 }; /* of the integral, per nm */
   for (int x = 0; x <= 600; x++) {
     double e = 0.5 + si / M_PI, dark = 0.5 - si / M_PI;
     g_assert_cmpfloat(fabs(value_at(&f, -x, 100) - e * e), <, 5e-4);
@@ -371,7 +376,7 @@ static void test_clear(void) {
   }
 }
 
-/* The amplitudes of a mask and of its complement add up to 1. */
+/* Test that the amplitudes of a mask and of its complement add up to 1. */
 static void test_complement(void) {
   const char *p =
       "{ source: points, points: [0, 0, 1], active: { tone: dark } }";
@@ -387,7 +392,7 @@ static void test_complement(void) {
   eda_field_clear(&f);
 }
 
-/* What is drawn lets 6 % pass, at some phase. */
+/* Test attenuated masks: drawn shapes transmit 6 % at several phases. */
 static void test_attenuated(void) {
   double complex t = sqrt(0.06);
   for (int i = 0; i < 2; i++) {
@@ -408,7 +413,8 @@ static void test_attenuated(void) {
   }
 }
 
-/* A layer past active is exposed as poly is, and active in its own way. */
+/* Test that a layer after active is imaged with the tone of poly, and active
+   with its own tone. */
 static void test_layers(void) {
   g_autoptr(opc_module) m =
       prepared("litho.abbe",
@@ -472,7 +478,7 @@ static void test_defocus(void) {
 
 /* ---- Hopkins ---- */
 
-/* The largest difference of two images. */
+/* Return the largest absolute difference of two images. */
 static double difference(const eda_field *a, const eda_field *b) {
   double worst = 0;
   for (int i = 0; i < 400; i++) {

@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The spectrum of a mask in closed form, in double precision. By Green's
-   theorem the Fourier transform of shapes at f = (fx, fy), fx not 0, is the sum
-   over their edges of the integral of exp(-2 pi i f r) dy / (-2 pi i fx); at
-   fx = 0 it is that of x exp(-2 pi i fy y) dy. What an edge adds is
+/* Implements the closed form of a mask spectrum, in double precision. By
+   Green's theorem the Fourier transform of shapes at f = (fx, fy), fx not 0, is
+   the sum over their edges of the integral of exp(-2 pi i f r) dy / (-2 pi i
+   fx). At fx = 0 the integrand is x exp(-2 pi i fy y) dy. The contribution of
+   an edge is
 
      dy exp(-2 pi i f m) sinc(f d),
 
-   m its middle, d from its begin to its end, dy their rise. Horizontal edges
-   add nothing. For vertical ones it is a function of fx times one of fy: a mask
-   is a product of matrices. (S.-W. Lee, R. Mittra, IEEE Trans. Antennas Propag.
-   31, 99, 1983, for polygons.) */
+   with m the midpoint, d the vector from begin to end, and dy the rise of the
+   edge. Horizontal edges contribute nothing. The contribution of a vertical
+   edge is a function of fx times a function of fy, so the sum is a product of
+   matrices. (S.-W. Lee, R. Mittra, IEEE Trans. Antennas Propag. 31, 99, 1983,
+   for polygons.) */
 #include "transform.h"
 
 #include <complex.h>
@@ -21,11 +23,11 @@
 
 /* ---- state ---- */
 
-enum { CHUNK = 512 }; /* edges at a time: their table stays in the cache */
+enum { CHUNK = 512 }; /* edges per chunk: their table fits the cache */
 
-/* In periods of the frame, from its corner. */
+/* An edge, in periods of the frame from the corner of the frame. */
 typedef struct edge {
-  double x, y;   /* the middle */
+  double x, y;   /* midpoint */
   double dx, dy; /* from begin to end */
 } edge;
 
@@ -34,13 +36,13 @@ typedef struct job {
   eda_spectrum *out;
   edge *upright, *slanted;
   size_t n_upright, n_slanted;
-  size_t first, n; /* the upright ones of this chunk */
+  size_t first, n; /* vertical edges of this chunk */
   size_t columns;
   double complex *across; /* exp(-2 pi i k x): [edge of the chunk][k] */
-  /* Sums over the upright edges, by the real and the imaginary part of what
-     they have along y: [l >= 0][k]. Row -l follows from both, too. */
+  /* Sums over vertical edges of the real and the imaginary part of their
+     factors along y: [l >= 0][k]. Both sums determine row -l too. */
   double complex *even, *odd;
-  /* Those of the slanted ones, rows as in the result; NULL: none. */
+  /* Sums over slanted edges, rows as in the result; NULL: no slanted edges. */
   double complex *rest;
 } job;
 
@@ -68,7 +70,8 @@ static void take_edges(job *j, const eda_shapes *s, double grid,
     }
 }
 
-/* sin(pi u) / (pi u), and its derivative; series where they cancel. */
+/* Return sin(pi u) / (pi u); the next function returns its derivative. Series
+   are used near 0, where the closed forms cancel. */
 static double sinc(double u) {
   double p = M_PI * u;
   return fabs(u) < 1e-4 ? 1 - p * p / 6 : sin(p) / p;
@@ -78,7 +81,7 @@ static double sinc_slope(double u) {
   return fabs(u) < 1e-3 ? -M_PI * M_PI * u / 3 : (cos(M_PI * u) - sinc(u)) / u;
 }
 
-/* What an edge adds at fx = 0. */
+/* Return the contribution of an edge at fx = 0. */
 static double complex at_zero(const edge *e, int l) {
   double u = l * e->dy;
   double complex along =
@@ -117,7 +120,7 @@ static void add_row(void *data, size_t l) {
     double re = scale * cos(angle), im = scale * sin(angle);
     add_times((const double *)(j->across + i * j->columns), re, im,
               2 * j->columns, (double *)even, (double *)odd);
-    /* In column 0 there is x in place of 1. */
+    /* Column 0 has the factor x instead of 1. */
     even[0] += re * (e->x - 1);
     odd[0] += im * (e->x - 1);
   }
@@ -136,7 +139,7 @@ static void add_upright(job *j, size_t rows) {
 
 /* ---- work: slanted edges ---- */
 
-/* Row number `row` of the result, of all of them: sinc(f d) from the phases of
+/* Compute row number `row` of the slanted sum: sinc(f d) from the phases of
    both ends, each a power of one number along the row. */
 static void add_slanted_row(void *data, size_t row) {
   job *j = data;
@@ -162,7 +165,7 @@ static void add_slanted_row(void *data, size_t row) {
 
 /* ---- work: all ---- */
 
-/* Row l >= 0 of the result, and -l. */
+/* Write rows l and -l of the result, l >= 0. */
 static void write_row(const job *j, int l) {
   eda_spectrum *s = j->out;
   double fy = l / s->frame.height, left = s->band * s->band - fy * fy;
@@ -184,7 +187,8 @@ static void write_row(const job *j, int l) {
 int transform_mask(const opc_context *context, const eda_shapes *shapes,
                    double grid, eda_frame frame, double band, eda_spectrum *out,
                    opc_error *error) {
-  static const double most = 1 << 26; /* numbers: 3 GB for the sums */
+  static const double most = 1 << 26; /* largest number of coefficients: 3 GB
+                                         for the sums */
   *out = (eda_spectrum){.frame = frame, .band = band};
   if (!(frame.width > 0 && frame.height > 0 && band > 0 && grid > 0))
     return opc_fail(error, OPC_INVALID, NULL,

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The spectrum of a mask in closed form, from its edges. */
+/* Closed form of a mask spectrum, computed from the edges of the mask. */
 #ifndef OPCFLOW_ABBE_TRANSFORM_H
 #define OPCFLOW_ABBE_TRANSFORM_H
 
 #include <eda/imaging.h>
 
-/* As eda_mask_spectrum, without a raster. [any] */
+/* Compute the spectrum of a mask; parameters as for eda_mask_spectrum. Return
+   OPC_OK or an error. [any] */
 int transform_mask(const opc_context *context, const eda_shapes *shapes,
                    double grid, eda_frame frame, double band, eda_spectrum *out,
                    opc_error *error);

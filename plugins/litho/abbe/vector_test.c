@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Images of polarised light against closed forms of few beams, and against a
-   sum of plane waves in three dimensions that shares nothing with the models:
-   vectors by cross products, the resist's surface by the continuity of fields.
-   Both litho.abbe and litho.hopkins. */
+/* Tests of polarised images of litho.abbe and litho.hopkins against closed
+   forms of few beams and against a sum of plane waves in three dimensions. The
+   sum shares no code with the models: vectors come from cross products,
+   amplitudes in the resist from the continuity of fields. */
 #include <complex.h>
 #include <eda/gates.h>
 #include <eda/litho.h>
@@ -20,7 +20,7 @@ static eda_field image_of(const char *id, const char *parameters,
   return image_boxes(m, EDA_POLY, defocus, boxes, n, f);
 }
 
-/* A line along y, in the middle of a period. */
+/* Return the image of a line along y in the middle of a period. */
 static eda_field grating(const char *id, const char *parameters, double defocus,
                          double width, double pitch) {
   int32_t x = (int32_t)lround(width * 5), y = (int32_t)lround(pitch * 10);
@@ -29,7 +29,7 @@ static eda_field grating(const char *id, const char *parameters, double defocus,
                   (eda_frame){-pitch / 2, 0, pitch, pitch});
 }
 
-/* The amplitude of order n of that grating. */
+/* Return the amplitude of order n of that grating. */
 static double order(int n, double width, double pitch) {
   return n ? -sin(M_PI * n * width / pitch) / (M_PI * n) : 1 - width / pitch;
 }
@@ -60,26 +60,25 @@ static vector unit(vector a) {
   return a;
 }
 
-/* The second unknown of a x + b y = e, c x + d y = f. */
+/* Return y of the solution of a x + b y = e, c x + d y = f. */
 static double second(double a, double b, double c, double d, double e,
                      double f) {
   return (a * f - c * e) / (a * d - b * c);
 }
 
-/* The field in the resist of a beam that enters the pupil at (x, y), of radius
-   1, polarised along j. */
+/* Return the field in the resist of a beam that enters the pupil at (x, y),
+   radius at most 1, polarised along j. */
 static vector refracted(const scanner *s, double x, double y, vector j) {
   const vector axis = {{0, 0, 1}};
   double kx = s->na * x, ky = s->na * y, k2 = kx * kx + ky * ky;
   vector before = {{kx, ky, sqrt(s->index * s->index - k2)}};
   vector after = {{kx, ky, sqrt(s->resist * s->resist - k2)}};
   vector te = k2 > 0 ? unit(cross(axis, before)) : (vector){{0, 1, 0}};
-  /* Energy through planes across the axis, on both sides of the lens. */
+  /* Energy through planes across the axis on both sides of the lens. */
   double mask_z = sqrt(1 - k2 / 16), z = before.at[2], w = after.at[2];
   double lens = sqrt(mask_z / (z / s->index));
   double along = lens * dot(j, te), rest = lens * dot(j, cross(te, axis));
-  /* Reflected r, transmitted t: what is tangential of E and of H is the same on
-     both sides. */
+  /* Unknowns: reflected r, transmitted t. Tangential E and H are continuous. */
   double t = second(1, -1, -z, -w, -1, -z) * along;
   double u = second(-z / s->index, -w / s->resist, s->index, -s->resist,
                     -z / s->index, -s->index) *
@@ -89,7 +88,7 @@ static vector refracted(const scanner *s, double x, double y, vector j) {
   return e;
 }
 
-/* The polarisations of a source point, and how many there are. */
+/* Return the number of polarisations of a source point and store them in j. */
 static int polarisations(const char *name, double sx, double sy, vector j[2]) {
   vector out = {{sx, sy, 0}}, axis = {{0, 0, 1}};
   j[0] = (vector){{1, 0, 0}};
@@ -100,7 +99,7 @@ static int polarisations(const char *name, double sx, double sy, vector j[2]) {
   return g_str_equal(name, "unpolarised") ? 2 : 1;
 }
 
-/* An order of a mask: its frequency in 1/nm, and what it has of the light. */
+/* An order of a mask: frequency in 1/nm and amplitude. */
 typedef struct beam {
   double fx, fy;
   double complex a;
@@ -111,7 +110,7 @@ typedef struct places {
   double x[PLACES], y[PLACES], value[PLACES], clear;
 } places;
 
-/* What one source point adds. */
+/* Add the intensity of one source point at all places. */
 static void add_point(const scanner *s, const char *name, double sx, double sy,
                       double weight, const beam *b, size_t n, places *p) {
   vector j[2];
@@ -140,7 +139,7 @@ static void add_point(const scanner *s, const char *name, double sx, double sy,
   }
 }
 
-/* The larger one; infinite if `b` is no number. */
+/* Return the larger number; INFINITY if `b` is NAN. */
 static double larger(double a, double b) {
   return isnan(b) ? INFINITY : fmax(a, b);
 }
@@ -158,7 +157,7 @@ static const char *const polarised[] = {"unpolarised", "x", "y", "tangential",
 
 /* ---- tests ---- */
 
-/* A rectangle through some source points, in air and in water. */
+/* Test a rectangle with some source points, in air and in water. */
 static void test_sum(void) {
   static const double source[][3] = {
       {0.31, 0.12, 1}, {-0.48, 0.2, 2}, {0.05, -0.55, 1}, {0.7, 0.6, 0.5}};
@@ -170,7 +169,7 @@ static void test_sum(void) {
                 "na: 1.35, index: 1.437, resist_index: 1.71"},
                {{193, 1.2, 1.437, 1.437, 70},
                 "na: 1.2, index: 1.437, resist_index: 1.437, defocus: 70 nm"}};
-  const eda_box b = {-1300, -1700, 900, 2300}; /* 0.1 nm */
+  const eda_box b = {-1300, -1700, 900, 2300}; /* in units of 0.1 nm */
   const eda_frame f = {-350, -400, 700, 800};
   enum { MOST = 1000, REACH = 12 };
   static beam beams[MOST];
@@ -209,7 +208,7 @@ static void test_sum(void) {
     }
 }
 
-/* A grating through a whole source, by 200,000 points. */
+/* Test a grating with an extended source of 200,000 points. */
 static void test_disks(void) {
   static const struct {
     scanner s;
@@ -277,7 +276,8 @@ static const eda_box shapes[] = {{-4000, -5400, -1800, 2400},
                                  {2000, -4400, 4800, -1800}};
 static const eda_frame wide = {-1000, -1000, 2000, 2000};
 
-/* The largest difference; `turned`: the second one's x is the other's y. */
+/* Return the largest difference of two images. `turned`: b is indexed with x
+   and y exchanged. */
 static double difference(const eda_field *a, const eda_field *b, int turned) {
   double worst = 0;
   for (int i = 0; i < 2000; i++) {
@@ -290,8 +290,9 @@ static double difference(const eda_field *a, const eda_field *b, int turned) {
 
 #define WATER "na: 1.35, index: 1.437, "
 
-/* Shapes of no symmetry. What is left for whole rings is what litho.abbe's
-   points do not know (its README), for others the tables of litho.hopkins. */
+/* Compare both models for shapes without symmetry. For whole rings the
+   remaining difference comes from the source points of litho.abbe (README), for
+   other sources from the tables of litho.hopkins. */
 static void test_models(void) {
   static const struct {
     const char *optics, *points, *kernels;
@@ -324,7 +325,8 @@ static void test_models(void) {
   }
 }
 
-/* Models of one process share kernels; not those of other light. */
+/* Test that models of one process share kernels only if their optics are
+   equal. */
 static void test_kept(void) {
   static const char *const light[] = {"", ", polarisation: unpolarised",
                                       ", polarisation: tangential",
@@ -342,7 +344,7 @@ static void test_kept(void) {
 }
 
 static const struct {
-  const char *id, *rough; /* as is good enough here */
+  const char *id, *rough; /* model and the allowed difference */
 } models[] = {{"litho.abbe", "points_across: 20"},
               {"litho.hopkins", "error: 1e-3"}};
 
@@ -354,7 +356,7 @@ static void test_clear(void) {
   for (size_t m = 0; m < G_N_ELEMENTS(models); m++)
     for (size_t i = 0; i < G_N_ELEMENTS(sources); i++)
       for (size_t k = 0; k < G_N_ELEMENTS(polarised); k++) {
-        if (m && (i == 2 ? k != 3 : k > 1)) continue; /* take long */
+        if (m && (i == 2 ? k != 3 : k > 1)) continue; /* slow cases */
         g_autofree char *p =
             g_strdup_printf("{ " WATER "polarisation: %s, %s, %s }",
                             polarised[k], sources[i], models[m].rough);
@@ -365,8 +367,8 @@ static void test_clear(void) {
       }
 }
 
-/* All rays along the axis: a scalar wave. The lens has a hundredth of the NA
-   for light of a hundredth of the length. */
+/* Test the limit of small NA, a scalar wave: NA and wavelength are a hundredth
+   of the usual ones. */
 static void test_paraxial(void) {
   for (size_t m = 0; m < G_N_ELEMENTS(models); m++)
     for (size_t k = 0; k < G_N_ELEMENTS(polarised); k++)
@@ -380,7 +382,8 @@ static void test_paraxial(void) {
         eda_field want = image_of(models[m].id, scalar, 0, shapes, 3, wide);
         eda_field got = image_of(models[m].id, light, 0, shapes, 3, wide);
         double off = difference(&want, &got, 0);
-        /* Tables blur pupils by the cells of a source cut into fewer ones. */
+        /* Tables blur pupils by the cells of a source, which is cut into fewer
+           cells here. */
         double reach = m == 0 ? 1e-4 : k == 1 || k == 2 ? 4e-3 : 1.5e-3;
         g_test_message("%s %s: %.2g off a scalar image", models[m].id, light,
                        off);
@@ -393,8 +396,8 @@ static void test_paraxial(void) {
       }
 }
 
-/* Everything turned about the diagonal; and a mask alone, which is not the same
-   for light along x. */
+/* Test the image after exchange of x and y for masks and polarisations.
+   Exchanging only the mask changes the image of light polarised along x. */
 static void test_turned(void) {
   eda_box other[3];
   for (int i = 0; i < 3; i++)
@@ -437,12 +440,15 @@ static void assert_image(const char *parameters, double width, double pitch,
 enum { TE, TM, BOTH };
 
 typedef struct beams {
-  double c0, c1, pitch, angle; /* of the outer beam, or both, in the resist */
-  double lens;                 /* amplitude of a steep beam */
+  double c0, c1, pitch, angle; /* amplitudes of the beams, pitch, and angle of
+                                  the outer beam (or of both) in the resist */
+  double lens;                 /* amplitude factor of a steep beam in the
+                                  lens */
   int kind;
 } beams;
 
-/* Of TM, only what is along one line interferes. */
+/* Return the intensity of two beams; for TM only parallel field components
+   interfere. */
 static double two_beams(double x, const void *data) {
   const beams *b = data;
   double tm = cos(2 * b->angle), both = (1 + tm) / 2;
@@ -451,7 +457,8 @@ static double two_beams(double x, const void *data) {
          2 * b->c0 * b->c1 * part * cos(2 * M_PI * x / b->pitch);
 }
 
-/* TM: the outer beams add along x, and cancel along z in the middle. */
+/* Return the intensity of three beams; for TM the outer beams add along x and
+   cancel along z in the middle. */
 static double three_beams(double x, const void *data) {
   const beams *b = data;
   double u = 2 * M_PI * x / b->pitch, outer = 2 * b->c1 * b->lens;
@@ -470,16 +477,16 @@ static const struct {
              {"radial", TM},
              {"unpolarised", BOTH}};
 
-/* Steep light from the side, so that the orders 0 and -1 leave alike; the
-   resist's index as the medium's, or such that they cross at a right angle,
-   where TM light makes no lines at all. */
+/* Test steep oblique light whose orders 0 and -1 have opposite angles. The
+   index of the resist equals that of the medium, or makes the beams cross at a
+   right angle, where TM light has no contrast. */
 static void test_two_beams(void) {
   static const double width = 40, pitch = 100, na = 1.2, index = 1.437;
   double place = 193 / (2 * na * pitch), sine = na * place;
   double resists[] = {index, sine * M_SQRT2};
   for (size_t k = 0; k < G_N_ELEMENTS(kinds); k++)
     for (int i = 0; i < 2; i++) {
-      /* Into another medium, TE and TM do not pass alike. */
+      /* Into another medium, TE and TM transmissions differ. */
       if (i && kinds[k].kind == BOTH) continue;
       beams b = {order(0, width, pitch),
                  order(1, width, pitch),
@@ -496,8 +503,8 @@ static void test_two_beams(void) {
     }
 }
 
-/* Light along the axis; at the middle of the source, directions are those of
-   the x axis. */
+/* Test light along the axis; the polarisation at the middle of the source is
+   defined as that on the x axis. */
 static void test_three_beams(void) {
   static const double width = 80, pitch = 200, na = 1.2, index = 1.437;
   double sine = 193 / pitch;
@@ -533,7 +540,7 @@ static void test_refused(void) {
       g_assert_null(opc_test_module(models[m].id, cases[i][0], &error));
       g_assert_nonnull(strstr(error.message, cases[i][1]));
     }
-  /* 800 images at most, six for each point. */
+  /* The limit is 800 images, six per point. */
   GString *many = g_string_new(
       "{ polarisation: unpolarised, source: points, "
       "points: [0, 0, 1");
@@ -545,7 +552,8 @@ static void test_refused(void) {
   g_string_free(many, TRUE);
 }
 
-/* A scalar image at a large NA is warned of, with what helps; no other is. */
+/* Test that a scalar image at a large NA, and no other image, causes a warning
+   with a remedy. */
 static void test_warned(void) {
   static const struct {
     const char *parameters;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The errors that a margin and a number of kernels leave, for lines in a wide
-   frame and for all kinds of sources and masks. */
+/* Tests of the errors due to the margin and to the number of kernels, for lines
+   in a wide frame and for all kinds of sources and masks. */
 #include <eda/gates.h>
 #include <eda/litho.h>
 #include <math.h>
@@ -8,8 +8,9 @@
 
 #include "tools/devel/testing.h"
 
-/* Long lines in the middle of a frame, with a margin of clear field: their
-   image changes by no more than said when the margin is four times as wide. */
+/* Test long lines in the middle of a frame with a margin of clear field: the
+   image changes by at most the stated error when the margin is four times as
+   wide. */
 static void test_margin(void) {
   opc_error error;
   g_autoptr(opc_module) m =
@@ -57,10 +58,10 @@ static void test_margin(void) {
   }
 }
 
-/* Whatever the masks and optics are, the error asked for is reached with a
-   number of systems that is of use, and none of them takes long. */
+/* Test that the requested error is reached with a usable number of kernels, in
+   bounded time, for all masks and optics. */
 static void test_reached(void) {
-  /* Patterns of every na have frequencies at the rims. */
+  /* The patterns of every NA have frequencies at the rims of pupils. */
   static const struct {
     const char *parameters;
     double error;

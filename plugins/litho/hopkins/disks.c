@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The area that three disks have in common, along the arcs of its border. */
+/* Implements the common area of three disks as an integral along the arcs of
+   its border. */
 #include "disks.h"
 
 #include <math.h>
@@ -10,8 +11,9 @@ typedef struct disk {
 
 enum { APART = -1, CUT = 0, WHOLE = 1, NOWHERE = 2 };
 
-/* Which part of the circle of a lies within b: around `middle` by `half`. When
-   the two are the same circle, only the first of them has a border. */
+/* Find the arc of the circle of a inside b: centre *middle, half angle *half.
+   For two equal circles only the first has a border. Return 0 if there is no
+   arc. */
 static int within(disk a, disk b, int first, double *middle, double *half) {
   double dx = b.x - a.x, dy = b.y - a.y, d = sqrt(dx * dx + dy * dy);
   if (d >= a.r + b.r) return APART;
@@ -19,13 +21,13 @@ static int within(disk a, disk b, int first, double *middle, double *half) {
   if (d <= b.r - a.r) return WHOLE;
   if (d <= a.r - b.r) return NOWHERE;
   *middle = atan2(dy, dx);
-  /* Where circles touch, rounding may lead out of -1 .. 1. */
+  /* Rounding can leave -1 .. 1 where circles touch. */
   double c = (d * d + a.r * a.r - b.r * b.r) / (2 * d * a.r);
   *half = acos(fmin(fmax(c, -1), 1));
   return CUT;
 }
 
-/* Half the integral of x dy - y dx along an arc. */
+/* Return half the integral of x dy - y dx along an arc. */
 static double arc(disk a, double from, double to) {
   return 0.5 * a.r *
          (a.r * (to - from) + a.x * (sin(to) - sin(from)) -

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* litho.hopkins: partially coherent imaging by Hopkins' transmission
-   cross coefficient, T(f1, f2) (H. H. Hopkins, Proc. R. Soc. A 217, 1953), as a
-   sum of coherent systems. How many are needed for the error asked for is
-   measured, on a small pattern, against all of them. */
+/* Implements litho.hopkins: partially coherent imaging by Hopkins' transmission
+   cross coefficient T(f1, f2) (H. H. Hopkins, Proc. R. Soc. A 217, 1953), as a
+   sum of coherent kernels (SOCS). The number of kernels for the requested error
+   is found by measuring the error on small patterns. */
 #include <eda/litho.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -16,20 +16,22 @@
 
 enum {
   CUTS = 256,
-  ALL = 600, /* systems that stand for all: more change images by 1e-5 */
-  /* Finding kernels takes 10 s for 300 points, by the square of their number;
-     other sources are cut into 400. */
+  ALL = 600, /* kernels of a sum taken as complete: more change images by
+                1e-5 */
+  /* Limit of listed source points. Computing kernels takes 10 s for 300 points
+     and grows with the square of the number; other sources are sampled by 400
+     points. */
   MOST_LISTED = 800
 };
 
-/* The kernels for a focus, as many as an error needs. */
+/* Kernels for one defocus, truncated for one error. */
 typedef struct cut {
   double defocus; /* nm */
-  double wanted;  /* error, clear field 1 */
-  int64_t fixed;  /* systems; OPC_NO_INT: as the error needs */
+  double wanted;  /* requested error, clear field 1 */
+  int64_t fixed;  /* number of kernels; OPC_NO_INT: as required by the error */
   double error;   /* measured */
   kernels *kernels;
-  kept *kept; /* who has them for others, too; NULL: they are its own */
+  kept *kept; /* entry of the kernel cache; NULL: kernels are owned */
 } cut;
 
 typedef struct hopkins {
@@ -38,8 +40,8 @@ typedef struct hopkins {
   double wanted;
   int wanted_given;
   int64_t fixed;
-  /* Cuts are made when first asked for; the first one by `prepare`. They stay
-     as they are and where they are: the lock is for those that are added. */
+  /* Each element of `cuts` is made at the first request, the first one by
+     `prepare`. Elements never change or move; the lock guards additions. */
   pthread_mutex_t lock;
   cut cuts[CUTS];
   size_t n_cuts;
@@ -56,19 +58,21 @@ static double band(const void *self) {
   return (1 + optics_source_radius(&h->optics)) * h->optics.cutoff;
 }
 
-/* Four samples of the spline for the shortest period of the intensity, nm: 32
-   at 193 nm, NA 0.75, where contours are off by 0.0015 nm. Longer waves need
-   fewer: 41 nm at 248 nm, NA 0.7, and 0.6 of the numbers. */
+/* Return the grid spacing for four samples per shortest period of the
+   intensity, nm: 32 at 193 nm, NA 0.75, where contours deviate by 0.0015 nm.
+   Longer waves need fewer samples: 41 nm at 248 nm, NA 0.7, 0.6 of the
+   numbers. */
 static double step_of(const hopkins *h) {
   return 32 * (0.75 / 193) / h->optics.cutoff;
 }
 
-/* The intensity has nothing at the end of its band, twice the cutoff; kernels
-   that are not all have, and rounding must not say whether a frequency there
-   counts: of a grating of pitch wavelength / NA it does much harm. */
+/* Relative reduction of the intensity's band. The intensity vanishes at the end
+   of the band, twice the cutoff, but truncated kernels do not. Without the
+   reduction, rounding would decide if a frequency at the end counts, a large
+   error for a grating of pitch wavelength / NA. */
 static const double rim = 1e-9;
 
-/* The image of a layer's mask, or of a binary one. */
+/* Compute the image of the mask of a layer, or of a binary mask. */
 enum { BINARY = -1 };
 static int image_by(const hopkins *h, const kernels *k, int layer,
                     const eda_spectrum *mask, eda_field *out,
@@ -101,10 +105,11 @@ static double difference(const eda_field *a, const eda_field *b) {
   return worst;
 }
 
-/* Layouts show errors up to so much larger than the patterns (README.md). */
+/* Largest ratio of the error of layouts to that of the patterns (README.md). */
 static const double margin = 1.35;
 
-/* The patterns' spectra and true images; some coefficients may be NULL yet. */
+/* Spectra and reference images of the patterns; images not yet computed are
+   NULL. */
 typedef struct trial {
   eda_spectrum mask[PATTERNS];
   eda_field whole[PATTERNS];
@@ -117,7 +122,8 @@ static void trial_clear(trial *t) {
   }
 }
 
-/* Where T is not known, all systems together stand for it. */
+/* Compute the spectra of the patterns. If T is not known in closed form, the
+   sum of all kernels is the reference. */
 static int trial_init(const hopkins *h, kernels *k, trial *t,
                       opc_error *error) {
   int code = OPC_OK;
@@ -131,10 +137,10 @@ static int trial_init(const hopkins *h, kernels *k, trial *t,
   return code;
 }
 
-/* Whether there are no more; some come in pairs. */
+/* Return 1 if no further kernels exist (some are added in pairs). */
 static int is_all(const kernels *k) { return k->all || k->count + 1 >= ALL; }
 
-/* The largest error that the kernels as they are kept make. */
+/* Measure the largest error of the present kernels on the patterns. */
 static int try_kernels(const hopkins *h, cut *c, trial *t, opc_error *error) {
   const kernels *k = c->kernels;
   int code = OPC_OK;
@@ -152,16 +158,17 @@ static int try_kernels(const hopkins *h, cut *c, trial *t, opc_error *error) {
   return code;
 }
 
-/* How many systems to try next. The error falls about as one over their number,
-   for small sources faster: what that leads to is neared from below. */
+/* Return the next number of kernels to try. The error falls as one over their
+   number, or faster for small sources, so approach the estimate from below. */
 static size_t more_systems(const cut *c, size_t n) {
   double one = 2 + (double)n + (double)n / 6;
   double guess = 0.6 * (double)n * c->error / c->wanted;
   return (size_t)fmin(ALL, fmax(one, fmin(guess, 3 * (double)n)));
 }
 
-/* About the fewest systems whose images of all patterns are within the error of
-   those of T itself or, where that is not known, of all systems. */
+/* Choose the smallest number of kernels (approximately) whose images of all
+   patterns deviate from the reference by at most the requested error. The
+   reference is T or, if unknown, the sum of all kernels. */
 static int choose(const hopkins *h, cut *c, opc_error *error) {
   kernels *k = c->kernels;
   trial t;
@@ -185,7 +192,7 @@ static int make_kernels(const hopkins *h, cut *c, opc_error *error) {
   const opc_context *context = h->host->context;
   if (optics_is_radial(o)) {
     int real = c->defocus == 0 && optics_is_real(o) && optics_real_masks(o);
-    /* So many systems reach about so much. */
+    /* Approximate error of that number of kernels. */
     double wanted = c->fixed > 0 ? 0.01 / (double)c->fixed : c->wanted;
     c->kernels = radial_new(context, o, c->defocus, real, wanted);
   } else {
@@ -200,7 +207,7 @@ static int make_kernels(const hopkins *h, cut *c, opc_error *error) {
   return code;
 }
 
-/* The same, but for what another instance has found already. */
+/* Get kernels from the cache, or compute them. */
 static int get_kernels(const hopkins *h, cut *c, opc_error *error) {
   const optics *o = &h->optics;
   if (!optics_is_radial(o) || o->zernike.count)
@@ -231,9 +238,8 @@ static int get_kernels(const hopkins *h, cut *c, opc_error *error) {
   return OPC_OK;
 }
 
-/* An error up to so many times the one asked for is told, but is no warning,
-   unless the flow itself asks for it: it is often what a step has worked out,
-   with reserve. Ours. */
+/* Largest ratio of error to request without a warning, unless the flow itself
+   sets the error: requests of steps contain a reserve. Our choice. */
 static const double nearly = 2;
 
 static void tell(const hopkins *h, const cut *c) {
@@ -266,7 +272,8 @@ static void tell(const hopkins *h, const cut *c) {
                  "error leaves out: 0.2 to 0.4 %% of the clear field");
 }
 
-/* One more; the lock is held, or nobody else knows of the instance. */
+/* Add kernels for a defocus and an error. The caller holds the lock or is the
+   only user of the instance. Return NULL on failure. */
 static const cut *add_cut(hopkins *h, double defocus, double wanted,
                           int64_t fixed, opc_error *error) {
   if (h->n_cuts == CUTS) {
@@ -282,8 +289,9 @@ static const cut *add_cut(hopkins *h, double defocus, double wanted,
   return c;
 }
 
-/* The one that is as asked for. (One with less error would do, but which ones
-   are there already depends on who came first, and so would the bits.) */
+/* Return the kernels for exactly this request. Kernels with a smaller error are
+   not used, because their presence depends on the order of requests, and
+   results would too. */
 static const cut *find_cut(hopkins *h, double defocus, double wanted,
                            int64_t fixed, opc_error *error) {
   const cut *found = NULL;
@@ -324,16 +332,17 @@ static int image(const void *self, int layer, const eda_spectrum *mask,
 
 static int image_at(const void *self, int layer, const eda_spectrum *mask,
                     double defocus, eda_field *out, opc_error *error) {
-  hopkins *h = (hopkins *)self; /* what changes is under the lock */
+  hopkins *h = (hopkins *)self; /* changes are guarded by the lock */
   const cut *c = find_cut(h, defocus, h->wanted, h->fixed, error);
   return c ? image_by(h, c->kernels, layer, mask, out, error) : error->code;
 }
 
-/* A mask of lines takes no kernels. Its amplitudes are in the spectrum. */
+/* Compute the image of a mask of lines directly from T; the mask's spectrum
+   holds the amplitudes. */
 static int image_lines(const hopkins *h, int layer, const eda_spectrum *mask,
                        eda_field *out, opc_error *error) {
   const kernels *k = h->cuts[0].kernels;
-  int code = image_by(h, k, layer, mask, out, error); /* for its grid */
+  int code = image_by(h, k, layer, mask, out, error); /* sets the grid */
   if (code) return code;
   size_t n = 2 * (size_t)mask->columns;
   double offset[2] = {0}, scale[2] = {1};
@@ -351,11 +360,11 @@ static int image_lines(const hopkins *h, int layer, const eda_spectrum *mask,
 static int image_fine(const void *self, int layer, const eda_spectrum *mask,
                       double defocus, double wanted, eda_field *out,
                       opc_error *error) {
-  hopkins *h = (hopkins *)self; /* what changes is under the lock */
+  hopkins *h = (hopkins *)self; /* changes are guarded by the lock */
   const kernels *k = h->cuts[0].kernels;
   if (defocus == 0 && k->cross && pattern_is_lines(k, mask))
     return image_lines(h, layer, mask, out, error);
-  /* What the model gives by itself is never better, and may do. */
+  /* The image must be no less accurate than the model's own. */
   double own = h->fixed > 0 ? h->cuts[0].error : h->wanted;
   const cut *c = &h->cuts[0];
   if (defocus != 0 || c->error > wanted)

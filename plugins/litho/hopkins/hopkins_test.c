@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kernels against the definition: Hopkins' double sum over the frequencies of
-   a small field, its cross coefficients by strips. */
+/* Tests of images against the definition: Hopkins' double sum over the
+   frequencies of a small frame, with T integrated by strips. */
 #include <complex.h>
 #include <eda/gates.h>
 #include <eda/litho.h>
@@ -12,7 +12,7 @@
 static const double wavelength = 193, na = 0.75, sigma = 0.75;
 static const eda_frame frame = {-350, -400, 700, 800};
 
-/* The part of a horizontal strip at y within a disk. */
+/* Find the part of a horizontal strip at y inside a disk. */
 static void chord(double cx, double cy, double r, double y, double *from,
                   double *to) {
   double h = r * r - (y - cy) * (y - cy), half = h > 0 ? sqrt(h) : -1;
@@ -20,8 +20,8 @@ static void chord(double cx, double cy, double r, double y, double *from,
   *to = half < 0 ? -INFINITY : fmin(*to, cx + half);
 }
 
-/* T(f1, f2): the source seen through both pupils, frequencies in units of the
-   cutoff. */
+/* Return T(f1, f2), the common area of the source and both pupils; frequencies
+   in units of the cutoff. */
 static double cross_coefficient(double x1, double y1, double x2, double y2) {
   enum { STRIPS = 3000 };
   double area = 0;
@@ -36,8 +36,7 @@ static double cross_coefficient(double x1, double y1, double x2, double y2) {
   return area / (M_PI * sigma * sigma);
 }
 
-/* The intensity of an opaque rectangle at the places (x, y), by the double
-   sum. */
+/* Compute the intensity of an opaque rectangle at (x, y) by the double sum. */
 static void direct(eda_box b, const double *x, const double *y, size_t n,
                    double *out) {
   enum { MOST = 200 };
@@ -74,7 +73,8 @@ static void direct(eda_box b, const double *x, const double *y, size_t n,
     }
 }
 
-/* As the model gives it, or within `wanted` if that is above 0. */
+/* Compute the image with the model's own error, or with error `wanted` if
+   positive. */
 static void image_within(double wanted, const char *parameters,
                          const eda_shapes *shapes, eda_frame f,
                          eda_field *field) {
@@ -142,10 +142,10 @@ static void test_definition(void) {
   }
 }
 
-/* Fine images leave the model as it is, are the same for the same error, and
-   the kernels that the parameters ask for serve none of them. */
-/* A line as long as its frame is printed by T itself, however roughly other
-   masks are: by the definition, and an attenuated one by the kernels. */
+/* Test that the image of a line as long as its frame is computed from T itself
+   at any error: against the definition, and for an attenuated mask against the
+   kernels. Accurate images leave the model unchanged, are equal for equal
+   errors, and do not use the kernels fixed by the parameters. */
 static void test_lines(void) {
   enum { PLACES = 40 };
   eda_box b = {-130, -400, 90, 400};
@@ -191,7 +191,8 @@ static void test_fine(void) {
   g_assert_cmpint(eda_mask_spectrum(opc_test_host()->context, &shapes, 1, frame,
                                     litho->band(m->self), &mask, &error),
                   ==, OPC_OK);
-  /* The model, fine images in focus and 80 nm away, and all of these again. */
+  /* The model's own image, accurate images in focus and at 80 nm, and all of
+     these again. */
   static const double wanted[] = {0, 3e-4, 1.5e-3, 3e-4, 1.5e-3};
   static const double defocus[] = {0, 0, 0, 80, 80};
   enum { KINDS = 5 };
@@ -211,7 +212,7 @@ static void test_fine(void) {
       off[k] = fmax(off[k], fabs(now - finest[n]));
     }
   }
-  g_assert_cmpfloat(off[0], >, 1.8e-3); /* 4 systems */
+  g_assert_cmpfloat(off[0], >, 1.8e-3); /* 4 kernels */
   g_assert_cmpfloat(off[2], <, 1.8e-3);
   g_assert_cmpfloat(off[4], <, 1.8e-3);
   g_assert_cmpfloat(off[4], >, 0);
@@ -222,7 +223,8 @@ static void test_fine(void) {
   eda_spectrum_clear(&mask);
 }
 
-/* A fine image is no worse than the model's own, whatever is asked for. */
+/* Test that an accurate image has at most the error of the model's own image
+   for any requested error. */
 static void test_coarse(void) {
   static const char *const parameters[] = {"{}", "{ error: 3e-4 }",
                                            "{ kernels: 60 }"};
@@ -247,7 +249,7 @@ static void test_coarse(void) {
   }
 }
 
-/* Nothing on the mask: the clear field is 1. */
+/* Test that the clear field is 1 for an empty mask. */
 static void test_clear(void) {
   eda_shapes none = {0};
   eda_field field;
@@ -258,8 +260,8 @@ static void test_clear(void) {
   g_assert_cmpfloat(fabs(value - 1), <, 5e-4);
 }
 
-/* A grating finer than two beams can image is a constant: dark lines of half
-   the period give a quarter of the clear field. */
+/* Test a grating too fine for two beams: the image is constant, a quarter of
+   the clear field for lines of half the period. */
 static void test_too_fine(void) {
   eda_point points[] = {{0, 0}, {25, 0}, {25, 400}, {0, 400}};
   uint32_t start[] = {0, 4};
@@ -272,7 +274,7 @@ static void test_too_fine(void) {
   for (int i = 0; i < 3; i++) g_assert_cmpfloat(fabs(value[i] - 0.25), <, 2e-4);
 }
 
-/* The image does not change when the mask is moved or mirrored with it. */
+/* Test that the image follows the mask when it is moved or mirrored. */
 static void test_symmetry(void) {
   eda_point points[] = {{-130, -170}, {90, -170}, {90, 100},
                         {0, 100},     {0, 230},   {-130, 230}};
@@ -294,8 +296,8 @@ static void test_symmetry(void) {
   for (int k = 0; k < 2; k++) eda_field_clear(&fields[k]);
 }
 
-/* One line and one block in a frame so wide that its spectrum is cut into
-   strips, moved and mirrored in x: so is the image. */
+/* Return the image of a line and a block, moved and mirrored in x, in a frame
+   so wide that its spectrum is processed in strips. */
 static eda_field wide_image(double x, double y, int mirror) {
   const double w = 14000, h = 900;
   eda_box boxes[] = {{2000, 100, 2065, 700}, {2300, 250, 2700, 420}};
@@ -340,8 +342,8 @@ static void test_moved(void) {
   eda_field_clear(&mirrored);
 }
 
-/* The general way against the radial one, in focus but for a picometre, for a
-   disk and a ring; and the same on both sides of the focus. */
+/* Compare plane kernels with radial kernels for a disk and a ring, 1 pm out of
+   focus; images on both sides of the focus are equal. */
 static void test_general(void) {
   eda_point points[] = {{-130, -170}, {90, -170}, {90, 230}, {-130, 230}};
   uint32_t start[] = {0, 4};
@@ -384,8 +386,8 @@ static void test_general(void) {
   }
 }
 
-/* The image of a vertical line in the middle of a period, on a mask of 0.1 nm.
- */
+/* Return the image of a vertical line in the middle of a period, on a grid of
+   0.1 nm. */
 static eda_field line_image(const char *parameters, int layer, double width,
                             double period) {
   opc_error error;
@@ -411,12 +413,13 @@ static eda_field line_image(const char *parameters, int layer, double width,
   return field;
 }
 
-/* The amplitude of order k of that grating. */
+/* Return the amplitude of order k of that grating. */
 static double order(int k, double width, double period) {
   return k ? -sin(M_PI * k * width / period) / (M_PI * k) : 1 - width / period;
 }
 
-/* An isolated line by the double sum along one axis, T by strips. */
+/* Test an isolated line against the double sum along one axis, with T by
+   strips. */
 static void test_line(void) {
   enum { REACH = 10, SIDE = 2 * REACH + 1 };
   static const double width = 65, period = 1490;
@@ -451,9 +454,9 @@ static void test_line(void) {
   }
 }
 
-/* A source that fills the pupil and lines so fine that orders meet the zeroth
-   only: each wave is damped as by incoherent light (Goodman, Fourier Optics,
-   6.4), and the light of the orders themselves is a constant. */
+/* Test a source that fills the pupil with lines so fine that orders interfere
+   with order 0 only: each wave is damped as by incoherent light (Goodman,
+   Fourier Optics, 6.4), and the intensities of the orders add a constant. */
 static void test_incoherent(void) {
   static const double width = 60, period = 180;
   double d = wavelength / na / period;
@@ -468,10 +471,11 @@ static void test_incoherent(void) {
   eda_field_clear(&f);
 }
 
-/* A small source: an edge far from others is the sine integral, squared. */
+/* Test a small source: the image of an isolated edge is the squared sine
+   integral. */
 static void test_coherent(void) {
   double cutoff = na / wavelength, si = 0, worst = 0;
-  /* The next odd orders are as far below the cutoff as above it. */
+  /* The odd orders next to the cutoff are equally far from it. */
   double length = 2 * round(8000 * cutoff) / cutoff;
   eda_field f =
       line_image("{ sigma: 0.01, error: 1e-3 }", 0, length / 2, length);
@@ -488,8 +492,8 @@ static void test_coherent(void) {
   eda_field_clear(&f);
 }
 
-/* A dark mask with clear lines is the complement: one where clear, 0 where the
-   other is 1; three beams of known amplitudes show it. */
+/* Test the complementary mask, dark with clear lines, against three beams of
+   known amplitudes. */
 static void test_tone(void) {
   static const double width = 110, period = 300;
   const char *p = "{ sigma: 0.1, error: 1e-4, active: { tone: dark } }";

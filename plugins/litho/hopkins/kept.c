@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Keeps kernels for the next instance with the same optics. */
+/* Implements a process-wide cache of kernels for instances with equal
+   optics. */
 #include "kept.h"
 
 #include <eda/memory.h>
 #include <pthread.h>
 #include <string.h>
 
-/* Kernels that nobody uses at the moment: at most 5 MB each. A correction has
-   two, of its cheap prints and of its fine ones; with corners some more. */
+/* Number of unused kernels kept, at most 5 MB each. A correction uses two, for
+   its fast and its accurate simulations; process corners use more. */
 enum { MOST_IDLE = 16 };
 
 struct kept {
@@ -15,13 +16,14 @@ struct kept {
   kernels *kernels;
   double error;
   int users;
-  kept *next; /* of all, the last one that was used first */
+  kept *next; /* list of all entries, last used first */
 };
 
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static kept *all;
 
-/* With the lock held: the entry of a key, which comes to be the first. */
+/* Return the entry of a key and move the entry to the front of the list. The
+   caller holds the lock. */
 static kept *find(const kept_key *key) {
   for (kept **at = &all; *at; at = &(*at)->next) {
     kept *k = *at;
@@ -35,7 +37,8 @@ static kept *find(const kept_key *key) {
   return NULL;
 }
 
-/* With the lock held: free all that nobody uses but the first so many. */
+/* Free all unused kernels except the first `most`. The caller holds the
+   lock. */
 static void prune(int most) {
   for (kept **at = &all; *at;) {
     kept *k = *at;
@@ -82,5 +85,5 @@ void kept_drop(kept *k) {
   pthread_mutex_unlock(&lock);
 }
 
-/* When the plugin is unloaded. */
+/* Free the cache when the plugin is unloaded. */
 __attribute__((destructor)) static void forget(void) { prune(0); }

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kernels that instances with the same optics share, one after another, too: a
-   process that makes many (an experiment, a search, a sweep of something else)
-   finds them once. Only of radial kernels without aberrations, which follow
-   from a few numbers. All functions are [any]. */
+/* Cache of kernels for instances with equal optics, also across the lifetime of
+   instances: a process that makes many instances (experiment, search, sweep)
+   computes kernels once. Holds only radial kernels without aberrations, which
+   follow from a few numbers. All functions are [any]. */
 #ifndef OPCFLOW_HOPKINS_KEPT_H
 #define OPCFLOW_HOPKINS_KEPT_H
 
 #include "kernels.h"
 
-/* All that kernels and their error follow from; made from zeros, as it is
-   compared by its bytes. */
+/* All inputs of kernels and of their error. Zero the struct first: keys are
+   compared by bytes. */
 typedef struct kept_key {
   double wavelength, na, index, resist_index, sigma, sigma_in;
-  double defocus, aside; /* nm: of the optics, and of the cut */
+  double defocus, aside; /* nm: of the optics, and of the image */
   double wanted;
   int64_t fixed;
   int64_t source, polarisation, real;
@@ -20,16 +20,17 @@ typedef struct kept_key {
 
 typedef struct kept kept;
 
-/* Those of a key, for one user more; NULL: nobody made them. */
+/* Return the entry of a key and add a user; NULL if there is none. */
 kept *kept_find(const kept_key *key);
 
-/* Let others use kernels that are settled, with their measured error. If
-   somebody was faster, these are freed: they are the same. */
+/* Add settled kernels with their measured error to the cache and return the
+   entry with one user. If another thread was faster, `made` is freed and the
+   existing, equal entry returned. */
 kept *kept_put(const kept_key *key, kernels *made, double error);
 
 kernels *kept_kernels(const kept *k, double *error);
 
-/* One user less. */
+/* Remove a user from an entry. */
 void kept_drop(kept *k);
 
 #endif

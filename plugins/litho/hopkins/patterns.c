@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Small patterns on which kernels are tried. Their true images are sums over
-   all pairs of frequencies, which share nothing with the kernels. */
+/* Implements small patterns that measure the error of kernels. Their reference
+   images are sums over all pairs of frequencies and are independent of the
+   kernels. */
 #include "patterns.h"
 
 #include <complex.h>
@@ -17,13 +18,13 @@ static const eda_box lines_and_block[] = {
     {18, 70, 22, 118}, {34, 64, 38, 125}, {50, 6, 54, 90}, {46, 104, 60, 124}};
 
 /* Long rows of long lines with a wide space on both sides. Their spectrum is as
-   sharp as that of a large layout, and there kernels are at their worst. */
+   sharp as that of a large layout, the worst case for kernels. */
 enum { ROW = 480, HIGH = 4, SPACE = 48 };
 static const int pitches[PATTERNS - 1] = {13, 16, 20, 27};
 
 enum {
   MOST = ROW / 13,    /* boxes */
-  TOP = 2 * ROW / 16, /* frequencies k below twice the cutoff; */
+  TOP = 2 * ROW / 16, /* frequencies k below twice the cutoff */
   TOP_X = 2 * ACROSS / 16,
   TOP_Y = 2 * ALONG / 16, /* of the first pattern */
   ORDERS = (2 * TOP_X + 1) * (2 * TOP_Y + 1)
@@ -64,15 +65,16 @@ int pattern_spectrum(const kernels *k, int which, eda_spectrum *out,
                            k->radius * k->cutoff, out, error);
 }
 
-/* A frequency, in steps of 1 / frame and in units of the cutoff, and the mask
-   there. */
+/* A frequency in steps of 1 / frame (u, v) and in units of the cutoff (x, y),
+   and the mask's coefficient. */
 typedef struct order {
   int u, v;
   double x, y;
   double complex a;
 } order;
 
-/* In such an order that -f is as far from the end as f from the beginning. */
+/* Find the frequencies within the band, sorted such that entry n - 1 - i is the
+   opposite of entry i. Return their number. */
 static size_t find_orders(const kernels *k, const eda_spectrum *mask,
                           order *out) {
   size_t n = 0;
@@ -101,8 +103,8 @@ static double complex *coefficient(coefficients *c, int u, int v) {
   return &c->at[(v + c->top_y) * c->columns + u + c->top_x];
 }
 
-/* The sum of T(f1, f2) a(f1) a(f2)* over all pairs. T is real: so is what two
-   pairs of opposite frequencies add. */
+/* Compute the sum of T(f1, f2) a(f1) a(f2)* over all pairs. T is real, so the
+   sum over two pairs of opposite frequencies is real. */
 static void sum_pairs(const kernels *k, const eda_spectrum *mask,
                       coefficients *out) {
   order o[ORDERS];
@@ -118,7 +120,7 @@ static void sum_pairs(const kernels *k, const eda_spectrum *mask,
     }
 }
 
-/* The sum of c[u] exp(2 pi i u x / n), |u| <= top, at all x; `root` holds
+/* Compute the sum of c[u] exp(2 pi i u x / n), |u| <= top, at all x; root[x] =
    exp(2 pi i x / n). */
 static void wave(const double complex *c, int top, const double complex *root,
                  int n, double complex *out) {
@@ -136,7 +138,8 @@ static void roots(double complex *root, int n) {
   for (int x = 0; x < n; x++) root[x] = cexp(2 * M_PI * I * x / n);
 }
 
-/* The values of an intensity; `memory` has room for what is in between. */
+/* Compute the values of an intensity from its coefficients; `memory` holds
+   intermediate rows. */
 static void add_up(coefficients *c, double complex *memory, eda_field *out) {
   double complex *root = memory, *line = root + out->nx + out->ny;
   double complex *column = line + out->nx, *planes = column + out->ny;
@@ -176,7 +179,8 @@ void pattern_image(const opc_context *context, const kernels *k,
 
 /* ---- lines ---- */
 
-/* Clear field 1: what is less is rounding of the spectrum. */
+/* Smallest coefficient that counts, clear field 1: smaller ones are rounding
+   errors of the spectrum. */
 static const double nothing = 2e-6;
 
 int pattern_is_lines(const kernels *k, const eda_spectrum *mask) {

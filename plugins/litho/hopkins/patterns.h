@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Small patterns on which kernels are tried, and their true images. */
+/* Small patterns that measure the error of kernels, and their reference
+   images. */
 #ifndef OPCFLOW_HOPKINS_PATTERNS_H
 #define OPCFLOW_HOPKINS_PATTERNS_H
 
@@ -7,19 +8,19 @@
 
 enum { PATTERNS = 5 };
 
-/* The spectrum of a pattern, of a size that fits the kernels' cutoff. [any] */
+/* Compute the spectrum of pattern `which`, whose size follows the cutoff of the
+   kernels. Return OPC_OK or an error. [any] */
 int pattern_spectrum(const kernels *k, int which, eda_spectrum *out,
                      opc_error *error);
 
-/* The image of its mask by T itself (k->cross), on the grid of `like`: the sum
-   over all pairs of frequencies, which shares nothing with the kernels. [any]
- */
+/* Compute the image of a mask from T itself (k->cross) on the grid of `like`: a
+   sum over all pairs of frequencies, independent of the kernels. [any] */
 void pattern_image(const opc_context *context, const kernels *k,
                    const eda_spectrum *mask, const eda_field *like,
                    eda_field *out);
 
-/* Whether a mask is the same all along y, and has few enough frequencies for
-   that sum; and its image by it in place of `image`. [any] */
+/* Return 1 if a mask does not depend on y and has few enough frequencies for
+   lines_image, which computes its image from that sum. [any] */
 int pattern_is_lines(const kernels *k, const eda_spectrum *mask);
 void pattern_lines(const opc_context *context, const kernels *k,
                    const eda_spectrum *mask, eda_field *image);

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kernels of any T, from the source: T(f1, f2) = sum over source points s of
-   w P(f1 + s) conj P(f2 + s). Any orthonormal mixture of the points gives the
-   same T; the eigenvectors of their Gram matrix give it with the fewest. Each
-   kernel, the mixture of shifted pupils, is a function of the frequency itself
-   and kept as a table over the plane. Each part of polarised light (vector.h)
-   counts as a point of its own.
+/* Implements kernels of any T from the source: T(f1, f2) = sum over source
+   points s of w P(f1 + s) conj P(f2 + s). Every orthonormal mixture of the
+   points yields the same T; the eigenvectors of their Gram matrix need the
+   fewest kernels. Each kernel, a mixture of shifted pupils, is a function of
+   the frequency and stored as a table over the plane. Each part of polarised
+   light (vector.h) counts as a separate point.
 
-   A pupil's edge is spread over a cell of the source grid, as a source point
-   stands for its whole cell; its middle alone would make kernels jump. What
-   kernels that are left out and the spread edges lack of T is put back by one
-   incoherent system, S(f1) S(f2) D(|f1 - f2|): exact for f1 = f2. */
+   The edge of a pupil is spread over a cell of the source grid, because a
+   source point represents its whole cell; sharp edges would make kernels
+   discontinuous. One residual term, S(f1) S(f2) D(|f1 - f2|), restores the
+   truncated kernels and the loss by spread edges; it is exact for f1 = f2. */
 #include <complex.h>
 #include <eda/memory.h>
 #include <gsl/gsl_complex_math.h>
@@ -23,25 +23,26 @@
 /* ---- state ---- */
 
 enum {
-  POINTS = 400, /* about so many of the source */
+  POINTS = 400, /* approximate number of source points */
   MOST = 120,   /* kernels */
-  SPARE = 20,   /* more vectors than kernels, to find them by */
-  CELLS = 128,  /* of the tables, each way */
-  THIN = 5,     /* D is taken from every so manieth node each way */
-  SHIFTS = 64   /* intervals of its table, over shifts of 0 to 2 */
+  SPARE = 20,   /* additional vectors of the subspace iteration */
+  CELLS = 128,  /* cells of the tables in each direction */
+  THIN = 5,     /* D is fitted on every THIN-th node in each direction */
+  SHIFTS = 64   /* intervals of the table of D, over shifts of 0 to 2 */
 };
 
 typedef struct plane {
   kernels base;
   const optics *o;
   double defocus, spacing;
-  double *points;         /* x, y, weight of each source point */
-  size_t parts;           /* of each */
+  double *points;         /* x, y, weight: [point][3] */
+  size_t parts;           /* per point */
   size_t n;               /* parts of all points */
-  size_t available;       /* kernels, strongest first */
-  int side;               /* of the tables: nodes each way */
-  double step, low;       /* their step and first node */
-  float complex *shifted; /* sqrt(w) P(f + s) times a part: [node][part] */
+  size_t available;       /* number of kernels computed, strongest first */
+  int side;               /* nodes of the tables in each direction */
+  double step, low;       /* spacing and first node of the tables */
+  float complex *shifted; /* sqrt(w) P(f + s) times the factor of a part:
+                             [node][part] */
   float complex *vectors; /* [kernel][part] */
   float complex *table;   /* [kernel][node] */
   double *weights;
@@ -52,7 +53,7 @@ typedef struct plane {
 
 /* ---- work ---- */
 
-/* The pupil over a cell around (x, y). */
+/* Return the mean of the pupil over a cell around (x, y). */
 static float complex soft_pupil(const plane *p, double x, double y) {
   double r = hypot(x, y), half = p->spacing / 2;
   double inside =
@@ -79,7 +80,7 @@ static void fill_node_row(void *data, size_t j) {
       vector_factors(p->o, q, to * u, to * v, factor);
       for (size_t k = 0; k < p->parts; k++) {
         row[s + k] = (float)(sqrt(q[2]) * factor[k]) * a;
-        /* The part of the cell within the pupil. */
+        /* Squared fraction of the cell inside the pupil. */
         sum += q[2] * factor[k] * factor[k] * cabsf(a);
       }
     }
@@ -87,7 +88,7 @@ static void fill_node_row(void *data, size_t j) {
   }
 }
 
-/* a[0 .. n] += conj(x) * y[0 .. n] as re, im pairs. */
+/* Add conj(x) * y[i] to a[i], i < n, as re, im pairs. */
 EDA_WIDE static void add_product(float *restrict a, float re, float im,
                                  const float *restrict y, size_t n) {
   for (size_t i = 0; i < n; i++) {
@@ -103,7 +104,7 @@ typedef struct gram {
 
 enum { ROWS = 16 };
 
-/* Some rows of the Gram matrix: sum over nodes of conj(a_s) a_t. */
+/* Compute some rows of the Gram matrix: sum over nodes of conj(a_s) a_t. */
 static void gram_rows(void *data, size_t block) {
   gram *g = data;
   const plane *p = g->p;
@@ -125,7 +126,7 @@ typedef struct block {
   float complex *out;
 } block;
 
-/* out = matrix * in, for one vector; the matrix is Hermitian. */
+/* Compute out = matrix * in for one vector; the matrix is Hermitian. */
 static void multiply(void *data, size_t k) {
   const block *b = data;
   size_t n = b->g->p->n;
@@ -145,7 +146,7 @@ static double complex dot(const float complex *a, const float complex *b,
   return sum;
 }
 
-/* Gram and Schmidt, twice, which is enough. */
+/* Orthonormalise vectors by two passes of Gram-Schmidt. */
 static void orthonormalise(float complex *q, size_t count, size_t n) {
   for (size_t k = 0; k < count; k++) {
     float complex *v = q + k * n;
@@ -160,8 +161,8 @@ static void orthonormalise(float complex *q, size_t count, size_t n) {
   }
 }
 
-/* The eigenvectors of the matrix within the span of q, strongest first, into
-   p->vectors. z holds matrix * q. */
+/* Compute the eigenvectors of the matrix in the span of q, strongest first, and
+   store them in p->vectors. z holds matrix * q. */
 static void mix_span(plane *p, const float complex *q, const float complex *z,
                      size_t count, size_t most) {
   size_t n = p->n;
@@ -193,9 +194,9 @@ static void mix_span(plane *p, const float complex *q, const float complex *z,
   gsl_matrix_complex_free(a);
 }
 
-/* The strongest eigenvectors of the Gram matrix, from the span of the matrix's
-   square times random vectors (Halko, Martinsson, Tropp, SIAM Review 53, 2011);
-   the same ones in every run. */
+/* Find the strongest eigenvectors of the Gram matrix in the span of its square
+   times random vectors (Halko, Martinsson, Tropp, SIAM Review 53, 2011). The
+   random vectors are the same in every run. */
 static void solve(plane *p) {
   size_t n = p->n, most = n < MOST ? n : MOST;
   size_t count = n < MOST + SPARE ? n : MOST + SPARE;
@@ -223,7 +224,7 @@ static void solve(plane *p) {
   free(z);
 }
 
-/* A row of nodes of all tables: the kernels there. */
+/* Compute a row of nodes of all kernel tables. */
 static void mix_row(void *data, size_t j) {
   plane *p = data;
   size_t nodes = (size_t)p->side * (size_t)p->side;
@@ -245,7 +246,7 @@ static size_t nodes_of(const plane *p) {
   return (size_t)p->side * (size_t)p->side;
 }
 
-/* D from pairs of nodes: the mean of the kernels left out over S S. */
+/* Fit D to pairs of nodes: the mean of the truncated kernels over S S. */
 static void find_shifts(plane *p) {
   double above[SHIFTS + 1] = {0}, below[SHIFTS + 1] = {0};
   size_t nodes = nodes_of(p), side = (size_t)p->side;
@@ -254,7 +255,7 @@ static void find_shifts(plane *p) {
     for (size_t b = 0; b <= a; b++) {
       if (b % side % THIN || b / side % THIN || p->s_table[b] == 0) continue;
       double dx = (double)(a % side) - (double)(b % side);
-      size_t rows = a / side - b / side; /* b comes first */
+      size_t rows = a / side - b / side; /* b <= a */
       double dy = (double)rows;
       int bin = (int)(hypot(dx, dy) * p->step * SHIFTS / 2 + 0.5);
       if (bin > SHIFTS) continue;
@@ -288,7 +289,7 @@ static void keep(kernels *base, size_t n) {
   find_shifts(p);
 }
 
-/* Bilinear between the nodes. */
+/* Interpolate a kernel table bilinearly. */
 static void transfer(const void *self, size_t s, const double *fx, double fy,
                      size_t n, float *out) {
   const plane *p = self;
@@ -319,7 +320,7 @@ static void transfer(const void *self, size_t s, const double *fx, double fy,
 static void filter(const void *self, size_t rest, const double *fx, double fy,
                    size_t n, float *out) {
   const plane *p = self;
-  (void)rest; /* there is one */
+  (void)rest; /* only one residual term exists */
   for (size_t i = 0; i < n; i++) {
     double shift = sqrt(fx[i] * fx[i] + fy * fy) / p->base.cutoff;
     double place = shift * SHIFTS / 2;
@@ -343,7 +344,7 @@ static void plane_free(kernels *base) {
   free(p);
 }
 
-/* The spacing that cuts a source into about POINTS cells. */
+/* Find the spacing that divides a source into about POINTS cells. */
 static int cut_source(plane *p) {
   double r = optics_source_radius(p->o);
   double most = p->parts > 1 ? POINTS / 2 : POINTS;
@@ -382,7 +383,7 @@ kernels *plane_new(const opc_context *context, const optics *o, double defocus,
     plane_free(&p->base);
     return NULL;
   }
-  /* Two nodes of margin, for the interpolation at the border. */
+  /* Two nodes of margin for the interpolation at the border. */
   p->side = CELLS + 5;
   p->step = 2 * p->base.radius / CELLS;
   p->low = -p->base.radius - 2 * p->step;

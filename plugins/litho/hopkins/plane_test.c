@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Sources and pupils without symmetry, against litho.abbe, which sums up the
-   images of source points one by one. */
+/* Tests of sources and pupils without symmetry against litho.abbe, which adds
+   the images of source points one by one. */
 #include <eda/gates.h>
 #include <eda/litho.h>
 #include <math.h>
@@ -8,7 +8,8 @@
 
 #include "../image_test.h"
 
-/* A line, a bar off its end and a square: nothing about them is symmetric. */
+/* Return the image of shapes without symmetry: a line, a rectangle near its
+   end, and a square. */
 static eda_field image_of(const char *id, const char *parameters,
                           const eda_frame frame) {
   static const eda_point points[] = {{-200, -270}, {-90, -270}, {-90, 120},
@@ -35,7 +36,8 @@ static double worst_difference(const eda_field *a, const eda_field *b) {
   return worst;
 }
 
-/* Their pupils have sharp edges, which tables of so many nodes blur: 0.006. */
+/* Listed points have pupils with sharp edges, which the tables blur: error
+   0.006. */
 #define LISTED                                                              \
   "source: points, points: [0.31, 0.12, 1, -0.48, 0.2, 2, 0.05, -0.55, 1, " \
   "-0.35, -0.4, 1.5, 0.45, -0.2, 0.5, -0.1, 0.5, 1]"
@@ -69,7 +71,8 @@ static void test_sources(void) {
   }
 }
 
-/* What is warned of is what is there, and of no other source. */
+/* Test that the blur of a list of points agrees with the warning, and that
+   other sources cause no warning. */
 static void test_warned(void) {
   static const struct {
     eda_frame frame;

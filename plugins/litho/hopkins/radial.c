@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kernels of a rotationally symmetric T: it depends on |f1|, |f2| and the angle
-   between them only, so that its eigenfunctions are R(|f|) exp(i m angle),
-   found for each order m from a small matrix over the radius. They serve fields
-   of every size.
+/* Implements kernels of a rotationally symmetric T, which depends only on |f1|,
+   |f2| and the angle between f1 and f2. Its eigenfunctions are R(|f|) exp(i m
+   angle), computed for each order m from a small matrix over the radius. They
+   apply to frames of every size.
 
-   The pupil seen from a source point at the radius q is a function of the angle
-   between f and that point; with its Fourier coefficients g_m(r, q),
-   T_m(r1, r2) = integral of g_m(r1, q) g_m(r2, q)* q dq over the source. In
-   focus they are closed forms, as the pupil is an arc. Polarised light has such
-   a sum for each of its parts (vector.h), which are even or odd functions of
-   the angle. */
+   The pupil shifted by f, as a function on a circle of radius q in the source,
+   depends on the angle between f and the source point. With its Fourier
+   coefficients g_m(r, q), T_m(r1, r2) = integral of g_m(r1, q) g_m(r2, q)* q dq
+   over the source. In focus g_m has a closed form, because the pupil is an arc.
+   Polarised light has one such sum per part (vector.h); each part is an even or
+   odd function of the angle. */
 #include "radial.h"
 
 #include <eda/memory.h>
@@ -22,13 +22,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The spectrum of a mask is taken to be like (1 + (f / corner)^2)^(-steepness /
-   2): what kernels lose where it is weak counts less. */
+/* Model of the spectrum of masks: (1 + (f / corner)^2)^(-steepness / 2). Errors
+   of kernels count less where the spectrum is weak. */
 static const double corner = 0.5, steepness = 1;
 
 /* ---- work: nodes ---- */
 
-/* n Gauss-Legendre nodes between two places. */
+/* Compute n Gauss-Legendre nodes and weights for an interval. */
 static void place(double from, double to, int n, double *node, double *weight) {
   gsl_integration_glfixed_table *t =
       gsl_integration_glfixed_table_alloc((size_t)n);
@@ -41,9 +41,10 @@ static double falling(double r) {
   return pow(1 + r * r / (corner * corner), -0.5 * steepness);
 }
 
-/* Panels lie between the radii where disks begin to touch. There R goes like
-   roots of the distance: as a function of t, r = from + (to - from) (3 t^2 - 2
-   t^3), it is a polynomial nearly. */
+/* Return the parameter t of radius r in a panel. Panels are bounded by the
+   radii where disks begin to touch. R behaves there like roots of the distance;
+   as a function of t, r = from + (to - from) (3 t^2 - 2 t^3), R is nearly a
+   polynomial. */
 static double panel_place(const panel *p, double r) {
   double y = (r - p->from) / (p->to - p->from);
   return 0.5 - sin(asin(fmin(fmax(1 - 2 * y, -1), 1)) / 3);
@@ -75,9 +76,9 @@ static int ascending(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* The source's radius, between the places where the rim of the pupil begins to
-   cut what a node sees: there g_m goes like a square root, which nodes in the
-   square of a variable take as it is. */
+/* Place the nodes of the source's radius. Breaks are the radii where the rim of
+   a shifted pupil enters the source: g_m behaves there like a square root,
+   which nodes in the square of a variable integrate accurately. */
 static void place_rings(radial *r) {
   double breaks[NODES + 2], unit[RINGS], weight[RINGS];
   int n = 0;
@@ -101,8 +102,8 @@ static void place_rings(radial *r) {
   place(0, 1, ARC, r->arc, r->arc_weight);
 }
 
-/* The values of a table as polynomials through those at the nodes of their
-   panel (barycentric Lagrange, Berrut and Trefethen 2004). */
+/* Compute the weights that interpolate a table from the values at the nodes of
+   a panel (barycentric Lagrange, Berrut and Trefethen 2004). */
 static void place_table(radial *r) {
   for (int i = 0; i < TABLE + 2; i++) {
     double x = fmin(r->base.radius * i / TABLE, r->base.radius), sum = 0;
@@ -124,8 +125,8 @@ static void place_table(radial *r) {
 
 /* ---- work: expansion ---- */
 
-/* g_m of the pupil that f at radius a sees from a source point at radius q, in
-   all orders; the pupil is 1 on the arc from `begin` to pi. */
+/* Compute g_m of a pupil without phase in all orders: the shifted pupil is 1 on
+   the arc from `begin` to pi. */
 static void expand_arc(double begin, double *g, size_t stride) {
   double c = 2 * cos(begin), before = 0, now = sin(begin);
   g[0] = 1 - begin / M_PI;
@@ -137,8 +138,9 @@ static void expand_arc(double begin, double *g, size_t stride) {
   }
 }
 
-/* The same for a pupil with a phase, and for a part of polarised light; and the
-   mean of its square. */
+/* Add g_m of a pupil with a phase, or of a part of polarised light, for node
+   radius a and source radius q. Return the mean square of the factor of the
+   part. */
 static double expand_phase(const radial *r, double a, double q, double begin,
                            double *re, double *im, size_t stride) {
   int odd = !r->scalar && vector_is_odd(r->o, r->part);
@@ -171,7 +173,7 @@ static void expand_node(void *data, size_t i) {
   for (size_t k = 0; k < rings; k++) {
     double q = r->ring[k], c = (1 - a * a - q * q) / (2 * a * q);
     size_t at = i * rings + k;
-    if (c <= -1) continue; /* nothing of the pupil */
+    if (c <= -1) continue; /* outside the pupil */
     double begin = c < 1 ? acos(c) : 0;
     if (r->real && r->scalar) {
       expand_arc(begin, r->g[0] + at, stride);
@@ -183,7 +185,7 @@ static void expand_node(void *data, size_t i) {
   }
 }
 
-/* T_m at all pairs of nodes, a part after the other. */
+/* Compute T_m at all pairs of nodes, adding one part after the other. */
 static void multiply(void *data, size_t m) {
   radial *r = data;
   size_t n = (size_t)r->n, rings = (size_t)r->rings;
@@ -214,14 +216,14 @@ static void multiply(void *data, size_t m) {
   r->bound[m] = sqrt(square);
 }
 
-/* What the eigenvectors of an order are found with. */
+/* Workspace for the eigenvectors of one order. */
 typedef struct solver {
-  gsl_vector *value, *below; /* a diagonal and the one below it */
+  gsl_vector *value, *below; /* diagonal and subdiagonal */
   gsl_matrix *a, *v;
   gsl_eigen_symmv_workspace *work;
-  gsl_matrix_complex *c, *u; /* if the matrix is complex */
+  gsl_matrix_complex *c, *u; /* for a complex matrix */
   gsl_vector_complex *tau;
-  double *turned[2]; /* u, transposed: re, im */
+  double *turned[2]; /* u transposed: re, im */
 } solver;
 
 static void solver_clear(solver *s) {
@@ -256,8 +258,9 @@ EDA_WIDE static void add_times(double by, const double *restrict x, size_t n,
   for (size_t i = 0; i < n; i++) to[i] += by * x[i];
 }
 
-/* The complex matrix of order m becomes a real one of two diagonals, s->a,
-   seen from s->turned. (That by GSL's own way takes three times as long.) */
+/* Transform the complex matrix of order m to a real tridiagonal matrix s->a in
+   the basis s->turned. The corresponding GSL function takes three times as
+   long. */
 static void make_real(const radial *r, size_t m, solver *s) {
   size_t n = (size_t)r->n;
   for (size_t i = 0; i < n; i++)
@@ -283,7 +286,7 @@ static void make_real(const radial *r, size_t m, solver *s) {
   }
 }
 
-/* Eigenvector k of order m at the nodes. */
+/* Store eigenvector k of order m at the nodes. */
 static void take_vector(radial *r, size_t m, size_t k, const solver *s) {
   size_t n = (size_t)r->n;
   for (int part = 0; part < (r->real ? 1 : 2); part++) {
@@ -300,7 +303,8 @@ static void take_vector(radial *r, size_t m, size_t k, const solver *s) {
   }
 }
 
-/* Order m: the eigenvectors of root_i T_m(r_i, r_j) root_j are root R. */
+/* Compute the eigenvectors of root_i T_m(r_i, r_j) root_j, which are root R,
+   for one order m. */
 static void solve(void *data, size_t task) {
   radial *r = data;
   size_t n = (size_t)r->n, m = task + (size_t)r->solved;
@@ -325,10 +329,10 @@ static int by_value(const void *a, const void *b) {
   return x->order != y->order ? x->order - y->order : x->index - y->index;
 }
 
-/* How many eigenfunctions the first n systems hold; and how many systems there
-   are, if fewer. */
+/* Return the number of eigenfunctions in the first n kernels. *count is the
+   number of kernels, less than n if there are no more. */
 static size_t cut(const radial *r, size_t n, size_t *count) {
-  int open = 0; /* a system of order 0 has room for another function */
+  int open = 0; /* 1: a kernel of order 0 can take a second function */
   size_t kept = 0;
   for (*count = 0; kept < r->n_sorted; kept++) {
     int order = r->sorted[kept].order;
@@ -377,7 +381,7 @@ static void drop(double **array) {
   *array = NULL;
 }
 
-/* What the systems were found by. */
+/* Free the data that only `keep` needs. */
 static void settle(kernels *base) {
   radial *r = (radial *)base;
   for (int part = 0; part < 2; part++) {
@@ -418,8 +422,8 @@ static void allocate(radial *r) {
   r->weights = eda_alloc(2 * all, sizeof *r->weights);
 }
 
-/* T(f, f) of scalar light at the nodes and in the table; of polarised light in
-   the table, from what the nodes have come to. */
+/* Compute T(f, f) of scalar light at the nodes and in the table. For polarised
+   light, interpolate the table from the values at the nodes. */
 static void find_diagonal(radial *r) {
   for (int i = 0; i < r->n && r->scalar; i++)
     r->at_node[i] = radial_cross(r, r->node[i], r->node[i], 0);
@@ -432,8 +436,8 @@ static void find_diagonal(radial *r) {
   }
 }
 
-/* What T(0, 0) would be by the area of the source; and of polarised light by
-   what each ring adds to the clear field. */
+/* Return T(0, 0) before normalisation: the area of the source, or for polarised
+   light the sum of the contributions of rings to the clear field. */
 static double find_whole(const radial *r) {
   double whole = r->sigma * r->sigma - r->sigma_in * r->sigma_in, sum = 0;
   for (int k = 0; k < r->rings; k++)
@@ -472,8 +476,8 @@ kernels *radial_new(const opc_context *context, const optics *o, double defocus,
   r->defocus = defocus;
   r->real = real;
   r->scalar = o->polarisation == OPTICS_SCALAR;
-  /* Measured: fewer leave larger errors, however many kernels are kept: 40 are
-     good for 1e-4, but leave 2e-4 where 6e-5 are asked for. */
+  /* Measured: fewer nodes leave larger errors with any number of kernels. 40
+     nodes suffice for 1e-4, but leave 2e-4 where 6e-5 is requested. */
   r->other = error < 1e-4 && real ? OTHER : error < 1e-3 ? 40 : 24;
   r->sigma = o->sigma;
   r->sigma_in = o->source == OPTICS_ANNULAR ? o->sigma_in : 0;

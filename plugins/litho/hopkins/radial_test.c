@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The eigenvalues of the transmission cross coefficient T, from its kernels,
-   against two other ways to them. */
+/* Tests of the eigenvalues of the transmission cross coefficient T, computed
+   from the kernels, against two independent methods. */
 #include <glib.h>
 #include <math.h>
 
@@ -25,7 +25,8 @@ static double dot(const double *a, const double *b, size_t n) {
   return sum;
 }
 
-/* Gram and Schmidt; the lengths that vectors had are what is left of them. */
+/* Orthonormalise vectors by Gram-Schmidt; length[k] is the norm of vector k
+   after projection. */
 static void orthonormalise(double *q, size_t n, double *length) {
   for (size_t k = 0; k < SPAN; k++) {
     double *v = q + k * n;
@@ -38,7 +39,7 @@ static void orthonormalise(double *q, size_t n, double *length) {
   }
 }
 
-/* The largest eigenvalues, by powers of the operator on a span of vectors. */
+/* Compute the largest eigenvalues by subspace iteration. */
 static void eigenvalues(const operator* o, double value[SPAN]) {
   double *q = g_new(double, SPAN * o->n), *next = g_new(double, o->n);
   GRand *random = g_rand_new_with_seed(7);
@@ -58,7 +59,7 @@ static void eigenvalues(const operator* o, double value[SPAN]) {
 
 /* ---- kernels ---- */
 
-/* T = the sum of w (re re' + im im') of all systems. */
+/* Apply T = the sum of w (re re' + im im') over all kernels. */
 static void apply_kernels(const operator* o, const double *x, double *out) {
   for (size_t i = 0; i < o->n; i++) out[i] = 0;
   for (size_t k = 0; k < o->count; k++) {
@@ -68,7 +69,8 @@ static void apply_kernels(const operator* o, const double *x, double *out) {
   }
 }
 
-/* The systems at the frequencies of a grid, times the root of its cells. */
+/* Return the operator of the kernels at the frequencies of a grid, each times
+   the root of the cell's area. */
 static operator kernels_operator(double error, size_t systems) {
   enum { CELLS = 61 };
   static const optics o = {.wavelength = 193,
@@ -109,8 +111,9 @@ static void apply_matrix(const operator* o, const double *x, double *out) {
   for (size_t i = 0; i < o->n; i++) out[i] = dot(o->data + i * o->n, x, o->n);
 }
 
-/* T is a mixture of shifted pupils, so that the areas they have in common hold
-   the same eigenvalues: two unit disks, seen from places of the source. */
+/* Return the operator of shifted pupils. T is a mixture of them, so their
+   common areas have the same eigenvalues: two unit disks, shifted by source
+   points. */
 static operator pupils_operator(void) {
   enum { CELLS = 46 };
   static double x[CELLS * CELLS], y[CELLS * CELLS];
@@ -127,7 +130,8 @@ static operator pupils_operator(void) {
     for (size_t j = 0; j < o.n; j++) {
       double d = hypot(x[i] - x[j], y[i] - y[j]) / 2;
       double area = 2 * acos(d) - 2 * d * sqrt(1 - d * d);
-      o.data[i * o.n + j] = area / (double)o.n; /* o.n cells: the source, 1 */
+      o.data[i * o.n + j] = area / (double)o.n; /* o.n cells; the area of the
+                                                   source is 1 */
     }
   return o;
 }
@@ -152,8 +156,8 @@ static void test_pupils(void) {
   g_free(pupils.data);
 }
 
-/* Ratios for the same optics by another program, which cuts the source into
-   pixels: that makes them 1 to 3 % less. */
+/* Test against ratios for the same optics from another program, whose pixelated
+   source makes them 1 to 3 % smaller. */
 static void test_reference(void) {
   static const double reference[VALUES] = {118.129, 22.6488, 22.6488, 4.54326,
                                            4.51376, 3.43913, 1.63783};
@@ -168,7 +172,8 @@ static void test_reference(void) {
   g_free(all.data);
 }
 
-/* What is said of mirrored systems is so, in focus and out of it. */
+/* Test the declared symmetries of kernels against transfer functions, in focus
+   and out of focus. */
 static void test_mirror(void) {
   static const optics o = {.wavelength = 193,
                            .na = 0.75,

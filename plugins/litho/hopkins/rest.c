@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the kernels that are left out would add, put back by two incoherent
-   systems.
+/* Implements the residual of truncated kernels by two incoherent terms.
 
-   The rest of T is taken as S(f1) S(f2) times
+   The residual of T is approximated by S(f1) S(f2) times
      cos a1 cos a2 D(h) + sin a1 sin a2 D(h turned by 90 degrees),
-   a1 and a2 the angles of f1 and f2, h = f1 - f2. It is exact for h = 0. D
-   depends on the length of h and on its direction, as what is left out comes
-   from far away across the rims of the pupils: it spreads along f more than
-   across it. One D of |h| alone needs five times the kernels for an error of
-   1e-4 of long gratings. */
+   with a1 and a2 the angles of f1 and f2, and h = f1 - f2. It is exact for h =
+   0. D depends on the length and direction of h: the residual comes from
+   distant points across the rims of the pupils and extends further along f than
+   across f. With D a function of |h| alone, an error of 1e-4 for long gratings
+   needs five times the kernels. */
 #include <eda/memory.h>
 #include <gsl/gsl_linalg.h>
 #include <math.h>
@@ -16,19 +15,19 @@
 
 #include "radial.h"
 
-/* What fits D: values where no pair lies follow from their neighbours. Ten
-   times it changes errors by 3 %. */
+/* Weight of smoothness in the fit of D: values without samples follow from
+   their neighbours. A tenfold weight changes errors by 3 %. */
 static const double stiffness = 1e-4;
 
-/* Long lines have pairs along one direction only, and there small h count as
-   large ones do: pairs weigh one over |h|, down to this. */
+/* Pairs have the weight 1 / |h|, with |h| at least this: long lines have pairs
+   along one direction only, where small |h| count as much as large ones. */
 static const double least_shift = 0.02;
 
 /* ---- work: pairs ---- */
 
-/* Of a pair of nodes (every other node, counted from 0), and the angle of the
-   first of them: a little further on for each pair, so that together they take
-   all shifts evenly; more of them where shifts are small. */
+/* Return the fraction of half a turn for angle a of a pair of nodes (every
+   other node, counted from 0). Angles differ from pair to pair, so that all
+   pairs together sample shifts evenly, more densely where shifts are small. */
 static double part_of(int i, int j, int a) {
   double turn = 0.6180339887 * i + 0.7548776662 * j;
   return (a + turn - floor(turn)) / ANGLES;
@@ -44,7 +43,7 @@ static double first_angle_of(int i, int j, int a) {
   return M_PI * (turn - floor(turn));
 }
 
-/* A sum over orders at all angles of a pair. */
+/* Sum the orders at all angles of a pair. */
 static void sum_orders(const double term[ORDERS], int i, int j,
                        double out[ANGLES]) {
   for (int a = 0; a < ANGLES; a++) {
@@ -59,8 +58,9 @@ static void sum_orders(const double term[ORDERS], int i, int j,
   }
 }
 
-/* What the first `kept` eigenfunctions leave of T at a pair of nodes, all
-   angles: of T itself where it is known, as its orders do not end. */
+/* Compute the residual of T without the first `kept` eigenfunctions at a pair
+   of nodes, for all angles. If T is known in closed form, it is used instead of
+   the truncated sum of orders. */
 static void rest_of(const radial *r, size_t kept, int i, int j,
                     double rest[ANGLES]) {
   size_t n = (size_t)r->n, at = (size_t)i * n + (size_t)j;
@@ -91,10 +91,10 @@ void radial_evaluate_pairs(void *self, size_t i) {
 
 /* ---- work: D ---- */
 
-/* A shift (x, y) among the nodes of the table of D: |h| = 2 (i / SHIFTS)^2, and
-   cos^2 of its direction = k / (TURNS - 1). */
+/* A shift (x, y) in the table of D, with bilinear weights: |h| = 2 (i /
+   SHIFTS)^2, cos^2 of the direction = k / (TURNS - 1). */
 typedef struct place {
-  int at; /* the first of four: at, + 1, + TURNS, + TURNS + 1 */
+  int at; /* first of four nodes: at, + 1, + TURNS, + TURNS + 1 */
   float weight[4];
 } place;
 
@@ -108,7 +108,7 @@ static inline place place_of(float x, float y) {
                  {(1 - u) * (1 - v), (1 - u) * v, u * (1 - v), u * v}};
 }
 
-/* The normal equations for D, whose first TURNS values are 1. */
+/* Normal equations for D, whose first TURNS values are 1. */
 enum { VALUES = (SHIFTS + 1) * TURNS, FREE = VALUES - TURNS };
 typedef struct fit {
   gsl_matrix *a;
@@ -117,7 +117,7 @@ typedef struct fit {
 
 static const int corners[4] = {0, 1, TURNS, TURNS + 1};
 
-/* A sample: sum of by[k] D[at[k]] is to be `value`. */
+/* Add the sample: sum of by[k] D[at[k]] = `value`. */
 static void add_sample(fit *f, size_t n, const int *at, const double *by,
                        double value, double weight) {
   for (size_t k = 0; k < n; k++)
@@ -132,8 +132,8 @@ static void add_sample(fit *f, size_t n, const int *at, const double *by,
   }
 }
 
-/* One pair of frequencies at the radii x and y, angles p and q; `rest` is what
-   is left there of T over S S. */
+/* Add a pair of frequencies with radii x and y, angles p and q; `rest` is the
+   residual of T over S S. */
 static void add_pair(fit *f, double x, double p, double y, double q,
                      double rest, double weight) {
   double c[2] = {cos(p) * cos(q), sin(p) * sin(q)};
@@ -151,7 +151,7 @@ static void add_pair(fit *f, double x, double p, double y, double q,
   add_sample(f, 8, at, by, rest, weight / fmax(shift, least_shift));
 }
 
-/* Neighbours lie on lines. */
+/* Add smoothness: second differences are zero. */
 static void add_stiffness(fit *f) {
   static const double by[3] = {-1, 2, -1};
   double sum = 0;
@@ -167,7 +167,7 @@ static void add_stiffness(fit *f) {
     }
 }
 
-/* All pairs, those of masks whose spectrum falls off. */
+/* Add all pairs, weighted by the model spectrum of masks. */
 static void add_pairs(const radial *r, size_t kept, const double *s, fit *f) {
   for (int i = 0; i < r->n; i += 2)
     for (int j = 0; j <= i; j += 2) {
@@ -184,7 +184,7 @@ static void add_pairs(const radial *r, size_t kept, const double *s, fit *f) {
     }
 }
 
-/* S at the nodes. */
+/* Compute S at the nodes. */
 static void find_s(const radial *r, size_t kept, double *s) {
   for (int i = 0; i < r->n; i++) {
     double sum = r->at_node[i];
@@ -203,7 +203,7 @@ void radial_find_rest(radial *r, size_t kept) {
   find_s(r, kept, s);
   add_pairs(r, kept, s, &f);
   add_stiffness(&f);
-  /* Without a pair, as all of T is kept, S is 0 and D has no meaning. */
+  /* Without pairs (all of T is kept) S is 0 and D is irrelevant. */
   if (!gsl_linalg_cholesky_decomp1(f.a))
     (void)gsl_linalg_cholesky_svx(f.a, f.b);
   for (size_t i = 0; i < VALUES; i++)
@@ -223,7 +223,8 @@ void radial_find_rest(radial *r, size_t kept) {
 
 /* ---- work: transfer functions and filters ---- */
 
-/* S cos(angle), or i S sin(angle): the i makes it mirror itself. */
+/* S cos(angle), or i S sin(angle); the factor i makes the second term its own
+   mirror image. */
 void radial_rest(const radial *r, size_t rest, const double *fx, double fy,
                  size_t n, float *out) {
   double scale = TABLE / (r->base.radius * r->base.cutoff);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The systems of a rotationally symmetric T: the strongest of its
-   eigenfunctions. */
+/* Implements the coherent kernels of a rotationally symmetric T from its
+   strongest eigenfunctions. */
 #include <eda/memory.h>
 #include <math.h>
 #include <string.h>
@@ -44,7 +44,7 @@ static float *new_table(const radial *r, const eigen *e, int part,
   return table;
 }
 
-/* A system for order m or -m of an eigenfunction. */
+/* Add a kernel for order m or -m of an eigenfunction. */
 static void add_system(radial *r, const eigen *e, int order) {
   size_t s = r->base.count++;
   coherent *c = &r->systems[s];
@@ -77,7 +77,7 @@ void radial_keep(kernels *base, size_t n) {
 
 /* ---- work: transfer functions ---- */
 
-/* The values of a table at CHUNK places. */
+/* Interpolate a table linearly at CHUNK places. */
 EDA_WIDE static void look_up(const float *restrict table,
                              const float *restrict place, float *restrict out) {
   for (int i = 0; i < CHUNK; i++) {
@@ -86,7 +86,7 @@ EDA_WIDE static void look_up(const float *restrict table,
   }
 }
 
-/* R(|f|) exp(i order angle) at CHUNK frequencies (fx[i], fy). */
+/* Compute R(|f|) exp(i order angle) at CHUNK frequencies (fx[i], fy). */
 EDA_WIDE static void chunk(const coherent *c, float scale,
                            const double *restrict fx, float fy,
                            float *restrict out) {
@@ -137,8 +137,8 @@ void radial_transfer(const void *self, size_t s, const double *fx, double fy,
   memcpy(out + 2 * i, values, 2 * (n - i) * sizeof *values);
 }
 
-/* R exp(i m angle) is turned round to R exp(-i m angle), times -1 if m is odd;
-   so are S cos(angle) and i S sin(angle). */
+/* The mirror image of R exp(i m angle) is R exp(-i m angle), times -1 if m is
+   odd; likewise for S cos(angle) and i S sin(angle). */
 eda_mirrored radial_mirror(const void *self, size_t s) {
   const radial *r = self;
   if (s >= r->base.count)
@@ -149,6 +149,6 @@ eda_mirrored radial_mirror(const void *self, size_t s) {
   if (r->real)
     m.conjugate = order != 0;
   else if (order)
-    m.system = order > 0 ? s + 1 : s - 1; /* that of -order */
+    m.system = order > 0 ? s + 1 : s - 1; /* the kernel of -order */
   return m;
 }

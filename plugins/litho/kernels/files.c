@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reads the kernel sets of the ICCAD 2013 contest from their files. */
+/* Implements the reader of kernel sets of the ICCAD 2013 contest. */
 #include "files.h"
 
 #include <eda/memory.h>
@@ -14,7 +14,8 @@ enum { HEADER = 24, MOST_KERNELS = 4096 };
 
 /* ---- weights ---- */
 
-/* The next number of the text; 0 and the place of what is none. */
+/* Read the next number of a text. Return 0 if the next word is no number; *line
+   is its line. */
 static int next_number(FILE *file, double *value, size_t *line) {
   char word[64];
   size_t n = 0;

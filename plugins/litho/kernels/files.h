@@ -1,28 +1,29 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kernel sets in files, as the ICCAD 2013 contest has them: a text of weights
-   and, beside it, a file for each kernel. */
+/* Kernel sets in files in the format of the ICCAD 2013 contest: a text of
+   weights and a binary file per kernel in the same folder. */
 #ifndef OPCFLOW_LITHO_KERNEL_FILES_H
 #define OPCFLOW_LITHO_KERNEL_FILES_H
 
 #include <opcflow/base.h>
 
-enum { KERNEL_MOST = 255 }; /* frequencies across a kernel */
+enum { KERNEL_MOST = 255 }; /* largest number of frequencies across a kernel */
 
 /* `count` kernels in the frequency domain, size x size each: re, im of the
-   frequency (k - half, l - half) of kernel s are
-   data[2 * ((s * size + l) * size + k)] and the next. */
+   frequency (k - half, l - half) of kernel s are data[2 * ((s * size + l) *
+   size + k)] and the next element. */
 typedef struct kernel_set {
   size_t count;
   int size, half; /* size = 2 * half + 1 */
-  double radius;  /* of what is not zero, in frequencies */
+  double radius;  /* radius of the nonzero values, in frequencies */
   double *weight;
   float *data;
 } kernel_set;
 
-/* Read the text `path` (how many, then the weights) and fh0.bin, fh1.bin ...
-   beside it (24 bytes: rows and columns as big-endian 32-bit integers, four
-   more without use; then pairs of big-endian 32-bit floats, row by row); the
-   first `most` kernels, 0 for all. */
+/* Read the text `path` (number of kernels, then weights) and fh0.bin, fh1.bin
+   ... in its folder. A kernel file has a header of 24 bytes (rows and columns
+   as big-endian 32-bit integers, four unused integers), then pairs of
+   big-endian 32-bit floats, row by row. Read the first `most` kernels, 0 for
+   all. Return OPC_OK or an error. */
 int kernel_set_read(const char *path, size_t most, kernel_set *out,
                     opc_error *error);
 void kernel_set_clear(kernel_set *set);

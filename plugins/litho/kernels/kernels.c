@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* litho.kernels: imaging by kernels that are given, as those of the ICCAD 2013
-   contest (S. Banerjee, Z. Li, S. R. Nassif, ICCAD 2013, 271): the intensity
-   is the sum of weight |mask * kernel|^2. The kernels are known at the
-   multiples of 1 / period, that is, within a square of one period about the
-   origin; between these frequencies they are what that square has. */
+/* Implements litho.kernels: imaging by given kernels such as those of the ICCAD
+   2013 contest (S. Banerjee, Z. Li, S. R. Nassif, ICCAD 2013, 271). The
+   intensity is the sum of weight |mask * kernel|^2. A kernel is known at the
+   multiples of 1 / period, which define the kernel as a function within a
+   square of one period around the origin; values at other frequencies are the
+   Fourier transform of that function. */
 #include <eda/litho.h>
 #include <math.h>
 #include <opcflow/plugin.h>
@@ -17,26 +18,25 @@ enum { FOCUS, DEFOCUS, SETS };
 typedef struct model {
   const opc_host *host;
   const char *path[SETS]; /* the second may be NULL */
-  int64_t wanted;         /* kernels of each; OPC_NO_INT: all */
+  int64_t wanted;         /* number of kernels of each set; OPC_NO_INT: all */
   double period, dose;    /* nm, 1 */
   int dark_field;
   kernel_set set[SETS];
 } model;
 
-static const double coarsest = 32; /* grid of an image, nm */
+static const double coarsest = 32; /* largest grid spacing of an image, nm */
 
 /* ---- work: between the frequencies ---- */
 
-/* What the values at first .. last make at a place: those weights times the
-   values. */
+/* Weights of the values first .. last for interpolation at a place. */
 typedef struct reach {
   int first, last;
   double weight[KERNEL_MOST];
 } reach;
 
-/* A function that is zero outside of a period, at `place` (in steps of
-   1 / period) from its transform's values at -half .. half: their sum with
-   sin(pi (place - k)) / (pi (place - k)). */
+/* Compute the interpolation weights of a function that is zero outside of a
+   period, at `place` (in units of 1 / period), from its transform at -half ..
+   half: sin(pi (place - k)) / (pi (place - k)). */
 static void spread(double place, int half, reach *r) {
   static const double same = 1e-6;
   double nearest = round(place);
@@ -56,7 +56,7 @@ static void spread(double place, int half, reach *r) {
     r->weight[k + half] = (k % 2 ? -wave : wave) / (place - k);
 }
 
-/* A set, and the frequencies it is asked for in steps of 1 / period. */
+/* A kernel set and the requested frequencies in units of 1 / period. */
 typedef struct view {
   const kernel_set *set;
   double period;
@@ -97,7 +97,7 @@ static int prepare(void *self, opc_error *error) {
     size_t most = m->wanted > 0 ? (size_t)m->wanted : 0;
     int code = kernel_set_read(m->path[i], most, set, error);
     if (code) return code;
-    /* The whole set is one factor brighter or darker. */
+    /* Normalise the clear field; all weights have one common factor. */
     double clear = 0;
     size_t size = (size_t)set->size, middle = size * size / 2;
     for (size_t s = 0; s < set->count; s++) {
@@ -113,7 +113,7 @@ static int prepare(void *self, opc_error *error) {
 }
 
 static double set_band(const model *m, const kernel_set *set) {
-  /* To the zeros around what is not zero. */
+  /* Up to the zeros around the nonzero values. */
   return (set->radius + 1) / m->period;
 }
 
@@ -139,7 +139,7 @@ static int image_of(const model *m, const kernel_set *set,
                     opc_error *error) {
   view v = {set, m->period};
   eda_systems systems = systems_of(m, &v);
-  /* Four samples to the finest period there can be. */
+  /* Four samples for the shortest period of the intensity. */
   double step = fmin(coarsest, 0.25 / systems.intensity_band);
   return eda_coherent_sum(m->host->context, mask, &systems, step, out, error);
 }
@@ -147,11 +147,11 @@ static int image_of(const model *m, const kernel_set *set,
 static int image(const void *self, int layer, const eda_spectrum *mask,
                  eda_field *out, opc_error *error) {
   const model *m = self;
-  (void)layer; /* all are exposed alike */
+  (void)layer; /* all layers have the same tone */
   return image_of(m, &m->set[FOCUS], mask, out, error);
 }
 
-/* The set for a focus; NULL: there is none. */
+/* Return the kernel set for a defocus; NULL and *error if there is none. */
 static const kernel_set *set_at(const model *m, double defocus,
                                 opc_error *error) {
   if (defocus == 0) return &m->set[FOCUS];

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Images by kernels made up here against closed forms; those of the ICCAD 2013
-   contest against the double sum over the exact Fourier coefficients of a
-   clip, and what that clip prints as drawn against another program. */
+/* Tests of images by synthetic kernels against closed forms, and of the kernels
+   of the ICCAD 2013 contest against the double sum over the exact Fourier
+   coefficients of a clip. Printed areas of the clip as drawn are compared with
+   another program. */
 #include <complex.h>
 #include <eda/layout.h>
 #include <eda/litho.h>
@@ -25,8 +26,8 @@ static char *set_path(void) {
   return g_build_filename(opc_test_folder(), "scales.txt", NULL);
 }
 
-/* One set: `weights` as text, each kernel 5 x 5 (`size`) of which kernel s has
-   value[s](k, l). */
+/* Write a kernel set: `weights` as text, and size x size kernels, kernel s with
+   the values value(s, k, l). */
 static void write_set(const char *weights, int kernels, uint32_t size,
                       float complex (*value)(int s, int k, int l)) {
   g_autofree char *path = set_path();
@@ -92,17 +93,18 @@ static eda_shapes box_shapes(eda_box b, eda_point points[4],
   return (eda_shapes){1, start, points, NULL};
 }
 
-/* Two systems: the orders -1, 0, 1 of x with phases of their own; and only the
-   order (0, 0). */
+/* Two kernels: the orders -1, 0, 1 of x with different phases; and order (0,
+   0). */
 static float complex two_systems(int s, int k, int l) {
   if (s == 1) return k == 0 && l == 0 ? 0.5f : 0;
   if (l != 0 || k < -1 || k > 1) return l == 1 && k == 0 ? 0.3f * I : 0;
   return k == 0 ? 1 : k == 1 ? 0.8f * I : 0.6f;
 }
 
-/* A clear box of 300 x 1000 nm at the origin of a period of 1000 nm square: in
-   y there is no order but 0; the sum by hand. A frame off the period tests
-   that order 1 is that of the frequency 1 / period. */
+/* Test a clear box of 300 x 1000 nm at the origin of a square period of 1000
+   nm, which has only order 0 in y, against the sum in closed form. A frame
+   larger than the period tests that order 1 belongs to the frequency 1 /
+   period. */
 static void test_orders(void) {
   write_set("2\n2.5\n4\n", 2, 5, two_systems);
   g_autofree char *path = set_path();
@@ -129,20 +131,20 @@ static void test_orders(void) {
   }
 }
 
-/* All orders there can be, by lot. */
+/* Random values of all orders. */
 static float complex by_lot(int s, int k, int l) {
   uint32_t h = (uint32_t)(s * 25 + (l + 2) * 5 + k + 3) * 2654435761u;
   return (float)(h >> 20) / 4096 - 0.5f +
          ((float)(h >> 8 & 4095) / 4096 - 0.5f) * I;
 }
 
-/* The amplitude of order k of a slit from a to b. */
+/* Return the amplitude of order k of a slit from a to b. */
 static double complex slit(int k, double a, double b) {
   double complex w = 2 * M_PI * I * k / 1000;
   return k ? (cexp(-w * a) - cexp(-w * b)) / (w * 1000) : (b - a) / 1000;
 }
 
-/* A clear box that lies anywhere, by the sum over all 25 orders. */
+/* Test a clear box at a general place against the sum over all 25 orders. */
 static void test_all_orders(void) {
   write_set("2 1.5 0.7", 2, 5, by_lot);
   g_autofree char *path = set_path();
@@ -172,8 +174,8 @@ static float complex wide(int s, int k, int l) {
   return (float)(edge * edge) * cexpf(0.02f * I * (float)r2);
 }
 
-/* What a small opening does is known within half a period of it, whatever the
-   frame; it is the same in a frame that is none of the period's multiples. */
+/* Test a small opening, whose image is defined within half a period, in frames
+   that are multiples of the period and in others. */
 static void test_frames(void) {
   write_set("1 1", 1, 11, wide);
   g_autofree char *path = set_path();
@@ -189,7 +191,7 @@ static void test_frames(void) {
       worst = fmax(worst, fabs(value_at(&own, x, y) - value_at(&other, x, y)));
   g_test_message("%.2g of %.3g", worst, top);
   g_assert_cmpfloat(worst, <, 1e-3 * top);
-  /* A frame of two periods with the box in each is the same field again. */
+  /* A frame of two periods with the box in each has the same image. */
   eda_point pair[8];
   for (int i = 0; i < 8; i++)
     pair[i] =
@@ -319,8 +321,8 @@ static eda_shapes read_clip(const char *path) {
 
 enum { ACROSS = 35, HALF = 17, KERNELS = 24, PERIOD = 2048 };
 
-/* The integral of exp(-2 pi i (k x + l y) / PERIOD) over the shapes, over
-   PERIOD^2, by Green's theorem along the vertical edges. */
+/* Return the integral of exp(-2 pi i (k x + l y) / PERIOD) over the shapes,
+   divided by PERIOD^2, by Green's theorem along the vertical edges. */
 static double complex coefficient(const eda_shapes *s, int k, int l) {
   const double complex turn = -2 * M_PI * I / PERIOD;
   double complex sum = 0;
@@ -346,7 +348,7 @@ static float float_at(const uint8_t *p) {
   return value;
 }
 
-/* The intensities at n places, by the definition. */
+/* Compute the intensities at n places from the definition. */
 static void direct(const char *scales, const eda_shapes *clip, const double *x,
                    const double *y, int n, double *out) {
   g_autofree char *text = NULL;
@@ -413,10 +415,10 @@ static void test_contest(void) {
   eda_shapes_clear(&shapes);
 }
 
-/* The contest's corners: nominal; the mask's light 2 % more in focus and 2 %
-   less out of focus, which is 1.02^2 and 0.98^2 in intensity. The nanometres
-   that print differently from the clip, or between the corners, are those of a
-   program that rasters the clip and sums up frequency by frequency. */
+/* Test the corners of the contest: nominal; amplitude 2 % more in focus and 2 %
+   less out of focus, 1.02^2 and 0.98^2 in intensity. The areas (nm^2) that
+   differ from the clip or between the corners are those of a program that
+   rasters the clip and sums over frequencies. */
 static void test_merit(void) {
   enum { SIDE = 1300 };
   const double threshold = 0.225;

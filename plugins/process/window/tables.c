@@ -70,8 +70,8 @@ static int latitude_table(const window *w, opc_error *error) {
       {"lowest_dose", "%", OPC_REAL, 2, w->low},
       {"highest_dose", "%", OPC_REAL, 2, w->high},
       {"latitude", "%", OPC_REAL, 2, range}};
-  int code = w->host->table(w->host, "exposure_latitude", OPC_TABLE_PRINT,
-                            w->focus.count, OPC_ARRAY(columns), error);
+  int code = opc_put_table(w->host, "exposure_latitude", OPC_TABLE_PRINT,
+                           w->focus.count, OPC_ARRAY(columns), error);
   free(range);
   return code;
 }

@@ -440,8 +440,13 @@ static int choices(void *self, const char *parameter,
   return reader_choices(self, &functions, take, data, error);
 }
 
+static const void *extension(const char *name) {
+  static const opc_choices listed = {choices};
+  return strcmp(name, OPC_CHOICES) ? NULL : &listed;
+}
+
 OPC_PLUGIN(reader, .id = "read.gds", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause", .summary = "Read a GDSII file",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), .check = check, OPC_FUNCTIONS(functions),
-           .choices = choices);
+           .extension = extension);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* resist.threshold: a feature prints where the intensity, blurred by the
-   resist, stays below a constant (or above it). The constant of each layer is
-   the one that prints an anchor, a line of a grating or an isolated one, to its
-   size, or a table of lines as well as it can. */
+/* Implements resist.threshold: a feature prints where the intensity, blurred by
+   diffusion, is below a constant (or above it). The constant of each layer
+   prints an anchor, a line of a grating or an isolated line, to size, or fits a
+   table of lines. */
 #include <eda/resist.h>
 #include <math.h>
 
@@ -12,7 +12,7 @@
 
 typedef struct resist {
   resist_base base;
-  double given[RESIST_SETS]; /* a threshold; NAN: calibrate */
+  double given[RESIST_SETS]; /* threshold; NAN: calibrate */
   double threshold[RESIST_SETS];
 } resist;
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The calibrated threshold prints its anchor to size; thresholds and line
-   widths against an independent simulation of the same optics. */
+/* Tests that the calibrated threshold prints its anchor to size; thresholds and
+   line widths are compared with an independent simulation of the same
+   optics. */
 #include "../lines_test.h"
 
 #include <string.h>
@@ -20,7 +21,7 @@ static void test_anchor(void) {
   eda_field_clear(&f);
 }
 
-/* What a resist makes of no light. */
+/* Return the threshold: the level of a dark image. */
 static double threshold_of(opc_module *resist, int layer) {
   const eda_resist *develop = resist->functions;
   opc_error error;
@@ -32,9 +33,9 @@ static double threshold_of(opc_module *resist, int layer) {
   return value;
 }
 
-/* Thresholds are those of the optics, whatever the loop's own prints are cut
-   to: the exact sum over the three disks of Hopkins' coefficient, by other
-   code. */
+/* Test that thresholds do not depend on the truncation of the fast simulation,
+   against other code: the exact sum over the three disks of Hopkins'
+   coefficient. */
 static void test_truth(void) {
   static const char *const cut[] = {"{}", "{ kernels: 3 }", "{ error: 5e-4 }"};
   for (size_t i = 0; i < G_N_ELEMENTS(cut); i++) {
@@ -48,12 +49,12 @@ static void test_truth(void) {
   }
 }
 
-/* Thresholds and widths through pitch as a prototype with other code (tile
-   sums of the exact cross coefficient) gave them. */
+/* Test thresholds and widths through pitch against a prototype with other code
+   (sums of the exact cross coefficient over tiles). */
 static void test_through_pitch(void) {
   g_autoptr(opc_module) litho = lines_hopkins();
   g_autoptr(opc_module) resist = prepared("{}", litho);
-  /* Far from the line the level is the threshold less the clear field. */
+  /* Far from the line the level is the threshold minus the clear field. */
   eda_field f = lines_print(litho, resist, EDA_POLY, 65, 4000);
   double threshold = 1 + lines_value(&f, 2000);
   g_test_message("dense anchor: threshold %.4f", threshold);
@@ -75,7 +76,7 @@ static void test_through_pitch(void) {
   eda_field_clear(&f);
 }
 
-/* A layer past active follows poly. */
+/* Test given thresholds; layers other than active follow poly. */
 static void test_given(void) {
   g_autoptr(opc_module) litho = lines_hopkins();
   g_autoptr(opc_module) resist =
@@ -95,7 +96,7 @@ static void test_given(void) {
 
 /* ---- an anchor from gates ---- */
 
-/* Rows of lines along x, or along y: each { how many, length, pitch, nm }. */
+/* Return rows of lines along x or y: each row { count, length, pitch }, nm. */
 static eda_gates *rows_of(const int (*row)[3], size_t rows, uint8_t axis) {
   size_t n = 0, i = 0;
   for (size_t k = 0; k < rows; k++) n += (size_t)row[k][0];
@@ -113,7 +114,8 @@ static eda_gates *rows_of(const int (*row)[3], size_t rows, uint8_t axis) {
   return g;
 }
 
-/* The lines of gates as the anchor are the bits of the same numbers. */
+/* Assert that an anchor from gates and an anchor from the same numbers have
+   bit-identical results. */
 static void check_gates(const int (*row)[3], size_t rows, uint8_t axis,
                         const char *left, const char *numbers,
                         const char *said) {
@@ -143,8 +145,8 @@ static void check_gates(const int (*row)[3], size_t rows, uint8_t axis,
 #define GATES "gates: '${gates}'"
 
 static void test_gates(void) {
-  /* Most gates are longer; the least pitch of short ones is not their usual
-     one, and short ones with a long one between are no neighbours. */
+  /* Most gates are longer; the smallest pitch of short gates is not the usual
+     one; short gates with a long gate between them are no neighbours. */
   static const int rows[][3] = {
       {5, 150, 430}, {2, 150, 360}, {9, 500, 780}, {1, 150, 0}};
   static const int alone[][3] = {{1, 150, 0}, {3, 500, 780}};
@@ -169,17 +171,16 @@ static void test_gates(void) {
               "{ anchor: { line: 150 nm }, table: [430 nm, 150 nm, 900 nm, "
               "158 nm] }",
               "line 150 nm, pitch 900 nm");
-  /* What is given is what counts. */
+  /* Given values take precedence. */
   check_gates(rows, 4, EDA_X,
               "{ anchor: { " GATES ", line: 130 nm, pitch: 310 nm } }",
               "{ anchor: { line: 130 nm, pitch: 310 nm } }", "poly prints");
   g_assert_null(strstr(opc_test_log(), "from the layout"));
 }
 
-/* Nothing is said of an anchor: that of the transistors that are printed; or,
-   where none are known, k1 of 65 nm at 250 nm pitch, 193 nm and NA 0.75: 65 *
-   0.75 / 193 * 248 / 0.7 = 89.5 and 344.2 nm. An anchor of other optics, or
-   another process, is doubted. */
+/* Test the default anchor: the printed transistors or, if unknown, k1 of 65 nm
+   at 250 nm pitch, 193 nm and NA 0.75: 65 * 0.75 / 193 * 248 / 0.7 = 89.5 and
+   344.2 nm. An anchor of other optics or another process causes a warning. */
 static void test_open(void) {
   static const int rows[][3] = {{5, 150, 430}, {4, 150, 430}};
   static const struct {
@@ -223,7 +224,8 @@ static void test_open(void) {
   }
 }
 
-/* Active: 1000 nm at 193 nm, NA 0.75, 3.886 * 248 / 0.7 = 1377 nm here. */
+/* Test the default of active: 1000 nm at 193 nm, NA 0.75, here 3.886 * 248 /
+   0.7 = 1377 nm. */
 static void test_wide(void) {
   g_autoptr(opc_module) litho =
       lines_litho("{ wavelength: 248 nm, na: 0.7, sigma: 0.6 }");
@@ -259,7 +261,7 @@ static void test_bad_gates(void) {
   }
 }
 
-/* An anchor that the optics cannot resolve, and one without space. */
+/* Test an anchor that the optics cannot resolve, and one without space. */
 static void test_refused(void) {
   g_autoptr(opc_module) litho = lines_hopkins();
   opc_error error;
@@ -276,8 +278,7 @@ static void test_refused(void) {
   g_assert_nonnull(strstr(error.message, "no space between its lines"));
 }
 
-/* Diffusion takes from a wave what the Gaussian's transform says, before the
-   threshold does. */
+/* Test that diffusion damps a wave by the transform of the Gaussian. */
 static void test_diffusion(void) {
   g_autoptr(opc_module) litho = lines_hopkins();
   g_autoptr(opc_module) resist = prepared(
@@ -298,7 +299,7 @@ static void test_diffusion(void) {
     g_assert_cmpfloat(fabs(lines_value(&f, x) - want), <, 2e-5);
   }
   eda_field_clear(&f);
-  /* The anchor is diffused too. */
+  /* The anchor is diffused as well. */
   g_autoptr(opc_module) anchored = prepared("{ diffusion: 25 nm }", litho);
   f = lines_print(litho, anchored, EDA_POLY, 65, 250);
   g_assert_cmpfloat(fabs(lines_width(&f) - 65), <, 0.002);
@@ -318,8 +319,8 @@ static double squares(opc_module *litho, opc_module *resist) {
   return sum;
 }
 
-/* A table gives the threshold with the least squares: those beside it are
-   worse, and equally so. From a file it gives the same. */
+/* Test that the threshold of a table has the least squares: thresholds on both
+   sides are equally worse. A file has the same result. */
 static void test_table(void) {
   g_autoptr(opc_module) litho = lines_hopkins();
   opc_test_forget();
@@ -352,7 +353,7 @@ static void test_table(void) {
   g_assert_cmpfloat(squares(litho, same), ==, least);
 }
 
-/* A bright line of a dark field: what prints is where there is light. */
+/* Test a bright line of a dark field: bright areas print. */
 static void test_bright(void) {
   g_autoptr(opc_module) litho =
       lines_litho("{ kernels: 94, poly: { tone: dark } }");

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Means of the intensity and its slope over Gaussian windows, along one axis
-   after the other. */
+/* Implements means of the intensity and its slope over Gaussian windows,
+   separably along x and y. */
 #include "local.h"
 
 #include <eda/memory.h>
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROWS = 16 }; /* of a task */
+enum { ROWS = 16 }; /* rows per task */
 
 /* A window along one axis: weights that sum to 1. */
 typedef struct window {
@@ -19,8 +19,8 @@ typedef struct window {
 typedef struct work {
   const eda_field *image;
   int nx, ny;
-  float *maximum, *slope; /* I^8 and |grad I|^2, then M and S */
-  const float *from;      /* of a pass of a window */
+  float *maximum, *slope; /* I^8 and |grad I|^2, later M and S */
+  const float *from;      /* input of a pass of a window */
   float *to;
   const window *window;
 } work;
@@ -40,7 +40,7 @@ static void window_init(window *w, double radius, double step) {
     }
 }
 
-/* The rows of a task. */
+/* Return the end of the rows of a task. */
 static int rows_end(const work *w, size_t block) {
   int end = (int)(block + 1) * ROWS;
   return end < w->ny ? end : w->ny;
@@ -125,7 +125,7 @@ static void along_y(void *data, size_t block) {
   }
 }
 
-/* The mean over the neighbourhood, in place; `spare` is lost. */
+/* Replace a field by its mean over the window; `spare` is overwritten. */
 static void mean(const opc_context *context, work *w, float *field,
                  float *spare, double radius) {
   size_t blocks = (size_t)(w->ny + ROWS - 1) / ROWS;

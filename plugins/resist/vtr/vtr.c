@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* resist.vtr: variable threshold resist (thesis 2.2.3; N. B. Cobb, "Fast
-   optical and process proximity correction algorithms for integrated circuit
-   manufacturing", Berkeley 1998). A feature prints where the intensity stays
-   below
+/* Implements resist.vtr: variable threshold resist (thesis 2.2.3; N. B. Cobb,
+   "Fast optical and process proximity correction algorithms for integrated
+   circuit manufacturing", Berkeley 1998). A feature prints where the intensity
+   is below
 
      constant + maximum * M + slope * S + product * M * S,
 
-   M the maximum of the intensity and S its slope in the neighbourhood. */
+   with M the maximum of the intensity and S its slope in the neighbourhood. */
 #include <eda/resist.h>
 #include <math.h>
 
@@ -22,15 +22,16 @@ typedef struct resist {
   resist_base base;
   local_settings local;
   double given[RESIST_SETS][RESIST_TERMS]; /* NAN: not given */
-  int last[RESIST_SETS];                   /* to be fitted; -1: not given */
-  int fixed[RESIST_SETS];                  /* nothing to calibrate */
+  int last[RESIST_SETS];                   /* last coefficient to fit; -1: not
+                                              given */
+  int fixed[RESIST_SETS];                  /* 1: nothing to calibrate */
   int fit[RESIST_SETS][RESIST_TERMS];
   double coefficient[RESIST_SETS][RESIST_TERMS];
 } resist;
 
 /* ---- work ---- */
 
-/* Terms 1 .. n - 1 of an image, each a field of its own. */
+/* Compute the fields of terms 1 .. n - 1 of an image. */
 static int make_terms(const resist_base *base, const eda_field *image, size_t n,
                       eda_field *out, opc_error *error) {
   const resist *r = (const resist *)base;
@@ -49,7 +50,7 @@ static int make_terms(const resist_base *base, const eda_field *image, size_t n,
 static int calibrate(resist *r, int set, const opc_module *litho,
                      opc_error *error) {
   double *a = r->coefficient[set];
-  size_t n = 1; /* terms that are not 0 */
+  size_t n = 1; /* number of leading terms that are not 0 */
   for (size_t k = 0; k < RESIST_TERMS; k++) {
     a[k] = isnan(r->given[set][k]) ? 0 : r->given[set][k];
     if (k && (r->fit[set][k] || a[k] != 0)) n = k + 1;
@@ -98,7 +99,7 @@ static int print(const void *self, int layer, eda_field *field,
 /* ---- parameters ---- */
 
 /* clang-format off */ /* it takes the elements for nested ones */
-/* Coefficients of a set of layers. */
+/* Parameters of the coefficients of a set of layers. */
 #define COEFFICIENTS(prefix, set)                                            \
   {.name = prefix "constant", .type = OPC_REAL,                              \
    .summary = "constant part of the threshold; calibrated if not given",     \
@@ -143,9 +144,9 @@ static const opc_parameter parameters[] = {
         .summary = "grid on which the threshold is worked out, at most"),
 };
 
-/* A table fits the coefficients up to `last` that are not given; an anchor fits
-   the constant. */
-/* What is not given, but for anchors. */
+/* Choose the coefficients to fit: with a table those up to `last` that are not
+   given, with an anchor the constant. */
+/* Log the values in use that the flow does not set, except anchors. */
 static void follow(resist *r, eda_scanner scanner) {
   EDA_FOLLOW(r->base.host, "resist.vtr", r, parameters, scanner);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The variable threshold against its definition, integrated numerically; what
-   the grid does to contours; tables that a fit must bring back. */
+/* Tests of the variable threshold against its definition, integrated
+   numerically; of the effect of the grid on contours; and of fits to tables
+   with known coefficients. */
 #include <string.h>
 
 #include "../lines_test.h"
@@ -10,7 +11,7 @@
 static const double pitches[] = {220, 250, 320, 500, 1500};
 enum { PITCHES = 5 };
 
-/* Without variable parts it is resist.threshold. */
+/* Test that without variable terms the result is that of resist.threshold. */
 static void test_constant(void) {
   g_autoptr(opc_module) litho = lines_hopkins();
   static const char *const parameters[] = {"{}", "{ diffusion: 20 nm }",
@@ -35,14 +36,14 @@ static void test_constant(void) {
 
 static const double period = 400, mean = 0.55, first = -0.3, second = 0.08;
 
-/* An image along x, and its derivative. */
+/* Return an image along x and its derivative. */
 static double image(double x, double *slope) {
   double w = 2 * M_PI / period;
   *slope = -w * (first * sin(w * x) + 2 * second * sin(2 * w * x));
   return mean + first * cos(w * x) + second * cos(2 * w * x);
 }
 
-/* M and S at x by a sum over a grid of 0.25 nm. */
+/* Compute M and S at x by a sum over a grid of 0.25 nm. */
 static void integrate(double x, double radius, double slope_radius, double *m,
                       double *s) {
   double sums[2] = {0}, weights[2] = {0}, r[2] = {radius, slope_radius};
@@ -71,7 +72,7 @@ static eda_field make_image(int axis) {
   return f;
 }
 
-/* Dark lines along y, bright ones along x. */
+/* Test dark lines along y and bright lines along x. */
 static void test_definition(void) {
   static const struct {
     const char *step;
@@ -113,7 +114,7 @@ static void test_definition(void) {
   "{ constant: 0.15, maximum: 0.2, slope: 8 nm, product: 2 nm, active_" \
   "constant: 0.2, step: %g nm }"
 
-/* The level set of an L of poly and a bar with a slanted end. */
+/* Return the level set of an L of poly and a rectangle with a slanted end. */
 static eda_field print_shapes(opc_module *litho, opc_module *resist) {
   const opc_host *host = opc_test_host();
   const eda_litho *model = litho->functions;
@@ -138,8 +139,8 @@ static eda_field print_shapes(opc_module *litho, opc_module *resist) {
   return field;
 }
 
-/* Distances, to first order, of the points of one's contour from the other's.
- */
+/* Return the largest distance, to first order, of contour points of one field
+   from the contour of the other. */
 static double distance(const eda_field *fine, const eda_field *coarse) {
   double *points, worst = 0;
   uint32_t *start;
@@ -198,8 +199,8 @@ static double rms(const double *a, const double *b) {
   return sqrt(sum / PITCHES);
 }
 
-/* A table printed by a known variable threshold, of two lines: the fit brings
-   its widths back, and those of a line that it has not seen. */
+/* Test a table printed by a known variable threshold of two terms: the fit
+   reproduces the widths, and those of a line not in the table. */
 static void test_known(void) {
   g_autoptr(opc_module) litho = lines_hopkins();
   g_autoptr(opc_module) known =
@@ -227,7 +228,7 @@ static void test_known(void) {
   widths(litho, fitted, 75, got);
   for (int i = 0; i < PITCHES; i++)
     g_assert_cmpfloat(fabs(got[i] - want[i]), <, 0.005);
-  /* What the flow gives is not fitted. */
+  /* Values set by the flow are not fitted. */
   g_autofree char *part = g_strdup_printf(
       "{ table_file: %s, fit: slope, slope: 4 nm, active_constant: 0.2 }",
       path);
@@ -236,8 +237,8 @@ static void test_known(void) {
   g_assert_nonnull(strstr(opc_test_log(), "0.3000 +0.1000 M +4.000 nm S"));
 }
 
-/* Lines that change half as much through pitch as a constant threshold lets
-   them: the more terms, the less is left. */
+/* Test lines whose widths vary half as much through pitch as with a constant
+   threshold: more terms reduce the error. */
 static void test_through_pitch(void) {
   static const double wanted[PITCHES] = {63.9, 65, 66.1, 67.8, 69.2};
   static const char *const fits[] = {"constant", "maximum", "slope", "product"};
@@ -272,7 +273,7 @@ static void test_through_pitch(void) {
   g_string_free(table, TRUE);
 }
 
-/* An anchor prints to size whatever the variable parts are. */
+/* Test that an anchor prints to size with any variable terms. */
 static void test_anchor(void) {
   g_autoptr(opc_module) litho = lines_hopkins();
   g_autoptr(opc_module) m = vtr(

@@ -149,8 +149,8 @@ static int publish(const score *s, const figures *f, opc_error *error) {
                                      {"broken", (double)f->features.broken},
                                      {"lost", (double)f->features.lost},
                                      {"extra", (double)f->features.extra}};
-  int code = s->host->table(s->host, "iccad", OPC_TABLE_PRINT, 1,
-                            OPC_ARRAY(columns), error);
+  int code = opc_put_table(s->host, "iccad", OPC_TABLE_PRINT, 1,
+                           OPC_ARRAY(columns), error);
   return code ? code : opc_put_metrics(s->host, OPC_ARRAY(values), error);
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* segment.edges: the edges of one drawn layer without any transistors, to be
-   corrected by their places alone: metal, contacts, test patterns. */
+/* Implements segment.edges: the edges of one drawn layer without transistors,
+   for correction by edge placement alone (metal, contacts, test patterns). */
 #include <eda/segment.h>
 #include <opcflow/step.h>
 
@@ -15,7 +15,7 @@ typedef struct edges {
 
 /* ---- work ---- */
 
-/* The layer that is named, or the only one that the layout has. */
+/* Find the named layer, or the only layer of the layout. */
 static int find_layer(const edges *e, int32_t *layer, opc_error *error) {
   size_t n = eda_layout_layers(e->layout);
   *layer = e->layer ? eda_layout_find_layer(e->layout, e->layer)

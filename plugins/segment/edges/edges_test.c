@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Shapes whose merged edges are known; what is refused. */
+/* Tests of shapes with known merged edges, and of rejected layouts. */
 #include <eda/gates.h>
 #include <eda/layout.h>
 
@@ -13,7 +13,7 @@ static eda_layout *make_layout(int layers) {
   int32_t cell = eda_layout_cell(l, "TOP", &error);
   int32_t m1 = eda_layout_layer(l, "M1", &error);
   if (layers > 1) eda_layout_layer(l, "M2", &error);
-  /* An L of two boxes that overlap, and a ring; 0.5 nm per unit. */
+  /* An L of two overlapping boxes, and a ring; 0.5 nm per unit. */
   const eda_box boxes[] = {{0, 0, 400, 100},    {0, 0, 100, 600},
                            {800, 0, 1200, 100}, {800, 300, 1200, 400},
                            {800, 0, 900, 400},  {1100, 0, 1200, 400}};
@@ -66,7 +66,8 @@ static void test_shapes(void) {
   eda_layout_free(layout);
 }
 
-/* A corner that is a nanometre off, of 200 x 50 nm; by two it is refused. */
+/* Test a corner that deviates by 1 nm from a box of 200 x 50 nm; 2 nm are
+   rejected. */
 static void test_slanted(void) {
   for (int32_t off = 2; off <= 4; off += 2) {
     opc_error error;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Transistors of the Nangate cells against a list made by KLayout, and of the
-   circuit c432. */
+/* Tests of the transistors of the Nangate cells against a list made by KLayout,
+   and of the circuit c432. */
 #include "drawing_test.h"
 #include "tests/data.h"
 
 /* ---- the cell library ---- */
 
-/* NULL if there is no test data: the test is then skipped. */
+/* Return a reader with its layout; NULL, test skipped, without test data. */
 static opc_module *read_gds(const char *name, double scale, void **layout) {
   g_autofree char *path = find_data(name);
   if (!path) return NULL;
@@ -25,7 +25,8 @@ static int by_text(const void *a, const void *b) {
   return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* devices.csv as sorted lines: cell, type, corners in units of 0.5 nm. */
+/* Return devices.csv as sorted lines: cell, type, corners in units of 0.5
+   nm. */
 static GPtrArray *read_devices(void) {
   g_autofree char *path = data_path("nangate45/devices.csv");
   g_autofree char *text = NULL;
@@ -93,7 +94,7 @@ static void test_nangate(void) {
   opc_test_module_free(reader);
 }
 
-/* The space by asking every edge. */
+/* Return the space by comparison with every edge. */
 static double slow_space(const eda_gates *g, size_t i, int side) {
   double away[2] = {INFINITY, INFINITY};
   const eda_box *b = &g->box[i];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For the tests of segment.transistors: layouts drawn by hand, and checks of
-   the transistors and edges that are found in them. */
+/* Test helpers of segment.transistors: layouts drawn by hand, and checks of the
+   transistors and edges found in them. */
 #ifndef SEGMENT_DRAWING_TEST_H
 #define SEGMENT_DRAWING_TEST_H
 
@@ -34,7 +34,7 @@ static inline void box(drawing *d, const char *layer, int32_t x0, int32_t y0,
                   OPC_OK);
 }
 
-/* With x and y swapped. */
+/* 1: x and y are exchanged. */
 static int swap;
 static inline void draw(drawing *d, const char *layer, int32_t x0, int32_t y0,
                         int32_t x1, int32_t y1) {
@@ -91,7 +91,7 @@ static inline char *tell_gates(const eda_gates *g) {
   return g_string_free(s, FALSE);
 }
 
-/* Where each fragment begins, its role and its gate. */
+/* Return a text of the start, role and gate of each fragment. */
 static inline char *tell_edges(const eda_edges *e) {
   static const char *const roles[] = {"-", "L<", "L>", "W<", "W>", "E<", "E>"};
   GString *s = g_string_new("");
@@ -107,7 +107,7 @@ static inline char *tell_edges(const eda_edges *e) {
   return g_string_free(s, FALSE);
 }
 
-/* Fragments that do not move are the drawn polygons. */
+/* Assert that unmoved fragments form the drawn polygons. */
 static inline void check_rebuilt(const eda_gates *g, int layer) {
   const eda_edges *e = &g->edges[layer];
   const eda_shapes *drawn = &g->drawn[layer];
@@ -120,7 +120,7 @@ static inline void check_rebuilt(const eda_gates *g, int layer) {
                 c = f[(i + 1) % n].from;
       g_assert_true((a.x == b.x) != (a.y == b.y));
       if ((a.x == b.x) == (b.x == c.x)) {
-        /* A cut: on the way from one corner to the next. */
+        /* A fragment boundary is on the segment between two corners. */
         g_assert_true((b.x > a.x) == (c.x > b.x) && (b.x < a.x) == (c.x < b.x));
         g_assert_true((b.y > a.y) == (c.y > b.y) && (b.y < a.y) == (c.y < b.y));
         continue;
@@ -133,8 +133,8 @@ static inline void check_rebuilt(const eda_gates *g, int layer) {
   }
 }
 
-/* Every gate owns its sides, each one fragment that covers them, and line ends
-   where it says so. */
+/* Assert that every gate owns its sides, one covering fragment each, and its
+   line ends if any. */
 static inline void check_owned(const eda_gates *g) {
   g_autofree uint8_t *seen = g_new0(uint8_t, g->count);
   for (int layer = 0; layer < 2; layer++)
@@ -156,7 +156,7 @@ static inline void check_owned(const eda_gates *g) {
         int axis = g->axis[f->gate];
         g_assert_true(vertical == ((axis == EDA_X) == (f->role == EDA_L_LOW ||
                                                        f->role == EDA_L_HIGH)));
-        /* Interior on the left. */
+        /* The interior is on the left. */
         g_assert_true(vertical ? (to.y > f->from.y) == high
                                : (to.x < f->from.x) == high);
         int32_t low = vertical ? MIN(f->from.y, to.y) : MIN(f->from.x, to.x);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* L and W as drawn, whatever the mask grid makes of them: drawings whose sizes
-   are known, and a circuit against its netlist. */
+/* Tests that L and W are as drawn on any mask grid: drawings of known sizes,
+   and a circuit against its netlist. */
 #include <eda/gates.h>
 #include <eda/layout.h>
 #include <math.h>
@@ -32,7 +32,7 @@ static void box(drawing *d, const char *layer, int32_t x0, int32_t y0,
   g_assert_false(eda_layout_add_box(d->layout, d->cell, l, b, &error));
 }
 
-/* A poly line of 51 x 1000 units upon an active of 600 x 401, from (3, 7). */
+/* Draw a poly line of 51 x 1000 units on an active of 600 x 401 from (3, 7). */
 static void draw_gate(drawing *d) {
   box(d, "nwell", 5000, 5000, 6000, 6000);
   box(d, "active", 3, 7, 603, 408);
@@ -49,7 +49,7 @@ static opc_module *segment(void *layout, void **gates) {
   return m;
 }
 
-/* The first gate's size, within `error` nm. */
+/* Assert the size of the first gate within `error` nm. */
 static void check(drawing *d, double length, double width, double error) {
   void *out;
   opc_module *m = segment(d->layout, &out);
@@ -70,7 +70,7 @@ static void test_unit(void) {
   eda_layout_free(d.layout);
 }
 
-/* Turned and magnified: corners lie between the units. */
+/* Test rotated and magnified instances: corners are between units. */
 static void test_magnified(void) {
   opc_error error;
   drawing d = drawing_new(0.5);
@@ -87,7 +87,7 @@ static void test_magnified(void) {
   eda_layout_free(d.layout);
 }
 
-/* A unit so fine that a sixteenth of it would not reach over the layout. */
+/* Test a unit so small that a sixteenth of it cannot represent the layout. */
 static void test_fine_unit(void) {
   drawing d = drawing_new(0.0011);
   box(&d, "nwell", 0, 0, 1000, 1000);
@@ -97,8 +97,7 @@ static void test_fine_unit(void) {
   eda_layout_free(d.layout);
 }
 
-/* A step that is less than the grid: W is neither the one nor the other, and
-   the user hears of it. */
+/* Test a step below the grid: W is ambiguous and a warning is logged. */
 static void test_stepped(void) {
   drawing d = drawing_new(0.1);
   box(&d, "nwell", 50000, 50000, 60000, 60000);
@@ -120,8 +119,8 @@ static char *tell(const char *cell, char type, double l, double w) {
   return g_strdup_printf("%s %c %.4f %.4f", cell, type, l, w);
 }
 
-/* The transistors of each cell, and those of all instances: "CELL type L W", in
-   nm times `scale`. */
+/* Read "CELL type L W" lines, in nm times `scale`: the transistors of each cell
+   and of all instances. */
 static void read_line(const char *line, double scale, char *cell,
                       GPtrArray *devices, GPtrArray *out) {
   const char *w = strstr(line, " W="), *l = strstr(line, " L=");
@@ -152,7 +151,8 @@ static GPtrArray *read_netlist(const char *path, double scale) {
   return out;
 }
 
-/* At scale 1.3 a W of 415 nm is 539.5, which the mask grid makes 539 or 540. */
+/* Test c432 at scale 1.3: W of 415 nm becomes 539.5 nm, 539 or 540 nm on the
+   mask grid. */
 static void test_c432(void) {
   g_autofree char *path = find_data("iscas85/c432/c432.gds");
   if (!path) return;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Transistors that marker layers tell apart: what each is found to be, and that
-   it has the currents of its own table. */
+/* Tests of transistors that marker layers distinguish: the flavour of each, and
+   the use of the flavour's own device table. */
 #include <eda/extractor.h>
 #include <eda/layout.h>
 #include <eda/print.h>
@@ -21,7 +21,8 @@ static void box(const char *layer, int32_t x0, int32_t y0, int32_t x1,
   g_assert_false(eda_layout_add_box(layout, 0, l, b, &error));
 }
 
-/* GATES n-transistors in a row, of L 150 and W 600, and one n-well far away. */
+/* Draw GATES n-transistors in a row, L 150 and W 600, and one distant
+   n-well. */
 static void draw(void) {
   opc_error error;
   layout = eda_layout_new(1, &error);
@@ -33,7 +34,7 @@ static void draw(void) {
   box("nwell", 20000, 0, 21000, 1000);
 }
 
-/* A marker that covers the gates from a to b. */
+/* Draw a marker that covers the gates a .. b. */
 static void mark(const char *layer, int32_t a, int32_t b) {
   box(layer, PITCH * a - 200, -200, PITCH * b + 900, 800);
 }
@@ -69,7 +70,8 @@ static void expect_refused(const char *map, const char *want) {
     g_error("%s", error.message);
 }
 
-/* Of two that cover a gate that with more markers counts. */
+/* Test that of two flavours that cover a gate the one with more markers
+   counts. */
 static void test_markers(void) {
   draw();
   expect_flavours("{}", "- - - -");
@@ -97,7 +99,7 @@ static void test_markers(void) {
   eda_layout_free(layout);
 }
 
-/* A table whose Ion per width is `ion` exp(-L / 100). */
+/* Write a table whose Ion per width is `ion` exp(-L / 100). */
 static void put_table(GString *out, double ion) {
   g_string_append(out,
                   "opcflow-devices: 1\nname: t\nsupply: 1 V\nwidth: 1 um\n"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Layers that are corrected besides poly and active; texts on transistors. */
+/* Tests of layers that are corrected besides poly and active, and of notes
+   (texts) on transistors. */
 #include "drawing_test.h"
 
 /* ---- further layers ---- */
@@ -12,8 +13,8 @@ static void check_layer(const eda_gates *g, size_t layer, const char *name,
   g_assert_cmpstr(got, ==, edges);
 }
 
-/* Layers in the order of the flow, with contacts before them if any are drawn;
-   their edges are nobody's, and the extent has them. */
+/* Test layers in the order of the flow, preceded by drawn contacts; their edges
+   belong to no transistor, and the extent includes them. */
 static void test_also(void) {
   for (int contacts = 0; contacts < 2; contacts++) {
     drawing d = drawing_new();
@@ -80,8 +81,8 @@ static void write_note(drawing *d, int32_t x, int32_t y, const char *text) {
                   ==, OPC_OK);
 }
 
-/* An inverter with a note upon its n-transistor: as drawn, turned, mirrored,
-   and four times in an array. */
+/* Return a layout of an inverter with a note on its n-transistor: as drawn,
+   rotated, mirrored, and four times in an array. */
 static drawing noted(drawing *inverter) {
   static const eda_placement places[] = {
       {{1000, 0}, 1, 0, 0, 1, 1, {0, 0}, {0, 0}},
@@ -108,8 +109,8 @@ static drawing noted(drawing *inverter) {
 
 static void test_notes(void) {
   drawing inverter, d = noted(&inverter);
-  /* One instance of its own, at the far corner of the gate; one without; a
-     p-transistor; the same twice. */
+  /* A note of one instance at the far corner of the gate; one without a value;
+     a p-transistor; a repeated note. */
   write_note(&d, 1165, 100, "ion=1.05");
   write_note(&d, 5101, 1, "");
   write_note(&d, 1130, 500, "ion=0.9");
@@ -121,9 +122,9 @@ static void test_notes(void) {
   for (size_t i = 0; i < g->count; i++) {
     int n = g->type[i] == EDA_NMOS, own = !strcmp(g->instance[i], "X1"),
         taken = !strcmp(g->instance[i], "XA[0,0]");
-    g_assert_cmpint(g->wish[i].given, ==, (n && !taken) || own);
-    g_assert_cmpfloat(g->wish[i].weight, ==, n && !own && !taken ? 2 : 1);
-    g_assert_cmpfloat(g->wish[i].target[EDA_WISH_ION], ==,
+    g_assert_cmpint(g->goal[i].given, ==, (n && !taken) || own);
+    g_assert_cmpfloat(g->goal[i].weight, ==, n && !own && !taken ? 2 : 1);
+    g_assert_cmpfloat(g->goal[i].target[EDA_GOAL_ION], ==,
                       !own ? 1
                       : n  ? 1.05
                            : 0.9);
@@ -132,7 +133,7 @@ static void test_notes(void) {
   opc_test_release(r.module, &r.gates);
   opc_test_module_free(r.module);
 
-  /* Beside the gate by 1 nm, in every instance. */
+  /* 1 nm beside the gate, in every instance. */
   write_note(&inverter, 166, 50, "lost");
   opc_test_forget();
   r = segment(d.layout, "{ top: TOP }");
@@ -152,28 +153,28 @@ static void test_notes(void) {
           "note of 'TOP:1': unknown word 'wieght', did you mean 'weight'?");
 }
 
-/* No such layer; such a layer without a text; a coarse grid. */
+/* Test a missing layer, a layer without texts, and a coarse grid. */
 static void test_no_notes(void) {
   opc_error error;
   drawing d = drawing_new();
   draw_single(&d);
   result r = segment(d.layout, "{}");
-  g_assert_null(((const eda_gates *)r.gates)->wish);
+  g_assert_null(((const eda_gates *)r.gates)->goal);
   opc_test_release(r.module, &r.gates);
   opc_test_module_free(r.module);
   eda_layout_layer(d.layout, "notes", &error);
   r = segment(d.layout, "{}");
   const eda_gates *g = r.gates;
-  g_assert_nonnull(g->wish);
+  g_assert_nonnull(g->goal);
   for (size_t i = 0; i < g->count; i++)
-    g_assert_cmpint(g->wish[i].given, ==, 0);
+    g_assert_cmpint(g->goal[i].given, ==, 0);
   eda_box b = g->box[0];
   opc_test_release(r.module, &r.gates);
   opc_test_module_free(r.module);
   write_note(&d, b.x1, b.y1, "area=1.5");
   r = segment(d.layout, "{ grid: 5 nm }");
   g = r.gates;
-  g_assert_cmpfloat(g->wish[0].target[EDA_WISH_AREA], ==, 1.5);
+  g_assert_cmpfloat(g->goal[0].target[EDA_GOAL_AREA], ==, 1.5);
   opc_test_release(r.module, &r.gates);
   opc_test_module_free(r.module);
   eda_layout_free(d.layout);

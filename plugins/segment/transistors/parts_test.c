@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Who owns the edges of a line with two transistors, unit by unit, for lengths
-   drawn by lot. */
+/* Tests of the ownership of the edges of a line with two transistors, unit by
+   unit, for random lengths. */
 #include <eda/gates.h>
 #include <eda/layout.h>
 #include <math.h>
@@ -16,12 +16,12 @@ static int32_t by_lot(int32_t low, int32_t high) {
   return low + (int32_t)((state >> 8) % (uint32_t)(high - low + 1));
 }
 
-/* Along the line: it goes from -before to end; actives from 0 on, a gap apart.
- */
+/* A line from -before to end; the actives begin at 0, at distance `gap`. */
 typedef struct drawing {
-  int32_t before, past, width[2], gap, beside[2]; /* the line, in the active */
+  int32_t before, past, width[2], gap, beside[2]; /* of the line, inside the
+                                                     active */
   int32_t overhang, line_end, end;
-  int turned; /* the line goes along x */
+  int turned; /* 1: the line is along x */
 } drawing;
 
 static drawing draw(void) {
@@ -59,7 +59,7 @@ static eda_layout *layout_of(const drawing *d) {
   return l;
 }
 
-/* Which gate owns the sides of the line between `at` and one more. */
+/* Return the gate that owns the sides of the line from `at` to at + 1. */
 static int owner(const drawing *d, int32_t at) {
   int32_t corner = MAX(d->overhang, d->line_end);
   int32_t low = d->before <= corner ? -d->before : -d->overhang;
@@ -70,8 +70,7 @@ static int owner(const drawing *d, int32_t at) {
   return at >= low && at < first ? 0 : at >= second && at < high ? 1 : -1;
 }
 
-/* The piece of an edge from one fragment to the next: across it, and where it
-   begins and ends along the line. */
+/* Assert the owner and extent of the fragment from f to `to`. */
 static void assert_piece(const drawing *d, const eda_fragment *f,
                          eda_point to) {
   eda_point a = f->from, b = to;

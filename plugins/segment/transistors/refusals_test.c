@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The types that wells and implants give a transistor; layouts that are
-   refused, with their messages. */
+/* Tests of the transistor types by wells and implants, and of rejected layouts
+   with their messages. */
 #include "drawing_test.h"
 
 /* ---- types ---- */
 
-/* A single transistor with the layers given by letters: n, p wells, N, P
-   implants over it; in brackets beside it; with < in part. */
+/* Assert the type of a single transistor. `layers`: n, p wells, N, P implants
+   over it; in brackets beside it; with < partly over it. */
 static void type_is(const char *layers, int code, const char *want) {
   static const char letters[] = "npNP";
   static const char *const names[] = {"nwell", "pwell", "nimplant", "pimplant"};
@@ -63,9 +63,9 @@ static void test_type(void) {
   type_is("(N)", OPC_INVALID, unknown);
 }
 
-/* A layer of the wells without a shape, as where its number is that of its
-   texts, makes all transistors alike: that is told. One that lies elsewhere is
-   not. */
+/* Test that a well layer without shapes (for example with the number of its
+   text layer) causes a warning, because all transistors get one type. A well
+   elsewhere causes none. */
 static void test_no_well(void) {
   static const char *const wells[] = {"nwell", "pwell"};
   for (int k = 0; k < 2; k++)
@@ -147,7 +147,7 @@ static void test_refused(void) {
 }
 
 static void test_refused_shapes(void) {
-  /* A ring of poly that lies on active; a slanted edge. */
+  /* A ring of poly on active; a slanted edge. */
   drawing d = drawing_new();
   draw(&d, "active", 0, 0, 500, 500);
   draw(&d, "poly", 100, 100, 400, 150);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* segment.transistors: the transistors of a layout and the mask edges that
-   move them (thesis 2.2.5 and 3.2.2), and further layers, whose edges are of
-   no transistor. The library does it (eda/segment.h). */
+/* Implements segment.transistors: the transistors of a layout and the mask
+   edges that move them (thesis 2.2.5 and 3.2.2), and further layers whose edges
+   belong to no transistor. The algorithm is in eda/segment.h. */
 #include <eda/segment.h>
 #include <opcflow/step.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Drawings whose transistors, edges and names are known. */
+/* Tests of drawings with known transistors, edges and names. */
 #include "drawing_test.h"
 
 /* ---- layouts by hand ---- */
@@ -10,7 +10,7 @@ static void test_vertical(void) {
   segment_is(&d, "{}", "nx 150,0 65x200 space 300 370 ends 100 100\n",
              "150,-100 E<0; 215,-100 L>0; 215,300 E>0; 150,300 L<0\n",
              "0,0 W<0; 400,0 -; 400,200 W>0; 0,200 -\n");
-  /* Line ends that are further than line_end are nobody's. */
+  /* Line ends further away than line_end have no owner. */
   d = drawing_new();
   draw_single(&d);
   segment_is(&d, "{ line_end: 99 nm }",
@@ -18,7 +18,7 @@ static void test_vertical(void) {
              "150,-100 -; 215,-100 -; 215,-84 L>0; 215,284 -; 215,300 -; "
              "150,300 -; 150,284 L<0; 150,-84 -\n",
              "0,0 W<0; 400,0 -; 400,200 W>0; 0,200 -\n");
-  /* On a grid of 5 nm, and with a larger overhang than the line has. */
+  /* On a grid of 5 nm, and with an overhang larger than the line's. */
   d = drawing_new();
   draw_single(&d);
   segment_is(&d, "{ line_end: 0 nm, overhang: 200 nm, grid: 5 nm }",
@@ -27,8 +27,8 @@ static void test_vertical(void) {
              "0,0 W<0; 80,0 -; 80,40 W>0; 0,40 -\n");
 }
 
-/* Whether line ends so far past the active are those of the transistor, which
-   is `length` long. */
+/* Return 1 if line ends `reach` past the active belong to the transistor of
+   length `length`. */
 static int owns_end(int length, int reach) {
   drawing d = drawing_new();
   draw(&d, "active", 0, 0, 2000, 1000);
@@ -43,8 +43,8 @@ static int owns_end(int length, int reach) {
   return owns;
 }
 
-/* What is not given: 200 nm of a gate of 65 nm are 461 of one of 150 nm, and
-   1538, which is beyond 1 um, of 500 nm. */
+/* Test the defaults: 200 nm for a gate of 65 nm correspond to 461 nm for 150
+   nm, and for 500 nm to 1538 nm, more than the limit of 1 um. */
 static void test_lengths(void) {
   g_assert_true(owns_end(65, 200) && !owns_end(65, 201));
   g_assert_true(owns_end(150, 461) && !owns_end(150, 463));
@@ -52,7 +52,7 @@ static void test_lengths(void) {
   g_assert_false(owns_end(500, 1001));
 }
 
-/* A print reaches L at least before it has merged. */
+/* Test that the space is at least L before edges count as merged. */
 static void test_narrow_active(void) {
   drawing d = drawing_new();
   draw(&d, "active", 120, 0, 400, 200);
@@ -73,8 +73,8 @@ static void test_horizontal(void) {
              "0,0 -; 200,0 W>0; 200,400 -; 0,400 W<0\n");
 }
 
-/* Figure 3.2: an upper and a lower transistor on each poly line, three on each
-   diffusion; the lines of the left two reach far beyond. */
+/* Test figure 3.2 of the thesis: an upper and a lower transistor on each poly
+   line, three on each diffusion; the left two lines extend far beyond. */
 static void test_figure(void) {
   drawing d = drawing_new();
   draw(&d, "active", 0, 0, 900, 100);
@@ -103,7 +103,7 @@ static void test_figure(void) {
       "565,500 W>4; 265,500 W>3; 0,500 -\n");
 }
 
-/* What is too near for two overhangs is shared half and half. */
+/* Test that an edge too short for two overhangs is divided equally. */
 static void test_shared_poly(void) {
   drawing d = drawing_new();
   draw(&d, "active", -100, -200, 200, -100);
@@ -120,7 +120,7 @@ static void test_shared_poly(void) {
              "-100,51 W<1; 200,51 -; 200,150 W>1; -100,150 -\n");
 }
 
-/* The line end beyond another gate is not one's own, be it near. */
+/* Test that a near line end beyond another gate is not owned. */
 static void test_near_end(void) {
   drawing d = drawing_new();
   draw(&d, "active", -100, 0, 200, 100);
@@ -139,7 +139,8 @@ static void test_near_end(void) {
              "-100,400 W<2; 200,400 -; 200,500 W>2; -100,500 -\n");
 }
 
-/* A poly that turns right 50 nm past the active, and a field poly near it. */
+/* Test a poly that turns right 50 nm past the active, with a field poly near
+   it. */
 static void test_turning_poly(void) {
   drawing d = drawing_new();
   draw(&d, "active", 0, 0, 400, 200);
@@ -155,8 +156,9 @@ static void test_turning_poly(void) {
       "0,0 W<0; 400,0 -; 400,200 W>0; 0,200 -\n");
 }
 
-/* The active jogs where the poly ends: its edge belongs to the gate as far as
-   it goes. A word line crosses the same active the other way. */
+/* Test an active with a jog at the end of the poly: its edge belongs to the
+   gate up to the jog. A word line crosses the same active in the other
+   direction. */
 static void test_bent_active(void) {
   drawing d = drawing_new();
   draw(&d, "active", 0, 0, 300, 200);

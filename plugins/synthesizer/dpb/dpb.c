@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* synthesizer.dpb: device performance-based OPC (thesis 3.2.2 (2), figure 3.3).
-   Each transistor on its own: a first jump of its length, then steps of one
-   grid unit, on while the performance deviation error falls, back when it
-   rises; length first (coarse), then width (fine). control.c has the steps of
-   one transistor, descent.c those of all, table.c the table of first jumps. */
+/* Implements synthesizer.dpb: device performance-based OPC (thesis 3.2.2 (2),
+   figure 3.3). Each transistor is corrected on its own: first a jump of its
+   length, then single grid steps that continue while the performance deviation
+   error falls and are reverted when it rises; lengths first (coarse), then
+   widths (fine). correct/control.h has the steps of one transistor, descent.c
+   those of all, table.c the table of jumps. */
 #include <math.h>
 #include <opcflow/follow.h>
 
@@ -16,16 +17,16 @@ typedef struct dpb {
   const opc_host *host;
   double ion_limit;       /* % */
   double init_adjust;     /* nm; 0: one step towards the smaller error */
-  const char *table_path; /* NULL: that for all */
+  const char *table_path; /* NULL: init_adjust for all */
   first_table table;
   double max_bias;  /* nm */
-  int proportional; /* of W's steps */
+  int proportional; /* 1: steps of W proportional to the error */
   descent descent;
 } dpb;
 
 /* ---- work ---- */
 
-/* PDE, eq. 3.1, with Ion as the performance. */
+/* Return the PDE, eq. 3.1, of Ion, %. */
 static double pde(const void *self, const eda_feedback *f, size_t i) {
   double design = f->design->ion[i];
   (void)self;
@@ -99,7 +100,7 @@ static const opc_parameter parameters[] = {
                    "for, as Ion is proportional to W"),
 };
 
-/* What is not given. */
+/* Compute the defaults of parameters that are not set. */
 static void follow(dpb *d, eda_scanner scanner) {
   EDA_FOLLOW(d->host, "synthesizer.dpb", d, parameters, scanner);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The steps of thesis figure 3.3, followed by hand on transistors whose
-   response is a formula, which neighbours may change. */
+/* Tests the steps of thesis figure 3.3 by hand calculations on transistors
+   whose response is a formula, optionally with an effect of neighbours. */
 #include <eda/eda.h>
 
 #include "tools/devel/testing.h"
@@ -10,23 +10,24 @@
 
 enum { MOST = 4 };
 
-/* Transistors whose PDE is offset + by_l * l + by_w * w, %. */
+/* Transistors with a PDE of offset + by_l * l + by_w * w, %. */
 typedef struct model {
   size_t n;
   double offset[MOST], by_l[MOST], by_w[MOST];
-  uint32_t veto[MOST]; /* from this l on; EDA_VETO_SHORTER: from there down */
+  uint32_t veto[MOST]; /* vetoed for l >= this; with EDA_VETO_SHORTER for l <=
+                          this */
   int32_t veto_from[MOST];
-  int32_t prints_from[MOST]; /* l, if not 0: thinner lines are open */
+  int32_t prints_from[MOST]; /* smallest l that prints; 0: all print */
   double width[MOST];        /* 0: 200 */
-  /* What neighbours do to the first: %, from update `from` on, again and again
-     after `every` (0: once). */
+  /* Effect of neighbours on the first transistor, %, from update `from` on,
+     repeated after `every` updates (0: once). */
   struct {
     double by;
     int from, every, most;
   } neighbours;
-  const double *ion_limit; /* of the step */
+  const double *ion_limit; /* ion_limit of the step */
   int32_t l[MOST], w[MOST];
-  GString *trace; /* of the first: "l,w " after each update */
+  GString *trace; /* moves of the first transistor: "l,w " after each update */
   int updates;
 } model;
 
@@ -92,15 +93,15 @@ static const char *verdict(opc_module *m, size_t i) {
   return s->verdict(m->self, i);
 }
 
-/* Figure 3.3 on one transistor that stands alone, +7 %, 3 % a step of L, 0.8 %
-   a step of W. The iterations:
-   0  +7.0  beyond the limit: a first correction, of one step, longer
-   1  +4.0  falls: on
-   2  +1.0  falls: on
-   3  -2.0  rises: the step is taken back
-   4  +1.0  L is at its minimum: W, one step narrower
-   5  +0.2  within the limit: no correction
-   6  +0.2  nothing has changed since: done */
+/* Figure 3.3 on one isolated transistor: +7 %, 3 % per step of L, 0.8 % per
+   step of W. The iterations:
+     0  +7.0  beyond the limit: first correction of one step, longer
+     1  +4.0  falls: continue
+     2  +1.0  falls: continue
+     3  -2.0  rises: revert the step
+     4  +1.0  L is at its minimum: W, one step narrower
+     5  +0.2  within the limit: no correction
+     6  +0.2  nothing changed since: done */
 static void test_by_hand(void) {
   g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8}};
@@ -110,8 +111,8 @@ static void test_by_hand(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* The same with too little current: W grows by steps of one, -6.5 % from L -2;
-   -1, and L -3 would give +2. */
+/* The same with too little current: W grows by single steps, -6.5 % from L -2;
+   -1, and L -3 would result in +2. */
 static void test_by_hand_shorter(void) {
   g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
   model t = {.n = 1, .offset = {-7}, .by_l = {-3}, .by_w = {0.2}};
@@ -121,8 +122,8 @@ static void test_by_hand_shorter(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* What is not given, of all synthesizers, at 248 nm, NA 0.7: 0.311 and 0.155 of
-   354.3 nm. */
+/* Defaults of all synthesizers at 248 nm, NA 0.7: 0.311 and 0.155 of 354.3
+   nm. */
 static void test_follows(void) {
   static const char *const all[][2] = {
       {"synthesizer.dpb", "max_bias 110 nm"},
@@ -141,8 +142,8 @@ static void test_follows(void) {
   }
 }
 
-/* +7 %: within a limit of 8 %, beyond one of 6 %. The synthesizer's own limit
-   comes before that of the step, and 0.5 % after both. */
+/* +7 %: within a limit of 8 %, beyond a limit of 6 %. The limit of the
+   synthesizer has priority over that of the step, and 0.5 % is the default. */
 static void test_limit_of_step(void) {
   static const double wide = 8, narrow = 6;
   static const struct {
@@ -168,8 +169,8 @@ static void test_limit_of_step(void) {
   }
 }
 
-/* Signed, applied as it is: 3 steps shorter at once, and 2 longer where it
-   should have been shorter, which steps of one then undo. */
+/* init_adjust is signed and applied as given: 3 steps shorter at once, and 2
+   steps longer in the wrong direction, which single steps then undo. */
 static void test_init_adjust(void) {
   g_autoptr(opc_module) m = make("{ ion_limit: 0.5 %, init_adjust: -3 nm }");
   model t = {.n = 1, .offset = {-9.2}, .by_l = {-3}, .by_w = {0.8}};
@@ -183,8 +184,8 @@ static void test_init_adjust(void) {
   g_string_free(u.trace, TRUE);
 }
 
-/* A first correction of several steps that goes past the minimum is followed by
-   single ones; it is not taken back whole. */
+/* A first correction of several steps beyond the minimum is followed by single
+   steps; it is not reverted as a whole. */
 static void test_init_adjust_too_far(void) {
   g_autoptr(opc_module) m = make("{ ion_limit: 0.5 %, init_adjust: 5 nm }");
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {0.8}};
@@ -193,14 +194,14 @@ static void test_init_adjust_too_far(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* By how much the error asks for: -4 % of 200 is 8 steps. The response is half
-   of what is expected, so that it comes in a few steps, the last ones single;
-   and where it is twice as much, a change of sign halves the steps. */
+/* Steps of W are proportional to the error: -4 % of 200 is 8 steps. With half
+   of the expected response, W converges in a few steps, the last ones single.
+   With double the response, a change of sign halves the steps. */
 static void test_proportional(void) {
   g_autoptr(opc_module) m = make("{ ion_limit: 0.1 %, w_step: proportional }");
   model t = {.n = 1, .offset = {-4}, .by_l = {-9}, .by_w = {0.25}};
   run(m, &t);
-  /* L -1 gives +5, back to 0; W 8: -2, 12: -1, 14: -0.5, 15: -0.25, 16: 0. */
+  /* L -1: +5, back to 0; W 8: -2, 12: -1, 14: -0.5, 15: -0.25, 16: 0. */
   g_assert_cmpstr(t.trace->str, ==,
                   "-1,0 0,0 0,8 0,12 0,14 0,15 0,16 0,16 0,16 ");
   g_string_free(t.trace, TRUE);
@@ -212,7 +213,7 @@ static void test_proportional(void) {
   g_string_free(u.trace, TRUE);
 }
 
-/* Where W can go no further, L takes one more step, and W comes back. */
+/* If W is at its limit, L takes one more step and W returns. */
 static void test_exchange(void) {
   g_autoptr(opc_module) m =
       make("{ ion_limit: 0.3 %, w_step: proportional, max_bias: 10 nm }");
@@ -225,13 +226,13 @@ static void test_exchange(void) {
   model u = {.n = 1, .offset = {-4.5}, .by_l = {-10}, .by_w = {0.43}};
   u.offset[0] = -4.9;
   u.by_l[0] = -9;
-  run(m, &u); /* +4.1 at L -1: W -10 gives -0.2; W +10 at L 0 -0.6 */
+  run(m, &u); /* +4.1 at L -1: W -10 results in -0.2, W +10 at L 0 in -0.6 */
   g_assert_cmpint(u.l[0], ==, -1);
   g_assert_cmpstr(verdict(m, 0), ==, "within limit");
   g_string_free(u.trace, TRUE);
 }
 
-/* No width moves while any length does. */
+/* No width moves while any length moves. */
 static void test_coarse_before_fine(void) {
   g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
   model t = {.n = 2, .offset = {1, 15.2}, .by_l = {-3, -3}, .by_w = {0.6, 0.6}};
@@ -241,7 +242,7 @@ static void test_coarse_before_fine(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* A transistor within the limit is not touched. */
+/* A transistor within the limit does not move. */
 static void test_within(void) {
   g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
   model t = {.n = 1, .offset = {-0.49}, .by_l = {-3}, .by_w = {0.8}};
@@ -251,9 +252,9 @@ static void test_within(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* A grid too coarse for the limit: it stays at the minimum of W, and says
-   so. PDE 7, 4, 1, -2, 1; W: -2 % a step, 1 -> -1 (no better, not worse) ->
-   -3 rises -> back. */
+/* With a grid too coarse for the limit, the transistor stays at the minimum of
+   W and its verdict is a stall. PDE 7, 4, 1, -2, 1; W: -2 % per step, 1 -> -1
+   (no better, not worse) -> -3 rises -> revert. */
 static void test_grid(void) {
   g_autoptr(opc_module) m = make("{ ion_limit: 0.1 % }");
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {2}};
@@ -264,7 +265,7 @@ static void test_grid(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* At L = 2 the gate bridges: back to 1, and on with W down to the limit. */
+/* At L = 2 the gate bridges: L returns to 1, and W decreases to the limit. */
 static void test_veto(void) {
   g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
   model t = {.n = 1,
@@ -280,7 +281,7 @@ static void test_veto(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* The same to the other side: at L = -2 the gate is open. */
+/* The same in the other direction: at L = -2 the gate is open. */
 static void test_veto_of_shorter(void) {
   g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
   model t = {.n = 1,
@@ -296,7 +297,7 @@ static void test_veto_of_shorter(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* W may not go down: it stays, and that is why. */
+/* W may not decrease: the transistor stays, and its verdict names the veto. */
 static void test_veto_of_narrower(void) {
   g_autoptr(opc_module) m = make("{ ion_limit: 0.5 % }");
   model t = {.n = 1,
@@ -311,8 +312,8 @@ static void test_veto_of_narrower(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* 25 % too little, half a percent for each of 200 steps of W, L of no use: 20
-   wider at a time at most, 5 % of 240 then, and 1 % of 252 back. */
+/* 25 % too little current, 0.5 % for each of 200 steps of W, no effect of L: at
+   most 20 wider at a time, then 5 % of 240, and 1 % of 252 back. */
 static void test_widest(void) {
   g_autoptr(opc_module) m = make("{ ion_limit: 0.5 %, w_step: proportional }");
   model t = {.n = 1, .offset = {-25}, .by_l = {-60}, .by_w = {0.5}};
@@ -323,7 +324,7 @@ static void test_widest(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* No more than half of W, whatever max_bias grants. */
+/* W moves by at most half of W at any max_bias. */
 static void test_half_width(void) {
   g_autoptr(opc_module) m = make("{ ion_limit: 0.5 %, max_bias: 20 nm }");
   model t = {.n = 1, .offset = {200}, .by_l = {-3}, .by_w = {5}, .width = {13}};
@@ -344,8 +345,8 @@ static void test_bias_limit(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* Each transistor goes its own way, and the loop ends when the last does. */
-/* An open line has no current; it gets thicker until it has. */
+/* An open line has no current; it gets thicker until it prints. Each transistor
+   converges independently, and the loop ends after the last one. */
 static void test_open(void) {
   g_autoptr(opc_module) m = make("{}");
   model t = {
@@ -372,9 +373,9 @@ static void test_independent(void) {
 
 /* ---- neighbours ---- */
 
-/* +7.4 %, 3 % a step of L, `by_w` a step of W where the model expects 0.5 %:
-   after "1,0 2,0 3,0 2,0 2,-1 2,-2 2,-1 2,-1 " it rests. Then comes a jump; how
-   it goes on. */
+/* Return the moves after a jump of the error. Before it, +7.4 %, 3 % per step
+   of L and `by_w` per step of W where the model expects 0.5 % converge with
+   "1,0 2,0 3,0 2,0 2,-1 2,-2 2,-1 2,-1 ". */
 static char *after_jump(const char *parameters, double rest, double jump) {
   g_autoptr(opc_module) m = make(parameters);
   model t = {.n = 1, .offset = {7 + rest}, .by_l = {-3}, .by_w = {1}};
@@ -388,9 +389,10 @@ static char *after_jump(const char *parameters, double rest, double jump) {
   return rest_of_it;
 }
 
-/* One at rest is taken up again if its error has changed by more than a tenth
-   of the limit, and by W if it is more than 0.55 of what a step of W is worth
-   (0.275 %), by L if it is more than 0.55 of what one of L did (1.65 %). */
+/* A converged transistor resumes if its error changed by more than a tenth of
+   the limit: by W if the change is more than 0.55 of the expected effect of a
+   step of W (0.275 %), by L if it is more than 0.55 of the measured effect of a
+   step of L (1.65 %). */
 static void test_taken_up(void) {
   static const struct {
     double rest, jump;
@@ -413,7 +415,7 @@ static void test_taken_up(void) {
   }
 }
 
-/* Eight times, and then it is left where it is. */
+/* It resumes at most eight times. */
 static void test_taken_up_often(void) {
   g_autoptr(opc_module) m = make("{ ion_limit: 0.1 % }");
   model t = {.n = 1, .offset = {8.2}, .by_l = {-3.3}, .by_w = {1.2}};
@@ -431,15 +433,15 @@ static void test_taken_up_often(void) {
 
 /* ---- the table of first corrections ---- */
 
-/* Writes a table into the test's folder, and gives its path. */
+/* Write a table into the folder of the test and return its path. */
 static char *write_table(const char *text) {
   char *path = g_build_filename(opc_test_folder(), "table.csv", NULL);
   g_assert_true(g_file_set_contents(path, text, -1, NULL));
   return path;
 }
 
-/* Transistors of L 65 and W 200: the nearest length is 65, not 60, and of its
-   widths 150 is nearer than 300 by ratio (1.33 to 1.5). */
+/* Transistors of L 65 and W 200: the nearest length is 65, not 60. Of its
+   widths, 150 is nearer than 300 by ratio (1.33 to 1.5). */
 static void test_table(void) {
   g_autofree char *path = write_table(
       "l (nm),w (nm),init_adjust (nm),iterations\n"
@@ -453,7 +455,7 @@ static void test_table(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* The table must be refused, with these words. */
+/* Check that reading the table fails with this message. */
 static void refused(const char *text, const char *want) {
   g_autofree char *path = write_table(text);
   g_autofree char *given = g_strdup_printf("{ init_adjust_table: %s }", path);
@@ -484,7 +486,7 @@ static void test_table_refused(void) {
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++)
     refused(cases[i].text, cases[i].want);
-  /* Rows are compared with each other. */
+  /* Rows are compared pairwise. */
   g_autoptr(GString) many = g_string_new("l,w,init_adjust\n");
   for (int i = 1; i <= 10001; i++) g_string_append_printf(many, "%d,1,1\n", i);
   refused(many->str, "table.csv:10002:1: more than 10000 rows");

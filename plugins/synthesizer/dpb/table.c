@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The table of first corrections: what a row may say, and which row is the
-   nearest to a transistor. */
+/* Implements the table of first corrections: reading and checking of rows, and
+   lookup of the nearest row. */
 #include "table.h"
 
 #include <eda/csv.h>
@@ -12,7 +12,7 @@ enum { LENGTH, WIDTH, ADJUST, COLUMNS };
 static const eda_csv_column columns[COLUMNS] = {
     {"l", "nm", 0}, {"w", "nm", 0}, {"init_adjust", "nm", 0}};
 
-/* Rows are compared with each other. */
+/* Rows are compared pairwise. */
 enum { MOST_ROWS = 10000, MOST_NM = 100 };
 
 static int read_row(const eda_csv *csv, size_t i, first_table *out,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The table of first corrections over L and W, as characterize.init_adjust
-   makes it: a CSV file with the columns l, w and init_adjust in nm, others
-   ignored. */
+/* Table of first corrections over L and W, as written by
+   characterize.init_adjust: a CSV file with the columns l, w and init_adjust in
+   nm; other columns are ignored. */
 #ifndef SYNTHESIZER_DPB_TABLE_H
 #define SYNTHESIZER_DPB_TABLE_H
 
@@ -16,12 +16,13 @@ typedef struct first_table {
   size_t count;
 } first_table;
 
-/* Read a file. What it has wrong is an error with its line and column. */
+/* Read a file into `out`. Return OPC_OK, or an error that names line and
+   column. */
 int first_table_read(const char *path, first_table *out, opc_error *error);
 void first_table_clear(first_table *table);
 
-/* That of the nearest length of the table, and of the width that is nearest to
-   this by its ratio among those of that length, nm. */
+/* Return the first correction, nm, of the nearest length of the table and,
+   among rows of that length, of the width nearest to `width` by ratio. */
 double first_table_look(const first_table *table, double length, double width);
 
 #endif

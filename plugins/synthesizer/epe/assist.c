@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Assist features beside all edges (eda/bars.h), and the room that is left to
-   fragments beside them. */
+/* Implements assist features beside all edges (eda/bars.h) and the limits that
+   they set to fragments beside them. */
 #include <eda/bars.h>
 #include <eda/memory.h>
 #include <string.h>
@@ -13,7 +13,8 @@ static int meet(eda_box a, eda_box b) {
 
 /* ---- room for the fragments beside them ---- */
 
-/* A fragment, wherever its ends may go, stays min_space off the bars. */
+/* Limit the outward moves of fragment i so that it keeps min_space to the
+   assist features, wherever its ends move. */
 static void leave_room(epe_layer *l, const eda_index *bars, uint32_t i) {
   const epe_rules *r = l->rules;
   const epe_piece *p = &l->pieces[i];
@@ -32,8 +33,8 @@ static void leave_room(epe_layer *l, const eda_index *bars, uint32_t i) {
     int32_t off = p->axis == EDA_X
                       ? (p->sign > 0 ? bar.x0 - line : line - bar.x1)
                       : (p->sign > 0 ? bar.y0 - line : line - bar.y1);
-    /* Off a corner in both directions: it is enough that the edge that it is
-       further off from stays away. */
+    /* Diagonally off a corner, the spacing along one axis is sufficient: the
+       edge with the larger distance has to keep it. */
     int32_t a = p->axis == EDA_X ? bar.y0 : bar.x0;
     int32_t b = p->axis == EDA_X ? bar.y1 : bar.x1;
     int32_t past = (int32_t)epe_max(a - (m < n ? n : m), (m < n ? m : n) - b);
@@ -54,7 +55,7 @@ static void leave_rooms(epe_layer *l) {
 
 /* ---- all of it ---- */
 
-/* Edge e, as long as it is drawn. */
+/* Return edge e as drawn. */
 static eda_bar_edge edge_of(const epe_layer *l, size_t e) {
   const epe_piece *first = &l->pieces[l->edge[e]];
   const epe_piece *last = &l->pieces[l->edge[e + 1] - 1];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Assist features beside edges: their places, widths and spaces. */
+/* Tests assist features beside edges: places, widths and spaces. */
 #include "trial_test.h"
 
 /* ---- assist features ---- */
@@ -20,7 +20,7 @@ static eda_shapes as_shapes(GArray *boxes, int32_t grown, uint32_t **start,
   return (eda_shapes){boxes->len, *start, *points, NULL};
 }
 
-/* The area of bars, grown, that lies in the others. */
+/* Return the area of the grown assist features within `in`. */
 static int64_t covered(GArray *bars, int32_t grown, const eda_shapes *in) {
   g_autofree uint32_t *start = NULL;
   g_autofree eda_point *points = NULL;
@@ -53,8 +53,8 @@ static int has_bar(const trial *t, int32_t x0, int32_t y0, int32_t x1,
   "assist_width: 40 nm, assist_distance: 110 nm, assist_space: 60 nm, " \
   "assist_min_length: 60 nm, iterations: 0"
 
-/* A line: bars beside its sides and its ends, which make way for the longer
-   ones; a second row; none in a space that has no room. */
+/* A line with assist features beside the sides and the ends, the longer ones
+   first; a second row; none in a space that is too narrow. */
 static void test_bars(void) {
   const eda_box boxes[] = {{0, 0, 65, 1000}, {0, 0, 65, 1000}};
   g_autoptr(shapes) s = make_shapes(boxes, 1);
@@ -90,8 +90,8 @@ static void test_bars(void) {
   }
 }
 
-/* Bars keep off drawn shapes and each other, and what is moved keeps off bars,
-   wherever feedback without sense wants it. */
+/* Assist features keep their distance to drawn shapes and to each other, and
+   moved edges to assist features, even with random feedback. */
 static void test_bars_apart(void) {
   int found = 0, pressed = 0;
   for (uint32_t seed = 1; seed < 9; seed++) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How even the fragments of an edge are, and which iteration is kept, when
-   errors and currents are drawn by lot: against sums over the edges; and what
-   is believed of a response. */
+/* Tests evenness of fragments, the choice of the best iteration with random
+   errors and currents against sums over the edges, and bounds of the measured
+   gain. */
 #include <eda/eda.h>
 
 #include "tools/devel/testing.h"
@@ -19,8 +19,7 @@ static double random_in(double low, double high) {
   return low + (high - low) * (state >> 8) / (1 << 24);
 }
 
-/* One box, of which gate 0 owns what is below the border and gate 1 the
-   rest. */
+/* One box; gate 0 owns the part below the border, gate 1 the other part. */
 typedef struct drawing {
   eda_point points[4];
   uint32_t start[2];
@@ -67,8 +66,8 @@ static opc_module *begin(const char *parameters, const drawing *d,
   return m;
 }
 
-/* Between the fragments beside its corners an edge has the number of even ones
-   that is nearest, but none shorter than the least. */
+/* An edge has, between the fragments beside its corners, the nearest number of
+   even fragments, none of them shorter than the least length. */
 static void test_even(void) {
   for (int n = 0; n < 60; n++) {
     int32_t length = (int32_t)random_in(120, 900);
@@ -93,14 +92,14 @@ static void test_even(void) {
   }
 }
 
-/* What is measured and found in one iteration. */
+/* Measured and expected figures of one iteration. */
 typedef struct seen {
   double epe[MOST], ion[GATES];
   int32_t shift[MOST];
   double cost;
 } seen;
 
-/* The mean |EPE| along the edges; one that is lost counts as 100 nm. */
+/* Return the mean |EPE| along the edges; a lost edge counts as 100 nm. */
 static double mean_epe(const eda_cuts *c, const double *epe) {
   size_t n = c->start[1];
   double sum = 0, length = 0;
@@ -113,7 +112,7 @@ static double mean_epe(const eda_cuts *c, const double *epe) {
   return sum / length;
 }
 
-/* The worst of a gate's fragments says how it fares. */
+/* Return the verdict of a gate: that of its worst fragment. */
 static const char *verdict_of(const eda_cuts *c, const seen *s, int gate) {
   static const char *const words[] = {"within 1 nm", "epe", "shift limit",
                                       "no edge"};
@@ -131,7 +130,7 @@ static const char *verdict_of(const eda_cuts *c, const seen *s, int gate) {
   return words[worst];
 }
 
-/* The iteration that is kept is that of the least cost, whichever it is. */
+/* The iteration of least cost is kept, at any position. */
 static void test_kept(void) {
   int kept_at[ROUNDS] = {0}, words = 0;
   for (int n = 0; n < 60; n++) {
@@ -161,7 +160,7 @@ static void test_kept(void) {
       seen *e = &seen_at[k];
       g_assert_cmpint(k, <, ROUNDS);
       memcpy(e->shift, now, sizeof now);
-      /* Some fragments are far off, others near; and the other way round. */
+      /* Some fragments have large errors, others small ones; and vice versa. */
       double off[2] = {random_in(0.6, 8), random_in(0.6, 8)};
       for (size_t i = 0; i < count; i++)
         e->epe[i] = off[i % 2] * (random_in(-1, 1) > 0 ? 1 : -1);
@@ -184,7 +183,7 @@ static void test_kept(void) {
     for (int g = 0; g < GATES; g++) {
       const char *want = verdict_of(&cuts, &seen_at[best], g);
       const char *got = s->verdict(m->self, (size_t)g);
-      /* What a rule allows is not to be seen from here. */
+      /* This test does not know the limits by mask rules. */
       if (!g_str_equal(got, "mask rule")) g_assert_cmpstr(got, ==, want);
       if (g_str_equal(got, "mask rule")) g_assert_cmpstr("epe", ==, want);
       words |= 1 << want[0] % 32;
@@ -195,13 +194,13 @@ static void test_kept(void) {
       words, ==, 1 << 'e' % 32 | 1 << 's' % 32 | 1 << 'n' % 32 | 1 << 'w' % 32);
 }
 
-/* A long line whose edges print `gain` nm further out for each nm. The first
-   move takes that for 1, the second for the mean of 1 and what was seen; both
-   solve error + gain * coupling * move = 0, where the coupling of even moves,
-   just below 1, is what the first one shows. */
+/* A long line whose edges print `gain` nm further out per nm of mask. The first
+   move assumes a gain of 1, the second the mean of 1 and the measured gain;
+   both solve error + gain * coupling * move = 0. The coupling of even moves,
+   just below 1, follows from the first move. */
 static void test_gain(void) {
   static const double gains[] = {0.5, 1.5, 3};
-  enum { FINE = 20 }; /* grid steps a nm */
+  enum { FINE = 20 }; /* grid steps per nm */
   for (size_t k = 0; k < G_N_ELEMENTS(gains); k++)
     for (int sign = -1; sign <= 1; sign += 2) {
       drawing d;
@@ -244,8 +243,8 @@ static void test_gain(void) {
     }
 }
 
-/* An error that stays: all go as far as they may, and after four iterations
-   without a move it ends. */
+/* A constant error: all fragments move to their limits, and the loop ends after
+   four iterations without a move. */
 static void test_rest(void) {
   drawing d;
   eda_cuts cuts = {0};
@@ -271,7 +270,7 @@ static void test_rest(void) {
   g_assert_cmpuint(moved, >, 1);
   g_assert_cmpuint(moved, <, 30);
   g_assert_cmpuint(f.iteration, ==,
-                   moved + 6); /* four, and the one it ends in */
+                   moved + 6); /* four, and the last iteration */
 }
 
 int main(int argc, char **argv) {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Fragments are shorter than what the optics resolve: a move of one changes the
-   print of all that are near, whatever their direction, as it adds light there
-   or takes it away. It is taken to spread as a Gaussian. */
+/* Implements the coupling between fragments. Fragments are shorter than the
+   optical resolution: a move of one changes the printed edges of all fragments
+   in the environment, of any direction. The effect is modelled as a Gaussian of
+   the distance. */
 #include "epe.h"
 
 #include <eda/memory.h>
@@ -10,8 +11,8 @@
 
 #include "tuning.h"
 
-/* What a unit move of fragment j does at a site at (x, y): the part of the
-   Gaussian along an infinite straight edge that lies on j. */
+/* Return the effect of a unit move of fragment j at a site at (x, y): the
+   integral over j of the Gaussian along an infinite straight edge. */
 static double weight_at(const epe_layer *l, double x, double y, uint32_t j) {
   const epe_piece *p = &l->pieces[j];
   double s = l->rules->blur;
@@ -28,20 +29,21 @@ typedef struct coupler {
   double grid, longest;
 } coupler;
 
-/* How far v is outside of what lies between a and b. */
+/* Return the distance of v from the interval between a and b. */
 static double outside(double v, int32_t a, int32_t b) {
   int32_t low = a < b ? a : b, high = a < b ? b : a;
   return v < low ? low - v : v > high ? v - high : 0;
 }
 
-/* Does fragment j reach into the circle around (x, y)? */
+/* Return whether a fragment is partly within `reach` of (x, y). */
 static int is_near(const epe_piece *p, double x, double y, double reach) {
   double dx = outside(x, p->from.x, p->to.x);
   double dy = outside(y, p->from.y, p->to.y);
   return dx * dx + dy * dy < reach * reach;
 }
 
-/* The row of site i: count what is near, or (weight not NULL) put it down. */
+/* Make the row of site i: count the fragments within reach or, if weight is not
+   NULL, store them. */
 static void couple_site(void *data, size_t i) {
   const coupler *c = data;
   epe_layer *l = c->layer;
@@ -64,7 +66,7 @@ static void couple_site(void *data, size_t i) {
   if (!m->weight) m->start[i + 1] = n;
 }
 
-/* Room for the rows whose lengths are in start[1] and on. */
+/* Allocate the rows; start[1] and on hold their lengths. */
 static void make_rows(epe_coupling *m, size_t n) {
   for (size_t i = 0; i < n; i++) m->start[i + 1] += m->start[i];
   m->index = eda_alloc(m->start[n], sizeof *m->index);

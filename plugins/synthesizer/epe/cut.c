@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Cut the edges of a layer into fragments: shorter ones beside corners and
-   opposite to corners of others, even ones between (thesis 3.3.1). */
+/* Implements the fragmentation of the edges of a layer: short fragments beside
+   corners and opposite to corners of other edges, even fragments between them
+   (thesis 3.3.1). */
 #include "epe.h"
 
 #include <eda/memory.h>
@@ -12,17 +13,17 @@ typedef struct cutter {
   epe_layer *layer;
   const eda_shapes *drawn;
   eda_index *corners; /* of all polygons */
-  size_t room;        /* for pieces */
-  int32_t *marks;     /* where one edge is cut */
+  size_t room;        /* capacity of pieces */
+  int32_t *marks;     /* cuts of one edge */
   size_t n_marks, marks_room;
-  uint8_t *convex; /* each point of `drawn` */
+  uint8_t *convex; /* 1 for each convex point of `drawn` */
 } cutter;
 
-/* An edge as drawn: from a corner along a direction. */
+/* A drawn edge: from a corner along a direction. */
 typedef struct drawn_edge {
   eda_point a, b;
   int32_t length;
-  uint8_t axis; /* of its normal */
+  uint8_t axis; /* axis of the normal */
   int8_t sign;
   uint8_t convex[2];
 } drawn_edge;
@@ -60,8 +61,8 @@ static int ascending(const void *a, const void *b) {
   return (p > q) - (p < q);
 }
 
-/* Mark a corner of another edge that this one has in sight, if it does, and
-   one ripple to both sides of it. */
+/* Mark the projection of a visible corner of another edge, and one ripple
+   length on both sides. */
 static void mark_corner(cutter *c, const drawn_edge *e, eda_point p) {
   const epe_rules *r = c->layer->rules;
   int32_t off = e->axis == EDA_X ? p.x - e->a.x : p.y - e->a.y;
@@ -80,15 +81,15 @@ static void mark_ripples(cutter *c, const drawn_edge *e) {
   const epe_rules *r = c->layer->rules;
   if (r->ripple_reach <= 0) return;
   int32_t out = e->sign * r->ripple_reach;
-  eda_point sight[] = {e->a, e->b}; /* corners of what is seen */
+  eda_point sight[] = {e->a, e->b}; /* corners of the visible region */
   *(e->axis == EDA_X ? &sight[1].x : &sight[1].y) += out;
   eda_finder f = eda_index_find(c->corners, eda_bounds(sight, 2));
   for (uint32_t k; eda_index_next(&f, &k);)
     mark_corner(c, e, c->drawn->points[k]);
 }
 
-/* Keep the marks that leave no fragment shorter than the least, between
-   `first` and `last`. */
+/* Keep only marks that leave no fragment between `first` and `last` shorter
+   than the least length. */
 static void thin_out(cutter *c, int32_t first, int32_t last) {
   int32_t least = c->layer->rules->min_edge, at = first;
   size_t n = 0;
@@ -102,7 +103,7 @@ static void thin_out(cutter *c, int32_t first, int32_t last) {
   c->n_marks = n;
 }
 
-/* Even fragments from `from` to `to`, which both are marks or ends. */
+/* Make even fragments from `from` to `to`, both marks or ends. */
 static void fill(cutter *c, int32_t from, int32_t to) {
   const epe_rules *r = c->layer->rules;
   int32_t parts = (to - from + r->fragment / 2) / r->fragment;
@@ -111,7 +112,7 @@ static void fill(cutter *c, int32_t from, int32_t to) {
     mark(c, from + (int32_t)((int64_t)(to - from) * i / parts));
 }
 
-/* The marks of an edge, none at its ends. */
+/* Mark the cuts of an edge, without its ends. */
 static void mark_edge(cutter *c, const drawn_edge *e) {
   const epe_rules *r = c->layer->rules;
   c->n_marks = 0;
@@ -189,8 +190,8 @@ static void cut_polygons(cutter *c) {
 
 /* ---- sites ---- */
 
-/* The middle of a fragment, but off the corners, where the print is round, as
-   far as the edge allows. */
+/* Set the site to the middle of the fragment, moved away from corners, where
+   the printed image is round, as far as the edge allows. */
 static void set_site(epe_layer *l, uint32_t i, double grid) {
   const epe_piece *p = &l->pieces[i];
   uint32_t first = l->edge[p->edge], last = l->edge[p->edge + 1] - 1;
@@ -211,8 +212,8 @@ static int64_t distance(eda_point a, eda_point b) {
   return llabs((int64_t)b.x - a.x) + llabs((int64_t)b.y - a.y);
 }
 
-/* The transistor that owns the middle of each fragment, from the fragments that
-   the gates came with: both go around the same polygons. */
+/* Set the transistor that owns the middle of each fragment, from the fragments
+   of the gates: both traverse the same polygons. */
 static void set_owners(epe_layer *l, const eda_edges *e) {
   if (e->polygons != l->polygons) return;
   for (size_t p = 0; p < l->polygons; p++) {
@@ -248,7 +249,7 @@ static void find_corners(cutter *c, size_t n) {
       eda_point b = s->points[i];
       eda_point d = s->points[i < last ? i + 1 : s->start[p]];
       boxes[i] = (eda_box){b.x, b.y, b.x, b.y};
-      /* A turn to the left; only signs, products may not fit. */
+      /* A turn to the left. Signs only: products may overflow. */
       int in_x = (b.x > a.x) - (b.x < a.x), in_y = (b.y > a.y) - (b.y < a.y);
       int out_x = (d.x > b.x) - (d.x < b.x), out_y = (d.y > b.y) - (d.y < b.y);
       c->convex[i] = in_x * out_y - in_y * out_x > 0;
@@ -258,7 +259,7 @@ static void find_corners(cutter *c, size_t n) {
   free(boxes);
 }
 
-/* Everything that has the length of the fragments. */
+/* Allocate all arrays of one element per fragment. */
 static void make_arrays(epe_layer *l) {
   double **reals[] = {&l->wanted,  &l->gain,    &l->step,    &l->side,
                       &l->error,   &l->before,  &l->cost,    &l->work[0],

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* synthesizer.epe: OPC by edge placement errors (thesis 1.2 and 3.3.1; N. Cobb,
-   "Fast Optical and Process Proximity Correction Algorithms for Integrated
-   Circuit Manufacturing", 1998). Edges are cut into fragments; each moves until
-   the print meets its drawn edge. */
+/* Implements synthesizer.epe: OPC by edge placement errors (thesis 1.2 and
+   3.3.1; N. Cobb, "Fast Optical and Process Proximity Correction Algorithms for
+   Integrated Circuit Manufacturing", 1998). Edges are cut into fragments; each
+   fragment moves until the simulated contour meets the drawn edge. */
 #include "epe.h"
 
 #include <eda/memory.h>
@@ -18,14 +18,14 @@
 enum { LAYERS_BOTH, LAYERS_POLY, LAYERS_ACTIVE };
 enum { BEST_EPE, BEST_ION };
 
-/* Why a transistor is left with its deviation. */
+/* Verdicts of transistors. */
 enum { WITHIN, GRID, LIMIT, RULE, LOST, UNMOVED, VERDICTS };
 static const char *const verdicts[VERDICTS] = {
     "within 1 nm", "epe", "shift limit", "mask rule", "no edge", NULL};
 
 typedef struct epe {
   const opc_host *host;
-  /* Parameters, nm; NAN: as fragment, or min_edge half of it. */
+  /* Parameters, nm. NAN: equal to fragment; min_edge: half of fragment. */
   double fragment, concave_corner, corner_edge, line_end, ripple, ripple_reach;
   double min_edge, tangency, min_width, min_space, min_jog, max_shift, blur;
   double step, damping, stiffness;
@@ -42,9 +42,9 @@ typedef struct epe {
   double grid;
   size_t count; /* transistors */
   uint8_t *verdict;
-  double best;    /* the least cost, INFINITY: none yet */
-  size_t dropped; /* bars that printed */
-  int still;      /* iterations since a fragment moved last */
+  double best;    /* least cost; INFINITY: none yet */
+  size_t dropped; /* printed assist features that were removed */
+  int still;      /* iterations since the last move */
 } epe;
 
 /* ---- work: begin and cut ---- */
@@ -56,7 +56,7 @@ static void clear(void *self) {
   free(d->verdict);
 }
 
-/* A length in grid steps. */
+/* Return a length in grid steps. */
 static int32_t steps(const epe *d, double nm) {
   return (int32_t)lround(fmin(nm / d->grid, 1 << 20));
 }
@@ -65,7 +65,8 @@ static int32_t at_least(int32_t n, int32_t least) {
   return n > least ? n : least;
 }
 
-/* A length beside a corner, which is that of a fragment if it is not given. */
+/* Return the length of a fragment beside a corner, grid steps; by default that
+   of a fragment. */
 static int32_t beside(const epe *d, double nm) {
   return at_least(steps(d, isnan(nm) ? d->fragment : nm), d->rules.min_edge);
 }
@@ -118,7 +119,8 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
   return OPC_OK;
 }
 
-/* Layers beside poly and active go with poly. */
+/* Return whether a layer is corrected. Further layers are corrected with
+   poly. */
 static int wants(const epe *d, int layer) {
   return d->which_layers == LAYERS_BOTH ||
          d->which_layers == (layer == EDA_ACTIVE ? LAYERS_ACTIVE : LAYERS_POLY);
@@ -146,7 +148,7 @@ static int cut(void *self, const eda_gates *gates, int layer, eda_cuts *cuts,
 
 /* ---- work: update ---- */
 
-/* Take in what was measured of a layer. */
+/* Store the measured errors and shifts of a layer. */
 static void take(epe_layer *l, const double *nm, const int32_t *shift,
                  const eda_field *print, double grid) {
   for (size_t i = 0; i < l->count; i++) {
@@ -161,7 +163,7 @@ static void take(epe_layer *l, const double *nm, const int32_t *shift,
   }
 }
 
-/* Mean of what errors cost along the edges, nm. */
+/* Return the mean cost of errors along the edges, nm. */
 static double mean_epe(const epe *d) {
   double sum = 0, length = 0;
   for (size_t k = 0; k < d->n_layers; k++) {
@@ -175,7 +177,7 @@ static double mean_epe(const epe *d) {
   return length > 0 ? sum / length : 0;
 }
 
-/* Is every edge as near as the grid can bring it? */
+/* Return whether the error of every edge is at most half a grid step. */
 static int solved(const epe *d) {
   for (size_t k = 0; k < d->n_layers; k++)
     for (size_t i = 0; i < d->layers[k].count; i++)
@@ -203,7 +205,7 @@ static void judge_gate(epe *d, const epe_layer *l, size_t i) {
     d->verdict[gate] = (uint8_t)why;
 }
 
-/* The state is the best so far: keep it, and how the gates fare. */
+/* Keep the present shifts as the best, with the verdicts of the gates. */
 static void keep(epe *d) {
   memset(d->verdict, UNMOVED, d->count);
   for (size_t k = 0; k < d->n_layers; k++) {
@@ -213,12 +215,14 @@ static void keep(epe *d) {
   }
 }
 
-/* The level set of a layer's print; NULL if there is none. */
+/* Return the level set of the printed image of a layer; NULL if there is
+   none. */
 static const eda_field *print_of(const eda_feedback *f, size_t layer) {
   return f->print ? &f->print[layer] : NULL;
 }
 
-/* Bars that print go for good. What was best had them: look anew. */
+/* Remove printed assist features for good. The best mask contained them, so
+   begin the search for the best anew. */
 static void drop_bars(epe *d, const eda_feedback *f) {
   size_t all = 0;
   for (size_t k = 0; k < d->n_layers && f->print; k++)
@@ -228,8 +232,8 @@ static void drop_bars(epe *d, const eda_feedback *f) {
   d->dropped += all;
 }
 
-/* The next mask may have bars that the loop has placed. What was best had
-   others: look anew. */
+/* Take over the assist features that the loop has placed. If they differ from
+   those of the best mask, begin the search for the best anew. */
 static void take_bars(epe *d, const eda_moves *moves) {
   int other = 0;
   for (size_t k = 0; k < d->n_layers && !d->assist.rows; k++)
@@ -238,7 +242,8 @@ static void take_bars(epe *d, const eda_moves *moves) {
   if (other) d->best = INFINITY;
 }
 
-/* How many bars the mask has, and how many were dropped. */
+/* Write the numbers of assist features on the mask and of removed ones as
+   metrics. */
 static int tell_of_bars(const epe *d, opc_error *error) {
   if (!d->assist.rows) return OPC_OK;
   size_t n = 0;
@@ -373,7 +378,7 @@ static const opc_parameter parameters[] = {
            "of the errors at other doses in the feedback"),
 };
 
-/* What is not given. */
+/* Compute the defaults of parameters that are not set. */
 static void follow(epe *d, eda_scanner scanner) {
   EDA_FOLLOW(d->host, "synthesizer.epe", d, parameters, scanner);
 }
@@ -386,7 +391,9 @@ static const opc_metric metrics[] = {
 
 static int check(void *self, opc_error *error) {
   const epe *d = self;
-  if (!(d->min_edge > d->fragment)) return OPC_OK; /* or not known yet */
+  if (!(d->min_edge > d->fragment))
+    return OPC_OK; /* false also while one of
+                      them is not known */
   return opc_fail(error, OPC_INVALID, "min_edge",
                   "%g nm is more than a fragment of %g nm", d->min_edge,
                   d->fragment);

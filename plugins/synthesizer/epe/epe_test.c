@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Fragments of shapes whose print is made up: solved, kept within the rules of
-   the mask (checked here edge by edge), the same for any number of threads. */
+/* Tests correction of shapes with a synthetic printed image: convergence, mask
+   rules (checked here edge by edge), and independence of the number of
+   threads. */
 #include <stdlib.h>
 
 #include "core/plugin/host.h"
@@ -8,7 +9,7 @@
 
 /* ---- solved ---- */
 
-/* It follows the mean of three fragments, at 2 nm a nm. */
+/* Mean shift of three fragments, 2 nm per nm. */
 static double coupled(const trial *t, size_t i) {
   return 8 +
          2 * (t->shift[before(t, i)] + t->shift[i] + t->shift[after(t, i)]) /
@@ -30,8 +31,8 @@ static void test_solved(void) {
   clear(&t);
 }
 
-/* Corners do not print; nothing they do helps. What is away from them comes
-   out, and they stay within the largest shift. */
+/* Corners do not print at any shift. Sites away from them converge, and corners
+   stay within the largest shift. */
 static double round_corners(const trial *t, size_t i) {
   int corner = t->cuts.from[i].y < 50 || t->cuts.from[i].y > 1950;
   return corner ? -30 : straight(t, i);
@@ -50,7 +51,7 @@ static void test_corners(void) {
   clear(&t);
 }
 
-/* A line that does not print is to grow; one that has merged, to shrink. */
+/* A line that does not print has to grow, a merged one to shrink. */
 static double hidden(const trial *t, size_t i) {
   return t->shift[i] < 10   ? (double)NAN
          : t->shift[i] > 25 ? (double)NAN
@@ -68,7 +69,7 @@ static void test_lost(void) {
 /* ---- fragments and sites ---- */
 
 static void test_cut(void) {
-  /* An L: concave at (200, 100). */
+  /* An L, concave at (200, 100). */
   const eda_box boxes[] = {{0, 0, 600, 100}, {0, 0, 200, 500}};
   g_autoptr(shapes) s = make_shapes(boxes, 2);
   trial t = correct(
@@ -98,7 +99,7 @@ static void test_cut(void) {
   clear(&t);
 }
 
-/* Where the end of another line projects, an edge is cut. */
+/* An edge is cut at the projection of the end of another line. */
 static void test_ripple(void) {
   const eda_box boxes[] = {{0, 0, 1000, 100}, {433, 200, 1500, 300}};
   g_autoptr(shapes) s = make_shapes(boxes, 2);
@@ -118,7 +119,7 @@ static void test_ripple(void) {
 
 /* ---- the rules of the mask ---- */
 
-/* An edge of the moved mask; the inside is on the left. */
+/* An edge of the corrected mask; the inside is on the left. */
 typedef struct side {
   int32_t at, low, high;
   int upright, out;
@@ -142,8 +143,9 @@ static GArray *sides_of(const trial *t, const eda_gates *gates) {
   return sides;
 }
 
-/* Pairs that face each other over less than `limit`: across the inside, where
-   they overlap along their edges, or a space, also from corner to corner. */
+/* Return the number of pairs that face each other at less than `limit`: through
+   the inside, where they overlap along the edges, or across a space, also from
+   corner to corner. */
 static int too_near(GArray *sides, int inside, int32_t limit) {
   int found = 0;
   for (guint i = 0; i < sides->len; i++)
@@ -163,7 +165,7 @@ static int broken(const trial *t, const eda_gates *gates) {
   return too_near(sides, 0, 40) + too_near(sides, 1, 40);
 }
 
-/* Shapes that are drawn by the rules stay within them. */
+/* Shapes drawn by the rules still obey them after correction. */
 static void test_rules(void) {
   int without = 0, tried = 0;
   for (uint32_t seed = 1; tried < 12; seed++) {

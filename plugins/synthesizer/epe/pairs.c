@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Width, space and edges of the mask: pairs of fragments that face each other,
-   found once, and kept apart at every move. Distances are Euclidean, as a mask
-   shop checks them; a pair that is drawn too near may not come nearer. */
+/* Implements the mask rules for width, space and edge length: pairs of
+   fragments that face each other are found once and kept apart at every move.
+   Distances are Euclidean, as in a mask rule check. A pair drawn too near may
+   not come nearer. */
 #include "epe.h"
 
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
 
-/* From fragment a to b, which lies on the side of the larger coordinate. */
+/* The gap from fragment a to fragment b on the side of larger coordinates. */
 typedef struct gap {
-  double across; /* along their axis */
-  double along;  /* between their ends; 0 or less if they overlap */
+  double across; /* along the axis of both */
+  double along;  /* between the ends; 0 or less if the fragments overlap */
 } gap;
 
 static gap gap_of(const epe_piece *p, const int32_t *shift, uint32_t a,
@@ -38,13 +39,14 @@ static void add_pair(finder *f, epe_pair pair) {
   l->pairs[l->pair_count++] = pair;
 }
 
-/* How far the ends of a fragment may come to move along its edge. */
+/* Return the largest move of the ends of a fragment along the edge. */
 static double stretch(const epe_layer *l, uint32_t i) {
   return l->pieces[i].corner ? l->rules->max_shift : 0;
 }
 
-/* Fragment i has its outside towards larger coordinates, j towards smaller
-   ones: across a space if j lies beyond i, else through the inside. */
+/* Add the pair if it may come too near. The outside of fragment i is towards
+   larger coordinates, that of j towards smaller ones: across a space if j is
+   beyond i, else through the inside. */
 static void consider(finder *f, uint32_t i, uint32_t j) {
   epe_layer *l = f->layer;
   const epe_piece *p = l->pieces;
@@ -57,8 +59,8 @@ static void consider(finder *f, uint32_t i, uint32_t j) {
   if (g.across > limit + 2 * l->rules->max_shift ||
       g.along > limit + stretch(l, a) + stretch(l, b))
     return;
-  /* Corners of two polygons that look past each other have no inside between
-     them. */
+  /* There is no inside between corners of two polygons that are past each
+     other. */
   if (inside && g.along >= 0 && p[i].polygon != p[j].polygon && !p[i].hole &&
       !p[j].hole)
     return;
@@ -80,8 +82,8 @@ static void find_around(finder *f, uint32_t i, int32_t reach) {
     if (p[j].axis == p[i].axis && p[j].sign < 0) consider(f, i, j);
 }
 
-/* How far fragment i begins (side 0) or ends (1) from the corner of its edge
-   there. */
+/* Return the distance of the begin (side 0) or end (side 1) of fragment i from
+   the corner of the edge at that side. */
 static int32_t off_corner(const epe_layer *l, uint32_t i, int side) {
   const epe_piece *p = l->pieces;
   uint32_t first = l->edge[p[i].edge], last = l->edge[p[i].edge + 1] - 1;
@@ -90,9 +92,9 @@ static int32_t off_corner(const epe_layer *l, uint32_t i, int side) {
                     epe_along(&p[i], p[i].from));
 }
 
-/* Fragments before and after the corner at the end of fragment i, but not those
-   that meet in it: at a concave corner nubs of both come near to each other, at
-   a convex one notches. */
+/* Add pairs of fragments before and after the corner at the end of fragment i,
+   without the two that meet in the corner: nubs of both come near to each other
+   at a concave corner, notches at a convex one. */
 static void find_at_corner(finder *f, uint32_t i) {
   epe_layer *l = f->layer;
   const epe_piece *p = l->pieces;
@@ -134,7 +136,7 @@ void epe_find_pairs(epe_layer *l) {
 
 /* ---- keeping them apart ---- */
 
-/* Fragment i goes back towards where it is drawn, by so many steps. */
+/* Move fragment i towards the drawn edge, by so many steps. */
 static void go_back(epe_layer *l, const int32_t *shift, uint32_t i,
                     int32_t by) {
   int32_t out = shift[i] > 0, left = abs(shift[i]) - by;
@@ -144,8 +146,8 @@ static void go_back(epe_layer *l, const int32_t *shift, uint32_t i,
   l->state[l->pieces[i].edge] |= EPE_NARROWED;
 }
 
-/* The neighbours around the corners of a fragment have made it longer: they go
-   back by a step. */
+/* Move the neighbours around the corners of a fragment back by one step, as
+   they have made it longer. */
 static void draw_in(epe_layer *l, const int32_t *shift, uint32_t i) {
   const epe_piece *p = &l->pieces[i];
   if (p->corner & EPE_FROM) go_back(l, shift, p->previous, 1);
@@ -161,10 +163,10 @@ static void leave_as_drawn(epe_layer *l, uint32_t i) {
   }
 }
 
-/* Both go back by their part of what is missing. */
+/* Move both fragments back, each by its part of the missing distance. */
 static void give_way(epe_layer *l, const int32_t *shift, const epe_pair *pair,
                      double missing) {
-  int sign = pair->inside ? -1 : 1; /* of the moves that close the gap */
+  int sign = pair->inside ? -1 : 1; /* sign of moves that close the gap */
   uint32_t who[2] = {pair->a, pair->b};
   double part[2], all = 0;
   for (int k = 0; k < 2; k++) all += part[k] = epe_max(0, sign * shift[who[k]]);
@@ -176,12 +178,11 @@ static void give_way(epe_layer *l, const int32_t *shift, const epe_pair *pair,
   for (int k = 0; k < 2; k++) draw_in(l, shift, who[k]);
 }
 
-/* Grid steps: corners lie on whole ones, and limits are floats, whose last bit
-   must not decide. */
+/* Grid steps: corners are on whole steps, but limits are rounded floats. */
 static const double slack = 1e-3;
 
-/* How near the jogs of two fragments around a corner are to each other; far,
-   if not both of them stand out. */
+/* Return the distance between the jogs of two fragments around a corner; a
+   large one unless both protrude. */
 static double around_corner(const epe_layer *l, const int32_t *shift,
                             const epe_pair *pair) {
   uint32_t a = pair->a, b = pair->b;
@@ -202,7 +203,8 @@ static int too_near(const epe_layer *l, const int32_t *shift,
   if (epe_line(p, shift, pair->b) - epe_line(p, shift, pair->a) >= limit)
     return 0;
   gap g = gap_of(p, shift, pair->a, pair->b);
-  /* Past each other, the wall of one faces a jog or the wall of the other. */
+  /* If they are past each other, the wall of one faces a jog or the wall of the
+     other. */
   return g.along <= 0 || hypot(epe_max(g.across, 0), g.along) < limit;
 }
 
@@ -217,9 +219,9 @@ static void look_at_pair(void *data, size_t k) {
   l->broken[k] = (uint8_t)too_near(l, s->shift, &l->pairs[k]);
 }
 
-/* An edge whose corners have come too near to each other, or have changed
-   places: the edges around it go back. No edge gets shorter than min_edge, or
-   than it was drawn if that is less. */
+/* Move the edges around edge e back if its corners are too near to each other
+   or have changed places. No edge gets shorter than min_edge, or than drawn if
+   that is less. Return whether the edge was too short. */
 static int lengthen(epe_layer *l, const int32_t *shift, size_t e, int hard) {
   const epe_piece *p = l->pieces;
   uint32_t first = l->edge[e], last = l->edge[e + 1] - 1;
@@ -237,7 +239,7 @@ static int lengthen(epe_layer *l, const int32_t *shift, size_t e, int hard) {
   }
   double from = epe_max(0, way * (begin - drawn_begin));
   double to = epe_max(0, way * (drawn_end - end));
-  /* Each goes back by its part of what is missing. */
+  /* Each moves back by its part of the missing length. */
   double part = missing / (from + to);
   go_back(l, shift, p[first].previous, (int32_t)ceil(from * part));
   go_back(l, shift, p[last].next, (int32_t)ceil(to * part));

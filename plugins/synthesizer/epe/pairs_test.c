@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Fragments that may come too near to each other, against a look at all of
-   them; and by how much two that have go back. */
+/* Tests pairs of fragments against an exhaustive search, and the moves that
+   separate them. */
 #include "cut.c"
 
 #include "tools/devel/testing.h"
@@ -28,7 +28,7 @@ static const epe_rules rules = {.fragment = 40,
                                 .max_shift = SHIFT,
                                 .blur = 40};
 
-/* The fragments of boxes, merged. */
+/* Cut merged boxes into fragments. */
 static void cut_boxes(epe_layer *l, const eda_box *boxes, int n,
                       eda_shapes *drawn) {
   eda_point points[4 * BOXES];
@@ -50,7 +50,8 @@ static void cut_boxes(epe_layer *l, const eda_box *boxes, int n,
   epe_find_pairs(l);
 }
 
-/* How near two that face each other are: the way between their walls. */
+/* Return the distance between the walls of two fragments that face each
+   other. */
 static double apart(const epe_layer *l, const int32_t *shift, uint32_t i,
                     uint32_t j) {
   const epe_piece *p = l->pieces;
@@ -67,7 +68,7 @@ static int has_pair(const epe_layer *l, uint32_t a, uint32_t b, int inside) {
   return 0;
 }
 
-/* Whoever comes nearer than the rule and than it was drawn is among them. */
+/* All fragments that may come nearer than the rule and than drawn are found. */
 static void test_all(void) {
   int near[2] = {0};
   for (int n = 0; n < 12; n++) {
@@ -97,7 +98,8 @@ static void test_all(void) {
           double limit = inside ? WIDTH : SPACE;
           double was = apart(&l, NULL, i, j), is = apart(&l, shift, i, j);
           if (is >= fmin(limit, was) - 0.01) continue;
-          /* Past each other there is no inside between two polygons. */
+          /* There is no inside between two polygons that are past each
+             other. */
           if (inside && p->polygon != q->polygon) continue;
           if (!has_pair(&l, inside ? j : i, inside ? i : j, inside))
             g_error("%u and %u: %g, drawn %g", i, j, is, was);
@@ -119,8 +121,7 @@ static void test_all(void) {
   g_assert_cmpint(near[1], >, 200);
 }
 
-/* The fragment in the middle of the edge of a box, by the normal of the edge.
- */
+/* Return the fragment in the middle of the edge of a box with this normal. */
 static uint32_t middle_of(const epe_layer *l, uint32_t polygon, int axis,
                           int sign) {
   for (uint32_t i = l->start[polygon]; i < l->start[polygon + 1]; i++) {
@@ -133,8 +134,8 @@ static uint32_t middle_of(const epe_layer *l, uint32_t polygon, int axis,
   g_assert_not_reached();
 }
 
-/* Each goes back by its part of what is missing, rounded up: two lines 60
-   apart that may be 52, and one 50 wide that may be 46. */
+/* Each fragment moves back by its part of the missing distance, rounded up: two
+   lines 60 apart with a space of 52, and one 50 wide with a width of 46. */
 static void test_way(void) {
   static const struct {
     int32_t by[2], left[2];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Lines corrected with the real models: their printed widths, in and out of
+/* Tests correction of lines with the real models: printed widths, in and out of
    focus. */
 #include "trial_test.h"
 
@@ -9,7 +9,7 @@ static const opc_host *host;
 
 /* ---- real models ---- */
 
-/* A line of 65 nm, alone, corrected. */
+/* An isolated, corrected line of 65 nm. */
 typedef struct printed {
   eda_layout *layout;
   opc_module *segment, *module;
@@ -53,7 +53,7 @@ static void clear_print(printed *p) {
 static void test_line(void) {
   printed p = print_line("iterations: 20");
   const eda_mask *result = p.mask[0];
-  /* The printed width along the line, and where it ends. */
+  /* Printed width along the line, and the printed line ends. */
   for (double y = 60; y < 1940; y += 47) {
     const eda_field *f = &result->print[EDA_POLY];
     double low = eda_field_edge(f, EDA_X, 0, y, 40);
@@ -66,7 +66,7 @@ static void test_line(void) {
   clear_print(&p);
 }
 
-/* The width of the line in its middle, out of focus. */
+/* Return the printed width in the middle of the line, out of focus. */
 static double width_at(printed *p, double defocus) {
   opc_error error;
   g_autofree char *text = g_strdup_printf(
@@ -87,7 +87,7 @@ static double width_at(printed *p, double defocus) {
   return isnan(low) || isnan(high) ? 0 : 65 + high - low;
 }
 
-/* Bars beside a line hold its width out of focus. */
+/* Assist features beside a line preserve its width out of focus. */
 static void test_depth(void) {
   double lost[2];
   for (int bars = 0; bars < 2; bars++) {
@@ -102,7 +102,8 @@ static void test_depth(void) {
   g_assert_cmpfloat(fabs(lost[1]), <, 0.8 * fabs(lost[0]));
 }
 
-/* Bars as wide as the line print, and go; narrow ones do not, and stay. */
+/* Assist features as wide as the line print and are removed; narrow ones do not
+   print and stay. */
 static void test_dropped(void) {
   for (int wide = 0; wide < 2; wide++) {
     opc_test_forget();
@@ -114,7 +115,7 @@ static void test_dropped(void) {
     const eda_mask *m = p.mask[0];
     double there = opc_test_metric("assists");
     double dropped = opc_test_metric("assists_dropped");
-    /* Nothing but the line prints. */
+    /* Only the line prints. */
     for (double y = -1000; y <= 3000; y += 10)
       for (double x = -500; x <= 565; x += 10) {
         double value;
@@ -124,13 +125,14 @@ static void test_dropped(void) {
       }
     g_assert_cmpuint(m->shapes[EDA_POLY].count, ==, 1 + (size_t)there);
     g_assert_cmpfloat(there + dropped, ==, 4);
-    /* At its ends they are too short to print. */
+    /* Those at the line ends are too short to print. */
     g_assert_cmpfloat(dropped, ==, wide ? 2 : 0);
     clear_print(&p);
   }
 }
 
-/* A further layer is cut as poly is, and not where active alone is wanted. */
+/* A further layer is fragmented like poly, and not if only active is
+   corrected. */
 static void test_further_layer(void) {
   static char *names[] = {"poly", "active", "metal1"};
   static uint8_t corrected[] = {1, 1, 1};

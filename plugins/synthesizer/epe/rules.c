@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From where feedback wants the fragments to a mask that can be made: on the
-   grid, with no jog lower than the least one, no piece of an edge too short,
-   nothing too narrow or too near. */
+/* Implements the step from the shifts requested by the feedback to a mask that
+   can be manufactured: on the grid, without jogs below the least one, short
+   edges, or violations of width and space. */
 #include "epe.h"
 
 #include <math.h>
@@ -20,9 +20,9 @@ static void set_shift(epe_run *r) {
   r->shift = clamp(r->weighted / r->length, r->low, r->high);
 }
 
-/* The runs of an edge are a list; the first one is always runs[0]. What the
-   grid does not give is carried on along the edge, until it is worth a jog: the
-   print sees the mean of what is near. */
+/* Begin the runs of an edge, a list whose first element is always runs[0]. The
+   rounding error of the grid is carried along the edge until it amounts to a
+   jog: the optics average over the environment. */
 static void begin_runs(const epe_layer *l, size_t e, epe_run *runs) {
   int32_t n = (int32_t)(l->edge[e + 1] - l->edge[e]);
   double missing = 0, worth = l->rules->blur / tuned.jog_part;
@@ -47,7 +47,7 @@ static void begin_runs(const epe_layer *l, size_t e, epe_run *runs) {
   }
 }
 
-/* Run k and the one after it become one. Bounds always have 0 between them. */
+/* Merge run k with the next one. Bounds always include 0. */
 static void merge(epe_run *runs, int32_t k) {
   epe_run *a = &runs[k];
   const epe_run *b = &runs[a->after];
@@ -65,8 +65,8 @@ static int differ(const epe_run *runs, int32_t k, int32_t n) {
   return abs(runs[k].shift - runs[n].shift);
 }
 
-/* Merge run k with all around it that differ by at most `jog`; where it is
-   then. */
+/* Merge run k with all neighbours whose shifts differ by at most `jog`. Return
+   the index of the merged run. */
 static int32_t absorb(epe_run *runs, int32_t k, int32_t jog) {
   for (;;) {
     int32_t before = runs[k].before, after = runs[k].after;
@@ -85,8 +85,8 @@ static int convex(const epe_piece *p, const epe_piece *next) {
   return (p->sign * next->sign > 0) == (p->axis == EDA_X);
 }
 
-/* Does the mask end at that side of run k, so that its inside is bounded there,
-   or does it go on, so that the space before it is? */
+/* Return whether the mask ends at that side of run k, so that its width is
+   bounded there, or continues, so that the space before the run is. */
 static int falls(const epe_layer *l, const epe_run *runs, const epe_run *r,
                  int side) {
   const epe_piece *p = l->pieces;
@@ -112,8 +112,8 @@ static int too_short(const epe_layer *l, const epe_run *runs, int32_t k,
   return (rises ? length : -length) < least;
 }
 
-/* The neighbour of run k that is nearer to it is merged with it; where it is
-   then. */
+/* Merge run k with the neighbour of the nearer shift. Return the index of the
+   merged run. */
 static int32_t join(epe_run *runs, int32_t k) {
   int32_t before = runs[k].before, after = runs[k].after;
   if (after < 0 ||
@@ -123,8 +123,8 @@ static int32_t join(epe_run *runs, int32_t k) {
   return k;
 }
 
-/* The shifts of an edge, into l->settled; `shift` says where its corners are.
- */
+/* Compute the shifts of an edge into l->settled; `shift` determines the
+   corners. */
 static void settle_edge(epe_layer *l, size_t e, const int32_t *shift) {
   int32_t jog = l->rules->min_jog > 1 ? l->rules->min_jog - 1 : 0;
   epe_run *runs = l->runs + l->edge[e];
@@ -138,7 +138,7 @@ static void settle_edge(epe_layer *l, size_t e, const int32_t *shift) {
       continue;
     }
     k = absorb(runs, join(runs, k), jog);
-    /* The one before may now be a nub or a notch. */
+    /* The run before may now be a nub or a notch. */
     if (runs[k].before >= 0) k = runs[k].before;
   }
   for (int32_t k = 0; k >= 0; k = runs[k].after)
@@ -146,7 +146,7 @@ static void settle_edge(epe_layer *l, size_t e, const int32_t *shift) {
       l->settled[i] = runs[k].shift;
 }
 
-/* The runs that an edge has, as it is. */
+/* Find the runs of an edge at the present shifts. */
 static void find_runs(const epe_layer *l, size_t e, const int32_t *shift,
                       epe_run *runs) {
   int32_t n = 0;
@@ -165,8 +165,8 @@ static void find_runs(const epe_layer *l, size_t e, const int32_t *shift,
   }
 }
 
-/* Has a run of an edge become too short, as its corners have moved since it was
-   settled? */
+/* Return whether a run of an edge is too short because corners moved since the
+   edge was settled. */
 static int has_short(epe_layer *l, size_t e, const int32_t *shift) {
   epe_run *runs = l->runs + l->edge[e];
   find_runs(l, e, shift, runs);
@@ -199,8 +199,8 @@ static void check_edge(void *data, size_t e) {
   if (has_short(r->layer, e, r->shift)) *state |= EPE_SHORT;
 }
 
-/* Settle the edges that are to be; how many have a run that is too short then.
-   `whole`: they are to move in one piece from now on. */
+/* Settle the edges marked for it. Return the number of edges with a run that is
+   too short. `whole`: these edges move as one run from now on. */
 static size_t settle_edges(epe_layer *l, int32_t *shift, int whole) {
   round_state r = {l, shift};
   size_t found = 0;

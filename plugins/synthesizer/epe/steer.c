@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Feedback: how far each fragment has to move for the errors to vanish. The
-   errors are taken to change by gain * coupling * moves, the gain of each site
-   being measured; the moves are those of the least squares (Gauss-Newton,
-   after Levenberg; N. Cobb, Y. Granik, "Model-based OPC using the MEEF matrix",
-   SPIE 4889, 2002). */
+/* Implements the feedback: moves of fragments that correct the errors. Errors
+   are modelled as gain * coupling * moves with a measured gain for each site;
+   the moves are the solution of the damped least squares (Gauss-Newton,
+   Levenberg; N. Cobb, Y. Granik, "Model-based OPC using the MEEF matrix", SPIE
+   4889, 2002). */
 #include "epe.h"
 
 #include <math.h>
@@ -15,7 +15,7 @@ enum { PUSH, RESIDUAL, DIRECTION, IMAGE, SEEN };
 
 /* ---- sums ---- */
 
-/* Several side by side: none waits for the last addition of another. */
+/* Independent partial sums, so that no addition waits for the previous one. */
 enum { SUMS = 4 };
 
 static double dot(const double *a, const double *b, size_t n) {
@@ -32,7 +32,7 @@ static double dot(const double *a, const double *b, size_t n) {
 typedef struct product {
   const epe_coupling *matrix;
   const double *in;
-  const double *gain; /* on each number of the result; NULL: 1 */
+  const double *gain; /* factor of each element of the result; NULL: 1 */
   double *out;
 } product;
 
@@ -62,7 +62,7 @@ static void multiply(const epe_layer *l, const epe_coupling *m,
 
 /* ---- gains ---- */
 
-/* By least squares over a site and its neighbours. */
+/* Return the gain by least squares over a site and its neighbours. */
 static double measured_gain(const epe_layer *l, uint32_t i) {
   double along = 0, square = 0;
   uint32_t k = i;
@@ -89,8 +89,9 @@ static void measure_gains(epe_layer *l) {
 
 /* ---- the moves ---- */
 
-/* The moves that make up for `errors`, into work[PUSH]: conjugate gradients on
-   (J'J + stiffness) moves = -J' errors, with J = gain * coupling. */
+/* Compute the moves that correct `errors` into work[PUSH], by conjugate
+   gradients on (J'J + stiffness) moves = -J' errors, with J = gain *
+   coupling. */
 static void solve(epe_layer *l, double stiffness, const double *errors) {
   double *x = l->work[PUSH], *r = l->work[RESIDUAL], *d = l->work[DIRECTION];
   double *image = l->work[IMAGE], *seen = l->work[SEEN];
@@ -116,8 +117,8 @@ static void solve(epe_layer *l, double stiffness, const double *errors) {
   }
 }
 
-/* A fragment whose error changes its sign has gone too far: it goes on with
-   smaller moves; one that keeps it, with larger ones. */
+/* Return the next bound of a move: smaller after a change of sign of the error
+   (overshoot), else larger. */
 static double next_step(const epe_layer *l, uint32_t i, double most) {
   double e = l->error[i], before = l->before[i];
   double step = epe_min(l->step[i], most);
@@ -132,8 +133,8 @@ void epe_steer(epe_layer *l, const epe_steering *by) {
   for (uint32_t i = 0; i < l->count; i++) {
     double e = l->error[i];
     l->step[i] = next_step(l, i, by->step);
-    /* No edge is near: the feature does not print and is to grow, unless it
-       was too large before, and has run into another one. */
+    /* No edge nearby: the feature does not print and has to grow, or it was too
+       large before, has merged with another one, and has to shrink. */
     if (isnan(e)) e = by->step * (l->side[i] > 0 ? tuned.lost : -tuned.lost);
     l->side[i] = e;
   }
@@ -141,7 +142,8 @@ void epe_steer(epe_layer *l, const epe_steering *by) {
   for (uint32_t i = 0; i < l->count; i++) {
     double move =
         epe_within(by->damping * l->work[PUSH][i], -l->step[i], l->step[i]);
-    /* What the rules did not allow is not to pile up. */
+    /* Discard requests that the rules did not allow, so that they do not
+       accumulate. */
     double from =
         epe_within(l->wanted[i], l->shift[i] - slack, l->shift[i] + slack);
     l->wanted[i] = from + move;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For the tests of synthesizer.epe: shapes without transistors, and their
-   correction by placement errors that a function of the test computes. */
+/* Test helpers of synthesizer.epe: shapes without transistors, and their
+   correction by placement errors that a function of the test returns. */
 #ifndef SYNTHESIZER_EPE_TRIAL_TEST_H
 #define SYNTHESIZER_EPE_TRIAL_TEST_H
 
@@ -12,7 +12,7 @@
 
 /* ---- shapes ---- */
 
-enum { LAYERS = 2 }; /* poly and active, which has no shapes */
+enum { LAYERS = 2 }; /* poly and active; active has no shapes */
 
 typedef struct shapes {
   eda_gates gates;
@@ -20,7 +20,7 @@ typedef struct shapes {
   eda_edges edges[LAYERS];
 } shapes;
 
-/* Merged boxes on a grid of 1 nm. */
+/* Return merged boxes on a grid of 1 nm. */
 static inline shapes *make_shapes(const eda_box *boxes, size_t n) {
   shapes *s = g_new0(shapes, 1);
   g_autofree eda_point *points = g_new(eda_point, 4 * n);
@@ -58,7 +58,7 @@ static inline uint32_t draw(uint32_t *state, uint32_t below) {
   return (*state >> 8) % below;
 }
 
-/* Wires with gaps, links between them, and steps of a few nm. */
+/* Return wires with gaps, links between them, and jogs of a few nm. */
 static inline shapes *messy(uint32_t seed) {
   eda_box boxes[200];
   size_t n = 0;
@@ -133,18 +133,18 @@ static inline size_t before(const trial *t, size_t i) {
   return i - 1;
 }
 
-/* The print follows at 1.5 nm a nm and is 9 nm too small. */
+/* Return errors of an image 9 nm too small that follows at 1.5 nm per nm. */
 static inline double straight(const trial *t, size_t i) {
   return -9 + 1.5 * t->shift[i];
 }
 
-/* Errors of no sense at all, to 40 nm. */
+/* Return random errors up to 40 nm. */
 static inline double nonsense(const trial *t, size_t i) {
   uint32_t state = (uint32_t)(i * 7919 + 13);
   return draw(&state, 80) - 40.0 + 0.1 * t->shift[i];
 }
 
-/* The mask that the moves make, merged. */
+/* Return the merged mask of the moves. */
 static inline eda_shapes moved_of(const trial *t, const eda_gates *gates) {
   g_autoptr(GArray) points = g_array_new(FALSE, FALSE, sizeof(eda_point));
   g_autoptr(GArray) start = g_array_new(FALSE, FALSE, sizeof(uint32_t));

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The process window in the feedback: another dose prints another level of the
-   same level set. Where its contours are far off, as features are about to
-   merge or to vanish, the edge is worth moving though the print itself is
-   right. */
+/* Implements the process window in the feedback: another dose prints another
+   level of the same level set. Where such a contour is far from the edge,
+   because features are about to merge or vanish, the edge moves even if the
+   nominal contour is right. */
 #include "epe.h"
 
 #include <math.h>
 
 #include "tuning.h"
 
-/* The edge placement error of the contour where the level set is `level`, nm;
-   at most tuned.window_reach. */
+/* Return the edge placement error of the contour at the level `level`, nm; at
+   most tuned.window_reach. */
 static double error_at(const epe_layer *l, uint32_t i, const eda_field *print,
                        double level) {
   const epe_piece *p = &l->pieces[i];

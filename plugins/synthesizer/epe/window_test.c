@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Dose variations weighed against placement errors; a printed image that
-   vanishes or covers everything. */
+/* Tests doses weighed against placement errors, and printed images that vanish
+   or cover everything. */
 #include "trial_test.h"
 
 #include "core/plugin/host.h"
@@ -9,7 +9,8 @@ static const opc_host *host;
 
 /* ---- what else a print tells ---- */
 
-/* A line 200 nm wide and its print, of which only the level set counts. */
+/* A line 200 nm wide and a printed image of which only the level set is
+   used. */
 typedef struct seen {
   opc_module *module;
   eda_gates *gates;
@@ -40,8 +41,8 @@ static seen see(const char *parameters, eda_gates *gates) {
   return s;
 }
 
-/* cos + 0.3 cos 2 + 0.3 of 2 pi x / 400 nm from the middle of the line, times
-   `scale`, plus `more`. */
+/* Set the level set to cos + 0.3 cos 2 + 0.3 of 2 pi x / 400 nm from the middle
+   of the line, times `scale`, plus `more`. */
 static void shine(seen *s, double scale, double more) {
   for (int i = 0; i < 10000; i++) {
     double t = 2 * G_PI * (i % 100 * 4 - 200) / 400;
@@ -75,8 +76,8 @@ static void look_no_more(seen *s) {
   g_free(s->epe);
 }
 
-/* The mean move of the sides about the middle of the line: the grid's rounding
-   is spread along them. */
+/* Return the mean move of the sides around the middle of the line; rounding by
+   the grid is spread along them. */
 static double move_of_middle(const seen *s) {
   double sum = 0, n = 0;
   for (size_t i = 0; i < s->count; i++) {
@@ -87,8 +88,8 @@ static double move_of_middle(const seen *s) {
   return sum / n;
 }
 
-/* The edge is where it should be, but other doses put it 33.3 nm out and 19.2
-   nm in: c + 0.6 c^2 = -+0.35, c the cosine. */
+/* The nominal edge is right, but other doses print 33.3 nm outside and 19.2 nm
+   inside: c + 0.6 c^2 = -+0.35 with c the cosine. */
 static void test_window(void) {
   const eda_box line = {0, 0, 200, 2000};
   g_autoptr(shapes) s = make_shapes(&line, 1);
@@ -105,15 +106,15 @@ static void test_window(void) {
     seen n = see(p, &s->gates);
     shine(&n, 0.1, 0);
     look(&n, 0);
-    if (!weight) look(&n, 2); /* else it is solved */
+    if (!weight) look(&n, 2); /* else all errors are solved */
     double expected = weight ? -mean * weight / 2 : -2;
     g_assert_cmpfloat(fabs(move_of_middle(&n) - expected), <, 0.3);
     look_no_more(&n);
   }
 }
 
-/* What printed too large and is then gone has to grow; what then covers
-   everything, to shrink. */
+/* A feature that printed too large and then vanished has to grow; one that then
+   covers everything has to shrink. */
 static void test_gone(void) {
   const eda_box line = {0, 0, 200, 2000};
   g_autoptr(shapes) s = make_shapes(&line, 1);

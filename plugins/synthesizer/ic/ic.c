@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* synthesizer.ic: hybrid Ion and capacitance based OPC (thesis chapter 5,
-   figure 5.2): each transistor's L or W is changed by one grid step as the
-   signs of its current and area deviations say (figure 5.3), while their
-   weighted sum falls. */
+/* Implements synthesizer.ic: hybrid Ion and capacitance based OPC (thesis
+   chapter 5, figure 5.2). L or W of each transistor moves by one grid step,
+   chosen by the signs of its current and area deviations (figure 5.3), while
+   their weighted sum falls. */
 #include <eda/memory.h>
 #include <eda/synthesizer.h>
 #include <math.h>
@@ -13,7 +13,7 @@
 
 enum { FREEZE, CONTINUE };
 
-/* Why a transistor stays where it is. */
+/* Verdicts of transistors. */
 enum { WITHIN, STALLED, BRIDGING, BIAS, MOVING, VERDICTS };
 static const char *const verdicts[VERDICTS] = {
     "within limit", "stalled", "bridging", "bias limit", "not done"};
@@ -29,14 +29,14 @@ static const struct {
                 [NARROWER] = {0, -1, EDA_VETO_NARROWER}};
 
 typedef struct transistor {
-  double eff; /* effective deviation when last measured */
-  /* CONTINUE: of its best state. */
+  double eff; /* effective deviation at the last measurement */
+  /* CONTINUE: figures of the best state. */
   double best_eff, best_di, best_da;
   int32_t best_l, best_w;
-  int8_t moved;  /* the way of its last correction, -1: none */
-  uint8_t tried; /* CONTINUE: ways from the best state that failed */
+  int8_t moved;  /* last correction; -1: none */
+  uint8_t tried; /* CONTINUE: corrections from the best state that failed */
   uint8_t ended;
-  uint8_t why; /* it ended, if it is not within the limits */
+  uint8_t why; /* verdict once ended outside the limits */
   uint8_t verdict;
   int64_t retries;
 } transistor;
@@ -52,12 +52,12 @@ typedef struct ic {
   size_t count;
 } ic;
 
-/* What is measured of a transistor. */
+/* Measured figures of a transistor. */
 typedef struct measured {
   double di, da;        /* signed, %: lines 7 and 8 */
   double eff;           /* line 9 */
   double length, width; /* drawn, in grid steps */
-  int32_t most;         /* of L */
+  int32_t most;         /* largest |bias| of L, grid steps */
   int32_t most_w;
   uint32_t veto;
 } measured;
@@ -91,7 +91,7 @@ static measured measure(const ic *c, const eda_feedback *f, size_t i) {
                 .most = (int32_t)(c->max_bias / g->grid),
                 .veto = f->vetoes[i]};
   m.eff = c->alpha_i * fabs(m.di) + c->alpha_a * fabs(m.da);
-  if (f->flags[i] & EDA_PRINT_OPEN) m.eff = INFINITY; /* has no figures */
+  if (f->flags[i] & EDA_PRINT_OPEN) m.eff = INFINITY; /* no measured figures */
   m.most_w = (int32_t)fmin(m.most, m.width / 2);
   return m;
 }
@@ -100,7 +100,8 @@ static int outside(const ic *c, const measured *m) {
   return fabs(m->di) > c->ion_limit || fabs(m->da) > c->area_limit;
 }
 
-/* The decision matrix, lines 12 to 19; -1 where a deviation is exactly 0. */
+/* Return the correction by the decision matrix, lines 12 to 19; -1 where a
+   deviation is exactly 0. */
 static int decide(const measured *m) {
   if (m->di > 0 && m->da < 0) return LONGER;
   if (m->di < 0 && m->da > 0) return SHORTER;
@@ -115,7 +116,8 @@ static void end(transistor *t, int why) {
   t->why = (uint8_t)why;
 }
 
-/* Make a correction of (l, w), unless it is forbidden, which ends it. */
+/* Apply a correction to (l, w). If a veto or the bias limit forbids it, end the
+   transistor. */
 static void make(transistor *t, const measured *m, int way, int32_t *l,
                  int32_t *w) {
   t->moved = -1;
@@ -132,9 +134,9 @@ static void make(transistor *t, const measured *m, int way, int32_t *l,
   }
 }
 
-/* Lines 10 to 20 for one transistor. One that is restored ends: as its mask is
-   then that of an iteration before, the figure would repeat the same step for
-   ever. */
+/* Perform lines 10 to 20 for one transistor. A restored transistor ends: its
+   mask equals that of an earlier iteration, so the figure would repeat the same
+   step for ever. */
 static void step_or_freeze(const ic *c, transistor *t, const measured *m,
                            int32_t *l, int32_t *w) {
   int vetoed = t->moved >= 0 && m->veto & ways[t->moved].veto;
@@ -147,8 +149,8 @@ static void step_or_freeze(const ic *c, transistor *t, const measured *m,
   }
 }
 
-/* The effective deviation after a correction, if Ion goes with W / L and the
-   area with W L. */
+/* Return the effective deviation expected after a correction, with Ion
+   proportional to W / L and area to W L. */
 static double predicted(const ic *c, const measured *m, int way) {
   double by_l = 100 * ways[way].l / m->length,
          by_w = 100 * ways[way].w / m->width;
@@ -156,8 +158,8 @@ static double predicted(const ic *c, const measured *m, int way) {
          c->alpha_a * fabs(m->da + by_l + by_w);
 }
 
-/* What to try next from the best state: what the matrix says, then the others
-   by what they promise. -1 if none is left. */
+/* Return the next correction to try from the best state: first that of the
+   matrix, then the others by expected deviation; -1 if none remains. */
 static int next_way(const ic *c, const transistor *t, measured m) {
   m.di = t->best_di;
   m.da = t->best_da;
@@ -173,8 +175,8 @@ static int next_way(const ic *c, const transistor *t, measured m) {
   return best;
 }
 
-/* The variant that goes on: back to the best state, and another way from
-   there. */
+/* Perform the variant CONTINUE: return to the best state and try another
+   correction from there. */
 static void step_or_retry(const ic *c, transistor *t, const measured *m,
                           int32_t *l, int32_t *w) {
   int vetoed = t->moved >= 0 && m->veto & ways[t->moved].veto;
@@ -200,8 +202,8 @@ static void step_or_retry(const ic *c, transistor *t, const measured *m,
   t->moved = (int8_t)way;
 }
 
-/* It is done when no mask changes (line 21), and the print neither: line ends
-   of the regulator may do so. */
+/* Correct all transistors. The loop is done when neither a mask (line 21) nor a
+   measured figure changes; line ends of the regulator may change figures. */
 static int update(void *self, const eda_feedback *f, eda_moves *moves,
                   int *done, opc_error *error) {
   ic *c = self;
@@ -213,7 +215,8 @@ static int update(void *self, const eda_feedback *f, eda_moves *moves,
     int32_t l = moves->l[i], w = moves->w[i];
     if (t->eff != m.eff && isfinite(t->eff)) *done = 0;
     if (!t->ended && isinf(m.eff) && isinf(t->eff))
-      make(t, &m, LONGER, &moves->l[i], &moves->w[i]); /* it is too thin */
+      make(t, &m, LONGER, &moves->l[i], &moves->w[i]); /* an open line is too
+                                                          thin */
     else if (!t->ended)
       (c->stall == FREEZE ? step_or_freeze : step_or_retry)(
           c, t, &m, &moves->l[i], &moves->w[i]);
@@ -263,7 +266,7 @@ static const opc_parameter parameters[] = {
             "largest correction of L or of W, and no more than half of W"),
 };
 
-/* What is not given. */
+/* Compute the defaults of parameters that are not set. */
 static void follow(ic *c, eda_scanner scanner) {
   EDA_FOLLOW(c->host, "synthesizer.ic", c, parameters, scanner);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Thesis figure 5.2 followed by hand on transistors whose response is a
-   formula. */
+/* Tests thesis figure 5.2 by hand calculations on transistors whose response is
+   a formula. */
 #include <eda/eda.h>
 
 #include "tools/devel/testing.h"
@@ -9,23 +9,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* One transistor: deviations of Ion and area at each mask, linear in l and w
-   but for `bend`, % of area for each step of W beyond two. */
+/* One transistor with deviations of Ion and area that are linear in l and w,
+   plus `bend`, % of area for each step of W beyond two. */
 typedef struct model {
   double i, i_by_l, i_by_w;
   double a, a_by_l, a_by_w;
   double bend;
-  uint32_t veto; /* from |l| + |w| = veto_from on */
+  uint32_t veto; /* vetoes from |l| + |w| = veto_from on */
   int32_t veto_from;
-  int32_t prints_from; /* l, if not 0: thinner lines are open */
-  uint32_t lot;        /* not 0: what adds up to 2 % and vetoes, by lot */
+  int32_t prints_from; /* smallest l that prints; 0: all print */
+  uint32_t lot;        /* not 0: seed of random deviations up to 2 % and of
+                          random vetoes */
   double width;        /* 0: 200 */
   int32_t l, w;
   GString *trace; /* "l,w " after each update */
   int updates;
 } model;
 
-/* -1 to 1, always the same for a mask. */
+/* Return a value from -1 to 1, a function of mask and seed. */
 static double by_lot(const model *t, int32_t l, int32_t w, uint32_t which) {
   uint32_t h = t->lot;
   const uint32_t parts[] = {(uint32_t)l, (uint32_t)w, which};
@@ -103,7 +104,7 @@ static void follow(const char *parameters, model t, const char *trace,
   g_string_free(t.trace, TRUE);
 }
 
-/* Lines 12 to 19: each quarter of the decision matrix, one step in. */
+/* Lines 12 to 19: one step in each quarter of the decision matrix. */
 static void test_matrix(void) {
   const struct {
     double i, a;
@@ -120,13 +121,13 @@ static void test_matrix(void) {
 }
 
 /* I +7, A -4; a step of L: I -3, A +1.5; of W: I +0.5, A +0.5. By hand:
-   k  mask   I     A     Eff   line
-   0  0,0   +7.0  -4.0  11.0   13: increase L
-   1  1,0   +4.0  -2.5   6.5   falls; 13
-   2  2,0   +1.0  -1.0   2.0   falls; 13
-   3  3,0   -2.0  +0.5   2.5   rises; 20: restored
-   4  2,0   +1.0  -1.0   2.0   it has ended
-   5  2,0   nothing has changed: line 22 */
+     k  mask   I     A     Eff   line
+     0  0,0   +7.0  -4.0  11.0   13: increase L
+     1  1,0   +4.0  -2.5   6.5   falls; 13
+     2  2,0   +1.0  -1.0   2.0   falls; 13
+     3  3,0   -2.0  +0.5   2.5   rises; 20: restored
+     4  2,0   +1.0  -1.0   2.0   ended
+     5  2,0   nothing changed: line 22 */
 static void test_freeze(void) {
   const model t = {.i = 7,
                    .i_by_l = -3,
@@ -137,15 +138,15 @@ static void test_freeze(void) {
   follow("{}", t, "1,0 2,0 3,0 2,0 2,0 2,0 ", "stalled");
 }
 
-/* The same, with A +0.3 a step of W, goes on from (2, 0), I +1 and A -1:
-   k  mask   I     A     Eff
-   3  3,0   -2.0  +0.5   2.5   failed: longer, which the matrix says. Of the
-                               others, wider and narrower promise as much, 2
-   4  2,1   +1.5  -0.7   2.2   failed: wider
-   5  2,-1  +0.5  -1.3   1.8   falls: the matrix says longer
-   6  3,-1  -2.5  +0.2   2.7   failed; wider comes first again
-   7  2,0   +1.0  -1.0   2.0   failed; narrower
-   8  2,-2   0.0  -1.6   1.6   falls */
+/* The same with A +0.3 per step of W continues from (2, 0), I +1 and A -1:
+     k  mask   I     A     Eff
+     3  3,0   -2.0  +0.5   2.5   failed: longer, by the matrix. Wider and
+                                 narrower have the same expected deviation, 2
+     4  2,1   +1.5  -0.7   2.2   failed: wider
+     5  2,-1  +0.5  -1.3   1.8   falls: longer by the matrix
+     6  3,-1  -2.5  +0.2   2.7   failed; wider is first again
+     7  2,0   +1.0  -1.0   2.0   failed; narrower
+     8  2,-2   0.0  -1.6   1.6   falls */
 static void test_continue(void) {
   g_autoptr(opc_module) m = make("{ stall: continue }");
   model t = {.i = 7,
@@ -157,15 +158,15 @@ static void test_continue(void) {
   run(m, &t);
   g_assert_true(
       g_str_has_prefix(t.trace->str, "1,0 2,0 3,0 2,1 2,-1 3,-1 2,0 2,-2 "));
-  /* It ends where it was best. */
+  /* The transistor ends at its best state. */
   g_assert_cmpfloat(fabs(di(&t)) + fabs(da(&t)), <, 1.6 + 1e-9);
   g_assert_cmpstr(verdict(m), ==, "stalled");
   g_string_free(t.trace, TRUE);
 }
 
-/* Where one way alone does not lead on and another does: I +3, A +3, so W is
-   made narrower; after two steps the area rises. Frozen there; the variant goes
-   on with L, and ends nearer. */
+/* A single correction fails where a combination succeeds: I +3, A +3, so W
+   decreases; after two steps the area rises. The variant `freeze` ends there;
+   `continue` goes on with L and ends with a smaller deviation. */
 static void test_continue_is_better(void) {
   const model t = {.i = 3,
                    .i_by_l = -1,
@@ -187,7 +188,8 @@ static void test_continue_is_better(void) {
   g_string_free(b.trace, TRUE);
 }
 
-/* So many failed corrections, no more; none is as freezing. */
+/* The number of failed corrections is limited; with 0, the result equals that
+   of `freeze`. */
 static void test_retries(void) {
   const model t = {.i = 7,
                    .i_by_l = -3,
@@ -199,7 +201,7 @@ static void test_retries(void) {
          "stalled");
 }
 
-/* Within both limits nothing moves, outside of one it does. */
+/* No move within both limits; a move outside of either. */
 static void test_limits(void) {
   const model t = {.i = 0.9, .i_by_l = -0.5, .a = -1.9, .a_by_l = 0.5};
   follow("{ ion_limit: 1 %, area_limit: 2 % }", t, "0,0 ", "within limit");
@@ -207,8 +209,8 @@ static void test_limits(void) {
          "within limit");
 }
 
-/* The weights: -1.5 % of area are worth giving up for 1 % of current only if
-   that counts more. I +2, A -1: longer. */
+/* Weights: -1.5 % of area is accepted for 1 % of current only if the current
+   has the larger weight. I +2, A -1: longer. */
 static void test_weights(void) {
   const model t = {.i = 2, .i_by_l = -1, .a = -0.2, .a_by_l = 1.5};
   follow("{ ion_limit: 0.1 % }", t, "1,0 0,0 0,0 0,0 ", "stalled");
@@ -219,7 +221,7 @@ static void test_weights(void) {
   g_string_free(u.trace, TRUE);
 }
 
-/* A length that the regulator forbids is taken back. */
+/* A vetoed length is reverted. */
 static void test_veto(void) {
   const model t = {.i = 9,
                    .i_by_l = -1,
@@ -230,7 +232,7 @@ static void test_veto(void) {
   follow("{}", t, "1,0 2,0 1,0 1,0 1,0 ", "bridging");
 }
 
-/* So is each of the other three corrections. */
+/* The other three corrections likewise. */
 static void test_other_vetoes(void) {
   const model shorter = {.i = -9, .i_by_l = -1, .a = 9, .a_by_l = 1};
   const model wider = {.i = -9, .i_by_w = 1, .a = -9, .a_by_w = 1};
@@ -250,9 +252,10 @@ static void test_other_vetoes(void) {
   }
 }
 
-/* Longer is what the matrix says, and makes it worse. Of the other ways, one
-   step of W of 200 is worth half a percent of both: wider is 9.5 alpha_i + 8.5
-   alpha_a, narrower 8.5 alpha_i + 9.5 alpha_a; the heavier one decides. */
+/* The matrix chooses longer, which increases the deviation. Of the other
+   corrections, one step of W of 200 changes both by 0.5 %: wider results in 9.5
+   alpha_i + 8.5 alpha_a, narrower in 8.5 alpha_i + 9.5 alpha_a; the larger
+   weight decides. */
 static void test_promises(void) {
   static const char *const parameters[] = {
       "{ stall: continue, alpha_i: 3, alpha_a: 2 }",
@@ -274,12 +277,13 @@ static void test_bias_limit(void) {
   follow("{ max_bias: 2 nm }", shorter, "-1,0 -2,0 -2,0 -2,0 ", "bias limit");
   const model narrower = {.i = 9, .i_by_w = 1, .a = 9, .a_by_w = 1};
   follow("{ max_bias: 2 nm }", narrower, "0,-1 0,-2 0,-2 0,-2 ", "bias limit");
-  /* No more than half of W. */
+  /* W moves by at most half of W. */
   const model slim = {.i = 9, .i_by_w = 1, .a = 9, .a_by_w = 1, .width = 7};
   follow("{}", slim, "0,-1 0,-2 0,-3 0,-3 0,-3 ", "bias limit");
 }
 
-/* An open line has no figures; it gets thicker until it has, by either rule. */
+/* An open line has no figures; it gets thicker until it prints, in both
+   variants. */
 static void test_open(void) {
   model t = {.i = 12, .i_by_l = -3, .a = -12, .a_by_l = 3, .prints_from = 3};
   follow("{ stall: freeze }", t, "1,0 2,0 3,0 4,0 4,0 4,0 ", "within limit");
@@ -299,10 +303,10 @@ static int is_within(const model *t) {
   return fabs(di(t)) <= limit[0] && fabs(da(t)) <= limit[1];
 }
 
-/* Longer, shorter, wider, narrower: what each does to l and w. */
+/* Steps of l and w: longer, shorter, wider, narrower. */
 static const int32_t step[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
 
-/* The quarters of figure 5.3. */
+/* Return the quarter of figure 5.3. */
 static int quarter(double i, double a) {
   return i > 0 && a < 0 ? 0 : i < 0 && a > 0 ? 1 : i < 0 && a < 0 ? 2 : 3;
 }
@@ -316,8 +320,8 @@ static int is_too_far(const model *t, int way) {
   return abs(t->l + step[way][0]) > BIAS || abs(t->w + step[way][1]) > BIAS;
 }
 
-/* Figure 5.2 as one walk: step while the effective deviation falls, and back
-   from the first step that fails. */
+/* Compute figure 5.2 as one loop: step while the effective deviation falls,
+   revert the first step that fails. Return the verdict. */
 static const char *freeze(model *t) {
   for (;;) {
     model before = *t;
@@ -334,14 +338,15 @@ static const char *freeze(model *t) {
   }
 }
 
-/* What a way promises of the deviations at the best mask. */
+/* Return the deviation expected after a correction of the best mask. */
 static double promise(const model *t, int way) {
   double l = 100.0 * step[way][0] / 65, w = 100.0 * step[way][1] / 200;
   return alpha[0] * fabs(di(t) - l + w) + alpha[1] * fabs(da(t) + l + w);
 }
 
-/* The same, but a step that fails is followed by others from the best mask,
-   `retries` in all; forbidden is what is forbidden where it was tried last. */
+/* Compute the variant with `retries`: a failed step is followed by others from
+   the best mask. A correction counts as forbidden where it was vetoed when last
+   tried. Return the verdict. */
 static const char *go_on(model *t, int retries) {
   model best = *t;
   int tried = 0, vetoed = 0;
@@ -376,8 +381,7 @@ static const char *go_on(model *t, int retries) {
   return is_within(t) ? "within limit" : vetoed ? "bridging" : "stalled";
 }
 
-/* Masks whose deviations and vetoes are drawn by lot: where both variants end,
-   and why. */
+/* Random deviations and vetoes: final masks and verdicts of both variants. */
 static void test_by_lot(void) {
   int words = 0, moved = 0;
   for (uint32_t lot = 1; lot <= 400; lot++)

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a jog is worth: an edge that is moved over a part of its length moves
-   the gate by the part of the edge's effect that lies there. */
+/* Implements the effect of a jog: an edge moved over a part of its length
+   changes the gate by the share of the edge's effect in that part. */
 #include "jog.h"
 
 #include <math.h>
 
 #include "tuning.h"
 
-/* How far beyond the gate's end its edges still matter by half; `extension` is
-   how far the poly goes on there, in grid steps as `blur`. */
+/* Return the distance beyond the end of the gate within which the edges have
+   half of their effect; `extension` is that of the poly, in grid steps like
+   `blur`. */
 static double beyond(double extension, double blur) {
   return extension < tuned.short_end * blur ? blur * tuned.past_end
                                             : -blur / tuned.before_end;
@@ -39,19 +40,20 @@ void sides_find(const eda_gates *g, sides *out) {
     }
 }
 
-/* The integral of a smoothed step. */
+/* Return the integral of a smoothed step. */
 static double ramp(double x, double blur) {
   double z = x / blur;
   return x * 0.5 * erfc(-z * M_SQRT1_2) +
          blur * exp(-z * z / 2) / sqrt(2 * M_PI);
 }
 
-/* What a step of the edge up to `at` does to the gate. */
+/* Return the effect on the gate of a grid step of the edge up to `at`. */
 static double weight(const sides *s, double at) {
   return ramp(at - s->low, s->blur) - ramp(at - s->high, s->blur);
 }
 
-/* The part of the whole edge's effect that the first `jog` steps have. */
+/* Return the share of the first `jog` grid steps in the effect of the whole
+   edge. */
 static double share(const sides *s, int side, int32_t jog) {
   double from = weight(s, s->from[side]);
   double all = weight(s, s->to[side]) - from;
@@ -71,7 +73,8 @@ double length_share(const sides *s, double to) {
   return sum;
 }
 
-/* The edge that takes the next step: HIGH after an even number of them. */
+/* Return the edge that takes the next step: HIGH after an even number of
+   steps. */
 static int edge_of(int32_t l) { return !(l & 1); }
 
 double length_value(const sides *s, length x) {

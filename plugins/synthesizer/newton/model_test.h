@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For the tests of synthesizer.newton: transistors whose printed lengths and
+/* Test helpers of synthesizer.newton: transistors whose printed lengths and
    currents are formulas of the mask, and the loop that corrects them. */
 #ifndef SYNTHESIZER_NEWTON_MODEL_TEST_H
 #define SYNTHESIZER_NEWTON_MODEL_TEST_H
@@ -15,38 +15,43 @@ enum { MOST = 40, WIDTH = 400 };
 typedef struct model {
   size_t n;
   double gain_l, gain_w, coupling;
-  double spread;                   /* of the gain by L, as a part of it */
-  double off_l[MOST], off_w[MOST]; /* printed minus drawn of the drawn mask */
-  double thin[MOST]; /* a short line end: current that the mean length does
-                        not tell of, as a logarithm, */
-  int32_t grow;      /* gone once the regulator has moved it so far */
-  int knows_ends;    /* the loop tells of that before it prints it */
+  double spread;                   /* relative spread of the gain of L */
+  double off_l[MOST], off_w[MOST]; /* printed minus drawn, for the drawn mask */
+  double thin[MOST]; /* effect of a short line end on the logarithm of the
+                        current, beyond that of the mean length, */
+  int32_t grow;      /* which vanishes once the regulator has moved the line end
+                        so far */
+  int knows_ends;    /* 1: the loop announces line ends before the next
+                        simulation */
   uint32_t veto[MOST];
   int32_t l[MOST], w[MOST], jog[MOST], aside[MOST];
-  double ion[MOST], area[MOST], ioff[MOST]; /* deviations at the end */
-  double leaky;                             /* log of what leaks besides */
-  double second; /* the worst of Ion in the second print */
+  double ion[MOST], area[MOST], ioff[MOST]; /* final deviations */
+  double leaky;                             /* logarithm of additional
+                                               leakage */
+  double second; /* largest Ion deviation in the second iteration */
   int prints;
-  int late;      /* a print after which transistor 3 draws 2 % less */
-  double steep;  /* log Ion falls by so much more a nm for each nm shorter, */
-  double table;  /* down to a printed length where the device table ends; */
-  double open;   /* below this one the poly is open: no figures; */
-  double merge;  /* above this one it is merged; 0: never */
-  int32_t room;  /* the active merges once an end is further out; 0: never */
-  int ends_open; /* so is it while a line end is too short */
-  int regulated; /* an open line may get neither shorter nor narrower */
+  int late;      /* iteration after which transistor 3 has 2 % less current */
+  double steep;  /* additional fall of log Ion per nm of shorter length, */
+  double table;  /* down to the printed length where the device table ends; */
+  double open;   /* shorter printed lengths are open and have no figures; */
+  double merge;  /* longer ones are merged; 0: never */
+  int32_t room;  /* largest move of an end of the active; beyond it the active
+                    merges; 0: never */
+  int ends_open; /* 1: also open while a line end is too short */
+  int regulated; /* 1: vetoes an open line from becoming shorter or narrower */
   uint32_t flags[MOST];
-  double bracket[MOST][2]; /* lengths that were open, too long */
-  int held;                /* moves that a bracket of two ends held */
-  int guarded;             /* look at that */
+  double bracket[MOST][2]; /* lengths that were open and too long */
+  int held;                /* number of moves limited by a bracket of two
+                              ends */
+  int guarded;             /* 1: check these moves */
 } model;
 
 static const double length = 65;
 
-static eda_wish *wishes; /* of the gates; NULL: none */
+static eda_goal *goals; /* goals of the gates; NULL: none */
 
-/* The sides reach 60 nm past the gate. What each nm of them does rises over
-   200 nm around the gate's ends, here summed. */
+/* Return the effect of a side up to x: sides extend 60 nm past the gate, and
+   the effect per nm rises over 200 nm around the ends of the gate. */
 static inline double ramp(double x) {
   return x < -100 ? 0 : x < 100 ? (x + 100) * (x + 100) / 400 : x;
 }
@@ -58,7 +63,7 @@ static inline double part(int32_t jog) {
   return (ramp(at) - ramp(at - WIDTH) - none) / (all - none);
 }
 
-/* What transistor i prints, and its logarithmic errors. */
+/* Compute the figures of transistor i and its logarithmic errors. */
 static inline void print(model *t, const int32_t *end, eda_performance *p) {
   for (size_t i = 0; i < t->n; i++) {
     size_t next = (i + 1) % t->n;
@@ -92,8 +97,8 @@ static inline void print(model *t, const int32_t *end, eda_performance *p) {
   t->prints++;
 }
 
-/* Transistors do not couple: once a length was open and another one too long,
-   the next ones lie between. */
+/* Check the bracket: transistors do not couple, so after an open length and one
+   that is too long, the next lengths are between them. */
 static inline void hold_bracket(model *t) {
   for (size_t i = 0; i < t->n; i++) {
     double l = t->l[i] + part(t->jog[i]);
@@ -164,7 +169,7 @@ static inline void run(opc_module *m, model *t) {
                      .instance = none,
                      .cell = name,
                      .number = number,
-                     .wish = wishes,
+                     .goal = goals,
                      .layers = 2,
                      .edges = edges};
   uint8_t outside[MOST] = {0};
@@ -211,7 +216,7 @@ static inline opc_module *make_any(const char *parameters) {
   return m;
 }
 
-/* Of the target that weights are for. */
+/* Return a module whose target uses weights. */
 static inline opc_module *make(const char *parameters) {
   g_autofree char *all = g_strconcat("{ target: plain, ", parameters + 1, NULL);
   return make_any(all);

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* synthesizer.newton: corrects all transistors at once by Newton's method. What
-   current, leakage and area of each do when its mask changes is first taken
-   from the device curves, then learnt from what the moves did (Broyden). A jog
-   in the poly, one edge a grid step further out over part of the width, takes
-   away the grid's quantum. */
+/* Implements synthesizer.newton: correction of all transistors at once by
+   Newton's method. The response of current, leakage and area to changes of the
+   mask is estimated from the device curves and then updated from the results of
+   the moves (Broyden). A jog in the poly, one edge moved by a grid step over a
+   part of the width, corrects the rounding error of the grid. */
+#include <eda/goals.h>
 #include <eda/memory.h>
-#include <eda/wishes.h>
 #include <math.h>
 #include <opcflow/follow.h>
 #include <stdlib.h>
@@ -45,7 +45,7 @@ static void clear(void *self) {
   free(t->state);
   free(t->sides);
   free(t->parts);
-  free(t->wish);
+  free(t->goal);
 }
 
 static void follow(newton *t, eda_scanner scanner);
@@ -61,16 +61,17 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
   t->state = eda_alloc(t->count, sizeof *t->state);
   t->sides = eda_alloc(t->count, sizeof *t->sides);
   t->parts = eda_alloc(t->count, sizeof *t->parts);
-  t->wish = eda_alloc(t->count, sizeof *t->wish);
+  t->goal = eda_alloc(t->count, sizeof *t->goal);
   for (size_t i = 0; i < t->count; i++)
-    t->wish[i] = eda_gates_wish(f->gates, i);
-  if (!t->wishes_path) return OPC_OK;
-  return eda_wishes_read(t->wishes_path, f->gates, t->wish, error);
+    t->goal[i] = eda_gates_goal(f->gates, i);
+  if (!t->goals_path) return OPC_OK;
+  return eda_goals_read(t->goals_path, f->gates, t->goal, error);
 }
 
 /* ---- work: the next mask of one transistor ---- */
 
-/* What the regulator and the bounds leave of a step; *why if that is less. */
+/* Return the part of a step that vetoes and bounds allow; set *why if that is
+   less. */
 static double bounded(double x, double dx, double most, uint32_t veto_up,
                       uint32_t veto_down, uint8_t *why) {
   if ((dx > 0 && veto_up) || (dx < 0 && veto_down)) {
@@ -82,7 +83,7 @@ static double bounded(double x, double dx, double most, uint32_t veto_up,
   return to - x;
 }
 
-/* The errors that are left with L and W of the mask, by the response. */
+/* Compute the errors expected at L and W of the mask, by the response. */
 static void left_after(const transistor *s, double l, double w,
                        double rest[ERRORS]) {
   for (int k = 0; k < ERRORS; k++)
@@ -90,8 +91,9 @@ static void left_after(const transistor *s, double l, double w,
               s->response.by[k][BY_W] * (w - s->x[BY_W]);
 }
 
-/* Where a part ends beside the jog, it adds to L what it did not before, so
-   that no jog there may give what is wanted: then one clear of it is taken. */
+/* Return the mask with the nearest length, with the jog clear of the ends of
+   parts. The end of a part beside the jog changes the length, so that no jog
+   there may result in the wanted length. */
 static biases clear_jog(const newton *t, size_t i, double l, int32_t least,
                         biases b) {
   const parts *p = &t->parts[i];
@@ -115,8 +117,8 @@ static biases clear_jog(const newton *t, size_t i, double l, int32_t least,
   return found;
 }
 
-/* The nearest mask with a jog, for a wanted L. Parts that end where it lies add
-   to L what they did not before. */
+/* Return the nearest mask with a jog for a wanted L. Parts that end at the jog
+   change the length, so iterate. */
 static biases with_jog(const newton *t, const eda_gates *g, size_t i, double l,
                        int32_t w) {
   int32_t least = (int32_t)ceil(t->min_jog / g->grid);
@@ -131,22 +133,21 @@ static biases with_jog(const newton *t, const eda_gates *g, size_t i, double l,
   return clear_jog(t, i, l, least, b);
 }
 
-/* A gate may be so narrow that its nearest jog leaves too much. `best` is the
-   mask with it; look whether one with a W of a step more or less, and the jog
-   that goes with it, leaves less. */
+/* Return the better of `best`, the mask with the nearest jog, and masks with W
+   one or two steps away and their jogs. A narrow gate may need this. */
 static biases with_width(const newton *t, const eda_feedback *f, size_t i,
                          biases best) {
   static const int only_l[MOVES] = {1, 0};
   const transistor *s = &t->state[i];
   double rest[ERRORS], more[MOVES], grid = f->gates->grid;
   double most = fmin(t->max_bias, f->gates->width[i] / 2) / grid;
-  int any = for_ioff(t); /* W moves anyhow */
+  int any = for_ioff(t); /* W moves in any case */
   double enough =
       any ? tolerance(t) : fmax(ion_limit(t), tuned.coarse * tolerance(t));
   biases found = best;
   left_after(s, length_in_steps(t, i, best), best.w, rest);
   double least = size_of(t, rest);
-  if (least <= enough / t->wish[i].weight) return best;
+  if (least <= enough / t->goal[i].weight) return best;
   for (int step = any ? -2 : -1; step <= (any ? 2 : 1); step++) {
     uint32_t veto = step > 0 ? EDA_VETO_WIDER : EDA_VETO_NARROWER;
     int32_t w = best.w + step;
@@ -165,8 +166,8 @@ static biases with_width(const newton *t, const eda_feedback *f, size_t i,
   return found;
 }
 
-/* The mask on the grid for a wanted move of L and W. L makes good what rounding
-   W leaves; a jog or W makes good what rounding L leaves, as `fine` says. */
+/* Return the mask on the grid for a wanted move of L and W. L corrects the
+   rounding of W; a jog or W corrects the rounding of L, as `fine` selects. */
 static biases on_grid(const newton *t, const eda_feedback *f, size_t i,
                       const double dx[MOVES], double enough, int cut) {
   static const int only_l[MOVES] = {1, 0}, only_w[MOVES] = {0, 1};
@@ -190,8 +191,8 @@ static biases on_grid(const newton *t, const eda_feedback *f, size_t i,
       .l = whole, .w = w + (int32_t)lround(more[BY_W]), .shape = *edges};
 }
 
-/* The size of the errors that a mask is expected to have: what the response
-   says, and how wrong that may be. */
+/* Return the expected size of the errors of a mask: prediction and uncertainty
+   of the response. */
 static double expected(const newton *t, size_t i, biases next) {
   const transistor *s = &t->state[i];
   const response *r = &s->response;
@@ -203,12 +204,13 @@ static double expected(const newton *t, size_t i, biases next) {
   return hypot(size_of(t, rest), size_of(t, wrong));
 }
 
-/* The largest W whose ends go no further out than they may. */
+/* Return the largest W whose ends are within their limits. */
 static double widest_of(const transistor *s) {
   return s->furthest[0] + s->furthest[1];
 }
 
-/* The W that leaves the drawn Ioff once L makes good for it, and that L. */
+/* Compute the W with the drawn Ioff after L has compensated for that W, and
+   this L. */
 static void with_leakage(const newton *t, const eda_feedback *f, size_t i,
                          uint32_t veto, double dx[MOVES]) {
   static const int both[MOVES] = {1, 1}, only_l[MOVES] = {1, 0};
@@ -228,18 +230,19 @@ static void with_leakage(const newton *t, const eda_feedback *f, size_t i,
   dx[BY_L] += more[BY_L];
 }
 
-/* Whether a move rounds to none on the grid. */
+/* Return whether a move rounds to zero on the grid. */
 static int is_no_step(double steps) { return lround(steps) == 0; }
 
-/* Newton's step of one transistor. W moves if its weights ask for it, and else
-   only where L is of no use: forbidden, at its bound, or mended by the
-   regulator whatever it is. */
+/* Return the mask after Newton's step of one transistor. W moves if its weights
+   require it, or if L has no effect: vetoed, at its bound, or undone by the
+   repairs of the regulator. */
 static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
                           double enough, uint8_t *why, int *cut) {
   static const int only_w[MOVES] = {0, 1};
   const transistor *s = &t->state[i];
   const eda_gates *g = f->gates;
-  /* What is forbidden a lost mask is not so from the last good one. */
+  /* Vetoes of a mask that did not print do not apply to steps from the last
+     valid mask. */
   uint32_t veto = s->lost ? 0 : f->vetoes[i];
   double most_w = fmin(t->max_bias, g->width[i] / 2) / g->grid;
   int free[MOVES], mended;
@@ -267,8 +270,8 @@ static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
   return next;
 }
 
-/* The next mask of a transistor of which no print is known: away from the side
-   on which it is lost, half the way to the other one if that is known. */
+/* Return the next mask of a transistor that never printed: away from the
+   failing length or, if the opposite end is known, half the way to it. */
 static biases seek(const newton *t, const eda_feedback *f, size_t i) {
   const transistor *s = &t->state[i];
   double grid = f->gates->grid, step = ceil(tuned.open_step / grid);
@@ -280,7 +283,7 @@ static biases seek(const newton *t, const eda_feedback *f, size_t i) {
   return (biases){(int32_t)lround(l), s->now.w, 0, s->now.shape, s->now.aside};
 }
 
-/* Make the edges flatter; whether that moves any. */
+/* Flatten the edges. Return whether any of them moves. */
 static int reform(newton *t, const eda_feedback *f, size_t i) {
   transistor *s = &t->state[i];
   if (!reshapes(t, f)) return 0;
@@ -296,13 +299,13 @@ static int reform(newton *t, const eda_feedback *f, size_t i) {
   return 1;
 }
 
-/* What to try next of one transistor. */
+/* Return the next mask to try for one transistor. */
 static biases propose(newton *t, const eda_feedback *f, size_t i) {
   transistor *s = &t->state[i];
-  double enough = tolerance(t) / t->wish[i].weight;
+  double enough = tolerance(t) / t->goal[i].weight;
   s->verdict = WITHIN;
   s->next = s->now;
-  if (t->wish[i].weight == 0 || (!s->lost && s->size <= enough)) return s->now;
+  if (t->goal[i].weight == 0 || (!s->lost && s->size <= enough)) return s->now;
   s->verdict = NO_PRINT;
   if (s->lost && (isinf(s->size) || same(s->now, s->good)))
     return seek(t, f, i);
@@ -324,40 +327,42 @@ static biases propose(newton *t, const eda_feedback *f, size_t i) {
 
 /* ---- work: the end ---- */
 
-/* The print after which all that is not good goes back to its best. */
+/* Return the iteration after which transistors beyond the limit revert to their
+   best masks. */
 static int64_t last_move(const newton *t) {
   int64_t most = tuned.settled[t->target] + tuned.polish + tuned.rest;
   return t->target == PLAIN || t->iterations < most ? t->iterations : most;
 }
 
-/* Ion alone has had its moves: what more would do is next to nothing, and what
-   moves keeps its neighbours and the regulator moving. */
+/* Return whether the moves for Ion alone are complete: further moves have
+   little effect and keep neighbours and regulator moving. */
 static int is_late(const newton *t, int64_t print) {
   return t->settled && print >= tuned.settled[t->target] + tuned.polish;
 }
 
 static int is_within(const newton *t, size_t i) {
   const transistor *s = &t->state[i];
-  return !s->lost && s->size * fmin(t->wish[i].weight, 1) <= ion_limit(t);
+  return !s->lost && s->size * fmin(t->goal[i].weight, 1) <= ion_limit(t);
 }
 
 /* ---- work: all transistors ---- */
 
-/* Whether something else has made a transistor worse while it was at rest. */
+/* Return whether other causes increased the error of a transistor that did not
+   move. */
 static int has_drifted(const newton *t, const transistor *s, double weight) {
   return s->size * weight > ion_limit(t) * tuned.odd_limit &&
          s->rest_size < tuned.worthwhile * s->size;
 }
 
-/* Whether to rest: all transistors are within the limit, none has drifted off,
-   and their mean is good or has hardly fallen since the print before. Once they
-   rest they go on resting unless the mean has risen as much. */
+/* Return whether to stop: all transistors are within the limit, none has
+   drifted, and their mean error is small or has hardly decreased since the last
+   iteration. Once stopped, remain so unless the mean increases by as much. */
 static int is_good(newton *t, int64_t print) {
   double worst = 0, mean = 0, before = print ? t->mean : INFINITY;
   int drifted = 0;
   for (size_t i = 0; i < t->count; i++) {
     const transistor *s = &t->state[i];
-    double weight = fmin(t->wish[i].weight, 1);
+    double weight = fmin(t->goal[i].weight, 1);
     double size = weight > 0 && s->lost ? INFINITY : s->size * weight;
     worst = fmax(worst, size);
     mean += size / (double)t->count;
@@ -371,8 +376,8 @@ static int is_good(newton *t, int64_t print) {
                    (mean <= ion_limit(t) / tuned.mean_part || stands);
 }
 
-/* What L and W do for Ioff is done: L alone takes Ion to its end, from the best
-   mask of both currents. */
+/* End the moves of L and W for Ioff: from the best mask of both currents on, L
+   alone corrects Ion. */
 static void settle(newton *t) {
   t->settled = 1;
   t->weight[IOFF] = 0;
@@ -381,18 +386,19 @@ static void settle(newton *t) {
     s->back = !same(s->now, s->best);
     s->best_size = s->back ? INFINITY : size_of(t, s->error);
     s->size = s->rest_size = size_of(t, s->error);
-    s->trust.error[SHORT] = s->trust.error[LONG] = 0; /* of other widths */
+    s->trust.error[SHORT] = s->trust.error[LONG] = 0; /* these belong to other
+                                                         widths */
   }
 }
 
-/* All transistors, at once in several threads. */
+/* Arguments of the threads, for all transistors. */
 typedef struct job {
   newton *t;
   const eda_feedback *f;
-  int good; /* what is_good says */
+  int good; /* result of is_good */
 } job;
 
-/* What becomes of transistor i. */
+/* Choose the next mask of transistor i. */
 static void decide(void *data, size_t i) {
   const job *j = data;
   newton *t = j->t;
@@ -405,7 +411,8 @@ static void decide(void *data, size_t i) {
   }
   biases next = propose(t, j->f, i);
   if (k > last) {
-    /* The regulator is not done: those that it moved follow, for a while. */
+    /* The regulator still moves shapes: transistors that it disturbs may
+       follow, for some iterations. */
     double most = tuned.patience * (double)last;
     if (!(s->disturbed || s->lost) || (double)k > most) next = s->now;
   }
@@ -461,8 +468,8 @@ static const char *verdict(const void *self, size_t gate) {
 
 static double target(const void *self, size_t gate) {
   const newton *t = self;
-  if (gate >= t->count || t->wish[gate].weight == 0) return NAN;
-  return t->wish[gate].target[ION];
+  if (gate >= t->count || t->goal[gate].weight == 0) return NAN;
+  return t->goal[gate].target[ION];
 }
 
 /* ---- parameters ---- */
@@ -524,17 +531,17 @@ static const opc_parameter parameters[] = {
         .summary =
             "printed change of W for a change of the mask's, as a first guess"),
     OPC_PARAMETER_NAMED(
-        "wishes", newton, wishes_path, .type = OPC_FILE,
+        "wishes", newton, goals_path, .type = OPC_FILE,
         .summary =
             "what single transistors want: CSV of transistor, weight, ion"),
 };
 
-/* What is not given. */
+/* Compute the defaults of parameters that are not set. */
 static void follow(newton *t, eda_scanner scanner) {
   EDA_FOLLOW(t->host, "synthesizer.newton", t, parameters, scanner);
 }
 
-/* Weights are of the plain target; the others have theirs. */
+/* Weights belong to the plain target; the other targets set their own. */
 static int check(void *self, opc_error *error) {
   static const double prices[TARGETS] = {INFINITY, 1, 0.02};
   static const double weights[ERRORS] = {1, 0, 0};

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Newton's steps on transistors whose print and current are formulas: printed
-   L and W linear in the mask's, with a little of the neighbour's, and currents
-   exponential in L. */
+/* Tests Newton's steps on transistors whose response is a formula: printed L
+   and W are linear in those of the mask with a small effect of the neighbour,
+   and currents are exponential in L. */
 #include "model_test.h"
 
-/* A wrong first guess of the gain, and still all are there after 4 moves. */
+/* With a wrong initial gain, all converge within 4 moves. */
 static void test_ion(void) {
   g_autoptr(opc_module) m =
       make("{ tolerance: 0.05 %, ion_limit: 0 %, gain: { l: 2 } }");
@@ -13,7 +13,7 @@ static void test_ion(void) {
   g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.05);
   g_assert_cmpint(t.prints, <=, 6);
   for (size_t i = 0; i < t.n; i++) g_assert_cmpint(t.w[i], ==, 0);
-  /* Each has a gain of its own. */
+  /* Each transistor has a different gain. */
   model u = made_up(MOST);
   u.spread = 0.5;
   run(m, &u);
@@ -21,10 +21,10 @@ static void test_ion(void) {
   g_assert_cmpint(u.prints, <=, 8);
 }
 
-/* Near resolution: currents bend away, the device table ends, lines open and
-   merge; with a first guess of the gain that is right, up to 6 times too small
-   or 10 times too large; of many transistors, which learn together, and of one.
-   The root is known: the print is as long as it is drawn. */
+/* Near the resolution limit: nonlinear currents, the end of the device table,
+   open and merged lines. The initial gain is right, up to 6 times too small, or
+   up to 10 times too large. Many transistors that learn together, and a single
+   one. The solution is known: the printed length equals the drawn one. */
 static void test_near_resolution(void) {
   static const double guess[] = {2.6, 5.2}, true_gain[] = {0.5, 2, 8};
   int held = 0;
@@ -51,7 +51,7 @@ static void test_near_resolution(void) {
         held += t.held;
         for (size_t i = 0; i < n; i++) {
           g_assert_cmpint(t.flags[i], ==, 0);
-          g_assert_cmpint(abs(t.w[i]), <=, 1); /* L alone does it */
+          g_assert_cmpint(abs(t.w[i]), <=, 1); /* L alone corrects the error */
         }
         g_assert_cmpfloat(worst(t.ion, n), <=, 0.5);
         g_test_message("guess %g, gain %g, %zu: %d prints", guess[k],
@@ -61,7 +61,7 @@ static void test_near_resolution(void) {
   g_assert_cmpint(held, >, 10);
 }
 
-/* Lines that are open as drawn, or merged, are found. */
+/* Lines that are open or merged as drawn are recovered. */
 static void test_lost_as_drawn(void) {
   g_autoptr(opc_module) m = make("{ iterations: 20 }");
   model t = {.n = 2,
@@ -76,8 +76,8 @@ static void test_lost_as_drawn(void) {
   g_assert_cmpfloat(worst(t.ion, 2), <=, 0.5);
 }
 
-/* A line that was open for its short line end alone is as long as it was, once
-   that has grown. */
+/* A line that was open only because of its short line end keeps its length
+   after the line end has grown. */
 static void test_open_by_its_end(void) {
   g_autoptr(opc_module) m = make("{}");
   model t = {.n = 2,
@@ -91,22 +91,23 @@ static void test_open_by_its_end(void) {
   g_assert_cmpfloat(worst(t.ion, 2), <=, 0.5);
 }
 
-/* A target that only an open line would reach leaves a line that prints, no
-   worse than drawn. */
+/* With a target that only an open line would reach, the result is a line that
+   prints with an error no larger than as drawn. */
 static void test_out_of_reach(void) {
-  static eda_wish wish[] = {{1, {3, 1, 1}, 1}};
+  static eda_goal goal[] = {{1, {3, 1, 1}, 1}};
   g_autoptr(opc_module) m = make("{}");
   const eda_synthesizer *s = m->functions;
   model t = {.n = 1, .gain_l = 2, .gain_w = 1.05, .open = 50, .off_l = {10}};
-  wishes = wish;
+  goals = goal;
   run(m, &t);
-  wishes = NULL;
+  goals = NULL;
   g_assert_cmpint(t.flags[0], ==, 0);
   g_assert_cmpfloat(t.ion[0], >, 20); /* drawn: -20 */
   g_assert_cmpfloat(s->target(m->self, 0), ==, 3);
 }
 
-/* What a patch or a neighbour does to one that rested is answered. */
+/* A transistor disturbed by a regulator shape or a neighbour after convergence
+   is corrected again. */
 static void test_late(void) {
   g_autoptr(opc_module) m = make("{ ion_limit: 3 % }");
   model t = made_up(MOST);
@@ -116,7 +117,7 @@ static void test_late(void) {
   g_assert_cmpfloat(worst(t.ion, t.n), <=, 1.5);
 }
 
-/* Where no jog may lie, W takes a part of what the grid leaves of L. */
+/* Where no jog fits, W corrects a part of the rounding error of L. */
 static void test_coarse(void) {
   g_autoptr(opc_module) m = make("{ min_jog: 1000 nm }");
   g_autoptr(opc_module) none = make("{ fine: none }");
@@ -130,7 +131,7 @@ static void test_coarse(void) {
   g_assert_cmpint(moved, >, 0);
 }
 
-/* No print more than the limit needs. */
+/* No iterations beyond those that the limit requires. */
 static void test_limit(void) {
   g_autoptr(opc_module) m = make("{ ion_limit: 2 % }");
   model t = made_up(MOST);
@@ -142,8 +143,8 @@ static void test_limit(void) {
   g_assert_cmpint(t.prints, <, u.prints);
 }
 
-/* Line ends that come with the first move, and end a tenth of the current, are
-   reckoned with. */
+/* Line ends that move with the first step and cost a tenth of the current are
+   predicted. */
 static void test_line_ends(void) {
   g_autoptr(opc_module) m = make("{}");
   model t = made_up(MOST);
@@ -154,13 +155,15 @@ static void test_line_ends(void) {
   run(m, &t);
   g_assert_cmpfloat(t.second, <, 1.5);
   g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.5);
-  run(m, &u); /* a loop that does not tell: too large by all of it */
+  run(m, &u); /* without announcement by the loop: the error is the whole
+                 effect */
   g_assert_cmpfloat(u.second, >, 10);
   g_assert_cmpfloat(worst(u.ion, u.n), <=, 0.5);
   g_assert_cmpint(t.prints, <, u.prints);
 }
 
-/* Without a jog, a step of L is 2.6 nm, 5.7 % of Ion: half of it is left. */
+/* Without a jog, a step of L is 2.6 nm, 5.7 % of Ion; half of a step
+   remains. */
 static void test_quantum(void) {
   g_autoptr(opc_module) m = make("{ fine: none }");
   model t = made_up(MOST);
@@ -170,7 +173,7 @@ static void test_quantum(void) {
   g_autoptr(opc_module) width = make("{ fine: width, ion_limit: 0 % }");
   t = made_up(MOST);
   run(width, &t);
-  /* Half of 1.05 / 400; a fifth less would not be worth a move. */
+  /* Half of 1.05 / 400; a fifth less does not justify a move. */
   g_assert_cmpfloat(worst(t.ion, t.n), <, 0.131 / 0.8 + 0.01);
   for (size_t i = 0; i < t.n; i++) g_assert_cmpint(t.jog[i], ==, 0);
 }
@@ -179,7 +182,7 @@ static void test_area(void) {
   g_autoptr(opc_module) m = make("{ weight: { area: 1 }, ion_limit: 0 % }");
   model t = made_up(MOST);
   run(m, &t);
-  /* W's rounding is shared by both. */
+  /* Both share the rounding error of W. */
   g_assert_cmpfloat(worst(t.ion, t.n), <=, 0.23);
   g_assert_cmpfloat(worst(t.area, t.n), <=, 0.23);
 }
@@ -192,8 +195,8 @@ static void test_ioff(void) {
   g_assert_cmpfloat(worst(t.ioff, t.n), <=, 2);
 }
 
-/* Leakage that L alone cannot take away, as a ripple makes it: L and W get both
-   currents to where they were drawn. With Ion alone it stays. */
+/* Leakage that L alone cannot correct, as from a ripple: L and W restore both
+   currents to the drawn values. With Ion alone the leakage remains. */
 static void test_balanced(void) {
   g_autoptr(opc_module) both = make_any("{ target: balanced }");
   g_autoptr(opc_module) plain = make("{}");
@@ -207,9 +210,8 @@ static void test_balanced(void) {
   g_assert_cmpint(t.prints, <=, 12);
 }
 
-/* Neighbours couple, and each answers to L in a way of its own, so that Ion
-   often gets worse by the step that W takes for Ioff. W goes on for all that.
- */
+/* Neighbours couple and responses to L differ, so that the step of W for Ioff
+   often increases the error of Ion. W continues nevertheless. */
 static void test_width_goes_on(void) {
   static const double leaky[] = {1.2, 1.6}, spread[] = {0, 0.6};
   g_autoptr(opc_module) both = make_any("{ target: balanced }");
@@ -225,8 +227,8 @@ static void test_width_goes_on(void) {
   }
 }
 
-/* W for Ioff makes the active meet its neighbours: it steps back to where there
-   is room, and L gives Ion there. */
+/* W for Ioff makes the active merge with its neighbours: W reverts to a free
+   width, and L corrects Ion there. */
 static void test_room(void) {
   g_autoptr(opc_module) m = make_any("{}");
   model t = made_up(40);
@@ -261,7 +263,7 @@ static void test_jog(void) {
   g_assert_cmpint(some, >, MOST / 2);
 }
 
-/* A length that the regulator forbids is left to W. */
+/* If the regulator vetoes a length, W corrects the error. */
 static void test_veto(void) {
   g_autoptr(opc_module) m = make("{ ion_limit: 0 % }");
   const eda_synthesizer *s = m->functions;

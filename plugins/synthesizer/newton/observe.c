@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Taking in a print: how each transistor answers to its moves, and how far the
-   next one may go. */
+/* Implements the update of the state of all transistors from a simulated mask:
+   responses to their moves, and trust regions of the next moves. */
 #include "observe.h"
 
 #include <glib.h>
@@ -51,24 +51,25 @@ void free_moves(const newton *t, int free[MOVES]) {
 
 /* ---- work: one transistor ---- */
 
-/* What changed from one print to the next. */
+/* Differences between two iterations. */
 typedef struct change {
   double dx[MOVES], de[ERRORS];
 } change;
 
-/* Whether the line ends a and b, [2] each, differ so much that it matters. */
+/* Return whether the line ends a and b, [2] each, differ significantly. */
 static int ends_moved(const eda_gates *g, const int32_t *a, const int32_t *b) {
   return abs(a[0] - b[0]) * g->grid > tuned.still ||
          abs(a[1] - b[1]) * g->grid > tuned.still;
 }
 
-/* What a change of log Ion has to exceed to be told from what neighbours do. */
+/* Return the least change of log Ion that neighbours cannot explain. */
 static double visible(const newton *t, const transistor *s) {
   return ion_limit(t) * tuned.odd_limit + tuned.odd_surprise * s->surprise;
 }
 
-/* Whether a transistor has changed by more than its moves explain even with the
-   largest response that is believed: a patch or a neighbour has changed it. */
+/* Return whether a transistor changed by more than its moves explain at the
+   largest plausible response, so that a regulator shape or a neighbour changed
+   it. */
 static int is_foreign(const newton *t, const transistor *s, const change *c) {
   double most = visible(t, s);
   for (int m = 0; m < MOVES; m++)
@@ -76,8 +77,8 @@ static int is_foreign(const newton *t, const transistor *s, const change *c) {
   return fabs(c->de[ION]) > most;
 }
 
-/* Keep the best mask. What was the best is so no more if something else has
-   changed the transistor since. */
+/* Keep the best mask. The size of the best mask is void after other causes
+   changed the transistor. */
 static void keep_best(transistor *s, uint32_t flags, int first) {
   if (!first && !s->disturbed && s->size >= s->best_size &&
       !same(s->now, s->best))
@@ -87,7 +88,8 @@ static void keep_best(transistor *s, uint32_t flags, int first) {
   s->outside = (flags & EDA_PRINT_OUTSIDE) != 0;
 }
 
-/* The error of Ion alone that would ask for the same move of L. */
+/* Return the pull: the error of Ion alone that would require the same move of
+   L. */
 static double pull_of(const newton *t, const transistor *s) {
   int free[MOVES];
   double dx[MOVES];
@@ -96,7 +98,8 @@ static double pull_of(const newton *t, const transistor *s) {
   return -dx[BY_L] * s->response.by[ION][BY_L];
 }
 
-/* What a step of W does to it: nothing, if W moves for errors of its own. */
+/* Return the effect of a step of W on the pull; 0 if W moves for errors of its
+   own. */
 static double pull_by_w(const newton *t, const transistor *s) {
   int free[MOVES];
   free_moves(t, free);
@@ -109,15 +112,16 @@ static void never_printed(transistor *s, biases drawn) {
   s->point = (point){NAN, NAN};
 }
 
-/* Where the ends of the width lie, grid steps out of where they are drawn. */
+/* Compute the outward moves of the ends of the width, grid steps. */
 static void ends_of(biases b, int32_t at[2]) {
-  at[0] = (b.w >> 1) - b.aside; /* as eda_moves shares w */
+  at[0] = (b.w >> 1) - b.aside; /* as eda_moves splits w */
   at[1] = b.w - at[0];
 }
 
-/* A wider mask is lost: the active has met a neighbour, or left its line end
-   behind. There is room for half of what its ends went out. Whether that is the
-   larger move, and so the likelier one to have lost it. */
+/* Limit the ends of the width after a wider mask failed to print, because the
+   active merged with a neighbour or left its line end behind: each end may move
+   half as far. Return whether W moved more than L and is therefore the likely
+   cause. */
 static int lose_room(transistor *s, double by_l) {
   int32_t good[2], now[2];
   int wider = 0;
@@ -133,8 +137,9 @@ static int lose_room(transistor *s, double by_l) {
   return wider;
 }
 
-/* Take in a print that is lost: the end of a bracket, whose side its flags
-   tell, or else the move that lost it. */
+/* Process a mask that does not print: set an end of the bracket, on the side
+   that the flags determine, or reduce the bounds of the move that caused the
+   failure. */
 static void lose(transistor *s, const double x[MOVES], uint32_t flags) {
   double dx = x[BY_L] - s->x[BY_L];
   int open = flags & EDA_PRINT_OPEN || (!(flags & EDA_PRINT_MERGED) && dx < 0);
@@ -145,8 +150,8 @@ static void lose(transistor *s, const double x[MOVES], uint32_t flags) {
   trust_see(&s->trust, x[BY_L], open ? INFINITY : -INFINITY);
 }
 
-/* Take in what a print, whose errors are `error`, tells of the way to the L
-   that is wanted. `foreseen` is what the pull should have become. */
+/* Update the trust region from the present errors. `foreseen` is the predicted
+   pull. */
 static void find_way(const newton *t, transistor *s, const change *c,
                      double foreseen) {
   double before = s->pull, due = foreseen - before;
@@ -155,7 +160,7 @@ static void find_way(const newton *t, transistor *s, const change *c,
   double drift = s->disturbed && against ? INFINITY : visible(t, s);
   s->trust.slow = 0;
   trust_drift(&s->trust, pull_by_w(t, s) * c->dx[BY_W], drift);
-  int by_l = !for_ioff(t) || c->dx[BY_W] == 0; /* W has answered as well */
+  int by_l = !for_ioff(t) || c->dx[BY_W] == 0; /* W has responded as well */
   if (by_l && !s->disturbed && before * s->pull > 0 &&
       fabs(before) - fabs(foreseen) > visible(t, s))
     trust_judge(&s->trust, c->dx[BY_L], fabs(before), fabs(foreseen),
@@ -164,14 +169,14 @@ static void find_way(const newton *t, transistor *s, const change *c,
 }
 
 int32_t aside_of(const transistor *s, int32_t w) {
-  int32_t low = w >> 1, high = w - low; /* as eda_moves shares w */
+  int32_t low = w >> 1, high = w - low; /* as eda_moves splits w */
   int32_t up = low - s->furthest[0], down = high - s->furthest[1];
   return up > 0 ? up : down > 0 ? -down : 0;
 }
 
-/* The ends of the width go no further out than to where the poly gets thin, and
-   none further than half of the largest correction. A gate that leaks twice as
-   much as drawn gives up what of its ends does. */
+/* Limit the ends of the width to the region where the poly is not thin, and to
+   half of the largest correction. A gate that leaks twice as much as drawn
+   loses the strips of its ends that leak. */
 static void bound_ends(const newton *t, transistor *s, const eda_feedback *f,
                        size_t i) {
   double grid = f->gates->grid;
@@ -188,18 +193,18 @@ static void bound_ends(const newton *t, transistor *s, const eda_feedback *f,
     thin = leaks
                ? thin_end(f, i, high, at[high], range, tuned.thin_end[0] / leak)
                : 0;
-    if (!thin || thin == range) continue; /* all of it is */
+    if (!thin || thin == range) continue; /* the whole range is thin */
     *to = at[high] - thin;
     s->given += thin;
   }
-  if (s->given) s->error[IOFF] = 0; /* as is foreseen */
+  if (s->given) s->error[IOFF] = 0; /* predicted */
 }
 
-/* Take in what the moves to `now` have printed. `common` is by how much the log
-   Ion of all transistors of its type changed alike. */
+/* Update the state of a transistor after the moves to `now`. `common` is the
+   change of log Ion common to all transistors of the type. */
 static void take_in(const newton *t, transistor *s, const eda_feedback *f,
                     size_t i, biases now, double common) {
-  const double *target = t->wish[i].target;
+  const double *target = t->goal[i].target;
   const double x[MOVES] = {length_in_steps(t, i, now), now.w};
   double error[ERRORS];
   change c;
@@ -246,8 +251,8 @@ static void take_in(const newton *t, transistor *s, const eda_feedback *f,
 
 /* ---- work: all transistors ---- */
 
-/* The first responses, and the errors as they will be once the line ends have
-   moved: the regulator moves them together with the first moves. */
+/* Compute the initial responses, and the errors expected once the line ends
+   have moved: the regulator moves line ends together with the first moves. */
 static void start(newton *t, const eda_feedback *f) {
   curve *curves = t->curve;
   curves_from(f, curves);
@@ -271,8 +276,8 @@ static void start(newton *t, const eda_feedback *f) {
   }
 }
 
-/* A straight line through what the first moves should have done to log Ion by
-   the response to L (x) and what they did (y), of one type. */
+/* Sums of a linear fit for one type: change of log Ion predicted by the
+   response to L (x) and observed (y) after the first moves. */
 typedef struct line {
   double n, x, y, xx, xy;
 } line;
@@ -281,7 +286,7 @@ static void fit(const newton *t, const eda_feedback *f, const eda_moves *moves,
                 line of[2]) {
   for (size_t i = 0; i < t->count; i++) {
     const transistor *s = &t->state[i];
-    const double *target = t->wish[i].target;
+    const double *target = t->goal[i].target;
     const biases next = t->state[i].next;
     double error[ERRORS];
     if (!errors_of(f, i, target, error) || isinf(s->size)) continue;
@@ -294,9 +299,9 @@ static void fit(const newton *t, const eda_feedback *f, const eda_moves *moves,
   }
 }
 
-/* After the first moves all transistors of a type learn together: the slope of
-   their line becomes a factor on all responses to L, and what it says of no
-   move, common[type], is what happened to all of them alike. */
+/* Update the responses of all transistors of a type after the first moves: the
+   slope of the fit is a common factor of all responses to L; its intercept,
+   common[type], is the change common to all. */
 static void learn_together(newton *t, const eda_feedback *f,
                            const eda_moves *moves, double common[2]) {
   line of[2] = {{0}};
@@ -320,14 +325,15 @@ static void learn_together(newton *t, const eda_feedback *f,
     t->state[i].first = t->state[i].response;
 }
 
-/* The loop may have gone back to another mask than was asked for. */
+/* Return the simulated mask; the loop may have reverted to another one than
+   requested. */
 static biases as_printed(const newton *t, const eda_moves *moves, size_t i) {
   biases b = {moves->l[i], moves->w[i], moves->jog[i], t->state[i].next.shape,
               moves->aside ? moves->aside[i] : 0};
   return b;
 }
 
-/* A print of all transistors. */
+/* Arguments of the threads, for all transistors. */
 typedef struct print {
   newton *t;
   const eda_feedback *f;
@@ -366,8 +372,8 @@ void reshape(newton *t, size_t i, const shape *to) {
   trust_drift(&s->trust, s->pull - before, s->surprise);
 }
 
-/* Neighbours share a part of the mean change of log Ion that they make, and
-   line ends may move. */
+/* Neighbours share a part of the mean change of log Ion, and line ends may
+   move. */
 void foresee(newton *t, const eda_feedback *f) {
   double sum = 0;
   for (size_t i = 0; i < t->count; i++) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What synthesizer.newton knows of each transistor, and how prints teach it. */
+/* State of the transistors in synthesizer.newton, and its update from simulated
+   masks. */
 #ifndef SYNTHESIZER_NEWTON_OBSERVE_H
 #define SYNTHESIZER_NEWTON_OBSERVE_H
 
@@ -16,67 +17,70 @@ typedef struct biases {
   int32_t aside; /* as eda_moves.aside */
 } biases;
 
-/* What is corrected: as the weights say; Ion and Ioff, by L and W; those and
-   the area, by flat edges. */
+/* Targets: by the weights; Ion and Ioff by L and W; both and the area, with
+   flat edges. */
 enum { PLAIN, BALANCED, FULL, TARGETS };
 
-/* An error is the logarithm of what is printed over what is wanted; the size of
-   a transistor's errors is one figure for all three of them (size_of). */
+/* State of a transistor. An error is the logarithm of printed over target;
+   size_of combines the errors of a transistor into one figure. */
 typedef struct transistor {
-  biases now;           /* of the mask that was measured last */
-  int lost;             /* it did not print; what follows is of the last print
-                           of it that did */
-  biases good;          /* the mask */
-  double x[MOVES];      /* its moves in grid steps, the jog as a part of one */
-  point point;          /* on its device curve */
-  double error[ERRORS]; /* its errors; at first as they will be once the line
-                           ends have moved */
-  double size;          /* of them; INFINITY if it never printed */
-  ripple ripple;        /* of its length along W */
-  double pull;          /* the error of Ion that asks for the same L */
-  biases next;          /* that was asked for */
-  biases best;          /* of the mask with the least size so far */
+  biases now;           /* mask measured last */
+  int lost;             /* 1: that mask did not print; the following figures are
+                           those of the last mask that did */
+  biases good;          /* last mask that printed */
+  double x[MOVES];      /* moves of that mask in grid steps, the jog as a
+                           fraction */
+  point point;          /* point on the device curve */
+  double error[ERRORS]; /* errors; in the first iteration those expected after
+                           the line ends have moved */
+  double size;          /* size of the errors; INFINITY if no mask has
+                           printed */
+  ripple ripple;        /* ripple of the length along W */
+  double pull;          /* error of Ion that requires the same move of L */
+  biases next;          /* requested mask */
+  biases best;          /* mask of the least size so far */
   double best_size;
-  double rest_size;         /* the least size since its last move */
-  response response, first; /* as learnt, and as estimated at first */
-  trust trust;              /* how far its next L may go */
-  int32_t room[2];          /* how far the LOW and the HIGH end of its width
-                               may go out, grid steps: further out it is lost */
-  int32_t furthest[2];      /* no further than there, nor where the poly is
-                               thin */
-  int32_t given;            /* what its ends give up in the next mask */
-  int32_t end[2];           /* its line ends in the mask measured last */
-  double surprise;   /* by how much the next print's log Ion may differ from
-                        what the response says, as its line ends and its
-                        neighbours have moved */
-  uint8_t disturbed; /* the last print changed for reasons other than its
-                        own moves */
-  uint8_t outside;   /* the figures of the best mask come from beyond the ends
-                        of the device table */
-  uint8_t back;      /* its next mask is its best one */
+  double rest_size;         /* least size since the last move */
+  response response, first; /* learnt and initial response */
+  trust trust;              /* trust region of the next L */
+  int32_t room[2];          /* largest outward moves of the LOW and HIGH end of
+                               the width, grid steps; the gate did not print
+                               beyond */
+  int32_t furthest[2];      /* the same, limited also to the region where the
+                               poly is not thin */
+  int32_t given;            /* grid steps of width that the ends lose in the
+                               next mask */
+  int32_t end[2];           /* line ends of the mask measured last */
+  double surprise;   /* uncertainty of the next log Ion, beyond that of the
+                        response, caused by line ends and neighbours */
+  uint8_t disturbed; /* 1: causes other than its own moves changed the
+                        transistor */
+  uint8_t outside;   /* 1: the figures of the best mask are extrapolated beyond
+                        the device table */
+  uint8_t back;      /* 1: the next mask is the best one */
   uint8_t verdict;
 } transistor;
 
 typedef struct newton {
   const opc_host *host;
   int target;            /* PLAIN ... */
-  double weight[ERRORS]; /* of the size of errors */
-  double steer[ERRORS];  /* for the L that goes with a W */
+  double weight[ERRORS]; /* weights in the size of errors */
+  double steer[ERRORS];  /* weights for the L that compensates a W */
   double price;          /* % of the area that a jog has to save */
   const eda_gates *gates;
-  parts *parts;                /* of each transistor */
-  curve curve[2];              /* of wide transistors, by type */
+  parts *parts;                /* parts of each transistor */
+  curve curve[2];              /* curve of wide transistors, by type */
   double tolerance, ion_limit; /* % */
   double gain[MOVES];
   double max_bias, min_jog; /* nm */
   int fine;
   int64_t iterations;
-  const char *wishes_path;
-  double mean;    /* of all sizes at the print before; while all rest, the
-                     least so far */
-  int settled;    /* shapes and W stay; L goes on for Ion alone */
-  int rest;       /* nothing was moved at the print before */
-  eda_wish *wish; /* of each transistor */
+  const char *goals_path;
+  double mean;    /* mean size of the last iteration; while all rest, the least
+                     so far */
+  int settled;    /* 1: shapes and W are final; L alone corrects Ion */
+  int rest;       /* 1: nothing moved in the last iteration */
+  eda_goal *goal; /* goal of each transistor */
   transistor *state;
   sides *sides;
   size_t count;
@@ -84,39 +88,42 @@ typedef struct newton {
 
 int same(biases a, biases b);
 
-/* `ion_limit` as an error. */
+/* Return `ion_limit` as an error. */
 double ion_limit(const newton *t);
 
-/* The weighted errors as one figure; it is |error| of one that weighs 1. */
+/* Return the weighted size of errors; |error| for a single error of weight
+   1. */
 double size_of(const newton *t, const double error[ERRORS]);
 
-/* The parts of that mask of transistor i: its jog may have moved their ends. */
+/* Return the parts of a mask of transistor i; the jog may have moved their
+   ends. */
 parts parts_of_mask(const newton *t, size_t i, biases b);
 
-/* The length of that mask of transistor i, its jog as a part of a step. */
+/* Return the length of a mask of transistor i in grid steps, the jog as a
+   fraction. */
 double length_in_steps(const newton *t, size_t i, biases b);
 
-/* Whether W and shapes move for Ioff. */
+/* Return whether W and shapes move for Ioff. */
 int for_ioff(const newton *t);
 
-/* Whether edges are made flatter after that print. */
+/* Return whether edges are flattened in this iteration. */
 int reshapes(const newton *t, const eda_feedback *f);
 
-/* Which moves serve the weights at all. */
+/* Set free[m] to 1 for each move that the weights use. */
 void free_moves(const newton *t, int free[MOVES]);
 
-/* How far the active of a transistor goes to HIGH with that W: an end that may
-   go no further out leaves the rest to the other one. */
+/* Return the shift of the active of a transistor to HIGH for a width `w`: if
+   one end is at its limit, the other end takes the remainder. */
 int32_t aside_of(const transistor *s, int32_t w);
 
-/* Take in what the mask of `moves` has printed, for all transistors. */
+/* Update the state of all transistors from the simulated mask of `moves`. */
 void observe(newton *t, const eda_feedback *f, const eda_moves *moves);
 
-/* Take in that the next mask of transistor i will have that shape: what that
-   does to its currents is foreseen. */
+/* Set the shape of the next mask of transistor i and predict the effect on its
+   currents. */
 void reshape(newton *t, size_t i, const shape *to);
 
-/* How much the next print may surprise each transistor. */
+/* Compute the uncertainty of the next log Ion of each transistor. */
 void foresee(newton *t, const eda_feedback *f);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Responses: the first estimate from the slopes of the device curves, what is
-   learnt of them, and the move that follows from one. */
+/* Implements responses: the initial estimate from the slopes of the device
+   curves, the update from measurements, and the resulting move. */
 #include "response.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@
 
 #include "tuning.h"
 
-/* Prints whose figures tell nothing. */
+/* Flags of printed gates whose figures are meaningless. */
 static const uint32_t lost =
     EDA_PRINT_OPEN | EDA_PRINT_NO_ACTIVE | EDA_PRINT_MERGED | EDA_PRINT_ISLAND;
 
@@ -62,9 +62,9 @@ int errors_of(const eda_feedback *f, size_t i, const double target[ERRORS],
   return 1;
 }
 
-/* A short line end makes the gate short over a small part of its width only,
-   which carries much of the current. The mean length has little to do with
-   that: what it misses there it gets back as the line end grows. */
+/* A short line end makes the gate short over a small part of the width, which
+   carries much of the current. The mean length hardly shows this; the lost
+   current returns as the line end grows. */
 void with_line_ends(const eda_feedback *f, size_t i, const curve *of_type,
                     double error[ERRORS]) {
   const eda_performance *p = f->printed;
@@ -128,7 +128,7 @@ void learn(response *r, const response *first, const double dx[MOVES],
 void solve(const response *r, const double error[ERRORS],
            const double weight[ERRORS], const int free[MOVES],
            double dx[MOVES]) {
-  /* Normal equations of two unknowns; one that is not free is left out. */
+  /* Normal equations of two unknowns; a move that is not free is omitted. */
   double a[MOVES][MOVES] = {{0}}, b[MOVES] = {0};
   for (int k = 0; k < ERRORS; k++)
     for (int m = 0; m < MOVES; m++) {

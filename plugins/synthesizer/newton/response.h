@@ -1,72 +1,73 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How a transistor's errors answer to its mask, and the correction that
-   follows. */
+/* Response of the errors of a transistor to moves of its mask, and the
+   resulting correction. */
 #ifndef SYNTHESIZER_NEWTON_RESPONSE_H
 #define SYNTHESIZER_NEWTON_RESPONSE_H
 
 #include <eda/synthesizer.h>
 
-/* Errors: logarithms of printed over drawn. Moves: L (with a jog, a fraction of
-   a grid step) and W, in grid steps. */
+/* Errors: logarithms of printed over target. Moves: L (with a jog, a fraction
+   of a grid step) and W, in grid steps. */
 enum {
-  ION = EDA_WISH_ION,
-  IOFF = EDA_WISH_IOFF,
-  AREA = EDA_WISH_AREA,
-  ERRORS = EDA_WISH_TARGETS
+  ION = EDA_GOAL_ION,
+  IOFF = EDA_GOAL_IOFF,
+  AREA = EDA_GOAL_AREA,
+  ERRORS = EDA_GOAL_TARGETS
 };
 enum { BY_L, BY_W, MOVES };
 
-/* `doubt` is how well each move's response is known, as a part of it. */
+/* Response to the moves. `doubt` is the relative uncertainty for each move. */
 typedef struct response {
   double by[ERRORS][MOVES], doubt[MOVES];
-  double slope; /* of the device curve, d log(I / W) / dL, where that holds */
+  double slope; /* slope of the device curve, d log(I / W) / dL, of that
+                   response */
 } response;
 
-/* What wide transistors of a type do: d log(I / W) / dL, 1/nm, and d L / d mask
-   L as the first prints have it. */
+/* Response of wide transistors of a type: d log(I / W) / dL, 1/nm, and d L / d
+   mask L from the first simulations. */
 typedef struct curve {
   double slope[ERRORS];
 } curve;
 
-/* A point of a transistor's device curve: its equivalent length, nm, and
-   log(I / W) there; NAN if it has none. */
+/* A point of the device curve of a transistor: equivalent length, nm, and log(I
+   / W); NAN without one. */
 typedef struct point {
   double length, drive;
 } point;
 
 point point_of(const eda_performance *p, size_t i);
 
-/* The slopes of the device curves of both types, from the printed transistors'
-   equivalent lengths; without prints that tell, Ion ~ 1 / L. */
+/* Compute the slopes of the device curves of both types from the equivalent
+   lengths of printed transistors; without valid ones, Ion ~ 1 / L. */
 void curves_from(const eda_feedback *f, curve out[2]);
 
-/* Log errors of gate i; 0 and no errors if it has no performance, or prints
-   open, merged or in pieces. */
+/* Compute the log errors of gate i. Return 0 and no errors if the gate has no
+   performance, or prints open, merged or in pieces. */
 int errors_of(const eda_feedback *f, size_t i, const double target[ERRORS],
               double out[ERRORS]);
 
-/* What errors_of will be once line ends that print short have grown. */
+/* Compute the errors expected once line ends that print short have grown. */
 void with_line_ends(const eda_feedback *f, size_t i, const curve *of_type,
                     double error[ERRORS]);
 
-/* The response of gate i before it was ever moved. `gain` is d printed / d mask
+/* Return the response of gate i before any move. `gain` is d printed / d mask
    of each move. */
 response first_response(const eda_gates *gates, size_t i, const curve *of_type,
                         const double gain[MOVES]);
 
-/* Let a response and its first estimate hold for lengths between the two
-   points of the device curve, which bends. If they are less than `least` (nm)
-   apart, or tell no slope that falls, nothing changes. */
+/* Adapt a response and its first estimate to lengths between two points of the
+   device curve, which is not straight. Nothing changes if the points are less
+   than `least` (nm) apart or the slope between them does not fall. */
 void bend(response *r, response *first, point from, point to, double least);
 
-/* Broyden's update, weighted by how well each response is known: after a move
-   by dx the errors changed by de, of which `noise` may come from elsewhere. The
-   response stays near `first`. */
+/* Update a response by Broyden's formula, weighted by the uncertainties: after
+   a move by dx the errors changed by de, with an uncertainty of `noise` from
+   other causes. The response stays near `first`. */
 void learn(response *r, const response *first, const double dx[MOVES],
            const double de[ERRORS], double noise);
 
-/* The move that makes sum of weight[k] * error[k]^2 least for a linear
-   response; a move with free[m] = 0 is not used. */
+/* Compute the move that minimizes the sum of weight[k] * error[k]^2 for a
+   linear response, without moves m with free[m] = 0. */
 void solve(const response *r, const double error[ERRORS],
            const double weight[ERRORS], const int free[MOVES],
            double dx[MOVES]);

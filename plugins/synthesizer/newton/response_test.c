@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Responses of transistors that keep to laws written down here, and what is
-   learnt of them against the same estimate in its information form. */
+/* Tests responses of transistors with known laws, and their updates against the
+   same estimate in information form. */
 #include "response.c"
 
 #include <eda/devices.h>
@@ -19,7 +19,7 @@ static void assert_near(double a, double b) {
   g_assert_cmpfloat(fabs(a - b), <, 1e-9 * (1 + fabs(b)));
 }
 
-/* Transistors whose log(I / W) falls along a line of each type. */
+/* Transistors whose log(I / W) falls along a line for each type. */
 typedef struct drawn_and_printed {
   uint8_t type[GATES];
   uint32_t flags[GATES];
@@ -71,8 +71,9 @@ static void make(drawn_and_printed *d) {
                                .flags = d->flags};
 }
 
-/* The slopes of the lines come out; prints that are flagged do not count, nor
-   such without a current; without any, a current goes with 1 / L. */
+/* The slopes equal those of the lines. Flagged gates and gates without a
+   current do not count; without any valid gate, the current is proportional to
+   1 / L. */
 static void test_curves(void) {
   drawn_and_printed d;
   curve c[2];
@@ -102,7 +103,7 @@ static void test_errors(void) {
   assert_near(exp(e[ION]), p[0][7] / o[0][7] / 1.1);
   assert_near(exp(e[IOFF]), p[1][7] / o[1][7] / 0.8);
   assert_near(exp(e[AREA]), p[5][7] / o[5][7] / 0.95);
-  /* What the equivalent lengths lack of the mean one. */
+  /* Difference between equivalent and mean lengths. */
   const curve c = {{-0.05, -0.39, 0}};
   memcpy(more, e, sizeof e);
   with_line_ends(&d.feedback, 7, &c, more);
@@ -135,7 +136,7 @@ static void test_errors(void) {
   }
 }
 
-/* A step of the grid of 0.5 nm, through gains of 2 and 0.7. */
+/* A step of the grid of 0.5 nm, with gains of 2 and 0.7. */
 static void test_first(void) {
   drawn_and_printed d;
   make(&d);
@@ -151,8 +152,8 @@ static void test_first(void) {
   for (int m = 0; m < MOVES; m++) assert_near(r.doubt[m], tuned.doubt[m]);
 }
 
-/* However often it is bent, the response is to the last slope what it was to
-   the first; nothing else changes. */
+/* After any number of calls, the ratio of response and slope is that of the
+   start; nothing else changes. */
 static void test_bend(void) {
   response first = {.by = {{-0.1, 0.02}, {-0.8, 0.02}, {0.02, 0.02}},
                     .slope = -0.05},
@@ -174,8 +175,8 @@ static void test_bend(void) {
   g_assert_cmpmem(&first, sizeof first, &first_before, sizeof first_before);
 }
 
-/* The most likely response after a measurement with noise, from the sum of the
-   information of both (Gauss and Markov). */
+/* Compute the most likely response after a noisy measurement, from the sum of
+   both informations (Gauss and Markov). */
 static void likely(const response *r, const response *first, const double *dx,
                    const double *de, double noise, response *out) {
   *out = *r;
@@ -228,7 +229,7 @@ static void test_learn(void) {
   }
   g_assert_cmpint(bound, >, 10);
   g_assert_cmpint(bound, <, 900);
-  /* No move tells nothing. */
+  /* Without a move nothing is learnt. */
   response r = first;
   const double none[MOVES] = {0, 0}, de[ERRORS] = {1, 1, 1};
   learn(&r, &first, none, de, 0);
@@ -245,7 +246,7 @@ static double left_over(const response *r, const double *e, const double *w,
   return sum;
 }
 
-/* No move nearby is better, along what is free. */
+/* No move nearby along the free directions is better. */
 static void test_solve(void) {
   for (int n = 0; n < 300; n++) {
     response r;

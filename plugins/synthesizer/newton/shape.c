@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Flat edges: the mask's moves that undo the ripple best are a least-squares
-   problem, as a print is smooth; whole steps with as few jogs as their price
-   allows are then the nearest by dynamic programming (a Potts functional). */
+/* Implements flat edges. The moves that best correct the ripple are a
+   least-squares problem, as the optics smooth the mask; whole steps with few
+   jogs follow by dynamic programming (a Potts functional). */
 #include "shape.h"
 
 #include <math.h>
@@ -81,15 +81,15 @@ static void less_mean(ripple *r) {
   for (int j = 0; j < r->count; j++) r->off[j] -= mean;
 }
 
-/* Where sample j lies, grid steps from the LOW end. */
+/* Return the position of sample j, grid steps from the LOW end. */
 static double place(const parts *p, int j) {
   const double *edge = p->edge + p->first + j / SAMPLES;
   double part = (j % SAMPLES + 0.5) / SAMPLES;
   return edge[0] + part * (edge[1] - edge[0]);
 }
 
-/* The printed length there, less the drawn one; `from_middle` is along W, nm.
-   -INFINITY where no poly prints, NAN where it has no edge nearby. */
+/* Return printed minus drawn length at `from_middle`, nm along W. -INFINITY: no
+   poly prints there; NAN: no edge nearby. */
 static double length_off(const eda_feedback *f, size_t i, double from_middle) {
   const eda_gates *g = f->gates;
   eda_box b = g->box[i];
@@ -133,10 +133,11 @@ ripple ripple_of(const eda_feedback *f, size_t i, const parts *p) {
   return r;
 }
 
-/* The normal distribution. */
+/* Return the normal distribution function. */
 static double normal(double z) { return 0.5 * erfc(-z * M_SQRT1_2); }
 
-/* What a step of part k does to the printed length at sample j, nm. */
+/* Return the effect of a step of part k on the printed length at sample j,
+   nm. */
 static double effect(const parts *p, int k, int j, double gain, double blur) {
   double at = place(p, j);
   return gain * (normal((p->edge[k + 1] - at) / blur) -
@@ -162,8 +163,8 @@ double ripple_excess(const ripple *r, double slope) {
   return log(sum / r->count);
 }
 
-/* Both currents grow by half of the square of their slopes; two equations for L
-   and W. */
+/* Both currents increase by half the square of their slopes; two equations for
+   L and W. */
 double ripple_cost(double drawn, const curve *c) {
   double ion = -c->slope[ION], ioff = -c->slope[IOFF];
   return (ion + ioff) / 2 / drawn + ion * ioff / 2;
@@ -171,7 +172,7 @@ double ripple_cost(double drawn, const curve *c) {
 
 /* ---- flat edges ---- */
 
-/* Solve a x = b, symmetric and positive definite; both are lost. */
+/* Solve a x = b for a symmetric positive definite a; overwrites a and b. */
 static void cholesky(int n, double a[EDA_PARTS][EDA_PARTS],
                      double x[EDA_PARTS]) {
   for (int i = 0; i < n; i++)
@@ -190,9 +191,8 @@ static void cholesky(int n, double a[EDA_PARTS][EDA_PARTS],
   }
 }
 
-/* The moves of parts, no whole steps yet, that make the ripple least, what
-   leaks most first; Tikhonov's term keeps small what a print does not answer
-   to. */
+/* Compute the real-valued moves of parts that minimize the ripple, weighted by
+   leakage. Tikhonov's term limits moves that have little effect. */
 static void least_squares(const parts *p, const ripple *r, double leak,
                           double gain, double blur, double x[EDA_PARTS]) {
   double a[EDA_PARTS][EDA_PARTS] = {{0}}, row[EDA_PARTS];
@@ -213,8 +213,8 @@ static void least_squares(const parts *p, const ripple *r, double leak,
 
 enum { MOST = 12, VALUES = 2 * MOST + 1 };
 
-/* The whole steps v[k] from low to high[k] that make the sum of (x[k] - v[k])^2
-   and of `jump` for each change of v least. */
+/* Compute the whole steps v[k] up to high[k] that minimize the sum of (x[k] -
+   v[k])^2 and of `jump` for each change of v. */
 static void potts(int n, const double *x, const int *high, double jump,
                   int8_t *v) {
   double cost[EDA_PARTS][VALUES];
@@ -251,7 +251,9 @@ shape shape_flat(const parts *p, const ripple *now, const shape *from,
     x[k] += from->by[k];
     if (p->first <= k && k < p->last) sum += x[k];
   }
-  for (int k = 0; k < p->count; k++) x[k] -= sum / n; /* L makes it good */
+  for (int k = 0; k < p->count; k++)
+    x[k] -= sum / n; /* L compensates the
+                        mean */
   double nm = gain * tuned.local;
   potts(p->count, x, high, price * n / (nm * nm), s.by);
   return s;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The length along a gate's width: how it prints, and which parts of the mask's
-   edges, moved by whole steps, make it flat. */
+/* Printed length along the width of a gate, and the whole steps of parts of the
+   mask edges that make the length uniform. */
 #ifndef SYNTHESIZER_NEWTON_SHAPE_H
 #define SYNTHESIZER_NEWTON_SHAPE_H
 
@@ -9,68 +9,69 @@
 #include "jog.h"
 #include "response.h"
 
-/* A gate's width in parts, and by how many grid steps the mask is longer in
-   each. Without parts all are 0. */
+/* Grid steps of additional mask length in each part of the width; all 0 without
+   parts. */
 typedef struct shape {
   int8_t by[EDA_PARTS];
 } shape;
 
-/* How a gate prints along its width: the length less its mean, nm, at SAMPLES
-   places of each part, from the LOW end on. */
+/* Printed length along the width minus its mean, nm, at SAMPLES places of each
+   part, from the LOW end on. */
 enum { SAMPLES = 3 };
 typedef struct ripple {
-  int count; /* of places; 0: not known */
+  int count; /* number of places; 0: unknown */
   double off[SAMPLES * EDA_PARTS];
 } ripple;
 
 /* The parts of a gate: part k from edge[k] to edge[k + 1], grid steps from the
-   LOW end of its box. Those from `first` to before `last` lie in the gate;
-   there may be one before it and one after it, where the poly goes past the
-   active. */
+   LOW end of the box. Parts `first` to before `last` are in the gate; there may
+   be one before and one after them, where the poly extends past the active. */
 typedef struct parts {
   int count, first, last; /* 0: the gate is too narrow */
   double edge[EDA_PARTS + 1];
-  double share[EDA_PARTS + 1]; /* what a step up to there adds to the length */
+  double share[EDA_PARTS + 1]; /* effect of a step up to that edge on the
+                                  length */
 } parts;
 
 parts parts_of(const eda_gates *gates, size_t i, const sides *edges);
 
-/* Parts that keep `least` clear of a jog, or end where it lies: `at`, grid
-   steps from the LOW end of the gate's box; NAN: there is none. */
+/* Return parts that keep `least` clear of a jog at `at`, or end there; `at` in
+   grid steps from the LOW end of the box of the gate; NAN: no jog. */
 parts parts_beside(const parts *p, const sides *edges, double at, double least);
 
-/* As the loop has it: neighbours that move alike are one. */
+/* Write a shape in the form of the loop: neighbouring parts of equal steps are
+   one. */
 void shape_write(const parts *p, const shape *s, eda_part out[EDA_PARTS]);
 
-/* What it adds to the gate's length, grid steps. */
+/* Return the additional length of the gate, grid steps. */
 double shape_value(const parts *p, const shape *s);
 
-/* The ripple of a print; no parts where it cannot be seen. */
+/* Return the ripple of a simulated gate; without parts if not measurable. */
 ripple ripple_of(const eda_feedback *f, size_t i, const parts *p);
 
-/* What it becomes when the mask goes from one shape to the other; `gain` is nm
-   of print for a grid step of the mask. */
+/* Return the ripple expected after a change of the mask from one shape to the
+   other; `gain` is nm of printed length per grid step. */
 ripple ripple_after(const parts *p, const ripple *now, const shape *from,
                     const shape *to, double gain, double blur);
 
-/* How far inwards, grid steps, from the end of the width that lies `from` steps
-   out of where it is drawn, the print is shorter than drawn by `least`, nm
-   (below 0), or more; at most `most`. */
+/* Return the distance, in grid steps, from an end of the width inwards over
+   which the printed length is shorter than drawn by `least` (nm, below 0) or
+   more; at most `most`. The end is `from` steps outside of the drawn one. */
 int32_t thin_end(const eda_feedback *f, size_t i, int high, int32_t from,
                  int32_t most, double least);
 
-/* log of the current of such a gate over that of a straight one of the same
-   mean length; `slope` is d log I / d L, 1/nm. */
+/* Return the logarithm of the current of a gate over that of a straight one
+   with the same mean length; `slope` is d log I / d L, 1/nm. */
 double ripple_excess(const ripple *r, double slope);
 
-/* What of the area a nm^2 of mean square ripple costs: by so much are L and W
-   too large that give such a gate its drawn Ion and Ioff. */
+/* Return the relative area per nm^2 of mean square ripple: the increase of L
+   and W that restores the drawn Ion and Ioff of such a gate. */
 double ripple_cost(double drawn, const curve *of_type);
 
-/* The shape for which the squared ripple, nm^2 as a mean over the gate, and
-   `price` (of the same unit) for each step of the edges come to the least.
-   `leak` is the slope of log Ioff, 1/nm: what leaks counts most. What is
-   `blocked` gets no longer. */
+/* Return the shape that minimizes the mean squared ripple over the gate, nm^2,
+   plus `price` (same unit) for each step of the edges. `leak` is the slope of
+   log Ioff, 1/nm, by which leaking parts weigh more. With `blocked` no part
+   gets longer. */
 shape shape_flat(const parts *p, const ripple *now, const shape *from,
                  double leak, double gain, double blur, double price,
                  int blocked);

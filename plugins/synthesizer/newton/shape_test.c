@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Shapes that flatten ripples of which the cause is known: a mask whose steps a
-   Gaussian has smoothed, by sums over its width. */
+/* Tests shapes that flatten ripples of known cause: a mask whose steps a
+   Gaussian smooths, summed over the width. */
 #include "shape.c"
 
 #include <glib.h>
@@ -25,7 +25,7 @@ static parts parts_here(int32_t width, const sides *s) {
   return parts_of(&g, 0, s);
 }
 
-/* What a mask prints that is by[k] longer in part k. */
+/* Return the ripple of a mask that is by[k] longer in part k. */
 static ripple printed(const parts *p, const int *by) {
   ripple r = {.count = SAMPLES * (p->last - p->first)};
   double mean = 0;
@@ -58,7 +58,7 @@ static double rms(const ripple *r) {
   return sqrt(sum / r->count);
 }
 
-/* What is expected of a step of the mask is what sums over the width say. */
+/* The expected effect of a step equals the sum over the width. */
 static void test_effect(void) {
   parts p = parts_here(WIDTH, &edges);
   shape none = {{0}}, s = {{0}};
@@ -72,7 +72,8 @@ static void test_effect(void) {
     g_assert_cmpfloat(fabs(r.off[j] - want.off[j]), <, 0.02);
 }
 
-/* Ten parts in the gate, one on each side where the poly goes on far enough. */
+/* Ten parts in the gate, and one on each side where the poly extends far
+   enough. */
 static void test_parts(void) {
   parts p = parts_here(WIDTH, &edges);
   g_assert_cmpint(p.count, ==, WIDTH / PART + 2);
@@ -94,7 +95,7 @@ static void test_parts(void) {
   g_assert_cmpint(parts_here(59, &edges).count, ==, 0);
 }
 
-/* A jog has no other step within 40 of it, but such as lie where it does. */
+/* No other step is within 40 of a jog, except at its position. */
 static void test_beside(void) {
   parts p = parts_here(WIDTH, &edges);
   for (int at = 40; at < WIDTH - 40; at++) {
@@ -108,8 +109,8 @@ static void test_beside(void) {
   }
 }
 
-/* Neighbours that move alike are one piece of the edge; the outer ones go as
-   far as it does. */
+/* Neighbouring parts of equal steps are one part of the edge; the outer ones
+   extend as far as the edge. */
 static void test_write(void) {
   parts p = parts_here(WIDTH, &edges);
   shape s = {{0}};
@@ -122,7 +123,7 @@ static void test_write(void) {
   g_assert_cmpint(out[1].from, ==, 180);
   g_assert_cmpint(out[1].to, ==, 240);
   g_assert_cmpint(out[2].from, ==, out[2].to);
-  /* Any shape is written as it is, unit by unit. */
+  /* Any shape is written exactly, unit by unit. */
   uint32_t state = 8;
   for (int n = 0; n < 50; n++) {
     for (int k = 0; k < p.count; k++) {
@@ -139,13 +140,12 @@ static void test_write(void) {
       g_assert_cmpint(found, ==, by != 0);
     }
   }
-  /* All of it by one step is a length of one more. */
+  /* A step of all parts equals a length of one more. */
   memset(&s, 1, sizeof s);
   g_assert_cmpfloat(fabs(shape_value(&p, &s) - 1), <, 1e-9);
 }
 
-/* The mean over the gate's width of the steps of the mask, smoothed as the
-   print smooths them, by sums. */
+/* The mean over the width of the smoothed steps of the mask, by sums. */
 static void test_value(void) {
   parts p = parts_here(WIDTH, &edges);
   uint32_t state = 3;
@@ -168,8 +168,8 @@ static void test_value(void) {
   }
 }
 
-/* A ripple that a mask has made is undone, but for a part that is dear; without
-   a price at all to a third, at half of it with fewer jogs, at any without. */
+/* The ripple of a shape is corrected: to a third without a price, to a half
+   with a price and fewer jogs, and for any shape without noise. */
 static void test_flat(void) {
   parts p = parts_here(WIDTH, &edges);
   const int by[EDA_PARTS] = {-6, -4, -2, 0, 0, 0, 3, 3, 0, 0, 0, 2};
@@ -194,8 +194,8 @@ static void test_flat(void) {
   for (int k = 0; k < p.count; k++) g_assert_cmpint(s.by[k], <=, 0);
 }
 
-/* Two halves, a nm long and a nm short: cosh of the slope. What it costs is
-   what L and W that balance both currents take, to second order. */
+/* Two halves, 1 nm longer and 1 nm shorter: cosh of the slope. The cost equals
+   the L and W that balance both currents, to second order. */
 static void test_excess(void) {
   ripple r = {.count = SAMPLES * 4};
   for (int j = 0; j < r.count; j++) r.off[j] = j < r.count / 2 ? 1 : -1;
@@ -206,8 +206,8 @@ static void test_excess(void) {
   g_assert_cmpfloat(fabs(ripple_cost(65, &c) - (l / 65 + w)), <, 1e-12);
 }
 
-/* A line along y that gets shorter by half a nm for each nm from 30 nm before
-   the HIGH end of the width on: linear functions are their own coefficients. */
+/* A line along y that gets shorter by 0.5 nm per nm from 30 nm before the HIGH
+   end of the width on: linear functions are their own coefficients. */
 static void test_thin_end(void) {
   enum { NX = 80, NY = 240, NODE = 2, LENGTH = 64, HIGH = 320 };
   eda_field print = {.frame = {0, 0, NX * NODE, NY * NODE}, .nx = NX, .ny = NY};

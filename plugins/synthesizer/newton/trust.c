@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Newton's step is kept within a trust radius, and within the bracket of two
-   masks whose errors have both signs; where it does not halve the error, or
-   leaves the bracket, the bracket is halved (Numerical Recipes 9.4, rtsafe). */
+/* Implements the trust region: Newton's step is limited to a trust radius, and
+   to a bracket of two masks with errors of opposite sign. If a step does not
+   halve the error or leaves the bracket, the bracket is bisected (Numerical
+   Recipes 9.4, rtsafe). */
 #include "trust.h"
 
 #include <math.h>
@@ -43,7 +44,7 @@ void trust_judge(trust *t, double dx, double before, double foreseen,
   if (t->slow && !has_bracket(t)) t->radius = fabs(dx) / 4;
 }
 
-/* No more than half the way to an end that is lost. */
+/* Return x limited to half the distance to an end that did not print. */
 static double nearest(const trust *t, int end, double x) {
   return isinf(t->error[end]) ? (x + t->at[end]) / 2 : t->at[end];
 }

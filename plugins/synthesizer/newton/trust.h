@@ -1,43 +1,44 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How far a transistor's next length may go: what has been seen of the way to
-   the wanted one. */
+/* Trust region of the next length of a transistor, from the results of previous
+   moves. */
 #ifndef SYNTHESIZER_NEWTON_TRUST_H
 #define SYNTHESIZER_NEWTON_TRUST_H
 
 enum { SHORT, LONG, ENDS };
 
-/* A longer gate draws less, so that the length wanted lies between one that
-   drew too much and one that drew too little. */
+/* Current falls with length, so the wanted length is between one with too much
+   and one with too little current. */
 typedef struct trust {
   double at[ENDS];    /* mask lengths, grid steps */
-  double error[ENDS]; /* log Ion there: above 0 at SHORT, below at LONG;
+  double error[ENDS]; /* log Ion there: above 0 at SHORT, below 0 at LONG;
                          infinite where nothing printed, 0: no end is known */
-  double radius;      /* the longest step, grid steps */
-  int slow;           /* the last step did not do what was foreseen */
+  double radius;      /* longest step, grid steps */
+  int slow;           /* 1: the last step had less effect than predicted */
 } trust;
 
-/* What else has changed the transistor since the last print changes log Ion at
-   the ends by `shift`, known to `noise`; an end that this may have moved across
-   zero is dropped. A length that was lost stays lost until one beyond it
-   prints, or is forgotten. */
+/* Change log Ion at the ends by `shift`, an effect of other causes since the
+   last iteration known to `noise`; drop an end that may have crossed zero. A
+   length that did not print remains an end until a length beyond prints, or
+   until trust_forget_lost. */
 void trust_drift(trust *t, double shift, double noise);
 
-/* What was lost may have been so for another reason, as a short line end. */
+/* Drop ends that did not print; another cause, such as a short line end, is
+   possible. */
 void trust_forget_lost(trust *t);
 
-/* A print of length x has that error; infinite: it is lost, too short or too
-   long. An end on the wrong side of x is dropped. */
+/* Add the error measured at length x. Infinite: the line did not print, too
+   short or too long. Drop an end on the wrong side of x. */
 void trust_see(trust *t, double x, double error);
 
-/* Whether a step by dx, which should have changed the size of the errors from
-   `before` to `foreseen`, has done so: the radius follows. */
+/* Adapt the radius to the result of a step by dx that should have changed the
+   size of the errors from `before` to `foreseen` and resulted in `now`. */
 void trust_judge(trust *t, double dx, double before, double foreseen,
                  double now);
 
-/* What of a step by dx from x may be done. */
+/* Return the part of a step by dx from x that the trust region allows. */
 double trust_step(const trust *t, double x, double dx);
 
-/* Whether a bracket of two ends is known, and x within it. */
+/* Return whether a bracket of two ends is known and contains x. */
 int trust_holds(const trust *t, double x);
 
 #endif

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The bracket on curves whose root is known, with steps ten times too long. */
+/* Tests the bracket on curves with known roots, with steps ten times too
+   long. */
 #include "trust.c"
 
 #include <glib.h>
 
-/* Steep below the root at -7, and the same beyond -9: a table that ends. */
+/* Return a curve that is steep below the root at -7, and constant beyond -9
+   like the end of a table. */
 static double ion(double x) {
   return x < -9 ? 0.4 : x < -7 ? -0.2 * (x + 7) : -0.01 * (x + 7);
 }

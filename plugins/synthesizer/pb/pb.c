@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* synthesizer.pb: performance-based OPC (thesis 2.2.5, figure 2.5). The length
-   of each transistor is first changed by what its effective length is off, then
-   L and W by steps of one grid unit down to the local minimum of the deviation.
- */
+/* Implements synthesizer.pb: performance-based OPC (thesis 2.2.5, figure 2.5).
+   The first correction of each length is the error of the effective length.
+   Then L and W move by single grid steps to the local minimum of the
+   deviation. */
 #include <math.h>
 #include <opcflow/follow.h>
 
@@ -13,8 +13,8 @@
 enum { MODE_ION, MODE_IOFF, MODE_IOFFION };
 enum { ION, IOFF };
 
-/* nm: nearer to the drawn length, Leq tells no slope. Half and twice: no first
-   step of our cells differs. */
+/* nm: if |Leq - L| is smaller, Leq determines no slope. Half and double this
+   value change no first step of the test cells. */
 static const double least_slope = 0.1;
 
 typedef struct pb {
@@ -22,7 +22,7 @@ typedef struct pb {
   double current_limit; /* % */
   double max_bias;      /* nm */
   int mode;
-  int driven; /* by ION or IOFF */
+  int driven; /* ION or IOFF: the figure that is minimized now */
   descent descent;
 } pb;
 
@@ -32,17 +32,17 @@ static const double *current(const eda_performance *p, int which) {
   return which == ION ? p->ion : p->ioff;
 }
 
-/* TPE, eq. 2.3 and 2.4. */
+/* Return the TPE, eq. 2.3 and 2.4, %. */
 static double tpe(const void *self, const eda_feedback *f, size_t i) {
   int which = ((const pb *)self)->driven;
   double design = current(f->design, which)[i];
   return 100 * (current(f->printed, which)[i] - design) / design;
 }
 
-/* The length of the rectangle that has the printed current and the drawn width.
-   Leq is that of the printed width: between the two, current per width is taken
-   to be exponential in the length, as between drawn and Leq. Where Leq is the
-   drawn length nothing is known of that, and it is what remains. */
+/* Return the length of the rectangle that has the printed current and the drawn
+   width. Leq refers to the printed width: current per width is taken as
+   exponential in the length between the drawn length and Leq. If Leq equals the
+   drawn length, the slope is unknown and Leq is returned. */
 static double length_at_drawn_width(double drawn, double leq, double width,
                                     double weq, double current) {
   double slope = log(current * width / weq) / (leq - drawn);
@@ -50,8 +50,8 @@ static double length_at_drawn_width(double drawn, double leq, double width,
   return fabs(leq - drawn) > least_slope && weq > 0 && slope < 0 ? length : leq;
 }
 
-/* L_design - Leq (thesis 3.2.2 (2), of the algorithm of chapter 2). A gate that
-   does not print tells none. */
+/* Return L_design - Leq in grid steps (thesis 3.2.2 (2), for the algorithm of
+   chapter 2); 0 for a gate that does not print. */
 static int32_t first(const void *self, const eda_feedback *f, size_t i) {
   int which = ((const pb *)self)->driven;
   const eda_gates *g = f->gates;
@@ -80,7 +80,7 @@ static int begin(void *self, const eda_feedback *f, opc_error *error) {
   return OPC_OK;
 }
 
-/* Go on to Ion with the widths alone, from what Ioff's lengths are. */
+/* Continue with Ion by widths alone; lengths stay as corrected for Ioff. */
 static void turn_to_ion(pb *p) {
   p->driven = ION;
   p->descent.fine = 1;
@@ -106,7 +106,7 @@ static const char *verdict(const void *self, size_t gate) {
   return descent_verdict(&((const pb *)self)->descent, gate);
 }
 
-/* Whoever asks for Ioff has given Ion up. */
+/* Return the target of Ion; a correction by Ioff has none. */
 static double target(const void *self, size_t gate) {
   (void)gate;
   return ((const pb *)self)->mode == MODE_IOFF ? NAN : 1;
@@ -131,7 +131,7 @@ static const opc_parameter parameters[] = {
             "largest correction of L or of W, and no more than half of W"),
 };
 
-/* What is not given. */
+/* Compute the defaults of parameters that are not set. */
 static void follow(pb *p, eda_scanner scanner) {
   EDA_FOLLOW(p->host, "synthesizer.pb", p, parameters, scanner);
 }

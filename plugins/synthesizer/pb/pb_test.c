@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Thesis 2.2.5 followed by hand on transistors whose response is a formula. */
+/* Tests thesis 2.2.5 by hand calculations on transistors whose response is a
+   formula. */
 #include <eda/eda.h>
 
 #include "tools/devel/testing.h"
@@ -9,15 +10,15 @@
 
 enum { MOST = 3 };
 
-/* Transistors of L 65 whose deviations are offset + by_l * l + by_w * w, %. */
+/* Transistors of L 65 with the deviations offset + by_l * l + by_w * w, %. */
 typedef struct model {
   size_t n;
   double ion[MOST], ion_by_l, ion_by_w;
   double ioff[MOST], ioff_by_l, ioff_by_w;
   double leq_ion[MOST], leq_ioff[MOST]; /* as drawn */
-  double weq;                           /* 0: the drawn width */
+  double weq;                           /* 0: drawn width */
   int32_t l[MOST], w[MOST];
-  GString *trace; /* of the first, "l,w " */
+  GString *trace; /* moves of the first transistor, "l,w " */
   int updates;
 } model;
 
@@ -83,35 +84,37 @@ static const model both = {.n = 1,
                            .leq_ion = {63.1},
                            .leq_ioff = {61.6}};
 
-/* 65 - 63.1 is 1.9: L 2 at once.
-   0  +7.0  L 2
-   1  +1.0  falls: on
-   2  -2.0  rises: back
-   3  +1.0  W, one step narrower
-   4  +0.2  within the tolerance */
+/* L - Leq = 65 - 63.1 = 1.9, so L moves by 2 at once.
+     0  +7.0  L 2
+     1  +1.0  falls: continue
+     2  -2.0  rises: revert
+     3  +1.0  W, one step narrower
+     4  +0.2  within the tolerance */
 static void test_ion(void) {
   follow("{ mode: ion }", both, "2,0 3,0 2,0 2,-1 2,-1 2,-1 ", "within limit");
 }
 
-/* 65 - 61.6 is 3.4: L 3 at once, which is too far; then shorter.
-   0   +90  L 3
-   1   -60  L 2
-   2   -10  L 1
-   3   +40  rises: back
-   4   -10  W wider, to -0.5 at 9.5 steps: 10 */
+/* L - Leq = 65 - 61.6 = 3.4, so L moves by 3 at once, which is too far; then L
+   decreases.
+     0   +90  L 3
+     1   -60  L 2
+     2   -10  L 1
+     3   +40  rises: revert
+     4   -10  W wider, to -0.5 at 9.5 steps: 10 */
 static void test_ioff(void) {
   follow("{ mode: ioff }", both,
          "3,0 2,0 1,0 2,0 2,1 2,2 2,3 2,4 2,5 2,6 2,7 2,8 2,9 2,10 2,10 2,10 ",
          "within limit");
 }
 
-/* Ioff by L as above, with -10 % left; then Ion, +1 at L 2, by W. */
+/* Ioff by L as above, with -10 % remaining; then Ion, +1 at L 2, by W. */
 static void test_ioffion(void) {
   follow("{ mode: ioffion }", both, "3,0 2,0 1,0 2,0 2,-1 2,-1 2,-1 ",
          "within limit");
 }
 
-/* Ion does not touch what Ioff has made of L, however far off it is. */
+/* Correction of Ion keeps the length that Ioff determined, at any deviation of
+   Ion. */
 static void test_ioffion_keeps_length(void) {
   model t = both;
   t.ion[0] = 16; /* +10 at L 2, more than three steps of L */
@@ -125,8 +128,8 @@ static void test_ioffion_keeps_length(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* An effective length that is right to half a step, or that a gate which does
-   not print does not have: one step. */
+/* The first correction is one step if the effective length is right to half a
+   step, or if the gate does not print and has no effective length. */
 static void test_first_step(void) {
   model t = both;
   t.leq_ion[0] = 65.3;
@@ -135,9 +138,10 @@ static void test_first_step(void) {
   follow("{}", t, "1,0 2,0 3,0 2,0 2,-1 2,-1 2,-1 ", "within limit");
 }
 
-/* Current per width is exp(-0.03 (L - 65)). Printed 66 long and 220 wide of
-   200, the transistor has the current of 200 wide and 62.8 long: 6.7 % too
-   much, which asks for 2 nm more, not for the 1 nm less that 66 does. */
+/* Current per width is exp(-0.03 (L - 65)). A transistor printed 66 long and
+   220 wide (drawn: 200) has the current of one 200 wide and 62.8 long: 6.7 %
+   too much. The correction is +2 nm, not the -1 nm that a length of 66
+   suggests. */
 static void test_drawn_width(void) {
   model t = both;
   double ratio = 220. / 200 * exp(-0.03 * (66 - 65));
@@ -148,7 +152,7 @@ static void test_drawn_width(void) {
   follow("{}", t, "2,0 3,0 2,0 2,-1 2,-1 2,-1 ", "within limit");
 }
 
-/* The tolerance is the user's; several transistors go their own ways. */
+/* The user sets the tolerance; several transistors converge independently. */
 static void test_tolerance(void) {
   model t = both;
   t.n = 3;

@@ -100,7 +100,7 @@ static int fill_choices(job *j, opc_error *error) {
   for (size_t i = 0; i < c->gates->count; i++) {
     if (j->of[i] == NO_CHOICE) continue;
     double *most = &b->choice[j->of[i]].length[LEVELS];
-    double here = eda_gates_wish(c->gates, i).given ? NEVER : longest(s, i);
+    double here = eda_gates_goal(c->gates, i).given ? NEVER : longest(s, i);
     *most = *most == 0 ? here : fmin(*most, here);
   }
   for (size_t i = 0; i < b->count; i++) {
@@ -124,7 +124,7 @@ static int fill_choices(job *j, opc_error *error) {
 
 static void free_gates(void *object) {
   eda_gates *g = object;
-  if (g) free(g->wish);
+  if (g) free(g->goal);
   free(g);
 }
 
@@ -141,16 +141,16 @@ static double longer(const job *j, size_t gate) {
    a synthesizer gets the gates or the file. */
 static double wish_round(double factor) { return round(factor * 1e6) / 1e6; }
 
-static eda_wish wish_of(const job *j, size_t gate) {
+static eda_goal wish_of(const job *j, size_t gate) {
   const slack *s = j->s;
   double by = longer(j, gate);
-  return (eda_wish){
+  return (eda_goal){
       .weight = s->weight,
-      .target = {[EDA_WISH_ION] = wish_round(current(s, gate, EDA_ION, by) /
+      .target = {[EDA_GOAL_ION] = wish_round(current(s, gate, EDA_ION, by) /
                                              current(s, gate, EDA_ION, 0)),
-                 [EDA_WISH_IOFF] = wish_round(current(s, gate, EDA_IOFF, by) /
+                 [EDA_GOAL_IOFF] = wish_round(current(s, gate, EDA_IOFF, by) /
                                               current(s, gate, EDA_IOFF, 0)),
-                 [EDA_WISH_AREA] = wish_round(exp(by))},
+                 [EDA_GOAL_AREA] = wish_round(exp(by))},
       .given = 1};
 }
 
@@ -160,9 +160,9 @@ static eda_gates *with_wishes(const job *j) {
   eda_gates *g = eda_alloc(1, sizeof *g);
   *g = *from;
   g->serial = 0;
-  g->wish = eda_alloc(g->count, sizeof *g->wish);
+  g->goal = eda_alloc(g->count, sizeof *g->goal);
   for (size_t i = 0; i < g->count; i++)
-    g->wish[i] = longer(j, i) > 0 ? wish_of(j, i) : eda_gates_wish(from, i);
+    g->goal[i] = longer(j, i) > 0 ? wish_of(j, i) : eda_gates_goal(from, i);
   return g;
 }
 
@@ -179,13 +179,13 @@ static int tell_wishes(const job *j, opc_error *error) {
   size_t n = 0;
   for (size_t i = 0; i < g->count; i++) {
     if (!(longer(j, i) > 0)) continue;
-    eda_wish w = wish_of(j, i);
+    eda_goal w = wish_of(j, i);
     row[n++] = (wished){
         .name = g_strdup_printf("%s:%u", eda_gates_owner(g, i), g->number[i]),
         .weight = w.weight,
-        .ion = w.target[EDA_WISH_ION],
-        .ioff = w.target[EDA_WISH_IOFF],
-        .area = w.target[EDA_WISH_AREA]};
+        .ion = w.target[EDA_GOAL_ION],
+        .ioff = w.target[EDA_GOAL_IOFF],
+        .area = w.target[EDA_GOAL_AREA]};
   }
   const opc_column columns[] = {{"transistor", NULL, OPC_TEXT, 0, &row->name},
                                 {"weight", NULL, OPC_REAL, 4, &row->weight},

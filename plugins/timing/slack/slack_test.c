@@ -64,7 +64,7 @@ typedef struct placed {
   double length[2 * MOST], width[2 * MOST], space[4 * MOST],
       extension[4 * MOST];
   char *instance[2 * MOST], *cell[2 * MOST];
-  eda_wish wish[2 * MOST];
+  eda_goal goal[2 * MOST];
   uint32_t number[2 * MOST], finger[2 * MOST];
   eda_device device[2 * MOST];
   char name[2 * MOST][16], path[MOST][8];
@@ -106,8 +106,8 @@ static placed *place_all(size_t instances) {
   p->gates.instance = p->instance;
   p->gates.cell = p->cell;
   p->gates.number = p->number;
-  p->gates.wish = p->wish;
-  for (size_t i = 0; i < 2 * MOST; i++) p->wish[i] = eda_wish_none;
+  p->gates.goal = p->goal;
+  for (size_t i = 0; i < 2 * MOST; i++) p->goal[i] = eda_goal_none;
   p->circuit = (eda_circuit){.name = "top",
                              .gates = &p->gates,
                              .nets = 4,
@@ -156,7 +156,7 @@ static eda_timing *made_up(void) {
 }
 
 static int run(eda_timing *t, placed *p, const char *ports,
-               const char *instances, const char *more, eda_wish *wishes,
+               const char *instances, const char *more, eda_goal *wishes,
                opc_error *error) {
   g_autofree char *path = write_circuit(ports, instances);
   g_autofree char *text = g_strdup_printf(
@@ -174,7 +174,7 @@ static int run(eda_timing *t, placed *p, const char *ports,
     const eda_gates *g = made[0];
     const eda_circuit *c = made[1];
     g_assert_true(c->gates == g && g->box == p->box && c->device == p->device);
-    memcpy(wishes, g->wish, g->count * sizeof *wishes);
+    memcpy(wishes, g->goal, g->count * sizeof *wishes);
   }
   if (!code) opc_test_release(m, made);
   opc_test_module_free(m);
@@ -493,7 +493,7 @@ static void test_rest(void) {
     placed *all = place_all(3);
     strcpy(all->name[4], "XU2/MN2");
     strcpy(all->name[5], "XU2/MP2");
-    all->wish[3] = (eda_wish){2, {1, 1, 1}, 1}; /* of one of two in parallel */
+    all->goal[3] = (eda_goal){2, {1, 1, 1}, 1}; /* of one of two in parallel */
     good(run(t, all, two ? "a n m z" : "a z",
              two ? "XU1 a m VDD VSS INV\nXU2 a n z VDD VSS NAND2\n"
                  : "XU1 a n VDD VSS INV\nXU2 a n z VDD VSS NAND2\n",
@@ -514,10 +514,10 @@ static void test_rest(void) {
 static const char chain[] =
     "XU1 a m VDD VSS INV\nXU2 m n VDD VSS INV\nXU3 n z VDD VSS INV\n";
 
-static void check_wish(const eda_wish *w, eda_wish want) {
+static void check_wish(const eda_goal *w, eda_goal want) {
   g_assert_cmpint(w->given, ==, want.given);
   g_assert_cmpfloat(w->weight, ==, want.weight);
-  for (int k = 0; k < EDA_WISH_TARGETS; k++) /* of six decimals */
+  for (int k = 0; k < EDA_GOAL_TARGETS; k++) /* of six decimals */
     g_assert_cmpfloat_with_epsilon(w->target[k], want.target[k], 0.5001e-6);
 }
 
@@ -526,13 +526,13 @@ static void test_designer(void) {
   opc_error error;
   placed *p = place_all(3);
   eda_timing *t = made_up();
-  const eda_wish designer = {3, {1, 1, 1}, 1},
+  const eda_goal designer = {3, {1, 1, 1}, 1},
                  longer = {
                      0.5,
                      {most_ion, exp(-drop[1] * longest()), 1 + longest() / 60},
                      1};
-  p->wish[2] = designer;
-  eda_wish wish[6];
+  p->goal[2] = designer;
+  eda_goal wish[6];
   good(
       run(t, p, "a z", chain, ", delay_limit: 50 %, weight: 0.5", wish, &error),
       &error);

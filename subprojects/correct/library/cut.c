@@ -108,7 +108,7 @@ static void cut_gate(cutter *c, size_t i) {
   to->instance[k] = eda_gates_text(to, "");
   to->cell[k] = eda_gates_text(to, to->name);
   to->number[k] = from->number[i];
-  eda_gates_take_wish(to, k, from, i);
+  eda_gates_take_goal(to, k, from, i);
   eda_gates_take_flavour(to, k, from, i);
 }
 
@@ -231,11 +231,11 @@ char *correct_cut_sum(const eda_gates *g) {
   for (size_t i = 0; i < g->count; i++) {
     g_autofree char *one = g_strdup_printf(
         "%d %d %a %a ", g->type[i], g->axis[i], g->length[i], g->width[i]);
-    eda_wish wish = eda_gates_wish(g, i);
+    eda_goal goal = eda_gates_goal(g, i);
     const char *flavour = eda_gates_flavour(g, i);
     g_checksum_update(sum, (const guchar *)one, -1);
-    if (wish.given)
-      g_checksum_update(sum, (const guchar *)&wish, offsetof(eda_wish, given));
+    if (goal.given)
+      g_checksum_update(sum, (const guchar *)&goal, offsetof(eda_goal, given));
     g_checksum_update(sum, (const guchar *)flavour, -1);
     g_checksum_update(sum, (const guchar *)"\n", 1);
   }

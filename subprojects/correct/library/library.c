@@ -39,8 +39,9 @@ int correct_library_check(const void *object, opc_error *error) {
 
 int correct_library_take_models(const opc_host *host,
                                 char *model[LIBRARY_MODELS], opc_error *error) {
+  const opc_results *results = opc_get_results(host);
   for (int k = 0; k < LIBRARY_MODELS; k++) {
-    const char *sum = host->identity(host, correct_library_models[k], error);
+    const char *sum = results->identity(host, correct_library_models[k], error);
     if (!sum) return error->code;
     g_free(model[k]);
     model[k] = g_strdup(sum);

@@ -2,8 +2,8 @@
 /* What plugins hand back, before it is used: sound, or an error that names
    what is wrong with it. Whose error it is, eda_blame says. */
 #include <eda/check.h>
+#include <eda/goals.h>
 #include <eda/memory.h>
-#include <eda/wishes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -400,10 +400,10 @@ static int check_gate(const eda_gates *g, size_t i, opc_error *error) {
       g->width[i] > 0 && isfinite(g->width[i]) && g->instance[i] &&
       g->cell[i] && g->space[2 * i] >= 0 && g->space[2 * i + 1] >= 0 &&
       !isnan(g->extension[2 * i]) && !isnan(g->extension[2 * i + 1])) {
-    eda_wish wish = eda_gates_wish(g, i);
-    const char *fault = eda_wish_fault(&wish);
+    eda_goal goal = eda_gates_goal(g, i);
+    const char *fault = eda_goal_fault(&goal);
     if (!fault) return OPC_OK;
-    return unsound(error, "the wish of transistor %zu has no %s", i + 1, fault);
+    return unsound(error, "the goal of transistor %zu has no %s", i + 1, fault);
   }
   return unsound(error, "transistor %zu is not sound", i + 1);
 }

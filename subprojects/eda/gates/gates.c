@@ -46,7 +46,7 @@ void eda_gates_free(void *gates) {
   void *const arrays[] = {g->layer, g->corrected, g->drawn,     g->edges,
                           g->box,   g->type,      g->axis,      g->length,
                           g->width, g->space,     g->extension, g->instance,
-                          g->cell,  g->number,    g->wish,      g->flavour};
+                          g->cell,  g->number,    g->goal,      g->flavour};
   for (size_t i = 0; i < G_N_ELEMENTS(arrays); i++) free(arrays[i]);
   g_string_chunk_free(g->texts);
   free(g);
@@ -56,15 +56,15 @@ char *eda_gates_text(eda_gates *gates, const char *text) {
   return g_string_chunk_insert_const(gates->texts, text);
 }
 
-void eda_gates_take_wish(eda_gates *to, size_t i, const eda_gates *from,
+void eda_gates_take_goal(eda_gates *to, size_t i, const eda_gates *from,
                          size_t j) {
-  eda_wish wish = eda_gates_wish(from, j);
-  if (!to->wish) {
-    if (!wish.given) return;
-    to->wish = eda_alloc(to->count, sizeof *to->wish);
-    for (size_t k = 0; k < to->count; k++) to->wish[k] = eda_wish_none;
+  eda_goal goal = eda_gates_goal(from, j);
+  if (!to->goal) {
+    if (!goal.given) return;
+    to->goal = eda_alloc(to->count, sizeof *to->goal);
+    for (size_t k = 0; k < to->count; k++) to->goal[k] = eda_goal_none;
   }
-  to->wish[i] = wish;
+  to->goal[i] = goal;
 }
 
 const char *eda_gates_flavour(const eda_gates *g, size_t i) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The wishes of gates, from the texts of the layer `notes`. A text in a cell
+/* The goals of gates, from the texts of the layer `notes`. A text in a cell
    holds in each of its instances; a text of a higher cell, which knows the
    instance, replaces it. */
-#include <eda/wishes.h>
+#include <eda/goals.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -66,10 +66,10 @@ static int find_notes(segment *s, const eda_flat_texts *t,
 
 static int parse_notes(segment *s, const note *notes) {
   eda_gates *g = s->gates;
-  g->wish = eda_alloc(g->count, sizeof *g->wish);
+  g->goal = eda_alloc(g->count, sizeof *g->goal);
   for (size_t i = 0; i < g->count; i++) {
     char *fault =
-        eda_wish_parse(notes[i].text ? notes[i].text : "", &g->wish[i]);
+        eda_goal_parse(notes[i].text ? notes[i].text : "", &g->goal[i]);
     if (!fault) continue;
     opc_fail(s->error, OPC_INVALID, NULL, "note of '%.300s:%u': %s",
              eda_gates_owner(g, i), g->number[i], fault);

@@ -24,6 +24,12 @@ extern "C" {
 #define OPC_UNUSED
 #endif
 
+/* Stands before the end of each struct that may get more fields there without
+   breaking anything that was built before. */
+#ifndef OPC_MAY_GROW
+#define OPC_MAY_GROW
+#endif
+
 /* Result codes. The command maps them to its exit codes. */
 enum {
   OPC_OK = 0,
@@ -77,6 +83,7 @@ struct opc_context {
      before)`. `id` outlives the call. */
   const char *(*enter)(const opc_context *context, const char *id);
   void (*leave)(const opc_context *context, const char *before);
+  OPC_MAY_GROW
 };
 
 OPC_UNUSED static inline void opc_parallel(const opc_context *context, size_t n,

@@ -4,6 +4,7 @@
 #define CORRECT_LIBRARY_LIBRARY_H
 
 #include <glib.h>
+#include <opcflow/results.h>
 #include <opcflow/step.h>
 
 enum { LIBRARY_LITHO, LIBRARY_RESIST, LIBRARY_EXTRACTOR, LIBRARY_MODELS };
@@ -18,7 +19,7 @@ typedef struct library_cell {
 
 typedef struct library {
   char *database;
-  char *model[LIBRARY_MODELS]; /* opc_host.identity of each */
+  char *model[LIBRARY_MODELS]; /* opc_results.identity of each */
   double grid;                 /* nm */
   GArray *cells;               /* library_cell, of those with transistors */
 } library;

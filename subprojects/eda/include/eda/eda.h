@@ -16,6 +16,7 @@
 #include <eda/gates.h>
 #include <eda/gds.h>
 #include <eda/geometry.h>
+#include <eda/goals.h>
 #include <eda/imaging.h>
 #include <eda/index.h>
 #include <eda/layout.h>
@@ -37,7 +38,6 @@
 #include <eda/synthesizer.h>
 #include <eda/timing.h>
 #include <eda/wave.h>
-#include <eda/wishes.h>
 #include <eda/words.h>
 #include <opcflow/base.h>
 

@@ -49,19 +49,19 @@ typedef struct eda_edges {
   eda_fragment *fragments;
 } eda_edges;
 
-/* Figures of a transistor that a wish has a target for. */
-enum { EDA_WISH_ION, EDA_WISH_IOFF, EDA_WISH_AREA, EDA_WISH_TARGETS };
+/* Figures of a transistor that a goal has a target for. */
+enum { EDA_GOAL_ION, EDA_GOAL_IOFF, EDA_GOAL_AREA, EDA_GOAL_TARGETS };
 
 /* How the correction of one transistor differs from that of others. */
-typedef struct eda_wish {
+typedef struct eda_goal {
   double weight; /* the tolerance is divided by it; 0: leave it as drawn */
-  double target[EDA_WISH_TARGETS]; /* factors of what is drawn */
-  uint8_t given; /* 1: the designer or a step set this wish; steps that make
-                    wishes leave such a transistor alone */
-} eda_wish;
+  double target[EDA_GOAL_TARGETS]; /* factors of what is drawn */
+  uint8_t given; /* 1: the designer or a step set this goal; steps that make
+                    goals leave such a transistor alone */
+} eda_goal;
 
-/* The wish of a transistor that nobody made one for. */
-static const eda_wish eda_wish_none OPC_UNUSED = {1, {1, 1, 1}, 0};
+/* The goal of a transistor that nobody made one for. */
+static const eda_goal eda_goal_none OPC_UNUSED = {1, {1, 1, 1}, 0};
 
 /* All transistors of a layout, flat, on a grid, in plain arrays ordered by
    lowest, then leftmost corner. A layout without transistors (count 0) can
@@ -98,9 +98,9 @@ typedef struct eda_gates {
   char **instance;  /* path of the instance, "" at the top */
   char **cell;      /* cell that draws the transistor */
   uint32_t *number; /* number within the instance, from 1 */
-  /* The wish of each gate, from the notes of the layout or from a step.
-     NULL: eda_wish_none for all. Since 0.8. */
-  eda_wish *wish;
+  /* The goal of each gate, from the notes of the layout or from a step.
+     NULL: eda_goal_none for all. Since 0.8. */
+  eda_goal *goal;
 
   void *texts; /* storage of the texts above; private to eda */
 
@@ -115,8 +115,8 @@ typedef struct eda_gates {
 } eda_gates;
 
 /* Return gates with `layers` layers and `count` transistors, all arrays zeroed,
-   `wish` and `flavour` NULL. The caller fills in the rest: shapes, edges and
-   wishes from eda_alloc, texts from eda_gates_text. [main] */
+   `goal` and `flavour` NULL. The caller fills in the rest: shapes, edges and
+   goals from eda_alloc, texts from eda_gates_text. [main] */
 OPC_EXPORT eda_gates *eda_gates_new(size_t layers, size_t count);
 /* Free gates with all arrays and texts (NULL: nothing); release function of an
    output. [any] */
@@ -133,13 +133,13 @@ OPC_UNUSED static inline const char *eda_gates_owner(const eda_gates *gates,
   return *gates->instance[i] ? gates->instance[i] : gates->cell[i];
 }
 
-/* Return the wish of transistor i. [any] */
-OPC_UNUSED static inline eda_wish eda_gates_wish(const eda_gates *gates,
+/* Return the goal of transistor i. [any] */
+OPC_UNUSED static inline eda_goal eda_gates_goal(const eda_gates *gates,
                                                  size_t i) {
-  return gates->wish ? gates->wish[i] : eda_wish_none;
+  return gates->goal ? gates->goal[i] : eda_goal_none;
 }
-/* Copy the wish of gate j of `from` to gate i of `to`. [main] */
-OPC_EXPORT void eda_gates_take_wish(eda_gates *to, size_t i,
+/* Copy the goal of gate j of `from` to gate i of `to`. [main] */
+OPC_EXPORT void eda_gates_take_goal(eda_gates *to, size_t i,
                                     const eda_gates *from, size_t j);
 
 /* Return the flavour of transistor i; "" if it has none. [any] */

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Wishes of transistors, parsed from the rows of a table and from the words of
+/* Goals of transistors, parsed from the rows of a table and from the words of
    notes. Both syntaxes have the same names, bounds and values. */
 #include <eda/csv.h>
-#include <eda/wishes.h>
+#include <eda/goals.h>
 #include <glib.h>
 #include <math.h>
 #include <string.h>
 
-/* After the weight the targets, in the order of EDA_WISH_ION ... */
-enum { TRANSISTOR, WEIGHT, TARGET, COLUMNS = TARGET + EDA_WISH_TARGETS };
+/* After the weight the targets, in the order of EDA_GOAL_ION ... */
+enum { TRANSISTOR, WEIGHT, TARGET, COLUMNS = TARGET + EDA_GOAL_TARGETS };
 static const eda_csv_column columns[COLUMNS] = {{"transistor", NULL, 0},
                                                 {"weight", NULL, 1},
                                                 {"ion", NULL, 1},
@@ -19,12 +19,12 @@ static const eda_csv_column columns[COLUMNS] = {{"transistor", NULL, 0},
 
 /* Bounds of targets: a factor from 1 / most to most. Ioff doubles every few nm
    of length. */
-static const double most_of[EDA_WISH_TARGETS] = {
-    [EDA_WISH_ION] = 10, [EDA_WISH_IOFF] = 1000, [EDA_WISH_AREA] = 10};
-static const char *const target_words[EDA_WISH_TARGETS] = {
-    [EDA_WISH_ION] = "multiple of a current from 0.1 to 10",
-    [EDA_WISH_IOFF] = "multiple of Ioff from 0.001 to 1000",
-    [EDA_WISH_AREA] = "multiple of an area from 0.1 to 10"};
+static const double most_of[EDA_GOAL_TARGETS] = {
+    [EDA_GOAL_ION] = 10, [EDA_GOAL_IOFF] = 1000, [EDA_GOAL_AREA] = 10};
+static const char *const target_words[EDA_GOAL_TARGETS] = {
+    [EDA_GOAL_ION] = "multiple of a current from 0.1 to 10",
+    [EDA_GOAL_IOFF] = "multiple of Ioff from 0.001 to 1000",
+    [EDA_GOAL_AREA] = "multiple of an area from 0.1 to 10"};
 
 static int weight_is_good(double x) { return isfinite(x) && x >= 0; }
 
@@ -32,15 +32,15 @@ static int target_is_good(int target, double x) {
   return x > 1 / most_of[target] && x < most_of[target];
 }
 
-const char *eda_wish_fault(const eda_wish *w) {
+const char *eda_goal_fault(const eda_goal *w) {
   if (!weight_is_good(w->weight)) return "weight";
-  for (int k = 0; k < EDA_WISH_TARGETS; k++)
+  for (int k = 0; k < EDA_GOAL_TARGETS; k++)
     if (!target_is_good(k, w->target[k])) return target_words[k];
   return NULL;
 }
 
 /* Set one value. Return the noun of what the text should have been, or NULL. */
-static const char *wish_set(eda_wish *w, int column, const char *text) {
+static const char *goal_set(eda_goal *w, int column, const char *text) {
   char *end;
   int target = column - TARGET;
   double value = g_ascii_strtod(text, &end);
@@ -65,14 +65,14 @@ static GHashTable *by_name(const eda_gates *g) {
 }
 
 static int read_row(const eda_csv *csv, size_t row, GHashTable *number,
-                    eda_wish *out, opc_error *error) {
+                    eda_goal *out, opc_error *error) {
   const char *name = eda_csv_text(csv, row, TRANSISTOR);
   size_t i = GPOINTER_TO_SIZE(g_hash_table_lookup(number, name));
   if (!i)
     return eda_csv_fail(csv, row, TRANSISTOR, "there is no transistor", error);
   for (int c = WEIGHT; c < COLUMNS; c++) {
     const char *text = eda_csv_text(csv, row, c);
-    const char *fault = *text ? wish_set(&out[i - 1], c, text) : NULL;
+    const char *fault = *text ? goal_set(&out[i - 1], c, text) : NULL;
     if (!fault) continue;
     g_autofree char *what = g_strdup_printf("no %s:", fault);
     return eda_csv_fail(csv, row, c, what, error);
@@ -80,8 +80,8 @@ static int read_row(const eda_csv *csv, size_t row, GHashTable *number,
   return OPC_OK;
 }
 
-int eda_wishes_read(const char *path, const eda_gates *gates, eda_wish *out,
-                    opc_error *error) {
+int eda_goals_read(const char *path, const eda_gates *gates, eda_goal *out,
+                   opc_error *error) {
   eda_csv *csv =
       eda_csv_read(path, "wishes", columns, COLUMNS, EDA_CSV_EMPTY, error);
   if (!csv) return error->code;
@@ -116,7 +116,7 @@ static int distance(const char *a, const char *b) {
 
 /* Set the value that one word states. Return its fault, to be freed, or NULL.
  */
-static char *wish_take_word(eda_wish *w, char *word, int *seen) {
+static char *goal_take_word(eda_goal *w, char *word, int *seen) {
   char *value = strchr(word, '=');
   if (value) *value++ = '\0';
   if (strchr(word, '.')) return NULL;
@@ -137,18 +137,18 @@ static char *wish_take_word(eda_wish *w, char *word, int *seen) {
     return g_strdup_printf("'%s' lacks its value: %s=...", word, word);
   if ((*seen >> c) & 1) return g_strdup_printf("'%s' is there twice", word);
   *seen |= 1 << c;
-  const char *fault = wish_set(w, c, value);
+  const char *fault = goal_set(w, c, value);
   return fault ? g_strdup_printf("'%.100s' is no %s", value, fault) : NULL;
 }
 
-char *eda_wish_parse(const char *note, eda_wish *out) {
-  *out = eda_wish_none;
+char *eda_goal_parse(const char *note, eda_goal *out) {
+  *out = eda_goal_none;
   if (!*note || *note == '#') return NULL;
   out->given = 1;
   g_auto(GStrv) words = g_strsplit_set(note, " ,\t\r\n", -1);
   char *fault = NULL;
   int seen = 0;
   for (char **word = words; *word && !fault; word++)
-    if (**word) fault = wish_take_word(out, *word, &seen);
+    if (**word) fault = goal_take_word(out, *word, &seen);
   return fault;
 }

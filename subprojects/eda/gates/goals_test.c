@@ -1,21 +1,21 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Notes and tables of wishes: values by hand, and the message of each fault. */
-#include <eda/wishes.h>
+/* Notes and tables of goals: values by hand, and the message of each fault. */
+#include <eda/goals.h>
 #include <glib.h>
 #include <glib/gstdio.h>
 #include <string.h>
 
-static void check(const eda_wish *w, eda_wish want) {
+static void check(const eda_goal *w, eda_goal want) {
   g_assert_cmpint(w->given, ==, want.given);
   g_assert_cmpfloat(w->weight, ==, want.weight);
-  for (int k = 0; k < EDA_WISH_TARGETS; k++)
+  for (int k = 0; k < EDA_GOAL_TARGETS; k++)
     g_assert_cmpfloat(w->target[k], ==, want.target[k]);
 }
 
 static void test_good_notes(void) {
   static const struct {
     const char *note;
-    eda_wish want;
+    eda_goal want;
   } good[] = {
       {"", {1, {1, 1, 1}, 0}},
       {" ", {1, {1, 1, 1}, 1}},
@@ -29,10 +29,10 @@ static void test_good_notes(void) {
       {"my.own", {1, {1, 1, 1}, 1}},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(good); i++) {
-    eda_wish w;
-    g_assert_null(eda_wish_parse(good[i].note, &w));
+    eda_goal w;
+    g_assert_null(eda_goal_parse(good[i].note, &w));
     check(&w, good[i].want);
-    g_assert_null(eda_wish_fault(&w));
+    g_assert_null(eda_goal_fault(&w));
   }
 }
 
@@ -58,24 +58,24 @@ static void test_bad_notes(void) {
       {"ion=nan", "'nan' is no multiple of a current from 0.1 to 10"},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(bad); i++) {
-    eda_wish w;
-    g_autofree char *fault = eda_wish_parse(bad[i].note, &w);
+    eda_goal w;
+    g_autofree char *fault = eda_goal_parse(bad[i].note, &w);
     g_assert_cmpstr(fault, ==, bad[i].fault);
   }
 }
 
-/* The bounds that texts keep hold for wishes of steps, too. */
+/* The bounds that texts keep hold for goals of steps, too. */
 static void test_bounds(void) {
-  eda_wish w = eda_wish_none;
+  eda_goal w = eda_goal_none;
   w.weight = -1;
-  g_assert_cmpstr(eda_wish_fault(&w), ==, "weight");
-  w = eda_wish_none;
-  w.target[EDA_WISH_IOFF] = 2000;
-  g_assert_cmpstr(eda_wish_fault(&w), ==,
+  g_assert_cmpstr(eda_goal_fault(&w), ==, "weight");
+  w = eda_goal_none;
+  w.target[EDA_GOAL_IOFF] = 2000;
+  g_assert_cmpstr(eda_goal_fault(&w), ==,
                   "multiple of Ioff from 0.001 to 1000");
 }
 
-static int read_table(const char *text, eda_wish *out, opc_error *error) {
+static int read_table(const char *text, eda_goal *out, opc_error *error) {
   char *cell[] = {"INV", "INV"}, *path[] = {"XU7", ""};
   uint32_t number[] = {1, 3};
   const eda_gates gates = {
@@ -83,19 +83,19 @@ static int read_table(const char *text, eda_wish *out, opc_error *error) {
   g_autofree char *file =
       g_build_filename(g_get_tmp_dir(), "eda-wishes.csv", NULL);
   g_assert_true(g_file_set_contents(file, text, -1, NULL));
-  int code = eda_wishes_read(file, &gates, out, error);
+  int code = eda_goals_read(file, &gates, out, error);
   g_remove(file);
   return code;
 }
 
 static void test_table(void) {
   opc_error error;
-  eda_wish w[] = {{2, {1.5, 1, 1}, 1}, {1, {1, 1, 1}, 0}};
+  eda_goal w[] = {{2, {1.5, 1, 1}, 1}, {1, {1, 1, 1}, 0}};
   g_assert_cmpint(
       read_table("transistor,weight,ioff\nXU7:1,3,\nINV:3,,0.5\n", w, &error),
       ==, OPC_OK);
-  check(&w[0], (eda_wish){3, {1.5, 1, 1}, 1});
-  check(&w[1], (eda_wish){1, {1, 0.5, 1}, 1});
+  check(&w[0], (eda_goal){3, {1.5, 1, 1}, 1});
+  check(&w[1], (eda_goal){1, {1, 0.5, 1}, 1});
   g_assert_cmpint(read_table("transistor,ion\nINV:3,20\n", w, &error), ==,
                   OPC_INVALID);
   g_assert_cmpstr(error.parameter, ==, "wishes");

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Targets and weights of single transistors, from a table and from gates. */
+/* Tests goals (targets and weights) of single transistors, from a table and
+   from the gates. */
 #include <glib/gstdio.h>
 
 #include "model_test.h"
@@ -11,12 +12,12 @@ static opc_module *with_bytes(const char *text, gssize size, char **path) {
   return make(yaml);
 }
 
-static opc_module *with_wishes(const char *text, char **path) {
+static opc_module *with_goals(const char *text, char **path) {
   return with_bytes(text, -1, path);
 }
 
-/* What `begin` says of a bad table. */
-static void refused_wishes(opc_module *bad, const char *message) {
+/* Check the message of `begin` for an invalid table. */
+static void refused_goals(opc_module *bad, const char *message) {
   char *cell[] = {"cell"}, *none[] = {""};
   uint32_t number[] = {1};
   eda_gates gates = {
@@ -29,11 +30,12 @@ static void refused_wishes(opc_module *bad, const char *message) {
   g_assert_nonnull(strstr(error.message, message));
 }
 
-/* One wants 2 % more, one any error below 5 %, one nothing. */
-static void test_wishes(void) {
+/* One transistor with a target of 2 % more Ion, one with a tolerance of 5 %,
+   one excluded. */
+static void test_goals(void) {
   g_autofree char *path =
       g_build_filename(g_get_tmp_dir(), "newton-wishes.csv", NULL);
-  g_autoptr(opc_module) m = with_wishes(
+  g_autoptr(opc_module) m = with_goals(
       "# slack\ntransistor, ion, "
       "weight\ncell:1,1.02\ncell:2,,0.01\ncell:3,,0\n",
       &path);
@@ -61,31 +63,32 @@ static void test_wishes(void) {
        ":2:8: no multiple of a current from 0.1 to 10: '2 %'"},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(wrong); i++) {
-    g_autoptr(opc_module) bad = with_wishes(wrong[i].text, &path);
-    refused_wishes(bad, wrong[i].message);
+    g_autoptr(opc_module) bad = with_goals(wrong[i].text, &path);
+    refused_goals(bad, wrong[i].message);
   }
   static const char cut[] = "transistor,weight\ncell:1,1\0\ncell:1,2\n";
   g_autoptr(opc_module) with_nul = with_bytes(cut, sizeof cut - 1, &path);
-  refused_wishes(with_nul, "is no text: byte 26 is 0");
+  refused_goals(with_nul, "is no text: byte 26 is 0");
   gssize size = (64 << 20) + 1;
   g_autofree char *blanks = g_strnfill((gsize)size, '\n');
   g_autoptr(opc_module) large = with_bytes(blanks, size, &path);
-  refused_wishes(large, "67108865 bytes, more than 64 MB");
+  refused_goals(large, "67108865 bytes, more than 64 MB");
   g_remove(path);
 }
 
-/* A length that is 4 nm more: less Ion, Ioff and area by the model's own law,
-   and W as drawn. A wish for one of them leaves the others at what is drawn. */
+/* A length 4 nm larger: less Ion, Ioff and area by the law of the model, and W
+   as drawn. A goal for one figure keeps the other targets at the drawn
+   values. */
 static void test_longer(void) {
   g_autoptr(opc_module) m = make_any("{ target: balanced }");
   model t = {.n = 4, .gain_l = 2.6, .gain_w = 1.05, .off_l = {3, 2, 7, -4}};
   const double by = 4;
-  const eda_wish longer = {
+  const eda_goal longer = {
       1, {exp(-0.022 * by), exp(-0.3 * by), 1 + by / length}, 1};
-  eda_wish all[] = {longer, longer, eda_wish_none, {1, {1, 0.8, 1}, 1}};
-  wishes = all;
+  eda_goal all[] = {longer, longer, eda_goal_none, {1, {1, 0.8, 1}, 1}};
+  goals = all;
   run(m, &t);
-  wishes = NULL;
+  goals = NULL;
   for (int i = 0; i < 2; i++) {
     g_assert_cmpfloat_with_epsilon(t.ion[i], 100 * expm1(-0.022 * by), 0.1);
     g_assert_cmpfloat_with_epsilon(log1p(t.ioff[i] / 100), -0.3 * by, 0.15);
@@ -96,21 +99,20 @@ static void test_longer(void) {
   g_assert_cmpfloat_with_epsilon(t.ioff[3], -20, 5);
 }
 
-/* Values of the table replace those of the gates; what the table leaves out
-   stays. */
-static void test_wishes_of_gates(void) {
-  static eda_wish all[] = {{1, {1.02, 1, 1}, 1},
+/* Values of the table replace those of the gates; empty cells keep them. */
+static void test_goals_of_gates(void) {
+  static eda_goal all[] = {{1, {1.02, 1, 1}, 1},
                            {0, {1, 1, 1}, 1},
                            {1, {1, 1, 1}, 0},
                            {0, {1.05, 1, 1}, 1}};
   g_autofree char *path =
       g_build_filename(g_get_tmp_dir(), "newton-gates.csv", NULL);
   g_autoptr(opc_module) m =
-      with_wishes("transistor,ion,weight\ncell:2,,1\ncell:4,,1\n", &path);
+      with_goals("transistor,ion,weight\ncell:2,,1\ncell:4,,1\n", &path);
   model t = {.n = 4, .gain_l = 2.6, .gain_w = 1.05, .off_l = {3, 2, 7, -4}};
-  wishes = all;
+  goals = all;
   run(m, &t);
-  wishes = NULL;
+  goals = NULL;
   const eda_synthesizer *f = m->functions;
   g_assert_cmpfloat(f->target(m->self, 0), ==, 1.02);
   g_assert_cmpfloat(f->target(m->self, 2), ==, 1);
@@ -124,7 +126,7 @@ static void test_wishes_of_gates(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/newton/longer", test_longer);
-  g_test_add_func("/newton/wishes", test_wishes);
-  g_test_add_func("/newton/wishes-of-gates", test_wishes_of_gates);
+  g_test_add_func("/newton/wishes", test_goals);
+  g_test_add_func("/newton/wishes-of-gates", test_goals_of_gates);
   return g_test_run();
 }
